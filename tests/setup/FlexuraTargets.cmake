@@ -1,0 +1,65 @@
+# Compiler settings, third-party packages and the three functions every folder uses.
+include_guard(GLOBAL)
+
+find_program(CCACHE ccache)
+if(CCACHE)
+  set(CMAKE_C_COMPILER_LAUNCHER ${CCACHE})
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${CCACHE})
+endif()
+find_program(MOLD mold)
+if(MOLD)
+  add_link_options(-fuse-ld=mold)
+endif()
+# -O2 without -g: decompositions dominate the build time, and debug information doubles it.
+set(CMAKE_CXX_FLAGS_RELEASE "-O2")
+if(FLEXURA_SANITIZE)
+  set(CMAKE_CXX_FLAGS_RELEASE "-O1 -g1 -fsanitize=address,undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer")
+endif()
+add_link_options(-Wl,--as-needed)
+
+find_package(Eigen3 3.4 REQUIRED NO_MODULE)
+find_package(fmt REQUIRED)
+find_package(CLI11 REQUIRED)
+find_package(tomlplusplus REQUIRED)
+find_package(nlohmann_json REQUIRED)
+find_package(muparser REQUIRED)
+find_package(HDF5 REQUIRED COMPONENTS C)
+find_package(SUNDIALS 6.4 REQUIRED COMPONENTS ida nvecserial sunlinsolklu sunlinsoldense sunmatrixsparse sunmatrixdense)
+find_package(PkgConfig REQUIRED)
+# Serial HDF5 on both sides, whatever flavour other packages drag in.
+pkg_check_modules(HDF5_SERIAL REQUIRED IMPORTED_TARGET hdf5-serial)
+
+# flexura_library(name SOURCES ... LINKS ... [PRIVATE_LINKS ...]): one static library for each folder, alias
+# flexura::name, included from the repository root as "folder/sub/header.hpp".
+function(flexura_library name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LINKS;PRIVATE_LINKS" ${ARGN})
+  add_library(flexura_${name} STATIC ${ARG_SOURCES})
+  add_library(flexura::${name} ALIAS flexura_${name})
+  target_include_directories(flexura_${name} PUBLIC ${CMAKE_SOURCE_DIR})
+  target_compile_options(flexura_${name} PRIVATE -Wall -Wextra)
+  target_link_libraries(flexura_${name} PUBLIC Eigen3::Eigen ${ARG_LINKS} PRIVATE ${ARG_PRIVATE_LINKS})
+endfunction()
+
+# flexura_test(name SOURCES ... LINKS ... [WHOLE] [LABEL word] [ENVIRONMENT A=B ...]): one GoogleTest program. Each
+# case is a ctest of its own, except with WHOLE (programs with a slow start, like PETSc's).
+# Tests find data of the project through the macro FLEXURA_SOURCE_DIR and programs through FLEXURA_BIN_DIR.
+function(flexura_test name)
+  cmake_parse_arguments(ARG "WHOLE" "LABEL" "SOURCES;LINKS;ENVIRONMENT" ${ARGN})
+  if(NOT ARG_LABEL)
+    set(ARG_LABEL fast)
+  endif()
+  add_executable(${name} ${ARG_SOURCES})
+  target_compile_options(${name} PRIVATE -Wall -Wextra)
+  target_compile_definitions(${name} PRIVATE FLEXURA_SOURCE_DIR="${CMAKE_SOURCE_DIR}"
+                                             FLEXURA_BIN_DIR="${CMAKE_BINARY_DIR}/bin")
+  target_include_directories(${name} PRIVATE ${CMAKE_SOURCE_DIR})
+  target_link_libraries(${name} PRIVATE ${ARG_LINKS} GTest::gtest_main GTest::gmock)
+  if(ARG_WHOLE)
+    add_test(NAME ${name} COMMAND ${name})
+    set_tests_properties(${name} PROPERTIES LABELS ${ARG_LABEL} ENVIRONMENT "${ARG_ENVIRONMENT}")
+  else()
+    include(GoogleTest)
+    gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST PROPERTIES LABELS ${ARG_LABEL}
+                                                                    ENVIRONMENT "${ARG_ENVIRONMENT}")
+  endif()
+endfunction()
