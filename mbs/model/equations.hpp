@@ -1,0 +1,113 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+#include <string>
+#include <vector>
+
+/// The equations of motion as the solvers see them (Simpack's form):
+///
+///     p' = T(p) v                                    kinematic
+///     M(p) v' = f(p, v, c, a, t) - G(p)^T lambda      momentum
+///     c' = f_c(p, v, c, a, t)                        dynamic states
+///     0  = g(p, t)                                   constraints, G = dg/dp T,  dg/dt = G v + g_t
+///     0  = b(p, v, c, a, t)                          algebraic states
+///
+/// p holds joint and modal positions (in tree order of the bodies; a rotation of three freedoms takes four numbers),
+/// v their velocities.  A rotation is read from its quaternion after normalisation, so the norm is a gauge without
+/// influence and needs no constraint.
+///
+/// The object is constant; what changes is passed in.  Every method may write only to its outputs and the scratch.
+namespace flexura::mbs {
+
+using VectorRef = Eigen::Ref<Eigen::VectorXd>;
+using ConstVectorRef = Eigen::Ref<const Eigen::VectorXd>;
+using MatrixRef = Eigen::Ref<Eigen::MatrixXd>;
+
+struct Sizes {
+  int n_p = 0;       ///< position coordinates, quaternion components counted
+  int n_v = 0;       ///< velocity coordinates = n_jnt + n_flx
+  int n_flx = 0;     ///< modal coordinates among them
+  int n_dyn = 0;     ///< dynamic states c
+  int n_lambda = 0;  ///< constraint equations (all that are kept: redundant ones already left out)
+  int n_alg = 0;     ///< algebraic states a
+  int n_root = 0;    ///< switching functions
+};
+
+/// Values of all states at one time.
+struct State {
+  double t = 0.0;
+  Eigen::VectorXd p, v, c, lambda, a;
+  std::vector<int> root;  ///< switch positions
+};
+
+/// Energies [J] and powers [W] at one state; their balance is
+///     kinetic + strain + potential = start + integral (input_power - dissipated_power) dt.
+struct EnergyReport {
+  double kinetic = 0.0;
+  double strain = 0.0;            ///< of flexible bodies
+  double potential = 0.0;         ///< gravity and springs
+  double input_power = 0.0;       ///< of applied forces, drives and moving constraints
+  double dissipated_power = 0.0;  ///< taken out by dampers and modal damping, >= 0
+};
+
+class Equations {
+ public:
+  /// Work space of one thread.
+  class Scratch {
+   public:
+    virtual ~Scratch() = default;
+  };
+
+  virtual ~Equations() = default;
+  virtual Sizes sizes() const = 0;
+  virtual std::unique_ptr<Scratch> make_scratch() const = 0;
+
+  /// p_dot = T(p) w for any tangent vector w (n_v).
+  virtual void kinematic(ConstVectorRef p, ConstVectorRef w, VectorRef p_dot) const = 0;
+
+  /// p moved by the tangent vector d (n_v), exactly on the manifold; quaternions come out normalised.
+  virtual void retract(ConstVectorRef p, ConstVectorRef d, VectorRef p_out) const = 0;
+
+  /// r = M v_dot - f + G^T lambda (n_v), by inverse dynamics in O(n).  Also c_rate = f_c (n_dyn), b (n_alg).
+  virtual void momentum(const State& s, ConstVectorRef v_dot, Scratch& scratch, VectorRef r, VectorRef c_rate,
+                        VectorRef b) const = 0;
+
+  /// g (n_lambda), constraints on position level; nonholonomic rows give 0.
+  virtual void position_constraints(double t, ConstVectorRef p, Scratch& scratch, VectorRef g) const = 0;
+
+  /// G v + g_t (n_lambda).
+  virtual void velocity_constraints(double t, ConstVectorRef p, ConstVectorRef v, Scratch& scratch,
+                                    VectorRef g_dot) const = 0;
+
+  /// G v_dot + gamma(t, p, v) (n_lambda): the second time derivative of g.
+  virtual void acceleration_constraints(double t, ConstVectorRef p, ConstVectorRef v, ConstVectorRef v_dot,
+                                        Scratch& scratch, VectorRef g_ddot) const = 0;
+
+  /// f_c = G(p)^T x (n_v) for any x (n_lambda), in O(n).
+  virtual void apply_GT(double t, ConstVectorRef p, ConstVectorRef x, Scratch& scratch, VectorRef f_c) const = 0;
+
+  /// G (n_lambda x n_v), dense.
+  virtual void constraint_matrix(double t, ConstVectorRef p, Scratch& scratch, MatrixRef G) const = 0;
+
+  /// M (n_v x n_v), symmetric positive definite, dense.
+  virtual void mass_matrix(ConstVectorRef p, Scratch& scratch, MatrixRef M) const = 0;
+
+  /// Energies and powers; v_dot (n_v) is needed only where reactions of drives do work.
+  virtual EnergyReport energy(const State& s, ConstVectorRef v_dot, Scratch& scratch) const = 0;
+
+  /// Switching functions (n_root); a solver stops where one changes sign, calls on_root and restarts.
+  virtual void roots(const State& s, Scratch& scratch, VectorRef values) const = 0;
+  /// Takes the switch `which` into its new position; returns true when velocities jump (an impact changed s.v).
+  virtual bool on_root(int which, State& s, Scratch& scratch) const = 0;
+
+  /// "rod.joint.angle", ... one name for each entry, for messages and files.
+  virtual std::string name_of_position(int i) const = 0;
+  virtual std::string name_of_velocity(int i) const = 0;
+  virtual std::string name_of_dynamic(int i) const = 0;
+  virtual std::string name_of_constraint(int i) const = 0;
+  virtual std::string name_of_algebraic(int i) const = 0;
+};
+
+}  // namespace flexura::mbs
