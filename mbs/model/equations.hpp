@@ -102,6 +102,14 @@ class Equations {
   /// Takes the switch `which` into its new position; returns true when velocities jump (an impact changed s.v).
   virtual bool on_root(int which, State& s, Scratch& scratch) const = 0;
 
+  /// False for a row that restrains velocities only (a rolling disc): its entry of position_constraints is always 0.
+  virtual bool is_holonomic(int /*row*/) const { return true; }
+
+  /// Typical sizes for the absolute part of error tolerances: 1 for metres, radians and their rates; for a modal
+  /// coordinate the amplitude at which the body's largest displacement is about 1 m.
+  virtual double position_scale(int /*i*/) const { return 1.0; }
+  virtual double velocity_scale(int /*i*/) const { return 1.0; }
+
   /// "rod.joint.angle", ... one name for each entry, for messages and files.
   virtual std::string name_of_position(int i) const = 0;
   virtual std::string name_of_velocity(int i) const = 0;

@@ -1,0 +1,75 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mbs/solver/options.hpp"
+
+namespace flexura::mbs {
+
+input::TableSchema solver_schema() {
+  namespace in = input;
+  in::TableSchema schema;
+  schema.name = "solver";
+  schema.doc = "How the equations of motion are integrated and how often results are written.";
+  schema.keys.push_back(
+      in::choice(
+          "method", {"ida"},
+          "integrator: ida = SUNDIALS IDA (BDF, variable step and order) on the stabilised index-2 form")
+          .or_default("ida"));
+  schema.keys.push_back(
+      in::quantity("start_time", in::dim::time, "time at which the run begins").or_default("0 s"));
+  schema.keys.push_back(
+      in::quantity("end_time", in::dim::time, "time at which the run ends").or_default("1 s"));
+  schema.keys.push_back(
+      in::quantity("output_step", in::dim::time,
+                   "time between two rows of the results, interpolated by the integrator's own "
+                   "polynomial: it does not bound the step")
+          .or_default("10 ms")
+          .above(0.0));
+  schema.keys.push_back(in::quantity("tolerance", in::dim::none, "relative error allowed in one step")
+                            .or_default("1e-6")
+                            .at_least(1e-13)
+                            .at_most(1e-1));
+  schema.keys.push_back(
+      in::quantity("absolute_factor", in::dim::none,
+                   "the absolute error allowed is tolerance * absolute_factor times the state's "
+                   "typical size (1 m, 1 rad, 1 m/s, ...)")
+          .or_default("0.01")
+          .above(0.0));
+  schema.keys.push_back(in::quantity("first_step", in::dim::time, "first step; 0 = the integrator chooses")
+                            .or_default("0 s")
+                            .at_least(0.0));
+  schema.keys.push_back(
+      in::quantity("min_step", in::dim::time,
+                   "a run that needs smaller steps stops; 0 = ten times the round-off of the time")
+          .or_default("0 s")
+          .at_least(0.0));
+  schema.keys.push_back(in::quantity("max_step", in::dim::time, "longest step; 0 = ten output steps")
+                            .or_default("0 s")
+                            .at_least(0.0));
+  schema.keys.push_back(in::integer("max_steps", "a run that needs more steps stops; 0 = no bound")
+                            .or_default("0")
+                            .at_least(0));
+  schema.keys.push_back(
+      in::flag("store_states", "write all states into the results file").or_default("false"));
+  return schema;
+}
+
+SolverOptions read_solver_options(const input::Section& section) {
+  SolverOptions o;
+  o.method = section.text("method");
+  o.start_time = section.quantity("start_time");
+  o.end_time = section.quantity("end_time");
+  o.output_step = section.quantity("output_step");
+  o.tolerance = section.quantity("tolerance");
+  o.absolute_factor = section.quantity("absolute_factor");
+  o.first_step = section.quantity("first_step");
+  o.min_step = section.quantity("min_step");
+  o.max_step = section.quantity("max_step");
+  o.max_steps = section.integer("max_steps");
+  o.store_states = section.flag("store_states");
+  if (o.end_time < o.start_time)
+    section.refuse("end_time", "must not be before start_time", "give a later end_time");
+  if (o.max_step > 0.0 && o.max_step < o.min_step)
+    section.refuse("max_step", "must not be below min_step", "give a larger max_step, or 0 for no bound");
+  return o;
+}
+
+}  // namespace flexura::mbs

@@ -1,0 +1,35 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string>
+
+#include "mbs/input/document.hpp"
+#include "mbs/input/schema.hpp"
+
+/// What the user may say about a dynamic run: the table [solver] of a mechanism file.
+namespace flexura::mbs {
+
+struct SolverOptions {
+  std::string method = "ida";  ///< the integrator, one of solver_methods()
+  double start_time = 0.0;     ///< s
+  double end_time = 1.0;       ///< s
+  double output_step = 0.01;   ///< s; rows stand at start_time + k output_step, and at end_time
+  /// Relative error allowed in one step.  The absolute part is tolerance * absolute_factor times the typical
+  /// size of the state (Equations::position_scale, velocity_scale).
+  double tolerance = 1e-6;
+  double absolute_factor = 1e-2;
+  double first_step = 0.0;    ///< s; 0 lets the integrator choose
+  double min_step = 0.0;      ///< s; 0: ten times the round-off of the time
+  double max_step = 0.0;      ///< s; 0: no bound but output_step times 10
+  int max_steps = 0;          ///< steps allowed in a run; 0: no bound
+  bool store_states = false;  ///< write all states into the results file
+};
+
+/// Schema of [solver], for the mechanism file and its reference page.
+input::TableSchema solver_schema();
+
+/// Options from a checked [solver] table.  Throws InputError where keys contradict each other (end before
+/// start).
+SolverOptions read_solver_options(const input::Section& section);
+
+}  // namespace flexura::mbs
