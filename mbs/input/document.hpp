@@ -12,18 +12,18 @@
 
 namespace flexura::input {
 
-/// Bad input: the message names file, line or key, the value, the rule and the remedy.  The programs print it as
-/// one line "error: ..." and exit with code 2.
+/// Bad input: the message names file, line or key, the value, the rule and the remedy.  The programs print it
+/// as one line "error: ..." and exit with code 2.
 class InputError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// One table of a checked document.  Getters return SI values; keys with a default never fail; asking for a key the
-/// schema does not have is a programming error (std::logic_error).
+/// One table of a checked document.  Getters return SI values; keys with a default never fail; asking for a
+/// key the schema does not have is a programming error (std::logic_error).
 class Section {
  public:
-  bool has(const std::string& key) const;  ///< stands in the file
+  bool has(const std::string& key) const;          ///< stands in the file
   std::string text(const std::string& key) const;  ///< text and choice; the source of an expression
   bool flag(const std::string& key) const;
   int integer(const std::string& key) const;
@@ -39,11 +39,15 @@ class Section {
   std::vector<Section> tables(const std::string& key) const;
   std::vector<std::pair<std::string, Section>> table_map(const std::string& key) const;  ///< in file order
 
-  const std::string& path() const;  ///< "joint[2]" or "body.rod", for messages
+  const std::string& path() const;  ///< "joint[2]" (counted from 1) or "body.rod", for messages
+  /// The value of a text key as a path: a relative one starts at the folder of the document.
+  std::filesystem::path file(const std::string& key) const;
+  const std::filesystem::path& document() const;  ///< the file this was read from
   /// "engine.toml:12: joint[2].from"
   std::string where(const std::string& key = {}) const;
   /// Throws InputError "<where> = <value>: <rule>; <remedy>".
-  [[noreturn]] void refuse(const std::string& key, const std::string& rule, const std::string& remedy = {}) const;
+  [[noreturn]] void refuse(const std::string& key, const std::string& rule,
+                           const std::string& remedy = {}) const;
 
   struct Data;
   explicit Section(std::shared_ptr<const Data> data);
@@ -52,9 +56,10 @@ class Section {
   std::shared_ptr<const Data> data_;
 };
 
-/// Reads a TOML file, checks it against the schema and returns its root.  `overrides` are "key.path=value" pairs from
-/// the command line or a run table, applied before the check.  Throws InputError for a missing file, a TOML syntax
-/// error, an unknown key ("did you mean ...?"), a missing key, a wrong type, a wrong unit, a value out of range.
+/// Reads a TOML file, checks it against the schema and returns its root.  `overrides` are "key.path=value"
+/// pairs from the command line or a run table, applied before the check.  Throws InputError for a missing
+/// file, a TOML syntax error, an unknown key ("did you mean ...?"), a missing key, a wrong type, a wrong
+/// unit, a value out of range. Lists count from 1 in overrides as in messages: "joint[2].axis=[0, 0, 1]".
 Section read_document(const std::filesystem::path& file, const TableSchema& schema,
                       const std::vector<std::string>& overrides = {});
 
