@@ -14,12 +14,25 @@ namespace flexura::mesh {
 
 using Index = std::int32_t;
 
-/// Cell shapes. Node order is that of Abaqus and of the VTK file format (corners first, then mid-edge nodes in the
-/// order of the edges 0-1, 1-2, 2-0, 0-3, 1-3, 2-3 for tetrahedra); readers permute foreign orders.
+/// Cell shapes. Node order is that of Abaqus and of the VTK file format (corners first, then mid-edge nodes
+/// in the order of the edges 0-1, 1-2, 2-0, 0-3, 1-3, 2-3 for tetrahedra); readers permute foreign orders.
 enum class CellType : std::uint8_t {
-  tri3, tri6, quad4, quad8, quad9,                       // surfaces (interfaces, pictures, sections)
-  tet4, tet10, hex8, hex20, hex27, wedge6, wedge15, pyramid5, pyramid13,  // solids
-  line2, line3                                           // beams, curves
+  tri3,
+  tri6,
+  quad4,
+  quad8,
+  quad9,  // surfaces (interfaces, pictures, sections)
+  tet4,
+  tet10,
+  hex8,
+  hex20,
+  hex27,
+  wedge6,
+  wedge15,
+  pyramid5,
+  pyramid13,  // solids
+  line2,
+  line3  // beams, curves
 };
 
 int nodes_per_cell(CellType type);
@@ -30,7 +43,7 @@ const char* name_of(CellType type);
 struct CellBlock {
   CellType type = CellType::tet10;
   Eigen::Matrix<Index, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> nodes;  ///< n_cells x nodes_per_cell
-  std::vector<Index> material;  ///< n_cells; index into the part's materials, empty = all 0
+  std::vector<Index> material;      ///< n_cells; index into the part's materials, empty = all 0
   std::vector<std::int64_t> label;  ///< n_cells; the cell numbers of the file it came from, empty = none
 };
 
@@ -44,7 +57,8 @@ struct Mesh {
   Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor> points;  ///< n_nodes x 3 [m], frame B
   std::vector<CellBlock> solids;
   std::vector<CellBlock> boundary;  ///< the outer surface, oriented outwards
-  std::vector<Index> boundary_face;  ///< CAD or mesh face number of each boundary cell, in block order; may be empty
+  std::vector<Index>
+      boundary_face;  ///< CAD or mesh face number of each boundary cell, in block order; may be empty
   std::map<std::string, NodeSet> sets;
   std::vector<std::int64_t> node_label;  ///< the node numbers of the file it came from, empty = none
 

@@ -1,0 +1,76 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "mesh/model/mesh.hpp"
+
+/// A model as another finite-element program wrote it.  Numbers are as in the file: the file has no unit of
+/// its own (scale_to_si converts them where the user states one).
+namespace flexura::mesh {
+
+struct ImportedMaterial {
+  std::string name;
+  double E = 0, nu = 0, rho = 0;
+  bool orthotropic = false;
+  Eigen::Matrix<double, 9, 1> engineering =
+      Eigen::Matrix<double, 9, 1>::Zero();  ///< E1 E2 E3 nu12 nu13 nu23 G12 G13 G23
+};
+
+/// A tie between nodes: RBE2 (dependent nodes follow the reference node) or RBE3 (the reference follows the
+/// mean).
+struct ImportedTie {
+  enum class Kind { rigid, average } kind = Kind::rigid;
+  std::int64_t label = 0;
+  Index reference = -1;                                          ///< node index
+  std::array<bool, 6> dofs{true, true, true, true, true, true};  ///< of the dependent side
+  std::vector<Index> nodes;
+  std::vector<double> weights;  ///< RBE3 only, one for each node
+};
+
+struct ImportedMass {
+  std::int64_t label = 0;
+  Index node = -1;
+  double mass = 0;
+  Eigen::Vector3d offset = Eigen::Vector3d::Zero();   ///< from the node to the mass centre
+  Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();  ///< about the mass centre
+};
+
+/// A straight beam (CBAR, CBEAM, B31): section constants in the element frame, x from node 0 to node 1, y in
+/// the plane of x and `orientation`.
+struct ImportedBar {
+  std::int64_t label = 0;
+  std::array<Index, 2> nodes{-1, -1};
+  Eigen::Vector3d orientation = Eigen::Vector3d::Zero();
+  std::array<Eigen::Vector3d, 2> offset{Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
+  double A = 0, I_yy = 0, I_zz = 0, I_yz = 0, J = 0;  ///< I_zz resists bending in the x-y plane
+  double kappa_y = 0, kappa_z = 0;                    ///< shear factors; 0 = no shear deformation
+  double extra_mass_per_length = 0;
+  Index material = 0;
+};
+
+/// Dofs that the file fixes (SPC) or keeps (ASET).
+struct ImportedDofs {
+  Index node = -1;
+  std::array<bool, 6> dofs{};
+};
+
+struct ImportedModel {
+  Mesh mesh;  ///< solids[].material indexes `materials`; element sets become node sets of their names
+  std::vector<ImportedMaterial> materials;
+  std::vector<ImportedTie> ties;
+  std::vector<ImportedMass> masses;
+  std::vector<ImportedBar> bars;
+  std::vector<ImportedDofs> fixed, kept;
+  std::vector<std::string> messages;  ///< cards not used, with count and first line number; other remarks
+};
+
+/// Multiplies lengths by `length` (and all that follows from it for a file in N and kg with that length unit;
+/// see the .cpp) where the file is in mm, t, MPa: scale_to_si(model, 1e-3, 1e3, 1) (length, mass, time of the
+/// file's units in SI).
+void scale_to_si(ImportedModel& model, double length, double mass, double time);
+
+}  // namespace flexura::mesh
