@@ -41,7 +41,7 @@ input::TableSchema solver_schema() {
                    "a run that needs smaller steps stops; 0 = ten times the round-off of the time")
           .or_default("0 s")
           .at_least(0.0));
-  schema.keys.push_back(in::quantity("max_step", in::dim::time, "longest step; 0 = ten output steps")
+  schema.keys.push_back(in::quantity("max_step", in::dim::time, "longest step; 0 = a tenth of the run")
                             .or_default("0 s")
                             .at_least(0.0));
   schema.keys.push_back(in::integer("max_steps", "a run that needs more steps stops; 0 = no bound")

@@ -20,7 +20,7 @@ struct SolverOptions {
   double absolute_factor = 1e-2;
   double first_step = 0.0;    ///< s; 0 lets the integrator choose
   double min_step = 0.0;      ///< s; 0: ten times the round-off of the time
-  double max_step = 0.0;      ///< s; 0: no bound but output_step times 10
+  double max_step = 0.0;      ///< s; 0: a tenth of the run
   int max_steps = 0;          ///< steps allowed in a run; 0: no bound
   bool store_states = false;  ///< write all states into the results file
 };

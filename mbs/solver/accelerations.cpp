@@ -1,0 +1,103 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mbs/solver/accelerations.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/LU>
+#include <cmath>
+#include <stdexcept>
+
+#include "mbs/solver/finite.hpp"
+
+namespace flexura::mbs {
+
+State make_state(const Equations& eq) {
+  const Sizes n = eq.sizes();
+  State s;
+  s.p = Eigen::VectorXd::Zero(n.n_p);
+  s.v = Eigen::VectorXd::Zero(n.n_v);
+  s.c = Eigen::VectorXd::Zero(n.n_dyn);
+  s.lambda = Eigen::VectorXd::Zero(n.n_lambda);
+  s.a = Eigen::VectorXd::Zero(n.n_alg);
+  s.root.assign(n.n_root, 0);
+  return s;
+}
+
+AccelerationSolver::AccelerationSolver(const Equations& eq)
+    : eq_(eq), n_(eq.sizes()), scratch_(eq.make_scratch()) {
+  M_.setZero(n_.n_v, n_.n_v);
+  G_.setZero(n_.n_lambda, n_.n_v);
+  r_.setZero(n_.n_v);
+  c_rate_.setZero(n_.n_dyn);
+  b_.setZero(n_.n_alg);
+  g_ddot_.setZero(n_.n_lambda);
+}
+
+void AccelerationSolver::solve_algebraic(State& s) {
+  if (n_.n_alg == 0) return;
+  const Eigen::VectorXd v_dot = Eigen::VectorXd::Zero(n_.n_v);
+  Eigen::MatrixXd J(n_.n_alg, n_.n_alg);
+  Eigen::VectorXd b_step(n_.n_alg), step;
+  State trial = s;
+  double before = std::numeric_limits<double>::infinity();
+  for (int iteration = 0; iteration < 50; ++iteration) {
+    eq_.momentum(s, v_dot, *scratch_, r_, c_rate_, b_);
+    require_finite_forces(eq_, s.t, r_, c_rate_, b_);
+    const double now = b_.norm();
+    if (now == 0.0 || (iteration > 2 && now >= 0.5 * before && now < 1e-9 * (1.0 + s.a.norm()))) return;
+    before = now;
+    trial = s;
+    for (int j = 0; j < n_.n_alg; ++j) {
+      const double h = 1.5e-8 * std::max(1.0, std::abs(s.a(j)));
+      trial.a(j) = s.a(j) + h;
+      eq_.momentum(trial, v_dot, *scratch_, r_, c_rate_, b_step);
+      J.col(j) = (b_step - b_) / h;
+      trial.a(j) = s.a(j);
+    }
+    step = J.fullPivLu().solve(-b_);
+    double alpha = 1.0;
+    for (; alpha > 1e-4; alpha *= 0.5) {
+      trial.a = s.a + alpha * step;
+      eq_.momentum(trial, v_dot, *scratch_, r_, c_rate_, b_step);
+      if (b_step.norm() < now) break;
+    }
+    if (alpha <= 1e-4) {
+      if (step.norm() <= 1e-9 * (1.0 + s.a.norm())) return;  // at the round-off of b
+      break;
+    }
+    s.a = trial.a;
+    if (alpha * step.norm() <= 1e-15 * (1.0 + s.a.norm())) return;
+  }
+  int worst = 0;
+  b_.cwiseAbs().maxCoeff(&worst);
+  throw std::runtime_error(fmt::format(
+      "the algebraic equation of \"{}\" has no solution near the present state at t = {:.9g} s (residual "
+      "{:.3g}): "
+      "give a better start value or make the loop's gain such that the equation can be solved for it",
+      eq_.name_of_algebraic(worst), s.t, b_(worst)));
+}
+
+void AccelerationSolver::solve(State& s, Eigen::VectorXd& v_dot) {
+  solve_algebraic(s);
+  eq_.mass_matrix(s.p, *scratch_, M_);
+  eq_.constraint_matrix(s.t, s.p, *scratch_, G_);
+  saddle_.factor(eq_, M_, G_);
+  v_dot = Eigen::VectorXd::Zero(n_.n_v);
+  // The second pass is one step of iterative refinement; more only where forces depend on the multipliers.
+  double before = std::numeric_limits<double>::infinity();
+  for (int pass = 0; pass < 20; ++pass) {
+    eq_.momentum(s, v_dot, *scratch_, r_, c_rate_, b_);
+    require_finite_forces(eq_, s.t, r_, c_rate_, b_);
+    eq_.acceleration_constraints(s.t, s.p, s.v, v_dot, *scratch_, g_ddot_);
+    r_ = -r_;
+    g_ddot_ = -g_ddot_;
+    saddle_.solve(r_, g_ddot_, dv_, dlambda_);
+    v_dot += dv_;
+    s.lambda += dlambda_;
+    const double change = dv_.norm() / (1e-300 + v_dot.norm()) + dlambda_.norm() / (1e-300 + s.lambda.norm());
+    if (pass > 0 && (change < 1e-12 || change > 0.5 * before)) break;
+    before = change;
+  }
+}
+
+}  // namespace flexura::mbs

@@ -1,0 +1,43 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+
+#include "mbs/model/equations.hpp"
+#include "mbs/solver/saddle.hpp"
+
+/// Consistent accelerations, multipliers, algebraic states and rates at given p, v, c, t (index 1):
+///
+///     0 = b(p, v, c, a, t)
+///     [ M  G^T ] [ v_dot  ]   [    f   ]
+///     [ G   0  ] [ lambda ] = [ -gamma ],     c_dot = f_c
+namespace flexura::mbs {
+
+/// A state of the right sizes with everything zero.
+State make_state(const Equations& eq);
+
+class AccelerationSolver {
+ public:
+  explicit AccelerationSolver(const Equations& eq);
+
+  /// Fills s.lambda, s.a and v_dot (n_v); s.a is the start of its own Newton iteration.  Forces may depend on
+  /// s.lambda (friction in joints): the linear system is then iterated.  Throws std::runtime_error, one
+  /// sentence, where M is singular, b = 0 has no solution near s.a or a force is not finite.
+  void solve(State& s, Eigen::VectorXd& v_dot);
+
+  const Eigen::VectorXd& c_rate() const { return c_rate_; }  ///< f_c of the last solve
+  int constraint_rank() const { return saddle_.rank(); }     ///< of G in the last solve
+
+ private:
+  void solve_algebraic(State& s);
+
+  const Equations& eq_;
+  Sizes n_;
+  std::unique_ptr<Equations::Scratch> scratch_;
+  SaddleSolver saddle_;
+  Eigen::MatrixXd M_, G_;
+  Eigen::VectorXd r_, c_rate_, b_, g_ddot_, dv_, dlambda_;
+};
+
+}  // namespace flexura::mbs

@@ -1,0 +1,253 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mbs/solver/assemble.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "mbs/solver/accelerations.hpp"
+#include "mbs/solver/saddle.hpp"
+
+namespace flexura::mbs {
+
+namespace {
+
+// "\"loop.x\" (0.012), \"loop.y\" (-0.003)": the worst rows first, three at most.
+std::string worst_rows(const Equations& eq, const Eigen::VectorXd& residual, const Eigen::VectorXd& allowed) {
+  std::vector<int> order(residual.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::sort(order.begin(), order.end(),
+            [&](int a, int b) { return std::abs(residual(a)) > std::abs(residual(b)); });
+  std::string text;
+  for (std::size_t k = 0; k < std::min<std::size_t>(3, order.size()); ++k) {
+    if (k > 0 && std::abs(residual(order[k])) <= allowed(order[k])) break;
+    text += fmt::format("{}\"{}\" ({:.6g})", k == 0 ? "" : ", ", eq.name_of_constraint(order[k]),
+                        residual(order[k]));
+  }
+  return text;
+}
+
+std::string names_of(const Equations& eq, const std::vector<bool>& mask) {
+  std::string text;
+  for (std::size_t i = 0; i < mask.size(); ++i)
+    if (mask[i])
+      text += fmt::format("{}\"{}\"", text.empty() ? "" : ", ", eq.name_of_velocity(static_cast<int>(i)));
+  return text;
+}
+
+bool any(const std::vector<bool>& mask) {
+  return std::find(mask.begin(), mask.end(), true) != mask.end();
+}
+
+// One solution of g(p) = 0 by damped minimum-norm steps from a start.
+class PositionSolver {
+ public:
+  PositionSolver(const Equations& eq, double t, const std::vector<bool>& keep)
+      : eq_(eq), n_(eq.sizes()), t_(t), scratch_(eq.make_scratch()) {
+    M_.setZero(n_.n_v, n_.n_v);
+    G_.setZero(n_.n_lambda, n_.n_v);
+    g_.setZero(n_.n_lambda);
+    free_ = Eigen::VectorXd::Ones(n_.n_v);
+    for (std::size_t i = 0; i < keep.size(); ++i)
+      if (keep[i]) free_(static_cast<Eigen::Index>(i)) = 0.0;
+    step_scale_.resize(n_.n_v);
+    for (int i = 0; i < n_.n_v; ++i) step_scale_(i) = eq.velocity_scale(i);
+  }
+
+  bool solve(Eigen::VectorXd& p, int max_iterations);
+
+  const Eigen::VectorXd& residual() const { return g_; }
+  const Eigen::VectorXd& allowed() const { return allowed_; }
+  int iterations() const { return iterations_; }
+  double change() const { return change_; }
+
+ private:
+  void linearise(const Eigen::VectorXd& p);
+  // |g_k| that is round-off (factor eps) or still acceptable (factor 1e-9) for typical positions and this G.
+  Eigen::VectorXd bound(double factor) const {
+    return factor * (G_.cwiseAbs() * step_scale_).array() + 1e-300;
+  }
+  double merit(const Eigen::VectorXd& g) const { return row_scale_.cwiseProduct(g).norm(); }
+
+  const Equations& eq_;
+  Sizes n_;
+  double t_;
+  std::unique_ptr<Equations::Scratch> scratch_;
+  Eigen::MatrixXd M_, G_, H_;
+  Eigen::VectorXd g_, free_, step_scale_, column_scale_, row_scale_, allowed_;
+  int iterations_ = 0;
+  double change_ = 0.0;
+};
+
+void PositionSolver::linearise(const Eigen::VectorXd& p) {
+  eq_.mass_matrix(p, *scratch_, M_);
+  eq_.constraint_matrix(t_, p, *scratch_, G_);
+  // A rolling disc's row has no position level.
+  for (int k = 0; k < n_.n_lambda; ++k)
+    if (!eq_.is_holonomic(k)) G_.row(k).setZero();
+  column_scale_ = free_;
+  for (int i = 0; i < n_.n_v; ++i)
+    if (M_(i, i) > 0.0) column_scale_(i) /= std::sqrt(M_(i, i));
+  H_ = G_ * column_scale_.asDiagonal();
+  row_scale_ = Eigen::VectorXd::Ones(n_.n_lambda);
+  const double largest = n_.n_lambda > 0 ? H_.rowwise().norm().maxCoeff() : 0.0;
+  for (int k = 0; k < n_.n_lambda; ++k) {
+    const double norm = H_.row(k).norm();
+    // Rows that vanish at this instant (a dead point) keep the scale of the others.
+    row_scale_(k) = norm > 1e-8 * largest ? 1.0 / norm : (largest > 0.0 ? 1.0 / largest : 1.0);
+  }
+  H_ = row_scale_.asDiagonal() * H_;
+  allowed_ = bound(1e-9);
+}
+
+bool PositionSolver::solve(Eigen::VectorXd& p, int max_iterations) {
+  if (n_.n_lambda == 0) return true;
+  Eigen::VectorXd d(n_.n_v), p_trial(n_.n_p), g_trial(n_.n_lambda), x;
+  Eigen::MatrixXd normal;
+  double mu = 0.0;
+  eq_.position_constraints(t_, p, *scratch_, g_);
+  for (int iteration = 0; iteration < max_iterations; ++iteration) {
+    linearise(p);
+    if ((g_.cwiseAbs().array() <= bound(4e-16).array()).all()) break;
+    const double now = merit(g_);
+    bool accepted = false;
+    for (int attempt = 0; attempt < 12 && !accepted; ++attempt) {
+      normal = H_ * H_.transpose();
+      // 1e-14 keeps dependent but consistent rows solvable: their residual lies in the range.
+      normal.diagonal().array() += std::max(mu, 1e-14);
+      x = normal.ldlt().solve(-row_scale_.cwiseProduct(g_));
+      d = column_scale_.cwiseProduct(H_.transpose() * x);
+      if (!d.allFinite()) break;
+      // Half a radian (half a typical size) at a time: further away lies another branch.
+      const double largest = d.cwiseAbs().cwiseQuotient(step_scale_).maxCoeff();
+      double alpha = largest > 0.5 ? 0.5 / largest : 1.0;
+      for (int halving = 0; halving < 8; ++halving, alpha *= 0.5) {
+        eq_.retract(p, alpha * d, p_trial);
+        eq_.position_constraints(t_, p_trial, *scratch_, g_trial);
+        if (g_trial.allFinite() && merit(g_trial) < now * (1.0 - 1e-4 * alpha)) {
+          accepted = true;
+          change_ += alpha * largest;
+          break;
+        }
+      }
+      if (!accepted) mu = std::max(10.0 * mu, 1e-8);
+    }
+    if (!accepted) break;
+    ++iterations_;
+    mu = mu > 1e-8 ? 0.1 * mu : 0.0;
+    p = p_trial;
+    g_ = g_trial;
+  }
+  linearise(p);
+  return (g_.cwiseAbs().array() <= allowed_.array()).all();
+}
+
+}  // namespace
+
+AssembleReport assemble_positions(const Equations& eq, State& s, const AssembleOptions& options) {
+  AssembleReport report;
+  const Eigen::VectorXd start = s.p;
+  auto attempt = [&](const std::vector<bool>& keep, double nudge, std::string& why) {
+    s.p = start;
+    if (nudge > 0.0) {
+      // At a stretched-out start the constraints' gradients can be blind to the way out; a small push shows
+      // it.
+      Eigen::VectorXd d(eq.sizes().n_v);
+      for (Eigen::Index i = 0; i < d.size(); ++i)
+        d(i) = keep.empty() || !keep[i]
+                   ? nudge * eq.velocity_scale(static_cast<int>(i)) * std::cos(2.4 * i + 0.7)
+                   : 0.0;
+      Eigen::VectorXd moved(start.size());
+      eq.retract(start, d, moved);
+      s.p = moved;
+    }
+    PositionSolver solver(eq, s.t, keep);
+    const bool solved = solver.solve(s.p, options.max_iterations);
+    report.iterations += solver.iterations();
+    report.position_change = solver.change();
+    report.position_residual = solver.residual().size() > 0 ? solver.residual().cwiseAbs().maxCoeff() : 0.0;
+    if (!solved && why.empty()) why = worst_rows(eq, solver.residual(), solver.allowed());
+    return solved;
+  };
+  std::string why;
+  for (const double nudge : {0.0, 1e-2, 1e-1})
+    if (attempt(options.keep_position, nudge, why)) return report;
+  if (any(options.keep_position)) {
+    std::string ignored;
+    for (const double nudge : {0.0, 1e-2, 1e-1})
+      if (attempt({}, nudge, ignored)) {
+        report.positions_kept = false;
+        report.notes.push_back(
+            fmt::format("the prescribed initial positions {} contradict the constraints and were moved to "
+                        "close the loops",
+                        names_of(eq, options.keep_position)));
+        return report;
+      }
+  }
+  s.p = start;
+  throw AssemblyError(
+      fmt::format("the mechanism cannot be assembled at t = {:.6g} s: the constraints {} cannot be closed; "
+                  "check the markers, "
+                  "lengths and initial positions of the parts that they join",
+                  s.t, why));
+}
+
+void assemble_velocities(const Equations& eq, State& s, const AssembleOptions& options,
+                         AssembleReport& report) {
+  const Sizes n = eq.sizes();
+  if (n.n_lambda == 0) return;
+  auto scratch = eq.make_scratch();
+  Eigen::MatrixXd M = Eigen::MatrixXd::Zero(n.n_v, n.n_v), G = Eigen::MatrixXd::Zero(n.n_lambda, n.n_v);
+  Eigen::VectorXd g_dot = Eigen::VectorXd::Zero(n.n_lambda), g_t = g_dot, delta, impulse;
+  eq.mass_matrix(s.p, *scratch, M);
+  eq.constraint_matrix(s.t, s.p, *scratch, G);
+  eq.velocity_constraints(s.t, s.p, Eigen::VectorXd::Zero(n.n_v), *scratch, g_t);
+  const Eigen::VectorXd start = s.v;
+  SaddleSolver saddle;
+  auto attempt = [&](const std::vector<bool>& keep) {
+    std::vector<bool> is_free(keep);
+    is_free.flip();
+    saddle.factor(eq, M, G, is_free);
+    s.v = start;
+    for (int pass = 0; pass < 2; ++pass) {  // the second refines
+      eq.velocity_constraints(s.t, s.p, s.v, *scratch, g_dot);
+      g_dot = -g_dot;
+      saddle.solve(Eigen::VectorXd::Zero(n.n_v), g_dot, delta, impulse);
+      s.v += delta;
+    }
+    eq.velocity_constraints(s.t, s.p, s.v, *scratch, g_dot);
+    report.velocity_residual = g_dot.cwiseAbs().maxCoeff();
+    // What velocities of this size may leave by round-off of a matrix with condition 1e6 or better.
+    const Eigen::VectorXd allowed =
+        1e-9 * (G.cwiseAbs() * (start.cwiseAbs() + s.v.cwiseAbs()) + g_t.cwiseAbs()).array() + 1e-12;
+    return (g_dot.cwiseAbs().array() <= allowed.array()).all();
+  };
+  if (attempt(options.keep_velocity)) return;
+  if (any(options.keep_velocity) && attempt({})) {
+    report.velocities_kept = false;
+    report.notes.push_back(
+        fmt::format("the prescribed initial velocities {} contradict the constraints and were changed",
+                    names_of(eq, options.keep_velocity)));
+    return;
+  }
+  throw AssemblyError(
+      fmt::format("the initial velocities cannot be made consistent at t = {:.6g} s: the constraints {} want "
+                  "motions that exclude "
+                  "each other; check driven joints and the loops that they move",
+                  s.t, worst_rows(eq, g_dot, Eigen::VectorXd::Zero(n.n_lambda))));
+}
+
+AssembleReport assemble(const Equations& eq, State& s, Eigen::VectorXd& v_dot,
+                        const AssembleOptions& options) {
+  AssembleReport report = assemble_positions(eq, s, options);
+  assemble_velocities(eq, s, options, report);
+  AccelerationSolver accelerations(eq);
+  accelerations.solve(s, v_dot);
+  report.constraint_rank = accelerations.constraint_rank();
+  return report;
+}
+
+}  // namespace flexura::mbs

@@ -1,0 +1,135 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mbs/solver/saddle.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Cholesky>
+#include <Eigen/QR>
+#include <cmath>
+#include <stdexcept>
+
+namespace flexura::mbs {
+
+struct SaddleSolver::Impl {
+  int n_v = 0, n_lambda = 0;
+  std::vector<int> free;  // the entries of x that take part
+  Eigen::MatrixXd M_hat, B;
+  Eigen::VectorXd column_scale, row_scale, f, y_hat, w;
+  Eigen::LLT<Eigen::MatrixXd> cholesky;
+  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> orthogonal;
+};
+
+SaddleSolver::SaddleSolver() : impl_(std::make_unique<Impl>()) {}
+SaddleSolver::~SaddleSolver() = default;
+
+int SaddleSolver::rank() const {
+  return impl_->n_lambda == 0 || impl_->free.empty() ? 0 : static_cast<int>(impl_->orthogonal.rank());
+}
+const Eigen::VectorXd& SaddleSolver::row_scale() const {
+  return impl_->row_scale;
+}
+const Eigen::VectorXd& SaddleSolver::column_scale() const {
+  return impl_->column_scale;
+}
+
+namespace {
+
+[[noreturn]] void refuse_mass(const Equations& eq, int i, double M_ii) {
+  throw std::runtime_error(fmt::format(
+      "the mass matrix is not positive definite at \"{}\" (diagonal entry {:.3g}): give the bodies that this "
+      "coordinate moves a positive mass or inertia of their own",
+      eq.name_of_velocity(i), M_ii));
+}
+
+// Index of the first pivot of a matrix with unit diagonal that is round-off (the coordinate's inertia is all
+// shared with the ones before it), or -1.  `factor` is its Cholesky factor if there is one.
+int first_small_pivot(const Eigen::MatrixXd& A, const Eigen::MatrixXd* factor) {
+  const int n = static_cast<int>(A.rows());
+  const double floor = 4.0 * std::max(n, 1) * std::numeric_limits<double>::epsilon();
+  if (factor != nullptr) {
+    for (int i = 0; i < n; ++i)
+      if ((*factor)(i, i) * (*factor)(i, i) < floor) return i;
+    return -1;
+  }
+  Eigen::MatrixXd L = Eigen::MatrixXd::Zero(n, n);
+  for (int j = 0; j < n; ++j) {
+    const double pivot = A(j, j) - L.row(j).head(j).squaredNorm();
+    if (!(pivot >= floor)) return j;
+    L(j, j) = std::sqrt(pivot);
+    for (int i = j + 1; i < n; ++i) L(i, j) = (A(i, j) - L.row(i).head(j).dot(L.row(j).head(j))) / L(j, j);
+  }
+  return n - 1;
+}
+
+}  // namespace
+
+void SaddleSolver::factor(const Equations& eq, const Eigen::MatrixXd& M, const Eigen::MatrixXd& G,
+                          const std::vector<bool>& is_free) {
+  Impl& s = *impl_;
+  s.n_v = static_cast<int>(M.rows());
+  s.n_lambda = static_cast<int>(G.rows());
+  s.free.clear();
+  for (int i = 0; i < s.n_v; ++i)
+    if (is_free.empty() || is_free[i]) s.free.push_back(i);
+  const int n = static_cast<int>(s.free.size());
+
+  s.column_scale.resize(s.n_v);
+  for (int i = 0; i < s.n_v; ++i) {
+    if (!(M(i, i) > 0.0)) refuse_mass(eq, i, M(i, i));
+    s.column_scale(i) = 1.0 / std::sqrt(M(i, i));
+  }
+  s.M_hat.resize(n, n);
+  for (int j = 0; j < n; ++j)
+    for (int i = 0; i < n; ++i)
+      s.M_hat(i, j) = s.column_scale(s.free[i]) * M(s.free[i], s.free[j]) * s.column_scale(s.free[j]);
+  s.cholesky.compute(s.M_hat);
+  if (const int i =
+          first_small_pivot(s.M_hat, s.cholesky.info() == Eigen::Success ? &s.cholesky.matrixLLT() : nullptr);
+      i >= 0)
+    refuse_mass(eq, s.free[i], M(s.free[i], s.free[i]));
+
+  s.row_scale = Eigen::VectorXd::Zero(s.n_lambda);
+  s.B.resize(n, s.n_lambda);
+  for (int k = 0; k < s.n_lambda; ++k) {
+    for (int i = 0; i < n; ++i) s.B(i, k) = G(k, s.free[i]) * s.column_scale(s.free[i]);
+    const double norm = s.B.col(k).norm();
+    if (norm > 0.0) s.row_scale(k) = 1.0 / norm;
+    s.B.col(k) *= s.row_scale(k);
+  }
+  if (s.n_lambda == 0 || n == 0) return;
+  s.cholesky.matrixL().solveInPlace(s.B);
+  // Rows have unit length; a pivot of 1e-10 means two constraints whose directions differ by 1e-10: nothing
+  // but geometry errors of the input would be amplified by resolving it.
+  s.orthogonal.setThreshold(1e-10);
+  s.orthogonal.compute(s.B);
+}
+
+void SaddleSolver::solve(const Eigen::VectorXd& r, const Eigen::VectorXd& h, Eigen::VectorXd& x,
+                         Eigen::VectorXd& y) {
+  Impl& s = *impl_;
+  const int n = static_cast<int>(s.free.size());
+  if (n == 0) {
+    x = Eigen::VectorXd::Zero(s.n_v);
+    y = Eigen::VectorXd::Zero(s.n_lambda);
+    return;
+  }
+  s.f.resize(n);
+  for (int i = 0; i < n; ++i) s.f(i) = s.column_scale(s.free[i]) * r(s.free[i]);
+  s.cholesky.matrixL().solveInPlace(s.f);
+  // In w = L^T x: w + B y = f, B^T w = h.  So w = (I - B B^+) f + B^+T h and y = B^+ (f - w).
+  if (s.n_lambda > 0) {
+    s.y_hat = s.row_scale.cwiseProduct(h);
+    s.w = s.orthogonal.transpose().solve(s.y_hat);
+    s.w += s.f - s.B * s.orthogonal.solve(s.f);
+    s.y_hat = s.orthogonal.solve(s.f - s.w);
+    y = s.row_scale.cwiseProduct(s.y_hat);
+  } else {
+    s.w = s.f;
+    y.resize(0);
+  }
+  s.cholesky.matrixU().solveInPlace(s.w);
+  x = Eigen::VectorXd::Zero(s.n_v);
+  for (int i = 0; i < n; ++i) x(s.free[i]) = s.column_scale(s.free[i]) * s.w(i);
+}
+
+}  // namespace flexura::mbs
