@@ -14,11 +14,12 @@
 ///     0  = g(p, t)                                   constraints, G = dg/dp T,  dg/dt = G v + g_t
 ///     0  = b(p, v, c, a, t)                          algebraic states
 ///
-/// p holds joint and modal positions (in tree order of the bodies; a rotation of three freedoms takes four numbers),
-/// v their velocities.  A rotation is read from its quaternion after normalisation, so the norm is a gauge without
-/// influence and needs no constraint.
+/// p holds joint and modal positions (in tree order of the bodies; a rotation of three freedoms takes four
+/// numbers), v their velocities.  A rotation is read from its quaternion after normalisation, so the norm is
+/// a gauge without influence and needs no constraint.
 ///
-/// The object is constant; what changes is passed in.  Every method may write only to its outputs and the scratch.
+/// The object is constant; what changes is passed in.  Every method may write only to its outputs and the
+/// scratch.
 namespace flexura::mbs {
 
 using VectorRef = Eigen::Ref<Eigen::VectorXd>;
@@ -86,7 +87,8 @@ class Equations {
                                         Scratch& scratch, VectorRef g_ddot) const = 0;
 
   /// f_c = G(p)^T x (n_v) for any x (n_lambda), in O(n).
-  virtual void apply_GT(double t, ConstVectorRef p, ConstVectorRef x, Scratch& scratch, VectorRef f_c) const = 0;
+  virtual void apply_GT(double t, ConstVectorRef p, ConstVectorRef x, Scratch& scratch,
+                        VectorRef f_c) const = 0;
 
   /// G (n_lambda x n_v), dense.
   virtual void constraint_matrix(double t, ConstVectorRef p, Scratch& scratch, MatrixRef G) const = 0;
@@ -99,14 +101,16 @@ class Equations {
 
   /// Switching functions (n_root); a solver stops where one changes sign, calls on_root and restarts.
   virtual void roots(const State& s, Scratch& scratch, VectorRef values) const = 0;
-  /// Takes the switch `which` into its new position; returns true when velocities jump (an impact changed s.v).
+  /// Takes the switch `which` into its new position; returns true when velocities jump (an impact changed
+  /// s.v).
   virtual bool on_root(int which, State& s, Scratch& scratch) const = 0;
 
-  /// False for a row that restrains velocities only (a rolling disc): its entry of position_constraints is always 0.
+  /// False for a row that restrains velocities only (a rolling disc): its entry of position_constraints is
+  /// always 0.
   virtual bool is_holonomic(int /*row*/) const { return true; }
 
-  /// Typical sizes for the absolute part of error tolerances: 1 for metres, radians and their rates; for a modal
-  /// coordinate the amplitude at which the body's largest displacement is about 1 m.
+  /// Typical sizes for the absolute part of error tolerances: 1 for metres, radians and their rates; for a
+  /// modal coordinate the amplitude at which the body's largest displacement is about 1 m.
   virtual double position_scale(int /*i*/) const { return 1.0; }
   virtual double velocity_scale(int /*i*/) const { return 1.0; }
 

@@ -1,0 +1,75 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "mbs/model/expression.hpp"
+#include "mbs/model/kinematics.hpp"
+
+/// Constraints: rows g(p, t) = 0 with g' = G v + g_t and g'' = G v' + gamma.  Adding one: one file in
+/// constraints/ and one line in constraint_types(), or rows on a relative pose (RelativeRows) put into a
+/// RelativeConstraint.
+namespace flexura::mbs {
+
+class Constraint {
+ public:
+  explicit Constraint(std::string name) : name_(std::move(name)) {}
+  virtual ~Constraint() = default;
+  const std::string& name() const { return name_; }
+
+  virtual int n_rows() const = 0;
+  virtual std::string row_name(int i) const = 0;
+  virtual bool is_holonomic() const { return true; }
+  virtual void position(const Kinematics& kin, double* g) const = 0;
+  virtual void velocity(const Kinematics& kin, double* g_dot) const = 0;
+  virtual void acceleration(const Kinematics& kin, double* g_ddot) const = 0;
+  /// Adds G^T x as loads.
+  virtual void apply_GT(const Kinematics& kin, const double* x, Loads& loads) const = 0;
+  /// g_t: what makes a moving constraint do work.
+  virtual void rate(const Kinematics& /*kin*/, double* g_t) const {
+    for (int i = 0; i < n_rows(); ++i) g_t[i] = 0.0;
+  }
+
+ private:
+  std::string name_;
+};
+
+/// Rows on the pose of one marker relative to another: a joint that closes a loop, a point on a line, ...
+class RelativeConstraint final : public Constraint {
+ public:
+  RelativeConstraint(std::string name, int marker_F, int marker_M, std::shared_ptr<const RelativeRows> rows);
+  int n_rows() const override { return rows_->n_rows(); }
+  std::string row_name(int i) const override { return rows_->row_name(i); }
+  void position(const Kinematics& kin, double* g) const override;
+  void velocity(const Kinematics& kin, double* g_dot) const override;
+  void acceleration(const Kinematics& kin, double* g_ddot) const override;
+  void apply_GT(const Kinematics& kin, const double* x, Loads& loads) const override;
+  int marker_F() const { return marker_F_; }
+  int marker_M() const { return marker_M_; }
+
+ private:
+  int marker_F_, marker_M_;
+  std::shared_ptr<const RelativeRows> rows_;
+};
+
+/// A driven joint: coordinate = f(t).  Its multiplier is minus the drive's force or torque.
+class DriveConstraint final : public Constraint {
+ public:
+  /// `motion` may hold t and parameters only; its derivatives are exact (Expression::derivatives).
+  DriveConstraint(std::string name, CoordinateRef coordinate, std::shared_ptr<const Expression> motion);
+  int n_rows() const override { return 1; }
+  std::string row_name(int) const override { return "drive"; }
+  void position(const Kinematics& kin, double* g) const override;
+  void velocity(const Kinematics& kin, double* g_dot) const override;
+  void acceleration(const Kinematics& kin, double* g_ddot) const override;
+  void apply_GT(const Kinematics& kin, const double* x, Loads& loads) const override;
+  void rate(const Kinematics& kin, double* g_t) const override;
+  CoordinateRef coordinate() const { return coordinate_; }
+
+ private:
+  CoordinateRef coordinate_;
+  std::shared_ptr<const Expression> motion_;
+};
+
+}  // namespace flexura::mbs

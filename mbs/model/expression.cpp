@@ -1,0 +1,538 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mbs/model/expression.hpp"
+
+#include <fmt/format.h>
+#include <muParser.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+
+#include "mbs/input/document.hpp"
+
+namespace flexura::mbs {
+namespace {
+
+// ---- arithmetic of jets
+// -------------------------------------------------------------------------------------------
+
+Jet operator+(const Jet& a, const Jet& b) {
+  return {a.value + b.value, a.first + b.first, a.second + b.second};
+}
+Jet operator-(const Jet& a, const Jet& b) {
+  return {a.value - b.value, a.first - b.first, a.second - b.second};
+}
+Jet operator*(const Jet& a, const Jet& b) {
+  return {a.value * b.value, a.first * b.value + a.value * b.first,
+          a.second * b.value + 2.0 * a.first * b.first + a.value * b.second};
+}
+Jet operator/(const Jet& a, const Jet& b) {
+  Jet c;
+  c.value = a.value / b.value;
+  c.first = (a.first - c.value * b.first) / b.value;
+  c.second = (a.second - 2.0 * c.first * b.first - c.value * b.second) / b.value;
+  return c;
+}
+double value_of(double x) {
+  return x;
+}
+double value_of(const Jet& x) {
+  return x.value;
+}
+
+enum Code : int {
+  // operators and flow
+  constant,
+  signal,
+  add,
+  subtract,
+  multiply,
+  divide,
+  power,
+  less,
+  less_equal,
+  greater,
+  greater_equal,
+  equal,
+  not_equal,
+  logical_and,
+  logical_or,
+  jump_if_zero,
+  jump,
+  // functions of one argument
+  plus,
+  minus,
+  sine,
+  cosine,
+  tangent,
+  arc_sine,
+  arc_cosine,
+  arc_tangent,
+  sinh,
+  cosh,
+  tanh,
+  asinh,
+  acosh,
+  atanh,
+  exponential,
+  logarithm,
+  logarithm_10,
+  logarithm_2,
+  square_root,
+  absolute,
+  signum,
+  round_to_integer,
+  // of more
+  arc_tangent_2,
+  minimum,
+  maximum,
+  smooth_step
+};
+
+/// f, f', f'' of a function of one argument.
+Jet unary(int code, double x) {
+  switch (code) {
+    case plus:
+      return {x, 1, 0};
+    case minus:
+      return {-x, -1, 0};
+    case sine:
+      return {std::sin(x), std::cos(x), -std::sin(x)};
+    case cosine:
+      return {std::cos(x), -std::sin(x), -std::cos(x)};
+    case tangent: {
+      const double f = std::tan(x), d = 1 + f * f;
+      return {f, d, 2 * f * d};
+    }
+    case arc_sine: {
+      const double d = 1 / std::sqrt(1 - x * x);
+      return {std::asin(x), d, x * d * d * d};
+    }
+    case arc_cosine: {
+      const double d = 1 / std::sqrt(1 - x * x);
+      return {std::acos(x), -d, -x * d * d * d};
+    }
+    case arc_tangent: {
+      const double d = 1 / (1 + x * x);
+      return {std::atan(x), d, -2 * x * d * d};
+    }
+    case sinh:
+      return {std::sinh(x), std::cosh(x), std::sinh(x)};
+    case cosh:
+      return {std::cosh(x), std::sinh(x), std::cosh(x)};
+    case tanh: {
+      const double f = std::tanh(x), d = 1 - f * f;
+      return {f, d, -2 * f * d};
+    }
+    case asinh: {
+      const double d = 1 / std::sqrt(x * x + 1);
+      return {std::asinh(x), d, -x * d * d * d};
+    }
+    case acosh: {
+      const double d = 1 / std::sqrt(x * x - 1);
+      return {std::acosh(x), d, -x * d * d * d};
+    }
+    case atanh: {
+      const double d = 1 / (1 - x * x);
+      return {std::atanh(x), d, 2 * x * d * d};
+    }
+    case exponential:
+      return {std::exp(x), std::exp(x), std::exp(x)};
+    case logarithm:
+      return {std::log(x), 1 / x, -1 / (x * x)};
+    case logarithm_10:
+      return {std::log10(x), 1 / (x * std::numbers::ln10), -1 / (x * x * std::numbers::ln10)};
+    case logarithm_2:
+      return {std::log2(x), 1 / (x * std::numbers::ln2), -1 / (x * x * std::numbers::ln2)};
+    case square_root: {
+      const double f = std::sqrt(x);
+      return {f, 0.5 / f, -0.25 / (f * x)};
+    }
+    case absolute:
+      return {std::abs(x), x < 0 ? -1.0 : 1.0, 0};
+    case signum:
+      return {x > 0 ? 1.0 : x < 0 ? -1.0 : 0.0, 0, 0};
+    default:
+      return {std::rint(x), 0, 0};
+  }
+}
+
+double apply_unary(int code, double x) {
+  return unary(code, x).value;
+}
+Jet apply_unary(int code, const Jet& x) {
+  const Jet f = unary(code, x.value);
+  // A constant argument stays constant where f' is infinite (sqrt(0)).
+  const auto term = [](double a, double b) { return b == 0.0 ? 0.0 : a * b; };
+  return {f.value, term(f.first, x.first), term(f.second, x.first * x.first) + term(f.first, x.second)};
+}
+
+double power_of(double x, double y) {
+  return std::pow(x, y);
+}
+Jet power_of(const Jet& x, const Jet& y) {
+  if (y.first == 0.0 && y.second == 0.0) {
+    const double n = y.value;
+    const auto term = [&](double factor, double exponent, double by) {
+      return factor == 0.0 || by == 0.0 ? 0.0 : factor * std::pow(x.value, exponent) * by;
+    };
+    return {std::pow(x.value, n), term(n, n - 1, x.first),
+            term(n * (n - 1), n - 2, x.first * x.first) + term(n, n - 1, x.second)};
+  }
+  return apply_unary(exponential, y * apply_unary(logarithm, x));
+}
+
+double arc_tangent_2_of(double y, double x) {
+  return std::atan2(y, x);
+}
+Jet arc_tangent_2_of(const Jet& y, const Jet& x) {
+  const double r2 = x.value * x.value + y.value * y.value;
+  Jet f;
+  f.value = std::atan2(y.value, x.value);
+  f.first = (x.value * y.first - y.value * x.first) / r2;
+  f.second =
+      (x.value * y.second - y.value * x.second - 2.0 * (x.value * x.first + y.value * y.first) * f.first) /
+      r2;
+  return f;
+}
+
+template <class T>
+T constant_of(double x) {
+  if constexpr (std::is_same_v<T, Jet>)
+    return Jet{x, 0.0, 0.0};
+  else
+    return x;
+}
+
+template <class T>
+T smooth_step_of(const T& x, const T& x0, const T& y0, const T& x1, const T& y1) {
+  if (value_of(x) <= value_of(x0)) return y0;
+  if (value_of(x) >= value_of(x1)) return y1;
+  const T u = (x - x0) / (x1 - x0);
+  return y0 + (y1 - y0) * u * u * (constant_of<T>(3.0) - constant_of<T>(2.0) * u);
+}
+
+// ---- the functions muparser shall know; their addresses tell them apart in its byte code
+// ---------------------------
+
+template <int code>
+double f1(double x) {
+  return apply_unary(code, x);
+}
+double f_atan2(double y, double x) {
+  return std::atan2(y, x);
+}
+double f_pow(double x, double y) {
+  return std::pow(x, y);
+}
+double f_min(const double* x, int n) {
+  return *std::min_element(x, x + n);
+}
+double f_max(const double* x, int n) {
+  return *std::max_element(x, x + n);
+}
+double f_step(double x, double x0, double y0, double x1, double y1) {
+  return smooth_step_of(x, x0, y0, x1, y1);
+}
+
+struct NamedFunction {
+  const char* name;
+  int code;
+  mu::fun_type1 f;
+};
+constexpr NamedFunction functions_1[] = {{"sin", sine, f1<sine>},
+                                         {"cos", cosine, f1<cosine>},
+                                         {"tan", tangent, f1<tangent>},
+                                         {"asin", arc_sine, f1<arc_sine>},
+                                         {"acos", arc_cosine, f1<arc_cosine>},
+                                         {"atan", arc_tangent, f1<arc_tangent>},
+                                         {"sinh", sinh, f1<sinh>},
+                                         {"cosh", cosh, f1<cosh>},
+                                         {"tanh", tanh, f1<tanh>},
+                                         {"asinh", asinh, f1<asinh>},
+                                         {"acosh", acosh, f1<acosh>},
+                                         {"atanh", atanh, f1<atanh>},
+                                         {"exp", exponential, f1<exponential>},
+                                         {"ln", logarithm, f1<logarithm>},
+                                         {"log", logarithm, f1<logarithm>},
+                                         {"log10", logarithm_10, f1<logarithm_10>},
+                                         {"log2", logarithm_2, f1<logarithm_2>},
+                                         {"sqrt", square_root, f1<square_root>},
+                                         {"abs", absolute, f1<absolute>},
+                                         {"sign", signum, f1<signum>},
+                                         {"rint", round_to_integer, f1<round_to_integer>}};
+
+template <class F>
+bool is(const mu::generic_callable_type& called, F* f) {
+  return called._pRawFun == reinterpret_cast<mu::erased_fun_type>(f);
+}
+
+int function_code(const mu::generic_callable_type& called) {
+  for (const NamedFunction& f : functions_1)
+    if (is(called, f.f)) return f.code;
+  if (is(called, f1<minus>)) return minus;
+  if (is(called, f1<plus>)) return plus;
+  if (is(called, f_atan2)) return arc_tangent_2;
+  if (is(called, f_pow)) return power;
+  if (is(called, f_min)) return minimum;
+  if (is(called, f_max)) return maximum;
+  if (is(called, f_step)) return smooth_step;
+  throw std::logic_error("an expression called a function without a translation");
+}
+
+int operator_code(mu::ECmdCode code) {
+  switch (code) {
+    case mu::cmLE:
+      return less_equal;
+    case mu::cmGE:
+      return greater_equal;
+    case mu::cmNEQ:
+      return not_equal;
+    case mu::cmEQ:
+      return equal;
+    case mu::cmLT:
+      return less;
+    case mu::cmGT:
+      return greater;
+    case mu::cmADD:
+      return add;
+    case mu::cmSUB:
+      return subtract;
+    case mu::cmMUL:
+      return multiply;
+    case mu::cmDIV:
+      return divide;
+    case mu::cmPOW:
+      return power;
+    case mu::cmLAND:
+      return logical_and;
+    case mu::cmLOR:
+      return logical_or;
+    default:
+      throw std::logic_error("an expression holds an operation without a translation");
+  }
+}
+
+constexpr std::size_t stack_size = 64;
+
+bool assigns(const std::string& text) {
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    if (text[i] != '=') continue;
+    const bool after = i + 1 < text.size() && text[i + 1] == '=';
+    const bool before = i > 0 && std::string("=<>!").find(text[i - 1]) != std::string::npos;
+    if (!after && !before) return true;
+    if (after) ++i;
+  }
+  return false;
+}
+
+}  // namespace
+
+int SignalNames::add(const std::string& name) {
+  const auto [entry, is_new] = place_.try_emplace(name, size());
+  if (is_new) names_.push_back(name);
+  return entry->second;
+}
+
+int SignalNames::find(const std::string& name) const {
+  const auto entry = place_.find(name);
+  return entry == place_.end() ? -1 : entry->second;
+}
+
+Expression::Expression(std::string where, std::string text, const SignalNames& signals,
+                       const std::map<std::string, double>& constants)
+    : where_(std::move(where)), text_(std::move(text)) {
+  const auto refuse = [&](const std::string& why) {
+    throw std::invalid_argument(fmt::format("{} = \"{}\": {}", where_, text_, why));
+  };
+  if (assigns(text_)) refuse("a formula must not assign; compare with ==");
+
+  std::vector<double> values(signals.size(), 1.0);
+  std::vector<std::string> known = signals.names();
+  mu::Parser parser;
+  parser.EnableOptimizer(false);
+  parser.ClearConst();
+  parser.ClearFun();
+  parser.ClearInfixOprt();
+  parser.DefineNameChars("0123456789_.abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ");
+  try {
+    for (const NamedFunction& f : functions_1) parser.DefineFun(f.name, f.f), known.push_back(f.name);
+    parser.DefineFun("atan2", f_atan2);
+    parser.DefineFun("pow", f_pow);
+    parser.DefineFun("min", f_min);
+    parser.DefineFun("max", f_max);
+    parser.DefineFun("step", f_step);
+    known.insert(known.end(), {"atan2", "pow", "min", "max", "step", "pi", "e"});
+    parser.DefineInfixOprt("-", f1<minus>);
+    parser.DefineInfixOprt("+", f1<plus>);
+    if (!constants.contains("pi")) parser.DefineConst("pi", std::numbers::pi);
+    if (!constants.contains("e")) parser.DefineConst("e", std::numbers::e);
+    for (const auto& [name, value] : constants) {
+      parser.DefineConst(name, value);
+      known.push_back(name);
+    }
+    for (int i = 0; i < signals.size(); ++i) parser.DefineVar(signals.names()[i], &values[i]);
+    parser.SetExpr(text_);
+    parser.Eval();
+  } catch (const mu::Parser::exception_type& error) {
+    if (error.GetCode() == mu::ecUNASSIGNABLE_TOKEN)
+      refuse(fmt::format("\"{}\" is not known here{}", error.GetToken(),
+                         input::suggestion(error.GetToken(), known)));
+    refuse(error.GetMsg());
+  }
+
+  const mu::ParserByteCode& code = parser.GetByteCode();
+  if (code.GetMaxStackSize() > stack_size)
+    refuse("the formula is nested too deeply; take a part into a measure");
+  const mu::SToken* token = code.GetBase();
+  const int n = static_cast<int>(code.GetSize());
+  // One instruction for each token, so that the offsets of jumps stay what they are.
+  for (int i = 0; i < n && token[i].Cmd != mu::cmEND; ++i) {
+    Instruction instruction{constant};
+    switch (token[i].Cmd) {
+      case mu::cmVAL:
+        instruction.value = token[i].Val.data2;
+        break;
+      case mu::cmVAR: {
+        instruction.code = signal;
+        instruction.place = static_cast<int>(token[i].Val.ptr - values.data());
+        if (instruction.place > 0 && std::ranges::find(reads_, instruction.place) == reads_.end())
+          reads_.push_back(instruction.place);
+        break;
+      }
+      case mu::cmIF:
+        instruction = {jump_if_zero, i + token[i].Oprt.offset};
+        break;
+      case mu::cmELSE:
+        instruction = {jump, i + token[i].Oprt.offset};
+        break;
+      case mu::cmENDIF:
+        instruction = {jump, i};
+        break;
+      case mu::cmFUNC:
+        instruction = {function_code(token[i].Fun.cb), std::abs(token[i].Fun.argc)};
+        break;
+      default:
+        instruction.code = operator_code(token[i].Cmd);
+    }
+    program_.push_back(instruction);
+  }
+}
+
+template <class T>
+T Expression::run(const double* signals, const T& time) const {
+  T stack[stack_size + 1];
+  int top = -1;
+  const int n = static_cast<int>(program_.size());
+  const auto truth = [](bool b) { return constant_of<T>(b ? 1.0 : 0.0); };
+  for (int i = 0; i < n; ++i) {
+    const Instruction& in = program_[i];
+    switch (in.code) {
+      case constant:
+        stack[++top] = constant_of<T>(in.value);
+        break;
+      case signal:
+        stack[++top] = in.place == 0 ? time : constant_of<T>(signals[in.place]);
+        break;
+      case jump_if_zero:
+        if (value_of(stack[top--]) == 0.0) i = in.count;
+        break;
+      case jump:
+        i = in.count;
+        break;
+      case add:
+        --top;
+        stack[top] = stack[top] + stack[top + 1];
+        break;
+      case subtract:
+        --top;
+        stack[top] = stack[top] - stack[top + 1];
+        break;
+      case multiply:
+        --top;
+        stack[top] = stack[top] * stack[top + 1];
+        break;
+      case divide:
+        --top;
+        stack[top] = stack[top] / stack[top + 1];
+        break;
+      case power:
+        --top;
+        stack[top] = power_of(stack[top], stack[top + 1]);
+        break;
+      case less:
+        --top;
+        stack[top] = truth(value_of(stack[top]) < value_of(stack[top + 1]));
+        break;
+      case less_equal:
+        --top;
+        stack[top] = truth(value_of(stack[top]) <= value_of(stack[top + 1]));
+        break;
+      case greater:
+        --top;
+        stack[top] = truth(value_of(stack[top]) > value_of(stack[top + 1]));
+        break;
+      case greater_equal:
+        --top;
+        stack[top] = truth(value_of(stack[top]) >= value_of(stack[top + 1]));
+        break;
+      case equal:
+        --top;
+        stack[top] = truth(value_of(stack[top]) == value_of(stack[top + 1]));
+        break;
+      case not_equal:
+        --top;
+        stack[top] = truth(value_of(stack[top]) != value_of(stack[top + 1]));
+        break;
+      case logical_and:
+        --top;
+        stack[top] = truth(value_of(stack[top]) != 0 && value_of(stack[top + 1]) != 0);
+        break;
+      case logical_or:
+        --top;
+        stack[top] = truth(value_of(stack[top]) != 0 || value_of(stack[top + 1]) != 0);
+        break;
+      case arc_tangent_2:
+        --top;
+        stack[top] = arc_tangent_2_of(stack[top], stack[top + 1]);
+        break;
+      case minimum:
+      case maximum: {
+        top -= in.count - 1;
+        for (int k = 1; k < in.count; ++k) {
+          const double a = value_of(stack[top]), b = value_of(stack[top + k]);
+          if (in.code == minimum ? b < a : b > a) stack[top] = stack[top + k];
+        }
+        break;
+      }
+      case smooth_step:
+        top -= 4;
+        stack[top] =
+            smooth_step_of(stack[top], stack[top + 1], stack[top + 2], stack[top + 3], stack[top + 4]);
+        break;
+      default:
+        stack[top] = apply_unary(in.code, stack[top]);
+    }
+  }
+  return stack[0];
+}
+
+void Expression::refuse_value(double value, double t) const {
+  throw std::runtime_error(fmt::format("{} = \"{}\" is {} at t = {:.9g} s", where_, text_, value, t));
+}
+
+double Expression::evaluate(const double* signals) const {
+  const double value = run<double>(signals, signals[0]);
+  if (!std::isfinite(value)) refuse_value(value, signals[0]);
+  return value;
+}
+
+Jet Expression::time_derivatives(double t) const {
+  const Jet f = run<Jet>(nullptr, Jet{t, 1.0, 0.0});
+  for (double x : {f.value, f.first, f.second})
+    if (!std::isfinite(x)) refuse_value(x, t);
+  return f;
+}
+
+}  // namespace flexura::mbs

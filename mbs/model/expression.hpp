@@ -1,0 +1,72 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <string>
+#include <vector>
+
+/// Formulas of time, parameters and measured quantities.
+///
+/// muparser reads the text; its byte code is translated once into a small program that is constant, allocates
+/// nothing and runs on plain numbers or on jets (value, d/dt, d^2/dt^2), so that a drive's velocity and
+/// acceleration are exact and not differences.  Known are + - * / ^, comparisons, && || and ? :, the
+/// constants pi and e, and sin cos tan asin acos atan atan2 sinh cosh tanh asinh acosh atanh exp ln log log10
+/// log2 sqrt abs sign rint min max pow(x, y) and step(x, x0, y0, x1, y1): the cubic from y0 at x0 to y1 at
+/// x1, level outside.
+namespace flexura::mbs {
+
+/// A value with its first two time derivatives.
+struct Jet {
+  double value = 0.0, first = 0.0, second = 0.0;
+};
+
+/// Names that formulas may use, each with its place in the array of values.  Place 0 is the time t.
+class SignalNames {
+ public:
+  SignalNames() { add("t"); }
+  int add(const std::string& name);         ///< the place of the name, new or known
+  int find(const std::string& name) const;  ///< -1 when unknown
+  const std::vector<std::string>& names() const { return names_; }
+  int size() const { return static_cast<int>(names_.size()); }
+
+ private:
+  std::vector<std::string> names_;
+  std::map<std::string, int> place_;
+};
+
+class Expression {
+ public:
+  /// Throws std::invalid_argument: syntax, an unknown name ("did you mean ...?"), an assignment.
+  /// `where` names the element in this and in later messages; `constants` are the parameters.
+  Expression(std::string where, std::string text, const SignalNames& signals,
+             const std::map<std::string, double>& constants);
+
+  const std::string& text() const { return text_; }
+  const std::string& where() const { return where_; }
+  /// Places of the signals the formula reads, without t.
+  const std::vector<int>& reads() const { return reads_; }
+
+  /// Throws std::runtime_error, naming the element and the time, when the result is not finite.
+  double evaluate(const double* signals) const;
+
+  /// f, f', f'' of a formula of t and parameters alone.
+  Jet time_derivatives(double t) const;
+
+ private:
+  struct Instruction {
+    int code;          ///< an operation of expression.cpp
+    int count = 0;     ///< arguments of a function, or target of a jump
+    int place = 0;     ///< of a signal
+    double value = 0;  ///< of a constant
+  };
+  template <class T>
+  T run(const double* signals, const T& time) const;
+  [[noreturn]] void refuse_value(double value, double t) const;
+
+  std::string where_, text_;
+  std::vector<Instruction> program_;
+  std::vector<int> reads_;
+};
+
+}  // namespace flexura::mbs

@@ -1,0 +1,140 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mbs/model/flexible_body.hpp"
+
+#include <cmath>
+#include <stdexcept>
+
+namespace flexura::mbs {
+namespace {
+
+using ConstMap = Eigen::Map<const Eigen::VectorXd>;
+
+/// Block 3 a + b of a vector of nine blocks of m.
+auto block(const Eigen::VectorXd& x, int a, int b, int m) {
+  return x.segment((3 * a + b) * m, m);
+}
+
+}  // namespace
+
+FlexibleBody::FlexibleBody(ModalData data)
+    : m_(static_cast<int>(data.stiffness.size())), data_(std::move(data)) {
+  const superelement::InertiaIntegrals& in = data_.inertia;
+  bool fits =
+      data_.damping.size() == m_ && in.S_phi.cols() == m_ && in.S_xphi.rows() == 9 && in.S_xphi.cols() == m_;
+  for (const Eigen::MatrixXd& S : in.S_phiphi) fits = fits && S.rows() == m_ && S.cols() == m_;
+  for (const FlexibleNode& node : data_.nodes)
+    fits = fits && node.Phi_t.cols() == m_ && node.Phi_r.cols() == m_;
+  if (!fits)
+    throw std::invalid_argument("the inertia integrals of a flexible body do not have one column per mode");
+
+  M_e_ = in.S_phiphi[0] + in.S_phiphi[1] + in.S_phiphi[2];
+  T_.resize(9 * m_, m_);
+  B_0_.resize(9 * m_);
+  // S_phiphi of (a, b) has k, l: int Phi_k,a Phi_l,b; B_ab,i sums s_k over k, hence the transpose.
+  const int stored[3][3] = {{0, 3, 5}, {3, 1, 4}, {5, 4, 2}};
+  const bool direct[3][3] = {
+      {true, true, false}, {false, true, true}, {true, false, true}};  // xy, yz, zx stored
+  for (int a = 0; a < 3; ++a) {
+    for (int b = 0; b < 3; ++b) {
+      const Eigen::MatrixXd& S = in.S_phiphi[stored[a][b]];
+      if (direct[a][b])
+        T_.middleRows((3 * a + b) * m_, m_) = S.transpose();
+      else
+        T_.middleRows((3 * a + b) * m_, m_) = S;
+      B_0_.segment((3 * a + b) * m_, m_) = in.S_xphi.row(3 * a + b).transpose();
+    }
+  }
+}
+
+int FlexibleBody::find_node(const std::string& name) const {
+  for (std::size_t i = 0; i < data_.nodes.size(); ++i)
+    if (data_.nodes[i].name == name) return static_cast<int>(i);
+  return -1;
+}
+
+FlexibleBody::Work FlexibleBody::make_work() const {
+  Work work;
+  work.B = B_0_;
+  work.W = work.T_s = Eigen::VectorXd::Zero(9 * m_);
+  work.C_r = Eigen::Matrix3Xd::Zero(3, m_);
+  return work;
+}
+
+void FlexibleBody::set_position(const double* s_values, Work& work) const {
+  const ConstMap s(s_values, m_);
+  const superelement::InertiaIntegrals& in = data_.inertia;
+  work.T_s.noalias() = T_ * s;
+  work.B = B_0_ + work.T_s;
+  work.d = in.S_x;
+  work.d.noalias() += in.S_phi * s;
+  // int rho_a rho_b = S_xx + s_i int Phi_i,a x_b + B_ab,i s_i.
+  Matrix3d rho_rho = in.S_xx;
+  for (int a = 0; a < 3; ++a)
+    for (int b = 0; b < 3; ++b)
+      rho_rho(a, b) += block(B_0_, b, a, m_).dot(s) + block(work.B, a, b, m_).dot(s);
+  work.J = rho_rho.trace() * Matrix3d::Identity() - rho_rho;
+  for (int c = 0; c < 3; ++c) {
+    const int a = (c + 1) % 3, b = (c + 2) % 3;
+    work.C_r.row(c) = (block(work.B, a, b, m_) - block(work.B, b, a, m_)).transpose();
+  }
+}
+
+Spatial FlexibleBody::inverse_dynamics(const double* s_values, const double* s_dot_values,
+                                       const double* s_ddot_values, const Spatial& V, const Spatial& A,
+                                       Work& work, double* modal_values) const {
+  const ConstMap s(s_values, m_), s_dot(s_dot_values, m_), s_ddot(s_ddot_values, m_);
+  Eigen::Map<Eigen::VectorXd> modal(modal_values, m_);
+  const Vector3d &w = V.angular, &alpha = A.angular, &a = A.linear, &d = work.d;
+  work.W.noalias() = T_ * s_dot;
+
+  Vector3d C_t_s_dot = Vector3d::Zero(), C_t_s_ddot = Vector3d::Zero(), C_r_s_ddot = Vector3d::Zero();
+  C_t_s_dot.noalias() += C_t() * s_dot;
+  C_t_s_ddot.noalias() += C_t() * s_ddot;
+  C_r_s_ddot.noalias() += work.C_r * s_ddot;
+  Matrix3d P;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) P(i, j) = block(work.B, i, j, m_).dot(s_dot);
+
+  Spatial need;
+  need.linear = mass() * a + alpha.cross(d) + w.cross(w.cross(d)) + 2.0 * w.cross(C_t_s_dot) + C_t_s_ddot;
+  need.angular = d.cross(a) + work.J * alpha + w.cross(work.J * w) +
+                 2.0 * (w * P.trace() - P.transpose() * w) + C_r_s_ddot;
+
+  modal = data_.stiffness.cwiseProduct(s) + data_.damping.cwiseProduct(s_dot);
+  modal.noalias() += M_e_ * s_ddot;
+  modal.noalias() += C_t().transpose() * a;
+  modal.noalias() += work.C_r.transpose() * alpha;
+  const double w2 = w.squaredNorm();
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) modal += (w(i) * w(j) - (i == j ? w2 : 0.0)) * block(work.B, i, j, m_);
+    const int j = (i + 1) % 3, k = (i + 2) % 3;
+    modal += 2.0 * w(i) * (block(work.W, j, k, m_) - block(work.W, k, j, m_));
+  }
+  return need;
+}
+
+double FlexibleBody::kinetic_energy(const double* s_dot_values, const Spatial& V, const Work& work) const {
+  const ConstMap s_dot(s_dot_values, m_);
+  const Vector3d &w = V.angular, &v = V.linear;
+  const Vector3d C_t_s_dot = C_t() * s_dot, C_r_s_dot = work.C_r * s_dot;
+  double modal = 0.0;
+  for (int j = 0; j < m_; ++j) modal += s_dot(j) * M_e_.col(j).dot(s_dot);
+  return 0.5 * mass() * v.squaredNorm() + v.dot(w.cross(work.d)) + 0.5 * w.dot(work.J * w) +
+         v.dot(C_t_s_dot) + w.dot(C_r_s_dot) + 0.5 * modal;
+}
+
+double FlexibleBody::strain_energy(const double* s) const {
+  return 0.5 * data_.stiffness.dot(ConstMap(s, m_).cwiseAbs2());
+}
+
+double FlexibleBody::dissipated_power(const double* s_dot) const {
+  return data_.damping.dot(ConstMap(s_dot, m_).cwiseAbs2());
+}
+
+double FlexibleBody::amplitude(int i) const {
+  double largest = 1.0 / std::sqrt(mass());
+  for (const FlexibleNode& node : data_.nodes) largest = std::max(largest, node.Phi_t.col(i).norm());
+  return largest;
+}
+
+}  // namespace flexura::mbs

@@ -1,0 +1,65 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "mbs/model/kinematics.hpp"
+
+/// Force elements and measures.  Adding one: one file in forces/ or measures/ and one line in its registry.
+namespace flexura::mbs {
+
+/// A named output of an element: "spring.force".
+struct OutputInfo {
+  std::string name;  ///< completes "name of the element . "; empty: the element's own name
+  input::Dimension dimension;
+  std::string doc;
+};
+
+struct Powers {
+  double potential = 0.0;   ///< energy stored [J]
+  double input = 0.0;       ///< power put into the mechanism [W]
+  double dissipated = 0.0;  ///< power taken out for good [W], >= 0
+};
+
+class ForceElement {
+ public:
+  explicit ForceElement(std::string name) : name_(std::move(name)) {}
+  virtual ~ForceElement() = default;
+  const std::string& name() const { return name_; }
+
+  /// Adds the applied forces; `signals` are the values of formulas' names (SignalNames).
+  virtual void apply(const Kinematics& kin, const double* signals, Loads& loads) const = 0;
+  /// Adds to `powers` so that potential' = - power of the force + input - dissipated holds exactly.
+  virtual void add_powers(const Kinematics& kin, const double* signals, Powers& powers) const = 0;
+  virtual std::vector<OutputInfo> outputs() const { return {}; }
+  virtual void evaluate_outputs(const Kinematics& /*kin*/, const double* /*signals*/,
+                                double* /*values*/) const {}
+  /// Signals its formulas read.
+  virtual std::vector<int> reads() const { return {}; }
+  /// The markers it acts between, for pictures; -1 where there is none.
+  virtual std::pair<int, int> markers() const { return {-1, -1}; }
+  virtual std::string_view type() const = 0;
+
+ private:
+  std::string name_;
+};
+
+/// A scalar of positions and velocities that formulas can read by its name.
+class Measure {
+ public:
+  explicit Measure(std::string name) : name_(std::move(name)) {}
+  virtual ~Measure() = default;
+  const std::string& name() const { return name_; }
+  virtual input::Dimension dimension() const = 0;
+  /// `signals` holds the measures that stand before this one in the file.
+  virtual double value(const Kinematics& kin, const double* signals) const = 0;
+  /// Signals read by it.
+  virtual std::vector<int> reads() const { return {}; }
+
+ private:
+  std::string name_;
+};
+
+}  // namespace flexura::mbs

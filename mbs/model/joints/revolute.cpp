@@ -1,0 +1,52 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mbs/model/joints/types.hpp"
+
+namespace flexura::mbs {
+namespace {
+
+/// Rotation about the common z axis.  Coordinate: `angle` [rad] of M in F, right-handed about z, counting
+/// full turns. Synonyms: hinge, pin, torsion.
+class Revolute final : public Joint {
+ public:
+  std::string_view type() const override { return "revolute"; }
+  std::vector<CoordinateInfo> coordinates() const override { return {{"angle", input::dim::angle}}; }
+  std::vector<CoordinateInfo> speeds() const override { return {{"speed", input::dim::angular_velocity}}; }
+  std::vector<CoordinateInfo> accelerations() const override {
+    return {{"acceleration", input::dim::angular_acceleration}};
+  }
+  int n_p() const override { return 1; }
+  int n_v() const override { return 1; }
+
+  Pose pose(const double* q) const override {
+    const double c = std::cos(q[0]), s = std::sin(q[0]);
+    Pose X;
+    X.R << c, -s, 0, s, c, 0, 0, 0, 1;
+    return X;
+  }
+  void motion(const double*, MotionMatrix& S) const override { S.col(0) = Vector6d::Unit(2); }
+  void coordinates_of(const Pose& X, double* q) const override {
+    q[0] = std::atan2(X.R(1, 0) - X.R(0, 1), X.R(0, 0) + X.R(1, 1));
+  }
+  void speeds_of(const double*, const Vector6d& V, double* v) const override { v[0] = V(2); }
+
+  void constrain(Rows& rows) const override {
+    for (int i = 0; i < 3; ++i) rows.position_in_F(Vector3d::Unit(i));
+    for (int i = 0; i < 2; ++i) rows.angle(Vector3d::Unit(i), Vector3d::UnitZ());
+  }
+  std::string row_name(int i) const override {
+    static const char* names[] = {"x", "y", "z", "axis_x", "axis_y"};
+    return names[i];
+  }
+};
+
+}  // namespace
+
+JointType revolute_joint() {
+  return {"revolute",
+          "Rotation about the common z axis of the two markers. Also called hinge, pin or torsion joint.",
+          {"hinge", "pin", "torsion"},
+          {},
+          [](const input::Section*) -> std::unique_ptr<Joint> { return std::make_unique<Revolute>(); }};
+}
+
+}  // namespace flexura::mbs

@@ -1,0 +1,232 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include "mbs/model/work.hpp"
+
+/// Mechanism as the solvers see it.
+namespace flexura::mbs {
+
+Sizes Mechanism::sizes() const {
+  Sizes sizes;
+  sizes.n_p = n_p_;
+  sizes.n_v = n_v_;
+  sizes.n_flx = n_flx_;
+  sizes.n_lambda = static_cast<int>(kept_rows_.size());
+  return sizes;
+}
+
+State Mechanism::initial_state() const {
+  State s;
+  s.p = p_0_;
+  s.v = v_0_;
+  s.c.resize(0);
+  s.lambda = Eigen::VectorXd::Zero(kept_rows_.size());
+  s.a.resize(0);
+  return s;
+}
+
+void Mechanism::kinematic(ConstVectorRef p, ConstVectorRef w, VectorRef p_dot) const {
+  for (int b : order_) {
+    const TreeBody& body = bodies_[b];
+    const JointPlace& place = places_[body.joint];
+    place.joint->kinematic(p.data() + place.i_p, w.data() + place.i_v, p_dot.data() + place.i_p);
+    p_dot.segment(body.i_p, body.m) = w.segment(body.i_v, body.m);
+  }
+}
+
+void Mechanism::retract(ConstVectorRef p, ConstVectorRef d, VectorRef p_out) const {
+  for (int b : order_) {
+    const TreeBody& body = bodies_[b];
+    const JointPlace& place = places_[body.joint];
+    place.joint->retract(p.data() + place.i_p, d.data() + place.i_v, p_out.data() + place.i_p);
+    p_out.segment(body.i_p, body.m) = p.segment(body.i_p, body.m) + d.segment(body.i_v, body.m);
+  }
+}
+
+void Mechanism::momentum(const State& s, ConstVectorRef v_dot, Scratch& scratch, VectorRef r, VectorRef,
+                         VectorRef) const {
+  Work& work = work_of(scratch);
+  forward(Level::acceleration, s.t, s.p.data(), s.v.data(), v_dot.data(), work);
+  body_forces(true, work);
+  evaluate_signals(work);
+  BodyLoads loads(*this, work, 1.0);
+  for (const auto& force : d_.forces) force->apply(work.kin, work.signals.data(), loads);
+  add_constraint_loads(s.lambda.data(), -1.0, work);
+  backward(work, r.data());
+}
+
+void Mechanism::position_constraints(double t, ConstVectorRef p, Scratch& scratch, VectorRef g) const {
+  Work& work = work_of(scratch);
+  forward(Level::position, t, p.data(), nullptr, nullptr, work);
+  for (std::size_t k = 0; k < constraints_.size(); ++k)
+    constraints_[k]->position(work.kin, work.rows_g.data() + first_row_[k]);
+  for (std::size_t i = 0; i < kept_rows_.size(); ++i) g(i) = work.rows_g(kept_rows_[i]);
+}
+
+void Mechanism::velocity_constraints(double t, ConstVectorRef p, ConstVectorRef v, Scratch& scratch,
+                                     VectorRef g_dot) const {
+  Work& work = work_of(scratch);
+  forward(Level::velocity, t, p.data(), v.data(), nullptr, work);
+  for (std::size_t k = 0; k < constraints_.size(); ++k)
+    constraints_[k]->velocity(work.kin, work.rows_g.data() + first_row_[k]);
+  for (std::size_t i = 0; i < kept_rows_.size(); ++i) g_dot(i) = work.rows_g(kept_rows_[i]);
+}
+
+void Mechanism::acceleration_constraints(double t, ConstVectorRef p, ConstVectorRef v, ConstVectorRef v_dot,
+                                         Scratch& scratch, VectorRef g_ddot) const {
+  Work& work = work_of(scratch);
+  forward(Level::acceleration, t, p.data(), v.data(), v_dot.data(), work);
+  for (std::size_t k = 0; k < constraints_.size(); ++k)
+    constraints_[k]->acceleration(work.kin, work.rows_g.data() + first_row_[k]);
+  for (std::size_t i = 0; i < kept_rows_.size(); ++i) g_ddot(i) = work.rows_g(kept_rows_[i]);
+}
+
+void Mechanism::apply_GT(double t, ConstVectorRef p, ConstVectorRef x, Scratch& scratch,
+                         VectorRef f_c) const {
+  Work& work = work_of(scratch);
+  forward(Level::position, t, p.data(), nullptr, nullptr, work);
+  clear_loads(work);
+  add_constraint_loads(x.data(), -1.0, work);
+  backward(work, f_c.data());
+}
+
+void Mechanism::constraint_matrix(double t, ConstVectorRef p, Scratch& scratch, MatrixRef G) const {
+  Work& work = work_of(scratch);
+  forward(Level::position, t, p.data(), nullptr, nullptr, work);
+  BodyLoads loads(*this, work, -1.0);
+  std::size_t i = 0;
+  // Row by row: the loads of a unit multiplier, taken inwards.
+  for (std::size_t k = 0; k < constraints_.size(); ++k) {
+    for (; i < kept_rows_.size() && kept_rows_[i] < first_row_[k + 1]; ++i) {
+      clear_loads(work);
+      work.rows_x.segment(first_row_[k], constraints_[k]->n_rows()).setZero();
+      work.rows_x(kept_rows_[i]) = 1.0;
+      constraints_[k]->apply_GT(work.kin, work.rows_x.data() + first_row_[k], loads);
+      backward(work, work.r.data());
+      G.row(i) = work.r.transpose();
+    }
+  }
+}
+
+EnergyReport Mechanism::energies(const double* lambda, Work& work) const {
+  EnergyReport report;
+  for (int b : order_) {
+    const BodyDescription& description = d_.bodies[b];
+    const Work::Body& body = work.bodies[b];
+    const Spatial V = body.X_WB.R.transpose() * body.V;
+    double mass;
+    Vector3d first_moment;
+    if (description.flexible) {
+      const TreeBody& t = bodies_[b];
+      const FlexibleBody& flexible = *description.flexible;
+      mass = flexible.mass();
+      first_moment = body.flexible.d;
+      report.kinetic += flexible.kinetic_energy(work.kin.v + t.i_v, V, body.flexible);
+      report.strain += flexible.strain_energy(work.kin.p + t.i_p);
+      report.dissipated_power += flexible.dissipated_power(work.kin.v + t.i_v);
+    } else {
+      const RigidInertia& I = description.inertia;
+      mass = I.mass;
+      first_moment = I.mass_center;
+      report.kinetic += 0.5 * I.mass * V.linear.squaredNorm() + V.linear.dot(V.angular.cross(I.mass_center)) +
+                        0.5 * V.angular.dot(I.inertia * V.angular);
+    }
+    report.potential -= d_.gravity.dot(mass * body.X_WB.p + body.X_WB.R * first_moment);
+  }
+  Powers powers;
+  for (const auto& force : d_.forces) force->add_powers(work.kin, work.signals.data(), powers);
+  report.potential += powers.potential;
+  report.input_power += powers.input;
+  report.dissipated_power += powers.dissipated;
+  // The constraint forces -G^T lambda have the power -lambda . G v = lambda . g_t.
+  for (std::size_t k = 0; k < constraints_.size(); ++k)
+    constraints_[k]->rate(work.kin, work.rows_g.data() + first_row_[k]);
+  for (std::size_t i = 0; i < kept_rows_.size(); ++i)
+    report.input_power += lambda[i] * work.rows_g(kept_rows_[i]);
+  return report;
+}
+
+EnergyReport Mechanism::energy(const State& s, ConstVectorRef, Scratch& scratch) const {
+  Work& work = work_of(scratch);
+  forward(Level::velocity, s.t, s.p.data(), s.v.data(), nullptr, work);
+  evaluate_signals(work);
+  return energies(s.lambda.data(), work);
+}
+
+void Mechanism::roots(const State&, Scratch&, VectorRef) const {}
+bool Mechanism::on_root(int, State&, Scratch&) const {
+  return false;
+}
+
+bool Mechanism::is_holonomic(int row) const {
+  const int full = kept_rows_[row];
+  std::size_t k = 0;
+  while (first_row_[k + 1] <= full) ++k;
+  return constraints_[k]->is_holonomic();
+}
+
+bool Mechanism::is_reversed(int joint) const {
+  for (int b : order_)
+    if (bodies_[b].joint == joint) return bodies_[b].reversed;
+  return false;
+}
+
+double Mechanism::position_scale(int i) const {
+  for (int b : order_) {
+    const TreeBody& body = bodies_[b];
+    if (i >= body.i_p && i < body.i_p + body.m) return 1.0 / d_.bodies[b].flexible->amplitude(i - body.i_p);
+  }
+  return 1.0;
+}
+
+double Mechanism::velocity_scale(int i) const {
+  for (int b : order_) {
+    const TreeBody& body = bodies_[b];
+    if (i >= body.i_v && i < body.i_v + body.m) return 1.0 / d_.bodies[b].flexible->amplitude(i - body.i_v);
+  }
+  return 1.0;
+}
+
+std::string Mechanism::name_of_position(int i) const {
+  for (int b : order_) {
+    const TreeBody& body = bodies_[b];
+    const JointPlace& place = places_[body.joint];
+    if (i < body.i_p)
+      return d_.joints[body.joint].name + "." + place.joint->coordinates()[i - place.i_p].name;
+    if (i < body.i_p + body.m) return fmt::format("{}.mode_{}", d_.bodies[b].name, i - body.i_p + 1);
+  }
+  return {};
+}
+
+std::string Mechanism::name_of_velocity(int i) const {
+  for (int b : order_) {
+    const TreeBody& body = bodies_[b];
+    const JointPlace& place = places_[body.joint];
+    if (i < body.i_v) return d_.joints[body.joint].name + "." + place.joint->speeds()[i - place.i_v].name;
+    if (i < body.i_v + body.m) return fmt::format("{}.mode_{}_rate", d_.bodies[b].name, i - body.i_v + 1);
+  }
+  return {};
+}
+
+std::string Mechanism::name_of_dynamic(int) const {
+  return {};
+}
+std::string Mechanism::name_of_algebraic(int) const {
+  return {};
+}
+
+std::string Mechanism::name_of_constraint(int i) const {
+  const int full = kept_rows_[i];
+  std::size_t k = 0;
+  while (first_row_[k + 1] <= full) ++k;
+  return constraints_[k]->name() + "." + constraints_[k]->row_name(full - first_row_[k]);
+}
+
+void Mechanism::body_poses(const State& s, Scratch& scratch, std::vector<Pose>& poses) const {
+  Work& work = work_of(scratch);
+  forward(Level::position, s.t, s.p.data(), nullptr, nullptr, work);
+  poses.resize(d_.bodies.size());
+  for (std::size_t b = 0; b < d_.bodies.size(); ++b) poses[b] = work.bodies[b].X_WB;
+}
+
+}  // namespace flexura::mbs

@@ -1,0 +1,189 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <Eigen/Core>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "mbs/model/constraint.hpp"
+#include "mbs/model/equations.hpp"
+#include "mbs/model/flexible_body.hpp"
+#include "mbs/model/force.hpp"
+#include "mbs/model/joint.hpp"
+
+/// A mechanism: bodies on a tree of joints in relative coordinates, loops closed by constraints, forces.
+///
+/// Inverse dynamics is the recursive Newton-Euler sweep (Featherstone, Rigid Body Dynamics Algorithms, ch. 5)
+/// with flexible bodies in floating frames: outwards poses, velocities and accelerations of the bodies, where
+/// a joint may sit on markers that move with the deformation of either body; inwards the wrenches.  Every
+/// body's twist is (w_WB, v_WBo) expressed in W.  The mass matrix comes from composite bodies that keep their
+/// modal coordinates.
+namespace flexura::mbs {
+
+struct MarkerDescription {
+  std::string name;  ///< "crank.pin"
+  int body = 0;      ///< 0 is ground
+  Pose X_BP;         ///< in the undeformed body; on a node: relative to the node
+  int node = -1;     ///< of a flexible body, moves with the deformation
+};
+
+struct BodyDescription {
+  std::string name;
+  RigidInertia inertia = {};                          ///< of a rigid body
+  std::shared_ptr<const FlexibleBody> flexible = {};  ///< or this
+  std::optional<Pose> X_WB = {};                      ///< guess for the assembly, in [m]
+  std::string superelement = {};                      ///< file, for pictures
+  std::string shape_json = {};                        ///< primitive shapes, for pictures
+};
+
+struct JointDescription {
+  std::string name;
+  std::shared_ptr<const Joint> joint;
+  int marker_F = -1, marker_M = -1;
+  bool cut = false;                           ///< keep out of the tree
+  std::map<int, double> initial_coordinates;  ///< by index
+  std::map<int, double> initial_speeds;
+  std::map<int, std::shared_ptr<const Expression>> drives;  ///< coordinate = formula of time
+};
+
+struct MechanismDescription {
+  std::string name;
+  Vector3d gravity = Vector3d::Zero();  ///< in W [m/s^2]
+  std::vector<BodyDescription> bodies{{.name = "ground"}};
+  std::vector<MarkerDescription> markers;
+  std::vector<JointDescription> joints;
+  std::vector<std::shared_ptr<const Constraint>> constraints;
+  std::vector<std::shared_ptr<const ForceElement>> forces;
+  std::vector<std::shared_ptr<const Measure>> measures;
+  /// What formulas may read: "t", then any "joint.coordinate", "joint.speed", "measure" they name.
+  SignalNames signals;
+
+  int add_body(BodyDescription body);
+  int add_marker(int body, const std::string& name, const Pose& X_BP = {}, int node = -1);
+  int add_joint(const std::string& name, const std::string& type, int marker_F, int marker_M);
+};
+
+/// A redundant constraint row that was left out.
+struct RedundantRow {
+  std::string name;                       ///< "slider.rotation_x"
+  std::vector<std::string> follows_from;  ///< rows it is a combination of: their multipliers are not unique
+};
+
+class Mechanism final : public Equations {
+ public:
+  /// Throws std::invalid_argument with one sentence for a description that cannot move or stand: a joint
+  /// between two markers of one body, driven joints that form a loop, a negative mass, ...
+  explicit Mechanism(MechanismDescription description);
+  ~Mechanism() override;
+
+  const MechanismDescription& description() const { return d_; }
+
+  // ---- Equations
+  // -------------------------------------------------------------------------------------------------
+  Sizes sizes() const override;
+  std::unique_ptr<Scratch> make_scratch() const override;
+  void kinematic(ConstVectorRef p, ConstVectorRef w, VectorRef p_dot) const override;
+  void retract(ConstVectorRef p, ConstVectorRef d, VectorRef p_out) const override;
+  void momentum(const State& s, ConstVectorRef v_dot, Scratch& scratch, VectorRef r, VectorRef c_rate,
+                VectorRef b) const override;
+  void position_constraints(double t, ConstVectorRef p, Scratch& scratch, VectorRef g) const override;
+  void velocity_constraints(double t, ConstVectorRef p, ConstVectorRef v, Scratch& scratch,
+                            VectorRef g_dot) const override;
+  void acceleration_constraints(double t, ConstVectorRef p, ConstVectorRef v, ConstVectorRef v_dot,
+                                Scratch& scratch, VectorRef g_ddot) const override;
+  void apply_GT(double t, ConstVectorRef p, ConstVectorRef x, Scratch& scratch, VectorRef f_c) const override;
+  void constraint_matrix(double t, ConstVectorRef p, Scratch& scratch, MatrixRef G) const override;
+  void mass_matrix(ConstVectorRef p, Scratch& scratch, MatrixRef M) const override;
+  EnergyReport energy(const State& s, ConstVectorRef v_dot, Scratch& scratch) const override;
+  void roots(const State& s, Scratch& scratch, VectorRef values) const override;
+  bool on_root(int which, State& s, Scratch& scratch) const override;
+  bool is_holonomic(int row) const override;
+  double position_scale(int i) const override;
+  double velocity_scale(int i) const override;
+  std::string name_of_position(int i) const override;
+  std::string name_of_velocity(int i) const override;
+  std::string name_of_dynamic(int i) const override;
+  std::string name_of_constraint(int i) const override;
+  std::string name_of_algebraic(int i) const override;
+
+  // ---- beyond it
+  // -------------------------------------------------------------------------------------------------
+  /// Initial values as the file gives them: a guess, to be assembled.
+  State initial_state() const;
+  /// Entries of p and v that the user gave: an assembly should rather move the others.
+  const std::vector<bool>& given_positions() const { return given_p_; }
+  const std::vector<bool>& given_velocities() const { return given_v_; }
+
+  /// Finds rows that follow from others at the assembled configuration p and near it (a rank that drops at an
+  /// instant is not redundancy), leaves them out of all later evaluations and says which.
+  std::vector<RedundantRow> drop_redundant(double t, ConstVectorRef p);
+
+  /// Pose of every body (0 = ground) for pictures.
+  void body_poses(const State& s, Scratch& scratch, std::vector<Pose>& poses) const;
+  /// First entry of the modal coordinates of a body in p, -1 for a rigid one.
+  int modal_position(int body) const { return bodies_[body].m > 0 ? bodies_[body].i_p : -1; }
+
+  bool in_tree(int joint) const { return places_[joint].in_tree(); }
+  /// True where the tree runs through the joint from M's body to F's.
+  bool is_reversed(int joint) const;
+  const std::vector<JointPlace>& joint_places() const { return places_; }
+
+ private:
+  struct Work;
+  class BodyLoads;
+
+  struct TreeBody {
+    int parent = -1;
+    int joint = -1;         ///< index in description().joints
+    bool reversed = false;  ///< the parent carries the joint's M
+    int marker_in = -1;     ///< the joint's marker on the parent
+    int marker_out = -1;    ///< the joint's marker on this body
+    int i_p = 0, i_v = 0;   ///< modal coordinates (after those of the joint)
+    int m = 0;
+  };
+
+  enum class Level { position, velocity, acceleration };
+
+  void build_tree();
+  void place_joint(int body, int joint, bool reversed);
+  void number_states();
+  void build_constraints();
+  void find_initial_values();
+
+  Work& work_of(Scratch& scratch) const;
+  void forward(Level level, double t, const double* p, const double* v, const double* v_dot,
+               Work& work) const;
+  void place_markers(int body, Level level, Work& work) const;
+  void move_through_joint(int body, Level level, Work& work) const;
+  void local_marker(int marker, Level level, Work& work) const;
+  void body_forces(bool with_gravity, Work& work) const;
+  void evaluate_signals(Work& work) const;
+  void clear_loads(Work& work) const;
+  void backward(Work& work, double* r) const;
+  void add_constraint_loads(const double* lambda, double factor, Work& work) const;
+  EnergyReport energies(const double* lambda, Work& work) const;
+
+  MechanismDescription d_;
+  std::vector<TreeBody> bodies_;
+  std::vector<int> order_;  ///< bodies outwards, without ground
+  std::vector<JointPlace> places_;
+  std::vector<std::vector<int>> markers_of_body_;
+  std::vector<std::shared_ptr<const Constraint>> constraints_;  ///< closures, drives, then the description's
+  std::vector<int> first_row_;  ///< of each constraint among all rows, and their number at the end
+  std::vector<int> kept_rows_;  ///< all rows -> without redundant ones
+  std::vector<int> used_signals_;
+  struct SignalSource {
+    enum class Kind { time, coordinate, speed, measure } kind = Kind::time;
+    CoordinateRef coordinate;
+    int measure = -1;
+  };
+  std::vector<SignalSource> sources_;  ///< of each signal
+  int n_p_ = 0, n_v_ = 0, n_flx_ = 0;
+  Eigen::VectorXd p_0_, v_0_;
+  std::vector<bool> given_p_, given_v_;
+};
+
+}  // namespace flexura::mbs

@@ -1,0 +1,240 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "mbs/model/work.hpp"
+
+/// Building a mechanism: which joints span the tree, where their coordinates stand, what they start from.
+namespace flexura::mbs {
+
+int MechanismDescription::add_body(BodyDescription body) {
+  bodies.push_back(std::move(body));
+  return static_cast<int>(bodies.size()) - 1;
+}
+
+int MechanismDescription::add_marker(int body, const std::string& marker_name, const Pose& X_BP, int node) {
+  markers.push_back({bodies.at(body).name + "." + marker_name, body, X_BP, node});
+  return static_cast<int>(markers.size()) - 1;
+}
+
+int MechanismDescription::add_joint(const std::string& joint_name, const std::string& type, int marker_F,
+                                    int marker_M) {
+  JointDescription joint;
+  joint.name = joint_name;
+  joint.joint = make_joint(type);
+  joint.marker_F = marker_F;
+  joint.marker_M = marker_M;
+  joints.push_back(std::move(joint));
+  return static_cast<int>(joints.size()) - 1;
+}
+
+Mechanism::~Mechanism() = default;
+
+Mechanism::Mechanism(MechanismDescription description) : d_(std::move(description)) {
+  build_tree();
+  number_states();
+  build_constraints();
+  find_initial_values();
+}
+
+void Mechanism::build_tree() {
+  const int n_bodies = static_cast<int>(d_.bodies.size());
+  for (int b = 1; b < n_bodies; ++b) {
+    const BodyDescription& body = d_.bodies[b];
+    const double mass = body.flexible ? body.flexible->mass() : body.inertia.mass;
+    if (mass < 0.0)
+      throw std::invalid_argument(
+          fmt::format("body \"{}\" has the mass {} kg; a mass must not be negative", body.name, mass));
+  }
+  for (const JointDescription& joint : d_.joints) {
+    const int a = d_.markers.at(joint.marker_F).body, b = d_.markers.at(joint.marker_M).body;
+    if (a == b)
+      throw std::invalid_argument(fmt::format(
+          "joint \"{}\" goes from \"{}\" to \"{}\", two markers of one body; a joint joins two bodies",
+          joint.name, d_.markers[joint.marker_F].name, d_.markers[joint.marker_M].name));
+  }
+
+  bodies_.assign(n_bodies, {});
+  std::vector<bool> reached(n_bodies, false), used(d_.joints.size(), false);
+  reached[0] = true;
+  std::vector<int> queue{0};
+
+  // Breadth first in the order of the file, except that a driven joint is taken as soon as one of its bodies
+  // is reached: its coordinate must be a state.
+  const auto next_joint = [&](bool driven, int body) {
+    for (std::size_t j = 0; j < d_.joints.size(); ++j) {
+      const JointDescription& joint = d_.joints[j];
+      if (used[j] || joint.cut || joint.drives.empty() == driven) continue;
+      const int f = d_.markers[joint.marker_F].body, m = d_.markers[joint.marker_M].body;
+      if (reached[f] == reached[m]) continue;
+      if (body >= 0 && f != body && m != body) continue;
+      return static_cast<int>(j);
+    }
+    return -1;
+  };
+  const auto take = [&](int j) {
+    const int f = d_.markers[d_.joints[j].marker_F].body, m = d_.markers[d_.joints[j].marker_M].body;
+    const bool reversed = !reached[f];
+    const int outer = reversed ? f : m;
+    used[j] = reached[outer] = true;
+    place_joint(outer, j, reversed);
+    queue.push_back(outer);
+  };
+  const auto sweep = [&] {
+    for (std::size_t k = 0; k < queue.size(); ++k) {
+      while (true) {
+        int j = next_joint(true, -1);
+        if (j < 0) j = next_joint(false, queue[k]);
+        if (j < 0) break;
+        take(j);
+      }
+    }
+  };
+  sweep();
+  // Bodies that no joint leads to float free: the first of each such group gets six freedoms to ground.
+  for (int b = 1; b < n_bodies; ++b) {
+    if (reached[b]) continue;
+    const int F = d_.add_marker(0, "origin_of_" + d_.bodies[b].name, {});
+    const int M = d_.add_marker(b, "frame", {});
+    const int j = d_.add_joint(d_.bodies[b].name, "six_dof", F, M);
+    used.push_back(false);
+    take(j);
+    sweep();
+  }
+  for (std::size_t j = 0; j < d_.joints.size(); ++j)
+    if (!used[j] && !d_.joints[j].drives.empty())
+      throw std::invalid_argument(
+          fmt::format("joint \"{}\" is driven but closes a loop; {}", d_.joints[j].name,
+                      d_.joints[j].cut ? "take away its cut = true and cut another joint of the loop"
+                                       : "a loop of driven joints alone cannot move"));
+
+  markers_of_body_.assign(n_bodies, {});
+  for (std::size_t i = 0; i < d_.markers.size(); ++i)
+    markers_of_body_[d_.markers[i].body].push_back(static_cast<int>(i));
+}
+
+void Mechanism::place_joint(int body, int joint, bool reversed) {
+  const JointDescription& j = d_.joints[joint];
+  TreeBody& t = bodies_[body];
+  t.joint = joint;
+  t.reversed = reversed;
+  t.marker_in = reversed ? j.marker_M : j.marker_F;
+  t.marker_out = reversed ? j.marker_F : j.marker_M;
+  t.parent = d_.markers[t.marker_in].body;
+  order_.push_back(body);
+}
+
+void Mechanism::number_states() {
+  places_.resize(d_.joints.size());
+  for (std::size_t j = 0; j < d_.joints.size(); ++j)
+    places_[j] = {d_.joints[j].joint.get(), d_.joints[j].marker_F, d_.joints[j].marker_M};
+  for (int b : order_) {
+    TreeBody& body = bodies_[b];
+    JointPlace& place = places_[body.joint];
+    place.i_p = n_p_;
+    place.i_v = n_v_;
+    n_p_ += place.joint->n_p();
+    n_v_ += place.joint->n_v();
+    body.i_p = n_p_;
+    body.i_v = n_v_;
+    body.m = d_.bodies[b].flexible ? d_.bodies[b].flexible->m() : 0;
+    n_p_ += body.m;
+    n_v_ += body.m;
+    n_flx_ += body.m;
+  }
+}
+
+void Mechanism::build_constraints() {
+  for (std::size_t j = 0; j < d_.joints.size(); ++j) {
+    const JointDescription& joint = d_.joints[j];
+    if (!places_[j].in_tree() && joint.joint->n_rows() > 0)
+      constraints_.push_back(
+          std::make_shared<RelativeConstraint>(joint.name, joint.marker_F, joint.marker_M, joint.joint));
+    for (const auto& [index, motion] : joint.drives)
+      constraints_.push_back(
+          std::make_shared<DriveConstraint>(joint.name, CoordinateRef{static_cast<int>(j), index}, motion));
+  }
+  constraints_.insert(constraints_.end(), d_.constraints.begin(), d_.constraints.end());
+  int row = 0;
+  for (const auto& constraint : constraints_) {
+    first_row_.push_back(row);
+    row += constraint->n_rows();
+  }
+  first_row_.push_back(row);
+  for (int i = 0; i < row; ++i) kept_rows_.push_back(i);
+
+  // Where the signals come from, and which of them anything reads.
+  sources_.resize(d_.signals.size());
+  std::vector<bool> is_used(d_.signals.size(), false);
+  for (std::size_t j = 0; j < d_.joints.size(); ++j) {
+    const std::string prefix = d_.joints[j].name + ".";
+    const auto link = [&](const std::vector<CoordinateInfo>& infos, SignalSource::Kind kind) {
+      for (std::size_t i = 0; i < infos.size(); ++i)
+        if (const int k = d_.signals.find(prefix + infos[i].name); k >= 0)
+          sources_[k] = {kind, {static_cast<int>(j), static_cast<int>(i)}, -1};
+    };
+    link(d_.joints[j].joint->coordinates(), SignalSource::Kind::coordinate);
+    link(d_.joints[j].joint->speeds(), SignalSource::Kind::speed);
+  }
+  for (std::size_t i = 0; i < d_.measures.size(); ++i)
+    if (const int k = d_.signals.find(d_.measures[i]->name()); k >= 0)
+      sources_[k] = {SignalSource::Kind::measure, {}, static_cast<int>(i)};
+  const auto mark = [&](const std::vector<int>& reads) {
+    for (int k : reads) is_used[k] = true;
+  };
+  for (const auto& force : d_.forces) mark(force->reads());
+  // A measure reads only measures before it: backwards, so that what a used one needs is used too.
+  for (std::size_t i = d_.measures.size(); i-- > 0;)
+    if (const int k = d_.signals.find(d_.measures[i]->name()); k >= 0 && is_used[k])
+      mark(d_.measures[i]->reads());
+  // Coordinates first, then measures in their order: a measure may read both.
+  for (int k = 1; k < d_.signals.size(); ++k)
+    if (is_used[k] && sources_[k].kind != SignalSource::Kind::measure) used_signals_.push_back(k);
+  for (std::size_t i = 0; i < d_.measures.size(); ++i)
+    if (const int k = d_.signals.find(d_.measures[i]->name()); k >= 0 && is_used[k])
+      used_signals_.push_back(k);
+}
+
+void Mechanism::find_initial_values() {
+  p_0_ = Eigen::VectorXd::Zero(n_p_);
+  v_0_ = Eigen::VectorXd::Zero(n_v_);
+  given_p_.assign(n_p_, false);
+  given_v_.assign(n_v_, false);
+  for (const JointPlace& place : places_)
+    if (place.in_tree()) place.joint->reference(p_0_.data() + place.i_p);
+
+  const auto scratch = make_scratch();
+  Work& work = work_of(*scratch);
+  for (int b : order_) {
+    const TreeBody& body = bodies_[b];
+    const JointDescription& joint = d_.joints[body.joint];
+    const JointPlace& place = places_[body.joint];
+    if (d_.bodies[b].X_WB) {
+      forward(Level::position, 0.0, p_0_.data(), nullptr, nullptr, work);
+      const Pose X_WP_in = work.kin.markers[body.marker_in].X_WP;
+      const Pose X_BP_out = work.bodies[b].X_WB.inverse() * work.kin.markers[body.marker_out].X_WP;
+      const Pose X = X_WP_in.inverse() * (*d_.bodies[b].X_WB * X_BP_out);
+      joint.joint->coordinates_of(body.reversed ? X.inverse() : X, p_0_.data() + place.i_p);
+    }
+    for (const auto& [index, motion] : joint.drives) {
+      const Jet f = motion->time_derivatives(0.0);
+      p_0_[place.i_p + index] = f.value;
+      v_0_[place.i_v + index] = f.first;
+    }
+    for (const auto& [index, value] : joint.initial_coordinates) {
+      p_0_[place.i_p + index] = value;
+      given_p_[place.i_p + index] = true;
+    }
+    for (const auto& [index, value] : joint.initial_speeds) {
+      v_0_[place.i_v + index] = value;
+      given_v_[place.i_v + index] = true;
+    }
+  }
+  // Initial coordinates may hold quaternions of any length.
+  const Eigen::VectorXd p = p_0_;
+  retract(p, Eigen::VectorXd::Zero(n_v_), p_0_);
+}
+
+}  // namespace flexura::mbs

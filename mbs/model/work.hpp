@@ -1,0 +1,64 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <vector>
+
+#include "mbs/model/mechanism.hpp"
+
+/// Private to the sources of Mechanism: its scratch.
+namespace flexura::mbs {
+
+struct Mechanism::Work final : public Equations::Scratch {
+  struct Body {
+    Pose X_WB;
+    Spatial V, A;  ///< twist and acceleration of B, in W
+    Spatial F;     ///< wrench on the body about Bo that its motion needs, in W, less what is applied
+    FlexibleBody::Work flexible;
+
+    // The tree joint, from the parent's marker frame (in) to this body's (out), expressed in the former.
+    Pose X_in_out;
+    MotionMatrix S;
+    Vector6d bias = Vector6d::Zero();
+    Spatial through_joint;  ///< wrench on this body about the outer marker's origin, in W
+
+    // The composite body: this one and all outboard of it with joints and modes at rest, in W about Bo.
+    Matrix6d I_c = Matrix6d::Zero();
+    Eigen::Matrix<double, 6, Eigen::Dynamic> C_c;  ///< 6 x m: wrench for unit s''
+    Eigen::MatrixXd M_c;                           ///< m x m
+  };
+  /// A marker on a node of a flexible body, relative to its body and expressed there.
+  struct LocalMarker {
+    Pose X_BP;
+    Spatial V_BP, A_BP;
+    Eigen::Matrix<double, 6, Eigen::Dynamic> map;  ///< 6 x m: V_BP = map s'
+  };
+
+  Kinematics kin;
+  std::vector<Body> bodies;
+  std::vector<LocalMarker> local;  ///< of every marker; map is empty on rigid bodies
+  Eigen::VectorXd r;               ///< n_v: forces along the velocity coordinates
+  Eigen::VectorXd rows_x, rows_g;  ///< one entry for each constraint row, redundant ones included
+  Eigen::VectorXd signals;
+  Eigen::VectorXd zero_v;
+  // Columns of the mass matrix under way to the root: twists of a body for unit velocities of its own
+  // coordinates, the wrench they need and the modal forces.
+  std::vector<Eigen::Matrix<double, 6, Eigen::Dynamic>> K;
+  Eigen::Matrix<double, 6, Eigen::Dynamic> H;
+};
+
+/// Takes loads into the scratch, times `factor`.
+class Mechanism::BodyLoads final : public Loads {
+ public:
+  BodyLoads(const Mechanism& mechanism, Work& work, double factor)
+      : mechanism_(mechanism), work_(work), factor_(factor) {}
+  using Loads::apply;
+  void apply(int marker, const Spatial& wrench_W) override;
+  void apply(CoordinateRef c, double force) override;
+
+ private:
+  const Mechanism& mechanism_;
+  Work& work_;
+  double factor_;
+};
+
+}  // namespace flexura::mbs

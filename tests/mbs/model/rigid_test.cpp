@@ -1,0 +1,327 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "tests/mbs/model/checks.hpp"
+
+namespace flexura::mbs {
+namespace {
+
+using namespace checks;
+
+constexpr double g_0 = 9.81;
+
+/// Random bodies, one for each of the types, hung on each other in a branching tree; every other joint is
+/// written with its From marker on the outer body.
+MechanismDescription random_tree(const std::vector<std::string>& types, unsigned seed) {
+  Random random(seed);
+  MechanismDescription d;
+  d.gravity = {0.3, -0.4, -g_0};
+  for (std::size_t i = 0; i < types.size(); ++i) {
+    const int b = d.add_body({.name = "body_" + std::to_string(i), .inertia = random.inertia()});
+    const int parent = i < 2 ? static_cast<int>(i) : static_cast<int>(i) - static_cast<int>(i % 3 == 0);
+    const int in = d.add_marker(parent, "out_" + std::to_string(i), random.pose());
+    const int out = d.add_marker(b, "in", random.pose());
+    if (i % 2 == 0)
+      d.add_joint("joint_" + std::to_string(i), types[i], in, out);
+    else
+      d.add_joint("joint_" + std::to_string(i), types[i], out, in);
+  }
+  return d;
+}
+
+std::vector<std::string> type_names() {
+  std::vector<std::string> names;
+  for (const JointType& type : joint_types()) names.push_back(type.name);
+  return names;
+}
+
+TEST(Joint, RowsVanishOnItsMotionAndRestrainAllElse) {
+  Random random(1);
+  for (const std::string& type : type_names()) {
+    SCOPED_TRACE(type);
+    const auto joint = make_joint(type);
+    double q[7], d[6], v[6], q_moved[7];
+    joint->reference(q);
+    for (double& x : d) x = random(-0.8, 0.8);
+    joint->retract(q, d, q_moved);
+    for (double& x : v) x = random();
+    const Pose X = joint->pose(q_moved);
+    MotionMatrix S(6, joint->n_v());
+    joint->motion(q_moved, S);
+    Vector6d V = Vector6d::Zero();
+    for (int i = 0; i < joint->n_v(); ++i) V += S.col(i) * v[i];
+    Rows rows(X, V);
+    joint->constrain(rows);
+    ASSERT_EQ(rows.n, 6 - joint->n_v());
+    EXPECT_LE(rows.g.cwiseAbs().maxCoeff(), 1e-14);
+    const MatrixXd G = rows.G.topRows(rows.n);
+    if (rows.n > 0 && joint->n_v() > 0) {
+      EXPECT_LE((G * S).cwiseAbs().maxCoeff(), 1e-14);
+    }
+    if (rows.n > 0) {
+      EXPECT_EQ(Eigen::FullPivLU<MatrixXd>(G).rank(), rows.n);
+    }
+    // g'' = G (S v' + bias) + gamma vanishes for every v'.
+    const VectorXd g_ddot = G * joint->bias(q_moved, v) + rows.gamma.head(rows.n);
+    if (rows.n > 0) {
+      EXPECT_LE(g_ddot.cwiseAbs().maxCoeff(), 1e-13);
+    }
+    // Coordinates and speeds come back from pose and twist.
+    double q_back[7], v_back[6];
+    joint->coordinates_of(X, q_back);
+    joint->speeds_of(q_moved, V, v_back);
+    const Pose X_back = joint->pose(q_back);
+    EXPECT_LE((X_back.R - X.R).cwiseAbs().maxCoeff() + (X_back.p - X.p).cwiseAbs().maxCoeff(), 1e-14);
+    for (int i = 0; i < joint->n_v(); ++i) EXPECT_NEAR(v_back[i], v[i], 1e-14);
+  }
+}
+
+TEST(Joint, MotionIsDerivativeOfPose) {
+  Random random(2);
+  for (const std::string& type : type_names()) {
+    SCOPED_TRACE(type);
+    const auto joint = make_joint(type);
+    double q_0[7], q[7], a[7], b[7], d[6], d_minus[6];
+    joint->reference(q_0);
+    for (double& x : d) x = random(-0.8, 0.8);
+    joint->retract(q_0, d, q);
+    MotionMatrix S(6, joint->n_v());
+    joint->motion(q, S);
+    for (int i = 0; i < joint->n_v(); ++i) {
+      const double h = 1e-5;  // truncation h^2/6, round-off 1e-16/h: both about 1e-11
+      for (int k = 0; k < 6; ++k) d[k] = k == i ? h : 0.0, d_minus[k] = -d[k];
+      joint->retract(q, d, a);
+      joint->retract(q, d_minus, b);
+      const Pose X = joint->pose(q), X_a = joint->pose(a), X_b = joint->pose(b);
+      const Matrix3d W = (X_a.R - X_b.R) / (2 * h) * X.R.transpose();
+      Vector6d V;
+      V << W(2, 1), W(0, 2), W(1, 0), (X_a.p - X_b.p) / (2 * h);
+      EXPECT_LE((S.col(i) - V).cwiseAbs().maxCoeff(), 1e-9);
+    }
+  }
+}
+
+TEST(RigidTree, SatisfiesAllIdentities) {
+  for (unsigned seed : {1u, 2u, 3u}) {
+    std::vector<std::string> types = type_names();
+    std::ranges::rotate(types, types.begin() + seed % types.size());
+    std::vector<std::string> twice = types;
+    twice.insert(twice.end(), types.begin(), types.end());
+    // A fixed body at the end would be carried by its parent's freedoms: fine anywhere.
+    all_identities_hold(Mechanism(random_tree(twice, seed)), seed);
+  }
+}
+
+TEST(RigidTree, SatisfiesLagrangesEquations) {
+  // Three slides and three turns carry the first body through every motion in space without quaternions; odd
+  // joints are reversed.
+  const Mechanism mechanism(random_tree({"prismatic", "prismatic", "prismatic", "revolute", "revolute",
+                                         "revolute", "fixed", "revolute", "prismatic", "revolute"},
+                                        7));
+  lagrange_equations_hold(mechanism, random_state(mechanism, 8), 9);
+}
+
+TEST(Closure, OfEveryJointTypeSatisfiesAllIdentities) {
+  unsigned seed = 20;
+  for (const std::string& type : type_names()) {
+    SCOPED_TRACE(type);
+    MechanismDescription d = random_tree({"six_dof", "revolute", "spherical", "prismatic"}, ++seed);
+    Random random(seed);
+    const int F = d.add_marker(2, "loop_F", random.pose()), M = d.add_marker(4, "loop_M", random.pose());
+    const int joint = d.add_joint("loop", type, F, M);
+    d.joints[joint].cut = true;
+    all_identities_hold(Mechanism(d), seed);
+  }
+}
+
+TEST(FreeBody, FallsWithGravity) {
+  Random random(3);
+  MechanismDescription d;
+  d.gravity = {0, 0, -g_0};
+  const Pose X = random.pose();
+  d.add_body({.name = "stone", .inertia = random.inertia(), .X_WB = X});
+  const Mechanism mechanism(d);
+  EXPECT_EQ(mechanism.sizes().n_p, 7);
+  EXPECT_EQ(mechanism.sizes().n_v, 6);
+  State s = mechanism.initial_state();
+  const auto scratch = mechanism.make_scratch();
+  std::vector<Pose> poses;
+  mechanism.body_poses(s, *scratch, poses);
+  EXPECT_LE((poses[1].R - X.R).norm() + (poses[1].p - X.p).norm(), 1e-14);
+  VectorXd v_dot = VectorXd::Zero(6);
+  v_dot(5) = -g_0;
+  EXPECT_LE(momentum(mechanism, s, v_dot).cwiseAbs().maxCoeff(), 1e-14 * g_0 * 4);
+  EXPECT_EQ(mechanism.name_of_position(4), "stone.x");
+  EXPECT_EQ(mechanism.name_of_velocity(0), "stone.omega_x");
+}
+
+TEST(Tree, IsBreadthFirstAndTakesDrivenJointsFirst) {
+  // Ground - a - b - c - ground: without a drive the joint b-c, last to be reached, closes the loop; when it
+  // is driven, a-b does.
+  for (bool driven : {false, true}) {
+    MechanismDescription d;
+    Random random(4);
+    for (const char* name : {"a", "b", "c"}) d.add_body({.name = name, .inertia = random.inertia()});
+    const auto join = [&](const std::string& name, int x, int y) {
+      return d.add_joint(name, "revolute", d.add_marker(x, name + "_1"), d.add_marker(y, name + "_2"));
+    };
+    join("ground_a", 0, 1);
+    const int a_b = join("a_b", 1, 2);
+    const int b_c = join("b_c", 2, 3);
+    const int c_ground = join("c_ground", 3, 0);
+    if (driven)
+      d.joints[b_c].drives[0] = std::make_shared<Expression>("joint.b_c.drive", "sin(t)", d.signals,
+                                                             std::map<std::string, double>{});
+    const Mechanism mechanism(d);
+    EXPECT_EQ(mechanism.in_tree(b_c), driven);
+    EXPECT_EQ(mechanism.in_tree(a_b), !driven);
+    EXPECT_TRUE(mechanism.is_reversed(c_ground));
+  }
+}
+
+/// Crank of length a about z at the origin, rod of length l, slider along x with offset 0: revolute joints
+/// with parallel axes and a prismatic joint along x.
+MechanismDescription slider_crank(double a, double l) {
+  MechanismDescription d;
+  d.gravity = {0, -g_0, 0};
+  const auto rod = [](double m, double length) {
+    return RigidInertia::from_center(
+        m, {0.5 * length, 0, 0},
+        Vector3d(1e-4, m * length * length / 12, m * length * length / 12).asDiagonal());
+  };
+  const int crank = d.add_body({.name = "crank", .inertia = rod(0.5, a)});
+  const int con = d.add_body({.name = "rod", .inertia = rod(0.8, l)});
+  const int slider = d.add_body(
+      {.name = "slider", .inertia = RigidInertia::from_center(1.2, {0, 0, 0}, 1e-3 * Matrix3d::Identity())});
+  const Pose at_a{Matrix3d::Identity(), {a, 0, 0}}, at_l{Matrix3d::Identity(), {l, 0, 0}};
+  const Pose along_x{frame_along(Vector3d::UnitX()), Vector3d::Zero()};
+  const int shaft = d.add_joint("shaft", "revolute", d.add_marker(0, "shaft"), d.add_marker(crank, "shaft"));
+  d.add_joint("pin", "revolute", d.add_marker(crank, "pin", at_a), d.add_marker(con, "big_end"));
+  d.add_joint("guide", "prismatic", d.add_marker(0, "guide", along_x),
+              d.add_marker(slider, "guide", along_x));
+  d.add_joint("wrist", "revolute", d.add_marker(con, "small_end", at_l), d.add_marker(slider, "wrist"));
+  d.joints[shaft].drives[0] = std::make_shared<Expression>("joint.shaft.drive", "0.4 + 30*t", d.signals,
+                                                           std::map<std::string, double>{});
+  d.joints[2].initial_coordinates[0] = a + l;
+  return d;
+}
+
+TEST(SliderCrank, FollowsClosedForm) {
+  const double a = 0.1, l = 0.35, w = 30.0;
+  Mechanism mechanism(slider_crank(a, l));
+  State s = mechanism.initial_state();
+  assemble(mechanism, s);
+  // A closed planar loop of three revolutes and a slider holds three redundant rows.
+  EXPECT_EQ(mechanism.drop_redundant(0.0, s.p).size(), 3u);
+  ASSERT_EQ(mechanism.sizes().n_lambda, mechanism.sizes().n_v);  // n_DOF = 0: the crank is driven
+  const auto scratch = mechanism.make_scratch();
+  const int n = mechanism.sizes().n_v;
+  int i_x = -1;
+  for (int i = 0; i < mechanism.sizes().n_p; ++i)
+    if (mechanism.name_of_position(i) == "guide.displacement") i_x = i;
+  ASSERT_GE(i_x, 0);
+  for (double t = 0.0; t < 0.3; t += 0.007) {
+    s.t = t;
+    assemble(mechanism, s);
+    MatrixXd G(n, n);
+    mechanism.constraint_matrix(t, s.p, *scratch, G);
+    VectorXd rate(n), bias(n);
+    mechanism.velocity_constraints(t, s.p, VectorXd::Zero(n), *scratch, rate);
+    s.v = Eigen::FullPivLU<MatrixXd>(G).solve(-rate);
+    mechanism.acceleration_constraints(t, s.p, s.v, VectorXd::Zero(n), *scratch, bias);
+    const VectorXd v_dot = Eigen::FullPivLU<MatrixXd>(G).solve(-bias);
+    // x = a cos(phi) + sqrt(l^2 - a^2 sin^2 phi) and its derivatives.
+    const double phi = 0.4 + w * t, si = std::sin(phi), co = std::cos(phi);
+    const double root = std::sqrt(l * l - a * a * si * si);
+    const double x = a * co + root;
+    const double dx = -a * si - a * a * si * co / root;
+    const double ddx =
+        -a * co - a * a * (co * co - si * si) / root - std::pow(a * a * si * co, 2) / std::pow(root, 3);
+    EXPECT_NEAR(s.p(i_x), x, 1e-12);  // assembled to 1e-13, carried by well-conditioned G
+    EXPECT_NEAR(s.v(i_x), w * dx, 1e-11 * w);
+    EXPECT_NEAR(v_dot(i_x), w * w * ddx, 1e-11 * w * w);
+  }
+}
+
+TEST(SliderCrank, DriveTorqueIsPowerOfMotion) {
+  Mechanism mechanism(slider_crank(0.1, 0.35));
+  all_identities_hold(mechanism, 5);
+}
+
+/// Lengths l of ground link, crank, coupler, rocker; at fold = true all lie on one line (a dead point).
+Mechanism four_bar(double ground, double crank, double coupler, double rocker) {
+  MechanismDescription d;
+  const auto inertia = [](double l) {
+    return RigidInertia::from_center(l, {0.5 * l, 0, 0}, 0.1 * l * Matrix3d::Identity());
+  };
+  const int a = d.add_body({.name = "crank", .inertia = inertia(crank)});
+  const int b = d.add_body({.name = "coupler", .inertia = inertia(coupler)});
+  const int c = d.add_body({.name = "rocker", .inertia = inertia(rocker)});
+  const auto at = [](double l) { return Pose{Matrix3d::Identity(), {l, 0, 0}}; };
+  d.add_joint("A", "revolute", d.add_marker(0, "A"), d.add_marker(a, "A"));
+  d.add_joint("B", "revolute", d.add_marker(a, "B", at(crank)), d.add_marker(b, "B"));
+  d.add_joint("D", "revolute", d.add_marker(0, "D", at(ground)), d.add_marker(c, "D"));
+  d.add_joint("C", "revolute", d.add_marker(b, "C", at(coupler)), d.add_marker(c, "C", at(rocker)));
+  d.joints[0].initial_coordinates[0] = 0.9;
+  d.joints[2].initial_coordinates[0] = 1.2;
+  d.joints[1].initial_coordinates[0] = -0.7;
+  return Mechanism(d);
+}
+
+TEST(FourBar, HasThreeRedundantRows) {
+  Mechanism mechanism = four_bar(1.0, 0.4, 0.9, 0.8);
+  State s = mechanism.initial_state();
+  assemble(mechanism, s);
+  const std::vector<RedundantRow> redundant = mechanism.drop_redundant(0.0, s.p);
+  EXPECT_EQ(redundant.size(), 3u);
+  EXPECT_EQ(mechanism.sizes().n_lambda, 2);
+  EXPECT_EQ(mechanism.name_of_constraint(0), "C.x");
+  EXPECT_EQ(mechanism.name_of_constraint(1), "C.y");
+  std::vector<std::string> names;
+  for (const RedundantRow& row : redundant) names.push_back(row.name);
+  EXPECT_EQ(names, (std::vector<std::string>{"C.z", "C.axis_x", "C.axis_y"}));
+  constraints_are_consistent(mechanism, random_state(mechanism, 31), 32);
+}
+
+TEST(FourBar, KeepsItsRowsAtADeadPoint) {
+  // Crank + coupler = ground + rocker: stretched out, the two planar rows have parallel gradients, G loses a
+  // rank.
+  Mechanism mechanism = four_bar(1.0, 0.6, 1.2, 0.8);
+  State s = mechanism.initial_state();
+  s.p << 0.0, 0.0, 0.0;
+  for (int i = 0; i < 3; ++i)
+    if (mechanism.name_of_position(i) == "D.angle") s.p(i) = 0.0;
+  assemble(mechanism, s);
+  const auto scratch = mechanism.make_scratch();
+  MatrixXd G(5, 3);
+  mechanism.constraint_matrix(0.0, s.p, *scratch, G);
+  ASSERT_EQ(Eigen::FullPivLU<MatrixXd>(G).setThreshold(1e-6).rank(), 1);
+  EXPECT_EQ(mechanism.drop_redundant(0.0, s.p).size(), 3u);
+  EXPECT_EQ(mechanism.sizes().n_lambda, 2);
+}
+
+TEST(Mechanism, RefusesWhatCannotStand) {
+  const auto message = [](MechanismDescription d) -> std::string {
+    try {
+      Mechanism mechanism(std::move(d));
+    } catch (const std::invalid_argument& error) {
+      return error.what();
+    }
+    return {};
+  };
+  {
+    MechanismDescription d;
+    const int b = d.add_body({.name = "rod"});
+    d.add_joint("j", "revolute", d.add_marker(b, "left"), d.add_marker(b, "right"));
+    EXPECT_EQ(
+        message(d),
+        "joint \"j\" goes from \"rod.left\" to \"rod.right\", two markers of one body; a joint joins two "
+        "bodies");
+  }
+  {
+    MechanismDescription d;
+    d.add_body({.name = "rod", .inertia = {.mass = -2.0}});
+    EXPECT_EQ(message(d), "body \"rod\" has the mass -2 kg; a mass must not be negative");
+  }
+}
+
+}  // namespace
+}  // namespace flexura::mbs
