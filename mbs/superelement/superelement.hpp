@@ -10,13 +10,13 @@
 
 /// The superelement: the one thing that passes from the reduction program to the runtime.
 ///
-/// A body is described by n = n_b + n_q shape functions phi_k (the columns of the recovery matrix T): n_b constraint
-/// modes, one for each interface degree of freedom, then n_q fixed-interface normal modes.
+/// A body is described by n = n_b + n_q shape functions phi_k (the columns of the recovery matrix T): n_b
+/// constraint modes, one for each interface degree of freedom, then n_q fixed-interface normal modes.
 ///
 ///     u(x) = sum_k phi_k(x) u_se,k,     u_se = (u_b, eta),     K_se = T^T K T,   M_se = T^T M T
 ///
-/// Everything is SI and expressed in the superelement frame B, the coordinate system of the part's CAD file or mesh.
-/// The file layout is described in FORMAT.md beside this header.
+/// Everything is SI and expressed in the superelement frame B, the coordinate system of the part's CAD file
+/// or mesh. The file layout is described in FORMAT.md beside this header.
 namespace flexura::superelement {
 
 /// Directions of an interface node, in the order of its columns.
@@ -25,40 +25,46 @@ enum class Direction : std::uint8_t { u_x, u_y, u_z, theta_x, theta_y, theta_z }
 /// An interface node: the point to which a face, an edge or a node of the mesh is tied.
 struct Interface {
   std::string name;
-  std::string tie;                  ///< "rigid" (RBE2), "average" (RBE3) or "node"
+  std::string tie;                                    ///< "rigid" (RBE2), "average" (RBE3) or "node"
   Eigen::Vector3d p_BoN_B = Eigen::Vector3d::Zero();  ///< [m]
-  std::vector<Direction> directions;  ///< retained directions, usually all six; displacement [m], rotation [rad]
-  int first_dof = 0;                ///< column of directions[0] in the matrices
+  std::vector<Direction>
+      directions;     ///< retained directions, usually all six; displacement [m], rotation [rad]
+  int first_dof = 0;  ///< column of directions[0] in the matrices
 };
 
-/// Integrals over the undeformed body of products of position x and shapes phi, taken from the consistent mass matrix.
-/// They are complete: every inertia coupling term of the floating frame is a combination of them (theory: Wallrapp's
-/// standard input data mdCM, J, Ct, Cr, Me, Gr, Ge, Oe).  a, b run over x, y, z; k, l over the n shapes.
+/// Integrals over the undeformed body of products of position x and shapes phi, taken from the consistent
+/// mass matrix. They are complete: every inertia coupling term of the floating frame is a combination of them
+/// (theory: Wallrapp's standard input data mdCM, J, Ct, Cr, Me, Gr, Ge, Oe).  a, b run over x, y, z; k, l
+/// over the n shapes.
 struct InertiaIntegrals {
-  double mass = 0.0;                                          ///< integral of dm [kg]
-  Eigen::Vector3d S_x = Eigen::Vector3d::Zero();              ///< integral of x_a dm [kg m], about Bo
-  Eigen::Matrix3d S_xx = Eigen::Matrix3d::Zero();             ///< integral of x_a x_b dm [kg m^2], about Bo
-  Eigen::Matrix3Xd S_phi;                                     ///< (a, k): integral of phi_k,a dm
-  Eigen::MatrixXd S_xphi;                                     ///< 9 x n, row 3 a + b: integral of x_a phi_k,b dm
-  /// integral of phi_k,a phi_l,b dm for (a, b) = xx, yy, zz, xy, yz, zx; each n x n.  (b, a) is the transpose.
+  double mass = 0.0;                               ///< integral of dm [kg]
+  Eigen::Vector3d S_x = Eigen::Vector3d::Zero();   ///< integral of x_a dm [kg m], about Bo
+  Eigen::Matrix3d S_xx = Eigen::Matrix3d::Zero();  ///< integral of x_a x_b dm [kg m^2], about Bo
+  Eigen::Matrix3Xd S_phi;                          ///< (a, k): integral of phi_k,a dm
+  Eigen::MatrixXd S_xphi;                          ///< 9 x n, row 3 a + b: integral of x_a phi_k,b dm
+  /// integral of phi_k,a phi_l,b dm for (a, b) = xx, yy, zz, xy, yz, zx; each n x n.  (b, a) is the
+  /// transpose.
   std::array<Eigen::MatrixXd, 6> S_phiphi;
 };
 
 /// What a picture needs: the outer surface and the shapes on its vertices.
 struct Surface {
-  Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor> vertices;        ///< n_v x 3 [m], frame B
-  Eigen::Matrix<std::int32_t, Eigen::Dynamic, 3, Eigen::RowMajor> triangles;  ///< n_t x 3, counter-clockwise outside
-  Eigen::Matrix<std::int32_t, Eigen::Dynamic, 2, Eigen::RowMajor> edges;      ///< n_e x 2, feature edges
-  std::vector<std::int32_t> triangle_interface;  ///< n_t; index of the interface the triangle belongs to, or -1
+  Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor> vertices;  ///< n_v x 3 [m], frame B
+  Eigen::Matrix<std::int32_t, Eigen::Dynamic, 3, Eigen::RowMajor>
+      triangles;  ///< n_t x 3, counter-clockwise outside
+  Eigen::Matrix<std::int32_t, Eigen::Dynamic, 2, Eigen::RowMajor> edges;  ///< n_e x 2, feature edges
+  std::vector<std::int32_t>
+      triangle_interface;  ///< n_t; index of the interface the triangle belongs to, or -1
 };
 
-/// Geometric stiffening: stiffness matrices (each n x n, in the shapes) for unit values of what stresses the body
-/// (Wallrapp's K0t, K0r, K0omega, K0F).  All of them, or the whole group absent.
+/// Geometric stiffening: stiffness matrices (each n x n, in the shapes) for unit values of what stresses the
+/// body (Wallrapp's K0t, K0r, K0omega, K0F).  All of them, or the whole group absent.
 struct StiffeningTerms {
-  std::array<Eigen::MatrixXd, 3> K0t;      ///< for unit acceleration of B along x, y, z [m/s^2]
-  std::array<Eigen::MatrixXd, 3> K0r;      ///< for unit angular acceleration about x, y, z [rad/s^2]
-  std::array<Eigen::MatrixXd, 6> K0omega;  ///< for unit omega_a omega_b, (a, b) = xx, yy, zz, xy, yz, zx [rad^2/s^2]
-  std::vector<Eigen::MatrixXd> K0F;        ///< for a unit load on each interface dof [N or N m]
+  std::array<Eigen::MatrixXd, 3> K0t;  ///< for unit acceleration of B along x, y, z [m/s^2]
+  std::array<Eigen::MatrixXd, 3> K0r;  ///< for unit angular acceleration about x, y, z [rad/s^2]
+  std::array<Eigen::MatrixXd, 6>
+      K0omega;  ///< for unit omega_a omega_b, (a, b) = xx, yy, zz, xy, yz, zx [rad^2/s^2]
+  std::vector<Eigen::MatrixXd> K0F;  ///< for a unit load on each interface dof [N or N m]
 };
 
 /// Vectors p_se = T^T p of load cases kept for run time (gravity needs none: it follows from the integrals).
@@ -74,14 +80,14 @@ struct Superelement {
   std::string report_json;  ///< the reduction's report: mesh, quality, times, residuals, estimates
 
   std::vector<Interface> interfaces;
-  int n_b = 0;              ///< boundary (interface) degrees of freedom
-  int n_q = 0;              ///< fixed-interface normal modes
+  int n_b = 0;  ///< boundary (interface) degrees of freedom
+  int n_q = 0;  ///< fixed-interface normal modes
   int n() const { return n_b + n_q; }
 
-  Eigen::MatrixXd K_se;     ///< n x n
-  Eigen::MatrixXd M_se;     ///< n x n
-  Eigen::MatrixXd D_se;     ///< n x n, or empty
-  Eigen::VectorXd omega2;   ///< n_q [rad^2/s^2], eigenvalues of the fixed-interface problem
+  Eigen::MatrixXd K_se;        ///< n x n
+  Eigen::MatrixXd M_se;        ///< n x n
+  Eigen::MatrixXd D_se;        ///< n x n, or empty
+  Eigen::VectorXd omega2;      ///< n_q [rad^2/s^2], eigenvalues of the fixed-interface problem
   double modal_damping = 0.0;  ///< default damping ratio for the body's modes
   InertiaIntegrals inertia;
 
@@ -90,16 +96,16 @@ struct Superelement {
 
   // Only for pictures; read on demand.
   Surface surface;
-  Eigen::MatrixXf shapes;   ///< 3 n_v x n: rows x, y, z of vertex 0, then vertex 1, ...
+  Eigen::MatrixXf shapes;  ///< 3 n_v x n: rows x, y, z of vertex 0, then vertex 1, ...
 };
 
 /// The six rigid motions (translations along and rotations about the axes of B, at Bo) in the n coordinates:
 /// u_b = R_b z, eta = 0.  Returns n x 6.
 Eigen::MatrixXd rigid_motions(const Superelement& se);
 
-/// Throws std::invalid_argument, naming the check and the figures, unless: sizes agree, nothing is NaN or infinite,
-/// K_se and M_se are symmetric, rigid motions are strain-free, M_se and the integrals give the same mass, centre and
-/// inertia, S_phiphi sums to M_se.  Tolerances are stated where they stand.
+/// Throws std::invalid_argument, naming the check and the figures, unless: sizes agree, nothing is NaN or
+/// infinite, K_se and M_se are symmetric, rigid motions are strain-free, M_se and the integrals give the same
+/// mass, centre and inertia, S_phiphi sums to M_se.  Tolerances are stated where they stand.
 void validate(const Superelement& se);
 
 }  // namespace flexura::superelement

@@ -1,0 +1,342 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mbs/superelement/file.hpp"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "mbs/hdf5/file.hpp"
+#include "mbs/superelement/checks.hpp"
+
+// The layout is described in FORMAT.md; change both together, and the version with them.
+namespace flexura::superelement {
+namespace {
+
+using hdf5::Group;
+using hdf5::Shape;
+using nlohmann::json;
+
+constexpr const char* format_name = "flexura superelement";
+constexpr int format_version = 1;
+constexpr const char* direction_names[] = {"u_x", "u_y", "u_z", "theta_x", "theta_y", "theta_z"};
+constexpr const char* u_se_unit =
+    "by the dofs: force [N], moment [N m], modal [sqrt(kg) m/s^2] per [m], [rad], [sqrt(kg) m]";
+
+// --- Header
+// --------------------------------------------------------------------------------------------------------
+
+std::string header_text(const Superelement& se) {
+  json header = {{"name", se.name},
+                 {"created_by", se.created_by},
+                 {"n_b", se.n_b},
+                 {"n_q", se.n_q},
+                 {"modal_damping", se.modal_damping},
+                 {"interfaces", json::array()},
+                 {"load_cases", json::array()}};
+  for (const Interface& interface : se.interfaces) {
+    json directions = json::array();
+    for (const Direction direction : interface.directions) {
+      directions.push_back(direction_names[static_cast<int>(direction)]);
+    }
+    header["interfaces"].push_back(
+        {{"name", interface.name},
+         {"tie", interface.tie},
+         {"p_BoN_B", {interface.p_BoN_B.x(), interface.p_BoN_B.y(), interface.p_BoN_B.z()}},
+         {"directions", directions},
+         {"first_dof", interface.first_dof}});
+  }
+  for (const LoadCase& load : se.load_cases) header["load_cases"].push_back(load.name);
+  // Names may hold bytes that are no UTF-8; they come back as replacement characters instead of failing the
+  // write.
+  return header.dump(1, ' ', false, json::error_handler_t::replace);
+}
+
+void read_header(const std::string& text, const std::string& label, Superelement& se) {
+  try {
+    const json header = json::parse(text);
+    header.at("name").get_to(se.name);
+    header.at("created_by").get_to(se.created_by);
+    header.at("n_b").get_to(se.n_b);
+    header.at("n_q").get_to(se.n_q);
+    header.at("modal_damping").get_to(se.modal_damping);
+    for (const json& entry : header.at("interfaces")) {
+      Interface interface;
+      entry.at("name").get_to(interface.name);
+      entry.at("tie").get_to(interface.tie);
+      for (std::size_t a = 0; a < 3; ++a)
+        entry.at("p_BoN_B").at(a).get_to(interface.p_BoN_B[static_cast<int>(a)]);
+      entry.at("first_dof").get_to(interface.first_dof);
+      for (const json& name : entry.at("directions")) {
+        const auto* found =
+            std::find(std::begin(direction_names), std::end(direction_names), name.get<std::string>());
+        if (found == std::end(direction_names))
+          throw hdf5::Error(label + ": unknown direction " + name.dump());
+        interface.directions.push_back(static_cast<Direction>(found - std::begin(direction_names)));
+      }
+      se.interfaces.push_back(std::move(interface));
+    }
+    for (const json& name : header.at("load_cases")) se.load_cases.push_back({name.get<std::string>(), {}});
+  } catch (const json::exception& failure) {
+    throw hdf5::Error(fmt::format("{}: cannot be understood ({}); the file is damaged, make it again", label,
+                                  failure.what()));
+  }
+  constexpr int most_dofs = 100'000;  // a dense matrix of that size is 80 GB; a larger number is damage
+  if (se.n_b < 0 || se.n_q < 0 || se.n_b > most_dofs || se.n_q > most_dofs) {
+    throw hdf5::Error(fmt::format("{}: n_b = {} and n_q = {} cannot be", label, se.n_b, se.n_q));
+  }
+}
+
+// --- Stacks of matrices
+// --------------------------------------------------------------------------------------------
+
+template <typename Matrices>
+void write_stack(Group& group, const std::string& name, const Matrices& matrices, int n,
+                 const std::string& unit, const std::string& doc) {
+  const auto size = static_cast<std::size_t>(n);
+  std::vector<double> values;
+  values.reserve(matrices.size() * size * size);
+  for (const Eigen::MatrixXd& matrix : matrices) {
+    for (int i = 0; i < n; ++i) {
+      for (int j = 0; j < n; ++j) values.push_back(matrix(i, j));
+    }
+  }
+  group.write(name, {matrices.size(), size, size}, values.data(), unit, doc);
+}
+
+template <typename Matrices>
+void read_stack(const Group& group, const std::string& name, Matrices& matrices, int n) {
+  const auto size = static_cast<std::size_t>(n);
+  std::vector<double> values(matrices.size() * size * size);
+  group.read(name, {matrices.size(), size, size}, values.data());
+  std::size_t at = 0;
+  for (Eigen::MatrixXd& matrix : matrices) {
+    matrix.resize(n, n);
+    for (int i = 0; i < n; ++i) {
+      for (int j = 0; j < n; ++j) matrix(i, j) = values[at++];
+    }
+  }
+}
+
+// --- Parts
+// ---------------------------------------------------------------------------------------------------------
+
+void write_matrices(Group root, const Superelement& se) {
+  Group group = root.create_group("matrices");
+  hdf5::write_matrix(group, "K_se", se.K_se, u_se_unit, "stiffness, n x n; T^T K T");
+  hdf5::write_matrix(group, "M_se", se.M_se, "as K_se, times s^2", "mass, n x n; T^T M T");
+  if (se.D_se.size() > 0)
+    hdf5::write_matrix(group, "D_se", se.D_se, "as K_se, times s", "damping, n x n; T^T D T");
+  hdf5::write_vector(group, "omega2", se.omega2, "rad^2/s^2",
+                     "eigenvalues of the fixed-interface problem, n_q");
+  if (se.load_cases.empty()) return;
+  Eigen::MatrixXd p_se(static_cast<Eigen::Index>(se.load_cases.size()), se.n());
+  for (std::size_t i = 0; i < se.load_cases.size(); ++i) {
+    p_se.row(static_cast<Eigen::Index>(i)) = se.load_cases[i].p_se.transpose();
+  }
+  hdf5::write_matrix(group, "p_se", p_se, "by the dofs",
+                     "load vectors T^T p, one row for each name in load_cases");
+}
+
+void read_matrices(const Group& root, Superelement& se) {
+  const Group group = root.group("matrices");
+  const Eigen::Index n = se.n();
+  se.K_se = hdf5::read_matrix(group, "K_se", n, n);
+  se.M_se = hdf5::read_matrix(group, "M_se", n, n);
+  if (group.has("D_se")) se.D_se = hdf5::read_matrix(group, "D_se", n, n);
+  se.omega2 = hdf5::read_vector(group, "omega2", se.n_q);
+  if (se.load_cases.empty()) return;
+  const Eigen::MatrixXd p_se =
+      hdf5::read_matrix(group, "p_se", static_cast<Eigen::Index>(se.load_cases.size()), n);
+  for (std::size_t i = 0; i < se.load_cases.size(); ++i)
+    se.load_cases[i].p_se = p_se.row(static_cast<Eigen::Index>(i));
+}
+
+void write_inertia(Group root, const Superelement& se) {
+  Group group = root.create_group("inertia");
+  const InertiaIntegrals& I = se.inertia;
+  group.write("mass", {1}, &I.mass, "kg", "integral of dm");
+  hdf5::write_vector(group, "S_x", I.S_x, "kg m", "(a): integral of x_a dm, about Bo");
+  hdf5::write_matrix(group, "S_xx", I.S_xx, "kg m^2", "(a, b): integral of x_a x_b dm, about Bo");
+  hdf5::write_matrix(group, "S_phi", I.S_phi, "kg times shape", "(a, k): integral of phi_k,a dm");
+  hdf5::write_matrix(group, "S_xphi", I.S_xphi, "kg m times shape",
+                     "(3 a + b, k): integral of x_a phi_k,b dm");
+  write_stack(group, "S_phiphi", I.S_phiphi, se.n(), "kg times shape^2",
+              "(p, k, l): integral of phi_k,a phi_l,b dm, p = xx, yy, zz, xy, yz, zx");
+}
+
+void read_inertia(const Group& root, Superelement& se) {
+  const Group group = root.group("inertia");
+  InertiaIntegrals& I = se.inertia;
+  group.read("mass", {1}, &I.mass);
+  I.S_x = hdf5::read_vector(group, "S_x", 3);
+  I.S_xx = hdf5::read_matrix(group, "S_xx", 3, 3);
+  I.S_phi = hdf5::read_matrix(group, "S_phi", 3, se.n());
+  I.S_xphi = hdf5::read_matrix(group, "S_xphi", 9, se.n());
+  read_stack(group, "S_phiphi", I.S_phiphi, se.n());
+}
+
+void write_stiffening(Group root, const Superelement& se) {
+  Group group = root.create_group("stiffening");
+  const StiffeningTerms& terms = *se.stiffening;
+  write_stack(group, "K0t", terms.K0t, se.n(), "as K_se, per m/s^2",
+              "(a, k, l): for unit acceleration of B along a");
+  write_stack(group, "K0r", terms.K0r, se.n(), "as K_se, per rad/s^2",
+              "(a, k, l): for unit angular acceleration about a");
+  write_stack(group, "K0omega", terms.K0omega, se.n(), "as K_se, per rad^2/s^2",
+              "(p, k, l): for unit omega_a omega_b, p = xx, yy, zz, xy, yz, zx");
+  write_stack(group, "K0F", terms.K0F, se.n(), "as K_se, per N or N m",
+              "(i, k, l): for a unit load on interface dof i");
+}
+
+void read_stiffening(const Group& root, Superelement& se) {
+  if (!root.has("stiffening")) return;
+  const Group group = root.group("stiffening");
+  StiffeningTerms& terms = se.stiffening.emplace();
+  terms.K0F.resize(static_cast<std::size_t>(se.n_b));
+  read_stack(group, "K0t", terms.K0t, se.n());
+  read_stack(group, "K0r", terms.K0r, se.n());
+  read_stack(group, "K0omega", terms.K0omega, se.n());
+  read_stack(group, "K0F", terms.K0F, se.n());
+}
+
+template <typename Matrix>
+void write_rows(Group& group, const std::string& name, const Matrix& rows, const std::string& unit,
+                const std::string& doc) {
+  group.write(name, {static_cast<std::size_t>(rows.rows()), static_cast<std::size_t>(rows.cols())},
+              rows.data(), unit, doc);
+}
+
+template <typename Matrix>
+void read_rows(const Group& group, const std::string& name, Matrix& rows) {
+  const Shape shape = group.shape(name);
+  constexpr std::size_t most_rows = std::size_t{1} << 31;
+  if (shape.size() != 2 || shape[0] > most_rows || static_cast<Eigen::Index>(shape[1]) != rows.cols()) {
+    throw hdf5::Error(group.label() + "/" + name +
+                      ": has the wrong shape; the file is damaged, make it again");
+  }
+  rows.resize(static_cast<Eigen::Index>(shape[0]), rows.cols());
+  group.read(name, shape, rows.data());
+}
+
+void write_surface(Group root, const Surface& surface) {
+  Group group = root.create_group("surface");
+  write_rows(group, "vertices", surface.vertices, "m", "(v, a): position in frame B");
+  write_rows(group, "triangles", surface.triangles, "",
+             "(t, 3): vertices, counter-clockwise seen from outside");
+  write_rows(group, "edges", surface.edges, "", "(e, 2): vertices of feature edges");
+  group.write("triangle_interface", {surface.triangle_interface.size()}, surface.triangle_interface.data(),
+              "", "(t): index of the interface the triangle belongs to, or -1");
+}
+
+void read_surface(const Group& root, Superelement& se) {
+  if (!root.has("surface")) return;
+  const Group group = root.group("surface");
+  read_rows(group, "vertices", se.surface.vertices);
+  read_rows(group, "triangles", se.surface.triangles);
+  read_rows(group, "edges", se.surface.edges);
+  const Shape shape = group.shape("triangle_interface");
+  if (shape.size() != 1 ||
+      (shape[0] != 0 && static_cast<Eigen::Index>(shape[0]) != se.surface.triangles.rows())) {
+    throw hdf5::Error(group.label() +
+                      "/triangle_interface: has the wrong shape; the file is damaged, make it again");
+  }
+  se.surface.triangle_interface.resize(shape[0]);
+  group.read("triangle_interface", shape, se.surface.triangle_interface.data());
+}
+
+using RowMajorXf = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+void write_shapes(Group root, const Superelement& se) {
+  Group group = root.create_group("shapes");
+  const RowMajorXf by_shape =
+      se.shapes.transpose();  // one row for each shape: neighbours are alike and pack well
+  write_rows(group, "surface", by_shape, "m per dof",
+             "(k, 3 v + a): shape k at vertex v of the surface, direction a, float32");
+}
+
+void read_shapes(const Group& root, Superelement& se) {
+  if (!root.has("shapes")) return;
+  RowMajorXf by_shape;
+  const Group group = root.group("shapes");
+  const Shape shape = group.shape("surface");
+  constexpr std::size_t most_columns = std::size_t{1} << 31;
+  if (shape.size() != 2 || static_cast<int>(shape[0]) != se.n() || shape[1] > most_columns) {
+    throw hdf5::Error(group.label() + "/surface: has the wrong shape; the file is damaged, make it again");
+  }
+  by_shape.resize(se.n(), static_cast<Eigen::Index>(shape[1]));
+  group.read("surface", shape, by_shape.data());
+  se.shapes = by_shape.transpose();
+}
+
+void write_all(const std::filesystem::path& path, const Superelement& se) {
+  hdf5::File file(path, hdf5::Mode::create);
+  {
+    Group root = file.root();
+    root.set("format", format_name);
+    root.set("version", format_version);
+    root.set("units", "SI: m, kg, s, rad");
+    root.set("frame", "B, the coordinate system of the part's CAD file or mesh");
+    root.write_text("header", header_text(se),
+                    "JSON: name, created_by, n_b, n_q, modal_damping, interfaces, load_cases");
+    root.write_text("source", se.source, "the part file");
+    root.write_text("report", se.report_json, "JSON: report of the reduction");
+    write_matrices(file.root(), se);
+    write_inertia(file.root(), se);
+    if (se.stiffening) write_stiffening(file.root(), se);
+    if (se.surface.vertices.rows() > 0) write_surface(file.root(), se.surface);
+    if (se.shapes.size() > 0) write_shapes(file.root(), se);
+  }
+  file.close();
+}
+
+}  // namespace
+
+void write(const std::filesystem::path& path, const Superelement& se) {
+  validate(se);
+  const std::filesystem::path beside = path.string() + ".part";
+  try {
+    write_all(beside, se);
+    std::filesystem::rename(beside, path);
+  } catch (...) {
+    std::error_code ignored;
+    std::filesystem::remove(beside, ignored);
+    throw;
+  }
+}
+
+Superelement read(const std::filesystem::path& path, const Parts& parts) {
+  const hdf5::File file(path, hdf5::Mode::read);
+  const Group root = file.root();
+  if (!root.has_attribute("format") || root.text("format") != format_name) {
+    throw hdf5::Error(path.string() +
+                      ": is an HDF5 file but not a superelement; make one with \"flexura reduce\"");
+  }
+  const int version = root.integer("version");
+  if (version > format_version) {
+    throw hdf5::Error(
+        fmt::format("{}: is written in version {} of the superelement format, this program reads up to {}; "
+                    "update Flexura or reduce the part again",
+                    path.string(), version, format_version));
+  }
+  Superelement se;
+  read_header(root.read_text("header"), root.label() + "header", se);
+  se.source = root.read_text("source");
+  se.report_json = root.read_text("report");
+  if (parts.matrices) {
+    read_matrices(root, se);
+  } else {
+    for (LoadCase& load : se.load_cases) load.p_se = Eigen::VectorXd();
+  }
+  if (parts.inertia) read_inertia(root, se);
+  if (parts.stiffening) read_stiffening(root, se);
+  if (parts.surface) read_surface(root, se);
+  if (parts.shapes) read_shapes(root, se);
+  try {
+    validate_parts(se, parts);
+  } catch (const std::invalid_argument& failure) {
+    throw hdf5::Error(path.string() + ": " + failure.what());
+  }
+  return se;
+}
+
+}  // namespace flexura::superelement

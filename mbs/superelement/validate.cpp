@@ -1,0 +1,317 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+//
+// The relations that hold between the parts of any superelement (theory: "Checks that always hold"). With
+// R_t, R_r the rigid translations and rotations, R = [R_t R_r], and [e]x the cross-product matrix:
+//
+//     K_se R = 0
+//     R_t,a^T M_se = S_phi(a, :),    R_r,c^T M_se = eps_cab S_xphi(3 a + b, :)
+//     S_phi R_t = m 1,   eps_cab S_xphi(3 a + b, :) R_t,d = eps_cad S_x,a,   and R_r likewise with S_xx
+//     S_phiphi,xx + S_phiphi,yy + S_phiphi,zz = M_se
+//
+// The last three compare numbers that took different roads from one mass matrix. Each is measured against its
+// bound by Cauchy and Schwarz, |f^T M g| <= sqrt(f^T M f) sqrt(g^T M g), which gives every entry a scale of
+// its own unit.
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <set>
+
+#include "mbs/superelement/checks.hpp"
+
+namespace flexura::superelement {
+namespace {
+
+// The two roads differ by how well Psi R_b = R_i holds, the round-off of one solve with K_ii: 1e-10 for
+// compact parts, up to 1e-8 for slender ones (condition of K_ii 1e8 and more). A lost element, a density or a
+// unit gone wrong changes the first three digits. 1e-6 lies between.
+constexpr double mass_tolerance = 1e-6;
+
+// Symmetry and strain-free rigid motion are compared with the largest diagonal stiffness of the same kind
+// (translation, rotation). K_bb of the tied faces exceeds the body's own stiffness by length over element
+// size, so round-off is at most 1e-12 of that scale; a wrong row shows at full size.
+constexpr double stiffness_tolerance = 1e-8;
+
+constexpr int max_interfaces = 100'000;
+
+class Check {
+ public:
+  explicit Check(const Superelement& se) : se_(se) {}
+
+  [[noreturn]] void refuse(const std::string& what) const {
+    throw std::invalid_argument(fmt::format("superelement \"{}\": {}", se_.name, what));
+  }
+
+  void interfaces() const {
+    if (se_.interfaces.empty())
+      refuse("it has no interface; a body without interface cannot be joined to anything");
+    if (se_.interfaces.size() > max_interfaces) refuse("it has more than 100000 interfaces");
+    if (se_.n_b < 0 || se_.n_q < 0) refuse("its number of dofs is negative");
+    std::set<std::string> names;
+    int next = 0;
+    for (const Interface& interface : se_.interfaces) {
+      if (interface.name.empty()) refuse("an interface has no name");
+      if (!names.insert(interface.name).second) {
+        refuse(fmt::format("two interfaces are called \"{}\"; names must differ", interface.name));
+      }
+      if (!interface.p_BoN_B.allFinite())
+        refuse(fmt::format("the position of \"{}\" is not finite", interface.name));
+      if (interface.first_dof != next) {
+        refuse(
+            fmt::format("interface \"{}\" starts at column {}, {} is wanted: interfaces follow one another",
+                        interface.name, interface.first_dof, next));
+      }
+      int last = -1;
+      for (const Direction direction : interface.directions) {
+        const int d = static_cast<int>(direction);
+        if (d <= last || d > 5) {
+          refuse(fmt::format("the directions of interface \"{}\" are not in the order u_x .. theta_z",
+                             interface.name));
+        }
+        last = d;
+      }
+      next += static_cast<int>(interface.directions.size());
+    }
+    if (next != se_.n_b) {
+      refuse(fmt::format("its interfaces have {} directions together, but n_b is {}", next, se_.n_b));
+    }
+    if (!std::isfinite(se_.modal_damping) || se_.modal_damping < 0.0) {
+      refuse(fmt::format("its modal damping is {}, it must be at least 0", se_.modal_damping));
+    }
+  }
+
+  template <typename Matrix>
+  void sized_and_finite(const char* name, const Matrix& matrix, Eigen::Index rows,
+                        Eigen::Index columns) const {
+    if (matrix.rows() != rows || matrix.cols() != columns) {
+      refuse(fmt::format("{} is {} x {}, {} x {} is wanted (n_b = {}, n_q = {})", name, matrix.rows(),
+                         matrix.cols(), rows, columns, se_.n_b, se_.n_q));
+    }
+    if (matrix.allFinite()) return;
+    for (Eigen::Index j = 0; j < columns; ++j) {
+      for (Eigen::Index i = 0; i < rows; ++i) {
+        if (!std::isfinite(matrix(i, j))) {
+          refuse(fmt::format("{}({}, {}) is {}, not a finite number", name, i, j, matrix(i, j)));
+        }
+      }
+    }
+  }
+
+  // |A_ij - A_ji| against sqrt(s_i s_j), where s is the largest diagonal entry of the dof's kind.
+  void symmetric(const char* name, const Eigen::MatrixXd& A) const {
+    const Eigen::VectorXd scale = kind_scale(A);
+    for (Eigen::Index j = 0; j < A.cols(); ++j) {
+      if (A(j, j) < 0.0) refuse(fmt::format("{}({}, {}) = {} is negative", name, j, j, A(j, j)));
+      for (Eigen::Index i = j + 1; i < A.rows(); ++i) {
+        if (std::abs(A(i, j) - A(j, i)) <= stiffness_tolerance * scale[i] * scale[j]) continue;
+        refuse(fmt::format("{} is not symmetric: ({}, {}) is {} but ({}, {}) is {}", name, i, j, A(i, j), j,
+                           i, A(j, i)));
+      }
+    }
+  }
+
+  void rigid_motions_are_strain_free() const {
+    const Eigen::MatrixXd R = rigid_motions_about(se_, middle());
+    const Eigen::VectorXd scale = kind_scale(se_.K_se);
+    static const char* const motion[] = {"translation along x", "translation along y", "translation along z",
+                                         "rotation about x",    "rotation about y",    "rotation about z"};
+    for (int c = 0; c < 6; ++c) {
+      const double size =
+          (scale.array() * R.col(c).array()).matrix().norm();  // sqrt(energy) if it were strain
+      const Eigen::VectorXd force = se_.K_se * R.col(c);
+      for (Eigen::Index i = 0; i < force.size(); ++i) {
+        if (std::abs(force[i]) <= stiffness_tolerance * scale[i] * size) continue;
+        refuse(fmt::format(
+            "rigid {} strains the body: K_se R gives {:.3g} in row {} where round-off allows {:.1g}",
+            motion[c], force[i], i, stiffness_tolerance * scale[i] * size));
+      }
+    }
+  }
+
+  void inertia_sizes() const {
+    const InertiaIntegrals& I = se_.inertia;
+    if (!std::isfinite(I.mass) || I.mass <= 0.0) {
+      refuse(fmt::format("its mass is {} kg, it must be above 0", I.mass));
+    }
+    sized_and_finite("S_x", I.S_x, 3, 1);
+    sized_and_finite("S_xx", I.S_xx, 3, 3);
+    sized_and_finite("S_phi", I.S_phi, 3, se_.n());
+    sized_and_finite("S_xphi", I.S_xphi, 9, se_.n());
+    for (const Eigen::MatrixXd& S : I.S_phiphi) sized_and_finite("S_phiphi", S, se_.n(), se_.n());
+    if ((I.S_xx - I.S_xx.transpose()).cwiseAbs().maxCoeff() > mass_tolerance * I.S_xx.cwiseAbs().maxCoeff()) {
+      refuse("S_xx is not symmetric");
+    }
+  }
+
+  void mass_matrix_and_integrals_agree() const {
+    const InertiaIntegrals& I = se_.inertia;
+    const Eigen::MatrixXd R = rigid_motions(se_);
+    // W(c, k) = integral of r_c . phi_k dm, with r_c the c-th rigid motion.
+    Eigen::MatrixXd W(6, se_.n());
+    Eigen::Matrix<double, 6, 6> M_rr = Eigen::Matrix<double, 6, 6>::Zero();  // rigid mass matrix about Bo
+    W.topRows<3>() = I.S_phi;
+    for (int c = 0; c < 3; ++c) {
+      const int a = (c + 1) % 3, b = (c + 2) % 3;  // e_c x x has the components x_a along b and -x_b along a
+      W.row(3 + c) = I.S_xphi.row(3 * a + b) - I.S_xphi.row(3 * b + a);
+      M_rr(c, c) = I.mass;
+      M_rr(b, 3 + c) = M_rr(3 + c, b) = I.S_x[a];
+      M_rr(a, 3 + c) = M_rr(3 + c, a) = -I.S_x[b];
+    }
+    M_rr.bottomRightCorner<3, 3>() = I.S_xx.trace() * Eigen::Matrix3d::Identity() - I.S_xx;
+
+    const Eigen::MatrixXd W_M = R.transpose() * se_.M_se;
+    static const char* const quantity[] = {"mass along x",    "mass along y",    "mass along z",
+                                           "inertia about x", "inertia about y", "inertia about z"};
+    const Eigen::Matrix<double, 6, 6> M_from_matrix = W_M * R;
+    for (int c = 0; c < 6; ++c) {
+      for (int d = c; d < 6; ++d) {
+        const double bound = std::sqrt(std::max(M_rr(c, c), 0.0) * std::max(M_rr(d, d), 0.0));
+        if (std::abs(M_from_matrix(c, d) - M_rr(c, d)) <= mass_tolerance * bound) continue;
+        refuse(c == d
+                   ? fmt::format("{} is {:.9g} by M_se but {:.9g} by the inertia integrals", quantity[c],
+                                 M_from_matrix(c, d), M_rr(c, d))
+                   : fmt::format(
+                         "M_se and the inertia integrals disagree on the coupling of {} and {} (mass centre, "
+                         "products of inertia): {:.9g} and {:.9g}",
+                         quantity[c], quantity[d], M_from_matrix(c, d), M_rr(c, d)));
+      }
+      for (Eigen::Index k = 0; k < se_.n(); ++k) {
+        const double bound = std::sqrt(std::max(M_rr(c, c), 0.0) * se_.M_se(k, k));
+        if (std::abs(W_M(c, k) - W(c, k)) <= mass_tolerance * bound) continue;
+        refuse(fmt::format("the integral {} of shape {} for rigid motion {} is {:.9g}, M_se gives {:.9g}",
+                           c < 3 ? "S_phi" : "S_xphi", k, c, W(c, k), W_M(c, k)));
+      }
+    }
+    for (Eigen::Index l = 0; l < se_.n(); ++l) {
+      for (Eigen::Index k = 0; k < se_.n(); ++k) {
+        const double sum = I.S_phiphi[0](k, l) + I.S_phiphi[1](k, l) + I.S_phiphi[2](k, l);
+        const double bound = std::sqrt(se_.M_se(k, k) * se_.M_se(l, l));
+        if (std::abs(sum - se_.M_se(k, l)) <= mass_tolerance * bound) continue;
+        refuse(fmt::format("S_phiphi sums to {:.9g} at ({}, {}) where M_se is {:.9g}", sum, k, l,
+                           se_.M_se(k, l)));
+      }
+    }
+  }
+
+  void surface(const Surface& s) const {
+    const Eigen::Index n_v = s.vertices.rows();
+    if (!s.vertices.allFinite()) refuse("a vertex of the surface is not finite");
+    const auto in_range = [n_v](const auto& indices) {
+      return indices.size() == 0 || (indices.minCoeff() >= 0 && indices.maxCoeff() < n_v);
+    };
+    if (!in_range(s.triangles))
+      refuse(fmt::format("a triangle of the surface names a vertex beyond the {} there are", n_v));
+    if (!in_range(s.edges))
+      refuse(fmt::format("an edge of the surface names a vertex beyond the {} there are", n_v));
+    if (!s.triangle_interface.empty() &&
+        static_cast<Eigen::Index>(s.triangle_interface.size()) != s.triangles.rows()) {
+      refuse(fmt::format("triangle_interface has {} entries for {} triangles", s.triangle_interface.size(),
+                         s.triangles.rows()));
+    }
+    for (const std::int32_t i : s.triangle_interface) {
+      if (i < -1 || i >= static_cast<std::int32_t>(se_.interfaces.size())) {
+        refuse(fmt::format("triangle_interface names interface {}, there are {}", i, se_.interfaces.size()));
+      }
+    }
+  }
+
+ private:
+  // The square root of the largest diagonal entry among the dofs of the same unit: translations, rotations,
+  // modes.
+  Eigen::VectorXd kind_scale(const Eigen::MatrixXd& A) const {
+    std::vector<int> kind(static_cast<std::size_t>(se_.n()), 2);
+    for (const Interface& interface : se_.interfaces) {
+      for (std::size_t i = 0; i < interface.directions.size(); ++i) {
+        kind[static_cast<std::size_t>(interface.first_dof) + i] =
+            interface.directions[i] < Direction::theta_x ? 0 : 1;
+      }
+    }
+    double largest[3] = {0.0, 0.0, 0.0};
+    for (Eigen::Index i = 0; i < A.rows(); ++i) {
+      double& l = largest[kind[static_cast<std::size_t>(i)]];
+      l = std::max(l, std::abs(A(i, i)));
+    }
+    Eigen::VectorXd scale(A.rows());
+    for (Eigen::Index i = 0; i < A.rows(); ++i)
+      scale[i] = std::sqrt(largest[kind[static_cast<std::size_t>(i)]]);
+    return scale;
+  }
+
+  Eigen::Vector3d middle() const {
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    for (const Interface& interface : se_.interfaces) sum += interface.p_BoN_B;
+    return sum / static_cast<double>(se_.interfaces.size());
+  }
+
+  const Superelement& se_;
+};
+
+}  // namespace
+
+Eigen::MatrixXd rigid_motions_about(const Superelement& se, const Eigen::Vector3d& p_BoP_B) {
+  Eigen::MatrixXd R = Eigen::MatrixXd::Zero(se.n(), 6);
+  for (const Interface& interface : se.interfaces) {
+    const Eigen::Vector3d x = interface.p_BoN_B - p_BoP_B;
+    for (std::size_t i = 0; i < interface.directions.size(); ++i) {
+      const int row = interface.first_dof + static_cast<int>(i);
+      const int d = static_cast<int>(interface.directions[i]);
+      if (d >= 3) {
+        R(row, d) = 1.0;
+        continue;
+      }
+      R(row, d) = 1.0;
+      for (int c = 0; c < 3; ++c) R(row, 3 + c) = Eigen::Vector3d::Unit(c).cross(x)[d];
+    }
+  }
+  return R;
+}
+
+Eigen::MatrixXd rigid_motions(const Superelement& se) {
+  return rigid_motions_about(se, Eigen::Vector3d::Zero());
+}
+
+void validate_parts(const Superelement& se, const Parts& present) {
+  const Check check(se);
+  const Eigen::Index n = se.n();
+  check.interfaces();
+  if (present.matrices) {
+    check.sized_and_finite("K_se", se.K_se, n, n);
+    check.sized_and_finite("M_se", se.M_se, n, n);
+    check.sized_and_finite("omega2", se.omega2, se.n_q, 1);
+    check.symmetric("K_se", se.K_se);
+    check.symmetric("M_se", se.M_se);
+    if (se.D_se.size() > 0) {
+      check.sized_and_finite("D_se", se.D_se, n, n);
+      check.symmetric("D_se", se.D_se);
+    }
+    check.rigid_motions_are_strain_free();
+    for (const LoadCase& load : se.load_cases) {
+      if (load.name.empty()) check.refuse("a load case has no name");
+      check.sized_and_finite(("load case " + load.name).c_str(), load.p_se, n, 1);
+    }
+  }
+  if (present.inertia) check.inertia_sizes();
+  if (present.matrices && present.inertia) check.mass_matrix_and_integrals_agree();
+  if (present.stiffening && se.stiffening) {
+    for (const auto& K : se.stiffening->K0t) check.sized_and_finite("K0t", K, n, n);
+    for (const auto& K : se.stiffening->K0r) check.sized_and_finite("K0r", K, n, n);
+    for (const auto& K : se.stiffening->K0omega) check.sized_and_finite("K0omega", K, n, n);
+    for (const auto& K : se.stiffening->K0F) check.sized_and_finite("K0F", K, n, n);
+    if (static_cast<int>(se.stiffening->K0F.size()) != se.n_b) {
+      check.refuse(fmt::format("K0F has {} matrices, one for each of the {} interface dofs is wanted",
+                               se.stiffening->K0F.size(), se.n_b));
+    }
+  }
+  if (present.surface) check.surface(se.surface);
+  if (present.shapes && se.shapes.size() > 0) {
+    const Eigen::Index rows = present.surface ? 3 * se.surface.vertices.rows() : se.shapes.rows();
+    check.sized_and_finite("shapes", se.shapes, rows, n);
+  }
+}
+
+void validate(const Superelement& se) {
+  validate_parts(se,
+                 {.matrices = true, .inertia = true, .stiffening = true, .surface = true, .shapes = true});
+}
+
+}  // namespace flexura::superelement

@@ -1,0 +1,280 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mbs/superelement/file.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <fstream>
+
+#include "mbs/hdf5/file.hpp"
+#include "tests/mbs/superelement/box_beam.hpp"
+
+namespace flexura::superelement {
+namespace {
+
+using ::testing::HasSubstr;
+using testing::make_box_beam;
+
+constexpr Parts everything{
+    .matrices = true, .inertia = true, .stiffening = true, .surface = true, .shapes = true};
+
+Superelement complete_beam() {
+  Superelement se = make_box_beam();
+  const int n = se.n();
+  StiffeningTerms& terms = se.stiffening.emplace();
+  int seed = 1;
+  const auto fill = [&](auto& matrices) {
+    for (Eigen::MatrixXd& K : matrices) {
+      K = Eigen::MatrixXd::NullaryExpr(
+          n, n, [&](Eigen::Index i, Eigen::Index j) { return seed + 1.0 / (1 + i + j); });
+      ++seed;
+    }
+  };
+  terms.K0F.resize(12);
+  fill(terms.K0t);
+  fill(terms.K0r);
+  fill(terms.K0omega);
+  fill(terms.K0F);
+  se.load_cases.push_back({"steam", Eigen::VectorXd::LinSpaced(n, 0.1, 2.7)});
+  se.D_se = 1e-5 * se.K_se;
+  return se;
+}
+
+void expect_same(const Superelement& a, const Superelement& b) {
+  EXPECT_EQ(a.name, b.name);
+  EXPECT_EQ(a.created_by, b.created_by);
+  EXPECT_EQ(a.source, b.source);
+  EXPECT_EQ(a.report_json, b.report_json);
+  EXPECT_EQ(a.n_b, b.n_b);
+  EXPECT_EQ(a.n_q, b.n_q);
+  EXPECT_EQ(a.modal_damping, b.modal_damping);
+  ASSERT_EQ(a.interfaces.size(), b.interfaces.size());
+  for (std::size_t i = 0; i < a.interfaces.size(); ++i) {
+    EXPECT_EQ(a.interfaces[i].name, b.interfaces[i].name);
+    EXPECT_EQ(a.interfaces[i].tie, b.interfaces[i].tie);
+    EXPECT_EQ(a.interfaces[i].p_BoN_B, b.interfaces[i].p_BoN_B);
+    EXPECT_EQ(a.interfaces[i].directions, b.interfaces[i].directions);
+    EXPECT_EQ(a.interfaces[i].first_dof, b.interfaces[i].first_dof);
+  }
+  EXPECT_EQ(a.K_se, b.K_se);
+  EXPECT_EQ(a.M_se, b.M_se);
+  EXPECT_EQ(a.D_se, b.D_se);
+  EXPECT_EQ(a.omega2, b.omega2);
+  EXPECT_EQ(a.inertia.mass, b.inertia.mass);
+  EXPECT_EQ(a.inertia.S_x, b.inertia.S_x);
+  EXPECT_EQ(a.inertia.S_xx, b.inertia.S_xx);
+  EXPECT_EQ(a.inertia.S_phi, b.inertia.S_phi);
+  EXPECT_EQ(a.inertia.S_xphi, b.inertia.S_xphi);
+  EXPECT_EQ(a.inertia.S_phiphi, b.inertia.S_phiphi);
+  ASSERT_EQ(a.stiffening.has_value(), b.stiffening.has_value());
+  if (a.stiffening) {
+    EXPECT_EQ(a.stiffening->K0t, b.stiffening->K0t);
+    EXPECT_EQ(a.stiffening->K0r, b.stiffening->K0r);
+    EXPECT_EQ(a.stiffening->K0omega, b.stiffening->K0omega);
+    EXPECT_EQ(a.stiffening->K0F, b.stiffening->K0F);
+  }
+  ASSERT_EQ(a.load_cases.size(), b.load_cases.size());
+  for (std::size_t i = 0; i < a.load_cases.size(); ++i) {
+    EXPECT_EQ(a.load_cases[i].name, b.load_cases[i].name);
+    EXPECT_EQ(a.load_cases[i].p_se, b.load_cases[i].p_se);
+  }
+  EXPECT_EQ(a.surface.vertices, b.surface.vertices);
+  EXPECT_EQ(a.surface.triangles, b.surface.triangles);
+  EXPECT_EQ(a.surface.edges, b.surface.edges);
+  EXPECT_EQ(a.surface.triangle_interface, b.surface.triangle_interface);
+  EXPECT_EQ(a.shapes, b.shapes);
+}
+
+class SuperelementFile : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = std::filesystem::temp_directory_path() / ("flexura_superelement_" + std::to_string(::getpid()));
+    std::filesystem::create_directories(folder_);
+    file_ = folder_ / "beam.se.h5";
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+
+  std::string bytes() const {
+    std::ifstream in(file_, std::ios::binary);
+    return std::string((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
+  }
+  void put(const std::string& content) const { std::ofstream(file_, std::ios::binary) << content; }
+
+  std::string refusal(const Parts& parts = {}) const {
+    try {
+      read(file_, parts);
+    } catch (const std::runtime_error& failure) {
+      return failure.what();
+    }
+    return "accepted";
+  }
+
+  // A file like ours, but for what the test leaves out.
+  void write_root(const std::string& format, int version, const std::string& header) const {
+    hdf5::File file(file_, hdf5::Mode::create);
+    {
+      hdf5::Group root = file.root();
+      root.set("format", format);
+      root.set("version", version);
+      root.write_text("header", header, "");
+      root.write_text("source", "", "");
+      root.write_text("report", "", "");
+    }
+    file.close();
+  }
+
+  std::filesystem::path folder_, file_;
+};
+
+TEST_F(SuperelementFile, RoundTripIsBitExact) {
+  const Superelement se = complete_beam();
+  write(file_, se);
+  expect_same(read(file_, everything), se);
+  const std::string first = bytes();
+  write(file_, se);
+  EXPECT_EQ(bytes(), first);  // no time stamps: equal content gives equal files
+}
+
+TEST_F(SuperelementFile, WorksWithoutTheOptionalParts) {
+  Superelement se = make_box_beam();
+  se.source.clear();
+  se.surface = {};
+  se.shapes.resize(0, 0);
+  write(file_, se);
+  expect_same(read(file_, everything), se);
+}
+
+// Every 23rd byte of the file, one bit or all eight turned. Either the reader refuses or the content is
+// unharmed.
+TEST_F(SuperelementFile, AFlippedByteIsNoticedOrHarmless) {
+  const Superelement se = complete_beam();
+  write(file_, se);
+  const std::string good = bytes();
+  int noticed = 0, harmless = 0;
+  for (std::size_t at = 0; at < good.size(); at += 23) {
+    std::string bad = good;
+    bad[at] = static_cast<char>(bad[at] ^ (at % 2 ? 0xFF : 1 << (at % 8)));
+    put(bad);
+    try {
+      expect_same(read(file_, everything), se);
+      ++harmless;
+      ASSERT_FALSE(HasFailure()) << "silent damage at byte " << at;
+    } catch (const std::runtime_error& failure) {
+      ++noticed;
+      ASSERT_THAT(failure.what(), HasSubstr("beam.se.h5"));
+    }
+  }
+  // Most of the file means something; the rest is room that HDF5 leaves free in its blocks.
+  EXPECT_GT(noticed, harmless);
+}
+
+TEST_F(SuperelementFile, AFlippedByteInAMatrixIsCalledDamage) {
+  write(file_, complete_beam());
+  const std::string good = bytes();
+  int checksum = 0;
+  for (std::size_t at = good.size() / 3; at < good.size(); at += good.size() / 40) {
+    std::string bad = good;
+    bad[at] = static_cast<char>(~bad[at]);
+    put(bad);
+    checksum +=
+        refusal(everything).ends_with("its checksum does not match, the file is damaged; make it again");
+  }
+  EXPECT_GT(checksum, 10);
+}
+
+TEST_F(SuperelementFile, ATruncatedFileIsRefused) {
+  write(file_, complete_beam());
+  const std::string good = bytes();
+  for (const std::size_t length : {good.size() - 1, good.size() / 2, good.size() / 10, std::size_t{100}}) {
+    put(good.substr(0, length));
+    EXPECT_THAT(refusal(), HasSubstr("beam.se.h5: the file is cut short; make it again")) << length;
+  }
+  put(good.substr(0, 20));
+  EXPECT_THAT(refusal(), HasSubstr("beam.se.h5: "));
+  put("");
+  EXPECT_THAT(refusal(), HasSubstr("beam.se.h5: is not an HDF5 file"));
+}
+
+TEST_F(SuperelementFile, WhatIsNoSuperelementIsRefused) {
+  EXPECT_THAT(refusal(), HasSubstr("beam.se.h5: there is no such file"));
+  put("name = \"beam\"\n");
+  EXPECT_THAT(refusal(), HasSubstr("beam.se.h5: is not an HDF5 file"));
+  write_root("flexura results", 1, "{}");
+  EXPECT_THAT(refusal(),
+              HasSubstr("is an HDF5 file but not a superelement; make one with \"flexura reduce\""));
+  write_root("flexura superelement", 7, "{}");
+  EXPECT_THAT(refusal(),
+              HasSubstr("is written in version 7 of the superelement format, this program reads up to 1; "
+                        "update Flexura"));
+  write_root("flexura superelement", 1, "{}");
+  EXPECT_THAT(refusal(), HasSubstr("/header: cannot be understood"));
+  write_root(
+      "flexura superelement", 1,
+      R"({"name":"x","created_by":"y","n_b":-6,"n_q":0,"modal_damping":0,"interfaces":[],"load_cases":[]})");
+  EXPECT_THAT(refusal(), HasSubstr("n_b = -6 and n_q = 0 cannot be"));
+  write_root(
+      "flexura superelement", 1,
+      R"({"name":"x","created_by":"y","n_b":6,"n_q":0,"modal_damping":0,"interfaces":[],"load_cases":[]})");
+  EXPECT_THAT(refusal(), HasSubstr("/matrices: is missing; the file is not complete, make it again"));
+}
+
+// The counter of bytes read by this process, from the kernel.
+long bytes_read_so_far() {
+  std::ifstream io("/proc/self/io");
+  std::string word;
+  long count = 0;
+  while (io >> word >> count) {
+    if (word == "rchar:") return count;
+  }
+  return -1;
+}
+
+TEST_F(SuperelementFile, PartsThatAreNotWantedAreNotRead) {
+  Superelement se = complete_beam();
+  const int n_v = 20'000;  // a surface of 20,000 vertices, whose shapes do not compress
+  se.surface.vertices.setRandom(n_v, 3);
+  se.shapes.setRandom(3 * n_v, se.n());
+  write(file_, se);
+  const long size = static_cast<long>(std::filesystem::file_size(file_));
+  ASSERT_GT(size, 2'000'000);
+
+  const long start = bytes_read_so_far();
+  ASSERT_GE(start, 0) << "the kernel keeps no account";
+  read(file_, {});
+  const long lazily = bytes_read_so_far() - start;
+  read(file_, everything);
+  const long all = bytes_read_so_far() - start - lazily;
+  EXPECT_LT(lazily, size / 10);
+  EXPECT_GT(all, size * 8 / 10);
+
+  // And damage in the shapes, which fill the last half of the file, does not keep anyone from simulating.
+  std::string bad = bytes();
+  bad[bad.size() * 3 / 4] = static_cast<char>(~bad[bad.size() * 3 / 4]);
+  put(bad);
+  EXPECT_EQ(refusal({}), "accepted");
+  EXPECT_THAT(refusal(everything), HasSubstr("/shapes/surface: its checksum does not match"));
+}
+
+TEST_F(SuperelementFile, ARefusedWriteLeavesNothingBehind) {
+  Superelement se = complete_beam();
+  se.K_se(3, 4) = std::nan("");
+  EXPECT_THROW(write(file_, se), std::invalid_argument);
+  EXPECT_TRUE(std::filesystem::is_empty(folder_));
+
+  write(file_, complete_beam());
+  const std::string good = bytes();
+  EXPECT_THROW(write(file_, se), std::invalid_argument);
+  EXPECT_EQ(bytes(), good);
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_), {}), 1);
+
+  try {
+    write(folder_ / "nowhere" / "beam.se.h5", complete_beam());
+    FAIL();
+  } catch (const std::runtime_error& failure) {
+    EXPECT_THAT(failure.what(), HasSubstr("nowhere does not exist; make it first"));
+  }
+}
+
+}  // namespace
+}  // namespace flexura::superelement
