@@ -26,15 +26,16 @@ struct CadOptions {
   std::filesystem::path path;
   std::string
       unit;  ///< m, mm, cm, um, inch, ft: overrides what the file says; empty = as declared (BREP: mm)
-  std::vector<int> solids;          ///< numbers as listed; empty = the only one
-  bool fuse = false;                ///< unite the chosen solids (none chosen: all) to one
-  int order = 2;                    ///< 1: tet4, 2: tet10
-  double size = 0;                  ///< greatest edge length [m]; 0 = from the part, see automatic_size
-  double elements_per_circle = 12;  ///< around curved faces; 0 = no refinement at curvature
-  double size_min = 0;              ///< least edge length [m]; 0 = size / 20
-  bool heal = false;                ///< OpenCASCADE's shape healing first; changes volumes slightly
-  double time_limit_s = 600;        ///< for all tries together
-  std::filesystem::path worker;     ///< the child program; empty = flexura-mesh beside this program
+  std::vector<int> solids;  ///< numbers as listed; empty = the only one
+  bool fuse = false;        ///< unite the chosen solids (none chosen: all) to one
+  int order = 2;            ///< 1: tet4, 2: tet10
+  double size = 0;          ///< greatest edge length [m]; 0 = from the part, see automatic_size
+  double elements_per_circle =
+      8;                      ///< around curved faces where size_min allows; 0 = no refinement at curvature
+  double size_min = 0;        ///< least edge length [m]; 0 = size / 3
+  bool heal = false;          ///< OpenCASCADE's shape healing first; changes volumes slightly
+  double time_limit_s = 600;  ///< for all tries together
+  std::filesystem::path worker;  ///< the child program; empty = flexura-mesh beside this program
 };
 
 struct CadSolid {
@@ -83,7 +84,8 @@ struct CadMesh {
 /// every try failed.
 CadMesh mesh_cad(const CadOptions& options, const Progress& progress = {});
 
-/// Greatest edge length for a part: a wall's thickness 2 V / A, within 1/80 and 1/8 of the box's diagonal.
+/// Greatest edge length for a part: a wall's thickness 2 V / A, within 1/80 and 1/20 of the box's diagonal.
+/// With it (size = 0) the mesh is also bounded: many small features raise the sizes, with a message.
 double automatic_size(double volume, double area, double diagonal);
 
 }  // namespace flexura::mesh

@@ -1,0 +1,438 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mesh/gmsh/cad.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <unistd.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <chrono>
+#include <cstring>
+#include <map>
+#include <stdexcept>
+
+#include "mesh/gmsh/cad_file.hpp"
+#include "mesh/gmsh/child.hpp"
+#include "mesh/gmsh/job.hpp"
+
+namespace flexura::mesh {
+namespace {
+
+namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
+
+constexpr double kVolumeGoal = 0.005;  // of the CAD volume
+constexpr double kSizeRange = 3;       // greatest over least size: small fillets are not resolved by default
+constexpr int kMostTriangles = 25000;  // about 70,000 nodes of a thin-walled tet10 part
+constexpr double kVolumeRefusal = 0.05;  // beyond, the mesh is not this part
+
+fs::path find_worker(const CadOptions& options) {
+  fs::path worker = options.worker;
+  if (worker.empty()) {
+    std::error_code error;
+    worker = fs::read_symlink("/proc/self/exe", error).parent_path() / "flexura-mesh";
+  }
+  if (!fs::exists(worker))
+    throw std::runtime_error("the meshing program " + worker.string() + " is missing; build it, or name it");
+  return worker;
+}
+
+/// A failure of one try that another try may mend.
+struct TryFailed : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+struct Answer {
+  ResultRecord record;
+  Arrays arrays;
+};
+
+Answer read_answer(const std::string& bytes, int nodes_per_tetrahedron) {
+  const auto cut = [] { return TryFailed("handed over an incomplete result"); };
+  std::uint64_t length = 0;
+  if (bytes.size() < sizeof length) throw cut();
+  std::memcpy(&length, bytes.data(), sizeof length);
+  std::size_t at = sizeof length;
+  if (bytes.size() - at < length) throw cut();
+  Answer answer;
+  answer.record = nlohmann::json::parse(bytes.substr(at, length)).get<ResultRecord>();
+  at += length;
+  const auto take = [&](auto& values, std::uint64_t n) {
+    const std::size_t size = n * sizeof values[0];
+    if (bytes.size() - at < size) throw cut();
+    values.resize(n);
+    if (size > 0) std::memcpy(values.data(), bytes.data() + at, size);
+    at += size;
+  };
+  take(answer.arrays.points, 3 * answer.record.n_points);
+  take(answer.arrays.tetrahedra,
+       static_cast<std::uint64_t>(nodes_per_tetrahedron) * answer.record.n_tetrahedra);
+  take(answer.arrays.triangles, 3 * answer.record.n_triangles);
+  take(answer.arrays.face, answer.record.n_triangles);
+  return answer;
+}
+
+/// The last thing that gmsh called an error, for the user's ears.
+std::string last_error(const std::string& log) {
+  const std::size_t at = log.rfind("Error   : ");
+  if (at == std::string::npos) return "";
+  const std::size_t begin = at + 10, end = log.find('\n', begin);
+  return " (gmsh: " + log.substr(begin, end == std::string::npos ? end : end - begin) + ")";
+}
+
+Answer ask(const CadOptions& options, const Job& job, double limit_s, const Progress& progress) {
+  const ChildOutcome outcome = run_child(find_worker(options), nlohmann::json(job).dump(), limit_s, progress);
+  if (outcome.end == ChildEnd::out_of_time)
+    throw TryFailed(fmt::format("was not done within {:.3g} s", limit_s));
+  if (outcome.end == ChildEnd::crashed)
+    throw TryFailed("the mesher " + outcome.reason + last_error(outcome.log));
+  Answer answer = read_answer(outcome.result, job.order == 2 ? 10 : 4);
+  if (!answer.record.error.empty()) throw TryFailed(answer.record.error + last_error(outcome.log));
+  return answer;
+}
+
+Job first_job(const CadOptions& options, const CadFile& file, CadReport& report) {
+  Job job;
+  job.path = fs::absolute(options.path).string();
+  job.format = file.format;
+  job.solids = options.solids;
+  job.fuse = options.fuse;
+  job.heal = options.heal;
+  job.order = options.order;
+  job.elements_per_circle = options.elements_per_circle;
+  job.parent = getpid();
+  report.unit = file.unit.empty() ? "mm" : file.unit;
+  if (file.format == "brep") {  // no unit in the file: numbers come as they are
+    report.unit = options.unit.empty() ? "mm" : options.unit;
+    job.to_m = metres_in(report.unit);
+    if (options.unit.empty())
+      report.messages.push_back("BREP files have no unit; its numbers are taken as mm");
+  } else if (!options.unit.empty()) {  // OpenCASCADE converts from the declared unit to mm; undo that
+    if (file.unit.empty())
+      throw std::invalid_argument(options.path.string() +
+                                  ": the unit of length in the file cannot be read, so it "
+                                  "cannot be replaced by " +
+                                  options.unit);
+    job.to_m = 1e-3 * metres_in(options.unit) / metres_in(file.unit);
+    if (options.unit != file.unit)
+      report.messages.push_back("the file says " + file.unit + "; its numbers are taken as " + options.unit);
+    report.unit = options.unit;
+  }
+  return job;
+}
+
+Eigen::Vector3d vector_of(const std::array<double, 3>& a) {
+  return {a[0], a[1], a[2]};
+}
+
+Eigen::Matrix<double, 2, 3> box_of(const std::array<double, 6>& a) {
+  Eigen::Matrix<double, 2, 3> box;
+  box << a[0], a[1], a[2], a[3], a[4], a[5];
+  return box;
+}
+
+void fill_report(const ResultRecord& record, CadReport& report) {
+  report.solids.clear();
+  report.faces.clear();
+  for (const SolidRecord& from : record.solids) {
+    CadSolid solid;
+    solid.number = from.number;
+    solid.name = from.name;
+    solid.volume = from.volume;
+    solid.centroid = vector_of(from.centroid);
+    solid.inertia = Eigen::Map<const Eigen::Matrix3d>(from.inertia.data());
+    solid.box = box_of(from.box);
+    solid.same_as = from.same_as;
+    report.solids.push_back(solid);
+  }
+  for (const FaceRecord& from : record.faces) {
+    Face face;
+    face.number = from.number;
+    face.solid = from.solid;
+    face.name = from.name;
+    face.kind = static_cast<FaceKind>(from.kind);
+    face.area = from.area;
+    face.centroid = vector_of(from.centroid);
+    face.box = box_of(from.box);
+    face.normal = vector_of(from.normal);
+    face.axis_point = vector_of(from.axis_point);
+    face.axis = vector_of(from.axis);
+    face.radius = from.radius;
+    face.length = from.length;
+    face.sweep = from.sweep;
+    face.hole = from.hole;
+    report.faces.push_back(face);
+  }
+  report.area = record.area;
+}
+
+std::string list_solids(const std::vector<CadSolid>& solids) {
+  std::string text;
+  for (const CadSolid& solid : solids) {
+    text += fmt::format("\n  solid {}{}: {:.6g} mm^3, centre {}", solid.number,
+                        solid.name.empty() ? "" : " \"" + solid.name + "\"", 1e9 * solid.volume,
+                        describe_point_mm(solid.centroid));
+    if (solid.same_as != 0) text += fmt::format(", the same as solid {}", solid.same_as);
+  }
+  return text;
+}
+
+void check_options(const CadOptions& options) {
+  const auto refuse = [](const std::string& text) { throw std::invalid_argument(text); };
+  if (options.order != 1 && options.order != 2)
+    refuse(fmt::format("element order {} is not possible; take 1 (tet4) or 2 (tet10)", options.order));
+  if (!(options.size >= 0))
+    refuse(fmt::format("mesh size {} m is negative; give a length, or 0 for automatic", options.size));
+  if (!(options.size_min >= 0) || (options.size > 0 && options.size_min > options.size))
+    refuse(fmt::format("least mesh size {} m must lie between 0 and the mesh size {} m", options.size_min,
+                       options.size));
+  if (!(options.elements_per_circle >= 0) || options.elements_per_circle > 1000)
+    refuse(fmt::format("{} elements for each circle are not possible; take 0 to 1000",
+                       options.elements_per_circle));
+  if (!(options.time_limit_s > 0)) refuse("the time limit must be greater than zero");
+}
+
+/// Lists, and checks the choice of solids.  The time spent counts.
+CadReport list_and_choose(const CadOptions& options, bool must_be_one, Job& job, const Progress& progress,
+                          ResultRecord* record) {
+  check_options(options);
+  const CadFile file = inspect_cad_file(options.path);
+  CadReport report;
+  job = first_job(options, file, report);
+  job.task = "list";
+  const std::string name = options.path.string();
+  Job all = job;
+  all.fuse = false;
+  all.heal = false;
+  all.solids.clear();
+  const auto list = [&](const Job& which) {
+    try {
+      return ask(options, which, options.time_limit_s, progress);
+    } catch (const TryFailed& e) {
+      throw std::runtime_error(name + ": reading the CAD file failed: " + e.what());
+    }
+  };
+  Answer answer = list(all);
+  fill_report(answer.record, report);
+  for (const CadSolid& solid : report.solids)
+    if (solid.same_as != 0)
+      report.messages.push_back(fmt::format(
+          "solid {} is solid {} given twice in the same place; it is left out", solid.number, solid.same_as));
+  for (const int number : options.solids)
+    if (std::none_of(report.solids.begin(), report.solids.end(),
+                     [&](const CadSolid& s) { return s.number == number; }))
+      throw std::invalid_argument(
+          fmt::format("{}: there is no solid {}; it has{}", name, number, list_solids(report.solids)));
+  const std::size_t left = options.solids.empty() ? answer.record.kept.size() : options.solids.size();
+  if (must_be_one && left > 1 && !options.fuse)
+    throw std::invalid_argument(fmt::format("{}: {} solids to mesh; choose one by number, or fuse them:{}",
+                                            name, left, list_solids(report.solids)));
+  job.solids = options.solids.empty() ? answer.record.kept : options.solids;
+  if (job.fuse || job.heal || !options.solids.empty()) {
+    answer = list(job);
+    fill_report(answer.record, report);
+  }
+  report.messages.insert(report.messages.end(), answer.record.messages.begin(), answer.record.messages.end());
+  if (record) *record = answer.record;
+  return report;
+}
+
+double diagonal_of(const CadReport& report) {
+  Eigen::AlignedBox3d box;
+  for (const Face& face : report.faces) {
+    box.extend(face.box.row(0).transpose());
+    box.extend(face.box.row(1).transpose());
+  }
+  return box.isEmpty() ? 0 : box.diagonal().norm();
+}
+
+Mesh build_mesh(const Answer& answer, int order) {
+  const ResultRecord& record = answer.record;
+  const Arrays& arrays = answer.arrays;
+  Mesh mesh;
+  mesh.points = Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>>(
+      arrays.points.data(), static_cast<Eigen::Index>(record.n_points), 3);
+  CellBlock block;
+  block.type = order == 2 ? CellType::tet10 : CellType::tet4;
+  block.nodes = Eigen::Map<const decltype(block.nodes)>(
+      arrays.tetrahedra.data(), static_cast<Eigen::Index>(record.n_tetrahedra), order == 2 ? 10 : 4);
+  mesh.solids.push_back(std::move(block));
+  extract_boundary(mesh);
+
+  std::map<std::array<Index, 3>, Index> face_of;
+  for (std::size_t k = 0; k < record.n_triangles; ++k) {
+    std::array<Index, 3> key{arrays.triangles[3 * k], arrays.triangles[3 * k + 1],
+                             arrays.triangles[3 * k + 2]};
+    std::sort(key.begin(), key.end());
+    face_of[key] = arrays.face[k];
+  }
+  for (const CellBlock& surface : mesh.boundary)
+    for (Index cell = 0; cell < surface.nodes.rows(); ++cell) {
+      std::array<Index, 3> key{surface.nodes(cell, 0), surface.nodes(cell, 1), surface.nodes(cell, 2)};
+      std::sort(key.begin(), key.end());
+      const auto found = face_of.find(key);
+      if (found == face_of.end()) throw TryFailed("the mesh has an outer triangle that lies on no CAD face");
+      mesh.boundary_face.push_back(found->second);
+    }
+  return mesh;
+}
+
+/// Named CAD faces become sets.
+void add_named_sets(const std::vector<Face>& faces, Mesh& mesh) {
+  for (const Face& face : faces) {
+    if (face.name.empty()) continue;
+    NodeSet& set = mesh.sets[face.name];
+    std::size_t k = 0;
+    for (const CellBlock& surface : mesh.boundary) {
+      std::vector<Index> rows;
+      for (Index cell = 0; cell < surface.nodes.rows(); ++cell, ++k)
+        if (mesh.boundary_face[k] == face.number) rows.push_back(cell);
+      if (rows.empty()) continue;
+      CellBlock own;
+      own.type = surface.type;
+      own.nodes = surface.nodes(rows, Eigen::all);
+      set.nodes.insert(set.nodes.end(), own.nodes.data(), own.nodes.data() + own.nodes.size());
+      set.faces.push_back(std::move(own));
+    }
+    std::sort(set.nodes.begin(), set.nodes.end());
+    set.nodes.erase(std::unique(set.nodes.begin(), set.nodes.end()), set.nodes.end());
+  }
+}
+
+/// Builds, mends and judges; throws TryFailed when the mesh cannot be used.
+CadMesh accept(const Answer& answer, const CadOptions& options) {
+  CadMesh out;
+  out.mesh = build_mesh(answer, options.order);
+  MeshReport& report = out.report;
+  report.quality = measure_quality(out.mesh);
+  if (options.order == 2 && report.quality.n_below > 0) {
+    const Index n_below = report.quality.n_below, n_inverted = report.quality.n_inverted;
+    report.n_straightened = straighten_poor_cells(out.mesh);
+    report.quality = measure_quality(out.mesh);
+    report.messages.push_back(
+        fmt::format("{} curved elements were nearly or wholly turned ({} wholly): {} mid-edge nodes "
+                    "were put on straight edges",
+                    n_below, n_inverted, report.n_straightened));
+  }
+  if (report.quality.n_inverted > 0)
+    throw TryFailed(
+        fmt::format("{} elements are turned inside out and cannot be mended", report.quality.n_inverted));
+  const Volumes volumes = measure_volume(out.mesh);
+  report.n_nodes = out.mesh.n_nodes();
+  report.n_cells = out.mesh.n_solid_cells();
+  report.cad_volume = answer.record.volume;
+  report.cad_centroid = vector_of(answer.record.centroid);
+  report.volume = volumes.volume;
+  report.centroid = volumes.centroid;
+  report.volume_error = volumes.volume / report.cad_volume - 1;
+  const double bound = options.order == 2 ? kVolumeRefusal : 5 * kVolumeRefusal;
+  if (!(std::abs(report.volume_error) < bound))
+    throw TryFailed(
+        fmt::format("the mesh has {:+.1f} % of the CAD volume too much", 100 * report.volume_error));
+  if (const Pieces pieces = find_pieces(out.mesh); pieces.count != 1)
+    throw TryFailed(fmt::format("the mesh falls into {} pieces", pieces.count));
+  return out;
+}
+
+struct Attempt {
+  std::string what;
+  int surface_algorithm;
+  double size_min_factor;
+  bool heal;
+};
+
+}  // namespace
+
+double automatic_size(double volume, double area, double diagonal) {
+  return std::clamp(area > 0 ? 2 * volume / area : diagonal, diagonal / 80, diagonal / 20);
+}
+
+CadReport list_faces(const CadOptions& options, const Progress& progress) {
+  Job job;
+  return list_and_choose(options, false, job, progress, nullptr);
+}
+
+CadMesh mesh_cad(const CadOptions& options, const Progress& progress) {
+  const auto start = Clock::now();
+  const auto seconds = [&] { return std::chrono::duration<double>(Clock::now() - start).count(); };
+  Job job;
+  ResultRecord listed;
+  CadReport report = list_and_choose(options, true, job, progress, &listed);
+  job.task = "mesh";
+  const double size =
+      options.size > 0 ? options.size : automatic_size(listed.volume, listed.area, diagonal_of(report));
+  const double size_min = options.size_min > 0 ? std::min(options.size_min, size) : size / kSizeRange;
+  job.size = size;
+  if (options.size == 0) job.most_triangles = kMostTriangles;
+
+  std::vector<Attempt> attempts = {{"as asked", 6, 1, options.heal},
+                                   {"with the MeshAdapt surface mesher", 1, 1, options.heal},
+                                   {"with a greater least size", 6, 3, options.heal}};
+  if (!options.heal) attempts.push_back({"after healing the shape", 6, 1, true});
+
+  std::vector<std::string> messages, reasons;
+  int refinements = 0;
+  for (std::size_t k = 0; k < attempts.size();) {
+    const Attempt& attempt = attempts[k];
+    job.surface_algorithm = attempt.surface_algorithm;
+    job.size_min = std::min(size, attempt.size_min_factor * size_min);
+    job.heal = attempt.heal;
+    const double left = options.time_limit_s - seconds();
+    // The first try may take most of the time; what hangs must leave some for the others.
+    const double limit = k + 1 < attempts.size() ? 0.6 * left : left;
+    if (left <= 0) {
+      reasons.push_back(fmt::format("no time is left of {:.3g} s", options.time_limit_s));
+      break;
+    }
+    try {
+      const Answer answer = ask(options, job, limit, progress);
+      if (progress) progress("checking the mesh", 0.97);
+      CadMesh out = accept(answer, options);
+      if (std::abs(out.report.volume_error) > kVolumeGoal && refinements < 2 && job.elements_per_circle > 0) {
+        ++refinements;
+        job.elements_per_circle *= 2;
+        messages.push_back(fmt::format(
+            "volume {:+.2f} % off the CAD volume: meshed again with {:.0f} elements for each circle",
+            100 * out.report.volume_error, job.elements_per_circle));
+        continue;
+      }
+      if (k > 0) messages.push_back("meshed " + attempt.what);
+      if (answer.record.size != job.size)
+        messages.push_back(fmt::format(
+            "the part has many small features: sizes were raised to {:.4g} mm, at least {:.4g} mm, "
+            "{:.0f} elements for each circle, to bound the mesh; state a mesh size for a finer one",
+            1e3 * answer.record.size, 1e3 * answer.record.size_min, answer.record.elements_per_circle));
+      if (job.heal && !options.heal) {
+        fill_report(answer.record, report);
+        messages.push_back(
+            "healing may have renumbered faces: the list of faces is that of the healed shape");
+        // Volumes are held against the shape as the file has it.
+        out.report.cad_volume = listed.volume;
+        out.report.cad_centroid = vector_of(listed.centroid);
+        out.report.volume_error = out.report.volume / listed.volume - 1;
+      }
+      if (std::abs(out.report.volume_error) > kVolumeGoal)
+        messages.push_back(
+            fmt::format("warning: the volume is {:+.2f} % off the CAD volume; a smaller mesh size mends that",
+                        100 * out.report.volume_error));
+      out.report.messages.insert(out.report.messages.begin(), messages.begin(), messages.end());
+      out.report.messages.insert(out.report.messages.begin(), report.messages.begin(), report.messages.end());
+      out.report.size = answer.record.size;
+      out.report.seconds = seconds();
+      out.cad = std::move(report);
+      add_named_sets(out.cad.faces, out.mesh);
+      return out;
+    } catch (const TryFailed& e) {
+      messages.push_back(fmt::format("meshing {} failed: {}", attempt.what, e.what()));
+      reasons.push_back(fmt::format("{}: {}", attempt.what, e.what()));
+      ++k;
+    }
+  }
+  throw std::runtime_error(
+      fmt::format("{}: cannot be meshed at size {:.4g} mm ({}); another mesh size or a repaired CAD "
+                  "file may help",
+                  options.path.string(), 1e3 * size, fmt::join(reasons, "; ")));
+}
+
+}  // namespace flexura::mesh

@@ -1,0 +1,28 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <string_view>
+
+namespace flexura::mesh {
+
+enum class ChildEnd { finished, crashed, out_of_time };
+
+struct ChildOutcome {
+  ChildEnd end = ChildEnd::finished;
+  int status = 0;      ///< exit code, or the signal's number when it crashed
+  std::string reason;  ///< "stopped with a segmentation fault", "ended with code 3", ...
+  std::string result;  ///< all that it wrote to its result descriptor
+  std::string log;     ///< the last part of what it printed
+};
+
+/// Runs `program` with `input` on its standard input, until it ends or `limit_s` seconds have passed; then it
+/// is killed.  No shell, no temporary files: input, log and result are anonymous memory files, which vanish
+/// with their descriptors.  Lines "fraction<tab>stage" on the progress descriptor go to `progress`; when that
+/// throws, the child is killed too.  Throws std::runtime_error where no process can be started.
+ChildOutcome run_child(const std::filesystem::path& program, const std::string& input, double limit_s,
+                       const std::function<void(std::string_view, double)>& progress);
+
+}  // namespace flexura::mesh

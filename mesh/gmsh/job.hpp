@@ -1,0 +1,79 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+/// What the program and its meshing child say to each other.
+///
+/// Descriptors of the child: 0 the job (JSON), 1 and 2 a log, 3 the result, 4 progress lines
+/// "fraction<tab>stage\n". The result is a JSON text of 8-byte length in front, then the arrays in the order
+/// of Arrays, each with the length that the text states.  Both sides run on one machine and come from one
+/// build, so numbers are native.
+namespace flexura::mesh {
+
+inline constexpr int kResultDescriptor = 3, kProgressDescriptor = 4;
+
+struct Job {
+  std::string task;  ///< "list" or "mesh"
+  std::string path, format;
+  double to_m = 1e-3;  ///< model units (mm) to m
+  std::vector<int> solids;
+  bool fuse = false, heal = false;
+  int order = 2;
+  double size = 0, size_min = 0;  ///< [m]
+  double elements_per_circle = 0;
+  int most_triangles = 0;     ///< with more on the surface, sizes grow until it fits; 0 = no limit
+  int surface_algorithm = 6;  ///< gmsh's Mesh.Algorithm: 6 frontal-Delaunay, 5 Delaunay, 1 MeshAdapt
+  int parent = 0;             ///< process id; the child ends when it is gone
+};
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Job, task, path, format, to_m, solids, fuse, heal, order, size, size_min,
+                                   elements_per_circle, most_triangles, surface_algorithm, parent)
+
+struct SolidRecord {
+  int number = 0, same_as = 0;
+  std::string name;
+  double volume = 0;
+  std::array<double, 3> centroid{};
+  std::array<double, 9> inertia{};
+  std::array<double, 6> box{};
+};
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(SolidRecord, number, same_as, name, volume, centroid, inertia, box)
+
+struct FaceRecord {
+  int number = 0, solid = 0, kind = 4;
+  std::string name;
+  double area = 0, radius = 0, length = 0, sweep = 0;
+  bool hole = false;
+  std::array<double, 3> centroid{}, normal{}, axis_point{}, axis{};
+  std::array<double, 6> box{};
+};
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(FaceRecord, number, solid, kind, name, area, radius, length, sweep, hole,
+                                   centroid, normal, axis_point, axis, box)
+
+/// All lengths in m.
+struct ResultRecord {
+  std::string error;  ///< not empty: nothing else counts
+  std::vector<SolidRecord> solids;
+  std::vector<int> kept;        ///< numbers of the solids that the faces and the mesh belong to
+  double volume = 0, area = 0;  ///< of what is kept, after fusing and healing
+  std::array<double, 3> centroid{};
+  std::vector<FaceRecord> faces;
+  std::vector<std::string> messages;
+  double size = 0, size_min = 0, elements_per_circle = 0;  ///< as used
+  std::uint64_t n_points = 0, n_tetrahedra = 0, n_triangles = 0;
+};
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ResultRecord, error, solids, kept, volume, area, centroid, faces, messages,
+                                   size, size_min, elements_per_circle, n_points, n_tetrahedra, n_triangles)
+
+struct Arrays {
+  std::vector<double> points;            ///< 3 n_points
+  std::vector<std::int32_t> tetrahedra;  ///< (4 or 10) n_tetrahedra, node order of Mesh
+  std::vector<std::int32_t> triangles;   ///< 3 n_triangles, corners only
+  std::vector<std::int32_t> face;        ///< n_triangles, face numbers
+};
+
+}  // namespace flexura::mesh

@@ -1,0 +1,375 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+// flexura-mesh: the child process in which gmsh and OpenCASCADE read and mesh a CAD file (see job.hpp).
+#include <gmsh.h>
+#include <signal.h>
+#include <sys/prctl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <iostream>
+#include <iterator>
+#include <numbers>
+#include <set>
+#include <stdexcept>
+
+#include "mesh/gmsh/job.hpp"
+#include "mesh/gmsh/recognise.hpp"
+
+namespace flexura::mesh {
+namespace {
+
+void say(double fraction, const std::string& stage) {
+  const std::string line = std::to_string(fraction) + "\t" + stage + "\n";
+  if (write(kProgressDescriptor, line.data(), line.size()) < 0) return;  // nobody listens: no matter
+}
+
+Eigen::Vector3d scaled(double x, double y, double z, double to_m) {
+  return Eigen::Vector3d(x, y, z) * to_m;
+}
+
+std::array<double, 3> as_array(const Eigen::Vector3d& v) {
+  return {v.x(), v.y(), v.z()};
+}
+
+std::array<double, 6> box_of(int dimension, int tag, double to_m) {
+  double a, b, c, d, e, f;
+  gmsh::model::occ::getBoundingBox(dimension, tag, a, b, c, d, e, f);
+  return {a * to_m, b * to_m, c * to_m, d * to_m, e * to_m, f * to_m};
+}
+
+/// gmsh gives "Shapes/assembly/part"; the last word is the entity's own.
+std::string label_of(int dimension, int tag) {
+  std::string label;
+  gmsh::model::getEntityName(dimension, tag, label);
+  return label.substr(label.rfind('/') + 1);  // npos + 1 = 0
+}
+
+SolidRecord describe_solid(int tag, double to_m) {
+  SolidRecord solid;
+  solid.number = tag;
+  double mass, x, y, z;
+  gmsh::model::occ::getMass(3, tag, mass);
+  gmsh::model::occ::getCenterOfMass(3, tag, x, y, z);
+  std::vector<double> inertia;
+  gmsh::model::occ::getMatrixOfInertia(3, tag, inertia);
+  solid.volume = mass * std::pow(to_m, 3);
+  solid.centroid = as_array(scaled(x, y, z, to_m));
+  for (std::size_t k = 0; k < 9 && k < inertia.size(); ++k) solid.inertia[k] = inertia[k] * std::pow(to_m, 5);
+  solid.box = box_of(3, tag, to_m);
+  return solid;
+}
+
+/// The same part in the same place: volume, mass centre, inertia and box agree.
+bool coincide(const SolidRecord& a, const SolidRecord& b) {
+  double size = 0, apart = 0, inertia_apart = 0, inertia_size = 0;
+  for (int k = 0; k < 3; ++k) {
+    size = std::max(size, a.box[k + 3] - a.box[k]);
+    apart = std::max({apart, std::abs(a.centroid[k] - b.centroid[k]), std::abs(a.box[k] - b.box[k]),
+                      std::abs(a.box[k + 3] - b.box[k + 3])});
+  }
+  for (int k = 0; k < 9; ++k) {
+    inertia_apart = std::max(inertia_apart, std::abs(a.inertia[k] - b.inertia[k]));
+    inertia_size = std::max(inertia_size, std::abs(a.inertia[k]));
+  }
+  return apart < 1e-6 * size && std::abs(a.volume - b.volume) < 1e-6 * std::abs(a.volume) &&
+         inertia_apart < 1e-5 * inertia_size;
+}
+
+FaceRecord describe_face(int tag, int solid, double to_m) {
+  Face face;
+  std::vector<double> low, high;
+  gmsh::model::getParametrizationBounds(2, tag, low, high);
+  constexpr int n = 9;
+  std::vector<double> uv;
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j < n; ++j) {
+      uv.push_back(low[0] + (high[0] - low[0]) * i / (n - 1));
+      uv.push_back(low[1] + (high[1] - low[1]) * j / (n - 1));
+    }
+  std::vector<double> xyz, nnn;
+  gmsh::model::getValue(2, tag, uv, xyz);
+  gmsh::model::getNormal(tag, uv, nnn);
+  std::vector<Eigen::Vector3d> points, normals;
+  for (std::size_t k = 0; k + 2 < xyz.size() && k + 2 < nnn.size(); k += 3) {
+    const Eigen::Vector3d normal(nnn[k], nnn[k + 1], nnn[k + 2]);
+    if (!normal.allFinite() || std::abs(normal.norm() - 1) > 1e-6) continue;  // a pole of the parametrisation
+    points.push_back(scaled(xyz[k], xyz[k + 1], xyz[k + 2], to_m));
+    normals.push_back(normal);
+  }
+  Eigen::Matrix<double, Eigen::Dynamic, 3> P(points.size(), 3), N(points.size(), 3);
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    P.row(k) = points[k].transpose();
+    N.row(k) = normals[k].transpose();
+  }
+  recognise(P, N, face);
+
+  FaceRecord record;
+  record.number = tag;
+  record.solid = solid;
+  record.kind = static_cast<int>(face.kind);
+  record.name = label_of(2, tag);
+  double area, x, y, z;
+  gmsh::model::occ::getMass(2, tag, area);
+  gmsh::model::occ::getCenterOfMass(2, tag, x, y, z);
+  record.area = area * to_m * to_m;
+  record.centroid = as_array(scaled(x, y, z, to_m));
+  record.normal = as_array(face.normal);
+  record.axis_point = as_array(face.axis_point);
+  record.axis = as_array(face.axis);
+  record.radius = face.radius;
+  record.length = face.length;
+  record.hole = face.hole;
+  if (face.radius > 0 && face.length > 0) {
+    // Cone: the slant is longer than the height by 1/cos(half angle), and |n . a| = sin(half angle).
+    const double sine = face.kind == FaceKind::cone ? std::abs(N.row(0).dot(face.axis)) : 0;
+    const double slant = face.length / std::sqrt(std::max(1e-12, 1 - sine * sine));
+    record.sweep = std::min(2 * std::numbers::pi, record.area / (face.radius * slant));
+  }
+  record.box = box_of(2, tag, to_m);
+  return record;
+}
+
+gmsh::vectorpair import_solids(const Job& job, ResultRecord& result) {
+  gmsh::vectorpair imported, solids;
+  gmsh::model::occ::importShapes(job.path, imported, true, job.format);
+  const auto keep_solids = [&] {
+    solids.clear();
+    for (const auto& entity : imported)
+      if (entity.first == 3) solids.push_back(entity);
+  };
+  keep_solids();
+  if (solids.empty() && !imported.empty()) {
+    gmsh::vectorpair healed;
+    gmsh::model::occ::healShapes(healed, imported, 1e-4, true, true, true, true, true);
+    gmsh::model::occ::getEntities(imported, 3);
+    keep_solids();
+    if (!solids.empty()) result.messages.push_back("the file holds faces only; they were sewn to a solid");
+  }
+  if (solids.empty())
+    throw std::runtime_error(
+        "holds no solid and its faces do not close one; export a solid body from the CAD program");
+  return solids;
+}
+
+void choose_solids(const Job& job, ResultRecord& result, gmsh::vectorpair& solids) {
+  for (const auto& [dimension, tag] : solids) result.solids.push_back(describe_solid(tag, job.to_m));
+  for (std::size_t i = 0; i < result.solids.size(); ++i)
+    for (std::size_t j = 0; j < i && result.solids[i].same_as == 0; ++j)
+      if (result.solids[j].same_as == 0 && coincide(result.solids[i], result.solids[j]))
+        result.solids[i].same_as = result.solids[j].number;
+  gmsh::vectorpair kept, gone;
+  for (std::size_t k = 0; k < solids.size(); ++k) {
+    const SolidRecord& solid = result.solids[k];
+    const bool wanted = job.solids.empty() ? solid.same_as == 0
+                                           : std::find(job.solids.begin(), job.solids.end(), solid.number) !=
+                                                 job.solids.end();
+    (wanted ? kept : gone).push_back(solids[k]);
+    if (wanted) result.kept.push_back(solid.number);
+  }
+  if (!gone.empty()) gmsh::model::occ::remove(gone, true);
+  if (kept.empty()) throw std::runtime_error("has none of the chosen solids");
+  solids = kept;
+}
+
+void fuse_solids(ResultRecord& result, gmsh::vectorpair& solids) {
+  if (solids.size() < 2) return;
+  gmsh::vectorpair fused;
+  std::vector<gmsh::vectorpair> map;
+  gmsh::model::occ::fuse({solids.front()}, {solids.begin() + 1, solids.end()}, fused, map);
+  solids.clear();
+  for (const auto& entity : fused)
+    if (entity.first == 3) solids.push_back(entity);
+  if (solids.size() != 1)
+    throw std::runtime_error("its solids do not fuse to one: " + std::to_string(solids.size()) +
+                             " pieces are left that share no face; choose one solid, or solids that touch");
+  result.messages.push_back(std::to_string(result.kept.size()) + " solids were fused to one");
+}
+
+void describe_kept(const Job& job, const gmsh::vectorpair& solids, ResultRecord& result) {
+  Eigen::Vector3d moment = Eigen::Vector3d::Zero();
+  std::set<int> seen;
+  for (std::size_t s = 0; s < solids.size(); ++s) {
+    const SolidRecord solid = describe_solid(solids[s].second, job.to_m);
+    result.volume += solid.volume;
+    moment += solid.volume * Eigen::Vector3d(solid.centroid[0], solid.centroid[1], solid.centroid[2]);
+    gmsh::vectorpair faces;
+    gmsh::model::getBoundary({solids[s]}, faces, false, false, false);
+    for (const auto& face : faces) {
+      if (!seen.insert(std::abs(face.second)).second) continue;
+      // Fusing gives the solid a number of its own: it stands for the first that went into it.
+      const int number = job.fuse ? result.kept.front() : result.kept.at(std::min(s, result.kept.size() - 1));
+      result.faces.push_back(describe_face(std::abs(face.second), number, job.to_m));
+      result.area += result.faces.back().area;
+    }
+  }
+  result.centroid = as_array(result.volume != 0 ? Eigen::Vector3d(moment / result.volume) : moment);
+  for (SolidRecord& solid : result.solids)
+    if (std::find(result.kept.begin(), result.kept.end(), solid.number) != result.kept.end() && !job.fuse)
+      solid.name = label_of(3, solid.number);
+}
+
+void generate_mesh(const Job& job, ResultRecord& result) {
+  gmsh::option::setNumber("Mesh.Algorithm", job.surface_algorithm);
+  gmsh::option::setNumber("Mesh.Algorithm3D", 1);
+  gmsh::option::setNumber("Mesh.OptimizeThreshold", 0.7);  // 0.3 leaves slivers, 0.8 gains nothing more
+  gmsh::option::setNumber("Mesh.MeshSizeExtendFromBoundary", 1);
+  result.size = job.size;
+  result.size_min = job.size_min;
+  result.elements_per_circle = job.elements_per_circle;
+  for (int coarser = 0;; ++coarser) {
+    gmsh::option::setNumber("Mesh.MeshSizeMax", result.size / job.to_m);
+    gmsh::option::setNumber("Mesh.MeshSizeMin", result.size_min / job.to_m);
+    gmsh::option::setNumber("Mesh.MeshSizeFromCurvature", std::lround(result.elements_per_circle));
+    say(0.1, "meshing edges");
+    gmsh::model::mesh::generate(1);
+    say(0.15, "meshing faces");
+    gmsh::model::mesh::generate(2);
+    if (job.most_triangles == 0 || coarser == 5) break;
+    std::vector<std::size_t> triangles, nodes;
+    gmsh::model::mesh::getElementsByType(2, triangles, nodes);  // linear triangles, before curving
+    if (triangles.size() <= static_cast<std::size_t>(job.most_triangles)) break;
+    gmsh::model::mesh::clear();
+    result.size_min = std::min(1.4 * result.size_min, result.size);
+    result.elements_per_circle =
+        std::min(result.elements_per_circle, std::max(6.0, 0.85 * result.elements_per_circle));
+    result.size *= 1.1;
+  }
+  say(0.4, "meshing the volume");
+  gmsh::model::mesh::generate(3);
+  if (job.order == 2) {
+    say(0.8, "curving to quadratic elements");
+    gmsh::model::mesh::setOrder(2);
+  }
+  say(0.95, "handing over");
+}
+
+Arrays collect_mesh(const Job& job, const gmsh::vectorpair& solids, const ResultRecord& result) {
+  Arrays arrays;
+  std::vector<std::size_t> tags;
+  std::vector<double> coordinates, parameters;
+  gmsh::model::mesh::getNodes(tags, coordinates, parameters, -1, -1, false, false);
+  std::size_t greatest = 0;
+  for (const std::size_t tag : tags) greatest = std::max(greatest, tag);
+  std::vector<std::int32_t> number(greatest + 1, -1);
+
+  // gmsh orders a tet10's last two edges 2-3, 1-3; Mesh has 1-3, 2-3.
+  static constexpr int kOrder[10] = {0, 1, 2, 3, 4, 5, 6, 7, 9, 8};
+  const std::size_t n = job.order == 2 ? 10 : 4;
+  std::vector<std::size_t> cells, nodes;
+  for (const auto& solid : solids) {
+    gmsh::model::mesh::getElementsByType(job.order == 2 ? 11 : 4, cells, nodes, solid.second);
+    for (std::size_t c = 0; c < cells.size(); ++c)
+      for (std::size_t k = 0; k < n; ++k) {
+        number[nodes[c * n + kOrder[k]]] = 0;
+        arrays.tetrahedra.push_back(static_cast<std::int32_t>(nodes[c * n + kOrder[k]]));
+      }
+  }
+  for (std::size_t k = 0; k < tags.size(); ++k) {
+    if (number[tags[k]] < 0) continue;
+    number[tags[k]] = static_cast<std::int32_t>(arrays.points.size() / 3);
+    for (int i = 0; i < 3; ++i) arrays.points.push_back(coordinates[3 * k + i] * job.to_m);
+  }
+  for (std::int32_t& node : arrays.tetrahedra) node = number[node];
+  const std::size_t n_face = job.order == 2 ? 6 : 3;
+  for (const FaceRecord& face : result.faces) {
+    gmsh::model::mesh::getElementsByType(job.order == 2 ? 9 : 2, cells, nodes, face.number);
+    for (std::size_t c = 0; c < cells.size(); ++c) {
+      for (std::size_t k = 0; k < 3; ++k) arrays.triangles.push_back(number[nodes[c * n_face + k]]);
+      arrays.face.push_back(face.number);
+    }
+  }
+  return arrays;
+}
+
+void run(const Job& job, ResultRecord& result, Arrays& arrays) {
+  gmsh::option::setNumber("General.NumThreads", 1);
+  gmsh::option::setNumber("General.Terminal", 1);  // into the log descriptor
+  gmsh::option::setNumber("General.Verbosity", 3);
+  gmsh::option::setString("Geometry.OCCTargetUnit", "MM");  // OpenCASCADE's tolerances are made for mm
+  gmsh::option::setNumber("Geometry.OCCImportLabels", 1);
+  say(0, "reading the CAD file");
+  gmsh::vectorpair solids = import_solids(job, result);
+  choose_solids(job, result, solids);
+  if (job.fuse) fuse_solids(result, solids);
+  if (job.heal) {
+    gmsh::vectorpair healed;
+    gmsh::model::occ::healShapes(healed, solids, 1e-5, true, true, true, false, true);
+    gmsh::model::occ::remove(solids, true);  // the unhealed shape would stay beside the healed one
+    solids.clear();
+    for (const auto& entity : healed)
+      if (entity.first == 3) solids.push_back(entity);
+    if (solids.empty()) throw std::runtime_error("is no solid any more after healing");
+  }
+  gmsh::model::occ::synchronize();
+  describe_kept(job, solids, result);
+  if (job.task != "mesh") return;
+  generate_mesh(job, result);
+  arrays = collect_mesh(job, solids, result);
+  if (arrays.tetrahedra.empty()) {
+    std::string last;
+    gmsh::logger::getLastError(last);
+    throw std::runtime_error("the volume was not filled" + (last.empty() ? "" : " (" + last + ")"));
+  }
+}
+
+void write_all(const void* data, std::size_t size) {
+  const char* at = static_cast<const char*>(data);
+  while (size > 0) {
+    const ssize_t n = write(kResultDescriptor, at, size);
+    if (n <= 0) throw std::runtime_error("cannot write the result");
+    at += n;
+    size -= static_cast<std::size_t>(n);
+  }
+}
+
+template <class T>
+void write_array(const std::vector<T>& values) {
+  write_all(values.data(), values.size() * sizeof(T));
+}
+
+int work() {
+  const std::string text{std::istreambuf_iterator<char>(std::cin), {}};
+  const Job job = nlohmann::json::parse(text).get<Job>();
+  prctl(PR_SET_PDEATHSIG, SIGKILL);
+  if (getppid() != job.parent) return 1;  // the parent went before the line above took hold
+  ResultRecord result;
+  Arrays arrays;
+  try {
+    gmsh::initialize(0, nullptr, false);
+    run(job, result, arrays);
+  } catch (const std::exception& e) {
+    result.error = e.what();
+  } catch (const std::string& e) {  // gmsh throws strings
+    result.error = e;
+  } catch (...) {
+    result.error = "OpenCASCADE or gmsh failed without a reason";
+  }
+  result.n_points = arrays.points.size() / 3;
+  result.n_tetrahedra = arrays.tetrahedra.size() / (job.order == 2 ? 10 : 4);
+  result.n_triangles = arrays.face.size();
+  const std::string head =
+      nlohmann::json(result).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  const std::uint64_t length = head.size();
+  write_all(&length, sizeof length);
+  write_all(head.data(), head.size());
+  write_array(arrays.points);
+  write_array(arrays.tetrahedra);
+  write_array(arrays.triangles);
+  write_array(arrays.face);
+  std::cout.flush();
+  _exit(0);  // gmsh's own clean-up takes time and has been seen to crash; the result is complete
+}
+
+}  // namespace
+}  // namespace flexura::mesh
+
+int main() {
+  try {
+    return flexura::mesh::work();
+  } catch (const std::exception& e) {
+    std::cerr << "flexura-mesh works for flexura-reduce and is not started by hand: " << e.what() << '\n';
+    return 2;
+  }
+}
