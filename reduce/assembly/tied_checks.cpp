@@ -1,0 +1,156 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <map>
+#include <numeric>
+#include <stdexcept>
+
+#include "reduce/assembly/average.hpp"
+#include "reduce/assembly/rigid_motion.hpp"
+#include "reduce/assembly/tied_codes.hpp"
+#include "reduce/assembly/tied_model.hpp"
+
+namespace flexura::reduce {
+namespace {
+
+struct Extent {
+  Eigen::Vector3d centre;
+  double length;  // half the diagonal of the bounding box, 1 for a point
+};
+
+Extent extent_of(const Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>& points) {
+  const Eigen::Vector3d low = points.colwise().minCoeff(), high = points.colwise().maxCoeff();
+  const double length = 0.5 * (high - low).norm();
+  return {0.5 * (low + high), length > 0.0 ? length : 1.0};
+}
+
+}  // namespace
+
+void TiedModel::check_interfaces(const Part& part, bool may_be_free) const {
+  std::map<std::pair<int, int>, int> shared;
+  std::vector<int> owner(n_nodes_, -1);
+  for (int k = 0; k < n_interfaces(); ++k) {
+    const InterfaceDofs& interface = interfaces_[k];
+    const std::string& name = part.interfaces[k].name;
+    if (interface.nodes.empty())
+      throw std::invalid_argument(
+          fmt::format("interface '{}' has no node that belongs to a cell of the mesh", name));
+    for (mesh::Index node : interface.nodes) {
+      if (owner[node] >= 0) ++shared[{owner[node], k}];
+      owner[node] = k;
+    }
+    const int largest = interface.directions.empty() ? 0 : interface.directions.back();
+    const int smallest = interface.directions.empty() ? 0 : interface.directions.front();
+    if (smallest < 0 || largest > 5)
+      throw std::invalid_argument(fmt::format("interface '{}': directions are 0 to 5", name));
+    if (interface.tie == Tie::node) {
+      if (interface.nodes.size() != 1)
+        throw std::invalid_argument(
+            fmt::format("interface '{}' is tied as a node, but its set has {} nodes: give one "
+                        "node, or tie it rigid or as an average",
+                        name, interface.nodes.size()));
+      if (largest > 2)
+        throw std::invalid_argument(
+            fmt::format("interface '{}' is a single node of solid elements, which has no rotations: retain "
+                        "displacements only, or choose a face",
+                        name));
+      continue;
+    }
+    Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor> set(interface.nodes.size(), 3);
+    Eigen::Matrix<double, Eigen::Dynamic, 6> H(3 * set.rows(), 6);
+    for (Eigen::Index a = 0; a < set.rows(); ++a) {
+      set.row(a) = points_.row(interface.nodes[a]);
+      H.middleRows<3>(3 * a) = motion_at(set.row(a));
+    }
+    const Extent extent = extent_of(set);
+    const auto free = free_motions(H, extent.centre, extent.length);
+    if (free.cols() > 0)
+      throw std::invalid_argument(fmt::format(
+          "interface '{}' has {} node{}, {}, and cannot hold a {}: choose a face or more nodes{}", name,
+          set.rows(), set.rows() == 1 ? "" : "s", set.rows() == 1 ? "a point" : "all on one line",
+          describe_motion(free, extent.centre, extent.length),
+          set.rows() == 1 ? ", or tie it as a node (displacements only)" : ""));
+  }
+  if (!shared.empty()) {
+    const auto& [pair, count] = *shared.begin();
+    throw std::invalid_argument(fmt::format(
+        "interfaces '{}' and '{}' share {} node{}: choose faces that do not touch, or join them into one "
+        "interface",
+        part.interfaces[pair.first].name, part.interfaces[pair.second].name, count, count == 1 ? "" : "s"));
+  }
+  if (may_be_free) return;
+  const Extent extent = extent_of(points_);
+  const auto free = free_motions(rigid_b(), extent.centre, extent.length);
+  if (free.cols() > 0)
+    throw std::invalid_argument(
+        fmt::format("the interfaces together leave the body free to move ({} of six rigid motions), for "
+                    "instance a {}: add an "
+                    "interface or retain more directions",
+                    free.cols(), describe_motion(free, extent.centre, extent.length)));
+}
+
+// All nodes must hang together through cells and ties.
+void TiedModel::check_pieces(const Part& part) const {
+  std::vector<int> parent(n_nodes_ + n_interfaces());
+  std::iota(parent.begin(), parent.end(), 0);
+  const auto root = [&](int a) {
+    while (parent[a] != a) a = parent[a] = parent[parent[a]];
+    return a;
+  };
+  for (const mesh::CellBlock& block : part.mesh.solids)
+    for (Eigen::Index cell = 0; cell < block.nodes.rows(); ++cell)
+      for (Eigen::Index a = 1; a < block.nodes.cols(); ++a)
+        parent[root(block.nodes(cell, a))] = root(block.nodes(cell, 0));
+  for (int k = 0; k < n_interfaces(); ++k)
+    if (interfaces_[k].tie == Tie::rigid)
+      for (mesh::Index node : interfaces_[k].nodes) parent[root(node)] = root(n_nodes_ + k);
+  std::map<int, std::pair<int, int>> pieces;  // root -> (number of nodes, first node)
+  for (int node = 0; node < n_nodes_; ++node)
+    if (code_[3 * static_cast<std::size_t>(node)] != kUnused)
+      ++pieces.try_emplace(root(node), 0, node).first->second.first;
+  if (pieces.empty()) throw std::invalid_argument("the mesh has no solid cells");
+  if (pieces.size() == 1) return;
+  const auto smallest = std::min_element(pieces.begin(), pieces.end(), [](const auto& a, const auto& b) {
+    return a.second.first < b.second.first;
+  });
+  const auto [count, node] = smallest->second;
+  throw std::invalid_argument(fmt::format(
+      "the mesh falls into {} pieces that nothing joins; the smallest has {} nodes, one of them node {} at "
+      "({:.5g}, {:.5g}, {:.5g}) m: fuse the solids, or take one of them",
+      pieces.size(), count, node_label_.empty() ? node : node_label_[node], points_(node, 0),
+      points_(node, 1), points_(node, 2)));
+}
+
+// Averaging ties have no stiffness in K_ii.  Greedily finds as many nodal dofs as there are rigid motions
+// that the other ties leave free, each the one that moves most in what the former pins leave.
+void TiedModel::choose_pins() {
+  std::vector<char> averaged(n_b_, 0);
+  for (const InterfaceDofs& interface : interfaces_)
+    if (interface.tie == Tie::average)
+      std::fill_n(averaged.begin() + interface.first_b, interface.directions.size(), 1);
+  Eigen::MatrixXd H = rigid_b();
+  for (int b = 0; b < n_b_; ++b)
+    if (averaged[b]) H.row(b).setZero();
+  const Extent extent = extent_of(points_);
+  Eigen::MatrixXd free = free_motions(H, extent.centre, extent.length);
+  while (free.cols() > 0) {
+    int best = -1;
+    double best_size = 0.0;
+    for (std::size_t d = 0; d < code_.size(); ++d) {
+      if (code_[d] < 0) continue;
+      const double size =
+          (motion_at(points_.row(static_cast<Eigen::Index>(d / 3))).row(d % 3) * free).squaredNorm();
+      if (size > best_size) best_size = size, best = static_cast<int>(d);
+    }
+    if (best < 0) throw std::logic_error("no interior dof can pin the body");
+    pins_.push_back(code_[best]);
+    // Keep what the new pin does not hold.
+    const Eigen::VectorXd row = (motion_at(points_.row(best / 3)).row(best % 3) * free).transpose();
+    const Eigen::MatrixXd Q = Eigen::HouseholderQR<Eigen::MatrixXd>(row).householderQ();
+    free = (free * Q.rightCols(free.cols() - 1)).eval();
+  }
+}
+
+}  // namespace flexura::reduce

@@ -1,0 +1,224 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "reduce/assembly/tied_model.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "reduce/assembly/average.hpp"
+#include "reduce/assembly/rigid_motion.hpp"
+#include "reduce/assembly/tied_codes.hpp"
+
+namespace flexura::reduce {
+
+const char* name_of(Tie tie) {
+  switch (tie) {
+    case Tie::rigid:
+      return "rigid";
+    case Tie::average:
+      return "average";
+    case Tie::node:
+      return "node";
+  }
+  return "unknown";
+}
+
+TiedModel::TiedModel(const Part& part, const AssemblyOptions& options)
+    : n_nodes_(part.mesh.n_nodes()), points_(part.mesh.points), node_label_(part.mesh.node_label) {
+  if (part.interfaces.empty() && !options.may_be_free)
+    throw std::invalid_argument(
+        "the part has no interface: name at least one face, cylinder or node set by which joints can hold "
+        "the body");
+  number_dofs(part);
+  check_interfaces(part, options.may_be_free);
+  check_pieces(part);
+  if (options.shift == 0.0) choose_pins();
+  build_patterns(part);
+  assemble(part, options);
+}
+
+// Interior dofs run by nodes in the mesh's order, then come those of interface nodes whose directions are not
+// retained.
+void TiedModel::number_dofs(const Part& part) {
+  code_.assign(3 * static_cast<std::size_t>(n_nodes_), kUnused);
+  tie_of_.assign(n_nodes_, -1);
+  group_of_.assign(n_nodes_, -1);
+  for (const mesh::CellBlock& block : part.mesh.solids)
+    for (Eigen::Index k = 0; k < block.nodes.size(); ++k) {
+      const mesh::Index node = block.nodes.data()[k];
+      if (node < 0 || node >= n_nodes_)
+        throw std::invalid_argument(
+            fmt::format("a cell refers to node {}, but the mesh has nodes 0 to {}", node, n_nodes_ - 1));
+      std::fill_n(code_.begin() + 3 * static_cast<std::ptrdiff_t>(node), 3, kPending);
+    }
+  for (const InterfaceSpec& spec : part.interfaces) {
+    InterfaceDofs dofs{spec.tie, spec.point, spec.directions, {}, n_b_, {}, {}};
+    for (mesh::Index node : spec.set.nodes) {
+      if (node < 0 || node >= n_nodes_)
+        throw std::invalid_argument(
+            fmt::format("interface '{}' refers to node {}, but the mesh has nodes 0 to {}", spec.name, node,
+                        n_nodes_ - 1));
+      if (code_[3 * static_cast<std::size_t>(node)] != kUnused) dofs.nodes.push_back(node);
+    }
+    if (!std::is_sorted(dofs.directions.begin(), dofs.directions.end()) ||
+        std::adjacent_find(dofs.directions.begin(), dofs.directions.end()) != dofs.directions.end())
+      throw std::invalid_argument(
+          fmt::format("interface '{}': list each direction once, in ascending order", spec.name));
+    n_b_ += static_cast<int>(dofs.directions.size());
+    interfaces_.push_back(std::move(dofs));
+  }
+  for (std::size_t k = 0; k < interfaces_.size(); ++k) {
+    InterfaceDofs& interface = interfaces_[k];
+    if (interface.tie == Tie::rigid)
+      for (mesh::Index node : interface.nodes) {
+        tie_of_[node] = static_cast<int>(k);
+        std::fill_n(code_.begin() + 3 * static_cast<std::ptrdiff_t>(node), 3, kSlave);
+      }
+    if (interface.tie == Tie::node && interface.nodes.size() == 1) {
+      const mesh::Index node = interface.nodes[0];
+      interface.point = points_.row(node);
+      int b = interface.first_b;
+      for (int direction : interface.directions)
+        if (direction < 3) code_[3 * static_cast<std::size_t>(node) + direction] = boundary_code(b++);
+    }
+  }
+  group_begin_ = {0};
+  const auto close_group = [this]() -> int {
+    if (n_i_ == group_begin_.back()) return -1;
+    group_begin_.push_back(n_i_);
+    return static_cast<int>(group_begin_.size()) - 2;
+  };
+  for (int node = 0; node < n_nodes_; ++node) {
+    for (int a = 0; a < 3; ++a)
+      if (int& code = code_[3 * static_cast<std::size_t>(node) + a]; code == kPending) code = n_i_++;
+    group_of_[node] = close_group();
+  }
+  for (InterfaceDofs& interface : interfaces_) {
+    interface.code.fill(kUnused);
+    int b = interface.first_b;
+    for (int direction : interface.directions) interface.code[direction] = boundary_code(b++);
+    if (interface.tie == Tie::rigid)
+      for (int& code : interface.code)
+        if (code == kUnused) code = n_i_++;
+    tie_group_.push_back(close_group());
+  }
+}
+
+void TiedModel::expand(const Eigen::Ref<const Eigen::MatrixXd>& u_i,
+                       const Eigen::Ref<const Eigen::MatrixXd>& u_b, Eigen::MatrixXd& U) const {
+  const Eigen::Index n_cols = u_i.cols();
+  U.setZero(3 * static_cast<Eigen::Index>(n_nodes_), n_cols);
+  const auto value = [&](int code, Eigen::Index c) {
+    return code >= 0 ? u_i(code, c) : u_b(boundary_of(code), c);
+  };
+  for (Eigen::Index c = 0; c < n_cols; ++c) {
+    for (Eigen::Index d = 0; d < U.rows(); ++d)
+      if (is_dof(code_[d])) U(d, c) = value(code_[d], c);
+    for (const InterfaceDofs& interface : interfaces_) {
+      if (interface.tie != Tie::rigid) continue;
+      Vector6 q;
+      for (int direction = 0; direction < 6; ++direction) q(direction) = value(interface.code[direction], c);
+      for (mesh::Index node : interface.nodes)
+        U.col(c).segment<3>(3 * static_cast<Eigen::Index>(node)) =
+            motion_at(points_.row(node).transpose() - interface.point) * q;
+    }
+  }
+}
+
+void TiedModel::gather(const Eigen::Ref<const Eigen::MatrixXd>& F, Eigen::MatrixXd& f_i,
+                       Eigen::MatrixXd& f_b) const {
+  f_i.setZero(n_i_, F.cols());
+  f_b.setZero(n_b_, F.cols());
+  const auto place = [&](int code, Eigen::Index c) -> double& {
+    return code >= 0 ? f_i(code, c) : f_b(boundary_of(code), c);
+  };
+  for (Eigen::Index c = 0; c < F.cols(); ++c) {
+    for (Eigen::Index d = 0; d < F.rows(); ++d)
+      if (is_dof(code_[d])) place(code_[d], c) = F(d, c);
+    for (const InterfaceDofs& interface : interfaces_) {
+      if (interface.tie != Tie::rigid) continue;
+      Vector6 load = Vector6::Zero();
+      for (mesh::Index node : interface.nodes)
+        load += motion_at(points_.row(node).transpose() - interface.point).transpose() *
+                F.col(c).segment<3>(3 * static_cast<Eigen::Index>(node));
+      for (int direction = 0; direction < 6; ++direction)
+        place(interface.code[direction], c) += load(direction);
+    }
+  }
+}
+
+void TiedModel::multiply_M_ii(const Eigen::Ref<const Eigen::MatrixXd>& X, Eigen::MatrixXd& Y) const {
+  Eigen::MatrixXd U, MU, boundary;
+  expand(X, Eigen::MatrixXd::Zero(n_b_, X.cols()), U);
+  m_->multiply_kron3(U, MU);
+  gather(MU, Y, boundary);
+}
+
+Eigen::MatrixXd TiedModel::rigid_b() const {
+  Eigen::MatrixXd R(n_b_, 6);
+  for (const InterfaceDofs& interface : interfaces_) {
+    const Eigen::Matrix<double, 6, 6> motion = node_motion_at(interface.point);
+    int b = interface.first_b;
+    for (int direction : interface.directions) R.row(b++) = motion.row(direction);
+  }
+  return R;
+}
+
+Eigen::MatrixXd TiedModel::rigid_nodes() const {
+  Eigen::MatrixXd R(3 * static_cast<Eigen::Index>(n_nodes_), 6);
+  for (int node = 0; node < n_nodes_; ++node)
+    R.middleRows<3>(3 * static_cast<Eigen::Index>(node)) = motion_at(points_.row(node));
+  return R;
+}
+
+Eigen::MatrixXd TiedModel::interface_motion(int k, const Eigen::Ref<const Eigen::MatrixXd>& u_i,
+                                            const Eigen::Ref<const Eigen::MatrixXd>& u_b) const {
+  const InterfaceDofs& interface = interfaces_[k];
+  Eigen::MatrixXd q = Eigen::MatrixXd::Zero(6, u_i.cols());
+  if (interface.tie == Tie::average) {
+    for (std::size_t a = 0; a < interface.nodes.size(); ++a)
+      for (int d = 0; d < 3; ++d)
+        q += interface.average.col(3 * static_cast<Eigen::Index>(a) + d) *
+             u_i.row(code_[3 * static_cast<std::size_t>(interface.nodes[a]) + d]);
+    return q;
+  }
+  for (int d = 0; d < 6; ++d) {
+    int code = interface.code[d];
+    if (interface.tie == Tie::node)
+      code = d < 3 ? code_[3 * static_cast<std::size_t>(interface.nodes[0]) + d] : kUnused;
+    if (is_dof(code)) q.row(d) = code >= 0 ? u_i.row(code) : u_b.row(boundary_of(code));
+  }
+  return q;
+}
+
+Eigen::MatrixXd TiedModel::interface_load(int k, const Eigen::Ref<const Eigen::MatrixXd>& load) const {
+  const InterfaceDofs& interface = interfaces_[k];
+  Eigen::MatrixXd f = Eigen::MatrixXd::Zero(n_i_, load.cols());
+  if (interface.tie == Tie::average) {
+    for (std::size_t a = 0; a < interface.nodes.size(); ++a)
+      for (int d = 0; d < 3; ++d)
+        f.row(code_[3 * static_cast<std::size_t>(interface.nodes[a]) + d]) +=
+            interface.average.col(3 * static_cast<Eigen::Index>(a) + d).transpose() * load;
+    return f;
+  }
+  for (int d = 0; d < 6; ++d) {
+    int code = interface.code[d];
+    if (interface.tie == Tie::node)
+      code = d < 3 ? code_[3 * static_cast<std::size_t>(interface.nodes[0]) + d] : kUnused;
+    if (code >= 0) f.row(code) += load.row(d);
+  }
+  return f;
+}
+
+std::string TiedModel::describe_dof(int i) const {
+  const auto found = std::find(code_.begin(), code_.end(), i);
+  if (found == code_.end()) return "an interface node";
+  const auto place = found - code_.begin();
+  const auto node = static_cast<std::size_t>(place / 3);
+  const std::int64_t label = node_label_.empty() ? static_cast<std::int64_t>(node) : node_label_[node];
+  return fmt::format("node {} at ({:.5g}, {:.5g}, {:.5g}) m in {}", label, points_(node, 0), points_(node, 1),
+                     points_(node, 2), "xyz"[place % 3]);
+}
+
+}  // namespace flexura::reduce

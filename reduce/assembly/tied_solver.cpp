@@ -1,0 +1,89 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "reduce/assembly/tied_solver.hpp"
+
+#include <fmt/format.h>
+
+#include <stdexcept>
+
+namespace flexura::reduce {
+namespace {
+
+// The pins' springs go onto the diagonal for the factorisation only.
+linalg::CholeskyFactor factorise(const TiedModel& model, const linalg::Progress& progress) {
+  linalg::report(progress, "factorisation", 0.0);
+  try {
+    linalg::CholeskyFactor factor(model.K_ii(), model.group_begin(), model.pins());
+    linalg::report(progress, "factorisation", 1.0);
+    return factor;
+  } catch (const linalg::SingularMatrix& singular) {
+    throw std::invalid_argument(
+        fmt::format("the stiffness matrix is singular although the interfaces hold the body: a part of it "
+                    "can move without strain, "
+                    "noticed at {}; look for solids that touch in a single node or edge",
+                    model.describe_dof(singular.dof)));
+  }
+}
+
+}  // namespace
+
+TiedSolver::TiedSolver(const TiedModel& model, const linalg::Progress& progress)
+    : model_(model), factor_(factorise(model, progress)) {
+  const auto& A = model.A();
+  const auto& pins = model.pins();
+  const Eigen::Index n_a = A.rows(), n_p = static_cast<Eigen::Index>(pins.size());
+  if (n_a + n_p == 0) return;
+  Eigen::MatrixXd V = Eigen::MatrixXd::Zero(model.n_i(), n_a + n_p);
+  V.leftCols(n_a) = A.transpose();
+  for (Eigen::Index p = 0; p < n_p; ++p) V(pins[p], n_a + p) = -1.0;
+  Z_ = factor_.solve(V);
+  Eigen::MatrixXd small = V.transpose() * Z_;
+  for (Eigen::Index p = 0; p < n_p; ++p) small(n_a + p, n_a + p) -= 1.0 / model.K_ii().diagonal(pins[p]);
+  small_.compute(small);
+  if (n_a > 0) AAt_.compute(Eigen::MatrixXd(A * A.transpose()));
+}
+
+TiedSolver::Solution TiedSolver::solve_once(const Eigen::Ref<const Eigen::MatrixXd>& F,
+                                            const Eigen::Ref<const Eigen::MatrixXd>& g) const {
+  Solution solution{factor_.solve(F), {}};
+  if (Z_.cols() == 0) return solution;
+  const auto& A = model_.A();
+  const auto& pins = model_.pins();
+  Eigen::MatrixXd y(Z_.cols(), F.cols());
+  y.topRows(A.rows()) = A * solution.U - g;
+  for (std::size_t p = 0; p < pins.size(); ++p)
+    y.row(A.rows() + static_cast<Eigen::Index>(p)) = -solution.U.row(pins[p]);
+  y = small_.solve(y).eval();
+  solution.U.noalias() -= Z_ * y;
+  solution.mu = y.topRows(A.rows());
+  return solution;
+}
+
+Eigen::MatrixXd TiedSolver::solve(const Eigen::Ref<const Eigen::MatrixXd>& F) const {
+  return solve_once(F, Eigen::MatrixXd::Zero(model_.A().rows(), F.cols())).U;
+}
+
+TiedSolver::Solution TiedSolver::solve_refined(const Eigen::Ref<const Eigen::MatrixXd>& F,
+                                               const Eigen::Ref<const Eigen::MatrixXd>& g) const {
+  const auto& A = model_.A();
+  Solution solution = solve_once(F, g);
+  Eigen::MatrixXd KU;
+  for (int step = 0; step < 2; ++step) {
+    model_.K_ii().multiply(solution.U, KU);
+    Eigen::MatrixXd residual = F - KU;
+    if (A.rows() > 0) residual -= A.transpose() * solution.mu;
+    const Eigen::MatrixXd gap = A.rows() > 0 ? Eigen::MatrixXd(g - A * solution.U) : Eigen::MatrixXd(g);
+    const Solution correction = solve_once(residual, gap);
+    solution.U += correction.U;
+    if (A.rows() > 0) solution.mu += correction.mu;
+    // One step brings the error to a few ulps unless the matrix is very badly conditioned; then a second one.
+    if (correction.U.norm() < 1e-12 * solution.U.norm()) break;
+  }
+  return solution;
+}
+
+void TiedSolver::remove_reactions(Eigen::MatrixXd& R) const {
+  const auto& A = model_.A();
+  if (A.rows() > 0) R -= A.transpose() * AAt_.solve(A * R);
+}
+
+}  // namespace flexura::reduce

@@ -1,0 +1,43 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "reduce/assembly/tied_solver.hpp"
+#include "reduce/cms/reduction.hpp"
+#include "reduce/linalg/eigen_problem.hpp"
+
+/// Craig-Bampton reduction (R. R. Craig, M. C. C. Bampton, AIAA J. 6 (1968), 1313).
+///
+///     Psi = -K_ii^-1 K_ib                      constraint modes, one for each boundary dof
+///     K_ii phi = omega^2 M_ii phi              fixed-interface normal modes, Phi^T M_ii Phi = 1
+///     T = [ 1 0 ; Psi Phi ],   K_se = diag(K_bb + K_bi Psi, Omega^2),   M_se = T^T M T
+///
+/// Averaging ties (tied_model.hpp) enter as A Psi = 1 on their dofs, A Phi = 0; K_bb then gains minus the
+/// reactions.
+namespace flexura::reduce {
+
+enum class Eigensolver {
+  block_lanczos,  ///< our own, on blocks of right-hand sides: the fast way
+  krylov_schur,   ///< SLEPc's
+};
+
+struct ReductionOptions {
+  int n_modes = 20;         ///< the lowest n ...
+  double omega_max = 0.0;   ///< ... or all up to this [rad/s], whichever asks for more; clusters stay whole
+  double tolerance = 1e-9;  ///< relative residual of every mode
+  Eigensolver eigensolver = Eigensolver::block_lanczos;
+  std::vector<mesh::Index> shape_nodes;  ///< nodes at which shapes are wanted (the surface)
+  bool estimate_error = true;
+  linalg::Progress progress;
+};
+
+/// Reduces a part.  Needs a linalg::Session.  Throws std::invalid_argument for parts that cannot be reduced
+/// (see TiedModel, TiedSolver) and std::runtime_error when a computation fails.
+Reduction craig_bampton(const Part& part, const ReductionOptions& options);
+
+/// The fixed-interface eigenproblem of a model and its solver, which must outlive it.
+linalg::EigenProblem fixed_interface_problem(const TiedModel& model, const TiedSolver& solver);
+
+/// Peak resident memory of this process [bytes].
+double peak_memory();
+
+}  // namespace flexura::reduce

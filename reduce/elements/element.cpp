@@ -1,0 +1,61 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "reduce/elements/element.hpp"
+
+#include <map>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+namespace flexura::reduce {
+namespace {
+
+using mesh::CellType;
+
+// Mass is integrated with the rule that the mesh's own volume, centre and inertia are measured with, so that
+// both agree to round-off on curved cells too (tetrahedra: degree 5; degree 4 is exact for a straight tet10).
+// Stiffness of tet10 has 4 points like Abaqus' C3D10 and CalculiX: exact for straight edges, where strains
+// are linear; for curved ones the usual reduced integration.
+Element make(CellType type, Lumping lumping, Enhancement enhancement = Enhancement::none) {
+  return {type,
+          mesh::nodes_per_cell(type),
+          tabulate(type, mesh::stiffness_quadrature(type)),
+          tabulate(type, mesh::volume_quadrature(type)),
+          lumping,
+          enhancement};
+}
+
+using Registry = std::map<std::pair<CellType, Formulation>, Element>;
+
+Registry make_registry() {
+  Registry registry;
+  const auto add = [&registry](Formulation formulation, Element element) {
+    registry.emplace(std::pair{element.type, formulation}, std::move(element));
+  };
+  add(Formulation::standard, make(CellType::tet4, Lumping::row_sum));
+  add(Formulation::standard, make(CellType::tet10, Lumping::scaled));
+  return registry;
+}
+
+}  // namespace
+
+TabulatedRule tabulate(CellType type, const mesh::Quadrature& rule) {
+  TabulatedRule table;
+  for (Eigen::Index q = 0; q < rule.weights.size(); ++q) {
+    const Eigen::Vector3d xi = rule.points.row(q);
+    const mesh::ShapeValues values = mesh::evaluate_shape(type, xi);
+    table.points.push_back({rule.weights(q), xi, values.N, values.dN});
+  }
+  return table;
+}
+
+const Element& solid_element(CellType type, Formulation formulation) {
+  static const Registry registry = make_registry();  // built on first use, constant from then on
+  auto found = registry.find({type, formulation});
+  if (found == registry.end()) found = registry.find({type, Formulation::standard});
+  if (found == registry.end())
+    throw std::invalid_argument(std::string("cells of type ") + mesh::name_of(type) +
+                                " are not solid elements");
+  return found->second;
+}
+
+}  // namespace flexura::reduce

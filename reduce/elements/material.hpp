@@ -1,0 +1,32 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+
+namespace flexura::reduce {
+
+/// A linear elastic material.  D maps strain to stress [Pa]; both are ordered (xx, yy, zz, xy, yz, zx) with
+/// engineering shear strains gamma = 2 epsilon.
+struct Material {
+  std::string name;
+  Eigen::Matrix<double, 6, 6> D = Eigen::Matrix<double, 6, 6>::Zero();
+  double density = 0.0;  ///< [kg/m^3]
+};
+
+/// Hooke's law of an isotropic material.  E [Pa] > 0, -1 < nu < 0.5, density [kg/m^3] > 0; otherwise
+/// std::invalid_argument that names the material, the value and the rule.
+Material isotropic(std::string name, double E, double nu, double density);
+
+/// Engineering constants of an orthotropic material whose axes are those of the mesh frame B.
+/// nu_ij is the contraction along j when pulled along i: nu_ij / E_i = nu_ji / E_j.
+struct OrthotropicConstants {
+  double E_x, E_y, E_z;        ///< [Pa]
+  double nu_xy, nu_yz, nu_zx;  ///< [-]
+  double G_xy, G_yz, G_zx;     ///< [Pa]
+};
+
+/// Throws std::invalid_argument where the constants have no positive definite stiffness.
+Material orthotropic(std::string name, const OrthotropicConstants& constants, double density);
+
+}  // namespace flexura::reduce

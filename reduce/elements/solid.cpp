@@ -1,0 +1,78 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "reduce/elements/solid.hpp"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <limits>
+
+namespace flexura::reduce {
+namespace {
+
+using StrainMatrix = Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, 3 * kMaxNodes>;
+
+void fill_strain_matrix(const NodePositions& g, StrainMatrix& B) {
+  B.setZero(6, 3 * g.rows());
+  for (Eigen::Index a = 0; a < g.rows(); ++a) {
+    const double x = g(a, 0), y = g(a, 1), z = g(a, 2);
+    B(0, 3 * a) = x;
+    B(1, 3 * a + 1) = y;
+    B(2, 3 * a + 2) = z;
+    B(3, 3 * a) = y;
+    B(3, 3 * a + 1) = x;
+    B(4, 3 * a + 1) = z;
+    B(4, 3 * a + 2) = y;
+    B(5, 3 * a) = z;
+    B(5, 3 * a + 2) = x;
+  }
+}
+
+}  // namespace
+
+double spatial_gradients(const TabulatedRule::Point& point, const NodePositions& x,
+                         NodePositions& gradients) {
+  const Eigen::Matrix3d J = point.dN.transpose() * x;  // row i: dx/dxi_i
+  gradients.noalias() = point.dN * J.inverse().transpose();
+  return J.determinant();
+}
+
+double element_stiffness(const Element& element, const NodePositions& x, const Matrix6& D,
+                         Eigen::MatrixXd& K_e) {
+  const int n = element.n_nodes;
+  NodePositions gradients;
+  StrainMatrix B, DB;
+  double smallest = std::numeric_limits<double>::infinity();
+  K_e.setZero(3 * n, 3 * n);
+  for (const TabulatedRule::Point& point : element.stiffness.points) {
+    const double det = spatial_gradients(point, x, gradients);
+    if (!(det > 0.0)) return det;
+    smallest = std::min(smallest, det);
+    fill_strain_matrix(gradients, B);
+    DB.noalias() = (point.weight * det) * D * B;
+    K_e.noalias() += B.transpose() * DB;
+  }
+  return smallest;
+}
+
+double element_mass(const Element& element, const NodePositions& x, double density, MassKind kind,
+                    Eigen::MatrixXd& m_e) {
+  const int n = element.n_nodes;
+  double smallest = std::numeric_limits<double>::infinity();
+  m_e.setZero(n, n);
+  for (const TabulatedRule::Point& point : element.mass.points) {
+    const Eigen::Matrix3d J = point.dN.transpose() * x;
+    const double det = J.determinant();
+    if (!(det > 0.0)) return det;
+    smallest = std::min(smallest, det);
+    m_e.noalias() += (density * point.weight * det) * point.N * point.N.transpose();
+  }
+  if (kind == MassKind::lumped) {
+    const double total = m_e.sum();
+    Eigen::VectorXd diagonal = element.lumping == Lumping::row_sum
+                                   ? Eigen::VectorXd(m_e.rowwise().sum())
+                                   : Eigen::VectorXd(m_e.diagonal() * (total / m_e.trace()));
+    m_e = diagonal.asDiagonal();
+  }
+  return smallest;
+}
+
+}  // namespace flexura::reduce

@@ -1,0 +1,39 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <Eigen/Core>
+
+#include "reduce/elements/element.hpp"
+
+/// Matrices of solid elements, small displacements, linear elasticity.
+///
+///     K_e = integral B^T D B dV,   B_a = [ N_a,x  0      0     ]      strains (xx, yy, zz, xy, yz, zx)
+///                                        [ 0      N_a,y  0     ]
+///                                        [ 0      0      N_a,z ]
+///                                        [ N_a,y  N_a,x  0     ]
+///                                        [ 0      N_a,z  N_a,y ]
+///                                        [ N_a,z  0      N_a,x ]
+///     m_e = integral rho N N^T dV (n x n); the mass matrix of the 3 n dofs is m_e (x) I_3
+///
+/// Dofs are ordered u_x, u_y, u_z of node 0, then of node 1, ...
+namespace flexura::reduce {
+
+using NodePositions = Eigen::Matrix<double, Eigen::Dynamic, 3, 0, kMaxNodes, 3>;
+using Matrix6 = Eigen::Matrix<double, 6, 6>;
+
+enum class MassKind { consistent, lumped };
+
+/// Computes K_e (3n x 3n) from node positions [m] and elasticity [Pa].  Returns the smallest det J at the
+/// quadrature points; where it is not positive the element is inverted and K_e is meaningless.
+double element_stiffness(const Element& element, const NodePositions& x, const Matrix6& D,
+                         Eigen::MatrixXd& K_e);
+
+/// Computes m_e (n x n) from node positions [m] and density [kg/m^3]; lumped is diagonal, by the element's
+/// own rule. Returns the smallest det J at the quadrature points.
+double element_mass(const Element& element, const NodePositions& x, double density, MassKind kind,
+                    Eigen::MatrixXd& m_e);
+
+/// dN_a/dx (n x 3) at a point; returns det J.
+double spatial_gradients(const TabulatedRule::Point& point, const NodePositions& x, NodePositions& gradients);
+
+}  // namespace flexura::reduce

@@ -1,0 +1,48 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "reduce/invariants/inertia_integrals.hpp"
+
+#include "reduce/linalg/dense.hpp"
+
+namespace flexura::reduce {
+
+InertiaIntegrals inertia_integrals(const linalg::SymmetricMatrix& m,
+                                   const Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>& points,
+                                   const Eigen::MatrixXd& T) {
+  const Eigen::Index n_nodes = points.rows(), n = T.cols();
+  Eigen::MatrixXd X(n_nodes, 4), mX;  // 1, x, y, z
+  X.col(0).setOnes();
+  X.rightCols<3>() = points;
+  m.multiply(X, mX);
+  const Eigen::Matrix4d XmX = X.transpose() * mX;
+  InertiaIntegrals s;
+  s.mass = XmX(0, 0);
+  s.S_x = XmX.block<3, 1>(1, 0);
+  s.S_xx = 0.5 * (XmX.bottomRightCorner<3, 3>() + XmX.bottomRightCorner<3, 3>().transpose());
+  s.S_phi.resize(3, n);
+  s.S_xphi.resize(9, n);
+
+  // The rows of T for one direction, contiguous.
+  const auto direction = [&](int a) {
+    Eigen::MatrixXd Phi(n_nodes, n);
+    for (Eigen::Index k = 0; k < n; ++k)
+      for (Eigen::Index node = 0; node < n_nodes; ++node) Phi(node, k) = T(3 * node + a, k);
+    return Phi;
+  };
+  constexpr int kPlace[3][3] = {{0, 3, -1}, {-1, 1, 4}, {5, -1, 2}};  // (a, b) -> place in S_phiphi
+  Eigen::MatrixXd Phi[3] = {direction(0), direction(1), direction(2)}, mPhi;
+  for (int b = 0; b < 3; ++b) {
+    m.multiply(Phi[b], mPhi);
+    const Eigen::MatrixXd moments = linalg::transpose_times(X, mPhi);  // 4 x n
+    s.S_phi.row(b) = moments.row(0);
+    for (int a = 0; a < 3; ++a) {
+      s.S_xphi.row(3 * a + b) = moments.row(1 + a);
+      if (kPlace[a][b] < 0) continue;
+      Eigen::MatrixXd& block = s.S_phiphi[kPlace[a][b]];
+      block = linalg::transpose_times(Phi[a], mPhi);
+      if (a == b) block = (0.5 * (block + block.transpose())).eval();
+    }
+  }
+  return s;
+}
+
+}  // namespace flexura::reduce

@@ -1,0 +1,251 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "reduce/linalg/block_lanczos.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <stdexcept>
+
+#include "reduce/linalg/dense.hpp"
+
+namespace flexura::linalg {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+// The M-orthonormal basis V and the projected operator H = V^T M S V of all but the last block.
+class Basis {
+ public:
+  Basis(const EigenProblem& problem, Index capacity) : problem_(problem), V_(problem.n, capacity) {}
+
+  Index size() const { return size_; }
+  auto vectors() const { return V_.leftCols(size_); }
+  auto vectors(Index first, Index count) const { return V_.middleCols(first, count); }
+
+  // Makes W orthogonal to the basis and to itself and appends it; what is round-off of W's own size is left
+  // out. On return W_before = V_old C + V_new R.
+  void append(MatrixXd W, MatrixXd& C, MatrixXd& R) {
+    const Index old = size_;
+    C.setZero(old, W.cols());
+    MatrixXd MW;
+    double scale = 0.0;
+    // Twice is enough (W. Kahan): the second pass removes what cancellation left in the first.
+    for (int pass = 0; pass < 2; ++pass) {
+      problem_.multiply_M(W, MW);
+      if (pass == 0) scale = std::sqrt(std::max(0.0, W.cwiseProduct(MW).colwise().sum().maxCoeff()));
+      const MatrixXd c = transpose_times(V_.leftCols(old), MW);
+      add_product(-1.0, V_.leftCols(old), c, W);
+      C += c;
+    }
+    R = orthonormalise(W, scale);
+  }
+
+  void reserve(Index capacity) {
+    if (capacity > V_.cols()) V_.conservativeResize(Eigen::NoChange, capacity);
+  }
+
+  // Replaces the basis by V Y and the last block.
+  void restart(const MatrixXd& Y, Index last_block) {
+    const Index first = size_ - last_block;
+    const MatrixXd kept = times(V_.leftCols(first), Y);
+    const MatrixXd last = V_.middleCols(first, last_block);
+    V_.leftCols(Y.cols()) = kept;
+    V_.middleCols(Y.cols(), last_block) = last;
+    size_ = Y.cols() + last_block;
+  }
+
+ private:
+  // Appends an orthonormal basis of span(W), W already orthogonal to the basis; returns R, W = V_new R.
+  // The Gram matrix tells directions apart down to 1e-7 of the largest; the rest is cleaned and treated anew.
+  MatrixXd orthonormalise(MatrixXd W, double scale) {
+    MatrixXd R = MatrixXd::Zero(0, W.cols());
+    MatrixXd from_input =
+        MatrixXd::Identity(W.cols(), W.cols());  // W_now = (rest) in terms of the input's columns
+    const Index first = size_;
+    while (W.cols() > 0) {
+      MatrixXd MW;
+      problem_.multiply_M(W, MW);
+      const DenseEigen gram = symmetric_eigen(0.5 * (transpose_times(W, MW) + transpose_times(MW, W)));
+      const double largest = gram.values.maxCoeff();
+      const double smallest_kept = 1e-13 * scale;  // a few hundred ulps of what W was made from
+      if (!(largest > smallest_kept * smallest_kept)) break;
+      Index n_small = 0;
+      while (gram.values(n_small) < 1e-10 * largest) ++n_small;
+      const Index n_large = W.cols() - n_small;
+      const MatrixXd U_small = gram.vectors.leftCols(n_small), U_large = gram.vectors.rightCols(n_large);
+      const VectorXd root = gram.values.tail(n_large).cwiseSqrt();
+      MatrixXd Q = times(W, U_large * root.cwiseInverse().asDiagonal());
+      // Normalising small vectors magnifies what is left of the basis in them, and a wide spread of sizes
+      // leaves Q orthonormal to ulps times the spread only: clean again, against everything.
+      MatrixXd correction = MatrixXd::Identity(n_large, n_large);
+      const bool delicate = root(0) < 1e-2 * root(n_large - 1) || root(0) < 1e-4 * scale;
+      for (int pass = 0; pass < (delicate ? 2 : 0); ++pass) {
+        problem_.multiply_M(Q, MW);
+        const MatrixXd c = transpose_times(V_.leftCols(size_), MW);
+        add_product(-1.0, V_.leftCols(size_), c, Q);
+        problem_.multiply_M(Q, MW);
+        const DenseEigen g = symmetric_eigen(0.5 * (transpose_times(Q, MW) + transpose_times(MW, Q)));
+        const VectorXd s = g.values.cwiseMax(1e-300).cwiseSqrt();
+        Q = times(Q, g.vectors * s.cwiseInverse().asDiagonal() * g.vectors.transpose());
+        correction = (g.vectors * s.asDiagonal() * g.vectors.transpose() * correction).eval();
+      }
+      V_.middleCols(size_, n_large) = Q;
+      size_ += n_large;
+      MatrixXd grown = MatrixXd::Zero(R.rows() + n_large, R.cols());
+      grown.topRows(R.rows()) = R;
+      grown.bottomRows(n_large) = correction * root.asDiagonal() * U_large.transpose() * from_input;
+      if (n_small > 0) {
+        MatrixXd rest = times(W, U_small);
+        from_input = (U_small.transpose() * from_input).eval();
+        for (int pass = 0; pass < 2; ++pass) {
+          problem_.multiply_M(rest, MW);
+          const MatrixXd c = transpose_times(V_.leftCols(size_), MW);
+          add_product(-1.0, V_.leftCols(size_), c, rest);
+          grown += c.middleRows(first, size_ - first) * from_input;
+        }
+        W = std::move(rest);
+      } else {
+        W.resize(W.rows(), 0);
+      }
+      R = std::move(grown);
+    }
+    return R;
+  }
+
+  const EigenProblem& problem_;
+  MatrixXd V_;
+  Index size_ = 0;
+};
+
+// The lowest eigenpairs of the projected problem.
+struct Ritz {
+  VectorXd omega2;    // ascending
+  MatrixXd Y;         // columns for `omega2`, rows of the projected basis
+  VectorXd estimate;  // relative residual of S
+};
+
+Ritz ritz_pairs(const MatrixXd& H, const MatrixXd& R, Index last_block, double shift) {
+  const DenseEigen eigen = symmetric_eigen(0.5 * (H + H.transpose()));
+  const Index n = H.rows();
+  Ritz ritz{VectorXd(n), eigen.vectors.rowwise().reverse(), VectorXd::Zero(n)};
+  for (Index k = 0; k < n; ++k) {
+    const double theta = eigen.values(n - 1 - k);
+    ritz.omega2(k) = theta > 0.0 ? 1.0 / theta - shift : std::numeric_limits<double>::infinity();
+    if (R.rows() > 0) ritz.estimate(k) = (R * ritz.Y.col(k).tail(last_block)).norm() / std::abs(theta);
+  }
+  return ritz;
+}
+
+// How many pairs the request asks for, given what is known; -1: not decided yet.
+Index wanted(const Ritz& ritz, const EigenRequest& request, double accurate) {
+  Index count = request.count;
+  if (ritz.omega2.size() <= count) return -1;
+  while (count < ritz.omega2.size() && ritz.omega2(count) <= request.omega2_max) ++count;
+  while (count > 0 && count < ritz.omega2.size() &&
+         ritz.omega2(count) - ritz.omega2(count - 1) < kClusterGap * std::abs(ritz.omega2(count)))
+    ++count;
+  // The first one that is left out must be known well enough to be left out.
+  if (count >= ritz.omega2.size() || !(ritz.estimate(count) < 1e-4)) return -1;
+  return count == 0 || ritz.estimate.head(count).maxCoeff() < accurate ? count : -1;
+}
+
+}  // namespace
+
+EigenPairs block_lanczos(const EigenProblem& problem, const EigenRequest& request, const Progress& progress,
+                         int block) {
+  constexpr const char* kStage = "modes (block Lanczos)";
+  const Index b = std::min<Index>(block, problem.n_free);
+  const Index target = std::max(request.count, 1);
+  // Room for a Krylov space without a restart in the usual case; a search up to a frequency may need to grow.
+  Index capacity = std::min<Index>(problem.n_free, 4 * target + 15 * b) + 2 * b;
+  EigenPairs pairs;
+  Basis basis(problem, capacity);
+  std::mt19937_64 random(20240229);
+  std::normal_distribution<double> normal;
+
+  MatrixXd X(problem.n, b), MX, W, C, R;
+  for (double& x : X.reshaped()) x = normal(random);
+  problem.multiply_M(X, MX);
+  problem.solve(MX, W);
+  basis.append(W, C, R);
+  pairs.n_solves += static_cast<int>(b);
+  ++pairs.n_blocks;
+
+  MatrixXd H(0, 0);
+  Index last = basis.size();  // width of the newest block, which S has not been applied to
+  double accurate = std::max(1e-2 * request.tolerance, 1e-14);
+  int rounds_without_gain = 0;
+  for (int step = 0;; ++step) {
+    // S on the newest block.
+    const Index first = basis.size() - last;
+    problem.multiply_M(basis.vectors(first, last), MX);
+    problem.solve(MX, W);
+    pairs.n_solves += static_cast<int>(last);
+    ++pairs.n_blocks;
+    const Index old = basis.size();
+    basis.append(W, C, R);
+    H.conservativeResize(old, old);
+    H.rightCols(last) = C;
+    H.bottomRows(last) = C.transpose();
+    const Index applied = last;
+    last = basis.size() - old;
+
+    const bool exhausted = last == 0;
+    if (!exhausted && old < target + b && step > 0 && basis.size() + b <= capacity) continue;
+    const Ritz ritz = ritz_pairs(H, R, applied, problem.shift);
+    Index count = wanted(ritz, request, accurate);
+    if (exhausted && count < 0) {
+      // The whole space is spanned: everything there is has been found.
+      count = std::min<Index>(request.count, ritz.omega2.size());
+      while (count < ritz.omega2.size() && ritz.omega2(count) <= request.omega2_max) ++count;
+    }
+    const Index known =
+        std::count_if(ritz.estimate.data(), ritz.estimate.data() + std::min(target, ritz.estimate.size()),
+                      [&](double e) { return e < accurate; });
+    report(progress, kStage, std::min(0.99, static_cast<double>(known) / static_cast<double>(target)));
+    if (count >= 0) {
+      MatrixXd Y = ritz.Y.leftCols(count);
+      pairs.Phi = times(basis.vectors().leftCols(old), Y);
+      if (!exhausted) {
+        MatrixXd tail = R * Y.bottomRows(applied);
+        for (Index k = 0; k < count; ++k) tail.col(k) *= ritz.omega2(k) + problem.shift;
+        add_product(1.0, basis.vectors(old, last), tail, pairs.Phi);
+      }
+      // phi is M-orthonormal to the square of the estimate; make it so to round-off.
+      problem.multiply_M(pairs.Phi, MX);
+      const DenseEigen gram = symmetric_eigen(transpose_times(pairs.Phi, MX));
+      pairs.Phi = times(pairs.Phi, gram.vectors * gram.values.cwiseSqrt().cwiseInverse().asDiagonal() *
+                                       gram.vectors.transpose());
+      measure_residuals(problem, pairs);
+      if (count == 0 || pairs.residual.maxCoeff() <= request.tolerance) {
+        report(progress, kStage, 1.0);
+        return pairs;
+      }
+      if (exhausted || ++rounds_without_gain > 8)
+        throw std::runtime_error(
+            fmt::format("block Lanczos: the worst residual of {} modes stays at {:.1e}, above {:.1e}: the "
+                        "stiffness matrix is too "
+                        "badly conditioned for this accuracy",
+                        count, pairs.residual.maxCoeff(), request.tolerance));
+      accurate = std::max(0.1 * accurate, 1e-16);
+    }
+    if (basis.size() + b > capacity) {
+      // Thick restart: the best Ritz vectors and the newest block.  A search up to a frequency that has
+      // outgrown the room gets more of it.
+      const Index keep = std::min<Index>(old, std::max<Index>(target + 2 * b, known + 2 * b));
+      if (2 * keep > capacity)
+        basis.reserve(capacity = std::min<Index>(problem.n_free, 2 * capacity) + 2 * b);
+      const MatrixXd Y = ritz.Y.leftCols(keep);
+      basis.restart(Y, last);
+      H = MatrixXd::Zero(keep, keep);
+      for (Index k = 0; k < keep; ++k) H(k, k) = 1.0 / (ritz.omega2(k) + problem.shift);
+    }
+    if (step > 2000) throw std::runtime_error("block Lanczos: no convergence in 2000 blocks");
+  }
+}
+
+}  // namespace flexura::linalg

@@ -1,0 +1,54 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+#include <span>
+#include <stdexcept>
+
+#include "reduce/linalg/symmetric_matrix.hpp"
+
+namespace flexura::linalg {
+
+/// The matrix has no Cholesky factor, or a pivot that is zero to round-off: the structure can move without
+/// strain.
+struct SingularMatrix : std::runtime_error {
+  SingularMatrix(int dof, const char* text) : std::runtime_error(text), dof(dof) {}
+  int dof;  ///< the row at which it was noticed
+};
+
+/// What a factorisation cost.
+struct FactorFigures {
+  double nonzeros = 0.0;  ///< of L
+  double flops = 0.0;
+  double seconds_ordering = 0.0;  ///< METIS
+  double seconds_symbolic = 0.0;
+  double seconds_numeric = 0.0;
+  double smallest_pivot = 0.0;  ///< the smallest L_jj^2 / A_jj; round-off level means a mechanism
+};
+
+/// A sparse Cholesky factorisation P A P^T = L L^T (CHOLMOD, supernodal; nested dissection by METIS).
+class CholeskyFactor {
+ public:
+  /// `group_begin` cuts the rows into groups of consecutive rows with the same pattern (the directions of one
+  /// node), ascending, first 0, last n; the ordering is found on the groups, which is faster.  Empty: each
+  /// row its own group.  `doubled` lists rows whose diagonal entry is taken twice: A + E diag(A_pp) E^T is
+  /// factorised.  Throws SingularMatrix, or std::runtime_error when memory does not suffice.
+  explicit CholeskyFactor(const SymmetricMatrix& A, std::span<const int> group_begin = {},
+                          std::span<const int> doubled = {});
+  ~CholeskyFactor();
+  CholeskyFactor(CholeskyFactor&&) noexcept;
+  CholeskyFactor& operator=(CholeskyFactor&&) noexcept;
+
+  /// X = A^-1 B for n x k right-hand sides, all columns together.
+  Eigen::MatrixXd solve(const Eigen::Ref<const Eigen::MatrixXd>& B) const;
+
+  int size() const;
+  const FactorFigures& figures() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace flexura::linalg

@@ -1,0 +1,45 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "reduce/linalg/eigen_problem.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace flexura::linalg {
+
+void trim(EigenPairs& pairs, const EigenRequest& request) {
+  Eigen::Index keep = std::min<Eigen::Index>(request.count, pairs.omega2.size());
+  while (keep < pairs.omega2.size() && pairs.omega2(keep) <= request.omega2_max) ++keep;
+  while (keep > 0 && keep < pairs.omega2.size() &&
+         pairs.omega2(keep) - pairs.omega2(keep - 1) < kClusterGap * std::abs(pairs.omega2(keep)))
+    ++keep;
+  pairs.omega2.conservativeResize(keep);
+  pairs.Phi.conservativeResize(Eigen::NoChange, keep);
+}
+
+void measure_residuals(const EigenProblem& problem, EigenPairs& pairs) {
+  const Eigen::Index count = pairs.Phi.cols();
+  pairs.omega2.resize(count);
+  pairs.residual.resize(count);
+  constexpr Eigen::Index kWidth = 16;  // columns at a time, to bound the memory
+  for (Eigen::Index first = 0; first < count; first += kWidth) {
+    const Eigen::Index width = std::min(kWidth, count - first);
+    Eigen::MatrixXd K_phi, M_phi;
+    problem.multiply_K(pairs.Phi.middleCols(first, width), K_phi);
+    problem.multiply_M(pairs.Phi.middleCols(first, width), M_phi);
+    Eigen::MatrixXd residual = K_phi;
+    Eigen::MatrixXd scale = K_phi + problem.shift * M_phi;
+    for (Eigen::Index c = 0; c < width; ++c) {
+      const auto phi = pairs.Phi.col(first + c);
+      pairs.omega2(first + c) = phi.dot(K_phi.col(c)) / phi.dot(M_phi.col(c));
+      residual.col(c) -= pairs.omega2(first + c) * M_phi.col(c);
+    }
+    if (problem.project_residual) {
+      problem.project_residual(residual);
+      problem.project_residual(scale);
+    }
+    for (Eigen::Index c = 0; c < width; ++c)
+      pairs.residual(first + c) = residual.col(c).norm() / scale.col(c).norm();
+  }
+}
+
+}  // namespace flexura::linalg

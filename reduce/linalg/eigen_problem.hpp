@@ -1,0 +1,47 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <Eigen/Core>
+#include <functional>
+
+namespace flexura::linalg {
+
+/// K phi = omega^2 M phi by what the operators do to blocks of vectors (n x k).  `solve` is (K + shift M)^-1
+/// on the space in which the problem lives (fixed averages may make it smaller than n); its results lie in
+/// that space.
+struct EigenProblem {
+  using Operator = std::function<void(const Eigen::Ref<const Eigen::MatrixXd>& X, Eigen::MatrixXd& Y)>;
+  int n = 0;           ///< length of the vectors
+  int n_free = 0;      ///< dimension of the space
+  double shift = 0.0;  ///< of `solve` [1/s^2]
+  Operator solve, multiply_K, multiply_M;
+  /// Makes a residual K phi - omega^2 M phi a residual in the space (removes reactions); may be empty.
+  std::function<void(Eigen::MatrixXd&)> project_residual;
+};
+
+/// How many eigenpairs: the lowest `count`, or all with omega^2 up to `omega2_max`, whichever asks for more;
+/// clusters at the end are completed.
+struct EigenRequest {
+  int count = 0;
+  double omega2_max = 0.0;
+  double tolerance = 1e-9;  ///< relative residual, see EigenPairs
+};
+
+struct EigenPairs {
+  Eigen::VectorXd omega2;    ///< ascending [rad^2/s^2]
+  Eigen::MatrixXd Phi;       ///< n x k, M-orthonormal
+  Eigen::VectorXd residual;  ///< ||K phi - omega^2 M phi|| / ||(K + shift M) phi||, each pair
+  int n_solves = 0;          ///< right-hand sides solved for
+  int n_blocks = 0;          ///< solves with a block of right-hand sides
+};
+
+/// Two eigenvalues closer than this fraction are one cluster: both are kept or none.
+inline constexpr double kClusterGap = 1e-4;
+
+/// Cuts ascending pairs to what the request asks for; a cluster at the cut is kept whole.
+void trim(EigenPairs& pairs, const EigenRequest& request);
+
+/// Computes Rayleigh quotients and residuals of M-orthonormal vectors anew, from K and M themselves.
+void measure_residuals(const EigenProblem& problem, EigenPairs& pairs);
+
+}  // namespace flexura::linalg

@@ -1,0 +1,188 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "mesh/model/geometry.hpp"
+#include "reduce/assembly/rigid_motion.hpp"
+#include "reduce/assembly/tied_model.hpp"
+#include "reduce/elements/solid.hpp"
+#include "reduce/elements/surface.hpp"
+#include "reduce/linalg/dense.hpp"
+#include "tests/reduce/parts.hpp"
+
+namespace flexura::reduce {
+namespace {
+
+using namespace testing;
+using mesh::CellType;
+
+struct Kind {
+  CellType type;
+  Formulation formulation = Formulation::standard;
+};
+
+std::string name_of_kind(const ::testing::TestParamInfo<Kind>& info) {
+  return std::string(mesh::name_of(info.param.type)) +
+         (info.param.formulation == Formulation::enhanced ? "Enhanced" : "");
+}
+
+const std::vector<Kind> kKinds = {{CellType::tet4}, {CellType::tet10}};
+
+// A block of two cells each way whose nodes are shaken, so that no two cells are alike.
+mesh::Mesh shaken_block(CellType type, bool straight) {
+  mesh::Mesh mesh = box({0.3, 0.2, 0.25}, {2, 2, 2}, type);
+  deform(
+      mesh,
+      [](const Eigen::Vector3d& x) -> Eigen::Vector3d {
+        const Eigen::Vector3d shake(std::sin(31 * x(0) + 17 * x(1) + 5 * x(2)),
+                                    std::sin(13 * x(0) - 29 * x(1) + 7 * x(2) + 1.0),
+                                    std::cos(11 * x(0) + 19 * x(1) - 23 * x(2)));
+        return x + 0.012 * shake;
+      },
+      straight);
+  return mesh;
+}
+
+Part free_part(mesh::Mesh mesh, Formulation formulation) {
+  Part part;
+  part.mesh = std::move(mesh);
+  part.materials = {steel()};
+  part.formulation = formulation;
+  return part;
+}
+
+AssemblyOptions free_body() {
+  AssemblyOptions options;
+  options.may_be_free = true;
+  options.shift = 1e-300;
+  return options;
+}
+
+class SolidElements : public ::testing::TestWithParam<Kind> {};
+
+// A linear displacement field is in the element's space whatever its shape (straight edges), so interior
+// nodes are in balance and the energy is exact.  Round-off: sums of about 100 products, each 1e-16 of the
+// largest force.
+TEST_P(SolidElements, DistortedPatchIsInConstantStrain) {
+  const Part part = free_part(shaken_block(GetParam().type, true), GetParam().formulation);
+  const TiedModel model(part, free_body());
+  Eigen::Matrix3d gradient;
+  gradient << 0.3, -0.7, 0.2, 0.5, 0.9, -0.4, -0.1, 0.6, -0.8;
+  gradient *= 1e-3;
+  Eigen::MatrixXd u(model.n_i(), 1), f;
+  for (int a = 0; a < model.n_nodes(); ++a)
+    u.block<3, 1>(3 * a, 0) = gradient * part.mesh.points.row(a).transpose();
+  model.K_ii().multiply(u, f);
+  Eigen::Matrix<double, 6, 1> strain;
+  strain << gradient(0, 0), gradient(1, 1), gradient(2, 2), gradient(0, 1) + gradient(1, 0),
+      gradient(1, 2) + gradient(2, 1), gradient(2, 0) + gradient(0, 2);
+  const double volume = mesh::measure_volume(part.mesh).volume;
+  const double energy = 0.5 * strain.dot(part.materials[0].D * strain) * volume;
+  EXPECT_NEAR(0.5 * (u.transpose() * f)(0, 0) / energy, 1.0, 1e-12);
+  std::vector<char> outer(model.n_nodes(), 0);
+  for (const auto& block : part.mesh.boundary)
+    for (Eigen::Index k = 0; k < block.nodes.size(); ++k) outer[block.nodes.data()[k]] = 1;
+  const double largest = f.cwiseAbs().maxCoeff();
+  int n_inner = 0;
+  for (int a = 0; a < model.n_nodes(); ++a) {
+    if (outer[a]) continue;
+    ++n_inner;
+    EXPECT_LT((f.block<3, 1>(3 * a, 0).norm()), 1e-12 * largest) << "node " << a;
+  }
+  EXPECT_GT(n_inner, 0);
+}
+
+// Curved cells as well.
+TEST_P(SolidElements, RigidMotionsAreStrainFreeAndNothingElseIs) {
+  for (const bool straight : {true, false}) {
+    const Part part = free_part(shaken_block(GetParam().type, straight), GetParam().formulation);
+    const TiedModel model(part, free_body());
+    Eigen::MatrixXd f;
+    model.K_ii().multiply(model.rigid_nodes(), f);
+    const Eigen::MatrixXd K = dense(model.K_ii());
+    EXPECT_LT(f.cwiseAbs().maxCoeff(), 1e-14 * 81 * K.cwiseAbs().maxCoeff());
+    const Eigen::VectorXd values = linalg::symmetric_eigen(K).values;
+    EXPECT_LT(values.head(6).cwiseAbs().maxCoeff(), 1e-12 * values.maxCoeff());
+    EXPECT_GT(values(6), 1e-6 * values.maxCoeff());  // no hour-glass modes
+  }
+}
+
+TEST_P(SolidElements, MassMatrixHasTheMassCentreAndInertiaOfTheCurvedCells) {
+  const Part part = free_part(shaken_block(GetParam().type, false), GetParam().formulation);
+  const TiedModel model(part, free_body());
+  const Eigen::MatrixXd m = dense(model.m());
+  const mesh::Volumes volumes = mesh::measure_volume(part.mesh);
+  const double rho = part.materials[0].density, mass = rho * volumes.volume;
+  EXPECT_NEAR(m.sum() / mass, 1.0, 1e-12);
+  const Eigen::Vector3d S_x = part.mesh.points.transpose() * m.rowwise().sum();
+  EXPECT_LT((S_x - mass * volumes.centroid).norm(), 1e-12 * mass * 0.3);
+  const Eigen::Matrix3d S_xx = part.mesh.points.transpose() * m * part.mesh.points;
+  const Eigen::Matrix3d about_origin = S_xx.trace() * Eigen::Matrix3d::Identity() - S_xx;
+  const Eigen::Vector3d c = volumes.centroid;
+  const Eigen::Matrix3d expected =
+      rho * volumes.inertia + mass * (c.squaredNorm() * Eigen::Matrix3d::Identity() - c * c.transpose());
+  EXPECT_LT((about_origin - expected).norm(), 1e-12 * expected.norm());
+  EXPECT_GT(linalg::symmetric_eigen(m).values(0), 0.0);
+}
+
+TEST_P(SolidElements, LumpedMassIsPositiveAndSumsToTheTotal) {
+  Part part = free_part(shaken_block(GetParam().type, true), GetParam().formulation);
+  part.mass = MassKind::lumped;
+  const TiedModel model(part, free_body());
+  const Eigen::MatrixXd m = dense(model.m());
+  const double mass = part.materials[0].density * mesh::measure_volume(part.mesh).volume;
+  EXPECT_GT(m.diagonal().minCoeff(), 0.0);
+  EXPECT_EQ((m - Eigen::MatrixXd(m.diagonal().asDiagonal())).norm(), 0.0);
+  EXPECT_NEAR(m.sum() / mass, 1.0, 1e-12);
+}
+
+INSTANTIATE_TEST_SUITE_P(Types, SolidElements, ::testing::ValuesIn(kKinds), name_of_kind);
+
+TEST(SurfaceIntegrals, MassOfAPlaneFaceIntegratesQuadraticsExactly) {
+  // The face z = c of a box: integral of x^2 y^2 over [0, a] x [0, b] is (a b)^3 / 9; x y is in the space of
+  // tri6.
+  const double a = 0.7, b = 0.4;
+  const mesh::Mesh mesh = box({a, b, 0.2}, {3, 2, 1}, CellType::tet10);
+  const mesh::NodeSet face = nodes_where(mesh, [](const Eigen::Vector3d& x) { return x(2) > 0.2 - 1e-12; });
+  const Eigen::SparseMatrix<double> W = surface_mass(mesh, face.faces, face.nodes);
+  Eigen::VectorXd xy(face.nodes.size());
+  for (std::size_t k = 0; k < face.nodes.size(); ++k)
+    xy(static_cast<Eigen::Index>(k)) = mesh.points(face.nodes[k], 0) * mesh.points(face.nodes[k], 1);
+  EXPECT_NEAR(xy.dot(W * xy) / (std::pow(a * b, 3) / 9.0), 1.0, 1e-13);
+  const Eigen::MatrixXd load = pressure_load(mesh, mesh.boundary);
+  EXPECT_LT(load.colwise().sum().norm(), 1e-14);  // a closed surface under uniform pressure is in balance
+}
+
+TEST(Materials, OrthotropicWithEqualConstantsIsIsotropic) {
+  const Material iso = isotropic("a", 3e9, 0.25, 1000.0);
+  const double G = 3e9 / 2.5;
+  const Material ortho = orthotropic("b", {3e9, 3e9, 3e9, 0.25, 0.25, 0.25, G, G, G}, 1000.0);
+  EXPECT_LT((iso.D - ortho.D).norm(), 1e-14 * iso.D.norm());
+}
+
+std::string refusal(const std::function<void()>& work) {
+  try {
+    work();
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return "nothing was refused";
+}
+
+TEST(Materials, ValuesOutOfRangeAreRefused) {
+  using ::testing::HasSubstr;
+  EXPECT_THAT(refusal([] { isotropic("steel", 2e11, 0.5, 7850); }),
+              HasSubstr("material 'steel': Poisson's ratio is 0.5, but it must lie above -1 and below 0.5"));
+  EXPECT_THAT(refusal([] { isotropic("steel", 2e11, 0.3, -7850); }),
+              HasSubstr("the density is -7850 kg/m^3, but it must be positive"));
+  EXPECT_THAT(refusal([] { isotropic("steel", 0, 0.3, 7850); }), HasSubstr("Young's modulus is 0 Pa"));
+  EXPECT_THAT(refusal([] { isotropic("steel", std::nan(""), 0.3, 7850); }),
+              HasSubstr("Young's modulus is nan"));
+  EXPECT_THAT(refusal([] {
+                orthotropic("ply", {1e9, 1e9, 1e9, 0.9, 0.9, 0.9, 1e9, 1e9, 1e9}, 1);
+              }),
+              HasSubstr("not be positive definite"));
+}
+
+}  // namespace
+}  // namespace flexura::reduce

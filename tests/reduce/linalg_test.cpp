@@ -1,0 +1,181 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <Eigen/Cholesky>
+#include <cmath>
+#include <numbers>
+
+#include "reduce/linalg/block_lanczos.hpp"
+#include "reduce/linalg/cholesky.hpp"
+#include "reduce/linalg/dense.hpp"
+#include "reduce/linalg/krylov_schur.hpp"
+#include "tests/reduce/parts.hpp"
+
+namespace flexura::linalg {
+namespace {
+
+using reduce::testing::dense;
+using reduce::testing::random_matrix;
+
+// The Laplacian of an n x n grid: tridiagonal in both directions, eigenvalues 4 - 2 cos(i h) - 2 cos(j h),
+// h = pi / (n + 1), most of them double.
+SymmetricMatrix grid_laplacian(int n) {
+  std::vector<int> begin{0}, columns;
+  for (int i = 0; i < n * n; ++i) {
+    columns.push_back(i);
+    if (i % n + 1 < n) columns.push_back(i + 1);
+    if (i + n < n * n) columns.push_back(i + n);
+    begin.push_back(static_cast<int>(columns.size()));
+  }
+  SymmetricMatrix A(begin, columns);
+  Eigen::MatrixXd link(2, 2);
+  link << 0, -1, -1, 0;
+  for (int i = 0; i < n * n; ++i) {
+    A.add(std::vector<int>{i}, Eigen::MatrixXd::Constant(1, 1, 4.0));
+    if (i % n + 1 < n) A.add(std::vector<int>{i, i + 1}, link);
+    if (i + n < n * n) A.add(std::vector<int>{i, i + n}, link);
+  }
+  A.finish();
+  return A;
+}
+
+std::vector<double> grid_eigenvalues(int n) {
+  std::vector<double> values;
+  const double h = std::numbers::pi / (n + 1);
+  for (int i = 1; i <= n; ++i)
+    for (int j = 1; j <= n; ++j) values.push_back(4.0 - 2.0 * std::cos(i * h) - 2.0 * std::cos(j * h));
+  std::sort(values.begin(), values.end());
+  return values;
+}
+
+EigenProblem grid_problem(const SymmetricMatrix& A, const CholeskyFactor& factor) {
+  EigenProblem problem;
+  problem.n = problem.n_free = A.size();
+  problem.solve = [&factor](const auto& X, auto& Y) { Y = factor.solve(X); };
+  problem.multiply_K = [&A](const auto& X, auto& Y) { A.multiply(X, Y); };
+  problem.multiply_M = [](const auto& X, auto& Y) { Y = X; };
+  return problem;
+}
+
+TEST(SymmetricMatrix, ProductsAreThoseOfTheDenseMatrix) {
+  const SymmetricMatrix A = grid_laplacian(7);
+  const Eigen::MatrixXd D = dense(A);
+  for (int k : {1, 3, 4, 9}) {
+    const Eigen::MatrixXd X = random_matrix(49, k), X3 = random_matrix(147, k);
+    Eigen::MatrixXd Y;
+    A.multiply(X, Y);
+    EXPECT_LT((Y - D * X).norm(), 1e-14 * Y.norm());
+    A.multiply_kron3(X3, Y);
+    EXPECT_LT((Y - reduce::testing::kron3(D) * X3).norm(), 1e-14 * Y.norm());
+  }
+}
+
+TEST(SymmetricMatrix, AnEntryOutsideThePatternIsOneClearSentence) {
+  SymmetricMatrix A({0, 1, 2}, {0, 1});
+  try {
+    A.add(std::vector<int>{0, 1}, Eigen::MatrixXd::Ones(2, 2));
+    FAIL() << "nothing was thrown";
+  } catch (const std::runtime_error& error) {
+    EXPECT_THAT(error.what(), ::testing::StartsWith("PETSc failed while adding to a matrix: "));
+    EXPECT_THAT(error.what(), ::testing::Not(::testing::HasSubstr("\n")));
+  }
+}
+
+TEST(Cholesky, SolvesManyRightHandSides) {
+  const SymmetricMatrix A = grid_laplacian(40);
+  const CholeskyFactor factor(A);
+  const Eigen::MatrixXd B = random_matrix(1600, 13);
+  Eigen::MatrixXd AX;
+  A.multiply(factor.solve(B), AX);
+  EXPECT_LT((AX - B).norm(), 1e-12 * B.norm());  // condition number about 700
+}
+
+TEST(Cholesky, SingularMatricesNameTheRow) {
+  // A chain of springs in which the last link is missing: row 3 hangs free.
+  SymmetricMatrix A({0, 2, 4, 6, 7}, {0, 1, 1, 2, 2, 3, 3});
+  Eigen::MatrixXd link(2, 2);
+  link << 1, -1, -1, 1;
+  A.add(std::vector<int>{0, 1}, link);
+  A.add(std::vector<int>{1, 2}, link);
+  A.add(std::vector<int>{0}, Eigen::MatrixXd::Ones(1, 1));
+  A.finish();
+  try {
+    const CholeskyFactor factor(A);
+    FAIL() << "nothing was thrown";
+  } catch (const SingularMatrix& singular) {
+    EXPECT_EQ(singular.dof, 3);
+  }
+}
+
+class Eigensolvers : public ::testing::TestWithParam<bool> {
+ protected:
+  EigenPairs solve(const EigenProblem& problem, const EigenRequest& request) const {
+    return GetParam() ? block_lanczos(problem, request) : krylov_schur(problem, request);
+  }
+};
+
+// Eigenvalues are accurate to the square of the residual, so to round-off: n times 1e-16 of the largest one
+// (8).
+TEST_P(Eigensolvers, FindDoubleEigenvaluesOfTheGrid) {
+  const int n = 30;
+  const SymmetricMatrix A = grid_laplacian(n);
+  const CholeskyFactor factor(A);
+  const EigenProblem problem = grid_problem(A, factor);
+  const std::vector<double> exact = grid_eigenvalues(n);
+  const EigenPairs pairs = solve(problem, {40, 0.0, 1e-9});
+  ASSERT_GE(pairs.omega2.size(), 40);
+  for (int k = 0; k < 40; ++k) EXPECT_NEAR(pairs.omega2(k), exact[k], 1e-13) << "pair " << k;
+  EXPECT_LT(pairs.residual.maxCoeff(), 1e-9);
+  const Eigen::MatrixXd gram = pairs.Phi.transpose() * pairs.Phi;
+  EXPECT_LT((gram - Eigen::MatrixXd::Identity(gram.rows(), gram.cols())).norm(), 1e-10);
+}
+
+TEST_P(Eigensolvers, KeepAClusterAtTheCutWhole) {
+  const SymmetricMatrix A = grid_laplacian(12);
+  const CholeskyFactor factor(A);
+  // Eigenvalue 2 (from 0) is the twin of eigenvalue 1.
+  EXPECT_EQ(solve(grid_problem(A, factor), {2, 0.0, 1e-9}).omega2.size(), 3);
+}
+
+TEST_P(Eigensolvers, FindAllUpToALimit) {
+  const int n = 30;
+  const SymmetricMatrix A = grid_laplacian(n);
+  const CholeskyFactor factor(A);
+  const std::vector<double> exact = grid_eigenvalues(n);
+  const double limit = 0.5 * (exact[99] + exact[100]);
+  ASSERT_GT(exact[100] - exact[99], 1e-3);
+  EXPECT_EQ(solve(grid_problem(A, factor), {1, limit, 1e-9}).omega2.size(), 100);
+}
+
+TEST_P(Eigensolvers, FindEverythingInASmallSpace) {
+  const SymmetricMatrix A = grid_laplacian(4);
+  const CholeskyFactor factor(A);
+  const std::vector<double> exact = grid_eigenvalues(4);
+  const EigenPairs pairs = solve(grid_problem(A, factor), {16, 0.0, 1e-9});
+  ASSERT_EQ(pairs.omega2.size(), 16);
+  for (int k = 0; k < 16; ++k) EXPECT_NEAR(pairs.omega2(k), exact[k], 1e-13);
+}
+
+TEST_P(Eigensolvers, WorkWithAShift) {
+  // A - a 1 is indefinite; A = (A - a 1) + a 1 is factorised.
+  const int n = 20;
+  const SymmetricMatrix A = grid_laplacian(n);
+  const CholeskyFactor factor(A);
+  EigenProblem problem = grid_problem(A, factor);
+  const double a = 0.3;
+  problem.shift = a;
+  problem.multiply_K = [&A, a](const auto& X, auto& Y) {
+    A.multiply(X, Y);
+    Y -= a * X;
+  };
+  const std::vector<double> exact = grid_eigenvalues(n);
+  const EigenPairs pairs = solve(problem, {8, 0.0, 1e-9});
+  for (int k = 0; k < 8; ++k) EXPECT_NEAR(pairs.omega2(k), exact[k] - a, 1e-13);
+}
+
+INSTANTIATE_TEST_SUITE_P(Both, Eigensolvers, ::testing::Bool(),
+                         [](const auto& info) { return info.param ? "BlockLanczos" : "KrylovSchur"; });
+
+}  // namespace
+}  // namespace flexura::linalg
