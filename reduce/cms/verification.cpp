@@ -87,6 +87,7 @@ MatrixXd reduced_static_compliance(const Reduction& reduction, const std::string
   const MatrixXd K = reduction.K_se(free, free);
   const MatrixXd solution = K.ldlt().solve(MatrixXd(load(free, Eigen::all)));
   motion(free, Eigen::all) = solution;
+  return motion.topRows(reduction.n_b);
 }
 
 Eigen::VectorXd reduced_free_modes(const Reduction& reduction) {
