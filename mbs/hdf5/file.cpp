@@ -4,7 +4,8 @@
 #include <hdf5.h>
 
 #include <algorithm>
-#include <mutex>
+#include <fstream>
+#include <type_traits>
 
 namespace flexura::hdf5 {
 namespace {
@@ -143,6 +144,23 @@ Handle open_attribute(hid_t node, const std::string& name, const std::string& la
   if (H5Sget_simple_extent_npoints(space.get()) != 1)
     throw Error(label + ": attribute " + name + " is no single value");
   return attribute;
+}
+
+// A writer killed between its runs, while it set up the next, leaves the mark of exclusive writing, which
+// HDF5 refuses for good.  What it had written is there (changes stay in memory until the file is closed), so
+// the mark is lifted, as HDF5's own tool h5clear does, in a copy in memory: the file itself stays untouched.
+hid_t open_copy_without_mark(const std::filesystem::path& path) {
+  H5Eclear2(H5E_DEFAULT);
+  std::ifstream in(path, std::ios::binary);
+  std::string image((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
+  const Handle access = owned(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, path.string());
+  const hbool_t clear = true;
+  if (H5Pset_fapl_core(access.get(), std::size_t{1} << 20, false) < 0 ||
+      H5Pset_file_image(access.get(), image.data(), image.size()) < 0 ||
+      H5Pset(access.get(), "clear_status_flags", &clear) < 0) {
+    return -1;
+  }
+  return H5Fopen(path.c_str(), H5F_ACC_RDWR, access.get());
 }
 
 }  // namespace
@@ -417,6 +435,8 @@ File::File(const std::filesystem::path& path, Mode mode) : path_(path) {
   const Handle access = owned(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, label);
   check(H5Pset_libver_bounds(access.get(), H5F_LIBVER_V110, H5F_LIBVER_V110), label);
   check(H5Pset_fclose_degree(access.get(), H5F_CLOSE_STRONG), label);
+  // A reader takes no lock: it must not keep a running simulation from its own file.
+  check(H5Pset_file_locking(access.get(), mode != Mode::read, true), label);
   hid_t id = -1;
   switch (mode) {
     case Mode::create:
@@ -439,6 +459,7 @@ File::File(const std::filesystem::path& path, Mode mode) : path_(path) {
         // millisecond, its own 100 eternal.
         check(H5Pset_metadata_read_attempts(access.get(), 20), label);
         id = H5Fopen(path.c_str(), H5F_ACC_RDONLY | H5F_ACC_SWMR_READ, access.get());
+        if (id < 0) id = open_copy_without_mark(path);
       }
       break;
   }

@@ -7,7 +7,8 @@
 #include <string>
 #include <vector>
 
-/// The results file of a simulation: HDF5, one group for each run, every scalar quantity by name and with its unit.
+/// The results file of a simulation: HDF5, one group for each run, every scalar quantity by name and with its
+/// unit.
 ///
 ///     /                                   format, version, created_by, model (the input file's text)
 ///     /bodies/NAME                        kind, superelement, shape (JSON for pictures)
@@ -36,7 +37,7 @@ struct BodyHeader {
 
 struct ModelHeader {
   std::string name;
-  std::string source;            ///< the mechanism file's text
+  std::string source;  ///< the mechanism file's text
   std::string created_by;
   std::vector<BodyHeader> bodies;
   std::string connections_json;  ///< [{"name","kind","body_1","p_1","body_2","p_2","axis_1"}...]
@@ -66,7 +67,9 @@ class Writer {
 
   void begin_run(const std::string& run, const std::vector<Quantity>& quantities,
                  const std::vector<RunBody>& bodies, const std::vector<std::string>& state_names = {});
-  void append(const Row& row);  ///< buffered, flushed at least every second
+  /// Buffered, flushed at least every second.  Throws std::invalid_argument, naming the quantity and the
+  /// time, for a value that is not finite; the file keeps all rows up to there.
+  void append(const Row& row);
   void end_run(bool complete, const std::string& stopped_because, const std::string& summary_json);
   void close();
 
@@ -90,6 +93,8 @@ struct Run {
   std::vector<Quantity> quantities;
   Eigen::MatrixXd values;  ///< n_t x n_quantities
   std::vector<BodyHistory> bodies;
+  std::vector<std::string> state_names;
+  Eigen::MatrixXd states;  ///< n_t x n_y, empty when they were not stored
 };
 
 struct Results {
@@ -100,7 +105,8 @@ struct Results {
 /// Reads a results file whole; also a FILE.part.  Throws std::runtime_error, one sentence.
 Results read(const std::filesystem::path& path);
 
-/// One CSV file per run beside `path`: time and all quantities, names and units in the first line.
+/// One CSV file per run beside `path`, engine.h5 giving engine.RUN.csv: time and all quantities, names and
+/// units in the first line.
 std::vector<std::filesystem::path> write_csv(const Results& results, const std::filesystem::path& path);
 
 }  // namespace flexura::results

@@ -1,0 +1,68 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include <fstream>
+
+#include "mbs/results/results.hpp"
+
+namespace flexura::results {
+namespace {
+
+// RFC 4180: a field with a comma, a quote or a line break stands in quotes, quotes in it are doubled.
+std::string field(const std::string& text) {
+  if (text.find_first_of(",\"\n\r") == std::string::npos) return text;
+  std::string quoted = "\"";
+  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return quoted + "\"";
+}
+
+void write_run(const Run& run, const std::filesystem::path& path) {
+  std::ofstream out(path, std::ios::binary);
+  fmt::memory_buffer line;
+  fmt::format_to(std::back_inserter(line), "time [s]");
+  for (const Quantity& quantity : run.quantities) {
+    fmt::format_to(std::back_inserter(line), ",{}",
+                   field(quantity.name + (quantity.unit.empty() ? "" : " [" + quantity.unit + "]")));
+  }
+  line.push_back('\n');
+  for (Eigen::Index t = 0; t < run.time.size(); ++t) {
+    fmt::format_to(std::back_inserter(line), "{}",
+                   run.time[t]);  // the shortest text that reads back as the same double
+    for (Eigen::Index i = 0; i < run.values.cols(); ++i) {
+      fmt::format_to(std::back_inserter(line), ",{}", run.values(t, i));
+    }
+    line.push_back('\n');
+    if (line.size() > 1 << 16) {
+      out.write(line.data(), static_cast<std::streamsize>(line.size()));
+      line.clear();
+    }
+  }
+  out.write(line.data(), static_cast<std::streamsize>(line.size()));
+  out.close();
+  if (!out)
+    throw std::runtime_error(path.string() +
+                             ": cannot be written; check the folder, its permissions and the disk");
+}
+
+}  // namespace
+
+std::vector<std::filesystem::path> write_csv(const Results& results, const std::filesystem::path& path) {
+  std::vector<std::filesystem::path> written;
+  for (const Run& run : results.runs) {
+    std::filesystem::path target = path;
+    target.replace_extension("." + run.name + ".csv");
+    const std::filesystem::path beside = target.string() + ".part";
+    try {
+      write_run(run, beside);
+      std::filesystem::rename(beside, target);
+    } catch (...) {
+      std::error_code ignored;
+      std::filesystem::remove(beside, ignored);
+      throw;
+    }
+    written.push_back(target);
+  }
+  return written;
+}
+
+}  // namespace flexura::results
