@@ -203,9 +203,8 @@ EigenPairs block_lanczos(const EigenProblem& problem, const EigenRequest& reques
       count = std::min<Index>(request.count, ritz.omega2.size());
       while (count < ritz.omega2.size() && ritz.omega2(count) <= request.omega2_max) ++count;
     }
-    const Index known =
-        std::count_if(ritz.estimate.data(), ritz.estimate.data() + std::min(target, ritz.estimate.size()),
-                      [&](double e) { return e < accurate; });
+    Index known = 0;  // leading pairs that are accurate already
+    while (known < ritz.estimate.size() && ritz.estimate(known) < accurate) ++known;
     report(progress, kStage, std::min(0.99, static_cast<double>(known) / static_cast<double>(target)));
     if (count >= 0) {
       MatrixXd Y = ritz.Y.leftCols(count);
@@ -236,7 +235,7 @@ EigenPairs block_lanczos(const EigenProblem& problem, const EigenRequest& reques
     if (basis.size() + b > capacity) {
       // Thick restart: the best Ritz vectors and the newest block.  A search up to a frequency that has
       // outgrown the room gets more of it.
-      const Index keep = std::min<Index>(old, std::max<Index>(target + 2 * b, known + 2 * b));
+      const Index keep = std::min<Index>(old, std::max(target, known) + 2 * b);
       if (2 * keep > capacity)
         basis.reserve(capacity = std::min<Index>(problem.n_free, 2 * capacity) + 2 * b);
       const MatrixXd Y = ritz.Y.leftCols(keep);

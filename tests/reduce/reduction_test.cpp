@@ -32,7 +32,7 @@ Part banana(Tie left, Tie right) {
   return part;
 }
 
-class Ties : public ::testing::TestWithParam<std::pair<Tie, Tie>> {
+class ReducedBanana : public ::testing::TestWithParam<std::pair<Tie, Tie>> {
  protected:
   Part part() const { return banana(GetParam().first, GetParam().second); }
 };
@@ -44,7 +44,7 @@ Reduction reduce_with(const Part& part, int n_modes, std::vector<mesh::Index> no
   return craig_bampton(part, options);
 }
 
-TEST_P(Ties, SuperelementHasTheMassCentreAndInertiaOfTheMesh) {
+TEST_P(ReducedBanana, SuperelementHasTheMassCentreAndInertiaOfTheMesh) {
   const Part p = part();
   const Reduction se = reduce_with(p, 5);
   const mesh::Volumes volumes = mesh::measure_volume(p.mesh);
@@ -68,7 +68,7 @@ TEST_P(Ties, SuperelementHasTheMassCentreAndInertiaOfTheMesh) {
 }
 
 // Craig-Bampton is exact in statics.
-TEST_P(Ties, StaticCompliancesAreThoseOfTheFullModel) {
+TEST_P(ReducedBanana, StaticCompliancesAreThoseOfTheFullModel) {
   const Part p = part();
   const Reduction se = reduce_with(p, 3);
   for (const auto& [clamped, loaded] : {std::pair{"left", "right"}, std::pair{"right", "left"}}) {
@@ -84,7 +84,7 @@ TEST_P(Ties, StaticCompliancesAreThoseOfTheFullModel) {
   }
 }
 
-TEST_P(Ties, FreeFrequenciesAreThoseOfTheFullModelAndSixAreZero) {
+TEST_P(ReducedBanana, FreeFrequenciesAreThoseOfTheFullModelAndSixAreZero) {
   const Part p = part();
   const Reduction se = reduce_with(p, 20);
   const Eigen::VectorXd reduced = reduced_free_modes(se);
@@ -103,7 +103,7 @@ TEST_P(Ties, FreeFrequenciesAreThoseOfTheFullModelAndSixAreZero) {
 
 // The integrals against quadrature over the cells of the field that the shapes describe, weighted by random
 // numbers.
-TEST_P(Ties, InertiaIntegralsAreThoseOfTheDisplacementField) {
+TEST_P(ReducedBanana, InertiaIntegralsAreThoseOfTheDisplacementField) {
   const Part p = part();
   std::vector<mesh::Index> all(p.mesh.n_nodes());
   for (mesh::Index a = 0; a < p.mesh.n_nodes(); ++a) all[a] = a;
@@ -147,7 +147,7 @@ TEST_P(Ties, InertiaIntegralsAreThoseOfTheDisplacementField) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(All, Ties,
+INSTANTIATE_TEST_SUITE_P(AllTies, ReducedBanana,
                          ::testing::Values(std::pair{Tie::rigid, Tie::rigid},
                                            std::pair{Tie::rigid, Tie::average},
                                            std::pair{Tie::average, Tie::average}),
