@@ -8,8 +8,8 @@
 
 #include "mesh/model/mesh.hpp"
 
-/// A model as another finite-element program wrote it.  Numbers are as in the file: the file has no unit of
-/// its own (scale_to_si converts them where the user states one).
+/// A model as another finite-element program wrote it.  Numbers are as in the file, which has no
+/// unit of its own.
 namespace flexura::mesh {
 
 struct ImportedMaterial {
@@ -67,10 +67,5 @@ struct ImportedModel {
   std::vector<ImportedDofs> fixed, kept;
   std::vector<std::string> messages;  ///< cards not used, with count and first line number; other remarks
 };
-
-/// Multiplies lengths by `length` (and all that follows from it for a file in N and kg with that length unit;
-/// see the .cpp) where the file is in mm, t, MPa: scale_to_si(model, 1e-3, 1e3, 1) (length, mass, time of the
-/// file's units in SI).
-void scale_to_si(ImportedModel& model, double length, double mass, double time);
 
 }  // namespace flexura::mesh

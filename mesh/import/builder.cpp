@@ -1,0 +1,164 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mesh/import/builder.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "mesh/model/cell.hpp"
+#include "mesh/model/geometry.hpp"
+
+namespace flexura::mesh {
+
+void Unused::add(const std::string& card, const Where& where) {
+  for (Entry& entry : entries_)
+    if (entry.card == card) {
+      ++entry.count;
+      return;
+    }
+  entries_.push_back({card, where.text(), 1});
+}
+
+std::vector<std::string> Unused::messages(const std::string& noun) const {
+  std::vector<std::string> out;
+  for (const Entry& entry : entries_)
+    out.push_back(fmt::format("{} {}{} {} {} not used (first in {})", entry.count, noun,
+                              entry.count > 1 ? "s" : "", entry.card, entry.count > 1 ? "are" : "is",
+                              entry.first));
+  return out;
+}
+
+Index ModelBuilder::add_node(int scope, std::int64_t label, const Eigen::Vector3d& x, const Where& where) {
+  const auto number = static_cast<Index>(points_.size());
+  if (!numbers_.emplace(std::pair{scope, label}, number).second)
+    throw std::invalid_argument(
+        fmt::format("{}: node {} is given twice; node numbers must be unique", where.text(), label));
+  if (!x.allFinite())
+    throw std::invalid_argument(
+        fmt::format("{}: node {} has a coordinate that is no number", where.text(), label));
+  points_.push_back(x);
+  labels_.push_back(label);
+  return number;
+}
+
+Index ModelBuilder::node(int scope, std::int64_t label, const Where& where) const {
+  const auto found = numbers_.find({scope, label});
+  if (found == numbers_.end())
+    throw std::invalid_argument(fmt::format("{}: node {} does not exist", where.text(), label));
+  return found->second;
+}
+
+std::size_t ModelBuilder::add_cell(int scope, CellType type, std::int64_t label, std::vector<Index> nodes,
+                                   const Where& where) {
+  const auto number = static_cast<Index>(cells_.size());
+  if (!cell_numbers_.emplace(std::pair{scope, label}, number).second)
+    throw std::invalid_argument(
+        fmt::format("{}: element {} is given twice; element numbers must be unique", where.text(), label));
+  std::vector<Index> sorted = nodes;
+  std::sort(sorted.begin(), sorted.end());
+  if (std::adjacent_find(sorted.begin(), sorted.end()) != sorted.end())
+    throw std::invalid_argument(fmt::format(
+        "{}: element {} names a node twice; collapsed elements cannot be used", where.text(), label));
+  cells_.push_back({type, label, std::move(nodes), -1});
+  return static_cast<std::size_t>(number);
+}
+
+void ModelBuilder::add_to_set(const std::string& name, const std::vector<Index>& nodes) {
+  std::vector<Index>& set = sets_[name];
+  set.insert(set.end(), nodes.begin(), nodes.end());
+}
+
+std::vector<Index> ModelBuilder::finish(ImportedModel& model, const std::vector<Index>& also_used) {
+  Mesh& mesh = model.mesh;
+  mesh = Mesh();
+  std::vector<Index> number(points_.size(), -1);
+  for (const Cell& cell : cells_)
+    for (const Index node : cell.nodes) number[node] = 0;
+  for (const Index node : also_used)
+    if (node >= 0) number[node] = 0;
+  Index n = 0;
+  for (Index& k : number)
+    if (k == 0) k = n++;
+  mesh.points.resize(n, 3);
+  mesh.node_label.resize(static_cast<std::size_t>(n));
+  for (std::size_t k = 0; k < number.size(); ++k)
+    if (number[k] >= 0) {
+      mesh.points.row(number[k]) = points_[k].transpose();
+      mesh.node_label[static_cast<std::size_t>(number[k])] = labels_[k];
+    }
+  if (const std::size_t dropped = number.size() - static_cast<std::size_t>(n); dropped > 0)
+    model.messages.push_back(fmt::format("{} nodes belong to no element and are left out", dropped));
+
+  std::vector<CellType> types;
+  std::size_t with_material = 0;
+  for (const Cell& cell : cells_) {
+    if (std::find(types.begin(), types.end(), cell.type) == types.end()) types.push_back(cell.type);
+    with_material += cell.material >= 0;
+  }
+  if (with_material > 0 && with_material < cells_.size()) {
+    const auto bare =
+        std::find_if(cells_.begin(), cells_.end(), [](const Cell& c) { return c.material < 0; });
+    throw std::invalid_argument(
+        fmt::format("element {} has no section or material, as {} others; others have one", bare->label,
+                    cells_.size() - with_material - 1));
+  }
+  for (const CellType type : types) {
+    CellBlock block;
+    block.type = type;
+    const auto rows =
+        std::count_if(cells_.begin(), cells_.end(), [&](const Cell& c) { return c.type == type; });
+    block.nodes.resize(rows, nodes_per_cell(type));
+    Index row = 0;
+    for (const Cell& cell : cells_) {
+      if (cell.type != type) continue;
+      for (std::size_t k = 0; k < cell.nodes.size(); ++k)
+        block.nodes(row, static_cast<Eigen::Index>(k)) = number[cell.nodes[k]];
+      block.label.push_back(cell.label);
+      if (with_material > 0) block.material.push_back(cell.material);
+      ++row;
+    }
+    mesh.solids.push_back(std::move(block));
+  }
+  for (const CellBlock& block : mesh.solids) {
+    const auto& centre = stiffness_quadrature(block.type).points;
+    for (Index cell = 0; cell < block.nodes.rows(); ++cell)
+      if (!(jacobian_determinants(mesh, block, cell, centre).minCoeff() > 0))
+        throw std::invalid_argument(
+            fmt::format("element {} ({}) is turned inside out: det J <= 0 at an integration point",
+                        block.label[static_cast<std::size_t>(cell)], name_of(block.type)));
+  }
+  for (const auto& [name, nodes] : sets_) {
+    NodeSet set;
+    for (const Index node : nodes)
+      if (number[node] >= 0) set.nodes.push_back(number[node]);
+    std::sort(set.nodes.begin(), set.nodes.end());
+    set.nodes.erase(std::unique(set.nodes.begin(), set.nodes.end()), set.nodes.end());
+    if (!set.nodes.empty()) mesh.sets[name] = std::move(set);
+  }
+  extract_boundary(mesh);
+  attach_faces_to_sets(mesh);
+  return number;
+}
+
+void attach_faces_to_sets(Mesh& mesh) {
+  for (auto& [name, set] : mesh.sets) {
+    set.faces.clear();
+    for (const CellBlock& block : mesh.boundary) {
+      std::vector<Index> rows;
+      for (Index cell = 0; cell < block.nodes.rows(); ++cell) {
+        bool inside = true;
+        for (Eigen::Index k = 0; inside && k < block.nodes.cols(); ++k)
+          inside = std::binary_search(set.nodes.begin(), set.nodes.end(), block.nodes(cell, k));
+        if (inside) rows.push_back(cell);
+      }
+      if (rows.empty()) continue;
+      CellBlock own;
+      own.type = block.type;
+      own.nodes = block.nodes(rows, Eigen::all);
+      set.faces.push_back(std::move(own));
+    }
+  }
+}
+
+}  // namespace flexura::mesh

@@ -1,0 +1,82 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <map>
+#include <string>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+#include "mesh/import/imported.hpp"
+
+/// What all readers share: labels become indices, cells are gathered by type, unused cards are counted.
+namespace flexura::mesh {
+
+/// "deck.inp, line 12": where a message points.
+struct Where {
+  const std::string* file = nullptr;
+  int line = 0;
+  std::string text() const { return *file + ", line " + std::to_string(line); }
+};
+
+/// Cards that were read over: name, count, first line.
+class Unused {
+ public:
+  void add(const std::string& card, const Where& where);
+  /// "3 cards PLOAD4 are not used (first in deck.bdf, line 7)", in order of appearance.
+  std::vector<std::string> messages(const std::string& noun) const;
+
+ private:
+  struct Entry {
+    std::string card, first;
+    int count = 0;
+  };
+  std::vector<Entry> entries_;
+};
+
+class ModelBuilder {
+ public:
+  /// Labels are unique in a scope (an instance of a part); most formats have scope 0 only.
+  Index add_node(int scope, std::int64_t label, const Eigen::Vector3d& x, const Where& where);
+  Index node(int scope, std::int64_t label,
+             const Where& where) const;  ///< throws for a label that was not given
+  bool has_node(int scope, std::int64_t label) const { return numbers_.contains({scope, label}); }
+
+  struct Cell {
+    CellType type;
+    std::int64_t label;
+    std::vector<Index> nodes;  ///< in the order of Mesh
+    Index material;            ///< -1 = none stated
+  };
+  /// Returns the cell's number, as `cells` counts.
+  std::size_t add_cell(int scope, CellType type, std::int64_t label, std::vector<Index> nodes,
+                       const Where& where);
+  std::vector<Cell>& cells() { return cells_; }
+
+  void add_to_set(const std::string& name, const std::vector<Index>& nodes);
+
+  /// Fills model.mesh (blocks in order of first appearance of their type), its boundary and sets; drops nodes
+  /// that nothing uses (`also_used`: ends of bars, masses, ties) and returns old to new node numbers (-1 =
+  /// dropped). Throws when some cells have a material and others none, or a cell is turned inside out.
+  std::vector<Index> finish(ImportedModel& model, const std::vector<Index>& also_used);
+
+ private:
+  struct KeyHash {
+    std::size_t operator()(const std::pair<int, std::int64_t>& key) const {
+      return std::hash<std::int64_t>()(key.second * 1000003 + key.first);
+    }
+  };
+  std::vector<Eigen::Vector3d> points_;
+  std::vector<std::int64_t> labels_;
+  std::unordered_map<std::pair<int, std::int64_t>, Index, KeyHash> numbers_;
+  std::unordered_map<std::pair<int, std::int64_t>, Index, KeyHash> cell_numbers_;
+  std::vector<Cell> cells_;
+  std::map<std::string, std::vector<Index>> sets_;
+};
+
+/// Gives each node set the boundary cells that lie wholly in it (area weights).
+void attach_faces_to_sets(Mesh& mesh);
+
+}  // namespace flexura::mesh
