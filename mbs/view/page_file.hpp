@@ -1,0 +1,51 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json_fwd.hpp>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "mbs/view/encode.hpp"
+
+namespace flexura::view {
+
+/// One self-contained HTML file that grows block by block: style sheet, data blocks, header (JSON), script.
+/// Written beside as FILE.part and renamed by finish(): a file of this name is whole or not there.
+/// All methods throw std::runtime_error, naming the file, when the file system refuses.
+class PageFile {
+ public:
+  PageFile(const std::filesystem::path& path, std::string_view title);
+  ~PageFile();
+  PageFile(const PageFile&) = delete;
+  PageFile& operator=(const PageFile&) = delete;
+
+  /// A block of numbers, found by its name.  type is "i4", "f4", "f8" or "u2".
+  void add_block(std::string_view name, std::string_view type, std::string_view base64);
+
+  template <typename T>
+  void add(std::string_view name, std::span<const T> values) {
+    add_block(name, type_name<T>(), encode_block(values));
+  }
+
+  /// The header, the script, the end; then the file gets its name.
+  void finish(const nlohmann::json& header);
+
+ private:
+  template <typename T>
+  static constexpr std::string_view type_name() {
+    if constexpr (std::is_same_v<T, std::int32_t>) return "i4";
+    if constexpr (std::is_same_v<T, float>) return "f4";
+    if constexpr (std::is_same_v<T, double>) return "f8";
+    if constexpr (std::is_same_v<T, std::uint16_t>) return "u2";
+  }
+  void put(std::string_view text);
+
+  std::filesystem::path path_, part_;
+  std::ofstream out_;
+  bool finished_ = false;
+};
+
+}  // namespace flexura::view

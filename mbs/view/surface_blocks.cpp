@@ -1,0 +1,103 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mbs/view/surface_blocks.hpp"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+namespace flexura::view {
+
+namespace {
+
+/// 16 bits are more than any picture shows: with the largest displacement over a whole 4K screen a step is
+/// 1/8 pixel. Large parts with many modes make do with 12 bits: at a tenth of the screen, still a step of
+/// 1/10 pixel.
+int choose_levels(Eigen::Index n_vertices, int n_shapes) {
+  constexpr double many_values = 6.0e6;
+  return static_cast<double>(n_vertices) * n_shapes > many_values ? 2047 : 32767;
+}
+
+template <typename Indices>
+void require_range(const Indices& indices, Eigen::Index n_vertices, const std::string& what,
+                   const char* kind) {
+  if (indices.size() > 0 && (indices.minCoeff() < 0 || indices.maxCoeff() >= n_vertices)) {
+    throw std::invalid_argument(fmt::format(
+        "the surface of {} has {} vertices, but its {} refer to vertices {} to {}: the surface is damaged",
+        what, n_vertices, kind, indices.minCoeff(), indices.maxCoeff()));
+  }
+}
+
+}  // namespace
+
+SurfaceBlocks::SurfaceBlocks(PageFile& page, std::string key, const superelement::Surface& surface,
+                             const std::string& what, int shapes_expected)
+    : page_(page),
+      key_(std::move(key)),
+      n_triangles_(surface.triangles.rows()),
+      n_edges_(surface.edges.rows()),
+      levels_(choose_levels(surface.vertices.rows(), shapes_expected)) {
+  const Eigen::Index n_vertices = surface.vertices.rows();
+  require_range(surface.triangles, n_vertices, what, "triangles");
+  require_range(surface.edges, n_vertices, what, "edges");
+  if (!surface.vertices.allFinite()) {
+    throw std::invalid_argument(fmt::format("the surface of {} holds a vertex that is not finite", what));
+  }
+  if (!surface.triangle_interface.empty() &&
+      static_cast<Eigen::Index>(surface.triangle_interface.size()) != n_triangles_) {
+    throw std::invalid_argument(fmt::format("the surface of {} has {} triangles but interface numbers for {}",
+                                            what, n_triangles_, surface.triangle_interface.size()));
+  }
+  const Traversal traversal = traverse(surface.triangles);
+  Triangles triangles(n_triangles_, 3);
+  std::vector<std::int32_t> painted;
+  for (Eigen::Index k = 0; k < n_triangles_; ++k) {
+    const auto t = traversal.order[static_cast<std::size_t>(k)];
+    triangles.row(k) = surface.triangles.row(t);
+    if (!surface.triangle_interface.empty()) {
+      painted.push_back(surface.triangle_interface[static_cast<std::size_t>(t)]);
+    }
+  }
+  predictions_ = predictions(triangles, traversal.parent, static_cast<int>(n_vertices));
+
+  const Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor> vertices = surface.vertices.cast<float>();
+  const auto span = [](const auto& m) { return std::span(m.data(), static_cast<std::size_t>(m.size())); };
+  page_.add(key_ + "/vertices", span(vertices));
+  page_.add<std::int32_t>(key_ + "/triangles", span(triangles));
+  page_.add(key_ + "/parent", std::span<const std::int32_t>(traversal.parent));
+  page_.add<std::int32_t>(key_ + "/edges", span(surface.edges));
+  page_.add(key_ + "/interface", std::span<const std::int32_t>(painted));
+}
+
+void SurfaceBlocks::add_shape(const Eigen::Ref<const Eigen::VectorXf>& u) {
+  const EncodedShape shape = encode_shape(u, predictions_, levels_);
+  page_.add_block(fmt::format("{}/shape/{}", key_, scales_.size()), "u2", shape.text);
+  scales_.push_back(shape.scale);
+}
+
+nlohmann::json SurfaceBlocks::header() const {
+  nlohmann::json shapes = nlohmann::json::array();
+  for (const double scale : scales_) shapes.push_back({{"scale", scale}});
+  return {{"key", key_},
+          {"vertices", predictions_.size()},
+          {"triangles", n_triangles_},
+          {"edges", n_edges_},
+          {"shapes", shapes}};
+}
+
+void require_pictures(const superelement::Superelement& se) {
+  if (se.surface.vertices.rows() == 0) {
+    throw std::invalid_argument(fmt::format(
+        "superelement '{}' holds no surface to draw: reduce the part again, with shapes for pictures",
+        se.name));
+  }
+  if (se.shapes.rows() != 3 * se.surface.vertices.rows() || se.shapes.cols() != se.n()) {
+    throw std::invalid_argument(
+        fmt::format("superelement '{}' has {} vertices and {} shape functions, so its shapes must be {} x "
+                    "{}, but they are {} x {}",
+                    se.name, se.surface.vertices.rows(), se.n(), 3 * se.surface.vertices.rows(), se.n(),
+                    se.shapes.rows(), se.shapes.cols()));
+  }
+}
+
+}  // namespace flexura::view

@@ -1,0 +1,333 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+// The modes page: the part with its interfaces, a list of modes, and the chosen shape moving.
+import * as THREE from 'three';
+import { scaleGradient, scaleTexture } from './colormap';
+import { ModeTable, type ModeRow } from './mode_table';
+import { macDialog } from './mac';
+import { record } from './record';
+import { Stage, viewNames, type ViewName } from './stage';
+import { DeformedBody, Surface, type SurfaceHeader } from './surface';
+import { cssColor, download, figure, h, iconButton, icon, lengthText, lengthUnit, say, shortcuts, slider, themeButton,
+         toggle, topBar } from './ui';
+
+export interface ModesHeader {
+  format: 1;
+  page: 'modes';
+  title: string;
+  created_by: string;
+  body: { mass: number; centre: number[]; n_b: number; n_q: number };
+  interfaces: { name: string; tie: string; position: number[]; directions: string[] }[];
+  surface: SurfaceHeader;
+  modes: ModeRow[];
+  mac: number[][];
+}
+
+const fieldNames = ['Part', '|u|', 'along x', 'along y', 'along z'];
+
+export async function modesPage(app: HTMLElement, header: ModesHeader): Promise<void> {
+  const surface = await Surface.read(header.surface);
+  const { modes } = header;
+  const state = {
+    mode: -1, pinned: -1, playing: !matchMedia('(prefers-reduced-motion: reduce)').matches, phase: 0, speed: 0.6, amplitude: 0.08, field: 1,
+    cutAxis: -1, cutAt: 0.5, marked: -1,
+  };
+
+  const stage = new Stage(`Mode shapes of ${header.title}`);
+  const magnitude = scaleTexture('magnitude');
+  const signed = scaleTexture('signed');
+  const body = new DeformedBody(surface, magnitude);
+  stage.scene.add(body.group);
+
+  // --- what is drawn ---------------------------------------------------------------------------------------------
+  const reach = () => state.amplitude * surface.size;
+  const largest = new Map<number, number>();
+  const weight = (mode: number) => {
+    const most = largest.get(mode) ?? 0;
+    return most > 0 ? reach() / most : 0;
+  };
+  const showMode = (mode: number) => {
+    body.weights.fill(0);
+    if (mode >= 0) body.weights[mode] = weight(mode);
+    body.magnify = Math.cos(state.phase);
+    body.update();
+  };
+  stage.preparePane = (pane) => showMode(stage.panes > 1 && pane === 0 ? state.pinned : state.mode);
+  stage.onFrame = (dt) => {
+    if (!state.playing || state.mode < 0) return false;
+    state.phase = (state.phase + 2 * Math.PI * state.speed * dt) % (2 * Math.PI);
+    return true;
+  };
+
+  const legend = h('figure', { class: 'legend', 'aria-label': 'Colour scale' });
+  const captions = [h('div', { class: 'caption' }), h('div', { class: 'caption right' })];
+  const probe = h('div', { class: 'probe', hidden: true });
+  const describe = (mode: number) => mode < 0 ? [h('strong', {}, 'Undeformed')] : [
+    h('strong', {}, `Mode ${modes[mode].number}`), h('span', {}, `${figure(modes[mode].frequency, 5)} Hz`),
+    h('span', { class: 'kind' }, modes[mode].kind)];
+
+  function refresh(): void {
+    const field = state.mode < 0 ? 0 : state.field;
+    (body.mesh.material as THREE.ShaderMaterial).uniforms.uScale.value = field > 1 ? signed : magnitude;
+    (body.edges.material as THREE.ShaderMaterial).uniforms.uScale.value = field > 1 ? signed : magnitude;
+    body.setField(field, field > 1 ? -reach() : 0, reach());
+    const plane = new THREE.Vector4(0, 0, 0, 0);
+    if (state.cutAxis >= 0) {
+      plane.setComponent(state.cutAxis, 1);
+      const low = surface.box.min.getComponent(state.cutAxis);
+      const high = surface.box.max.getComponent(state.cutAxis);
+      plane.w = low + state.cutAt * (high - low);
+    }
+    body.cut = plane;
+    legend.hidden = field === 0;
+    if (field > 0) {
+      const { factor, unit } = lengthUnit(reach());
+      const low = field > 1 ? -1 : 0;
+      const ticks = [0, 1, 2, 3, 4].map((i) => h('li', {}, figure((1 - (i / 4) * (1 - low)) * reach() * factor, 3)));
+      legend.replaceChildren(
+        h('figcaption', {}, `${fieldNames[field]} [${unit}]`),
+        h('div', { class: 'legend-body' },
+          h('div', { class: 'legend-bar', style: `background:${scaleGradient(field > 1 ? 'signed' : 'magnitude')}` }),
+          h('ol', {}, ...ticks)),
+        h('small', {}, `scaled to ${lengthText(reach())}`));
+    }
+    captions[0].replaceChildren(...describe(stage.panes > 1 ? state.pinned : state.mode));
+    captions[1].hidden = stage.panes === 1;
+    captions[1].replaceChildren(...describe(state.mode));
+    if (state.marked >= 0) {
+      showMode(state.mode);
+      const u = surface.displacement(state.marked, body.weights);
+      const { factor, unit } = lengthUnit(reach());
+      const c = (v: number) => figure(Math.abs(v) < 1e-6 * reach() ? 0 : v * factor, 3);
+      probe.hidden = false;
+      probe.textContent = `vertex ${state.marked}   |u| ${c(u.length())}   u (${c(u.x)}, ${c(u.y)}, ${c(u.z)}) ${unit}`;
+    } else probe.hidden = true;
+    stage.draw();
+  }
+
+  async function select(mode: number): Promise<void> {
+    if (mode >= 0) {
+      await surface.load(mode);
+      if (!largest.has(mode)) largest.set(mode, surface.largest(mode));
+    }
+    state.mode = mode;
+    state.phase = 0;
+    table.select(mode);
+    refresh();
+  }
+
+  function mark(vertex: number): void {
+    state.marked = vertex;
+    body.mark(vertex);
+    refresh();
+  }
+
+  // --- look --------------------------------------------------------------------------------------------------------
+  function look(): void {
+    body.setLook({
+      color: new THREE.Color(cssColor('--part')), accent: new THREE.Color(cssColor('--interface')),
+      edge: new THREE.Color(cssColor('--edge')), outline: new THREE.Color(cssColor('--outline')), opacity: 1,
+    });
+    stage.draw();
+  }
+  const show = { edges: true, outline: true, interfaces: true };
+  const interfaceLabels = header.interfaces.map((item, i) => {
+    const label = h('div', { class: 'label' }, h('i', {}), h('span', {}, item.name));
+    const at = new THREE.Vector3().fromArray(item.position);
+    label.title = `interface ${i + 1}: ${item.tie} tie, ${item.directions.join(' ')}`;
+    stage.addLabel(label, () => at);
+    return label;
+  });
+
+  // --- controls ----------------------------------------------------------------------------------------------------
+  const play = iconButton('pause', 'Stop (space)', () => setPlaying(!state.playing), { id: 'play' });
+  function setPlaying(on: boolean): void {
+    state.playing = on;
+    play.replaceChildren(icon(on ? 'pause' : 'play'));
+    play.title = on ? 'Stop (space)' : 'Play (space)';
+    play.setAttribute('aria-label', on ? 'Stop' : 'Play');
+    stage.draw();
+  }
+  const amplitude = slider('Amplitude', {
+    min: 0, max: 30, step: 0.5, value: 100 * state.amplitude, id: 'amplitude',
+    text: (v) => lengthText((v / 100) * surface.size, 2),
+    change: (v) => { state.amplitude = v / 100; refresh(); },
+  });
+  const speed = slider('Speed', {
+    min: 0.1, max: 3, step: 0.1, value: state.speed, id: 'speed',
+    text: (v) => `${v.toFixed(1)} cycles/s`, change: (v) => { state.speed = v; },
+  });
+  const color = h('select', { id: 'color', 'aria-label': 'Colour', onchange: () => setField(Number(color.value)) },
+                  ...[['Displacement', 1], ['Along x', 2], ['Along y', 3], ['Along z', 4], ['Part and interfaces', 0]]
+                    .map(([text, value]) => h('option', { value }, String(text))));
+  function setField(field: number): void {
+    state.field = field;
+    color.value = String(field);
+    refresh();
+  }
+  const outline = toggle('Outline', true, (on) => { body.outline.visible = show.outline = on; stage.draw(); },
+                         { title: 'Undeformed outline (O)' });
+  const edges = toggle('Edges', true, (on) => { body.edges.visible = show.edges = on; stage.draw(); },
+                       { title: 'Feature edges (E)' });
+  const marks = toggle('Interfaces', true, (on) => {
+    show.interfaces = on;
+    for (const label of interfaceLabels) label.hidden = !on;
+    stage.draw();
+  }, { title: 'Names of the interfaces (N)' });
+  const cutAt = slider('at', { min: 0, max: 1, step: 0.01, value: 0.5, id: 'cut-at',
+    text: (v) => {
+      if (state.cutAxis < 0) return '';
+      const low = surface.box.min.getComponent(state.cutAxis);
+      const high = surface.box.max.getComponent(state.cutAxis);
+      return lengthText(low + v * (high - low), 3);
+    },
+    change: (v) => { state.cutAt = v; refresh(); } });
+  cutAt.element.hidden = true;
+  const cut = h('select', { id: 'cut', 'aria-label': 'Cut plane', onchange: () => {
+    state.cutAxis = Number(cut.value);
+    cutAt.element.hidden = state.cutAxis < 0;
+    cutAt.refresh();
+    refresh();
+  } }, h('option', { value: -1 }, 'No cut'), h('option', { value: 0 }, 'Cut across x'),
+                h('option', { value: 1 }, 'Cut across y'), h('option', { value: 2 }, 'Cut across z'));
+  const compare = toggle('Side by side', false, (on) => {
+    if (on !== (stage.panes === 2)) stage.widen(on ? 1.7 : 1 / 1.7);
+    stage.panes = on ? 2 : 1;
+    state.pinned = state.mode;
+    stage.element.classList.toggle('two', on);
+    if (on) say('Left stays; click another mode for the right picture');
+    refresh();
+  }, { title: 'Keep this mode at the left and choose another for the right (B)', id: 'compare' });
+  const look_at = h('div', { class: 'group views', role: 'group', 'aria-label': 'Views' },
+    ...viewNames.map((name) => h('button', { class: 'toggle', type: 'button', 'data-view': name,
+                                             title: `Look ${name === 'iso' ? 'from a corner' : 'from ' + name}`,
+                                             onclick: () => stage.view(name, surface.box) }, name)));
+  const fileName = header.title.replace(/[^\w.-]+/g, '_');
+  async function savePng(): Promise<void> {
+    const m = state.mode;
+    const text = m < 0 ? header.title : `${header.title}: mode ${modes[m].number}, ${figure(modes[m].frequency, 5)} Hz`;
+    download(`${fileName}${m < 0 ? '' : `-mode${modes[m].number}`}.png`, await stage.png(text));
+  }
+  async function saveFilm(): Promise<void> {
+    if (state.mode < 0) return;
+    setPlaying(true);
+    state.phase = 0;
+    stage.draw();
+    say('Recording two cycles');
+    const film = await record(stage.stream(30), 2 / state.speed);
+    download(`${fileName}-mode${modes[state.mode].number}.webm`, film);
+  }
+  const mac = macDialog(header.mac, modes, (i, j) => {
+    void select(i).then(() => {
+      compare.set(i !== j);
+      if (i !== j) void select(j);
+    });
+  });
+  const table = new ModeTable(modes, (mode) => void select(mode));
+
+  const strip = h('div', { class: 'strip' },
+    h('div', { class: 'group' }, play, amplitude.element, speed.element),
+    h('div', { class: 'group' }, color, outline, edges, marks),
+    h('div', { class: 'group' }, cut, cutAt.element, compare));
+  const corner = h('div', { class: 'corner' }, look_at,
+    iconButton('camera', 'Save a picture (P)', () => void savePng(), { id: 'png' }),
+    iconButton('film', 'Save an animation (M)', () => void saveFilm(), { id: 'film' }));
+  const step = (by: number) => {
+    const next = table.neighbour(by);
+    if (next >= 0) void select(next);
+  };
+  const axis = (i: number): [string[], string, () => void] =>
+    [[String(i + 1)], `View ${viewNames[i]}`, () => stage.view(viewNames[i] as ViewName, surface.box)];
+  const keys = shortcuts([
+    { keys: [' '], text: 'play or stop', run: () => setPlaying(!state.playing) },
+    { keys: ['ArrowDown', 'j'], text: 'next mode in the list', run: () => step(1) },
+    { keys: ['ArrowUp', 'k'], text: 'previous mode', run: () => step(-1) },
+    { keys: ['+', '='], text: 'larger amplitude', run: () => amplitude.set(amplitude.get() + 1) },
+    { keys: ['-'], text: 'smaller amplitude', run: () => amplitude.set(amplitude.get() - 1) },
+    { keys: ['['], text: 'slower', run: () => speed.set(speed.get() - 0.1) },
+    { keys: [']'], text: 'faster', run: () => speed.set(speed.get() + 0.1) },
+    ...[0, 1, 2, 3, 4, 5].map(axis).map(([k, text, run]) => ({ keys: k, text, run })),
+    { keys: ['0', 'i'], text: 'view from a corner', run: () => stage.view('iso', surface.box) },
+    { keys: ['c'], text: 'next colouring', run: () => setField((state.field + 1) % 5) },
+    { keys: ['o'], text: 'undeformed outline', run: () => outline.click() },
+    { keys: ['e'], text: 'feature edges', run: () => edges.click() },
+    { keys: ['n'], text: 'names of the interfaces', run: () => marks.click() },
+    { keys: ['b'], text: 'two modes side by side', run: () => compare.click() },
+    { keys: ['p'], text: 'save a picture', run: () => void savePng() },
+    { keys: ['m'], text: 'save an animation', run: () => void saveFilm() },
+    { keys: ['u'], text: 'undeformed part', run: () => void select(-1) },
+    { keys: ['/'], text: 'search the list', run: () => table.focusSearch() },
+    { keys: ['t'], text: 'light or dark', run: () => theme.click() },
+    { keys: ['?'], text: 'this list', run: () => keys.click() },
+  ]);
+  const theme = themeButton(look);
+
+  // A click that is not a drag asks for the vertex under it.
+  let pressed = { x: 0, y: 0 };
+  stage.canvas.addEventListener('pointerdown', (e) => { pressed = { x: e.offsetX, y: e.offsetY }; });
+  stage.canvas.addEventListener('pointerup', (e) => {
+    if (e.button !== 0 || Math.hypot(e.offsetX - pressed.x, e.offsetY - pressed.y) > 3 || stage.panes > 1) return;
+    mark(nearest(e.offsetX, e.offsetY));
+  });
+  function nearest(x: number, y: number): number {
+    showMode(state.mode);
+    let best = -1;
+    let least = Infinity;
+    const p = new THREE.Vector3();
+    for (let v = 0; v < header.surface.vertices; ++v) {
+      body.drawn(v, p);
+      const depth = p.distanceTo(stage.camera.position);
+      const at = stage.project(p);
+      const miss = Math.hypot(at.x - x, at.y - y);
+      // Within a few pixels the nearer vertex wins.
+      if (miss < 12 && miss + (200 * depth) / surface.size < least) {
+        least = miss + (200 * depth) / surface.size;
+        best = v;
+      }
+    }
+    return best;
+  }
+
+  const range = modes.length ? `${figure(Math.min(...modes.map((m) => m.frequency)), 4)} – ${
+    figure(Math.max(...modes.map((m) => m.frequency)), 4)} Hz` : 'none';
+  app.replaceChildren(
+    topBar(header.title, [['Mass', `${figure(header.body.mass, 4)} kg`], ['Size', lengthText(surface.size)],
+                          ['Interfaces', String(header.interfaces.length)], ['Modes', `${modes.length}`], ['', range]],
+           keys, theme),
+    h('main', { class: 'split' },
+      h('section', { class: 'viewer', 'aria-label': 'Picture' },
+        h('div', { class: 'canvas-box' }, stage.element, ...captions, legend, probe, corner), strip),
+      h('aside', { class: 'panel', 'aria-label': 'Modes' }, table.element,
+        h('div', { class: 'panel-foot' }, table.struckLine, h('button', { class: 'plain', type: 'button', id: 'mac',
+          onclick: () => mac.showModal() }, icon('grid'), 'MAC matrix')))),
+    mac,
+    h('footer', { class: 'foot' }, `Written by ${header.created_by}. ${header.surface.vertices} vertices, ${
+      header.surface.triangles} triangles.`));
+  setPlaying(state.playing);
+  look();
+  stage.view('iso', surface.box);
+  if (modes.length) await select(modes.findIndex((m) => m.frequency > 0) >= 0 ? modes.findIndex((m) => m.frequency > 0) : 0);
+  else refresh();
+
+  // --- for scripts and tests: PAGE.md ------------------------------------------------------------------------------
+  (window as unknown as { flexura: unknown }).flexura = {
+    page: 'modes', header, frequencies: modes.map((m) => m.frequency),
+    get mode() { return state.mode < 0 ? null : modes[state.mode].number; },
+    setMode: (number: number | null) => select(number === null ? -1 : modes.findIndex((m) => m.number === number)),
+    setAmplitude: (fraction: number) => { amplitude.set(100 * fraction); state.amplitude = fraction; refresh(); },
+    setPhase: (phase: number) => { setPlaying(false); state.phase = phase; refresh(); stage.drawNow(); },
+    setPlaying, setField, view: (name: ViewName) => stage.view(name, surface.box),
+    size: surface.size,
+    vertex: (v: number) => surface.position(v).toArray(),
+    displacement: (v: number) => {
+      showMode(state.mode);
+      return surface.displacement(v, body.weights).multiplyScalar(body.magnify).toArray();
+    },
+    deformed: (v: number) => { showMode(state.mode); return body.drawn(v).toArray(); },
+    project: (p: number[]) => { const { x, y } = stage.project(new THREE.Vector3().fromArray(p)); return [x, y]; },
+    camera: () => new THREE.Matrix4().multiplyMatrices(stage.camera.projectionMatrix, stage.camera.matrixWorldInverse)
+      .toArray(),
+    mark: (v: number) => { mark(v); stage.drawNow(); },
+    pixel: (x: number, y: number) => stage.pixel(x, y),
+    struck: () => table.struck(), framesDrawn: () => stage.framesDrawn,
+  };
+}

@@ -1,0 +1,224 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+// The drawing area: renderer, camera, views along the axes, labels, axes triad, pictures.  Draws only when asked.
+import * as THREE from 'three';
+import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
+import { h, cssColor } from './ui';
+
+// Colours go to the screen as they are written: they must match the legend's.
+THREE.ColorManagement.enabled = false;
+
+export const viewNames = ['+x', '−x', '+y', '−y', '+z', '−z', 'iso'] as const;
+export type ViewName = (typeof viewNames)[number];
+const directions: Record<ViewName, [number, number, number]> = {
+  '+x': [1, 0, 0], '−x': [-1, 0, 0], '+y': [0, 1, 0], '−y': [0, -1, 0], '+z': [0, 0, 1], '−z': [0, 0, -1],
+  iso: [0.62, -1, 0.62],
+};
+
+interface Label { element: HTMLElement; place: () => THREE.Vector3 }
+
+export class Stage {
+  readonly element: HTMLElement;
+  readonly canvas: HTMLCanvasElement;
+  readonly scene = new THREE.Scene();
+  readonly camera = new THREE.PerspectiveCamera(24, 1, 0.01, 100);
+  readonly controls: OrbitControls;
+  /** Called before each picture with the time since the last one [s]; true asks for another one. */
+  onFrame: (dt: number) => boolean = () => false;
+  /** Side by side: number of pictures, each prepared before it is drawn. */
+  panes = 1;
+  preparePane: (pane: number) => void = () => {};
+  framesDrawn = 0;
+  private readonly renderer: THREE.WebGLRenderer;
+  private readonly labels: Label[] = [];
+  private readonly labelLayer = h('div', { class: 'labels' });
+  private readonly triad: SVGSVGElement;
+  private queued = false;
+  private last = 0;
+  private readonly centre = new THREE.Vector3();
+  private radius = 1;
+
+  constructor(label: string) {
+    this.canvas = h('canvas', { tabindex: 0, role: 'img', 'aria-label': label });
+    this.triad = document.createElementNS('http://www.w3.org/2000/svg', 'svg');
+    this.triad.setAttribute('class', 'triad');
+    this.triad.setAttribute('viewBox', '-36 -36 72 72');
+    this.triad.setAttribute('aria-hidden', 'true');
+    this.element = h('div', { class: 'stage' }, this.canvas, this.labelLayer, this.triad);
+    this.renderer = new THREE.WebGLRenderer({ canvas: this.canvas, antialias: true, alpha: true });
+    this.renderer.outputColorSpace = THREE.LinearSRGBColorSpace;
+    this.renderer.setClearColor(0, 0);
+    this.renderer.autoClear = false;
+    this.camera.up.set(0, 0, 1);
+    this.controls = new OrbitControls(this.camera, this.canvas);
+    this.controls.enableDamping = false;
+    this.controls.zoomToCursor = true;
+    this.controls.addEventListener('change', () => this.draw());
+    new ResizeObserver(() => this.resize()).observe(this.element);
+    addEventListener('beforeprint', () => this.forPrint());
+  }
+
+  /** Asks for a picture soon. */
+  draw(): void {
+    if (this.queued) return;
+    this.queued = true;
+    requestAnimationFrame((now) => this.frame(now));
+  }
+
+  /** Draws now; needed before reading pixels. */
+  drawNow(): void {
+    const width = this.canvas.clientWidth;
+    const height = this.canvas.clientHeight;
+    this.renderer.setScissorTest(false);
+    this.renderer.clear();
+    const each = width / this.panes;
+    this.camera.aspect = each / Math.max(1, height);
+    this.camera.updateProjectionMatrix();
+    this.setDepthRange();
+    this.renderer.setScissorTest(this.panes > 1);
+    for (let pane = 0; pane < this.panes; ++pane) {
+      this.renderer.setViewport(pane * each, 0, each, height);
+      this.renderer.setScissor(pane * each, 0, each, height);
+      this.preparePane(pane);
+      this.renderer.render(this.scene, this.camera);
+    }
+    this.placeLabels();
+    this.drawTriad();
+    ++this.framesDrawn;
+  }
+
+  private frame(now: number): void {
+    this.queued = false;
+    const dt = this.last ? Math.min(0.1, (now - this.last) / 1000) : 0;
+    const more = this.onFrame(dt);
+    this.last = more ? now : 0;
+    this.drawNow();
+    if (more) this.draw();
+  }
+
+  private resize(): void {
+    const { clientWidth: w, clientHeight: hh } = this.element;
+    if (!w || !hh) return;
+    this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
+    this.renderer.setSize(w, hh, false);
+    this.drawNow();
+  }
+
+  /** What the views show: everything inside this sphere. */
+  setExtent(box: THREE.Box3): void {
+    box.getCenter(this.centre);
+    this.radius = Math.max(1e-9, box.getSize(new THREE.Vector3()).length() / 2);
+    this.controls.minDistance = this.radius * 0.05;
+    this.controls.maxDistance = this.radius * 60;
+  }
+
+  private setDepthRange(): void {
+    const distance = this.camera.position.distanceTo(this.centre);
+    this.camera.near = Math.max(distance - 6 * this.radius, distance * 0.005, this.radius * 1e-3);
+    this.camera.far = distance + 12 * this.radius;
+    this.camera.updateProjectionMatrix();
+  }
+
+  view(name: ViewName, box?: THREE.Box3): void {
+    if (box) this.setExtent(box);
+    const d = new THREE.Vector3(...directions[name]).normalize();
+    // Exactly along z the camera has no up: lean by a millionth, with +y up on the screen.
+    if (Math.abs(d.z) > 0.999) d.add(new THREE.Vector3(0, -1e-6, 0)).normalize();
+    const width = this.element.clientWidth / this.panes || 1;
+    const narrow = Math.min(1, width / (this.element.clientHeight || 1));
+    const distance = (0.92 * this.radius) / (Math.tan(THREE.MathUtils.degToRad(this.camera.fov / 2)) * narrow);
+    this.camera.position.copy(this.centre).addScaledVector(d, Math.max(distance, 1.2 * this.radius));
+    this.controls.target.copy(this.centre);
+    this.controls.update();
+    this.draw();
+  }
+
+  /** Steps back (or closer) so that as much is seen after the width of a picture changed by this factor. */
+  widen(factor: number): void {
+    const out = this.camera.position.clone().sub(this.controls.target).multiplyScalar(factor);
+    this.camera.position.copy(this.controls.target).add(out);
+    this.controls.update();
+    this.draw();
+  }
+
+  /** Moves camera and target together: the camera follows a body. */
+  follow(shift: THREE.Vector3): void {
+    this.camera.position.add(shift);
+    this.controls.target.add(shift);
+    this.centre.add(shift);
+  }
+
+  addLabel(element: HTMLElement, place: () => THREE.Vector3): void {
+    this.labels.push({ element, place });
+    this.labelLayer.append(element);
+  }
+
+  /** Place on the element [px], from its upper left corner, of a point in W; of the first pane. */
+  project(p: THREE.Vector3): { x: number; y: number; behind: boolean } {
+    this.camera.updateMatrixWorld();
+    const v = p.clone().project(this.camera);
+    return { x: (v.x / 2 + 0.5) * (this.element.clientWidth / this.panes),
+             y: (0.5 - v.y / 2) * this.element.clientHeight, behind: v.z > 1 };
+  }
+
+  private placeLabels(): void {
+    for (const { element, place } of this.labels) {
+      if (element.hidden) continue;
+      const at = this.project(place());
+      element.style.transform = `translate(${at.x.toFixed(1)}px, ${at.y.toFixed(1)}px)`;
+      element.style.visibility = at.behind ? 'hidden' : '';
+    }
+  }
+
+  private drawTriad(): void {
+    const turn = new THREE.Matrix3().setFromMatrix4(this.camera.matrixWorldInverse);
+    const axes = (['x', 'y', 'z'] as const).map((name, i) => {
+      const v = new THREE.Vector3(i === 0 ? 1 : 0, i === 1 ? 1 : 0, i === 2 ? 1 : 0).applyMatrix3(turn);
+      return { name, x: 23 * v.x, y: -23 * v.y, z: v.z };
+    });
+    axes.sort((a, b) => a.z - b.z);
+    this.triad.innerHTML = axes.map((a) => `<g class="axis-${a.name}"><line x2="${a.x.toFixed(2)}" y2="${a.y.toFixed(2)}"/>
+      <text x="${(1.38 * a.x).toFixed(2)}" y="${(1.38 * a.y).toFixed(2)}">${a.name}</text></g>`).join('');
+  }
+
+  /** The picture as PNG, on the theme's background. */
+  async png(caption: string, legend?: (g: CanvasRenderingContext2D, w: number, h: number, scale: number) => void):
+      Promise<Blob> {
+    this.drawNow();
+    const source = this.canvas;
+    const copy = h('canvas', { width: source.width, height: source.height });
+    const g = copy.getContext('2d')!;
+    const scale = source.width / (source.clientWidth || source.width);
+    g.fillStyle = cssColor('--stage-bottom') || '#fff';
+    g.fillRect(0, 0, copy.width, copy.height);
+    g.drawImage(source, 0, 0);
+    g.fillStyle = cssColor('--ink') || '#000';
+    g.font = `600 ${15 * scale}px system-ui, sans-serif`;
+    g.textBaseline = 'top';
+    g.fillText(caption, 16 * scale, 14 * scale);
+    legend?.(g, copy.width, copy.height, scale);
+    return new Promise((resolve, reject) =>
+      copy.toBlob((blob) => (blob ? resolve(blob) : reject(new Error('the browser made no PNG'))), 'image/png'));
+  }
+
+  /** RGBA of one pixel of the canvas, at CSS coordinates from the upper left corner. */
+  pixel(x: number, y: number): number[] {
+    this.drawNow();
+    const g = this.renderer.getContext();
+    const ratio = this.renderer.getPixelRatio();
+    const out = new Uint8Array(4);
+    g.readPixels(Math.round(x * ratio), Math.round(this.canvas.height - 1 - y * ratio), 1, 1, g.RGBA, g.UNSIGNED_BYTE, out);
+    return [...out];
+  }
+
+  stream(fps: number): MediaStream {
+    return this.canvas.captureStream(fps);
+  }
+
+  /** WebGL pictures vanish from paper: an image takes their place. */
+  private forPrint(): void {
+    this.drawNow();
+    let image = this.element.querySelector<HTMLImageElement>('img.print');
+    if (!image) this.element.append((image = h('img', { class: 'print', alt: 'The picture above at this moment' })));
+    image.src = this.canvas.toDataURL('image/png');
+  }
+}

@@ -1,0 +1,28 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "mbs/superelement/superelement.hpp"
+#include "mbs/view/pages.hpp"
+
+/// Bodies with known shapes for the pages' tests: pictures need no finite elements.
+namespace flexura::view::synthetic {
+
+constexpr double tube_length = 1.0;   // [m], along x from 0
+constexpr double tube_radius = 0.06;  // [m]
+constexpr double tube_bore = 0.04;    // [m]
+
+/// Beam-like displacement of the tube's shape k >= 0 at a point of it, with sections plane and normal to the
+/// axis:
+///     k even: w(x) = sin((k/2 + 1) pi x / L) along y,   k odd: the same along z;   u_x = -w'(x) y (or z)
+Eigen::Vector3d tube_displacement(int k, const Eigen::Vector3d& p);
+
+/// An open tube with `around` x `along` quadrilaterals outside and inside, rings at both ends, edges on the
+/// rings, an interface at each end and n_q shapes (tube_displacement); the 12 interface columns of `shapes`
+/// are zero.
+superelement::Superelement tube(int around, int along, int n_q);
+
+/// The tube's modes as a page shows them: mode number k + 1 is shape k, at 100 (k/2 + 1)^2 Hz (z: one percent
+/// more).
+ModesPage tube_modes(const superelement::Superelement& se);
+
+}  // namespace flexura::view::synthetic

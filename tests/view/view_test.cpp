@@ -1,0 +1,327 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <zlib.h>
+
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <regex>
+#include <sstream>
+
+#include "mbs/view/encode.hpp"
+#include "mbs/view/pages.hpp"
+#include "tests/view/synthetic.hpp"
+
+namespace flexura::view {
+namespace {
+
+using nlohmann::json;
+using ::testing::HasSubstr;
+namespace fs = std::filesystem;
+
+fs::path scratch(const std::string& name) {
+  const fs::path directory = fs::path(testing::TempDir()) / "flexura-view";
+  fs::create_directories(directory);
+  fs::remove(directory / name);
+  return directory / name;
+}
+
+std::string slurp(const fs::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  std::stringstream text;
+  text << in.rdbuf();
+  return text.str();
+}
+
+/// A reader of pages written from PAGE.md alone: it shares no code with the writer.
+class PageReader {
+ public:
+  explicit PageReader(std::string text) : text_(std::move(text)) {
+    const std::string open = "<script type=\"application/json\" id=\"header\">";
+    const auto from = text_.find(open) + open.size();
+    header = json::parse(text_.substr(from, text_.find("</script>", from) - from));
+  }
+
+  template <typename T>
+  std::vector<T> block(const std::string& name) const {
+    const auto start = text_.find("data-block=\"" + name + "\"");
+    if (start == std::string::npos) throw std::runtime_error("no block " + name);
+    const auto from = text_.find('>', start) + 1;
+    const auto packed = from_base64(text_.substr(from, text_.find('<', from) - from));
+    std::vector<unsigned char> planes(1 << 20);
+    uLongf size = planes.size();
+    int status = Z_BUF_ERROR;
+    while ((status = uncompress(planes.data(), &size, packed.data(), packed.size())) == Z_BUF_ERROR) {
+      planes.resize(planes.size() * 4);
+      size = planes.size();
+    }
+    if (status != Z_OK) throw std::runtime_error("damaged block " + name);
+    std::vector<T> values(size / sizeof(T));
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      unsigned char bytes[sizeof(T)];
+      for (std::size_t k = 0; k < sizeof(T); ++k) bytes[k] = planes[k * values.size() + i];
+      std::memcpy(&values[i], bytes, sizeof(T));
+    }
+    return values;
+  }
+
+  /// u of a shape, 3 n_v, by PAGE.md's rule.
+  std::vector<double> shape(const std::string& key, int j) const {
+    const json& surface = header.at("surface");
+    const auto rest = block<std::uint16_t>(key + "/shape/" + std::to_string(j));
+    const auto triangles = block<std::int32_t>(key + "/triangles"),
+               parent = block<std::int32_t>(key + "/parent");
+    const std::size_t n = surface.at("vertices");
+    const double scale = surface.at("shapes").at(static_cast<std::size_t>(j)).at("scale");
+    std::vector<int> q(3 * n, 0);
+    std::vector<bool> met(n, false);
+    std::size_t place = 0, last = n;
+    const auto decode = [&](std::size_t v, auto guess) {
+      for (std::size_t a = 0; a < 3; ++a) {
+        const int code = rest[a * n + place];
+        const int difference = code % 2 == 1 ? -(code + 1) / 2 : code / 2;
+        q[3 * v + a] = static_cast<std::int16_t>(static_cast<std::uint16_t>(guess(a) + difference));
+      }
+      met[v] = true;
+      last = v;
+      ++place;
+    };
+    const auto from_last = [&](std::size_t a) { return last == n ? 0 : q[3 * last + a]; };
+    for (std::size_t t = 0; t < parent.size(); ++t) {
+      for (std::size_t corner = 0; corner < 3; ++corner) {
+        const std::size_t v = static_cast<std::size_t>(triangles[3 * t + corner]);
+        if (met[v]) continue;
+        if (parent[t] < 0) {
+          decode(v, from_last);
+          continue;
+        }
+        // Corners of both triangles, each once: those of the shared edge come twice.
+        std::map<std::int32_t, int> uses;
+        for (std::size_t k = 0; k < 3; ++k) {
+          ++uses[triangles[3 * t + k]];
+          ++uses[triangles[3 * static_cast<std::size_t>(parent[t]) + k]];
+        }
+        decode(v, [&](std::size_t a) {
+          int guess = 0;
+          for (const auto& [w, times] : uses) {
+            if (static_cast<std::size_t>(w) != v)
+              guess += (times == 2 ? 1 : -1) * q[3 * static_cast<std::size_t>(w) + a];
+          }
+          return guess;
+        });
+      }
+    }
+    for (std::size_t v = 0; v < n; ++v) {
+      if (!met[v]) decode(v, from_last);
+    }
+    std::vector<double> u;
+    for (const int value : q) u.push_back(scale * value);
+    return u;
+  }
+
+  json header;
+
+ private:
+  static std::vector<unsigned char> from_base64(const std::string& text) {
+    static const std::string digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    std::vector<unsigned char> bytes;
+    std::uint32_t bits = 0;
+    int held = 0;
+    for (const char c : text) {
+      if (c == '=') break;
+      bits = bits << 6 | static_cast<std::uint32_t>(digits.find(c));
+      held += 6;
+      if (held >= 8) {
+        held -= 8;
+        bytes.push_back(static_cast<unsigned char>(bits >> held));
+        bits &= (1u << held) - 1;
+      }
+    }
+    return bytes;
+  }
+
+  std::string text_;
+};
+
+TEST(ModesPage, HoldsEveryShapeWithinHalfAQuantisationStep) {
+  const auto se = synthetic::tube(24, 30, 6);
+  const fs::path html = scratch("shapes.html");
+  write_modes_page(html, se, synthetic::tube_modes(se));
+  const PageReader page(slurp(html));
+  for (int k = 0; k < 6; ++k) {
+    const std::vector<double> u = page.shape("part", k);
+    double largest = 0.0;
+    for (Eigen::Index v = 0; v < se.surface.vertices.rows(); ++v) {
+      largest = std::max(largest,
+                         synthetic::tube_displacement(k, se.surface.vertices.row(v)).cwiseAbs().maxCoeff());
+    }
+    // Rounding to steps of largest / 32767 is off by at most half a step; the float input adds 6e-8 of its
+    // value.
+    const double step = largest / 32767;
+    EXPECT_NEAR(page.header["surface"]["shapes"][k]["scale"].get<double>(), step, 1e-6 * step);
+    for (Eigen::Index v = 0; v < se.surface.vertices.rows(); ++v) {
+      const Eigen::Vector3d exact = synthetic::tube_displacement(k, se.surface.vertices.row(v));
+      for (int a = 0; a < 3; ++a) {
+        ASSERT_NEAR(u[static_cast<std::size_t>(3 * v + a)], exact[a], 0.5 * step + 1.2e-7 * largest)
+            << k << ' ' << v;
+      }
+    }
+  }
+}
+
+TEST(ModesPage, HoldsTheSurfaceItWasGiven) {
+  const auto se = synthetic::tube(16, 10, 2);
+  const fs::path html = scratch("surface.html");
+  write_modes_page(html, se, synthetic::tube_modes(se));
+  const PageReader page(slurp(html));
+  const auto vertices = page.block<float>("part/vertices");
+  ASSERT_EQ(static_cast<Eigen::Index>(vertices.size()), se.surface.vertices.size());
+  for (std::size_t i = 0; i < vertices.size(); ++i) {
+    EXPECT_EQ(vertices[i], static_cast<float>(se.surface.vertices.data()[i]));
+  }
+  // Triangles may come in another order but each one as it was, with its interface.
+  using Painted = std::array<std::int32_t, 4>;
+  const auto triangles = page.block<std::int32_t>("part/triangles"),
+             painted = page.block<std::int32_t>("part/interface");
+  std::multiset<Painted> written, given;
+  for (std::size_t t = 0; t < painted.size(); ++t) {
+    written.insert({triangles[3 * t], triangles[3 * t + 1], triangles[3 * t + 2], painted[t]});
+    const auto row = se.surface.triangles.row(static_cast<Eigen::Index>(t));
+    given.insert({row[0], row[1], row[2], se.surface.triangle_interface[t]});
+  }
+  EXPECT_EQ(written, given);
+}
+
+TEST(ModesPage, ListsFrequenciesEffectiveMassesAndInterfaces) {
+  const auto se = synthetic::tube(16, 10, 4);
+  const fs::path html = scratch("list.html");
+  const ModesPage modes = synthetic::tube_modes(se);
+  write_modes_page(html, se, modes);
+  const PageReader page(slurp(html));
+  ASSERT_EQ(page.header["modes"].size(), 4u);
+  for (std::size_t k = 0; k < 4; ++k) {
+    EXPECT_EQ(page.header["modes"][k]["frequency"].get<double>(), modes.modes[k].frequency_hz);
+    EXPECT_EQ(page.header["modes"][k]["effective_mass"].get<std::vector<double>>()[2],
+              modes.modes[k].effective_mass[2]);
+  }
+  EXPECT_EQ(page.header["interfaces"][1]["name"], "right end");
+  EXPECT_EQ(page.header["interfaces"][1]["position"][0], synthetic::tube_length);
+}
+
+TEST(ModesPage, MacIsOneOnTheDiagonalAndZeroBetweenDirections) {
+  const auto se = synthetic::tube(24, 40, 4);
+  const fs::path html = scratch("mac.html");
+  write_modes_page(html, se, synthetic::tube_modes(se));
+  const PageReader page(slurp(html));
+  for (std::size_t i = 0; i < 4; ++i) EXPECT_EQ(page.header["mac"][i][i].get<double>(), 1.0);
+  // Bending along y and along z: by symmetry of the rings orthogonal at each x, to the float's 6e-8; printed
+  // to 1e-4.
+  EXPECT_EQ(page.header["mac"][0][1].get<double>(), 0.0);
+  EXPECT_EQ(page.header["mac"][0][3].get<double>(), 0.0);
+}
+
+TEST(ModesPage, LoadsNothingFromOutside) {
+  const auto se = synthetic::tube(16, 10, 2);
+  const fs::path html = scratch("contained.html");
+  write_modes_page(html, se, synthetic::tube_modes(se));
+  const std::string text = slurp(html);
+  // Addresses occur in three's messages and licences; what must not occur is an element or a call that loads
+  // one.
+  EXPECT_FALSE(std::regex_search(text, std::regex("<(link|img|iframe|object|embed|base)\\b[^>]*(href|src)")));
+  EXPECT_EQ(text.find("<script src"), std::string::npos);
+  EXPECT_EQ(text.find("@import"), std::string::npos);
+  EXPECT_FALSE(std::regex_search(text, std::regex("url\\(\\s*['\"]?https?:")));
+  EXPECT_THAT(text, HasSubstr("default-src 'none'"));
+}
+
+TEST(ModesPage, HundredThousandTrianglesWithThirtyModesStayUnderFifteenMegabytes) {
+  auto se = synthetic::tube(250, 100, 30);
+  ASSERT_GE(se.surface.triangles.rows(), 100000);
+  const fs::path html = scratch("large.html");
+  write_modes_page(html, se, synthetic::tube_modes(se));
+  EXPECT_LT(fs::file_size(html), 15e6);
+  // A smooth shape leaves deflate little; one with noise in its last 8 bits must fit as well.
+  std::uint32_t state = 1;
+  const float noise = 256.0f / 32767.0f / 4294967296.0f;
+  for (Eigen::Index i = 0; i < se.shapes.size(); ++i) {
+    state = state * 1664525u + 1013904223u;
+    se.shapes.data()[i] += noise * static_cast<float>(state);
+  }
+  write_modes_page(html, se, synthetic::tube_modes(se));
+  EXPECT_LT(fs::file_size(html), 15e6);
+  RecordProperty("bytes", static_cast<int>(fs::file_size(html)));
+}
+
+TEST(ModesPage, NamesCannotBreakOutOfTheirPlace) {
+  auto se = synthetic::tube(16, 10, 2);
+  se.name = "</script><script>alert(1)</script>";
+  se.interfaces[0].name = "<!--<script>\"&\xff";  // and a byte that is not UTF-8
+  const fs::path html = scratch("names.html");
+  write_modes_page(html, se, synthetic::tube_modes(se));
+  const std::string text = slurp(html);
+  EXPECT_EQ(text.find("<script>alert"), std::string::npos);
+  EXPECT_EQ(text.find("<!--<script>\\\""), std::string::npos);
+  EXPECT_EQ(PageReader(text).header["title"], se.name);
+}
+
+TEST(ModesPage, SurfaceOfSeveralPiecesFoldedAndWithLooseVerticesComesBack) {
+  superelement::Superelement se;
+  se.name = "pieces";
+  se.n_b = 0;
+  se.n_q = 1;
+  // Three triangles on one edge (0 1), a separate triangle, a triangle given twice, two vertices without
+  // triangle.
+  se.surface.vertices.resize(11, 3);
+  for (int v = 0; v < 11; ++v) se.surface.vertices.row(v) << v % 3, v / 3, 0.1 * v * v;
+  se.surface.triangles.resize(6, 3);
+  se.surface.triangles << 0, 1, 2, 1, 0, 3, 0, 1, 4, 6, 7, 8, 8, 7, 6, 2, 1, 9;
+  se.shapes = Eigen::MatrixXf::Random(33, 1);
+  ModesPage modes;
+  modes.modes.resize(1);
+  modes.columns = Eigen::MatrixXd::Ones(1, 1);
+  const fs::path html = scratch("pieces.html");
+  write_modes_page(html, se, modes);
+  const std::vector<double> u = PageReader(slurp(html)).shape("part", 0);
+  const double step = se.shapes.cwiseAbs().maxCoeff() / 32767.0;
+  for (int i = 0; i < 33; ++i)
+    EXPECT_NEAR(u[static_cast<std::size_t>(i)], se.shapes(i, 0), 0.5 * step + 1.2e-7) << i;
+}
+
+std::string refusal(const fs::path& html, const superelement::Superelement& se, const ModesPage& modes) {
+  try {
+    write_modes_page(html, se, modes);
+  } catch (const std::exception& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(ModesPage, RefusesWhatItCannotDrawAndLeavesNoFile) {
+  const auto good = synthetic::tube(16, 10, 2);
+  const ModesPage modes = synthetic::tube_modes(good);
+  const fs::path html = scratch("refused.html");
+  auto se = good;
+  se.surface.vertices.resize(0, 3);
+  EXPECT_THAT(refusal(html, se, modes), HasSubstr("superelement 'tube' holds no surface to draw"));
+  se = good;
+  se.surface.triangles(3, 1) = 9999;
+  EXPECT_THAT(refusal(html, se, modes), HasSubstr("refer to vertices 0 to 9999"));
+  se = good;
+  se.shapes(5, 13) = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_THAT(refusal(html, se, modes), HasSubstr("not finite"));
+  ModesPage short_list = modes;
+  short_list.columns.resize(3, 2);
+  short_list.columns.setZero();
+  EXPECT_THAT(refusal(html, good, short_list), HasSubstr("must be 14 x 2, but they are 3 x 2"));
+  EXPECT_FALSE(fs::exists(html));
+  EXPECT_FALSE(fs::exists(html.string() + ".part"));
+  EXPECT_THAT(refusal("/nowhere/page.html", good, modes),
+              HasSubstr("cannot write the page '/nowhere/page.html': No such"));
+}
+
+}  // namespace
+}  // namespace flexura::view
