@@ -1,0 +1,144 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include <cmath>
+#include <stdexcept>
+
+#include "beam/model/mesh.hpp"
+
+namespace flexura::beam {
+namespace {
+
+// The part of a member's load that falls on one element, in the element's axes.
+LineLoad load_on(const MeshElement& record, const std::vector<MemberLoad>& loads) {
+  LineLoad total;
+  for (const MemberLoad& member_load : loads) {
+    if (member_load.member != record.member) continue;
+    Vector6d p_1 = member_load.load.at_1, p_2 = member_load.load.at_2;
+    if (!member_load.element_axes) {
+      const Eigen::Matrix3d R_EB = record.placement.R_BE.transpose();
+      for (Vector6d* p : {&p_1, &p_2}) {
+        p->head<3>() = (R_EB * p->head<3>()).eval();
+        p->tail<3>() = (R_EB * p->tail<3>()).eval();
+      }
+    }
+    total.at_1 += (1.0 - record.t_1) * p_1 + record.t_1 * p_2;
+    total.at_2 += (1.0 - record.t_2) * p_1 + record.t_2 * p_2;
+  }
+  return total;
+}
+
+Vector12d element_displacements(const MeshElement& record, const Eigen::VectorXd& u) {
+  Vector12d nodal;
+  nodal << u.segment<6>(6 * record.node[0]), u.segment<6>(6 * record.node[1]);
+  return record.placement.transform() * nodal;
+}
+
+}  // namespace
+
+Eigen::VectorXd load_vector(const BeamMesh& mesh, const std::vector<MemberLoad>& loads) {
+  Eigen::VectorXd p = Eigen::VectorXd::Zero(mesh.n_dofs());
+  for (const MeshElement& record : mesh.elements()) {
+    const LineLoad load = load_on(record, loads);
+    if (load.at_1.isZero(0.0) && load.at_2.isZero(0.0)) continue;
+    const Vector12d nodal = record.placement.transform().transpose() * mesh.element(record).load(load);
+    p.segment<6>(6 * record.node[0]) += nodal.head<6>();
+    p.segment<6>(6 * record.node[1]) += nodal.tail<6>();
+  }
+  return p;
+}
+
+std::vector<MemberResult> member_results(const BeamMesh& mesh, int member, const Eigen::VectorXd& u,
+                                         int places, const std::vector<MemberLoad>& loads) {
+  if (member < 0 || member >= static_cast<int>(mesh.model().members.size()))
+    throw std::invalid_argument(fmt::format("there is no member number {}", member));
+  if (u.size() != mesh.n_dofs())
+    throw std::invalid_argument(
+        fmt::format("{} displacements given, the beam mesh has {} dofs", u.size(), mesh.n_dofs()));
+  std::vector<MemberResult> results;
+  int next = 0;
+  for (const MeshElement& record : mesh.elements()) {
+    if (record.member != member) continue;
+    const Element element = mesh.element(record);
+    const LineLoad load = load_on(record, loads);
+    const Vector12d q = element_displacements(record, u);
+    const double l = record.placement.length, total = l / (record.t_2 - record.t_1);
+    for (; next < places; ++next) {
+      const double t = places > 1 ? static_cast<double>(next) / (places - 1) : 0.5;
+      if (t > record.t_2 * (1.0 + 1e-12)) break;
+      const double x = std::min(l, std::max(0.0, (t - record.t_1) * total));
+      results.push_back({t * total, element.section_forces(x, q, load), element.displacement(x, q, load)});
+    }
+  }
+  return results;
+}
+
+ExtrudedSurface extruded_surface(const BeamMesh& mesh, int slices) {
+  std::vector<Eigen::Vector3d> vertices;
+  std::vector<std::array<int, 3>> triangles;
+  std::vector<std::array<int, 2>> edges;
+  ExtrudedSurface surface;
+
+  std::vector<int> elements_of_member(mesh.model().members.size(), 0);
+  for (const MeshElement& record : mesh.elements()) ++elements_of_member[record.member];
+  for (std::size_t e = 0; e < mesh.elements().size(); ++e) {
+    const MeshElement& record = mesh.elements()[e];
+    const Member& member = mesh.model().members[record.member];
+    const SectionEntry& first = mesh.model().sections[member.section];
+    if (first.section.outline.empty()) continue;
+    const int n = elements_of_member[record.member];
+    const int steps = std::max(1, (slices + n - 1) / n);
+    const Element element = mesh.element(record);
+    const Matrix12d transform = record.placement.transform();
+    const Eigen::Matrix3d& R = record.placement.R_BE;
+    const double l = record.placement.length;
+
+    int previous = -1;
+    for (int step = 0; step <= steps; ++step) {
+      const double t = static_cast<double>(step) / steps, x = t * l;
+      std::vector<Loop> outline = first.section.outline;
+      if (member.section_at_end >= 0) {
+        const double s = record.t_1 + t * (record.t_2 - record.t_1);
+        outline =
+            outline_of(interpolate(*first.shape, *mesh.model().sections[member.section_at_end].shape, s));
+      }
+      const Matrix6x12d d = element.shape(x) * transform;
+      const int base = static_cast<int>(vertices.size());
+      int start = base;
+      for (const Loop& loop : outline) {
+        const int m = static_cast<int>(loop.rows());
+        for (int k = 0; k < m; ++k) {
+          const double y = loop(k, 0), z = loop(k, 1);
+          vertices.push_back(record.placement.p_Bo1_B + R * Eigen::Vector3d(x, y, z));
+          Eigen::Matrix<double, 3, 12> at;
+          at.row(0) = d.row(0) + z * d.row(4) - y * d.row(5);
+          at.row(1) = d.row(1) - z * d.row(3);
+          at.row(2) = d.row(2) + y * d.row(3);
+          surface.at.push_back(R * at);
+          surface.element.push_back(static_cast<int>(e));
+          const int here = start + k, right = start + (k + 1) % m;
+          if (step > 0) {
+            const int back = previous + (here - base), back_right = previous + (right - base);
+            // Loops run counter-clockwise about x, so this order faces away from the material.
+            triangles.push_back({back, back_right, right});
+            triangles.push_back({back, right, here});
+          }
+          const bool member_end = (step == 0 && record.t_1 == 0.0) || (step == steps && record.t_2 == 1.0);
+          if (member_end) edges.push_back({here, right});
+        }
+        start += m;
+      }
+      previous = base;
+    }
+  }
+  surface.vertices.resize(vertices.size(), 3);
+  for (std::size_t v = 0; v < vertices.size(); ++v) surface.vertices.row(v) = vertices[v].transpose();
+  surface.triangles.resize(triangles.size(), 3);
+  for (std::size_t k = 0; k < triangles.size(); ++k)
+    surface.triangles.row(k) << triangles[k][0], triangles[k][1], triangles[k][2];
+  surface.edges.resize(edges.size(), 2);
+  for (std::size_t k = 0; k < edges.size(); ++k) surface.edges.row(k) << edges[k][0], edges[k][1];
+  return surface;
+}
+
+}  // namespace flexura::beam
