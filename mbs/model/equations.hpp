@@ -120,6 +120,7 @@ class Equations {
   virtual std::string name_of_dynamic(int i) const = 0;
   virtual std::string name_of_constraint(int i) const = 0;
   virtual std::string name_of_algebraic(int i) const = 0;
+  virtual std::string name_of_root(int i) const { return "switch " + std::to_string(i); }
 };
 
 }  // namespace flexura::mbs

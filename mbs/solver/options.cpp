@@ -33,12 +33,18 @@ input::TableSchema solver_schema() {
                    "typical size (1 m, 1 rad, 1 m/s, ...)")
           .or_default("0.01")
           .above(0.0));
+  schema.keys.push_back(
+      in::integer("max_order",
+                  "highest order of BDF; 2 is stable for undamped vibration of any frequency, "
+                  "higher orders are more accurate on smooth motion")
+          .or_default("5")
+          .at_least(1)
+          .at_most(5));
   schema.keys.push_back(in::quantity("first_step", in::dim::time, "first step; 0 = the integrator chooses")
                             .or_default("0 s")
                             .at_least(0.0));
   schema.keys.push_back(
-      in::quantity("min_step", in::dim::time,
-                   "a run that needs smaller steps stops; 0 = ten times the round-off of the time")
+      in::quantity("min_step", in::dim::time, "a run that needs smaller steps stops; 0 = 1e-12 of the run")
           .or_default("0 s")
           .at_least(0.0));
   schema.keys.push_back(in::quantity("max_step", in::dim::time, "longest step; 0 = a tenth of the run")
@@ -60,6 +66,7 @@ SolverOptions read_solver_options(const input::Section& section) {
   o.output_step = section.quantity("output_step");
   o.tolerance = section.quantity("tolerance");
   o.absolute_factor = section.quantity("absolute_factor");
+  o.max_order = section.integer("max_order");
   o.first_step = section.quantity("first_step");
   o.min_step = section.quantity("min_step");
   o.max_step = section.quantity("max_step");

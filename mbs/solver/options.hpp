@@ -18,8 +18,9 @@ struct SolverOptions {
   /// size of the state (Equations::position_scale, velocity_scale).
   double tolerance = 1e-6;
   double absolute_factor = 1e-2;
+  int max_order = 5;          ///< of BDF; 2 is stable for undamped vibration of any frequency
   double first_step = 0.0;    ///< s; 0 lets the integrator choose
-  double min_step = 0.0;      ///< s; 0: ten times the round-off of the time
+  double min_step = 0.0;      ///< s; 0: 1e-12 of the run
   double max_step = 0.0;      ///< s; 0: a tenth of the run
   int max_steps = 0;          ///< steps allowed in a run; 0: no bound
   bool store_states = false;  ///< write all states into the results file

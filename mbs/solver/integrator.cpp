@@ -1,0 +1,16 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mbs/solver/integrator.hpp"
+
+#include <fmt/format.h>
+
+#include "mbs/solver/ida.hpp"
+
+namespace flexura::mbs {
+
+std::unique_ptr<Integrator> make_integrator(const Equations& eq, const SolverOptions& options) {
+  // One line for each integrator; the same names stand in solver_schema().
+  if (options.method == "ida") return make_ida(eq, options);
+  throw std::invalid_argument(fmt::format("unknown integrator \"{}\"", options.method));
+}
+
+}  // namespace flexura::mbs

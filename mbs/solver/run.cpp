@@ -1,0 +1,163 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mbs/solver/run.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "mbs/solver/accelerations.hpp"
+#include "mbs/solver/assemble.hpp"
+
+namespace flexura::mbs {
+
+namespace {
+
+// More switchings than this within 1e-7 of the run are an accumulation, like a ball's last bounces.
+constexpr int kMostEventsAtOnce = 20;
+
+class Runner {
+ public:
+  Runner(const Equations& eq, const State& start, const Eigen::VectorXd& v_dot, const SolverOptions& options,
+         const RunCallbacks& callbacks)
+      : eq_(eq),
+        n_(eq.sizes()),
+        options_(options),
+        callbacks_(callbacks),
+        scratch_(eq.make_scratch()),
+        integrator_(make_integrator(eq, options)),
+        book_(eq),
+        accelerations_(eq) {
+    result_.state = start;
+    result_.state.t = options.start_time;
+    result_.v_dot = v_dot;
+    g_.setZero(n_.n_lambda);
+    g_dot_.setZero(n_.n_lambda);
+    n_rows_ = static_cast<long>(
+        std::floor((options.end_time - options.start_time) / options.output_step * (1 + 1e-12)));
+  }
+
+  RunResult run();
+
+ private:
+  void write_row(const State& s, const Eigen::VectorXd& v_dot) {
+    if (callbacks_.row) callbacks_.row(s, v_dot, book_.account());
+  }
+  double row_time(long k) const {
+    // The last row stands at the end time even where the step does not divide the run.
+    return k > n_rows_ ? options_.end_time
+                       : std::min(options_.start_time + k * options_.output_step, options_.end_time);
+  }
+  void write_rows_until(double t);
+  void take_switches(const std::vector<int>& roots);
+  void measure_drift();
+  bool step_once();  // false ends the run
+
+  const Equations& eq_;
+  Sizes n_;
+  const SolverOptions& options_;
+  const RunCallbacks& callbacks_;
+  std::unique_ptr<Equations::Scratch> scratch_;
+  std::unique_ptr<Integrator> integrator_;
+  EnergyBook book_;
+  AccelerationSolver accelerations_;
+  RunResult result_;
+  State row_state_;
+  Eigen::VectorXd row_v_dot_, g_, g_dot_;
+  long n_rows_ = 0, next_row_ = 1;
+};
+
+void Runner::write_rows_until(double t) {
+  for (; row_time(next_row_) <= t && row_time(next_row_) > row_time(next_row_ - 1); ++next_row_) {
+    const double t_row = row_time(next_row_);
+    integrator_->interpolate(t_row, row_state_, row_v_dot_);
+    book_.advance(t_row, *integrator_, row_state_, row_v_dot_);
+    write_row(row_state_, row_v_dot_);
+  }
+}
+
+void Runner::measure_drift() {
+  if (n_.n_lambda == 0) return;
+  const State& s = result_.state;
+  eq_.position_constraints(s.t, s.p, *scratch_, g_);
+  eq_.velocity_constraints(s.t, s.p, s.v, *scratch_, g_dot_);
+  result_.peak_position_drift = std::max(result_.peak_position_drift, g_.cwiseAbs().maxCoeff());
+  result_.peak_velocity_drift = std::max(result_.peak_velocity_drift, g_dot_.cwiseAbs().maxCoeff());
+}
+
+void Runner::take_switches(const std::vector<int>& roots) {
+  State& s = result_.state;
+  for (const int which : roots) {
+    const bool jumped = eq_.on_root(which, s, *scratch_);
+    result_.events.push_back({s.t, which, jumped});
+  }
+  const auto& events = result_.events;
+  if (events.size() > kMostEventsAtOnce &&
+      s.t - events[events.size() - kMostEventsAtOnce].t < 1e-7 * (options_.end_time - options_.start_time))
+    throw IntegrationError(
+        fmt::format("\"{}\" switches without end at t = {:.9g} s ({} times within 1e-7 of the run): give the "
+                    "contact or the switch a hysteresis, damping or a compliant law",
+                    eq_.name_of_root(roots.front()), s.t, kMostEventsAtOnce));
+  // Velocities that jumped, and constraints that the switch brought in, want the smallest impulse.
+  AssembleReport report;
+  assemble_velocities(eq_, s, {}, report);
+  accelerations_.solve(s, result_.v_dot);
+  book_.jump(s, result_.v_dot);
+  integrator_->start(s, result_.v_dot);
+}
+
+bool Runner::step_once() {
+  const StepEnd end = integrator_->step(options_.end_time);
+  write_rows_until(end.t_end);
+  integrator_->interpolate(end.t_end, result_.state, result_.v_dot);
+  book_.advance(end.t_end, *integrator_, result_.state, result_.v_dot);
+  result_.largest_energy_error = std::max(result_.largest_energy_error, std::abs(book_.account().error()));
+  measure_drift();
+  if (callbacks_.progress)
+    callbacks_.progress(end.t_end,
+                        (end.t_end - options_.start_time) / (options_.end_time - options_.start_time));
+  if (!end.roots.empty()) take_switches(end.roots);
+  if (callbacks_.stop_wanted && callbacks_.stop_wanted()) {
+    result_.stopped_because = fmt::format("interrupted at t = {:.9g} s", end.t_end);
+    return false;
+  }
+  if (options_.max_steps > 0 && integrator_->counts().steps >= options_.max_steps &&
+      end.t_end < options_.end_time) {
+    result_.stopped_because =
+        fmt::format("max_steps = {} are used up at t = {:.9g} s", options_.max_steps, end.t_end);
+    return false;
+  }
+  return end.t_end < options_.end_time;
+}
+
+RunResult Runner::run() {
+  const auto clock_start = std::chrono::steady_clock::now();
+  try {
+    book_.start(result_.state, result_.v_dot);
+    write_row(result_.state, result_.v_dot);
+    if (options_.end_time > options_.start_time) {
+      integrator_->start(result_.state, result_.v_dot);
+      while (step_once()) {
+      }
+    }
+    result_.complete = result_.stopped_because.empty();
+  } catch (const IntegrationError& e) {
+    result_.stopped_because = e.what();
+  } catch (const AssemblyError& e) {
+    result_.stopped_because = e.what();
+  }
+  result_.counts = integrator_->counts();
+  result_.energy = book_.account();
+  result_.wall_time = std::chrono::duration<double>(std::chrono::steady_clock::now() - clock_start).count();
+  return result_;
+}
+
+}  // namespace
+
+RunResult run(const Equations& eq, const State& start, const Eigen::VectorXd& v_dot,
+              const SolverOptions& options, const RunCallbacks& callbacks) {
+  return Runner(eq, start, v_dot, options, callbacks).run();
+}
+
+}  // namespace flexura::mbs

@@ -1,0 +1,52 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <Eigen/Core>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "mbs/model/equations.hpp"
+#include "mbs/solver/energy.hpp"
+#include "mbs/solver/integrator.hpp"
+#include "mbs/solver/options.hpp"
+
+/// One dynamic run with any integrator: rows at a fixed rate, switches, energy book, constraint drift, clean
+/// stops.
+namespace flexura::mbs {
+
+struct RunCallbacks {
+  /// Called at start_time, at every output time and at the end.
+  std::function<void(const State&, const Eigen::VectorXd& v_dot, const EnergyAccount&)> row;
+  /// Called after every step with the time reached and the fraction done.
+  std::function<void(double t, double fraction)> progress;
+  /// True asks for a clean stop after the present step (Ctrl-C).
+  std::function<bool()> stop_wanted;
+};
+
+struct RootEvent {
+  double t = 0.0;
+  int which = 0;
+  bool jumped = false;  ///< velocities changed
+};
+
+struct RunResult {
+  bool complete = false;
+  std::string stopped_because;  ///< empty when complete
+  State state;                  ///< at the last time reached
+  Eigen::VectorXd v_dot;
+  StepCounts counts;
+  EnergyAccount energy;
+  double largest_energy_error = 0.0;  ///< largest |EnergyAccount::error| at the ends of steps [J]
+  double peak_position_drift = 0.0;   ///< largest |g| at the ends of steps, holonomic rows
+  double peak_velocity_drift = 0.0;   ///< largest |G v + g_t|
+  double wall_time = 0.0;             ///< s
+  std::vector<RootEvent> events;
+};
+
+/// Runs from the consistent state `start` (see assemble.hpp) to options.end_time.  What goes wrong on the way
+/// ends the run cleanly: the result then holds the last state and the reason.
+RunResult run(const Equations& eq, const State& start, const Eigen::VectorXd& v_dot,
+              const SolverOptions& options, const RunCallbacks& callbacks = {});
+
+}  // namespace flexura::mbs

@@ -1,0 +1,193 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mbs/solver/stabilised_index2.hpp"
+
+#include <Eigen/LU>
+#include <cmath>
+
+#include "mbs/solver/finite.hpp"
+
+namespace flexura::mbs {
+
+struct StabilisedIndex2::Factor {
+  Eigen::PartialPivLU<Eigen::MatrixXd> lu;
+};
+
+StabilisedIndex2::StabilisedIndex2(const Equations& eq, const State& start)
+    : eq_(eq),
+      n_(eq.sizes()),
+      n_y_(n_.n_p + n_.n_v + n_.n_dyn + n_.n_alg + 2 * n_.n_lambda),
+      scratch_(eq.make_scratch()),
+      s_(start),
+      kinematics_(eq, start.p),
+      tangents_(eq),
+      factor_(std::make_unique<Factor>()) {
+  const int n_z = n_.n_v + n_.n_dyn + n_.n_alg, n_x = n_z + 2 * n_.n_lambda;
+  w_.setZero(n_.n_v);
+  v_dot_.setZero(n_.n_v);
+  z_.setZero(n_z);
+  row_scale_.setOnes(n_x);
+  column_scale_.setOnes(n_x);
+  rhs_.setZero(n_x);
+  dp_.setZero(n_.n_p);
+  dp_0_.setZero(n_.n_p);
+  J_.setZero(n_x, n_x);
+  GS_.setZero(n_.n_v, n_.n_lambda);
+  S_.setOnes(n_.n_v);
+  set_start(start);
+}
+
+StabilisedIndex2::~StabilisedIndex2() = default;
+
+void StabilisedIndex2::set_start(const State& s) {
+  s_ = s;
+  Eigen::MatrixXd M = Eigen::MatrixXd::Zero(n_.n_v, n_.n_v);
+  eq_.mass_matrix(s.p, *scratch_, M);
+  for (int i = 0; i < n_.n_v; ++i) S_(i) = M(i, i) > 0.0 ? 1.0 / M(i, i) : 1.0;
+}
+
+void StabilisedIndex2::pack(const State& s, const Eigen::VectorXd& v_dot, VectorRef y, VectorRef yp) {
+  y << s.p, s.v, s.c, s.a, s.lambda, Eigen::VectorXd::Zero(n_.n_lambda);
+  yp.setZero();
+  eq_.kinematic(s.p, s.v, yp.head(n_.n_p));
+  yp.segment(at_v(), n_.n_v) = v_dot;
+  eq_.momentum(s, v_dot, *scratch_, w_, z_.segment(n_.n_v, n_.n_dyn), z_.tail(n_.n_alg));
+  yp.segment(at_c(), n_.n_dyn) = z_.segment(n_.n_v, n_.n_dyn);
+}
+
+void StabilisedIndex2::unpack(double t, ConstVectorRef y, State& s) const {
+  s.t = t;
+  s.p = y.head(n_.n_p);
+  s.v = y.segment(at_v(), n_.n_v);
+  s.c = y.segment(at_c(), n_.n_dyn);
+  s.a = y.segment(at_a(), n_.n_alg);
+  s.lambda = y.segment(at_lambda(), n_.n_lambda);
+  s.root = s_.root;
+}
+
+bool StabilisedIndex2::residual(double t, ConstVectorRef y, ConstVectorRef yp, VectorRef out) {
+  unpack(t, y, s_);
+  const auto mu = y.tail(n_.n_lambda);
+  w_ = s_.v;
+  if (n_.n_lambda > 0) {
+    eq_.apply_GT(t, s_.p, mu, *scratch_, w_);
+    w_ = s_.v + S_.cwiseProduct(w_);
+  }
+  eq_.kinematic(s_.p, w_, dp_0_);
+  out.head(n_.n_p) = yp.head(n_.n_p) - dp_0_;
+  v_dot_ = yp.segment(at_v(), n_.n_v);
+  eq_.momentum(s_, v_dot_, *scratch_, z_.head(n_.n_v), z_.segment(n_.n_v, n_.n_dyn), z_.tail(n_.n_alg));
+  ++evaluations_;
+  out.segment(at_v(), n_.n_v) = z_.head(n_.n_v);
+  out.segment(at_c(), n_.n_dyn) = yp.segment(at_c(), n_.n_dyn) - z_.segment(n_.n_v, n_.n_dyn);
+  out.segment(at_a(), n_.n_alg) = z_.tail(n_.n_alg);
+  if (n_.n_lambda > 0) {
+    eq_.velocity_constraints(t, s_.p, s_.v, *scratch_, out.segment(at_lambda(), n_.n_lambda));
+    eq_.position_constraints(t, s_.p, *scratch_, out.tail(n_.n_lambda));
+    for (int k = 0; k < n_.n_lambda; ++k)
+      if (!eq_.is_holonomic(k)) out(at_mu() + k) = mu(k);
+  }
+  if (out.allFinite()) return true;
+  non_finite_ = describe_non_finite(eq_, t, z_.head(n_.n_v), z_.segment(n_.n_v, n_.n_dyn), z_.tail(n_.n_alg));
+  return false;
+}
+
+bool StabilisedIndex2::factor(double t, double cj, ConstVectorRef y, ConstVectorRef yp) {
+  const int n_v = n_.n_v, n_c = n_.n_dyn, n_a = n_.n_alg, n_l = n_.n_lambda, n_z = n_v + n_c + n_a;
+  unpack(t, y, s_);
+  v_dot_ = yp.segment(at_v(), n_v);
+  cj_ = cj;
+  tangents_.evaluate(s_, v_dot_);
+  kinematics_.update(s_.p, s_.v);
+  kinematics_.invert(cj);
+  const Tangents& d = tangents_;
+  kinematics_.multiply_ET(d.z_p, z_v_);
+
+  // Momentum rows are divided by cj and the multipliers carry it, position rows are multiplied by cj: all
+  // blocks are then of the size of M and G.
+  for (int i = 0; i < n_v; ++i) {
+    const double scale = d.M(i, i) > 0.0 ? 1.0 / std::sqrt(d.M(i, i)) : 1.0;
+    row_scale_(i) = scale / cj;
+    column_scale_(i) = scale;
+  }
+  row_scale_.segment(n_v, n_c).setConstant(1.0 / cj);
+  column_scale_.segment(n_v, n_c).setOnes();
+  row_scale_.segment(n_v + n_c, n_a).setOnes();
+  column_scale_.segment(n_v + n_c, n_a).setOnes();
+
+  J_.setZero();
+  J_.topLeftCorner(n_z, n_v) = z_v_ + d.z_v;
+  J_.topLeftCorner(n_v, n_v) += cj * d.M;
+  J_.block(0, n_v, n_z, n_c) = d.z_c;
+  J_.block(0, n_v + n_c, n_z, n_a) = d.z_a;
+  // The dynamic states' residual is c' - f_c.
+  J_.block(n_v, 0, n_c, n_z) *= -1.0;
+  J_.block(n_v, n_v, n_c, n_c).diagonal().array() += cj;
+
+  if (n_l > 0) {
+    kinematics_.multiply_ET(d.h_p, h_v_);
+    kinematics_.multiply_ET(d.g_p, g_v_);
+    GS_.noalias() = S_.asDiagonal() * d.G.transpose();
+    const int at_l = n_z, at_m = n_z + n_l;
+    J_.block(0, at_l, n_v, n_l) = d.G.transpose();
+    J_.block(0, at_m, n_z, n_l).noalias() = z_v_ * GS_;
+    J_.block(n_v, at_m, n_c, n_l) *= -1.0;
+    J_.block(at_l, 0, n_l, n_v) = d.G + h_v_;
+    J_.block(at_l, at_m, n_l, n_l).noalias() = h_v_ * GS_;
+    J_.block(at_m, 0, n_l, n_v) = g_v_;
+    J_.block(at_m, at_m, n_l, n_l).noalias() = g_v_ * GS_;
+    for (int k = 0; k < n_l; ++k) {
+      const double norm = (d.G.row(k).transpose().array() * column_scale_.head(n_v).array()).matrix().norm();
+      const double scale = norm > 0.0 ? 1.0 / norm : 1.0;
+      row_scale_(at_l + k) = scale;
+      column_scale_(at_l + k) = scale * cj;
+      row_scale_(at_m + k) = scale * cj;
+      column_scale_(at_m + k) = scale;
+      if (!eq_.is_holonomic(k)) {
+        J_.row(at_m + k).setZero();
+        J_(at_m + k, at_m + k) = 1.0;
+        row_scale_(at_m + k) = column_scale_(at_m + k) = 1.0;
+      }
+    }
+  }
+  J_ = row_scale_.asDiagonal() * J_ * column_scale_.asDiagonal();
+  // Where rows of G depend on each other (redundant, or at a dead point) the blocks of the multipliers are
+  // singular; 1e-12 of their scale keeps the factors finite and is far below Newton's need elsewhere.
+  for (int k = 0; k < n_l; ++k) {
+    J_(n_z + k, n_z + k) -= 1e-12;
+    J_(n_z + n_l + k, n_z + n_l + k) += 1e-12;
+  }
+  if (!J_.allFinite()) return false;
+  factor_->lu.compute(J_);
+  return true;
+}
+
+void StabilisedIndex2::solve(ConstVectorRef rhs, VectorRef x) {
+  const int n_v = n_.n_v, n_c = n_.n_dyn, n_a = n_.n_alg, n_l = n_.n_lambda, n_z = n_v + n_c + n_a;
+  // Positions: dp = E (r_p + T (dv + S G^T dmu)); what E r_p does to the other rows goes to the right.
+  kinematics_.apply_E(rhs.head(n_.n_p), dp_0_);
+  const Tangents& d = tangents_;
+  z_.noalias() = d.z_p * dp_0_;
+  rhs_.head(n_z) = rhs.segment(at_v(), n_z);
+  rhs_.head(n_v) -= z_.head(n_v);
+  rhs_.segment(n_v, n_c) += z_.segment(n_v, n_c);
+  rhs_.segment(n_v + n_c, n_a) -= z_.tail(n_a);
+  if (n_l > 0) {
+    rhs_.segment(n_z, n_l) = rhs.segment(at_lambda(), n_l);
+    rhs_.segment(n_z, n_l).noalias() -= d.h_p * dp_0_;
+    rhs_.tail(n_l) = rhs.tail(n_l);
+    for (int k = 0; k < n_l; ++k)
+      if (eq_.is_holonomic(k)) rhs_(n_z + n_l + k) -= d.g_p.row(k).dot(dp_0_);
+  }
+  rhs_.array() *= row_scale_.array();
+  rhs_ = factor_->lu.solve(rhs_);
+  rhs_.array() *= column_scale_.array();
+  w_ = rhs_.head(n_v);
+  if (n_l > 0) w_.noalias() += GS_ * rhs_.tail(n_l);
+  dp_ = dp_0_;
+  kinematics_.add_ET(w_, dp_);
+  x.head(n_.n_p) = dp_;
+  x.segment(at_v(), n_z) = rhs_.head(n_z);
+  x.segment(at_lambda(), 2 * n_l) = rhs_.tail(2 * n_l);
+}
+
+}  // namespace flexura::mbs
