@@ -56,7 +56,17 @@ std::string reason() {
 }
 
 [[noreturn]] void fail(const std::string& label) {
-  throw Error(label + ": " + reason());
+  throw BadFile(label + ": " + reason());
+}
+
+// While writing: the disk or the folder is to blame, not the input.
+template <typename Work>
+auto writing(Work&& work) {
+  try {
+    return work();
+  } catch (const BadFile& failure) {
+    throw Error(failure.what());
+  }
 }
 
 void check(herr_t status, const std::string& label) {
@@ -110,7 +120,7 @@ std::vector<hsize_t> chunk_shape(const Shape& shape, std::size_t type_size) {
 
 const std::string& checked_name(const std::string& name, const std::string& label) {
   if (name.empty() || name == "." || name.find('/') != std::string::npos) {
-    throw Error(label + ": \"" + name + "\" cannot be a name in an HDF5 file; use a name without \"/\"");
+    throw BadFile(label + ": \"" + name + "\" cannot be a name in an HDF5 file; use a name without \"/\"");
   }
   return name;
 }
@@ -136,13 +146,13 @@ void write_attribute(hid_t node, const std::string& name, hid_t type, const void
 Handle open_attribute(hid_t node, const std::string& name, const std::string& label) {
   if (H5Aexists(node, name.c_str()) <= 0) {
     H5Eclear2(H5E_DEFAULT);
-    throw Error(label + ": has no attribute " + name);
+    throw BadFile(label + ": has no attribute " + name);
   }
   Handle attribute = owned(H5Aopen(node, name.c_str(), H5P_DEFAULT), H5Aclose, label);
   // Only single values: anything else was not written by us, and must not be read into a single variable.
   const Handle space = owned(H5Aget_space(attribute.get()), H5Sclose, label);
   if (H5Sget_simple_extent_npoints(space.get()) != 1)
-    throw Error(label + ": attribute " + name + " is no single value");
+    throw BadFile(label + ": attribute " + name + " is no single value");
   return attribute;
 }
 
@@ -206,7 +216,7 @@ std::string Node::text(const std::string& name) const {
   const Handle attribute = open_attribute(handle_.get(), name, label_);
   const Handle type = owned(H5Aget_type(attribute.get()), H5Tclose, label_);
   if (H5Tget_class(type.get()) != H5T_STRING || H5Tis_variable_str(type.get()) > 0) {
-    throw Error(label_ + ": attribute " + name + " is not a text");
+    throw BadFile(label_ + ": attribute " + name + " is not a text");
   }
   const std::size_t size = H5Tget_size(type.get());
   if (size == 0) fail(label_);
@@ -261,13 +271,13 @@ Group Group::create_group(const std::string& name) {
 
 Group Group::group(const std::string& name) const {
   const std::string full = child(label_, name);
-  if (!has(name)) throw Error(full + ": is missing; the file is not complete, make it again");
+  if (!has(name)) throw BadFile(full + ": is missing; the file is not complete, make it again");
   return Group(owned(H5Gopen2(handle_.get(), name.c_str(), H5P_DEFAULT), H5Gclose, full), full);
 }
 
 Handle Group::open_dataset(const std::string& name) const {
   const std::string full = child(label_, name);
-  if (!has(name)) throw Error(full + ": is missing; the file is not complete, make it again");
+  if (!has(name)) throw BadFile(full + ": is missing; the file is not complete, make it again");
   return owned(H5Dopen2(handle_.get(), name.c_str(), H5P_DEFAULT), H5Dclose, full);
 }
 
@@ -277,39 +287,41 @@ Shape Group::shape(const std::string& name) const {
 
 void Group::write_raw(const std::string& name, const Shape& shape, std::int64_t type, std::size_t type_size,
                       const void* data, const std::string& unit, const std::string& doc) {
-  const std::string full = child(label_, name);
-  const std::vector<hsize_t> extent(shape.begin(), shape.end());
-  const Handle space =
-      owned(H5Screate_simple(static_cast<int>(extent.size()), extent.data(), nullptr), H5Sclose, full);
-  const Handle properties = owned(H5Pcreate(H5P_DATASET_CREATE), H5Pclose, full);
-  check(H5Pset_obj_track_times(properties.get(), false), full);  // equal content gives equal bytes
-  if (std::find(shape.begin(), shape.end(), 0u) == shape.end()) {
-    const std::vector<hsize_t> chunk = chunk_shape(shape, type_size);
-    check(H5Pset_chunk(properties.get(), static_cast<int>(chunk.size()), chunk.data()), full);
-    if (type_size > 1) check(H5Pset_shuffle(properties.get()), full);
-    check(H5Pset_deflate(properties.get(), deflate_level), full);
-    check(H5Pset_fletcher32(properties.get()), full);
-  }
-  Handle dataset = owned(H5Dcreate2(handle_.get(), checked_name(name, label_).c_str(), type, space.get(),
-                                    H5P_DEFAULT, properties.get(), H5P_DEFAULT),
-                         H5Dclose, full);
-  check(H5Dwrite(dataset.get(), type, H5S_ALL, H5S_ALL, H5P_DEFAULT, data), full);
-  Group attributes(std::move(dataset), full);
-  if (!unit.empty()) attributes.set("unit", unit);
-  if (!doc.empty()) attributes.set("doc", doc);
+  writing([&] {
+    const std::string full = child(label_, name);
+    const std::vector<hsize_t> extent(shape.begin(), shape.end());
+    const Handle space =
+        owned(H5Screate_simple(static_cast<int>(extent.size()), extent.data(), nullptr), H5Sclose, full);
+    const Handle properties = owned(H5Pcreate(H5P_DATASET_CREATE), H5Pclose, full);
+    check(H5Pset_obj_track_times(properties.get(), false), full);  // equal content gives equal bytes
+    if (std::find(shape.begin(), shape.end(), 0u) == shape.end()) {
+      const std::vector<hsize_t> chunk = chunk_shape(shape, type_size);
+      check(H5Pset_chunk(properties.get(), static_cast<int>(chunk.size()), chunk.data()), full);
+      if (type_size > 1) check(H5Pset_shuffle(properties.get()), full);
+      check(H5Pset_deflate(properties.get(), deflate_level), full);
+      check(H5Pset_fletcher32(properties.get()), full);
+    }
+    Handle dataset = owned(H5Dcreate2(handle_.get(), checked_name(name, label_).c_str(), type, space.get(),
+                                      H5P_DEFAULT, properties.get(), H5P_DEFAULT),
+                           H5Dclose, full);
+    check(H5Dwrite(dataset.get(), type, H5S_ALL, H5S_ALL, H5P_DEFAULT, data), full);
+    Group attributes(std::move(dataset), full);
+    if (!unit.empty()) attributes.set("unit", unit);
+    if (!doc.empty()) attributes.set("doc", doc);
+  });
 }
 
 void Group::read_raw(const std::string& name, const Shape& wanted, std::int64_t type, void* data) const {
   const std::string full = child(label_, name);
   const Handle dataset = open_dataset(name);
   if (const Shape found = shape_of(dataset.get(), full); found != wanted) {
-    throw Error(full + ": has the shape " + shape_text(found) + ", " + shape_text(wanted) +
-                " is wanted; the file is damaged or not what it says");
+    throw BadFile(full + ": has the shape " + shape_text(found) + ", " + shape_text(wanted) +
+                  " is wanted; the file is damaged or not what it says");
   }
   const Handle stored = owned(H5Dget_type(dataset.get()), H5Tclose, full);
   if (H5Tget_class(stored.get()) != H5Tget_class(type) || H5Tget_size(stored.get()) != H5Tget_size(type)) {
-    throw Error(full +
-                ": has another number type than the format says; the file is damaged or not what it says");
+    throw BadFile(full +
+                  ": has another number type than the format says; the file is damaged or not what it says");
   }
   check(H5Dread(dataset.get(), type, H5S_ALL, H5S_ALL, H5P_DEFAULT, data), full);
 }
@@ -343,7 +355,7 @@ void Group::read(const std::string& name, const Shape& wanted, std::int32_t* dat
 std::string Group::read_text(const std::string& name) const {
   const Shape found = shape(name);
   constexpr std::size_t longest = std::size_t{1} << 30;
-  if (found.size() != 1 || found[0] > longest) throw Error(child(label_, name) + ": is not a text");
+  if (found.size() != 1 || found[0] > longest) throw BadFile(child(label_, name) + ": is not a text");
   std::string text(found[0], '\0');
   read_raw(name, found, H5T_NATIVE_UINT8, text.data());
   return text;
@@ -381,22 +393,25 @@ Series Group::series(const std::string& name) const {
   const Shape shape = shape_of(dataset.get(), full);
   const Handle stored = owned(H5Dget_type(dataset.get()), H5Tclose, full);
   if (shape.empty() || shape.size() > 2 || H5Tget_class(stored.get()) != H5T_FLOAT) {
-    throw Error(full + ": is not a series of numbers; the file is damaged or not what it says");
+    throw BadFile(full + ": is not a series of numbers; the file is damaged or not what it says");
   }
   return Series(std::move(dataset), full, shape[0], shape.size() == 2 ? shape[1] : 0);
 }
 
 void Series::append(const double* rows, std::size_t n_rows) {
-  if (n_rows == 0) return;
-  const int rank = width_ > 0 ? 2 : 1;
-  const hsize_t extent[2] = {n_rows_ + n_rows, width_}, start[2] = {n_rows_, 0}, count[2] = {n_rows, width_};
-  check(H5Dset_extent(handle_.get(), extent), label_);
-  const Handle file_space = owned(H5Dget_space(handle_.get()), H5Sclose, label_);
-  check(H5Sselect_hyperslab(file_space.get(), H5S_SELECT_SET, start, nullptr, count, nullptr), label_);
-  const Handle memory_space = owned(H5Screate_simple(rank, count, nullptr), H5Sclose, label_);
-  check(H5Dwrite(handle_.get(), H5T_NATIVE_DOUBLE, memory_space.get(), file_space.get(), H5P_DEFAULT, rows),
-        label_);
-  n_rows_ += n_rows;
+  writing([&] {
+    if (n_rows == 0) return;
+    const int rank = width_ > 0 ? 2 : 1;
+    const hsize_t extent[2] = {n_rows_ + n_rows, width_}, start[2] = {n_rows_, 0},
+                  count[2] = {n_rows, width_};
+    check(H5Dset_extent(handle_.get(), extent), label_);
+    const Handle file_space = owned(H5Dget_space(handle_.get()), H5Sclose, label_);
+    check(H5Sselect_hyperslab(file_space.get(), H5S_SELECT_SET, start, nullptr, count, nullptr), label_);
+    const Handle memory_space = owned(H5Screate_simple(rank, count, nullptr), H5Sclose, label_);
+    check(H5Dwrite(handle_.get(), H5T_NATIVE_DOUBLE, memory_space.get(), file_space.get(), H5P_DEFAULT, rows),
+          label_);
+    n_rows_ += n_rows;
+  });
 }
 
 std::vector<double> Series::read(std::size_t n_rows) const {
@@ -427,10 +442,11 @@ File::File(const std::filesystem::path& path, Mode mode) : path_(path) {
   std::error_code ignored;
   if (mode != Mode::create) {
     if (!std::filesystem::exists(path, ignored))
-      throw Error(label + ": there is no such file; check the path");
-    if (std::filesystem::is_directory(path, ignored)) throw Error(label + ": is a folder, a file is wanted");
+      throw BadFile(label + ": there is no such file; check the path");
+    if (std::filesystem::is_directory(path, ignored))
+      throw BadFile(label + ": is a folder, a file is wanted");
   } else if (path.has_parent_path() && !std::filesystem::is_directory(path.parent_path(), ignored)) {
-    throw Error(label + ": the folder " + path.parent_path().string() + " does not exist; make it first");
+    throw BadFile(label + ": the folder " + path.parent_path().string() + " does not exist; make it first");
   }
   const Handle access = owned(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, label);
   check(H5Pset_libver_bounds(access.get(), H5F_LIBVER_V110, H5F_LIBVER_V110), label);
@@ -452,7 +468,7 @@ File::File(const std::filesystem::path& path, Mode mode) : path_(path) {
       id = H5Fopen(path.c_str(), H5F_ACC_RDONLY, access.get());
       if (id < 0) {
         const std::string why = reason();
-        if (why != writing_mark) throw Error(label + ": " + why);
+        if (why != writing_mark) throw BadFile(label + ": " + why);
         // A writer that appends, or one that was killed while it did, has left its mark in the file. What is
         // there is consistent; HDF5 wants to be told that we know. It then reads a block whose checksum fails
         // again, in case it was just being written, and waits twice as long each time: 20 attempts are a
@@ -476,12 +492,14 @@ void File::flush() {
 }
 
 void File::close() {
-  if (!handle_.is_open()) return;
-  const herr_t flushed = H5Fflush(handle_.get(), H5F_SCOPE_LOCAL);
-  const std::string why = flushed < 0 ? reason() : "";
-  const int closed = handle_.close();
-  if (flushed < 0) throw Error(path_.string() + ": " + why);
-  check(closed, path_.string());
+  writing([&] {
+    if (!handle_.is_open()) return;
+    const herr_t flushed = H5Fflush(handle_.get(), H5F_SCOPE_LOCAL);
+    const std::string why = flushed < 0 ? reason() : "";
+    const int closed = handle_.close();
+    if (flushed < 0) throw BadFile(path_.string() + ": " + why);
+    check(closed, path_.string());
+  });
 }
 
 // --- Eigen

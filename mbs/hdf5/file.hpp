@@ -23,6 +23,12 @@ class Error : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// An error while reading: what is wrong is the file, and so the input of the program.
+class BadFile : public Error {
+ public:
+  using Error::Error;
+};
+
 using Shape = std::vector<std::size_t>;
 
 /// Owns one HDF5 identifier.

@@ -19,7 +19,7 @@ json parse(const hdf5::Group& group, const std::string& name) {
   try {
     return json::parse(group.read_text(name));
   } catch (const json::exception& failure) {
-    throw hdf5::Error(fmt::format("{}/{}: cannot be understood ({}); the file is damaged", group.label(),
+    throw hdf5::BadFile(fmt::format("{}/{}: cannot be understood ({}); the file is damaged", group.label(),
                                   name, failure.what()));
   }
 }
@@ -63,7 +63,7 @@ Run read_run(const hdf5::Group& group, const std::string& name) {
     body.name = entry.at("name");
     const hdf5::Group one = body_group.group(body.name);
     series.all.push_back(one.series("pose"));
-    if (series.all.back().width() != 7) throw hdf5::Error(one.label() + "/pose: does not have 7 columns");
+    if (series.all.back().width() != 7) throw hdf5::BadFile(one.label() + "/pose: does not have 7 columns");
     has_modal.push_back(entry.at("n_modes").get<int>() > 0);
     if (has_modal.back()) {
       series.all.push_back(one.series("modal"));
@@ -93,12 +93,12 @@ Results read(const std::filesystem::path& path) {
   const hdf5::File file(path, hdf5::Mode::read);
   const hdf5::Group root = file.root();
   if (!root.has_attribute("format") || root.text("format") != "flexura results") {
-    throw hdf5::Error(
+    throw hdf5::BadFile(
         path.string() +
         ": is an HDF5 file but holds no results of a simulation; make one with \"flexura simulate\"");
   }
   if (const int version = root.integer("version"); version > format_version) {
-    throw hdf5::Error(
+    throw hdf5::BadFile(
         fmt::format("{}: is written in version {} of the results format, this program reads up to {}; "
                     "update Flexura",
                     path.string(), version, format_version));
@@ -123,7 +123,7 @@ Results read(const std::filesystem::path& path) {
     std::sort(in_order.begin(), in_order.end());
     for (const auto& [order, name] : in_order) results.runs.push_back(read_run(runs.group(name), name));
   } catch (const json::exception& failure) {
-    throw hdf5::Error(
+    throw hdf5::BadFile(
         fmt::format("{}: a header lacks an entry ({}); the file is damaged", path.string(), failure.what()));
   }
   return results;

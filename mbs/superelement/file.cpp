@@ -70,19 +70,19 @@ void read_header(const std::string& text, const std::string& label, Superelement
         const auto* found =
             std::find(std::begin(direction_names), std::end(direction_names), name.get<std::string>());
         if (found == std::end(direction_names))
-          throw hdf5::Error(label + ": unknown direction " + name.dump());
+          throw hdf5::BadFile(label + ": unknown direction " + name.dump());
         interface.directions.push_back(static_cast<Direction>(found - std::begin(direction_names)));
       }
       se.interfaces.push_back(std::move(interface));
     }
     for (const json& name : header.at("load_cases")) se.load_cases.push_back({name.get<std::string>(), {}});
   } catch (const json::exception& failure) {
-    throw hdf5::Error(fmt::format("{}: cannot be understood ({}); the file is damaged, make it again", label,
-                                  failure.what()));
+    throw hdf5::BadFile(fmt::format("{}: cannot be understood ({}); the file is damaged, make it again",
+                                    label, failure.what()));
   }
   constexpr int most_dofs = 100'000;  // a dense matrix of that size is 80 GB; a larger number is damage
   if (se.n_b < 0 || se.n_q < 0 || se.n_b > most_dofs || se.n_q > most_dofs) {
-    throw hdf5::Error(fmt::format("{}: n_b = {} and n_q = {} cannot be", label, se.n_b, se.n_q));
+    throw hdf5::BadFile(fmt::format("{}: n_b = {} and n_q = {} cannot be", label, se.n_b, se.n_q));
   }
 }
 
@@ -211,8 +211,8 @@ void read_rows(const Group& group, const std::string& name, Matrix& rows) {
   const Shape shape = group.shape(name);
   constexpr std::size_t most_rows = std::size_t{1} << 31;
   if (shape.size() != 2 || shape[0] > most_rows || static_cast<Eigen::Index>(shape[1]) != rows.cols()) {
-    throw hdf5::Error(group.label() + "/" + name +
-                      ": has the wrong shape; the file is damaged, make it again");
+    throw hdf5::BadFile(group.label() + "/" + name +
+                        ": has the wrong shape; the file is damaged, make it again");
   }
   rows.resize(static_cast<Eigen::Index>(shape[0]), rows.cols());
   group.read(name, shape, rows.data());
@@ -237,8 +237,8 @@ void read_surface(const Group& root, Superelement& se) {
   const Shape shape = group.shape("triangle_interface");
   if (shape.size() != 1 ||
       (shape[0] != 0 && static_cast<Eigen::Index>(shape[0]) != se.surface.triangles.rows())) {
-    throw hdf5::Error(group.label() +
-                      "/triangle_interface: has the wrong shape; the file is damaged, make it again");
+    throw hdf5::BadFile(group.label() +
+                        "/triangle_interface: has the wrong shape; the file is damaged, make it again");
   }
   se.surface.triangle_interface.resize(shape[0]);
   group.read("triangle_interface", shape, se.surface.triangle_interface.data());
@@ -261,7 +261,7 @@ void read_shapes(const Group& root, Superelement& se) {
   const Shape shape = group.shape("surface");
   constexpr std::size_t most_columns = std::size_t{1} << 31;
   if (shape.size() != 2 || static_cast<int>(shape[0]) != se.n() || shape[1] > most_columns) {
-    throw hdf5::Error(group.label() + "/surface: has the wrong shape; the file is damaged, make it again");
+    throw hdf5::BadFile(group.label() + "/surface: has the wrong shape; the file is damaged, make it again");
   }
   by_shape.resize(se.n(), static_cast<Eigen::Index>(shape[1]));
   group.read("surface", shape, by_shape.data());
@@ -308,12 +308,12 @@ Superelement read(const std::filesystem::path& path, const Parts& parts) {
   const hdf5::File file(path, hdf5::Mode::read);
   const Group root = file.root();
   if (!root.has_attribute("format") || root.text("format") != format_name) {
-    throw hdf5::Error(path.string() +
-                      ": is an HDF5 file but not a superelement; make one with \"flexura reduce\"");
+    throw hdf5::BadFile(path.string() +
+                        ": is an HDF5 file but not a superelement; make one with \"flexura reduce\"");
   }
   const int version = root.integer("version");
   if (version > format_version) {
-    throw hdf5::Error(
+    throw hdf5::BadFile(
         fmt::format("{}: is written in version {} of the superelement format, this program reads up to {}; "
                     "update Flexura or reduce the part again",
                     path.string(), version, format_version));
@@ -334,7 +334,7 @@ Superelement read(const std::filesystem::path& path, const Parts& parts) {
   try {
     validate_parts(se, parts);
   } catch (const std::invalid_argument& failure) {
-    throw hdf5::Error(path.string() + ": " + failure.what());
+    throw hdf5::BadFile(path.string() + ": " + failure.what());
   }
   return se;
 }

@@ -1,0 +1,87 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include "mbs/app/commands.hpp"
+#include "mbs/superelement/file.hpp"
+#include "mbs/superelement/modes.hpp"
+#include "mbs/terminal/terminal.hpp"
+
+namespace flexura::app {
+namespace {
+
+using superelement::Superelement;
+using terminal::Align;
+using terminal::number;
+
+std::string vector_text(const Eigen::Vector3d& v) {
+  return fmt::format("({}, {}, {})", number(v[0], 6), number(v[1], 6), number(v[2], 6));
+}
+
+std::string directions_text(const superelement::Interface& interface) {
+  if (interface.directions.size() == 6) return "all six";
+  static const char* const names[] = {"u_x", "u_y", "u_z", "theta_x", "theta_y", "theta_z"};
+  std::string text;
+  for (const auto direction : interface.directions) {
+    text += (text.empty() ? "" : " ") + std::string(names[static_cast<int>(direction)]);
+  }
+  return text;
+}
+
+int check_superelement(const std::string& file, const terminal::Talk& talk) {
+  // Everything is read, so every checksum and every relation is checked.
+  const Superelement se = superelement::read(
+      file, {.matrices = true, .inertia = true, .stiffening = true, .surface = true, .shapes = true});
+  const auto modes = superelement::natural_modes(se, {}, 1);
+  if (talk.quiet) return 0;
+  const bool colour = terminal::takes_colour(stdout);
+  fmt::print("{}: superelement, made by {}\n\n", terminal::bold(se.name, colour), se.created_by);
+  terminal::Table interfaces({{"interface", Align::left},
+                              {"tie", Align::left},
+                              {"position [m]", Align::left},
+                              {"directions", Align::left}});
+  for (const auto& interface : se.interfaces) {
+    interfaces.add_row(
+        {interface.name, interface.tie, vector_text(interface.p_BoN_B), directions_text(interface)});
+  }
+  fmt::print("{}\n", interfaces.text(terminal::width(stdout), colour));
+
+  terminal::Table facts({{"quantity", Align::left}, {"value", Align::left}});
+  const auto& J = modes.inertia;
+  facts.add_row({"dofs", fmt::format("{} interface + {} modes", se.n_b, se.n_q)});
+  facts.add_row({"mass", number(modes.mass, 8) + " kg"});
+  facts.add_row({"mass centre", vector_text(modes.mass_centre) + " m"});
+  facts.add_row({"inertia xx, yy, zz", vector_text(J.diagonal()) + " kg m^2"});
+  facts.add_row({"inertia xy, yz, zx", vector_text({J(0, 1), J(1, 2), J(2, 0)}) + " kg m^2"});
+  facts.add_row({"rigid modes", fmt::format("{}", modes.n_rigid)});
+  if (static_cast<int>(modes.modes.size()) > modes.n_rigid) {
+    facts.add_row({"first free frequency", number(modes.modes.back().frequency_hz, 6) + " Hz"});
+  }
+  if (se.n_q > 0) {
+    facts.add_row({"fixed-interface modes",
+                   fmt::format("{} to {} Hz", number(std::sqrt(se.omega2.minCoeff()) / 6.283185307179586, 6),
+                               number(std::sqrt(se.omega2.maxCoeff()) / 6.283185307179586, 6))});
+  }
+  facts.add_row({"damping", fmt::format("{:.3g} % modal{}", 100.0 * se.modal_damping,
+                                        se.D_se.size() > 0 ? " and D_se" : "")});
+  facts.add_row({"geometric stiffening", se.stiffening ? "yes" : "no"});
+  facts.add_row({"load cases", fmt::format("{}", se.load_cases.size())});
+  facts.add_row({"surface", fmt::format("{} vertices, {} triangles", se.surface.vertices.rows(),
+                                        se.surface.triangles.rows())});
+  fmt::print("{}\nAll checksums and relations hold.\n", facts.text(terminal::width(stdout), colour));
+  return 0;
+}
+
+}  // namespace
+
+terminal::Command check_command() {
+  return {"check", "validate a superelement and say what it holds",
+          [](terminal::Options& options, const terminal::Talk& talk) -> std::function<int()> {
+            auto file = std::make_shared<std::string>();
+            options.argument("FILE", *file, "superelement file (.h5)")
+                .example("flexura check conrod.se.h5",
+                         "checksums, symmetry, rigid motions, mass; interfaces and figures");
+            return [file, &talk] { return check_superelement(*file, talk); };
+          }};
+}
+
+}  // namespace flexura::app

@@ -1,0 +1,15 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mbs/app/commands.hpp"
+
+namespace flexura::app {
+
+std::vector<terminal::Command> all_commands() {
+  return {
+      // In the order of use.
+      reduce_command(),
+      modes_command(),
+      check_command(),
+  };
+}
+
+}  // namespace flexura::app

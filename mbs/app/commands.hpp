@@ -1,0 +1,26 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "mbs/terminal/command_line.hpp"
+
+/// The commands of `flexura`, one .cpp for each.  To add one: write its file, name its function here and in
+/// the list of commands.cpp.
+namespace flexura::app {
+
+terminal::Command check_command();
+terminal::Command modes_command();
+terminal::Command reduce_command();
+
+std::vector<terminal::Command> all_commands();
+
+/// The folder of the running program: its companions lie beside it.
+std::filesystem::path program_folder();
+
+/// Replaces this process by flexura-reduce with these arguments, which lies beside this program.  Returns
+/// only by throwing std::runtime_error when it is not there.
+[[noreturn]] void hand_over_to_reduce(const std::vector<std::string>& arguments);
+
+}  // namespace flexura::app

@@ -1,0 +1,20 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mbs/app/commands.hpp"
+
+int main(int argc, char** argv) {
+  using namespace flexura;
+  // The heavy side reads its own command line, --help included.
+  if (argc > 1 && std::string(argv[1]) == "reduce") {
+    return terminal::guarded([&]() -> int { app::hand_over_to_reduce({argv + 2, argv + argc}); });
+  }
+  const terminal::Program program{
+      .name = "flexura",
+      .version = FLEXURA_VERSION,
+      .summary = "Flexible bodies from CAD in multibody simulation.",
+      .commands = app::all_commands(),
+      .examples = {{"flexura reduce conrod.toml -o conrod.se.h5", "make a superelement of a CAD part"},
+                   {"flexura modes conrod.se.h5", "list its modes"},
+                   {"flexura simulate engine.toml -o engine.h5", "simulate a mechanism with it"},
+                   {"flexura view engine.h5 -o engine.html", "write a page that shows it move"}}};
+  return terminal::run(program, argc, argv);
+}

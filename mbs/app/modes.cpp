@@ -1,0 +1,165 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mbs/superelement/modes.hpp"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "mbs/app/commands.hpp"
+#include "mbs/superelement/file.hpp"
+#include "mbs/terminal/terminal.hpp"
+#include "mbs/view/pages.hpp"
+
+namespace flexura::app {
+namespace {
+
+using superelement::Mode;
+using superelement::ModeAnalysis;
+using superelement::Superelement;
+using terminal::Align;
+
+struct Arguments {
+  std::string file, html;
+  std::vector<std::string> clamped;
+  bool free = false, fixed = false, json = false;
+  int count = 20;
+};
+
+constexpr const char* axes[] = {"x", "y", "z"};
+
+std::string title(const ModeAnalysis& analysis, const Superelement& se) {
+  if (analysis.held.empty()) return "Free body";
+  if (analysis.held.size() == se.interfaces.size()) return "All interfaces held (fixed-interface modes)";
+  return fmt::format("Held: {}", fmt::join(analysis.held, ", "));
+}
+
+// Effective mass in percent of the body's own, about axes through the mass centre.
+std::string percent(double part, double whole) {
+  if (!(whole > 0.0)) return "";
+  return fmt::format("{:.2f}", 100.0 * part / whole);
+}
+
+std::string table_text(const ModeAnalysis& analysis, int width, bool colour) {
+  std::vector<terminal::Column> columns = {
+      {"no", Align::right}, {"kind", Align::left}, {"f [Hz]", Align::right}};
+  for (const char* axis : axes) columns.push_back({fmt::format("m_{} %", axis), Align::right});
+  for (const char* axis : axes) columns.push_back({fmt::format("J_{} %", axis), Align::right});
+  columns.push_back({"damp. %", Align::right});
+  terminal::Table table(columns);
+  int number = 0;
+  for (const Mode& mode : analysis.modes) {
+    std::vector<std::string> row = {fmt::format("{}", ++number), mode.rigid ? "rigid" : "elastic",
+                                    mode.rigid ? "0" : terminal::number(mode.frequency_hz, 6)};
+    for (int c = 0; c < 6; ++c) {
+      row.push_back(percent(mode.effective_mass[c], c < 3 ? analysis.mass : analysis.inertia(c - 3, c - 3)));
+    }
+    row.push_back(mode.rigid ? "" : fmt::format("{:.3g}", 100.0 * mode.damping));
+    table.add_row(std::move(row));
+  }
+  return table.text(width, colour);
+}
+
+nlohmann::json to_json(const ModeAnalysis& analysis) {
+  nlohmann::json modes = nlohmann::json::array();
+  int number = 0;
+  for (const Mode& mode : analysis.modes) {
+    const auto& m = mode.effective_mass;
+    modes.push_back({{"number", ++number},
+                     {"kind", mode.rigid ? "rigid" : "elastic"},
+                     {"frequency_hz", mode.frequency_hz},
+                     {"effective_mass_kg", {m[0], m[1], m[2]}},
+                     {"effective_inertia_kg_m2", {m[3], m[4], m[5]}},
+                     {"damping", mode.damping}});
+  }
+  return {{"held", analysis.held}, {"n_rigid", analysis.n_rigid}, {"modes", modes}};
+}
+
+void write_page(const std::string& html, const std::string& file, const ModeAnalysis& analysis) {
+  const Superelement se =
+      superelement::read(file, {.matrices = true, .inertia = true, .surface = true, .shapes = true});
+  view::ModesPage page;
+  page.columns.resize(se.n(), static_cast<Eigen::Index>(analysis.modes.size()));
+  for (std::size_t j = 0; j < analysis.modes.size(); ++j) {
+    const Mode& mode = analysis.modes[j];
+    view::PageMode line{.number = static_cast<int>(j) + 1,
+                        .kind = mode.rigid ? "rigid" : "elastic",
+                        .frequency_hz = mode.frequency_hz,
+                        .damping = mode.damping};
+    for (std::size_t c = 0; c < 6; ++c) line.effective_mass[c] = mode.effective_mass[static_cast<int>(c)];
+    page.modes.push_back(line);
+    page.columns.col(static_cast<Eigen::Index>(j)) = mode.u_se;
+  }
+  view::write_modes_page(html, se, page);
+}
+
+int run(const Arguments& arguments, const terminal::Talk& talk) {
+  if (arguments.free + arguments.fixed + !arguments.clamped.empty() > 1) {
+    throw std::invalid_argument("--free, --fixed and --clamped exclude each other; give one of them");
+  }
+  if (arguments.count < 1)
+    throw std::invalid_argument(fmt::format("--count is {}, it must be at least 1", arguments.count));
+  const Superelement se = superelement::read(arguments.file);
+  // Without a choice: the body as it hangs in the air and, with effective masses, as it sits in its
+  // interfaces.
+  std::vector<ModeAnalysis> analyses;
+  const bool all = !arguments.free && !arguments.fixed && arguments.clamped.empty();
+  if (all || arguments.free) analyses.push_back(superelement::natural_modes(se, {}, arguments.count));
+  if ((all && se.n_q > 0) || arguments.fixed) {
+    analyses.push_back(superelement::natural_modes(se, superelement::interface_names(se), arguments.count));
+  }
+  if (!arguments.clamped.empty()) {
+    analyses.push_back(superelement::natural_modes(se, arguments.clamped, arguments.count));
+  }
+
+  if (arguments.json) {
+    const ModeAnalysis& first = analyses.front();
+    nlohmann::json out = {
+        {"name", se.name},
+        {"mass_kg", first.mass},
+        {"mass_centre_m", {first.mass_centre[0], first.mass_centre[1], first.mass_centre[2]}},
+        {"n_b", se.n_b},
+        {"n_q", se.n_q},
+        {"analyses", nlohmann::json::array()}};
+    for (const ModeAnalysis& analysis : analyses) out["analyses"].push_back(to_json(analysis));
+    fmt::print("{}\n", out.dump(1));
+  } else if (!talk.quiet) {
+    const bool colour = terminal::takes_colour(stdout);
+    const int width = terminal::width(stdout);
+    fmt::print("{}: {} kg, {} interface dofs, {} modes\n", terminal::bold(se.name, colour),
+               terminal::number(analyses.front().mass, 6), se.n_b, se.n_q);
+    for (const ModeAnalysis& analysis : analyses) {
+      fmt::print("\n{}\n{}", terminal::bold(title(analysis, se), colour),
+                 table_text(analysis, width, colour));
+    }
+    fmt::print("\nm, J: effective mass and inertia about the mass centre, in percent of the body's.\n");
+    if (all && se.n_q == 0) fmt::print("The superelement has no fixed-interface modes (static reduction).\n");
+  }
+  if (!arguments.html.empty()) {
+    write_page(arguments.html, arguments.file, analyses.front());
+    if (!talk.quiet && !arguments.json) fmt::print("wrote {}\n", arguments.html);
+  }
+  return 0;
+}
+
+}  // namespace
+
+terminal::Command modes_command() {
+  return {"modes", "list the natural modes of a superelement, or write a page on which they move",
+          [](terminal::Options& options, const terminal::Talk& talk) -> std::function<int()> {
+            auto arguments = std::make_shared<Arguments>();
+            options.argument("FILE", arguments->file, "superelement file")
+                .flag("--free", arguments->free, "the free body: six rigid modes, then the elastic ones")
+                .flag("--fixed", arguments->fixed, "all interfaces held: fixed-interface modes")
+                .option("--clamped", arguments->clamped, "NAME", "these interfaces held")
+                .option("-n,--count", arguments->count, "N", "at most this many elastic modes of each kind")
+                .flag("--json", arguments->json, "print JSON, with effective masses in kg and kg m^2")
+                .option("--html", arguments->html, "PAGE", "write a page that shows the modes moving")
+                .example("flexura modes conrod.se.h5", "free and fixed-interface modes")
+                .example("flexura modes conrod.se.h5 --clamped big_end --count 5",
+                         "the first five with one end held")
+                .example("flexura modes conrod.se.h5 --html conrod.html", "look at them in a browser");
+            return [arguments, &talk] { return run(*arguments, talk); };
+          }};
+}
+
+}  // namespace flexura::app

@@ -1,0 +1,55 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "mbs/superelement/superelement.hpp"
+
+/// Natural modes of a superelement, (K_se - omega^2 M_se) phi = 0, with chosen interfaces held.
+///
+/// Rigid motions are known, not searched for: of the six motions R (translations along, rotations about the
+/// axes of B through the mass centre) those that the held interfaces leave free are taken out by rank, r = 6
+/// - rank R_held, and the elastic modes are sought in their mass-orthogonal complement.  There K is positive
+/// definite, so
+///
+///     M phi = mu K phi,   mu = 1 / omega^2,   phi^T M phi = 1
+///
+/// with a Cholesky factor of K: exact count of rigid modes, no threshold on frequencies, massless dofs
+/// allowed.
+///
+/// Effective mass of a mode for the rigid motion r_c of the body,
+///
+///     m_eff,c = (phi^T M_se r_c)^2 / (phi^T M_se phi),
+///
+/// is the mass (translations, kg) or moment of inertia (rotations, kg m^2) that takes part when the held
+/// interfaces are shaken along or about c.  For a fixed-interface analysis it adds up to the body's mass less
+/// what rides on the interfaces.  Elastic modes of a free body have none: they are mass-orthogonal to rigid
+/// motion.
+namespace flexura::superelement {
+
+struct Mode {
+  bool rigid = false;
+  double omega2 = 0.0;  ///< [rad^2/s^2]; 0 for a rigid mode
+  double frequency_hz = 0.0;
+  double damping = 0.0;  ///< ratio to critical: modal_damping + phi^T D_se phi / (2 omega)
+  Eigen::Matrix<double, 6, 1> effective_mass;  ///< [kg] along x, y, z, [kg m^2] about x, y, z
+  Eigen::VectorXd u_se;                        ///< n, phi^T M_se phi = 1
+};
+
+struct ModeAnalysis {
+  std::vector<std::string> held;  ///< names of the interfaces held
+  std::vector<Mode> modes;        ///< rigid ones first, then by frequency
+  int n_rigid = 0;
+  Eigen::Vector3d mass_centre = Eigen::Vector3d::Zero();  ///< in B [m]
+  double mass = 0.0;                                      ///< [kg]
+  Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();      ///< about the mass centre [kg m^2]
+};
+
+/// Modes with the named interfaces held (none: the free body), at most n_elastic elastic ones (negative:
+/// all). Needs the matrices and the inertia integrals.  Throws std::invalid_argument for an unknown
+/// interface, and when K_se is not positive definite beside the rigid motions (a loose piece, an interface
+/// that tears).
+ModeAnalysis natural_modes(const Superelement& se, const std::vector<std::string>& held, int n_elastic = -1);
+
+/// The names of all interfaces: what natural_modes() holds for fixed-interface modes.
+std::vector<std::string> interface_names(const Superelement& se);
+
+}  // namespace flexura::superelement

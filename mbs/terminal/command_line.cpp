@@ -1,0 +1,237 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mbs/terminal/command_line.hpp"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <new>
+
+#include "mbs/hdf5/file.hpp"
+#include "mbs/input/document.hpp"
+#include "mbs/terminal/terminal.hpp"
+
+namespace flexura::terminal {
+
+struct Options::Impl {
+  CLI::App* app = nullptr;
+  CLI::Option* last = nullptr;
+  std::vector<std::pair<std::string, std::string>> examples;
+};
+
+namespace {
+
+constexpr int bad_input = 2;
+
+void print_error(const std::string& message) {
+  fmt::print(stderr, "{} {}\n", red("error:", takes_colour(stderr)), message);
+}
+
+std::string examples_text(const std::vector<std::pair<std::string, std::string>>& examples) {
+  if (examples.empty()) return "";
+  std::string text = "Examples:\n";
+  for (const auto& [command, what] : examples) text += fmt::format("  {}\n      {}\n", command, what);
+  return text;
+}
+
+// All option names of a command, for "did you mean".
+std::vector<std::string> option_names(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::Option* option : app.get_options()) {
+    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+  }
+  return names;
+}
+
+// CLI11's own words name the option, but not the one that was meant.
+std::string refusal(const CLI::App& app, const CLI::ParseError& failure) {
+  std::string message = failure.what();
+  if (dynamic_cast<const CLI::ExtrasError*>(&failure) != nullptr) {
+    for (const std::string& word : app.remaining()) {
+      if (!word.starts_with("-"))
+        return fmt::format("\"{}\" is one argument too many; see {} --help", word, app.get_name());
+      const std::string name = word.substr(0, word.find('='));
+      const std::string near = input::nearest(name, option_names(app));
+      return fmt::format("unknown option {}{}", name,
+                         near.empty() ? fmt::format("; see {} --help", app.get_name())
+                                      : fmt::format(", did you mean {}?", near));
+    }
+  }
+  return message + (message.ends_with('.') ? " See " : "; see ") + app.get_name() + " --help";
+}
+
+void set_up(CLI::App& app, Options::Impl& impl, Talk& talk) {
+  app.get_formatter()->column_width(30);
+  app.add_flag("-q,--quiet", talk.quiet, "print errors only");
+  app.add_flag("-v,--verbose", talk.verbose, "print every detail");
+  app.footer(examples_text(impl.examples));
+}
+
+// One command behind its own parser: `words` are what follows its name.
+int run_command(const Command& command, const std::string& full_name, const std::string& version,
+                std::vector<std::string> words) {
+  CLI::App app(command.summary, full_name);
+  Talk talk;
+  auto impl = std::make_shared<Options::Impl>();
+  impl->app = &app;
+  if (!version.empty()) app.set_version_flag("--version", full_name + " " + version);
+  Options options(impl);
+  const std::function<int()> work = command.declare(options, talk);
+  set_up(app, *impl, talk);
+  std::reverse(words.begin(), words.end());  // CLI11 takes them off the end
+  try {
+    app.parse(words);
+  } catch (const CLI::Success& wanted) {  // --help, --version
+    return app.exit(wanted);
+  } catch (const CLI::ParseError& failure) {
+    print_error(refusal(app, failure));
+    return bad_input;
+  }
+  if (talk.quiet && talk.verbose) {
+    print_error("--quiet and --verbose exclude each other; give one of them");
+    return bad_input;
+  }
+  return work();
+}
+
+std::string program_help(const Program& program) {
+  std::string text =
+      fmt::format("{}\nUsage: {} COMMAND [OPTIONS]\n\nCommands:\n", program.summary, program.name);
+  std::size_t longest = 0;
+  for (const Command& command : program.commands) longest = std::max(longest, command.name.size());
+  for (const Command& command : program.commands) {
+    text += fmt::format("  {:<{}}  {}\n", command.name, longest, command.summary);
+  }
+  text += fmt::format(
+      "\n\"{0} COMMAND --help\" describes one command, \"{0} --version\" says which version this is.\n"
+      "Exit codes: 0 done, 1 failed, 2 bad input.\n",
+      program.name);
+  if (!program.examples.empty()) text += "\n" + examples_text(program.examples);
+  return text;
+}
+
+}  // namespace
+
+// --- Options
+// -------------------------------------------------------------------------------------------------------
+
+Options& Options::argument(const std::string& name, std::string& value, const std::string& doc) {
+  impl_->last = impl_->app->add_option(name, value, doc)->required()->type_name("");
+  return *this;
+}
+Options& Options::optional_argument(const std::string& name, std::string& value, const std::string& doc) {
+  impl_->last = impl_->app->add_option(name, value, doc)->type_name("");
+  return *this;
+}
+Options& Options::arguments(const std::string& name, std::vector<std::string>& values,
+                            const std::string& doc) {
+  impl_->last = impl_->app->add_option(name, values, doc)->required()->type_name("");
+  return *this;
+}
+Options& Options::option(const std::string& names, std::string& value, const std::string& what,
+                         const std::string& doc) {
+  impl_->last = impl_->app->add_option(names, value, doc)->type_name(what);
+  if (!value.empty()) impl_->last->capture_default_str();
+  return *this;
+}
+Options& Options::option(const std::string& names, int& value, const std::string& what,
+                         const std::string& doc) {
+  impl_->last = impl_->app->add_option(names, value, doc)->type_name(what)->capture_default_str();
+  return *this;
+}
+Options& Options::option(const std::string& names, double& value, const std::string& what,
+                         const std::string& doc) {
+  impl_->last = impl_->app->add_option(names, value, doc)->type_name(what)->capture_default_str();
+  return *this;
+}
+Options& Options::option(const std::string& names, std::vector<std::string>& values, const std::string& what,
+                         const std::string& doc) {
+  impl_->last = impl_->app->add_option(names, values, doc)->type_name(what);
+  return *this;
+}
+Options& Options::choice(const std::string& names, std::string& value,
+                         const std::vector<std::string>& choices, const std::string& doc) {
+  std::string all;
+  for (const std::string& one : choices) all += (all.empty() ? "" : "|") + one;
+  impl_->last = impl_->app->add_option(names, value, doc)->type_name(all);
+  if (!value.empty()) impl_->last->capture_default_str();
+  impl_->last->check([choices](const std::string& word) -> std::string {
+    if (std::find(choices.begin(), choices.end(), word) != choices.end()) return {};
+    return "\"" + word + "\" is not a known choice" + input::suggestion(word, choices);
+  });
+  return *this;
+}
+Options& Options::flag(const std::string& names, bool& value, const std::string& doc) {
+  impl_->last = impl_->app->add_flag(names, value, doc);
+  return *this;
+}
+Options& Options::required() {
+  impl_->last->required();
+  return *this;
+}
+Options& Options::example(const std::string& command, const std::string& what) {
+  impl_->examples.emplace_back(command, what);
+  return *this;
+}
+
+// --- Running
+// -------------------------------------------------------------------------------------------------------
+
+int guarded(const std::function<int()>& work) {
+  try {
+    return work();
+  } catch (const input::InputError& failure) {
+    print_error(failure.what());
+    return bad_input;
+  } catch (const hdf5::BadFile& failure) {
+    print_error(failure.what());
+    return bad_input;
+  } catch (const std::invalid_argument& failure) {
+    print_error(failure.what());
+    return bad_input;
+  } catch (const std::bad_alloc&) {
+    print_error("out of memory; take a smaller model or fewer modes");
+  } catch (const std::logic_error& failure) {
+    print_error(std::string("internal: ") + failure.what() + "; please report this");
+  } catch (const std::exception& failure) {
+    print_error(failure.what());
+  }
+  return 1;
+}
+
+int run(const Command& command, const std::string& version, int argc, const char* const* argv) {
+  return guarded([&] {
+    return run_command(command, command.name, version, std::vector<std::string>(argv + 1, argv + argc));
+  });
+}
+
+int run(const Program& program, int argc, const char* const* argv) {
+  return guarded([&] {
+    std::vector<std::string> words(argv + 1, argv + argc);
+    if (words.empty() || words[0] == "--help" || words[0] == "-h" ||
+        (words[0] == "help" && words.size() == 1)) {
+      fmt::print("{}", program_help(program));
+      return words.empty() ? bad_input : 0;
+    }
+    if (words[0] == "--version" || words[0] == "version") {
+      fmt::print("{} {}\n", program.name, program.version);
+      return 0;
+    }
+    if (words[0] == "help") words = {words[1], "--help"};
+    std::vector<std::string> names;
+    for (const Command& command : program.commands) {
+      if (command.name == words[0]) {
+        return run_command(command, program.name + " " + command.name, "", {words.begin() + 1, words.end()});
+      }
+      names.push_back(command.name);
+    }
+    if (words[0].starts_with("-")) {
+      print_error(fmt::format("the command comes first: {} COMMAND [OPTIONS]; commands are {}", program.name,
+                              fmt::join(names, ", ")));
+    } else {
+      print_error(fmt::format("unknown command \"{}\"{}", words[0], input::suggestion(words[0], names)));
+    }
+    return bad_input;
+  });
+}
+
+}  // namespace flexura::terminal
