@@ -131,7 +131,7 @@ int run(const Arguments& arguments, const terminal::Talk& talk) {
       fmt::print("\n{}\n{}", terminal::bold(title(analysis, se), colour),
                  table_text(analysis, width, colour));
     }
-    fmt::print("\nm, J: effective mass and inertia about the mass centre, in percent of the body's.\n");
+    fmt::print("\nm, J: effective mass and inertia about the mass centre in percent of the body's.\n");
     if (all && se.n_q == 0) fmt::print("The superelement has no fixed-interface modes (static reduction).\n");
   }
   if (!arguments.html.empty()) {

@@ -1,0 +1,122 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <nlohmann/json.hpp>
+
+#include "mbs/superelement/file.hpp"
+#include "tests/mbs/app/run_program.hpp"
+#include "tests/mbs/superelement/box_beam.hpp"
+
+namespace flexura {
+namespace {
+
+using ::testing::HasSubstr;
+using testing::Outcome;
+using testing::run_program;
+
+class Flexura : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = std::filesystem::temp_directory_path() / ("flexura_app_" + std::to_string(::getpid()));
+    std::filesystem::create_directories(folder_);
+    beam_ = (folder_ / "beam.se.h5").string();
+    superelement::write(beam_, superelement::testing::make_box_beam());
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+
+  static Outcome flexura(const std::string& arguments) {
+    return run_program(FLEXURA_BIN_DIR "/flexura " + arguments);
+  }
+
+  std::filesystem::path folder_;
+  std::string beam_;
+};
+
+TEST_F(Flexura, ModesPrintsATableThatFits) {
+  const Outcome outcome = flexura("modes " + beam_);
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_EQ(outcome.err, "");
+  EXPECT_THAT(outcome.out, HasSubstr("Free body\n"));
+  EXPECT_THAT(outcome.out, HasSubstr("All interfaces held (fixed-interface modes)\n"));
+  EXPECT_THAT(outcome.out, HasSubstr("  83.33  "));  // 5/6 of the mass, see modes_test.cpp
+  std::istringstream lines(outcome.out);
+  int rigid = 0;
+  for (std::string line; std::getline(lines, line);) {
+    EXPECT_LE(line.size(), 80u) << line;
+    EXPECT_EQ(line.find('\033'), std::string::npos);  // no colour in a pipe
+    rigid += line.find(" rigid ") != std::string::npos;
+  }
+  EXPECT_EQ(rigid, 6);
+}
+
+TEST_F(Flexura, ModesGivesJsonForScripts) {
+  const Outcome outcome = flexura("modes --json --clamped left -n 2 -- " + beam_);
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  const auto json = nlohmann::json::parse(outcome.out);
+  EXPECT_EQ(json.at("analyses").size(), 1u);
+  EXPECT_EQ(json["analyses"][0]["held"], nlohmann::json({"left"}));
+  EXPECT_EQ(json["analyses"][0]["n_rigid"], 0);
+  ASSERT_EQ(json["analyses"][0]["modes"].size(), 2u);
+  // Cantilever 0.8 m, thickness 0.03 m: 1.875104^2 sqrt(EI/(rho A)) / (2 pi L^2) = 39.16 Hz; cubic and
+  // quartic terms and the rotary inertia change it by less than one percent.
+  const double f = 1.875104 * 1.875104 * std::sqrt(2.1e11 * 0.03 * 0.03 / 12 / 7850) / (2 * M_PI * 0.64);
+  EXPECT_NEAR(json["analyses"][0]["modes"][0]["frequency_hz"].get<double>() / f, 1.0, 0.01);
+}
+
+TEST_F(Flexura, ModesWritesAPage) {
+  const std::string page = (folder_ / "beam.html").string();
+  const Outcome outcome = flexura("modes " + beam_ + " --html " + page);
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("wrote " + page));
+  EXPECT_GT(std::filesystem::file_size(page), 10'000u);
+}
+
+TEST_F(Flexura, CheckSummarises) {
+  const Outcome outcome = flexura("check " + beam_);
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("9.42 kg"));  // 7850 * 0.03 * 0.05 * 0.8
+  EXPECT_THAT(outcome.out, HasSubstr("All checksums and relations hold."));
+  EXPECT_EQ(flexura("check -q " + beam_).out, "");
+}
+
+TEST_F(Flexura, BadInputIsRefusedInOneLineWithCode2) {
+  const auto refused = [&](const std::string& arguments, const std::string& words) {
+    const Outcome outcome = flexura(arguments);
+    EXPECT_EQ(outcome.code, 2) << arguments;
+    EXPECT_EQ(outcome.out, "") << arguments;
+    EXPECT_TRUE(outcome.err.starts_with("error: ")) << outcome.err;
+    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+    EXPECT_THAT(outcome.err, HasSubstr(words));
+  };
+  refused("mods x", "unknown command \"mods\", did you mean \"modes\"?");
+  refused("modes nowhere.h5", "nowhere.h5: there is no such file");
+  refused("modes " FLEXURA_SOURCE_DIR "/CMakeLists.txt", "CMakeLists.txt: is not an HDF5 file");
+  refused("modes " + beam_ + " --clamped middle",
+          "there is no interface \"middle\" in superelement \"box beam\"; it has left, right");
+  refused("modes " + beam_ + " --free --fixed", "--free, --fixed and --clamped exclude each other");
+  refused("modes " + beam_ + " -n 0", "--count is 0, it must be at least 1");
+  std::filesystem::resize_file(beam_, std::filesystem::file_size(beam_) - 1);
+  refused("check " + beam_, "the file is cut short");
+}
+
+// A copy of the program alone in a folder has no companion to hand over to; beside one it becomes that
+// program.
+TEST_F(Flexura, ReduceHandsOverToTheProgramBesideIt) {
+  const auto alone = folder_ / "flexura";
+  std::filesystem::copy_file(FLEXURA_BIN_DIR "/flexura", alone);
+  Outcome outcome = run_program(alone.string() + " reduce conrod.toml");
+  EXPECT_EQ(outcome.code, 1);
+  EXPECT_THAT(outcome.err, HasSubstr("flexura-reduce: the reduction program is not there; build it"));
+
+  const auto companion = folder_ / "flexura-reduce";
+  std::ofstream(companion) << "#!/bin/sh\necho \"$#:$1:$2\"\nexit 5\n";
+  std::filesystem::permissions(companion, std::filesystem::perms::owner_all);
+  outcome = run_program(alone.string() + " reduce 'a b.toml' --list-faces");
+  EXPECT_EQ(outcome.out, "2:a b.toml:--list-faces\n");
+  EXPECT_EQ(outcome.code, 5);
+}
+
+}  // namespace
+}  // namespace flexura

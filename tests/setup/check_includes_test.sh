@@ -1,0 +1,29 @@
+#!/usr/bin/env bash
+# The include check notices each kind of breach: a copy of the tree in miniature, one wrong line at a time.
+set -euo pipefail
+check=$(cd "$(dirname "$0")" && pwd)/check_includes.sh
+tree=$(mktemp -d); trap 'rm -rf "$tree"' EXIT
+mkdir -p "$tree"/{mesh/model,mesh/gmsh,beam/section,reduce/linalg,reduce/cms,mbs/model,mbs/superelement}
+good() { printf '#include "mesh/model/mesh.hpp"\n' >"$tree/mesh/gmsh/worker.cpp"
+         printf '#include <petsc.h>\n' >"$tree/reduce/linalg/petsc_check.hpp"
+         printf '#include "reduce/linalg/petsc_check.hpp"\n' >"$tree/reduce/linalg/solve.cpp"
+         rm -f "$tree"/*/*/bad.*; }
+good
+bash "$check" "$tree" >/dev/null || { echo "a tidy tree is refused"; exit 1; }
+expect() { # file, line, words
+  printf '%s\n' "$2" >"$tree/$1"
+  out=$(bash "$check" "$tree") && { echo "not noticed: $1: $2"; exit 1; }
+  grep -qF "$3" <<<"$out" || { echo "wrong words for $1: $out"; exit 1; }
+  good
+}
+expect mbs/model/bad.cpp '#include "reduce/cms/modes.hpp"' 'mbs/model/bad.cpp:1: includes "reduce/cms/modes.hpp"'
+expect mbs/model/bad.hpp '  #  include "mesh/model/mesh.hpp"' 'mbs may include itself and'
+expect beam/section/bad.cpp '#include "mbs/superelement/file.hpp"' 'beam/section may include itself'
+expect reduce/cms/bad.cpp '#include "mbs/superelement/file.hpp"' 'reduce may include itself'
+expect mesh/model/bad.cpp '#include "mesh/gmsh/cad.hpp"' 'mesh/model may include itself'
+expect mbs/model/bad.cpp '#include <petscmat.h>' 'includes a header of petsc'
+expect reduce/cms/bad.cpp '#include <slepceps.h>' 'includes a header of slepc'
+expect mesh/model/bad.cpp '#include <gmsh.h>' 'includes a header of gmsh'
+expect reduce/linalg/bad.hpp '#include "reduce/linalg/petsc_check.hpp"' 'which shows petsc'
+expect mbs/superelement/bad.cpp '#include <hdf5.h>' 'only mbs/hdf5/ may'
+echo "each breach is noticed"
