@@ -43,6 +43,11 @@ struct TryFailed : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// A sentence about the part itself ("holds no solid ..."), as the child found it.
+struct PartRefused : TryFailed {
+  using TryFailed::TryFailed;
+};
+
 struct Answer {
   ResultRecord record;
   Arrays arrays;
@@ -86,9 +91,14 @@ Answer ask(const CadOptions& options, const Job& job, double limit_s, const Prog
   if (outcome.end == ChildEnd::out_of_time)
     throw TryFailed(fmt::format("was not done within {:.3g} s", limit_s));
   if (outcome.end == ChildEnd::crashed)
-    throw TryFailed("the mesher " + outcome.reason + last_error(outcome.log));
+    throw TryFailed("made the mesher fail: it " + outcome.reason + last_error(outcome.log));
   Answer answer = read_answer(outcome.result, job.order == 2 ? 10 : 4);
-  if (!answer.record.error.empty()) throw TryFailed(answer.record.error + last_error(outcome.log));
+  if (!answer.record.error.empty()) {
+    const std::string detail = last_error(outcome.log);
+    const bool said = answer.record.error.find(detail.empty() ? "" : detail.substr(8, detail.size() - 9)) !=
+                      std::string::npos;
+    throw PartRefused(answer.record.error + (said ? "" : detail));
+  }
   return answer;
 }
 
@@ -209,8 +219,10 @@ CadReport list_and_choose(const CadOptions& options, bool must_be_one, Job& job,
   const auto list = [&](const Job& which) {
     try {
       return ask(options, which, options.time_limit_s, progress);
+    } catch (const PartRefused& e) {
+      throw std::runtime_error(name + ": " + e.what());
     } catch (const TryFailed& e) {
-      throw std::runtime_error(name + ": reading the CAD file failed: " + e.what());
+      throw std::runtime_error(name + ": reading the CAD file failed: it " + e.what());
     }
   };
   Answer answer = list(all);

@@ -142,9 +142,16 @@ gmsh::vectorpair import_solids(const Job& job, ResultRecord& result) {
   keep_solids();
   if (solids.empty() && !imported.empty()) {
     gmsh::vectorpair healed;
-    gmsh::model::occ::healShapes(healed, imported, 1e-4, true, true, true, true, true);
-    gmsh::model::occ::getEntities(imported, 3);
+    gmsh::model::occ::healShapes(healed, imported, 1e-3, true, true, true, true, true);
+    imported = healed;
     keep_solids();
+    if (solids.empty()) {  // faces in a shell, or loose: close them by hand
+      std::vector<int> faces;
+      for (const auto& entity : healed)
+        if (entity.first == 2) faces.push_back(entity.second);
+      const int shell = gmsh::model::occ::addSurfaceLoop(faces, -1, true);
+      solids.emplace_back(3, gmsh::model::occ::addVolume({shell}));
+    }
     if (!solids.empty()) result.messages.push_back("the file holds faces only; they were sewn to a solid");
   }
   if (solids.empty())
@@ -245,6 +252,13 @@ void generate_mesh(const Job& job, ResultRecord& result) {
   say(0.95, "handing over");
 }
 
+/// Elements of one type on one entity.  gmsh takes vectors that are not empty for memory of the right size.
+void elements_of(int type, int tag, std::vector<std::size_t>& cells, std::vector<std::size_t>& nodes) {
+  cells.clear();
+  nodes.clear();
+  gmsh::model::mesh::getElementsByType(type, cells, nodes, tag);
+}
+
 Arrays collect_mesh(const Job& job, const gmsh::vectorpair& solids, const ResultRecord& result) {
   Arrays arrays;
   std::vector<std::size_t> tags;
@@ -259,7 +273,7 @@ Arrays collect_mesh(const Job& job, const gmsh::vectorpair& solids, const Result
   const std::size_t n = job.order == 2 ? 10 : 4;
   std::vector<std::size_t> cells, nodes;
   for (const auto& solid : solids) {
-    gmsh::model::mesh::getElementsByType(job.order == 2 ? 11 : 4, cells, nodes, solid.second);
+    elements_of(job.order == 2 ? 11 : 4, solid.second, cells, nodes);
     for (std::size_t c = 0; c < cells.size(); ++c)
       for (std::size_t k = 0; k < n; ++k) {
         number[nodes[c * n + kOrder[k]]] = 0;
@@ -274,7 +288,7 @@ Arrays collect_mesh(const Job& job, const gmsh::vectorpair& solids, const Result
   for (std::int32_t& node : arrays.tetrahedra) node = number[node];
   const std::size_t n_face = job.order == 2 ? 6 : 3;
   for (const FaceRecord& face : result.faces) {
-    gmsh::model::mesh::getElementsByType(job.order == 2 ? 9 : 2, cells, nodes, face.number);
+    elements_of(job.order == 2 ? 9 : 2, face.number, cells, nodes);
     for (std::size_t c = 0; c < cells.size(); ++c) {
       for (std::size_t k = 0; k < 3; ++k) arrays.triangles.push_back(number[nodes[c * n_face + k]]);
       arrays.face.push_back(face.number);
@@ -287,7 +301,9 @@ void run(const Job& job, ResultRecord& result, Arrays& arrays) {
   gmsh::option::setNumber("General.NumThreads", 1);
   gmsh::option::setNumber("General.Terminal", 1);  // into the log descriptor
   gmsh::option::setNumber("General.Verbosity", 3);
-  gmsh::option::setString("Geometry.OCCTargetUnit", "MM");  // OpenCASCADE's tolerances are made for mm
+  // OpenCASCADE converts to mm, its default, for which its tolerances are made; gmsh can say so for STEP
+  // only.
+  if (job.format == "step") gmsh::option::setString("Geometry.OCCTargetUnit", "MM");
   gmsh::option::setNumber("Geometry.OCCImportLabels", 1);
   say(0, "reading the CAD file");
   gmsh::vectorpair solids = import_solids(job, result);

@@ -1,0 +1,432 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mesh/model/select.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <map>
+#include <numeric>
+#include <stdexcept>
+
+#include "mesh/model/cell.hpp"
+#include "mesh/model/geometry.hpp"
+#include "mesh/model/patches.hpp"
+
+namespace flexura::mesh {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kAngle = 0.5 * M_PI / 180;  // between stated and found directions
+constexpr double kRelative = 0.005;          // default tolerance on radii
+constexpr int kCandidates = 3;               // named when nothing fits
+
+struct Context {
+  const Mesh& mesh;
+  const std::vector<Face>& faces;
+  double diagonal;
+  bool cad() const { return !faces.empty() && !mesh.boundary_face.empty(); }
+};
+
+std::string mm(double length) {
+  return fmt::format("{:.6g} mm", 1e3 * length);
+}
+
+Vector3d unit(const Vector3d& v, const char* what) {
+  if (!v.allFinite() || !(v.norm() > 0))
+    throw std::invalid_argument(fmt::format("the {} is (0, 0, 0); give a direction", what));
+  return v.normalized();
+}
+
+double distance_to_axis(const Vector3d& p, const Vector3d& point, const Vector3d& axis) {
+  return (p - point).cross(axis).norm();
+}
+
+/// Boundary cells that `chosen` says yes to, as blocks; k counts through all blocks.
+std::vector<CellBlock> pick_cells(
+    const Mesh& mesh, const std::function<bool(const CellBlock&, Index cell, std::size_t k)>& chosen) {
+  std::vector<CellBlock> picked;
+  std::size_t k = 0;
+  for (const CellBlock& block : mesh.boundary) {
+    std::vector<Index> rows;
+    for (Index cell = 0; cell < block.nodes.rows(); ++cell, ++k)
+      if (chosen(block, cell, k)) rows.push_back(cell);
+    if (rows.empty()) continue;
+    CellBlock own;
+    own.type = block.type;
+    own.nodes = block.nodes(rows, Eigen::all);
+    picked.push_back(std::move(own));
+  }
+  return picked;
+}
+
+NodeSet set_of(std::vector<CellBlock> cells) {
+  NodeSet set;
+  for (const CellBlock& block : cells)
+    set.nodes.insert(set.nodes.end(), block.nodes.data(), block.nodes.data() + block.nodes.size());
+  std::sort(set.nodes.begin(), set.nodes.end());
+  set.nodes.erase(std::unique(set.nodes.begin(), set.nodes.end()), set.nodes.end());
+  set.faces = std::move(cells);
+  return set;
+}
+
+void measure(const Mesh& mesh, Selection& selection) {
+  const Surface surface = measure_surface(mesh, selection.set.faces);
+  selection.area = surface.area;
+  if (surface.area > 0) {
+    selection.reference = surface.centroid;
+    return;
+  }
+  selection.reference.setZero();
+  for (const Index node : selection.set.nodes) selection.reference += mesh.points.row(node).transpose();
+  selection.reference /= static_cast<double>(std::max<std::size_t>(1, selection.set.nodes.size()));
+}
+
+void put_on_axis(Selection& selection, const Vector3d& point, const Vector3d& axis) {
+  selection.reference = point + axis * axis.dot(selection.reference - point);
+}
+
+Selection select_faces(const Context& c, std::vector<const Face*> faces) {
+  Selection selection;
+  for (const Face* face : faces) selection.face_numbers.push_back(face->number);
+  std::sort(selection.face_numbers.begin(), selection.face_numbers.end());
+  selection.set = set_of(pick_cells(c.mesh, [&](const CellBlock&, Index, std::size_t k) {
+    return std::binary_search(selection.face_numbers.begin(), selection.face_numbers.end(),
+                              c.mesh.boundary_face[k]);
+  }));
+  if (selection.set.nodes.empty())
+    throw std::invalid_argument(describe(*faces.front()) +
+                                ": no cell of the mesh lies on it; a smaller mesh size reaches it");
+  measure(c.mesh, selection);
+  selection.description = describe(*faces.front());
+  if (faces.size() > 1)
+    selection.description +=
+        fmt::format(" and {} more: {}", faces.size() - 1, fmt::join(selection.face_numbers, ", "));
+  return selection;
+}
+
+/// Faces by increasing misfit, as candidates for a message.
+std::string nearest(const std::vector<Face>& faces, FaceKind kind,
+                    const std::function<double(const Face&)>& misfit) {
+  std::vector<const Face*> ordered;
+  for (const Face& face : faces)
+    if (face.kind == kind) ordered.push_back(&face);
+  if (ordered.empty()) return fmt::format("; the part has no {}", name_of(kind));
+  std::sort(ordered.begin(), ordered.end(),
+            [&](const Face* a, const Face* b) { return misfit(*a) < misfit(*b); });
+  std::string text = fmt::format("; nearest {}{}:", name_of(kind), ordered.size() > 1 ? "s" : "");
+  for (std::size_t k = 0; k < std::min<std::size_t>(kCandidates, ordered.size()); ++k)
+    text += "\n  " + describe(*ordered[k]);
+  return text;
+}
+
+// ---- cylinders
+
+Selection select_cylinder_faces(const Context& c, const CylinderRule& rule, const Vector3d& axis) {
+  std::vector<const Face*> about_axis;
+  for (const Face& face : c.faces) {
+    if (face.kind != FaceKind::cylinder || std::abs(face.axis.dot(axis)) < std::cos(kAngle)) continue;
+    const double tolerance = rule.tolerance > 0 ? rule.tolerance : kRelative * face.radius;
+    if (distance_to_axis(face.axis_point, rule.point, axis) > tolerance) continue;
+    const double height = axis.dot(face.axis_point - rule.point);
+    if (rule.extent && (height < (*rule.extent)[0] || height > (*rule.extent)[1])) continue;
+    about_axis.push_back(&face);
+  }
+  const auto fits = [&](const Face* face) {
+    const double tolerance = rule.tolerance > 0 ? rule.tolerance : kRelative * *rule.radius;
+    return std::abs(face->radius - *rule.radius) <= tolerance;
+  };
+  std::vector<const Face*> chosen;
+  for (const Face* face : about_axis)
+    if (!rule.radius || fits(face)) chosen.push_back(face);
+  const std::string wanted = fmt::format(
+      "cylinder{} about the axis {} through {}", rule.radius ? " of radius " + mm(*rule.radius) : "",
+      fmt::format("({:.6g}, {:.6g}, {:.6g})", axis.x(), axis.y(), axis.z()), describe_point_mm(rule.point));
+  if (chosen.empty())
+    throw std::invalid_argument("no " + wanted + nearest(c.faces, FaceKind::cylinder, [&](const Face& f) {
+                                  const double turned = std::acos(std::min(1.0, std::abs(f.axis.dot(axis))));
+                                  return distance_to_axis(f.axis_point, rule.point, axis) +
+                                         turned * c.diagonal +
+                                         (rule.radius ? std::abs(f.radius - *rule.radius) : 0);
+                                }));
+  if (!rule.radius) {
+    const auto [least, most] = std::minmax_element(chosen.begin(), chosen.end(),
+                                                   [](auto* a, auto* b) { return a->radius < b->radius; });
+    if ((*most)->radius - (*least)->radius > kRelative * (*most)->radius) {
+      std::string text = "several radii for the " + wanted + "; state one of:";
+      for (const Face* face : chosen) text += "\n  " + describe(*face);
+      throw std::invalid_argument(text);
+    }
+  }
+  Selection selection = select_faces(c, chosen);
+  put_on_axis(selection, chosen.front()->axis_point, chosen.front()->axis);
+  return selection;
+}
+
+Selection select_cylinder_cells(const Context& c, const CylinderRule& rule, const Vector3d& axis) {
+  if (!rule.radius) throw std::invalid_argument("a cylinder on a mesh without CAD faces needs its radius");
+  const double tolerance = rule.tolerance > 0 ? rule.tolerance : kRelative * *rule.radius;
+  double nearest_radius = 0, misfit = std::numeric_limits<double>::max();
+  Selection selection;
+  selection.set = set_of(pick_cells(c.mesh, [&](const CellBlock& block, Index cell, std::size_t) {
+    double worst = 0, radius = 0;
+    Vector3d middle = Vector3d::Zero();
+    for (Eigen::Index k = 0; k < block.nodes.cols(); ++k) {
+      const Vector3d p = c.mesh.points.row(block.nodes(cell, k)).transpose();
+      const double r = distance_to_axis(p, rule.point, axis);
+      worst = std::max(worst, std::abs(r - *rule.radius));
+      radius += r / static_cast<double>(block.nodes.cols());
+      middle += p / static_cast<double>(block.nodes.cols());
+    }
+    const double height = axis.dot(middle - rule.point);
+    if (rule.extent && (height < (*rule.extent)[0] || height > (*rule.extent)[1])) return false;
+    const Vector3d radial = (middle - rule.point - axis * height).normalized();
+    if (std::abs(cell_normal(c.mesh, block, cell).dot(radial)) < 0.8)
+      return false;  // a disc's ring, not the wall
+    if (worst < misfit) {
+      misfit = worst;
+      nearest_radius = radius;
+    }
+    return worst <= tolerance;
+  }));
+  if (selection.set.nodes.empty())
+    throw std::invalid_argument(
+        fmt::format("no boundary cell lies on the cylinder of radius {} about the axis ({:.6g}, {:.6g}, "
+                    "{:.6g}) through {}{}",
+                    mm(*rule.radius), axis.x(), axis.y(), axis.z(), describe_point_mm(rule.point),
+                    misfit < 1e300 ? "; the nearest lies at radius " + mm(nearest_radius) : ""));
+  measure(c.mesh, selection);
+  put_on_axis(selection, rule.point, axis);
+  selection.description = fmt::format("{} cells on the cylinder of radius {}",
+                                      count_cells(selection.set.faces), mm(*rule.radius));
+  return selection;
+}
+
+Selection select(const Context& c, const CylinderRule& rule) {
+  const Vector3d axis = unit(rule.direction, "direction of the cylinder's axis");
+  if (rule.radius && !(*rule.radius > 0))
+    throw std::invalid_argument(
+        fmt::format("the cylinder's radius {} must be greater than zero", mm(*rule.radius)));
+  return c.cad() ? select_cylinder_faces(c, rule, axis) : select_cylinder_cells(c, rule, axis);
+}
+
+// ---- planes
+
+Selection select(const Context& c, const PlaneRule& rule) {
+  const Vector3d normal = unit(rule.normal, "normal of the plane");
+  const double tolerance = rule.tolerance > 0 ? rule.tolerance : 1e-4 * c.diagonal;
+  const std::string wanted = fmt::format("plane with normal ({:.6g}, {:.6g}, {:.6g}) through {}", normal.x(),
+                                         normal.y(), normal.z(), describe_point_mm(rule.point));
+  if (c.cad()) {
+    std::vector<const Face*> chosen;
+    for (const Face& face : c.faces)
+      if (face.kind == FaceKind::plane && std::abs(face.normal.dot(normal)) > std::cos(kAngle) &&
+          std::abs(normal.dot(face.centroid - rule.point)) <= tolerance)
+        chosen.push_back(&face);
+    if (chosen.empty())
+      throw std::invalid_argument(
+          "no face on the " + wanted + nearest(c.faces, FaceKind::plane, [&](const Face& f) {
+            return std::abs(normal.dot(f.centroid - rule.point)) +
+                   c.diagonal * std::acos(std::min(1.0, std::abs(f.normal.dot(normal))));
+          }));
+    return select_faces(c, chosen);
+  }
+  Selection selection;
+  double least = std::numeric_limits<double>::max();
+  selection.set = set_of(pick_cells(c.mesh, [&](const CellBlock& block, Index cell, std::size_t) {
+    if (std::abs(cell_normal(c.mesh, block, cell).dot(normal)) < 0.9) return false;
+    double worst = 0;
+    for (Eigen::Index k = 0; k < block.nodes.cols(); ++k)
+      worst = std::max(
+          worst, std::abs(normal.dot(c.mesh.points.row(block.nodes(cell, k)).transpose() - rule.point)));
+    least = std::min(least, worst);
+    return worst <= tolerance;
+  }));
+  if (selection.set.nodes.empty())
+    throw std::invalid_argument(
+        "no boundary cell lies on the " + wanted +
+        (least < 1e300 ? "; the nearest that looks its way is " + mm(least) + " away" : ""));
+  measure(c.mesh, selection);
+  selection.description = fmt::format("{} cells on a plane", count_cells(selection.set.faces));
+  return selection;
+}
+
+// ---- near a point
+
+Selection select(const Context& c, const NearRule& rule) {
+  if (rule.radius && !(*rule.radius >= 0))
+    throw std::invalid_argument(fmt::format("the search radius {} is negative", mm(*rule.radius)));
+  // Without CAD faces, those of the mesh: patches between sharp edges.
+  const std::vector<Index> patches =
+      c.mesh.boundary_face.empty() ? find_patches(c.mesh) : std::vector<Index>();
+  const std::vector<Index>& number = c.mesh.boundary_face.empty() ? patches : c.mesh.boundary_face;
+  std::map<Index, double> distance;
+  std::size_t k = 0;
+  for (const CellBlock& block : c.mesh.boundary)
+    for (Index cell = 0; cell < block.nodes.rows(); ++cell, ++k) {
+      const double d = distance_to_cell(c.mesh, block, cell, rule.point);
+      const auto [at, fresh] = distance.emplace(number[k], d);
+      if (!fresh) at->second = std::min(at->second, d);
+    }
+  if (distance.empty()) throw std::invalid_argument("the mesh has no boundary cells");
+  const auto best = std::min_element(distance.begin(), distance.end(),
+                                     [](const auto& a, const auto& b) { return a.second < b.second; });
+  std::vector<Index> chosen;
+  for (const auto& [face, d] : distance)
+    if (rule.radius ? d <= *rule.radius : face == best->first) chosen.push_back(face);
+  const auto face_of = [&](Index n) {
+    const auto found =
+        std::find_if(c.faces.begin(), c.faces.end(), [&](const Face& f) { return f.number == n; });
+    return found == c.faces.end() ? nullptr : &*found;
+  };
+  if (chosen.empty())
+    throw std::invalid_argument(fmt::format(
+        "no face within {} of {}; the nearest is {} away{}", mm(*rule.radius), describe_point_mm(rule.point),
+        mm(best->second), face_of(best->first) ? ": " + describe(*face_of(best->first)) : ""));
+  if (c.cad()) {
+    std::vector<const Face*> faces;
+    for (const Index n : chosen)
+      if (const Face* face = face_of(n)) faces.push_back(face);
+    if (!faces.empty()) {
+      Selection selection = select_faces(c, faces);
+      if (faces.size() == 1 && faces[0]->kind == FaceKind::cylinder)
+        put_on_axis(selection, faces[0]->axis_point, faces[0]->axis);
+      return selection;
+    }
+  }
+  Selection selection;
+  selection.set = set_of(pick_cells(c.mesh, [&](const CellBlock&, Index, std::size_t at) {
+    return std::binary_search(chosen.begin(), chosen.end(), number[at]);
+  }));
+  measure(c.mesh, selection);
+  selection.description =
+      fmt::format("{} patches of the surface near {}", chosen.size(), describe_point_mm(rule.point));
+  return selection;
+}
+
+// ---- by number and name
+
+Selection select(const Context& c, const FacesRule& rule) {
+  if (rule.numbers.empty()) throw std::invalid_argument("no face numbers are given");
+  if (!c.cad())
+    throw std::invalid_argument("faces can be chosen by number on CAD parts only; this mesh has none");
+  std::vector<const Face*> chosen;
+  for (const Index number : rule.numbers) {
+    const auto found =
+        std::find_if(c.faces.begin(), c.faces.end(), [&](const Face& f) { return f.number == number; });
+    if (found == c.faces.end())
+      throw std::invalid_argument(
+          fmt::format("there is no face {}; the part has {} faces, numbered {} to {}", number, c.faces.size(),
+                      std::min_element(c.faces.begin(), c.faces.end(),
+                                       [](auto& a, auto& b) { return a.number < b.number; })
+                          ->number,
+                      std::max_element(c.faces.begin(), c.faces.end(), [](auto& a, auto& b) {
+                        return a.number < b.number;
+                      })->number));
+    chosen.push_back(&*found);
+  }
+  Selection selection = select_faces(c, chosen);
+  const Face& first = *chosen.front();
+  const bool one_axis = std::all_of(chosen.begin(), chosen.end(), [&](const Face* f) {
+    return f->kind == FaceKind::cylinder && std::abs(f->axis.dot(first.axis)) > std::cos(kAngle) &&
+           distance_to_axis(f->axis_point, first.axis_point, first.axis) < kRelative * first.radius;
+  });
+  if (one_axis) put_on_axis(selection, first.axis_point, first.axis);
+  return selection;
+}
+
+int edit_distance(const std::string& a, const std::string& b) {
+  std::vector<int> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), 0);
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    int diagonal = row[0];
+    row[0] = static_cast<int>(i);
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const int substituted = diagonal + (a[i - 1] != b[j - 1]);
+      diagonal = row[j];
+      row[j] = std::min({row[j] + 1, row[j - 1] + 1, substituted});
+    }
+  }
+  return row[b.size()];
+}
+
+Selection select(const Context& c, const NameRule& rule) {
+  const auto found = c.mesh.sets.find(rule.name);
+  if (found == c.mesh.sets.end()) {
+    std::vector<std::string> names;
+    for (const auto& [name, set] : c.mesh.sets) names.push_back(name);
+    if (names.empty())
+      throw std::invalid_argument(
+          fmt::format("no face or node set is called \"{}\"; the part names none", rule.name));
+    const std::string& likely =
+        *std::min_element(names.begin(), names.end(), [&](const auto& a, const auto& b) {
+          return edit_distance(a, rule.name) < edit_distance(b, rule.name);
+        });
+    if (names.size() > 10) names.resize(10);
+    throw std::invalid_argument(
+        fmt::format("no face or node set is called \"{}\"; did you mean \"{}\"? (there are: {})", rule.name,
+                    likely, fmt::join(names, ", ")));
+  }
+  Selection selection;
+  selection.set = found->second;
+  measure(c.mesh, selection);
+  for (const Face& face : c.faces)
+    if (face.name == rule.name) selection.face_numbers.push_back(face.number);
+  std::sort(selection.face_numbers.begin(), selection.face_numbers.end());
+  selection.description = fmt::format("set \"{}\", {} nodes", rule.name, selection.set.nodes.size());
+  return selection;
+}
+
+Selection select(const Context& c, const NodesRule& rule) {
+  Selection selection;
+  std::vector<Index>& nodes = selection.set.nodes;
+  std::map<std::int64_t, Index> index_of;
+  for (Index k = 0; k < c.mesh.n_nodes() && !rule.labels.empty(); ++k)
+    index_of[c.mesh.node_label.empty() ? k + 1 : c.mesh.node_label[static_cast<std::size_t>(k)]] = k;
+  for (const std::int64_t label : rule.labels) {
+    const auto found = index_of.find(label);
+    if (found == index_of.end())
+      throw std::invalid_argument(fmt::format("there is no node {}; the mesh has {} nodes, numbered {} to {}",
+                                              label, c.mesh.n_nodes(), index_of.begin()->first,
+                                              index_of.rbegin()->first));
+    nodes.push_back(found->second);
+  }
+  const double tolerance = rule.tolerance > 0 ? rule.tolerance : 1e-6 * c.diagonal;
+  for (const Vector3d& point : rule.points) {
+    Index best = 0;
+    const double distance = (c.mesh.points.rowwise() - point.transpose()).rowwise().norm().minCoeff(&best);
+    if (distance > tolerance)
+      throw std::invalid_argument(fmt::format("no node within {} of {}; the nearest is {} away at {}",
+                                              mm(tolerance), describe_point_mm(point), mm(distance),
+                                              describe_point_mm(c.mesh.points.row(best).transpose())));
+    nodes.push_back(best);
+  }
+  if (nodes.empty()) throw std::invalid_argument("no nodes are given");
+  std::sort(nodes.begin(), nodes.end());
+  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+  selection.set.faces = pick_cells(c.mesh, [&](const CellBlock& block, Index cell, std::size_t) {
+    for (Eigen::Index k = 0; k < block.nodes.cols(); ++k)
+      if (!std::binary_search(nodes.begin(), nodes.end(), block.nodes(cell, k))) return false;
+    return true;
+  });
+  // Faces give area weights only where they reach every node.
+  if (set_of(selection.set.faces).nodes.size() != nodes.size()) selection.set.faces.clear();
+  measure(c.mesh, selection);
+  selection.description = fmt::format("{} nodes", nodes.size());
+  return selection;
+}
+
+}  // namespace
+
+Selection select_nodes(const Mesh& mesh, const std::vector<Face>& faces, const Rule& rule) {
+  const auto box = bounding_box(mesh);
+  const Context context{mesh, faces, (box.row(1) - box.row(0)).norm()};
+  return std::visit([&](const auto& r) { return select(context, r); }, rule);
+}
+
+}  // namespace flexura::mesh
