@@ -4,9 +4,12 @@
 #include <Eigen/Core>
 #include <array>
 #include <filesystem>
+#include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
+#include "mbs/results/results.hpp"
 #include "mbs/superelement/superelement.hpp"
 
 /// The pages: one HTML file each, which holds its data, its script and its style, opens from disk without a
@@ -34,5 +37,31 @@ struct ModesPage {
 /// std::runtime_error when the file cannot be written; then no file of this name is left behind.
 void write_modes_page(const std::filesystem::path& html, const superelement::Superelement& se,
                       const ModesPage& page);
+
+/// What the bodies of a mechanism look like, by the bodies' names; bodies that share a file share the object.
+using Pictures = std::map<std::string, std::shared_ptr<const superelement::Superelement>>;
+
+/// Reads the superelements that the bodies of a results file name, relative to that file's folder.
+/// Throws std::runtime_error, naming body, file and remedy, when one is not there.
+Pictures read_pictures(const results::ModelHeader& model, const std::filesystem::path& results_file);
+
+struct MotionPage {
+  /// Quantities to plot at first, one plot for each entry; a comma puts several into one plot.  Empty: a
+  /// choice by the page (energies, and the first quantities).
+  std::vector<std::string> plots;
+  /// The page keeps at most so many poses of each run, and so many numbers of all its quantities; longer runs
+  /// are thinned evenly, and the page says so.
+  int most_frames = 3000;
+  double most_values = 4.0e6;
+};
+
+/// Writes the mechanism moving, its runs over one another, with plots of the stored quantities.
+/// Bodies are drawn from their superelement's surface and from their primitive shapes (PAGE.md); one that has
+/// neither is drawn as rods between its connections. Memory: one shape or history at a time beside what the
+/// arguments hold. Throws std::invalid_argument when nothing was stored, a plot names an unknown quantity, a
+/// shape is not understood or a superelement does not fit the results, and std::runtime_error when the file
+/// cannot be written.
+void write_motion_page(const std::filesystem::path& html, const results::Results& results,
+                       const Pictures& pictures, const MotionPage& page = {});
 
 }  // namespace flexura::view

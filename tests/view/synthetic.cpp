@@ -99,4 +99,80 @@ ModesPage tube_modes(const superelement::Superelement& se) {
   return page;
 }
 
+EnginePose engine_pose(double t) {
+  const double crank = 2.0 * pi * t;
+  const double rod = -std::asin(crank_radius * std::sin(crank) / tube_length);
+  return {crank, rod, crank_radius * std::cos(crank) + tube_length * std::cos(rod)};
+}
+
+double rod_modal(int j, double t) {
+  return 0.002 / (j + 1) * std::sin(2.0 * pi * (2 + j) * t);
+}
+
+results::Results engine(Pictures& pictures) {
+  results::Results all;
+  all.model.name = "slider-crank";
+  all.model.created_by = "flexura tests";
+  all.model.bodies = {
+      {"ground", "ground", "", R"([{"type": "box", "size": [0.9, 0.3, 0.04], "position": [1.0, 0, -0.12]}])"},
+      {"crank", "rigid", "",
+       R"([{"type": "cylinder", "radius": 0.31, "length": 0.05, "position": [0, 0.1, 0], "axis": [0, 1, 0]},
+           {"type": "cylinder", "radius": 0.035, "length": 0.2, "position": [0.25, 0.03, 0], "axis": [0, 1, 0]}])"},
+      {"rod", "flexible", "tube.se.h5", ""},
+      {"slider", "rigid", "", R"([{"type": "box", "size": [0.2, 0.2, 0.18]}])"}};
+  all.model.connections_json = R"([
+    {"name": "main", "kind": "revolute", "body_1": "ground", "p_1": [0, 0, 0], "body_2": "crank", "p_2": [0, 0, 0],
+     "axis_1": [0, 1, 0]},
+    {"name": "pin", "kind": "revolute", "body_1": "crank", "p_1": [0.25, 0, 0], "body_2": "rod", "p_2": [0, 0, 0],
+     "axis_1": [0, 1, 0]},
+    {"name": "cross", "kind": "revolute", "body_1": "rod", "p_1": [1, 0, 0], "body_2": "slider", "p_2": [0, 0, 0],
+     "axis_1": [0, 1, 0]},
+    {"name": "load", "kind": "spring_damper", "body_1": "slider", "p_1": [0.1, 0, 0], "body_2": "ground",
+     "p_2": [1.7, 0, 0]}])";
+  pictures["rod"] = std::make_shared<const superelement::Superelement>(tube(32, 40, rod_modes));
+  for (const bool flexible : {false, true}) {
+    results::Run run;
+    run.name = flexible ? "flexible" : "rigid";
+    run.complete = flexible;
+    run.stopped_because = flexible ? "" : "end of the test's patience";
+    run.summary_json = R"({"energy error": 3.2e-7, "steps": 812, "warnings": ["one <b>warning</b>"]})";
+    run.quantities = {{"crank.speed", "rad/s", "angular speed of the crank"},
+                      {"slider.position", "m", "place of the slider along x"},
+                      {"rod.deflection", "m", "displacement of the rod's middle along y"},
+                      {"energy.kinetic", "J", ""},
+                      {"energy.strain", "J", ""}};
+    run.time = Eigen::VectorXd::LinSpaced(engine_rows, 0.0, engine_time);
+    run.values.resize(engine_rows, 5);
+    run.bodies.resize(3);
+    const char* names[] = {"crank", "rod", "slider"};
+    for (int b = 0; b < 3; ++b) {
+      run.bodies[static_cast<std::size_t>(b)].name = names[b];
+      run.bodies[static_cast<std::size_t>(b)].pose.resize(engine_rows, 7);
+    }
+    auto& rod = run.bodies[1];
+    if (flexible) {
+      rod.modal.resize(engine_rows, rod_modes);
+      rod.basis.setZero(12 + rod_modes, rod_modes);
+      rod.basis.bottomRows(rod_modes).setIdentity();
+    }
+    for (int i = 0; i < engine_rows; ++i) {
+      const double t = run.time[i];
+      const EnginePose p = engine_pose(t);
+      run.bodies[0].pose.row(i) << 0, 0, 0, std::cos(p.crank / 2), 0, -std::sin(p.crank / 2), 0;
+      run.bodies[1].pose.row(i) << crank_radius * std::cos(p.crank), 0, crank_radius * std::sin(p.crank),
+          std::cos(p.rod / 2), 0, -std::sin(p.rod / 2), 0;
+      run.bodies[2].pose.row(i) << p.slider, 0, 0, 1, 0, 0, 0;
+      double deflection = 0.0;
+      for (int j = 0; flexible && j < rod_modes; ++j) {
+        rod.modal(i, j) = rod_modal(j, t);
+        deflection += rod_modal(j, t) * tube_displacement(j, {tube_length / 2, 0.0, 0.0}).y();
+      }
+      run.values.row(i) << 2.0 * pi + (flexible ? 0.2 * std::sin(2.0 * pi * 8.0 * t) : 0.0), p.slider,
+          deflection, 120.0 + 30.0 * std::cos(4.0 * pi * t), 4e4 * deflection * deflection;
+    }
+    all.runs.push_back(std::move(run));
+  }
+  return all;
+}
+
 }  // namespace flexura::view::synthetic

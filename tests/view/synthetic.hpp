@@ -25,4 +25,23 @@ superelement::Superelement tube(int around, int along, int n_q);
 /// more).
 ModesPage tube_modes(const superelement::Superelement& se);
 
+constexpr double crank_radius = 0.25;  // [m]
+constexpr double engine_time = 2.0;    // [s], one turn of the crank each second
+constexpr int engine_rows = 401;
+constexpr int rod_modes = 4;
+
+/// Crank angle 2 pi t about y; the crank pin at (r cos, 0, r sin), the slider pin on the x axis, distance
+/// tube_length.
+struct EnginePose {
+  double crank, rod, slider;  ///< angle of crank and rod about -y [rad], place of the slider [m]
+};
+EnginePose engine_pose(double t);
+
+/// Modal coordinate j of the rod [m]: 0.002 / (j + 1) sin(2 pi (2 + j) t).
+double rod_modal(int j, double t);
+
+/// A slider-crank with a tube as its rod, two runs "rigid" and "flexible" of closed-form motion; `pictures`
+/// gets the tube.
+results::Results engine(Pictures& pictures);
+
 }  // namespace flexura::view::synthetic

@@ -15,4 +15,9 @@ int main(int argc, char** argv) {
   std::filesystem::create_directories(directory);
   const auto se = synthetic::tube(48, 60, 12);
   write_modes_page(directory / "modes.html", se, synthetic::tube_modes(se));
+  Pictures pictures;
+  const auto engine = synthetic::engine(pictures);
+  MotionPage motion;
+  motion.plots = {"slider.position", "crank.speed", "rod.deflection", "energy.kinetic, energy.strain"};
+  write_motion_page(directory / "motion.html", engine, pictures, motion);
 }

@@ -4,6 +4,7 @@ import 'uplot/dist/uPlot.min.css';
 import './style.css';
 import { readHeader } from './data';
 import { modesPage, type ModesHeader } from './modes';
+import { motionPage, type MotionHeader } from './motion';
 import { h } from './ui';
 
 async function start(): Promise<void> {
@@ -12,9 +13,10 @@ async function start(): Promise<void> {
     if (typeof DecompressionStream === 'undefined') {
       throw new Error('this browser is too old: Chrome 103, Firefox 113, Safari 16.4 or newer show this page');
     }
-    const header = readHeader<ModesHeader>();
+    const header = readHeader<ModesHeader | MotionHeader>();
     if (header.format !== 1) throw new Error(`this page has the unknown format ${String(header.format)}`);
-    await modesPage(app, header);
+    if (header.page === 'modes') await modesPage(app, header);
+    else await motionPage(app, header);
     document.documentElement.dataset.ready = 'true';
   } catch (error) {
     console.error(error);

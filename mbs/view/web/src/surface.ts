@@ -1,6 +1,7 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 // A surface, and the shapes on its vertices: u(v) = sum_k weight_k scale_k q_k(v), summed on the GPU from a texture.
 import * as THREE from 'three';
+import { setBehind } from './primitives';
 import { readF4, readI4, readU2 } from './data';
 
 export interface SurfaceHeader {
@@ -483,6 +484,7 @@ export class DeformedBody {
     const material = this.mesh.material as THREE.ShaderMaterial;
     material.transparent = look.opacity < 1;
     material.depthWrite = look.opacity >= 1;
+    setBehind(material, look.opacity < 1);
     (this.uniform(this.edges, 'uColor').value as THREE.Color).copy(look.edge);
     this.uniform(this.edges, 'uOpacity').value = look.opacity < 1 ? 0.6 : 1;
     (this.uniform(this.outline, 'uColor').value as THREE.Color).copy(look.outline);

@@ -113,6 +113,11 @@ export function figure(value: number, digits = 4): string {
   return (rest ? `${grouped}.${rest}` : grouped).replace('-', '−');
 }
 
+/** The same without trailing zeros, for axes. */
+export function tick(value: number): string {
+  return figure(value, 5).replace(/(\.\d*?)0+(?=$|·)/, '$1').replace(/\.$/, '');
+}
+
 /** A length with the unit that suits `of` (default the value itself). */
 export function lengthUnit(of: number): { factor: number; unit: string } {
   const size = Math.abs(of);

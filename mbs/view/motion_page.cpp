@@ -1,0 +1,279 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <stdexcept>
+
+#include "mbs/superelement/file.hpp"
+#include "mbs/view/body_shapes.hpp"
+#include "mbs/view/page_file.hpp"
+#include "mbs/view/pages.hpp"
+#include "mbs/view/surface_blocks.hpp"
+
+namespace flexura::view {
+
+namespace {
+
+using nlohmann::json;
+using superelement::Superelement;
+
+/// A superelement with every basis in which the runs move it: column j of bases[i] is shape first + j of the
+/// surface.
+struct Figure {
+  const Superelement* se;
+  std::vector<const Eigen::MatrixXd*> bases;
+  std::vector<int> first;
+  int n_shapes = 0;
+
+  int use(const Eigen::MatrixXd& basis) {
+    for (std::size_t i = 0; i < bases.size(); ++i) {
+      if (bases[i]->rows() == basis.rows() && bases[i]->cols() == basis.cols() && *bases[i] == basis)
+        return first[i];
+    }
+    bases.push_back(&basis);
+    first.push_back(n_shapes);
+    n_shapes += static_cast<int>(basis.cols());
+    return first.back();
+  }
+};
+
+/// Every k-th row, and the last one.
+std::vector<Eigen::Index> thin(Eigen::Index rows, double most) {
+  const auto step =
+      static_cast<Eigen::Index>(std::max(1.0, std::ceil(static_cast<double>(rows) / std::max(2.0, most))));
+  std::vector<Eigen::Index> kept;
+  for (Eigen::Index i = 0; i < rows; i += step) kept.push_back(i);
+  if (rows > 0 && kept.back() != rows - 1) kept.push_back(rows - 1);
+  return kept;
+}
+
+template <typename T, typename Matrix>
+std::vector<T> gather(const Matrix& m, const std::vector<Eigen::Index>& rows) {
+  std::vector<T> values;
+  values.reserve(rows.size() * static_cast<std::size_t>(m.cols()));
+  // Column after column: each one is smooth in time.
+  for (Eigen::Index c = 0; c < m.cols(); ++c) {
+    for (const Eigen::Index r : rows) values.push_back(static_cast<T>(m(r, c)));
+  }
+  return values;
+}
+
+/// JSON kept in the results, or null where it cannot be read: a page is more useful than a refusal.
+json lenient(const std::string& text) {
+  json value = json::parse(text, nullptr, false);
+  return value.is_discarded() ? json() : value;
+}
+
+class MotionWriter {
+ public:
+  MotionWriter(const std::filesystem::path& html, const results::Results& results, const Pictures& pictures,
+               const MotionPage& page)
+      : results_(results), pictures_(pictures), page_(page), html_(html) {}
+
+  void write() {
+    require_something();
+    const json plots = plots_json();
+    json bodies = bodies_json();
+    find_figures();
+    const std::string name = results_.model.name.empty() ? html_.stem().string() : results_.model.name;
+    file_.emplace(html_, name + " · motion");
+    const json surfaces = surfaces_json();
+    json runs = json::array();
+    for (std::size_t i = 0; i < results_.runs.size(); ++i) runs.push_back(run_json(i));
+    file_->finish({{"format", 1},
+                   {"page", "motion"},
+                   {"title", name},
+                   {"created_by", results_.model.created_by},
+                   {"surfaces", surfaces},
+                   {"bodies", bodies},
+                   {"connections", lenient(results_.model.connections_json)},
+                   {"plots", plots},
+                   {"runs", runs}});
+  }
+
+ private:
+  void require_something() const {
+    for (const auto& run : results_.runs) {
+      if (run.time.size() > 0) return;
+    }
+    throw std::invalid_argument("the results hold no run with a stored time: simulate first");
+  }
+
+  json plots_json() const {
+    json plots = json::array();
+    for (const std::string& entry : page_.plots) {
+      json names = json::array();
+      for (std::size_t from = 0; from <= entry.size();) {
+        const std::size_t to = std::min(entry.find(',', from), entry.size());
+        std::string name = entry.substr(from, to - from);
+        name.erase(0, name.find_first_not_of(' '));
+        name.erase(name.find_last_not_of(' ') + 1);
+        require_quantity(name);
+        names.push_back(name);
+        from = to + 1;
+      }
+      plots.push_back(names);
+    }
+    return plots;
+  }
+
+  void require_quantity(const std::string& name) const {
+    std::vector<std::string> known;
+    for (const auto& run : results_.runs) {
+      for (const auto& quantity : run.quantities) {
+        if (quantity.name == name) return;
+        known.push_back(quantity.name);
+      }
+    }
+    std::sort(known.begin(), known.end());
+    known.erase(std::unique(known.begin(), known.end()), known.end());
+    throw std::invalid_argument(
+        fmt::format("no run stored the quantity '{}' that is to be plotted; stored are {}", name,
+                    fmt::join(known, ", ")));
+  }
+
+  json bodies_json() const {
+    json bodies = json::array();
+    for (const auto& body : results_.model.bodies) {
+      bodies.push_back({{"name", body.name},
+                        {"kind", body.kind},
+                        {"shapes", parse_body_shapes(body.name, body.shape_json)},
+                        {"surface", nullptr}});
+    }
+    return bodies;
+  }
+
+  /// The superelement a body is drawn from, or null.
+  const Superelement* picture(const std::string& body) const {
+    const auto found = pictures_.find(body);
+    if (found == pictures_.end() || !found->second || found->second->surface.vertices.rows() == 0)
+      return nullptr;
+    return found->second.get();
+  }
+
+  void find_figures() {
+    for (const auto& body : results_.model.bodies) {
+      if (const Superelement* se = picture(body.name)) figure_of(*se);
+    }
+    for (const auto& run : results_.runs) {
+      for (const auto& body : run.bodies) {
+        const Superelement* se = picture(body.name);
+        if (!se || body.basis.cols() == 0) continue;
+        require_pictures(*se);
+        if (body.basis.rows() != se->n() || body.modal.cols() != body.basis.cols()) {
+          throw std::invalid_argument(
+              fmt::format("run '{}' moves body '{}' with {} modal coordinates in a basis of {} x {}, but its "
+                          "superelement '{}' has "
+                          "{} shape functions: it is not the one that was simulated",
+                          run.name, body.name, body.modal.cols(), body.basis.rows(), body.basis.cols(),
+                          se->name, se->n()));
+        }
+        first_shape_[&body] = figures_[figure_of(*se)].use(body.basis);
+      }
+    }
+  }
+
+  std::size_t figure_of(const Superelement& se) {
+    for (std::size_t i = 0; i < figures_.size(); ++i) {
+      if (figures_[i].se == &se) return i;
+    }
+    figures_.push_back({&se, {}, {}, 0});
+    return figures_.size() - 1;
+  }
+
+  json surfaces_json() {
+    json surfaces = json::array();
+    for (std::size_t i = 0; i < figures_.size(); ++i) {
+      const Figure& figure = figures_[i];
+      SurfaceBlocks blocks(*file_, fmt::format("surface{}", i), figure.se->surface,
+                           fmt::format("superelement '{}'", figure.se->name), figure.n_shapes);
+      for (const Eigen::MatrixXd* basis : figure.bases) {
+        for (Eigen::Index j = 0; j < basis->cols(); ++j) {
+          blocks.add_shape(figure.se->shapes * basis->col(j).cast<float>());
+        }
+      }
+      surfaces.push_back(blocks.header());
+    }
+    return surfaces;
+  }
+
+  json run_json(std::size_t number) {
+    const results::Run& run = results_.runs[number];
+    const std::string key = fmt::format("run{}", number);
+    const Eigen::Index rows = run.time.size();
+    const auto n_quantities = static_cast<double>(run.quantities.size() + 1);
+    const auto frames = thin(rows, page_.most_frames);
+    const auto kept =
+        thin(rows, page_.most_values / n_quantities / static_cast<double>(results_.runs.size()));
+    file_->add<double>(key + "/frame_time", gather<double>(run.time, frames));
+    file_->add<double>(key + "/time", gather<double>(run.time, kept));
+    json quantities = json::array();
+    for (std::size_t j = 0; j < run.quantities.size(); ++j) {
+      const auto& quantity = run.quantities[j];
+      file_->add<double>(fmt::format("{}/quantity/{}", key, j),
+                         gather<double>(run.values.col(static_cast<Eigen::Index>(j)), kept));
+      quantities.push_back({{"name", quantity.name}, {"unit", quantity.unit}, {"doc", quantity.doc}});
+    }
+    json bodies = json::array();
+    for (std::size_t j = 0; j < run.bodies.size(); ++j) {
+      const auto& body = run.bodies[j];
+      file_->add<float>(fmt::format("{}/body/{}/pose", key, j), gather<float>(body.pose, frames));
+      json entry = {{"name", body.name}, {"surface", nullptr}, {"first_shape", 0}, {"n_shapes", 0}};
+      if (const Superelement* se = picture(body.name)) entry["surface"] = figure_of(*se);
+      if (const auto found = first_shape_.find(&body); found != first_shape_.end()) {
+        file_->add<float>(fmt::format("{}/body/{}/modal", key, j), gather<float>(body.modal, frames));
+        entry["first_shape"] = found->second;
+        entry["n_shapes"] = body.basis.cols();
+      }
+      bodies.push_back(entry);
+    }
+    return {{"name", run.name},         {"complete", run.complete}, {"stopped_because", run.stopped_because},
+            {"rows_stored", rows},      {"rows", kept.size()},      {"frames", frames.size()},
+            {"quantities", quantities}, {"bodies", bodies},         {"summary", lenient(run.summary_json)}};
+  }
+
+  const results::Results& results_;
+  const Pictures& pictures_;
+  const MotionPage& page_;
+  const std::filesystem::path html_;
+  std::vector<Figure> figures_;
+  std::map<const results::BodyHistory*, int> first_shape_;
+  std::optional<PageFile> file_;
+};
+
+}  // namespace
+
+Pictures read_pictures(const results::ModelHeader& model, const std::filesystem::path& results_file) {
+  Pictures pictures;
+  std::map<std::filesystem::path, std::shared_ptr<const Superelement>> known;
+  for (const auto& body : model.bodies) {
+    if (body.superelement.empty()) continue;
+    const auto path = (results_file.parent_path() / body.superelement).lexically_normal();
+    auto& se = known[path];
+    if (!se) {
+      if (!std::filesystem::exists(path)) {
+        throw std::runtime_error(
+            fmt::format("body '{}' is drawn from the superelement '{}', which is not there: put it back, or "
+                        "run the simulation again "
+                        "to name the new place ('{}' names it relative to its own folder)",
+                        body.name, path.string(), results_file.string()));
+      }
+      superelement::Parts parts;
+      parts.matrices = parts.inertia = false;
+      parts.surface = parts.shapes = true;
+      se = std::make_shared<const Superelement>(superelement::read(path, parts));
+    }
+    pictures[body.name] = se;
+  }
+  return pictures;
+}
+
+void write_motion_page(const std::filesystem::path& html, const results::Results& results,
+                       const Pictures& pictures, const MotionPage& page) {
+  MotionWriter(html, results, pictures, page).write();
+}
+
+}  // namespace flexura::view

@@ -1,0 +1,188 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+// One run of the mechanism in the scene: bodies at their poses, flexible ones deformed, glyphs on them.
+import * as THREE from 'three';
+import { locate, type MotionHeader, type Run } from './motion_data';
+import { coil, isSpring, jointGlyph, primitive, recolor, shaded, stickFigure } from './primitives';
+import { DeformedBody, type Surface } from './surface';
+import { cssColor } from './ui';
+
+interface DrawnBody {
+  name: string;
+  number: number; // in the run, -1 for one that the run does not store (ground)
+  group: THREE.Group;
+  solid: THREE.ShaderMaterial | null;
+  deformed: DeformedBody | null;
+  box: THREE.Box3; // undeformed, in the body's frame
+}
+
+interface Spring { line: THREE.Line; from: DrawnBody; to: DrawnBody; p: THREE.Vector3; q: THREE.Vector3 }
+
+export class Mechanism {
+  readonly group = new THREE.Group();
+  readonly bodies: DrawnBody[] = [];
+  readonly glyphs: THREE.Object3D[] = [];
+  private readonly springs: Spring[] = [];
+  private readonly glyphMaterial = shaded(new THREE.Color());
+  private readonly springMaterial = new THREE.LineBasicMaterial();
+  private magnify_ = 1;
+  largestDeflection = 0; // [m], over a sample of frames and vertices
+
+  constructor(readonly run: Run, header: MotionHeader, surfaces: Surface[], scale: THREE.Texture, glyphSize: number) {
+    const connections = header.connections ?? [];
+    for (const body of header.bodies) {
+      const number = run.header.bodies.findIndex((b) => b.name === body.name);
+      const group = new THREE.Group();
+      const box = new THREE.Box3();
+      const surface = number >= 0 ? run.header.bodies[number].surface : null;
+      let deformed: DeformedBody | null = null;
+      if (surface !== null) {
+        deformed = new DeformedBody(surfaces[surface], scale);
+        deformed.outline.visible = false;
+        box.union(surfaces[surface].box);
+        group.add(deformed.group);
+      }
+      const points = connections.flatMap((c) => [
+        ...(c.body_1 === body.name && c.p_1 ? [new THREE.Vector3(...c.p_1)] : []),
+        ...(c.body_2 === body.name && c.p_2 ? [new THREE.Vector3(...c.p_2)] : [])]);
+      const shapes = body.shapes.flatMap((shape) => primitive(shape, 0.35 * glyphSize));
+      if (!shapes.length && !deformed && body.kind !== 'ground') shapes.push(...stickFigure(points, 0.5 * glyphSize));
+      const solid = shapes.length ? shaded(new THREE.Color()) : null;
+      for (const geometry of shapes) {
+        const mesh = new THREE.Mesh(geometry, solid!);
+        geometry.computeBoundingBox();
+        box.union(geometry.boundingBox!);
+        group.add(mesh);
+      }
+      for (const p of points) box.expandByPoint(p);
+      this.bodies.push({ name: body.name, number, group, solid, deformed, box });
+      this.group.add(group);
+    }
+    const at = (name?: string) => this.bodies.find((b) => b.name === name);
+    for (const connection of connections) {
+      const from = at(connection.body_1);
+      const to = at(connection.body_2);
+      if (isSpring(connection) && from && to) {
+        const line = new THREE.Line(coil(0.7 * glyphSize), this.springMaterial);
+        line.frustumCulled = false;
+        this.springs.push({ line, from, to, p: new THREE.Vector3(...connection.p_1!),
+                            q: new THREE.Vector3(...connection.p_2!) });
+        this.group.add(line);
+        this.glyphs.push(line);
+      } else if (from && connection.p_1) {
+        const glyph = new THREE.Mesh(jointGlyph(connection, glyphSize), this.glyphMaterial);
+        glyph.name = connection.name;
+        glyph.renderOrder = 4;
+        from.group.add(glyph);
+        this.glyphs.push(glyph);
+      }
+    }
+  }
+
+  async loadShapes(): Promise<void> {
+    await Promise.all(this.bodies.flatMap((b) => {
+      if (!b.deformed || b.number < 0) return [];
+      const { first_shape, n_shapes } = this.run.header.bodies[b.number];
+      return Array.from({ length: n_shapes }, (_, j) => b.deformed!.surface.load(first_shape + j));
+    }));
+    this.largestDeflection = this.findLargest();
+  }
+
+  private findLargest(): number {
+    let most = 0;
+    const u = new THREE.Vector3();
+    const frames = this.run.frameTime.length;
+    for (const body of this.bodies) {
+      const motion = body.number >= 0 ? this.run.motion[body.number] : null;
+      if (!body.deformed || !motion?.modal) continue;
+      const { first_shape, n_shapes } = this.run.header.bodies[body.number];
+      const weights = new Float32Array(body.deformed.weights.length);
+      const n = body.deformed.surface.header.vertices;
+      for (let i = 0; i < frames; i += Math.max(1, Math.floor(frames / 80))) {
+        for (let j = 0; j < n_shapes; ++j) weights[first_shape + j] = motion.modal[j * frames + i];
+        for (let v = 0; v < n; v += Math.max(1, Math.floor(n / 400))) {
+          most = Math.max(most, body.deformed.surface.displacement(v, weights, u).lengthSq());
+        }
+      }
+    }
+    return Math.sqrt(most);
+  }
+
+  set magnify(value: number) {
+    this.magnify_ = value;
+    for (const body of this.bodies) if (body.deformed) body.deformed.magnify = value;
+  }
+  get magnify(): number {
+    return this.magnify_;
+  }
+
+  setTime(t: number): void {
+    const { at, part } = locate(this.run.frameTime, t);
+    const next = part === 0 ? at : at + 1;
+    const frames = this.run.frameTime.length;
+    for (const body of this.bodies) {
+      if (body.number < 0 || !frames) continue;
+      const { pose, modal } = this.run.motion[body.number];
+      const mix = (c: number) => pose[c * frames + at] + part * (pose[c * frames + next] - pose[c * frames + at]);
+      body.group.position.set(mix(0), mix(1), mix(2));
+      const q = (row: number) => new THREE.Quaternion(pose[4 * frames + row], pose[5 * frames + row],
+                                                      pose[6 * frames + row], pose[3 * frames + row]).normalize();
+      body.group.quaternion.copy(q(at));
+      if (part > 0) body.group.quaternion.slerp(q(next), part); // slerp takes the shorter way round
+      if (body.deformed && modal) {
+        const { first_shape, n_shapes } = this.run.header.bodies[body.number];
+        for (let j = 0; j < n_shapes; ++j) {
+          const a = modal[j * frames + at];
+          body.deformed.weights[first_shape + j] = a + part * (modal[j * frames + next] - a);
+        }
+        body.deformed.update();
+      }
+    }
+    this.group.updateMatrixWorld(true);
+    for (const s of this.springs) {
+      const a = s.p.clone().applyMatrix4(s.from.group.matrixWorld);
+      const b = s.q.clone().applyMatrix4(s.to.group.matrixWorld);
+      const along = b.clone().sub(a);
+      s.line.position.copy(a);
+      s.line.scale.set(1, 1, Math.max(1e-9, along.length()));
+      if (along.lengthSq() > 0) {
+        s.line.quaternion.setFromUnitVectors(new THREE.Vector3(0, 0, 1), along.normalize());
+      }
+    }
+  }
+
+  /** Where all bodies are at a time. */
+  box(t: number, out = new THREE.Box3()): THREE.Box3 {
+    this.setTime(t);
+    const b = new THREE.Box3();
+    for (const body of this.bodies) {
+      if (!body.box.isEmpty()) out.union(b.copy(body.box).applyMatrix4(body.group.matrixWorld));
+    }
+    return out;
+  }
+
+  body(name: string): DrawnBody | undefined {
+    return this.bodies.find((b) => b.name === name);
+  }
+
+  /** Solid in the bodies' colours, or a ghost in the run's colour. */
+  setLook(ghost: THREE.Color | null): void {
+    this.bodies.forEach((body, i) => {
+      // The ground is the same in every run.
+      if (ghost && body.number < 0) {
+        body.group.visible = false;
+        return;
+      }
+      body.group.visible = true;
+      const own = new THREE.Color(cssColor(body.name === 'ground' || body.number < 0 ? '--ground-body' : `--body${i % 7}`));
+      const color = ghost ?? own;
+      const opacity = ghost ? 0.3 : 1;
+      if (body.solid) recolor(body.solid, color, opacity);
+      body.deformed?.setLook({ color, accent: color, edge: ghost ?? new THREE.Color(cssColor('--edge')),
+                               outline: new THREE.Color(cssColor('--outline')), opacity });
+    });
+    // Joints sit inside bodies: they are drawn over them.
+    recolor(this.glyphMaterial, ghost ?? new THREE.Color(cssColor('--glyph')), ghost ? 0.25 : 0.85);
+    this.glyphMaterial.depthTest = false;
+    this.springMaterial.color.set(cssColor('--glyph'));
+  }
+}

@@ -1,0 +1,340 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+// The motion page: the mechanism moving, its runs over one another, plots of what was stored.
+import * as THREE from 'three';
+import { scaleGradient, scaleTexture } from './colormap';
+import { Mechanism } from './mechanism';
+import { Run, type MotionHeader } from './motion_data';
+import { PlotDeck } from './plots';
+import { record } from './record';
+import { Stage, viewNames, type ViewName } from './stage';
+import { summaryPanel, warningsOf } from './summary';
+import { Surface } from './surface';
+import { cssColor, download, figure, h, icon, iconButton, lengthText, lengthUnit, say, shortcuts, slider, themeButton,
+         toggle, topBar } from './ui';
+
+export type { MotionHeader } from './motion_data';
+
+/** 1, 2 or 5 times a power of ten, at or below x. */
+function round125(x: number): number {
+  const power = 10 ** Math.floor(Math.log10(x));
+  const m = x / power;
+  return power * (m >= 5 ? 5 : m >= 2 ? 2 : 1);
+}
+
+function firstPlots(header: MotionHeader): string[][] {
+  if (header.plots.length) return header.plots;
+  const names = header.runs.flatMap((r) => r.quantities.map((q) => q.name));
+  const known = [...new Set(names)];
+  const energies = known.filter((n) => /^energy\.(kinetic|strain|potential|total)$/.test(n));
+  const others = known.filter((n) => !n.startsWith('energy.') && !n.startsWith('solver.'));
+  return [...others.slice(0, 3).map((n) => [n]), ...(energies.length ? [energies] : [])];
+}
+
+export async function motionPage(app: HTMLElement, header: MotionHeader): Promise<void> {
+  const surfaces = await Promise.all(header.surfaces.map((s) => Surface.read(s)));
+  const runs = header.runs.map((r, i) => new Run(i, r));
+  await Promise.all(runs.map((r) => r.load()));
+  const t0 = Math.min(...runs.filter((r) => r.time.length).map((r) => r.time[0]));
+  const t1 = Math.max(...runs.filter((r) => r.time.length).map((r) => r.time[r.time.length - 1]));
+  const duration = Math.max(t1 - t0, 1e-12);
+  const state = {
+    time: t0, playing: !matchMedia('(prefers-reduced-motion: reduce)').matches && t1 > t0,
+    speed: round125(duration / 6), magnify: 1, field: 1, follow: '',
+    main: runs.length - 1, visible: runs.map(() => true),
+  };
+  // Of several runs the one with the most to show is drawn solid.
+  runs.forEach((r, i) => {
+    const flexible = (k: Run) => k.header.bodies.reduce((s, b) => s + b.n_shapes, 0);
+    if (flexible(r) > flexible(runs[state.main])) state.main = i;
+  });
+
+  const stage = new Stage(`Motion of ${header.title}`);
+  const scale = scaleTexture('magnitude');
+  // Glyphs are sized by the bodies at the start.
+  const sizes = new THREE.Box3();
+  const probe = new Mechanism(runs[state.main], header, surfaces, scale, 1e-9);
+  probe.box(t0, sizes);
+  const size = sizes.isEmpty() ? 1 : sizes.getSize(new THREE.Vector3()).length() || 1;
+  const mechanisms = runs.map((r) => new Mechanism(r, header, surfaces, scale, 0.014 * size));
+  await Promise.all(mechanisms.map((m) => m.loadShapes()));
+  for (const m of mechanisms) stage.scene.add(m.group);
+
+  const extent = new THREE.Box3();
+  for (let i = 0; i <= 40; ++i) mechanisms[state.main].box(t0 + (duration * i) / 40, extent);
+  const start = mechanisms[state.main].box(t0);
+  const travels = extent.getSize(new THREE.Vector3()).length() > 6 * start.getSize(new THREE.Vector3()).length();
+  const shown = travels ? start : extent;
+  const deflection = Math.max(0, ...mechanisms.map((m) => m.largestDeflection));
+  const flexibleSize = Math.max(0, ...mechanisms[state.main].bodies.filter((b) => b.deformed)
+    .map((b) => b.deformed!.surface.size));
+  const fullMagnify = deflection > 0 ? Math.max(1, round125((0.06 * flexibleSize) / deflection)) : 1;
+  state.magnify = fullMagnify;
+  if (deflection === 0) state.field = 0;
+
+  // --- drawing -----------------------------------------------------------------------------------------------------
+  const clock = h('output', { class: 'clock', 'aria-label': 'Time' });
+  const digits = Math.max(0, Math.min(6, 3 - Math.floor(Math.log10(duration))));
+  let followed: THREE.Vector3 | null = null;
+  function setTime(t: number): void {
+    state.time = Math.min(t1, Math.max(t0, t));
+    mechanisms.forEach((m, i) => { if (state.visible[i]) m.setTime(state.time); });
+    clock.textContent = `${state.time.toFixed(digits)} s`;
+    timeline.input.value = String(state.time);
+    timeline.input.setAttribute('aria-valuetext', clock.textContent);
+    timeline.input.style.setProperty('--part', `${(100 * (state.time - t0)) / duration}%`);
+    const body = state.follow ? mechanisms[state.main].body(state.follow) : undefined;
+    if (body) {
+      const at = body.box.isEmpty() ? body.group.position.clone()
+        : body.box.getCenter(new THREE.Vector3()).applyMatrix4(body.group.matrixWorld);
+      if (followed) stage.follow(at.clone().sub(followed));
+      followed = at;
+    } else followed = null;
+    deck.setTime(state.time);
+    refreshQuantities();
+    stage.draw();
+  }
+  stage.onFrame = (dt) => {
+    if (!state.playing) return false;
+    const next = state.time + dt * state.speed;
+    setTime(next >= t1 ? (state.time < t1 ? t1 : t0) : next);
+    return true;
+  };
+  const legend = h('figure', { class: 'legend', 'aria-label': 'Colour scale' });
+  function refresh(): void {
+    mechanisms.forEach((m, i) => {
+      m.group.visible = state.visible[i];
+      m.magnify = state.magnify;
+      const ghost = i !== state.main;
+      m.setLook(ghost ? new THREE.Color(cssColor(`--run${i % 6}`)) : null);
+      for (const b of m.bodies) b.deformed?.setField(ghost || !b.deformed.weights.length ? 0 : state.field, 0, deflection);
+    });
+    legend.hidden = state.field === 0;
+    const { factor, unit } = lengthUnit(deflection);
+    legend.replaceChildren(h('figcaption', {}, `|u| [${unit}]`),
+      h('div', { class: 'legend-body' }, h('div', { class: 'legend-bar', style: `background:${scaleGradient('magnitude')}` }),
+        h('ol', {}, ...[4, 3, 2, 1, 0].map((i) => h('li', {}, figure((deflection * factor * i) / 4, 3))))),
+      h('small', {}, `drawn ×${figure(state.magnify, 3)}`));
+    setTime(state.time);
+  }
+
+  // --- controls ----------------------------------------------------------------------------------------------------
+  const play = iconButton('pause', 'Stop (space)', () => setPlaying(!state.playing), { id: 'play' });
+  function setPlaying(on: boolean): void {
+    state.playing = on;
+    play.replaceChildren(icon(on ? 'pause' : 'play'));
+    play.title = on ? 'Stop (space)' : 'Play (space)';
+    play.setAttribute('aria-label', on ? 'Stop' : 'Play');
+    stage.draw();
+  }
+  const timeline = { input: h('input', { type: 'range', id: 'time', min: t0, max: t1, step: 'any', 'aria-label': 'Time',
+                                         oninput: () => { setPlaying(false); setTime(Number(timeline.input.value)); } }) };
+  const speed = slider('Speed', {
+    min: -4, max: 2, step: 0.05, value: Math.log10(state.speed), id: 'speed',
+    text: (v) => `×${figure(10 ** v, 2)}`, change: (v) => { state.speed = 10 ** v; } });
+  const magnify = slider('Deformation', {
+    min: 0, max: Math.max(1, Math.log10(fullMagnify) + 1), step: 0.02, value: Math.log10(state.magnify), id: 'magnify',
+    text: (v) => `×${figure(10 ** v, 3)}`, change: (v) => { state.magnify = 10 ** v; refresh(); } });
+  magnify.element.hidden = deflection === 0;
+  const color = toggle('Colour', state.field > 0, (on) => { state.field = on ? 1 : 0; refresh(); },
+                       { title: 'Colour by displacement (C)' });
+  color.hidden = deflection === 0;
+  const glyphs = toggle('Joints', true, (on) => {
+    for (const m of mechanisms) for (const g of m.glyphs) g.visible = on;
+    stage.draw();
+  }, { title: 'Joints and springs (J)' });
+  const moving = header.bodies.filter((b) => b.kind !== 'ground').map((b) => b.name);
+  const follow = h('select', { id: 'follow', 'aria-label': 'Camera follows', onchange: () => {
+    state.follow = follow.value;
+    followed = null;
+    setTime(state.time);
+  } }, h('option', { value: '' }, 'Fixed camera'), ...moving.map((name) => h('option', { value: name }, `Follow ${name}`)));
+  const runButtons = runs.map((r, i) => {
+    const solid = h('button', { class: 'toggle run', type: 'button', 'aria-pressed': 'true', style: `--color: var(--run${i % 6})`,
+      title: 'Show or hide this run; double click draws it solid', onclick: () => {
+        state.visible[i] = !state.visible[i];
+        solid.setAttribute('aria-pressed', String(state.visible[i]));
+        refresh();
+        deck.redraw();
+      }, ondblclick: () => {
+        state.main = i;
+        state.visible[i] = true;
+        solid.setAttribute('aria-pressed', 'true');
+        refresh();
+        deck.redraw();
+      } }, h('i', {}), r.header.name);
+    return solid;
+  });
+  const views = h('div', { class: 'group views', role: 'group', 'aria-label': 'Views' },
+    ...viewNames.map((name) => h('button', { class: 'toggle', type: 'button', 'data-view': name,
+                                             onclick: () => view(name) }, name)));
+  const view = (name: ViewName) => {
+    stage.view(name, state.follow ? mechanisms[state.main].box(state.time) : shown);
+    followed = null;
+    setTime(state.time);
+  };
+  const fileName = header.title.replace(/[^\w.-]+/g, '_');
+  const savePng = async () => download(`${fileName}.png`, await stage.png(`${header.title}, t = ${clock.textContent}`));
+  const saveFilm = async () => {
+    setTime(t0);
+    setPlaying(true);
+    const seconds = Math.min(60, duration / state.speed);
+    say(`Recording ${seconds.toFixed(0)} s`);
+    const film = await record(stage.stream(30), seconds);
+    download(`${fileName}.webm`, film);
+  };
+
+  // --- plots, quantities, summary ------------------------------------------------------------------------------------
+  const deck = new PlotDeck(runs, (r) => state.visible[r.number], (t) => { setPlaying(false); setTime(t); });
+  const all = [...new Map(header.runs.flatMap((r) => r.quantities).map((q) => [q.name, q])).values()];
+  const names = h('datalist', { id: 'quantities' }, ...all.map((q) => h('option', { value: q.name }, q.unit)));
+  const add = h('input', { type: 'search', id: 'add-plot', list: 'quantities', placeholder: 'Add a plot: a, b',
+                           'aria-label': 'Add a plot of quantities, separated by commas', onchange: () => {
+    const wanted = add.value.split(',').map((s) => s.trim()).filter((s) => s);
+    const unknown = wanted.find((w) => !all.some((q) => q.name === w));
+    if (unknown) say(`No quantity is called "${unknown}"`);
+    else if (wanted.length) {
+      void deck.add(wanted).then(() => deck.element.lastElementChild?.scrollIntoView({ behavior: 'smooth' }));
+      add.value = '';
+    }
+  } });
+  const saveCsv = iconButton('table', 'Save the plotted curves as CSV', () =>
+    void deck.csv().then((text) => download(`${fileName}.csv`, text, 'text/csv')), { id: 'csv' });
+
+  const quantityCells = new Map<string, HTMLTableCellElement[]>();
+  const filterBox = h('input', { type: 'search', placeholder: 'Search quantities', 'aria-label': 'Search quantities',
+    oninput: () => {
+      const words = filterBox.value.toLowerCase();
+      for (const row of quantityRows) row.hidden = !row.textContent!.toLowerCase().includes(words);
+    } });
+  const quantityRows = all.map((q) => {
+    const cells = runs.map(() => h('td', { class: 'number' }));
+    quantityCells.set(q.name, cells);
+    return h('tr', { tabindex: 0, title: q.doc || 'Click to plot', onclick: () => { void deck.add([q.name]); tab('plots'); },
+                     onkeydown: (e: Event) => { if ((e as KeyboardEvent).key === 'Enter') { void deck.add([q.name]); tab('plots'); } } },
+             h('td', {}, q.name), ...cells, h('td', { class: 'unit' }, q.unit));
+  });
+  let quantitiesOpen = false;
+  function refreshQuantities(): void {
+    if (!quantitiesOpen) return;
+    for (const [name, cells] of quantityCells) {
+      runs.forEach((r, i) => {
+        const v = r.valueAt(name, state.time);
+        cells[i].textContent = v === null ? '' : figure(v, 5);
+      });
+    }
+  }
+  const pages: Record<string, HTMLElement> = {
+    plots: h('div', { class: 'tab-page', role: 'tabpanel', 'aria-label': 'Plots' }, deck.element),
+    quantities: h('div', { class: 'tab-page', role: 'tabpanel', 'aria-label': 'Quantities', hidden: true },
+      h('label', { class: 'search wide' }, icon('search'), filterBox),
+      h('table', { class: 'quantities' }, h('thead', {}, h('tr', {}, h('th', { scope: 'col' }, 'Quantity'),
+        ...runs.map((r) => h('th', { scope: 'col', class: 'number' }, r.header.name)), h('th', { scope: 'col' }, 'Unit'))),
+        h('tbody', {}, ...quantityRows))),
+    summary: h('div', { class: 'tab-page', role: 'tabpanel', 'aria-label': 'Summary', hidden: true }, summaryPanel(runs)),
+  };
+  const tabs: Record<string, HTMLButtonElement> = {};
+  for (const [name, title] of [['plots', 'Plots'], ['quantities', 'Quantities'], ['summary', 'Summary']]) {
+    tabs[name] = h('button', { role: 'tab', type: 'button', id: `tab-${name}`, 'aria-selected': String(name === 'plots'),
+                               onclick: () => tab(name) }, title);
+  }
+  function tab(name: string): void {
+    for (const [key, page] of Object.entries(pages)) {
+      page.hidden = key !== name;
+      tabs[key].setAttribute('aria-selected', String(key === name));
+    }
+    quantitiesOpen = name === 'quantities';
+    if (quantitiesOpen) {
+      void Promise.all(runs.flatMap((r) => all.map((q) => r.quantity(q.name)))).then(refreshQuantities);
+    }
+  }
+  const warnings = runs.flatMap(warningsOf);
+
+  const strip = h('div', { class: 'strip' },
+    h('div', { class: 'group wide' }, play, timeline.input, clock),
+    h('div', { class: 'group' }, speed.element, magnify.element),
+    h('div', { class: 'group' }, color, glyphs, follow));
+  const corner = h('div', { class: 'corner' }, views,
+    iconButton('camera', 'Save a picture (P)', () => void savePng(), { id: 'png' }),
+    iconButton('film', 'Save an animation (M)', () => void saveFilm(), { id: 'film' }));
+  const step = (n: number) => { setPlaying(false); setTime(state.time + (n * duration) / 200); };
+  const keys = shortcuts([
+    { keys: [' '], text: 'play or stop', run: () => setPlaying(!state.playing) },
+    { keys: ['ArrowRight'], text: 'later', run: (e) => step(e.shiftKey ? 10 : 1) },
+    { keys: ['ArrowLeft'], text: 'earlier', run: (e) => step(e.shiftKey ? -10 : -1) },
+    { keys: ['Home'], text: 'to the start', run: () => setTime(t0) },
+    { keys: ['End'], text: 'to the end', run: () => setTime(t1) },
+    { keys: ['['], text: 'slower', run: () => speed.set(speed.get() - 0.1) },
+    { keys: [']'], text: 'faster', run: () => speed.set(speed.get() + 0.1) },
+    { keys: ['+', '='], text: 'more deformation', run: () => magnify.set(magnify.get() + 0.1) },
+    { keys: ['-'], text: 'less deformation', run: () => magnify.set(magnify.get() - 0.1) },
+    ...[0, 1, 2, 3, 4, 5].map((i) => ({ keys: [String(i + 1)], text: `view ${viewNames[i]}`, run: () => view(viewNames[i]) })),
+    { keys: ['0', 'i'], text: 'view from a corner', run: () => view('iso') },
+    { keys: ['c'], text: 'colour by displacement', run: () => color.click() },
+    { keys: ['j'], text: 'joints and springs', run: () => glyphs.click() },
+    { keys: ['p'], text: 'save a picture', run: () => void savePng() },
+    { keys: ['m'], text: 'save an animation', run: () => void saveFilm() },
+    { keys: ['t'], text: 'light or dark', run: () => theme.click() },
+    { keys: ['?'], text: 'this list', run: () => keys.click() },
+  ]);
+  const theme = themeButton(() => { refresh(); deck.redraw(); });
+
+  app.replaceChildren(
+    topBar(header.title, [['Bodies', String(moving.length)], ['Runs', String(runs.length)],
+                          ['Time', `${figure(duration, 4)} s`],
+                          ...(deflection > 0 ? [['Deflection', lengthText(deflection)] as [string, string]] : [])],
+           keys, theme),
+    h('main', { class: 'split motion' },
+      h('section', { class: 'viewer', 'aria-label': 'Picture' },
+        h('div', { class: 'canvas-box' }, stage.element,
+          h('div', { class: 'runs', role: 'group', 'aria-label': 'Runs' }, ...runButtons), legend, corner), strip),
+      h('aside', { class: 'panel', 'aria-label': 'Plots and results' },
+        h('div', { class: 'panel-head' }, h('div', { class: 'tabs', role: 'tablist' }, ...Object.values(tabs)),
+          h('label', { class: 'search' }, icon('search'), add), names, saveCsv),
+        ...(warnings.length ? [h('details', { class: 'warnings' }, h('summary', {}, icon('warning'),
+          `${warnings.length} warning${warnings.length > 1 ? 's' : ''}`), ...warnings.map((w) => h('p', {}, w)))] : []),
+        ...Object.values(pages))),
+    h('footer', { class: 'foot' }, `Written by ${header.created_by}.`));
+  const playAtFirst = state.playing;
+  state.playing = false;
+  refresh();
+  stage.view('iso', shown);
+  for (const plot of firstPlots(header)) await deck.add(plot);
+  setTime(t0);
+  setPlaying(playAtFirst);
+
+  // --- for scripts and tests: PAGE.md --------------------------------------------------------------------------------
+  const runNamed = (name: string) => {
+    const i = runs.findIndex((r) => r.header.name === name);
+    if (i < 0) throw new Error(`no run is called "${name}"`);
+    return i;
+  };
+  const bodyNamed = (run: string, name: string) => {
+    const body = mechanisms[runNamed(run)].body(name);
+    if (!body) throw new Error(`no body is called "${name}"`);
+    return body;
+  };
+  (window as unknown as { flexura: unknown }).flexura = {
+    page: 'motion', header, runs: runs.map((r) => r.header.name), quantities: all.map((q) => q.name),
+    get time() { return state.time; }, start: t0, end: t1,
+    setTime: (t: number) => { setPlaying(false); setTime(t); stage.drawNow(); },
+    setPlaying, setMagnify: (v: number) => { state.magnify = v; refresh(); }, get magnify() { return state.magnify; },
+    showRun: (name: string, on: boolean) => { state.visible[runNamed(name)] = on; refresh(); deck.redraw(); },
+    view, largestDeflection: deflection,
+    quantity: async (run: string, name: string) => [...((await runs[runNamed(run)].quantity(name)) ?? [])],
+    times: (run: string) => [...runs[runNamed(run)].time],
+    plots: () => deck.cards.map((c) => c.names),
+    addPlot: (wanted: string[]) => deck.add(wanted),
+    plotted: async (i: number) => (await deck.cards[i].plotted()).map((c) => ({ ...c, time: [...c.time], values: [...c.values] })),
+    csv: () => deck.csv(),
+    pose: (run: string, body: string) => {
+      const { position: p, quaternion: q } = bodyNamed(run, body).group;
+      return [p.x, p.y, p.z, q.w, q.x, q.y, q.z];
+    },
+    place: (run: string, body: string, p: number[]) =>
+      new THREE.Vector3().fromArray(p).applyMatrix4(bodyNamed(run, body).group.matrixWorld).toArray(),
+    deformed: (run: string, body: string, v: number) => bodyNamed(run, body).deformed!.drawn(v).toArray(),
+    mark: (run: string, body: string, v: number) => { bodyNamed(run, body).deformed!.mark(v); stage.drawNow(); },
+    project: (p: number[]) => { const { x, y } = stage.project(new THREE.Vector3().fromArray(p)); return [x, y]; },
+    pixel: (x: number, y: number) => stage.pixel(x, y), framesDrawn: () => stage.framesDrawn,
+  };
+}

@@ -1,0 +1,111 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+// What a motion page holds, and one run's histories, decoded when first asked for.
+import { readF4, readF8 } from './data';
+import type { SurfaceHeader } from './surface';
+
+export type Point = [number, number, number];
+
+export type PrimitiveHeader =
+  | { type: 'cylinder' | 'cone'; radius: number; length: number; position: Point; axis: Point }
+  | { type: 'sphere'; radius: number; position: Point }
+  | { type: 'box'; size: Point; position: Point; rotation: [number, number, number, number] }
+  | { type: 'line'; points: Point[] };
+
+export interface BodyHeader { name: string; kind: string; shapes: PrimitiveHeader[] }
+
+export interface Connection {
+  name: string;
+  kind: string;
+  body_1?: string;
+  body_2?: string;
+  p_1?: Point;
+  p_2?: Point;
+  axis_1?: Point;
+}
+
+export interface RunHeader {
+  name: string;
+  complete: boolean;
+  stopped_because: string;
+  rows_stored: number;
+  rows: number;
+  frames: number;
+  quantities: { name: string; unit: string; doc: string }[];
+  bodies: { name: string; surface: number | null; first_shape: number; n_shapes: number }[];
+  summary: unknown;
+}
+
+export interface MotionHeader {
+  format: 1;
+  page: 'motion';
+  title: string;
+  created_by: string;
+  surfaces: SurfaceHeader[];
+  bodies: BodyHeader[];
+  connections: Connection[] | null;
+  plots: string[][];
+  runs: RunHeader[];
+}
+
+export interface BodyMotion { pose: Float32Array; modal: Float32Array | null }
+
+export class Run {
+  time = new Float64Array(0);
+  frameTime = new Float64Array(0);
+  motion: BodyMotion[] = [];
+  private readonly values = new Map<number, Promise<Float64Array>>();
+  private readonly ready = new Map<number, Float64Array>();
+
+  constructor(readonly number: number, readonly header: RunHeader) {}
+
+  async load(): Promise<void> {
+    const key = `run${this.number}`;
+    this.time = await readF8(`${key}/time`) as Float64Array<ArrayBuffer>;
+    this.frameTime = await readF8(`${key}/frame_time`) as Float64Array<ArrayBuffer>;
+    this.motion = await Promise.all(this.header.bodies.map(async (body, j) => ({
+      pose: await readF4(`${key}/body/${j}/pose`),
+      modal: body.n_shapes > 0 ? await readF4(`${key}/body/${j}/modal`) : null,
+    })));
+  }
+
+  quantityNumber(name: string): number {
+    return this.header.quantities.findIndex((q) => q.name === name);
+  }
+
+  quantity(name: string): Promise<Float64Array> | null {
+    const j = this.quantityNumber(name);
+    if (j < 0) return null;
+    let values = this.values.get(j);
+    if (!values) {
+      values = readF8(`run${this.number}/quantity/${j}`);
+      this.values.set(j, values);
+      void values.then((v) => this.ready.set(j, v));
+    }
+    return values;
+  }
+
+  /** Value at a time, linear between stored rows; null while not decoded. */
+  valueAt(name: string, t: number): number | null {
+    const v = this.ready.get(this.quantityNumber(name));
+    if (!v || !v.length) return null;
+    const { at, part } = locate(this.time, t);
+    return part === 0 ? v[at] : v[at] + part * (v[at + 1] - v[at]);
+  }
+}
+
+/** Row and fraction of a time in a growing list; held at the ends. */
+export function locate(times: ArrayLike<number>, t: number): { at: number; part: number } {
+  const n = times.length;
+  if (n < 2 || t <= times[0]) return { at: 0, part: 0 };
+  if (t >= times[n - 1]) return { at: n - 1, part: 0 };
+  let low = 0;
+  let high = n - 1;
+  while (high - low > 1) {
+    const middle = (low + high) >> 1;
+    if (times[middle] <= t) low = middle;
+    else high = middle;
+  }
+  // Two rows may share a time, before and after an event.
+  const span = times[high] - times[low];
+  return { at: low, part: span > 0 ? (t - times[low]) / span : 0 };
+}

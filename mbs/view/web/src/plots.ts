@@ -1,0 +1,198 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+// Linked plots of stored quantities: one cursor, one zoom, the current time marked in all of them.
+import uPlot from 'uplot';
+import type { Run } from './motion_data';
+import { spectrum } from './spectrum';
+import { cssColor, figure, h, tick } from './ui';
+
+interface Curve { run: Run; name: string; unit: string; dash: number[] }
+
+const dashes = [[], [7, 4], [2, 3], [9, 3, 2, 3]];
+
+export class PlotCard {
+  readonly element: HTMLElement;
+  readonly curves: Curve[] = [];
+  private plot: uPlot | null = null;
+  private readonly place = h('div', { class: 'plot' });
+  private readonly values = h('dl', { class: 'plot-values' });
+  private readonly playhead = h('i', { class: 'playhead' });
+  private spectral = false;
+  private time = 0;
+  private cursor: number | null = null;
+
+  constructor(readonly names: string[], runs: Run[], private readonly deck: PlotDeck) {
+    for (const run of runs) {
+      names.forEach((name, i) => {
+        const j = run.quantityNumber(name);
+        if (j >= 0) {
+          this.curves.push({ run, name, unit: run.header.quantities[j].unit, dash: dashes[i % dashes.length] });
+        }
+      });
+    }
+    const units = [...new Set(this.curves.map((c) => c.unit))];
+    const unit = units.map((u) => `[${u || '–'}]`).join(' ');
+    const doc = this.curves.map((c) => c.run.header.quantities[c.run.quantityNumber(c.name)].doc).find((d) => d) ?? '';
+    const spectrumButton = h('button', { class: 'toggle small', type: 'button', 'aria-pressed': 'false',
+      title: 'Amplitude spectrum', onclick: () => {
+        this.spectral = !this.spectral;
+        spectrumButton.setAttribute('aria-pressed', String(this.spectral));
+        void this.draw();
+      } }, 'Spectrum');
+    this.element = h('article', { class: 'card', 'aria-label': `Plot of ${names.join(', ')}` },
+      h('header', {}, h('h3', { title: doc }, names.join(', ')), h('span', { class: 'unit' }, unit), spectrumButton,
+        h('button', { class: 'icon small', type: 'button', 'aria-label': `Remove ${names.join(', ')}`, title: 'Remove',
+                      onclick: () => this.deck.remove(this) }, '×')),
+      this.place, this.values);
+  }
+
+  visible(): Curve[] {
+    return this.curves.filter((c) => this.deck.shown(c.run));
+  }
+
+  async draw(): Promise<void> {
+    const curves = this.visible();
+    const tables = await Promise.all(curves.map(async (c): Promise<uPlot.AlignedData> => {
+      const v = await c.run.quantity(c.name)!;
+      if (!this.spectral) return [c.run.time as unknown as number[], v as unknown as number[]];
+      const s = spectrum(c.run.time, v);
+      return [s.frequency, s.amplitude];
+    }));
+    this.plot?.destroy();
+    this.plot = null;
+    if (!curves.length || !this.place.isConnected) return;
+    const same = tables.every((t) => t[0] === tables[0][0]);
+    const data = same ? [tables[0][0], ...tables.map((t) => t[1])] as uPlot.AlignedData : uPlot.join(tables);
+    const axis = { stroke: cssColor('--muted'), grid: { stroke: cssColor('--line'), width: 1 },
+                   ticks: { stroke: cssColor('--line'), width: 1, size: 4 }, font: '11px system-ui, sans-serif' };
+    this.plot = new uPlot({
+      width: this.place.clientWidth || 400, height: 158, padding: [8, 16, 0, 0],
+      legend: { show: false },
+      scales: { x: { time: false }, ...(this.spectral ? { y: { distr: 3 as const } } : {}) },
+      axes: [
+        { ...axis, size: 24, gap: 3, values: (_, v) => v.map((x) => tick(x)) },
+        { ...axis, size: 62, gap: 4, values: (_, v) => v.map((x) => (x === null ? '' : tick(x))) },
+      ],
+      cursor: { sync: this.spectral ? undefined : { key: 'time', setSeries: false, scales: ['x', null] },
+                drag: { x: true, y: false }, points: { size: 6 } },
+      series: [{}, ...curves.map((c) => ({
+        label: `${c.run.header.name}: ${c.name}`, stroke: cssColor(`--run${c.run.number % 6}`), width: 1.6,
+        dash: c.dash, spanGaps: true, points: { show: false },
+      }))],
+      hooks: {
+        setCursor: [(u: uPlot) => {
+          this.cursor = !this.spectral && u.cursor.left !== undefined && u.cursor.left >= 0
+            ? u.posToVal(u.cursor.left, 'x') : null;
+          this.showValues();
+        }],
+        setScale: [(u: uPlot, key: string) => {
+          if (key === 'x' && !this.spectral) this.deck.zoomed(this, u.scales.x.min!, u.scales.x.max!);
+          this.setTime(this.time);
+        }],
+      },
+    }, data, this.place);
+    if (!this.spectral) {
+      this.plot.over.append(this.playhead);
+      let pressed = 0;
+      this.plot.over.addEventListener('mousedown', (e) => { pressed = e.clientX; });
+      this.plot.over.addEventListener('click', (e) => {
+        if (Math.abs(e.clientX - pressed) < 3) this.deck.pick(this.plot!.posToVal(e.offsetX, 'x'));
+      });
+    }
+    this.setTime(this.time);
+  }
+
+  resize(): void {
+    this.plot?.setSize({ width: this.place.clientWidth, height: 158 });
+    this.setTime(this.time);
+  }
+
+  zoom(min: number, max: number): void {
+    if (this.plot && !this.spectral) this.plot.setScale('x', { min, max });
+  }
+
+  setTime(t: number): void {
+    this.time = t;
+    if (this.plot && !this.spectral) {
+      const x = this.plot.valToPos(t, 'x');
+      this.playhead.style.transform = `translateX(${x.toFixed(1)}px)`;
+      this.playhead.hidden = !(x >= 0 && x <= this.plot.over.clientWidth);
+    }
+    this.showValues();
+  }
+
+  private showValues(): void {
+    const t = this.cursor ?? this.time;
+    const rows = this.visible().map((c) => {
+      const v = c.run.valueAt(c.name, t);
+      const mark = h('i', { style: `--color: var(--run${c.run.number % 6})`, class: c.dash.length ? 'dashed' : '' });
+      const label = this.names.length > 1 ? `${c.run.header.name}: ${c.name}` : c.run.header.name;
+      return h('div', {}, h('dt', {}, mark, label), h('dd', {}, v === null ? '…' : figure(v, 5)));
+    });
+    this.values.replaceChildren(...rows);
+  }
+
+  /** What is plotted, for scripts and CSV. */
+  async plotted(): Promise<{ run: string; name: string; unit: string; time: Float64Array; values: Float64Array }[]> {
+    return Promise.all(this.visible().map(async (c) => ({
+      run: c.run.header.name, name: c.name, unit: c.unit, time: c.run.time, values: (await c.run.quantity(c.name))!,
+    })));
+  }
+}
+
+export class PlotDeck {
+  readonly element = h('div', { class: 'deck' });
+  readonly cards: PlotCard[] = [];
+  private zooming = false;
+  private time = 0;
+
+  constructor(private readonly runs: Run[], readonly shown: (run: Run) => boolean,
+              readonly pick: (t: number) => void) {
+    new ResizeObserver(() => this.cards.forEach((c) => c.resize())).observe(this.element);
+  }
+
+  async add(names: string[]): Promise<void> {
+    const card = new PlotCard(names, this.runs, this);
+    if (!card.curves.length) return;
+    this.cards.push(card);
+    this.element.append(card.element);
+    card.setTime(this.time);
+    await card.draw();
+    card.setTime(this.time);
+  }
+
+  remove(card: PlotCard): void {
+    this.cards.splice(this.cards.indexOf(card), 1);
+    card.element.remove();
+  }
+
+  redraw(): void {
+    for (const card of this.cards) void card.draw();
+  }
+
+  setTime(t: number): void {
+    this.time = t;
+    for (const card of this.cards) card.setTime(t);
+  }
+
+  zoomed(source: PlotCard, min: number, max: number): void {
+    if (this.zooming) return;
+    this.zooming = true;
+    for (const card of this.cards) if (card !== source) card.zoom(min, max);
+    this.zooming = false;
+  }
+
+  async csv(): Promise<string> {
+    const curves = (await Promise.all(this.cards.map((c) => c.plotted()))).flat();
+    const byRun = new Map<string, typeof curves>();
+    for (const c of curves) byRun.set(c.run, [...(byRun.get(c.run) ?? []), c]);
+    const columns: { head: string; values: Float64Array }[] = [];
+    for (const [run, list] of byRun) {
+      columns.push({ head: `${run}: time [s]`, values: list[0].time });
+      for (const c of list) columns.push({ head: `${run}: ${c.name} [${c.unit}]`, values: c.values });
+    }
+    const rows = Math.max(0, ...columns.map((c) => c.values.length));
+    const lines = [columns.map((c) => `"${c.head.replace(/"/g, '""')}"`).join(',')];
+    for (let i = 0; i < rows; ++i) lines.push(columns.map((c) => (i < c.values.length ? String(c.values[i]) : '')).join(','));
+    return lines.join('\n') + '\n';
+  }
+}
