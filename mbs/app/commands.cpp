@@ -8,6 +8,7 @@ std::vector<terminal::Command> all_commands() {
       // In the order of use.
       reduce_command(),
       modes_command(),
+      view_command(),
       check_command(),
   };
 }

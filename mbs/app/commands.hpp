@@ -13,6 +13,7 @@ namespace flexura::app {
 terminal::Command check_command();
 terminal::Command modes_command();
 terminal::Command reduce_command();
+terminal::Command view_command();
 
 std::vector<terminal::Command> all_commands();
 
