@@ -156,7 +156,7 @@ Reduction craig_bampton(const Part& part, const ReductionOptions& options) {
       reduction.dropped -=
           participation.transpose() * pairs.omega2.cwiseInverse().asDiagonal() * participation;
     reduction.dropped = (0.5 * (reduction.dropped + reduction.dropped.transpose())).eval();
-    reduction.omega2_dropped = n_q > 0 ? pairs.omega2(n_q - 1) : 0.0;
+    reduction.omega2_dropped = pairs.omega2_next;
     report.seconds_estimate = watch.lap();
   }
   report.n_nodes = model.n_nodes();

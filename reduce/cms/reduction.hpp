@@ -49,8 +49,7 @@ struct Reduction {
   /// n_b x n_b: Mhat^T F_rs Mhat, the dropped modes' share of the interface's dynamics (error_estimate.hpp)
   /// [kg s^2].
   Eigen::MatrixXd dropped;
-  double omega2_dropped =
-      0.0;  ///< a lower bound of the first dropped eigenvalue: the last one kept [rad^2/s^2]
+  double omega2_dropped = 0.0;  ///< the first dropped eigenvalue [rad^2/s^2]
   ReductionReport report;
 
   int n() const { return n_b + n_q; }

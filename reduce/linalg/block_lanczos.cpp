@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <random>
 #include <stdexcept>
 
@@ -208,6 +209,8 @@ EigenPairs block_lanczos(const EigenProblem& problem, const EigenRequest& reques
     report(progress, kStage, std::min(0.99, static_cast<double>(known) / static_cast<double>(target)));
     if (count >= 0) {
       MatrixXd Y = ritz.Y.leftCols(count);
+      pairs.omega2_next =
+          count < ritz.omega2.size() ? ritz.omega2(count) : std::numeric_limits<double>::infinity();
       pairs.Phi = times(basis.vectors().leftCols(old), Y);
       if (!exhausted) {
         MatrixXd tail = R * Y.bottomRows(applied);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace flexura::linalg {
 
@@ -12,6 +13,8 @@ void trim(EigenPairs& pairs, const EigenRequest& request) {
   while (keep > 0 && keep < pairs.omega2.size() &&
          pairs.omega2(keep) - pairs.omega2(keep - 1) < kClusterGap * std::abs(pairs.omega2(keep)))
     ++keep;
+  pairs.omega2_next =
+      keep < pairs.omega2.size() ? pairs.omega2(keep) : std::numeric_limits<double>::infinity();
   pairs.omega2.conservativeResize(keep);
   pairs.Phi.conservativeResize(Eigen::NoChange, keep);
 }

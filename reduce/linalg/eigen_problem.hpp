@@ -31,6 +31,7 @@ struct EigenPairs {
   Eigen::VectorXd omega2;    ///< ascending [rad^2/s^2]
   Eigen::MatrixXd Phi;       ///< n x k, M-orthonormal
   Eigen::VectorXd residual;  ///< ||K phi - omega^2 M phi|| / ||(K + shift M) phi||, each pair
+  double omega2_next = 0.0;  ///< the first eigenvalue that was left out; infinite where there is none
   int n_solves = 0;          ///< right-hand sides solved for
   int n_blocks = 0;          ///< solves with a block of right-hand sides
 };
