@@ -276,7 +276,7 @@ export async function modesPage(app: HTMLElement, header: ModesHeader): Promise<
     for (let v = 0; v < header.surface.vertices; ++v) {
       body.drawn(v, p);
       const depth = p.distanceTo(stage.camera.position);
-      const at = stage.project(p);
+      const at = stage.project(p, true);
       const miss = Math.hypot(at.x - x, at.y - y);
       // Within a few pixels the nearer vertex wins.
       if (miss < 12 && miss + (200 * depth) / surface.size < least) {
@@ -324,10 +324,10 @@ export async function modesPage(app: HTMLElement, header: ModesHeader): Promise<
     },
     deformed: (v: number) => { showMode(state.mode); return body.drawn(v).toArray(); },
     project: (p: number[]) => { const { x, y } = stage.project(new THREE.Vector3().fromArray(p)); return [x, y]; },
-    camera: () => new THREE.Matrix4().multiplyMatrices(stage.camera.projectionMatrix, stage.camera.matrixWorldInverse)
-      .toArray(),
+    camera: () => (stage.drawNow(), new THREE.Matrix4().multiplyMatrices(stage.camera.projectionMatrix, stage.camera.matrixWorldInverse)
+      .toArray()),
     mark: (v: number) => { mark(v); stage.drawNow(); },
-    pixel: (x: number, y: number) => stage.pixel(x, y),
+    pixel: (x: number, y: number) => stage.pixel(x, y), snapshot: () => stage.snapshot(),
     struck: () => table.struck(), framesDrawn: () => stage.framesDrawn,
   };
 }

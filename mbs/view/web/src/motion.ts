@@ -6,6 +6,7 @@ import { Mechanism } from './mechanism';
 import { Run, type MotionHeader } from './motion_data';
 import { PlotDeck } from './plots';
 import { record } from './record';
+import { spectrum } from './spectrum';
 import { Stage, viewNames, type ViewName } from './stage';
 import { summaryPanel, warningsOf } from './summary';
 import { Surface } from './surface';
@@ -325,6 +326,10 @@ export async function motionPage(app: HTMLElement, header: MotionHeader): Promis
     plots: () => deck.cards.map((c) => c.names),
     addPlot: (wanted: string[]) => deck.add(wanted),
     plotted: async (i: number) => (await deck.cards[i].plotted()).map((c) => ({ ...c, time: [...c.time], values: [...c.values] })),
+    spectrum: async (run: string, name: string) => {
+      const r = runs[runNamed(run)];
+      return spectrum(r.time, (await r.quantity(name)) ?? []);
+    },
     csv: () => deck.csv(),
     pose: (run: string, body: string) => {
       const { position: p, quaternion: q } = bodyNamed(run, body).group;
@@ -335,6 +340,6 @@ export async function motionPage(app: HTMLElement, header: MotionHeader): Promis
     deformed: (run: string, body: string, v: number) => bodyNamed(run, body).deformed!.drawn(v).toArray(),
     mark: (run: string, body: string, v: number) => { bodyNamed(run, body).deformed!.mark(v); stage.drawNow(); },
     project: (p: number[]) => { const { x, y } = stage.project(new THREE.Vector3().fromArray(p)); return [x, y]; },
-    pixel: (x: number, y: number) => stage.pixel(x, y), framesDrawn: () => stage.framesDrawn,
+    pixel: (x: number, y: number) => stage.pixel(x, y), snapshot: () => stage.snapshot(), framesDrawn: () => stage.framesDrawn,
   };
 }

@@ -57,6 +57,12 @@ export class PlotCard {
       const s = spectrum(c.run.time, v);
       return [s.frequency, s.amplitude];
     }));
+    // Six decades below the highest line; what is lower, or zero, has no place on the logarithmic axis.
+    let top = 0;
+    if (this.spectral) for (const t of tables) for (const v of t[1]) top = Math.max(top, v ?? 0);
+    const low = 10 ** (Math.ceil(Math.log10(top)) - 6);
+    if (top > 0) tables.forEach((t) => { t[1] = Array.from(t[1], (v) => (v !== null && v! >= low ? v : null)); });
+
     this.plot?.destroy();
     this.plot = null;
     if (!curves.length || !this.place.isConnected) return;
@@ -67,7 +73,7 @@ export class PlotCard {
     this.plot = new uPlot({
       width: this.place.clientWidth || 400, height: 158, padding: [8, 16, 0, 0],
       legend: { show: false },
-      scales: { x: { time: false }, ...(this.spectral ? { y: { distr: 3 as const } } : {}) },
+      scales: { x: { time: false }, ...(top > 0 ? { y: { distr: 3 as const, range: [low, 1e6 * low] as [number, number] } } : {}) },
       axes: [
         { ...axis, size: 24, gap: 3, values: (_, v) => v.map((x) => tick(x)) },
         { ...axis, size: 62, gap: 4, values: (_, v) => v.map((x) => (x === null ? '' : tick(x))) },

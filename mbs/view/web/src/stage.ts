@@ -71,9 +71,7 @@ export class Stage {
     this.renderer.setScissorTest(false);
     this.renderer.clear();
     const each = width / this.panes;
-    this.camera.aspect = each / Math.max(1, height);
-    this.camera.updateProjectionMatrix();
-    this.setDepthRange();
+    this.fitCamera();
     this.renderer.setScissorTest(this.panes > 1);
     for (let pane = 0; pane < this.panes; ++pane) {
       this.renderer.setViewport(pane * each, 0, each, height);
@@ -111,7 +109,8 @@ export class Stage {
     this.controls.maxDistance = this.radius * 60;
   }
 
-  private setDepthRange(): void {
+  private fitCamera(): void {
+    this.camera.aspect = this.element.clientWidth / this.panes / Math.max(1, this.element.clientHeight);
     const distance = this.camera.position.distanceTo(this.centre);
     this.camera.near = Math.max(distance - 6 * this.radius, distance * 0.005, this.radius * 1e-3);
     this.camera.far = distance + 12 * this.radius;
@@ -153,7 +152,8 @@ export class Stage {
   }
 
   /** Place on the element [px], from its upper left corner, of a point in W; of the first pane. */
-  project(p: THREE.Vector3): { x: number; y: number; behind: boolean } {
+  project(p: THREE.Vector3, fitted = false): { x: number; y: number; behind: boolean } {
+    if (!fitted) this.fitCamera();
     this.camera.updateMatrixWorld();
     const v = p.clone().project(this.camera);
     return { x: (v.x / 2 + 0.5) * (this.element.clientWidth / this.panes),
@@ -163,7 +163,7 @@ export class Stage {
   private placeLabels(): void {
     for (const { element, place } of this.labels) {
       if (element.hidden) continue;
-      const at = this.project(place());
+      const at = this.project(place(), true);
       element.style.transform = `translate(${at.x.toFixed(1)}px, ${at.y.toFixed(1)}px)`;
       element.style.visibility = at.behind ? 'hidden' : '';
     }
@@ -208,6 +208,12 @@ export class Stage {
     const out = new Uint8Array(4);
     g.readPixels(Math.round(x * ratio), Math.round(this.canvas.height - 1 - y * ratio), 1, 1, g.RGBA, g.UNSIGNED_BYTE, out);
     return [...out];
+  }
+
+  /** The picture without labels, as a data address of a PNG, drawn at this moment. */
+  snapshot(): string {
+    this.drawNow();
+    return this.canvas.toDataURL('image/png');
   }
 
   stream(fps: number): MediaStream {
