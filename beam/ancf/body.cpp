@@ -59,12 +59,14 @@ void AncfBody::force(const Eigen::VectorXd& q, const Eigen::VectorXd* v, VectorR
   f.setZero();
   for (int k = 0; k < n_elements(); ++k) {
     const int at = k * node_coordinates();
-    elements_[k]->add_force(q.data() + at, v ? v->data() + at : kStill, f.data() + at, nullptr, nullptr);
+    elements_[k]->add_force(q.data() + at, v ? v->data() + at : kStill, nullptr, f.data() + at, nullptr,
+                            nullptr);
   }
 }
 
 void AncfBody::force_and_tangents(const Eigen::VectorXd& q, const Eigen::VectorXd* v, Scratch& scratch,
-                                  VectorRef f, BlockTridiagonal& K, BlockTridiagonal& D) const {
+                                  VectorRef f, BlockTridiagonal& K, BlockTridiagonal& D,
+                                  const Eigen::VectorXd* q_before) const {
   f.setZero();
   K.set_zero();
   D.set_zero();
@@ -72,7 +74,8 @@ void AncfBody::force_and_tangents(const Eigen::VectorXd& q, const Eigen::VectorX
     const int at = k * node_coordinates();
     scratch.K_e.setZero();
     scratch.D_e.setZero();
-    elements_[k]->add_force(q.data() + at, v ? v->data() + at : kStill, f.data() + at, scratch.K_e.data(),
+    elements_[k]->add_force(q.data() + at, v ? v->data() + at : kStill,
+                            q_before ? q_before->data() + at : nullptr, f.data() + at, scratch.K_e.data(),
                             scratch.D_e.data());
     K.add_element(k, scratch.K_e);
     D.add_element(k, scratch.D_e);

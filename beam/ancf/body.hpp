@@ -74,8 +74,11 @@ class AncfBody {
   /// f = internal force (elastic and viscous); v may be nullptr where the body is at rest.
   void force(const Eigen::VectorXd& q, const Eigen::VectorXd* v, VectorRef f) const;
   /// The same with K = df/dq and D = df/dv, exact.  Nothing allocates when K and D have the body's size.
+  /// With `q_before` the geometric part of K belongs to the extrapolated stress (Element::add_force); statics
+  /// use it.
   void force_and_tangents(const Eigen::VectorXd& q, const Eigen::VectorXd* v, Scratch& scratch, VectorRef f,
-                          BlockTridiagonal& K, BlockTridiagonal& D) const;
+                          BlockTridiagonal& K, BlockTridiagonal& D,
+                          const Eigen::VectorXd* q_before = nullptr) const;
 
   const BlockTridiagonal& mass() const { return mass_; }
   /// m (x) W for any dim x dim matrix W: M for the identity, Coriolis and centrifugal matrices for spins.

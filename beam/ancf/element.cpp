@@ -42,16 +42,15 @@ class ElementOf final : public Element {
   double dissipation(const double* e, const double* e_dot) const override {
     return std::apply([&](const Sets&... set) { return (set.dissipation(e, e_dot) + ...); }, sets_);
   }
-  void add_force(const double* e, const double* e_dot, double* f, double* K, double* D) const override {
-    std::apply([&](const Sets&... set) { (set.add_force(e, e_dot, f, K, D), ...); }, sets_);
+  void add_force(const double* e, const double* e_dot, const double* e_before, double* f, double* K,
+                 double* D) const override {
+    std::apply([&](const Sets&... set) { (set.add_force(e, e_dot, e_before, f, K, D), ...); }, sets_);
   }
 
  private:
   std::tuple<Sets...> sets_;
 };
 
-// Points on the axis of every element: enough for the three axial modes of the cubic, too few to lock.
-constexpr int kAxisPoints = 3;
 // Along the axis of the solid beam: its stress integrals are of degree 8.
 constexpr int kSolidPoints = 5;
 // The consistent mass is of degree 6 in xi: four Gauss points.
@@ -75,7 +74,7 @@ std::unique_ptr<Element> make_line(const LineSection& section, double length, co
   typename Set::Law C_d = C * section.damping_time_bending;
   C_d(0, 0) = section.EA * section.damping_time_axial;
   Set set;
-  for (const auto& q : gauss_rule(kAxisPoints)) {
+  for (const auto& q : lobatto_rule()) {
     typename Set::Rows N;
     N << hermite_x(q.xi, length), hermite_xx(q.xi, length);
     set.add(q.weight * length, N, C, C_d, e_0);
@@ -167,7 +166,7 @@ std::unique_ptr<Element> make_spatial_beam(const BeamSection& section, double le
   using Axis = PointSet<AxisStrain, 8>;
   using Plane = PointSet<SectionStrain, 8>;
   Axis axis;
-  for (const auto& q : gauss_rule(kAxisPoints)) {
+  for (const auto& q : lobatto_rule()) {
     Axis::Rows N;
     N << axis_row(hermite_x(q.xi, length)), y_row(1 - q.xi, q.xi), z_row(1 - q.xi, q.xi),
         y_row(-1 / length, 1 / length), z_row(-1 / length, 1 / length);

@@ -87,7 +87,13 @@ class Element {
   virtual double dissipation(const double* e, const double* e_dot) const = 0;
   /// Adds the internal force (elastic and viscous: gradient of energy, M e_ddot + f = external) to f, its
   /// derivatives by e to K and by e_dot to D.
-  virtual void add_force(const double* e, const double* e_dot, double* f, double* K, double* D) const = 0;
+  /// With `e_before` (else nullptr) the geometric part of K takes the stress extrapolated linearly from
+  /// e_before to e. Newton's iteration then converges as that of a mixed formulation, in a handful of large
+  /// steps, where the plain tangent of a slender beam sees only the enormous spurious tension of its last
+  /// step (D. Magisano, L. Leonetti, G. Garcea, Comput. Methods Appl. Mech. Eng. 313 (2017) 986); f does not
+  /// change.
+  virtual void add_force(const double* e, const double* e_dot, const double* e_before, double* f, double* K,
+                         double* D) const = 0;
 
  protected:
   Element(int dim, int vectors, double length) : dim_(dim), vectors_(vectors), length_(length) {}

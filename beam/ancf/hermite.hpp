@@ -40,4 +40,7 @@ struct QuadraturePoint {
 /// std::invalid_argument for another n.
 std::span<const QuadraturePoint> gauss_rule(int n);
 
+/// Lobatto rule with three points (Simpson's): both ends and the middle, exact for polynomials of degree 3.
+std::span<const QuadraturePoint> lobatto_rule();
+
 }  // namespace flexura::beam::ancf

@@ -68,7 +68,10 @@ class PointSet {
 
   /// Adds the internal force to f (n) and, unless nullptr, df/de to K and df/de_dot to D (n x n,
   /// column-major).
-  void add_force(const double* e, const double* e_dot, double* f, double* K, double* D) const {
+  /// With `e_before` the geometric part of K takes the stress extrapolated linearly from e_before to e
+  /// (Element).
+  void add_force(const double* e, const double* e_dot, const double* e_before, double* f, double* K,
+                 double* D) const {
     Eigen::Map<Eigen::Matrix<double, dim, n_s>> force(f);
     typename Strain::Gradient g, g_dot;
     for (const Point& point : points_) {
@@ -91,7 +94,15 @@ class PointSet {
 
       if (K) {
         typename Strain::Hessian K_x = Strain::Hessian::Zero();
-        Strain::add_hessian(x, sigma, K_x);
+        if (e_before) {
+          const X x_before = Nodal(e_before) * point.N.transpose();
+          Z z_before;
+          Strain::evaluate(x_before, z_before, g_dot);
+          z_before += g_dot * (x - x_before).reshaped() - point.z_0;
+          Strain::add_hessian(x, Z(point.C * z_before + sigma_d), K_x);
+        } else {
+          Strain::add_hessian(x, sigma, K_x);
+        }
         typename Strain::Gradient d_sigma = point.C * g;
         if (point.damped) {
           Strain::gradient_rate(x, x_dot, g_dot);

@@ -53,7 +53,7 @@ TEST_F(ChronoElement3243, InternalForceAtSmallDisplacement) {
   const Eigen::VectorXd reference = read_matrix("IntFrcSmallDispNoVel", 24, 1);
   Eigen::VectorXd e = e_0, still = Eigen::VectorXd::Zero(24), f = Eigen::VectorXd::Zero(24);
   e[14] = 0.001;
-  element->add_force(e.data(), still.data(), f.data(), nullptr, nullptr);
+  element->add_force(e.data(), still.data(), nullptr, f.data(), nullptr, nullptr);
   // Chrono's vector is the force on the nodes.  Strains of order 1e-3 come from coordinates of order 1 and
   // leave round-offs of 2e-16 E A (0.5e-6 N) at each point; the weights sum to 1.
   EXPECT_LT((f + reference).cwiseAbs().maxCoeff(), 4 * 2.2e-16 * 210e9 * 0.01);
@@ -63,7 +63,7 @@ TEST_F(ChronoElement3243, TangentStiffnessAtRest) {
   const Eigen::MatrixXd reference = read_matrix("JacNoDispNoVelNoDamping", 24, 24);
   Eigen::VectorXd still = Eigen::VectorXd::Zero(24), f = still;
   Eigen::MatrixXd K = Eigen::MatrixXd::Zero(24, 24);
-  element->add_force(e_0.data(), still.data(), f.data(), K.data(), nullptr);
+  element->add_force(e_0.data(), still.data(), nullptr, f.data(), K.data(), nullptr);
   EXPECT_LT((K - reference).cwiseAbs().maxCoeff(), kDigits * reference.maxCoeff());
 }
 

@@ -32,7 +32,7 @@ struct Evaluation {
 Evaluation evaluate(const Element& element, const VectorXd& e, const VectorXd& e_dot) {
   const int n = element.n();
   Evaluation out{VectorXd::Zero(n), MatrixXd::Zero(n, n), MatrixXd::Zero(n, n)};
-  element.add_force(e.data(), e_dot.data(), out.f.data(), out.K.data(), out.D.data());
+  element.add_force(e.data(), e_dot.data(), nullptr, out.f.data(), out.K.data(), out.D.data());
   return out;
 }
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "beam/ancf/element.hpp"
+#include "beam/ancf/problem.hpp"
 
 /// One element of each kind, with a curved stress-free shape where the kind allows one, all damped.
 namespace flexura::beam::ancf {
@@ -16,6 +16,24 @@ struct Sample {
   std::unique_ptr<Element> element;
   Eigen::VectorXd rest;  ///< a configuration without strain
 };
+
+inline Problem held(const AncfBody& body, std::vector<int> fixed) {
+  Problem problem;
+  problem.body = &body;
+  problem.fixed = std::move(fixed);
+  return problem;
+}
+
+/// Cantilever along x of a line: the tangent keeps its direction, not its length (the root may stretch).
+inline std::vector<int> clamp_of_line(int dim) {
+  std::vector<int> fixed;
+  for (int c = 0; c < dim; ++c) fixed.push_back(c);
+  for (int c = 1; c < dim; ++c) fixed.push_back(dim + c);
+  return fixed;
+}
+
+/// Cantilever of a beam: position and section; r_x stays free for stretch and shear.
+inline const std::vector<int> kBeamClamp = {0, 1, 2, 6, 7, 8, 9, 10, 11};
 
 inline Eigen::VectorXd line_coordinates(int dim, double l, double turn) {
   // Two nodes a chord of about l apart, tangents turned by -turn and +turn from it.
