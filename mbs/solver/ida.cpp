@@ -8,6 +8,7 @@
 
 #include <cmath>
 
+#include "mbs/solver/error_weights.hpp"
 #include "mbs/solver/stabilised_index2.hpp"
 
 namespace flexura::mbs {
@@ -27,7 +28,7 @@ Map edit(N_Vector x) {
 class Ida final : public Integrator {
  public:
   Ida(const Equations& eq, const SolverOptions& options)
-      : eq_(eq), options_(options), scratch_(eq.make_scratch()) {
+      : eq_(eq), options_(options), scratch_(eq.make_scratch()), weights_(eq, options) {
     if (SUNContext_Create(nullptr, &context_) != 0)
       throw std::runtime_error("SUNDIALS cannot be initialised");
   }
@@ -78,6 +79,7 @@ class Ida final : public Integrator {
   const Equations& eq_;
   SolverOptions options_;
   std::unique_ptr<Equations::Scratch> scratch_;
+  ErrorWeights weights_;
   std::unique_ptr<StabilisedIndex2> form_;
   SUNContext context_ = nullptr;
   void* memory_ = nullptr;
@@ -85,7 +87,6 @@ class Ida final : public Integrator {
   SUNMatrix matrix_ = nullptr;
   N_Vector y_ = nullptr, yp_ = nullptr, id_ = nullptr, dky_ = nullptr;
   State root_state_;
-  Eigen::VectorXd position_scale_, velocity_scale_;
   double t_ = 0.0;
   StepCounts before_;  // of earlier starts: IDA counts from its last start
   std::vector<int> root_info_;
@@ -111,17 +112,13 @@ int Ida::jacobian(double t, double cj, N_Vector y, N_Vector yp, N_Vector, SUNMat
 int Ida::weights(N_Vector y, N_Vector w, void* self) {
   Ida& ida = of(self);
   const StabilisedIndex2& form = *ida.form_;
-  const double tol = ida.options_.tolerance, floor = ida.options_.absolute_factor;
-  const int n_p = form.at_v(), n_v = form.at_c() - form.at_v();
+  const int n_p = form.at_v(), n_v = form.at_c() - n_p, n_c = form.at_a() - form.at_c();
   const auto in = view(y);
   auto out = edit(w);
-  for (int i = 0; i < n_p; ++i) {
-    const double scale = ida.position_scale_(i);
-    out(i) = 1.0 / (tol * (std::min(std::abs(in(i)), scale) + floor * scale));
-  }
-  for (int i = 0; i < n_v; ++i)
-    out(n_p + i) = 1.0 / (tol * (std::abs(in(n_p + i)) + floor * ida.velocity_scale_(i)));
-  for (int i = form.at_c(); i < form.at_lambda(); ++i) out(i) = 1.0 / (tol * (std::abs(in(i)) + floor));
+  ida.weights_.evaluate(in.head(n_p), in.segment(n_p, n_v), in.segment(form.at_c(), n_c),
+                        out.head(form.at_a()));
+  for (int i = form.at_a(); i < form.at_lambda(); ++i)
+    out(i) = 1.0 / (ida.options_.tolerance * (std::abs(in(i)) + ida.options_.absolute_factor));
   // Multipliers follow linearly from the rest: they neither steer the step nor stop Newton.  The norm divides
   // by the length of y; the factor takes them out of that count too.
   out.tail(2 * form.n_lambda()).setConstant(1e-30);
@@ -188,10 +185,6 @@ void Ida::create(const State& s) {
   edit(id_).setZero();
   edit(id_).head(form_->at_a()).setOnes();
   const Sizes sizes = eq_.sizes();
-  position_scale_.resize(sizes.n_p);
-  velocity_scale_.resize(sizes.n_v);
-  for (int i = 0; i < sizes.n_p; ++i) position_scale_(i) = eq_.position_scale(i);
-  for (int i = 0; i < sizes.n_v; ++i) velocity_scale_(i) = eq_.velocity_scale(i);
   root_state_ = s;
   root_info_.assign(sizes.n_root, 0);
 

@@ -8,10 +8,7 @@ namespace flexura::mbs {
 /// BDF of variable step and order (SUNDIALS IDA; A. C. Hindmarsh et al., ACM TOMS 31 (2005) 363-396) on the
 /// stabilised index-2 form, with roots located by IDA and multipliers kept out of the error test
 /// (IDASetSuppressAlg).
-///
-/// Error weights: positions tolerance * (min(|p|, scale) + absolute_factor scale), so that a wheel's angle
-/// does not loosen with its revolutions; velocities and dynamic states tolerance * (|y| + absolute_factor
-/// scale).
+/// Error weights: error_weights.hpp.
 std::unique_ptr<Integrator> make_ida(const Equations& eq, const SolverOptions& options);
 
 }  // namespace flexura::mbs

@@ -4,12 +4,14 @@
 #include <fmt/format.h>
 
 #include "mbs/solver/ida.hpp"
+#include "mbs/solver/runge_kutta.hpp"
 
 namespace flexura::mbs {
 
 std::unique_ptr<Integrator> make_integrator(const Equations& eq, const SolverOptions& options) {
   // One line for each integrator; the same names stand in solver_schema().
   if (options.method == "ida") return make_ida(eq, options);
+  if (options.method == "runge_kutta") return make_runge_kutta(eq, options);
   throw std::invalid_argument(fmt::format("unknown integrator \"{}\"", options.method));
 }
 

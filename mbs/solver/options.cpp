@@ -10,8 +10,9 @@ input::TableSchema solver_schema() {
   schema.doc = "How the equations of motion are integrated and how often results are written.";
   schema.keys.push_back(
       in::choice(
-          "method", {"ida"},
-          "integrator: ida = SUNDIALS IDA (BDF, variable step and order) on the stabilised index-2 form")
+          "method", {"ida", "runge_kutta"},
+          "integrator: ida = SUNDIALS IDA (BDF, variable step and order) on the stabilised index-2 form; "
+          "runge_kutta = Dormand-Prince 5(4) with projection, explicit, for models that are not stiff")
           .or_default("ida"));
   schema.keys.push_back(
       in::quantity("start_time", in::dim::time, "time at which the run begins").or_default("0 s"));
@@ -50,6 +51,11 @@ input::TableSchema solver_schema() {
   schema.keys.push_back(in::quantity("max_step", in::dim::time, "longest step; 0 = a tenth of the run")
                             .or_default("0 s")
                             .at_least(0.0));
+  schema.keys.push_back(in::quantity("fixed_step", in::dim::time,
+                                     "fixed step of runge_kutta, without error control; 0 = "
+                                     "variable step")
+                            .or_default("0 s")
+                            .at_least(0.0));
   schema.keys.push_back(in::integer("max_steps", "a run that needs more steps stops; 0 = no bound")
                             .or_default("0")
                             .at_least(0));
@@ -70,10 +76,13 @@ SolverOptions read_solver_options(const input::Section& section) {
   o.first_step = section.quantity("first_step");
   o.min_step = section.quantity("min_step");
   o.max_step = section.quantity("max_step");
+  o.fixed_step = section.quantity("fixed_step");
   o.max_steps = section.integer("max_steps");
   o.store_states = section.flag("store_states");
   if (o.end_time < o.start_time)
     section.refuse("end_time", "must not be before start_time", "give a later end_time");
+  if (o.fixed_step > 0.0 && o.method == "ida")
+    section.refuse("fixed_step", "ida chooses its own steps", "use method = \"runge_kutta\"");
   if (o.max_step > 0.0 && o.max_step < o.min_step)
     section.refuse("max_step", "must not be below min_step", "give a larger max_step, or 0 for no bound");
   return o;

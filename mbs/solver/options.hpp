@@ -10,7 +10,7 @@
 namespace flexura::mbs {
 
 struct SolverOptions {
-  std::string method = "ida";  ///< the integrator, one of solver_methods()
+  std::string method = "ida";  ///< the integrator, one of those in integrator.cpp
   double start_time = 0.0;     ///< s
   double end_time = 1.0;       ///< s
   double output_step = 0.01;   ///< s; rows stand at start_time + k output_step, and at end_time
@@ -22,6 +22,7 @@ struct SolverOptions {
   double first_step = 0.0;    ///< s; 0 lets the integrator choose
   double min_step = 0.0;      ///< s; 0: 1e-12 of the run
   double max_step = 0.0;      ///< s; 0: a tenth of the run
+  double fixed_step = 0.0;    ///< s; 0: variable. Not for ida
   int max_steps = 0;          ///< steps allowed in a run; 0: no bound
   bool store_states = false;  ///< write all states into the results file
 };

@@ -201,6 +201,76 @@ TEST(Dynamics, BallWithRestitutionBouncesAtTheExactTimesAndItsLastBouncesAreRefu
   EXPECT_NEAR(r.result.state.t, t_1 * 9.0, 1e-3);
 }
 
+TEST(Dynamics, ExplicitIntegratorAgreesWithTheExactSolutions) {
+  SolverOptions o = until(10.0, 1.0, 1e-8);
+  o.method = "runge_kutta";
+  const CartesianPendulum pendulum;
+  State s = make_state(pendulum);
+  s.p << -1.0, 0.0;
+  Recorded r = simulate(pendulum, s, o);
+  ASSERT_TRUE(r.result.complete) << r.result.stopped_because;
+  // Interpolated rows as well as the end; 1e-8 in each of 600 steps.
+  EXPECT_LT((r.rows[1].p - Eigen::Vector2d(.986291751132, -.165010853126)).norm(), 5e-6);
+  EXPECT_LT((r.rows[10].p - Eigen::Vector2d(-.275087462576, -.961419205099)).norm(), 5e-6);
+  // Projected to round-off after each step.
+  EXPECT_LT(r.result.peak_position_drift, 1e-14);
+  EXPECT_NEAR(r.rows[10].lambda(0), 3.0 * 9.81 * .961419205099, 1e-4);
+
+  const PlanarMechanism squeezer = andrews();
+  s = make_state(squeezer);
+  s.p << -0.0617138900142764496, 0, 0.455279819163070380, 0.222668390165885885, 0.487364979543842550,
+      -0.222668390165885885, 1.23054744454982119;
+  o.end_time = 0.03;
+  o.output_step = 0.01;
+  r = simulate(squeezer, s, o);
+  ASSERT_TRUE(r.result.complete) << r.result.stopped_because;
+  Eigen::VectorXd q(7);
+  q << 15.81077119629904, -15.75637105984298, .04082224013073101, -.5347301163226948, .5244099658805304,
+      .5347301163226948, 1.048080741042263;
+  EXPECT_LT(((r.result.state.p - q).array() / q.array().abs().max(1.0)).abs().maxCoeff(), 1e-7);
+
+  const PlanarMechanism frames = windows(2);
+  s = make_state(frames);
+  s.p << M_PI / 2, M_PI / 2, M_PI / 2, 0.0, 0.0;
+  s.v << -1.0, -1.0, -1.0, 0.0, 0.0;
+  o.end_time = 10.0;
+  r = simulate(frames, s, o);
+  ASSERT_TRUE(r.result.complete) << r.result.stopped_because;
+  EXPECT_NEAR(std::cos(r.result.state.p(0)), .328458111534, 1e-5);
+
+  const BouncingBall ball;
+  s = make_state(ball);
+  s.p << 1.0;
+  o.tolerance = 1e-10;
+  o.end_time = 1.0;
+  r = simulate(ball, s, o);
+  ASSERT_TRUE(r.result.complete) << r.result.stopped_because;
+  ASSERT_GE(r.result.events.size(), 2u);
+  double v_up = 0.0;
+  const double t_down = std::sqrt(2.0 / ball.g);
+  EXPECT_NEAR(r.result.events[0].t, t_down, 1e-10);
+  EXPECT_NEAR(r.result.events[1].t, t_down + contact_time(ball, -ball.g * t_down, &v_up), 1e-8);
+}
+
+TEST(Dynamics, FixedStepsOfTheExplicitIntegratorConvergeWithOrderFive) {
+  const CartesianPendulum m;
+  double error[2];
+  for (int k = 0; k < 2; ++k) {
+    State s = make_state(m);
+    s.p << -1.0, 0.0;
+    SolverOptions o = until(1.0, 1.0, 1e-6);
+    o.method = "runge_kutta";
+    o.fixed_step = k == 0 ? 0.02 : 0.01;
+    const Recorded r = simulate(m, s, o);
+    ASSERT_TRUE(r.result.complete) << r.result.stopped_because;
+    EXPECT_EQ(r.result.counts.steps, k == 0 ? 50 : 100);
+    error[k] = (r.result.state.p - Eigen::Vector2d(.986291751132, -.165010853126)).norm();
+  }
+  // 2^5 = 32, less what the next order adds and the printed digits (1e-12) take.
+  EXPECT_GT(error[0] / error[1], 20.0);
+  EXPECT_LT(error[0] / error[1], 50.0);
+}
+
 TEST(Dynamics, DrivenCrankPaysForWhatTheDamperTakes) {
   PlanarMechanism m = slider_crank();
   m.constraints.push_back({PlanarPoint().slide(m.unit({0}), 1, 0), {1, 0}, 20.0, 0.3, "drive"});
