@@ -1,6 +1,8 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include "mbs/solver/projection.hpp"
 
+#include <cmath>
+
 namespace flexura::mbs {
 
 Projector::Projector(const Equations& eq) : eq_(eq), n_(eq.sizes()), scratch_(eq.make_scratch()) {
@@ -9,6 +11,8 @@ Projector::Projector(const Equations& eq) : eq_(eq), n_(eq.sizes()), scratch_(eq
   g_.setZero(n_.n_lambda);
   zero_.setZero(n_.n_v);
   p_.setZero(n_.n_p);
+  scale_.resize(n_.n_v);
+  for (int i = 0; i < n_.n_v; ++i) scale_(i) = eq.velocity_scale(i);
 }
 
 bool Projector::project(State& s) {
@@ -24,8 +28,13 @@ bool Projector::project(State& s) {
   for (int iteration = 0; iteration < 10; ++iteration) {
     eq_.position_constraints(s.t, s.p, *scratch_, g_);
     const double now = g_.cwiseProduct(saddle_.row_scale()).norm();
-    if (!(now < 2.0 * before)) return false;
-    if (now == 0.0 || (iteration > 0 && now > 0.5 * before)) break;  // at round-off
+    if (!std::isfinite(now)) return false;
+    if (now == 0.0) break;
+    if (iteration > 0 && now > 0.5 * before) {
+      // Either at round-off, or diverging from too far away.
+      if ((g_.cwiseAbs().array() > 1e-11 * (G_.cwiseAbs() * scale_).array() + 1e-300).any()) return false;
+      break;
+    }
     before = now;
     g_ = -g_;
     saddle_.solve(zero_, g_, d_, x_);

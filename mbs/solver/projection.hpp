@@ -25,7 +25,7 @@ class Projector {
   std::unique_ptr<Equations::Scratch> scratch_;
   SaddleSolver saddle_;
   Eigen::MatrixXd M_, G_;
-  Eigen::VectorXd g_, zero_, d_, x_, p_;
+  Eigen::VectorXd g_, zero_, d_, x_, p_, scale_;
 };
 
 }  // namespace flexura::mbs

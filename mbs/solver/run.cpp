@@ -9,6 +9,7 @@
 
 #include "mbs/solver/accelerations.hpp"
 #include "mbs/solver/assemble.hpp"
+#include "mbs/solver/projection.hpp"
 
 namespace flexura::mbs {
 
@@ -16,6 +17,8 @@ namespace {
 
 // More switchings than this within 1e-7 of the run are an accumulation, like a ball's last bounces.
 constexpr int kMostEventsAtOnce = 20;
+
+constexpr int kMostHops = 1000;
 
 class Runner {
  public:
@@ -49,30 +52,33 @@ class Runner {
     return k > n_rows_ ? options_.end_time
                        : std::min(options_.start_time + k * options_.output_step, options_.end_time);
   }
-  void write_rows_until(double t);
+  void write_rows_until(double t, Integrator& integrator);
   void take_switches(const std::vector<int>& roots);
   void measure_drift();
   bool step_once();  // false ends the run
+  bool finish_step(const StepEnd& end, Integrator& integrator);
+  bool hop(const IntegrationError& reason);
 
   const Equations& eq_;
   Sizes n_;
   const SolverOptions& options_;
   const RunCallbacks& callbacks_;
   std::unique_ptr<Equations::Scratch> scratch_;
-  std::unique_ptr<Integrator> integrator_;
+  std::unique_ptr<Integrator> integrator_, hopper_;
   EnergyBook book_;
   AccelerationSolver accelerations_;
   RunResult result_;
   State row_state_;
   Eigen::VectorXd row_v_dot_, g_, g_dot_;
+  double good_step_ = 0.0;
   long n_rows_ = 0, next_row_ = 1;
 };
 
-void Runner::write_rows_until(double t) {
+void Runner::write_rows_until(double t, Integrator& integrator) {
   for (; row_time(next_row_) <= t && row_time(next_row_) > row_time(next_row_ - 1); ++next_row_) {
     const double t_row = row_time(next_row_);
-    integrator_->interpolate(t_row, row_state_, row_v_dot_);
-    book_.advance(t_row, *integrator_, row_state_, row_v_dot_);
+    integrator.interpolate(t_row, row_state_, row_v_dot_);
+    book_.advance(t_row, integrator, row_state_, row_v_dot_);
     write_row(row_state_, row_v_dot_);
   }
 }
@@ -108,10 +114,52 @@ void Runner::take_switches(const std::vector<int>& roots) {
 }
 
 bool Runner::step_once() {
-  const StepEnd end = integrator_->step(options_.end_time);
-  write_rows_until(end.t_end);
-  integrator_->interpolate(end.t_end, result_.state, result_.v_dot);
-  book_.advance(end.t_end, *integrator_, result_.state, result_.v_dot);
+  StepEnd end;
+  try {
+    end = integrator_->step(options_.end_time);
+  } catch (const IntegrationError& reason) {
+    return hop(reason);
+  }
+  // The longest of the last steps: what the motion allows away from the trouble.
+  good_step_ = std::max(end.t_end - end.t_begin, 0.99 * good_step_);
+  return finish_step(end, *integrator_);
+}
+
+bool Runner::hop(const IntegrationError& reason) {
+  // Near a dead point, where constraints lose rank for an instant, round-off of g is amplified by 1 / sigma^2
+  // and an implicit method cannot converge to a tight tolerance however short its step.  Accelerations are
+  // finite there: a few explicit steps lead across.
+  if (options_.method == "runge_kutta" || n_.n_lambda == 0 || result_.counts.hops >= kMostHops) throw reason;
+  SolverOptions explicit_options = options_;
+  explicit_options.method = "runge_kutta";
+  // Steps that the implicit method took at order five or below are easy for this one; error control would
+  // creep into the singular position instead of over it.
+  explicit_options.fixed_step = 0.5 * good_step_;
+  const double t_failed = result_.state.t;
+  try {
+    hopper_ = make_integrator(eq_, explicit_options);
+    // What Newton left of G v would grow like 1 / sigma.
+    if (!Projector(eq_).project(result_.state)) throw reason;
+    accelerations_.solve(result_.state, result_.v_dot);
+    hopper_->start(result_.state, result_.v_dot);
+    for (int k = 0; k < 4 && result_.state.t < options_.end_time; ++k) {
+      const StepEnd end = hopper_->step(options_.end_time);
+      const bool goes_on = finish_step(end, *hopper_);
+      if (!goes_on || !end.roots.empty()) return goes_on;
+    }
+  } catch (const std::runtime_error&) {
+    throw reason;
+  }
+  if (result_.state.t - t_failed < 1e-7 * (options_.end_time - options_.start_time)) throw reason;
+  ++result_.counts.hops;
+  integrator_->start(result_.state, result_.v_dot);
+  return result_.state.t < options_.end_time;
+}
+
+bool Runner::finish_step(const StepEnd& end, Integrator& integrator) {
+  write_rows_until(end.t_end, integrator);
+  integrator.interpolate(end.t_end, result_.state, result_.v_dot);
+  book_.advance(end.t_end, integrator, result_.state, result_.v_dot);
   result_.largest_energy_error = std::max(result_.largest_energy_error, std::abs(book_.account().error()));
   measure_drift();
   if (callbacks_.progress)
@@ -147,7 +195,9 @@ RunResult Runner::run() {
   } catch (const AssemblyError& e) {
     result_.stopped_because = e.what();
   }
+  const long hops = result_.counts.hops;
   result_.counts = integrator_->counts();
+  result_.counts.hops = hops;
   result_.energy = book_.account();
   result_.wall_time = std::chrono::duration<double>(std::chrono::steady_clock::now() - clock_start).count();
   return result_;
