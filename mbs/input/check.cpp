@@ -343,6 +343,8 @@ class Checker {
         return "a list of tables [[" + key.name + "]]";
       case Kind::table_map:
         return "tables [" + key.name + ".NAME]";
+      case Kind::formulas:
+        return "a table [" + key.name + "] of names with formulas";
     }
     return "";
   }
@@ -416,6 +418,9 @@ class Checker {
       case Kind::table_map:
         table_map(node, key, place, value);
         break;
+      case Kind::formulas:
+        formulas(node, key, place, value);
+        break;
     }
     return value;
   }
@@ -446,6 +451,26 @@ class Checker {
     for (const Entry& entry : entries) {
       value.tables.emplace_back(
           entry.name, check(*entry.table, *key.table, join_path(place.path, entry.name), entry.line, false));
+    }
+  }
+
+  void formulas(const toml::node& node, const Key& key, const Place& place, Value& value) const {
+    const toml::table* table = node.as_table();
+    if (!table) refuse(place, &node, wanted(key) + " is wanted");
+    std::vector<std::pair<int, std::pair<std::string, std::string>>> entries;
+    Key entry = expression(key.name, key.doc);
+    for (const auto& [name, child] : *table) {
+      const std::string full = join_path(place.path, std::string(name.str()));
+      const int line = line_of(name.source()) ? line_of(name.source()) : line_of(child.source());
+      entries.push_back(
+          {line ? line : std::numeric_limits<int>::max(),
+           {std::string(name.str()), formula(child, entry, {full, line, is_overridden(full), false})}});
+    }
+    std::stable_sort(entries.begin(), entries.end(),
+                     [](const auto& a, const auto& b) { return a.first < b.first; });
+    for (auto& [line, named] : entries) {
+      value.texts.push_back(std::move(named.first));
+      value.texts.push_back(std::move(named.second));
     }
   }
 

@@ -122,6 +122,15 @@ std::vector<Section> Section::tables(const std::string& key) const {
   return sections;
 }
 
+std::vector<std::pair<std::string, std::string>> Section::formulas(const std::string& key) const {
+  std::vector<std::pair<std::string, std::string>> formulas;
+  if (const Value* value = find(*data_, key, {Kind::formulas})) {
+    for (std::size_t i = 0; i + 1 < value->texts.size(); i += 2)
+      formulas.emplace_back(value->texts[i], value->texts[i + 1]);
+  }
+  return formulas;
+}
+
 std::vector<std::pair<std::string, Section>> Section::table_map(const std::string& key) const {
   std::vector<std::pair<std::string, Section>> sections;
   if (const Value* value = find(*data_, key, {Kind::table_map})) {

@@ -39,6 +39,8 @@ class Section {
   std::vector<Section> tables(const std::string& key) const;
   std::vector<std::pair<std::string, Section>> table_map(const std::string& key) const;  ///< in file order
 
+  std::vector<std::pair<std::string, std::string>> formulas(const std::string& key) const;  ///< in file order
+
   const std::string& path() const;  ///< "joint[2]" (counted from 1) or "body.rod", for messages
   /// The value of a text key as a path: a relative one starts at the folder of the document.
   std::filesystem::path file(const std::string& key) const;

@@ -53,6 +53,8 @@ std::string kind_text(const Key& key) {
       return "table";
     case Kind::tables:
       return "list of tables";
+    case Kind::formulas:
+      return "table of formulas";
     case Kind::table_map:
       return "tables by name";
   }

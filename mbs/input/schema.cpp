@@ -106,6 +106,9 @@ Key table(std::string name, TableSchema schema, std::string doc) {
 Key tables(std::string name, TableSchema schema, std::string doc) {
   return nested(Kind::tables, std::move(name), std::move(schema), std::move(doc));
 }
+Key formulas(std::string name, std::string doc) {
+  return make(Kind::formulas, std::move(name), std::move(doc));
+}
 Key table_map(std::string name, TableSchema schema, std::string doc) {
   return nested(Kind::table_map, std::move(name), std::move(schema), std::move(doc));
 }

@@ -32,7 +32,8 @@ enum class Kind {
   matrix,
   table,
   tables,
-  table_map  ///< tables: [[key]]; table_map: [key.NAME]
+  table_map,  ///< tables: [[key]]; table_map: [key.NAME]
+  formulas    ///< a table with names of the user's own, each a formula, a number or a quantity
 };
 
 /// One key of a table.  Built with the chained setters, e.g.
@@ -87,6 +88,7 @@ Key matrix(std::string name, std::string doc);
 Key table(std::string name, TableSchema schema, std::string doc);
 Key tables(std::string name, TableSchema schema, std::string doc);
 Key table_map(std::string name, TableSchema schema, std::string doc);
+Key formulas(std::string name, std::string doc);
 
 /// The Markdown reference page of a schema: one section for each table, one row for each key.
 std::string reference_page(const TableSchema& schema);
