@@ -20,7 +20,10 @@ class Constraint {
 
   virtual int n_rows() const = 0;
   virtual std::string row_name(int i) const = 0;
-  virtual bool is_holonomic() const { return true; }
+  /// False for a row on velocities only, whose position residual is always 0.
+  virtual bool is_holonomic(int /*row*/) const { return true; }
+  /// Joint coordinates it binds: these joints are taken into the tree first.
+  virtual std::vector<CoordinateRef> coordinates() const { return {}; }
   virtual void position(const Kinematics& kin, double* g) const = 0;
   virtual void velocity(const Kinematics& kin, double* g_dot) const = 0;
   virtual void acceleration(const Kinematics& kin, double* g_ddot) const = 0;
@@ -45,6 +48,8 @@ class RelativeConstraint final : public Constraint {
   void velocity(const Kinematics& kin, double* g_dot) const override;
   void acceleration(const Kinematics& kin, double* g_ddot) const override;
   void apply_GT(const Kinematics& kin, const double* x, Loads& loads) const override;
+  /// The wrench that multipliers x stand for, on M about Mo, in F: G_rel^T x.
+  Vector6d wrench_on_M(const Kinematics& kin, const double* x) const;
   int marker_F() const { return marker_F_; }
   int marker_M() const { return marker_M_; }
 

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "mbs/input/schema.hpp"
+#include "mbs/input/units.hpp"
 #include "mbs/math/rotation.hpp"
 #include "mbs/math/spatial.hpp"
 
@@ -24,14 +24,43 @@
 ///
 /// In both, V_FM = (w_FM_F, d/dt p_FoMo_F) is expressed in F, angular part first.
 /// Adding a joint: one file in joints/ with both lives, one line in joint_types().
-namespace flexura::input {
-class Section;
-}
-
 namespace flexura::mbs {
 
 /// 6 x n with its storage inside.
 using MotionMatrix = Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, 6>;
+
+/// R turned by `angle` about z.
+inline Matrix3d rotation_about_z(double angle) {
+  const double c = std::cos(angle), s = std::sin(angle);
+  Matrix3d R;
+  R << c, -s, 0, s, c, 0, 0, 0, 1;
+  return R;
+}
+
+/// The angle of a rotation about z; of any other rotation the nearest one's.
+inline double angle_about_z(const Matrix3d& R) {
+  return std::atan2(R(1, 0) - R(0, 1), R(0, 0) + R(1, 1));
+}
+
+/// Derivatives of angle_about_z as R turns with the angular velocity w (in the frame R maps into):
+/// angle' = gradient . w,   angle'' = gradient . w' + bias.
+struct TurnAboutZ {
+  TurnAboutZ(const Matrix3d& R, const Vector3d& w) {
+    const Vector3d x = R.col(0), y = R.col(1);
+    // angle = atan2(s, c), s = x_y - y_x, c = x_x + y_y; x' = w x x.
+    const double s = x.y() - y.x(), c = x.x() + y.y(), r2 = s * s + c * c;
+    s_gradient = Vector3d(-x.z(), -y.z(), x.x() + y.y());
+    const Vector3d c_gradient(-y.z(), x.z(), y.x() - x.y());
+    const Vector3d xx = w.cross(w.cross(x)), yy = w.cross(w.cross(y));
+    s_bias = xx.y() - yy.x();
+    const double c_bias = xx.x() + yy.y();
+    gradient = (c * s_gradient - s * c_gradient) / r2;
+    const double s_rate = s_gradient.dot(w), c_rate = c_gradient.dot(w);
+    bias = (c * s_bias - s * c_bias) / r2 - 2.0 * (c * c_rate + s * s_rate) * gradient.dot(w) / r2;
+  }
+  Vector3d gradient, s_gradient;
+  double bias, s_bias;
+};
 
 /// Rows on a relative pose, collected one by one.
 class Rows {
@@ -53,6 +82,11 @@ class Rows {
   void angle(const Vector3d& a, const Vector3d& b, double cosine = 0.0) {
     const Vector3d Rb = X_.R * b, w = angular();
     add(a.dot(Rb) - cosine, Rb.cross(a), Vector3d::Zero(), a.dot(w.cross(w.cross(Rb))));
+  }
+  /// g = (R_10 - R_01) / 2: no rotation about z beside a bending about an axis in the xy plane.
+  void twist() {
+    const TurnAboutZ turn(X_.R, angular());
+    add(0.5 * (X_.R(1, 0) - X_.R(0, 1)), 0.5 * turn.s_gradient, Vector3d::Zero(), 0.5 * turn.s_bias);
   }
   /// g = |p_FoMo|^2 / (2 length) - length / 2, which has unit slope along the line.
   void distance(double length) {
@@ -127,18 +161,6 @@ class Joint : public RelativeRows {
     for (int i = 0; i < n_p(); ++i) q[i] = 0.0;
   }
 };
-
-/// How a type of joint stands in the file.
-struct JointType {
-  std::string name;
-  std::string doc;                    ///< for the reference page, with the names other codes use
-  std::vector<std::string> synonyms;  ///< accepted too
-  std::vector<input::Key> keys;       ///< beyond those every joint has and those of its coordinates
-  std::unique_ptr<Joint> (*make)(const input::Section*);  ///< nullptr: all keys at their defaults
-};
-
-/// All types, in the order of the reference page.
-const std::vector<JointType>& joint_types();
 
 /// Makes a joint without a file, by its name or a synonym.  Throws std::invalid_argument for an unknown one.
 std::unique_ptr<Joint> make_joint(const std::string& type);

@@ -162,7 +162,7 @@ bool Mechanism::is_holonomic(int row) const {
   const int full = kept_rows_[row];
   std::size_t k = 0;
   while (first_row_[k + 1] <= full) ++k;
-  return constraints_[k]->is_holonomic();
+  return constraints_[k]->is_holonomic(full - first_row_[k]);
 }
 
 bool Mechanism::is_reversed(int joint) const {

@@ -131,6 +131,14 @@ class Mechanism final : public Equations {
   bool is_reversed(int joint) const;
   const std::vector<JointPlace>& joint_places() const { return places_; }
 
+  /// Everything that can be stored by name: coordinates, reactions, forces, measures, energies, ...
+  std::vector<OutputInfo> quantities() const;
+  /// Those that are stored when the user does not say which.
+  std::vector<int> usual_quantities() const;
+  /// Values of the quantities with these indices; lambda and v_dot must belong to the state.
+  void evaluate(const std::vector<int>& which, const State& s, ConstVectorRef v_dot, Scratch& scratch,
+                VectorRef values) const;
+
  private:
   struct Work;
   class BodyLoads;
@@ -152,6 +160,7 @@ class Mechanism final : public Equations {
   void number_states();
   void build_constraints();
   void find_initial_values();
+  void check_inertia() const;
 
   Work& work_of(Scratch& scratch) const;
   void forward(Level level, double t, const double* p, const double* v, const double* v_dot,
@@ -165,6 +174,8 @@ class Mechanism final : public Equations {
   void backward(Work& work, double* r) const;
   void add_constraint_loads(const double* lambda, double factor, Work& work) const;
   EnergyReport energies(const double* lambda, Work& work) const;
+  void list_quantities();
+  Vector6d joint_reaction(int joint, Work& work) const;
 
   MechanismDescription d_;
   std::vector<TreeBody> bodies_;
@@ -181,6 +192,28 @@ class Mechanism final : public Equations {
     int measure = -1;
   };
   std::vector<SignalSource> sources_;  ///< of each signal
+  enum class QuantityKind {
+    coordinate,
+    speed,
+    acceleration,
+    reaction,
+    drive,
+    body_position,
+    body_velocity,
+    body_acceleration,
+    mode,
+    strain_energy,
+    measure,
+    force,
+    energy
+  };
+  struct QuantityPlace {
+    OutputInfo info;
+    QuantityKind kind;
+    int index, component;
+    bool usual;
+  };
+  std::vector<QuantityPlace> quantities_;
   int n_p_ = 0, n_v_ = 0, n_flx_ = 0;
   Eigen::VectorXd p_0_, v_0_;
   std::vector<bool> given_p_, given_v_;

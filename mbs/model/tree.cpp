@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 
 #include "mbs/model/work.hpp"
@@ -37,6 +38,34 @@ Mechanism::Mechanism(MechanismDescription description) : d_(std::move(descriptio
   number_states();
   build_constraints();
   find_initial_values();
+  list_quantities();
+  check_inertia();
+}
+
+void Mechanism::check_inertia() const {
+  const auto scratch = make_scratch();
+  Eigen::MatrixXd M(n_v_, n_v_);
+  mass_matrix(p_0_, *scratch, M);
+  // Cholesky's method; a pivot at round-off of its diagonal entry means no inertia beside the coordinates
+  // before it.
+  for (int i = 0; i < n_v_; ++i) {
+    const double diagonal = M(i, i);
+    for (int k = 0; k < i; ++k) M(i, i) -= M(i, k) * M(i, k);
+    if (!(M(i, i) > 1e-14 * diagonal)) {
+      std::string body;
+      for (int b : order_)
+        if (places_[bodies_[b].joint].i_v <= i) body = d_.bodies[b].name;
+      throw std::invalid_argument(
+          fmt::format("nothing with inertia moves along \"{}\" alone; give body \"{}\", or what hangs on it, "
+                      "mass or inertia",
+                      name_of_velocity(i), body));
+    }
+    M(i, i) = std::sqrt(M(i, i));
+    for (int j = i + 1; j < n_v_; ++j) {
+      for (int k = 0; k < i; ++k) M(j, i) -= M(j, k) * M(i, k);
+      M(j, i) /= M(i, i);
+    }
+  }
 }
 
 void Mechanism::build_tree() {
@@ -61,12 +90,16 @@ void Mechanism::build_tree() {
   reached[0] = true;
   std::vector<int> queue{0};
 
-  // Breadth first in the order of the file, except that a driven joint is taken as soon as one of its bodies
-  // is reached: its coordinate must be a state.
+  // Breadth first in the order of the file, except that a driven or coupled joint is taken as soon as one of
+  // its bodies is reached: its coordinate must be a state.
+  std::vector<bool> wanted(d_.joints.size(), false);
+  for (std::size_t j = 0; j < d_.joints.size(); ++j) wanted[j] = !d_.joints[j].drives.empty();
+  for (const auto& constraint : d_.constraints)
+    for (const CoordinateRef& c : constraint->coordinates()) wanted[c.joint] = true;
   const auto next_joint = [&](bool driven, int body) {
     for (std::size_t j = 0; j < d_.joints.size(); ++j) {
       const JointDescription& joint = d_.joints[j];
-      if (used[j] || joint.cut || joint.drives.empty() == driven) continue;
+      if (used[j] || joint.cut || wanted[j] != driven) continue;
       const int f = d_.markers[joint.marker_F].body, m = d_.markers[joint.marker_M].body;
       if (reached[f] == reached[m]) continue;
       if (body >= 0 && f != body && m != body) continue;
@@ -100,15 +133,16 @@ void Mechanism::build_tree() {
     const int M = d_.add_marker(b, "frame", {});
     const int j = d_.add_joint(d_.bodies[b].name, "six_dof", F, M);
     used.push_back(false);
+    wanted.push_back(false);
     take(j);
     sweep();
   }
   for (std::size_t j = 0; j < d_.joints.size(); ++j)
-    if (!used[j] && !d_.joints[j].drives.empty())
+    if (!used[j] && wanted[j])
       throw std::invalid_argument(
-          fmt::format("joint \"{}\" is driven but closes a loop; {}", d_.joints[j].name,
+          fmt::format("joint \"{}\" is driven or coupled but closes a loop; {}", d_.joints[j].name,
                       d_.joints[j].cut ? "take away its cut = true and cut another joint of the loop"
-                                       : "a loop of driven joints alone cannot move"));
+                                       : "a loop of such joints alone cannot move"));
 
   markers_of_body_.assign(n_bodies, {});
   for (std::size_t i = 0; i < d_.markers.size(); ++i)

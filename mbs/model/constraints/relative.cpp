@@ -30,13 +30,17 @@ void RelativeConstraint::acceleration(const Kinematics& kin, double* g_ddot) con
 }
 
 void RelativeConstraint::apply_GT(const Kinematics& kin, const double* x, Loads& loads) const {
+  loads.apply_between(kin, marker_F_, marker_M_, wrench_on_M(kin, x));
+}
+
+Vector6d RelativeConstraint::wrench_on_M(const Kinematics& kin, const double* x) const {
   const Pose X = kin.relative_pose(marker_F_, marker_M_);
   const Vector6d at_rest = Vector6d::Zero();
   Rows rows(X, at_rest);
   rows_->constrain(rows);
   Vector6d on_M = Vector6d::Zero();
   for (int i = 0; i < rows.n; ++i) on_M += x[i] * rows.G.row(i).transpose();
-  loads.apply_between(kin, marker_F_, marker_M_, on_M);
+  return on_M;
 }
 
 }  // namespace flexura::mbs

@@ -4,12 +4,12 @@
 namespace flexura::mbs {
 namespace {
 
-/// Translation along the common z axis.  Coordinate: `displacement` [m] of Mo from Fo along z.
+/// Translation along the common z axis.  Coordinate: `position` [m] of Mo from Fo along z.
 /// Synonyms: slider, translational.
 class Prismatic final : public Joint {
  public:
   std::string_view type() const override { return "prismatic"; }
-  std::vector<CoordinateInfo> coordinates() const override { return {{"displacement", input::dim::length}}; }
+  std::vector<CoordinateInfo> coordinates() const override { return {{"position", input::dim::length}}; }
   std::vector<CoordinateInfo> speeds() const override { return {{"speed", input::dim::velocity}}; }
   std::vector<CoordinateInfo> accelerations() const override {
     return {{"acceleration", input::dim::acceleration}};

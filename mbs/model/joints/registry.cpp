@@ -8,7 +8,8 @@ namespace flexura::mbs {
 
 const std::vector<JointType>& joint_types() {
   static const std::vector<JointType> types = {
-      fixed_joint(), revolute_joint(), prismatic_joint(), spherical_joint(), six_dof_joint(),
+      fixed_joint(),     revolute_joint(),  prismatic_joint(), cylindrical_joint(),       screw_joint(),
+      spherical_joint(), universal_joint(), planar_joint(),    constant_velocity_joint(), six_dof_joint(),
   };
   return types;
 }

@@ -17,16 +17,9 @@ class Revolute final : public Joint {
   int n_p() const override { return 1; }
   int n_v() const override { return 1; }
 
-  Pose pose(const double* q) const override {
-    const double c = std::cos(q[0]), s = std::sin(q[0]);
-    Pose X;
-    X.R << c, -s, 0, s, c, 0, 0, 0, 1;
-    return X;
-  }
+  Pose pose(const double* q) const override { return {rotation_about_z(q[0]), Vector3d::Zero()}; }
   void motion(const double*, MotionMatrix& S) const override { S.col(0) = Vector6d::Unit(2); }
-  void coordinates_of(const Pose& X, double* q) const override {
-    q[0] = std::atan2(X.R(1, 0) - X.R(0, 1), X.R(0, 0) + X.R(1, 1));
-  }
+  void coordinates_of(const Pose& X, double* q) const override { q[0] = angle_about_z(X.R); }
   void speeds_of(const double*, const Vector6d& V, double* v) const override { v[0] = V(2); }
 
   void constrain(Rows& rows) const override {

@@ -1,4 +1,7 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include <Eigen/LU>
+
+#include "mbs/model/joints/types.hpp"
 #include "tests/mbs/model/checks.hpp"
 
 namespace flexura::mbs {
@@ -216,7 +219,7 @@ TEST(SliderCrank, FollowsClosedForm) {
   const int n = mechanism.sizes().n_v;
   int i_x = -1;
   for (int i = 0; i < mechanism.sizes().n_p; ++i)
-    if (mechanism.name_of_position(i) == "guide.displacement") i_x = i;
+    if (mechanism.name_of_position(i) == "guide.position") i_x = i;
   ASSERT_GE(i_x, 0);
   for (double t = 0.0; t < 0.3; t += 0.007) {
     s.t = t;
@@ -320,6 +323,16 @@ TEST(Mechanism, RefusesWhatCannotStand) {
     MechanismDescription d;
     d.add_body({.name = "rod", .inertia = {.mass = -2.0}});
     EXPECT_EQ(message(d), "body \"rod\" has the mass -2 kg; a mass must not be negative");
+  }
+  {
+    // A point mass on the axis of its hinge.
+    MechanismDescription d;
+    const int b = d.add_body({.name = "wheel", .inertia = {.mass = 2.0}});
+    d.add_joint("hub", "revolute", d.add_marker(0, "hub"), d.add_marker(b, "hub"));
+    EXPECT_EQ(message(d),
+              "nothing with inertia moves along \"hub.speed\" alone; give body \"wheel\", or what hangs on "
+              "it, mass or "
+              "inertia");
   }
 }
 

@@ -1,0 +1,115 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mbs/model/constraints/types.hpp"
+
+/// Constraints that are one or more rows on the pose of marker M in marker F.
+namespace flexura::mbs {
+namespace {
+
+/// Mo stays on the z axis of F.
+class PointOnLine final : public RelativeRows {
+ public:
+  int n_rows() const override { return 2; }
+  void constrain(Rows& rows) const override {
+    for (int i = 0; i < 2; ++i) rows.position_in_F(Vector3d::Unit(i));
+  }
+  std::string row_name(int i) const override { return i == 0 ? "x" : "y"; }
+};
+
+/// Mo stays in the xy plane of F.
+class PointOnPlane final : public RelativeRows {
+ public:
+  int n_rows() const override { return 1; }
+  void constrain(Rows& rows) const override { rows.position_in_F(Vector3d::UnitZ()); }
+  std::string row_name(int) const override { return "z"; }
+};
+
+/// M keeps the orientation of F.
+class Orientation final : public RelativeRows {
+ public:
+  int n_rows() const override { return 3; }
+  void constrain(Rows& rows) const override {
+    for (int i = 0; i < 3; ++i) rows.angle(Vector3d::Unit((i + 2) % 3), Vector3d::Unit((i + 1) % 3));
+  }
+  std::string row_name(int i) const override {
+    static const char* names[] = {"rotation_x", "rotation_y", "rotation_z"};
+    return names[i];
+  }
+};
+
+/// The z axes stay parallel.
+class Parallel final : public RelativeRows {
+ public:
+  int n_rows() const override { return 2; }
+  void constrain(Rows& rows) const override {
+    for (int i = 0; i < 2; ++i) rows.angle(Vector3d::Unit(i), Vector3d::UnitZ());
+  }
+  std::string row_name(int i) const override { return i == 0 ? "axis_x" : "axis_y"; }
+};
+
+/// The z axes stay perpendicular.
+class Perpendicular final : public RelativeRows {
+ public:
+  int n_rows() const override { return 1; }
+  void constrain(Rows& rows) const override { rows.angle(Vector3d::UnitZ(), Vector3d::UnitZ()); }
+  std::string row_name(int) const override { return "axes"; }
+};
+
+/// The origins keep their distance, as if joined by a massless link with ball joints.
+class Distance final : public RelativeRows {
+ public:
+  explicit Distance(double length) : length_(length) {}
+  int n_rows() const override { return 1; }
+  void constrain(Rows& rows) const override { rows.distance(length_); }
+  std::string row_name(int) const override { return "length"; }
+
+ private:
+  double length_;
+};
+
+std::vector<input::Key> ends() {
+  return {input::text("from", "marker F, \"body.marker\"").required(),
+          input::text("to", "marker M").required()};
+}
+
+template <class Row>
+ConstraintType geometric(const char* name, const char* doc) {
+  return {name, doc, ends(),
+          [](const std::string& own, const input::Section& s,
+             const ReadContext& c) -> std::shared_ptr<const Constraint> {
+            return std::make_shared<RelativeConstraint>(own, c.marker(s, "from"), c.marker(s, "to"),
+                                                        std::make_shared<Row>());
+          }};
+}
+
+}  // namespace
+
+ConstraintType point_on_line_constraint() {
+  return geometric<PointOnLine>("point_on_line", "The origin of M stays on the z axis of F.");
+}
+ConstraintType point_on_plane_constraint() {
+  return geometric<PointOnPlane>("point_on_plane", "The origin of M stays in the xy plane of F.");
+}
+ConstraintType orientation_constraint() {
+  return geometric<Orientation>("orientation", "M keeps the orientation of F; its origin is free.");
+}
+ConstraintType parallel_constraint() {
+  return geometric<Parallel>("parallel", "The z axes of F and M stay parallel.");
+}
+ConstraintType perpendicular_constraint() {
+  return geometric<Perpendicular>("perpendicular", "The z axes of F and M stay perpendicular.");
+}
+ConstraintType distance_constraint() {
+  ConstraintType type;
+  type.name = "distance";
+  type.doc = "The origins of F and M keep a distance: a massless link with ball joints.";
+  type.keys = ends();
+  type.keys.push_back(input::quantity("length", input::dim::length, "the distance").required().above(0.0));
+  type.read = [](const std::string& own, const input::Section& s,
+                 const ReadContext& c) -> std::shared_ptr<const Constraint> {
+    return std::make_shared<RelativeConstraint>(own, c.marker(s, "from"), c.marker(s, "to"),
+                                                std::make_shared<Distance>(s.quantity("length")));
+  };
+  return type;
+}
+
+}  // namespace flexura::mbs

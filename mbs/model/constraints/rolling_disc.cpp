@@ -1,0 +1,86 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mbs/model/constraints/types.hpp"
+
+namespace flexura::mbs {
+namespace {
+
+/// A thin disc of radius r, centred at Mo with the axis a = z of M, rolls without slip on the xy plane of F
+/// (normal n).
+///
+/// Everything is seen from F. The lowest point lies at c = p + r e with
+///     e = (u a - n) / w,   u = n . a,   w = sqrt(1 - u^2)
+/// Rows: n . c = 0 (holonomic), and the velocity of the material point there, p' + r w_FM x e, has no
+/// component along x and y of F (not holonomic: their position residual is zero). A disc that lies flat (w =
+/// 0) has no lowest point.
+class RollingDisc final : public Constraint {
+ public:
+  RollingDisc(std::string name, int F, int M, double radius)
+      : Constraint(std::move(name)), F_(F), M_(M), radius_(radius) {}
+  int n_rows() const override { return 3; }
+  std::string row_name(int i) const override {
+    static const char* names[] = {"height", "slip_x", "slip_y"};
+    return names[i];
+  }
+  bool is_holonomic(int row) const override { return row == 0; }
+
+  void position(const Kinematics& kin, double* g) const override {
+    const Pose X = kin.relative_pose(F_, M_);
+    g[0] = X.p.z() + radius_ * to_contact(X).z();
+    g[1] = g[2] = 0.0;
+  }
+  void velocity(const Kinematics& kin, double* g_dot) const override {
+    const Relative rel = kin.relative_motion(F_, M_);
+    // e' = w x e + a part along the rim, which is level: the height moves as the material point does.
+    const Vector3d v = rel.V.tail<3>() + radius_ * rel.V.head<3>().cross(to_contact(rel.X_FM));
+    g_dot[0] = v.z();
+    g_dot[1] = v.x();
+    g_dot[2] = v.y();
+  }
+  void acceleration(const Kinematics& kin, double* g_ddot) const override {
+    const Relative rel = kin.relative_acceleration(F_, M_);
+    const Vector3d w = rel.V.head<3>(), alpha = rel.A.head<3>(), a = rel.X_FM.R.col(2), n = Vector3d::UnitZ();
+    const Vector3d e = to_contact(rel.X_FM);
+    const Vector3d a_dot = w.cross(a);
+    const double u = n.dot(a), u_dot = n.dot(a_dot), root = std::sqrt(1.0 - u * u);
+    const Vector3d e_dot = (u_dot * a + u * a_dot) / root + u * u_dot / (root * root) * e;
+    const Vector3d v_dot = rel.A.tail<3>() + radius_ * (alpha.cross(e) + w.cross(e_dot));
+    g_ddot[0] = v_dot.z();
+    g_ddot[1] = v_dot.x();
+    g_ddot[2] = v_dot.y();
+  }
+  void apply_GT(const Kinematics& kin, const double* x, Loads& loads) const override {
+    const Vector3d f(x[1], x[2], x[0]);
+    Vector6d on_M;
+    on_M << radius_ * to_contact(kin.relative_pose(F_, M_)).cross(f), f;
+    loads.apply_between(kin, F_, M_, on_M);
+  }
+
+ private:
+  /// e: from the centre to the lowest point of the rim, a unit vector in F.
+  static Vector3d to_contact(const Pose& X_FM) {
+    const Vector3d a = X_FM.R.col(2), n = Vector3d::UnitZ();
+    const double u = n.dot(a);
+    return (u * a - n) / std::sqrt(1.0 - u * u);
+  }
+
+  int F_, M_;
+  double radius_;
+};
+
+}  // namespace
+
+ConstraintType rolling_disc_constraint() {
+  using namespace input;
+  return {"rolling_disc",
+          "A thin disc about the z axis of M rolls without slip on the xy plane of F (nonholonomic).",
+          {text("from", "marker F on the body with the plane").required(),
+           text("to", "marker M at the disc's centre, z along its axis").required(),
+           quantity("radius", dim::length, "of the disc").required().above(0.0)},
+          [](const std::string& name, const Section& s,
+             const ReadContext& c) -> std::shared_ptr<const Constraint> {
+            return std::make_shared<RollingDisc>(name, c.marker(s, "from"), c.marker(s, "to"),
+                                                 s.quantity("radius"));
+          }};
+}
+
+}  // namespace flexura::mbs

@@ -1,0 +1,118 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include <array>
+
+#include "mbs/model/forces/types.hpp"
+
+namespace flexura::mbs {
+namespace {
+
+/// A force or torque at a marker, its three components by formulas in the axes of a frame; its reaction, if
+/// wanted, acts on another body at the same point.
+class Applied final : public ForceElement {
+ public:
+  using Components = std::array<std::shared_ptr<const Expression>, 3>;
+  Applied(std::string name, bool is_torque, int marker, int axes, int reaction, Components components)
+      : ForceElement(std::move(name)),
+        is_torque_(is_torque),
+        marker_(marker),
+        axes_(axes),
+        reaction_(reaction),
+        components_(std::move(components)) {}
+  std::string_view type() const override { return is_torque_ ? "torque" : "force"; }
+  std::pair<int, int> markers() const override { return {reaction_, marker_}; }
+  std::vector<int> reads() const override {
+    std::vector<int> reads;
+    for (const auto& f : components_)
+      if (f) reads.insert(reads.end(), f->reads().begin(), f->reads().end());
+    return reads;
+  }
+
+  void apply(const Kinematics& kin, const double* signals, Loads& loads) const override {
+    const Spatial w = wrench(kin, signals);
+    loads.apply(marker_, w);
+    if (reaction_ >= 0) loads.apply(reaction_, at_reaction(kin, w));
+  }
+  void add_powers(const Kinematics& kin, const double* signals, Powers& powers) const override {
+    const Spatial w = wrench(kin, signals);
+    powers.input += w.dot(kin.markers[marker_].V);
+    if (reaction_ >= 0) powers.input += at_reaction(kin, w).dot(kin.markers[reaction_].V);
+  }
+  std::vector<OutputInfo> outputs() const override {
+    const auto d = is_torque_ ? input::dim::torque : input::dim::force;
+    return {{"x", d, "component in its axes"},
+            {"y", d, "component in its axes"},
+            {"z", d, "component in its axes"}};
+  }
+  void evaluate_outputs(const Kinematics&, const double* signals, double* values) const override {
+    for (int i = 0; i < 3; ++i) values[i] = components_[i] ? components_[i]->evaluate(signals) : 0.0;
+  }
+
+ private:
+  Spatial wrench(const Kinematics& kin, const double* signals) const {
+    Vector3d f;
+    for (int i = 0; i < 3; ++i) f(i) = components_[i] ? components_[i]->evaluate(signals) : 0.0;
+    if (axes_ >= 0) f = kin.markers[axes_].X_WP.R * f;
+    return is_torque_ ? Spatial{f, Vector3d::Zero()} : Spatial{Vector3d::Zero(), f};
+  }
+  Spatial at_reaction(const Kinematics& kin, const Spatial& w) const {
+    const Spatial moved = shift_wrench(w, kin.markers[marker_].X_WP.p - kin.markers[reaction_].X_WP.p);
+    return {-moved.angular, -moved.linear};
+  }
+
+  bool is_torque_;
+  int marker_, axes_, reaction_;
+  Components components_;
+};
+
+ForceType applied(bool is_torque) {
+  using namespace input;
+  const Dimension d = is_torque ? dim::torque : dim::force;
+  const auto component = [&](const char* name) {
+    Key key = expression(name, "component, a formula of t, parameters, joint coordinates and measures");
+    key.dimension = d;
+    return key;
+  };
+  const auto read = [](bool torque, const std::string& name, const Section& s,
+                       const ReadContext& context) -> std::shared_ptr<const ForceElement> {
+    Applied::Components components;
+    const char* keys[] = {"x", "y", "z"};
+    for (int i = 0; i < 3; ++i)
+      if (s.has(keys[i])) components[i] = context.expression(s, keys[i]);
+    if (!components[0] && !components[1] && !components[2])
+      s.refuse("", "none of x, y, z is given", "write at least one component");
+    return std::make_shared<Applied>(
+        name, torque, context.marker(s, "marker"), s.has("axes") ? context.marker(s, "axes") : -1,
+        s.has("reaction") ? context.marker(s, "reaction") : -1, std::move(components));
+  };
+  static const auto reader = read;
+  ForceType type;
+  type.name = is_torque ? "torque" : "force";
+  type.doc = is_torque ? "A torque at a marker, by formulas." : "A force at a marker, by formulas.";
+  type.keys = {
+      text("marker", "where it acts, \"body.marker\"").required(),
+      component("x"),
+      component("y"),
+      component("z"),
+      text("axes", "marker whose axes the components refer to; without it the world's"),
+      text("reaction", "marker of the body that takes the reaction, at the same point; without it none")};
+  if (is_torque)
+    type.read = [](const std::string& name, const Section& s, const ReadContext& c) {
+      return reader(true, name, s, c);
+    };
+  else
+    type.read = [](const std::string& name, const Section& s, const ReadContext& c) {
+      return reader(false, name, s, c);
+    };
+  return type;
+}
+
+}  // namespace
+
+ForceType expression_force() {
+  return applied(false);
+}
+ForceType expression_torque() {
+  return applied(true);
+}
+
+}  // namespace flexura::mbs

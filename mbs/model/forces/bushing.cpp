@@ -1,0 +1,112 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mbs/model/forces/types.hpp"
+
+namespace flexura::mbs {
+namespace {
+
+/// Elastic joint between markers F and M. With x = (p_FoMo, theta) in F, theta the rotation vector of R_FM,
+/// |theta| < pi, the energy is x^T K x / 2 and the wrench on M, about Mo and in F,
+///
+///     force = -(K x + D V)_p,     torque = -J_l(theta)^-T (K x)_theta - (D V)_theta,     V = (p', w_FM)
+///
+/// where J_l^-1 takes the angular velocity to theta': the elastic part is an exact gradient at any angle.
+class Bushing final : public ForceElement {
+ public:
+  Bushing(std::string name, int F, int M, const Matrix6d& K, const Matrix6d& D)
+      : ForceElement(std::move(name)), F_(F), M_(M), K_(K), D_(D) {}
+  std::string_view type() const override { return "bushing"; }
+  std::pair<int, int> markers() const override { return {F_, M_}; }
+
+  void apply(const Kinematics& kin, const double*, Loads& loads) const override {
+    loads.apply_between(kin, F_, M_, on_M(kin));
+  }
+  void add_powers(const Kinematics& kin, const double*, Powers& powers) const override {
+    const Relative rel = kin.relative_motion(F_, M_);
+    const Vector6d x = deflection(rel.X_FM), V = rates(rel);
+    powers.potential += 0.5 * x.dot(K_ * x);
+    powers.dissipated += V.dot(D_ * V);
+  }
+  std::vector<OutputInfo> outputs() const override {
+    std::vector<OutputInfo> infos;
+    for (const char* name : {"force_x", "force_y", "force_z"})
+      infos.push_back({name, input::dim::force, "on the body of `to`, in the axes of `from`"});
+    for (const char* name : {"torque_x", "torque_y", "torque_z"})
+      infos.push_back({name, input::dim::torque, "on the body of `to`, in the axes of `from`"});
+    return infos;
+  }
+  void evaluate_outputs(const Kinematics& kin, const double*, double* values) const override {
+    const Vector6d w = on_M(kin);
+    for (int i = 0; i < 3; ++i) {
+      values[i] = w(3 + i);
+      values[3 + i] = w(i);
+    }
+  }
+
+ private:
+  static Vector6d deflection(const Pose& X) {
+    Vector6d x;
+    x << X.p, rotation_log(X.R);
+    return x;
+  }
+  static Vector6d rates(const Relative& rel) {
+    Vector6d V;
+    V << rel.V.tail<3>(), rel.V.head<3>();
+    return V;
+  }
+  /// Torque first, as Loads takes it.
+  Vector6d on_M(const Kinematics& kin) const {
+    const Relative rel = kin.relative_motion(F_, M_);
+    const Vector6d x = deflection(rel.X_FM), elastic = K_ * x, viscous = D_ * rates(rel);
+    const Matrix3d J_inverse = left_jacobian(x.tail<3>()).inverse();
+    Vector6d w;
+    w << -J_inverse.transpose() * elastic.tail<3>() - viscous.tail<3>(),
+        -elastic.head<3>() - viscous.head<3>();
+    return w;
+  }
+
+  int F_, M_;
+  Matrix6d K_, D_;
+};
+
+}  // namespace
+
+ForceType bushing_force() {
+  using namespace input;
+  return {
+      "bushing",
+      "Elastic and damped joint between two markers in all six directions.",
+      {text("from", "marker F, in whose axes it is described").required(), text("to", "marker M").required(),
+       quantities("stiffness", dim::stiffness, "along x, y, z").or_default("[0, 0, 0]").sized(3),
+       quantities("rotational_stiffness", dim::angular_stiffness, "about x, y, z")
+           .or_default("[0, 0, 0]")
+           .sized(3),
+       quantities("damping", dim::damping, "along x, y, z").or_default("[0, 0, 0]").sized(3),
+       quantities("rotational_damping", dim::angular_damping, "about x, y, z")
+           .or_default("[0, 0, 0]")
+           .sized(3),
+       matrix("stiffness_matrix", "6 x 6 in SI units, translations first, symmetric; added to the others")},
+      [](const std::string& name, const Section& s,
+         const ReadContext& context) -> std::shared_ptr<const ForceElement> {
+        Matrix6d K = Matrix6d::Zero(), D = Matrix6d::Zero();
+        const auto fill = [&](Matrix6d& A, const char* key, int first) {
+          const std::vector<double> x = s.quantities(key);
+          for (int i = 0; i < 3; ++i) A(first + i, first + i) += x[i];
+        };
+        fill(K, "stiffness", 0);
+        fill(K, "rotational_stiffness", 3);
+        fill(D, "damping", 0);
+        fill(D, "rotational_damping", 3);
+        for (int i = 0; i < 6; ++i)
+          if (D(i, i) < 0.0) s.refuse(i < 3 ? "damping" : "rotational_damping", "must not be negative");
+        if (s.has("stiffness_matrix")) {
+          const Eigen::MatrixXd extra = s.matrix("stiffness_matrix");
+          if (extra.rows() != 6 || extra.cols() != 6) s.refuse("stiffness_matrix", "is not 6 x 6");
+          if ((extra - extra.transpose()).cwiseAbs().maxCoeff() > 1e-12 * extra.cwiseAbs().maxCoeff())
+            s.refuse("stiffness_matrix", "is not symmetric", "an elastic bushing has an energy");
+          K += extra;
+        }
+        return std::make_shared<Bushing>(name, context.marker(s, "from"), context.marker(s, "to"), K, D);
+      }};
+}
+
+}  // namespace flexura::mbs

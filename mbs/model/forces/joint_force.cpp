@@ -1,0 +1,51 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mbs/model/forces/types.hpp"
+
+namespace flexura::mbs {
+namespace {
+
+/// A force (or torque) along a coordinate of a joint, by formula: positive where it speeds the coordinate up.
+class JointForce final : public ForceElement {
+ public:
+  JointForce(std::string name, CoordinateRef speed, std::shared_ptr<const Expression> value)
+      : ForceElement(std::move(name)), speed_(speed), value_(std::move(value)) {}
+  std::string_view type() const override { return "joint_force"; }
+  std::vector<int> reads() const override { return value_->reads(); }
+  void apply(const Kinematics&, const double* signals, Loads& loads) const override {
+    loads.apply(speed_, value_->evaluate(signals));
+  }
+  void add_powers(const Kinematics& kin, const double* signals, Powers& powers) const override {
+    powers.input += value_->evaluate(signals) * kin.speed(speed_);
+  }
+  std::vector<OutputInfo> outputs() const override {
+    return {{"force", input::dim::none, "N, or N m for an angle"}};
+  }
+  void evaluate_outputs(const Kinematics&, const double* signals, double* values) const override {
+    values[0] = value_->evaluate(signals);
+  }
+
+ private:
+  CoordinateRef speed_;
+  std::shared_ptr<const Expression> value_;
+};
+
+}  // namespace
+
+ForceType joint_force() {
+  using namespace input;
+  return {"joint_force",
+          "A force or torque along a joint's coordinate, by a formula; positive where it speeds the "
+          "coordinate up.",
+          {text("joint", "the joint").required(),
+           text("coordinate", "its coordinate, where it has more than one: \"angle\", \"position\", ..."),
+           expression("value",
+                      "N, or N m for an angle: a formula of t, parameters, joint coordinates and measures")
+               .required()},
+          [](const std::string& name, const Section& s,
+             const ReadContext& context) -> std::shared_ptr<const ForceElement> {
+            return std::make_shared<JointForce>(name, context.speed(s, "joint", "coordinate"),
+                                                context.expression(s, "value"));
+          }};
+}
+
+}  // namespace flexura::mbs

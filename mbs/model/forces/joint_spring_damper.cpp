@@ -1,0 +1,71 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mbs/model/forces/types.hpp"
+
+namespace flexura::mbs {
+namespace {
+
+/// Along a coordinate q of a joint: -k (q - q_0) - d q' - preload.  On a revolute joint a torsion spring.
+class JointSpringDamper final : public ForceElement {
+ public:
+  JointSpringDamper(std::string name, CoordinateRef c, double stiffness, double damping, double rest,
+                    double preload)
+      : ForceElement(std::move(name)),
+        c_(c),
+        stiffness_(stiffness),
+        damping_(damping),
+        rest_(rest),
+        preload_(preload) {}
+  std::string_view type() const override { return "joint_spring_damper"; }
+  void apply(const Kinematics& kin, const double*, Loads& loads) const override {
+    loads.apply(c_, force(kin));
+  }
+  void add_powers(const Kinematics& kin, const double*, Powers& powers) const override {
+    const double q = kin.coordinate(c_), v = kin.speed(c_);
+    powers.potential += 0.5 * stiffness_ * (q - rest_) * (q - rest_) + preload_ * q;
+    powers.dissipated += damping_ * v * v;
+  }
+  std::vector<OutputInfo> outputs() const override {
+    return {{"force", input::dim::none, "along the coordinate: N, or N m for an angle"}};
+  }
+  void evaluate_outputs(const Kinematics& kin, const double*, double* values) const override {
+    values[0] = force(kin);
+  }
+
+ private:
+  double force(const Kinematics& kin) const {
+    return -stiffness_ * (kin.coordinate(c_) - rest_) - damping_ * kin.speed(c_) - preload_;
+  }
+  CoordinateRef c_;
+  double stiffness_, damping_, rest_, preload_;
+};
+
+}  // namespace
+
+ForceType joint_spring_damper_force() {
+  using namespace input;
+  const auto any = [](const char* name, const char* doc) {
+    // The unit depends on the joint's coordinate: N m/rad or N/m, so any unit may stand here.
+    return expression(name, doc).or_default("0");
+  };
+  return {"joint_spring_damper",
+          "Spring and damper along a joint's coordinate; on a revolute joint a torsion spring.",
+          {text("joint", "the joint").required(),
+           text("coordinate", "its coordinate, where it has more than one: \"angle\", \"position\", ..."),
+           any("stiffness", "N/m, or N m/rad"), any("damping", "N s/m, or N m s/rad"),
+           any("rest", "coordinate without force: m, or rad"),
+           any("preload", "force against the coordinate at rest")},
+          [](const std::string& name, const Section& s,
+             const ReadContext& context) -> std::shared_ptr<const ForceElement> {
+            const CoordinateRef c = context.speed(s, "joint", "coordinate");
+            const auto constant = [&](const char* key) {
+              return context.time_expression(s, key)->time_derivatives(0.0);
+            };
+            const double stiffness = constant("stiffness").value, damping = constant("damping").value;
+            if (stiffness < 0.0) s.refuse("stiffness", "must not be negative");
+            if (damping < 0.0) s.refuse("damping", "must not be negative");
+            return std::make_shared<JointSpringDamper>(name, c, stiffness, damping, constant("rest").value,
+                                                       constant("preload").value);
+          }};
+}
+
+}  // namespace flexura::mbs

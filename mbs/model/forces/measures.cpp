@@ -1,0 +1,120 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mbs/model/forces/types.hpp"
+
+namespace flexura::mbs {
+namespace {
+
+/// A scalar of the motion of one marker M relative to another F.
+class RelativeMeasure final : public Measure {
+ public:
+  using Function = double (*)(const Kinematics&, int F, int M, const Vector3d& direction);
+  RelativeMeasure(std::string name, int F, int M, const Vector3d& direction, input::Dimension dimension,
+                  Function f)
+      : Measure(std::move(name)), F_(F), M_(M), direction_(direction), dimension_(dimension), f_(f) {}
+  input::Dimension dimension() const override { return dimension_; }
+  double value(const Kinematics& kin, const double*) const override { return f_(kin, F_, M_, direction_); }
+
+ private:
+  int F_, M_;
+  Vector3d direction_;
+  input::Dimension dimension_;
+  Function f_;
+};
+
+class ExpressionMeasure final : public Measure {
+ public:
+  ExpressionMeasure(std::string name, std::shared_ptr<const Expression> value)
+      : Measure(std::move(name)), value_(std::move(value)) {}
+  input::Dimension dimension() const override { return input::dim::none; }
+  double value(const Kinematics&, const double* signals) const override { return value_->evaluate(signals); }
+  std::vector<int> reads() const override { return value_->reads(); }
+
+ private:
+  std::shared_ptr<const Expression> value_;
+};
+
+double distance(const Kinematics& kin, int F, int M, const Vector3d&) {
+  return (kin.markers[M].X_WP.p - kin.markers[F].X_WP.p).norm();
+}
+double distance_rate(const Kinematics& kin, int F, int M, const Vector3d&) {
+  const Vector3d r = kin.markers[M].X_WP.p - kin.markers[F].X_WP.p;
+  const double length = r.norm();
+  return length > 0.0 ? r.dot(kin.markers[M].V.linear - kin.markers[F].V.linear) / length : 0.0;
+}
+double position(const Kinematics& kin, int F, int M, const Vector3d& e) {
+  return kin.relative_pose(F, M).p.dot(e);
+}
+double velocity(const Kinematics& kin, int F, int M, const Vector3d& e) {
+  return kin.relative_motion(F, M).V.tail<3>().dot(e);
+}
+double angle(const Kinematics& kin, int F, int M, const Vector3d&) {
+  const Matrix3d R = kin.relative_pose(F, M).R;
+  return std::atan2(R(1, 0) - R(0, 1), R(0, 0) + R(1, 1));
+}
+double angular_velocity(const Kinematics& kin, int F, int M, const Vector3d& e) {
+  return kin.relative_motion(F, M).V.head<3>().dot(e);
+}
+
+constexpr bool with_direction = true, without_direction = false;
+
+template <RelativeMeasure::Function f, bool directed>
+MeasureType relative(const char* name, const char* doc, const input::Dimension& dimension) {
+  using namespace input;
+  MeasureType type;
+  type.name = name;
+  type.doc = doc;
+  type.keys = {text("from", "marker F that it is seen from, \"body.marker\"").required(),
+               text("to", "marker M that it is taken of").required()};
+  if (directed) type.keys.push_back(vector3("direction", dim::none, "in the axes of F").required());
+  static const Dimension measured = dimension;
+  type.read = [](const std::string& own, const Section& s,
+                 const ReadContext& c) -> std::shared_ptr<const Measure> {
+    Vector3d e = Vector3d::Zero();
+    if (directed) {
+      e = s.vector3("direction");
+      if (!(e.norm() > 0.0)) s.refuse("direction", "has no length", "write for example [1, 0, 0]");
+      e.normalize();
+    }
+    return std::make_shared<RelativeMeasure>(own, c.marker(s, "from"), c.marker(s, "to"), e, measured, f);
+  };
+  return type;
+}
+
+}  // namespace
+
+MeasureType distance_measure() {
+  return relative<distance, without_direction>("distance", "Distance of two markers.", input::dim::length);
+}
+MeasureType distance_rate_measure() {
+  return relative<distance_rate, without_direction>(
+      "distance_rate", "Time derivative of the distance of two markers.", input::dim::velocity);
+}
+MeasureType position_measure() {
+  return relative<position, with_direction>("position", "Component of the position of M in F.",
+                                            input::dim::length);
+}
+MeasureType velocity_measure() {
+  return relative<velocity, with_direction>("velocity", "Component of the velocity of M as seen from F.",
+                                            input::dim::velocity);
+}
+MeasureType angle_measure() {
+  return relative<angle, without_direction>("angle", "Angle of M about the z axis of F, within +-180 deg.",
+                                            input::dim::angle);
+}
+MeasureType angular_velocity_measure() {
+  return relative<angular_velocity, with_direction>("angular_velocity",
+                                                    "Component of the angular velocity of M as seen from F.",
+                                                    input::dim::angular_velocity);
+}
+MeasureType expression_measure() {
+  using namespace input;
+  return {"expression",
+          "A formula of t, parameters, joint coordinates and the measures above it.",
+          {expression("value", "the formula").required()},
+          [](const std::string& name, const Section& s,
+             const ReadContext& context) -> std::shared_ptr<const Measure> {
+            return std::make_shared<ExpressionMeasure>(name, context.expression(s, "value"));
+          }};
+}
+
+}  // namespace flexura::mbs

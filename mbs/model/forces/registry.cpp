@@ -1,0 +1,22 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mbs/model/forces/types.hpp"
+
+namespace flexura::mbs {
+
+const std::vector<ForceType>& force_types() {
+  static const std::vector<ForceType> types = {
+      spring_damper_force(),       expression_force(),     expression_torque(), joint_force(),
+      joint_spring_damper_force(), joint_friction_force(), bushing_force(),
+  };
+  return types;
+}
+
+const std::vector<MeasureType>& measure_types() {
+  static const std::vector<MeasureType> types = {
+      distance_measure(), distance_rate_measure(),    position_measure(),   velocity_measure(),
+      angle_measure(),    angular_velocity_measure(), expression_measure(),
+  };
+  return types;
+}
+
+}  // namespace flexura::mbs

@@ -1,0 +1,86 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mbs/model/forces/types.hpp"
+
+namespace flexura::mbs {
+namespace {
+
+/// Along the line between two points P, Q of length L = |p_PQ|: tension k (L - L_0) + d L' + preload.
+class SpringDamper final : public ForceElement {
+ public:
+  SpringDamper(std::string name, int P, int Q, double stiffness, double damping, double free_length,
+               double preload)
+      : ForceElement(std::move(name)),
+        P_(P),
+        Q_(Q),
+        stiffness_(stiffness),
+        damping_(damping),
+        free_length_(free_length),
+        preload_(preload) {}
+  std::string_view type() const override { return "spring_damper"; }
+  std::pair<int, int> markers() const override { return {P_, Q_}; }
+
+  void apply(const Kinematics& kin, const double*, Loads& loads) const override {
+    const Line line = along(kin);
+    const Vector3d f = tension(line) * line.direction;
+    loads.apply(P_, Spatial{Vector3d::Zero(), f});
+    loads.apply(Q_, Spatial{Vector3d::Zero(), -f});
+  }
+  void add_powers(const Kinematics& kin, const double*, Powers& powers) const override {
+    const Line line = along(kin);
+    const double stretch = line.length - free_length_;
+    powers.potential += 0.5 * stiffness_ * stretch * stretch + preload_ * line.length;
+    powers.dissipated += damping_ * line.rate * line.rate;
+  }
+  std::vector<OutputInfo> outputs() const override {
+    return {{"force", input::dim::force, "tension of the spring and damper"},
+            {"length", input::dim::length, "distance of its ends"}};
+  }
+  void evaluate_outputs(const Kinematics& kin, const double*, double* values) const override {
+    const Line line = along(kin);
+    values[0] = tension(line);
+    values[1] = line.length;
+  }
+
+ private:
+  struct Line {
+    Vector3d direction;
+    double length, rate;
+  };
+  Line along(const Kinematics& kin) const {
+    const MarkerState &P = kin.markers[P_], &Q = kin.markers[Q_];
+    const Vector3d r = Q.X_WP.p - P.X_WP.p;
+    Line line;
+    line.length = r.norm();
+    // Ends that coincide leave the direction open; there no force acts.
+    line.direction = line.length > 0.0 ? Vector3d(r / line.length) : Vector3d::Zero();
+    line.rate = line.direction.dot(Q.V.linear - P.V.linear);
+    return line;
+  }
+  double tension(const Line& line) const {
+    return stiffness_ * (line.length - free_length_) + damping_ * line.rate + preload_;
+  }
+
+  int P_, Q_;
+  double stiffness_, damping_, free_length_, preload_;
+};
+
+}  // namespace
+
+ForceType spring_damper_force() {
+  using namespace input;
+  return {"spring_damper",
+          "Spring and damper along the line between two markers.",
+          {text("from", "one end, \"body.marker\"").required(), text("to", "the other end").required(),
+           quantity("stiffness", dim::stiffness, "force per stretch").or_default("0 N/m").at_least(0.0),
+           quantity("damping", dim::damping, "force per rate of stretch").or_default("0 N*s/m").at_least(0.0),
+           quantity("free_length", dim::length, "length without force").or_default("0 m").at_least(0.0),
+           quantity("preload", dim::force, "tension at free length").or_default("0 N")},
+          [](const std::string& name, const Section& s,
+             const ReadContext& context) -> std::shared_ptr<const ForceElement> {
+            return std::make_shared<SpringDamper>(name, context.marker(s, "from"), context.marker(s, "to"),
+                                                  s.quantity("stiffness"), s.quantity("damping"),
+                                                  s.quantity("free_length"), s.quantity("preload"));
+          }};
+}
+
+}  // namespace flexura::mbs

@@ -1,0 +1,81 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mbs/input/document.hpp"
+#include "mbs/model/joints/types.hpp"
+
+namespace flexura::mbs {
+namespace {
+
+/// Two rotations about crossing perpendicular axes: first about the axis a of F, then about the axis b that M
+/// carries. R_FM = R_a(angle_1) R_b(angle_2).  Orders (Simpack's names): al-be = x then y, be-ga = y then z,
+/// al-ga = x then z. Synonyms: Hooke, Cardan joint.
+class Universal final : public Joint {
+ public:
+  Universal(int a, int b) : a_(Vector3d::Unit(a)), b_(Vector3d::Unit(b)), c_(a_.cross(b_)) {}
+  std::string_view type() const override { return "universal"; }
+  std::vector<CoordinateInfo> coordinates() const override {
+    return {{"angle_1", input::dim::angle}, {"angle_2", input::dim::angle}};
+  }
+  std::vector<CoordinateInfo> speeds() const override {
+    return {{"speed_1", input::dim::angular_velocity}, {"speed_2", input::dim::angular_velocity}};
+  }
+  std::vector<CoordinateInfo> accelerations() const override {
+    return {{"acceleration_1", input::dim::angular_acceleration},
+            {"acceleration_2", input::dim::angular_acceleration}};
+  }
+  int n_p() const override { return 2; }
+  int n_v() const override { return 2; }
+
+  Pose pose(const double* q) const override {
+    return {rotation_exp(q[0] * a_) * rotation_exp(q[1] * b_), Vector3d::Zero()};
+  }
+  void motion(const double* q, MotionMatrix& S) const override {
+    S.col(0) << a_, Vector3d::Zero();
+    S.col(1) << second_axis(q), Vector3d::Zero();
+  }
+  Vector6d bias(const double* q, const double* v) const override {
+    Vector6d bias = Vector6d::Zero();
+    bias.head<3>() = v[0] * v[1] * a_.cross(second_axis(q));
+    return bias;
+  }
+  void coordinates_of(const Pose& X, double* q) const override {
+    const Vector3d carried = X.R * b_;
+    q[0] = std::atan2(c_.dot(carried), b_.dot(carried));
+    const Vector3d turned = rotation_exp(q[0] * a_).transpose() * X.R * a_;
+    q[1] = std::atan2(-c_.dot(turned), a_.dot(turned));  // b x a = -c
+  }
+  void speeds_of(const double* q, const Vector6d& V, double* v) const override {
+    v[0] = a_.dot(V.head<3>());
+    v[1] = second_axis(q).dot(V.head<3>());
+  }
+
+  void constrain(Rows& rows) const override {
+    for (int i = 0; i < 3; ++i) rows.position_in_F(Vector3d::Unit(i));
+    rows.angle(a_, b_);
+  }
+  std::string row_name(int i) const override {
+    static const char* names[] = {"x", "y", "z", "cross"};
+    return names[i];
+  }
+
+ private:
+  Vector3d second_axis(const double* q) const { return std::cos(q[0]) * b_ + std::sin(q[0]) * c_; }
+  Vector3d a_, b_, c_;
+};
+
+}  // namespace
+
+JointType universal_joint() {
+  return {
+      "universal",
+      "Two rotations about perpendicular axes through the common origin. Also called Hooke or Cardan joint.",
+      {"hooke", "cardan"},
+      {input::choice("axes", {"al-be", "be-ga", "al-ga"},
+                     "first axis fixed in from's marker, second in to's: x and y, y and z, or x and z")
+           .or_default("al-be")},
+      [](const input::Section* s) -> std::unique_ptr<Joint> {
+        const std::string axes = s ? s->text("axes") : "al-be";
+        return std::make_unique<Universal>(axes == "be-ga" ? 1 : 0, axes == "al-be" ? 1 : 2);
+      }};
+}
+
+}  // namespace flexura::mbs

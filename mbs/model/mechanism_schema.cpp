@@ -1,0 +1,169 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mbs/model/constraints/types.hpp"
+#include "mbs/model/forces/types.hpp"
+#include "mbs/model/joints/types.hpp"
+#include "mbs/model/read_mechanism.hpp"
+
+/// What may stand in a mechanism file.
+namespace flexura::mbs {
+namespace {
+
+using namespace input;
+
+/// Position and orientation of a frame.
+void add_pose(TableSchema& schema, const std::string& of) {
+  schema.keys.push_back(vector3("position", dim::length, "origin of " + of));
+  schema.keys.push_back(vector3("axis", dim::none, "direction of the z axis, of any length"));
+  schema.keys.push_back(vector3("x_axis", dim::none, "beside axis: direction that the x axis leans to"));
+  schema.keys.push_back(
+      vector3("rotation", dim::angle, "instead of axis: rotation vector, axis times angle"));
+  schema.keys.push_back(quaternion("quaternion", "instead of axis: (w, x, y, z)"));
+}
+
+TableSchema marker_schema() {
+  TableSchema schema;
+  schema.name = "marker";
+  schema.doc = "A frame fixed in a body; joints and forces sit on markers.";
+  add_pose(schema, "the marker in the body's frame (undeformed)");
+  schema.keys.push_back(
+      text("on", "interface of a flexible body that carries the marker along as it deforms"));
+  return schema;
+}
+
+TableSchema shape_schema() {
+  TableSchema schema;
+  schema.name = "shape";
+  schema.doc = "A simple solid for pictures.";
+  schema.selector = "type";
+  const Key color = text("color", "like \"#88aacc\"");
+  TableSchema cylinder, box, sphere;
+  cylinder.keys = {vector3("from", dim::length, "centre of one end").required(),
+                   vector3("to", dim::length, "centre of the other end").required(),
+                   quantity("radius", dim::length, "radius").required().above(0.0), color};
+  box.keys = {vector3("center", dim::length, "centre").or_default("[0, 0, 0]"),
+              vector3("size", dim::length, "lengths along x, y, z").required(), color};
+  sphere.keys = {vector3("center", dim::length, "centre").or_default("[0, 0, 0]"),
+                 quantity("radius", dim::length, "radius").required().above(0.0), color};
+  schema.variants = {{"cylinder", cylinder}, {"box", box}, {"sphere", sphere}};
+  return schema;
+}
+
+TableSchema body_schema() {
+  TableSchema schema;
+  schema.name = "body";
+  schema.doc =
+      "A rigid body by its mass properties, or a superelement. Its interfaces are markers by their names. A "
+      "body "
+      "without any joint floats free.";
+  schema.keys = {
+      quantity("mass", dim::mass, "mass; needed without a superelement").at_least(0.0),
+      vector3("center", dim::length, "centre of mass in the body's frame").or_default("[0, 0, 0]"),
+      quantities("inertia", dim::inertia,
+                 "about the centre of mass: Ixx, Iyy, Izz, or these and Ixy, Iyz, Izx (minus the integral of "
+                 "x y dm)"),
+      text("superelement", "file made by flexura reduce, beside this one"),
+      choice("fidelity", {"modal", "rigid"}, "of a superelement: with its deformation or without")
+          .or_default("modal"),
+      integer("modes", "keep at most so many modes, lowest first; without it all").at_least(1),
+      quantity("max_frequency", dim::frequency, "keep no mode above").above(0.0),
+      quantity("damping", dim::none, "damping ratio of all modes; without it the superelement's")
+          .at_least(0.0),
+      vector3("velocity", dim::velocity, "of the origin of a free body at the start, in world axes"),
+      vector3("angular_velocity", dim::angular_velocity, "of a free body at the start, in world axes"),
+      table_map("marker", marker_schema(), "markers of the body"),
+      tables("shape", shape_schema(), "for pictures"),
+  };
+  add_pose(schema, "the body at the start, a guess for the assembly; for a free body exact");
+  return schema;
+}
+
+TableSchema joint_schema() {
+  TableSchema schema;
+  schema.name = "joint";
+  schema.doc =
+      "Joins two bodies. Joints span a tree from ground outwards (in the order of the file, a driven joint "
+      "first); the "
+      "others close loops as constraints.";
+  schema.selector = "type";
+  schema.keys = {text("from", "marker F on the first body, \"body.marker\"").required(),
+                 text("to", "marker M on the second body").required(),
+                 flag("cut", "close a loop here").or_default("false")};
+  for (const JointType& type : joint_types()) {
+    TableSchema variant;
+    variant.doc = type.doc;
+    const auto joint = make_joint(type.name);
+    const auto coordinates = joint->coordinates(), speeds = joint->speeds();
+    for (const CoordinateInfo& c : coordinates)
+      variant.keys.push_back(quantity(c.name, c.dimension, "coordinate at the start"));
+    for (const CoordinateInfo& c : speeds)
+      variant.keys.push_back(quantity(c.name, c.dimension, "speed at the start"));
+    if (joint->n_p() == joint->n_v()) {
+      for (const CoordinateInfo& c : coordinates) {
+        Key drive = expression(joint->n_v() == 1 ? "drive" : "drive_" + c.name,
+                               "drives the coordinate \"" + c.name + "\": a formula of t and parameters");
+        drive.dimension = c.dimension;
+        variant.keys.push_back(std::move(drive));
+      }
+    }
+    variant.keys.insert(variant.keys.end(), type.keys.begin(), type.keys.end());
+    for (const std::string& synonym : type.synonyms) schema.variants[synonym] = variant;
+    schema.variants[type.name] = std::move(variant);
+  }
+  return schema;
+}
+
+template <class Types>
+TableSchema element_schema(const std::string& name, const std::string& doc, const Types& types) {
+  TableSchema schema;
+  schema.name = name;
+  schema.doc = doc;
+  schema.selector = "type";
+  for (const auto& type : types) {
+    TableSchema variant;
+    variant.doc = type.doc;
+    variant.keys = type.keys;
+    schema.variants[type.name] = std::move(variant);
+  }
+  return schema;
+}
+
+}  // namespace
+
+TableSchema mechanism_schema(TableSchema solver) {
+  TableSchema ground, output, run, schema;
+  ground.name = "ground";
+  ground.doc = "The world; its frame is \"ground\".";
+  ground.keys = {table_map("marker", marker_schema(), "markers of ground"),
+                 tables("shape", shape_schema(), "for pictures")};
+  output.name = "output";
+  output.doc = "What is stored.";
+  output.keys = {
+      texts("quantities", "names, with * and ? as wildcards, like \"crank.*\"; without it the usual ones")};
+  run.name = "run";
+  run.doc = "A run with some values changed.";
+  run.keys = {texts("set", "\"key.path=value\" pairs, like \"body.rod.fidelity=rigid\"")};
+
+  schema.name = "mechanism";
+  schema.doc = "A mechanism: bodies, joints, forces, and how they are simulated.";
+  schema.keys = {
+      text("name", "title of results and pictures; without it the file's name"),
+      vector3("gravity", dim::acceleration, "acceleration of free fall").or_default("[0, 0, -9.81]"),
+      formulas("parameters", "names for formulas; each a number, a quantity or a formula of the others"),
+      table("ground", ground, "the world"),
+      table_map("body", body_schema(), "bodies"),
+      table_map("joint", joint_schema(), "joints"),
+      table_map("constraint",
+                element_schema("constraint", "Restrains motion without being a joint.", constraint_types()),
+                "constraints beside the joints"),
+      table_map("force", element_schema("force", "A force element.", force_types()), "force elements"),
+      table_map("measure",
+                element_schema("measure", "A scalar that formulas and outputs can name.", measure_types()),
+                "measured quantities"),
+      table("output", output, "what is stored"),
+      table("solver", std::move(solver), "the integrator"),
+      table_map("run", run, "runs; without any the mechanism runs once as it stands"),
+  };
+  return schema;
+}
+
+}  // namespace flexura::mbs

@@ -1,0 +1,221 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include <set>
+
+#include "mbs/model/work.hpp"
+
+/// Everything that can be stored by name.
+namespace flexura::mbs {
+namespace {
+
+namespace dim = input::dim;
+
+constexpr const char* axis_names[] = {"x", "y", "z"};
+
+}  // namespace
+
+void Mechanism::list_quantities() {
+  std::set<std::string> taken;
+  const auto add = [&](std::string name, input::Dimension dimension, std::string doc, QuantityKind kind,
+                       int index, int component = 0, bool usual = false) {
+    if (!taken.insert(name).second) return;  // a free body's joint bears its name: "stone.x" is one thing
+    quantities_.push_back({{std::move(name), dimension, std::move(doc)}, kind, index, component, usual});
+  };
+  using K = QuantityKind;
+  for (std::size_t j = 0; j < d_.joints.size(); ++j) {
+    const JointDescription& joint = d_.joints[j];
+    const int k = static_cast<int>(j);
+    const bool narrow =
+        joint.joint->n_v() <= 2;  // coordinates of interest; not the quaternion of a free body
+    const auto coordinates = joint.joint->coordinates(), speeds = joint.joint->speeds(),
+               accelerations = joint.joint->accelerations();
+    for (std::size_t i = 0; i < coordinates.size(); ++i)
+      add(joint.name + "." + coordinates[i].name, coordinates[i].dimension, "coordinate of the joint",
+          K::coordinate, k, static_cast<int>(i), narrow);
+    for (std::size_t i = 0; i < speeds.size(); ++i)
+      add(joint.name + "." + speeds[i].name, speeds[i].dimension, "speed of the joint", K::speed, k,
+          static_cast<int>(i), narrow);
+    for (std::size_t i = 0; i < accelerations.size(); ++i)
+      add(joint.name + "." + accelerations[i].name, accelerations[i].dimension, "acceleration of the joint",
+          K::acceleration, k, static_cast<int>(i));
+    if (joint.joint->n_rows() > 0) {
+      add(joint.name + ".force", dim::force, "size of the force between the bodies", K::reaction, k, 6, true);
+      add(joint.name + ".torque", dim::torque, "size of the torque between the bodies", K::reaction, k, 7,
+          true);
+      for (int i = 0; i < 3; ++i)
+        add(fmt::format("{}.force_{}", joint.name, axis_names[i]), dim::force,
+            "force on the body of `to`, in the axes of `from`", K::reaction, k, 3 + i);
+      for (int i = 0; i < 3; ++i)
+        add(fmt::format("{}.torque_{}", joint.name, axis_names[i]), dim::torque,
+            "torque on the body of `to` about its marker, in the axes of `from`", K::reaction, k, i);
+    }
+    for (const auto& [index, motion] : joint.drives) {
+      const bool is_angle = coordinates[index].dimension == dim::angle;
+      add(joint.name + (joint.drives.size() > 1 ? ".drive_force_" + coordinates[index].name : ".drive_force"),
+          is_angle ? dim::torque : dim::force, "force or torque of the drive along the coordinate", K::drive,
+          k, index, true);
+    }
+  }
+  for (std::size_t b = 1; b < d_.bodies.size(); ++b) {
+    const std::string& name = d_.bodies[b].name;
+    const int k = static_cast<int>(b);
+    for (int i = 0; i < 3; ++i) {
+      const std::string axis = axis_names[i];
+      add(name + ".position_" + axis, dim::length, "of the body's origin in the world", K::body_position, k,
+          i);
+      add(name + ".velocity_" + axis, dim::velocity, "of the body's origin", K::body_velocity, k, i);
+      add(name + ".angular_velocity_" + axis, dim::angular_velocity, "of the body, in the world's axes",
+          K::body_velocity, k, 3 + i);
+      add(name + ".acceleration_" + axis, dim::acceleration, "of the body's origin", K::body_acceleration, k,
+          i);
+    }
+    for (int i = 0; i < bodies_[b].m; ++i)
+      add(fmt::format("{}.mode_{}", name, i + 1), dim::none, "modal coordinate", K::mode, k, i);
+    if (bodies_[b].m > 0)
+      add(name + ".strain_energy", dim::energy, "elastic energy of the body", K::strain_energy, k, 0, true);
+  }
+  for (std::size_t i = 0; i < d_.measures.size(); ++i)
+    add(d_.measures[i]->name(), d_.measures[i]->dimension(), "measure", K::measure, static_cast<int>(i), 0,
+        true);
+  for (std::size_t f = 0; f < d_.forces.size(); ++f) {
+    const auto outputs = d_.forces[f]->outputs();
+    for (std::size_t i = 0; i < outputs.size(); ++i)
+      add(d_.forces[f]->name() + "." + outputs[i].name, outputs[i].dimension, outputs[i].doc, K::force,
+          static_cast<int>(f), static_cast<int>(i), true);
+  }
+  const char* energies[] = {"energy.kinetic", "energy.strain", "energy.potential", "energy.total"};
+  const char* docs[] = {"kinetic energy", "elastic energy of flexible bodies",
+                        "energy of gravity and springs", "kinetic + strain + potential"};
+  for (int i = 0; i < 4; ++i) add(energies[i], dim::energy, docs[i], K::energy, 0, i, true);
+  add("power.input", dim::power, "power of applied forces and drives", K::energy, 0, 4, true);
+  add("power.dissipated", dim::power, "power taken out by dampers", K::energy, 0, 5, true);
+}
+
+std::vector<OutputInfo> Mechanism::quantities() const {
+  std::vector<OutputInfo> infos;
+  for (const QuantityPlace& q : quantities_) infos.push_back(q.info);
+  return infos;
+}
+
+std::vector<int> Mechanism::usual_quantities() const {
+  std::vector<int> which;
+  for (std::size_t i = 0; i < quantities_.size(); ++i)
+    if (quantities_[i].usual) which.push_back(static_cast<int>(i));
+  return which;
+}
+
+Vector6d Mechanism::joint_reaction(int joint, Work& work) const {
+  const JointPlace& place = places_[joint];
+  const Pose &F = work.kin.markers[place.marker_F].X_WP, &M = work.kin.markers[place.marker_M].X_WP;
+  if (!place.in_tree()) {
+    for (std::size_t k = 0; k < constraints_.size(); ++k) {
+      const auto* closure = dynamic_cast<const RelativeConstraint*>(constraints_[k].get());
+      if (closure && closure->name() == d_.joints[joint].name)
+        return -closure->wrench_on_M(work.kin, work.rows_x.data() + first_row_[k]);
+    }
+    return Vector6d::Zero();
+  }
+  for (int b : order_) {
+    if (bodies_[b].joint != joint) continue;
+    const Spatial& through = work.bodies[b].through_joint;
+    if (!bodies_[b].reversed) return (F.R.transpose() * through).vector();
+    const Spatial on_M = shift_wrench(through, F.p - M.p);
+    return -(F.R.transpose() * on_M).vector();
+  }
+  return Vector6d::Zero();
+}
+
+void Mechanism::evaluate(const std::vector<int>& which, const State& s, ConstVectorRef v_dot,
+                         Scratch& scratch, VectorRef values) const {
+  Work& work = work_of(scratch);
+  forward(Level::acceleration, s.t, s.p.data(), s.v.data(), v_dot.data(), work);
+  body_forces(true, work);
+  evaluate_signals(work);
+  // Measures that only the output asks for may read signals that no force needs.
+  for (std::size_t k = 1; k < sources_.size(); ++k)
+    if (sources_[k].kind == SignalSource::Kind::coordinate || sources_[k].kind == SignalSource::Kind::speed)
+      work.signals(k) = sources_[k].kind == SignalSource::Kind::coordinate
+                            ? work.kin.coordinate(sources_[k].coordinate)
+                            : work.kin.speed(sources_[k].coordinate);
+  std::vector<double> measured(d_.measures.size());
+  for (std::size_t i = 0; i < d_.measures.size(); ++i) {
+    measured[i] = d_.measures[i]->value(work.kin, work.signals.data());
+    if (const int k = d_.signals.find(d_.measures[i]->name()); k >= 0) work.signals(k) = measured[i];
+  }
+  BodyLoads loads(*this, work, 1.0);
+  for (const auto& force : d_.forces) force->apply(work.kin, work.signals.data(), loads);
+  work.rows_x.setZero();
+  add_constraint_loads(s.lambda.data(), -1.0, work);
+  backward(work, work.r.data());
+  const EnergyReport e = energies(s.lambda.data(), work);
+  const double of_energy[] = {e.kinetic,     e.strain,
+                              e.potential,   e.kinetic + e.strain + e.potential,
+                              e.input_power, e.dissipated_power};
+
+  std::vector<double> outputs;
+  int outputs_of = -1;
+  for (std::size_t i = 0; i < which.size(); ++i) {
+    const QuantityPlace& q = quantities_[which[i]];
+    double value = 0.0;
+    switch (q.kind) {
+      case QuantityKind::coordinate:
+        value = work.kin.coordinate({q.index, q.component});
+        break;
+      case QuantityKind::speed:
+        value = work.kin.speed({q.index, q.component});
+        break;
+      case QuantityKind::acceleration:
+        value = work.kin.acceleration({q.index, q.component});
+        break;
+      case QuantityKind::reaction: {
+        const Vector6d w = joint_reaction(q.index, work);
+        value = q.component == 6   ? w.tail<3>().norm()
+                : q.component == 7 ? w.head<3>().norm()
+                                   : w(q.component);
+        break;
+      }
+      case QuantityKind::drive:
+        for (std::size_t k = 0; k < constraints_.size(); ++k) {
+          const auto* drive = dynamic_cast<const DriveConstraint*>(constraints_[k].get());
+          if (drive && drive->coordinate().joint == q.index && drive->coordinate().index == q.component)
+            value = -work.rows_x(first_row_[k]);
+        }
+        break;
+      case QuantityKind::body_position:
+        value = work.bodies[q.index].X_WB.p(q.component);
+        break;
+      case QuantityKind::body_velocity: {
+        const Spatial& V = work.bodies[q.index].V;
+        value = q.component < 3 ? V.linear(q.component) : V.angular(q.component - 3);
+        break;
+      }
+      case QuantityKind::body_acceleration:
+        value = work.bodies[q.index].A.linear(q.component);
+        break;
+      case QuantityKind::mode:
+        value = s.p(bodies_[q.index].i_p + q.component);
+        break;
+      case QuantityKind::strain_energy:
+        value = d_.bodies[q.index].flexible->strain_energy(s.p.data() + bodies_[q.index].i_p);
+        break;
+      case QuantityKind::measure:
+        value = measured[q.index];
+        break;
+      case QuantityKind::force:
+        if (outputs_of != q.index) {
+          outputs.assign(d_.forces[q.index]->outputs().size(), 0.0);
+          d_.forces[q.index]->evaluate_outputs(work.kin, work.signals.data(), outputs.data());
+          outputs_of = q.index;
+        }
+        value = outputs[q.component];
+        break;
+      case QuantityKind::energy:
+        value = of_energy[q.component];
+        break;
+    }
+    values(i) = value;
+  }
+}
+
+}  // namespace flexura::mbs

@@ -1,0 +1,45 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <map>
+#include <memory>
+#include <string>
+
+#include "mbs/input/document.hpp"
+#include "mbs/model/mechanism.hpp"
+
+/// What the readers of joints, constraints, forces and measures need: names of the file become places in the
+/// model. Every refusal is an InputError that names file, line and key.
+namespace flexura::mbs {
+
+class ReadContext {
+ public:
+  ReadContext(MechanismDescription& description, std::map<std::string, double> parameters)
+      : d_(description), parameters_(std::move(parameters)) {}
+
+  /// The marker "body.marker" (or "body" for the body's own frame) that a key names.
+  int marker(const input::Section& section, const std::string& key) const;
+  /// The body that a key names.
+  int body(const input::Section& section, const std::string& key) const;
+  /// The joint that a key names.
+  int joint(const input::Section& section, const std::string& key) const;
+  /// The speed of a joint that two keys name; the second may be left out where the joint has one only.
+  CoordinateRef speed(const input::Section& section, const std::string& joint_key,
+                      const std::string& coordinate_key) const;
+  /// The coordinate that `name` = "joint" (with one coordinate) or "joint.coordinate" means; `key` held it.
+  CoordinateRef coordinate(const input::Section& section, const std::string& key,
+                           const std::string& name) const;
+  /// A formula of time, parameters, joint coordinates and measures.
+  std::shared_ptr<const Expression> expression(const input::Section& section, const std::string& key) const;
+  /// A formula of time and parameters.
+  std::shared_ptr<const Expression> time_expression(const input::Section& section,
+                                                    const std::string& key) const;
+
+  const MechanismDescription& description() const { return d_; }
+
+ private:
+  MechanismDescription& d_;
+  std::map<std::string, double> parameters_;
+};
+
+}  // namespace flexura::mbs

@@ -1,0 +1,46 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "mbs/input/document.hpp"
+#include "mbs/model/mechanism.hpp"
+
+/// The mechanism file (TOML): bodies, markers, joints, forces, measures, runs.
+namespace flexura::mbs {
+
+/// The schema of the whole file; `solver` is what [solver] takes.
+input::TableSchema mechanism_schema(input::TableSchema solver);
+
+/// [run.NAME] set = ["body.rod.fidelity=rigid"]: to be read again with these overrides.
+struct RunDescription {
+  std::string name;
+  std::vector<std::string> overrides;
+};
+
+struct MechanismFile {
+  std::string name;                  ///< of the mechanism
+  std::string source;                ///< the file's text
+  MechanismDescription description;  ///< ready for Mechanism's constructor
+  std::vector<std::string> outputs;  ///< wanted quantities, with * and ? as wildcards; empty: the usual ones
+  std::vector<RunDescription> runs;  ///< one without overrides when the file names none
+  std::vector<std::string> notes;    ///< what the user should know: truncated bases, ...
+  input::Section solver;             ///< checked [solver] table, for read_solver_options
+};
+
+/// Reads and checks the file with `overrides` applied ("body.rod.fidelity=rigid").  Superelement files are
+/// sought beside it.  Throws InputError.
+MechanismFile read_mechanism(const std::filesystem::path& file, const input::TableSchema& solver,
+                             const std::vector<std::string>& overrides = {});
+
+/// Indices of the wanted quantities, in the order of the patterns; the usual ones for no patterns.
+/// Throws std::invalid_argument for a pattern that fits nothing ("did you mean ...?").
+std::vector<int> select_quantities(const Mechanism& mechanism, const std::vector<std::string>& patterns);
+
+/// Joints and forces with the bodies they join, as JSON for pictures: [{"name", "kind", "body_1", "p_1",
+/// "body_2", "p_2", "axis_1"}, ...]; points in the bodies' frames, undeformed.
+std::string connections_json(const Mechanism& mechanism);
+
+}  // namespace flexura::mbs

@@ -1,0 +1,73 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include <atomic>
+#include <cstdlib>
+#include <new>
+
+#include "mbs/model/joints/types.hpp"
+#include "mbs/model/modal_basis.hpp"
+#include "tests/mbs/model/checks.hpp"
+#include "tests/mbs/model/lattice.hpp"
+
+namespace {
+std::atomic<long> allocations{0};
+}
+
+// Every allocation of this program is counted, those of Eigen through malloc too.
+extern "C" void* __libc_malloc(std::size_t);
+#if !defined(__SANITIZE_ADDRESS__)
+extern "C" void* malloc(std::size_t size) {
+  ++allocations;
+  return __libc_malloc(size);
+}
+#endif
+
+namespace flexura::mbs {
+namespace {
+
+using namespace checks;
+
+TEST(Evaluation, AllocatesNothing) {
+#if defined(__SANITIZE_ADDRESS__)
+  GTEST_SKIP() << "the sanitizer owns malloc";
+#endif
+  const lattice::Lattice l = lattice::make_lattice(10);
+  MechanismDescription d;
+  d.gravity = {0, 0, -9.81};
+  Random random(1);
+  int previous = 0;
+  for (const JointType& type : joint_types()) {
+    const int body = d.add_body({.name = type.name, .inertia = random.inertia()});
+    d.add_joint("to_" + type.name, type.name, d.add_marker(previous, "out_" + type.name),
+                d.add_marker(body, "in"));
+    previous = body;
+  }
+  const int beam = d.add_body({.name = "beam", .flexible = std::make_shared<FlexibleBody>(modal_data(l.se))});
+  const int joint = d.add_joint("hinge", "revolute", d.add_marker(previous, "hinge"),
+                                d.add_marker(beam, "left", random.pose(), 0));
+  d.joints[joint].drives[0] = std::make_shared<Expression>("joint.hinge.drive", "sin(3*t)^2", d.signals,
+                                                           std::map<std::string, double>{});
+  d.joints[d.add_joint("loop", "spherical", d.add_marker(0, "loop"), d.add_marker(beam, "right", {}, 1))]
+      .cut = true;
+  const Mechanism mechanism(d);
+  const State s = random_state(mechanism, 2);
+  const Sizes n = mechanism.sizes();
+  const auto scratch = mechanism.make_scratch();
+  VectorXd r(n.n_v), none(0), g(n.n_lambda), f_c(n.n_v), p_dot(n.n_p);
+  const VectorXd v_dot = random.vector(n.n_v);
+  const auto evaluate = [&] {
+    mechanism.kinematic(s.p, s.v, p_dot);
+    mechanism.momentum(s, v_dot, *scratch, r, none, none);
+    mechanism.position_constraints(s.t, s.p, *scratch, g);
+    mechanism.velocity_constraints(s.t, s.p, s.v, *scratch, g);
+    mechanism.acceleration_constraints(s.t, s.p, s.v, v_dot, *scratch, g);
+    mechanism.apply_GT(s.t, s.p, s.lambda, *scratch, f_c);
+  };
+  evaluate();
+  const long before = allocations;
+  for (int i = 0; i < 10; ++i) evaluate();
+  EXPECT_EQ(allocations - before, 0);
+  EXPECT_GT(before, 0);
+}
+
+}  // namespace
+}  // namespace flexura::mbs
