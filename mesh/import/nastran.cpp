@@ -1,0 +1,450 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mesh/import/nastran.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <array>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <set>
+#include <stdexcept>
+
+#include "mesh/import/builder.hpp"
+#include "mesh/import/nastran_cards.hpp"
+
+namespace flexura::mesh {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kDegree = std::numbers::pi / 180;
+
+/// Rectangular, cylindrical (r, theta, z) or spherical (r, theta from z, phi), angles in degrees.
+struct System {
+  char kind = 'R';
+  Eigen::Matrix3d R = Eigen::Matrix3d::Identity();  ///< columns: the axes
+  Vector3d origin = Vector3d::Zero();
+
+  Vector3d place(const Vector3d& x) const { return origin + R * rectangular(x); }
+  Vector3d rectangular(const Vector3d& x) const {
+    if (kind == 'C') return {x[0] * std::cos(kDegree * x[1]), x[0] * std::sin(kDegree * x[1]), x[2]};
+    if (kind == 'S') {
+      const double s = std::sin(kDegree * x[1]);
+      return {x[0] * s * std::cos(kDegree * x[2]), x[0] * s * std::sin(kDegree * x[2]),
+              x[0] * std::cos(kDegree * x[1])};
+    }
+    return x;
+  }
+};
+
+struct SolidCard {
+  CellType linear, quadratic;
+  std::vector<int> order;  ///< place in Mesh's order -> place on the card, for the quadratic cell
+};
+
+/// Nastran numbers vertical edges before the upper ones.
+const std::map<std::string, SolidCard>& solid_cards() {
+  static const std::map<std::string, SolidCard> kCards = {
+      {"CTETRA", {CellType::tet4, CellType::tet10, {0, 1, 2, 3, 4, 5, 6, 7, 8, 9}}},
+      {"CHEXA", {CellType::hex8, CellType::hex20, {0,  1,  2,  3,  4,  5,  6,  7,  8,  9,
+                                                   10, 11, 16, 17, 18, 19, 12, 13, 14, 15}}},
+      {"CPENTA", {CellType::wedge6, CellType::wedge15, {0, 1, 2, 3, 4, 5, 6, 7, 8, 12, 13, 14, 9, 10, 11}}},
+      {"CPYRAM", {CellType::pyramid5, CellType::pyramid13, {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12}}}};
+  return kCards;
+}
+
+class Reader {
+ public:
+  ImportedModel read(const std::filesystem::path& path) {
+    cards_ = read_cards(path, names_);
+    for (const Card& card : cards_) by_name_[card.name].push_back(&card);
+    used_ = {"GRDSET"};
+    read_materials();
+    index_systems();
+    read_grids();
+    read_solids();
+    read_bars();
+    read_ties();
+    read_masses();
+    read_dofs();
+    static const std::set<std::string> kSilent = {"CORD2R", "CORD2C", "CORD2S", "CORD1R", "CORD1C",
+                                                  "CORD1S", "PSOLID", "PBAR",   "PBEAM"};
+    for (const Card& card : cards_)
+      if (!used_.contains(card.name) && !kSilent.contains(card.name)) unused_.add(card.name, card.where);
+    for (const std::string& message : unused_.messages("card")) model_.messages.push_back(message);
+    if (builder_.cells().empty() && model_.bars.empty())
+      throw std::invalid_argument(path.string() +
+                                  ": holds no solid and no beam elements (CTETRA, CHEXA, CPENTA, CPYRAM, "
+                                  "CBAR, CBEAM); not Nastran bulk data?");
+    finish();
+    return std::move(model_);
+  }
+
+ private:
+  const std::vector<const Card*>& all(const std::string& name) {
+    used_.insert(name);
+    return by_name_[name];
+  }
+
+  // ---- materials and properties
+
+  void read_materials() {
+    for (const Card* card : all("MAT1")) {
+      ImportedMaterial material;
+      const std::int64_t id = card->integer(0);
+      material.name = std::to_string(id);
+      material.rho = card->real(4, 0);
+      const bool has_E = !card->blank(1), has_G = !card->blank(2), has_nu = !card->blank(3);
+      if (has_E + has_G + has_nu < 2)
+        throw std::invalid_argument(
+            fmt::format("{}: MAT1 {} needs two of E, G and NU", card->where.text(), id));
+      const double G = card->real(2, 0);
+      material.nu = has_nu ? card->real(3) : card->real(1) / (2 * G) - 1;
+      material.E = has_E ? card->real(1) : 2 * G * (1 + material.nu);
+      if (has_E && has_G && has_nu && std::abs(G * 2 * (1 + material.nu) / material.E - 1) > 1e-3)
+        model_.messages.push_back(fmt::format(
+            "{}: MAT1 {} has a G that is not E / (2 (1 + NU)); E and NU are used", card->where.text(), id));
+      if (!material_.emplace(id, static_cast<Index>(model_.materials.size())).second)
+        throw std::invalid_argument(fmt::format("{}: material {} is given twice", card->where.text(), id));
+      model_.materials.push_back(material);
+    }
+    for (const Card* card : all("PSOLID"))
+      property_[card->integer(0)] = material(card->integer(1), card->where);
+  }
+
+  Index material(std::int64_t id, const Where& where) const {
+    const auto found = material_.find(id);
+    if (found == material_.end())
+      throw std::invalid_argument(fmt::format("{}: material {} is not defined", where.text(), id));
+    return found->second;
+  }
+
+  // ---- coordinate systems and nodes
+
+  void index_systems() {
+    for (const char kind : {'R', 'C', 'S'})
+      for (const char* family : {"CORD1", "CORD2"})
+        for (const Card* card : all(std::string(family) + kind)) {
+          system_cards_[card->integer(0)] = card;
+          if (family[4] == '1' && !card->blank(4)) system_cards_[card->integer(4)] = card;  // two on one card
+        }
+    for (const Card* card : all("GRID")) grid_cards_.emplace(card->integer(0), card);
+    for (const Card* card : by_name_["GRDSET"]) grdset_ = card;
+  }
+
+  const System& system(std::int64_t id, const Where& where, int depth = 0) {
+    if (const auto found = systems_.find(id); found != systems_.end()) return found->second;
+    if (id == 0) return systems_[0] = System();
+    const auto found = system_cards_.find(id);
+    if (found == system_cards_.end())
+      throw std::invalid_argument(fmt::format("{}: coordinate system {} is not defined", where.text(), id));
+    if (depth > 50)
+      throw std::invalid_argument(fmt::format("{}: coordinate system {} refers to itself", where.text(), id));
+    const Card& card = *found->second;
+    System s;
+    s.kind = card.name[5];
+    std::array<Vector3d, 3> p;
+    if (card.name[4] == '2') {
+      const System& reference = system(card.integer(1, 0), card.where, depth + 1);
+      for (std::size_t k = 0; k < 3; ++k)
+        p[k] = reference.place({card.real(2 + 3 * k, 0), card.real(3 + 3 * k, 0), card.real(4 + 3 * k, 0)});
+    } else {
+      const std::size_t first = card.integer(0) == id ? 0 : 4;
+      for (std::size_t k = 0; k < 3; ++k)
+        p[k] = grid_place(card.integer(first + 1 + k), card.where, depth + 1);
+    }
+    const Vector3d z = (p[1] - p[0]).normalized();
+    const Vector3d y = z.cross(p[2] - p[0]);
+    if (!z.allFinite() || !(y.norm() > 1e-12 * (p[2] - p[0]).norm()))
+      throw std::invalid_argument(
+          fmt::format("{}: the three points of coordinate system {} lie on a line", card.where.text(), id));
+    s.R.col(2) = z;
+    s.R.col(1) = y.normalized();
+    s.R.col(0) = s.R.col(1).cross(z);
+    s.origin = p[0];
+    return systems_[id] = s;
+  }
+
+  Vector3d grid_place(std::int64_t id, const Where& where, int depth = 0) {
+    const auto found = grid_cards_.find(id);
+    if (found == grid_cards_.end())
+      throw std::invalid_argument(fmt::format("{}: GRID {} is not defined", where.text(), id));
+    const Card& card = *found->second;
+    const std::int64_t cp = card.integer(1, grdset_ ? grdset_->integer(1, 0) : 0);
+    return system(cp, card.where, depth).place({card.real(2, 0), card.real(3, 0), card.real(4, 0)});
+  }
+
+  void read_grids() {
+    int turned = 0;
+    for (const Card* card : all("GRID")) {
+      const std::int64_t id = card->integer(0);
+      const Index node = builder_.add_node(0, id, grid_place(id, card->where), card->where);
+      const std::string fixed = !card->blank(6) ? card->text(6) : grdset_ ? grdset_->text(6) : "";
+      if (!fixed.empty()) model_.fixed.push_back({node, components(fixed, *card)});
+      turned += card->integer(5, grdset_ ? grdset_->integer(5, 0) : 0) > 0;
+    }
+    if (turned > 0)
+      model_.messages.push_back(
+          fmt::format("{} GRID have displacement axes of their own (CD): directions of SPC, ASET and ties "
+                      "there are taken in the basic system",
+                      turned));
+  }
+
+  static std::array<bool, 6> components(const std::string& digits, const Card& card) {
+    std::array<bool, 6> dofs{};
+    for (const char c : digits) {
+      if (c == '0') continue;
+      if (c < '1' || c > '6')
+        throw std::invalid_argument(
+            fmt::format("{}: \"{}\" on {} names directions; only the digits 1 to 6 may stand there",
+                        card.where.text(), digits, card.name));
+      dofs[static_cast<std::size_t>(c - '1')] = true;
+    }
+    return dofs;
+  }
+
+  // ---- solids
+
+  void read_solids() {
+    for (const Card& card : cards_) {
+      const auto found = solid_cards().find(card.name);
+      if (found == solid_cards().end()) continue;
+      used_.insert(card.name);
+      const SolidCard& solid = found->second;
+      const auto n_linear = static_cast<std::size_t>(nodes_per_cell(solid.linear)),
+                 n_quadratic = static_cast<std::size_t>(nodes_per_cell(solid.quadratic));
+      const std::int64_t id = card.integer(0), property = card.integer(1, id);
+      std::size_t middle = 0;
+      for (std::size_t k = n_linear; k < n_quadratic; ++k)
+        middle += !card.blank(2 + k) && card.integer(2 + k) != 0;
+      if (middle != 0 && middle != n_quadratic - n_linear)
+        throw std::invalid_argument(
+            fmt::format("{}: {} {} has {} of its {} mid-side nodes; all or none are wanted",
+                        card.where.text(), card.name, id, middle, n_quadratic - n_linear));
+      const std::size_t n = middle ? n_quadratic : n_linear;
+      std::vector<Index> nodes(n);
+      for (std::size_t k = 0; k < n; ++k)
+        nodes[k] = builder_.node(
+            0, card.integer(2 + static_cast<std::size_t>(middle ? solid.order[k] : static_cast<int>(k))),
+            card.where);
+      builder_.add_to_set("property " + std::to_string(property), nodes);
+      const std::size_t cell =
+          builder_.add_cell(0, middle ? solid.quadratic : solid.linear, id, std::move(nodes), card.where);
+      if (const auto p = property_.find(property); p != property_.end())
+        builder_.cells()[cell].material = p->second;
+      else if (!by_name_["PSOLID"].empty())
+        throw std::invalid_argument(
+            fmt::format("{}: PSOLID {} of {} {} is not defined", card.where.text(), property, card.name, id));
+    }
+  }
+
+  // ---- beams
+
+  ImportedBar section(std::int64_t property, const Card& bar) {
+    for (const Card* card : all("PBAR")) {
+      if (card->integer(0) != property) continue;
+      ImportedBar s;
+      s.material = material(card->integer(1), card->where);
+      s.A = card->real(2, 0);
+      s.I_zz = card->real(3, 0);  // plane 1 is the x-y plane
+      s.I_yy = card->real(4, 0);
+      s.J = card->real(5, 0);
+      s.extra_mass_per_length = card->real(6, 0);
+      s.kappa_y = card->real(16, 0);
+      s.kappa_z = card->real(17, 0);
+      s.I_yz = card->real(18, 0);
+      return s;
+    }
+    for (const Card* card : all("PBEAM")) {
+      if (card->integer(0) != property) continue;
+      ImportedBar s;
+      s.material = material(card->integer(1), card->where);
+      s.A = card->real(2);
+      s.I_zz = card->real(3);
+      s.I_yy = card->real(4);
+      s.I_yz = card->real(5, 0);
+      s.J = card->real(6, 0);
+      s.extra_mass_per_length = card->real(7, 0);
+      s.kappa_y = s.kappa_z = 1;  // the card's default
+      // Stress points, then stations (each with stress points of its own after YES), then K1, K2.
+      const auto is_station = [&](std::size_t k) {
+        return card->text(k).rfind("YES", 0) == 0 || card->text(k) == "NO";
+      };
+      std::size_t at = is_station(8) ? 8 : 16;
+      bool tapered = false;
+      while (is_station(at)) {
+        tapered = tapered || (!card->blank(at + 2) && std::abs(card->real(at + 2) - s.A) > 1e-6 * s.A);
+        at += card->text(at) == "YES" ? 16 : 8;
+      }
+      s.kappa_y = card->real(at, 1);
+      s.kappa_z = card->real(at + 1, 1);
+      if (tapered) unused_.add("PBEAM's taper (end A is used all along)", card->where);
+      return s;
+    }
+    throw std::invalid_argument(fmt::format("{}: property {} of {} {} is no PBAR or PBEAM of this file",
+                                            bar.where.text(), property, bar.name, bar.integer(0)));
+  }
+
+  void read_bars() {
+    for (const char* name : {"CBAR", "CBEAM"})
+      for (const Card* card : all(name)) {
+        const std::int64_t id = card->integer(0);
+        ImportedBar bar = section(card->integer(1, id), *card);
+        bar.label = id;
+        bar.nodes = {builder_.node(0, card->integer(2), card->where),
+                     builder_.node(0, card->integer(3), card->where)};
+        const Vector3d a = grid_place(card->integer(2), card->where);
+        if (!card->blank(4) && card->blank(5) && card->blank(6) && !card->is_real(4))
+          bar.orientation = grid_place(card->integer(4), card->where) - a;
+        else
+          bar.orientation = Vector3d(card->real(4, 0), card->real(5, 0), card->real(6, 0));
+        for (std::size_t end = 0; end < 2; ++end)
+          for (std::size_t k = 0; k < 3; ++k)
+            bar.offset[end][static_cast<Eigen::Index>(k)] = card->real(10 + 3 * end + k, 0);
+        if (!card->blank(8) || !card->blank(9)) unused_.add(std::string(name) + "'s pin flags", card->where);
+        if (!(bar.orientation.norm() > 0))
+          throw std::invalid_argument(
+              fmt::format("{}: {} {} has no orientation vector", card->where.text(), name, id));
+        model_.bars.push_back(bar);
+      }
+  }
+
+  // ---- ties, masses, dofs
+
+  void read_ties() {
+    for (const Card* card : all("RBE2")) {
+      ImportedTie tie;
+      tie.label = card->integer(0);
+      tie.reference = builder_.node(0, card->integer(1), card->where);
+      tie.dofs = components(card->text(2), *card);
+      for (std::size_t k = 3; k < card->fields.size(); ++k)
+        if (!card->blank(k) && !card->is_real(k))
+          tie.nodes.push_back(builder_.node(0, card->integer(k), card->where));
+      model_.ties.push_back(std::move(tie));
+    }
+    for (const Card* card : all("RBE3")) {
+      ImportedTie tie;
+      tie.kind = ImportedTie::Kind::average;
+      tie.label = card->integer(0);
+      tie.reference = builder_.node(0, card->integer(2), card->where);
+      tie.dofs = components(card->text(3), *card);
+      double weight = 1;
+      for (std::size_t k = 4; k < card->fields.size(); ++k) {
+        if (card->blank(k)) continue;
+        if (card->text(k) == "UM" || card->text(k) == "ALPHA") {
+          unused_.add("RBE3's " + card->text(k), card->where);
+          break;
+        }
+        if (card->is_real(k)) {
+          weight = card->real(k);
+          if (const auto dofs = components(card->text(++k), *card); !(dofs[0] && dofs[1] && dofs[2]))
+            unused_.add("RBE3 weights that leave out directions 1 to 3 (all three are used)", card->where);
+          continue;
+        }
+        tie.nodes.push_back(builder_.node(0, card->integer(k), card->where));
+        tie.weights.push_back(weight);
+      }
+      model_.ties.push_back(std::move(tie));
+    }
+    for (const ImportedTie& tie : model_.ties)
+      if (tie.nodes.empty())
+        throw std::invalid_argument(fmt::format("RBE2 or RBE3 {} ties no nodes", tie.label));
+  }
+
+  void read_masses() {
+    for (const Card* card : all("CONM2")) {
+      ImportedMass mass;
+      mass.label = card->integer(0);
+      mass.node = builder_.node(0, card->integer(1), card->where);
+      mass.mass = card->real(3, 0);
+      const std::int64_t cid = card->integer(2, 0);
+      const Vector3d x(card->real(4, 0), card->real(5, 0), card->real(6, 0));
+      const System& s = system(std::max<std::int64_t>(cid, 0), card->where);
+      mass.offset = cid == -1 ? Vector3d(x - grid_place(card->integer(1), card->where))
+                              : Vector3d(s.R * s.rectangular(x));
+      Eigen::Matrix3d I;
+      I << card->real(8, 0), -card->real(9, 0), -card->real(11, 0),  // the card holds the products of
+          -card->real(9, 0), card->real(10, 0), -card->real(12, 0),  // inertia with a plus sign
+          -card->real(11, 0), -card->real(12, 0), card->real(13, 0);
+      mass.inertia = s.R * I * s.R.transpose();
+      model_.masses.push_back(mass);
+    }
+  }
+
+  /// The grids of a list that may say "1, THRU, 9".
+  std::vector<std::int64_t> grid_list(const Card& card, std::size_t first) {
+    std::vector<std::int64_t> ids;
+    for (std::size_t k = first; k < card.fields.size(); ++k) {
+      if (card.blank(k)) continue;
+      if (card.text(k) == "THRU") {
+        const std::int64_t last = card.integer(++k);
+        for (auto at = grid_cards_.upper_bound(ids.empty() ? 0 : ids.back());
+             at != grid_cards_.end() && at->first <= last; ++at)
+          ids.push_back(at->first);
+      } else {
+        ids.push_back(card.integer(k));
+      }
+    }
+    return ids;
+  }
+
+  void read_dofs() {
+    for (const Card* card : all("SPC"))
+      for (const std::size_t k : {1u, 4u})
+        if (!card->blank(k))
+          model_.fixed.push_back(
+              {builder_.node(0, card->integer(k), card->where), components(card->text(k + 1), *card)});
+    for (const Card* card : all("SPC1"))
+      for (const std::int64_t id : grid_list(*card, 2))
+        model_.fixed.push_back({builder_.node(0, id, card->where), components(card->text(1), *card)});
+    for (const Card* card : all("ASET"))
+      for (std::size_t k = 0; k + 1 < card->fields.size(); k += 2)
+        if (!card->blank(k))
+          model_.kept.push_back(
+              {builder_.node(0, card->integer(k), card->where), components(card->text(k + 1), *card)});
+    for (const Card* card : all("ASET1"))
+      for (const std::int64_t id : grid_list(*card, 1))
+        model_.kept.push_back({builder_.node(0, id, card->where), components(card->text(0), *card)});
+  }
+
+  void finish() {
+    std::vector<Index> used;
+    const auto each_node = [&](auto&& visit) {
+      for (ImportedBar& bar : model_.bars)
+        for (Index& node : bar.nodes) visit(node);
+      for (ImportedMass& mass : model_.masses) visit(mass.node);
+      for (ImportedTie& tie : model_.ties) {
+        visit(tie.reference);
+        for (Index& node : tie.nodes) visit(node);
+      }
+    };
+    each_node([&](Index& node) { used.push_back(node); });
+    const std::vector<Index> number = builder_.finish(model_, used);
+    each_node([&](Index& node) { node = number[node]; });
+    for (auto* dofs : {&model_.fixed, &model_.kept}) {
+      for (ImportedDofs& entry : *dofs) entry.node = number[entry.node];
+      std::erase_if(*dofs, [](const ImportedDofs& entry) { return entry.node < 0; });
+    }
+  }
+
+  ImportedModel model_;
+  ModelBuilder builder_;
+  Unused unused_;
+  std::set<std::string> names_, used_;
+  std::vector<Card> cards_;
+  std::map<std::string, std::vector<const Card*>> by_name_;
+  std::map<std::int64_t, Index> material_, property_;
+  std::map<std::int64_t, const Card*> system_cards_, grid_cards_;
+  std::map<std::int64_t, System> systems_;
+  const Card* grdset_ = nullptr;
+};
+
+}  // namespace
+
+ImportedModel read_nastran(const std::filesystem::path& path) {
+  return Reader().read(path);
+}
+
+}  // namespace flexura::mesh

@@ -1,0 +1,180 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "mesh/import/nastran.hpp"
+#include "mesh/model/cell.hpp"
+#include "mesh/model/geometry.hpp"
+#include "tests/mesh/scratch.hpp"
+
+namespace flexura::mesh {
+namespace {
+
+using Eigen::Vector3d;
+using ::testing::HasSubstr;
+
+std::string data(const std::string& name) {
+  return FLEXURA_SOURCE_DIR "/tests/mesh/data/" + name;
+}
+
+ImportedModel read_text(const std::string& text) {
+  return read_nastran(Scratch("deck.bdf", text).path());
+}
+
+std::string refusal(const std::string& text) {
+  try {
+    read_text(text);
+  } catch (const std::invalid_argument& e) {
+    return e.what();
+  }
+  return "(accepted)";
+}
+
+std::int64_t label_of(const ImportedModel& model, Index node) {
+  return model.mesh.node_label.at(static_cast<std::size_t>(node));
+}
+
+/// FEDEM's cantilevers, large field: 1 x 0.2 x 0.1 m of steel with a spider (RBE2) at each end.  Coordinates
+/// carry ten digits: 1e-9 of the volume.
+TEST(NastranDeck, FedemCantileversOfSolids) {
+  struct Row {
+    const char* name;
+    CellType type;
+    Index cells;
+    std::int64_t first, second;  // reference nodes of the ties, as the ASET card names them
+  };
+  for (const Row& row :
+       {Row{"CHEXA08_.nas", CellType::hex8, 64, 8, 128}, Row{"CTETRA04_.nas", CellType::tet4, 586, 1, 49},
+        Row{"CPENTA06_.nas", CellType::wedge6, 96, -1, -1}}) {
+    const ImportedModel model = read_nastran(data(row.name));
+    ASSERT_EQ(model.mesh.solids.size(), 1u) << row.name;
+    EXPECT_EQ(model.mesh.solids[0].type, row.type);
+    EXPECT_EQ(model.mesh.n_solid_cells(), row.cells);
+    const Volumes v = measure_volume(model.mesh);
+    EXPECT_NEAR(v.volume, 0.02, 1e-9) << row.name;
+    EXPECT_EQ(find_pieces(model.mesh).count, 1) << row.name;
+    ASSERT_EQ(model.materials.size(), 1u);
+    EXPECT_EQ(model.materials[0].E, 2.067999949e11);
+    EXPECT_EQ(model.materials[0].nu, 0.289999992);
+    EXPECT_EQ(model.materials[0].rho, 7820);
+    EXPECT_EQ(model.mesh.solids[0].material.at(0), 0);
+    ASSERT_EQ(model.ties.size(), 2u);
+    ASSERT_EQ(model.kept.size(), 2u);
+    for (const ImportedTie& tie : model.ties) {
+      EXPECT_EQ(tie.kind, ImportedTie::Kind::rigid);
+      EXPECT_EQ(tie.dofs, (std::array<bool, 6>{true, true, true, true, true, true}));
+      const double z = model.mesh.points(tie.reference, 2);
+      for (const Index node : tie.nodes) EXPECT_NEAR(model.mesh.points(node, 2), z, 1e-9);
+      EXPECT_TRUE(label_of(model, tie.reference) == label_of(model, model.kept[0].node) ||
+                  label_of(model, tie.reference) == label_of(model, model.kept[1].node));
+    }
+    if (row.first > 0) {
+      EXPECT_EQ(label_of(model, model.kept[0].node), row.first);
+      EXPECT_EQ(label_of(model, model.kept[1].node), row.second);
+    }
+  }
+}
+
+TEST(NastranDeck, FedemCantileverOfBars) {
+  const ImportedModel model = read_nastran(data("CBAR02_.nas"));
+  ASSERT_EQ(model.bars.size(), 8u);
+  EXPECT_EQ(model.mesh.n_nodes(), 9);
+  double length = 0;
+  for (const ImportedBar& bar : model.bars) {
+    length += (model.mesh.points.row(bar.nodes[1]) - model.mesh.points.row(bar.nodes[0])).norm();
+    EXPECT_EQ(bar.orientation, Vector3d::UnitY());
+    EXPECT_EQ(bar.A, 0.020000001);
+    EXPECT_EQ(bar.I_zz, 1.666666503e-5);  // plane 1: in y, the bar's thin side, 0.2 x 0.1^3 / 12
+    EXPECT_EQ(bar.I_yy, 6.666666741e-5);
+    EXPECT_EQ(bar.J, 4.577562868e-5);
+    EXPECT_EQ(bar.kappa_y, 0.833333313);
+  }
+  EXPECT_NEAR(length, 1, 1e-9);
+}
+
+/// Nodes at the places of the reference cell, written in Nastran's order: a wrong permutation bends edges, so
+/// the least over greatest det J is no longer 1.
+TEST(NastranDeck, QuadraticCellsArePermuted) {
+  const std::vector<int> hexahedron = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 16, 17, 18, 19, 12, 13, 14, 15},
+                         wedge = {0, 1, 2, 3, 4, 5, 6, 7, 8, 12, 13, 14, 9, 10, 11},
+                         tetrahedron = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9},
+                         pyramid = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12};
+  for (const auto& [name, type, order] :
+       {std::tuple{"CHEXA", CellType::hex20, hexahedron}, std::tuple{"CPENTA", CellType::wedge15, wedge},
+        std::tuple{"CTETRA", CellType::tet10, tetrahedron},
+        std::tuple{"CPYRAM", CellType::pyramid13, pyramid}}) {
+    std::string text, element = fmt::format("{},7,1", name);
+    const auto& x = reference_nodes(type);
+    for (std::size_t k = 0; k < order.size(); ++k) {
+      text += fmt::format("GRID,{},,{:.3f},{:.3f},{:.3f}\n", k + 1, x(order[k], 0), x(order[k], 1),
+                          x(order[k], 2));
+      if ((k + 2) % 8 == 0) element += "\n";
+      element += fmt::format(",{}", k + 1);
+    }
+    const ImportedModel model = read_text(text + element + "\n");
+    ASSERT_EQ(model.mesh.solids.at(0).type, type);
+    EXPECT_NEAR(measure_quality(model.mesh).min_ratio, 1, 1e-12) << name;
+    EXPECT_NEAR(measure_volume(model.mesh).volume, volume_quadrature(type).weights.sum(), 1e-12) << name;
+  }
+}
+
+/// One grid in each kind of system, in free, small and large field and with Nastran's short exponents.
+TEST(NastranDeck, CoordinateSystemsAndFields) {
+  const ImportedModel model = read_text(
+      "SOL 103\nCEND\nBEGIN BULK\n"
+      "CORD2C,5,,10.,0.,0.,10.,0.,1.,\n,11.,0.,0.\n"
+      "CORD2S,6,5,1.,90.,0.,1.,90.,1.,\n,2.,90.,0.\n"  // origin (10,1,0), z up, x along the cylinder's radius
+                                                       // (0,1,0)
+      "GRID           1       5     2.0     90.     1.0\n"
+      "GRID*                  2               6          2.+0           90.D00\n*             9.0+1          "
+      "     0\n"
+      "GRID,3,,1.5-1,0.,0.\nGRID,4,,0.,0.,1.\nGRID,5,,0.,1.,0.\nGRID,6,,0.,0.,0.\n"
+      "CTETRA,1,1,6,3,5,4\n"
+      "CONM2,9,1,5,2.5,1.,90.,0.\n,3.,.1,4.,.2,.3,5.\n"
+      "CONM2,10,2,0,1.\n"
+      "RBE3,11,,1,123456,2.0,123,3,4,\n,1.,123,5\n"
+      "SPC1,1,123,3,THRU,5\nPLOAD4,1,1,2.\nENDDATA\nGARBAGE\n");
+  const auto place = [&](std::int64_t label) -> Vector3d {
+    for (Index k = 0; k < model.mesh.n_nodes(); ++k)
+      if (label_of(model, k) == label) return model.mesh.points.row(k).transpose();
+    return Vector3d::Constant(NAN);
+  };
+  EXPECT_LT((place(1) - Vector3d(10, 2, 1)).norm(), 1e-14);
+  // Spherical (2, 90, 90) in axes x = (0,1,0), z = (0,0,1), y = z cross x = (-1,0,0): 2 along y from
+  // (10,1,0).
+  EXPECT_LT((place(2) - Vector3d(8, 1, 0)).norm(), 1e-14);
+  EXPECT_LT((place(3) - Vector3d(0.15, 0, 0)).norm(), 1e-16);
+  ASSERT_EQ(model.masses.size(), 2u);
+  EXPECT_EQ(model.masses[0].mass, 2.5);
+  EXPECT_LT((model.masses[0].offset - Vector3d(0, 1, 0)).norm(), 1e-14);
+  EXPECT_NEAR(model.masses[0].inertia(0, 1), -0.1, 1e-15);
+  EXPECT_NEAR(model.masses[0].inertia(2, 2), 5, 1e-15);
+  ASSERT_EQ(model.ties.size(), 1u);
+  EXPECT_EQ(model.ties[0].weights, (std::vector<double>{2, 2, 1}));
+  EXPECT_EQ(model.fixed.size(), 3u);
+  EXPECT_THAT(model.messages, ::testing::Contains(HasSubstr("1 card PLOAD4 is not used (first in")));
+}
+
+TEST(NastranDeck, RefusalsNameFileLineAndRemedy) {
+  const std::string grids = "GRID,1,,0.,0.,0.\nGRID,2,,1.,0.,0.\nGRID,3,,0.,1.,0.\nGRID,4,,0.,0.,1.\n";
+  EXPECT_THAT(refusal(grids + "CTETRA,1,1,1,2,3,9\n"), HasSubstr("deck.bdf, line 5: node 9 does not exist"));
+  EXPECT_THAT(refusal(grids + "CTETRA,1,1,1,2,3,4,1\n"),
+              HasSubstr("CTETRA 1 has 1 of its 6 mid-side nodes; all or none"));
+  EXPECT_THAT(refusal(grids + "CTETRA,1,1,1,3,2,4\n"), HasSubstr("element 1 (tet4) is turned inside out"));
+  EXPECT_THAT(refusal(grids + "GRID,1,,0.,0.,0.\n"), HasSubstr("is given twice"));
+  EXPECT_THAT(refusal(grids + "PSOLID,2,7\nCTETRA,1,2,1,2,3,4\n"), HasSubstr("material 7 is not defined"));
+  EXPECT_THAT(refusal(grids + "MAT1,7,2.+11,,.3\nPSOLID,2,7\nCTETRA,1,1,1,2,3,4\n"),
+              HasSubstr("PSOLID 1 of CTETRA 1 is not defined"));
+  EXPECT_THAT(refusal(grids + "CTETRA,1,1,1,2,3,x\n"),
+              HasSubstr("field 7 of CTETRA is \"x\" where a whole number is wanted"));
+  EXPECT_THAT(refusal("GRID,1,3,0.,0.,0.\nCTETRA,1,1,1,2,3,4\n"),
+              HasSubstr("coordinate system 3 is not defined"));
+  EXPECT_THAT(refusal(grids), HasSubstr("not Nastran bulk data?"));
+  EXPECT_THAT(refusal(grids + "RBE2,1,1,127,2\nCTETRA,1,1,1,2,3,4\n"), HasSubstr("only the digits 1 to 6"));
+}
+
+}  // namespace
+}  // namespace flexura::mesh
