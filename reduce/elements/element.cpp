@@ -11,6 +11,11 @@ namespace {
 
 using mesh::CellType;
 
+mesh::Quadrature centre_of(CellType type) {
+  const Eigen::Matrix<double, 1, 3> centre = mesh::reference_nodes(type).colwise().mean();
+  return {centre, Eigen::VectorXd::Ones(1)};
+}
+
 // Mass is integrated with the rule that the mesh's own volume, centre and inertia are measured with, so that
 // both agree to round-off on curved cells too (tetrahedra: degree 5; degree 4 is exact for a straight tet10).
 // Stiffness of tet10 has 4 points like Abaqus' C3D10 and CalculiX: exact for straight edges, where strains
@@ -20,6 +25,7 @@ Element make(CellType type, Lumping lumping, Enhancement enhancement = Enhanceme
           mesh::nodes_per_cell(type),
           tabulate(type, mesh::stiffness_quadrature(type)),
           tabulate(type, mesh::volume_quadrature(type)),
+          tabulate(type, centre_of(type)),
           lumping,
           enhancement};
 }
@@ -33,6 +39,14 @@ Registry make_registry() {
   };
   add(Formulation::standard, make(CellType::tet4, Lumping::row_sum));
   add(Formulation::standard, make(CellType::tet10, Lumping::scaled));
+  add(Formulation::standard, make(CellType::hex8, Lumping::row_sum));
+  add(Formulation::enhanced, make(CellType::hex8, Lumping::row_sum, Enhancement::bubbles));
+  add(Formulation::standard, make(CellType::hex20, Lumping::scaled));
+  add(Formulation::standard, make(CellType::hex27, Lumping::scaled));
+  add(Formulation::standard, make(CellType::wedge6, Lumping::row_sum));
+  add(Formulation::standard, make(CellType::wedge15, Lumping::scaled));
+  add(Formulation::standard, make(CellType::pyramid5, Lumping::row_sum));
+  add(Formulation::standard, make(CellType::pyramid13, Lumping::scaled));
   return registry;
 }
 

@@ -49,6 +49,7 @@ struct Element {
   int n_nodes;
   TabulatedRule stiffness;
   TabulatedRule mass;
+  TabulatedRule centre;  ///< one point
   Lumping lumping;
   Enhancement enhancement;
 };

@@ -1,6 +1,7 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include "reduce/elements/solid.hpp"
 
+#include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <algorithm>
 #include <limits>
@@ -38,8 +39,16 @@ double spatial_gradients(const TabulatedRule::Point& point, const NodePositions&
 double element_stiffness(const Element& element, const NodePositions& x, const Matrix6& D,
                          Eigen::MatrixXd& K_e) {
   const int n = element.n_nodes;
+  const bool bubbles = element.enhancement == Enhancement::bubbles;
   NodePositions gradients;
   StrainMatrix B, DB;
+  Eigen::Matrix3d J_0;  // at the centre
+  Eigen::MatrixXd K_au;
+  Eigen::Matrix<double, 9, 9> K_aa = Eigen::Matrix<double, 9, 9>::Zero();
+  if (bubbles) {
+    J_0 = element.centre.points[0].dN.transpose() * x;
+    K_au.setZero(9, 3 * n);
+  }
   double smallest = std::numeric_limits<double>::infinity();
   K_e.setZero(3 * n, 3 * n);
   for (const TabulatedRule::Point& point : element.stiffness.points) {
@@ -49,6 +58,18 @@ double element_stiffness(const Element& element, const NodePositions& x, const M
     fill_strain_matrix(gradients, B);
     DB.noalias() = (point.weight * det) * D * B;
     K_e.noalias() += B.transpose() * DB;
+    if (bubbles) {
+      const Eigen::Matrix3d slopes = (-2.0 * point.xi).asDiagonal();  // row k: dM_k/dxi
+      StrainMatrix B_a, DB_a;
+      fill_strain_matrix((J_0.determinant() / det) * slopes * J_0.inverse().transpose(), B_a);
+      DB_a.noalias() = (point.weight * det) * D * B_a;
+      K_au.noalias() += B_a.transpose() * DB;
+      K_aa.noalias() += B_a.transpose() * DB_a;
+    }
+  }
+  if (bubbles) {
+    K_e.noalias() -= K_au.transpose() * K_aa.llt().solve(K_au);
+    K_e = (0.5 * (K_e + K_e.transpose())).eval();
   }
   return smallest;
 }

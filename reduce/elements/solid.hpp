@@ -15,6 +15,12 @@
 ///                                        [ N_a,z  0      N_a,x ]
 ///     m_e = integral rho N N^T dV (n x n); the mass matrix of the 3 n dofs is m_e (x) I_3
 ///
+/// Enhancement::bubbles adds displacements sum_k M_k(xi) alpha_k, M_k = 1 - xi_k^2, that belong to the
+/// element alone and are condensed: K_e - K_ua K_aa^-1 K_au.  A brick in bending then curves instead of
+/// shearing.  Their gradients are taken with the Jacobian of the centre, (det J_0 / det J) J_0^-T dM_k/dxi,
+/// so that their mean strain is zero and the patch test holds in any shape (R. L. Taylor, P. J. Beresford, E.
+/// L. Wilson, Int. J. Numer. Meth. Eng. 10 (1976), 1211).
+///
 /// Dofs are ordered u_x, u_y, u_z of node 0, then of node 1, ...
 namespace flexura::reduce {
 
