@@ -9,6 +9,7 @@
 #include <random>
 
 #include "beam/ancf/kinematics.hpp"
+#include "tests/beam/ancf/samples.hpp"
 
 namespace flexura::beam::ancf {
 namespace {
@@ -23,21 +24,6 @@ VectorXd random_vector(int n, double size, unsigned seed) {
   VectorXd v(n);
   for (double& x : v) x = uniform(source);
   return v;
-}
-
-// A quarter of a circle of radius 1 in the x-y plane.
-ReferenceCurve quarter_circle(int n_elements) {
-  ReferenceCurve curve;
-  curve.s = VectorXd::LinSpaced(n_elements + 1, 0.0, M_PI / 2);
-  curve.position.setZero(3, n_elements + 1);
-  curve.tangent = curve.y_axis = curve.position;
-  for (int i = 0; i <= n_elements; ++i) {
-    const double s = curve.s[i];
-    curve.position.col(i) = Vector3d(std::sin(s), 1 - std::cos(s), 0);
-    curve.tangent.col(i) = Vector3d(std::cos(s), std::sin(s), 0);
-    curve.y_axis.col(i) = Vector3d(-std::sin(s), std::cos(s), 0);
-  }
-  return curve;
 }
 
 std::vector<AncfBody> all_bodies() {
@@ -80,6 +66,26 @@ TEST(AncfBody, TangentsAreForceGradients) {
     }
     EXPECT_LT((K_fd - K_exact).cwiseAbs().maxCoeff(), 1e-7 * K_exact.cwiseAbs().maxCoeff());
     EXPECT_LT((D_fd - D_exact).cwiseAbs().maxCoeff(), 1e-7 * D_exact.cwiseAbs().maxCoeff());
+  }
+}
+
+TEST(AncfBody, ExtrapolatedStressEntersTheTangentOnly) {
+  // From the configuration itself the extrapolation is the stress itself; from elsewhere K changes and f does
+  // not.
+  for (const AncfBody& body : all_bodies()) {
+    const int n = body.n_q();
+    const VectorXd q = body.rest() + random_vector(n, 0.1, 1), before = q + random_vector(n, 0.1, 2);
+    auto scratch = body.make_scratch();
+    BlockTridiagonal K(body.n_nodes(), body.node_coordinates()), K_same = K, K_before = K, D = K;
+    VectorXd f(n), f_same(n), f_before(n);
+    body.force_and_tangents(q, nullptr, scratch, f, K, D);
+    body.force_and_tangents(q, nullptr, scratch, f_same, K_same, D, &q);
+    body.force_and_tangents(q, nullptr, scratch, f_before, K_before, D, &before);
+    const MatrixXd reference = K.to_sparse();
+    EXPECT_LT((MatrixXd(K_same.to_sparse()) - reference).norm(), 1e-14 * reference.norm());
+    EXPECT_GT((MatrixXd(K_before.to_sparse()) - reference).norm(), 1e-4 * reference.norm());
+    EXPECT_EQ(f, f_same);
+    EXPECT_EQ(f, f_before);
   }
 }
 

@@ -35,6 +35,21 @@ inline std::vector<int> clamp_of_line(int dim) {
 /// Cantilever of a beam: position and section; r_x stays free for stretch and shear.
 inline const std::vector<int> kBeamClamp = {0, 1, 2, 6, 7, 8, 9, 10, 11};
 
+// A quarter of a circle of radius 1 in the x-y plane.
+inline ReferenceCurve quarter_circle(int n_elements) {
+  ReferenceCurve curve;
+  curve.s = Eigen::VectorXd::LinSpaced(n_elements + 1, 0.0, M_PI / 2);
+  curve.position.setZero(3, n_elements + 1);
+  curve.tangent = curve.y_axis = curve.position;
+  for (int i = 0; i <= n_elements; ++i) {
+    const double s = curve.s[i];
+    curve.position.col(i) = Eigen::Vector3d(std::sin(s), 1 - std::cos(s), 0);
+    curve.tangent.col(i) = Eigen::Vector3d(std::cos(s), std::sin(s), 0);
+    curve.y_axis.col(i) = Eigen::Vector3d(-std::sin(s), std::cos(s), 0);
+  }
+  return curve;
+}
+
 inline Eigen::VectorXd line_coordinates(int dim, double l, double turn) {
   // Two nodes a chord of about l apart, tangents turned by -turn and +turn from it.
   Eigen::VectorXd e = Eigen::VectorXd::Zero(4 * dim);

@@ -10,6 +10,8 @@
 #include <map>
 
 #include "beam/ancf/kinematics.hpp"
+#include "beam/ancf/section_link.hpp"
+#include "beam/section/shapes.hpp"
 #include "tests/beam/ancf/exact/catenary.hpp"
 #include "tests/beam/ancf/exact/elastica.hpp"
 #include "tests/beam/ancf/samples.hpp"
@@ -107,6 +109,34 @@ TEST(AncfStatics, EndMomentRollsTheCantileverIntoACircle) {
   const double beam_64 = error(spatial_beam(slender_beam(), curve(64)), kBeamClamp);
   EXPECT_LT(beam_64, beam_32 / 3.5);
   EXPECT_LT(beam_64, 1.2 * std::pow(2 * M_PI / 64, 2) / 3);
+}
+
+TEST(AncfStatics, CurvedBeamObeysCastigliano) {
+  // Quarter circle of radius 1, clamped at (0, 0) with tangent x; small forces at the end (1, 1).
+  //   F_x: u_x = pi/4 F/EI, u_y = -F/(2 EI);   F_z: u_z = F (pi/(4 EI) + (3 pi/4 - 2)/GI_t)
+  const double EI = 1.0, GI_t = 0.7, F = 1e-6;
+  const BeamSection section = uncoupled_section(1e8, 1e8, 1e8, GI_t, EI, EI, 1.0, 1e-4, 1e-4);
+  double errors[2][3];
+  for (int k = 0; k < 2; ++k) {
+    const int n = k == 0 ? 8 : 16;
+    const AncfBody beam = spatial_beam(section, quarter_circle(n));
+    const auto deflection = [&](const Vector3d& load) {
+      Problem problem = held(beam, kBeamClamp);
+      problem.loads.push_back(end_force(beam, load));
+      return Vector3d((tip(beam, solve_static(problem, beam.rest()).q) - Vector3d(1, 1, 0)) / F);
+    };
+    const Vector3d in_plane = deflection({F, 0, 0}), out_of_plane = deflection({0, 0, F});
+    errors[k][0] = in_plane[0] / (M_PI / 4 / EI) - 1;
+    errors[k][1] = in_plane[1] / (-0.5 / EI) - 1;
+    errors[k][2] = out_of_plane[2] / (M_PI / 4 / EI + (3 * M_PI / 4 - 2) / GI_t) - 1;
+  }
+  // An element turns by theta = pi/32: order 2, constants of one in theta^2; F/EI = 1e-6 is the nonlinear
+  // part.
+  const double theta2 = std::pow(M_PI / 32, 2);
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_LT(std::abs(errors[1][i]), theta2) << i;
+    EXPECT_LT(std::abs(errors[1][i]), std::abs(errors[0][i]) / 3.5) << i;
+  }
 }
 
 // |r_tip - c|^2 = R^2: a rigid massless link between the tip and the ground, nonlinear in q.
@@ -212,12 +242,11 @@ std::vector<PrincetonRow> read_princeton() {
 }
 
 TEST(AncfStatics, PrincetonBeamBendsAndTwists) {
-  const double L = 0.508, h = 12.3777e-3, b = 3.2024e-3, E = 71.7e9, nu = 0.31, G = E / (2 * (1 + nu));
-  const double A = b * h, I_stiff = b * h * h * h / 12, I_soft = h * b * b * b / 12;
-  // Height along y: bending in y about z with I_z = I_stiff.
+  // 7075 aluminium, height along y: the load at 0 degrees bends about the strong axis.
+  const double L = 0.508;
   const BeamSection section =
-      uncoupled_section(E * A, 5.0 / 6 * G * A, 5.0 / 6 * G * A, G * 113e-12, E * I_soft, E * I_stiff,
-                        2700 * A, 2700 * I_soft, 2700 * I_stiff);
+      beam_section(make_section("Princeton", Rectangle{12.3777e-3, 3.2024e-3},
+                                isotropic("7075", 71.7e9, 0.31, 2800), ShearFormula::zero_poisson));
   const AncfBody body = spatial_beam(section, straight_curve({0, 0, 0}, {L, 0, 0}, 16));
   const auto rows = read_princeton();
   ASSERT_EQ(rows.size(), 7u);
