@@ -33,6 +33,12 @@ std::string title(const ModeAnalysis& analysis, const Superelement& se) {
   return fmt::format("Held: {}", fmt::join(analysis.held, ", "));
 }
 
+// The same in few words, for the page.
+std::string set_name(const ModeAnalysis& analysis, const Superelement& se) {
+  return analysis.held.size() == se.interfaces.size() && !analysis.held.empty() ? "Interfaces held"
+                                                                                : title(analysis, se);
+}
+
 // Effective mass in percent of the body's own, about axes through the mass centre.
 std::string percent(double part, double whole) {
   if (!(whole > 0.0)) return "";
@@ -74,20 +80,25 @@ nlohmann::json to_json(const ModeAnalysis& analysis) {
   return {{"held", analysis.held}, {"n_rigid", analysis.n_rigid}, {"modes", modes}};
 }
 
-void write_page(const std::string& html, const std::string& file, const ModeAnalysis& analysis) {
+void write_page(const std::string& html, const std::string& file, const std::vector<ModeAnalysis>& analyses) {
   const Superelement se =
       superelement::read(file, {.matrices = true, .inertia = true, .surface = true, .shapes = true});
+  std::size_t n_modes = 0;
+  for (const ModeAnalysis& analysis : analyses) n_modes += analysis.modes.size();
   view::ModesPage page;
-  page.columns.resize(se.n(), static_cast<Eigen::Index>(analysis.modes.size()));
-  for (std::size_t j = 0; j < analysis.modes.size(); ++j) {
-    const Mode& mode = analysis.modes[j];
-    view::PageMode line{.number = static_cast<int>(j) + 1,
-                        .kind = mode.rigid ? "rigid" : "elastic",
-                        .frequency_hz = mode.frequency_hz,
-                        .damping = mode.damping};
-    for (std::size_t c = 0; c < 6; ++c) line.effective_mass[c] = mode.effective_mass[static_cast<int>(c)];
-    page.modes.push_back(line);
-    page.columns.col(static_cast<Eigen::Index>(j)) = mode.u_se;
+  page.columns.resize(se.n(), static_cast<Eigen::Index>(n_modes));
+  for (const ModeAnalysis& analysis : analyses) {
+    int number = 0;
+    for (const Mode& mode : analysis.modes) {
+      view::PageMode line{.set = set_name(analysis, se),
+                          .number = ++number,
+                          .kind = mode.rigid ? "rigid" : "elastic",
+                          .frequency_hz = mode.frequency_hz,
+                          .damping = mode.damping};
+      for (std::size_t c = 0; c < 6; ++c) line.effective_mass[c] = mode.effective_mass[static_cast<int>(c)];
+      page.columns.col(static_cast<Eigen::Index>(page.modes.size())) = mode.u_se;
+      page.modes.push_back(line);
+    }
   }
   view::write_modes_page(html, se, page);
 }
@@ -135,7 +146,7 @@ int run(const Arguments& arguments, const terminal::Talk& talk) {
     if (all && se.n_q == 0) fmt::print("The superelement has no fixed-interface modes (static reduction).\n");
   }
   if (!arguments.html.empty()) {
-    write_page(arguments.html, arguments.file, analyses.front());
+    write_page(arguments.html, arguments.file, analyses);
     if (!talk.quiet && !arguments.json) fmt::print("wrote {}\n", arguments.html);
   }
   return 0;

@@ -81,7 +81,8 @@ void write_modes_page(const std::filesystem::path& html, const superelement::Sup
   for (std::size_t j = 0; j < page.modes.size(); ++j) {
     const PageMode& mode = page.modes[j];
     surface.add_shape(se.shapes * page.columns.col(static_cast<Eigen::Index>(j)).cast<float>());
-    modes.push_back({{"number", mode.number},
+    modes.push_back({{"set", mode.set},
+                     {"number", mode.number},
                      {"kind", mode.kind},
                      {"frequency", mode.frequency_hz},
                      {"damping", mode.damping},
@@ -90,17 +91,23 @@ void write_modes_page(const std::filesystem::path& html, const superelement::Sup
   const double mass = se.inertia.mass;
   const Eigen::Vector3d centre =
       mass > 0.0 ? Eigen::Vector3d(se.inertia.S_x / mass) : Eigen::Vector3d::Zero();
-  file.finish(
-      {{"format", 1},
-       {"page", "modes"},
-       {"title", se.name},
-       {"created_by", se.created_by},
-       {"body",
-        {{"mass", mass}, {"centre", {centre.x(), centre.y(), centre.z()}}, {"n_b", se.n_b}, {"n_q", se.n_q}}},
-       {"interfaces", interfaces_json(se)},
-       {"surface", surface.header()},
-       {"modes", modes},
-       {"mac", mac_json(se, page.columns)}});
+  // Moments of inertia about axes through the mass centre: J_aa = S_bb + S_cc, with S about the centre.
+  const Eigen::Vector3d S = (se.inertia.S_xx - mass * centre * centre.transpose()).diagonal();
+  const std::array<double, 6> whole = {mass, mass, mass, S.y() + S.z(), S.z() + S.x(), S.x() + S.y()};
+  file.finish({{"format", 1},
+               {"page", "modes"},
+               {"title", se.name},
+               {"created_by", se.created_by},
+               {"body",
+                {{"mass", mass},
+                 {"centre", {centre.x(), centre.y(), centre.z()}},
+                 {"whole", whole},
+                 {"n_b", se.n_b},
+                 {"n_q", se.n_q}}},
+               {"interfaces", interfaces_json(se)},
+               {"surface", surface.header()},
+               {"modes", modes},
+               {"mac", mac_json(se, page.columns)}});
 }
 
 }  // namespace flexura::view

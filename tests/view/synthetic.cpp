@@ -25,6 +25,9 @@ superelement::Superelement tube(int around, int along, int n_q) {
   se.n_q = n_q;
   se.inertia.mass = 7850.0 * pi * (tube_radius * tube_radius - tube_bore * tube_bore) * tube_length;
   se.inertia.S_x = Eigen::Vector3d(se.inertia.mass * tube_length / 2, 0.0, 0.0);
+  // Integral of x_a x_b dm about the left end: m L^2 / 3 along the axis, m (R^2 + r^2) / 4 across.
+  const double across = se.inertia.mass * (tube_radius * tube_radius + tube_bore * tube_bore) / 4.0;
+  se.inertia.S_xx.diagonal() << se.inertia.mass * tube_length * tube_length / 3.0, across, across;
   for (int end = 0; end < 2; ++end) {
     superelement::Interface item;
     item.name = end == 0 ? "left end" : "right end";

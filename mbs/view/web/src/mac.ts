@@ -21,7 +21,8 @@ export function macDialog(mac: number[][], modes: ModeRow[], choose: (i: number,
   canvas.addEventListener('mousemove', (e) => {
     const [i, j] = at(e);
     if (mac[i]?.[j] === undefined) return;
-    text.textContent = `Modes ${modes[i].number} and ${modes[j].number}: MAC ${mac[i][j].toFixed(3)}`;
+    const name = (k: number) => (modes[k].set ? `${modes[k].set} ${modes[k].number}` : `mode ${modes[k].number}`);
+    text.textContent = `${name(i)} and ${name(j)}: MAC ${mac[i][j].toFixed(3)}`;
   });
   const dialog = h('dialog', { class: 'mac', 'aria-label': 'MAC matrix' }, h('h2', {}, 'MAC matrix'), text,
     h('div', { class: 'mac-box' }, canvas), h('form', { method: 'dialog' }, h('button', { class: 'plain' }, 'Close')));

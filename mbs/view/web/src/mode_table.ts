@@ -4,6 +4,7 @@
 import { download, figure, h, icon, iconButton, say } from './ui';
 
 export interface ModeRow {
+  set: string; // modes are shown one set at a time
   number: number;
   kind: string;
   frequency: number; // [Hz]
@@ -32,11 +33,16 @@ export class ModeTable {
   private sort = { column: 0, up: true };
   private readonly out = new Set<number>();
   private readonly heads: HTMLTableCellElement[];
+  private readonly sets: string[];
+  private readonly setButtons: HTMLButtonElement[];
+  set: string;
 
-  constructor(private readonly modes: ModeRow[], choose: (mode: number) => void) {
+  /** whole: the body's mass (three times) and moments of inertia about its centre. */
+  constructor(private readonly modes: ModeRow[], whole: number[], choose: (mode: number) => void) {
     const effective = ['x', 'y', 'z', 'rx', 'ry', 'rz'].map((name, i): Column => ({
-      name, heat: i, value: (m) => m.effective_mass[i] ?? 0, text: (m) => short(m.effective_mass[i] ?? 0),
-      title: i < 3 ? `Effective mass along ${name} [kg]` : `Effective mass about ${name[1]} [kg m²]`,
+      name, heat: i, value: (m) => m.effective_mass[i] ?? 0, text: (m) => percent((m.effective_mass[i] ?? 0) / whole[i]),
+      title: i < 3 ? `Effective mass along ${name}, percent of the body's` :
+        `Effective moment of inertia about ${name[1]}, percent of the body's`,
     }));
     this.columns = [
       { name: 'No', title: 'Number', value: (m) => m.number, text: (m) => String(m.number) },
@@ -45,7 +51,6 @@ export class ModeTable {
       { name: 'ζ %', title: 'Damping ratio [%]', value: (m) => m.damping, text: (m) => figure(100 * m.damping, 3) },
       ...effective,
     ];
-    const most = effective.map((c) => Math.max(1e-300, ...modes.map((m) => Math.abs(c.value(m) as number))));
     this.rows = modes.map((m, i) => {
       const keep = h('input', { type: 'checkbox', checked: true, 'aria-label': `Keep mode ${m.number}`,
                                 title: 'Keep this mode', onchange: () => this.strike(i, !keep.checked),
@@ -53,9 +58,10 @@ export class ModeTable {
       const cells = this.columns.map((c) => {
         const cell = h('td', { class: c.name === 'Kind' ? 'kind' : 'number' }, c.text(m));
         if (c.heat !== undefined) {
-          const part = Math.abs(c.value(m) as number) / most[c.heat];
-          if (part > 0.005) cell.style.setProperty('--heat', `${Math.round(60 * part)}%`);
-          cell.title = `${c.title}: ${figure(m.effective_mass[c.heat] ?? 0, 4)}`;
+          const part = Math.min(1, Math.abs(c.value(m) as number) / whole[c.heat]);
+          if (part > 0.005) cell.style.setProperty('--heat', `${Math.round(55 * Math.sqrt(part))}%`);
+          else cell.classList.add('none');
+          cell.title = `${c.title}: ${figure(m.effective_mass[c.heat] ?? 0, 4)} ${c.heat < 3 ? 'kg' : 'kg m²'}`;
         }
         return cell;
       });
@@ -74,9 +80,17 @@ export class ModeTable {
         iconButton('table', 'Save this list as CSV', () => download('modes.csv', this.csv(), 'text/csv'))),
       h('div', { class: 'table-box' }, h('table', { role: 'grid', 'aria-label': 'Modes' },
         h('thead', {}, h('tr', { class: 'over' }, h('td', { colspan: 5 }),
-                         h('th', { colspan: 3, scope: 'colgroup' }, 'effective mass [kg]'),
-                         h('th', { colspan: 3, scope: 'colgroup' }, '[kg m²]')),
+                         h('th', { colspan: 3, scope: 'colgroup' }, 'effective mass %'),
+                         h('th', { colspan: 3, scope: 'colgroup' }, 'inertia %')),
           h('tr', {}, h('th', { scope: 'col', class: 'keep', title: 'Kept modes' }, '✓'), ...this.heads)), this.body)));
+    this.sets = [...new Set(modes.map((m) => m.set))];
+    this.set = this.sets[0] ?? '';
+    this.setButtons = this.sets.map((name) => h('button', { type: 'button', role: 'tab', onclick: () => this.showSet(name) },
+                                                name || 'modes'));
+    if (this.sets.length > 1) {
+      this.element.querySelector('.panel-head')!.after(
+        h('div', { class: 'tabs sets', role: 'tablist', 'aria-label': 'Sets of modes' }, ...this.setButtons));
+    }
     this.struckLine = h('div', { class: 'struck' });
     this.refreshStruck();
     this.filter();
@@ -87,7 +101,13 @@ export class ModeTable {
     this.search.select();
   }
 
+  showSet(name: string): void {
+    this.set = name;
+    this.filter();
+  }
+
   select(mode: number): void {
+    if (this.modes[mode] && this.modes[mode].set !== this.set) this.showSet(this.modes[mode].set);
     this.rows[this.selected]?.setAttribute('aria-selected', 'false');
     this.rows.forEach((r) => (r.tabIndex = -1));
     this.selected = mode;
@@ -136,6 +156,7 @@ export class ModeTable {
     const words = this.search.value.trim().toLowerCase();
     const range = /^\s*([\d.e+]*)\s*\.\.\s*([\d.e+]*)\s*(hz)?\s*$/.exec(words);
     const fits = (m: ModeRow) => {
+      if (m.set !== this.set) return false;
       if (!words) return true;
       if (range) {
         return m.frequency >= (range[1] ? Number(range[1]) : -Infinity)
@@ -154,24 +175,24 @@ export class ModeTable {
     this.heads.forEach((head, i) => head.setAttribute('aria-sort', i !== this.sort.column ? 'none'
       : this.sort.up ? 'ascending' : 'descending'));
     this.body.replaceChildren(...this.shown.map((i) => this.rows[i]));
-    this.count.textContent = this.shown.length === this.modes.length ? `${this.modes.length}`
-      : `${this.shown.length} of ${this.modes.length}`;
+    const all = this.modes.filter((m) => m.set === this.set).length;
+    this.count.textContent = this.shown.length === all ? `${all}` : `${this.shown.length} of ${all}`;
+    this.setButtons.forEach((b, i) => b.setAttribute('aria-selected', String(this.sets[i] === this.set)));
   }
 
   private csv(): string {
     const lines = this.shown.map((i) => {
       const m = this.modes[i];
-      return [m.number, `"${m.kind}"`, m.frequency, m.damping, ...m.effective_mass].join(',');
+      return [`"${m.set}"`, m.number, `"${m.kind}"`, m.frequency, m.damping, ...m.effective_mass].join(',');
     });
-    return ['number,kind,frequency [Hz],damping ratio,m_x [kg],m_y [kg],m_z [kg],J_x [kg m^2],J_y [kg m^2],J_z [kg m^2]',
+    return ['set,number,kind,frequency [Hz],damping ratio,m_x [kg],m_y [kg],m_z [kg],J_x [kg m^2],J_y [kg m^2],J_z [kg m^2]',
             ...lines, ''].join('\n');
   }
 }
 
-/** Three digits in little room. */
-function short(value: number): string {
-  const size = Math.abs(value);
-  if (size < 1e-12) return '0';
-  if (size >= 0.01 && size < 9999.5) return value.toPrecision(3).replace(/e.*/, '');
-  return value.toExponential(0).replace('e-', 'e−').replace('e+', 'e');
+/** A part of the whole in percent, in little room. */
+function percent(part: number): string {
+  const p = 100 * part;
+  if (!Number.isFinite(p)) return '';
+  return p < 0.005 ? '0' : p < 9.995 ? p.toFixed(2) : p.toFixed(1);
 }

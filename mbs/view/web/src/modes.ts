@@ -15,7 +15,7 @@ export interface ModesHeader {
   page: 'modes';
   title: string;
   created_by: string;
-  body: { mass: number; centre: number[]; n_b: number; n_q: number };
+  body: { mass: number; centre: number[]; whole: number[]; n_b: number; n_q: number };
   interfaces: { name: string; tie: string; position: number[]; directions: string[] }[];
   surface: SurfaceHeader;
   modes: ModeRow[];
@@ -63,7 +63,7 @@ export async function modesPage(app: HTMLElement, header: ModesHeader): Promise<
   const probe = h('div', { class: 'probe', hidden: true });
   const describe = (mode: number) => mode < 0 ? [h('strong', {}, 'Undeformed')] : [
     h('strong', {}, `Mode ${modes[mode].number}`), h('span', {}, `${figure(modes[mode].frequency, 5)} Hz`),
-    h('span', { class: 'kind' }, modes[mode].kind)];
+    h('span', { class: 'kind' }, [modes[mode].kind, modes[mode].set].filter((s) => s).join(', '))];
 
   function refresh(): void {
     const field = state.mode < 0 ? 0 : state.field;
@@ -222,7 +222,7 @@ export async function modesPage(app: HTMLElement, header: ModesHeader): Promise<
       if (i !== j) void select(j);
     });
   });
-  const table = new ModeTable(modes, (mode) => void select(mode));
+  const table = new ModeTable(modes, header.body.whole, (mode) => void select(mode));
 
   const strip = h('div', { class: 'strip' },
     h('div', { class: 'group' }, play, amplitude.element, speed.element),
@@ -312,7 +312,9 @@ export async function modesPage(app: HTMLElement, header: ModesHeader): Promise<
   (window as unknown as { flexura: unknown }).flexura = {
     page: 'modes', header, frequencies: modes.map((m) => m.frequency),
     get mode() { return state.mode < 0 ? null : modes[state.mode].number; },
-    setMode: (number: number | null) => select(number === null ? -1 : modes.findIndex((m) => m.number === number)),
+    setMode: (number: number | null) => select(number === null ? -1
+      : modes.findIndex((m) => m.number === number && m.set === table.set)),
+    get set() { return table.set; }, setSet: (name: string) => table.showSet(name),
     setAmplitude: (fraction: number) => { amplitude.set(100 * fraction); state.amplitude = fraction; refresh(); },
     setPhase: (phase: number) => { setPlaying(false); state.phase = phase; refresh(); stage.drawNow(); },
     setPlaying, setField, view: (name: ViewName) => stage.view(name, surface.box),
