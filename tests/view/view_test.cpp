@@ -392,6 +392,60 @@ TEST(MotionPage, NamesTheSuperelementThatIsNotThere) {
   }
 }
 
+/// Runs a command line and returns what it printed, errors too, and its exit code.
+std::pair<std::string, int> run_program(const std::string& command) {
+  std::string text;
+  std::FILE* pipe = popen((command + " 2>&1").c_str(), "r");
+  char part[512];
+  while (std::fgets(part, sizeof part, pipe)) text += part;
+  return {text, WEXITSTATUS(pclose(pipe))};
+}
+
+TEST(ViewCommand, WritesThePageBesideTheResultsAndPrintsASummary) {
+  // A file as the runtime writes it; the rod without its superelement, drawn as a rod between its pins.
+  Pictures pictures;
+  results::Results engine = synthetic::engine(pictures);
+  engine.model.bodies[2].superelement.clear();
+  const fs::path file = scratch("engine.h5"), html = scratch("engine.html");
+  {
+    results::Writer writer(file, engine.model);
+    for (const auto& run : engine.runs) {
+      std::vector<results::RunBody> bodies;
+      for (const auto& body : run.bodies) bodies.push_back({body.name, body.basis});
+      writer.begin_run(run.name, run.quantities, bodies);
+      for (Eigen::Index i = 0; i < run.time.size(); ++i) {
+        results::Row row;
+        row.time = run.time[i];
+        row.quantities = run.values.row(i);
+        for (const auto& body : run.bodies) {
+          row.pose.push_back(body.pose.row(i).transpose());
+          row.modal.push_back(body.modal.rows() > 0 ? Eigen::VectorXd(body.modal.row(i)) : Eigen::VectorXd());
+        }
+        writer.append(row);
+      }
+      writer.end_run(run.complete, run.stopped_because, run.summary_json);
+    }
+    writer.close();
+  }
+  const std::string program = std::string(FLEXURA_BIN_DIR) + "/flexura view " + file.string();
+  const auto [text, code] = run_program(program + " --plot crank.speed");
+  EXPECT_EQ(code, 0) << text;
+  EXPECT_THAT(text, HasSubstr("wrote " + html.string()));
+  const PageReader page(slurp(html));
+  EXPECT_EQ(page.header["plots"], json::parse(R"([["crank.speed"]])"));
+  EXPECT_EQ(page.block<double>("run1/quantity/1")[9], engine.runs[1].values(9, 1));
+
+  const auto [summary, summary_code] = run_program(program + " --summary");
+  EXPECT_EQ(summary_code, 0);
+  EXPECT_THAT(summary, HasSubstr("slider.position [m]"));
+  EXPECT_THAT(summary, HasSubstr("0.75 .. 1.25"));
+  EXPECT_THAT(summary, HasSubstr("warning: rigid stopped early: end of the test's patience"));
+
+  const auto [wrong, wrong_code] = run_program(program + " --plot crank.sped");
+  EXPECT_EQ(wrong_code, 2);
+  EXPECT_THAT(wrong, HasSubstr("error: no run stored the quantity 'crank.sped'"));
+}
+
 std::string refusal(const fs::path& html, const superelement::Superelement& se, const ModesPage& modes) {
   try {
     write_modes_page(html, se, modes);
