@@ -1,0 +1,223 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "reduce/app/part_file.hpp"
+
+#include <fstream>
+#include <sstream>
+
+namespace flexura::reduce {
+
+using input::InputError;
+using input::Section;
+using input::TableSchema;
+namespace dim = input::dim;
+
+namespace {
+
+TableSchema geometry_schema() {
+  TableSchema s{.name = "geometry", .doc = "The CAD part. STEP, IGES and BREP are read."};
+  s.keys = {
+      input::text("file", "CAD file, relative to the part file").required(),
+      input::text("unit",
+                  "length unit of the CAD file, where the file does not state its own (`mm`, `m`, `in`)"),
+      input::integer("solid", "which solid of the file, counted from 1 as `--list-faces` prints them")
+          .at_least(1),
+      input::flag("fuse", "join all solids of the file into one").or_default("false"),
+      input::flag("heal",
+                  "let the CAD kernel repair the shape before meshing; may change its volume slightly")
+          .or_default("false"),
+  };
+  return s;
+}
+
+TableSchema mesh_schema() {
+  TableSchema s{.name = "mesh", .doc = "How the geometry is meshed. May be left out."};
+  s.keys = {
+      input::integer("order", "1: four-node, 2: ten-node tetrahedra").or_default("2").at_least(1).at_most(2),
+      input::quantity("size", dim::length, "element size; chosen from the part's dimensions when left out")
+          .above(0),
+      input::quantity("elements_per_circle", dim::none,
+                      "refine curved faces so that a full circle takes this many elements")
+          .at_least(4),
+      input::quantity("time_limit", dim::time, "give the mesher up after this time")
+          .or_default("600 s")
+          .above(0),
+  };
+  return s;
+}
+
+TableSchema material_schema() {
+  TableSchema s{.name = "material", .doc = "An isotropic linear elastic material."};
+  s.keys = {
+      input::quantity("young", dim::pressure, "Young's modulus").required().above(0),
+      input::quantity("poisson", dim::none, "Poisson's ratio").required().above(-1).below(0.5),
+      input::quantity("density", dim::density, "mass per volume").required().above(0),
+  };
+  return s;
+}
+
+TableSchema interface_schema() {
+  TableSchema s{
+      .name = "interface",
+      .doc =
+          "Where other bodies, joints and forces take hold. Each becomes one node of six degrees of "
+          "freedom, tied to the chosen faces."};
+  s.selector = "by";
+  s.keys = {
+      input::choice("by", {"cylinder", "plane", "near", "faces", "group", "nodes"},
+                    "how the faces are chosen")
+          .required(),
+      input::choice(
+          "tie", {"rigid", "average"},
+          "`rigid`: the faces follow the node as one rigid piece (RBE2). `average`: the node follows the "
+          "area-weighted mean motion of the faces and does not stiffen them (RBE3)")
+          .or_default("rigid"),
+      input::vector3(
+          "reference", dim::length,
+          "position of the interface node; default: centre of the chosen faces, for a cylinder the middle "
+          "of its axis"),
+  };
+  const auto point = [](const char* doc) { return input::vector3("point", dim::length, doc).required(); };
+  s.variants["cylinder"] = {
+      .name = "interface by cylinder",
+      .keys = {point("a point on the axis"),
+               input::vector3("axis", dim::none, "direction of the axis").required(),
+               input::quantity("radius", dim::length, "radius of the cylinder").required().above(0)}};
+  s.variants["plane"] = {.name = "interface by plane",
+                         .keys = {point("a point in the plane"),
+                                  input::vector3("normal", dim::none, "normal of the plane").required()}};
+  s.variants["near"] = {
+      .name = "interface by nearness",
+      .keys = {
+          point("the nearest face is taken"),
+          input::quantity("radius", dim::length, "take every face within this distance instead").above(0)}};
+  s.variants["faces"] = {
+      .name = "interface by face numbers",
+      .keys = {input::integers("faces", "face numbers as `--list-faces` prints them").required()}};
+  s.variants["group"] = {.name = "interface by group",
+                         .keys = {input::text("group", "name of a physical group or named set").required()}};
+  s.variants["nodes"] = {.name = "interface by nodes",
+                         .keys = {input::integers("nodes", "node numbers of the mesh file").required()}};
+  return s;
+}
+
+TableSchema modes_schema() {
+  TableSchema s{.name = "modes", .doc = "Fixed-interface normal modes to keep beside the constraint modes."};
+  s.keys = {
+      input::integer("count", "number of modes").or_default("20").at_least(0),
+      input::quantity("up_to", dim::frequency, "keep all modes up to this frequency instead of a fixed count")
+          .above(0),
+      input::quantity("damping", dim::none, "modal damping ratio proposed to the runtime")
+          .or_default("0.01")
+          .at_least(0),
+  };
+  return s;
+}
+
+std::string read_text(const std::filesystem::path& file) {
+  std::ifstream in(file);
+  std::ostringstream text;
+  text << in.rdbuf();
+  return text.str();
+}
+
+InterfaceInput read_interface(const std::string& name, const Section& in) {
+  InterfaceInput f;
+  f.name = name;
+  f.where = in.where();
+  f.by = in.text("by");
+  f.tie = in.text("tie");
+  if (in.has("reference")) f.reference = in.vector3("reference");
+  if (f.by == "cylinder" || f.by == "plane") {
+    const char* key = f.by == "cylinder" ? "axis" : "normal";
+    f.axis = in.vector3(key);
+    if (f.axis.norm() == 0.0) in.refuse(key, "is a direction and must not be zero", "write e.g. [0, 0, 1]");
+    f.axis.normalize();
+  }
+  if (f.by == "cylinder" || f.by == "plane" || f.by == "near") f.point = in.vector3("point");
+  if (f.by == "cylinder" || (f.by == "near" && in.has("radius"))) f.radius = in.quantity("radius");
+  if (f.by == "faces") f.faces = in.integers("faces");
+  if (f.by == "group") f.group = in.text("group");
+  if (f.by == "nodes") f.nodes = in.integers("nodes");
+  return f;
+}
+
+}  // namespace
+
+const TableSchema& part_schema() {
+  static const TableSchema schema = [] {
+    TableSchema s{.name = "part file",
+                  .doc =
+                      "What `flexura reduce` takes. Lengths, moduli and the like are written with their unit "
+                      "(\"210 GPa\", \"12 mm\"); plain numbers are SI."};
+    s.keys = {
+        input::text("name", "name of the part; default: the file's name"),
+        input::choice("mass", {"consistent", "lumped"}, "mass matrix of the elements")
+            .or_default("consistent"),
+        input::table("geometry", geometry_schema(), "CAD part").required(),
+        input::table("mesh", mesh_schema(), "meshing"),
+        input::table_map("material", material_schema(), "material by name").required(),
+        input::table_map("interface", interface_schema(), "interfaces by name"),
+        input::table("modes", modes_schema(), "modes"),
+    };
+    return s;
+  }();
+  return schema;
+}
+
+PartInput read_part(const std::filesystem::path& file, const std::vector<std::string>& overrides) {
+  const Section in = input::read_document(file, part_schema(), overrides);
+  PartInput part;
+  part.name = in.has("name") ? in.text("name") : file.stem().string();
+  part.source = read_text(file);
+  part.mass = in.text("mass");
+
+  const Section geometry = in.table("geometry");
+  part.geometry.file = geometry.text("file");
+  if (part.geometry.file.is_relative()) part.geometry.file = file.parent_path() / part.geometry.file;
+  if (!std::filesystem::exists(part.geometry.file)) {
+    geometry.refuse("file", "there is no such file (looked for " + part.geometry.file.string() + ")",
+                    "names are relative to the part file");
+  }
+  if (geometry.has("unit")) {
+    part.geometry.unit = geometry.text("unit");
+    try {
+      input::parse_quantity("1 " + part.geometry.unit, dim::length);
+    } catch (const std::invalid_argument& error) {
+      geometry.refuse("unit", error.what());
+    }
+  }
+  if (geometry.has("solid")) part.geometry.solid = geometry.integer("solid");
+  part.geometry.fuse = geometry.flag("fuse");
+  part.geometry.heal = geometry.flag("heal");
+  if (part.geometry.fuse && part.geometry.solid) {
+    geometry.refuse("fuse", "cannot stand beside `solid`", "keep one of the two");
+  }
+
+  const Section mesh = in.table("mesh");
+  part.mesh.order = mesh.integer("order");
+  if (mesh.has("size")) part.mesh.size = mesh.quantity("size");
+  if (mesh.has("elements_per_circle")) part.mesh.elements_per_circle = mesh.quantity("elements_per_circle");
+  part.mesh.time_limit = mesh.quantity("time_limit");
+
+  for (const auto& [name, m] : in.table_map("material")) {
+    part.materials.push_back({name, m.quantity("young"), m.quantity("poisson"), m.quantity("density")});
+  }
+  if (part.materials.size() != 1) {
+    in.refuse("material", "a CAD part takes exactly one material",
+              "keep the one table [material.NAME] it is made of");
+  }
+  for (const auto& [name, f] : in.table_map("interface")) part.interfaces.push_back(read_interface(name, f));
+  if (part.interfaces.empty()) {
+    throw InputError(in.where() +
+                     ": the part has no interface; add a table [interface.NAME] for each place where joints "
+                     "or forces act, `flexura reduce --list-faces` shows what can be chosen");
+  }
+
+  const Section modes = in.table("modes");
+  part.modes.count = modes.integer("count");
+  if (modes.has("up_to")) part.modes.up_to = modes.quantity("up_to");
+  part.modes.damping = modes.quantity("damping");
+  return part;
+}
+
+}  // namespace flexura::reduce
