@@ -36,8 +36,9 @@ TableSchema mesh_schema() {
       input::quantity("size", dim::length, "element size; chosen from the part's dimensions when left out")
           .above(0),
       input::quantity("elements_per_circle", dim::none,
-                      "refine curved faces so that a full circle takes this many elements")
-          .at_least(4),
+                      "refine curved faces so that a full circle takes this many elements; 0: no refinement")
+          .or_default("12")
+          .at_least(0),
       input::quantity("time_limit", dim::time, "give the mesher up after this time")
           .or_default("600 s")
           .above(0),
@@ -79,9 +80,14 @@ TableSchema interface_schema() {
   const auto point = [](const char* doc) { return input::vector3("point", dim::length, doc).required(); };
   s.variants["cylinder"] = {
       .name = "interface by cylinder",
-      .keys = {point("a point on the axis"),
-               input::vector3("axis", dim::none, "direction of the axis").required(),
-               input::quantity("radius", dim::length, "radius of the cylinder").required().above(0)}};
+      .keys = {
+          point("a point on the axis"), input::vector3("axis", dim::none, "direction of the axis").required(),
+          input::quantity("radius", dim::length,
+                          "radius; may be left out where only one cylinder has this axis")
+              .above(0),
+          input::quantities("extent", dim::length,
+                            "only faces between these two distances along the axis, counted from `point`")
+              .sized(2)}};
   s.variants["plane"] = {.name = "interface by plane",
                          .keys = {point("a point in the plane"),
                                   input::vector3("normal", dim::none, "normal of the plane").required()}};
@@ -120,24 +126,60 @@ std::string read_text(const std::filesystem::path& file) {
   return text.str();
 }
 
-InterfaceInput read_interface(const std::string& name, const Section& in) {
-  InterfaceInput f;
-  f.name = name;
-  f.where = in.where();
-  f.by = in.text("by");
-  f.tie = in.text("tie");
-  if (in.has("reference")) f.reference = in.vector3("reference");
-  if (f.by == "cylinder" || f.by == "plane") {
-    const char* key = f.by == "cylinder" ? "axis" : "normal";
-    f.axis = in.vector3(key);
-    if (f.axis.norm() == 0.0) in.refuse(key, "is a direction and must not be zero", "write e.g. [0, 0, 1]");
-    f.axis.normalize();
+Eigen::Vector3d direction(const Section& in, const std::string& key) {
+  const Eigen::Vector3d d = in.vector3(key);
+  if (d.norm() == 0.0) in.refuse(key, "is a direction and must not be zero", "write e.g. [0, 0, 1]");
+  return d.normalized();
+}
+
+mesh::Rule read_rule(const Section& in) {
+  const std::string by = in.text("by");
+  if (by == "cylinder") {
+    mesh::CylinderRule rule{.point = in.vector3("point"), .direction = direction(in, "axis")};
+    if (in.has("radius")) rule.radius = in.quantity("radius");
+    if (in.has("extent")) {
+      const std::vector<double> e = in.quantities("extent");
+      if (e[0] >= e[1]) in.refuse("extent", "runs from the smaller to the greater distance along the axis");
+      rule.extent = {e[0], e[1]};
+    }
+    return rule;
   }
-  if (f.by == "cylinder" || f.by == "plane" || f.by == "near") f.point = in.vector3("point");
-  if (f.by == "cylinder" || (f.by == "near" && in.has("radius"))) f.radius = in.quantity("radius");
-  if (f.by == "faces") f.faces = in.integers("faces");
-  if (f.by == "group") f.group = in.text("group");
-  if (f.by == "nodes") f.nodes = in.integers("nodes");
+  if (by == "plane") return mesh::PlaneRule{.point = in.vector3("point"), .normal = direction(in, "normal")};
+  if (by == "near") {
+    mesh::NearRule rule{.point = in.vector3("point")};
+    if (in.has("radius")) rule.radius = in.quantity("radius");
+    return rule;
+  }
+  if (by == "faces") {
+    const std::vector<int> faces = in.integers("faces");
+    return mesh::FacesRule{{faces.begin(), faces.end()}};
+  }
+  if (by == "group") return mesh::NameRule{in.text("group")};
+  const std::vector<int> nodes = in.integers("nodes");
+  return mesh::NodesRule{.labels = {nodes.begin(), nodes.end()}};
+}
+
+mesh::CadOptions read_cad(const Section& geometry, const Section& mesh) {
+  mesh::CadOptions cad;
+  cad.path = geometry.file("file");
+  if (!std::filesystem::exists(cad.path)) {
+    geometry.refuse("file", "there is no such file", "relative names start at the part file's folder");
+  }
+  if (geometry.has("unit")) cad.unit = geometry.text("unit");
+  if (geometry.has("solid")) cad.solids = {geometry.integer("solid")};
+  cad.fuse = geometry.flag("fuse");
+  cad.heal = geometry.flag("heal");
+  cad.order = mesh.integer("order");
+  if (mesh.has("size")) cad.size = mesh.quantity("size");
+  cad.elements_per_circle = mesh.quantity("elements_per_circle");
+  cad.time_limit_s = mesh.quantity("time_limit");
+  return cad;
+}
+
+InterfaceInput read_interface(const std::string& name, const Section& in) {
+  InterfaceInput f{.name = name, .rule = read_rule(in), .where = in.where()};
+  f.tie = in.text("tie") == "average" ? Tie::average : Tie::rigid;
+  if (in.has("reference")) f.reference = in.vector3("reference");
   return f;
 }
 
@@ -169,38 +211,13 @@ PartInput read_part(const std::filesystem::path& file, const std::vector<std::st
   PartInput part;
   part.name = in.has("name") ? in.text("name") : file.stem().string();
   part.source = read_text(file);
-  part.mass = in.text("mass");
+  part.mass = in.text("mass") == "lumped" ? MassKind::lumped : MassKind::consistent;
 
-  const Section geometry = in.table("geometry");
-  part.geometry.file = geometry.text("file");
-  if (part.geometry.file.is_relative()) part.geometry.file = file.parent_path() / part.geometry.file;
-  if (!std::filesystem::exists(part.geometry.file)) {
-    geometry.refuse("file", "there is no such file (looked for " + part.geometry.file.string() + ")",
-                    "names are relative to the part file");
-  }
-  if (geometry.has("unit")) {
-    part.geometry.unit = geometry.text("unit");
-    try {
-      input::parse_quantity("1 " + part.geometry.unit, dim::length);
-    } catch (const std::invalid_argument& error) {
-      geometry.refuse("unit", error.what());
-    }
-  }
-  if (geometry.has("solid")) part.geometry.solid = geometry.integer("solid");
-  part.geometry.fuse = geometry.flag("fuse");
-  part.geometry.heal = geometry.flag("heal");
-  if (part.geometry.fuse && part.geometry.solid) {
-    geometry.refuse("fuse", "cannot stand beside `solid`", "keep one of the two");
-  }
-
-  const Section mesh = in.table("mesh");
-  part.mesh.order = mesh.integer("order");
-  if (mesh.has("size")) part.mesh.size = mesh.quantity("size");
-  if (mesh.has("elements_per_circle")) part.mesh.elements_per_circle = mesh.quantity("elements_per_circle");
-  part.mesh.time_limit = mesh.quantity("time_limit");
+  part.cad = read_cad(in.table("geometry"), in.table("mesh"));
 
   for (const auto& [name, m] : in.table_map("material")) {
-    part.materials.push_back({name, m.quantity("young"), m.quantity("poisson"), m.quantity("density")});
+    part.materials.push_back(
+        isotropic(name, m.quantity("young"), m.quantity("poisson"), m.quantity("density")));
   }
   if (part.materials.size() != 1) {
     in.refuse("material", "a CAD part takes exactly one material",

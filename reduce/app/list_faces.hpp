@@ -1,0 +1,13 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <filesystem>
+#include <iosfwd>
+
+namespace flexura::reduce {
+
+/// `flexura reduce --list-faces`: the solids and faces of a CAD file, or of the file a part file names, as a
+/// table with an interface table ready to copy.
+void print_faces(const std::filesystem::path& file, std::ostream& out);
+
+}  // namespace flexura::reduce
