@@ -37,7 +37,7 @@ struct PartInput {
   std::string source;    ///< the file's text
   mesh::CadOptions cad;  ///< geometry and meshing
   std::vector<Material> materials;
-  std::string mass;  ///< "consistent" or "lumped"
+  MassKind mass = MassKind::consistent;
   std::vector<InterfaceInput> interfaces;
   ModesInput modes;
 };
