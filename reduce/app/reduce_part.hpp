@@ -1,0 +1,20 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <filesystem>
+
+#include "reduce/app/part_file.hpp"
+
+namespace flexura::reduce {
+
+struct OutputOptions {
+  std::filesystem::path report;  ///< JSON report beside the superelement; empty = only inside it
+  bool quiet = false;
+};
+
+/// The whole road from a part file to a superelement: mesh, choose interfaces, tie, reduce, check, write.
+/// Throws std::invalid_argument for what the user can mend, std::runtime_error otherwise; `output` is written
+/// whole or not at all.
+void reduce_part(const PartInput& part, const std::filesystem::path& output, const OutputOptions& options);
+
+}  // namespace flexura::reduce

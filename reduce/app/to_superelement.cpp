@@ -1,0 +1,36 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "reduce/app/to_superelement.hpp"
+
+namespace flexura::reduce {
+
+superelement::Superelement to_superelement(const PartInput& input, Reduction&& reduction,
+                                           superelement::Surface&& surface, std::string report_json) {
+  superelement::Superelement se;
+  se.name = input.name;
+  se.created_by = "flexura-reduce " FLEXURA_VERSION;
+  se.source = input.source;
+  se.report_json = std::move(report_json);
+  for (const ReducedInterface& from : reduction.interfaces) {
+    superelement::Interface to{.name = from.name, .tie = name_of(from.tie), .p_BoN_B = from.point};
+    for (const int d : from.directions) to.directions.push_back(static_cast<superelement::Direction>(d));
+    to.first_dof = from.first_dof;
+    se.interfaces.push_back(std::move(to));
+  }
+  se.n_b = reduction.n_b;
+  se.n_q = reduction.n_q;
+  se.K_se = std::move(reduction.K_se);
+  se.M_se = std::move(reduction.M_se);
+  se.omega2 = std::move(reduction.omega2);
+  se.modal_damping = input.modes.damping;
+  se.inertia.mass = reduction.inertia.mass;
+  se.inertia.S_x = reduction.inertia.S_x;
+  se.inertia.S_xx = reduction.inertia.S_xx;
+  se.inertia.S_phi = std::move(reduction.inertia.S_phi);
+  se.inertia.S_xphi = std::move(reduction.inertia.S_xphi);
+  se.inertia.S_phiphi = std::move(reduction.inertia.S_phiphi);
+  se.surface = std::move(surface);
+  se.shapes = std::move(reduction.shapes);
+  return se;
+}
+
+}  // namespace flexura::reduce

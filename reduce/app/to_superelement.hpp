@@ -1,0 +1,16 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string>
+
+#include "mbs/superelement/superelement.hpp"
+#include "reduce/app/part_file.hpp"
+#include "reduce/cms/reduction.hpp"
+
+namespace flexura::reduce {
+
+/// Copies a reduction into the struct that is written to the file.
+superelement::Superelement to_superelement(const PartInput& input, Reduction&& reduction,
+                                           superelement::Surface&& surface, std::string report_json);
+
+}  // namespace flexura::reduce
