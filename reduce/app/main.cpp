@@ -7,7 +7,7 @@
 #include <iostream>
 
 #include "mbs/input/document.hpp"
-#include "mbs/terminal/progress.hpp"
+#include "mbs/terminal/terminal.hpp"
 #include "reduce/app/list_faces.hpp"
 #include "reduce/app/part_file.hpp"
 #include "reduce/app/reduce_part.hpp"

@@ -9,7 +9,7 @@
 #include <numbers>
 
 #include "mbs/superelement/file.hpp"
-#include "mbs/terminal/progress.hpp"
+#include "mbs/terminal/terminal.hpp"
 #include "mesh/gmsh/cad.hpp"
 #include "reduce/app/report.hpp"
 #include "reduce/app/surface.hpp"
@@ -48,8 +48,8 @@ Part make_part(const PartInput& input, const mesh::CadMesh& cad, std::vector<std
 
 void reduce_part(const PartInput& input, const std::filesystem::path& output, const OutputOptions& options) {
   const auto start = std::chrono::steady_clock::now();
-  terminal::ProgressLine line(options.quiet);
-  const auto progress = [&line](std::string_view stage, double fraction) { line.update(stage, fraction); };
+  terminal::Progress line(stderr, options.quiet);
+  const auto progress = [&line](std::string_view stage, double fraction) { line(stage, fraction); };
 
   const mesh::CadMesh cad = mesh::mesh_cad(input.cad, progress);
   std::vector<std::string> notes = cad.report.messages;
@@ -68,7 +68,7 @@ void reduce_part(const PartInput& input, const std::filesystem::path& output, co
 
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const Report report = make_report(input, cad, reduction, notes, seconds);
-  line.update("write", 0.0);
+  line("write", 0.0);
   const superelement::Superelement se =
       to_superelement(input, std::move(reduction), std::move(picture.surface), report.json.dump(1));
   superelement::write(output, se);
