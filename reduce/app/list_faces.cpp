@@ -46,7 +46,7 @@ void print_faces(const std::filesystem::path& file, std::ostream& out) {
   out << fmt::format("{}: {} solid{}, lengths in {}\n", file.filename().string(), report.solids.size(),
                      report.solids.size() == 1 ? "" : "s", report.unit);
   for (const mesh::CadSolid& s : report.solids) {
-    out << fmt::format("  solid {}{}: volume {:.6g} mm^3, centre {} mm{}\n", s.number,
+    out << fmt::format("  solid {}{}: volume {:.6g} mm^3, centre {}{}\n", s.number,
                        s.name.empty() ? "" : " \"" + s.name + '"', s.volume * 1e9,
                        mesh::describe_point_mm(s.centroid),
                        s.same_as > 0 ? fmt::format(", the same as solid {}", s.same_as) : "");
