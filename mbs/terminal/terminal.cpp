@@ -146,7 +146,7 @@ Progress::Progress(std::FILE* stream, bool quiet)
     : Progress(stream, quiet, is_terminal(stream), steady_seconds) {}
 
 Progress::Progress(std::FILE* stream, bool quiet, bool is_terminal, Clock clock)
-    : stream_(stream), quiet_(quiet), is_terminal_(is_terminal), clock_(std::move(clock)) {}
+    : stream_(stream), quiet_(quiet || !is_terminal), clock_(std::move(clock)) {}
 
 Progress::~Progress() {
   clear();
@@ -161,7 +161,7 @@ void Progress::operator()(std::string_view stage, double fraction) {
     start_ = now;
     last_drawn_ = -1.0;
   }
-  if (is_terminal_ && (last_drawn_ < 0.0 || now - last_drawn_ >= 0.1)) draw(fraction, now);
+  if (last_drawn_ < 0.0 || now - last_drawn_ >= 0.1) draw(fraction, now);
 }
 
 void Progress::draw(double fraction, double now) {

@@ -55,7 +55,7 @@ class Table {
 ///
 ///     meshing  [##########          ]  48 %  12 s, 13 s left
 ///
-/// When the stream is no terminal it prints one line when a stage is finished, with its time.
+/// Where the stream is no terminal it says nothing.
 class Progress {
  public:
   using Clock = std::function<double()>;  ///< seconds
@@ -79,7 +79,7 @@ class Progress {
   void draw(double fraction, double now);
 
   std::FILE* stream_;
-  bool quiet_, is_terminal_, drawn_ = false;
+  bool quiet_, drawn_ = false;
   Clock clock_;
   std::string stage_;
   double start_ = 0.0, last_drawn_ = -1.0;

@@ -33,7 +33,8 @@ class Folder {
 };
 
 std::string read_text(const std::filesystem::path& file);
-/// `text` with the first `from` replaced; throws std::logic_error when there is none (so that a test cannot rot).
+/// `text` with the first `from` replaced; throws std::logic_error when there is none (so that a test cannot
+/// rot).
 std::string replaced(std::string text, const std::string& from, const std::string& to);
 
 }  // namespace flexura::test

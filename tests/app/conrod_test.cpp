@@ -1,7 +1,7 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 
-// The steam engine's connecting rod from its STEP file, coarsely meshed: the superelement against the full model on the
-// same mesh with the same ties.
+// The steam engine's connecting rod from its STEP file, coarsely meshed: the superelement against the full
+// model on the same mesh with the same ties.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -56,17 +56,22 @@ TEST(ConrodFromStep, MassAndCentreAreThoseOfTheCadPart) {
 }
 
 TEST(ConrodFromStep, InterfaceNodesLieOnTheBoresAxes) {
-  const Conrod& c = conrod();
-  // STEP prints 15 digits and the kernel fits axes to 1e-12 m; 1 nm is far below any tolerance of a bore.
-  EXPECT_LT((c.reduction.interfaces.at(0).point - Eigen::Vector3d(0.0, 0.0, 0.0)).norm(), 1e-9);
-  EXPECT_LT((c.reduction.interfaces.at(1).point - Eigen::Vector3d(0.3, 0.0, 0.0)).norm(), 1e-9);
+  const std::vector<reduce::ReducedInterface>& interfaces = conrod().reduction.interfaces;
+  for (int k = 0; k < 2; ++k) {
+    // Across the axis: STEP prints 15 digits and axes are fitted to 1e-12 m. Along it the node lies at the
+    // centroid of the meshed bore, which is symmetric only as far as the mesh is: 1e-4 of the bore's length.
+    const Eigen::Vector3d off = interfaces.at(k).point - Eigen::Vector3d(0.3 * k, 0.0, 0.0);
+    EXPECT_LT(off.head<2>().norm(), 1e-9);
+    EXPECT_LT(std::abs(off.z()), 1e-4 * 0.036);
+  }
 }
 
-// Craig-Bampton is exact in statics: what is left is round-off of two solves with a stiffness matrix of condition
-// number 1e6 to 1e8 (element stiffness over bending stiffness), hence 1e-8 of sqrt(u_ii u_jj).
+// Craig-Bampton is exact in statics: what is left is round-off of two solves with a stiffness matrix of
+// condition number 1e6 to 1e8 (element stiffness over bending stiffness), hence 1e-8 of sqrt(u_ii u_jj).
 TEST(ConrodFromStep, UnitLoadsOnOneBoreBendItLikeTheFullModel) {
   const Conrod& c = conrod();
-  const Eigen::MatrixXd full = reduce::full_static_compliance(c.part, "big_end", "small_end").middleRows(6, 6);
+  const Eigen::MatrixXd full =
+      reduce::full_static_compliance(c.part, "big_end", "small_end").middleRows(6, 6);
   const Eigen::MatrixXd reduced =
       reduce::reduced_static_compliance(c.reduction, "big_end", "small_end").middleRows(6, 6);
   for (int i = 0; i < 6; ++i) {

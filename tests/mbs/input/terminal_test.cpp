@@ -73,7 +73,7 @@ TEST(Terminal, ProgressSaysHowFarAndHowLong) {
   EXPECT_THAT(line, HasSubstr("meshing  [############            ]  48 %  12 s, 13 s left"));
   EXPECT_THAT(line, ::testing::Not(HasSubstr("49 %")));
   EXPECT_THAT(line, HasSubstr("meshing: 25 s\n"));
-  EXPECT_EQ(printed(false, false, work), "meshing: 25 s\nsolving: 0.0 s\n");
+  EXPECT_EQ(printed(false, false, work), "") << "quiet where no terminal is";
   EXPECT_EQ(printed(true, true, work), "");
 }
 
