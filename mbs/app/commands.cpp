@@ -10,6 +10,7 @@ std::vector<terminal::Command> all_commands() {
       modes_command(),
       view_command(),
       check_command(),
+      export_command(),
   };
 }
 

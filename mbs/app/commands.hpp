@@ -11,6 +11,7 @@
 namespace flexura::app {
 
 terminal::Command check_command();
+terminal::Command export_command();
 terminal::Command modes_command();
 terminal::Command reduce_command();
 terminal::Command view_command();

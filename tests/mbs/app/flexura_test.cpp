@@ -81,6 +81,19 @@ TEST_F(Flexura, CheckSummarises) {
   EXPECT_EQ(flexura("check -q " + beam_).out, "");
 }
 
+TEST_F(Flexura, ExportWritesEachFormat) {
+  for (const std::string format : {"dmig", "sid", "flexdata", "vtk", "gmsh"}) {
+    const auto file = folder_ / ("out." + format);
+    const Outcome outcome = flexura("export " + beam_ + " -f " + format + " -o " + file.string());
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_EQ(outcome.out, "wrote " + file.string() + "\n");
+    EXPECT_GT(std::filesystem::file_size(file), 1000u);
+  }
+  EXPECT_EQ(flexura("export -f matrix-market " + beam_).code, 0);
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "beam.K.mtx"));
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "beam.M.mtx"));
+}
+
 TEST_F(Flexura, BadInputIsRefusedInOneLineWithCode2) {
   const auto refused = [&](const std::string& arguments, const std::string& words) {
     const Outcome outcome = flexura(arguments);
@@ -97,6 +110,8 @@ TEST_F(Flexura, BadInputIsRefusedInOneLineWithCode2) {
           "there is no interface \"middle\" in superelement \"box beam\"; it has left, right");
   refused("modes " + beam_ + " --free --fixed", "--free, --fixed and --clamped exclude each other");
   refused("modes " + beam_ + " -n 0", "--count is 0, it must be at least 1");
+  refused("export " + beam_ + " -f vkt", "\"vkt\" is not a known choice, did you mean \"vtk\"?");
+  refused("export " + beam_, "--format is required");
   std::filesystem::resize_file(beam_, std::filesystem::file_size(beam_) - 1);
   refused("check " + beam_, "the file is cut short");
 }

@@ -66,20 +66,66 @@ inline std::vector<Shape> shapes(double L) {
 
 }  // namespace box_beam_detail
 
-/// With internal shapes scaled to unit modal mass and sorted by frequency, 15 dofs.
+/// A point of the quadrature: its mass, its position in B, and the 15 shapes there (3 x 15).
+struct BoxBeamPoint {
+  double dm;
+  Eigen::Vector3d x;
+  Eigen::Matrix3Xd N;
+};
+
+namespace box_beam_detail {
+
+constexpr double g5[] = {-0.90617984593866399280, -0.53846931010568309104, 0.0, 0.53846931010568309104,
+                         0.90617984593866399280};
+constexpr double w5[] = {0.23692688505618908751, 0.47862867049936646804, 0.56888888888888888889,
+                         0.47862867049936646804, 0.23692688505618908751};
+
+inline std::vector<BoxBeamPoint> points(const BoxBeam& beam, const std::vector<Shape>& phi) {
+  const double g2 = 1 / std::sqrt(3.0);
+  std::vector<BoxBeamPoint> all;
+  for (int i = 0; i < 5; ++i) {
+    for (const double gy : {-g2, g2}) {
+      for (const double gz : {-g2, g2}) {
+        const Eigen::Vector3d r(beam.L / 2 * (1 + g5[i]), beam.b / 2 * gy, beam.h / 2 * gz);
+        BoxBeamPoint point{beam.rho * beam.b * beam.h * beam.L / 8 * w5[i], beam.p_BoA_B + r,
+                           Eigen::Matrix3Xd(3, static_cast<Eigen::Index>(phi.size()))};
+        for (std::size_t k = 0; k < phi.size(); ++k) {
+          point.N.col(static_cast<Eigen::Index>(k)) = phi[k](r[0], r[1], r[2]);
+        }
+        all.push_back(point);
+      }
+    }
+  }
+  return all;
+}
+
+// Internal shapes scaled to unit modal mass.
+inline std::vector<Shape> normalised_shapes(const BoxBeam& beam) {
+  std::vector<Shape> phi = shapes(beam.L);
+  Eigen::VectorXd m = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(phi.size()));
+  for (const BoxBeamPoint& p : points(beam, phi)) m += p.dm * p.N.colwise().squaredNorm().transpose();
+  for (std::size_t k = 12; k < phi.size(); ++k) {
+    for (Polynomial* p : {&phi[k].u, &phi[k].v, &phi[k].w}) {
+      for (double& c : p->c) c /= std::sqrt(m[static_cast<Eigen::Index>(k)]);
+    }
+  }
+  return phi;
+}
+
+}  // namespace box_beam_detail
+
+inline std::vector<BoxBeamPoint> box_beam_points(const BoxBeam& beam = {}) {
+  return box_beam_detail::points(beam, box_beam_detail::normalised_shapes(beam));
+}
+
+/// With internal shapes scaled to unit modal mass, 15 dofs.
 inline Superelement make_box_beam(const BoxBeam& beam = {}) {
   using namespace box_beam_detail;
   const auto [L, b, h, E, nu, rho, p_BoA_B] = beam;
   const double A = b * h, I_y = b * h * h * h / 12, I_z = h * b * b * b / 12, I_x = I_y + I_z;
   const double GI_t = E / (2 * (1 + nu)) * I_x;  // any positive torsion constant will do here
 
-  constexpr double g5[] = {-0.90617984593866399280, -0.53846931010568309104, 0.0, 0.53846931010568309104,
-                           0.90617984593866399280};
-  constexpr double w5[] = {0.23692688505618908751, 0.47862867049936646804, 0.56888888888888888889,
-                           0.47862867049936646804, 0.23692688505618908751};
-  const double g2 = 1 / std::sqrt(3.0);
-
-  std::vector<Shape> phi = shapes(L);
+  const std::vector<Shape> phi = normalised_shapes(beam);
   Superelement se;
   se.name = "box beam";
   se.created_by = "tests";
@@ -99,24 +145,6 @@ inline Superelement make_box_beam(const BoxBeam& beam = {}) {
     }
     return sum;
   };
-  const auto integrate = [&](auto&& integrand) {
-    for (int i = 0; i < 5; ++i) {
-      for (const double gy : {-g2, g2}) {
-        for (const double gz : {-g2, g2}) {
-          const double x = L / 2 * (1 + g5[i]), y = b / 2 * gy, z = h / 2 * gz;
-          integrand(rho * A * L / 8 * w5[i], x, y, z);
-        }
-      }
-    }
-  };
-  for (std::size_t k = 12; k < phi.size(); ++k) {  // unit modal mass
-    double m = 0;
-    integrate([&](double dm, double x, double y, double z) { m += dm * phi[k](x, y, z).squaredNorm(); });
-    for (Polynomial* p : {&phi[k].u, &phi[k].v, &phi[k].w}) {
-      for (double& c : p->c) c /= std::sqrt(m);
-    }
-  }
-
   se.K_se = Eigen::MatrixXd(n, n);
   for (int k = 0; k < n; ++k) {
     for (int l = 0; l <= k; ++l) {
@@ -131,10 +159,7 @@ inline Superelement make_box_beam(const BoxBeam& beam = {}) {
   I.S_phi = Eigen::Matrix3Xd::Zero(3, n);
   I.S_xphi = Eigen::MatrixXd::Zero(9, n);
   for (auto& S : I.S_phiphi) S = Eigen::MatrixXd::Zero(n, n);
-  integrate([&](double dm, double x, double y, double z) {
-    const Eigen::Vector3d r = p_BoA_B + Eigen::Vector3d(x, y, z);
-    Eigen::Matrix3Xd N(3, n);
-    for (int k = 0; k < n; ++k) N.col(k) = phi[static_cast<std::size_t>(k)](x, y, z);
+  for (const auto& [dm, r, N] : points(beam, phi)) {
     I.mass += dm;
     I.S_x += dm * r;
     I.S_xx += dm * r * r.transpose();
@@ -142,7 +167,7 @@ inline Superelement make_box_beam(const BoxBeam& beam = {}) {
     constexpr int first[] = {0, 1, 2, 0, 1, 2}, second[] = {0, 1, 2, 1, 2, 0};
     for (int a = 0; a < 3; ++a) I.S_xphi.middleRows(3 * a, 3) += dm * r[a] * N;
     for (std::size_t p = 0; p < 6; ++p) I.S_phiphi[p] += dm * N.row(first[p]).transpose() * N.row(second[p]);
-  });
+  }
   se.M_se = I.S_phiphi[0] + I.S_phiphi[1] + I.S_phiphi[2];
 
   for (int end = 0; end < 2; ++end) {

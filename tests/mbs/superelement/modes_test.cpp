@@ -84,7 +84,8 @@ TEST(NaturalModes, FixedInterfaceModesHaveTheirEffectiveMass) {
 }
 
 // A rod clamped at one end, Ritz with u = x and x (1 - x) in units of L and c: K = [1 0; 0 1/3],
-// M = [1/3 1/12; 1/12 1/30], so w = omega^2 L^2/c^2 is the smaller root of (1 - w/3)(1/3 - w/30) - w^2/144 = 0.
+// M = [1/3 1/12; 1/12 1/30], so w = omega^2 L^2/c^2 is the smaller root of (1 - w/3)(1/3 - w/30) - w^2/144 =
+// 0.
 TEST(NaturalModes, AClampedRodHasTheRitzFrequency) {
   const BoxBeam beam;
   const Superelement se = make_box_beam(beam);
