@@ -1,6 +1,6 @@
 // Connecting rod of the steam engine.  Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 // Lengths in mm.  Big end bore on the z axis, small end bore parallel to it at x = 300.
-// The committed conrod.step was written by:  gmsh -0 conrod.geo        (gmsh 4.8.4, OpenCASCADE 7.6)
+// The committed conrod.step was written by:  gmsh -parse_and_exit conrod.geo   (gmsh 4.8.4, OpenCASCADE 7.6)
 SetFactory("OpenCASCADE");
 Geometry.OCCBoundsUseStl = 1;
 

@@ -8,13 +8,11 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <chrono>
-#include <cstring>
 #include <map>
 #include <stdexcept>
 
+#include "mesh/gmsh/ask.hpp"
 #include "mesh/gmsh/cad_file.hpp"
-#include "mesh/gmsh/child.hpp"
-#include "mesh/gmsh/job.hpp"
 
 namespace flexura::mesh {
 namespace {
@@ -26,81 +24,6 @@ constexpr double kVolumeGoal = 0.005;  // of the CAD volume
 constexpr double kSizeRange = 3;       // greatest over least size: small fillets are not resolved by default
 constexpr int kMostTriangles = 25000;  // about 70,000 nodes of a thin-walled tet10 part
 constexpr double kVolumeRefusal = 0.05;  // beyond, the mesh is not this part
-
-fs::path find_worker(const CadOptions& options) {
-  fs::path worker = options.worker;
-  if (worker.empty()) {
-    std::error_code error;
-    worker = fs::read_symlink("/proc/self/exe", error).parent_path() / "flexura-mesh";
-  }
-  if (!fs::exists(worker))
-    throw std::runtime_error("the meshing program " + worker.string() + " is missing; build it, or name it");
-  return worker;
-}
-
-/// A failure of one try that another try may mend.
-struct TryFailed : std::runtime_error {
-  using std::runtime_error::runtime_error;
-};
-
-/// A sentence about the part itself ("holds no solid ..."), as the child found it.
-struct PartRefused : TryFailed {
-  using TryFailed::TryFailed;
-};
-
-struct Answer {
-  ResultRecord record;
-  Arrays arrays;
-};
-
-Answer read_answer(const std::string& bytes, int nodes_per_tetrahedron) {
-  const auto cut = [] { return TryFailed("handed over an incomplete result"); };
-  std::uint64_t length = 0;
-  if (bytes.size() < sizeof length) throw cut();
-  std::memcpy(&length, bytes.data(), sizeof length);
-  std::size_t at = sizeof length;
-  if (bytes.size() - at < length) throw cut();
-  Answer answer;
-  answer.record = nlohmann::json::parse(bytes.substr(at, length)).get<ResultRecord>();
-  at += length;
-  const auto take = [&](auto& values, std::uint64_t n) {
-    const std::size_t size = n * sizeof values[0];
-    if (bytes.size() - at < size) throw cut();
-    values.resize(n);
-    if (size > 0) std::memcpy(values.data(), bytes.data() + at, size);
-    at += size;
-  };
-  take(answer.arrays.points, 3 * answer.record.n_points);
-  take(answer.arrays.tetrahedra,
-       static_cast<std::uint64_t>(nodes_per_tetrahedron) * answer.record.n_tetrahedra);
-  take(answer.arrays.triangles, 3 * answer.record.n_triangles);
-  take(answer.arrays.face, answer.record.n_triangles);
-  return answer;
-}
-
-/// The last thing that gmsh called an error, for the user's ears.
-std::string last_error(const std::string& log) {
-  const std::size_t at = log.rfind("Error   : ");
-  if (at == std::string::npos) return "";
-  const std::size_t begin = at + 10, end = log.find('\n', begin);
-  return " (gmsh: " + log.substr(begin, end == std::string::npos ? end : end - begin) + ")";
-}
-
-Answer ask(const CadOptions& options, const Job& job, double limit_s, const Progress& progress) {
-  const ChildOutcome outcome = run_child(find_worker(options), nlohmann::json(job).dump(), limit_s, progress);
-  if (outcome.end == ChildEnd::out_of_time)
-    throw TryFailed(fmt::format("was not done within {:.3g} s", limit_s));
-  if (outcome.end == ChildEnd::crashed)
-    throw TryFailed("made the mesher fail: it " + outcome.reason + last_error(outcome.log));
-  Answer answer = read_answer(outcome.result, job.order == 2 ? 10 : 4);
-  if (!answer.record.error.empty()) {
-    const std::string detail = last_error(outcome.log);
-    const bool said = answer.record.error.find(detail.empty() ? "" : detail.substr(8, detail.size() - 9)) !=
-                      std::string::npos;
-    throw PartRefused(answer.record.error + (said ? "" : detail));
-  }
-  return answer;
-}
 
 Job first_job(const CadOptions& options, const CadFile& file, CadReport& report) {
   Job job;
@@ -218,7 +141,7 @@ CadReport list_and_choose(const CadOptions& options, bool must_be_one, Job& job,
   all.solids.clear();
   const auto list = [&](const Job& which) {
     try {
-      return ask(options, which, options.time_limit_s, progress);
+      return ask_worker(options.worker, which, options.time_limit_s, progress);
     } catch (const PartRefused& e) {
       throw std::runtime_error(name + ": " + e.what());
     } catch (const TryFailed& e) {
@@ -398,7 +321,7 @@ CadMesh mesh_cad(const CadOptions& options, const Progress& progress) {
       break;
     }
     try {
-      const Answer answer = ask(options, job, limit, progress);
+      const Answer answer = ask_worker(options.worker, job, limit, progress);
       if (progress) progress("checking the mesh", 0.97);
       CadMesh out = accept(answer, options);
       if (std::abs(out.report.volume_error) > kVolumeGoal && refinements < 2 && job.elements_per_circle > 0) {

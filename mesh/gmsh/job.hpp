@@ -18,7 +18,7 @@ namespace flexura::mesh {
 inline constexpr int kResultDescriptor = 3, kProgressDescriptor = 4;
 
 struct Job {
-  std::string task;  ///< "list" or "mesh"
+  std::string task;  ///< "list" or "mesh" a CAD file, "read" a mesh
   std::string path, format;
   double to_m = 1e-3;  ///< model units (mm) to m
   std::vector<int> solids;
@@ -43,6 +43,18 @@ struct SolidRecord {
 };
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(SolidRecord, number, same_as, name, volume, centroid, inertia, box)
 
+/// Cells of one type, or a group of nodes, in a mesh that was read.
+struct BlockRecord {
+  int type = 0;  ///< CellType
+  std::uint64_t n = 0;
+};
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(BlockRecord, type, n)
+struct GroupRecord {
+  std::string name;
+  std::uint64_t n = 0;
+};
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(GroupRecord, name, n)
+
 struct FaceRecord {
   int number = 0, solid = 0, kind = 4;
   std::string name;
@@ -64,16 +76,22 @@ struct ResultRecord {
   std::vector<FaceRecord> faces;
   std::vector<std::string> messages;
   double size = 0, size_min = 0, elements_per_circle = 0;  ///< as used
-  std::uint64_t n_points = 0, n_tetrahedra = 0, n_triangles = 0;
+  std::uint64_t n_points = 0, n_tetrahedra = 0, n_triangles = 0, n_integers = 0;
+  std::vector<BlockRecord> blocks;
+  std::vector<GroupRecord> groups;
 };
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ResultRecord, error, solids, kept, volume, area, centroid, faces, messages,
-                                   size, size_min, elements_per_circle, n_points, n_tetrahedra, n_triangles)
+                                   size, size_min, elements_per_circle, n_points, n_tetrahedra, n_triangles,
+                                   n_integers, blocks, groups)
 
 struct Arrays {
   std::vector<double> points;            ///< 3 n_points
   std::vector<std::int32_t> tetrahedra;  ///< (4 or 10) n_tetrahedra, node order of Mesh
   std::vector<std::int32_t> triangles;   ///< 3 n_triangles, corners only
   std::vector<std::int32_t> face;        ///< n_triangles, face numbers
+  /// Of a mesh that was read: the nodes' labels; for each block its cells' labels and then their nodes (from
+  /// 0, order of Mesh); for each group its nodes.
+  std::vector<std::int64_t> integers;
 };
 
 }  // namespace flexura::mesh

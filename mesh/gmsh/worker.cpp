@@ -15,6 +15,7 @@
 #include <stdexcept>
 
 #include "mesh/gmsh/job.hpp"
+#include "mesh/gmsh/read_mesh.hpp"
 #include "mesh/gmsh/recognise.hpp"
 
 namespace flexura::mesh {
@@ -305,6 +306,11 @@ void run(const Job& job, ResultRecord& result, Arrays& arrays) {
   // only.
   if (job.format == "step") gmsh::option::setString("Geometry.OCCTargetUnit", "MM");
   gmsh::option::setNumber("Geometry.OCCImportLabels", 1);
+  if (job.task == "read") {
+    say(0, "reading the mesh");
+    read_mesh(job.path, result, arrays);
+    return;
+  }
   say(0, "reading the CAD file");
   gmsh::vectorpair solids = import_solids(job, result);
   choose_solids(job, result, solids);
@@ -365,6 +371,7 @@ int work() {
   result.n_points = arrays.points.size() / 3;
   result.n_tetrahedra = arrays.tetrahedra.size() / (job.order == 2 ? 10 : 4);
   result.n_triangles = arrays.face.size();
+  result.n_integers = arrays.integers.size();
   const std::string head =
       nlohmann::json(result).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
   const std::uint64_t length = head.size();
@@ -374,6 +381,7 @@ int work() {
   write_array(arrays.tetrahedra);
   write_array(arrays.triangles);
   write_array(arrays.face);
+  write_array(arrays.integers);
   std::cout.flush();
   _exit(0);  // gmsh's own clean-up takes time and has been seen to crash; the result is complete
 }

@@ -8,6 +8,7 @@
 
 #include "mesh/model/cell.hpp"
 #include "mesh/model/geometry.hpp"
+#include "mesh/model/patches.hpp"
 
 namespace flexura::mesh {
 
@@ -139,26 +140,6 @@ std::vector<Index> ModelBuilder::finish(ImportedModel& model, const std::vector<
   extract_boundary(mesh);
   attach_faces_to_sets(mesh);
   return number;
-}
-
-void attach_faces_to_sets(Mesh& mesh) {
-  for (auto& [name, set] : mesh.sets) {
-    set.faces.clear();
-    for (const CellBlock& block : mesh.boundary) {
-      std::vector<Index> rows;
-      for (Index cell = 0; cell < block.nodes.rows(); ++cell) {
-        bool inside = true;
-        for (Eigen::Index k = 0; inside && k < block.nodes.cols(); ++k)
-          inside = std::binary_search(set.nodes.begin(), set.nodes.end(), block.nodes(cell, k));
-        if (inside) rows.push_back(cell);
-      }
-      if (rows.empty()) continue;
-      CellBlock own;
-      own.type = block.type;
-      own.nodes = block.nodes(rows, Eigen::all);
-      set.faces.push_back(std::move(own));
-    }
-  }
 }
 
 }  // namespace flexura::mesh

@@ -76,7 +76,4 @@ class ModelBuilder {
   std::map<std::string, std::vector<Index>> sets_;
 };
 
-/// Gives each node set the boundary cells that lie wholly in it (area weights).
-void attach_faces_to_sets(Mesh& mesh);
-
 }  // namespace flexura::mesh

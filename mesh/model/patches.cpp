@@ -57,6 +57,26 @@ std::size_t count_cells(const std::vector<CellBlock>& blocks) {
   return n;
 }
 
+void attach_faces_to_sets(Mesh& mesh) {
+  for (auto& [name, set] : mesh.sets) {
+    set.faces.clear();
+    for (const CellBlock& block : mesh.boundary) {
+      std::vector<Index> rows;
+      for (Index cell = 0; cell < block.nodes.rows(); ++cell) {
+        bool inside = true;
+        for (Eigen::Index k = 0; inside && k < block.nodes.cols(); ++k)
+          inside = std::binary_search(set.nodes.begin(), set.nodes.end(), block.nodes(cell, k));
+        if (inside) rows.push_back(cell);
+      }
+      if (rows.empty()) continue;
+      CellBlock own;
+      own.type = block.type;
+      own.nodes = block.nodes(rows, Eigen::all);
+      set.faces.push_back(std::move(own));
+    }
+  }
+}
+
 std::vector<Index> find_patches(const Mesh& mesh, double angle) {
   std::vector<Vector3d> normals;
   std::map<std::pair<Index, Index>, Index> first_at_edge;

@@ -21,4 +21,7 @@ double distance_to_cell(const Mesh& mesh, const CellBlock& block, Index cell, co
 
 std::size_t count_cells(const std::vector<CellBlock>& blocks);
 
+/// Gives each node set of a mesh the boundary cells that lie wholly in it (area weights).
+void attach_faces_to_sets(Mesh& mesh);
+
 }  // namespace flexura::mesh

@@ -1,0 +1,82 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mesh/gmsh/ask.hpp"
+
+#include <fmt/format.h>
+
+#include <cstring>
+#include <stdexcept>
+
+#include "mesh/gmsh/child.hpp"
+
+namespace flexura::mesh {
+namespace {
+
+namespace fs = std::filesystem;
+
+fs::path find_worker(fs::path worker) {
+  if (worker.empty()) {
+    std::error_code error;
+    worker = fs::read_symlink("/proc/self/exe", error).parent_path() / "flexura-mesh";
+  }
+  if (!fs::exists(worker))
+    throw std::runtime_error("the meshing program " + worker.string() + " is missing; build it, or name it");
+  return worker;
+}
+
+Answer read_answer(const std::string& bytes, int nodes_per_tetrahedron) {
+  const auto cut = [] { return TryFailed("handed over an incomplete result"); };
+  std::uint64_t length = 0;
+  if (bytes.size() < sizeof length) throw cut();
+  std::memcpy(&length, bytes.data(), sizeof length);
+  std::size_t at = sizeof length;
+  if (bytes.size() - at < length) throw cut();
+  Answer answer;
+  try {
+    answer.record = nlohmann::json::parse(bytes.substr(at, length)).get<ResultRecord>();
+  } catch (const nlohmann::json::exception&) {
+    throw cut();
+  }
+  at += length;
+  const auto take = [&](auto& values, std::uint64_t n) {
+    if (n > bytes.size() || bytes.size() - at < n * sizeof values[0]) throw cut();
+    const std::size_t size = n * sizeof values[0];
+    values.resize(n);
+    if (size > 0) std::memcpy(values.data(), bytes.data() + at, size);
+    at += size;
+  };
+  take(answer.arrays.points, 3 * answer.record.n_points);
+  take(answer.arrays.tetrahedra,
+       static_cast<std::uint64_t>(nodes_per_tetrahedron) * answer.record.n_tetrahedra);
+  take(answer.arrays.triangles, 3 * answer.record.n_triangles);
+  take(answer.arrays.face, answer.record.n_triangles);
+  take(answer.arrays.integers, answer.record.n_integers);
+  return answer;
+}
+
+/// The last thing that gmsh called an error, for the user's ears.
+std::string last_error(const std::string& log) {
+  const std::size_t at = log.rfind("Error   : ");
+  if (at == std::string::npos) return "";
+  const std::size_t begin = at + 10, end = log.find('\n', begin);
+  return " (gmsh: " + log.substr(begin, end == std::string::npos ? end : end - begin) + ")";
+}
+
+}  // namespace
+
+Answer ask_worker(const fs::path& worker, const Job& job, double limit_s, const Progress& progress) {
+  const ChildOutcome outcome = run_child(find_worker(worker), nlohmann::json(job).dump(), limit_s, progress);
+  if (outcome.end == ChildEnd::out_of_time)
+    throw TryFailed(fmt::format("was not done within {:.3g} s", limit_s));
+  if (outcome.end == ChildEnd::crashed)
+    throw TryFailed("made the mesher fail: it " + outcome.reason + last_error(outcome.log));
+  Answer answer = read_answer(outcome.result, job.order == 2 ? 10 : 4);
+  if (!answer.record.error.empty()) {
+    const std::string detail = last_error(outcome.log);
+    const bool said = answer.record.error.find(detail.empty() ? "" : detail.substr(8, detail.size() - 9)) !=
+                      std::string::npos;
+    throw PartRefused(answer.record.error + (said ? "" : detail));
+  }
+  return answer;
+}
+
+}  // namespace flexura::mesh

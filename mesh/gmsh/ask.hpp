@@ -1,0 +1,32 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <filesystem>
+#include <stdexcept>
+
+#include "mesh/gmsh/cad.hpp"
+#include "mesh/gmsh/job.hpp"
+
+/// One question to the child process, one answer; shared by all that uses it.
+namespace flexura::mesh {
+
+/// A failure of one try that another try may mend; the text goes on after "it ".
+struct TryFailed : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/// A sentence about the file itself ("holds no solid ..."), as the child found it.
+struct PartRefused : TryFailed {
+  using TryFailed::TryFailed;
+};
+
+struct Answer {
+  ResultRecord record;
+  Arrays arrays;
+};
+
+/// Throws TryFailed or PartRefused; std::runtime_error where the program is missing.
+Answer ask_worker(const std::filesystem::path& worker, const Job& job, double limit_s,
+                  const Progress& progress);
+
+}  // namespace flexura::mesh

@@ -1,0 +1,120 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mesh/gmsh/read_mesh.hpp"
+
+#include <gmsh.h>
+
+#include <algorithm>
+#include <map>
+#include <numeric>
+#include <set>
+#include <stdexcept>
+
+#include "mesh/model/mesh.hpp"
+
+namespace flexura::mesh {
+namespace {
+
+/// gmsh's element type, ours, and the place in gmsh's order of each node in ours (gmsh lists the edges of
+/// quadratic cells by ascending corner pairs; reference manual, "Node ordering").
+struct TypeRow {
+  int gmsh;
+  CellType type;
+  std::vector<int> order;
+};
+
+const std::vector<TypeRow>& solid_types() {
+  static const std::vector<TypeRow> kRows = {
+      {4, CellType::tet4, {0, 1, 2, 3}},
+      {5, CellType::hex8, {0, 1, 2, 3, 4, 5, 6, 7}},
+      {6, CellType::wedge6, {0, 1, 2, 3, 4, 5}},
+      {7, CellType::pyramid5, {0, 1, 2, 3, 4}},
+      {11, CellType::tet10, {0, 1, 2, 3, 4, 5, 6, 7, 9, 8}},
+      {17, CellType::hex20, {0, 1, 2, 3, 4, 5, 6, 7, 8, 11, 13, 9, 16, 18, 19, 17, 10, 12, 14, 15}},
+      {12, CellType::hex27, {0,  1,  2,  3,  4,  5,  6,  7,  8,  11, 13, 9,  16, 18,
+                             19, 17, 10, 12, 14, 15, 22, 23, 21, 24, 20, 25, 26}},
+      {18, CellType::wedge15, {0, 1, 2, 3, 4, 5, 6, 9, 7, 12, 14, 13, 8, 10, 11}},
+      {19, CellType::pyramid13, {0, 1, 2, 3, 4, 5, 8, 10, 6, 7, 9, 11, 12}}};
+  return kRows;
+}
+
+}  // namespace
+
+void read_mesh(const std::string& path, ResultRecord& result, Arrays& arrays) {
+  gmsh::open(path);
+  std::vector<std::size_t> tags;
+  std::vector<double> coordinates, parameters;
+  gmsh::model::mesh::getNodes(tags, coordinates, parameters, -1, -1, false, false);
+  std::map<std::size_t, std::size_t> at;  // tag -> place, each node once
+  for (std::size_t k = 0; k < tags.size(); ++k) at.emplace(tags[k], k);
+
+  std::map<std::size_t, std::int64_t> index;  // tag -> node number, for nodes of solid cells
+  std::vector<std::pair<std::vector<std::size_t>, std::vector<std::size_t>>> blocks;
+  std::vector<int> types;
+  gmsh::model::mesh::getElementTypes(types, 3, -1);
+  for (const int type : types) {
+    const auto row = std::find_if(solid_types().begin(), solid_types().end(),
+                                  [&](const TypeRow& r) { return r.gmsh == type; });
+    std::vector<std::size_t> cells, nodes;
+    gmsh::model::mesh::getElementsByType(type, cells, nodes, -1);
+    if (cells.empty()) continue;
+    if (row == solid_types().end()) {
+      std::string name;
+      int dimension, order, n, n_primary;
+      std::vector<double> local;
+      gmsh::model::mesh::getElementProperties(type, name, dimension, order, n, local, n_primary);
+      throw std::runtime_error(
+          "holds " + std::to_string(cells.size()) + " cells of type \"" + name +
+          "\", which have no counterpart here; tetrahedra, hexahedra, wedges and pyramids of order 1 and "
+          "2 (15-node wedges, 13-node pyramids) do");
+    }
+    for (const std::size_t node : nodes) index.emplace(node, 0);
+    result.blocks.push_back({static_cast<int>(row->type), cells.size()});
+    const std::size_t n = row->order.size();
+    std::vector<std::size_t> ordered(nodes.size());
+    for (std::size_t c = 0; c < cells.size(); ++c)
+      for (std::size_t k = 0; k < n; ++k)
+        ordered[c * n + k] = nodes[c * n + static_cast<std::size_t>(row->order[k])];
+    blocks.emplace_back(std::move(cells), std::move(ordered));
+  }
+  if (blocks.empty()) throw std::runtime_error("holds no solid cells");
+
+  std::int64_t next = 0;
+  for (auto& [tag, number] : index) {
+    number = next++;
+    arrays.integers.push_back(static_cast<std::int64_t>(tag));
+    const std::size_t place = at.at(tag);
+    arrays.points.insert(arrays.points.end(), coordinates.begin() + static_cast<std::ptrdiff_t>(3 * place),
+                         coordinates.begin() + static_cast<std::ptrdiff_t>(3 * place + 3));
+  }
+  if (const std::size_t spare = at.size() - index.size(); spare > 0)
+    result.messages.push_back(std::to_string(spare) + " nodes belong to no solid cell and are left out");
+  for (const auto& [cells, nodes] : blocks) {
+    for (const std::size_t cell : cells) arrays.integers.push_back(static_cast<std::int64_t>(cell));
+    for (const std::size_t node : nodes) arrays.integers.push_back(index.at(node));
+  }
+
+  gmsh::vectorpair groups;
+  gmsh::model::getPhysicalGroups(groups);
+  std::set<std::string> names;
+  for (const auto& [dimension, tag] : groups) {
+    std::string name;
+    gmsh::model::getPhysicalName(dimension, tag, name);
+    if (name.empty()) name = "group " + std::to_string(tag);
+    if (!names.insert(name).second) {
+      static const char* const kKinds[] = {"points", "curves", "surfaces", "volumes"};
+      name += std::string(" (") + kKinds[dimension] + ")";
+    }
+    std::vector<std::size_t> nodes;
+    std::vector<double> unused;
+    gmsh::model::mesh::getNodesForPhysicalGroup(dimension, tag, nodes, unused);
+    std::uint64_t n = 0;
+    for (const std::size_t node : nodes)
+      if (const auto found = index.find(node); found != index.end()) {
+        arrays.integers.push_back(found->second);
+        ++n;
+      }
+    result.groups.push_back({name, n});
+  }
+}
+
+}  // namespace flexura::mesh
