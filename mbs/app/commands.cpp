@@ -8,9 +8,11 @@ std::vector<terminal::Command> all_commands() {
       // In the order of use.
       reduce_command(),
       modes_command(),
+      simulate_command(),
       view_command(),
       check_command(),
       export_command(),
+      assemble_command(),
   };
 }
 

@@ -1,0 +1,348 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <csignal>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "mbs/app/commands.hpp"
+#include "mbs/input/units.hpp"
+#include "mbs/results/results.hpp"
+#include "mbs/solver/prepare.hpp"
+#include "mbs/solver/run.hpp"
+#include "mbs/terminal/terminal.hpp"
+
+namespace flexura::app {
+namespace {
+
+using mbs::PreparedMechanism;
+using mbs::RunResult;
+using terminal::Align;
+using terminal::number;
+
+struct Arguments {
+  std::string file, output, end_time;
+  std::vector<std::string> set, runs;
+  bool csv = false;
+};
+
+volatile std::sig_atomic_t interrupted = 0;
+
+// Ctrl-C asks for a clean stop; a second one ends the program at once.
+class InterruptGuard {
+ public:
+  InterruptGuard() {
+    interrupted = 0;
+    before_ = std::signal(SIGINT, [](int) {
+      interrupted = 1;
+      std::signal(SIGINT, SIG_DFL);
+    });
+  }
+  ~InterruptGuard() { std::signal(SIGINT, before_); }
+  InterruptGuard(const InterruptGuard&) = delete;
+  InterruptGuard& operator=(const InterruptGuard&) = delete;
+
+ private:
+  void (*before_)(int);
+};
+
+struct NamedRun {
+  std::string name;
+  PreparedMechanism prepared;
+};
+
+std::vector<NamedRun> prepare_runs(const Arguments& arguments) {
+  const mbs::MechanismFile file = mbs::read_mechanism(arguments.file, mbs::solver_schema(), arguments.set);
+  std::vector<std::string> known;
+  for (const mbs::RunDescription& run : file.runs) known.push_back(run.name);
+  for (const std::string& wanted : arguments.runs)
+    if (std::ranges::find(known, wanted) == known.end())
+      throw std::invalid_argument(fmt::format("{}: there is no run \"{}\"{}", arguments.file, wanted,
+                                              input::suggestion(wanted, known)));
+  std::vector<NamedRun> runs;
+  for (const mbs::RunDescription& run : file.runs) {
+    if (!arguments.runs.empty() && std::ranges::find(arguments.runs, run.name) == arguments.runs.end())
+      continue;
+    // What stands on the command line has the last word.
+    std::vector<std::string> overrides = run.overrides;
+    overrides.insert(overrides.end(), arguments.set.begin(), arguments.set.end());
+    runs.push_back({run.name, mbs::prepare(arguments.file, overrides)});
+  }
+  return runs;
+}
+
+results::ModelHeader model_header(const std::vector<NamedRun>& runs, const Arguments& arguments) {
+  const mbs::Mechanism& first = *runs.front().prepared.mechanism;
+  results::ModelHeader header;
+  header.name = runs.front().prepared.file.name;
+  header.source = runs.front().prepared.file.source;
+  header.created_by = std::string("flexura ") + FLEXURA_VERSION;
+  header.connections_json = mbs::connections_json(first);
+  const auto results_folder = std::filesystem::absolute(arguments.output).parent_path();
+  const auto model_folder = std::filesystem::absolute(arguments.file).parent_path();
+  for (std::size_t b = 0; b < first.description().bodies.size(); ++b) {
+    const mbs::BodyDescription& body = first.description().bodies[b];
+    results::BodyHeader line;
+    line.name = body.name;
+    line.shape_json = body.shape_json;
+    bool flexible = false;
+    for (const NamedRun& run : runs) {
+      const auto& bodies = run.prepared.mechanism->description().bodies;
+      flexible = flexible || (b < bodies.size() && bodies[b].flexible != nullptr);
+    }
+    line.kind = b == 0 ? "ground" : flexible ? "flexible" : "rigid";
+    if (!body.superelement.empty()) {
+      std::filesystem::path path = body.superelement;
+      if (path.is_relative()) path = model_folder / path;
+      line.superelement = path.lexically_relative(results_folder).generic_string();
+    }
+    header.bodies.push_back(std::move(line));
+  }
+  return header;
+}
+
+// Writes one run into the results file.
+class Recorder {
+ public:
+  Recorder(const PreparedMechanism& prepared, results::Writer& writer)
+      : mechanism_(*prepared.mechanism), writer_(writer), scratch_(mechanism_.make_scratch()) {
+    which_ = mbs::select_quantities(mechanism_, prepared.file.outputs);
+    const auto infos = mechanism_.quantities();
+    for (const int i : which_)
+      quantities_.push_back({infos[i].name, input::si_unit(infos[i].dimension), infos[i].doc});
+    quantities_.push_back({"energy.input", "J", "work put in by applied forces and drives so far"});
+    quantities_.push_back({"energy.dissipated", "J", "energy taken out by dampers and impacts so far"});
+    quantities_.push_back(
+        {"energy.balance", "J",
+         "kinetic + strain + potential, less their start and the work put in, plus what was "
+         "dissipated: the error of the run"});
+    const auto& bodies = mechanism_.description().bodies;
+    for (std::size_t b = 0; b < bodies.size(); ++b) {
+      results::RunBody body;
+      body.name = bodies[b].name;
+      if (bodies[b].flexible) body.basis = bodies[b].flexible->data().Y;
+      run_bodies_.push_back(std::move(body));
+    }
+    row_.quantities.resize(static_cast<Eigen::Index>(quantities_.size()));
+    row_.pose.assign(bodies.size(), Eigen::Matrix<double, 7, 1>::Zero());
+    for (auto& pose : row_.pose) pose(3) = 1.0;
+    row_.modal.resize(bodies.size());
+    store_states_ = prepared.options.store_states;
+  }
+
+  void begin(const std::string& name) {
+    std::vector<std::string> names;
+    if (store_states_) {
+      const mbs::Sizes n = mechanism_.sizes();
+      for (int i = 0; i < n.n_p; ++i) names.push_back(mechanism_.name_of_position(i));
+      for (int i = 0; i < n.n_v; ++i) names.push_back(mechanism_.name_of_velocity(i) + "'");
+      for (int i = 0; i < n.n_dyn; ++i) names.push_back(mechanism_.name_of_dynamic(i));
+      for (int i = 0; i < n.n_alg; ++i) names.push_back(mechanism_.name_of_algebraic(i));
+      for (int i = 0; i < n.n_lambda; ++i) names.push_back("lambda." + mechanism_.name_of_constraint(i));
+    }
+    writer_.begin_run(name, quantities_, run_bodies_, names);
+  }
+
+  void append(const mbs::State& s, const Eigen::VectorXd& v_dot, const mbs::EnergyAccount& energy) {
+    row_.time = s.t;
+    const auto n = static_cast<Eigen::Index>(which_.size());
+    mechanism_.evaluate(which_, s, v_dot, *scratch_, row_.quantities.head(n));
+    row_.quantities(n) = energy.work_in;
+    row_.quantities(n + 1) = energy.dissipated;
+    row_.quantities(n + 2) = energy.error();
+    mechanism_.body_poses(s, *scratch_, poses_);
+    for (std::size_t b = 0; b < poses_.size(); ++b) {
+      row_.pose[b].head<3>() = poses_[b].p;
+      const Eigen::Quaterniond q(poses_[b].R);
+      Eigen::Vector4d wxyz(q.w(), q.x(), q.y(), q.z());
+      // The sign that continues the last row: pictures interpolate.
+      if (wxyz.dot(row_.pose[b].tail<4>()) < 0.0) wxyz = -wxyz;
+      row_.pose[b].tail<4>() = wxyz;
+      if (const int at = mechanism_.modal_position(static_cast<int>(b)); at >= 0)
+        row_.modal[b] = s.p.segment(at, run_bodies_[b].basis.cols());
+    }
+    if (store_states_) {
+      row_.states.resize(s.p.size() + s.v.size() + s.c.size() + s.a.size() + s.lambda.size());
+      row_.states << s.p, s.v, s.c, s.a, s.lambda;
+    }
+    writer_.append(row_);
+  }
+
+ private:
+  const mbs::Mechanism& mechanism_;
+  results::Writer& writer_;
+  std::unique_ptr<mbs::Equations::Scratch> scratch_;
+  std::vector<int> which_;
+  std::vector<results::Quantity> quantities_;
+  std::vector<results::RunBody> run_bodies_;
+  std::vector<mbs::Pose> poses_;
+  results::Row row_;
+  bool store_states_ = false;
+};
+
+nlohmann::json summary_of(const PreparedMechanism& prepared, const RunResult& r) {
+  const double simulated = r.state.t - prepared.options.start_time;
+  return {{"method", prepared.options.method},
+          {"tolerance", prepared.options.tolerance},
+          {"end_time", r.state.t},
+          {"wall_time", r.wall_time},
+          {"real_time_factor", simulated > 0.0 ? r.wall_time / simulated : 0.0},
+          {"steps", r.counts.steps},
+          {"evaluations", r.counts.evaluations},
+          {"jacobians", r.counts.jacobians},
+          {"error_failures", r.counts.error_failures},
+          {"newton_failures", r.counts.newton_failures},
+          {"switches", r.events.size()},
+          {"energy_error", r.energy.error()},
+          {"largest_energy_error", r.largest_energy_error},
+          {"relative_energy_error", r.energy.relative_error()},
+          {"work_in", r.energy.work_in},
+          {"dissipated", r.energy.dissipated},
+          {"peak_position_drift", r.peak_position_drift},
+          {"peak_velocity_drift", r.peak_velocity_drift},
+          {"redundant_constraints", prepared.redundant.size()}};
+}
+
+void print_summary(
+    const std::vector<std::pair<std::string, std::pair<const PreparedMechanism*, RunResult>>>& runs) {
+  const bool colour = terminal::takes_colour(stdout);
+  terminal::Table table({{"run", Align::left},
+                         {"to t [s]"},
+                         {"wall"},
+                         {"x real time"},
+                         {"steps"},
+                         {"evaluations"},
+                         {"energy error [J]"},
+                         {"relative"},
+                         {"drift"}});
+  for (const auto& [name, run] : runs) {
+    const auto& [prepared, r] = run;
+    const double simulated = r.state.t - prepared->options.start_time;
+    table.add_row({name, number(r.state.t, 6), terminal::duration(r.wall_time),
+                   simulated > 0.0 ? number(r.wall_time / simulated, 3) : "-",
+                   fmt::format("{}", r.counts.steps), fmt::format("{}", r.counts.evaluations),
+                   number(r.energy.error(), 3), number(r.energy.relative_error(), 2),
+                   number(r.peak_position_drift, 2)});
+  }
+  fmt::print("{}", table.text(terminal::width(stdout), colour));
+}
+
+int simulate(Arguments arguments, const terminal::Talk& talk) {
+  if (arguments.output.empty())
+    arguments.output = std::filesystem::path(arguments.file).stem().string() + ".h5";
+  if (!arguments.end_time.empty()) arguments.set.push_back("solver.end_time=" + arguments.end_time);
+  const std::vector<NamedRun> runs = prepare_runs(arguments);
+  results::Writer writer(arguments.output, model_header(runs, arguments));
+  InterruptGuard guard;
+  terminal::Progress progress(stderr, talk.quiet);
+  std::vector<std::pair<std::string, std::pair<const PreparedMechanism*, RunResult>>> done;
+  std::string stopped;
+  for (const NamedRun& run : runs) {
+    const PreparedMechanism& prepared = run.prepared;
+    if (!talk.quiet)
+      for (const std::string& note : prepared.notes) {
+        progress.clear();
+        fmt::print(stderr, "note: {}: {}\n", run.name, note);
+      }
+    Recorder recorder(prepared, writer);
+    recorder.begin(run.name);
+    mbs::RunCallbacks callbacks;
+    callbacks.row = [&](const mbs::State& s, const Eigen::VectorXd& v_dot, const mbs::EnergyAccount& energy) {
+      recorder.append(s, v_dot, energy);
+    };
+    callbacks.progress = [&](double, double fraction) { progress("run " + run.name, fraction); };
+    callbacks.stop_wanted = [] { return interrupted != 0; };
+    RunResult r = mbs::run(*prepared.mechanism, prepared.state, prepared.v_dot, prepared.options, callbacks);
+    writer.end_run(r.complete, r.stopped_because, summary_of(prepared, r).dump());
+    const bool complete = r.complete;
+    const std::string why = r.stopped_because;
+    done.emplace_back(run.name, std::make_pair(&prepared, std::move(r)));
+    if (!complete) {
+      stopped = fmt::format("run \"{}\" stopped: {}", run.name, why);
+      break;
+    }
+  }
+  progress.finish();
+  writer.close();
+  if (arguments.csv)
+    for (const auto& path : results::write_csv(results::read(arguments.output), arguments.output))
+      if (!talk.quiet) fmt::print("table   {}\n", path.string());
+  if (!talk.quiet) {
+    print_summary(done);
+    fmt::print("results {}\n", arguments.output);
+  }
+  if (!stopped.empty())
+    throw std::runtime_error(
+        fmt::format("{}; what was computed until then is in {}", stopped, arguments.output));
+  return 0;
+}
+
+// ---- assemble
+// ----------------------------------------------------------------------------------------------
+
+int print_assembled(const Arguments& arguments, const terminal::Talk& talk) {
+  for (const NamedRun& run : prepare_runs(arguments)) {
+    const PreparedMechanism& p = run.prepared;
+    const mbs::Mechanism& m = *p.mechanism;
+    const mbs::Sizes n = m.sizes();
+    const bool colour = terminal::takes_colour(stdout);
+    fmt::print("{}\n\n",
+               terminal::bold(
+                   fmt::format("{}, run {}, t = {} s", p.file.name, run.name, number(p.state.t, 6)), colour));
+    terminal::Table positions({{"position", Align::left}, {"value"}});
+    for (int i = 0; i < n.n_p; ++i) positions.add_row({m.name_of_position(i), number(p.state.p(i), 9)});
+    terminal::Table velocities({{"velocity", Align::left}, {"value"}, {"acceleration"}});
+    for (int i = 0; i < n.n_v; ++i)
+      velocities.add_row({m.name_of_velocity(i), number(p.state.v(i), 9), number(p.v_dot(i), 9)});
+    fmt::print("{}\n{}\n", positions.text(terminal::width(stdout), colour),
+               velocities.text(terminal::width(stdout), colour));
+    if (n.n_lambda > 0) {
+      terminal::Table multipliers({{"constraint", Align::left}, {"multiplier"}});
+      for (int i = 0; i < n.n_lambda; ++i)
+        multipliers.add_row({m.name_of_constraint(i), number(p.state.lambda(i), 9)});
+      fmt::print("{}\n", multipliers.text(terminal::width(stdout), colour));
+    }
+    fmt::print("assembled in {} steps; residuals {} (position), {} (velocity)\n", p.assembly.iterations,
+               number(p.assembly.position_residual, 2), number(p.assembly.velocity_residual, 2));
+    if (!talk.quiet)
+      for (const std::string& note : p.notes) fmt::print("note: {}\n", note);
+  }
+  return 0;
+}
+
+}  // namespace
+
+terminal::Command simulate_command() {
+  return {"simulate", "simulate a mechanism",
+          [](terminal::Options& options, const terminal::Talk& talk) -> std::function<int()> {
+            auto a = std::make_shared<Arguments>();
+            options.argument("FILE", a->file, "mechanism file (.toml)")
+                .option("-o,--output", a->output, "FILE",
+                        "results file (default: the mechanism file's name with .h5)")
+                .option("--set", a->set, "KEY=VALUE",
+                        "override a key of the file, as in body.rod.fidelity=rigid")
+                .option("--run", a->runs, "NAME", "only these of the file's runs")
+                .option("--end-time", a->end_time, "TIME", "short for --set solver.end_time=TIME")
+                .flag("--csv", a->csv, "write a table of each run beside the results")
+                .example("flexura simulate engine.toml -o engine.h5", "all runs of the file")
+                .example("flexura simulate engine.toml --run rigid --set solver.tolerance=1e-8 --csv",
+                         "one run, more accurate, with a table");
+            return [a, &talk] { return simulate(*a, talk); };
+          }};
+}
+
+terminal::Command assemble_command() {
+  return {"assemble", "close a mechanism's loops and print where it stands",
+          [](terminal::Options& options, const terminal::Talk& talk) -> std::function<int()> {
+            auto a = std::make_shared<Arguments>();
+            options.argument("FILE", a->file, "mechanism file (.toml)")
+                .option("--set", a->set, "KEY=VALUE", "override a key of the file")
+                .option("--run", a->runs, "NAME", "only these of the file's runs")
+                .example("flexura assemble engine.toml", "positions, velocities, accelerations, multipliers");
+            return [a, &talk] { return print_assembled(*a, talk); };
+          }};
+}
+
+}  // namespace flexura::app

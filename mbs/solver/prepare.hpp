@@ -1,0 +1,33 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "mbs/model/mechanism.hpp"
+#include "mbs/model/read_mechanism.hpp"
+#include "mbs/solver/assemble.hpp"
+#include "mbs/solver/options.hpp"
+
+/// From a mechanism file to a mechanism that stands assembled at its start time, ready for any solver.
+namespace flexura::mbs {
+
+struct PreparedMechanism {
+  MechanismFile file;
+  SolverOptions options;
+  std::unique_ptr<Mechanism> mechanism;  ///< without its redundant rows
+  std::vector<RedundantRow> redundant;
+  AssembleReport assembly;
+  State state;
+  Eigen::VectorXd v_dot;
+  std::vector<std::string> notes;  ///< of reading, redundancy and assembly, for the user
+};
+
+/// Reads, builds, assembles on all levels and drops redundant constraint rows.  Throws input::InputError for
+/// a bad file and for a mechanism that cannot be assembled, std::invalid_argument for a description that
+/// cannot move.
+PreparedMechanism prepare(const std::filesystem::path& file, const std::vector<std::string>& overrides = {});
+
+}  // namespace flexura::mbs
