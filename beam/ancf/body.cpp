@@ -50,6 +50,33 @@ AncfBody::Scratch AncfBody::make_scratch() const {
   return {Eigen::MatrixXd::Zero(n, n), Eigen::MatrixXd::Zero(n, n)};
 }
 
+Eigen::VectorXd AncfBody::placed(const Eigen::Matrix3d& R, const Eigen::Vector3d& p) const {
+  const int d = dim();
+  if (d == 2 && (std::abs(R(2, 2) - 1) > 1e-12 || p[2] != 0.0))
+    throw std::invalid_argument("a planar line can be placed in the x-y plane only.");
+  Eigen::VectorXd q(n_q());
+  for (int i = 0; i < n_q() / d; ++i) {
+    q.segment(d * i, d) = R.topLeftCorner(d, d) * q_rest_.segment(d * i, d);
+    if (i % vectors() == 0) q.segment(d * i, d) += p.head(d);
+  }
+  return q;
+}
+
+Eigen::VectorXd AncfBody::rigid_velocity(const Eigen::VectorXd& q, const Eigen::Vector3d& v_0,
+                                         const Eigen::Vector3d& w) const {
+  const int d = dim();
+  if (d == 2 && (w[0] != 0.0 || w[1] != 0.0 || v_0[2] != 0.0))
+    throw std::invalid_argument("a planar line moves in the x-y plane only.");
+  Eigen::VectorXd v(n_q());
+  for (int i = 0; i < n_q() / d; ++i) {
+    Eigen::Vector3d at = Eigen::Vector3d::Zero();
+    at.head(d) = q.segment(d * i, d);
+    v.segment(d * i, d) = w.cross(at).head(d);
+    if (i % vectors() == 0) v.segment(d * i, d) += v_0.head(d);
+  }
+  return v;
+}
+
 namespace {
 // Velocities of a body at rest; as many as the largest element has coordinates.
 constexpr double kStill[24] = {};

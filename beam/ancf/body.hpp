@@ -66,6 +66,13 @@ class AncfBody {
   /// The configuration the body was made in (stress-free, except for a spatial line made in another shape).
   const Eigen::VectorXd& rest() const { return q_rest_; }
 
+  /// q of the rest configuration after r -> p + R r (planar: R turns about z).
+  Eigen::VectorXd placed(const Eigen::Matrix3d& R, const Eigen::Vector3d& p) const;
+  /// v of the rigid motion of configuration q: v_0 the velocity of the body's material at W's origin, w the
+  /// spin.
+  Eigen::VectorXd rigid_velocity(const Eigen::VectorXd& q, const Eigen::Vector3d& v_0,
+                                 const Eigen::Vector3d& w) const;
+
   /// First coordinate of a node's vector: 0 r, 1 r_x, 2 r_y, 3 r_z.
   int index(int node, int vector) const { return node * node_coordinates() + vector * dim(); }
 

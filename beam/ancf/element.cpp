@@ -6,6 +6,7 @@
 #include <Eigen/Cholesky>
 #include <stdexcept>
 #include <tuple>
+#include <type_traits>
 
 #include "beam/ancf/hermite.hpp"
 #include "beam/ancf/point_set.hpp"
@@ -24,6 +25,17 @@ void require_not_negative(const char* what, double value) {
     throw std::invalid_argument(fmt::format("{} is {:g}, but it must not be negative.", what, value));
 }
 
+using Vector6 = Eigen::Matrix<double, 6, 1>;
+Vector6 six(const PlanarStrain::Z& s) {
+  return Vector6{{s[0], 0, 0, 0, 0, s[1]}};
+}
+Vector6 six(const CableStrain::Z& s) {
+  return Vector6{{s[0], 0, 0, s[1], s[2], s[3]}};
+}
+Vector6 six(const AxisStrain::Z& s) {
+  return s;
+}
+
 /// Sum of several point sets over the same coordinates.
 template <class... Sets>
 class ElementOf final : public Element {
@@ -34,6 +46,16 @@ class ElementOf final : public Element {
   void set_inertia(Eigen::MatrixXd mass, Eigen::VectorXd weight) {
     mass_ = std::move(mass);
     weight_ = std::move(weight);
+  }
+
+  int resultant_points() const override { return kHasAxis ? std::get<0>(sets_).size() : 0; }
+  Vector6 resultants(const double* e, const double* e_dot, int k) const override {
+    if (k < 0 || k >= resultant_points())
+      throw std::invalid_argument(
+          fmt::format("section forces asked for at point {} of an element that has {} such points; a solid "
+                      "beam has none.",
+                      k, resultant_points()));
+    return six(std::get<0>(sets_).stress(k, e, e_dot));
   }
 
   double strain_energy(const double* e) const override {
@@ -48,6 +70,9 @@ class ElementOf final : public Element {
   }
 
  private:
+  using Measure = typename std::tuple_element_t<0, std::tuple<Sets...>>::Measure;
+  static constexpr bool kHasAxis = !std::is_same_v<Measure, GreenStrain>;
+
   std::tuple<Sets...> sets_;
 };
 

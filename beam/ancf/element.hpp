@@ -83,6 +83,13 @@ class Element {
   /// over dm.
   const Eigen::VectorXd& compact_weight() const { return weight_; }
 
+  /// Points at which resultants() gives section forces: the three Lobatto points, 0 for a solid beam.
+  virtual int resultant_points() const = 0;
+  /// (N, V_y, V_z, T, M_y, M_z) at lobatto_rule()[k]; of a spatial line N, 0, 0 and the moment's components
+  /// in W. They are conjugate to the element's strains, so they count over the unstretched section: with
+  /// Green strains (the spatial beam) the force in the axis is N (1 + eps).
+  virtual Eigen::Matrix<double, 6, 1> resultants(const double* e, const double* e_dot, int k) const = 0;
+
   virtual double strain_energy(const double* e) const = 0;
   virtual double dissipation(const double* e, const double* e_dot) const = 0;
   /// Adds the internal force (elastic and viscous: gradient of energy, M e_ddot + f = external) to f, its

@@ -164,6 +164,17 @@ PointKinematics evaluate_point(const AncfBody& body, const MaterialPoint& point,
   return out;
 }
 
+SectionForces section_forces(const AncfBody& body, int element, int k, const Eigen::VectorXd& q,
+                             const Eigen::VectorXd& v) {
+  const int first = element * body.node_coordinates();
+  SectionForces out;
+  out.s = body.element(element).resultants(q.data() + first, v.data() + first, k);
+  out.at = {element, lobatto_rule()[k].xi};
+  if (body.dim() == 3 && body.vectors() == 2)
+    out.s.tail<3>() = evaluate_point(body, out.at, q, v).R_WS.transpose() * out.s.tail<3>().eval();
+  return out;
+}
+
 void add_point_force(const AncfBody& body, const MaterialPoint& point, const Eigen::Vector3d& F_W,
                      VectorRef f) {
   const PointShapes shapes(body, point);

@@ -38,6 +38,16 @@ struct PointKinematics {
 PointKinematics evaluate_point(const AncfBody& body, const MaterialPoint& point, const Eigen::VectorXd& q,
                                const Eigen::VectorXd& v);
 
+/// Section forces in the section frame S at Lobatto point k = 0, 1, 2 of an element (xi = 0, 1/2, 1).
+struct SectionForces {
+  MaterialPoint at;
+  Eigen::Matrix<double, 6, 1> s;  ///< (N, V_y, V_z, T, M_y, M_z) [N, N m]; lines have no shear and no torque
+};
+
+/// Throws std::invalid_argument for a solid beam, which has no section forces, or another k.
+SectionForces section_forces(const AncfBody& body, int element, int k, const Eigen::VectorXd& q,
+                             const Eigen::VectorXd& v);
+
 /// f += J_v^T F, F fixed in W.
 void add_point_force(const AncfBody& body, const MaterialPoint& point, const Eigen::Vector3d& F_W,
                      VectorRef f);

@@ -18,6 +18,7 @@ template <class Strain, int n_s>
 class PointSet {
  public:
   static constexpr int dim = Strain::dim, n_x = Strain::n_x, n_z = Strain::n_z, n = dim * n_s;
+  using Measure = Strain;
   using Rows = Eigen::Matrix<double, n_x, n_s>;
   using Law = Eigen::Matrix<double, n_z, n_z>;
   using X = typename Strain::X;
@@ -64,6 +65,20 @@ class PointSet {
       sum += point.w * z_dot.dot(point.C_d * z_dot);
     }
     return sum;
+  }
+
+  int size() const { return static_cast<int>(points_.size()); }
+
+  /// sigma at point k.
+  Z stress(int k, const double* e, const double* e_dot) const {
+    const Point& point = points_[k];
+    const X x = Nodal(e) * point.N.transpose(), x_dot = Nodal(e_dot) * point.N.transpose();
+    Z z;
+    typename Strain::Gradient g;
+    Strain::evaluate(x, z, g);
+    Z z_dot = g * x_dot.reshaped();
+    if constexpr (Strain::projects_rates) z_dot = Strain::project(x, z_dot);
+    return point.C * (z - point.z_0) + point.C_d * z_dot;
   }
 
   /// Adds the internal force to f (n) and, unless nullptr, df/de to K and df/de_dot to D (n x n,

@@ -118,11 +118,7 @@ TEST(AncfBody, RigidMotionHasTheEnergyAndMomentumOfARigidBody) {
   const AncfBody body = spatial_beam(section, straight_curve({0, 0, 0}, {2, 0, 0}, 4));
   const double w = 3.0;
   const Vector3d u(0.5, -1.0, 2.0);
-  VectorXd v(body.n_q());
-  for (int i = 0; i < body.n_q() / 3; ++i) {
-    v.segment(3 * i, 3) = Vector3d(0, 0, w).cross(Vector3d(body.rest().segment(3 * i, 3)));
-    if (i % 4 == 0) v.segment(3 * i, 3) += u;
-  }
+  const VectorXd v = body.rigid_velocity(body.rest(), u, Vector3d(0, 0, w));
   const double mass = 4.0, J_z = mass * 4.0 / 3.0 + 0.07 * 2;  // about the start, with int y^2 dm
   const Vector3d centre(1, 0, 0), v_c = u + Vector3d(0, w, 0);
   const Vector3d angular = mass * centre.cross(u) + Vector3d(0, 0, J_z * w);
@@ -133,6 +129,32 @@ TEST(AncfBody, RigidMotionHasTheEnergyAndMomentumOfARigidBody) {
   EXPECT_LT((p.linear - mass * v_c).norm(), 1e-12);
   EXPECT_LT((p.angular - angular).norm(), 1e-12);
   EXPECT_NEAR(body.kinetic_energy(v), energy, 1e-12);
+}
+
+TEST(AncfBody, PlacedBodiesAreStillFreeOfForce) {
+  for (const AncfBody& body : all_bodies()) {
+    const bool planar = body.dim() == 2;
+    const Vector3d axis = planar ? Vector3d::UnitZ() : Vector3d(1, -2, 0.5).normalized();
+    const Eigen::Matrix3d R = Eigen::AngleAxisd(2.0, axis).toRotationMatrix();
+    const Vector3d p(3, -1, planar ? 0 : 2), w = 4 * axis, u(1, 2, 0);
+    const VectorXd q = body.placed(R, p), v = body.rigid_velocity(q, u, w);
+    const VectorXd still = VectorXd::Zero(body.n_q());
+    const MaterialPoint point = body.locate(0.3 * body.length());
+    const auto rest = evaluate_point(body, point, body.rest(), still), at = evaluate_point(body, point, q, v);
+    VectorXd f(body.n_q());
+    body.force(q, &v, f);
+    // Coordinates of 5 and rates of 20 in round-off, times stiffness 50, damping time < 1 and slopes' 1/l
+    // < 5.
+    EXPECT_LT(f.cwiseAbs().maxCoeff(), 1e-10);
+    EXPECT_LT((at.p_WoP_W - (p + R * rest.p_WoP_W)).norm(), 1e-13);
+    EXPECT_LT((at.v_WP_W - (u + w.cross(at.p_WoP_W))).norm(), 1e-12);
+    // The frame of a spatial line does not see a turn about its tangent.
+    if (body.dim() == 2 || body.vectors() == 4) {
+      EXPECT_LT((at.R_WS - R * rest.R_WS).norm(), 1e-13);
+      EXPECT_LT((at.w_WS_W - w).norm(), 1e-12);
+    }
+  }
+  EXPECT_THROW(all_bodies()[0].placed(Eigen::Matrix3d::Identity(), Vector3d(0, 0, 1)), std::invalid_argument);
 }
 
 TEST(AncfBody, GravityActsAtTheCentreOfMass) {

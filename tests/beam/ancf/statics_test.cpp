@@ -111,6 +111,38 @@ TEST(AncfStatics, EndMomentRollsTheCantileverIntoACircle) {
   EXPECT_LT(beam_64, 1.2 * std::pow(2 * M_PI / 64, 2) / 3);
 }
 
+TEST(AncfStatics, SectionForcesBalanceTheTipLoad) {
+  // Small load (P, F) at the tip: N = P, V_y = F, M_z(x) = F (1 - x); lines carry no shear, and a beam's
+  // moment is that of the element's middle.  Nonlinear part: F^2 and P of 1e-4 relative; EA = 1e4 keeps the
+  // stretch above round-off.
+  const double P = 1e-4, F = 1e-4;
+  const int n = 4;
+  const auto curve = straight_curve({0, 0, 0}, {1, 0, 0}, n);
+  const LineSection line{.EA = 1e4, .EI = 1, .mass_per_length = 1};
+  std::vector<Cantilever> all;
+  all.push_back({"planar line", planar_line(line, curve), clamp_of_line(2)});
+  all.push_back({"spatial line", spatial_line(line, curve), clamp_of_line(3)});
+  all.push_back({"spatial beam",
+                 spatial_beam(uncoupled_section(1e4, 1e4, 1e4, 1, 1, 1, 1, 1e-4, 1e-4), curve), kBeamClamp});
+  for (const auto& [name, body, fixed] : all) {
+    Problem problem = held(body, fixed);
+    problem.loads.push_back(end_force(body, {P, F, 0}));
+    const VectorXd q = solve_static(problem, body.rest()).q, still = VectorXd::Zero(body.n_q());
+    const bool is_beam = name == "spatial beam";
+    for (int e = 0; e < n; ++e) {
+      double shear = 0.0;
+      for (int k = 0; k < 3; ++k) {
+        const SectionForces at = section_forces(body, e, k, q, still);
+        const double x = (e + (is_beam ? 0.5 : at.at.xi)) / n;
+        EXPECT_NEAR(at.s[0], P, 1e-3 * P) << name << " " << e << " " << k;
+        EXPECT_NEAR(at.s[5], F * (1 - x), 1e-3 * F) << name << " " << e << " " << k;
+        shear += (k == 1 ? 4.0 : 1.0) / 6.0 * at.s[1];
+      }
+      EXPECT_NEAR(shear, is_beam ? F : 0.0, 1e-3 * F) << name << " " << e;
+    }
+  }
+}
+
 TEST(AncfStatics, CurvedBeamObeysCastigliano) {
   // Quarter circle of radius 1, clamped at (0, 0) with tangent x; small forces at the end (1, 1).
   //   F_x: u_x = pi/4 F/EI, u_y = -F/(2 EI);   F_z: u_z = F (pi/(4 EI) + (3 pi/4 - 2)/GI_t)
