@@ -44,6 +44,12 @@ FlexibleBody::FlexibleBody(ModalData data)
       B_0_.segment((3 * a + b) * m_, m_) = in.S_xphi.row(3 * a + b).transpose();
     }
   }
+  T_skew_.resize(3 * m_, m_);
+  for (int c = 0; c < 3; ++c) {
+    const int a = (c + 1) % 3, b = (c + 2) % 3;
+    T_skew_.middleRows(c * m_, m_) =
+        T_.middleRows((3 * a + b) * m_, m_) - T_.middleRows((3 * b + a) * m_, m_);
+  }
 }
 
 int FlexibleBody::find_node(const std::string& name) const {
@@ -55,7 +61,8 @@ int FlexibleBody::find_node(const std::string& name) const {
 FlexibleBody::Work FlexibleBody::make_work() const {
   Work work;
   work.B = B_0_;
-  work.W = work.T_s = Eigen::VectorXd::Zero(9 * m_);
+  work.W = Eigen::VectorXd::Zero(3 * m_);
+  work.T_s = Eigen::VectorXd::Zero(9 * m_);
   work.C_r = Eigen::Matrix3Xd::Zero(3, m_);
   return work;
 }
@@ -85,7 +92,7 @@ Spatial FlexibleBody::inverse_dynamics(const double* s_values, const double* s_d
   const ConstMap s(s_values, m_), s_dot(s_dot_values, m_), s_ddot(s_ddot_values, m_);
   Eigen::Map<Eigen::VectorXd> modal(modal_values, m_);
   const Vector3d &w = V.angular, &alpha = A.angular, &a = A.linear, &d = work.d;
-  work.W.noalias() = T_ * s_dot;
+  work.W.noalias() = T_skew_ * s_dot;
 
   Vector3d C_t_s_dot = Vector3d::Zero(), C_t_s_ddot = Vector3d::Zero(), C_r_s_ddot = Vector3d::Zero();
   C_t_s_dot.noalias() += C_t() * s_dot;
@@ -107,8 +114,7 @@ Spatial FlexibleBody::inverse_dynamics(const double* s_values, const double* s_d
   const double w2 = w.squaredNorm();
   for (int i = 0; i < 3; ++i) {
     for (int j = 0; j < 3; ++j) modal += (w(i) * w(j) - (i == j ? w2 : 0.0)) * block(work.B, i, j, m_);
-    const int j = (i + 1) % 3, k = (i + 2) % 3;
-    modal += 2.0 * w(i) * (block(work.W, j, k, m_) - block(work.W, k, j, m_));
+    modal += 2.0 * w(i) * work.W.segment(i * m_, m_);
   }
   return need;
 }

@@ -16,7 +16,7 @@
 /// superelement to the chosen basis (u_se = Y s).  With, for a, b in x, y, z,
 ///
 ///     d = int rho dm                     B_ab,i(s) = int rho_a Phi_i,b dm = int x_a Phi_i,b + s_j Phi_j,a
-///     Phi_i,b dm J(s) = int |rho|^2 1 - rho rho^T dm                    W_ab,i = int (Phi s')_a Phi_i,b dm
+///     Phi_i,b dm J(s) = int |rho|^2 1 - rho rho^T dm
 ///     P_ab = int rho_a (Phi s')_b dm = B_ab,i s'_i,          Q_ab = int rho_a (Phi s'')_b dm = B_ab,i s''_i
 ///
 /// the virtual work of the inertia forces gives (a, alpha: acceleration of Bo and angular acceleration, in B)
@@ -50,8 +50,9 @@ class FlexibleBody {
  public:
   /// What an evaluation leaves for the next: one of each body in the scratch of a mechanism.
   struct Work {
-    Eigen::VectorXd B, W;  ///< 9 m, block 3 a + b
-    Eigen::VectorXd T_s;   ///< 9 m
+    Eigen::VectorXd B;    ///< 9 m, block 3 a + b
+    Eigen::VectorXd T_s;  ///< 9 m
+    Eigen::VectorXd W;    ///< 3 m: int (Phi s') x Phi_i dm
     Vector3d d = Vector3d::Zero();
     Matrix3d J = Matrix3d::Zero();
     Eigen::Matrix3Xd C_r;  ///< 3 x m: int rho x Phi_i dm, expressed in B
@@ -92,6 +93,8 @@ class FlexibleBody {
   Eigen::MatrixXd M_e_;
   /// Rows 3 a + b of blocks T_ab with B_ab = int x_a Phi_,b + T_ab s: 9 m x m.
   Eigen::MatrixXd T_;
+  /// Rows c of blocks T_ab - T_ba, (a, b, c) cyclic: 3 m x m.
+  Eigen::MatrixXd T_skew_;
   Eigen::VectorXd B_0_;  ///< 9 m
 };
 

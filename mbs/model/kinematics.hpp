@@ -42,6 +42,7 @@ class Kinematics {
   const double* p = nullptr;
   const double* v = nullptr;
   const double* v_dot = nullptr;
+  const double* c = nullptr;  ///< dynamic states of controls, where signals are evaluated
   std::vector<MarkerState> markers;
   const std::vector<JointPlace>* joints = nullptr;
 

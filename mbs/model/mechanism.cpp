@@ -11,6 +11,7 @@ Sizes Mechanism::sizes() const {
   sizes.n_p = n_p_;
   sizes.n_v = n_v_;
   sizes.n_flx = n_flx_;
+  sizes.n_dyn = first_state_.back();
   sizes.n_lambda = static_cast<int>(kept_rows_.size());
   return sizes;
 }
@@ -19,7 +20,8 @@ State Mechanism::initial_state() const {
   State s;
   s.p = p_0_;
   s.v = v_0_;
-  s.c.resize(0);
+  s.c.setZero(first_state_.back());
+  for (std::size_t i = 0; i < d_.controls.size(); ++i) d_.controls[i]->start(s.c.data() + first_state_[i]);
   s.lambda = Eigen::VectorXd::Zero(kept_rows_.size());
   s.a.resize(0);
   return s;
@@ -43,12 +45,15 @@ void Mechanism::retract(ConstVectorRef p, ConstVectorRef d, VectorRef p_out) con
   }
 }
 
-void Mechanism::momentum(const State& s, ConstVectorRef v_dot, Scratch& scratch, VectorRef r, VectorRef,
-                         VectorRef) const {
+void Mechanism::momentum(const State& s, ConstVectorRef v_dot, Scratch& scratch, VectorRef r,
+                         VectorRef c_rate, VectorRef) const {
   Work& work = work_of(scratch);
   forward(Level::acceleration, s.t, s.p.data(), s.v.data(), v_dot.data(), work);
+  work.kin.c = s.c.data();
   body_forces(true, work);
   evaluate_signals(work);
+  for (std::size_t i = 0; i < d_.controls.size(); ++i)
+    d_.controls[i]->rates(work.signals.data(), work.kin.c + first_state_[i], c_rate.data() + first_state_[i]);
   BodyLoads loads(*this, work, 1.0);
   for (const auto& force : d_.forces) force->apply(work.kin, work.signals.data(), loads);
   add_constraint_loads(s.lambda.data(), -1.0, work);
@@ -149,6 +154,7 @@ EnergyReport Mechanism::energies(const double* lambda, Work& work) const {
 EnergyReport Mechanism::energy(const State& s, ConstVectorRef, Scratch& scratch) const {
   Work& work = work_of(scratch);
   forward(Level::velocity, s.t, s.p.data(), s.v.data(), nullptr, work);
+  work.kin.c = s.c.data();
   evaluate_signals(work);
   return energies(s.lambda.data(), work);
 }
@@ -208,8 +214,12 @@ std::string Mechanism::name_of_velocity(int i) const {
   return {};
 }
 
-std::string Mechanism::name_of_dynamic(int) const {
-  return {};
+std::string Mechanism::name_of_dynamic(int i) const {
+  std::size_t k = 0;
+  while (first_state_[k + 1] <= i) ++k;
+  const Control& control = *d_.controls[k];
+  if (control.n_states() == 1) return control.name();
+  return fmt::format("{}.state_{}", control.name(), i - first_state_[k] + 1);
 }
 std::string Mechanism::name_of_algebraic(int) const {
   return {};

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "mbs/model/constraint.hpp"
+#include "mbs/model/control.hpp"
 #include "mbs/model/equations.hpp"
 #include "mbs/model/flexible_body.hpp"
 #include "mbs/model/force.hpp"
@@ -58,6 +59,7 @@ struct MechanismDescription {
   std::vector<std::shared_ptr<const Constraint>> constraints;
   std::vector<std::shared_ptr<const ForceElement>> forces;
   std::vector<std::shared_ptr<const Measure>> measures;
+  std::vector<std::shared_ptr<const Control>> controls;
   /// What formulas may read: "t", then any "joint.coordinate", "joint.speed", "measure" they name.
   SignalNames signals;
 
@@ -183,13 +185,14 @@ class Mechanism final : public Equations {
   std::vector<JointPlace> places_;
   std::vector<std::vector<int>> markers_of_body_;
   std::vector<std::shared_ptr<const Constraint>> constraints_;  ///< closures, drives, then the description's
-  std::vector<int> first_row_;  ///< of each constraint among all rows, and their number at the end
-  std::vector<int> kept_rows_;  ///< all rows -> without redundant ones
-  std::vector<int> used_signals_;
+  std::vector<int> first_row_;     ///< of each constraint among all rows, and their number at the end
+  std::vector<int> kept_rows_;     ///< all rows -> without redundant ones
+  std::vector<int> used_signals_;  ///< in the order in which they can be evaluated
+  std::vector<int> first_state_;   ///< of each control in c, and their number at the end
   struct SignalSource {
-    enum class Kind { time, coordinate, speed, measure } kind = Kind::time;
+    enum class Kind { time, coordinate, speed, measure, control } kind = Kind::time;
     CoordinateRef coordinate;
-    int measure = -1;
+    int element = -1;  ///< measure or control
   };
   std::vector<SignalSource> sources_;  ///< of each signal
   enum class QuantityKind {
@@ -204,6 +207,7 @@ class Mechanism final : public Equations {
     mode,
     strain_energy,
     measure,
+    control,
     force,
     energy
   };

@@ -1,5 +1,6 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include "mbs/model/constraints/types.hpp"
+#include "mbs/model/controls/types.hpp"
 #include "mbs/model/forces/types.hpp"
 #include "mbs/model/joints/types.hpp"
 #include "mbs/model/read_mechanism.hpp"
@@ -159,6 +160,10 @@ TableSchema mechanism_schema(TableSchema solver) {
       table_map("measure",
                 element_schema("measure", "A scalar that formulas and outputs can name.", measure_types()),
                 "measured quantities"),
+      table_map("control",
+                element_schema("control", "Reads signals, holds states, gives a signal of its name.",
+                               control_types()),
+                "control elements"),
       table("output", output, "what is stored"),
       table("solver", std::move(solver), "the integrator"),
       table_map("run", run, "runs; without any the mechanism runs once as it stands"),

@@ -78,6 +78,8 @@ void Mechanism::list_quantities() {
   for (std::size_t i = 0; i < d_.measures.size(); ++i)
     add(d_.measures[i]->name(), d_.measures[i]->dimension(), "measure", K::measure, static_cast<int>(i), 0,
         true);
+  for (std::size_t i = 0; i < d_.controls.size(); ++i)
+    add(d_.controls[i]->name(), dim::none, "output of the control", K::control, static_cast<int>(i), 0, true);
   for (std::size_t f = 0; f < d_.forces.size(); ++f) {
     const auto outputs = d_.forces[f]->outputs();
     for (std::size_t i = 0; i < outputs.size(); ++i)
@@ -131,18 +133,29 @@ void Mechanism::evaluate(const std::vector<int>& which, const State& s, ConstVec
   Work& work = work_of(scratch);
   forward(Level::acceleration, s.t, s.p.data(), s.v.data(), v_dot.data(), work);
   body_forces(true, work);
-  evaluate_signals(work);
-  // Measures that only the output asks for may read signals that no force needs.
-  for (std::size_t k = 1; k < sources_.size(); ++k)
-    if (sources_[k].kind == SignalSource::Kind::coordinate || sources_[k].kind == SignalSource::Kind::speed)
-      work.signals(k) = sources_[k].kind == SignalSource::Kind::coordinate
-                            ? work.kin.coordinate(sources_[k].coordinate)
-                            : work.kin.speed(sources_[k].coordinate);
-  std::vector<double> measured(d_.measures.size());
+  work.kin.c = s.c.data();
+  // Measures that only the output asks for may read signals that no force needs: all of them, in their order.
+  work.signals(0) = s.t;
+  std::vector<double> measured(d_.measures.size()), controlled(d_.controls.size());
+  for (std::size_t k = 1; k < sources_.size(); ++k) {
+    const SignalSource& source = sources_[k];
+    if (source.kind == SignalSource::Kind::coordinate)
+      work.signals(k) = work.kin.coordinate(source.coordinate);
+    if (source.kind == SignalSource::Kind::speed) work.signals(k) = work.kin.speed(source.coordinate);
+  }
+  const auto evaluate_controls = [&](bool feed_through) {
+    for (std::size_t i = 0; i < d_.controls.size(); ++i) {
+      if (d_.controls[i]->feeds_through() != feed_through) continue;
+      controlled[i] = d_.controls[i]->output(work.signals.data(), work.kin.c + first_state_[i]);
+      if (const int k = d_.signals.find(d_.controls[i]->name()); k >= 0) work.signals(k) = controlled[i];
+    }
+  };
+  evaluate_controls(false);
   for (std::size_t i = 0; i < d_.measures.size(); ++i) {
     measured[i] = d_.measures[i]->value(work.kin, work.signals.data());
     if (const int k = d_.signals.find(d_.measures[i]->name()); k >= 0) work.signals(k) = measured[i];
   }
+  evaluate_controls(true);
   BodyLoads loads(*this, work, 1.0);
   for (const auto& force : d_.forces) force->apply(work.kin, work.signals.data(), loads);
   work.rows_x.setZero();
@@ -201,6 +214,9 @@ void Mechanism::evaluate(const std::vector<int>& which, const State& s, ConstVec
         break;
       case QuantityKind::measure:
         value = measured[q.index];
+        break;
+      case QuantityKind::control:
+        value = controlled[q.index];
         break;
       case QuantityKind::force:
         if (outputs_of != q.index) {

@@ -120,4 +120,15 @@ std::shared_ptr<const Expression> ReadContext::time_expression(const input::Sect
   return compile(section, key, SignalNames(), parameters_);
 }
 
+double ReadContext::number(const input::Section& section, const std::string& key) const {
+  const double at_start = 0.0;
+  try {
+    return time_expression(section, key)->evaluate(&at_start);
+  } catch (const input::InputError&) {
+    throw;
+  } catch (const std::runtime_error& error) {
+    throw input::InputError(section.where(key) + ": " + error.what());
+  }
+}
+
 }  // namespace flexura::mbs

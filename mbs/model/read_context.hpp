@@ -31,6 +31,8 @@ class ReadContext {
                            const std::string& name) const;
   /// A formula of time, parameters, joint coordinates and measures.
   std::shared_ptr<const Expression> expression(const input::Section& section, const std::string& key) const;
+  /// The value of a formula of parameters.
+  double number(const input::Section& section, const std::string& key) const;
   /// A formula of time and parameters.
   std::shared_ptr<const Expression> time_expression(const input::Section& section,
                                                     const std::string& key) const;

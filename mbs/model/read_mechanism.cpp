@@ -11,6 +11,7 @@
 #include <sstream>
 
 #include "mbs/model/constraints/types.hpp"
+#include "mbs/model/controls/types.hpp"
 #include "mbs/model/forces/types.hpp"
 #include "mbs/model/joints/types.hpp"
 #include "mbs/model/modal_basis.hpp"
@@ -346,11 +347,23 @@ class Reader {
     const ReadContext context(d_, parameters_);
     for (const auto& [name, s] : root_.table_map("constraint"))
       d_.constraints.push_back(find_type(constraint_types(), s.text("type")).read(name, s, context));
-    for (const auto& [name, s] : root_.table_map("measure")) {
+    const auto take_name = [&](const std::string& name, const Section& s) {
       if (name == "t" || name == "pi" || parameters_.contains(name) || d_.signals.find(name) >= 0)
         s.refuse("", "the name is taken already in formulas", "choose another");
+      d_.signals.add(name);
+    };
+    // Outputs of states alone can be read by every formula, measures by those below, the rest by forces.
+    const auto controls = root_.table_map("control");
+    for (const auto& [name, s] : controls)
+      if (!find_type(control_types(), s.text("type")).feeds_through) take_name(name, s);
+    for (const auto& [name, s] : root_.table_map("measure")) {
       d_.measures.push_back(find_type(measure_types(), s.text("type")).read(name, s, context));
-      d_.signals.add(name);  // for formulas below
+      take_name(name, s);
+    }
+    for (const auto& [name, s] : controls) {
+      const ControlType& type = find_type(control_types(), s.text("type"));
+      d_.controls.push_back(type.read(name, s, context));
+      if (type.feeds_through) take_name(name, s);
     }
     for (const auto& [name, s] : root_.table_map("force"))
       d_.forces.push_back(find_type(force_types(), s.text("type")).read(name, s, context));

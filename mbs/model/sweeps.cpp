@@ -292,8 +292,12 @@ void Mechanism::evaluate_signals(Work& work) const {
       case SignalSource::Kind::speed:
         work.signals(k) = work.kin.speed(source.coordinate);
         break;
+      case SignalSource::Kind::control:
+        work.signals(k) = d_.controls[source.element]->output(work.signals.data(),
+                                                              work.kin.c + first_state_[source.element]);
+        break;
       case SignalSource::Kind::measure:
-        work.signals(k) = d_.measures[source.measure]->value(work.kin, work.signals.data());
+        work.signals(k) = d_.measures[source.element]->value(work.kin, work.signals.data());
         break;
     }
   }

@@ -91,15 +91,19 @@ void Mechanism::build_tree() {
   std::vector<int> queue{0};
 
   // Breadth first in the order of the file, except that a driven or coupled joint is taken as soon as one of
-  // its bodies is reached: its coordinate must be a state.
-  std::vector<bool> wanted(d_.joints.size(), false);
-  for (std::size_t j = 0; j < d_.joints.size(); ++j) wanted[j] = !d_.joints[j].drives.empty();
+  // its bodies is reached, since its coordinate must be a state, and then one whose coordinate the user set.
+  enum Priority { ordinary, set, wanted };
+  std::vector<Priority> priority(d_.joints.size(), ordinary);
+  for (std::size_t j = 0; j < d_.joints.size(); ++j) {
+    if (!d_.joints[j].initial_coordinates.empty()) priority[j] = set;
+    if (!d_.joints[j].drives.empty()) priority[j] = wanted;
+  }
   for (const auto& constraint : d_.constraints)
-    for (const CoordinateRef& c : constraint->coordinates()) wanted[c.joint] = true;
-  const auto next_joint = [&](bool driven, int body) {
+    for (const CoordinateRef& c : constraint->coordinates()) priority[c.joint] = wanted;
+  const auto next_joint = [&](Priority level, int body) {
     for (std::size_t j = 0; j < d_.joints.size(); ++j) {
       const JointDescription& joint = d_.joints[j];
-      if (used[j] || joint.cut || wanted[j] != driven) continue;
+      if (used[j] || joint.cut || priority[j] != level) continue;
       const int f = d_.markers[joint.marker_F].body, m = d_.markers[joint.marker_M].body;
       if (reached[f] == reached[m]) continue;
       if (body >= 0 && f != body && m != body) continue;
@@ -118,8 +122,9 @@ void Mechanism::build_tree() {
   const auto sweep = [&] {
     for (std::size_t k = 0; k < queue.size(); ++k) {
       while (true) {
-        int j = next_joint(true, -1);
-        if (j < 0) j = next_joint(false, queue[k]);
+        int j = next_joint(wanted, -1);
+        if (j < 0) j = next_joint(set, -1);
+        if (j < 0) j = next_joint(ordinary, queue[k]);
         if (j < 0) break;
         take(j);
       }
@@ -133,12 +138,12 @@ void Mechanism::build_tree() {
     const int M = d_.add_marker(b, "frame", {});
     const int j = d_.add_joint(d_.bodies[b].name, "six_dof", F, M);
     used.push_back(false);
-    wanted.push_back(false);
+    priority.push_back(ordinary);
     take(j);
     sweep();
   }
   for (std::size_t j = 0; j < d_.joints.size(); ++j)
-    if (!used[j] && wanted[j])
+    if (!used[j] && priority[j] == wanted)
       throw std::invalid_argument(
           fmt::format("joint \"{}\" is driven or coupled but closes a loop; {}", d_.joints[j].name,
                       d_.joints[j].cut ? "take away its cut = true and cut another joint of the loop"
@@ -215,20 +220,35 @@ void Mechanism::build_constraints() {
   for (std::size_t i = 0; i < d_.measures.size(); ++i)
     if (const int k = d_.signals.find(d_.measures[i]->name()); k >= 0)
       sources_[k] = {SignalSource::Kind::measure, {}, static_cast<int>(i)};
+  first_state_ = {0};
+  for (std::size_t i = 0; i < d_.controls.size(); ++i) {
+    first_state_.push_back(first_state_.back() + d_.controls[i]->n_states());
+    if (const int k = d_.signals.find(d_.controls[i]->name()); k >= 0)
+      sources_[k] = {SignalSource::Kind::control, {}, static_cast<int>(i)};
+  }
   const auto mark = [&](const std::vector<int>& reads) {
     for (int k : reads) is_used[k] = true;
   };
   for (const auto& force : d_.forces) mark(force->reads());
+  for (const auto& control : d_.controls) mark(control->reads());
   // A measure reads only measures before it: backwards, so that what a used one needs is used too.
   for (std::size_t i = d_.measures.size(); i-- > 0;)
     if (const int k = d_.signals.find(d_.measures[i]->name()); k >= 0 && is_used[k])
       mark(d_.measures[i]->reads());
-  // Coordinates first, then measures in their order: a measure may read both.
-  for (int k = 1; k < d_.signals.size(); ++k)
-    if (is_used[k] && sources_[k].kind != SignalSource::Kind::measure) used_signals_.push_back(k);
-  for (std::size_t i = 0; i < d_.measures.size(); ++i)
-    if (const int k = d_.signals.find(d_.measures[i]->name()); k >= 0 && is_used[k])
-      used_signals_.push_back(k);
+  // Coordinates, outputs that depend on states alone, measures in their order, then what feeds through.
+  const auto append = [&](auto&& wanted) {
+    for (int k = 1; k < d_.signals.size(); ++k)
+      if (is_used[k] && wanted(sources_[k])) used_signals_.push_back(k);
+  };
+  using Kind = SignalSource::Kind;
+  append([](const SignalSource& s) { return s.kind == Kind::coordinate || s.kind == Kind::speed; });
+  append([&](const SignalSource& s) {
+    return s.kind == Kind::control && !d_.controls[s.element]->feeds_through();
+  });
+  append([](const SignalSource& s) { return s.kind == Kind::measure; });
+  append([&](const SignalSource& s) {
+    return s.kind == Kind::control && d_.controls[s.element]->feeds_through();
+  });
 }
 
 void Mechanism::find_initial_values() {

@@ -60,7 +60,7 @@ ForceType joint_friction_force() {
              const ReadContext& context) -> std::shared_ptr<const ForceElement> {
             const CoordinateRef c = context.speed(s, "joint", "coordinate");
             const auto number = [&](const char* key, bool may_vanish) {
-              const double x = context.time_expression(s, key)->time_derivatives(0.0).value;
+              const double x = context.number(s, key);
               if (x < 0.0 || (x == 0.0 && !may_vanish))
                 s.refuse(key, may_vanish ? "must not be negative" : "must be above 0");
               return x;

@@ -57,14 +57,12 @@ ForceType joint_spring_damper_force() {
           [](const std::string& name, const Section& s,
              const ReadContext& context) -> std::shared_ptr<const ForceElement> {
             const CoordinateRef c = context.speed(s, "joint", "coordinate");
-            const auto constant = [&](const char* key) {
-              return context.time_expression(s, key)->time_derivatives(0.0);
-            };
-            const double stiffness = constant("stiffness").value, damping = constant("damping").value;
+            const auto constant = [&](const char* key) { return context.number(s, key); };
+            const double stiffness = constant("stiffness"), damping = constant("damping");
             if (stiffness < 0.0) s.refuse("stiffness", "must not be negative");
             if (damping < 0.0) s.refuse("damping", "must not be negative");
-            return std::make_shared<JointSpringDamper>(name, c, stiffness, damping, constant("rest").value,
-                                                       constant("preload").value);
+            return std::make_shared<JointSpringDamper>(name, c, stiffness, damping, constant("rest"),
+                                                       constant("preload"));
           }};
 }
 

@@ -301,6 +301,93 @@ TEST(FourBar, KeepsItsRowsAtADeadPoint) {
   EXPECT_EQ(mechanism.sizes().n_lambda, 2);
 }
 
+TEST(Bricard, HasOneRedundantRowAndMoves) {
+  // IFToMM benchmark A04: six hinges that Gruebler's count holds fast; its special axes leave one freedom.
+  const Vector3d points[] = {{0, 0, 0}, {1, 0, 0}, {1, -1, 0}, {1, -1, 1}, {0, -1, 1}, {0, 0, 1}};
+  const int axes[] = {1, 2, 0, 1, 2, 0};
+  MechanismDescription d;
+  for (int i = 0; i < 5; ++i) {
+    const Vector3d half = 0.5 * (points[i + 1] - points[i]);
+    d.add_body({.name = "rod_" + std::to_string(i),
+                .inertia = RigidInertia::from_center(1.0, half, 0.08 * Matrix3d::Identity())});
+  }
+  for (int i = 0; i < 6; ++i) {
+    // Rod frames stand at their first point, parallel to the world.
+    const Matrix3d R = frame_along(Vector3d::Unit(axes[i]));
+    const int before = i, after = i < 5 ? i + 1 : 0;
+    const Vector3d from = before == 0 ? Vector3d::Zero() : points[before - 1];
+    const Vector3d to = after == 0 ? Vector3d::Zero() : points[after - 1];
+    const std::string name = "hinge_" + std::to_string(i);
+    d.add_joint(name, "revolute", d.add_marker(before, name + "a", {R, points[i] - from}),
+                d.add_marker(after, name + "b", {R, points[i] - to}));
+  }
+  Mechanism mechanism(d);
+  const State s = mechanism.initial_state();
+  const std::vector<RedundantRow> redundant = mechanism.drop_redundant(0.0, s.p);
+  ASSERT_EQ(redundant.size(), 1u);
+  EXPECT_FALSE(redundant[0].follows_from.empty());
+  EXPECT_EQ(mechanism.sizes().n_v - mechanism.sizes().n_lambda, 1);
+}
+
+TEST(WindowedFourBar, AcceleratesByItsExactEquation) {
+  // IFToMM benchmark A02 with N windows: 2 N + 1 uniform rods of 1 m and 1 kg; the uprights stay parallel, so
+  // that th'' = -g W cos(th) / I with I = (N + 1) / 3 + N, W = (N + 1) / 2 + N.
+  const int N = 3;
+  const double th = 1.1, rate = -0.7;
+  const RigidInertia rod =
+      RigidInertia::from_center(1.0, {0.5, 0, 0}, Vector3d(0.0, 1.0 / 12, 1.0 / 12).asDiagonal());
+  const Pose tip{Matrix3d::Identity(), {1, 0, 0}};
+  MechanismDescription d;
+  d.gravity = {0, -g_0, 0};
+  std::vector<int> uprights;
+  for (int k = 0; k <= N; ++k) {
+    const std::string name = "upright_" + std::to_string(k);
+    uprights.push_back(d.add_body({.name = name, .inertia = rod}));
+    const int j =
+        d.add_joint(name, "revolute", d.add_marker(0, name, {Matrix3d::Identity(), {1.0 * k, 0, 0}}),
+                    d.add_marker(uprights.back(), "foot"));
+    d.joints[j].initial_coordinates[0] = th;
+    d.joints[j].initial_speeds[0] = rate;
+  }
+  for (int k = 1; k <= N; ++k) {
+    const std::string name = "beam_" + std::to_string(k);
+    const int beam = d.add_body({.name = name, .inertia = rod});
+    const int j =
+        d.add_joint(name, "revolute", d.add_marker(uprights[k - 1], name, tip), d.add_marker(beam, "left"));
+    d.joints[j].initial_coordinates[0] = -th;
+    d.joints[j].initial_speeds[0] = -rate;
+    d.add_joint(name + "_right", "revolute", d.add_marker(beam, "right", tip),
+                d.add_marker(uprights[k], name + "_end", tip));
+  }
+  Mechanism mechanism(d);
+  State s = mechanism.initial_state();
+  EXPECT_EQ(mechanism.drop_redundant(0.0, s.p).size(), 3u * N);
+  const Sizes n = mechanism.sizes();
+  EXPECT_EQ(n.n_v - n.n_lambda, 1);
+  s.lambda = VectorXd::Zero(n.n_lambda);
+  const auto scratch = mechanism.make_scratch();
+  VectorXd g(n.n_lambda), bias(n.n_lambda);
+  mechanism.position_constraints(0.0, s.p, *scratch, g);
+  EXPECT_LE(g.cwiseAbs().maxCoeff(), 1e-15);
+  mechanism.velocity_constraints(0.0, s.p, s.v, *scratch, g);
+  EXPECT_LE(g.cwiseAbs().maxCoeff(), 1e-15);
+  // [M G^T; G 0] (v', lambda) = (f, -gamma).
+  MatrixXd KKT = MatrixXd::Zero(n.n_v + n.n_lambda, n.n_v + n.n_lambda), M(n.n_v, n.n_v),
+           G(n.n_lambda, n.n_v);
+  mechanism.mass_matrix(s.p, *scratch, M);
+  mechanism.constraint_matrix(0.0, s.p, *scratch, G);
+  mechanism.acceleration_constraints(0.0, s.p, s.v, VectorXd::Zero(n.n_v), *scratch, bias);
+  KKT << M, G.transpose(), G, MatrixXd::Zero(n.n_lambda, n.n_lambda);
+  VectorXd rhs(n.n_v + n.n_lambda);
+  rhs << -momentum(mechanism, s, VectorXd::Zero(n.n_v)), -bias;
+  const VectorXd x = Eigen::FullPivLU<MatrixXd>(KKT).solve(rhs);
+  const double exact = -g_0 * ((N + 1) / 2.0 + N) * std::cos(th) / ((N + 1) / 3.0 + N);
+  for (int i = 0; i < n.n_v; ++i)
+    if (mechanism.name_of_velocity(i).starts_with("upright")) {
+      EXPECT_NEAR(x(i), exact, 1e-12 * std::abs(exact)) << mechanism.name_of_velocity(i);
+    }
+}
+
 TEST(Mechanism, RefusesWhatCannotStand) {
   const auto message = [](MechanismDescription d) -> std::string {
     try {

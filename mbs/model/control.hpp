@@ -1,0 +1,34 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string>
+#include <vector>
+
+/// Control elements: they read signals (SignalNames), hold dynamic states c and give one output, a signal of
+/// their own name, for the formulas of forces and measures.
+///
+///     c' = f(signals, c),     output = h(c) or, where the element feeds through, h(signals, c)
+///
+/// Adding one: one file in controls/ and one line in control_types().
+namespace flexura::mbs {
+
+class Control {
+ public:
+  explicit Control(std::string name) : name_(std::move(name)) {}
+  virtual ~Control() = default;
+  const std::string& name() const { return name_; }
+  virtual std::string_view type() const = 0;
+
+  virtual int n_states() const = 0;
+  virtual void start(double* c) const = 0;  ///< initial values of the states
+  virtual void rates(const double* signals, const double* c, double* c_rate) const = 0;
+  /// `signals` is for those that feed through; the others must not read it.
+  virtual double output(const double* signals, const double* c) const = 0;
+  virtual bool feeds_through() const { return false; }
+  virtual std::vector<int> reads() const = 0;  ///< signals
+
+ private:
+  std::string name_;
+};
+
+}  // namespace flexura::mbs

@@ -1,0 +1,45 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mbs/model/controls/types.hpp"
+
+namespace flexura::mbs {
+namespace {
+
+/// First-order lag: T y' + y = input.
+class Filter final : public Control {
+ public:
+  Filter(std::string name, std::shared_ptr<const Expression> in, double time_constant, double start)
+      : Control(std::move(name)), input_(std::move(in)), time_constant_(time_constant), start_(start) {}
+  std::string_view type() const override { return "filter"; }
+  int n_states() const override { return 1; }
+  void start(double* c) const override { c[0] = start_; }
+  void rates(const double* signals, const double* c, double* c_rate) const override {
+    c_rate[0] = (input_->evaluate(signals) - c[0]) / time_constant_;
+  }
+  double output(const double*, const double* c) const override { return c[0]; }
+  std::vector<int> reads() const override { return input_->reads(); }
+
+ private:
+  std::shared_ptr<const Expression> input_;
+  double time_constant_, start_;
+};
+
+}  // namespace
+
+ControlType filter_control() {
+  using namespace input;
+  ControlType type;
+  type.name = "filter";
+  type.doc = "First-order lag of a formula.";
+  type.keys = {
+      expression("input", "what is filtered").required(),
+      quantity("time_constant", dim::time, "time in which 63 % of a step are followed").required().above(0.0),
+      expression("start", "output at the start, a formula of parameters").or_default("0")};
+  type.read = [](const std::string& name, const Section& s,
+                 const ReadContext& c) -> std::shared_ptr<const Control> {
+    return std::make_shared<Filter>(name, c.expression(s, "input"), s.quantity("time_constant"),
+                                    c.number(s, "start"));
+  };
+  return type;
+}
+
+}  // namespace flexura::mbs

@@ -1,0 +1,73 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+
+#include "mbs/model/controls/types.hpp"
+
+namespace flexura::mbs {
+namespace {
+
+/// Output K_p e + K_i i + K_d (e - f) / T_f, with the states i' = e and, where K_d is not 0, the lagged error
+/// f' = (e - f) / T_f; held within limits, where the integral stops (anti-windup).
+class Pid final : public Control {
+ public:
+  struct Gains {
+    double p, i, d, filter_time, lower, upper;
+  };
+  Pid(std::string name, std::shared_ptr<const Expression> error, const Gains& gains)
+      : Control(std::move(name)), error_(std::move(error)), k_(gains) {}
+  std::string_view type() const override { return "pid"; }
+  int n_states() const override { return 2; }
+  void start(double* c) const override { c[0] = c[1] = 0.0; }
+  void rates(const double* signals, const double* c, double* c_rate) const override {
+    const double e = error_->evaluate(signals), u = unlimited(e, c);
+    const bool winds_up = (u > k_.upper && k_.i * e > 0.0) || (u < k_.lower && k_.i * e < 0.0);
+    c_rate[0] = winds_up ? 0.0 : e;
+    c_rate[1] = (e - c[1]) / k_.filter_time;
+  }
+  double output(const double* signals, const double* c) const override {
+    return std::clamp(unlimited(error_->evaluate(signals), c), k_.lower, k_.upper);
+  }
+  bool feeds_through() const override { return true; }
+  std::vector<int> reads() const override { return error_->reads(); }
+
+ private:
+  double unlimited(double e, const double* c) const {
+    return k_.p * e + k_.i * c[0] + k_.d * (e - c[1]) / k_.filter_time;
+  }
+  std::shared_ptr<const Expression> error_;
+  Gains k_;
+};
+
+}  // namespace
+
+ControlType pid_control() {
+  using namespace input;
+  ControlType type;
+  type.name = "pid";
+  type.doc = "Proportional-integral-derivative controller with filtered derivative, limits and anti-windup.";
+  type.feeds_through = true;
+  type.keys = {expression("error", "target minus measured value").required(),
+               expression("proportional", "gain, output per error").or_default("0"),
+               expression("integral", "gain, output per integral of the error").or_default("0"),
+               expression("derivative", "gain, output per rate of the error").or_default("0"),
+               quantity("filter_time", dim::time, "time constant of the derivative's filter")
+                   .or_default("1 ms")
+                   .above(0.0),
+               expression("lower", "least output").or_default("-1e300"),
+               expression("upper", "greatest output").or_default("1e300")};
+  type.read = [](const std::string& name, const Section& s,
+                 const ReadContext& c) -> std::shared_ptr<const Control> {
+    Pid::Gains k;
+    k.p = c.number(s, "proportional");
+    k.i = c.number(s, "integral");
+    k.d = c.number(s, "derivative");
+    k.filter_time = s.quantity("filter_time");
+    k.lower = c.number(s, "lower");
+    k.upper = c.number(s, "upper");
+    if (k.lower >= k.upper) s.refuse("lower", "is not below upper");
+    return std::make_shared<Pid>(name, c.expression(s, "error"), k);
+  };
+  return type;
+}
+
+}  // namespace flexura::mbs
