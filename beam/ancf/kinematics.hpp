@@ -12,9 +12,8 @@
 /// J_v is constant.  Section frame S (columns of R_WS):
 ///   beams           e_y = r_y/|r_y|, e_x = r_y x r_z/|r_y x r_z|, e_z = e_x x e_y
 ///   planar lines    e_x along r_x, e_z = W's z
-///   spatial lines   e_x along r_x, turned from its direction at rest by the shortest rotation (no torsion;
-///   undefined
-///                   where the tangent has turned by 180 degrees)
+///   spatial lines   e_x along r_x, turned from its direction at rest by the shortest rotation (no
+///                   torsion; undefined where the tangent has turned by 180 degrees)
 /// A rigid offset d_S is added by the caller: p + R d, v + w x (R d).
 ///
 /// For S with x_dot the slopes' rates, w = A(x) x_dot; the moment M at S gives the generalised force J_w^T M,

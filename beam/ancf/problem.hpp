@@ -11,8 +11,8 @@
 /// One ANCF body with its loads and constraints, for the drivers of this folder (statics, dynamics,
 /// frequencies):
 ///
-///     M v' + 2 (m (x) Omega~) v + (m (x) Omega~^2) q + f(q, v) + G^T lambda = F(t, q),   g(t, q) = 0,   G =
-///     dg/dq
+///     M v' + 2 (m (x) Omega~) v + (m (x) Omega~^2) q + f(q, v) + G^T lambda = F(t, q)
+///     g(t, q) = 0,   G = dg/dq
 ///
 /// Omega is the steady spin of the frame that q is written in (zero: inertial); it turns about the frame's
 /// origin.
