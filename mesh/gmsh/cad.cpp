@@ -22,6 +22,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr double kVolumeGoal = 0.005;  // of the CAD volume
 constexpr double kSizeRange = 3;       // greatest over least size: small fillets are not resolved by default
+constexpr double kSliver = 1e-3;       // of the scaled Jacobian
 constexpr int kMostTriangles = 25000;  // about 70,000 nodes of a thin-walled tet10 part
 constexpr double kVolumeRefusal = 0.05;  // beyond, the mesh is not this part
 
@@ -351,6 +352,10 @@ CadMesh mesh_cad(const CadOptions& options, const Progress& progress) {
         messages.push_back(
             fmt::format("warning: the volume is {:+.2f} % off the CAD volume; a smaller mesh size mends that",
                         100 * out.report.volume_error));
+      if (out.report.quality.min_scaled_jacobian < kSliver)
+        messages.push_back(fmt::format(
+            "warning: the worst element is a sliver (scaled Jacobian {:.1g}); stresses near it mean little",
+            out.report.quality.min_scaled_jacobian));
       out.report.messages.insert(out.report.messages.begin(), messages.begin(), messages.end());
       out.report.messages.insert(out.report.messages.begin(), report.messages.begin(), report.messages.end());
       out.report.size = answer.record.size;

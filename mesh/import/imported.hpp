@@ -68,4 +68,10 @@ struct ImportedModel {
   std::vector<std::string> messages;  ///< cards not used, with count and first line number; other remarks
 };
 
+/// Converts a model whose file is in other consistent units: `length`, `mass` and `time` are those of the
+/// file in SI. Decks in mm, t, s (so MPa and t/mm^3): scale_to_si(model, 1e-3, 1e3, 1).  E and G scale with M
+/// L^-1 T^-2, densities with M L^-3, areas with L^2, second moments with L^4, inertias with M L^2. Throws
+/// std::invalid_argument unless all three are greater than zero.
+void scale_to_si(ImportedModel& model, double length, double mass, double time);
+
 }  // namespace flexura::mesh

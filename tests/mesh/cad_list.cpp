@@ -1,12 +1,19 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <signal.h>
+#include <stdlib.h>
+#include <string.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <chrono>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <numbers>
+#include <thread>
 
 #include "tests/mesh/cad_parts.hpp"
 #include "tests/mesh/scratch.hpp"
@@ -182,6 +189,41 @@ TEST(MeshingChild, HangsAndCrashesBecomeSentences) {
               HasSubstr("made the mesher fail: it stopped with signal 11 (Segmentation fault)"));
   EXPECT_THAT(with("echo 'Error   : no luck'; exit 3"), HasSubstr("ended with code 3 (gmsh: no luck)"));
   EXPECT_THAT(with("printf abc >&3"), HasSubstr("handed over an incomplete result"));
+}
+
+/// Processes that carry a mark in their environment, without this one's own child `except`.
+int count_marked(const std::string& mark, pid_t except) {
+  int n = 0;
+  for (const auto& entry : std::filesystem::directory_iterator("/proc")) {
+    const std::string pid = entry.path().filename();
+    if (pid.find_first_not_of("0123456789") != std::string::npos || pid == std::to_string(except)) continue;
+    n += content_of(entry.path() / "environ").find(mark) != std::string::npos;
+  }
+  return n;
+}
+
+/// A program that is killed while its part is meshed takes the mesher with it.
+TEST(MeshingChild, DiesWithItsParent) {
+  const std::string mark = "FLEXURA_TEST_MARK=" + std::to_string(getpid());
+  const pid_t parent = fork();
+  if (parent == 0) {
+    putenv(strdup(mark.c_str()));
+    try {
+      mesh_cad(options_for(part_file("odri_lower_leg_structure_base.step")));
+    } catch (...) {
+    }
+    _exit(0);
+  }
+  const auto wait_for = [&](bool running) {
+    for (int k = 0; k < 1000 && (count_marked(mark, parent) > 0) != running; ++k)
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    return count_marked(mark, parent) > 0;
+  };
+  EXPECT_TRUE(wait_for(true));
+  std::this_thread::sleep_for(std::chrono::milliseconds(500));  // the mesher asks for its fate when it starts
+  kill(parent, SIGKILL);
+  waitpid(parent, nullptr, 0);
+  EXPECT_FALSE(wait_for(false));
 }
 
 TEST(MeshingChild, TheRealOneIsKilledInTime) {

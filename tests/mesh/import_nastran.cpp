@@ -158,6 +158,32 @@ TEST(NastranDeck, CoordinateSystemsAndFields) {
   EXPECT_THAT(model.messages, ::testing::Contains(HasSubstr("1 card PLOAD4 is not used (first in")));
 }
 
+/// The same bar in mm, t, s: E in MPa, density in t/mm^3.  Stiffness E A / l and mass rho A l must come out
+/// alike.
+TEST(NastranDeck, ConsistentUnitsScaleToSi) {
+  const auto deck = [](double mm, double E, double rho) {
+    return fmt::format(
+        "GRID,1,,0.,0.,0.\nGRID,2,,{:.6f},0.,0.\nMAT1,1,{:.6e},,.3,{:.6e}\nPBAR,1,1,{:.9e},{:.9e},{:.9e},{:."
+        "9e}\n"
+        "CBAR,1,1,1,2,0.,1.,0.\nCONM2,2,2,0,{:.6e},0.,{:.6f},0.,\n,{:.6e}\n",
+        0.5 * mm, E, rho, 2e-4 * mm * mm, 3e-9 * std::pow(mm, 4), 4e-9 * std::pow(mm, 4),
+        5e-9 * std::pow(mm, 4), rho * 1e-3 * std::pow(mm, 3), 0.1 * mm, rho * 1e-6 * std::pow(mm, 5));
+  };
+  ImportedModel model = read_text(deck(1000, 2.1e5, 7.85e-9));
+  scale_to_si(model, 1e-3, 1e3, 1);
+  const ImportedModel si = read_text(deck(1, 2.1e11, 7850));
+  EXPECT_LT((model.mesh.points - si.mesh.points).norm(), 1e-12);
+  EXPECT_NEAR(model.materials.at(0).E / si.materials.at(0).E, 1, 1e-12);
+  EXPECT_NEAR(model.materials.at(0).rho / si.materials.at(0).rho, 1, 1e-12);
+  EXPECT_NEAR(model.bars.at(0).A / si.bars.at(0).A, 1, 1e-9);
+  EXPECT_NEAR(model.bars.at(0).I_yy / si.bars.at(0).I_yy, 1, 1e-9);
+  EXPECT_NEAR(model.bars.at(0).J / si.bars.at(0).J, 1, 1e-9);
+  EXPECT_NEAR(model.masses.at(0).mass / si.masses.at(0).mass, 1, 1e-6);
+  EXPECT_NEAR(model.masses.at(0).inertia(0, 0) / si.masses.at(0).inertia(0, 0), 1, 1e-6);
+  EXPECT_LT((model.masses.at(0).offset - si.masses.at(0).offset).norm(), 1e-12);
+  EXPECT_THROW(scale_to_si(model, 0, 1, 1), std::invalid_argument);
+}
+
 TEST(NastranDeck, RefusalsNameFileLineAndRemedy) {
   const std::string grids = "GRID,1,,0.,0.,0.\nGRID,2,,1.,0.,0.\nGRID,3,,0.,1.,0.\nGRID,4,,0.,0.,1.\n";
   EXPECT_THAT(refusal(grids + "CTETRA,1,1,1,2,3,9\n"), HasSubstr("deck.bdf, line 5: node 9 does not exist"));

@@ -1,0 +1,32 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mesh/import/imported.hpp"
+
+#include <cmath>
+#include <stdexcept>
+
+namespace flexura::mesh {
+
+void scale_to_si(ImportedModel& model, double length, double mass, double time) {
+  if (!(length > 0 && mass > 0 && time > 0))
+    throw std::invalid_argument("units of length, mass and time must be greater than zero");
+  const double area = length * length, stress = mass / (length * time * time);
+  model.mesh.points *= length;
+  for (ImportedMaterial& material : model.materials) {
+    material.E *= stress;
+    material.rho *= mass / (area * length);
+    for (const int k : {0, 1, 2, 6, 7, 8}) material.engineering[k] *= stress;  // 3 to 5 are Poisson's ratios
+  }
+  for (ImportedMass& point : model.masses) {
+    point.mass *= mass;
+    point.offset *= length;
+    point.inertia *= mass * area;
+  }
+  for (ImportedBar& bar : model.bars) {
+    for (Eigen::Vector3d& offset : bar.offset) offset *= length;
+    bar.A *= area;
+    for (double* second : {&bar.I_yy, &bar.I_zz, &bar.I_yz, &bar.J}) *second *= area * area;
+    bar.extra_mass_per_length *= mass / length;
+  }
+}
+
+}  // namespace flexura::mesh
