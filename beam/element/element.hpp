@@ -113,6 +113,14 @@ class Element {
 
   double length() const { return length_; }
 
+  /// H (6 x 12): the stretch of the element, zero for rigid motions but for round-off of the displacements.
+  const Matrix6x12d& stretch_map() const { return H_; }
+
+  /// F^-1 with the releases: (H q)^T stretch_stiffness() (H q) is twice the strain energy, to round-off of
+  /// the stretch, where q^T K q has only round-off of the displacements: l^2/L^2 against l^4/L^4 for a wave
+  /// of length L.
+  const Matrix6d& stretch_stiffness() const { return F_inverse_; }
+
   /// 12 x 12 stiffness, dofs (u, v, w, theta) of node 1, then node 2.
   const Matrix12d& stiffness() const { return K_; }
 

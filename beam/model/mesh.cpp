@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <stdexcept>
 
 namespace flexura::beam {
@@ -111,6 +112,65 @@ SparseMatrix stiffness_matrix(const BeamMesh& mesh) {
     scatter(triplets, record, 0.5 * (K + K.transpose()));
   }
   return gather(triplets, mesh.n_dofs());
+}
+
+Eigen::MatrixXd strain_energy(const BeamMesh& mesh, const Eigen::MatrixXd& U) {
+  if (U.rows() != mesh.n_dofs())
+    throw std::invalid_argument(
+        fmt::format("{} displacements given, the beam mesh has {} dofs", U.rows(), mesh.n_dofs()));
+  Eigen::MatrixXd energy = Eigen::MatrixXd::Zero(U.cols(), U.cols());
+  for (const MeshElement& record : mesh.elements()) {
+    const Element element = mesh.element(record);
+    const Matrix6x12d map = element.stretch_map() * record.placement.transform();
+    const Eigen::MatrixXd stretch = map.leftCols<6>() * U.middleRows<6>(6 * record.node[0]) +
+                                    map.rightCols<6>() * U.middleRows<6>(6 * record.node[1]);
+    const Eigen::MatrixXd resultants = element.stretch_stiffness() * stretch;
+    energy.noalias() += stretch.transpose() * resultants;
+  }
+  return 0.5 * (energy + energy.transpose());
+}
+
+std::vector<std::string> accuracy_warnings(const BeamMesh& mesh) {
+  std::vector<std::string> texts;
+  std::vector<int> count(mesh.model().members.size(), 0);
+  struct Extremes {
+    double soft = std::numeric_limits<double>::infinity(), stiff = 0.0;
+    int soft_member = -1, stiff_member = -1;
+  };
+  std::vector<Extremes> at_node(mesh.points().size());
+  for (const MeshElement& record : mesh.elements()) {
+    ++count[record.member];
+    const Matrix12d K = mesh.element(record).stiffness();
+    // Bending compares: stretch is always stiffer and does not spoil it.
+    const double stiffness = std::max(std::max(K(4, 4), K(5, 5)), std::max(K(10, 10), K(11, 11)));
+    if (!(stiffness > 0.0)) continue;
+    for (const int node : record.node) {
+      Extremes& e = at_node[node];
+      if (stiffness < e.soft) e.soft = stiffness, e.soft_member = record.member;
+      if (stiffness > e.stiff) e.stiff = stiffness, e.stiff_member = record.member;
+    }
+  }
+  for (std::size_t m = 0; m < count.size(); ++m)
+    if (count[m] >= 1000)
+      texts.push_back(
+          fmt::format("member \"{}\" has {} elements in a row: static displacements keep about {} digits; "
+                      "fewer elements are more "
+                      "accurate",
+                      mesh.model().members[m].name, count[m],
+                      count[m] < 3000    ? 5
+                      : count[m] < 10000 ? 4
+                                         : 1));
+  for (const Extremes& e : at_node)
+    if (e.stiff > 1e8 * e.soft) {
+      texts.push_back(fmt::format(
+          "members \"{}\" and \"{}\" meet with bending stiffnesses {:.0e} times apart: displacements keep "
+          "about {} digits; "
+          "a rigid end offset does what an almost rigid member is meant to do",
+          mesh.model().members[e.stiff_member].name, mesh.model().members[e.soft_member].name,
+          e.stiff / e.soft, std::max(0, 15 - static_cast<int>(std::ceil(std::log10(e.stiff / e.soft))))));
+      break;  // the first says it
+    }
+  return texts;
 }
 
 SparseMatrix mass_matrix(const BeamMesh& mesh, bool rotary_inertia) {

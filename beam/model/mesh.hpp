@@ -41,6 +41,14 @@ class BeamMesh {
 
 /// Lower and upper triangle, n_dofs x n_dofs.
 SparseMatrix stiffness_matrix(const BeamMesh& mesh);
+/// U^T K U (U n_dofs x k) summed from the stretch of each element instead of from K: eigenvalues by
+/// Rayleigh's quotient keep eps n^2 where K leaves eps n^4, n the number of elements on half a wave.
+Eigen::MatrixXd strain_energy(const BeamMesh& mesh, const Eigen::MatrixXd& U);
+
+/// Where round-off becomes noticeable (figures: EXTREMES.md), in sentences: members of 1,000 elements and
+/// more, and elements that meet with stiffnesses 1e8 times apart.
+std::vector<std::string> accuracy_warnings(const BeamMesh& mesh);
+
 SparseMatrix mass_matrix(const BeamMesh& mesh, bool rotary_inertia = true);
 
 /// Integrals of products of position and displacement over all beams and point masses, dof by dof: a reducer
@@ -82,7 +90,8 @@ struct ExtrudedSurface {
   std::vector<int> element;
   std::vector<Eigen::Matrix<double, 3, 12>> at;
 };
-/// `slices` sections along each member at least.
-ExtrudedSurface extruded_surface(const BeamMesh& mesh, int slices = 8);
+/// `slices` along each member, fewer (and fewer corners on round sections) where the vertices would exceed
+/// `most_vertices`.
+ExtrudedSurface extruded_surface(const BeamMesh& mesh, int slices = 8, int most_vertices = 40000);
 
 }  // namespace flexura::beam

@@ -1,7 +1,9 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
 #include "beam/model/mesh.hpp"
@@ -73,36 +75,62 @@ std::vector<MemberResult> member_results(const BeamMesh& mesh, int member, const
   return results;
 }
 
-ExtrudedSurface extruded_surface(const BeamMesh& mesh, int slices) {
+namespace {
+
+// Every k-th corner of the round loops, so that about `corners` are left.
+std::vector<Loop> thinned(const std::vector<Loop>& outline, int corners) {
+  std::vector<Loop> result;
+  for (const Loop& loop : outline) {
+    const int n = static_cast<int>(loop.rows()), step = std::max(1, n / std::max(3, corners));
+    Loop thin((n + step - 1) / step, 2);
+    for (int k = 0; k < thin.rows(); ++k) thin.row(k) = loop.row(k * step);
+    result.push_back(thin);
+  }
+  return result;
+}
+
+}  // namespace
+
+ExtrudedSurface extruded_surface(const BeamMesh& mesh, int slices, int most_vertices) {
+  const Model& model = mesh.model();
   std::vector<Eigen::Vector3d> vertices;
   std::vector<std::array<int, 3>> triangles;
   std::vector<std::array<int, 2>> edges;
   ExtrudedSurface surface;
 
-  std::vector<int> elements_of_member(mesh.model().members.size(), 0);
-  for (const MeshElement& record : mesh.elements()) ++elements_of_member[record.member];
-  for (std::size_t e = 0; e < mesh.elements().size(); ++e) {
-    const MeshElement& record = mesh.elements()[e];
-    const Member& member = mesh.model().members[record.member];
-    const SectionEntry& first = mesh.model().sections[member.section];
-    if (first.section.outline.empty()) continue;
-    const int n = elements_of_member[record.member];
-    const int steps = std::max(1, (slices + n - 1) / n);
-    const Element element = mesh.element(record);
-    const Matrix12d transform = record.placement.transform();
-    const Eigen::Matrix3d& R = record.placement.R_BE;
-    const double l = record.placement.length;
+  // Large models get fewer slices first, then fewer corners on round sections.
+  const auto corners_of = [&](int most) {
+    double count = 0.0;
+    for (const Member& member : model.members)
+      for (const Loop& loop : thinned(model.sections[member.section].section.outline, most))
+        count += static_cast<double>(loop.rows());
+    return count;
+  };
+  int corners = std::numeric_limits<int>::max();
+  while (corners > 8 && 2.0 * corners_of(corners) > most_vertices) corners = corners > 48 ? 24 : corners / 2;
+  const double per_slice = std::max(1.0, corners_of(corners));
+  slices = std::clamp(static_cast<int>(most_vertices / per_slice) - 1, 1, std::max(1, slices));
 
+  std::size_t e = 0;
+  while (e < mesh.elements().size()) {
+    const int member_index = mesh.elements()[e].member;
+    const Member& member = model.members[member_index];
+    const SectionEntry& first = model.sections[member.section];
+    std::size_t end = e;  // a member's elements follow each other
+    while (end < mesh.elements().size() && mesh.elements()[end].member == member_index) ++end;
     int previous = -1;
-    for (int step = 0; step <= steps; ++step) {
-      const double t = static_cast<double>(step) / steps, x = t * l;
+    for (int slice = 0; slice <= slices && !first.section.outline.empty(); ++slice) {
+      const double s = static_cast<double>(slice) / slices;
+      while (e + 1 < end && mesh.elements()[e].t_2 < s) ++e;
+      const MeshElement& record = mesh.elements()[e];
+      const double x =
+          std::clamp((s - record.t_1) / (record.t_2 - record.t_1), 0.0, 1.0) * record.placement.length;
+      const Eigen::Matrix3d& R = record.placement.R_BE;
       std::vector<Loop> outline = first.section.outline;
-      if (member.section_at_end >= 0) {
-        const double s = record.t_1 + t * (record.t_2 - record.t_1);
-        outline =
-            outline_of(interpolate(*first.shape, *mesh.model().sections[member.section_at_end].shape, s));
-      }
-      const Matrix6x12d d = element.shape(x) * transform;
+      if (member.section_at_end >= 0)
+        outline = outline_of(interpolate(*first.shape, *model.sections[member.section_at_end].shape, s));
+      outline = thinned(outline, corners);
+      const Matrix6x12d d = mesh.element(record).shape(x) * record.placement.transform();
       const int base = static_cast<int>(vertices.size());
       int start = base;
       for (const Loop& loop : outline) {
@@ -117,19 +145,19 @@ ExtrudedSurface extruded_surface(const BeamMesh& mesh, int slices) {
           surface.at.push_back(R * at);
           surface.element.push_back(static_cast<int>(e));
           const int here = start + k, right = start + (k + 1) % m;
-          if (step > 0) {
+          if (slice > 0) {
             const int back = previous + (here - base), back_right = previous + (right - base);
             // Loops run counter-clockwise about x, so this order faces away from the material.
             triangles.push_back({back, back_right, right});
             triangles.push_back({back, right, here});
           }
-          const bool member_end = (step == 0 && record.t_1 == 0.0) || (step == steps && record.t_2 == 1.0);
-          if (member_end) edges.push_back({here, right});
+          if (slice == 0 || slice == slices) edges.push_back({here, right});
         }
         start += m;
       }
       previous = base;
     }
+    e = end;
   }
   surface.vertices.resize(vertices.size(), 3);
   for (std::size_t v = 0; v < vertices.size(); ++v) surface.vertices.row(v) = vertices[v].transpose();
