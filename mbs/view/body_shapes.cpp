@@ -44,6 +44,7 @@ class Shape {
     } else {
       fail(fmt::format("has the type '{}'; types are box, cone, cylinder, line, sphere", type_));
     }
+    color();
     return result_;
   }
 
@@ -90,6 +91,17 @@ class Shape {
   void rotation() {
     unit("rotation", given_.contains("rotation") ? numbers(given_["rotation"], "rotation", 4)
                                                  : std::vector{1.0, 0.0, 0.0, 0.0});
+  }
+
+  void color() {
+    if (!given_.contains("color")) return;
+    const std::string text =
+        given_["color"].is_string() ? given_["color"].get<std::string>() : given_["color"].dump();
+    if (text.size() != 7 || text[0] != '#' ||
+        text.find_first_not_of("0123456789abcdefABCDEF", 1) != std::string::npos) {
+      fail(fmt::format("({}) has the color '{}'; write it like '#88aacc'", type_, text));
+    }
+    result_["color"] = text;
   }
 
   void points() {

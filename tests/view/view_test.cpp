@@ -375,6 +375,8 @@ TEST(MotionPage, RefusesWhatItCannotShow) {
   EXPECT_THAT(motion_refusal(results, pictures), HasSubstr("has the type 'torus'; types are box, cone"));
   results.model.bodies[1].shape_json = R"([{"type": "box", "size": [1, 2]}])";
   EXPECT_THAT(motion_refusal(results, pictures), HasSubstr("needs 3 numbers in 'size'"));
+  results.model.bodies[1].shape_json = R"([{"type": "sphere", "radius": 1, "color": "red"}])";
+  EXPECT_THAT(motion_refusal(results, pictures), HasSubstr("has the color 'red'; write it like '#88aacc'"));
   results = good;
   results.runs[1].bodies[1].basis.conservativeResize(10, Eigen::NoChange);
   EXPECT_THAT(motion_refusal(results, pictures), HasSubstr("it is not the one that was simulated"));

@@ -10,7 +10,8 @@ interface DrawnBody {
   name: string;
   number: number; // in the run, -1 for one that the run does not store (ground)
   group: THREE.Group;
-  solid: THREE.ShaderMaterial | null;
+  kind: string;
+  solids: { material: THREE.ShaderMaterial; color?: string }[];
   deformed: DeformedBody | null;
   box: THREE.Box3; // undeformed, in the body's frame
 }
@@ -44,17 +45,21 @@ export class Mechanism {
       const points = connections.flatMap((c) => [
         ...(c.body_1 === body.name && c.p_1 ? [new THREE.Vector3(...c.p_1)] : []),
         ...(c.body_2 === body.name && c.p_2 ? [new THREE.Vector3(...c.p_2)] : [])]);
-      const shapes = body.shapes.flatMap((shape) => primitive(shape, 0.35 * glyphSize));
-      if (!shapes.length && !deformed && body.kind !== 'ground') shapes.push(...stickFigure(points, 0.5 * glyphSize));
-      const solid = shapes.length ? shaded(new THREE.Color()) : null;
-      for (const geometry of shapes) {
-        const mesh = new THREE.Mesh(geometry, solid!);
-        geometry.computeBoundingBox();
-        box.union(geometry.boundingBox!);
-        group.add(mesh);
-      }
+      // The colour of the body, and those of shapes with one of their own.
+      const solids: DrawnBody['solids'] = [];
+      const add = (geometries: THREE.BufferGeometry[], color?: string) => {
+        let solid = solids.find((s) => s.color === color);
+        if (!solid) solids.push((solid = { material: shaded(new THREE.Color()), color }));
+        for (const geometry of geometries) {
+          geometry.computeBoundingBox();
+          box.union(geometry.boundingBox!);
+          group.add(new THREE.Mesh(geometry, solid.material));
+        }
+      };
+      for (const shape of body.shapes) add(primitive(shape, 0.35 * glyphSize), shape.color);
+      if (!body.shapes.length && !deformed && body.kind !== 'ground') add(stickFigure(points, 0.5 * glyphSize));
       for (const p of points) box.expandByPoint(p);
-      this.bodies.push({ name: body.name, number, group, solid, deformed, box });
+      this.bodies.push({ name: body.name, kind: body.kind, number, group, solids, deformed, box });
       this.group.add(group);
     }
     const at = (name?: string) => this.bodies.find((b) => b.name === name);
@@ -168,15 +173,15 @@ export class Mechanism {
   setLook(ghost: THREE.Color | null): void {
     this.bodies.forEach((body, i) => {
       // The ground is the same in every run.
-      if (ghost && body.number < 0) {
+      if (ghost && body.kind === 'ground') {
         body.group.visible = false;
         return;
       }
       body.group.visible = true;
-      const own = new THREE.Color(cssColor(body.name === 'ground' || body.number < 0 ? '--ground-body' : `--body${i % 7}`));
+      const own = new THREE.Color(cssColor(body.kind === 'ground' ? '--ground-body' : `--body${i % 7}`));
       const color = ghost ?? own;
       const opacity = ghost ? 0.3 : 1;
-      if (body.solid) recolor(body.solid, color, opacity);
+      for (const s of body.solids) recolor(s.material, ghost ?? (s.color ? new THREE.Color(s.color) : own), opacity);
       body.deformed?.setLook({ color, accent: color, edge: ghost ?? new THREE.Color(cssColor('--edge')),
                                outline: new THREE.Color(cssColor('--outline')), opacity });
     });

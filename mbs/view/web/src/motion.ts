@@ -11,7 +11,7 @@ import { Stage, viewNames, type ViewName } from './stage';
 import { summaryPanel, warningsOf } from './summary';
 import { Surface } from './surface';
 import { cssColor, download, figure, h, icon, iconButton, lengthText, lengthUnit, say, shortcuts, slider, themeButton,
-         toggle, topBar } from './ui';
+         toggle, topBar, unitText } from './ui';
 
 export type { MotionHeader } from './motion_data';
 
@@ -27,8 +27,14 @@ function firstPlots(header: MotionHeader): string[][] {
   const names = header.runs.flatMap((r) => r.quantities.map((q) => q.name));
   const known = [...new Set(names)];
   const energies = known.filter((n) => /^energy\.(kinetic|strain|potential|total)$/.test(n));
-  const others = known.filter((n) => !n.startsWith('energy.') && !n.startsWith('solver.'));
-  return [...others.slice(0, 3).map((n) => [n]), ...(energies.length ? [energies] : [])];
+  // What the model's author gave a name of its own (no dot) says most; then how fast it runs.
+  const named = known.filter((n) => !n.includes('.')).slice(0, 2);
+  const speed = known.filter((n) => /speed$/.test(n)).slice(0, 1);
+  const strain = known.filter((n) => /\.strain_energy$/.test(n));
+  let first = [...speed.map((n) => [n]), ...named.map((n) => [n]), ...(strain.length ? [strain] : [])];
+  if (!first.length) first = known.filter((n) => !/^(energy|power)\./.test(n)).slice(0, 3).map((n) => [n]);
+  return [...first, ...(energies.length ? [energies] : []),
+          ...known.filter((n) => n === 'energy.balance').map((n) => [n])];
 }
 
 export async function motionPage(app: HTMLElement, header: MotionHeader): Promise<void> {
@@ -212,7 +218,7 @@ export async function motionPage(app: HTMLElement, header: MotionHeader): Promis
     quantityCells.set(q.name, cells);
     return h('tr', { tabindex: 0, title: q.doc || 'Click to plot', onclick: () => { void deck.add([q.name]); tab('plots'); },
                      onkeydown: (e: Event) => { if ((e as KeyboardEvent).key === 'Enter') { void deck.add([q.name]); tab('plots'); } } },
-             h('td', {}, q.name), ...cells, h('td', { class: 'unit' }, q.unit));
+             h('td', {}, q.name), ...cells, h('td', { class: 'unit' }, unitText(q.unit)));
   });
   let quantitiesOpen = false;
   function refreshQuantities(): void {

@@ -5,11 +5,11 @@ import type { SurfaceHeader } from './surface';
 
 export type Point = [number, number, number];
 
-export type PrimitiveHeader =
+export type PrimitiveHeader = { color?: string } & (
   | { type: 'cylinder' | 'cone'; radius: number; length: number; position: Point; axis: Point }
   | { type: 'sphere'; radius: number; position: Point }
   | { type: 'box'; size: Point; position: Point; rotation: [number, number, number, number] }
-  | { type: 'line'; points: Point[] };
+  | { type: 'line'; points: Point[] });
 
 export interface BodyHeader { name: string; kind: string; shapes: PrimitiveHeader[] }
 

@@ -3,7 +3,7 @@
 import uPlot from 'uplot';
 import type { Run } from './motion_data';
 import { spectrum } from './spectrum';
-import { cssColor, figure, h, tick } from './ui';
+import { cssColor, figure, h, tick, unitText } from './ui';
 
 interface Curve { run: Run; name: string; unit: string; dash: number[] }
 
@@ -30,7 +30,7 @@ export class PlotCard {
       });
     }
     const units = [...new Set(this.curves.map((c) => c.unit))];
-    const unit = units.map((u) => `[${u || '–'}]`).join(' ');
+    const unit = units.map((u) => `[${unitText(u) || '–'}]`).join(' ');
     const doc = this.curves.map((c) => c.run.header.quantities[c.run.quantityNumber(c.name)].doc).find((d) => d) ?? '';
     const spectrumButton = h('button', { class: 'toggle small', type: 'button', 'aria-pressed': 'false',
       title: 'Amplitude spectrum', onclick: () => {

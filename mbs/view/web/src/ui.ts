@@ -118,6 +118,11 @@ export function tick(value: number): string {
   return figure(value, 5).replace(/(\.\d*?)0+(?=$|·)/, '$1').replace(/\.$/, '');
 }
 
+/** "kg*m^2" as it is printed: kg·m². */
+export function unitText(unit: string): string {
+  return unit.replace(/\*/g, '·').replace(/\^2/g, '²').replace(/\^3/g, '³');
+}
+
 /** A length with the unit that suits `of` (default the value itself). */
 export function lengthUnit(of: number): { factor: number; unit: string } {
   const size = Math.abs(of);
