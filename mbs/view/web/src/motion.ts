@@ -67,7 +67,7 @@ export async function motionPage(app: HTMLElement, header: MotionHeader): Promis
   for (const m of mechanisms) stage.scene.add(m.group);
 
   const extent = new THREE.Box3();
-  for (let i = 0; i <= 40; ++i) mechanisms[state.main].box(t0 + (duration * i) / 40, extent);
+  for (let i = 0; i <= 40; ++i) for (const m of mechanisms) m.box(t0 + (duration * i) / 40, extent);
   const start = mechanisms[state.main].box(t0);
   const travels = extent.getSize(new THREE.Vector3()).length() > 6 * start.getSize(new THREE.Vector3()).length();
   const shown = travels ? start : extent;
@@ -113,7 +113,10 @@ export async function motionPage(app: HTMLElement, header: MotionHeader): Promis
       m.magnify = state.magnify;
       const ghost = i !== state.main;
       m.setLook(ghost ? new THREE.Color(cssColor(`--run${i % 6}`)) : null);
-      for (const b of m.bodies) b.deformed?.setField(ghost || !b.deformed.weights.length ? 0 : state.field, 0, deflection);
+      for (const b of m.bodies) {
+        const moves = b.number >= 0 && m.run.header.bodies[b.number].n_shapes > 0;
+        b.deformed?.setField(ghost || !moves ? 0 : state.field, 0, deflection);
+      }
     });
     legend.hidden = state.field === 0;
     const { factor, unit } = lengthUnit(deflection);
