@@ -9,6 +9,7 @@
 #include "reduce/linalg/block_lanczos.hpp"
 #include "reduce/linalg/dense.hpp"
 #include "reduce/linalg/krylov_schur.hpp"
+#include "reduce/recovery/stress.hpp"
 
 namespace flexura::reduce {
 namespace {
@@ -158,6 +159,15 @@ Reduction craig_bampton(const Part& part, const ReductionOptions& options) {
     reduction.dropped = (0.5 * (reduction.dropped + reduction.dropped.transpose())).eval();
     reduction.omega2_dropped = pairs.omega2_next;
     report.seconds_estimate = watch.lap();
+  }
+  if (options.stiffening) {
+    reduction.stiffening =
+        stiffening_terms(part, solver, constraint.Psi, constraint.K_bb, T, options.progress);
+    report.seconds_stiffening = watch.lap();
+  }
+  if (options.stress_modes) {
+    reduction.stress_modes = nodal_stress_modes(part, T, options.shape_nodes);
+    report.seconds_stress = watch.lap();
   }
   report.n_nodes = model.n_nodes();
   for (const mesh::CellBlock& block : part.mesh.solids)

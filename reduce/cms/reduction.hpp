@@ -2,12 +2,14 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "reduce/assembly/part.hpp"
 #include "reduce/invariants/inertia_integrals.hpp"
 #include "reduce/linalg/progress.hpp"
+#include "reduce/recovery/stiffening.hpp"
 
 /// The result of a reduction: what a superelement file holds, in plain C++ and Eigen.
 namespace flexura::reduce {
@@ -27,7 +29,7 @@ struct ReductionReport {
   double seconds_assembly = 0.0;
   double seconds_ordering = 0.0, seconds_symbolic = 0.0, seconds_factor = 0.0;
   double seconds_constraint_modes = 0.0, seconds_normal_modes = 0.0, seconds_projection = 0.0;
-  double seconds_estimate = 0.0;
+  double seconds_estimate = 0.0, seconds_stiffening = 0.0, seconds_stress = 0.0;
   double factor_nonzeros = 0.0, factor_flops = 0.0;
   double smallest_pivot = 0.0;       ///< of the factor, relative to the diagonal
   double peak_memory_bytes = 0.0;    ///< of the process so far
@@ -44,6 +46,9 @@ struct Reduction {
   Eigen::MatrixXd K_se, M_se;  ///< n x n
   Eigen::VectorXd omega2;      ///< n_q [rad^2/s^2]
   InertiaIntegrals inertia;
+  std::optional<StiffeningTerms> stiffening;  ///< if asked for
+  /// 6 n_v x n at the nodes of `shapes`, if asked for (recovery/stress.hpp).
+  Eigen::MatrixXf stress_modes;
   Eigen::MatrixXf
       shapes;  ///< 3 n_v x n at the nodes asked for: rows x, y, z of the first, then the second, ...
   /// n_b x n_b: Mhat^T F_rs Mhat, the dropped modes' share of the interface's dynamics (error_estimate.hpp)

@@ -12,22 +12,22 @@ namespace {
 using StrainMatrix = Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, 3 * kMaxNodes>;
 
 void fill_strain_matrix(const NodePositions& g, StrainMatrix& B) {
-  B.setZero(6, 3 * g.rows());
-  for (Eigen::Index a = 0; a < g.rows(); ++a) {
-    const double x = g(a, 0), y = g(a, 1), z = g(a, 2);
-    B(0, 3 * a) = x;
-    B(1, 3 * a + 1) = y;
-    B(2, 3 * a + 2) = z;
-    B(3, 3 * a) = y;
-    B(3, 3 * a + 1) = x;
-    B(4, 3 * a + 1) = z;
-    B(4, 3 * a + 2) = y;
-    B(5, 3 * a) = z;
-    B(5, 3 * a + 2) = x;
-  }
+  B.resize(6, 3 * g.rows());
+  for (Eigen::Index a = 0; a < g.rows(); ++a) B.middleCols<3>(3 * a) = strain_operator(g.row(a));
 }
 
 }  // namespace
+
+Eigen::Matrix<double, 6, 3> strain_operator(const Eigen::RowVector3d& g) {
+  Eigen::Matrix<double, 6, 3> B;
+  B << g(0), 0, 0,    //
+      0, g(1), 0,     //
+      0, 0, g(2),     //
+      g(1), g(0), 0,  //
+      0, g(2), g(1),  //
+      g(2), 0, g(0);
+  return B;
+}
 
 double spatial_gradients(const TabulatedRule::Point& point, const NodePositions& x,
                          NodePositions& gradients) {

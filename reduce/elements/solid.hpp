@@ -42,4 +42,7 @@ double element_mass(const Element& element, const NodePositions& x, double densi
 /// dN_a/dx (n x 3) at a point; returns det J.
 double spatial_gradients(const TabulatedRule::Point& point, const NodePositions& x, NodePositions& gradients);
 
+/// B_a: strain (6) of a unit displacement of a node, from the node's shape gradient.
+Eigen::Matrix<double, 6, 3> strain_operator(const Eigen::RowVector3d& gradient);
+
 }  // namespace flexura::reduce

@@ -1,0 +1,55 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "reduce/recovery/stress.hpp"
+
+#include <map>
+
+#include "reduce/elements/solid.hpp"
+
+namespace flexura::reduce {
+
+Eigen::MatrixXf nodal_stress_modes(const Part& part, const Eigen::MatrixXd& T,
+                                   const std::vector<mesh::Index>& nodes) {
+  const Eigen::Index n = T.cols();
+  std::vector<Eigen::Index> place(part.mesh.n_nodes(), -1);
+  for (std::size_t v = 0; v < nodes.size(); ++v) place[nodes[v]] = static_cast<Eigen::Index>(v);
+  const auto material_of = [](const mesh::CellBlock& block, Eigen::Index cell) {
+    return block.material.empty() ? 0 : static_cast<int>(block.material[cell]);
+  };
+  // The material that counts at each node, and the number of its cells there.
+  std::vector<std::map<int, int>> cells(nodes.size());
+  for (const mesh::CellBlock& block : part.mesh.solids)
+    for (Eigen::Index cell = 0; cell < block.nodes.rows(); ++cell)
+      for (mesh::Index node : block.nodes.row(cell))
+        if (place[node] >= 0) ++cells[place[node]][material_of(block, cell)];
+  std::vector<std::pair<int, int>> chosen(nodes.size());
+  for (std::size_t v = 0; v < nodes.size(); ++v)
+    for (const auto& [material, count] : cells[v])
+      if (count > chosen[v].second) chosen[v] = {material, count};
+
+  Eigen::MatrixXd stress = Eigen::MatrixXd::Zero(6 * static_cast<Eigen::Index>(nodes.size()), n);
+  NodePositions gradients;
+  for (const mesh::CellBlock& block : part.mesh.solids) {
+    const TabulatedRule at_nodes = tabulate(
+        block.type,
+        {mesh::reference_nodes(block.type), Eigen::VectorXd::Ones(mesh::nodes_per_cell(block.type))});
+    NodePositions x(block.nodes.cols(), 3);
+    for (Eigen::Index cell = 0; cell < block.nodes.rows(); ++cell) {
+      const int material = material_of(block, cell);
+      for (Eigen::Index a = 0; a < x.rows(); ++a) x.row(a) = part.mesh.points.row(block.nodes(cell, a));
+      for (Eigen::Index c = 0; c < x.rows(); ++c) {
+        const Eigen::Index v = place[block.nodes(cell, c)];
+        if (v < 0 || chosen[v].first != material) continue;
+        spatial_gradients(at_nodes.points[static_cast<std::size_t>(c)], x, gradients);
+        Eigen::MatrixXd strain = Eigen::MatrixXd::Zero(6, n);
+        for (Eigen::Index a = 0; a < x.rows(); ++a) {
+          const auto h = T.middleRows<3>(3 * static_cast<Eigen::Index>(block.nodes(cell, a)));
+          strain += strain_operator(gradients.row(a)) * h;
+        }
+        stress.middleRows<6>(6 * v) += part.materials[material].D * strain / chosen[v].second;
+      }
+    }
+  }
+  return stress.cast<float>();
+}
+
+}  // namespace flexura::reduce

@@ -1,0 +1,19 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "reduce/assembly/part.hpp"
+
+/// Stress modes: the stresses of each shape, sigma = sum_k sigma_k u_se,k at run time.
+namespace flexura::reduce {
+
+/// Nodal stresses of the displacement shapes T (3 n_nodes x n) at the given nodes: 6 n_v x n, rows (xx, yy,
+/// zz, xy, yz, zx) [Pa per unit of the shape] of the first node, then of the second, ...  Each cell's stress
+/// D B h is taken at the node itself; the nodal value is the mean over the cells of one material that share
+/// the node (of the material with most cells there: stresses jump where materials meet).
+Eigen::MatrixXf nodal_stress_modes(const Part& part, const Eigen::MatrixXd& T,
+                                   const std::vector<mesh::Index>& nodes);
+
+}  // namespace flexura::reduce
