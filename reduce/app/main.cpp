@@ -7,8 +7,10 @@
 
 #include "mbs/input/document.hpp"
 #include "mbs/terminal/command_line.hpp"
+#include "reduce/app/beam_file.hpp"
 #include "reduce/app/list_faces.hpp"
 #include "reduce/app/part_file.hpp"
+#include "reduce/app/reduce_beam_part.hpp"
 #include "reduce/app/reduce_part.hpp"
 
 namespace {
@@ -18,13 +20,17 @@ using namespace flexura;
 struct Arguments {
   std::string input, output, report, mesh_size;
   std::vector<std::string> overrides;
-  int modes = -1;
-  bool list_faces = false, schema = false;
+  int modes = -1, beam_modes = 0;
+  bool list_faces = false, schema = false, schema_beams = false;
 };
 
 int reduce_with(const Arguments& arguments, const terminal::Talk& talk) {
   if (arguments.schema) {
     std::cout << input::reference_page(reduce::part_schema());
+    return 0;
+  }
+  if (arguments.schema_beams) {
+    std::cout << input::reference_page(reduce::beam_schema());
     return 0;
   }
   if (arguments.input.empty()) throw input::InputError("no part file given; see flexura reduce --help");
@@ -35,10 +41,19 @@ int reduce_with(const Arguments& arguments, const terminal::Talk& talk) {
   std::vector<std::string> overrides = arguments.overrides;
   if (!arguments.mesh_size.empty()) overrides.push_back("mesh.size=" + arguments.mesh_size);
   if (arguments.modes >= 0) overrides.push_back(fmt::format("modes.count={}", arguments.modes));
-  const reduce::PartInput part = reduce::read_part(arguments.input, overrides);
-
   std::filesystem::path output = arguments.output;
   if (output.empty()) output = std::filesystem::path(arguments.input).replace_extension(".se.h5");
+  if (reduce::is_beam_file(arguments.input)) {
+    const reduce::BeamPartInput beams = reduce::read_beam_part(arguments.input, overrides);
+    if (arguments.beam_modes > 0) {
+      reduce::print_beam_modes(beams, arguments.beam_modes, std::cout);
+      return 0;
+    }
+    reduce::reduce_beam_part(beams, output, {.report = arguments.report, .quiet = talk.quiet});
+    return 0;
+  }
+  const reduce::PartInput part = reduce::read_part(arguments.input, overrides);
+
   reduce::reduce_part(part, output, {.report = arguments.report, .quiet = talk.quiet});
   return 0;
 }
@@ -49,10 +64,13 @@ std::function<int()> declare(terminal::Options& options, const terminal::Talk& t
       .option("-o,--output", arguments->output, "FILE", "superelement to write (default: PART.se.h5)")
       .option("--mesh-size", arguments->mesh_size, "LENGTH", "element size, overrides mesh.size: \"2 mm\"")
       .option("--modes", arguments->modes, "N", "number of normal modes, overrides modes.count")
+      .option("--beam-modes", arguments->beam_modes, "N",
+              "beam parts: print N natural frequencies of the free structure, nothing reduced, then stop")
       .option("--set", arguments->overrides, "KEY=VALUE", "override an entry of the part file")
       .option("--report", arguments->report, "FILE", "also write the reduction's report as JSON")
       .flag("--list-faces", arguments->list_faces, "list the solids and faces of the part, then stop")
       .flag("--schema", arguments->schema, "print the part file's reference page, then stop")
+      .flag("--schema-beams", arguments->schema_beams, "print the beam part file's reference page, then stop")
       .example("flexura reduce --list-faces bracket.step", "what an interface can be chosen from")
       .example("flexura reduce conrod.toml -o conrod.se.h5", "mesh, reduce, write")
       .example("flexura reduce conrod.toml -o fine.se.h5 --mesh-size \"2 mm\" --set modes.count=40",

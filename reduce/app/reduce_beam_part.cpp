@@ -1,0 +1,114 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "reduce/app/reduce_beam_part.hpp"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cmath>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <numbers>
+#include <ostream>
+
+#include "mbs/superelement/file.hpp"
+#include "mbs/terminal/terminal.hpp"
+#include "reduce/app/to_superelement.hpp"
+#include "reduce/beams/full_modes.hpp"
+#include "reduce/linalg/session.hpp"
+
+namespace flexura::reduce {
+namespace {
+
+double frequency(double omega2) {
+  return std::sqrt(std::max(omega2, 0.0)) / (2.0 * std::numbers::pi);
+}
+
+superelement::Surface surface_of(const beam::ExtrudedSurface& from) {
+  superelement::Surface surface;
+  surface.vertices = from.vertices;
+  surface.triangles = from.triangles;
+  surface.edges = from.edges;
+  surface.triangle_interface.assign(from.triangles.rows(), -1);
+  return surface;
+}
+
+}  // namespace
+
+void reduce_beam_part(const BeamPartInput& input, const std::filesystem::path& output,
+                      const OutputOptions& options) {
+  const auto start = std::chrono::steady_clock::now();
+  terminal::Progress line(stderr, options.quiet);
+  const beam::BeamMesh mesh(input.model, input.subdivision);
+  std::vector<int> held;
+  for (const BeamInterface& interface : input.interfaces) held.push_back(interface.node);
+  std::vector<std::string> notes;
+  for (const std::string& text : beam::warnings(input.model, held)) notes.push_back("warning: " + text);
+  for (const std::string& text : beam::accuracy_warnings(mesh)) notes.push_back("warning: " + text);
+
+  const linalg::Session session;
+  ReductionOptions how;
+  how.n_modes = input.modes.up_to > 0.0 ? 0 : input.modes.count;
+  how.omega_max = 2.0 * std::numbers::pi * input.modes.up_to;
+  how.progress = [&line](std::string_view stage, double fraction) { line(stage, fraction); };
+  BeamReduction beams = reduce_beams(mesh, input.interfaces, how);
+  Reduction& reduction = beams.reduction;
+  const ReductionReport& r = reduction.report;
+
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const Eigen::Vector3d centre = reduction.inertia.S_x / reduction.inertia.mass;
+  std::vector<double> frequencies;
+  for (int k = 0; k < reduction.n_q; ++k) frequencies.push_back(frequency(reduction.omega2[k]));
+  const nlohmann::json json = {
+      {"part", input.name},
+      {"mass", reduction.inertia.mass},
+      {"centre", {centre.x(), centre.y(), centre.z()}},
+      {"mesh", {{"nodes", r.n_nodes}, {"elements", r.n_cells}, {"members", input.model.members.size()}}},
+      {"reduction",
+       {{"dofs", r.n_i + r.n_b},
+        {"interface_dofs", r.n_b},
+        {"modes", r.n_q},
+        {"fixed_interface_frequencies_hz", frequencies},
+        {"greatest_mode_residual", r.mode_residual.size() > 0 ? r.mode_residual.maxCoeff() : 0.0},
+        {"constraint_residual", r.constraint_residual},
+        {"rigid_strain", r.rigid_strain},
+        {"smallest_pivot", r.smallest_pivot},
+        {"peak_memory_bytes", r.peak_memory_bytes}}},
+      {"notes", notes},
+      {"seconds", seconds}};
+  std::string text;
+  for (const std::string& note : notes) text += "  " + note + '\n';
+  text +=
+      fmt::format("  {} members, {} elements, {} nodes; mass {:.6g} kg, centre ({:.5g}, {:.5g}, {:.5g}) m\n",
+                  input.model.members.size(), r.n_cells, r.n_nodes, reduction.inertia.mass, centre.x(),
+                  centre.y(), centre.z());
+  text += fmt::format("  {} dofs -> {} interface dofs + {} modes, {:.1f} s, peak memory {:.2f} GB\n",
+                      r.n_i + r.n_b, r.n_b, r.n_q, seconds, r.peak_memory_bytes / 1e9);
+  if (reduction.n_q > 0)
+    text += fmt::format("  fixed-interface modes {:.5g} to {:.5g} Hz, greatest residual {:.1e}\n",
+                        frequencies.front(), frequencies.back(), r.mode_residual.maxCoeff());
+
+  line("write", 0.0);
+  PartInput named;  // what the superelement takes of a part's input
+  named.name = input.name;
+  named.source = input.source;
+  named.modes = input.modes;
+  superelement::write(output,
+                      to_superelement(named, std::move(reduction), surface_of(beams.surface), json.dump(1)));
+  if (!options.report.empty()) std::ofstream(options.report) << json.dump(2) << '\n';
+  line.finish();
+  if (!options.quiet) fmt::print("{}wrote {}\n", text, output.string());
+}
+
+void print_beam_modes(const BeamPartInput& input, int count, std::ostream& out) {
+  const beam::BeamMesh mesh(input.model, input.subdivision);
+  const linalg::Session session;
+  const Eigen::VectorXd without = full_beam_modes(mesh, count, false),
+                        with = full_beam_modes(mesh, count, true);
+  out << fmt::format("{} elements; free natural frequencies in Hz\n", mesh.elements().size());
+  out << fmt::format("{:>6} {:>24} {:>24}\n", "mode", "without rotary inertia", "with");
+  for (int k = 0; k < count && 6 + k < std::min(without.size(), with.size()); ++k)
+    out << fmt::format("{:>6} {:>24.4f} {:>24.4f}\n", k + 1, frequency(without[6 + k]),
+                       frequency(with[6 + k]));
+}
+
+}  // namespace flexura::reduce
