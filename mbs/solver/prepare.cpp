@@ -10,17 +10,50 @@ namespace flexura::mbs {
 
 namespace {
 
-// A velocity coordinate is held in the position assembly when all positions of its block were given.
-std::vector<bool> held_coordinates(const Mechanism& mechanism, const State& s) {
-  std::vector<bool> keep(mechanism.sizes().n_v, false);
-  const std::vector<bool>& given = mechanism.given_positions();
+// The velocity coordinates whose block of positions is wholly marked.
+std::vector<bool> velocities_of(const Mechanism& mechanism, const State& s, const std::vector<bool>& marked) {
+  std::vector<bool> mask(mechanism.sizes().n_v, false);
   const KinematicBlocks kinematics(mechanism, s.p);
   for (const KinematicBlocks::Block& block : kinematics.blocks()) {
     bool all = true;
-    for (const int i : block.p) all = all && given[i];
-    for (const int j : block.v) keep[j] = all;
+    for (const int i : block.p) all = all && marked[i];
+    for (const int j : block.v) mask[j] = all;
   }
-  return keep;
+  return mask;
+}
+
+std::vector<bool> modal_velocities(const Mechanism& mechanism, const State& s) {
+  std::vector<bool> modal(mechanism.sizes().n_p, false);
+  const std::vector<BodyDescription>& bodies = mechanism.description().bodies;
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    const int first = mechanism.modal_position(static_cast<int>(b));
+    if (first < 0) continue;
+    for (int k = 0; k < bodies[b].flexible->m(); ++k) modal[first + k] = true;
+  }
+  return velocities_of(mechanism, s, modal);
+}
+
+std::vector<bool> either(std::vector<bool> a, const std::vector<bool>& b) {
+  for (std::size_t i = 0; i < a.size(); ++i) a[i] = a[i] || b[i];
+  return a;
+}
+
+// Loops are closed by moving bodies, not by bending them: first with all modal coordinates held; what is left
+// open then (parts that do not fit, redundant joints) closes with the smallest deformation from there.
+AssembleReport close_loops(const Mechanism& mechanism, State& s, const AssembleOptions& keep,
+                           const std::vector<bool>& modal) {
+  AssembleReport stiff;
+  AssembleOptions undeformed = keep;
+  undeformed.keep_position = either(keep.keep_position, modal);
+  try {
+    stiff = assemble_positions(mechanism, s, undeformed);
+  } catch (const AssemblyError&) {
+    // The next attempt may deform the bodies from the start, and words the refusal if it fails too.
+  }
+  AssembleReport report = assemble_positions(mechanism, s, keep);
+  report.iterations += stiff.iterations;
+  report.position_change += stiff.position_change;
+  return report;
 }
 
 }  // namespace
@@ -34,14 +67,23 @@ PreparedMechanism prepare(const std::filesystem::path& path, const std::vector<s
   out.state = out.mechanism->initial_state();
   out.state.t = out.options.start_time;
   AssembleOptions keep;
-  keep.keep_position = held_coordinates(*out.mechanism, out.state);
+  keep.keep_position = velocities_of(*out.mechanism, out.state, out.mechanism->given_positions());
   keep.keep_velocity = out.mechanism->given_velocities();
   try {
-    out.assembly = assemble_positions(*out.mechanism, out.state, keep);
+    const std::vector<bool> modal = modal_velocities(*out.mechanism, out.state);
+    out.assembly = close_loops(*out.mechanism, out.state, keep, modal);
     out.redundant = out.mechanism->drop_redundant(out.state.t, out.state.p);
     out.state.lambda = Eigen::VectorXd::Zero(out.mechanism->sizes().n_lambda);
     const AssembleReport positions = std::move(out.assembly);
-    out.assembly = assemble(*out.mechanism, out.state, out.v_dot, keep);
+    // Bodies start without vibration where the loops allow it.
+    AssembleOptions quiet = keep;
+    quiet.keep_velocity = either(keep.keep_velocity, modal);
+    const State assembled = out.state;
+    out.assembly = assemble(*out.mechanism, out.state, out.v_dot, quiet);
+    if (!out.assembly.velocities_kept) {
+      out.state = assembled;
+      out.assembly = assemble(*out.mechanism, out.state, out.v_dot, keep);
+    }
     // The second assembly finds the loops closed; what it took is in the first report.
     out.assembly.iterations += positions.iterations;
     out.assembly.position_change += positions.position_change;

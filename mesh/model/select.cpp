@@ -103,6 +103,15 @@ Selection select_faces(const Context& c, std::vector<const Face*> faces) {
     throw std::invalid_argument(describe(*faces.front()) +
                                 ": no cell of the mesh lies on it; a smaller mesh size reaches it");
   measure(c.mesh, selection);
+  // The centroid of the CAD faces, not of their mesh: interfaces of a symmetric part lie symmetric, and loops
+  // close.
+  double area = 0.0;
+  Vector3d moment = Vector3d::Zero();
+  for (const Face* face : faces) {
+    area += face->area;
+    moment += face->area * face->centroid;
+  }
+  if (area > 0.0) selection.reference = moment / area;
   selection.description = describe(*faces.front());
   if (faces.size() > 1)
     selection.description +=
