@@ -8,6 +8,7 @@
 #include "mesh/model/geometry.hpp"
 #include "reduce/assembly/rigid_motion.hpp"
 #include "reduce/cms/craig_bampton.hpp"
+#include "reduce/cms/sturm.hpp"
 #include "reduce/cms/verification.hpp"
 #include "reduce/linalg/dense.hpp"
 #include "tests/reduce/parts.hpp"
@@ -144,6 +145,16 @@ TEST_P(ReducedBanana, InertiaIntegralsAreThoseOfTheDisplacementField) {
     const auto& block = se.inertia.S_phiphi[k];
     EXPECT_NEAR(q.dot(block * r), S_uv(kPairs[k][0], kPairs[k][1]),
                 1e-6 * mass * size * V.cwiseAbs().maxCoeff());
+  }
+}
+
+// Neither eigensolver has missed a mode: Sylvester's law counts them without iterating.
+TEST_P(ReducedBanana, NoModeIsMissed) {
+  const Part p = part();
+  const Reduction se = reduce_with(p, 24);
+  for (int k : {0, 1, 7, se.n_q - 1}) {
+    EXPECT_EQ(count_modes_below(p, se.omega2(k) * (1.0 + 1e-6)), k + 1) << "above mode " << k;
+    EXPECT_EQ(count_modes_below(p, se.omega2(k) * (1.0 - 1e-6)), k) << "below mode " << k;
   }
 }
 
