@@ -12,8 +12,7 @@ namespace {
 
 static_assert(std::is_same_v<hid_t, std::int64_t>);
 
-// --- Errors
-// --------------------------------------------------------------------------------------------------------
+// --- Errors ----------------------------------------------------------------------------------------------
 
 // HDF5 prints a stack of a dozen lines; we keep it quiet and make one sentence of it.
 void silence() {
@@ -97,8 +96,7 @@ Shape shape_of(hid_t dataset, const std::string& label) {
   return Shape(extent.begin(), extent.end());
 }
 
-// --- Filters
-// -------------------------------------------------------------------------------------------------------
+// --- Filters ---------------------------------------------------------------------------------------------
 
 constexpr std::size_t chunk_bytes = 1 << 20;  // one chunk of a large dataset: fits HDF5's chunk cache
 constexpr unsigned deflate_level = 2;  // higher levels gain a few percent on shuffled doubles and cost double
@@ -175,8 +173,7 @@ hid_t open_copy_without_mark(const std::filesystem::path& path) {
 
 }  // namespace
 
-// --- Handles and attributes
-// ----------------------------------------------------------------------------------------
+// --- Handles and attributes ------------------------------------------------------------------------------
 
 Handle& Handle::operator=(Handle&& other) noexcept {
   if (this != &other) {
@@ -241,8 +238,7 @@ int Node::integer(const std::string& name) const {
   return number;
 }
 
-// --- Groups and datasets
-// -------------------------------------------------------------------------------------------
+// --- Groups and datasets ---------------------------------------------------------------------------------
 
 bool Group::has(const std::string& name) const {
   const htri_t found = H5Lexists(handle_.get(), checked_name(name, label_).c_str(), H5P_DEFAULT);
@@ -361,8 +357,7 @@ std::string Group::read_text(const std::string& name) const {
   return text;
 }
 
-// --- Series
-// --------------------------------------------------------------------------------------------------------
+// --- Series ----------------------------------------------------------------------------------------------
 
 Series Group::create_series(const std::string& name, std::size_t width, const std::string& unit,
                             const std::string& doc) {
@@ -433,8 +428,7 @@ void Series::flush() {
   check(H5Dflush(handle_.get()), label_);
 }
 
-// --- Files
-// ---------------------------------------------------------------------------------------------------------
+// --- Files -----------------------------------------------------------------------------------------------
 
 File::File(const std::filesystem::path& path, Mode mode) : path_(path) {
   silence();
@@ -502,8 +496,7 @@ void File::close() {
   });
 }
 
-// --- Eigen
-// ---------------------------------------------------------------------------------------------------------
+// --- Eigen -----------------------------------------------------------------------------------------------
 
 namespace {
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;

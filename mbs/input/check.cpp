@@ -22,8 +22,7 @@ int line_of(const toml::source_region& region) {
   return static_cast<int>(region.begin.line);
 }
 
-// --- Overrides
-// -----------------------------------------------------------------------------------------------------
+// --- Overrides -------------------------------------------------------------------------------------------
 
 // The value of "key=value" and of a default: TOML if it is TOML, else text, so that quotes may be left out.
 std::shared_ptr<toml::table> parse_value(const std::string& text) {
@@ -127,8 +126,7 @@ void apply_override(toml::table& root, const std::string& text, Overrides& overr
   overrides[here] = {raw};
 }
 
-// --- Checking
-// ------------------------------------------------------------------------------------------------------
+// --- Checking --------------------------------------------------------------------------------------------
 
 std::string shown(const toml::node& node) {
   if (node.is_table()) return "";

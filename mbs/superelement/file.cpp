@@ -22,8 +22,7 @@ constexpr const char* direction_names[] = {"u_x", "u_y", "u_z", "theta_x", "thet
 constexpr const char* u_se_unit =
     "by the dofs: force [N], moment [N m], modal [sqrt(kg) m/s^2] per [m], [rad], [sqrt(kg) m]";
 
-// --- Header
-// --------------------------------------------------------------------------------------------------------
+// --- Header ----------------------------------------------------------------------------------------------
 
 std::string header_text(const Superelement& se) {
   json header = {{"name", se.name},
@@ -86,8 +85,7 @@ void read_header(const std::string& text, const std::string& label, Superelement
   }
 }
 
-// --- Stacks of matrices
-// --------------------------------------------------------------------------------------------
+// --- Stacks of matrices ----------------------------------------------------------------------------------
 
 template <typename Matrices>
 void write_stack(Group& group, const std::string& name, const Matrices& matrices, int n,
@@ -117,8 +115,7 @@ void read_stack(const Group& group, const std::string& name, Matrices& matrices,
   }
 }
 
-// --- Parts
-// ---------------------------------------------------------------------------------------------------------
+// --- Parts -----------------------------------------------------------------------------------------------
 
 void write_matrices(Group root, const Superelement& se) {
   Group group = root.create_group("matrices");

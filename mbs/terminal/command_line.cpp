@@ -8,6 +8,7 @@
 
 #include "mbs/hdf5/file.hpp"
 #include "mbs/input/document.hpp"
+#include "mbs/terminal/description.hpp"
 #include "mbs/terminal/terminal.hpp"
 
 namespace flexura::terminal {
@@ -15,7 +16,14 @@ namespace flexura::terminal {
 struct Options::Impl {
   CLI::App* app = nullptr;
   CLI::Option* last = nullptr;
-  std::vector<std::pair<std::string, std::string>> examples;
+  Description description;
+
+  // Remembers what was declared last.
+  void note(const std::string& names, const std::string& what, const std::string& doc,
+            bool is_argument = false) {
+    description.entries.push_back(
+        {names, what, doc, {}, last->get_default_str(), is_argument, last->get_required()});
+  }
 };
 
 namespace {
@@ -59,11 +67,15 @@ std::string refusal(const CLI::App& app, const CLI::ParseError& failure) {
   return message + (message.ends_with('.') ? " See " : "; see ") + app.get_name() + " --help";
 }
 
-void set_up(CLI::App& app, Options::Impl& impl, Talk& talk) {
+void set_up(CLI::App& app, const Options::Impl& impl) {
   app.get_formatter()->column_width(30);
-  app.add_flag("-q,--quiet", talk.quiet, "print errors only");
-  app.add_flag("-v,--verbose", talk.verbose, "print every detail");
-  app.footer(examples_text(impl.examples));
+  app.footer(examples_text(impl.description.examples));
+}
+
+// Every command's own.
+void add_talk(Options& options, Talk& talk) {
+  options.flag("-q,--quiet", talk.quiet, "print errors only")
+      .flag("-v,--verbose", talk.verbose, "print every detail");
 }
 
 // One command behind its own parser: `words` are what follows its name.
@@ -76,7 +88,8 @@ int run_command(const Command& command, const std::string& full_name, const std:
   if (!version.empty()) app.set_version_flag("--version", full_name + " " + version);
   Options options(impl);
   const std::function<int()> work = command.declare(options, talk);
-  set_up(app, *impl, talk);
+  add_talk(options, talk);
+  set_up(app, *impl);
   std::reverse(words.begin(), words.end());  // CLI11 takes them off the end
   try {
     app.parse(words);
@@ -103,6 +116,7 @@ std::string program_help(const Program& program) {
   }
   text += fmt::format(
       "\n\"{0} COMMAND --help\" describes one command, \"{0} --version\" says which version this is.\n"
+      "\"{0} man | man -l -\" is the manual, eval \"$({0} completion)\" completes in bash.\n"
       "Exit codes: 0 done, 1 failed, 2 bad input.\n",
       program.name);
   if (!program.examples.empty()) text += "\n" + examples_text(program.examples);
@@ -111,41 +125,58 @@ std::string program_help(const Program& program) {
 
 }  // namespace
 
-// --- Options
-// -------------------------------------------------------------------------------------------------------
+Description describe(const Command& command) {
+  CLI::App app;
+  Talk talk;
+  auto impl = std::make_shared<Options::Impl>();
+  impl->app = &app;
+  Options options(impl);
+  command.declare(options, talk);
+  add_talk(options, talk);
+  return impl->description;
+}
+
+// --- Options ---------------------------------------------------------------------------------------------
 
 Options& Options::argument(const std::string& name, std::string& value, const std::string& doc) {
   impl_->last = impl_->app->add_option(name, value, doc)->required()->type_name("");
+  impl_->note(name, "", doc, true);
   return *this;
 }
 Options& Options::optional_argument(const std::string& name, std::string& value, const std::string& doc) {
   impl_->last = impl_->app->add_option(name, value, doc)->type_name("");
+  impl_->note(name, "", doc, true);
   return *this;
 }
 Options& Options::arguments(const std::string& name, std::vector<std::string>& values,
                             const std::string& doc) {
   impl_->last = impl_->app->add_option(name, values, doc)->required()->type_name("");
+  impl_->note(name, "", doc, true);
   return *this;
 }
 Options& Options::option(const std::string& names, std::string& value, const std::string& what,
                          const std::string& doc) {
   impl_->last = impl_->app->add_option(names, value, doc)->type_name(what);
   if (!value.empty()) impl_->last->capture_default_str();
+  impl_->note(names, what, doc);
   return *this;
 }
 Options& Options::option(const std::string& names, int& value, const std::string& what,
                          const std::string& doc) {
   impl_->last = impl_->app->add_option(names, value, doc)->type_name(what)->capture_default_str();
+  impl_->note(names, what, doc);
   return *this;
 }
 Options& Options::option(const std::string& names, double& value, const std::string& what,
                          const std::string& doc) {
   impl_->last = impl_->app->add_option(names, value, doc)->type_name(what)->capture_default_str();
+  impl_->note(names, what, doc);
   return *this;
 }
 Options& Options::option(const std::string& names, std::vector<std::string>& values, const std::string& what,
                          const std::string& doc) {
   impl_->last = impl_->app->add_option(names, values, doc)->type_name(what);
+  impl_->note(names, what, doc);
   return *this;
 }
 Options& Options::choice(const std::string& names, std::string& value,
@@ -158,23 +189,26 @@ Options& Options::choice(const std::string& names, std::string& value,
     if (std::find(choices.begin(), choices.end(), word) != choices.end()) return {};
     return "\"" + word + "\" is not a known choice" + input::suggestion(word, choices);
   });
+  impl_->note(names, "WORD", doc);
+  impl_->description.entries.back().choices = choices;
   return *this;
 }
 Options& Options::flag(const std::string& names, bool& value, const std::string& doc) {
   impl_->last = impl_->app->add_flag(names, value, doc);
+  impl_->note(names, "", doc);
   return *this;
 }
 Options& Options::required() {
   impl_->last->required();
+  impl_->description.entries.back().is_required = true;
   return *this;
 }
 Options& Options::example(const std::string& command, const std::string& what) {
-  impl_->examples.emplace_back(command, what);
+  impl_->description.examples.emplace_back(command, what);
   return *this;
 }
 
-// --- Running
-// -------------------------------------------------------------------------------------------------------
+// --- Running ---------------------------------------------------------------------------------------------
 
 int guarded(const std::function<int()>& work) {
   try {
@@ -214,6 +248,10 @@ int run(const Program& program, int argc, const char* const* argv) {
     }
     if (words[0] == "--version" || words[0] == "version") {
       fmt::print("{} {}\n", program.name, program.version);
+      return 0;
+    }
+    if (words[0] == "completion" || words[0] == "man") {
+      fmt::print("{}", words[0] == "man" ? manual_page(program) : bash_completion(program));
       return 0;
     }
     if (words[0] == "help") words = {words[1], "--help"};

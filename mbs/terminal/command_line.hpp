@@ -55,6 +55,8 @@ struct Command {
   std::string summary;
   /// Declares the options and returns what runs once they are read; its result is the exit code.
   std::function<std::function<int()>(Options&, const Talk&)> declare;
+  /// A program beside this one that reads the command's options itself; it is not asked to declare any here.
+  std::string helper{};
 };
 
 struct Program {
@@ -66,9 +68,11 @@ struct Program {
 };
 
 /// Reads the command line, runs the command and turns whatever is thrown into "error: ..." and an exit code.
+/// Every program also knows "completion" (a bash script) and "man" (its manual page), made of the same
+/// declarations.
 int run(const Program& program, int argc, const char* const* argv);
 
-/// The same for a program with a single purpose.
+/// The same for a program with a single purpose; "--list-options" prints its options for completion scripts.
 int run(const Command& command, const std::string& version, int argc, const char* const* argv);
 
 /// What run() does with exceptions: input::InputError and std::invalid_argument are bad input (2), others

@@ -90,8 +90,7 @@ std::string red(std::string_view text, bool colour) {
   return colour ? fmt::format("\033[31;1m{}\033[0m", text) : std::string(text);
 }
 
-// --- Table
-// ---------------------------------------------------------------------------------------------------------
+// --- Table -----------------------------------------------------------------------------------------------
 
 void Table::add_row(std::vector<std::string> cells) {
   cells.resize(columns_.size());
@@ -139,8 +138,7 @@ std::string Table::text(int width, bool colour) const {
   return out;
 }
 
-// --- Progress
-// ------------------------------------------------------------------------------------------------------
+// --- Progress --------------------------------------------------------------------------------------------
 
 Progress::Progress(std::FILE* stream, bool quiet)
     : Progress(stream, quiet, is_terminal(stream), steady_seconds) {}

@@ -107,6 +107,14 @@ TEST(CommandLine, RefusalsSayWhatWasMeant) {
   }
 }
 
+TEST(CommandLine, ManualPageNamesEveryOption) {
+  const std::string page = run_words({"man"}).out;
+  for (const char* words : {".TH PROG 1", ".SH PROG MESH", "\\fBFILE\\fR\npart", "\\-\\-kind \\fIWORD\\fR",
+                            "elements (tet4, tet10); default tet10", "prog mesh part.toml", "\\-\\-quiet"}) {
+    EXPECT_THAT(page, HasSubstr(words));
+  }
+}
+
 TEST(CommandLine, WhatIsThrownBecomesAMessageAndAnExitCode) {
   const auto outcome = [](auto&& failure) {
     return run_words({"mesh", "f"}, [failure]() -> int { throw failure; });

@@ -116,6 +116,24 @@ TEST_F(Flexura, BadInputIsRefusedInOneLineWithCode2) {
   refused("check " + beam_, "the file is cut short");
 }
 
+// Bash itself completes: the words typed so far, and what it would offer.
+TEST_F(Flexura, BashCompletesCommandsOptionsAndChoices) {
+  const auto offers = [&](const std::string& words, int at) {
+    const std::string script = "eval \"$(" FLEXURA_BIN_DIR "/flexura completion)\"; COMP_WORDS=(" + words +
+                               "); COMP_CWORD=" + std::to_string(at) +
+                               "; _flexura_complete; echo \"${COMPREPLY[*]}\"";
+    const auto file = folder_ / "complete.sh";
+    std::ofstream(file) << script;
+    const Outcome outcome = run_program("bash " + file.string());
+    EXPECT_EQ(outcome.err, "");
+    return outcome.out;
+  };
+  EXPECT_EQ(offers("flexura mo", 1), "modes\n");
+  EXPECT_EQ(offers("flexura modes --cl", 2), "--clamped\n");
+  EXPECT_EQ(offers("flexura export beam --format d", 4), "dmig\n");
+  EXPECT_EQ(offers("flexura modes beam", 2), "\n");  // files are bash's own business
+}
+
 // A copy of the program alone in a folder has no companion to hand over to; beside one it becomes that
 // program.
 TEST_F(Flexura, ReduceHandsOverToTheProgramBesideIt) {

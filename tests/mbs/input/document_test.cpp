@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <fstream>
+#include <random>
 
 namespace flexura::input {
 namespace {
@@ -265,6 +266,60 @@ TEST(Reference, NamesEveryKeyWithUnitRangeAndDefault) {
   EXPECT_THAT(page, HasSubstr("`[[joint]]`"));
   EXPECT_THAT(page, HasSubstr("`type = \"spring\"`"));
   EXPECT_THAT(page, HasSubstr("`[body.NAME]`"));
+}
+
+// 1500 damaged files and overrides: each is read or refused with a message that names the file,
+// nothing else.
+TEST_F(Document, DamagedFilesAreReadOrRefused) {
+  std::mt19937 generator(1);
+  const auto pick = [&](std::size_t n) {
+    return std::uniform_int_distribution<std::size_t>(0, n - 1)(generator);
+  };
+  const std::string text = good;
+  const std::vector<std::string> pieces = {"[",       "]",
+                                           "[[",      "]]",
+                                           "=",       "\"",
+                                           "'",       ".",
+                                           "\n",      "nan",
+                                           "inf",     "-",
+                                           "1e999",   "{",
+                                           "}",       "9223372036854775807",
+                                           "\xff",    std::string(1, '\0'),
+                                           "x = ",    "\"\"\"",
+                                           "#",       "mm",
+                                           "kg/(m",   "^^",
+                                           "0x",      "1979-05-27",
+                                           "[joint]", "[body]",
+                                           "true",    ","};
+  int read_well = 0, refused = 0;
+  for (int i = 0; i < 1500; ++i) {
+    std::string bad = text;
+    for (std::size_t change = 0; change <= pick(3); ++change) {
+      const std::size_t at = pick(bad.size());
+      switch (pick(4)) {
+        case 0:
+          bad.erase(at, 1 + pick(20));
+          break;
+        case 1:
+          bad.insert(at, pieces[pick(pieces.size())]);
+          break;
+        case 2:
+          bad[at] = static_cast<char>(pick(256));
+          break;
+        default:
+          bad.insert(at, bad.substr(pick(bad.size()), pick(40)));
+      }
+    }
+    std::vector<std::string> overrides;
+    if (i % 4 == 0) overrides.push_back(bad.substr(pick(bad.size()), pick(30)));
+    const std::string message = refusal(bad, overrides);
+    message == "accepted" ? ++read_well : ++refused;
+    if (message != "accepted") {
+      EXPECT_TRUE(message.starts_with("engine.toml:") || message.starts_with("command line")) << message;
+    }
+  }
+  EXPECT_GT(read_well, 10);
+  EXPECT_GT(refused, 100);
 }
 
 }  // namespace
