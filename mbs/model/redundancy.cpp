@@ -18,6 +18,9 @@ using Eigen::VectorXd;
 /// A row is dependent when what is left of it beside the kept rows is below this part of its length. Assembly
 /// leaves angles wrong by 1e-10 or so, and a true degree of restraint of 1e-7 could not be told from that.
 constexpr double dependent = 1e-7;
+/// A row is nothing at all below this part of the largest entry of G: far above round-off, and far below the
+/// ratio of lengths to angles in a mechanism some micrometres large.
+constexpr double vanishing = 1e-9;
 
 /// Orthogonalises the rows in turn, the longest remainder first (pivoting keeps the choice well conditioned),
 /// and returns the kept ones in ascending order.
@@ -70,6 +73,11 @@ std::vector<RedundantRow> Mechanism::drop_redundant(double t, ConstVectorRef p) 
   const auto scaled_G = [&](const VectorXd& at) {
     MatrixXd G(n_rows, n_v_);
     constraint_matrix(t, at, *scratch, G);
+    // What axes that are parallel but for round-off leave of a row would pass for a direction once
+    // normalised.
+    const double nothing = vanishing * G.cwiseAbs().maxCoeff();
+    for (int i = 0; i < n_rows; ++i)
+      if (G.row(i).cwiseAbs().maxCoeff() < nothing) G.row(i).setZero();
     return MatrixXd(G * scale.asDiagonal());
   };
 

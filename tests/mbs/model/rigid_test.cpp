@@ -250,7 +250,8 @@ TEST(SliderCrank, DriveTorqueIsPowerOfMotion) {
 }
 
 /// Lengths l of ground link, crank, coupler, rocker; at fold = true all lie on one line (a dead point).
-Mechanism four_bar(double ground, double crank, double coupler, double rocker) {
+Mechanism four_bar(double ground, double crank, double coupler, double rocker,
+                   const Matrix3d& tilt = Matrix3d::Identity(), double mismatch = 0.0) {
   MechanismDescription d;
   const auto inertia = [](double l) {
     return RigidInertia::from_center(l, {0.5 * l, 0, 0}, 0.1 * l * Matrix3d::Identity());
@@ -259,10 +260,12 @@ Mechanism four_bar(double ground, double crank, double coupler, double rocker) {
   const int b = d.add_body({.name = "coupler", .inertia = inertia(coupler)});
   const int c = d.add_body({.name = "rocker", .inertia = inertia(rocker)});
   const auto at = [](double l) { return Pose{Matrix3d::Identity(), {l, 0, 0}}; };
-  d.add_joint("A", "revolute", d.add_marker(0, "A"), d.add_marker(a, "A"));
+  d.add_joint("A", "revolute", d.add_marker(0, "A", {tilt, {0, 0, 0}}), d.add_marker(a, "A"));
   d.add_joint("B", "revolute", d.add_marker(a, "B", at(crank)), d.add_marker(b, "B"));
-  d.add_joint("D", "revolute", d.add_marker(0, "D", at(ground)), d.add_marker(c, "D"));
-  d.add_joint("C", "revolute", d.add_marker(b, "C", at(coupler)), d.add_marker(c, "C", at(rocker)));
+  d.add_joint("D", "revolute", d.add_marker(0, "D", Pose{tilt, {0, 0, 0}} * at(ground)),
+              d.add_marker(c, "D"));
+  d.add_joint("C", "revolute", d.add_marker(b, "C", at(coupler)),
+              d.add_marker(c, "C", {Matrix3d::Identity(), {rocker, 0, mismatch}}));
   d.joints[0].initial_coordinates[0] = 0.9;
   d.joints[2].initial_coordinates[0] = 1.2;
   d.joints[1].initial_coordinates[0] = -0.7;
@@ -282,6 +285,30 @@ TEST(FourBar, HasThreeRedundantRows) {
   for (const RedundantRow& row : redundant) names.push_back(row.name);
   EXPECT_EQ(names, (std::vector<std::string>{"C.z", "C.axis_x", "C.axis_y"}));
   constraints_are_consistent(mechanism, random_state(mechanism, 31), 32);
+}
+
+TEST(FourBar, IsRecognisedInAnyPlaneAndWithASmallMismatch) {
+  // Tilted axes leave round-off in the redundant rows, and parts made on different meshes do not meet exactly
+  // across their plane: neither makes a row independent.
+  for (unsigned seed : {1u, 2u, 3u}) {
+    Random random(seed);
+    Mechanism mechanism = four_bar(1.0, 0.4, 0.9, 0.8, rotation_exp(random.vector3(2.0)), 3e-9);
+    State s = mechanism.initial_state();
+    const auto scratch = mechanism.make_scratch();
+    // Close the two rows that can be closed.
+    VectorXd g(5), next(3);
+    MatrixXd G(5, 3);
+    for (int k = 0; k < 30; ++k) {
+      mechanism.position_constraints(0.0, s.p, *scratch, g);
+      mechanism.constraint_matrix(0.0, s.p, *scratch, G);
+      const MatrixXd G_xy = G.topRows(2);
+      const MatrixXd normal = G_xy * G_xy.transpose();
+      mechanism.retract(s.p, VectorXd(-G_xy.transpose() * normal.fullPivLu().solve(g.head(2))), next);
+      s.p = next;
+    }
+    EXPECT_EQ(mechanism.drop_redundant(0.0, s.p).size(), 3u);
+    EXPECT_EQ(mechanism.sizes().n_lambda, 2);
+  }
 }
 
 TEST(FourBar, KeepsItsRowsAtADeadPoint) {
