@@ -1,0 +1,248 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mbs/solver/linearise.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+
+#include "mbs/solver/accelerations.hpp"
+#include "mbs/solver/assemble.hpp"
+#include "mbs/solver/kinematic_blocks.hpp"
+#include "mbs/solver/saddle.hpp"
+
+namespace flexura::mbs {
+
+namespace {
+
+class Lineariser {
+ public:
+  Lineariser(const Equations& eq, const State& s) : eq_(eq), n_(eq.sizes()), s_0_(s), accelerations_(eq) {
+    accelerations_.solve(s_0_, v_dot_0_);
+    choose_coordinates();
+    keep_.keep_position.assign(n_.n_v, false);
+    for (const int i : independent_) keep_.keep_position[i] = true;
+    keep_.keep_velocity = keep_.keep_position;
+    prepare_kinematics();
+  }
+
+  LinearSystem system(const LineariseOptions& options);
+
+ private:
+  struct Sample {
+    State s;
+    Eigen::VectorXd v_dot, c_rate;
+  };
+
+  void choose_coordinates();
+  void prepare_kinematics();
+  Sample at(int column, double step);
+  Eigen::VectorXd rates(const Sample& sample) const;
+
+  const Equations& eq_;
+  Sizes n_;
+  State s_0_;
+  Eigen::VectorXd v_dot_0_, p_dot_0_;
+  AccelerationSolver accelerations_;
+  AssembleOptions keep_;
+  std::vector<int> independent_;
+  Eigen::MatrixXd M_, G_, N_, T_inverse_, T_dot_;
+};
+
+void Lineariser::choose_coordinates() {
+  auto scratch = eq_.make_scratch();
+  M_.setZero(n_.n_v, n_.n_v);
+  G_.setZero(n_.n_lambda, n_.n_v);
+  eq_.mass_matrix(s_0_.p, *scratch, M_);
+  eq_.constraint_matrix(s_0_.t, s_0_.p, *scratch, G_);
+  Eigen::VectorXd D(n_.n_v);
+  for (int i = 0; i < n_.n_v; ++i) D(i) = M_(i, i) > 0.0 ? 1.0 / std::sqrt(M_(i, i)) : 1.0;
+  Eigen::MatrixXd Q = Eigen::MatrixXd::Identity(n_.n_v, n_.n_v);
+  if (n_.n_lambda > 0) {
+    Eigen::MatrixXd GD = (G_ * D.asDiagonal()).transpose();
+    for (int k = 0; k < n_.n_lambda; ++k)
+      if (const double norm = GD.col(k).norm(); norm > 0.0) GD.col(k) /= norm;
+    Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(GD);
+    qr.setThreshold(1e-10);
+    Q = (qr.householderQ() * Eigen::MatrixXd::Identity(n_.n_v, n_.n_v)).rightCols(n_.n_v - qr.rank()).eval();
+  }
+  const auto n_z = Q.cols();
+  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> pivots(Q.transpose());
+  for (Eigen::Index k = 0; k < n_z; ++k)
+    independent_.push_back(static_cast<int>(pivots.colsPermutation().indices()(k)));
+  std::sort(independent_.begin(), independent_.end());
+  Q = D.asDiagonal() * Q;
+  Eigen::MatrixXd Q_i(n_z, n_z);
+  for (Eigen::Index k = 0; k < n_z; ++k) Q_i.row(k) = Q.row(independent_[k]);
+  if (n_z > 0)
+    N_ = Q * Q_i.partialPivLu().inverse();
+  else
+    N_.setZero(n_.n_v, 0);
+}
+
+void Lineariser::prepare_kinematics() {
+  // dq = T^+ dp; with v != 0 also dT/dt, for the rate of dq in the moving coordinates.
+  KinematicBlocks kinematics(eq_, s_0_.p);
+  p_dot_0_.setZero(n_.n_p);
+  eq_.kinematic(s_0_.p, s_0_.v, p_dot_0_);
+  T_inverse_.setZero(n_.n_v, n_.n_p);
+  T_dot_.setZero(n_.n_p, n_.n_v);
+  const double dt = 1e-5;
+  auto scatter = [&](double sign) {
+    kinematics.update(s_0_.p + sign * dt * p_dot_0_, s_0_.v);
+    for (const auto& b : kinematics.blocks())
+      for (std::size_t i = 0; i < b.p.size(); ++i)
+        for (std::size_t j = 0; j < b.v.size(); ++j) T_dot_(b.p[i], b.v[j]) += sign * b.T(i, j) / (2 * dt);
+  };
+  scatter(1.0);
+  scatter(-1.0);
+  kinematics.update(s_0_.p, s_0_.v);
+  for (const auto& b : kinematics.blocks()) {
+    if (b.v.empty()) continue;
+    const Eigen::MatrixXd inverse = b.T.completeOrthogonalDecomposition().pseudoInverse();
+    for (std::size_t i = 0; i < b.p.size(); ++i)
+      for (std::size_t j = 0; j < b.v.size(); ++j) T_inverse_(b.v[j], b.p[i]) = inverse(j, i);
+  }
+}
+
+Lineariser::Sample Lineariser::at(int column, double step) {
+  const int n_z = static_cast<int>(independent_.size());
+  Sample out;
+  out.s = s_0_;
+  if (column < n_z) {
+    Eigen::VectorXd p(n_.n_p);
+    eq_.retract(s_0_.p, step * N_.col(column), p);
+    out.s.p = p;
+    assemble_positions(eq_, out.s, keep_);
+  } else if (column < 2 * n_z) {
+    out.s.v += step * N_.col(column - n_z);
+  } else {
+    out.s.c(column - 2 * n_z) += step;
+  }
+  AssembleReport ignored;
+  assemble_velocities(eq_, out.s, keep_, ignored);
+  accelerations_.solve(out.s, out.v_dot);
+  out.c_rate = accelerations_.c_rate();
+  return out;
+}
+
+// Rates of (z, z', c) relative to those of the linearisation state.
+Eigen::VectorXd Lineariser::rates(const Sample& sample) const {
+  const int n_z = static_cast<int>(independent_.size());
+  Eigen::VectorXd p_dot(n_.n_p), out(2 * n_z + n_.n_dyn);
+  eq_.kinematic(sample.s.p, sample.s.v, p_dot);
+  const Eigen::VectorXd dq = T_inverse_ * (sample.s.p - s_0_.p);
+  const Eigen::VectorXd dq_dot = T_inverse_ * (p_dot - p_dot_0_ - T_dot_ * dq);
+  for (int k = 0; k < n_z; ++k) {
+    out(k) = dq_dot(independent_[k]);
+    out(n_z + k) = sample.v_dot(independent_[k]) - v_dot_0_(independent_[k]);
+  }
+  out.tail(n_.n_dyn) = sample.c_rate;
+  return out;
+}
+
+LinearSystem Lineariser::system(const LineariseOptions& options) {
+  const int n_z = static_cast<int>(independent_.size()), n_x = 2 * n_z + n_.n_dyn;
+  LinearSystem out;
+  out.independent = independent_;
+  out.N = N_;
+  out.x_0.setZero(n_x);
+  for (int k = 0; k < n_z; ++k) {
+    out.states.push_back(eq_.name_of_velocity(independent_[k]));
+    out.x_0(n_z + k) = s_0_.v(independent_[k]);
+  }
+  const Eigen::VectorXd q_0 = T_inverse_ * s_0_.p;
+  for (int k = 0; k < n_z; ++k) {
+    out.x_0(k) = q_0(independent_[k]);
+    out.states.push_back("d/dt " + eq_.name_of_velocity(independent_[k]));
+  }
+  for (int k = 0; k < n_.n_dyn; ++k) {
+    out.states.push_back(eq_.name_of_dynamic(k));
+    out.x_0(2 * n_z + k) = s_0_.c(k);
+  }
+  if (options.outputs) {
+    out.y_0 = options.outputs(s_0_, v_dot_0_);
+    out.outputs = options.output_names;
+  }
+  out.A.setZero(n_x, n_x);
+  out.C.setZero(out.y_0.size(), n_x);
+  for (int j = 0; j < n_x; ++j) {
+    // Central differences: eps^(1/3) of the typical size.
+    const double size =
+        j < 2 * n_z ? eq_.velocity_scale(independent_[j % n_z]) : std::max(1.0, std::abs(out.x_0(j)));
+    const double step = 1e-5 * size;
+    const Sample up = at(j, step), down = at(j, -step);
+    out.A.col(j) = (rates(up) - rates(down)) / (2.0 * step);
+    if (options.outputs)
+      out.C.col(j) = (options.outputs(up.s, up.v_dot) - options.outputs(down.s, down.v_dot)) / (2.0 * step);
+  }
+  // A unit force on a coordinate changes the accelerations by the saddle-point system's first block.
+  const int n_u = static_cast<int>(options.inputs.size());
+  out.B.setZero(n_x, n_u);
+  out.D.setZero(out.y_0.size(), n_u);
+  out.u_0.setZero(n_u);
+  SaddleSolver saddle;
+  if (n_u > 0) saddle.factor(eq_, M_, G_);
+  for (int k = 0; k < n_u; ++k) {
+    Eigen::VectorXd a, lambda;
+    saddle.solve(Eigen::VectorXd::Unit(n_.n_v, options.inputs[k]), Eigen::VectorXd::Zero(n_.n_lambda), a,
+                 lambda);
+    for (int i = 0; i < n_z; ++i) out.B(n_z + i, k) = a(independent_[i]);
+    out.inputs.push_back("force on " + eq_.name_of_velocity(options.inputs[k]));
+    if (options.outputs) {
+      // Outputs see accelerations and reactions linearly.
+      State loaded = s_0_;
+      loaded.lambda += lambda;
+      out.D.col(k) = options.outputs(loaded, v_dot_0_ + a) - out.y_0;
+    }
+  }
+  return out;
+}
+
+}  // namespace
+
+LinearSystem linearise(const Equations& eq, const State& s, const LineariseOptions& options) {
+  return Lineariser(eq, s).system(options);
+}
+
+std::vector<NaturalMode> natural_modes(const LinearSystem& system) {
+  const Eigen::EigenSolver<Eigen::MatrixXd> solver(system.A);
+  const auto n_z = static_cast<Eigen::Index>(system.independent.size());
+  std::vector<NaturalMode> modes;
+  for (Eigen::Index i = 0; i < system.A.rows(); ++i) {
+    const std::complex<double> value = solver.eigenvalues()(i);
+    if (value.imag() < 0.0) continue;
+    NaturalMode mode;
+    mode.eigenvalue = value;
+    mode.frequency_hz = value.imag() / (2.0 * M_PI);
+    mode.damping = std::abs(value) > 0.0 ? -value.real() / std::abs(value) : 0.0;
+    mode.shape = system.N.cast<std::complex<double>>() * solver.eigenvectors().col(i).head(n_z);
+    Eigen::Index largest = 0;
+    if (mode.shape.size() > 0 && mode.shape.cwiseAbs().maxCoeff(&largest) > 0.0)
+      mode.shape /= mode.shape(largest);
+    modes.push_back(std::move(mode));
+  }
+  std::stable_sort(modes.begin(), modes.end(), [](const NaturalMode& a, const NaturalMode& b) {
+    return std::abs(a.eigenvalue.imag()) != std::abs(b.eigenvalue.imag())
+               ? std::abs(a.eigenvalue.imag()) < std::abs(b.eigenvalue.imag())
+               : a.eigenvalue.real() < b.eigenvalue.real();
+  });
+  return modes;
+}
+
+std::vector<Eigen::MatrixXcd> frequency_response(const LinearSystem& system,
+                                                 const Eigen::VectorXd& frequencies_hz) {
+  std::vector<Eigen::MatrixXcd> out;
+  const Eigen::MatrixXcd A = system.A.cast<std::complex<double>>();
+  for (const double f : frequencies_hz) {
+    Eigen::MatrixXcd dynamic = -A;
+    dynamic.diagonal().array() += std::complex<double>(0.0, 2.0 * M_PI * f);
+    out.push_back(system.C.cast<std::complex<double>>() *
+                      dynamic.partialPivLu().solve(system.B.cast<std::complex<double>>()) +
+                  system.D.cast<std::complex<double>>());
+  }
+  return out;
+}
+
+}  // namespace flexura::mbs
