@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include "mbs/app/commands.hpp"
+#include "mbs/app/mechanism_runs.hpp"
 #include "mbs/superelement/file.hpp"
 #include "mbs/superelement/modes.hpp"
 #include "mbs/terminal/terminal.hpp"
@@ -74,13 +75,15 @@ int check_superelement(const std::string& file, const terminal::Talk& talk) {
 }  // namespace
 
 terminal::Command check_command() {
-  return {"check", "validate a superelement and say what it holds",
+  return {"check", "validate a superelement or a mechanism and say what it holds",
           [](terminal::Options& options, const terminal::Talk& talk) -> std::function<int()> {
             auto file = std::make_shared<std::string>();
-            options.argument("FILE", *file, "superelement file (.h5)")
+            options.argument("FILE", *file, "superelement file (.h5) or mechanism file (.toml)")
                 .example("flexura check conrod.se.h5",
                          "checksums, symmetry, rigid motions, mass; interfaces and figures");
-            return [file, &talk] { return check_superelement(*file, talk); };
+            return [file, &talk] {
+              return file->ends_with(".toml") ? check_mechanism(*file, talk) : check_superelement(*file, talk);
+            };
           }};
 }
 

@@ -12,10 +12,13 @@ namespace flexura::app {
 
 terminal::Command assemble_command();
 terminal::Command check_command();
+terminal::Command eigen_command();
 terminal::Command export_command();
+terminal::Command linearize_command();
 terminal::Command modes_command();
 terminal::Command reduce_command();
 terminal::Command simulate_command();
+terminal::Command statics_command();
 terminal::Command view_command();
 
 std::vector<terminal::Command> all_commands();

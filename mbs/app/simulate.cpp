@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "mbs/app/commands.hpp"
+#include "mbs/app/mechanism_runs.hpp"
 #include "mbs/input/units.hpp"
 #include "mbs/results/results.hpp"
 #include "mbs/solver/prepare.hpp"
@@ -22,9 +23,8 @@ using mbs::RunResult;
 using terminal::Align;
 using terminal::number;
 
-struct Arguments {
-  std::string file, output, end_time;
-  std::vector<std::string> set, runs;
+struct Arguments : MechanismArguments {
+  std::string output, end_time;
   bool csv = false;
 };
 
@@ -47,31 +47,6 @@ class InterruptGuard {
  private:
   void (*before_)(int);
 };
-
-struct NamedRun {
-  std::string name;
-  PreparedMechanism prepared;
-};
-
-std::vector<NamedRun> prepare_runs(const Arguments& arguments) {
-  const mbs::MechanismFile file = mbs::read_mechanism(arguments.file, mbs::solver_schema(), arguments.set);
-  std::vector<std::string> known;
-  for (const mbs::RunDescription& run : file.runs) known.push_back(run.name);
-  for (const std::string& wanted : arguments.runs)
-    if (std::ranges::find(known, wanted) == known.end())
-      throw std::invalid_argument(fmt::format("{}: there is no run \"{}\"{}", arguments.file, wanted,
-                                              input::suggestion(wanted, known)));
-  std::vector<NamedRun> runs;
-  for (const mbs::RunDescription& run : file.runs) {
-    if (!arguments.runs.empty() && std::ranges::find(arguments.runs, run.name) == arguments.runs.end())
-      continue;
-    // What stands on the command line has the last word.
-    std::vector<std::string> overrides = run.overrides;
-    overrides.insert(overrides.end(), arguments.set.begin(), arguments.set.end());
-    runs.push_back({run.name, mbs::prepare(arguments.file, overrides)});
-  }
-  return runs;
-}
 
 results::ModelHeader model_header(const std::vector<NamedRun>& runs, const Arguments& arguments) {
   const mbs::Mechanism& first = *runs.front().prepared.mechanism;
@@ -318,12 +293,10 @@ terminal::Command simulate_command() {
   return {"simulate", "simulate a mechanism",
           [](terminal::Options& options, const terminal::Talk& talk) -> std::function<int()> {
             auto a = std::make_shared<Arguments>();
-            options.argument("FILE", a->file, "mechanism file (.toml)")
+            declare_mechanism(options, *a);
+            options
                 .option("-o,--output", a->output, "FILE",
                         "results file (default: the mechanism file's name with .h5)")
-                .option("--set", a->set, "KEY=VALUE",
-                        "override a key of the file, as in body.rod.fidelity=rigid")
-                .option("--run", a->runs, "NAME", "only these of the file's runs")
                 .option("--end-time", a->end_time, "TIME", "short for --set solver.end_time=TIME")
                 .flag("--csv", a->csv, "write a table of each run beside the results")
                 .example("flexura simulate engine.toml -o engine.h5", "all runs of the file")
@@ -337,10 +310,9 @@ terminal::Command assemble_command() {
   return {"assemble", "close a mechanism's loops and print where it stands",
           [](terminal::Options& options, const terminal::Talk& talk) -> std::function<int()> {
             auto a = std::make_shared<Arguments>();
-            options.argument("FILE", a->file, "mechanism file (.toml)")
-                .option("--set", a->set, "KEY=VALUE", "override a key of the file")
-                .option("--run", a->runs, "NAME", "only these of the file's runs")
-                .example("flexura assemble engine.toml", "positions, velocities, accelerations, multipliers");
+            declare_mechanism(options, *a);
+            options.example("flexura assemble engine.toml",
+                            "positions, velocities, accelerations, multipliers");
             return [a, &talk] { return print_assembled(*a, talk); };
           }};
 }

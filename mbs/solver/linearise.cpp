@@ -47,6 +47,7 @@ class Lineariser {
   AccelerationSolver accelerations_;
   AssembleOptions keep_;
   std::vector<int> independent_;
+  std::vector<std::string> coordinate_name_;  ///< of each velocity coordinate's integral
   Eigen::MatrixXd M_, G_, N_, T_inverse_, T_dot_;
 };
 
@@ -98,8 +99,12 @@ void Lineariser::prepare_kinematics() {
   scatter(1.0);
   scatter(-1.0);
   kinematics.update(s_0_.p, s_0_.v);
+  coordinate_name_.resize(n_.n_v);
   for (const auto& b : kinematics.blocks()) {
     if (b.v.empty()) continue;
+    for (const int j : b.v)
+      coordinate_name_[j] =
+          b.p.size() == 1 ? eq_.name_of_position(b.p[0]) : "integral of " + eq_.name_of_velocity(j);
     const Eigen::MatrixXd inverse = b.T.completeOrthogonalDecomposition().pseudoInverse();
     for (std::size_t i = 0; i < b.p.size(); ++i)
       for (std::size_t j = 0; j < b.v.size(); ++j) T_inverse_(b.v[j], b.p[i]) = inverse(j, i);
@@ -149,13 +154,13 @@ LinearSystem Lineariser::system(const LineariseOptions& options) {
   out.N = N_;
   out.x_0.setZero(n_x);
   for (int k = 0; k < n_z; ++k) {
-    out.states.push_back(eq_.name_of_velocity(independent_[k]));
+    out.states.push_back(coordinate_name_[independent_[k]]);
     out.x_0(n_z + k) = s_0_.v(independent_[k]);
   }
   const Eigen::VectorXd q_0 = T_inverse_ * s_0_.p;
   for (int k = 0; k < n_z; ++k) {
     out.x_0(k) = q_0(independent_[k]);
-    out.states.push_back("d/dt " + eq_.name_of_velocity(independent_[k]));
+    out.states.push_back(eq_.name_of_velocity(independent_[k]));
   }
   for (int k = 0; k < n_.n_dyn; ++k) {
     out.states.push_back(eq_.name_of_dynamic(k));

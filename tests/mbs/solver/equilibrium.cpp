@@ -93,7 +93,8 @@ TEST(Linearise, ConstrainedPendulumSwingsWithRootGOverLAndFallsFromTheTop) {
   s.p << 0.0, -1.0;
   auto system = linearise(m, s);
   ASSERT_EQ(system.A.rows(), 2);
-  EXPECT_EQ(system.states[0], "v0");  // x is the free coordinate, y follows
+  EXPECT_EQ(system.states[0], "p0");  // x is the free coordinate, y follows
+  EXPECT_EQ(system.states[1], "v0");
   auto modes = natural_modes(system);
   ASSERT_EQ(modes.size(), 1u);
   // Differences of 1e-5: truncation 1e-10, round-off 1e-11.

@@ -1,0 +1,67 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "mbs/app/mechanism_runs.hpp"
+#include "mbs/terminal/terminal.hpp"
+
+namespace flexura::app {
+
+int check_mechanism(const std::string& file, const terminal::Talk& talk) {
+  const std::vector<NamedRun> runs = prepare_runs({file, {}, {}});
+  if (talk.quiet) return 0;
+  const bool colour = terminal::takes_colour(stdout);
+  for (const NamedRun& run : runs) {
+    const mbs::PreparedMechanism& p = run.prepared;
+    const mbs::Mechanism& m = *p.mechanism;
+    const mbs::MechanismDescription& d = m.description();
+    const mbs::Sizes n = m.sizes();
+    fmt::print("{}\n\n", terminal::bold(fmt::format("{}, run {}", p.file.name, run.name), colour));
+    terminal::Table counts({{"count", terminal::Align::left}, {"value"}});
+    const int n_jnt = n.n_v - n.n_flx;
+    counts.add_row({"joint coordinates n_jnt", fmt::format("{}", n_jnt)});
+    counts.add_row({"modal coordinates n_flx", fmt::format("{}", n.n_flx)});
+    counts.add_row({"dynamic states n_dyn", fmt::format("{}", n.n_dyn)});
+    counts.add_row({"algebraic states n_alg", fmt::format("{}", n.n_alg)});
+    counts.add_row({"independent constraints n_lambda", fmt::format("{}", n.n_lambda)});
+    counts.add_row({"redundant constraints", fmt::format("{}", p.redundant.size())});
+    counts.add_row({"switches", fmt::format("{}", n.n_root)});
+    counts.add_row({"redundant orientation parameters", fmt::format("{}", n.n_p - n.n_v)});
+    counts.add_row(
+        {"n_DOF = n_jnt + n_flx + n_dyn - n_lambda", fmt::format("{}", n.n_v + n.n_dyn - n.n_lambda)});
+    counts.add_row({"n_Eq = 2 (n_jnt + n_flx) + n_dyn + n_alg + n_lambda",
+                    fmt::format("{}", 2 * n.n_v + n.n_dyn + n.n_alg + n.n_lambda)});
+    fmt::print("{}\n", counts.text(terminal::width(stdout), colour));
+    terminal::Table joints({{"joint", terminal::Align::left},
+                            {"type", terminal::Align::left},
+                            {"is a", terminal::Align::left},
+                            {"because", terminal::Align::left}});
+    for (std::size_t j = 0; j < d.joints.size(); ++j) {
+      const bool tree = m.in_tree(static_cast<int>(j));
+      joints.add_row({d.joints[j].name, std::string(d.joints[j].joint->type()),
+                      tree ? "tree joint" : "constraint",
+                      tree              ? "it leads to its body"
+                      : d.joints[j].cut ? "the file cuts it"
+                                        : "it closes a loop"});
+    }
+    fmt::print("{}\n", joints.text(terminal::width(stdout), colour));
+    if (!p.redundant.empty()) {
+      fmt::print("Redundant constraints, left out (reactions of the rows named with them are not unique):\n");
+      for (const mbs::RedundantRow& row : p.redundant)
+        fmt::print("  {} follows from {}\n", row.name,
+                   row.follows_from.empty() ? "nothing: it restrains no motion"
+                                            : fmt::format("{}", fmt::join(row.follows_from, ", ")));
+      fmt::print("\n");
+    }
+    terminal::Table states({{"state", terminal::Align::left}, {"position"}, {"velocity"}});
+    for (int i = 0; i < n.n_v; ++i)
+      states.add_row({m.name_of_velocity(i),
+                      n.n_p == n.n_v ? terminal::number(p.state.p(i), 7) : std::string("see assemble"),
+                      terminal::number(p.state.v(i), 7)});
+    fmt::print("{}\n", states.text(terminal::width(stdout), colour));
+    for (const std::string& note : p.notes) fmt::print("note: {}\n", note);
+  }
+  return 0;
+}
+
+}  // namespace flexura::app

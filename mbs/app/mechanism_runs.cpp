@@ -1,0 +1,37 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mbs/app/mechanism_runs.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace flexura::app {
+
+void declare_mechanism(terminal::Options& options, MechanismArguments& arguments) {
+  options.argument("FILE", arguments.file, "mechanism file (.toml)")
+      .option("--set", arguments.set, "KEY=VALUE",
+              "override a key of the file, as in body.rod.fidelity=rigid")
+      .option("--run", arguments.runs, "NAME", "only these of the file's runs");
+}
+
+std::vector<NamedRun> prepare_runs(const MechanismArguments& arguments) {
+  const mbs::MechanismFile file = mbs::read_mechanism(arguments.file, mbs::solver_schema(), arguments.set);
+  std::vector<std::string> known;
+  for (const mbs::RunDescription& run : file.runs) known.push_back(run.name);
+  for (const std::string& wanted : arguments.runs)
+    if (std::ranges::find(known, wanted) == known.end())
+      throw std::invalid_argument(fmt::format("{}: there is no run \"{}\"{}", arguments.file, wanted,
+                                              input::suggestion(wanted, known)));
+  std::vector<NamedRun> runs;
+  for (const mbs::RunDescription& run : file.runs) {
+    if (!arguments.runs.empty() && std::ranges::find(arguments.runs, run.name) == arguments.runs.end())
+      continue;
+    // What stands on the command line has the last word.
+    std::vector<std::string> overrides = run.overrides;
+    overrides.insert(overrides.end(), arguments.set.begin(), arguments.set.end());
+    runs.push_back({run.name, mbs::prepare(arguments.file, overrides)});
+  }
+  return runs;
+}
+
+}  // namespace flexura::app

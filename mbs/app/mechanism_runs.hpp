@@ -1,0 +1,32 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "mbs/solver/prepare.hpp"
+#include "mbs/terminal/command_line.hpp"
+
+/// What all commands on mechanism files share.
+namespace flexura::app {
+
+struct MechanismArguments {
+  std::string file;
+  std::vector<std::string> set, runs;
+};
+
+void declare_mechanism(terminal::Options& options, MechanismArguments& arguments);
+
+struct NamedRun {
+  std::string name;
+  mbs::PreparedMechanism prepared;
+};
+
+/// The runs that the file names and the user chose, each assembled.  Throws std::invalid_argument for a run
+/// that is not there.
+std::vector<NamedRun> prepare_runs(const MechanismArguments& arguments);
+
+/// `flexura check` of a mechanism file.
+int check_mechanism(const std::string& file, const terminal::Talk& talk);
+
+}  // namespace flexura::app
