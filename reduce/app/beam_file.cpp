@@ -38,11 +38,11 @@ TableSchema section_schema() {
       .doc = "A cross-section: x along the member, y its width, z its height. The numbers are SIMBEAM's."};
   s.selector = "type";
   s.keys = {
-      input::choice(
-          "type",
-          {"circle", "hollow_circle", "rectangle", "hollow_rectangle", "ellipse", "hollow_ellipse", "basic",
-           "advanced", "matrix"},
-          "1, 2, 4, 5, 6, 7: standard shapes; 10 General Basic; 11 General Advanced; 12 Matrix Input")
+      input::choice("type",
+                    {"circle", "hollow_circle", "rectangle", "hollow_rectangle", "ellipse", "hollow_ellipse",
+                     "basic", "advanced", "matrix", "file"},
+                    "1, 2, 4, 5, 6, 7: standard shapes; 10 General Basic; 11 General Advanced; 12 Matrix "
+                    "Input; file: what --section wrote")
           .required(),
       input::text("material", "name of a material; may be left out where there is only one"),
       input::choice("shear_factor", {"default", "cowper", "hutchinson", "zero_poisson", "rigid"},
@@ -100,7 +100,28 @@ TableSchema section_schema() {
           input::matrix("stiffness", "6x6, order N, V_y, V_z, T, M_y, M_z, in N, N m, N m^2").required(),
           input::matrix("mass", "6x6, order of u_x, u_y, u_z, theta_x, theta_y, theta_z, in kg/m, kg, kg m")
               .required()}};
+  s.variants["file"] = {.name = "section file",
+                        .keys = {input::text("file", "section file, relative to the part file").required()}};
   return s;
+}
+
+// What section_result (section_file.cpp) writes.
+const TableSchema& result_schema() {
+  static const TableSchema schema = [] {
+    TableSchema s{.name = "section", .doc = "A solved section."};
+    s.keys = {input::quantity("I_t", dim::area_moment, "torsion constant").required(),
+              input::quantity("I_w", {{6, 0, 0, 0}}, "warping constant").required(),
+              input::quantity("young", dim::pressure, "reference").required(),
+              input::quantity("shear", dim::pressure, "reference").required(),
+              input::flag("open_thin_walled", "open and thin-walled").required(),
+              input::quantity("y_cs", dim::length, "shear centre").required(),
+              input::quantity("z_cs", dim::length, "shear centre").required(),
+              input::matrix("stiffness", "6x6").required(),
+              input::matrix("mass", "6x6").required(),
+              input::matrix("outline", "rows [y, z] in m")};
+    return s;
+  }();
+  return schema;
 }
 
 TableSchema member_schema() {
@@ -202,6 +223,21 @@ beam::Matrix6d matrix6(const Section& in, const std::string& key) {
   return matrix;
 }
 
+beam::Section read_solved_section(const std::string& name, const std::filesystem::path& file) {
+  const Section in = input::read_document(file, result_schema());
+  beam::Section section = beam::matrix_section(name, matrix6(in, "stiffness"), matrix6(in, "mass"));
+  section.I_w = in.quantity("I_w");
+  section.open_thin_walled = in.flag("open_thin_walled");
+  section.material = beam::Material{name, in.quantity("young"), in.quantity("shear"), 0.0};
+  beam::Constants constants;  // for the warning of restrained warping
+  constants.I_t = in.quantity("I_t");
+  constants.A_sy = 1.0 / (section.material->G * section.f(beam::V_y, beam::V_y));
+  constants.A_sz = 1.0 / (section.material->G * section.f(beam::V_z, beam::V_z));
+  section.constants = constants;
+  if (in.has("outline")) section.outline = {in.matrix("outline")};
+  return section;
+}
+
 beam::SectionEntry read_section(const std::string& name, const Section& in,
                                 const std::vector<beam::Material>& materials, const Names& material_names) {
   const std::string type = in.text("type"), factor = in.text("shear_factor");
@@ -220,6 +256,10 @@ beam::SectionEntry read_section(const std::string& name, const Section& in,
   if (type == "hollow_ellipse")
     entry.shape = beam::HollowEllipse{q("width"), q("height"), q("inner_width"), q("inner_height")};
   try {
+    if (type == "file") {
+      entry.section = read_solved_section(name, in.file("file"));
+      return entry;
+    }
     if (type == "matrix") {
       entry.section = beam::matrix_section(name, matrix6(in, "stiffness"), matrix6(in, "mass"));
     } else {

@@ -3,6 +3,7 @@
 // flexura-reduce: turns a CAD part into a superelement.  `flexura reduce` hands over to it.
 #include <fmt/format.h>
 
+#include <fstream>
 #include <iostream>
 
 #include "mbs/input/document.hpp"
@@ -12,6 +13,7 @@
 #include "reduce/app/part_file.hpp"
 #include "reduce/app/reduce_beam_part.hpp"
 #include "reduce/app/reduce_part.hpp"
+#include "reduce/app/section_file.hpp"
 
 namespace {
 
@@ -21,8 +23,32 @@ struct Arguments {
   std::string input, output, report, mesh_size;
   std::vector<std::string> overrides;
   int modes = -1, beam_modes = 0;
-  bool list_faces = false, schema = false, schema_beams = false;
+  bool list_faces = false, schema = false, schema_beams = false, section = false, schema_section = false;
 };
+
+// Writes beside and renames, so that no half-written file is left.
+void write_file(const std::filesystem::path& file, const std::string& text) {
+  std::filesystem::path beside = file;
+  beside += ".part";
+  std::ofstream out(beside);
+  out << text;
+  out.close();
+  if (!out) throw std::runtime_error(file.string() + " cannot be written");
+  std::filesystem::rename(beside, file);
+}
+
+void solve_section(const Arguments& arguments, const terminal::Talk& talk) {
+  const beam::SectionProperties section =
+      reduce::solve(reduce::read_section_file(arguments.input, arguments.overrides));
+  if (!talk.quiet) reduce::print_section(section, std::cout);
+  std::filesystem::path output = arguments.output;
+  if (output.empty()) output = std::filesystem::path(arguments.input).replace_extension(".section");
+  write_file(output, reduce::section_result(section));
+  std::filesystem::path drawing = output;
+  drawing.replace_extension(".svg");
+  write_file(drawing, reduce::section_svg(section));
+  if (!talk.quiet) fmt::print("wrote {} and {}\n", output.string(), drawing.string());
+}
 
 int reduce_with(const Arguments& arguments, const terminal::Talk& talk) {
   if (arguments.schema) {
@@ -33,7 +59,15 @@ int reduce_with(const Arguments& arguments, const terminal::Talk& talk) {
     std::cout << input::reference_page(reduce::beam_schema());
     return 0;
   }
+  if (arguments.schema_section) {
+    std::cout << input::reference_page(reduce::section_file_schema());
+    return 0;
+  }
   if (arguments.input.empty()) throw input::InputError("no part file given; see flexura reduce --help");
+  if (arguments.section) {
+    solve_section(arguments, talk);
+    return 0;
+  }
   if (arguments.list_faces) {
     reduce::print_faces(arguments.input, std::cout);
     return 0;
@@ -70,6 +104,11 @@ std::function<int()> declare(terminal::Options& options, const terminal::Talk& t
       .option("--report", arguments->report, "FILE", "also write the reduction's report as JSON")
       .flag("--list-faces", arguments->list_faces, "list the solids and faces of the part, then stop")
       .flag("--schema", arguments->schema, "print the part file's reference page, then stop")
+      .flag("--section", arguments->section,
+            "PART is a cross-section: print its constants, write FILE (default: PART.section) and a drawing, "
+            "then stop")
+      .flag("--schema-section", arguments->schema_section,
+            "print the section file's reference page, then stop")
       .flag("--schema-beams", arguments->schema_beams, "print the beam part file's reference page, then stop")
       .example("flexura reduce --list-faces bracket.step", "what an interface can be chosen from")
       .example("flexura reduce conrod.toml -o conrod.se.h5", "mesh, reduce, write")

@@ -1,0 +1,44 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <filesystem>
+#include <iosfwd>
+#include <string>
+#include <vector>
+
+#include "beam/section/solver.hpp"
+#include "mbs/input/schema.hpp"
+#include "mesh/gmsh/planar.hpp"
+
+/// `flexura reduce --section FILE`: any cross-section from polygons with holes, thin walls or a planar CAD
+/// face, meshed by gmsh and solved (beam/section/solver.hpp).  Reference page: `flexura reduce
+/// --schema-section`.
+namespace flexura::reduce {
+
+struct SectionInput {
+  std::string name;
+  mesh::PlanarOptions planar;
+  std::vector<beam::Ply> plies;  ///< of each region; one for all faces of a CAD file
+};
+
+const input::TableSchema& section_file_schema();
+
+/// Throws input::InputError.
+SectionInput read_section_file(const std::filesystem::path& file,
+                               const std::vector<std::string>& overrides = {});
+
+/// Walls of a thin-walled section: each segment of the mid-line a rectangle, lengthened at corners to the
+/// mitre.
+std::vector<mesh::PlaneRegion> wall_regions(const mesh::PlaneLoop& midline, double thickness);
+
+beam::SectionProperties solve(const SectionInput& input);
+
+void print_section(const beam::SectionProperties& properties, std::ostream& out);
+
+/// A TOML file for `type = "file"` in a beam part: stiffness, mass, what warnings need, the outline.
+std::string section_result(const beam::SectionProperties& properties);
+
+/// A drawing with the outline, the centres and the principal axes.
+std::string section_svg(const beam::SectionProperties& properties);
+
+}  // namespace flexura::reduce
