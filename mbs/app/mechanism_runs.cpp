@@ -7,8 +7,13 @@
 
 namespace flexura::app {
 
-void declare_mechanism(terminal::Options& options, MechanismArguments& arguments) {
-  options.argument("FILE", arguments.file, "mechanism file (.toml)")
+void declare_mechanism(terminal::Options& options, MechanismArguments& arguments, bool needs_file) {
+  if (needs_file) {
+    options.argument("FILE", arguments.file, "mechanism file (.toml)");
+  } else {
+    options.optional_argument("FILE", arguments.file, "mechanism file (.toml)");
+  }
+  options
       .option("--set", arguments.set, "KEY=VALUE",
               "override a key of the file, as in body.rod.fidelity=rigid")
       .option("--run", arguments.runs, "NAME", "only these of the file's runs");

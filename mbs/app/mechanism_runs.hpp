@@ -15,7 +15,7 @@ struct MechanismArguments {
   std::vector<std::string> set, runs;
 };
 
-void declare_mechanism(terminal::Options& options, MechanismArguments& arguments);
+void declare_mechanism(terminal::Options& options, MechanismArguments& arguments, bool needs_file = true);
 
 struct NamedRun {
   std::string name;

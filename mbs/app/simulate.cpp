@@ -25,7 +25,7 @@ using terminal::number;
 
 struct Arguments : MechanismArguments {
   std::string output, end_time;
-  bool csv = false;
+  bool csv = false, schema = false;
 };
 
 volatile std::sig_atomic_t interrupted = 0;
@@ -205,6 +205,11 @@ void print_summary(
 }
 
 int simulate(Arguments arguments, const terminal::Talk& talk) {
+  if (arguments.schema) {
+    fmt::print("{}", input::reference_page(mbs::mechanism_schema(mbs::solver_schema())));
+    return 0;
+  }
+  if (arguments.file.empty()) throw input::InputError("no mechanism file given; see flexura simulate --help");
   if (arguments.output.empty())
     arguments.output = std::filesystem::path(arguments.file).stem().string() + ".h5";
   if (!arguments.end_time.empty()) arguments.set.push_back("solver.end_time=" + arguments.end_time);
@@ -293,12 +298,13 @@ terminal::Command simulate_command() {
   return {"simulate", "simulate a mechanism",
           [](terminal::Options& options, const terminal::Talk& talk) -> std::function<int()> {
             auto a = std::make_shared<Arguments>();
-            declare_mechanism(options, *a);
+            declare_mechanism(options, *a, false);
             options
                 .option("-o,--output", a->output, "FILE",
                         "results file (default: the mechanism file's name with .h5)")
                 .option("--end-time", a->end_time, "TIME", "short for --set solver.end_time=TIME")
                 .flag("--csv", a->csv, "write a table of each run beside the results")
+                .flag("--schema", a->schema, "print the mechanism file's reference page, then stop")
                 .example("flexura simulate engine.toml -o engine.h5", "all runs of the file")
                 .example("flexura simulate engine.toml --run rigid --set solver.tolerance=1e-8 --csv",
                          "one run, more accurate, with a table");

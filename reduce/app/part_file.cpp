@@ -17,8 +17,8 @@ TableSchema geometry_schema() {
   TableSchema s{.name = "geometry", .doc = "The CAD part. STEP, IGES and BREP are read."};
   s.keys = {
       input::text("file", "CAD file, relative to the part file").required(),
-      input::text("unit",
-                  "length unit of the CAD file, where the file does not state its own (`mm`, `m`, `in`)"),
+      input::choice("unit", {"m", "mm", "cm", "um", "inch", "ft"},
+                    "length unit of the CAD file; overrides what the file says (BREP files say nothing: mm)"),
       input::integer("solid", "which solid of the file, counted from 1 as `--list-faces` prints them")
           .at_least(1),
       input::flag("fuse", "join all solids of the file into one").or_default("false"),
@@ -37,7 +37,7 @@ TableSchema mesh_schema() {
           .above(0),
       input::quantity("elements_per_circle", dim::none,
                       "refine curved faces so that a full circle takes this many elements; 0: no refinement")
-          .or_default("12")
+          .or_default("8")
           .at_least(0),
       input::quantity("time_limit", dim::time, "give the mesher up after this time")
           .or_default("600 s")
