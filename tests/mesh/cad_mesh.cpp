@@ -101,7 +101,9 @@ TEST(ConrodSelection, ForeignMeshGivesTheSameNodes) {
     const Selection cad = select_nodes(conrod().mesh, conrod().cad.faces, rule),
                     geometric = select_nodes(bare, {}, rule);
     EXPECT_EQ(cad.set.nodes, geometric.set.nodes);
-    EXPECT_LT((cad.reference - geometric.reference).norm(), 1e-12);
+    // By CAD the exact centroid, on the bare mesh the mesh's: they differ by the mesh's lack of symmetry, of the order
+    // of its volume error (1e-4) times the spread of the nodes' distances (1e-2 m).
+    EXPECT_LT((cad.reference - geometric.reference).norm(), 1e-6);
   }
   NearRule near;
   near.point = Vector3d(0.024, 0, 0);  // inside the bore, next to its wall
