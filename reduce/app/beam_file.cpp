@@ -162,20 +162,6 @@ TableSchema mesh_schema() {
   return s;
 }
 
-TableSchema modes_schema() {
-  TableSchema s{.name = "modes", .doc = "Fixed-interface normal modes to keep beside the constraint modes."};
-  s.keys = {
-      input::integer("count", "number of modes").or_default("20").at_least(0),
-      input::quantity("up_to", dim::frequency, "keep all modes up to this frequency instead of a fixed count")
-          .above(0),
-      input::quantity("damping", dim::none,
-                      "modal damping ratio proposed to the runtime (diagonal in modal space)")
-          .or_default("0.01")
-          .at_least(0),
-  };
-  return s;
-}
-
 // Names of one kind and their numbers.
 struct Names {
   const char* kind;
@@ -429,10 +415,7 @@ BeamPartInput read_beam_part(const std::filesystem::path& file, const std::vecto
   if (mesh.has("size")) part.subdivision.max_length = mesh.quantity("size");
   if (mesh.has("frequency")) part.subdivision.max_frequency_hz = mesh.quantity("frequency");
   part.subdivision.frequency_error = mesh.quantity("frequency_error");
-  const Section modes = in.table("modes");
-  part.modes.count = modes.integer("count");
-  if (modes.has("up_to")) part.modes.up_to = modes.quantity("up_to");
-  part.modes.damping = modes.quantity("damping");
+  part.modes = read_modes(in.table("modes"));
   try {
     beam::check(model);
   } catch (const std::invalid_argument& error) {

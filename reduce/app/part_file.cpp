@@ -106,19 +106,6 @@ TableSchema interface_schema() {
   return s;
 }
 
-TableSchema modes_schema() {
-  TableSchema s{.name = "modes", .doc = "Fixed-interface normal modes to keep beside the constraint modes."};
-  s.keys = {
-      input::integer("count", "number of modes").or_default("20").at_least(0),
-      input::quantity("up_to", dim::frequency, "keep all modes up to this frequency instead of a fixed count")
-          .above(0),
-      input::quantity("damping", dim::none, "modal damping ratio proposed to the runtime")
-          .or_default("0.01")
-          .at_least(0),
-  };
-  return s;
-}
-
 std::string read_text(const std::filesystem::path& file) {
   std::ifstream in(file);
   std::ostringstream text;
@@ -185,6 +172,28 @@ InterfaceInput read_interface(const std::string& name, const Section& in) {
 
 }  // namespace
 
+TableSchema modes_schema() {
+  TableSchema s{.name = "modes", .doc = "Fixed-interface normal modes to keep beside the constraint modes."};
+  s.keys = {
+      input::integer("count", "number of modes").or_default("20").at_least(0),
+      input::quantity("up_to", dim::frequency, "keep all modes up to this frequency instead of a fixed count")
+          .above(0),
+      input::quantity("damping", dim::none,
+                      "modal damping ratio proposed to the runtime (diagonal in modal space)")
+          .or_default("0.01")
+          .at_least(0),
+  };
+  return s;
+}
+
+ModesInput read_modes(const Section& in) {
+  ModesInput modes;
+  modes.count = in.integer("count");
+  if (in.has("up_to")) modes.up_to = in.quantity("up_to");
+  modes.damping = in.quantity("damping");
+  return modes;
+}
+
 const TableSchema& part_schema() {
   static const TableSchema schema = [] {
     TableSchema s{.name = "part file",
@@ -230,10 +239,7 @@ PartInput read_part(const std::filesystem::path& file, const std::vector<std::st
                      "or forces act, `flexura reduce --list-faces` shows what can be chosen");
   }
 
-  const Section modes = in.table("modes");
-  part.modes.count = modes.integer("count");
-  if (modes.has("up_to")) part.modes.up_to = modes.quantity("up_to");
-  part.modes.damping = modes.quantity("damping");
+  part.modes = read_modes(in.table("modes"));
   return part;
 }
 

@@ -32,6 +32,10 @@ struct ModesInput {
   double damping = 0.0;
 };
 
+/// The table [modes], the same in every kind of part file.
+input::TableSchema modes_schema();
+ModesInput read_modes(const input::Section& in);
+
 struct PartInput {
   std::string name;
   std::string source;    ///< the file's text
