@@ -89,9 +89,8 @@ int print_modes(const Arguments& arguments, const terminal::Talk&) {
 }
 
 std::string octave_matrix(const Eigen::MatrixXd& A) {
-  std::string text = fmt::format("zeros({}, {});\n", A.rows(), A.cols());
-  if (A.size() == 0) return text;
-  text = "[";
+  if (A.size() == 0) return fmt::format("zeros({}, {});\n", A.rows(), A.cols());
+  std::string text(1, '[');
   for (Eigen::Index i = 0; i < A.rows(); ++i) {
     for (Eigen::Index j = 0; j < A.cols(); ++j) text += fmt::format("{}{:.17g}", j == 0 ? "" : ", ", A(i, j));
     text += i + 1 < A.rows() ? ";\n  " : "];\n";
