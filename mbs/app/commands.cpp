@@ -14,6 +14,7 @@ std::vector<terminal::Command> all_commands() {
       linearize_command(),
       view_command(),
       check_command(),
+      report_command(),
       export_command(),
       assemble_command(),
   };

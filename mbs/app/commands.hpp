@@ -17,6 +17,7 @@ terminal::Command export_command();
 terminal::Command linearize_command();
 terminal::Command modes_command();
 terminal::Command reduce_command();
+terminal::Command report_command();
 terminal::Command simulate_command();
 terminal::Command statics_command();
 terminal::Command view_command();

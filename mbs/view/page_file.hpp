@@ -2,25 +2,21 @@
 #pragma once
 
 #include <filesystem>
-#include <fstream>
 #include <nlohmann/json_fwd.hpp>
 #include <span>
 #include <string>
 #include <string_view>
 
 #include "mbs/view/encode.hpp"
+#include "mbs/view/html_file.hpp"
 
 namespace flexura::view {
 
-/// One self-contained HTML file that grows block by block: style sheet, data blocks, header (JSON), script.
-/// Written beside as FILE.part and renamed by finish(): a file of this name is whole or not there.
+/// A page that its script draws (PAGE.md): data blocks one by one, then the header (JSON) and the script.
 /// All methods throw std::runtime_error, naming the file, when the file system refuses.
 class PageFile {
  public:
   PageFile(const std::filesystem::path& path, std::string_view title);
-  ~PageFile();
-  PageFile(const PageFile&) = delete;
-  PageFile& operator=(const PageFile&) = delete;
 
   /// A block of numbers, found by its name.  type is "i4", "f4", "f8" or "u2".
   void add_block(std::string_view name, std::string_view type, std::string_view base64);
@@ -41,11 +37,8 @@ class PageFile {
     if constexpr (std::is_same_v<T, double>) return "f8";
     if constexpr (std::is_same_v<T, std::uint16_t>) return "u2";
   }
-  void put(std::string_view text);
 
-  std::filesystem::path path_, part_;
-  std::ofstream out_;
-  bool finished_ = false;
+  HtmlFile file_;
 };
 
 }  // namespace flexura::view

@@ -19,7 +19,7 @@ namespace flexura::view {
 
 /// One line of the modes page.
 struct PageMode {
-  std::string set;                            ///< "free", "held: big_end"; a page shows one set at a time
+  std::string set;   ///< "free", "held: big_end"; a page shows one set at a time
   int number = 0;    ///< as the mode table prints it
   std::string kind;  ///< "rigid", "elastic", "constraint", ...
   double frequency_hz = 0.0;

@@ -16,17 +16,35 @@
   extern "C" const char symbol##_end[];
 // clang-format on
 
-FLEXURA_EMBED(flexura_page_js, FLEXURA_PAGE_JS)
-FLEXURA_EMBED(flexura_page_css, FLEXURA_PAGE_CSS)
+FLEXURA_EMBED(flexura_page_js, FLEXURA_BUNDLE "/page.js")
+FLEXURA_EMBED(flexura_page_css, FLEXURA_BUNDLE "/page.css")
+FLEXURA_EMBED(flexura_report_js, FLEXURA_BUNDLE "/report.js")
+FLEXURA_EMBED(flexura_report_css, FLEXURA_BUNDLE "/report.css")
 
 namespace flexura::view {
 
+namespace {
+
+std::string_view between(const char* begin, const char* end) {
+  return {begin, static_cast<std::size_t>(end - begin)};
+}
+
+}  // namespace
+
 std::string_view page_script() {
-  return {flexura_page_js_begin, static_cast<std::size_t>(flexura_page_js_end - flexura_page_js_begin)};
+  return between(flexura_page_js_begin, flexura_page_js_end);
 }
 
 std::string_view page_style() {
-  return {flexura_page_css_begin, static_cast<std::size_t>(flexura_page_css_end - flexura_page_css_begin)};
+  return between(flexura_page_css_begin, flexura_page_css_end);
+}
+
+std::string_view report_script() {
+  return between(flexura_report_js_begin, flexura_report_js_end);
+}
+
+std::string_view report_style() {
+  return between(flexura_report_css_begin, flexura_report_css_end);
 }
 
 }  // namespace flexura::view

@@ -5,8 +5,12 @@
 
 namespace flexura::view {
 
-/// The bundled script of all pages (web/src with three.js and uPlot), and their style sheet.
+/// The bundled script of the pages that draw (web/src with three.js and uPlot), and their style sheet.
 std::string_view page_script();
 std::string_view page_style();
+
+/// The same for report pages, which need neither library.
+std::string_view report_script();
+std::string_view report_style();
 
 }  // namespace flexura::view

@@ -1,12 +1,13 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-// Bundles the page's script and style sheet:  node bundle.mjs OUT_DIR [WEB_DIR]  writes OUT_DIR/page.js and page.css.
+// Bundles the pages' scripts and style sheets:  node bundle.mjs OUT_DIR [WEB_DIR]  writes page.js, page.css (modes,
+// motion), report.js and report.css (reports, a few kilobytes) to OUT_DIR.
 import { build } from 'esbuild';
 import { join } from 'node:path';
 
 const out = process.argv[2] ?? 'out';
 const web = process.argv[3] ?? '.';
 await build({
-  entryPoints: { page: join(web, 'src/page.ts') },
+  entryPoints: { page: join(web, 'src/page.ts'), report: join(web, 'src/report.ts') },
   outdir: out,
   bundle: true,
   minify: true,

@@ -1,6 +1,7 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 // Every page starts here: the header says which one it is.
 import 'uplot/dist/uPlot.min.css';
+import './theme.css';
 import './style.css';
 import { readHeader } from './data';
 import { modesPage, type ModesHeader } from './modes';

@@ -1,0 +1,62 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "mbs/app/commands.hpp"
+#include "mbs/superelement/file.hpp"
+#include "mbs/view/reduction_report.hpp"
+
+namespace flexura::app {
+namespace {
+
+struct Arguments {
+  std::string file, html;
+};
+
+view::Report read_report(const std::string& file) {
+  std::ifstream in(file);
+  if (!in) throw std::invalid_argument(fmt::format("cannot read the report '{}': no such file", file));
+  nlohmann::json json;
+  try {
+    json = nlohmann::json::parse(in);
+  } catch (const nlohmann::json::parse_error& failure) {
+    throw std::invalid_argument(fmt::format("'{}' is not JSON: {}", file, failure.what()));
+  }
+  try {
+    return view::report_from_json(json);
+  } catch (const std::invalid_argument& failure) {
+    throw std::invalid_argument(fmt::format("'{}': {}", file, failure.what()));
+  }
+}
+
+int run(const Arguments& arguments, const terminal::Talk& talk) {
+  const bool is_json = arguments.file.ends_with(".json");
+  const view::Report report =
+      is_json
+          ? read_report(arguments.file)
+          : view::reduction_report(superelement::read(arguments.file, {.matrices = true, .inertia = true}));
+  std::filesystem::path html = arguments.html;
+  if (html.empty()) html = std::filesystem::path(arguments.file).replace_extension(".html");
+  view::write_report_page(html, report);
+  if (!talk.quiet) fmt::print("wrote {}\n", html.string());
+  return 0;
+}
+
+}  // namespace
+
+terminal::Command report_command() {
+  return {"report", "write a page that reports on a reduction, or on tables and plots given as JSON",
+          [](terminal::Options& options, const terminal::Talk& talk) -> std::function<int()> {
+            auto arguments = std::make_shared<Arguments>();
+            options.argument("FILE", arguments->file, "superelement file (.h5) or report (.json)")
+                .option("-o,--output", arguments->html, "PAGE", "the page (otherwise FILE with .html)")
+                .example("flexura report conrod.se.h5 -o conrod.report.html",
+                         "mesh, modes, checks and times of the reduction")
+                .example("flexura report extremes.json", "tables and plots of a program of your own");
+            return [arguments, &talk] { return run(*arguments, talk); };
+          }};
+}
+
+}  // namespace flexura::app

@@ -1,0 +1,108 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mbs/view/html.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace flexura::view {
+
+std::string escape_html(std::string_view text) {
+  std::string result;
+  for (const char c : text) {
+    switch (c) {
+      case '<':
+        result += "&lt;";
+        break;
+      case '>':
+        result += "&gt;";
+        break;
+      case '&':
+        result += "&amp;";
+        break;
+      case '"':
+        result += "&quot;";
+        break;
+      default:
+        result += c;
+    }
+  }
+  return result;
+}
+
+std::string escape_script(std::string_view json) {
+  std::string result;
+  result.reserve(json.size());
+  for (const char c : json) {
+    if (c == '<') {
+      result += "\\u003c";
+    } else {
+      result += c;
+    }
+  }
+  return result;
+}
+
+namespace {
+
+constexpr const char* minus = "\u2212";
+constexpr const char* thin_space = "\u2009";
+
+std::string raised(int number) {
+  static constexpr const char* digits[] = {"\u2070", "\u00b9", "\u00b2", "\u00b3", "\u2074",
+                                           "\u2075", "\u2076", "\u2077", "\u2078", "\u2079"};
+  std::string text;
+  for (const char c : fmt::format("{}", number)) text += c == '-' ? "\u207b" : digits[c - '0'];
+  return text;
+}
+
+/// Without zeros at the end of what stands behind the point.
+std::string trimmed(std::string number) {
+  if (number.find('.') == std::string::npos) return number;
+  number.erase(number.find_last_not_of('0') + 1);
+  if (number.back() == '.') number.pop_back();
+  return number;
+}
+
+}  // namespace
+
+std::string figure_text(double value, int digits) {
+  if (std::isnan(value)) return "\u2013";
+  if (std::isinf(value)) return value > 0.0 ? "\u221e" : std::string(minus) + "\u221e";
+  if (value == 0.0) return "0";
+  digits = std::max(1, digits);
+  // The exponent after rounding: 999.99 with three digits is 1.00e+03.
+  const std::string scientific = fmt::format("{:.{}e}", std::abs(value), digits - 1);
+  const auto e = scientific.find('e');
+  const int exponent = std::stoi(scientific.substr(e + 1));
+  const std::string sign = value < 0.0 ? minus : "";
+  if (exponent >= 6 || exponent < -3) {
+    return fmt::format("{}{}·10{}", sign, trimmed(scientific.substr(0, e)), raised(exponent));
+  }
+  std::string text = trimmed(fmt::format("{:.{}f}", std::abs(value), std::max(0, digits - 1 - exponent)));
+  const auto whole = std::min(text.find('.'), text.size());
+  if (whole > 4) {
+    for (std::size_t at = whole; at > 3;) {
+      at -= 3;
+      text.insert(at, thin_space);
+    }
+  }
+  return sign + text;
+}
+
+std::string unit_text(std::string_view unit) {
+  std::string text;
+  for (std::size_t i = 0; i < unit.size(); ++i) {
+    if (unit[i] == '*') {
+      text += "·";
+    } else if (unit[i] == '^' && i + 1 < unit.size() && (unit[i + 1] == '2' || unit[i + 1] == '3')) {
+      text += unit[++i] == '2' ? "²" : "³";
+    } else {
+      text += unit[i];
+    }
+  }
+  return escape_html(text);
+}
+
+}  // namespace flexura::view

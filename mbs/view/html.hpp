@@ -1,0 +1,23 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace flexura::view {
+
+/// Text as it may stand in an element or an attribute.
+std::string escape_html(std::string_view text);
+
+/// JSON as it may stand in a script element: only "<" can end it or open a comment there, and JSON has
+/// another spelling for it.
+std::string escape_script(std::string_view json);
+
+/// Digits an engineer reads, in HTML: n significant ones, thin spaces between thousands from 10,000 on,
+/// powers of ten beyond 0.001 and 1,000,000; a dash for what is not a number.
+std::string figure_text(double value, int digits);
+
+/// "kg*m^2" as it is printed: kg·m².
+std::string unit_text(std::string_view unit);
+
+}  // namespace flexura::view

@@ -1,0 +1,21 @@
+# Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+"""Flexible bodies from CAD in multibody simulation, from Python.
+
+    import flexura
+    se = flexura.reduce("conrod.toml", "conrod.se.h5")      # a Superelement
+    results = flexura.simulate("engine.toml", "engine.h5")  # Results
+    results["flexible"]["main.speed"]                       # an array that knows its name and unit
+
+Everything is SI.  README.md has a worked example.
+"""
+
+from .arrays import Array
+from .programs import FlexuraError, modes, program, reduce, simulate
+from .results import Body, Results, Run, read_results
+from .superelement import Interface, Modes, Superelement, read_superelement
+
+__all__ = [
+    "Array", "Body", "FlexuraError", "Interface", "Modes", "Results", "Run", "Superelement",
+    "modes", "program", "read_results", "read_superelement", "reduce", "simulate",
+]
+__version__ = "0.1.0"

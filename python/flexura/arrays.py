@@ -1,0 +1,62 @@
+# Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+"""Arrays that know what they are."""
+
+import numpy as np
+
+
+class Array(np.ndarray):
+    """A numpy array with a name, a unit (SI, "rad/s") and a sentence that says what it is.
+
+    Slices keep all three.  What arithmetic gives is an array whose name and unit are empty: nobody has said what
+    they are.
+    """
+
+    name = ""
+    unit = ""
+    doc = ""
+
+    def __new__(cls, values, name="", unit="", doc=""):
+        array = np.asarray(values).view(cls)
+        array.name, array.unit, array.doc = name, unit, doc
+        return array
+
+    def __array_finalize__(self, source):
+        # Views of an Array are its slices and transposes.
+        if isinstance(source, Array) and self.base is not None:
+            self.name, self.unit, self.doc = source.name, source.unit, source.doc
+
+    def __array_wrap__(self, values, context=None, return_scalar=False):
+        # Results of ufuncs and of functions like mean().
+        plain = np.asarray(values)
+        return plain[()] if plain.ndim == 0 else plain.view(Array)._anonymous()
+
+    def _anonymous(self):
+        self.name = self.unit = self.doc = ""
+        return self
+
+    @property
+    def label(self):
+        """For an axis: "main.speed [rad/s]"."""
+        return f"{self.name} [{self.unit}]" if self.unit else self.name
+
+
+def read_array(dataset, name=None):
+    """A dataset of a Flexura file with its unit and doc; a row-major array as it is stored."""
+    return Array(dataset[()], name or dataset.name.rsplit("/", 1)[-1], _text(dataset.attrs.get("unit", "")),
+                 _text(dataset.attrs.get("doc", "")))
+
+
+def read_text(dataset):
+    """Texts are stored as bytes in UTF-8."""
+    return bytes(dataset[()]).decode("utf-8")
+
+
+def _text(value):
+    text = value.decode("utf-8") if isinstance(value, bytes) else str(value)
+    return text.rstrip("\0")
+
+
+def attribute(group, name, fallback=""):
+    """An attribute as text or number."""
+    value = group.attrs.get(name, fallback)
+    return _text(value) if isinstance(value, (bytes, str)) else value

@@ -1,0 +1,75 @@
+# Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+"""The programs, run from Python.
+
+They are looked for in the folder that the environment variable FLEXURA_BIN names, then on the PATH.  A refusal or
+failure is raised as FlexuraError with the program's own sentence.
+"""
+
+import json
+import os
+import shutil
+import subprocess
+from pathlib import Path
+
+from .results import read_results
+from .superelement import read_superelement
+
+
+class FlexuraError(RuntimeError):
+    """A program refused its input (code 2) or failed (code 1)."""
+
+    def __init__(self, message, code):
+        super().__init__(message)
+        self.code = code
+
+
+def program(name="flexura"):
+    """The path of a program of Flexura."""
+    folder = os.environ.get("FLEXURA_BIN")
+    found = shutil.which(name, path=folder) if folder else shutil.which(name)
+    if not found:
+        where = f"the folder FLEXURA_BIN names, {folder}" if folder else "the PATH; FLEXURA_BIN may name its folder"
+        raise FlexuraError(f"the program {name} is not in {where}", 1)
+    return found
+
+
+def run(arguments, name="flexura"):
+    """Runs a program and returns what it printed."""
+    done = subprocess.run([program(name), *map(str, arguments)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    if done.returncode != 0:
+        lines = [line for line in done.stderr.splitlines() if line.startswith("error: ")]
+        raise FlexuraError(lines[0][len("error: "):] if lines else done.stderr.strip() or f"{name} failed", done.returncode)
+    return done.stdout
+
+
+def _settings(settings):
+    for key, value in (settings or {}).items():
+        yield from ("--set", f"{key}={value if isinstance(value, str) else json.dumps(value)}")
+
+
+def reduce(part, output=None, settings=None):
+    """Makes a superelement of a part file (or beam model) and reads it.
+
+    settings: keys of the part file to change, {"modes.count": 30}.  The default output stands beside the part file.
+    """
+    part = Path(part)
+    output = Path(output) if output else part.with_suffix(".se.h5")
+    run([part, "-q", "-o", output, *_settings(settings)], "flexura-reduce")
+    return read_superelement(output)
+
+
+def simulate(mechanism, output=None, settings=None, runs=None):
+    """Simulates a mechanism file and reads the results.
+
+    settings: keys of the mechanism file to change, {"solver.end_time": "1 s"}; runs: names, default all of the file.
+    """
+    mechanism = Path(mechanism)
+    output = Path(output) if output else mechanism.with_suffix(".h5")
+    chosen = [word for name in runs or [] for word in ("--run", name)]
+    run(["simulate", mechanism, "-q", "-o", output, *chosen, *_settings(settings)])
+    return read_results(output)
+
+
+def modes(superelement, *options):
+    """What `flexura modes FILE --json OPTIONS` prints, as a dictionary."""
+    return json.loads(run(["modes", superelement, "--json", *options]))

@@ -1,0 +1,174 @@
+# Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+"""The Python package on a steel strip that swings as a pendulum, made and simulated by the programs."""
+
+import os
+import re
+import tempfile
+import unittest
+from pathlib import Path
+
+import flexura
+import numpy as np
+from flexura import plot
+
+HERE = Path(__file__).resolve().parent
+README = HERE.parents[1] / "python" / "README.md"
+
+
+def blocks(language):
+    """The fenced blocks of README.md in a language, in their order."""
+    return re.findall(rf"^```{language}\n(.*?)^```", README.read_text(encoding="utf-8"), re.S | re.M)
+
+
+class Package(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.TemporaryDirectory(prefix="flexura_python_")
+        cls.here = Path(cls.folder.name)
+        link, pendulum = blocks("toml")
+        (cls.here / "link.toml").write_text(link, encoding="utf-8")
+        (cls.here / "pendulum.toml").write_text(pendulum, encoding="utf-8")
+        cls.link = flexura.reduce(cls.here / "link.toml")
+        cls.results = flexura.simulate(cls.here / "pendulum.toml", settings={"solver.end_time": "1 s"})
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.folder.cleanup()
+
+    # 7850 kg/m^3 x 40 mm x 5 mm x 1 m
+    mass = 7850 * 0.04 * 0.005
+
+    def test_arrays_have_names_units_and_shapes(self):
+        se = self.link
+        self.assertEqual(se.K_se.shape, (se.n, se.n))
+        self.assertEqual((se.n_b, se.n_q), (12, 6))
+        self.assertEqual(se.inertia["S_x"].unit, "kg m")
+        self.assertEqual(se.interface("tip").position.unit, "m")
+        self.assertEqual(list(se.interface("tip").position), [1.0, 0.0, 0.0])
+        self.assertIn("stiffness", se.K_se.doc)
+        with self.assertRaisesRegex(KeyError, "pivot, tip"):
+            se.interface("top")
+
+    def test_slices_keep_their_unit_and_sums_lose_it(self):
+        speed = self.results["rigid"]["hinge.speed"]
+        self.assertEqual((speed.name, speed.unit), ("hinge.speed", "rad/s"))
+        self.assertEqual(speed[3:7].label, "hinge.speed [rad/s]")
+        self.assertEqual((2 * speed).unit, "")
+        self.assertEqual(speed.unit, "rad/s")
+        self.assertIsInstance(speed.mean(), float)
+
+    def test_mass_and_centre_are_those_of_the_strip(self):
+        # Exact for a straight member; 1e-12 is 1e4 roundings.
+        self.assertAlmostEqual(self.link.mass / self.mass, 1.0, delta=1e-12)
+        np.testing.assert_allclose(self.link.mass_centre, [0.5, 0, 0], atol=1e-12)
+
+    def test_rigid_motions_strain_nothing(self):
+        R = self.link.rigid_motions()
+        K = np.asarray(self.link.K_se)
+        # Each row's sum of products is zero up to the rounding of its largest products.
+        self.assertLess(np.abs(K @ R).max(), 1e-10 * (np.abs(K) @ np.abs(R)).max())
+
+    def test_modes_by_numpy_agree_with_the_programs(self):
+        file = self.here / "link.se.h5"
+        for held, options in [([], ["--free"]), (["pivot"], ["--clamped", "pivot"]), (["pivot", "tip"], ["--fixed"])]:
+            told = flexura.modes(file, *options)["analyses"][0]["modes"]
+            told = [m["frequency_hz"] for m in told if m["kind"] == "elastic"]
+            mine = self.link.natural_modes(held=held, count=len(told))
+            # Two algorithms on the same matrices: the eigenvalue 1/omega^2 of the highest mode has the absolute
+            # error of the lowest one, 1e-16 (omega_high / omega_low)^2 < 1e-9 here.
+            np.testing.assert_allclose(mine.frequency, told, rtol=1e-8)
+            self.assertEqual(mine.frequency.unit, "Hz")
+
+    def test_modes_are_mass_normalised_and_leave_the_held_still(self):
+        modes = self.link.natural_modes(held=["pivot"])
+        M = np.asarray(self.link.M_se)
+        np.testing.assert_allclose(modes.shapes.T @ M @ np.asarray(modes.shapes), np.eye(modes.shapes.shape[1]), atol=1e-8)
+        self.assertEqual(np.abs(modes.shapes[self.link.interface("pivot").dofs]).max(), 0.0)
+
+    def test_first_cantilever_frequency_is_that_of_the_beam(self):
+        # 3.5160 sqrt(EI / rho A L^4) / 2 pi of an Euler-Bernoulli cantilever, bent across its 5 mm; shear and rotary
+        # inertia lower it by about (h/L)^2 (1 + E/(kappa G)) ~ 1e-4.
+        EI = 210e9 * 0.04 * 0.005**3 / 12
+        exact = 1.8751040687**2 * np.sqrt(EI / (7850 * 0.04 * 0.005)) / (2 * np.pi)
+        first = self.link.natural_modes(held=["pivot"]).frequency[0]
+        self.assertAlmostEqual(first / exact, 1.0, delta=3e-4)
+
+    def test_energy_of_the_rigid_pendulum_from_its_arrays(self):
+        run = self.results["rigid"]
+        self.assertTrue(run.complete)
+        # T + V of a rod about its end, from the speed and from where its middle is.
+        J = self.mass * (1.0 / 3 + 0.04**2 / 12)
+        middle = run.bodies["link"].place(self.link.mass_centre)
+        energy = 0.5 * J * np.asarray(run["hinge.speed"])**2 + self.mass * 9.81 * np.asarray(middle)[:, 2]
+        # The run's own tolerance is 1e-7 for each step, of some hundred; the swing is m g L / 2 = 7.7 J.
+        self.assertLess(np.ptp(energy), 1e-4 * 7.7)
+        np.testing.assert_allclose(np.ptp(run["energy.potential"]), np.ptp(np.asarray(middle)[:, 2]) * self.mass * 9.81,
+                                   rtol=1e-6)
+
+    def test_a_flexible_body_has_superelement_coordinates(self):
+        run = self.results["flexible"]
+        u_se = run.bodies["link"].superelement_coordinates()
+        self.assertEqual(u_se.shape, (len(run.time), self.link.n))
+        # Strain energy by K_se is the stored one.
+        strain = 0.5 * np.einsum("ti,ij,tj->t", u_se, np.asarray(self.link.K_se), u_se)
+        np.testing.assert_allclose(strain, run["link.strain_energy"], rtol=1e-7, atol=1e-12)
+        with self.assertRaisesRegex(ValueError, "rigid in this run"):
+            self.results["rigid"].bodies["link"].superelement_coordinates()
+
+    def test_spectrum_of_a_sine_stands_at_its_frequency(self):
+        run = self.results["rigid"]
+        t = np.asarray(run.time)
+        run._quantities["test"] = flexura.Array(3.0 * np.sin(2 * np.pi * 40.0 * t), "test", "m")
+        frequency, amplitude = run.spectrum("test")
+        del run._quantities["test"]
+        peak = int(np.argmax(amplitude))
+        self.assertLess(abs(frequency[peak] - 40.0), frequency[1])  # a line's width
+        # Between two lines a Hann window shows at least 85 % of the amplitude.
+        self.assertTrue(0.85 * 3 < amplitude[peak] < 1.001 * 3)
+        self.assertEqual(amplitude.unit, "m")
+
+    def test_refusals_are_the_programs_sentences(self):
+        with self.assertRaisesRegex(flexura.FlexuraError, "did you mean") as caught:
+            flexura.simulate(self.here / "pendulum.toml", self.here / "no.h5", settings={"solver.end_tim": "1 s"})
+        self.assertEqual(caught.exception.code, 2)
+        self.assertFalse((self.here / "no.h5").exists())
+        with self.assertRaisesRegex(ValueError, "no superelement file"):
+            flexura.read_superelement(self.here / "pendulum.h5")
+        with self.assertRaisesRegex(ValueError, "no results file"):
+            flexura.read_results(self.here / "link.se.h5")
+        with self.assertRaisesRegex(KeyError, "flexible"):
+            self.results["soft"]
+        with self.assertRaisesRegex(KeyError, "hinge.speed"):
+            self.results["rigid"]["link.speed"]
+        before = os.environ["FLEXURA_BIN"]
+        os.environ["FLEXURA_BIN"] = str(self.here)
+        try:
+            with self.assertRaisesRegex(flexura.FlexuraError, "FLEXURA_BIN names"):
+                flexura.modes(self.here / "link.se.h5")
+        finally:
+            os.environ["FLEXURA_BIN"] = before
+
+    def test_plots_show_the_stored_numbers(self):
+        axes = plot.quantities(self.results, "hinge.speed")
+        self.assertEqual([line.get_label() for line in axes.lines], ["rigid", "flexible"])
+        np.testing.assert_array_equal(axes.lines[1].get_ydata(), self.results["flexible"]["hinge.speed"])
+        self.assertEqual(axes.get_ylabel(), "hinge.speed [rad/s]")
+        plot.spectra(self.results, "hinge.speed")
+        picture = self.here / "mode.png"
+        plot.mode_shape(self.link, self.link.natural_modes().shapes[:, 0]).figure.savefig(picture)
+        self.assertGreater(picture.stat().st_size, 1000)
+
+    def test_the_readme_example_runs(self):
+        code, = blocks("python")
+        before = os.getcwd()
+        os.chdir(self.here)
+        try:
+            exec(compile(code, str(README), "exec"), {})
+            for picture in ["speed.png", "mode.png"]:
+                self.assertTrue(Path(picture).exists(), picture)
+        finally:
+            os.chdir(before)
+
+
+if __name__ == "__main__":
+    unittest.main()
