@@ -30,8 +30,12 @@ std::string directions_text(const superelement::Interface& interface) {
 
 int check_superelement(const std::string& file, const terminal::Talk& talk) {
   // Everything is read, so every checksum and every relation is checked.
-  const Superelement se = superelement::read(
-      file, {.matrices = true, .inertia = true, .stiffening = true, .surface = true, .shapes = true});
+  const Superelement se = superelement::read(file, {.matrices = true,
+                                                    .inertia = true,
+                                                    .stiffening = true,
+                                                    .surface = true,
+                                                    .shapes = true,
+                                                    .stress = true});
   const auto modes = superelement::natural_modes(se, {}, 1);
   if (talk.quiet) return 0;
   const bool colour = terminal::takes_colour(stdout);
@@ -65,6 +69,8 @@ int check_superelement(const std::string& file, const terminal::Talk& talk) {
   facts.add_row({"damping", fmt::format("{:.3g} % modal{}", 100.0 * se.modal_damping,
                                         se.D_se.size() > 0 ? " and D_se" : "")});
   facts.add_row({"geometric stiffening", se.stiffening ? "yes" : "no"});
+  facts.add_row(
+      {"stress modes", se.stress ? fmt::format("at {} vertices", se.stress->vertices.size()) : "no"});
   facts.add_row({"load cases", fmt::format("{}", se.load_cases.size())});
   facts.add_row({"surface", fmt::format("{} vertices, {} triangles", se.surface.vertices.rows(),
                                         se.surface.triangles.rows())});
@@ -82,7 +88,8 @@ terminal::Command check_command() {
                 .example("flexura check conrod.se.h5",
                          "checksums, symmetry, rigid motions, mass; interfaces and figures");
             return [file, &talk] {
-              return file->ends_with(".toml") ? check_mechanism(*file, talk) : check_superelement(*file, talk);
+              return file->ends_with(".toml") ? check_mechanism(*file, talk)
+                                              : check_superelement(*file, talk);
             };
           }};
 }

@@ -265,6 +265,44 @@ void read_shapes(const Group& root, Superelement& se) {
   se.shapes = by_shape.transpose();
 }
 
+void write_stress(Group root, const StressModes& stress) {
+  Group group = root.create_group("stress");
+  group.write("vertices", {stress.vertices.size()}, stress.vertices.data(), "",
+              "(s): vertex of the surface at which the stresses are given");
+  const std::string doc = "(k, 6 s + c): stress of shape k at place s, c = xx, yy, zz, xy, yz, zx";
+  if (stress.double_precision) {
+    const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> by_shape =
+        stress.S.transpose();
+    write_rows(group, "modes", by_shape, "Pa per dof", doc);
+  } else {
+    const RowMajorXf by_shape = stress.S.transpose().cast<float>();
+    write_rows(group, "modes", by_shape, "Pa per dof", doc + ", float32");
+  }
+  group.set("precision", stress.double_precision ? "float64" : "float32");
+}
+
+void read_stress(const Group& root, Superelement& se) {
+  if (!root.has("stress")) return;
+  const Group group = root.group("stress");
+  StressModes& stress = se.stress.emplace();
+  stress.double_precision = group.text("precision") == "float64";
+  const Shape places = group.shape("vertices");
+  constexpr std::size_t most_places = std::size_t{1} << 28;
+  if (places.size() != 1 || places[0] > most_places) {
+    throw hdf5::BadFile(group.label() + "/vertices: has the wrong shape; the file is damaged, make it again");
+  }
+  stress.vertices.resize(places[0]);
+  group.read("vertices", places, stress.vertices.data());
+  const Eigen::Index width = 6 * static_cast<Eigen::Index>(places[0]);
+  if (stress.double_precision) {
+    stress.S = hdf5::read_matrix(group, "modes", se.n(), width).transpose();
+    return;
+  }
+  RowMajorXf by_shape(se.n(), width);
+  group.read("modes", {static_cast<std::size_t>(se.n()), static_cast<std::size_t>(width)}, by_shape.data());
+  stress.S = by_shape.transpose().cast<double>();
+}
+
 void write_all(const std::filesystem::path& path, const Superelement& se) {
   hdf5::File file(path, hdf5::Mode::create);
   {
@@ -282,6 +320,7 @@ void write_all(const std::filesystem::path& path, const Superelement& se) {
     if (se.stiffening) write_stiffening(file.root(), se);
     if (se.surface.vertices.rows() > 0) write_surface(file.root(), se.surface);
     if (se.shapes.size() > 0) write_shapes(file.root(), se);
+    if (se.stress) write_stress(file.root(), *se.stress);
   }
   file.close();
 }
@@ -328,6 +367,7 @@ Superelement read(const std::filesystem::path& path, const Parts& parts) {
   if (parts.stiffening) read_stiffening(root, se);
   if (parts.surface) read_surface(root, se);
   if (parts.shapes) read_shapes(root, se);
+  if (parts.stress) read_stress(root, se);
   try {
     validate_parts(se, parts);
   } catch (const std::invalid_argument& failure) {

@@ -14,6 +14,7 @@ struct Parts {
   bool stiffening = false;
   bool surface = false;
   bool shapes = false;
+  bool stress = false;
 };
 
 /// Validates and writes beside, then renames: a file of this name is whole or not there.

@@ -67,6 +67,18 @@ struct StiffeningTerms {
   std::vector<Eigen::MatrixXd> K0F;  ///< for a unit load on each interface dof [N or N m]
 };
 
+/// Stress modes: the nodal stresses of every shape at vertices of the surface, so that at run time
+///
+///     sigma(v) = sum_k S_k(v) u_se,k      (u_se of the elastic deformation: a rigid motion gives none)
+///
+/// A nodal value is the mean over the cells of one material that share the node.
+struct StressModes {
+  std::vector<std::int32_t> vertices;  ///< n_s: index of each place among the surface's vertices, ascending
+  Eigen::MatrixXd
+      S;  ///< 6 n_s x n [Pa per unit of the shape]: rows xx, yy, zz, xy, yz, zx of place 0, then 1
+  bool double_precision = false;  ///< of the file; float32 otherwise
+};
+
 /// Vectors p_se = T^T p of load cases kept for run time (gravity needs none: it follows from the integrals).
 struct LoadCase {
   std::string name;
@@ -93,6 +105,7 @@ struct Superelement {
 
   std::optional<StiffeningTerms> stiffening;
   std::vector<LoadCase> load_cases;
+  std::optional<StressModes> stress;  ///< read on demand
 
   // Only for pictures; read on demand.
   Surface surface;

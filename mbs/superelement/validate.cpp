@@ -215,6 +215,20 @@ class Check {
     }
   }
 
+  void stress(const StressModes& stress, bool with_surface) const {
+    const auto n_s = static_cast<Eigen::Index>(stress.vertices.size());
+    sized_and_finite("the stress modes", stress.S, 6 * n_s, se_.n());
+    std::int32_t last = -1;
+    for (const std::int32_t vertex : stress.vertices) {
+      if (vertex <= last) refuse("the vertices of the stress modes do not ascend");
+      last = vertex;
+    }
+    if (with_surface && last >= se_.surface.vertices.rows()) {
+      refuse(fmt::format("the stress modes name vertex {}, the surface has {}", last,
+                         se_.surface.vertices.rows()));
+    }
+  }
+
  private:
   // The square root of the largest diagonal entry among the dofs of the same unit: translations, rotations,
   // modes.
@@ -307,11 +321,16 @@ void validate_parts(const Superelement& se, const Parts& present) {
     const Eigen::Index rows = present.surface ? 3 * se.surface.vertices.rows() : se.shapes.rows();
     check.sized_and_finite("shapes", se.shapes, rows, n);
   }
+  if (present.stress && se.stress) check.stress(*se.stress, present.surface);
 }
 
 void validate(const Superelement& se) {
-  validate_parts(se,
-                 {.matrices = true, .inertia = true, .stiffening = true, .surface = true, .shapes = true});
+  validate_parts(se, {.matrices = true,
+                      .inertia = true,
+                      .stiffening = true,
+                      .surface = true,
+                      .shapes = true,
+                      .stress = true});
 }
 
 }  // namespace flexura::superelement

@@ -106,6 +106,31 @@ TableSchema interface_schema() {
   return s;
 }
 
+TableSchema recovery_schema() {
+  TableSchema s{.name = "recovery",
+                .doc = "What the superelement keeps besides the displacements of its surface."};
+  s.keys = {
+      input::flag("stress",
+                  "stress modes: nodal stresses of every shape on the surface, for von Mises stress and the "
+                  "like at run time")
+          .or_default("false"),
+      input::texts("groups",
+                   "stress modes only at the nodes of these named sets; default: the whole surface"),
+      input::choice("precision", {"single", "double"}, "how stress modes are stored").or_default("single"),
+  };
+  return s;
+}
+
+RecoveryInput read_recovery(const Section& in) {
+  RecoveryInput r{.stress = in.flag("stress"),
+                  .double_precision = in.text("precision") == "double",
+                  .where = in.where("groups")};
+  if (in.has("groups")) r.groups = in.texts("groups");
+  if (!r.groups.empty() && !r.stress)
+    in.refuse("groups", "chooses where stress modes are kept, but there are none", "add stress = true");
+  return r;
+}
+
 std::string read_text(const std::filesystem::path& file) {
   std::ifstream in(file);
   std::ostringstream text;
@@ -204,11 +229,15 @@ const TableSchema& part_schema() {
         input::text("name", "name of the part; default: the file's name"),
         input::choice("mass", {"consistent", "lumped"}, "mass matrix of the elements")
             .or_default("consistent"),
+        input::flag("stiffening",
+                    "keep the geometric stiffening terms: what loads and rotation add to the stiffness")
+            .or_default("false"),
         input::table("geometry", geometry_schema(), "CAD part").required(),
         input::table("mesh", mesh_schema(), "meshing"),
         input::table_map("material", material_schema(), "material by name").required(),
         input::table_map("interface", interface_schema(), "interfaces by name"),
         input::table("modes", modes_schema(), "modes"),
+        input::table("recovery", recovery_schema(), "stresses"),
     };
     return s;
   }();
@@ -240,6 +269,8 @@ PartInput read_part(const std::filesystem::path& file, const std::vector<std::st
   }
 
   part.modes = read_modes(in.table("modes"));
+  part.recovery = read_recovery(in.table("recovery"));
+  part.stiffening = in.flag("stiffening");
   return part;
 }
 

@@ -36,6 +36,14 @@ struct ModesInput {
 input::TableSchema modes_schema();
 ModesInput read_modes(const input::Section& in);
 
+/// The table [recovery].
+struct RecoveryInput {
+  bool stress = false;
+  std::vector<std::string> groups;  ///< only at the nodes of these sets; empty: the whole surface
+  bool double_precision = false;
+  std::string where;  ///< for messages
+};
+
 struct PartInput {
   std::string name;
   std::string source;    ///< the file's text
@@ -44,6 +52,8 @@ struct PartInput {
   MassKind mass = MassKind::consistent;
   std::vector<InterfaceInput> interfaces;
   ModesInput modes;
+  RecoveryInput recovery;
+  bool stiffening = false;  ///< geometric stiffening terms
 };
 
 const input::TableSchema& part_schema();

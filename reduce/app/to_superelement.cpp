@@ -4,7 +4,8 @@
 namespace flexura::reduce {
 
 superelement::Superelement to_superelement(const PartInput& input, Reduction&& reduction,
-                                           superelement::Surface&& surface, std::string report_json) {
+                                           superelement::Surface&& surface, std::string report_json,
+                                           std::vector<std::int32_t> stress_vertices) {
   superelement::Superelement se;
   se.name = input.name;
   se.created_by = "flexura-reduce " FLEXURA_VERSION;
@@ -28,6 +29,17 @@ superelement::Superelement to_superelement(const PartInput& input, Reduction&& r
   se.inertia.S_phi = std::move(reduction.inertia.S_phi);
   se.inertia.S_xphi = std::move(reduction.inertia.S_xphi);
   se.inertia.S_phiphi = std::move(reduction.inertia.S_phiphi);
+  if (reduction.stiffening) {
+    StiffeningTerms& terms = *reduction.stiffening;
+    se.stiffening = superelement::StiffeningTerms{.K0t = std::move(terms.K0t),
+                                                  .K0r = std::move(terms.K0r),
+                                                  .K0omega = std::move(terms.K0omega),
+                                                  .K0F = std::move(terms.K0F)};
+  }
+  if (!stress_vertices.empty())
+    se.stress = superelement::StressModes{.vertices = std::move(stress_vertices),
+                                          .S = std::move(reduction.stress_modes),
+                                          .double_precision = input.recovery.double_precision};
   se.surface = std::move(surface);
   se.shapes = std::move(reduction.shapes);
   return se;

@@ -165,8 +165,8 @@ Reduction craig_bampton(const Part& part, const ReductionOptions& options) {
         stiffening_terms(part, solver, constraint.Psi, constraint.K_bb, T, options.progress);
     report.seconds_stiffening = watch.lap();
   }
-  if (options.stress_modes) {
-    reduction.stress_modes = nodal_stress_modes(part, T, options.shape_nodes);
+  if (!options.stress_nodes.empty()) {
+    reduction.stress_modes = nodal_stress_modes(part, T, options.stress_nodes);
     report.seconds_stress = watch.lap();
   }
   report.n_nodes = model.n_nodes();

@@ -27,8 +27,8 @@ struct ReductionOptions {
   Eigensolver eigensolver = Eigensolver::block_lanczos;
   std::vector<mesh::Index> shape_nodes;  ///< nodes at which shapes are wanted (the surface)
   bool estimate_error = true;
-  bool stiffening = false;    ///< geometric stiffening terms
-  bool stress_modes = false;  ///< nodal stresses of the shapes at shape_nodes
+  bool stiffening = false;                ///< geometric stiffening terms
+  std::vector<mesh::Index> stress_nodes;  ///< nodes at which stress modes are wanted
   linalg::Progress progress;
 };
 

@@ -47,8 +47,8 @@ struct Reduction {
   Eigen::VectorXd omega2;      ///< n_q [rad^2/s^2]
   InertiaIntegrals inertia;
   std::optional<StiffeningTerms> stiffening;  ///< if asked for
-  /// 6 n_v x n at the nodes of `shapes`, if asked for (recovery/stress.hpp).
-  Eigen::MatrixXf stress_modes;
+  /// 6 n_s x n at the options' stress nodes, if asked for (recovery/stress.hpp).
+  Eigen::MatrixXd stress_modes;
   Eigen::MatrixXf
       shapes;  ///< 3 n_v x n at the nodes asked for: rows x, y, z of the first, then the second, ...
   /// n_b x n_b: Mhat^T F_rs Mhat, the dropped modes' share of the interface's dynamics (error_estimate.hpp)

@@ -7,7 +7,7 @@
 
 namespace flexura::reduce {
 
-Eigen::MatrixXf nodal_stress_modes(const Part& part, const Eigen::MatrixXd& T,
+Eigen::MatrixXd nodal_stress_modes(const Part& part, const Eigen::MatrixXd& T,
                                    const std::vector<mesh::Index>& nodes) {
   const Eigen::Index n = T.cols();
   std::vector<Eigen::Index> place(part.mesh.n_nodes(), -1);
@@ -49,7 +49,7 @@ Eigen::MatrixXf nodal_stress_modes(const Part& part, const Eigen::MatrixXd& T,
       }
     }
   }
-  return stress.cast<float>();
+  return stress;
 }
 
 }  // namespace flexura::reduce

@@ -13,7 +13,7 @@ namespace flexura::reduce {
 /// zz, xy, yz, zx) [Pa per unit of the shape] of the first node, then of the second, ...  Each cell's stress
 /// D B h is taken at the node itself; the nodal value is the mean over the cells of one material that share
 /// the node (of the material with most cells there: stresses jump where materials meet).
-Eigen::MatrixXf nodal_stress_modes(const Part& part, const Eigen::MatrixXd& T,
+Eigen::MatrixXd nodal_stress_modes(const Part& part, const Eigen::MatrixXd& T,
                                    const std::vector<mesh::Index>& nodes);
 
 }  // namespace flexura::reduce

@@ -17,7 +17,7 @@ using ::testing::HasSubstr;
 using testing::make_box_beam;
 
 constexpr Parts everything{
-    .matrices = true, .inertia = true, .stiffening = true, .surface = true, .shapes = true};
+    .matrices = true, .inertia = true, .stiffening = true, .surface = true, .shapes = true, .stress = true};
 
 Superelement complete_beam() {
   Superelement se = make_box_beam();
@@ -38,6 +38,11 @@ Superelement complete_beam() {
   fill(terms.K0F);
   se.load_cases.push_back({"steam", Eigen::VectorXd::LinSpaced(n, 0.1, 2.7)});
   se.D_se = 1e-5 * se.K_se;
+  StressModes& stress = se.stress.emplace();
+  stress.vertices = {0, 2, 5};
+  // Multiples of 1/8 pass through single precision unchanged.
+  stress.S = Eigen::MatrixXd::NullaryExpr(
+      18, n, [](Eigen::Index i, Eigen::Index k) { return 0.125 * static_cast<double>(7 * i - 3 * k); });
   return se;
 }
 
@@ -84,6 +89,12 @@ void expect_same(const Superelement& a, const Superelement& b) {
   EXPECT_EQ(a.surface.edges, b.surface.edges);
   EXPECT_EQ(a.surface.triangle_interface, b.surface.triangle_interface);
   EXPECT_EQ(a.shapes, b.shapes);
+  ASSERT_EQ(a.stress.has_value(), b.stress.has_value());
+  if (a.stress) {
+    EXPECT_EQ(a.stress->vertices, b.stress->vertices);
+    EXPECT_EQ(a.stress->S, b.stress->S);
+    EXPECT_EQ(a.stress->double_precision, b.stress->double_precision);
+  }
 }
 
 class SuperelementFile : public ::testing::Test {
@@ -134,6 +145,19 @@ TEST_F(SuperelementFile, RoundTripIsBitExact) {
   const std::string first = bytes();
   write(file_, se);
   EXPECT_EQ(bytes(), first);  // no time stamps: equal content gives equal files
+}
+
+TEST_F(SuperelementFile, StressModesKeepAllDigitsInDoublePrecision) {
+  Superelement se = complete_beam();
+  se.stress->S.array() += 1.0 / 3.0;
+  write(file_, se);
+  const Eigen::MatrixXd single = read(file_, everything).stress->S;
+  EXPECT_NE(single, se.stress->S);
+  // Half a unit in the last of 24 bits.
+  EXPECT_LE(((single - se.stress->S).array() / se.stress->S.array()).abs().maxCoeff(), 1.0 / (1 << 24));
+  se.stress->double_precision = true;
+  write(file_, se);
+  expect_same(read(file_, everything), se);
 }
 
 TEST_F(SuperelementFile, WorksWithoutTheOptionalParts) {
