@@ -3,7 +3,9 @@
 
 #include <Eigen/Core>
 #include <filesystem>
+#include <functional>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -58,12 +60,19 @@ class Section {
   std::shared_ptr<const Data> data_;
 };
 
+/// The value [SI] of a formula of a document's own parameters that stands in place of a number; nothing when
+/// formulas have nothing to say about it.  Throws std::invalid_argument: syntax, an unknown name, inf or NaN.
+using FormulaEvaluator = std::function<std::optional<double>(const std::string& formula)>;
+/// Makes one from the document's root, of which the table [parameters] alone is checked so far.
+using FormulaReader = std::function<FormulaEvaluator(const Section& parameters)>;
+
 /// Reads a TOML file, checks it against the schema and returns its root.  `overrides` are "key.path=value"
 /// pairs from the command line or a run table, applied before the check.  Throws InputError for a missing
 /// file, a TOML syntax error, an unknown key ("did you mean ...?"), a missing key, a wrong type, a wrong
 /// unit, a value out of range. Lists count from 1 in overrides as in messages: "joint[2].axis=[0, 0, 1]".
+/// With `formulas`, and a table [parameters] in the schema, any number may be a formula in quotes.
 Section read_document(const std::filesystem::path& file, const TableSchema& schema,
-                      const std::vector<std::string>& overrides = {});
+                      const std::vector<std::string>& overrides = {}, const FormulaReader& formulas = {});
 
 /// The entry of `known` nearest to `word` by edit distance, or "" when none is near.
 std::string nearest(const std::string& word, const std::vector<std::string>& known);

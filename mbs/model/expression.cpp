@@ -397,6 +397,7 @@ Expression::Expression(std::string where, std::string text, const SignalNames& s
       case mu::cmVAR: {
         instruction.code = signal;
         instruction.place = static_cast<int>(token[i].Val.ptr - values.data());
+        reads_time_ = reads_time_ || instruction.place == 0;
         if (instruction.place > 0 && std::ranges::find(reads_, instruction.place) == reads_.end())
           reads_.push_back(instruction.place);
         break;

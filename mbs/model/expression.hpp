@@ -46,6 +46,7 @@ class Expression {
   const std::string& where() const { return where_; }
   /// Places of the signals the formula reads, without t.
   const std::vector<int>& reads() const { return reads_; }
+  bool reads_time() const { return reads_time_; }
 
   /// Throws std::runtime_error, naming the element and the time, when the result is not finite.
   double evaluate(const double* signals) const;
@@ -67,6 +68,7 @@ class Expression {
   std::string where_, text_;
   std::vector<Instruction> program_;
   std::vector<int> reads_;
+  bool reads_time_ = false;
 };
 
 }  // namespace flexura::mbs

@@ -149,7 +149,10 @@ TableSchema mechanism_schema(TableSchema solver) {
   schema.keys = {
       text("name", "title of results and pictures; without it the file's name"),
       vector3("gravity", dim::acceleration, "acceleration of free fall").or_default("[0, 0, -9.81]"),
-      formulas("parameters", "names for formulas; each a number, a quantity or a formula of the others"),
+      formulas(
+          "parameters",
+          "names for formulas; each a number, a quantity or a formula of the others. Every number of the "
+          "file may be a formula of them, like position = [\"2*radius\", 0, 0]"),
       table("ground", ground, "the world"),
       table_map("body", body_schema(), "bodies"),
       table_map("joint", joint_schema(), "joints"),

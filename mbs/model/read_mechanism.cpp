@@ -15,6 +15,7 @@
 #include "mbs/model/forces/types.hpp"
 #include "mbs/model/joints/types.hpp"
 #include "mbs/model/modal_basis.hpp"
+#include "mbs/model/parameters.hpp"
 #include "mbs/superelement/file.hpp"
 
 namespace flexura::mbs {
@@ -120,7 +121,7 @@ class Reader {
     MechanismDescription& d = d_;
     d.name = root_.has("name") ? root_.text("name") : file_.stem().string();
     d.gravity = root_.vector3("gravity");
-    read_parameters();
+    parameters_ = read_parameters(root_);
     const Section ground = root_.table("ground");
     d.bodies[0].shape_json = shapes_json(ground);
     read_markers(ground, 0, nullptr);
@@ -142,53 +143,6 @@ class Reader {
     std::ostringstream text;
     text << in.rdbuf();
     return text.str();
-  }
-
-  /// Parameters may read each other in any order, but not in a circle.
-  void read_parameters() {
-    const auto formulas = root_.formulas("parameters");
-    SignalNames names;
-    for (const auto& [name, formula] : formulas) {
-      if (name == "t" || name == "pi")
-        throw input::InputError(root_.where("parameters") + "." + name + ": \"" + name +
-                                "\" has a meaning of its own in formulas; choose another name");
-      names.add(name);
-    }
-    std::vector<std::unique_ptr<Expression>> expressions;
-    for (const auto& [name, formula] : formulas) {
-      try {
-        expressions.push_back(std::make_unique<Expression>("parameters." + name, formula, names,
-                                                           std::map<std::string, double>{}));
-      } catch (const std::invalid_argument& error) {
-        throw input::InputError(file_.filename().string() + ": " + error.what());
-      }
-    }
-    std::vector<double> values(names.size(), 0.0);
-    std::vector<bool> known(names.size(), false);
-    for (std::size_t left = formulas.size(); left > 0;) {
-      const std::size_t before = left;
-      for (std::size_t i = 0; i < formulas.size(); ++i) {
-        const int place = names.find(formulas[i].first);
-        if (known[place]) continue;
-        if (!std::ranges::all_of(expressions[i]->reads(), [&](int k) { return known[k]; })) continue;
-        try {
-          values[place] = expressions[i]->evaluate(values.data());
-        } catch (const std::runtime_error& error) {
-          throw input::InputError(file_.filename().string() + ": " + error.what());
-        }
-        known[place] = true;
-        parameters_[formulas[i].first] = values[place];
-        --left;
-      }
-      if (left == before) {
-        std::string circle;
-        for (std::size_t i = 0; i < formulas.size(); ++i)
-          if (!known[names.find(formulas[i].first)])
-            circle += (circle.empty() ? "" : ", ") + formulas[i].first;
-        throw input::InputError(root_.where("parameters") + ": " + circle +
-                                " depend on each other in a circle");
-      }
-    }
   }
 
   void read_markers(const Section& s, int body, const FlexibleBody* flexible) {
@@ -388,7 +342,8 @@ bool fits(const char* pattern, const char* text) {
 
 MechanismFile read_mechanism(const std::filesystem::path& file, const input::TableSchema& solver,
                              const std::vector<std::string>& overrides) {
-  return Reader(file, input::read_document(file, mechanism_schema(solver), overrides)).read();
+  const auto formulas = [](const Section& root) { return evaluate_with(read_parameters(root)); };
+  return Reader(file, input::read_document(file, mechanism_schema(solver), overrides, formulas)).read();
 }
 
 std::vector<int> select_quantities(const Mechanism& mechanism, const std::vector<std::string>& patterns) {

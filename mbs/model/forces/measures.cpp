@@ -44,6 +44,9 @@ double distance_rate(const Kinematics& kin, int F, int M, const Vector3d&) {
 double position(const Kinematics& kin, int F, int M, const Vector3d& e) {
   return kin.relative_pose(F, M).p.dot(e);
 }
+double axis_component(const Kinematics& kin, int F, int M, const Vector3d& e) {
+  return kin.markers[M].X_WP.R.col(2).dot(kin.markers[F].X_WP.R * e);
+}
 double velocity(const Kinematics& kin, int F, int M, const Vector3d& e) {
   return kin.relative_motion(F, M).V.tail<3>().dot(e);
 }
@@ -92,6 +95,10 @@ MeasureType distance_rate_measure() {
 MeasureType position_measure() {
   return relative<position, with_direction>("position", "Component of the position of M in F.",
                                             input::dim::length);
+}
+MeasureType axis_measure() {
+  return relative<axis_component, with_direction>(
+      "axis", "Component of the z axis of M in F, a direction cosine.", input::dim::none);
 }
 MeasureType velocity_measure() {
   return relative<velocity, with_direction>("velocity", "Component of the velocity of M as seen from F.",

@@ -13,8 +13,8 @@ const std::vector<ForceType>& force_types() {
 
 const std::vector<MeasureType>& measure_types() {
   static const std::vector<MeasureType> types = {
-      distance_measure(), distance_rate_measure(),    position_measure(),   velocity_measure(),
-      angle_measure(),    angular_velocity_measure(), expression_measure(),
+      distance_measure(), distance_rate_measure(), position_measure(),         axis_measure(),
+      velocity_measure(), angle_measure(),         angular_velocity_measure(), expression_measure(),
   };
   return types;
 }

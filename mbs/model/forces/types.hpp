@@ -34,6 +34,7 @@ ForceType bushing_force();
 MeasureType distance_measure();
 MeasureType distance_rate_measure();
 MeasureType position_measure();
+MeasureType axis_measure();
 MeasureType velocity_measure();
 MeasureType angle_measure();
 MeasureType angular_velocity_measure();

@@ -490,6 +490,38 @@ value = "loop + plant + 10*seen + ramp"
   EXPECT_DOUBLE_EQ(value(0), 30.0);
 }
 
+TEST_F(MechanismFileTest, NumbersAreFormulasOfTheParameters) {
+  const std::string text = R"toml(
+[parameters]
+r = "20 mm"
+n = 3
+[body.b]
+mass = "n/2"
+center = ["2*r", 0, "-r"]
+[joint.j]
+type = "revolute"
+from = "ground"
+to = "b"
+speed = "pi/n"
+)toml";
+  const MechanismDescription d = read(text).description;
+  EXPECT_DOUBLE_EQ(d.bodies[1].inertia.mass, 1.5);
+  EXPECT_TRUE(d.bodies[1].inertia.mass_center.isApprox(1.5 * Vector3d(0.04, 0.0, -0.02), 1e-15));
+  EXPECT_DOUBLE_EQ(d.joints[0].initial_speeds.at(0), M_PI / 3);
+  EXPECT_DOUBLE_EQ(read(text, {"parameters.n=4"}).description.bodies[1].inertia.mass, 2.0);
+
+  const auto with_mass = [&](const std::string& mass) {
+    return refusal("[parameters]\nradius = 1\n[body.b]\nmass = \"" + mass + "\"\n");
+  };
+  EXPECT_THAT(with_mass("2*radus"),
+              HasSubstr("m.toml:4: body.b.mass = \"2*radus\": \"radus\" is not known here, "
+                        "did you mean \"radius\"?"));
+  EXPECT_THAT(with_mass("radius*t"), HasSubstr("varies with t where a number is wanted"));
+  EXPECT_THAT(with_mass("1/(radius - 1)"), HasSubstr("body.b.mass = \"1/(radius - 1)\": is inf"));
+  EXPECT_THAT(with_mass("-radius"), HasSubstr("must be at least 0"));
+  EXPECT_THAT(with_mass("2 kq"), HasSubstr("unknown unit"));
+}
+
 TEST_F(MechanismFileTest, RefusalsNameLineValueAndRemedy) {
   const std::string two = "[body.crank]\nmass = 1\n[body.rod]\nmass = 1\n[body.rod.marker.left]\n";
   EXPECT_THAT(

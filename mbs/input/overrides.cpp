@@ -1,0 +1,113 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mbs/input/overrides.hpp"
+
+#include <fmt/format.h>
+
+#include <optional>
+#include <sstream>
+#include <vector>
+
+#include "mbs/input/document.hpp"
+#include "mbs/input/section_data.hpp"
+
+namespace flexura::input {
+namespace {
+
+struct Step {
+  std::string key;
+  std::optional<std::size_t> index;  // from 1
+};
+
+std::vector<Step> split_path(const std::string& override_text, const std::string& path) {
+  const auto malformed = [&]() -> InputError {
+    return InputError(
+        fmt::format("command line: \"{}\": is not of the form key.path=value; write for example "
+                    "\"body.rod.density=7850 kg/m^3\" or \"joint[2].axis=[0, 0, 1]\"",
+                    override_text));
+  };
+  std::vector<Step> steps;
+  std::istringstream parts(path);
+  for (std::string part; std::getline(parts, part, '.');) {
+    Step step;
+    const auto bracket = part.find('[');
+    step.key = part.substr(0, bracket);
+    if (bracket != std::string::npos) {
+      const std::string digits = part.substr(bracket + 1, part.size() - bracket - 2);
+      if (part.back() != ']' || digits.empty() || digits.size() > 6 ||
+          digits.find_first_not_of("0123456789") != std::string::npos || std::stoul(digits) == 0) {
+        throw malformed();
+      }
+      step.index = std::stoul(digits);
+    }
+    if (step.key.empty()) throw malformed();
+    steps.push_back(step);
+  }
+  if (steps.empty() || path.back() == '.') throw malformed();
+  return steps;
+}
+
+}  // namespace
+
+std::shared_ptr<toml::table> parse_value(const std::string& text) {
+  try {
+    // One line only: a line break would let a value smuggle in further keys.
+    if (text.find('\n') == std::string::npos) {
+      return std::make_shared<toml::table>(toml::parse("value = " + text));
+    }
+  } catch (const toml::parse_error&) {
+  }
+  auto holder = std::make_shared<toml::table>();
+  holder->insert("value", text);
+  return holder;
+}
+
+void apply_override(toml::table& root, const std::string& text, Overrides& overrides) {
+  const auto equals = text.find('=');
+  const auto trim = [](std::string s) {
+    const auto first = s.find_first_not_of(" \t");
+    if (first == std::string::npos) return std::string();
+    return s.substr(first, s.find_last_not_of(" \t") - first + 1);
+  };
+  const std::string path = trim(text.substr(0, equals));
+  const std::vector<Step> steps = split_path(text, equals == std::string::npos ? "" : path);
+  const std::string raw = trim(text.substr(equals + 1));
+  const auto holder = parse_value(raw);
+  const toml::node& value = *holder->get("value");
+
+  toml::table* table = &root;
+  std::string here;
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    const auto& [key, index] = steps[i];
+    here = join_path(here, key);
+    const bool last = i + 1 == steps.size();
+    if (last && !index) {
+      table->insert_or_assign(key, value);
+      break;
+    }
+    toml::node* next = table->get(key);
+    if (index) {
+      toml::array* list = next ? next->as_array() : nullptr;
+      if (!list || *index > list->size()) {
+        throw InputError(
+            fmt::format("command line: {}[{}]: there is no such entry; {} has {}, counted from 1", here,
+                        *index, here, list ? list->size() : 0));
+      }
+      here += fmt::format("[{}]", *index);
+      if (last) {
+        list->replace(list->cbegin() + static_cast<std::ptrdiff_t>(*index - 1), value);
+        break;
+      }
+      next = list->get(*index - 1);
+    } else if (!next) {
+      table->insert(key, toml::table{});
+      next = table->get(key);
+    }
+    table = next->as_table();
+    if (!table)
+      throw InputError(
+          fmt::format("command line: {}: is not a table, so it has no key {}", here, steps[i + 1].key));
+  }
+  overrides[here] = raw;
+}
+
+}  // namespace flexura::input

@@ -1,0 +1,94 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include "tests/mbs/cases/case_run.hpp"
+
+/// IFToMM's benchmark mechanisms and Andrews' squeezing mechanism, as the files in cases/ state them.
+namespace flexura::mbs::cases {
+namespace {
+
+int n_dof(const PreparedMechanism& p) {
+  const Sizes n = p.mechanism->sizes();
+  return n.n_v + n.n_dyn - n.n_lambda;
+}
+
+double energy_error(const Series& s, int column) {
+  double worst = 0.0;
+  for (const Eigen::VectorXd& row : s.values)
+    worst = std::max(worst, std::abs(row(column) - s.values[0](column)));
+  return worst;
+}
+
+TEST(Iftomm, A01PendulumSwingsAsTheEllipticFunction) {
+  const PreparedMechanism p = prepare_case("iftomm/a01_pendulum.toml");
+  EXPECT_EQ(n_dof(p), 1);
+  const Series s = simulate(p, {"x", "y", "energy.total"});
+  // Exact solution, 12 digits.  Errors of 1e-10 in each of 1e3 to 1e4 steps add up to some 1e-7.
+  const double exact[][3] = {{1, .986291751132, -.165010853126},
+                             {5, -.942305435044, -.334754338414},
+                             {9.99, -.316436469913, -.948613704576},
+                             {10, -.275087462576, -.961419205099}};
+  for (const auto& [t, x, y] : exact) {
+    EXPECT_NEAR(s.at(t)(0), x, 1e-6) << t;
+    EXPECT_NEAR(s.at(t)(1), y, 1e-6) << t;
+  }
+  EXPECT_LT(energy_error(s, 2), 5e-5);  // the benchmark's own criterion
+}
+
+TEST(Iftomm, A02WindowsPassTheirSingularPositions) {
+  const PreparedMechanism p = prepare_case("iftomm/a02_windows.toml");
+  EXPECT_EQ(n_dof(p), 1);
+  const Series s = simulate(p, {"x", "y", "energy.total"});
+  const double exact[][3] = {{1, -.195020301949, -.980799205662},
+                             {2, .057815795768, .998327267863},
+                             {5, -.811310461000, -.584615545356},
+                             {10, .328458111534, .944518538181}};
+  for (const auto& [t, x, y] : exact) {
+    EXPECT_NEAR(s.at(t)(0), x, 1e-5) << t;
+    EXPECT_NEAR(s.at(t)(1), y, 1e-5) << t;
+  }
+  EXPECT_LT(energy_error(s, 2), 1e-3);
+}
+
+TEST(Iftomm, A04BricardHasOneRedundantConditionAndKeepsItsEnergy) {
+  const PreparedMechanism p = prepare_case("iftomm/a04_bricard.toml");
+  EXPECT_EQ(n_dof(p), 1);
+  ASSERT_EQ(p.redundant.size(), 1u);
+  EXPECT_FALSE(p.redundant[0].name.empty());
+  EXPECT_FALSE(p.redundant[0].follows_from.empty());
+  const Series s = simulate(p, {"energy.total", "rod_3.position_y"});
+  EXPECT_LT(energy_error(s, 0), 1e-3);  // the benchmark's own criterion
+  EXPECT_GT(energy_error(s, 1), 0.5);   // it does move
+}
+
+TEST(Iftomm, A05GovernorFollowsItsThreeMinimalEquations) {
+  const PreparedMechanism p = prepare_case("iftomm/a05_governor.toml");
+  const Series s = simulate(p, {"s", "shaft.speed"});
+  // Nine digits from the equations in minimal coordinates at 1e-12.
+  const double exact[][2] = {
+      {.5, .743249425}, {1, .501420922}, {2, .505909294}, {5, .535563104}, {10, .619622917}};
+  for (const auto& [t, position] : exact) EXPECT_NEAR(s.at(t)(0), position, 1e-5) << t;
+  EXPECT_NEAR(s.at(5)(1), 6.022496500, 1e-4);
+}
+
+TEST(Andrews, ReachesThePublishedEndStateAndConvergesWithTheTolerance) {
+  const double end[] = {15.81077119629904, -15.75637105984298, .04082224013073101, -.5347301163226948,
+                        .5244099658805304, .5347301163226948,  1.048080741042263};
+  double before = 1.0;
+  for (const double tolerance : {1e-6, 1e-8, 1e-10}) {
+    const PreparedMechanism p = prepare_case(
+        "andrews/andrews.toml", {fmt::format("solver.tolerance={}", tolerance), "solver.output_step=0.03"});
+    EXPECT_EQ(n_dof(p), 1);
+    const Series s = simulate(p, {"beta.angle", "Theta.angle", "gamma.angle", "Phi.angle", "delta.angle",
+                                  "Omega.angle", "epsilon.angle"});
+    double error = 0.0;
+    for (int i = 0; i < 7; ++i) error = std::max(error, std::abs(s.values.back()(i) - end[i]));
+    std::printf("tolerance %g: largest error in q %.2e\n", tolerance, error);
+    EXPECT_LT(error, 0.3 * before);  // two decades of tolerance; at order five at least a factor of 3
+    before = error;
+  }
+  EXPECT_LT(before, 1e-7);
+}
+
+}  // namespace
+}  // namespace flexura::mbs::cases
