@@ -7,7 +7,6 @@
 #include <limits>
 
 #include "mbs/input/document.hpp"
-#include "mbs/input/overrides.hpp"
 #include "mbs/input/section_data.hpp"
 #include "mbs/input/values.hpp"
 

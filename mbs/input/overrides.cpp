@@ -1,6 +1,4 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-#include "mbs/input/overrides.hpp"
-
 #include <fmt/format.h>
 
 #include <optional>
@@ -9,6 +7,7 @@
 
 #include "mbs/input/document.hpp"
 #include "mbs/input/section_data.hpp"
+#include "mbs/input/values.hpp"
 
 namespace flexura::input {
 namespace {

@@ -4,16 +4,31 @@
 #include <toml++/toml.h>
 
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "mbs/input/document.hpp"
-#include "mbs/input/overrides.hpp"
 #include "mbs/input/section_data.hpp"
 
-// Single values of a TOML tree, checked against their keys.  Private to the sources of mbs/input.
+// What the sources of mbs/input share about TOML trees: overrides put into them before they are checked, and
+// single values checked against their keys.
 namespace flexura::input {
+
+// --- Overrides: "key.path=value" from the command line or a run table ---
+
+// The text as written, by path: for text keys, where name=12 is the text "12".
+using Overrides = std::map<std::string, std::string>;
+
+// The value of "key=value" and of a default, under the key "value": TOML if it is TOML, else text, so that
+// quotes may be left out.
+std::shared_ptr<toml::table> parse_value(const std::string& text);
+
+// Throws InputError.
+void apply_override(toml::table& root, const std::string& text, Overrides& overrides);
+
+// --- Values ---
 
 inline int line_of(const toml::source_region& region) {
   return static_cast<int>(region.begin.line);
