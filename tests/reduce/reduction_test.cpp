@@ -169,7 +169,7 @@ INSTANTIATE_TEST_SUITE_P(AllTies, ReducedBanana,
 
 // An averaged face is softer than a rigid one.
 TEST(Reduction, AveragingTiesAreSofterThanRigidOnes) {
-  const auto tip = [](Tie tie) {
+  const auto tip = [](Tie tie) -> Eigen::MatrixXd {
     return full_static_compliance(banana(Tie::rigid, tie), "left", "right").bottomRows(6);
   };
   const Eigen::MatrixXd rigid = tip(Tie::rigid), average = tip(Tie::average);
