@@ -1,6 +1,9 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
 
+#include <nlohmann/json.hpp>
+#include <numbers>
+
 #include "mbs/app/commands.hpp"
 #include "mbs/app/mechanism_runs.hpp"
 #include "mbs/superelement/file.hpp"
@@ -28,7 +31,48 @@ std::string directions_text(const superelement::Interface& interface) {
   return text;
 }
 
-int check_superelement(const std::string& file, const terminal::Talk& talk) {
+nlohmann::json list(const Eigen::Vector3d& v) {
+  return {v.x(), v.y(), v.z()};
+}
+
+nlohmann::json to_json(const Superelement& se, const superelement::ModeAnalysis& modes) {
+  nlohmann::json interfaces = nlohmann::json::array();
+  for (const auto& interface : se.interfaces) {
+    interfaces.push_back({{"name", interface.name},
+                          {"tie", interface.tie},
+                          {"position_m", list(interface.p_BoN_B)},
+                          {"dofs", interface.directions.size()}});
+  }
+  std::vector<double> frequencies;
+  for (int k = 0; k < se.n_q; ++k) frequencies.push_back(std::sqrt(se.omega2[k]) / (2.0 * std::numbers::pi));
+  const auto& J = modes.inertia;
+  return {{"kind", "superelement"},
+          {"name", se.name},
+          {"created_by", se.created_by},
+          {"n_b", se.n_b},
+          {"n_q", se.n_q},
+          {"mass_kg", modes.mass},
+          {"mass_centre_m", list(modes.mass_centre)},
+          {"inertia_kg_m2",
+           {{"xx", J(0, 0)},
+            {"yy", J(1, 1)},
+            {"zz", J(2, 2)},
+            {"xy", J(0, 1)},
+            {"yz", J(1, 2)},
+            {"zx", J(2, 0)}}},
+          {"rigid_modes", modes.n_rigid},
+          {"fixed_interface_frequencies_hz", frequencies},
+          {"modal_damping", se.modal_damping},
+          {"stiffening", se.stiffening.has_value()},
+          {"stress_modes", se.stress.has_value()},
+          {"load_cases", se.load_cases.size()},
+          {"vertices", se.surface.vertices.rows()},
+          {"triangles", se.surface.triangles.rows()},
+          {"interfaces", interfaces},
+          {"valid", true}};
+}
+
+int check_superelement(const std::string& file, bool json, const terminal::Talk& talk) {
   // Everything is read, so every checksum and every relation is checked.
   const Superelement se = superelement::read(file, {.matrices = true,
                                                     .inertia = true,
@@ -37,7 +81,8 @@ int check_superelement(const std::string& file, const terminal::Talk& talk) {
                                                     .shapes = true,
                                                     .stress = true});
   const auto modes = superelement::natural_modes(se, {}, 1);
-  if (talk.quiet) return 0;
+  if (json) fmt::print("{}\n", to_json(se, modes).dump(1));
+  if (talk.quiet || json) return 0;
   const bool colour = terminal::takes_colour(stdout);
   fmt::print("{}: superelement, made by {}\n\n", terminal::bold(se.name, colour), se.created_by);
   terminal::Table interfaces({{"interface", Align::left},
@@ -83,13 +128,20 @@ int check_superelement(const std::string& file, const terminal::Talk& talk) {
 terminal::Command check_command() {
   return {"check", "validate a superelement or a mechanism and say what it holds",
           [](terminal::Options& options, const terminal::Talk& talk) -> std::function<int()> {
-            auto file = std::make_shared<std::string>();
-            options.argument("FILE", *file, "superelement file (.h5) or mechanism file (.toml)")
+            struct Arguments {
+              std::string file;
+              bool json = false;
+            };
+            auto a = std::make_shared<Arguments>();
+            options.argument("FILE", a->file, "superelement file (.h5) or mechanism file (.toml)")
+                .flag("--json", a->json, "print JSON")
                 .example("flexura check conrod.se.h5",
-                         "checksums, symmetry, rigid motions, mass; interfaces and figures");
-            return [file, &talk] {
-              return file->ends_with(".toml") ? check_mechanism(*file, talk)
-                                              : check_superelement(*file, talk);
+                         "checksums, symmetry, rigid motions, mass; interfaces and figures")
+                .example("flexura check engine.toml --json",
+                         "counts, joints and states of each run, for scripts");
+            return [a, &talk] {
+              return a->file.ends_with(".toml") ? check_mechanism(a->file, a->json, talk)
+                                                : check_superelement(a->file, a->json, talk);
             };
           }};
 }

@@ -2,14 +2,59 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <nlohmann/json.hpp>
+
 #include "mbs/app/mechanism_runs.hpp"
 #include "mbs/terminal/terminal.hpp"
 
 namespace flexura::app {
 
-int check_mechanism(const std::string& file, const terminal::Talk& talk) {
+namespace {
+
+nlohmann::json to_json(const NamedRun& run) {
+  using nlohmann::json;
+  const mbs::PreparedMechanism& p = run.prepared;
+  const mbs::Mechanism& m = *p.mechanism;
+  const mbs::MechanismDescription& d = m.description();
+  const mbs::Sizes n = m.sizes();
+  json joints = json::array(), states = json::array(), redundant = json::array();
+  for (std::size_t j = 0; j < d.joints.size(); ++j) {
+    joints.push_back({{"name", d.joints[j].name},
+                      {"type", d.joints[j].joint->type()},
+                      {"is_constraint", !m.in_tree(static_cast<int>(j))}});
+  }
+  for (int i = 0; i < n.n_v; ++i)
+    states.push_back({{"name", m.name_of_velocity(i)}, {"velocity", p.state.v(i)}});
+  for (const mbs::RedundantRow& row : p.redundant)
+    redundant.push_back({{"name", row.name}, {"follows_from", row.follows_from}});
+  return {{"run", run.name},
+          {"n_jnt", n.n_v - n.n_flx},
+          {"n_flx", n.n_flx},
+          {"n_dyn", n.n_dyn},
+          {"n_alg", n.n_alg},
+          {"n_lambda", n.n_lambda},
+          {"n_dof", n.n_v + n.n_dyn - n.n_lambda},
+          {"n_eq", 2 * n.n_v + n.n_dyn + n.n_alg + n.n_lambda},
+          {"switches", n.n_root},
+          {"joints", joints},
+          {"states", states},
+          {"redundant_constraints", redundant},
+          {"notes", p.notes}};
+}
+
+}  // namespace
+
+int check_mechanism(const std::string& file, bool json, const terminal::Talk& talk) {
   const std::vector<NamedRun> runs = prepare_runs({file, {}, {}});
-  if (talk.quiet) return 0;
+  if (json) {
+    nlohmann::json list = nlohmann::json::array();
+    for (const NamedRun& run : runs) list.push_back(to_json(run));
+    fmt::print(
+        "{}\n",
+        nlohmann::json{{"kind", "mechanism"}, {"name", runs.front().prepared.file.name}, {"runs", list}}.dump(
+            1));
+  }
+  if (talk.quiet || json) return 0;
   const bool colour = terminal::takes_colour(stdout);
   for (const NamedRun& run : runs) {
     const mbs::PreparedMechanism& p = run.prepared;

@@ -2,8 +2,10 @@
 #include <fmt/format.h>
 
 #include "mbs/app/commands.hpp"
+#include "mbs/results/results.hpp"
 #include "mbs/superelement/exchange/exchange.hpp"
 #include "mbs/superelement/file.hpp"
+#include "mbs/view/motion_vtk.hpp"
 
 namespace flexura::app {
 namespace {
@@ -13,8 +15,13 @@ using superelement::Superelement;
 
 struct Arguments {
   std::string file, output, format, held = "none";
-  int count = 30;
+  int count = 30, frames = 200;
 };
+
+// The formats that take a results file.
+bool is_of_results(const std::string& format) {
+  return format == "pvd" || format == "csv";
+}
 
 // "FILE.se.h5" without its endings, for the default name of the output.
 std::filesystem::path stem_of(std::filesystem::path file) {
@@ -23,10 +30,28 @@ std::filesystem::path stem_of(std::filesystem::path file) {
   return file;
 }
 
+int export_results(const Arguments& arguments, const terminal::Talk& talk) {
+  if (arguments.frames < 2)
+    throw std::invalid_argument(fmt::format("--frames is {}, it must be at least 2", arguments.frames));
+  const results::Results results = results::read(arguments.file);
+  std::filesystem::path stem = arguments.output.empty() ? arguments.file : arguments.output;
+  if (stem.extension() == ".h5" || stem.extension() == "." + arguments.format) stem.replace_extension();
+  const auto written =
+      arguments.format == "csv"
+          ? results::write_csv(results, stem.string() + ".csv")
+          : view::write_motion_vtk(stem, results, view::read_pictures(results.model, arguments.file),
+                                   arguments.frames);
+  if (!talk.quiet) {
+    for (const auto& path : written) fmt::print("wrote {}\n", path.string());
+  }
+  return 0;
+}
+
 int run(const Arguments& arguments, const terminal::Talk& talk) {
+  if (is_of_results(arguments.format)) return export_results(arguments, talk);
   if (arguments.count < 1)
     throw std::invalid_argument(fmt::format("--count is {}, it must be at least 1", arguments.count));
-  const bool pictures = arguments.format == "vtk" || arguments.format == "gmsh";
+  const bool pictures = arguments.format == "vtk" || arguments.format == "gmsh" || arguments.format == "gltf";
   const bool matrices = arguments.format == "matrix-market" || arguments.format == "dmig";
   const Superelement se = superelement::read(arguments.file, {.matrices = true,
                                                               .inertia = true,
@@ -66,6 +91,9 @@ int run(const Arguments& arguments, const terminal::Talk& talk) {
   } else if (arguments.format == "vtk") {
     written = {output(".vtp")};
     superelement::write_vtp(written[0], se, modes);
+  } else if (arguments.format == "gltf") {
+    written = {output(".glb")};
+    superelement::write_gltf(written[0], se, modes);
   } else {
     written = {output(".msh")};
     superelement::write_gmsh_views(written[0], se, modes);
@@ -79,25 +107,31 @@ int run(const Arguments& arguments, const terminal::Talk& talk) {
 }  // namespace
 
 terminal::Command export_command() {
-  return {"export", "write a superelement in another program's format",
-          [](terminal::Options& options, const terminal::Talk& talk) -> std::function<int()> {
-            auto arguments = std::make_shared<Arguments>();
-            options.argument("FILE", arguments->file, "superelement file")
-                .choice("-f,--format", arguments->format,
-                        {"matrix-market", "dmig", "sid", "flexdata", "vtk", "gmsh"}, "what to write")
-                .required()
-                .option("-o,--output", arguments->output, "PATH",
-                        "file to write (matrix-market: start of the names); default beside FILE")
-                .choice("--held", arguments->held, {"none", "all"},
-                        "modes for sid, flexdata, vtk, gmsh: of the free body, or with all interfaces held")
-                .option("-n,--count", arguments->count, "N", "at most this many elastic modes")
-                .example("flexura export conrod.se.h5 --format matrix-market",
-                         "conrod.K.mtx and conrod.M.mtx")
-                .example("flexura export conrod.se.h5 --format sid -n 12",
-                         "standard input data with 12 free modes")
-                .example("flexura export conrod.se.h5 --format vtk -o modes.vtp", "mode shapes for ParaView");
-            return [arguments, &talk] { return run(*arguments, talk); };
-          }};
+  return {
+      "export", "write a superelement or results in another program's format",
+      [](terminal::Options& options, const terminal::Talk& talk) -> std::function<int()> {
+        auto arguments = std::make_shared<Arguments>();
+        options.argument("FILE", arguments->file, "superelement or results file")
+            .choice("-f,--format", arguments->format,
+                    {"matrix-market", "dmig", "sid", "flexdata", "vtk", "gmsh", "gltf", "pvd", "csv"},
+                    "what to write; pvd (ParaView) and csv take a results file, the others a superelement")
+            .required()
+            .option("-o,--output", arguments->output, "PATH",
+                    "file to write (matrix-market: start of the names); default beside FILE")
+            .choice("--held", arguments->held, {"none", "all"},
+                    "modes for sid, flexdata, vtk, gmsh, gltf: of the free body, or with all interfaces held")
+            .option("-n,--count", arguments->count, "N", "at most this many elastic modes")
+            .option("--frames", arguments->frames, "N", "pvd: at most about this many times of each run")
+            .example("flexura export conrod.se.h5 --format matrix-market", "conrod.K.mtx and conrod.M.mtx")
+            .example("flexura export conrod.se.h5 --format sid -n 12",
+                     "standard input data with 12 free modes")
+            .example("flexura export conrod.se.h5 --format vtk -o modes.vtp", "mode shapes for ParaView")
+            .example("flexura export conrod.se.h5 --format gltf -n 6",
+                     "six mode shapes that move in any viewer of .glb files")
+            .example("flexura export engine.h5 --format pvd", "each run moving in ParaView: engine.RUN.pvd")
+            .example("flexura export engine.h5 --format csv", "each run as a table: engine.RUN.csv");
+        return [arguments, &talk] { return run(*arguments, talk); };
+      }};
 }
 
 }  // namespace flexura::app

@@ -26,7 +26,7 @@ struct NamedRun {
 /// that is not there.
 std::vector<NamedRun> prepare_runs(const MechanismArguments& arguments);
 
-/// `flexura check` of a mechanism file.
-int check_mechanism(const std::string& file, const terminal::Talk& talk);
+/// `flexura check` of a mechanism file, as tables or as JSON.
+int check_mechanism(const std::string& file, bool json, const terminal::Talk& talk);
 
 }  // namespace flexura::app

@@ -140,33 +140,35 @@ std::vector<Prediction> predictions(const Triangles& triangles, std::span<const 
   return result;
 }
 
-EncodedShape encode_shape(const Eigen::Ref<const Eigen::VectorXf>& u, std::span<const Prediction> predictions,
-                          int levels) {
-  if (!u.allFinite())
-    throw std::invalid_argument("a mode shape holds a value that is not finite (NaN or infinity)");
-  const std::size_t n = predictions.size();
+EncodedField encode_field(const Eigen::Ref<const Eigen::VectorXf>& u, int components,
+                          std::span<const Prediction> predictions, int levels) {
+  if (!u.allFinite()) {
+    throw std::invalid_argument(
+        "a mode shape or its stress holds a value that is not finite (NaN or infinity)");
+  }
+  const std::size_t n = predictions.size(), width = static_cast<std::size_t>(components);
   const double largest = u.size() > 0 ? static_cast<double>(u.cwiseAbs().maxCoeff()) : 0.0;
-  EncodedShape result;
+  EncodedField result;
   result.scale = largest / levels;
-  std::vector<std::uint16_t> q(3 * n), rest(3 * n);
+  std::vector<std::uint16_t> q(width * n), rest(width * n);
   if (largest > 0.0) {
     const double factor = levels / largest;
-    for (std::size_t i = 0; i < 3 * n; ++i) {
+    for (std::size_t i = 0; i < width * n; ++i) {
       // Two's complement modulo 2^16: differences wrap and come back exactly.
       q[i] = static_cast<std::uint16_t>(std::lround(u[static_cast<Eigen::Index>(i)] * factor));
     }
   }
   for (std::size_t i = 0; i < n; ++i) {
     const Prediction& p = predictions[i];
-    for (std::size_t axis = 0; axis < 3; ++axis) {
+    for (std::size_t c = 0; c < width; ++c) {
       const auto at = [&](std::int32_t v) -> int {
-        return v < 0 ? 0 : q[3 * static_cast<std::size_t>(v) + axis];
+        return v < 0 ? 0 : q[width * static_cast<std::size_t>(v) + c];
       };
       const int guess = p.b < 0 ? at(p.a) : at(p.a) + at(p.b) - at(p.c);
       const auto difference = static_cast<std::int16_t>(static_cast<std::uint16_t>(at(p.vertex) - guess));
       // Zigzag: 0, -1, 1, -2, ... become 0, 1, 2, 3, ..., so small ones of either sign have a zero high byte.
       const int twice = 2 * difference;
-      rest[axis * n + i] = static_cast<std::uint16_t>(difference < 0 ? -twice - 1 : twice);
+      rest[c * n + i] = static_cast<std::uint16_t>(difference < 0 ? -twice - 1 : twice);
     }
   }
   result.text = encode_block(std::span<const std::uint16_t>(rest));

@@ -14,7 +14,7 @@
 /// bytes, then all second bytes, ...: neighbouring numbers share their high bytes), deflated (zlib) and
 /// written in base64.
 ///
-/// A shape is a vector field on the vertices of a surface, quantised to 16 bits:
+/// A shape (or a stress) is a field on the vertices of a surface, quantised to 16 bits:
 ///
 ///     u_a(v) = scale q_a(v),    q_a(v) an integer,  |q| <= levels,    scale = max |u| / levels
 ///
@@ -55,16 +55,16 @@ struct Prediction {
 std::vector<Prediction> predictions(const Triangles& triangles, std::span<const std::int32_t> parent,
                                     int n_vertices);
 
-/// A quantised shape ready for the page.
-struct EncodedShape {
+/// A quantised field ready for the page.
+struct EncodedField {
   double scale = 0.0;  ///< u = scale q
-  std::string
-      text;  ///< block of 3 n_v unsigned 16-bit numbers: x of all vertices in order of meeting, then y, z
+  std::string text;    ///< block of unsigned 16-bit numbers: component 0 of all vertices in order of meeting,
+                       ///< then 1, ...
 };
 
-/// u holds x, y, z of vertex 0, then vertex 1, ...; levels in 1..32767.
+/// u holds `components` numbers of vertex 0, then of vertex 1, ...; levels in 1..32767.
 /// Throws std::invalid_argument when u holds a NaN or an infinity.
-EncodedShape encode_shape(const Eigen::Ref<const Eigen::VectorXf>& u, std::span<const Prediction> predictions,
-                          int levels);
+EncodedField encode_field(const Eigen::Ref<const Eigen::VectorXf>& u, int components,
+                          std::span<const Prediction> predictions, int levels);
 
 }  // namespace flexura::view

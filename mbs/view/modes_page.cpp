@@ -3,10 +3,12 @@
 
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <stdexcept>
 
 #include "mbs/view/page_file.hpp"
 #include "mbs/view/pages.hpp"
+#include "mbs/view/stress_field.hpp"
 #include "mbs/view/surface_blocks.hpp"
 
 namespace flexura::view {
@@ -77,10 +79,14 @@ void write_modes_page(const std::filesystem::path& html, const superelement::Sup
   PageFile file(html, se.name + " · modes");
   SurfaceBlocks surface(file, "part", se.surface, fmt::format("superelement '{}'", se.name),
                         static_cast<int>(page.modes.size()));
+  std::optional<StressField> stress;
+  if (se.stress) stress.emplace(se);
   json modes = json::array();
   for (std::size_t j = 0; j < page.modes.size(); ++j) {
     const PageMode& mode = page.modes[j];
     surface.add_shape(se.shapes * page.columns.col(static_cast<Eigen::Index>(j)).cast<float>());
+    // One mode is shown at a time, so its von Mises stress is enough: it grows with the amplitude.
+    if (stress) surface.add_stress(stress->von_mises(page.columns.col(static_cast<Eigen::Index>(j))), 1);
     modes.push_back({{"set", mode.set},
                      {"number", mode.number},
                      {"kind", mode.kind},

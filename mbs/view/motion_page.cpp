@@ -11,7 +11,9 @@
 #include "mbs/view/body_shapes.hpp"
 #include "mbs/view/page_file.hpp"
 #include "mbs/view/pages.hpp"
+#include "mbs/view/stress_field.hpp"
 #include "mbs/view/surface_blocks.hpp"
+#include "mbs/view/thin.hpp"
 
 namespace flexura::view {
 
@@ -39,16 +41,6 @@ struct Figure {
     return first.back();
   }
 };
-
-/// Every k-th row, and the last one.
-std::vector<Eigen::Index> thin(Eigen::Index rows, double most) {
-  const auto step =
-      static_cast<Eigen::Index>(std::max(1.0, std::ceil(static_cast<double>(rows) / std::max(2.0, most))));
-  std::vector<Eigen::Index> kept;
-  for (Eigen::Index i = 0; i < rows; i += step) kept.push_back(i);
-  if (rows > 0 && kept.back() != rows - 1) kept.push_back(rows - 1);
-  return kept;
-}
 
 template <typename T, typename Matrix>
 std::vector<T> gather(const Matrix& m, const std::vector<Eigen::Index>& rows) {
@@ -190,9 +182,12 @@ class MotionWriter {
       const Figure& figure = figures_[i];
       SurfaceBlocks blocks(*file_, fmt::format("surface{}", i), figure.se->surface,
                            fmt::format("superelement '{}'", figure.se->name), figure.n_shapes);
+      std::optional<StressField> stress;
+      if (figure.se->stress) stress.emplace(*figure.se);
       for (const Eigen::MatrixXd* basis : figure.bases) {
         for (Eigen::Index j = 0; j < basis->cols(); ++j) {
           blocks.add_shape(figure.se->shapes * basis->col(j).cast<float>());
+          if (stress) blocks.add_stress(stress->components(basis->col(j)), 6);
         }
       }
       surfaces.push_back(blocks.header());
@@ -263,7 +258,7 @@ Pictures read_pictures(const results::ModelHeader& model, const std::filesystem:
       }
       superelement::Parts parts;
       parts.matrices = parts.inertia = false;
-      parts.surface = parts.shapes = true;
+      parts.surface = parts.shapes = parts.stress = true;
       se = std::make_shared<const Superelement>(superelement::read(path, parts));
     }
     pictures[body.name] = se;

@@ -32,10 +32,11 @@ struct ModesPage {
   Eigen::MatrixXd columns;  ///< n x n_modes: mode j moves the body by u_se = columns.col(j), in any scale
 };
 
-/// Writes the part with its interfaces and moving modes.  `se` needs its surface and shapes.
-/// Memory: one mode at a time beside what `se` holds, and its n x n Gram matrix for the MAC.
-/// Throws std::invalid_argument when there is nothing to draw, sizes differ or a value is not finite, and
-/// std::runtime_error when the file cannot be written; then no file of this name is left behind.
+/// Writes the part with its interfaces and moving modes.  `se` needs its surface and shapes; with stress
+/// modes the page colours by the von Mises stress as well. Memory: one mode at a time beside what `se` holds,
+/// and its n x n Gram matrix for the MAC. Throws std::invalid_argument when there is nothing to draw, sizes
+/// differ or a value is not finite, and std::runtime_error when the file cannot be written; then no file of
+/// this name is left behind.
 void write_modes_page(const std::filesystem::path& html, const superelement::Superelement& se,
                       const ModesPage& page);
 

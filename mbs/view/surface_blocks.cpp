@@ -70,19 +70,29 @@ SurfaceBlocks::SurfaceBlocks(PageFile& page, std::string key, const superelement
 }
 
 void SurfaceBlocks::add_shape(const Eigen::Ref<const Eigen::VectorXf>& u) {
-  const EncodedShape shape = encode_shape(u, predictions_, levels_);
+  const EncodedField shape = encode_field(u, 3, predictions_, levels_);
   page_.add_block(fmt::format("{}/shape/{}", key_, scales_.size()), "u2", shape.text);
   scales_.push_back(shape.scale);
 }
 
+void SurfaceBlocks::add_stress(const Eigen::Ref<const Eigen::VectorXf>& sigma, int components) {
+  // Four steps for each of the 256 colours.
+  constexpr int stress_levels = 1023;
+  const EncodedField stress = encode_field(sigma, components, predictions_, stress_levels);
+  stress_components_ = components;
+  stress_scales_.resize(scales_.size() - 1, 0.0);
+  page_.add_block(fmt::format("{}/stress/{}", key_, stress_scales_.size()), "u2", stress.text);
+  stress_scales_.push_back(stress.scale);
+}
+
 nlohmann::json SurfaceBlocks::header() const {
   nlohmann::json shapes = nlohmann::json::array();
-  for (const double scale : scales_) shapes.push_back({{"scale", scale}});
-  return {{"key", key_},
-          {"vertices", predictions_.size()},
-          {"triangles", n_triangles_},
-          {"edges", n_edges_},
-          {"shapes", shapes}};
+  for (std::size_t j = 0; j < scales_.size(); ++j) {
+    shapes.push_back({{"scale", scales_[j]}});
+    if (j < stress_scales_.size()) shapes.back()["stress"] = stress_scales_[j];
+  }
+  return {{"key", key_},       {"vertices", predictions_.size()}, {"triangles", n_triangles_},
+          {"edges", n_edges_}, {"stress", stress_components_},    {"shapes", shapes}};
 }
 
 void require_pictures(const superelement::Superelement& se) {

@@ -21,8 +21,11 @@ class SurfaceBlocks {
 
   /// u: x, y, z of each vertex [m].
   void add_shape(const Eigen::Ref<const Eigen::VectorXf>& u);
+  /// The stress of the shape added last, as block KEY/stress/J: `components` numbers for each vertex [Pa], 1
+  /// (von Mises) or 6 (xx, yy, zz, xy, yz, zx), the same for all shapes.
+  void add_stress(const Eigen::Ref<const Eigen::VectorXf>& sigma, int components);
 
-  /// {"key", "vertices", "triangles", "edges", "shapes": [{"scale"}]}
+  /// {"key", "vertices", "triangles", "edges", "stress": components or 0, "shapes": [{"scale", "stress"}]}
   nlohmann::json header() const;
 
  private:
@@ -30,8 +33,8 @@ class SurfaceBlocks {
   std::string key_;
   std::vector<Prediction> predictions_;
   Eigen::Index n_triangles_, n_edges_;
-  int levels_;
-  std::vector<double> scales_;
+  int levels_, stress_components_ = 0;
+  std::vector<double> scales_, stress_scales_;
 };
 
 /// Throws std::invalid_argument, naming the superelement, unless it holds a surface and shapes that fit.

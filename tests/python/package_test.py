@@ -1,6 +1,7 @@
 # Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 """The Python package on a steel strip that swings as a pendulum, made and simulated by the programs."""
 
+import json
 import os
 import re
 import tempfile
@@ -10,9 +11,10 @@ from pathlib import Path
 import flexura
 import numpy as np
 from flexura import plot
+from flexura.programs import run
 
 HERE = Path(__file__).resolve().parent
-README = HERE.parents[1] / "python" / "README.md"
+README = HERE.parents[1] / "mbs" / "python" / "README.md"
 
 
 def blocks(language):
@@ -126,6 +128,17 @@ class Package(unittest.TestCase):
         # Between two lines a Hann window shows at least 85 % of the amplitude.
         self.assertTrue(0.85 * 3 < amplitude[peak] < 1.001 * 3)
         self.assertEqual(amplitude.unit, "m")
+
+    def test_check_tells_scripts_what_it_prints(self):
+        told = json.loads(run(["check", self.here / "link.se.h5", "--json"]))
+        self.assertAlmostEqual(told["mass_kg"] / self.mass, 1.0, delta=1e-12)
+        self.assertEqual([i["name"] for i in told["interfaces"]], ["pivot", "tip"])
+        np.testing.assert_allclose(told["fixed_interface_frequencies_hz"], self.link.fixed_interface_frequencies)
+        told = json.loads(run(["check", self.here / "pendulum.toml", "--json"]))
+        rigid, flexible = told["runs"]
+        self.assertEqual((rigid["n_dof"], rigid["n_flx"]), (1, 0))
+        self.assertEqual(flexible["n_dof"], 1 + flexible["n_flx"])
+        self.assertEqual(rigid["joints"], [{"name": "hinge", "type": "revolute", "is_constraint": False}])
 
     def test_refusals_are_the_programs_sentences(self):
         with self.assertRaisesRegex(flexura.FlexuraError, "did you mean") as caught:

@@ -66,28 +66,33 @@ class PageReader {
     return values;
   }
 
-  /// u of a shape, 3 n_v, by PAGE.md's rule.
-  std::vector<double> shape(const std::string& key, int j) const {
+  /// u of a shape, 3 n_v.
+  std::vector<double> shape(const std::string& key, int j) const { return field(key, "shape", j, 3); }
+
+  /// A field with C components of each vertex, by PAGE.md's rule: "shape" or "stress".
+  std::vector<double> field(const std::string& key, const std::string& kind, int j,
+                            std::size_t components) const {
     const json& surface = header.at("surface");
-    const auto rest = block<std::uint16_t>(key + "/shape/" + std::to_string(j));
+    const auto rest = block<std::uint16_t>(key + "/" + kind + "/" + std::to_string(j));
     const auto triangles = block<std::int32_t>(key + "/triangles"),
                parent = block<std::int32_t>(key + "/parent");
     const std::size_t n = surface.at("vertices");
-    const double scale = surface.at("shapes").at(static_cast<std::size_t>(j)).at("scale");
-    std::vector<int> q(3 * n, 0);
+    const double scale =
+        surface.at("shapes").at(static_cast<std::size_t>(j)).at(kind == "shape" ? "scale" : "stress");
+    std::vector<int> q(components * n, 0);
     std::vector<bool> met(n, false);
     std::size_t place = 0, last = n;
     const auto decode = [&](std::size_t v, auto guess) {
-      for (std::size_t a = 0; a < 3; ++a) {
+      for (std::size_t a = 0; a < components; ++a) {
         const int code = rest[a * n + place];
         const int difference = code % 2 == 1 ? -(code + 1) / 2 : code / 2;
-        q[3 * v + a] = static_cast<std::int16_t>(static_cast<std::uint16_t>(guess(a) + difference));
+        q[components * v + a] = static_cast<std::int16_t>(static_cast<std::uint16_t>(guess(a) + difference));
       }
       met[v] = true;
       last = v;
       ++place;
     };
-    const auto from_last = [&](std::size_t a) { return last == n ? 0 : q[3 * last + a]; };
+    const auto from_last = [&](std::size_t a) { return last == n ? 0 : q[components * last + a]; };
     for (std::size_t t = 0; t < parent.size(); ++t) {
       for (std::size_t corner = 0; corner < 3; ++corner) {
         const std::size_t v = static_cast<std::size_t>(triangles[3 * t + corner]);
@@ -106,7 +111,7 @@ class PageReader {
           int guess = 0;
           for (const auto& [w, times] : uses) {
             if (static_cast<std::size_t>(w) != v)
-              guess += (times == 2 ? 1 : -1) * q[3 * static_cast<std::size_t>(w) + a];
+              guess += (times == 2 ? 1 : -1) * q[components * static_cast<std::size_t>(w) + a];
           }
           return guess;
         });

@@ -84,6 +84,20 @@ superelement::Superelement tube(int around, int along, int n_q) {
   return se;
 }
 
+void add_stress(superelement::Superelement& tube) {
+  superelement::StressModes& stress = tube.stress.emplace();
+  const Eigen::Index n_v = tube.surface.vertices.rows();
+  stress.S.setZero(6 * n_v, tube.n());
+  for (Eigen::Index v = 0; v < n_v; ++v) {
+    stress.vertices.push_back(static_cast<std::int32_t>(v));
+    const Eigen::Vector3d p = tube.surface.vertices.row(v);
+    for (int k = 0; k < tube.n_q; ++k) {
+      const double wave = (k / 2 + 1) * pi / tube_length;
+      stress.S(6 * v, 12 + k) = tube_young * wave * wave * std::sin(wave * p.x()) * p[k % 2 == 0 ? 1 : 2];
+    }
+  }
+}
+
 ModesPage tube_modes(const superelement::Superelement& se) {
   ModesPage page;
   page.columns.setZero(se.n(), se.n_q);
@@ -131,8 +145,12 @@ results::Results engine(Pictures& pictures) {
     {"name": "cross", "kind": "revolute", "body_1": "rod", "p_1": [1, 0, 0], "body_2": "slider", "p_2": [0, 0, 0],
      "axis_1": [0, 1, 0]},
     {"name": "load", "kind": "spring_damper", "body_1": "slider", "p_1": [0.1, 0, 0], "body_2": "ground",
-     "p_2": [1.7, 0, 0]}])";
-  pictures["rod"] = std::make_shared<const superelement::Superelement>(tube(32, 40, rod_modes));
+     "p_2": [1.7, 0, 0]},
+    {"name": "push", "kind": "force", "body_2": "slider", "p_2": [0, 0, 0],
+     "axes": {"body": "crank", "rotation": [1, 0, 0, 0]}}])";
+  auto rod = tube(32, 40, rod_modes);
+  add_stress(rod);
+  pictures["rod"] = std::make_shared<const superelement::Superelement>(std::move(rod));
   for (const bool flexible : {false, true}) {
     results::Run run;
     run.name = flexible ? "flexible" : "rigid";
@@ -143,9 +161,12 @@ results::Results engine(Pictures& pictures) {
                       {"slider.position", "m", "place of the slider along x"},
                       {"rod.deflection", "m", "displacement of the rod's middle along y"},
                       {"energy.kinetic", "J", ""},
-                      {"energy.strain", "J", ""}};
+                      {"energy.strain", "J", ""},
+                      {"push.x", "N", "along the crank"},
+                      {"push.y", "N", ""},
+                      {"push.z", "N", ""}};
     run.time = Eigen::VectorXd::LinSpaced(engine_rows, 0.0, engine_time);
-    run.values.resize(engine_rows, 5);
+    run.values.resize(engine_rows, 8);
     run.bodies.resize(3);
     const char* names[] = {"crank", "rod", "slider"};
     for (int b = 0; b < 3; ++b) {
@@ -171,7 +192,7 @@ results::Results engine(Pictures& pictures) {
         deflection += rod_modal(j, t) * tube_displacement(j, {tube_length / 2, 0.0, 0.0}).y();
       }
       run.values.row(i) << 2.0 * pi + (flexible ? 0.2 * std::sin(2.0 * pi * 8.0 * t) : 0.0), p.slider,
-          deflection, 120.0 + 30.0 * std::cos(4.0 * pi * t), 4e4 * deflection * deflection;
+          deflection, 120.0 + 30.0 * std::cos(4.0 * pi * t), 4e4 * deflection * deflection, push_force, 0.0, 0.0;
     }
     all.runs.push_back(std::move(run));
   }

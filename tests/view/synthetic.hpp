@@ -21,6 +21,11 @@ Eigen::Vector3d tube_displacement(int k, const Eigen::Vector3d& p);
 /// are zero.
 superelement::Superelement tube(int around, int along, int n_q);
 
+/// Gives the tube stress modes: sigma_xx = E du_x/dx of each shape, all else zero, so that the von Mises
+/// stress is its size: E w^2 |sin(w x) p_a|.
+inline constexpr double tube_young = 2.1e11;
+void add_stress(superelement::Superelement& tube);
+
 /// The tube's modes as a page shows them: mode number k + 1 is shape k, at 100 (k/2 + 1)^2 Hz (z: one percent
 /// more).
 ModesPage tube_modes(const superelement::Superelement& se);
@@ -39,6 +44,9 @@ EnginePose engine_pose(double t);
 
 /// Modal coordinate j of the rod [m]: 0.002 / (j + 1) sin(2 pi (2 + j) t).
 double rod_modal(int j, double t);
+
+/// A force on the slider, along the turning crank's x axis [N].
+constexpr double push_force = 1000.0;
 
 /// A slider-crank with a tube as its rod, two runs "rigid" and "flexible" of closed-form motion; `pictures`
 /// gets the tube.

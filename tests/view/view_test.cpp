@@ -10,6 +10,7 @@
 
 #include "mbs/view/encode.hpp"
 #include "mbs/view/pages.hpp"
+#include "mbs/view/stress_field.hpp"
 #include "tests/view/page_reader.hpp"
 #include "tests/view/synthetic.hpp"
 
@@ -167,6 +168,48 @@ TEST(ModesPage, SurfaceOfSeveralPiecesFoldedAndWithLooseVerticesComesBack) {
     EXPECT_NEAR(u[static_cast<std::size_t>(i)], se.shapes(i, 0), 0.5 * step + 1.2e-7) << i;
 }
 
+TEST(ModesPage, HoldsTheVonMisesStressOfEachMode) {
+  auto se = synthetic::tube(24, 30, 6);
+  synthetic::add_stress(se);
+  const fs::path html = scratch("stress.html");
+  write_modes_page(html, se, synthetic::tube_modes(se));
+  const PageReader page(slurp(html));
+  EXPECT_EQ(page.header["surface"]["stress"], 1);
+  for (int k = 0; k < 6; ++k) {
+    const std::vector<double> sigma = page.field("part", "stress", k, 1);
+    const Eigen::VectorXd exact =
+        se.stress->S.col(12 + k)(Eigen::seq(0, Eigen::last, Eigen::fix<6>)).cwiseAbs();
+    // Half a step of largest / 1023; the writer's 32-bit input adds 6e-8 of the value.
+    for (Eigen::Index v = 0; v < exact.size(); ++v) {
+      ASSERT_NEAR(sigma[static_cast<std::size_t>(v)], exact[v], (0.5 / 1023 + 1.2e-7) * exact.maxCoeff())
+          << k;
+    }
+  }
+}
+
+TEST(StressField, IsVonMisesWhereStressModesAreAndNothingElsewhereOrForRigidMotion) {
+  auto se = synthetic::tube(16, 10, 2);
+  superelement::StressModes& stress = se.stress.emplace();
+  for (std::int32_t v = 0; v < se.surface.vertices.rows(); v += 3) stress.vertices.push_back(v);
+  stress.S.setZero(6 * static_cast<Eigen::Index>(stress.vertices.size()), se.n());
+  for (Eigen::Index s = 0; s < static_cast<Eigen::Index>(stress.vertices.size()); ++s) {
+    stress.S.block<6, 1>(6 * s, 12) << 1e6, 2e6, -1e6, 3e5, 0.0, 1e5;
+    stress.S(6 * s, 0) = 1e9;  // two shapes whose sum is a rigid motion
+    stress.S(6 * s, 6) = -1e9 * (1.0 + 1e-14);
+  }
+  const StressField field(se);
+  Eigen::VectorXd u_se = Eigen::VectorXd::Zero(se.n());
+  u_se[12] = -1.0;
+  const Eigen::VectorXf sigma = field.von_mises(u_se);
+  // ((1e6)^2 + (3e6)^2 + (2e6)^2) / 2 + 3 (9e10 + 1e10), in 32 bits.
+  const double exact = std::sqrt(7e12 + 3e11);
+  for (Eigen::Index v = 0; v < sigma.size(); ++v)
+    EXPECT_NEAR(sigma[v], v % 3 == 0 ? exact : 0.0, 1e-6 * exact);
+  u_se.setZero();
+  u_se[0] = u_se[6] = 1.0;
+  EXPECT_EQ(field.von_mises(u_se).maxCoeff(), 0.0f);
+}
+
 TEST(MotionPage, HoldsTimesQuantitiesPosesAndModalCoordinatesAsStored) {
   Pictures pictures;
   const results::Results engine = synthetic::engine(pictures);
@@ -207,8 +250,8 @@ TEST(MotionPage, ThinsLongRunsEvenlyAndKeepsTheLastTime) {
   const fs::path html = scratch("thinned.html");
   MotionPage options;
   options.most_frames = 50;
-  // 5 quantities and the time, 2 runs: 12 numbers for each row, so 100 rows.
-  options.most_values = 1200;
+  // 8 quantities and the time, 2 runs: 18 numbers for each row, so 100 rows.
+  options.most_values = 1800;
   write_motion_page(html, engine, pictures, options);
   const PageReader page(slurp(html));
   const auto frames = page.block<double>("run0/frame_time"), time = page.block<double>("run0/time");

@@ -1,4 +1,6 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <fstream>
@@ -44,6 +46,42 @@ double display_scale(const Superelement& se, const Eigen::VectorXf& surface_shap
   const double size = (x.colwise().maxCoeff() - x.colwise().minCoeff()).norm();
   const double largest = largest_displacement(surface_shape);
   return largest > 0.0 ? 0.1 * size / largest : 1.0;
+}
+
+void require_surface(const Superelement& se) {
+  if (se.surface.vertices.rows() == 0 || se.shapes.rows() != 3 * se.surface.vertices.rows()) {
+    throw std::invalid_argument(
+        fmt::format("superelement \"{}\" holds no surface with shapes, so there is nothing to draw; reduce "
+                    "the part again with its surface",
+                    se.name));
+  }
+}
+
+std::string mode_name(const ModeAnalysis& modes, std::size_t j) {
+  return fmt::format("mode {} ({:.2f} Hz)", j + 1, modes.modes[j].frequency_hz);
+}
+
+Eigen::VectorXf drawn_shape(const Superelement& se, const Mode& mode) {
+  Eigen::VectorXf shape = se.shapes * mode.u_se.cast<float>();
+  shape *= static_cast<float>(display_scale(se, shape));
+  return shape;
+}
+
+std::string base64(const std::string& bytes) {
+  static const char alphabet[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  text.reserve((bytes.size() + 2) / 3 * 4);
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    const auto byte = [&](std::size_t k) -> unsigned {
+      return i + k < bytes.size() ? static_cast<unsigned char>(bytes[i + k]) : 0U;
+    };
+    const unsigned group = byte(0) << 16 | byte(1) << 8 | byte(2);
+    text += alphabet[group >> 18];
+    text += alphabet[group >> 12 & 63];
+    text += i + 1 < bytes.size() ? alphabet[group >> 6 & 63] : '=';
+    text += i + 2 < bytes.size() ? alphabet[group & 63] : '=';
+  }
+  return text;
 }
 
 }  // namespace flexura::superelement::exchange

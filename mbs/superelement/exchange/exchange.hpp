@@ -51,6 +51,10 @@ void write_vtp(const std::filesystem::path& path, const Superelement& se, const 
 /// write_vtp.
 void write_gmsh_views(const std::filesystem::path& path, const Superelement& se, const ModeAnalysis& modes);
 
+/// glTF 2.0 (.glb): the surface with one morph target and one animation for each mode, scaled as in
+/// write_vtp; opens in browsers' viewers, Blender, PowerPoint.  Animation j swings target j once in 1.5 s.
+void write_gltf(const std::filesystem::path& path, const Superelement& se, const ModeAnalysis& modes);
+
 /// MotionSolve's Reference_FlexData: frequencies, damping and mode shapes at the interface nodes.  It holds
 /// no inertia invariants: good for inspection and for programs that bring their own.
 struct FlexData {
@@ -86,6 +90,13 @@ Eigen::MatrixXd elastic_shapes(const Superelement& se, const ModeAnalysis& modes
 double largest_displacement(const Eigen::VectorXf& surface_shape);
 /// The factor that makes a mode's largest displacement a tenth of the surface's box.
 double display_scale(const Superelement& se, const Eigen::VectorXf& surface_shape);
+/// Throws std::invalid_argument, naming the superelement, unless it holds a surface with shapes.
+void require_surface(const Superelement& se);
+/// "mode 7 (478.86 Hz)"
+std::string mode_name(const ModeAnalysis& modes, std::size_t j);
+/// A mode's displacement on the surface, 3 n_v, at the size it is drawn.
+Eigen::VectorXf drawn_shape(const Superelement& se, const Mode& mode);
+std::string base64(const std::string& bytes);
 }  // namespace exchange
 
 }  // namespace flexura::superelement

@@ -77,3 +77,16 @@ export function through(camera, [x, y, z], width, height) {
   const w = row(3);
   return { x: (row(0) / w / 2 + 0.5) * width, y: (0.5 - row(1) / w / 2) * height };
 }
+
+/** In the page: contrast of an element's text against the nearest opaque background (WCAG 2.1), 1 to 21. */
+export function contrast(selector) {
+  const channel = (v) => (v / 255 <= 0.04045 ? v / 255 / 12.92 : ((v / 255 + 0.055) / 1.055) ** 2.4);
+  const light = ([r, g, b]) => 0.2126 * channel(r) + 0.7152 * channel(g) + 0.0722 * channel(b);
+  const numbers = (css) => css.match(/[\d.]+/g).map(Number);
+  const element = document.querySelector(selector);
+  let back = element;
+  while (back.parentElement && (numbers(getComputedStyle(back).backgroundColor)[3] ?? 1) < 1) back = back.parentElement;
+  const a = light(numbers(getComputedStyle(element).color));
+  const b = light(numbers(getComputedStyle(back).backgroundColor));
+  return (Math.max(a, b) + 0.05) / (Math.min(a, b) + 0.05);
+}

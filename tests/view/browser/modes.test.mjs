@@ -2,7 +2,7 @@
 // The modes page of the synthetic tube (tests/view/synthetic.hpp): its shapes are known in closed form.
 import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
-import { difference, launch, magenta, open, picture, through } from './browser.mjs';
+import { contrast, difference, launch, magenta, open, picture, through } from './browser.mjs';
 
 const length = 1.0;
 const radius = 0.06;
@@ -132,6 +132,33 @@ test('colours follow the displacement: dark at a node of the mode, yellow where 
   assert.ok(none[2] > none[1] && none[0] < 110, `violet: ${none}`);
 });
 
+test('stress is that of the closed form, in the data, in the legend and in the picture', async () => {
+  const fraction = 0.1;
+  await page.evaluate((f) => flexura.setMode(1).then(() => { flexura.setAmplitude(f); flexura.setField(5); flexura.setPhase(Math.PI / 2); }),
+                      fraction);
+  const size = await page.evaluate(() => flexura.size);
+  // sigma = E w^2 sin(w x) y for the shape, times the amplitude over the shape's largest displacement.
+  const exact = (i, j) => {
+    const [x, y] = place(i, j);
+    return 2.1e11 * Math.PI ** 2 * Math.abs(Math.sin(Math.PI * x) * y) * fraction * size / largest(0);
+  };
+  for (const [i, j] of [[30, 0], [12, 5], [55, 20]]) {
+    const found = await page.evaluate((v) => flexura.vonMises(v), vertex(i, j));
+    // Half a step of 1023.
+    assert.ok(Math.abs(found - exact(i, j)) < (0.5 / 1023 + 1e-6) * exact(30, 0), `${found} ${exact(i, j)}`);
+  }
+  const legend = await page.locator('.legend').textContent();
+  assert.match(legend, /von Mises \[GPa\]/);
+  assert.ok(legend.includes((exact(30, 0) / 1e9).toPrecision(3)), legend);
+  await page.evaluate(() => flexura.view('+y'));
+  const at = async (x) => page.evaluate((p) => flexura.pixel(...flexura.project(p)), [x, radius, 0]);
+  const most = await at(0.5 * length);
+  const least = await at(0.03 * length);
+  assert.ok(most[0] > 150 && most[1] > 130 && most[2] < 90, `yellow: ${most}`);
+  assert.ok(least[2] > least[1] && least[0] < 110, `violet: ${least}`);
+  await page.evaluate(() => flexura.setField(1));
+});
+
 test('sorts by any column and finds modes by kind and range', async () => {
   const numbers = () => page.locator('.modes tbody tr').evaluateAll((rows) => rows.map((r) => Number(r.dataset.mode)));
   await page.locator('.modes th button', { hasText: 'Hz' }).click();
@@ -211,18 +238,10 @@ test('every control has a name, in both themes the text is legible', async () =>
   assert.deepEqual(nameless, []);
   for (const colorScheme of ['light', 'dark']) {
     await page.emulateMedia({ colorScheme });
-    const ratio = await page.evaluate(() => {
-      const channel = (v) => (v / 255 <= 0.04045 ? v / 255 / 12.92 : ((v / 255 + 0.055) / 1.055) ** 2.4);
-      const light = (css) => {
-        const [r, g, b] = css.match(/[\d.]+/g).map(Number);
-        return 0.2126 * channel(r) + 0.7152 * channel(g) + 0.0722 * channel(b);
-      };
-      const back = light(getComputedStyle(document.querySelector('.panel')).backgroundColor);
-      return ['.modes td.kind', '.modes td.number', '.slider-name', '.hint'].map((s) => {
-        const text = light(getComputedStyle(document.querySelector(s)).color);
-        return (Math.max(text, back) + 0.05) / (Math.min(text, back) + 0.05);
-      });
-    });
+    const ratio = [];
+    for (const selector of ['.modes td.kind', '.modes td.number', '.slider-name', '.hint']) {
+      ratio.push(await page.evaluate(contrast, selector));
+    }
     // WCAG 2.1, level AA, for text of this size.
     for (const r of ratio) assert.ok(r >= 4.5, `${colorScheme}: contrast ${r}`);
   }

@@ -103,6 +103,51 @@ test('plots show the stored numbers', async () => {
   assert.match(text, new RegExp(`flexible${sliderAt(0.25).toPrecision(5)}`));
 });
 
+test('stress of the rod is that of its modal coordinates', async () => {
+  const t = 0.125;
+  const [i, j] = [20, 4]; // mid length, an eighth of the way round
+  const p = [0.5, 0.06 * Math.cos(Math.PI / 4), 0.06 * Math.sin(Math.PI / 4)];
+  let sigma = 0;
+  for (let k = 0; k < 4; ++k) {
+    const wave = (Math.floor(k / 2) + 1) * Math.PI;
+    sigma += modal(k, t) * 2.1e11 * wave ** 2 * Math.sin(wave * p[0]) * p[k % 2 === 0 ? 1 : 2];
+  }
+  const { found, most } = await page.evaluate(([at, v]) => {
+    flexura.setField(5);
+    flexura.setTime(at);
+    return { found: flexura.vonMises('flexible', 'rod', v), most: flexura.largestStress };
+  }, [t, i * 32 + j]);
+  // Four modes, each quantised to half a step of 1023 of its own largest stress.
+  const half = [0, 1, 2, 3].reduce((sum, k) => sum + 0.5 / 1023 * 0.002 / (k + 1) * 2.1e11 * ((Math.floor(k / 2) + 1) * Math.PI) ** 2 * 0.06, 0);
+  assert.ok(Math.abs(found - Math.abs(sigma)) < half, `${found} ${sigma} ${half}`);
+  assert.ok(most >= found && most < 2.1e11 * 0.06 * Math.PI ** 2 * 0.002 * (1 + 0.5 + 4 / 3 + 1), `${most}`);
+  assert.match(await page.locator('.legend').textContent(), /von Mises \[(MPa|GPa)\]/);
+  await page.evaluate(() => flexura.setField(1));
+});
+
+test('a force is an arrow that turns with the axes it is given in', async () => {
+  // 1 kN along the crank, which has turned by a twentieth: -18 degrees about y.
+  const t = 0.05;
+  const { force, at } = await page.evaluate((time) => {
+    flexura.showRun('rigid', false);
+    flexura.setTime(time);
+    flexura.view('-y'.replace('-', '\u2212'));
+    return { force: flexura.force('flexible', 'push'), at: flexura.pose('flexible', 'slider').slice(0, 3) };
+  }, t);
+  const angle = 2 * Math.PI * t;
+  const expected = [1000 * Math.cos(angle), 0, 1000 * Math.sin(angle)];
+  for (let a = 0; a < 3; ++a) assert.ok(Math.abs(force[a] - expected[a]) < 1e-3, `${force}`); // poses have 24 bits
+  // Drawn over the slider: the arrow's colour a little along it, the slider's own on the other side.
+  const pink = async (x) => {
+    const [r, g, b] = await page.evaluate((p) => flexura.pixel(...flexura.project(p)),
+                                          at.map((c, a) => c + x * expected[a] / 1000));
+    return r > 1.5 * g && r > b;
+  };
+  assert.equal(await pink(0.06), true);
+  assert.equal(await pink(-0.06), false);
+  await page.evaluate(() => flexura.showRun('rigid', true));
+});
+
 test('a click into a plot sets the time', async () => {
   const over = page.locator('.card').first().locator('.u-over');
   const box = await over.boundingBox();

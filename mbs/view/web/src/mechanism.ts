@@ -1,6 +1,7 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 // One run of the mechanism in the scene: bodies at their poses, flexible ones deformed, glyphs on them.
 import * as THREE from 'three';
+import { ForceArrows } from './arrows';
 import { locate, type MotionHeader, type Run } from './motion_data';
 import { coil, isSpring, jointGlyph, primitive, recolor, shaded, stickFigure } from './primitives';
 import { DeformedBody, type Surface } from './surface';
@@ -22,11 +23,14 @@ export class Mechanism {
   readonly group = new THREE.Group();
   readonly bodies: DrawnBody[] = [];
   readonly glyphs: THREE.Object3D[] = [];
+  readonly arrows: ForceArrows;
+  private readonly arrowMaterial = shaded(new THREE.Color());
   private readonly springs: Spring[] = [];
   private readonly glyphMaterial = shaded(new THREE.Color());
   private readonly springMaterial = new THREE.LineBasicMaterial();
   private magnify_ = 1;
   largestDeflection = 0; // [m], over a sample of frames and vertices
+  largestStress = 0; // [Pa]
 
   constructor(readonly run: Run, header: MotionHeader, surfaces: Surface[], scale: THREE.Texture, glyphSize: number) {
     const connections = header.connections ?? [];
@@ -81,9 +85,12 @@ export class Mechanism {
         this.glyphs.push(glyph);
       }
     }
+    this.arrows = new ForceArrows(run, connections, (name) => at(name)?.group, this.arrowMaterial, 16 * glyphSize, 0.3 * glyphSize);
+    this.group.add(this.arrows.group);
   }
 
   async loadShapes(): Promise<void> {
+    await this.arrows.load();
     await Promise.all(this.bodies.flatMap((b) => {
       if (!b.deformed || b.number < 0) return [];
       const { first_shape, n_shapes } = this.run.header.bodies[b.number];
@@ -101,11 +108,18 @@ export class Mechanism {
       if (!body.deformed || !motion?.modal) continue;
       const { first_shape, n_shapes } = this.run.header.bodies[body.number];
       const weights = new Float32Array(body.deformed.weights.length);
-      const n = body.deformed.surface.header.vertices;
-      for (let i = 0; i < frames; i += Math.max(1, Math.floor(frames / 80))) {
+      const { surface } = body.deformed;
+      const n = surface.header.vertices;
+      const every = Math.max(1, Math.floor(frames / 80));
+      for (let i = 0; i < frames; i += every) {
         for (let j = 0; j < n_shapes; ++j) weights[first_shape + j] = motion.modal[j * frames + i];
         for (let v = 0; v < n; v += Math.max(1, Math.floor(n / 400))) {
-          most = Math.max(most, body.deformed.surface.displacement(v, weights, u).lengthSq());
+          most = Math.max(most, surface.displacement(v, weights, u).lengthSq());
+        }
+        // Stresses peak in few places: more vertices, fewer frames.
+        if (surface.stress && (i / every) % 4 === 0) {
+          const step = Math.max(1, Math.floor(n / 5000));
+          this.largestStress = Math.max(this.largestStress, surface.largestStress(weights, step));
         }
       }
     }
@@ -143,6 +157,10 @@ export class Mechanism {
       }
     }
     this.group.updateMatrixWorld(true);
+    if (this.run.time.length) {
+      const row = locate(this.run.time, t);
+      this.arrows.setTime(row.at, row.part);
+    }
     for (const s of this.springs) {
       const a = s.p.clone().applyMatrix4(s.from.group.matrixWorld);
       const b = s.q.clone().applyMatrix4(s.to.group.matrixWorld);
@@ -189,5 +207,7 @@ export class Mechanism {
     recolor(this.glyphMaterial, ghost ?? new THREE.Color(cssColor('--glyph')), ghost ? 0.25 : 0.85);
     this.glyphMaterial.depthTest = false;
     this.springMaterial.color.set(cssColor('--glyph'));
+    recolor(this.arrowMaterial, ghost ?? new THREE.Color(cssColor('--force')), ghost ? 0.35 : 1);
+    this.arrowMaterial.depthTest = false;
   }
 }

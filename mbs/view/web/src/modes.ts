@@ -7,7 +7,8 @@ import { macDialog } from './mac';
 import { record } from './record';
 import { Stage, viewNames, type ViewName } from './stage';
 import { DeformedBody, Surface, type SurfaceHeader } from './surface';
-import { cssColor, download, figure, h, iconButton, icon, lengthText, lengthUnit, say, shortcuts, slider, themeButton,
+import { cssColor, download, figure, h, iconButton, icon, lengthText, lengthUnit, say, shortcuts, slider,
+         stressUnit, themeButton,
          toggle, topBar } from './ui';
 
 export interface ModesHeader {
@@ -22,7 +23,7 @@ export interface ModesHeader {
   mac: number[][];
 }
 
-const fieldNames = ['Part', '|u|', 'along x', 'along y', 'along z'];
+const fieldNames = ['Part', '|u|', 'along x', 'along y', 'along z', 'von Mises'];
 
 export async function modesPage(app: HTMLElement, header: ModesHeader): Promise<void> {
   const surface = await Surface.read(header.surface);
@@ -41,6 +42,8 @@ export async function modesPage(app: HTMLElement, header: ModesHeader): Promise<
   // --- what is drawn ---------------------------------------------------------------------------------------------
   const reach = () => state.amplitude * surface.size;
   const largest = new Map<number, number>();
+  const largestStress = new Map<number, number>();
+  const hasStress = surface.stress !== null;
   const weight = (mode: number) => {
     const most = largest.get(mode) ?? 0;
     return most > 0 ? reach() / most : 0;
@@ -67,9 +70,12 @@ export async function modesPage(app: HTMLElement, header: ModesHeader): Promise<
 
   function refresh(): void {
     const field = state.mode < 0 ? 0 : state.field;
-    (body.mesh.material as THREE.ShaderMaterial).uniforms.uScale.value = field > 1 ? signed : magnitude;
-    (body.edges.material as THREE.ShaderMaterial).uniforms.uScale.value = field > 1 ? signed : magnitude;
-    body.setField(field, field > 1 ? -reach() : 0, reach());
+    const isSigned = field > 1 && field < 5;
+    (body.mesh.material as THREE.ShaderMaterial).uniforms.uScale.value = isSigned ? signed : magnitude;
+    (body.edges.material as THREE.ShaderMaterial).uniforms.uScale.value = isSigned ? signed : magnitude;
+    const stress = (largestStress.get(state.mode) ?? 0) * weight(state.mode);
+    const top = field === 5 ? stress : reach();
+    body.setField(field, isSigned ? -top : 0, top);
     const plane = new THREE.Vector4(0, 0, 0, 0);
     if (state.cutAxis >= 0) {
       plane.setComponent(state.cutAxis, 1);
@@ -80,15 +86,15 @@ export async function modesPage(app: HTMLElement, header: ModesHeader): Promise<
     body.cut = plane;
     legend.hidden = field === 0;
     if (field > 0) {
-      const { factor, unit } = lengthUnit(reach());
-      const low = field > 1 ? -1 : 0;
-      const ticks = [0, 1, 2, 3, 4].map((i) => h('li', {}, figure((1 - (i / 4) * (1 - low)) * reach() * factor, 3)));
+      const { factor, unit } = field === 5 ? stressUnit(top) : lengthUnit(top);
+      const low = isSigned ? -1 : 0;
+      const ticks = [0, 1, 2, 3, 4].map((i) => h('li', {}, figure((1 - (i / 4) * (1 - low)) * top * factor, 3)));
       legend.replaceChildren(
         h('figcaption', {}, `${fieldNames[field]} [${unit}]`),
         h('div', { class: 'legend-body' },
-          h('div', { class: 'legend-bar', style: `background:${scaleGradient(field > 1 ? 'signed' : 'magnitude')}` }),
+          h('div', { class: 'legend-bar', style: `background:${scaleGradient(isSigned ? 'signed' : 'magnitude')}` }),
           h('ol', {}, ...ticks)),
-        h('small', {}, `scaled to ${lengthText(reach())}`));
+        h('small', {}, `${field === 5 ? 'for' : 'scaled to'} ${field === 5 ? '|u| up to ' : ''}${lengthText(reach())}`));
     }
     captions[0].replaceChildren(...describe(stage.panes > 1 ? state.pinned : state.mode));
     captions[1].hidden = stage.panes === 1;
@@ -99,7 +105,10 @@ export async function modesPage(app: HTMLElement, header: ModesHeader): Promise<
       const { factor, unit } = lengthUnit(reach());
       const c = (v: number) => figure(Math.abs(v) < 1e-6 * reach() ? 0 : v * factor, 3);
       probe.hidden = false;
-      probe.textContent = `vertex ${state.marked}   |u| ${c(u.length())}   u (${c(u.x)}, ${c(u.y)}, ${c(u.z)}) ${unit}`;
+      const sigma = surface.vonMises(state.marked, body.weights);
+      const stress = stressUnit(sigma);
+      probe.textContent = `vertex ${state.marked}   |u| ${c(u.length())}   u (${c(u.x)}, ${c(u.y)}, ${c(u.z)}) ${unit}`
+        + (hasStress ? `   von Mises ${figure(sigma * stress.factor, 3)} ${stress.unit}` : '');
     } else probe.hidden = true;
     stage.draw();
   }
@@ -107,7 +116,12 @@ export async function modesPage(app: HTMLElement, header: ModesHeader): Promise<
   async function select(mode: number): Promise<void> {
     if (mode >= 0) {
       await surface.load(mode);
-      if (!largest.has(mode)) largest.set(mode, surface.largest(mode));
+      if (!largest.has(mode)) {
+        largest.set(mode, surface.largest(mode));
+        const one = new Float32Array(modes.length);
+        one[mode] = 1;
+        largestStress.set(mode, surface.largestStress(one));
+      }
     }
     state.mode = mode;
     state.phase = 0;
@@ -157,7 +171,8 @@ export async function modesPage(app: HTMLElement, header: ModesHeader): Promise<
     text: (v) => `${v.toFixed(1)} cycles/s`, change: (v) => { state.speed = v; },
   });
   const color = h('select', { id: 'color', 'aria-label': 'Colour', onchange: () => setField(Number(color.value)) },
-                  ...[['Displacement', 1], ['Along x', 2], ['Along y', 3], ['Along z', 4], ['Part and interfaces', 0]]
+                  ...[['Displacement', 1], ...(hasStress ? [['Von Mises stress', 5]] : []), ['Along x', 2], ['Along y', 3], ['Along z', 4],
+                      ['Part and interfaces', 0]]
                     .map(([text, value]) => h('option', { value }, String(text))));
   function setField(field: number): void {
     state.field = field;
@@ -247,7 +262,7 @@ export async function modesPage(app: HTMLElement, header: ModesHeader): Promise<
     { keys: [']'], text: 'faster', run: () => speed.set(speed.get() + 0.1) },
     ...[0, 1, 2, 3, 4, 5].map(axis).map(([k, text, run]) => ({ keys: k, text, run })),
     { keys: ['0', 'i'], text: 'view from a corner', run: () => stage.view('iso', surface.box) },
-    { keys: ['c'], text: 'next colouring', run: () => setField((state.field + 1) % 5) },
+    { keys: ['c'], text: 'next colouring', run: () => setField((state.field + 1) % (hasStress ? 6 : 5)) },
     { keys: ['o'], text: 'undeformed outline', run: () => outline.click() },
     { keys: ['e'], text: 'feature edges', run: () => edges.click() },
     { keys: ['n'], text: 'names of the interfaces', run: () => marks.click() },
@@ -324,6 +339,7 @@ export async function modesPage(app: HTMLElement, header: ModesHeader): Promise<
       showMode(state.mode);
       return surface.displacement(v, body.weights).multiplyScalar(body.magnify).toArray();
     },
+    vonMises: (v: number) => { showMode(state.mode); return surface.vonMises(v, body.weights); },
     deformed: (v: number) => { showMode(state.mode); return body.drawn(v).toArray(); },
     project: (p: number[]) => { const { x, y } = stage.project(new THREE.Vector3().fromArray(p)); return [x, y]; },
     camera: () => (stage.drawNow(), new THREE.Matrix4().multiplyMatrices(stage.camera.projectionMatrix, stage.camera.matrixWorldInverse)

@@ -3,14 +3,15 @@
 import * as THREE from 'three';
 import { scaleGradient, scaleTexture } from './colormap';
 import { Mechanism } from './mechanism';
-import { Run, type MotionHeader } from './motion_data';
+import { Run, locate, type MotionHeader } from './motion_data';
 import { PlotDeck } from './plots';
 import { record } from './record';
 import { spectrum } from './spectrum';
 import { Stage, viewNames, type ViewName } from './stage';
 import { summaryPanel, warningsOf } from './summary';
 import { Surface } from './surface';
-import { cssColor, download, figure, h, icon, iconButton, lengthText, lengthUnit, say, shortcuts, slider, themeButton,
+import { cssColor, download, figure, h, icon, iconButton, lengthText, lengthUnit, say, shortcuts, slider,
+         stressUnit, themeButton,
          toggle, topBar, unitText } from './ui';
 
 export type { MotionHeader } from './motion_data';
@@ -77,6 +78,7 @@ export async function motionPage(app: HTMLElement, header: MotionHeader): Promis
   const fullMagnify = deflection > 0 ? Math.max(1, round125((0.06 * flexibleSize) / deflection)) : 1;
   state.magnify = fullMagnify;
   if (deflection === 0) state.field = 0;
+  const stressMost = Math.max(0, ...mechanisms.map((m) => m.largestStress));
 
   // --- drawing -----------------------------------------------------------------------------------------------------
   const clock = h('output', { class: 'clock', 'aria-label': 'Time' });
@@ -115,14 +117,16 @@ export async function motionPage(app: HTMLElement, header: MotionHeader): Promis
       m.setLook(ghost ? new THREE.Color(cssColor(`--run${i % 6}`)) : null);
       for (const b of m.bodies) {
         const moves = b.number >= 0 && m.run.header.bodies[b.number].n_shapes > 0;
-        b.deformed?.setField(ghost || !moves ? 0 : state.field, 0, deflection);
+        b.deformed?.setField(ghost || !moves ? 0 : state.field, 0, state.field === 5 ? stressMost : deflection);
       }
     });
     legend.hidden = state.field === 0;
-    const { factor, unit } = lengthUnit(deflection);
-    legend.replaceChildren(h('figcaption', {}, `|u| [${unit}]`),
+    const isStress = state.field === 5;
+    const top = isStress ? stressMost : deflection;
+    const { factor, unit } = isStress ? stressUnit(top) : lengthUnit(top);
+    legend.replaceChildren(h('figcaption', {}, `${isStress ? 'von Mises' : '|u|'} [${unit}]`),
       h('div', { class: 'legend-body' }, h('div', { class: 'legend-bar', style: `background:${scaleGradient('magnitude')}` }),
-        h('ol', {}, ...[4, 3, 2, 1, 0].map((i) => h('li', {}, figure((deflection * factor * i) / 4, 3))))),
+        h('ol', {}, ...[4, 3, 2, 1, 0].map((i) => h('li', {}, figure((top * factor * i) / 4, 3))))),
       h('small', {}, `drawn ×${figure(state.magnify, 3)}`));
     setTime(state.time);
   }
@@ -145,13 +149,26 @@ export async function motionPage(app: HTMLElement, header: MotionHeader): Promis
     min: 0, max: Math.max(1, Math.log10(fullMagnify) + 1), step: 0.02, value: Math.log10(state.magnify), id: 'magnify',
     text: (v) => `×${figure(10 ** v, 3)}`, change: (v) => { state.magnify = 10 ** v; refresh(); } });
   magnify.element.hidden = deflection === 0;
-  const color = toggle('Colour', state.field > 0, (on) => { state.field = on ? 1 : 0; refresh(); },
-                       { title: 'Colour by displacement (C)' });
+  const color = h('select', { id: 'color', 'aria-label': 'Colour', title: 'Next colouring (C)',
+                              onchange: () => setField(Number(color.value)) },
+                  ...[['Displacement', 1], ...(stressMost > 0 ? [['Von Mises stress', 5]] : []), ['Bodies', 0]]
+                    .map(([text, value]) => h('option', { value }, String(text))));
+  const setField = (field: number) => {
+    state.field = field;
+    color.value = String(field);
+    refresh();
+  };
   color.hidden = deflection === 0;
   const glyphs = toggle('Joints', true, (on) => {
     for (const m of mechanisms) for (const g of m.glyphs) g.visible = on;
     stage.draw();
   }, { title: 'Joints and springs (J)' });
+  const forceMost = Math.max(0, ...mechanisms.map((m) => m.arrows.largest));
+  const forces = toggle('Forces', true, (on) => {
+    for (const m of mechanisms) m.arrows.group.visible = on;
+    stage.draw();
+  }, { title: `Forces as arrows, the longest ${figure(forceMost, 3)} N (F)` });
+  forces.hidden = forceMost === 0;
   const moving = header.bodies.filter((b) => b.kind !== 'ground').map((b) => b.name);
   const follow = h('select', { id: 'follow', 'aria-label': 'Camera follows', onchange: () => {
     state.follow = follow.value;
@@ -258,11 +275,16 @@ export async function motionPage(app: HTMLElement, header: MotionHeader): Promis
     }
   }
   const warnings = runs.flatMap(warningsOf);
+  // The worst of the runs, of the energy that went through the mechanism.
+  const energyError = Math.max(0, ...runs.map((r) => {
+    const told = (r.header.summary as { relative_energy_error?: unknown } | null)?.relative_energy_error;
+    return typeof told === 'number' && Number.isFinite(told) ? Math.abs(told) : 0;
+  }));
 
   const strip = h('div', { class: 'strip' },
     h('div', { class: 'group wide' }, play, timeline.input, clock),
     h('div', { class: 'group' }, speed.element, magnify.element),
-    h('div', { class: 'group' }, color, glyphs, follow));
+    h('div', { class: 'group' }, color, glyphs, forces, follow));
   const corner = h('div', { class: 'corner' }, views,
     iconButton('camera', 'Save a picture (P)', () => void savePng(), { id: 'png' }),
     iconButton('film', 'Save an animation (M)', () => void saveFilm(), { id: 'film' }));
@@ -279,8 +301,9 @@ export async function motionPage(app: HTMLElement, header: MotionHeader): Promis
     { keys: ['-'], text: 'less deformation', run: () => magnify.set(magnify.get() - 0.1) },
     ...[0, 1, 2, 3, 4, 5].map((i) => ({ keys: [String(i + 1)], text: `view ${viewNames[i]}`, run: () => view(viewNames[i]) })),
     { keys: ['0', 'i'], text: 'view from a corner', run: () => view('iso') },
-    { keys: ['c'], text: 'colour by displacement', run: () => color.click() },
+    { keys: ['c'], text: 'next colouring', run: () => setField(state.field === 1 && stressMost > 0 ? 5 : state.field === 0 ? 1 : 0) },
     { keys: ['j'], text: 'joints and springs', run: () => glyphs.click() },
+    { keys: ['f'], text: 'forces', run: () => forces.click() },
     { keys: ['p'], text: 'save a picture', run: () => void savePng() },
     { keys: ['m'], text: 'save an animation', run: () => void saveFilm() },
     { keys: ['t'], text: 'light or dark', run: () => theme.click() },
@@ -291,7 +314,8 @@ export async function motionPage(app: HTMLElement, header: MotionHeader): Promis
   app.replaceChildren(
     topBar(header.title, [['Bodies', String(moving.length)], ['Runs', String(runs.length)],
                           ['Time', `${figure(duration, 4)} s`],
-                          ...(deflection > 0 ? [['Deflection', lengthText(deflection)] as [string, string]] : [])],
+                          ...(deflection > 0 ? [['Deflection', lengthText(deflection)] as [string, string]] : []),
+                          ...(energyError > 0 ? [['Energy error', `${figure(100 * energyError, 2)} %`] as [string, string]] : [])],
            keys, theme),
     h('main', { class: 'split motion' },
       h('section', { class: 'viewer', 'aria-label': 'Picture' },
@@ -327,7 +351,12 @@ export async function motionPage(app: HTMLElement, header: MotionHeader): Promis
     page: 'motion', header, runs: runs.map((r) => r.header.name), quantities: all.map((q) => q.name),
     get time() { return state.time; }, start: t0, end: t1,
     setTime: (t: number) => { setPlaying(false); setTime(t); stage.drawNow(); },
-    setPlaying, setMagnify: (v: number) => { state.magnify = v; refresh(); }, get magnify() { return state.magnify; },
+    setPlaying, setField, largestStress: stressMost,
+    vonMises: (run: string, body: string, v: number) => {
+      const { surface, weights } = bodyNamed(run, body).deformed!;
+      return surface.vonMises(v, weights);
+    },
+    setMagnify: (v: number) => { state.magnify = v; refresh(); }, get magnify() { return state.magnify; },
     showRun: (name: string, on: boolean) => { state.visible[runNamed(name)] = on; refresh(); deck.redraw(); },
     view, largestDeflection: deflection,
     quantity: async (run: string, name: string) => [...((await runs[runNamed(run)].quantity(name)) ?? [])],
@@ -340,6 +369,11 @@ export async function motionPage(app: HTMLElement, header: MotionHeader): Promis
       return spectrum(r.time, (await r.quantity(name)) ?? []);
     },
     csv: () => deck.csv(),
+    force: (run: string, connection: string) => {
+      const i = runNamed(run);
+      const { at, part } = locate(runs[i].time, state.time);
+      return mechanisms[i].arrows.force(connection, at, part)?.toArray() ?? null;
+    },
     pose: (run: string, body: string) => {
       const { position: p, quaternion: q } = bodyNamed(run, body).group;
       return [p.x, p.y, p.z, q.w, q.x, q.y, q.z];

@@ -21,6 +21,8 @@ export interface Connection {
   p_1?: Point;
   p_2?: Point;
   axis_1?: Point;
+  /** Frame of the force components among the quantities: rotation w x y z in the body. */
+  axes?: { body: string; rotation: [number, number, number, number] };
 }
 
 export interface RunHeader {

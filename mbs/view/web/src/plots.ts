@@ -9,6 +9,14 @@ interface Curve { run: Run; name: string; unit: string; dash: number[] }
 
 const dashes = [[], [7, 4], [2, 3], [9, 3, 2, 3]];
 
+/** The range of an axis: a little room, and for what is constant up to round-off a range of its own size. */
+function roomy(_: uPlot, low: number, high: number): [number, number] {
+  const size = Math.max(Math.abs(low), Math.abs(high));
+  if (!(high - low > 1e-8 * size)) return size > 0 ? [(low + high - size) / 2, (low + high + size) / 2] : [-1, 1];
+  const room = 0.06 * (high - low);
+  return [low - room, high + room];
+}
+
 export class PlotCard {
   readonly element: HTMLElement;
   readonly curves: Curve[] = [];
@@ -73,7 +81,7 @@ export class PlotCard {
     this.plot = new uPlot({
       width: this.place.clientWidth || 400, height: 158, padding: [8, 16, 0, 0],
       legend: { show: false },
-      scales: { x: { time: false }, ...(top > 0 ? { y: { distr: 3 as const, range: [low, 1e6 * low] as [number, number] } } : {}) },
+      scales: { x: { time: false }, y: top > 0 ? { distr: 3 as const, range: [low, 1e6 * low] as [number, number] } : { range: roomy } },
       axes: [
         { ...axis, size: 24, gap: 3, values: (_, v) => v.map((x) => tick(x)) },
         { ...axis, size: 62, gap: 4, values: (_, v) => v.map((x) => (x === null ? '' : tick(x))) },

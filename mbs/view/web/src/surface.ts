@@ -3,65 +3,31 @@
 import * as THREE from 'three';
 import { setBehind } from './primitives';
 import { readF4, readI4, readU2 } from './data';
+import { predict, unpack, type Predictions } from './predict';
+import { lineFragment, lineVertex, surfaceFragment, surfaceVertex, textureWidth } from './shaders';
 
 export interface SurfaceHeader {
   key: string; // blocks are named key/vertices, key/triangles, ...
   vertices: number;
   triangles: number;
   edges: number;
-  shapes: { scale: number }[]; // shape j is block key/shape/j
+  stress?: number; // components of the stress of each shape: 0, 1 (von Mises) or 6
+  shapes: { scale: number; stress?: number }[]; // shape j is block key/shape/j, its stress key/stress/j
 }
 
-/** Places in which vertices are met, and from which three each is predicted (the writer's encode.hpp). */
-interface Predictions {
-  vertex: Int32Array;
-  a: Int32Array;
-  b: Int32Array;
-  c: Int32Array;
+/** A stack of layers with four 16-bit numbers for each vertex: what three uploads as it is. */
+function layered(vertices: number, layers: number): THREE.DataArrayTexture {
+  const height = Math.max(1, Math.ceil(vertices / textureWidth));
+  const texture = new THREE.DataArrayTexture(
+    new Int16Array(4 * textureWidth * height * layers) as never, textureWidth, height, layers);
+  texture.format = THREE.RGBAIntegerFormat;
+  texture.type = THREE.ShortType;
+  texture.internalFormat = 'RGBA16I' as never;
+  texture.minFilter = texture.magFilter = THREE.NearestFilter;
+  texture.generateMipmaps = false;
+  texture.needsUpdate = true;
+  return texture;
 }
-
-function predict(triangles: Int32Array, parent: Int32Array, n: number): Predictions {
-  const p: Predictions = {
-    vertex: new Int32Array(n), a: new Int32Array(n), b: new Int32Array(n), c: new Int32Array(n),
-  };
-  const met = new Uint8Array(n);
-  let count = 0;
-  let last = -1;
-  const meet = (v: number, a: number, b: number, c: number) => {
-    if (met[v]) return;
-    met[v] = 1;
-    p.vertex[count] = v;
-    p.a[count] = a;
-    p.b[count] = b;
-    p.c[count++] = c;
-    last = v;
-  };
-  for (let k = 0; k < parent.length; ++k) {
-    for (let corner = 0; corner < 3; ++corner) {
-      const w = triangles[3 * k + corner];
-      if (met[w]) continue;
-      if (parent[k] < 0) {
-        meet(w, last, -1, -1);
-        continue;
-      }
-      const x = triangles[3 * k + ((corner + 1) % 3)];
-      const y = triangles[3 * k + ((corner + 2) % 3)];
-      let c = -1;
-      let shared = 0;
-      for (let j = 0; j < 3; ++j) {
-        const v = triangles[3 * parent[k] + j];
-        if (v === x || v === y) ++shared;
-        else c = v;
-      }
-      if (shared === 2 && c >= 0) meet(w, x, y, c);
-    }
-  }
-  for (let v = 0; v < n; ++v) meet(v, last, -1, -1);
-  return p;
-}
-
-/** Four 16-bit numbers for each vertex, the fourth unused: what three uploads as it is. */
-const textureWidth = 1024;
 
 export class Surface {
   readonly box = new THREE.Box3();
@@ -72,6 +38,8 @@ export class Surface {
   paint!: Float32Array; // 1 + number of the interface, or 0
   index!: Uint32Array;
   readonly texture: THREE.DataArrayTexture;
+  readonly stress: THREE.DataArrayTexture | null;
+  readonly stressLayers: number;
   private readonly q: (Int16Array | null)[];
   private readonly loading = new Map<number, Promise<void>>();
   private predictions: Predictions | null = null;
@@ -83,18 +51,12 @@ export class Surface {
     this.box.setFromArray(vertices);
     this.size = this.box.getSize(new THREE.Vector3()).length() || 1;
     this.split(triangleInterface);
-    const layers = Math.max(1, header.shapes.length);
-    const height = Math.max(1, Math.ceil(header.vertices / textureWidth));
     this.q = header.shapes.map(() => null);
-    const texture = new THREE.DataArrayTexture(
-      new Int16Array(4 * textureWidth * height * layers) as never, textureWidth, height, layers);
-    texture.format = THREE.RGBAIntegerFormat;
-    texture.type = THREE.ShortType;
-    texture.internalFormat = 'RGBA16I' as never;
-    texture.minFilter = texture.magFilter = THREE.NearestFilter;
-    texture.generateMipmaps = false;
-    texture.needsUpdate = true;
-    this.texture = texture;
+    this.texture = layered(header.vertices, Math.max(1, header.shapes.length));
+    // WebGL 2 promises 256 layers and no more.
+    this.stressLayers = header.stress === 6 ? 2 : header.stress === 1 ? 1 : 0;
+    if (this.stressLayers * header.shapes.length > 256) this.stressLayers = 0;
+    this.stress = this.stressLayers ? layered(header.vertices, this.stressLayers * Math.max(1, header.shapes.length)) : null;
   }
 
   static async read(header: SurfaceHeader): Promise<Surface> {
@@ -121,25 +83,51 @@ export class Surface {
   }
 
   private async decode(j: number): Promise<void> {
-    const rest = await readU2(`${this.header.key}/shape/${j}`);
-    const n = this.header.vertices;
+    const { key, vertices: n } = this.header;
     const p = (this.predictions ??= predict(this.triangles, this.parent, n));
     const layer = 4 * textureWidth * this.texture.image.height;
-    const all = this.texture.image.data as unknown as Int16Array;
-    const q = all.subarray(j * layer, (j + 1) * layer);
-    for (let axis = 0; axis < 3; ++axis) {
-      for (let i = 0; i < n; ++i) {
-        const zigzag = rest[axis * n + i];
-        const difference = zigzag & 1 ? -((zigzag + 1) >> 1) : zigzag >> 1;
-        const a = p.a[i];
-        let guess = a < 0 ? 0 : q[4 * a + axis];
-        if (p.b[i] >= 0) guess += q[4 * p.b[i] + axis] - q[4 * p.c[i] + axis];
-        q[4 * p.vertex[i] + axis] = guess + difference; // wraps modulo 2^16, as the writer's did
-      }
-    }
-    this.q[j] = q;
+    const part = (texture: THREE.DataArrayTexture, i: number) =>
+      (texture.image.data as unknown as Int16Array).subarray(i * layer, (i + 1) * layer);
+    const rest = await readU2(`${key}/shape/${j}`);
+    const q = part(this.texture, j);
+    for (let axis = 0; axis < 3; ++axis) unpack(rest, axis, p, q, 4, axis);
     this.texture.addLayerUpdate(j);
     this.texture.needsUpdate = true;
+    if (this.stress) {
+      const stress = await readU2(`${key}/stress/${j}`);
+      for (let c = 0; c < this.header.stress!; ++c) {
+        unpack(stress, c, p, part(this.stress, this.stressLayers * j + Math.floor(c / 3)), 4, c % 3);
+      }
+      for (let i = 0; i < this.stressLayers; ++i) this.stress.addLayerUpdate(this.stressLayers * j + i);
+      this.stress.needsUpdate = true;
+    }
+    this.q[j] = q;
+  }
+
+  /** Von Mises stress at a vertex [Pa] for weights of the shapes, from the page's own data. */
+  vonMises(vertex: number, weights: ArrayLike<number>): number {
+    if (!this.stress) return 0;
+    const data = this.stress.image.data as unknown as Int16Array;
+    const layer = 4 * textureWidth * this.texture.image.height;
+    const sigma = [0, 0, 0, 0, 0, 0];
+    for (let j = 0; j < this.q.length; ++j) {
+      const w = weights[j];
+      if (!this.q[j] || !w) continue;
+      const s = w * (this.header.shapes[j].stress ?? 0);
+      for (let c = 0; c < this.header.stress!; ++c) {
+        sigma[c] += s * data[(this.stressLayers * j + Math.floor(c / 3)) * layer + 4 * vertex + (c % 3)];
+      }
+    }
+    if (this.stressLayers === 1) return Math.abs(sigma[0]);
+    const [xx, yy, zz, xy, yz, zx] = sigma;
+    return Math.sqrt(((xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2) / 2 + 3 * (xy * xy + yz * yz + zx * zx));
+  }
+
+  /** The largest one, over every `step`-th vertex [Pa]. */
+  largestStress(weights: ArrayLike<number>, step = 1): number {
+    let most = 0;
+    for (let v = 0; v < this.header.vertices && this.stress; v += step) most = Math.max(most, this.vonMises(v, weights));
+    return most;
   }
 
   /** Displacement of a vertex [m] for weights of the shapes, from the page's own data. */
@@ -252,114 +240,6 @@ export class Surface {
   }
 }
 
-/** What the shaders share: weights of the shapes, magnification, what is coloured. */
-const deform = /* glsl */ `
-  precision highp isampler2DArray;
-  uniform isampler2DArray uShapes;
-  uniform sampler2D uWeights;   // one texel for each shape in use: weight times scale, layer
-  uniform int uCount;
-  uniform float uMagnify;       // times the displacement, for the drawn position only
-  uniform int uField;           // 0 none, 1 magnitude, 2, 3, 4 along x, y, z
-  uniform vec2 uRange;          // of the colour scale
-  in float vertex;
-  vec3 displacement() {
-    int v = int(vertex + 0.5);
-    ivec2 at = ivec2(v % ${textureWidth}, v / ${textureWidth});
-    vec3 u = vec3(0.0);
-    for (int i = 0; i < uCount; ++i) {
-      vec2 w = texelFetch(uWeights, ivec2(i, 0), 0).xy;
-      u += w.x * vec3(texelFetch(uShapes, ivec3(at, int(w.y + 0.5)), 0).xyz);
-    }
-    return u;
-  }
-  float field(vec3 u) {
-    float f = uField == 1 ? length(u) : uField == 2 ? u.x : uField == 3 ? u.y : u.z;
-    return (f - uRange.x) / max(uRange.y - uRange.x, 1e-30);
-  }`;
-
-const surfaceVertex = /* glsl */ `${deform}
-  in float paint;
-  out vec3 vNormal0, vPlace0, vPlace, vBody;
-  out float vField, vPaint;
-  void main() {
-    vec3 u = displacement();
-    vField = uField > 0 ? field(u) : 0.0;
-    vPaint = paint;
-    vBody = position;
-    vNormal0 = normalMatrix * normal;
-    vPlace0 = (modelViewMatrix * vec4(position, 1.0)).xyz;
-    vec4 place = modelViewMatrix * vec4(position + uMagnify * u, 1.0);
-    vPlace = place.xyz;
-    gl_Position = projectionMatrix * place;
-  }`;
-
-const surfaceFragment = /* glsl */ `
-  precision highp float;
-  uniform vec3 uColor, uAccent;
-  uniform float uOpacity, uPaint;
-  uniform int uField;
-  uniform sampler2D uScale;
-  uniform vec4 uCut;            // what lies on the far side of n . x = d is cut away; n = 0: nothing
-  in vec3 vNormal0, vPlace0, vPlace, vBody;
-  in float vField, vPaint;
-  out vec4 color;
-  void main() {
-    if (dot(uCut.xyz, vBody) > uCut.w && dot(uCut.xyz, uCut.xyz) > 0.0) discard;
-    // The smooth normal of the undeformed face turns with the flat normal of the triangle under this pixel.
-    vec3 flat0 = normalize(cross(dFdx(vPlace0), dFdy(vPlace0)));
-    vec3 flat1 = normalize(cross(dFdx(vPlace), dFdy(vPlace)));
-    vec3 toEye = normalize(-vPlace);
-    if (dot(flat1, toEye) < 0.0) { flat1 = -flat1; }
-    vec3 n0 = normalize(vNormal0);
-    if (dot(flat0, n0) < 0.0) flat0 = -flat0;
-    bool inside = !gl_FrontFacing;
-    vec3 turned = inside ? -flat1 : flat1;
-    vec3 n = normalize(n0 + (turned - flat0));
-    if (any(isnan(n))) n = turned;
-    if (inside) n = -n;
-    vec3 base = uColor;
-    if (uField > 0) base = texture(uScale, vec2(clamp(vField, 0.002, 0.998), 0.5)).rgb;
-    else if (vPaint > 0.5) base = mix(base, uAccent, uPaint);
-    if (inside) base = mix(base, vec3(0.35, 0.38, 0.42), 0.6);
-    vec3 key = normalize(vec3(0.35, 0.55, 0.75));
-    vec3 fill = normalize(vec3(-0.7, -0.2, 0.45));
-    float light = 0.50 + 0.46 * max(dot(n, key), 0.0) + 0.16 * max(dot(n, fill), 0.0) + 0.06 * n.y;
-    vec3 half_ = normalize(key + toEye);
-    float shine = (uField > 0 ? 0.05 : 0.16) * pow(max(dot(n, half_), 0.0), 36.0);
-    float rim = 0.10 * pow(1.0 - max(dot(n, toEye), 0.0), 3.0);
-    color = vec4(base * light + shine - rim * base, uOpacity);
-  }`;
-
-const lineVertex = /* glsl */ `${deform}
-  uniform float uPull, uPoint;
-  out float vField;
-  out vec3 vBody;
-  void main() {
-    vec3 u = displacement();
-    vField = uField > 0 ? field(u) : 0.0;
-    vBody = position;
-    vec4 place = modelViewMatrix * vec4(position + uMagnify * u, 1.0);
-    place.xyz *= 1.0 - uPull;   // a little towards the eye, out of the surface
-    gl_Position = projectionMatrix * place;
-    gl_PointSize = uPoint;
-  }`;
-
-const lineFragment = /* glsl */ `
-  precision highp float;
-  uniform vec3 uColor;
-  uniform float uOpacity;
-  uniform int uField;
-  uniform sampler2D uScale;
-  uniform vec4 uCut;
-  in float vField;
-  in vec3 vBody;
-  out vec4 color;
-  void main() {
-    if (dot(uCut.xyz, vBody) > uCut.w && dot(uCut.xyz, uCut.xyz) > 0.0) discard;
-    vec3 base = uField > 0 ? texture(uScale, vec2(clamp(vField, 0.002, 0.998), 0.5)).rgb : uColor;
-    color = vec4(base, uOpacity);
-  }`;
-
 export interface Look {
   color: THREE.Color;
   accent: THREE.Color;
@@ -385,6 +265,7 @@ export class DeformedBody {
     this.table = new THREE.DataTexture(new Float32Array(4 * n), n, 1, THREE.RGBAFormat, THREE.FloatType);
     this.shared = {
       uShapes: { value: surface.texture }, uWeights: { value: this.table }, uCount: { value: 0 },
+      uStress: { value: surface.stress ?? surface.texture }, uStressLayers: { value: surface.stressLayers },
       uMagnify: { value: 1 }, uRange: { value: new THREE.Vector2(0, 1) }, uScale: { value: scale },
       uCut: { value: new THREE.Vector4(0, 0, 0, 0) },
     };
@@ -452,6 +333,7 @@ export class DeformedBody {
       if (this.weights[j] === 0 || !this.surface.isLoaded(j)) continue;
       data[4 * count] = this.weights[j] * this.surface.header.shapes[j].scale;
       data[4 * count + 1] = j;
+      data[4 * count + 2] = this.weights[j] * (this.surface.header.shapes[j].stress ?? 0);
       ++count;
     }
     this.shared.uCount.value = count;
@@ -469,7 +351,7 @@ export class DeformedBody {
     (this.shared.uCut.value as THREE.Vector4).copy(plane);
   }
 
-  /** What is coloured: 0 nothing, 1 magnitude, 2..4 a component; between the two values [m]. */
+  /** What is coloured: 0 nothing, 1 magnitude, 2..4 a component [m], 5 von Mises stress [Pa]; between the two values. */
   setField(field: number, low: number, high: number): void {
     this.uniform(this.mesh, 'uField').value = field;
     (this.shared.uRange.value as THREE.Vector2).set(low, high);

@@ -130,6 +130,13 @@ export function lengthUnit(of: number): { factor: number; unit: string } {
   if (size >= 1e-4 || size === 0) return { factor: 1e3, unit: 'mm' };
   return { factor: 1e6, unit: 'µm' };
 }
+/** The same for a stress. */
+export function stressUnit(of: number): { factor: number; unit: string } {
+  const size = Math.abs(of);
+  if (size >= 1e9) return { factor: 1e-9, unit: 'GPa' };
+  if (size >= 1e4) return { factor: 1e-6, unit: 'MPa' };
+  return { factor: 1, unit: 'Pa' };
+}
 export function lengthText(value: number, digits = 3): string {
   const { factor, unit } = lengthUnit(value);
   return `${figure(value * factor, digits)} ${unit}`;
