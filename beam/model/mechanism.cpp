@@ -68,12 +68,18 @@ void refuse_mechanisms(const Model& model) {
         int& hold = held[root(end.node)];
         if (hold < 0 && (!gripped || end.released.none())) hold = end.node;
       }
+  // Anchors hold on solids: a part that has any is held there, all of them.
+  std::vector<bool> fixed(model.nodes.size(), false), anchored(model.nodes.size(), false);
+  for (const int anchor : model.anchors) fixed[anchor] = anchored[root(anchor)] = true;
+  for (std::size_t node = 0; node < model.nodes.size(); ++node)
+    if (const int part = root(static_cast<int>(node)); !anchored[part] && held[part] >= 0)
+      fixed[held[part]] = true;
   std::vector<int> dof(6 * model.nodes.size(), -1);
   int n = 0;
   std::vector<bool> used(model.nodes.size(), false);
   for (const Strut& strut : struts) used[strut.node[0]] = used[strut.node[1]] = true;
   for (std::size_t node = 0; node < model.nodes.size(); ++node)
-    if (used[node] && held[root(static_cast<int>(node))] != static_cast<int>(node))
+    if (used[node] && !fixed[node])
       for (int k = 0; k < 6; ++k) dof[6 * node + k] = n++;
   if (n == 0) return;
 

@@ -8,7 +8,8 @@ namespace flexura::beam {
 /// Throws std::invalid_argument when releases leave a motion, other than that of the whole structure, which
 /// strains no member: names the node that moves most and its direction.
 ///
-/// One element for each member (its end stiffness is exact), one node of each part held.  The softest
+/// One element for each member (its end stiffness is exact), one node of each part held
+/// (anchors, where it has any).  The softest
 /// displacement z of K comes from inverse iteration; whether it strains anything is judged member by member
 /// from its stretch H z, where round-off is eps^2 of the energy, not from K, where it is eps.  The bound is
 /// 1e-17 of the energy that z's components would have one by one: a chain of n members has 1/n^4 in its

@@ -100,12 +100,11 @@ void check_connection(const Model& model) {
   }
   for (const Member& member : model.members)  // a node that only shows a direction needs no member of its own
     if (member.direction_node >= 0) used[member.direction_node] = true;
-  for (const PointMass& mass : model.point_masses) {
-    bool connected = false;
-    for (const Member& member : model.members)
-      connected = connected || member.end[0].node == mass.node || member.end[1].node == mass.node;
-    if (!connected) used[mass.node] = false;
-  }
+  std::vector<bool> joined(model.nodes.size(), false);
+  for (const int anchor : model.anchors) used[anchor] = joined[anchor] = true;
+  for (const Member& member : model.members) joined[member.end[0].node] = joined[member.end[1].node] = true;
+  for (const PointMass& mass : model.point_masses)
+    if (!joined[mass.node]) used[mass.node] = false;
   for (std::size_t node = 0; node < model.nodes.size(); ++node)
     if (!used[node])
       throw std::invalid_argument(fmt::format(

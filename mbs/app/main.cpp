@@ -4,9 +4,11 @@
 int main(int argc, char** argv) {
   using namespace flexura;
   // The heavy side reads its own command line, --help included.
-  if (argc > 1 && std::string(argv[1]) == "reduce") {
+  const std::string command = argc > 1 ? argv[1] : "";
+  if (command == "reduce")
     return terminal::guarded([&]() -> int { app::hand_over_to_reduce({argv + 2, argv + argc}); });
-  }
+  if (command == "section")
+    return terminal::guarded([&]() -> int { app::hand_over_to_reduce({argv + 1, argv + argc}); });
   const terminal::Program program{
       .name = "flexura",
       .version = FLEXURA_VERSION,

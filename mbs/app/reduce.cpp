@@ -31,7 +31,7 @@ void hand_over_to_reduce(const std::vector<std::string>& arguments) {
   throw std::runtime_error(program.string() + ": cannot be started: " + std::strerror(errno));
 }
 
-// main() hands over before any command is read; this entry is for the list of commands and
+// main() hands over before any command is read; these entries are for the list of commands and
 // "flexura help reduce".
 terminal::Command reduce_command() {
   return {"reduce", "make a superelement of a CAD part, a mesh or a beam model (by flexura-reduce)",
@@ -39,6 +39,14 @@ terminal::Command reduce_command() {
             hand_over_to_reduce({"--help"});
           },
           "flexura-reduce"};
+}
+
+terminal::Command section_command() {
+  return {"section", "constants of any cross-section, for beams (by flexura-reduce)",
+          [](terminal::Options&, const terminal::Talk&) -> std::function<int()> {
+            hand_over_to_reduce({"section", "--help"});
+          },
+          "flexura-reduce section"};
 }
 
 }  // namespace flexura::app

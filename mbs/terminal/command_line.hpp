@@ -55,7 +55,8 @@ struct Command {
   std::string summary;
   /// Declares the options and returns what runs once they are read; its result is the exit code.
   std::function<std::function<int()>(Options&, const Talk&)> declare;
-  /// A program beside this one that reads the command's options itself; it is not asked to declare any here.
+  /// A program beside this one (with its first word, if any) that reads the command's options itself; it is
+  /// not asked to declare any here.
   std::string helper{};
 };
 

@@ -47,7 +47,7 @@ std::string bash_completion(const Program& program) {
     commands += (commands.empty() ? "" : " ") + command.name;
     if (!command.helper.empty()) {
       cases += fmt::format(
-          "    {0}) options=$(\"$(dirname -- \"$(command -v -- \"${{COMP_WORDS[0]}}\")\")/{1}\" "
+          "    {0}) options=$(\"$(dirname -- \"$(command -v -- \"${{COMP_WORDS[0]}}\")\")\"/{1} "
           "--list-options "
           "2>/dev/null) ;;\n",
           command.name, command.helper);

@@ -18,7 +18,8 @@ namespace flexura::mesh {
 inline constexpr int kResultDescriptor = 3, kProgressDescriptor = 4;
 
 struct Job {
-  std::string task;  ///< "list" or "mesh" a CAD file, "read" a mesh, "planar": see planar.hpp
+  std::string
+      task;  ///< "list" or "mesh" a CAD file, "read" a mesh, "planar", "curves": see planar.hpp, curves.hpp
   std::string path, format;
   double to_m = 1e-3;  ///< model units (mm) to m
   std::vector<int> solids;
@@ -28,12 +29,14 @@ struct Job {
   double elements_per_circle = 0;
   int most_triangles = 0;     ///< with more on the surface, sizes grow until it fits; 0 = no limit
   int surface_algorithm = 6;  ///< gmsh's Mesh.Algorithm: 6 frontal-Delaunay, 5 Delaunay, 1 MeshAdapt
+  double turn = 0;            ///< "curves": greatest angle between pieces [rad]
   int parent = 0;             ///< process id; the child ends when it is gone
   /// "planar": for each region its outer loop and its holes, y and z of each corner [m].
   std::vector<std::vector<std::vector<double>>> regions;
 };
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Job, task, path, format, to_m, solids, fuse, heal, order, size, size_min,
-                                   elements_per_circle, most_triangles, surface_algorithm, parent, regions)
+                                   elements_per_circle, most_triangles, surface_algorithm, turn, parent,
+                                   regions)
 
 struct SolidRecord {
   int number = 0, same_as = 0;

@@ -17,6 +17,7 @@
 #include "mesh/gmsh/job.hpp"
 #include "mesh/gmsh/read_mesh.hpp"
 #include "mesh/gmsh/recognise.hpp"
+#include "mesh/gmsh/worker_curves.hpp"
 #include "mesh/gmsh/worker_planar.hpp"
 
 namespace flexura::mesh {
@@ -310,6 +311,11 @@ void run(const Job& job, ResultRecord& result, Arrays& arrays) {
   if (job.task == "read") {
     say(0, "reading the mesh");
     read_mesh(job.path, result, arrays);
+    return;
+  }
+  if (job.task == "curves") {
+    say(0, "reading the curves");
+    collect_curves(job, result, arrays);
     return;
   }
   if (job.task == "planar") {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -10,27 +11,41 @@
 #include "mbs/input/schema.hpp"
 #include "reduce/app/part_file.hpp"
 #include "reduce/beams/beam_reduction.hpp"
+#include "reduce/beams/statics.hpp"
 
 /// The part file of a structure made of beams: nodes and members instead of a CAD file.  Reference page:
-/// `flexura reduce --schema-beams`.
+/// cases/BEAM_FILE.md, printed by `flexura reduce --schema-beams`.
 namespace flexura::reduce {
+
+/// A solid that a beam part holds: a part file of its own or a finished superelement.
+struct SolidInput {
+  std::string name;
+  std::filesystem::path part, superelement;  ///< one of them
+  int modes = -1;                            ///< instead of the part file's; -1: as it says
+  std::string where;                         ///< "boom.toml:12: solid.bracket", for messages
+};
+/// Makes the reduced solid; its interfaces become nodes of the beam model.
+using AttachSolid = std::function<AttachedSolid(const SolidInput&)>;
 
 struct BeamPartInput {
   std::string name;
   std::string source;  ///< the file's text
   beam::Model model;
+  std::vector<AttachedSolid> solids;
   beam::Subdivision subdivision;
   std::vector<BeamInterface> interfaces;
+  std::vector<LoadCase> cases;
   ModesInput modes;
 };
 
 const input::TableSchema& beam_schema();
 
-/// Whether the file has a table [member.NAME]: then it is a beam part.  False where it cannot be read.
+/// Whether the file has a table [member.NAME] or [curves.NAME]: then it is a beam part.  False where it
+/// cannot be read.
 bool is_beam_file(const std::filesystem::path& file);
 
-/// Reads and checks a beam part.  Throws input::InputError.
+/// Reads and checks a beam part; `attach` is asked for each solid.  Throws input::InputError.
 BeamPartInput read_beam_part(const std::filesystem::path& file,
-                             const std::vector<std::string>& overrides = {});
+                             const std::vector<std::string>& overrides = {}, const AttachSolid& attach = {});
 
 }  // namespace flexura::reduce

@@ -1,19 +1,22 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 
-// flexura-reduce: turns a CAD part into a superelement.  `flexura reduce` hands over to it.
+// flexura-reduce: turns a CAD part or a beam model into a superelement.  `flexura reduce` and `flexura
+// section` hand over to it.
 #include <fmt/format.h>
 
-#include <fstream>
 #include <iostream>
 
 #include "mbs/input/document.hpp"
 #include "mbs/terminal/command_line.hpp"
+#include "reduce/app/attach_solid.hpp"
 #include "reduce/app/beam_file.hpp"
+#include "reduce/app/beam_statics.hpp"
 #include "reduce/app/list_faces.hpp"
 #include "reduce/app/part_file.hpp"
 #include "reduce/app/reduce_beam_part.hpp"
 #include "reduce/app/reduce_part.hpp"
-#include "reduce/app/section_file.hpp"
+#include "reduce/app/section_command.hpp"
+#include "reduce/linalg/session.hpp"
 
 namespace {
 
@@ -22,33 +25,9 @@ using namespace flexura;
 struct Arguments {
   std::string input, output, report, mesh_size;
   std::vector<std::string> overrides;
-  int modes = -1, beam_modes = 0;
-  bool list_faces = false, schema = false, schema_beams = false, section = false, schema_section = false;
+  int modes = -1, beam_modes = 0, places = 5;
+  bool list_faces = false, schema = false, schema_beams = false, statics = false;
 };
-
-// Writes beside and renames, so that no half-written file is left.
-void write_file(const std::filesystem::path& file, const std::string& text) {
-  std::filesystem::path beside = file;
-  beside += ".part";
-  std::ofstream out(beside);
-  out << text;
-  out.close();
-  if (!out) throw std::runtime_error(file.string() + " cannot be written");
-  std::filesystem::rename(beside, file);
-}
-
-void solve_section(const Arguments& arguments, const terminal::Talk& talk) {
-  const beam::SectionProperties section =
-      reduce::solve(reduce::read_section_file(arguments.input, arguments.overrides));
-  if (!talk.quiet) reduce::print_section(section, std::cout);
-  std::filesystem::path output = arguments.output;
-  if (output.empty()) output = std::filesystem::path(arguments.input).replace_extension(".section");
-  write_file(output, reduce::section_result(section));
-  std::filesystem::path drawing = output;
-  drawing.replace_extension(".svg");
-  write_file(drawing, reduce::section_svg(section));
-  if (!talk.quiet) fmt::print("wrote {} and {}\n", output.string(), drawing.string());
-}
 
 int reduce_with(const Arguments& arguments, const terminal::Talk& talk) {
   if (arguments.schema) {
@@ -59,15 +38,7 @@ int reduce_with(const Arguments& arguments, const terminal::Talk& talk) {
     std::cout << input::reference_page(reduce::beam_schema());
     return 0;
   }
-  if (arguments.schema_section) {
-    std::cout << input::reference_page(reduce::section_file_schema());
-    return 0;
-  }
   if (arguments.input.empty()) throw input::InputError("no part file given; see flexura reduce --help");
-  if (arguments.section) {
-    solve_section(arguments, talk);
-    return 0;
-  }
   if (arguments.list_faces) {
     reduce::print_faces(arguments.input, std::cout);
     return 0;
@@ -78,9 +49,17 @@ int reduce_with(const Arguments& arguments, const terminal::Talk& talk) {
   std::filesystem::path output = arguments.output;
   if (output.empty()) output = std::filesystem::path(arguments.input).replace_extension(".se.h5");
   if (reduce::is_beam_file(arguments.input)) {
-    const reduce::BeamPartInput beams = reduce::read_beam_part(arguments.input, overrides);
+    const linalg::Session session;  // one for the structure and its solids
+    const reduce::BeamPartInput beams =
+        reduce::read_beam_part(arguments.input, overrides, [&](const reduce::SolidInput& solid) {
+          return reduce::attach_solid(solid, output, {.report = {}, .quiet = talk.quiet});
+        });
     if (arguments.beam_modes > 0) {
       reduce::print_beam_modes(beams, arguments.beam_modes, std::cout);
+      return 0;
+    }
+    if (arguments.statics) {
+      reduce::print_statics(beams, arguments.places, std::cout, arguments.report);
       return 0;
     }
     reduce::reduce_beam_part(beams, output, {.report = arguments.report, .quiet = talk.quiet});
@@ -100,15 +79,13 @@ std::function<int()> declare(terminal::Options& options, const terminal::Talk& t
       .option("--modes", arguments->modes, "N", "number of normal modes, overrides modes.count")
       .option("--beam-modes", arguments->beam_modes, "N",
               "beam parts: print N natural frequencies of the free structure, nothing reduced, then stop")
+      .flag("--statics", arguments->statics,
+            "beam parts: print what the load cases do with the interfaces held, then stop")
+      .option("--places", arguments->places, "N", "places along each member for --statics (default: 5)")
       .option("--set", arguments->overrides, "KEY=VALUE", "override an entry of the part file")
       .option("--report", arguments->report, "FILE", "also write the reduction's report as JSON")
       .flag("--list-faces", arguments->list_faces, "list the solids and faces of the part, then stop")
       .flag("--schema", arguments->schema, "print the part file's reference page, then stop")
-      .flag("--section", arguments->section,
-            "PART is a cross-section: print its constants, write FILE (default: PART.section) and a drawing, "
-            "then stop")
-      .flag("--schema-section", arguments->schema_section,
-            "print the section file's reference page, then stop")
       .flag("--schema-beams", arguments->schema_beams, "print the beam part file's reference page, then stop")
       .example("flexura reduce --list-faces bracket.step", "what an interface can be chosen from")
       .example("flexura reduce conrod.toml -o conrod.se.h5", "mesh, reduce, write")
@@ -120,6 +97,9 @@ std::function<int()> declare(terminal::Options& options, const terminal::Talk& t
 }  // namespace
 
 int main(int argc, char** argv) {
+  // `flexura section` is handed over as "flexura-reduce section ...".
+  if (argc > 1 && std::string(argv[1]) == "section")
+    return terminal::run(reduce::section_command(), FLEXURA_VERSION, argc - 1, argv + 1);
   return terminal::run(
       {.name = "flexura reduce", .summary = "make a superelement of a CAD part", .declare = declare},
       FLEXURA_VERSION, argc, argv);

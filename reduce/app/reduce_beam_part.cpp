@@ -23,13 +23,28 @@ double frequency(double omega2) {
   return std::sqrt(std::max(omega2, 0.0)) / (2.0 * std::numbers::pi);
 }
 
-superelement::Surface surface_of(const beam::ExtrudedSurface& from) {
+superelement::Surface surface_of(const Picture& from) {
   superelement::Surface surface;
   surface.vertices = from.vertices;
   surface.triangles = from.triangles;
   surface.edges = from.edges;
   surface.triangle_interface.assign(from.triangles.rows(), -1);
   return surface;
+}
+
+// A solid whose own modes end below the structure's makes those too stiff.
+std::vector<std::string> short_solids(const BeamPartInput& input, double highest_hz) {
+  std::vector<std::string> texts;
+  for (const AttachedSolid& solid : input.solids) {
+    const double reach = solid.reduction.n_q > 0 ? frequency(solid.reduction.omega2.maxCoeff()) : 0.0;
+    if (reach < 1.5 * highest_hz)
+      texts.push_back(
+          fmt::format("solid \"{}\" has {} modes, up to {:.4g} Hz; modes of the structure above {:.4g} Hz "
+                      "lack some of its "
+                      "vibration: raise `modes` of [solid.{}]",
+                      solid.name, solid.reduction.n_q, reach, reach / 1.5, solid.name));
+  }
+  return texts;
 }
 
 }  // namespace
@@ -50,7 +65,8 @@ void reduce_beam_part(const BeamPartInput& input, const std::filesystem::path& o
   how.n_modes = input.modes.up_to > 0.0 ? 0 : input.modes.count;
   how.omega_max = 2.0 * std::numbers::pi * input.modes.up_to;
   how.progress = [&line](std::string_view stage, double fraction) { line(stage, fraction); };
-  BeamReduction beams = reduce_beams(mesh, input.interfaces, how);
+  const Structure structure(mesh, input.solids);
+  BeamReduction beams = reduce_beams(structure, input.interfaces, how);
   Reduction& reduction = beams.reduction;
   const ReductionReport& r = reduction.report;
 
@@ -58,11 +74,18 @@ void reduce_beam_part(const BeamPartInput& input, const std::filesystem::path& o
   const Eigen::Vector3d centre = reduction.inertia.S_x / reduction.inertia.mass;
   std::vector<double> frequencies;
   for (int k = 0; k < reduction.n_q; ++k) frequencies.push_back(frequency(reduction.omega2[k]));
+  if (reduction.n_q > 0)
+    for (const std::string& text : short_solids(input, frequencies.back()))
+      notes.push_back("warning: " + text);
   const nlohmann::json json = {
       {"part", input.name},
       {"mass", reduction.inertia.mass},
       {"centre", {centre.x(), centre.y(), centre.z()}},
-      {"mesh", {{"nodes", r.n_nodes}, {"elements", r.n_cells}, {"members", input.model.members.size()}}},
+      {"mesh",
+       {{"nodes", r.n_nodes},
+        {"elements", r.n_cells},
+        {"members", input.model.members.size()},
+        {"solids", input.solids.size()}}},
       {"reduction",
        {{"dofs", r.n_i + r.n_b},
         {"interface_dofs", r.n_b},
@@ -77,6 +100,9 @@ void reduce_beam_part(const BeamPartInput& input, const std::filesystem::path& o
       {"seconds", seconds}};
   std::string text;
   for (const std::string& note : notes) text += "  " + note + '\n';
+  for (const AttachedSolid& solid : input.solids)
+    text += fmt::format("  solid {}: {:.6g} kg, {} interfaces, {} modes\n", solid.name,
+                        solid.reduction.inertia.mass, solid.reduction.interfaces.size(), solid.reduction.n_q);
   text +=
       fmt::format("  {} members, {} elements, {} nodes; mass {:.6g} kg, centre ({:.5g}, {:.5g}, {:.5g}) m\n",
                   input.model.members.size(), r.n_cells, r.n_nodes, reduction.inertia.mass, centre.x(),
@@ -92,8 +118,13 @@ void reduce_beam_part(const BeamPartInput& input, const std::filesystem::path& o
   named.name = input.name;
   named.source = input.source;
   named.modes = input.modes;
-  superelement::write(output,
-                      to_superelement(named, std::move(reduction), surface_of(beams.surface), json.dump(1)));
+  std::vector<superelement::LoadCase> cases;
+  for (const LoadCase& load : input.cases)
+    cases.push_back({load.name, beams.T.transpose() * load_vector(structure, load)});
+  superelement::Superelement se =
+      to_superelement(named, std::move(reduction), surface_of(structure.picture()), json.dump(1));
+  se.load_cases = std::move(cases);
+  superelement::write(output, se);
   if (!options.report.empty()) std::ofstream(options.report) << json.dump(2) << '\n';
   line.finish();
   if (!options.quiet) fmt::print("{}wrote {}\n", text, output.string());
@@ -102,8 +133,9 @@ void reduce_beam_part(const BeamPartInput& input, const std::filesystem::path& o
 void print_beam_modes(const BeamPartInput& input, int count, std::ostream& out) {
   const beam::BeamMesh mesh(input.model, input.subdivision);
   const linalg::Session session;
-  const Eigen::VectorXd without = full_beam_modes(mesh, count, false),
-                        with = full_beam_modes(mesh, count, true);
+  const Structure structure(mesh, input.solids);
+  const Eigen::VectorXd without = full_beam_modes(structure, count, false),
+                        with = full_beam_modes(structure, count, true);
   out << fmt::format("{} elements; free natural frequencies in Hz\n", mesh.elements().size());
   out << fmt::format("{:>6} {:>24} {:>24}\n", "mode", "without rotary inertia", "with");
   for (int k = 0; k < count && 6 + k < std::min(without.size(), with.size()); ++k)

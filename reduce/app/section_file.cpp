@@ -5,9 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
-#include <numbers>
-#include <ostream>
 
 #include "mbs/input/document.hpp"
 
@@ -73,16 +70,6 @@ mesh::PlaneLoop read_points(const Section& in, double unit) {
   return loop;
 }
 
-std::string list(const beam::Matrix6d& matrix) {
-  std::string text = "[";
-  for (int i = 0; i < 6; ++i) {
-    text += i == 0 ? "[" : ",\n [";
-    for (int j = 0; j < 6; ++j) text += fmt::format("{}{:.17g}", j == 0 ? "" : ", ", matrix(i, j));
-    text += "]";
-  }
-  return text + "]";
-}
-
 }  // namespace
 
 const TableSchema& section_file_schema() {
@@ -101,7 +88,7 @@ const TableSchema& section_file_schema() {
     wall.keys = ply_keys();
     wall.keys.push_back(input::matrix("points", "the mid-line, rows [y, z] in `unit`").required());
     wall.keys.push_back(input::quantity("thickness", dim::length, "thickness").required().above(0));
-    TableSchema s{.name = "section file", .doc = "A cross-section for `flexura reduce --section`."};
+    TableSchema s{.name = "section file", .doc = "A cross-section for `flexura section`."};
     s.keys = {
         input::text("name", "name of the section; default: the file's name"),
         input::choice("unit", {"m", "mm", "cm", "in"}, "unit of `points`").or_default("mm"),
@@ -211,113 +198,6 @@ beam::SectionProperties solve(const SectionInput& input) {
   beam::SectionMesh mesh{planar.points, planar.triangles, planar.region, {}};
   if (!input.planar.cad.empty()) mesh.ply.clear();
   return beam::solve_section(input.name, mesh, input.plies);
-}
-
-void print_section(const beam::SectionProperties& s, std::ostream& out) {
-  const auto line = [&](const char* what, double value, const char* unit) {
-    out << fmt::format("  {:<34} {:>14.6g} {}\n", what, value, unit);
-  };
-  out << fmt::format("section {}\n", s.section.name);
-  line("area", s.area, "m^2");
-  line("mass per length", s.section.inertia.m, "kg/m");
-  line("centroid y", s.centroid.x(), "m");
-  line("centroid z", s.centroid.y(), "m");
-  line("tension centre y", s.tension_centre.x(), "m");
-  line("tension centre z", s.tension_centre.y(), "m");
-  line("shear centre y", s.shear_centre.x(), "m");
-  line("shear centre z", s.shear_centre.y(), "m");
-  line("reference E", s.E_ref, "Pa");
-  line("reference G", s.G_ref, "Pa");
-  line("I_y about the tension centre", s.I_y, "m^4");
-  line("I_z", s.I_z, "m^4");
-  line("I_yz = -int y z dA", s.I_yz, "m^4");
-  line("I_1, principal", s.I_1, "m^4");
-  line("I_2", s.I_2, "m^4");
-  line("angle from y to axis 1", s.principal_angle * 180.0 / std::numbers::pi, "deg");
-  line("I_t, torsion", s.I_t, "m^4");
-  line("A_sy, shear area", s.A_sy, "m^2");
-  line("A_sz, shear area", s.A_sz, "m^2");
-  line("I_w, warping", s.I_w, "m^6");
-  line("decay length sqrt(E I_w / G I_t)", s.decay_length, "m");
-  if (s.couples) out << "  stretch or bending couples with shear or twist\n";
-  if (s.section.open_thin_walled)
-    out << "  open and thin-walled: a beam is right only where its ends warp freely or it is long\n";
-  out << "  stiffness at the origin, order N, V_y, V_z, T, M_y, M_z:\n";
-  const beam::Matrix6d C = s.section.stiffness();
-  for (int i = 0; i < 6; ++i) {
-    out << "   ";
-    for (int j = 0; j < 6; ++j) {
-      const bool nothing = std::abs(C(i, j)) < 1e-9 * std::sqrt(C(i, i) * C(j, j));
-      out << fmt::format(" {:>12.5g}", nothing ? 0.0 : C(i, j));
-    }
-    out << '\n';
-  }
-}
-
-std::string section_result(const beam::SectionProperties& s) {
-  std::string text = fmt::format(
-      "# Made by flexura reduce --section; SI units. Use it in a beam part: type = \"file\", file = "
-      "\"...\".\n"
-      "I_t = {:.17g}\nI_w = {:.17g}\nyoung = {:.17g}\nshear = {:.17g}\nopen_thin_walled = {}\n"
-      "y_cs = {:.17g}\nz_cs = {:.17g}\nstiffness = {}\nmass = {}\n",
-      s.I_t, s.I_w, s.E_ref, s.G_ref, s.section.open_thin_walled, s.shear_centre.x(), s.shear_centre.y(),
-      list(s.section.stiffness()), list(s.section.inertia.matrix()));
-  if (!s.section.outline.empty()) {
-    const auto longest = std::max_element(s.section.outline.begin(), s.section.outline.end(),
-                                          [](const beam::Loop& a, const beam::Loop& b) {
-                                            return (a.colwise().maxCoeff() - a.colwise().minCoeff()).norm() <
-                                                   (b.colwise().maxCoeff() - b.colwise().minCoeff()).norm();
-                                          });
-    text += "outline = [";
-    for (int k = 0; k < longest->rows(); ++k)
-      text += fmt::format("{}[{:.9g}, {:.9g}]", k == 0 ? "" : ", ", (*longest)(k, 0), (*longest)(k, 1));
-    text += "]\n";
-  }
-  return text;
-}
-
-std::string section_svg(const beam::SectionProperties& s) {
-  Eigen::RowVector2d low(1e300, 1e300), high = -low;
-  for (const beam::Loop& loop : s.section.outline) {
-    low = low.cwiseMin(loop.colwise().minCoeff());
-    high = high.cwiseMax(loop.colwise().maxCoeff());
-  }
-  low = low.cwiseMin(s.shear_centre.transpose());
-  high = high.cwiseMax(s.shear_centre.transpose());
-  const double size = (high - low).maxCoeff(), scale = 640.0 / size;
-  // y to the left would be the view along x; the drawing shows y to the right and z up, seen against x.
-  const auto X = [&](double y) { return 80.0 + scale * (y - low(0)); };
-  const auto Y = [&](double z) { return 80.0 + scale * (high(1) - z); };
-  std::string svg = fmt::format(
-      "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {:.0f} {:.0f}\" font-family=\"sans-serif\" "
-      "font-size=\"14\">\n<path fill=\"#b9c7d8\" stroke=\"#2b3f57\" fill-rule=\"evenodd\" d=\"",
-      160.0 + scale * (high(0) - low(0)), 160.0 + scale * (high(1) - low(1)));
-  for (const beam::Loop& loop : s.section.outline) {
-    for (int k = 0; k < loop.rows(); ++k)
-      svg += fmt::format("{}{:.2f} {:.2f} ", k == 0 ? "M" : "L", X(loop(k, 0)), Y(loop(k, 1)));
-    svg += "Z ";
-  }
-  svg += "\"/>\n";
-  for (const double turn : {0.0, 0.5 * std::numbers::pi}) {
-    const double c = 0.6 * size * std::cos(s.principal_angle + turn),
-                 n = 0.6 * size * std::sin(s.principal_angle + turn);
-    svg += fmt::format(
-        "<line x1=\"{:.2f}\" y1=\"{:.2f}\" x2=\"{:.2f}\" y2=\"{:.2f}\" stroke=\"#a33\" stroke-dasharray=\"6 "
-        "4\"/>\n",
-        X(s.tension_centre.x() - c), Y(s.tension_centre.y() - n), X(s.tension_centre.x() + c),
-        Y(s.tension_centre.y() + n));
-  }
-  const auto mark = [&](const Eigen::Vector2d& p, const char* name, const char* colour, int row) {
-    svg += fmt::format(
-        "<circle cx=\"{:.2f}\" cy=\"{:.2f}\" r=\"5\" fill=\"{}\"/><text x=\"20\" y=\"{}\" fill=\"{}\">{} "
-        "({:.4g}, {:.4g}) "
-        "mm</text>\n",
-        X(p.x()), Y(p.y()), colour, 20 + 18 * row, colour, name, 1e3 * p.x(), 1e3 * p.y());
-  };
-  mark(s.tension_centre, "tension centre", "#a33", 0);
-  mark(s.shear_centre, "shear centre", "#274", 1);
-  mark(s.mass_centre, "centre of mass", "#235", 2);
-  return svg + "</svg>\n";
 }
 
 }  // namespace flexura::reduce

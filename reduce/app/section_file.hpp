@@ -2,7 +2,6 @@
 #pragma once
 
 #include <filesystem>
-#include <iosfwd>
 #include <string>
 #include <vector>
 
@@ -10,9 +9,9 @@
 #include "mbs/input/schema.hpp"
 #include "mesh/gmsh/planar.hpp"
 
-/// `flexura reduce --section FILE`: any cross-section from polygons with holes, thin walls or a planar CAD
-/// face, meshed by gmsh and solved (beam/section/solver.hpp).  Reference page: `flexura reduce
-/// --schema-section`.
+/// The input of `flexura section`: any cross-section from polygons with holes, thin walls or a planar CAD
+/// face, meshed by gmsh and solved (beam/section/solver.hpp).  Reference page: cases/SECTION_FILE.md, printed
+/// by `flexura section --schema`.
 namespace flexura::reduce {
 
 struct SectionInput {
@@ -32,13 +31,5 @@ SectionInput read_section_file(const std::filesystem::path& file,
 std::vector<mesh::PlaneRegion> wall_regions(const mesh::PlaneLoop& midline, double thickness);
 
 beam::SectionProperties solve(const SectionInput& input);
-
-void print_section(const beam::SectionProperties& properties, std::ostream& out);
-
-/// A TOML file for `type = "file"` in a beam part: stiffness, mass, what warnings need, the outline.
-std::string section_result(const beam::SectionProperties& properties);
-
-/// A drawing with the outline, the centres and the principal axes.
-std::string section_svg(const beam::SectionProperties& properties);
 
 }  // namespace flexura::reduce

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <vector>
 
+#include "reduce/beams/numbering.hpp"
 #include "reduce/linalg/block_lanczos.hpp"
 #include "reduce/linalg/cholesky.hpp"
 #include "reduce/linalg/symmetric_matrix.hpp"
@@ -60,35 +61,33 @@ double elastic_scale(const beam::BeamMesh& mesh) {
 
 }  // namespace
 
-Eigen::VectorXd full_beam_modes(const beam::BeamMesh& mesh, int count, bool rotary_inertia,
+Eigen::VectorXd full_beam_modes(const Structure& structure, int count, bool rotary_inertia,
                                 const linalg::Progress& progress) {
-  std::vector<int> index(mesh.n_dofs(), -1), dof_of;
-  for (const beam::MeshElement& element : mesh.elements())
-    for (const int node : element.node)
-      for (int k = 0; k < 6; ++k) index[6 * node + k] = 0;
-  for (int dof = 0; dof < mesh.n_dofs(); ++dof)
-    if (index[dof] == 0) {
+  std::vector<int> index(structure.n_dofs(), -1), dof_of;
+  for (int dof = 0; dof < structure.n_dofs(); ++dof)
+    if (structure.used()[dof]) {
       index[dof] = static_cast<int>(dof_of.size());
       dof_of.push_back(dof);
     }
-  const double shift = elastic_scale(mesh);
-  const beam::SparseMatrix K_all = beam::stiffness_matrix(mesh),
-                           M_all = beam::mass_matrix(mesh, rotary_inertia);
+  const double shift = elastic_scale(structure.mesh());
+  const beam::SparseMatrix K_all = structure.stiffness(), M_all = structure.mass(rotary_inertia);
   const beam::SparseMatrix shifted = K_all + shift * M_all;
   const linalg::SymmetricMatrix K = part_of(K_all, shifted, index, dof_of),
                                 M = part_of(M_all, shifted, index, dof_of);
-  const linalg::CholeskyFactor factor(part_of(shifted, shifted, index, dof_of));
+  const linalg::SymmetricMatrix K_shifted = part_of(shifted, shifted, index, dof_of);
+  const linalg::CholeskyFactor factor(K_shifted);
   linalg::EigenProblem problem;
   problem.n = problem.n_free = static_cast<int>(dof_of.size());
   problem.shift = shift;
   problem.solve = [&](const Eigen::Ref<const MatrixXd>& X, MatrixXd& Y) { Y = factor.solve(X); };
   problem.multiply_K = [&](const Eigen::Ref<const MatrixXd>& X, MatrixXd& Y) { K.multiply(X, Y); };
   problem.multiply_M = [&](const Eigen::Ref<const MatrixXd>& X, MatrixXd& Y) { M.multiply(X, Y); };
+  const double tolerance = std::max(1e-8, 20.0 * attainable_residual(factor, K_shifted, M));
   const linalg::EigenPairs pairs =
-      linalg::block_lanczos(problem, {std::min(6 + count, problem.n), 0.0, 1e-8}, progress);
-  MatrixXd U = MatrixXd::Zero(mesh.n_dofs(), pairs.Phi.cols());
+      linalg::block_lanczos(problem, {std::min(6 + count, problem.n), 0.0, tolerance}, progress);
+  MatrixXd U = MatrixXd::Zero(structure.n_dofs(), pairs.Phi.cols());
   for (std::size_t i = 0; i < dof_of.size(); ++i) U.row(dof_of[i]) = pairs.Phi.row(i);
-  return beam::strain_energy(mesh, U).diagonal();
+  return structure.strain_energy(U).diagonal();
 }
 
 }  // namespace flexura::reduce

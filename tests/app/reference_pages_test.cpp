@@ -18,6 +18,20 @@ TEST(ReferencePages, PartFilePageIsPrintedFromItsSchema) {
   EXPECT_EQ(outcome.out, page("PART_FILE.md")) << "renew it: flexura reduce --schema > cases/PART_FILE.md";
 }
 
+TEST(ReferencePages, BeamFilePageIsPrintedFromItsSchema) {
+  const Outcome outcome = run("flexura-reduce", {"--schema-beams"});
+  EXPECT_EQ(outcome.exit_code, 0);
+  EXPECT_EQ(outcome.out, page("BEAM_FILE.md"))
+      << "renew it: flexura reduce --schema-beams > cases/BEAM_FILE.md";
+}
+
+TEST(ReferencePages, SectionFilePageIsPrintedFromItsSchema) {
+  const Outcome outcome = run("flexura", {"section", "--schema"});
+  EXPECT_EQ(outcome.exit_code, 0);
+  EXPECT_EQ(outcome.out, page("SECTION_FILE.md"))
+      << "renew it: flexura section --schema > cases/SECTION_FILE.md";
+}
+
 TEST(ReferencePages, MechanismFilePageIsPrintedFromItsSchema) {
   const Outcome outcome = run("flexura", {"simulate", "--schema"});
   EXPECT_EQ(outcome.exit_code, 0);

@@ -6,14 +6,13 @@
 #include <array>
 #include <chrono>
 #include <cmath>
-#include <memory>
 #include <numbers>
 
 #include "reduce/beams/beam_reduction.hpp"
 #include "reduce/cms/verification.hpp"
-#include "reduce/linalg/session.hpp"
 #include "tests/beam/exact/timoshenko.hpp"
 #include "tests/beam/models.hpp"
+#include "tests/beam/reduction_session.hpp"
 
 namespace flexura::beam {
 namespace {
@@ -26,13 +25,7 @@ using testing::straight;
 
 const Material kSteel = isotropic("steel", 2.1e11, 0.3, 7850.0);
 
-class BeamReduction : public ::testing::Test {
- protected:
-  static void SetUpTestSuite() { session_ = std::make_unique<linalg::Session>(); }
-  static void TearDownTestSuite() { session_.reset(); }
-  static std::unique_ptr<linalg::Session> session_;
-};
-std::unique_ptr<linalg::Session> BeamReduction::session_;
+class BeamReduction : public testing::WithSession {};
 
 reduce::ReductionOptions modes(int n) {
   reduce::ReductionOptions options;
@@ -60,8 +53,8 @@ TEST_F(BeamReduction, InertiaIntegralsAreThoseOfTheRigidBody) {
   Model model = straight(entry("r", Rectangle{0.1, 0.3}, kSteel), 2.0);
   model.nodes[0].p_BoN_B = {0.5, -0.2, 0.1};
   model.nodes[1].p_BoN_B = {1.7, 0.9, 0.8};
-  const BeamMesh mesh(model, divided(10));
-  const auto beams = reduce::reduce_beams(mesh, {{"a", 0}, {"b", 1}}, modes(6));
+  const reduce::Structure structure(BeamMesh(model, divided(10)));
+  const auto beams = reduce::reduce_beams(structure, {{"a", 0}, {"b", 1}}, modes(6));
   const reduce::Reduction& r = beams.reduction;
   Eigen::MatrixXd R = Eigen::MatrixXd::Zero(r.n(), 6);
   for (int k = 0; k < 2; ++k) {
@@ -78,9 +71,9 @@ TEST_F(BeamReduction, InertiaIntegralsAreThoseOfTheRigidBody) {
   EXPECT_LT((r.inertia.S_phi * R.leftCols<3>() - mass * Eigen::Matrix3d::Identity()).norm(), 1e-9 * mass);
   // Vertices of the extruded surface follow a rigid rotation about Bo's z (float: 6e-8 of some metres).
   const Eigen::VectorXf u = r.shapes * R.col(5).cast<float>();
-  for (int v = 0; v < beams.surface.vertices.rows(); v += 7) {
-    EXPECT_NEAR(u(3 * v), -beams.surface.vertices(v, 1), 2e-6);
-    EXPECT_NEAR(u(3 * v + 1), beams.surface.vertices(v, 0), 2e-6);
+  for (int v = 0; v < structure.picture().vertices.rows(); v += 7) {
+    EXPECT_NEAR(u(3 * v), -structure.picture().vertices(v, 1), 2e-6);
+    EXPECT_NEAR(u(3 * v + 1), structure.picture().vertices(v, 0), 2e-6);
   }
 }
 

@@ -8,9 +8,11 @@
 
 #include <cmath>
 #include <fstream>
+#include <numbers>
 
 #include "mbs/input/document.hpp"
 #include "reduce/app/beam_file.hpp"
+#include "reduce/app/section_report.hpp"
 
 namespace flexura::reduce {
 namespace {
@@ -29,8 +31,9 @@ class SectionFile : public ::testing::Test {
     std::ofstream(folder_ / name) << text;
     return folder_ / name;
   }
-  beam::SectionProperties solved(const std::string& text) const {
-    SectionInput input = read_section_file(write("s.toml", kSteel + text));
+  beam::SectionProperties solved(const std::string& text) const { return solved_alone(kSteel + text); }
+  beam::SectionProperties solved_alone(const std::string& text) const {
+    SectionInput input = read_section_file(write("s.toml", text));
     input.planar.worker = FLEXURA_BIN_DIR "/flexura-mesh";
     return solve(input);
   }
@@ -101,6 +104,99 @@ nodes = ["a", "b"]
   EXPECT_NEAR(d(3) / (-s.shear_centre.x() * 6.0 / (s.G_ref * s.I_t)), 1.0, 1e-6);
 }
 
+TEST_F(SectionFile, PlanarFaceOfACadFileHasTheClosedFormsOfItsEllipses) {
+  // Semi-axes 40 and 20 mm with a similar hole of half the size, in the plane y-z: torsion is exact for it.
+  const auto s = solved_alone(std::string("cad = \"") +
+                              FLEXURA_SOURCE_DIR "/tests/beam/data/ring_section.step\"\n" + kSteel);
+  const double a = 0.04, b = 0.02, pi = std::numbers::pi, hole = 1.0 - std::pow(0.5, 4);
+  // Curved triangles of second order, 24 to a circle: the outline is off by (2 pi / 24)^4 / 400 or less,
+  // 1e-5.
+  EXPECT_NEAR(s.area / (pi * a * b * 0.75), 1.0, 1e-4);
+  EXPECT_NEAR(s.I_y / (pi * a * b * b * b / 4 * hole), 1.0, 1e-4);
+  EXPECT_NEAR(s.I_z / (pi * a * a * a * b / 4 * hole), 1.0, 1e-4);
+  EXPECT_NEAR(s.I_t / (pi * std::pow(a * b, 3) / (a * a + b * b) * hole), 1.0, 2e-4);
+  EXPECT_LT(s.shear_centre.norm(), 1e-4 * a);
+  EXPECT_EQ(s.section.outline.size(), 2u);
+}
+
+TEST_F(SectionFile, CompositePliesKeepTheirFibreAngle) {
+  // One ply at 30 degrees: a pull strains it by S'_xx (R. M. Jones, Mechanics of composite materials).
+  const std::string carbon = R"(
+[material.carbon]
+density = 1600
+E_1 = "140 GPa"
+E_2 = "10 GPa"
+E_3 = "10 GPa"
+G_12 = "5 GPa"
+G_13 = "5 GPa"
+G_23 = "3.5 GPa"
+nu_12 = 0.3
+nu_13 = 0.3
+nu_23 = 0.4
+)";
+  const auto off = solved_alone(carbon + R"(
+[region.ply]
+fibre_angle = "30 deg"
+points = [[-50, -5], [50, -5], [50, 5], [-50, 5]]
+)");
+  const double c = std::cos(std::numbers::pi / 6), n = 0.5;
+  const double S_xx =
+      std::pow(c, 4) / 140e9 + (1 / 5e9 - 0.6 / 140e9) * c * c * n * n + std::pow(n, 4) / 10e9;
+  // Uniform stress: exact but for round-off of the sparse solve.
+  EXPECT_NEAR(off.section.f(beam::N, beam::N) * off.area / S_xx, 1.0, 1e-8);
+  EXPECT_TRUE(off.couples);
+  // A box of 0 degrees along y and 90 degrees along z as walls: flanges carry E_1, webs E_2 when it bends
+  // about y.
+  const auto box = solved_alone(carbon + R"(
+[wall.flange_top]
+thickness = "1 mm"
+points = [[-30, 20], [30, 20]]
+[wall.flange_bottom]
+thickness = "1 mm"
+points = [[-30, -20], [30, -20]]
+[wall.web_left]
+thickness = "1 mm"
+fibre_angle = "90 deg"
+points = [[-30, -20], [-30, 20]]
+[wall.web_right]
+thickness = "1 mm"
+fibre_angle = "90 deg"
+points = [[30, -20], [30, 20]]
+)");
+  EXPECT_FALSE(box.couples);
+  EXPECT_FALSE(box.section.open_thin_walled);
+  const double flanges = 140e9 * 2 * 0.06 * 0.001 * 0.02 * 0.02,
+               webs = 10e9 * 2 * 0.001 * std::pow(0.04, 3) / 12;
+  // By mid-lines, t/h = 1/40; what walls share at the corners belongs to the first.
+  EXPECT_NEAR(1.0 / box.section.f(beam::M_y, beam::M_y) / (flanges + webs), 1.0, 0.02);
+}
+
+TEST_F(SectionFile, ResultsRoundTripWithStressPointsAndAllOutlines) {
+  const auto s = solved(R"(
+[region.box]
+points = [[-50, -100], [50, -100], [50, 100], [-50, 100]]
+[hole.inside]
+region = "box"
+points = [[-40, -85], [40, -85], [40, 85], [-40, 85]]
+)");
+  const beam::Section read = read_section_result("box", write("box.section", section_result(s)));
+  ASSERT_EQ(read.points.size(), s.section.points.size());
+  for (std::size_t k = 0; k < read.points.size(); ++k) {
+    EXPECT_EQ(read.points[k].name, s.section.points[k].name);
+    EXPECT_TRUE(read.points[k].S.isApprox(s.section.points[k].S, 1e-15));
+  }
+  EXPECT_EQ(read.outline.size(), 2u);
+  // Bending stress at the upper edge, M z / I; extreme fibres of a corner mesh: 1 %.
+  for (const beam::StressPoint& point : read.points)
+    if (point.name == "+z") EXPECT_NEAR(point.S(0, beam::M_y) / (0.1 / s.I_y), 1.0, 0.01);
+  try {
+    read_section_result("bad", write("bad.section", "I_t = 1\n"));
+    FAIL() << "no refusal";
+  } catch (const input::InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("bad.section"));
+  }
+}
+
 TEST_F(SectionFile, RefusalsAreSentences) {
   const auto refusal = [&](const std::string& text) {
     try {
@@ -118,6 +214,18 @@ TEST_F(SectionFile, RefusalsAreSentences) {
       refusal(
           "[region.a]\npoints = [[0, 0], [1, 0], [0, 1]]\n[region.b]\npoints = [[5, 5], [6, 5], [5, 6]]\n"),
       HasSubstr("separate pieces"));
+  EXPECT_THAT(
+      refusal("[region.a]\npoints = [[0, 0], [1, 0], [0, 1]]\n[hole.b]\nregion = \"aa\"\npoints = [[0, 0], "
+              "[0.1, 0], [0, 0.1]]\n"),
+      HasSubstr("there is no such region, did you mean \"a\"?"));
+  // A CAD file that holds a solid, not a face of the section.
+  try {
+    solved_alone(std::string("cad = \"") + FLEXURA_SOURCE_DIR "/cases/simbeam_shaft/shaft_1m.step\"\n" +
+                 kSteel);
+    FAIL() << "no refusal";
+  } catch (const std::invalid_argument& error) {
+    EXPECT_THAT(error.what(), HasSubstr("holds no face; export the section as a planar face"));
+  }
   try {
     read_section_file(write("s.toml", kSteel), {"cad=\"none.step\""});
     FAIL() << "no refusal";

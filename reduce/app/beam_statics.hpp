@@ -1,0 +1,17 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <filesystem>
+#include <iosfwd>
+
+#include "reduce/app/beam_file.hpp"
+
+namespace flexura::reduce {
+
+/// `flexura reduce --statics`: the load cases of a beam part with its interfaces held.  Prints the nodes'
+/// displacements and, for each member, section forces and the greatest stress at `places` places along it;
+/// the same as JSON to `report` unless it is empty.  Throws input::InputError where the part has no loads.
+void print_statics(const BeamPartInput& part, int places, std::ostream& out,
+                   const std::filesystem::path& report);
+
+}  // namespace flexura::reduce
