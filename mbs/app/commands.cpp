@@ -6,8 +6,8 @@ namespace flexura::app {
 std::vector<terminal::Command> all_commands() {
   return {
       // In the order of use.
-<<<<<<< HEAD
       reduce_command(),
+      section_command(),
       modes_command(),
       simulate_command(),
       statics_command(),
@@ -18,11 +18,6 @@ std::vector<terminal::Command> all_commands() {
       report_command(),
       export_command(),
       assemble_command(),
-=======
-      reduce_command(),  section_command(), modes_command(),     simulate_command(),
-      statics_command(), eigen_command(),   linearize_command(), view_command(),
-      check_command(),   export_command(),  assemble_command(),
->>>>>>> 497695c (Beam parts: flexura section, members from curves, solids that members hold on to, load cases)
   };
 }
 

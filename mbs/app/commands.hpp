@@ -17,11 +17,8 @@ terminal::Command export_command();
 terminal::Command linearize_command();
 terminal::Command modes_command();
 terminal::Command reduce_command();
-<<<<<<< HEAD
 terminal::Command report_command();
-=======
 terminal::Command section_command();
->>>>>>> 497695c (Beam parts: flexura section, members from curves, solids that members hold on to, load cases)
 terminal::Command simulate_command();
 terminal::Command statics_command();
 terminal::Command view_command();
