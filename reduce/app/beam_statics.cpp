@@ -42,23 +42,41 @@ nlohmann::json stresses_json(const std::vector<beam::PointStress>& stresses) {
   return rows;
 }
 
+std::vector<BeamInterface> held_interfaces(const BeamPartInput& part, const std::vector<std::string>& held) {
+  if (held.empty()) return part.interfaces;
+  std::vector<BeamInterface> chosen;
+  std::vector<std::string> names;
+  for (const BeamInterface& interface : part.interfaces) names.push_back(interface.name);
+  for (const std::string& name : held) {
+    const auto at = std::find(names.begin(), names.end(), name);
+    if (at == names.end())
+      throw input::InputError(
+          fmt::format("--held: there is no interface \"{}\"{}", name, input::suggestion(name, names)));
+    chosen.push_back(part.interfaces[at - names.begin()]);
+  }
+  return chosen;
+}
+
 }  // namespace
 
-void print_statics(const BeamPartInput& part, int places, std::ostream& out,
-                   const std::filesystem::path& report) {
+void print_statics(const BeamPartInput& part, const std::vector<std::string>& held, int places,
+                   std::ostream& out, const std::filesystem::path& report) {
   if (part.cases.empty())
     throw input::InputError("the beam part has no loads; add a table [load.NAME] for each force");
   const beam::BeamMesh mesh(part.model, part.subdivision);
+  const std::vector<BeamInterface> interfaces = held_interfaces(part, held);
   const linalg::Session session;
   const Structure structure(mesh, part.solids);
-  const Eigen::MatrixXd U = static_displacements(structure, part.interfaces, part.cases);
+  const Eigen::MatrixXd U = static_displacements(structure, interfaces, part.cases);
+  std::string names;
+  for (const BeamInterface& interface : interfaces) names += (names.empty() ? "" : ", ") + interface.name;
   nlohmann::json cases = nlohmann::json::array();
   for (std::size_t k = 0; k < part.cases.size(); ++k) {
     const LoadCase& load = part.cases[k];
     const Eigen::VectorXd u = U.col(static_cast<Eigen::Index>(k)).head(mesh.n_dofs());
     nlohmann::json node_rows = nlohmann::json::array(), member_rows = nlohmann::json::array();
-    out << fmt::format("case {}, interfaces held\n{:<24} {:>12} {:>12} {:>12} {:>12} {:>12} {:>12}\n",
-                       load.name, "node", "u_x [m]", "u_y", "u_z", "theta_x [rad]", "theta_y", "theta_z");
+    out << fmt::format("case {}, held: {}\n{:<24} {:>12} {:>12} {:>12} {:>12} {:>12} {:>12}\n", load.name,
+                       names, "node", "u_x [m]", "u_y", "u_z", "theta_x [rad]", "theta_y", "theta_z");
     for (std::size_t n = 0; n < part.model.nodes.size(); ++n) {
       const beam::Vector6d d = without_round_off(u.segment<6>(6 * static_cast<Eigen::Index>(n)));
       out << fmt::format("{:<24} {:>12.5g} {:>12.5g} {:>12.5g} {:>12.5g} {:>12.5g} {:>12.5g}\n",

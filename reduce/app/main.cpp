@@ -24,7 +24,7 @@ using namespace flexura;
 
 struct Arguments {
   std::string input, output, report, mesh_size;
-  std::vector<std::string> overrides;
+  std::vector<std::string> overrides, held;
   int modes = -1, beam_modes = 0, places = 5;
   bool list_faces = false, schema = false, schema_beams = false, statics = false;
 };
@@ -59,7 +59,7 @@ int reduce_with(const Arguments& arguments, const terminal::Talk& talk) {
       return 0;
     }
     if (arguments.statics) {
-      reduce::print_statics(beams, arguments.places, std::cout, arguments.report);
+      reduce::print_statics(beams, arguments.held, arguments.places, std::cout, arguments.report);
       return 0;
     }
     reduce::reduce_beam_part(beams, output, {.report = arguments.report, .quiet = talk.quiet});
@@ -81,6 +81,7 @@ std::function<int()> declare(terminal::Options& options, const terminal::Talk& t
               "beam parts: print N natural frequencies of the free structure, nothing reduced, then stop")
       .flag("--statics", arguments->statics,
             "beam parts: print what the load cases do with the interfaces held, then stop")
+      .option("--held", arguments->held, "INTERFACE ...", "interfaces that --statics holds (default: all)")
       .option("--places", arguments->places, "N", "places along each member for --statics (default: 5)")
       .option("--set", arguments->overrides, "KEY=VALUE", "override an entry of the part file")
       .option("--report", arguments->report, "FILE", "also write the reduction's report as JSON")
