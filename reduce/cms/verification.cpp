@@ -32,7 +32,7 @@ int index_of(const Interfaces& interfaces, const std::string& name) {
 }  // namespace
 
 linalg::EigenPairs full_free_modes(const Part& part, int count, double omega2_scale,
-                                   const linalg::Progress& progress) {
+                                   const linalg::Progress& progress, double tolerance) {
   AssemblyOptions options;
   options.may_be_free = true;
   const Part free = with_retained(part, "");
@@ -49,7 +49,7 @@ linalg::EigenPairs full_free_modes(const Part& part, int count, double omega2_sc
     model.multiply_M_ii(X, MX);
     Y -= omega2_scale * MX;
   };
-  return linalg::block_lanczos(problem, {count + 6, 0.0, 1e-9}, progress);
+  return linalg::block_lanczos(problem, {count + 6, 0.0, tolerance}, progress);
 }
 
 linalg::EigenPairs full_clamped_modes(const Part& part, const std::string& clamped, int count,

@@ -9,8 +9,9 @@ namespace flexura::reduce {
 /// The lowest `count` elastic modes of the free body and its six rigid ones (6 + count pairs).  All interface
 /// nodes are free.  `omega2_scale` > 0 [rad^2/s^2] is the size of the first elastic eigenvalue: K +
 /// omega2_scale M is factorised, and the rigid eigenvalues come out as zero to about 1e-9 of it.
+/// `tolerance`: relative residual asked for; slender meshes of thin cells do not keep 1e-9.
 linalg::EigenPairs full_free_modes(const Part& part, int count, double omega2_scale,
-                                   const linalg::Progress& progress = {});
+                                   const linalg::Progress& progress = {}, double tolerance = 1e-9);
 
 /// The lowest modes with one interface clamped (all six motions of its node) and the others free.
 linalg::EigenPairs full_clamped_modes(const Part& part, const std::string& clamped, int count,

@@ -23,7 +23,7 @@ using Eigen::Vector3d;
 using ::testing::HasSubstr;
 using testing::straight;
 
-const Material kSteel = isotropic("steel", 2.1e11, 0.3, 7850.0);
+const Material kMildSteel = isotropic("steel", 2.1e11, 0.3, 7850.0);
 constexpr double kHeight = 0.1, kWidth = 0.05, kWall = 0.005;
 
 // Web at 0 <= y <= 5 mm, flanges towards +y.
@@ -39,7 +39,7 @@ const SectionProperties& channel() {
         testing::grid_section(
             y, z,
             [](double y, double z) { return y < kWall || std::abs(z) > 0.5 * kHeight - kWall ? 0 : -1; }),
-        {Ply{ply_of(kSteel)}});
+        {Ply{ply_of(kMildSteel)}});
   }();
   return properties;
 }
@@ -49,28 +49,34 @@ Section uncoupled_channel() {
   Constants constants = *channel().section.constants;
   constants.y_cs = channel().tension_centre.x();
   constants.z_cs = channel().tension_centre.y();
-  return make_section("channel without coupling", constants, kSteel);
+  return make_section("channel without coupling", constants, kMildSteel);
 }
 
 BeamMesh beam_mesh(const Section& section, double length) {
   return {straight({section, {}, {}}, length), testing::divided(40)};
 }
 
-// A strip of hex20 folded along the channel's mid-line; one cell through the wall.
+// A strip of hex20 folded along the channel's mid-line: two cells through the wall, small ones at its tips
+// and corners, where torsion's stresses turn round (with one cell and even ones the strip is 5 % too stiff in
+// torsion).
 reduce::Part solid_channel(double length, int along, reduce::Tie tie) {
-  constexpr int kFlange = 4, kWeb = 8;
+  constexpr int kFlange = 6, kWeb = 8;
   const double b = kWidth - 0.5 * kWall, h = kHeight - kWall;
   reduce::Part part;
-  part.mesh = reduce::testing::box({length, 2.0 * kFlange + kWeb, kWall}, {along, 2 * kFlange + kWeb, 1},
+  part.mesh = reduce::testing::box({length, 2.0 * kFlange + kWeb, kWall}, {along, 2 * kFlange + kWeb, 2},
                                    mesh::CellType::hex20);
-  reduce::testing::deform(part.mesh, [&](const Vector3d& p) {
-    // Towards the outside of the bend by n; walls end in the mitre there.
-    const double s = p.y(), n = p.z() - 0.5 * kWall, y_web = 0.5 * kWall;
-    if (s <= kFlange) return Vector3d(p.x(), kWidth - (b + n) * s / kFlange, -0.5 * h - n);
-    if (s >= kFlange + kWeb)
-      return Vector3d(p.x(), kWidth - (b + n) * (2 * kFlange + kWeb - s) / kFlange, 0.5 * h + n);
-    return Vector3d(p.x(), y_web - n, (h + 2 * n) * ((s - kFlange) / kWeb - 0.5));
-  });
+  const auto graded = [](double t) { return 0.5 - 0.5 * std::cos(std::numbers::pi * t); };
+  reduce::testing::deform(
+      part.mesh,
+      [&](const Vector3d& p) {
+        // Towards the outside of the bend by n; walls end in the mitre there.
+        const double s = p.y(), n = p.z() - 0.5 * kWall, y_web = 0.5 * kWall;
+        if (s <= kFlange) return Vector3d(p.x(), kWidth - (b + n) * graded(s / kFlange), -0.5 * h - n);
+        if (s >= kFlange + kWeb)
+          return Vector3d(p.x(), kWidth - (b + n) * graded((2 * kFlange + kWeb - s) / kFlange), 0.5 * h + n);
+        return Vector3d(p.x(), y_web - n, (h + 2 * n) * (graded((s - kFlange) / kWeb) - 0.5));
+      },
+      true);
   part.materials = {reduce::testing::steel()};
   const double eps = 1e-6;
   for (const auto& [name, x] : {std::pair{"left", 0.0}, std::pair{"right", length}}) {
@@ -94,11 +100,11 @@ Matrix6d tip_compliance(const Section& section, double length) {
 class Channel : public testing::WithSession {};
 
 // An off-centre tip load on 6 m with free warping at both ends: averaging ties hold and load the end faces by
-// their mean motion only.  2 % is what the two theories may differ by; measured 0.3 % and less.
+// their mean motion only.  2 % is what the two theories may differ by.
 TEST_F(Channel, LongCantileverBendsAndTwistsLikeTheSolid) {
   const double length = 6.0;
   const Eigen::MatrixXd motions =
-      reduce::full_static_compliance(solid_channel(length, 60, reduce::Tie::average), "left", "right");
+      reduce::full_static_compliance(solid_channel(length, 30, reduce::Tie::average), "left", "right");
   const Matrix6d solid = motions.bottomRows<6>(), coupled = tip_compliance(channel().section, length),
                  uncoupled = tip_compliance(uncoupled_channel(), length);
   // Force along z through the web's outer face (y = 0): sinking w and twist theta_x.
@@ -115,14 +121,17 @@ TEST_F(Channel, LongCantileverBendsAndTwistsLikeTheSolid) {
 
 // Free vibration, both ends free to warp.  Vlasov's stiffness share of warping in the n-th twist mode is
 // (n pi d / L)^2 with the decay length d = sqrt(E I_w / (G I_t)) = 0.34 m: half of it in the frequency.
+// The solid's eigenvectors keep residuals of 1e-6 (cells of 200 x 3 x 2.5 mm in a bar of 6 m); its
+// frequencies are Rayleigh quotients, good to the square of that.
 TEST_F(Channel, FreeTwistBendingModesAreTheSolids) {
   for (const auto& [length, count] : {std::pair{6.0, 3}, std::pair{12.0, 6}}) {
     const reduce::Structure beams(beam_mesh(channel().section, length)),
         without(beam_mesh(uncoupled_channel(), length));
     const Eigen::VectorXd coupled = reduce::full_beam_modes(beams, count + 2),
                           uncoupled = reduce::full_beam_modes(without, count + 2);
-    const auto solid = reduce::full_free_modes(
-        solid_channel(length, static_cast<int>(10 * length), reduce::Tie::average), count + 2, coupled(6));
+    const auto solid =
+        reduce::full_free_modes(solid_channel(length, static_cast<int>(4 * length), reduce::Tie::average),
+                                count + 2, coupled(6), {}, 1e-4);
     const auto hz = [](double omega2) { return std::sqrt(omega2) / (2.0 * std::numbers::pi); };
     double worst = 0.0;
     std::printf("L = %g m: mode, solid, beam, without shear-centre coupling [Hz]\n", length);
@@ -140,7 +149,7 @@ TEST_F(Channel, FreeTwistBendingModesAreTheSolids) {
 TEST_F(Channel, ShortClampedOneTwistsLessThanABeamAndTheWarningSaysHowMuch) {
   const double length = 1.0;
   const Matrix6d solid =
-      reduce::full_static_compliance(solid_channel(length, 40, reduce::Tie::rigid), "left", "right")
+      reduce::full_static_compliance(solid_channel(length, 20, reduce::Tie::rigid), "left", "right")
           .bottomRows<6>();
   const double excess = tip_compliance(channel().section, length)(3, 3) / solid(3, 3) - 1.0;
   Model model = straight({channel().section, {}, {}}, length);
