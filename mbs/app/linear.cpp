@@ -3,11 +3,15 @@
 #include <fmt/os.h>
 
 #include <algorithm>
+#include <cmath>
+#include <cstdio>
 #include <filesystem>
 
 #include "mbs/app/commands.hpp"
 #include "mbs/app/mechanism_runs.hpp"
+#include "mbs/app/state_space.hpp"
 #include "mbs/solver/accelerations.hpp"
+#include "mbs/solver/descriptor.hpp"
 #include "mbs/solver/linearise.hpp"
 #include "mbs/solver/statics.hpp"
 #include "mbs/terminal/terminal.hpp"
@@ -22,9 +26,9 @@ using terminal::Align;
 using terminal::number;
 
 struct Arguments : MechanismArguments {
-  bool equilibrium = false;
+  bool equilibrium = false, descriptor = false;
   int count = 30;
-  std::string output;
+  std::string output, save_state, response;
   std::vector<std::string> inputs, outputs;
 };
 
@@ -43,10 +47,12 @@ std::string heading(const NamedRun& run) {
 
 int print_statics(const Arguments& arguments, const terminal::Talk&) {
   std::vector<NamedRun> runs = prepare_runs(arguments);
+  if (!arguments.save_state.empty()) only_run(runs, arguments, "--save-state");
   for (NamedRun& run : runs) {
     PreparedMechanism& p = run.prepared;
     settle(p);
     const mbs::Mechanism& m = *p.mechanism;
+    if (!arguments.save_state.empty()) mbs::write_state(arguments.save_state, m, p.file.name, p.state);
     fmt::print("{}\n\n", heading(run));
     const auto which = mbs::select_quantities(m, p.file.outputs);
     const auto infos = m.quantities();
@@ -88,32 +94,46 @@ int print_modes(const Arguments& arguments, const terminal::Talk&) {
   return 0;
 }
 
-std::string octave_matrix(const Eigen::MatrixXd& A) {
-  if (A.size() == 0) return fmt::format("zeros({}, {});\n", A.rows(), A.cols());
-  std::string text(1, '[');
-  for (Eigen::Index i = 0; i < A.rows(); ++i) {
-    for (Eigen::Index j = 0; j < A.cols(); ++j) text += fmt::format("{}{:.17g}", j == 0 ? "" : ", ", A(i, j));
-    text += i + 1 < A.rows() ? ";\n  " : "];\n";
-  }
-  return text;
+// "0.1:100:50": frequencies [Hz] evenly over the decades.
+Eigen::VectorXd frequencies_of(const std::string& text) {
+  double low = 0.0, high = 0.0;
+  int count = 0, used = 0;
+  if (std::sscanf(text.c_str(), "%lf:%lf:%d%n", &low, &high, &count, &used) != 3 ||
+      used != static_cast<int>(text.size()) || !(low > 0.0) || !(high > low) || count < 2)
+    throw std::invalid_argument(fmt::format(
+        "--response is \"{}\", it must be FROM:TO:COUNT with 0 < FROM < TO in Hz and COUNT at least 2",
+        text));
+  Eigen::VectorXd f(count);
+  for (int i = 0; i < count; ++i) f(i) = low * std::pow(high / low, static_cast<double>(i) / (count - 1));
+  return f;
 }
 
-std::string octave_names(const std::vector<std::string>& names) {
-  std::string text = "{";
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    std::string quoted;
-    for (const char c : names[i]) quoted += c == '\'' ? std::string("''") : std::string(1, c);
-    text += fmt::format("{}'{}'", i == 0 ? "" : ", ", quoted);
+std::filesystem::path write_response(const LinearSystem& system, const Eigen::VectorXd& f,
+                                     const std::filesystem::path& path) {
+  const auto H = mbs::frequency_response(system, f);
+  std::filesystem::path beside = path;
+  beside += ".part";
+  {
+    auto out = fmt::output_file(beside.string());
+    out.print("frequency [Hz]");
+    for (const std::string& y : system.outputs)
+      for (const std::string& u : system.inputs) out.print(",|{0} / {1}|,phase of {0} / {1} [deg]", y, u);
+    out.print("\n");
+    for (Eigen::Index k = 0; k < f.size(); ++k) {
+      out.print("{:.12g}", f(k));
+      for (Eigen::Index i = 0; i < H[k].rows(); ++i)
+        for (Eigen::Index j = 0; j < H[k].cols(); ++j)
+          out.print(",{:.12g},{:.9g}", std::abs(H[k](i, j)), std::arg(H[k](i, j)) * 180.0 / M_PI);
+      out.print("\n");
+    }
   }
-  return text + "};\n";
+  std::filesystem::rename(beside, path);
+  return path;
 }
 
 int write_linear_system(const Arguments& arguments, const terminal::Talk& talk) {
   std::vector<NamedRun> runs = prepare_runs(arguments);
-  if (runs.size() != 1)
-    throw std::invalid_argument(
-        fmt::format("{} has {} runs; choose one with --run", arguments.file, runs.size()));
-  PreparedMechanism& p = runs.front().prepared;
+  PreparedMechanism& p = only_run(runs, arguments, "linearize").prepared;
   if (arguments.equilibrium) settle(p);
   const mbs::Mechanism& m = *p.mechanism;
   mbs::LineariseOptions options;
@@ -138,26 +158,42 @@ int write_linear_system(const Arguments& arguments, const terminal::Talk& talk) 
       return y;
     };
   }
-  const LinearSystem system = mbs::linearise(m, p.state, options);
-  std::string path = arguments.output;
+  std::filesystem::path path = arguments.output;
   if (path.empty()) path = std::filesystem::path(arguments.file).stem().string() + "_linear.m";
-  const std::string beside = path + ".part";
-  {
-    auto out = fmt::output_file(beside);
-    out.print("% {}: x' = A x + B u, y = C x + D u about x_0, u_0, y_0 at t = {:.9g} s; SI units\n",
-              p.file.name, p.state.t);
-    out.print("states = {}", octave_names(system.states));
-    out.print("inputs = {}", octave_names(system.inputs));
-    out.print("outputs = {}", octave_names(system.outputs));
-    out.print("A = {}B = {}C = {}D = {}", octave_matrix(system.A), octave_matrix(system.B),
-              octave_matrix(system.C), octave_matrix(system.D));
-    out.print("x_0 = {}u_0 = {}y_0 = {}", octave_matrix(system.x_0), octave_matrix(system.u_0),
-              octave_matrix(system.y_0));
+  StateSpace file;
+  file.time = p.state.t;
+  std::vector<std::filesystem::path> written;
+  if (arguments.descriptor) {
+    const mbs::DescriptorSystem d = mbs::linearise_as_descriptor(m, p.state, options);
+    file.title = fmt::format("{}: E x' = A x + B u, y = C x + D u about x_0, u_0, y_0 at t = {:.9g} s",
+                             p.file.name, p.state.t);
+    file.names = {{"states", d.states}, {"inputs", d.inputs}, {"outputs", d.outputs}};
+    file.matrices = {{"E", d.E}, {"A", d.A},     {"B", d.B},     {"C", d.C},
+                     {"D", d.D}, {"x_0", d.x_0}, {"u_0", d.u_0}, {"y_0", d.y_0}};
+    if (!arguments.response.empty())
+      throw std::invalid_argument(
+          "--response is that of the system in independent coordinates: leave --descriptor out");
+  } else {
+    const LinearSystem d = mbs::linearise(m, p.state, options);
+    file.title = fmt::format("{}: x' = A x + B u, y = C x + D u about x_0, u_0, y_0 at t = {:.9g} s",
+                             p.file.name, p.state.t);
+    file.names = {{"states", d.states}, {"inputs", d.inputs}, {"outputs", d.outputs}};
+    file.matrices = {{"A", d.A},     {"B", d.B},     {"C", d.C},    {"D", d.D},
+                     {"x_0", d.x_0}, {"u_0", d.u_0}, {"y_0", d.y_0}};
+    if (!arguments.response.empty()) {
+      if (d.inputs.empty() || d.outputs.empty())
+        throw std::invalid_argument("--response needs an --input and a --measure");
+      std::filesystem::path table = path;
+      table.replace_filename(path.stem().string() + "_response.csv");
+      written.push_back(write_response(d, frequencies_of(arguments.response), table));
+    }
   }
-  std::filesystem::rename(beside, path);
+  const auto files = write_state_space(file, path);
+  written.insert(written.end(), files.begin(), files.end());
   if (!talk.quiet)
-    fmt::print("{} states, {} inputs, {} outputs: {}\n", system.A.rows(), system.B.cols(), system.C.rows(),
-               path);
+    for (const auto& one : written)
+      fmt::print("{} states, {} inputs, {} outputs: {}\n", file.names[0].second.size(),
+                 file.names[1].second.size(), file.names[2].second.size(), one.string());
   return 0;
 }
 
@@ -183,8 +219,13 @@ terminal::Command linearize_command() {
         auto a = std::make_shared<Arguments>();
         declare_mechanism(options, *a);
         options.flag("--equilibrium", a->equilibrium, "about the static equilibrium, not the initial state")
-            .option("-o,--output", a->output, "FILE",
-                    "Octave or MATLAB script (default: the file's name_linear.m)")
+            .option(
+                "-o,--output", a->output, "FILE",
+                ".m (Octave, MATLAB), .h5 (HDF5) or .mtx (Matrix Market); default: the file's name_linear.m")
+            .flag("--descriptor", a->descriptor,
+                  "E, A, B, C, D with constraints and multipliers, nothing eliminated")
+            .option("--response", a->response, "FROM:TO:COUNT",
+                    "also write the frequency response of outputs to inputs over these frequencies [Hz]")
             .option("--input", a->inputs, "COORDINATE", "force or torque on these coordinates is an input u")
             .option("--measure", a->outputs, "QUANTITY",
                     "these quantities are outputs y; * and ? are wildcards")
@@ -199,7 +240,10 @@ terminal::Command statics_command() {
           [](terminal::Options& options, const terminal::Talk& talk) -> std::function<int()> {
             auto a = std::make_shared<Arguments>();
             declare_mechanism(options, *a);
-            options.example("flexura statics suspension.toml", "the state at rest and the forces in it");
+            options
+                .option("--save-state", a->save_state, "FILE",
+                        "write the equilibrium there, to start runs from it")
+                .example("flexura statics suspension.toml", "the state at rest and the forces in it");
             return [a, &talk] { return print_statics(*a, talk); };
           }};
 }

@@ -16,6 +16,8 @@ void declare_mechanism(terminal::Options& options, MechanismArguments& arguments
   options
       .option("--set", arguments.set, "KEY=VALUE",
               "override a key of the file, as in body.rod.fidelity=rigid")
+      .option("--from-state", arguments.from_state, "FILE",
+              "start from the states in this file (see --save-state), or from those that it names")
       .option("--run", arguments.runs, "NAME", "only these of the file's runs");
 }
 
@@ -34,9 +36,18 @@ std::vector<NamedRun> prepare_runs(const MechanismArguments& arguments) {
     // What stands on the command line has the last word.
     std::vector<std::string> overrides = run.overrides;
     overrides.insert(overrides.end(), arguments.set.begin(), arguments.set.end());
-    runs.push_back({run.name, mbs::prepare(arguments.file, overrides)});
+    runs.push_back({run.name, mbs::prepare(arguments.file, overrides, arguments.from_state)});
+    if (!arguments.from_state.empty()) runs.back().prepared.options.start_time = runs.back().prepared.state.t;
   }
   return runs;
+}
+
+NamedRun& only_run(std::vector<NamedRun>& runs, const MechanismArguments& arguments,
+                   const std::string& option) {
+  if (runs.size() != 1)
+    throw std::invalid_argument(fmt::format("{} needs one run, and {} has {}; choose one with --run", option,
+                                            arguments.file, runs.size()));
+  return runs.front();
 }
 
 }  // namespace flexura::app

@@ -13,6 +13,7 @@ namespace flexura::app {
 struct MechanismArguments {
   std::string file;
   std::vector<std::string> set, runs;
+  std::string from_state;  ///< state file to start from
 };
 
 void declare_mechanism(terminal::Options& options, MechanismArguments& arguments, bool needs_file = true);
@@ -25,6 +26,10 @@ struct NamedRun {
 /// The runs that the file names and the user chose, each assembled.  Throws std::invalid_argument for a run
 /// that is not there.
 std::vector<NamedRun> prepare_runs(const MechanismArguments& arguments);
+
+/// The single run of those chosen, for what makes one file: `option` names what asked for it.
+NamedRun& only_run(std::vector<NamedRun>& runs, const MechanismArguments& arguments,
+                   const std::string& option);
 
 /// `flexura check` of a mechanism file, as tables or as JSON.
 int check_mechanism(const std::string& file, bool json, const terminal::Talk& talk);

@@ -24,7 +24,7 @@ using terminal::Align;
 using terminal::number;
 
 struct Arguments : MechanismArguments {
-  std::string output, end_time;
+  std::string output, end_time, save_state, continue_from;
   bool csv = false, schema = false;
 };
 
@@ -213,7 +213,21 @@ int simulate(Arguments arguments, const terminal::Talk& talk) {
   if (arguments.output.empty())
     arguments.output = std::filesystem::path(arguments.file).stem().string() + ".h5";
   if (!arguments.end_time.empty()) arguments.set.push_back("solver.end_time=" + arguments.end_time);
-  const std::vector<NamedRun> runs = prepare_runs(arguments);
+  if (!arguments.continue_from.empty()) {
+    if (!arguments.from_state.empty())
+      throw std::invalid_argument("--continue and --from-state exclude each other");
+    arguments.from_state = arguments.continue_from;
+  }
+  std::vector<NamedRun> runs = prepare_runs(arguments);
+  if (!arguments.save_state.empty()) only_run(runs, arguments, "--save-state");
+  if (!arguments.continue_from.empty()) {
+    PreparedMechanism& p = only_run(runs, arguments, "--continue").prepared;
+    if (!p.continuation)
+      throw std::invalid_argument(
+          fmt::format("{}: holds states but no history to go on from; start from it with --from-state",
+                      arguments.continue_from));
+    p.options.start_time = p.given_start_time;
+  }
   results::Writer writer(arguments.output, model_header(runs, arguments));
   InterruptGuard guard;
   terminal::Progress progress(stderr, talk.quiet);
@@ -234,7 +248,13 @@ int simulate(Arguments arguments, const terminal::Talk& talk) {
     };
     callbacks.progress = [&](double, double fraction) { progress("run " + run.name, fraction); };
     callbacks.stop_wanted = [] { return interrupted != 0; };
-    RunResult r = mbs::run(*prepared.mechanism, prepared.state, prepared.v_dot, prepared.options, callbacks);
+    RunResult r =
+        arguments.continue_from.empty()
+            ? mbs::run(*prepared.mechanism, prepared.state, prepared.v_dot, prepared.options, callbacks)
+            : mbs::run(*prepared.mechanism, *prepared.continuation, prepared.options, callbacks);
+    if (!arguments.save_state.empty())
+      mbs::write_state(arguments.save_state, *prepared.mechanism, prepared.file.name, r.state,
+                       &r.continuation);
     writer.end_run(r.complete, r.stopped_because, summary_of(prepared, r).dump());
     const bool complete = r.complete;
     const std::string why = r.stopped_because;
@@ -263,7 +283,12 @@ int simulate(Arguments arguments, const terminal::Talk& talk) {
 // ----------------------------------------------------------------------------------------------
 
 int print_assembled(const Arguments& arguments, const terminal::Talk& talk) {
-  for (const NamedRun& run : prepare_runs(arguments)) {
+  std::vector<NamedRun> runs = prepare_runs(arguments);
+  if (!arguments.save_state.empty()) {
+    const PreparedMechanism& p = only_run(runs, arguments, "--save-state").prepared;
+    mbs::write_state(arguments.save_state, *p.mechanism, p.file.name, p.state);
+  }
+  for (const NamedRun& run : runs) {
     const PreparedMechanism& p = run.prepared;
     const mbs::Mechanism& m = *p.mechanism;
     const mbs::Sizes n = m.sizes();
@@ -295,21 +320,29 @@ int print_assembled(const Arguments& arguments, const terminal::Talk& talk) {
 }  // namespace
 
 terminal::Command simulate_command() {
-  return {"simulate", "simulate a mechanism",
-          [](terminal::Options& options, const terminal::Talk& talk) -> std::function<int()> {
-            auto a = std::make_shared<Arguments>();
-            declare_mechanism(options, *a, false);
-            options
-                .option("-o,--output", a->output, "FILE",
-                        "results file (default: the mechanism file's name with .h5)")
-                .option("--end-time", a->end_time, "TIME", "short for --set solver.end_time=TIME")
-                .flag("--csv", a->csv, "write a table of each run beside the results")
-                .flag("--schema", a->schema, "print the mechanism file's reference page, then stop")
-                .example("flexura simulate engine.toml -o engine.h5", "all runs of the file")
-                .example("flexura simulate engine.toml --run rigid --set solver.tolerance=1e-8 --csv",
-                         "one run, more accurate, with a table");
-            return [a, &talk] { return simulate(*a, talk); };
-          }};
+  return {
+      "simulate", "simulate a mechanism",
+      [](terminal::Options& options, const terminal::Talk& talk) -> std::function<int()> {
+        auto a = std::make_shared<Arguments>();
+        declare_mechanism(options, *a, false);
+        options
+            .option("-o,--output", a->output, "FILE",
+                    "results file (default: the mechanism file's name with .h5)")
+            .option("--save-state", a->save_state, "FILE",
+                    "write the states at the end and the integrator's history there")
+            .option("--continue", a->continue_from, "FILE",
+                    "go on from such a file as if the run had not been cut; rows before are not repeated")
+            .option("--end-time", a->end_time, "TIME", "short for --set solver.end_time=TIME")
+            .flag("--csv", a->csv, "write a table of each run beside the results")
+            .flag("--schema", a->schema, "print the mechanism file's reference page, then stop")
+            .example("flexura simulate engine.toml -o engine.h5", "all runs of the file")
+            .example(
+                "flexura simulate engine.toml --run rigid --set solver.stop_time=1 --save-state half.json",
+                "the first half, to go on with --continue half.json")
+            .example("flexura simulate engine.toml --run rigid --set solver.tolerance=1e-8 --csv",
+                     "one run, more accurate, with a table");
+        return [a, &talk] { return simulate(*a, talk); };
+      }};
 }
 
 terminal::Command assemble_command() {
@@ -317,8 +350,8 @@ terminal::Command assemble_command() {
           [](terminal::Options& options, const terminal::Talk& talk) -> std::function<int()> {
             auto a = std::make_shared<Arguments>();
             declare_mechanism(options, *a);
-            options.example("flexura assemble engine.toml",
-                            "positions, velocities, accelerations, multipliers");
+            options.option("--save-state", a->save_state, "FILE", "write the assembled states there")
+                .example("flexura assemble engine.toml", "positions, velocities, accelerations, multipliers");
             return [a, &talk] { return print_assembled(*a, talk); };
           }};
 }

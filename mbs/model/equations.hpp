@@ -75,12 +75,40 @@ class Equations {
   virtual void momentum(const State& s, ConstVectorRef v_dot, Scratch& scratch, VectorRef r, VectorRef c_rate,
                         VectorRef b) const = 0;
 
+  /// momentum(), velocity_constraints(), position_constraints() and apply_GT(mu) at one state and at once:
+  /// what the residual of a stabilised form needs.  An implementation that shares their common part is
+  /// faster.
+  virtual void residuals(const State& s, ConstVectorRef v_dot, ConstVectorRef mu, Scratch& scratch,
+                         VectorRef r, VectorRef c_rate, VectorRef b, VectorRef g_dot, VectorRef g,
+                         VectorRef GT_mu) const {
+    if (mu.size() > 0) {
+      apply_GT(s.t, s.p, mu, scratch, GT_mu);
+      velocity_constraints(s.t, s.p, s.v, scratch, g_dot);
+      position_constraints(s.t, s.p, scratch, g);
+    }
+    momentum(s, v_dot, scratch, r, c_rate, b);
+  }
+
+  /// The stiffness k and damping d of a coordinate that one body owns as its modal amplitude:
+  /// the momentum's own row holds k p + d v, and whatever else depends on this coordinate changes slowly.
+  /// A Newton matrix may then do without differences for it.  Zero k and false for all others.
+  virtual bool elastic_coordinate(int /*i_v*/, int& /*i_p*/, double& /*k*/, double& /*d*/) const {
+    return false;
+  }
+
   /// g (n_lambda), constraints on position level; nonholonomic rows give 0.
   virtual void position_constraints(double t, ConstVectorRef p, Scratch& scratch, VectorRef g) const = 0;
 
   /// G v + g_t (n_lambda).
   virtual void velocity_constraints(double t, ConstVectorRef p, ConstVectorRef v, Scratch& scratch,
                                     VectorRef g_dot) const = 0;
+
+  /// Both at once.
+  virtual void constraints(double t, ConstVectorRef p, ConstVectorRef v, Scratch& scratch, VectorRef g,
+                           VectorRef g_dot) const {
+    position_constraints(t, p, scratch, g);
+    velocity_constraints(t, p, v, scratch, g_dot);
+  }
 
   /// G v_dot + gamma(t, p, v) (n_lambda): the second time derivative of g.
   virtual void acceleration_constraints(double t, ConstVectorRef p, ConstVectorRef v, ConstVectorRef v_dot,
@@ -95,6 +123,11 @@ class Equations {
 
   /// M (n_v x n_v), symmetric positive definite, dense.
   virtual void mass_matrix(ConstVectorRef p, Scratch& scratch, MatrixRef M) const = 0;
+
+  /// Prepares solve_mass() at p, in O(n); false where the equations know no way but through mass_matrix().
+  virtual bool factor_mass(ConstVectorRef /*p*/, Scratch& /*scratch*/) const { return false; }
+  /// x <- M^-1 x (n_v), in O(n), with the factors that the last factor_mass() left in the scratch.
+  virtual void solve_mass(Scratch& /*scratch*/, VectorRef /*x*/) const {}
 
   /// Energies and powers; v_dot (n_v) is needed only where reactions of drives do work.
   virtual EnergyReport energy(const State& s, ConstVectorRef v_dot, Scratch& scratch) const = 0;
@@ -113,6 +146,9 @@ class Equations {
   /// modal coordinate the amplitude at which the body's largest displacement is about 1 m.
   virtual double position_scale(int /*i*/) const { return 1.0; }
   virtual double velocity_scale(int /*i*/) const { return 1.0; }
+  /// Typical rates for the error tolerances of velocities: an oscillation of circular frequency omega whose
+  /// amplitude is right to delta has a velocity right to omega delta.
+  virtual double rate_scale(int i) const { return velocity_scale(i); }
 
   /// "rod.joint.angle", ... one name for each entry, for messages and files.
   virtual std::string name_of_position(int i) const = 0;

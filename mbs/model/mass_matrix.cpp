@@ -5,22 +5,8 @@
 /// a body is all that hangs on it with joints and modes at rest; it answers a twist of the body and its own
 /// modal velocities. Everything is expressed in W about the body's origin Bo.
 namespace flexura::mbs {
-namespace {
-
-/// [1 0; -[r]x 1]: takes the twist of a point to the point that lies r further on the same body.
-Matrix6d transport(const Vector3d& r) {
-  Matrix6d X = Matrix6d::Identity();
-  X.bottomLeftCorner<3, 3>() = -skew(r);
-  return X;
-}
-
-}  // namespace
-
-void Mechanism::mass_matrix(ConstVectorRef p, Scratch& scratch, MatrixRef M) const {
-  Work& work = work_of(scratch);
-  forward(Level::position, 0.0, p.data(), nullptr, nullptr, work);
-  M.setZero();
-
+// Every body by itself, and its twists for unit velocities of its own coordinates; after forward().
+void Mechanism::own_inertia(Work& work) const {
   for (int b : order_) {
     Work::Body& body = work.bodies[b];
     const Matrix3d& R = body.X_WB.R;
@@ -61,6 +47,13 @@ void Mechanism::mass_matrix(ConstVectorRef p, Scratch& scratch, MatrixRef M) con
       K.col(n_j + j) = -shift_twist(own, to_body).vector();
     }
   }
+}
+
+void Mechanism::mass_matrix(ConstVectorRef p, Scratch& scratch, MatrixRef M) const {
+  Work& work = work_of(scratch);
+  forward(Level::position, 0.0, p.data(), nullptr, nullptr, work);
+  own_inertia(work);
+  M.setZero();
 
   for (auto it = order_.rbegin(); it != order_.rend(); ++it) {
     const int b = *it;
@@ -104,13 +97,13 @@ void Mechanism::mass_matrix(ConstVectorRef p, Scratch& scratch, MatrixRef M) con
     if (t.parent == 0) continue;
     Work::Body& parent = work.bodies[t.parent];
     const Vector3d& p_in = work.kin.markers[t.marker_in].X_WP.p;
-    const Matrix6d X = transport(body.X_WB.p - parent.X_WB.p);
+    const Matrix6d X = transport_twist(body.X_WB.p - parent.X_WB.p);
     parent.I_c += X.transpose() * body.I_c * X;
     if (d_.markers[t.marker_in].node >= 0) {
       Eigen::Matrix<double, 6, Eigen::Dynamic> N = work.local[t.marker_in].map;
       N.topRows<3>() = parent.X_WB.R * N.topRows<3>();
       N.bottomRows<3>() = parent.X_WB.R * N.bottomRows<3>();
-      N = transport(body.X_WB.p - p_in) * N;
+      N = transport_twist(body.X_WB.p - p_in) * N;
       parent.C_c += X.transpose() * body.I_c * N;
       parent.M_c += N.transpose() * body.I_c * N;
     }

@@ -1,6 +1,9 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "mbs/model/work.hpp"
 
 /// Mechanism as the solvers see it.
@@ -45,10 +48,8 @@ void Mechanism::retract(ConstVectorRef p, ConstVectorRef d, VectorRef p_out) con
   }
 }
 
-void Mechanism::momentum(const State& s, ConstVectorRef v_dot, Scratch& scratch, VectorRef r,
-                         VectorRef c_rate, VectorRef) const {
-  Work& work = work_of(scratch);
-  forward(Level::acceleration, s.t, s.p.data(), s.v.data(), v_dot.data(), work);
+// After forward() on acceleration level: what moves the bodies less what acts on them.
+void Mechanism::applied_forces(const State& s, VectorRef c_rate, Work& work) const {
   work.kin.c = s.c.data();
   body_forces(true, work);
   evaluate_signals(work);
@@ -57,7 +58,58 @@ void Mechanism::momentum(const State& s, ConstVectorRef v_dot, Scratch& scratch,
   BodyLoads loads(*this, work, 1.0);
   for (const auto& force : d_.forces) force->apply(work.kin, work.signals.data(), loads);
   add_constraint_loads(s.lambda.data(), -1.0, work);
+}
+
+void Mechanism::momentum(const State& s, ConstVectorRef v_dot, Scratch& scratch, VectorRef r,
+                         VectorRef c_rate, VectorRef) const {
+  Work& work = work_of(scratch);
+  forward(Level::acceleration, s.t, s.p.data(), s.v.data(), v_dot.data(), work);
+  applied_forces(s, c_rate, work);
   backward(work, r.data());
+}
+
+void Mechanism::constraint_rows(VectorRef g, VectorRef g_dot, Work& work) const {
+  for (std::size_t k = 0; k < constraints_.size(); ++k)
+    constraints_[k]->position(work.kin, work.rows_g.data() + first_row_[k]);
+  for (std::size_t i = 0; i < kept_rows_.size(); ++i) g(i) = work.rows_g(kept_rows_[i]);
+  for (std::size_t k = 0; k < constraints_.size(); ++k)
+    constraints_[k]->velocity(work.kin, work.rows_g.data() + first_row_[k]);
+  for (std::size_t i = 0; i < kept_rows_.size(); ++i) g_dot(i) = work.rows_g(kept_rows_[i]);
+}
+
+void Mechanism::constraints(double t, ConstVectorRef p, ConstVectorRef v, Scratch& scratch, VectorRef g,
+                            VectorRef g_dot) const {
+  Work& work = work_of(scratch);
+  forward(Level::velocity, t, p.data(), v.data(), nullptr, work);
+  constraint_rows(g, g_dot, work);
+}
+
+void Mechanism::residuals(const State& s, ConstVectorRef v_dot, ConstVectorRef mu, Scratch& scratch,
+                          VectorRef r, VectorRef c_rate, VectorRef, VectorRef g_dot, VectorRef g,
+                          VectorRef GT_mu) const {
+  Work& work = work_of(scratch);
+  forward(Level::acceleration, s.t, s.p.data(), s.v.data(), v_dot.data(), work);
+  if (mu.size() > 0) {
+    constraint_rows(g, g_dot, work);
+    clear_loads(work);
+    add_constraint_loads(mu.data(), -1.0, work);
+    backward(work, GT_mu.data());
+  }
+  applied_forces(s, c_rate, work);
+  backward(work, r.data());
+}
+
+bool Mechanism::elastic_coordinate(int i_v, int& i_p, double& k, double& d) const {
+  for (int b : order_) {
+    const TreeBody& body = bodies_[b];
+    if (i_v < body.i_v || i_v >= body.i_v + body.m) continue;
+    const ModalData& data = d_.bodies[b].flexible->data();
+    i_p = body.i_p + i_v - body.i_v;
+    k = data.stiffness(i_v - body.i_v);
+    d = data.damping(i_v - body.i_v);
+    return true;
+  }
+  return false;
 }
 
 void Mechanism::position_constraints(double t, ConstVectorRef p, Scratch& scratch, VectorRef g) const {
@@ -191,6 +243,22 @@ double Mechanism::velocity_scale(int i) const {
     if (i >= body.i_v && i < body.i_v + body.m) return 1.0 / d_.bodies[b].flexible->amplitude(i - body.i_v);
   }
   return 1.0;
+}
+
+double Mechanism::rate_scale(int i) const {
+  // Markers that vibrate take their joints along, and through the reactions all that hangs on them: every
+  // rate may be wrong by the highest frequency times the amplitude allowed.  Slow motion is held by its
+  // positions.
+  double omega = 1.0;
+  for (int b : order_) {
+    const TreeBody& body = bodies_[b];
+    if (body.m == 0) continue;
+    const ModalData& data = d_.bodies[b].flexible->data();
+    if (i >= body.i_v && i < body.i_v + body.m)
+      return std::max(1.0, std::sqrt(data.stiffness(i - body.i_v))) * velocity_scale(i);
+    omega = std::max(omega, std::sqrt(data.stiffness.maxCoeff()));
+  }
+  return omega * velocity_scale(i);
 }
 
 std::string Mechanism::name_of_position(int i) const {

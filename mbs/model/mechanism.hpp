@@ -91,20 +91,28 @@ class Mechanism final : public Equations {
   void retract(ConstVectorRef p, ConstVectorRef d, VectorRef p_out) const override;
   void momentum(const State& s, ConstVectorRef v_dot, Scratch& scratch, VectorRef r, VectorRef c_rate,
                 VectorRef b) const override;
+  void residuals(const State& s, ConstVectorRef v_dot, ConstVectorRef mu, Scratch& scratch, VectorRef r,
+                 VectorRef c_rate, VectorRef b, VectorRef g_dot, VectorRef g, VectorRef GT_mu) const override;
+  bool elastic_coordinate(int i_v, int& i_p, double& k, double& d) const override;
   void position_constraints(double t, ConstVectorRef p, Scratch& scratch, VectorRef g) const override;
   void velocity_constraints(double t, ConstVectorRef p, ConstVectorRef v, Scratch& scratch,
                             VectorRef g_dot) const override;
+  void constraints(double t, ConstVectorRef p, ConstVectorRef v, Scratch& scratch, VectorRef g,
+                   VectorRef g_dot) const override;
   void acceleration_constraints(double t, ConstVectorRef p, ConstVectorRef v, ConstVectorRef v_dot,
                                 Scratch& scratch, VectorRef g_ddot) const override;
   void apply_GT(double t, ConstVectorRef p, ConstVectorRef x, Scratch& scratch, VectorRef f_c) const override;
   void constraint_matrix(double t, ConstVectorRef p, Scratch& scratch, MatrixRef G) const override;
   void mass_matrix(ConstVectorRef p, Scratch& scratch, MatrixRef M) const override;
+  bool factor_mass(ConstVectorRef p, Scratch& scratch) const override;
+  void solve_mass(Scratch& scratch, VectorRef x) const override;
   EnergyReport energy(const State& s, ConstVectorRef v_dot, Scratch& scratch) const override;
   void roots(const State& s, Scratch& scratch, VectorRef values) const override;
   bool on_root(int which, State& s, Scratch& scratch) const override;
   bool is_holonomic(int row) const override;
   double position_scale(int i) const override;
   double velocity_scale(int i) const override;
+  double rate_scale(int i) const override;
   std::string name_of_position(int i) const override;
   std::string name_of_velocity(int i) const override;
   std::string name_of_dynamic(int i) const override;
@@ -172,6 +180,9 @@ class Mechanism final : public Equations {
   void local_marker(int marker, Level level, Work& work) const;
   void body_forces(bool with_gravity, Work& work) const;
   void evaluate_signals(Work& work) const;
+  void applied_forces(const State& s, VectorRef c_rate, Work& work) const;
+  void own_inertia(Work& work) const;
+  void constraint_rows(VectorRef g, VectorRef g_dot, Work& work) const;
   void clear_loads(Work& work) const;
   void backward(Work& work, double* r) const;
   void add_constraint_loads(const double* lambda, double factor, Work& work) const;

@@ -26,6 +26,17 @@ std::unique_ptr<Equations::Scratch> Mechanism::make_scratch() const {
     widest = std::max(widest, n_v + t.m);
   }
   work->H.setZero(6, widest);
+  work->articulated.resize(d_.bodies.size());
+  for (int b : order_) {
+    const TreeBody& t = bodies_[b];
+    const int n_b = static_cast<int>(work->K[b].cols());
+    Work::Articulated& a = work->articulated[b];
+    a.K.setZero(6, n_b);
+    a.U.setZero(6, n_b);
+    a.L.setZero(n_b, n_b);
+    a.N.setZero(6, bodies_[t.parent].m);
+    a.q.setZero(t.m);
+  }
   for (std::size_t i = 0; i < d_.markers.size(); ++i) {
     const MarkerDescription& marker = d_.markers[i];
     work->local[i].X_BP = marker.X_BP;

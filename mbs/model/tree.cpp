@@ -44,6 +44,9 @@ Mechanism::Mechanism(MechanismDescription description) : d_(std::move(descriptio
 
 void Mechanism::check_inertia() const {
   const auto scratch = make_scratch();
+  // The dense factors cost n^3 and find the name; a large mechanism asks for them only where something is
+  // wrong.
+  if (n_v_ > 300 && factor_mass(p_0_, *scratch)) return;
   Eigen::MatrixXd M(n_v_, n_v_);
   mass_matrix(p_0_, *scratch, M);
   // Cholesky's method; a pivot at round-off of its diagonal entry means no inertia beside the coordinates

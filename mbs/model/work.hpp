@@ -8,6 +8,13 @@
 /// Private to the sources of Mechanism: its scratch.
 namespace flexura::mbs {
 
+/// [1 0; -[r]x 1]: takes the twist of a point to the point that lies r further on the same body.
+inline Matrix6d transport_twist(const Vector3d& r) {
+  Matrix6d X = Matrix6d::Identity();
+  X.bottomLeftCorner<3, 3>() = -skew(r);
+  return X;
+}
+
 struct Mechanism::Work final : public Equations::Scratch {
   struct Body {
     Pose X_WB;
@@ -26,6 +33,15 @@ struct Mechanism::Work final : public Equations::Scratch {
     Eigen::Matrix<double, 6, Eigen::Dynamic> C_c;  ///< 6 x m: wrench for unit s''
     Eigen::MatrixXd M_c;                           ///< m x m
   };
+  /// What articulated.cpp keeps of a body: see there.
+  struct Articulated {
+    Vector3d r = Vector3d::Zero();                     ///< from the parent's origin to this one
+    Eigen::Matrix<double, 6, Eigen::Dynamic> K, U, N;  ///< 6 x n_b, 6 x n_b, 6 x m of the parent
+    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>
+        L;  ///< Cholesky factor of D, n_b x n_b
+    Vector6d p = Vector6d::Zero(), V = Vector6d::Zero();
+    Eigen::VectorXd q;  ///< m
+  };
   /// A marker on a node of a flexible body, relative to its body and expressed there.
   struct LocalMarker {
     Pose X_BP;
@@ -35,6 +51,7 @@ struct Mechanism::Work final : public Equations::Scratch {
 
   Kinematics kin;
   std::vector<Body> bodies;
+  std::vector<Articulated> articulated;
   std::vector<LocalMarker> local;  ///< of every marker; map is empty on rigid bodies
   Eigen::VectorXd r;               ///< n_v: forces along the velocity coordinates
   Eigen::VectorXd rows_x, rows_g;  ///< one entry for each constraint row, redundant ones included

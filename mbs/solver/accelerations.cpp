@@ -24,9 +24,7 @@ State make_state(const Equations& eq) {
 }
 
 AccelerationSolver::AccelerationSolver(const Equations& eq)
-    : eq_(eq), n_(eq.sizes()), scratch_(eq.make_scratch()) {
-  M_.setZero(n_.n_v, n_.n_v);
-  G_.setZero(n_.n_lambda, n_.n_v);
+    : eq_(eq), n_(eq.sizes()), scratch_(eq.make_scratch()), mass_scratch_(eq.make_scratch()) {
   r_.setZero(n_.n_v);
   c_rate_.setZero(n_.n_dyn);
   b_.setZero(n_.n_alg);
@@ -77,8 +75,25 @@ void AccelerationSolver::solve_algebraic(State& s) {
       eq_.name_of_algebraic(worst), s.t, b_(worst)));
 }
 
+bool AccelerationSolver::solve_recursively(State& s, Eigen::VectorXd& v_dot) {
+  if (n_.n_lambda > 0 || !eq_.factor_mass(s.p, *mass_scratch_)) return false;
+  v_dot.setZero(n_.n_v);
+  // The second pass refines what the factors lost to round-off.
+  for (int pass = 0; pass < 2; ++pass) {
+    eq_.momentum(s, v_dot, *scratch_, r_, c_rate_, b_);
+    require_finite_forces(eq_, s.t, r_, c_rate_, b_);
+    eq_.solve_mass(*mass_scratch_, r_);
+    v_dot -= r_;
+    if (r_.lpNorm<Eigen::Infinity>() <= 1e-13 * v_dot.lpNorm<Eigen::Infinity>()) break;
+  }
+  return true;
+}
+
 void AccelerationSolver::solve(State& s, Eigen::VectorXd& v_dot) {
   solve_algebraic(s);
+  if (solve_recursively(s, v_dot)) return;
+  M_.setZero(n_.n_v, n_.n_v);
+  G_.setZero(n_.n_lambda, n_.n_v);
   eq_.mass_matrix(s.p, *scratch_, M_);
   eq_.constraint_matrix(s.t, s.p, *scratch_, G_);
   saddle_.factor(eq_, M_, G_);

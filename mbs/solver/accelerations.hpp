@@ -12,6 +12,8 @@
 ///     0 = b(p, v, c, a, t)
 ///     [ M  G^T ] [ v_dot  ]   [    f   ]
 ///     [ G   0  ] [ lambda ] = [ -gamma ],     c_dot = f_c
+///
+/// Without constraints M^-1 comes from the equations in O(n) (Equations::solve_mass) where they offer it.
 namespace flexura::mbs {
 
 /// A state of the right sizes with everything zero.
@@ -26,15 +28,17 @@ class AccelerationSolver {
   /// sentence, where M is singular, b = 0 has no solution near s.a or a force is not finite.
   void solve(State& s, Eigen::VectorXd& v_dot);
 
-  const Eigen::VectorXd& c_rate() const { return c_rate_; }  ///< f_c of the last solve
-  int constraint_rank() const { return saddle_.rank(); }     ///< of G in the last solve
+  const Eigen::VectorXd& c_rate() const { return c_rate_; }                      ///< f_c of the last solve
+  int constraint_rank() const { return n_.n_lambda == 0 ? 0 : saddle_.rank(); }  ///< of G in the last solve
 
  private:
+  bool solve_recursively(State& s, Eigen::VectorXd& v_dot);
   void solve_algebraic(State& s);
 
   const Equations& eq_;
   Sizes n_;
   std::unique_ptr<Equations::Scratch> scratch_;
+  std::unique_ptr<Equations::Scratch> mass_scratch_;  // keeps the factors of M while momentum() is evaluated
   SaddleSolver saddle_;
   Eigen::MatrixXd M_, G_;
   Eigen::VectorXd r_, c_rate_, b_, g_ddot_, dv_, dlambda_;

@@ -10,7 +10,7 @@
 ///
 ///     E(t) = kinetic + strain + potential = E(t_0) + work_in - dissipated + error
 ///
-/// The powers are integrated over each step by three Gauss points on the integrator's own polynomial (exact
+/// The powers are integrated over each step by four Lobatto points on the integrator's own polynomial (exact
 /// to degree five, the highest order of the integrators), so the error left is that of the trajectory.
 namespace flexura::mbs {
 
@@ -33,6 +33,8 @@ class EnergyBook {
   explicit EnergyBook(const Equations& eq);
 
   void start(const State& s, const Eigen::VectorXd& v_dot);
+  /// Goes on from the account of an earlier part of the run.
+  void resume(const EnergyAccount& account, const State& s, const Eigen::VectorXd& v_dot);
   /// Integrates up to t, which lies in the integrator's last step, and evaluates the energies at the state s
   /// there.
   void advance(double t, Integrator& integrator, const State& s, const Eigen::VectorXd& v_dot);

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 #include <ida/ida.h>
+#include <ida/ida_impl.h>
 #include <nvector/nvector_serial.h>
 #include <sundials/sundials_context.h>
 
@@ -47,6 +48,7 @@ class Ida final : public Integrator {
   StepEnd step(double t_stop) override;
   void interpolate(double t, State& s, Eigen::VectorXd& v_dot) override;
   StepCounts counts() const override;
+  void remember(History& history) override;
 
  private:
   void create(const State& s);
@@ -54,6 +56,14 @@ class Ida final : public Integrator {
     if (flag < 0) throw std::runtime_error(fmt::format("SUNDIALS refuses {}: {}", what, last_message_));
   }
   [[noreturn]] void fail(int flag);
+  TangentScope scope();
+  // What the matrix was last built from, so that it can be built again to the bit.
+  struct Built {
+    double t = 0.0, cj = 0.0;
+    Eigen::VectorXd y, yp;
+    TangentScope scope = TangentScope::everything;
+  };
+  bool build_matrix() { return form_->factor(built_.t, built_.cj, built_.y, built_.yp, built_.scope); }
 
   static int residual(double t, N_Vector y, N_Vector yp, N_Vector r, void* self);
   static int jacobian(double t, double cj, N_Vector y, N_Vector yp, N_Vector, SUNMatrix, void* self, N_Vector,
@@ -90,6 +100,10 @@ class Ida final : public Integrator {
   double t_ = 0.0;
   StepCounts before_;  // of earlier starts: IDA counts from its last start
   std::vector<int> root_info_;
+  Built built_;
+  State start_;  // of the last (re)start: the scale S of the form and the switches
+  long failures_seen_ = 0;
+  int full_matrices_left_ = 0;
   std::string last_message_;
   std::string trouble_;  // why the last evaluation failed, or empty
 };
@@ -106,7 +120,25 @@ int Ida::residual(double t, N_Vector y, N_Vector yp, N_Vector r, void* self) {
 int Ida::jacobian(double t, double cj, N_Vector y, N_Vector yp, N_Vector, SUNMatrix, void* self, N_Vector,
                   N_Vector, N_Vector) {
   Ida& ida = of(self);
-  return ida.guarded([&] { return ida.form_->factor(t, cj, view(y), view(yp)) ? 0 : 1; });
+  ida.built_.t = t;
+  ida.built_.cj = cj;
+  ida.built_.y = view(y);
+  ida.built_.yp = view(yp);
+  ida.built_.scope = ida.scope();
+  return ida.guarded([&] { return ida.build_matrix() ? 0 : 1; });
+}
+
+// The cheap matrix, which holds of elastic coordinates their stiffness alone, until Newton's method fails
+// with it; then the full one for a while.
+TangentScope Ida::scope() {
+  if (!form_->has_elastic_coordinates()) return TangentScope::everything;
+  long failures = 0;
+  IDAGetNumNonlinSolvConvFails(memory_, &failures);
+  if (failures > failures_seen_) full_matrices_left_ = 20;
+  failures_seen_ = failures;
+  if (full_matrices_left_ == 0) return TangentScope::newton;
+  --full_matrices_left_;
+  return TangentScope::everything;
 }
 
 int Ida::weights(N_Vector y, N_Vector w, void* self) {
@@ -238,6 +270,8 @@ void Ida::start(const State& s, const Eigen::VectorXd& v_dot) {
     ++before_.restarts;
     form_->set_start(s);
   }
+  failures_seen_ = 0;
+  start_ = s;
   form_->pack(s, v_dot, edit(y_), edit(yp_));
   check(IDAReInit(memory_, s.t, y_, yp_), "the initial values");
   check(IDASetInitStep(memory_, options_.first_step), "first_step");
@@ -324,6 +358,65 @@ StepCounts Ida::counts() const {
   c.newton_failures += failures;
   c.evaluations = form_->evaluations();
   return c;
+}
+
+void Ida::remember(History& history) {
+  if (!history.reads() && memory_ == nullptr) return;  // it never started
+  history(start_);
+  if (history.reads()) {
+    create(start_);
+    form_->set_start(start_);
+  }
+  auto* m = static_cast<IDAMem>(memory_);
+  const long n = form_->size();
+  history.all(NV_DATA_S(y_), n);
+  history.all(NV_DATA_S(yp_), n);
+  // Of IDA's own record all that a step leaves for the next: the divided differences and what belongs to them
+  // (SUNDIALS 6, ida_impl.h), the Newton iteration's memory and that of the root finder.
+  if (history.reads()) {
+    // IDA sets itself up in its first step; everything that step leaves is overwritten below.
+    double t = start_.t;
+    Eigen::VectorXd y = view(y_), yp = view(yp_);
+    check(IDAReInit(memory_, start_.t, y_, yp_), "the initial values");
+    check(IDASetInitStep(memory_, 1e-9 * (options_.end_time - options_.start_time)), "first_step");
+    check(IDASetStopTime(memory_, start_.t + 2.0 * (options_.end_time - options_.start_time)),
+          "the end time");
+    IDASolve(memory_, options_.end_time, &t, y_, yp_, IDA_ONE_STEP);
+    edit(y_) = y;
+    edit(yp_) = yp;
+  }
+  for (int k = 0; k <= m->ida_maxord; ++k) history.all(NV_DATA_S(m->ida_phi[k]), n);
+  history.all(NV_DATA_S(m->ida_ee), n);
+  for (double* x : {m->ida_psi, m->ida_alpha, m->ida_beta, m->ida_sigma, m->ida_gamma})
+    history.all(x, MXORDP1);
+  for (int* x : {&m->ida_kk, &m->ida_kused, &m->ida_knew, &m->ida_phase, &m->ida_ns}) history(*x);
+  for (double* x :
+       {&m->ida_hin, &m->ida_h0u, &m->ida_hh, &m->ida_hused, &m->ida_eta, &m->ida_tn, &m->ida_tretlast,
+        &m->ida_cj, &m->ida_cjlast, &m->ida_cjold, &m->ida_cjratio, &m->ida_ss, &m->ida_oldnrm,
+        &m->ida_epsNewt, &m->ida_toldel, &m->ida_hmax_inv, &m->ida_hmin, &m->ida_tolsf})
+    history(*x);
+  history(m->ida_nst);
+  if (m->ida_nrtfn > 0) {
+    for (double* x : {&m->ida_tlo, &m->ida_thi, &m->ida_trout, &m->ida_toutc, &m->ida_ttol}) history(*x);
+    for (double* x : {m->ida_glo, m->ida_ghi, m->ida_grout}) history.all(x, m->ida_nrtfn);
+    for (int k = 0; k < m->ida_nrtfn; ++k) {
+      history(m->ida_gactive[k]);
+      history(m->ida_iroots[k]);
+    }
+    history(m->ida_irfnd);
+  }
+  history(built_.t);
+  history(built_.cj);
+  history(built_.y);
+  history(built_.yp);
+  int scope = built_.scope == TangentScope::newton ? 1 : 0;
+  history(scope);
+  history(full_matrices_left_);
+  history(t_);
+  if (!history.reads()) return;
+  built_.scope = scope == 1 ? TangentScope::newton : TangentScope::everything;
+  IDAGetNumNonlinSolvConvFails(memory_, &failures_seen_);
+  build_matrix();
 }
 
 }  // namespace

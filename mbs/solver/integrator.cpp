@@ -3,8 +3,10 @@
 
 #include <fmt/format.h>
 
+#include "mbs/solver/generalised_alpha.hpp"
 #include "mbs/solver/ida.hpp"
 #include "mbs/solver/runge_kutta.hpp"
+#include "mbs/solver/sequence.hpp"
 
 namespace flexura::mbs {
 
@@ -12,6 +14,9 @@ std::unique_ptr<Integrator> make_integrator(const Equations& eq, const SolverOpt
   // One line for each integrator; the same names stand in solver_schema().
   if (options.method == "ida") return make_ida(eq, options);
   if (options.method == "runge_kutta") return make_runge_kutta(eq, options);
+  if (options.method == "generalised_alpha") return make_generalised_alpha(eq, options);
+  if (options.method == "kinematics") return make_kinematics(eq, options);
+  if (options.method == "quasi_statics") return make_quasi_statics(eq, options);
   throw std::invalid_argument(fmt::format("unknown integrator \"{}\"", options.method));
 }
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "mbs/model/equations.hpp"
+#include "mbs/solver/history.hpp"
 #include "mbs/solver/options.hpp"
 
 /// What every integrator offers: steps of its own choice, a polynomial in each step, stops at switches.
@@ -49,6 +50,9 @@ class Integrator {
   virtual void interpolate(double t, State& s, Eigen::VectorXd& v_dot) = 0;
 
   virtual StepCounts counts() const = 0;
+
+  /// Writes its memory into `history`, or takes it from there in place of start().
+  virtual void remember(History& history) = 0;
 };
 
 /// The integrator of options.method; `eq` must live longer.

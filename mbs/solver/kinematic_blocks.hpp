@@ -14,9 +14,10 @@ namespace flexura::mbs {
 class KinematicBlocks {
  public:
   struct Block {
-    std::vector<int> p, v;  ///< indices of positions and velocities
-    Eigen::MatrixXd T, A;   ///< p x v, p x p
-    Eigen::MatrixXd E, ET;  ///< (c I - A)^-1 and its product with T, set by invert()
+    std::vector<int> p, v;           ///< indices of positions and velocities
+    Eigen::MatrixXd T, A;            ///< p x v, p x p
+    Eigen::MatrixXd E, ET;           ///< (c I - A)^-1 and its product with T, set by invert()
+    Eigen::MatrixXd T_inverse, TET;  ///< v x p: (T^T T)^-1 T^T; v x v: T_inverse E T; set by invert()
   };
 
   /// `p` is any position of the mechanism.
@@ -31,6 +32,10 @@ class KinematicBlocks {
   void multiply_ET(const Eigen::MatrixXd& Z_p, Eigen::MatrixXd& Z) const;
   /// Z (m x n_v) = Z_p (m x n_p) T.
   void multiply_T(const Eigen::MatrixXd& Z_p, Eigen::MatrixXd& Z) const;
+  /// Z (m x n_v) = Z_v (m x n_v) T^+ E T, the derivative by v of what depends on p through Z_v = Z_p T alone.
+  void multiply_TET(const Eigen::MatrixXd& Z_v, Eigen::MatrixXd& Z) const;
+  /// w (n_v) = T^+ y (n_p).
+  void apply_T_inverse(ConstVectorRef y, VectorRef w) const;
   /// x (n_p) = E y (n_p); may not be the same vector.
   void apply_E(ConstVectorRef y, VectorRef x) const;
   /// x (n_p) += E T w (n_v).

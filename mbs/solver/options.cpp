@@ -10,14 +10,23 @@ input::TableSchema solver_schema() {
   schema.doc = "How the equations of motion are integrated and how often results are written.";
   schema.keys.push_back(
       in::choice(
-          "method", {"ida", "runge_kutta"},
+          "method", {"ida", "generalised_alpha", "runge_kutta", "kinematics", "quasi_statics"},
           "integrator: ida = SUNDIALS IDA (BDF, variable step and order) on the stabilised index-2 form; "
-          "runge_kutta = Dormand-Prince 5(4) with projection, explicit, for models that are not stiff")
+          "generalised_alpha = order 2 on index 3 with numerical damping at high frequencies (rho_inf); "
+          "runge_kutta = Dormand-Prince 5(4) with projection, explicit, for models that are not stiff; "
+          "kinematics = positions, velocities, accelerations and drive forces where drives prescribe the "
+          "whole "
+          "motion; quasi_statics = an equilibrium at each output time")
           .or_default("ida"));
   schema.keys.push_back(
       in::quantity("start_time", in::dim::time, "time at which the run begins").or_default("0 s"));
   schema.keys.push_back(
       in::quantity("end_time", in::dim::time, "time at which the run ends").or_default("1 s"));
+  schema.keys.push_back(
+      in::quantity("stop_time", in::dim::time,
+                   "stop after the step that reaches this time, to go on later (--save-state, "
+                   "--continue); 0 = run to end_time")
+          .or_default("0 s"));
   schema.keys.push_back(
       in::quantity("output_step", in::dim::time,
                    "time between two rows of the results, interpolated by the integrator's own "
@@ -41,6 +50,13 @@ input::TableSchema solver_schema() {
           .or_default("5")
           .at_least(1)
           .at_most(5));
+  schema.keys.push_back(
+      in::quantity("rho_inf", in::dim::none,
+                   "of generalised_alpha: share of a vibration of infinite frequency that is "
+                   "left after a step; 1 = no numerical damping")
+          .or_default("0.8")
+          .at_least(0.0)
+          .at_most(1.0));
   schema.keys.push_back(in::quantity("first_step", in::dim::time, "first step; 0 = the integrator chooses")
                             .or_default("0 s")
                             .at_least(0.0));
@@ -51,11 +67,12 @@ input::TableSchema solver_schema() {
   schema.keys.push_back(in::quantity("max_step", in::dim::time, "longest step; 0 = a tenth of the run")
                             .or_default("0 s")
                             .at_least(0.0));
-  schema.keys.push_back(in::quantity("fixed_step", in::dim::time,
-                                     "fixed step of runge_kutta, without error control; 0 = "
-                                     "variable step")
-                            .or_default("0 s")
-                            .at_least(0.0));
+  schema.keys.push_back(
+      in::quantity("fixed_step", in::dim::time,
+                   "fixed step of runge_kutta and generalised_alpha, without error control; 0 = "
+                   "variable step")
+          .or_default("0 s")
+          .at_least(0.0));
   schema.keys.push_back(in::integer("max_steps", "a run that needs more steps stops; 0 = no bound")
                             .or_default("0")
                             .at_least(0));
@@ -69,10 +86,12 @@ SolverOptions read_solver_options(const input::Section& section) {
   o.method = section.text("method");
   o.start_time = section.quantity("start_time");
   o.end_time = section.quantity("end_time");
+  o.stop_time = section.quantity("stop_time");
   o.output_step = section.quantity("output_step");
   o.tolerance = section.quantity("tolerance");
   o.absolute_factor = section.quantity("absolute_factor");
   o.max_order = section.integer("max_order");
+  o.rho_inf = section.quantity("rho_inf");
   o.first_step = section.quantity("first_step");
   o.min_step = section.quantity("min_step");
   o.max_step = section.quantity("max_step");
@@ -81,8 +100,9 @@ SolverOptions read_solver_options(const input::Section& section) {
   o.store_states = section.flag("store_states");
   if (o.end_time < o.start_time)
     section.refuse("end_time", "must not be before start_time", "give a later end_time");
-  if (o.fixed_step > 0.0 && o.method == "ida")
-    section.refuse("fixed_step", "ida chooses its own steps", "use method = \"runge_kutta\"");
+  if (o.fixed_step > 0.0 && o.method != "runge_kutta" && o.method != "generalised_alpha")
+    section.refuse("fixed_step", o.method + " chooses its own steps",
+                   "use method = \"runge_kutta\" or \"generalised_alpha\"");
   if (o.max_step > 0.0 && o.max_step < o.min_step)
     section.refuse("max_step", "must not be below min_step", "give a larger max_step, or 0 for no bound");
   return o;

@@ -13,12 +13,14 @@ struct SolverOptions {
   std::string method = "ida";  ///< the integrator, one of those in integrator.cpp
   double start_time = 0.0;     ///< s
   double end_time = 1.0;       ///< s
+  double stop_time = 0.0;      ///< s; stop cleanly after the step that reaches it, to go on later; 0: never
   double output_step = 0.01;   ///< s; rows stand at start_time + k output_step, and at end_time
   /// Relative error allowed in one step.  The absolute part is tolerance * absolute_factor times the typical
   /// size of the state (Equations::position_scale, velocity_scale).
   double tolerance = 1e-6;
   double absolute_factor = 1e-2;
   int max_order = 5;          ///< of BDF; 2 is stable for undamped vibration of any frequency
+  double rho_inf = 0.8;       ///< of generalised_alpha: share of vibration left at infinite frequency
   double first_step = 0.0;    ///< s; 0 lets the integrator choose
   double min_step = 0.0;      ///< s; 0: 1e-12 of the run
   double max_step = 0.0;      ///< s; 0: a tenth of the run

@@ -58,17 +58,27 @@ AssembleReport close_loops(const Mechanism& mechanism, State& s, const AssembleO
 
 }  // namespace
 
-PreparedMechanism prepare(const std::filesystem::path& path, const std::vector<std::string>& overrides) {
+PreparedMechanism prepare(const std::filesystem::path& path, const std::vector<std::string>& overrides,
+                          const std::filesystem::path& state_file) {
   MechanismFile file = read_mechanism(path, solver_schema(), overrides);
-  PreparedMechanism out{std::move(file), {}, {}, {}, {}, {}, {}, {}};
+  PreparedMechanism out{std::move(file), {}, {}, {}, {}, {}, {}, 0.0, {}, {}};
   out.options = read_solver_options(out.file.solver);
+  out.given_start_time = out.options.start_time;
   out.notes = out.file.notes;
   out.mechanism = std::make_unique<Mechanism>(out.file.description);
   out.state = out.mechanism->initial_state();
   out.state.t = out.options.start_time;
+  std::vector<bool> given_positions = out.mechanism->given_positions();
+  std::vector<bool> given_velocities = out.mechanism->given_velocities();
+  if (!state_file.empty()) {
+    const StateChange change = read_state(state_file, *out.mechanism, out.state);
+    given_positions = either(given_positions, change.position);
+    given_velocities = either(given_velocities, change.velocity);
+    if (!change.continuation) out.options.start_time = out.state.t;
+  }
   AssembleOptions keep;
-  keep.keep_position = velocities_of(*out.mechanism, out.state, out.mechanism->given_positions());
-  keep.keep_velocity = out.mechanism->given_velocities();
+  keep.keep_position = velocities_of(*out.mechanism, out.state, given_positions);
+  keep.keep_velocity = given_velocities;
   try {
     const std::vector<bool> modal = modal_velocities(*out.mechanism, out.state);
     out.assembly = close_loops(*out.mechanism, out.state, keep, modal);
@@ -101,6 +111,11 @@ PreparedMechanism prepare(const std::filesystem::path& path, const std::vector<s
                     names.size(), names.size() == 1 ? "" : "s", fmt::join(names, ", ")));
   }
   for (const std::string& note : out.assembly.notes) out.notes.push_back(note);
+  if (!state_file.empty()) {
+    // Now that the redundant rows are gone the multipliers have their places.
+    State whole = out.state;
+    out.continuation = read_state(state_file, *out.mechanism, whole).continuation;
+  }
   return out;
 }
 

@@ -10,6 +10,7 @@
 #include "mbs/model/read_mechanism.hpp"
 #include "mbs/solver/assemble.hpp"
 #include "mbs/solver/options.hpp"
+#include "mbs/solver/state_file.hpp"
 
 /// From a mechanism file to a mechanism that stands assembled at its start time, ready for any solver.
 namespace flexura::mbs {
@@ -22,12 +23,16 @@ struct PreparedMechanism {
   AssembleReport assembly;
   State state;
   Eigen::VectorXd v_dot;
-  std::vector<std::string> notes;  ///< of reading, redundancy and assembly, for the user
+  double given_start_time = 0.0;             ///< of the mechanism file, whatever a state file says
+  std::optional<Continuation> continuation;  ///< of the state file, where it holds one
+  std::vector<std::string> notes;            ///< of reading, redundancy and assembly, for the user
 };
 
 /// Reads, builds, assembles on all levels and drops redundant constraint rows.  Throws input::InputError for
 /// a bad file and for a mechanism that cannot be assembled, std::invalid_argument for a description that
-/// cannot move.
-PreparedMechanism prepare(const std::filesystem::path& file, const std::vector<std::string>& overrides = {});
+/// cannot move.  A state file (state_file.hpp) sets the states that it names before the assembly, which
+/// rather moves the others, and the time at which the run starts.
+PreparedMechanism prepare(const std::filesystem::path& file, const std::vector<std::string>& overrides = {},
+                          const std::filesystem::path& state_file = {});
 
 }  // namespace flexura::mbs

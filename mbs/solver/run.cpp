@@ -32,6 +32,7 @@ class Runner {
         integrator_(make_integrator(eq, options)),
         book_(eq),
         accelerations_(eq) {
+    keeps_book_ = options.method != "quasi_statics";
     result_.state = start;
     result_.state.t = options.start_time;
     result_.v_dot = v_dot;
@@ -41,9 +42,11 @@ class Runner {
         std::floor((options.end_time - options.start_time) / options.output_step * (1 + 1e-12)));
   }
 
+  void resume(const Continuation& from);
   RunResult run();
 
  private:
+  void remember();
   void write_row(const State& s, const Eigen::VectorXd& v_dot) {
     if (callbacks_.row) callbacks_.row(s, v_dot, book_.account());
   }
@@ -72,13 +75,14 @@ class Runner {
   Eigen::VectorXd row_v_dot_, g_, g_dot_;
   double good_step_ = 0.0;
   long n_rows_ = 0, next_row_ = 1;
+  bool resumed_ = false, keeps_book_ = true;
 };
 
 void Runner::write_rows_until(double t, Integrator& integrator) {
   for (; row_time(next_row_) <= t && row_time(next_row_) > row_time(next_row_ - 1); ++next_row_) {
     const double t_row = row_time(next_row_);
     integrator.interpolate(t_row, row_state_, row_v_dot_);
-    book_.advance(t_row, integrator, row_state_, row_v_dot_);
+    if (keeps_book_) book_.advance(t_row, integrator, row_state_, row_v_dot_);
     write_row(row_state_, row_v_dot_);
   }
 }
@@ -86,8 +90,7 @@ void Runner::write_rows_until(double t, Integrator& integrator) {
 void Runner::measure_drift() {
   if (n_.n_lambda == 0) return;
   const State& s = result_.state;
-  eq_.position_constraints(s.t, s.p, *scratch_, g_);
-  eq_.velocity_constraints(s.t, s.p, s.v, *scratch_, g_dot_);
+  eq_.constraints(s.t, s.p, s.v, *scratch_, g_, g_dot_);
   result_.peak_position_drift = std::max(result_.peak_position_drift, g_.cwiseAbs().maxCoeff());
   result_.peak_velocity_drift = std::max(result_.peak_velocity_drift, g_dot_.cwiseAbs().maxCoeff());
 }
@@ -129,7 +132,9 @@ bool Runner::hop(const IntegrationError& reason) {
   // Near a dead point, where constraints lose rank for an instant, round-off of g is amplified by 1 / sigma^2
   // and an implicit method cannot converge to a tight tolerance however short its step.  Accelerations are
   // finite there: a few explicit steps lead across.
-  if (options_.method == "runge_kutta" || n_.n_lambda == 0 || result_.counts.hops >= kMostHops) throw reason;
+  if ((options_.method != "ida" && options_.method != "generalised_alpha") || n_.n_lambda == 0 ||
+      result_.counts.hops >= kMostHops)
+    throw reason;
   SolverOptions explicit_options = options_;
   explicit_options.method = "runge_kutta";
   // Steps that the implicit method took at order five or below are easy for this one; error control would
@@ -159,7 +164,11 @@ bool Runner::hop(const IntegrationError& reason) {
 bool Runner::finish_step(const StepEnd& end, Integrator& integrator) {
   write_rows_until(end.t_end, integrator);
   integrator.interpolate(end.t_end, result_.state, result_.v_dot);
-  book_.advance(end.t_end, integrator, result_.state, result_.v_dot);
+  // Equilibria know nothing of the work between them: every one begins its own account.
+  if (keeps_book_)
+    book_.advance(end.t_end, integrator, result_.state, result_.v_dot);
+  else
+    book_.start(result_.state, result_.v_dot);
   result_.largest_energy_error = std::max(result_.largest_energy_error, std::abs(book_.account().error()));
   measure_drift();
   if (callbacks_.progress)
@@ -168,6 +177,11 @@ bool Runner::finish_step(const StepEnd& end, Integrator& integrator) {
   if (!end.roots.empty()) take_switches(end.roots);
   if (callbacks_.stop_wanted && callbacks_.stop_wanted()) {
     result_.stopped_because = fmt::format("interrupted at t = {:.9g} s", end.t_end);
+    return false;
+  }
+  if (options_.stop_time > options_.start_time && end.t_end >= options_.stop_time &&
+      end.t_end < options_.end_time) {
+    result_.stopped_because = fmt::format("stop_time is reached at t = {:.9g} s", end.t_end);
     return false;
   }
   if (options_.max_steps > 0 && integrator_->counts().steps >= options_.max_steps &&
@@ -179,13 +193,56 @@ bool Runner::finish_step(const StepEnd& end, Integrator& integrator) {
   return end.t_end < options_.end_time;
 }
 
+void Runner::resume(const Continuation& from) {
+  if (from.method != options_.method)
+    throw std::invalid_argument(
+        fmt::format("the history is that of the integrator \"{}\", this run uses \"{}\"; take the same "
+                    "method, or start from "
+                    "the state alone",
+                    from.method, options_.method));
+  const State& s = from.state;
+  if (s.p.size() != n_.n_p || s.v.size() != n_.n_v || s.c.size() != n_.n_dyn ||
+      s.lambda.size() != n_.n_lambda || s.a.size() != n_.n_alg ||
+      static_cast<int>(s.root.size()) != n_.n_root)
+    throw std::invalid_argument(
+        "the state to go on from belongs to another mechanism: it has other numbers of states");
+  result_.state = s;
+  result_.v_dot = from.v_dot;
+  History history(from.history);
+  integrator_->remember(history);
+  if (!history.is_used_up())
+    throw std::invalid_argument("the integrator's history is longer than this mechanism needs");
+  book_.resume(from.energy, s, from.v_dot);
+  next_row_ = from.next_row;
+  resumed_ = true;
+}
+
+void Runner::remember() {
+  Continuation& c = result_.continuation;
+  c.method = options_.method;
+  c.state = result_.state;
+  c.v_dot = result_.v_dot;
+  c.energy = book_.account();
+  c.next_row = next_row_;
+  History history;
+  if (options_.end_time > options_.start_time) integrator_->remember(history);
+  c.history = history.values();
+}
+
 RunResult Runner::run() {
   const auto clock_start = std::chrono::steady_clock::now();
   try {
-    book_.start(result_.state, result_.v_dot);
-    write_row(result_.state, result_.v_dot);
-    if (options_.end_time > options_.start_time) {
-      integrator_->start(result_.state, result_.v_dot);
+    if (!resumed_) {
+      if (!keeps_book_) {
+        // The first row is an equilibrium too.
+        integrator_->start(result_.state, result_.v_dot);
+        integrator_->interpolate(options_.start_time, result_.state, result_.v_dot);
+      }
+      book_.start(result_.state, result_.v_dot);
+      write_row(result_.state, result_.v_dot);
+    }
+    if (options_.end_time > result_.state.t) {
+      if (!resumed_ && keeps_book_) integrator_->start(result_.state, result_.v_dot);
       while (step_once()) {
       }
     }
@@ -195,6 +252,7 @@ RunResult Runner::run() {
   } catch (const AssemblyError& e) {
     result_.stopped_because = e.what();
   }
+  remember();
   const long hops = result_.counts.hops;
   result_.counts = integrator_->counts();
   result_.counts.hops = hops;
@@ -208,6 +266,13 @@ RunResult Runner::run() {
 RunResult run(const Equations& eq, const State& start, const Eigen::VectorXd& v_dot,
               const SolverOptions& options, const RunCallbacks& callbacks) {
   return Runner(eq, start, v_dot, options, callbacks).run();
+}
+
+RunResult run(const Equations& eq, const Continuation& from, const SolverOptions& options,
+              const RunCallbacks& callbacks) {
+  Runner runner(eq, from.state, from.v_dot, options, callbacks);
+  runner.resume(from);
+  return runner.run();
 }
 
 }  // namespace flexura::mbs

@@ -30,6 +30,17 @@ struct RootEvent {
   bool jumped = false;  ///< velocities changed
 };
 
+/// What a later run needs to go on where this one ended, as if it had not been cut: the same rows at the same
+/// times, to the bit when the options are the same but for stop_time.
+struct Continuation {
+  std::string method;
+  State state;
+  Eigen::VectorXd v_dot;
+  EnergyAccount energy;
+  long next_row = 0;
+  std::vector<double> history;  ///< of the integrator
+};
+
 struct RunResult {
   bool complete = false;
   std::string stopped_because;  ///< empty when complete
@@ -42,11 +53,17 @@ struct RunResult {
   double peak_velocity_drift = 0.0;   ///< largest |G v + g_t|
   double wall_time = 0.0;             ///< s
   std::vector<RootEvent> events;
+  Continuation continuation;
 };
 
 /// Runs from the consistent state `start` (see assemble.hpp) to options.end_time.  What goes wrong on the way
 /// ends the run cleanly: the result then holds the last state and the reason.
 RunResult run(const Equations& eq, const State& start, const Eigen::VectorXd& v_dot,
               const SolverOptions& options, const RunCallbacks& callbacks = {});
+
+/// Goes on from there; rows that were written are not written again.  Throws std::invalid_argument where the
+/// continuation is of another integrator or another mechanism.
+RunResult run(const Equations& eq, const Continuation& from, const SolverOptions& options,
+              const RunCallbacks& callbacks = {});
 
 }  // namespace flexura::mbs

@@ -80,6 +80,18 @@ class RungeKutta final : public Integrator {
 
   StepCounts counts() const override { return counts_; }
 
+  void remember(History& history) override {
+    for (State* x : {&state_, &stage_}) history(*x);
+    history(y_);
+    history(k_[0]);
+    for (Eigen::VectorXd& d : dense_) history(d);
+    for (double* x : {&h_, &h_done_, &t_begin_, &error_before_}) history(*x);
+    if (!history.reads()) return;
+    started_ = true;
+    found_ = state_;
+    switches_.start(state_);
+  }
+
  private:
   void pack(const State& s, Eigen::VectorXd& y) const { y << s.p, s.v, s.c; }
   void set(double t, const Eigen::VectorXd& y, State& s) const {

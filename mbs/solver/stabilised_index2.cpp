@@ -33,6 +33,7 @@ StabilisedIndex2::StabilisedIndex2(const Equations& eq, const State& start)
   J_.setZero(n_x, n_x);
   GS_.setZero(n_.n_v, n_.n_lambda);
   S_.setOnes(n_.n_v);
+  for (int k = 0; k < n_.n_lambda; ++k) holonomic_.push_back(eq.is_holonomic(k));
   set_start(start);
 }
 
@@ -67,36 +68,32 @@ void StabilisedIndex2::unpack(double t, ConstVectorRef y, State& s) const {
 bool StabilisedIndex2::residual(double t, ConstVectorRef y, ConstVectorRef yp, VectorRef out) {
   unpack(t, y, s_);
   const auto mu = y.tail(n_.n_lambda);
-  w_ = s_.v;
-  if (n_.n_lambda > 0) {
-    eq_.apply_GT(t, s_.p, mu, *scratch_, w_);
+  v_dot_ = yp.segment(at_v(), n_.n_v);
+  eq_.residuals(s_, v_dot_, mu, *scratch_, z_.head(n_.n_v), z_.segment(n_.n_v, n_.n_dyn), z_.tail(n_.n_alg),
+                out.segment(at_lambda(), n_.n_lambda), out.tail(n_.n_lambda), w_);
+  ++evaluations_;
+  if (n_.n_lambda > 0)
     w_ = s_.v + S_.cwiseProduct(w_);
-  }
+  else
+    w_ = s_.v;
   eq_.kinematic(s_.p, w_, dp_0_);
   out.head(n_.n_p) = yp.head(n_.n_p) - dp_0_;
-  v_dot_ = yp.segment(at_v(), n_.n_v);
-  eq_.momentum(s_, v_dot_, *scratch_, z_.head(n_.n_v), z_.segment(n_.n_v, n_.n_dyn), z_.tail(n_.n_alg));
-  ++evaluations_;
   out.segment(at_v(), n_.n_v) = z_.head(n_.n_v);
   out.segment(at_c(), n_.n_dyn) = yp.segment(at_c(), n_.n_dyn) - z_.segment(n_.n_v, n_.n_dyn);
   out.segment(at_a(), n_.n_alg) = z_.tail(n_.n_alg);
-  if (n_.n_lambda > 0) {
-    eq_.velocity_constraints(t, s_.p, s_.v, *scratch_, out.segment(at_lambda(), n_.n_lambda));
-    eq_.position_constraints(t, s_.p, *scratch_, out.tail(n_.n_lambda));
-    for (int k = 0; k < n_.n_lambda; ++k)
-      if (!eq_.is_holonomic(k)) out(at_mu() + k) = mu(k);
-  }
+  for (int k = 0; k < n_.n_lambda; ++k)
+    if (!holonomic_[k]) out(at_mu() + k) = mu(k);
   if (out.allFinite()) return true;
   non_finite_ = describe_non_finite(eq_, t, z_.head(n_.n_v), z_.segment(n_.n_v, n_.n_dyn), z_.tail(n_.n_alg));
   return false;
 }
 
-bool StabilisedIndex2::factor(double t, double cj, ConstVectorRef y, ConstVectorRef yp) {
+bool StabilisedIndex2::factor(double t, double cj, ConstVectorRef y, ConstVectorRef yp, TangentScope scope) {
   const int n_v = n_.n_v, n_c = n_.n_dyn, n_a = n_.n_alg, n_l = n_.n_lambda, n_z = n_v + n_c + n_a;
   unpack(t, y, s_);
   v_dot_ = yp.segment(at_v(), n_v);
   cj_ = cj;
-  tangents_.evaluate(s_, v_dot_);
+  tangents_.evaluate(s_, v_dot_, scope);
   kinematics_.update(s_.p, s_.v);
   kinematics_.invert(cj);
   const Tangents& d = tangents_;
@@ -125,7 +122,7 @@ bool StabilisedIndex2::factor(double t, double cj, ConstVectorRef y, ConstVector
 
   if (n_l > 0) {
     kinematics_.multiply_ET(d.h_p, h_v_);
-    kinematics_.multiply_ET(d.g_p, g_v_);
+    kinematics_.multiply_TET(d.G, g_v_);
     GS_.noalias() = S_.asDiagonal() * d.G.transpose();
     const int at_l = n_z, at_m = n_z + n_l;
     J_.block(0, at_l, n_v, n_l) = d.G.transpose();
@@ -142,7 +139,7 @@ bool StabilisedIndex2::factor(double t, double cj, ConstVectorRef y, ConstVector
       column_scale_(at_l + k) = scale * cj;
       row_scale_(at_m + k) = scale * cj;
       column_scale_(at_m + k) = scale;
-      if (!eq_.is_holonomic(k)) {
+      if (!holonomic_[k]) {
         J_.row(at_m + k).setZero();
         J_(at_m + k, at_m + k) = 1.0;
         row_scale_(at_m + k) = column_scale_(at_m + k) = 1.0;
@@ -175,8 +172,9 @@ void StabilisedIndex2::solve(ConstVectorRef rhs, VectorRef x) {
     rhs_.segment(n_z, n_l) = rhs.segment(at_lambda(), n_l);
     rhs_.segment(n_z, n_l).noalias() -= d.h_p * dp_0_;
     rhs_.tail(n_l) = rhs.tail(n_l);
+    kinematics_.apply_T_inverse(dp_0_, w_);
     for (int k = 0; k < n_l; ++k)
-      if (eq_.is_holonomic(k)) rhs_(n_z + n_l + k) -= d.g_p.row(k).dot(dp_0_);
+      if (holonomic_[k]) rhs_(n_z + n_l + k) -= d.G.row(k).dot(w_);
   }
   rhs_.array() *= row_scale_.array();
   rhs_ = factor_->lu.solve(rhs_);

@@ -3,6 +3,8 @@
 
 #include <Eigen/Core>
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "mbs/model/equations.hpp"
 #include "mbs/solver/kinematic_blocks.hpp"
@@ -53,7 +55,8 @@ class StabilisedIndex2 {
   const std::string& non_finite() const { return non_finite_; }
 
   /// Builds and factorises dF/dy + cj dF/dy'.  False when it is not finite.
-  bool factor(double t, double cj, ConstVectorRef y, ConstVectorRef yp);
+  bool factor(double t, double cj, ConstVectorRef y, ConstVectorRef yp, TangentScope scope);
+  bool has_elastic_coordinates() const { return tangents_.has_elastic_coordinates(); }
   void solve(ConstVectorRef rhs, VectorRef x);
 
   long evaluations() const { return evaluations_ + tangents_.evaluations; }
@@ -68,6 +71,7 @@ class StabilisedIndex2 {
   Tangents tangents_;
   Eigen::VectorXd S_, w_, v_dot_, z_, row_scale_, column_scale_, rhs_, dp_, dp_0_;
   Eigen::MatrixXd z_v_, h_v_, g_v_, GS_, J_;
+  std::vector<bool> holonomic_;
   std::string non_finite_;
   long evaluations_ = 0;
   double cj_ = 0.0;

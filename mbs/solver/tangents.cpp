@@ -13,12 +13,23 @@ Tangents::Tangents(const Equations& eq) : eq_(eq), n_(eq.sizes()), scratch_(eq.m
   z_a.setZero(n_z, n_.n_alg);
   M.setZero(n_.n_v, n_.n_v);
   G.setZero(n_.n_lambda, n_.n_v);
-  g_p.setZero(n_.n_lambda, n_.n_p);
   h_p.setZero(n_.n_lambda, n_.n_p);
   z.setZero(n_z);
-  z_plus_ = z_minus_ = z;
-  g_.setZero(n_.n_lambda);
-  h_ = g_plus_ = h_plus_ = g_minus_ = h_minus_ = g_;
+  z_plus_ = z;
+  h_.setZero(n_.n_lambda);
+  h_plus_ = h_;
+  position_scale_.resize(n_.n_p);
+  velocity_scale_.resize(n_.n_v);
+  for (int i = 0; i < n_.n_p; ++i) position_scale_(i) = eq.position_scale(i);
+  elastic_p_.assign(n_.n_p, false);
+  elastic_v_.assign(n_.n_v, false);
+  for (int i = 0; i < n_.n_v; ++i) {
+    velocity_scale_(i) = eq.velocity_scale(i);
+    Elastic e{-1, i, 0.0, 0.0};
+    if (!eq.elastic_coordinate(i, e.i_p, e.stiffness, e.damping)) continue;
+    elastic_.push_back(e);
+    elastic_p_[e.i_p] = elastic_v_[i] = true;
+  }
 }
 
 void Tangents::momentum(const State& s, const Eigen::VectorXd& v_dot, Eigen::VectorXd& out) {
@@ -26,53 +37,47 @@ void Tangents::momentum(const State& s, const Eigen::VectorXd& v_dot, Eigen::Vec
   ++evaluations;
 }
 
-void Tangents::difference(Eigen::VectorXd& x, double scale_floor, int j, bool central,
-                          const Eigen::VectorXd& v_dot, Eigen::MatrixXd& columns) {
+void Tangents::difference(Eigen::VectorXd& x, double scale_floor, int j, const Eigen::VectorXd& v_dot,
+                          Eigen::MatrixXd& columns) {
   const double x_j = x(j);
-  // Forward: sqrt(eps); central: eps^(1/3), the steps that balance round-off against truncation.
-  const double h = (central ? 6e-6 : 1.5e-8) * std::max(std::abs(x_j), scale_floor);
-  x(j) = x_j + h;
+  // sqrt(eps) balances round-off against truncation.
+  x(j) = x_j + 1.5e-8 * std::max(std::abs(x_j), scale_floor);
   const double up = x(j);
   momentum(s_, v_dot, z_plus_);
-  if (central) {
-    x(j) = x_j - h;
-    momentum(s_, v_dot, z_minus_);
-    columns.col(j) = (z_plus_ - z_minus_) / (up - x(j));
-  } else {
-    columns.col(j) = (z_plus_ - z) / (up - x_j);
-  }
+  columns.col(j) = (z_plus_ - z) / (up - x_j);
   x(j) = x_j;
 }
 
-void Tangents::evaluate(const State& s, const Eigen::VectorXd& v_dot, bool central) {
+void Tangents::evaluate(const State& s, const Eigen::VectorXd& v_dot, TangentScope scope) {
+  const bool skips = scope == TangentScope::newton;
   s_ = s;
   eq_.mass_matrix(s.p, *scratch_, M);
   eq_.constraint_matrix(s.t, s.p, *scratch_, G);
   momentum(s_, v_dot, z);
-  for (int j = 0; j < n_.n_p; ++j) difference(s_.p, eq_.position_scale(j), j, central, v_dot, z_p);
-  for (int j = 0; j < n_.n_v; ++j) difference(s_.v, eq_.velocity_scale(j), j, central, v_dot, z_v);
-  for (int j = 0; j < n_.n_dyn; ++j) difference(s_.c, 1.0, j, central, v_dot, z_c);
-  for (int j = 0; j < n_.n_alg; ++j) difference(s_.a, 1.0, j, central, v_dot, z_a);
+  for (int j = 0; j < n_.n_p; ++j)
+    if (!skips || !elastic_p_[j]) difference(s_.p, position_scale_(j), j, v_dot, z_p);
+  for (int j = 0; j < n_.n_v; ++j)
+    if (!skips || !elastic_v_[j]) difference(s_.v, velocity_scale_(j), j, v_dot, z_v);
+  for (int j = 0; j < n_.n_dyn; ++j) difference(s_.c, 1.0, j, v_dot, z_c);
+  for (int j = 0; j < n_.n_alg; ++j) difference(s_.a, 1.0, j, v_dot, z_a);
+  if (skips)
+    for (const Elastic& e : elastic_) {
+      z_p.col(e.i_p).setZero();
+      z_v.col(e.i_v).setZero();
+      z_p(e.i_v, e.i_p) = e.stiffness;
+      z_v(e.i_v, e.i_v) = e.damping;
+    }
   if (n_.n_lambda == 0) return;
-  eq_.position_constraints(s.t, s_.p, *scratch_, g_);
   eq_.velocity_constraints(s.t, s_.p, s.v, *scratch_, h_);
   for (int j = 0; j < n_.n_p; ++j) {
-    const double p_j = s_.p(j),
-                 h = (central ? 6e-6 : 1.5e-8) * std::max(std::abs(p_j), eq_.position_scale(j));
-    s_.p(j) = p_j + h;
-    const double up = s_.p(j);
-    eq_.position_constraints(s.t, s_.p, *scratch_, g_plus_);
-    eq_.velocity_constraints(s.t, s_.p, s.v, *scratch_, h_plus_);
-    if (central) {
-      s_.p(j) = p_j - h;
-      eq_.position_constraints(s.t, s_.p, *scratch_, g_minus_);
-      eq_.velocity_constraints(s.t, s_.p, s.v, *scratch_, h_minus_);
-      g_p.col(j) = (g_plus_ - g_minus_) / (up - s_.p(j));
-      h_p.col(j) = (h_plus_ - h_minus_) / (up - s_.p(j));
-    } else {
-      g_p.col(j) = (g_plus_ - g_) / (up - p_j);
-      h_p.col(j) = (h_plus_ - h_) / (up - p_j);
+    if (skips && elastic_p_[j]) {
+      h_p.col(j).setZero();
+      continue;
     }
+    const double p_j = s_.p(j);
+    s_.p(j) = p_j + 1.5e-8 * std::max(std::abs(p_j), position_scale_(j));
+    eq_.velocity_constraints(s.t, s_.p, s.v, *scratch_, h_plus_);
+    h_p.col(j) = (h_plus_ - h_) / (s_.p(j) - p_j);
     s_.p(j) = p_j;
   }
 }

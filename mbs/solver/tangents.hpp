@@ -11,31 +11,46 @@
 /// With z = (r, c_rate, b), r = M v_dot - f + G^T lambda, stacked (n_z = n_v + n_dyn + n_alg):
 ///     z_p = dz/dp, z_v = dz/dv, z_c = dz/dc, z_a = dz/da      at fixed v_dot and lambda
 ///     M, G                                                      exact, from the equations
-///     g_p = dg/dp, h_p = d(G v + g_t)/dp
-/// by forward differences with relative step sqrt(eps): errors of about 1e-8 of the entries' scale. `central`
-/// doubles the cost and brings them to about 1e-10.
+///     h_p = d(G v + g_t)/dp
+/// by forward differences with relative step sqrt(eps): errors of about 1e-8 of the entries' scale.
+/// (dg/dp needs none: it is G T^+, since g does not depend on the norm of a quaternion.)
 namespace flexura::mbs {
+
+/// What the differences are taken for.
+enum class TangentScope {
+  everything,  ///< all columns
+  newton,      ///< the columns of elastic coordinates hold their stiffness and damping alone, see
+               ///< Equations::elastic_coordinate: the cost is then that of the rigid mechanism
+};
 
 class Tangents {
  public:
   explicit Tangents(const Equations& eq);
 
-  void evaluate(const State& s, const Eigen::VectorXd& v_dot, bool central = false);
+  void evaluate(const State& s, const Eigen::VectorXd& v_dot, TangentScope scope = TangentScope::everything);
+  bool has_elastic_coordinates() const { return !elastic_.empty(); }
 
-  Eigen::MatrixXd z_p, z_v, z_c, z_a, M, G, g_p, h_p;
+  Eigen::MatrixXd z_p, z_v, z_c, z_a, M, G, h_p;
   Eigen::VectorXd z;  ///< at the state itself
   long evaluations = 0;
 
  private:
+  struct Elastic {
+    int i_p, i_v;
+    double stiffness, damping;
+  };
   void momentum(const State& s, const Eigen::VectorXd& v_dot, Eigen::VectorXd& z);
-  void difference(Eigen::VectorXd& x, double scale_floor, int j, bool central, const Eigen::VectorXd& v_dot,
+  void difference(Eigen::VectorXd& x, double scale_floor, int j, const Eigen::VectorXd& v_dot,
                   Eigen::MatrixXd& columns);
 
   const Equations& eq_;
   Sizes n_;
   std::unique_ptr<Equations::Scratch> scratch_;
+  std::vector<Elastic> elastic_;
+  std::vector<bool> elastic_p_, elastic_v_;
+  Eigen::VectorXd position_scale_, velocity_scale_;
   State s_;
-  Eigen::VectorXd z_plus_, z_minus_, g_, h_, g_plus_, h_plus_, g_minus_, h_minus_;
+  Eigen::VectorXd z_plus_, h_, h_plus_;
 };
 
 }  // namespace flexura::mbs

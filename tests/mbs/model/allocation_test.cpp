@@ -53,6 +53,8 @@ TEST(Evaluation, AllocatesNothing) {
   const Sizes n = mechanism.sizes();
   const auto scratch = mechanism.make_scratch();
   VectorXd r(n.n_v), none(0), g(n.n_lambda), f_c(n.n_v), p_dot(n.n_p);
+  VectorXd g_dot(n.n_lambda);
+  MatrixXd M(n.n_v, n.n_v), G(n.n_lambda, n.n_v);
   const VectorXd v_dot = random.vector(n.n_v);
   const auto evaluate = [&] {
     mechanism.kinematic(s.p, s.v, p_dot);
@@ -61,6 +63,11 @@ TEST(Evaluation, AllocatesNothing) {
     mechanism.velocity_constraints(s.t, s.p, s.v, *scratch, g);
     mechanism.acceleration_constraints(s.t, s.p, s.v, v_dot, *scratch, g);
     mechanism.apply_GT(s.t, s.p, s.lambda, *scratch, f_c);
+    mechanism.residuals(s, v_dot, s.lambda, *scratch, r, none, none, g_dot, g, f_c);
+    mechanism.mass_matrix(s.p, *scratch, M);
+    mechanism.constraint_matrix(s.t, s.p, *scratch, G);
+    mechanism.factor_mass(s.p, *scratch);
+    mechanism.solve_mass(*scratch, r);
   };
   evaluate();
   const long before = allocations;

@@ -49,6 +49,13 @@ void mass_matrix_is_slope_of_momentum(const Mechanism& mechanism, const State& s
   const VectorXd eigenvalues =
       Eigen::SelfAdjointEigenSolver<MatrixXd>(M, Eigen::EigenvaluesOnly).eigenvalues();
   EXPECT_GT(eigenvalues(0), 0.0);
+
+  // The recursive inverse, while other evaluations use other work space.
+  ASSERT_TRUE(mechanism.factor_mass(s.p, *scratch));
+  VectorXd x = M * VectorXd::LinSpaced(n, -1.0, 1.0);
+  mechanism.solve_mass(*scratch, x);
+  EXPECT_LE((x - VectorXd::LinSpaced(n, -1.0, 1.0)).cwiseAbs().maxCoeff(),
+            1e-14 * n * eigenvalues(n - 1) / eigenvalues(0));
 }
 
 void kinetic_energy_is_quadratic_form(const Mechanism& mechanism, const State& s) {
@@ -65,6 +72,20 @@ void constraints_are_consistent(const Mechanism& mechanism, const State& s, unsi
   const Sizes n = mechanism.sizes();
   if (n.n_lambda == 0) return;
   Random random(seed);
+  {
+    // All at once is what the parts are.
+    const VectorXd v_dot = random.vector(n.n_v), mu = random.vector(n.n_lambda);
+    VectorXd r(n.n_v), c_rate(n.n_dyn), b(0), g_dot(n.n_lambda), g(n.n_lambda), f_c(n.n_v);
+    VectorXd g_dot_alone(n.n_lambda), g_alone(n.n_lambda), f_c_alone(n.n_v);
+    mechanism.residuals(s, v_dot, mu, *scratch, r, c_rate, b, g_dot, g, f_c);
+    mechanism.velocity_constraints(s.t, s.p, s.v, *scratch, g_dot_alone);
+    mechanism.position_constraints(s.t, s.p, *scratch, g_alone);
+    mechanism.apply_GT(s.t, s.p, mu, *scratch, f_c_alone);
+    EXPECT_EQ(r, momentum(mechanism, s, v_dot));
+    EXPECT_EQ(g_dot, g_dot_alone);
+    EXPECT_EQ(g, g_alone);
+    EXPECT_EQ(f_c, f_c_alone);
+  }
   MatrixXd G(n.n_lambda, n.n_v);
   mechanism.constraint_matrix(s.t, s.p, *scratch, G);
   // Central differences with one Richardson step: what is left is h^4 times fifth derivatives.  Unit modal

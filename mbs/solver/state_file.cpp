@@ -1,0 +1,140 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mbs/solver/state_file.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <fstream>
+#include <functional>
+#include <nlohmann/json.hpp>
+
+#include "mbs/input/document.hpp"
+
+namespace flexura::mbs {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+using NameOf = std::function<std::string(int)>;
+
+Json named(const Eigen::VectorXd& x, const NameOf& name) {
+  Json out = Json::object();
+  for (int i = 0; i < static_cast<int>(x.size()); ++i) out[name(i)] = x(i);
+  return out;
+}
+
+std::vector<double> plain(const Eigen::VectorXd& x) {
+  return {x.data(), x.data() + x.size()};
+}
+
+Eigen::VectorXd vector_of(const Json& values) {
+  const auto v = values.get<std::vector<double>>();
+  return Eigen::Map<const Eigen::VectorXd>(v.data(), static_cast<Eigen::Index>(v.size()));
+}
+
+std::array<double*, 11> numbers(EnergyAccount& e) {
+  return {&e.now.kinetic,          &e.now.strain, &e.now.potential, &e.now.input_power,
+          &e.now.dissipated_power, &e.start,      &e.work_in,       &e.dissipated,
+          &e.gross_work,           &e.peak,       &e.peak};
+}
+
+std::vector<bool> take(const Json& document, const char* key, const std::filesystem::path& path,
+                       const NameOf& name, Eigen::VectorXd& x) {
+  std::vector<bool> taken(x.size(), false);
+  if (!document.contains(key)) return taken;
+  std::vector<std::string> known;
+  for (int i = 0; i < static_cast<int>(x.size()); ++i) known.push_back(name(i));
+  for (const auto& [state, value] : document[key].items()) {
+    const auto found = std::find(known.begin(), known.end(), state);
+    if (found == known.end())
+      throw std::invalid_argument(fmt::format("{}: {}: the mechanism has no state \"{}\"{}", path.string(),
+                                              key, state, input::suggestion(state, known)));
+    if (!value.is_number() || !std::isfinite(value.get<double>()))
+      throw std::invalid_argument(fmt::format("{}: {}: \"{}\" must be a number", path.string(), key, state));
+    x(found - known.begin()) = value.get<double>();
+    taken[found - known.begin()] = true;
+  }
+  return taken;
+}
+
+}  // namespace
+
+void write_state(const std::filesystem::path& path, const Equations& eq, const std::string& mechanism,
+                 const State& s, const Continuation* continuation) {
+  Json out;
+  out["format"] = "flexura state";
+  out["version"] = 1;
+  out["mechanism"] = mechanism;
+  out["time"] = s.t;
+  out["positions"] = named(s.p, [&](int i) { return eq.name_of_position(i); });
+  out["velocities"] = named(s.v, [&](int i) { return eq.name_of_velocity(i); });
+  out["dynamic"] = named(s.c, [&](int i) { return eq.name_of_dynamic(i); });
+  out["algebraic"] = named(s.a, [&](int i) { return eq.name_of_algebraic(i); });
+  out["multipliers"] = named(s.lambda, [&](int i) { return eq.name_of_constraint(i); });
+  out["switches"] = s.root;
+  if (continuation != nullptr) {
+    Json& c = out["continuation"];
+    c["method"] = continuation->method;
+    c["next_row"] = continuation->next_row;
+    c["v_dot"] = plain(continuation->v_dot);
+    EnergyAccount energy = continuation->energy;
+    for (const double* x : numbers(energy)) c["energy"].push_back(*x);
+    c["history"] = continuation->history;
+  }
+  std::filesystem::path beside = path;
+  beside += ".part";
+  {
+    std::ofstream file(beside);
+    file << out.dump(1) << '\n';
+    if (!file) throw std::runtime_error(fmt::format("{}: cannot be written", path.string()));
+  }
+  std::filesystem::rename(beside, path);
+}
+
+StateChange read_state(const std::filesystem::path& path, const Equations& eq, State& s) {
+  std::ifstream file(path);
+  if (!file) throw std::invalid_argument(fmt::format("{}: there is no such file", path.string()));
+  Json in;
+  try {
+    in = Json::parse(file);
+  } catch (const nlohmann::json::exception& e) {
+    throw std::invalid_argument(fmt::format("{}: is not a state file: {}", path.string(), e.what()));
+  }
+  if (!in.is_object() || in.value("format", "") != "flexura state")
+    throw std::invalid_argument(
+        fmt::format("{}: is not a state file; it must hold \"format\": \"flexura state\"", path.string()));
+  StateChange change;
+  try {
+    s.t = in.value("time", s.t);
+    change.position = take(
+        in, "positions", path, [&](int i) { return eq.name_of_position(i); }, s.p);
+    change.velocity = take(
+        in, "velocities", path, [&](int i) { return eq.name_of_velocity(i); }, s.v);
+    take(
+        in, "dynamic", path, [&](int i) { return eq.name_of_dynamic(i); }, s.c);
+    take(
+        in, "algebraic", path, [&](int i) { return eq.name_of_algebraic(i); }, s.a);
+    take(
+        in, "multipliers", path, [&](int i) { return eq.name_of_constraint(i); }, s.lambda);
+    if (in.contains("switches") && in["switches"].size() == s.root.size())
+      s.root = in["switches"].get<std::vector<int>>();
+    if (in.contains("continuation")) {
+      const Json& c = in["continuation"];
+      Continuation& to = change.continuation.emplace();
+      to.method = c.at("method");
+      to.next_row = c.at("next_row");
+      to.v_dot = vector_of(c.at("v_dot"));
+      const auto energy = c.at("energy").get<std::vector<double>>();
+      const auto place = numbers(to.energy);
+      if (energy.size() != place.size()) throw std::invalid_argument("its energy account is cut short");
+      for (std::size_t i = 0; i < place.size(); ++i) *place[i] = energy[i];
+      to.history = c.at("history").get<std::vector<double>>();
+      to.state = s;
+    }
+  } catch (const nlohmann::json::exception& e) {
+    throw std::invalid_argument(fmt::format("{}: is not a state file: {}", path.string(), e.what()));
+  }
+  return change;
+}
+
+}  // namespace flexura::mbs
