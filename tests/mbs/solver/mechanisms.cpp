@@ -3,15 +3,13 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
-#include <cstdlib>
-#include <filesystem>
-#include <fstream>
 
 #include "mbs/model/modal_basis.hpp"
 #include "mbs/results/results.hpp"
 #include "mbs/solver/prepare.hpp"
 #include "mbs/solver/run.hpp"
 #include "tests/mbs/model/lattice.hpp"
+#include "tests/mbs/solver/run_folder.hpp"
 
 /// Runs of whole mechanisms: from the file, with flexible bodies, through the command line.
 namespace flexura::mbs::test {
@@ -20,30 +18,7 @@ namespace {
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 
-class MechanismRun : public ::testing::Test {
- protected:
-  MechanismRun() {
-    folder_ = std::filesystem::temp_directory_path() /
-              (std::string("flexura_run_") + ::testing::UnitTest::GetInstance()->current_test_info()->name());
-    std::filesystem::create_directories(folder_);
-  }
-  ~MechanismRun() override { std::filesystem::remove_all(folder_); }
-  std::filesystem::path file(const std::string& text) const {
-    std::ofstream(folder_ / "m.toml") << text;
-    return folder_ / "m.toml";
-  }
-  int flexura(const std::string& arguments) const {
-    const std::string command =
-        "cd " + folder_.string() + " && " FLEXURA_BIN_DIR "/flexura " + arguments + " > out.txt 2> err.txt";
-    const int status = std::system(command.c_str());
-    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-  }
-  std::string text_of(const char* name) const {
-    std::ifstream in(folder_ / name);
-    return {std::istreambuf_iterator<char>(in), {}};
-  }
-  std::filesystem::path folder_;
-};
+class MechanismRun : public RunFolder {};
 
 // A crank of 0.1 m, a rod of 0.35 m, a slider along x; the torque 2 N m against a load proportional to the
 // speed.

@@ -1,0 +1,171 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include <gmock/gmock.h>
+
+#include "mbs/hdf5/file.hpp"
+#include "mbs/results/results.hpp"
+#include "tests/mbs/solver/run_folder.hpp"
+
+/// States in files, cut and continued runs, prescribed motion, sequences of equilibria and linear systems,
+/// through the program.
+namespace flexura::mbs::test {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+class States : public RunFolder {};
+class Sequences : public RunFolder {};
+class LinearFiles : public RunFolder {};
+
+// A rod of 1 m and 2 kg on a hinge; J = 2/3 kg m^2 about it.
+const std::string rod = R"toml(
+name = "rod"
+gravity = [0, -9.81, 0]
+[body.rod]
+mass = 2
+center = [0.5, 0, 0]
+inertia = [1e-3, 0.16666666666666667, 0.16666666666666667]
+[joint.hinge]
+type = "revolute"
+from = "ground"
+to = "rod"
+angle = "20 deg"
+)toml";
+
+const results::Quantity* find(const results::Run& run, const std::string& name, int& at) {
+  for (std::size_t i = 0; i < run.quantities.size(); ++i)
+    if (run.quantities[i].name == name) {
+      at = static_cast<int>(i);
+      return &run.quantities[i];
+    }
+  return nullptr;
+}
+
+TEST_F(States, RunCutInTwoIsTheUnbrokenRunRowByRow) {
+  file(rod + "[solver]\nend_time = 2\noutput_step = 0.05\ntolerance = 1e-8\nstore_states = true\n");
+  ASSERT_EQ(flexura("simulate m.toml -o whole.h5"), 0) << text_of("err.txt");
+  EXPECT_EQ(flexura("simulate m.toml -o first.h5 --set solver.stop_time=1 --save-state half.json"), 1);
+  EXPECT_THAT(text_of("err.txt"), HasSubstr("stop_time is reached"));
+  ASSERT_EQ(flexura("simulate m.toml -o second.h5 --continue half.json"), 0) << text_of("err.txt");
+  const results::Run whole = results::read(folder_ / "whole.h5").runs[0],
+                     first = results::read(folder_ / "first.h5").runs[0],
+                     second = results::read(folder_ / "second.h5").runs[0];
+  ASSERT_EQ(first.time.size() + second.time.size(), whole.time.size());
+  const auto n = first.time.size();
+  EXPECT_EQ(first.values, whole.values.topRows(n));
+  EXPECT_EQ(second.values, whole.values.bottomRows(second.time.size()));
+  EXPECT_EQ(second.states, whole.states.bottomRows(second.time.size()));
+
+  EXPECT_EQ(flexura("simulate m.toml -o x.h5 --continue half.json --set solver.method=runge_kutta"), 2);
+  EXPECT_THAT(text_of("err.txt"), HasSubstr("the integrator \"ida\""));
+}
+
+TEST_F(States, StateSetChangesTheStatesThatItNames) {
+  file(rod);
+  file(R"({"format": "flexura state", "time": 0.5, "velocities": {"hinge.speed": 3}})", "set.json");
+  ASSERT_EQ(flexura("assemble m.toml --from-state set.json --save-state all.json"), 0) << text_of("err.txt");
+  EXPECT_THAT(text_of("out.txt"), AllOf(HasSubstr("t = 0.5 s"), HasSubstr("0.34906585"), HasSubstr(" 3 ")));
+  EXPECT_THAT(text_of("all.json"), AllOf(HasSubstr("\"hinge.speed\": 3.0"), HasSubstr("\"time\": 0.5")));
+  file(R"({"format": "flexura state", "velocities": {"hinge.sped": 3}})", "wrong.json");
+  EXPECT_EQ(flexura("assemble m.toml --from-state wrong.json"), 2);
+  EXPECT_THAT(text_of("err.txt"), HasSubstr("no state \"hinge.sped\", did you mean \"hinge.speed\"?"));
+  EXPECT_EQ(flexura("assemble m.toml --from-state m.toml"), 2);
+  EXPECT_THAT(text_of("err.txt"), HasSubstr("m.toml: is not a state file"));
+  EXPECT_EQ(flexura("simulate m.toml --continue set.json -o x.h5"), 2);
+  EXPECT_THAT(text_of("err.txt"), HasSubstr("no history"));
+}
+
+TEST_F(Sequences, KinematicsGivesTheDrivesTorqueOfTheTurningRod) {
+  file(rod + R"toml(
+drive = "pi/9 + 2*t"
+[solver]
+method = "kinematics"
+end_time = 1
+output_step = 0.1
+)toml");
+  ASSERT_EQ(flexura("simulate m.toml -o m.h5"), 0) << text_of("err.txt");
+  const results::Run run = results::read(folder_ / "m.h5").runs[0];
+  int angle = -1, work = -1, balance = -1;
+  ASSERT_NE(find(run, "hinge.angle", angle), nullptr);
+  ASSERT_NE(find(run, "energy.input", work), nullptr);
+  ASSERT_NE(find(run, "energy.balance", balance), nullptr);
+  ASSERT_EQ(run.time.size(), 11);
+  for (int k = 0; k <= 10; ++k) {
+    EXPECT_NEAR(run.values(k, angle), M_PI / 9 + 2 * run.time(k), 1e-12);
+    // At a constant speed the drive pays for the lifting alone; Lobatto's rule of degree 5 over strides of
+    // 0.2 rad leaves (0.2)^6 / 1e4 of it.
+    EXPECT_NEAR(run.values(k, work), 9.81 * (std::sin(run.values(k, angle)) - std::sin(M_PI / 9)), 1e-7);
+    EXPECT_NEAR(run.values(k, balance), 0.0, 1e-7);
+  }
+  file(rod + "[solver]\nmethod = \"kinematics\"\n");
+  EXPECT_EQ(flexura("simulate m.toml -o x.h5"), 1);
+  EXPECT_THAT(text_of("err.txt"), AllOf(HasSubstr("hinge.speed"), HasSubstr("drive it")));
+}
+
+TEST_F(Sequences, QuasiStaticsFollowsAGrowingTorque) {
+  // From straight down: 2 g 0.5 sin(phi) = T(t).
+  file(rod + R"toml(
+[force.wind]
+type = "joint_force"
+joint = "hinge"
+value = "5*t"
+[solver]
+method = "quasi_statics"
+end_time = 1
+output_step = 0.25
+)toml");
+  ASSERT_EQ(flexura("simulate m.toml -o m.h5"), 0) << text_of("err.txt");
+  const results::Run run = results::read(folder_ / "m.h5").runs[0];
+  int angle = -1;
+  ASSERT_NE(find(run, "hinge.angle", angle), nullptr);
+  ASSERT_EQ(run.time.size(), 5);
+  for (int k = 0; k < 5; ++k)
+    EXPECT_NEAR(run.values(k, angle), -0.5 * M_PI + std::asin(5 * run.time(k) / 9.81), 1e-8);
+}
+
+TEST_F(LinearFiles, EveryFormatHoldsTheSameSystem) {
+  file(rod);
+  const std::string about = "linearize m.toml --equilibrium --input hinge.speed --measure hinge.angle ";
+  ASSERT_EQ(flexura(about + "-o a.m --response 0.1:10:21"), 0) << text_of("err.txt");
+  ASSERT_EQ(flexura(about + "-o a.h5"), 0) << text_of("err.txt");
+  ASSERT_EQ(flexura(about + "-o a.mtx"), 0) << text_of("err.txt");
+  // x = (angle, speed), A = [0 1; -3 g / 2 l, 0], B = [0; 1 / J].
+  const hdf5::File in(folder_ / "a.h5", hdf5::Mode::read);
+  const Eigen::MatrixXd A = hdf5::read_matrix(in.root(), "A", 2, 2),
+                        B = hdf5::read_matrix(in.root(), "B", 2, 1);
+  EXPECT_NEAR(A(1, 0), -1.5 * 9.81, 1e-6);
+  EXPECT_NEAR(B(1, 0), 1.5, 1e-9);
+  const std::string market = text_of("a_A.mtx");
+  EXPECT_THAT(market,
+              AllOf(HasSubstr("%%MatrixMarket matrix coordinate real general"), HasSubstr("2 1 -14.71")));
+  EXPECT_THAT(text_of("a.m"), HasSubstr("-14.71"));
+  // At 0.1 Hz: 1 / (k - J w^2), k = 9.81.
+  const double w = 0.2 * M_PI, H = 1.0 / (9.81 - w * w / 1.5);
+  std::istringstream response(text_of("a_response.csv"));
+  std::string line;
+  std::getline(response, line);
+  std::getline(response, line);
+  double f = 0.0, size = 0.0, phase = 0.0;
+  ASSERT_EQ(std::sscanf(line.c_str(), "%lf,%lf,%lf", &f, &size, &phase), 3);
+  EXPECT_NEAR(f, 0.1, 1e-12);
+  EXPECT_NEAR(size, H, 1e-6 * H);
+  EXPECT_EQ(flexura(about + "-o a.txt"), 2);
+  EXPECT_THAT(text_of("err.txt"), HasSubstr(".mtx (Matrix Market)"));
+  EXPECT_EQ(flexura(about + "--response 1:0.1:5"), 2);
+  EXPECT_THAT(text_of("err.txt"), HasSubstr("FROM:TO:COUNT"));
+}
+
+TEST_F(LinearFiles, OctaveReadsTheScriptAndTheDescriptorSystem) {
+  if (std::system("command -v octave-cli > /dev/null 2>&1") != 0) GTEST_SKIP() << "octave is not installed";
+  file(rod);
+  ASSERT_EQ(flexura("linearize m.toml --equilibrium -o a.m"), 0) << text_of("err.txt");
+  ASSERT_EQ(flexura("linearize m.toml --equilibrium --descriptor -o e.m"), 0) << text_of("err.txt");
+  std::ofstream(folder_ / "test.m") << "a; w = max(abs(eig(A))); e; v = max(abs(eig(A, E)));\n"
+                                       "if abs(w^2 - 14.715) > 1e-5 || abs(v - w) > 1e-5, exit(3), end\n";
+  const std::string command =
+      "cd " + folder_.string() + " && octave-cli --no-init-file test.m > out.txt 2>&1";
+  EXPECT_EQ(WEXITSTATUS(std::system(command.c_str())), 0) << text_of("out.txt");
+}
+
+}  // namespace
+}  // namespace flexura::mbs::test
