@@ -2,6 +2,8 @@
 #include "mbs/solver/descriptor.hpp"
 
 #include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
 #include <functional>
 
 #include "mbs/solver/accelerations.hpp"

@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <fstream>
 #include <functional>
@@ -32,10 +34,9 @@ Eigen::VectorXd vector_of(const Json& values) {
   return Eigen::Map<const Eigen::VectorXd>(v.data(), static_cast<Eigen::Index>(v.size()));
 }
 
-std::array<double*, 11> numbers(EnergyAccount& e) {
-  return {&e.now.kinetic,          &e.now.strain, &e.now.potential, &e.now.input_power,
-          &e.now.dissipated_power, &e.start,      &e.work_in,       &e.dissipated,
-          &e.gross_work,           &e.peak,       &e.peak};
+std::array<double*, 10> numbers(EnergyAccount& e) {
+  return {&e.now.kinetic, &e.now.strain, &e.now.potential, &e.now.input_power, &e.now.dissipated_power,
+          &e.start,       &e.work_in,    &e.dissipated,    &e.gross_work,      &e.peak};
 }
 
 std::vector<bool> take(const Json& document, const char* key, const std::filesystem::path& path,
