@@ -9,7 +9,7 @@ ErrorWeights::ErrorWeights(const Equations& eq, const SolverOptions& options)
   position_scale_.resize(n.n_p);
   velocity_scale_.resize(n.n_v);
   for (int i = 0; i < n.n_p; ++i) position_scale_(i) = eq.position_scale(i);
-  for (int i = 0; i < n.n_v; ++i) velocity_scale_(i) = eq.rate_scale(i);
+  for (int i = 0; i < n.n_v; ++i) velocity_scale_(i) = eq.velocity_scale(i);
 }
 
 void ErrorWeights::evaluate(ConstVectorRef p, ConstVectorRef v, ConstVectorRef c, VectorRef w) const {

@@ -79,7 +79,8 @@ TEST_F(States, StateSetChangesTheStatesThatItNames) {
 }
 
 TEST_F(Sequences, KinematicsGivesTheDrivesTorqueOfTheTurningRod) {
-  file(rod + R"toml(
+  // The drive gives the angle.
+  file(rod.substr(0, rod.find("angle = ")) + R"toml(
 drive = "pi/9 + 2*t"
 [solver]
 method = "kinematics"
