@@ -163,7 +163,9 @@ position = [0, 0, 0]
                           q = cad.model.nodes[member.end[1].node].p_BoN_B;
     length += (p - q).norm();
     at_foot += member.end[0].node == 0 || member.end[1].node == 0;
-    if (std::max(p.z(), q.z()) > 3.0 + 1e-9) EXPECT_NEAR((p - Eigen::Vector3d(2, 0, 3)).norm(), 2.0, 1e-9);
+    if (std::max(p.z(), q.z()) > 3.0 + 1e-9) {
+      EXPECT_NEAR((p - Eigen::Vector3d(2, 0, 3)).norm(), 2.0, 1e-9);
+    }
   }
   EXPECT_EQ(at_foot, 1);
   const double arc = 2.0 * std::numbers::pi, chord = std::numbers::pi / 36;

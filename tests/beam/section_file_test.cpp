@@ -187,8 +187,11 @@ points = [[-40, -85], [40, -85], [40, 85], [-40, 85]]
   }
   EXPECT_EQ(read.outline.size(), 2u);
   // Bending stress at the upper edge, M z / I; extreme fibres of a corner mesh: 1 %.
-  for (const beam::StressPoint& point : read.points)
-    if (point.name == "+z") EXPECT_NEAR(point.S(0, beam::M_y) / (0.1 / s.I_y), 1.0, 0.01);
+  for (const beam::StressPoint& point : read.points) {
+    if (point.name == "+z") {
+      EXPECT_NEAR(point.S(0, beam::M_y) / (0.1 / s.I_y), 1.0, 0.01);
+    }
+  }
   try {
     read_section_result("bad", write("bad.section", "I_t = 1\n"));
     FAIL() << "no refusal";
