@@ -52,6 +52,7 @@ Session::Session() {
     // counts.
     setenv("OMPI_MCA_pml", "ob1", 0);
     setenv("PETSC_OPTIONS", "", 1);
+    setenv("HWLOC_HIDE_ERRORS", "2", 0);  // no remarks on machines without /sys: they are not ours to mend
     PetscOptionsSetValue(nullptr, "-no_signal_handler", "true");
     PetscOptionsSetValue(nullptr, "-skip_petscrc", "true");
     if (SlepcInitializeNoArguments() != 0) throw std::runtime_error("PETSc and SLEPc could not be started");
