@@ -3,8 +3,8 @@ include_guard(GLOBAL)
 
 find_program(CCACHE ccache)
 if(CCACHE)
-  set(CMAKE_C_COMPILER_LAUNCHER ${CCACHE})
-  set(CMAKE_CXX_COMPILER_LAUNCHER ${CCACHE})
+  # What ccache asks for before it keeps objects made with precompiled headers.
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env CCACHE_SLOPPINESS=pch_defines,time_macros ${CCACHE})
 endif()
 find_program(MOLD mold)
 if(MOLD)
@@ -28,9 +28,31 @@ find_package(nlohmann_json REQUIRED)
 find_package(muparser REQUIRED)
 find_package(HDF5 REQUIRED COMPONENTS C)
 find_package(SUNDIALS 6.4 REQUIRED COMPONENTS ida nvecserial sunlinsolklu sunlinsoldense sunmatrixsparse sunmatrixdense)
+find_package(GTest REQUIRED)
 find_package(PkgConfig REQUIRED)
 # Serial HDF5 on both sides, whatever flavour other packages drag in.
 pkg_check_modules(HDF5_SERIAL REQUIRED IMPORTED_TARGET hdf5-serial)
+
+# Eigen, GoogleTest and the standard library's heavier headers, read once: 1 to 2.5 s less for each file.  Sources name
+# what they use all the same; the sanitizers' build has no precompiled headers and notices when one does not.
+function(flexura_precompile name from)
+  if(NOT FLEXURA_SANITIZE)
+    target_compile_options(${name} PRIVATE -fpch-preprocess -Wno-ignored-attributes)
+    target_precompile_headers(${name} REUSE_FROM ${from})
+  endif()
+endfunction()
+if(NOT FLEXURA_SANITIZE)
+  foreach(kind library test)
+    add_library(flexura_precompiled_${kind} OBJECT ${CMAKE_SOURCE_DIR}/tests/setup/precompiled.cpp)
+    target_compile_options(flexura_precompiled_${kind} PRIVATE -Wall -Wextra -fpch-preprocess -Wno-ignored-attributes)
+    target_link_libraries(flexura_precompiled_${kind} PRIVATE Eigen3::Eigen)
+    target_precompile_headers(flexura_precompiled_${kind} PRIVATE <Eigen/Dense> <algorithm> <cmath> <filesystem>
+                              <functional> <map> <memory> <optional> <stdexcept> <string> <string_view> <vector>)
+  endforeach()
+  target_compile_options(flexura_precompiled_test PRIVATE -O1)
+  target_link_libraries(flexura_precompiled_test PRIVATE GTest::gtest GTest::gmock)
+  target_precompile_headers(flexura_precompiled_test PRIVATE <gtest/gtest.h> <gmock/gmock.h>)
+endif()
 
 # flexura_library(name SOURCES ... LINKS ... [PRIVATE_LINKS ...]): one static library for each folder, alias
 # flexura::name, included from the repository root as "folder/sub/header.hpp".
@@ -41,6 +63,7 @@ function(flexura_library name)
   target_include_directories(flexura_${name} PUBLIC ${CMAKE_SOURCE_DIR})
   target_compile_options(flexura_${name} PRIVATE -Wall -Wextra)
   target_link_libraries(flexura_${name} PUBLIC Eigen3::Eigen ${ARG_LINKS} PRIVATE ${ARG_PRIVATE_LINKS})
+  flexura_precompile(flexura_${name} flexura_precompiled_library)
 endfunction()
 
 # flexura_test(name SOURCES ... LINKS ... [WHOLE] [LABEL word] [ENVIRONMENT A=B ...]): one GoogleTest program. Each
@@ -52,11 +75,12 @@ function(flexura_test name)
     set(ARG_LABEL fast)
   endif()
   add_executable(${name} ${ARG_SOURCES})
-  target_compile_options(${name} PRIVATE -Wall -Wextra)
+  target_compile_options(${name} PRIVATE -Wall -Wextra -O1)  # compiles a quarter faster; the libraries do the work
   target_compile_definitions(${name} PRIVATE FLEXURA_SOURCE_DIR="${CMAKE_SOURCE_DIR}"
                                              FLEXURA_BIN_DIR="${CMAKE_BINARY_DIR}/bin")
   target_include_directories(${name} PRIVATE ${CMAKE_SOURCE_DIR})
   target_link_libraries(${name} PRIVATE ${ARG_LINKS} GTest::gtest_main GTest::gmock)
+  flexura_precompile(${name} flexura_precompiled_test)
   if(ARG_WHOLE)
     add_test(NAME ${name} COMMAND ${name})
     set_tests_properties(${name} PROPERTIES LABELS ${ARG_LABEL} ENVIRONMENT "${ARG_ENVIRONMENT}")

@@ -1,0 +1,3 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+
+// Carries the precompiled headers of FlexuraTargets.cmake; holds nothing.
