@@ -13,8 +13,8 @@
 /// Every dataset is chunked, shuffled, deflated and carries a Fletcher-32 checksum over the deflated bytes;
 /// all metadata is written in the 1.10 format, whose blocks carry checksums of their own.  Texts are byte
 /// datasets or fixed-length attributes, never variable-length strings: those live in the global heap, which
-/// has no checksum. So a flipped byte in anything that means something is noticed.  Only file.cpp sees
-/// hdf5.h.
+/// has no checksum. So a flipped byte in anything that means something is noticed.  Only this
+/// folder's library.hpp sees hdf5.h.
 namespace flexura::hdf5 {
 
 /// "FILE: /path/in/file: what is wrong; remedy".
