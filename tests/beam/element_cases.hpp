@@ -3,27 +3,15 @@
 
 #include <cmath>
 #include <limits>
-#include <stdexcept>
-#include <string>
 
 #include "beam/element/element.hpp"
 #include "beam/section/shapes.hpp"
+#include "tests/beam/common.hpp"
 
 /// Sections, motions and measures that the element tests share.
 namespace flexura::beam::testing {
 
-inline const Material kSteel = isotropic("steel", 2.1e11, 0.3, 7850.0);
 inline constexpr double kEps = std::numeric_limits<double>::epsilon();
-
-template <class Function>
-std::string refusal(Function&& function) {
-  try {
-    function();
-  } catch (const std::invalid_argument& error) {
-    return error.what();
-  }
-  return "no refusal";
-}
 
 /// Largest difference relative to the diagonals, so that every unit has its own scale.
 inline double scaled_difference(const Matrix12d& a, const Matrix12d& b) {

@@ -134,10 +134,11 @@ TEST(Placement, OrientsAndOffsets) {
 }
 
 TEST(Placement, RefusesNoLengthAndParallelDirections) {
-  EXPECT_THAT(refusal([] {
-                place("member 7", {1, 2, 3}, {1, 2, 3}, {0, 1, 0});
-              }),
-              ::testing::AllOf(::testing::HasSubstr("member 7 has no length"), ::testing::HasSubstr("(1, 2, 3)")));
+  EXPECT_THAT(
+      refusal([] {
+        place("member 7", {1, 2, 3}, {1, 2, 3}, {0, 1, 0});
+      }),
+      ::testing::AllOf(::testing::HasSubstr("member 7 has no length"), ::testing::HasSubstr("(1, 2, 3)")));
   EXPECT_THAT(refusal([] {
                 place("member 7", {0, 0, 0}, {1, 0, 0}, {-2, 1e-9, 0});
               }),

@@ -11,6 +11,7 @@
 #include <numbers>
 
 #include "beam/model/mesh.hpp"
+#include "tests/beam/common.hpp"
 #include "tests/beam/exact/timoshenko.hpp"
 #include "tests/beam/models.hpp"
 #include "tests/beam/vibration.hpp"
@@ -22,11 +23,11 @@ using std::numbers::pi;
 using testing::all_but_bending_z;
 using testing::divided;
 using testing::entry;
+using testing::kSteel;
 using testing::lowest_modes;
 using testing::static_solution;
 using testing::straight;
 
-const Material kSteel = isotropic("steel", 2.1e11, 0.3, 7850.0);
 const Material kSteelMm = isotropic("steel", 2.1e5, 0.3, 7.85e-9);  // N, mm, t: MPa and t/mm^3
 
 // Collects the page; written when the program ends.
@@ -118,7 +119,7 @@ TEST(BeamExtremes, Slenderness) {
     fixed.insert(fixed.end(), {2, 8});
     const auto modes = lowest_modes(stiffness_matrix(twenty), mass_matrix(twenty), fixed, 1);
     const exact::Beam beam{l, EI, kSteel.rho * c.A, kSteel.rho * c.I_y, 1 / GA};
-    // A stubby beam's first mode may be the pure rotation of the sections at sqrt(G A_s / rho I).
+    // The first mode of a short, thick beam may be the sections' pure rotation at sqrt(G A_s / rho I).
     const auto pair = exact::pinned_frequencies(beam, 1);
     const double thickness_shear = std::sqrt(GA / (kSteel.rho * c.I_y));
     const double expected = std::min(pair.first, thickness_shear);

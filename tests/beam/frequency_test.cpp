@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "beam/model/mesh.hpp"
+#include "tests/beam/common.hpp"
 #include "tests/beam/exact/timoshenko.hpp"
 #include "tests/beam/models.hpp"
 #include "tests/beam/vibration.hpp"
@@ -17,10 +18,9 @@ using std::numbers::pi;
 using testing::all_but_bending_z;
 using testing::divided;
 using testing::entry;
+using testing::kSteel;
 using testing::lowest_modes;
 using testing::straight;
-
-const Material kSteel = isotropic("steel", 2.1e11, 0.3, 7850.0);
 
 double hz(double omega2) {
   return std::sqrt(omega2) / (2.0 * pi);

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "tests/beam/common.hpp"
 #include "tests/beam/models.hpp"
 #include "tests/beam/vibration.hpp"
 
@@ -18,20 +19,10 @@ namespace {
 using testing::divided;
 using testing::entry;
 using ::testing::HasSubstr;
+using testing::kSteel;
+using testing::refusal;
 using testing::static_solution;
 using testing::straight;
-
-const Material kSteel = isotropic("steel", 2.1e11, 0.3, 7850.0);
-
-template <class Function>
-std::string refusal(Function&& function) {
-  try {
-    function();
-  } catch (const std::invalid_argument& error) {
-    return error.what();
-  }
-  return "no refusal";
-}
 
 const std::vector<int> kClampA = {0, 1, 2, 3, 4, 5};
 

@@ -10,6 +10,7 @@
 
 #include "reduce/beams/beam_reduction.hpp"
 #include "reduce/cms/verification.hpp"
+#include "tests/beam/common.hpp"
 #include "tests/beam/exact/timoshenko.hpp"
 #include "tests/beam/models.hpp"
 #include "tests/beam/reduction_session.hpp"
@@ -21,9 +22,8 @@ using std::numbers::pi;
 using testing::divided;
 using testing::entry;
 using ::testing::HasSubstr;
+using testing::kSteel;
 using testing::straight;
-
-const Material kSteel = isotropic("steel", 2.1e11, 0.3, 7850.0);
 
 class BeamReduction : public testing::WithSession {};
 

@@ -8,24 +8,15 @@
 #include <numbers>
 
 #include "beam/section/shapes.hpp"
+#include "tests/beam/common.hpp"
 
 namespace flexura::beam {
 namespace {
 
 using std::numbers::pi;
+using testing::kSteel;
+using testing::refusal;
 constexpr double kRoundOff = 1e-14;  // a dozen roundings of 1.1e-16 each
-
-const Material kSteel = isotropic("steel", 2.1e11, 0.3, 7850.0);
-
-template <class Function>
-std::string refusal(Function&& function) {
-  try {
-    function();
-  } catch (const std::invalid_argument& error) {
-    return error.what();
-  }
-  return "no refusal";
-}
 
 TEST(StandardSection, CircleAndTubeHaveTextbookMoments) {
   const Constants c = constants_of(Circle{0.2}, 0.3);

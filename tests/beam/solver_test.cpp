@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "beam/section/shapes.hpp"
+#include "tests/beam/common.hpp"
 #include "tests/beam/section_meshes.hpp"
 
 namespace flexura::beam {
@@ -18,23 +19,14 @@ using testing::divide;
 using testing::ellipse_section;
 using testing::grid_section;
 using ::testing::HasSubstr;
+using testing::kSteel;
 using testing::rectangle_section;
+using testing::refusal;
 
-const Material kSteel = isotropic("steel", 2.1e11, 0.3, 7850.0);
 const Material kCork = isotropic("cork", 2.1e11, 0.0, 7850.0);  // no lateral contraction
 
 SectionProperties solve(const SectionMesh& mesh, const Material& material = kSteel) {
   return solve_section("s", mesh, {Ply{ply_of(material)}});
-}
-
-template <class Function>
-std::string refusal(Function&& function) {
-  try {
-    function();
-  } catch (const std::invalid_argument& error) {
-    return error.what();
-  }
-  return "no refusal";
 }
 
 TEST(SectionSolver, RectangleHasItsClosedForms) {
