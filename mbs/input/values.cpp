@@ -30,7 +30,7 @@ std::string shown(const toml::node& node) {
   }
   std::string text = out.str();
   constexpr std::size_t longest = 72;
-  if (text.size() > longest) text = text.substr(0, longest - 3) + "...";
+  if (text.size() > longest) text.replace(longest - 3, std::string::npos, "...");
   return text;
 }
 

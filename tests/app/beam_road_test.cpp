@@ -8,25 +8,19 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/app/command.hpp"
+#include "tests/beam/input_texts.hpp"
 
 namespace flexura::test {
 namespace {
 
+using beam::testing::kChannelText;
+using beam::testing::kSteelText;
 using testing::AllOf;
 using testing::HasSubstr;
 
-const char* const kSteel = R"([material.steel]
-young = "210 GPa"
-poisson = 0.3
-density = "7850 kg/m^3"
-)";
-
 TEST(SectionCommand, PrintsDrawsAndWritesWhatABeamPartReads) {
   const Folder folder;
-  const auto file = folder.write("channel.toml", std::string(kSteel) + R"([wall.profile]
-thickness = "5 mm"
-points = [[47.5, -47.5], [0, -47.5], [0, 47.5], [47.5, 47.5]]
-)");
+  const auto file = folder.write("channel.toml", kSteelText + kChannelText);
   const Outcome table = run("flexura", {"section", file.string()});
   ASSERT_EQ(table.exit_code, 0) << table.err;
   EXPECT_THAT(table.out,
@@ -89,7 +83,7 @@ TEST(SectionCommand, HelpAndRefusals) {
   EXPECT_EQ(nothing.exit_code, 2);
   EXPECT_THAT(nothing.err, HasSubstr("no section file given"));
   const Folder folder;
-  const auto file = folder.write("s.toml", kSteel);
+  const auto file = folder.write("s.toml", kSteelText);
   const Outcome onto_itself = run("flexura", {"section", file.string(), "-o", file.string()});
   EXPECT_EQ(onto_itself.exit_code, 2);
   EXPECT_THAT(onto_itself.err, HasSubstr("would be overwritten by what is made of it"));
@@ -119,8 +113,9 @@ point = [1, 0, 0]
 normal = [1, 0, 0]
 [modes]
 count = 20
-)") + kSteel);
-  const auto part = folder.write("shaft.toml", std::string(kSteel) + R"([section.round]
+)") + kSteelText);
+  const auto part = folder.write("shaft.toml", kSteelText + R"(
+[section.round]
 type = "circle"
 diameter = "0.25 m"
 [solid.front]

@@ -11,10 +11,13 @@
 
 #include "beam/model/section_stress.hpp"
 #include "reduce/linalg/session.hpp"
+#include "tests/beam/input_texts.hpp"
 
 namespace flexura::reduce {
 namespace {
 
+using beam::testing::kRoundText;
+using beam::testing::kSteelText;
 using ::testing::HasSubstr;
 
 class BeamFile : public ::testing::Test {
@@ -36,14 +39,7 @@ class BeamFile : public ::testing::Test {
   void TearDown() override { std::filesystem::remove(write("")); }
 };
 
-const std::string kHead = R"(
-[material.steel]
-young = "210 GPa"
-poisson = 0.3
-density = "7850 kg/m^3"
-[section.round]
-type = "circle"
-diameter = "50 mm"
+const std::string kHead = kSteelText + kRoundText + R"(
 [node.a]
 position = [0, 0, 0]
 [node.b]
@@ -139,14 +135,7 @@ TEST_F(BeamFile, RefusalsNameTheTableAndTheRemedy) {
 TEST_F(BeamFile, CurvesOfCadFilesAndGmshModelsBecomeMembers) {
   // A portal with an arch over it: three straight curves and half a circle of radius 2 m.
   const std::string data = FLEXURA_SOURCE_DIR "/tests/beam/data/";
-  const std::string head = R"(
-[material.steel]
-young = "210 GPa"
-poisson = 0.3
-density = "7850 kg/m^3"
-[section.round]
-type = "circle"
-diameter = "50 mm"
+  const std::string head = kSteelText + kRoundText + R"(
 [node.foot]
 position = [0, 0, 0]
 [interface.foot]

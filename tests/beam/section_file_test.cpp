@@ -13,10 +13,14 @@
 #include "mbs/input/document.hpp"
 #include "reduce/app/beam_file.hpp"
 #include "reduce/app/section_report.hpp"
+#include "tests/beam/input_texts.hpp"
 
 namespace flexura::reduce {
 namespace {
 
+using beam::testing::kBoxText;
+using beam::testing::kChannelText;
+using beam::testing::kSteelText;
 using ::testing::HasSubstr;
 namespace fs = std::filesystem;
 
@@ -31,29 +35,17 @@ class SectionFile : public ::testing::Test {
     std::ofstream(folder_ / name) << text;
     return folder_ / name;
   }
-  beam::SectionProperties solved(const std::string& text) const { return solved_alone(kSteel + text); }
+  beam::SectionProperties solved(const std::string& text) const { return solved_alone(kSteelText + text); }
   beam::SectionProperties solved_alone(const std::string& text) const {
     SectionInput input = read_section_file(write("s.toml", text));
     input.planar.worker = FLEXURA_BIN_DIR "/flexura-mesh";
     return solve(input);
   }
   fs::path folder_;
-  const std::string kSteel = R"(
-[material.steel]
-young = "210 GPa"
-poisson = 0.3
-density = "7850 kg/m^3"
-)";
 };
 
 TEST_F(SectionFile, PolygonWithAHoleHasItsMoments) {
-  const auto s = solved(R"(
-[region.box]
-points = [[-50, -100], [50, -100], [50, 100], [-50, 100]]
-[hole.inside]
-region = "box"
-points = [[-40, -85], [40, -85], [40, 85], [-40, 85]]
-)");
+  const auto s = solved(kBoxText);
   const double I_y = (0.1 * std::pow(0.2, 3) - 0.08 * std::pow(0.17, 3)) / 12;
   EXPECT_NEAR(s.area, 0.02 - 0.08 * 0.17, 1e-12);
   EXPECT_NEAR(s.I_y / I_y, 1.0, 1e-9);
@@ -66,11 +58,7 @@ points = [[-40, -85], [40, -85], [40, 85], [-40, 85]]
 }
 
 TEST_F(SectionFile, ThinWallsMakeAChannelThatABeamPartUses) {
-  const auto s = solved(R"(
-[wall.profile]
-thickness = "5 mm"
-points = [[47.5, -47.5], [0, -47.5], [0, 47.5], [47.5, 47.5]]
-)");
+  const auto s = solved(kChannelText);
   // By mid-lines, h = 95, b = 47.5 mm: e = 3 b^2/(h + 6 b), I_w of Vlasov; t/b = 0.1 leaves 2 %.
   const double h = 0.095, b = 0.0475, t = 0.005;
   EXPECT_NEAR(s.area, t * (2 * b + h),
@@ -107,7 +95,7 @@ nodes = ["a", "b"]
 TEST_F(SectionFile, PlanarFaceOfACadFileHasTheClosedFormsOfItsEllipses) {
   // Semi-axes 40 and 20 mm with a similar hole of half the size, in the plane y-z: torsion is exact for it.
   const auto s = solved_alone(std::string("cad = \"") +
-                              FLEXURA_SOURCE_DIR "/tests/beam/data/ring_section.step\"\n" + kSteel);
+                              FLEXURA_SOURCE_DIR "/tests/beam/data/ring_section.step\"\n" + kSteelText);
   const double a = 0.04, b = 0.02, pi = std::numbers::pi, hole = 1.0 - std::pow(0.5, 4);
   // Curved triangles of second order, 24 to a circle: the outline is off by (2 pi / 24)^4 / 400 or less,
   // 1e-5.
@@ -172,13 +160,7 @@ points = [[30, -20], [30, 20]]
 }
 
 TEST_F(SectionFile, ResultsRoundTripWithStressPointsAndAllOutlines) {
-  const auto s = solved(R"(
-[region.box]
-points = [[-50, -100], [50, -100], [50, 100], [-50, 100]]
-[hole.inside]
-region = "box"
-points = [[-40, -85], [40, -85], [40, 85], [-40, 85]]
-)");
+  const auto s = solved(kBoxText);
   const beam::Section read = read_section_result("box", write("box.section", section_result(s)));
   ASSERT_EQ(read.points.size(), s.section.points.size());
   for (std::size_t k = 0; k < read.points.size(); ++k) {
@@ -224,13 +206,13 @@ TEST_F(SectionFile, RefusalsAreSentences) {
   // A CAD file that holds a solid, not a face of the section.
   try {
     solved_alone(std::string("cad = \"") + FLEXURA_SOURCE_DIR "/cases/simbeam_shaft/shaft_1m.step\"\n" +
-                 kSteel);
+                 kSteelText);
     FAIL() << "no refusal";
   } catch (const std::invalid_argument& error) {
     EXPECT_THAT(error.what(), HasSubstr("holds no face; export the section as a planar face"));
   }
   try {
-    read_section_file(write("s.toml", kSteel), {"cad=\"none.step\""});
+    read_section_file(write("s.toml", kSteelText), {"cad=\"none.step\""});
     FAIL() << "no refusal";
   } catch (const input::InputError& error) {
     EXPECT_THAT(error.what(), HasSubstr("there is no such file"));

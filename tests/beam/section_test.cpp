@@ -14,6 +14,7 @@ namespace flexura::beam {
 namespace {
 
 using std::numbers::pi;
+using ::testing::HasSubstr;
 using testing::kSteel;
 using testing::refusal;
 constexpr double kRoundOff = 1e-14;  // a dozen roundings of 1.1e-16 each
@@ -226,10 +227,7 @@ TEST(Taper, InterpolatesDimensionsAndRefusesMixedKinds) {
   const Shape middle = interpolate(Rectangle{0.1, 0.4}, Rectangle{0.2, 0.2}, 0.25);
   EXPECT_DOUBLE_EQ(std::get<Rectangle>(middle).width, 0.125);
   EXPECT_DOUBLE_EQ(std::get<Rectangle>(middle).height, 0.35);
-  EXPECT_THAT(refusal([] {
-                interpolate(Circle{1.0}, Rectangle{1.0, 1.0}, 0.5);
-              }),
-              testing::HasSubstr("same kind"));
+  EXPECT_THAT(refusal([] { interpolate(Circle{1.0}, Rectangle{1.0, 1.0}, 0.5); }), HasSubstr("same kind"));
 }
 
 TEST(SectionRefusal, SaysWhatIsWrong) {
@@ -237,45 +235,39 @@ TEST(SectionRefusal, SaysWhatIsWrong) {
   Constants bad = good;
   bad.A = -1.0;
   EXPECT_THAT(refusal([&] { make_section("boom", bad, kSteel); }),
-              testing::HasSubstr("section \"boom\": A = -1 must"));
+              HasSubstr("section \"boom\": A = -1 must"));
   bad = good;
   bad.S_y = 2.0 * std::sqrt(good.A * good.I_y);
-  EXPECT_THAT(refusal([&] { make_section("boom", bad, kSteel); }),
-              testing::HasSubstr("not positive definite"));
+  EXPECT_THAT(refusal([&] { make_section("boom", bad, kSteel); }), HasSubstr("not positive definite"));
   bad = good;
   bad.z_cg = 0.2;
-  EXPECT_THAT(refusal([&] { make_section("boom", bad, kSteel); }),
-              testing::HasSubstr("about the centre of gravity"));
+  EXPECT_THAT(refusal([&] { make_section("boom", bad, kSteel); }), HasSubstr("about the centre of gravity"));
   bad = good;
   bad.A_sz = 0.0;
-  EXPECT_THAT(refusal([&] { make_section("boom", bad, kSteel); }),
-              testing::HasSubstr("A_sz = 0 must be positive"));
+  EXPECT_THAT(refusal([&] { make_section("boom", bad, kSteel); }), HasSubstr("A_sz = 0 must be positive"));
   Matrix6d C = make_section("ok", good, kSteel).stiffness();
   const Matrix6d mass = Matrix6d::Zero();
   C(N, T) = C(T, N) = 1.1 * std::sqrt(C(N, N) * C(T, T));
-  EXPECT_THAT(refusal([&] { matrix_section("ply", C, mass); }),
-              testing::HasSubstr("smallest eigenvalue is -0.1"));
+  EXPECT_THAT(refusal([&] { matrix_section("ply", C, mass); }), HasSubstr("smallest eigenvalue is -0.1"));
   C(T, N) = 0.0;
-  EXPECT_THAT(refusal([&] { matrix_section("ply", C, mass); }), testing::HasSubstr("not symmetric: C(T, N)"));
+  EXPECT_THAT(refusal([&] { matrix_section("ply", C, mass); }), HasSubstr("not symmetric: C(T, N)"));
   C(N, T) = 0.0;
   Matrix6d lumped = Matrix6d::Identity();
-  EXPECT_THAT(refusal([&] { matrix_section("ply", C, lumped); }), testing::HasSubstr("M_44 = M_55 + M_66"));
+  EXPECT_THAT(refusal([&] { matrix_section("ply", C, lumped); }), HasSubstr("M_44 = M_55 + M_66"));
   EXPECT_THAT(refusal([] {
                 constants_of(HollowCircle{0.1, 0.1}, 0.3);
               }),
-              testing::HasSubstr("inner_diameter = 0.1 must be smaller than outer_diameter = 0.1"));
+              HasSubstr("inner_diameter = 0.1 must be smaller than outer_diameter = 0.1"));
   EXPECT_THAT(refusal([] {
                 constants_of(HollowRectangle{0.1, 0.1, 0.05, 0.01}, 0.3);
               }),
-              testing::HasSubstr("twice the web = 0.1 must be smaller than width"));
+              HasSubstr("twice the web = 0.1 must be smaller than width"));
   EXPECT_THAT(refusal([] {
                 constants_of(HollowEllipse{2, 1, 1, 0.5}, 0.3, ShearFormula::cowper);
               }),
-              testing::HasSubstr("no shear factor by cowper"));
-  EXPECT_THAT(refusal([] { constants_of(Circle{-0.1}, 0.3); }),
-              testing::HasSubstr("1 Circle: diameter = -0.1"));
-  EXPECT_THAT(refusal([] { isotropic("jelly", 1e5, 0.5, 1000.0); }),
-              testing::HasSubstr("nu = 0.5 must lie between"));
+              HasSubstr("no shear factor by cowper"));
+  EXPECT_THAT(refusal([] { constants_of(Circle{-0.1}, 0.3); }), HasSubstr("1 Circle: diameter = -0.1"));
+  EXPECT_THAT(refusal([] { isotropic("jelly", 1e5, 0.5, 1000.0); }), HasSubstr("nu = 0.5 must lie between"));
 }
 
 }  // namespace
