@@ -8,10 +8,13 @@ namespace flexura::beam::ancf {
 
 namespace {
 
+bool is_positive_definite(const Eigen::MatrixXd& matrix) {
+  return matrix.allFinite() && matrix.llt().info() == Eigen::Success;
+}
+
 void check_beam(const BeamSection& s, double length) {
   require_positive("the element's length [m]", length);
-  if (!s.C.allFinite() || !s.C.isApprox(s.C.transpose(), 1e-12) ||
-      s.C.selfadjointView<Eigen::Lower>().llt().info() != Eigen::Success)
+  if (!is_positive_definite(s.C) || !s.C.isApprox(s.C.transpose(), 1e-12))
     throw std::invalid_argument(
         "the section stiffness C is not symmetric and positive definite; a shear-rigid section needs finite "
         "shear "
@@ -19,7 +22,7 @@ void check_beam(const BeamSection& s, double length) {
   require_positive("the section's mass per length [kg/m]", s.m);
   Eigen::Matrix3d inertia;
   inertia << s.m, s.m_y, s.m_z, s.m_y, s.m_yy, s.m_yz, s.m_z, s.m_yz, s.m_zz;
-  if (!inertia.allFinite() || inertia.llt().info() != Eigen::Success)
+  if (!is_positive_definite(inertia))
     throw std::invalid_argument(fmt::format(
         "the section's mass moments m_yy = {:g}, m_zz = {:g}, m_yz = {:g} kg m are not positive definite "
         "about the centre of gravity; r_y and r_z need inertia, so give them the section's own.",

@@ -16,11 +16,11 @@ using Small = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMa
 Small scaled_inverse(const Small& matrix) {
   const Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 12, 1> scale =
       matrix.diagonal().cwiseSqrt().cwiseInverse();
-  const Small unit = scale.asDiagonal() * matrix * scale.asDiagonal();
-  const Eigen::LLT<Small> factor(unit);
+  const Eigen::MatrixXd unit = scale.asDiagonal() * matrix * scale.asDiagonal();
+  const Eigen::LLT<Eigen::MatrixXd> factor(unit);
   if (factor.info() != Eigen::Success || !unit.allFinite())
     throw std::invalid_argument("a beam element's flexibility is not positive definite; check its section");
-  Small inverse = factor.solve(Small::Identity(matrix.rows(), matrix.cols()));
+  Small inverse = factor.solve(Eigen::MatrixXd::Identity(matrix.rows(), matrix.cols()));
   inverse = (0.5 * (inverse + inverse.transpose())).eval();
   return scale.asDiagonal() * inverse * scale.asDiagonal();
 }

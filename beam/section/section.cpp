@@ -31,26 +31,24 @@ void require_finite(const std::string& section, const char* symbol, double value
         fmt::format("section \"{}\": {} = {} must be a finite number", section, symbol, value));
 }
 
-template <class Matrix>
-Matrix scaled_inverse(const Matrix& matrix, const std::string& what) {
-  constexpr int n = Matrix::RowsAtCompileTime;
-  using Vector = Eigen::Matrix<double, n, 1>;
-  for (int k = 0; k < n; ++k)
+// Of any size: one instance of Eigen's decompositions serves all.
+Eigen::MatrixXd scaled_inverse(const Eigen::MatrixXd& matrix, const std::string& what) {
+  for (int k = 0; k < matrix.rows(); ++k)
     if (!(matrix(k, k) > 0.0) || !std::isfinite(matrix(k, k)))
       throw std::invalid_argument(fmt::format("{} is not positive definite: its diagonal entry {} is {:g}",
                                               what, k + 1, matrix(k, k)));
-  const Vector scale = matrix.diagonal().cwiseSqrt().cwiseInverse();
-  Matrix unit = scale.asDiagonal() * matrix * scale.asDiagonal();
+  const Eigen::VectorXd scale = matrix.diagonal().cwiseSqrt().cwiseInverse();
+  Eigen::MatrixXd unit = scale.asDiagonal() * matrix * scale.asDiagonal();
   unit.diagonal().setOnes();
   const double smallest =
-      Eigen::SelfAdjointEigenSolver<Matrix>(unit, Eigen::EigenvaluesOnly).eigenvalues()(0);
+      Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(unit, Eigen::EigenvaluesOnly).eigenvalues()(0);
   if (!(smallest > kSingular))
     throw std::invalid_argument(
         fmt::format("{} is not positive definite: scaled to unit diagonal its smallest eigenvalue is {:.3g}, "
                     "its off-diagonal "
                     "terms are too large for its diagonal",
                     what, smallest));
-  Matrix inverse = unit.llt().solve(Matrix::Identity());
+  Eigen::MatrixXd inverse = unit.llt().solve(Eigen::MatrixXd::Identity(matrix.rows(), matrix.rows()));
   inverse = (0.5 * (inverse + inverse.transpose())).eval();
   return scale.asDiagonal() * inverse * scale.asDiagonal();
 }
@@ -162,7 +160,7 @@ Section make_section(std::string name, const Constants& c, const Material& mater
 
   Eigen::Matrix3d stiffness;
   stiffness << c.A, c.S_y, -c.S_z, c.S_y, c.I_y, c.I_yz, -c.S_z, c.I_yz, c.I_z;
-  const Eigen::Matrix3d axial = scaled_inverse<Eigen::Matrix3d>(
+  const Eigen::Matrix3d axial = scaled_inverse(
       material.E * stiffness, fmt::format("section \"{}\": the stiffness of (N, M_y, M_z) from A, I_y, I_z, "
                                           "I_yz, S_y, S_z (moments about the "
                                           "origin)",
