@@ -3,10 +3,8 @@ include_guard(GLOBAL)
 
 find_program(CCACHE ccache)
 if(CCACHE)
-  # What ccache asks for before it keeps objects made with precompiled headers; and that it takes the included files
-  # from the compiler's list in place of preprocessing every file a second time.
-  set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env CCACHE_SLOPPINESS=pch_defines,time_macros CCACHE_DEPEND=1
-      ${CCACHE})
+  # What ccache asks for before it keeps objects made with precompiled headers.
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env CCACHE_SLOPPINESS=pch_defines,time_macros ${CCACHE})
 endif()
 find_program(MOLD mold)
 if(MOLD)
@@ -41,20 +39,14 @@ function(flexura_precompile name from)
   if(NOT FLEXURA_SANITIZE)
     target_compile_options(${name} PRIVATE -fpch-preprocess -Wno-ignored-attributes)
     target_precompile_headers(${name} REUSE_FROM ${from})
-    target_link_libraries(${name} ${ARGN} flexura_eigen_instances)
   endif()
 endfunction()
 if(NOT FLEXURA_SANITIZE)
-  add_library(flexura_eigen_instances STATIC ${CMAKE_SOURCE_DIR}/tests/setup/eigen_decompositions.cpp
-              ${CMAKE_SOURCE_DIR}/tests/setup/eigen_kernels.cpp)
-  target_include_directories(flexura_eigen_instances PRIVATE ${CMAKE_SOURCE_DIR})
-  target_link_libraries(flexura_eigen_instances PRIVATE Eigen3::Eigen)
   foreach(kind library test)
     add_library(flexura_precompiled_${kind} OBJECT ${CMAKE_SOURCE_DIR}/tests/setup/precompiled.cpp)
     target_compile_options(flexura_precompiled_${kind} PRIVATE -Wall -Wextra -fpch-preprocess -Wno-ignored-attributes)
     target_link_libraries(flexura_precompiled_${kind} PRIVATE Eigen3::Eigen)
-    target_precompile_headers(flexura_precompiled_${kind} PRIVATE
-                              ${CMAKE_SOURCE_DIR}/tests/setup/eigen_instances.hpp <algorithm> <cmath> <filesystem>
+    target_precompile_headers(flexura_precompiled_${kind} PRIVATE <Eigen/Dense> <algorithm> <cmath> <filesystem>
                               <functional> <map> <memory> <optional> <stdexcept> <string> <string_view> <vector>)
   endforeach()
   target_compile_options(flexura_precompiled_test PRIVATE -O1)
@@ -71,7 +63,7 @@ function(flexura_library name)
   target_include_directories(flexura_${name} PUBLIC ${CMAKE_SOURCE_DIR})
   target_compile_options(flexura_${name} PRIVATE -Wall -Wextra)
   target_link_libraries(flexura_${name} PUBLIC Eigen3::Eigen ${ARG_LINKS} PRIVATE ${ARG_PRIVATE_LINKS})
-  flexura_precompile(flexura_${name} flexura_precompiled_library PUBLIC)
+  flexura_precompile(flexura_${name} flexura_precompiled_library)
 endfunction()
 
 # flexura_test(name SOURCES ... LINKS ... [WHOLE] [LABEL word] [ENVIRONMENT A=B ...]): one GoogleTest program. Each
@@ -88,7 +80,7 @@ function(flexura_test name)
                                              FLEXURA_BIN_DIR="${CMAKE_BINARY_DIR}/bin")
   target_include_directories(${name} PRIVATE ${CMAKE_SOURCE_DIR})
   target_link_libraries(${name} PRIVATE ${ARG_LINKS} GTest::gtest_main GTest::gmock)
-  flexura_precompile(${name} flexura_precompiled_test PRIVATE)
+  flexura_precompile(${name} flexura_precompiled_test)
   if(ARG_WHOLE)
     add_test(NAME ${name} COMMAND ${name})
     set_tests_properties(${name} PROPERTIES LABELS ${ARG_LABEL} ENVIRONMENT "${ARG_ENVIRONMENT}")
