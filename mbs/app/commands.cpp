@@ -13,6 +13,7 @@ std::vector<terminal::Command> all_commands() {
       statics_command(),
       eigen_command(),
       linearize_command(),
+      study_command(),
       view_command(),
       check_command(),
       report_command(),

@@ -21,6 +21,7 @@ terminal::Command report_command();
 terminal::Command section_command();
 terminal::Command simulate_command();
 terminal::Command statics_command();
+terminal::Command study_command();
 terminal::Command view_command();
 
 std::vector<terminal::Command> all_commands();

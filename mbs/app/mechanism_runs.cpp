@@ -36,7 +36,7 @@ std::vector<NamedRun> prepare_runs(const MechanismArguments& arguments) {
     // What stands on the command line has the last word.
     std::vector<std::string> overrides = run.overrides;
     overrides.insert(overrides.end(), arguments.set.begin(), arguments.set.end());
-    runs.push_back({run.name, mbs::prepare(arguments.file, overrides, arguments.from_state)});
+    runs.push_back({run.name, mbs::prepare(arguments.file, overrides, arguments.from_state), overrides});
     if (!arguments.from_state.empty()) runs.back().prepared.options.start_time = runs.back().prepared.state.t;
   }
   return runs;

@@ -21,6 +21,7 @@ void declare_mechanism(terminal::Options& options, MechanismArguments& arguments
 struct NamedRun {
   std::string name;
   mbs::PreparedMechanism prepared;
+  std::vector<std::string> overrides;  ///< that it was prepared with: the run's own, then the command line's
 };
 
 /// The runs that the file names and the user chose, each assembled.  Throws std::invalid_argument for a run

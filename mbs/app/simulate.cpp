@@ -8,11 +8,13 @@
 #include <nlohmann/json.hpp>
 
 #include "mbs/app/commands.hpp"
+#include "mbs/app/estimated_error.hpp"
 #include "mbs/app/mechanism_runs.hpp"
 #include "mbs/input/units.hpp"
 #include "mbs/results/results.hpp"
 #include "mbs/solver/prepare.hpp"
 #include "mbs/solver/run.hpp"
+#include "mbs/study/choose.hpp"
 #include "mbs/terminal/terminal.hpp"
 
 namespace flexura::app {
@@ -24,8 +26,8 @@ using terminal::Align;
 using terminal::number;
 
 struct Arguments : MechanismArguments {
-  std::string output, end_time, save_state, continue_from;
-  bool csv = false, schema = false;
+  std::string output, end_time, save_state, continue_from, accuracy;
+  bool csv = false, schema = false, no_estimate = false;
 };
 
 volatile std::sig_atomic_t interrupted = 0;
@@ -204,6 +206,64 @@ void print_summary(
   fmt::print("{}", table.text(terminal::width(stdout), colour));
 }
 
+// A run that ended, with what it says about itself beside the usual figures.
+struct Outcome {
+  RunResult result;
+  nlohmann::json summary = nlohmann::json::object();
+  std::vector<std::string> lines;
+};
+
+void add_estimate(const study::TruncationEstimate* truncation, Outcome& outcome) {
+  outcome.summary["estimate"] = estimated_error_json(truncation, outcome.result);
+  outcome.lines.push_back(estimated_error_line(truncation, outcome.result));
+}
+
+Outcome run_as_told(const NamedRun& run, const Arguments& arguments, results::Writer& writer,
+                    mbs::RunCallbacks callbacks) {
+  const PreparedMechanism& prepared = run.prepared;
+  Recorder recorder(prepared, writer);
+  recorder.begin(run.name);
+  const auto shadows =
+      arguments.no_estimate ? nullptr : study::Shadows::make(prepared, arguments.file, run.overrides);
+  callbacks.row = [&](const mbs::State& s, const Eigen::VectorXd& v_dot, const mbs::EnergyAccount& energy) {
+    recorder.append(s, v_dot, energy);
+    if (shadows) shadows->take(s, v_dot);
+  };
+  Outcome out;
+  out.result =
+      arguments.continue_from.empty()
+          ? mbs::run(*prepared.mechanism, prepared.state, prepared.v_dot, prepared.options, callbacks)
+          : mbs::run(*prepared.mechanism, *prepared.continuation, prepared.options, callbacks);
+  if (arguments.no_estimate) return out;
+  study::TruncationEstimate truncation;
+  if (shadows) truncation = shadows->estimate();
+  out.result.wall_time -= truncation.wall;
+  add_estimate(shadows ? &truncation : nullptr, out);
+  return out;
+}
+
+// Fidelities, modes and tolerance are chosen; the rows are stored once the choice has held.
+Outcome run_within_accuracy(NamedRun& run, const Arguments& arguments, results::Writer& writer,
+                            const mbs::RunCallbacks& callbacks) {
+  if (!arguments.from_state.empty() || !arguments.continue_from.empty())
+    throw std::invalid_argument(
+        "--accuracy starts from the file's own state; take --from-state or --continue away");
+  const double accuracy = input::parse_quantity(arguments.accuracy, input::dim::none);
+  study::ChosenRun chosen = study::run_within(accuracy, arguments.file, run.overrides, callbacks);
+  run.prepared = std::move(chosen.prepared);
+  run.overrides = std::move(chosen.overrides);
+  Recorder recorder(run.prepared, writer);
+  recorder.begin(run.name);
+  for (const study::RowOfRun& row : chosen.rows) recorder.append(row.state, row.v_dot, row.energy);
+  Outcome out;
+  out.result = std::move(chosen.result);
+  out.summary["chosen"] = chosen.reasons;
+  out.summary["screening_wall_time"] = chosen.screening_wall;
+  out.lines = std::move(chosen.reasons);
+  add_estimate(chosen.has_estimate ? &chosen.estimate : nullptr, out);
+  return out;
+}
+
 int simulate(Arguments arguments, const terminal::Talk& talk) {
   if (arguments.schema) {
     fmt::print("{}", input::reference_page(mbs::mechanism_schema(mbs::solver_schema())));
@@ -232,30 +292,28 @@ int simulate(Arguments arguments, const terminal::Talk& talk) {
   InterruptGuard guard;
   terminal::Progress progress(stderr, talk.quiet);
   std::vector<std::pair<std::string, std::pair<const PreparedMechanism*, RunResult>>> done;
+  std::vector<std::string> remarks;
   std::string stopped;
-  for (const NamedRun& run : runs) {
-    const PreparedMechanism& prepared = run.prepared;
-    if (!talk.quiet)
-      for (const std::string& note : prepared.notes) {
-        progress.clear();
-        fmt::print(stderr, "note: {}: {}\n", run.name, note);
-      }
-    Recorder recorder(prepared, writer);
-    recorder.begin(run.name);
+  for (NamedRun& run : runs) {
     mbs::RunCallbacks callbacks;
-    callbacks.row = [&](const mbs::State& s, const Eigen::VectorXd& v_dot, const mbs::EnergyAccount& energy) {
-      recorder.append(s, v_dot, energy);
-    };
     callbacks.progress = [&](double, double fraction) { progress("run " + run.name, fraction); };
     callbacks.stop_wanted = [] { return interrupted != 0; };
-    RunResult r =
-        arguments.continue_from.empty()
-            ? mbs::run(*prepared.mechanism, prepared.state, prepared.v_dot, prepared.options, callbacks)
-            : mbs::run(*prepared.mechanism, *prepared.continuation, prepared.options, callbacks);
+    Outcome outcome = arguments.accuracy.empty() ? run_as_told(run, arguments, writer, callbacks)
+                                                 : run_within_accuracy(run, arguments, writer, callbacks);
+    RunResult& r = outcome.result;
+    const PreparedMechanism& prepared = run.prepared;
+    if (!talk.quiet) {
+      progress.clear();
+      for (const std::string& note : prepared.notes) fmt::print(stderr, "note: {}: {}\n", run.name, note);
+    }
     if (!arguments.save_state.empty())
       mbs::write_state(arguments.save_state, *prepared.mechanism, prepared.file.name, r.state,
                        &r.continuation);
-    writer.end_run(r.complete, r.stopped_because, summary_of(prepared, r).dump());
+    nlohmann::json summary = summary_of(prepared, r);
+    summary.update(outcome.summary);
+    for (const std::string& line : outcome.lines)
+      remarks.push_back(fmt::format("run {}: {}", run.name, line));
+    writer.end_run(r.complete, r.stopped_because, summary.dump());
     const bool complete = r.complete;
     const std::string why = r.stopped_because;
     done.emplace_back(run.name, std::make_pair(&prepared, std::move(r)));
@@ -271,6 +329,7 @@ int simulate(Arguments arguments, const terminal::Talk& talk) {
       if (!talk.quiet) fmt::print("table   {}\n", path.string());
   if (!talk.quiet) {
     print_summary(done);
+    for (const std::string& line : remarks) fmt::print("{}\n", line);
     fmt::print("results {}\n", arguments.output);
   }
   if (!stopped.empty())
@@ -333,7 +392,12 @@ terminal::Command simulate_command() {
             .option("--continue", a->continue_from, "FILE",
                     "go on from such a file as if the run had not been cut; rows before are not repeated")
             .option("--end-time", a->end_time, "TIME", "short for --set solver.end_time=TIME")
+            .option(
+                "--accuracy", a->accuracy, "ACCURACY",
+                "choose each superelement's fidelity and modes, and the tolerance, for this accuracy of all "
+                "stored outputs: \"1 %\"")
             .flag("--csv", a->csv, "write a table of each run beside the results")
+            .flag("--no-estimate", a->no_estimate, "do not estimate what dropped modes cost in accuracy")
             .flag("--schema", a->schema, "print the mechanism file's reference page, then stop")
             .example("flexura simulate engine.toml -o engine.h5", "all runs of the file")
             .example(

@@ -39,5 +39,11 @@ TEST(ReferencePages, MechanismFilePageIsPrintedFromItsSchema) {
       << "renew it: flexura simulate --schema > cases/MECHANISM_FILE.md";
 }
 
+TEST(ReferencePages, StudyFilePageIsPrintedFromItsSchema) {
+  const Outcome outcome = run("flexura", {"study", "--schema"});
+  EXPECT_EQ(outcome.exit_code, 0);
+  EXPECT_EQ(outcome.out, page("STUDY_FILE.md")) << "renew it: flexura study --schema > cases/STUDY_FILE.md";
+}
+
 }  // namespace
 }  // namespace flexura::test

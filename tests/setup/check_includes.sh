@@ -41,6 +41,7 @@ H5              | mbs/hdf5/
 CLI             | mbs/terminal/
 toml\+\+        | mbs/input/
 muParser        | mbs/model/
+xxhash          | mbs/study/
 spdlog          | mbs/app/ reduce/app/
 '
 

@@ -1,0 +1,25 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+/// A program run as a child and measured by the kernel.
+namespace flexura::study {
+
+struct ChildOutcome {
+  int exit_code = -1;        ///< 128 + signal where a signal ended it
+  bool timed_out = false;    ///< it was ended at the time limit
+  double wall = 0.0;         ///< [s], from start to end
+  double cpu = 0.0;          ///< [s], user and system time
+  double peak_memory = 0.0;  ///< [B], largest resident set; not less than that of this process when it starts
+  std::string out, err;      ///< what it printed
+};
+
+/// Runs command[0] with the other words, without a shell; `scratch` is a folder for what it prints.  After
+/// time_limit seconds (0: none) it is ended.  Throws std::runtime_error when it cannot be started.
+ChildOutcome run_child(const std::vector<std::string>& command, const std::filesystem::path& scratch,
+                       double time_limit = 0.0);
+
+}  // namespace flexura::study

@@ -1,0 +1,182 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mbs/study/judge.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+#include "mbs/results/results.hpp"
+#include "mbs/study/front.hpp"
+#include "mbs/terminal/terminal.hpp"
+
+namespace flexura::study {
+namespace {
+
+using terminal::number;
+
+constexpr double kInfinite = std::numeric_limits<double>::infinity();
+
+std::string percent(double fraction) {
+  return number(100.0 * fraction, 3) + " %";
+}
+
+std::vector<Signal> read_signals(const StudyFile& study, const results::Run& run) {
+  std::vector<Signal> signals;
+  for (const WantedQuantity& q : study.quantities) {
+    const auto found = std::ranges::find(run.quantities, q.name, &results::Quantity::name);
+    if (found == run.quantities.end())
+      throw std::invalid_argument(
+          fmt::format("{}: quantity.{}: the results have no \"{}\"", study.file.string(), q.label, q.name));
+    Signal whole{run.time, run.values.col(found - run.quantities.begin())};
+    signals.push_back(q.to > q.from || q.from > 0.0 ? window(whole, q.from, q.to > q.from ? q.to : kInfinite)
+                                                    : std::move(whole));
+  }
+  return signals;
+}
+
+results::Run read_run(const Measurement& m) {
+  return std::move(results::read(m.results).runs.front());
+}
+
+class Judge {
+ public:
+  Judge(const StudyFile& study, const Measurements& measured) : study_(study), measured_(measured) {}
+
+  Judgement judge() {
+    reference_ = signals_or_refuse(measured_.reference, study_.reference.name);
+    for (std::size_t k = 0; k < study_.quantities.size(); ++k) {
+      const WantedQuantity& q = study_.quantities[k];
+      size_.push_back(q.scale > 0.0 ? q.scale : size_of(reference_[k], q.norm));
+      if (!(size_.back() > 0.0))
+        throw std::invalid_argument(
+            fmt::format("{}: quantity.{}: \"{}\" is zero in the reference, so an error relative to it has no "
+                        "meaning; give scale",
+                        study_.file.string(), q.label, q.name));
+    }
+    find_uncertainty();
+    find_errors();
+    answer();
+    return std::move(out_);
+  }
+
+ private:
+  std::vector<Signal> signals_or_refuse(const Measurement& m, const std::string& name) const {
+    if (!m.complete)
+      throw std::invalid_argument(fmt::format("{}: the run \"{}\" {}; nothing can be measured without it",
+                                              study_.file.string(), name, m.failure));
+    return read_signals(study_, read_run(m));
+  }
+
+  double relative(std::size_t k, const Signal& a, const Signal& b) const {
+    return difference(a, b, study_.quantities[k].norm) / size_[k];
+  }
+
+  // The run's own estimate in the norms of the study; a mean errs no more than the rms, a frequency has none.
+  double estimate_of(const results::Run& run) const {
+    const auto summary = nlohmann::json::parse(run.summary_json, nullptr, false);
+    if (!summary.is_object() || !summary.contains("estimate")) return -1.0;
+    const auto& estimate = summary.at("estimate");
+    double largest = 0.0;
+    if (estimate.contains("outputs")) {
+      const auto& outputs = estimate.at("outputs");
+      for (std::size_t k = 0; k < size_.size(); ++k) {
+        const WantedQuantity& q = study_.quantities[k];
+        const char* const norm = q.norm == Norm::rms || q.norm == Norm::mean ? "rms"
+                                 : q.norm == Norm::final                     ? "final"
+                                                                             : "max";
+        if (q.norm != Norm::frequency && outputs.contains(q.name))
+          largest = std::max(largest, outputs.at(q.name).at(norm).get<double>() / size_[k]);
+      }
+    }
+    return largest + estimate.value("integrator", 0.0);
+  }
+
+  void find_uncertainty() {
+    out_.uncertainty.assign(size_.size(), 0.0);
+    for (std::size_t c = 0; c < study_.checks.size(); ++c) {
+      const auto signals = signals_or_refuse(measured_.checks[c], study_.checks[c].choice.name);
+      for (std::size_t k = 0; k < size_.size(); ++k)
+        out_.uncertainty[k] += study_.checks[c].share * relative(k, signals[k], reference_[k]);
+    }
+    out_.largest_uncertainty = *std::ranges::max_element(out_.uncertainty);
+  }
+
+  void find_errors() {
+    const Measurement& finest = measured_.choices.back();
+    std::vector<Signal> finest_signals;
+    if (finest.complete) finest_signals = read_signals(study_, read_run(finest));
+    std::vector<TradePoint> points;
+    for (std::size_t i = 0; i < study_.choices.size(); ++i) {
+      Row row;
+      row.choice = &study_.choices[i];
+      row.cost = &measured_.choices[i];
+      row.errors.assign(size_.size(), {kInfinite, kInfinite});
+      if (row.cost->complete) {
+        const results::Run run = read_run(*row.cost);
+        const auto signals = read_signals(study_, run);
+        row.estimate = estimate_of(run);
+        for (std::size_t k = 0; k < size_.size(); ++k) {
+          row.errors[k].against_reference = relative(k, signals[k], reference_[k]);
+          if (finest.complete) row.errors[k].against_finest = relative(k, signals[k], finest_signals[k]);
+        }
+      }
+      for (std::size_t k = 0; k < size_.size(); ++k) {
+        row.error.against_finest = std::max(row.error.against_finest, row.errors[k].against_finest);
+        if (row.errors[k].against_reference > row.error.against_reference) {
+          row.error.against_reference = row.errors[k].against_reference;
+          row.worst = k;
+        }
+      }
+      row.price = study_.cpu_is_cost ? row.cost->median_cpu() : row.cost->median_wall();
+      points.push_back({row.price, row.error.against_reference});
+      out_.rows.push_back(std::move(row));
+    }
+    const std::vector<bool> front = pareto_front(points);
+    for (std::size_t i = 0; i < front.size(); ++i) out_.rows[i].on_front = front[i];
+    points_ = std::move(points);
+  }
+
+  void answer() {
+    for (const double accuracy : study_.accuracies) {
+      std::string text;
+      if (const auto i = cheapest_within(points_, accuracy))
+        text = fmt::format("cheapest within {}: {} ({} s, error {})", percent(accuracy),
+                           study_.choices[*i].name, number(points_[*i].cost, 3), percent(points_[*i].error));
+      else
+        text = fmt::format("within {}: none of these choices", percent(accuracy));
+      if (out_.largest_uncertainty > 0.3 * accuracy)
+        text +=
+            fmt::format("; the reference itself is only known within {}", percent(out_.largest_uncertainty));
+      out_.answers.push_back(std::move(text));
+    }
+    for (const double time : study_.times) {
+      if (const auto i = most_accurate_within(points_, time))
+        out_.answers.push_back(fmt::format("most accurate within {} s: {} ({} s, error {})", number(time, 3),
+                                           study_.choices[*i].name, number(points_[*i].cost, 3),
+                                           percent(points_[*i].error)));
+      else
+        out_.answers.push_back(fmt::format("within {} s: none of these choices", number(time, 3)));
+    }
+    for (const Row& row : out_.rows)
+      if (!row.cost->complete)
+        out_.notes.push_back(fmt::format("{}: {}", row.choice->name, row.cost->failure));
+  }
+
+  const StudyFile& study_;
+  const Measurements& measured_;
+  std::vector<Signal> reference_;
+  std::vector<double> size_;
+  std::vector<TradePoint> points_;
+  Judgement out_;
+};
+
+}  // namespace
+
+Judgement judge(const StudyFile& study, const Measurements& measured) {
+  return Judge(study, measured).judge();
+}
+
+}  // namespace flexura::study

@@ -1,0 +1,378 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mbs/study/measure.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <exception>
+#include <fstream>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "mbs/model/read_mechanism.hpp"
+#include "mbs/results/results.hpp"
+#include "mbs/solver/options.hpp"
+#include "mbs/study/child.hpp"
+#include "mbs/study/content_hash.hpp"
+
+namespace flexura::study {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+// A reduction or a simulation that is wanted; equal keys are the same work.
+struct Task {
+  std::string key, name;
+  std::vector<std::string> command;  ///< without the output file
+  double reduce_wall = 0.0;
+};
+
+std::string machine_name() {
+  char host[256] = "";
+  ::gethostname(host, sizeof host - 1);
+  std::ifstream cpu("/proc/cpuinfo");
+  for (std::string line; std::getline(cpu, line);)
+    if (line.starts_with("model name")) return std::string(host) + line;
+  return host;
+}
+
+void write_json(const fs::path& path, const json& value) {
+  const fs::path beside = fmt::format("{}.{}.part", path.string(), ::getpid());
+  std::ofstream(beside) << value.dump(1) << '\n';
+  fs::rename(beside, path);
+}
+
+json read_json(const fs::path& path) {
+  std::ifstream in(path);
+  return in ? json::parse(in, nullptr, false) : json();
+}
+
+// "error: ..." of a program, without the word.
+std::string refusal(const ChildOutcome& outcome) {
+  std::string text = outcome.err;
+  if (const auto at = text.rfind("error: "); at != std::string::npos) text = text.substr(at + 7);
+  while (!text.empty() && text.back() == '\n') text.pop_back();
+  return text;
+}
+
+// Runs work(i) for i < n on so many threads; the first exception ends all and is thrown here.
+void spread(std::size_t n, int jobs, const std::function<void(std::size_t)>& work) {
+  std::atomic<std::size_t> next{0};
+  std::mutex guard;
+  std::exception_ptr failure;
+  const auto worker = [&] {
+    for (std::size_t i; (i = next++) < n;) {
+      try {
+        work(i);
+      } catch (...) {
+        const std::lock_guard lock(guard);
+        if (!failure) failure = std::current_exception();
+        next = n;
+      }
+    }
+  };
+  std::vector<std::thread> threads;
+  for (int k = 1; k < jobs; ++k) threads.emplace_back(worker);
+  worker();
+  for (std::thread& thread : threads) thread.join();
+  if (failure) std::rethrow_exception(failure);
+}
+
+class Laboratory {
+ public:
+  Laboratory(const StudyFile& study, const Programs& programs, const MeasureOptions& options)
+      : study_(study), programs_(programs), options_(options) {
+    fs::create_directories(study.cache);
+    cache_ = fs::absolute(study.cache);
+    flexura_ = ContentHash().add_file(programs.flexura).hex();
+    machine_ = machine_name();
+    if (!study.parts.empty()) reduce_ = ContentHash().add_file(programs.reduce).add_file(programs.mesh).hex();
+    check_mechanism();
+  }
+
+  Measurements run() {
+    std::vector<const Choice*> wanted;
+    for (const Choice& choice : study_.choices) wanted.push_back(&choice);
+    wanted.push_back(&study_.reference);
+    for (const Check& check : study_.checks) wanted.push_back(&check.choice);
+    for (const Choice* choice : wanted) check_keys(*choice);
+
+    std::vector<std::size_t> mine;
+    for (std::size_t i = 0; i < wanted.size(); ++i)
+      if (static_cast<int>(i % static_cast<std::size_t>(options_.shares)) + 1 == options_.share)
+        mine.push_back(i);
+    std::vector<Task> tasks(wanted.size());
+    reduce_parts(wanted, mine);
+    for (const std::size_t i : mine) tasks[i] = simulation(*wanted[i]);
+
+    // Choices that come out the same are run once.
+    std::map<std::string, std::size_t> first;
+    for (const std::size_t i : mine) first.emplace(tasks[i].key, i);
+    std::vector<std::size_t> unique;
+    for (const auto& [key, i] : first) unique.push_back(i);
+    std::ranges::sort(unique);
+    say("runs", 0.0);
+    std::atomic<std::size_t> done{0};
+    spread(unique.size(), options_.jobs, [&](std::size_t k) {
+      first_run(tasks[unique[k]]);
+      say("runs", static_cast<double>(++done) / static_cast<double>(unique.size()));
+    });
+    repeat_runs(tasks, unique);
+
+    Measurements out;
+    out.whole = options_.shares == 1;
+    if (!out.whole) return out;
+    std::vector<Measurement> all;
+    for (const Task& task : tasks) all.push_back(measurement(task));
+    const std::size_t n = study_.choices.size();
+    out.choices.assign(all.begin(), all.begin() + static_cast<long>(n));
+    out.reference = all[n];
+    out.checks.assign(all.begin() + static_cast<long>(n) + 1, all.end());
+    return out;
+  }
+
+ private:
+  void say(std::string_view stage, double fraction) {
+    const std::lock_guard lock(guard_);
+    if (options_.progress) options_.progress(stage, fraction);
+  }
+
+  // Before anything runs: does the mechanism have the run and the bodies that the study names?
+  void check_mechanism() {
+    const input::Section root =
+        input::read_document(study_.mechanism, mbs::mechanism_schema(mbs::solver_schema()), study_.set);
+    std::vector<std::string> runs, bodies;
+    for (const auto& [name, section] : root.table_map("run")) runs.push_back(name);
+    for (const auto& [name, section] : root.table_map("body")) bodies.push_back(name);
+    if (study_.run.empty() && runs.size() > 1)
+      throw input::InputError(fmt::format("{}: {} has {} runs; say which with run = \"{}\"",
+                                          study_.file.string(), study_.mechanism.string(), runs.size(),
+                                          runs.back()));
+    if (!study_.run.empty() && std::ranges::find(runs, study_.run) == runs.end())
+      throw input::InputError(fmt::format("{}: run = \"{}\": {} has no such run{}", study_.file.string(),
+                                          study_.run, study_.mechanism.string(),
+                                          input::suggestion(study_.run, runs)));
+    for (const Part& part : study_.parts)
+      for (const std::string& body : part.bodies)
+        if (std::ranges::find(bodies, body) == bodies.end())
+          throw input::InputError(fmt::format("{}: part.{}.bodies: {} has no body \"{}\"{}",
+                                              study_.file.string(), part.name, study_.mechanism.string(),
+                                              body, input::suggestion(body, bodies)));
+  }
+
+  void check_keys(const Choice& choice) const {
+    std::vector<std::string> set = study_.set;
+    set.insert(set.end(), choice.set.begin(), choice.set.end());
+    try {
+      input::read_document(study_.mechanism, mbs::mechanism_schema(mbs::solver_schema()), set);
+    } catch (const input::InputError& e) {
+      throw input::InputError(
+          fmt::format("{}: choice \"{}\": {}", study_.file.string(), choice.name, e.what()));
+    }
+  }
+
+  fs::path path(const std::string& key, const char* ending) const { return cache_ / (key + ending); }
+  bool is_there(const std::string& key, const char* ending) const {
+    return fs::is_regular_file(path(key, ending)) && fs::is_regular_file(path(key, ".json"));
+  }
+
+  Task reduction(const Part& part, const Choice& choice) const {
+    std::vector<std::string> set = part.set;
+    if (const auto found = choice.part_set.find(part.name); found != choice.part_set.end())
+      set.insert(set.end(), found->second.begin(), found->second.end());
+    Task task;
+    ContentHash hash;
+    hash.add(reduce_).add_input_file(part.file);
+    task.command = {programs_.reduce.string(), fs::absolute(part.file).string(), "-q"};
+    for (const std::string& text : set) {
+      hash.add(text);
+      task.command.insert(task.command.end(), {"--set", text});
+    }
+    task.key = hash.hex();
+    task.name = fmt::format("part {} ({})", part.name, choice.name);
+    return task;
+  }
+
+  void reduce_parts(const std::vector<const Choice*>& wanted, const std::vector<std::size_t>& mine) {
+    std::map<std::string, Task> tasks;
+    for (const std::size_t i : mine)
+      for (const Part& part : study_.parts) {
+        Task task = reduction(part, *wanted[i]);
+        const std::string key = task.key;
+        if (!is_there(key, ".se.h5")) tasks.emplace(key, std::move(task));
+      }
+    std::vector<Task> list;
+    for (auto& [key, task] : tasks) list.push_back(std::move(task));
+    std::atomic<std::size_t> done{0};
+    if (!list.empty()) say("reductions", 0.0);
+    spread(list.size(), options_.jobs, [&](std::size_t k) {
+      reduce(list[k]);
+      say("reductions", static_cast<double>(++done) / static_cast<double>(list.size()));
+    });
+  }
+
+  void reduce(const Task& task) const {
+    const fs::path beside = path(task.key, fmt::format(".{}.part", ::getpid()).c_str());
+    std::vector<std::string> command = task.command;
+    command.insert(command.end(), {"-o", beside.string()});
+    const ChildOutcome outcome = run_child(command, cache_, 0.0);
+    if (outcome.exit_code != 0) {
+      std::error_code ignored;
+      fs::remove(beside, ignored);
+      const std::string text = fmt::format("{}: {}", task.name, refusal(outcome));
+      if (outcome.exit_code == 2) throw input::InputError(text);
+      throw std::runtime_error(text);
+    }
+    fs::rename(beside, path(task.key, ".se.h5"));
+    write_json(path(task.key, ".json"), {{"wall", outcome.wall}, {"peak_memory", outcome.peak_memory}});
+  }
+
+  Task simulation(const Choice& choice) const {
+    Task task;
+    task.name = choice.name;
+    ContentHash hash;
+    hash.add(flexura_).add(machine_).add_input_file(study_.mechanism).add(study_.run);
+    task.command = {programs_.flexura.string(), "simulate", fs::absolute(study_.mechanism).string(), "-q"};
+    if (!study_.run.empty()) task.command.insert(task.command.end(), {"--run", study_.run});
+    std::vector<std::string> set;
+    for (const Part& part : study_.parts) {
+      const std::string key = reduction(part, choice).key;
+      hash.add(key);
+      task.reduce_wall += read_json(path(key, ".json")).value("wall", 0.0);
+      for (const std::string& body : part.bodies)
+        set.push_back(fmt::format("body.{}.superelement=\"{}\"", body, path(key, ".se.h5").string()));
+    }
+    set.insert(set.end(), study_.set.begin(), study_.set.end());
+    set.insert(set.end(), choice.set.begin(), choice.set.end());
+    // Only what the study compares is evaluated and stored.
+    std::string quantities;
+    for (const WantedQuantity& q : study_.quantities)
+      quantities += fmt::format("{}\"{}\"", quantities.empty() ? "" : ", ", q.name);
+    set.push_back(fmt::format("output.quantities=[{}]", quantities));
+    for (const std::string& text : set) {
+      hash.add(text);
+      // A superelement that an override names counts by its content.
+      const std::size_t equals = text.find('=');
+      std::string value = text.substr(equals + 1);
+      std::erase(value, '"');
+      std::error_code none;
+      const fs::path named = fs::absolute(study_.mechanism).parent_path() / value;
+      if (value.size() < 1024 && fs::is_regular_file(named, none)) hash.add_file(named);
+      task.command.insert(task.command.end(), {"--set", text});
+    }
+    task.key = hash.hex();
+    return task;
+  }
+
+  ChildOutcome simulate(const Task& task, const fs::path& output, bool with_estimate) const {
+    std::vector<std::string> command = task.command;
+    if (!with_estimate) command.push_back("--no-estimate");
+    command.insert(command.end(), {"-o", output.string()});
+    return run_child(command, cache_, study_.time_limit);
+  }
+
+  void first_run(const Task& task) const {
+    if (!options_.fresh && is_there(task.key, ".h5")) return;
+    const fs::path beside = path(task.key, fmt::format(".{}.first", ::getpid()).c_str());
+    const ChildOutcome outcome = simulate(task, beside, true);
+    if (outcome.exit_code == 2)
+      throw input::InputError(
+          fmt::format("{}: choice \"{}\": {}", study_.file.string(), task.name, refusal(outcome)));
+    json entry = {{"choice", task.name},
+                  {"exit_code", outcome.exit_code},
+                  {"peak_memory", 0.0},
+                  {"wall", json::array()},
+                  {"cpu", json::array()}};
+    if (outcome.timed_out)
+      entry["failure"] = fmt::format("took longer than {:.6g} s", study_.time_limit);
+    else if (outcome.exit_code != 0)
+      entry["failure"] = outcome.exit_code > 128 ? fmt::format("ended by signal {}", outcome.exit_code - 128)
+                                                 : refusal(outcome);
+    if (fs::is_regular_file(beside)) {
+      fs::rename(beside, path(task.key, ".h5"));
+    } else {
+      std::ofstream(path(task.key, ".h5")).flush();  // the mark of a run that left nothing
+    }
+    write_json(path(task.key, ".json"), entry);
+  }
+
+  // One round of all choices after the other, so that a slow drift of the machine meets all alike.
+  void repeat_runs(const std::vector<Task>& tasks, const std::vector<std::size_t>& unique) {
+    std::vector<std::size_t> timed;
+    for (const std::size_t i : unique)
+      if (i < study_.choices.size() || study_.choices.size() == 0) timed.push_back(i);
+    std::size_t done = 0;
+    for (int round = 1; round <= study_.repeats; ++round)
+      for (const std::size_t i : timed) {
+        const Task& task = tasks[i];
+        const fs::path record = path(task.key, ".json");
+        json entry = read_json(record);
+        if (!entry.contains("failure") && static_cast<int>(entry.at("wall").size()) < round) {
+          const fs::path scratch = path(task.key, fmt::format(".{}.again", ::getpid()).c_str());
+          const ChildOutcome outcome = simulate(task, scratch, false);
+          std::error_code ignored;
+          fs::remove(scratch, ignored);
+          entry["wall"].push_back(outcome.wall);
+          entry["cpu"].push_back(outcome.cpu);
+          entry["peak_memory"] = std::max(entry.at("peak_memory").get<double>(), outcome.peak_memory);
+          write_json(record, entry);
+        }
+        say("times", static_cast<double>(++done) / static_cast<double>(timed.size() * study_.repeats));
+      }
+  }
+
+  Measurement measurement(const Task& task) const {
+    const json entry = read_json(path(task.key, ".json"));
+    Measurement m;
+    m.results = path(task.key, ".h5");
+    m.reduce_wall = task.reduce_wall;
+    m.wall = entry.at("wall").get<std::vector<double>>();
+    m.cpu = entry.at("cpu").get<std::vector<double>>();
+    m.peak_memory = entry.at("peak_memory");
+    m.failure = entry.value("failure", std::string());
+    m.complete = m.failure.empty();
+    if (!m.complete) return m;
+    const results::Results results = results::read(m.results);
+    const json summary = json::parse(results.runs.front().summary_json, nullptr, false);
+    if (summary.is_object()) {
+      m.solver_wall = summary.value("wall_time", 0.0);
+      m.steps = summary.value("steps", 0L);
+      m.evaluations = summary.value("evaluations", 0L);
+      m.energy_error = summary.value("relative_energy_error", 0.0);
+    }
+    return m;
+  }
+
+  const StudyFile& study_;
+  const Programs& programs_;
+  const MeasureOptions& options_;
+  fs::path cache_;
+  std::string flexura_, reduce_, machine_;
+  std::mutex guard_;
+};
+
+}  // namespace
+
+double median(std::vector<double> values) {
+  if (values.empty()) return 0.0;
+  std::ranges::sort(values);
+  const std::size_t n = values.size();
+  return n % 2 == 1 ? values[n / 2] : 0.5 * (values[n / 2 - 1] + values[n / 2]);
+}
+
+double Measurement::median_wall() const {
+  return median(wall);
+}
+double Measurement::median_cpu() const {
+  return median(cpu);
+}
+
+Measurements measure(const StudyFile& study, const Programs& programs, const MeasureOptions& options) {
+  return Laboratory(study, programs, options).run();
+}
+
+}  // namespace flexura::study

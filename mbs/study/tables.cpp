@@ -1,0 +1,110 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mbs/study/tables.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "mbs/terminal/terminal.hpp"
+
+namespace flexura::study {
+namespace {
+
+using nlohmann::json;
+
+json json_number(double value) {
+  return std::isfinite(value) ? json(value) : json(nullptr);
+}
+
+}  // namespace
+
+json as_json(const StudyFile& study, const Judgement& judgement, const std::string& created_by) {
+  json out = {{"name", study.name},
+              {"created_by", created_by},
+              {"mechanism", study.mechanism.string()},
+              {"answers", judgement.answers},
+              {"notes", judgement.notes},
+              {"uncertainty", judgement.largest_uncertainty}};
+  for (std::size_t k = 0; k < study.quantities.size(); ++k) {
+    const WantedQuantity& q = study.quantities[k];
+    out["quantities"].push_back({{"label", q.label},
+                                 {"of", q.name},
+                                 {"norm", norm_names()[static_cast<std::size_t>(q.norm)]},
+                                 {"uncertainty", judgement.uncertainty[k]}});
+  }
+  for (const Row& row : judgement.rows) {
+    const Measurement& c = *row.cost;
+    json line = {{"name", row.choice->name},
+                 {"set", row.choice->set},
+                 {"part_set", row.choice->part_set},
+                 {"complete", c.complete},
+                 {"wall", c.wall},
+                 {"median_wall", c.median_wall()},
+                 {"median_cpu", c.median_cpu()},
+                 {"peak_memory", c.peak_memory},
+                 {"reduce_wall", c.reduce_wall},
+                 {"solver_wall", c.solver_wall},
+                 {"steps", c.steps},
+                 {"evaluations", c.evaluations},
+                 {"relative_energy_error", c.energy_error},
+                 {"estimated_error", row.estimate >= 0.0 ? json(row.estimate) : json(nullptr)},
+                 {"error", json_number(row.error.against_reference)},
+                 {"error_to_finest", json_number(row.error.against_finest)},
+                 {"worst", study.quantities[row.worst].label},
+                 {"on_front", row.on_front},
+                 {"failure", c.failure}};
+    for (const ErrorOf& e : row.errors)
+      line["errors"].push_back({json_number(e.against_reference), json_number(e.against_finest)});
+    out["choices"].push_back(std::move(line));
+  }
+  return out;
+}
+
+std::string as_csv(const StudyFile& study, const Judgement& judgement) {
+  const auto quoted = [](const std::string& text) {
+    std::string out = "\"";
+    for (const char c : text) out += c == '"' ? std::string("\"\"") : std::string(1, c);
+    return out + "\"";
+  };
+  std::string text =
+      "choice,wall [s],cpu [s],peak memory [B],steps,evaluations,reduce wall [s],error,error to finest,on "
+      "front";
+  for (const auto& q : study.quantities) text += "," + quoted("error of " + q.label);
+  text += "\n";
+  for (const Row& row : judgement.rows) {
+    const Measurement& c = *row.cost;
+    text += fmt::format("{},{:.6g},{:.6g},{:.0f},{},{},{:.6g},{:.9g},{:.9g},{}", quoted(row.choice->name),
+                        c.median_wall(), c.median_cpu(), c.peak_memory, c.steps, c.evaluations, c.reduce_wall,
+                        row.error.against_reference, row.error.against_finest, row.on_front ? 1 : 0);
+    for (const ErrorOf& e : row.errors) text += fmt::format(",{:.9g}", e.against_reference);
+    text += "\n";
+  }
+  return text;
+}
+
+std::string as_markdown(const StudyFile& study, const Judgement& judgement, const std::string& picture) {
+  const auto percent = [](double fraction) { return terminal::number(100.0 * fraction, 3) + " %"; };
+  std::string text = fmt::format("## {}\n\n", study.name);
+  if (!picture.empty()) text += fmt::format("![error over time]({})\n\n", picture);
+  text += fmt::format(
+      "|  | choice | {} [s] | memory | steps | error | of | estimated by the run "
+      "|\n|---|---|---|---|---|---|---|---|\n",
+      study.cpu_is_cost ? "cpu" : "wall");
+  for (const Row& row : judgement.rows) {
+    const Measurement& c = *row.cost;
+    if (!c.complete) {
+      text += fmt::format("|  | {} | failed: {} |\n", row.choice->name, c.failure);
+      continue;
+    }
+    text += fmt::format("| {} | {} | {} | {} | {} | {} | {} | {} |\n", row.on_front ? "**front**" : "",
+                        row.choice->name, terminal::number(row.price, 3), terminal::bytes(c.peak_memory),
+                        c.steps, percent(row.error.against_reference), study.quantities[row.worst].label,
+                        row.estimate >= 0.0 ? percent(row.estimate) : "");
+  }
+  text += fmt::format("\nThe reference is known within {}.\n\n", percent(judgement.largest_uncertainty));
+  for (const std::string& answer : judgement.answers) text += "- " + answer + "\n";
+  return text;
+}
+
+}  // namespace flexura::study
