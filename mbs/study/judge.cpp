@@ -87,8 +87,9 @@ class Judge {
         const char* const norm = q.norm == Norm::rms || q.norm == Norm::mean ? "rms"
                                  : q.norm == Norm::final                     ? "final"
                                                                              : "max";
-        if (q.norm != Norm::frequency && outputs.contains(q.name))
-          largest = std::max(largest, outputs.at(q.name).at(norm).get<double>() / size_[k]);
+        if (q.norm == Norm::frequency || !outputs.contains(q.name)) continue;
+        const auto& value = outputs.at(q.name).at(norm);
+        largest = std::max(largest, value.is_number() ? value.get<double>() / size_[k] : kInfinite);
       }
     }
     return largest + estimate.value("integrator", 0.0);

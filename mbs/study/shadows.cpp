@@ -33,8 +33,9 @@ struct Alpha {
 
 constexpr double kRhoInf = 0.4;
 constexpr int kLadder[] = {1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128};
-constexpr double kNothing =
-    1e-6;  // of the largest output of the same unit: symmetry and round-off, not motion
+// An output counts from this part of the largest one of its unit on: below it symmetry and round-off stand,
+// not motion.  What nobody asked for by name has to be larger to matter.
+constexpr double kNothing = 1e-6, kNothingUnasked = 1e-3;
 
 // Where a block of modal coordinates of the run goes among those of the full mechanism.
 struct ModalBlock {
@@ -99,6 +100,7 @@ struct Shadows::Impl {
   };
   std::vector<Rung> rungs;
   int shadows = 0;
+  bool asked = false;  ///< the user named the outputs
   double wall = 0.0;
 
   mbs::State s, moved;
@@ -325,6 +327,7 @@ std::unique_ptr<Shadows> Shadows::make(const mbs::PreparedMechanism& run, const 
   const Index n_sources = static_cast<Index>(in.sources.size());
   in.delta = in.rate = in.accel = in.auxiliary = MatrixXd::Zero(n.n_v, n_sources);
 
+  in.asked = !run.file.outputs.empty();
   // Outputs that both mechanisms have; modal coordinates of a body are no outputs of an engineer's.
   const auto run_infos = mechanism.quantities(), infos = full.quantities();
   std::map<std::string, int> index;
@@ -333,6 +336,10 @@ std::unique_ptr<Shadows> Shadows::make(const mbs::PreparedMechanism& run, const 
     const std::string& name = run_infos[static_cast<std::size_t>(i)].name;
     const auto found = index.find(name);
     if (found == index.end() || name.find(".mode_") != std::string::npos) continue;
+    // Energies are stored for the balance; strain energy is not what a rigid body is judged by.
+    if (!in.asked &&
+        (name.starts_with("energy.") || name.starts_with("power.") || name.ends_with(".strain_energy")))
+      continue;
     in.outputs.push_back(found->second);
     OutputEstimate output;
     output.name = name;
@@ -398,7 +405,7 @@ TruncationEstimate Shadows::estimate() const {
   }
   for (std::size_t i = 0; i < out.outputs.size(); ++i) {
     OutputEstimate& o = out.outputs[i];
-    o.counts = o.size_rms > kNothing * largest[o.unit];
+    o.counts = o.size_rms > (in.asked ? kNothing : kNothingUnasked) * largest[o.unit];
     if (o.counts && o.relative_rms() > out.error) {
       out.error = o.relative_rms();
       out.worst = static_cast<int>(i);
