@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <map>
 
+#include "mbs/study/percent.hpp"
 #include "mbs/terminal/terminal.hpp"
 
 namespace flexura::study {
@@ -15,10 +16,6 @@ using terminal::number;
 
 constexpr double kShareOfModes = 0.5;
 constexpr int kMostAttempts = 6;
-
-std::string percent(double fraction) {
-  return number(100.0 * fraction, 2) + " %";
-}
 
 // What a body is to be; modes 0 is rigid.
 struct BodyChoice {

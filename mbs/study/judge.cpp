@@ -10,6 +10,7 @@
 
 #include "mbs/results/results.hpp"
 #include "mbs/study/front.hpp"
+#include "mbs/study/percent.hpp"
 #include "mbs/terminal/terminal.hpp"
 
 namespace flexura::study {
@@ -18,10 +19,6 @@ namespace {
 using terminal::number;
 
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
-
-std::string percent(double fraction) {
-  return number(100.0 * fraction, 3) + " %";
-}
 
 std::vector<Signal> read_signals(const StudyFile& study, const results::Run& run) {
   std::vector<Signal> signals;

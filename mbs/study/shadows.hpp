@@ -35,7 +35,7 @@ struct OutputEstimate {
   std::string name, unit;
   double max = 0.0, rms = 0.0, final = 0.0;  ///< of the error, in the output's unit
   double size_max = 0.0, size_rms = 0.0;     ///< of the corrected output
-  bool counts = true;  ///< false where the output is nothing beside others of its unit
+  bool counts = true;                        ///< false where the output is nothing beside others of its unit
   double relative_max() const;
   double relative_rms() const;
 };

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "mbs/study/percent.hpp"
 #include "mbs/terminal/terminal.hpp"
 
 namespace flexura::study {
@@ -84,7 +85,6 @@ std::string as_csv(const StudyFile& study, const Judgement& judgement) {
 }
 
 std::string as_markdown(const StudyFile& study, const Judgement& judgement, const std::string& picture) {
-  const auto percent = [](double fraction) { return terminal::number(100.0 * fraction, 3) + " %"; };
   std::string text = fmt::format("## {}\n\n", study.name);
   if (!picture.empty()) text += fmt::format("![error over time]({})\n\n", picture);
   text += fmt::format(

@@ -123,7 +123,7 @@ TEST(StudyFile, RefusalsNameValueRuleAndRemedy) {
               HasSubstr("either a key with values or choices by name"));
   EXPECT_THAT(refusal(folder, replaced(kStudy, "solver.tolerance\"", "part.rod.mesh.size\"")),
               HasSubstr("there is no [part.rod]"));
-  EXPECT_THAT(refusal(folder, replaced(kStudy, "[quantity.position]", "[quantum.position]")),
+  EXPECT_THAT(refusal(folder, replaced(kStudy, "[quantity.position]", "[quantiy.position]")),
               HasSubstr("did you mean \"quantity\"?"));
   EXPECT_THAT(refusal(folder, replaced(kStudy, "of = \"slide.position\"", "norm = \"maximum\"")),
               HasSubstr("norm"));
