@@ -11,6 +11,8 @@
 namespace flexura::mbs {
 
 std::unique_ptr<Integrator> make_integrator(const Equations& eq, const SolverOptions& options) {
+  const Sizes n = eq.sizes();
+  if (n.n_p + n.n_v + n.n_dyn + n.n_alg + n.n_lambda + n.n_root == 0) return make_rest();
   // One line for each integrator; the same names stand in solver_schema().
   if (options.method == "ida") return make_ida(eq, options);
   if (options.method == "runge_kutta") return make_runge_kutta(eq, options);

@@ -134,7 +134,34 @@ class StaticSequence final : public Sequence {
   }
 };
 
+class Rest final : public Integrator {
+ public:
+  void start(const State& s, const Eigen::VectorXd&) override { now_ = s; }
+  StepEnd step(double t_stop) override {
+    StepEnd end;
+    end.t_begin = now_.t;
+    end.t_end = now_.t = t_stop;
+    ++counts_.steps;
+    return end;
+  }
+  void interpolate(double t, State& s, Eigen::VectorXd& v_dot) override {
+    s = now_;
+    s.t = t;
+    v_dot.resize(0);
+  }
+  StepCounts counts() const override { return counts_; }
+  void remember(History& history) override { history(now_); }
+
+ private:
+  State now_;
+  StepCounts counts_;
+};
+
 }  // namespace
+
+std::unique_ptr<Integrator> make_rest() {
+  return std::make_unique<Rest>();
+}
 
 std::unique_ptr<Integrator> make_kinematics(const Equations& eq, const SolverOptions& options) {
   return std::make_unique<KinematicSequence>(eq, options);

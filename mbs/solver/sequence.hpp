@@ -15,4 +15,8 @@ std::unique_ptr<Integrator> make_kinematics(const Equations& eq, const SolverOpt
 /// change so slowly that nothing vibrates.  Velocities and accelerations are zero.
 std::unique_ptr<Integrator> make_quasi_statics(const Equations& eq, const SolverOptions& options);
 
+/// A mechanism without states (a body that is welded to the ground): only the time goes on.  SUNDIALS knows
+/// no empty system.
+std::unique_ptr<Integrator> make_rest();
+
 }  // namespace flexura::mbs
