@@ -21,10 +21,18 @@ nlohmann::json to_json(const NamedRun& run) {
   for (std::size_t j = 0; j < d.joints.size(); ++j) {
     joints.push_back({{"name", d.joints[j].name},
                       {"type", d.joints[j].joint->type()},
+                      {"is_connection", d.joints[j].is_connection},
                       {"is_constraint", !m.in_tree(static_cast<int>(j))}});
   }
   for (int i = 0; i < n.n_v; ++i)
     states.push_back({{"name", m.name_of_velocity(i)}, {"velocity", p.state.v(i)}});
+  json others = json::array();
+  for (int i = 0; i < n.n_dyn; ++i) others.push_back({{"name", m.name_of_dynamic(i)}, {"kind", "dynamic"}});
+  for (int i = 0; i < n.n_lambda; ++i)
+    others.push_back({{"name", m.name_of_constraint(i)}, {"kind", "constraint force"}});
+  for (int i = 0; i < n.n_alg; ++i)
+    others.push_back({{"name", m.name_of_algebraic(i)}, {"kind", "algebraic"}});
+  for (int i = 0; i < n.n_root; ++i) others.push_back({{"name", m.name_of_root(i)}, {"kind", "root"}});
   for (const mbs::RedundantRow& row : p.redundant)
     redundant.push_back({{"name", row.name}, {"follows_from", row.follows_from}});
   return {{"run", run.name},
@@ -38,6 +46,7 @@ nlohmann::json to_json(const NamedRun& run) {
           {"switches", n.n_root},
           {"joints", joints},
           {"states", states},
+          {"other_states", others},
           {"redundant_constraints", redundant},
           {"notes", p.notes}};
 }
@@ -85,7 +94,9 @@ int check_mechanism(const std::string& file, bool json, const terminal::Talk& ta
       const bool tree = m.in_tree(static_cast<int>(j));
       joints.add_row({d.joints[j].name, std::string(d.joints[j].joint->type()),
                       tree ? "tree joint" : "constraint",
-                      tree              ? "it leads to its body"
+                      tree && d.joints[j].is_connection
+                          ? "the connection with the fewest freedoms to a body no joint leads to"
+                      : tree            ? "it leads to its body"
                       : d.joints[j].cut ? "the file cuts it"
                                         : "it closes a loop"});
     }
@@ -104,6 +115,20 @@ int check_mechanism(const std::string& file, bool json, const terminal::Talk& ta
                       n.n_p == n.n_v ? terminal::number(p.state.p(i), 7) : std::string("see assemble"),
                       terminal::number(p.state.v(i), 7)});
     fmt::print("{}\n", states.text(terminal::width(stdout), colour));
+    if (n.n_dyn + n.n_lambda + n.n_alg + n.n_root > 0) {
+      terminal::Table others({{"state", terminal::Align::left}, {"kind", terminal::Align::left}, {"value"}});
+      for (int i = 0; i < n.n_dyn; ++i)
+        others.add_row({m.name_of_dynamic(i), "dynamic", terminal::number(p.state.c(i), 7)});
+      for (int i = 0; i < n.n_lambda; ++i)
+        others.add_row({m.name_of_constraint(i), "constraint force", terminal::number(p.state.lambda(i), 7)});
+      for (int i = 0; i < n.n_alg; ++i)
+        others.add_row({m.name_of_algebraic(i), "algebraic", terminal::number(p.state.a(i), 7)});
+      for (int i = 0; i < n.n_root; ++i)
+        others.add_row(
+            {m.name_of_root(i), "root",
+             i < static_cast<int>(p.state.root.size()) ? fmt::format("{}", p.state.root[i]) : "-"});
+      fmt::print("{}\n", others.text(terminal::width(stdout), colour));
+    }
     for (const std::string& note : p.notes) fmt::print("note: {}\n", note);
   }
   return 0;

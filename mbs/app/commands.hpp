@@ -16,6 +16,7 @@ terminal::Command eigen_command();
 terminal::Command export_command();
 terminal::Command linearize_command();
 terminal::Command modes_command();
+terminal::Command outputs_command();
 terminal::Command reduce_command();
 terminal::Command report_command();
 terminal::Command section_command();

@@ -10,13 +10,11 @@
 #include "mbs/app/commands.hpp"
 #include "mbs/app/mechanism_runs.hpp"
 #include "mbs/app/state_space.hpp"
-#include "mbs/solver/accelerations.hpp"
 #include "mbs/solver/descriptor.hpp"
 #include "mbs/solver/linearise.hpp"
-#include "mbs/solver/statics.hpp"
 #include "mbs/terminal/terminal.hpp"
 
-/// eigen, linearize and statics: what a mechanism does near a state.
+/// linearize and statics: what a mechanism does near a state.
 namespace flexura::app {
 namespace {
 
@@ -27,23 +25,9 @@ using terminal::number;
 
 struct Arguments : MechanismArguments {
   bool equilibrium = false, descriptor = false;
-  int count = 30;
   std::string output, save_state, response;
   std::vector<std::string> inputs, outputs;
 };
-
-void settle(PreparedMechanism& p) {
-  const mbs::StaticsReport report = mbs::solve_statics(*p.mechanism, p.state);
-  mbs::AccelerationSolver(*p.mechanism).solve(p.state, p.v_dot);
-  p.notes.push_back(fmt::format("equilibrium in {} steps, largest force left {} N", report.iterations,
-                                number(report.force_residual, 2)));
-}
-
-std::string heading(const NamedRun& run) {
-  return terminal::bold(
-      fmt::format("{}, run {}, t = {} s", run.prepared.file.name, run.name, number(run.prepared.state.t, 6)),
-      terminal::takes_colour(stdout));
-}
 
 int print_statics(const Arguments& arguments, const terminal::Talk&) {
   std::vector<NamedRun> runs = prepare_runs(arguments);
@@ -63,31 +47,6 @@ int print_statics(const Arguments& arguments, const terminal::Talk&) {
     for (std::size_t i = 0; i < which.size(); ++i)
       table.add_row({infos[which[i]].name, number(values(static_cast<Eigen::Index>(i)), 9),
                      input::si_unit(infos[which[i]].dimension)});
-    fmt::print("{}\n", table.text(terminal::width(stdout), terminal::takes_colour(stdout)));
-    for (const std::string& note : p.notes) fmt::print("note: {}\n", note);
-  }
-  return 0;
-}
-
-int print_modes(const Arguments& arguments, const terminal::Talk&) {
-  std::vector<NamedRun> runs = prepare_runs(arguments);
-  for (NamedRun& run : runs) {
-    PreparedMechanism& p = run.prepared;
-    if (arguments.equilibrium) settle(p);
-    const auto modes = mbs::natural_modes(mbs::linearise(*p.mechanism, p.state));
-    fmt::print("{}\n\n", heading(run));
-    terminal::Table table(
-        {{"no"}, {"real [1/s]"}, {"imag [1/s]"}, {"f [Hz]"}, {"damping %"}, {"moves most", Align::left}});
-    int index = 0;
-    for (const mbs::NaturalMode& mode : modes) {
-      if (++index > arguments.count) break;
-      Eigen::Index largest = 0;
-      mode.shape.cwiseAbs().maxCoeff(&largest);
-      table.add_row({fmt::format("{}", index), number(mode.eigenvalue.real(), 6),
-                     number(mode.eigenvalue.imag(), 6), number(mode.frequency_hz, 6),
-                     number(100.0 * mode.damping, 4),
-                     p.mechanism->name_of_velocity(static_cast<int>(largest))});
-    }
     fmt::print("{}\n", table.text(terminal::width(stdout), terminal::takes_colour(stdout)));
     for (const std::string& note : p.notes) fmt::print("note: {}\n", note);
   }
@@ -139,15 +98,24 @@ int write_linear_system(const Arguments& arguments, const terminal::Talk& talk) 
   mbs::LineariseOptions options;
   std::vector<std::string> coordinates;
   for (int i = 0; i < m.sizes().n_v; ++i) coordinates.push_back(m.name_of_velocity(i));
-  for (const std::string& wanted : arguments.inputs) {
+  std::vector<std::string> own;
+  for (int i = 0; i < m.n_inputs(); ++i) own.push_back(m.name_of_input(i));
+  for (const std::string& wanted : arguments.inputs.empty() ? own : arguments.inputs) {
     const auto found = std::ranges::find(coordinates, wanted);
-    if (found == coordinates.end())
-      throw std::invalid_argument(fmt::format("there is no coordinate \"{}\" to put a force on{}", wanted,
-                                              input::suggestion(wanted, coordinates)));
+    if (const auto signal = std::ranges::find(own, wanted); signal != own.end()) {
+      options.signals.push_back(static_cast<int>(signal - own.begin()));
+      continue;
+    }
+    if (found == coordinates.end()) {
+      coordinates.insert(coordinates.end(), own.begin(), own.end());
+      throw std::invalid_argument(
+          fmt::format("there is no input \"{}\" and no coordinate to put a force on{}", wanted,
+                      input::suggestion(wanted, coordinates)));
+    }
     options.inputs.push_back(static_cast<int>(found - coordinates.begin()));
   }
-  const auto which =
-      arguments.outputs.empty() ? std::vector<int>{} : mbs::select_quantities(m, arguments.outputs);
+  const std::vector<std::string>& y = arguments.outputs.empty() ? p.file.y : arguments.outputs;
+  const auto which = y.empty() ? std::vector<int>{} : mbs::select_quantities(m, y);
   auto scratch = m.make_scratch();
   if (!which.empty()) {
     const auto infos = m.quantities();
@@ -199,19 +167,6 @@ int write_linear_system(const Arguments& arguments, const terminal::Talk& talk) 
 
 }  // namespace
 
-terminal::Command eigen_command() {
-  return {"eigen", "natural frequencies and damping of a mechanism",
-          [](terminal::Options& options, const terminal::Talk& talk) -> std::function<int()> {
-            auto a = std::make_shared<Arguments>();
-            declare_mechanism(options, *a);
-            options
-                .flag("--equilibrium", a->equilibrium, "about the static equilibrium, not the initial state")
-                .option("--count", a->count, "N", "print at most so many (30)")
-                .example("flexura eigen engine.toml --equilibrium", "eigenvalues, frequencies, damping");
-            return [a, &talk] { return print_modes(*a, talk); };
-          }};
-}
-
 terminal::Command linearize_command() {
   return {
       "linearize", "write the linear state-space system about a state",
@@ -226,9 +181,10 @@ terminal::Command linearize_command() {
                   "E, A, B, C, D with constraints and multipliers, nothing eliminated")
             .option("--response", a->response, "FROM:TO:COUNT",
                     "also write the frequency response of outputs to inputs over these frequencies [Hz]")
-            .option("--input", a->inputs, "COORDINATE", "force or torque on these coordinates is an input u")
+            .option("--input", a->inputs, "COORDINATE",
+                    "an input u: one of the file's, or force or torque on a coordinate; default: the file's")
             .option("--measure", a->outputs, "QUANTITY",
-                    "these quantities are outputs y; * and ? are wildcards")
+                    "these quantities are outputs y; * and ? are wildcards; default: the file's [output] y")
             .example("flexura linearize engine.toml --input shaft.angle --measure guide.position -o engine.m",
                      "A, B, C, D with the names of all states");
         return [a, &talk] { return write_linear_system(*a, talk); };

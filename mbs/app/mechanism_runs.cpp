@@ -5,6 +5,10 @@
 
 #include <algorithm>
 
+#include "mbs/solver/accelerations.hpp"
+#include "mbs/solver/statics.hpp"
+#include "mbs/terminal/terminal.hpp"
+
 namespace flexura::app {
 
 void declare_mechanism(terminal::Options& options, MechanismArguments& arguments, bool needs_file) {
@@ -48,6 +52,19 @@ NamedRun& only_run(std::vector<NamedRun>& runs, const MechanismArguments& argume
     throw std::invalid_argument(fmt::format("{} needs one run, and {} has {}; choose one with --run", option,
                                             arguments.file, runs.size()));
   return runs.front();
+}
+
+void settle(mbs::PreparedMechanism& p) {
+  const mbs::StaticsReport report = mbs::solve_statics(*p.mechanism, p.state);
+  mbs::AccelerationSolver(*p.mechanism).solve(p.state, p.v_dot);
+  p.notes.push_back(fmt::format("equilibrium in {} steps, largest force left {} N", report.iterations,
+                                terminal::number(report.force_residual, 2)));
+}
+
+std::string heading(const NamedRun& run) {
+  return terminal::bold(fmt::format("{}, run {}, t = {} s", run.prepared.file.name, run.name,
+                                    terminal::number(run.prepared.state.t, 6)),
+                        terminal::takes_colour(stdout));
 }
 
 }  // namespace flexura::app

@@ -32,6 +32,12 @@ std::vector<NamedRun> prepare_runs(const MechanismArguments& arguments);
 NamedRun& only_run(std::vector<NamedRun>& runs, const MechanismArguments& arguments,
                    const std::string& option);
 
+/// Moves the state into static equilibrium, with a note.
+void settle(mbs::PreparedMechanism& prepared);
+
+/// "engine, run rigid, t = 0 s"
+std::string heading(const NamedRun& run);
+
 /// `flexura check` of a mechanism file, as tables or as JSON.
 int check_mechanism(const std::string& file, bool json, const terminal::Talk& talk);
 

@@ -1,7 +1,6 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <csignal>
 #include <filesystem>
@@ -10,6 +9,7 @@
 #include "mbs/app/commands.hpp"
 #include "mbs/app/estimated_error.hpp"
 #include "mbs/app/mechanism_runs.hpp"
+#include "mbs/app/recorder.hpp"
 #include "mbs/input/units.hpp"
 #include "mbs/results/results.hpp"
 #include "mbs/solver/prepare.hpp"
@@ -48,115 +48,6 @@ class InterruptGuard {
 
  private:
   void (*before_)(int);
-};
-
-results::ModelHeader model_header(const std::vector<NamedRun>& runs, const Arguments& arguments) {
-  const mbs::Mechanism& first = *runs.front().prepared.mechanism;
-  results::ModelHeader header;
-  header.name = runs.front().prepared.file.name;
-  header.source = runs.front().prepared.file.source;
-  header.created_by = std::string("flexura ") + FLEXURA_VERSION;
-  header.connections_json = mbs::connections_json(first);
-  const auto results_folder = std::filesystem::absolute(arguments.output).parent_path();
-  const auto model_folder = std::filesystem::absolute(arguments.file).parent_path();
-  for (std::size_t b = 0; b < first.description().bodies.size(); ++b) {
-    const mbs::BodyDescription& body = first.description().bodies[b];
-    results::BodyHeader line;
-    line.name = body.name;
-    line.shape_json = body.shape_json;
-    bool flexible = false;
-    for (const NamedRun& run : runs) {
-      const auto& bodies = run.prepared.mechanism->description().bodies;
-      flexible = flexible || (b < bodies.size() && bodies[b].flexible != nullptr);
-    }
-    line.kind = b == 0 ? "ground" : flexible ? "flexible" : "rigid";
-    if (!body.superelement.empty()) {
-      std::filesystem::path path = body.superelement;
-      if (path.is_relative()) path = model_folder / path;
-      line.superelement = path.lexically_relative(results_folder).generic_string();
-    }
-    header.bodies.push_back(std::move(line));
-  }
-  return header;
-}
-
-// Writes one run into the results file.
-class Recorder {
- public:
-  Recorder(const PreparedMechanism& prepared, results::Writer& writer)
-      : mechanism_(*prepared.mechanism), writer_(writer), scratch_(mechanism_.make_scratch()) {
-    which_ = mbs::select_quantities(mechanism_, prepared.file.outputs);
-    const auto infos = mechanism_.quantities();
-    for (const int i : which_)
-      quantities_.push_back({infos[i].name, input::si_unit(infos[i].dimension), infos[i].doc});
-    quantities_.push_back({"energy.input", "J", "work put in by applied forces and drives so far"});
-    quantities_.push_back({"energy.dissipated", "J", "energy taken out by dampers and impacts so far"});
-    quantities_.push_back(
-        {"energy.balance", "J",
-         "kinetic + strain + potential, less their start and the work put in, plus what was "
-         "dissipated: the error of the run"});
-    const auto& bodies = mechanism_.description().bodies;
-    for (std::size_t b = 0; b < bodies.size(); ++b) {
-      results::RunBody body;
-      body.name = bodies[b].name;
-      if (bodies[b].flexible) body.basis = bodies[b].flexible->data().Y;
-      run_bodies_.push_back(std::move(body));
-    }
-    row_.quantities.resize(static_cast<Eigen::Index>(quantities_.size()));
-    row_.pose.assign(bodies.size(), Eigen::Matrix<double, 7, 1>::Zero());
-    for (auto& pose : row_.pose) pose(3) = 1.0;
-    row_.modal.resize(bodies.size());
-    store_states_ = prepared.options.store_states;
-  }
-
-  void begin(const std::string& name) {
-    std::vector<std::string> names;
-    if (store_states_) {
-      const mbs::Sizes n = mechanism_.sizes();
-      for (int i = 0; i < n.n_p; ++i) names.push_back(mechanism_.name_of_position(i));
-      for (int i = 0; i < n.n_v; ++i) names.push_back(mechanism_.name_of_velocity(i) + "'");
-      for (int i = 0; i < n.n_dyn; ++i) names.push_back(mechanism_.name_of_dynamic(i));
-      for (int i = 0; i < n.n_alg; ++i) names.push_back(mechanism_.name_of_algebraic(i));
-      for (int i = 0; i < n.n_lambda; ++i) names.push_back("lambda." + mechanism_.name_of_constraint(i));
-    }
-    writer_.begin_run(name, quantities_, run_bodies_, names);
-  }
-
-  void append(const mbs::State& s, const Eigen::VectorXd& v_dot, const mbs::EnergyAccount& energy) {
-    row_.time = s.t;
-    const auto n = static_cast<Eigen::Index>(which_.size());
-    mechanism_.evaluate(which_, s, v_dot, *scratch_, row_.quantities.head(n));
-    row_.quantities(n) = energy.work_in;
-    row_.quantities(n + 1) = energy.dissipated;
-    row_.quantities(n + 2) = energy.error();
-    mechanism_.body_poses(s, *scratch_, poses_);
-    for (std::size_t b = 0; b < poses_.size(); ++b) {
-      row_.pose[b].head<3>() = poses_[b].p;
-      const Eigen::Quaterniond q(poses_[b].R);
-      Eigen::Vector4d wxyz(q.w(), q.x(), q.y(), q.z());
-      // The sign that continues the last row: pictures interpolate.
-      if (wxyz.dot(row_.pose[b].tail<4>()) < 0.0) wxyz = -wxyz;
-      row_.pose[b].tail<4>() = wxyz;
-      if (const int at = mechanism_.modal_position(static_cast<int>(b)); at >= 0)
-        row_.modal[b] = s.p.segment(at, run_bodies_[b].basis.cols());
-    }
-    if (store_states_) {
-      row_.states.resize(s.p.size() + s.v.size() + s.c.size() + s.a.size() + s.lambda.size());
-      row_.states << s.p, s.v, s.c, s.a, s.lambda;
-    }
-    writer_.append(row_);
-  }
-
- private:
-  const mbs::Mechanism& mechanism_;
-  results::Writer& writer_;
-  std::unique_ptr<mbs::Equations::Scratch> scratch_;
-  std::vector<int> which_;
-  std::vector<results::Quantity> quantities_;
-  std::vector<results::RunBody> run_bodies_;
-  std::vector<mbs::Pose> poses_;
-  results::Row row_;
-  bool store_states_ = false;
 };
 
 nlohmann::json summary_of(const PreparedMechanism& prepared, const RunResult& r) {
@@ -288,7 +179,7 @@ int simulate(Arguments arguments, const terminal::Talk& talk) {
                       arguments.continue_from));
     p.options.start_time = p.given_start_time;
   }
-  results::Writer writer(arguments.output, model_header(runs, arguments));
+  results::Writer writer(arguments.output, model_header(runs, arguments.file, arguments.output));
   InterruptGuard guard;
   terminal::Progress progress(stderr, talk.quiet);
   std::vector<std::pair<std::string, std::pair<const PreparedMechanism*, RunResult>>> done;

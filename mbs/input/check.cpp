@@ -313,7 +313,7 @@ Section read_document(const std::filesystem::path& file, const TableSchema& sche
                                  failure.description()));
   }
   Overrides applied;
-  for (const std::string& entry : overrides) apply_override(root, entry, applied);
+  for (const std::string& entry : overrides) apply_override(root, schema, entry, applied);
   Checker checker(std::make_shared<const std::filesystem::path>(file), applied);
   if (formulas) checker.take_parameters(root, schema, formulas);
   return Section(checker.check(root, schema, "", 1, false));

@@ -45,6 +45,38 @@ std::vector<Step> split_path(const std::string& override_text, const std::string
   return steps;
 }
 
+// A misspelt name, "body.rodd.mass=3", must not become a body of its own: a table with a name of the user's
+// own is there already, or comes whole, as in "body.rod={mass = 3}".
+void refuse_new_names(const toml::table& root, const TableSchema& schema, const std::vector<Step>& steps) {
+  const toml::table* table = &root;
+  const TableSchema* known = &schema;
+  std::string path;
+  for (std::size_t i = 0; i + 1 < steps.size(); ++i) {
+    const Key* key = nullptr;
+    for (const Key& candidate : known->keys)
+      if (candidate.name == steps[i].key) key = &candidate;
+    path = join_path(path, steps[i].key);
+    const toml::node* next = table == nullptr ? nullptr : table->get(steps[i].key);
+    table = next == nullptr ? nullptr : next->as_table();
+    if (key == nullptr || key->table == nullptr || steps[i].index) return;
+    known = key->table.get();
+    if (key->kind != Kind::table_map) continue;
+    ++i;
+    const std::string& name = steps[i].key;
+    const toml::node* entry = table == nullptr ? nullptr : table->get(name);
+    if (entry == nullptr && i + 1 < steps.size()) {
+      std::vector<std::string> names;
+      if (table != nullptr)
+        for (const auto& [other, child] : *table) names.emplace_back(other.str());
+      throw InputError(fmt::format("command line: {}: there is no {} \"{}\"{}", join_path(path, name),
+                                   known->name.empty() ? key->name : known->name, name,
+                                   suggestion(name, names)));
+    }
+    path = join_path(path, name);
+    table = entry == nullptr ? nullptr : entry->as_table();
+  }
+}
+
 }  // namespace
 
 std::shared_ptr<toml::table> parse_value(const std::string& text) {
@@ -60,7 +92,8 @@ std::shared_ptr<toml::table> parse_value(const std::string& text) {
   return holder;
 }
 
-void apply_override(toml::table& root, const std::string& text, Overrides& overrides) {
+void apply_override(toml::table& root, const TableSchema& schema, const std::string& text,
+                    Overrides& overrides) {
   const auto equals = text.find('=');
   const auto trim = [](std::string s) {
     const auto first = s.find_first_not_of(" \t");
@@ -69,6 +102,7 @@ void apply_override(toml::table& root, const std::string& text, Overrides& overr
   };
   const std::string path = trim(text.substr(0, equals));
   const std::vector<Step> steps = split_path(text, equals == std::string::npos ? "" : path);
+  refuse_new_names(root, schema, steps);
   const std::string raw = trim(text.substr(equals + 1));
   const auto holder = parse_value(raw);
   const toml::node& value = *holder->get("value");

@@ -133,9 +133,11 @@ int ValueReader::whole(const toml::node& node, const Key& key, const Place& plac
 namespace {
 
 bool is_number_with_word(const std::string& text) {
+  // Not names that strtod would take for numbers: "infeed", "nano".
+  const auto first = text.find_first_not_of(" \t+-.");
+  if (first == std::string::npos || !std::isdigit(static_cast<unsigned char>(text[first]))) return false;
   char* end = nullptr;
   std::strtod(text.c_str(), &end);
-  if (end == text.c_str()) return false;
   while (*end == ' ' || *end == '\t') ++end;
   return std::isalpha(static_cast<unsigned char>(*end)) != 0;
 }

@@ -25,8 +25,9 @@ using Overrides = std::map<std::string, std::string>;
 // quotes may be left out.
 std::shared_ptr<toml::table> parse_value(const std::string& text);
 
-// Throws InputError.
-void apply_override(toml::table& root, const std::string& text, Overrides& overrides);
+// Throws InputError, also for a name of the user's own (a body's, a joint's) that the file does not have.
+void apply_override(toml::table& root, const TableSchema& schema, const std::string& text,
+                    Overrides& overrides);
 
 // --- Values ---
 

@@ -33,6 +33,10 @@ class Constraint {
   virtual void rate(const Kinematics& /*kin*/, double* g_t) const {
     for (int i = 0; i < n_rows(); ++i) g_t[i] = 0.0;
   }
+  /// A contact that travels along a curve: its parameter is an algebraic state on position level.
+  virtual bool has_contact() const { return false; }
+  virtual double contact_residual(const Kinematics& /*kin*/, double /*a*/) const { return 0.0; }
+  virtual double start_contact(const Kinematics& /*kin*/) const { return 0.0; }
 
  private:
   std::string name_;
@@ -52,17 +56,33 @@ class RelativeConstraint final : public Constraint {
   Vector6d wrench_on_M(const Kinematics& kin, const double* x) const;
   int marker_F() const { return marker_F_; }
   int marker_M() const { return marker_M_; }
+  bool has_contact() const override { return rows_->has_contact(); }
+  double contact_residual(const Kinematics& kin, double a) const override {
+    return rows_->contact_residual(kin.relative_pose(marker_F_, marker_M_), a);
+  }
+  double start_contact(const Kinematics& kin) const override {
+    return rows_->start_contact(kin.relative_pose(marker_F_, marker_M_));
+  }
 
  private:
   int marker_F_, marker_M_;
   std::shared_ptr<const RelativeRows> rows_;
 };
 
-/// A driven joint: coordinate = f(t).  Its multiplier is minus the drive's force or torque.
+/// What a drive prescribes.
+enum class DriveLevel { position, speed, acceleration };
+
+/// A driven joint, on one of three levels.  Its multiplier is minus the drive's force or torque.
+///
+///     position       q = f(t)
+///     speed          v = f(t): one integration's drift is that of q, since nothing says where q should be
+///     acceleration   v = v_0 + integral of f from t = 0 on, by adaptive Gauss-Kronrod quadrature to 1e-12
 class DriveConstraint final : public Constraint {
  public:
   /// `motion` may hold t and parameters only; its derivatives are exact (Expression::derivatives).
-  DriveConstraint(std::string name, CoordinateRef coordinate, std::shared_ptr<const Expression> motion);
+  DriveConstraint(std::string name, CoordinateRef coordinate, std::shared_ptr<const Expression> motion,
+                  DriveLevel level = DriveLevel::position, double start_speed = 0.0);
+  bool is_holonomic(int) const override { return level_ == DriveLevel::position; }
   int n_rows() const override { return 1; }
   std::string row_name(int) const override { return "drive"; }
   void position(const Kinematics& kin, double* g) const override;
@@ -73,8 +93,13 @@ class DriveConstraint final : public Constraint {
   CoordinateRef coordinate() const { return coordinate_; }
 
  private:
+  double wanted_speed(double t) const;
+  double wanted_acceleration(double t) const;
+
   CoordinateRef coordinate_;
   std::shared_ptr<const Expression> motion_;
+  DriveLevel level_;
+  double start_speed_;
 };
 
 }  // namespace flexura::mbs

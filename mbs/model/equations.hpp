@@ -41,6 +41,7 @@ struct State {
   double t = 0.0;
   Eigen::VectorXd p, v, c, lambda, a;
   std::vector<int> root;  ///< switch positions
+  Eigen::VectorXd u;      ///< added to the inputs' own values (n_inputs), for linearisation; empty: nothing
 };
 
 /// Energies [J] and powers [W] at one state; their balance is
@@ -156,6 +157,11 @@ class Equations {
   virtual std::string name_of_dynamic(int i) const = 0;
   virtual std::string name_of_constraint(int i) const = 0;
   virtual std::string name_of_algebraic(int i) const = 0;
+  /// Inputs u of the mechanism: functions of time that its forces and controls read.
+  virtual int n_inputs() const { return 0; }
+  virtual std::string name_of_input(int /*i*/) const { return {}; }
+  virtual double input_value(int /*i*/, double /*t*/) const { return 0.0; }
+
   virtual std::string name_of_root(int i) const { return "switch " + std::to_string(i); }
 };
 

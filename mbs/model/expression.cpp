@@ -83,6 +83,7 @@ enum Code : int {
   absolute,
   signum,
   round_to_integer,
+  table,
   // of more
   arc_tangent_2,
   minimum,
@@ -197,6 +198,14 @@ Jet arc_tangent_2_of(const Jet& y, const Jet& x) {
   return f;
 }
 
+double table_of(const Curve& curve, double x) {
+  return curve(x);
+}
+Jet table_of(const Curve& curve, const Jet& x) {
+  const Curve::Value f = curve.at(x.value);
+  return {f.value, f.first * x.first, f.second * x.first * x.first + f.first * x.second};
+}
+
 template <class T>
 T constant_of(double x) {
   if constexpr (std::is_same_v<T, Jet>)
@@ -231,6 +240,9 @@ double f_min(const double* x, int n) {
 }
 double f_max(const double* x, int n) {
   return *std::max_element(x, x + n);
+}
+double f_table(void* curve, double x) {
+  return (*static_cast<const Curve*>(curve))(x);
 }
 double f_step(double x, double x0, double y0, double x1, double y1) {
   return smooth_step_of(x, x0, y0, x1, y1);
@@ -340,8 +352,19 @@ int SignalNames::find(const std::string& name) const {
   return entry == place_.end() ? -1 : entry->second;
 }
 
+SignalNames SignalNames::within(const std::string& prefix) const {
+  if (prefix.empty()) return *this;
+  SignalNames scoped;
+  for (int i = 1; i < size(); ++i) {
+    const bool own = names_[i].starts_with(prefix);
+    scoped.names_.push_back(own ? names_[i].substr(prefix.size()) : "");
+    if (own) scoped.place_[scoped.names_.back()] = i;
+  }
+  return scoped;
+}
+
 Expression::Expression(std::string where, std::string text, const SignalNames& signals,
-                       const std::map<std::string, double>& constants)
+                       const std::map<std::string, double>& constants, const Curves& tables)
     : where_(std::move(where)), text_(std::move(text)) {
   const auto refuse = [&](const std::string& why) {
     throw std::invalid_argument(fmt::format("{} = \"{}\": {}", where_, text_, why));
@@ -364,6 +387,10 @@ Expression::Expression(std::string where, std::string text, const SignalNames& s
     parser.DefineFun("max", f_max);
     parser.DefineFun("step", f_step);
     known.insert(known.end(), {"atan2", "pow", "min", "max", "step", "pi", "e"});
+    for (const auto& [name, curve] : tables) {
+      parser.DefineFunUserData(name, f_table, const_cast<Curve*>(curve.get()));
+      known.push_back(name);
+    }
     parser.DefineInfixOprt("-", f1<minus>);
     parser.DefineInfixOprt("+", f1<plus>);
     if (!constants.contains("pi")) parser.DefineConst("pi", std::numbers::pi);
@@ -372,7 +399,9 @@ Expression::Expression(std::string where, std::string text, const SignalNames& s
       parser.DefineConst(name, value);
       known.push_back(name);
     }
-    for (int i = 0; i < signals.size(); ++i) parser.DefineVar(signals.names()[i], &values[i]);
+    std::erase(known, "");
+    for (int i = 0; i < signals.size(); ++i)
+      if (!signals.names()[i].empty()) parser.DefineVar(signals.names()[i], &values[i]);
     parser.SetExpr(text_);
     parser.Eval();
   } catch (const mu::Parser::exception_type& error) {
@@ -412,6 +441,12 @@ Expression::Expression(std::string where, std::string text, const SignalNames& s
         instruction = {jump, i};
         break;
       case mu::cmFUNC:
+        if (is(token[i].Fun.cb, f_table)) {
+          instruction = {table, static_cast<int>(tables_.size())};
+          for (const auto& [name, curve] : tables)
+            if (curve.get() == token[i].Fun.cb._pUserData) tables_.push_back(curve);
+          break;
+        }
         instruction = {function_code(token[i].Fun.cb), std::abs(token[i].Fun.argc)};
         break;
       default:
@@ -507,6 +542,9 @@ T Expression::run(const double* signals, const T& time) const {
         }
         break;
       }
+      case table:
+        stack[top] = table_of(*tables_[in.count], stack[top]);
+        break;
       case smooth_step:
         top -= 4;
         stack[top] =

@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "mbs/model/curve.hpp"
+
 /// Formulas of time, parameters and measured quantities.
 ///
 /// muparser reads the text; its byte code is translated once into a small program that is constant, allocates
@@ -13,7 +15,7 @@
 /// acceleration are exact and not differences.  Known are + - * / ^, comparisons, && || and ? :, the
 /// constants pi and e, and sin cos tan asin acos atan atan2 sinh cosh tanh asinh acosh atanh exp ln log log10
 /// log2 sqrt abs sign rint min max pow(x, y) and step(x, x0, y0, x1, y1): the cubic from y0 at x0 to y1 at
-/// x1, level outside.
+/// x1, level outside.  A table of the file is a function of one argument by its name.
 namespace flexura::mbs {
 
 /// A value with its first two time derivatives.
@@ -28,6 +30,9 @@ class SignalNames {
   int add(const std::string& name);         ///< the place of the name, new or known
   int find(const std::string& name) const;  ///< -1 when unknown
   const std::vector<std::string>& names() const { return names_; }
+  /// The same places under the names that a subsystem uses for its own: without `prefix`; others have no
+  /// name.
+  SignalNames within(const std::string& prefix) const;
   int size() const { return static_cast<int>(names_.size()); }
 
  private:
@@ -40,7 +45,7 @@ class Expression {
   /// Throws std::invalid_argument: syntax, an unknown name ("did you mean ...?"), an assignment.
   /// `where` names the element in this and in later messages; `constants` are the parameters.
   Expression(std::string where, std::string text, const SignalNames& signals,
-             const std::map<std::string, double>& constants);
+             const std::map<std::string, double>& constants, const Curves& tables = {});
 
   const std::string& text() const { return text_; }
   const std::string& where() const { return where_; }
@@ -67,6 +72,7 @@ class Expression {
 
   std::string where_, text_;
   std::vector<Instruction> program_;
+  std::vector<std::shared_ptr<const Curve>> tables_;
   std::vector<int> reads_;
   bool reads_time_ = false;
 };

@@ -23,7 +23,30 @@ struct Powers {
   double dissipated = 0.0;  ///< power taken out for good [W], >= 0
 };
 
-class ForceElement {
+/// States of an element's own, found in Kinematics::own wherever the element is evaluated on velocity level.
+class HasStates {
+ public:
+  virtual int n_states() const { return 0; }  ///< dynamic
+  virtual int n_switches() const { return 0; }
+  virtual std::string switch_name(int i) const { return "switch_" + std::to_string(i + 1); }
+  /// Values of dynamic states before anything is known of the motion.
+  virtual void start(double* /*c*/) const {}
+  virtual void rates(const Kinematics& /*kin*/, const double* /*signals*/, double* /*c_rate*/) const {}
+  /// Functions whose zeros the integrator stops at; positions of switches and what hangs on them stay
+  /// between.
+  virtual void switching(const Kinematics& /*kin*/, const double* /*signals*/, double* /*values*/) const {}
+  /// Positions that an assembled state wants, and dynamic states that go with them.
+  virtual void start_switches(const Kinematics& /*kin*/, const double* /*signals*/, int* /*root*/,
+                              double* /*c*/) const {}
+  /// Takes the switch `which` at its zero into its new position.
+  virtual void change_switch(int /*which*/, const Kinematics& /*kin*/, const double* /*signals*/,
+                             int* /*root*/, double* /*c*/) const {}
+
+ protected:
+  ~HasStates() = default;
+};
+
+class ForceElement : public HasStates {
  public:
   explicit ForceElement(std::string name) : name_(std::move(name)) {}
   virtual ~ForceElement() = default;

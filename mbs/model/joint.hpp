@@ -107,6 +107,7 @@ class Rows {
   Vector3d linear() const { return V_.tail<3>(); }
 
   int n = 0;
+  double* contact = nullptr;  ///< see OwnStates::contact
   Vector6d g = Vector6d::Zero();
   Eigen::Matrix<double, 6, 6, Eigen::RowMajor> G = Eigen::Matrix<double, 6, 6, Eigen::RowMajor>::Zero();
   Vector6d gamma = Vector6d::Zero();
@@ -124,6 +125,12 @@ class RelativeRows {
   virtual void constrain(Rows& rows) const = 0;
   /// "x", "parallel_1": completes "name of the joint . ".
   virtual std::string row_name(int i) const = 0;
+  /// The parameter of a contact that travels along a curve is an algebraic state a with 0 =
+  /// contact_residual(a).
+  virtual bool has_contact() const { return false; }
+  virtual double contact_residual(const Pose& /*X_FM*/, double /*a*/) const { return 0.0; }
+  /// Its value at an assembled position.
+  virtual double start_contact(const Pose& /*X_FM*/) const { return 0.0; }
 };
 
 /// Name and kind of a coordinate or speed.

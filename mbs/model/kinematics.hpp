@@ -35,6 +35,16 @@ struct JointPlace {
   bool in_tree() const { return i_p >= 0; }
 };
 
+/// What one element has of its own at one state.
+struct OwnStates {
+  const double* c = nullptr;  ///< its dynamic states
+  const double* a = nullptr;  ///< its algebraic states
+  const int* root = nullptr;  ///< positions of its switches
+  /// Of a constraint that sits on a curve: where its contact was last (NaN: unknown).  The constraint finds
+  /// the contact from there and leaves it here; what it finds is a function of the positions alone.
+  double* contact = nullptr;
+};
+
 /// Positions are always set; V from level velocity on; A and v_dot on level acceleration only.
 class Kinematics {
  public:
@@ -43,6 +53,7 @@ class Kinematics {
   const double* v = nullptr;
   const double* v_dot = nullptr;
   const double* c = nullptr;  ///< dynamic states of controls, where signals are evaluated
+  OwnStates own;              ///< of the element that is being evaluated
   std::vector<MarkerState> markers;
   const std::vector<JointPlace>* joints = nullptr;
 

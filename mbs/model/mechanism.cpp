@@ -14,8 +14,10 @@ Sizes Mechanism::sizes() const {
   sizes.n_p = n_p_;
   sizes.n_v = n_v_;
   sizes.n_flx = n_flx_;
-  sizes.n_dyn = first_state_.back();
+  sizes.n_dyn = first_force_state_.back();
   sizes.n_lambda = static_cast<int>(kept_rows_.size());
+  sizes.n_root = first_switch_.back();
+  sizes.n_alg = static_cast<int>(algebraic_.size() + contacts_.size());
   return sizes;
 }
 
@@ -23,10 +25,15 @@ State Mechanism::initial_state() const {
   State s;
   s.p = p_0_;
   s.v = v_0_;
-  s.c.setZero(first_state_.back());
+  s.c.setZero(first_force_state_.back());
   for (std::size_t i = 0; i < d_.controls.size(); ++i) d_.controls[i]->start(s.c.data() + first_state_[i]);
+  for (std::size_t i = 0; i < d_.forces.size(); ++i) d_.forces[i]->start(s.c.data() + first_force_state_[i]);
   s.lambda = Eigen::VectorXd::Zero(kept_rows_.size());
-  s.a.resize(0);
+  s.a.resize(sizes().n_alg);
+  for (std::size_t k = 0; k < algebraic_.size(); ++k)
+    s.a(static_cast<Eigen::Index>(k)) = d_.controls[algebraic_[k]]->start_algebraic();
+  s.root.assign(first_switch_.back(), 0);
+  if (!contacts_.empty()) start_contacts(s, *make_scratch());
   return s;
 }
 
@@ -49,31 +56,41 @@ void Mechanism::retract(ConstVectorRef p, ConstVectorRef d, VectorRef p_out) con
 }
 
 // After forward() on acceleration level: what moves the bodies less what acts on them.
-void Mechanism::applied_forces(const State& s, VectorRef c_rate, Work& work) const {
-  work.kin.c = s.c.data();
+void Mechanism::applied_forces(const State& s, VectorRef c_rate, VectorRef b, Work& work) const {
+  take_states(s, work);
   body_forces(true, work);
   evaluate_signals(work);
   for (std::size_t i = 0; i < d_.controls.size(); ++i)
     d_.controls[i]->rates(work.signals.data(), work.kin.c + first_state_[i], c_rate.data() + first_state_[i]);
   BodyLoads loads(*this, work, 1.0);
-  for (const auto& force : d_.forces) force->apply(work.kin, work.signals.data(), loads);
+  for (std::size_t i = 0; i < d_.forces.size(); ++i) {
+    own_states(i, work);
+    d_.forces[i]->apply(work.kin, work.signals.data(), loads);
+    if (d_.forces[i]->n_states() > 0)
+      d_.forces[i]->rates(work.kin, work.signals.data(), c_rate.data() + first_force_state_[i]);
+  }
+  algebraic_equations(work, b);
   add_constraint_loads(s.lambda.data(), -1.0, work);
 }
 
 void Mechanism::momentum(const State& s, ConstVectorRef v_dot, Scratch& scratch, VectorRef r,
-                         VectorRef c_rate, VectorRef) const {
+                         VectorRef c_rate, VectorRef b) const {
   Work& work = work_of(scratch);
   forward(Level::acceleration, s.t, s.p.data(), s.v.data(), v_dot.data(), work);
-  applied_forces(s, c_rate, work);
+  applied_forces(s, c_rate, b, work);
   backward(work, r.data());
 }
 
 void Mechanism::constraint_rows(VectorRef g, VectorRef g_dot, Work& work) const {
-  for (std::size_t k = 0; k < constraints_.size(); ++k)
+  for (std::size_t k = 0; k < constraints_.size(); ++k) {
+    own_contact(k, work);
     constraints_[k]->position(work.kin, work.rows_g.data() + first_row_[k]);
+  }
   for (std::size_t i = 0; i < kept_rows_.size(); ++i) g(i) = work.rows_g(kept_rows_[i]);
-  for (std::size_t k = 0; k < constraints_.size(); ++k)
+  for (std::size_t k = 0; k < constraints_.size(); ++k) {
+    own_contact(k, work);
     constraints_[k]->velocity(work.kin, work.rows_g.data() + first_row_[k]);
+  }
   for (std::size_t i = 0; i < kept_rows_.size(); ++i) g_dot(i) = work.rows_g(kept_rows_[i]);
 }
 
@@ -85,7 +102,7 @@ void Mechanism::constraints(double t, ConstVectorRef p, ConstVectorRef v, Scratc
 }
 
 void Mechanism::residuals(const State& s, ConstVectorRef v_dot, ConstVectorRef mu, Scratch& scratch,
-                          VectorRef r, VectorRef c_rate, VectorRef, VectorRef g_dot, VectorRef g,
+                          VectorRef r, VectorRef c_rate, VectorRef b, VectorRef g_dot, VectorRef g,
                           VectorRef GT_mu) const {
   Work& work = work_of(scratch);
   forward(Level::acceleration, s.t, s.p.data(), s.v.data(), v_dot.data(), work);
@@ -95,7 +112,7 @@ void Mechanism::residuals(const State& s, ConstVectorRef v_dot, ConstVectorRef m
     add_constraint_loads(mu.data(), -1.0, work);
     backward(work, GT_mu.data());
   }
-  applied_forces(s, c_rate, work);
+  applied_forces(s, c_rate, b, work);
   backward(work, r.data());
 }
 
@@ -115,8 +132,10 @@ bool Mechanism::elastic_coordinate(int i_v, int& i_p, double& k, double& d) cons
 void Mechanism::position_constraints(double t, ConstVectorRef p, Scratch& scratch, VectorRef g) const {
   Work& work = work_of(scratch);
   forward(Level::position, t, p.data(), nullptr, nullptr, work);
-  for (std::size_t k = 0; k < constraints_.size(); ++k)
+  for (std::size_t k = 0; k < constraints_.size(); ++k) {
+    own_contact(k, work);
     constraints_[k]->position(work.kin, work.rows_g.data() + first_row_[k]);
+  }
   for (std::size_t i = 0; i < kept_rows_.size(); ++i) g(i) = work.rows_g(kept_rows_[i]);
 }
 
@@ -124,8 +143,10 @@ void Mechanism::velocity_constraints(double t, ConstVectorRef p, ConstVectorRef 
                                      VectorRef g_dot) const {
   Work& work = work_of(scratch);
   forward(Level::velocity, t, p.data(), v.data(), nullptr, work);
-  for (std::size_t k = 0; k < constraints_.size(); ++k)
+  for (std::size_t k = 0; k < constraints_.size(); ++k) {
+    own_contact(k, work);
     constraints_[k]->velocity(work.kin, work.rows_g.data() + first_row_[k]);
+  }
   for (std::size_t i = 0; i < kept_rows_.size(); ++i) g_dot(i) = work.rows_g(kept_rows_[i]);
 }
 
@@ -133,8 +154,10 @@ void Mechanism::acceleration_constraints(double t, ConstVectorRef p, ConstVector
                                          Scratch& scratch, VectorRef g_ddot) const {
   Work& work = work_of(scratch);
   forward(Level::acceleration, t, p.data(), v.data(), v_dot.data(), work);
-  for (std::size_t k = 0; k < constraints_.size(); ++k)
+  for (std::size_t k = 0; k < constraints_.size(); ++k) {
+    own_contact(k, work);
     constraints_[k]->acceleration(work.kin, work.rows_g.data() + first_row_[k]);
+  }
   for (std::size_t i = 0; i < kept_rows_.size(); ++i) g_ddot(i) = work.rows_g(kept_rows_[i]);
 }
 
@@ -154,6 +177,7 @@ void Mechanism::constraint_matrix(double t, ConstVectorRef p, Scratch& scratch, 
   std::size_t i = 0;
   // Row by row: the loads of a unit multiplier, taken inwards.
   for (std::size_t k = 0; k < constraints_.size(); ++k) {
+    own_contact(k, work);
     for (; i < kept_rows_.size() && kept_rows_[i] < first_row_[k + 1]; ++i) {
       clear_loads(work);
       work.rows_x.segment(first_row_[k], constraints_[k]->n_rows()).setZero();
@@ -191,7 +215,10 @@ EnergyReport Mechanism::energies(const double* lambda, Work& work) const {
     report.potential -= d_.gravity.dot(mass * body.X_WB.p + body.X_WB.R * first_moment);
   }
   Powers powers;
-  for (const auto& force : d_.forces) force->add_powers(work.kin, work.signals.data(), powers);
+  for (std::size_t i = 0; i < d_.forces.size(); ++i) {
+    own_states(i, work);
+    d_.forces[i]->add_powers(work.kin, work.signals.data(), powers);
+  }
   report.potential += powers.potential;
   report.input_power += powers.input;
   report.dissipated_power += powers.dissipated;
@@ -206,14 +233,9 @@ EnergyReport Mechanism::energies(const double* lambda, Work& work) const {
 EnergyReport Mechanism::energy(const State& s, ConstVectorRef, Scratch& scratch) const {
   Work& work = work_of(scratch);
   forward(Level::velocity, s.t, s.p.data(), s.v.data(), nullptr, work);
-  work.kin.c = s.c.data();
+  take_states(s, work);
   evaluate_signals(work);
   return energies(s.lambda.data(), work);
-}
-
-void Mechanism::roots(const State&, Scratch&, VectorRef) const {}
-bool Mechanism::on_root(int, State&, Scratch&) const {
-  return false;
 }
 
 bool Mechanism::is_holonomic(int row) const {
@@ -283,14 +305,16 @@ std::string Mechanism::name_of_velocity(int i) const {
 }
 
 std::string Mechanism::name_of_dynamic(int i) const {
+  if (i >= first_state_.back()) return name_of_force_state(i);
   std::size_t k = 0;
   while (first_state_[k + 1] <= i) ++k;
   const Control& control = *d_.controls[k];
   if (control.n_states() == 1) return control.name();
   return fmt::format("{}.state_{}", control.name(), i - first_state_[k] + 1);
 }
-std::string Mechanism::name_of_algebraic(int) const {
-  return {};
+std::string Mechanism::name_of_algebraic(int i) const {
+  const int n = static_cast<int>(algebraic_.size());
+  return i < n ? d_.controls[algebraic_[i]]->name() : constraints_[contacts_[i - n]]->name() + ".contact";
 }
 
 std::string Mechanism::name_of_constraint(int i) const {

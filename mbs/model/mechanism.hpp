@@ -44,10 +44,22 @@ struct JointDescription {
   std::string name;
   std::shared_ptr<const Joint> joint;
   int marker_F = -1, marker_M = -1;
-  bool cut = false;                           ///< keep out of the tree
+  bool cut = false;  ///< keep out of the tree
+  /// The program decides what it becomes: a joint of the tree where one is needed, the one with the fewest
+  /// freedoms first, else a constraint; its initial values are then of no account.
+  bool is_connection = false;
   std::map<int, double> initial_coordinates;  ///< by index
   std::map<int, double> initial_speeds;
   std::map<int, std::shared_ptr<const Expression>> drives;  ///< coordinate = formula of time
+  std::map<int, std::shared_ptr<const Expression>> speed_drives,
+      acceleration_drives;  ///< the same of its rates
+  bool is_driven() const { return !drives.empty() || !speed_drives.empty() || !acceleration_drives.empty(); }
+};
+
+/// An input u of the mechanism: a function of time that formulas read by its name.
+struct InputDescription {
+  std::string name;
+  std::shared_ptr<const Expression> value;
 };
 
 struct MechanismDescription {
@@ -60,6 +72,7 @@ struct MechanismDescription {
   std::vector<std::shared_ptr<const ForceElement>> forces;
   std::vector<std::shared_ptr<const Measure>> measures;
   std::vector<std::shared_ptr<const Control>> controls;
+  std::vector<InputDescription> inputs;
   /// What formulas may read: "t", then any "joint.coordinate", "joint.speed", "measure" they name.
   SignalNames signals;
 
@@ -118,6 +131,10 @@ class Mechanism final : public Equations {
   std::string name_of_dynamic(int i) const override;
   std::string name_of_constraint(int i) const override;
   std::string name_of_algebraic(int i) const override;
+  std::string name_of_root(int i) const override;
+  int n_inputs() const override { return static_cast<int>(d_.inputs.size()); }
+  std::string name_of_input(int i) const override { return d_.inputs[i].name; }
+  double input_value(int i, double t) const override { return d_.inputs[i].value->evaluate(&t); }
 
   // ---- beyond it
   // -------------------------------------------------------------------------------------------------
@@ -126,6 +143,12 @@ class Mechanism final : public Equations {
   /// Entries of p and v that the user gave: an assembly should rather move the others.
   const std::vector<bool>& given_positions() const { return given_p_; }
   const std::vector<bool>& given_velocities() const { return given_v_; }
+
+  /// Puts all switches, and the states that go with them, where the assembled state s wants them.
+  void start_switches(State& s, Scratch& scratch) const;
+  /// Puts the contacts of constraints that travel along curves, algebraic states, where the positions of s
+  /// are.
+  void start_contacts(State& s, Scratch& scratch) const;
 
   /// Finds rows that follow from others at the assembled configuration p and near it (a rank that drops at an
   /// instant is not redundancy), leaves them out of all later evaluations and says which.
@@ -180,9 +203,16 @@ class Mechanism final : public Equations {
   void local_marker(int marker, Level level, Work& work) const;
   void body_forces(bool with_gravity, Work& work) const;
   void evaluate_signals(Work& work) const;
-  void applied_forces(const State& s, VectorRef c_rate, Work& work) const;
+  void applied_forces(const State& s, VectorRef c_rate, VectorRef b, Work& work) const;
   void own_inertia(Work& work) const;
   void constraint_rows(VectorRef g, VectorRef g_dot, Work& work) const;
+  void take_states(const State& s, Work& work) const;
+  void own_states(std::size_t force, Work& work) const;
+  double control_output(int control, const Work& work) const;
+  double input_now(int input, const Work& work) const;
+  void algebraic_equations(const Work& work, VectorRef b) const;
+  void own_contact(std::size_t constraint, Work& work) const;
+  std::string name_of_force_state(int i) const;
   void clear_loads(Work& work) const;
   void backward(Work& work, double* r) const;
   void add_constraint_loads(const double* lambda, double factor, Work& work) const;
@@ -200,10 +230,16 @@ class Mechanism final : public Equations {
   std::vector<int> kept_rows_;     ///< all rows -> without redundant ones
   std::vector<int> used_signals_;  ///< in the order in which they can be evaluated
   std::vector<int> first_state_;   ///< of each control in c, and their number at the end
+  std::vector<int>
+      first_force_state_;  ///< of each force in c, after the controls; the number of all at the end
+  std::vector<int> first_control_switch_;  ///< of each control, and their number at the end
+  std::vector<int> algebraic_;             ///< controls with an algebraic state, the first of all
+  std::vector<int> contacts_;              ///< constraints with a contact on a curve, whose states come next
+  std::vector<int> first_switch_;          ///< of each force among the switches, and their number at the end
   struct SignalSource {
-    enum class Kind { time, coordinate, speed, measure, control } kind = Kind::time;
+    enum class Kind { time, coordinate, speed, measure, control, input } kind = Kind::time;
     CoordinateRef coordinate;
-    int element = -1;  ///< measure or control
+    int element = -1;  ///< measure, control or input
   };
   std::vector<SignalSource> sources_;  ///< of each signal
   enum class QuantityKind {
@@ -218,6 +254,8 @@ class Mechanism final : public Equations {
     mode,
     strain_energy,
     measure,
+    contact,
+    input,
     control,
     force,
     energy

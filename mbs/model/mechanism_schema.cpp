@@ -1,9 +1,13 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
 #include "mbs/model/constraints/types.hpp"
 #include "mbs/model/controls/types.hpp"
 #include "mbs/model/forces/types.hpp"
 #include "mbs/model/joints/types.hpp"
 #include "mbs/model/read_mechanism.hpp"
+#include "mbs/model/read_tables.hpp"
+#include "mbs/model/user_library.hpp"
 
 /// What may stand in a mechanism file.
 namespace flexura::mbs {
@@ -78,17 +82,23 @@ TableSchema body_schema() {
   return schema;
 }
 
-TableSchema joint_schema() {
+TableSchema joint_schema(bool is_connection) {
   TableSchema schema;
-  schema.name = "joint";
+  schema.name = is_connection ? "connection" : "joint";
   schema.doc =
-      "Joins two bodies. Joints span a tree from ground outwards (in the order of the file, a driven joint "
-      "first); the "
-      "others close loops as constraints.";
+      is_connection
+          ? "Joins two bodies like a joint; the program makes a joint of the tree of it where the joints "
+            "leave a body "
+            "unreached (of several connections the one with the fewest freedoms) and a constraint elsewhere. "
+            "Its "
+            "values at the start are guesses that a constraint ignores. flexura check says what it became."
+          : "Joins two bodies. Joints span a tree from ground outwards (in the order of the file, a driven "
+            "joint "
+            "first); the others close loops as constraints.";
   schema.selector = "type";
   schema.keys = {text("from", "marker F on the first body, \"body.marker\"").required(),
-                 text("to", "marker M on the second body").required(),
-                 flag("cut", "close a loop here").or_default("false")};
+                 text("to", "marker M on the second body").required()};
+  if (!is_connection) schema.keys.push_back(flag("cut", "close a loop here").or_default("false"));
   for (const JointType& type : joint_types()) {
     TableSchema variant;
     variant.doc = type.doc;
@@ -98,18 +108,28 @@ TableSchema joint_schema() {
       variant.keys.push_back(quantity(c.name, c.dimension, "coordinate at the start"));
     for (const CoordinateInfo& c : speeds)
       variant.keys.push_back(quantity(c.name, c.dimension, "speed at the start"));
-    if (joint->n_p() == joint->n_v()) {
+    if (joint->n_p() == joint->n_v() && !is_connection) {
       for (const CoordinateInfo& c : coordinates) {
         Key drive = expression(joint->n_v() == 1 ? "drive" : "drive_" + c.name,
                                "drives the coordinate \"" + c.name + "\": a formula of t and parameters");
         drive.dimension = c.dimension;
         variant.keys.push_back(std::move(drive));
       }
+      for (const auto& [infos, what] :
+           {std::pair(speeds, "speed"), std::pair(joint->accelerations(), "acceleration")})
+        for (const CoordinateInfo& c : infos) {
+          Key drive = expression("drive_" + c.name,
+                                 fmt::format("drives this {} instead: a formula of t and parameters", what));
+          drive.dimension = c.dimension;
+          variant.keys.push_back(std::move(drive));
+        }
     }
     variant.keys.insert(variant.keys.end(), type.keys.begin(), type.keys.end());
     for (const std::string& synonym : type.synonyms) schema.variants[synonym] = variant;
     schema.variants[type.name] = std::move(variant);
   }
+  schema.variants["user"] = {.doc = "A joint of your own, out of a shared library in C++.",
+                             .keys = user_joint_keys()};
   return schema;
 }
 
@@ -128,6 +148,20 @@ TableSchema element_schema(const std::string& name, const std::string& doc, cons
   return schema;
 }
 
+TableSchema subsystem_schema() {
+  TableSchema schema;
+  schema.name = "subsystem";
+  schema.doc =
+      "A mechanism file placed in this one, as often as wanted. Its bodies, joints and elements are named "
+      "\"NAME.body\", ...; its [solver], [output] and [run] count only where it runs by itself.";
+  schema.keys = {
+      text("file", "the mechanism file, beside this one").required(),
+      text("on", "marker of this mechanism that takes the place of its ground; without it the world"),
+      formulas("parameters", "values for parameters of that file: formulas of the parameters of this one")};
+  add_pose(schema, "its ground in that marker's frame");
+  return schema;
+}
+
 }  // namespace
 
 TableSchema mechanism_schema(TableSchema solver) {
@@ -139,10 +173,19 @@ TableSchema mechanism_schema(TableSchema solver) {
   output.name = "output";
   output.doc = "What is stored.";
   output.keys = {
-      texts("quantities", "names, with * and ? as wildcards, like \"crank.*\"; without it the usual ones")};
+      texts("quantities", "names, with * and ? as wildcards, like \"crank.*\"; without it the usual ones"),
+      texts("y", "the outputs y of the linearised mechanism: names, with * and ? as wildcards")};
   run.name = "run";
   run.doc = "A run with some values changed.";
   run.keys = {texts("set", "\"key.path=value\" pairs, like \"body.rod.fidelity=rigid\"")};
+
+  TableSchema input_schema;
+  input_schema.name = "input";
+  input_schema.doc =
+      "An input u of the mechanism: a function of time that formulas read by its name, and a column of B "
+      "where the "
+      "mechanism is linearised.";
+  input_schema.keys = {input::expression("value", "a formula of t and parameters, in SI").or_default("0")};
 
   schema.name = "mechanism";
   schema.doc = "A mechanism: bodies, joints, forces, and how they are simulated.";
@@ -153,9 +196,12 @@ TableSchema mechanism_schema(TableSchema solver) {
           "parameters",
           "names for formulas; each a number, a quantity or a formula of the others. Every number of the "
           "file may be a formula of them, like position = [\"2*radius\", 0, 0]"),
+      table_map("table", table_schema(), "curves through points"),
       table("ground", ground, "the world"),
       table_map("body", body_schema(), "bodies"),
-      table_map("joint", joint_schema(), "joints"),
+      table_map("subsystem", subsystem_schema(), "mechanisms placed in this one"),
+      table_map("joint", joint_schema(false), "joints"),
+      table_map("connection", joint_schema(true), "joints or constraints, as the program finds best"),
       table_map("constraint",
                 element_schema("constraint", "Restrains motion without being a joint.", constraint_types()),
                 "constraints beside the joints"),
@@ -163,6 +209,7 @@ TableSchema mechanism_schema(TableSchema solver) {
       table_map("measure",
                 element_schema("measure", "A scalar that formulas and outputs can name.", measure_types()),
                 "measured quantities"),
+      table_map("input", input_schema, "inputs u"),
       table_map("control",
                 element_schema("control", "Reads signals, holds states, gives a signal of its name.",
                                control_types()),

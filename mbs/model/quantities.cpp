@@ -50,9 +50,13 @@ void Mechanism::list_quantities() {
         add(fmt::format("{}.torque_{}", joint.name, axis_names[i]), dim::torque,
             "torque on the body of `to` about its marker, in the axes of `from`", K::reaction, k, i);
     }
-    for (const auto& [index, motion] : joint.drives) {
+    const auto all_drives = {&joint.drives, &joint.speed_drives, &joint.acceleration_drives};
+    std::vector<int> driven;
+    for (const auto* drives : all_drives)
+      for (const auto& [index, motion] : *drives) driven.push_back(index);
+    for (const int index : driven) {
       const bool is_angle = coordinates[index].dimension == dim::angle;
-      add(joint.name + (joint.drives.size() > 1 ? ".drive_force_" + coordinates[index].name : ".drive_force"),
+      add(joint.name + (driven.size() > 1 ? ".drive_force_" + coordinates[index].name : ".drive_force"),
           is_angle ? dim::torque : dim::force, "force or torque of the drive along the coordinate", K::drive,
           k, index, true);
     }
@@ -78,6 +82,12 @@ void Mechanism::list_quantities() {
   for (std::size_t i = 0; i < d_.measures.size(); ++i)
     add(d_.measures[i]->name(), d_.measures[i]->dimension(), "measure", K::measure, static_cast<int>(i), 0,
         true);
+  for (std::size_t k = 0; k < contacts_.size(); ++k)
+    add(constraints_[contacts_[k]]->name() + ".contact", dim::length,
+        "where along its curve the point stands", K::contact, static_cast<int>(algebraic_.size() + k), 0,
+        true);
+  for (std::size_t i = 0; i < d_.inputs.size(); ++i)
+    add(d_.inputs[i].name, dim::none, "input", K::input, static_cast<int>(i), 0, true);
   for (std::size_t i = 0; i < d_.controls.size(); ++i)
     add(d_.controls[i]->name(), dim::none, "output of the control", K::control, static_cast<int>(i), 0, true);
   for (std::size_t f = 0; f < d_.forces.size(); ++f) {
@@ -133,7 +143,7 @@ void Mechanism::evaluate(const std::vector<int>& which, const State& s, ConstVec
   Work& work = work_of(scratch);
   forward(Level::acceleration, s.t, s.p.data(), s.v.data(), v_dot.data(), work);
   body_forces(true, work);
-  work.kin.c = s.c.data();
+  take_states(s, work);
   // Measures that only the output asks for may read signals that no force needs: all of them, in their order.
   work.signals(0) = s.t;
   std::vector<double> measured(d_.measures.size()), controlled(d_.controls.size());
@@ -141,12 +151,13 @@ void Mechanism::evaluate(const std::vector<int>& which, const State& s, ConstVec
     const SignalSource& source = sources_[k];
     if (source.kind == SignalSource::Kind::coordinate)
       work.signals(k) = work.kin.coordinate(source.coordinate);
+    if (source.kind == SignalSource::Kind::input) work.signals(k) = input_now(source.element, work);
     if (source.kind == SignalSource::Kind::speed) work.signals(k) = work.kin.speed(source.coordinate);
   }
   const auto evaluate_controls = [&](bool feed_through) {
     for (std::size_t i = 0; i < d_.controls.size(); ++i) {
       if (d_.controls[i]->feeds_through() != feed_through) continue;
-      controlled[i] = d_.controls[i]->output(work.signals.data(), work.kin.c + first_state_[i]);
+      controlled[i] = control_output(static_cast<int>(i), work);
       if (const int k = d_.signals.find(d_.controls[i]->name()); k >= 0) work.signals(k) = controlled[i];
     }
   };
@@ -157,7 +168,10 @@ void Mechanism::evaluate(const std::vector<int>& which, const State& s, ConstVec
   }
   evaluate_controls(true);
   BodyLoads loads(*this, work, 1.0);
-  for (const auto& force : d_.forces) force->apply(work.kin, work.signals.data(), loads);
+  for (std::size_t i = 0; i < d_.forces.size(); ++i) {
+    own_states(i, work);
+    d_.forces[i]->apply(work.kin, work.signals.data(), loads);
+  }
   work.rows_x.setZero();
   add_constraint_loads(s.lambda.data(), -1.0, work);
   backward(work, work.r.data());
@@ -215,12 +229,19 @@ void Mechanism::evaluate(const std::vector<int>& which, const State& s, ConstVec
       case QuantityKind::measure:
         value = measured[q.index];
         break;
+      case QuantityKind::contact:
+        value = work.algebraic(q.index);
+        break;
+      case QuantityKind::input:
+        value = input_now(q.index, work);
+        break;
       case QuantityKind::control:
         value = controlled[q.index];
         break;
       case QuantityKind::force:
         if (outputs_of != q.index) {
           outputs.assign(d_.forces[q.index]->outputs().size(), 0.0);
+          own_states(q.index, work);
           d_.forces[q.index]->evaluate_outputs(work.kin, work.signals.data(), outputs.data());
           outputs_of = q.index;
         }

@@ -14,11 +14,18 @@ namespace flexura::mbs {
 
 class ReadContext {
  public:
-  ReadContext(MechanismDescription& description, std::map<std::string, double> parameters)
-      : d_(description), parameters_(std::move(parameters)) {}
+  /// `prefix` of a subsystem: names within it are found without.
+  ReadContext(MechanismDescription& description, std::map<std::string, double> parameters, Curves tables,
+              std::string prefix = {})
+      : d_(description),
+        parameters_(std::move(parameters)),
+        tables_(std::move(tables)),
+        prefix_(std::move(prefix)) {}
 
   /// The marker "body.marker" (or "body" for the body's own frame) that a key names.
   int marker(const input::Section& section, const std::string& key) const;
+  /// The same for one entry `name` of a list.
+  int marker_of(const input::Section& section, const std::string& key, const std::string& name) const;
   /// The body that a key names.
   int body(const input::Section& section, const std::string& key) const;
   /// The joint that a key names.
@@ -31,17 +38,26 @@ class ReadContext {
                            const std::string& name) const;
   /// A formula of time, parameters, joint coordinates and measures.
   std::shared_ptr<const Expression> expression(const input::Section& section, const std::string& key) const;
+  /// The same for one entry `formula` of a list.
+  std::shared_ptr<const Expression> expression_of(const input::Section& section, const std::string& key,
+                                                  const std::string& formula) const;
   /// The value of a formula of parameters.
   double number(const input::Section& section, const std::string& key) const;
+  double number_of(const input::Section& section, const std::string& key, const std::string& formula) const;
   /// A formula of time and parameters.
   std::shared_ptr<const Expression> time_expression(const input::Section& section,
                                                     const std::string& key) const;
+
+  /// The table that a key names.
+  std::shared_ptr<const Curve> table(const input::Section& section, const std::string& key) const;
 
   const MechanismDescription& description() const { return d_; }
 
  private:
   MechanismDescription& d_;
   std::map<std::string, double> parameters_;
+  Curves tables_;
+  std::string prefix_;
 };
 
 }  // namespace flexura::mbs

@@ -25,6 +25,7 @@ struct MechanismFile {
   std::string source;                ///< the file's text
   MechanismDescription description;  ///< ready for Mechanism's constructor
   std::vector<std::string> outputs;  ///< wanted quantities, with * and ? as wildcards; empty: the usual ones
+  std::vector<std::string> y;        ///< outputs of the linearised mechanism, likewise
   std::vector<RunDescription> runs;  ///< one without overrides when the file names none
   std::vector<std::string> notes;    ///< what the user should know: truncated bases, ...
   input::Section solver;             ///< checked [solver] table, for read_solver_options

@@ -128,11 +128,13 @@ std::vector<RedundantRow> Mechanism::drop_redundant(double t, ConstVectorRef p) 
   for (std::size_t i = 0; i < best.size(); ++i) G_kept.row(i) = best_G.row(best[i]);
   std::vector<std::string> names(n_rows);
   for (int i = 0; i < n_rows; ++i) names[i] = name_of_constraint(i);
-  const Eigen::CompleteOrthogonalDecomposition<MatrixXd> combine(G_kept.transpose());
+  Eigen::CompleteOrthogonalDecomposition<MatrixXd> combine;
+  if (!best.empty()) combine.compute(G_kept.transpose());
   for (int i = 0; i < n_rows; ++i) {
     if (std::ranges::binary_search(best, i)) continue;
     RedundantRow row{names[i], {}};
-    const VectorXd x = combine.solve(best_G.row(i).transpose());
+    VectorXd x;
+    if (!best.empty()) x = combine.solve(best_G.row(i).transpose());
     for (std::size_t k = 0; k < best.size(); ++k)
       if (std::abs(x(k)) * G_kept.row(k).norm() > 1e-6 * best_G.row(i).norm())
         row.follows_from.push_back(names[best[k]]);

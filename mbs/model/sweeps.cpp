@@ -48,6 +48,10 @@ std::unique_ptr<Equations::Scratch> Mechanism::make_scratch() const {
   work->rows_x.setZero(first_row_.back());
   work->rows_g.setZero(first_row_.back());
   work->signals.setZero(d_.signals.size());
+  work->switches.assign(first_switch_.back(), 0);
+  work->algebraic.setZero(sizes().n_alg);
+  work->inputs.setZero(n_inputs());
+  work->contacts.assign(constraints_.size(), std::numeric_limits<double>::quiet_NaN());
   return work;
 }
 
@@ -303,9 +307,11 @@ void Mechanism::evaluate_signals(Work& work) const {
       case SignalSource::Kind::speed:
         work.signals(k) = work.kin.speed(source.coordinate);
         break;
+      case SignalSource::Kind::input:
+        work.signals(k) = input_now(source.element, work);
+        break;
       case SignalSource::Kind::control:
-        work.signals(k) = d_.controls[source.element]->output(work.signals.data(),
-                                                              work.kin.c + first_state_[source.element]);
+        work.signals(k) = control_output(source.element, work);
         break;
       case SignalSource::Kind::measure:
         work.signals(k) = d_.measures[source.element]->value(work.kin, work.signals.data());
@@ -319,8 +325,10 @@ void Mechanism::add_constraint_loads(const double* lambda, double factor, Work& 
   work.rows_x.setZero();
   for (std::size_t i = 0; i < kept_rows_.size(); ++i) work.rows_x(kept_rows_[i]) = lambda[i];
   BodyLoads loads(*this, work, factor);
-  for (std::size_t k = 0; k < constraints_.size(); ++k)
+  for (std::size_t k = 0; k < constraints_.size(); ++k) {
+    own_contact(k, work);
     constraints_[k]->apply_GT(work.kin, work.rows_x.data() + first_row_[k], loads);
+  }
 }
 
 }  // namespace flexura::mbs

@@ -99,14 +99,14 @@ void Mechanism::build_tree() {
   std::vector<Priority> priority(d_.joints.size(), ordinary);
   for (std::size_t j = 0; j < d_.joints.size(); ++j) {
     if (!d_.joints[j].initial_coordinates.empty()) priority[j] = set;
-    if (!d_.joints[j].drives.empty()) priority[j] = wanted;
+    if (d_.joints[j].is_driven()) priority[j] = wanted;
   }
   for (const auto& constraint : d_.constraints)
     for (const CoordinateRef& c : constraint->coordinates()) priority[c.joint] = wanted;
   const auto next_joint = [&](Priority level, int body) {
     for (std::size_t j = 0; j < d_.joints.size(); ++j) {
       const JointDescription& joint = d_.joints[j];
-      if (used[j] || joint.cut || priority[j] != level) continue;
+      if (used[j] || joint.cut || joint.is_connection || priority[j] != level) continue;
       const int f = d_.markers[joint.marker_F].body, m = d_.markers[joint.marker_M].body;
       if (reached[f] == reached[m]) continue;
       if (body >= 0 && f != body && m != body) continue;
@@ -122,7 +122,18 @@ void Mechanism::build_tree() {
     place_joint(outer, j, reversed);
     queue.push_back(outer);
   };
-  const auto sweep = [&] {
+  // Joints lead where they can; where they end, the connection with the fewest freedoms leads on.
+  const auto next_connection = [&] {
+    int best = -1;
+    for (std::size_t j = 0; j < d_.joints.size(); ++j) {
+      const JointDescription& joint = d_.joints[j];
+      if (used[j] || !joint.is_connection) continue;
+      if (reached[d_.markers[joint.marker_F].body] == reached[d_.markers[joint.marker_M].body]) continue;
+      if (best < 0 || joint.joint->n_v() < d_.joints[best].joint->n_v()) best = static_cast<int>(j);
+    }
+    return best;
+  };
+  const auto follow_joints = [&] {
     for (std::size_t k = 0; k < queue.size(); ++k) {
       while (true) {
         int j = next_joint(wanted, -1);
@@ -131,6 +142,13 @@ void Mechanism::build_tree() {
         if (j < 0) break;
         take(j);
       }
+    }
+  };
+  const auto sweep = [&] {
+    follow_joints();
+    for (int j = next_connection(); j >= 0; j = next_connection()) {
+      take(j);
+      follow_joints();
     }
   };
   sweep();
@@ -151,6 +169,17 @@ void Mechanism::build_tree() {
           fmt::format("joint \"{}\" is driven or coupled but closes a loop; {}", d_.joints[j].name,
                       d_.joints[j].cut ? "take away its cut = true and cut another joint of the loop"
                                        : "a loop of such joints alone cannot move"));
+
+  for (std::size_t j = 0; j < d_.joints.size(); ++j) {
+    const JointDescription& joint = d_.joints[j];
+    if (used[j] || joint.is_connection || (joint.initial_coordinates.empty() && joint.initial_speeds.empty()))
+      continue;
+    throw std::invalid_argument(fmt::format(
+        "joint \"{}\" closes a loop, so its coordinate and speed follow from those of the other joints; take "
+        "its "
+        "initial values away, or {}",
+        joint.name, joint.cut ? "its cut = true" : "cut another joint of the loop with cut = true"));
+  }
 
   markers_of_body_.assign(n_bodies, {});
   for (std::size_t i = 0; i < d_.markers.size(); ++i)
@@ -197,10 +226,20 @@ void Mechanism::build_constraints() {
     for (const auto& [index, motion] : joint.drives)
       constraints_.push_back(
           std::make_shared<DriveConstraint>(joint.name, CoordinateRef{static_cast<int>(j), index}, motion));
+    for (const auto& [index, motion] : joint.speed_drives)
+      constraints_.push_back(std::make_shared<DriveConstraint>(
+          joint.name, CoordinateRef{static_cast<int>(j), index}, motion, DriveLevel::speed));
+    for (const auto& [index, motion] : joint.acceleration_drives) {
+      const auto given = joint.initial_speeds.find(index);
+      constraints_.push_back(std::make_shared<DriveConstraint>(
+          joint.name, CoordinateRef{static_cast<int>(j), index}, motion, DriveLevel::acceleration,
+          given == joint.initial_speeds.end() ? 0.0 : given->second));
+    }
   }
   constraints_.insert(constraints_.end(), d_.constraints.begin(), d_.constraints.end());
   int row = 0;
   for (const auto& constraint : constraints_) {
+    if (constraint->has_contact()) contacts_.push_back(static_cast<int>(first_row_.size()));
     first_row_.push_back(row);
     row += constraint->n_rows();
   }
@@ -223,11 +262,25 @@ void Mechanism::build_constraints() {
   for (std::size_t i = 0; i < d_.measures.size(); ++i)
     if (const int k = d_.signals.find(d_.measures[i]->name()); k >= 0)
       sources_[k] = {SignalSource::Kind::measure, {}, static_cast<int>(i)};
+  for (std::size_t i = 0; i < d_.inputs.size(); ++i)
+    if (const int k = d_.signals.find(d_.inputs[i].name); k >= 0)
+      sources_[k] = {SignalSource::Kind::input, {}, static_cast<int>(i)};
   first_state_ = {0};
   for (std::size_t i = 0; i < d_.controls.size(); ++i) {
     first_state_.push_back(first_state_.back() + d_.controls[i]->n_states());
     if (const int k = d_.signals.find(d_.controls[i]->name()); k >= 0)
       sources_[k] = {SignalSource::Kind::control, {}, static_cast<int>(i)};
+  }
+  first_force_state_ = {first_state_.back()};
+  first_control_switch_ = {0};
+  for (std::size_t i = 0; i < d_.controls.size(); ++i) {
+    first_control_switch_.push_back(first_control_switch_.back() + d_.controls[i]->n_switches());
+    if (d_.controls[i]->is_algebraic()) algebraic_.push_back(static_cast<int>(i));
+  }
+  first_switch_ = {first_control_switch_.back()};
+  for (const auto& force : d_.forces) {
+    first_force_state_.push_back(first_force_state_.back() + force->n_states());
+    first_switch_.push_back(first_switch_.back() + force->n_switches());
   }
   const auto mark = [&](const std::vector<int>& reads) {
     for (int k : reads) is_used[k] = true;
@@ -244,7 +297,9 @@ void Mechanism::build_constraints() {
       if (is_used[k] && wanted(sources_[k])) used_signals_.push_back(k);
   };
   using Kind = SignalSource::Kind;
-  append([](const SignalSource& s) { return s.kind == Kind::coordinate || s.kind == Kind::speed; });
+  append([](const SignalSource& s) {
+    return s.kind == Kind::coordinate || s.kind == Kind::speed || s.kind == Kind::input;
+  });
   append([&](const SignalSource& s) {
     return s.kind == Kind::control && !d_.controls[s.element]->feeds_through();
   });
@@ -264,6 +319,7 @@ void Mechanism::find_initial_values() {
 
   const auto scratch = make_scratch();
   Work& work = work_of(*scratch);
+  const double t_0 = 0.0;
   for (int b : order_) {
     const TreeBody& body = bodies_[b];
     const JointDescription& joint = d_.joints[body.joint];
@@ -280,6 +336,7 @@ void Mechanism::find_initial_values() {
       p_0_[place.i_p + index] = f.value;
       v_0_[place.i_v + index] = f.first;
     }
+    for (const auto& [index, motion] : joint.speed_drives) v_0_[place.i_v + index] = motion->evaluate(&t_0);
     for (const auto& [index, value] : joint.initial_coordinates) {
       p_0_[place.i_p + index] = value;
       given_p_[place.i_p + index] = true;

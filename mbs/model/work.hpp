@@ -57,6 +57,10 @@ struct Mechanism::Work final : public Equations::Scratch {
   Eigen::VectorXd rows_x, rows_g;  ///< one entry for each constraint row, redundant ones included
   Eigen::VectorXd signals;
   Eigen::VectorXd zero_v;
+  std::vector<int> switches;  ///< positions of all of them
+  Eigen::VectorXd algebraic;
+  Eigen::VectorXd inputs;        ///< what is added to them
+  std::vector<double> contacts;  ///< of each constraint, where it has one: see OwnStates::contact
   // Columns of the mass matrix under way to the root: twists of a body for unit velocities of its own
   // coordinates, the wrench they need and the modal forces.
   std::vector<Eigen::Matrix<double, 6, Eigen::Dynamic>> K;

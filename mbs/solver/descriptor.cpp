@@ -121,12 +121,32 @@ DescriptorSystem linearise_as_descriptor(const Equations& eq, const State& given
     }
   }
 
-  const int n_u = static_cast<int>(options.inputs.size());
+  const int n_f = static_cast<int>(options.inputs.size()),
+            n_u = n_f + static_cast<int>(options.signals.size());
   out.B.setZero(n_x, n_u);
   out.u_0.setZero(n_u);
-  for (int k = 0; k < n_u; ++k) {
+  for (int k = 0; k < n_f; ++k) {
     out.B(n_v + options.inputs[k], k) = 1.0;
     out.inputs.push_back("force on " + eq.name_of_velocity(options.inputs[k]));
+  }
+  const auto scratch = eq.make_scratch();
+  MatrixXd direct = MatrixXd::Zero(0, n_u);  // of outputs on inputs, at fixed v'
+  if (options.outputs) direct.setZero(options.outputs(s, v_dot).size(), n_u);
+  for (int k = n_f; k < n_u; ++k) {
+    const int input = options.signals[k - n_f];
+    out.inputs.push_back(eq.name_of_input(input));
+    out.u_0(k) = eq.input_value(input, s.t);
+    const double h = 1e-5 * std::max(1.0, std::abs(out.u_0(k)));
+    VectorXd z[2];
+    for (int side = 0; side < 2; ++side) {
+      State moved = s;
+      moved.u = (side == 0 ? h : -h) * VectorXd::Unit(eq.n_inputs(), input);
+      z[side].setZero(n_v + n_c + n_a);
+      eq.momentum(moved, v_dot, *scratch, z[side].head(n_v), z[side].segment(n_v, n_c), z[side].tail(n_a));
+      if (options.outputs) direct.col(k) += (side == 0 ? 0.5 : -0.5) / h * options.outputs(moved, v_dot);
+    }
+    out.B.col(k).segment(n_v, n_v + n_c + n_a) = (z[0] - z[1]) / (2.0 * h);
+    out.B.col(k).segment(n_v, n_v) *= -1.0;
   }
   if (options.outputs) {
     out.y_0 = options.outputs(s, v_dot);
@@ -138,7 +158,7 @@ DescriptorSystem linearise_as_descriptor(const Equations& eq, const State& given
     // v' is not among the states: it follows from the momentum rows.
     const Eigen::PartialPivLU<MatrixXd> M(t.M);
     out.C += by_v_dot * M.solve(out.A.middleRows(n_v, n_v));
-    out.D = by_v_dot * M.solve(out.B.middleRows(n_v, n_v));
+    out.D = direct + by_v_dot * M.solve(out.B.middleRows(n_v, n_v));
   } else {
     out.C.setZero(0, n_x);
     out.D.setZero(0, n_u);

@@ -60,6 +60,8 @@ class GeneralisedAlpha final : public Integrator {
     mu_.setZero(n_.n_lambda);
     w_.setZero(n_.n_p + n_.n_v + n_.n_dyn);
     error_ = w_;
+    round_off_.resize(n_.n_v);
+    for (int i = 0; i < n_.n_v; ++i) round_off_(i) = 1e-14 * eq.velocity_scale(i);
     for (int k = 0; k < n_.n_lambda; ++k) holonomic_.push_back(eq.is_holonomic(k));
   }
 
@@ -83,6 +85,7 @@ class GeneralisedAlpha final : public Integrator {
   Outcome newton(double h);          // next_ by Newton's method from its prediction
   double correction_size(double h);  // of x_ in units of the error allowed
   double local_error(double h);      // in units of the error allowed
+  void filter(VectorXd& e);
   int worst_state() const;
   std::string name_of(int i) const {
     return i < n_.n_p            ? eq_.name_of_position(i)
@@ -103,7 +106,7 @@ class GeneralisedAlpha final : public Integrator {
   Point now_, next_, before_;  // before_: the beginning of the last step, for its polynomial
   VectorXd v_dot_older_;       // v' one step before now_
   State found_;
-  VectorXd F_, x_, row_scale_, column_scale_, d_, d_before_, g_, g_dot_, mu_, unused_, w_, error_,
+  VectorXd F_, x_, row_scale_, column_scale_, d_, d_before_, g_, g_dot_, mu_, unused_, w_, error_, round_off_,
       v_dot_found_;
   Eigen::MatrixXd J_, Z_q_;
   Eigen::PartialPivLU<Eigen::MatrixXd> lu_;
@@ -233,6 +236,12 @@ double GeneralisedAlpha::correction_size(double h) {
   error_.head(n_.n_p) *= by_d;
   error_.segment(n_.n_p, n_.n_v) = by_v * x_.head(n_.n_v);
   error_.tail(n_.n_dyn) = by_v * x_.segment(n_.n_v, n_.n_dyn);
+  // Positions carry round-off, and the constraints turn it into velocities 1 / h times as large: below that
+  // nothing can be corrected.
+  for (int i = 0; i < n_.n_v; ++i) {
+    double& e = error_(n_.n_p + i);
+    e = std::copysign(std::max(0.0, std::abs(e) - round_off_(i) / h), e);
+  }
   return error_.cwiseProduct(w_).norm() / std::sqrt(static_cast<double>(std::max<long>(1, w_.size())));
 }
 
@@ -251,8 +260,8 @@ GeneralisedAlpha::Outcome GeneralisedAlpha::newton(double h) {
       residual();
       // g moves with d, by_d times v'.
       for (int k = 0; k < n_l; ++k) F_(n_z + k) /= holonomic_[k] ? by_d : by_v;
-      x_ = row_scale_.cwiseProduct(F_);
-      x_ = lu_.solve(x_);
+      F_.array() *= row_scale_.array();
+      x_ = lu_.solve(F_);
       x_.array() *= -column_scale_.array();
       if (!x_.allFinite()) break;
       next_.v_dot += x_.head(n_v);
@@ -282,11 +291,25 @@ GeneralisedAlpha::Outcome GeneralisedAlpha::newton(double h) {
   }
 }
 
+// e <- the part of e that the motion takes up: M e through Newton's matrix.  What a change of step leaves in
+// the accelerations along the constraints (of order h, with alternating sign) and in vibrations that the step
+// does not resolve dies out by itself and must not steer the step.
+void GeneralisedAlpha::filter(VectorXd& e) {
+  F_.setZero();
+  F_.head(n_.n_v).noalias() = tangents_.M * e;
+  F_.array() *= row_scale_.array();
+  x_ = lu_.solve(F_);
+  e = x_.head(n_.n_v).cwiseProduct(column_scale_.head(n_.n_v));
+}
+
 double GeneralisedAlpha::local_error(double h) {
   unused_ = k_.error_p * h * h * (next_.w - now_.w);
+  filter(unused_);
   eq_.kinematic(next_.s.p, unused_, error_.head(n_.n_p));
   unused_ = (next_.v_dot - now_.v_dot) / h - (now_.v_dot - v_dot_older_) / h_older_;
-  error_.segment(n_.n_p, n_.n_v) = k_.error_v * h * h * h * 2.0 / (h + h_older_) * unused_;
+  unused_ *= k_.error_v * h * h * h * 2.0 / (h + h_older_);
+  filter(unused_);
+  error_.segment(n_.n_p, n_.n_v) = unused_;
   // Of first-order states: as of velocities, with the change of their rates for the second difference.
   error_.tail(n_.n_dyn) = std::abs(k_.error_v) * h * (next_.w_c - now_.w_c);
   weights_.evaluate(next_.s.p, next_.s.v, next_.s.c, w_);
@@ -325,7 +348,7 @@ StepEnd GeneralisedAlpha::step(double t_stop) {
     trouble_.clear();
     try {
       outcome = newton(h);
-      if (outcome == Outcome::converged) size = local_error(h);
+      if (outcome == Outcome::converged && !fixed) size = local_error(h);
     } catch (const std::runtime_error& e) {
       trouble_ = e.what();
     }

@@ -131,11 +131,14 @@ int Ida::jacobian(double t, double cj, N_Vector y, N_Vector yp, N_Vector, SUNMat
 // The cheap matrix, which holds of elastic coordinates their stiffness alone, until Newton's method fails
 // with it; then the full one for a while.
 TangentScope Ida::scope() {
-  if (!form_->has_elastic_coordinates()) return TangentScope::everything;
   long failures = 0;
   IDAGetNumNonlinSolvConvFails(memory_, &failures);
-  if (failures > failures_seen_) full_matrices_left_ = 20;
+  if (failures > failures_seen_) {
+    full_matrices_left_ = 20;
+    form_->forget_structure();
+  }
   failures_seen_ = failures;
+  if (!form_->has_elastic_coordinates()) return TangentScope::everything;
   if (full_matrices_left_ == 0) return TangentScope::newton;
   --full_matrices_left_;
   return TangentScope::everything;

@@ -39,6 +39,7 @@ class Lineariser {
   void prepare_kinematics();
   Sample at(int column, double step);
   Eigen::VectorXd rates(const Sample& sample) const;
+  Sample with_input(int input, double step);
 
   const Equations& eq_;
   Sizes n_;
@@ -132,6 +133,14 @@ Lineariser::Sample Lineariser::at(int column, double step) {
   return out;
 }
 
+Lineariser::Sample Lineariser::with_input(int input, double step) {
+  Sample out{s_0_, {}, {}};
+  out.s.u = step * Eigen::VectorXd::Unit(eq_.n_inputs(), input);
+  accelerations_.solve(out.s, out.v_dot);
+  out.c_rate = accelerations_.c_rate();
+  return out;
+}
+
 // Rates of (z, z', c) relative to those of the linearisation state.
 Eigen::VectorXd Lineariser::rates(const Sample& sample) const {
   const int n_z = static_cast<int>(independent_.size());
@@ -183,13 +192,14 @@ LinearSystem Lineariser::system(const LineariseOptions& options) {
       out.C.col(j) = (options.outputs(up.s, up.v_dot) - options.outputs(down.s, down.v_dot)) / (2.0 * step);
   }
   // A unit force on a coordinate changes the accelerations by the saddle-point system's first block.
-  const int n_u = static_cast<int>(options.inputs.size());
+  const int n_f = static_cast<int>(options.inputs.size()),
+            n_u = n_f + static_cast<int>(options.signals.size());
   out.B.setZero(n_x, n_u);
   out.D.setZero(out.y_0.size(), n_u);
   out.u_0.setZero(n_u);
   SaddleSolver saddle;
-  if (n_u > 0) saddle.factor(eq_, M_, G_);
-  for (int k = 0; k < n_u; ++k) {
+  if (n_f > 0) saddle.factor(eq_, M_, G_);
+  for (int k = 0; k < n_f; ++k) {
     Eigen::VectorXd a, lambda;
     saddle.solve(Eigen::VectorXd::Unit(n_.n_v, options.inputs[k]), Eigen::VectorXd::Zero(n_.n_lambda), a,
                  lambda);
@@ -201,6 +211,16 @@ LinearSystem Lineariser::system(const LineariseOptions& options) {
       loaded.lambda += lambda;
       out.D.col(k) = options.outputs(loaded, v_dot_0_ + a) - out.y_0;
     }
+  }
+  for (int k = n_f; k < n_u; ++k) {
+    const int input = options.signals[k - n_f];
+    out.inputs.push_back(eq_.name_of_input(input));
+    out.u_0(k) = eq_.input_value(input, s_0_.t);
+    const double step = 1e-5 * std::max(1.0, std::abs(out.u_0(k)));
+    const Sample up = with_input(input, step), down = with_input(input, -step);
+    out.B.col(k) = (rates(up) - rates(down)) / (2.0 * step);
+    if (options.outputs)
+      out.D.col(k) = (options.outputs(up.s, up.v_dot) - options.outputs(down.s, down.v_dot)) / (2.0 * step);
   }
   return out;
 }

@@ -33,6 +33,8 @@ struct LinearSystem {
 struct LineariseOptions {
   /// Generalised forces on these velocity coordinates are the inputs u.
   std::vector<int> inputs;
+  /// Then the mechanism's own inputs with these indices (Equations::n_inputs).
+  std::vector<int> signals;
   /// Outputs y of a state with its accelerations, and their names.
   std::vector<std::string> output_names;
   std::function<Eigen::VectorXd(const State&, const Eigen::VectorXd& v_dot)> outputs;

@@ -103,9 +103,6 @@ SolverOptions read_solver_options(const input::Section& section) {
   if (o.fixed_step > 0.0 && o.method != "runge_kutta" && o.method != "generalised_alpha")
     section.refuse("fixed_step", o.method + " chooses its own steps",
                    "use method = \"runge_kutta\" or \"generalised_alpha\"");
-  if (o.fixed_step == 0.0 && o.method == "generalised_alpha")
-    section.refuse("fixed_step", "generalised_alpha takes steps of one length",
-                   "give fixed_step, or use method = \"ida\"");
   if (o.max_step > 0.0 && o.max_step < o.min_step)
     section.refuse("max_step", "must not be below min_step", "give a larger max_step, or 0 for no bound");
   return o;

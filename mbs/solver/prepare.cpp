@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "mbs/solver/accelerations.hpp"
 #include "mbs/solver/kinematic_blocks.hpp"
 
 namespace flexura::mbs {
@@ -82,6 +83,8 @@ PreparedMechanism prepare(const std::filesystem::path& path, const std::vector<s
   try {
     const std::vector<bool> modal = modal_velocities(*out.mechanism, out.state);
     out.assembly = close_loops(*out.mechanism, out.state, keep, modal);
+    if (out.mechanism->sizes().n_alg > 0 && state_file.empty())
+      out.mechanism->start_contacts(out.state, *out.mechanism->make_scratch());
     out.redundant = out.mechanism->drop_redundant(out.state.t, out.state.p);
     out.state.lambda = Eigen::VectorXd::Zero(out.mechanism->sizes().n_lambda);
     const AssembleReport positions = std::move(out.assembly);
@@ -93,6 +96,11 @@ PreparedMechanism prepare(const std::filesystem::path& path, const std::vector<s
     if (!out.assembly.velocities_kept) {
       out.state = assembled;
       out.assembly = assemble(*out.mechanism, out.state, out.v_dot, keep);
+    }
+    if (out.mechanism->sizes().n_root > 0) {
+      const auto scratch = out.mechanism->make_scratch();
+      out.mechanism->start_switches(out.state, *scratch);
+      AccelerationSolver(*out.mechanism).solve(out.state, out.v_dot);
     }
     // The second assembly finds the loops closed; what it took is in the first report.
     out.assembly.iterations += positions.iterations;

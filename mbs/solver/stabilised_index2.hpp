@@ -27,7 +27,9 @@
 /// d(Tv)/dp)^-1,
 ///     dp = E (r_p + T dv + T S G^T dmu),
 /// which leaves a system of n_v + n_dyn + n_alg + 2 n_lambda unknowns.  It is solved scaled by D = M_ii^-1/2
-/// and by the lengths of the rows of G D, so that masses of 1e-9 and 1e9 meet on equal terms.
+/// and by the lengths of the rows of G D, so that masses of 1e-9 and 1e9 meet on equal terms.  Where it is
+/// large and mostly zeros (many bodies on short chains, many loops) it is factorised by KLU (T. A. Davis, E.
+/// Palamadai Natarajan, ACM TOMS 37 (2010) 36), else densely.
 namespace flexura::mbs {
 
 class StabilisedIndex2 {
@@ -56,6 +58,9 @@ class StabilisedIndex2 {
 
   /// Builds and factorises dF/dy + cj dF/dy'.  False when it is not finite.
   bool factor(double t, double cj, ConstVectorRef y, ConstVectorRef yp, TangentScope scope);
+  /// Forces may have come or gone: the next factor() looks for its zeros anew.
+  void forget_structure();
+  bool is_sparse() const;
   bool has_elastic_coordinates() const { return tangents_.has_elastic_coordinates(); }
   void solve(ConstVectorRef rhs, VectorRef x);
 
@@ -69,12 +74,16 @@ class StabilisedIndex2 {
   State s_;
   KinematicBlocks kinematics_;
   Tangents tangents_;
-  Eigen::VectorXd S_, w_, v_dot_, z_, row_scale_, column_scale_, rhs_, dp_, dp_0_;
+  Eigen::VectorXd S_, w_, v_dot_, z_, row_scale_, column_scale_, rhs_, solution_, dp_, dp_0_, g_w_;
   Eigen::MatrixXd z_v_, h_v_, g_v_, GS_, J_;
   std::vector<bool> holonomic_;
   std::string non_finite_;
   long evaluations_ = 0;
   double cj_ = 0.0;
+  void assemble_dense();
+  void assemble_sparse();
+  void scale(double cj);
+
   struct Factor;
   std::unique_ptr<Factor> factor_;
 };

@@ -141,6 +141,10 @@ int main() {
   growth("chain.accelerations", chains[0].acceleration, chains[2].acceleration, 100.0);
   growth("chain.step", chains[0].step, chains[2].step, 100.0);
   for (const int n : {10, 100}) measure(fmt::format("chain_{}", n), chain(n), "ida", 0.2);
-  for (const int n : {2, 20, 60}) measure(fmt::format("windows_{}", n), windows(n), "ida", 0.2);
+  Times loops[4];
+  const int numbers[4] = {2, 20, 60, 200};
+  for (int k = 0; k < 4; ++k)
+    loops[k] = measure(fmt::format("windows_{}", numbers[k]), windows(numbers[k]), "ida", 0.2);
+  growth("windows.ida.step", loops[1].step, loops[3].step, 10.0);
   return 0;
 }

@@ -11,6 +11,7 @@ void RelativeConstraint::position(const Kinematics& kin, double* g) const {
   const Pose X = kin.relative_pose(marker_F_, marker_M_);
   const Vector6d at_rest = Vector6d::Zero();
   Rows rows(X, at_rest);
+  rows.contact = kin.own.contact;
   rows_->constrain(rows);
   for (int i = 0; i < rows.n; ++i) g[i] = rows.g(i);
 }
@@ -18,6 +19,7 @@ void RelativeConstraint::position(const Kinematics& kin, double* g) const {
 void RelativeConstraint::velocity(const Kinematics& kin, double* g_dot) const {
   const Relative rel = kin.relative_motion(marker_F_, marker_M_);
   Rows rows(rel.X_FM, rel.V);
+  rows.contact = kin.own.contact;
   rows_->constrain(rows);
   for (int i = 0; i < rows.n; ++i) g_dot[i] = rows.G.row(i).dot(rel.V);
 }
@@ -25,6 +27,7 @@ void RelativeConstraint::velocity(const Kinematics& kin, double* g_dot) const {
 void RelativeConstraint::acceleration(const Kinematics& kin, double* g_ddot) const {
   const Relative rel = kin.relative_acceleration(marker_F_, marker_M_);
   Rows rows(rel.X_FM, rel.V);
+  rows.contact = kin.own.contact;
   rows_->constrain(rows);
   for (int i = 0; i < rows.n; ++i) g_ddot[i] = rows.G.row(i).dot(rel.A) + rows.gamma(i);
 }
@@ -37,6 +40,7 @@ Vector6d RelativeConstraint::wrench_on_M(const Kinematics& kin, const double* x)
   const Pose X = kin.relative_pose(marker_F_, marker_M_);
   const Vector6d at_rest = Vector6d::Zero();
   Rows rows(X, at_rest);
+  rows.contact = kin.own.contact;
   rows_->constrain(rows);
   Vector6d on_M = Vector6d::Zero();
   for (int i = 0; i < rows.n; ++i) on_M += x[i] * rows.G.row(i).transpose();

@@ -11,6 +11,7 @@ const std::vector<ConstraintType>& constraint_types();
 
 ConstraintType point_on_line_constraint();
 ConstraintType point_on_plane_constraint();
+ConstraintType point_on_curve_constraint();
 ConstraintType orientation_constraint();
 ConstraintType parallel_constraint();
 ConstraintType perpendicular_constraint();

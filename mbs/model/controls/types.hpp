@@ -17,6 +17,10 @@ const std::vector<ControlType>& control_types();
 ControlType state_control();
 ControlType filter_control();
 ControlType pid_control();
+ControlType delay_control();
+ControlType relay_control();
+ControlType sample_control();
+ControlType algebraic_control();
 ControlType transfer_function_control();
 
 }  // namespace flexura::mbs

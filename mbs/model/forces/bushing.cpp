@@ -1,4 +1,6 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include <array>
+
 #include "mbs/model/forces/types.hpp"
 
 namespace flexura::mbs {
@@ -9,11 +11,13 @@ namespace {
 ///
 ///     force = -(K x + D V)_p,     torque = -J_l(theta)^-T (K x)_theta - (D V)_theta,     V = (p', w_FM)
 ///
+/// and with a curve along one of the six directions its force f(x_i) is added, whose integral is its energy,
 /// where J_l^-1 takes the angular velocity to theta': the elastic part is an exact gradient at any angle.
 class Bushing final : public ForceElement {
  public:
-  Bushing(std::string name, int F, int M, const Matrix6d& K, const Matrix6d& D)
-      : ForceElement(std::move(name)), F_(F), M_(M), K_(K), D_(D) {}
+  using Laws = std::array<std::shared_ptr<const Curve>, 6>;
+  Bushing(std::string name, int F, int M, const Matrix6d& K, const Matrix6d& D, Laws curves)
+      : ForceElement(std::move(name)), F_(F), M_(M), K_(K), D_(D), curves_(std::move(curves)) {}
   std::string_view type() const override { return "bushing"; }
   std::pair<int, int> markers() const override { return {F_, M_}; }
 
@@ -24,6 +28,8 @@ class Bushing final : public ForceElement {
     const Relative rel = kin.relative_motion(F_, M_);
     const Vector6d x = deflection(rel.X_FM), V = rates(rel);
     powers.potential += 0.5 * x.dot(K_ * x);
+    for (int i = 0; i < 6; ++i)
+      if (curves_[i]) powers.potential += curves_[i]->integral(x(i));
     powers.dissipated += V.dot(D_ * V);
   }
   std::vector<OutputInfo> outputs() const override {
@@ -56,7 +62,10 @@ class Bushing final : public ForceElement {
   /// Torque first, as Loads takes it.
   Vector6d on_M(const Kinematics& kin) const {
     const Relative rel = kin.relative_motion(F_, M_);
-    const Vector6d x = deflection(rel.X_FM), elastic = K_ * x, viscous = D_ * rates(rel);
+    const Vector6d x = deflection(rel.X_FM), viscous = D_ * rates(rel);
+    Vector6d elastic = K_ * x;
+    for (int i = 0; i < 6; ++i)
+      if (curves_[i]) elastic(i) += (*curves_[i])(x(i));
     const Matrix3d J_inverse = left_jacobian(x.tail<3>()).inverse();
     Vector6d w;
     w << -J_inverse.transpose() * elastic.tail<3>() - viscous.tail<3>(),
@@ -66,6 +75,7 @@ class Bushing final : public ForceElement {
 
   int F_, M_;
   Matrix6d K_, D_;
+  Laws curves_;
 };
 
 }  // namespace
@@ -84,7 +94,11 @@ ForceType bushing_force() {
        quantities("rotational_damping", dim::angular_damping, "about x, y, z")
            .or_default("[0, 0, 0]")
            .sized(3),
-       matrix("stiffness_matrix", "6 x 6 in SI units, translations first, symmetric; added to the others")},
+       matrix("stiffness_matrix", "6 x 6 in SI units, translations first, symmetric; added to the others"),
+       text("curve_x", "table of the force against the deflection along x, added to the others"),
+       text("curve_y", "the same along y"), text("curve_z", "along z"),
+       text("curve_rx", "table of the torque against the rotation about x"), text("curve_ry", "about y"),
+       text("curve_rz", "about z")},
       [](const std::string& name, const Section& s,
          const ReadContext& context) -> std::shared_ptr<const ForceElement> {
         Matrix6d K = Matrix6d::Zero(), D = Matrix6d::Zero();
@@ -105,7 +119,12 @@ ForceType bushing_force() {
             s.refuse("stiffness_matrix", "is not symmetric", "an elastic bushing has an energy");
           K += extra;
         }
-        return std::make_shared<Bushing>(name, context.marker(s, "from"), context.marker(s, "to"), K, D);
+        Bushing::Laws curves;
+        const char* keys[] = {"curve_x", "curve_y", "curve_z", "curve_rx", "curve_ry", "curve_rz"};
+        for (int i = 0; i < 6; ++i)
+          if (s.has(keys[i])) curves[i] = context.table(s, keys[i]);
+        return std::make_shared<Bushing>(name, context.marker(s, "from"), context.marker(s, "to"), K, D,
+                                         std::move(curves));
       }};
 }
 

@@ -4,17 +4,21 @@
 namespace flexura::mbs {
 namespace {
 
-/// Along a coordinate q of a joint: -k (q - q_0) - d q' - preload.  On a revolute joint a torsion spring.
+/// Along a coordinate q of a joint: -k (q - q_0) - f(q - q_0) - d q' - h(q') - preload, f and h curves.  On a
+/// revolute joint a torsion spring.
 class JointSpringDamper final : public ForceElement {
  public:
   JointSpringDamper(std::string name, CoordinateRef c, double stiffness, double damping, double rest,
-                    double preload)
+                    double preload, std::shared_ptr<const Curve> curve,
+                    std::shared_ptr<const Curve> damping_curve)
       : ForceElement(std::move(name)),
         c_(c),
         stiffness_(stiffness),
         damping_(damping),
         rest_(rest),
-        preload_(preload) {}
+        preload_(preload),
+        curve_(std::move(curve)),
+        damping_curve_(std::move(damping_curve)) {}
   std::string_view type() const override { return "joint_spring_damper"; }
   void apply(const Kinematics& kin, const double*, Loads& loads) const override {
     loads.apply(c_, force(kin));
@@ -23,6 +27,8 @@ class JointSpringDamper final : public ForceElement {
     const double q = kin.coordinate(c_), v = kin.speed(c_);
     powers.potential += 0.5 * stiffness_ * (q - rest_) * (q - rest_) + preload_ * q;
     powers.dissipated += damping_ * v * v;
+    if (curve_) powers.potential += curve_->integral(q - rest_);
+    if (damping_curve_) powers.dissipated += (*damping_curve_)(v)*v;
   }
   std::vector<OutputInfo> outputs() const override {
     return {{"force", input::dim::none, "along the coordinate: N, or N m for an angle"}};
@@ -33,10 +39,15 @@ class JointSpringDamper final : public ForceElement {
 
  private:
   double force(const Kinematics& kin) const {
-    return -stiffness_ * (kin.coordinate(c_) - rest_) - damping_ * kin.speed(c_) - preload_;
+    const double x = kin.coordinate(c_) - rest_, v = kin.speed(c_);
+    double f = -stiffness_ * x - damping_ * v - preload_;
+    if (curve_) f -= (*curve_)(x);
+    if (damping_curve_) f -= (*damping_curve_)(v);
+    return f;
   }
   CoordinateRef c_;
   double stiffness_, damping_, rest_, preload_;
+  std::shared_ptr<const Curve> curve_, damping_curve_;
 };
 
 }  // namespace
@@ -53,7 +64,9 @@ ForceType joint_spring_damper_force() {
            text("coordinate", "its coordinate, where it has more than one: \"angle\", \"position\", ..."),
            any("stiffness", "N/m, or N m/rad"), any("damping", "N s/m, or N m s/rad"),
            any("rest", "coordinate without force: m, or rad"),
-           any("preload", "force against the coordinate at rest")},
+           any("preload", "force against the coordinate at rest"),
+           text("curve", "table of the spring's force or torque against coordinate - rest, added"),
+           text("damping_curve", "table of the damper's against the speed, added")},
           [](const std::string& name, const Section& s,
              const ReadContext& context) -> std::shared_ptr<const ForceElement> {
             const CoordinateRef c = context.speed(s, "joint", "coordinate");
@@ -61,8 +74,10 @@ ForceType joint_spring_damper_force() {
             const double stiffness = constant("stiffness"), damping = constant("damping");
             if (stiffness < 0.0) s.refuse("stiffness", "must not be negative");
             if (damping < 0.0) s.refuse("damping", "must not be negative");
-            return std::make_shared<JointSpringDamper>(name, c, stiffness, damping, constant("rest"),
-                                                       constant("preload"));
+            return std::make_shared<JointSpringDamper>(
+                name, c, stiffness, damping, constant("rest"), constant("preload"),
+                s.has("curve") ? context.table(s, "curve") : nullptr,
+                s.has("damping_curve") ? context.table(s, "damping_curve") : nullptr);
           }};
 }
 

@@ -4,18 +4,22 @@
 namespace flexura::mbs {
 namespace {
 
-/// Along the line between two points P, Q of length L = |p_PQ|: tension k (L - L_0) + d L' + preload.
+/// Along the line between two points P, Q of length L = |p_PQ|: tension
+///
+///     k (L - L_0) + f(L - L_0) + d L' + h(L') + preload,        f and h curves
 class SpringDamper final : public ForceElement {
  public:
   SpringDamper(std::string name, int P, int Q, double stiffness, double damping, double free_length,
-               double preload)
+               double preload, std::shared_ptr<const Curve> curve, std::shared_ptr<const Curve> damping_curve)
       : ForceElement(std::move(name)),
         P_(P),
         Q_(Q),
         stiffness_(stiffness),
         damping_(damping),
         free_length_(free_length),
-        preload_(preload) {}
+        preload_(preload),
+        curve_(std::move(curve)),
+        damping_curve_(std::move(damping_curve)) {}
   std::string_view type() const override { return "spring_damper"; }
   std::pair<int, int> markers() const override { return {P_, Q_}; }
 
@@ -30,6 +34,8 @@ class SpringDamper final : public ForceElement {
     const double stretch = line.length - free_length_;
     powers.potential += 0.5 * stiffness_ * stretch * stretch + preload_ * line.length;
     powers.dissipated += damping_ * line.rate * line.rate;
+    if (curve_) powers.potential += curve_->integral(stretch);
+    if (damping_curve_) powers.dissipated += (*damping_curve_)(line.rate) * line.rate;
   }
   std::vector<OutputInfo> outputs() const override {
     return {{"force", input::dim::force, "tension of the spring and damper"},
@@ -57,11 +63,16 @@ class SpringDamper final : public ForceElement {
     return line;
   }
   double tension(const Line& line) const {
-    return stiffness_ * (line.length - free_length_) + damping_ * line.rate + preload_;
+    const double stretch = line.length - free_length_;
+    double tension = stiffness_ * stretch + damping_ * line.rate + preload_;
+    if (curve_) tension += (*curve_)(stretch);
+    if (damping_curve_) tension += (*damping_curve_)(line.rate);
+    return tension;
   }
 
   int P_, Q_;
   double stiffness_, damping_, free_length_, preload_;
+  std::shared_ptr<const Curve> curve_, damping_curve_;
 };
 
 }  // namespace
@@ -74,12 +85,16 @@ ForceType spring_damper_force() {
            quantity("stiffness", dim::stiffness, "force per stretch").or_default("0 N/m").at_least(0.0),
            quantity("damping", dim::damping, "force per rate of stretch").or_default("0 N*s/m").at_least(0.0),
            quantity("free_length", dim::length, "length without force").or_default("0 m").at_least(0.0),
-           quantity("preload", dim::force, "tension at free length").or_default("0 N")},
+           quantity("preload", dim::force, "tension at free length").or_default("0 N"),
+           text("curve", "table of the spring's tension against the stretch, added"),
+           text("damping_curve", "table of the damper's tension against the rate of stretch, added")},
           [](const std::string& name, const Section& s,
              const ReadContext& context) -> std::shared_ptr<const ForceElement> {
-            return std::make_shared<SpringDamper>(name, context.marker(s, "from"), context.marker(s, "to"),
-                                                  s.quantity("stiffness"), s.quantity("damping"),
-                                                  s.quantity("free_length"), s.quantity("preload"));
+            return std::make_shared<SpringDamper>(
+                name, context.marker(s, "from"), context.marker(s, "to"), s.quantity("stiffness"),
+                s.quantity("damping"), s.quantity("free_length"), s.quantity("preload"),
+                s.has("curve") ? context.table(s, "curve") : nullptr,
+                s.has("damping_curve") ? context.table(s, "damping_curve") : nullptr);
           }};
 }
 

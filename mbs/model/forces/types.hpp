@@ -30,6 +30,11 @@ ForceType joint_force();
 ForceType joint_spring_damper_force();
 ForceType joint_friction_force();
 ForceType bushing_force();
+ForceType contact_force();
+ForceType bump_stop_force();
+ForceType gear_mesh_force();
+ForceType stick_slip_force();
+ForceType actuator_force();
 
 MeasureType distance_measure();
 MeasureType distance_rate_measure();

@@ -8,8 +8,11 @@ namespace flexura::mbs {
 
 const std::vector<JointType>& joint_types() {
   static const std::vector<JointType> types = {
-      fixed_joint(),     revolute_joint(),  prismatic_joint(), cylindrical_joint(),       screw_joint(),
-      spherical_joint(), universal_joint(), planar_joint(),    constant_velocity_joint(), six_dof_joint(),
+      fixed_joint(),         revolute_joint(),       prismatic_joint(),
+      cylindrical_joint(),   screw_joint(),          spherical_joint(),
+      universal_joint(),     planar_joint(),         constant_velocity_joint(),
+      point_on_line_joint(), point_on_plane_joint(), orientation_joint(),
+      parallel_joint(),      six_dof_joint(),
   };
   return types;
 }

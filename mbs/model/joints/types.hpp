@@ -33,5 +33,9 @@ JointType screw_joint();
 JointType planar_joint();
 JointType universal_joint();
 JointType constant_velocity_joint();
+JointType point_on_line_joint();
+JointType point_on_plane_joint();
+JointType orientation_joint();
+JointType parallel_joint();
 
 }  // namespace flexura::mbs

@@ -76,6 +76,39 @@ TEST(Macpherson, ToeCamberAndTrackFollowTheExactKinematicsOverBumpAndSteer) {
   EXPECT_GT(most_toe, 0.3);  // the rack steers
 }
 
+TEST(Macpherson, AxleOfTwoSubsystemsIsItsOwnMirrorImage) {
+  const PreparedMechanism p = prepare_case("macpherson/axle.toml");
+  // Two of each suspension, and the car's heave.
+  EXPECT_EQ(p.mechanism->sizes().n_v - p.mechanism->sizes().n_lambda, 5);
+  EXPECT_EQ(p.mechanism->description().bodies.size(), 2u + 2 * 6);
+  const Series s = simulate(
+      p, {"left.toe", "right.toe", "left.half_track", "right.half_track", "left.bump", "heave.position"});
+  double most = 0.0;
+  for (const Eigen::VectorXd& row : s.values) {
+    // The same numbers but for round-off, and 1e-8 of the integration.
+    EXPECT_NEAR(row(0), row(1), 1e-7);
+    EXPECT_NEAR(row(2), row(3), 1e-7);
+    most = std::max(most, std::abs(row(5)));
+  }
+  EXPECT_GT(most, 0.01);
+  // Parameters of one side alone, from the command line.
+  const PreparedMechanism bent =
+      prepare_case("macpherson/axle.toml",
+                   {"subsystem.left.parameters.rack_travel=0.01", "subsystem.right.body.wheel.mass=20"});
+  EXPECT_GT(std::abs(now(bent, {"left.toe"})(0)), 0.05);
+  EXPECT_NEAR(now(bent, {"right.toe"})(0), now(p, {"right.toe"})(0), 1e-9);
+  EXPECT_DOUBLE_EQ(bent.mechanism->description().bodies[10].inertia.mass, 20.0);
+  try {
+    prepare_case("macpherson/axle.toml", {"subsystem.left.parameters.rack_travl=0.01"});
+    ADD_FAILURE();
+  } catch (const std::exception& error) {
+    EXPECT_NE(
+        std::string(error.what()).find("has no parameter \"rack_travl\", did you mean \"rack_travel\"?"),
+        std::string::npos)
+        << error.what();
+  }
+}
+
 TEST(Macpherson, LoopsStayClosedToANanometreInEveryRun) {
   const std::vector<std::vector<std::string>> runs = {
       {"joint.arm.drive=swing + 14*pi/180*sin(pi*t)", "joint.hub.drive=0", "force.spring.stiffness=0"},

@@ -208,7 +208,7 @@ TEST_F(Document, SyntaxAndFilesAreRefusedInOneSentence) {
 
 TEST_F(Document, OverridesReplaceAndAddValues) {
   const Section root = read(good, {"material.density=2700 kg/m^3", "joint[1].axis = [1, 0, 0]",
-                                   "body.wheel.mass=3", "name=12", "tags=[\"c\"]", "joint[2].from=rod.big"});
+                                   "body.wheel={mass = 3}", "name=12", "tags=[\"c\"]", "joint[2].from=rod.big"});
   EXPECT_DOUBLE_EQ(root.table("material").quantity("density"), 2700.0);
   EXPECT_EQ(root.tables("joint")[0].vector3("axis"), Eigen::Vector3d(1, 0, 0));
   EXPECT_EQ(root.tables("joint")[1].text("from"), "rod.big");
@@ -222,6 +222,9 @@ TEST_F(Document, OverridesReplaceAndAddValues) {
   EXPECT_EQ(refusal(good, {"sizes=3"}), "command line: sizes: unknown key, did you mean \"size\"?");
   EXPECT_EQ(refusal(good, {"joint[3].from=x"}),
             "command line: joint[3]: there is no such entry; joint has 2, counted from 1");
+  EXPECT_EQ(refusal(good, {"body.rodd.mass=3"}),
+            "command line: body.rodd: there is no body \"rodd\", did you mean \"rod\"?");
+  EXPECT_THAT(refusal("", {"body.rod.mass=3"}), HasSubstr("there is no body \"rod\""));
   EXPECT_THAT(refusal(good, {"size"}),
               HasSubstr("command line: \"size\": is not of the form key.path=value"));
   EXPECT_THAT(refusal(good, {"=3"}), HasSubstr("is not of the form"));

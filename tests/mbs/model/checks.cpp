@@ -30,8 +30,9 @@ State carried(const Mechanism& mechanism, const State& s, const VectorXd& v_dot,
 
 VectorXd momentum(const Mechanism& mechanism, const State& s, const VectorXd& v_dot) {
   const auto scratch = mechanism.make_scratch();
-  VectorXd r(s.v.size()), none(0), none_either(0);
-  mechanism.momentum(s, v_dot, *scratch, r, none, none_either);
+  const Sizes n = mechanism.sizes();
+  VectorXd r(n.n_v), c_rate(n.n_dyn), b(n.n_alg);
+  mechanism.momentum(s, v_dot, *scratch, r, c_rate, b);
   return r;
 }
 
@@ -75,16 +76,18 @@ void constraints_are_consistent(const Mechanism& mechanism, const State& s, unsi
   {
     // All at once is what the parts are.
     const VectorXd v_dot = random.vector(n.n_v), mu = random.vector(n.n_lambda);
-    VectorXd r(n.n_v), c_rate(n.n_dyn), b(0), g_dot(n.n_lambda), g(n.n_lambda), f_c(n.n_v);
+    VectorXd r(n.n_v), c_rate(n.n_dyn), b(n.n_alg), g_dot(n.n_lambda), g(n.n_lambda), f_c(n.n_v);
     VectorXd g_dot_alone(n.n_lambda), g_alone(n.n_lambda), f_c_alone(n.n_v);
     mechanism.residuals(s, v_dot, mu, *scratch, r, c_rate, b, g_dot, g, f_c);
     mechanism.velocity_constraints(s.t, s.p, s.v, *scratch, g_dot_alone);
     mechanism.position_constraints(s.t, s.p, *scratch, g_alone);
     mechanism.apply_GT(s.t, s.p, mu, *scratch, f_c_alone);
-    EXPECT_EQ(r, momentum(mechanism, s, v_dot));
-    EXPECT_EQ(g_dot, g_dot_alone);
-    EXPECT_EQ(g, g_alone);
-    EXPECT_EQ(f_c, f_c_alone);
+    // To the bit; a contact on a curve is found to round-off from wherever it was.
+    const double tolerance = n.n_alg > 0 ? 1e-12 * (1.0 + r.norm()) : 0.0;
+    EXPECT_LE((r - momentum(mechanism, s, v_dot)).norm(), tolerance);
+    EXPECT_LE((g_dot - g_dot_alone).norm(), tolerance);
+    EXPECT_LE((g - g_alone).norm(), tolerance);
+    EXPECT_LE((f_c - f_c_alone).norm(), tolerance);
   }
   MatrixXd G(n.n_lambda, n.n_v);
   mechanism.constraint_matrix(s.t, s.p, *scratch, G);

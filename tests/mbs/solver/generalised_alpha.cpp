@@ -5,6 +5,7 @@
 #include "mbs/solver/accelerations.hpp"
 #include "mbs/solver/assemble.hpp"
 #include "mbs/solver/run.hpp"
+#include "tests/mbs/solver/planar.hpp"
 #include "tests/mbs/solver/simple.hpp"
 
 namespace flexura::mbs::test {
@@ -48,6 +49,28 @@ TEST(GeneralisedAlpha, ConvergesWithOrderTwoInPositionsVelocitiesAndMultipliers)
       EXPECT_GT(error[k][i] / error[k + 1][i], 3.4) << i;
       EXPECT_LT(error[k][i] / error[k + 1][i], 4.6) << i;
     }
+}
+
+TEST(GeneralisedAlpha, ErrorFollowsTheToleranceThroughAndrewsMechanism) {
+  const PlanarMechanism m = andrews();
+  State s = make_state(m);
+  s.p << -0.0617138900142764496, 0, 0.455279819163070380, 0.222668390165885885, 0.487364979543842550,
+      -0.222668390165885885, 1.23054744454982119;
+  Eigen::VectorXd q(7);
+  q << 15.81077119629904, -15.75637105984298, .04082224013073101, -.5347301163226948, .5244099658805304,
+      .5347301163226948, 1.048080741042263;
+  double before = 1.0;
+  for (const double tolerance : {1e-4, 1e-6, 1e-8}) {
+    const RunResult r = simulate(m, s, options(0.03, tolerance));
+    ASSERT_TRUE(r.complete) << r.stopped_because;
+    const double error = ((r.state.p - q).array() / q.array().abs().max(1.0)).abs().maxCoeff();
+    std::printf("tolerance %.0e: %ld steps, %ld evaluations, %ld matrices, error %.1e\n", tolerance,
+                r.counts.steps, r.counts.evaluations, r.counts.jacobians, error);
+    // Local errors of order 3: the global error goes with tolerance^(2/3), 21 for two decades.
+    EXPECT_LT(error, 0.15 * before) << tolerance;
+    before = error;
+  }
+  EXPECT_LT(before, 1e-4);
 }
 
 TEST(GeneralisedAlpha, KeepsTheEnergyOfAChainForRhoOneAndDampsItsHighModesForRhoZero) {

@@ -10,6 +10,22 @@
 
 namespace flexura::mbs::test {
 
+/// A rod of 1 m and 2 kg on a hinge at the origin, 20 degrees above the x axis; J = 2/3 kg m^2 about the
+/// hinge.
+inline const std::string rod = R"toml(
+name = "rod"
+gravity = [0, -9.81, 0]
+[body.rod]
+mass = 2
+center = [0.5, 0, 0]
+inertia = [1e-3, 0.16666666666666667, 0.16666666666666667]
+[joint.hinge]
+type = "revolute"
+from = "ground"
+to = "rod"
+angle = "20 deg"
+)toml";
+
 /// A folder of its own for each test, with mechanism files and the program run in it.
 class RunFolder : public ::testing::Test {
  protected:

@@ -20,21 +20,6 @@ class States : public RunFolder {};
 class Sequences : public RunFolder {};
 class LinearFiles : public RunFolder {};
 
-// A rod of 1 m and 2 kg on a hinge; J = 2/3 kg m^2 about it.
-const std::string rod = R"toml(
-name = "rod"
-gravity = [0, -9.81, 0]
-[body.rod]
-mass = 2
-center = [0.5, 0, 0]
-inertia = [1e-3, 0.16666666666666667, 0.16666666666666667]
-[joint.hinge]
-type = "revolute"
-from = "ground"
-to = "rod"
-angle = "20 deg"
-)toml";
-
 const results::Quantity* find(const results::Run& run, const std::string& name, int& at) {
   for (std::size_t i = 0; i < run.quantities.size(); ++i)
     if (run.quantities[i].name == name) {
@@ -76,6 +61,39 @@ TEST_F(States, StateSetChangesTheStatesThatItNames) {
   EXPECT_THAT(text_of("err.txt"), HasSubstr("m.toml: is not a state file"));
   EXPECT_EQ(flexura("simulate m.toml --continue set.json -o x.h5"), 2);
   EXPECT_THAT(text_of("err.txt"), HasSubstr("no history"));
+}
+
+TEST_F(States, OutputsFollowAfterwardsFromStoredStates) {
+  const std::string solver = "[solver]\nend_time = 1\noutput_step = 0.1\n";
+  file(rod + solver + "store_states = true\n[output]\nquantities = [\"hinge.angle\"]\n");
+  ASSERT_EQ(flexura("simulate m.toml -o m.h5"), 0) << text_of("err.txt");
+  ASSERT_EQ(flexura("outputs m.toml m.h5 --quantity hinge.force_* hinge.acceleration -o o.h5 --csv"), 0)
+      << text_of("err.txt");
+  const results::Run run = results::read(folder_ / "m.h5").runs[0],
+                     after = results::read(folder_ / "o.h5").runs[0];
+  int angle = -1, force = -1, acceleration = -1, balance = -1;
+  ASSERT_NE(find(run, "hinge.angle", angle), nullptr);
+  ASSERT_NE(find(after, "hinge.force_x", force), nullptr);
+  ASSERT_NE(find(after, "hinge.acceleration", acceleration), nullptr);
+  ASSERT_NE(find(after, "energy.balance", balance), nullptr);
+  EXPECT_EQ(run.time, after.time);
+  for (int k = 0; k <= 10; ++k) {
+    // J phi'' = -m g c cos(phi); the force on the rod along x is m c (-phi'' sin(phi) - phi'^2 cos(phi)),
+    // with phi' from the energy.
+    const double phi = run.values(k, angle), a = -1.5 * 9.81 * std::cos(phi);
+    const double w2 = 3.0 * 9.81 * (std::sin(M_PI / 9) - std::sin(phi));
+    EXPECT_NEAR(after.values(k, acceleration), a, 1e-10);
+    // phi' of the run is right to the tolerance of 1e-6 in each of some hundred steps.
+    EXPECT_NEAR(after.values(k, force), -a * std::sin(phi) - w2 * std::cos(phi), 1e-3);
+  }
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "o.run.csv"));
+  EXPECT_EQ(flexura("outputs m.toml m.h5 -o m.h5"), 2);
+  EXPECT_THAT(text_of("err.txt"), HasSubstr("holds the states"));
+  file(rod + solver);
+  ASSERT_EQ(flexura("simulate m.toml -o n.h5"), 0);
+  EXPECT_EQ(flexura("outputs m.toml n.h5"), 2);
+  EXPECT_THAT(text_of("err.txt"),
+              HasSubstr("no states stored; simulate with --set solver.store_states=true"));
 }
 
 TEST_F(Sequences, KinematicsGivesTheDrivesTorqueOfTheTurningRod) {

@@ -1,0 +1,134 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mbs/app/recorder.hpp"
+
+#include <Eigen/Geometry>
+
+#include "mbs/input/units.hpp"
+
+namespace flexura::app {
+
+results::ModelHeader model_header(std::span<const NamedRun> runs, const std::filesystem::path& mechanism_file,
+                                  const std::filesystem::path& results_file) {
+  const mbs::Mechanism& first = *runs.front().prepared.mechanism;
+  results::ModelHeader header;
+  header.name = runs.front().prepared.file.name;
+  header.source = runs.front().prepared.file.source;
+  header.created_by = std::string("flexura ") + FLEXURA_VERSION;
+  header.connections_json = mbs::connections_json(first);
+  const auto results_folder = std::filesystem::absolute(results_file).parent_path();
+  const auto model_folder = std::filesystem::absolute(mechanism_file).parent_path();
+  for (std::size_t b = 0; b < first.description().bodies.size(); ++b) {
+    const mbs::BodyDescription& body = first.description().bodies[b];
+    results::BodyHeader line;
+    line.name = body.name;
+    line.shape_json = body.shape_json;
+    bool flexible = false;
+    for (const NamedRun& run : runs) {
+      const auto& bodies = run.prepared.mechanism->description().bodies;
+      flexible = flexible || (b < bodies.size() && bodies[b].flexible != nullptr);
+    }
+    line.kind = b == 0 ? "ground" : flexible ? "flexible" : "rigid";
+    if (!body.superelement.empty()) {
+      std::filesystem::path path = body.superelement;
+      if (path.is_relative()) path = model_folder / path;
+      line.superelement = path.lexically_relative(results_folder).generic_string();
+    }
+    header.bodies.push_back(std::move(line));
+  }
+  return header;
+}
+
+std::vector<std::string> state_names(const mbs::Mechanism& m) {
+  const mbs::Sizes n = m.sizes();
+  std::vector<std::string> names;
+  for (int i = 0; i < n.n_p; ++i) names.push_back(m.name_of_position(i));
+  for (int i = 0; i < n.n_v; ++i) names.push_back(m.name_of_velocity(i) + "'");
+  for (int i = 0; i < n.n_dyn; ++i) names.push_back(m.name_of_dynamic(i));
+  for (int i = 0; i < n.n_alg; ++i) names.push_back(m.name_of_algebraic(i));
+  for (int i = 0; i < n.n_lambda; ++i) names.push_back("lambda." + m.name_of_constraint(i));
+  for (int i = 0; i < n.n_root; ++i) names.push_back("switch." + m.name_of_root(i));
+  return names;
+}
+
+Eigen::VectorXd pack(const mbs::State& s) {
+  Eigen::VectorXd roots(static_cast<Eigen::Index>(s.root.size()));
+  for (std::size_t i = 0; i < s.root.size(); ++i) roots(static_cast<Eigen::Index>(i)) = s.root[i];
+  Eigen::VectorXd all(s.p.size() + s.v.size() + s.c.size() + s.a.size() + s.lambda.size() + roots.size());
+  all << s.p, s.v, s.c, s.a, s.lambda, roots;
+  return all;
+}
+
+mbs::State unpack(const mbs::Mechanism& m, double t, const Eigen::VectorXd& states) {
+  const mbs::Sizes n = m.sizes();
+  mbs::State s;
+  s.t = t;
+  Eigen::Index at = 0;
+  const auto take = [&](Eigen::VectorXd& part, int size) {
+    part = states.segment(at, size);
+    at += size;
+  };
+  take(s.p, n.n_p);
+  take(s.v, n.n_v);
+  take(s.c, n.n_dyn);
+  take(s.a, n.n_alg);
+  take(s.lambda, n.n_lambda);
+  for (int i = 0; i < n.n_root; ++i) s.root.push_back(static_cast<int>(states(at + i)));
+  return s;
+}
+
+Recorder::Recorder(const mbs::PreparedMechanism& prepared, results::Writer& writer,
+                   const std::vector<std::string>& patterns, bool store_states)
+    : mechanism_(*prepared.mechanism),
+      writer_(writer),
+      scratch_(mechanism_.make_scratch()),
+      store_states_(store_states) {
+  which_ = mbs::select_quantities(mechanism_, patterns);
+  const auto infos = mechanism_.quantities();
+  for (const int i : which_)
+    quantities_.push_back({infos[i].name, input::si_unit(infos[i].dimension), infos[i].doc});
+  quantities_.push_back({"energy.input", "J", "work put in by applied forces and drives so far"});
+  quantities_.push_back({"energy.dissipated", "J", "energy taken out by dampers and impacts so far"});
+  quantities_.push_back({"energy.balance", "J",
+                         "kinetic + strain + potential, less their start and the work put in, plus what was "
+                         "dissipated: the error of the run"});
+  const auto& bodies = mechanism_.description().bodies;
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    results::RunBody body;
+    body.name = bodies[b].name;
+    if (bodies[b].flexible) body.basis = bodies[b].flexible->data().Y;
+    run_bodies_.push_back(std::move(body));
+  }
+  row_.quantities.resize(static_cast<Eigen::Index>(quantities_.size()));
+  row_.pose.assign(bodies.size(), Eigen::Matrix<double, 7, 1>::Zero());
+  for (auto& pose : row_.pose) pose(3) = 1.0;
+  row_.modal.resize(bodies.size());
+}
+
+void Recorder::begin(const std::string& name) {
+  writer_.begin_run(name, quantities_, run_bodies_,
+                    store_states_ ? state_names(mechanism_) : std::vector<std::string>{});
+}
+
+void Recorder::append(const mbs::State& s, const Eigen::VectorXd& v_dot, const EnergyRow& energy) {
+  row_.time = s.t;
+  const auto n = static_cast<Eigen::Index>(which_.size());
+  mechanism_.evaluate(which_, s, v_dot, *scratch_, row_.quantities.head(n));
+  row_.quantities(n) = energy.work_in;
+  row_.quantities(n + 1) = energy.dissipated;
+  row_.quantities(n + 2) = energy.balance;
+  mechanism_.body_poses(s, *scratch_, poses_);
+  for (std::size_t b = 0; b < poses_.size(); ++b) {
+    row_.pose[b].head<3>() = poses_[b].p;
+    const Eigen::Quaterniond q(poses_[b].R);
+    Eigen::Vector4d wxyz(q.w(), q.x(), q.y(), q.z());
+    // The sign that continues the last row: pictures interpolate.
+    if (wxyz.dot(row_.pose[b].tail<4>()) < 0.0) wxyz = -wxyz;
+    row_.pose[b].tail<4>() = wxyz;
+    if (const int at = mechanism_.modal_position(static_cast<int>(b)); at >= 0)
+      row_.modal[b] = s.p.segment(at, run_bodies_[b].basis.cols());
+  }
+  if (store_states_) row_.states = pack(s);
+  writer_.append(row_);
+}
+
+}  // namespace flexura::app

@@ -1,0 +1,101 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mbs/model/contact_law.hpp"
+
+#include <stdexcept>
+
+namespace flexura::mbs {
+namespace {
+
+/// chi (1 + e) = ln((1 + chi) / (1 - chi e)).  f = left - right starts with a slope of 0 at chi = 0, is
+/// positive first and falls to minus infinity at 1 / e: bisection between the maximum and there.
+double chi_of(double e) {
+  if (e >= 1.0) return 0.0;
+  const auto f = [e](double chi) { return chi * (1.0 + e) - std::log1p(chi) + std::log1p(-chi * e); };
+  // f' = (1 + e) - 1 / (1 + chi) - e / (1 - chi e) vanishes at 0 and at chi = (1 - e) / e, the maximum.
+  double low = (1.0 - e) / e, high = 1.0 / e;
+  for (int i = 0; i < 200; ++i) {
+    const double middle = 0.5 * (low + high);
+    (f(middle) > 0.0 ? low : high) = middle;
+  }
+  return low;
+}
+
+}  // namespace
+
+ContactLaw::ContactLaw(double stiffness, double exponent, double damping, double restitution, double slowest)
+    : k_(stiffness), n_(exponent), d_(damping), chi_(0.0), slowest_(slowest) {
+  if (!(k_ > 0.0)) throw std::invalid_argument("a contact needs a stiffness above 0");
+  if (!(n_ >= 1.0)) throw std::invalid_argument("the exponent of a contact must be at least 1");
+  if (!(d_ >= 0.0)) throw std::invalid_argument("the damping of a contact must not be negative");
+  if (!(restitution > 0.0 && restitution <= 1.0))
+    throw std::invalid_argument("a restitution lies between 0 (excluded) and 1");
+  chi_ = chi_of(restitution);
+}
+
+double ContactLaw::push(double gap, double gap_rate, const double* c) const {
+  if (chi_ > 0.0) return 1.0 - chi_ * gap_rate / c[0];
+  if (d_ > 0.0) return (gap < 0.0 ? elastic(gap) : -elastic(-gap)) - d_ * gap_rate;
+  return 1.0;
+}
+
+void ContactLaw::switching(double gap, double gap_rate, const double* c, double* values) const {
+  values[0] = gap;
+  values[1] = push(gap, gap_rate, c);
+}
+
+void ContactLaw::start(double gap, double gap_rate, int* root, double* c) const {
+  root[0] = gap < 0.0 || (gap == 0.0 && gap_rate < 0.0) ? 1 : 0;
+  if (chi_ > 0.0) c[0] = std::max(-gap_rate, slowest_);
+  root[1] = push(gap, gap_rate, c) >= 0.0 ? 1 : 0;
+}
+
+void ContactLaw::change(int which, double gap_rate, int* root, double* c) const {
+  // The gap's rate says where it goes, also when round-off finds the same zero twice.
+  root[which] = which == 0 && gap_rate != 0.0 ? (gap_rate < 0.0 ? 1 : 0) : 1 - root[which];
+  if (which == 0 && root[0] == 1 && chi_ > 0.0) c[0] = std::max(-gap_rate, slowest_);
+}
+
+double ContactLaw::force(double gap, double gap_rate, const int* root, const double* c) const {
+  if (!active(root)) return 0.0;
+  if (chi_ > 0.0) return elastic(gap) * (1.0 - chi_ * gap_rate / c[0]);
+  return elastic(gap) - d_ * gap_rate;
+}
+
+double ContactLaw::energy(double gap, const int* root) const {
+  return active(root) && gap < 0.0 ? k_ * std::pow(-gap, n_ + 1.0) / (n_ + 1.0) : 0.0;
+}
+
+double ContactLaw::lost_power(double gap, double gap_rate, const int* root, const double* c) const {
+  if (!active(root)) return 0.0;
+  if (chi_ > 0.0) return elastic(gap) * chi_ / c[0] * gap_rate * gap_rate;
+  return d_ * gap_rate * gap_rate;
+}
+
+std::vector<input::Key> contact_law_keys(bool rotational) {
+  using namespace input;
+  const std::string unit = rotational ? "N m per rad^exponent" : "N per m^exponent";
+  return {expression("stiffness", unit + ": force = stiffness * penetration^exponent").required(),
+          quantity("exponent", dim::none, "1 is linear, 1.5 Hertz's law").or_default("1").at_least(1.0),
+          expression("damping", "force per rate of penetration; it never pulls").or_default("0"),
+          quantity("restitution", dim::none,
+                   "instead of damping: rate after over rate before an impact, exact where nothing else acts")
+              .above(0.0)
+              .at_most(1.0),
+          expression("slowest_impact",
+                     std::string("beside restitution: slower impacts count as if they had this rate, ") +
+                         (rotational ? "rad/s" : "m/s"))
+              .or_default("1e-6")};
+}
+
+ContactLaw read_contact_law(const input::Section& s, const ReadContext& context) {
+  const double k = context.number(s, "stiffness"), d = context.number(s, "damping");
+  if (!(k > 0.0)) s.refuse("stiffness", "must be above 0");
+  if (d < 0.0) s.refuse("damping", "must not be negative");
+  if (s.has("restitution") && d > 0.0) s.refuse("damping", "stands beside restitution", "keep one of them");
+  const double slowest = context.number(s, "slowest_impact");
+  if (!(slowest > 0.0)) s.refuse("slowest_impact", "must be above 0");
+  return ContactLaw(k, s.quantity("exponent"), d, s.has("restitution") ? s.quantity("restitution") : 1.0,
+                    slowest);
+}
+
+}  // namespace flexura::mbs

@@ -1,0 +1,71 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mbs/model/controls/types.hpp"
+
+namespace flexura::mbs {
+namespace {
+
+/// A switch with two positions: on once its input rises above `on_above`, off once it falls below
+/// `off_below`. Between the two it stays as it is. The integrator stops where it switches.
+class Relay final : public Control {
+ public:
+  struct Levels {
+    double on_above, off_below, on, off;
+    bool starts_on;
+  };
+  Relay(std::string name, std::shared_ptr<const Expression> in, const Levels& levels)
+      : Control(std::move(name)), input_(std::move(in)), levels_(levels) {}
+  std::string_view type() const override { return "relay"; }
+  int n_states() const override { return 1; }  // 1: on; constant between switches
+  void start(double* c) const override { c[0] = levels_.starts_on ? 1.0 : 0.0; }
+  void rates(const double*, const double*, double* c_rate) const override { c_rate[0] = 0.0; }
+  double output(const double*, const double* c) const override { return is_on(c) ? levels_.on : levels_.off; }
+  std::vector<int> reads() const override { return input_->reads(); }
+
+  int n_switches() const override { return 1; }
+  std::string switch_name(int) const override { return "level"; }
+  void switching(const double* signals, const double* c, double* values) const override {
+    const double x = input_->evaluate(signals);
+    values[0] = is_on(c) ? x - levels_.off_below : levels_.on_above - x;
+  }
+  void start_switches(const double* signals, double* c) const override {
+    const double x = input_->evaluate(signals);
+    if (x > levels_.on_above) c[0] = 1.0;
+    if (x < levels_.off_below) c[0] = 0.0;
+  }
+  void change_switch(int, const double*, double* c) const override { c[0] = is_on(c) ? 0.0 : 1.0; }
+
+ private:
+  static bool is_on(const double* c) { return c[0] > 0.5; }
+  std::shared_ptr<const Expression> input_;
+  Levels levels_;
+};
+
+}  // namespace
+
+ControlType relay_control() {
+  using namespace input;
+  ControlType type;
+  type.name = "relay";
+  type.doc = "A two-position switch with hysteresis, located by the integrator.";
+  type.keys = {
+      expression("input", "what it watches").required(),
+      expression("on_above", "it goes on where the input rises above").or_default("0"),
+      expression("off_below", "it goes off where the input falls below; without it as on_above"),
+      expression("on", "output while on").or_default("1"),
+      expression("off", "output while off").or_default("0"),
+      flag("starts_on", "its position at the start where the input lies between").or_default("false")};
+  type.read = [](const std::string& name, const Section& s,
+                 const ReadContext& c) -> std::shared_ptr<const Control> {
+    Relay::Levels levels;
+    levels.on_above = c.number(s, "on_above");
+    levels.off_below = s.has("off_below") ? c.number(s, "off_below") : levels.on_above;
+    if (levels.off_below > levels.on_above) s.refuse("off_below", "is above on_above", "swap them");
+    levels.on = c.number(s, "on");
+    levels.off = c.number(s, "off");
+    levels.starts_on = s.flag("starts_on");
+    return std::make_shared<Relay>(name, c.expression(s, "input"), levels);
+  };
+  return type;
+}
+
+}  // namespace flexura::mbs

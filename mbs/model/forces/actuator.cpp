@@ -1,0 +1,137 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <limits>
+#include <optional>
+
+#include "mbs/model/forces/types.hpp"
+
+namespace flexura::mbs {
+namespace {
+
+/// A motor, valve-driven cylinder or muscle: a force f (or torque) along a joint's coordinate or along the
+/// line from P to Q, that follows its command with a lag and within its limits. With v the speed along it,
+///
+///     T f' = clamp(command, -F_max (1 + v / v_max), F_max (1 - v / v_max)) - f
+///
+/// so that a motor at its no-load speed v_max pushes no more, and one that is driven backwards brakes with
+/// all it has (no limit's sign turns round: it is at least 0 forwards and at most 0 backwards).  f is a
+/// dynamic state.
+class Actuator final : public ForceElement {
+ public:
+  struct Law {
+    std::shared_ptr<const Expression> command;
+    double time_constant, start;
+    double limit = std::numeric_limits<double>::infinity();
+    double no_load_speed = std::numeric_limits<double>::infinity();
+  };
+  Actuator(std::string name, std::optional<CoordinateRef> coordinate, int P, int Q, Law law)
+      : ForceElement(std::move(name)), coordinate_(coordinate), P_(P), Q_(Q), law_(std::move(law)) {}
+  std::string_view type() const override { return "actuator"; }
+  std::pair<int, int> markers() const override { return {P_, Q_}; }
+  std::vector<int> reads() const override { return law_.command->reads(); }
+  int n_states() const override { return 1; }
+  void start(double* c) const override { c[0] = law_.start; }
+  void rates(const Kinematics& kin, const double* signals, double* c_rate) const override {
+    c_rate[0] = (allowed(kin, signals) - kin.own.c[0]) / law_.time_constant;
+  }
+
+  void apply(const Kinematics& kin, const double*, Loads& loads) const override {
+    const double f = kin.own.c[0];
+    if (coordinate_) {
+      loads.apply(*coordinate_, f);
+      return;
+    }
+    const Vector3d pull = f * direction(kin);
+    loads.apply(P_, Spatial{Vector3d::Zero(), -pull});
+    loads.apply(Q_, Spatial{Vector3d::Zero(), pull});
+  }
+  void add_powers(const Kinematics& kin, const double*, Powers& powers) const override {
+    powers.input += kin.own.c[0] * speed(kin);
+  }
+  std::vector<OutputInfo> outputs() const override {
+    return {{"force", input::dim::none, "N, or N m for an angle"},
+            {"command", input::dim::none, "what is asked for, within the limits"},
+            {"speed", input::dim::none, "m/s, or rad/s for an angle"}};
+  }
+  void evaluate_outputs(const Kinematics& kin, const double* signals, double* values) const override {
+    values[0] = kin.own.c[0];
+    values[1] = allowed(kin, signals);
+    values[2] = speed(kin);
+  }
+
+ private:
+  Vector3d direction(const Kinematics& kin) const {
+    const Vector3d r = kin.markers[Q_].X_WP.p - kin.markers[P_].X_WP.p;
+    const double length = r.norm();
+    return length > 0.0 ? Vector3d(r / length) : Vector3d::Zero();
+  }
+  double speed(const Kinematics& kin) const {
+    if (coordinate_) return kin.speed(*coordinate_);
+    return direction(kin).dot(kin.markers[Q_].V.linear - kin.markers[P_].V.linear);
+  }
+  double allowed(const Kinematics& kin, const double* signals) const {
+    const double command = law_.command->evaluate(signals);
+    if (law_.limit == std::numeric_limits<double>::infinity()) return command;
+    const double slack = speed(kin) / law_.no_load_speed;
+    return std::clamp(command, std::min(0.0, -law_.limit * (1.0 + slack)),
+                      std::max(0.0, law_.limit * (1.0 - slack)));
+  }
+
+  std::optional<CoordinateRef> coordinate_;
+  int P_, Q_;
+  Law law_;
+};
+
+}  // namespace
+
+ForceType actuator_force() {
+  using namespace input;
+  return {
+      "actuator",
+      "A motor or cylinder: a force along a joint's coordinate, or along the line between two markers "
+      "(positive "
+      "pushes them apart), that follows a command with a lag and within limits.",
+      {text("joint", "the joint"),
+       text("coordinate", "its coordinate, where it has more than one: \"angle\", \"position\", ..."),
+       text("from", "instead of joint: marker at one end"), text("to", "marker at the other end"),
+       expression(
+           "command",
+           "N, or N m for an angle: a formula of t, parameters, joint coordinates, measures, controls and "
+           "inputs")
+           .required(),
+       quantity("time_constant", dim::time, "time in which 63 % of a step of the command are followed")
+           .required()
+           .above(0.0),
+       expression("max_force", "greatest force either way, N or N m; without it none"),
+       expression("no_load_speed",
+                  "speed at which max_force has fallen to 0, m/s or rad/s; without it never"),
+       expression("start", "force at the start, a formula of parameters").or_default("0")},
+      [](const std::string& name, const Section& s,
+         const ReadContext& context) -> std::shared_ptr<const ForceElement> {
+        std::optional<CoordinateRef> coordinate;
+        int P = -1, Q = -1;
+        if (s.has("joint")) {
+          for (const char* key : {"from", "to"})
+            if (s.has(key)) s.refuse(key, "stands beside joint", "keep one of them");
+          coordinate = context.speed(s, "joint", "coordinate");
+        } else if (s.has("from") && s.has("to")) {
+          P = context.marker(s, "from");
+          Q = context.marker(s, "to");
+        } else {
+          s.refuse("", "acts on nothing", "give joint, or from and to");
+        }
+        Actuator::Law law{context.expression(s, "command"), s.quantity("time_constant"),
+                          context.number(s, "start")};
+        for (const auto& [key, value] :
+             {std::pair("max_force", &law.limit), std::pair("no_load_speed", &law.no_load_speed)}) {
+          if (!s.has(key)) continue;
+          *value = context.number(s, key);
+          if (!(*value > 0.0)) s.refuse(key, "must be above 0");
+        }
+        if (s.has("no_load_speed") && !s.has("max_force"))
+          s.refuse("no_load_speed", "needs max_force", "say what falls to 0 there");
+        return std::make_shared<Actuator>(name, coordinate, P, Q, std::move(law));
+      }};
+}
+
+}  // namespace flexura::mbs

@@ -1,0 +1,89 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mbs/model/read_tables.hpp"
+
+#include <fmt/format.h>
+
+#include <fstream>
+#include <sstream>
+
+namespace flexura::mbs {
+namespace {
+
+struct Points {
+  std::vector<double> x, y;
+};
+
+/// Two columns of numbers parted by blanks, commas or semicolons; # and lines without numbers are comments.
+Points read_points(const input::Section& s) {
+  const std::filesystem::path path = s.file("file");
+  std::ifstream in(path);
+  if (!in) s.refuse("file", "there is no such file", "paths start at the folder of this file");
+  Points points;
+  int row = 0;
+  for (std::string line; std::getline(in, line);) {
+    ++row;
+    line = line.substr(0, line.find('#'));
+    for (char& c : line)
+      if (c == ',' || c == ';' || c == '\t') c = ' ';
+    if (line.find_first_not_of(" \r") == std::string::npos) continue;
+    std::istringstream numbers(line);
+    double x, y;
+    if (!(numbers >> x >> y)) {
+      if (points.x.empty()) continue;  // a heading
+      s.refuse("file", fmt::format("line {} does not hold two numbers", row), "write one point on each line");
+    }
+    points.x.push_back(x * s.quantity("x_unit"));
+    points.y.push_back(y * s.quantity("y_unit"));
+  }
+  return points;
+}
+
+}  // namespace
+
+input::TableSchema table_schema() {
+  using namespace input;
+  TableSchema schema;
+  schema.name = "table";
+  schema.doc =
+      "A curve through points. Formulas call it by its name, as in drive = \"lift(360*t)\"; springs and "
+      "bushings take "
+      "it as their law. All in SI.";
+  schema.keys = {
+      quantities("x", dim::none, "rising"),
+      quantities("y", dim::none, "as many"),
+      text("file", "instead of x and y: a text file with two columns, beside this one"),
+      quantity("x_unit", dim::none, "factor from the file's first column to SI").or_default("1"),
+      quantity("y_unit", dim::none, "factor from the second").or_default("1"),
+      choice("interpolation", {"linear", "cubic", "akima"},
+             "cubic: natural spline, twice differentiable, as drives want it; akima: once, without overshoot")
+          .or_default("cubic"),
+      choice("outside", {"hold", "extend", "repeat"},
+             "beyond the points: keep the end value, go on straight, or repeat the curve")
+          .or_default("hold")};
+  return schema;
+}
+
+Curves read_tables(const input::Section& root) {
+  Curves tables;
+  for (const auto& [name, s] : root.table_map("table")) {
+    if (s.has("file") && (s.has("x") || s.has("y")))
+      s.refuse("file", "stands beside x or y", "keep one of them");
+    Points points{s.quantities("x"), s.quantities("y")};
+    if (s.has("file")) points = read_points(s);
+    const std::string kind = s.text("interpolation"), beyond = s.text("outside");
+    try {
+      tables[name] = std::make_shared<Curve>(std::move(points.x), std::move(points.y),
+                                             kind == "linear"  ? Curve::Interpolation::linear
+                                             : kind == "akima" ? Curve::Interpolation::akima
+                                                               : Curve::Interpolation::cubic,
+                                             beyond == "hold"     ? Curve::Outside::hold
+                                             : beyond == "extend" ? Curve::Outside::extend
+                                                                  : Curve::Outside::repeat);
+    } catch (const std::invalid_argument& error) {
+      s.refuse("", error.what());
+    }
+  }
+  return tables;
+}
+
+}  // namespace flexura::mbs

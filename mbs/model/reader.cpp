@@ -1,0 +1,406 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mbs/model/reader.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "mbs/model/constraints/types.hpp"
+#include "mbs/model/controls/types.hpp"
+#include "mbs/model/forces/types.hpp"
+#include "mbs/model/joints/types.hpp"
+#include "mbs/model/modal_basis.hpp"
+#include "mbs/model/parameters.hpp"
+#include "mbs/model/read_body.hpp"
+#include "mbs/model/read_tables.hpp"
+#include "mbs/model/user_library.hpp"
+#include "mbs/superelement/file.hpp"
+
+namespace flexura::mbs {
+namespace {
+
+using input::Section;
+
+constexpr int deepest = 20;
+
+template <class Types>
+const auto& find_type(const Types& types, const std::string& name) {
+  return *std::ranges::find_if(types, [&](const auto& type) { return type.name == name; });
+}
+
+/// "subsystem.left.body.arm.mass=3" goes to the subsystem's own file as "body.arm.mass=3", unless it is about
+/// how the subsystem is placed.
+std::vector<std::string> take_overrides_below(const std::vector<std::string>& overrides,
+                                              std::map<std::string, std::vector<std::string>>& below) {
+  static const std::vector<std::string> placing = {"file", "parameters", "on",       "position",
+                                                   "axis", "x_axis",     "rotation", "quaternion"};
+  const std::string opening = "subsystem.";
+  std::vector<std::string> own;
+  for (const std::string& text : overrides) {
+    const auto dot = text.find('.', opening.size());
+    if (!text.starts_with(opening) || dot == std::string::npos || text.find('=') < dot) {
+      own.push_back(text);
+      continue;
+    }
+    const std::string rest = text.substr(dot + 1), key = rest.substr(0, rest.find_first_of(".=["));
+    if (std::ranges::find(placing, key) != placing.end())
+      own.push_back(text);
+    else
+      below[text.substr(opening.size(), dot - opening.size())].push_back(rest);
+  }
+  return own;
+}
+
+Section read_file(const std::filesystem::path& file, const input::TableSchema& solver,
+                  const std::vector<std::string>& overrides) {
+  const auto formulas = [](const Section& root) { return evaluate_with(read_parameters(root)); };
+  return input::read_document(file, mechanism_schema(solver), overrides, formulas);
+}
+
+void read_rate_drives(const Section& s, const ReadContext& context, JointDescription& joint) {
+  const auto speeds = joint.joint->speeds(), accelerations = joint.joint->accelerations();
+  for (std::size_t i = 0; i < speeds.size(); ++i) {
+    const int k = static_cast<int>(i);
+    const std::string by_speed = "drive_" + speeds[i].name,
+                      by_acceleration = "drive_" + accelerations[i].name;
+    if (s.has(by_speed)) joint.speed_drives[k] = context.time_expression(s, by_speed);
+    if (s.has(by_acceleration)) joint.acceleration_drives[k] = context.time_expression(s, by_acceleration);
+    if (joint.drives.contains(k) + s.has(by_speed) + s.has(by_acceleration) > 1)
+      s.refuse(s.has(by_acceleration) ? by_acceleration : by_speed, "the coordinate is driven twice",
+               "keep one of the drives");
+    if (s.has(by_speed) && s.has(speeds[i].name))
+      s.refuse(speeds[i].name, "the speed is driven", "take this key away");
+  }
+}
+
+/// Start values of a user's joint, whose coordinates the schema does not know.
+std::map<int, double> by_name(const Section& s, const char* key, const std::vector<CoordinateInfo>& infos,
+                              const ReadContext& context) {
+  std::map<int, double> values;
+  for (const auto& [name, formula] : s.formulas(key)) {
+    std::vector<std::string> known;
+    int index = -1;
+    for (std::size_t i = 0; i < infos.size(); ++i) {
+      known.push_back(infos[i].name);
+      if (infos[i].name == name) index = static_cast<int>(i);
+    }
+    if (index < 0)
+      s.refuse(key, fmt::format("the joint has no \"{}\"{}", name, input::suggestion(name, known)));
+    values[index] = context.number_of(s, key, formula);
+  }
+  return values;
+}
+
+JointDescription read_joint(const std::string& name, const Section& s, const ReadContext& context,
+                            bool is_connection) {
+  JointDescription joint;
+  joint.is_connection = is_connection;
+  joint.name = name;
+  const std::string type = s.text("type");
+  for (const JointType& t : joint_types())
+    if (t.name == type || std::ranges::find(t.synonyms, type) != t.synonyms.end()) joint.joint = t.make(&s);
+  if (type == "user") joint.joint = make_user_joint(name, s, context);
+  joint.marker_F = context.marker(s, "from");
+  joint.marker_M = context.marker(s, "to");
+  const auto& markers = context.description().markers;
+  if (markers[joint.marker_F].body == markers[joint.marker_M].body)
+    s.refuse("to", fmt::format("\"{}\" is a marker of the same body as \"{}\"", s.text("to"), s.text("from")),
+             "a joint joins two bodies");
+  if (!is_connection) joint.cut = s.flag("cut");
+  const auto coordinates = joint.joint->coordinates(), speeds = joint.joint->speeds();
+  if (type == "user") {
+    joint.initial_coordinates = by_name(s, "start", coordinates, context);
+    joint.initial_speeds = by_name(s, "start_speed", speeds, context);
+    return joint;
+  }
+  for (std::size_t i = 0; i < coordinates.size(); ++i) {
+    const int k = static_cast<int>(i);
+    if (s.has(coordinates[i].name)) joint.initial_coordinates[k] = s.quantity(coordinates[i].name);
+    if (is_connection || joint.joint->n_p() != joint.joint->n_v()) continue;
+    const std::string drive = coordinates.size() == 1 ? "drive" : "drive_" + coordinates[i].name;
+    if (!s.has(drive)) continue;
+    joint.drives[k] = context.time_expression(s, drive);
+    for (const std::string& key : {coordinates[i].name, speeds[i].name})
+      if (s.has(key)) s.refuse(key, "the coordinate is driven", "take this key away");
+  }
+  if (!is_connection && joint.joint->n_p() == joint.joint->n_v()) read_rate_drives(s, context, joint);
+  for (std::size_t i = 0; i < speeds.size(); ++i)
+    if (s.has(speeds[i].name)) joint.initial_speeds[static_cast<int>(i)] = s.quantity(speeds[i].name);
+  return joint;
+}
+
+}  // namespace
+
+void add_free_joints(ReadModel& model) {
+  MechanismDescription& d = model.description;
+  for (std::size_t i = 1; i < d.bodies.size(); ++i) {
+    const int b = static_cast<int>(i);
+    const Section& s = model.sections.at(b);
+    const bool moves = s.has("velocity") || s.has("angular_velocity");
+    if (model.joined.contains(b)) {
+      if (moves)
+        s.refuse(s.has("velocity") ? "velocity" : "angular_velocity", "the body has a joint",
+                 "give the joint's speed instead");
+      continue;
+    }
+    const int F = d.add_marker(0, "origin_of_" + d.bodies[i].name), M = d.add_marker(b, "frame");
+    const int j = d.add_joint(d.bodies[i].name, "six_dof", F, M);
+    for (int k = 0; k < 3; ++k) {
+      if (s.has("angular_velocity")) d.joints[j].initial_speeds[k] = s.vector3("angular_velocity")(k);
+      if (s.has("velocity")) d.joints[j].initial_speeds[3 + k] = s.vector3("velocity")(k);
+    }
+  }
+}
+
+Reader::Reader(ReadModel& model, const std::filesystem::path& file, const input::TableSchema& solver,
+               const std::vector<std::string>& overrides)
+    : Reader(model, file, solver, overrides, "", Base{}, 0) {}
+
+Reader::Reader(ReadModel& model, const std::filesystem::path& file, const input::TableSchema& solver,
+               const std::vector<std::string>& overrides, std::string prefix, Base base, int depth)
+    : model_(model),
+      file_(file),
+      solver_(solver),
+      prefix_(std::move(prefix)),
+      base_(std::move(base)),
+      depth_(depth),
+      root_(read_file(file, solver, take_overrides_below(overrides, overrides_below_))),
+      parameters_(read_parameters(root_)),
+      tables_(read_tables(root_)) {
+  const auto subsystems = root_.table_map("subsystem");
+  for (const auto& [name, below] : overrides_below_)
+    if (std::ranges::none_of(subsystems, [&](const auto& entry) { return entry.first == name; })) {
+      std::vector<std::string> known;
+      for (const auto& [other, s] : subsystems) known.push_back(other);
+      throw input::InputError(fmt::format("command line: subsystem.{}.{}: there is no such subsystem{}", name,
+                                          below.front(), input::suggestion(name, known)));
+    }
+}
+
+void Reader::read_bodies() {
+  MechanismDescription& d = model_.description;
+  const Section ground = root_.table("ground");
+  if (prefix_.empty()) {
+    d.bodies[0].shape_json = shapes_json(ground);
+  } else {
+    d.markers.push_back({prefix_ + "ground", base_.body, base_.X_BG, -1});
+  }
+  read_markers(ground, base_.body, base_.X_BG, prefix_ + "ground", nullptr);
+  for (const auto& [name, s] : root_.table_map("body")) read_body(name, s);
+  for (const auto& [name, s] : root_.table_map("subsystem")) read_subsystem(name, s);
+}
+
+void Reader::read_subsystem(const std::string& name, const Section& s) {
+  if (depth_ >= deepest)
+    s.refuse("file", fmt::format("is the {}th file inside another", deepest + 1),
+             "a file must not place itself");
+  if (name == "ground") s.refuse("", "is the name of the world", "choose another name");
+  for (const BodyDescription& body : model_.description.bodies)
+    if (body.name == prefix_ + name) s.refuse("", "has the name of a body", "choose another name");
+  Base base = base_;
+  if (s.has("on")) {
+    const MarkerDescription& marker = model_.description.markers[context().marker(s, "on")];
+    if (marker.node >= 0)
+      s.refuse("on", "is an interface of a flexible body, which deforms",
+               "place the subsystem on a rigid body and join the two");
+    base = {marker.body, marker.X_BP};
+  }
+  base.X_BG = base.X_BG * read_pose(s);
+
+  std::vector<std::string> overrides;
+  const auto given = s.formulas("parameters");
+  for (const auto& [parameter, formula] : given) {
+    double value;
+    try {
+      const double at_start = 0.0;
+      value = Expression(s.path() + ".parameters." + parameter, formula, SignalNames(), parameters_)
+                  .evaluate(&at_start);
+    } catch (const std::exception& error) {
+      throw input::InputError(s.document().string() + ": " + error.what());
+    }
+    overrides.push_back(fmt::format("parameters.{}={:.17g}", parameter, value));
+  }
+  if (const auto below = overrides_below_.find(name); below != overrides_below_.end())
+    overrides.insert(overrides.end(), below->second.begin(), below->second.end());
+  const std::filesystem::path file = s.file("file");
+  if (!given.empty()) {
+    // A misspelt parameter would be a new one that nothing reads.
+    const Section plain = read_file(file, solver_, {});
+    std::vector<std::string> known;
+    for (const auto& [parameter, formula] : plain.formulas("parameters")) known.push_back(parameter);
+    for (const auto& [parameter, formula] : given)
+      if (std::ranges::find(known, parameter) == known.end())
+        s.refuse("parameters", fmt::format("{} has no parameter \"{}\"{}", file.filename().string(),
+                                           parameter, input::suggestion(parameter, known)));
+  }
+  subsystems_.push_back(std::unique_ptr<Reader>(
+      new Reader(model_, file, solver_, overrides, prefix_ + name + ".", std::move(base), depth_ + 1)));
+  subsystems_.back()->read_bodies();
+}
+
+void Reader::read_markers(const Section& s, int body, const Pose& X_B, const std::string& owner,
+                          const FlexibleBody* flexible) {
+  MechanismDescription& d = model_.description;
+  for (const auto& [name, m] : s.table_map("marker")) {
+    Pose X = read_pose(m);
+    int node = -1;
+    for (const MarkerDescription& other : d.markers)
+      if (other.name == owner + "." + name)
+        m.refuse("", "has the name of an interface of the superelement", "choose another name");
+    if (m.has("on")) {
+      const std::string interface = m.text("on");
+      const auto& interfaces = model_.interfaces[body];
+      const auto found =
+          std::ranges::find_if(interfaces, [&](const auto& entry) { return entry.first == interface; });
+      if (found == interfaces.end()) {
+        std::vector<std::string> known;
+        for (const auto& entry : interfaces) known.push_back(entry.first);
+        m.refuse(
+            "on",
+            fmt::format("the body has no interface \"{}\"{}", interface, input::suggestion(interface, known)),
+            interfaces.empty() ? "only superelements have interfaces" : "");
+      }
+      if (!m.has("position")) X.p = found->second;
+      if (flexible) {
+        node = flexible->find_node(interface);
+        X.p -= found->second;  // relative to the node
+      }
+    } else if (flexible) {
+      model_.notes.push_back(
+          fmt::format("marker \"{}.{}\" is fixed in the body's floating frame and sees no deformation; "
+                      "say on = \"INTERFACE\" to let an interface carry it",
+                      owner, name));
+    }
+    d.markers.push_back({owner + "." + name, body, X_B * X, node});
+  }
+}
+
+const ReadModel::Loaded& Reader::load(const std::string& name, const Section& s) {
+  const std::filesystem::path path = s.file("superelement");
+  const auto option = [&](const char* key) {
+    return s.has(key) ? fmt::format("{:.17g}", s.quantity(key)) : "-";
+  };
+  const std::string key =
+      fmt::format("{}|{}|{}|{}|{}", path.lexically_normal().string(), s.text("fidelity"),
+                  s.has("modes") ? s.integer("modes") : -1, option("max_frequency"), option("damping"));
+  if (const auto known = model_.superelements.find(key); known != model_.superelements.end())
+    return known->second;
+  superelement::Superelement se;
+  try {
+    se = superelement::read(path);
+  } catch (const std::runtime_error& error) {
+    throw input::InputError(s.where("superelement") + ": " + error.what());
+  }
+  ReadModel::Loaded loaded;
+  for (const superelement::Interface& i : se.interfaces) loaded.interfaces.emplace_back(i.name, i.p_BoN_B);
+  if (s.text("fidelity") == "rigid") {
+    loaded.inertia = rigid_inertia(se);
+  } else {
+    BasisOptions options;
+    if (s.has("modes")) options.modes = s.integer("modes");
+    if (s.has("max_frequency")) options.max_frequency = s.quantity("max_frequency");
+    if (s.has("damping")) options.damping = s.quantity("damping");
+    BasisReport report;
+    try {
+      loaded.flexible = std::make_shared<FlexibleBody>(modal_data(se, options, &report));
+    } catch (const std::invalid_argument& error) {
+      throw input::InputError(s.where("superelement") + ": " + error.what());
+    }
+    if (report.kept < report.available)
+      model_.notes.push_back(
+          fmt::format("body \"{}\" keeps {} of {} modes, up to {:.6g} Hz (the next has {:.6g} Hz): it is "
+                      "stiffer under loads at "
+                      "its interfaces than its superelement",
+                      name, report.kept, report.available, report.highest_hz, report.first_dropped_hz));
+  }
+  return model_.superelements.emplace(key, std::move(loaded)).first->second;
+}
+
+void Reader::read_body(const std::string& own_name, const Section& s) {
+  if (own_name == "ground") s.refuse("", "is the name of the world", "choose another name");
+  MechanismDescription& d = model_.description;
+  BodyDescription body;
+  body.name = prefix_ + own_name;
+  std::vector<std::pair<std::string, Vector3d>> interfaces;
+  if (s.has("superelement")) {
+    if (s.has("mass")) s.refuse("mass", "a superelement brings its own mass", "take one of the two away");
+    const ReadModel::Loaded& loaded = load(body.name, s);
+    body.superelement = s.file("superelement").string();
+    body.flexible = loaded.flexible;
+    body.inertia = loaded.inertia;
+    interfaces = loaded.interfaces;
+  } else {
+    for (const char* key : {"modes", "max_frequency", "damping"})
+      if (s.has(key)) s.refuse(key, "a rigid body has no modes", "give a superelement or take the key away");
+    body.inertia = read_inertia(s);
+  }
+  const bool placed = s.has("position") || s.has("axis") || s.has("rotation") || s.has("quaternion");
+  if (placed || !prefix_.empty()) {
+    // Where the base itself starts is known if its own table says so.
+    const std::optional<Pose>& X_W_base = d.bodies[base_.body].X_WB;
+    body.X_WB = (X_W_base ? *X_W_base : Pose{}) * base_.X_BG * read_pose(s);
+  }
+  body.shape_json = shapes_json(s);
+  const std::shared_ptr<const FlexibleBody> flexible = body.flexible;
+  const std::string name = body.name;
+  const int b = d.add_body(std::move(body));
+  model_.sections.emplace(b, s);
+  for (std::size_t i = 0; i < interfaces.size(); ++i) {
+    // The nodes of a flexible body are its interfaces, in their order.
+    if (flexible)
+      d.add_marker(b, interfaces[i].first, {}, static_cast<int>(i));
+    else
+      d.add_marker(b, interfaces[i].first, {Matrix3d::Identity(), interfaces[i].second});
+  }
+  model_.interfaces[b] = std::move(interfaces);
+  read_markers(s, b, Pose{}, name, flexible.get());
+}
+
+void Reader::read_joints() {
+  const ReadContext names = context();
+  MechanismDescription& d = model_.description;
+  for (const char* kind : {"joint", "connection"})
+    for (const auto& [name, s] : root_.table_map(kind)) {
+      for (const JointDescription& other : d.joints)
+        if (other.name == prefix_ + name) s.refuse("", "has the name of a joint", "choose another name");
+      JointDescription joint = read_joint(prefix_ + name, s, names, std::string_view(kind) == "connection");
+      model_.joined.insert({d.markers[joint.marker_F].body, d.markers[joint.marker_M].body});
+      d.joints.push_back(std::move(joint));
+    }
+  for (const auto& subsystem : subsystems_) subsystem->read_joints();
+}
+
+void Reader::read_elements() {
+  for (const auto& subsystem : subsystems_) subsystem->read_elements();
+  const ReadContext names = context();
+  MechanismDescription& d = model_.description;
+  for (const auto& [name, s] : root_.table_map("constraint"))
+    d.constraints.push_back(find_type(constraint_types(), s.text("type")).read(prefix_ + name, s, names));
+  const auto take_name = [&](const std::string& name, const Section& s) {
+    if (name == "t" || name == "pi" || parameters_.contains(name) || tables_.contains(name) ||
+        d.signals.find(prefix_ + name) >= 0)
+      s.refuse("", "the name is taken already in formulas", "choose another");
+    d.signals.add(prefix_ + name);
+  };
+  for (const auto& [name, s] : root_.table_map("input")) {
+    d.inputs.push_back({prefix_ + name, names.time_expression(s, "value")});
+    take_name(name, s);
+  }
+  // Outputs of states alone can be read by every formula, measures by those below, the rest by forces.
+  const auto controls = root_.table_map("control");
+  for (const auto& [name, s] : controls)
+    if (!find_type(control_types(), s.text("type")).feeds_through) take_name(name, s);
+  for (const auto& [name, s] : root_.table_map("measure")) {
+    d.measures.push_back(find_type(measure_types(), s.text("type")).read(prefix_ + name, s, names));
+    take_name(name, s);
+  }
+  for (const auto& [name, s] : controls) {
+    const ControlType& type = find_type(control_types(), s.text("type"));
+    d.controls.push_back(type.read(prefix_ + name, s, names));
+    if (type.feeds_through) take_name(name, s);
+  }
+  for (const auto& [name, s] : root_.table_map("force"))
+    d.forces.push_back(find_type(force_types(), s.text("type")).read(prefix_ + name, s, names));
+}
+
+}  // namespace flexura::mbs

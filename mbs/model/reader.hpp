@@ -1,0 +1,78 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "mbs/model/read_context.hpp"
+#include "mbs/model/read_mechanism.hpp"
+
+/// Reads one mechanism file, and through itself the subsystems in it, into one model.  Private to the sources
+/// of the reader.
+///
+/// A subsystem is a mechanism file of its own.  Its bodies, joints and elements get the prefix "NAME."; what
+/// it calls ground is a frame on a body of the mechanism that places it; its parameters take the values given
+/// there.  Within the file names are as if it stood alone.
+namespace flexura::mbs {
+
+/// What all files of a mechanism are read into.
+struct ReadModel {
+  MechanismDescription description;
+  std::vector<std::string> notes;
+  std::map<int, input::Section> sections;  ///< of bodies
+  std::map<int, std::vector<std::pair<std::string, Vector3d>>> interfaces;
+  std::set<int> joined;  ///< bodies with a joint
+  /// Superelements by file and fidelity: one that is placed many times is held once.
+  struct Loaded {
+    std::shared_ptr<const FlexibleBody> flexible;
+    RigidInertia inertia;
+    std::vector<std::pair<std::string, Vector3d>> interfaces;
+  };
+  std::map<std::string, Loaded> superelements;
+};
+
+/// Bodies that nothing holds get six freedoms to ground.
+void add_free_joints(ReadModel& model);
+
+class Reader {
+ public:
+  Reader(ReadModel& model, const std::filesystem::path& file, const input::TableSchema& solver,
+         const std::vector<std::string>& overrides);
+
+  const input::Section& root() const { return root_; }
+  void read_bodies();    ///< markers too, its own and those of its subsystems
+  void read_joints();    ///< after all bodies
+  void read_elements();  ///< after all joints and their signals: constraints, measures, controls, forces
+
+ private:
+  struct Base {
+    int body = 0;
+    Pose X_BG;  ///< what the file calls ground
+  };
+  Reader(ReadModel& model, const std::filesystem::path& file, const input::TableSchema& solver,
+         const std::vector<std::string>& overrides, std::string prefix, Base base, int depth);
+  ReadContext context() const { return {model_.description, parameters_, tables_, prefix_}; }
+  void read_subsystem(const std::string& name, const input::Section& s);
+  void read_body(const std::string& name, const input::Section& s);
+  const ReadModel::Loaded& load(const std::string& name, const input::Section& s);
+  void read_markers(const input::Section& s, int body, const Pose& X_B, const std::string& owner,
+                    const FlexibleBody* flexible);
+
+  ReadModel& model_;
+  std::filesystem::path file_;
+  const input::TableSchema& solver_;
+  std::map<std::string, std::vector<std::string>> overrides_below_;  ///< of each subsystem
+  std::string prefix_;
+  Base base_;
+  int depth_;
+  input::Section root_;
+  std::map<std::string, double> parameters_;
+  Curves tables_;
+  std::vector<std::unique_ptr<Reader>> subsystems_;
+};
+
+}  // namespace flexura::mbs
