@@ -61,7 +61,7 @@ class Expression {
 
  private:
   struct Instruction {
-    int code;          ///< an operation of expression.cpp
+    int code;          ///< of operations.hpp
     int count = 0;     ///< arguments of a function, or target of a jump
     int place = 0;     ///< of a signal
     double value = 0;  ///< of a constant
