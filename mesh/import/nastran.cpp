@@ -3,41 +3,20 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Geometry>
 #include <array>
 #include <cmath>
 #include <map>
-#include <numbers>
 #include <set>
 #include <stdexcept>
 
 #include "mesh/import/builder.hpp"
 #include "mesh/import/nastran_cards.hpp"
+#include "mesh/import/nastran_systems.hpp"
 
 namespace flexura::mesh {
 namespace {
 
 using Eigen::Vector3d;
-
-constexpr double kDegree = std::numbers::pi / 180;
-
-/// Rectangular, cylindrical (r, theta, z) or spherical (r, theta from z, phi), angles in degrees.
-struct System {
-  char kind = 'R';
-  Eigen::Matrix3d R = Eigen::Matrix3d::Identity();  ///< columns: the axes
-  Vector3d origin = Vector3d::Zero();
-
-  Vector3d place(const Vector3d& x) const { return origin + R * rectangular(x); }
-  Vector3d rectangular(const Vector3d& x) const {
-    if (kind == 'C') return {x[0] * std::cos(kDegree * x[1]), x[0] * std::sin(kDegree * x[1]), x[2]};
-    if (kind == 'S') {
-      const double s = std::sin(kDegree * x[1]);
-      return {x[0] * s * std::cos(kDegree * x[2]), x[0] * s * std::sin(kDegree * x[2]),
-              x[0] * std::cos(kDegree * x[1])};
-    }
-    return x;
-  }
-};
 
 struct SolidCard {
   CellType linear, quadratic;
@@ -59,10 +38,12 @@ class Reader {
  public:
   ImportedModel read(const std::filesystem::path& path) {
     cards_ = read_cards(path, names_);
-    for (const Card& card : cards_) by_name_[card.name].push_back(&card);
+    for (const Card& card : cards_) {
+      by_name_[card.name].push_back(&card);
+      systems_.add(card);
+    }
     used_ = {"GRDSET"};
     read_materials();
-    index_systems();
     read_grids();
     read_solids();
     read_bars();
@@ -121,69 +102,17 @@ class Reader {
     return found->second;
   }
 
-  // ---- coordinate systems and nodes
-
-  void index_systems() {
-    for (const char kind : {'R', 'C', 'S'})
-      for (const char* family : {"CORD1", "CORD2"})
-        for (const Card* card : all(std::string(family) + kind)) {
-          system_cards_[card->integer(0)] = card;
-          if (family[4] == '1' && !card->blank(4)) system_cards_[card->integer(4)] = card;  // two on one card
-        }
-    for (const Card* card : all("GRID")) grid_cards_.emplace(card->integer(0), card);
-    for (const Card* card : by_name_["GRDSET"]) grdset_ = card;
-  }
-
-  const System& system(std::int64_t id, const Where& where, int depth = 0) {
-    if (const auto found = systems_.find(id); found != systems_.end()) return found->second;
-    if (id == 0) return systems_[0] = System();
-    const auto found = system_cards_.find(id);
-    if (found == system_cards_.end())
-      throw std::invalid_argument(fmt::format("{}: coordinate system {} is not defined", where.text(), id));
-    if (depth > 50)
-      throw std::invalid_argument(fmt::format("{}: coordinate system {} refers to itself", where.text(), id));
-    const Card& card = *found->second;
-    System s;
-    s.kind = card.name[5];
-    std::array<Vector3d, 3> p;
-    if (card.name[4] == '2') {
-      const System& reference = system(card.integer(1, 0), card.where, depth + 1);
-      for (std::size_t k = 0; k < 3; ++k)
-        p[k] = reference.place({card.real(2 + 3 * k, 0), card.real(3 + 3 * k, 0), card.real(4 + 3 * k, 0)});
-    } else {
-      const std::size_t first = card.integer(0) == id ? 0 : 4;
-      for (std::size_t k = 0; k < 3; ++k)
-        p[k] = grid_place(card.integer(first + 1 + k), card.where, depth + 1);
-    }
-    const Vector3d z = (p[1] - p[0]).normalized();
-    const Vector3d y = z.cross(p[2] - p[0]);
-    if (!z.allFinite() || !(y.norm() > 1e-12 * (p[2] - p[0]).norm()))
-      throw std::invalid_argument(
-          fmt::format("{}: the three points of coordinate system {} lie on a line", card.where.text(), id));
-    s.R.col(2) = z;
-    s.R.col(1) = y.normalized();
-    s.R.col(0) = s.R.col(1).cross(z);
-    s.origin = p[0];
-    return systems_[id] = s;
-  }
-
-  Vector3d grid_place(std::int64_t id, const Where& where, int depth = 0) {
-    const auto found = grid_cards_.find(id);
-    if (found == grid_cards_.end())
-      throw std::invalid_argument(fmt::format("{}: GRID {} is not defined", where.text(), id));
-    const Card& card = *found->second;
-    const std::int64_t cp = card.integer(1, grdset_ ? grdset_->integer(1, 0) : 0);
-    return system(cp, card.where, depth).place({card.real(2, 0), card.real(3, 0), card.real(4, 0)});
-  }
+  // ---- nodes
 
   void read_grids() {
     int turned = 0;
+    const Card* grdset = systems_.grdset();
     for (const Card* card : all("GRID")) {
       const std::int64_t id = card->integer(0);
-      const Index node = builder_.add_node(0, id, grid_place(id, card->where), card->where);
-      const std::string fixed = !card->blank(6) ? card->text(6) : grdset_ ? grdset_->text(6) : "";
+      const Index node = builder_.add_node(0, id, systems_.grid_place(id, card->where), card->where);
+      const std::string fixed = !card->blank(6) ? card->text(6) : grdset ? grdset->text(6) : "";
       if (!fixed.empty()) model_.fixed.push_back({node, components(fixed, *card)});
-      turned += card->integer(5, grdset_ ? grdset_->integer(5, 0) : 0) > 0;
+      turned += card->integer(5, grdset ? grdset->integer(5, 0) : 0) > 0;
     }
     if (turned > 0)
       model_.messages.push_back(
@@ -295,9 +224,9 @@ class Reader {
         bar.label = id;
         bar.nodes = {builder_.node(0, card->integer(2), card->where),
                      builder_.node(0, card->integer(3), card->where)};
-        const Vector3d a = grid_place(card->integer(2), card->where);
+        const Vector3d a = systems_.grid_place(card->integer(2), card->where);
         if (!card->blank(4) && card->blank(5) && card->blank(6) && !card->is_real(4))
-          bar.orientation = grid_place(card->integer(4), card->where) - a;
+          bar.orientation = systems_.grid_place(card->integer(4), card->where) - a;
         else
           bar.orientation = Vector3d(card->real(4, 0), card->real(5, 0), card->real(6, 0));
         for (std::size_t end = 0; end < 2; ++end)
@@ -361,8 +290,8 @@ class Reader {
       mass.mass = card->real(3, 0);
       const std::int64_t cid = card->integer(2, 0);
       const Vector3d x(card->real(4, 0), card->real(5, 0), card->real(6, 0));
-      const System& s = system(std::max<std::int64_t>(cid, 0), card->where);
-      mass.offset = cid == -1 ? Vector3d(x - grid_place(card->integer(1), card->where))
+      const NastranSystem& s = systems_.system(std::max<std::int64_t>(cid, 0), card->where);
+      mass.offset = cid == -1 ? Vector3d(x - systems_.grid_place(card->integer(1), card->where))
                               : Vector3d(s.R * s.rectangular(x));
       Eigen::Matrix3d I;
       I << card->real(8, 0), -card->real(9, 0), -card->real(11, 0),  // the card holds the products of
@@ -380,8 +309,8 @@ class Reader {
       if (card.blank(k)) continue;
       if (card.text(k) == "THRU") {
         const std::int64_t last = card.integer(++k);
-        for (auto at = grid_cards_.upper_bound(ids.empty() ? 0 : ids.back());
-             at != grid_cards_.end() && at->first <= last; ++at)
+        for (auto at = systems_.grids().upper_bound(ids.empty() ? 0 : ids.back());
+             at != systems_.grids().end() && at->first <= last; ++at)
           ids.push_back(at->first);
       } else {
         ids.push_back(card.integer(k));
@@ -436,9 +365,7 @@ class Reader {
   std::vector<Card> cards_;
   std::map<std::string, std::vector<const Card*>> by_name_;
   std::map<std::int64_t, Index> material_, property_;
-  std::map<std::int64_t, const Card*> system_cards_, grid_cards_;
-  std::map<std::int64_t, System> systems_;
-  const Card* grdset_ = nullptr;
+  NastranSystems systems_;
 };
 
 }  // namespace

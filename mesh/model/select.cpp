@@ -7,226 +7,23 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <limits>
 #include <map>
 #include <numeric>
 #include <stdexcept>
 
-#include "mesh/model/cell.hpp"
 #include "mesh/model/geometry.hpp"
 #include "mesh/model/patches.hpp"
+#include "mesh/model/selecting.hpp"
 
 namespace flexura::mesh {
-namespace {
+namespace selecting {
 
 using Eigen::Vector3d;
 
-constexpr double kAngle = 0.5 * M_PI / 180;  // between stated and found directions
-constexpr double kRelative = 0.005;          // default tolerance on radii
-constexpr int kCandidates = 3;               // named when nothing fits
-
-struct Context {
-  const Mesh& mesh;
-  const std::vector<Face>& faces;
-  double diagonal;
-  bool cad() const { return !faces.empty() && !mesh.boundary_face.empty(); }
-};
-
-std::string mm(double length) {
-  return fmt::format("{:.6g} mm", 1e3 * length);
-}
-
-Vector3d unit(const Vector3d& v, const char* what) {
-  if (!v.allFinite() || !(v.norm() > 0))
-    throw std::invalid_argument(fmt::format("the {} is (0, 0, 0); give a direction", what));
-  return v.normalized();
-}
-
-double distance_to_axis(const Vector3d& p, const Vector3d& point, const Vector3d& axis) {
-  return (p - point).cross(axis).norm();
-}
-
-/// Boundary cells that `chosen` says yes to, as blocks; k counts through all blocks.
-std::vector<CellBlock> pick_cells(
-    const Mesh& mesh, const std::function<bool(const CellBlock&, Index cell, std::size_t k)>& chosen) {
-  std::vector<CellBlock> picked;
-  std::size_t k = 0;
-  for (const CellBlock& block : mesh.boundary) {
-    std::vector<Index> rows;
-    for (Index cell = 0; cell < block.nodes.rows(); ++cell, ++k)
-      if (chosen(block, cell, k)) rows.push_back(cell);
-    if (rows.empty()) continue;
-    CellBlock own;
-    own.type = block.type;
-    own.nodes = block.nodes(rows, Eigen::all);
-    picked.push_back(std::move(own));
-  }
-  return picked;
-}
-
-NodeSet set_of(std::vector<CellBlock> cells) {
-  NodeSet set;
-  for (const CellBlock& block : cells)
-    set.nodes.insert(set.nodes.end(), block.nodes.data(), block.nodes.data() + block.nodes.size());
-  std::sort(set.nodes.begin(), set.nodes.end());
-  set.nodes.erase(std::unique(set.nodes.begin(), set.nodes.end()), set.nodes.end());
-  set.faces = std::move(cells);
-  return set;
-}
-
-void measure(const Mesh& mesh, Selection& selection) {
-  const Surface surface = measure_surface(mesh, selection.set.faces);
-  selection.area = surface.area;
-  if (surface.area > 0) {
-    selection.reference = surface.centroid;
-    return;
-  }
-  selection.reference.setZero();
-  for (const Index node : selection.set.nodes) selection.reference += mesh.points.row(node).transpose();
-  selection.reference /= static_cast<double>(std::max<std::size_t>(1, selection.set.nodes.size()));
-}
-
-void put_on_axis(Selection& selection, const Vector3d& point, const Vector3d& axis) {
-  selection.reference = point + axis * axis.dot(selection.reference - point);
-}
-
-Selection select_faces(const Context& c, std::vector<const Face*> faces) {
-  Selection selection;
-  for (const Face* face : faces) selection.face_numbers.push_back(face->number);
-  std::sort(selection.face_numbers.begin(), selection.face_numbers.end());
-  selection.set = set_of(pick_cells(c.mesh, [&](const CellBlock&, Index, std::size_t k) {
-    return std::binary_search(selection.face_numbers.begin(), selection.face_numbers.end(),
-                              c.mesh.boundary_face[k]);
-  }));
-  if (selection.set.nodes.empty())
-    throw std::invalid_argument(describe(*faces.front()) +
-                                ": no cell of the mesh lies on it; a smaller mesh size reaches it");
-  measure(c.mesh, selection);
-  // The centroid of the CAD faces, not of their mesh: interfaces of a symmetric part lie symmetric, and loops
-  // close.
-  double area = 0.0;
-  Vector3d moment = Vector3d::Zero();
-  for (const Face* face : faces) {
-    area += face->area;
-    moment += face->area * face->centroid;
-  }
-  if (area > 0.0) selection.reference = moment / area;
-  selection.description = describe(*faces.front());
-  if (faces.size() > 1)
-    selection.description +=
-        fmt::format(" and {} more: {}", faces.size() - 1, fmt::join(selection.face_numbers, ", "));
-  return selection;
-}
-
-/// Faces by increasing misfit, as candidates for a message.
-std::string nearest(const std::vector<Face>& faces, FaceKind kind,
-                    const std::function<double(const Face&)>& misfit) {
-  std::vector<const Face*> ordered;
-  for (const Face& face : faces)
-    if (face.kind == kind) ordered.push_back(&face);
-  if (ordered.empty()) return fmt::format("; the part has no {}", name_of(kind));
-  std::sort(ordered.begin(), ordered.end(),
-            [&](const Face* a, const Face* b) { return misfit(*a) < misfit(*b); });
-  std::string text = fmt::format("; nearest {}{}:", name_of(kind), ordered.size() > 1 ? "s" : "");
-  for (std::size_t k = 0; k < std::min<std::size_t>(kCandidates, ordered.size()); ++k)
-    text += "\n  " + describe(*ordered[k]);
-  return text;
-}
-
-// ---- cylinders
-
-Selection select_cylinder_faces(const Context& c, const CylinderRule& rule, const Vector3d& axis) {
-  std::vector<const Face*> about_axis;
-  for (const Face& face : c.faces) {
-    if (face.kind != FaceKind::cylinder || std::abs(face.axis.dot(axis)) < std::cos(kAngle)) continue;
-    const double tolerance = rule.tolerance > 0 ? rule.tolerance : kRelative * face.radius;
-    if (distance_to_axis(face.axis_point, rule.point, axis) > tolerance) continue;
-    const double height = axis.dot(face.axis_point - rule.point);
-    if (rule.extent && (height < (*rule.extent)[0] || height > (*rule.extent)[1])) continue;
-    about_axis.push_back(&face);
-  }
-  const auto fits = [&](const Face* face) {
-    const double tolerance = rule.tolerance > 0 ? rule.tolerance : kRelative * *rule.radius;
-    return std::abs(face->radius - *rule.radius) <= tolerance;
-  };
-  std::vector<const Face*> chosen;
-  for (const Face* face : about_axis)
-    if (!rule.radius || fits(face)) chosen.push_back(face);
-  const std::string wanted = fmt::format(
-      "cylinder{} about the axis {} through {}", rule.radius ? " of radius " + mm(*rule.radius) : "",
-      fmt::format("({:.6g}, {:.6g}, {:.6g})", axis.x(), axis.y(), axis.z()), describe_point_mm(rule.point));
-  if (chosen.empty())
-    throw std::invalid_argument("no " + wanted + nearest(c.faces, FaceKind::cylinder, [&](const Face& f) {
-                                  const double turned = std::acos(std::min(1.0, std::abs(f.axis.dot(axis))));
-                                  return distance_to_axis(f.axis_point, rule.point, axis) +
-                                         turned * c.diagonal +
-                                         (rule.radius ? std::abs(f.radius - *rule.radius) : 0);
-                                }));
-  if (!rule.radius) {
-    const auto [least, most] = std::minmax_element(chosen.begin(), chosen.end(),
-                                                   [](auto* a, auto* b) { return a->radius < b->radius; });
-    if ((*most)->radius - (*least)->radius > kRelative * (*most)->radius) {
-      std::string text = "several radii for the " + wanted + "; state one of:";
-      for (const Face* face : chosen) text += "\n  " + describe(*face);
-      throw std::invalid_argument(text);
-    }
-  }
-  Selection selection = select_faces(c, chosen);
-  put_on_axis(selection, chosen.front()->axis_point, chosen.front()->axis);
-  return selection;
-}
-
-Selection select_cylinder_cells(const Context& c, const CylinderRule& rule, const Vector3d& axis) {
-  if (!rule.radius) throw std::invalid_argument("a cylinder on a mesh without CAD faces needs its radius");
-  const double tolerance = rule.tolerance > 0 ? rule.tolerance : kRelative * *rule.radius;
-  double nearest_radius = 0, misfit = std::numeric_limits<double>::max();
-  Selection selection;
-  selection.set = set_of(pick_cells(c.mesh, [&](const CellBlock& block, Index cell, std::size_t) {
-    double worst = 0, radius = 0;
-    Vector3d middle = Vector3d::Zero();
-    for (Eigen::Index k = 0; k < block.nodes.cols(); ++k) {
-      const Vector3d p = c.mesh.points.row(block.nodes(cell, k)).transpose();
-      const double r = distance_to_axis(p, rule.point, axis);
-      worst = std::max(worst, std::abs(r - *rule.radius));
-      radius += r / static_cast<double>(block.nodes.cols());
-      middle += p / static_cast<double>(block.nodes.cols());
-    }
-    const double height = axis.dot(middle - rule.point);
-    if (rule.extent && (height < (*rule.extent)[0] || height > (*rule.extent)[1])) return false;
-    const Vector3d radial = (middle - rule.point - axis * height).normalized();
-    if (std::abs(cell_normal(c.mesh, block, cell).dot(radial)) < 0.8)
-      return false;  // a disc's ring, not the wall
-    if (worst < misfit) {
-      misfit = worst;
-      nearest_radius = radius;
-    }
-    return worst <= tolerance;
-  }));
-  if (selection.set.nodes.empty())
-    throw std::invalid_argument(
-        fmt::format("no boundary cell lies on the cylinder of radius {} about the axis ({:.6g}, {:.6g}, "
-                    "{:.6g}) through {}{}",
-                    mm(*rule.radius), axis.x(), axis.y(), axis.z(), describe_point_mm(rule.point),
-                    misfit < 1e300 ? "; the nearest lies at radius " + mm(nearest_radius) : ""));
-  measure(c.mesh, selection);
-  put_on_axis(selection, rule.point, axis);
-  selection.description = fmt::format("{} cells on the cylinder of radius {}",
-                                      count_cells(selection.set.faces), mm(*rule.radius));
-  return selection;
-}
-
-Selection select(const Context& c, const CylinderRule& rule) {
-  const Vector3d axis = unit(rule.direction, "direction of the cylinder's axis");
-  if (rule.radius && !(*rule.radius > 0))
-    throw std::invalid_argument(
-        fmt::format("the cylinder's radius {} must be greater than zero", mm(*rule.radius)));
-  return c.cad() ? select_cylinder_faces(c, rule, axis) : select_cylinder_cells(c, rule, axis);
-}
-
 // ---- planes
 
-Selection select(const Context& c, const PlaneRule& rule) {
+static Selection select(const Context& c, const PlaneRule& rule) {
   const Vector3d normal = unit(rule.normal, "normal of the plane");
   const double tolerance = rule.tolerance > 0 ? rule.tolerance : 1e-4 * c.diagonal;
   const std::string wanted = fmt::format("plane with normal ({:.6g}, {:.6g}, {:.6g}) through {}", normal.x(),
@@ -267,7 +64,7 @@ Selection select(const Context& c, const PlaneRule& rule) {
 
 // ---- near a point
 
-Selection select(const Context& c, const NearRule& rule) {
+static Selection select(const Context& c, const NearRule& rule) {
   if (rule.radius && !(*rule.radius >= 0))
     throw std::invalid_argument(fmt::format("the search radius {} is negative", mm(*rule.radius)));
   // Without CAD faces, those of the mesh: patches between sharp edges.
@@ -320,7 +117,7 @@ Selection select(const Context& c, const NearRule& rule) {
 
 // ---- by number and name
 
-Selection select(const Context& c, const FacesRule& rule) {
+static Selection select(const Context& c, const FacesRule& rule) {
   if (rule.numbers.empty()) throw std::invalid_argument("no face numbers are given");
   if (!c.cad())
     throw std::invalid_argument("faces can be chosen by number on CAD parts only; this mesh has none");
@@ -349,7 +146,7 @@ Selection select(const Context& c, const FacesRule& rule) {
   return selection;
 }
 
-int edit_distance(const std::string& a, const std::string& b) {
+static int edit_distance(const std::string& a, const std::string& b) {
   std::vector<int> row(b.size() + 1);
   std::iota(row.begin(), row.end(), 0);
   for (std::size_t i = 1; i <= a.size(); ++i) {
@@ -364,7 +161,7 @@ int edit_distance(const std::string& a, const std::string& b) {
   return row[b.size()];
 }
 
-Selection select(const Context& c, const NameRule& rule) {
+static Selection select(const Context& c, const NameRule& rule) {
   const auto found = c.mesh.sets.find(rule.name);
   if (found == c.mesh.sets.end()) {
     std::vector<std::string> names;
@@ -391,7 +188,7 @@ Selection select(const Context& c, const NameRule& rule) {
   return selection;
 }
 
-Selection select(const Context& c, const NodesRule& rule) {
+static Selection select(const Context& c, const NodesRule& rule) {
   Selection selection;
   std::vector<Index>& nodes = selection.set.nodes;
   std::map<std::int64_t, Index> index_of;
@@ -430,12 +227,12 @@ Selection select(const Context& c, const NodesRule& rule) {
   return selection;
 }
 
-}  // namespace
+}  // namespace selecting
 
 Selection select_nodes(const Mesh& mesh, const std::vector<Face>& faces, const Rule& rule) {
   const auto box = bounding_box(mesh);
-  const Context context{mesh, faces, (box.row(1) - box.row(0)).norm()};
-  return std::visit([&](const auto& r) { return select(context, r); }, rule);
+  const selecting::Context context{mesh, faces, (box.row(1) - box.row(0)).norm()};
+  return std::visit([&](const auto& r) { return selecting::select(context, r); }, rule);
 }
 
 }  // namespace flexura::mesh
