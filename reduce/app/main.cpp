@@ -25,7 +25,7 @@ using namespace flexura;
 struct Arguments {
   std::string input, output, report, mesh_size;
   std::vector<std::string> overrides, held;
-  int modes = -1, beam_modes = 0, places = 5;
+  int modes = -1, beam_modes = 0, places = 5, compare = 0;
   bool list_faces = false, schema = false, schema_beams = false, statics = false;
 };
 
@@ -67,7 +67,8 @@ int reduce_with(const Arguments& arguments, const terminal::Talk& talk) {
   }
   const reduce::PartInput part = reduce::read_part(arguments.input, overrides);
 
-  reduce::reduce_part(part, output, {.report = arguments.report, .quiet = talk.quiet});
+  reduce::reduce_part(part, output,
+                      {.report = arguments.report, .compare = arguments.compare, .quiet = talk.quiet});
   return 0;
 }
 
@@ -84,7 +85,10 @@ std::function<int()> declare(terminal::Options& options, const terminal::Talk& t
       .option("--held", arguments->held, "INTERFACE ...", "interfaces that --statics holds (default: all)")
       .option("--places", arguments->places, "N", "places along each member for --statics (default: 5)")
       .option("--set", arguments->overrides, "KEY=VALUE", "override an entry of the part file")
-      .option("--report", arguments->report, "FILE", "also write the reduction's report as JSON")
+      .option("--report", arguments->report, "FILE", "also write the acceptance report as JSON")
+      .option(
+          "--compare", arguments->compare, "N",
+          "also solve the full model: N free frequencies and static compliance against the superelement's")
       .flag("--list-faces", arguments->list_faces, "list the solids and faces of the part, then stop")
       .flag("--schema", arguments->schema, "print the part file's reference page, then stop")
       .flag("--schema-beams", arguments->schema_beams, "print the beam part file's reference page, then stop")

@@ -1,125 +1,20 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include "reduce/app/part_file.hpp"
 
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cctype>
 #include <fstream>
+#include <map>
+#include <numbers>
 #include <sstream>
 
 namespace flexura::reduce {
 
 using input::InputError;
 using input::Section;
-using input::TableSchema;
-namespace dim = input::dim;
 
 namespace {
-
-TableSchema geometry_schema() {
-  TableSchema s{.name = "geometry", .doc = "The CAD part. STEP, IGES and BREP are read."};
-  s.keys = {
-      input::text("file", "CAD file, relative to the part file").required(),
-      input::choice("unit", {"m", "mm", "cm", "um", "inch", "ft"},
-                    "length unit of the CAD file; overrides what the file says (BREP files say nothing: mm)"),
-      input::integer("solid", "which solid of the file, counted from 1 as `--list-faces` prints them")
-          .at_least(1),
-      input::flag("fuse", "join all solids of the file into one").or_default("false"),
-      input::flag("heal",
-                  "let the CAD kernel repair the shape before meshing; may change its volume slightly")
-          .or_default("false"),
-  };
-  return s;
-}
-
-TableSchema mesh_schema() {
-  TableSchema s{.name = "mesh", .doc = "How the geometry is meshed. May be left out."};
-  s.keys = {
-      input::integer("order", "1: four-node, 2: ten-node tetrahedra").or_default("2").at_least(1).at_most(2),
-      input::quantity("size", dim::length, "element size; chosen from the part's dimensions when left out")
-          .above(0),
-      input::quantity("elements_per_circle", dim::none,
-                      "refine curved faces so that a full circle takes this many elements; 0: no refinement")
-          .or_default("8")
-          .at_least(0),
-      input::quantity("time_limit", dim::time, "give the mesher up after this time")
-          .or_default("600 s")
-          .above(0),
-  };
-  return s;
-}
-
-TableSchema material_schema() {
-  TableSchema s{.name = "material", .doc = "An isotropic linear elastic material."};
-  s.keys = {
-      input::quantity("young", dim::pressure, "Young's modulus").required().above(0),
-      input::quantity("poisson", dim::none, "Poisson's ratio").required().above(-1).below(0.5),
-      input::quantity("density", dim::density, "mass per volume").required().above(0),
-  };
-  return s;
-}
-
-TableSchema interface_schema() {
-  TableSchema s{
-      .name = "interface",
-      .doc =
-          "Where other bodies, joints and forces take hold. Each becomes one node of six degrees of "
-          "freedom, tied to the chosen faces."};
-  s.selector = "by";
-  s.keys = {
-      input::choice("by", {"cylinder", "plane", "near", "faces", "group", "nodes"},
-                    "how the faces are chosen")
-          .required(),
-      input::choice(
-          "tie", {"rigid", "average"},
-          "`rigid`: the faces follow the node as one rigid piece (RBE2). `average`: the node follows the "
-          "area-weighted mean motion of the faces and does not stiffen them (RBE3)")
-          .or_default("rigid"),
-      input::vector3(
-          "reference", dim::length,
-          "position of the interface node; default: centre of the chosen faces, for a cylinder the middle "
-          "of its axis"),
-  };
-  const auto point = [](const char* doc) { return input::vector3("point", dim::length, doc).required(); };
-  s.variants["cylinder"] = {
-      .name = "interface by cylinder",
-      .keys = {
-          point("a point on the axis"), input::vector3("axis", dim::none, "direction of the axis").required(),
-          input::quantity("radius", dim::length,
-                          "radius; may be left out where only one cylinder has this axis")
-              .above(0),
-          input::quantities("extent", dim::length,
-                            "only faces between these two distances along the axis, counted from `point`")
-              .sized(2)}};
-  s.variants["plane"] = {.name = "interface by plane",
-                         .keys = {point("a point in the plane"),
-                                  input::vector3("normal", dim::none, "normal of the plane").required()}};
-  s.variants["near"] = {
-      .name = "interface by nearness",
-      .keys = {
-          point("the nearest face is taken"),
-          input::quantity("radius", dim::length, "take every face within this distance instead").above(0)}};
-  s.variants["faces"] = {
-      .name = "interface by face numbers",
-      .keys = {input::integers("faces", "face numbers as `--list-faces` prints them").required()}};
-  s.variants["group"] = {.name = "interface by group",
-                         .keys = {input::text("group", "name of a physical group or named set").required()}};
-  s.variants["nodes"] = {.name = "interface by nodes",
-                         .keys = {input::integers("nodes", "node numbers of the mesh file").required()}};
-  return s;
-}
-
-TableSchema recovery_schema() {
-  TableSchema s{.name = "recovery",
-                .doc = "What the superelement keeps besides the displacements of its surface."};
-  s.keys = {
-      input::flag("stress",
-                  "stress modes: nodal stresses of every shape on the surface, for von Mises stress and the "
-                  "like at run time")
-          .or_default("false"),
-      input::texts("groups",
-                   "stress modes only at the nodes of these named sets; default: the whole surface"),
-      input::choice("precision", {"single", "double"}, "how stress modes are stored").or_default("single"),
-  };
-  return s;
-}
 
 RecoveryInput read_recovery(const Section& in) {
   RecoveryInput r{.stress = in.flag("stress"),
@@ -171,6 +66,36 @@ mesh::Rule read_rule(const Section& in) {
   return mesh::NodesRule{.labels = {nodes.begin(), nodes.end()}};
 }
 
+/// Length and mass unit of a mesh file in SI.
+void read_units(const Section& geometry, PartInput& part) {
+  static const std::map<std::string, std::pair<double, std::string>> lengths = {
+      {"m", {1.0, "kg"}},
+      {"mm", {1e-3, "t"}},
+      {"cm", {1e-2, ""}},
+      {"um", {1e-6, ""}},
+      {"inch", {0.0254, "lbf s^2/in"}},
+      {"ft", {0.3048, "slug"}}};
+  static const std::map<std::string, double> masses = {
+      {"kg", 1.0}, {"t", 1e3}, {"g", 1e-3}, {"lbf s^2/in", 175.12683524647636}, {"slug", 14.593902937206365}};
+  const auto& [length, mass] = lengths.at(geometry.has("unit") ? geometry.text("unit") : "m");
+  part.unit_length = length;
+  part.unit_mass = masses.at(geometry.has("mass_unit") ? geometry.text("mass_unit")
+                             : mass.empty()            ? "kg"
+                                                       : mass);
+  part.mass_unit_known = geometry.has("mass_unit") || !mass.empty();
+}
+
+PartFormat format_of(const std::filesystem::path& path) {
+  std::string end = path.extension().string();
+  for (char& c : end) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  if (end == ".msh") return PartFormat::gmsh;
+  if (end == ".inp") return PartFormat::abaqus;
+  if (end == ".bdf" || end == ".dat" || end == ".nas") return PartFormat::nastran;
+  if (end == ".unv") return PartFormat::unv;
+  if (end == ".csv" || end == ".txt") return PartFormat::nodes;
+  return PartFormat::cad;
+}
+
 mesh::CadOptions read_cad(const Section& geometry, const Section& mesh) {
   mesh::CadOptions cad;
   cad.path = geometry.file("file");
@@ -188,28 +113,162 @@ mesh::CadOptions read_cad(const Section& geometry, const Section& mesh) {
   return cad;
 }
 
+Material read_material(const std::string& name, const Section& in) {
+  const double density = in.quantity("density");
+  const bool whole = in.has("moduli") && in.has("ratios") && in.has("shear");
+  const bool any =
+      in.has("moduli") || in.has("ratios") || in.has("shear") || in.has("axis_x") || in.has("axis_y");
+  if (!any && in.has("young") && in.has("poisson"))
+    return isotropic(name, in.quantity("young"), in.quantity("poisson"), density);
+  if (!whole || in.has("young") || in.has("poisson"))
+    throw InputError(
+        in.where() +
+        ": a material has young and poisson, or, orthotropic, moduli, ratios and shear; one of the two, "
+        "complete");
+  const auto E = in.quantities("moduli"), nu = in.quantities("ratios"), G = in.quantities("shear");
+  Material material;
+  try {
+    material = orthotropic(name, {E[0], E[1], E[2], nu[0], nu[1], nu[2], G[0], G[1], G[2]}, density);
+  } catch (const std::invalid_argument& error) {
+    throw InputError(in.where() + ": " + error.what());
+  }
+  if (!in.has("axis_x") && !in.has("axis_y")) return material;
+  Eigen::Matrix3d R;
+  R.col(0) = in.has("axis_x") ? direction(in, "axis_x") : Eigen::Vector3d::UnitX();
+  R.col(1) = in.has("axis_y") ? direction(in, "axis_y") : Eigen::Vector3d::UnitY();
+  R.col(2) = R.col(0).cross(R.col(1));
+  if (R.col(2).norm() < 1e-6)
+    throw InputError(in.where() +
+                     ": axis_x and axis_y lie on one line; give two directions of the material's plane");
+  R.col(2).normalize();
+  R.col(1) = R.col(2).cross(R.col(0));
+  return turned(std::move(material), R);
+}
+
 InterfaceInput read_interface(const std::string& name, const Section& in) {
-  InterfaceInput f{.name = name, .rule = read_rule(in), .where = in.where()};
-  f.tie = in.text("tie") == "average" ? Tie::average : Tie::rigid;
+  InterfaceInput f{.name = name, .where = in.where()};
+  if (in.text("by") == "tie")
+    f.deck_tie = in.integer("element");
+  else
+    f.rule = read_rule(in);
+  const std::string tie = in.text("tie");
+  f.tie = tie == "average" ? Tie::average : tie == "node" ? Tie::node : Tie::rigid;
+  if (f.tie == Tie::node) f.directions = {0, 1, 2};
+  if (in.has("directions")) {
+    static const std::vector<std::string> known = {"x", "y", "z", "rx", "ry", "rz"};
+    f.directions.clear();
+    for (const std::string& word : in.texts("directions")) {
+      const auto found = std::find(known.begin(), known.end(), word);
+      if (found == known.end())
+        in.refuse("directions", "are of x, y, z, rx, ry, rz, each once", "\"" + word + "\" is none of them");
+      f.directions.push_back(static_cast<int>(found - known.begin()));
+    }
+    std::sort(f.directions.begin(), f.directions.end());
+    if (f.directions.empty() ||
+        std::adjacent_find(f.directions.begin(), f.directions.end()) != f.directions.end())
+      in.refuse("directions", "are of x, y, z, rx, ry, rz, each once", "leave the key out for all six");
+  }
   if (in.has("reference")) f.reference = in.vector3("reference");
   return f;
 }
 
-}  // namespace
-
-TableSchema modes_schema() {
-  TableSchema s{.name = "modes", .doc = "Fixed-interface normal modes to keep beside the constraint modes."};
-  s.keys = {
-      input::integer("count", "number of modes").or_default("20").at_least(0),
-      input::quantity("up_to", dim::frequency, "keep all modes up to this frequency instead of a fixed count")
-          .above(0),
-      input::quantity("damping", dim::none,
-                      "modal damping ratio proposed to the runtime (diagonal in modal space)")
-          .or_default("0.01")
-          .at_least(0),
-  };
-  return s;
+MassInput read_mass(const std::string& name, const Section& in) {
+  MassInput m{.name = name, .where = in.where()};
+  if (in.has("interface") == in.has("node"))
+    throw InputError(in.where() + ": a point mass is on an interface or on a node, one of the two");
+  if (in.has("interface")) m.interface = in.text("interface");
+  if (in.has("node")) m.node = in.integer("node");
+  m.mass.mass = in.quantity("mass");
+  if (in.has("offset")) m.mass.offset = in.vector3("offset");
+  if (in.has("inertia")) {
+    const std::vector<double> J = in.quantities("inertia");
+    m.mass.inertia = Eigen::Vector3d(J[0], J[1], J[2]).asDiagonal();
+  }
+  return m;
 }
+
+LinkInput read_link(const std::string& name, const Section& in) {
+  LinkInput l{.name = name, .where = in.where()};
+  if (in.has("interfaces") == in.has("nodes"))
+    throw InputError(in.where() + ": a link joins two interfaces or two nodes, one of the two");
+  if (in.has("interfaces")) l.interfaces = in.texts("interfaces");
+  if (in.has("nodes")) l.nodes = in.integers("nodes");
+  l.stiffness = in.quantity("stiffness");
+  l.damping = in.quantity("damping");
+  return l;
+}
+
+LoadInput read_load(const std::string& name, const Section& in) {
+  LoadInput l{
+      .name = name, .type = in.text("type"), .keep_shape = in.flag("keep_shape"), .where = in.where()};
+  if (l.type == "gravity") l.vector = in.vector3("acceleration");
+  if (l.type == "rotation") {
+    l.point = in.vector3("point");
+    l.vector = direction(in, "axis");
+    l.value = in.quantity("speed");
+  }
+  if (l.type == "pressure") {
+    if (in.has("group") == in.has("faces"))
+      throw InputError(in.where() + ": a pressure acts on a group or on faces by number, one of the two");
+    if (in.has("group")) {
+      l.faces = mesh::NameRule{in.text("group")};
+    } else {
+      const std::vector<int> faces = in.integers("faces");
+      l.faces = mesh::FacesRule{{faces.begin(), faces.end()}};
+    }
+    l.value = in.quantity("pressure");
+  }
+  if (l.type == "field") l.formulas = {in.text("x"), in.text("y"), in.text("z")};
+  return l;
+}
+
+DampingRule read_damping(const Section& in) {
+  constexpr double kTwoPi = 2.0 * std::numbers::pi;
+  DampingRule rule;
+  if (in.has("frequencies") != in.has("ratios"))
+    in.refuse(in.has("ratios") ? "ratios" : "frequencies", "a table has both frequencies and ratios");
+  if (in.has("frequencies")) {
+    for (const double f : in.quantities("frequencies")) rule.omega.push_back(kTwoPi * f);
+    rule.ratio = in.quantities("ratios");
+    if (rule.omega.size() != rule.ratio.size()) in.refuse("ratios", "has as many entries as frequencies");
+    for (std::size_t k = 1; k < rule.omega.size(); ++k)
+      if (!(rule.omega[k] > rule.omega[k - 1])) in.refuse("frequencies", "must ascend");
+    for (const double ratio : rule.ratio)
+      if (!(ratio >= 0.0)) in.refuse("ratios", "must be at least 0");
+  }
+  if (in.has("critical_above")) rule.critical_above = kTwoPi * in.quantity("critical_above");
+  rule.alpha = in.quantity("alpha");
+  rule.beta = in.quantity("beta");
+  return rule;
+}
+
+void read_solid_modes(const Section& in, ModesInput& modes) {
+  const std::string set = in.text("set");
+  modes.set = set == "guyan"         ? ModeSet::guyan
+              : set == "craig_chang" ? ModeSet::craig_chang
+                                     : ModeSet::craig_bampton;
+  if (in.has("accuracy")) modes.accuracy = in.quantity("accuracy");
+  if (in.has("effective_mass")) modes.effective_mass = in.quantity("effective_mass");
+  if (in.has("response_at"))
+    for (const double f : in.quantities("response_at")) {
+      if (!(f >= 0.0)) in.refuse("response_at", "must be at least 0 Hz");
+      modes.response_omegas.push_back(2.0 * std::numbers::pi * f);
+    }
+  if (in.has("strike_modes")) modes.struck = in.integers("strike_modes");
+  modes.certify = in.flag("certify");
+  modes.where = in.where();
+  if (modes.accuracy > 0.0 && !(modes.up_to > 0.0))
+    in.refuse("accuracy", "holds in a band of frequencies", "add e.g. up_to = \"800 Hz\"");
+  if (modes.accuracy > 0.0 && modes.effective_mass > 0.0)
+    in.refuse("effective_mass", "modes are kept by accuracy or by effective mass, one of the two");
+  const char* const fixed_only[] = {"accuracy", "effective_mass", "response_at"};
+  for (const char* key : fixed_only)
+    if (in.has(key) && modes.set != ModeSet::craig_bampton)
+      in.refuse(key, "goes with fixed-interface modes", "take set = \"craig_bampton\"");
+  if (modes.set == ModeSet::guyan) modes.count = 0, modes.up_to = 0.0;
+}
+
+}  // namespace
 
 ModesInput read_modes(const Section& in) {
   ModesInput modes;
@@ -219,56 +278,73 @@ ModesInput read_modes(const Section& in) {
   return modes;
 }
 
-const TableSchema& part_schema() {
-  static const TableSchema schema = [] {
-    TableSchema s{.name = "part file",
-                  .doc =
-                      "What `flexura reduce` takes. Lengths, moduli and the like are written with their unit "
-                      "(\"210 GPa\", \"12 mm\"); plain numbers are SI."};
-    s.keys = {
-        input::text("name", "name of the part; default: the file's name"),
-        input::choice("mass", {"consistent", "lumped"}, "mass matrix of the elements")
-            .or_default("consistent"),
-        input::flag("stiffening",
-                    "keep the geometric stiffening terms: what loads and rotation add to the stiffness")
-            .or_default("false"),
-        input::table("geometry", geometry_schema(), "CAD part").required(),
-        input::table("mesh", mesh_schema(), "meshing"),
-        input::table_map("material", material_schema(), "material by name").required(),
-        input::table_map("interface", interface_schema(), "interfaces by name"),
-        input::table("modes", modes_schema(), "modes"),
-        input::table("recovery", recovery_schema(), "stresses"),
-    };
-    return s;
-  }();
-  return schema;
-}
-
 PartInput read_part(const std::filesystem::path& file, const std::vector<std::string>& overrides) {
   const Section in = input::read_document(file, part_schema(), overrides);
   PartInput part;
   part.name = in.has("name") ? in.text("name") : file.stem().string();
   part.source = read_text(file);
-  part.mass = in.text("mass") == "lumped" ? MassKind::lumped : MassKind::consistent;
+  const std::string mass = in.text("mass");
+  part.mass = mass == "lumped"    ? MassKind::lumped
+              : mass == "reduced" ? MassKind::reduced
+                                  : MassKind::consistent;
 
-  part.cad = read_cad(in.table("geometry"), in.table("mesh"));
-
-  for (const auto& [name, m] : in.table_map("material")) {
-    part.materials.push_back(
-        isotropic(name, m.quantity("young"), m.quantity("poisson"), m.quantity("density")));
+  part.where = in.where();
+  const Section geometry = in.table("geometry"), meshing = in.table("mesh");
+  part.cad = read_cad(geometry, meshing);
+  part.format = format_of(part.cad.path);
+  part.formulation =
+      meshing.text("formulation") == "enhanced" ? Formulation::enhanced : Formulation::standard;
+  read_units(geometry, part);
+  if (part.format != PartFormat::cad) {
+    for (const char* key : {"order", "size", "elements_per_circle"})
+      if (meshing.has(key)) meshing.refuse(key, "is for CAD parts", "a mesh file is taken as it is");
+    for (const char* key : {"solid", "fuse", "heal"})
+      if (geometry.has(key)) geometry.refuse(key, "is for CAD parts", "a mesh file is taken as it is");
   }
-  if (part.materials.size() != 1) {
+
+  if (in.has("matrices")) {
+    const Section matrices = in.table("matrices");
+    part.stiffness = matrices.file("stiffness");
+    part.mass_matrix = matrices.file("mass");
+    if (part.format == PartFormat::cad)
+      geometry.refuse("file", "finished matrices go with the nodes of a mesh file or of a table (.csv)");
+    if (in.flag("stiffening") || in.table("recovery").flag("stress"))
+      throw InputError(in.where() +
+                       ": stress modes and geometric stiffening need the elements, finished "
+                       "matrices do not have them; take stress and stiffening away");
+  } else if (part.format == PartFormat::nodes) {
+    geometry.refuse("file", "is a table of nodes without elements",
+                    "add a table [matrices] with their K and M");
+  }
+  for (const auto& [name, m] : in.table_map("material")) part.materials.push_back(read_material(name, m));
+  if (part.format == PartFormat::cad && part.materials.size() != 1) {
+    if (part.materials.empty())
+      throw InputError(in.where() +
+                       ": a CAD part takes exactly one material; add the table [material.NAME] it "
+                       "is made of");
     in.refuse("material", "a CAD part takes exactly one material",
               "keep the one table [material.NAME] it is made of");
   }
   for (const auto& [name, f] : in.table_map("interface")) part.interfaces.push_back(read_interface(name, f));
-  if (part.interfaces.empty()) {
+  if (part.interfaces.empty() && part.format != PartFormat::nastran) {
     throw InputError(in.where() +
                      ": the part has no interface; add a table [interface.NAME] for each place where joints "
                      "or forces act, `flexura reduce --list-faces` shows what can be chosen");
   }
+  for (const auto& [name, m] : in.table_map("mass_point")) part.masses.push_back(read_mass(name, m));
+  for (const auto& [name, l] : in.table_map("link")) part.links.push_back(read_link(name, l));
+  for (const auto& [name, l] : in.table_map("load")) part.loads.push_back(read_load(name, l));
 
   part.modes = read_modes(in.table("modes"));
+  read_solid_modes(in.table("modes"), part.modes);
+  const Section damping = in.table("damping");
+  part.damping = read_damping(damping);
+  part.has_damping = !part.damping.omega.empty() || part.damping.critical_above > 0.0 ||
+                     part.damping.alpha > 0.0 || part.damping.beta > 0.0;
+  if (part.damping.critical_above > 0.0 && part.damping.omega.empty()) {
+    part.damping.omega = {0.0};
+    part.damping.ratio = {part.modes.damping};
+  }
   part.recovery = read_recovery(in.table("recovery"));
   part.stiffening = in.flag("stiffening");
   return part;

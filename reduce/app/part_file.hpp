@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -12,16 +13,23 @@
 #include "mesh/gmsh/cad.hpp"
 #include "mesh/model/select.hpp"
 #include "reduce/assembly/part.hpp"
+#include "reduce/cms/craig_bampton.hpp"
+#include "reduce/cms/damping.hpp"
 
 /// The part file: what `flexura reduce PART.toml` takes.  Its reference page is cases/PART_FILE.md, printed
 /// from the schema below by `flexura reduce --schema`.
 namespace flexura::reduce {
 
+/// Where the mesh comes from.
+enum class PartFormat { cad, gmsh, abaqus, nastran, unv, nodes };
+
 /// An interface as the part file names it.
 struct InterfaceInput {
   std::string name;
-  mesh::Rule rule;  ///< which faces
+  mesh::Rule rule = {};              ///< which faces
+  std::optional<int> deck_tie = {};  ///< or which tie of the deck
   Tie tie = Tie::rigid;
+  std::vector<int> directions = {0, 1, 2, 3, 4, 5};
   std::optional<Eigen::Vector3d> reference;  ///< [m], none = the centre of the chosen faces
   std::string where;                         ///< "part.toml:12: interface.bore", for messages
 };
@@ -30,6 +38,40 @@ struct ModesInput {
   int count = 0;
   double up_to = 0.0;  ///< [Hz], 0 = by count
   double damping = 0.0;
+  // Solid parts only.
+  ModeSet set = ModeSet::craig_bampton;
+  double accuracy = 0.0, effective_mass = 0.0;  ///< 0: not asked for
+  std::vector<double> response_omegas = {};     ///< [rad/s]
+  std::vector<int> struck = {};
+  bool certify = true;
+  std::string where = {};
+};
+
+struct MassInput {
+  std::string name;
+  std::string interface = {};    ///< or
+  std::optional<int> node = {};  ///< number in the mesh file
+  PointMass mass = {};
+  std::string where;
+};
+
+struct LinkInput {
+  std::string name;
+  std::vector<std::string> interfaces = {};  ///< two, or
+  std::vector<int> nodes = {};               ///< two numbers of the mesh file
+  double stiffness = 0.0, damping = 0.0;
+  std::string where;
+};
+
+struct LoadInput {
+  std::string name, type;
+  bool keep_shape = false;
+  Eigen::Vector3d vector = Eigen::Vector3d::Zero();  ///< gravity: acceleration; rotation: axis
+  Eigen::Vector3d point = Eigen::Vector3d::Zero();
+  double value = 0.0;  ///< speed or pressure
+  mesh::Rule faces = {};
+  std::array<std::string, 3> formulas = {};
+  std::string where;
 };
 
 /// The table [modes], the same in every kind of part file.
@@ -46,12 +88,23 @@ struct RecoveryInput {
 
 struct PartInput {
   std::string name;
-  std::string source;    ///< the file's text
-  mesh::CadOptions cad;  ///< geometry and meshing
+  std::string source;  ///< the file's text
+  std::string where;   ///< the file, for messages
+  PartFormat format = PartFormat::cad;
+  mesh::CadOptions cad;                       ///< path of any format; geometry and meshing of CAD parts
+  double unit_length = 1.0, unit_mass = 1.0;  ///< of a mesh file, in SI
+  bool mass_unit_known = true;                ///< given, or going with the length unit
+  Formulation formulation = Formulation::standard;
+  std::filesystem::path stiffness, mass_matrix;  ///< finished matrices; empty: none
   std::vector<Material> materials;
   MassKind mass = MassKind::consistent;
   std::vector<InterfaceInput> interfaces;
+  std::vector<MassInput> masses;
+  std::vector<LinkInput> links;
+  std::vector<LoadInput> loads;
   ModesInput modes;
+  DampingRule damping;
+  bool has_damping = false;
   RecoveryInput recovery;
   bool stiffening = false;  ///< geometric stiffening terms
 };

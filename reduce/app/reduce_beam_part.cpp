@@ -12,16 +12,13 @@
 
 #include "mbs/superelement/file.hpp"
 #include "mbs/terminal/terminal.hpp"
+#include "reduce/app/report.hpp"
 #include "reduce/app/to_superelement.hpp"
 #include "reduce/beams/full_modes.hpp"
 #include "reduce/linalg/session.hpp"
 
 namespace flexura::reduce {
 namespace {
-
-double frequency(double omega2) {
-  return std::sqrt(std::max(omega2, 0.0)) / (2.0 * std::numbers::pi);
-}
 
 superelement::Surface surface_of(const Picture& from) {
   superelement::Surface surface;
@@ -36,7 +33,7 @@ superelement::Surface surface_of(const Picture& from) {
 std::vector<std::string> short_solids(const BeamPartInput& input, double highest_hz) {
   std::vector<std::string> texts;
   for (const AttachedSolid& solid : input.solids) {
-    const double reach = solid.reduction.n_q > 0 ? frequency(solid.reduction.omega2.maxCoeff()) : 0.0;
+    const double reach = solid.reduction.n_q > 0 ? frequency_hz(solid.reduction.omega2.maxCoeff()) : 0.0;
     if (reach < 1.5 * highest_hz)
       texts.push_back(
           fmt::format("solid \"{}\" has {} modes, up to {:.4g} Hz; modes of the structure above {:.4g} Hz "
@@ -73,31 +70,21 @@ void reduce_beam_part(const BeamPartInput& input, const std::filesystem::path& o
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const Eigen::Vector3d centre = reduction.inertia.S_x / reduction.inertia.mass;
   std::vector<double> frequencies;
-  for (int k = 0; k < reduction.n_q; ++k) frequencies.push_back(frequency(reduction.omega2[k]));
+  for (int k = 0; k < reduction.n_q; ++k) frequencies.push_back(frequency_hz(reduction.omega2[k]));
   if (reduction.n_q > 0)
     for (const std::string& text : short_solids(input, frequencies.back()))
       notes.push_back("warning: " + text);
-  const nlohmann::json json = {
-      {"part", input.name},
-      {"mass", reduction.inertia.mass},
-      {"centre", {centre.x(), centre.y(), centre.z()}},
-      {"mesh",
-       {{"nodes", r.n_nodes},
-        {"elements", r.n_cells},
-        {"members", input.model.members.size()},
-        {"solids", input.solids.size()}}},
-      {"reduction",
-       {{"dofs", r.n_i + r.n_b},
-        {"interface_dofs", r.n_b},
-        {"modes", r.n_q},
-        {"fixed_interface_frequencies_hz", frequencies},
-        {"greatest_mode_residual", r.mode_residual.size() > 0 ? r.mode_residual.maxCoeff() : 0.0},
-        {"constraint_residual", r.constraint_residual},
-        {"rigid_strain", r.rigid_strain},
-        {"smallest_pivot", r.smallest_pivot},
-        {"peak_memory_bytes", r.peak_memory_bytes}}},
-      {"notes", notes},
-      {"seconds", seconds}};
+  const nlohmann::json json = {{"part", input.name},
+                               {"mass", reduction.inertia.mass},
+                               {"centre", {centre.x(), centre.y(), centre.z()}},
+                               {"mesh",
+                                {{"nodes", r.n_nodes},
+                                 {"elements", r.n_cells},
+                                 {"members", input.model.members.size()},
+                                 {"solids", input.solids.size()}}},
+                               {"reduction", reduction_json(reduction)},
+                               {"notes", notes},
+                               {"seconds", seconds}};
   std::string text;
   for (const std::string& note : notes) text += "  " + note + '\n';
   for (const AttachedSolid& solid : input.solids)
@@ -139,8 +126,8 @@ void print_beam_modes(const BeamPartInput& input, int count, std::ostream& out) 
   out << fmt::format("{} elements; free natural frequencies in Hz\n", mesh.elements().size());
   out << fmt::format("{:>6} {:>24} {:>24}\n", "mode", "without rotary inertia", "with");
   for (int k = 0; k < count && 6 + k < std::min(without.size(), with.size()); ++k)
-    out << fmt::format("{:>6} {:>24.4f} {:>24.4f}\n", k + 1, frequency(without[6 + k]),
-                       frequency(with[6 + k]));
+    out << fmt::format("{:>6} {:>24.4f} {:>24.4f}\n", k + 1, frequency_hz(without[6 + k]),
+                       frequency_hz(with[6 + k]));
 }
 
 }  // namespace flexura::reduce

@@ -3,46 +3,26 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <numbers>
 
 #include "mbs/superelement/file.hpp"
 #include "mbs/terminal/terminal.hpp"
-#include "mesh/gmsh/cad.hpp"
+#include "reduce/app/make_part.hpp"
 #include "reduce/app/report.hpp"
 #include "reduce/app/surface.hpp"
 #include "reduce/app/to_superelement.hpp"
-#include "reduce/cms/craig_bampton.hpp"
+#include "reduce/cms/shape_change.hpp"
+#include "reduce/cms/verification.hpp"
 #include "reduce/linalg/session.hpp"
 
 namespace flexura::reduce {
 
 namespace {
-
-/// Finds the faces of every interface and ties them to their node.
-Part make_part(const PartInput& input, const mesh::CadMesh& cad, std::vector<std::string>& notes) {
-  Part part;
-  part.mesh = cad.mesh;
-  part.materials = input.materials;
-  part.mass = input.mass;
-  for (const InterfaceInput& wanted : input.interfaces) {
-    mesh::Selection chosen;
-    try {
-      chosen = mesh::select_nodes(cad.mesh, cad.cad.faces, wanted.rule);
-    } catch (const std::invalid_argument& error) {
-      throw input::InputError(wanted.where + ": " + error.what());
-    }
-    InterfaceSpec spec{
-        .name = wanted.name, .tie = wanted.tie, .point = wanted.reference.value_or(chosen.reference)};
-    notes.push_back(fmt::format("interface {}: {}, {} nodes, {}", wanted.name, chosen.description,
-                                chosen.set.nodes.size(), name_of(wanted.tie)));
-    spec.set = std::move(chosen.set);
-    part.interfaces.push_back(std::move(spec));
-  }
-  return part;
-}
 
 /// The surface vertices at which stress modes are wanted.
 std::vector<std::int32_t> stress_vertices(const RecoveryInput& wanted, const mesh::Mesh& mesh,
@@ -69,6 +49,35 @@ std::vector<std::int32_t> stress_vertices(const RecoveryInput& wanted, const mes
   return vertices;
 }
 
+/// Frequencies of the free body and static compliance between the first and the last interface, nothing
+/// reduced, against the superelement.
+Comparison compare(const Part& part, const Reduction& reduction, int count,
+                   const linalg::Progress& progress) {
+  Comparison out;
+  const Eigen::VectorXd reduced = reduced_free_modes(reduction);
+  count = std::min<int>(count, static_cast<int>(reduced.size()) - 6);
+  if (count < 1) return out;
+  const linalg::EigenPairs full = full_free_modes(part, count, reduced(6), progress);
+  for (int k = 0; k < count; ++k) {
+    out.full_hz.push_back(std::sqrt(full.omega2(6 + k)) / (2.0 * std::numbers::pi));
+    out.reduced_hz.push_back(std::sqrt(reduced(6 + k)) / (2.0 * std::numbers::pi));
+  }
+  std::vector<const ReducedInterface*> six;
+  for (const ReducedInterface& interface : reduction.interfaces)
+    if (interface.directions.size() == 6) six.push_back(&interface);
+  if (six.size() == reduction.interfaces.size() && six.size() > 1) {
+    const std::string &held = six.front()->name, &loaded = six.back()->name;
+    const Eigen::MatrixXd exact = full_static_compliance(part, held, loaded, progress);
+    const Eigen::MatrixXd ours = reduced_static_compliance(reduction, held, loaded);
+    // Each direction of load by the work it does.
+    const Eigen::Index at = six.back()->first_dof;
+    double worst = 0.0;
+    for (int d = 0; d < 6; ++d) worst = std::max(worst, std::abs(ours(at + d, d) / exact(at + d, d) - 1.0));
+    out.static_error = worst;
+  }
+  return out;
+}
+
 }  // namespace
 
 void reduce_part(const PartInput& input, const std::filesystem::path& output, const OutputOptions& options) {
@@ -76,17 +85,24 @@ void reduce_part(const PartInput& input, const std::filesystem::path& output, co
   terminal::Progress line(stderr, options.quiet);
   const auto progress = [&line](std::string_view stage, double fraction) { line(stage, fraction); };
 
-  const mesh::CadMesh cad = mesh::mesh_cad(input.cad, progress);
-  std::vector<std::string> notes = cad.report.messages;
-  const Part part = make_part(input, cad, notes);
+  PartMesh from = load_part_mesh(input, progress);
+  const mesh::MeshReport mesh_report = from.report;
+  const ModelledPart modelled = make_part(input, std::move(from));
+  const Part& part = modelled.part;
   std::vector<std::vector<mesh::Index>> interface_nodes;
-  for (const InterfaceSpec& spec : part.interfaces) interface_nodes.push_back(spec.set.nodes);
+  for (int k = 0; k < modelled.n_interfaces; ++k) interface_nodes.push_back(part.interfaces[k].set.nodes);
   SurfacePicture picture = make_surface(part.mesh, interface_nodes);
 
   const linalg::Session session;
   ReductionOptions how;
+  how.set = input.modes.set;
   how.n_modes = input.modes.up_to > 0.0 ? 0 : input.modes.count;
   how.omega_max = 2.0 * std::numbers::pi * input.modes.up_to;
+  how.accuracy = input.modes.accuracy;
+  how.effective_mass = input.modes.effective_mass;
+  how.response_omegas = input.modes.response_omegas;
+  how.certify = input.modes.certify;
+  how.loads = modelled.loads;
   how.shape_nodes = picture.nodes;
   how.stiffening = input.stiffening;
   how.progress = progress;
@@ -94,16 +110,39 @@ void reduce_part(const PartInput& input, const std::filesystem::path& output, co
   for (const std::int32_t vertex : vertices) how.stress_nodes.push_back(picture.nodes[vertex]);
   Reduction reduction = craig_bampton(part, how);
 
-  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  const Report report = make_report(input, cad, reduction, notes, seconds);
+  ReportData data{.mesh = mesh_report, .notes = modelled.notes};
+  if (reduction.dropped.size() > 0) data.errors = mode_errors(reduction);
+  if (options.compare > 0) data.comparison = compare(part, reduction, options.compare, progress);
+  if (!input.modes.struck.empty()) {
+    StruckModes struck;
+    try {
+      struck = strike_modes(reduction, input.modes.struck);
+    } catch (const std::invalid_argument& error) {
+      throw input::InputError(input.modes.where + ".strike_modes: " + error.what());
+    }
+    for (std::size_t k = 0; k < struck.frequencies.size(); ++k)
+      data.notes.push_back(
+          fmt::format("mode {} ({:.5g} Hz) is struck out", input.modes.struck[k], struck.frequencies[k]));
+    // Constraint modes are exact in statics; without all of them the interface is stiffer than it is.
+    if (struck.interface_stiffer > 1e-6)
+      data.warnings.push_back(
+          fmt::format("striking these modes out takes part of the constraint modes: the interfaces are up to "
+                      "{:.3g} % stiffer than the part is",
+                      100.0 * struck.interface_stiffer));
+  }
+  if (input.has_damping) add_damping(reduction, input.damping);
+  data.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const Report report = make_report(input, reduction, data);
   line("write", 0.0);
-  const superelement::Superelement se = to_superelement(
-      input, std::move(reduction), std::move(picture.surface), report.json.dump(1), std::move(vertices));
+  superelement::Superelement se = to_superelement(input, std::move(reduction), std::move(picture.surface),
+                                                  report.json.dump(1), std::move(vertices));
+  if (input.has_damping) se.modal_damping = 0.0;
   superelement::write(output, se);
   if (!options.report.empty()) {
     std::ofstream(options.report) << report.json.dump(2) << '\n';
   }
   line.finish();
+  for (const std::string& warning : data.warnings) fmt::print(stderr, "warning: {}\n", warning);
   if (!options.quiet) fmt::print("{}wrote {}\n", report.text, output.string());
 }
 

@@ -9,6 +9,7 @@ namespace flexura::reduce {
 
 struct OutputOptions {
   std::filesystem::path report;  ///< JSON report beside the superelement; empty = only inside it
+  int compare = 0;  ///< free frequencies to compare with the full model, which is solved, too; 0: none
   bool quiet = false;
 };
 

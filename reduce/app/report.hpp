@@ -7,7 +7,7 @@
 
 #include "mesh/gmsh/cad.hpp"
 #include "reduce/app/part_file.hpp"
-#include "reduce/cms/reduction.hpp"
+#include "reduce/cms/error_estimate.hpp"
 
 namespace flexura::reduce {
 
@@ -17,7 +17,25 @@ struct Report {
   nlohmann::json json;  ///< kept in the superelement
 };
 
-Report make_report(const PartInput& input, const mesh::CadMesh& cad, const Reduction& reduction,
-                   const std::vector<std::string>& notes, double seconds);
+/// The superelement against the model it was made from.
+struct Comparison {
+  std::vector<double> full_hz, reduced_hz;  ///< elastic modes of the free body
+  double static_error = -1.0;  ///< relative, of unit loads on the last interface, the first held; -1: none
+};
+
+struct ReportData {
+  mesh::MeshReport mesh;
+  std::vector<std::string> notes;
+  std::vector<std::string> warnings = {};
+  std::vector<ModeError> errors = {};  ///< of the free body's frequencies; empty: not estimated
+  Comparison comparison = {};
+  double seconds = 0.0;
+};
+
+/// Sizes, residuals, memory and time by stage.
+nlohmann::json reduction_json(const Reduction& reduction);
+
+/// Says in its last line whether to trust the superelement.
+Report make_report(const PartInput& input, const Reduction& reduction, ReportData& data);
 
 }  // namespace flexura::reduce

@@ -12,6 +12,7 @@ superelement::Superelement to_superelement(const PartInput& input, Reduction&& r
   se.source = input.source;
   se.report_json = std::move(report_json);
   for (const ReducedInterface& from : reduction.interfaces) {
+    if (from.directions.empty()) continue;  // a rigid piece of the part
     superelement::Interface to{.name = from.name, .tie = name_of(from.tie), .p_BoN_B = from.point};
     for (const int d : from.directions) to.directions.push_back(static_cast<superelement::Direction>(d));
     to.first_dof = from.first_dof;
@@ -22,6 +23,8 @@ superelement::Superelement to_superelement(const PartInput& input, Reduction&& r
   se.K_se = std::move(reduction.K_se);
   se.M_se = std::move(reduction.M_se);
   se.omega2 = std::move(reduction.omega2);
+  se.D_se = std::move(reduction.D_se);
+  for (ReducedLoad& load : reduction.loads) se.load_cases.push_back({load.name, std::move(load.p_se)});
   se.modal_damping = input.modes.damping;
   se.inertia.mass = reduction.inertia.mass;
   se.inertia.S_x = reduction.inertia.S_x;

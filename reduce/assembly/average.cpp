@@ -23,7 +23,10 @@ Eigen::Matrix<double, 6, Eigen::Dynamic> averaging_map(const mesh::Mesh& mesh,
   for (Eigen::Index a = 0; a < n; ++a)
     D.middleRows<3>(3 * a) =
         motion_at(mesh.points.row(nodes[a]).transpose() - interface.point) * scale.asDiagonal();
-  if (interface.set.faces.empty()) {
+  if (!interface.weights.empty()) {
+    for (Eigen::Index a = 0; a < n; ++a)
+      WD.middleRows<3>(3 * a) = interface.weights[a] * D.middleRows<3>(3 * a);
+  } else if (interface.set.faces.empty()) {
     WD = D;
   } else {
     const Eigen::SparseMatrix<double> W = surface_mass(mesh, interface.set.faces, nodes);

@@ -12,7 +12,8 @@ namespace flexura::reduce {
 ///
 ///     q = argmin integral |u(x) - D(x) q|^2 dA = (D^T W D)^-1 D^T W u_set,   D(x) = [1, -(x - x_N) x]
 ///
-/// with W_ac = integral N_a N_c dA (times I_3), or the unit matrix where the set has no faces.  Faces are
+/// with W_ac = integral N_a N_c dA (times I_3), or the given
+/// weights of the nodes, or the unit matrix where the set has no faces.  Faces are
 /// isoparametric, so a rigid motion of the set is reproduced exactly, and a load on the interface node
 /// becomes a linear traction over the faces that is statically equivalent to it.
 ///

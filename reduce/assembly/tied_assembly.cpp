@@ -48,17 +48,24 @@ Adjacency upper_adjacency(int n, const std::vector<std::vector<int>>& elements) 
 void TiedModel::build_patterns(const Part& part) {
   const int n_groups = static_cast<int>(group_begin_.size()) - 1;
   std::vector<std::vector<int>> by_nodes, by_groups;
-  for (const mesh::CellBlock& block : part.mesh.solids)
-    for (Eigen::Index cell = 0; cell < block.nodes.rows(); ++cell) {
-      std::vector<int> nodes(block.nodes.row(cell).begin(), block.nodes.row(cell).end()), groups;
-      for (int node : nodes) {
-        const int group = tie_of_[node] >= 0 ? tie_group_[tie_of_[node]] : group_of_[node];
-        if (group >= 0 && std::find(groups.begin(), groups.end(), group) == groups.end())
-          groups.push_back(group);
-      }
-      by_nodes.push_back(std::move(nodes));
-      by_groups.push_back(std::move(groups));
+  const auto connect = [&](std::vector<int> nodes) {
+    std::vector<int> groups;
+    for (const int node : nodes) {
+      const int group = tie_of_[node] >= 0 ? tie_group_[tie_of_[node]] : group_of_[node];
+      if (group >= 0 && std::find(groups.begin(), groups.end(), group) == groups.end())
+        groups.push_back(group);
     }
+    by_nodes.push_back(std::move(nodes));
+    by_groups.push_back(std::move(groups));
+  };
+  if (part.matrices) {
+    for (const auto& [a, b] : part.matrices->pairs) connect({a, b});
+  } else {
+    for (const mesh::CellBlock& block : part.mesh.solids)
+      for (Eigen::Index cell = 0; cell < block.nodes.rows(); ++cell)
+        connect({block.nodes.row(cell).begin(), block.nodes.row(cell).end()});
+  }
+  for (const Link& link : part.links) connect({link.from, link.to});
   Adjacency nodes = upper_adjacency(n_nodes_, by_nodes);
   m_ = std::make_unique<linalg::SymmetricMatrix>(std::move(nodes.begin), std::move(nodes.columns));
 
@@ -150,7 +157,28 @@ void TiedModel::assemble(const Part& part, const AssemblyOptions& options) {
     }
   };
 
+  if (part.matrices) {
+    const NodalMatrices& given = *part.matrices;
+    for (std::size_t k = 0; k < given.pairs.size(); ++k) {
+      const auto& [a, b] = given.pairs[k];
+      Eigen::Matrix3d K_ab = given.K[k];
+      K_ab.diagonal().array() += options.shift * given.m[k];
+      if (a == b) {
+        m_->add_to_diagonal(a, given.m[k]);
+        add_stiffness(Eigen::Matrix<mesh::Index, 1, 1>(a), Eigen::MatrixXd(K_ab));
+        continue;
+      }
+      const int nodes[] = {a, b};
+      Eigen::MatrixXd m_e = Eigen::MatrixXd::Zero(2, 2), K_e = Eigen::MatrixXd::Zero(6, 6);
+      m_e(0, 1) = m_e(1, 0) = given.m[k];
+      K_e.topRightCorner<3, 3>() = K_ab;
+      K_e.bottomLeftCorner<3, 3>() = K_ab.transpose();
+      m_->add(nodes, m_e);
+      add_stiffness(Eigen::Matrix<mesh::Index, 1, 2>(a, b), K_e);
+    }
+  }
   for (const mesh::CellBlock& block : part.mesh.solids) {
+    if (part.matrices) break;
     const Element& element = solid_element(block.type, part.formulation);
     for (Eigen::Index first = 0; first < block.nodes.rows(); first += kChunk) {
       const int count = static_cast<int>(std::min<Eigen::Index>(kChunk, block.nodes.rows() - first));
@@ -196,6 +224,19 @@ void TiedModel::assemble(const Part& part, const AssemblyOptions& options) {
                     "mend the mesh or mesh anew",
                     n_inverted, n_cells, n_inverted == 1 ? "is" : "are", n_inverted == 1 ? "" : "s", inverted,
                     n_inverted > 5 ? ", ..." : ""));
+  for (const NodalMass& mass : part.masses) {
+    m_->add_to_diagonal(mass.node, mass.mass);
+    if (options.shift == 0.0) continue;
+    const Eigen::Matrix<mesh::Index, 1, 1> cell(mass.node);
+    add_stiffness(cell, options.shift * mass.mass * Eigen::MatrixXd::Identity(3, 3));
+  }
+  for (const Link& link : part.links) {
+    const Eigen::Matrix3d k = link.stiffness * direction_projector(link);
+    Eigen::MatrixXd K_e(6, 6);
+    K_e << k, -k, -k, k;
+    const Eigen::Matrix<mesh::Index, 1, 2> cell(link.from, link.to);
+    add_stiffness(cell, K_e);
+  }
   K_ii_->finish();
   m_->finish();
   K_ib_.resize(n_i_, n_b_);
@@ -206,6 +247,13 @@ void TiedModel::assemble(const Part& part, const AssemblyOptions& options) {
     InterfaceDofs& interface = interfaces_[k];
     if (interface.tie != Tie::average) continue;
     InterfaceSpec used = part.interfaces[k];
+    if (!used.weights.empty()) {  // of the nodes that belong to cells
+      std::vector<double> weights;
+      for (std::size_t a = 0; a < used.set.nodes.size(); ++a)
+        if (std::binary_search(interface.nodes.begin(), interface.nodes.end(), used.set.nodes[a]))
+          weights.push_back(used.weights[a]);
+      used.weights = std::move(weights);
+    }
     used.set.nodes = interface.nodes;
     interface.average = averaging_map(part.mesh, used);
     for (int direction : interface.directions) {

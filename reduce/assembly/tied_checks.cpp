@@ -103,6 +103,8 @@ void TiedModel::check_pieces(const Part& part) const {
     for (Eigen::Index cell = 0; cell < block.nodes.rows(); ++cell)
       for (Eigen::Index a = 1; a < block.nodes.cols(); ++a)
         parent[root(block.nodes(cell, a))] = root(block.nodes(cell, 0));
+  if (part.matrices)
+    for (const auto& [a, b] : part.matrices->pairs) parent[root(a)] = root(b);
   for (int k = 0; k < n_interfaces(); ++k)
     if (interfaces_[k].tie == Tie::rigid)
       for (mesh::Index node : interfaces_[k].nodes) parent[root(node)] = root(n_nodes_ + k);

@@ -52,6 +52,27 @@ void TiedModel::number_dofs(const Part& part) {
             fmt::format("a cell refers to node {}, but the mesh has nodes 0 to {}", node, n_nodes_ - 1));
       std::fill_n(code_.begin() + 3 * static_cast<std::ptrdiff_t>(node), 3, kPending);
     }
+  if (part.matrices) {
+    std::fill(code_.begin(), code_.end(), kUnused);
+    for (const auto& pair : part.matrices->pairs)
+      for (const mesh::Index node : pair)
+        std::fill_n(code_.begin() + 3 * static_cast<std::ptrdiff_t>(node), 3, kPending);
+  }
+  // Nodes that carry only a mass or a link's end follow their rigid tie.
+  std::vector<char> carries(n_nodes_, 0);
+  for (const NodalMass& mass : part.masses) carries[mass.node] = 1;
+  for (const Link& link : part.links) carries[link.from] = carries[link.to] = 1;
+  for (const InterfaceSpec& spec : part.interfaces)
+    if (spec.tie == Tie::rigid)
+      for (const mesh::Index node : spec.set.nodes)
+        if (node >= 0 && node < n_nodes_ && carries[node])
+          std::fill_n(code_.begin() + 3 * static_cast<std::ptrdiff_t>(node), 3, kPending);
+  for (int node = 0; node < n_nodes_; ++node)
+    if (carries[node] && code_[3 * static_cast<std::size_t>(node)] == kUnused)
+      throw std::invalid_argument(fmt::format(
+          "a point mass, spring or damper is at node {}, which belongs to no cell of the mesh and "
+          "to no rigid tie",
+          node_label_.empty() ? node : node_label_[node]));
   for (const InterfaceSpec& spec : part.interfaces) {
     InterfaceDofs dofs{spec.tie, spec.point, spec.directions, {}, n_b_, {}, {}};
     for (mesh::Index node : spec.set.nodes) {
@@ -153,6 +174,27 @@ void TiedModel::multiply_M_ii(const Eigen::Ref<const Eigen::MatrixXd>& X, Eigen:
   expand(X, Eigen::MatrixXd::Zero(n_b_, X.cols()), U);
   m_->multiply_kron3(U, MU);
   gather(MU, Y, boundary);
+}
+
+Eigen::Matrix3d TiedModel::direction_projector(const Link& link) const {
+  const Eigen::Vector3d line = (points_.row(link.to) - points_.row(link.from)).transpose();
+  const double size = (points_.colwise().maxCoeff() - points_.colwise().minCoeff()).norm();
+  // Closer than round-off of coordinates tells no direction.
+  if (line.norm() < 1e-9 * size) return Eigen::Matrix3d::Identity();
+  return line * line.transpose() / line.squaredNorm();
+}
+
+Eigen::MatrixXd TiedModel::interior_part(const Eigen::Ref<const Eigen::MatrixXd>& U,
+                                         const std::vector<Eigen::MatrixXd>& interface_motions) const {
+  Eigen::MatrixXd u_i(n_i_, U.cols());
+  for (std::size_t d = 0; d < code_.size(); ++d)
+    if (code_[d] >= 0) u_i.row(code_[d]) = U.row(static_cast<Eigen::Index>(d));
+  for (std::size_t k = 0; k < interfaces_.size(); ++k)
+    if (interfaces_[k].tie == Tie::rigid)
+      for (int direction = 0; direction < 6; ++direction)
+        if (const int code = interfaces_[k].code[direction]; code >= 0)
+          u_i.row(code) = interface_motions[k].row(direction);
+  return u_i;
 }
 
 Eigen::MatrixXd TiedModel::rigid_b() const {

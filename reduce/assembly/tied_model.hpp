@@ -70,6 +70,13 @@ class TiedModel {
   /// Y = M_ii X.
   void multiply_M_ii(const Eigen::Ref<const Eigen::MatrixXd>& X, Eigen::MatrixXd& Y) const;
 
+  /// The directions in which a link acts: n n^T, or 1 where its ends coincide.
+  Eigen::Matrix3d direction_projector(const Link& link) const;
+
+  /// u_i of displacements U of all nodes (3 n_nodes x k) and motions of the interface nodes (6 x k each).
+  Eigen::MatrixXd interior_part(const Eigen::Ref<const Eigen::MatrixXd>& U,
+                                const std::vector<Eigen::MatrixXd>& interface_motions) const;
+
   /// The six rigid motions (about Bo) of the boundary dofs, n_b x 6, and of all nodes, 3 n_nodes x 6.
   Eigen::MatrixXd rigid_b() const;
   Eigen::MatrixXd rigid_nodes() const;

@@ -51,13 +51,7 @@ BeamReduction reduce_beams(const Structure& structure, const std::vector<BeamInt
   linalg::report(options.progress, "factorisation", 0.0);
 
   const linalg::CholeskyFactor factor = factorise(structure, numbering, K);
-  const linalg::FactorFigures& figures = factor.figures();
-  report.seconds_ordering = figures.seconds_ordering;
-  report.seconds_symbolic = figures.seconds_symbolic;
-  report.seconds_factor = figures.seconds_numeric;
-  report.factor_nonzeros = figures.nonzeros;
-  report.factor_flops = figures.flops;
-  report.smallest_pivot = figures.smallest_pivot;
+  report.factor = factor.figures();
   watch.lap();
 
   linalg::report(options.progress, "constraint modes", 0.0);

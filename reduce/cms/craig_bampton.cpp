@@ -1,11 +1,18 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include "reduce/cms/craig_bampton.hpp"
 
+#include <fmt/format.h>
 #include <sys/resource.h>
 
 #include <cmath>
+#include <numbers>
 #include <stdexcept>
 
+#include "reduce/cms/choose_modes.hpp"
+#include "reduce/cms/craig_chang.hpp"
+#include "reduce/cms/response_modes.hpp"
+#include "reduce/cms/shape_change.hpp"
+#include "reduce/cms/sturm.hpp"
 #include "reduce/linalg/block_lanczos.hpp"
 #include "reduce/linalg/dense.hpp"
 #include "reduce/linalg/krylov_schur.hpp"
@@ -44,8 +51,253 @@ ConstraintModes constraint_modes(const TiedModel& model, const TiedSolver& solve
   return modes;
 }
 
+// Shapes with one for each interface dof (U_b in the interior, 1 on the boundary) and others with none.
+struct Basis {
+  MatrixXd U_b, Phi;
+  Eigen::VectorXd omega2;
+  MatrixXd K_bb;
+};
+
+// Free-free modes and attachment modes (craig_chang.hpp) as a basis.
+Basis craig_chang_basis(const Part& part, const TiedModel& model, const TiedSolver& solver,
+                        const MatrixXd& Psi, const MatrixXd& K_bb, const ReductionOptions& options,
+                        ReductionReport& report) {
+  const CraigChangSpan span = craig_chang_span(part, model, solver, Psi, K_bb, options);
+  const CanonicalShapes shapes = canonical_shapes(span.K, span.M, span.C_b);
+  if (!shapes.dropped.empty()) {
+    int n_rigid = 0;
+    std::string others;
+    for (const int j : shapes.dropped) {
+      if (j >= span.first_attachment)
+        ++n_rigid;
+      else
+        others += fmt::format("{}free mode {}", others.empty() ? "" : ", ", j + 1);
+    }
+    report.notes.push_back(
+        fmt::format("{} of {} attachment modes depend on the other shapes and are dropped{}{}", n_rigid,
+                    K_bb.rows(), others.empty() ? "" : ", so are ", others));
+  }
+  const Index n_b = K_bb.rows(), n_q = shapes.omega2.size();
+  Basis basis;
+  basis.U_b = Psi + linalg::times(span.W, shapes.Y.leftCols(n_b));
+  basis.Phi = linalg::times(span.W, shapes.Y.rightCols(n_q));
+  basis.omega2 = shapes.omega2;
+  basis.K_bb = shapes.Y.leftCols(n_b).transpose() * span.K * shapes.Y.leftCols(n_b);
+  basis.K_bb = (0.5 * (basis.K_bb + basis.K_bb.transpose())).eval();
+  report.mode_residual = span.residual;
+  return basis;
+}
+
+MatrixXd nodal_forces(const TiedModel& model, const LoadField& load) {
+  const Index n = 3 * static_cast<Index>(model.n_nodes());
+  MatrixXd F = MatrixXd::Zero(n, 1);
+  if (load.acceleration.rows() > 0) {
+    const MatrixXd a = load.acceleration.transpose().reshaped(n, 1);
+    model.m().multiply_kron3(a, F);
+  }
+  if (load.forces.rows() > 0) F += load.forces.transpose().reshaped(n, 1);
+  return F;
+}
+
+// Response and load shapes join the normal modes.
+void add_shapes(const Part& part, const TiedModel& model, const TiedSolver& solver,
+                const linalg::EigenProblem& problem, const MatrixXd& Mhat, const ReductionOptions& options,
+                linalg::EigenPairs& pairs, ReductionReport& report) {
+  const Index n_normal = pairs.omega2.size();
+  std::vector<ExtraShapes> extras;
+  if (!options.response_omegas.empty()) {
+    constexpr const char* kDirections[] = {"u_x", "u_y", "u_z", "theta_x", "theta_y", "theta_z"};
+    std::vector<std::string> names;
+    for (int k = 0; k < model.n_interfaces(); ++k)
+      for (const int d : model.directions(k)) names.push_back(part.interfaces[k].name + "." + kDirections[d]);
+    for (const double omega : options.response_omegas)
+      extras.push_back(response_shapes(problem, pairs, Mhat, omega, names));
+  }
+  for (const LoadField& load : options.loads) {
+    if (!load.keep_shape) continue;
+    MatrixXd f_i, f_b;
+    model.gather(nodal_forces(model, load), f_i, f_b);
+    extras.push_back({solver.solve(f_i), {"static answer to load " + load.name}});
+  }
+  for (const ExtraShapes& extra : extras)
+    for (const std::string& name : append_shapes(problem, pairs, extra))
+      report.notes.push_back(name + " is dropped: it depends on the other shapes");
+  report.n_extra = static_cast<int>(pairs.omega2.size() - n_normal);
+  if (!extras.empty())
+    report.notes.push_back(
+        fmt::format("{} response and load shapes beside {} normal modes", report.n_extra, n_normal));
+}
+
+// T^T D T of the dampers; empty where there are none.
+MatrixXd damper_matrix(const Part& part, const TiedModel& model, const MatrixXd& T) {
+  MatrixXd D;
+  for (const Link& link : part.links) {
+    if (link.damping == 0.0) continue;
+    if (D.size() == 0) D.setZero(T.cols(), T.cols());
+    const MatrixXd rate =
+        T.middleRows<3>(3 * static_cast<Index>(link.to)) - T.middleRows<3>(3 * static_cast<Index>(link.from));
+    D += link.damping * rate.transpose() * model.direction_projector(link) * rate;
+  }
+  return 0.5 * (D + D.transpose());
+}
+
 void require_finite(const MatrixXd& X, const char* what) {
   if (!X.allFinite()) throw std::runtime_error(std::string(what) + " hold a number that is not finite");
+}
+
+// Between which modes the normal modes end.
+struct Cut {
+  double omega2_last = 0.0, omega2_next = 0.0;
+  int n_modes = 0;
+};
+
+// All but the certificate.  Model and factor are gone on return: the certificate's take their place in
+// memory.
+Cut reduce(const Part& part, const ReductionOptions& options, Reduction& reduction) {
+  ReductionReport& report = reduction.report;
+  linalg::Stopwatch watch;
+  AssemblyOptions assembly;
+  assembly.progress = options.progress;
+  const TiedModel model(part, assembly);
+  report.seconds_assembly = watch.lap();
+  const TiedSolver solver(model, options.progress);
+  watch.lap();
+  report.factor = solver.figures();
+
+  linalg::report(options.progress, "constraint modes", 0.0);
+  const ConstraintModes constraint = constraint_modes(model, solver);
+  require_finite(constraint.Psi, "the constraint modes");
+  report.constraint_residual = constraint.residual;
+  report.seconds_constraint_modes = watch.lap();
+  linalg::report(options.progress, "constraint modes", 1.0);
+
+  const Index n_b = model.n_b();
+  const bool by_goal = options.accuracy > 0.0 || options.effective_mass > 0.0;
+  const bool fixed_modes = options.set == ModeSet::craig_bampton;
+  // The interior's answer to acceleration of the interface, wanted by estimates and response modes.
+  InteriorDynamics interior;
+  MatrixXd Mhat;
+  if (fixed_modes && (options.estimate_error || by_goal || !options.response_omegas.empty())) {
+    MatrixXd U, M_U, boundary;
+    model.expand(constraint.Psi, MatrixXd::Identity(n_b, n_b), U);
+    model.m().multiply_kron3(U, M_U);
+    model.gather(M_U, Mhat, boundary);
+    interior.K_bb = constraint.K_bb;
+    interior.M_bb = linalg::transpose_times(U, M_U);
+    interior.M_bb = (0.5 * (interior.M_bb + interior.M_bb.transpose())).eval();
+    interior.compliance = linalg::transpose_times(Mhat, solver.solve(Mhat));
+    report.seconds_estimate = watch.lap();
+  }
+
+  const linalg::EigenProblem problem = fixed_interface_problem(model, solver);
+  linalg::EigenPairs pairs;
+  pairs.Phi.resize(model.n_i(), 0);
+  const auto solve_for = [&](int count, double omega) {
+    const linalg::EigenRequest request{count, omega * omega, options.tolerance};
+    pairs = options.eigensolver == Eigensolver::krylov_schur
+                ? linalg::krylov_schur(problem, request, options.progress)
+                : linalg::block_lanczos(problem, request, options.progress);
+    if (Mhat.size() > 0) {
+      interior.participation = linalg::transpose_times(pairs.Phi, Mhat);
+      interior.omega2 = pairs.omega2;
+      interior.omega2_next = pairs.omega2_next;
+    }
+  };
+  if (fixed_modes && by_goal) {
+    choose_modes(model, options, interior, solve_for, pairs, report);
+  } else if (fixed_modes && (options.n_modes > 0 || options.omega_max > 0.0)) {
+    solve_for(options.n_modes, options.omega_max);
+  }
+  require_finite(pairs.Phi, "the normal modes");
+  report.mode_residual = pairs.residual;
+  report.solved_right_hand_sides = pairs.n_solves;
+  report.seconds_normal_modes = watch.lap();
+
+  Basis basis{constraint.Psi, {}, {}, constraint.K_bb};
+  const double omega2_left_out = pairs.omega2_next;
+  Cut cut;
+  if (fixed_modes && pairs.omega2.size() > 0)
+    cut = {pairs.omega2(pairs.omega2.size() - 1), pairs.omega2_next, static_cast<int>(pairs.omega2.size())};
+  if (options.set == ModeSet::craig_chang) {
+    basis = craig_chang_basis(part, model, solver, constraint.Psi, constraint.K_bb, options, report);
+    report.seconds_normal_modes = watch.lap();
+  } else {
+    add_shapes(part, model, solver, problem, Mhat, options, pairs, report);
+    basis.Phi = std::move(pairs.Phi);
+    basis.omega2 = std::move(pairs.omega2);
+  }
+
+  // T on all nodes, n_nodes * 3 * n: the one dense array of that size.
+  linalg::report(options.progress, "projection", 0.0);
+  const Index n_q = basis.Phi.cols(), n = n_b + n_q;
+  MatrixXd T(3 * static_cast<Index>(model.n_nodes()), n);
+  {
+    MatrixXd U;
+    model.expand(basis.U_b, MatrixXd::Identity(n_b, n_b), U);
+    T.leftCols(n_b) = U;
+    for (Index q = 0; q < n_q; q += 16) {
+      const Index width = std::min<Index>(16, n_q - q);
+      model.expand(basis.Phi.middleCols(q, width), MatrixXd::Zero(n_b, width), U);
+      T.middleCols(n_b + q, width) = U;
+    }
+  }
+  reduction.inertia = inertia_integrals(model.m(), part.mesh.points, T);
+  const auto& S = reduction.inertia.S_phiphi;
+  reduction.M_se = S[0] + S[1] + S[2];
+  reduction.K_se = MatrixXd::Zero(n, n);
+  reduction.K_se.topLeftCorner(n_b, n_b) = basis.K_bb;
+  reduction.K_se.diagonal().tail(n_q) = basis.omega2;
+  reduction.omega2 = basis.omega2;
+  reduction.n_b = static_cast<int>(n_b);
+  reduction.n_q = static_cast<int>(n_q);
+  for (int k = 0; k < model.n_interfaces(); ++k)
+    reduction.interfaces.push_back({part.interfaces[k].name, part.interfaces[k].tie, model.point(k),
+                                    model.directions(k), model.first_dof(k)});
+  reduction.shapes.resize(3 * static_cast<Index>(options.shape_nodes.size()), n);
+  for (std::size_t v = 0; v < options.shape_nodes.size(); ++v)
+    reduction.shapes.middleRows<3>(3 * static_cast<Index>(v)) =
+        T.middleRows<3>(3 * static_cast<Index>(options.shape_nodes[v])).cast<float>();
+  const MatrixXd R = model.rigid_b();
+  report.rigid_strain = (constraint.K_bb * R).norm() / (constraint.K_bb.norm() * R.norm());
+  report.seconds_projection = watch.lap();
+  linalg::report(options.progress, "projection", 1.0);
+
+  if (options.estimate_error && fixed_modes) {
+    // F_rs = K_ii^-1 - Phi Omega^-2 Phi^T, extra shapes included: they are K- and M-orthogonal like modes.
+    const MatrixXd participation = linalg::transpose_times(basis.Phi, Mhat);  // n_q x n_b
+    reduction.dropped = interior.compliance;
+    if (n_q > 0)
+      reduction.dropped -=
+          participation.transpose() * basis.omega2.cwiseInverse().asDiagonal() * participation;
+    reduction.dropped = (0.5 * (reduction.dropped + reduction.dropped.transpose())).eval();
+    reduction.omega2_dropped = omega2_left_out;
+    if (options.accuracy > 0.0) {
+      const BandError error = band_error(reduction, options.omega_max);
+      report.band_frequency_error = error.frequency;
+      report.band_interface_error = error.interface;
+    }
+    report.seconds_estimate += watch.lap();
+  }
+  for (const LoadField& load : options.loads) {
+    reduction.loads.push_back({load.name, linalg::transpose_times(T, nodal_forces(model, load))});
+  }
+  reduction.D_se = damper_matrix(part, model, T);
+  if (options.stiffening) {
+    reduction.stiffening =
+        stiffening_terms(part, solver, constraint.Psi, constraint.K_bb, T, options.progress);
+    report.seconds_stiffening = watch.lap();
+  }
+  if (!options.stress_nodes.empty()) {
+    reduction.stress_modes = nodal_stress_modes(part, T, options.stress_nodes);
+    report.seconds_stress = watch.lap();
+  }
+  report.n_nodes = model.n_nodes();
+  for (const mesh::CellBlock& block : part.mesh.solids)
+    report.n_cells += static_cast<int>(block.nodes.rows());
+  report.n_i = model.n_i();
+  report.n_b = reduction.n_b;
+  report.n_q = reduction.n_q;
+  return cut;
 }
 
 }  // namespace
@@ -73,109 +325,14 @@ linalg::EigenProblem fixed_interface_problem(const TiedModel& model, const TiedS
 
 Reduction craig_bampton(const Part& part, const ReductionOptions& options) {
   Reduction reduction;
-  ReductionReport& report = reduction.report;
-  linalg::Stopwatch watch;
-  AssemblyOptions assembly;
-  assembly.progress = options.progress;
-  const TiedModel model(part, assembly);
-  report.seconds_assembly = watch.lap();
-  const TiedSolver solver(model, options.progress);
-  watch.lap();
-  const linalg::FactorFigures& factor = solver.figures();
-  report.seconds_ordering = factor.seconds_ordering;
-  report.seconds_symbolic = factor.seconds_symbolic;
-  report.seconds_factor = factor.seconds_numeric;
-  report.factor_nonzeros = factor.nonzeros;
-  report.factor_flops = factor.flops;
-  report.smallest_pivot = factor.smallest_pivot;
-
-  linalg::report(options.progress, "constraint modes", 0.0);
-  const ConstraintModes constraint = constraint_modes(model, solver);
-  require_finite(constraint.Psi, "the constraint modes");
-  report.constraint_residual = constraint.residual;
-  report.seconds_constraint_modes = watch.lap();
-  linalg::report(options.progress, "constraint modes", 1.0);
-
-  const linalg::EigenProblem problem = fixed_interface_problem(model, solver);
-  linalg::EigenPairs pairs;
-  pairs.Phi.resize(model.n_i(), 0);
-  if (options.n_modes > 0 || options.omega_max > 0.0) {
-    const linalg::EigenRequest request{options.n_modes, options.omega_max * options.omega_max,
-                                       options.tolerance};
-    pairs = options.eigensolver == Eigensolver::krylov_schur
-                ? linalg::krylov_schur(problem, request, options.progress)
-                : linalg::block_lanczos(problem, request, options.progress);
+  const Cut cut = reduce(part, options, reduction);
+  if (options.certify && cut.n_modes > 0) {
+    linalg::report(options.progress, "certificate", 0.0);
+    linalg::Stopwatch watch;
+    certify(part, cut.omega2_last, cut.omega2_next, cut.n_modes, reduction.report);
+    reduction.report.seconds_certificate = watch.lap();
   }
-  require_finite(pairs.Phi, "the normal modes");
-  report.mode_residual = pairs.residual;
-  report.solved_right_hand_sides = pairs.n_solves;
-  report.seconds_normal_modes = watch.lap();
-
-  // T on all nodes, n_nodes * 3 * n: the one dense array of that size.
-  linalg::report(options.progress, "projection", 0.0);
-  const Index n_b = model.n_b(), n_q = pairs.Phi.cols(), n = n_b + n_q;
-  MatrixXd T(3 * static_cast<Index>(model.n_nodes()), n);
-  {
-    MatrixXd U;
-    model.expand(constraint.Psi, MatrixXd::Identity(n_b, n_b), U);
-    T.leftCols(n_b) = U;
-    for (Index q = 0; q < n_q; q += 16) {
-      const Index width = std::min<Index>(16, n_q - q);
-      model.expand(pairs.Phi.middleCols(q, width), MatrixXd::Zero(n_b, width), U);
-      T.middleCols(n_b + q, width) = U;
-    }
-  }
-  reduction.inertia = inertia_integrals(model.m(), part.mesh.points, T);
-  const auto& S = reduction.inertia.S_phiphi;
-  reduction.M_se = S[0] + S[1] + S[2];
-  reduction.K_se = MatrixXd::Zero(n, n);
-  reduction.K_se.topLeftCorner(n_b, n_b) = constraint.K_bb;
-  reduction.K_se.diagonal().tail(n_q) = pairs.omega2;
-  reduction.omega2 = pairs.omega2;
-  reduction.n_b = static_cast<int>(n_b);
-  reduction.n_q = static_cast<int>(n_q);
-  for (int k = 0; k < model.n_interfaces(); ++k)
-    reduction.interfaces.push_back({part.interfaces[k].name, part.interfaces[k].tie, model.point(k),
-                                    model.directions(k), model.first_dof(k)});
-  reduction.shapes.resize(3 * static_cast<Index>(options.shape_nodes.size()), n);
-  for (std::size_t v = 0; v < options.shape_nodes.size(); ++v)
-    reduction.shapes.middleRows<3>(3 * static_cast<Index>(v)) =
-        T.middleRows<3>(3 * static_cast<Index>(options.shape_nodes[v])).cast<float>();
-  const MatrixXd R = model.rigid_b();
-  report.rigid_strain = (constraint.K_bb * R).norm() / (constraint.K_bb.norm() * R.norm());
-  report.seconds_projection = watch.lap();
-  linalg::report(options.progress, "projection", 1.0);
-
-  if (options.estimate_error) {
-    // Mhat = M_ib + M_ii Psi on the interior; F_rs = K_ii^-1 - Phi Omega^-2 Phi^T.
-    MatrixXd M_T, Mhat, boundary;
-    model.m().multiply_kron3(T.leftCols(n_b), M_T);
-    model.gather(M_T, Mhat, boundary);
-    const MatrixXd participation = linalg::transpose_times(pairs.Phi, Mhat);  // n_q x n_b
-    reduction.dropped = linalg::transpose_times(Mhat, solver.solve(Mhat));
-    if (n_q > 0)
-      reduction.dropped -=
-          participation.transpose() * pairs.omega2.cwiseInverse().asDiagonal() * participation;
-    reduction.dropped = (0.5 * (reduction.dropped + reduction.dropped.transpose())).eval();
-    reduction.omega2_dropped = pairs.omega2_next;
-    report.seconds_estimate = watch.lap();
-  }
-  if (options.stiffening) {
-    reduction.stiffening =
-        stiffening_terms(part, solver, constraint.Psi, constraint.K_bb, T, options.progress);
-    report.seconds_stiffening = watch.lap();
-  }
-  if (!options.stress_nodes.empty()) {
-    reduction.stress_modes = nodal_stress_modes(part, T, options.stress_nodes);
-    report.seconds_stress = watch.lap();
-  }
-  report.n_nodes = model.n_nodes();
-  for (const mesh::CellBlock& block : part.mesh.solids)
-    report.n_cells += static_cast<int>(block.nodes.rows());
-  report.n_i = model.n_i();
-  report.n_b = reduction.n_b;
-  report.n_q = reduction.n_q;
-  report.peak_memory_bytes = peak_memory();
+  reduction.report.peak_memory_bytes = peak_memory();
   return reduction;
 }
 

@@ -15,14 +15,37 @@
 /// reactions.
 namespace flexura::reduce {
 
+/// Which shapes stand beside the interface dofs.
+enum class ModeSet {
+  craig_bampton,  ///< constraint modes and fixed-interface normal modes
+  craig_chang,    ///< free-free modes and inertia-relief attachment modes (craig_chang.hpp)
+  guyan,          ///< constraint modes only (R. J. Guyan, AIAA J. 3 (1965), 380)
+};
+
+/// A load case: forces on the nodes and accelerations of the mass, which act as m a.
+struct LoadField {
+  std::string name;
+  Eigen::MatrixX3d forces;        ///< n_nodes x 3 [N], or empty
+  Eigen::MatrixX3d acceleration;  ///< n_nodes x 3 [m/s^2], interpolated like displacements, or empty
+  bool keep_shape = false;        ///< the interior's static answer becomes a shape, too
+};
+
 enum class Eigensolver {
   block_lanczos,  ///< our own, on blocks of right-hand sides: the fast way
   krylov_schur,   ///< SLEPc's
 };
 
 struct ReductionOptions {
-  int n_modes = 20;         ///< the lowest n ...
-  double omega_max = 0.0;   ///< ... or all up to this [rad/s], whichever asks for more; clusters stay whole
+  ModeSet set = ModeSet::craig_bampton;
+  int n_modes = 20;        ///< the lowest n ...
+  double omega_max = 0.0;  ///< ... or all up to this [rad/s], whichever asks for more; clusters stay whole
+  /// Instead of both: what it takes to have this relative accuracy up to omega_max (mode_choice.hpp).
+  double accuracy = 0.0;
+  double effective_mass = 0.0;  ///< or this fraction of the interior's mass and inertia
+  int most_modes = 500;         ///< to reach accuracy or effective mass
+  bool certify = false;         ///< count the modes by Sylvester's law; std::runtime_error if one is missing
+  std::vector<double> response_omegas;  ///< [rad/s]: response modes at these frequencies
+  std::vector<LoadField> loads;
   double tolerance = 1e-9;  ///< relative residual of every mode
   Eigensolver eigensolver = Eigensolver::block_lanczos;
   std::vector<mesh::Index> shape_nodes;  ///< nodes at which shapes are wanted (the surface)
@@ -32,8 +55,8 @@ struct ReductionOptions {
   linalg::Progress progress;
 };
 
-/// Reduces a part.  Needs a linalg::Session.  Throws std::invalid_argument for parts that cannot be reduced
-/// (see TiedModel, TiedSolver) and std::runtime_error when a computation fails.
+/// Reduces a part with any set of modes.  Needs a linalg::Session.  Throws std::invalid_argument for parts
+/// that cannot be reduced (see TiedModel, TiedSolver) and std::runtime_error when a computation fails.
 Reduction craig_bampton(const Part& part, const ReductionOptions& options);
 
 /// The fixed-interface eigenproblem of a model and its solver, which must outlive it.

@@ -2,17 +2,26 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "reduce/assembly/part.hpp"
 #include "reduce/invariants/inertia_integrals.hpp"
+#include "reduce/linalg/factor_figures.hpp"
 #include "reduce/linalg/progress.hpp"
 #include "reduce/recovery/stiffening.hpp"
 
 /// The result of a reduction: what a superelement file holds, in plain C++ and Eigen.
 namespace flexura::reduce {
+
+/// [Hz] of an eigenvalue [rad^2/s^2]; 0 for what round-off made negative.
+inline double frequency_hz(double omega2) {
+  return std::sqrt(std::max(omega2, 0.0)) / (2.0 * std::numbers::pi);
+}
 
 struct ReducedInterface {
   std::string name;
@@ -22,21 +31,31 @@ struct ReducedInterface {
   int first_dof = 0;
 };
 
+/// A load case on the shapes.
+struct ReducedLoad {
+  std::string name;
+  Eigen::VectorXd p_se;  ///< n, T^T p
+};
+
 /// What the reduction did and how well, for reports.
 struct ReductionReport {
   int n_nodes = 0, n_cells = 0;
   int n_i = 0, n_b = 0, n_q = 0;
   double seconds_assembly = 0.0;
-  double seconds_ordering = 0.0, seconds_symbolic = 0.0, seconds_factor = 0.0;
+  linalg::FactorFigures factor;
   double seconds_constraint_modes = 0.0, seconds_normal_modes = 0.0, seconds_projection = 0.0;
   double seconds_estimate = 0.0, seconds_stiffening = 0.0, seconds_stress = 0.0;
-  double factor_nonzeros = 0.0, factor_flops = 0.0;
-  double smallest_pivot = 0.0;       ///< of the factor, relative to the diagonal
   double peak_memory_bytes = 0.0;    ///< of the process so far
   int solved_right_hand_sides = 0;   ///< by the eigensolver
   double rigid_strain = 0.0;         ///< |K_se R| over |K_bb| |R|: zero to round-off
   double constraint_residual = 0.0;  ///< ||K_ii Psi + K_ib|| / ||K_ib||, averages included
   Eigen::VectorXd mode_residual;     ///< n_q: ||K phi - omega^2 M phi|| / ||K phi||
+  int certified_modes = -1;          ///< counted below the cut-off by Sylvester's law; -1: not counted
+  double certified_omega2 = 0.0;     ///< the cut-off [rad^2/s^2]
+  double seconds_certificate = 0.0;
+  double band_frequency_error = -1.0, band_interface_error = -1.0;  ///< in the band asked for; -1: none
+  int n_extra = 0;                 ///< response and load shapes among the modes
+  std::vector<std::string> notes;  ///< what was dropped, struck out, chosen
 };
 
 struct Reduction {
@@ -45,7 +64,9 @@ struct Reduction {
   int n_q = 0;                 ///< modes: columns n_b ...
   Eigen::MatrixXd K_se, M_se;  ///< n x n
   Eigen::VectorXd omega2;      ///< n_q [rad^2/s^2]
+  Eigen::MatrixXd D_se;        ///< n x n of dampers and the damping asked for, or empty
   InertiaIntegrals inertia;
+  std::vector<ReducedLoad> loads;
   std::optional<StiffeningTerms> stiffening;  ///< if asked for
   /// 6 n_s x n at the options' stress nodes, if asked for (recovery/stress.hpp).
   Eigen::MatrixXd stress_modes;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "reduce/assembly/part.hpp"
+#include "reduce/cms/reduction.hpp"
 
 namespace flexura::reduce {
 
@@ -14,5 +15,9 @@ namespace flexura::reduce {
 /// less one negative for each row of A (K. Gould, Math. Prog. 32 (1985), 90).  It proves that an eigensolver
 /// has missed none.  Needs a linalg::Session.
 int count_modes_below(const Part& part, double omega2);
+
+/// Counts between the last of `n_modes` kept eigenvalues and the first left out (infinite where there is
+/// none), and notes both in the report.  std::runtime_error where the counts differ.
+void certify(const Part& part, double omega2_last, double omega2_next, int n_modes, ReductionReport& report);
 
 }  // namespace flexura::reduce

@@ -31,15 +31,12 @@ int index_of(const Interfaces& interfaces, const std::string& name) {
 
 }  // namespace
 
-linalg::EigenPairs full_free_modes(const Part& part, int count, double omega2_scale,
-                                   const linalg::Progress& progress, double tolerance) {
+FreeModes free_modes_on_nodes(const Part& part, const linalg::EigenRequest& request, double omega2_scale,
+                              const linalg::Progress& progress) {
   AssemblyOptions options;
   options.may_be_free = true;
-  const Part free = with_retained(part, "");
-  const TiedModel model = [&] {
-    options.shift = omega2_scale;
-    return TiedModel(free, options);
-  }();
+  options.shift = omega2_scale;
+  const TiedModel model(with_retained(part, ""), options);
   const TiedSolver solver(model, progress);
   linalg::EigenProblem problem = fixed_interface_problem(model, solver);
   problem.shift = omega2_scale;
@@ -49,7 +46,18 @@ linalg::EigenPairs full_free_modes(const Part& part, int count, double omega2_sc
     model.multiply_M_ii(X, MX);
     Y -= omega2_scale * MX;
   };
-  return linalg::block_lanczos(problem, {count + 6, 0.0, tolerance}, progress);
+  FreeModes modes{linalg::block_lanczos(problem, request, progress), {}, {}};
+  const MatrixXd none = MatrixXd::Zero(model.n_b(), modes.pairs.Phi.cols());
+  model.expand(modes.pairs.Phi, none, modes.U);
+  for (int k = 0; k < model.n_interfaces(); ++k)
+    modes.motion.push_back(model.interface_motion(k, modes.pairs.Phi, none));
+  modes.pairs.Phi.resize(0, 0);
+  return modes;
+}
+
+linalg::EigenPairs full_free_modes(const Part& part, int count, double omega2_scale,
+                                   const linalg::Progress& progress, double tolerance) {
+  return free_modes_on_nodes(part, {count + 6, 0.0, tolerance}, omega2_scale, progress).pairs;
 }
 
 linalg::EigenPairs full_clamped_modes(const Part& part, const std::string& clamped, int count,

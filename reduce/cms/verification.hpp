@@ -13,6 +13,16 @@ namespace flexura::reduce {
 linalg::EigenPairs full_free_modes(const Part& part, int count, double omega2_scale,
                                    const linalg::Progress& progress = {}, double tolerance = 1e-9);
 
+/// The lowest elastic modes of the free body (and its six rigid ones) as motions of nodes and interfaces.
+struct FreeModes {
+  linalg::EigenPairs pairs;             ///< without Phi
+  Eigen::MatrixXd U;                    ///< 3 n_nodes x k
+  std::vector<Eigen::MatrixXd> motion;  ///< of each interface node, 6 x k
+};
+/// `request` counts the rigid modes, too; `omega2_scale` as above.
+FreeModes free_modes_on_nodes(const Part& part, const linalg::EigenRequest& request, double omega2_scale,
+                              const linalg::Progress& progress = {});
+
 /// The lowest modes with one interface clamped (all six motions of its node) and the others free.
 linalg::EigenPairs full_clamped_modes(const Part& part, const std::string& clamped, int count,
                                       const linalg::Progress& progress = {});

@@ -60,4 +60,16 @@ Material orthotropic(std::string name, const OrthotropicConstants& c, double den
   return material;
 }
 
+Material turned(Material material, const Eigen::Matrix3d& R) {
+  constexpr int kFirst[6] = {0, 1, 2, 0, 1, 2}, kSecond[6] = {0, 1, 2, 1, 2, 0};
+  Eigen::Matrix<double, 6, 6> T;  // stresses in the mesh frame from stresses in the material's axes
+  for (int I = 0; I < 6; ++I)
+    for (int J = 0; J < 6; ++J) {
+      const int i = kFirst[I], j = kSecond[I], p = kFirst[J], q = kSecond[J];
+      T(I, J) = R(i, p) * R(j, q) + (p == q ? 0.0 : R(i, q) * R(j, p));
+    }
+  material.D = (T * material.D * T.transpose()).eval();
+  return material;
+}
+
 }  // namespace flexura::reduce

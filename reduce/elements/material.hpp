@@ -26,6 +26,10 @@ struct OrthotropicConstants {
   double G_xy, G_yz, G_zx;     ///< [Pa]
 };
 
+/// The material with its axes along the columns of R (a rotation) instead of the mesh frame's:
+/// D'_ijkl = R_ip R_jq R_kr R_ls D_pqrs.
+Material turned(Material material, const Eigen::Matrix3d& R);
+
 /// Throws std::invalid_argument where the constants have no positive definite stiffness.
 Material orthotropic(std::string name, const OrthotropicConstants& constants, double density);
 

@@ -79,7 +79,8 @@ double element_mass(const Element& element, const NodePositions& x, double densi
   const int n = element.n_nodes;
   double smallest = std::numeric_limits<double>::infinity();
   m_e.setZero(n, n);
-  for (const TabulatedRule::Point& point : element.mass.points) {
+  const TabulatedRule& rule = kind == MassKind::reduced ? element.stiffness : element.mass;
+  for (const TabulatedRule::Point& point : rule.points) {
     const Eigen::Matrix3d J = point.dN.transpose() * x;
     const double det = J.determinant();
     if (!(det > 0.0)) return det;

@@ -27,7 +27,11 @@ namespace flexura::reduce {
 using NodePositions = Eigen::Matrix<double, Eigen::Dynamic, 3, 0, kMaxNodes, 3>;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
-enum class MassKind { consistent, lumped };
+enum class MassKind {
+  consistent,
+  lumped,   ///< diagonal
+  reduced,  ///< consistent, but integrated at the stiffness's points (tet10: 4), as CalculiX does
+};
 
 /// Computes K_e (3n x 3n) from node positions [m] and elasticity [Pa].  Returns the smallest det J at the
 /// quadrature points; where it is not positive the element is inverted and K_e is meaningless.

@@ -180,6 +180,7 @@ EigenPairs block_lanczos(const EigenProblem& problem, const EigenRequest& reques
   Index last = basis.size();  // width of the newest block, which S has not been applied to
   double accurate = std::max(1e-2 * request.tolerance, 1e-14);
   int rounds_without_gain = 0;
+  Index next_look = target + b;
   for (int step = 0;; ++step) {
     // S on the newest block.
     const Index first = basis.size() - last;
@@ -196,7 +197,8 @@ EigenPairs block_lanczos(const EigenProblem& problem, const EigenRequest& reques
     last = basis.size() - old;
 
     const bool exhausted = last == 0;
-    if (!exhausted && old < target + b && step > 0 && basis.size() + b <= capacity) continue;
+    if (!exhausted && old < next_look && step > 0 && basis.size() + b <= capacity) continue;
+    next_look = old + std::max<Index>(b, old / 16);  // a look at a large H costs as much as several blocks
     const Ritz ritz = ritz_pairs(H, R, applied, problem.shift);
     Index count = wanted(ritz, request, accurate);
     if (exhausted && count < 0) {

@@ -6,6 +6,7 @@
 #include <span>
 #include <stdexcept>
 
+#include "reduce/linalg/factor_figures.hpp"
 #include "reduce/linalg/symmetric_matrix.hpp"
 
 namespace flexura::linalg {
@@ -15,16 +16,6 @@ namespace flexura::linalg {
 struct SingularMatrix : std::runtime_error {
   SingularMatrix(int dof, const char* text) : std::runtime_error(text), dof(dof) {}
   int dof;  ///< the row at which it was noticed
-};
-
-/// What a factorisation cost.
-struct FactorFigures {
-  double nonzeros = 0.0;  ///< of L
-  double flops = 0.0;
-  double seconds_ordering = 0.0;  ///< METIS
-  double seconds_symbolic = 0.0;
-  double seconds_numeric = 0.0;
-  double smallest_pivot = 0.0;  ///< the smallest L_jj^2 / A_jj; round-off level means a mechanism
 };
 
 /// A sparse Cholesky factorisation P A P^T = L L^T (CHOLMOD, supernodal; nested dissection by METIS).

@@ -94,6 +94,8 @@ TEST_F(BadPart, NegativeDensityIsRefused) {
 }
 
 TEST_F(BadPart, IncompressibleMaterialIsRefused) {
+  EXPECT_THAT(refusal(replaced(kPart, "poisson = 0.3", "moduli = [\"130 GPa\", \"9 GPa\", \"9 GPa\"]")),
+              AllOf(HasSubstr("material.steel"), HasSubstr("moduli, ratios and shear; one of the two")));
   EXPECT_THAT(refusal(replaced(kPart, "poisson = 0.3", "poisson = 0.5")),
               AllOf(HasSubstr("poisson"), HasSubstr("0.5")));
 }

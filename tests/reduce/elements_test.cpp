@@ -2,6 +2,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <Eigen/LU>
+
 #include "mesh/model/geometry.hpp"
 #include "reduce/assembly/rigid_motion.hpp"
 #include "reduce/assembly/tied_model.hpp"
@@ -178,6 +180,22 @@ TEST(Materials, OrthotropicWithEqualConstantsIsIsotropic) {
   const double G = 3e9 / 2.5;
   const Material ortho = orthotropic("b", {3e9, 3e9, 3e9, 0.25, 0.25, 0.25, G, G, G}, 1000.0);
   EXPECT_LT((iso.D - ortho.D).norm(), 1e-14 * iso.D.norm());
+}
+
+// Pulled at an angle to its fibres: 1/E(a) = cos^4 a / E_x + sin^4 a / E_y + (1/G_xy - 2 nu_xy/E_x) sin^2 a
+// cos^2 a (S. G. Lekhnitskii, Theory of Elasticity of an Anisotropic Body, section 9).  Round-off only.
+TEST(Materials, TurnedPlyHasTheOffAxisModulus) {
+  const OrthotropicConstants c{130e9, 9e9, 11e9, 0.28, 0.4, 0.02, 5e9, 3e9, 4e9};
+  const double a = 0.4;
+  Eigen::Matrix3d R;  // the fibres lie at a to the mesh's x
+  R << std::cos(a), -std::sin(a), 0, std::sin(a), std::cos(a), 0, 0, 0, 1;
+  const Material ply = turned(orthotropic("ply", c, 1600), R);
+  const double C2 = std::pow(std::cos(a), 2), S2 = std::pow(std::sin(a), 2);
+  const double compliance = C2 * C2 / c.E_x + S2 * S2 / c.E_y + (1 / c.G_xy - 2 * c.nu_xy / c.E_x) * S2 * C2;
+  EXPECT_NEAR(ply.D.inverse().eval()(0, 0) / compliance, 1.0, 1e-12);
+  EXPECT_LT((ply.D - ply.D.transpose()).norm(), 1e-15 * ply.D.norm());
+  const Material back = turned(ply, R.transpose());
+  EXPECT_LT((back.D - orthotropic("ply", c, 1600).D).norm(), 1e-14 * ply.D.norm());
 }
 
 std::string refusal(const std::function<void()>& work) {

@@ -1,0 +1,236 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "reduce/app/make_part.hpp"
+
+#include <fmt/format.h>
+#include <muParser.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <numbers>
+
+#include "reduce/assembly/point_mass.hpp"
+#include "reduce/elements/surface.hpp"
+
+namespace flexura::reduce {
+namespace {
+
+using input::InputError;
+
+/// Calls and puts the table's place before what a library refuses.
+template <class Work>
+auto at(const std::string& where, const Work& work) {
+  try {
+    return work();
+  } catch (const InputError&) {
+    throw;
+  } catch (const std::invalid_argument& error) {
+    throw InputError(where + ": " + error.what());
+  }
+}
+
+int interface_number(const Part& part, const std::string& name, const std::string& where) {
+  std::vector<std::string> names;
+  for (std::size_t k = 0; k < part.interfaces.size(); ++k) {
+    if (part.interfaces[k].name == name) return static_cast<int>(k);
+    names.push_back(part.interfaces[k].name);
+  }
+  throw InputError(
+      fmt::format("{}: there is no interface \"{}\"{}", where, name, input::suggestion(name, names)));
+}
+
+mesh::Index node_number(const mesh::Mesh& mesh, int label, const std::string& where) {
+  const mesh::Rule rule = mesh::NodesRule{.labels = {label}};
+  return at(where, [&] { return mesh::select_nodes(mesh, {}, rule).set.nodes.front(); });
+}
+
+const DeckTie& tie_of(const PartMesh& from, int label, const std::string& where) {
+  const auto found =
+      std::find_if(from.ties.begin(), from.ties.end(), [&](const DeckTie& t) { return t.label == label; });
+  if (found != from.ties.end()) return *found;
+  if (from.ties.empty()) throw InputError(where + ": the file has no ties (RBE2, RBE3)");
+  std::string known;
+  for (const DeckTie& tie : from.ties) known += fmt::format("{}{}", known.empty() ? "" : ", ", tie.label);
+  throw InputError(fmt::format("{}: there is no tie {}; there are {}", where, label, known));
+}
+
+void add_interfaces(const PartInput& input, const PartMesh& from, ModelledPart& out) {
+  std::vector<char> taken(from.ties.size(), 0);
+  for (const InterfaceInput& wanted : input.interfaces) {
+    if (wanted.deck_tie) {
+      const DeckTie& tie = tie_of(from, *wanted.deck_tie, wanted.where);
+      taken[&tie - from.ties.data()] = 1;
+      InterfaceSpec spec = tie.spec;
+      spec.name = wanted.name;
+      spec.directions = wanted.directions;
+      out.notes.push_back(fmt::format("interface {}: tie {} of the deck at node {}, {} nodes, {}",
+                                      wanted.name, tie.label, tie.node, spec.set.nodes.size(),
+                                      name_of(spec.tie)));
+      out.part.interfaces.push_back(std::move(spec));
+      continue;
+    }
+    mesh::Selection chosen =
+        at(wanted.where, [&] { return mesh::select_nodes(out.part.mesh, from.faces, wanted.rule); });
+    InterfaceSpec spec{.name = wanted.name,
+                       .tie = wanted.tie,
+                       .point = wanted.reference.value_or(chosen.reference),
+                       .directions = wanted.directions};
+    out.notes.push_back(fmt::format("interface {}: {}, {} nodes, {}", wanted.name, chosen.description,
+                                    chosen.set.nodes.size(), name_of(wanted.tie)));
+    spec.set = std::move(chosen.set);
+    out.part.interfaces.push_back(std::move(spec));
+  }
+  if (input.interfaces.empty()) {
+    for (std::size_t t = 0; t < from.ties.size(); ++t) {
+      taken[t] = 1;
+      out.part.interfaces.push_back(from.ties[t].spec);
+      out.notes.push_back(fmt::format("interface {}: at node {}, {} nodes, {}", from.ties[t].spec.name,
+                                      from.ties[t].node, from.ties[t].spec.set.nodes.size(),
+                                      name_of(from.ties[t].spec.tie)));
+    }
+    if (from.ties.empty())
+      throw InputError(
+          input.where +
+          ": the part has no interface; add a table [interface.NAME] for each place where joints "
+          "or forces act, the deck has no ties to take instead");
+  }
+  out.n_interfaces = static_cast<int>(out.part.interfaces.size());
+  // The deck's other rigid ties still are rigid pieces of the part; a mean of nodes that nobody asks for is
+  // not.
+  for (std::size_t t = 0; t < from.ties.size(); ++t) {
+    if (taken[t]) continue;
+    InterfaceSpec spec = from.ties[t].spec;
+    if (spec.tie == Tie::average) {
+      out.notes.push_back(fmt::format("{} (RBE3) is no interface and is left out", spec.name));
+      continue;
+    }
+    spec.directions.clear();
+    out.notes.push_back(fmt::format("{} (RBE2) is a rigid piece of the part, no interface", spec.name));
+    out.part.interfaces.push_back(std::move(spec));
+  }
+}
+
+void add_masses(const PartInput& input, const PartMesh& from, ModelledPart& out) {
+  Part& part = out.part;
+  double total = 0.0;
+  for (const PointMass& mass : from.masses) {
+    add_mass_to_node(part, mass);
+    total += mass.mass;
+  }
+  for (const PointMass& mass : from.tied_masses) {
+    const InterfaceSpec& tie = from.ties[mass.node].spec;
+    // A tie keeps its set under whatever name.
+    const auto found =
+        std::find_if(part.interfaces.begin(), part.interfaces.end(), [&](const InterfaceSpec& spec) {
+          return spec.point == tie.point && !spec.set.nodes.empty() &&
+                 spec.set.nodes.front() == tie.set.nodes.front();
+        });
+    if (found == part.interfaces.end())
+      throw std::invalid_argument(fmt::format(
+          "{} carries a point mass but is left out; take it as an interface (by = \"tie\")", tie.name));
+    add_mass_to_interface(part, static_cast<int>(found - part.interfaces.begin()), mass);
+    total += mass.mass;
+  }
+  for (const MassInput& wanted : input.masses) {
+    at(wanted.where, [&] {
+      if (wanted.node) {
+        PointMass mass = wanted.mass;
+        mass.node = node_number(part.mesh, *wanted.node, wanted.where);
+        add_mass_to_node(part, mass);
+      } else {
+        add_mass_to_interface(part, interface_number(part, wanted.interface, wanted.where), wanted.mass);
+      }
+    });
+    total += wanted.mass.mass;
+  }
+  const std::size_t count = from.masses.size() + from.tied_masses.size() + input.masses.size();
+  if (count > 0)
+    out.notes.push_back(fmt::format("{} point mass{}, {:.6g} kg", count, count == 1 ? "" : "es", total));
+}
+
+void add_links(const PartInput& input, ModelledPart& out) {
+  for (const LinkInput& wanted : input.links) {
+    const auto end = [&](int k) {
+      if (!wanted.nodes.empty()) return node_number(out.part.mesh, wanted.nodes[k], wanted.where);
+      const int interface = interface_number(out.part, wanted.interfaces[k], wanted.where);
+      return at(wanted.where,
+                [&] { return add_tied_node(out.part, interface, out.part.interfaces[interface].point); });
+    };
+    const mesh::Index from = end(0), to = end(1);
+    out.part.links.push_back({wanted.name, from, to, wanted.stiffness, wanted.damping});
+    out.notes.push_back(fmt::format("link {}: stiffness {:.5g} N/m, damping {:.5g} N s/m", wanted.name,
+                                    wanted.stiffness, wanted.damping));
+  }
+}
+
+/// Forces per mass by formulas of x, y, z.
+Eigen::MatrixX3d evaluate_field(const LoadInput& load, const mesh::Mesh& mesh) {
+  Eigen::MatrixX3d values(mesh.n_nodes(), 3);
+  double x[3];
+  for (int a = 0; a < 3; ++a) {
+    mu::Parser parser;
+    parser.DefineVar("x", &x[0]);
+    parser.DefineVar("y", &x[1]);
+    parser.DefineVar("z", &x[2]);
+    parser.DefineConst("pi", std::numbers::pi);
+    try {
+      parser.SetExpr(load.formulas[a]);
+      for (mesh::Index node = 0; node < mesh.n_nodes(); ++node) {
+        for (int b = 0; b < 3; ++b) x[b] = mesh.points(node, b);
+        values(node, a) = parser.Eval();
+      }
+    } catch (const mu::Parser::exception_type& error) {
+      throw std::invalid_argument(
+          fmt::format("the formula \"{}\" cannot be read ({}); it may use x, y, z and pi", load.formulas[a],
+                      error.GetMsg()));
+    }
+  }
+  if (!values.allFinite())
+    throw std::invalid_argument("the formulas give a value that is not finite at a node of the part");
+  return values;
+}
+
+void add_loads(const PartInput& input, const PartMesh& from, ModelledPart& out) {
+  const mesh::Mesh& mesh = out.part.mesh;
+  for (const LoadInput& wanted : input.loads) {
+    LoadField load{.name = wanted.name, .keep_shape = wanted.keep_shape};
+    at(wanted.where, [&] {
+      if (wanted.type == "gravity") {
+        load.acceleration = wanted.vector.transpose().replicate(mesh.n_nodes(), 1);
+      } else if (wanted.type == "rotation") {
+        load.acceleration.resize(mesh.n_nodes(), 3);
+        for (mesh::Index node = 0; node < mesh.n_nodes(); ++node) {
+          const Eigen::Vector3d r = mesh.points.row(node).transpose() - wanted.point;
+          load.acceleration.row(node) =
+              wanted.value * wanted.value * (r - wanted.vector * wanted.vector.dot(r)).transpose();
+        }
+      } else if (wanted.type == "pressure") {
+        const mesh::Selection chosen = mesh::select_nodes(mesh, from.faces, wanted.faces);
+        if (chosen.set.faces.empty())
+          throw std::invalid_argument("the set has no faces of the part's surface to push on");
+        load.forces = -wanted.value * pressure_load(mesh, chosen.set.faces);
+      } else {
+        load.acceleration = evaluate_field(wanted, mesh);
+      }
+    });
+    out.loads.push_back(std::move(load));
+  }
+}
+
+}  // namespace
+
+ModelledPart make_part(const PartInput& input, PartMesh&& from) {
+  ModelledPart out;
+  out.notes = from.messages;
+  out.part.mesh = std::move(from.mesh);
+  out.part.materials = from.materials;
+  out.part.matrices = std::move(from.matrices);
+  out.part.mass = input.mass;
+  out.part.formulation = input.formulation;
+  add_interfaces(input, from, out);
+  add_masses(input, from, out);
+  add_links(input, out);
+  add_loads(input, from, out);
+  return out;
+}
+
+}  // namespace flexura::reduce

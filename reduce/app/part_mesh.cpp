@@ -1,0 +1,212 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "reduce/app/part_mesh.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+
+#include "mesh/gmsh/mesh_file.hpp"
+#include "mesh/import/abaqus.hpp"
+#include "mesh/import/nastran.hpp"
+#include "mesh/import/unv.hpp"
+#include "reduce/app/read_matrices.hpp"
+
+namespace flexura::reduce {
+namespace {
+
+using input::InputError;
+
+mesh::ImportedModel read_foreign(const PartInput& input) {
+  const std::filesystem::path& path = input.cad.path;
+  switch (input.format) {
+    case PartFormat::abaqus:
+      return mesh::read_abaqus(path);
+    case PartFormat::nastran:
+      return mesh::read_nastran(path);
+    case PartFormat::unv:
+      return mesh::read_unv(path);
+    case PartFormat::nodes: {
+      mesh::ImportedModel model;
+      model.mesh = read_nodes(path);
+      return model;
+    }
+    default:
+      break;
+  }
+  mesh::MeshFile file = mesh::read_mesh_file(path, input.cad.worker, input.cad.time_limit_s);
+  mesh::ImportedModel model;
+  model.mesh = std::move(file.mesh);
+  model.messages = std::move(file.messages);
+  return model;
+}
+
+/// The deck's material as ours; what it lacks is refused with the way out.
+Material material_of(const mesh::ImportedMaterial& from, const std::string& deck) {
+  const auto lacks = [&](const char* what, const char* card) {
+    throw std::invalid_argument(
+        fmt::format("{}: material \"{}\" has no {} ({}); give it a table [material.\"{}\"] in the part file",
+                    deck, from.name, what, card, from.name));
+  };
+  if (!(from.rho > 0.0)) lacks("density", "*DENSITY, or RHO of MAT1");
+  if (from.orthotropic) {
+    // E1 E2 E3 nu12 nu13 nu23 G12 G13 G23; nu31 = nu13 E3 / E1.
+    const auto& c = from.engineering;
+    return orthotropic(from.name,
+                       {.E_x = c[0],
+                        .E_y = c[1],
+                        .E_z = c[2],
+                        .nu_xy = c[3],
+                        .nu_yz = c[5],
+                        .nu_zx = c[4] * c[2] / c[0],
+                        .G_xy = c[6],
+                        .G_yz = c[8],
+                        .G_zx = c[7]},
+                       from.rho);
+  }
+  if (!(from.E > 0.0)) lacks("Young's modulus", "*ELASTIC, or E of MAT1");
+  return isotropic(from.name, from.E, from.nu, from.rho);
+}
+
+void choose_materials(const PartInput& input, const mesh::ImportedModel& model, PartMesh& part) {
+  const std::string deck = input.cad.path.filename().string();
+  if (model.materials.empty()) {
+    if (input.materials.size() != 1)
+      throw InputError(fmt::format(
+          "{}: {} names no material; give exactly one table [material.NAME] for all of it ({} {} there)",
+          input.where, deck, input.materials.size(), input.materials.size() == 1 ? "is" : "are"));
+    part.materials = input.materials;
+    return;
+  }
+  if (!input.mass_unit_known)
+    throw InputError(fmt::format(
+        "{}: {} has materials in a system of units whose mass unit is not clear; add geometry.mass_unit",
+        input.where, deck));
+  std::vector<std::string> known;
+  for (const mesh::ImportedMaterial& from : model.materials) {
+    known.push_back(from.name);
+    const auto ours = std::find_if(input.materials.begin(), input.materials.end(),
+                                   [&](const Material& m) { return m.name == from.name; });
+    part.materials.push_back(ours != input.materials.end() ? *ours : material_of(from, deck));
+  }
+  for (const Material& ours : input.materials)
+    if (std::find(known.begin(), known.end(), ours.name) == known.end())
+      throw InputError(fmt::format("{}: {} has no material \"{}\"{}", input.where, deck, ours.name,
+                                   input::suggestion(ours.name, known)));
+  const bool assigned = std::all_of(part.mesh.solids.begin(), part.mesh.solids.end(),
+                                    [](const mesh::CellBlock& block) { return !block.material.empty(); });
+  if (!assigned && part.materials.size() > 1)
+    throw std::invalid_argument(
+        fmt::format("{}: {} materials are defined, but no section assigns them to the elements", deck,
+                    part.materials.size()));
+}
+
+/// Which nodes belong to solid elements.
+std::vector<char> nodes_in_cells(const mesh::Mesh& mesh) {
+  std::vector<char> inside(mesh.n_nodes(), 0);
+  for (const mesh::CellBlock& block : mesh.solids)
+    for (Eigen::Index k = 0; k < block.nodes.size(); ++k) inside[block.nodes.data()[k]] = 1;
+  return inside;
+}
+
+void take_ties(const mesh::ImportedModel& model, const std::vector<char>& in_cell, PartMesh& part) {
+  for (const mesh::ImportedTie& from : model.ties) {
+    const bool rigid = from.kind == mesh::ImportedTie::Kind::rigid;
+    if (rigid && !(from.dofs[0] && from.dofs[1] && from.dofs[2]))
+      throw std::invalid_argument(fmt::format(
+          "RBE2 {} ties only some of the three displacements of its nodes; tie all (CM = 123 or 123456)",
+          from.label));
+    DeckTie tie{
+        .label = from.label,
+        .node = part.mesh.node_label.empty() ? from.reference + 1 : part.mesh.node_label[from.reference]};
+    tie.spec.name = fmt::format("tie {}", from.label);
+    tie.spec.tie = rigid ? Tie::rigid : Tie::average;
+    tie.spec.point = part.mesh.points.row(from.reference);
+    std::vector<std::pair<mesh::Index, double>> nodes;
+    for (std::size_t k = 0; k < from.nodes.size(); ++k)
+      nodes.emplace_back(from.nodes[k], rigid || from.weights.empty() ? 1.0 : from.weights[k]);
+    // A reference node that solid elements share moves with its own spider.
+    if (rigid && in_cell[from.reference]) nodes.emplace_back(from.reference, 1.0);
+    std::sort(nodes.begin(), nodes.end());
+    nodes.erase(std::unique(nodes.begin(), nodes.end(), [](auto& a, auto& b) { return a.first == b.first; }),
+                nodes.end());
+    for (const auto& [node, weight] : nodes) {
+      tie.spec.set.nodes.push_back(node);
+      if (!rigid) tie.spec.weights.push_back(weight);
+    }
+    part.ties.push_back(std::move(tie));
+  }
+}
+
+void take_masses(const mesh::ImportedModel& model, const std::vector<char>& in_cell, PartMesh& part) {
+  for (const mesh::ImportedMass& from : model.masses) {
+    PointMass mass{.node = from.node, .mass = from.mass, .offset = from.offset, .inertia = from.inertia};
+    const auto tie = std::find_if(model.ties.begin(), model.ties.end(),
+                                  [&](const mesh::ImportedTie& t) { return t.reference == from.node; });
+    if (tie != model.ties.end()) {
+      mass.node = static_cast<mesh::Index>(tie - model.ties.begin());
+      part.tied_masses.push_back(mass);
+    } else if (in_cell[from.node]) {
+      part.masses.push_back(mass);
+    } else {
+      throw std::invalid_argument(fmt::format(
+          "point mass {} hangs on a node that belongs to no solid element and to no tie", from.label));
+    }
+  }
+}
+
+}  // namespace
+
+PartMesh load_part_mesh(const PartInput& input, const mesh::Progress& progress) {
+  PartMesh part;
+  if (input.format == PartFormat::cad) {
+    mesh::CadMesh cad = mesh::mesh_cad(input.cad, progress);
+    part.mesh = std::move(cad.mesh);
+    part.faces = std::move(cad.cad.faces);
+    part.report = std::move(cad.report);
+    part.messages = part.report.messages;
+    part.materials = input.materials;
+    return part;
+  }
+  const auto start = std::chrono::steady_clock::now();
+  if (progress) progress("read", 0.0);
+  mesh::ImportedModel model = read_foreign(input);
+  mesh::scale_to_si(model, input.unit_length, input.unit_mass, 1.0);
+  part.mesh = std::move(model.mesh);
+  part.messages = std::move(model.messages);
+  if (input.stiffness.empty()) {
+    choose_materials(input, model, part);
+  } else {
+    NodalMatrices& matrices =
+        part.matrices.emplace(read_matrices(input.stiffness, input.mass_matrix, part.mesh));
+    for (Eigen::Matrix3d& k : matrices.K) k *= input.unit_mass;  // force per length: M T^-2
+    for (double& m : matrices.m) m *= input.unit_mass;
+    part.messages.push_back(fmt::format("stiffness and mass are those of {} and {}",
+                                        input.stiffness.filename().string(),
+                                        input.mass_matrix.filename().string()));
+  }
+  const std::vector<char> in_cell = nodes_in_cells(part.mesh);
+  take_ties(model, in_cell, part);
+  take_masses(model, in_cell, part);
+  if (!model.bars.empty())
+    part.messages.push_back(fmt::format(
+        "{} bar{} (CBAR, CBEAM, first element {}) left out: a part of solids takes none; structures of beams "
+        "have their own part file (--schema-beams)",
+        model.bars.size(), model.bars.size() == 1 ? " is" : "s are", model.bars.front().label));
+  if (!model.fixed.empty())
+    part.messages.push_back(fmt::format(
+        "the supports at {} node{} (SPC) are left out: a superelement is a free body, joints hold it at run "
+        "time",
+        model.fixed.size(), model.fixed.size() == 1 ? "" : "s"));
+  part.report.n_nodes = part.mesh.n_nodes();
+  if (part.mesh.solids.empty()) return part;
+  const mesh::Volumes volumes = mesh::measure_volume(part.mesh);
+  part.report.n_cells = part.mesh.n_solid_cells();
+  part.report.quality = mesh::measure_quality(part.mesh);
+  part.report.volume = volumes.volume;
+  part.report.centroid = volumes.centroid;
+  part.report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return part;
+}
+
+}  // namespace flexura::reduce

@@ -1,0 +1,22 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <filesystem>
+
+#include "reduce/assembly/part.hpp"
+
+namespace flexura::reduce {
+
+/// Stiffness and mass matrix that another program assembled: Matrix Market ("coordinate real symmetric" or
+/// "general"), Abaqus' coordinate format (row, column, value) or its matrix input (node, direction, node,
+/// direction, value); gzipped or not.  Rows count the nodes of the mesh in ascending number, three directions
+/// each.  One triangle or both may be given.  Throws std::invalid_argument, naming file and line, for entries
+/// beyond the nodes, for two triangles that differ, and for a mass matrix that is not m (x) I_3: inertia
+/// integrals of rotational masses cannot be had from a matrix.
+NodalMatrices read_matrices(const std::filesystem::path& stiffness, const std::filesystem::path& mass,
+                            const mesh::Mesh& mesh);
+
+/// Nodes alone, one a line: number, x, y, z, separated by commas or blanks; # begins a comment.
+mesh::Mesh read_nodes(const std::filesystem::path& path);
+
+}  // namespace flexura::reduce

@@ -1,0 +1,67 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "reduce/assembly/point_mass.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <stdexcept>
+
+#include "reduce/linalg/dense.hpp"
+
+namespace flexura::reduce {
+
+mesh::Index add_tied_node(Part& part, int interface, const Eigen::Vector3d& x) {
+  InterfaceSpec& spec = part.interfaces[interface];
+  if (spec.tie != Tie::rigid)
+    throw std::invalid_argument(fmt::format(
+        "interface '{}' is tied as {}: masses, springs and dampers on an interface node need a rigid tie",
+        spec.name, name_of(spec.tie)));
+  mesh::Mesh& mesh = part.mesh;
+  const mesh::Index node = mesh.n_nodes();
+  mesh.points.conservativeResize(node + 1, 3);
+  mesh.points.row(node) = x.transpose();
+  if (!mesh.node_label.empty()) mesh.node_label.push_back(-1);
+  spec.set.nodes.push_back(node);  // the greatest number: still ascending
+  return node;
+}
+
+void add_mass_to_interface(Part& part, int interface, const PointMass& mass) {
+  const std::string name = part.interfaces[interface].name;
+  if (!(mass.mass > 0.0))
+    throw std::invalid_argument(
+        fmt::format("the mass on interface '{}' is {} kg, it must be above 0", name, mass.mass));
+  const Eigen::Vector3d centre = part.interfaces[interface].point + mass.offset;
+  if (mass.inertia.isZero(0.0)) {
+    part.masses.push_back({add_tied_node(part, interface, centre), mass.mass});
+    return;
+  }
+  const Eigen::Matrix3d C = 0.5 * mass.inertia.trace() * Eigen::Matrix3d::Identity() - mass.inertia;
+  const linalg::DenseEigen axes = linalg::symmetric_eigen(C);
+  // Figures come with five digits and more: a plate's zero may come out negative by as much.
+  if (axes.values(0) < -1e-5 * axes.values(2))
+    throw std::invalid_argument(fmt::format(
+        "the moments of inertia on interface '{}' belong to no body: the greatest exceeds the sum "
+        "of the other two",
+        name));
+  for (int k = 0; k < 3; ++k) {
+    const Eigen::Vector3d reach =
+        std::sqrt(3.0 * std::max(axes.values(k), 0.0) / mass.mass) * axes.vectors.col(k);
+    for (const double side : {-1.0, 1.0})
+      part.masses.push_back({add_tied_node(part, interface, centre + side * reach), mass.mass / 6.0});
+  }
+}
+
+void add_mass_to_node(Part& part, const PointMass& mass) {
+  const auto label = part.mesh.node_label.empty() ? mass.node + 1 : part.mesh.node_label[mass.node];
+  if (!(mass.mass > 0.0))
+    throw std::invalid_argument(
+        fmt::format("the point mass on node {} is {} kg, it must be above 0", label, mass.mass));
+  if (!mass.offset.isZero(0.0) || !mass.inertia.isZero(0.0))
+    throw std::invalid_argument(fmt::format(
+        "the point mass on node {} has an offset or moments of inertia, but solid elements have no "
+        "rotations there: put it on a rigid interface",
+        label));
+  part.masses.push_back({mass.node, mass.mass});
+}
+
+}  // namespace flexura::reduce

@@ -1,0 +1,16 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+namespace flexura::linalg {
+
+/// What a factorisation cost.
+struct FactorFigures {
+  double nonzeros = 0.0;  ///< of L
+  double flops = 0.0;
+  double seconds_ordering = 0.0;  ///< METIS
+  double seconds_symbolic = 0.0;
+  double seconds_numeric = 0.0;
+  double smallest_pivot = 0.0;  ///< the smallest L_jj^2 / A_jj; round-off level means a mechanism
+};
+
+}  // namespace flexura::linalg
