@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "mbs/model/forces/axes.hpp"
 #include "mbs/model/read_mechanism.hpp"
 
 /// Quantities by pattern, and the mechanism's connections for pictures.
@@ -48,8 +49,13 @@ std::string connections_json(const Mechanism& mechanism) {
     if (m.node < 0) return m.X_BP;
     return Pose{m.X_BP.R, d.bodies[m.body].flexible->data().nodes[m.node].p_BoN_B + m.X_BP.p};
   };
-  const auto add = [&](const std::string& name, const std::string& kind, int marker_1, int marker_2) {
+  const auto add = [&](const std::string& name, const std::string& kind, int marker_1, int marker_2,
+                       int axes) {
     nlohmann::json j{{"name", name}, {"kind", kind}};
+    // The axes in which the quantities of this connection give force components.
+    const Eigen::Quaterniond q(axes >= 0 ? pose(axes).R : Matrix3d(Matrix3d::Identity()));
+    j["axes"] = {{"body", d.bodies[axes >= 0 ? d.markers[axes].body : 0].name},
+                 {"rotation", {q.w(), q.x(), q.y(), q.z()}}};
     const auto side = [&](int marker, const char* body_key, const char* point_key) {
       if (marker < 0) return;
       const Pose X = pose(marker);
@@ -65,10 +71,10 @@ std::string connections_json(const Mechanism& mechanism) {
     list.push_back(std::move(j));
   };
   for (const JointDescription& joint : d.joints)
-    add(joint.name, std::string(joint.joint->type()), joint.marker_F, joint.marker_M);
+    add(joint.name, std::string(joint.joint->type()), joint.marker_F, joint.marker_M, joint.marker_F);
   for (const auto& force : d.forces) {
     const auto [from, to] = force->markers();
-    if (from >= 0 || to >= 0) add(force->name(), std::string(force->type()), from, to);
+    if (from >= 0 || to >= 0) add(force->name(), std::string(force->type()), from, to, axes_of(*force));
   }
   return list.dump();
 }

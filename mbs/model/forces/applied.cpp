@@ -1,6 +1,7 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include <array>
 
+#include "mbs/model/forces/axes.hpp"
 #include "mbs/model/forces/types.hpp"
 
 namespace flexura::mbs {
@@ -20,6 +21,7 @@ class Applied final : public ForceElement {
         components_(std::move(components)) {}
   std::string_view type() const override { return is_torque_ ? "torque" : "force"; }
   std::pair<int, int> markers() const override { return {reaction_, marker_}; }
+  int axes() const { return axes_; }
   std::vector<int> reads() const override {
     std::vector<int> reads;
     for (const auto& f : components_)
@@ -107,6 +109,11 @@ ForceType applied(bool is_torque) {
 }
 
 }  // namespace
+
+int axes_of(const ForceElement& force) {
+  if (const auto* applied = dynamic_cast<const Applied*>(&force)) return applied->axes();
+  return force.markers().first;
+}
 
 ForceType expression_force() {
   return applied(false);
