@@ -171,13 +171,24 @@ class Package(unittest.TestCase):
         plot.mode_shape(self.link, self.link.natural_modes().shapes[:, 0]).figure.savefig(picture)
         self.assertGreater(picture.stat().st_size, 1000)
 
+    def test_a_notebook_shows_pages(self):
+        shown = flexura.page(self.here / "link.se.h5")
+        self.assertEqual(shown.path, self.here / "link.html")
+        text = shown._repr_html_()
+        self.assertTrue(text.startswith("<iframe ") and text.endswith("</iframe>"))
+        # Escaped: nothing of the page ends the attribute.
+        self.assertEqual(text.count('"'), 6)
+        self.assertIn("&lt;script", text)
+        shown = flexura.page(self.here / "pendulum.h5", self.here / "other.html", "--plot", "hinge.speed")
+        self.assertTrue((self.here / "other.html").exists())
+
     def test_the_readme_example_runs(self):
         code, = blocks("python")
         before = os.getcwd()
         os.chdir(self.here)
         try:
             exec(compile(code, str(README), "exec"), {})
-            for picture in ["speed.png", "mode.png"]:
+            for picture in ["speed.png", "mode.png", "pendulum.html"]:
                 self.assertTrue(Path(picture).exists(), picture)
         finally:
             os.chdir(before)

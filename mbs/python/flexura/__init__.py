@@ -10,12 +10,12 @@ Everything is SI.  README.md has a worked example.
 """
 
 from .arrays import Array
-from .programs import FlexuraError, modes, program, reduce, simulate
+from .programs import FlexuraError, Page, modes, page, program, reduce, simulate
 from .results import Body, Results, Run, read_results
-from .superelement import Interface, Modes, Superelement, read_superelement
+from .superelement import Interface, Modes, SectionForces, Superelement, read_superelement
 
 __all__ = [
-    "Array", "Body", "FlexuraError", "Interface", "Modes", "Results", "Run", "Superelement",
-    "modes", "program", "read_results", "read_superelement", "reduce", "simulate",
+    "Array", "Body", "FlexuraError", "Interface", "Modes", "Page", "Results", "Run", "SectionForces", "Superelement",
+    "modes", "page", "program", "read_results", "read_superelement", "reduce", "simulate",
 ]
 __version__ = "0.1.0"

@@ -1,6 +1,9 @@
 # Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-"""Arrays that know what they are."""
+"""Arrays that know what they are, and how Flexura's files give them."""
 
+from contextlib import contextmanager
+
+import h5py
 import numpy as np
 
 
@@ -38,6 +41,20 @@ class Array(np.ndarray):
     def label(self):
         """For an axis: "main.speed [rad/s]"."""
         return f"{self.name} [{self.unit}]" if self.unit else self.name
+
+
+@contextmanager
+def open_file(path, kind):
+    """One of Flexura's HDF5 files, `kind` "superelement" or "results"; HDF5 checks its checksums.
+
+    Raises OSError for a file that is damaged and ValueError for one of another kind or of a later version.
+    """
+    with h5py.File(path, "r") as file:
+        if attribute(file, "format") != f"flexura {kind}":
+            raise ValueError(f"{path} is no {kind} file (its format is {attribute(file, 'format', 'unknown')!r})")
+        if int(attribute(file, "version", 0)) > 1:
+            raise ValueError(f"{path} has version {attribute(file, 'version')}; this package reads version 1")
+        yield file
 
 
 def read_array(dataset, name=None):

@@ -5,10 +5,12 @@ They are looked for in the folder that the environment variable FLEXURA_BIN name
 failure is raised as FlexuraError with the program's own sentence.
 """
 
+import html
 import json
 import os
 import shutil
 import subprocess
+import webbrowser
 from pathlib import Path
 
 from .results import read_results
@@ -73,3 +75,33 @@ def simulate(mechanism, output=None, settings=None, runs=None):
 def modes(superelement, *options):
     """What `flexura modes FILE --json OPTIONS` prints, as a dictionary."""
     return json.loads(run(["modes", superelement, "--json", *options]))
+
+
+class Page:
+    """A page for the browser (mbs/view/README.md). A notebook shows it in place."""
+
+    def __init__(self, path):
+        self.path = Path(path)
+
+    def open(self):
+        """In the system's browser."""
+        return webbrowser.open(self.path.resolve().as_uri())
+
+    def _repr_html_(self):
+        text = html.escape(self.path.read_text(encoding="utf-8"))
+        return f'<iframe title="{html.escape(self.path.stem)}" style="width:100%;height:640px;border:0" srcdoc="{text}"></iframe>'
+
+    def __repr__(self):
+        return f"<page {str(self.path)!r}>"
+
+
+def page(file, output=None, *options):
+    """The page of a superelement (its modes) or of results (the motion).
+
+    options: of `flexura modes` or `flexura view`.  The default output stands beside the file.
+    """
+    file = Path(file)
+    is_part = file.name.endswith(".se.h5")
+    output = Path(output) if output else file.with_suffix("").with_suffix(".html") if is_part else file.with_suffix(".html")
+    run(["modes", file, "-q", "--html", output, *options] if is_part else ["view", file, "-q", "-o", output, *options])
+    return Page(output)

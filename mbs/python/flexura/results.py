@@ -5,10 +5,9 @@ import json
 from dataclasses import dataclass
 from typing import Dict, List, Mapping, Optional
 
-import h5py
 import numpy as np
 
-from .arrays import Array, attribute, read_array, read_text
+from .arrays import Array, attribute, open_file, read_array, read_text
 
 
 @dataclass
@@ -112,11 +111,7 @@ def read_results(path):
 
     Raises OSError for a damaged file and ValueError for one that holds no results or is of a later version.
     """
-    with h5py.File(path, "r") as file:
-        if attribute(file, "format") != "flexura results":
-            raise ValueError(f"{path} is no results file (its format is {attribute(file, 'format', 'unknown')!r})")
-        if int(attribute(file, "version", 0)) > 1:
-            raise ValueError(f"{path} has version {attribute(file, 'version')}; this package reads version 1")
+    with open_file(path, "results") as file:
         header = json.loads(read_text(file["header"]))
         groups = sorted(file["runs"].items(), key=lambda item: int(item[1].attrs.get("order", 0)))
         return Results(header["name"], header["created_by"], read_text(file["model"]), header["bodies"],

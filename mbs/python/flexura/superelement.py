@@ -5,10 +5,9 @@ import json
 from dataclasses import dataclass, field
 from typing import Dict, List, Optional
 
-import h5py
 import numpy as np
 
-from .arrays import Array, attribute, read_array, read_text
+from .arrays import Array, open_file, read_array, read_text
 
 
 @dataclass
@@ -34,6 +33,22 @@ class Modes:
     frequency: Array
     shapes: Array
     held: List[str]
+
+
+@dataclass
+class SectionForces:
+    """Section forces of a beam part: N, V_y, V_z, T, M_y, M_z at places along its members."""
+
+    members: List[str]
+    member: Array  # n_p: number of each place's member
+    positions: Array  # n_p x 3 [m]
+    axes: Array  # n_p x 3 x 3: columns are the member's axes in B
+    modes: Array  # n x 6 n_p [N, N m per dof]
+
+    def at(self, u_se):
+        """For superelement coordinates, also many rows of them: ... x n_p x 6 [N, N m]."""
+        forces = np.asarray(u_se) @ np.asarray(self.modes)
+        return Array(forces.reshape(*forces.shape[:-1], -1, 6), "section forces", "N, N m")
 
 
 @dataclass
@@ -64,6 +79,7 @@ class Superelement:
     surface_shapes: Optional[Array] = None  # n x 3 n_v
     stress_vertices: Optional[Array] = None  # n_s: vertex of the surface at each place
     stress_modes: Optional[Array] = None  # n x 6 n_s [Pa]
+    section_forces: Optional[SectionForces] = None  # of a beam part
 
     @property
     def n(self):
@@ -161,11 +177,7 @@ def read_superelement(path, surface=True):
     Checksums are checked by HDF5.  Raises OSError for a file that is damaged and ValueError for one that is no
     superelement or of a later version.
     """
-    with h5py.File(path, "r") as file:
-        if attribute(file, "format") != "flexura superelement":
-            raise ValueError(f"{path} is no superelement file (its format is {attribute(file, 'format', 'unknown')!r})")
-        if int(attribute(file, "version", 0)) > 1:
-            raise ValueError(f"{path} has version {attribute(file, 'version')}; this package reads version 1")
+    with open_file(path, "superelement") as file:
         header = json.loads(read_text(file["header"]))
         report = read_text(file["report"]) if "report" in file else ""
         matrices = file["matrices"]
@@ -182,6 +194,12 @@ def read_superelement(path, surface=True):
             load_cases={name: Array(p_se[i], name, "", "load vector p_se") for i, name in
                         enumerate(header.get("load_cases", []))} if p_se is not None else {},
             stiffening={name: read_array(d) for name, d in file["stiffening"].items()} if "stiffening" in file else {})
+        if "sections" in file:
+            part = file["sections"]
+            axes = read_array(part["axes"])
+            se.section_forces = SectionForces(json.loads(read_text(part["members"])), read_array(part["member"]),
+                                              read_array(part["positions"]), axes.reshape(-1, 3, 3),
+                                              read_array(part["forces"]))
         if surface and "surface" in file:
             se.vertices = read_array(file["surface/vertices"])
             se.triangles = read_array(file["surface/triangles"])
