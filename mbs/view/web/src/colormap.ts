@@ -34,3 +34,7 @@ export function scaleTexture(name: ScaleName): THREE.DataTexture {
 export function scaleGradient(name: ScaleName): string {
   return `linear-gradient(to top, ${stops[name].join(', ')})`;
 }
+
+export function scaleStops(name: ScaleName): string[] {
+  return stops[name];
+}

@@ -2,9 +2,11 @@
 // One run of the mechanism in the scene: bodies at their poses, flexible ones deformed, glyphs on them.
 import * as THREE from 'three';
 import { ForceArrows } from './arrows';
+import { DeformedBody } from './deformed_body';
 import { locate, type MotionHeader, type Run } from './motion_data';
+import { SectionDiagram, type SectionForces } from './section_forces';
 import { coil, isSpring, jointGlyph, primitive, recolor, shaded, stickFigure } from './primitives';
-import { DeformedBody, type Surface } from './surface';
+import type { Surface } from './surface';
 import { cssColor } from './ui';
 
 interface DrawnBody {
@@ -14,6 +16,8 @@ interface DrawnBody {
   kind: string;
   solids: { material: THREE.ShaderMaterial; color?: string }[];
   deformed: DeformedBody | null;
+  sections: SectionForces | null; // of a flexible beam
+  diagram: SectionDiagram | null;
   box: THREE.Box3; // undeformed, in the body's frame
 }
 
@@ -29,6 +33,8 @@ export class Mechanism {
   private readonly glyphMaterial = shaded(new THREE.Color());
   private readonly springMaterial = new THREE.LineBasicMaterial();
   private magnify_ = 1;
+  private ghost = false;
+  private jointsShown = true;
   largestDeflection = 0; // [m], over a sample of frames and vertices
   largestStress = 0; // [Pa]
 
@@ -40,10 +46,12 @@ export class Mechanism {
       const box = new THREE.Box3();
       const surface = number >= 0 ? run.header.bodies[number].surface : null;
       let deformed: DeformedBody | null = null;
+      let sections: SectionForces | null = null;
       if (surface !== null) {
         deformed = new DeformedBody(surfaces[surface], scale);
         deformed.outline.visible = false;
         box.union(surfaces[surface].box);
+        if (run.header.bodies[number].n_shapes > 0) sections = surfaces[surface].sections;
         group.add(deformed.group);
       }
       const points = connections.flatMap((c) => [
@@ -63,7 +71,9 @@ export class Mechanism {
       for (const shape of body.shapes) add(primitive(shape, 0.35 * glyphSize), shape.color);
       if (!body.shapes.length && !deformed && body.kind !== 'ground') add(stickFigure(points, 0.5 * glyphSize));
       for (const p of points) box.expandByPoint(p);
-      this.bodies.push({ name: body.name, kind: body.kind, number, group, solids, deformed, box });
+      const diagram = deformed && sections ? new SectionDiagram(deformed, sections) : null;
+      if (diagram) group.add(diagram.group);
+      this.bodies.push({ name: body.name, kind: body.kind, number, group, solids, deformed, sections, diagram, box });
       this.group.add(group);
     }
     const at = (name?: string) => this.bodies.find((b) => b.name === name);
@@ -94,7 +104,8 @@ export class Mechanism {
     await Promise.all(this.bodies.flatMap((b) => {
       if (!b.deformed || b.number < 0) return [];
       const { first_shape, n_shapes } = this.run.header.bodies[b.number];
-      return Array.from({ length: n_shapes }, (_, j) => b.deformed!.surface.load(first_shape + j));
+      return [...Array.from({ length: n_shapes }, (_, j) => b.deformed!.surface.load(first_shape + j)),
+              b.sections?.load(first_shape, n_shapes)];
     }));
     this.largestDeflection = this.findLargest();
   }
@@ -126,6 +137,25 @@ export class Mechanism {
     return Math.sqrt(most);
   }
 
+  /** Weights of the shapes of a flexible body at a frame and a fraction of the way to the next. */
+  weightsAt(name: string, frame: number, part: number): Float32Array {
+    const body = this.body(name)!;
+    const weights = new Float32Array(body.deformed!.weights.length);
+    const { modal } = this.run.motion[body.number];
+    if (modal) this.mixModal(body, modal, frame, part, weights);
+    return weights;
+  }
+
+  private mixModal(body: DrawnBody, modal: Float32Array, frame: number, part: number, out: Float32Array): void {
+    const frames = this.run.frameTime.length;
+    const next = part === 0 ? frame : frame + 1;
+    const { first_shape, n_shapes } = this.run.header.bodies[body.number];
+    for (let j = 0; j < n_shapes; ++j) {
+      const a = modal[j * frames + frame];
+      out[first_shape + j] = a + part * (modal[j * frames + next] - a);
+    }
+  }
+
   set magnify(value: number) {
     this.magnify_ = value;
     for (const body of this.bodies) if (body.deformed) body.deformed.magnify = value;
@@ -148,11 +178,7 @@ export class Mechanism {
       body.group.quaternion.copy(q(at));
       if (part > 0) body.group.quaternion.slerp(q(next), part); // slerp takes the shorter way round
       if (body.deformed && modal) {
-        const { first_shape, n_shapes } = this.run.header.bodies[body.number];
-        for (let j = 0; j < n_shapes; ++j) {
-          const a = modal[j * frames + at];
-          body.deformed.weights[first_shape + j] = a + part * (modal[j * frames + next] - a);
-        }
+        this.mixModal(body, modal, at, part, body.deformed.weights);
         body.deformed.update();
       }
     }
@@ -187,8 +213,16 @@ export class Mechanism {
     return this.bodies.find((b) => b.name === name);
   }
 
+  /** Joints and springs; a ghost, which shows where bodies are, has none. */
+  set showJoints(on: boolean) {
+    this.jointsShown = on;
+    for (const glyph of this.glyphs) glyph.visible = on && !this.ghost;
+  }
+
   /** Solid in the bodies' colours, or a ghost in the run's colour. */
   setLook(ghost: THREE.Color | null): void {
+    this.ghost = ghost !== null;
+    this.showJoints = this.jointsShown;
     this.bodies.forEach((body, i) => {
       // The ground is the same in every run.
       if (ghost && body.kind === 'ground') {

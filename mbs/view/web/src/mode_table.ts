@@ -52,8 +52,8 @@ export class ModeTable {
       ...effective,
     ];
     this.rows = modes.map((m, i) => {
-      const keep = h('input', { type: 'checkbox', checked: true, 'aria-label': `Keep mode ${m.number}`,
-                                title: 'Keep this mode', onchange: () => this.strike(i, !keep.checked),
+      const keep = canStrike(m) && h('input', { type: 'checkbox', checked: true, 'aria-label': `Keep mode ${m.number}`,
+                                title: 'Keep this mode', onchange: (e: Event) => this.strike(i, !(e.target as HTMLInputElement).checked),
                                 onclick: (e: Event) => e.stopPropagation() });
       const cells = this.columns.map((c) => {
         const cell = h('td', { class: c.name === 'Kind' ? 'kind' : 'number' }, c.text(m));
@@ -115,7 +115,14 @@ export class ModeTable {
     if (!row) return;
     row.setAttribute('aria-selected', 'true');
     row.tabIndex = 0;
-    row.scrollIntoView({ block: 'nearest' });
+    // Only the list scrolls, never the page under the reader.
+    const box = this.body.closest<HTMLElement>('.table-box');
+    const head = this.body.previousElementSibling as HTMLElement | null;
+    if (!box?.clientHeight) return;
+    const above = row.offsetTop - (head?.offsetHeight ?? 0) - box.scrollTop;
+    const below = row.offsetTop + row.offsetHeight - box.scrollTop - box.clientHeight;
+    if (above < 0) box.scrollTop += above;
+    else if (below > 0) box.scrollTop += below;
   }
 
   /** The mode `by` rows further in the list as it is shown; -1 at its ends. */
@@ -138,10 +145,11 @@ export class ModeTable {
   private refreshStruck(): void {
     const struck = this.struck();
     if (!struck.length) {
-      this.struckLine.replaceChildren(h('span', { class: 'hint' }, 'Untick modes to strike them out.'));
+      this.struckLine.replaceChildren(h('span', { class: 'hint' }, this.modes.some(canStrike)
+        ? 'Untick modes of the free body to strike them out of the part.' : ''));
       return;
     }
-    const line = `strike_modes = [${struck.join(', ')}]`;
+    const line = `strike_modes = [${struck.join(', ')}]`; // in [modes] of the part file
     this.struckLine.replaceChildren(h('code', {}, line), iconButton('copy', 'Copy this line for the part file', () => {
       navigator.clipboard.writeText(line).then(() => say('Copied'), () => say('Select the line and copy it'));
     }));
@@ -188,6 +196,11 @@ export class ModeTable {
     return ['set,number,kind,frequency [Hz],damping ratio,m_x [kg],m_y [kg],m_z [kg],J_x [kg m^2],J_y [kg m^2],J_z [kg m^2]',
             ...lines, ''].join('\n');
   }
+}
+
+/** The part file's `strike_modes` means elastic modes of the free body, by number. */
+function canStrike(m: ModeRow): boolean {
+  return m.kind !== 'rigid' && (m.set === '' || m.set.startsWith('Free'));
 }
 
 /** A part of the whole in percent, in little room. */

@@ -1,12 +1,14 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 // The modes page: the part with its interfaces, a list of modes, and the chosen shape moving.
 import * as THREE from 'three';
-import { scaleGradient, scaleTexture } from './colormap';
+import { scaleTexture } from './colormap';
+import { DeformedBody } from './deformed_body';
+import { Legend } from './legend';
 import { ModeTable, type ModeRow } from './mode_table';
 import { macDialog } from './mac';
 import { record } from './record';
 import { Stage, viewNames, type ViewName } from './stage';
-import { DeformedBody, Surface, type SurfaceHeader } from './surface';
+import { Surface, type SurfaceHeader } from './surface';
 import { cssColor, download, figure, h, iconButton, icon, lengthText, lengthUnit, say, shortcuts, slider,
          stressUnit, themeButton,
          toggle, topBar } from './ui';
@@ -61,7 +63,7 @@ export async function modesPage(app: HTMLElement, header: ModesHeader): Promise<
     return true;
   };
 
-  const legend = h('figure', { class: 'legend', 'aria-label': 'Colour scale' });
+  const legend = new Legend();
   const captions = [h('div', { class: 'caption' }), h('div', { class: 'caption right' })];
   const probe = h('div', { class: 'probe', hidden: true });
   const describe = (mode: number) => mode < 0 ? [h('strong', {}, 'Undeformed')] : [
@@ -84,18 +86,12 @@ export async function modesPage(app: HTMLElement, header: ModesHeader): Promise<
       plane.w = low + state.cutAt * (high - low);
     }
     body.cut = plane;
-    legend.hidden = field === 0;
-    if (field > 0) {
-      const { factor, unit } = field === 5 ? stressUnit(top) : lengthUnit(top);
-      const low = isSigned ? -1 : 0;
-      const ticks = [0, 1, 2, 3, 4].map((i) => h('li', {}, figure((1 - (i / 4) * (1 - low)) * top * factor, 3)));
-      legend.replaceChildren(
-        h('figcaption', {}, `${fieldNames[field]} [${unit}]`),
-        h('div', { class: 'legend-body' },
-          h('div', { class: 'legend-bar', style: `background:${scaleGradient(isSigned ? 'signed' : 'magnitude')}` }),
-          h('ol', {}, ...ticks)),
-        h('small', {}, `${field === 5 ? 'for' : 'scaled to'} ${field === 5 ? '|u| up to ' : ''}${lengthText(reach())}`));
-    }
+    const { factor, unit } = field === 5 ? stressUnit(top) : lengthUnit(top);
+    legend.show(field === 0 ? null : {
+      title: `${fieldNames[field]} [${unit}]`, scale: isSigned ? 'signed' : 'magnitude',
+      low: isSigned ? -top * factor : 0, high: top * factor,
+      note: field === 5 ? `for |u| up to ${lengthText(reach())}` : `scaled to ${lengthText(reach())}`,
+    });
     captions[0].replaceChildren(...describe(stage.panes > 1 ? state.pinned : state.mode));
     captions[1].hidden = stage.panes === 1;
     captions[1].replaceChildren(...describe(state.mode));
@@ -220,7 +216,7 @@ export async function modesPage(app: HTMLElement, header: ModesHeader): Promise<
   async function savePng(): Promise<void> {
     const m = state.mode;
     const text = m < 0 ? header.title : `${header.title}: mode ${modes[m].number}, ${figure(modes[m].frequency, 5)} Hz`;
-    download(`${fileName}${m < 0 ? '' : `-mode${modes[m].number}`}.png`, await stage.png(text));
+    download(`${fileName}${m < 0 ? '' : `-mode${modes[m].number}`}.png`, await stage.png(text, legend));
   }
   async function saveFilm(): Promise<void> {
     if (state.mode < 0) return;
@@ -310,7 +306,7 @@ export async function modesPage(app: HTMLElement, header: ModesHeader): Promise<
            keys, theme),
     h('main', { class: 'split' },
       h('section', { class: 'viewer', 'aria-label': 'Picture' },
-        h('div', { class: 'canvas-box' }, stage.element, ...captions, legend, probe, corner), strip),
+        h('div', { class: 'canvas-box' }, stage.element, ...captions, legend.element, probe, corner), strip),
       h('aside', { class: 'panel', 'aria-label': 'Modes' }, table.element,
         h('div', { class: 'panel-foot' }, table.struckLine, h('button', { class: 'plain', type: 'button', id: 'mac',
           onclick: () => mac.showModal() }, icon('grid'), 'MAC matrix')))),
@@ -342,8 +338,7 @@ export async function modesPage(app: HTMLElement, header: ModesHeader): Promise<
     vonMises: (v: number) => { showMode(state.mode); return surface.vonMises(v, body.weights); },
     deformed: (v: number) => { showMode(state.mode); return body.drawn(v).toArray(); },
     project: (p: number[]) => { const { x, y } = stage.project(new THREE.Vector3().fromArray(p)); return [x, y]; },
-    camera: () => (stage.drawNow(), new THREE.Matrix4().multiplyMatrices(stage.camera.projectionMatrix, stage.camera.matrixWorldInverse)
-      .toArray()),
+    camera: () => stage.matrix(),
     mark: (v: number) => { mark(v); stage.drawNow(); },
     pixel: (x: number, y: number) => stage.pixel(x, y), snapshot: () => stage.snapshot(),
     struck: () => table.struck(), framesDrawn: () => stage.framesDrawn,

@@ -1,16 +1,18 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 // The motion page: the mechanism moving, its runs over one another, plots of what was stored.
 import * as THREE from 'three';
-import { scaleGradient, scaleTexture } from './colormap';
+import { scaleTexture } from './colormap';
+import { Legend } from './legend';
 import { Mechanism } from './mechanism';
-import { Run, locate, type MotionHeader } from './motion_data';
+import { Run, type MotionHeader } from './motion_data';
 import { PlotDeck } from './plots';
+import { motionScripts } from './motion_scripts';
 import { record } from './record';
-import { spectrum } from './spectrum';
+import { SectionPanel } from './section_panel';
 import { Stage, viewNames, type ViewName } from './stage';
 import { summaryPanel, warningsOf } from './summary';
 import { Surface } from './surface';
-import { cssColor, download, figure, h, icon, iconButton, lengthText, lengthUnit, say, shortcuts, slider,
+import { cssColor, download, figure, h, icon, iconButton, forceText, lengthText, lengthUnit, say, shortcuts, slider,
          stressUnit, themeButton,
          toggle, topBar, unitText } from './ui';
 
@@ -99,6 +101,7 @@ export async function motionPage(app: HTMLElement, header: MotionHeader): Promis
       followed = at;
     } else followed = null;
     deck.setTime(state.time);
+    sections.refresh(mechanisms[state.main]);
     refreshQuantities();
     stage.draw();
   }
@@ -108,7 +111,7 @@ export async function motionPage(app: HTMLElement, header: MotionHeader): Promis
     setTime(next >= t1 ? (state.time < t1 ? t1 : t0) : next);
     return true;
   };
-  const legend = h('figure', { class: 'legend', 'aria-label': 'Colour scale' });
+  const legend = new Legend();
   function refresh(): void {
     mechanisms.forEach((m, i) => {
       m.group.visible = state.visible[i];
@@ -120,14 +123,13 @@ export async function motionPage(app: HTMLElement, header: MotionHeader): Promis
         b.deformed?.setField(ghost || !moves ? 0 : state.field, 0, state.field === 5 ? stressMost : deflection);
       }
     });
-    legend.hidden = state.field === 0;
     const isStress = state.field === 5;
     const top = isStress ? stressMost : deflection;
     const { factor, unit } = isStress ? stressUnit(top) : lengthUnit(top);
-    legend.replaceChildren(h('figcaption', {}, `${isStress ? 'von Mises' : '|u|'} [${unit}]`),
-      h('div', { class: 'legend-body' }, h('div', { class: 'legend-bar', style: `background:${scaleGradient('magnitude')}` }),
-        h('ol', {}, ...[4, 3, 2, 1, 0].map((i) => h('li', {}, figure((top * factor * i) / 4, 3))))),
-      h('small', {}, `drawn ×${figure(state.magnify, 3)}`));
+    legend.show(state.field === 0 ? null : {
+      title: `${isStress ? 'von Mises' : '|u|'} [${unit}]`, scale: 'magnitude', low: 0, high: top * factor,
+      note: `drawn ×${figure(state.magnify, 3)}`,
+    });
     setTime(state.time);
   }
 
@@ -160,15 +162,18 @@ export async function motionPage(app: HTMLElement, header: MotionHeader): Promis
   };
   color.hidden = deflection === 0;
   const glyphs = toggle('Joints', true, (on) => {
-    for (const m of mechanisms) for (const g of m.glyphs) g.visible = on;
+    for (const m of mechanisms) m.showJoints = on;
     stage.draw();
   }, { title: 'Joints and springs (J)' });
   const forceMost = Math.max(0, ...mechanisms.map((m) => m.arrows.largest));
-  const forces = toggle('Forces', true, (on) => {
+  const forces = toggle(`Forces ≤ ${forceText(forceMost)}`, true, (on) => {
     for (const m of mechanisms) m.arrows.group.visible = on;
     stage.draw();
-  }, { title: `Forces as arrows, the longest ${figure(forceMost, 3)} N (F)` });
+  }, { title: `Forces as arrows, the longest ${forceText(forceMost)} (F)` });
   forces.hidden = forceMost === 0;
+  const plotSection = (name: string) => { void deck.add([name]); tab('plots'); };
+  const sections = new SectionPanel(mechanisms, size, plotSection, () => { refresh(); });
+  sections.choice.hidden = !sections.present;
   const moving = header.bodies.filter((b) => b.kind !== 'ground').map((b) => b.name);
   const follow = h('select', { id: 'follow', 'aria-label': 'Camera follows', onchange: () => {
     state.follow = follow.value;
@@ -200,7 +205,7 @@ export async function motionPage(app: HTMLElement, header: MotionHeader): Promis
     setTime(state.time);
   };
   const fileName = header.title.replace(/[^\w.-]+/g, '_');
-  const savePng = async () => download(`${fileName}.png`, await stage.png(`${header.title}, t = ${clock.textContent}`));
+  const savePng = async () => download(`${fileName}.png`, await stage.png(`${header.title}, t = ${clock.textContent}`, legend));
   const saveFilm = async () => {
     setTime(t0);
     setPlaying(true);
@@ -257,18 +262,22 @@ export async function motionPage(app: HTMLElement, header: MotionHeader): Promis
       h('table', { class: 'quantities' }, h('thead', {}, h('tr', {}, h('th', { scope: 'col' }, 'Quantity'),
         ...runs.map((r) => h('th', { scope: 'col', class: 'number' }, r.header.name)), h('th', { scope: 'col' }, 'Unit'))),
         h('tbody', {}, ...quantityRows))),
+    sections: h('div', { class: 'tab-page', role: 'tabpanel', 'aria-label': 'Section forces', hidden: true }, sections.element),
     summary: h('div', { class: 'tab-page', role: 'tabpanel', 'aria-label': 'Summary', hidden: true }, summaryPanel(runs)),
   };
   const tabs: Record<string, HTMLButtonElement> = {};
-  for (const [name, title] of [['plots', 'Plots'], ['quantities', 'Quantities'], ['summary', 'Summary']]) {
+  for (const [name, title] of [['plots', 'Plots'], ['quantities', 'Quantities'], ['sections', 'Sections'], ['summary', 'Summary']]) {
     tabs[name] = h('button', { role: 'tab', type: 'button', id: `tab-${name}`, 'aria-selected': String(name === 'plots'),
                                onclick: () => tab(name) }, title);
   }
+  tabs.sections.hidden = !sections.present;
   function tab(name: string): void {
     for (const [key, page] of Object.entries(pages)) {
       page.hidden = key !== name;
       tabs[key].setAttribute('aria-selected', String(key === name));
     }
+    sections.shown = name === 'sections';
+    if (name === 'sections') sections.refresh(mechanisms[state.main]);
     quantitiesOpen = name === 'quantities';
     if (quantitiesOpen) {
       void Promise.all(runs.flatMap((r) => all.map((q) => r.quantity(q.name)))).then(refreshQuantities);
@@ -284,7 +293,7 @@ export async function motionPage(app: HTMLElement, header: MotionHeader): Promis
   const strip = h('div', { class: 'strip' },
     h('div', { class: 'group wide' }, play, timeline.input, clock),
     h('div', { class: 'group' }, speed.element, magnify.element),
-    h('div', { class: 'group' }, color, glyphs, forces, follow));
+    h('div', { class: 'group' }, color, glyphs, forces, sections.choice, follow));
   const corner = h('div', { class: 'corner' }, views,
     iconButton('camera', 'Save a picture (P)', () => void savePng(), { id: 'png' }),
     iconButton('film', 'Save an animation (M)', () => void saveFilm(), { id: 'film' }));
@@ -304,6 +313,10 @@ export async function motionPage(app: HTMLElement, header: MotionHeader): Promis
     { keys: ['c'], text: 'next colouring', run: () => setField(state.field === 1 && stressMost > 0 ? 5 : state.field === 0 ? 1 : 0) },
     { keys: ['j'], text: 'joints and springs', run: () => glyphs.click() },
     { keys: ['f'], text: 'forces', run: () => forces.click() },
+    ...(sections.present ? [{ keys: ['s'], text: 'next diagram of section forces', run: () => {
+      sections.choice.value = String(sections.drawn = sections.drawn < 5 ? sections.drawn + 1 : -1);
+      refresh();
+    } }] : []),
     { keys: ['p'], text: 'save a picture', run: () => void savePng() },
     { keys: ['m'], text: 'save an animation', run: () => void saveFilm() },
     { keys: ['t'], text: 'light or dark', run: () => theme.click() },
@@ -320,7 +333,7 @@ export async function motionPage(app: HTMLElement, header: MotionHeader): Promis
     h('main', { class: 'split motion' },
       h('section', { class: 'viewer', 'aria-label': 'Picture' },
         h('div', { class: 'canvas-box' }, stage.element,
-          h('div', { class: 'runs', role: 'group', 'aria-label': 'Runs' }, ...runButtons), legend, corner), strip),
+          h('div', { class: 'runs', role: 'group', 'aria-label': 'Runs' }, ...runButtons), legend.element, corner), strip),
       h('aside', { class: 'panel', 'aria-label': 'Plots and results' },
         h('div', { class: 'panel-head' }, h('div', { class: 'tabs', role: 'tablist' }, ...Object.values(tabs)),
           h('label', { class: 'search' }, icon('search'), add), names, saveCsv),
@@ -336,53 +349,8 @@ export async function motionPage(app: HTMLElement, header: MotionHeader): Promis
   setTime(t0);
   setPlaying(playAtFirst);
 
-  // --- for scripts and tests: PAGE.md --------------------------------------------------------------------------------
-  const runNamed = (name: string) => {
-    const i = runs.findIndex((r) => r.header.name === name);
-    if (i < 0) throw new Error(`no run is called "${name}"`);
-    return i;
-  };
-  const bodyNamed = (run: string, name: string) => {
-    const body = mechanisms[runNamed(run)].body(name);
-    if (!body) throw new Error(`no body is called "${name}"`);
-    return body;
-  };
-  (window as unknown as { flexura: unknown }).flexura = {
-    page: 'motion', header, runs: runs.map((r) => r.header.name), quantities: all.map((q) => q.name),
-    get time() { return state.time; }, start: t0, end: t1,
-    setTime: (t: number) => { setPlaying(false); setTime(t); stage.drawNow(); },
-    setPlaying, setField, largestStress: stressMost,
-    vonMises: (run: string, body: string, v: number) => {
-      const { surface, weights } = bodyNamed(run, body).deformed!;
-      return surface.vonMises(v, weights);
-    },
-    setMagnify: (v: number) => { state.magnify = v; refresh(); }, get magnify() { return state.magnify; },
-    showRun: (name: string, on: boolean) => { state.visible[runNamed(name)] = on; refresh(); deck.redraw(); },
-    view, largestDeflection: deflection,
-    quantity: async (run: string, name: string) => [...((await runs[runNamed(run)].quantity(name)) ?? [])],
-    times: (run: string) => [...runs[runNamed(run)].time],
-    plots: () => deck.cards.map((c) => c.names),
-    addPlot: (wanted: string[]) => deck.add(wanted),
-    plotted: async (i: number) => (await deck.cards[i].plotted()).map((c) => ({ ...c, time: [...c.time], values: [...c.values] })),
-    spectrum: async (run: string, name: string) => {
-      const r = runs[runNamed(run)];
-      return spectrum(r.time, (await r.quantity(name)) ?? []);
-    },
-    csv: () => deck.csv(),
-    force: (run: string, connection: string) => {
-      const i = runNamed(run);
-      const { at, part } = locate(runs[i].time, state.time);
-      return mechanisms[i].arrows.force(connection, at, part)?.toArray() ?? null;
-    },
-    pose: (run: string, body: string) => {
-      const { position: p, quaternion: q } = bodyNamed(run, body).group;
-      return [p.x, p.y, p.z, q.w, q.x, q.y, q.z];
-    },
-    place: (run: string, body: string, p: number[]) =>
-      new THREE.Vector3().fromArray(p).applyMatrix4(bodyNamed(run, body).group.matrixWorld).toArray(),
-    deformed: (run: string, body: string, v: number) => bodyNamed(run, body).deformed!.drawn(v).toArray(),
-    mark: (run: string, body: string, v: number) => { bodyNamed(run, body).deformed!.mark(v); stage.drawNow(); },
-    project: (p: number[]) => { const { x, y } = stage.project(new THREE.Vector3().fromArray(p)); return [x, y]; },
-    pixel: (x: number, y: number) => stage.pixel(x, y), snapshot: () => stage.snapshot(), framesDrawn: () => stage.framesDrawn,
-  };
+  (window as unknown as { flexura: unknown }).flexura = motionScripts({
+    header, runs, mechanisms, stage, deck, sections, quantities: all.map((q) => q.name), start: t0, end: t1,
+    largestDeflection: deflection, largestStress: stressMost, state, view, setField, setPlaying, setTime, refresh,
+  });
 }

@@ -70,6 +70,14 @@ export class Run {
     })));
   }
 
+  /** A quantity that the page itself has computed, at the stored times. */
+  addQuantity(quantity: { name: string; unit: string; doc: string }, values: Float64Array): void {
+    if (this.quantityNumber(quantity.name) >= 0) return;
+    const j = this.header.quantities.push(quantity) - 1;
+    this.values.set(j, Promise.resolve(values));
+    this.ready.set(j, values);
+  }
+
   quantityNumber(name: string): number {
     return this.header.quantities.findIndex((q) => q.name === name);
   }

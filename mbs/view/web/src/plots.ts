@@ -7,6 +7,7 @@ import { cssColor, figure, h, tick, unitText } from './ui';
 
 interface Curve { run: Run; name: string; unit: string; dash: number[] }
 
+const plotHeight = 172; // [px]
 const dashes = [[], [7, 4], [2, 3], [9, 3, 2, 3]];
 
 /** The range of an axis: a little room, and for what is constant up to round-off a range of its own size. */
@@ -79,11 +80,12 @@ export class PlotCard {
     const axis = { stroke: cssColor('--muted'), grid: { stroke: cssColor('--line'), width: 1 },
                    ticks: { stroke: cssColor('--line'), width: 1, size: 4 }, font: '11px system-ui, sans-serif' };
     this.plot = new uPlot({
-      width: this.place.clientWidth || 400, height: 158, padding: [8, 16, 0, 0],
+      width: this.place.clientWidth || 400, height: plotHeight, padding: [8, 16, 0, 0],
       legend: { show: false },
       scales: { x: { time: false }, y: top > 0 ? { distr: 3 as const, range: [low, 1e6 * low] as [number, number] } : { range: roomy } },
       axes: [
-        { ...axis, size: 24, gap: 3, values: (_, v) => v.map((x) => tick(x)) },
+        { ...axis, size: 24, gap: 3, values: (_, v) => v.map((x) => tick(x)), label: this.spectral ? 'frequency [Hz]' : 'time [s]',
+          labelSize: 15, labelGap: 0, labelFont: '11px system-ui, sans-serif' },
         { ...axis, size: 62, gap: 4, values: (_, v) => v.map((x) => (x === null ? '' : tick(x))) },
       ],
       cursor: { sync: this.spectral ? undefined : { key: 'time', setSeries: false, scales: ['x', null] },
@@ -116,7 +118,7 @@ export class PlotCard {
   }
 
   resize(): void {
-    this.plot?.setSize({ width: this.place.clientWidth, height: 158 });
+    this.plot?.setSize({ width: this.place.clientWidth, height: plotHeight });
     this.setTime(this.time);
   }
 
@@ -145,7 +147,20 @@ export class PlotCard {
     this.values.replaceChildren(...rows);
   }
 
-  /** What is plotted, for scripts and CSV. */
+  /** The curves as they are shown: of the zoomed range, or the spectra. */
+  async shown(): Promise<{ run: string; x: string; head: string; abscissa: number[]; values: number[] }[]> {
+    const { min, max } = this.plot?.scales.x ?? {};
+    return Promise.all(this.visible().map(async (c) => {
+      const v = await c.run.quantity(c.name)!;
+      const s = this.spectral ? spectrum(c.run.time, v) : { frequency: [...c.run.time], amplitude: [...v] };
+      const inside = s.frequency.flatMap((x, i) => (x >= (min ?? -Infinity) && x <= (max ?? Infinity) ? [i] : []));
+      return { run: c.run.header.name, x: this.spectral ? 'frequency [Hz]' : 'time [s]',
+               head: `${this.spectral ? 'amplitude of ' : ''}${c.name} [${c.unit}]`,
+               abscissa: inside.map((i) => s.frequency[i]), values: inside.map((i) => s.amplitude[i]) };
+    }));
+  }
+
+  /** What is plotted, for scripts. */
   async plotted(): Promise<{ run: string; name: string; unit: string; time: Float64Array; values: Float64Array }[]> {
     return Promise.all(this.visible().map(async (c) => ({
       run: c.run.header.name, name: c.name, unit: c.unit, time: c.run.time, values: (await c.run.quantity(c.name))!,
@@ -195,15 +210,16 @@ export class PlotDeck {
     this.zooming = false;
   }
 
+  /** The curves shown, as columns: those of a run over the same times (or frequencies) share the first one. */
   async csv(): Promise<string> {
-    const curves = (await Promise.all(this.cards.map((c) => c.plotted()))).flat();
-    const byRun = new Map<string, typeof curves>();
-    for (const c of curves) byRun.set(c.run, [...(byRun.get(c.run) ?? []), c]);
-    const columns: { head: string; values: Float64Array }[] = [];
-    for (const [run, list] of byRun) {
-      columns.push({ head: `${run}: time [s]`, values: list[0].time });
-      for (const c of list) columns.push({ head: `${run}: ${c.name} [${c.unit}]`, values: c.values });
+    const columns: { head: string; values: ArrayLike<number> }[] = [];
+    const groups = new Map<string, { head: string; values: number[] }[]>();
+    for (const c of (await Promise.all(this.cards.map((card) => card.shown()))).flat()) {
+      const key = `${c.run}: ${c.x} ${c.abscissa[0]} ${c.abscissa.at(-1)} ${c.abscissa.length}`;
+      const group = groups.get(key) ?? [{ head: `${c.run}: ${c.x}`, values: c.abscissa }];
+      groups.set(key, [...group, { head: `${c.run}: ${c.head}`, values: c.values }]);
     }
+    for (const group of groups.values()) columns.push(...group);
     const rows = Math.max(0, ...columns.map((c) => c.values.length));
     const lines = [columns.map((c) => `"${c.head.replace(/"/g, '""')}"`).join(',')];
     for (let i = 0; i < rows; ++i) lines.push(columns.map((c) => (i < c.values.length ? String(c.values[i]) : '')).join(','));

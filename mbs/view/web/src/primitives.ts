@@ -4,11 +4,13 @@ import * as THREE from 'three';
 import type { Connection, Point, PrimitiveHeader } from './motion_data';
 
 const vertexShader = /* glsl */ `
+  uniform float uPush;
   out vec3 vNormal, vPlace;
   void main() {
     vec4 place = modelViewMatrix * vec4(position, 1.0);
     vPlace = place.xyz;
     vNormal = normalMatrix * normal;
+    place.xyz *= 1.0 + uPush;
     gl_Position = projectionMatrix * place;
   }`;
 const fragmentShader = /* glsl */ `
@@ -28,11 +30,15 @@ const fragmentShader = /* glsl */ `
     color = vec4(uColor * light + shine, uOpacity);
   }`;
 
+/** Ghosts are drawn a little farther from the eye, at the same place on the screen: where one coincides with the solid
+ * body, the solid one is seen. */
+export const ghostPush = 0.006;
+
 export function shaded(color: THREE.Color, opacity = 1): THREE.ShaderMaterial {
   return new THREE.ShaderMaterial({
     glslVersion: THREE.GLSL3, vertexShader, fragmentShader, side: THREE.DoubleSide,
     transparent: opacity < 1, depthWrite: opacity >= 1,
-    uniforms: { uColor: { value: color.clone() }, uOpacity: { value: opacity } },
+    uniforms: { uColor: { value: color.clone() }, uOpacity: { value: opacity }, uPush: { value: 0 } },
   });
 }
 
@@ -41,14 +47,7 @@ export function recolor(material: THREE.ShaderMaterial, color: THREE.Color, opac
   material.uniforms.uOpacity.value = opacity;
   material.transparent = opacity < 1;
   material.depthWrite = opacity >= 1;
-  setBehind(material, opacity < 1);
-}
-
-/** Where a ghost coincides with a solid body, the solid one is seen. */
-export function setBehind(material: THREE.Material, behind: boolean): void {
-  material.polygonOffset = behind;
-  material.polygonOffsetFactor = behind ? 1 : 0;
-  material.polygonOffsetUnits = behind ? 8 : 0;
+  material.uniforms.uPush.value = opacity < 1 ? ghostPush : 0;
 }
 
 const up = new THREE.Vector3(0, 1, 0);

@@ -46,6 +46,7 @@ const deform = /* glsl */ `
   }`;
 
 export const surfaceVertex = /* glsl */ `${deform}
+  uniform float uPush;          // a ghost's: farther from the eye, at the same place of the screen
   in float paint;
   out vec3 vNormal0, vPlace0, vPlace, vBody;
   out float vField, vPaint;
@@ -58,6 +59,7 @@ export const surfaceVertex = /* glsl */ `${deform}
     vPlace0 = (modelViewMatrix * vec4(position, 1.0)).xyz;
     vec4 place = modelViewMatrix * vec4(position + uMagnify * u, 1.0);
     vPlace = place.xyz;
+    place.xyz *= 1.0 + uPush;
     gl_Position = projectionMatrix * place;
   }`;
 

@@ -2,6 +2,7 @@
 // The drawing area: renderer, camera, views along the axes, labels, axes triad, pictures.  Draws only when asked.
 import * as THREE from 'three';
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
+import type { Legend } from './legend';
 import { h, cssColor } from './ui';
 
 // Colours go to the screen as they are written: they must match the legend's.
@@ -180,9 +181,8 @@ export class Stage {
       <text x="${(1.38 * a.x).toFixed(2)}" y="${(1.38 * a.y).toFixed(2)}">${a.name}</text></g>`).join('');
   }
 
-  /** The picture as PNG, on the theme's background. */
-  async png(caption: string, legend?: (g: CanvasRenderingContext2D, w: number, h: number, scale: number) => void):
-      Promise<Blob> {
+  /** The picture as PNG, with its caption and colour scale, on the theme's background. */
+  async png(caption: string, legend: Legend): Promise<Blob> {
     this.drawNow();
     const source = this.canvas;
     const copy = h('canvas', { width: source.width, height: source.height });
@@ -195,9 +195,15 @@ export class Stage {
     g.font = `600 ${15 * scale}px system-ui, sans-serif`;
     g.textBaseline = 'top';
     g.fillText(caption, 16 * scale, 14 * scale);
-    legend?.(g, copy.width, copy.height, scale);
+    legend.paint(g, copy.width, scale);
     return new Promise((resolve, reject) =>
       copy.toBlob((blob) => (blob ? resolve(blob) : reject(new Error('the browser made no PNG'))), 'image/png'));
+  }
+
+  /** Projection times view, 16 numbers by columns, as the last picture was drawn. */
+  matrix(): number[] {
+    this.drawNow();
+    return new THREE.Matrix4().multiplyMatrices(this.camera.projectionMatrix, this.camera.matrixWorldInverse).toArray();
   }
 
   /** RGBA of one pixel of the canvas, at CSS coordinates from the upper left corner. */

@@ -1,10 +1,10 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 // A surface, and the shapes on its vertices: u(v) = sum_k weight_k scale_k q_k(v), summed on the GPU from a texture.
 import * as THREE from 'three';
-import { setBehind } from './primitives';
 import { readF4, readI4, readU2 } from './data';
 import { predict, unpack, type Predictions } from './predict';
-import { lineFragment, lineVertex, surfaceFragment, surfaceVertex, textureWidth } from './shaders';
+import { SectionForces, type SectionsHeader } from './section_forces';
+import { textureWidth } from './shaders';
 
 export interface SurfaceHeader {
   key: string; // blocks are named key/vertices, key/triangles, ...
@@ -13,6 +13,7 @@ export interface SurfaceHeader {
   edges: number;
   stress?: number; // components of the stress of each shape: 0, 1 (von Mises) or 6
   shapes: { scale: number; stress?: number }[]; // shape j is block key/shape/j, its stress key/stress/j
+  sections?: SectionsHeader; // of beams: section forces of shape j are block key/section/j
 }
 
 /** A stack of layers with four 16-bit numbers for each vertex: what three uploads as it is. */
@@ -40,6 +41,7 @@ export class Surface {
   readonly texture: THREE.DataArrayTexture;
   readonly stress: THREE.DataArrayTexture | null;
   readonly stressLayers: number;
+  readonly sections: SectionForces | null;
   private readonly q: (Int16Array | null)[];
   private readonly loading = new Map<number, Promise<void>>();
   private predictions: Predictions | null = null;
@@ -52,6 +54,7 @@ export class Surface {
     this.size = this.box.getSize(new THREE.Vector3()).length() || 1;
     this.split(triangleInterface);
     this.q = header.shapes.map(() => null);
+    this.sections = header.sections ? new SectionForces(header.sections, header.key) : null;
     this.texture = layered(header.vertices, Math.max(1, header.shapes.length));
     // WebGL 2 promises 256 layers and no more.
     this.stressLayers = header.stress === 6 ? 2 : header.stress === 1 ? 1 : 0;
@@ -237,164 +240,5 @@ export class Surface {
         this.normals[at + 2] += b.z;
       }
     }
-  }
-}
-
-export interface Look {
-  color: THREE.Color;
-  accent: THREE.Color;
-  edge: THREE.Color;
-  outline: THREE.Color;
-  opacity: number;
-}
-
-/** One drawn body: a surface with its own weights; several may share the surface's shapes. */
-export class DeformedBody {
-  readonly group = new THREE.Group();
-  readonly weights: Float32Array;
-  readonly mesh: THREE.Mesh;
-  readonly edges: THREE.LineSegments;
-  readonly outline: THREE.LineSegments;
-  readonly marker: THREE.Points;
-  private readonly table: THREE.DataTexture;
-  private readonly shared: Record<string, THREE.IUniform>;
-
-  constructor(readonly surface: Surface, scale: THREE.Texture) {
-    const n = Math.max(1, surface.header.shapes.length);
-    this.weights = new Float32Array(surface.header.shapes.length);
-    this.table = new THREE.DataTexture(new Float32Array(4 * n), n, 1, THREE.RGBAFormat, THREE.FloatType);
-    this.shared = {
-      uShapes: { value: surface.texture }, uWeights: { value: this.table }, uCount: { value: 0 },
-      uStress: { value: surface.stress ?? surface.texture }, uStressLayers: { value: surface.stressLayers },
-      uMagnify: { value: 1 }, uRange: { value: new THREE.Vector2(0, 1) }, uScale: { value: scale },
-      uCut: { value: new THREE.Vector4(0, 0, 0, 0) },
-    };
-    const uniforms = (own: Record<string, unknown>) => ({
-      ...this.shared, ...Object.fromEntries(Object.entries(own).map(([k, v]) => [k, { value: v }])),
-    });
-
-    const faces = new THREE.BufferGeometry();
-    const drawn = surface.source.length;
-    const position = new Float32Array(3 * drawn);
-    for (let i = 0; i < drawn; ++i) {
-      for (let a = 0; a < 3; ++a) position[3 * i + a] = surface.vertices[3 * surface.source[i] + a];
-    }
-    faces.setAttribute('position', new THREE.BufferAttribute(position, 3));
-    faces.setAttribute('normal', new THREE.BufferAttribute(surface.normals, 3));
-    faces.setAttribute('vertex', new THREE.BufferAttribute(surface.source, 1));
-    faces.setAttribute('paint', new THREE.BufferAttribute(surface.paint, 1));
-    faces.setIndex(new THREE.BufferAttribute(surface.index, 1));
-    this.mesh = new THREE.Mesh(faces, new THREE.ShaderMaterial({
-      glslVersion: THREE.GLSL3, vertexShader: surfaceVertex, fragmentShader: surfaceFragment,
-      side: THREE.DoubleSide,
-      uniforms: uniforms({
-        uColor: new THREE.Color(), uAccent: new THREE.Color(), uOpacity: 1, uPaint: 1, uField: 0,
-      }),
-    }));
-
-    const lines = new THREE.BufferGeometry();
-    const ends = new Float32Array(3 * surface.edges.length);
-    for (let i = 0; i < surface.edges.length; ++i) {
-      for (let a = 0; a < 3; ++a) ends[3 * i + a] = surface.vertices[3 * surface.edges[i] + a];
-    }
-    lines.setAttribute('position', new THREE.BufferAttribute(ends, 3));
-    lines.setAttribute('vertex', new THREE.BufferAttribute(Float32Array.from(surface.edges), 1));
-    const lineMaterial = (own: Record<string, unknown>) => new THREE.ShaderMaterial({
-      glslVersion: THREE.GLSL3, vertexShader: lineVertex, fragmentShader: lineFragment, transparent: true,
-      uniforms: uniforms({ uColor: new THREE.Color(), uOpacity: 1, uField: 0, uPull: 0.0015, uPoint: 1, ...own }),
-    });
-    this.edges = new THREE.LineSegments(lines, lineMaterial({}));
-    const outline = lineMaterial({ uPull: 0 });
-    outline.uniforms.uCount = { value: 0 };
-    this.outline = new THREE.LineSegments(lines, outline);
-    const point = new THREE.BufferGeometry();
-    point.setAttribute('position', new THREE.BufferAttribute(new Float32Array(3), 3));
-    point.setAttribute('vertex', new THREE.BufferAttribute(new Float32Array(1), 1));
-    const dot = lineMaterial({ uPoint: 9 });
-    dot.depthTest = false;
-    this.marker = new THREE.Points(point, dot);
-    this.marker.visible = false;
-    this.marker.renderOrder = 3;
-    this.edges.renderOrder = 1;
-    this.group.add(this.mesh, this.edges, this.outline, this.marker);
-    // Deformed shapes leave the undeformed box.
-    for (const child of this.group.children) child.frustumCulled = false;
-  }
-
-  private uniform(of: THREE.Mesh | THREE.LineSegments | THREE.Points, name: string): THREE.IUniform {
-    return (of.material as THREE.ShaderMaterial).uniforms[name];
-  }
-
-  /** Hands the weights to the GPU; shapes with weight zero or not yet decoded cost nothing. */
-  update(): void {
-    const data = this.table.image.data as Float32Array;
-    let count = 0;
-    for (let j = 0; j < this.weights.length; ++j) {
-      if (this.weights[j] === 0 || !this.surface.isLoaded(j)) continue;
-      data[4 * count] = this.weights[j] * this.surface.header.shapes[j].scale;
-      data[4 * count + 1] = j;
-      data[4 * count + 2] = this.weights[j] * (this.surface.header.shapes[j].stress ?? 0);
-      ++count;
-    }
-    this.shared.uCount.value = count;
-    this.table.needsUpdate = true;
-  }
-
-  set magnify(value: number) {
-    this.shared.uMagnify.value = value;
-  }
-  get magnify(): number {
-    return this.shared.uMagnify.value as number;
-  }
-
-  set cut(plane: THREE.Vector4) {
-    (this.shared.uCut.value as THREE.Vector4).copy(plane);
-  }
-
-  /** What is coloured: 0 nothing, 1 magnitude, 2..4 a component [m], 5 von Mises stress [Pa]; between the two values. */
-  setField(field: number, low: number, high: number): void {
-    this.uniform(this.mesh, 'uField').value = field;
-    (this.shared.uRange.value as THREE.Vector2).set(low, high);
-    // A body without faces (a beam) shows the colours on its lines.
-    if (this.surface.index.length === 0) this.uniform(this.edges, 'uField').value = field;
-  }
-
-  setLook(look: Look): void {
-    (this.uniform(this.mesh, 'uColor').value as THREE.Color).copy(look.color);
-    (this.uniform(this.mesh, 'uAccent').value as THREE.Color).copy(look.accent);
-    this.uniform(this.mesh, 'uOpacity').value = look.opacity;
-    const material = this.mesh.material as THREE.ShaderMaterial;
-    material.transparent = look.opacity < 1;
-    material.depthWrite = look.opacity >= 1;
-    setBehind(material, look.opacity < 1);
-    (this.uniform(this.edges, 'uColor').value as THREE.Color).copy(look.edge);
-    this.uniform(this.edges, 'uOpacity').value = look.opacity < 1 ? 0.6 : 1;
-    (this.uniform(this.outline, 'uColor').value as THREE.Color).copy(look.outline);
-    this.uniform(this.outline, 'uOpacity').value = 0.55;
-    (this.uniform(this.marker, 'uColor').value as THREE.Color).set(1, 0, 1);
-  }
-
-  set paint(amount: number) {
-    this.uniform(this.mesh, 'uPaint').value = amount;
-  }
-
-  /** Draws a dot on a vertex, moved by the same shader as the surface; -1 takes it away. */
-  mark(vertex: number): void {
-    this.marker.visible = vertex >= 0;
-    if (vertex < 0) return;
-    const position = this.marker.geometry.getAttribute('position') as THREE.BufferAttribute;
-    const number = this.marker.geometry.getAttribute('vertex') as THREE.BufferAttribute;
-    const p = this.surface.position(vertex);
-    position.setXYZ(0, p.x, p.y, p.z);
-    number.setX(0, vertex);
-    position.needsUpdate = number.needsUpdate = true;
-  }
-
-  /** Drawn position of a vertex in W, from the page's own data. */
-  drawn(vertex: number, out = new THREE.Vector3()): THREE.Vector3 {
-    this.surface.displacement(vertex, this.weights, out).multiplyScalar(this.magnify);
-    out.add(this.surface.position(vertex, new THREE.Vector3()));
-    this.group.updateMatrixWorld();
-    return out.applyMatrix4(this.group.matrixWorld);
   }
 }

@@ -130,6 +130,12 @@ export function lengthUnit(of: number): { factor: number; unit: string } {
   if (size >= 1e-4 || size === 0) return { factor: 1e3, unit: 'mm' };
   return { factor: 1e6, unit: 'µm' };
 }
+/** "12.3 kN". */
+export function forceText(value: number, digits = 3): string {
+  const size = Math.abs(value);
+  const [factor, unit] = size >= 1e6 ? [1e-6, 'MN'] : size >= 1e3 ? [1e-3, 'kN'] : size >= 1 || size === 0 ? [1, 'N'] : [1e3, 'mN'];
+  return `${figure(value * factor, digits)} ${unit}`;
+}
 /** The same for a stress. */
 export function stressUnit(of: number): { factor: number; unit: string } {
   const size = Math.abs(of);
