@@ -1,7 +1,9 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 // The modes page of the synthetic tube (tests/view/synthetic.hpp): its shapes are known in closed form.
 import assert from 'node:assert/strict';
+import { readFile } from 'node:fs/promises';
 import { after, before, test } from 'node:test';
+import { PNG } from 'pngjs';
 import { contrast, difference, launch, magenta, open, picture, through } from './browser.mjs';
 
 const length = 1.0;
@@ -226,6 +228,22 @@ test('pictures and films are saved', async () => {
   await page.waitForFunction(() => flexura.mode === 1);
   const [png] = await Promise.all([page.waitForEvent('download'), page.locator('#png').click()]);
   assert.equal(png.suggestedFilename(), 'tube-mode1.png');
+  // The colour scale is in the picture: violet below, yellow above, in the upper right.
+  const saved = PNG.sync.read(await readFile(await png.path()));
+  const column = (test) => {
+    let most = 0;
+    for (let x = Math.floor(0.7 * saved.width); x < saved.width; ++x) {
+      let n = 0;
+      for (let y = 0; y < 230; ++y) {
+        const [r, g, b] = saved.data.subarray(4 * (y * saved.width + x));
+        if (test(r, g, b)) ++n;
+      }
+      most = Math.max(most, n);
+    }
+    return most;
+  };
+  assert.ok(column((r, g, b) => r > 180 && g > 200 && b < 70) > 10, 'no yellow end of the scale');
+  assert.ok(column((r, g, b) => r > 60 && r < 80 && g < 40 && b > 80 && b < 125) > 10, 'no violet end of the scale');
   await page.locator('#speed').fill('3');
   const [film] = await Promise.all([page.waitForEvent('download'), page.locator('#film').click()]);
   assert.equal(film.suggestedFilename(), 'tube-mode1.webm');

@@ -96,6 +96,25 @@ test('text is legible in both themes, controls have names, links lead to section
   }
 });
 
+test('dark is the same whether the system or the reader asks for it', async () => {
+  const colors = () => page.evaluate(() => {
+    const names = [...document.styleSheets].flatMap((sheet) => [...sheet.cssRules]).filter((r) => r.selectorText === ':root')
+      .flatMap((r) => [...r.style]).filter((n) => n.startsWith('--'));
+    const style = getComputedStyle(document.documentElement);
+    return Object.fromEntries(names.map((n) => [n, style.getPropertyValue(n).trim()]));
+  });
+  await page.emulateMedia({ colorScheme: 'light' });
+  const light = await colors();
+  await page.emulateMedia({ colorScheme: 'dark' });
+  const system = await colors();
+  await page.emulateMedia({ colorScheme: 'light' });
+  await page.evaluate(() => { document.documentElement.dataset.theme = 'dark'; });
+  assert.deepEqual(await colors(), system);
+  assert.ok(Object.keys(system).length > 30);
+  for (const [name, value] of Object.entries(light)) assert.ok(system[name] !== value, `${name} is not darkened`);
+  await page.evaluate(() => { delete document.documentElement.dataset.theme; });
+});
+
 test('on paper there are no buttons and the plots are there', async () => {
   await page.emulateMedia({ media: 'print' });
   assert.equal(await page.locator('.card-buttons').first().isVisible(), false);
