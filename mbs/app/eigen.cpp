@@ -6,7 +6,10 @@
 
 #include "mbs/app/commands.hpp"
 #include "mbs/app/recorder.hpp"
+#include "mbs/solver/accelerations.hpp"
+#include "mbs/solver/buckling.hpp"
 #include "mbs/solver/linearise.hpp"
+#include "mbs/solver/statics.hpp"
 #include "mbs/terminal/terminal.hpp"
 
 /// eigen: natural modes of a mechanism, as a table and as pictures.
@@ -18,7 +21,7 @@ using terminal::Align;
 using terminal::number;
 
 struct Arguments : MechanismArguments {
-  bool equilibrium = false;
+  bool equilibrium = false, buckling = false;
   int count = 30;
   std::string pictures;
   double amplitude = 0.1;
@@ -52,6 +55,55 @@ void write_pictures(const NamedRun& run, const std::vector<mbs::NaturalMode>& mo
     writer.end_run(true, "", "{}");
   }
   writer.close();
+}
+
+/// The mechanism without weight and given forces; springs, bushings and friction stay.
+mbs::LinearSystem without_loads(const PreparedMechanism& p) {
+  mbs::MechanismDescription d = p.mechanism->description();
+  d.gravity.setZero();
+  std::erase_if(d.forces, [](const auto& force) {
+    return force->type() == "force" || force->type() == "torque" || force->type() == "joint_force";
+  });
+  mbs::Mechanism unloaded(std::move(d));
+  mbs::State s = unloaded.initial_state();
+  s.t = p.state.t;
+  s.p = p.state.p;
+  s.v.setZero();
+  unloaded.drop_redundant(s.t, s.p);
+  s.lambda = Eigen::VectorXd::Zero(unloaded.sizes().n_lambda);
+  mbs::solve_statics(unloaded, s);
+  Eigen::VectorXd v_dot;
+  mbs::AccelerationSolver(unloaded).solve(s, v_dot);
+  return mbs::linearise(unloaded, s);
+}
+
+int print_buckling(const Arguments& arguments, const terminal::Talk&) {
+  std::vector<NamedRun> runs = prepare_runs(arguments);
+  for (NamedRun& run : runs) {
+    PreparedMechanism& p = run.prepared;
+    const mbs::LinearSystem unloaded = without_loads(p);
+    settle(p);
+    const auto modes = mbs::buckling_modes(unloaded, mbs::linearise(*p.mechanism, p.state));
+    fmt::print("{}\n\n", heading(run));
+    terminal::Table table({{"no"}, {"load factor"}, {"moves most", Align::left}});
+    int index = 0;
+    for (const mbs::BucklingMode& mode : modes) {
+      if (++index > arguments.count) break;
+      Eigen::Index largest = 0;
+      mode.shape.cwiseAbs().maxCoeff(&largest);
+      table.add_row({fmt::format("{}", index), number(mode.factor, 6),
+                     p.mechanism->name_of_velocity(static_cast<int>(largest))});
+    }
+    fmt::print("{}\n", table.text(terminal::width(stdout), terminal::takes_colour(stdout)));
+    for (const auto& body : p.mechanism->description().bodies)
+      if (body.flexible && !body.flexible->data().second)
+        p.notes.push_back(
+            fmt::format("body \"{}\" has no geometric stiffening; with fidelity = \"modal-stiffened\" "
+                        "its own buckling is seen",
+                        body.name));
+    for (const std::string& note : p.notes) fmt::print("note: {}\n", note);
+  }
+  return 0;
 }
 
 int print_modes(const Arguments& arguments, const terminal::Talk&) {
@@ -93,12 +145,14 @@ terminal::Command eigen_command() {
             declare_mechanism(options, *a);
             options
                 .flag("--equilibrium", a->equilibrium, "about the static equilibrium, not the initial state")
+                .flag("--buckling", a->buckling,
+                      "instead: factors of weight and given forces at which the equilibrium loses its stiffness")
                 .option("--count", a->count, "N", "print at most so many (30)")
                 .option("--pictures", a->pictures, "FILE",
                         "results file with the modes as runs, for flexura view")
                 .option("--amplitude", a->amplitude, "SIZE", "largest motion in the pictures, rad or m (0.1)")
                 .example("flexura eigen engine.toml --equilibrium", "eigenvalues, frequencies, damping");
-            return [a, &talk] { return print_modes(*a, talk); };
+            return [a, &talk] { return a->buckling ? print_buckling(*a, talk) : print_modes(*a, talk); };
           }};
 }
 

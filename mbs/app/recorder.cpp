@@ -25,7 +25,8 @@ results::ModelHeader model_header(std::span<const NamedRun> runs, const std::fil
     bool flexible = false;
     for (const NamedRun& run : runs) {
       const auto& bodies = run.prepared.mechanism->description().bodies;
-      flexible = flexible || (b < bodies.size() && bodies[b].flexible != nullptr);
+      if (b < bodies.size() && !bodies[b].superelement.empty())
+        flexible = flexible || bodies[b].flexible || bodies[b].ked;
     }
     line.kind = b == 0 ? "ground" : flexible ? "flexible" : "rigid";
     if (!body.superelement.empty()) {
@@ -81,6 +82,7 @@ Recorder::Recorder(const mbs::PreparedMechanism& prepared, results::Writer& writ
     : mechanism_(*prepared.mechanism),
       writer_(writer),
       scratch_(mechanism_.make_scratch()),
+      range_(mechanism_),
       store_states_(store_states) {
   which_ = mbs::select_quantities(mechanism_, patterns);
   const auto infos = mechanism_.quantities();
@@ -95,7 +97,8 @@ Recorder::Recorder(const mbs::PreparedMechanism& prepared, results::Writer& writ
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     results::RunBody body;
     body.name = bodies[b].name;
-    if (bodies[b].flexible) body.basis = bodies[b].flexible->data().Y;
+    if (const mbs::FlexibleBody* deforms = mechanism_.deforming(static_cast<int>(b)))
+      body.basis = deforms->data().Y;
     run_bodies_.push_back(std::move(body));
   }
   row_.quantities.resize(static_cast<Eigen::Index>(quantities_.size()));
@@ -116,6 +119,7 @@ void Recorder::append(const mbs::State& s, const Eigen::VectorXd& v_dot, const E
   row_.quantities(n) = energy.work_in;
   row_.quantities(n + 1) = energy.dissipated;
   row_.quantities(n + 2) = energy.balance;
+  range_.observe(s);
   mechanism_.body_poses(s, *scratch_, poses_);
   for (std::size_t b = 0; b < poses_.size(); ++b) {
     row_.pose[b].head<3>() = poses_[b].p;
@@ -124,8 +128,8 @@ void Recorder::append(const mbs::State& s, const Eigen::VectorXd& v_dot, const E
     // The sign that continues the last row: pictures interpolate.
     if (wxyz.dot(row_.pose[b].tail<4>()) < 0.0) wxyz = -wxyz;
     row_.pose[b].tail<4>() = wxyz;
-    if (const int at = mechanism_.modal_position(static_cast<int>(b)); at >= 0)
-      row_.modal[b] = s.p.segment(at, run_bodies_[b].basis.cols());
+    if (const double* modal = mechanism_.modal_coordinates(static_cast<int>(b), s))
+      row_.modal[b] = Eigen::Map<const Eigen::VectorXd>(modal, run_bodies_[b].basis.cols());
   }
   if (store_states_) row_.states = pack(s);
   writer_.append(row_);

@@ -5,6 +5,7 @@
 #include <span>
 
 #include "mbs/app/mechanism_runs.hpp"
+#include "mbs/model/linear_range.hpp"
 #include "mbs/results/results.hpp"
 #include "mbs/solver/energy.hpp"
 
@@ -33,6 +34,8 @@ class Recorder {
   void append(const mbs::State& s, const Eigen::VectorXd& v_dot, const mbs::EnergyAccount& energy) {
     append(s, v_dot, EnergyRow{energy.work_in, energy.dissipated, energy.error()});
   }
+  /// Whether flexible bodies stayed in the linear range in the rows so far.
+  const mbs::LinearRange& range() const { return range_; }
 
  private:
   const mbs::Mechanism& mechanism_;
@@ -42,6 +45,7 @@ class Recorder {
   std::vector<results::Quantity> quantities_;
   std::vector<results::RunBody> run_bodies_;
   std::vector<mbs::Pose> poses_;
+  mbs::LinearRange range_;
   results::Row row_;
   bool store_states_;
 };

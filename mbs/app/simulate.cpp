@@ -109,6 +109,12 @@ void add_estimate(const study::TruncationEstimate* truncation, Outcome& outcome)
   outcome.lines.push_back(estimated_error_line(truncation, outcome.result));
 }
 
+void add_range(const Recorder& recorder, Outcome& outcome) {
+  const std::vector<std::string> sentences = recorder.range().sentences();
+  outcome.summary["notes"] = sentences;
+  for (const std::string& sentence : sentences) outcome.lines.push_back("warning: " + sentence);
+}
+
 Outcome run_as_told(const NamedRun& run, const Arguments& arguments, results::Writer& writer,
                     mbs::RunCallbacks callbacks) {
   const PreparedMechanism& prepared = run.prepared;
@@ -125,6 +131,7 @@ Outcome run_as_told(const NamedRun& run, const Arguments& arguments, results::Wr
       arguments.continue_from.empty()
           ? mbs::run(*prepared.mechanism, prepared.state, prepared.v_dot, prepared.options, callbacks)
           : mbs::run(*prepared.mechanism, *prepared.continuation, prepared.options, callbacks);
+  add_range(recorder, out);
   if (arguments.no_estimate) return out;
   study::TruncationEstimate truncation;
   if (shadows) truncation = shadows->estimate();
@@ -151,6 +158,7 @@ Outcome run_within_accuracy(NamedRun& run, const Arguments& arguments, results::
   out.summary["chosen"] = chosen.reasons;
   out.summary["screening_wall_time"] = chosen.screening_wall;
   out.lines = std::move(chosen.reasons);
+  add_range(recorder, out);
   add_estimate(chosen.has_estimate ? &chosen.estimate : nullptr, out);
   return out;
 }

@@ -96,6 +96,9 @@ class Equations {
   virtual bool elastic_coordinate(int /*i_v*/, int& /*i_p*/, double& /*k*/, double& /*d*/) const {
     return false;
   }
+  /// Elastic coordinates with k = 0 belong to a body whose stiffness is a matrix: adds the derivatives of all
+  /// such bodies' internal forces by p to r_p (n_v rows, n_p) and by v to r_v (n_v rows, n_v).
+  virtual void add_elastic_tangents(const State& /*s*/, MatrixRef /*r_p*/, MatrixRef /*r_v*/) const {}
 
   /// g (n_lambda), constraints on position level; nonholonomic rows give 0.
   virtual void position_constraints(double t, ConstVectorRef p, Scratch& scratch, VectorRef g) const = 0;

@@ -4,10 +4,14 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "mbs/math/rotation.hpp"
+
 namespace flexura::mbs {
 namespace {
 
 using ConstMap = Eigen::Map<const Eigen::VectorXd>;
+
+using Map = Eigen::Map<Eigen::VectorXd>;
 
 /// Block 3 a + b of a vector of nine blocks of m.
 auto block(const Eigen::VectorXd& x, int a, int b, int m) {
@@ -24,8 +28,14 @@ FlexibleBody::FlexibleBody(ModalData data)
   for (const Eigen::MatrixXd& S : in.S_phiphi) fits = fits && S.rows() == m_ && S.cols() == m_;
   for (const FlexibleNode& node : data_.nodes)
     fits = fits && node.Phi_t.cols() == m_ && node.Phi_r.cols() == m_;
+  if (data_.second)
+    fits = fits && data_.second->t.rows() == 3 * m_ && data_.second->t.cols() == m_ &&
+           data_.second->x.rows() == 9 * m_ && data_.second->x.cols() == m_;
   if (!fits)
     throw std::invalid_argument("the inertia integrals of a flexible body do not have one column per mode");
+
+  if (data_.second && data_.coupling != Coupling::full)
+    throw std::invalid_argument("geometric stiffening needs the full inertia coupling of a flexible body");
 
   M_e_ = in.S_phiphi[0] + in.S_phiphi[1] + in.S_phiphi[2];
   T_.resize(9 * m_, m_);
@@ -50,7 +60,23 @@ FlexibleBody::FlexibleBody(ModalData data)
     T_skew_.middleRows(c * m_, m_) =
         T_.middleRows((3 * a + b) * m_, m_) - T_.middleRows((3 * b + a) * m_, m_);
   }
+  if (!data_.second) return;
+  N_skew_.resize(3 * m_, m_);
+  for (int c = 0; c < 3; ++c) {
+    const int a = (c + 1) % 3, b = (c + 2) % 3;
+    N_skew_.middleRows(c * m_, m_) =
+        data_.second->x.middleRows((3 * a + b) * m_, m_) - data_.second->x.middleRows((3 * b + a) * m_, m_);
+  }
 }
+
+FlexibleBody::FlexibleBody(double mass, std::vector<FlexibleNode> nodes, Eigen::MatrixXd M_e)
+    : m_(static_cast<int>(M_e.rows())), M_e_(std::move(M_e)) {
+  data_.inertia.mass = mass;
+  data_.stiffness = data_.damping = Eigen::VectorXd::Zero(m_);
+  data_.nodes = std::move(nodes);
+}
+
+void FlexibleBody::add_tangents(const double*, const double*, MatrixRef, MatrixRef) const {}
 
 int FlexibleBody::find_node(const std::string& name) const {
   for (std::size_t i = 0; i < data_.nodes.size(); ++i)
@@ -63,6 +89,9 @@ FlexibleBody::Work FlexibleBody::make_work() const {
   work.B = B_0_;
   work.W = Eigen::VectorXd::Zero(3 * m_);
   work.T_s = Eigen::VectorXd::Zero(9 * m_);
+  work.N_s = Eigen::VectorXd::Zero(9 * m_);
+  work.K0t_s = Eigen::VectorXd::Zero(3 * m_);
+  work.C_t = data_.inertia.S_phi;
   work.C_r = Eigen::Matrix3Xd::Zero(3, m_);
   return work;
 }
@@ -70,15 +99,32 @@ FlexibleBody::Work FlexibleBody::make_work() const {
 void FlexibleBody::set_position(const double* s_values, Work& work) const {
   const ConstMap s(s_values, m_);
   const superelement::InertiaIntegrals& in = data_.inertia;
-  work.T_s.noalias() = T_ * s;
-  work.B = B_0_ + work.T_s;
+  if (data_.coupling == Coupling::full) {
+    work.T_s.noalias() = T_ * s;
+    work.B = B_0_ + work.T_s;
+  }
   work.d = in.S_x;
   work.d.noalias() += in.S_phi * s;
   // int rho_a rho_b = S_xx + s_i int Phi_i,a x_b + B_ab,i s_i.
   Matrix3d rho_rho = in.S_xx;
-  for (int a = 0; a < 3; ++a)
-    for (int b = 0; b < 3; ++b)
-      rho_rho(a, b) += block(B_0_, b, a, m_).dot(s) + block(work.B, a, b, m_).dot(s);
+  if (data_.coupling != Coupling::constant)
+    for (int a = 0; a < 3; ++a)
+      for (int b = 0; b < 3; ++b)
+        rho_rho(a, b) += block(B_0_, b, a, m_).dot(s) + block(work.B, a, b, m_).dot(s);
+  if (data_.second) {
+    work.K0t_s.noalias() = data_.second->t * s;
+    work.N_s.noalias() = data_.second->x * s;
+    work.B += work.N_s;
+    Matrix3d x_u2;
+    for (int a = 0; a < 3; ++a) {
+      const auto K0t_s = work.K0t_s.segment(a * m_, m_);
+      work.d(a) += 0.5 * K0t_s.dot(s);
+      work.C_t.row(a) = in.S_phi.row(a) + K0t_s.transpose();
+      for (int b = 0; b < 3; ++b) x_u2(a, b) = 0.5 * block(work.N_s, a, b, m_).dot(s);
+    }
+    for (int a = 0; a < 3; ++a)
+      for (int b = 0; b < 3; ++b) rho_rho(a, b) += x_u2(a, b) + x_u2(b, a);
+  }
   work.J = rho_rho.trace() * Matrix3d::Identity() - rho_rho;
   for (int c = 0; c < 3; ++c) {
     const int a = (c + 1) % 3, b = (c + 2) % 3;
@@ -90,31 +136,46 @@ Spatial FlexibleBody::inverse_dynamics(const double* s_values, const double* s_d
                                        const double* s_ddot_values, const Spatial& V, const Spatial& A,
                                        Work& work, double* modal_values) const {
   const ConstMap s(s_values, m_), s_dot(s_dot_values, m_), s_ddot(s_ddot_values, m_);
-  Eigen::Map<Eigen::VectorXd> modal(modal_values, m_);
+  Map modal(modal_values, m_);
   const Vector3d &w = V.angular, &alpha = A.angular, &a = A.linear, &d = work.d;
-  work.W.noalias() = T_skew_ * s_dot;
 
   Vector3d C_t_s_dot = Vector3d::Zero(), C_t_s_ddot = Vector3d::Zero(), C_r_s_ddot = Vector3d::Zero();
-  C_t_s_dot.noalias() += C_t() * s_dot;
-  C_t_s_ddot.noalias() += C_t() * s_ddot;
+  C_t_s_dot.noalias() += work.C_t * s_dot;
+  C_t_s_ddot.noalias() += work.C_t * s_ddot;
   C_r_s_ddot.noalias() += work.C_r * s_ddot;
-  Matrix3d P;
-  for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j) P(i, j) = block(work.B, i, j, m_).dot(s_dot);
 
   Spatial need;
   need.linear = mass() * a + alpha.cross(d) + w.cross(w.cross(d)) + 2.0 * w.cross(C_t_s_dot) + C_t_s_ddot;
-  need.angular = d.cross(a) + work.J * alpha + w.cross(work.J * w) +
-                 2.0 * (w * P.trace() - P.transpose() * w) + C_r_s_ddot;
+  need.angular = d.cross(a) + work.J * alpha + w.cross(work.J * w) + C_r_s_ddot;
 
   modal = data_.stiffness.cwiseProduct(s) + data_.damping.cwiseProduct(s_dot);
   modal.noalias() += M_e_ * s_ddot;
-  modal.noalias() += C_t().transpose() * a;
+  modal.noalias() += work.C_t.transpose() * a;
   modal.noalias() += work.C_r.transpose() * alpha;
+  if (data_.coupling == Coupling::constant) {
+    // The Lagrange equations of a kinetic energy whose J and C_r do not depend on s.
+    Vector3d C_r_s_dot = Vector3d::Zero();
+    C_r_s_dot.noalias() += work.C_r * s_dot;
+    need.angular += w.cross(C_r_s_dot);
+    return need;
+  }
+  Matrix3d P;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) P(i, j) = block(work.B, i, j, m_).dot(s_dot);
+  need.angular += 2.0 * (w * P.trace() - P.transpose() * w);
   const double w2 = w.squaredNorm();
-  for (int i = 0; i < 3; ++i) {
+  for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) modal += (w(i) * w(j) - (i == j ? w2 : 0.0)) * block(work.B, i, j, m_);
-    modal += 2.0 * w(i) * work.W.segment(i * m_, m_);
+  if (data_.coupling == Coupling::full) {
+    work.W.noalias() = T_skew_ * s_dot;
+    for (int i = 0; i < 3; ++i) modal += 2.0 * w(i) * work.W.segment(i * m_, m_);
+  }
+  if (data_.second) {
+    // W is free now: s'^T K0t s' and s'^T (N_ab - N_ba) s', the centripetal part of u2''.
+    work.W.noalias() = data_.second->t * s_dot;
+    for (int i = 0; i < 3; ++i) need.linear(i) += work.W.segment(i * m_, m_).dot(s_dot);
+    work.W.noalias() = N_skew_ * s_dot;
+    for (int i = 0; i < 3; ++i) need.angular(i) += work.W.segment(i * m_, m_).dot(s_dot);
   }
   return need;
 }
@@ -122,7 +183,7 @@ Spatial FlexibleBody::inverse_dynamics(const double* s_values, const double* s_d
 double FlexibleBody::kinetic_energy(const double* s_dot_values, const Spatial& V, const Work& work) const {
   const ConstMap s_dot(s_dot_values, m_);
   const Vector3d &w = V.angular, &v = V.linear;
-  const Vector3d C_t_s_dot = C_t() * s_dot, C_r_s_dot = work.C_r * s_dot;
+  const Vector3d C_t_s_dot = work.C_t * s_dot, C_r_s_dot = work.C_r * s_dot;
   double modal = 0.0;
   for (int j = 0; j < m_; ++j) modal += s_dot(j) * M_e_.col(j).dot(s_dot);
   return 0.5 * mass() * v.squaredNorm() + v.dot(w.cross(work.d)) + 0.5 * w.dot(work.J * w) +
@@ -133,8 +194,79 @@ double FlexibleBody::strain_energy(const double* s) const {
   return 0.5 * data_.stiffness.dot(ConstMap(s, m_).cwiseAbs2());
 }
 
-double FlexibleBody::dissipated_power(const double* s_dot) const {
+double FlexibleBody::dissipated_power(const double*, const double* s_dot) const {
   return data_.damping.dot(ConstMap(s_dot, m_).cwiseAbs2());
+}
+
+Pose FlexibleBody::node_pose(int index, const double* s_values) const {
+  const ConstMap s(s_values, m_);
+  const FlexibleNode& node = data_.nodes[index];
+  Vector3d u = node.Phi_t * s, theta = node.Phi_r * s;
+  if (node.second.size() > 0)
+    for (int k = 0; k < 6; ++k)
+      (k < 3 ? u(k) : theta(k - 3)) += 0.5 * s.dot(node.second.middleRows(k * m_, m_) * s);
+  return {rotation_exp(theta), node.p_BoN_B + u};
+}
+
+NodeMotion FlexibleBody::make_node_motion() const {
+  NodeMotion out;
+  out.map.setZero(6, m_);
+  out.theta_map.setZero(3, m_);
+  out.second.setZero(6 * m_);
+  return out;
+}
+
+void FlexibleBody::node_motion(int index, const double* s_values, const double* s_dot_values,
+                               const double* s_ddot_values, NodeMotion& out) const {
+  const FlexibleNode& node = data_.nodes[index];
+  const ConstMap s(s_values, m_);
+  Vector3d theta, u;
+  theta.noalias() = node.Phi_r * s;
+  u.noalias() = node.Phi_t * s;
+  out.map.topRows<3>() = node.Phi_r;
+  out.map.bottomRows<3>() = node.Phi_t;
+  const bool second = node.second.size() > 0;
+  if (second) {
+    out.second.noalias() = node.second * s;
+    for (int k = 0; k < 6; ++k) {
+      const auto K_s = out.second.segment(k * m_, m_);
+      (k < 3 ? u(k) : theta(k - 3)) += 0.5 * K_s.dot(s);
+      out.map.row(k < 3 ? 3 + k : k - 3) += K_s.transpose();
+    }
+  }
+  const Matrix3d J_l = left_jacobian(theta);
+  out.X_BN = {rotation_exp(theta), node.p_BoN_B + u};
+  // w = J_l theta'.
+  for (int i = 0; i < m_; ++i) {
+    const Vector3d theta_i = out.map.col(i).head<3>();
+    out.theta_map.col(i) = theta_i;
+    out.map.col(i).head<3>().noalias() = J_l * theta_i;
+  }
+  if (!s_dot_values) return;
+
+  const ConstMap s_dot(s_dot_values, m_);
+  Vector6d V;
+  V.noalias() = out.map * s_dot;
+  out.V = Spatial::from(V);
+  if (!s_ddot_values) return;
+
+  const ConstMap s_ddot(s_ddot_values, m_);
+  Vector6d A;
+  A.noalias() = out.map * s_ddot;
+  Vector3d theta_dot;
+  theta_dot.noalias() = out.theta_map * s_dot;
+  Vector3d alpha = left_jacobian_bias(theta, theta_dot);
+  if (second) {
+    Vector3d theta_ddot;
+    out.second.noalias() = node.second * s_dot;
+    for (int k = 0; k < 3; ++k) {
+      A(3 + k) += out.second.segment(k * m_, m_).dot(s_dot);
+      theta_ddot(k) = out.second.segment((3 + k) * m_, m_).dot(s_dot);
+    }
+    alpha.noalias() += J_l * theta_ddot;
+  }
+  A.head<3>() += alpha;
+  out.A = Spatial::from(A);
 }
 
 double FlexibleBody::amplitude(int i) const {

@@ -18,7 +18,7 @@ void Mechanism::own_inertia(Work& work) const {
       d = R * body.flexible.d;
       body.I_c.topLeftCorner<3, 3>() = R * body.flexible.J * R.transpose();
       body.C_c.topRows<3>().noalias() = R * body.flexible.C_r;
-      body.C_c.bottomRows<3>().noalias() = R * flexible.C_t();
+      body.C_c.bottomRows<3>().noalias() = R * body.flexible.C_t;
       body.M_c = flexible.M_e();
     } else {
       const RigidInertia& I = d_.bodies[b].inertia;
@@ -43,7 +43,7 @@ void Mechanism::own_inertia(Work& work) const {
       K.col(j) = shift_twist(R_in * Spatial::from(body.S.col(j)), to_body).vector();
     if (d_.markers[t.marker_out].node < 0) continue;  // the modal columns stay zero
     for (int j = 0; j < t.m; ++j) {
-      const Spatial own = body.X_WB.R * Spatial::from(work.local[t.marker_out].map.col(j));
+      const Spatial own = body.X_WB.R * Spatial::from(work.local[t.marker_out].motion.map.col(j));
       K.col(n_j + j) = -shift_twist(own, to_body).vector();
     }
   }
@@ -88,7 +88,7 @@ void Mechanism::mass_matrix(ConstVectorRef p, Scratch& scratch, MatrixRef M) con
         column.noalias() = work.K[tc.parent].transpose() * H.col(j);
         if (deforms)  // modal velocities of the parent move the marker
           column.tail(ta.m).noalias() +=
-              work.local[tc.marker_in].map.transpose() * (parent.X_WB.R.transpose() * at_marker).vector();
+              work.local[tc.marker_in].motion.map.transpose() * (parent.X_WB.R.transpose() * at_marker).vector();
       }
       M.block(first, first_a, n, n_a) = M.block(first_a, first, n_a, n).transpose();
     }
@@ -100,7 +100,7 @@ void Mechanism::mass_matrix(ConstVectorRef p, Scratch& scratch, MatrixRef M) con
     const Matrix6d X = transport_twist(body.X_WB.p - parent.X_WB.p);
     parent.I_c += X.transpose() * body.I_c * X;
     if (d_.markers[t.marker_in].node >= 0) {
-      Eigen::Matrix<double, 6, Eigen::Dynamic> N = work.local[t.marker_in].map;
+      Eigen::Matrix<double, 6, Eigen::Dynamic> N = work.local[t.marker_in].motion.map;
       N.topRows<3>() = parent.X_WB.R * N.topRows<3>();
       N.bottomRows<3>() = parent.X_WB.R * N.bottomRows<3>();
       N = transport_twist(body.X_WB.p - p_in) * N;

@@ -14,7 +14,7 @@ Sizes Mechanism::sizes() const {
   sizes.n_p = n_p_;
   sizes.n_v = n_v_;
   sizes.n_flx = n_flx_;
-  sizes.n_dyn = first_force_state_.back();
+  sizes.n_dyn = n_dyn_;
   sizes.n_lambda = static_cast<int>(kept_rows_.size());
   sizes.n_root = first_switch_.back();
   sizes.n_alg = static_cast<int>(algebraic_.size() + contacts_.size());
@@ -25,7 +25,7 @@ State Mechanism::initial_state() const {
   State s;
   s.p = p_0_;
   s.v = v_0_;
-  s.c.setZero(first_force_state_.back());
+  s.c.setZero(n_dyn_);
   for (std::size_t i = 0; i < d_.controls.size(); ++i) d_.controls[i]->start(s.c.data() + first_state_[i]);
   for (std::size_t i = 0; i < d_.forces.size(); ++i) d_.forces[i]->start(s.c.data() + first_force_state_[i]);
   s.lambda = Eigen::VectorXd::Zero(kept_rows_.size());
@@ -79,6 +79,7 @@ void Mechanism::momentum(const State& s, ConstVectorRef v_dot, Scratch& scratch,
   forward(Level::acceleration, s.t, s.p.data(), s.v.data(), v_dot.data(), work);
   applied_forces(s, c_rate, b, work);
   backward(work, r.data());
+  one_way_rates(work, c_rate.data());
 }
 
 void Mechanism::constraint_rows(VectorRef g, VectorRef g_dot, Work& work) const {
@@ -114,6 +115,7 @@ void Mechanism::residuals(const State& s, ConstVectorRef v_dot, ConstVectorRef m
   }
   applied_forces(s, c_rate, b, work);
   backward(work, r.data());
+  one_way_rates(work, c_rate.data());
 }
 
 bool Mechanism::elastic_coordinate(int i_v, int& i_p, double& k, double& d) const {
@@ -127,6 +129,16 @@ bool Mechanism::elastic_coordinate(int i_v, int& i_p, double& k, double& d) cons
     return true;
   }
   return false;
+}
+
+void Mechanism::add_elastic_tangents(const State& s, MatrixRef r_p, MatrixRef r_v) const {
+  for (int b : order_) {
+    const TreeBody& body = bodies_[b];
+    if (body.m == 0 || d_.bodies[b].flexible->is_modal()) continue;
+    d_.bodies[b].flexible->add_tangents(s.p.data() + body.i_p, s.v.data() + body.i_v,
+                                        r_p.block(body.i_v, body.i_p, body.m, body.m),
+                                        r_v.block(body.i_v, body.i_v, body.m, body.m));
+  }
 }
 
 void Mechanism::position_constraints(double t, ConstVectorRef p, Scratch& scratch, VectorRef g) const {
@@ -204,7 +216,7 @@ EnergyReport Mechanism::energies(const double* lambda, Work& work) const {
       first_moment = body.flexible.d;
       report.kinetic += flexible.kinetic_energy(work.kin.v + t.i_v, V, body.flexible);
       report.strain += flexible.strain_energy(work.kin.p + t.i_p);
-      report.dissipated_power += flexible.dissipated_power(work.kin.v + t.i_v);
+      report.dissipated_power += flexible.dissipated_power(work.kin.p + t.i_p, work.kin.v + t.i_v);
     } else {
       const RigidInertia& I = description.inertia;
       mass = I.mass;
@@ -305,6 +317,11 @@ std::string Mechanism::name_of_velocity(int i) const {
 }
 
 std::string Mechanism::name_of_dynamic(int i) const {
+  for (int b : order_) {
+    const int k = i - bodies_[b].i_c, m = d_.bodies[b].ked ? d_.bodies[b].ked->m() : 0;
+    if (k >= 0 && k < m) return fmt::format("{}.mode_{}", d_.bodies[b].name, k + 1);
+    if (k >= m && k < 2 * m) return fmt::format("{}.mode_{}_rate", d_.bodies[b].name, k - m + 1);
+  }
   if (i >= first_state_.back()) return name_of_force_state(i);
   std::size_t k = 0;
   while (first_state_[k + 1] <= i) ++k;
@@ -322,6 +339,11 @@ std::string Mechanism::name_of_constraint(int i) const {
   std::size_t k = 0;
   while (first_row_[k + 1] <= full) ++k;
   return constraints_[k]->name() + "." + constraints_[k]->row_name(full - first_row_[k]);
+}
+
+const double* Mechanism::modal_coordinates(int body, const State& s) const {
+  if (d_.bodies[body].flexible) return s.p.data() + bodies_[body].i_p;
+  return d_.bodies[body].ked ? s.c.data() + bodies_[body].i_c : nullptr;
 }
 
 void Mechanism::body_poses(const State& s, Scratch& scratch, std::vector<Pose>& poses) const {

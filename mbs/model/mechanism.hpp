@@ -14,6 +14,7 @@
 #include "mbs/model/flexible_body.hpp"
 #include "mbs/model/force.hpp"
 #include "mbs/model/joint.hpp"
+#include "mbs/model/stress_field.hpp"
 
 /// A mechanism: bodies on a tree of joints in relative coordinates, loops closed by constraints, forces.
 ///
@@ -25,19 +26,25 @@
 namespace flexura::mbs {
 
 struct MarkerDescription {
-  std::string name;  ///< "crank.pin"
-  int body = 0;      ///< 0 is ground
-  Pose X_BP;         ///< in the undeformed body; on a node: relative to the node
-  int node = -1;     ///< of a flexible body, moves with the deformation
+  std::string name;   ///< "crank.pin"
+  int body = 0;       ///< 0 is ground
+  Pose X_BP;          ///< in the undeformed body; on a node: relative to the node
+  int node = -1;      ///< of a flexible body, moves with the deformation
+  int ked_node = -1;  ///< of a one-way body: loads here deform it, the marker stays where it is
 };
 
 struct BodyDescription {
   std::string name;
   RigidInertia inertia = {};                          ///< of a rigid body
   std::shared_ptr<const FlexibleBody> flexible = {};  ///< or this
-  std::optional<Pose> X_WB = {};                      ///< guess for the assembly, in [m]
-  std::string superelement = {};                      ///< file, for pictures
-  std::string shape_json = {};                        ///< primitive shapes, for pictures
+  /// Beside `inertia`, fidelity "ked" (kineto-elastodynamics): the body moves as a rigid one and deforms
+  /// one-way under the loads of that motion, M_e s'' + ... = what its inertia and its loads ask for, with
+  /// (s, s') among the dynamic states.
+  std::shared_ptr<const FlexibleBody> ked = {};
+  std::shared_ptr<const StressField> stress = {};  ///< of a deforming body
+  std::optional<Pose> X_WB = {};                   ///< guess for the assembly, in [m]
+  std::string superelement = {};                   ///< file, for pictures
+  std::string shape_json = {};                     ///< primitive shapes, for pictures
 };
 
 struct JointDescription {
@@ -107,6 +114,7 @@ class Mechanism final : public Equations {
   void residuals(const State& s, ConstVectorRef v_dot, ConstVectorRef mu, Scratch& scratch, VectorRef r,
                  VectorRef c_rate, VectorRef b, VectorRef g_dot, VectorRef g, VectorRef GT_mu) const override;
   bool elastic_coordinate(int i_v, int& i_p, double& k, double& d) const override;
+  void add_elastic_tangents(const State& s, MatrixRef r_p, MatrixRef r_v) const override;
   void position_constraints(double t, ConstVectorRef p, Scratch& scratch, VectorRef g) const override;
   void velocity_constraints(double t, ConstVectorRef p, ConstVectorRef v, Scratch& scratch,
                             VectorRef g_dot) const override;
@@ -156,8 +164,14 @@ class Mechanism final : public Equations {
 
   /// Pose of every body (0 = ground) for pictures.
   void body_poses(const State& s, Scratch& scratch, std::vector<Pose>& poses) const;
-  /// First entry of the modal coordinates of a body in p, -1 for a rigid one.
+  /// First entry of the modal coordinates of a body in p, -1 for a rigid or one-way one.
   int modal_position(int body) const { return bodies_[body].m > 0 ? bodies_[body].i_p : -1; }
+  /// What deforms: the flexible or the one-way body, or nullptr.
+  const FlexibleBody* deforming(int body) const {
+    return d_.bodies[body].flexible ? d_.bodies[body].flexible.get() : d_.bodies[body].ked.get();
+  }
+  /// Its modal coordinates and their rates; nullptr for a rigid body.
+  const double* modal_coordinates(int body, const State& s) const;
 
   bool in_tree(int joint) const { return places_[joint].in_tree(); }
   /// True where the tree runs through the joint from M's body to F's.
@@ -184,6 +198,7 @@ class Mechanism final : public Equations {
     int marker_out = -1;    ///< the joint's marker on this body
     int i_p = 0, i_v = 0;   ///< modal coordinates (after those of the joint)
     int m = 0;
+    int i_c = -1;  ///< of a one-way body: its modal coordinates, then their rates, in c
   };
 
   enum class Level { position, velocity, acceleration };
@@ -214,6 +229,10 @@ class Mechanism final : public Equations {
   void own_contact(std::size_t constraint, Work& work) const;
   std::string name_of_force_state(int i) const;
   void clear_loads(Work& work) const;
+  void one_way_loads(int body, const Spatial& V, const Spatial& A, Work& work) const;
+  void load_one_way(int marker, const Spatial& wrench_W, double factor, Work& work) const;
+  void one_way_rates(const Work& work, double* c_rate) const;
+  void deform_one_way_markers(Work& work) const;
   void backward(Work& work, double* r) const;
   void add_constraint_loads(const double* lambda, double factor, Work& work) const;
   EnergyReport energies(const double* lambda, Work& work) const;
@@ -253,6 +272,8 @@ class Mechanism final : public Equations {
     body_acceleration,
     mode,
     strain_energy,
+    largest_stress,
+    point_stress,
     measure,
     contact,
     input,
@@ -267,7 +288,7 @@ class Mechanism final : public Equations {
     bool usual;
   };
   std::vector<QuantityPlace> quantities_;
-  int n_p_ = 0, n_v_ = 0, n_flx_ = 0;
+  int n_p_ = 0, n_v_ = 0, n_flx_ = 0, n_dyn_ = 0;
   Eigen::VectorXd p_0_, v_0_;
   std::vector<bool> given_p_, given_v_;
 };

@@ -1,10 +1,12 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
 
+#include "mbs/model/beam_part.hpp"
 #include "mbs/model/constraints/types.hpp"
 #include "mbs/model/controls/types.hpp"
 #include "mbs/model/forces/types.hpp"
 #include "mbs/model/joints/types.hpp"
+#include "mbs/model/read_flexible_body.hpp"
 #include "mbs/model/read_mechanism.hpp"
 #include "mbs/model/read_tables.hpp"
 #include "mbs/model/user_library.hpp"
@@ -66,18 +68,14 @@ TableSchema body_schema() {
       quantities("inertia", dim::inertia,
                  "about the centre of mass: Ixx, Iyy, Izz, or these and Ixy, Iyz, Izx (minus the integral of "
                  "x y dm)"),
-      text("superelement", "file made by flexura reduce, beside this one"),
-      choice("fidelity", {"modal", "rigid"}, "of a superelement: with its deformation or without")
-          .or_default("modal"),
-      integer("modes", "keep at most so many modes, lowest first; without it all").at_least(1),
-      quantity("max_frequency", dim::frequency, "keep no mode above").above(0.0),
-      quantity("damping", dim::none, "damping ratio of all modes; without it the superelement's")
-          .at_least(0.0),
       vector3("velocity", dim::velocity, "of the origin of a free body at the start, in world axes"),
       vector3("angular_velocity", dim::angular_velocity, "of a free body at the start, in world axes"),
       table_map("marker", marker_schema(), "markers of the body"),
+      table("beam", beam_part_schema(), "a beam in place of mass and inertia"),
       tables("shape", shape_schema(), "for pictures"),
   };
+  const std::vector<Key> flexible = flexible_body_keys();
+  schema.keys.insert(schema.keys.begin() + 3, flexible.begin(), flexible.end());
   add_pose(schema, "the body at the start, a guess for the assembly; for a free body exact");
   return schema;
 }

@@ -3,7 +3,9 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
+#include <Eigen/LU>
 #include <Eigen/QR>
 #include <cmath>
 #include <numbers>
@@ -12,6 +14,7 @@
 namespace flexura::mbs {
 namespace {
 
+using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
@@ -20,49 +23,155 @@ struct Modes {
   VectorXd omega2;
 };
 
-Modes free_modes(const superelement::Superelement& se) {
-  const int n = se.n();
-  // Displacements, rotations and modal coordinates differ in size: unit diagonal of M first.
-  VectorXd scale(n);
-  for (int i = 0; i < n; ++i) {
-    if (!(se.M_se(i, i) > 0.0))
-      throw std::invalid_argument(fmt::format(
-          "superelement \"{}\": M_se has the diagonal entry {} in row {}; every coordinate needs inertia",
-          se.name, se.M_se(i, i), i));
-    scale(i) = 1.0 / std::sqrt(se.M_se(i, i));
-  }
-  const MatrixXd M = scale.asDiagonal() * se.M_se * scale.asDiagonal();
-  const MatrixXd K = scale.asDiagonal() * se.K_se * scale.asDiagonal();
-  const MatrixXd R = scale.cwiseInverse().asDiagonal() * superelement::rigid_motions(se);
+double hz(double omega2) {
+  return std::sqrt(omega2) / (2.0 * std::numbers::pi);
+}
 
-  // The complement of M R: the last n - 6 columns of its orthogonal factor.
-  Eigen::ColPivHouseholderQR<MatrixXd> qr(M * R);
-  qr.setThreshold(1e-9);
-  if (n <= 6 || qr.rank() != 6)
-    throw std::invalid_argument(fmt::format(
-        "superelement \"{}\" has {} coordinates that carry {} of the six rigid motions; a flexible body "
-        "needs all "
-        "six and at least one more coordinate (use fidelity = \"rigid\" or interfaces with more directions)",
-        se.name, n, qr.rank()));
-  const MatrixXd N = qr.householderQ() * MatrixXd::Identity(n, n).rightCols(n - 6);
-  const MatrixXd K_c = N.transpose() * K * N, M_c = N.transpose() * M * N;
-  const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> solver(0.5 * (K_c + K_c.transpose()),
-                                                                  0.5 * (M_c + M_c.transpose()));
-  if (solver.info() != Eigen::Success)
-    throw std::invalid_argument(
-        fmt::format("superelement \"{}\": M_se is not positive definite beside its rigid motions", se.name));
-  Modes modes{scale.asDiagonal() * (N * solver.eigenvectors()), solver.eigenvalues()};
-  if (!(modes.omega2(0) > 0.0))
-    throw std::invalid_argument(fmt::format(
-        "superelement \"{}\": K_se has a mode without stiffness beside the six rigid motions (omega^2 = {})",
-        se.name, modes.omega2(0)));
-  // A sign that does not depend on the eigensolver: the largest entry is positive.
-  for (int i = 0; i < modes.Y.cols(); ++i) {
-    Eigen::Index k = 0;
-    modes.Y.col(i).cwiseProduct(scale.cwiseInverse()).cwiseAbs().maxCoeff(&k);
-    if (modes.Y(k, i) < 0.0) modes.Y.col(i) *= -1.0;
+/// The superelement's matrices scaled to a unit diagonal of M: displacements, rotations and modal coordinates
+/// differ in size.
+class Scaled {
+ public:
+  explicit Scaled(const superelement::Superelement& se) : se_(se), n_(se.n()), scale_(se.n()) {
+    for (int i = 0; i < n_; ++i) {
+      if (!(se.M_se(i, i) > 0.0))
+        throw std::invalid_argument(fmt::format(
+            "superelement \"{}\": M_se has the diagonal entry {} in row {}; every coordinate needs inertia",
+            se.name, se.M_se(i, i), i));
+      scale_(i) = 1.0 / std::sqrt(se.M_se(i, i));
+    }
+    M = scale_.asDiagonal() * se.M_se * scale_.asDiagonal();
+    K = scale_.asDiagonal() * se.K_se * scale_.asDiagonal();
+    R = scale_.cwiseInverse().asDiagonal() * superelement::rigid_motions(se);
+    MR_ = M * R;
+    Eigen::ColPivHouseholderQR<MatrixXd> qr(MR_);
+    qr.setThreshold(1e-9);
+    if (n_ <= 6 || qr.rank() != 6)
+      throw std::invalid_argument(fmt::format(
+          "superelement \"{}\" has {} coordinates that carry {} of the six rigid motions; a flexible "
+          "body needs all six and at least one more coordinate (use fidelity = \"rigid\" or interfaces "
+          "with more directions)",
+          se.name, n_, qr.rank()));
+    // The complement of M R: the last n - 6 columns of its orthogonal factor.
+    free_ = qr.householderQ() * MatrixXd::Identity(n_, n_).rightCols(n_ - 6);
   }
-  return modes;
+
+  MatrixXd M, K, R;
+
+  MatrixXd to_coordinates(const MatrixXd& X) const { return scale_.asDiagonal() * X; }
+  MatrixXd to_loads(const MatrixXd& P) const { return scale_.asDiagonal() * P; }
+  const MatrixXd& free() const { return free_; }
+
+  /// Eigenmodes among the vectors orthogonal to `held` (scaled as loads), without rigid motions.
+  Modes eigenmodes(const MatrixXd& held) const {
+    if (held.cols() == 0) return eigenmodes_in(free_);
+    const MatrixXd H = to_loads(held);
+    // Rigid motions that the held directions leave: the null space of H^T R.
+    Eigen::FullPivLU<MatrixXd> lu(H.transpose() * R);
+    lu.setThreshold(1e-9);
+    MatrixXd conditions = H;
+    if (const Index left = lu.dimensionOfKernel(); left > 0) {
+      conditions.conservativeResize(Eigen::NoChange, H.cols() + left);
+      conditions.rightCols(left) = MR_ * lu.kernel();
+    }
+    for (Index k = 0; k < conditions.cols(); ++k)
+      if (const double length = conditions.col(k).norm(); length > 0.0) conditions.col(k) /= length;
+    Eigen::ColPivHouseholderQR<MatrixXd> qr(conditions);
+    qr.setThreshold(1e-9);
+    const Index rest = n_ - qr.rank();
+    if (rest == 0) return {};
+    return eigenmodes_in(qr.householderQ() * MatrixXd::Identity(n_, n_).rightCols(rest));
+  }
+
+  /// Response modes for the loads, mean axes.
+  MatrixXd responses(const MatrixXd& loads, double omega) const {
+    const MatrixXd P = free_.transpose() * to_loads(loads);
+    MatrixXd A = free_.transpose() * (K - omega * omega * M) * free_;
+    A = (0.5 * (A + A.transpose())).eval();
+    const Eigen::PartialPivLU<MatrixXd> lu(A);
+    if (!(lu.rcond() > 1e-13))
+      throw std::invalid_argument(fmt::format(
+          "superelement \"{}\": the response frequency {:.6g} Hz is a natural frequency of the free "
+          "body; choose another",
+          se_.name, omega / (2.0 * std::numbers::pi)));
+    return free_ * lu.solve(P);
+  }
+
+  /// Takes a rigid motion from each column: none of its momentum is left.
+  void to_mean_axes(MatrixXd& S) const { S -= R * (R.transpose() * MR_).ldlt().solve(MR_.transpose() * S); }
+
+  /// Takes a rigid motion from each column: the interface is at rest.
+  void to_fixed_interface(int interface, MatrixXd& S) const {
+    const superelement::Interface& i = se_.interfaces.at(interface);
+    if (i.directions.size() != 6)
+      throw std::invalid_argument(fmt::format(
+          "superelement \"{}\": interface \"{}\" keeps {} of six directions; a joint-fixed frame needs "
+          "all six (or take frame = \"mean_axis\")",
+          se_.name, i.name, i.directions.size()));
+    const Matrix6d R_i = R.middleRows(i.first_dof, 6);
+    S -= R * R_i.fullPivLu().solve(S.middleRows(i.first_dof, 6));
+    S.middleRows(i.first_dof, 6).setZero();
+  }
+
+  /// Y^T M Y = 1, Y^T K Y = Omega^2 in the span of S; directions that depend on the others are dropped.
+  Modes orthonormalised(MatrixXd S) const {
+    for (Index k = 0; k < S.cols(); ++k)
+      S.col(k) /= std::sqrt(std::max(S.col(k).dot(M * S.col(k)), std::numeric_limits<double>::min()));
+    const Eigen::SelfAdjointEigenSolver<MatrixXd> gram(S.transpose() * M * S);
+    // Of unit vectors: entries of the Gram matrix are right to 1e-15 n, so what lies below is noise.
+    const double least = 1e-12 * gram.eigenvalues().maxCoeff();
+    Index dropped = 0;
+    while (gram.eigenvalues()(dropped) < least) ++dropped;
+    const Index m = S.cols() - dropped;
+    const MatrixXd Q = S * gram.eigenvectors().rightCols(m) *
+                       gram.eigenvalues().tail(m).cwiseSqrt().cwiseInverse().asDiagonal();
+    return eigenmodes_in(Q);
+  }
+
+ private:
+  Modes eigenmodes_in(const MatrixXd& N) const {
+    const MatrixXd K_c = N.transpose() * K * N, M_c = N.transpose() * M * N;
+    const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> solver(0.5 * (K_c + K_c.transpose()),
+                                                                    0.5 * (M_c + M_c.transpose()));
+    if (solver.info() != Eigen::Success)
+      throw std::invalid_argument(fmt::format(
+          "superelement \"{}\": M_se is not positive definite beside its rigid motions", se_.name));
+    Modes modes{N * solver.eigenvectors(), solver.eigenvalues()};
+    if (!(modes.omega2(0) > 0.0))
+      throw std::invalid_argument(
+          fmt::format("superelement \"{}\": K_se has a mode without stiffness beside the six rigid motions "
+                      "(omega^2 = {})",
+                      se_.name, modes.omega2(0)));
+    // A sign that does not depend on the eigensolver: the largest entry is positive.
+    for (Index i = 0; i < modes.Y.cols(); ++i) {
+      Index k = 0;
+      modes.Y.col(i).cwiseAbs().maxCoeff(&k);
+      if (modes.Y(k, i) < 0.0) modes.Y.col(i) *= -1.0;
+    }
+    return modes;
+  }
+
+  const superelement::Superelement& se_;
+  int n_;
+  VectorXd scale_;
+  MatrixXd MR_, free_;
+};
+
+FlexibleNode node_of(const superelement::Interface& interface, const MatrixXd& Y,
+                     const superelement::StiffeningTerms* terms) {
+  const Index m = Y.cols();
+  FlexibleNode node;
+  node.name = interface.name;
+  node.p_BoN_B = interface.p_BoN_B;
+  node.Phi_t = node.Phi_r = Eigen::Matrix3Xd::Zero(3, m);
+  MatrixXd second = MatrixXd::Zero(terms ? 6 * m : 0, m);
+  for (std::size_t k = 0; k < interface.directions.size(); ++k) {
+    const int direction = static_cast<int>(interface.directions[k]);
+    const int dof = interface.first_dof + static_cast<int>(k);
+    (direction < 3 ? node.Phi_t.row(direction) : node.Phi_r.row(direction - 3)) = Y.row(dof);
+    if (terms) second.middleRows(direction * m, m) = -Y.transpose() * terms->K0F.at(dof) * Y;
+  }
+  if (!second.isZero(0.0)) node.second = std::move(second);
+  return node;
 }
 
 }  // namespace
@@ -78,45 +187,110 @@ superelement::InertiaIntegrals transform(const superelement::InertiaIntegrals& i
   return out;
 }
 
+SecondOrderIntegrals second_order_integrals(const superelement::StiffeningTerms& terms, const MatrixXd& Y) {
+  const Index m = Y.cols();
+  const auto in_modes = [&](const MatrixXd& K0) { return MatrixXd(Y.transpose() * K0 * Y); };
+  SecondOrderIntegrals out;
+  out.t.resize(3 * m, m);
+  out.x.resize(9 * m, m);
+  MatrixXd trace = MatrixXd::Zero(m, m);
+  for (int a = 0; a < 3; ++a) {
+    out.t.middleRows(a * m, m) = in_modes(terms.K0t[a]);
+    out.x.middleRows(4 * a * m, m) = in_modes(terms.K0omega[a]);
+    trace -= 0.5 * out.x.middleRows(4 * a * m, m);
+  }
+  for (int a = 0; a < 3; ++a) {
+    const int b = (a + 1) % 3, c = (a + 2) % 3;  // K0omega holds xy, yz, zx behind xx, yy, zz
+    out.x.middleRows(4 * a * m, m) += trace;
+    const MatrixXd sum = in_modes(terms.K0omega[3 + a]), difference = in_modes(terms.K0r[c]);
+    out.x.middleRows((3 * a + b) * m, m) = 0.5 * (sum + difference);
+    out.x.middleRows((3 * b + a) * m, m) = 0.5 * (sum - difference);
+  }
+  return out;
+}
+
+MatrixXd interface_loads(const superelement::Superelement& se, int interface, const Vector3d& offset) {
+  const superelement::Interface& i = se.interfaces.at(interface);
+  MatrixXd P = MatrixXd::Zero(se.n(), 6);
+  // Torque t and force f at the offset: t + offset x f about the node.
+  Matrix6d to_node = Matrix6d::Identity();  // rows: force, torque at the node; columns: torque, force
+  to_node.topLeftCorner<3, 3>().setZero();
+  to_node.topRightCorner<3, 3>().setIdentity();
+  to_node.bottomLeftCorner<3, 3>().setIdentity();
+  to_node.bottomRightCorner<3, 3>() = skew(offset);
+  for (std::size_t k = 0; k < i.directions.size(); ++k)
+    P.row(i.first_dof + static_cast<int>(k)) = to_node.row(static_cast<int>(i.directions[k]));
+  return P;
+}
+
+MatrixXd interface_loads(const superelement::Superelement& se, const std::vector<int>& interfaces) {
+  MatrixXd P(se.n(), 6 * interfaces.size());
+  for (std::size_t k = 0; k < interfaces.size(); ++k)
+    P.middleCols<6>(6 * static_cast<Index>(k)) = interface_loads(se, interfaces[k]);
+  return P;
+}
+
 ModalData modal_data(const superelement::Superelement& se, const BasisOptions& options, BasisReport* report) {
-  Modes modes = free_modes(se);
-  const VectorXd omega = modes.omega2.cwiseSqrt();
-  const auto hz = [&](int i) { return omega(i) / (2.0 * std::numbers::pi); };
-  const int available = static_cast<int>(omega.size());
+  if (options.stiffening && !se.stiffening)
+    throw std::invalid_argument(
+        fmt::format("superelement \"{}\" has no geometric stiffening terms; reduce the part again with "
+                    "stiffening = true, or "
+                    "use fidelity = \"modal\"",
+                    se.name));
+  const Scaled scaled(se);
+  Modes modes = scaled.eigenmodes(options.held);
+  const int available = static_cast<int>(modes.omega2.size());
   int kept = 0;
-  while (kept < available && kept < options.modes && hz(kept) <= options.max_frequency) ++kept;
-  if (kept == 0)
+  while (kept < available && kept < options.modes && hz(modes.omega2(kept)) <= options.max_frequency) ++kept;
+  const bool responses = options.loads.cols() > 0 && (kept < available || options.held.cols() > 0);
+  if (kept == 0 && !responses)
     throw std::invalid_argument(
         fmt::format("superelement \"{}\": no mode is left (the first one has {:.6g} Hz); keep one or use "
                     "fidelity = \"rigid\"",
-                    se.name, hz(0)));
-  if (report) *report = {available, kept, hz(0), hz(kept - 1), kept < available ? hz(kept) : 0.0};
+                    se.name, hz(modes.omega2(0))));
+  const double first_dropped = kept < available ? hz(modes.omega2(kept)) : 0.0;
+  std::vector<double> eigen_hz;
+  for (int i = 0; i < kept; ++i) eigen_hz.push_back(hz(modes.omega2(i)));
+
+  const bool free_eigenmodes_alone = options.held.cols() == 0 && !responses && options.fixed_interface < 0;
+  if (free_eigenmodes_alone) {
+    modes.Y = modes.Y.leftCols(kept).eval();
+    modes.omega2 = modes.omega2.head(kept).eval();
+  } else {
+    MatrixXd S(se.n(), kept + (responses ? options.loads.cols() : 0));
+    S.leftCols(kept) = modes.Y.leftCols(kept);
+    if (responses)
+      S.rightCols(options.loads.cols()) =
+          scaled.responses(options.loads, 2.0 * std::numbers::pi * options.response_frequency);
+    // Mean axes first: what is dependent there is, whatever frame follows.
+    scaled.to_mean_axes(S);
+    modes = scaled.orthonormalised(std::move(S));
+    if (options.fixed_interface >= 0) {
+      scaled.to_fixed_interface(options.fixed_interface, modes.Y);
+      modes = scaled.orthonormalised(std::move(modes.Y));
+    }
+  }
+  const int m = static_cast<int>(modes.omega2.size());
+  if (report)
+    *report = {available,     kept,    m - kept, hz(modes.omega2(0)), hz(modes.omega2(m - 1)),
+               first_dropped, eigen_hz};
 
   ModalData data;
-  data.Y = modes.Y.leftCols(kept);
-  data.stiffness = modes.omega2.head(kept);
+  data.Y = scaled.to_coordinates(modes.Y);
+  data.stiffness = modes.omega2;
   data.inertia = transform(se.inertia, data.Y);
-  if (se.D_se.size() > 0 && !options.damping) {
-    // Of a general D_se the modes keep what acts within each mode.
-    data.damping = (data.Y.transpose() * se.D_se * data.Y).diagonal();
-  } else {
-    data.damping = 2.0 * options.damping.value_or(se.modal_damping) * omega.head(kept);
-  }
-  for (const superelement::Interface& interface : se.interfaces) {
-    FlexibleNode node;
-    node.name = interface.name;
-    node.p_BoN_B = interface.p_BoN_B;
-    node.Phi_t = node.Phi_r = Eigen::Matrix3Xd::Zero(3, kept);
-    for (std::size_t k = 0; k < interface.directions.size(); ++k) {
-      const int direction = static_cast<int>(interface.directions[k]);
-      const auto row = data.Y.row(interface.first_dof + static_cast<int>(k));
-      if (direction < 3)
-        node.Phi_t.row(direction) = row;
-      else
-        node.Phi_r.row(direction - 3) = row;
-    }
-    data.nodes.push_back(std::move(node));
-  }
+  data.coupling = options.coupling;
+  DampingLaw law = options.damping_law;
+  if (options.damping) law.ratio = options.damping;
+  // Of a general D_se the modes keep what acts within each mode.
+  const VectorXd of_superelement = se.D_se.size() > 0
+                                       ? VectorXd((data.Y.transpose() * se.D_se * data.Y).diagonal())
+                                       : VectorXd(2.0 * se.modal_damping * data.stiffness.cwiseSqrt());
+  data.damping = modal_damping(law, data.stiffness, of_superelement);
+  const superelement::StiffeningTerms* terms = options.stiffening ? &*se.stiffening : nullptr;
+  if (terms) data.second = second_order_integrals(*terms, data.Y);
+  for (const superelement::Interface& interface : se.interfaces)
+    data.nodes.push_back(node_of(interface, data.Y, terms));
   return data;
 }
 

@@ -74,10 +74,28 @@ void Mechanism::list_quantities() {
       add(name + ".acceleration_" + axis, dim::acceleration, "of the body's origin", K::body_acceleration, k,
           i);
     }
-    for (int i = 0; i < bodies_[b].m; ++i)
+    const FlexibleBody* deforms = deforming(k);
+    for (int i = 0; deforms && i < deforms->m(); ++i)
       add(fmt::format("{}.mode_{}", name, i + 1), dim::none, "modal coordinate", K::mode, k, i);
-    if (bodies_[b].m > 0)
+    if (deforms)
       add(name + ".strain_energy", dim::energy, "elastic energy of the body", K::strain_energy, k, 0, true);
+    if (const StressField* stress = d_.bodies[b].stress.get()) {
+      add(name + ".von_mises", dim::pressure, "largest von Mises stress on the body's surface",
+          K::largest_stress, k, 0, true);
+      for (int i = 0; i < 3; ++i)
+        add(fmt::format("{}.von_mises_{}", name, axis_names[i]), dim::length,
+            "where it is, in the undeformed body", K::largest_stress, k, 1 + i);
+      const char* components[] = {"xx", "yy", "zz", "xy", "yz", "zx"};
+      for (std::size_t p = 0; p < stress->points().size(); ++p) {
+        const std::string point = name + "." + stress->points()[p].name;
+        const int first = 7 * static_cast<int>(p);
+        add(point + ".von_mises", dim::pressure, "von Mises stress at the point", K::point_stress, k,
+            first + 6, true);
+        for (int i = 0; i < 6; ++i)
+          add(fmt::format("{}.stress_{}", point, components[i]), dim::pressure,
+              "stress at the point, in the body's axes", K::point_stress, k, first + i);
+      }
+    }
   }
   for (std::size_t i = 0; i < d_.measures.size(); ++i)
     add(d_.measures[i]->name(), d_.measures[i]->dimension(), "measure", K::measure, static_cast<int>(i), 0,
@@ -142,8 +160,8 @@ void Mechanism::evaluate(const std::vector<int>& which, const State& s, ConstVec
                          Scratch& scratch, VectorRef values) const {
   Work& work = work_of(scratch);
   forward(Level::acceleration, s.t, s.p.data(), s.v.data(), v_dot.data(), work);
-  body_forces(true, work);
   take_states(s, work);
+  body_forces(true, work);
   // Measures that only the output asks for may read signals that no force needs: all of them, in their order.
   work.signals(0) = s.t;
   std::vector<double> measured(d_.measures.size()), controlled(d_.controls.size());
@@ -180,8 +198,21 @@ void Mechanism::evaluate(const std::vector<int>& which, const State& s, ConstVec
                               e.potential,   e.kinetic + e.strain + e.potential,
                               e.input_power, e.dissipated_power};
 
+  if (n_dyn_ > first_force_state_.back()) {
+    // What is measured on a one-way body shows its deformation; the forces above did not see it.
+    const std::vector<MarkerState> rigid = work.kin.markers;
+    deform_one_way_markers(work);
+    for (std::size_t i = 0; i < d_.measures.size(); ++i) {
+      measured[i] = d_.measures[i]->value(work.kin, work.signals.data());
+      if (const int k = d_.signals.find(d_.measures[i]->name()); k >= 0) work.signals(k) = measured[i];
+    }
+    work.kin.markers = rigid;
+  }
+
   std::vector<double> outputs;
   int outputs_of = -1;
+  StressField::Largest largest;
+  int largest_of = -1;
   for (std::size_t i = 0; i < which.size(); ++i) {
     const QuantityPlace& q = quantities_[which[i]];
     double value = 0.0;
@@ -221,11 +252,24 @@ void Mechanism::evaluate(const std::vector<int>& which, const State& s, ConstVec
         value = work.bodies[q.index].A.linear(q.component);
         break;
       case QuantityKind::mode:
-        value = s.p(bodies_[q.index].i_p + q.component);
+        value = modal_coordinates(q.index, s)[q.component];
         break;
       case QuantityKind::strain_energy:
-        value = d_.bodies[q.index].flexible->strain_energy(s.p.data() + bodies_[q.index].i_p);
+        value = deforming(q.index)->strain_energy(modal_coordinates(q.index, s));
         break;
+      case QuantityKind::largest_stress: {
+        const StressField& stress = *d_.bodies[q.index].stress;
+        if (largest_of != q.index) largest = stress.largest(modal_coordinates(q.index, s));
+        largest_of = q.index;
+        value = q.component == 0 ? largest.von_mises : stress.position(largest.place)(q.component - 1);
+        break;
+      }
+      case QuantityKind::point_stress: {
+        const StressField& stress = *d_.bodies[q.index].stress;
+        const Stress sigma = stress.at(stress.points()[q.component / 7].place, modal_coordinates(q.index, s));
+        value = q.component % 7 == 6 ? von_mises(sigma) : sigma(q.component % 7);
+        break;
+      }
       case QuantityKind::measure:
         value = measured[q.index];
         break;

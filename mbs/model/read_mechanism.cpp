@@ -37,6 +37,7 @@ MechanismFile read_mechanism(const std::filesystem::path& file, const input::Tab
     for (const CoordinateInfo& c : joint.joint->speeds()) d.signals.add(joint.name + "." + c.name);
   }
   reader.read_elements();
+  prepare_bodies(model);
 
   MechanismFile out{d.name, text_of(file),          std::move(d),        {}, {},
                     {},     std::move(model.notes), root.table("solver")};

@@ -12,6 +12,7 @@
 #include "mbs/model/modal_basis.hpp"
 #include "mbs/model/parameters.hpp"
 #include "mbs/model/read_body.hpp"
+#include "mbs/model/read_flexible_body.hpp"
 #include "mbs/model/read_tables.hpp"
 #include "mbs/model/user_library.hpp"
 #include "mbs/superelement/file.hpp"
@@ -133,6 +134,12 @@ JointDescription read_joint(const std::string& name, const Section& s, const Rea
 
 void add_free_joints(ReadModel& model) {
   MechanismDescription& d = model.description;
+  // A chain of segments is held where one of its pieces is.
+  for (const auto& [b, chain] : model.segments) {
+    const bool held = std::ranges::any_of(chain.bodies, [&](int piece) { return model.joined.contains(piece); });
+    for (const int piece : chain.bodies)
+      if (piece != b || held) model.joined.insert(piece);
+  }
   for (std::size_t i = 1; i < d.bodies.size(); ++i) {
     const int b = static_cast<int>(i);
     const Section& s = model.sections.at(b);
@@ -149,6 +156,16 @@ void add_free_joints(ReadModel& model) {
       if (s.has("angular_velocity")) d.joints[j].initial_speeds[k] = s.vector3("angular_velocity")(k);
       if (s.has("velocity")) d.joints[j].initial_speeds[3 + k] = s.vector3("velocity")(k);
     }
+  }
+}
+
+void prepare_bodies(ReadModel& model) {
+  MechanismDescription& d = model.description;
+  for (const auto& [b, se] : model.to_prepare) {
+    const Section& s = model.sections.at(b);
+    const auto body = prepare_flexible_body(s, *se, d, b, model.notes);
+    if (wants_stress(s)) d.bodies[b].stress = read_stress_field(s, *se, *body);
+    (model.is_one_way(b) ? d.bodies[b].ked : d.bodies[b].flexible) = body;
   }
 }
 
@@ -185,7 +202,7 @@ void Reader::read_bodies() {
   } else {
     d.markers.push_back({prefix_ + "ground", base_.body, base_.X_BG, -1});
   }
-  read_markers(ground, base_.body, base_.X_BG, prefix_ + "ground", nullptr);
+  read_markers(ground, base_.body, base_.X_BG, prefix_ + "ground", false);
   for (const auto& [name, s] : root_.table_map("body")) read_body(name, s);
   for (const auto& [name, s] : root_.table_map("subsystem")) read_subsystem(name, s);
 }
@@ -238,8 +255,21 @@ void Reader::read_subsystem(const std::string& name, const Section& s) {
   subsystems_.back()->read_bodies();
 }
 
-void Reader::read_markers(const Section& s, int body, const Pose& X_B, const std::string& owner,
-                          const FlexibleBody* flexible) {
+void Reader::add_marker(int body, const std::string& full_name, const Pose& X, int node) {
+  MechanismDescription& d = model_.description;
+  if (const auto found = model_.segments.find(body); found != model_.segments.end()) {
+    // On the piece that is there.
+    const int piece = found->second.piece_at(X.p);
+    d.markers.push_back(
+        {full_name, found->second.bodies[piece], {X.R, X.p - found->second.origins_B[piece]}, -1});
+    return;
+  }
+  const bool one_way = model_.is_one_way(body);
+  d.markers.push_back({full_name, body, X, one_way ? -1 : node});
+  if (one_way) d.markers.back().ked_node = node;
+}
+
+void Reader::read_markers(const Section& s, int body, const Pose& X_B, const std::string& owner, bool deforms) {
   MechanismDescription& d = model_.description;
   for (const auto& [name, m] : s.table_map("marker")) {
     Pose X = read_pose(m);
@@ -261,59 +291,35 @@ void Reader::read_markers(const Section& s, int body, const Pose& X_B, const std
             interfaces.empty() ? "only superelements have interfaces" : "");
       }
       if (!m.has("position")) X.p = found->second;
-      if (flexible) {
-        node = flexible->find_node(interface);
-        X.p -= found->second;  // relative to the node
+      if (deforms) {
+        node = static_cast<int>(found - interfaces.begin());        // nodes are the interfaces in their order
+        if (!model_.is_one_way(body)) X.p -= found->second;  // relative to the node
       }
-    } else if (flexible) {
+    } else if (deforms) {
       model_.notes.push_back(
           fmt::format("marker \"{}.{}\" is fixed in the body's floating frame and sees no deformation; "
                       "say on = \"INTERFACE\" to let an interface carry it",
                       owner, name));
     }
-    d.markers.push_back({owner + "." + name, body, X_B * X, node});
+    add_marker(body, owner + "." + name, X_B * X, node);
   }
 }
 
-const ReadModel::Loaded& Reader::load(const std::string& name, const Section& s) {
+std::shared_ptr<const superelement::Superelement> Reader::load(const Section& s) {
   const std::filesystem::path path = s.file("superelement");
-  const auto option = [&](const char* key) {
-    return s.has(key) ? fmt::format("{:.17g}", s.quantity(key)) : "-";
-  };
+  superelement::Parts parts;
+  parts.stiffening = s.text("fidelity") == "modal-stiffened";
+  parts.stress = parts.surface = wants_stress(s);
   const std::string key =
-      fmt::format("{}|{}|{}|{}|{}", path.lexically_normal().string(), s.text("fidelity"),
-                  s.has("modes") ? s.integer("modes") : -1, option("max_frequency"), option("damping"));
-  if (const auto known = model_.superelements.find(key); known != model_.superelements.end())
-    return known->second;
-  superelement::Superelement se;
+      fmt::format("{}|{}|{}", path.lexically_normal().string(), parts.stiffening, parts.stress);
+  auto& loaded = model_.superelements[key];
+  if (loaded) return loaded;
   try {
-    se = superelement::read(path);
+    loaded = std::make_shared<superelement::Superelement>(superelement::read(path, parts));
   } catch (const std::runtime_error& error) {
     throw input::InputError(s.where("superelement") + ": " + error.what());
   }
-  ReadModel::Loaded loaded;
-  for (const superelement::Interface& i : se.interfaces) loaded.interfaces.emplace_back(i.name, i.p_BoN_B);
-  if (s.text("fidelity") == "rigid") {
-    loaded.inertia = rigid_inertia(se);
-  } else {
-    BasisOptions options;
-    if (s.has("modes")) options.modes = s.integer("modes");
-    if (s.has("max_frequency")) options.max_frequency = s.quantity("max_frequency");
-    if (s.has("damping")) options.damping = s.quantity("damping");
-    BasisReport report;
-    try {
-      loaded.flexible = std::make_shared<FlexibleBody>(modal_data(se, options, &report));
-    } catch (const std::invalid_argument& error) {
-      throw input::InputError(s.where("superelement") + ": " + error.what());
-    }
-    if (report.kept < report.available)
-      model_.notes.push_back(
-          fmt::format("body \"{}\" keeps {} of {} modes, up to {:.6g} Hz (the next has {:.6g} Hz): it is "
-                      "stiffer under loads at "
-                      "its interfaces than its superelement",
-                      name, report.kept, report.available, report.highest_hz, report.first_dropped_hz));
-  }
-  return model_.superelements.emplace(key, std::move(loaded)).first->second;
+  return loaded;
 }
 
 void Reader::read_body(const std::string& own_name, const Section& s) {
@@ -322,13 +328,33 @@ void Reader::read_body(const std::string& own_name, const Section& s) {
   BodyDescription body;
   body.name = prefix_ + own_name;
   std::vector<std::pair<std::string, Vector3d>> interfaces;
-  if (s.has("superelement")) {
+  const std::string fidelity = s.text("fidelity");
+  const bool is_beam = s.has("beam") && (fidelity == "ancf" || fidelity == "segments" ||
+                                         (fidelity == "rigid" && !s.has("superelement")));
+  if ((fidelity == "ancf" || fidelity == "segments") && !is_beam)
+    s.refuse("fidelity", fmt::format("\"{}\" is for beams", fidelity),
+             fmt::format("describe the beam in [body.{}.beam]", own_name));
+  std::shared_ptr<const superelement::Superelement> se;
+  BeamPart beam;
+  if (is_beam) {
+    if (s.has("mass")) s.refuse("mass", "a beam brings its own mass", "take one of the two away");
+    beam = read_beam_part(s.table("beam"));
+    interfaces = beam.stations();
+    try {
+      if (fidelity == "ancf") body.flexible = ancf_body(beam);
+    } catch (const std::invalid_argument& error) {
+      s.refuse("beam", error.what());
+    }
+    body.inertia = rigid_inertia(beam);
+  } else if (s.has("superelement")) {
     if (s.has("mass")) s.refuse("mass", "a superelement brings its own mass", "take one of the two away");
-    const ReadModel::Loaded& loaded = load(body.name, s);
+    se = load(s);
     body.superelement = s.file("superelement").string();
-    body.flexible = loaded.flexible;
-    body.inertia = loaded.inertia;
-    interfaces = loaded.interfaces;
+    for (const superelement::Interface& i : se->interfaces) interfaces.emplace_back(i.name, i.p_BoN_B);
+    if (fidelity == "rigid" || fidelity == "ked") body.inertia = rigid_inertia(*se);
+  } else if (s.has("beam")) {
+    s.refuse("fidelity", fmt::format("\"{}\" needs a superelement", fidelity),
+             "reduce the beam (flexura reduce), or use fidelity = \"ancf\", \"segments\" or \"rigid\"");
   } else {
     for (const char* key : {"modes", "max_frequency", "damping"})
       if (s.has(key)) s.refuse(key, "a rigid body has no modes", "give a superelement or take the key away");
@@ -341,19 +367,24 @@ void Reader::read_body(const std::string& own_name, const Section& s) {
     body.X_WB = (X_W_base ? *X_W_base : Pose{}) * base_.X_BG * read_pose(s);
   }
   body.shape_json = shapes_json(s);
-  const std::shared_ptr<const FlexibleBody> flexible = body.flexible;
   const std::string name = body.name;
   const int b = d.add_body(std::move(body));
   model_.sections.emplace(b, s);
+  if (se && fidelity != "rigid") model_.to_prepare.emplace(b, se);
+  if (is_beam && fidelity == "segments") {
+    model_.segments[b] = add_segments(d, b, beam);
+    for (const int piece : model_.segments[b].bodies) model_.sections.emplace(piece, s);
+  }
+  const bool deforms = model_.deforms(b);
   for (std::size_t i = 0; i < interfaces.size(); ++i) {
     // The nodes of a flexible body are its interfaces, in their order.
-    if (flexible)
-      d.add_marker(b, interfaces[i].first, {}, static_cast<int>(i));
-    else
-      d.add_marker(b, interfaces[i].first, {Matrix3d::Identity(), interfaces[i].second});
+    const bool moves = deforms && !model_.is_one_way(b);
+    add_marker(b, name + "." + interfaces[i].first,
+               {Matrix3d::Identity(), moves ? Vector3d::Zero() : interfaces[i].second},
+               deforms ? static_cast<int>(i) : -1);
   }
   model_.interfaces[b] = std::move(interfaces);
-  read_markers(s, b, Pose{}, name, flexible.get());
+  read_markers(s, b, Pose{}, name, deforms);
 }
 
 void Reader::read_joints() {

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "mbs/model/beam_part.hpp"
 #include "mbs/model/read_context.hpp"
 #include "mbs/model/read_mechanism.hpp"
 
@@ -26,17 +27,23 @@ struct ReadModel {
   std::map<int, input::Section> sections;  ///< of bodies
   std::map<int, std::vector<std::pair<std::string, Vector3d>>> interfaces;
   std::set<int> joined;  ///< bodies with a joint
-  /// Superelements by file and fidelity: one that is placed many times is held once.
-  struct Loaded {
-    std::shared_ptr<const FlexibleBody> flexible;
-    RigidInertia inertia;
-    std::vector<std::pair<std::string, Vector3d>> interfaces;
-  };
-  std::map<std::string, Loaded> superelements;
+  /// Superelements by file and what is read of it: one that is placed many times is held once.
+  std::map<std::string, std::shared_ptr<const superelement::Superelement>> superelements;
+  /// Of deforming bodies; they are prepared when it is known what acts on them.
+  std::map<int, std::shared_ptr<const superelement::Superelement>> to_prepare;
+  std::map<int, Segments> segments;  ///< beams cut into pieces, by the piece at the root
+
+  bool deforms(int body) const { return to_prepare.contains(body) || description.bodies[body].flexible; }
+  bool is_one_way(int body) const {
+    return to_prepare.contains(body) && sections.at(body).text("fidelity") == "ked";
+  }
 };
 
 /// Bodies that nothing holds get six freedoms to ground.
 void add_free_joints(ReadModel& model);
+
+/// Flexible bodies from their superelements and what acts on them, after everything else is read.
+void prepare_bodies(ReadModel& model);
 
 class Reader {
  public:
@@ -58,9 +65,10 @@ class Reader {
   ReadContext context() const { return {model_.description, parameters_, tables_, prefix_}; }
   void read_subsystem(const std::string& name, const input::Section& s);
   void read_body(const std::string& name, const input::Section& s);
-  const ReadModel::Loaded& load(const std::string& name, const input::Section& s);
-  void read_markers(const input::Section& s, int body, const Pose& X_B, const std::string& owner,
-                    const FlexibleBody* flexible);
+  std::shared_ptr<const superelement::Superelement> load(const input::Section& s);
+  void read_markers(const input::Section& s, int body, const Pose& X_B, const std::string& owner, bool deforms);
+  /// `node` is an interface of a deforming body, or -1.
+  void add_marker(int body, const std::string& full_name, const Pose& X, int node);
 
   ReadModel& model_;
   std::filesystem::path file_;

@@ -19,7 +19,8 @@ std::unique_ptr<Equations::Scratch> Mechanism::make_scratch() const {
     const TreeBody& t = bodies_[b];
     const int n_v = places_[t.joint].joint->n_v();
     body.S.setZero(6, n_v);
-    if (d_.bodies[b].flexible) body.flexible = d_.bodies[b].flexible->make_work();
+    if (const FlexibleBody* deforms = deforming(static_cast<int>(b))) body.flexible = deforms->make_work();
+    if (d_.bodies[b].ked) body.one_way.setZero(d_.bodies[b].ked->m());
     body.C_c.setZero(6, t.m);
     body.M_c.setZero(t.m, t.m);
     work->K[b].setZero(6, n_v + t.m);
@@ -40,7 +41,7 @@ std::unique_ptr<Equations::Scratch> Mechanism::make_scratch() const {
   for (std::size_t i = 0; i < d_.markers.size(); ++i) {
     const MarkerDescription& marker = d_.markers[i];
     work->local[i].X_BP = marker.X_BP;
-    if (marker.node >= 0) work->local[i].map.setZero(6, bodies_[marker.body].m);
+    if (marker.node >= 0) work->local[i].motion = d_.bodies[marker.body].flexible->make_node_motion();
     if (marker.body == 0) work->kin.markers[i].X_WP = marker.X_BP;
   }
   work->r.setZero(n_v_);
@@ -78,37 +79,21 @@ void Mechanism::forward(Level level, double t, const double* p, const double* v,
 void Mechanism::local_marker(int marker, Level level, Work& work) const {
   const MarkerDescription& description = d_.markers[marker];
   const TreeBody& body = bodies_[description.body];
-  const FlexibleNode& node = d_.bodies[description.body].flexible->data().nodes[description.node];
   Work::LocalMarker& local = work.local[marker];
-  const Eigen::Map<const VectorXd> s(work.kin.p + body.i_p, body.m);
-
-  Vector3d theta, u;
-  theta.noalias() = node.Phi_r * s;
-  u.noalias() = node.Phi_t * s;
-  const Matrix3d E = rotation_exp(theta), J_l = left_jacobian(theta);
-  const Vector3d r = E * description.X_BP.p;
-  local.X_BP = {E * description.X_BP.R, node.p_BoN_B + u + r};
-  // w = J_l Phi_r s',   p' = Phi_t s' + w x r.
-  local.map.topRows<3>().noalias() = J_l * node.Phi_r;
-  local.map.bottomRows<3>() = node.Phi_t;
-  if (!r.isZero(0.0)) local.map.bottomRows<3>().noalias() -= skew(r) * local.map.topRows<3>();
+  NodeMotion& motion = local.motion;
+  d_.bodies[description.body].flexible->node_motion(
+      description.node, work.kin.p + body.i_p, level == Level::position ? nullptr : work.kin.v + body.i_v,
+      level == Level::acceleration ? work.kin.v_dot + body.i_v : nullptr, motion);
+  // The marker stands r from the node: v += w x r, a += alpha x r + w x (w x r).
+  const Vector3d r = motion.X_BN.R * description.X_BP.p;
+  local.X_BP = {motion.X_BN.R * description.X_BP.R, motion.X_BN.p + r};
+  if (r.isZero(0.0)) return;
+  motion.map.bottomRows<3>().noalias() -= skew(r) * motion.map.topRows<3>();
   if (level == Level::position) return;
-
-  const Eigen::Map<const VectorXd> s_dot(work.kin.v + body.i_v, body.m);
-  Vector6d V;
-  V.noalias() = local.map * s_dot;
-  local.V_BP = Spatial::from(V);
-  if (level == Level::velocity) return;
-
-  const Eigen::Map<const VectorXd> s_ddot(work.kin.v_dot + body.i_v, body.m);
-  Vector6d A;
-  A.noalias() = local.map * s_ddot;
-  Vector3d theta_dot;
-  theta_dot.noalias() = node.Phi_r * s_dot;
-  const Vector3d alpha = left_jacobian_bias(theta, theta_dot), w = V.head<3>();
-  A.head<3>() += alpha;
-  A.tail<3>() += alpha.cross(r) + w.cross(w.cross(r));
-  local.A_BP = Spatial::from(A);
+  const Vector3d w_x_r = motion.V.angular.cross(r);
+  motion.V.linear += w_x_r;
+  if (level == Level::acceleration)
+    motion.A.linear += motion.A.angular.cross(r) + motion.V.angular.cross(w_x_r);
 }
 
 void Mechanism::move_through_joint(int b, Level level, Work& work) const {
@@ -148,7 +133,7 @@ void Mechanism::move_through_joint(int b, Level level, Work& work) const {
   const Spatial V_out{w_in + rel.angular, in.V.linear + w_in.cross(r) + rel.linear};
   const Vector3d to_body = out.X_WB.p - X_W_out.p;
   Spatial own;  // of the outer marker in its body
-  if (deforms) own = out.X_WB.R * local.V_BP;
+  if (deforms) own = out.X_WB.R * local.motion.V;
   out.V.angular = V_out.angular - own.angular;
   out.V.linear = V_out.linear - own.linear + out.V.angular.cross(to_body);
   if (level == Level::velocity) return;
@@ -175,7 +160,7 @@ void Mechanism::move_through_joint(int b, Level level, Work& work) const {
   const Vector3d& w = out.V.angular;
   out.A = A_out;
   if (deforms) {
-    const Spatial own_dot = out.X_WB.R * local.A_BP;
+    const Spatial own_dot = out.X_WB.R * local.motion.A;
     out.A.angular -= w.cross(own.angular) + own_dot.angular;
     out.A.linear -= 2.0 * w.cross(own.linear) + own_dot.linear;
   }
@@ -195,10 +180,10 @@ void Mechanism::place_markers(int b, Level level, Work& work) const {
     if (level == Level::acceleration)
       marker.A = {body.A.angular, body.A.linear + body.A.angular.cross(r) + w.cross(w.cross(r))};
     if (d_.markers[i].node < 0) continue;
-    const Spatial rel = body.X_WB.R * local.V_BP;
+    const Spatial rel = body.X_WB.R * local.motion.V;
     marker.V += rel;
     if (level == Level::acceleration) {
-      const Spatial rel_dot = body.X_WB.R * local.A_BP;
+      const Spatial rel_dot = body.X_WB.R * local.motion.A;
       marker.A.angular += w.cross(rel.angular) + rel_dot.angular;
       marker.A.linear += 2.0 * w.cross(rel.linear) + rel_dot.linear;
     }
@@ -206,7 +191,10 @@ void Mechanism::place_markers(int b, Level level, Work& work) const {
 }
 
 void Mechanism::clear_loads(Work& work) const {
-  for (Work::Body& body : work.bodies) body.F = {};
+  for (Work::Body& body : work.bodies) {
+    body.F = {};
+    body.one_way.setZero();
+  }
   work.r.setZero();
 }
 
@@ -231,6 +219,7 @@ void Mechanism::body_forces(bool with_gravity, Work& work) const {
       const Vector3d &w = V.angular, &d = I.mass_center;
       need.linear = I.mass * A.linear + A.angular.cross(d) + w.cross(w.cross(d));
       need.angular = d.cross(A.linear) + I.inertia * A.angular + w.cross(I.inertia * w);
+      if (description.ked) one_way_loads(b, V, A, work);
     }
     body.F = R * need;
   }
@@ -244,9 +233,10 @@ void Mechanism::backward(Work& work, double* r_out) const {
     const Pose& in = work.kin.markers[t.marker_in].X_WP;
     const Pose& out = work.kin.markers[t.marker_out].X_WP;
     body.through_joint = shift_wrench(body.F, body.X_WB.p - out.p);
+    if (d_.markers[t.marker_out].ked_node >= 0) load_one_way(t.marker_out, body.through_joint, 1.0, work);
     if (d_.markers[t.marker_out].node >= 0) {
       const Vector6d f = (body.X_WB.R.transpose() * body.through_joint).vector();
-      work.r.segment(t.i_v, t.m).noalias() -= work.local[t.marker_out].map.transpose() * f;
+      work.r.segment(t.i_v, t.m).noalias() -= work.local[t.marker_out].motion.map.transpose() * f;
     }
     const Vector6d along = (in.R.transpose() * body.through_joint).vector();
     const int i_v = places_[t.joint].i_v;
@@ -254,10 +244,11 @@ void Mechanism::backward(Work& work, double* r_out) const {
 
     const Spatial at_in = shift_wrench(body.through_joint, out.p - in.p);
     Work::Body& parent = work.bodies[t.parent];
+    if (d_.markers[t.marker_in].ked_node >= 0) load_one_way(t.marker_in, at_in, -1.0, work);
     if (d_.markers[t.marker_in].node >= 0) {
       const TreeBody& tp = bodies_[t.parent];
       const Vector6d f = (parent.X_WB.R.transpose() * at_in).vector();
-      work.r.segment(tp.i_v, tp.m).noalias() += work.local[t.marker_in].map.transpose() * f;
+      work.r.segment(tp.i_v, tp.m).noalias() += work.local[t.marker_in].motion.map.transpose() * f;
     }
     parent.F += shift_wrench(at_in, in.p - parent.X_WB.p);
   }
@@ -271,10 +262,11 @@ void Mechanism::BodyLoads::apply(int marker, const Spatial& wrench_W) {
   const Spatial about_Bo = shift_wrench(wrench_W, work_.kin.markers[marker].X_WP.p - body.X_WB.p);
   body.F.angular -= factor_ * about_Bo.angular;
   body.F.linear -= factor_ * about_Bo.linear;
+  if (description.ked_node >= 0) mechanism_.load_one_way(marker, wrench_W, factor_, work_);
   if (description.node >= 0) {
     const TreeBody& t = mechanism_.bodies_[description.body];
     const Vector6d f = factor_ * (body.X_WB.R.transpose() * wrench_W).vector();
-    work_.r.segment(t.i_v, t.m).noalias() -= work_.local[marker].map.transpose() * f;
+    work_.r.segment(t.i_v, t.m).noalias() -= work_.local[marker].motion.map.transpose() * f;
   }
 }
 

@@ -246,6 +246,7 @@ void Mechanism::build_constraints() {
   first_row_.push_back(row);
   for (int i = 0; i < row; ++i) kept_rows_.push_back(i);
 
+
   // Where the signals come from, and which of them anything reads.
   sources_.resize(d_.signals.size());
   std::vector<bool> is_used(d_.signals.size(), false);
@@ -282,6 +283,13 @@ void Mechanism::build_constraints() {
     first_force_state_.push_back(first_force_state_.back() + force->n_states());
     first_switch_.push_back(first_switch_.back() + force->n_switches());
   }
+  // One-way bodies come last among the dynamic states.
+  n_dyn_ = first_force_state_.back();
+  for (int b : order_)
+    if (d_.bodies[b].ked) {
+      bodies_[b].i_c = n_dyn_;
+      n_dyn_ += 2 * d_.bodies[b].ked->m();
+    }
   const auto mark = [&](const std::vector<int>& reads) {
     for (int k : reads) is_used[k] = true;
   };

@@ -21,6 +21,8 @@ struct Mechanism::Work final : public Equations::Scratch {
     Spatial V, A;  ///< twist and acceleration of B, in W
     Spatial F;     ///< wrench on the body about Bo that its motion needs, in W, less what is applied
     FlexibleBody::Work flexible;
+    Eigen::VectorXd no_acceleration;
+    Eigen::VectorXd one_way;  ///< m modal forces that a one-way body's motion needs, less what is applied
 
     // The tree joint, from the parent's marker frame (in) to this body's (out), expressed in the former.
     Pose X_in_out;
@@ -45,8 +47,7 @@ struct Mechanism::Work final : public Equations::Scratch {
   /// A marker on a node of a flexible body, relative to its body and expressed there.
   struct LocalMarker {
     Pose X_BP;
-    Spatial V_BP, A_BP;
-    Eigen::Matrix<double, 6, Eigen::Dynamic> map;  ///< 6 x m: V_BP = map s'
+    NodeMotion motion;  ///< of the marker: its node's, taken to the marker's origin; no map on rigid bodies
   };
 
   Kinematics kin;

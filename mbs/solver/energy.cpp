@@ -13,10 +13,9 @@ double EnergyAccount::relative_error() const {
 
 EnergyBook::EnergyBook(const Equations& eq) : eq_(eq), scratch_(eq.make_scratch()) {}
 
-void EnergyBook::look(const State& s, const Eigen::VectorXd& v_dot) {
-  account_.now = eq_.energy(s, v_dot, *scratch_);
-  account_.peak =
-      std::max({account_.peak, account_.now.kinetic, std::abs(account_.total() - account_.start)});
+void EnergyBook::look(const EnergyReport& now, EnergyAccount& account) const {
+  account.now = now;
+  account.peak = std::max({account.peak, account.now.kinetic, std::abs(account.total() - account.start)});
 }
 
 void EnergyBook::start(const State& s, const Eigen::VectorXd& v_dot) {
@@ -25,6 +24,7 @@ void EnergyBook::start(const State& s, const Eigen::VectorXd& v_dot) {
   account_.start = account_.total();
   account_.peak = account_.now.kinetic;
   t_ = s.t;
+  h_ = 0.0;
   s_ = s;
   v_dot_ = v_dot;
 }
@@ -32,34 +32,68 @@ void EnergyBook::start(const State& s, const Eigen::VectorXd& v_dot) {
 void EnergyBook::resume(const EnergyAccount& account, const State& s, const Eigen::VectorXd& v_dot) {
   account_ = account;
   t_ = s.t;
+  h_ = 0.0;
   s_ = s;
   v_dot_ = v_dot;
 }
 
-void EnergyBook::advance(double t, Integrator& integrator, const State& s, const Eigen::VectorXd& v_dot) {
-  // Lobatto's four points: the ends, which are evaluated anyway, and two between.
-  static const double node[2] = {0.5 - std::sqrt(0.05), 0.5 + std::sqrt(0.05)};
-  const double h = t - t_;
-  const auto add = [&](const EnergyReport& e, double weight) {
-    account_.work_in += weight * h * e.input_power;
-    account_.gross_work += weight * h * std::abs(e.input_power);
-    account_.dissipated += weight * h * e.dissipated_power;
-  };
-  if (h > 0.0) {
-    add(account_.now, 1.0 / 12.0);
-    for (const double x : node) {
-      integrator.interpolate(t_ + x * h, s_, v_dot_);
-      add(eq_.energy(s_, v_dot_, *scratch_), 5.0 / 12.0);
+namespace {
+
+// Lobatto's four points: the ends, which are evaluated anyway, and two between.
+const double kNode[4] = {0.0, 0.5 - std::sqrt(0.05), 0.5 + std::sqrt(0.05), 1.0};
+
+// Integral from 0 to x of the cubic that is 1 at node i and 0 at the others; at x = 1 Lobatto's weights.
+double integral_of_basis(int i, double x) {
+  // The other three nodes: (u - a)(u - b)(u - c) = u^3 - S u^2 + P u - Q.
+  double a[3], scale = 1.0;
+  for (int j = 0, k = 0; j < 4; ++j)
+    if (j != i) {
+      a[k++] = kNode[j];
+      scale *= kNode[i] - kNode[j];
     }
+  const double S = a[0] + a[1] + a[2], P = a[0] * a[1] + a[1] * a[2] + a[2] * a[0], Q = a[0] * a[1] * a[2];
+  return x * (x * (x * (0.25 * x - S / 3.0) + 0.5 * P) - Q) / scale;
+}
+
+}  // namespace
+
+void EnergyBook::open_step(double t_end, Integrator& integrator) {
+  t_end_ = t_end;
+  h_ = t_end - t_;
+  at_node_[0] = account_.now;
+  for (int i = 1; i < 4; ++i) {
+    integrator.interpolate(i == 3 ? t_end : t_ + kNode[i] * h_, s_, v_dot_);
+    at_node_[i] = eq_.energy(s_, v_dot_, *scratch_);
   }
-  look(s, v_dot);
-  if (h > 0.0) add(account_.now, 1.0 / 12.0);
-  t_ = t;
+}
+
+void EnergyBook::add(double x, EnergyAccount& account) const {
+  for (int i = 0; i < 4; ++i) {
+    const double weight = h_ * integral_of_basis(i, x);
+    account.work_in += weight * at_node_[i].input_power;
+    account.gross_work += weight * std::abs(at_node_[i].input_power);
+    account.dissipated += weight * at_node_[i].dissipated_power;
+  }
+}
+
+EnergyAccount EnergyBook::at_row(const State& s, const Eigen::VectorXd& v_dot) {
+  EnergyAccount account = account_;
+  if (h_ > 0.0) add((s.t - t_) / h_, account);
+  look(eq_.energy(s, v_dot, *scratch_), account);
+  account_.peak = account.peak;
+  return account;
+}
+
+void EnergyBook::close_step() {
+  if (h_ > 0.0) add(1.0, account_);
+  look(at_node_[3], account_);
+  t_ = t_end_;
+  h_ = 0.0;
 }
 
 void EnergyBook::jump(const State& s, const Eigen::VectorXd& v_dot) {
   const double before = account_.total();
-  look(s, v_dot);
+  look(eq_.energy(s, v_dot, *scratch_), account_);
   account_.dissipated += before - account_.total();
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 
 #include "mbs/model/equations.hpp"
 #include "mbs/solver/integrator.hpp"
@@ -12,6 +13,7 @@
 ///
 /// The powers are integrated over each step by four Lobatto points on the integrator's own polynomial (exact
 /// to degree five, the highest order of the integrators), so the error left is that of the trajectory.
+/// Between the ends of a step the integral is that of the cubic through these four powers.
 namespace flexura::mbs {
 
 struct EnergyAccount {
@@ -35,21 +37,26 @@ class EnergyBook {
   void start(const State& s, const Eigen::VectorXd& v_dot);
   /// Goes on from the account of an earlier part of the run.
   void resume(const EnergyAccount& account, const State& s, const Eigen::VectorXd& v_dot);
-  /// Integrates up to t, which lies in the integrator's last step, and evaluates the energies at the state s
-  /// there.
-  void advance(double t, Integrator& integrator, const State& s, const Eigen::VectorXd& v_dot);
+  /// Takes the integrator's last step, which ends at t_end; s and v_dot are the state there.  Rows within the
+  /// step are asked for before it is closed.
+  void open_step(double t_end, Integrator& integrator);
+  EnergyAccount at_row(const State& s, const Eigen::VectorXd& v_dot);
+  void close_step();
   /// Velocities (or the state of springs) jumped at a switch: the difference counts as dissipated.
   void jump(const State& s, const Eigen::VectorXd& v_dot);
 
   const EnergyAccount& account() const { return account_; }
 
  private:
-  void look(const State& s, const Eigen::VectorXd& v_dot);
+  void look(const EnergyReport& now, EnergyAccount& account) const;
 
   const Equations& eq_;
   std::unique_ptr<Equations::Scratch> scratch_;
+  void add(double x, EnergyAccount& account) const;  // the share x of the open step
+
   EnergyAccount account_;
-  double t_ = 0.0;
+  double t_ = 0.0, t_end_ = 0.0, h_ = 0.0;
+  std::array<EnergyReport, 4> at_node_;  // of the open step
   State s_;
   Eigen::VectorXd v_dot_;
 };

@@ -10,8 +10,9 @@ input::TableSchema solver_schema() {
   schema.doc = "How the equations of motion are integrated and how often results are written.";
   schema.keys.push_back(
       in::choice(
-          "method", {"ida", "generalised_alpha", "runge_kutta", "kinematics", "quasi_statics"},
+          "method", {"ida", "radau", "generalised_alpha", "runge_kutta", "kinematics", "quasi_statics"},
           "integrator: ida = SUNDIALS IDA (BDF, variable step and order) on the stabilised index-2 form; "
+          "radau = Radau IIA of order 5 on the same form, L-stable: high frequencies decay, none grows; "
           "generalised_alpha = order 2 on index 3 with numerical damping at high frequencies (rho_inf); "
           "runge_kutta = Dormand-Prince 5(4) with projection, explicit, for models that are not stiff; "
           "kinematics = positions, velocities, accelerations and drive forces where drives prescribe the "
@@ -77,6 +78,12 @@ input::TableSchema solver_schema() {
                             .or_default("0")
                             .at_least(0));
   schema.keys.push_back(
+      in::choice(
+          "initial_deformation", {"none", "quasi_static"},
+          "of flexible bodies: none where the loops allow it, so that they ring under their loads from the "
+          "start; or the deformation that follows the loads and the motion without ringing")
+          .or_default("none"));
+  schema.keys.push_back(
       in::flag("store_states", "write all states into the results file").or_default("false"));
   return schema;
 }
@@ -97,6 +104,7 @@ SolverOptions read_solver_options(const input::Section& section) {
   o.max_step = section.quantity("max_step");
   o.fixed_step = section.quantity("fixed_step");
   o.max_steps = section.integer("max_steps");
+  o.settled_start = section.text("initial_deformation") == "quasi_static";
   o.store_states = section.flag("store_states");
   if (o.end_time < o.start_time)
     section.refuse("end_time", "must not be before start_time", "give a later end_time");

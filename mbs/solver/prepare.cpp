@@ -6,6 +6,7 @@
 
 #include "mbs/solver/accelerations.hpp"
 #include "mbs/solver/kinematic_blocks.hpp"
+#include "mbs/solver/settle.hpp"
 
 namespace flexura::mbs {
 
@@ -102,6 +103,7 @@ PreparedMechanism prepare(const std::filesystem::path& path, const std::vector<s
       out.mechanism->start_switches(out.state, *scratch);
       AccelerationSolver(*out.mechanism).solve(out.state, out.v_dot);
     }
+    if (out.options.settled_start && state_file.empty()) settle(*out.mechanism, out.state, out.v_dot, keep);
     // The second assembly finds the loops closed; what it took is in the first report.
     out.assembly.iterations += positions.iterations;
     out.assembly.position_change += positions.position_change;

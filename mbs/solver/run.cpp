@@ -82,8 +82,9 @@ void Runner::write_rows_until(double t, Integrator& integrator) {
   for (; row_time(next_row_) <= t && row_time(next_row_) > row_time(next_row_ - 1); ++next_row_) {
     const double t_row = row_time(next_row_);
     integrator.interpolate(t_row, row_state_, row_v_dot_);
-    if (keeps_book_) book_.advance(t_row, integrator, row_state_, row_v_dot_);
-    write_row(row_state_, row_v_dot_);
+    if (!callbacks_.row) continue;
+    callbacks_.row(row_state_, row_v_dot_,
+                   keeps_book_ ? book_.at_row(row_state_, row_v_dot_) : book_.account());
   }
 }
 
@@ -132,8 +133,8 @@ bool Runner::hop(const IntegrationError& reason) {
   // Near a dead point, where constraints lose rank for an instant, round-off of g is amplified by 1 / sigma^2
   // and an implicit method cannot converge to a tight tolerance however short its step.  Accelerations are
   // finite there: a few explicit steps lead across.
-  if ((options_.method != "ida" && options_.method != "generalised_alpha") || n_.n_lambda == 0 ||
-      result_.counts.hops >= kMostHops)
+  if ((options_.method != "ida" && options_.method != "radau" && options_.method != "generalised_alpha") ||
+      n_.n_lambda == 0 || result_.counts.hops >= kMostHops)
     throw reason;
   SolverOptions explicit_options = options_;
   explicit_options.method = "runge_kutta";
@@ -162,11 +163,12 @@ bool Runner::hop(const IntegrationError& reason) {
 }
 
 bool Runner::finish_step(const StepEnd& end, Integrator& integrator) {
+  if (keeps_book_) book_.open_step(end.t_end, integrator);
   write_rows_until(end.t_end, integrator);
   integrator.interpolate(end.t_end, result_.state, result_.v_dot);
   // Equilibria know nothing of the work between them: every one begins its own account.
   if (keeps_book_)
-    book_.advance(end.t_end, integrator, result_.state, result_.v_dot);
+    book_.close_step();
   else
     book_.start(result_.state, result_.v_dot);
   result_.largest_energy_error = std::max(result_.largest_energy_error, std::abs(book_.account().error()));

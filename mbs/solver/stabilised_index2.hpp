@@ -48,6 +48,7 @@ class StabilisedIndex2 {
 
   /// Fixes S at this state and the switches until the next call.
   void set_start(const State& s);
+  const Eigen::VectorXd& S() const { return S_; }  ///< n_v, its diagonal
 
   void pack(const State& s, const Eigen::VectorXd& v_dot, VectorRef y, VectorRef yp);
   void unpack(double t, ConstVectorRef y, State& s) const;

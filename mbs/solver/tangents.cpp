@@ -160,6 +160,7 @@ void Tangents::evaluate(const State& s, const Eigen::VectorXd& v_dot, TangentSco
     z_p(e.i_v, e.i_p) = e.stiffness;
     z_v(e.i_v, e.i_v) = e.damping;
   }
+  eq_.add_elastic_tangents(s, z_p.topRows(n_.n_v), z_v.topRows(n_.n_v));
 }
 
 }  // namespace flexura::mbs

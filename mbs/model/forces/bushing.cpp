@@ -80,6 +80,11 @@ class Bushing final : public ForceElement {
 
 }  // namespace
 
+std::shared_ptr<const ForceElement> make_bushing(const std::string& name, int marker_F, int marker_M,
+                                                 const Matrix6d& K, const Matrix6d& D) {
+  return std::make_shared<Bushing>(name, marker_F, marker_M, K, D, Bushing::Laws());
+}
+
 ForceType bushing_force() {
   using namespace input;
   return {

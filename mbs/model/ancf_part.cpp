@@ -1,0 +1,208 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mbs/model/ancf_part.hpp"
+
+#include <Eigen/SparseCore>
+#include <stdexcept>
+
+#include "beam/ancf/kinematics.hpp"
+
+namespace flexura::mbs {
+namespace {
+
+using beam::ancf::AncfBody;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr int kFixed = 9;  // r, r_y and r_z of the first node
+constexpr int kNode = 12;
+
+MatrixXd free_mass(const AncfBody& body) {
+  if (body.vectors() != 4)
+    throw std::invalid_argument(
+        "a beam with r, r_x, r_y, r_z at its nodes is needed; a line has no sections to join to");
+  const MatrixXd M = body.mass().to_sparse();
+  const Eigen::Index m = M.rows() - kFixed;
+  MatrixXd out(m, m);
+  for (int i = 0; i < m; ++i)
+    for (int j = 0; j < m; ++j) out(i, j) = M(AncfPart::coordinate(i), AncfPart::coordinate(j));
+  return out;
+}
+
+Matrix3d section_frame(const AncfBody& body, const beam::ancf::MaterialPoint& at) {
+  return beam::ancf::evaluate_point(body, at, body.rest(), VectorXd::Zero(body.n_q())).R_WS;
+}
+
+std::vector<FlexibleNode> nodes_of(const AncfBody& body, const std::vector<AncfPart::Station>& stations) {
+  std::vector<FlexibleNode> nodes;
+  const VectorXd still = VectorXd::Zero(body.n_q());
+  for (const AncfPart::Station& station : stations) {
+    FlexibleNode node;
+    node.name = station.name;
+    node.p_BoN_B = beam::ancf::evaluate_point(body, station.at, body.rest(), still).p_WoP_W;
+    nodes.push_back(std::move(node));
+  }
+  return nodes;
+}
+
+// The nodal vectors as columns.
+auto vectors(const VectorXd& q) {
+  return Eigen::Map<const Eigen::Matrix3Xd>(q.data(), 3, q.size() / 3);
+}
+
+}  // namespace
+
+AncfPart::AncfPart(AncfBody body, std::vector<Station> stations)
+    : FlexibleBody(body.total_mass(), nodes_of(body, stations), free_mass(body)),
+      body_(std::move(body)),
+      stations_(std::move(stations)) {
+  for (const Station& station : stations_) R_rest_.push_back(section_frame(body_, station.at));
+  weight_.setZero(body_.n_q() / 3);
+  for (int k = 0; k < body_.n_elements(); ++k) weight_.segment(4 * k, 8) += body_.element(k).compact_weight();
+}
+
+void AncfPart::expand(const double* s, bool from_rest, VectorXd& q) const {
+  if (from_rest)
+    q = body_.rest();
+  else
+    q.setZero(body_.n_q());
+  for (int i = 0; i < 3; ++i) q(3 + i) += s[i];
+  for (int i = 3; i < m(); ++i) q(9 + i) += s[i];
+}
+
+void AncfPart::set_position(const double* s, Work& work) const {
+  expand(s, true, work.q);
+  work.f.setZero(work.q.size());
+  body_.mass().multiply_add(1.0, work.q, work.f);
+  const auto Q = vectors(work.q);
+  work.P = vectors(work.f);
+  work.d.noalias() = Q * weight_;
+  Matrix3d rho_rho;
+  rho_rho.noalias() = Q * work.P.transpose();
+  work.J = rho_rho.trace() * Matrix3d::Identity() - rho_rho;
+  work.C_t.setZero(3, m());
+  work.C_r.setZero(3, m());
+  for (int i = 0; i < m(); ++i) {
+    const int k = coordinate(i) / 3, c = coordinate(i) % 3;
+    work.C_t(c, i) = weight_(k);
+    work.C_r.col(i) = Vector3d(work.P.col(k)).cross(Vector3d::Unit(c));
+  }
+}
+
+Spatial AncfPart::inverse_dynamics(const double* s, const double* s_dot, const double* s_ddot,
+                                   const Spatial& V, const Spatial& A, Work& work, double* modal) const {
+  const Vector3d &w = V.angular, &alpha = A.angular, &a = A.linear, &d = work.d;
+  (void)s;
+  // P'' in f, then the rest of the acceleration's share, then the internal force.
+  expand(s_ddot, false, work.v);
+  work.f.setZero(work.v.size());
+  body_.mass().multiply_add(1.0, work.v, work.f);
+  const auto Q = vectors(work.q);
+  const auto P_ddot = vectors(work.f);
+  Vector3d d_ddot, torque = Vector3d::Zero();
+  d_ddot.noalias() = vectors(work.v) * weight_;
+  for (Eigen::Index i = 0; i < Q.cols(); ++i) torque += Vector3d(Q.col(i)).cross(Vector3d(P_ddot.col(i)));
+
+  const int n = static_cast<int>(weight_.size());
+  expand(s_dot, false, work.v);
+  VectorXd& P_dot_vector = work.W;
+  P_dot_vector.setZero(work.v.size());
+  body_.mass().multiply_add(1.0, work.v, P_dot_vector);
+  const auto P_dot = vectors(P_dot_vector);
+  Vector3d d_dot;
+  d_dot.noalias() = vectors(work.v) * weight_;
+  Matrix3d G;  // int rho_a rho'_b dm
+  G.noalias() = Q * P_dot.transpose();
+
+  Spatial need;
+  need.linear = mass() * a + alpha.cross(d) + w.cross(w.cross(d)) + 2.0 * w.cross(d_dot) + d_ddot;
+  need.angular =
+      d.cross(a) + work.J * alpha + w.cross(work.J * w) + 2.0 * (w * G.trace() - G.transpose() * w) + torque;
+  for (int i = 0; i < n; ++i) {
+    const Vector3d P = work.P.col(i), Pd = P_dot.col(i);
+    work.f.segment<3>(3 * i) += weight_(i) * a + alpha.cross(P) + w.cross(w.cross(P)) + 2.0 * w.cross(Pd);
+  }
+  body_.force(work.q, &work.v, P_dot_vector);
+  work.f += P_dot_vector;
+  for (int i = 0; i < m(); ++i) modal[i] = work.f(coordinate(i));
+  return need;
+}
+
+double AncfPart::strain_energy(const double* s) const {
+  VectorXd q;
+  expand(s, true, q);
+  return body_.strain_energy(q);
+}
+
+double AncfPart::dissipated_power(const double* s, const double* s_dot) const {
+  VectorXd q, v;
+  expand(s, true, q);
+  expand(s_dot, false, v);
+  return body_.dissipation(q, v);
+}
+
+Pose AncfPart::node_pose(int node, const double* s) const {
+  VectorXd q;
+  expand(s, true, q);
+  const beam::ancf::PointKinematics point =
+      beam::ancf::evaluate_point(body_, stations_[node].at, q, VectorXd::Zero(q.size()));
+  return {point.R_WS * R_rest_[node].transpose(), point.p_WoP_W};
+}
+
+void AncfPart::node_motion(int node, const double* s, const double* s_dot, const double* s_ddot,
+                           NodeMotion& out) const {
+  // Only the element's own coordinates matter; q is kept in the scratch.
+  VectorXd& q = out.second;
+  VectorXd& v = out.rates;
+  expand(s, true, q);
+  if (s_dot)
+    expand(s_dot, false, v);
+  else
+    v.setZero(q.size());
+  const beam::ancf::PointKinematics point = beam::ancf::evaluate_point(body_, stations_[node].at, q, v);
+  out.X_BN = {point.R_WS * R_rest_[node].transpose(), point.p_WoP_W};
+  out.map.setZero();
+  for (Eigen::Index j = 0; j < point.J_v.cols(); ++j) {
+    const int at = point.first + static_cast<int>(j);
+    const int i = at >= kNode ? at - kFixed : at >= 3 && at < 6 ? at - 3 : -1;
+    if (i < 0) continue;
+    out.map.col(i).head<3>() = point.J_w.col(j);
+    out.map.col(i).tail<3>() = point.J_v.col(j);
+  }
+  if (!s_dot) return;
+  out.V = {point.w_WS_W, point.v_WP_W};
+  if (!s_ddot) return;
+  Vector6d A;
+  A.noalias() = out.map * Eigen::Map<const VectorXd>(s_ddot, m());
+  A.head<3>() += point.w_bias_W;
+  out.A = Spatial::from(A);
+}
+
+void AncfPart::add_tangents(const double* s, const double* s_dot, MatrixRef K, MatrixRef D) const {
+  VectorXd q, v, f(body_.n_q());
+  expand(s, true, q);
+  expand(s_dot, false, v);
+  beam::ancf::BlockTridiagonal dK(body_.n_nodes(), kNode), dD(body_.n_nodes(), kNode);
+  AncfBody::Scratch scratch = body_.make_scratch();
+  body_.force_and_tangents(q, &v, scratch, f, dK, dD);
+  const auto add = [&](const beam::ancf::BlockTridiagonal& from, MatrixRef to) {
+    beam::ancf::Triplets entries;
+    from.append_to(entries);
+    const auto free = [](int at) { return at >= kNode ? at - kFixed : at >= 3 && at < 6 ? at - 3 : -1; };
+    for (const auto& entry : entries)
+      if (const int i = free(entry.row()), j = free(entry.col()); i >= 0 && j >= 0) to(i, j) += entry.value();
+  };
+  add(dK, K);
+  add(dD, D);
+}
+
+std::shared_ptr<const FlexibleBody> straight_ancf_part(
+    const beam::ancf::BeamSection& section, const Vector3d& from_B, const Vector3d& to_B,
+    const Vector3d& y_axis_B, int elements, const std::vector<std::pair<std::string, double>>& stations) {
+  AncfBody body =
+      beam::ancf::spatial_beam(section, beam::ancf::straight_curve(from_B, to_B, elements, y_axis_B));
+  std::vector<AncfPart::Station> all = {{"root", body.locate(0.0)}, {"tip", body.locate(body.length())}};
+  for (const auto& [name, s] : stations) all.push_back({name, body.locate(s)});
+  return std::make_shared<AncfPart>(std::move(body), std::move(all));
+}
+
+}  // namespace flexura::mbs

@@ -1,0 +1,66 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mbs/model/work.hpp"
+
+/// One-way deformation (kineto-elastodynamics): the mechanism moves with the body rigid, and the deformation
+/// answers to that motion,
+///
+///     s'' = -( D s' + K s + C_t^T (a - g) + C_r^T alpha + centrifugal and Coriolis terms - Phi^T F ),
+///
+/// F all loads on the body's interfaces, joint reactions of the rigid motion included.  It is right as long
+/// as the deformation does not change the motion, and its states lie behind those of the mechanism (p, v,
+/// lambda do not depend on them).
+namespace flexura::mbs {
+
+void Mechanism::one_way_loads(int b, const Spatial& V, const Spatial& A, Work& work) const {
+  const FlexibleBody& body = *d_.bodies[b].ked;
+  Work::Body& at = work.bodies[b];
+  const double* s = work.kin.c + bodies_[b].i_c;
+  const double* s_dot = s + body.m();
+  body.set_position(s, at.flexible);
+  // Without modal accelerations: the modes are mass-normalised, so that what is needed is -s''.
+  at.no_acceleration.setZero(body.m());
+  body.inverse_dynamics(s, s_dot, at.no_acceleration.data(), V, A, at.flexible, at.one_way.data());
+}
+
+void Mechanism::load_one_way(int marker, const Spatial& wrench_W, double factor, Work& work) const {
+  const MarkerDescription& description = d_.markers[marker];
+  Work::Body& body = work.bodies[description.body];
+  const FlexibleNode& node = d_.bodies[description.body].ked->data().nodes[description.ked_node];
+  const Spatial in_B = body.X_WB.R.transpose() * wrench_W;
+  const Spatial at_node = shift_wrench(in_B, description.X_BP.p - node.p_BoN_B);
+  body.one_way.noalias() -= factor * (node.Phi_r.transpose() * at_node.angular);
+  body.one_way.noalias() -= factor * (node.Phi_t.transpose() * at_node.linear);
+}
+
+void Mechanism::one_way_rates(const Work& work, double* c_rate) const {
+  for (int b : order_) {
+    if (!d_.bodies[b].ked) continue;
+    const int m = d_.bodies[b].ked->m(), i = bodies_[b].i_c;
+    for (int k = 0; k < m; ++k) {
+      c_rate[i + k] = work.kin.c[i + m + k];
+      c_rate[i + m + k] = -work.bodies[b].one_way(k);
+    }
+  }
+}
+
+void Mechanism::deform_one_way_markers(Work& work) const {
+  for (std::size_t i = 0; i < d_.markers.size(); ++i) {
+    const MarkerDescription& description = d_.markers[i];
+    if (description.ked_node < 0) continue;
+    const Work::Body& body = work.bodies[description.body];
+    const FlexibleBody& ked = *d_.bodies[description.body].ked;
+    const FlexibleNode& node = ked.data().nodes[description.ked_node];
+    const double* s = work.kin.c + bodies_[description.body].i_c;
+    const Eigen::Map<const Eigen::VectorXd> s_dot(s + ked.m(), ked.m());
+    const Pose X_BP =
+        ked.node_pose(description.ked_node, s) * Pose{description.X_BP.R, description.X_BP.p - node.p_BoN_B};
+    const Vector3d w_B = node.Phi_r * s_dot, v_B = node.Phi_t * s_dot + w_B.cross(X_BP.p - node.p_BoN_B);
+    MarkerState& marker = work.kin.markers[i];
+    marker.X_WP = body.X_WB * X_BP;
+    const Vector3d r = marker.X_WP.p - body.X_WB.p;
+    marker.V.angular = body.V.angular + body.X_WB.R * w_B;
+    marker.V.linear = body.V.linear + body.V.angular.cross(r) + body.X_WB.R * v_B;
+  }
+}
+
+}  // namespace flexura::mbs

@@ -1,0 +1,49 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "mbs/input/document.hpp"
+#include "mbs/input/schema.hpp"
+#include "mbs/model/mechanism.hpp"
+#include "mbs/superelement/superelement.hpp"
+
+/// The automatic preparation of a flexible body: from what its table says and what acts on it.
+///
+/// | fidelity         | deformation                                                        |
+/// |------------------|--------------------------------------------------------------------|
+/// | rigid            | none                                                               |
+/// | static           | response modes of what acts on the body alone, critically damped   |
+/// | ked              | one-way: the motion is that of the rigid body                      |
+/// | modal            | eigenmodes and response modes, coupling as `coupling` says         |
+/// | modal-stiffened  | the same with geometric stiffening                                 |
+///
+/// Where eigenmodes are dropped, `attachments` adds response modes for the interfaces that joints, constraints
+/// or forces act on.  Their own frequencies say nothing about the body, so they are damped critically unless the
+/// file gives `critical_above`.
+namespace flexura::mbs {
+
+/// Keys of a body that hold for superelements.
+std::vector<input::Key> flexible_body_keys();
+
+/// True where the body's table asks for stresses.
+bool wants_stress(const input::Section& s);
+
+/// The stresses its table asks for; `se` with its stress modes and surface.  Throws InputError.
+std::shared_ptr<const StressField> read_stress_field(const input::Section& s,
+                                                     const superelement::Superelement& se,
+                                                     const FlexibleBody& body);
+
+/// The interfaces (indices) that joints, constraints and forces of the mechanism act on.
+std::vector<int> loaded_interfaces(const MechanismDescription& d, int body);
+
+/// Builds the body; joints and forces of `d` are already there and its markers on interfaces have the
+/// interface's index as node.  Notes for the user are appended.  Throws InputError.
+std::shared_ptr<const FlexibleBody> prepare_flexible_body(const input::Section& s,
+                                                          const superelement::Superelement& se,
+                                                          const MechanismDescription& d, int body,
+                                                          std::vector<std::string>& notes);
+
+}  // namespace flexura::mbs

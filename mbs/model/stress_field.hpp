@@ -1,0 +1,59 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+/// Stresses of a flexible body in motion, from stress modes (theory: UM 11.1.3):
+///
+///     sigma(v, t) = S(v) Y s(t)
+///
+/// with the superelement's stress modes S at the places v and the basis Y: O(m) for one place, whatever the
+/// mesh.  What the body does not show at its interfaces and modes (loads inside, fast waves) it has no stress
+/// of; with response modes for the loads in use the static part is the superelement's.
+namespace flexura::mbs {
+
+using Stress = Eigen::Matrix<double, 6, 1>;  ///< xx, yy, zz, xy, yz, zx [Pa], in B
+
+/// sqrt(3 J2).
+double von_mises(const Stress& sigma);
+
+class StressField {
+ public:
+  /// A place of which the whole history is wanted.
+  struct Point {
+    std::string name;
+    Eigen::Vector3d wanted;  ///< [m] in B
+    int place = 0;           ///< the nearest place with stress modes
+    double distance = 0.0;   ///< from there [m]
+  };
+  struct Largest {
+    double von_mises = 0.0;
+    int place = 0;
+  };
+
+  /// `S` 6 n_s x n_se: stress modes at n_s places; `x` 3 x n_s where they are; `vertices` n_s their indices
+  /// on the superelement's surface; `Y` n_se x m.  Throws std::invalid_argument where sizes disagree.
+  StressField(const Eigen::MatrixXd& S, Eigen::Matrix3Xd x, std::vector<int> vertices,
+              const Eigen::MatrixXd& Y);
+
+  int places() const { return static_cast<int>(S_.rows() / 6); }
+  Eigen::Vector3d position(int place) const { return x_.col(place); }  ///< undeformed, in B
+  /// Index of the place among the vertices of the superelement's surface.
+  int vertex(int place) const { return vertices_[place]; }
+  void add_point(const std::string& name, const Eigen::Vector3d& wanted);
+  const std::vector<Point>& points() const { return points_; }
+
+  Stress at(int place, const double* s) const;
+  /// Over all places.
+  Largest largest(const double* s) const;
+
+ private:
+  Eigen::MatrixXd S_;   // 6 n_s x m
+  Eigen::Matrix3Xd x_;  // 3 x n_s
+  std::vector<int> vertices_;
+  std::vector<Point> points_;
+};
+
+}  // namespace flexura::mbs

@@ -1,0 +1,523 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mbs/solver/radau.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <complex>
+#include <limits>
+
+#include "mbs/solver/error_weights.hpp"
+#include "mbs/solver/newton_matrix.hpp"
+#include "mbs/solver/stabilised_index2.hpp"
+#include "mbs/solver/switches.hpp"
+
+namespace flexura::mbs {
+
+namespace {
+
+using Complex = std::complex<double>;
+using Eigen::VectorXcd;
+using Eigen::VectorXd;
+
+constexpr int kMostIterations = 7;
+constexpr double kSafety = 0.9;
+
+struct Coefficients {
+  std::array<double, 3> c, e;  // nodes, weights of the error estimate
+  Eigen::Matrix3d B;
+  double gamma;    // real eigenvalue of B
+  Complex lambda;  // and one of the complex pair
+  Eigen::Vector3d v;
+  Eigen::Vector3cd w;         // their eigenvectors
+  Eigen::RowVector3d v_left;  // and the rows of the inverse of (v w conj(w))
+  Eigen::RowVector3cd w_left;
+
+  Coefficients() {
+    const double r = std::sqrt(6.0);
+    c = {(4.0 - r) / 10.0, (4.0 + r) / 10.0, 1.0};
+    Eigen::Matrix3d A;
+    A << (88.0 - 7.0 * r) / 360.0, (296.0 - 169.0 * r) / 1800.0, (-2.0 + 3.0 * r) / 225.0,
+        (296.0 + 169.0 * r) / 1800.0, (88.0 + 7.0 * r) / 360.0, (-2.0 - 3.0 * r) / 225.0, (16.0 - r) / 36.0,
+        (16.0 + r) / 36.0, 1.0 / 9.0;
+    B = A.inverse();
+    // The characteristic polynomial of B is x^3 - 9 x^2 + 36 x - 60.
+    const double a = std::cbrt(3.0), b = a * a;
+    gamma = 3.0 + b - a;
+    lambda = {0.5 * (9.0 - gamma), 0.5 * std::sqrt(3.0) * (b + a)};
+    // Perpendicular to two rows of B - x 1.
+    const Eigen::Matrix3d R = B - gamma * Eigen::Matrix3d::Identity();
+    v = Eigen::Vector3d(R.row(0)).cross(Eigen::Vector3d(R.row(1))).normalized();
+    const Eigen::Matrix3cd C = B.cast<Complex>() - lambda * Eigen::Matrix3cd::Identity();
+    for (int i = 0; i < 3; ++i) {
+      const int j = (i + 1) % 3, k = (i + 2) % 3;
+      w(i) = C(0, j) * C(1, k) - C(0, k) * C(1, j);
+    }
+    w.normalize();
+    Eigen::Matrix3cd V;
+    V << v.cast<Complex>(), w, w.conjugate();
+    const Eigen::Matrix3cd inverse = V.inverse();
+    v_left = inverse.row(0).real();
+    w_left = inverse.row(1);
+    e = {-(13.0 + 7.0 * r) / 3.0, (-13.0 + 7.0 * r) / 3.0, -1.0 / 3.0};
+  }
+
+  // Polynomials that are 1 at node i and 0 at 0 and the other nodes.
+  double basis(int i, double x) const {
+    const int j = (i + 1) % 3, k = (i + 2) % 3;
+    return x * (x - c[j]) * (x - c[k]) / (c[i] * (c[i] - c[j]) * (c[i] - c[k]));
+  }
+  double slope(int i, double x) const {
+    const int j = (i + 1) % 3, k = (i + 2) % 3;
+    return ((x - c[j]) * (x - c[k]) + x * (x - c[k]) + x * (x - c[j])) /
+           (c[i] * (c[i] - c[j]) * (c[i] - c[k]));
+  }
+};
+
+// The form, and its Newton matrices for one real and one complex cj.
+class Form {
+ public:
+  Form(const Equations& eq, const State& start)
+      : n_(eq.sizes()),
+        form_(eq, start),
+        scratch_state_(start),
+        kinematics_(eq, start.p),
+        tangents_(eq),
+        real_(n_, holonomic_rows(eq)),
+        complex_(n_, holonomic_rows(eq)) {}
+
+  StabilisedIndex2& form() { return form_; }
+  const StabilisedIndex2& form() const { return form_; }
+  bool has_elastic_coordinates() const { return tangents_.has_elastic_coordinates(); }
+  long evaluations() const { return form_.evaluations() + tangents_.evaluations; }
+
+  void linearise(double t, const VectorXd& y, const VectorXd& yp, TangentScope scope) {
+    form_.unpack(t, y, scratch_state_);
+    tangents_.evaluate(scratch_state_, yp.segment(form_.at_v(), n_.n_v), scope);
+    kinematics_.update(scratch_state_.p, scratch_state_.v);
+    kinematics_.invert(1.0);  // for T^+
+  }
+  bool factor(double real, Complex complex) {
+    return real_.factor(tangents_, kinematics_, form_.S(), real) &&
+           complex_.factor(tangents_, kinematics_, form_.S(), complex);
+  }
+  void solve(const VectorXd& rhs, VectorXd& x) { real_.solve(tangents_, rhs, x); }
+  void solve(const VectorXcd& rhs, VectorXcd& x) { complex_.solve(tangents_, rhs, x); }
+  /// out = dF/dy' x.
+  void multiply_rates(const VectorXd& x, VectorXd& out) const {
+    out = x;
+    out.segment(form_.at_v(), n_.n_v).noalias() = tangents_.M * x.segment(form_.at_v(), n_.n_v);
+    out.tail(form_.size() - form_.at_a()).setZero();
+  }
+
+ private:
+  static std::vector<bool> holonomic_rows(const Equations& eq) {
+    std::vector<bool> out;
+    for (int k = 0; k < eq.sizes().n_lambda; ++k) out.push_back(eq.is_holonomic(k));
+    return out;
+  }
+
+  Sizes n_;
+  StabilisedIndex2 form_;
+  State scratch_state_;
+  KinematicBlocks kinematics_;
+  Tangents tangents_;
+  NewtonMatrix<double> real_;
+  NewtonMatrix<Complex> complex_;
+};
+
+class Radau final : public Integrator {
+ public:
+  Radau(const Equations& eq, const SolverOptions& options)
+      : eq_(eq), n_(eq.sizes()), options_(options), weights_(eq, options), switches_(eq) {
+    loosening_ = 0.1 * std::pow(options.tolerance, -1.0 / 3.0);
+  }
+
+  void start(const State& s, const VectorXd& v_dot) override;
+  StepEnd step(double t_stop) override;
+  void interpolate(double t, State& s, VectorXd& v_dot) override;
+  StepCounts counts() const override {
+    StepCounts c = counts_;
+    if (matrices_) c.evaluations = matrices_->evaluations();
+    return c;
+  }
+  void remember(History& history) override;
+
+ private:
+  enum class Outcome { converged, slow, diverged };
+
+  void create(const State& s);
+  void set_weights();
+  double norm(const VectorXd& x) const { return std::sqrt(x.cwiseAbs2().dot(weights2_) / n_norm_); }
+  bool linearise();
+  bool factor(double h);
+  void predict(double h);
+  Outcome newton(double h, double& shorter, int& iterations);
+  double local_error(double h, bool again);
+  [[noreturn]] void fail(double h, bool converges);
+  std::string worst_state() const;
+
+  const Equations& eq_;
+  Sizes n_;
+  SolverOptions options_;
+  Coefficients k_;
+  ErrorWeights weights_;
+  SwitchFinder switches_;
+  std::unique_ptr<Form> matrices_;
+  StabilisedIndex2* form_ = nullptr;  // in matrices_
+  double loosening_, n_norm_ = 1.0;
+
+  State state_, found_;  // state_: at t_, for its switches
+  double t_ = 0.0;
+  VectorXd y_, yp_;            // at t_
+  std::array<VectorXd, 3> Z_;  // of the last step, which began at t_begin_ from y_begin_
+  VectorXd y_begin_, yp_begin_;
+  double t_begin_ = 0.0, h_done_ = 0.0;
+  double h_ = 0.0;         // the next step
+  double h_matrix_ = 0.0;  // of the factors; 0: none
+  int has_tangents_ = 0;   // the derivatives were taken, there:
+  double t_tangents_ = 0.0;
+  VectorXd y_tangents_, yp_tangents_;
+  int scope_tangents_ = 0, is_first_ = 1;
+  int full_matrices_left_ = 0;
+  double theta_ = 0.0, convergence_ = 1.0;           // of Newton's method
+  double h_accepted_ = 0.0, error_accepted_ = 1e-2;  // for the predictive controller
+  bool rejected_ = false;
+
+  std::array<VectorXd, 3> R_;
+  VectorXd weights2_, stage_, rate_, step_, rhs_, x_, error_;
+  VectorXcd rhs_c_, x_c_;
+  StepCounts counts_;
+  std::string trouble_;
+  VectorXd interpolated_, v_dot_found_;
+};
+
+void Radau::create(const State& s) {
+  matrices_ = std::make_unique<Form>(eq_, s);
+  form_ = &matrices_->form();
+  const int n = form_->size();
+  for (VectorXd* x : {&y_, &yp_, &y_begin_, &yp_begin_, &y_tangents_, &yp_tangents_, &weights2_, &stage_,
+                      &rate_, &step_, &rhs_, &error_, &interpolated_})
+    x->setZero(n);
+  rhs_c_.setZero(n);
+  for (VectorXd& z : Z_) z.setZero(n);
+  for (VectorXd& r : R_) r.setZero(n);
+  n_norm_ = std::max(1, form_->at_lambda());
+}
+
+void Radau::set_weights() {
+  const int n_p = n_.n_p, n_v = n_.n_v, n_c = n_.n_dyn;
+  weights_.evaluate(y_.head(n_p), y_.segment(n_p, n_v), y_.segment(form_->at_c(), n_c),
+                    weights2_.head(form_->at_a()));
+  weights2_.head(form_->at_a()) /= loosening_;
+  for (int i = form_->at_a(); i < form_->at_lambda(); ++i)
+    weights2_(i) = 1.0 / (loosening_ * options_.tolerance * (std::abs(y_(i)) + options_.absolute_factor));
+  weights2_.tail(form_->size() - form_->at_lambda()).setZero();
+  weights2_ = weights2_.cwiseAbs2().eval();
+}
+
+void Radau::start(const State& s, const VectorXd& v_dot) {
+  const double duration = options_.end_time - options_.start_time;
+  if (!form_) {
+    create(s);
+    h_ = duration;
+  } else {
+    ++counts_.restarts;
+    form_->set_start(s);
+  }
+  state_ = found_ = s;
+  t_ = s.t;
+  form_->pack(s, v_dot, y_, yp_);
+  set_weights();
+  if (options_.first_step > 0.0) {
+    h_ = options_.first_step;
+  } else {
+    // A step over which the velocities change by a hundredth of what their weights are relative to.
+    step_.setZero();
+    step_.segment(form_->at_v(), n_.n_v) = yp_.segment(form_->at_v(), n_.n_v);
+    const double rate = norm(step_) * loosening_ * options_.tolerance;
+    h_ = std::min({h_, 1e-4 * duration, rate > 0.0 ? 0.01 / rate : duration});
+  }
+  h_done_ = h_matrix_ = 0.0;
+  has_tangents_ = 0;
+  is_first_ = 1;
+  h_accepted_ = 0.0;
+  error_accepted_ = 1e-2;
+  convergence_ = 1.0;
+  theta_ = 0.0;
+  rejected_ = false;
+  switches_.start(state_);
+}
+
+bool Radau::linearise() {
+  // Elastic coordinates by their stiffness alone, until Newton's method fails with it (see Ida).
+  TangentScope scope = TangentScope::everything;
+  if (matrices_->has_elastic_coordinates() && full_matrices_left_ == 0) scope = TangentScope::newton;
+  if (full_matrices_left_ > 0) --full_matrices_left_;
+  has_tangents_ = 1;
+  t_tangents_ = t_;
+  y_tangents_ = y_;
+  yp_tangents_ = yp_;
+  scope_tangents_ = scope == TangentScope::newton ? 1 : 0;
+  ++counts_.jacobians;
+  matrices_->linearise(t_, y_, yp_, scope);
+  return true;
+}
+
+bool Radau::factor(double h) {
+  h_matrix_ = h;
+  return matrices_->factor(k_.gamma / h, k_.lambda / h);
+}
+
+// Stage values from the last step's polynomial, or along the tangent.
+void Radau::predict(double h) {
+  if (h_done_ == 0.0) {
+    for (int i = 0; i < 3; ++i) {
+      Z_[i].setZero();
+      Z_[i].head(form_->at_a()) = k_.c[i] * h * yp_.head(form_->at_a());
+    }
+    return;
+  }
+  for (int i = 0; i < 3; ++i) {
+    const double x = 1.0 + k_.c[i] * h / h_done_;
+    R_[i] = y_begin_ - y_;
+    for (int j = 0; j < 3; ++j) R_[i] += k_.basis(j, x) * Z_[j];
+  }
+  for (int i = 0; i < 3; ++i) Z_[i] = R_[i];
+}
+
+Radau::Outcome Radau::newton(double h, double& shorter, int& iterations) {
+  // A hundredth of the error allowed (RADAU5's choice for tolerances of 1e-4 and less is sqrt(tolerance)).
+  const double goal = std::max(10.0 * std::numeric_limits<double>::epsilon() / options_.tolerance, 1e-2);
+  convergence_ = std::pow(std::max(convergence_, std::numeric_limits<double>::epsilon()), 0.8);
+  double before = 0.0, ratio_before = 0.0;
+  shorter = 0.5;
+  for (int k = 1; k <= kMostIterations; ++k) {
+    for (int i = 0; i < 3; ++i) {
+      stage_ = y_ + Z_[i];
+      rate_ = (k_.B(i, 0) * Z_[0] + k_.B(i, 1) * Z_[1] + k_.B(i, 2) * Z_[2]) / h;
+      if (!form_->residual(t_ + k_.c[i] * h, stage_, rate_, R_[i])) {
+        trouble_ = form_->non_finite();
+        return Outcome::diverged;
+      }
+    }
+    rhs_ = k_.v_left(0) * R_[0] + k_.v_left(1) * R_[1] + k_.v_left(2) * R_[2];
+    rhs_c_ = k_.w_left(0) * R_[0] + k_.w_left(1) * R_[1] + k_.w_left(2) * R_[2];
+    matrices_->solve(rhs_, step_);
+    matrices_->solve(rhs_c_, x_c_);
+    double sum = 0.0;
+    for (int i = 0; i < 3; ++i) {
+      R_[i] = -k_.v(i) * step_ - 2.0 * (k_.w(i) * x_c_).real();
+      sum += R_[i].cwiseAbs2().dot(weights2_);
+    }
+    const double size = std::sqrt(sum / (3.0 * n_norm_));
+    if (!std::isfinite(size)) return Outcome::diverged;
+    iterations = k;
+    if (k > 1 && k < kMostIterations) {
+      const double ratio = size / before;
+      theta_ = k == 2 ? ratio : std::sqrt(ratio * ratio_before);
+      ratio_before = ratio;
+      if (theta_ >= 0.99) return Outcome::diverged;
+      convergence_ = theta_ / (1.0 - theta_);
+      const double at_end =
+          convergence_ * size * std::pow(theta_, kMostIterations - 1 - k) / goal;  // after the last iteration
+      if (at_end >= 1.0) {
+        shorter = 0.8 * std::pow(std::clamp(at_end, 1e-4, 20.0), -1.0 / (3 + kMostIterations - k));
+        return Outcome::slow;
+      }
+    }
+    before = std::max(size, std::numeric_limits<double>::epsilon());
+    for (int i = 0; i < 3; ++i) Z_[i] += R_[i];
+    if (convergence_ * size <= goal) return Outcome::converged;
+  }
+  return Outcome::slow;
+}
+
+double Radau::local_error(double h, bool again) {
+  stage_ = (k_.e[0] * Z_[0] + k_.e[1] * Z_[1] + k_.e[2] * Z_[2]) / h;
+  const auto estimate = [&] {
+    matrices_->solve(rhs_, error_);
+    error_.tail(form_->size() - form_->at_a()).setZero();
+    return std::max(norm(error_), 1e-10);
+  };
+  rate_ = stage_ + yp_;
+  matrices_->multiply_rates(rate_, rhs_);
+  double size = estimate();
+  if (again && size >= 1.0) {
+    // A second pass through the matrix damps what belongs to stiff components.
+    x_ = y_ + error_;
+    matrices_->multiply_rates(rate_, rhs_);
+    if (form_->residual(t_, x_, yp_, step_)) {
+      rhs_ -= step_;
+      size = estimate();
+    }
+  }
+  return std::isfinite(size) ? size : std::numeric_limits<double>::infinity();
+}
+
+std::string Radau::worst_state() const {
+  int i = 0;
+  error_.cwiseAbs2().cwiseProduct(weights2_).head(form_->at_a()).maxCoeff(&i);
+  return i < form_->at_v()   ? eq_.name_of_position(i)
+         : i < form_->at_c() ? eq_.name_of_velocity(i - form_->at_v())
+                             : eq_.name_of_dynamic(i - form_->at_c());
+}
+
+void Radau::fail(double h, bool converges) {
+  if (!trouble_.empty()) throw IntegrationError(trouble_);
+  throw IntegrationError(
+      fmt::format("{} at t = {:.9g} s with a step of {:.3g} s; the state in trouble is \"{}\": a force jumps "
+                  "there, give it a "
+                  "switch or smooth it, or the constraints lose rank there",
+                  converges ? "the error test keeps failing" : "Newton's method does not converge", t_, h,
+                  worst_state()));
+}
+
+StepEnd Radau::step(double t_stop) {
+  const double duration = options_.end_time - options_.start_time;
+  const double h_max = options_.max_step > 0.0 ? options_.max_step : 0.1 * duration;
+  const double h_min = options_.min_step > 0.0 ? options_.min_step : 1e-12 * duration;
+  set_weights();
+  bool tangents_are_fresh = has_tangents_ == 1 && t_tangents_ == t_;
+  bool wants_tangents = !tangents_are_fresh && (has_tangents_ == 0 || theta_ > 1e-3);
+  const double wanted = h_;
+  for (;;) {
+    const double left = t_stop - t_;
+    double h = std::min({h_, h_max, left});
+    if (left - h < 1e-3 * h)
+      h = left;
+    else if (left < 2.0 * h)
+      h = 0.5 * left;  // two equal steps rather than a long one and a sliver
+    trouble_.clear();
+    double shorter = 0.25;
+    int iterations = 0;
+    Outcome outcome = Outcome::diverged;
+    try {
+      if (wants_tangents) {
+        linearise();
+        tangents_are_fresh = true;
+        wants_tangents = false;
+        h_matrix_ = 0.0;
+      }
+      if (h_matrix_ == h || factor(h)) {
+        predict(h);
+        outcome = newton(h, shorter, iterations);
+      }
+    } catch (const std::runtime_error& e) {
+      trouble_ = e.what();
+    }
+    if (outcome != Outcome::converged) {
+      // predict() has used the last polynomial up.
+      h_done_ = 0.0;
+      ++counts_.newton_failures;
+      if (h <= h_min) fail(h, false);
+      if (tangents_are_fresh) {
+        if (scope_tangents_ == 1) {
+          full_matrices_left_ = 20;
+          wants_tangents = true;
+        }
+      } else {
+        wants_tangents = true;
+      }
+      h_ = shorter * h;
+      rejected_ = true;
+      continue;
+    }
+    const double error = local_error(h, rejected_ || is_first_ == 1);
+    const double factor =
+        std::min(kSafety, kSafety * (1 + 2 * kMostIterations) / (iterations + 2 * kMostIterations));
+    double quotient = std::clamp(std::pow(error, 0.25) / factor, 0.125, 5.0);
+    if (error >= 1.0) {
+      h_done_ = 0.0;
+      ++counts_.error_failures;
+      if (h <= h_min) fail(h, true);
+      h_ = is_first_ == 1 ? 0.1 * h : h / quotient;
+      rejected_ = true;
+      if (!tangents_are_fresh) wants_tangents = true;
+      continue;
+    }
+    ++counts_.steps;
+    is_first_ = 0;
+    if (h_accepted_ > 0.0) {  // K. Gustafsson's predictive controller
+      const double predicted = (h / h_accepted_) * std::pow(error * error / error_accepted_, 0.25) / kSafety;
+      quotient = std::max(quotient, std::clamp(predicted, 0.125, 5.0));
+    }
+    h_accepted_ = h;
+    error_accepted_ = std::max(1e-2, error);
+    y_begin_ = y_;
+    yp_begin_ = yp_;
+    t_begin_ = t_;
+    h_done_ = h;
+    y_ += Z_[2];
+    yp_ = (k_.B(2, 0) * Z_[0] + k_.B(2, 1) * Z_[1] + k_.B(2, 2) * Z_[2]) / h;
+    t_ = t_ + h >= t_stop ? t_stop : t_ + h;
+    double next = h / quotient;
+    if (rejected_) next = std::min(next, h);
+    // A last step cut short says nothing against the one before it.
+    if (!rejected_ && h < 0.9 * wanted && next < wanted) next = wanted;
+    rejected_ = false;
+    // A slightly longer step does not pay for new factors.
+    h_ = next >= h && next <= 1.2 * h ? h : next;
+    break;
+  }
+  StepEnd end;
+  end.t_begin = t_begin_;
+  end.t_end = t_;
+  switches_.search(
+      t_begin_, end.t_end,
+      [&](double t) -> const State& {
+        interpolate(t, found_, v_dot_found_);
+        return found_;
+      },
+      end.roots);
+  return end;
+}
+
+void Radau::interpolate(double t, State& s, VectorXd& v_dot) {
+  if (h_done_ == 0.0) {
+    form_->unpack(t_, y_, s);
+    v_dot = yp_.segment(form_->at_v(), n_.n_v);
+    return;
+  }
+  const double x = (t - t_begin_) / h_done_;
+  interpolated_ = y_begin_;
+  for (int i = 0; i < 3; ++i) interpolated_ += k_.basis(i, x) * Z_[i];
+  form_->unpack(t, interpolated_, s);
+  const int at_v = form_->at_v();
+  v_dot = k_.slope(0, x) / h_done_ * Z_[0].segment(at_v, n_.n_v);
+  for (int i = 1; i < 3; ++i) v_dot += k_.slope(i, x) / h_done_ * Z_[i].segment(at_v, n_.n_v);
+}
+
+void Radau::remember(History& history) {
+  if (!history.reads() && !form_) return;  // it never started
+  history(state_);
+  if (history.reads()) {
+    create(state_);
+    form_->set_start(state_);
+    found_ = state_;
+  }
+  for (VectorXd* x : {&y_, &yp_, &Z_[0], &Z_[1], &Z_[2], &y_begin_, &yp_begin_, &y_tangents_, &yp_tangents_})
+    history(*x);
+  for (double* x : {&t_, &t_begin_, &h_done_, &h_, &h_matrix_, &t_tangents_, &theta_, &convergence_,
+                    &h_accepted_, &error_accepted_})
+    history(*x);
+  for (int* x : {&has_tangents_, &scope_tangents_, &full_matrices_left_, &is_first_}) history(*x);
+  if (!history.reads()) return;
+  form_->unpack(t_, y_, found_);
+  switches_.start(found_);
+  if (has_tangents_ == 0) return;
+  matrices_->linearise(t_tangents_, y_tangents_, yp_tangents_,
+                       scope_tangents_ == 1 ? TangentScope::newton : TangentScope::everything);
+  if (h_matrix_ > 0.0) factor(h_matrix_);
+}
+
+}  // namespace
+
+std::unique_ptr<Integrator> make_radau(const Equations& eq, const SolverOptions& options) {
+  return std::make_unique<Radau>(eq, options);
+}
+
+}  // namespace flexura::mbs

@@ -1,0 +1,123 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include <cmath>
+#include <numbers>
+
+#include "mbs/model/modal_basis.hpp"
+#include "mbs/solver/assemble.hpp"
+#include "mbs/solver/run.hpp"
+#include "tests/mbs/flexible/beam_superelement.hpp"
+#include "tests/mbs/model/checks.hpp"
+#include "tests/mbs/model/lattice.hpp"
+
+namespace flexura::mbs {
+namespace {
+
+using namespace checks;
+
+enum class Fidelity { rigid, ked, modal };
+
+BodyDescription body_of(const superelement::Superelement& se, const BasisOptions& options,
+                        Fidelity fidelity) {
+  BodyDescription body{.name = "beam"};
+  if (fidelity != Fidelity::modal) body.inertia = rigid_inertia(se);
+  if (fidelity == Fidelity::rigid) return body;
+  auto deforms = std::make_shared<FlexibleBody>(modal_data(se, options));
+  (fidelity == Fidelity::ked ? body.ked : body.flexible) = deforms;
+  return body;
+}
+
+/// A marker on an interface in each fidelity.
+int interface_marker(MechanismDescription& d, int body, const superelement::Superelement& se, int interface,
+                     Fidelity fidelity) {
+  const superelement::Interface& i = se.interfaces[interface];
+  if (fidelity == Fidelity::modal) return d.add_marker(body, i.name, {}, interface);
+  const int marker = d.add_marker(body, i.name, {Matrix3d::Identity(), i.p_BoN_B});
+  if (fidelity == Fidelity::ked) d.markers[marker].ked_node = interface;
+  return marker;
+}
+
+TEST(OneWayDeformation, LeavesTheRigidMotionAlone) {
+  const auto l = lattice::make_lattice(3);
+  const auto mechanism = [&](Fidelity fidelity) {
+    Random random(3);
+    MechanismDescription d;
+    d.gravity = {0.3, -9.0, 1.0};
+    const int carrier = d.add_body({.name = "carrier", .inertia = random.inertia()});
+    d.add_joint("base", "six_dof", d.add_marker(0, "o"), d.add_marker(carrier, "o"));
+    const int beam = d.add_body(body_of(l.se, {}, fidelity));
+    d.add_joint("root", "revolute", d.add_marker(carrier, "hand", random.pose()),
+                interface_marker(d, beam, l.se, 0, fidelity));
+    const int weight = d.add_body({.name = "weight", .inertia = random.inertia()});
+    d.add_joint("tip", "spherical", interface_marker(d, beam, l.se, 1, fidelity),
+                d.add_marker(weight, "in", random.pose()));
+    return Mechanism(d);
+  };
+  const Mechanism rigid = mechanism(Fidelity::rigid), ked = mechanism(Fidelity::ked);
+  ASSERT_EQ(ked.sizes().n_v, rigid.sizes().n_v);
+  const int m = l.se.n() - 6;
+  ASSERT_EQ(ked.sizes().n_dyn, 2 * m);
+  State s = random_state(rigid, 8);
+  const Sizes n = ked.sizes();
+  Random random(4);
+  const VectorXd v_dot = random.vector(n.n_v);
+  VectorXd r(n.n_v), r_rigid(n.n_v), c_rate(n.n_dyn), none(0), b(0);
+  rigid.momentum(s, v_dot, *rigid.make_scratch(), r_rigid, none, b);
+  s.c = random.vector(n.n_dyn, 0.1);
+  ked.momentum(s, v_dot, *ked.make_scratch(), r, c_rate, b);
+  EXPECT_EQ(r, r_rigid);
+  // The first half of the states changes at the rate that the second half holds.
+  EXPECT_EQ(c_rate.head(m), s.c.tail(m));
+  EXPECT_EQ(ked.name_of_dynamic(m), "beam.mode_1_rate");
+}
+
+TEST(OneWayDeformation, IsTheForcedVibrationOfTheRigidMotion) {
+  // A cantilever on a shaft that swings by a small angle about an axis through its root: the shaft is driven,
+  // so deformation cannot change the motion, and KED and modal agree to second order in the angle.
+  beams::StraightBeam b;
+  b.EA = 1e6;
+  b.GI_t = b.EI_y = 1e4;
+  b.elements = 8;
+  const superelement::Superelement se = beams::beam_superelement(b);
+  BasisOptions options;
+  options.held = interface_loads(se, 0);
+  options.fixed_interface = 0;
+  options.modes = 2;
+  options.damping = 0.02;
+  const auto history = [&](Fidelity fidelity) {
+    MechanismDescription d;
+    const int beam = d.add_body(body_of(se, options, fidelity));
+    const int hub =
+        d.add_joint("hub", "revolute", d.add_marker(0, "shaft"), interface_marker(d, beam, se, 0, fidelity));
+    d.joints[hub].drives[0] = std::make_shared<Expression>("hub", "1e-3 * sin(2.5*t)", SignalNames(),
+                                                           std::map<std::string, double>{});
+    Mechanism mechanism(d);
+    State s = mechanism.initial_state();
+    VectorXd v_dot;
+    assemble(mechanism, s, v_dot);
+    SolverOptions solver;
+    solver.end_time = 6.0;
+    solver.output_step = 0.05;
+    solver.tolerance = 1e-9;
+    solver.absolute_factor = 1e-4;
+    std::vector<double> tip;
+    RunCallbacks callbacks;
+    callbacks.row = [&](const State& row, const VectorXd&, const EnergyAccount&) {
+      tip.push_back(mechanism.deforming(1)->node_pose(1, mechanism.modal_coordinates(1, row)).p.y());
+    };
+    EXPECT_TRUE(run(mechanism, s, v_dot, solver, callbacks).complete);
+    return tip;
+  };
+  const std::vector<double> modal = history(Fidelity::modal), ked = history(Fidelity::ked);
+  ASSERT_EQ(modal.size(), ked.size());
+  double largest = 0.0, difference = 0.0;
+  for (std::size_t k = 0; k < modal.size(); ++k) {
+    largest = std::max(largest, std::abs(modal[k]));
+    difference = std::max(difference, std::abs(modal[k] - ked[k]));
+  }
+  EXPECT_GT(largest, 5e-4);
+  // Second order: 1e-6 of it; the integrators' errors accumulate to some 1e-7.
+  EXPECT_LE(difference, 3e-6 * largest);
+}
+
+}  // namespace
+}  // namespace flexura::mbs

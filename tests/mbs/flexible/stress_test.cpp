@@ -1,0 +1,38 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include <gtest/gtest.h>
+
+#include "mbs/model/stress_field.hpp"
+
+namespace flexura::mbs {
+namespace {
+
+TEST(VonMises, OfSimpleStates) {
+  EXPECT_DOUBLE_EQ(von_mises((Stress() << -7, 0, 0, 0, 0, 0).finished()), 7.0);
+  EXPECT_DOUBLE_EQ(von_mises((Stress() << 5, 5, 5, 0, 0, 0).finished()), 0.0);
+  EXPECT_NEAR(von_mises((Stress() << 0, 0, 0, 0, 2, 0).finished()), 2.0 * std::sqrt(3.0), 1e-15);
+}
+
+TEST(StressField, FindsTheLargestAndTheNearestPlace) {
+  // Two places, three shapes, two modes; the second place carries twice the pull of the first.
+  Eigen::MatrixXd S = Eigen::MatrixXd::Zero(12, 3), Y = Eigen::MatrixXd::Zero(3, 2);
+  S(0, 0) = 1e6;
+  S(6, 0) = 2e6;
+  S(3, 2) = 5e6;
+  Y(0, 0) = Y(2, 1) = 1.0;
+  Eigen::Matrix3Xd x(3, 2);
+  x << 0, 1, 0, 0, 0, 0;
+  StressField field(S, x, {4, 9}, Y);
+  const double s[2] = {2.0, 0.0}, twisted[2] = {0.0, 1.0};
+  const auto largest = field.largest(s);
+  EXPECT_DOUBLE_EQ(largest.von_mises, 4e6);
+  EXPECT_EQ(field.vertex(largest.place), 9);
+  EXPECT_NEAR(field.largest(twisted).von_mises, 5e6 * std::sqrt(3.0), 1e-8);
+  field.add_point("middle", {0.4, 0.0, 0.3});
+  EXPECT_EQ(field.points()[0].place, 0);
+  EXPECT_DOUBLE_EQ(field.points()[0].distance, 0.5);
+  EXPECT_DOUBLE_EQ(field.at(0, twisted)(3), 5e6);
+  EXPECT_THROW(StressField(S, x, {4}, Y), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace flexura::mbs
