@@ -2,12 +2,11 @@
 #include "reduce/app/make_part.hpp"
 
 #include <fmt/format.h>
-#include <muParser.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <numbers>
 
+#include "reduce/app/force_field.hpp"
 #include "reduce/assembly/point_mass.hpp"
 #include "reduce/elements/surface.hpp"
 
@@ -162,33 +161,6 @@ void add_links(const PartInput& input, ModelledPart& out) {
   }
 }
 
-/// Forces per mass by formulas of x, y, z.
-Eigen::MatrixX3d evaluate_field(const LoadInput& load, const mesh::Mesh& mesh) {
-  Eigen::MatrixX3d values(mesh.n_nodes(), 3);
-  double x[3];
-  for (int a = 0; a < 3; ++a) {
-    mu::Parser parser;
-    parser.DefineVar("x", &x[0]);
-    parser.DefineVar("y", &x[1]);
-    parser.DefineVar("z", &x[2]);
-    parser.DefineConst("pi", std::numbers::pi);
-    try {
-      parser.SetExpr(load.formulas[a]);
-      for (mesh::Index node = 0; node < mesh.n_nodes(); ++node) {
-        for (int b = 0; b < 3; ++b) x[b] = mesh.points(node, b);
-        values(node, a) = parser.Eval();
-      }
-    } catch (const mu::Parser::exception_type& error) {
-      throw std::invalid_argument(
-          fmt::format("the formula \"{}\" cannot be read ({}); it may use x, y, z and pi", load.formulas[a],
-                      error.GetMsg()));
-    }
-  }
-  if (!values.allFinite())
-    throw std::invalid_argument("the formulas give a value that is not finite at a node of the part");
-  return values;
-}
-
 void add_loads(const PartInput& input, const PartMesh& from, ModelledPart& out) {
   const mesh::Mesh& mesh = out.part.mesh;
   for (const LoadInput& wanted : input.loads) {
@@ -209,7 +181,7 @@ void add_loads(const PartInput& input, const PartMesh& from, ModelledPart& out) 
           throw std::invalid_argument("the set has no faces of the part's surface to push on");
         load.forces = -wanted.value * pressure_load(mesh, chosen.set.faces);
       } else {
-        load.acceleration = evaluate_field(wanted, mesh);
+        load.acceleration = evaluate_field(wanted.formulas, mesh);
       }
     });
     out.loads.push_back(std::move(load));

@@ -40,7 +40,7 @@ hdf5            | mbs/hdf5/
 H5              | mbs/hdf5/
 CLI             | mbs/terminal/
 toml\+\+        | mbs/input/
-muParser        | mbs/model/
+muParser        | mbs/model/ reduce/app/force_field.cpp
 xxhash          | mbs/study/
 spdlog          | mbs/app/ reduce/app/
 '
