@@ -14,8 +14,7 @@ namespace {
 
 using Sparse = Eigen::SparseMatrix<double>;
 
-// Where KLU beats dense factors: measured on rows of closed loops and on branched trees, see
-// tests/benchmarks.
+// From where on KLU is tried in place of dense factors: estimates, not yet measured against each other.
 constexpr int kSparseFrom = 120;
 constexpr double kSparseBelow = 0.15;  // of all entries
 
