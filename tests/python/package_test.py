@@ -138,7 +138,7 @@ class Package(unittest.TestCase):
         rigid, flexible = told["runs"]
         self.assertEqual((rigid["n_dof"], rigid["n_flx"]), (1, 0))
         self.assertEqual(flexible["n_dof"], 1 + flexible["n_flx"])
-        self.assertEqual(rigid["joints"], [{"name": "hinge", "type": "revolute", "is_constraint": False}])
+        self.assertEqual(rigid["joints"], [{"name": "hinge", "type": "revolute", "is_constraint": False, "is_connection": False}])
 
     def test_refusals_are_the_programs_sentences(self):
         with self.assertRaisesRegex(flexura.FlexuraError, "did you mean") as caught:
