@@ -3,131 +3,25 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <complex>
 #include <limits>
 
 #include "mbs/solver/error_weights.hpp"
-#include "mbs/solver/newton_matrix.hpp"
-#include "mbs/solver/stabilised_index2.hpp"
+#include "mbs/solver/radau_matrices.hpp"
+#include "mbs/solver/radau_tableau.hpp"
 #include "mbs/solver/switches.hpp"
 
 namespace flexura::mbs {
 
 namespace {
 
-using Complex = std::complex<double>;
 using Eigen::VectorXcd;
 using Eigen::VectorXd;
 
 constexpr int kMostIterations = 7;
 constexpr double kSafety = 0.9;
-
-struct Coefficients {
-  std::array<double, 3> c, e;  // nodes, weights of the error estimate
-  Eigen::Matrix3d B;
-  double gamma;    // real eigenvalue of B
-  Complex lambda;  // and one of the complex pair
-  Eigen::Vector3d v;
-  Eigen::Vector3cd w;         // their eigenvectors
-  Eigen::RowVector3d v_left;  // and the rows of the inverse of (v w conj(w))
-  Eigen::RowVector3cd w_left;
-
-  Coefficients() {
-    const double r = std::sqrt(6.0);
-    c = {(4.0 - r) / 10.0, (4.0 + r) / 10.0, 1.0};
-    Eigen::Matrix3d A;
-    A << (88.0 - 7.0 * r) / 360.0, (296.0 - 169.0 * r) / 1800.0, (-2.0 + 3.0 * r) / 225.0,
-        (296.0 + 169.0 * r) / 1800.0, (88.0 + 7.0 * r) / 360.0, (-2.0 - 3.0 * r) / 225.0, (16.0 - r) / 36.0,
-        (16.0 + r) / 36.0, 1.0 / 9.0;
-    B = A.inverse();
-    // The characteristic polynomial of B is x^3 - 9 x^2 + 36 x - 60.
-    const double a = std::cbrt(3.0), b = a * a;
-    gamma = 3.0 + b - a;
-    lambda = {0.5 * (9.0 - gamma), 0.5 * std::sqrt(3.0) * (b + a)};
-    // Perpendicular to two rows of B - x 1.
-    const Eigen::Matrix3d R = B - gamma * Eigen::Matrix3d::Identity();
-    v = Eigen::Vector3d(R.row(0)).cross(Eigen::Vector3d(R.row(1))).normalized();
-    const Eigen::Matrix3cd C = B.cast<Complex>() - lambda * Eigen::Matrix3cd::Identity();
-    for (int i = 0; i < 3; ++i) {
-      const int j = (i + 1) % 3, k = (i + 2) % 3;
-      w(i) = C(0, j) * C(1, k) - C(0, k) * C(1, j);
-    }
-    w.normalize();
-    Eigen::Matrix3cd V;
-    V << v.cast<Complex>(), w, w.conjugate();
-    const Eigen::Matrix3cd inverse = V.inverse();
-    v_left = inverse.row(0).real();
-    w_left = inverse.row(1);
-    e = {-(13.0 + 7.0 * r) / 3.0, (-13.0 + 7.0 * r) / 3.0, -1.0 / 3.0};
-  }
-
-  // Polynomials that are 1 at node i and 0 at 0 and the other nodes.
-  double basis(int i, double x) const {
-    const int j = (i + 1) % 3, k = (i + 2) % 3;
-    return x * (x - c[j]) * (x - c[k]) / (c[i] * (c[i] - c[j]) * (c[i] - c[k]));
-  }
-  double slope(int i, double x) const {
-    const int j = (i + 1) % 3, k = (i + 2) % 3;
-    return ((x - c[j]) * (x - c[k]) + x * (x - c[k]) + x * (x - c[j])) /
-           (c[i] * (c[i] - c[j]) * (c[i] - c[k]));
-  }
-};
-
-// The form, and its Newton matrices for one real and one complex cj.
-class Form {
- public:
-  Form(const Equations& eq, const State& start)
-      : n_(eq.sizes()),
-        form_(eq, start),
-        scratch_state_(start),
-        kinematics_(eq, start.p),
-        tangents_(eq),
-        real_(n_, holonomic_rows(eq)),
-        complex_(n_, holonomic_rows(eq)) {}
-
-  StabilisedIndex2& form() { return form_; }
-  const StabilisedIndex2& form() const { return form_; }
-  bool has_elastic_coordinates() const { return tangents_.has_elastic_coordinates(); }
-  long evaluations() const { return form_.evaluations() + tangents_.evaluations; }
-
-  void linearise(double t, const VectorXd& y, const VectorXd& yp, TangentScope scope) {
-    form_.unpack(t, y, scratch_state_);
-    tangents_.evaluate(scratch_state_, yp.segment(form_.at_v(), n_.n_v), scope);
-    kinematics_.update(scratch_state_.p, scratch_state_.v);
-    kinematics_.invert(1.0);  // for T^+
-  }
-  bool factor(double real, Complex complex) {
-    return real_.factor(tangents_, kinematics_, form_.S(), real) &&
-           complex_.factor(tangents_, kinematics_, form_.S(), complex);
-  }
-  void solve(const VectorXd& rhs, VectorXd& x) { real_.solve(tangents_, rhs, x); }
-  void solve(const VectorXcd& rhs, VectorXcd& x) { complex_.solve(tangents_, rhs, x); }
-  /// out = dF/dy' x.
-  void multiply_rates(const VectorXd& x, VectorXd& out) const {
-    out = x;
-    out.segment(form_.at_v(), n_.n_v).noalias() = tangents_.M * x.segment(form_.at_v(), n_.n_v);
-    out.tail(form_.size() - form_.at_a()).setZero();
-  }
-
- private:
-  static std::vector<bool> holonomic_rows(const Equations& eq) {
-    std::vector<bool> out;
-    for (int k = 0; k < eq.sizes().n_lambda; ++k) out.push_back(eq.is_holonomic(k));
-    return out;
-  }
-
-  Sizes n_;
-  StabilisedIndex2 form_;
-  State scratch_state_;
-  KinematicBlocks kinematics_;
-  Tangents tangents_;
-  NewtonMatrix<double> real_;
-  NewtonMatrix<Complex> complex_;
-};
 
 class Radau final : public Integrator {
  public:
@@ -152,21 +46,22 @@ class Radau final : public Integrator {
   void create(const State& s);
   void set_weights();
   double norm(const VectorXd& x) const { return std::sqrt(x.cwiseAbs2().dot(weights2_) / n_norm_); }
-  bool linearise();
+  void linearise();
   bool factor(double h);
   void predict(double h);
   Outcome newton(double h, double& shorter, int& iterations);
   double local_error(double h, bool again);
+  void accept(double h, double t_stop, double wanted, double error, double quotient);
   [[noreturn]] void fail(double h, bool converges);
   std::string worst_state() const;
 
   const Equations& eq_;
   Sizes n_;
   SolverOptions options_;
-  Coefficients k_;
+  RadauTableau k_;
   ErrorWeights weights_;
   SwitchFinder switches_;
-  std::unique_ptr<Form> matrices_;
+  std::unique_ptr<RadauMatrices> matrices_;
   StabilisedIndex2* form_ = nullptr;  // in matrices_
   double loosening_, n_norm_ = 1.0;
 
@@ -176,12 +71,13 @@ class Radau final : public Integrator {
   std::array<VectorXd, 3> Z_;  // of the last step, which began at t_begin_ from y_begin_
   VectorXd y_begin_, yp_begin_;
   double t_begin_ = 0.0, h_done_ = 0.0;
-  double h_ = 0.0;         // the next step
-  double h_matrix_ = 0.0;  // of the factors; 0: none
-  int has_tangents_ = 0;   // the derivatives were taken, there:
+  double h_ = 0.0;             // the next step
+  double h_matrix_ = 0.0;      // of the factors; 0: none
+  bool has_tangents_ = false;  // the derivatives were taken, there:
   double t_tangents_ = 0.0;
   VectorXd y_tangents_, yp_tangents_;
-  int scope_tangents_ = 0, is_first_ = 1;
+  bool newton_scope_ = false;  // with TangentScope::newton
+  bool is_first_ = true;       // the step is the first from here
   int full_matrices_left_ = 0;
   double theta_ = 0.0, convergence_ = 1.0;           // of Newton's method
   double h_accepted_ = 0.0, error_accepted_ = 1e-2;  // for the predictive controller
@@ -196,7 +92,7 @@ class Radau final : public Integrator {
 };
 
 void Radau::create(const State& s) {
-  matrices_ = std::make_unique<Form>(eq_, s);
+  matrices_ = std::make_unique<RadauMatrices>(eq_, s);
   form_ = &matrices_->form();
   const int n = form_->size();
   for (VectorXd* x : {&y_, &yp_, &y_begin_, &yp_begin_, &y_tangents_, &yp_tangents_, &weights2_, &stage_,
@@ -242,8 +138,8 @@ void Radau::start(const State& s, const VectorXd& v_dot) {
     h_ = std::min({h_, 1e-4 * duration, rate > 0.0 ? 0.01 / rate : duration});
   }
   h_done_ = h_matrix_ = 0.0;
-  has_tangents_ = 0;
-  is_first_ = 1;
+  has_tangents_ = false;
+  is_first_ = true;
   h_accepted_ = 0.0;
   error_accepted_ = 1e-2;
   convergence_ = 1.0;
@@ -252,19 +148,18 @@ void Radau::start(const State& s, const VectorXd& v_dot) {
   switches_.start(state_);
 }
 
-bool Radau::linearise() {
+void Radau::linearise() {
   // Elastic coordinates by their stiffness alone, until Newton's method fails with it (see Ida).
   TangentScope scope = TangentScope::everything;
   if (matrices_->has_elastic_coordinates() && full_matrices_left_ == 0) scope = TangentScope::newton;
   if (full_matrices_left_ > 0) --full_matrices_left_;
-  has_tangents_ = 1;
+  has_tangents_ = true;
   t_tangents_ = t_;
   y_tangents_ = y_;
   yp_tangents_ = yp_;
-  scope_tangents_ = scope == TangentScope::newton ? 1 : 0;
+  newton_scope_ = scope == TangentScope::newton;
   ++counts_.jacobians;
   matrices_->linearise(t_, y_, yp_, scope);
-  return true;
 }
 
 bool Radau::factor(double h) {
@@ -376,13 +271,39 @@ void Radau::fail(double h, bool converges) {
                   worst_state()));
 }
 
+/// Takes the step over and chooses the next; `wanted` was asked for before it was cut to fit t_stop.
+void Radau::accept(double h, double t_stop, double wanted, double error, double quotient) {
+  ++counts_.steps;
+  is_first_ = false;
+  if (h_accepted_ > 0.0) {  // K. Gustafsson's predictive controller
+    const double predicted = (h / h_accepted_) * std::pow(error * error / error_accepted_, 0.25) / kSafety;
+    quotient = std::max(quotient, std::clamp(predicted, 0.125, 5.0));
+  }
+  h_accepted_ = h;
+  error_accepted_ = std::max(1e-2, error);
+  y_begin_ = y_;
+  yp_begin_ = yp_;
+  t_begin_ = t_;
+  h_done_ = h;
+  y_ += Z_[2];
+  yp_ = (k_.B(2, 0) * Z_[0] + k_.B(2, 1) * Z_[1] + k_.B(2, 2) * Z_[2]) / h;
+  t_ = t_ + h >= t_stop ? t_stop : t_ + h;
+  double next = h / quotient;
+  if (rejected_) next = std::min(next, h);
+  // A last step cut short says nothing against the one before it.
+  if (!rejected_ && h < 0.9 * wanted && next < wanted) next = wanted;
+  rejected_ = false;
+  // A slightly longer step does not pay for new factors.
+  h_ = next >= h && next <= 1.2 * h ? h : next;
+}
+
 StepEnd Radau::step(double t_stop) {
   const double duration = options_.end_time - options_.start_time;
   const double h_max = options_.max_step > 0.0 ? options_.max_step : 0.1 * duration;
   const double h_min = options_.min_step > 0.0 ? options_.min_step : 1e-12 * duration;
   set_weights();
-  bool tangents_are_fresh = has_tangents_ == 1 && t_tangents_ == t_;
-  bool wants_tangents = !tangents_are_fresh && (has_tangents_ == 0 || theta_ > 1e-3);
+  bool tangents_are_fresh = has_tangents_ && t_tangents_ == t_;
+  bool wants_tangents = !tangents_are_fresh && (!has_tangents_ || theta_ > 1e-3);
   const double wanted = h_;
   for (;;) {
     const double left = t_stop - t_;
@@ -415,7 +336,7 @@ StepEnd Radau::step(double t_stop) {
       ++counts_.newton_failures;
       if (h <= h_min) fail(h, false);
       if (tangents_are_fresh) {
-        if (scope_tangents_ == 1) {
+        if (newton_scope_) {
           full_matrices_left_ = 20;
           wants_tangents = true;
         }
@@ -426,7 +347,7 @@ StepEnd Radau::step(double t_stop) {
       rejected_ = true;
       continue;
     }
-    const double error = local_error(h, rejected_ || is_first_ == 1);
+    const double error = local_error(h, rejected_ || is_first_);
     const double factor =
         std::min(kSafety, kSafety * (1 + 2 * kMostIterations) / (iterations + 2 * kMostIterations));
     double quotient = std::clamp(std::pow(error, 0.25) / factor, 0.125, 5.0);
@@ -434,33 +355,12 @@ StepEnd Radau::step(double t_stop) {
       h_done_ = 0.0;
       ++counts_.error_failures;
       if (h <= h_min) fail(h, true);
-      h_ = is_first_ == 1 ? 0.1 * h : h / quotient;
+      h_ = is_first_ ? 0.1 * h : h / quotient;
       rejected_ = true;
       if (!tangents_are_fresh) wants_tangents = true;
       continue;
     }
-    ++counts_.steps;
-    is_first_ = 0;
-    if (h_accepted_ > 0.0) {  // K. Gustafsson's predictive controller
-      const double predicted = (h / h_accepted_) * std::pow(error * error / error_accepted_, 0.25) / kSafety;
-      quotient = std::max(quotient, std::clamp(predicted, 0.125, 5.0));
-    }
-    h_accepted_ = h;
-    error_accepted_ = std::max(1e-2, error);
-    y_begin_ = y_;
-    yp_begin_ = yp_;
-    t_begin_ = t_;
-    h_done_ = h;
-    y_ += Z_[2];
-    yp_ = (k_.B(2, 0) * Z_[0] + k_.B(2, 1) * Z_[1] + k_.B(2, 2) * Z_[2]) / h;
-    t_ = t_ + h >= t_stop ? t_stop : t_ + h;
-    double next = h / quotient;
-    if (rejected_) next = std::min(next, h);
-    // A last step cut short says nothing against the one before it.
-    if (!rejected_ && h < 0.9 * wanted && next < wanted) next = wanted;
-    rejected_ = false;
-    // A slightly longer step does not pay for new factors.
-    h_ = next >= h && next <= 1.2 * h ? h : next;
+    accept(h, t_stop, wanted, error, quotient);
     break;
   }
   StepEnd end;
@@ -504,13 +404,16 @@ void Radau::remember(History& history) {
   for (double* x : {&t_, &t_begin_, &h_done_, &h_, &h_matrix_, &t_tangents_, &theta_, &convergence_,
                     &h_accepted_, &error_accepted_})
     history(*x);
-  for (int* x : {&has_tangents_, &scope_tangents_, &full_matrices_left_, &is_first_}) history(*x);
+  history(has_tangents_);
+  history(newton_scope_);
+  history(full_matrices_left_);
+  history(is_first_);
   if (!history.reads()) return;
   form_->unpack(t_, y_, found_);
   switches_.start(found_);
-  if (has_tangents_ == 0) return;
+  if (!has_tangents_) return;
   matrices_->linearise(t_tangents_, y_tangents_, yp_tangents_,
-                       scope_tangents_ == 1 ? TangentScope::newton : TangentScope::everything);
+                       newton_scope_ ? TangentScope::newton : TangentScope::everything);
   if (h_matrix_ > 0.0) factor(h_matrix_);
 }
 

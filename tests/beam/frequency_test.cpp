@@ -91,7 +91,7 @@ std::vector<double> computed(const SectionEntry& section, double length, Theory 
 }
 
 TEST(BeamFrequencies, ConvergeToExactSolutionsWithTheirOrders) {
-  // A stubby beam (l/h = 8) in four theories and four end conditions; modes 1 to 3 with 16 and 32 elements.
+  // A short, thick beam (l/h = 8) in four theories and four end conditions; modes 1 to 3 with 16 and 32 elements.
   const SectionEntry section = entry("r", Rectangle{0.1, 0.25}, kSteel);
   const double length = 2.0;
   for (const EndCase& ends : kEnds)

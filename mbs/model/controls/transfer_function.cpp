@@ -1,39 +1,17 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mbs/model/controls/rational.hpp"
 #include "mbs/model/controls/types.hpp"
 
 namespace flexura::mbs {
 namespace {
 
-/// Y(s) / U(s) = (b_0 + b_1 s + ...) / (a_0 + a_1 s + ... + a_n s^n), strictly proper, in controllable
-/// canonical form: x_i' = x_(i+1), x_n' = (u - a_0 x_1 - ... - a_(n-1) x_n) / a_n, y = b_0 x_1 + b_1 x_2 +
-/// ...
-class TransferFunction final : public Control {
+/// Y(s) / U(s) = (b_0 + b_1 s + ...) / (a_0 + a_1 s + ... + a_n s^n).
+class TransferFunction final : public Rational {
  public:
   TransferFunction(std::string name, std::shared_ptr<const Expression> in, std::vector<double> b,
                    std::vector<double> a)
-      : Control(std::move(name)), input_(std::move(in)), b_(std::move(b)), a_(std::move(a)) {}
+      : Rational(std::move(name), std::move(in), std::move(b), std::move(a), 1.0) {}
   std::string_view type() const override { return "transfer_function"; }
-  int n_states() const override { return static_cast<int>(a_.size()) - 1; }
-  void start(double* c) const override {
-    for (int i = 0; i < n_states(); ++i) c[i] = 0.0;
-  }
-  void rates(const double* signals, const double* c, double* c_rate) const override {
-    const int n = n_states();
-    double last = input_->evaluate(signals);
-    for (int i = 0; i < n; ++i) last -= a_[i] * c[i];
-    for (int i = 0; i + 1 < n; ++i) c_rate[i] = c[i + 1];
-    c_rate[n - 1] = last / a_[n];
-  }
-  double output(const double*, const double* c) const override {
-    double y = 0.0;
-    for (std::size_t i = 0; i < b_.size(); ++i) y += b_[i] * c[i];
-    return y;
-  }
-  std::vector<int> reads() const override { return input_->reads(); }
-
- private:
-  std::shared_ptr<const Expression> input_;
-  std::vector<double> b_, a_;
 };
 
 }  // namespace

@@ -1,5 +1,5 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-#include "mbs/model/forces/types.hpp"
+#include "mbs/model/forces/friction.hpp"
 
 namespace flexura::mbs {
 namespace {
@@ -12,11 +12,8 @@ namespace {
 /// v_t over which the sign is smoothed: below it the joint creeps where it would stick.
 class JointFriction final : public ForceElement {
  public:
-  struct Law {
-    double coulomb, static_force, stribeck_speed, transition_speed, viscous;
-  };
-  JointFriction(std::string name, CoordinateRef c, const Law& law)
-      : ForceElement(std::move(name)), c_(c), law_(law) {}
+  JointFriction(std::string name, CoordinateRef c, const FrictionLaw& law, double transition_speed)
+      : ForceElement(std::move(name)), c_(c), law_(law), transition_speed_(transition_speed) {}
   std::string_view type() const override { return "joint_friction"; }
   void apply(const Kinematics& kin, const double*, Loads& loads) const override {
     loads.apply(c_, force(kin.speed(c_)));
@@ -34,45 +31,31 @@ class JointFriction final : public ForceElement {
 
  private:
   double force(double v) const {
-    const double x = v / law_.stribeck_speed;
-    const double size = law_.coulomb + (law_.static_force - law_.coulomb) * std::exp(-x * x);
-    return -size * std::tanh(v / law_.transition_speed) - law_.viscous * v;
+    return -law_.sliding(v) * std::tanh(v / transition_speed_) - law_.viscous * v;
   }
   CoordinateRef c_;
-  Law law_;
+  FrictionLaw law_;
+  double transition_speed_;
 };
 
 }  // namespace
 
 ForceType joint_friction_force() {
   using namespace input;
-  return {"joint_friction",
-          "Friction along a joint's coordinate by a smooth law with Stribeck effect. All in N, m/s or N m, "
-          "rad/s.",
-          {text("joint", "the joint").required(),
-           text("coordinate", "its coordinate, where it has more than one: \"angle\", \"position\", ..."),
-           expression("coulomb", "friction at high speed").required(),
-           expression("static", "greatest friction near rest; without it that at high speed"),
-           expression("stribeck_speed", "speed over which it falls").or_default("0.01"),
-           expression("transition_speed", "speed over which the sign changes").or_default("0.001"),
-           expression("viscous", "beside it, force per speed").or_default("0")},
-          [](const std::string& name, const Section& s,
-             const ReadContext& context) -> std::shared_ptr<const ForceElement> {
-            const CoordinateRef c = context.speed(s, "joint", "coordinate");
-            const auto number = [&](const char* key, bool may_vanish) {
-              const double x = context.number(s, key);
-              if (x < 0.0 || (x == 0.0 && !may_vanish))
-                s.refuse(key, may_vanish ? "must not be negative" : "must be above 0");
-              return x;
-            };
-            JointFriction::Law law;
-            law.coulomb = number("coulomb", true);
-            law.static_force = s.has("static") ? number("static", true) : law.coulomb;
-            law.stribeck_speed = number("stribeck_speed", false);
-            law.transition_speed = number("transition_speed", false);
-            law.viscous = number("viscous", true);
-            return std::make_shared<JointFriction>(name, c, law);
-          }};
+  return {
+      "joint_friction",
+      "Friction along a joint's coordinate by a smooth law with Stribeck effect. All in N, m/s or N m, "
+      "rad/s.",
+      friction_keys({expression("transition_speed", "speed over which the sign changes").or_default("0.001")},
+                    "speed over which it falls"),
+      [](const std::string& name, const Section& s,
+         const ReadContext& context) -> std::shared_ptr<const ForceElement> {
+        const CoordinateRef c = context.speed(s, "joint", "coordinate");
+        const FrictionLaw law =
+            read_friction(s, context, {.static_may_vanish = true, .stribeck_may_vanish = false});
+        return std::make_shared<JointFriction>(name, c, law,
+                                               read_size(s, context, "transition_speed", false));
+      }};
 }
 
 }  // namespace flexura::mbs

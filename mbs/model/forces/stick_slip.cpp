@@ -1,24 +1,24 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-#include "mbs/model/forces/types.hpp"
+#include "mbs/model/forces/friction.hpp"
 
 namespace flexura::mbs {
 namespace {
 
 /// Friction along a joint's coordinate that truly sticks; v its speed. Three positions of one switch:
 ///
-///     slip, s = +1 or -1    F = -s (F_c + (F_s - F_c) exp(-(v / v_s)^2)) - d v      until s v falls to 0
-///     stick, s = 0          F = -phi - d_k v - d v,   phi' = k v                    until |phi + d_k v|
-///     rises to F_s
+///     slip, s = +1 or -1    F = -s (F_c + (F_s - F_c) exp(-(v / v_s)^2)) - d v
+///                           until s v falls to 0
+///     stick, s = 0          F = -phi - d_k v - d v,   phi' = k v
+///                           until |phi + d_k v| rises to F_s
 ///
-/// A sticking joint is held by a spring k that starts without force's jump where the joint stopped: it yields
-/// by (F_s - F_c) / k at most, and does not creep. Both ends of sticking are located by the integrator. Stick
-/// and slip with Stribeck's law: H. Olsson et al., European Journal of Control 4 (1998) 176-195; a stiff
-/// spring in place of the constraint: D. Karnopp, J. Dyn. Sys. Meas. Control 107 (1985) 100-103, section on
-/// stiction.
+/// A sticking joint is held by a spring k that starts without a jump of the force where the joint stopped: it
+/// yields by (F_s - F_c) / k at most, and does not creep.  Both ends of sticking are located by the
+/// integrator.  A stiff spring in place of the constraint: D. Karnopp, J. Dyn. Sys. Meas. Control 107 (1985)
+/// 100-103, section on stiction.
 class StickSlip final : public ForceElement {
  public:
-  struct Law {
-    double coulomb, static_force, stribeck_speed, viscous, stick_stiffness, stick_damping;
+  struct Law : FrictionLaw {
+    double stick_stiffness, stick_damping;
   };
   StickSlip(std::string name, CoordinateRef c, const Law& law)
       : ForceElement(std::move(name)), c_(c), law_(law) {}
@@ -73,16 +73,11 @@ class StickSlip final : public ForceElement {
   }
 
  private:
-  double sliding(double v) const {
-    if (law_.stribeck_speed == 0.0) return law_.coulomb;
-    const double x = v / law_.stribeck_speed;
-    return law_.coulomb + (law_.static_force - law_.coulomb) * std::exp(-x * x);
-  }
   double holding(double v, const double* c) const { return c[0] + law_.stick_damping * v; }
   double force(const Kinematics& kin) const {
     const double v = kin.speed(c_);
     const int s = kin.own.root[0];
-    return (s == 0 ? -holding(v, kin.own.c) : -s * sliding(v)) - law_.viscous * v;
+    return (s == 0 ? -holding(v, kin.own.c) : -s * law_.sliding(v)) - law_.viscous * v;
   }
   CoordinateRef c_;
   Law law_;
@@ -96,38 +91,24 @@ ForceType stick_slip_force() {
           "Friction along a joint's coordinate that truly sticks: a switch located by the integrator lets it "
           "go and "
           "catches it again. All in N, m/s or N m, rad/s.",
-          {text("joint", "the joint").required(),
-           text("coordinate", "its coordinate, where it has more than one: \"angle\", \"position\", ..."),
-           expression("coulomb", "friction at high speed").required(),
-           expression("static", "greatest friction at rest; without it that at high speed"),
-           expression("stribeck_speed",
-                      "speed over which sliding friction falls from one to the other; 0: at once")
-               .or_default("0.01"),
-           expression("viscous", "beside it, force per speed").or_default("0"),
-           expression("stick_stiffness",
-                      "of the spring that holds it while it sticks, N/m or N m/rad; it yields by "
-                      "static / stick_stiffness")
-               .required(),
-           expression("stick_damping", "beside that spring; without it critical for 1 kg or 1 kg m^2")},
+          friction_keys(
+              {expression("stick_stiffness",
+                          "of the spring that holds it while it sticks, N/m or N m/rad; it yields by "
+                          "static / stick_stiffness")
+                   .required(),
+               expression("stick_damping", "beside that spring; without it critical for 1 kg or 1 kg m^2")},
+              "speed over which sliding friction falls from one to the other; 0: at once"),
           [](const std::string& name, const Section& s,
              const ReadContext& context) -> std::shared_ptr<const ForceElement> {
             const CoordinateRef c = context.speed(s, "joint", "coordinate");
-            const auto number = [&](const char* key, bool may_vanish) {
-              const double x = context.number(s, key);
-              if (x < 0.0 || (x == 0.0 && !may_vanish))
-                s.refuse(key, may_vanish ? "must not be negative" : "must be above 0");
-              return x;
-            };
-            StickSlip::Law law;
-            law.coulomb = number("coulomb", true);
-            law.static_force = s.has("static") ? number("static", false) : law.coulomb;
+            StickSlip::Law law = {
+                read_friction(s, context, {.static_may_vanish = false, .stribeck_may_vanish = true}), 0.0,
+                0.0};
             if (law.static_force < law.coulomb)
               s.refuse("static", "is below coulomb", "friction at rest is not smaller than in motion");
-            law.stribeck_speed = number("stribeck_speed", true);
-            law.viscous = number("viscous", true);
-            law.stick_stiffness = number("stick_stiffness", false);
-            law.stick_damping =
-                s.has("stick_damping") ? number("stick_damping", true) : 2.0 * std::sqrt(law.stick_stiffness);
+            law.stick_stiffness = read_size(s, context, "stick_stiffness", false);
+            law.stick_damping = s.has("stick_damping") ? read_size(s, context, "stick_damping", true)
+                                                       : 2.0 * std::sqrt(law.stick_stiffness);
             return std::make_shared<StickSlip>(name, c, law);
           }};
 }

@@ -1,0 +1,41 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cmath>
+#include <vector>
+
+#include "mbs/model/forces/types.hpp"
+
+namespace flexura::mbs {
+
+/// Dry friction with Stribeck's effect along a joint's coordinate, what the elements that smooth it and that
+/// truly stick have in common (H. Olsson et al., European Journal of Control 4 (1998) 176-195):
+///
+///     F = F_c + (F_s - F_c) exp(-(v / v_s)^2)      and beside it, in both, d v
+struct FrictionLaw {
+  double coulomb, static_force;  ///< F_c, F_s [N or N m]
+  double stribeck_speed;         ///< v_s [m/s or rad/s]; 0: F_c at once
+  double viscous;                ///< d [N s/m or N m s/rad]
+
+  /// F at the speed v.
+  double sliding(double v) const {
+    if (stribeck_speed == 0.0) return coulomb;
+    const double x = v / stribeck_speed;
+    return coulomb + (static_force - coulomb) * std::exp(-x * x);
+  }
+};
+
+/// Which of the two limits may be 0.
+struct FrictionLimits {
+  bool static_may_vanish, stribeck_may_vanish;
+};
+
+/// The keys joint, coordinate, coulomb, static, stribeck_speed and viscous, then `own`.
+std::vector<input::Key> friction_keys(std::vector<input::Key> own, const std::string& stribeck_doc);
+/// Refuses what is negative, and 0 where it may not be.
+FrictionLaw read_friction(const input::Section& s, const ReadContext& context, FrictionLimits limits);
+
+/// A formula of parameters that must not be negative, nor 0 unless it `may_vanish`; refuses otherwise.
+double read_size(const input::Section& s, const ReadContext& context, const char* key, bool may_vanish);
+
+}  // namespace flexura::mbs

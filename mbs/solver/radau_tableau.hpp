@@ -1,0 +1,33 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <complex>
+
+namespace flexura::mbs {
+
+/// The constants of Radau IIA with three stages and order five (E. Hairer, G. Wanner, Solving Ordinary
+/// Differential Equations II, 2nd ed., IV.5 and IV.8):
+///
+///     B = A^-1 = (v w conj(w)) diag(gamma, lambda, conj(lambda)) (v w conj(w))^-1
+struct RadauTableau {
+  std::array<double, 3> c;  ///< nodes; the last is 1
+  std::array<double, 3> e;  ///< weights of the error estimate
+  Eigen::Matrix3d B;
+  double gamma;                 ///< real eigenvalue of B
+  std::complex<double> lambda;  ///< and one of the complex pair
+  Eigen::Vector3d v;            ///< eigenvector of gamma
+  Eigen::Vector3cd w;           ///< eigenvector of lambda
+  Eigen::RowVector3d v_left;    ///< first row of (v w conj(w))^-1
+  Eigen::RowVector3cd w_left;   ///< and the second
+
+  RadauTableau();
+
+  /// At x, in steps: the polynomial of degree 3 that is 1 at node i and 0 at 0 and at the other nodes.
+  double basis(int i, double x) const;
+  /// Its derivative.
+  double slope(int i, double x) const;
+};
+
+}  // namespace flexura::mbs
