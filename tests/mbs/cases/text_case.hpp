@@ -1,36 +1,18 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <filesystem>
-#include <fstream>
-
 #include "tests/mbs/cases/case_run.hpp"
+#include "tests/mbs/test_folder.hpp"
 
 namespace flexura::mbs::cases {
 
 /// Mechanisms written in the test, each in a folder of its own.
-class TextCase : public ::testing::Test {
+class TextCase : public test::TestFolder {
  protected:
-  TextCase() {
-    const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
-    folder_ = std::filesystem::temp_directory_path() /
-              (std::string("flexura_") + info->test_suite_name() + "_" + info->name());
-    std::filesystem::create_directories(folder_);
-  }
-  ~TextCase() override { std::filesystem::remove_all(folder_); }
-  PreparedMechanism prepared(const std::string& text) const {
-    std::ofstream(folder_ / "m.toml") << text;
-    return prepare(folder_ / "m.toml");
-  }
+  PreparedMechanism prepared(const std::string& text) const { return prepare(file(text)); }
   std::string refusal(const std::string& text) const {
-    try {
-      prepared(text);
-    } catch (const std::exception& error) {
-      return error.what();
-    }
-    return "accepted";
+    return test::refusal_of([&] { prepared(text); });
   }
-  std::filesystem::path folder_;
 };
 
 inline const std::string wheel = R"toml(

@@ -41,34 +41,10 @@ std::shared_ptr<const FlexibleBody> body(const Lattice& l, Coupling coupling, bo
       modal_data(stiffened ? with_random_stiffening(l.se, 4) : l.se, options));
 }
 
-/// Slides and turns carry a flexible body by its left node, on its right one sits a rigid body beside a
-/// second flexible one whose joint is reversed.
 MechanismDescription chain(Coupling coupling, bool stiffened, bool damped, int fixed_interface = -1) {
   static const Lattice a = make_lattice(2), b = make_lattice(1, 250.0);
-  Random random(5);
-  MechanismDescription d;
-  d.gravity = {0.5, -9.0, 2.0};
-  int previous = 0;
-  const char* types[] = {"prismatic", "prismatic", "prismatic", "revolute", "revolute"};
-  for (int i = 0; i < 5; ++i) {
-    const int carrier = d.add_body({.name = "carrier_" + std::to_string(i), .inertia = random.inertia()});
-    d.add_joint("j_" + std::to_string(i), types[i],
-                d.add_marker(previous, "o" + std::to_string(i), random.pose()),
-                d.add_marker(carrier, "i", random.pose()));
-    previous = carrier;
-  }
-  const int first =
-      d.add_body({.name = "first", .flexible = body(a, coupling, stiffened, damped, fixed_interface)});
-  d.add_joint("held", "revolute", d.add_marker(previous, "hand", random.pose()),
-              d.add_marker(first, "left", random.pose(0.2), 0));
-  const int weight = d.add_body({.name = "weight", .inertia = random.inertia()});
-  d.add_joint("middle", "revolute", d.add_marker(first, "right", random.pose(0.2), 1),
-              d.add_marker(weight, "in", random.pose()));
-  const int second =
-      d.add_body({.name = "second", .flexible = body(b, coupling, stiffened, damped, fixed_interface)});
-  d.add_joint("reversed", "prismatic", d.add_marker(second, "right", random.pose(0.3), 1),
-              d.add_marker(first, "right_too", {}, 1));
-  return d;
+  return chain_of(body(a, coupling, stiffened, damped, fixed_interface),
+                  body(b, coupling, stiffened, damped, fixed_interface), "revolute");
 }
 
 TEST(GeometricStiffening, SatisfiesLagrangesEquations) {
@@ -86,8 +62,8 @@ TEST(GeometricStiffening, OfClosuresBetweenDeformingMarkersSatisfiesAllIdentitie
     SCOPED_TRACE(type);
     MechanismDescription d = chain(Coupling::full, true, true);
     Random random(8);
-    const int F = d.add_marker(8, "loop", random.pose(0.2), 0),
-              M = d.add_marker(6, "loop", random.pose(0.2), 1);
+    const int F = d.add_marker(chain_second, "loop", random.pose(0.2), 0),
+              M = d.add_marker(chain_first, "loop", random.pose(0.2), 1);
     const int joint = d.add_joint("loop", type, F, M);
     d.joints[joint].cut = true;
     all_identities_hold(Mechanism(d), 9);

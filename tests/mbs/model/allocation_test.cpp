@@ -1,25 +1,10 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-#include <atomic>
-#include <cstdlib>
-#include <new>
 
 #include "mbs/model/joints/types.hpp"
 #include "mbs/model/modal_basis.hpp"
+#include "tests/mbs/allocations.hpp"
 #include "tests/mbs/model/checks.hpp"
 #include "tests/mbs/model/lattice.hpp"
-
-namespace {
-std::atomic<long> allocations{0};
-}
-
-// Every allocation of this program is counted, those of Eigen through malloc too.
-extern "C" void* __libc_malloc(std::size_t);
-#if !defined(__SANITIZE_ADDRESS__)
-extern "C" void* malloc(std::size_t size) {
-  ++allocations;
-  return __libc_malloc(size);
-}
-#endif
 
 namespace flexura::mbs {
 namespace {

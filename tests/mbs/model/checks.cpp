@@ -240,4 +240,31 @@ void assemble(const Mechanism& mechanism, State& s) {
   FAIL() << "the mechanism does not close, residual " << g.cwiseAbs().maxCoeff();
 }
 
+MechanismDescription chain_of(std::shared_ptr<const FlexibleBody> first_body,
+                              std::shared_ptr<const FlexibleBody> second_body,
+                              const std::string& middle_joint) {
+  MechanismDescription d;
+  d.gravity = {0.5, -9.0, 2.0};
+  Random random(5);
+  int previous = 0;
+  const char* types[] = {"prismatic", "prismatic", "prismatic", "revolute", "revolute"};
+  for (int i = 0; i < 5; ++i) {
+    const int carrier = d.add_body({.name = "carrier_" + std::to_string(i), .inertia = random.inertia()});
+    d.add_joint("j_" + std::to_string(i), types[i],
+                d.add_marker(previous, "o" + std::to_string(i), random.pose()),
+                d.add_marker(carrier, "i", random.pose()));
+    previous = carrier;
+  }
+  const int first = d.add_body({.name = "first", .flexible = std::move(first_body)});
+  d.add_joint("held", "revolute", d.add_marker(previous, "hand", random.pose()),
+              d.add_marker(first, "left", random.pose(0.2), 0));
+  const int weight = d.add_body({.name = "weight", .inertia = random.inertia()});
+  d.add_joint("middle", middle_joint, d.add_marker(first, "right", random.pose(0.2), 1),
+              d.add_marker(weight, "in", random.pose()));
+  const int second = d.add_body({.name = "second", .flexible = std::move(second_body)});
+  d.add_joint("reversed", "prismatic", d.add_marker(second, "right", random.pose(0.3), 1),
+              d.add_marker(first, "right_too", {}, 1));
+  return d;
+}
+
 }  // namespace flexura::mbs::checks

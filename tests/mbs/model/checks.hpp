@@ -75,4 +75,12 @@ void all_identities_hold(const Mechanism& mechanism, unsigned seed);
 /// Newton's method with least-norm steps; the residual is below 1e-13 afterwards.
 void assemble(const Mechanism& mechanism, State& s);
 
+/// Three slides and two turns carry a flexible body, held at a marker on its left node; on its right node
+/// (some with an offset) sit a rigid body, by `middle_joint`, and, by a reversed slide, another flexible one.
+MechanismDescription chain_of(std::shared_ptr<const FlexibleBody> first_body,
+                              std::shared_ptr<const FlexibleBody> second_body,
+                              const std::string& middle_joint);
+/// The flexible bodies' numbers in it.
+inline constexpr int chain_first = 6, chain_second = 8;
+
 }  // namespace flexura::mbs::checks

@@ -106,33 +106,14 @@ TEST(FlexibleBody, InverseDynamicsIsSumOverPointMasses) {
   }
 }
 
-/// Three slides and three turns carry a flexible body, held at a marker on its left node; on its right node
-/// (some with an offset) sit a rigid body and, by a reversed joint, another flexible one.
+/// The chain of two flexible bodies with a rigid one at its end.
 MechanismDescription flexible_chain(const std::string& middle_joint) {
   static const Lattice a = make_lattice(2), b = make_lattice(1, 250.0);
-  Random random(5);
-  MechanismDescription d;
-  d.gravity = {0.5, -9.0, 2.0};
-  int previous = 0;
-  const char* types[] = {"prismatic", "prismatic", "prismatic", "revolute", "revolute"};
-  for (int i = 0; i < 5; ++i) {
-    const int body = d.add_body({.name = "carrier_" + std::to_string(i), .inertia = random.inertia()});
-    d.add_joint("j_" + std::to_string(i), types[i],
-                d.add_marker(previous, "o" + std::to_string(i), random.pose()),
-                d.add_marker(body, "i", random.pose()));
-    previous = body;
-  }
-  const int first = d.add_body({.name = "first", .flexible = flexible(a, 8)});
-  d.add_joint("held", "revolute", d.add_marker(previous, "hand", random.pose()),
-              d.add_marker(first, "left", random.pose(0.2), 0));
-  const int weight = d.add_body({.name = "weight", .inertia = random.inertia()});
-  d.add_joint("middle", middle_joint, d.add_marker(first, "right", random.pose(0.2), 1),
-              d.add_marker(weight, "in", random.pose()));
-  const int second = d.add_body({.name = "second", .flexible = flexible(b)});
-  d.add_joint("reversed", "prismatic", d.add_marker(second, "right", random.pose(0.3), 1),
-              d.add_marker(first, "right_too", {}, 1));
+  MechanismDescription d = chain_of(flexible(a, 8), flexible(b), middle_joint);
+  Random random(6);
   const int last = d.add_body({.name = "last", .inertia = random.inertia()});
-  d.add_joint("end", "revolute", d.add_marker(second, "inside", random.pose()), d.add_marker(last, "in"));
+  d.add_joint("end", "revolute", d.add_marker(chain_second, "inside", random.pose()),
+              d.add_marker(last, "in"));
   return d;
 }
 
@@ -161,8 +142,8 @@ TEST(FlexibleClosure, BetweenDeformingMarkersSatisfiesAllIdentities) {
     SCOPED_TRACE(type.name);
     MechanismDescription d = flexible_chain("spherical");
     Random random(8);
-    const int F = d.add_marker(8, "loop", random.pose(0.2), 0),
-              M = d.add_marker(6, "loop", random.pose(0.2), 1);
+    const int F = d.add_marker(chain_second, "loop", random.pose(0.2), 0),
+              M = d.add_marker(chain_first, "loop", random.pose(0.2), 1);
     const int joint = d.add_joint("loop", type.name, F, M);
     d.joints[joint].cut = true;
     all_identities_hold(Mechanism(d), 9);

@@ -1,27 +1,12 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include <gtest/gtest.h>
 
-#include <atomic>
-#include <cstdlib>
-
 #include "mbs/model/mechanism.hpp"
 #include "mbs/model/modal_basis.hpp"
 #include "mbs/solver/assemble.hpp"
 #include "mbs/solver/integrator.hpp"
+#include "tests/mbs/allocations.hpp"
 #include "tests/mbs/model/lattice.hpp"
-
-namespace {
-std::atomic<long> allocations{0};
-}
-
-// Every allocation of this program is counted, those of Eigen through malloc too.
-extern "C" void* __libc_malloc(std::size_t);
-#if !defined(__SANITIZE_ADDRESS__)
-extern "C" void* malloc(std::size_t size) {
-  ++allocations;
-  return __libc_malloc(size);
-}
-#endif
 
 namespace flexura::mbs::test {
 namespace {

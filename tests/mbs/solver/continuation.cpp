@@ -113,7 +113,8 @@ TEST_P(Continued, OtherMechanismAndOtherIntegratorAreRefused) {
   EXPECT_THROW(run(m, first.continuation, o), std::invalid_argument);
 }
 
-INSTANTIATE_TEST_SUITE_P(Integrators, Continued, ::testing::Values("ida", "radau", "generalised_alpha", "runge_kutta"),
+INSTANTIATE_TEST_SUITE_P(Integrators, Continued,
+                         ::testing::Values("ida", "radau", "generalised_alpha", "runge_kutta"),
                          [](const auto& info) { return info.param; });
 
 }  // namespace

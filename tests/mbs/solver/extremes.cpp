@@ -5,10 +5,8 @@
 #include <cstdio>
 
 #include "mbs/solver/accelerations.hpp"
-#include "mbs/solver/assemble.hpp"
-#include "mbs/solver/run.hpp"
+#include "tests/mbs/solver/method_runs.hpp"
 #include "tests/mbs/solver/planar.hpp"
-#include "tests/mbs/solver/simple.hpp"
 
 /// Numerical stability at the extremes, as a table: `tests/run extremes` gathers it into out/extremes.html.
 /// IDA unless said otherwise; each bound is derived where it stands.
@@ -28,21 +26,6 @@ std::string number(double x) {
   char text[32];
   std::snprintf(text, sizeof text, "%g", x);
   return text;
-}
-
-SolverOptions until(double end_time, double tolerance) {
-  SolverOptions o;
-  o.end_time = o.output_step = end_time;
-  o.tolerance = tolerance;
-  return o;
-}
-
-RunResult simulate(const Equations& m, State s, const SolverOptions& o) {
-  Eigen::VectorXd v_dot;
-  assemble(m, s, v_dot);
-  RunResult r = run(m, s, v_dot, o);
-  EXPECT_TRUE(r.complete) << r.stopped_because;
-  return r;
 }
 
 // Two rods in a row on a hinge, lengths and masses given; q = angles.

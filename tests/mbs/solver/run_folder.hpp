@@ -1,12 +1,9 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <gtest/gtest.h>
-
 #include <cstdlib>
-#include <filesystem>
-#include <fstream>
-#include <string>
+
+#include "tests/mbs/test_folder.hpp"
 
 namespace flexura::mbs::test {
 
@@ -26,20 +23,9 @@ to = "rod"
 angle = "20 deg"
 )toml";
 
-/// A folder of its own for each test, with mechanism files and the program run in it.
-class RunFolder : public ::testing::Test {
+/// Mechanism files in a folder of their own, and the program run in it.
+class RunFolder : public TestFolder {
  protected:
-  RunFolder() {
-    const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
-    folder_ = std::filesystem::temp_directory_path() /
-              (std::string("flexura_") + info->test_suite_name() + "_" + info->name());
-    std::filesystem::create_directories(folder_);
-  }
-  ~RunFolder() override { std::filesystem::remove_all(folder_); }
-  std::filesystem::path file(const std::string& text, const char* name = "m.toml") const {
-    std::ofstream(folder_ / name) << text;
-    return folder_ / name;
-  }
   int flexura(const std::string& arguments) const {
     const std::string command =
         "cd " + folder_.string() + " && " FLEXURA_BIN_DIR "/flexura " + arguments + " > out.txt 2> err.txt";
@@ -50,7 +36,6 @@ class RunFolder : public ::testing::Test {
     std::ifstream in(folder_ / name);
     return {std::istreambuf_iterator<char>(in), {}};
   }
-  std::filesystem::path folder_;
 };
 
 }  // namespace flexura::mbs::test
