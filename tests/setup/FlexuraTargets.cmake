@@ -66,8 +66,34 @@ function(flexura_library name)
   flexura_precompile(flexura_${name} flexura_precompiled_library)
 endfunction()
 
+# Target built not with everything but with the target of this name: what only the slow words of tests/run need.
+function(flexura_only_with word name)
+  set_target_properties(${name} PROPERTIES EXCLUDE_FROM_ALL ON)
+  if(NOT TARGET ${word})
+    add_custom_target(${word})
+  endif()
+  add_dependencies(${word} ${name})
+endfunction()
+
+function(flexura_test_settings name)
+  target_compile_options(${name} PRIVATE -Wall -Wextra -O1)  # compiles a quarter faster; the libraries do the work
+  target_compile_definitions(${name} PRIVATE FLEXURA_SOURCE_DIR="${CMAKE_SOURCE_DIR}"
+                                             FLEXURA_BIN_DIR="${CMAKE_BINARY_DIR}/bin")
+  target_include_directories(${name} PRIVATE ${CMAKE_SOURCE_DIR})
+  target_link_libraries(${name} PRIVATE ${ARGN} GTest::gmock)
+  flexura_precompile(${name} flexura_precompiled_test)
+endfunction()
+
+# flexura_test_library(name SOURCES ... LINKS ...): what several test programs share, compiled once.
+function(flexura_test_library name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LINKS" ${ARGN})
+  add_library(${name} STATIC ${ARG_SOURCES})
+  flexura_test_settings(${name} ${ARG_LINKS} GTest::gtest)
+endfunction()
+
 # flexura_test(name SOURCES ... LINKS ... [WHOLE] [LABEL word] [ENVIRONMENT A=B ...]): one GoogleTest program. Each
 # case is a ctest of its own, except with WHOLE (programs with a slow start, like PETSc's).
+# Programs with a label other than "fast" are built when asked for: by the target of the label's name.
 # Tests find data of the project through the macro FLEXURA_SOURCE_DIR and programs through FLEXURA_BIN_DIR.
 function(flexura_test name)
   cmake_parse_arguments(ARG "WHOLE" "LABEL" "SOURCES;LINKS;ENVIRONMENT" ${ARGN})
@@ -75,12 +101,10 @@ function(flexura_test name)
     set(ARG_LABEL fast)
   endif()
   add_executable(${name} ${ARG_SOURCES})
-  target_compile_options(${name} PRIVATE -Wall -Wextra -O1)  # compiles a quarter faster; the libraries do the work
-  target_compile_definitions(${name} PRIVATE FLEXURA_SOURCE_DIR="${CMAKE_SOURCE_DIR}"
-                                             FLEXURA_BIN_DIR="${CMAKE_BINARY_DIR}/bin")
-  target_include_directories(${name} PRIVATE ${CMAKE_SOURCE_DIR})
-  target_link_libraries(${name} PRIVATE ${ARG_LINKS} GTest::gtest_main GTest::gmock)
-  flexura_precompile(${name} flexura_precompiled_test)
+  if(NOT ARG_LABEL STREQUAL "fast")
+    flexura_only_with(${ARG_LABEL} ${name})
+  endif()
+  flexura_test_settings(${name} ${ARG_LINKS} GTest::gtest_main)
   if(ARG_WHOLE)
     add_test(NAME ${name} COMMAND ${name})
     set_tests_properties(${name} PROPERTIES LABELS ${ARG_LABEL} ENVIRONMENT "${ARG_ENVIRONMENT}")
