@@ -197,8 +197,16 @@ int simulate(Arguments arguments, const terminal::Talk& talk) {
     mbs::RunCallbacks callbacks;
     callbacks.progress = [&](double, double fraction) { progress("run " + run.name, fraction); };
     callbacks.stop_wanted = [] { return interrupted != 0; };
-    Outcome outcome = arguments.accuracy.empty() ? run_as_told(run, arguments, writer, callbacks)
-                                                 : run_within_accuracy(run, arguments, writer, callbacks);
+    Outcome outcome;
+    try {
+      outcome = arguments.accuracy.empty() ? run_as_told(run, arguments, writer, callbacks)
+                                           : run_within_accuracy(run, arguments, writer, callbacks);
+    } catch (const std::exception& failure) {
+      // A formula, a table or a row that is not finite: the rows before it are worth keeping.
+      if (!writer.keep(failure.what())) throw;
+      throw std::runtime_error(fmt::format("run \"{}\" stopped: {}; what was computed until then is in {}",
+                                           run.name, failure.what(), arguments.output));
+    }
     RunResult& r = outcome.result;
     const PreparedMechanism& prepared = run.prepared;
     if (!talk.quiet) {

@@ -71,6 +71,9 @@ class Writer {
   /// time, for a value that is not finite; the file keeps all rows up to there.
   void append(const Row& row);
   void end_run(bool complete, const std::string& stopped_because, const std::string& summary_json);
+  /// After a failure: ends the open run as incomplete for this reason and closes the file.  False when there
+  /// is no row to keep.
+  bool keep(const std::string& stopped_because);
   void close();
 
  private:

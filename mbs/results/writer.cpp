@@ -47,7 +47,7 @@ struct Writer::Impl {
   bool has_states = false;
   std::size_t n_buffered = 0;
   Clock::time_point last_flush;
-  double last_time = -std::numeric_limits<double>::infinity();
+  long n_rows = 0;  // of all runs
 
   void put(std::size_t column, const double* values, std::size_t count, const std::string& what,
            double time) {
@@ -209,6 +209,7 @@ void Writer::append(const Row& row) {
     throw;
   }
   ++w.n_buffered;
+  ++w.n_rows;
   if (w.n_buffered >= buffered_rows || Clock::now() - w.last_flush >= flush_interval) w.flush();
 }
 
@@ -227,6 +228,14 @@ void Writer::end_run(bool complete, const std::string& stopped_because, const st
     group.set("complete", complete ? 1 : 0);
   }
   file.close();
+}
+
+bool Writer::keep(const std::string& stopped_because) {
+  const Impl& w = *impl_;
+  if (w.closed || w.n_rows == 0) return false;
+  if (w.file) end_run(false, stopped_because, "{}");
+  close();
+  return true;
 }
 
 void Writer::close() {

@@ -116,6 +116,35 @@ TEST_F(Flexura, BadInputIsRefusedInOneLineWithCode2) {
   refused("check " + beam_, "the file is cut short");
 }
 
+// A force with a pole half way, taken by the guide alone, so that no step is cut back before the row at the
+// pole: the run up to there is kept, readable and named.
+TEST_F(Flexura, SimulateKeepsWhatCameBeforeAValueThatIsNotFinite) {
+  const auto mechanism = folder_ / "pole.toml", results = folder_ / "pole.h5";
+  std::ofstream(mechanism) << R"toml([body.block]
+mass = 1
+[joint.slide]
+type = "prismatic"
+from = "ground"
+to = "block"
+[force.push]
+type = "force"
+marker = "block"
+x = "1/(t - 0.5)^2"
+[solver]
+end_time = 1
+output_step = 0.01
+)toml";
+  Outcome outcome = flexura("simulate " + mechanism.string() + " -o " + results.string());
+  EXPECT_EQ(outcome.code, 1);
+  EXPECT_THAT(outcome.err,
+              HasSubstr("push.x = \"1/(t - 0.5)^2\" is inf at t = 0.5 s; what was computed until "
+                        "then is in " +
+                        results.string()));
+  outcome = flexura("view --summary " + results.string());
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("0.49\n"));
+}
+
 // Bash itself completes: the words typed so far, and what it would offer.
 TEST_F(Flexura, BashCompletesCommandsOptionsAndChoices) {
   const auto offers = [&](const std::string& words, int at) {
