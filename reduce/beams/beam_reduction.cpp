@@ -16,9 +16,6 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 
-// Residuals of eigenvectors come out a few times that of a static solution, their loads being less smooth.
-constexpr double kAboveRoundOff = 20.0;
-
 MatrixXd rigid_motions(const beam::BeamMesh& mesh, const Numbering& numbering) {
   MatrixXd R = MatrixXd::Zero(numbering.n_b, 6);
   for (int dof = 0; dof < mesh.n_dofs(); ++dof) {
@@ -75,9 +72,11 @@ BeamReduction reduce_beams(const Structure& structure, const std::vector<BeamInt
     problem.solve = [&](const Eigen::Ref<const MatrixXd>& X, MatrixXd& Y) { Y = factor.solve(X); };
     problem.multiply_K = [&](const Eigen::Ref<const MatrixXd>& X, MatrixXd& Y) { K.ii->multiply(X, Y); };
     problem.multiply_M = [&](const Eigen::Ref<const MatrixXd>& X, MatrixXd& Y) { M.ii->multiply(X, Y); };
-    const linalg::EigenRequest request{
-        std::min(options.n_modes, n_i), options.omega_max * options.omega_max,
-        std::max(options.tolerance, kAboveRoundOff * attainable_residual(factor, *K.ii, *M.ii))};
+    problem.multiply_magnitudes = [&](const Eigen::Ref<const MatrixXd>& X, MatrixXd& Y) {
+      K.ii->multiply_magnitudes(X, Y);
+    };
+    const linalg::EigenRequest request{std::min(options.n_modes, n_i), options.omega_max * options.omega_max,
+                                       options.tolerance};
     pairs = options.eigensolver == Eigensolver::krylov_schur
                 ? linalg::krylov_schur(problem, request, options.progress)
                 : linalg::block_lanczos(problem, request, options.progress);

@@ -82,9 +82,11 @@ Eigen::VectorXd full_beam_modes(const Structure& structure, int count, bool rota
   problem.solve = [&](const Eigen::Ref<const MatrixXd>& X, MatrixXd& Y) { Y = factor.solve(X); };
   problem.multiply_K = [&](const Eigen::Ref<const MatrixXd>& X, MatrixXd& Y) { K.multiply(X, Y); };
   problem.multiply_M = [&](const Eigen::Ref<const MatrixXd>& X, MatrixXd& Y) { M.multiply(X, Y); };
-  const double tolerance = std::max(1e-8, 20.0 * attainable_residual(factor, K_shifted, M));
+  problem.multiply_magnitudes = [&](const Eigen::Ref<const MatrixXd>& X, MatrixXd& Y) {
+    K.multiply_magnitudes(X, Y);
+  };
   const linalg::EigenPairs pairs =
-      linalg::block_lanczos(problem, {std::min(6 + count, problem.n), 0.0, tolerance}, progress);
+      linalg::block_lanczos(problem, {std::min(6 + count, problem.n), 0.0, 1e-8}, progress);
   MatrixXd U = MatrixXd::Zero(structure.n_dofs(), pairs.Phi.cols());
   for (std::size_t i = 0; i < dof_of.size(); ++i) U.row(dof_of[i]) = pairs.Phi.row(i);
   return structure.strain_energy(U).diagonal();

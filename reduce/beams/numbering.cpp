@@ -114,13 +114,4 @@ MatrixXd solve_refined(const linalg::CholeskyFactor& factor, const linalg::Symme
   return X;
 }
 
-double attainable_residual(const linalg::CholeskyFactor& factor, const linalg::SymmetricMatrix& K,
-                           const linalg::SymmetricMatrix& M) {
-  MatrixXd b, K_x;
-  M.multiply(MatrixXd::Ones(K.size(), 1), b);
-  if (!(b.norm() > 0.0)) return 0.0;
-  K.multiply(solve_refined(factor, K, b), K_x);
-  return (K_x - b).norm() / b.norm();
-}
-
 }  // namespace flexura::reduce

@@ -48,9 +48,4 @@ linalg::CholeskyFactor factorise(const Structure& structure, const Numbering& nu
 Eigen::MatrixXd solve_refined(const linalg::CholeskyFactor& factor, const linalg::SymmetricMatrix& K,
                               const Eigen::MatrixXd& B);
 
-/// The residual ||K x - b|| / ||b|| that round-off leaves of a smooth load, b = M (1 ... 1) and x refined: a row of
-/// n elements keeps eps n^4.  No eigenvector of the structure can be asked for less.
-double attainable_residual(const linalg::CholeskyFactor& factor, const linalg::SymmetricMatrix& K,
-                           const linalg::SymmetricMatrix& M);
-
 }  // namespace flexura::reduce

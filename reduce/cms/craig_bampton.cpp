@@ -48,6 +48,8 @@ ConstraintModes constraint_modes(const TiedModel& model, const TiedSolver& solve
   modes.K_bb += linalg::transpose_times(K_ib, modes.Psi);
   for (Index r = 0; r < n_a; ++r) modes.K_bb.row(averaged[r]) -= solution.mu.row(r);
   modes.K_bb = (0.5 * (modes.K_bb + modes.K_bb.transpose())).eval();
+  // Six motions that hold the body are its rigid motions: what stands there is round-off.
+  if (model.n_b() == 6) modes.K_bb.setZero();
   return modes;
 }
 
@@ -258,7 +260,7 @@ Cut reduce(const Part& part, const ReductionOptions& options, Reduction& reducti
     reduction.shapes.middleRows<3>(3 * static_cast<Index>(v)) =
         T.middleRows<3>(3 * static_cast<Index>(options.shape_nodes[v])).cast<float>();
   const MatrixXd R = model.rigid_b();
-  report.rigid_strain = (constraint.K_bb * R).norm() / (constraint.K_bb.norm() * R.norm());
+  if (n_b > 6) report.rigid_strain = (constraint.K_bb * R).norm() / (constraint.K_bb.norm() * R.norm());
   report.seconds_projection = watch.lap();
   linalg::report(options.progress, "projection", 1.0);
 
@@ -316,10 +318,13 @@ linalg::EigenProblem fixed_interface_problem(const TiedModel& model, const TiedS
   problem.multiply_K = [&model](const Eigen::Ref<const MatrixXd>& X, MatrixXd& Y) {
     model.K_ii().multiply(X, Y);
   };
+  problem.multiply_magnitudes = [&model](const Eigen::Ref<const MatrixXd>& X, MatrixXd& Y) {
+    model.K_ii().multiply_magnitudes(X, Y);
+  };
   problem.multiply_M = [&model](const Eigen::Ref<const MatrixXd>& X, MatrixXd& Y) {
     model.multiply_M_ii(X, Y);
   };
-  problem.project_residual = [&solver](MatrixXd& R) { solver.remove_reactions(R); };
+  problem.project = [&solver](MatrixXd& R) { solver.remove_reactions(R); };
   return problem;
 }
 

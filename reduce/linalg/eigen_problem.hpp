@@ -15,8 +15,11 @@ struct EigenProblem {
   int n_free = 0;      ///< dimension of the space
   double shift = 0.0;  ///< of `solve` [1/s^2]
   Operator solve, multiply_K, multiply_M;
-  /// Makes a residual K phi - omega^2 M phi a residual in the space (removes reactions); may be empty.
-  std::function<void(Eigen::MatrixXd&)> project_residual;
+  /// Y = |K| |X| entry by entry, for what round-off leaves of a residual.
+  Operator multiply_magnitudes;
+  /// The orthogonal projection into the space: takes reactions out of a residual K phi - omega^2 M phi, and
+  /// round-off out of phi; may be empty.
+  std::function<void(Eigen::MatrixXd&)> project;
 };
 
 /// How many eigenpairs: the lowest `count`, or all with omega^2 up to `omega2_max`, whichever asks for more;
@@ -24,16 +27,17 @@ struct EigenProblem {
 struct EigenRequest {
   int count = 0;
   double omega2_max = 0.0;
-  double tolerance = 1e-9;  ///< relative residual, see EigenPairs
+  double tolerance = 1e-9;  ///< relative residual, see EigenPairs; met where round-off allows it
 };
 
 struct EigenPairs {
-  Eigen::VectorXd omega2;    ///< ascending [rad^2/s^2]
-  Eigen::MatrixXd Phi;       ///< n x k, M-orthonormal
-  Eigen::VectorXd residual;  ///< ||K phi - omega^2 M phi|| / ||(K + shift M) phi||, each pair
-  double omega2_next = 0.0;  ///< the first eigenvalue that was left out; infinite where there is none
-  int n_solves = 0;          ///< right-hand sides solved for
-  int n_blocks = 0;          ///< solves with a block of right-hand sides
+  Eigen::VectorXd omega2;     ///< ascending [rad^2/s^2]
+  Eigen::MatrixXd Phi;        ///< n x k, M-orthonormal
+  Eigen::VectorXd residual;   ///< ||K phi - omega^2 M phi|| / ||(K + shift M) phi||, each pair
+  Eigen::VectorXd round_off;  ///< eps || |K| |phi| || / ||(K + shift M) phi||, each pair
+  double omega2_next = 0.0;   ///< the first eigenvalue that was left out; infinite where there is none
+  int n_solves = 0;           ///< right-hand sides solved for
+  int n_blocks = 0;           ///< solves with a block of right-hand sides
 };
 
 /// Two eigenvalues closer than this fraction are one cluster: both are kept or none.
@@ -41,6 +45,12 @@ inline constexpr double kClusterGap = 1e-4;
 
 /// Cuts ascending pairs to what the request asks for; a cluster at the cut is kept whole.
 void trim(EigenPairs& pairs, const EigenRequest& request);
+
+/// Every residual is below the tolerance, or is what the round-off of phi and of the solve alone makes of it
+/// (a pair of a matrix as near to K as the numbers of the machine allow: N. J. Higham, Accuracy and Stability
+/// of Numerical Algorithms, SIAM 2002, sections 7.1 and 10.1).  Slender parts of small cells have low modes
+/// whose K phi is the small difference of large terms.
+bool is_accurate(const EigenPairs& pairs, double tolerance);
 
 /// Computes Rayleigh quotients and residuals of M-orthonormal vectors anew, from K and M themselves.
 void measure_residuals(const EigenProblem& problem, EigenPairs& pairs);

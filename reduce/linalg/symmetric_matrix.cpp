@@ -4,6 +4,7 @@
 #include <petscmat.h>
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 
 #include "reduce/linalg/parallel.hpp"
@@ -120,6 +121,14 @@ double SymmetricMatrix::diagonal(int dof) const {
 
 void SymmetricMatrix::multiply(const Eigen::Ref<const Eigen::MatrixXd>& X, Eigen::MatrixXd& Y) const {
   multiply_columns<1>(csr(), X, Y);
+}
+
+void SymmetricMatrix::multiply_magnitudes(const Eigen::Ref<const Eigen::MatrixXd>& X,
+                                          Eigen::MatrixXd& Y) const {
+  std::vector<double> magnitudes(impl_->values.size());
+  std::transform(impl_->values.begin(), impl_->values.end(), magnitudes.begin(),
+                 [](double a) { return std::abs(a); });
+  multiply_columns<1>({size(), impl_->row_begin, impl_->columns, magnitudes}, X.cwiseAbs(), Y);
 }
 
 void SymmetricMatrix::multiply_kron3(const Eigen::Ref<const Eigen::MatrixXd>& X, Eigen::MatrixXd& Y) const {

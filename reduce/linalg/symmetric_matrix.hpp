@@ -40,6 +40,8 @@ class SymmetricMatrix {
 
   /// Y = A X for n x k dense X; columns are spread over the processor's cores.
   void multiply(const Eigen::Ref<const Eigen::MatrixXd>& X, Eigen::MatrixXd& Y) const;
+  /// Y = |A| |X|, entry by entry: eps Y bounds what rounding the entries of X does to A X.
+  void multiply_magnitudes(const Eigen::Ref<const Eigen::MatrixXd>& X, Eigen::MatrixXd& Y) const;
   /// Y = (A (x) I_3) X: A acts on each of the three directions alike.  X is 3n x k, row 3 i + a.
   void multiply_kron3(const Eigen::Ref<const Eigen::MatrixXd>& X, Eigen::MatrixXd& Y) const;
 

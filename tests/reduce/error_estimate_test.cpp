@@ -100,7 +100,7 @@ INSTANTIATE_TEST_SUITE_P(
                       Case{"AveragedRod", {1.0, 0.05, 0.08}, {12, 1, 2}, Tie::average, 10},
                       Case{"Strip", {0.5, 0.05, 0.013}, {12, 2, 1}, Tie::rigid, 10},
                       Case{"Bar", {0.6, 0.04, 0.065}, {10, 1, 2}, Tie::rigid, 12},
-                      Case{"Lath", {0.5, 0.06, 0.03}, {9, 2, 1}, Tie::average, 10},
+                      Case{"Lath", {0.9, 0.06, 0.025}, {14, 2, 1}, Tie::average, 10},
                       Case{"AveragedBeam", {0.8, 0.07, 0.11}, {10, 1, 2}, Tie::average, 12}),
     [](const auto& info) { return info.param.name; });
 

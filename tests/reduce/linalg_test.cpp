@@ -54,6 +54,7 @@ EigenProblem grid_problem(const SymmetricMatrix& A, const CholeskyFactor& factor
   problem.n = problem.n_free = A.size();
   problem.solve = [&factor](const auto& X, auto& Y) { Y = factor.solve(X); };
   problem.multiply_K = [&A](const auto& X, auto& Y) { A.multiply(X, Y); };
+  problem.multiply_magnitudes = [&A](const auto& X, auto& Y) { A.multiply_magnitudes(X, Y); };
   problem.multiply_M = [](const auto& X, auto& Y) { Y = X; };
   return problem;
 }
@@ -66,6 +67,8 @@ TEST(SymmetricMatrix, ProductsAreThoseOfTheDenseMatrix) {
     Eigen::MatrixXd Y;
     A.multiply(X, Y);
     EXPECT_LT((Y - D * X).norm(), 1e-14 * Y.norm());
+    A.multiply_magnitudes(X, Y);
+    EXPECT_LT((Y - D.cwiseAbs() * X.cwiseAbs()).norm(), 1e-14 * Y.norm());
     A.multiply_kron3(X3, Y);
     EXPECT_LT((Y - reduce::testing::kron3(D) * X3).norm(), 1e-14 * Y.norm());
   }
