@@ -7,39 +7,79 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "mbs/terminal/terminal.hpp"
+#include "mbs/study/percent.hpp"
+#include "mbs/superelement/file.hpp"
 
 namespace flexura::app {
-namespace {
 
-std::string percent(double fraction) {
-  return terminal::number(100.0 * fraction, 2) + " %";
+using study::percent;
+
+std::vector<MeshShare> mesh_shares(const mbs::PreparedMechanism& prepared) {
+  std::vector<MeshShare> out;
+  for (const mbs::BodyDescription& body : prepared.mechanism->description().bodies) {
+    if (!body.flexible && !body.ked) continue;
+    MeshShare share{body.name, -1.0};
+    const auto report = nlohmann::json::parse(
+        superelement::read(body.superelement, {.matrices = false, .inertia = false}).report_json, nullptr,
+        false);
+    const auto add = [&](double part) { share.of_deformation = std::max(share.of_deformation, 0.0) + part; };
+    if (report.is_object()) {
+      const auto estimate = report.find("estimate");
+      if (estimate != report.end() && estimate->is_array() && !estimate->empty())
+        add(2.0 * estimate->front().value("frequency_error", 0.0));
+      const auto mesh = report.find("mesh");
+      if (mesh != report.end() && mesh->is_object() && mesh->contains("volume_error") &&
+          mesh->at("volume_error").is_number())
+        add(std::abs(mesh->at("volume_error").get<double>()));
+    }
+    out.push_back(std::move(share));
+  }
+  return out;
 }
 
-}  // namespace
-
-std::string estimated_error_line(const study::TruncationEstimate* truncation, const mbs::RunResult& result) {
+std::string estimated_error_line(const std::vector<MeshShare>& meshes,
+                                 const study::TruncationEstimate* truncation, const mbs::RunResult& result) {
+  struct Part {
+    std::string text;
+    double error;
+  };
   const double integrator = std::abs(result.energy.relative_error());
-  std::string parts, largest = "the integrator";
+  std::vector<Part> parts = {{"the integrator", integrator}};
+  std::string words = fmt::format("integrator {} (energy balance)", percent(integrator));
   double error = integrator;
   if (truncation && truncation->worst >= 0) {
     error += truncation->error;
     const auto& output = truncation->outputs[static_cast<std::size_t>(truncation->worst)];
-    const study::SourceEstimate& most = truncation->by_body.front();
-    if (truncation->error > integrator)
-      largest = fmt::format("{}'s dropped modes, in {}", most.body, output.name);
-    for (const study::SourceEstimate& source : truncation->by_body)
-      parts += fmt::format(", modes of {} {}", source.body, percent(source.error));
+    for (const study::SourceEstimate& source : truncation->by_body) {
+      words += fmt::format(", modes left out of {} {}", source.body, percent(source.error));
+      parts.push_back({fmt::format("what is left out of {}, in {}", source.body,
+                                   source.output.empty() ? output.name : source.output),
+                       source.error});
+    }
   } else if (!truncation) {
-    parts = ", no mode dropped";
+    words += ", no mode left out";
   }
-  return fmt::format("estimated error {} (rms, worst output): integrator {} (energy balance){}; largest: {}",
-                     percent(error), percent(integrator), parts, largest);
+  for (const MeshShare& mesh : meshes) {
+    if (mesh.of_deformation < 0.0) {
+      words += fmt::format(", mesh of {} unknown (its reduction reports no estimate)", mesh.body);
+      continue;
+    }
+    words += fmt::format(", mesh and reduction of {} {} of its deformation", mesh.body,
+                         percent(mesh.of_deformation));
+    error += mesh.of_deformation;
+    parts.push_back({fmt::format("mesh and reduction of {}", mesh.body), mesh.of_deformation});
+  }
+  const Part& largest = *std::ranges::max_element(parts, {}, &Part::error);
+  return fmt::format("estimated error {} (rms, worst output): {}; largest: {}", percent(error), words,
+                     largest.text);
 }
 
-nlohmann::json estimated_error_json(const study::TruncationEstimate* truncation,
+nlohmann::json estimated_error_json(const std::vector<MeshShare>& meshes,
+                                    const study::TruncationEstimate* truncation,
                                     const mbs::RunResult& result) {
   nlohmann::json out = {{"integrator", std::abs(result.energy.relative_error())}};
+  for (const MeshShare& mesh : meshes)
+    if (mesh.of_deformation >= 0.0) out["mesh"][mesh.body] = mesh.of_deformation;
   if (!truncation) return out;
   out["error"] = truncation->error;
   out["shadows"] = truncation->shadows;

@@ -3,20 +3,40 @@
 
 #include <nlohmann/json_fwd.hpp>
 #include <string>
+#include <vector>
 
+#include "mbs/solver/prepare.hpp"
 #include "mbs/solver/run.hpp"
 #include "mbs/study/shadows.hpp"
 
-/// What a run says about its own error, by source.
+/// What a run says about its own error, by source:
+///
+/// | source       | from |
+/// |--------------|------------------------------------------------------------------------------------------|
+/// | integrator   | the energy balance, which knows nothing of the tolerance | | modes of B   | the shadows
+/// of what the run leaves out of body B                                         | | mesh of B    | the report
+/// of B's reduction: twice the estimated relative error of its first free frequency (stiffness goes with its
+/// square) and the mesh's volume against CAD; a part of B's deformation, not of the outputs: it counts in the
+/// sum by the part that deformation has in them |
 namespace flexura::app {
 
-/// One line: the estimated error, its parts and the largest contributor.  `truncation` may be null (no mode
-/// was dropped).
-std::string estimated_error_line(const study::TruncationEstimate* truncation, const mbs::RunResult& result);
+struct MeshShare {
+  std::string body;
+  double of_deformation = 0.0;  ///< relative; negative where the report says nothing
+};
+
+/// Of the superelements that deform.  Reads the reports from their files.
+std::vector<MeshShare> mesh_shares(const mbs::PreparedMechanism& prepared);
+
+/// One line: the estimated error, its parts and the largest contributor.  `truncation` may be null (nothing
+/// was left out).
+std::string estimated_error_line(const std::vector<MeshShare>& meshes,
+                                 const study::TruncationEstimate* truncation, const mbs::RunResult& result);
 
 /// The same for the summary in the results file: {"error", "shadows", "wall_time", "integrator", "by_body",
-/// "outputs": {name: {"max", "rms", "size_max", "size_rms", "final"}}}.
-nlohmann::json estimated_error_json(const study::TruncationEstimate* truncation,
+/// "mesh", "outputs": {name: {"max", "rms", "size_max", "size_rms", "final"}}}.
+nlohmann::json estimated_error_json(const std::vector<MeshShare>& meshes,
+                                    const study::TruncationEstimate* truncation,
                                     const mbs::RunResult& result);
 
 }  // namespace flexura::app

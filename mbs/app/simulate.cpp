@@ -1,17 +1,16 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <csignal>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "mbs/app/commands.hpp"
 #include "mbs/app/estimated_error.hpp"
+#include "mbs/app/left_out.hpp"
 #include "mbs/app/mechanism_runs.hpp"
 #include "mbs/app/recorder.hpp"
-#include "mbs/input/units.hpp"
-#include "mbs/results/results.hpp"
+#include "mbs/app/run_summary.hpp"
 #include "mbs/solver/prepare.hpp"
 #include "mbs/solver/run.hpp"
 #include "mbs/study/choose.hpp"
@@ -22,8 +21,6 @@ namespace {
 
 using mbs::PreparedMechanism;
 using mbs::RunResult;
-using terminal::Align;
-using terminal::number;
 
 struct Arguments : MechanismArguments {
   std::string output, end_time, save_state, continue_from, accuracy;
@@ -50,69 +47,21 @@ class InterruptGuard {
   void (*before_)(int);
 };
 
-nlohmann::json summary_of(const PreparedMechanism& prepared, const RunResult& r) {
-  const double simulated = r.state.t - prepared.options.start_time;
-  return {{"method", prepared.options.method},
-          {"tolerance", prepared.options.tolerance},
-          {"end_time", r.state.t},
-          {"wall_time", r.wall_time},
-          {"real_time_factor", simulated > 0.0 ? r.wall_time / simulated : 0.0},
-          {"steps", r.counts.steps},
-          {"evaluations", r.counts.evaluations},
-          {"jacobians", r.counts.jacobians},
-          {"error_failures", r.counts.error_failures},
-          {"newton_failures", r.counts.newton_failures},
-          {"switches", r.events.size()},
-          {"energy_error", r.energy.error()},
-          {"largest_energy_error", r.largest_energy_error},
-          {"relative_energy_error", r.energy.relative_error()},
-          {"work_in", r.energy.work_in},
-          {"dissipated", r.energy.dissipated},
-          {"peak_position_drift", r.peak_position_drift},
-          {"peak_velocity_drift", r.peak_velocity_drift},
-          {"redundant_constraints", prepared.redundant.size()}};
-}
-
-void print_summary(
-    const std::vector<std::pair<std::string, std::pair<const PreparedMechanism*, RunResult>>>& runs) {
-  const bool colour = terminal::takes_colour(stdout);
-  terminal::Table table({{"run", Align::left},
-                         {"to t [s]"},
-                         {"wall"},
-                         {"x real time"},
-                         {"steps"},
-                         {"evaluations"},
-                         {"energy error [J]"},
-                         {"relative"},
-                         {"drift"}});
-  for (const auto& [name, run] : runs) {
-    const auto& [prepared, r] = run;
-    const double simulated = r.state.t - prepared->options.start_time;
-    table.add_row({name, number(r.state.t, 6), terminal::duration(r.wall_time),
-                   simulated > 0.0 ? number(r.wall_time / simulated, 3) : "-",
-                   fmt::format("{}", r.counts.steps), fmt::format("{}", r.counts.evaluations),
-                   number(r.energy.error(), 3), number(r.energy.relative_error(), 2),
-                   number(r.peak_position_drift, 2)});
-  }
-  fmt::print("{}", table.text(terminal::width(stdout), colour));
-}
-
 // A run that ended, with what it says about itself beside the usual figures.
 struct Outcome {
   RunResult result;
   nlohmann::json summary = nlohmann::json::object();
-  std::vector<std::string> lines;
+  std::vector<std::string> lines, warnings;
 };
 
-void add_estimate(const study::TruncationEstimate* truncation, Outcome& outcome) {
-  outcome.summary["estimate"] = estimated_error_json(truncation, outcome.result);
-  outcome.lines.push_back(estimated_error_line(truncation, outcome.result));
-}
-
-void add_range(const Recorder& recorder, Outcome& outcome) {
-  const std::vector<std::string> sentences = recorder.range().sentences();
-  outcome.summary["notes"] = sentences;
-  for (const std::string& sentence : sentences) outcome.lines.push_back("warning: " + sentence);
+void add_estimate(const PreparedMechanism& prepared, const study::TruncationEstimate* truncation,
+                  Outcome& outcome) {
+  const LeftOut unneeded = left_out(prepared);
+  outcome.summary["left_out"] = left_out_json(unneeded);
+  if (std::string line = left_out_line(unneeded); !line.empty()) outcome.lines.push_back(std::move(line));
+  const std::vector<MeshShare> meshes = mesh_shares(prepared);
+  outcome.summary["estimate"] = estimated_error_json(meshes, truncation, outcome.result);
+  outcome.lines.push_back(estimated_error_line(meshes, truncation, outcome.result));
 }
 
 Outcome run_as_told(const NamedRun& run, const Arguments& arguments, results::Writer& writer,
@@ -131,12 +80,12 @@ Outcome run_as_told(const NamedRun& run, const Arguments& arguments, results::Wr
       arguments.continue_from.empty()
           ? mbs::run(*prepared.mechanism, prepared.state, prepared.v_dot, prepared.options, callbacks)
           : mbs::run(*prepared.mechanism, *prepared.continuation, prepared.options, callbacks);
-  add_range(recorder, out);
+  out.warnings = recorder.range().sentences();
   if (arguments.no_estimate) return out;
   study::TruncationEstimate truncation;
   if (shadows) truncation = shadows->estimate();
   out.result.wall_time -= truncation.wall;
-  add_estimate(shadows ? &truncation : nullptr, out);
+  add_estimate(prepared, shadows ? &truncation : nullptr, out);
   return out;
 }
 
@@ -145,21 +94,23 @@ Outcome run_within_accuracy(NamedRun& run, const Arguments& arguments, results::
                             const mbs::RunCallbacks& callbacks) {
   if (!arguments.from_state.empty() || !arguments.continue_from.empty())
     throw std::invalid_argument(
-        "--accuracy starts from the file's own state; take --from-state or --continue away");
-  const double accuracy = input::parse_quantity(arguments.accuracy, input::dim::none);
-  study::ChosenRun chosen = study::run_within(accuracy, arguments.file, run.overrides, callbacks);
+        "a run whose fidelity is chosen starts from the file's own state; take --from-state or --continue "
+        "away, or give fidelities in place of \"auto\" and solver.accuracy");
+  study::ChosenRun chosen = study::run_within(run.prepared, arguments.file, run.overrides, callbacks);
   run.prepared = std::move(chosen.prepared);
   run.overrides = std::move(chosen.overrides);
   Recorder recorder(run.prepared, writer);
   recorder.begin(run.name);
   for (const study::RowOfRun& row : chosen.rows) recorder.append(row.state, row.v_dot, row.energy);
   Outcome out;
+  out.warnings = recorder.range().sentences();
   out.result = std::move(chosen.result);
   out.summary["chosen"] = chosen.reasons;
+  out.summary["restarts"] = chosen.restarts;
   out.summary["screening_wall_time"] = chosen.screening_wall;
   out.lines = std::move(chosen.reasons);
-  add_range(recorder, out);
-  add_estimate(chosen.has_estimate ? &chosen.estimate : nullptr, out);
+  if (!arguments.no_estimate)
+    add_estimate(run.prepared, chosen.has_estimate ? &chosen.estimate : nullptr, out);
   return out;
 }
 
@@ -172,6 +123,7 @@ int simulate(Arguments arguments, const terminal::Talk& talk) {
   if (arguments.output.empty())
     arguments.output = std::filesystem::path(arguments.file).stem().string() + ".h5";
   if (!arguments.end_time.empty()) arguments.set.push_back("solver.end_time=" + arguments.end_time);
+  if (!arguments.accuracy.empty()) arguments.set.push_back("solver.accuracy=" + arguments.accuracy);
   if (!arguments.continue_from.empty()) {
     if (!arguments.from_state.empty())
       throw std::invalid_argument("--continue and --from-state exclude each other");
@@ -199,8 +151,8 @@ int simulate(Arguments arguments, const terminal::Talk& talk) {
     callbacks.stop_wanted = [] { return interrupted != 0; };
     Outcome outcome;
     try {
-      outcome = arguments.accuracy.empty() ? run_as_told(run, arguments, writer, callbacks)
-                                           : run_within_accuracy(run, arguments, writer, callbacks);
+      outcome = study::is_to_be_chosen(run.prepared) ? run_within_accuracy(run, arguments, writer, callbacks)
+                                                     : run_as_told(run, arguments, writer, callbacks);
     } catch (const std::exception& failure) {
       // A formula, a table or a row that is not finite: the rows before it are worth keeping.
       if (!writer.keep(failure.what())) throw;
@@ -220,7 +172,12 @@ int simulate(Arguments arguments, const terminal::Talk& talk) {
     summary.update(outcome.summary);
     for (const std::string& line : outcome.lines)
       remarks.push_back(fmt::format("run {}: {}", run.name, line));
+    summary["notes"] = outcome.warnings;
     writer.end_run(r.complete, r.stopped_because, summary.dump());
+    for (const std::string& sentence : outcome.warnings) {
+      progress.clear();
+      fmt::print(stderr, "warning: {}: {}\n", run.name, sentence);
+    }
     const bool complete = r.complete;
     const std::string why = r.stopped_because;
     done.emplace_back(run.name, std::make_pair(&prepared, std::move(r)));
@@ -245,44 +202,6 @@ int simulate(Arguments arguments, const terminal::Talk& talk) {
   return 0;
 }
 
-// ---- assemble
-// ----------------------------------------------------------------------------------------------
-
-int print_assembled(const Arguments& arguments, const terminal::Talk& talk) {
-  std::vector<NamedRun> runs = prepare_runs(arguments);
-  if (!arguments.save_state.empty()) {
-    const PreparedMechanism& p = only_run(runs, arguments, "--save-state").prepared;
-    mbs::write_state(arguments.save_state, *p.mechanism, p.file.name, p.state);
-  }
-  for (const NamedRun& run : runs) {
-    const PreparedMechanism& p = run.prepared;
-    const mbs::Mechanism& m = *p.mechanism;
-    const mbs::Sizes n = m.sizes();
-    const bool colour = terminal::takes_colour(stdout);
-    fmt::print("{}\n\n",
-               terminal::bold(
-                   fmt::format("{}, run {}, t = {} s", p.file.name, run.name, number(p.state.t, 6)), colour));
-    terminal::Table positions({{"position", Align::left}, {"value"}});
-    for (int i = 0; i < n.n_p; ++i) positions.add_row({m.name_of_position(i), number(p.state.p(i), 9)});
-    terminal::Table velocities({{"velocity", Align::left}, {"value"}, {"acceleration"}});
-    for (int i = 0; i < n.n_v; ++i)
-      velocities.add_row({m.name_of_velocity(i), number(p.state.v(i), 9), number(p.v_dot(i), 9)});
-    fmt::print("{}\n{}\n", positions.text(terminal::width(stdout), colour),
-               velocities.text(terminal::width(stdout), colour));
-    if (n.n_lambda > 0) {
-      terminal::Table multipliers({{"constraint", Align::left}, {"multiplier"}});
-      for (int i = 0; i < n.n_lambda; ++i)
-        multipliers.add_row({m.name_of_constraint(i), number(p.state.lambda(i), 9)});
-      fmt::print("{}\n", multipliers.text(terminal::width(stdout), colour));
-    }
-    fmt::print("assembled in {} steps; residuals {} (position), {} (velocity)\n", p.assembly.iterations,
-               number(p.assembly.position_residual, 2), number(p.assembly.velocity_residual, 2));
-    if (!talk.quiet)
-      for (const std::string& note : p.notes) fmt::print("note: {}\n", note);
-  }
-  return 0;
-}
-
 }  // namespace
 
 terminal::Command simulate_command() {
@@ -299,10 +218,10 @@ terminal::Command simulate_command() {
             .option("--continue", a->continue_from, "FILE",
                     "go on from such a file as if the run had not been cut; rows before are not repeated")
             .option("--end-time", a->end_time, "TIME", "short for --set solver.end_time=TIME")
-            .option(
-                "--accuracy", a->accuracy, "ACCURACY",
-                "choose each superelement's fidelity and modes, and the tolerance, for this accuracy of all "
-                "stored outputs: \"1 %\"")
+            .option("--accuracy", a->accuracy, "ACCURACY",
+                    "short for --set solver.accuracy=ACCURACY: choose fidelity and modes of the "
+                    "superelements, and "
+                    "the tolerance, for this accuracy of all stored outputs, as \"1 %\"")
             .flag("--csv", a->csv, "write a table of each run beside the results")
             .flag("--no-estimate", a->no_estimate, "do not estimate what dropped modes cost in accuracy")
             .flag("--schema", a->schema, "print the mechanism file's reference page, then stop")
@@ -314,17 +233,6 @@ terminal::Command simulate_command() {
                      "one run, more accurate, with a table");
         return [a, &talk] { return simulate(*a, talk); };
       }};
-}
-
-terminal::Command assemble_command() {
-  return {"assemble", "close a mechanism's loops and print where it stands",
-          [](terminal::Options& options, const terminal::Talk& talk) -> std::function<int()> {
-            auto a = std::make_shared<Arguments>();
-            declare_mechanism(options, *a);
-            options.option("--save-state", a->save_state, "FILE", "write the assembled states there")
-                .example("flexura assemble engine.toml", "positions, velocities, accelerations, multipliers");
-            return [a, &talk] { return print_assembled(*a, talk); };
-          }};
 }
 
 }  // namespace flexura::app

@@ -93,16 +93,18 @@ view::ReportPlot front_plot(const StudyFile& study, const Judgement& judgement) 
       .curves = {}};
   view::ReportCurve front{.name = "front", .x = {}, .y = {}, .style = view::CurveStyle::line_and_points};
   view::ReportCurve others{.name = "beaten", .x = {}, .y = {}, .style = view::CurveStyle::points};
+  view::ReportCurve chosen{.name = "chosen", .x = {}, .y = {}, .style = view::CurveStyle::points};
   std::vector<const Row*> rows;
   for (const Row& row : judgement.rows) rows.push_back(&row);
   std::ranges::sort(rows, {}, &Row::price);
   for (const Row* row : rows) {
-    view::ReportCurve& curve = row->on_front ? front : others;
+    view::ReportCurve& curve = row->choice->wanted > 0.0 ? chosen : row->on_front ? front : others;
     curve.x.push_back(row->price);
     curve.y.push_back(row->error.against_reference);
     curve.labels.push_back(row->choice->name);
   }
   plot.curves = {std::move(front), std::move(others)};
+  if (!chosen.x.empty()) plot.curves.push_back(std::move(chosen));
   return plot;
 }
 
@@ -129,6 +131,7 @@ view::Report report_of(const StudyFile& study, const Judgement& judgement) {
                                       {"error", "%", 3},
                                       {"to the finest", "%", 3},
                                       {"estimated by the run", "%", 3},
+                                      {"estimate over error", "", 2},
                                       {"reduction", "s", 3}},
                           .rows = {}};
   view::ReportTable errors{.title = "Errors of each quantity",
@@ -141,7 +144,8 @@ view::Report report_of(const StudyFile& study, const Judgement& judgement) {
     table.rows.push_back({row.choice->name, row.on_front ? "front" : "", c.median_wall(), c.median_cpu(),
                           1e-6 * c.peak_memory, static_cast<double>(c.steps),
                           100.0 * row.error.against_reference, 100.0 * row.error.against_finest,
-                          row.estimate >= 0.0 ? 100.0 * row.estimate : std::nan(""), c.reduce_wall});
+                          row.estimate >= 0.0 ? 100.0 * row.estimate : std::nan(""),
+                          row.effectivity >= 0.0 ? row.effectivity : std::nan(""), c.reduce_wall});
     std::vector<view::ReportCell> line = {row.choice->name};
     for (const study::ErrorOf& e : row.errors) line.emplace_back(100.0 * e.against_reference);
     errors.rows.push_back(std::move(line));

@@ -114,7 +114,10 @@ void apply_override(toml::table& root, const TableSchema& schema, const std::str
     here = join_path(here, key);
     const bool last = i + 1 == steps.size();
     if (last && !index) {
-      table->insert_or_assign(key, value);
+      if (raw.empty())
+        table->erase(key);
+      else
+        table->insert_or_assign(key, value);
       break;
     }
     toml::node* next = table->get(key);

@@ -175,7 +175,10 @@ TableSchema mechanism_schema(TableSchema solver) {
       texts("y", "the outputs y of the linearised mechanism: names, with * and ? as wildcards")};
   run.name = "run";
   run.doc = "A run with some values changed.";
-  run.keys = {texts("set", "\"key.path=value\" pairs, like \"body.rod.fidelity=rigid\"")};
+  run.keys = {texts("set", "\"key.path=value\" pairs, like \"body.rod.fidelity=rigid\""),
+              quantity("accuracy", dim::none, "short for solver.accuracy in set, like \"1 %\"")
+                  .above(0.0)
+                  .at_most(1.0)};
 
   TableSchema input_schema;
   input_schema.name = "input";

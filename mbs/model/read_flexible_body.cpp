@@ -144,11 +144,13 @@ std::vector<input::Key> flexible_body_keys() {
   point.keys = {vector3("position", dim::length, "in the undeformed body").required()};
   return {
       text("superelement", "file made by flexura reduce, beside this one"),
-      choice("fidelity", {"modal", "modal-stiffened", "ked", "static", "rigid", "ancf", "segments"},
-             "of a superelement: modal, with geometric stiffening, one-way (the motion is that of the rigid "
-             "body), quasi-static, or without deformation; of a beam: absolute nodal coordinates for any "
-             "bending, "
-             "rigid segments joined by its stiffness, or rigid")
+      choice(
+          "fidelity", {"modal", "modal-stiffened", "ked", "static", "rigid", "ancf", "segments", "auto"},
+          "of a superelement: modal, with geometric stiffening, one-way (the motion is that of the rigid "
+          "body), quasi-static, or without deformation; of a beam: absolute nodal coordinates for any "
+          "bending, rigid segments joined by its stiffness, or rigid; auto: flexura simulate chooses among "
+          "rigid, static, modal and modal-stiffened, and the number of modes, for the run's accuracy (see "
+          "solver.accuracy; 1 % without it)")
           .or_default("modal"),
       integer("modes", "keep at most so many eigenmodes, lowest first; without it all").at_least(1),
       quantity("max_frequency", dim::frequency, "keep no eigenmode above").above(0.0),
@@ -188,6 +190,11 @@ std::vector<input::Key> flexible_body_keys() {
           .or_default("false"),
       table_map("stress_point", point, "places whose stresses are stored"),
   };
+}
+
+std::string fidelity_of(const Section& s) {
+  const std::string word = s.text("fidelity");
+  return word == "auto" ? "modal" : word;
 }
 
 bool wants_stress(const Section& s) {
@@ -238,7 +245,7 @@ std::shared_ptr<const FlexibleBody> prepare_flexible_body(const Section& s,
                                                           const superelement::Superelement& se,
                                                           const MechanismDescription& d, int body,
                                                           std::vector<std::string>& notes) {
-  const std::string &name = d.bodies[body].name, fidelity = s.text("fidelity");
+  const std::string &name = d.bodies[body].name, fidelity = fidelity_of(s);
   BasisOptions options;
   options.damping_law = damping_law(s);
   options.stiffening = fidelity == "modal-stiffened";

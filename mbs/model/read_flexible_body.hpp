@@ -28,6 +28,9 @@ namespace flexura::mbs {
 /// Keys of a body that hold for superelements.
 std::vector<input::Key> flexible_body_keys();
 
+/// The word of fidelity that the body is built with: "auto" is built as "modal" until a run chooses.
+std::string fidelity_of(const input::Section& s);
+
 /// True where the body's table asks for stresses.
 bool wants_stress(const input::Section& s);
 

@@ -43,7 +43,13 @@ MechanismFile read_mechanism(const std::filesystem::path& file, const input::Tab
                     {},     std::move(model.notes), root.table("solver")};
   out.outputs = root.table("output").texts("quantities");
   out.y = root.table("output").texts("y");
-  for (const auto& [name, s] : root.table_map("run")) out.runs.push_back({name, s.texts("set")});
+  for (const auto& [name, s] : root.table_map("body"))
+    if (s.has("superelement") && s.has("fidelity")) out.fidelity[name] = s.text("fidelity");
+  for (const auto& [name, s] : root.table_map("run")) {
+    out.runs.push_back({name, s.texts("set")});
+    if (s.has("accuracy"))
+      out.runs.back().overrides.push_back(fmt::format("solver.accuracy={:.17g}", s.quantity("accuracy")));
+  }
   if (out.runs.empty()) out.runs.push_back({"run", {}});
   return out;
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -29,6 +30,8 @@ struct MechanismFile {
   std::vector<RunDescription> runs;  ///< one without overrides when the file names none
   std::vector<std::string> notes;    ///< what the user should know: truncated bases, ...
   input::Section solver;             ///< checked [solver] table, for read_solver_options
+  /// Of the file's own superelements that have the key: their word of fidelity ("auto" is built as "modal").
+  std::map<std::string, std::string> fidelity = {};
 };
 
 /// Reads and checks the file with `overrides` applied ("body.rod.fidelity=rigid").  Superelement files are

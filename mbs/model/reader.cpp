@@ -136,7 +136,8 @@ void add_free_joints(ReadModel& model) {
   MechanismDescription& d = model.description;
   // A chain of segments is held where one of its pieces is.
   for (const auto& [b, chain] : model.segments) {
-    const bool held = std::ranges::any_of(chain.bodies, [&](int piece) { return model.joined.contains(piece); });
+    const bool held =
+        std::ranges::any_of(chain.bodies, [&](int piece) { return model.joined.contains(piece); });
     for (const int piece : chain.bodies)
       if (piece != b || held) model.joined.insert(piece);
   }
@@ -269,7 +270,8 @@ void Reader::add_marker(int body, const std::string& full_name, const Pose& X, i
   if (one_way) d.markers.back().ked_node = node;
 }
 
-void Reader::read_markers(const Section& s, int body, const Pose& X_B, const std::string& owner, bool deforms) {
+void Reader::read_markers(const Section& s, int body, const Pose& X_B, const std::string& owner,
+                          bool deforms) {
   MechanismDescription& d = model_.description;
   for (const auto& [name, m] : s.table_map("marker")) {
     Pose X = read_pose(m);
@@ -292,8 +294,8 @@ void Reader::read_markers(const Section& s, int body, const Pose& X_B, const std
       }
       if (!m.has("position")) X.p = found->second;
       if (deforms) {
-        node = static_cast<int>(found - interfaces.begin());        // nodes are the interfaces in their order
-        if (!model_.is_one_way(body)) X.p -= found->second;  // relative to the node
+        node = static_cast<int>(found - interfaces.begin());  // nodes are the interfaces in their order
+        if (!model_.is_one_way(body)) X.p -= found->second;   // relative to the node
       }
     } else if (deforms) {
       model_.notes.push_back(
@@ -308,10 +310,12 @@ void Reader::read_markers(const Section& s, int body, const Pose& X_B, const std
 std::shared_ptr<const superelement::Superelement> Reader::load(const Section& s) {
   const std::filesystem::path path = s.file("superelement");
   superelement::Parts parts;
-  parts.stiffening = s.text("fidelity") == "modal-stiffened";
+  const std::string fidelity = fidelity_of(s);
+  parts.matrices = fidelity != "rigid";  // a rigid body needs none
+  parts.stiffening = fidelity == "modal-stiffened";
   parts.stress = parts.surface = wants_stress(s);
-  const std::string key =
-      fmt::format("{}|{}|{}", path.lexically_normal().string(), parts.stiffening, parts.stress);
+  const std::string key = fmt::format("{}|{}|{}|{}", path.lexically_normal().string(), parts.matrices,
+                                      parts.stiffening, parts.stress);
   auto& loaded = model_.superelements[key];
   if (loaded) return loaded;
   try {
@@ -328,7 +332,7 @@ void Reader::read_body(const std::string& own_name, const Section& s) {
   BodyDescription body;
   body.name = prefix_ + own_name;
   std::vector<std::pair<std::string, Vector3d>> interfaces;
-  const std::string fidelity = s.text("fidelity");
+  const std::string fidelity = fidelity_of(s);
   const bool is_beam = s.has("beam") && (fidelity == "ancf" || fidelity == "segments" ||
                                          (fidelity == "rigid" && !s.has("superelement")));
   if ((fidelity == "ancf" || fidelity == "segments") && !is_beam)

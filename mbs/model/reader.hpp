@@ -10,6 +10,7 @@
 
 #include "mbs/model/beam_part.hpp"
 #include "mbs/model/read_context.hpp"
+#include "mbs/model/read_flexible_body.hpp"
 #include "mbs/model/read_mechanism.hpp"
 
 /// Reads one mechanism file, and through itself the subsystems in it, into one model.  Private to the sources
@@ -35,7 +36,7 @@ struct ReadModel {
 
   bool deforms(int body) const { return to_prepare.contains(body) || description.bodies[body].flexible; }
   bool is_one_way(int body) const {
-    return to_prepare.contains(body) && sections.at(body).text("fidelity") == "ked";
+    return to_prepare.contains(body) && fidelity_of(sections.at(body)) == "ked";
   }
 };
 
@@ -66,7 +67,8 @@ class Reader {
   void read_subsystem(const std::string& name, const input::Section& s);
   void read_body(const std::string& name, const input::Section& s);
   std::shared_ptr<const superelement::Superelement> load(const input::Section& s);
-  void read_markers(const input::Section& s, int body, const Pose& X_B, const std::string& owner, bool deforms);
+  void read_markers(const input::Section& s, int body, const Pose& X_B, const std::string& owner,
+                    bool deforms);
   /// `node` is an interface of a deforming body, or -1.
   void add_marker(int body, const std::string& full_name, const Pose& X, int node);
 

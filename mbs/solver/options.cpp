@@ -39,6 +39,14 @@ input::TableSchema solver_schema() {
                             .at_least(1e-13)
                             .at_most(1e-1));
   schema.keys.push_back(
+      in::quantity("accuracy", in::dim::none,
+                   "wanted relative accuracy (rms) of all stored outputs, like \"1 %\": flexura simulate then "
+                   "chooses the tolerance, and fidelity and modes of every superelement that has no fidelity "
+                   "of its own; 0 = nothing is chosen")
+          .or_default("0")
+          .at_least(0.0)
+          .at_most(1.0));
+  schema.keys.push_back(
       in::quantity("absolute_factor", in::dim::none,
                    "the absolute error allowed is tolerance * absolute_factor times the state's "
                    "typical size (1 m, 1 rad, 1 m/s, ...)")

@@ -4,125 +4,384 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <map>
+#include <numbers>
+#include <optional>
 
 #include "mbs/study/percent.hpp"
+#include "mbs/study/screening.hpp"
 #include "mbs/terminal/terminal.hpp"
 
 namespace flexura::study {
 namespace {
 
+using Eigen::VectorXd;
 using terminal::number;
 
 constexpr double kShareOfModes = 0.5;
-constexpr int kMostAttempts = 6;
+// A run goes on from where its error had used up this part of the budget (of the squares' integral).
+constexpr double kLastGood = 0.25;
+constexpr int kMostRestarts = 6;
+constexpr double kUsualAccuracy = 0.01;  // of bodies with fidelity = "auto" in a run without accuracy
 
-// What a body is to be; modes 0 is rigid.
+double accuracy_of(const mbs::PreparedMechanism& run) {
+  return run.file.solver.quantity("accuracy");
+}
+
+// A superelement whose fidelity is to be chosen.
+bool is_open(const mbs::PreparedMechanism& run, const mbs::BodyDescription& body) {
+  if (body.superelement.empty() || body.name.find('.') != std::string::npos)
+    return false;  // a subsystem's own file says
+  const auto given = run.file.fidelity.find(body.name);
+  return given == run.file.fidelity.end() ? accuracy_of(run) > 0.0 : given->second == "auto";
+}
+
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+// What a body is to be.
 struct BodyChoice {
-  int modes = 0, available = 0;
+  bool rigid = true, stiffened = false;
+  Candidate candidate;
+  int available = 0;
   std::string reason;
-};
-using Choices = std::map<std::string, BodyChoice>;
 
-std::vector<std::string> as_overrides(const std::vector<std::string>& given, const Choices& choices,
-                                      double tolerance) {
-  std::vector<std::string> out = given;
-  out.push_back(fmt::format("solver.tolerance={:.3g}", tolerance));
-  for (const auto& [body, choice] : choices) {
-    out.push_back(fmt::format("body.{}.fidelity={}", body, choice.modes > 0 ? "modal" : "rigid"));
-    // The bound of a key that cannot be taken away; a rigid body takes no modes.
-    if (choice.modes > 0) out.push_back(fmt::format("body.{}.modes={}", body, choice.modes));
-  }
-  return out;
-}
-
-std::string describe(const std::string& body, const BodyChoice& choice) {
-  if (choice.modes == 0) return fmt::format("{}: rigid: {}", body, choice.reason);
-  return fmt::format("{}: modal, {} of {} modes: {}", body, choice.modes, choice.available, choice.reason);
-}
-
-ChosenRun attempt(const std::filesystem::path& file, std::vector<std::string> overrides, bool with_ladder,
-                  const mbs::RunCallbacks& callbacks) {
-  ChosenRun out{mbs::prepare(file, overrides), {}, {}, {}, false, {}, {}, 0.0};
-  const auto shadows = Shadows::make(out.prepared, file, overrides, with_ladder);
-  mbs::RunCallbacks mine = callbacks;
-  mine.row = [&](const mbs::State& s, const Eigen::VectorXd& v_dot, const mbs::EnergyAccount& energy) {
-    out.rows.push_back({s, v_dot, energy});
-    if (shadows) shadows->take(s, v_dot);
-  };
-  out.result =
-      mbs::run(*out.prepared.mechanism, out.prepared.state, out.prepared.v_dot, out.prepared.options, mine);
-  out.has_estimate = shadows != nullptr;
-  if (shadows) out.estimate = shadows->estimate();
-  out.overrides = std::move(overrides);
-  return out;
-}
-
-// The fewest modes whose loss stays within the share; all of them when no rung does.
-BodyChoice choose(const SourceEstimate& source, double share) {
-  BodyChoice choice;
-  choice.available = source.available;
-  if (source.error <= share) {
-    choice.reason = fmt::format("its deformation changes outputs by {} at most", percent(source.error));
-    return choice;
-  }
-  const std::string rigid = fmt::format("rigid, {} would be off by {}", source.output, percent(source.error));
-  for (const ModesNeeded& rung : source.ladder)
-    if (rung.error <= share) {
-      choice.modes = rung.modes;
-      choice.reason = fmt::format("{}; what lies above {} Hz changes outputs by {} at most", rigid,
-                                  number(rung.highest_hz, 3), percent(rung.error));
-      return choice;
+  std::vector<std::string> overrides(const std::string& body) const {
+    std::vector<std::string> words = {"modes=", "max_frequency=", "attachments=used"};
+    if (rigid) {
+      words.push_back("fidelity=rigid");
+    } else if (candidate.modes == 0 && !stiffened) {
+      words.push_back("fidelity=static");
+    } else {
+      words.push_back(stiffened ? "fidelity=modal-stiffened" : "fidelity=modal");
+      // With stiffening one eigenmode at least: response modes alone are quasi-static.
+      if (!candidate.all) words.push_back(fmt::format("modes={}", std::max(candidate.modes, 1)));
     }
-  choice.modes = source.available;
-  choice.reason = fmt::format("{}; no smaller number keeps outputs within {}", rigid, percent(share));
-  return choice;
-}
+    for (std::string& word : words) word = fmt::format("body.{}.{}", body, word);
+    return words;
+  }
+  // "rod: modal, 4 of 22 modes".
+  std::string what(const std::string& body) const {
+    if (rigid) return body + ": rigid";
+    if (candidate.modes == 0 && !stiffened)
+      return fmt::format("{}: static, {} response modes", body, candidate.responses);
+    const char* const fidelity = stiffened ? "modal-stiffened" : "modal";
+    if (candidate.all) return fmt::format("{}: {}, all {} modes", body, fidelity, available);
+    return fmt::format("{}: {}, {} of {} modes", body, fidelity, std::max(candidate.modes, 1), available);
+  }
+  std::string text(const std::string& body) const { return what(body) + ": " + reason; }
+  // More of it; false where nothing is left to add.
+  bool refine() {
+    if (rigid) {
+      rigid = false;
+      candidate.modes = 1;
+      return true;
+    }
+    if (candidate.all) return false;
+    candidate.modes = std::max(2, 2 * candidate.modes);
+    if (candidate.modes + candidate.responses >= available) {
+      candidate.all = true;
+      candidate.modes = available;
+    }
+    return true;
+  }
+};
+
+class Chooser {
+ public:
+  Chooser(const mbs::PreparedMechanism& given, const std::filesystem::path& file,
+          const std::vector<std::string>& overrides, const mbs::RunCallbacks& callbacks)
+      : accuracy_(accuracy_of(given) > 0.0 ? accuracy_of(given) : kUsualAccuracy),
+        file_(file),
+        given_(overrides),
+        callbacks_(callbacks) {
+    for (const mbs::BodyDescription& body : given.mechanism->description().bodies)
+      if (is_open(given, body)) choices_[body.name] = {};
+    if (accuracy_of(given) > 0.0) {
+      tolerance_ = std::clamp(1e-3 * accuracy_, 1e-9, 1e-4);
+      given_.push_back(fmt::format("solver.tolerance={:.3g}", *tolerance_));
+    }
+  }
+
+  ChosenRun run() {
+    const auto start = std::chrono::steady_clock::now();
+    ChosenRun out{mbs::prepare(file_, overrides()), overrides(), {}, {}, false, {}, {}, 0, 0.0};
+    screen(out);
+    if (!choices_.empty() && out.result.complete && out.has_estimate) {
+      choose();
+      if (std::ranges::any_of(choices_, [](const auto& entry) { return !entry.second.rigid; })) {
+        const double screening = seconds_since(start);
+        out = simulate(out.prepared);
+        out.screening_wall += screening;
+      } else {
+        out.screening_wall = std::max(0.0, seconds_since(start) - out.result.wall_time);
+      }
+    }
+    for (const auto& [body, choice] : choices_) out.reasons.push_back(choice.text(body));
+    out.reasons.insert(out.reasons.end(), restarts_.begin(), restarts_.end());
+    out.restarts = static_cast<int>(restarts_.size());
+    if (tolerance_)
+      out.reasons.push_back(
+          fmt::format("tolerance {:.1e}: a thousandth of the wanted {}", *tolerance_, percent(accuracy_)));
+    return out;
+  }
+
+ private:
+  std::vector<std::string> overrides() const {
+    std::vector<std::string> out = given_;
+    for (const auto& [body, choice] : choices_) {
+      const auto words = choice.overrides(body);
+      out.insert(out.end(), words.begin(), words.end());
+    }
+    return out;
+  }
+
+  // The run with the bodies rigid that are to be chosen; `out` must outlive the screening.
+  void screen(ChosenRun& out) {
+    // Where nothing is to be chosen but the tolerance, the shadows are those of any run.
+    const auto shadows = choices_.empty() ? Shadows::make(out.prepared, file_, out.overrides) : nullptr;
+    if (!choices_.empty()) {
+      full_ = FullModel::make(out.prepared, file_, out.overrides);
+      screening_.emplace(out.prepared, *full_, file_, out.overrides);
+    }
+    mbs::RunCallbacks mine = callbacks_;
+    mine.row = [&](const mbs::State& s, const VectorXd& v_dot, const mbs::EnergyAccount& energy) {
+      out.rows.push_back({s, v_dot, energy});
+      if (screening_) screening_->take(s, v_dot);
+      if (shadows) shadows->take(s, v_dot);
+    };
+    out.result =
+        mbs::run(*out.prepared.mechanism, out.prepared.state, out.prepared.v_dot, out.prepared.options, mine);
+    if (shadows) {
+      out.has_estimate = true;
+      out.estimate = shadows->estimate();
+    } else if (screening_ && screening_->has_shadows()) {
+      out.has_estimate = true;
+      out.estimate = sizes_ = screening_->estimate();
+      span_ = screening_->span();
+    }
+  }
+
+  void choose() {
+    const double share = kShareOfModes * accuracy_ / static_cast<double>(choices_.size());
+    std::vector<std::string> not_rigid;
+    for (const SourceEstimate& source : sizes_.by_body) {
+      const auto found = choices_.find(source.body);
+      if (found == choices_.end()) continue;
+      found->second.available = source.available;
+      if (source.error > share)
+        not_rigid.push_back(source.body);
+      else
+        found->second.reason =
+            fmt::format("its deformation changes outputs by {} at most", percent(source.error));
+    }
+    for (const Screened& s : screening_->bodies(not_rigid))
+      if (std::ranges::find(not_rigid, s.body) != not_rigid.end()) choose_body(s, share);
+  }
+
+  void choose_body(const Screened& s, double share) {
+    BodyChoice& choice = choices_.at(s.body);
+    choice.rigid = false;
+    choice.candidate = screening_->cheapest(s.body, share);
+    // A stiffness that is off by a part is a deflection that is off by this part.
+    choice.stiffened = s.stiffness_change * std::min(1.0, s.rigid_error) > share;
+    const double first = 2.0 * std::numbers::pi * s.first_hz;
+    choice.reason = fmt::format("rigid, {} would be off by {}; excitation reaches {} Hz", s.output,
+                                percent(s.rigid_error), number(s.excitation_hz, 2));
+    const Candidate& c = choice.candidate;
+    if (c.all)
+      choice.reason += fmt::format("; no smaller number keeps outputs within {}", percent(share));
+    else if (c.modes == 0)
+      choice.reason += fmt::format(", its first mode has {} Hz: it follows its loads statically (loss {})",
+                                   number(s.first_hz, 2), percent(c.loss));
+    else
+      choice.reason +=
+          fmt::format(", modes above {} Hz respond statically, kept as {} response modes (loss {})",
+                      number(c.highest_hz, 2), c.responses, percent(c.loss));
+    if (s.spin > 0.1 * first)
+      choice.reason += fmt::format("; spin {} rad/s is {} of its first frequency", number(s.spin, 2),
+                                   percent(s.spin / first));
+    if (choice.stiffened)
+      choice.reason +=
+          fmt::format("; spin and loads change its stiffness by {}{}", percent(s.stiffness_change),
+                      s.most_negative_change < -0.3
+                          ? fmt::format(", {} of what buckles it", percent(-s.most_negative_change))
+                          : "");
+    else if (!s.has_stiffening_terms && s.spin * s.spin > share * first * first)
+      choice.reason +=
+          "; its superelement has no stiffening terms (reduce it with stiffening = true to have that judged)";
+  }
+
+  // A row in the full model from which a better choice may go on.
+  struct Good {
+    mbs::State state;
+    VectorXd v_dot;
+    mbs::EnergyAccount energy;
+    VectorXd squares;  // of the errors until there
+    std::size_t rows = 0;
+    bool is_there = false;
+  };
+
+  // One run with the present choices, and on with more where its shadows say so.
+  ChosenRun simulate(const mbs::PreparedMechanism& screened) {
+    screening_.reset();
+    const std::vector<std::string> stiffened = stiffened_bodies();
+    if (!stiffened.empty()) full_ = FullModel::make(screened, file_, given_, stiffened);
+    ChosenRun out{mbs::prepare(file_, overrides()), overrides(), {}, {}, false, {}, {}, 0, 0.0};
+    const double start_time = out.prepared.options.start_time;
+    mbs::State state = out.prepared.state;
+    VectorXd v_dot = out.prepared.v_dot;
+    Good start;
+    mbs::StepCounts steps_before;
+    double wall_before = 0.0;
+    for (int attempt = 0;; ++attempt) {
+      Good good;
+      const bool over = run_until_over(out, state, v_dot, start, good);
+      add(out.result.counts, steps_before);
+      if (!over || attempt == kMostRestarts) break;
+      const std::string worst = worst_choice(out.estimate);
+      if (worst.empty()) break;
+      BodyChoice& choice = choices_.at(worst);
+      const std::string was = choice.what(worst);
+      if (!choice.refine()) break;
+      const double t_stopped = out.result.state.t;
+      if (good.is_there) start = std::move(good);
+      go_on(out, start, state, v_dot);
+      restarts_.push_back(fmt::format("{} had used up the accuracy at t = {} s; gone on from t = {} s as {}",
+                                      was, number(t_stopped, 3), number(state.t, 3), choice.what(worst)));
+      steps_before = out.result.counts;
+      wall_before += out.result.wall_time;
+    }
+    out.prepared.options.start_time = start_time;
+    if (!out.rows.empty()) out.result.energy = out.rows.back().energy;
+    out.result.wall_time += wall_before;
+    return out;
+  }
+
+  // False where the run ended with its error within the accuracy, or ended otherwise.
+  bool run_until_over(ChosenRun& out, const mbs::State& state, const VectorXd& v_dot, const Good& start,
+                      Good& good) {
+    const auto shadows = Shadows::make(out.prepared, *full_);
+    VectorXd spent;
+    if (shadows) spent = VectorXd::Zero(static_cast<Eigen::Index>(shadows->outputs().size()));
+    if (start.is_there) spent = start.squares;
+    bool over = false;
+    mbs::RunCallbacks mine = callbacks_;
+    mine.row = [&](const mbs::State& s, const VectorXd& a, const mbs::EnergyAccount& energy) {
+      // The row from which the run goes on is there already.
+      if (!start.is_there || s.t > state.t) out.rows.push_back({s, a, continued(energy, start.energy)});
+      if (!shadows || !shadows->take(s, a)) return;
+      const VectorXd squares = spent + shadows->squares();
+      const double error = worst_output(squares, span_, sizes_.outputs).first;
+      over = error > accuracy_;
+      if (error * error > kLastGood * accuracy_ * accuracy_ || (start.is_there && s.t <= state.t)) return;
+      good.state = shadows->corrected(good.v_dot);
+      good.energy = out.rows.back().energy;
+      good.squares = squares;
+      good.rows = out.rows.size();
+      good.is_there = true;
+    };
+    mine.stop_wanted = [&] { return over || (callbacks_.stop_wanted && callbacks_.stop_wanted()); };
+    out.result = mbs::run(*out.prepared.mechanism, state, v_dot, out.prepared.options, mine);
+    out.has_estimate = shadows != nullptr;
+    if (shadows) {
+      out.estimate = shadows->estimate();
+      out.result.wall_time -= out.estimate.wall;
+    }
+    return over;
+  }
+
+  // The chosen body that loses most.
+  std::string worst_choice(const TruncationEstimate& estimate) const {
+    for (const SourceEstimate& source : estimate.by_body)
+      if (choices_.contains(source.body)) return source.body;
+    return "";
+  }
+
+  // The mechanism as it is chosen now, in the state of `start`, with the rows until there.
+  void go_on(ChosenRun& out, const Good& start, mbs::State& state, VectorXd& v_dot) {
+    out.overrides = overrides();
+    mbs::PreparedMechanism refined = mbs::prepare(file_, out.overrides);
+    state = refined.state;
+    v_dot = refined.v_dot;
+    if (start.is_there) {
+      move_rows(out, *refined.mechanism, start.rows);
+      Embedding(*refined.mechanism, *full_).project(start.state, start.v_dot, state, v_dot);
+      mbs::assemble(*refined.mechanism, state, v_dot);
+      refined.options.start_time = state.t;
+    } else {
+      out.rows.clear();
+    }
+    out.prepared = std::move(refined);
+  }
+
+  std::vector<std::string> stiffened_bodies() const {
+    std::vector<std::string> out;
+    for (const auto& [body, choice] : choices_)
+      if (choice.stiffened) out.push_back(body);
+    return out;
+  }
+
+  // The energy book of a run that was restarted: as if it had not been.
+  static mbs::EnergyAccount continued(mbs::EnergyAccount now, const mbs::EnergyAccount& before) {
+    now.start -= before.work_in - before.dissipated + before.error();
+    now.work_in += before.work_in;
+    now.dissipated += before.dissipated;
+    now.gross_work += before.gross_work;
+    now.peak = std::max(now.peak, before.peak);
+    return now;
+  }
+
+  static void add(mbs::StepCounts& counts, const mbs::StepCounts& more) {
+    counts.steps += more.steps;
+    counts.evaluations += more.evaluations;
+    counts.jacobians += more.jacobians;
+    counts.error_failures += more.error_failures;
+    counts.newton_failures += more.newton_failures;
+    counts.restarts += more.restarts;
+    counts.hops += more.hops;
+  }
+
+  // The first rows of a run, told by another mechanism.
+  void move_rows(ChosenRun& out, const mbs::Mechanism& to, std::size_t rows) const {
+    out.rows.resize(rows);
+    Embedding from_old(*out.prepared.mechanism, *full_), to_new(to, *full_);
+    mbs::State full;
+    VectorXd full_v_dot;
+    for (RowOfRun& row : out.rows) {
+      from_old.embed(row.state, row.v_dot, full, full_v_dot);
+      mbs::State moved = to.initial_state();
+      moved.lambda = VectorXd::Zero(to.sizes().n_lambda);
+      to_new.project(full, full_v_dot, moved, row.v_dot);
+      row.state = std::move(moved);
+    }
+  }
+
+  double accuracy_;
+  std::filesystem::path file_;
+  std::vector<std::string> given_;
+  const mbs::RunCallbacks& callbacks_;
+  std::optional<double> tolerance_;
+  std::map<std::string, BodyChoice> choices_;
+  std::unique_ptr<FullModel> full_;
+  std::optional<Screening> screening_;
+  TruncationEstimate sizes_;  // what the screening says about the outputs' sizes
+  double span_ = 0.0;
+  std::vector<std::string> restarts_;
+};
 
 }  // namespace
 
-ChosenRun run_within(double accuracy, const std::filesystem::path& file,
+bool is_to_be_chosen(const mbs::PreparedMechanism& run) {
+  return accuracy_of(run) > 0.0 || std::ranges::any_of(run.mechanism->description().bodies,
+                                                       [&](const auto& body) { return is_open(run, body); });
+}
+
+ChosenRun run_within(const mbs::PreparedMechanism& given, const std::filesystem::path& file,
                      const std::vector<std::string>& overrides, const mbs::RunCallbacks& callbacks) {
-  if (!(accuracy > 0.0 && accuracy <= 1.0))
-    throw std::invalid_argument(
-        fmt::format("accuracy = {:.6g}: must be above 0 and at most 100 %", accuracy));
-  const double tolerance = std::clamp(0.01 * accuracy * accuracy, 1e-9, 1e-4);
-  Choices choices;
-  {
-    const mbs::MechanismFile given = mbs::read_mechanism(file, mbs::solver_schema(), overrides);
-    for (const mbs::BodyDescription& body : given.description.bodies)
-      if (!body.superelement.empty()) choices[body.name] = {};
-  }
-  ChosenRun run = attempt(file, as_overrides(overrides, choices, tolerance), true, callbacks);
-  double screening = 0.0;
-  std::vector<std::string> later;
-  if (run.has_estimate && run.result.complete) {
-    const double share = kShareOfModes * accuracy / static_cast<double>(choices.size());
-    bool all_rigid = true;
-    for (const SourceEstimate& source : run.estimate.by_body) {
-      BodyChoice& choice = choices[source.body];
-      choice = choose(source, share);
-      all_rigid = all_rigid && choice.modes == 0;
-    }
-    for (int k = 0; !all_rigid && k < kMostAttempts; ++k) {
-      screening += run.result.wall_time;
-      run = attempt(file, as_overrides(overrides, choices, tolerance), false, callbacks);
-      if (!run.result.complete || !run.has_estimate || run.estimate.error <= accuracy) break;
-      const SourceEstimate& worst = run.estimate.by_body.front();
-      BodyChoice& choice = choices[worst.body];
-      const int more = std::min(choice.available, std::max(2 * choice.modes, 1));
-      if (more == choice.modes) break;
-      later.push_back(fmt::format("run again: with {} modes of {} the run estimated {} in {}", choice.modes,
-                                  worst.body, percent(run.estimate.error), worst.output));
-      choice.modes = more;
-    }
-  }
-  run.screening_wall = screening;
-  for (const auto& [body, choice] : choices) run.reasons.push_back(describe(body, choice));
-  run.reasons.insert(run.reasons.end(), later.begin(), later.end());
-  run.reasons.push_back(
-      fmt::format("tolerance {:.1e}: for {} in forces and deflections", tolerance, percent(accuracy)));
-  return run;
+  return Chooser(given, file, overrides, callbacks).run();
 }
 
 }  // namespace flexura::study

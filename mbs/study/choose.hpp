@@ -2,7 +2,6 @@
 #pragma once
 
 #include <filesystem>
-#include <functional>
 #include <string>
 #include <vector>
 
@@ -12,17 +11,19 @@
 
 /// Fidelity and tolerance for a wanted accuracy.
 ///
-/// A screening run with every body rigid is cheap, and its shadows (shadows.hpp) say for every stored output
-/// what each body's deformation would change, and what it would still change with 1, 2, 3, ... modes.  A body
-/// that changes nothing beyond its share of the wanted accuracy stays rigid; the others get the fewest modes
-/// that keep the rest within their share.  Half of the accuracy is for the dropped modes (shared equally by
-/// the bodies), half for what the first-order screening does not see and for the integrator.  Then the chosen
-/// mechanism runs with its own shadows; where they say that the choice was wrong, it is run again with twice
-/// the modes of the body that contributes most.
+/// A run with the bodies rigid that are to be chosen is cheap, and says what their deformation would change
+/// (screening.hpp).  A body that changes nothing beyond its share of the wanted accuracy stays rigid; the
+/// others get their response modes ("static") and the fewest free modes that keep the rest within their
+/// share, and geometric stiffening where spin, acceleration and loads change their stiffness enough to
+/// matter.  Half of the accuracy is for what is left out (shared equally by the bodies), half for what the
+/// first-order screening does not see and for the integrator.
 ///
-/// The tolerance follows from the accuracy by tol = accuracy^2 / 100 within [1e-9, 1e-4]: on the scenes of
-/// cases/trade forces and deflections err by about 3 sqrt(tol), because multipliers and high modes are not
-/// under error control.
+/// The chosen mechanism runs with its own shadows.  Where their error has used up the whole run's budget the
+/// run stops, the body that contributes most gets more, and the run goes on from the last row at which half
+/// of the budget was left, with the deformation that the shadows had there.
+///
+/// The tolerance follows from the accuracy by tol = accuracy / 1000 within [1e-9, 1e-4]: on the scenes of
+/// cases/trade that leaves the integrator a tenth of the error or less.
 namespace flexura::study {
 
 struct RowOfRun {
@@ -38,13 +39,18 @@ struct ChosenRun {
   std::vector<RowOfRun> rows;  ///< what the callback `row` would have been given
   bool has_estimate = false;
   TruncationEstimate estimate;
-  std::vector<std::string> reasons;  ///< one line for each body, tolerance and repeated run
-  double screening_wall = 0.0;       ///< [s] of all runs but the last
+  std::vector<std::string> reasons;  ///< one line for each body, restart and tolerance
+  int restarts = 0;
+  double screening_wall = 0.0;  ///< [s] of the screening and of what restarts threw away
 };
 
-/// Runs it.  `overrides` are the run's own and the command line's.  Throws what prepare() throws, and
-/// std::invalid_argument for an accuracy outside (0, 1].
-ChosenRun run_within(double accuracy, const std::filesystem::path& file,
+/// True where a superelement has fidelity = "auto", or where the run has a wanted accuracy (solver.accuracy)
+/// and a superelement has no fidelity of its own.
+bool is_to_be_chosen(const mbs::PreparedMechanism& run);
+
+/// Runs it: `given` is the mechanism as its file and the overrides describe it.  With solver.accuracy the
+/// tolerance is chosen, too; without it the accuracy is 1 %.  Throws what prepare() throws.
+ChosenRun run_within(const mbs::PreparedMechanism& given, const std::filesystem::path& file,
                      const std::vector<std::string>& overrides, const mbs::RunCallbacks& callbacks);
 
 }  // namespace flexura::study

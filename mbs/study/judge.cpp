@@ -106,7 +106,6 @@ class Judge {
     const Measurement& finest = measured_.choices.back();
     std::vector<Signal> finest_signals;
     if (finest.complete) finest_signals = read_signals(study_, read_run(finest));
-    std::vector<TradePoint> points;
     for (std::size_t i = 0; i < study_.choices.size(); ++i) {
       Row row;
       row.choice = &study_.choices[i];
@@ -129,20 +128,33 @@ class Judge {
         }
       }
       row.price = study_.cpu_is_cost ? row.cost->median_cpu() : row.cost->median_wall();
-      points.push_back({row.price, row.error.against_reference});
+      if (row.estimate > 0.0 && row.error.against_reference > 3.0 * out_.largest_uncertainty)
+        row.effectivity = row.estimate / row.error.against_reference;
       out_.rows.push_back(std::move(row));
     }
-    const std::vector<bool> front = pareto_front(points);
-    for (std::size_t i = 0; i < front.size(); ++i) out_.rows[i].on_front = front[i];
-    points_ = std::move(points);
+    // What the program chose is no rung of the ladder.
+    for (std::size_t i = 0; i < out_.rows.size(); ++i)
+      if (out_.rows[i].choice->wanted == 0.0) {
+        points_.push_back({out_.rows[i].price, out_.rows[i].error.against_reference});
+        rungs_.push_back(i);
+      }
+    const std::vector<bool> front = pareto_front(points_);
+    for (std::size_t k = 0; k < front.size(); ++k) out_.rows[rungs_[k]].on_front = front[k];
+    for (const Row& row : out_.rows) {
+      if (row.choice->wanted == 0.0) continue;
+      const auto k = cheapest_within(points_, row.choice->wanted);
+      out_.chosen.push_back({row.choice->wanted, &row, k ? &out_.rows[rungs_[*k]] : nullptr});
+    }
   }
+
+  const std::string& name_of(std::size_t point) const { return study_.choices[rungs_[point]].name; }
 
   void answer() {
     for (const double accuracy : study_.accuracies) {
       std::string text;
       if (const auto i = cheapest_within(points_, accuracy))
-        text = fmt::format("cheapest within {}: {} ({} s, error {})", percent(accuracy),
-                           study_.choices[*i].name, number(points_[*i].cost, 3), percent(points_[*i].error));
+        text = fmt::format("cheapest within {}: {} ({} s, error {})", percent(accuracy), name_of(*i),
+                           number(points_[*i].cost, 3), percent(points_[*i].error));
       else
         text = fmt::format("within {}: none of these choices", percent(accuracy));
       if (out_.largest_uncertainty > 0.3 * accuracy)
@@ -153,18 +165,43 @@ class Judge {
     for (const double time : study_.times) {
       if (const auto i = most_accurate_within(points_, time))
         out_.answers.push_back(fmt::format("most accurate within {} s: {} ({} s, error {})", number(time, 3),
-                                           study_.choices[*i].name, number(points_[*i].cost, 3),
+                                           name_of(*i), number(points_[*i].cost, 3),
                                            percent(points_[*i].error)));
       else
         out_.answers.push_back(fmt::format("within {} s: none of these choices", number(time, 3)));
     }
+    for (const Chosen& chosen : out_.chosen) {
+      std::string text =
+          fmt::format("chosen by the program for {}: {} s, error {}: {}", percent(chosen.wanted),
+                      number(chosen.row->price, 3), percent(chosen.row->error.against_reference),
+                      chosen.met() ? "met" : "not met");
+      if (chosen.cheapest)
+        text += fmt::format(", at {} times the cost of \"{}\"", number(chosen.cost_ratio(), 3),
+                            chosen.cheapest->choice->name);
+      out_.answers.push_back(std::move(text));
+    }
+    effectivities();
     for (const Row& row : out_.rows)
       if (!row.cost->complete)
         out_.notes.push_back(fmt::format("{}: {}", row.choice->name, row.cost->failure));
   }
 
+  void effectivities() {
+    std::vector<double> known;
+    for (const Row& row : out_.rows)
+      if (row.effectivity >= 0.0) known.push_back(row.effectivity);
+    if (known.empty()) return;
+    const auto inside = std::ranges::count_if(known, [](double e) { return e >= 0.3 && e <= 3.0; });
+    const auto [least, most] = std::ranges::minmax_element(known);
+    out_.answers.push_back(
+        fmt::format("error as the runs estimated it over the true one: {} to {}, median {}; {} of {} between "
+                    "0.3 and 3",
+                    number(*least, 2), number(*most, 2), number(median(known), 2), inside, known.size()));
+  }
+
   const StudyFile& study_;
   const Measurements& measured_;
+  std::vector<std::size_t> rungs_;  // rows of points_
   std::vector<Signal> reference_;
   std::vector<double> size_;
   std::vector<TradePoint> points_;

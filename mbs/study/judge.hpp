@@ -29,12 +29,25 @@ struct Row {
   /// negative where it could not.
   double estimate = -1.0;
   bool on_front = false;
+
+  /// Estimate over error; negative where there is none, or where the reference's uncertainty hides the error.
+  double effectivity = -1.0;
+};
+
+/// What the program chose by itself, beside the cheapest rung of the ladder that meets the same accuracy.
+struct Chosen {
+  double wanted = 0.0;
+  const Row* row = nullptr;
+  const Row* cheapest = nullptr;  ///< null where no rung meets it
+  bool met() const { return row->error.against_reference <= wanted; }
+  double cost_ratio() const { return cheapest ? row->price / cheapest->price : 0.0; }
 };
 
 struct Judgement {
   std::vector<Row> rows;            ///< as in the study's choices
   std::vector<double> uncertainty;  ///< of the reference, relative, one for each quantity
   double largest_uncertainty = 0.0;
+  std::vector<Chosen> chosen;
   std::vector<std::string> answers;  ///< in words, to what [want] asks
   std::vector<std::string> notes;    ///< what a reader should know before believing the figures
 };

@@ -8,27 +8,26 @@
 #include <vector>
 
 #include "mbs/solver/prepare.hpp"
+#include "mbs/study/full_model.hpp"
 
-/// What a run loses by the modes it leaves out, estimated while it runs: the dropped modes follow as shadows,
+/// What a run loses by the deformations it leaves out, estimated while it runs: they follow as shadows,
 /// driven one-way by the loads of the run.
 ///
-/// Beside the mechanism that runs stands the same one with every mode of every superelement.  The state of
-/// the run, put into it with the dropped modes at rest, satisfies all its equations but those of the dropped
-/// modes, where the momentum balance leaves a residual r: the load that the modes would have felt (inertia of
-/// the large motion, reactions at the interfaces, gravity).  The correction delta of all coordinates obeys,
-/// to first order,
+/// Beside the mechanism that runs stands the same one with every mode of every superelement
+/// (full_model.hpp).  The state of the run, put into it with the dropped deformations at rest, leaves a
+/// residual r in its momentum balance: the load that they would have felt (inertia of the large motion,
+/// reactions at the interfaces, gravity), of a one-way body also the load that its joints would have felt,
+/// and without geometric stiffening the loads of that.  The correction delta of all coordinates obeys, to
+/// first order,
 ///
-///     M(p) delta'' + D delta' + K delta + G(p)^T dlambda = -r(t),      G(p) delta = 0
+///     M delta'' + D delta' + K delta + G^T dlambda = -r(t),      G delta = 0
 ///
-/// with K and D the bodies' own modal stiffness and damping; what delta changes in applied forces, spins and
-/// lever arms is left out (so the estimate is first order: it says little where the loss is of order one, and
-/// nothing about instabilities).  One step of generalised-alpha (Arnold and Bruels 2007, rho_inf = 0.4) leads
-/// from one stored row to the next, whatever the frequencies: modes that the rows do not resolve respond
-/// statically.  r is split by the bodies it acts on; the equation is linear, so each body's share of the
-/// error is known.
+/// with the derivatives of the full model about the run (linear_correction.hpp).  r is split by the bodies it
+/// acts on; the equation is linear, so each body's share of the error is known.  It says little where the
+/// loss is of order one.
 ///
 /// The error of an output y is y(p + delta, v + delta', v' + delta'', lambda + dlambda) - y(p, v, v',
-/// lambda), both in the mechanism with all modes.
+/// lambda), both in the full model.
 namespace flexura::study {
 
 struct OutputEstimate {
@@ -40,42 +39,53 @@ struct OutputEstimate {
   double relative_rms() const;
 };
 
-/// What a body would lose with its lowest `modes` only, from the shadows of a run with fewer.
-struct ModesNeeded {
-  int modes = 0;
-  double error = 0.0;       ///< relative rms, of the worst output
-  double highest_hz = 0.0;  ///< of the kept ones (free body)
-};
-
 struct SourceEstimate {
   std::string body;
-  int available = 0;                ///< deformations of its superelement
-  double error = 0.0;               ///< relative rms of the worst output, by this body alone
-  std::string output;               ///< that output
-  std::vector<ModesNeeded> ladder;  ///< only where it was asked for
+  int available = 0;   ///< deformations of its superelement
+  int kept = 0;        ///< of them in the run
+  double error = 0.0;  ///< relative rms of the worst output, by this body alone
+  std::string output;  ///< that output
 };
 
 struct TruncationEstimate {
   std::vector<OutputEstimate> outputs;
   std::vector<SourceEstimate> by_body;  ///< the largest first
-  int shadows = 0;                      ///< dropped modes that were followed
+  int shadows = 0;                      ///< dropped deformations that were followed
   int worst = -1;      ///< the output of the largest relative rms error, -1 when there is none
   double error = 0.0;  ///< that error
   double wall = 0.0;   ///< [s] that the shadows took
 };
 
+/// Relative rms, of the worst output that counts, of squared errors integrated over `span`; and which.
+std::pair<double, int> worst_output(const Eigen::VectorXd& squares, double span,
+                                    const std::vector<OutputEstimate>& outputs);
+
 class Shadows {
  public:
-  /// Null where no superelement has dropped modes.  `overrides` are those the run was prepared with;
-  /// with_ladder also asks what each body would lose with 1, 2, 3, 4, 6, 8, 12, ... modes.
+  /// Null where the run has every deformation of its superelements.
   static std::unique_ptr<Shadows> make(const mbs::PreparedMechanism& run, const std::filesystem::path& file,
-                                       const std::vector<std::string>& overrides, bool with_ladder = false);
+                                       const std::vector<std::string>& overrides);
+  /// The same with a full model that outlives it.
+  static std::unique_ptr<Shadows> make(const mbs::PreparedMechanism& run, FullModel& full);
   ~Shadows();
 
-  /// The next row of the run.
-  void take(const mbs::State& s, const Eigen::VectorXd& v_dot);
+  /// The next row of the run.  Of long runs only every n-th row is taken, 400 to 800 in all: true where it
+  /// was.
+  bool take(const mbs::State& s, const Eigen::VectorXd& v_dot);
 
   TruncationEstimate estimate() const;
+
+  /// The outputs that are compared: quantities of the full model.
+  const std::vector<int>& outputs() const;
+  /// At the last row taken: squared errors of the outputs, integrated until then.
+  const Eigen::VectorXd& squares() const;
+  /// At the last row taken: the run's state in the full model, and that state corrected.
+  const mbs::State& embedded() const;
+  const Eigen::VectorXd& embedded_v_dot() const;
+  mbs::State corrected(Eigen::VectorXd& v_dot) const;
+  const Eigen::VectorXd& corrected_outputs() const;
+  const LinearisedRow& linearised() const;
+  bool tangents_are_new() const;
 
  private:
   struct Impl;

@@ -8,6 +8,7 @@
 #include <set>
 
 #include "mbs/input/units.hpp"
+#include "mbs/study/percent.hpp"
 
 namespace flexura::study {
 namespace {
@@ -108,6 +109,11 @@ in::TableSchema want_schema() {
   want.doc = "What the study answers in words.";
   want.keys = {
       in::quantities("accuracy", in::dim::none, "names the cheapest choice for each: [\"10 %\", \"1 %\"]"),
+      in::flag(
+          "chosen",
+          "also lets flexura simulate choose for each accuracy (solver.accuracy, and fidelity \"auto\" of "
+          "the parts' bodies) and compares the cost with the cheapest choice that meets it")
+          .or_default("false"),
       in::quantities("time", in::dim::time, "names the most accurate choice within each: [\"1 s\"]")};
   return want;
 }
@@ -300,6 +306,22 @@ void read_quantities(const in::Section& root, StudyFile& study) {
                 "add [quantity.NAME] with the name of a stored quantity");
 }
 
+// In front of the ladder, the finest of which stays the last.
+void add_chosen(StudyFile& study) {
+  std::vector<Choice> chosen;
+  for (const double accuracy : study.accuracies) {
+    Choice choice;
+    choice.name = "chosen for " + percent(accuracy);
+    choice.wanted = accuracy;
+    choice.set.push_back(fmt::format("solver.accuracy={:.17g}", accuracy));
+    for (const Part& part : study.parts)
+      for (const std::string& body : part.bodies)
+        choice.set.push_back(fmt::format("body.{}.fidelity=auto", body));
+    chosen.push_back(std::move(choice));
+  }
+  study.choices.insert(study.choices.begin(), chosen.begin(), chosen.end());
+}
+
 }  // namespace
 
 in::TableSchema study_schema() {
@@ -361,8 +383,13 @@ StudyFile read_study(const std::filesystem::path& file, const std::vector<std::s
   read_reference(root, study);
   read_quantities(root, study);
   if (root.has("want")) {
-    study.accuracies = root.table("want").quantities("accuracy");
-    study.times = root.table("want").quantities("time");
+    const in::Section want = root.table("want");
+    study.accuracies = want.quantities("accuracy");
+    study.times = want.quantities("time");
+    for (const double accuracy : study.accuracies)
+      if (!(accuracy > 0.0 && accuracy <= 1.0))
+        want.refuse("accuracy", "must be above 0 and at most 100 %", "give fractions or per cent");
+    if (want.flag("chosen")) add_chosen(study);
   }
   return study;
 }

@@ -25,6 +25,8 @@ struct Choice {
   std::string name;
   std::vector<std::string> set;
   std::map<std::string, std::vector<std::string>> part_set;  ///< by the part's name
+  /// The program is to choose for this accuracy: no rung of the ladder, but compared with its cheapest.
+  double wanted = 0.0;
 };
 
 /// A coarser neighbour of the reference; their difference measures what the reference has not resolved.

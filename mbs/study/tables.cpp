@@ -49,6 +49,8 @@ json as_json(const StudyFile& study, const Judgement& judgement, const std::stri
                  {"steps", c.steps},
                  {"evaluations", c.evaluations},
                  {"relative_energy_error", c.energy_error},
+                 {"wanted", row.choice->wanted > 0.0 ? json(row.choice->wanted) : json(nullptr)},
+                 {"effectivity", row.effectivity >= 0.0 ? json(row.effectivity) : json(nullptr)},
                  {"estimated_error", row.estimate >= 0.0 ? json(row.estimate) : json(nullptr)},
                  {"error", json_number(row.error.against_reference)},
                  {"error_to_finest", json_number(row.error.against_finest)},
@@ -89,7 +91,7 @@ std::string as_markdown(const StudyFile& study, const Judgement& judgement, cons
   if (!picture.empty()) text += fmt::format("![error over time]({})\n\n", picture);
   text += fmt::format(
       "|  | choice | {} [s] | memory | steps | error | of | estimated by the run "
-      "|\n|---|---|---|---|---|---|---|---|\n",
+      "| over the error |\n|---|---|---|---|---|---|---|---|---|\n",
       study.cpu_is_cost ? "cpu" : "wall");
   for (const Row& row : judgement.rows) {
     const Measurement& c = *row.cost;
@@ -97,10 +99,25 @@ std::string as_markdown(const StudyFile& study, const Judgement& judgement, cons
       text += fmt::format("|  | {} | failed: {} |\n", row.choice->name, c.failure);
       continue;
     }
-    text += fmt::format("| {} | {} | {} | {} | {} | {} | {} | {} |\n", row.on_front ? "**front**" : "",
+    text += fmt::format("| {} | {} | {} | {} | {} | {} | {} | {} | {} |\n",
+                        row.on_front               ? "**front**"
+                        : row.choice->wanted > 0.0 ? "chosen"
+                                                   : "",
                         row.choice->name, terminal::number(row.price, 3), terminal::bytes(c.peak_memory),
                         c.steps, percent(row.error.against_reference), study.quantities[row.worst].label,
-                        row.estimate >= 0.0 ? percent(row.estimate) : "");
+                        row.estimate >= 0.0 ? percent(row.estimate) : "",
+                        row.effectivity >= 0.0 ? terminal::number(row.effectivity, 2) : "");
+  }
+  if (!judgement.chosen.empty()) {
+    text +=
+        "\n| wanted | chosen: error | met | cost [s] | cheapest rung that meets it | its cost [s] | ratio "
+        "|\n|---|---|---|---|---|---|---|\n";
+    for (const Chosen& c : judgement.chosen)
+      text += fmt::format("| {} | {} | {} | {} | {} | {} | {} |\n", percent(c.wanted),
+                          percent(c.row->error.against_reference), c.met() ? "yes" : "**no**",
+                          terminal::number(c.row->price, 3), c.cheapest ? c.cheapest->choice->name : "none",
+                          c.cheapest ? terminal::number(c.cheapest->price, 3) : "",
+                          c.cheapest ? terminal::number(c.cost_ratio(), 3) : "");
   }
   text += fmt::format("\nThe reference is known within {}.\n\n", percent(judgement.largest_uncertainty));
   for (const std::string& answer : judgement.answers) text += "- " + answer + "\n";

@@ -98,6 +98,17 @@ TEST(StudyFile, OneAtATimeLeavesTheOtherAxesAtTheirFinest) {
                           "tolerance 1e-7, five"));
 }
 
+TEST(StudyFile, WhatTheProgramChoosesStandsBeforeTheLadder) {
+  const Folder folder;
+  const StudyFile study = read(folder, replaced(kStudy, "[want]", "[want]\nchosen = true"));
+  ASSERT_EQ(study.choices.size(), 5u);
+  EXPECT_EQ(study.choices[0].name, "chosen for 1 %");
+  EXPECT_DOUBLE_EQ(study.choices[0].wanted, 0.01);
+  EXPECT_EQ(study.choices[0].set.front(), "solver.accuracy=0.01");
+  EXPECT_EQ(study.choices.back().wanted, 0.0);
+  EXPECT_THAT(refusal(folder, replaced(kStudy, "\"1e-12 %\"", "\"0 %\"")), HasSubstr("must be above 0"));
+}
+
 TEST(StudyFile, RichardsonShareOfAReferenceCheck) {
   const Folder folder;
   const StudyFile study = read(folder, std::string(kStudy) + R"toml(
@@ -199,6 +210,22 @@ TEST_F(StudyCommand, MeasuresErrorsAgainstAReferenceThatIsExactHere) {
   const std::string csv = read_text(folder_ / "out.csv");
   EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 4);
   EXPECT_THAT(read_text(folder_ / "out.svg"), HasSubstr("</svg>"));
+}
+
+TEST_F(StudyCommand, ComparesWhatTheProgramChoosesWithTheCheapestRung) {
+  folder_.write("study.toml",
+                replaced(replaced(kStudy, "[want]", "[want]\nchosen = true"), ", \"1e-12 %\"", ""));
+  const Outcome outcome = study();
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  // A tolerance of a thousandth of the accuracy, over two periods of an oscillator.
+  EXPECT_THAT(outcome.out, HasSubstr("chosen by the program for 1 %: "));
+  EXPECT_THAT(outcome.out, HasSubstr(": met, at "));
+  const auto choices = json().at("choices");
+  ASSERT_EQ(choices.size(), 4u);
+  EXPECT_DOUBLE_EQ(choices[0].at("wanted"), 0.01);
+  EXPECT_FALSE(choices[0].at("on_front"));
+  EXPECT_LT(choices[0].at("error"), 0.01);
+  EXPECT_THAT(read_text(folder_ / "out.md"), HasSubstr("| wanted | chosen: error | met |"));
 }
 
 TEST_F(StudyCommand, GoesOnWhereItWasInterruptedAndFollowsTheContent) {

@@ -1,0 +1,67 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include "mbs/app/commands.hpp"
+#include "mbs/app/mechanism_runs.hpp"
+#include "mbs/solver/state_file.hpp"
+#include "mbs/terminal/terminal.hpp"
+
+namespace flexura::app {
+namespace {
+
+using terminal::Align;
+using terminal::number;
+
+struct Arguments : MechanismArguments {
+  std::string save_state;
+};
+
+int print_assembled(const Arguments& arguments, const terminal::Talk& talk) {
+  std::vector<NamedRun> runs = prepare_runs(arguments);
+  if (!arguments.save_state.empty()) {
+    const mbs::PreparedMechanism& p = only_run(runs, arguments, "--save-state").prepared;
+    mbs::write_state(arguments.save_state, *p.mechanism, p.file.name, p.state);
+  }
+  for (const NamedRun& run : runs) {
+    const mbs::PreparedMechanism& p = run.prepared;
+    const mbs::Mechanism& m = *p.mechanism;
+    const mbs::Sizes n = m.sizes();
+    const bool colour = terminal::takes_colour(stdout);
+    fmt::print("{}\n\n",
+               terminal::bold(
+                   fmt::format("{}, run {}, t = {} s", p.file.name, run.name, number(p.state.t, 6)), colour));
+    terminal::Table positions({{"position", Align::left}, {"value"}});
+    for (int i = 0; i < n.n_p; ++i) positions.add_row({m.name_of_position(i), number(p.state.p(i), 9)});
+    terminal::Table velocities({{"velocity", Align::left}, {"value"}, {"acceleration"}});
+    for (int i = 0; i < n.n_v; ++i)
+      velocities.add_row({m.name_of_velocity(i), number(p.state.v(i), 9), number(p.v_dot(i), 9)});
+    fmt::print("{}\n{}\n", positions.text(terminal::width(stdout), colour),
+               velocities.text(terminal::width(stdout), colour));
+    if (n.n_lambda > 0) {
+      terminal::Table multipliers({{"constraint", Align::left}, {"multiplier"}});
+      for (int i = 0; i < n.n_lambda; ++i)
+        multipliers.add_row({m.name_of_constraint(i), number(p.state.lambda(i), 9)});
+      fmt::print("{}\n", multipliers.text(terminal::width(stdout), colour));
+    }
+    fmt::print("assembled in {} steps; residuals {} (position), {} (velocity)\n", p.assembly.iterations,
+               number(p.assembly.position_residual, 2), number(p.assembly.velocity_residual, 2));
+    if (!talk.quiet)
+      for (const std::string& note : p.notes) fmt::print("note: {}\n", note);
+  }
+  return 0;
+}
+
+}  // namespace
+
+terminal::Command assemble_command() {
+  return {"assemble", "close a mechanism's loops and print where it stands",
+          [](terminal::Options& options, const terminal::Talk& talk) -> std::function<int()> {
+            auto a = std::make_shared<Arguments>();
+            declare_mechanism(options, *a);
+            options.option("--save-state", a->save_state, "FILE", "write the assembled states there")
+                .example("flexura assemble engine.toml", "positions, velocities, accelerations, multipliers");
+            return [a, &talk] { return print_assembled(*a, talk); };
+          }};
+}
+
+}  // namespace flexura::app

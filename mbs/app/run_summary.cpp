@@ -1,0 +1,63 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mbs/app/run_summary.hpp"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "mbs/terminal/terminal.hpp"
+
+namespace flexura::app {
+
+using terminal::Align;
+using terminal::number;
+
+nlohmann::json summary_of(const mbs::PreparedMechanism& prepared, const mbs::RunResult& r) {
+  const double simulated = r.state.t - prepared.options.start_time;
+  return {{"method", prepared.options.method},
+          {"tolerance", prepared.options.tolerance},
+          {"end_time", r.state.t},
+          {"wall_time", r.wall_time},
+          {"real_time_factor", simulated > 0.0 ? r.wall_time / simulated : 0.0},
+          {"steps", r.counts.steps},
+          {"evaluations", r.counts.evaluations},
+          {"jacobians", r.counts.jacobians},
+          {"error_failures", r.counts.error_failures},
+          {"newton_failures", r.counts.newton_failures},
+          {"switches", r.events.size()},
+          {"energy_error", r.energy.error()},
+          {"largest_energy_error", r.largest_energy_error},
+          {"relative_energy_error", r.energy.relative_error()},
+          {"work_in", r.energy.work_in},
+          {"dissipated", r.energy.dissipated},
+          {"peak_position_drift", r.peak_position_drift},
+          {"peak_velocity_drift", r.peak_velocity_drift},
+          {"redundant_constraints", prepared.redundant.size()}};
+}
+
+void print_summary(
+    const std::vector<std::pair<std::string, std::pair<const mbs::PreparedMechanism*, mbs::RunResult>>>&
+        runs) {
+  const bool colour = terminal::takes_colour(stdout);
+  terminal::Table table({{"run", Align::left},
+                         {"to t [s]"},
+                         {"wall"},
+                         {"x real time"},
+                         {"steps"},
+                         {"evaluations"},
+                         {"energy error [J]"},
+                         {"relative"},
+                         {"drift"}});
+  for (const auto& [name, run] : runs) {
+    const auto& [prepared, r] = run;
+    const double simulated = r.state.t - prepared->options.start_time;
+    table.add_row({name, number(r.state.t, 6), terminal::duration(r.wall_time),
+                   simulated > 0.0 ? number(r.wall_time / simulated, 3) : "-",
+                   fmt::format("{}", r.counts.steps), fmt::format("{}", r.counts.evaluations),
+                   number(r.energy.error(), 3), number(r.energy.relative_error(), 2),
+                   number(r.peak_position_drift, 2)});
+  }
+  fmt::print("{}", table.text(terminal::width(stdout), colour));
+}
+
+}  // namespace flexura::app

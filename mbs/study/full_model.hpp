@@ -1,0 +1,95 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <Eigen/Core>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "mbs/solver/prepare.hpp"
+#include "mbs/study/linear_correction.hpp"
+
+/// The mechanism of a run with every deformation of its superelements, and the way between its states and
+/// those of the run.
+namespace flexura::study {
+
+/// A body's modal coordinates in the full model: its free modes, lowest first.
+struct ModalBlock {
+  int body = 0;
+  std::string name;
+  Eigen::Index p = 0, v = 0, m = 0;  ///< first entry in p, in v; number
+};
+
+class FullModel {
+ public:
+  /// `overrides` are those the run was prepared with, `stiffened` the bodies that are taken with geometric
+  /// stiffening.  Null where the mechanism has no superelement.  Throws what read_mechanism() throws.
+  static std::unique_ptr<FullModel> make(const mbs::PreparedMechanism& run, const std::filesystem::path& file,
+                                         const std::vector<std::string>& overrides,
+                                         const std::vector<std::string>& stiffened = {});
+
+  const mbs::Mechanism& mechanism() const { return *mechanism_; }
+  const std::vector<ModalBlock>& blocks() const { return blocks_; }
+
+  /// M and G at the state.
+  void mass_and_constraints(const mbs::State& s, LinearisedRow& row);
+  /// K and D: the derivatives of the momentum balance by p and v, the bodies' own stiffness, springs,
+  /// geometric and gyroscopic terms alike.
+  void tangents(const mbs::State& s, const Eigen::VectorXd& v_dot, LinearisedRow& row);
+  /// The momentum balance M v_dot - f + G^T lambda.
+  void residual(const mbs::State& s, const Eigen::VectorXd& v_dot, Eigen::VectorXd& r);
+  /// Outputs at s + delta.
+  void evaluate(const std::vector<int>& which, const mbs::State& s, const Eigen::VectorXd& v_dot,
+                Eigen::VectorXd& y);
+  /// s moved by a correction.
+  void move(const mbs::State& s, const Eigen::VectorXd& delta, const Eigen::VectorXd& rate,
+            const Eigen::VectorXd& dlambda, mbs::State& moved) const;
+
+ private:
+  friend class Embedding;
+  explicit FullModel(std::unique_ptr<mbs::Mechanism> mechanism);
+  void take_start(const mbs::PreparedMechanism& run);
+
+  std::unique_ptr<mbs::Mechanism> mechanism_;
+  std::unique_ptr<mbs::Equations::Scratch> scratch_;
+  std::vector<ModalBlock> blocks_;
+  Eigen::VectorXd c_rate_, b_, r_, r_moved_;
+  mbs::State moved_;
+};
+
+/// Between the states of one mechanism and those of the full model: joint coordinates by their names, modal
+/// coordinates by the shapes they stand for, Y_run = Y_full S + R z (the rigid part z is another choice of
+/// the body's frame and no deformation).
+class Embedding {
+ public:
+  Embedding(const mbs::Mechanism& run, const FullModel& full);
+
+  /// The run's state in the full model, dropped deformations at rest.
+  void embed(const mbs::State& run, const Eigen::VectorXd& run_v_dot, mbs::State& full,
+             Eigen::VectorXd& full_v_dot);
+  /// Back, by least squares of the deformation; `run` has its sizes and keeps what the full model lacks.
+  void project(const mbs::State& full, const Eigen::VectorXd& full_v_dot, mbs::State& run,
+               Eigen::VectorXd& run_v_dot) const;
+
+  /// Deformations of a block that the run has, m_full x m_run; no columns for a rigid body.
+  const Eigen::MatrixXd& deformations(std::size_t block) const { return blocks_[block].S; }
+  /// True where the body deforms one-way, so that the run's joints do not feel it.
+  bool one_way(std::size_t block) const { return blocks_[block].one_way; }
+
+ private:
+  struct Block {
+    Eigen::MatrixXd S;
+    Eigen::Index at = -1, rate_at = -1;  ///< in p and v of the run, of a one-way body in c
+    bool one_way = false;
+  };
+  const mbs::Mechanism& run_;
+  const FullModel& full_;
+  std::unique_ptr<mbs::Equations::Scratch> scratch_;
+  std::vector<Block> blocks_;
+  std::vector<int> p_from_, v_from_, c_from_, lambda_from_;
+  Eigen::VectorXd r_, c_rate_, b_;
+};
+
+}  // namespace flexura::study

@@ -1,0 +1,202 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mbs/study/choose.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "mbs/study/spectrum.hpp"
+#include "mbs/superelement/file.hpp"
+#include "tests/app/command.hpp"
+#include "tests/mbs/flexible/beam_superelement.hpp"
+#include "tests/mbs/study/clamped_bar.hpp"
+#include "tests/mbs/superelement/box_beam.hpp"
+
+namespace flexura::study {
+namespace {
+
+using test::Folder;
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+// A slender beam on a driven shaft: 10 m, first clamped frequency 3.516 sqrt(EI / (m L^4)) = 3.80 rad/s.
+const char* const kSpinning = R"toml(
+gravity = [0, 0, 0]
+[parameters]
+omega = 6
+T = 15
+[ground.marker.shaft]
+axis = [0, 0, 1]
+[body.beam]
+superelement = "slender.se.h5"
+fidelity = "auto"
+damping = 0.01
+[body.beam.marker.hub]
+on = "root"
+axis = [0, 0, 1]
+[joint.hub]
+type = "revolute"
+from = "ground.shaft"
+to = "beam.hub"
+drive = "t < T ? omega/T * (t^2/2 + (T/(2*pi))^2 * (cos(2*pi*t/T) - 1)) : omega * (t - T/2)"
+[measure.deflection]
+type = "position"
+from = "beam.root"
+to = "beam.tip"
+direction = [0, 1, 0]
+[output]
+quantities = ["deflection"]
+[solver]
+end_time = "20 s"
+output_step = "0.1 s"
+)toml";
+
+class Choosing : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    superelement::write(folder_ / "beam.se.h5", superelement::testing::make_box_beam());
+    clamped_ = folder_.write("clamped.toml", bars::kClamped);
+  }
+  std::filesystem::path spinning() const {
+    mbs::beams::StraightBeam b;
+    b.length = 10.0;
+    b.elements = 12;
+    b.EA = 2.8e7;
+    b.EI_z = b.EI_y = 1.4e4;
+    b.GI_t = 1e4;
+    b.mass_per_length = 1.2;
+    b.rho_I_y = b.rho_I_z = 6e-4;
+    superelement::write(folder_ / "slender.se.h5", mbs::beams::beam_superelement(b));
+    return folder_.write("spinning.toml", kSpinning);
+  }
+
+  static ChosenRun run(const std::filesystem::path& file, const std::vector<std::string>& overrides) {
+    const mbs::PreparedMechanism given = mbs::prepare(file, overrides);
+    EXPECT_TRUE(is_to_be_chosen(given));
+    return run_within(given, file, overrides, {});
+  }
+  // The first output of every row.
+  static Eigen::VectorXd values(const mbs::Mechanism& mechanism, const std::vector<RowOfRun>& rows,
+                                const std::string& output) {
+    const auto which = mbs::select_quantities(mechanism, {output});
+    const auto scratch = mechanism.make_scratch();
+    Eigen::VectorXd all(static_cast<Eigen::Index>(rows.size())), y(1);
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      mechanism.evaluate(which, rows[i].state, rows[i].v_dot, *scratch, y);
+      all(static_cast<Eigen::Index>(i)) = y(0);
+    }
+    return all;
+  }
+  static std::vector<RowOfRun> truth(const mbs::PreparedMechanism& p) {
+    std::vector<RowOfRun> rows;
+    mbs::RunCallbacks callbacks;
+    callbacks.row = [&](const mbs::State& s, const Eigen::VectorXd& v_dot, const mbs::EnergyAccount& energy) {
+      rows.push_back({s, v_dot, energy});
+    };
+    EXPECT_TRUE(mbs::run(*p.mechanism, p.state, p.v_dot, p.options, callbacks).complete);
+    return rows;
+  }
+
+  Folder folder_;
+  std::filesystem::path clamped_;
+};
+
+TEST_F(Choosing, AStiffSlowSceneComesOutRigid) {
+  // At 5 rad/s the reaction differs by (5 / 240)^2 = 0.04 %, and the deflection is not asked for.
+  const ChosenRun slow = run(clamped_, {"solver.accuracy=0.01", "parameters.omega=5", "solver.end_time=1",
+                                        "output.quantities=[\"wall.force\"]"});
+  ASSERT_TRUE(slow.result.complete);
+  EXPECT_THAT(slow.reasons, Contains(HasSubstr("beam: rigid: its deformation changes outputs by")));
+  EXPECT_FALSE(slow.rows.empty());
+  EXPECT_EQ(slow.restarts, 0);
+}
+
+TEST_F(Choosing, ASlowLoadIsFollowedStatically) {
+  // The deflection is wanted, and the load moves at a fiftieth of the first frequency.
+  const ChosenRun slow = run(clamped_, {"solver.accuracy=0.05", "parameters.omega=5", "solver.end_time=1",
+                                        "solver.output_step=2 ms", "output.quantities=[\"sway\"]"});
+  ASSERT_TRUE(slow.result.complete);
+  EXPECT_THAT(slow.reasons, Contains(HasSubstr("beam: static, ")));
+}
+
+TEST_F(Choosing, AFastSlenderSceneComesOutStiffened) {
+  const std::filesystem::path file = spinning();
+  const ChosenRun chosen = run(file, {});
+  ASSERT_TRUE(chosen.result.complete) << chosen.result.stopped_because;
+  EXPECT_THAT(chosen.reasons, Contains(HasSubstr("beam: modal-stiffened, ")));
+  EXPECT_THAT(chosen.reasons, Contains(HasSubstr("spin and loads change its stiffness by")));
+  EXPECT_THAT(chosen.reasons, Not(Contains(HasSubstr("tolerance"))));  // nobody asked for it
+  // Against all modes with stiffening: within the 1 % that "auto" means without an accuracy.
+  const mbs::PreparedMechanism p =
+      mbs::prepare(file, {"body.beam.fidelity=modal-stiffened", "solver.tolerance=1e-8"});
+  const Eigen::VectorXd exact = values(*p.mechanism, truth(p), "deflection"),
+                        got = values(*chosen.prepared.mechanism, chosen.rows, "deflection");
+  ASSERT_EQ(exact.size(), got.size());
+  EXPECT_LT((exact - got).norm(), 0.01 * exact.norm());
+}
+
+TEST_F(Choosing, TheWantedAccuracyIsMet) {
+  const mbs::PreparedMechanism p = mbs::prepare(clamped_, {});
+  const Eigen::VectorXd exact = values(*p.mechanism, truth(p), "sway");
+  for (const char* const accuracy : {"0.1", "0.01", "0.001"}) {
+    const ChosenRun chosen = run(clamped_, {std::string("solver.accuracy=") + accuracy});
+    ASSERT_TRUE(chosen.result.complete);
+    const Eigen::VectorXd got = values(*chosen.prepared.mechanism, chosen.rows, "sway");
+    ASSERT_EQ(exact.size(), got.size());
+    EXPECT_LT((exact - got).norm(), std::stod(accuracy) * exact.norm()) << chosen.reasons.front();
+  }
+}
+
+TEST_F(Choosing, ARunThatProvesTheChoiceWrongGoesOnWithMore) {
+  // The rigid screening sees a slow load; once the beam bends, a fast one begins that shakes its second mode
+  // (clamped 240 Hz; the load 250 Hz).
+  const std::string load =
+      "force.tip.y=\"100*(1 - cos(5*t)) + 2000*sin(1570*t) * 0.5*(1 + tanh((sway - 2e-5)/2e-6))\"";
+  const std::vector<std::string> scene = {load, "solver.end_time=0.25", "output.quantities=[\"sway\"]",
+                                          "body.beam.damping=0.02"};
+  std::vector<std::string> wanted = scene;
+  wanted.push_back("solver.accuracy=0.05");
+  const ChosenRun chosen = run(clamped_, wanted);
+  ASSERT_TRUE(chosen.result.complete);
+  EXPECT_GE(chosen.restarts, 1);
+  EXPECT_THAT(chosen.reasons, Contains(HasSubstr("gone on from t = ")));
+  // The rows stand at the same times as in one run, and the accuracy is met.
+  const mbs::PreparedMechanism p = mbs::prepare(clamped_, scene);
+  const std::vector<RowOfRun> rows = truth(p);
+  const Eigen::VectorXd exact = values(*p.mechanism, rows, "sway"),
+                        got = values(*chosen.prepared.mechanism, chosen.rows, "sway");
+  ASSERT_EQ(exact.size(), got.size());
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    EXPECT_NEAR(chosen.rows[i].state.t, rows[i].state.t, 1e-12);  // round-off of k h
+  EXPECT_LT((exact - got).norm(), 0.05 * exact.norm());
+}
+
+TEST_F(Choosing, OnlyOpenBodiesAreChosen) {
+  EXPECT_FALSE(is_to_be_chosen(mbs::prepare(clamped_)));
+  EXPECT_TRUE(is_to_be_chosen(mbs::prepare(clamped_, {"body.beam.fidelity=auto"})));
+  const ChosenRun fixed =
+      run(clamped_, {"solver.accuracy=0.1", "body.beam.fidelity=modal", "body.beam.modes=2"});
+  EXPECT_THAT(fixed.reasons, ::testing::ElementsAre(HasSubstr("tolerance 1.0e-04")));
+  EXPECT_THAT(fixed.overrides, Not(Contains("body.beam.modes=")));
+}
+
+TEST(Spectrum, ReachIsWhereTheHighestLineLies) {
+  // Two lines, at 5 Hz and, with a hundredth of the power, at 40 Hz, sampled over two seconds: the window's
+  // resolution is 2 / (n h) = 1 Hz.
+  const Eigen::Index n = 1000;
+  const double h = 2e-3;
+  Eigen::MatrixXd y(n, 1);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const double t = h * static_cast<double>(i);
+    y(i, 0) =
+        7.0 + std::sin(2.0 * std::numbers::pi * 5.0 * t) + 0.1 * std::sin(2.0 * std::numbers::pi * 40.0 * t);
+  }
+  EXPECT_NEAR(reach(y, h, 0.9), 5.0, 1.0);
+  EXPECT_NEAR(reach(y, h, 0.999), 40.0, 1.0);
+}
+
+}  // namespace
+}  // namespace flexura::study
