@@ -286,8 +286,8 @@ class Chooser {
     mine.stop_wanted = [&] { return over || (callbacks_.stop_wanted && callbacks_.stop_wanted()); };
     out.result = mbs::run(*out.prepared.mechanism, state, v_dot, out.prepared.options, mine);
     out.has_estimate = shadows != nullptr;
+    out.estimate = shadows ? shadows->estimate() : TruncationEstimate();
     if (shadows) {
-      out.estimate = shadows->estimate();
       out.result.wall_time -= out.estimate.wall;
     }
     return over;

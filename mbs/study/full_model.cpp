@@ -162,6 +162,20 @@ void FullModel::move(const mbs::State& s, const VectorXd& delta, const VectorXd&
   if (dlambda.size() > 0) moved.lambda += dlambda;
 }
 
+namespace {
+
+// Static bodies may have as many deformations as the full model, damped otherwise.
+bool is_the_same(const mbs::ModalData& whole, const mbs::ModalData& run, const MatrixXd& S) {
+  if (S.rows() != S.cols() || whole.coupling != run.coupling ||
+      whole.second.has_value() != run.second.has_value())
+    return false;
+  const VectorXd damping = (S.transpose() * whole.damping.asDiagonal() * S).diagonal();
+  // S is right to round-off times the condition of the basis.
+  return (damping - run.damping).norm() <= 1e-6 * run.damping.norm();
+}
+
+}  // namespace
+
 Embedding::Embedding(const mbs::Mechanism& run, const FullModel& full)
     : run_(run), full_(full), scratch_(run.make_scratch()) {
   const mbs::Mechanism& all = full.mechanism();
@@ -200,6 +214,7 @@ Embedding::Embedding(const mbs::Mechanism& run, const FullModel& full)
       mine.rate_at = mine.one_way ? mine.at + deforms->m() : v_run.at(block.name + ".mode_1_rate");
       const auto& whole = all.description().bodies[static_cast<std::size_t>(block.body)];
       mine.S = deformations_of(whole.superelement, whole.flexible->data().Y, deforms->data().Y);
+      mine.complete = !mine.one_way && is_the_same(whole.flexible->data(), deforms->data(), mine.S);
     }
     blocks_.push_back(std::move(mine));
   }

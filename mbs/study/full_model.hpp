@@ -75,6 +75,8 @@ class Embedding {
 
   /// Deformations of a block that the run has, m_full x m_run; no columns for a rigid body.
   const Eigen::MatrixXd& deformations(std::size_t block) const { return blocks_[block].S; }
+  /// True where the run's body is that of the full model: all deformations, damped and coupled alike.
+  bool complete(std::size_t block) const { return blocks_[block].complete; }
   /// True where the body deforms one-way, so that the run's joints do not feel it.
   bool one_way(std::size_t block) const { return blocks_[block].one_way; }
 
@@ -82,7 +84,7 @@ class Embedding {
   struct Block {
     Eigen::MatrixXd S;
     Eigen::Index at = -1, rate_at = -1;  ///< in p and v of the run, of a one-way body in c
-    bool one_way = false;
+    bool one_way = false, complete = false;
   };
   const mbs::Mechanism& run_;
   const FullModel& full_;

@@ -148,7 +148,7 @@ Candidate Screening::judge(const ModalBlock& block, int modes, const MatrixXd& r
   Candidate out;
   out.modes = modes;
   out.responses = static_cast<int>(A.cols());
-  out.all = modes + A.cols() >= block.m;
+  out.all = modes > 0 && modes + A.cols() >= block.m;
   out.highest_hz = modes > 0 ? hz(omega2(modes - 1)) : 0.0;
   if (out.all) {
     out.modes = static_cast<int>(block.m);
@@ -176,7 +176,8 @@ Candidate Screening::cheapest(const std::string& body, double share) {
   all.highest_hz = hz(stiffness_of(full_, block)(block.m - 1));
   std::vector<int> ladder;
   for (const int modes : kLadder)
-    if (modes + responses.cols() < block.m && (modes > 0 || responses.cols() > 0)) ladder.push_back(modes);
+    // Without eigenmodes as many responses as deformations are less work, too: nothing of them vibrates.
+    if (modes > 0 ? modes + responses.cols() < block.m : responses.cols() > 0) ladder.push_back(modes);
   if (ladder.empty()) return all;
   const std::vector<VectorXd> whole = outputs_with(block, MatrixXd::Identity(block.m, block.m), VectorXd(0));
   // By bisection: more modes lose less.

@@ -150,9 +150,8 @@ std::unique_ptr<Shadows> Shadows::make(const mbs::PreparedMechanism& run, FullMo
   auto impl = std::make_unique<Impl>(run, full);
   Impl& in = *impl;
   for (std::size_t i = 0; i < full.blocks().size(); ++i) {
-    const ModalBlock& block = full.blocks()[i];
     in.joints_feel_nothing = in.joints_feel_nothing || in.embedding.one_way(i);
-    if (in.embedding.deformations(i).cols() < block.m || in.embedding.one_way(i)) in.sources.push_back(i);
+    if (!in.embedding.complete(i)) in.sources.push_back(i);
   }
   if (in.sources.empty()) return nullptr;
   in.outputs = outputs_of(run, full.mechanism(), in.sums);

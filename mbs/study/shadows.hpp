@@ -62,7 +62,7 @@ std::pair<double, int> worst_output(const Eigen::VectorXd& squares, double span,
 
 class Shadows {
  public:
-  /// Null where the run has every deformation of its superelements.
+  /// Null where the run has every deformation of its superelements, damped and coupled as the full model.
   static std::unique_ptr<Shadows> make(const mbs::PreparedMechanism& run, const std::filesystem::path& file,
                                        const std::vector<std::string>& overrides);
   /// The same with a full model that outlives it.
