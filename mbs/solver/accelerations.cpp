@@ -23,8 +23,16 @@ State make_state(const Equations& eq) {
   return s;
 }
 
+struct AccelerationSolver::Factor : Eigen::PartialPivLU<Eigen::MatrixXd> {};
+
+AccelerationSolver::~AccelerationSolver() = default;
+
 AccelerationSolver::AccelerationSolver(const Equations& eq)
-    : eq_(eq), n_(eq.sizes()), scratch_(eq.make_scratch()), mass_scratch_(eq.make_scratch()) {
+    : eq_(eq),
+      n_(eq.sizes()),
+      scratch_(eq.make_scratch()),
+      mass_scratch_(eq.make_scratch()),
+      lu_(std::make_unique<Factor>()) {
   r_.setZero(n_.n_v);
   c_rate_.setZero(n_.n_dyn);
   b_.setZero(n_.n_alg);
@@ -33,38 +41,40 @@ AccelerationSolver::AccelerationSolver(const Equations& eq)
 
 void AccelerationSolver::solve_algebraic(State& s) {
   if (n_.n_alg == 0) return;
-  const Eigen::VectorXd v_dot = Eigen::VectorXd::Zero(n_.n_v);
-  Eigen::MatrixXd J(n_.n_alg, n_.n_alg);
-  Eigen::VectorXd b_step(n_.n_alg), step;
-  State trial = s;
+  rest_.setZero(n_.n_v);
+  J_.resize(n_.n_alg, n_.n_alg);
+  b_step_.resize(n_.n_alg);
   double before = std::numeric_limits<double>::infinity();
   for (int iteration = 0; iteration < 50; ++iteration) {
-    eq_.momentum(s, v_dot, *scratch_, r_, c_rate_, b_);
+    eq_.momentum(s, rest_, *scratch_, r_, c_rate_, b_);
     require_finite_forces(eq_, s.t, r_, c_rate_, b_);
     const double now = b_.norm();
     if (now == 0.0 || (iteration > 2 && now >= 0.5 * before && now < 1e-9 * (1.0 + s.a.norm()))) return;
     before = now;
-    trial = s;
+    trial_ = s;
     for (int j = 0; j < n_.n_alg; ++j) {
       const double h = 1.5e-8 * std::max(1.0, std::abs(s.a(j)));
-      trial.a(j) = s.a(j) + h;
-      eq_.momentum(trial, v_dot, *scratch_, r_, c_rate_, b_step);
-      J.col(j) = (b_step - b_) / h;
-      trial.a(j) = s.a(j);
+      trial_.a(j) = s.a(j) + h;
+      eq_.momentum(trial_, rest_, *scratch_, r_, c_rate_, b_step_);
+      J_.col(j) = (b_step_ - b_) / h;
+      trial_.a(j) = s.a(j);
     }
-    step = J.fullPivLu().solve(-b_);
+    b_step_ = -b_;
+    lu_->compute(J_);
+    step_ = lu_->solve(b_step_);
+    if (!step_.allFinite()) step_ = J_.fullPivLu().solve(b_step_);  // at a singular point
     double alpha = 1.0;
     for (; alpha > 1e-4; alpha *= 0.5) {
-      trial.a = s.a + alpha * step;
-      eq_.momentum(trial, v_dot, *scratch_, r_, c_rate_, b_step);
-      if (b_step.norm() < now) break;
+      trial_.a = s.a + alpha * step_;
+      eq_.momentum(trial_, rest_, *scratch_, r_, c_rate_, b_step_);
+      if (b_step_.norm() < now) break;
     }
     if (alpha <= 1e-4) {
-      if (step.norm() <= 1e-9 * (1.0 + s.a.norm())) return;  // at the round-off of b
+      if (step_.norm() <= 1e-9 * (1.0 + s.a.norm())) return;  // at the round-off of b
       break;
     }
-    s.a = trial.a;
-    if (alpha * step.norm() <= 1e-15 * (1.0 + s.a.norm())) return;
+    s.a = trial_.a;
+    if (alpha * step_.norm() <= 1e-15 * (1.0 + s.a.norm())) return;
   }
   int worst = 0;
   b_.cwiseAbs().maxCoeff(&worst);

@@ -22,6 +22,7 @@ State make_state(const Equations& eq);
 class AccelerationSolver {
  public:
   explicit AccelerationSolver(const Equations& eq);
+  ~AccelerationSolver();
 
   /// Fills s.lambda, s.a and v_dot (n_v); s.a is the start of its own Newton iteration.  Forces may depend on
   /// s.lambda (friction in joints): the linear system is then iterated.  Throws std::runtime_error, one
@@ -42,6 +43,12 @@ class AccelerationSolver {
   SaddleSolver saddle_;
   Eigen::MatrixXd M_, G_;
   Eigen::VectorXd r_, c_rate_, b_, g_ddot_, dv_, dlambda_;
+  // Of the algebraic equations.
+  struct Factor;
+  std::unique_ptr<Factor> lu_;
+  State trial_;
+  Eigen::MatrixXd J_;
+  Eigen::VectorXd rest_, b_step_, step_;
 };
 
 }  // namespace flexura::mbs

@@ -1,12 +1,14 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include "mbs/solver/projection.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 namespace flexura::mbs {
 
 Projector::Projector(const Equations& eq) : eq_(eq), n_(eq.sizes()), scratch_(eq.make_scratch()) {
-  M_.setZero(n_.n_v, n_.n_v);
+  if (n_.n_lambda > 0) M_.setZero(n_.n_v, n_.n_v);
   G_.setZero(n_.n_lambda, n_.n_v);
   g_.setZero(n_.n_lambda);
   zero_.setZero(n_.n_v);
@@ -49,6 +51,93 @@ bool Projector::project(State& s) {
   saddle_.solve(zero_, g_, d_, x_);
   s.v += d_;
   return s.p.allFinite() && s.v.allFinite();
+}
+
+LoopCloser::LoopCloser(const Equations& eq, const SolverOptions& options)
+    : eq_(eq), n_(eq.sizes()), scratch_(eq.make_scratch()), weights_(eq, options) {
+  if (n_.n_lambda == 0) return;
+  M_.setZero(n_.n_v, n_.n_v);
+  G_.setZero(n_.n_lambda, n_.n_v);
+  for (Eigen::VectorXd* x : {&g_, &g_dot_, &round_off_}) x->setZero(n_.n_lambda);
+  rest_.setZero(n_.n_v);
+  p_.setZero(n_.n_p);
+  p_factors_.setZero(n_.n_p);
+  w_.setZero(n_.n_p + n_.n_v + n_.n_dyn);
+  change_.setZero(n_.n_p);
+  scale_.resize(n_.n_v);
+  for (int i = 0; i < n_.n_v; ++i) scale_(i) = eq.velocity_scale(i);
+}
+
+void LoopCloser::factor(double t, const Eigen::VectorXd& p) {
+  has_factors_ = false;
+  t_factors_ = t;
+  p_factors_ = p;
+  eq_.mass_matrix(p, *scratch_, M_);
+  eq_.constraint_matrix(t, p, *scratch_, G_);
+  saddle_.factor(eq_, M_, G_);
+  for (int k = 0; k < n_.n_lambda; ++k) round_off_(k) = 1e-11 * G_.row(k).cwiseAbs().dot(scale_.transpose());
+  has_factors_ = true;
+}
+
+// In units of round-off, which grows with the speeds for those on velocity level.
+double LoopCloser::residuals(const State& s) {
+  eq_.constraints(s.t, s.p, s.v, *scratch_, g_, g_dot_);
+  const double speed = std::max(1.0, s.v.cwiseQuotient(scale_).lpNorm<Eigen::Infinity>());
+  double size = 0.0;
+  for (int k = 0; k < n_.n_lambda; ++k)
+    if (round_off_(k) > 0.0)
+      size = std::max({size, std::abs(g_(k)) / round_off_(k), std::abs(g_dot_(k)) / (round_off_(k) * speed)});
+  return size;
+}
+
+void LoopCloser::correct(State& s) {
+  g_ = -g_;
+  saddle_.solve(rest_, g_, d_, x_);
+  eq_.kinematic(s.p, d_, p_);  // unlike retract() it leaves the lengths of quaternions alone
+  s.p += p_;
+  g_dot_ = -g_dot_;
+  saddle_.solve(rest_, g_dot_, d_, x_);
+  s.v += d_;
+}
+
+void LoopCloser::close(State& s) {
+  if (n_.n_lambda == 0) return;
+  try {
+    bool fresh = !has_factors_;
+    if (fresh) factor(s.t, s.p);
+    double size = residuals(s);
+    if (!(size > 1.0)) return;
+    trial_ = s;
+    for (int iteration = 0; iteration < 10 && size > 1.0 && std::isfinite(size); ++iteration) {
+      correct(trial_);
+      const double now = residuals(trial_);
+      if (!fresh && now > 1.0 && !(now < 0.1 * size)) {
+        factor(s.t, s.p);
+        fresh = true;
+        trial_ = s;
+        size = residuals(trial_);
+        continue;
+      }
+      if (!(now < 0.5 * size)) return;
+      size = now;
+    }
+    if (!(size <= 1.0)) return;
+  } catch (const std::runtime_error&) {
+    return;  // no mass matrix there: the integrator will say so
+  }
+  weights_.evaluate(s.p, s.v, s.c, w_);
+  change_ = trial_.p - s.p;
+  if (!(change_.cwiseProduct(w_.head(n_.n_p)).norm() <= 10.0 * std::sqrt(n_.n_p))) return;
+  s.p = trial_.p;
+  s.v = trial_.v;
+}
+
+void LoopCloser::remember(History& history) {
+  if (n_.n_lambda == 0) return;
+  history(has_factors_);
+  history(t_factors_);
+  history(p_factors_);
+  if (history.reads() && has_factors_) factor(t_factors_, p_factors_);
 }
 
 }  // namespace flexura::mbs

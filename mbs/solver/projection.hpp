@@ -5,6 +5,8 @@
 #include <memory>
 
 #include "mbs/model/equations.hpp"
+#include "mbs/solver/error_weights.hpp"
+#include "mbs/solver/history.hpp"
 #include "mbs/solver/saddle.hpp"
 
 /// Back onto the constraints by the smallest change in the norm of M, from nearby (the end of a step):
@@ -26,6 +28,39 @@ class Projector {
   SaddleSolver saddle_;
   Eigen::MatrixXd M_, G_;
   Eigen::VectorXd g_, zero_, d_, x_, p_, scale_;
+};
+
+/// The same for every state that a run gives away, cheaply: implicit methods close their loops to Newton's
+/// tolerance, which follows that of the run; behind this class stands round-off, 1e-11 of what a typical
+/// motion changes in a row, whatever the tolerance.  The integrator keeps its own state, so that nothing of
+/// this enters its history of rates.  One factorisation serves as long as it makes the residuals fall to a
+/// tenth at a time.
+class LoopCloser {
+ public:
+  LoopCloser(const Equations& eq, const SolverOptions& options);
+
+  /// Positions and velocities.  Leaves s as it was where positions would change by more than ten times the
+  /// error allowed in a step: near a dead point, where the residual says little about the distance.
+  void close(State& s);
+  /// Where the factorisation was made, so that a continued run repeats the unbroken one to the bit.
+  void remember(History& history);
+
+ private:
+  void factor(double t, const Eigen::VectorXd& p);
+  double residuals(const State& s);
+  void correct(State& s);
+
+  const Equations& eq_;
+  Sizes n_;
+  std::unique_ptr<Equations::Scratch> scratch_;
+  ErrorWeights weights_;
+  SaddleSolver saddle_;
+  bool has_factors_ = false;
+  double t_factors_ = 0.0;
+  Eigen::VectorXd p_factors_;
+  State trial_;
+  Eigen::MatrixXd M_, G_;
+  Eigen::VectorXd g_, g_dot_, round_off_, rest_, d_, x_, p_, scale_, w_, change_;
 };
 
 }  // namespace flexura::mbs

@@ -31,7 +31,8 @@ class Runner {
         scratch_(eq.make_scratch()),
         integrator_(make_integrator(eq, options)),
         book_(eq),
-        accelerations_(eq) {
+        accelerations_(eq),
+        closer_(eq, options) {
     keeps_book_ = options.method != "quasi_statics";
     result_.state = start;
     result_.state.t = options.start_time;
@@ -70,6 +71,7 @@ class Runner {
   std::unique_ptr<Integrator> integrator_, hopper_;
   EnergyBook book_;
   AccelerationSolver accelerations_;
+  LoopCloser closer_;
   RunResult result_;
   State row_state_;
   Eigen::VectorXd row_v_dot_, g_, g_dot_;
@@ -82,6 +84,7 @@ void Runner::write_rows_until(double t, Integrator& integrator) {
   for (; row_time(next_row_) <= t && row_time(next_row_) > row_time(next_row_ - 1); ++next_row_) {
     const double t_row = row_time(next_row_);
     integrator.interpolate(t_row, row_state_, row_v_dot_);
+    if (keeps_book_) closer_.close(row_state_);
     if (!callbacks_.row) continue;
     callbacks_.row(row_state_, row_v_dot_,
                    keeps_book_ ? book_.at_row(row_state_, row_v_dot_) : book_.account());
@@ -172,6 +175,7 @@ bool Runner::finish_step(const StepEnd& end, Integrator& integrator) {
   else
     book_.start(result_.state, result_.v_dot);
   result_.largest_energy_error = std::max(result_.largest_energy_error, std::abs(book_.account().error()));
+  if (keeps_book_) closer_.close(result_.state);
   measure_drift();
   if (callbacks_.progress)
     callbacks_.progress(end.t_end,
@@ -211,6 +215,7 @@ void Runner::resume(const Continuation& from) {
   result_.state = s;
   result_.v_dot = from.v_dot;
   History history(from.history);
+  closer_.remember(history);
   integrator_->remember(history);
   if (!history.is_used_up())
     throw std::invalid_argument("the integrator's history is longer than this mechanism needs");
@@ -227,6 +232,7 @@ void Runner::remember() {
   c.energy = book_.account();
   c.next_row = next_row_;
   History history;
+  closer_.remember(history);
   if (options_.end_time > options_.start_time) integrator_->remember(history);
   c.history = history.values();
 }

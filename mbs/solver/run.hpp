@@ -11,8 +11,8 @@
 #include "mbs/solver/integrator.hpp"
 #include "mbs/solver/options.hpp"
 
-/// One dynamic run with any integrator: rows at a fixed rate, switches, energy book, constraint drift, clean
-/// stops.
+/// One dynamic run with any integrator: rows at a fixed rate, on the constraints to round-off (LoopCloser),
+/// switches, energy book, constraint drift, clean stops.
 namespace flexura::mbs {
 
 struct RunCallbacks {

@@ -61,6 +61,7 @@ class RungeKutta final : public Integrator {
     state_ = stage_ = found_ = s;
     pack(s, y_);
     rates(s.t, y_, k_[0]);
+    take_multipliers();
     switches_.start(s);
     if (options_.fixed_step > 0.0)
       h_ = options_.fixed_step;
@@ -73,6 +74,11 @@ class RungeKutta final : public Integrator {
   StepEnd step(double t_stop) override;
 
   void interpolate(double t, State& s, Eigen::VectorXd& v_dot) override {
+    if (t == state_.t && has_rates_) {
+      s = state_;
+      v_dot = k_[0].segment(n_.n_p, n_.n_v);
+      return;
+    }
     unpack(t, s);
     accelerations_.solve(s, v_dot);
     ++counts_.evaluations;
@@ -87,7 +93,7 @@ class RungeKutta final : public Integrator {
     for (Eigen::VectorXd& d : dense_) history(d);
     for (double* x : {&h_, &h_done_, &t_begin_, &error_before_}) history(*x);
     if (!history.reads()) return;
-    started_ = true;
+    started_ = has_rates_ = true;
     found_ = state_;
     switches_.start(state_);
   }
@@ -107,6 +113,12 @@ class RungeKutta final : public Integrator {
     eq_.kinematic(stage_.p, stage_.v, k.head(n_.n_p));
     k.segment(n_.n_p, n_.n_v) = v_dot_;
     k.tail(n_.n_dyn) = accelerations_.c_rate();
+  }
+  // After rates() at state_.
+  void take_multipliers() {
+    state_.lambda = stage_.lambda;
+    state_.a = stage_.a;
+    has_rates_ = true;
   }
   // y(t_begin + theta h) by the continuous extension; the projections' small change grows with theta.
   void unpack(double t, State& s) {
@@ -134,6 +146,8 @@ class RungeKutta final : public Integrator {
   StepCounts counts_;
   double h_ = 0.0, h_done_ = 0.0, t_begin_ = 0.0, error_before_ = 1e-4;
   bool started_ = false;
+  bool last_stage_is_end_ = false;
+  bool has_rates_ = false;  // k_[0], lambda and a belong to state_
 };
 
 double RungeKutta::first_step() {
@@ -193,7 +207,9 @@ StepEnd RungeKutta::step(double t_stop) {
       t_begin_ = state_.t;
       h_done_ = h;
       // Continuous extension, with the projected end.
-      pack(found_, y_new_);
+      pack(found_, error_);
+      last_stage_is_end_ = error_ == y_new_;
+      y_new_ = error_;
       dense_[0] = y_;
       dense_[1] = y_new_ - y_;
       dense_[2] = h * k_[0] - dense_[1];
@@ -237,11 +253,15 @@ StepEnd RungeKutta::step(double t_stop) {
     state_.t = end.t_end;
     y_ = y_new_;
     set(end.t_end, y_, state_);
-    rates(end.t_end, y_, k_[0]);
-    state_.lambda = stage_.lambda;
-    state_.a = stage_.a;
+    // First same as last, where the projection found nothing to do.
+    if (last_stage_is_end_)
+      k_[0].swap(k_[kStages - 1]);
+    else
+      rates(end.t_end, y_, k_[0]);
+    take_multipliers();
   } else {
     unpack(end.t_end, state_);
+    has_rates_ = false;
   }
   return end;
 }

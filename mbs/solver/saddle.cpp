@@ -14,16 +14,56 @@ struct SaddleSolver::Impl {
   int n_v = 0, n_lambda = 0;
   std::vector<int> free;  // the entries of x that take part
   Eigen::MatrixXd M_hat, B;
-  Eigen::VectorXd column_scale, row_scale, f, y_hat, w;
+  Eigen::VectorXd column_scale, row_scale, f, y_hat, h_hat, w, workspace;
   Eigen::LLT<Eigen::MatrixXd> cholesky;
-  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> orthogonal;
+  // B P = Q R where the rows of G are independent; only where they are not, the complete decomposition.
+  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr;
+  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> complete;
+  bool full_rank() const { return qr.rank() == n_lambda; }
+
+  // x <- Q x or Q^T x, without allocations.
+  void apply_Q(Eigen::VectorXd& x) {
+    workspace.resize(1);
+    qr.householderQ().setLength(n_lambda).applyThisOnTheLeft(x, workspace);
+  }
+  void apply_QT(Eigen::VectorXd& x) {
+    workspace.resize(1);
+    qr.householderQ().setLength(n_lambda).transpose().applyThisOnTheLeft(x, workspace);
+  }
+  // y <- B^+ x; x is used up.
+  void solve_least_squares(Eigen::VectorXd& x, Eigen::VectorXd& y) {
+    if (!full_rank()) {
+      y = complete.solve(x);
+      return;
+    }
+    apply_QT(x);
+    auto top = x.head(n_lambda);
+    qr.matrixR().topLeftCorner(n_lambda, n_lambda).triangularView<Eigen::Upper>().solveInPlace(top);
+    y.noalias() = qr.colsPermutation() * top;
+  }
+  // x <- B^+T y
+  void solve_transposed(const Eigen::VectorXd& y, Eigen::VectorXd& x) {
+    if (!full_rank()) {
+      x = complete.transpose().solve(y);
+      return;
+    }
+    x.setZero(B.rows());
+    auto top = x.head(n_lambda);
+    top.noalias() = qr.colsPermutation().transpose() * y;
+    qr.matrixR()
+        .topLeftCorner(n_lambda, n_lambda)
+        .triangularView<Eigen::Upper>()
+        .transpose()
+        .solveInPlace(top);
+    apply_Q(x);
+  }
 };
 
 SaddleSolver::SaddleSolver() : impl_(std::make_unique<Impl>()) {}
 SaddleSolver::~SaddleSolver() = default;
 
 int SaddleSolver::rank() const {
-  return impl_->n_lambda == 0 || impl_->free.empty() ? 0 : static_cast<int>(impl_->orthogonal.rank());
+  return impl_->n_lambda == 0 || impl_->free.empty() ? 0 : static_cast<int>(impl_->qr.rank());
 }
 const Eigen::VectorXd& SaddleSolver::row_scale() const {
   return impl_->row_scale;
@@ -100,8 +140,11 @@ void SaddleSolver::factor(const Equations& eq, const Eigen::MatrixXd& M, const E
   s.cholesky.matrixL().solveInPlace(s.B);
   // Rows have unit length; a pivot of 1e-10 means two constraints whose directions differ by 1e-10: nothing
   // but geometry errors of the input would be amplified by resolving it.
-  s.orthogonal.setThreshold(1e-10);
-  s.orthogonal.compute(s.B);
+  s.qr.setThreshold(1e-10);
+  s.qr.compute(s.B);
+  if (s.full_rank()) return;
+  s.complete.setThreshold(1e-10);
+  s.complete.compute(s.B);
 }
 
 void SaddleSolver::solve(const Eigen::VectorXd& r, const Eigen::VectorXd& h, Eigen::VectorXd& x,
@@ -119,9 +162,13 @@ void SaddleSolver::solve(const Eigen::VectorXd& r, const Eigen::VectorXd& h, Eig
   // In w = L^T x: w + B y = f, B^T w = h.  So w = (I - B B^+) f + B^+T h and y = B^+ (f - w).
   if (s.n_lambda > 0) {
     s.y_hat = s.row_scale.cwiseProduct(h);
-    s.w = s.orthogonal.transpose().solve(s.y_hat);
-    s.w += s.f - s.B * s.orthogonal.solve(s.f);
-    s.y_hat = s.orthogonal.solve(s.f - s.w);
+    s.solve_transposed(s.y_hat, s.w);
+    s.h_hat = s.f;
+    s.solve_least_squares(s.h_hat, s.y_hat);
+    s.w += s.f;
+    s.w.noalias() -= s.B * s.y_hat;
+    s.h_hat = s.f - s.w;
+    s.solve_least_squares(s.h_hat, s.y_hat);
     y = s.row_scale.cwiseProduct(s.y_hat);
   } else {
     s.w = s.f;
