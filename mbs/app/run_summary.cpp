@@ -37,27 +37,38 @@ nlohmann::json summary_of(const mbs::PreparedMechanism& prepared, const mbs::Run
 
 void print_summary(
     const std::vector<std::pair<std::string, std::pair<const mbs::PreparedMechanism*, mbs::RunResult>>>&
-        runs) {
-  const bool colour = terminal::takes_colour(stdout);
-  terminal::Table table({{"run", Align::left},
-                         {"to t [s]"},
-                         {"wall"},
-                         {"x real time"},
-                         {"steps"},
-                         {"evaluations"},
-                         {"energy error [J]"},
-                         {"relative"},
-                         {"drift"}});
+        runs,
+    bool verbose) {
+  std::vector<terminal::Column> columns = {{"run", Align::left}, {"t [s]"}, {"wall"},
+                                           {"x real"},           {"steps"}, {"error [J]"},
+                                           {"relative"},         {"drift"}};
+  if (verbose) {
+    for (const char* name : {"evaluations", "jacobians", "rejected", "newton failures", "switches"})
+      columns.push_back({name});
+  }
+  terminal::Table table(columns);
   for (const auto& [name, run] : runs) {
     const auto& [prepared, r] = run;
     const double simulated = r.state.t - prepared->options.start_time;
-    table.add_row({name, number(r.state.t, 6), terminal::duration(r.wall_time),
-                   simulated > 0.0 ? number(r.wall_time / simulated, 3) : "-",
-                   fmt::format("{}", r.counts.steps), fmt::format("{}", r.counts.evaluations),
-                   number(r.energy.error(), 3), number(r.energy.relative_error(), 2),
-                   number(r.peak_position_drift, 2)});
+    std::vector<std::string> row = {name,
+                                    number(r.state.t, 6),
+                                    terminal::duration(r.wall_time),
+                                    simulated > 0.0 ? number(r.wall_time / simulated, 3) : "-",
+                                    fmt::format("{}", r.counts.steps),
+                                    number(r.energy.error(), 3),
+                                    number(r.energy.relative_error(), 2),
+                                    number(r.peak_position_drift, 2)};
+    if (verbose) {
+      const std::size_t counts[] = {static_cast<std::size_t>(r.counts.evaluations),
+                                    static_cast<std::size_t>(r.counts.jacobians),
+                                    static_cast<std::size_t>(r.counts.error_failures),
+                                    static_cast<std::size_t>(r.counts.newton_failures), r.events.size()};
+      for (const std::size_t count : counts) row.push_back(fmt::format("{}", count));
+    }
+    table.add_row(std::move(row));
   }
-  fmt::print("{}", table.text(terminal::width(stdout), colour));
+  fmt::print("{}", table.text(terminal::width(stdout), terminal::takes_colour(stdout)));
+  fmt::print("x real: wall time per simulated time; error: of the energy balance\n");
 }
 
 }  // namespace flexura::app

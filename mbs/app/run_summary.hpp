@@ -15,9 +15,11 @@ namespace flexura::app {
 /// For the results file.
 nlohmann::json summary_of(const mbs::PreparedMechanism& prepared, const mbs::RunResult& result);
 
-/// The table at the end of flexura simulate: each run by its name.
+/// The table at the end of flexura simulate: each run by its name; with `verbose` also what the integrator
+/// counted.
 void print_summary(
     const std::vector<std::pair<std::string, std::pair<const mbs::PreparedMechanism*, mbs::RunResult>>>&
-        runs);
+        runs,
+    bool verbose);
 
 }  // namespace flexura::app

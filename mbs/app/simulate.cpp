@@ -141,7 +141,7 @@ int simulate(Arguments arguments, const terminal::Talk& talk) {
   }
   results::Writer writer(arguments.output, model_header(runs, arguments.file, arguments.output));
   InterruptGuard guard;
-  terminal::Progress progress(stderr, talk.quiet);
+  terminal::Progress progress(stderr, talk.quiet, talk.verbose);
   std::vector<std::pair<std::string, std::pair<const PreparedMechanism*, RunResult>>> done;
   std::vector<std::string> remarks;
   std::string stopped;
@@ -192,7 +192,7 @@ int simulate(Arguments arguments, const terminal::Talk& talk) {
     for (const auto& path : results::write_csv(results::read(arguments.output), arguments.output))
       if (!talk.quiet) fmt::print("table   {}\n", path.string());
   if (!talk.quiet) {
-    print_summary(done);
+    print_summary(done, talk.verbose);
     for (const std::string& line : remarks) fmt::print("{}\n", line);
     fmt::print("results {}\n", arguments.output);
   }

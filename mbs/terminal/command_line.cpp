@@ -234,6 +234,12 @@ int guarded(const std::function<int()>& work) {
 
 int run(const Command& command, const std::string& version, int argc, const char* const* argv) {
   return guarded([&] {
+    const std::string only = argc == 2 ? argv[1] : "";
+    if (only == "--list-options" || only == "--manual-section") {
+      fmt::print("{}",
+                 only == "--list-options" ? option_list(command) : manual_section(command.name, command));
+      return 0;
+    }
     return run_command(command, command.name, version, std::vector<std::string>(argv + 1, argv + argc));
   });
 }
@@ -258,7 +264,8 @@ int run(const Program& program, int argc, const char* const* argv) {
     std::vector<std::string> names;
     for (const Command& command : program.commands) {
       if (command.name == words[0]) {
-        return run_command(command, program.name + " " + command.name, "", {words.begin() + 1, words.end()});
+        return run_command(command, program.name + " " + command.name, program.version,
+                           {words.begin() + 1, words.end()});
       }
       names.push_back(command.name);
     }

@@ -73,7 +73,8 @@ struct Program {
 /// declarations.
 int run(const Program& program, int argc, const char* const* argv);
 
-/// The same for a program with a single purpose; "--list-options" prints its options for completion scripts.
+/// The same for a program with a single purpose; "--list-options" prints its options for completion
+/// scripts, "--manual-section" its part of the manual.
 int run(const Command& command, const std::string& version, int argc, const char* const* argv);
 
 /// What run() does with exceptions: input::InputError and std::invalid_argument are bad input (2), others

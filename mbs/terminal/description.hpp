@@ -27,5 +27,9 @@ std::string bash_completion(const Program& program);
 
 /// The manual page in roff, for man(1).
 std::string manual_page(const Program& program);
+/// One command's part of the page, under its full name.
+std::string manual_section(const std::string& full_name, const Command& command);
+/// Its options in one line, for completion.
+std::string option_list(const Command& command);
 
 }  // namespace flexura::terminal

@@ -97,54 +97,97 @@ void Table::add_row(std::vector<std::string> cells) {
   rows_.push_back(std::move(cells));
 }
 
-std::string Table::text(int width, bool colour) const {
-  const std::size_t n = columns_.size();
-  constexpr int gap = 2, narrowest = 8;
-  std::vector<int> widths(n);
-  for (std::size_t c = 0; c < n; ++c) {
-    widths[c] = display_width(columns_[c].heading);
-    for (const auto& row : rows_) widths[c] = std::max(widths[c], display_width(row[c]));
-  }
-  const auto total = [&] {
-    int sum = gap * (static_cast<int>(n) - 1);
-    for (const int w : widths) sum += w;
-    return sum;
-  };
-  while (total() > width) {
-    std::size_t widest = n;
-    for (std::size_t c = 0; c < n; ++c) {
-      if (columns_[c].align == Align::left && widths[c] > narrowest &&
-          (widest == n || widths[c] > widths[widest])) {
-        widest = c;
-      }
-    }
-    if (widest == n) break;
-    --widths[widest];
-  }
+namespace {
 
+constexpr int column_gap = 2;
+
+}  // namespace
+
+int Table::total(const std::vector<std::size_t>& columns, const std::vector<int>& widths) {
+  int sum = columns.empty() ? 0 : -column_gap;
+  for (const std::size_t c : columns) sum += widths[c] + column_gap;
+  return sum;
+}
+
+std::string Table::block(const std::vector<std::size_t>& columns, const std::vector<int>& widths,
+                         bool colour) const {
   std::string out;
   const auto add_line = [&](const auto& cell, bool heading) {
     std::string line;
-    for (std::size_t c = 0; c < n; ++c) {
-      if (c > 0) line += std::string(gap, ' ');
+    for (const std::size_t c : columns) {
+      if (c != columns.front()) line += std::string(column_gap, ' ');
       line += padded(shortened(cell(c), widths[c]), widths[c], columns_[c].align);
     }
     line.erase(line.find_last_not_of(' ') + 1);
     out += (heading ? bold(line, colour) : line) + "\n";
   };
   add_line([&](std::size_t c) { return columns_[c].heading; }, true);
-  out += std::string(static_cast<std::size_t>(std::max(total(), 0)), '-') + "\n";
+  out += std::string(static_cast<std::size_t>(std::max(total(columns, widths), 0)), '-') + "\n";
   for (const auto& row : rows_) add_line([&](std::size_t c) { return row[c]; }, false);
+  return out;
+}
+
+std::string Table::text(int width, bool colour) const {
+  const std::size_t n = columns_.size();
+  constexpr int narrowest = 8;
+  std::vector<int> widths(n);
+  std::vector<std::size_t> all(n);
+  for (std::size_t c = 0; c < n; ++c) {
+    all[c] = c;
+    widths[c] = display_width(columns_[c].heading);
+    for (const auto& row : rows_) widths[c] = std::max(widths[c], display_width(row[c]));
+  }
+  // What the columns of numbers leave is shared by those of words, as long as each keeps something to read.
+  const auto shorten = [&](const std::vector<std::size_t>& columns) {
+    while (total(columns, widths) > width) {
+      std::size_t widest = n;
+      for (const std::size_t c : columns) {
+        if (columns_[c].align == Align::left && widths[c] > narrowest &&
+            (widest == n || widths[c] > widths[widest])) {
+          widest = c;
+        }
+      }
+      if (widest == n) return false;
+      --widths[widest];
+    }
+    return true;
+  };
+  const std::vector<int> wished = widths;
+  if (shorten(all)) return block(all, widths, colour);
+
+  // Still too wide: several tables below one another, each with the first columns again.
+  widths = wished;
+  std::vector<std::size_t> first(std::min(repeated_, n));
+  for (std::size_t c = 0; c < first.size(); ++c) first[c] = c;
+  for (std::size_t c : first) widths[c] = std::min(widths[c], std::max(narrowest, width / 3));
+  std::string out;
+  std::vector<std::size_t> columns = first;
+  const auto close = [&] {
+    shorten(columns);
+    out += (out.empty() ? "" : "\n") + block(columns, widths, colour);
+    columns = first;
+  };
+  for (std::size_t c = first.size(); c < n; ++c) {
+    columns.push_back(c);
+    if (total(columns, widths) <= width || columns.size() == first.size() + 1) continue;
+    columns.pop_back();
+    close();
+    columns.push_back(c);
+  }
+  close();
   return out;
 }
 
 // --- Progress --------------------------------------------------------------------------------------------
 
-Progress::Progress(std::FILE* stream, bool quiet)
-    : Progress(stream, quiet, is_terminal(stream), steady_seconds) {}
+Progress::Progress(std::FILE* stream, bool quiet, bool verbose)
+    : Progress(stream, quiet, is_terminal(stream), steady_seconds, verbose) {}
 
-Progress::Progress(std::FILE* stream, bool quiet, bool is_terminal, Clock clock)
-    : stream_(stream), quiet_(quiet || !is_terminal), clock_(std::move(clock)) {}
+Progress::Progress(std::FILE* stream, bool quiet, bool is_terminal, Clock clock, bool verbose)
+    : stream_(stream),
+      quiet_(quiet || !(is_terminal || verbose)),
+      draws_(is_terminal),
+      clock_(std::move(clock)) {}
 
 Progress::~Progress() {
   clear();
@@ -159,7 +202,7 @@ void Progress::operator()(std::string_view stage, double fraction) {
     start_ = now;
     last_drawn_ = -1.0;
   }
-  if (last_drawn_ < 0.0 || now - last_drawn_ >= 0.1) draw(fraction, now);
+  if (draws_ && (last_drawn_ < 0.0 || now - last_drawn_ >= 0.1)) draw(fraction, now);
 }
 
 void Progress::draw(double fraction, double now) {

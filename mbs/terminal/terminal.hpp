@@ -39,15 +39,22 @@ struct Column {
 };
 
 /// A plain table: headings, a rule, rows.  Too wide for the given width, it shortens its widest left-aligned
-/// columns, numbers never.
+/// columns, numbers never; where that is not enough it becomes several tables below one another, each of
+/// which begins with the first `repeated` columns.
 class Table {
  public:
-  explicit Table(std::vector<Column> columns) : columns_(std::move(columns)) {}
+  explicit Table(std::vector<Column> columns, std::size_t repeated = 1)
+      : columns_(std::move(columns)), repeated_(repeated) {}
   void add_row(std::vector<std::string> cells);
   std::string text(int width = 80, bool colour = false) const;
 
  private:
+  static int total(const std::vector<std::size_t>& columns, const std::vector<int>& widths);
+  std::string block(const std::vector<std::size_t>& columns, const std::vector<int>& widths,
+                    bool colour) const;
+
   std::vector<Column> columns_;
+  std::size_t repeated_;
   std::vector<std::vector<std::string>> rows_;
 };
 
@@ -55,14 +62,15 @@ class Table {
 ///
 ///     meshing  [##########          ]  48 %  12 s, 13 s left
 ///
-/// Where the stream is no terminal it says nothing.
+/// Where the stream is no terminal it says nothing; with `verbose` it then prints a line at the end of each
+/// stage.
 class Progress {
  public:
   using Clock = std::function<double()>;  ///< seconds
 
-  explicit Progress(std::FILE* stream = stderr, bool quiet = false);
+  explicit Progress(std::FILE* stream = stderr, bool quiet = false, bool verbose = false);
   /// For tests: what `is_terminal` and the time are.
-  Progress(std::FILE* stream, bool quiet, bool is_terminal, Clock clock);
+  Progress(std::FILE* stream, bool quiet, bool is_terminal, Clock clock, bool verbose = false);
   ~Progress();
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
@@ -79,7 +87,7 @@ class Progress {
   void draw(double fraction, double now);
 
   std::FILE* stream_;
-  bool quiet_, drawn_ = false;
+  bool quiet_, draws_, drawn_ = false;
   Clock clock_;
   std::string stage_;
   double start_ = 0.0, last_drawn_ = -1.0;

@@ -115,6 +115,20 @@ TEST(CommandLine, ManualPageNamesEveryOption) {
   }
 }
 
+// What the front door asks of a program beside it.
+TEST(CommandLine, AProgramWithASinglePurposeDescribesItself) {
+  const auto told = [](const char* word) {
+    const char* const words[] = {"prog-mesh", word};
+    CaptureStdout();
+    EXPECT_EQ(run(program([] { return 0; }).commands[0], "1.2.3", 2, words), 0);
+    return GetCapturedStdout();
+  };
+  EXPECT_EQ(told("--list-options"),
+            "--kind --name -n --count --size --loud -q --quiet -v --verbose --help --version\n");
+  EXPECT_THAT(told("--manual-section"), HasSubstr(".SH MESH\nmesh a part\n.TP\n\\fBFILE\\fR\n"));
+  EXPECT_EQ(told("--version"), "mesh 1.2.3\n");
+}
+
 TEST(CommandLine, WhatIsThrownBecomesAMessageAndAnExitCode) {
   const auto outcome = [](auto&& failure) {
     return run_words({"mesh", "f"}, [failure]() -> int { throw failure; });

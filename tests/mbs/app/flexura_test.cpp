@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "mbs/superelement/file.hpp"
+#include "mbs/terminal/terminal.hpp"
 #include "tests/mbs/app/run_program.hpp"
 #include "tests/mbs/superelement/box_beam.hpp"
 
@@ -49,6 +50,43 @@ TEST_F(Flexura, ModesPrintsATableThatFits) {
     rigid += line.find(" rigid ") != std::string::npos;
   }
   EXPECT_EQ(rigid, 6);
+}
+
+// Mechanisms with several runs and many states; sentences (notes, names of files) may be longer.
+TEST_F(Flexura, TablesOfEveryCommandFitEightyColumns) {
+  const std::string cases = FLEXURA_SOURCE_DIR "/cases/", suspension = cases + "macpherson/macpherson.toml";
+  const std::string results = (folder_ / "suspension.h5").string();
+  const std::vector<std::string> commands = {"check " + suspension,
+                                             "assemble " + suspension,
+                                             "eigen " + cases + "bicycle/bicycle.toml",
+                                             "statics " + suspension + " --run ride",
+                                             "simulate " + suspension + " --end-time 0.02 -v -o " + results,
+                                             "view " + results + " --summary",
+                                             "check " + beam_};
+  for (const std::string& command : commands) {
+    const Outcome outcome = flexura(command);
+    ASSERT_EQ(outcome.code, 0) << command << outcome.err;
+    std::istringstream lines(outcome.out);
+    int rules = 0;
+    for (std::string line; std::getline(lines, line);) {
+      rules += line.find_first_not_of('-') == std::string::npos && line.size() > 3;
+      if (line.starts_with("note: ") || line.starts_with("results ")) continue;
+      EXPECT_LE(terminal::display_width(line), 80) << command << "\n" << line;
+    }
+    EXPECT_GT(rules, 0) << command;
+  }
+}
+
+// Every detail: what the integrator counted, and the stages where no terminal shows them moving.
+TEST_F(Flexura, VerboseTellsCountsAndStages) {
+  const std::string run = "simulate " FLEXURA_SOURCE_DIR
+                          "/cases/macpherson/macpherson.toml --run bump --end-time 0.02 -o " +
+                          (folder_ / "bump.h5").string();
+  const Outcome plain = flexura(run), verbose = flexura(run + " -v");
+  EXPECT_EQ(plain.err.find("run bump: "), std::string::npos);
+  EXPECT_EQ(plain.out.find("jacobians"), std::string::npos);
+  EXPECT_THAT(verbose.err, HasSubstr("run bump: "));
+  EXPECT_THAT(verbose.out, HasSubstr("jacobians"));
 }
 
 TEST_F(Flexura, ModesGivesJsonForScripts) {
@@ -161,6 +199,7 @@ TEST_F(Flexura, BashCompletesCommandsOptionsAndChoices) {
   EXPECT_EQ(offers("flexura modes --cl", 2), "--clamped\n");
   EXPECT_EQ(offers("flexura export beam --format d", 4), "dmig\n");
   EXPECT_EQ(offers("flexura modes beam", 2), "\n");  // files are bash's own business
+  EXPECT_EQ(offers(FLEXURA_BIN_DIR "/flexura reduce --mesh", 2), "--mesh-size\n");  // asked of flexura-reduce
 }
 
 // A copy of the program alone in a folder has no companion to hand over to; beside one it becomes that

@@ -42,15 +42,32 @@ TEST(Terminal, TablesFitAndNumbersStayWhole) {
   EXPECT_THAT(table.text(80, true), HasSubstr("\033[1mmode"));
 }
 
+TEST(Terminal, TablesTooWideForTheTerminalAreContinuedBelow) {
+  Table table({{"run", Align::left}, {"time [s]"}, {"error [J]"}, {"drift"}}, 1);
+  table.add_row({"rigid", "0.5", "1.25e-12", "3e-16"});
+  table.add_row({"flexible", "0.5", "-2.5e-07", "1e-11"});
+  EXPECT_EQ(table.text(30),
+            "run       time [s]  error [J]\n"
+            "-----------------------------\n"
+            "rigid          0.5   1.25e-12\n"
+            "flexible       0.5   -2.5e-07\n"
+            "\n"
+            "run       drift\n"
+            "---------------\n"
+            "rigid     3e-16\n"
+            "flexible  1e-11\n");
+}
+
 // Runs a progress line against a clock of our own and returns what it printed.
 template <typename Use>
-std::string printed(bool quiet, bool is_terminal, Use&& use) {
+std::string printed(bool quiet, bool is_terminal, Use&& use, bool verbose = false) {
   char* buffer = nullptr;
   std::size_t size = 0;
   std::FILE* stream = ::open_memstream(&buffer, &size);
   double now = 0.0;
   {
-    Progress progress(stream, quiet, is_terminal, [&now] { return now; });
+    Progress progress(
+        stream, quiet, is_terminal, [&now] { return now; }, verbose);
     use(progress, now);
   }
   std::fclose(stream);
@@ -75,6 +92,7 @@ TEST(Terminal, ProgressSaysHowFarAndHowLong) {
   EXPECT_THAT(line, HasSubstr("meshing: 25 s\n"));
   EXPECT_EQ(printed(false, false, work), "") << "quiet where no terminal is";
   EXPECT_EQ(printed(true, true, work), "");
+  EXPECT_EQ(printed(false, false, work, true), "meshing: 25 s\nsolving: 0.0 s\n");
 }
 
 TEST(Terminal, PipesGetNoColour) {
