@@ -10,7 +10,19 @@
 
 namespace flexura::reduce {
 
-void print_section(const beam::SectionProperties& s, std::ostream& out) {
+beam::SectionProperties without_round_off(beam::SectionProperties s) {
+  const auto clear = [](double& value, double whole) {
+    if (std::abs(value) < 1e-6 * whole) value = 0.0;
+  };
+  for (Eigen::Vector2d* p : {&s.centroid, &s.mass_centre, &s.tension_centre, &s.shear_centre})
+    for (int k = 0; k < 2; ++k) clear((*p)(k), s.size);
+  clear(s.I_yz, std::sqrt(s.I_y * s.I_z));
+  clear(s.principal_angle, 1.0);
+  return s;
+}
+
+void print_section(const beam::SectionProperties& exact, std::ostream& out) {
+  const beam::SectionProperties s = without_round_off(exact);
   const auto line = [&](const char* what, double value, const char* unit) {
     out << fmt::format("  {:<34} {:>14.6g} {}\n", what, value, unit);
   };
@@ -44,7 +56,7 @@ void print_section(const beam::SectionProperties& s, std::ostream& out) {
   for (int i = 0; i < 6; ++i) {
     out << "   ";
     for (int j = 0; j < 6; ++j) {
-      const bool nothing = std::abs(C(i, j)) < 1e-9 * std::sqrt(C(i, i) * C(j, j));
+      const bool nothing = std::abs(C(i, j)) < 1e-6 * std::sqrt(C(i, i) * C(j, j));
       out << fmt::format(" {:>12.5g}", nothing ? 0.0 : C(i, j));
     }
     out << '\n';
@@ -88,72 +100,6 @@ std::string section_json(const beam::SectionProperties& s) {
                                {"stiffness", rows(s.section.stiffness())},
                                {"mass", rows(s.section.inertia.matrix())}};
   return json.dump(1);
-}
-
-std::string section_svg(const beam::SectionProperties& s) {
-  Eigen::RowVector2d low = s.shear_centre.transpose(), high = low;
-  for (const beam::Loop& loop : s.section.outline) {
-    low = low.cwiseMin(loop.colwise().minCoeff());
-    high = high.cwiseMax(loop.colwise().maxCoeff());
-  }
-  // Principal axes reach a little over the section, the frame a little over them; the legend stands below.
-  const double size = (high - low).maxCoeff(), reach = 0.6 * size, scale = 480.0 / size;
-  const Eigen::Vector2d& centre = s.tension_centre;
-  low = low.cwiseMin(centre.transpose().array().matrix() - Eigen::RowVector2d(reach, reach));
-  high = high.cwiseMax(centre.transpose().array().matrix() + Eigen::RowVector2d(reach, reach));
-  const double margin = 40.0, width = 2 * margin + scale * (high(0) - low(0));
-  const double bottom = 2 * margin + scale * (high(1) - low(1));
-  const auto X = [&](double y) { return margin + scale * (y - low(0)); };
-  const auto Y = [&](double z) { return margin + scale * (high(1) - z); };
-  std::string svg = fmt::format(
-      "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {:.0f} {:.0f}\" font-family=\"sans-serif\" "
-      "font-size=\"14\">\n<rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n"
-      "<path fill=\"#c3cfdd\" stroke=\"#2b3f57\" fill-rule=\"evenodd\" d=\"",
-      width, bottom + 120.0);
-  for (const beam::Loop& loop : s.section.outline) {
-    for (int k = 0; k < loop.rows(); ++k)
-      svg += fmt::format("{}{:.2f} {:.2f} ", k == 0 ? "M" : "L", X(loop(k, 0)), Y(loop(k, 1)));
-    svg += "Z ";
-  }
-  svg += "\"/>\n";
-  const auto arrow = [&](const Eigen::Vector2d& from, const Eigen::Vector2d& to, const char* style,
-                         const char* label) {
-    svg += fmt::format(
-        "<line x1=\"{:.2f}\" y1=\"{:.2f}\" x2=\"{:.2f}\" y2=\"{:.2f}\" {}/>"
-        "<text x=\"{:.2f}\" y=\"{:.2f}\">{}</text>\n",
-        X(from.x()), Y(from.y()), X(to.x()), Y(to.y()), style, X(to.x()) + 4, Y(to.y()) - 4, label);
-  };
-  for (int axis = 0; axis < 2; ++axis) {
-    const double phi = s.principal_angle + 0.5 * std::numbers::pi * axis;
-    const Eigen::Vector2d along(std::cos(phi), std::sin(phi));
-    arrow(centre - reach * along, centre + reach * along, "stroke=\"#a33\" stroke-dasharray=\"6 4\"",
-          axis == 0 ? "1" : "2");
-  }
-  // The section's own axes at its origin O, where members put their axis.
-  const Eigen::Vector2d O = Eigen::Vector2d::Zero();
-  if (low(0) <= 0 && low(1) <= 0 && high(0) >= 0 && high(1) >= 0) {
-    arrow(O, Eigen::Vector2d(0.2 * size, 0), "stroke=\"#000\" stroke-width=\"1.5\"", "y");
-    arrow(O, Eigen::Vector2d(0, 0.2 * size), "stroke=\"#000\" stroke-width=\"1.5\"", "z");
-  }
-  int row = 0;
-  const auto mark = [&](const Eigen::Vector2d& p, const char* name, const char* colour) {
-    svg += fmt::format(
-        "<circle cx=\"{:.2f}\" cy=\"{:.2f}\" r=\"5\" fill=\"{}\"/><circle cx=\"{:.0f}\" cy=\"{:.0f}\" "
-        "r=\"5\" "
-        "fill=\"{}\"/><text x=\"{:.0f}\" y=\"{:.0f}\">{} ({:.4g}, {:.4g}) mm</text>\n",
-        X(p.x()), Y(p.y()), colour, margin, bottom + 22.0 * row - 5, colour, margin + 14, bottom + 22.0 * row,
-        name, 1e3 * p.x(), 1e3 * p.y());
-    ++row;
-  };
-  mark(s.tension_centre, "tension centre", "#a33");
-  mark(s.shear_centre, "shear centre", "#1a7a3c");
-  mark(s.mass_centre, "centre of mass", "#2255aa");
-  svg += fmt::format(
-      "<text x=\"{:.0f}\" y=\"{:.0f}\">principal axes: 1 at {:.2f} deg from y, I_1 = {:.5g} mm^4, I_2 = "
-      "{:.5g} "
-      "mm^4</text>\n",
-      margin, bottom + 22.0 * row, s.principal_angle * 180.0 / std::numbers::pi, 1e12 * s.I_1, 1e12 * s.I_2);
-  return svg + "</svg>\n";
 }
 
 }  // namespace flexura::reduce

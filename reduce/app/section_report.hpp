@@ -11,6 +11,11 @@
 /// What `flexura section` hands out: a table, a drawing, and a file that beam parts read.
 namespace flexura::reduce {
 
+/// The same with zero for what is round-off: coordinates below 1e-6 of the section's size (a micrometre
+/// beside a metre; the warping field of the solver leaves some 1e-8), products of inertia and angles
+/// likewise.
+beam::SectionProperties without_round_off(beam::SectionProperties properties);
+
 void print_section(const beam::SectionProperties& properties, std::ostream& out);
 
 /// The same figures as a JSON object, SI units.
