@@ -243,26 +243,25 @@ void read_surface(const Group& root, Superelement& se) {
 
 using RowMajorXf = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
+// Shape k is row k in the file and column k here, 3 n_v numbers in a row either way: nothing is copied.
 void write_shapes(Group root, const Superelement& se) {
   Group group = root.create_group("shapes");
-  const RowMajorXf by_shape =
-      se.shapes.transpose();  // one row for each shape: neighbours are alike and pack well
-  write_rows(group, "surface", by_shape, "m per dof",
-             "(k, 3 v + a): shape k at vertex v of the surface, direction a, float32");
+  group.write("surface",
+              {static_cast<std::size_t>(se.shapes.cols()), static_cast<std::size_t>(se.shapes.rows())},
+              se.shapes.data(), "m per dof",
+              "(k, 3 v + a): shape k at vertex v of the surface, direction a, float32");
 }
 
 void read_shapes(const Group& root, Superelement& se) {
   if (!root.has("shapes")) return;
-  RowMajorXf by_shape;
   const Group group = root.group("shapes");
   const Shape shape = group.shape("surface");
   constexpr std::size_t most_columns = std::size_t{1} << 31;
   if (shape.size() != 2 || static_cast<int>(shape[0]) != se.n() || shape[1] > most_columns) {
     throw hdf5::BadFile(group.label() + "/surface: has the wrong shape; the file is damaged, make it again");
   }
-  by_shape.resize(se.n(), static_cast<Eigen::Index>(shape[1]));
-  group.read("surface", shape, by_shape.data());
-  se.shapes = by_shape.transpose();
+  se.shapes.resize(static_cast<Eigen::Index>(shape[1]), se.n());
+  group.read("surface", shape, se.shapes.data());
 }
 
 void write_stress(Group root, const StressModes& stress) {
