@@ -65,6 +65,7 @@ nlohmann::json to_json(const Superelement& se, const superelement::ModeAnalysis&
           {"modal_damping", se.modal_damping},
           {"stiffening", se.stiffening.has_value()},
           {"stress_modes", se.stress.has_value()},
+          {"section_forces", se.sections ? se.sections->member.size() : 0},
           {"load_cases", se.load_cases.size()},
           {"vertices", se.surface.vertices.rows()},
           {"triangles", se.surface.triangles.rows()},
@@ -79,7 +80,8 @@ int check_superelement(const std::string& file, bool json, const terminal::Talk&
                                                     .stiffening = true,
                                                     .surface = true,
                                                     .shapes = true,
-                                                    .stress = true});
+                                                    .stress = true,
+                                                    .sections = true});
   const auto modes = superelement::natural_modes(se, {}, 1);
   if (json) fmt::print("{}\n", to_json(se, modes).dump(1));
   if (talk.quiet || json) return 0;
@@ -116,6 +118,9 @@ int check_superelement(const std::string& file, bool json, const terminal::Talk&
   facts.add_row({"geometric stiffening", se.stiffening ? "yes" : "no"});
   facts.add_row(
       {"stress modes", se.stress ? fmt::format("at {} vertices", se.stress->vertices.size()) : "no"});
+  if (se.sections)
+    facts.add_row({"section forces", fmt::format("of {} members at {} places", se.sections->members.size(),
+                                                 se.sections->member.size())});
   facts.add_row({"load cases", fmt::format("{}", se.load_cases.size())});
   facts.add_row({"surface", fmt::format("{} vertices, {} triangles", se.surface.vertices.rows(),
                                         se.surface.triangles.rows())});

@@ -7,6 +7,7 @@
 
 #include "mbs/hdf5/file.hpp"
 #include "mbs/superelement/checks.hpp"
+#include "mbs/superelement/recovery_file.hpp"
 
 // The layout is described in FORMAT.md; change both together, and the version with them.
 namespace flexura::superelement {
@@ -196,25 +197,6 @@ void read_stiffening(const Group& root, Superelement& se) {
   read_stack(group, "K0F", terms.K0F, se.n());
 }
 
-template <typename Matrix>
-void write_rows(Group& group, const std::string& name, const Matrix& rows, const std::string& unit,
-                const std::string& doc) {
-  group.write(name, {static_cast<std::size_t>(rows.rows()), static_cast<std::size_t>(rows.cols())},
-              rows.data(), unit, doc);
-}
-
-template <typename Matrix>
-void read_rows(const Group& group, const std::string& name, Matrix& rows) {
-  const Shape shape = group.shape(name);
-  constexpr std::size_t most_rows = std::size_t{1} << 31;
-  if (shape.size() != 2 || shape[0] > most_rows || static_cast<Eigen::Index>(shape[1]) != rows.cols()) {
-    throw hdf5::BadFile(group.label() + "/" + name +
-                        ": has the wrong shape; the file is damaged, make it again");
-  }
-  rows.resize(static_cast<Eigen::Index>(shape[0]), rows.cols());
-  group.read(name, shape, rows.data());
-}
-
 void write_surface(Group root, const Surface& surface) {
   Group group = root.create_group("surface");
   write_rows(group, "vertices", surface.vertices, "m", "(v, a): position in frame B");
@@ -241,8 +223,6 @@ void read_surface(const Group& root, Superelement& se) {
   group.read("triangle_interface", shape, se.surface.triangle_interface.data());
 }
 
-using RowMajorXf = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-
 // Shape k is row k in the file and column k here, 3 n_v numbers in a row either way: nothing is copied.
 void write_shapes(Group root, const Superelement& se) {
   Group group = root.create_group("shapes");
@@ -264,44 +244,6 @@ void read_shapes(const Group& root, Superelement& se) {
   group.read("surface", shape, se.shapes.data());
 }
 
-void write_stress(Group root, const StressModes& stress) {
-  Group group = root.create_group("stress");
-  group.write("vertices", {stress.vertices.size()}, stress.vertices.data(), "",
-              "(s): vertex of the surface at which the stresses are given");
-  const std::string doc = "(k, 6 s + c): stress of shape k at place s, c = xx, yy, zz, xy, yz, zx";
-  if (stress.double_precision) {
-    const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> by_shape =
-        stress.S.transpose();
-    write_rows(group, "modes", by_shape, "Pa per dof", doc);
-  } else {
-    const RowMajorXf by_shape = stress.S.transpose().cast<float>();
-    write_rows(group, "modes", by_shape, "Pa per dof", doc + ", float32");
-  }
-  group.set("precision", stress.double_precision ? "float64" : "float32");
-}
-
-void read_stress(const Group& root, Superelement& se) {
-  if (!root.has("stress")) return;
-  const Group group = root.group("stress");
-  StressModes& stress = se.stress.emplace();
-  stress.double_precision = group.text("precision") == "float64";
-  const Shape places = group.shape("vertices");
-  constexpr std::size_t most_places = std::size_t{1} << 28;
-  if (places.size() != 1 || places[0] > most_places) {
-    throw hdf5::BadFile(group.label() + "/vertices: has the wrong shape; the file is damaged, make it again");
-  }
-  stress.vertices.resize(places[0]);
-  group.read("vertices", places, stress.vertices.data());
-  const Eigen::Index width = 6 * static_cast<Eigen::Index>(places[0]);
-  if (stress.double_precision) {
-    stress.S = hdf5::read_matrix(group, "modes", se.n(), width).transpose();
-    return;
-  }
-  RowMajorXf by_shape(se.n(), width);
-  group.read("modes", {static_cast<std::size_t>(se.n()), static_cast<std::size_t>(width)}, by_shape.data());
-  stress.S = by_shape.transpose().cast<double>();
-}
-
 void write_all(const std::filesystem::path& path, const Superelement& se) {
   hdf5::File file(path, hdf5::Mode::create);
   {
@@ -320,6 +262,7 @@ void write_all(const std::filesystem::path& path, const Superelement& se) {
     if (se.surface.vertices.rows() > 0) write_surface(file.root(), se.surface);
     if (se.shapes.size() > 0) write_shapes(file.root(), se);
     if (se.stress) write_stress(file.root(), *se.stress);
+    if (se.sections) write_sections(file.root(), *se.sections);
   }
   file.close();
 }
@@ -367,6 +310,7 @@ Superelement read(const std::filesystem::path& path, const Parts& parts) {
   if (parts.surface) read_surface(root, se);
   if (parts.shapes) read_shapes(root, se);
   if (parts.stress) read_stress(root, se);
+  if (parts.sections) read_sections(root, se);
   try {
     validate_parts(se, parts);
   } catch (const std::invalid_argument& failure) {

@@ -15,6 +15,7 @@ struct Parts {
   bool surface = false;
   bool shapes = false;
   bool stress = false;
+  bool sections = false;  ///< section forces of beams
 };
 
 /// Validates and writes beside, then renames: a file of this name is whole or not there.

@@ -79,6 +79,23 @@ struct StressModes {
   bool double_precision = false;  ///< of the file; float32 otherwise
 };
 
+/// Section forces of every shape at places along the members of a beam part, so that at run time
+///
+///     (N, V_y, V_z, T, M_y, M_z)(place) = sum_k S_k(place) u_se,k
+///
+/// on the section that looks along +x of the member, in the member's axes: those that the sections'
+/// elasticity asks for where the member is deformed so (loads along a member add their own part between its
+/// nodes).
+struct SectionForces {
+  std::vector<std::string> members;
+  std::vector<std::int32_t> member;  ///< n_p: index of each place's member; a member's places follow along it
+  Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor> positions;  ///< n_p x 3 [m], frame B
+  /// n_p x 9: R_BS row by row; columns of R_BS are the member's axes x, y, z in B.
+  Eigen::Matrix<double, Eigen::Dynamic, 9, Eigen::RowMajor> axes;
+  Eigen::MatrixXd
+      S;  ///< 6 n_p x n [N, N m per unit of the shape]: N, V_y, V_z, T, M_y, M_z of place 0, then 1
+};
+
 /// Vectors p_se = T^T p of load cases kept for run time (gravity needs none: it follows from the integrals).
 struct LoadCase {
   std::string name;
@@ -105,7 +122,8 @@ struct Superelement {
 
   std::optional<StiffeningTerms> stiffening;
   std::vector<LoadCase> load_cases;
-  std::optional<StressModes> stress;  ///< read on demand
+  std::optional<StressModes> stress;      ///< read on demand
+  std::optional<SectionForces> sections;  ///< of beam parts, read on demand
 
   // Only for pictures; read on demand.
   Surface surface;

@@ -229,6 +229,19 @@ class Check {
     }
   }
 
+  void sections(const SectionForces& sections) const {
+    const auto n_p = static_cast<Eigen::Index>(sections.member.size());
+    sized_and_finite("the positions of the section forces", sections.positions, n_p, 3);
+    sized_and_finite("the axes of the section forces", sections.axes, n_p, 9);
+    sized_and_finite("the section forces", sections.S, 6 * n_p, se_.n());
+    for (const std::int32_t member : sections.member) {
+      if (member < 0 || member >= static_cast<std::int32_t>(sections.members.size())) {
+        refuse(
+            fmt::format("the section forces name member {}, there are {}", member, sections.members.size()));
+      }
+    }
+  }
+
  private:
   // The square root of the largest diagonal entry among the dofs of the same unit: translations, rotations,
   // modes.
@@ -322,6 +335,7 @@ void validate_parts(const Superelement& se, const Parts& present) {
     check.sized_and_finite("shapes", se.shapes, rows, n);
   }
   if (present.stress && se.stress) check.stress(*se.stress, present.surface);
+  if (present.sections && se.sections) check.sections(*se.sections);
 }
 
 void validate(const Superelement& se) {
@@ -330,7 +344,8 @@ void validate(const Superelement& se) {
                       .stiffening = true,
                       .surface = true,
                       .shapes = true,
-                      .stress = true});
+                      .stress = true,
+                      .sections = true});
 }
 
 }  // namespace flexura::superelement

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <fstream>
@@ -13,6 +14,7 @@
 #include "mbs/superelement/file.hpp"
 #include "mbs/terminal/terminal.hpp"
 #include "reduce/app/report.hpp"
+#include "reduce/app/section_forces.hpp"
 #include "reduce/app/to_superelement.hpp"
 #include "reduce/beams/full_modes.hpp"
 #include "reduce/linalg/session.hpp"
@@ -28,6 +30,9 @@ superelement::Surface surface_of(const Picture& from) {
   surface.triangle_interface.assign(from.triangles.rows(), -1);
   return surface;
 }
+
+// Section forces of more members than this would be most of the file.
+constexpr std::size_t most_members = 1000;
 
 // A solid whose own modes end below the structure's makes those too stiff.
 std::vector<std::string> short_solids(const BeamPartInput& input, double highest_hz) {
@@ -74,6 +79,9 @@ void reduce_beam_part(const BeamPartInput& input, const std::filesystem::path& o
   if (reduction.n_q > 0)
     for (const std::string& text : short_solids(input, frequencies.back()))
       notes.push_back("warning: " + text);
+  if (input.model.members.size() > most_members)
+    notes.push_back(
+        fmt::format("section forces for run time are kept of up to {} members, not of these", most_members));
   const nlohmann::json json = {{"part", input.name},
                                {"mass", reduction.inertia.mass},
                                {"centre", {centre.x(), centre.y(), centre.z()}},
@@ -111,6 +119,10 @@ void reduce_beam_part(const BeamPartInput& input, const std::filesystem::path& o
   superelement::Superelement se =
       to_superelement(named, std::move(reduction), surface_of(structure.picture()), json.dump(1));
   se.load_cases = std::move(cases);
+  // Nine places show how bending runs along a member; large structures make do with fewer.
+  if (input.model.members.size() <= most_members)
+    se.sections = section_forces(
+        mesh, beams.T, std::clamp(static_cast<int>(2 * most_members / input.model.members.size()), 2, 9));
   superelement::write(output, se);
   if (!options.report.empty()) std::ofstream(options.report) << json.dump(2) << '\n';
   line.finish();

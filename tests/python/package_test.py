@@ -95,6 +95,29 @@ class Package(unittest.TestCase):
         first = self.link.natural_modes(held=["pivot"]).frequency[0]
         self.assertAlmostEqual(first / exact, 1.0, delta=3e-4)
 
+    def test_section_forces_of_a_cantilever_are_those_of_statics(self):
+        # Held at the pivot, 10 N down and 3 N along at the tip: N = 3 N, V_z = -10 N, M_y grows from the tip's 0 to
+        # F l at the pivot; members take +x along themselves, z up.
+        se = self.link
+        forces = se.section_forces
+        load = np.zeros(se.n)
+        load[se.interface("tip").dofs] = [3, 0, -10, 0, 0, 0]
+        keep = np.ones(se.n, dtype=bool)
+        keep[se.interface("pivot").dofs] = False
+        u_se = np.zeros(se.n)
+        u_se[keep] = np.linalg.solve(np.asarray(se.K_se)[np.ix_(keep, keep)], load[keep])
+        N, V_y, V_z, T, M_y, M_z = np.asarray(forces.at(u_se)).T
+        x = np.asarray(forces.positions)[:, 0]
+        self.assertEqual(forces.members, ["link"])
+        np.testing.assert_array_equal(np.asarray(forces.axes)[0], np.eye(3))
+        # Round-off of K_se of a slender strip: 1e-16 of its stretching stiffness 42 MN/m times 0.02 m of sag.
+        close = dict(rtol=1e-6, atol=1e-6)
+        np.testing.assert_allclose(N, 3.0, **close)
+        np.testing.assert_allclose(V_z, -10.0, **close)
+        np.testing.assert_allclose(M_y, 10.0 * (1.0 - x), **close)
+        for none in (V_y, T, M_z):
+            np.testing.assert_allclose(none, 0.0, **close)
+
     def test_energy_of_the_rigid_pendulum_from_its_arrays(self):
         run = self.results["rigid"]
         self.assertTrue(run.complete)

@@ -16,8 +16,13 @@ namespace {
 using ::testing::HasSubstr;
 using testing::make_box_beam;
 
-constexpr Parts everything{
-    .matrices = true, .inertia = true, .stiffening = true, .surface = true, .shapes = true, .stress = true};
+constexpr Parts everything{.matrices = true,
+                           .inertia = true,
+                           .stiffening = true,
+                           .surface = true,
+                           .shapes = true,
+                           .stress = true,
+                           .sections = true};
 
 Superelement complete_beam() {
   Superelement se = make_box_beam();
@@ -43,6 +48,13 @@ Superelement complete_beam() {
   // Multiples of 1/8 pass through single precision unchanged.
   stress.S = Eigen::MatrixXd::NullaryExpr(
       18, n, [](Eigen::Index i, Eigen::Index k) { return 0.125 * static_cast<double>(7 * i - 3 * k); });
+  SectionForces& sections = se.sections.emplace();
+  sections.members = {"jib", "tie \"b\""};
+  sections.member = {0, 0, 1};
+  sections.positions = Eigen::MatrixXd::Constant(3, 3, 1.0 / 3.0);
+  sections.axes = Eigen::MatrixXd::Constant(3, 9, 0.6);
+  sections.S = Eigen::MatrixXd::NullaryExpr(
+      18, n, [](Eigen::Index i, Eigen::Index k) { return 0.1 * static_cast<double>(5 * i - 2 * k); });
   return se;
 }
 
@@ -94,6 +106,14 @@ void expect_same(const Superelement& a, const Superelement& b) {
     EXPECT_EQ(a.stress->vertices, b.stress->vertices);
     EXPECT_EQ(a.stress->S, b.stress->S);
     EXPECT_EQ(a.stress->double_precision, b.stress->double_precision);
+  }
+  ASSERT_EQ(a.sections.has_value(), b.sections.has_value());
+  if (a.sections) {
+    EXPECT_EQ(a.sections->members, b.sections->members);
+    EXPECT_EQ(a.sections->member, b.sections->member);
+    EXPECT_EQ(a.sections->positions, b.sections->positions);
+    EXPECT_EQ(a.sections->axes, b.sections->axes);
+    EXPECT_EQ(a.sections->S, b.sections->S);
   }
 }
 

@@ -1,0 +1,83 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mbs/superelement/recovery_file.hpp"
+
+#include <nlohmann/json.hpp>
+
+namespace flexura::superelement {
+
+using hdf5::Group;
+using hdf5::Shape;
+using RowMajorXf = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+void write_stress(Group root, const StressModes& stress) {
+  Group group = root.create_group("stress");
+  group.write("vertices", {stress.vertices.size()}, stress.vertices.data(), "",
+              "(s): vertex of the surface at which the stresses are given");
+  const std::string doc = "(k, 6 s + c): stress of shape k at place s, c = xx, yy, zz, xy, yz, zx";
+  if (stress.double_precision) {
+    const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> by_shape =
+        stress.S.transpose();
+    write_rows(group, "modes", by_shape, "Pa per dof", doc);
+  } else {
+    const RowMajorXf by_shape = stress.S.transpose().cast<float>();
+    write_rows(group, "modes", by_shape, "Pa per dof", doc + ", float32");
+  }
+  group.set("precision", stress.double_precision ? "float64" : "float32");
+}
+
+void read_stress(const Group& root, Superelement& se) {
+  if (!root.has("stress")) return;
+  const Group group = root.group("stress");
+  StressModes& stress = se.stress.emplace();
+  stress.double_precision = group.text("precision") == "float64";
+  const Shape places = group.shape("vertices");
+  constexpr std::size_t most_places = std::size_t{1} << 28;
+  if (places.size() != 1 || places[0] > most_places) {
+    throw hdf5::BadFile(group.label() + "/vertices: has the wrong shape; the file is damaged, make it again");
+  }
+  stress.vertices.resize(places[0]);
+  group.read("vertices", places, stress.vertices.data());
+  const Eigen::Index width = 6 * static_cast<Eigen::Index>(places[0]);
+  if (stress.double_precision) {
+    stress.S = hdf5::read_matrix(group, "modes", se.n(), width).transpose();
+    return;
+  }
+  RowMajorXf by_shape(se.n(), width);
+  group.read("modes", {static_cast<std::size_t>(se.n()), static_cast<std::size_t>(width)}, by_shape.data());
+  stress.S = by_shape.transpose().cast<double>();
+}
+
+void write_sections(Group root, const SectionForces& sections) {
+  Group group = root.create_group("sections");
+  const nlohmann::json names = sections.members;
+  group.write_text("members", names.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace),
+                   "JSON: names of the members");
+  group.write("member", {sections.member.size()}, sections.member.data(), "",
+              "(p): number of the member of each place, from 0");
+  write_rows(group, "positions", sections.positions, "m", "(p, a): place on the member's axis, frame B");
+  write_rows(group, "axes", sections.axes, "",
+             "(p, 3 a + c): component a in B of the member's axis c = x, y, z");
+  const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> by_shape =
+      sections.S.transpose();
+  write_rows(group, "forces", by_shape, "N, N m per dof",
+             "(k, 6 p + c): section force of shape k at place p, c = N, V_y, V_z, T, M_y, M_z");
+}
+
+void read_sections(const Group& root, Superelement& se) {
+  if (!root.has("sections")) return;
+  const Group group = root.group("sections");
+  SectionForces& sections = se.sections.emplace();
+  try {
+    sections.members = nlohmann::json::parse(group.read_text("members")).get<std::vector<std::string>>();
+  } catch (const nlohmann::json::exception&) {
+    throw hdf5::BadFile(group.label() + "/members: is no list of names; the file is damaged, make it again");
+  }
+  read_rows(group, "positions", sections.positions);
+  read_rows(group, "axes", sections.axes);
+  const auto n_p = static_cast<std::size_t>(sections.positions.rows());
+  sections.member.resize(n_p);
+  group.read("member", {n_p}, sections.member.data());
+  sections.S = hdf5::read_matrix(group, "forces", se.n(), 6 * sections.positions.rows()).transpose();
+}
+
+}  // namespace flexura::superelement
