@@ -94,7 +94,8 @@ void write_page(const std::string& html, const std::string& file, const std::vec
                           .number = ++number,
                           .kind = mode.rigid ? "rigid" : "elastic",
                           .frequency_hz = mode.frequency_hz,
-                          .damping = mode.damping};
+                          .damping = mode.damping,
+                          .can_strike = analysis.held.empty() && !mode.rigid};
       for (std::size_t c = 0; c < 6; ++c) line.effective_mass[c] = mode.effective_mass[static_cast<int>(c)];
       page.columns.col(static_cast<Eigen::Index>(page.modes.size())) = mode.u_se;
       page.modes.push_back(line);

@@ -92,7 +92,8 @@ void write_modes_page(const std::filesystem::path& html, const superelement::Sup
                      {"kind", mode.kind},
                      {"frequency", mode.frequency_hz},
                      {"damping", mode.damping},
-                     {"effective_mass", mode.effective_mass}});
+                     {"effective_mass", mode.effective_mass},
+                     {"can_strike", mode.can_strike}});
   }
   const double mass = se.inertia.mass;
   const Eigen::Vector3d centre =

@@ -191,8 +191,32 @@ class MotionWriter {
         }
       }
       surfaces.push_back(blocks.header());
+      if (figure.se->sections)
+        surfaces.back()["sections"] = sections_json(figure, fmt::format("surface{}", i));
     }
     return surfaces;
+  }
+
+  /// Where section forces are given; those of each shape as blocks KEY/section/J.
+  json sections_json(const Figure& figure, const std::string& key) {
+    const superelement::SectionForces& sections = *figure.se->sections;
+    int shape = 0;
+    for (const Eigen::MatrixXd* basis : figure.bases) {
+      const Eigen::MatrixXf forces = (sections.S * *basis).cast<float>();
+      for (Eigen::Index j = 0; j < forces.cols(); ++j)
+        file_->add<float>(fmt::format("{}/section/{}", key, shape++),
+                          std::span(forces.col(j).data(), static_cast<std::size_t>(forces.rows())));
+    }
+    const auto rows = [](const auto& m) {
+      json list = json::array();
+      for (Eigen::Index i = 0; i < m.rows(); ++i)
+        list.push_back(std::vector<double>(m.row(i).begin(), m.row(i).end()));
+      return list;
+    };
+    return {{"members", sections.members},
+            {"member", sections.member},
+            {"positions", rows(sections.positions)},
+            {"axes", rows(sections.axes)}};
   }
 
   json run_json(std::size_t number) {
@@ -258,7 +282,7 @@ Pictures read_pictures(const results::ModelHeader& model, const std::filesystem:
       }
       superelement::Parts parts;
       parts.matrices = parts.inertia = false;
-      parts.surface = parts.shapes = parts.stress = true;
+      parts.surface = parts.shapes = parts.stress = parts.sections = true;
       se = std::make_shared<const Superelement>(superelement::read(path, parts));
     }
     pictures[body.name] = se;

@@ -25,6 +25,8 @@ struct PageMode {
   double frequency_hz = 0.0;
   double damping = 0.0;                       ///< ratio to critical
   std::array<double, 6> effective_mass = {};  ///< along x, y, z [kg], about x, y, z [kg m^2]
+  /// The part file's `strike_modes` means this mode by its number: an elastic one of the free body.
+  bool can_strike = false;
 };
 
 struct ModesPage {

@@ -98,6 +98,28 @@ void add_stress(superelement::Superelement& tube) {
   }
 }
 
+void add_sections(superelement::Superelement& tube) {
+  superelement::SectionForces& sections = tube.sections.emplace();
+  constexpr int places = 5;
+  sections.members = {"tube"};
+  sections.member.assign(places, 0);
+  sections.positions.setZero(places, 3);
+  sections.axes.setZero(places, 9);
+  sections.S.setZero(6 * places, tube.n());
+  for (int p = 0; p < places; ++p) {
+    const double x = tube_length * p / (places - 1);
+    sections.positions(p, 0) = x;
+    for (int a = 0; a < 3; ++a) sections.axes(p, 4 * a) = 1.0;
+    for (int k = 0; k < tube.n_q; ++k) {
+      const double wave = (k / 2 + 1) * pi / tube_length;
+      const double bending = tube_bending_stiffness * wave * wave * std::sin(wave * x);
+      const double shear = tube_bending_stiffness * std::pow(wave, 3) * std::cos(wave * x);
+      sections.S(6 * p + (k % 2 == 0 ? 5 : 4), 12 + k) = k % 2 == 0 ? -bending : bending;
+      sections.S(6 * p + (k % 2 == 0 ? 1 : 2), 12 + k) = shear;
+    }
+  }
+}
+
 ModesPage tube_modes(const superelement::Superelement& se) {
   ModesPage page;
   page.columns.setZero(se.n(), se.n_q);
@@ -107,6 +129,7 @@ ModesPage tube_modes(const superelement::Superelement& se) {
     mode.kind = k % 2 == 0 ? "bending y" : "bending z";
     mode.frequency_hz = 100.0 * std::pow(k / 2 + 1, 2) * (k % 2 == 0 ? 1.0 : 1.01);
     mode.damping = 0.01;
+    mode.can_strike = true;
     // Of a uniform beam with shape sin(j pi x / L): 8 / (j pi)^2 of the mass for odd j, none for even j.
     const int j = k / 2 + 1;
     mode.effective_mass[k % 2 == 0 ? 1 : 2] = j % 2 == 1 ? se.inertia.mass * 8.0 / std::pow(j * pi, 2) : 0.0;
@@ -150,6 +173,7 @@ results::Results engine(Pictures& pictures) {
      "axes": {"body": "crank", "rotation": [1, 0, 0, 0]}}])";
   auto rod = tube(32, 40, rod_modes);
   add_stress(rod);
+  add_sections(rod);
   pictures["rod"] = std::make_shared<const superelement::Superelement>(std::move(rod));
   for (const bool flexible : {false, true}) {
     results::Run run;
@@ -192,7 +216,8 @@ results::Results engine(Pictures& pictures) {
         deflection += rod_modal(j, t) * tube_displacement(j, {tube_length / 2, 0.0, 0.0}).y();
       }
       run.values.row(i) << 2.0 * pi + (flexible ? 0.2 * std::sin(2.0 * pi * 8.0 * t) : 0.0), p.slider,
-          deflection, 120.0 + 30.0 * std::cos(4.0 * pi * t), 4e4 * deflection * deflection, push_force, 0.0, 0.0;
+          deflection, 120.0 + 30.0 * std::cos(4.0 * pi * t), 4e4 * deflection * deflection, push_force, 0.0,
+          0.0;
     }
     all.runs.push_back(std::move(run));
   }

@@ -26,6 +26,13 @@ superelement::Superelement tube(int around, int along, int n_q);
 inline constexpr double tube_young = 2.1e11;
 void add_stress(superelement::Superelement& tube);
 
+/// Gives the tube the section forces of a slender beam at its ends, quarters and middle: with w the
+/// deflection of a shape, M_z = EI w'', V_y = -M_z' (along y) or M_y = -EI w'', V_z = M_y' (along z).
+inline constexpr double tube_bending_stiffness =
+    tube_young * 0.785398163397448 *
+    (tube_radius * tube_radius * tube_radius * tube_radius - tube_bore * tube_bore * tube_bore * tube_bore);
+void add_sections(superelement::Superelement& tube);
+
 /// The tube's modes as a page shows them: mode number k + 1 is shape k, at 100 (k/2 + 1)^2 Hz (z: one percent
 /// more).
 ModesPage tube_modes(const superelement::Superelement& se);

@@ -148,6 +148,39 @@ test('a force is an arrow that turns with the axes it is given in', async () => 
   await page.evaluate(() => flexura.showRun('rigid', true));
 });
 
+test('section forces of the beam are those of its deformation, in numbers, as a diagram and plotted', async () => {
+  const t = 0.125;
+  const bending = (k, x) => 2.1e11 * (Math.PI / 4) * (0.06 ** 4 - 0.04 ** 4) * ((Math.floor(k / 2) + 1) * Math.PI) ** 2
+    * Math.sin((Math.floor(k / 2) + 1) * Math.PI * x);
+  const exact = (at) => {
+    let [M_y, M_z] = [0, 0];
+    for (let k = 0; k < 4; ++k) if (k % 2 === 0) M_z -= modal(k, at) * bending(k, 0.25); else M_y += modal(k, at) * bending(k, 0.25);
+    return [M_y, M_z];
+  };
+  const { now, plotted } = await page.evaluate(async (at) => {
+    flexura.setTime(at);
+    const name = flexura.addSectionForce('rod', 1, 5);
+    await flexura.addPlot([name]);
+    return { now: flexura.sectionForces('flexible', 'rod', 1), plotted: await flexura.plotted(flexura.plots().length - 1) };
+  }, t);
+  const most = 0.002 * bending(0, 0.5);
+  // 24 bits of the shapes' section forces and of the modal coordinates, four of each.
+  assert.ok(Math.abs(now[4] - exact(t)[0]) < 1e-6 * most && Math.abs(now[5] - exact(t)[1]) < 1e-6 * most, `${now} ${exact(t)}`);
+  assert.deepEqual(plotted.map((c) => [c.run, c.name, c.unit]), [['flexible', 'rod.tube.M_z at 0.2500 m', 'N*m']]);
+  plotted[0].values.forEach((v, k) => assert.ok(Math.abs(v - exact(plotted[0].time[k])[1]) < 1e-6 * most));
+  // The table names the largest along the member; the diagram is seen.
+  await page.locator('#tab-sections').click();
+  assert.match(await page.locator('.section-forces tbody tr td').first().textContent(), /rod: tube/);
+  assert.ok(Number(await page.locator('.section-forces button.value').nth(5).textContent().then((s) => s.replace(/[\s]/g, '').replace('−', '-'))) !== 0);
+  const without = await picture(page);
+  await page.selectOption('#sections', '5');
+  assert.ok(difference(without, await picture(page)) > 500);
+  await page.selectOption('#sections', '-1');
+  assert.equal(difference(without, await picture(page)), 0);
+  await page.locator('#tab-plots').click();
+  await page.getByRole('button', { name: 'Remove rod.tube.M_z' }).click();
+});
+
 test('a click into a plot sets the time', async () => {
   const over = page.locator('.card').first().locator('.u-over');
   const box = await over.boundingBox();

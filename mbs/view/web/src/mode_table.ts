@@ -10,6 +10,7 @@ export interface ModeRow {
   frequency: number; // [Hz]
   damping: number; // ratio
   effective_mass: number[]; // along x, y, z [kg], about x, y, z [kg m^2]
+  can_strike: boolean; // strike_modes of the part file means it by its number
 }
 
 interface Column {
@@ -52,7 +53,7 @@ export class ModeTable {
       ...effective,
     ];
     this.rows = modes.map((m, i) => {
-      const keep = canStrike(m) && h('input', { type: 'checkbox', checked: true, 'aria-label': `Keep mode ${m.number}`,
+      const keep = m.can_strike && h('input', { type: 'checkbox', checked: true, 'aria-label': `Keep mode ${m.number}`,
                                 title: 'Keep this mode', onchange: (e: Event) => this.strike(i, !(e.target as HTMLInputElement).checked),
                                 onclick: (e: Event) => e.stopPropagation() });
       const cells = this.columns.map((c) => {
@@ -145,7 +146,7 @@ export class ModeTable {
   private refreshStruck(): void {
     const struck = this.struck();
     if (!struck.length) {
-      this.struckLine.replaceChildren(h('span', { class: 'hint' }, this.modes.some(canStrike)
+      this.struckLine.replaceChildren(h('span', { class: 'hint' }, this.modes.some((m) => m.can_strike)
         ? 'Untick modes of the free body to strike them out of the part.' : ''));
       return;
     }
@@ -196,11 +197,6 @@ export class ModeTable {
     return ['set,number,kind,frequency [Hz],damping ratio,m_x [kg],m_y [kg],m_z [kg],J_x [kg m^2],J_y [kg m^2],J_z [kg m^2]',
             ...lines, ''].join('\n');
   }
-}
-
-/** The part file's `strike_modes` means elastic modes of the free body, by number. */
-function canStrike(m: ModeRow): boolean {
-  return m.kind !== 'rigid' && (m.set === '' || m.set.startsWith('Free'));
 }
 
 /** A part of the whole in percent, in little room. */
