@@ -1,6 +1,8 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <numbers>
 
@@ -17,8 +19,18 @@ using superelement::Superelement;
 using terminal::Align;
 using terminal::number;
 
-std::string vector_text(const Eigen::Vector3d& v) {
-  return fmt::format("({}, {}, {})", number(v[0], 6), number(v[1], 6), number(v[2], 6));
+// Of numbers that were computed from ones as large as `scale`, what is below a 1e-14th of it is round-off.
+std::string vector_text(const Eigen::Vector3d& v, double scale) {
+  const auto text = [scale](double x) { return number(std::abs(x) < 1e-14 * scale ? 0.0 : x, 6); };
+  return fmt::format("({}, {}, {})", text(v[0]), text(v[1]), text(v[2]));
+}
+
+/// The largest distance from Bo of what the body's numbers were computed from [m].
+double reach(const Superelement& se) {
+  double largest = se.surface.vertices.size() > 0 ? se.surface.vertices.cwiseAbs().maxCoeff() : 0.0;
+  for (const auto& interface : se.interfaces)
+    largest = std::max(largest, interface.p_BoN_B.cwiseAbs().maxCoeff());
+  return largest;
 }
 
 std::string directions_text(const superelement::Interface& interface) {
@@ -86,6 +98,7 @@ int check_superelement(const std::string& file, bool json, const terminal::Talk&
   if (json) fmt::print("{}\n", to_json(se, modes).dump(1));
   if (talk.quiet || json) return 0;
   const bool colour = terminal::takes_colour(stdout);
+  const double size = reach(se);
   fmt::print("{}: superelement, made by {}\n\n", terminal::bold(se.name, colour), se.created_by);
   terminal::Table interfaces({{"interface", Align::left},
                               {"tie", Align::left},
@@ -93,7 +106,7 @@ int check_superelement(const std::string& file, bool json, const terminal::Talk&
                               {"directions", Align::left}});
   for (const auto& interface : se.interfaces) {
     interfaces.add_row(
-        {interface.name, interface.tie, vector_text(interface.p_BoN_B), directions_text(interface)});
+        {interface.name, interface.tie, vector_text(interface.p_BoN_B, size), directions_text(interface)});
   }
   fmt::print("{}\n", interfaces.text(terminal::width(stdout), colour));
 
@@ -101,9 +114,9 @@ int check_superelement(const std::string& file, bool json, const terminal::Talk&
   const auto& J = modes.inertia;
   facts.add_row({"dofs", fmt::format("{} interface + {} modes", se.n_b, se.n_q)});
   facts.add_row({"mass", number(modes.mass, 8) + " kg"});
-  facts.add_row({"mass centre", vector_text(modes.mass_centre) + " m"});
-  facts.add_row({"inertia xx, yy, zz", vector_text(J.diagonal()) + " kg m^2"});
-  facts.add_row({"inertia xy, yz, zx", vector_text({J(0, 1), J(1, 2), J(2, 0)}) + " kg m^2"});
+  facts.add_row({"mass centre", vector_text(modes.mass_centre, size) + " m"});
+  facts.add_row({"inertia xx, yy, zz", vector_text(J.diagonal(), J.norm()) + " kg m^2"});
+  facts.add_row({"inertia xy, yz, zx", vector_text({J(0, 1), J(1, 2), J(2, 0)}, J.norm()) + " kg m^2"});
   facts.add_row({"rigid modes", fmt::format("{}", modes.n_rigid)});
   if (static_cast<int>(modes.modes.size()) > modes.n_rigid) {
     facts.add_row({"first free frequency", number(modes.modes.back().frequency_hz, 6) + " Hz"});

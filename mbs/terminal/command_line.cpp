@@ -5,6 +5,7 @@
 
 #include <CLI/CLI.hpp>
 #include <new>
+#include <sstream>
 
 #include "mbs/hdf5/file.hpp"
 #include "mbs/input/document.hpp"
@@ -67,8 +68,28 @@ std::string refusal(const CLI::App& app, const CLI::ParseError& failure) {
   return message + (message.ends_with('.') ? " See " : "; see ") + app.get_name() + " --help";
 }
 
+constexpr int doc_column = 30;
+
+// CLI11 leaves long lines as they are: they go on below, where their text began.
+std::string wrapped(const std::string& help, std::size_t width) {
+  std::string out;
+  std::istringstream lines(help);
+  for (std::string line; std::getline(lines, line);) {
+    // Examples may be copied: they stay in one line.
+    const std::size_t indent = line.find_first_not_of(' ') == 2 ? doc_column : 6;
+    while (line.size() > width && !line.starts_with("  flexura")) {
+      const std::size_t cut = line.rfind(' ', width);
+      if (cut == std::string::npos || cut <= indent) break;
+      out += line.substr(0, cut) + '\n';
+      line = std::string(indent, ' ') + line.substr(cut + 1);
+    }
+    out += line + '\n';
+  }
+  return out;
+}
+
 void set_up(CLI::App& app, const Options::Impl& impl) {
-  app.get_formatter()->column_width(30);
+  app.get_formatter()->column_width(doc_column);
   app.footer(examples_text(impl.description.examples));
 }
 
@@ -93,7 +114,10 @@ int run_command(const Command& command, const std::string& full_name, const std:
   std::reverse(words.begin(), words.end());  // CLI11 takes them off the end
   try {
     app.parse(words);
-  } catch (const CLI::Success& wanted) {  // --help, --version
+  } catch (const CLI::CallForHelp&) {
+    fmt::print("{}", wrapped(app.help(), static_cast<std::size_t>(width(stdout))));
+    return 0;
+  } catch (const CLI::Success& wanted) {  // --version
     return app.exit(wanted);
   } catch (const CLI::ParseError& failure) {
     print_error(refusal(app, failure));

@@ -69,6 +69,18 @@ test('a click on a mode changes the picture', async () => {
   assert.match(await page.locator('.caption').first().textContent(), /Mode 4.*404/);
 });
 
+test('from every side the part stays on the picture, however it moves', async () => {
+  for (const name of ['+x', '−x', '+y', '−y', '+z', '−z', 'iso']) {
+    for (const phase of [0, Math.PI]) {
+      const now = await page.evaluate(([v, p]) => { flexura.setPhase(p); flexura.view(v); flexura.setPhase(p); }, [name, phase])
+        .then(() => picture(page));
+      const empty = now.at(0, 0).join();
+      for (let x = 0; x < now.width; ++x) for (const y of [0, now.height - 1]) assert.equal(now.at(x, y).join(), empty, `${name} ${x} ${y}`);
+      for (let y = 0; y < now.height; ++y) for (const x of [0, now.width - 1]) assert.equal(now.at(x, y).join(), empty, `${name} ${x} ${y}`);
+    }
+  }
+});
+
 test('playing moves the picture, stopping holds it', async () => {
   await page.locator('#play').click();
   const drawn = await page.evaluate(() => flexura.framesDrawn());

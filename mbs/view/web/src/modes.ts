@@ -43,6 +43,8 @@ export async function modesPage(app: HTMLElement, header: ModesHeader): Promise<
 
   // --- what is drawn ---------------------------------------------------------------------------------------------
   const reach = () => state.amplitude * surface.size;
+  /** From there the part stays on the picture, however it moves. */
+  const view = (name: ViewName) => stage.view(name, surface.box.clone().expandByScalar(reach()));
   const largest = new Map<number, number>();
   const largestStress = new Map<number, number>();
   const hasStress = surface.stress !== null;
@@ -211,7 +213,7 @@ export async function modesPage(app: HTMLElement, header: ModesHeader): Promise<
   const look_at = h('div', { class: 'group views', role: 'group', 'aria-label': 'Views' },
     ...viewNames.map((name) => h('button', { class: 'toggle', type: 'button', 'data-view': name,
                                              title: `Look ${name === 'iso' ? 'from a corner' : 'from ' + name}`,
-                                             onclick: () => stage.view(name, surface.box) }, name)));
+                                             onclick: () => view(name) }, name)));
   const fileName = header.title.replace(/[^\w.-]+/g, '_');
   async function savePng(): Promise<void> {
     const m = state.mode;
@@ -247,7 +249,7 @@ export async function modesPage(app: HTMLElement, header: ModesHeader): Promise<
     if (next >= 0) void select(next);
   };
   const axis = (i: number): [string[], string, () => void] =>
-    [[String(i + 1)], `View ${viewNames[i]}`, () => stage.view(viewNames[i] as ViewName, surface.box)];
+    [[String(i + 1)], `View ${viewNames[i]}`, () => view(viewNames[i] as ViewName)];
   const keys = shortcuts([
     { keys: [' '], text: 'play or stop', run: () => setPlaying(!state.playing) },
     { keys: ['ArrowDown', 'j'], text: 'next mode in the list', run: () => step(1) },
@@ -257,7 +259,7 @@ export async function modesPage(app: HTMLElement, header: ModesHeader): Promise<
     { keys: ['['], text: 'slower', run: () => speed.set(speed.get() - 0.1) },
     { keys: [']'], text: 'faster', run: () => speed.set(speed.get() + 0.1) },
     ...[0, 1, 2, 3, 4, 5].map(axis).map(([k, text, run]) => ({ keys: k, text, run })),
-    { keys: ['0', 'i'], text: 'view from a corner', run: () => stage.view('iso', surface.box) },
+    { keys: ['0', 'i'], text: 'view from a corner', run: () => view('iso') },
     { keys: ['c'], text: 'next colouring', run: () => setField((state.field + 1) % (hasStress ? 6 : 5)) },
     { keys: ['o'], text: 'undeformed outline', run: () => outline.click() },
     { keys: ['e'], text: 'feature edges', run: () => edges.click() },
@@ -315,7 +317,7 @@ export async function modesPage(app: HTMLElement, header: ModesHeader): Promise<
       header.surface.triangles} triangles.`));
   setPlaying(state.playing);
   look();
-  stage.view('iso', surface.box);
+  view('iso');
   if (modes.length) await select(modes.findIndex((m) => m.frequency > 0) >= 0 ? modes.findIndex((m) => m.frequency > 0) : 0);
   else refresh();
 
@@ -328,7 +330,7 @@ export async function modesPage(app: HTMLElement, header: ModesHeader): Promise<
     get set() { return table.set; }, setSet: (name: string) => table.showSet(name),
     setAmplitude: (fraction: number) => { amplitude.set(100 * fraction); state.amplitude = fraction; refresh(); },
     setPhase: (phase: number) => { setPlaying(false); state.phase = phase; refresh(); stage.drawNow(); },
-    setPlaying, setField, view: (name: ViewName) => stage.view(name, surface.box),
+    setPlaying, setField, view,
     size: surface.size,
     vertex: (v: number) => surface.position(v).toArray(),
     displacement: (v: number) => {

@@ -36,6 +36,7 @@ export class Stage {
   private queued = false;
   private last = 0;
   private readonly centre = new THREE.Vector3();
+  private readonly halfExtent = new THREE.Vector3(1, 1, 1);
   private radius = 1;
 
   constructor(label: string) {
@@ -102,10 +103,11 @@ export class Stage {
     this.drawNow();
   }
 
-  /** What the views show: everything inside this sphere. */
+  /** What the views show: everything inside this box. */
   setExtent(box: THREE.Box3): void {
     box.getCenter(this.centre);
-    this.radius = Math.max(1e-9, box.getSize(new THREE.Vector3()).length() / 2);
+    box.getSize(this.halfExtent).multiplyScalar(0.5);
+    this.radius = Math.max(1e-9, this.halfExtent.length());
     this.controls.minDistance = this.radius * 0.05;
     this.controls.maxDistance = this.radius * 60;
   }
@@ -123,13 +125,25 @@ export class Stage {
     const d = new THREE.Vector3(...directions[name]).normalize();
     // Exactly along z the camera has no up: lean by a millionth, with +y up on the screen.
     if (Math.abs(d.z) > 0.999) d.add(new THREE.Vector3(0, -1e-6, 0)).normalize();
-    const width = this.element.clientWidth / this.panes || 1;
-    const narrow = Math.min(1, width / (this.element.clientHeight || 1));
-    const distance = (0.92 * this.radius) / (Math.tan(THREE.MathUtils.degToRad(this.camera.fov / 2)) * narrow);
-    this.camera.position.copy(this.centre).addScaledVector(d, Math.max(distance, 1.2 * this.radius));
+    this.camera.position.copy(this.centre).addScaledVector(d, Math.max(this.fittingDistance(d), 1.2 * this.radius));
     this.controls.target.copy(this.centre);
     this.controls.update();
     this.draw();
+  }
+
+  /** From this far along d all corners of the extent are on the picture, with a margin of a tenth of it. */
+  private fittingDistance(d: THREE.Vector3): number {
+    const right = new THREE.Vector3().crossVectors(this.camera.up, d).normalize();
+    const up = new THREE.Vector3().crossVectors(d, right);
+    const width = this.element.clientWidth / this.panes || 1;
+    const tall = 0.9 * Math.tan(THREE.MathUtils.degToRad(this.camera.fov / 2));
+    const wide = (tall * width) / (this.element.clientHeight || 1);
+    let distance = 0;
+    for (let i = 0; i < 8; ++i) {
+      const c = new THREE.Vector3(i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1).multiply(this.halfExtent);
+      distance = Math.max(distance, c.dot(d) + Math.max(Math.abs(c.dot(right)) / wide, Math.abs(c.dot(up)) / tall));
+    }
+    return distance;
   }
 
   /** Steps back (or closer) so that as much is seen after the width of a picture changed by this factor. */

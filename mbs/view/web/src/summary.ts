@@ -6,7 +6,7 @@ import { figure, h, icon } from './ui';
 type Json = string | number | boolean | null | Json[] | { [key: string]: Json };
 
 function rows(value: Json, prefix: string, out: [string, string][]): void {
-  if (value === null || prefix === 'warnings') return;
+  if (value === null || prefix === 'warnings' || prefix === 'estimate.outputs') return;
   if (Array.isArray(value)) {
     if (value.every((v) => typeof v !== 'object')) out.push([prefix, value.map(text).join(', ')]);
     else value.forEach((v, i) => rows(v, `${prefix} ${i + 1}`, out));
@@ -32,6 +32,20 @@ export function warningsOf(run: Run): string[] {
   return list;
 }
 
+interface Estimate { max: number; rms: number; final: number; size_max: number }
+
+/** What dropped modes and the integrator cost in every output, behind a line to open. */
+function estimates(run: Run): HTMLElement | null {
+  const { estimate } = (run.header.summary ?? {}) as { estimate?: { outputs?: Record<string, Estimate> } };
+  const outputs = Object.entries(estimate?.outputs ?? {});
+  if (!outputs.length) return null;
+  const columns: [string, keyof Estimate][] = [['largest', 'max'], ['rms', 'rms'], ['at the end', 'final'], ['of', 'size_max']];
+  return h('details', { class: 'estimates' }, h('summary', {}, `Estimated errors of ${outputs.length} outputs`),
+    h('table', {}, h('thead', {}, h('tr', {}, ...['output', ...columns.map(([name]) => name)].map((c) => h('th', { scope: 'col' }, c)))),
+      h('tbody', {}, ...outputs.map(([name, e]) => h('tr', {}, h('th', { scope: 'row' }, name),
+        ...columns.map(([, key]) => h('td', {}, figure(e[key], 3))))))));
+}
+
 export function summaryPanel(runs: Run[]): HTMLElement {
   return h('div', { class: 'summary' }, ...runs.map((run) => {
     const list: [string, string][] = [];
@@ -43,6 +57,7 @@ export function summaryPanel(runs: Run[]): HTMLElement {
         h('span', { class: run.header.complete ? 'chip good' : 'chip bad' },
           icon(run.header.complete ? 'check' : 'warning'), run.header.complete ? 'complete' : 'stopped early')),
       ...warningsOf(run).map((w) => h('p', { class: 'warning' }, icon('warning'), w)),
-      h('dl', { class: 'pairs' }, ...list.map(([k, v]) => h('div', {}, h('dt', {}, k), h('dd', {}, v)))));
+      h('dl', { class: 'pairs' }, ...list.map(([k, v]) => h('div', {}, h('dt', {}, k), h('dd', {}, v)))),
+      estimates(run));
   }));
 }
