@@ -48,6 +48,7 @@ int export_results(const Arguments& arguments, const terminal::Talk& talk) {
 }
 
 int run(const Arguments& arguments, const terminal::Talk& talk) {
+  terminal::require_folder_of(arguments.output);
   if (is_of_results(arguments.format)) return export_results(arguments, talk);
   if (arguments.count < 1)
     throw std::invalid_argument(fmt::format("--count is {}, it must be at least 1", arguments.count));

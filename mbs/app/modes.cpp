@@ -110,6 +110,7 @@ int run(const Arguments& arguments, const terminal::Talk& talk) {
   }
   if (arguments.count < 1)
     throw std::invalid_argument(fmt::format("--count is {}, it must be at least 1", arguments.count));
+  terminal::require_folder_of(arguments.html);
   const Superelement se = superelement::read(arguments.file);
   // Without a choice: the body as it hangs in the air and, with effective masses, as it sits in its
   // interfaces.

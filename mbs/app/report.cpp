@@ -22,7 +22,9 @@ view::Report read_report(const std::string& file) {
   try {
     json = nlohmann::json::parse(in);
   } catch (const nlohmann::json::parse_error& failure) {
-    throw std::invalid_argument(fmt::format("'{}' is not JSON: {}", file, failure.what()));
+    // Without the library's own number of the fault, "[json.exception.parse_error.101] ".
+    const std::string what = failure.what();
+    throw std::invalid_argument(fmt::format("'{}' is not JSON: {}", file, what.substr(what.find("] ") + 2)));
   }
   try {
     return view::report_from_json(json);
@@ -32,13 +34,14 @@ view::Report read_report(const std::string& file) {
 }
 
 int run(const Arguments& arguments, const terminal::Talk& talk) {
+  std::filesystem::path html = arguments.html;
+  if (html.empty()) html = std::filesystem::path(arguments.file).replace_extension(".html");
+  terminal::require_folder_of(html);
   const bool is_json = arguments.file.ends_with(".json");
   const view::Report report =
       is_json
           ? read_report(arguments.file)
           : view::reduction_report(superelement::read(arguments.file, {.matrices = true, .inertia = true}));
-  std::filesystem::path html = arguments.html;
-  if (html.empty()) html = std::filesystem::path(arguments.file).replace_extension(".html");
   view::write_report_page(html, report);
   if (!talk.quiet) fmt::print("wrote {}\n", html.string());
   return 0;

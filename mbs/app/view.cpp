@@ -100,6 +100,7 @@ std::string summary_text(const results::Results& results, int width, bool colour
 int run(const Arguments& arguments, const terminal::Talk& talk) {
   if (arguments.frames < 2)
     throw std::invalid_argument(fmt::format("--frames is {}, it must be at least 2", arguments.frames));
+  terminal::require_folder_of(arguments.html);
   const results::Results results = results::read(arguments.file);
   if (arguments.summary) {
     fmt::print("{}", summary_text(results, terminal::width(stdout), terminal::takes_colour(stdout)));

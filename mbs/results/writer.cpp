@@ -108,6 +108,8 @@ Writer::Writer(const std::filesystem::path& path, const ModelHeader& model)
 Writer::~Writer() {
   try {
     if (impl_->file) impl_->flush();
+    // A file in which no run began would only be in the way.
+    if (!impl_->closed && impl_->n_runs == 0) std::filesystem::remove(impl_->part);
   } catch (const std::exception&) {
     // Nothing more can be done for the last rows; FILE.part keeps the earlier ones.
   }

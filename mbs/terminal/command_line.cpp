@@ -234,6 +234,13 @@ Options& Options::example(const std::string& command, const std::string& what) {
 
 // --- Running ---------------------------------------------------------------------------------------------
 
+void require_folder_of(const std::filesystem::path& output) {
+  const std::filesystem::path folder = output.parent_path();
+  if (!folder.empty() && !std::filesystem::is_directory(folder))
+    throw std::invalid_argument(
+        fmt::format("{}: the folder {} does not exist; make it first", output.string(), folder.string()));
+}
+
 int guarded(const std::function<int()>& work) {
   try {
     return work();

@@ -1,6 +1,7 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <string>
@@ -76,6 +77,10 @@ int run(const Program& program, int argc, const char* const* argv);
 /// The same for a program with a single purpose; "--list-options" prints its options for completion
 /// scripts, "--manual-section" its part of the manual.
 int run(const Command& command, const std::string& version, int argc, const char* const* argv);
+
+/// Refuses an output whose folder is not there, before anything is computed or printed
+/// (std::invalid_argument).
+void require_folder_of(const std::filesystem::path& output);
 
 /// What run() does with exceptions: input::InputError and std::invalid_argument are bad input (2), others
 /// failures (1).

@@ -4,6 +4,8 @@
 // section` hand over to it.
 #include <fmt/format.h>
 
+#include <cctype>
+#include <filesystem>
 #include <iostream>
 
 #include "mbs/input/document.hpp"
@@ -43,11 +45,20 @@ int reduce_with(const Arguments& arguments, const terminal::Talk& talk) {
     reduce::print_faces(arguments.input, std::cout);
     return 0;
   }
+  std::string ending = std::filesystem::path(arguments.input).extension().string();
+  for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  if (ending == ".step" || ending == ".stp" || ending == ".iges" || ending == ".igs" || ending == ".brep")
+    throw input::InputError(fmt::format(
+        "{}: is a CAD file, a part file (.toml) that names it is wanted; --list-faces lists what its "
+        "interfaces can be chosen from, --schema the part file's keys",
+        arguments.input));
   std::vector<std::string> overrides = arguments.overrides;
   if (!arguments.mesh_size.empty()) overrides.push_back("mesh.size=" + arguments.mesh_size);
   if (arguments.modes >= 0) overrides.push_back(fmt::format("modes.count={}", arguments.modes));
   std::filesystem::path output = arguments.output;
   if (output.empty()) output = std::filesystem::path(arguments.input).replace_extension(".se.h5");
+  terminal::require_folder_of(output);
+  terminal::require_folder_of(arguments.report);
   if (reduce::is_beam_file(arguments.input)) {
     const linalg::Session session;  // one for the structure and its solids
     const reduce::BeamPartInput beams =

@@ -50,6 +50,8 @@ int solve_section(const Arguments& arguments, const terminal::Talk& talk) {
     throw input::InputError(
         fmt::format("{} would be overwritten by what is made of it; choose other names with -o and --svg",
                     source.string()));
+  terminal::require_folder_of(output);
+  terminal::require_folder_of(drawing);
   const beam::SectionProperties section = solve(read_section_file(source, overrides));
   write_file(output, section_result(section));
   write_file(drawing, section_svg(section));

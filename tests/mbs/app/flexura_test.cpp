@@ -77,6 +77,22 @@ TEST_F(Flexura, TablesOfEveryCommandFitEightyColumns) {
   }
 }
 
+// Options with their texts, wrapped; commands in the examples may be copied and stay whole.
+TEST_F(Flexura, HelpOfEveryCommandFitsEightyColumnsAndHasExamplesAndAVersion) {
+  const std::string program = run_program(FLEXURA_BIN_DIR "/flexura --version").out;
+  for (const char* command : {"reduce", "section", "modes", "simulate", "outputs", "statics", "eigen",
+                              "linearize", "study", "view", "check", "report", "export", "assemble"}) {
+    const Outcome help = flexura(std::string(command) + " --help");
+    EXPECT_EQ(help.code, 0) << command;
+    EXPECT_THAT(help.out, HasSubstr("Examples:\n  flexura " + std::string(command))) << command;
+    std::istringstream lines(help.out);
+    for (std::string line; std::getline(lines, line);)
+      if (!line.starts_with("  flexura")) EXPECT_LE(terminal::display_width(line), 80) << line;
+    const Outcome version = flexura(std::string(command) + " --version");
+    EXPECT_EQ(version.out, "flexura " + std::string(command) + program.substr(program.find(' ')));
+  }
+}
+
 // Every detail: what the integrator counted, and the stages where no terminal shows them moving.
 TEST_F(Flexura, VerboseTellsCountsAndStages) {
   const std::string run = "simulate " FLEXURA_SOURCE_DIR
@@ -152,6 +168,28 @@ TEST_F(Flexura, BadInputIsRefusedInOneLineWithCode2) {
   refused("export " + beam_, "--format is required");
   std::filesystem::resize_file(beam_, std::filesystem::file_size(beam_) - 1);
   refused("check " + beam_, "the file is cut short");
+  const auto cad = folder_ / "rod.step", results = folder_ / "refused.h5";
+  std::ofstream(cad) << "ISO-10303-21;";
+  refused("reduce " + cad.string(), "is a CAD file, a part file (.toml) that names it is wanted");
+  refused("simulate " FLEXURA_SOURCE_DIR "/cases/macpherson/macpherson.toml --accuracy much -o " +
+              results.string(),
+          "solver.accuracy = \"much\": is not a number");
+  EXPECT_FALSE(std::filesystem::exists(results.string() + ".part"));
+}
+
+// Before anything is computed or printed.
+TEST_F(Flexura, OutputsInAFolderThatIsNotThereAreRefused) {
+  const std::string nowhere = (folder_ / "nowhere").string();
+  for (const std::string& command :
+       {"modes " + beam_ + " --html ", "report " + beam_ + " -o ", "export " + beam_ + " -f gltf -o ",
+        "section " FLEXURA_SOURCE_DIR "/cases/jib_crane/jib_section.toml -o ",
+        "reduce " FLEXURA_SOURCE_DIR "/cases/steam_engine/conrod.toml --report "}) {
+    const Outcome outcome = flexura(command + nowhere + "/file");
+    EXPECT_EQ(outcome.code, 2) << command;
+    EXPECT_EQ(outcome.out, "") << command;
+    EXPECT_THAT(outcome.err, HasSubstr("the folder " + nowhere + " does not exist; make it first"))
+        << command;
+  }
 }
 
 // A force with a pole half way, taken by the guide alone, so that no step is cut back before the row at the

@@ -276,3 +276,17 @@ test('every control has a name, in both themes the text is legible', async () =>
     for (const r of ratio) assert.ok(r >= 4.5, `${colorScheme}: contrast ${r}`);
   }
 });
+
+test('on paper the part is a picture on white, with the table below', async () => {
+  await page.evaluate(() => dispatchEvent(new Event('beforeprint')));
+  await page.emulateMedia({ media: 'print', colorScheme: 'dark' });
+  const seen = await page.evaluate(() => {
+    const image = document.querySelector('img.print');
+    return { ground: getComputedStyle(document.body).backgroundColor, width: image.naturalWidth, shown: image.clientWidth };
+  });
+  assert.equal(seen.ground, 'rgb(255, 255, 255)');
+  assert.ok(seen.width > 300 && seen.shown > 300, JSON.stringify(seen));
+  assert.equal(await page.locator('.strip').isVisible(), false);
+  assert.ok(await page.locator('.modes tbody tr').last().isVisible());
+  await page.emulateMedia({ media: 'screen', colorScheme: 'light' });
+});

@@ -116,7 +116,10 @@ test('dark is the same whether the system or the reader asks for it', async () =
 });
 
 test('on paper there are no buttons and the plots are there', async () => {
-  await page.emulateMedia({ media: 'print' });
+  // White paper, whatever the screen's theme.
+  await page.emulateMedia({ media: 'print', colorScheme: 'dark' });
+  assert.equal(await page.evaluate(() => getComputedStyle(document.body).backgroundColor), 'rgb(255, 255, 255)');
+  await page.emulateMedia({ media: 'print', colorScheme: 'light' });
   assert.equal(await page.locator('.card-buttons').first().isVisible(), false);
   assert.equal(await page.locator('nav').isVisible(), false);
   assert.ok(await page.locator('svg.report-plot').isVisible());

@@ -8,6 +8,7 @@ type Json = string | number | boolean | null | Json[] | { [key: string]: Json };
 function rows(value: Json, prefix: string, out: [string, string][]): void {
   if (value === null || prefix === 'warnings' || prefix === 'estimate.outputs') return;
   if (Array.isArray(value)) {
+    if (!value.length) return;
     if (value.every((v) => typeof v !== 'object')) out.push([prefix, value.map(text).join(', ')]);
     else value.forEach((v, i) => rows(v, `${prefix} ${i + 1}`, out));
   } else if (typeof value === 'object') {
