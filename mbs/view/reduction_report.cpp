@@ -33,6 +33,16 @@ std::string words(std::string key) {
   return key;
 }
 
+/// " m" for "centroid": units of what the reduction tells without one in its name.
+std::string unit_behind(const std::string& key) {
+  static const std::pair<const char*, const char*> units[] = {
+      {"volume", "m³"}, {"cad_volume", "m³"}, {"centroid", "m"}, {"cad_centroid", "m"},
+      {"size", "m"},    {"cad_mass", "kg"},   {"seconds", "s"}};
+  for (const auto& [name, unit] : units)
+    if (key == name) return std::string(" ") + unit;
+  return {};
+}
+
 bool is_plain(const json& value) {
   return !value.is_object() && !value.is_array();
 }
@@ -53,8 +63,15 @@ ReportCell cell_of(const std::string& key, const json& value) {
   if (is_plain(value)) return {value.is_null() ? "" : plain_text(value), tone};
   std::string text;
   if (value.is_array()) {
+    double size = 0.0;
     for (const json& item : value)
-      text += (text.empty() ? "" : ", ") + (is_plain(item) ? plain_text(item) : item.dump());
+      if (item.is_number()) size = std::max(size, std::abs(item.get<double>()));
+    for (const json& item : value) {
+      // Round-off beside a component that is there is zero.
+      const bool round_off = item.is_number() && std::abs(item.get<double>()) < 1e-9 * size;
+      text += text.empty() ? "" : ", ";
+      text += round_off ? "0" : is_plain(item) ? plain_text(item) : item.dump();
+    }
   } else {
     for (const auto& [name, item] : value.items()) {
       text += fmt::format("{}{} {}", text.empty() ? "" : ", ", words(name),
@@ -102,19 +119,27 @@ std::string directions_text(const superelement::Interface& item) {
   return text;
 }
 
-void add_body(Report& report, const Superelement& se) {
+/// With what else the reduction told about the body as a whole, in single numbers and words.
+void add_body(Report& report, const Superelement& se, const json& told) {
   const double mass = se.inertia.mass;
   const Eigen::Vector3d centre =
       mass > 0.0 ? Eigen::Vector3d(se.inertia.S_x / mass) : Eigen::Vector3d::Zero();
   const Eigen::Matrix3d S = se.inertia.S_xx - mass * centre * centre.transpose();
   const Eigen::Matrix3d J = S.trace() * Eigen::Matrix3d::Identity() - S;
   ReportSection& section = report.add("Body");
-  section.add(ReportFacts{{{"mass", figure_text(mass, 7) + " kg"},
-                           {"mass centre", vector_text(centre) + " m"},
-                           {"inertia xx, yy, zz", vector_text(J.diagonal()) + " kg·m²"},
-                           {"inertia xy, yz, zx", vector_text({J(0, 1), J(1, 2), J(2, 0)}) + " kg·m²"},
-                           {"modal damping", figure_text(100.0 * se.modal_damping, 3) + " %"},
-                           {"geometric stiffening", se.stiffening ? "yes" : "no"}}});
+  ReportFacts facts{{{"mass", figure_text(mass, 7) + " kg"},
+                     {"mass centre", vector_text(centre) + " m"},
+                     {"inertia xx, yy, zz", vector_text(J.diagonal()) + " kg·m²"},
+                     {"inertia xy, yz, zx", vector_text({J(0, 1), J(1, 2), J(2, 0)}) + " kg·m²"},
+                     {"modal damping", figure_text(100.0 * se.modal_damping, 3) + " %"},
+                     {"geometric stiffening", se.stiffening ? "yes" : "no"}}};
+  if (told.is_object()) {
+    for (const auto& [key, value] : told.items()) {
+      if (key != "part" && key != "mass" && key != "seconds" && is_plain(value))
+        facts.facts.emplace_back(words(key), plain_text(value) + unit_behind(key));
+    }
+  }
+  section.add(std::move(facts));
   ReportTable table{.title = "Interfaces",
                     .note = {},
                     .columns = {{"name"}, {"tie"}, {"x", "m"}, {"y", "m"}, {"z", "m"}, {"directions"}},
@@ -171,8 +196,9 @@ void add_json(ReportSection& section, const std::string& title, const json& valu
     ReportFacts facts;
     for (const auto& [key, item] : value.items()) {
       if (!item.is_object() && !(item.is_array() && !item.empty() && item.front().is_object())) {
+        const ReportCell cell = cell_of(key, item);
         facts.facts.emplace_back(words(key),
-                                 cell_of(key, item).is_number ? plain_text(item) : cell_of(key, item).text);
+                                 (cell.is_number ? plain_text(item) : cell.text) + unit_behind(key));
       }
     }
     if (!facts.facts.empty()) section.add(std::move(facts));
@@ -233,13 +259,14 @@ Report reduction_report(const Superelement& se) {
       }
     }
   }
-  add_body(report, se);
+  add_body(report, se, told);
   add_modes(report, se);
   if (told.is_object()) {
     for (const auto& [key, value] : told.items()) {
-      static constexpr const char* shown[] = {"acceptance", "checks", "accuracy", "notes",
-                                              "part",       "mass",   "centre",   "seconds"};
-      if (std::any_of(std::begin(shown), std::end(shown), [&](const char* name) { return key == name; }))
+      static constexpr const char* shown[] = {"acceptance", "checks", "accuracy",
+                                              "notes",      "centre", "inertia"};
+      if (is_plain(value) ||
+          std::any_of(std::begin(shown), std::end(shown), [&](const char* name) { return key == name; }))
         continue;
       std::string heading = words(key);
       heading[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(heading[0])));

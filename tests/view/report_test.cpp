@@ -208,17 +208,21 @@ TEST(ReductionReport, ShowsTheBodyItsInterfacesAndWhateverTheReductionTold) {
   se.report_json = R"({"mesh": {"nodes": 1234}, "notes": ["one note"], "seconds": 3.5,
       "checks": [{"check": "rigid motions", "value": 1e-13, "bound": 1e-9, "passed": true},
                  {"check": "mass", "value": 0.5, "bound": 1e-9, "passed": false}],
-      "reduction": {"dofs": 5000, "seconds": {"assembly": 1.0, "factor": 3.0}}, "novelty": {"depth": 7}})";
+      "reduction": {"dofs": 5000, "seconds": {"assembly": 1.0, "factor": 3.0}}, "novelty": {"depth": 7}, "mode_set": "craig_bampton", "cad_mass": 2.5,
+      "inertia": [17.5], "mesh_of": {"centroid": [0.25, 1e-17], "volume": 0.125}})";
   const Report report = reduction_report(se);
   const auto html = scratch("reduction.html");
   write_report_page(html, report);
   const std::string text = slurp(html);
   for (const char* word :
-       {"one note", "1234", "rigid motions", "right end", "Novelty", "<dt>depth</dt><dd>7</dd>"}) {
+       {"one note", "1234", "rigid motions", "right end", "Novelty", "<dt>depth</dt><dd>7</dd>",
+        "<dt>mode set</dt><dd>craig_bampton</dd>", "<dt>cad mass</dt><dd>2.5 kg</dd>",
+        "<dt>centroid</dt><dd>0.25, 0 m</dd>", "<dd>0.125 m³</dd>"}) {
     EXPECT_THAT(text, HasSubstr(word));
   }
-  EXPECT_THAT(text, HasSubstr("<td class=\"bad\">"));                              // mass: passed is false
-  EXPECT_THAT(text, HasSubstr("data-value=\"75\""));                               // factor: 3 s of 4 s
+  EXPECT_THAT(text, Not(HasSubstr("17.5")));           // the body's own figures stand there already
+  EXPECT_THAT(text, HasSubstr("<td class=\"bad\">"));  // mass: passed is false
+  EXPECT_THAT(text, HasSubstr("data-value=\"75\""));   // factor: 3 s of 4 s
   EXPECT_THAT(text, HasSubstr(figure_text(1000.0 / (2 * M_PI), 4).substr(0, 4)));  // first frequency
   se.report_json = "not JSON";
   write_report_page(html, reduction_report(se));  // an old or foreign file still has a report
