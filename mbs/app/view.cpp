@@ -23,7 +23,7 @@ struct Arguments {
 using Lines = std::vector<std::pair<std::string, std::string>>;
 
 /// The numbers and words of a run's summary, "energy.error" for a number inside a table; lists are left to
-/// the page, and estimated errors of outputs to the ranges of these.
+/// the page, and so are the estimated errors of the single outputs.
 void flatten(const nlohmann::json& value, const std::string& name, Lines& lines) {
   if (name == "estimate.outputs") return;
   if (value.is_object()) {
@@ -36,15 +36,6 @@ void flatten(const nlohmann::json& value, const std::string& name, Lines& lines)
   } else if (value.is_boolean()) {
     lines.emplace_back(name, value.get<bool>() ? "yes" : "no");
   }
-}
-
-/// " ± 0.012", the estimated error of an output, or nothing.
-std::string estimated_error_of(const nlohmann::json& summary, const std::string& output) {
-  const auto found = summary.find("estimate");
-  if (found == summary.end() || !found->contains("outputs")) return {};
-  const auto& outputs = (*found)["outputs"];
-  if (!outputs.contains(output)) return {};
-  return " ± " + terminal::number(outputs[output].value("max", 0.0), 2);
 }
 
 /// How the runs ended, side by side, then the range of every quantity.
@@ -81,9 +72,8 @@ std::string summary_text(const results::Results& results, int width, bool colour
     for (std::size_t j = 0; j < run.quantities.size() && run.time.size() > 0; ++j) {
       const auto values = run.values.col(static_cast<Eigen::Index>(j));
       put(i, fmt::format("{} [{}]", run.quantities[j].name, run.quantities[j].unit),
-          fmt::format("{} .. {}{}", terminal::number(values.minCoeff(), 4),
-                      terminal::number(values.maxCoeff(), 4),
-                      summary.is_object() ? estimated_error_of(summary, run.quantities[j].name) : ""));
+          fmt::format("{} .. {}", terminal::number(values.minCoeff(), 4),
+                      terminal::number(values.maxCoeff(), 4)));
     }
   }
   for (const std::string& name : names) {

@@ -137,12 +137,16 @@ std::string Table::text(int width, bool colour) const {
     widths[c] = display_width(columns_[c].heading);
     for (const auto& row : rows_) widths[c] = std::max(widths[c], display_width(row[c]));
   }
+  // What names a row must stay a name.
+  const auto least = [&](std::size_t c) {
+    return c < repeated_ ? std::max(narrowest, width / 3) : narrowest;
+  };
   // What the columns of numbers leave is shared by those of words, as long as each keeps something to read.
   const auto shorten = [&](const std::vector<std::size_t>& columns) {
     while (total(columns, widths) > width) {
       std::size_t widest = n;
       for (const std::size_t c : columns) {
-        if (columns_[c].align == Align::left && widths[c] > narrowest &&
+        if (columns_[c].align == Align::left && widths[c] > least(c) &&
             (widest == n || widths[c] > widths[widest])) {
           widest = c;
         }
@@ -159,7 +163,7 @@ std::string Table::text(int width, bool colour) const {
   widths = wished;
   std::vector<std::size_t> first(std::min(repeated_, n));
   for (std::size_t c = 0; c < first.size(); ++c) first[c] = c;
-  for (std::size_t c : first) widths[c] = std::min(widths[c], std::max(narrowest, width / 3));
+  for (std::size_t c : first) widths[c] = std::min(widths[c], least(c));
   std::string out;
   std::vector<std::size_t> columns = first;
   const auto close = [&] {

@@ -56,6 +56,18 @@ TEST(Terminal, TablesTooWideForTheTerminalAreContinuedBelow) {
             "---------------\n"
             "rigid     3e-16\n"
             "flexible  1e-11\n");
+
+  // A name is shortened to a third of the width, and not to an ending or two.
+  Table named({{"", Align::left}, {"rigid"}, {"flexible"}});
+  named.add_row({"crosshead_pin.angle", "-0.2527 .. 0.2527", "0 .. 1"});
+  EXPECT_EQ(named.text(36),
+            "                          rigid\n"
+            "-------------------------------\n"
+            "crosshead_p…  -0.2527 .. 0.2527\n"
+            "\n"
+            "              flexible\n"
+            "----------------------\n"
+            "crosshead_p…    0 .. 1\n");
 }
 
 // Runs a progress line against a clock of our own and returns what it printed.
