@@ -62,7 +62,7 @@ void print_table(const StudyFile& study, const Judgement& judgement) {
       {"error %"},       {"to finest %"}};
   if (estimates) columns.push_back({"estimate %"});
   if (parts) columns.push_back({"reduce s"});
-  terminal::Table table(columns);
+  terminal::Table table(columns, 2);
   for (const Row& row : judgement.rows) {
     const study::Measurement& c = *row.cost;
     std::vector<std::string> cells = {row.on_front ? "*" : "",

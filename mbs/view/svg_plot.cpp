@@ -126,8 +126,41 @@ std::vector<std::size_t> drawn_points(const ReportCurve& curve, const Scale& x) 
   return places;
 }
 
+/// Labels beside their points, none over another: where there is no room the point's title has to do.
+class Labels {
+ public:
+  void draw(std::string& svg, const std::string& text, double px, double py) {
+    // Letters of this size are 7.5 wide on the average and 15 high.
+    const double w = 7.5 * static_cast<double>(text.size()), h = 15.0;
+    // At the right edge the left of the point comes first.
+    const bool turned = px > right - 130;
+    for (const double below : {-6.0, 16.0}) {
+      for (const bool to_left : {turned, !turned}) {
+        const Box box{to_left ? px - 8 - w : px + 8, py + below - h, w, h};
+        if (box.x < left || box.x + w > width || overlaps(box)) continue;
+        placed_.push_back(box);
+        svg += fmt::format("<text class=\"label\" x=\"{:.1f}\" y=\"{:.1f}\"{}>{}</text>",
+                           to_left ? px - 8 : px + 8, py + below, to_left ? " text-anchor=\"end\"" : "",
+                           escape_html(text));
+        return;
+      }
+    }
+  }
+
+ private:
+  struct Box {
+    double x, y, w, h;
+  };
+  bool overlaps(const Box& a) const {
+    return std::any_of(placed_.begin(), placed_.end(), [&](const Box& b) {
+      return a.x < b.x + b.w && b.x < a.x + a.w && a.y < b.y + b.h && b.y < a.y + a.h;
+    });
+  }
+  std::vector<Box> placed_;
+};
+
 void draw_curve(std::string& svg, const ReportCurve& curve, std::size_t number, const Scale& x,
-                const Scale& y) {
+                const Scale& y, Labels& labels) {
   const auto visible = [&](std::size_t i) { return x.takes(curve.x[i]) && y.takes(curve.y[i]); };
   if (curve.style != CurveStyle::points) {
     std::string path;
@@ -168,13 +201,7 @@ void draw_curve(std::string& svg, const ReportCurve& curve, std::size_t number, 
                        number % 4 == 0   ? "</circle>"
                        : number % 4 == 1 ? "</rect>"
                                          : "</path>");
-    if (i < curve.labels.size() && curve.x.size() <= 14) {
-      // A label at the right edge stands to the left of its point.
-      const bool turned = px > right - 130;
-      svg +=
-          fmt::format("<text class=\"label\" x=\"{:.1f}\" y=\"{:.1f}\"{}>{}</text>", turned ? px - 8 : px + 8,
-                      py - 6, turned ? " text-anchor=\"end\"" : "", escape_html(curve.labels[i]));
-    }
+    if (i < curve.labels.size() && curve.x.size() <= 14) labels.draw(svg, curve.labels[i], px, py);
   }
 }
 
@@ -229,7 +256,8 @@ std::string svg_plot(const ReportPlot& plot) {
   draw_axis(svg, plot.x, x, true);
   draw_axis(svg, plot.y, y, false);
   svg += fmt::format("<path class=\"frame\" d=\"M{} {}V{}H{}\"/>", left, top, bottom, right);
-  for (std::size_t i = 0; i < plot.curves.size(); ++i) draw_curve(svg, plot.curves[i], i, x, y);
+  Labels labels;
+  for (std::size_t i = 0; i < plot.curves.size(); ++i) draw_curve(svg, plot.curves[i], i, x, y, labels);
   svg += fmt::format("<path class=\"pointer\" d=\"M0 {}V{}\"/></svg>", top, bottom);
   return svg;
 }

@@ -128,6 +128,23 @@ TEST(ReportPage, PutsPointsWhereTheAxesSay) {
   }
 }
 
+// Six points in one place: four labels have room around it, each once; the fifth and sixth do not.
+TEST(ReportPage, LabelsDoNotLieOverOneAnother) {
+  ReportPlot plot{.title = "t", .note = {}, .x = {"x"}, .y = {"y"}, .curves = {}};
+  plot.curves = {{.name = "c",
+                  .x = {0, 1, 1, 1, 1, 1, 1, 2},
+                  .y = {0, 1, 1, 1, 1, 1, 1, 2},
+                  .style = CurveStyle::points,
+                  .labels = {"low", "a", "b", "c", "d", "e", "f", "high"}}};
+  const std::string svg = svg_plot(plot);
+  const auto has = [&](const std::string& label) {
+    return svg.find(">" + label + "</text>") != std::string::npos;
+  };
+  for (const char* label : {"low", "a", "b", "c", "d", "high"}) EXPECT_TRUE(has(label)) << label;
+  for (const char* label : {"e", "f"}) EXPECT_FALSE(has(label)) << label;
+  EXPECT_THAT(svg, HasSubstr("f · c: "));  // in the title of its mark
+}
+
 TEST(ReportPage, LongCurvesKeepTheirPeaks) {
   ReportPlot plot{.title = "long", .x = {"t"}, .y = {"y"}, .curves = {{.name = "y", .x = {}, .y = {}}}};
   for (int i = 0; i < 200000; ++i) {
