@@ -197,6 +197,12 @@ TEST_F(ResultsFile, AWriterThatIsDroppedLeavesThePart) {
   expect_rows(read(part_).runs[0], 10);
 }
 
+TEST_F(ResultsFile, AWriterThatIsDroppedBeforeARunLeavesNothing) {
+  { Writer writer(file_, model()); }
+  EXPECT_FALSE(std::filesystem::exists(part_));
+  EXPECT_FALSE(std::filesystem::exists(file_));
+}
+
 TEST_F(ResultsFile, OtherFilesAreRefused) {
   const auto refusal = [&] {
     try {
