@@ -17,11 +17,13 @@ struct Arguments : MechanismArguments {
 };
 
 int print_assembled(const Arguments& arguments, const terminal::Talk& talk) {
+  terminal::require_folder_of(arguments.save_state);
   std::vector<NamedRun> runs = prepare_runs(arguments);
   if (!arguments.save_state.empty()) {
     const mbs::PreparedMechanism& p = only_run(runs, arguments, "--save-state").prepared;
     mbs::write_state(arguments.save_state, *p.mechanism, p.file.name, p.state);
   }
+  if (talk.quiet) return 0;
   for (const NamedRun& run : runs) {
     const mbs::PreparedMechanism& p = run.prepared;
     const mbs::Mechanism& m = *p.mechanism;
@@ -45,8 +47,7 @@ int print_assembled(const Arguments& arguments, const terminal::Talk& talk) {
     }
     fmt::print("assembled in {} steps; residuals {} (position), {} (velocity)\n", p.assembly.iterations,
                number(p.assembly.position_residual, 2), number(p.assembly.velocity_residual, 2));
-    if (!talk.quiet)
-      for (const std::string& note : p.notes) fmt::print("note: {}\n", note);
+    for (const std::string& note : p.notes) fmt::print("note: {}\n", note);
   }
   return 0;
 }

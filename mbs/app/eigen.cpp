@@ -77,13 +77,14 @@ mbs::LinearSystem without_loads(const PreparedMechanism& p) {
   return mbs::linearise(unloaded, s);
 }
 
-int print_buckling(const Arguments& arguments, const terminal::Talk&) {
+int print_buckling(const Arguments& arguments, const terminal::Talk& talk) {
   std::vector<NamedRun> runs = prepare_runs(arguments);
   for (NamedRun& run : runs) {
     PreparedMechanism& p = run.prepared;
     const mbs::LinearSystem unloaded = without_loads(p);
     settle(p);
     const auto modes = mbs::buckling_modes(unloaded, mbs::linearise(*p.mechanism, p.state));
+    if (talk.quiet) continue;
     fmt::print("{}\n\n", heading(run));
     terminal::Table table({{"no"}, {"load factor"}, {"moves most", Align::left}});
     int index = 0;
@@ -106,14 +107,14 @@ int print_buckling(const Arguments& arguments, const terminal::Talk&) {
   return 0;
 }
 
-int print_modes(const Arguments& arguments, const terminal::Talk&) {
+int print_modes(const Arguments& arguments, const terminal::Talk& talk) {
+  terminal::require_folder_of(arguments.pictures);
   std::vector<NamedRun> runs = prepare_runs(arguments);
   if (!arguments.pictures.empty()) only_run(runs, arguments, "--pictures");
   for (NamedRun& run : runs) {
     PreparedMechanism& p = run.prepared;
     if (arguments.equilibrium) settle(p);
     const auto modes = mbs::natural_modes(mbs::linearise(*p.mechanism, p.state));
-    fmt::print("{}\n\n", heading(run));
     terminal::Table table(
         {{"no"}, {"real [1/s]"}, {"imag [1/s]"}, {"f [Hz]"}, {"damping %"}, {"moves most", Align::left}});
     int index = 0;
@@ -126,12 +127,16 @@ int print_modes(const Arguments& arguments, const terminal::Talk&) {
                      number(100.0 * mode.damping, 4),
                      p.mechanism->name_of_velocity(static_cast<int>(largest))});
     }
-    fmt::print("{}\n", table.text(terminal::width(stdout), terminal::takes_colour(stdout)));
-    for (const std::string& note : p.notes) fmt::print("note: {}\n", note);
+    if (!talk.quiet) {
+      fmt::print("{}\n\n{}\n", heading(run),
+                 table.text(terminal::width(stdout), terminal::takes_colour(stdout)));
+      for (const std::string& note : p.notes) fmt::print("note: {}\n", note);
+    }
     if (arguments.pictures.empty()) continue;
     write_pictures(run, modes, arguments);
-    fmt::print("pictures {}: flexura view {} shows the modes moving\n", arguments.pictures,
-               arguments.pictures);
+    if (!talk.quiet)
+      fmt::print("pictures {}: flexura view {} shows the modes moving\n", arguments.pictures,
+                 arguments.pictures);
   }
   return 0;
 }
@@ -139,21 +144,21 @@ int print_modes(const Arguments& arguments, const terminal::Talk&) {
 }  // namespace
 
 terminal::Command eigen_command() {
-  return {"eigen", "natural frequencies and damping of a mechanism",
-          [](terminal::Options& options, const terminal::Talk& talk) -> std::function<int()> {
-            auto a = std::make_shared<Arguments>();
-            declare_mechanism(options, *a);
-            options
-                .flag("--equilibrium", a->equilibrium, "about the static equilibrium, not the initial state")
-                .flag("--buckling", a->buckling,
-                      "instead: factors of weight and given forces at which the equilibrium loses its stiffness")
-                .option("--count", a->count, "N", "print at most so many (30)")
-                .option("--pictures", a->pictures, "FILE",
-                        "results file with the modes as runs, for flexura view")
-                .option("--amplitude", a->amplitude, "SIZE", "largest motion in the pictures, rad or m (0.1)")
-                .example("flexura eigen engine.toml --equilibrium", "eigenvalues, frequencies, damping");
-            return [a, &talk] { return a->buckling ? print_buckling(*a, talk) : print_modes(*a, talk); };
-          }};
+  return {
+      "eigen", "natural frequencies and damping of a mechanism",
+      [](terminal::Options& options, const terminal::Talk& talk) -> std::function<int()> {
+        auto a = std::make_shared<Arguments>();
+        declare_mechanism(options, *a);
+        options.flag("--equilibrium", a->equilibrium, "about the static equilibrium, not the initial state")
+            .flag("--buckling", a->buckling,
+                  "instead: factors of weight and given forces at which the equilibrium loses its stiffness")
+            .option("--count", a->count, "N", "print at most so many (30)")
+            .option("--pictures", a->pictures, "FILE",
+                    "results file with the modes as runs, for flexura view")
+            .option("--amplitude", a->amplitude, "SIZE", "largest motion in the pictures, rad or m (0.1)")
+            .example("flexura eigen engine.toml --equilibrium", "eigenvalues, frequencies, damping");
+        return [a, &talk] { return a->buckling ? print_buckling(*a, talk) : print_modes(*a, talk); };
+      }};
 }
 
 }  // namespace flexura::app

@@ -29,7 +29,8 @@ struct Arguments : MechanismArguments {
   std::vector<std::string> inputs, outputs;
 };
 
-int print_statics(const Arguments& arguments, const terminal::Talk&) {
+int print_statics(const Arguments& arguments, const terminal::Talk& talk) {
+  terminal::require_folder_of(arguments.save_state);
   std::vector<NamedRun> runs = prepare_runs(arguments);
   if (!arguments.save_state.empty()) only_run(runs, arguments, "--save-state");
   for (NamedRun& run : runs) {
@@ -37,6 +38,7 @@ int print_statics(const Arguments& arguments, const terminal::Talk&) {
     settle(p);
     const mbs::Mechanism& m = *p.mechanism;
     if (!arguments.save_state.empty()) mbs::write_state(arguments.save_state, m, p.file.name, p.state);
+    if (talk.quiet) continue;
     fmt::print("{}\n\n", heading(run));
     const auto which = mbs::select_quantities(m, p.file.outputs);
     const auto infos = m.quantities();
@@ -91,6 +93,7 @@ std::filesystem::path write_response(const LinearSystem& system, const Eigen::Ve
 }
 
 int write_linear_system(const Arguments& arguments, const terminal::Talk& talk) {
+  terminal::require_folder_of(arguments.output);
   std::vector<NamedRun> runs = prepare_runs(arguments);
   PreparedMechanism& p = only_run(runs, arguments, "linearize").prepared;
   if (arguments.equilibrium) settle(p);

@@ -122,6 +122,7 @@ int simulate(Arguments arguments, const terminal::Talk& talk) {
   if (arguments.file.empty()) throw input::InputError("no mechanism file given; see flexura simulate --help");
   if (arguments.output.empty())
     arguments.output = std::filesystem::path(arguments.file).stem().string() + ".h5";
+  terminal::require_folder_of(arguments.save_state);
   if (!arguments.end_time.empty()) arguments.set.push_back("solver.end_time=" + arguments.end_time);
   if (!arguments.accuracy.empty()) arguments.set.push_back("solver.accuracy=" + arguments.accuracy);
   if (!arguments.continue_from.empty()) {

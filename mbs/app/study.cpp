@@ -168,6 +168,7 @@ int run(const Arguments& arguments, const terminal::Talk& talk) {
   if (arguments.file.empty()) throw input::InputError("no study file given; see flexura study --help");
   if (arguments.jobs < 1)
     throw std::invalid_argument(fmt::format("--jobs is {}, it must be at least 1", arguments.jobs));
+  terminal::require_folder_of(arguments.output);
   const StudyFile study = study::read_study(arguments.file, arguments.set);
   const std::filesystem::path bin = program_folder();
   terminal::Progress progress(stderr, talk.quiet);

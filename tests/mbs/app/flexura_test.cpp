@@ -183,7 +183,10 @@ TEST_F(Flexura, OutputsInAFolderThatIsNotThereAreRefused) {
   for (const std::string& command :
        {"modes " + beam_ + " --html ", "report " + beam_ + " -o ", "export " + beam_ + " -f gltf -o ",
         "section " FLEXURA_SOURCE_DIR "/cases/jib_crane/jib_section.toml -o ",
-        "reduce " FLEXURA_SOURCE_DIR "/cases/steam_engine/conrod.toml --report "}) {
+        "reduce " FLEXURA_SOURCE_DIR "/cases/steam_engine/conrod.toml --report ",
+        "statics " FLEXURA_SOURCE_DIR "/cases/macpherson/macpherson.toml --save-state ",
+        "linearize " FLEXURA_SOURCE_DIR "/cases/bicycle/bicycle.toml -o ",
+        "study " FLEXURA_SOURCE_DIR "/cases/trade/four_bar.toml -o "}) {
     const Outcome outcome = flexura(command + nowhere + "/file");
     EXPECT_EQ(outcome.code, 2) << command;
     EXPECT_EQ(outcome.out, "") << command;
