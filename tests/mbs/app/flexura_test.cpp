@@ -180,13 +180,16 @@ TEST_F(Flexura, BadInputIsRefusedInOneLineWithCode2) {
 // Before anything is computed or printed.
 TEST_F(Flexura, OutputsInAFolderThatIsNotThereAreRefused) {
   const std::string nowhere = (folder_ / "nowhere").string();
-  for (const std::string& command :
-       {"modes " + beam_ + " --html ", "report " + beam_ + " -o ", "export " + beam_ + " -f gltf -o ",
-        "section " FLEXURA_SOURCE_DIR "/cases/jib_crane/jib_section.toml -o ",
-        "reduce " FLEXURA_SOURCE_DIR "/cases/steam_engine/conrod.toml --report ",
-        "statics " FLEXURA_SOURCE_DIR "/cases/macpherson/macpherson.toml --save-state ",
-        "linearize " FLEXURA_SOURCE_DIR "/cases/bicycle/bicycle.toml -o ",
-        "study " FLEXURA_SOURCE_DIR "/cases/trade/four_bar.toml -o "}) {
+  const std::vector<std::string> commands = {
+      "modes " + beam_ + " --html ",
+      "report " + beam_ + " -o ",
+      "export " + beam_ + " -f gltf -o ",
+      "section " FLEXURA_SOURCE_DIR "/cases/jib_crane/jib_section.toml -o ",
+      "reduce " FLEXURA_SOURCE_DIR "/cases/steam_engine/conrod.toml --report ",
+      "statics " FLEXURA_SOURCE_DIR "/cases/macpherson/macpherson.toml --save-state ",
+      "linearize " FLEXURA_SOURCE_DIR "/cases/bicycle/bicycle.toml -o ",
+      "study " FLEXURA_SOURCE_DIR "/cases/trade/four_bar.toml -o "};
+  for (const std::string& command : commands) {
     const Outcome outcome = flexura(command + nowhere + "/file");
     EXPECT_EQ(outcome.code, 2) << command;
     EXPECT_EQ(outcome.out, "") << command;
