@@ -12,10 +12,11 @@ namespace {
 
 /// 16 bits are more than any picture shows: with the largest displacement over a whole 4K screen a step is
 /// 1/8 pixel. Large parts with many modes make do with 12 bits: at a tenth of the screen, still a step of
-/// 1/10 pixel.
+/// 1/10 pixel; surfaces of half a million vertices with 10: there, a step of 4/10 pixel.
 int choose_levels(Eigen::Index n_vertices, int n_shapes) {
-  constexpr double many_values = 6.0e6;
-  return static_cast<double>(n_vertices) * n_shapes > many_values ? 2047 : 32767;
+  constexpr double many_values = 6.0e6, very_many_values = 1.5e7;
+  const double values = static_cast<double>(n_vertices) * n_shapes;
+  return values > very_many_values ? 511 : values > many_values ? 2047 : 32767;
 }
 
 template <typename Indices>
