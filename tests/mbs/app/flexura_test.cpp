@@ -70,7 +70,9 @@ TEST_F(Flexura, TablesOfEveryCommandFitEightyColumns) {
     int rules = 0;
     for (std::string line; std::getline(lines, line);) {
       rules += line.find_first_not_of('-') == std::string::npos && line.size() > 3;
-      if (line.starts_with("note: ") || line.starts_with("results ")) continue;
+      if (line.starts_with("note: ") || line.starts_with("results ") ||
+          line.find(": estimated error ") != std::string::npos)
+        continue;
       EXPECT_LE(terminal::display_width(line), 80) << command << "\n" << line;
     }
     EXPECT_GT(rules, 0) << command;
@@ -86,8 +88,10 @@ TEST_F(Flexura, HelpOfEveryCommandFitsEightyColumnsAndHasExamplesAndAVersion) {
     EXPECT_EQ(help.code, 0) << command;
     EXPECT_THAT(help.out, HasSubstr("Examples:\n  flexura " + std::string(command))) << command;
     std::istringstream lines(help.out);
-    for (std::string line; std::getline(lines, line);)
-      if (!line.starts_with("  flexura")) EXPECT_LE(terminal::display_width(line), 80) << line;
+    for (std::string line; std::getline(lines, line);) {
+      if (line.starts_with("  flexura")) continue;
+      EXPECT_LE(terminal::display_width(line), 80) << line;
+    }
     const Outcome version = flexura(std::string(command) + " --version");
     EXPECT_EQ(version.out, "flexura " + std::string(command) + program.substr(program.find(' ')));
   }
@@ -173,7 +177,7 @@ TEST_F(Flexura, BadInputIsRefusedInOneLineWithCode2) {
   refused("reduce " + cad.string(), "is a CAD file, a part file (.toml) that names it is wanted");
   refused("simulate " FLEXURA_SOURCE_DIR "/cases/macpherson/macpherson.toml --accuracy much -o " +
               results.string(),
-          "solver.accuracy = \"much\": is not a number");
+          "solver.accuracy = \"much\": \"much\" is not known here");
   EXPECT_FALSE(std::filesystem::exists(results.string() + ".part"));
 }
 
