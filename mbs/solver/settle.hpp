@@ -10,12 +10,19 @@
 ///
 /// with v' of the other coordinates and lambda those of the motion at s'' = 0.  What is left is of second
 /// order in the ratio of the motion's rates to the natural frequencies.
+///
+/// Combinations N^T g of constraint rows that the rigid motion meets whatever it does (out of the plane of a
+/// planar loop; all of them where a body is held at both ends) are met by deformation: with C = N^T G_s,
+///
+///     K ds + C^T dnu = -r_s,      C ds = -N^T g,      lambda += N dnu,
+///
+/// and the motion itself is found with the other combinations alone.
 namespace flexura::mbs {
 
 /// Moves the elastic coordinates (Equations::elastic_coordinate) of the assembled state s and their rates
 /// there, closes the loops by the other coordinates, and gives consistent v_dot, lambda.  `keep` as for
-/// assemble(). Returns the number of iterations.  Throws AssemblyError where loops close through the
-/// deformation alone or the iteration does not converge.
+/// assemble(). Returns the number of iterations.  Throws AssemblyError where the iteration does not
+/// converge.
 int settle(const Equations& eq, State& s, Eigen::VectorXd& v_dot, const AssembleOptions& keep = {});
 
 }  // namespace flexura::mbs
