@@ -95,10 +95,11 @@ TEST(OneWayDeformation, IsTheForcedVibrationOfTheRigidMotion) {
     VectorXd v_dot;
     assemble(mechanism, s, v_dot);
     SolverOptions solver;
+    solver.method = "runge_kutta";  // two slow modes; BDF of low order takes a hundred times as long
     solver.end_time = 6.0;
     solver.output_step = 0.05;
     solver.tolerance = 1e-9;
-    solver.absolute_factor = 1e-4;
+    solver.absolute_factor = 1e-3;
     std::vector<double> tip;
     RunCallbacks callbacks;
     callbacks.row = [&](const State& row, const VectorXd&, const EnergyAccount&) {
