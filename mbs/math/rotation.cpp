@@ -19,7 +19,9 @@ Coefficients coefficients(double x) {
     // Power series in x: with 8 terms the first one left out is below 0.25^8 / 18! = 3e-21.
     double term_a = 0.5, term_b = 1.0 / 6.0;  // (-x)^k / (2k+2)! and (-x)^k / (2k+3)!
     c.a = c.b = c.da = c.db = 0.0;
-    for (int k = 0; k < 8; ++k) {
+    // The small rotations of a deformed body need two terms: the rest is below round-off.
+    double power = 1.0;
+    for (int k = 0; k < 8 && power > 1e-18; ++k, power *= x) {
       c.a += term_a;
       c.b += term_b;
       const double next_a = -term_a / ((2 * k + 3) * (2 * k + 4));  // without its factor x

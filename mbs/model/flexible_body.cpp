@@ -220,11 +220,12 @@ void FlexibleBody::node_motion(int index, const double* s_values, const double* 
                                const double* s_ddot_values, NodeMotion& out) const {
   const FlexibleNode& node = data_.nodes[index];
   const ConstMap s(s_values, m_);
-  Vector3d theta, u;
-  theta.noalias() = node.Phi_r * s;
-  u.noalias() = node.Phi_t * s;
-  out.map.topRows<3>() = node.Phi_r;
-  out.map.bottomRows<3>() = node.Phi_t;
+  Vector3d theta = Vector3d::Zero(), u = Vector3d::Zero();
+  for (int i = 0; i < m_; ++i) {
+    theta += s(i) * node.Phi_r.col(i);
+    u += s(i) * node.Phi_t.col(i);
+    out.map.col(i) << node.Phi_r.col(i), node.Phi_t.col(i);
+  }
   const bool second = node.second.size() > 0;
   if (second) {
     out.second.noalias() = node.second * s;
@@ -245,16 +246,18 @@ void FlexibleBody::node_motion(int index, const double* s_values, const double* 
   if (!s_dot_values) return;
 
   const ConstMap s_dot(s_dot_values, m_);
-  Vector6d V;
-  V.noalias() = out.map * s_dot;
+  Vector6d V = Vector6d::Zero();
+  for (int i = 0; i < m_; ++i) V += s_dot(i) * out.map.col(i);
   out.V = Spatial::from(V);
   if (!s_ddot_values) return;
 
   const ConstMap s_ddot(s_ddot_values, m_);
-  Vector6d A;
-  A.noalias() = out.map * s_ddot;
-  Vector3d theta_dot;
-  theta_dot.noalias() = out.theta_map * s_dot;
+  Vector6d A = Vector6d::Zero();
+  Vector3d theta_dot = Vector3d::Zero();
+  for (int i = 0; i < m_; ++i) {
+    A += s_ddot(i) * out.map.col(i);
+    theta_dot += s_dot(i) * out.theta_map.col(i);
+  }
   Vector3d alpha = left_jacobian_bias(theta, theta_dot);
   if (second) {
     Vector3d theta_ddot;

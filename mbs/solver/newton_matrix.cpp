@@ -5,6 +5,8 @@
 #include <cmath>
 #include <complex>
 
+#include "mbs/solver/small_lu.hpp"
+
 namespace flexura::mbs {
 
 template <class Scalar>
@@ -87,7 +89,7 @@ template class KinematicInverse<std::complex<double>>;
 
 template <class Scalar>
 struct NewtonMatrix<Scalar>::Factor {
-  Eigen::PartialPivLU<Matrix> lu;
+  SmallLu<Scalar> lu;
 };
 
 template <class Scalar>
@@ -198,7 +200,7 @@ void NewtonMatrix<Scalar>::solve(const Tangents& d, const Vector& rhs, Vector& x
         rhs_(n_z + n_l + k) -= d.G.row(k).transpose().template cast<Scalar>().cwiseProduct(w_).sum();
   }
   rhs_.array() *= row_scale_.array();
-  rhs_ = factor_->lu.solve(rhs_);
+  factor_->lu.solve_in_place(rhs_);
   rhs_.array() *= column_scale_.array();
   w_ = rhs_.head(n_v);
   if (n_l > 0) w_.noalias() += GS_ * rhs_.tail(n_l);

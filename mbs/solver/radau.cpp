@@ -21,6 +21,7 @@ using Eigen::VectorXcd;
 using Eigen::VectorXd;
 
 constexpr int kMostIterations = 7;
+constexpr int kLongestFullSpan = 32;
 constexpr double kSafety = 0.9;
 
 class Radau final : public Integrator {
@@ -46,7 +47,7 @@ class Radau final : public Integrator {
   void create(const State& s);
   void set_weights();
   double norm(const VectorXd& x) const { return std::sqrt(x.cwiseAbs2().dot(weights2_) / n_norm_); }
-  void linearise();
+  void linearise(double h);
   bool factor(double h);
   void predict(double h);
   Outcome newton(double h, double& shorter, int& iterations);
@@ -71,14 +72,15 @@ class Radau final : public Integrator {
   std::array<VectorXd, 3> Z_;  // of the last step, which began at t_begin_ from y_begin_
   VectorXd y_begin_, yp_begin_;
   double t_begin_ = 0.0, h_done_ = 0.0;
-  double h_ = 0.0;             // the next step
-  double h_matrix_ = 0.0;      // of the factors; 0: none
-  bool has_tangents_ = false;  // the derivatives were taken, there:
-  double t_tangents_ = 0.0;
+  double h_ = 0.0;                                   // the next step
+  double h_matrix_ = 0.0;                            // of the factors; 0: none
+  bool has_tangents_ = false;                        // the derivatives were taken, there:
+  double t_tangents_ = 0.0, t_with_tangents_ = 0.0;  // and for the step that began there
   VectorXd y_tangents_, yp_tangents_;
   bool newton_scope_ = false;  // with TangentScope::newton
   bool is_first_ = true;       // the step is the first from here
-  int full_matrices_left_ = 0;
+  // Full matrices to come, and how many the next failure asks for: few where it was a force that changed.
+  int full_matrices_left_ = 0, full_span_ = 1, cheap_steps_ = 0;
   double theta_ = 0.0, convergence_ = 1.0;           // of Newton's method
   double h_accepted_ = 0.0, error_accepted_ = 1e-2;  // for the predictive controller
   bool rejected_ = false;
@@ -148,18 +150,30 @@ void Radau::start(const State& s, const VectorXd& v_dot) {
   switches_.start(state_);
 }
 
-void Radau::linearise() {
+// In the middle of the step to come, by the last step's polynomial: there the frozen matrix is nearest to
+// those of the stages, and Newton's method converges twice as fast as with the one at the beginning.
+void Radau::linearise(double h) {
   // Elastic coordinates by their stiffness alone, until Newton's method fails with it (see Ida).
   TangentScope scope = TangentScope::everything;
   if (matrices_->has_elastic_coordinates() && full_matrices_left_ == 0) scope = TangentScope::newton;
   if (full_matrices_left_ > 0) --full_matrices_left_;
   has_tangents_ = true;
-  t_tangents_ = t_;
+  t_with_tangents_ = t_tangents_ = t_;
   y_tangents_ = y_;
   yp_tangents_ = yp_;
+  if (h_done_ > 0.0) {
+    const double ahead = 0.5 * std::min(h, h_done_), x = 1.0 + ahead / h_done_;
+    t_tangents_ = t_ + ahead;
+    y_tangents_ = y_begin_;
+    yp_tangents_.setZero();
+    for (int j = 0; j < 3; ++j) {
+      y_tangents_ += k_.basis(j, x) * Z_[j];
+      yp_tangents_ += k_.slope(j, x) / h_done_ * Z_[j];
+    }
+  }
   newton_scope_ = scope == TangentScope::newton;
   ++counts_.jacobians;
-  matrices_->linearise(t_, y_, yp_, scope);
+  matrices_->linearise(t_tangents_, y_tangents_, yp_tangents_, scope);
 }
 
 bool Radau::factor(double h) {
@@ -275,6 +289,7 @@ void Radau::fail(double h, bool converges) {
 void Radau::accept(double h, double t_stop, double wanted, double error, double quotient) {
   ++counts_.steps;
   is_first_ = false;
+  if (newton_scope_ && ++cheap_steps_ % kLongestFullSpan == 0) full_span_ = std::max(1, full_span_ / 2);
   if (h_accepted_ > 0.0) {  // K. Gustafsson's predictive controller
     const double predicted = (h / h_accepted_) * std::pow(error * error / error_accepted_, 0.25) / kSafety;
     quotient = std::max(quotient, std::clamp(predicted, 0.125, 5.0));
@@ -302,7 +317,7 @@ StepEnd Radau::step(double t_stop) {
   const double h_max = options_.max_step > 0.0 ? options_.max_step : 0.1 * duration;
   const double h_min = options_.min_step > 0.0 ? options_.min_step : 1e-12 * duration;
   set_weights();
-  bool tangents_are_fresh = has_tangents_ && t_tangents_ == t_;
+  bool tangents_are_fresh = has_tangents_ && t_with_tangents_ == t_;
   bool wants_tangents = !tangents_are_fresh && (!has_tangents_ || theta_ > 1e-3);
   const double wanted = h_;
   for (;;) {
@@ -318,7 +333,7 @@ StepEnd Radau::step(double t_stop) {
     Outcome outcome = Outcome::diverged;
     try {
       if (wants_tangents) {
-        linearise();
+        linearise(h);
         tangents_are_fresh = true;
         wants_tangents = false;
         h_matrix_ = 0.0;
@@ -337,7 +352,8 @@ StepEnd Radau::step(double t_stop) {
       if (h <= h_min) fail(h, false);
       if (tangents_are_fresh) {
         if (newton_scope_) {
-          full_matrices_left_ = 20;
+          full_matrices_left_ = full_span_;
+          full_span_ = std::min(2 * full_span_, kLongestFullSpan);
           wants_tangents = true;
         }
       } else {
@@ -401,12 +417,12 @@ void Radau::remember(History& history) {
   }
   for (VectorXd* x : {&y_, &yp_, &Z_[0], &Z_[1], &Z_[2], &y_begin_, &yp_begin_, &y_tangents_, &yp_tangents_})
     history(*x);
-  for (double* x : {&t_, &t_begin_, &h_done_, &h_, &h_matrix_, &t_tangents_, &theta_, &convergence_,
-                    &h_accepted_, &error_accepted_})
+  for (double* x : {&t_, &t_begin_, &h_done_, &h_, &h_matrix_, &t_tangents_, &t_with_tangents_, &theta_,
+                    &convergence_, &h_accepted_, &error_accepted_})
     history(*x);
   history(has_tangents_);
   history(newton_scope_);
-  history(full_matrices_left_);
+  for (int* k : {&full_matrices_left_, &full_span_, &cheap_steps_}) history(*k);
   history(is_first_);
   if (!history.reads()) return;
   form_->unpack(t_, y_, found_);
