@@ -139,7 +139,13 @@ std::shared_ptr<const Expression> ReadContext::expression_of(const input::Sectio
 
 std::shared_ptr<const Expression> ReadContext::time_expression(const input::Section& section,
                                                                const std::string& key) const {
-  return compile(section, key, section.text(key), SignalNames(), parameters_, tables_);
+  return time_expression_of(section, key, section.text(key));
+}
+
+std::shared_ptr<const Expression> ReadContext::time_expression_of(const input::Section& section,
+                                                                  const std::string& key,
+                                                                  const std::string& formula) const {
+  return compile(section, key, formula, SignalNames(), parameters_, tables_);
 }
 
 std::shared_ptr<const Curve> ReadContext::table(const input::Section& section, const std::string& key) const {

@@ -47,6 +47,8 @@ class ReadContext {
   /// A formula of time and parameters.
   std::shared_ptr<const Expression> time_expression(const input::Section& section,
                                                     const std::string& key) const;
+  std::shared_ptr<const Expression> time_expression_of(const input::Section& section, const std::string& key,
+                                                       const std::string& formula) const;
 
   /// The table that a key names.
   std::shared_ptr<const Curve> table(const input::Section& section, const std::string& key) const;

@@ -13,8 +13,8 @@
 #include "mbs/model/parameters.hpp"
 #include "mbs/model/read_body.hpp"
 #include "mbs/model/read_flexible_body.hpp"
+#include "mbs/model/read_joint.hpp"
 #include "mbs/model/read_tables.hpp"
-#include "mbs/model/user_library.hpp"
 #include "mbs/superelement/file.hpp"
 
 namespace flexura::mbs {
@@ -56,78 +56,6 @@ Section read_file(const std::filesystem::path& file, const input::TableSchema& s
                   const std::vector<std::string>& overrides) {
   const auto formulas = [](const Section& root) { return evaluate_with(read_parameters(root)); };
   return input::read_document(file, mechanism_schema(solver), overrides, formulas);
-}
-
-void read_rate_drives(const Section& s, const ReadContext& context, JointDescription& joint) {
-  const auto speeds = joint.joint->speeds(), accelerations = joint.joint->accelerations();
-  for (std::size_t i = 0; i < speeds.size(); ++i) {
-    const int k = static_cast<int>(i);
-    const std::string by_speed = "drive_" + speeds[i].name,
-                      by_acceleration = "drive_" + accelerations[i].name;
-    if (s.has(by_speed)) joint.speed_drives[k] = context.time_expression(s, by_speed);
-    if (s.has(by_acceleration)) joint.acceleration_drives[k] = context.time_expression(s, by_acceleration);
-    if (joint.drives.contains(k) + s.has(by_speed) + s.has(by_acceleration) > 1)
-      s.refuse(s.has(by_acceleration) ? by_acceleration : by_speed, "the coordinate is driven twice",
-               "keep one of the drives");
-    if (s.has(by_speed) && s.has(speeds[i].name))
-      s.refuse(speeds[i].name, "the speed is driven", "take this key away");
-  }
-}
-
-/// Start values of a user's joint, whose coordinates the schema does not know.
-std::map<int, double> by_name(const Section& s, const char* key, const std::vector<CoordinateInfo>& infos,
-                              const ReadContext& context) {
-  std::map<int, double> values;
-  for (const auto& [name, formula] : s.formulas(key)) {
-    std::vector<std::string> known;
-    int index = -1;
-    for (std::size_t i = 0; i < infos.size(); ++i) {
-      known.push_back(infos[i].name);
-      if (infos[i].name == name) index = static_cast<int>(i);
-    }
-    if (index < 0)
-      s.refuse(key, fmt::format("the joint has no \"{}\"{}", name, input::suggestion(name, known)));
-    values[index] = context.number_of(s, key, formula);
-  }
-  return values;
-}
-
-JointDescription read_joint(const std::string& name, const Section& s, const ReadContext& context,
-                            bool is_connection) {
-  JointDescription joint;
-  joint.is_connection = is_connection;
-  joint.name = name;
-  const std::string type = s.text("type");
-  for (const JointType& t : joint_types())
-    if (t.name == type || std::ranges::find(t.synonyms, type) != t.synonyms.end()) joint.joint = t.make(&s);
-  if (type == "user") joint.joint = make_user_joint(name, s, context);
-  joint.marker_F = context.marker(s, "from");
-  joint.marker_M = context.marker(s, "to");
-  const auto& markers = context.description().markers;
-  if (markers[joint.marker_F].body == markers[joint.marker_M].body)
-    s.refuse("to", fmt::format("\"{}\" is a marker of the same body as \"{}\"", s.text("to"), s.text("from")),
-             "a joint joins two bodies");
-  if (!is_connection) joint.cut = s.flag("cut");
-  const auto coordinates = joint.joint->coordinates(), speeds = joint.joint->speeds();
-  if (type == "user") {
-    joint.initial_coordinates = by_name(s, "start", coordinates, context);
-    joint.initial_speeds = by_name(s, "start_speed", speeds, context);
-    return joint;
-  }
-  for (std::size_t i = 0; i < coordinates.size(); ++i) {
-    const int k = static_cast<int>(i);
-    if (s.has(coordinates[i].name)) joint.initial_coordinates[k] = s.quantity(coordinates[i].name);
-    if (is_connection || joint.joint->n_p() != joint.joint->n_v()) continue;
-    const std::string drive = coordinates.size() == 1 ? "drive" : "drive_" + coordinates[i].name;
-    if (!s.has(drive)) continue;
-    joint.drives[k] = context.time_expression(s, drive);
-    for (const std::string& key : {coordinates[i].name, speeds[i].name})
-      if (s.has(key)) s.refuse(key, "the coordinate is driven", "take this key away");
-  }
-  if (!is_connection && joint.joint->n_p() == joint.joint->n_v()) read_rate_drives(s, context, joint);
-  for (std::size_t i = 0; i < speeds.size(); ++i)
-    if (s.has(speeds[i].name)) joint.initial_speeds[static_cast<int>(i)] = s.quantity(speeds[i].name);
-  return joint;
 }
 
 }  // namespace

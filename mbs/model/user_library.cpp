@@ -125,6 +125,9 @@ std::vector<input::Key> user_joint_keys() {
   std::vector<input::Key> keys = common_keys();
   keys.push_back(input::formulas("start", "its coordinates at the start, by name"));
   keys.push_back(input::formulas("start_speed", "its speeds at the start, by name"));
+  keys.push_back(input::formulas("drive", "drives its coordinates, by name: formulas of t and parameters"));
+  keys.push_back(input::formulas("drive_speed", "drives its speeds instead, by name"));
+  keys.push_back(input::formulas("drive_acceleration", "drives its accelerations instead, by name"));
   return keys;
 }
 

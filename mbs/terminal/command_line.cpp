@@ -141,7 +141,7 @@ std::string program_help(const Program& program) {
   text += fmt::format(
       "\n\"{0} COMMAND --help\" describes one command, \"{0} --version\" says which version this is.\n"
       "\"{0} man | man -l -\" is the manual, eval \"$({0} completion)\" completes in bash.\n"
-      "Exit codes: 0 done, 1 failed, 2 bad input.\n",
+      "Exit codes: 0 done, 1 failed or interrupted (what was computed is kept), 2 bad input.\n",
       program.name);
   if (!program.examples.empty()) text += "\n" + examples_text(program.examples);
   return text;

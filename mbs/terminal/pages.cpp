@@ -151,7 +151,9 @@ std::string manual_page(const Program& program) {
                          roff(command.summary), roff(command.helper), roff(full_name));
     }
   }
-  return out + ".SH EXIT STATUS\n0 done, 1 failed, 2 bad input (command line or files).\n" +
+  return out +
+         ".SH EXIT STATUS\n0 done, 1 failed or interrupted (what was computed is kept), 2 bad input (command "
+         "line or files).\n" +
          ".SH ENVIRONMENT\n.TP\n\\fBNO_COLOR\\fR\nplain text on terminals too\n.TP\n\\fBCOLUMNS\\fR\n" +
          "width of tables where the output is no terminal; default 80\n";
 }

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <nlohmann/json.hpp>
 
 #include "mbs/superelement/file.hpp"
@@ -229,6 +230,37 @@ output_step = 0.01
   outcome = flexura("view --summary " + results.string());
   EXPECT_EQ(outcome.code, 0) << outcome.err;
   EXPECT_THAT(outcome.out, HasSubstr("0.49\n"));
+}
+
+// Ctrl-C: the run ends after the step under way, with code 1 and its time; what it has is readable.
+TEST_F(Flexura, SimulateEndsCleanlyWhenInterrupted) {
+  const auto mechanism = folder_ / "long.toml", results = folder_ / "long.h5", script = folder_ / "run.sh";
+  std::ofstream(mechanism) << R"toml([body.block]
+mass = 1
+[joint.slide]
+type = "prismatic"
+from = "ground"
+to = "block"
+[force.spring]
+type = "joint_spring_damper"
+joint = "slide"
+stiffness = 1000
+[solver]
+end_time = 1e7
+output_step = 0.1
+)toml";
+  // Rows are there before the signal comes.
+  std::ofstream(script) << FLEXURA_BIN_DIR "/flexura simulate " << mechanism.string() << " -o "
+                        << results.string() << " &\nchild=$!\nsleep 1.5\nkill -INT $child\nwait $child\n";
+  const auto begin = std::chrono::steady_clock::now();
+  const Outcome stopped = run_program("bash " + script.string());
+  EXPECT_EQ(stopped.code, 1) << stopped.err;
+  EXPECT_THAT(stopped.err, HasSubstr("interrupted at t = "));
+  EXPECT_THAT(stopped.err, HasSubstr("what was computed until then is in " + results.string()));
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(60));
+  const Outcome view = flexura("view --summary " + results.string());
+  EXPECT_EQ(view.code, 0) << view.err;
+  EXPECT_THAT(view.err + view.out, HasSubstr("interrupted at t = "));
 }
 
 // Bash itself completes: the words typed so far, and what it would offer.

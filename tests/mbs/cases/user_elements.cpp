@@ -47,6 +47,26 @@ TEST_F(UserElements, KeepTheEnergy) {
   EXPECT_LT(s.result.peak_position_drift, 1e-8);
 }
 
+TEST_F(UserElements, JointsAreDrivenOnEachLevel) {
+  // x = 0.2 + 0.1 sin(3 t) however it is said; the bead stands on the parabola z = x^2.
+  const std::vector<std::vector<std::string>> drives = {
+      {"joint.wire.drive={x = \"0.2 + 0.1*sin(3*t)\"}", "joint.wire.start={}"},
+      {"joint.wire.drive_speed={v_x = \"0.3*cos(3*t)\"}"},
+      {"joint.wire.drive_acceleration={a_x = \"-0.9*sin(3*t)\"}", "joint.wire.start_speed={v_x = 0.3}"}};
+  for (const auto& drive : drives) {
+    std::vector<std::string> overrides = with_library();
+    overrides.insert(overrides.end(), drive.begin(), drive.end());
+    const PreparedMechanism p = prepare_case("user_elements/magnets.toml", overrides);
+    const Series s = simulate(p, {"wire.x", "bead.position_z"});
+    for (const double t : {1.0, 5.0}) {
+      const double x = 0.2 + 0.1 * std::sin(3.0 * t);
+      // 1e-8 in each of some hundred steps where the coordinate is integrated.
+      EXPECT_NEAR(s.at(t)(0), x, 1e-6) << drive[0];
+      EXPECT_NEAR(s.at(t)(1), x * x, 1e-6) << drive[0];
+    }
+  }
+}
+
 TEST_F(UserElements, RefuseWhatTheFileGetsWrong) {
   const auto refusal_with = [](std::vector<std::string> more) -> std::string {
     std::vector<std::string> overrides = with_library();
@@ -65,6 +85,9 @@ TEST_F(UserElements, RefuseWhatTheFileGetsWrong) {
   EXPECT_THAT(refusal_with({"force.pull.values={core = 1}"}), HasSubstr("values.strength is missing"));
   EXPECT_THAT(refusal_with({"force.pull.markers=[\"ball\"]"}),
               HasSubstr("markers has 1 entries, 2 are wanted"));
+  EXPECT_THAT(refusal_with({"joint.wire.drive={x = 1}"}), HasSubstr("the coordinate is driven"));
+  EXPECT_THAT(refusal_with({"joint.wire.drive_speed={u = 1}"}),
+              HasSubstr("the joint has no \"u\"; known are v_x"));
   EXPECT_THAT(refusal_with({"joint.wire.start={y = 1}"}), HasSubstr("the joint has no \"y\"; known are x"));
 }
 

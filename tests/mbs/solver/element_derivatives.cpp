@@ -1,0 +1,251 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include <gtest/gtest.h>
+
+#include <map>
+#include <set>
+
+#include "mbs/model/constraints/types.hpp"
+#include "mbs/model/controls/types.hpp"
+#include "mbs/model/forces/types.hpp"
+#include "mbs/model/joints/types.hpp"
+#include "mbs/solver/tangents.hpp"
+#include "tests/mbs/model/checks.hpp"
+#include "tests/mbs/model/mechanism_file.hpp"
+
+/// The derivatives that Newton's method and the linearisation use, against central differences of fourth
+/// order, for every registered type of joint, constraint, force, measure and control.  A type without an
+/// example here fails.
+namespace flexura::mbs {
+namespace {
+
+using checks::Random;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+// [r; c_rate; b; G v + g_t] of a state.
+VectorXd everything(const Mechanism& m, const State& s, const VectorXd& v_dot, Equations::Scratch& scratch) {
+  const Sizes n = m.sizes();
+  VectorXd y(n.n_v + n.n_dyn + n.n_alg + n.n_lambda);
+  m.momentum(s, v_dot, scratch, y.head(n.n_v), y.segment(n.n_v, n.n_dyn),
+             y.segment(n.n_v + n.n_dyn, n.n_alg));
+  m.velocity_constraints(s.t, s.p, s.v, scratch, y.tail(n.n_lambda));
+  return y;
+}
+
+void derivatives_agree(const Mechanism& m, State s, unsigned seed) {
+  const Sizes n = m.sizes();
+  Random random(seed);
+  const VectorXd v_dot = random.vector(n.n_v);
+  Tangents tangents(m);
+  tangents.evaluate(s, v_dot);
+  const auto scratch = m.make_scratch();
+  const VectorXd here = everything(m, s, v_dot, *scratch);
+  const int n_z = n.n_v + n.n_dyn + n.n_alg;
+  const auto compare = [&](VectorXd& x, const MatrixXd& columns, const MatrixXd* rows_h, const char* what) {
+    // A fourth-order formula with h = 1e-3 errs by h^4 f^(5) / 30 and eps / h |f|: both about 1e-12 of f's
+    // scale.
+    const double h = 1e-3;
+    for (int j = 0; j < x.size(); ++j) {
+      const double x_j = x(j);
+      const auto at = [&](double step) {
+        x(j) = x_j + step;
+        VectorXd y = everything(m, s, v_dot, *scratch);
+        x(j) = x_j;
+        return y;
+      };
+      const VectorXd D = (8.0 * (at(h) - at(-h)) - (at(2 * h) - at(-2 * h))) / (12.0 * h);
+      VectorXd own(here.size());
+      own.head(n_z) = columns.col(j);
+      own.tail(n.n_lambda) = rows_h ? VectorXd(rows_h->col(j)) : VectorXd(D.tail(n.n_lambda));
+      // The forward differences of Tangents: 1.5e-8 (f'' / 2 + |f|), where f'' may be a hundred times f and
+      // f'.
+      const double scale = 1.0 + here.cwiseAbs().maxCoeff() + D.cwiseAbs().maxCoeff();
+      EXPECT_LT((own - D).cwiseAbs().maxCoeff(), 2e-6 * scale) << what << " " << j;
+    }
+  };
+  compare(s.p, tangents.z_p, n.n_lambda > 0 ? &tangents.h_p : nullptr, "by position");
+  compare(s.v, tangents.z_v, n.n_lambda > 0 ? &tangents.G : nullptr, "by velocity");
+  compare(s.c, tangents.z_c, nullptr, "by dynamic state");
+  compare(s.a, tangents.z_a, nullptr, "by algebraic state");
+}
+
+void derivatives_agree(const Mechanism& m) {
+  for (unsigned seed : {3u, 4u}) {
+    State s = checks::random_state(m, seed, 0.3);
+    Random random(seed + 50);
+    s.c += random.vector(static_cast<int>(s.c.size()), 0.2);
+    s.a += random.vector(static_cast<int>(s.a.size()), 0.2);
+    const auto scratch = m.make_scratch();
+    m.start_contacts(s, *scratch);
+    m.start_switches(s, *scratch);
+    derivatives_agree(m, s, seed + 100);
+  }
+}
+
+constexpr const char* kFrame = R"toml(
+[ground.marker.track]
+position = [0.1, 0.2, -0.4]
+axis = [0.1, 0.2, 1]
+[body.a]
+mass = 1
+inertia = [1, 2, 2.5]
+center = [0.1, 0, 0.2]
+[body.a.marker.out]
+position = [0.3, 0.1, 0.2]
+rotation = [0.3, 0.4, 0.5]
+[body.b]
+mass = 2
+inertia = [1, 2, 2.5]
+[body.b.marker.in]
+position = [0.1, 0.5, -0.2]
+axis = [1, 2, 3]
+[body.c]
+mass = 1
+[joint.first]
+type = "six_dof"
+from = "ground"
+to = "a"
+[joint.second]
+type = "cylindrical"
+from = "a.out"
+to = "b"
+[joint.third]
+type = "prismatic"
+from = "ground.track"
+to = "c"
+)toml";
+
+using Examples = std::map<std::string, std::string>;
+
+class ElementDerivatives : public MechanismFileTest {
+ protected:
+  template <class Types>
+  void check_all(const std::string& kind, const Types& types, const Examples& examples) const {
+    std::set<std::string> known;
+    for (const auto& type : types) {
+      SCOPED_TRACE(kind + " " + std::string(type.name));
+      known.insert(std::string(type.name));
+      // An element of the user's own brings its derivatives' checks along with its library.
+      if (type.name == std::string("user")) continue;
+      const auto example = examples.find(std::string(type.name));
+      if (example == examples.end()) {
+        ADD_FAILURE() << "has no example in this test: give it one, so that its derivatives are checked";
+        continue;
+      }
+      const Mechanism m(read(std::string(kFrame) + "[" + kind + ".x]\ntype = \"" + std::string(type.name) +
+                             "\"\n" + example->second)
+                            .description);
+      derivatives_agree(m);
+    }
+    for (const auto& [name, text] : examples) EXPECT_TRUE(known.contains(name)) << name << " is no " << kind;
+  }
+};
+
+constexpr const char* kEnds = "from = \"a.out\"\nto = \"b.in\"\n";
+
+TEST_F(ElementDerivatives, OfConstraints) {
+  const std::string ends = kEnds;
+  check_all(
+      "constraint", constraint_types(),
+      {{"point_on_line", ends},
+       {"point_on_plane", ends},
+       {"point_on_curve", ends + "points = [[1, 0, 0], [0.8, 0.9, 0.3], [-0.2, 1.4, 0.5], [-1.2, 0.3, 0.1], "
+                                 "[-0.5, -1, -0.4], [0.6, -0.8, -0.2]]\nclosed = true"},
+       {"orientation", ends},
+       {"parallel", ends},
+       {"perpendicular", ends},
+       {"distance", ends + "length = \"700 mm\""},
+       {"coupler",
+        "joints = [\"second.angle\", \"second.position\", \"third\"]\nfactors = [1, 2, 0.5]\noffset = "
+        "\"sin(2*t)\""},
+       {"gear", "joint_1 = \"second.angle\"\njoint_2 = \"third\"\nteeth_1 = 17\nteeth_2 = 40"},
+       {"rack_and_pinion", "rack = \"third\"\npinion = \"second.angle\"\nradius = \"30 mm\""},
+       {"rolling_disc", "from = \"ground.track\"\nto = \"b.in\"\nradius = \"300 mm\""}});
+}
+
+TEST_F(ElementDerivatives, OfForces) {
+  const std::string ends = kEnds, sliding = "joint = \"third\"\n";
+  check_all(
+      "force", force_types(),
+      {{"spring_damper", ends + "stiffness = \"30 N/m\"\ndamping = \"4 N*s/m\"\nfree_length = \"200 mm\""},
+       {"force",
+        "marker = \"b.in\"\naxes = \"a.out\"\nreaction = \"a.out\"\nx = \"3*third.position^2 + t\"\ny = "
+        "\"sin(third.speed)\""},
+       {"torque", "marker = \"b.in\"\nz = \"2*third.position\"\nx = 3"},
+       {"joint_force", sliding + "value = \"-3*third.position^3 + second.speed\""},
+       {"joint_spring_damper", sliding + "stiffness = 20\ndamping = 3\nrest = 0.1"},
+       {"joint_friction",
+        sliding + "coulomb = 3\nstatic = 4\nstribeck_speed = 0.8\ntransition_speed = 0.5\nviscous = 0.2"},
+       {"bushing", ends + "stiffness = [30, 40, 50]\nrotational_stiffness = [3, 4, 5]\ndamping = [1, 2, 3]\n"
+                          "rotational_damping = [0.1, 0.2, 0.3]"},
+       {"contact",
+        ends + "radius = 3\nsurface = \"sphere\"\nsurface_radius = 4\nstiffness = 20\nexponent = 1.5\n"
+               "damping = 2\nfriction = 0.3\ntransition_speed = 0.5"},
+       {"bump_stop", sliding + "upper = -5\nstiffness = 10\nexponent = 1.5\ndamping = 1"},
+       {"gear_mesh",
+        "joint_1 = \"second.angle\"\njoint_2 = \"third\"\nradius_1 = 0.3\nradius_2 = 0.5\nstiffness = 50\n"
+        "teeth_1 = 3\nripple = 0.2"},
+       {"stick_slip", sliding + "coulomb = 3\nstatic = 4\nstribeck_speed = 0.8\nstick_stiffness = 20"},
+       {"actuator", ends + "command = \"3*third.position\"\ntime_constant = 0.1"}});
+}
+
+TEST_F(ElementDerivatives, OfMeasures) {
+  const std::string ends = kEnds, along = ends + "direction = [1, 2, 2]\n",
+                    force = "[force.f]\ntype = \"joint_force\"\njoint = \"third\"\nvalue = \"3*x + x^2\"\n";
+  check_all("measure", measure_types(),
+            {{"distance", ends + force},
+             {"distance_rate", ends + force},
+             {"position", along + force},
+             {"axis", along + force},
+             {"velocity", along + force},
+             {"angle", ends + force},
+             {"angular_velocity", along + force},
+             {"expression", "value = \"third.position^2 + second.speed\"\n" + force}});
+}
+
+TEST_F(ElementDerivatives, OfControls) {
+  const std::string input = "input = \"third.position^2 + third.speed\"\n",
+                    force = "[force.f]\ntype = \"joint_force\"\njoint = \"third\"\nvalue = \"3*x + x^2\"\n";
+  check_all(
+      "control", control_types(),
+      {{"state", "rate = \"-2*x + third.position^2\"\n" + force},
+       {"filter", input + "time_constant = 0.1\n" + force},
+       {"pid",
+        "error = \"1 - third.position\"\nproportional = 3\nintegral = 2\nderivative = 0.5\nfilter_time = "
+        "0.1\n" +
+            force},
+       {"transfer_function", input + "numerator = [2, 1]\ndenominator = [5, 3, 4]\n" + force},
+       {"delay", input + "time = 0.5\n" + force},
+       {"relay", input + "on_above = 0.2\noff_below = -0.1\n" + force},
+       {"algebraic", "equation = \"x + 0.3*x^3 - third.position\"\n" + force},
+       {"sample", input + "period = 0.1\n" + force}});
+}
+
+// Each in the tree, between bodies that move, and as the closure of a loop.
+TEST(JointDerivatives, OfEveryType) {
+  for (const JointType& type : joint_types()) {
+    if (type.name == "user") continue;  // as for other elements
+    for (const bool closes : {false, true}) {
+      SCOPED_TRACE(type.name + (closes ? ", closing a loop" : ", in the tree"));
+      Random random(7);
+      MechanismDescription d;
+      d.gravity = {1.0, 2.0, -9.81};
+      const int a = d.add_body({.name = "a", .inertia = random.inertia()});
+      const int b = d.add_body({.name = "b", .inertia = random.inertia()});
+      const int end = d.add_body({.name = "end", .inertia = random.inertia()});
+      d.add_joint("base", "six_dof", d.add_marker(0, "base"), d.add_marker(a, "base", random.pose()));
+      const int out = d.add_marker(a, "out", random.pose()), in = d.add_marker(b, "in", random.pose());
+      if (closes) {
+        d.add_joint("free", "six_dof", d.add_marker(a, "free"), d.add_marker(b, "free"));
+        d.joints[d.add_joint("x", type.name, out, in)].cut = true;
+      } else {
+        d.add_joint("x", type.name, out, in);
+      }
+      d.add_joint("last", "revolute", d.add_marker(b, "last", random.pose()), d.add_marker(end, "last"));
+      derivatives_agree(Mechanism(std::move(d)));
+    }
+  }
+}
+
+}  // namespace
+}  // namespace flexura::mbs
