@@ -154,6 +154,8 @@ int simulate(Arguments arguments, const terminal::Talk& talk) {
     try {
       outcome = study::is_to_be_chosen(run.prepared) ? run_within_accuracy(run, arguments, writer, callbacks)
                                                      : run_as_told(run, arguments, writer, callbacks);
+    } catch (const std::invalid_argument&) {
+      throw;  // what the file asks for cannot be: there is nothing worth keeping
     } catch (const std::exception& failure) {
       // A formula, a table or a row that is not finite: the rows before it are worth keeping.
       if (!writer.keep(failure.what())) throw;

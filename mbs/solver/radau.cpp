@@ -114,7 +114,7 @@ void Radau::set_weights() {
   for (int i = form_->at_a(); i < form_->at_lambda(); ++i)
     weights2_(i) = 1.0 / (loosening_ * options_.tolerance * (std::abs(y_(i)) + options_.absolute_factor));
   weights2_.tail(form_->size() - form_->at_lambda()).setZero();
-  weights2_ = weights2_.cwiseAbs2().eval();
+  weights2_.array() *= weights2_.array();
 }
 
 void Radau::start(const State& s, const VectorXd& v_dot) {

@@ -14,21 +14,26 @@ struct SaddleSolver::Impl {
   int n_v = 0, n_lambda = 0;
   std::vector<int> free;  // the entries of x that take part
   Eigen::MatrixXd M_hat, B;
-  Eigen::VectorXd column_scale, row_scale, f, y_hat, h_hat, w, workspace;
+  Eigen::VectorXd column_scale, row_scale, f, y_hat, h_hat, w;
   Eigen::LLT<Eigen::MatrixXd> cholesky;
   // B P = Q R where the rows of G are independent; only where they are not, the complete decomposition.
   Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr;
   Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> complete;
   bool full_rank() const { return qr.rank() == n_lambda; }
 
-  // x <- Q x or Q^T x, without allocations.
-  void apply_Q(Eigen::VectorXd& x) {
-    workspace.resize(1);
-    qr.householderQ().setLength(n_lambda).applyThisOnTheLeft(x, workspace);
+  // x <- Q x or Q^T x by the reflections I - tau v v^T, v = (1, essential part); Eigen's own way allocates.
+  void reflect(int k, Eigen::VectorXd& x) const {
+    const auto below = x.size() - k - 1;
+    const auto essential = qr.matrixQR().col(k).tail(below);
+    const double along = qr.hCoeffs()(k) * (x(k) + essential.dot(x.tail(below)));
+    x(k) -= along;
+    x.tail(below) -= along * essential;
   }
-  void apply_QT(Eigen::VectorXd& x) {
-    workspace.resize(1);
-    qr.householderQ().setLength(n_lambda).transpose().applyThisOnTheLeft(x, workspace);
+  void apply_Q(Eigen::VectorXd& x) const {
+    for (int k = n_lambda - 1; k >= 0; --k) reflect(k, x);
+  }
+  void apply_QT(Eigen::VectorXd& x) const {
+    for (int k = 0; k < n_lambda; ++k) reflect(k, x);
   }
   // y <- B^+ x; x is used up.
   void solve_least_squares(Eigen::VectorXd& x, Eigen::VectorXd& y) {
