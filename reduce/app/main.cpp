@@ -7,6 +7,7 @@
 #include <cctype>
 #include <filesystem>
 #include <iostream>
+#include <optional>
 
 #include "mbs/input/document.hpp"
 #include "mbs/terminal/command_line.hpp"
@@ -113,6 +114,16 @@ std::function<int()> declare(terminal::Options& options, const terminal::Talk& t
 }  // namespace
 
 int main(int argc, char** argv) {
+  // Under mpirun the first process reduces, on all cores by threads, and the others wait for it in MPI's end:
+  // two would write one file.
+  std::optional<linalg::Session> session;
+  if (const linalg::Launch launch = linalg::launch(); launch.size > 1) {
+    session.emplace();
+    if (launch.rank > 0) return 0;
+    fmt::print(stderr,
+               "note: {} processes were started; the first works, on all its cores, the others wait\n",
+               launch.size);
+  }
   // `flexura section` is handed over as "flexura-reduce section ...".
   if (argc > 1 && std::string(argv[1]) == "section")
     return terminal::run(reduce::section_command(), FLEXURA_VERSION, argc - 1, argv + 1);

@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include "reduce/linalg/petsc_check.hpp"
 
@@ -42,6 +43,17 @@ void petsc_check(PetscErrorCode code, const char* doing) {
 
 void require_session() {
   if (open_sessions == 0) throw std::logic_error("no linalg::Session is alive: create one in main() first");
+}
+
+Launch launch() {
+  const auto number = [](const char* name) {
+    const char* text = std::getenv(name);
+    return text ? std::atoi(text) : -1;
+  };
+  for (const auto& [rank, size] :
+       {std::pair{"OMPI_COMM_WORLD_RANK", "OMPI_COMM_WORLD_SIZE"}, std::pair{"PMI_RANK", "PMI_SIZE"}})
+    if (number(rank) >= 0 && number(size) > 1) return {number(rank), number(size)};
+  return {};
 }
 
 Session::Session() {

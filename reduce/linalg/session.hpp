@@ -15,4 +15,11 @@ class Session {
   Session& operator=(const Session&) = delete;
 };
 
+/// How many processes an MPI launcher (mpirun, srun with PMI) started together, and which of them this is;
+/// one process otherwise.  Read from the launcher's environment: needs no Session.
+struct Launch {
+  int rank = 0, size = 1;
+};
+Launch launch();
+
 }  // namespace flexura::linalg
