@@ -25,7 +25,7 @@ enum class Direction : std::uint8_t { u_x, u_y, u_z, theta_x, theta_y, theta_z }
 /// An interface node: the point to which a face, an edge or a node of the mesh is tied.
 struct Interface {
   std::string name;
-  std::string tie;                                    ///< "rigid" (RBE2), "average" (RBE3) or "node"
+  std::string tie;                                    ///< "rigid" (RBE2), "average" (RBE3), "node", "elastic"
   Eigen::Vector3d p_BoN_B = Eigen::Vector3d::Zero();  ///< [m]
   std::vector<Direction>
       directions;     ///< retained directions, usually all six; displacement [m], rotation [rad]

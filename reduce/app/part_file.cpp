@@ -9,6 +9,8 @@
 #include <numbers>
 #include <sstream>
 
+#include "reduce/app/part_modes.hpp"
+
 namespace flexura::reduce {
 
 using input::InputError;
@@ -152,7 +154,10 @@ InterfaceInput read_interface(const std::string& name, const Section& in) {
   else
     f.rule = read_rule(in);
   const std::string tie = in.text("tie");
-  f.tie = tie == "average" ? Tie::average : tie == "node" ? Tie::node : Tie::rigid;
+  f.tie = tie == "average"   ? Tie::average
+          : tie == "node"    ? Tie::node
+          : tie == "elastic" ? Tie::elastic
+                             : Tie::rigid;
   if (f.tie == Tie::node) f.directions = {0, 1, 2};
   if (in.has("directions")) {
     static const std::vector<std::string> known = {"x", "y", "z", "rx", "ry", "rz"};
@@ -168,6 +173,8 @@ InterfaceInput read_interface(const std::string& name, const Section& in) {
         std::adjacent_find(f.directions.begin(), f.directions.end()) != f.directions.end())
       in.refuse("directions", "are of x, y, z, rx, ry, rz, each once", "leave the key out for all six");
   }
+  if (f.tie == Tie::elastic && f.directions.size() < 6)
+    in.refuse("directions", "are all six with an elastic tie", "leave the key out, or tie it as an average");
   if (in.has("reference")) f.reference = in.vector3("reference");
   return f;
 }
@@ -192,6 +199,13 @@ LinkInput read_link(const std::string& name, const Section& in) {
   if (in.has("interfaces") == in.has("nodes"))
     throw InputError(in.where() + ": a link joins two interfaces or two nodes, one of the two");
   if (in.has("interfaces")) l.interfaces = in.texts("interfaces");
+  for (const std::string& end : l.interfaces)
+    if (end == "ground" || end == "world")
+      in.refuse("interfaces",
+                "a link joins two places of the part; a spring to the ground would resist the part's rigid "
+                "motion, which belongs to the mechanism",
+                "put a force element of the mechanism (spring_damper, bushing) between the interface and the "
+                "ground");
   if (in.has("nodes")) l.nodes = in.integers("nodes");
   l.stiffness = in.quantity("stiffness");
   l.damping = in.quantity("damping");
@@ -242,41 +256,7 @@ DampingRule read_damping(const Section& in) {
   return rule;
 }
 
-void read_solid_modes(const Section& in, ModesInput& modes) {
-  const std::string set = in.text("set");
-  modes.set = set == "guyan"         ? ModeSet::guyan
-              : set == "craig_chang" ? ModeSet::craig_chang
-                                     : ModeSet::craig_bampton;
-  if (in.has("accuracy")) modes.accuracy = in.quantity("accuracy");
-  if (in.has("effective_mass")) modes.effective_mass = in.quantity("effective_mass");
-  if (in.has("response_at"))
-    for (const double f : in.quantities("response_at")) {
-      if (!(f >= 0.0)) in.refuse("response_at", "must be at least 0 Hz");
-      modes.response_omegas.push_back(2.0 * std::numbers::pi * f);
-    }
-  if (in.has("strike_modes")) modes.struck = in.integers("strike_modes");
-  modes.certify = in.flag("certify");
-  modes.where = in.where();
-  if (modes.accuracy > 0.0 && !(modes.up_to > 0.0))
-    in.refuse("accuracy", "holds in a band of frequencies", "add e.g. up_to = \"800 Hz\"");
-  if (modes.accuracy > 0.0 && modes.effective_mass > 0.0)
-    in.refuse("effective_mass", "modes are kept by accuracy or by effective mass, one of the two");
-  const char* const fixed_only[] = {"accuracy", "effective_mass", "response_at"};
-  for (const char* key : fixed_only)
-    if (in.has(key) && modes.set != ModeSet::craig_bampton)
-      in.refuse(key, "goes with fixed-interface modes", "take set = \"craig_bampton\"");
-  if (modes.set == ModeSet::guyan) modes.count = 0, modes.up_to = 0.0;
-}
-
 }  // namespace
-
-ModesInput read_modes(const Section& in) {
-  ModesInput modes;
-  modes.count = in.integer("count");
-  if (in.has("up_to")) modes.up_to = in.quantity("up_to");
-  modes.damping = in.quantity("damping");
-  return modes;
-}
 
 PartInput read_part(const std::filesystem::path& file, const std::vector<std::string>& overrides) {
   const Section in = input::read_document(file, part_schema(), overrides);
@@ -312,9 +292,11 @@ PartInput read_part(const std::filesystem::path& file, const std::vector<std::st
       throw InputError(in.where() +
                        ": stress modes and geometric stiffening need the elements, finished "
                        "matrices do not have them; take stress and stiffening away");
+  } else if (in.has("mode_vectors")) {
+    read_finished_modes(in, part);
   } else if (part.format == PartFormat::nodes) {
     geometry.refuse("file", "is a table of nodes without elements",
-                    "add a table [matrices] with their K and M");
+                    "add a table [matrices] with their K and M, or [mode_vectors]");
   }
   for (const auto& [name, m] : in.table_map("material")) part.materials.push_back(read_material(name, m));
   if (part.format == PartFormat::cad && part.materials.size() != 1) {
@@ -333,10 +315,15 @@ PartInput read_part(const std::filesystem::path& file, const std::vector<std::st
   }
   for (const auto& [name, m] : in.table_map("mass_point")) part.masses.push_back(read_mass(name, m));
   for (const auto& [name, l] : in.table_map("link")) part.links.push_back(read_link(name, l));
-  for (const auto& [name, l] : in.table_map("load")) part.loads.push_back(read_load(name, l));
+  for (const auto& [name, l] : in.table_map("load")) {
+    part.loads.push_back(read_load(name, l));
+    if (part.loads.back().keep_shape && !part.finished.vectors.empty())
+      l.refuse("keep_shape", "computes a shape, but the vectors are finished", "leave the key out");
+  }
 
   part.modes = read_modes(in.table("modes"));
   read_solid_modes(in.table("modes"), part.modes);
+  check_elastic_ties(in.table("modes"), part);
   const Section damping = in.table("damping");
   part.damping = read_damping(damping);
   part.has_damping = !part.damping.omega.empty() || part.damping.critical_above > 0.0 ||

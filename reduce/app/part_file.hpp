@@ -42,6 +42,7 @@ struct ModesInput {
   ModeSet set = ModeSet::craig_bampton;
   double accuracy = 0.0, effective_mass = 0.0;  ///< 0: not asked for
   std::vector<double> response_omegas = {};     ///< [rad/s]
+  InterfaceModesRequest interface_modes = {};
   std::vector<int> struck = {};
   bool certify = true;
   std::string where = {};
@@ -96,6 +97,9 @@ struct PartInput {
   bool mass_unit_known = true;                ///< given, or going with the length unit
   Formulation formulation = Formulation::standard;
   std::filesystem::path stiffness, mass_matrix;  ///< finished matrices; empty: none
+  struct {
+    std::filesystem::path vectors, stiffness, mass, reduced_mass, stress;  ///< empty: not given
+  } finished;  ///< finished modes of another program
   std::vector<Material> materials;
   MassKind mass = MassKind::consistent;
   std::vector<InterfaceInput> interfaces;

@@ -174,7 +174,10 @@ PartMesh load_part_mesh(const PartInput& input, const mesh::Progress& progress) 
   mesh::scale_to_si(model, input.unit_length, input.unit_mass, 1.0);
   part.mesh = std::move(model.mesh);
   part.messages = std::move(model.messages);
-  if (input.stiffness.empty()) {
+  if (!input.finished.vectors.empty()) {
+    NodalMatrices& matrices = part.matrices.emplace(read_mass_matrix(input.finished.mass, part.mesh));
+    for (double& m : matrices.m) m *= input.unit_mass;
+  } else if (input.stiffness.empty()) {
     choose_materials(input, model, part);
   } else {
     NodalMatrices& matrices =

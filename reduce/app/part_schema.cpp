@@ -110,10 +110,13 @@ TableSchema interface_schema() {
                     "how the faces are chosen")
           .required(),
       input::choice(
-          "tie", {"rigid", "average", "node"},
+          "tie", {"rigid", "average", "node", "elastic"},
           "`rigid`: the faces follow the node as one rigid piece (RBE2). `average`: the node follows the "
           "area-weighted mean motion of the faces and does not stiffen them (RBE3). `node`: a single node of "
-          "the mesh, displacements only")
+          "the mesh, displacements only. `elastic`: every node of the faces moves on its own; the node has "
+          "their mean motion, as with `average`, their deformation is reduced to interface modes "
+          "(`interface_count` and the like in [modes]), which stand beside the others. Without such modes it "
+          "is `rigid`, with all of them `average`")
           .or_default("rigid"),
       input::vector3(
           "reference", dim::length,
@@ -170,6 +173,35 @@ TableSchema matrices_schema() {
   return s;
 }
 
+TableSchema mode_vectors_schema() {
+  TableSchema s{
+      .name = "mode_vectors",
+      .doc =
+          "Finished modes: vectors that another FE program has computed (free modes, constraint or "
+          "attachment modes, in any mixture), with their reduced matrices, instead of a reduction here. They "
+          "are orthonormalised together with the six rigid motions; the interfaces' dofs become coordinates "
+          "as usual. The geometry file gives the nodes: a mesh, or a table (.csv, .txt). Dense matrices: "
+          "Matrix Market, or text with a row in each line, also gzipped. Of [modes] only `damping` and "
+          "`strike_modes` apply."};
+  s.keys = {
+      input::text("vectors",
+                  "file of the displacements: a column for each vector, rows by ascending node number, three "
+                  "directions each; free of unit, or all in the length unit of the file")
+          .required(),
+      input::text("stiffness", "file of the reduced stiffness, V^T K V").required(),
+      input::text("mass",
+                  "file of the part's mass matrix by nodes, as in [matrices], which the inertia integrals "
+                  "need; a lumped (diagonal) one will do")
+          .required(),
+      input::text("reduced_mass", "file of V^T M V as the FE program has it, for comparison"),
+      input::text(
+          "stress",
+          "file of stress modes: a column for each vector, rows by ascending node number, xx, yy, zz, "
+          "xy, yz, zx each"),
+  };
+  return s;
+}
+
 TableSchema mass_schema() {
   TableSchema s{.name = "mass_point",
                 .doc = "A rigid piece of mass on an interface (rigid tie) or on a node of the mesh."};
@@ -185,11 +217,14 @@ TableSchema mass_schema() {
 }
 
 TableSchema link_schema() {
-  TableSchema s{.name = "link",
-                .doc =
-                    "A spring, a damper or both between two places of the part, along the line that joins "
-                    "them; alike in all directions where they coincide. To the ground: a force element of "
-                    "the mechanism."};
+  TableSchema s{
+      .name = "link",
+      .doc =
+          "A spring, a damper or both between two places of the part, along the line that joins "
+          "them; alike in all directions where they coincide. There is none to the ground: it would "
+          "resist rigid motion, which belongs to the mechanism and knows no bounds there. Give the "
+          "place an interface and the mechanism a force element between it and the ground: "
+          "`spring_damper` along a line, `bushing` in all six directions."};
   s.keys = {
       input::texts("interfaces", "two interfaces (rigid ties)").sized(2),
       input::integers("nodes", "or two node numbers of the mesh file").sized(2),
@@ -287,6 +322,18 @@ TableSchema solid_modes_schema() {
       input::quantities("response_at", dim::frequency,
                         "add frequency response modes: the part's exact answer to loads at its interfaces at "
                         "these frequencies (0: slow acceleration)"),
+      input::integer("interface_count",
+                     "elastic ties: number of interface modes (characteristic constraint modes)")
+          .or_default("20")
+          .at_least(0),
+      input::quantity("interface_up_to", dim::frequency,
+                      "elastic ties: keep all interface modes up to this frequency instead")
+          .above(0),
+      input::quantity("interface_accuracy", dim::none,
+                      "elastic ties: or as many as bring the static stiffness between the interfaces to this "
+                      "accuracy (\"1 %\") of the averaging tie's")
+          .above(0)
+          .below(1),
       input::integers("strike_modes",
                       "natural modes of the free body to strike out, by number as `flexura modes --free` "
                       "prints them"),
@@ -321,6 +368,7 @@ const TableSchema& part_schema() {
                          "material by name: exactly one for a CAD part; for a deck, in place of its own"),
         input::table_map("interface", interface_schema(), "interfaces by name"),
         input::table("matrices", matrices_schema(), "finished matrices"),
+        input::table("mode_vectors", mode_vectors_schema(), "finished modes"),
         input::table_map("mass_point", mass_schema(), "point masses by name"),
         input::table_map("link", link_schema(), "springs and dampers by name"),
         input::table_map("load", load_schema(), "load cases by name"),

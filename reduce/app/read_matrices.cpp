@@ -19,16 +19,27 @@
 namespace flexura::reduce {
 namespace {
 
+/// The next line, however long; false at the end of the file.
+bool read_line(gzFile file, std::string& line) {
+  char buffer[4096];
+  line.clear();
+  while (gzgets(file, buffer, sizeof buffer) != nullptr) {
+    line += buffer;
+    if (line.back() == '\n') return true;
+  }
+  return !line.empty();
+}
+
 /// Calls with the numbers of each line that is neither blank nor a comment; commas are blanks.
 void for_each_line(const std::filesystem::path& path,
                    const std::function<void(const std::vector<double>&, int line)>& work) {
   const std::unique_ptr<gzFile_s, int (*)(gzFile)> file(gzopen(path.c_str(), "rb"), gzclose);
   if (!file) throw std::invalid_argument(path.string() + ": there is no such file");
-  char buffer[1024];
   std::vector<double> numbers;
-  for (int line = 1; gzgets(file.get(), buffer, sizeof buffer) != nullptr; ++line) {
+  std::string text;
+  for (int line = 1; read_line(file.get(), text); ++line) {
     numbers.clear();
-    for (char* at = buffer; *at != '\0';) {
+    for (const char* at = text.c_str(); *at != '\0';) {
       while (*at == ',' || std::isspace(static_cast<unsigned char>(*at))) ++at;
       if (*at == '\0' || *at == '#' || *at == '%' || *at == '*') break;
       char* end = nullptr;
@@ -44,11 +55,12 @@ void for_each_line(const std::filesystem::path& path,
   }
 }
 
-bool is_matrix_market(const std::filesystem::path& path) {
+/// The words of Matrix Market's first line; empty for other files.
+std::string matrix_market_head(const std::filesystem::path& path) {
   const std::unique_ptr<gzFile_s, int (*)(gzFile)> file(gzopen(path.c_str(), "rb"), gzclose);
-  char head[16] = "";
-  return file && gzgets(file.get(), head, sizeof head) != nullptr &&
-         std::string(head).starts_with("%%MatrixMarket");
+  std::string head;
+  if (!file || !read_line(file.get(), head) || !head.starts_with("%%MatrixMarket")) return "";
+  return head;
 }
 
 constexpr double kUnset = std::numeric_limits<double>::infinity();
@@ -61,7 +73,7 @@ Blocks read_blocks(const std::filesystem::path& path, const mesh::Mesh& mesh) {
   for (mesh::Index k = 0; k < mesh.n_nodes(); ++k)
     place[mesh.node_label.empty() ? k + 1 : mesh.node_label[k]] = k;
   Blocks blocks;
-  bool head = is_matrix_market(path);  // its first line says rows, columns, entries
+  bool head = !matrix_market_head(path).empty();  // its first line says rows, columns, entries
   for_each_line(path, [&](const std::vector<double>& v, int line) {
     const auto refuse = [&](const std::string& what) {
       throw std::invalid_argument(fmt::format("{}, line {}: {}", path.string(), line, what));
@@ -114,9 +126,7 @@ Blocks read_blocks(const std::filesystem::path& path, const mesh::Mesh& mesh) {
 
 }  // namespace
 
-NodalMatrices read_matrices(const std::filesystem::path& stiffness, const std::filesystem::path& mass,
-                            const mesh::Mesh& mesh) {
-  Blocks K = read_blocks(stiffness, mesh);
+NodalMatrices read_mass_matrix(const std::filesystem::path& mass, const mesh::Mesh& mesh) {
   const Blocks M = read_blocks(mass, mesh);
   double greatest = 0.0;
   for (const auto& [pair, block] : M) greatest = std::max(greatest, block.cwiseAbs().maxCoeff());
@@ -130,18 +140,81 @@ NodalMatrices read_matrices(const std::filesystem::path& stiffness, const std::f
                       "mass matrices of "
                       "solid elements and point masses are taken",
                       mass.string(), pair[0] + 1, pair[1] + 1));
-    const auto found = K.find(pair);
     out.pairs.push_back(pair);
-    out.K.push_back(found == K.end() ? Eigen::Matrix3d::Zero() : found->second);
+    out.K.push_back(Eigen::Matrix3d::Zero());
     out.m.push_back(m);
-    if (found != K.end()) K.erase(found);
   }
+  return out;
+}
+
+NodalMatrices read_matrices(const std::filesystem::path& stiffness, const std::filesystem::path& mass,
+                            const mesh::Mesh& mesh) {
+  Blocks K = read_blocks(stiffness, mesh);
+  NodalMatrices out = read_mass_matrix(mass, mesh);
+  for (std::size_t k = 0; k < out.pairs.size(); ++k)
+    if (const auto found = K.find(out.pairs[k]); found != K.end()) {
+      out.K[k] = found->second;
+      K.erase(found);
+    }
   for (const auto& [pair, block] : K) {
     out.pairs.push_back(pair);
     out.K.push_back(block);
     out.m.push_back(0.0);
   }
   return out;
+}
+
+Eigen::MatrixXd read_dense(const std::filesystem::path& path) {
+  const std::string head = matrix_market_head(path);
+  const bool market = !head.empty(), coordinate = head.find("coordinate") != std::string::npos,
+             symmetric = head.find("symmetric") != std::string::npos;
+  if (market && head.find("complex") != std::string::npos)
+    throw std::invalid_argument(path.string() + ": complex vectors are not taken; give real modes");
+  std::vector<std::vector<double>> rows;  // of plain text
+  Eigen::MatrixXd A;
+  Eigen::Index i = 0, j = 0;  // the place of the next number of an array
+  bool sized = !market;
+  for_each_line(path, [&](const std::vector<double>& v, int line) {
+    const auto refuse = [&](const std::string& what) {
+      throw std::invalid_argument(fmt::format("{}, line {}: {}", path.string(), line, what));
+    };
+    if (!sized) {
+      if (v.size() != (coordinate ? 3U : 2U) || v[0] < 1 || v[1] < 1 || v[0] > 1e9 || v[1] > 1e9)
+        refuse("the numbers of rows and columns are wanted");
+      A.setZero(static_cast<Eigen::Index>(v[0]), static_cast<Eigen::Index>(v[1]));
+      if (symmetric && A.rows() != A.cols()) refuse("a symmetric matrix has as many columns as rows");
+      sized = true;
+    } else if (!market) {
+      if (!rows.empty() && v.size() != rows.front().size())
+        refuse(fmt::format("{} numbers, the rows before have {}", v.size(), rows.front().size()));
+      rows.push_back(v);
+    } else if (coordinate) {
+      if (v.size() != 3) refuse("row, column and value are wanted");
+      const auto row = static_cast<Eigen::Index>(v[0]) - 1, column = static_cast<Eigen::Index>(v[1]) - 1;
+      if (row < 0 || column < 0 || row >= A.rows() || column >= A.cols())
+        refuse(fmt::format("row {}, column {} lies outside {} x {}", v[0], v[1], A.rows(), A.cols()));
+      A(row, column) = v[2];
+      if (symmetric) A(column, row) = v[2];
+    } else {
+      for (const double value : v) {
+        if (j >= A.cols()) refuse("more numbers than the matrix has entries");
+        A(i, j) = value;
+        if (symmetric) A(j, i) = value;
+        if (++i == A.rows()) i = symmetric ? ++j : (++j, 0);
+      }
+    }
+  });
+  if (market && !coordinate && j < A.cols())
+    throw std::invalid_argument(
+        fmt::format("{}: ends before the {} x {} entries are there", path.string(), A.rows(), A.cols()));
+  if (!market) {
+    if (rows.empty()) throw std::invalid_argument(path.string() + ": holds no numbers");
+    A.resize(static_cast<Eigen::Index>(rows.size()), static_cast<Eigen::Index>(rows.front().size()));
+    for (std::size_t r = 0; r < rows.size(); ++r)
+      A.row(static_cast<Eigen::Index>(r)) =
+          Eigen::Map<const Eigen::RowVectorXd>(rows[r].data(), static_cast<Eigen::Index>(rows[r].size()));
+  }
+  return A;
 }
 
 mesh::Mesh read_nodes(const std::filesystem::path& path) {

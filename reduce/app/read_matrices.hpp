@@ -16,6 +16,13 @@ namespace flexura::reduce {
 NodalMatrices read_matrices(const std::filesystem::path& stiffness, const std::filesystem::path& mass,
                             const mesh::Mesh& mesh);
 
+/// The mass alone, as above, without stiffness.
+NodalMatrices read_mass_matrix(const std::filesystem::path& mass, const mesh::Mesh& mesh);
+
+/// A dense matrix: Matrix Market ("array", general or symmetric, or "coordinate"), or plain text, one row a
+/// line; gzipped or not.
+Eigen::MatrixXd read_dense(const std::filesystem::path& path);
+
 /// Nodes alone, one a line: number, x, y, z, separated by commas or blanks; # begins a comment.
 mesh::Mesh read_nodes(const std::filesystem::path& path);
 

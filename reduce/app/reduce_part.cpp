@@ -13,9 +13,11 @@
 #include "mbs/superelement/file.hpp"
 #include "mbs/terminal/terminal.hpp"
 #include "reduce/app/make_part.hpp"
+#include "reduce/app/read_matrices.hpp"
 #include "reduce/app/report.hpp"
 #include "reduce/app/surface.hpp"
 #include "reduce/app/to_superelement.hpp"
+#include "reduce/cms/finished_modes.hpp"
 #include "reduce/cms/shape_change.hpp"
 #include "reduce/cms/verification.hpp"
 #include "reduce/linalg/session.hpp"
@@ -47,6 +49,20 @@ std::vector<std::int32_t> stress_vertices(const RecoveryInput& wanted, const mes
                             ": none of the sets' nodes lies on the part's surface, where "
                             "stresses are kept");
   return vertices;
+}
+
+/// The vectors and matrices of the part file in SI: V has no unit or that of the file's lengths, in which
+/// V^T K V and V^T M V were computed, so that forces per length and masses count as those of the file.
+FinishedModes load_finished_modes(const PartInput& input) {
+  FinishedModes modes{.V = read_dense(input.finished.vectors), .K = read_dense(input.finished.stiffness)};
+  modes.K *= input.unit_mass;
+  if (!input.finished.reduced_mass.empty())
+    modes.M = input.unit_mass * read_dense(input.finished.reduced_mass);
+  // Stress per displacement: (M L^-1 T^-2) / L.
+  if (!input.finished.stress.empty())
+    modes.stress =
+        input.unit_mass / (input.unit_length * input.unit_length) * read_dense(input.finished.stress);
+  return modes;
 }
 
 /// Frequencies of the free body and static compliance between the first and the last interface, nothing
@@ -92,6 +108,11 @@ void reduce_part(const PartInput& input, const std::filesystem::path& output, co
   std::vector<std::vector<mesh::Index>> interface_nodes;
   for (int k = 0; k < modelled.n_interfaces; ++k) interface_nodes.push_back(part.interfaces[k].set.nodes);
   SurfacePicture picture = make_surface(part.mesh, interface_nodes);
+  if (!input.finished.vectors.empty() && part.mesh.boundary.empty()) {
+    // A table of nodes has no surface: all nodes are kept, as points.
+    for (mesh::Index node = 0; node < part.mesh.n_nodes(); ++node) picture.nodes.push_back(node);
+    picture.surface.vertices = part.mesh.points;
+  }
 
   const linalg::Session session;
   ReductionOptions how;
@@ -100,6 +121,7 @@ void reduce_part(const PartInput& input, const std::filesystem::path& output, co
   how.omega_max = 2.0 * std::numbers::pi * input.modes.up_to;
   how.accuracy = input.modes.accuracy;
   how.effective_mass = input.modes.effective_mass;
+  how.interface_modes = input.modes.interface_modes;
   how.response_omegas = input.modes.response_omegas;
   how.certify = input.modes.certify;
   how.loads = modelled.loads;
@@ -108,10 +130,14 @@ void reduce_part(const PartInput& input, const std::filesystem::path& output, co
   how.progress = progress;
   std::vector<std::int32_t> vertices = stress_vertices(input.recovery, part.mesh, picture.nodes);
   for (const std::int32_t vertex : vertices) how.stress_nodes.push_back(picture.nodes[vertex]);
-  Reduction reduction = craig_bampton(part, how);
+  const bool finished = !input.finished.vectors.empty();
+  Reduction reduction =
+      finished ? reduce_finished_modes(part, load_finished_modes(input), how) : craig_bampton(part, how);
 
   ReportData data{.mesh = mesh_report, .notes = modelled.notes};
   if (reduction.dropped.size() > 0) data.errors = mode_errors(reduction);
+  if (options.compare > 0 && finished)
+    throw input::InputError("--compare solves the full model, which finished modes do not bring along");
   if (options.compare > 0) data.comparison = compare(part, reduction, options.compare, progress);
   if (!input.modes.struck.empty()) {
     StruckModes struck;

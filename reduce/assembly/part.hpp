@@ -18,9 +18,11 @@ enum class Tie {
   rigid,    ///< RBE2: the set follows the interface node as a rigid body, u_a = u + theta x (x_a - x)
   average,  ///< RBE3: the interface node follows the set, as its least-squares (area-weighted) mean motion
   node,     ///< the interface node is one node of the mesh, translations only
+  elastic,  ///< like `average`, but the set's own deformation is reduced to interface modes
+            ///< (reduce/cms/interface_modes.hpp)
 };
 
-/// "rigid", "average", "node".
+/// "rigid", "average", "node", "elastic".
 const char* name_of(Tie tie);
 
 /// An interface: the place at which joints and forces will hold the body.
@@ -29,7 +31,7 @@ struct InterfaceSpec {
   Tie tie = Tie::rigid;
   Eigen::Vector3d point =
       Eigen::Vector3d::Zero();  ///< p_BoN_B [m]; for Tie::node the node's own place is taken
-  mesh::NodeSet set;            ///< faces give the area weights of Tie::average; none: equal weights
+  mesh::NodeSet set;            ///< faces give the area weights of averages; none: equal weights
   std::vector<int> directions = {0, 1, 2,
                                  3, 4, 5};  ///< retained: 0-2 displacement x, y, z, 3-5 rotation; ascending
   std::vector<double> weights = {};         ///< Tie::average: of each node of the set, instead of areas

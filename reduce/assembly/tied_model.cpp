@@ -20,6 +20,8 @@ const char* name_of(Tie tie) {
       return "average";
     case Tie::node:
       return "node";
+    case Tie::elastic:
+      return "elastic";
   }
   return "unknown";
 }
@@ -74,7 +76,9 @@ void TiedModel::number_dofs(const Part& part) {
           "to no rigid tie",
           node_label_.empty() ? node : node_label_[node]));
   for (const InterfaceSpec& spec : part.interfaces) {
-    InterfaceDofs dofs{spec.tie, spec.point, spec.directions, {}, n_b_, {}, {}};
+    // Nothing said of its modes, an elastic tie is an average.
+    InterfaceDofs dofs{
+        spec.tie == Tie::elastic ? Tie::average : spec.tie, spec.point, spec.directions, {}, n_b_, {}, {}};
     for (mesh::Index node : spec.set.nodes) {
       if (node < 0 || node >= n_nodes_)
         throw std::invalid_argument(
@@ -195,6 +199,19 @@ Eigen::MatrixXd TiedModel::interior_part(const Eigen::Ref<const Eigen::MatrixXd>
         if (const int code = interfaces_[k].code[direction]; code >= 0)
           u_i.row(code) = interface_motions[k].row(direction);
   return u_i;
+}
+
+std::vector<int> TiedModel::interior_in(const TiedModel& other) const {
+  std::vector<int> place(n_i_, -1);
+  const auto match = [&](int code, int there) {
+    if (code >= 0 && there >= 0) place[code] = there;
+  };
+  for (std::size_t d = 0; d < code_.size(); ++d) match(code_[d], other.code_[d]);
+  for (std::size_t k = 0; k < interfaces_.size(); ++k)
+    if (interfaces_[k].tie == Tie::rigid && other.interfaces_[k].tie == Tie::rigid)
+      for (int direction = 0; direction < 6; ++direction)
+        match(interfaces_[k].code[direction], other.interfaces_[k].code[direction]);
+  return place;
 }
 
 Eigen::MatrixXd TiedModel::rigid_b() const {

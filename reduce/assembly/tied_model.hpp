@@ -77,6 +77,9 @@ class TiedModel {
   Eigen::MatrixXd interior_part(const Eigen::Ref<const Eigen::MatrixXd>& U,
                                 const std::vector<Eigen::MatrixXd>& interface_motions) const;
 
+  /// Where each interior dof is in another model of the same part with other ties: its number there, or -1.
+  std::vector<int> interior_in(const TiedModel& other) const;
+
   /// The six rigid motions (about Bo) of the boundary dofs, n_b x 6, and of all nodes, 3 n_nodes x 6.
   Eigen::MatrixXd rigid_b() const;
   Eigen::MatrixXd rigid_nodes() const;

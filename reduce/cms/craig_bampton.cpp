@@ -6,9 +6,11 @@
 
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <stdexcept>
 
 #include "reduce/cms/choose_modes.hpp"
+#include "reduce/cms/constraint_modes.hpp"
 #include "reduce/cms/craig_chang.hpp"
 #include "reduce/cms/response_modes.hpp"
 #include "reduce/cms/shape_change.hpp"
@@ -23,35 +25,6 @@ namespace {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
-
-// Constraint modes and the static stiffness of the interface.
-struct ConstraintModes {
-  MatrixXd Psi;   // n_i x n_b
-  MatrixXd K_bb;  // condensed
-  double residual = 0.0;
-};
-
-ConstraintModes constraint_modes(const TiedModel& model, const TiedSolver& solver) {
-  const auto& averaged = model.averaged_dofs();
-  const Index n_a = static_cast<Index>(averaged.size());
-  const MatrixXd K_ib = model.K_ib();
-  MatrixXd g = MatrixXd::Zero(n_a, model.n_b());
-  for (Index r = 0; r < n_a; ++r) g(r, averaged[r]) = 1.0;
-  TiedSolver::Solution solution = solver.solve_refined(-K_ib, g);
-  ConstraintModes modes{std::move(solution.U), model.K_bb(), 0.0};
-  MatrixXd K_Psi;
-  model.K_ii().multiply(modes.Psi, K_Psi);
-  MatrixXd reaction = MatrixXd::Zero(model.n_i(), model.n_b());
-  if (n_a > 0) reaction = model.A().transpose() * solution.mu;
-  const double scale = K_ib.norm() + reaction.norm();
-  if (scale > 0.0) modes.residual = (K_Psi + K_ib + reaction).norm() / scale;
-  modes.K_bb += linalg::transpose_times(K_ib, modes.Psi);
-  for (Index r = 0; r < n_a; ++r) modes.K_bb.row(averaged[r]) -= solution.mu.row(r);
-  modes.K_bb = (0.5 * (modes.K_bb + modes.K_bb.transpose())).eval();
-  // Six motions that hold the body are its rigid motions: what stands there is round-off.
-  if (model.n_b() == 6) modes.K_bb.setZero();
-  return modes;
-}
 
 // Shapes with one for each interface dof (U_b in the interior, 1 on the boundary) and others with none.
 struct Basis {
@@ -153,9 +126,31 @@ struct Cut {
   int n_modes = 0;
 };
 
+// Interface modes of elastic ties; the averaging model and its factor are gone on return.
+InterfaceModes faces_of(const Part& whole, const TiedSolver& stiff, const ConstraintModes& constraint,
+                        const ReductionOptions& options, ReductionReport& report) {
+  linalg::Stopwatch watch;
+  const TiedModel model(whole);
+  const TiedSolver soft(model, options.progress);
+  InterfaceModes modes = interface_modes(soft, stiff, constraint.Psi, constraint.K_bb,
+                                         options.interface_modes, options.progress);
+  const Index count = modes.omega2.size();
+  std::string note = fmt::format("interface reduction: {} dofs of the elastic ties become {} interface modes",
+                                 modes.n_face, count);
+  if (count > 0) note += fmt::format(" up to {:.5g} Hz", frequency_hz(modes.omega2(count - 1)));
+  if (modes.stiffness_error >= 0.0)
+    note += fmt::format("; the static stiffness between the interfaces is within {:.2g} %",
+                        100.0 * modes.stiffness_error);
+  report.notes.push_back(note);
+  report.n_interface_modes = static_cast<int>(count);
+  report.interface_stiffness_error = modes.stiffness_error;
+  report.seconds_interface_modes = watch.lap();
+  return modes;
+}
+
 // All but the certificate.  Model and factor are gone on return: the certificate's take their place in
-// memory.
-Cut reduce(const Part& part, const ReductionOptions& options, Reduction& reduction) {
+// memory.  `part` is `whole` with its elastic ties rigid.
+Cut reduce(const Part& whole, const Part& part, const ReductionOptions& options, Reduction& reduction) {
   ReductionReport& report = reduction.report;
   linalg::Stopwatch watch;
   AssemblyOptions assembly;
@@ -229,31 +224,43 @@ Cut reduce(const Part& part, const ReductionOptions& options, Reduction& reducti
     basis.omega2 = std::move(pairs.omega2);
   }
 
+  InterfaceModes faces;
+  if (&whole != &part) {
+    faces = faces_of(whole, solver, constraint, options, report);
+    watch.lap();
+  }
+
   // T on all nodes, n_nodes * 3 * n: the one dense array of that size.
   linalg::report(options.progress, "projection", 0.0);
-  const Index n_q = basis.Phi.cols(), n = n_b + n_q;
+  const Index n_w = faces.omega2.size(), n_phi = basis.Phi.cols(), n_q = n_phi + n_w, n = n_b + n_q;
   MatrixXd T(3 * static_cast<Index>(model.n_nodes()), n);
   {
     MatrixXd U;
     model.expand(basis.U_b, MatrixXd::Identity(n_b, n_b), U);
     T.leftCols(n_b) = U;
-    for (Index q = 0; q < n_q; q += 16) {
-      const Index width = std::min<Index>(16, n_q - q);
+    for (Index q = 0; q < n_phi; q += 16) {
+      const Index width = std::min<Index>(16, n_phi - q);
       model.expand(basis.Phi.middleCols(q, width), MatrixXd::Zero(n_b, width), U);
       T.middleCols(n_b + q, width) = U;
     }
+    if (n_w > 0) T.rightCols(n_w) = faces.U;
   }
   reduction.inertia = inertia_integrals(model.m(), part.mesh.points, T);
   const auto& S = reduction.inertia.S_phiphi;
   reduction.M_se = S[0] + S[1] + S[2];
   reduction.K_se = MatrixXd::Zero(n, n);
   reduction.K_se.topLeftCorner(n_b, n_b) = basis.K_bb;
-  reduction.K_se.diagonal().tail(n_q) = basis.omega2;
+  reduction.K_se.diagonal().segment(n_b, n_phi) = basis.omega2;
+  if (n_w > 0) {
+    reduction.K_se.topRightCorner(n_b, n_w) = faces.K_bw;
+    reduction.K_se.bottomLeftCorner(n_w, n_b) = faces.K_bw.transpose();
+    reduction.K_se.bottomRightCorner(n_w, n_w) = faces.K_ww;
+  }
   reduction.omega2 = basis.omega2;
   reduction.n_b = static_cast<int>(n_b);
   reduction.n_q = static_cast<int>(n_q);
   for (int k = 0; k < model.n_interfaces(); ++k)
-    reduction.interfaces.push_back({part.interfaces[k].name, part.interfaces[k].tie, model.point(k),
+    reduction.interfaces.push_back({part.interfaces[k].name, whole.interfaces[k].tie, model.point(k),
                                     model.directions(k), model.first_dof(k)});
   reduction.shapes.resize(3 * static_cast<Index>(options.shape_nodes.size()), n);
   for (std::size_t v = 0; v < options.shape_nodes.size(); ++v)
@@ -264,7 +271,7 @@ Cut reduce(const Part& part, const ReductionOptions& options, Reduction& reducti
   report.seconds_projection = watch.lap();
   linalg::report(options.progress, "projection", 1.0);
 
-  if (options.estimate_error && fixed_modes) {
+  if (options.estimate_error && fixed_modes && n_w == 0) {
     // F_rs = K_ii^-1 - Phi Omega^-2 Phi^T, extra shapes included: they are K- and M-orthogonal like modes.
     const MatrixXd participation = linalg::transpose_times(basis.Phi, Mhat);  // n_q x n_b
     reduction.dropped = interior.compliance;
@@ -293,6 +300,8 @@ Cut reduce(const Part& part, const ReductionOptions& options, Reduction& reducti
     reduction.stress_modes = nodal_stress_modes(part, T, options.stress_nodes);
     report.seconds_stress = watch.lap();
   }
+  if (n_w > 0)
+    change_shapes(reduction, canonical_shapes(reduction.K_se, reduction.M_se, MatrixXd::Identity(n_b, n)));
   report.n_nodes = model.n_nodes();
   for (const mesh::CellBlock& block : part.mesh.solids)
     report.n_cells += static_cast<int>(block.nodes.rows());
@@ -328,9 +337,18 @@ linalg::EigenProblem fixed_interface_problem(const TiedModel& model, const TiedS
   return problem;
 }
 
-Reduction craig_bampton(const Part& part, const ReductionOptions& options) {
+Reduction craig_bampton(const Part& whole, const ReductionOptions& options) {
   Reduction reduction;
-  const Cut cut = reduce(part, options, reduction);
+  std::optional<Part> stiff;
+  if (has_elastic_ties(whole)) {
+    if (options.set == ModeSet::craig_chang || options.accuracy > 0.0)
+      throw std::invalid_argument(
+          "elastic ties go with Craig and Bampton's or Guyan's modes, by number, frequency or effective "
+          "mass");
+    stiff = with_rigid_faces(whole);
+  }
+  const Part& part = stiff ? *stiff : whole;
+  const Cut cut = reduce(whole, part, options, reduction);
   if (options.certify && cut.n_modes > 0) {
     linalg::report(options.progress, "certificate", 0.0);
     linalg::Stopwatch watch;

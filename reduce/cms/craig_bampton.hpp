@@ -2,6 +2,7 @@
 #pragma once
 
 #include "reduce/assembly/tied_solver.hpp"
+#include "reduce/cms/interface_modes.hpp"
 #include "reduce/cms/reduction.hpp"
 #include "reduce/linalg/eigen_problem.hpp"
 
@@ -12,7 +13,8 @@
 ///     T = [ 1 0 ; Psi Phi ],   K_se = diag(K_bb + K_bi Psi, Omega^2),   M_se = T^T M T
 ///
 /// Averaging ties (tied_model.hpp) enter as A Psi = 1 on their dofs, A Phi = 0; K_bb then gains minus the
-/// reactions.
+/// reactions.  Elastic ties are rigid for Psi and Phi and add interface modes (interface_modes.hpp); the
+/// basis of all is brought to the form of shape_change.hpp.
 namespace flexura::reduce {
 
 /// Which shapes stand beside the interface dofs.
@@ -44,7 +46,8 @@ struct ReductionOptions {
   double effective_mass = 0.0;  ///< or this fraction of the interior's mass and inertia
   int most_modes = 500;         ///< to reach accuracy or effective mass
   bool certify = false;         ///< count the modes by Sylvester's law; std::runtime_error if one is missing
-  std::vector<double> response_omegas;  ///< [rad/s]: response modes at these frequencies
+  InterfaceModesRequest interface_modes = {.count = 20};  ///< of elastic ties, where there are any
+  std::vector<double> response_omegas;                    ///< [rad/s]: response modes at these frequencies
   std::vector<LoadField> loads;
   double tolerance = 1e-9;  ///< relative residual of every mode
   Eigensolver eigensolver = Eigensolver::block_lanczos;

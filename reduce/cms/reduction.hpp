@@ -54,7 +54,10 @@ struct ReductionReport {
   double certified_omega2 = 0.0;     ///< the cut-off [rad^2/s^2]
   double seconds_certificate = 0.0;
   double band_frequency_error = -1.0, band_interface_error = -1.0;  ///< in the band asked for; -1: none
-  int n_extra = 0;                 ///< response and load shapes among the modes
+  int n_extra = 0;                          ///< response and load shapes among the modes
+  int n_interface_modes = 0;                ///< of elastic ties, among the modes
+  double interface_stiffness_error = -1.0;  ///< what they leave of it (interface_modes.hpp); -1: not known
+  double seconds_interface_modes = 0.0;
   std::vector<std::string> notes;  ///< what was dropped, struck out, chosen
 };
 

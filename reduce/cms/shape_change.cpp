@@ -76,6 +76,8 @@ void change_shapes(Reduction& r, const CanonicalShapes& shapes) {
   r.K_se.topRightCorner(r.n_b, r.n_q).setZero();
   r.K_se.bottomLeftCorner(r.n_q, r.n_b).setZero();
   r.K_se.bottomRightCorner(r.n_q, r.n_q) = MatrixXd(shapes.omega2.asDiagonal());
+  // Six motions that hold the body are its rigid motions: what stands there is round-off.
+  if (r.n_b == 6) r.K_se.topLeftCorner(6, 6).setZero();
   r.inertia.S_phi = (r.inertia.S_phi * Y).eval();
   r.inertia.S_xphi = (r.inertia.S_xphi * Y).eval();
   for (MatrixXd& S : r.inertia.S_phiphi) S = (Y.transpose() * S * Y).eval();  // (a, b) is not symmetric

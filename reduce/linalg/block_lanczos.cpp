@@ -174,7 +174,7 @@ void polish(const EigenProblem& problem, EigenPairs& pairs) {
   problem.multiply_K(pairs.Phi, R);
   problem.multiply_M(pairs.Phi, M_Phi);
   R -= M_Phi * pairs.omega2.asDiagonal();
-  if (problem.project) problem.project(R);
+  problem.project_residual(R);
   problem.solve(R, difference);
   pairs.Phi -= difference;
   orthonormalise(problem, pairs.Phi);

@@ -48,10 +48,8 @@ void measure_residuals(const EigenProblem& problem, EigenPairs& pairs) {
       pairs.omega2(first + c) = phi.dot(K_phi.col(c)) / phi.dot(M_phi.col(c));
       residual.col(c) -= pairs.omega2(first + c) * M_phi.col(c);
     }
-    if (problem.project) {
-      problem.project(residual);
-      problem.project(scale);
-    }
+    problem.project_residual(residual);
+    problem.project_residual(scale);
     for (Eigen::Index c = 0; c < width; ++c) {
       pairs.residual(first + c) = residual.col(c).norm() / scale.col(c).norm();
       pairs.round_off(first + c) =

@@ -20,6 +20,16 @@ struct EigenProblem {
   /// The orthogonal projection into the space: takes reactions out of a residual K phi - omega^2 M phi, and
   /// round-off out of phi; may be empty.
   std::function<void(Eigen::MatrixXd&)> project;
+  /// Likewise for residuals alone, where the space is no coordinate plane with reactions across it (interface
+  /// modes); in place of `project` there.  May be empty.
+  std::function<void(Eigen::MatrixXd&)> condense;
+
+  void project_residual(Eigen::MatrixXd& R) const {
+    if (condense)
+      condense(R);
+    else if (project)
+      project(R);
+  }
 };
 
 /// How many eigenpairs: the lowest `count`, or all with omega^2 up to `omega2_max`, whichever asks for more;

@@ -9,10 +9,13 @@
 #include <Eigen/LU>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <numbers>
 
+#include "mbs/superelement/file.hpp"
 #include "reduce/app/make_part.hpp"
+#include "reduce/app/reduce_part.hpp"
 #include "reduce/assembly/point_mass.hpp"
 #include "reduce/cms/craig_bampton.hpp"
 #include "reduce/cms/verification.hpp"
@@ -170,6 +173,74 @@ density = "7850 kg/m^3"
   EXPECT_THAT(
       refusal("job_matrix_generate_conrod.inp", std::string("[mesh]\nsize = \"2 mm\"\n") + kConrodBores),
       AllOf(HasSubstr("mesh.size"), HasSubstr("is for CAD parts")));
+}
+
+// gmsh's bar, 1 x 1 x 3 m (tests/mesh/data/gmsh), in its own formats (2: hex20.msh, 4: the others) and as
+// universal files, from the file to the superelement.  Without contraction across, a bar between rigid ends
+// stretches uniformly, which all cells represent: EA/l to round-off of one solve.  The same cells give the
+// same superelement whatever the format.
+class GmshBar : public ForeignPart {
+ protected:
+  superelement::Superelement reduced(const std::string& mesh, const std::string& tie = "rigid",
+                                     const std::string& modes = "") const {
+    const auto path = kDecks / "gmsh" / mesh;
+    std::string text = "[geometry]\nfile = \"" + path.string() +
+                       "\"\n[material.steel]\nyoung = \"210 GPa\"\npoisson = 0\ndensity = \"7850 kg/m^3\"\n" +
+                       "[modes]\ncount = 6\n" + modes;
+    for (const std::string end : {"foot", "top"})
+      text += "[interface." + end + "]\nby = \"group\"\ngroup = \"" + end + "\"\ntie = \"" + tie + "\"\n";
+    const auto output = folder_ / (mesh + ".se.h5");
+    PartInput input = read_part(put("bar.toml", text));
+    input.cad.worker = std::filesystem::path(FLEXURA_BIN_DIR) / "flexura-mesh";
+    reduce_part(input, output, {.report = {}, .quiet = true});
+    return superelement::read(output);
+  }
+};
+
+TEST_F(GmshBar, IsTheSameFromEveryFormat) {
+  std::map<std::string, superelement::Superelement> all;
+  for (const std::string mesh : {"hex20.msh", "hex27_binary.msh", "wedge15.msh", "tet10.msh", "hex8.unv",
+                                 "hex20.unv", "wedge15.unv", "tet10.unv"}) {
+    const superelement::Superelement& se = all[mesh] = reduced(mesh);
+    ASSERT_EQ(se.n_b, 12) << mesh;
+    EXPECT_NEAR(se.inertia.mass / (3.0 * 7850.0), 1.0, 1e-9) << mesh;
+    EXPECT_NEAR(se.K_se(8, 8) / (2.1e11 / 3.0), 1.0, 1e-9) << mesh;
+    EXPECT_NEAR(se.K_se(2, 8) / (2.1e11 / 3.0), -1.0, 1e-9) << mesh;
+  }
+  for (const std::string cells : {"hex20", "tet10", "wedge15"}) {
+    const superelement::Superelement &own = all[cells + ".msh"], &other = all[cells + ".unv"];
+    // Files print 16 digits, and the order of the nodes is that of the file.
+    const Eigen::MatrixXd K = own.K_se.topLeftCorner(12, 12);
+    EXPECT_LT((K - other.K_se.topLeftCorner(12, 12)).norm(), 1e-9 * K.norm()) << cells;
+    EXPECT_LT((own.omega2 - other.omega2).cwiseQuotient(own.omega2).cwiseAbs().maxCoeff(), 1e-8) << cells;
+  }
+}
+
+// An elastic tie through the part file: six dofs at each end and interface modes beside the others.
+TEST_F(GmshBar, TakesInterfaceModes) {
+  const superelement::Superelement se = reduced("hex20.msh", "elastic", "interface_count = 5\n");
+  EXPECT_EQ(se.n_b, 12);
+  EXPECT_GE(se.n_q, 11);
+  EXPECT_EQ(se.interfaces[0].tie, "elastic");
+  EXPECT_THAT(se.report_json, HasSubstr("interface reduction: "));
+  const auto refused = [&](const std::string& tie, const std::string& modes) -> std::string {
+    try {
+      reduced("hex20.msh", tie, modes);
+    } catch (const std::exception& error) {
+      return error.what();
+    }
+    return "accepted";
+  };
+  EXPECT_THAT(refused("rigid", "interface_count = 5\n"), HasSubstr("is about elastic ties"));
+  EXPECT_THAT(refused("elastic", "set = \"craig_chang\"\n"), HasSubstr("does not go with elastic ties"));
+  EXPECT_THAT(refused("elastic", "interface_count = 5\ninterface_accuracy = 0.1\n"),
+              HasSubstr("one of them"));
+}
+
+TEST_F(ForeignPart, ASpringToTheGroundIsRefusedWithTheWayOut) {
+  EXPECT_THAT(refusal("CHEXA08_.nas",
+                      "[link.spring]\ninterfaces = [\"tie 65\", \"ground\"]\nstiffness = \"1 kN/m\"\n"),
+              AllOf(HasSubstr("link.spring"), HasSubstr("bushing")));
 }
 
 // A mass with offset and inertia on an interface: the superelement gains exactly the rigid body's mass, first

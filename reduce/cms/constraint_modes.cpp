@@ -1,0 +1,33 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "reduce/cms/constraint_modes.hpp"
+
+#include "reduce/linalg/dense.hpp"
+
+namespace flexura::reduce {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+
+ConstraintModes constraint_modes(const TiedModel& model, const TiedSolver& solver) {
+  const auto& averaged = model.averaged_dofs();
+  const Index n_a = static_cast<Index>(averaged.size());
+  const MatrixXd K_ib = model.K_ib();
+  MatrixXd g = MatrixXd::Zero(n_a, model.n_b());
+  for (Index r = 0; r < n_a; ++r) g(r, averaged[r]) = 1.0;
+  TiedSolver::Solution solution = solver.solve_refined(-K_ib, g);
+  ConstraintModes modes{std::move(solution.U), model.K_bb(), 0.0};
+  MatrixXd K_Psi;
+  model.K_ii().multiply(modes.Psi, K_Psi);
+  MatrixXd reaction = MatrixXd::Zero(model.n_i(), model.n_b());
+  if (n_a > 0) reaction = model.A().transpose() * solution.mu;
+  const double scale = K_ib.norm() + reaction.norm();
+  if (scale > 0.0) modes.residual = (K_Psi + K_ib + reaction).norm() / scale;
+  modes.K_bb += linalg::transpose_times(K_ib, modes.Psi);
+  for (Index r = 0; r < n_a; ++r) modes.K_bb.row(averaged[r]) -= solution.mu.row(r);
+  modes.K_bb = (0.5 * (modes.K_bb + modes.K_bb.transpose())).eval();
+  // Six motions that hold the body are its rigid motions: what stands there is round-off.
+  if (model.n_b() == 6) modes.K_bb.setZero();
+  return modes;
+}
+
+}  // namespace flexura::reduce

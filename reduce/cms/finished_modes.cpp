@@ -1,0 +1,199 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "reduce/cms/finished_modes.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <numeric>
+#include <stdexcept>
+
+#include "reduce/assembly/average.hpp"
+#include "reduce/assembly/rigid_motion.hpp"
+#include "reduce/cms/shape_change.hpp"
+#include "reduce/linalg/dense.hpp"
+
+namespace flexura::reduce {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+
+// What printed digits (six and more) leave of vectors and matrices that belong together.
+constexpr double kPrinted = 1e-3;
+
+linalg::SymmetricMatrix scalar_mass(const NodalMatrices& given, int n_nodes) {
+  std::vector<std::vector<int>> rows(n_nodes);
+  for (int a = 0; a < n_nodes; ++a) rows[a].push_back(a);
+  for (std::size_t k = 0; k < given.pairs.size(); ++k)
+    if (const auto& [a, b] = given.pairs[k]; a != b) rows[a].push_back(b);
+  std::vector<int> begin{0}, columns;
+  for (std::vector<int>& row : rows) {
+    std::sort(row.begin(), row.end());
+    columns.insert(columns.end(), row.begin(), row.end());
+    begin.push_back(static_cast<int>(columns.size()));
+  }
+  linalg::SymmetricMatrix m(std::move(begin), std::move(columns));
+  MatrixXd pair(2, 2);
+  for (std::size_t k = 0; k < given.pairs.size(); ++k) {
+    const auto& [a, b] = given.pairs[k];
+    if (a == b) {
+      m.add_to_diagonal(a, given.m[k]);
+    } else {
+      pair << 0.0, given.m[k], given.m[k], 0.0;
+      const int nodes[] = {a, b};
+      m.add(nodes, pair);
+    }
+  }
+  m.finish();
+  return m;
+}
+
+// Motion (u, theta) of the interface's node in each vector, rows of its directions.
+MatrixXd interface_rows(const Part& part, const InterfaceSpec& spec, const MatrixXd& W) {
+  if (spec.directions.empty()) return MatrixXd(0, W.cols());  // a rigid piece of the part
+  const std::vector<mesh::Index>& nodes = spec.set.nodes;
+  MatrixXd set(3 * static_cast<Index>(nodes.size()), W.cols());
+  for (std::size_t a = 0; a < nodes.size(); ++a)
+    set.middleRows<3>(3 * static_cast<Index>(a)) = W.middleRows<3>(3 * static_cast<Index>(nodes[a]));
+  if (spec.tie == Tie::node) {
+    if (nodes.size() != 1 || spec.directions.back() > 2)
+      throw std::invalid_argument(fmt::format(
+          "interface '{}' is tied as a node: it takes a single node and displacements only", spec.name));
+    return set(spec.directions, Eigen::all);
+  }
+  const MatrixXd motion = averaging_map(part.mesh, spec) * set;
+  if (spec.tie == Tie::rigid) {
+    MatrixXd bent = set;
+    for (std::size_t a = 0; a < nodes.size(); ++a)
+      bent.middleRows<3>(3 * static_cast<Index>(a)) -=
+          motion_at(part.mesh.points.row(nodes[a]).transpose() - spec.point) * motion;
+    const double share = bent.norm() / set.norm();
+    if (share > kPrinted)
+      throw std::invalid_argument(fmt::format(
+          "the vectors bend interface '{}' by {:.2g} of its motion, so it was no rigid piece when "
+          "they were computed: tie it as an average",
+          spec.name, share));
+  }
+  return motion(spec.directions, Eigen::all);
+}
+
+// K must be that of the vectors: what is left of it when they are written in the new basis.
+void check_stiffness(const MatrixXd& K_W, const MatrixXd& M_W, const CanonicalShapes& shapes) {
+  const MatrixXd& Y = shapes.Y;
+  const MatrixXd M_Y = Y.transpose() * M_W * Y, K_Y = Y.transpose() * K_W * Y;
+  const MatrixXd C = M_Y.partialPivLu().solve(Y.transpose() * M_W);  // W = (W Y) C
+  const MatrixXd rest = C.transpose() * K_Y * C - K_W;
+  const double omega2 = shapes.omega2.size() > 0 ? shapes.omega2(0) : 0.0;
+  for (Index j = 6; j < K_W.cols(); ++j) {
+    const double scale = K_W(j, j) + omega2 * M_W(j, j);
+    if (!(std::abs(rest(j, j)) > kPrinted * scale)) continue;
+    throw std::invalid_argument(fmt::format(
+        "the reduced stiffness contradicts the vectors: vector {} is, with others, a rigid motion "
+        "or none at all, but that would cost energy ({:.2g} of its own); look for springs to the "
+        "ground, supports, or columns in another order",
+        j - 5, std::abs(rest(j, j)) / scale));
+  }
+}
+
+}  // namespace
+
+Reduction reduce_finished_modes(const Part& part, const FinishedModes& modes,
+                                const ReductionOptions& options) {
+  if (!part.matrices) throw std::logic_error("finished modes want the part's mass matrix");
+  const Index n_nodes = part.mesh.n_nodes(), n_v = modes.V.cols();
+  if (modes.V.rows() != 3 * n_nodes)
+    throw std::invalid_argument(
+        fmt::format("the vectors have {} rows, {} are wanted: three for each of the {} nodes", modes.V.rows(),
+                    3 * n_nodes, n_nodes));
+  for (const MatrixXd* matrix : {&modes.K, &modes.M})
+    if (matrix->size() > 0 && (matrix->rows() != n_v || matrix->cols() != n_v))
+      throw std::invalid_argument(
+          fmt::format("a reduced matrix of the {} vectors is {} x {}", n_v, matrix->rows(), matrix->cols()));
+  if (modes.stress.size() > 0 && (modes.stress.rows() != 6 * n_nodes || modes.stress.cols() != n_v))
+    throw std::invalid_argument(
+        fmt::format("the stress modes are {} x {}, {} x {} are wanted: six for each node",
+                    modes.stress.rows(), modes.stress.cols(), 6 * n_nodes, n_v));
+  linalg::Stopwatch watch;
+  const linalg::SymmetricMatrix m = scalar_mass(*part.matrices, static_cast<int>(n_nodes));
+  MatrixXd W(3 * n_nodes, 6 + n_v);
+  for (Index node = 0; node < n_nodes; ++node)
+    W.block<3, 6>(3 * node, 0) = motion_at(part.mesh.points.row(node));
+  W.rightCols(n_v) = modes.V;
+
+  Reduction r;
+  r.inertia = inertia_integrals(m, part.mesh.points, W);
+  r.M_se = r.inertia.S_phiphi[0] + r.inertia.S_phiphi[1] + r.inertia.S_phiphi[2];
+  r.K_se = MatrixXd::Zero(6 + n_v, 6 + n_v);
+  r.K_se.bottomRightCorner(n_v, n_v) = 0.5 * (modes.K + modes.K.transpose());
+  for (Index j = 0; j < n_v; ++j)
+    if (!(r.M_se(6 + j, 6 + j) > 0.0))
+      throw std::invalid_argument(fmt::format("vector {} moves no mass; leave it out", j + 1));
+  if (modes.M.size() > 0) {
+    double worst = 0.0;
+    for (Index j = 0; j < n_v; ++j)
+      worst = std::max(worst, std::abs(modes.M(j, j) / r.M_se(6 + j, 6 + j) - 1.0));
+    r.report.notes.push_back(fmt::format(
+        "the reduced mass as given differs from that of the nodes' mass by at most {:.2g} %", 100.0 * worst));
+    // A lumped mass is within a few per cent for waves that the mesh resolves; a unit is off by far more.
+    if (worst > 0.5)
+      throw std::invalid_argument(fmt::format(
+          "the reduced mass as given and that of the nodes' mass differ by {:.2g} %: they are not "
+          "in one unit, or not of the same vectors",
+          100.0 * worst));
+  }
+
+  MatrixXd B(0, 6 + n_v), R_b(0, 6);
+  for (const InterfaceSpec& spec : part.interfaces) {
+    const Eigen::Vector3d point =
+        spec.tie == Tie::node ? Eigen::Vector3d(part.mesh.points.row(spec.set.nodes.at(0))) : spec.point;
+    InterfaceSpec used = spec;
+    used.point = point;
+    const MatrixXd rows = interface_rows(part, used, W);
+    const Index first = B.rows();
+    B.conservativeResize(first + rows.rows(), Eigen::NoChange);
+    B.bottomRows(rows.rows()) = rows;
+    R_b.conservativeResize(first + rows.rows(), Eigen::NoChange);
+    R_b.bottomRows(rows.rows()) = node_motion_at(point)(spec.directions, Eigen::all);
+    r.interfaces.push_back({spec.name, spec.tie, point, spec.directions, static_cast<int>(first)});
+  }
+  B.leftCols(6) = R_b;
+  r.n_b = static_cast<int>(B.rows());
+
+  for (const LoadField& load : options.loads) {
+    MatrixXd F = MatrixXd::Zero(3 * n_nodes, 1);
+    if (load.acceleration.rows() > 0)
+      m.multiply_kron3(MatrixXd(load.acceleration.transpose().reshaped(3 * n_nodes, 1)), F);
+    if (load.forces.rows() > 0) F += load.forces.transpose().reshaped(3 * n_nodes, 1);
+    r.loads.push_back({load.name, linalg::transpose_times(W, F)});
+  }
+  r.shapes.resize(3 * static_cast<Index>(options.shape_nodes.size()), 6 + n_v);
+  for (std::size_t v = 0; v < options.shape_nodes.size(); ++v)
+    r.shapes.middleRows<3>(3 * static_cast<Index>(v)) =
+        W.middleRows<3>(3 * static_cast<Index>(options.shape_nodes[v])).cast<float>();
+  if (modes.stress.size() > 0) {
+    r.stress_modes = MatrixXd::Zero(6 * static_cast<Index>(options.stress_nodes.size()), 6 + n_v);
+    for (std::size_t s = 0; s < options.stress_nodes.size(); ++s)
+      r.stress_modes.block(6 * static_cast<Index>(s), 6, 6, n_v) =
+          modes.stress.middleRows<6>(6 * static_cast<Index>(options.stress_nodes[s]));
+  }
+
+  const CanonicalShapes shapes = canonical_shapes(r.K_se, r.M_se, B);
+  check_stiffness(r.K_se, r.M_se, shapes);
+  change_shapes(r, shapes);
+  r.report.notes.push_back(
+      fmt::format("{} vectors of another program with the six rigid motions: {} shapes", n_v, r.n()));
+  if (!shapes.dropped.empty())
+    r.report.notes.push_back(fmt::format(
+        "{} of them are combinations of the others (the rigid motions among them)", shapes.dropped.size()));
+  r.report.n_nodes = static_cast<int>(n_nodes);
+  r.report.n_i = static_cast<int>(3 * n_nodes) - r.n_b;
+  r.report.n_b = r.n_b;
+  r.report.n_q = r.n_q;
+  r.report.rigid_strain = (r.K_se.topLeftCorner(r.n_b, r.n_b) * R_b).norm() / (r.K_se.norm() * R_b.norm());
+  r.report.seconds_projection = watch.lap();
+  r.report.peak_memory_bytes = peak_memory();
+  return r;
+}
+
+}  // namespace flexura::reduce
