@@ -30,7 +30,8 @@ class RadauMatrices {
   /// Takes the derivatives at (t, y, y').
   void linearise(double t, const Eigen::VectorXd& y, const Eigen::VectorXd& yp, TangentScope scope) {
     form_.unpack(t, y, scratch_state_);
-    tangents_.evaluate(scratch_state_, yp.segment(form_.at_v(), n_.n_v), scope);
+    v_dot_ = yp.segment(form_.at_v(), n_.n_v);
+    tangents_.evaluate(scratch_state_, v_dot_, scope);
     kinematics_.update(scratch_state_.p, scratch_state_.v);
     kinematics_.invert(1.0);  // for T^+
   }
@@ -59,6 +60,7 @@ class RadauMatrices {
   Sizes n_;
   StabilisedIndex2 form_;
   State scratch_state_;
+  Eigen::VectorXd v_dot_;
   KinematicBlocks kinematics_;
   Tangents tangents_;
   NewtonMatrix<double> real_;

@@ -145,7 +145,7 @@ set = ["body.slider.mass=0.6"]
         EXPECT_NEAR(body.pose.row(i).tail<4>().norm(), 1.0, 1e-12);
   }
   EXPECT_TRUE(std::filesystem::exists(folder_ / "m.light.csv"));
-  EXPECT_THAT(text_of("out.txt"), AllOf(HasSubstr("heavy"), HasSubstr("energy error")));
+  EXPECT_THAT(text_of("out.txt"), AllOf(HasSubstr("heavy"), HasSubstr("error: of the energy balance")));
 
   EXPECT_EQ(flexura("simulate m.toml -o m2.h5 --run hevy"), 2);
   EXPECT_THAT(text_of("err.txt"), HasSubstr("there is no run \"hevy\", did you mean \"heavy\"?"));
