@@ -359,8 +359,8 @@ StepEnd Radau::step(double t_stop) {
       } else {
         wants_tangents = true;
       }
-      // A matrix from the middle of the step that failed is of no use to a shorter one.
-      if (t_tangents_ > t_) wants_tangents = true;
+      // A matrix from the middle of a step that failed is of no use to steps much shorter.
+      if (rejected_ && t_tangents_ > t_) wants_tangents = true;
       h_ = shorter * h;
       rejected_ = true;
       continue;
