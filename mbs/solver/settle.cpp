@@ -74,11 +74,32 @@ class Settler {
     assemble_velocities(eq_, s, given_, report);  // where N^T G v is left: round-off of the differences
   }
 
-  /// Moves s to where the elastic rows balance.
+  /// Moves s to where the elastic rows balance.  Returns the number of iterations.
   int settle(State& s) {
+    const State start = s;
+    for (;;) {
+      if (const int iterations = iterate(s)) return iterations;
+      if (loads_change_) break;
+      loads_change_ = true;
+      s = start;
+    }
+    throw AssemblyError(
+        "the deformation that follows the loads is not found from the start given (the bodies are too soft "
+        "for their loads, or vibrate with them): start undeformed (initial_deformation = \"none\")");
+  }
+
+ private:
+  struct Elastic {
+    int i_v, i_p;
+    double stiffness;
+  };
+
+  // 0 where it does not converge.
+  int iterate(State& s) {
     double before = std::numeric_limits<double>::infinity();
     for (int iteration = 1; iteration <= kMostIterations; ++iteration) {
       find_motion(s);
+      if (loads_change_ && iteration == 1) K_.compute(stiffness_with_loads(s));
       find_step(s);
       double change = 0.0, size = 0.0;
       for (std::size_t k = 0; k < elastic_.size(); ++k) {
@@ -92,19 +113,31 @@ class Settler {
       close_velocities(s);
       // Down to round-off, or where it stops to fall close to it.
       if (change <= 1e-13 * size || (change > 0.5 * before && change <= 1e-9 * size)) return iteration;
-      if (iteration > 5 && change > before && change > 1e-9 * size) break;
+      if (iteration > 5 && change > before && change > 1e-9 * size) return 0;
       before = change;
     }
-    throw AssemblyError(
-        "the deformation that follows the loads is not found from the start given (the bodies are too soft "
-        "for their loads, or vibrate with them): start undeformed (initial_deformation = \"none\")");
+    return 0;
   }
 
- private:
-  struct Elastic {
-    int i_v, i_p;
-    double stiffness;
-  };
+  // dr_s/ds at the present motion, by central differences: elastic, geometric and centrifugal stiffness.
+  MatrixXd stiffness_with_loads(const State& s) {
+    const auto n = static_cast<Eigen::Index>(elastic_.size());
+    MatrixXd K(n, n);
+    State moved = s;
+    for (Eigen::Index j = 0; j < n; ++j) {
+      const int at = elastic_[j].i_p;
+      const double h = 1e-5 * eq_.position_scale(at);
+      for (const double side : {h, -h}) {
+        moved.p(at) = s.p(at) + side;
+        eq_.momentum(moved, v_dot_, *scratch_, r_, c_rate_, b_);
+        for (Eigen::Index i = 0; i < n; ++i)
+          K(i, j) = (side > 0.0 ? 0.0 : K(i, j)) + r_(elastic_[i].i_v) / (2.0 * side);
+      }
+      moved.p(at) = s.p(at);
+    }
+    eq_.momentum(s, v_dot_, *scratch_, r_, c_rate_, b_);
+    return K;
+  }
 
   // U_ and N_, where the bodies are undeformed: there a row that the rigid motion leaves alone has no entry
   // but round-off in it, while a deformed axis would lend it one as small as the deformation.
@@ -234,6 +267,10 @@ class Settler {
 
   // X <- K^-1 X.
   void divide_by_stiffness(const State& s, MatrixXd& X) const {
+    if (loads_change_) {
+      X = K_.solve(X).eval();
+      return;
+    }
     for (std::size_t k = 0; k < elastic_.size(); ++k)
       if (elastic_[k].stiffness > 0.0) X.row(k) /= elastic_[k].stiffness;
     if (coupled_.empty()) return;
@@ -256,7 +293,9 @@ class Settler {
   AssembleOptions given_, held_;  // what the user gave, and with the elastic coordinates
   std::vector<bool> is_rigid_;
   std::vector<Elastic> elastic_;
-  std::vector<int> coupled_;  // among them: stiffness is a matrix
+  std::vector<int> coupled_;   // among them: stiffness is a matrix
+  bool loads_change_ = false;  // more with deformation than the bodies resist: K_ in place of their stiffness
+  Eigen::PartialPivLU<MatrixXd> K_;
   // Combinations of the constraint rows that the rigid motion has to meet, and those that it always meets.
   MatrixXd U_, N_;
   SaddleSolver saddle_;

@@ -170,6 +170,7 @@ BeamPartInput read_beam_part(const std::filesystem::path& file, const std::vecto
   if (mesh.has("frequency")) part.subdivision.max_frequency_hz = mesh.quantity("frequency");
   part.subdivision.frequency_error = mesh.quantity("frequency_error");
   part.modes = read_modes(in.table("modes"));
+  part.stiffening = in.flag("stiffening");
   try {
     beam::check(model);
   } catch (const std::invalid_argument& error) {

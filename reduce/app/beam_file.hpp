@@ -36,6 +36,7 @@ struct BeamPartInput {
   std::vector<BeamInterface> interfaces;
   std::vector<LoadCase> cases;
   ModesInput modes;
+  bool stiffening = false;  ///< geometric stiffening terms
 };
 
 const input::TableSchema& beam_schema();

@@ -91,6 +91,10 @@ const TableSchema& beam_schema() {
                       "beam part."};
     s.keys = {
         input::text("name", "name of the part; default: the file's name"),
+        input::flag("stiffening",
+                    "keep the geometric stiffening terms: what axial forces of loads and rotation add to the "
+                    "stiffness")
+            .or_default("false"),
         input::table_map("material", beam_material_schema(), "material by name"),
         input::table_map("section", beam_section_schema(), "cross-section by name").required(),
         input::table_map("node", node, "node by name"),

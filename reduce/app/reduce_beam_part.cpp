@@ -65,6 +65,7 @@ void reduce_beam_part(const BeamPartInput& input, const std::filesystem::path& o
   const linalg::Session session;
   ReductionOptions how;
   how.n_modes = input.modes.up_to > 0.0 ? 0 : input.modes.count;
+  how.stiffening = input.stiffening;
   how.omega_max = 2.0 * std::numbers::pi * input.modes.up_to;
   how.progress = [&line](std::string_view stage, double fraction) { line(stage, fraction); };
   const Structure structure(mesh, input.solids);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "reduce/beams/beam_stiffening.hpp"
 #include "reduce/linalg/block_lanczos.hpp"
 #include "reduce/linalg/cholesky.hpp"
 #include "reduce/linalg/dense.hpp"
@@ -141,6 +142,10 @@ BeamReduction reduce_beams(const Structure& structure, const std::vector<BeamInt
   report.rigid_strain = n_b > 6 ? (K_bb * R).norm() / (K_bb.norm() * R.norm()) : 0.0;
   report.seconds_projection = watch.lap();
 
+  if (options.stiffening) {
+    reduction.stiffening = beam_stiffening_terms(structure, interfaces, T);
+    report.seconds_stiffening = watch.lap();
+  }
   if (options.estimate_error) {
     MatrixXd M_Psi;
     M.ii->multiply(Psi, M_Psi);

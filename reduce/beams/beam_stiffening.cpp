@@ -1,0 +1,219 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "reduce/beams/beam_stiffening.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <stdexcept>
+
+#include "beam/element/quadrature.hpp"
+
+namespace flexura::reduce {
+namespace {
+
+using beam::Matrix12d;
+using beam::Matrix6x12d;
+using Eigen::Index;
+using Eigen::Matrix3d;
+using Eigen::MatrixXd;
+using Eigen::Vector3d;
+using Eigen::VectorXd;
+
+constexpr int kInertiaLoads = 12;
+using InertiaLoads = Eigen::Matrix<double, 6, kInertiaLoads>;
+
+// Minus the gradient of the acceleration of load k: f(x + r) = f(x) + B r.
+Matrix3d gradient(int k) {
+  constexpr int kPairs[6][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {1, 2}, {2, 0}};
+  Matrix3d B = Matrix3d::Zero();
+  if (k < 3) return B;
+  if (k < 6) {  // -alpha x r
+    const Vector3d e = Vector3d::Unit(k - 3);
+    B << 0, e.z(), -e.y(), -e.z(), 0, e.x(), e.y(), -e.x(), 0;
+    return B;
+  }
+  // -omega x (omega x r) = omega^2 r - omega (omega . r), each product counted once
+  const auto [a, b] = kPairs[k - 6];
+  B(a, b) -= 1.0;
+  if (a == b) return B + Matrix3d::Identity();
+  B(b, a) -= 1.0;
+  return B;
+}
+
+// Force and moment at x, in the axes of B, of the inertia forces of a piece with mass m and first and second
+// moments s = int r dm, E = int r r^T dm about x.
+InertiaLoads inertia_loads(const Vector3d& x, double m, const Vector3d& s, const Matrix3d& E) {
+  InertiaLoads out;
+  for (int k = 0; k < kInertiaLoads; ++k) {
+    const Matrix3d B = gradient(k), BE = B * E;
+    const Vector3d f = k < 3 ? Vector3d(-Vector3d::Unit(k)) : Vector3d(B * x);
+    out.col(k) << m * f + B * s,
+        s.cross(f) + Vector3d(BE(2, 1) - BE(1, 2), BE(0, 2) - BE(2, 0), BE(1, 0) - BE(0, 1));
+  }
+  return out;
+}
+
+struct SectionHere {
+  beam::SectionInertia inertia;
+  double r2 = 0.0;  // (I_y + I_z) / A
+};
+
+SectionHere section_at(const beam::Model& model, const beam::Member& member, double t) {
+  const auto here = [](const beam::Section& section) {
+    const beam::SectionInertia& i = section.inertia;
+    SectionHere out{i, i.m > 0.0 ? (i.m_yy + i.m_zz) / i.m : 0.0};
+    if (section.constants && section.constants->A > 0.0)
+      out.r2 = (section.constants->I_y + section.constants->I_z) / section.constants->A;
+    return out;
+  };
+  const beam::SectionEntry& first = model.sections[member.section];
+  if (member.section_at_end < 0) return here(first.section);
+  const beam::Material& material = *first.section.material;
+  const beam::Shape shape = interpolate(*first.shape, *model.sections[member.section_at_end].shape, t);
+  return here(make_section(first.section.name, constants_of(shape, material.nu(), first.formula), material));
+}
+
+// The same per length of an element, in its axes.
+InertiaLoads line_loads(const beam::Placement& placement, double x, const beam::SectionInertia& i) {
+  const Matrix3d& R = placement.R_BE;
+  Matrix3d E = Matrix3d::Zero();
+  E.bottomRightCorner<2, 2>() << i.m_yy, i.m_yz, i.m_yz, i.m_zz;
+  InertiaLoads loads = inertia_loads(placement.p_Bo1_B + x * R.col(0), i.m, R * Vector3d(0.0, i.m_y, i.m_z),
+                                     R * E * R.transpose());
+  loads.topRows<3>() = (R.transpose() * loads.topRows<3>()).eval();
+  loads.bottomRows<3>() = (R.transpose() * loads.bottomRows<3>()).eval();
+  return loads;
+}
+
+beam::LineLoad line_load(const std::array<InertiaLoads, 2>& ends, Index k) {
+  return {ends[0].col(k), ends[1].col(k)};
+}
+
+// v', w', theta_x' at a place of the element from its nodal dofs.
+struct Station {
+  double x, weight;
+  Eigen::Matrix<double, 3, 12> slopes;
+};
+
+// Four Gauss points: exact for slopes of degree two and N of degree three.  The slopes are those of the cubic
+// through the exact displacements at four places, so that released ends and shear deformation are in them.
+std::array<Station, 4> stations(const beam::Element& element) {
+  const double l = element.length();
+  std::array<double, 4> t;
+  std::array<Matrix6x12d, 4> d;
+  for (int j = 0; j < 4; ++j) {
+    t[j] = j / 3.0;
+    d[j] = element.shape(t[j] * l);
+  }
+  const auto rule = beam::gauss_points(4);
+  std::array<Station, 4> out;
+  for (int g = 0; g < 4; ++g) {
+    const double s = 0.5 * (1.0 + rule[g].first);
+    out[g] = {s * l, 0.5 * l * rule[g].second, Eigen::Matrix<double, 3, 12>::Zero()};
+    for (int j = 0; j < 4; ++j) {  // derivative of Lagrange's polynomial j
+      double slope = 0.0;
+      for (int i = 0; i < 4; ++i) {
+        if (i == j) continue;
+        double term = 1.0 / (t[j] - t[i]);
+        for (int m = 0; m < 4; ++m)
+          if (m != i && m != j) term *= (s - t[m]) / (t[j] - t[m]);
+        slope += term;
+      }
+      out[g].slopes += slope / l * d[j].middleRows<3>(1);
+    }
+  }
+  return out;
+}
+
+}  // namespace
+
+StiffeningTerms beam_stiffening_terms(const Structure& structure,
+                                      const std::vector<BeamInterface>& interfaces, const MatrixXd& T) {
+  if (!structure.solids().empty())
+    throw std::invalid_argument(
+        "geometric stiffening is asked for of a beam part with solids, of which only the beams would "
+        "stiffen; take `stiffening` away or reduce the solid as a part of its own");
+  const auto holds = std::find_if(interfaces.begin(), interfaces.end(),
+                                  [](const BeamInterface& i) { return i.directions.size() == 6; });
+  if (holds == interfaces.end())
+    throw std::invalid_argument(
+        "geometric stiffening of a beam part needs an interface that keeps all six directions, to balance "
+        "unit loads; let one keep them or take `stiffening` away");
+  const beam::BeamMesh& mesh = structure.mesh();
+  const beam::Model& model = mesh.model();
+  const Index n = T.cols();
+
+  StiffeningTerms terms;
+  std::vector<int> dof_of_load;  // of each boundary dof, -1 where it is held
+  for (const BeamInterface& interface : interfaces)
+    for (const int direction : interface.directions) {
+      const bool held = &interface == &*holds;
+      if (held) terms.held.push_back(static_cast<int>(dof_of_load.size()));
+      dof_of_load.push_back(held ? -1 : 6 * interface.node + direction);
+    }
+
+  const Index n_loads = kInertiaLoads + static_cast<Index>(dof_of_load.size());
+  std::vector<std::array<InertiaLoads, 2>> line(mesh.elements().size());
+  MatrixXd P = MatrixXd::Zero(structure.n_dofs(), n_loads);
+  for (std::size_t e = 0; e < mesh.elements().size(); ++e) {
+    const beam::MeshElement& record = mesh.elements()[e];
+    const beam::Member& member = model.members[record.member];
+    const beam::Element element = mesh.element(record);
+    line[e] = {line_loads(record.placement, 0.0, section_at(model, member, record.t_1).inertia),
+               line_loads(record.placement, element.length(), section_at(model, member, record.t_2).inertia)};
+    const Matrix12d to_nodes = record.placement.transform().transpose();
+    for (int k = 0; k < kInertiaLoads; ++k) {
+      const beam::Vector12d p = to_nodes * element.load(line_load(line[e], k));
+      P.col(k).segment<6>(6 * record.node[0]) += p.head<6>();
+      P.col(k).segment<6>(6 * record.node[1]) += p.tail<6>();
+    }
+  }
+  for (const beam::PointMass& mass : model.point_masses) {
+    const Vector3d& c = mass.p_NC_B;
+    const Matrix3d about_C = 0.5 * mass.I_C_B.trace() * Matrix3d::Identity() - mass.I_C_B;
+    P.block<6, kInertiaLoads>(6 * mass.node, 0) += inertia_loads(
+        mesh.points()[mass.node], mass.mass, mass.mass * c, about_C + mass.mass * c * c.transpose());
+  }
+  for (std::size_t b = 0; b < dof_of_load.size(); ++b)
+    if (dof_of_load[b] >= 0) P(dof_of_load[b], kInertiaLoads + static_cast<Index>(b)) = 1.0;
+
+  const Numbering numbering(structure, {*holds});
+  const SplitMatrix K(structure.stiffness(), numbering);
+  const linalg::CholeskyFactor factor = factorise(structure, numbering, K);
+  MatrixXd U = MatrixXd::Zero(structure.n_dofs(), n_loads);
+  U(numbering.dof_of, Eigen::all) = solve_refined(factor, *K.ii, P(numbering.dof_of, Eigen::all));
+
+  std::vector<MatrixXd> K_0(n_loads, MatrixXd::Zero(n, n));
+  for (std::size_t e = 0; e < mesh.elements().size(); ++e) {
+    const beam::MeshElement& record = mesh.elements()[e];
+    const beam::Member& member = model.members[record.member];
+    const beam::Element element = mesh.element(record);
+    const Matrix12d to_element = record.placement.transform();
+    const auto nodal = [&](const MatrixXd& X) {
+      MatrixXd q(12, X.cols());
+      q << X.middleRows<6>(6 * record.node[0]), X.middleRows<6>(6 * record.node[1]);
+      return q;
+    };
+    const MatrixXd q = to_element * nodal(U), shapes = to_element * nodal(T);
+    for (const Station& at : stations(element)) {
+      const double r2 =
+          section_at(model, member, record.t_1 + at.x / element.length() * (record.t_2 - record.t_1)).r2;
+      MatrixXd slopes = at.slopes * shapes;  // 3 x n
+      slopes.row(2) *= std::sqrt(r2);
+      const MatrixXd unit = at.weight * (slopes.transpose() * slopes);
+      for (Index k = 0; k < n_loads; ++k) {
+        if (k >= kInertiaLoads && dof_of_load[k - kInertiaLoads] < 0) continue;
+        const beam::LineLoad along = k < kInertiaLoads ? line_load(line[e], k) : beam::LineLoad{};
+        const double N = element.section_forces(at.x, q.col(k), along)(beam::N);
+        if (N != 0.0) K_0[k] += N * unit;
+      }
+    }
+  }
+  for (int a = 0; a < 3; ++a) terms.K0t[a] = std::move(K_0[a]);
+  for (int a = 0; a < 3; ++a) terms.K0r[a] = std::move(K_0[3 + a]);
+  for (int k = 0; k < 6; ++k) terms.K0omega[k] = std::move(K_0[6 + k]);
+  for (Index k = kInertiaLoads; k < n_loads; ++k) terms.K0F.push_back(std::move(K_0[k]));
+  return terms;
+}
+
+}  // namespace flexura::reduce
