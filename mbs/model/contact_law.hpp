@@ -39,7 +39,7 @@ class ContactLaw {
   /// Positions of the switches away from their zeros.
   void start(double gap, double gap_rate, int* root, double* c) const;
   /// Takes a switch at its zero into its new position.
-  void change(int which, double gap_rate, int* root, double* c) const;
+  void change(int which, double gap, double gap_rate, int* root, double* c) const;
   /// N >= 0.
   double force(double gap, double gap_rate, const int* root, const double* c) const;
   /// Energy stored [J] and power lost [W].

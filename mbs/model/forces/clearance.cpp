@@ -55,7 +55,8 @@ class Clearance final : public ForceElement {
   }
   void change_switch(int which, const Kinematics& kin, const double*, int* root, double* c) const override {
     const int side = which / 2;
-    law_.change(which % 2, gap_of(side, kin).second, root + 2 * side, c + side);
+    const auto [gap, rate] = gap_of(side, kin);
+    law_.change(which % 2, gap, rate, root + 2 * side, c + side);
   }
 
   void apply(const Kinematics& kin, const double*, Loads& loads) const override {

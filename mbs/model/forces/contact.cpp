@@ -72,7 +72,8 @@ class Contact final : public ForceElement {
     law_.start(at.gap, at.gap_rate, root, c);
   }
   void change_switch(int which, const Kinematics& kin, const double*, int* root, double* c) const override {
-    law_.change(which, Touch(*this, kin).gap_rate, root, c);
+    const Touch at(*this, kin);
+    law_.change(which, at.gap, at.gap_rate, root, c);
   }
 
   void apply(const Kinematics& kin, const double*, Loads& loads) const override {
