@@ -68,6 +68,11 @@ FullModel::FullModel(std::unique_ptr<mbs::Mechanism> mechanism) : mechanism_(std
     block.m = bodies[b].flexible->m();
     blocks_.push_back(std::move(block));
   }
+  for (int j = 0; j < mechanism_->sizes().n_v; ++j) {
+    all_columns_.push_back(j);
+    if (std::ranges::none_of(blocks_, [&](const ModalBlock& b) { return j >= b.v && j < b.v + b.m; }))
+      joint_columns_.push_back(j);
+  }
 }
 
 std::unique_ptr<FullModel> FullModel::make(const mbs::PreparedMechanism& run,
@@ -127,11 +132,21 @@ void FullModel::tangents(const mbs::State& s, const VectorXd& v_dot, LinearisedR
   const mbs::Sizes n = mechanism_->sizes();
   row.D.resize(n.n_v, n.n_v);
   row.K.resize(n.n_v, n.n_v);
+  tangents_of(all_columns_, s, v_dot, row);
+}
+
+void FullModel::joint_tangents(const mbs::State& s, const VectorXd& v_dot, LinearisedRow& row) {
+  tangents_of(joint_columns_, s, v_dot, row);
+}
+
+void FullModel::tangents_of(const std::vector<int>& columns, const mbs::State& s, const VectorXd& v_dot,
+                            LinearisedRow& row) {
+  const mbs::Sizes n = mechanism_->sizes();
   residual(s, v_dot, r_);
   // Forward differences; sqrt(eps) balances round-off against truncation.
   moved_ = s;
   VectorXd d = VectorXd::Zero(n.n_v);
-  for (int j = 0; j < n.n_v; ++j) {
+  for (const int j : columns) {
     d(j) = 1.5e-8 * mechanism_->velocity_scale(j);
     mechanism_->retract(s.p, d, moved_.p);
     residual(moved_, v_dot, r_moved_);
@@ -139,7 +154,7 @@ void FullModel::tangents(const mbs::State& s, const VectorXd& v_dot, LinearisedR
     d(j) = 0.0;
   }
   moved_.p = s.p;
-  for (int j = 0; j < n.n_v; ++j) {
+  for (const int j : columns) {
     const double v_j = s.v(j);
     moved_.v(j) = v_j + 1.5e-8 * std::max(std::abs(v_j), mechanism_->velocity_scale(j));
     residual(moved_, v_dot, r_moved_);

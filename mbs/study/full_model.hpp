@@ -32,12 +32,17 @@ class FullModel {
 
   const mbs::Mechanism& mechanism() const { return *mechanism_; }
   const std::vector<ModalBlock>& blocks() const { return blocks_; }
+  /// The velocity coordinates that are no block's.
+  const std::vector<int>& joint_columns() const { return joint_columns_; }
 
   /// M and G at the state.
   void mass_and_constraints(const mbs::State& s, LinearisedRow& row);
   /// K and D: the derivatives of the momentum balance by p and v, the bodies' own stiffness, springs,
   /// geometric and gyroscopic terms alike.
   void tangents(const mbs::State& s, const Eigen::VectorXd& v_dot, LinearisedRow& row);
+  /// The columns of the joint coordinates alone, which change most while a mechanism turns; those of the
+  /// modal coordinates stay as `row` has them.
+  void joint_tangents(const mbs::State& s, const Eigen::VectorXd& v_dot, LinearisedRow& row);
   /// The momentum balance M v_dot - f + G^T lambda.
   void residual(const mbs::State& s, const Eigen::VectorXd& v_dot, Eigen::VectorXd& r);
   /// Outputs at s + delta.
@@ -51,10 +56,13 @@ class FullModel {
   friend class Embedding;
   explicit FullModel(std::unique_ptr<mbs::Mechanism> mechanism);
   void take_start(const mbs::PreparedMechanism& run);
+  void tangents_of(const std::vector<int>& columns, const mbs::State& s, const Eigen::VectorXd& v_dot,
+                   LinearisedRow& row);
 
   std::unique_ptr<mbs::Mechanism> mechanism_;
   std::unique_ptr<mbs::Equations::Scratch> scratch_;
   std::vector<ModalBlock> blocks_;
+  std::vector<int> all_columns_, joint_columns_;
   Eigen::VectorXd c_rate_, b_, r_, r_moved_;
   mbs::State moved_;
 };

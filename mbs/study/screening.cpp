@@ -124,12 +124,14 @@ std::vector<VectorXd> Screening::outputs_with(const ModalBlock& block, const Mat
     small.M.noalias() = T.transpose() * (row.M * T);
     small.G.noalias() = row.G * T;
     if (at.tangents != last_tangents) {
-      const Tangents& tangents = tangents_[at.tangents];
-      small.D.noalias() = T.transpose() * (tangents.D * T);
-      small.K.noalias() = T.transpose() * (tangents.K * T);
-      small.D.diagonal().tail(extra_damping.size()) += extra_damping;
+      row.D = tangents_[at.tangents].D;
+      row.K = tangents_[at.tangents].K;
       last_tangents = at.tangents;
     }
+    full_.joint_tangents(at.s, at.v_dot, row);
+    small.D.noalias() = T.transpose() * (row.D * T);
+    small.K.noalias() = T.transpose() * (row.K * T);
+    small.D.diagonal().tail(extra_damping.size()) += extra_damping;
     VectorXd load = VectorXd::Zero(n_v);
     load.segment(block.v, block.m) = -r.segment(block.v, block.m);
     correction.step(i == 0 ? 0.0 : at.s.t - rows_[i - every].s.t, small, T.transpose() * load);

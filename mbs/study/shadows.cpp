@@ -16,7 +16,10 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-// Rows beyond so many are thinned out; tangents are renewed every so many rows taken.
+// Rows beyond so many are thinned out; tangents by modal coordinates are renewed every so many rows taken.
+// Those by joint coordinates are renewed at every one: where a mechanism turns, stiffness that lags by an
+// angle feeds the correction, turn after turn (of the steam engine's, 24 turns, it made 100 % of what is 1
+// %).
 constexpr double kMostRows = 800.0;
 constexpr long kRowsPerTangent = 16;
 // An output counts from this part of the largest one of its unit on: below it symmetry and round-off stand,
@@ -172,7 +175,10 @@ bool Shadows::take(const mbs::State& s, const VectorXd& v_dot) {
   in.embedding.embed(s, v_dot, in.s, in.v_dot);
   in.renewed = in.taken % kRowsPerTangent == 0;
   in.full.mass_and_constraints(in.s, in.row);
-  if (in.renewed) in.full.tangents(in.s, in.v_dot, in.row);
+  if (in.renewed)
+    in.full.tangents(in.s, in.v_dot, in.row);
+  else
+    in.full.joint_tangents(in.s, in.v_dot, in.row);
   in.full.residual(in.s, in.v_dot, in.r);
   in.correction->step(h, in.row, in.loads());
   in.compare(h);
