@@ -1,6 +1,8 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
 
+#include <nlohmann/json.hpp>
+
 #include "mbs/app/commands.hpp"
 #include "mbs/app/mechanism_runs.hpp"
 #include "mbs/solver/state_file.hpp"
@@ -14,7 +16,29 @@ using terminal::number;
 
 struct Arguments : MechanismArguments {
   std::string save_state;
+  bool json = false;
 };
+
+nlohmann::json to_json(const NamedRun& run) {
+  using nlohmann::json;
+  const mbs::PreparedMechanism& p = run.prepared;
+  const mbs::Mechanism& m = *p.mechanism;
+  const mbs::Sizes n = m.sizes();
+  json out = run_json(run);
+  json &positions = out["positions"] = json::array(), &velocities = out["velocities"] = json::array(),
+       &multipliers = out["multipliers"] = json::array();
+  for (int i = 0; i < n.n_p; ++i)
+    positions.push_back({{"name", m.name_of_position(i)}, {"value", p.state.p(i)}});
+  for (int i = 0; i < n.n_v; ++i)
+    velocities.push_back(
+        {{"name", m.name_of_velocity(i)}, {"value", p.state.v(i)}, {"acceleration", p.v_dot(i)}});
+  for (int i = 0; i < n.n_lambda; ++i)
+    multipliers.push_back({{"name", m.name_of_constraint(i)}, {"value", p.state.lambda(i)}});
+  out["iterations"] = p.assembly.iterations;
+  out["position_residual"] = p.assembly.position_residual;
+  out["velocity_residual"] = p.assembly.velocity_residual;
+  return out;
+}
 
 int print_assembled(const Arguments& arguments, const terminal::Talk& talk) {
   terminal::require_folder_of(arguments.save_state);
@@ -23,15 +47,19 @@ int print_assembled(const Arguments& arguments, const terminal::Talk& talk) {
     const mbs::PreparedMechanism& p = only_run(runs, arguments, "--save-state").prepared;
     mbs::write_state(arguments.save_state, *p.mechanism, p.file.name, p.state);
   }
+  if (arguments.json) {
+    nlohmann::json list = nlohmann::json::array();
+    for (const NamedRun& run : runs) list.push_back(to_json(run));
+    print_json("assembled", runs, list);
+    return 0;
+  }
   if (talk.quiet) return 0;
   for (const NamedRun& run : runs) {
     const mbs::PreparedMechanism& p = run.prepared;
     const mbs::Mechanism& m = *p.mechanism;
     const mbs::Sizes n = m.sizes();
     const bool colour = terminal::takes_colour(stdout);
-    fmt::print("{}\n\n",
-               terminal::bold(
-                   fmt::format("{}, run {}, t = {} s", p.file.name, run.name, number(p.state.t, 6)), colour));
+    fmt::print("{}\n\n", heading(run));
     terminal::Table positions({{"position", Align::left}, {"value"}});
     for (int i = 0; i < n.n_p; ++i) positions.add_row({m.name_of_position(i), number(p.state.p(i), 9)});
     terminal::Table velocities({{"velocity", Align::left}, {"value"}, {"acceleration"}});
@@ -60,6 +88,7 @@ terminal::Command assemble_command() {
             auto a = std::make_shared<Arguments>();
             declare_mechanism(options, *a);
             options.option("--save-state", a->save_state, "FILE", "write the assembled states there")
+                .flag("--json", a->json, "print JSON (SI units)")
                 .example("flexura assemble engine.toml", "positions, velocities, accelerations, multipliers");
             return [a, &talk] { return print_assembled(*a, talk); };
           }};

@@ -35,20 +35,20 @@ nlohmann::json to_json(const NamedRun& run) {
   for (int i = 0; i < n.n_root; ++i) others.push_back({{"name", m.name_of_root(i)}, {"kind", "root"}});
   for (const mbs::RedundantRow& row : p.redundant)
     redundant.push_back({{"name", row.name}, {"follows_from", row.follows_from}});
-  return {{"run", run.name},
-          {"n_jnt", n.n_v - n.n_flx},
-          {"n_flx", n.n_flx},
-          {"n_dyn", n.n_dyn},
-          {"n_alg", n.n_alg},
-          {"n_lambda", n.n_lambda},
-          {"n_dof", n.n_v + n.n_dyn - n.n_lambda},
-          {"n_eq", 2 * n.n_v + n.n_dyn + n.n_alg + n.n_lambda},
-          {"switches", n.n_root},
-          {"joints", joints},
-          {"states", states},
-          {"other_states", others},
-          {"redundant_constraints", redundant},
-          {"notes", p.notes}};
+  json out = run_json(run);
+  out.update({{"n_jnt", n.n_v - n.n_flx},
+              {"n_flx", n.n_flx},
+              {"n_dyn", n.n_dyn},
+              {"n_alg", n.n_alg},
+              {"n_lambda", n.n_lambda},
+              {"n_dof", n.n_v + n.n_dyn - n.n_lambda},
+              {"n_eq", 2 * n.n_v + n.n_dyn + n.n_alg + n.n_lambda},
+              {"switches", n.n_root},
+              {"joints", joints},
+              {"states", states},
+              {"other_states", others},
+              {"redundant_constraints", redundant}});
+  return out;
 }
 
 }  // namespace
@@ -58,10 +58,7 @@ int check_mechanism(const std::string& file, bool json, const terminal::Talk& ta
   if (json) {
     nlohmann::json list = nlohmann::json::array();
     for (const NamedRun& run : runs) list.push_back(to_json(run));
-    fmt::print(
-        "{}\n",
-        nlohmann::json{{"kind", "mechanism"}, {"name", runs.front().prepared.file.name}, {"runs", list}}.dump(
-            1));
+    print_json("mechanism", runs, list);
   }
   if (talk.quiet || json) return 0;
   const bool colour = terminal::takes_colour(stdout);
@@ -70,7 +67,7 @@ int check_mechanism(const std::string& file, bool json, const terminal::Talk& ta
     const mbs::Mechanism& m = *p.mechanism;
     const mbs::MechanismDescription& d = m.description();
     const mbs::Sizes n = m.sizes();
-    fmt::print("{}\n\n", terminal::bold(fmt::format("{}, run {}", p.file.name, run.name), colour));
+    fmt::print("{}\n\n", heading(run));
     terminal::Table counts({{"count", terminal::Align::left}, {"value"}});
     const int n_jnt = n.n_v - n.n_flx;
     counts.add_row({"joint coordinates n_jnt", fmt::format("{}", n_jnt)});

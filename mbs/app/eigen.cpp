@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "mbs/app/commands.hpp"
 #include "mbs/app/recorder.hpp"
@@ -21,11 +22,53 @@ using terminal::Align;
 using terminal::number;
 
 struct Arguments : MechanismArguments {
-  bool equilibrium = false, buckling = false;
+  bool equilibrium = false, buckling = false, json = false;
   int count = 30;
   std::string pictures;
   double amplitude = 0.1;
 };
+
+// The coordinate that moves most.
+std::string largest_of(const mbs::Mechanism& m, const Eigen::VectorXd& sizes) {
+  Eigen::Index largest = 0;
+  if (sizes.size() > 0) sizes.maxCoeff(&largest);
+  return m.name_of_velocity(static_cast<int>(largest));
+}
+
+// With the shapes, complex, in the coordinates that are named once.
+nlohmann::json to_json(const NamedRun& run, const std::vector<mbs::NaturalMode>& modes, int count) {
+  using nlohmann::json;
+  const mbs::Mechanism& m = *run.prepared.mechanism;
+  json out = run_json(run);
+  json &coordinates = out["coordinates"] = json::array(), &list = out["modes"] = json::array();
+  for (int i = 0; i < m.sizes().n_v; ++i) coordinates.push_back(m.name_of_velocity(i));
+  for (const mbs::NaturalMode& mode : modes) {
+    if (static_cast<int>(list.size()) == count) break;
+    const Eigen::VectorXd real = mode.shape.real(), imag = mode.shape.imag();
+    list.push_back({{"number", list.size() + 1},
+                    {"real_1_s", mode.eigenvalue.real()},
+                    {"imag_1_s", mode.eigenvalue.imag()},
+                    {"frequency_hz", mode.frequency_hz},
+                    {"damping", mode.damping},
+                    {"moves_most", largest_of(m, mode.shape.cwiseAbs())},
+                    {"shape",
+                     {{"real", std::vector(real.begin(), real.end())},
+                      {"imag", std::vector(imag.begin(), imag.end())}}}});
+  }
+  return out;
+}
+
+nlohmann::json to_json(const NamedRun& run, const std::vector<mbs::BucklingMode>& modes, int count) {
+  nlohmann::json out = run_json(run);
+  nlohmann::json& list = out["modes"] = nlohmann::json::array();
+  for (const mbs::BucklingMode& mode : modes) {
+    if (static_cast<int>(list.size()) == count) break;
+    list.push_back({{"number", list.size() + 1},
+                    {"load_factor", mode.factor},
+                    {"moves_most", largest_of(*run.prepared.mechanism, mode.shape.cwiseAbs())}});
+  }
+  return out;
+}
 
 // One run for each mode: the mechanism in 24 phases of it.
 void write_pictures(const NamedRun& run, const std::vector<mbs::NaturalMode>& modes,
@@ -71,7 +114,15 @@ mbs::LinearSystem without_loads(const PreparedMechanism& p) {
   s.v.setZero();
   unloaded.drop_redundant(s.t, s.p);
   s.lambda = Eigen::VectorXd::Zero(unloaded.sizes().n_lambda);
-  mbs::solve_statics(unloaded, s);
+  try {
+    mbs::solve_statics(unloaded, s);
+  } catch (const std::runtime_error& failure) {
+    throw std::runtime_error(
+        fmt::format("--buckling compares the equilibrium with that of the mechanism without weight and given "
+                    "forces, which "
+                    "has none: {}; where only some runs have springs, choose one with --run",
+                    failure.what()));
+  }
   Eigen::VectorXd v_dot;
   mbs::AccelerationSolver(unloaded).solve(s, v_dot);
   return mbs::linearise(unloaded, s);
@@ -79,31 +130,35 @@ mbs::LinearSystem without_loads(const PreparedMechanism& p) {
 
 int print_buckling(const Arguments& arguments, const terminal::Talk& talk) {
   std::vector<NamedRun> runs = prepare_runs(arguments);
+  nlohmann::json list = nlohmann::json::array();
   for (NamedRun& run : runs) {
     PreparedMechanism& p = run.prepared;
     const mbs::LinearSystem unloaded = without_loads(p);
     settle(p);
     const auto modes = mbs::buckling_modes(unloaded, mbs::linearise(*p.mechanism, p.state));
-    if (talk.quiet) continue;
-    fmt::print("{}\n\n", heading(run));
-    terminal::Table table({{"no"}, {"load factor"}, {"moves most", Align::left}});
-    int index = 0;
-    for (const mbs::BucklingMode& mode : modes) {
-      if (++index > arguments.count) break;
-      Eigen::Index largest = 0;
-      mode.shape.cwiseAbs().maxCoeff(&largest);
-      table.add_row({fmt::format("{}", index), number(mode.factor, 6),
-                     p.mechanism->name_of_velocity(static_cast<int>(largest))});
-    }
-    fmt::print("{}\n", table.text(terminal::width(stdout), terminal::takes_colour(stdout)));
     for (const auto& body : p.mechanism->description().bodies)
       if (body.flexible && !body.flexible->data().second)
         p.notes.push_back(
             fmt::format("body \"{}\" has no geometric stiffening; with fidelity = \"modal-stiffened\" "
                         "its own buckling is seen",
                         body.name));
+    if (arguments.json) {
+      list.push_back(to_json(run, modes, arguments.count));
+      continue;
+    }
+    if (talk.quiet) continue;
+    fmt::print("{}\n\n", heading(run));
+    terminal::Table table({{"no"}, {"load factor"}, {"moves most", Align::left}});
+    int index = 0;
+    for (const mbs::BucklingMode& mode : modes) {
+      if (++index > arguments.count) break;
+      table.add_row({fmt::format("{}", index), number(mode.factor, 6),
+                     largest_of(*p.mechanism, mode.shape.cwiseAbs())});
+    }
+    fmt::print("{}\n", table.text(terminal::width(stdout), terminal::takes_colour(stdout)));
     for (const std::string& note : p.notes) fmt::print("note: {}\n", note);
   }
+  if (arguments.json) print_json("buckling", runs, list);
   return 0;
 }
 
@@ -111,6 +166,7 @@ int print_modes(const Arguments& arguments, const terminal::Talk& talk) {
   terminal::require_folder_of(arguments.pictures);
   std::vector<NamedRun> runs = prepare_runs(arguments);
   if (!arguments.pictures.empty()) only_run(runs, arguments, "--pictures");
+  nlohmann::json list = nlohmann::json::array();
   for (NamedRun& run : runs) {
     PreparedMechanism& p = run.prepared;
     if (arguments.equilibrium) settle(p);
@@ -120,24 +176,24 @@ int print_modes(const Arguments& arguments, const terminal::Talk& talk) {
     int index = 0;
     for (const mbs::NaturalMode& mode : modes) {
       if (++index > arguments.count) break;
-      Eigen::Index largest = 0;
-      mode.shape.cwiseAbs().maxCoeff(&largest);
       table.add_row({fmt::format("{}", index), number(mode.eigenvalue.real(), 6),
                      number(mode.eigenvalue.imag(), 6), number(mode.frequency_hz, 6),
-                     number(100.0 * mode.damping, 4),
-                     p.mechanism->name_of_velocity(static_cast<int>(largest))});
+                     number(100.0 * mode.damping, 4), largest_of(*p.mechanism, mode.shape.cwiseAbs())});
     }
-    if (!talk.quiet) {
+    const bool talks = !talk.quiet && !arguments.json;
+    if (arguments.json) list.push_back(to_json(run, modes, arguments.count));
+    if (talks) {
       fmt::print("{}\n\n{}\n", heading(run),
                  table.text(terminal::width(stdout), terminal::takes_colour(stdout)));
       for (const std::string& note : p.notes) fmt::print("note: {}\n", note);
     }
     if (arguments.pictures.empty()) continue;
     write_pictures(run, modes, arguments);
-    if (!talk.quiet)
+    if (talks)
       fmt::print("pictures {}: flexura view {} shows the modes moving\n", arguments.pictures,
                  arguments.pictures);
   }
+  if (arguments.json) print_json("natural modes", runs, list);
   return 0;
 }
 
@@ -155,8 +211,10 @@ terminal::Command eigen_command() {
             .option("--count", a->count, "N", "print at most so many (30)")
             .option("--pictures", a->pictures, "FILE",
                     "results file with the modes as runs, for flexura view")
+            .flag("--json", a->json, "print JSON, with the mode shapes (SI units)")
             .option("--amplitude", a->amplitude, "SIZE", "largest motion in the pictures, rad or m (0.1)")
-            .example("flexura eigen engine.toml --equilibrium", "eigenvalues, frequencies, damping");
+            .example("flexura eigen engine.toml --equilibrium", "eigenvalues, frequencies, damping")
+            .example("flexura eigen engine.toml --json", "the same and the shapes, for scripts");
         return [a, &talk] { return a->buckling ? print_buckling(*a, talk) : print_modes(*a, talk); };
       }};
 }

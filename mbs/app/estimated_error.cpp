@@ -14,6 +14,13 @@ namespace flexura::app {
 
 using study::percent;
 
+namespace {
+
+// The shadows are linear in what they correct; from here on their figure is no more than a warning.
+constexpr double kTrusted = 0.2;
+
+}  // namespace
+
 std::vector<MeshShare> mesh_shares(const mbs::PreparedMechanism& prepared) {
   std::vector<MeshShare> out;
   for (const mbs::BodyDescription& body : prepared.mechanism->description().bodies) {
@@ -45,15 +52,17 @@ std::string estimated_error_line(const std::vector<MeshShare>& meshes,
   };
   const double integrator = std::abs(result.energy.relative_error());
   std::vector<Part> parts = {{"the integrator", integrator}};
-  std::string words = fmt::format("integrator {} (energy balance)", percent(integrator));
+  std::string words = fmt::format("integrator {} (energy balance)", percent(integrator)), worst = "an output";
   double error = integrator;
   if (truncation && truncation->worst >= 0) {
     error += truncation->error;
-    const auto& output = truncation->outputs[static_cast<std::size_t>(truncation->worst)];
+    worst = truncation->outputs[static_cast<std::size_t>(truncation->worst)].name + ", the worst output";
     for (const study::SourceEstimate& source : truncation->by_body) {
       words += fmt::format(", modes left out of {} {}", source.body, percent(source.error));
-      parts.push_back({fmt::format("what is left out of {}, in {}", source.body,
-                                   source.output.empty() ? output.name : source.output),
+      // Alone a body may be worst for another output.
+      parts.push_back({truncation->by_body.size() > 1 && !source.output.empty()
+                           ? fmt::format("what is left out of {}, in {}", source.body, source.output)
+                           : fmt::format("what is left out of {}", source.body),
                        source.error});
     }
   } else if (!truncation) {
@@ -70,8 +79,11 @@ std::string estimated_error_line(const std::vector<MeshShare>& meshes,
     parts.push_back({fmt::format("mesh and reduction of {}", mesh.body), mesh.of_deformation});
   }
   const Part& largest = *std::ranges::max_element(parts, {}, &Part::error);
-  return fmt::format("estimated error {} (rms, worst output): {}; largest: {}", percent(error), words,
-                     largest.text);
+  std::string line = fmt::format("estimated error {} of the rms of {}: {}; largest: {}", percent(error),
+                                 worst, words, largest.text);
+  if (truncation && truncation->error > kTrusted)
+    line += "; an estimate to first order, of this size only a warning: compare with a run with more modes";
+  return line;
 }
 
 nlohmann::json estimated_error_json(const std::vector<MeshShare>& meshes,

@@ -11,13 +11,12 @@
 
 /// What a run says about its own error, by source:
 ///
-/// | source       | from |
-/// |--------------|------------------------------------------------------------------------------------------|
-/// | integrator   | the energy balance, which knows nothing of the tolerance | | modes of B   | the shadows
-/// of what the run leaves out of body B                                         | | mesh of B    | the report
-/// of B's reduction: twice the estimated relative error of its first free frequency (stiffness goes with its
-/// square) and the mesh's volume against CAD; a part of B's deformation, not of the outputs: it counts in the
-/// sum by the part that deformation has in them |
+/// - integrator: the energy balance, relative to the largest energy, which knows nothing of the tolerance;
+/// - modes of a body: the shadows of what the run leaves out of it (mbs/study/shadows.hpp), the rms of the
+///   error over the rms of the output, of the output where that is largest;
+/// - mesh of a body: its reduction's report, twice the estimated relative error of its first free frequency
+///   (stiffness goes with its square) and the mesh's volume against CAD; a part of the body's deformation.
+///   It counts in full, as if the output were nothing but deformation.
 namespace flexura::app {
 
 struct MeshShare {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 
 #include "mbs/app/commands.hpp"
 #include "mbs/app/mechanism_runs.hpp"
@@ -24,7 +25,7 @@ using terminal::Align;
 using terminal::number;
 
 struct Arguments : MechanismArguments {
-  bool equilibrium = false, descriptor = false;
+  bool equilibrium = false, descriptor = false, json = false;
   std::string output, save_state, response;
   std::vector<std::string> inputs, outputs;
 };
@@ -33,25 +34,36 @@ int print_statics(const Arguments& arguments, const terminal::Talk& talk) {
   terminal::require_folder_of(arguments.save_state);
   std::vector<NamedRun> runs = prepare_runs(arguments);
   if (!arguments.save_state.empty()) only_run(runs, arguments, "--save-state");
+  nlohmann::json list = nlohmann::json::array();
   for (NamedRun& run : runs) {
     PreparedMechanism& p = run.prepared;
     settle(p);
     const mbs::Mechanism& m = *p.mechanism;
     if (!arguments.save_state.empty()) mbs::write_state(arguments.save_state, m, p.file.name, p.state);
-    if (talk.quiet) continue;
-    fmt::print("{}\n\n", heading(run));
+    if (talk.quiet && !arguments.json) continue;
     const auto which = mbs::select_quantities(m, p.file.outputs);
     const auto infos = m.quantities();
     Eigen::VectorXd values(static_cast<Eigen::Index>(which.size()));
     auto scratch = m.make_scratch();
     m.evaluate(which, p.state, p.v_dot, *scratch, values);
     terminal::Table table({{"quantity", Align::left}, {"value"}, {"unit", Align::left}});
-    for (std::size_t i = 0; i < which.size(); ++i)
-      table.add_row({infos[which[i]].name, number(values(static_cast<Eigen::Index>(i)), 9),
-                     input::si_unit(infos[which[i]].dimension)});
-    fmt::print("{}\n", table.text(terminal::width(stdout), terminal::takes_colour(stdout)));
+    nlohmann::json quantities = nlohmann::json::array();
+    for (std::size_t i = 0; i < which.size(); ++i) {
+      const auto& info = infos[which[i]];
+      const double value = values(static_cast<Eigen::Index>(i));
+      table.add_row({info.name, number(value, 9), input::si_unit(info.dimension)});
+      quantities.push_back({{"name", info.name}, {"value", value}, {"unit", input::si_unit(info.dimension)}});
+    }
+    if (arguments.json) {
+      list.push_back(run_json(run));
+      list.back()["quantities"] = std::move(quantities);
+      continue;
+    }
+    fmt::print("{}\n\n{}\n", heading(run),
+               table.text(terminal::width(stdout), terminal::takes_colour(stdout)));
     for (const std::string& note : p.notes) fmt::print("note: {}\n", note);
   }
+  if (arguments.json) print_json("equilibrium", runs, list);
   return 0;
 }
 
@@ -161,10 +173,16 @@ int write_linear_system(const Arguments& arguments, const terminal::Talk& talk) 
   }
   const auto files = write_state_space(file, path);
   written.insert(written.end(), files.begin(), files.end());
-  if (!talk.quiet)
+  if (arguments.json) {
+    nlohmann::json run = run_json(runs.front());
+    for (const auto& [what, names] : file.names) run[what] = names;
+    for (const auto& one : written) run["files"].push_back(one.string());
+    print_json("linear system", runs, nlohmann::json::array({run}));
+  } else if (!talk.quiet) {
     for (const auto& one : written)
       fmt::print("{} states, {} inputs, {} outputs: {}\n", file.names[0].second.size(),
                  file.names[1].second.size(), file.names[2].second.size(), one.string());
+  }
   return 0;
 }
 
@@ -188,6 +206,7 @@ terminal::Command linearize_command() {
                     "an input u: one of the file's, or force or torque on a coordinate; default: the file's")
             .option("--measure", a->outputs, "QUANTITY",
                     "these quantities are outputs y; * and ? are wildcards; default: the file's [output] y")
+            .flag("--json", a->json, "print the names of states, inputs and outputs and the files as JSON")
             .example("flexura linearize engine.toml --input shaft.angle --measure guide.position -o engine.m",
                      "A, B, C, D with the names of all states");
         return [a, &talk] { return write_linear_system(*a, talk); };
@@ -202,6 +221,7 @@ terminal::Command statics_command() {
             options
                 .option("--save-state", a->save_state, "FILE",
                         "write the equilibrium there, to start runs from it")
+                .flag("--json", a->json, "print JSON (SI units)")
                 .example("flexura statics suspension.toml", "the state at rest and the forces in it");
             return [a, &talk] { return print_statics(*a, talk); };
           }};

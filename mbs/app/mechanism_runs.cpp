@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 #include "mbs/solver/accelerations.hpp"
 #include "mbs/solver/statics.hpp"
@@ -62,9 +63,22 @@ void settle(mbs::PreparedMechanism& p) {
 }
 
 std::string heading(const NamedRun& run) {
-  return terminal::bold(fmt::format("{}, run {}, t = {} s", run.prepared.file.name, run.name,
-                                    terminal::number(run.prepared.state.t, 6)),
-                        terminal::takes_colour(stdout));
+  const mbs::MechanismFile& file = run.prepared.file;
+  // The only run of a file that names none is called "run".
+  const std::string which = run.name == "run" ? "" : fmt::format(", run {}", run.name);
+  return terminal::bold(
+      fmt::format("{}{}, t = {} s", file.name, which, terminal::number(run.prepared.state.t, 6)),
+      terminal::takes_colour(stdout));
+}
+
+nlohmann::json run_json(const NamedRun& run) {
+  return {{"run", run.name}, {"time_s", run.prepared.state.t}, {"notes", run.prepared.notes}};
+}
+
+void print_json(const std::string& kind, const std::vector<NamedRun>& runs, const nlohmann::json& list) {
+  fmt::print(
+      "{}\n",
+      nlohmann::json{{"kind", kind}, {"name", runs.front().prepared.file.name}, {"runs", list}}.dump(1));
 }
 
 }  // namespace flexura::app

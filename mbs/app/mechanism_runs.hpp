@@ -1,6 +1,7 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
@@ -35,8 +36,14 @@ NamedRun& only_run(std::vector<NamedRun>& runs, const MechanismArguments& argume
 /// Moves the state into static equilibrium, with a note.
 void settle(mbs::PreparedMechanism& prepared);
 
-/// "engine, run rigid, t = 0 s"
+/// "engine, run rigid, t = 0 s"; without the run where the file names none.
 std::string heading(const NamedRun& run);
+
+/// What --json says of every run: {"run", "time_s", "notes"}; commands add their own.
+nlohmann::json run_json(const NamedRun& run);
+
+/// Prints {"kind", "name", "runs": list} of the runs' mechanism.
+void print_json(const std::string& kind, const std::vector<NamedRun>& runs, const nlohmann::json& list);
 
 /// `flexura check` of a mechanism file, as tables or as JSON.
 int check_mechanism(const std::string& file, bool json, const terminal::Talk& talk);

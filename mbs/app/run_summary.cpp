@@ -36,8 +36,7 @@ nlohmann::json summary_of(const mbs::PreparedMechanism& prepared, const mbs::Run
 }
 
 void print_summary(
-    const std::vector<std::pair<std::string, std::pair<const mbs::PreparedMechanism*, mbs::RunResult>>>&
-        runs,
+    const std::vector<std::pair<std::string, std::pair<const mbs::PreparedMechanism*, mbs::RunResult>>>& runs,
     bool verbose) {
   std::vector<terminal::Column> columns = {{"run", Align::left}, {"t [s]"}, {"wall"},
                                            {"x real"},           {"steps"}, {"error [J]"},

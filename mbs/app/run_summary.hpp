@@ -18,8 +18,7 @@ nlohmann::json summary_of(const mbs::PreparedMechanism& prepared, const mbs::Run
 /// The table at the end of flexura simulate: each run by its name; with `verbose` also what the integrator
 /// counted.
 void print_summary(
-    const std::vector<std::pair<std::string, std::pair<const mbs::PreparedMechanism*, mbs::RunResult>>>&
-        runs,
+    const std::vector<std::pair<std::string, std::pair<const mbs::PreparedMechanism*, mbs::RunResult>>>& runs,
     bool verbose);
 
 }  // namespace flexura::app

@@ -24,7 +24,7 @@ using mbs::RunResult;
 
 struct Arguments : MechanismArguments {
   std::string output, end_time, save_state, continue_from, accuracy;
-  bool csv = false, schema = false, no_estimate = false;
+  bool csv = false, schema = false, no_estimate = false, json = false;
 };
 
 volatile std::sig_atomic_t interrupted = 0;
@@ -114,6 +114,14 @@ Outcome run_within_accuracy(NamedRun& run, const Arguments& arguments, results::
   return out;
 }
 
+void require_accuracy(const std::string& text) {
+  const auto given = input::try_parse_measured(text);
+  if (!given || given->dimension != input::dim::none || !(given->value > 0.0) || given->value > 1.0)
+    throw std::invalid_argument(fmt::format(
+        "--accuracy is \"{}\", it must be a part of the outputs above 0 and at most 1, like \"1 %\" or 0.01",
+        text));
+}
+
 int simulate(Arguments arguments, const terminal::Talk& talk) {
   if (arguments.schema) {
     fmt::print("{}", input::reference_page(mbs::mechanism_schema(mbs::solver_schema())));
@@ -124,6 +132,7 @@ int simulate(Arguments arguments, const terminal::Talk& talk) {
     arguments.output = std::filesystem::path(arguments.file).stem().string() + ".h5";
   terminal::require_folder_of(arguments.save_state);
   if (!arguments.end_time.empty()) arguments.set.push_back("solver.end_time=" + arguments.end_time);
+  if (!arguments.accuracy.empty()) require_accuracy(arguments.accuracy);
   if (!arguments.accuracy.empty()) arguments.set.push_back("solver.accuracy=" + arguments.accuracy);
   if (!arguments.continue_from.empty()) {
     if (!arguments.from_state.empty())
@@ -145,6 +154,7 @@ int simulate(Arguments arguments, const terminal::Talk& talk) {
   terminal::Progress progress(stderr, talk.quiet, talk.verbose);
   std::vector<std::pair<std::string, std::pair<const PreparedMechanism*, RunResult>>> done;
   std::vector<std::string> remarks;
+  nlohmann::json list = nlohmann::json::array();
   std::string stopped;
   for (NamedRun& run : runs) {
     mbs::RunCallbacks callbacks;
@@ -174,9 +184,16 @@ int simulate(Arguments arguments, const terminal::Talk& talk) {
     nlohmann::json summary = summary_of(prepared, r);
     summary.update(outcome.summary);
     for (const std::string& line : outcome.lines)
-      remarks.push_back(fmt::format("run {}: {}", run.name, line));
+      remarks.push_back(run.name == "run" ? line : fmt::format("run {}: {}", run.name, line));
     summary["notes"] = outcome.warnings;
     writer.end_run(r.complete, r.stopped_because, summary.dump());
+    if (arguments.json) {
+      list.push_back(run_json(run));
+      list.back()["warnings"] = outcome.warnings;
+      list.back()["complete"] = r.complete;
+      list.back()["stopped_because"] = r.stopped_because;
+      list.back()["summary"] = std::move(summary);
+    }
     for (const std::string& sentence : outcome.warnings) {
       progress.clear();
       fmt::print(stderr, "warning: {}: {}\n", run.name, sentence);
@@ -193,8 +210,10 @@ int simulate(Arguments arguments, const terminal::Talk& talk) {
   writer.close();
   if (arguments.csv)
     for (const auto& path : results::write_csv(results::read(arguments.output), arguments.output))
-      if (!talk.quiet) fmt::print("table   {}\n", path.string());
-  if (!talk.quiet) {
+      if (!talk.quiet && !arguments.json) fmt::print("table   {}\n", path.string());
+  if (arguments.json) {
+    print_json("results", runs, list);
+  } else if (!talk.quiet) {
     print_summary(done, talk.verbose);
     for (const std::string& line : remarks) fmt::print("{}\n", line);
     fmt::print("results {}\n", arguments.output);
@@ -226,6 +245,7 @@ terminal::Command simulate_command() {
                     "superelements, and "
                     "the tolerance, for this accuracy of all stored outputs, as \"1 %\"")
             .flag("--csv", a->csv, "write a table of each run beside the results")
+            .flag("--json", a->json, "print how each run ended as JSON (SI units)")
             .flag("--no-estimate", a->no_estimate, "do not estimate what dropped modes cost in accuracy")
             .flag("--schema", a->schema, "print the mechanism file's reference page, then stop")
             .example("flexura simulate engine.toml -o engine.h5", "all runs of the file")

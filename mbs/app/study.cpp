@@ -29,7 +29,7 @@ struct Arguments {
   std::string file, output, share;
   std::vector<std::string> set;
   int jobs = 1;
-  bool fresh = false, schema = false;
+  bool fresh = false, schema = false, json = false;
 };
 
 // A study's "2/4": the second of four shares.
@@ -181,7 +181,7 @@ int run(const Arguments& arguments, const terminal::Talk& talk) {
       study::measure(study, {bin / "flexura", bin / "flexura-reduce", bin / "flexura-mesh"}, options);
   progress.finish();
   if (!measured.whole) {
-    if (!talk.quiet)
+    if (!talk.quiet && !arguments.json)
       fmt::print("share {} is in {}; run the study without --share to gather all\n", arguments.share,
                  study.cache.string());
     return 0;
@@ -190,8 +190,9 @@ int run(const Arguments& arguments, const terminal::Talk& talk) {
   std::string stem = arguments.output;
   if (stem.empty()) stem = std::filesystem::path(arguments.file).stem().string();
   write_text(stem + ".csv", study::as_csv(study, judgement));
-  write_text(stem + ".json",
-             study::as_json(study, judgement, std::string("flexura ") + FLEXURA_VERSION).dump(1) + "\n");
+  const std::string json =
+      study::as_json(study, judgement, std::string("flexura ") + FLEXURA_VERSION).dump(1) + "\n";
+  write_text(stem + ".json", json);
   std::vector<study::PicturePoint> points;
   for (const Row& row : judgement.rows)
     points.push_back({row.price, row.error.against_reference, row.on_front, row.choice->name});
@@ -202,7 +203,9 @@ int run(const Arguments& arguments, const terminal::Talk& talk) {
   write_text(stem + ".md",
              study::as_markdown(study, judgement, std::filesystem::path(stem).filename().string() + ".svg"));
   view::write_report_page(stem + ".html", report_of(study, judgement));
-  if (!talk.quiet) {
+  if (arguments.json) {
+    fmt::print("{}", json);
+  } else if (!talk.quiet) {
     print_table(study, judgement);
     fmt::print("written: {0}.html, .csv, .json, .md and .svg\n", stem);
   }
@@ -226,6 +229,7 @@ terminal::Command study_command() {
                     "without it to gather")
             .option("--set", a->set, "KEY=VALUE", "override a key of the study file, as in repeats=5")
             .flag("--fresh", a->fresh, "measure again what the cache has")
+            .flag("--json", a->json, "print what STEM.json holds")
             .flag("--schema", a->schema, "print the study file's reference page, then stop")
             .example("flexura study engine_study.toml -o out/engine", "table, front, answers")
             .example("flexura study engine_study.toml --share 2/8", "the second job of an array of eight");

@@ -157,7 +157,14 @@ double ValueReader::measured(const std::string& text, const toml::node& node, co
     try {
       if (const auto value = formulas_(text)) return *value;
     } catch (const std::invalid_argument& failure) {
-      trouble = failure.what();
+      // Of a single word that is near no name there is nothing to say about formulas.
+      const std::string words = failure.what();
+      const bool is_word =
+          std::ranges::all_of(text, [](unsigned char c) { return std::isalnum(c) || c == '_' || c == '.'; });
+      if (!is_word || words.find("did you mean") != std::string::npos)
+        trouble = words;
+      else
+        trouble += ", or a formula of the file's parameters";
     }
   }
   refuse(place, &node, trouble);

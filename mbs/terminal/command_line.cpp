@@ -130,6 +130,14 @@ int run_command(const Command& command, const std::string& full_name, const std:
   return work();
 }
 
+// How many words a request to the program itself has at most; 0 for a command, which counts its own.
+std::size_t words_of_its_own(const std::string& word) {
+  if (word == "help") return 2;
+  for (const char* const one : {"--help", "-h", "--version", "version", "completion", "man"})
+    if (word == one) return 1;
+  return 0;
+}
+
 std::string program_help(const Program& program) {
   std::string text =
       fmt::format("{}\nUsage: {} COMMAND [OPTIONS]\n\nCommands:\n", program.summary, program.name);
@@ -278,10 +286,18 @@ int run(const Command& command, const std::string& version, int argc, const char
 int run(const Program& program, int argc, const char* const* argv) {
   return guarded([&] {
     std::vector<std::string> words(argv + 1, argv + argc);
-    if (words.empty() || words[0] == "--help" || words[0] == "-h" ||
-        (words[0] == "help" && words.size() == 1)) {
+    if (words.empty()) {
       fmt::print("{}", program_help(program));
-      return words.empty() ? bad_input : 0;
+      return bad_input;
+    }
+    if (const std::size_t most = words_of_its_own(words[0]); most > 0 && words.size() > most) {
+      print_error(fmt::format("\"{}\" is one argument too many; write {} {}", words[most], program.name,
+                              fmt::join(words.begin(), words.begin() + static_cast<long>(most), " ")));
+      return bad_input;
+    }
+    if (words[0] == "--help" || words[0] == "-h" || (words[0] == "help" && words.size() == 1)) {
+      fmt::print("{}", program_help(program));
+      return 0;
     }
     if (words[0] == "--version" || words[0] == "version") {
       fmt::print("{} {}\n", program.name, program.version);

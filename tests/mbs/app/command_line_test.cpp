@@ -95,6 +95,10 @@ TEST(CommandLine, RefusalsSayWhatWasMeant) {
   EXPECT_EQ(run_words({"mesh", "f", "--xyz=3"}).err, "error: unknown option --xyz; see prog mesh --help\n");
   EXPECT_EQ(run_words({"mesh", "f", "g"}).err,
             "error: \"g\" is one argument too many; see prog mesh --help\n");
+  EXPECT_EQ(run_words({"man", "mesh"}).err, "error: \"mesh\" is one argument too many; write prog man\n");
+  EXPECT_EQ(run_words({"help", "mesh", "f"}).err,
+            "error: \"f\" is one argument too many; write prog help mesh\n");
+  EXPECT_EQ(run_words({"completion", "zsh"}).code, 2);
   EXPECT_EQ(run_words({"mesh"}).err, "error: FILE is required; see prog mesh --help\n");
   EXPECT_THAT(run_words({"mesh", "f", "--kind", "tet5"}).err,
               HasSubstr("\"tet5\" is not a known choice, did you mean \"tet4\"?"));

@@ -124,6 +124,65 @@ TEST_F(Flexura, ModesGivesJsonForScripts) {
   EXPECT_NEAR(json["analyses"][0]["modes"][0]["frequency_hz"].get<double>() / f, 1.0, 0.01);
 }
 
+// What the commands on mechanisms print for people, for scripts: a spring of 1000 N/m under 2 kg and g = 10
+// m/s^2.
+TEST_F(Flexura, CommandsOnMechanismsGiveJsonForScripts) {
+  const auto mechanism = folder_ / "spring.toml";
+  std::ofstream(mechanism) << R"toml(name = "spring"
+gravity = [0, 0, -10]
+[ground.marker.post]
+axis = [0, 0, 1]
+[body.block]
+mass = 2
+marker.up = { axis = [0, 0, 1] }
+[joint.slide]
+type = "prismatic"
+from = "ground.post"
+to = "block.up"
+[force.spring]
+type = "joint_spring_damper"
+joint = "slide"
+stiffness = 1000
+[solver]
+end_time = 0.1
+)toml";
+  const auto json = [&](const std::string& command, const std::string& kind) {
+    const Outcome outcome = flexura(command + " " + mechanism.string() + " --json");
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    const auto told = nlohmann::json::parse(outcome.out);  // nothing else is on stdout
+    EXPECT_EQ(told["kind"], kind);
+    EXPECT_EQ(told["name"], "spring");
+    EXPECT_EQ(told["runs"].size(), 1u);
+    return told["runs"][0];
+  };
+  const auto modes = json("eigen", "natural modes");
+  EXPECT_EQ(modes["coordinates"], nlohmann::json({"slide.speed"}));
+  ASSERT_EQ(modes["modes"].size(), 1u);
+  // sqrt(1000 / 2) / (2 pi); the stiffness is a difference quotient, 1e-6 of it.
+  EXPECT_NEAR(modes["modes"][0]["frequency_hz"].get<double>(), std::sqrt(500.0) / (2 * M_PI), 1e-5);
+  EXPECT_EQ(modes["modes"][0]["shape"]["real"].size(), 1u);
+  const auto rest = json("statics", "equilibrium");
+  bool found = false;
+  for (const auto& quantity : rest["quantities"]) {
+    if (quantity["name"] != "slide.position") continue;
+    found = true;
+    EXPECT_NEAR(quantity["value"].get<double>(), -0.02, 1e-9);  // m g / k
+    EXPECT_EQ(quantity["unit"], "m");
+  }
+  EXPECT_TRUE(found);
+  const auto start = json("assemble", "assembled");
+  EXPECT_EQ(start["velocities"][0]["name"], "slide.speed");
+  EXPECT_NEAR(start["velocities"][0]["acceleration"].get<double>(), -10.0, 1e-9);
+  const auto linear = json("linearize -o " + (folder_ / "spring.m").string(), "linear system");
+  EXPECT_EQ(linear["states"].size(), 2u);
+  EXPECT_EQ(linear["files"], nlohmann::json({(folder_ / "spring.m").string()}));
+  const auto ended = json("simulate -o " + (folder_ / "spring.h5").string(), "results");
+  EXPECT_EQ(ended["complete"], true);
+  EXPECT_EQ(ended["summary"]["end_time"], 0.1);
+  // A file that names no runs has none to speak of.
+  EXPECT_THAT(flexura("check " + mechanism.string()).out, ::testing::StartsWith("spring, t = 0 s\n"));
+}
+
 TEST_F(Flexura, ModesWritesAPage) {
   const std::string page = (folder_ / "beam.html").string();
   const Outcome outcome = flexura("modes " + beam_ + " --html " + page);
@@ -176,9 +235,15 @@ TEST_F(Flexura, BadInputIsRefusedInOneLineWithCode2) {
   const auto cad = folder_ / "rod.step", results = folder_ / "refused.h5";
   std::ofstream(cad) << "ISO-10303-21;";
   refused("reduce " + cad.string(), "is a CAD file, a part file (.toml) that names it is wanted");
-  refused("simulate " FLEXURA_SOURCE_DIR "/cases/macpherson/macpherson.toml --accuracy much -o " +
+  refused(
+      "simulate " FLEXURA_SOURCE_DIR "/cases/macpherson/macpherson.toml --accuracy much -o " +
+          results.string(),
+      "--accuracy is \"much\", it must be a part of the outputs above 0 and at most 1, like \"1 %\" or 0.01");
+  refused("simulate " FLEXURA_SOURCE_DIR "/cases/macpherson/macpherson.toml --end-time soon -o " +
               results.string(),
-          "solver.accuracy = \"much\": \"much\" is not known here");
+          "solver.end_time = \"soon\": is not a number with a unit, a time is wanted, like \"10 ms\", or a "
+          "formula");
+  refused("man modes", "\"modes\" is one argument too many; write flexura man");
   EXPECT_FALSE(std::filesystem::exists(results.string() + ".part"));
 }
 

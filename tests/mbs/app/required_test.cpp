@@ -96,9 +96,9 @@ TEST(OnlyWhatASceneRequires, IsReadBuiltAndStored) {
   const double lean = instructions(folder, {});
   superelement::write(folder / "beam.se.h5", rich_beam());
   const double rich = instructions(folder, {});
-  // The file holds 100 times more; what is not needed is not read.  Two per cent: the longer table of
-  // contents.
-  EXPECT_NEAR(rich / lean, 1.0, 0.02);
+  // The file holds 100 times more; what is not needed is not read.  Three per cent: the longer table of
+  // contents, a million instructions beside 50 for start and run.
+  EXPECT_NEAR(rich / lean, 1.0, 0.03);
   // What is needed costs: the counter sees it.  All deformations are integrated, and their names and outputs
   // evaluated.
   const double modal = instructions(folder, {"--set", "body.beam.fidelity=modal"});
@@ -121,9 +121,8 @@ TEST(OnlyWhatASceneRequires, ReportSaysWhatWasLeftOutAndWhatItSaved) {
   EXPECT_NE(outcome.out.find(std::to_string(n) + " of " + std::to_string(n) + " deformations of beam"),
             std::string::npos)
       << outcome.out;
-  EXPECT_NE(
-      outcome.out.find("matrices, stress modes, surface, shapes of the surface of beam"),
-      std::string::npos)
+  EXPECT_NE(outcome.out.find("matrices, stress modes, surface, shapes of the surface of beam"),
+            std::string::npos)
       << outcome.out;
 }
 

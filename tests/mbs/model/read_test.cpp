@@ -292,7 +292,17 @@ TEST_F(MechanismFileTest, RefusalsNameLineValueAndRemedy) {
   EXPECT_THAT(refusal("[body.b]\ncenter = [0, 0, 0]\n"), HasSubstr("has neither mass nor superelement"));
   EXPECT_THAT(refusal("[body.b]\nmass = \"3 mm\"\n"), HasSubstr("is a length, a mass is wanted"));
   EXPECT_THAT(refusal("[body.b]\nmass = 1\ninertia = [1, -1, 1]\n"),
-              HasSubstr("has a negative principal moment"));
+              HasSubstr("has the principal moments -1, 1, 1 kg m^2: none can be negative"));
+  EXPECT_THAT(
+      refusal("[body.b]\nmass = 1\ninertia = [1, 1, 5]\n"),
+      HasSubstr("m.toml:3: body.b.inertia = [1, 1, 5]: has the principal moments 1, 1, 5 kg m^2: the two "
+                "smaller ones together cannot be less than the largest, I1 + I2 >= I3; check the values"));
+  // A flat body with three digits, a rod without a moment about itself.
+  for (const char* const thin : {"[0.333, 0.333, 0.667]", "[0, 2, 2]"})
+    EXPECT_NO_THROW(read(std::string("[body.b]\nmass = 1\ninertia = ") + thin + "\n"));
+  // The diagonal alone is possible, the tensor is not.
+  EXPECT_THAT(refusal("[body.b]\nmass = 1\ninertia = [2, 2, 2, 1.2, 0, 0]\n"),
+              HasSubstr("has the principal moments 0.8, 2, 3.2 kg m^2"));
   EXPECT_THAT(refusal("[body.b]\nsuperelement = \"none.se.h5\"\n"), HasSubstr("none.se.h5"));
   EXPECT_THAT(
       refusal("[body.b]\nmass = 1\n[force.f]\ntype = \"force\"\nmarker = \"b\"\nx = \"3*b.postion_x\"\n"),
