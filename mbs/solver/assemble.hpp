@@ -10,12 +10,11 @@
 
 /// Consistent initial values from wished-for ones.
 ///
-///     position      0 = g(p, t)       Levenberg-Marquardt steps d = -D^2 G^T (G D^2 G^T + mu)^-1 g, D =
-///     M_ii^-1/2:
-///                                     each the smallest change in the norm of the masses; p moves by
-///                                     retract(p, d)
-///     velocity      0 = G v + g_t     the smallest change in the norm of M, the impulse that closes the
-///     loops acceleration  see accelerations.hpp
+///     position      0 = g(p, t)       Levenberg-Marquardt steps d = -D^2 G^T (G D^2 G^T + mu)^-1 g with
+///                                     D = M_ii^-1/2, each the smallest change in the norm of the masses;
+///                                     p moves by retract(p, d)
+///     velocity      0 = G v + g_t     the smallest change in the norm of M: impulses close the loops
+///     acceleration                    see accelerations.hpp
 namespace flexura::mbs {
 
 /// The mechanism cannot be assembled; the text names the constraints with the largest residuals.

@@ -32,7 +32,6 @@ MatrixXd transport_of(const Equations& eq, KinematicBlocks& kinematics, const St
   kinematics.update(s.p - dt * p_dot, s.v);
   for (std::size_t k = 0; k < T_dot.size(); ++k) T_dot[k] -= kinematics.blocks()[k].T / (2 * dt);
   kinematics.update(s.p, s.v);
-  kinematics.invert(1.0);  // for T^+
   for (std::size_t k = 0; k < T_dot.size(); ++k) {
     const auto& b = kinematics.blocks()[k];
     const MatrixXd w = b.T_inverse * (b.A * b.T - T_dot[k]);

@@ -220,7 +220,7 @@ void GeneralisedAlpha::factor(double h) {
     row_scale_(n_z + k) = column_scale_(n_z + k) = norm > 0.0 ? 1.0 / norm : 1.0;
   }
   J_ = row_scale_.asDiagonal() * J_ * column_scale_.asDiagonal();
-  // Redundant rows and dead points: see StabilisedIndex2.
+  // Redundant rows and dead points: see NewtonMatrix.
   for (int k = 0; k < n_l; ++k) {
     J_(n_z + k, n_z + k) -= 1e-12;
   }

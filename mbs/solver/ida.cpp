@@ -10,7 +10,7 @@
 #include <cmath>
 
 #include "mbs/solver/error_weights.hpp"
-#include "mbs/solver/stabilised_index2.hpp"
+#include "mbs/solver/newton_matrix.hpp"
 
 namespace flexura::mbs {
 
@@ -63,7 +63,10 @@ class Ida final : public Integrator {
     Eigen::VectorXd y, yp;
     TangentScope scope = TangentScope::everything;
   };
-  bool build_matrix() { return form_->factor(built_.t, built_.cj, built_.y, built_.yp, built_.scope); }
+  bool build_matrix() {
+    form_->linearise(built_.t, built_.y, built_.yp, built_.scope);
+    return newton_matrix_->factor(built_.cj);
+  }
 
   static int residual(double t, N_Vector y, N_Vector yp, N_Vector r, void* self);
   static int jacobian(double t, double cj, N_Vector y, N_Vector yp, N_Vector, SUNMatrix, void* self, N_Vector,
@@ -91,6 +94,7 @@ class Ida final : public Integrator {
   std::unique_ptr<Equations::Scratch> scratch_;
   ErrorWeights weights_;
   std::unique_ptr<StabilisedIndex2> form_;
+  std::unique_ptr<NewtonMatrix<double>> newton_matrix_;
   SUNContext context_ = nullptr;
   void* memory_ = nullptr;
   SUNLinearSolver solver_ = nullptr;
@@ -177,7 +181,7 @@ void Ida::message(int, const char*, const char*, char* text, void* self) {
   of(self).last_message_ = text;
 }
 
-// A direct solver whose matrix lives in StabilisedIndex2: the Jacobian callback builds and factorises it.
+// A direct solver whose matrix is a NewtonMatrix: the Jacobian callback builds and factorises it.
 SUNLinearSolver_Type direct(SUNLinearSolver) {
   return SUNLINEARSOLVER_DIRECT;
 }
@@ -194,8 +198,8 @@ int free_solver(SUNLinearSolver s) {
   SUNLinSolFreeEmpty(s);
   return 0;
 }
-int solve_with_form(SUNLinearSolver s, SUNMatrix, N_Vector x, N_Vector b, double) {
-  static_cast<StabilisedIndex2*>(s->content)->solve(view(b), edit(x));
+int solve_with_newton_matrix(SUNLinearSolver s, SUNMatrix, N_Vector x, N_Vector b, double) {
+  static_cast<NewtonMatrix<double>*>(s->content)->solve(view(b), edit(x));
   return view(x).allFinite() ? 0 : 1;
 }
 SUNMatrix_ID custom_matrix(SUNMatrix) {
@@ -210,6 +214,7 @@ void destroy_matrix(SUNMatrix m) {
 
 void Ida::create(const State& s) {
   form_ = std::make_unique<StabilisedIndex2>(eq_, s);
+  newton_matrix_ = std::make_unique<NewtonMatrix<double>>(*form_);
   const int n = form_->size();
   y_ = N_VNew_Serial(n, context_);
   yp_ = N_VNew_Serial(n, context_);
@@ -248,12 +253,12 @@ void Ida::create(const State& s) {
   matrix_->ops->zero = zero_matrix;
   matrix_->ops->destroy = destroy_matrix;
   solver_ = SUNLinSolNewEmpty(context_);
-  solver_->content = form_.get();
+  solver_->content = newton_matrix_.get();
   solver_->ops->gettype = direct;
   solver_->ops->getid = custom_solver;
   solver_->ops->initialize = nothing;
   solver_->ops->setup = nothing_to_set_up;
-  solver_->ops->solve = solve_with_form;
+  solver_->ops->solve = solve_with_newton_matrix;
   solver_->ops->free = free_solver;
   check(IDASetLinearSolver(memory_, solver_, matrix_), "the linear solver");
   check(IDASetJacFn(memory_, &Ida::jacobian), "the Jacobian");

@@ -68,10 +68,7 @@ KinematicBlocks::KinematicBlocks(const Equations& eq, const Eigen::VectorXd& p) 
     const auto n_bp = static_cast<Eigen::Index>(b.p.size()), n_bv = static_cast<Eigen::Index>(b.v.size());
     b.T.setZero(n_bp, n_bv);
     b.A.setZero(n_bp, n_bp);
-    b.E.setZero(n_bp, n_bp);
-    b.ET.setZero(n_bp, n_bv);
     b.T_inverse.setZero(n_bv, n_bp);
-    b.TET.setZero(n_bv, n_bv);
     widest_p_ = std::max(widest_p_, static_cast<int>(n_bp));
     widest_v_ = std::max(widest_v_, static_cast<int>(n_bv));
   }
@@ -88,6 +85,13 @@ void KinematicBlocks::update(const Eigen::VectorXd& p, const Eigen::VectorXd& w)
         for (std::size_t i = 0; i < b.p.size(); ++i) b.T(i, k) = rate_(b.p[i]);
   }
   w_step_.setZero();
+  for (Block& b : blocks_) {
+    if (b.v.empty()) continue;
+    // No block is wider than a body's coordinates: these stay on the stack.
+    using Small = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 8, 8>;
+    const Small gram = b.T.transpose() * b.T;
+    b.T_inverse.noalias() = Small(gram.inverse()) * b.T.transpose();
+  }
   if (widest_p_ <= 1) return;  // a single number turns or slides: T does not depend on it
   eq_.kinematic(p, w, rate_);
   p_step_ = p;
@@ -103,71 +107,11 @@ void KinematicBlocks::update(const Eigen::VectorXd& p, const Eigen::VectorXd& w)
   }
 }
 
-void KinematicBlocks::invert(double c) {
-  // No block is wider than a body's coordinates: these stay on the stack.
-  using Small = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 8, 8>;
-  for (Block& b : blocks_) {
-    if (b.p.size() == 1 && b.v.size() == 1) {
-      b.E(0, 0) = 1.0 / (c - b.A(0, 0));
-      b.ET(0, 0) = b.E(0, 0) * b.T(0, 0);
-      b.T_inverse(0, 0) = 1.0 / b.T(0, 0);
-      b.TET(0, 0) = b.E(0, 0);
-      continue;
-    }
-    Small D = -b.A;
-    D.diagonal().array() += c;
-    b.E = Small(D.inverse());
-    b.ET.noalias() = b.E * b.T;
-    if (b.v.empty()) continue;
-    const Small gram = b.T.transpose() * b.T;
-    b.T_inverse.noalias() = Small(gram.inverse()) * b.T.transpose();
-    b.TET.noalias() = b.T_inverse * b.ET;
-  }
-}
-
-void KinematicBlocks::multiply_TET(const Eigen::MatrixXd& Z_v, Eigen::MatrixXd& Z) const {
-  Z.setZero(Z_v.rows(), n_v_);
-  for (const Block& b : blocks_)
-    for (std::size_t j = 0; j < b.v.size(); ++j)
-      for (std::size_t i = 0; i < b.v.size(); ++i) Z.col(b.v[j]) += b.TET(i, j) * Z_v.col(b.v[i]);
-}
-
-void KinematicBlocks::apply_T_inverse(ConstVectorRef y, VectorRef w) const {
-  for (const Block& b : blocks_)
-    for (std::size_t i = 0; i < b.v.size(); ++i) {
-      double sum = 0.0;
-      for (std::size_t j = 0; j < b.p.size(); ++j) sum += b.T_inverse(i, j) * y(b.p[j]);
-      w(b.v[i]) = sum;
-    }
-}
-
-void KinematicBlocks::multiply_ET(const Eigen::MatrixXd& Z_p, Eigen::MatrixXd& Z) const {
-  Z.setZero(Z_p.rows(), n_v_);
-  for (const Block& b : blocks_)
-    for (std::size_t j = 0; j < b.v.size(); ++j)
-      for (std::size_t i = 0; i < b.p.size(); ++i) Z.col(b.v[j]) += b.ET(i, j) * Z_p.col(b.p[i]);
-}
-
 void KinematicBlocks::multiply_T(const Eigen::MatrixXd& Z_p, Eigen::MatrixXd& Z) const {
   Z.setZero(Z_p.rows(), n_v_);
   for (const Block& b : blocks_)
     for (std::size_t j = 0; j < b.v.size(); ++j)
       for (std::size_t i = 0; i < b.p.size(); ++i) Z.col(b.v[j]) += b.T(i, j) * Z_p.col(b.p[i]);
-}
-
-void KinematicBlocks::apply_E(ConstVectorRef y, VectorRef x) const {
-  for (const Block& b : blocks_)
-    for (std::size_t i = 0; i < b.p.size(); ++i) {
-      double sum = 0.0;
-      for (std::size_t j = 0; j < b.p.size(); ++j) sum += b.E(i, j) * y(b.p[j]);
-      x(b.p[i]) = sum;
-    }
-}
-
-void KinematicBlocks::add_ET(ConstVectorRef w, VectorRef x) const {
-  for (const Block& b : blocks_)
-    for (std::size_t i = 0; i < b.p.size(); ++i)
-      for (std::size_t j = 0; j < b.v.size(); ++j) x(b.p[i]) += b.ET(i, j) * w(b.v[j]);
 }
 
 }  // namespace flexura::mbs

@@ -34,7 +34,8 @@ bool Projector::project(State& s) {
     if (now == 0.0) break;
     if (iteration > 0 && now > 0.5 * before) {
       // Either at round-off, or diverging from too far away.
-      if ((g_.cwiseAbs().array() > 1e-11 * (G_.cwiseAbs() * scale_).array() + 1e-300).any()) return false;
+      for (int k = 0; k < n_.n_lambda; ++k)
+        if (std::abs(g_(k)) > 1e-11 * G_.row(k).cwiseAbs().dot(scale_) + 1e-300) return false;
       break;
     }
     before = now;

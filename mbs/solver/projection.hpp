@@ -10,8 +10,8 @@
 #include "mbs/solver/saddle.hpp"
 
 /// Back onto the constraints by the smallest change in the norm of M, from nearby (the end of a step):
-///     position   p <- retract(p, d),  M d + G^T x = 0,  G d = -g         simplified Newton with one
-///     factorisation velocity   v <- v + d,          M d + G^T x = 0,  G d = -(G v + g_t)
+///     position   p <- retract(p, d),  M d + G^T x = 0,  G d = -g             simplified Newton
+///     velocity   v <- v + d,          M d + G^T x = 0,  G d = -(G v + g_t)   with the same factorisation
 namespace flexura::mbs {
 
 class Projector {

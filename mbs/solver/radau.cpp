@@ -36,7 +36,7 @@ class Radau final : public Integrator {
   void interpolate(double t, State& s, VectorXd& v_dot) override;
   StepCounts counts() const override {
     StepCounts c = counts_;
-    if (matrices_) c.evaluations = matrices_->evaluations();
+    if (form_) c.evaluations = form_->evaluations();
     return c;
   }
   void remember(History& history) override;
@@ -101,6 +101,7 @@ void Radau::create(const State& s) {
                       &rate_, &step_, &rhs_, &error_, &interpolated_})
     x->setZero(n);
   rhs_c_.setZero(n);
+  x_c_.setZero(n);
   for (VectorXd& z : Z_) z.setZero(n);
   for (VectorXd& r : R_) r.setZero(n);
   n_norm_ = std::max(1, form_->at_lambda());
@@ -155,7 +156,7 @@ void Radau::start(const State& s, const VectorXd& v_dot) {
 void Radau::linearise(double h) {
   // Elastic coordinates by their stiffness alone, until Newton's method fails with it (see Ida).
   TangentScope scope = TangentScope::everything;
-  if (matrices_->has_elastic_coordinates() && full_matrices_left_ == 0) scope = TangentScope::newton;
+  if (form_->has_elastic_coordinates() && full_matrices_left_ == 0) scope = TangentScope::newton;
   if (full_matrices_left_ > 0) --full_matrices_left_;
   has_tangents_ = true;
   t_with_tangents_ = t_tangents_ = t_;
@@ -173,7 +174,7 @@ void Radau::linearise(double h) {
   }
   newton_scope_ = scope == TangentScope::newton;
   ++counts_.jacobians;
-  matrices_->linearise(t_tangents_, y_tangents_, yp_tangents_, scope);
+  form_->linearise(t_tangents_, y_tangents_, yp_tangents_, scope);
 }
 
 bool Radau::factor(double h) {
@@ -430,8 +431,8 @@ void Radau::remember(History& history) {
   form_->unpack(t_, y_, found_);
   switches_.start(found_);
   if (!has_tangents_) return;
-  matrices_->linearise(t_tangents_, y_tangents_, yp_tangents_,
-                       newton_scope_ ? TangentScope::newton : TangentScope::everything);
+  form_->linearise(t_tangents_, y_tangents_, yp_tangents_,
+                   newton_scope_ ? TangentScope::newton : TangentScope::everything);
   if (h_matrix_ > 0.0) factor(h_matrix_);
 }
 

@@ -23,19 +23,12 @@
 /// Its exact solution has mu = 0; numerically mu takes up the drift, so that positions and velocities both
 /// stay on their constraints.  y = (p, v, c, a, lambda, mu).
 ///
-/// Newton matrix.  With cj from the BDF formula, p is eliminated through the block-diagonal E = (cj I -
-/// d(Tv)/dp)^-1,
-///     dp = E (r_p + T dv + T S G^T dmu),
-/// which leaves a system of n_v + n_dyn + n_alg + 2 n_lambda unknowns.  It is solved scaled by D = M_ii^-1/2
-/// and by the lengths of the rows of G D, so that masses of 1e-9 and 1e9 meet on equal terms.  Where it is
-/// large and mostly zeros (many bodies on short chains, many loops) it is factorised by KLU (T. A. Davis, E.
-/// Palamadai Natarajan, ACM TOMS 37 (2010) 36), else densely.
+/// Its Newton matrices dF/dy + cj dF/dy' are made from the derivatives taken here: see newton_matrix.hpp.
 namespace flexura::mbs {
 
 class StabilisedIndex2 {
  public:
   StabilisedIndex2(const Equations& eq, const State& start);
-  ~StabilisedIndex2();
 
   int size() const { return n_y_; }
   int n_lambda() const { return n_.n_lambda; }
@@ -57,13 +50,16 @@ class StabilisedIndex2 {
   bool residual(double t, ConstVectorRef y, ConstVectorRef yp, VectorRef out);
   const std::string& non_finite() const { return non_finite_; }
 
-  /// Builds and factorises dF/dy + cj dF/dy'.  False when it is not finite.
-  bool factor(double t, double cj, ConstVectorRef y, ConstVectorRef yp, TangentScope scope);
-  /// Forces may have come or gone: the next factor() looks for its zeros anew.
-  void forget_structure();
-  bool is_sparse() const;
+  /// Takes the derivatives at (t, y, y'), of which tangents() and kinematics() then hold the parts.
+  void linearise(double t, ConstVectorRef y, ConstVectorRef yp, TangentScope scope);
+  const Sizes& sizes() const { return n_; }
+  const Tangents& tangents() const { return tangents_; }
+  const KinematicBlocks& kinematics() const { return kinematics_; }
+  bool is_holonomic(int row) const { return holonomic_[row]; }
   bool has_elastic_coordinates() const { return tangents_.has_elastic_coordinates(); }
-  void solve(ConstVectorRef rhs, VectorRef x);
+  /// Forces may have come or gone, and with them entries of the matrices; structure() counts these times.
+  void forget_structure();
+  long structure() const { return structure_; }
 
   long evaluations() const { return evaluations_ + tangents_.evaluations; }
 
@@ -75,18 +71,10 @@ class StabilisedIndex2 {
   State s_;
   KinematicBlocks kinematics_;
   Tangents tangents_;
-  Eigen::VectorXd S_, w_, v_dot_, z_, row_scale_, column_scale_, rhs_, solution_, dp_, dp_0_, g_w_;
-  Eigen::MatrixXd z_v_, h_v_, g_v_, GS_, J_;
+  Eigen::VectorXd S_, w_, v_dot_, z_, p_dot_;
   std::vector<bool> holonomic_;
   std::string non_finite_;
-  long evaluations_ = 0;
-  double cj_ = 0.0;
-  void assemble_dense();
-  void assemble_sparse();
-  void scale(double cj);
-
-  struct Factor;
-  std::unique_ptr<Factor> factor_;
+  long evaluations_ = 0, structure_ = 0;
 };
 
 }  // namespace flexura::mbs

@@ -35,20 +35,20 @@ class FullModel {
   /// The velocity coordinates that are no block's.
   const std::vector<int>& joint_columns() const { return joint_columns_; }
 
-  /// M and G at the state.
+  /// M (n_v x n_v) and G (n_lambda x n_v) of the full model at the state.
   void mass_and_constraints(const mbs::State& s, LinearisedRow& row);
-  /// K and D: the derivatives of the momentum balance by p and v, the bodies' own stiffness, springs,
-  /// geometric and gyroscopic terms alike.
+  /// K and D (n_v x n_v): the derivatives of the momentum balance along p (by tangent vectors, K = z_p T) and
+  /// by v, of the bodies' own stiffness, springs, geometric and gyroscopic terms alike.
   void tangents(const mbs::State& s, const Eigen::VectorXd& v_dot, LinearisedRow& row);
   /// The columns of the joint coordinates alone, which change most while a mechanism turns; those of the
   /// modal coordinates stay as `row` has them.
   void joint_tangents(const mbs::State& s, const Eigen::VectorXd& v_dot, LinearisedRow& row);
-  /// The momentum balance M v_dot - f + G^T lambda.
+  /// r (n_v) = M v_dot - f + G^T lambda, the momentum balance; forces along the velocity coordinates [N, Nm].
   void residual(const mbs::State& s, const Eigen::VectorXd& v_dot, Eigen::VectorXd& r);
-  /// Outputs at s + delta.
+  /// y: the quantities `which` (Mechanism's numbers) at the state, each in its SI unit.
   void evaluate(const std::vector<int>& which, const mbs::State& s, const Eigen::VectorXd& v_dot,
                 Eigen::VectorXd& y);
-  /// s moved by a correction.
+  /// s moved by a correction: the tangent vector delta (n_v), its rate (n_v) and dlambda (n_lambda).
   void move(const mbs::State& s, const Eigen::VectorXd& delta, const Eigen::VectorXd& rate,
             const Eigen::VectorXd& dlambda, mbs::State& moved) const;
 
@@ -74,7 +74,7 @@ class Embedding {
  public:
   Embedding(const mbs::Mechanism& run, const FullModel& full);
 
-  /// The run's state in the full model, dropped deformations at rest.
+  /// The run's state and v_dot (n_v of the run) in the full model, dropped deformations at rest.
   void embed(const mbs::State& run, const Eigen::VectorXd& run_v_dot, mbs::State& full,
              Eigen::VectorXd& full_v_dot);
   /// Back, by least squares of the deformation; `run` has its sizes and keeps what the full model lacks.

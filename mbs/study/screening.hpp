@@ -49,17 +49,20 @@ class Screening {
   Screening(const mbs::PreparedMechanism& run, FullModel& full, const std::filesystem::path& file,
             std::vector<std::string> overrides);
 
-  /// The next row of the run.
+  /// The next row of the run: state and v_dot (n_v), times ascending.
   void take(const mbs::State& s, const Eigen::VectorXd& v_dot);
 
   bool has_shadows() const { return shadows_ != nullptr; }
+  /// What rigidity costs over the rows so far; needs has_shadows().
   TruncationEstimate estimate() const;
+  /// Time [s] between the first row and the last.
   double span() const { return rows_.empty() ? 0.0 : rows_.back().s.t - rows_.front().s.t; }
 
   /// What the run says about each body; `for_bodies` limits the more expensive part to these.
   std::vector<Screened> bodies(const std::vector<std::string>& for_bodies);
 
-  /// The cheapest candidate for the body whose loss stays within the share; the finest where none does.
+  /// The cheapest candidate for the body whose loss (relative rms of the worst output) stays within `share`;
+  /// the finest where none does.
   Candidate cheapest(const std::string& body, double share);
 
  private:

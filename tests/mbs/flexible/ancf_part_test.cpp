@@ -163,8 +163,8 @@ TEST(Segments, SmallDeflectionIsThatOfTheBeamWithShear) {
   const int beam = d.add_body({.name = "beam"});
   const Segments chain = add_segments(d, beam, part);
   const double P = 1e-5;
-  const Vector3d at =
-      tip_under_weight(d, beam, d.add_marker(chain.bodies.back(), "tip"), chain.bodies.back(), P);
+  const int tip = d.add_marker(chain.bodies.back(), "tip");
+  const Vector3d at = tip_under_weight(d, beam, tip, chain.bodies.back(), P);
   // P L^3 / 3 EI + P L / GA for any number of segments; rotations of 5e-6 enter squared, the beam's own
   // weight is 1e-6 of P.
   EXPECT_NEAR(-at.z(), P * (1.0 / 3.0 + 1.0 / 20.0), 1e-4 * P);
