@@ -1,11 +1,11 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
-#include <fmt/os.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <iterator>
 #include <nlohmann/json.hpp>
 
 #include "mbs/app/commands.hpp"
@@ -13,6 +13,7 @@
 #include "mbs/app/state_space.hpp"
 #include "mbs/solver/descriptor.hpp"
 #include "mbs/solver/linearise.hpp"
+#include "mbs/superelement/exchange/exchange.hpp"
 #include "mbs/terminal/terminal.hpp"
 
 /// linearize and statics: what a mechanism does near a state.
@@ -84,23 +85,20 @@ Eigen::VectorXd frequencies_of(const std::string& text) {
 std::filesystem::path write_response(const LinearSystem& system, const Eigen::VectorXd& f,
                                      const std::filesystem::path& path) {
   const auto H = mbs::frequency_response(system, f);
-  std::filesystem::path beside = path;
-  beside += ".part";
-  {
-    auto out = fmt::output_file(beside.string());
-    out.print("frequency [Hz]");
-    for (const std::string& y : system.outputs)
-      for (const std::string& u : system.inputs) out.print(",|{0} / {1}|,phase of {0} / {1} [deg]", y, u);
-    out.print("\n");
-    for (Eigen::Index k = 0; k < f.size(); ++k) {
-      out.print("{:.12g}", f(k));
-      for (Eigen::Index i = 0; i < H[k].rows(); ++i)
-        for (Eigen::Index j = 0; j < H[k].cols(); ++j)
-          out.print(",{:.12g},{:.9g}", std::abs(H[k](i, j)), std::arg(H[k](i, j)) * 180.0 / M_PI);
-      out.print("\n");
-    }
+  std::string text = "frequency [Hz]";
+  const auto out = std::back_inserter(text);
+  for (const std::string& y : system.outputs)
+    for (const std::string& u : system.inputs)
+      fmt::format_to(out, ",|{0} / {1}|,phase of {0} / {1} [deg]", y, u);
+  text += '\n';
+  for (Eigen::Index k = 0; k < f.size(); ++k) {
+    fmt::format_to(out, "{:.12g}", f(k));
+    for (Eigen::Index i = 0; i < H[k].rows(); ++i)
+      for (Eigen::Index j = 0; j < H[k].cols(); ++j)
+        fmt::format_to(out, ",{:.12g},{:.9g}", std::abs(H[k](i, j)), std::arg(H[k](i, j)) * 180.0 / M_PI);
+    text += '\n';
   }
-  std::filesystem::rename(beside, path);
+  superelement::exchange::write_whole(path, text);
   return path;
 }
 

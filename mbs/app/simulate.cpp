@@ -168,7 +168,12 @@ int simulate(Arguments arguments, const terminal::Talk& talk) {
       throw;  // what the file asks for cannot be: there is nothing worth keeping
     } catch (const std::exception& failure) {
       // A formula, a table or a row that is not finite: the rows before it are worth keeping.
-      if (!writer.keep(failure.what())) throw;
+      bool kept = false;
+      try {
+        kept = writer.keep(failure.what());
+      } catch (const std::exception&) {  // the disk is full: the first sentence says so
+      }
+      if (!kept) throw;
       throw std::runtime_error(fmt::format("run \"{}\" stopped: {}; what was computed until then is in {}",
                                            run.name, failure.what(), arguments.output));
     }

@@ -2,25 +2,16 @@
 #include "mbs/app/state_space.hpp"
 
 #include <fmt/format.h>
-#include <fmt/os.h>
 
 #include <iterator>
 
 #include "mbs/hdf5/file.hpp"
+#include "mbs/superelement/exchange/exchange.hpp"
 
 namespace flexura::app {
 namespace {
 
-// Beside, then renamed.
-void write_text(const std::filesystem::path& path, const std::string& text) {
-  std::filesystem::path beside = path;
-  beside += ".part";
-  {
-    auto out = fmt::output_file(beside.string());
-    out.print("{}", text);
-  }
-  std::filesystem::rename(beside, path);
-}
+using superelement::exchange::write_whole;
 
 std::string octave_matrix(const Eigen::MatrixXd& A) {
   if (A.size() == 0) return fmt::format("zeros({}, {});\n", A.rows(), A.cols());
@@ -89,7 +80,7 @@ std::vector<std::filesystem::path> write_state_space(const StateSpace& system,
                                                      const std::filesystem::path& path) {
   const std::string ending = path.extension().string();
   if (ending == ".m") {
-    write_text(path, script(system));
+    write_whole(path, script(system));
     return {path};
   }
   if (ending == ".h5") {
@@ -103,7 +94,7 @@ std::vector<std::filesystem::path> write_state_space(const StateSpace& system,
   for (const auto& [name, A] : system.matrices) {
     if (A.size() == 0) continue;
     files.push_back(path.parent_path() / (path.stem().string() + "_" + name + ".mtx"));
-    write_text(files.back(), matrix_market(system, name, A));
+    write_whole(files.back(), matrix_market(system, name, A));
   }
   return files;
 }

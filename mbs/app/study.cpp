@@ -1,6 +1,5 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
-#include <fmt/os.h>
 
 #include <algorithm>
 #include <charconv>
@@ -12,6 +11,7 @@
 #include "mbs/study/front_picture.hpp"
 #include "mbs/study/judge.hpp"
 #include "mbs/study/tables.hpp"
+#include "mbs/superelement/exchange/exchange.hpp"
 #include "mbs/terminal/terminal.hpp"
 #include "mbs/view/report.hpp"
 
@@ -22,6 +22,7 @@ namespace {
 using study::Judgement;
 using study::Row;
 using study::StudyFile;
+using superelement::exchange::write_whole;
 using terminal::Align;
 using terminal::number;
 
@@ -154,12 +155,6 @@ view::Report report_of(const StudyFile& study, const Judgement& judgement) {
   return report;
 }
 
-void write_text(const std::filesystem::path& path, const std::string& text) {
-  const std::string beside = path.string() + ".part";
-  fmt::output_file(beside).print("{}", text);
-  std::filesystem::rename(beside, path);
-}
-
 int run(const Arguments& arguments, const terminal::Talk& talk) {
   if (arguments.schema) {
     fmt::print("{}", input::reference_page(study::study_schema()));
@@ -189,19 +184,19 @@ int run(const Arguments& arguments, const terminal::Talk& talk) {
   const Judgement judgement = study::judge(study, measured);
   std::string stem = arguments.output;
   if (stem.empty()) stem = std::filesystem::path(arguments.file).stem().string();
-  write_text(stem + ".csv", study::as_csv(study, judgement));
+  write_whole(stem + ".csv", study::as_csv(study, judgement));
   const std::string json =
       study::as_json(study, judgement, std::string("flexura ") + FLEXURA_VERSION).dump(1) + "\n";
-  write_text(stem + ".json", json);
+  write_whole(stem + ".json", json);
   std::vector<study::PicturePoint> points;
   for (const Row& row : judgement.rows)
     points.push_back({row.price, row.error.against_reference, row.on_front, row.choice->name});
-  write_text(stem + ".svg", study::front_picture({study.name,
-                                                  study.cpu_is_cost ? "processor time of the whole program"
-                                                                    : "wall time of the whole program",
-                                                  std::move(points), judgement.largest_uncertainty}));
-  write_text(stem + ".md",
-             study::as_markdown(study, judgement, std::filesystem::path(stem).filename().string() + ".svg"));
+  write_whole(stem + ".svg", study::front_picture({study.name,
+                                                   study.cpu_is_cost ? "processor time of the whole program"
+                                                                     : "wall time of the whole program",
+                                                   std::move(points), judgement.largest_uncertainty}));
+  write_whole(stem + ".md",
+              study::as_markdown(study, judgement, std::filesystem::path(stem).filename().string() + ".svg"));
   view::write_report_page(stem + ".html", report_of(study, judgement));
   if (arguments.json) {
     fmt::print("{}", json);

@@ -48,7 +48,11 @@ std::string reason() {
 }
 
 [[noreturn]] void fail(const std::string& label) {
-  throw BadFile(label + ": " + reason());
+  const std::string why = reason();
+  // Nothing is wrong with the input then.
+  if (why == "No space left on device" || why == "Disk quota exceeded")
+    throw std::runtime_error(label + ": " + why + "; make room or choose another folder");
+  throw BadFile(label + ": " + why);
 }
 
 void check(herr_t status, const std::string& label) {

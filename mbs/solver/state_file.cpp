@@ -82,14 +82,18 @@ void write_state(const std::filesystem::path& path, const Equations& eq, const s
     for (const double* x : numbers(energy)) c["energy"].push_back(*x);
     c["history"] = continuation->history;
   }
-  std::filesystem::path beside = path;
-  beside += ".part";
+  const std::filesystem::path beside = path.string() + ".part";
+  std::error_code failure;
   {
     std::ofstream file(beside);
     file << out.dump(1) << '\n';
-    if (!file) throw std::runtime_error(fmt::format("{}: cannot be written", path.string()));
+    file.close();
+    if (file) std::filesystem::rename(beside, path, failure);
+    if (file && !failure) return;
   }
-  std::filesystem::rename(beside, path);
+  std::filesystem::remove(beside, failure);
+  throw std::runtime_error(
+      fmt::format("{}: cannot be written; check the folder, its permissions and the disk", path.string()));
 }
 
 StateChange read_state(const std::filesystem::path& path, const Equations& eq, State& s) {

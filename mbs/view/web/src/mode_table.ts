@@ -73,7 +73,7 @@ export class ModeTable {
     });
     this.heads = this.columns.map((c, i) => h('th', { scope: 'col', 'aria-sort': 'none', title: c.title },
       h('button', { type: 'button', onclick: () => this.sortBy(i) }, c.name)));
-    this.search = h('input', { type: 'search', id: 'search', placeholder: 'number, kind or 100..500 Hz',
+    this.search = h('input', { type: 'search', id: 'search', placeholder: 'no, kind, 100..500 Hz',
                                'aria-label': 'Search the modes', oninput: () => this.filter() });
     this.element = h('div', { class: 'modes' },
       h('div', { class: 'panel-head' }, h('h2', {}, 'Modes'), this.count,

@@ -164,6 +164,18 @@ export function themeButton(changed: () => void): HTMLButtonElement {
     changed();
   };
   matchMedia('(prefers-color-scheme: dark)').addEventListener('change', refresh);
+  // On paper plots and pictures are light; before anything else listens.
+  let onScreen: string | undefined;
+  addEventListener('beforeprint', () => {
+    onScreen = document.documentElement.dataset.theme;
+    document.documentElement.dataset.theme = 'light';
+    refresh();
+  }, true);
+  addEventListener('afterprint', () => {
+    if (onScreen === undefined) delete document.documentElement.dataset.theme;
+    else document.documentElement.dataset.theme = onScreen;
+    refresh();
+  });
   button.replaceChildren(icon(isDark() ? 'sun' : 'moon'));
   return button;
 }
