@@ -97,7 +97,7 @@ TEST(OnlyWhatASceneRequires, IsReadBuiltAndStored) {
   superelement::write(folder / "beam.se.h5", rich_beam());
   const double rich = instructions(folder, {});
   // The file holds 100 times more; what is not needed is not read.  Three per cent: the longer table of
-  // contents, a million instructions beside 50 for start and run.
+  // contents, and a start-up of 50 million instructions that varies by two.
   EXPECT_NEAR(rich / lean, 1.0, 0.03);
   // What is needed costs: the counter sees it.  All deformations are integrated, and their names and outputs
   // evaluated.

@@ -15,7 +15,7 @@ import flexura
 import numpy as np
 
 # Pages that are not called like the file they were made of.
-SOURCES = {"andrews": "andrews_1e-10.h5"}
+SOURCES = {"andrews": "andrews_1e-10.h5", "rattle": "rattle_2.h5"}
 MOST_ROWS = 4000
 
 
