@@ -80,6 +80,49 @@ Vector3d left_jacobian_bias(const Vector3d& theta, const Vector3d& theta_dot) {
   return c.da * x_dot * t_x_td + c.db * x_dot * theta.cross(t_x_td) + c.b * theta_dot.cross(t_x_td);
 }
 
+LeftJacobian::LeftJacobian(const Vector3d& theta) : theta_(theta) {
+  // c_7 and c_6 by their series, the others downwards by c_k = 1 / k! - u c_k+2.
+  constexpr double factorial[] = {1, 1, 2, 6, 24, 120, 720, 5040};
+  const double u = theta.squaredNorm();
+  double c[8];
+  for (int k = 6; k < 8; ++k) {
+    double term = 1.0 / factorial[k];
+    c[k] = term;
+    for (int j = 1; std::abs(term) > 1e-18 * std::abs(c[k]) && j < 200; ++j) {
+      term *= -u / ((k + 2 * j) * (k + 2 * j - 1));
+      c[k] += term;
+    }
+  }
+  for (int k = 5; k >= 2; --k) c[k] = 1.0 / factorial[k] - u * c[k + 2];
+  const auto slope = [&](int k) { return 0.5 * (k * c[k + 2] - c[k + 1]); };
+  a_ = c[2];
+  b_ = c[3];
+  a_1_ = slope(2);
+  b_1_ = slope(3);
+  a_2_ = 0.5 * (2.0 * slope(4) - slope(3));
+  b_2_ = 0.5 * (3.0 * slope(5) - slope(4));
+}
+
+Vector3d LeftJacobian::operator()(const Vector3d& x) const {
+  const Vector3d tx = theta_.cross(x);
+  return x + a_ * tx + b_ * theta_.cross(tx);
+}
+
+Vector3d LeftJacobian::first(const Vector3d& y, const Vector3d& x) const {
+  const double u_y = 2.0 * theta_.dot(y);
+  const Vector3d tx = theta_.cross(x), yx = y.cross(x);
+  return a_1_ * u_y * tx + a_ * yx + b_1_ * u_y * theta_.cross(tx) + b_ * (y.cross(tx) + theta_.cross(yx));
+}
+
+Vector3d LeftJacobian::second(const Vector3d& y, const Vector3d& z, const Vector3d& x) const {
+  const double u_y = 2.0 * theta_.dot(y), u_z = 2.0 * theta_.dot(z), u_yz = 2.0 * y.dot(z);
+  const Vector3d tx = theta_.cross(x), yx = y.cross(x), zx = z.cross(x);
+  return (a_2_ * u_y * u_z + a_1_ * u_yz) * tx + a_1_ * (u_y * zx + u_z * yx) +
+         (b_2_ * u_y * u_z + b_1_ * u_yz) * theta_.cross(tx) +
+         b_1_ * (u_y * (z.cross(tx) + theta_.cross(zx)) + u_z * (y.cross(tx) + theta_.cross(yx))) +
+         b_ * (y.cross(zx) + z.cross(yx));
+}
+
 Matrix3d rotation_of_quaternion(const double* q) {
   return Eigen::Quaterniond(q[0], q[1], q[2], q[3]).normalized().toRotationMatrix();
 }

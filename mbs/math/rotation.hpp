@@ -25,6 +25,24 @@ Matrix3d left_jacobian(const Vector3d& theta);
 /// d/dt J_l(theta(t)) theta' : what stands beside J_l theta'' in the angular acceleration.
 Vector3d left_jacobian_bias(const Vector3d& theta, const Vector3d& theta_dot);
 
+/// Derivatives of J_l(theta) x for a fixed x, with a, b and their derivatives by theta^2 from
+/// c_k(u) = sum_j (-u)^j / (k + 2 j)!,   a = c_2,   b = c_3,   c_k' = (k c_k+2 - c_k+1) / 2
+/// (Stumpff's functions).
+class LeftJacobian {
+ public:
+  explicit LeftJacobian(const Vector3d& theta);
+  /// J_l x.
+  Vector3d operator()(const Vector3d& x) const;
+  /// As theta moves along y.
+  Vector3d first(const Vector3d& y, const Vector3d& x) const;
+  /// As theta moves along y and z.
+  Vector3d second(const Vector3d& y, const Vector3d& z, const Vector3d& x) const;
+
+ private:
+  Vector3d theta_;
+  double a_, a_1_, a_2_, b_, b_1_, b_2_;
+};
+
 /// R of the quaternion q (4 numbers, any length but zero).
 Matrix3d rotation_of_quaternion(const double* q);
 

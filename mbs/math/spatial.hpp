@@ -51,6 +51,7 @@ struct Spatial {
   }
   friend Spatial operator+(Spatial a, const Spatial& b) { return a += b; }
   friend Spatial operator-(Spatial a, const Spatial& b) { return a -= b; }
+  friend Spatial operator-(const Spatial& a) { return {-a.angular, -a.linear}; }
   friend Spatial operator*(const Matrix3d& R, const Spatial& b) { return {R * b.angular, R * b.linear}; }
   double dot(const Spatial& b) const { return angular.dot(b.angular) + linear.dot(b.linear); }
 
@@ -66,6 +67,16 @@ inline Spatial shift_wrench(const Spatial& w, const Vector3d& r) {
 /// The twist of another point of the same frame: `r` leads from the old point to the new one.
 inline Spatial shift_twist(const Spatial& t, const Vector3d& r) {
   return {t.angular, t.linear + t.angular.cross(r)};
+}
+
+/// a x b of two motions about one point: how b changes with the frame that moves by a.
+inline Spatial cross_motion(const Spatial& a, const Spatial& b) {
+  return {a.angular.cross(b.angular), a.angular.cross(b.linear) + a.linear.cross(b.angular)};
+}
+
+/// a x* f of a motion and a wrench about one point: how f changes with the frame that moves by a.
+inline Spatial cross_force(const Spatial& a, const Spatial& f) {
+  return {a.angular.cross(f.angular) + a.linear.cross(f.linear), a.angular.cross(f.linear)};
 }
 
 /// Mass properties of a rigid body about its origin Bo, expressed in B.

@@ -177,6 +177,30 @@ void AncfPart::node_motion(int node, const double* s, const double* s_dot, const
   out.A = Spatial::from(A);
 }
 
+void AncfPart::turning_tangents(const double*, const double* s_dot, const Vector3d& w, Work& work,
+                                Eigen::Matrix<double, 6, 3>& need_w,
+                                Eigen::Matrix<double, Eigen::Dynamic, 3>& modal_w) const {
+  const auto Q = vectors(work.q);
+  expand(s_dot, false, work.v);
+  VectorXd& P_dot_vector = work.W;
+  P_dot_vector.setZero(work.v.size());
+  body_.mass().multiply_add(1.0, work.v, P_dot_vector);
+  const auto P_dot = vectors(P_dot_vector);
+  Vector3d d_dot;
+  d_dot.noalias() = vectors(work.v) * weight_;
+  Matrix3d G;
+  G.noalias() = Q * P_dot.transpose();
+  need_w.topRows<3>() =
+      skew(w) * work.J - skew(work.J * w) + 2.0 * (G.trace() * Matrix3d::Identity() - G.transpose());
+  need_w.bottomRows<3>() = -skew(w.cross(work.d) + 2.0 * d_dot) - skew(w) * skew(work.d);
+  for (int i = 0; i < m(); ++i) {
+    const int k = coordinate(i) / 3, c = coordinate(i) % 3;
+    const Vector3d P = work.P.col(k), Pd = P_dot.col(k);
+    const Matrix3d by_w = -skew(w.cross(P) + 2.0 * Pd) - skew(w) * skew(P);
+    modal_w.row(i) = by_w.row(c);
+  }
+}
+
 void AncfPart::add_tangents(const double* s, const double* s_dot, MatrixRef K, MatrixRef D) const {
   VectorXd q, v, f(body_.n_q());
   expand(s, true, q);

@@ -45,6 +45,9 @@ class AncfPart final : public FlexibleBody {
   void node_motion(int node, const double* s, const double* s_dot, const double* s_ddot,
                    NodeMotion& out) const override;
   bool is_modal() const override { return false; }
+  void turning_tangents(const double* s, const double* s_dot, const Vector3d& w, Work& work,
+                        Eigen::Matrix<double, 6, 3>& need_w,
+                        Eigen::Matrix<double, Eigen::Dynamic, 3>& modal_w) const override;
   void add_tangents(const double* s, const double* s_dot, MatrixRef K, MatrixRef D) const override;
   double amplitude(int) const override { return 1.0; }  // lengths and slopes as they are
 

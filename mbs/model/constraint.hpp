@@ -4,6 +4,7 @@
 #include <memory>
 #include <string>
 
+#include "mbs/model/derivatives.hpp"
 #include "mbs/model/expression.hpp"
 #include "mbs/model/kinematics.hpp"
 
@@ -29,6 +30,12 @@ class Constraint {
   virtual void acceleration(const Kinematics& kin, double* g_ddot) const = 0;
   /// Adds G^T x as loads.
   virtual void apply_GT(const Kinematics& kin, const double* x, Loads& loads) const = 0;
+  /// True where differentiate() is there; what a constraint does without is differenced.
+  virtual bool has_derivatives() const { return false; }
+  /// Of apply_GT(x) and of velocity().
+  virtual void differentiate(const Kinematics& /*kin*/, const double* /*x*/, Derivatives& /*d*/) const {}
+  /// Of contact_residual(a).
+  virtual void differentiate_contact(const Kinematics& /*kin*/, double /*a*/, Derivatives& /*d*/) const {}
   /// g_t: what makes a moving constraint do work.
   virtual void rate(const Kinematics& /*kin*/, double* g_t) const {
     for (int i = 0; i < n_rows(); ++i) g_t[i] = 0.0;
@@ -52,6 +59,9 @@ class RelativeConstraint final : public Constraint {
   void velocity(const Kinematics& kin, double* g_dot) const override;
   void acceleration(const Kinematics& kin, double* g_ddot) const override;
   void apply_GT(const Kinematics& kin, const double* x, Loads& loads) const override;
+  bool has_derivatives() const override { return true; }
+  void differentiate(const Kinematics& kin, const double* x, Derivatives& d) const override;
+  void differentiate_contact(const Kinematics& kin, double a, Derivatives& d) const override;
   /// The wrench that multipliers x stand for, on M about Mo, in F: G_rel^T x.
   Vector6d wrench_on_M(const Kinematics& kin, const double* x) const;
   int marker_F() const { return marker_F_; }
@@ -89,6 +99,8 @@ class DriveConstraint final : public Constraint {
   void velocity(const Kinematics& kin, double* g_dot) const override;
   void acceleration(const Kinematics& kin, double* g_ddot) const override;
   void apply_GT(const Kinematics& kin, const double* x, Loads& loads) const override;
+  bool has_derivatives() const override { return true; }
+  void differentiate(const Kinematics& kin, const double* x, Derivatives& d) const override;
   void rate(const Kinematics& kin, double* g_t) const override;
   CoordinateRef coordinate() const { return coordinate_; }
 

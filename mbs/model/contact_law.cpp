@@ -69,6 +69,14 @@ double ContactLaw::force(double gap, double gap_rate, const int* root, const dou
   return elastic(gap) - d_ * gap_rate;
 }
 
+ContactLaw::Slopes ContactLaw::slopes(double gap, double gap_rate, const int* root, const double* c) const {
+  if (!active(root)) return {};
+  const double slope = gap < 0.0 ? -k_ * n_ * std::pow(-gap, n_ - 1.0) : 0.0;
+  if (chi_ == 0.0) return {slope, -d_, 0.0};
+  const double f = elastic(gap);
+  return {slope * (1.0 - chi_ * gap_rate / c[0]), -f * chi_ / c[0], f * chi_ * gap_rate / (c[0] * c[0])};
+}
+
 double ContactLaw::energy(double gap, const int* root) const {
   return active(root) && gap < 0.0 ? k_ * std::pow(-gap, n_ + 1.0) / (n_ + 1.0) : 0.0;
 }

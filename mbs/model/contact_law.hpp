@@ -42,8 +42,15 @@ class ContactLaw {
   void change(int which, double gap, double gap_rate, int* root, double* c) const;
   /// N >= 0.
   double force(double gap, double gap_rate, const int* root, const double* c) const;
+  /// Its derivatives.
+  struct Slopes {
+    double by_gap = 0.0, by_rate = 0.0, by_state = 0.0;
+  };
+  Slopes slopes(double gap, double gap_rate, const int* root, const double* c) const;
   /// Energy stored [J] and power lost [W].
   double energy(double gap, const int* root) const;
+  /// Its part that has this energy.
+  double elastic_force(double gap, const int* root) const { return active(root) ? elastic(gap) : 0.0; }
   double lost_power(double gap, double gap_rate, const int* root, const double* c) const;
   double chi() const { return chi_; }
 

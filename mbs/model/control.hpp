@@ -6,6 +6,8 @@
 #include <string_view>
 #include <vector>
 
+#include "mbs/model/derivatives.hpp"
+
 /// Control elements: they read signals (SignalNames), hold dynamic states c and give one output, a signal of
 /// their own name, for the formulas of forces and measures.
 ///
@@ -33,6 +35,11 @@ class Control {
   virtual double output(const double* signals, const double* c) const = 0;
   virtual bool feeds_through() const { return false; }
   virtual std::vector<int> reads() const = 0;  ///< signals
+  /// Of rates().
+  virtual void differentiate_rates(const double* /*signals*/, const double* /*c*/, Derivatives& /*d*/) const {
+  }
+  /// Of output() or, where it is algebraic, of residual(): as rows().
+  virtual void differentiate(const double* signals, const double* c, Derivatives& d) const = 0;
 
   virtual int n_switches() const { return 0; }
   virtual std::string switch_name(int i) const { return "switch_" + std::to_string(i + 1); }

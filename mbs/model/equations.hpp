@@ -54,6 +54,20 @@ struct EnergyReport {
   double dissipated_power = 0.0;  ///< taken out by dampers and modal damping, >= 0
 };
 
+/// The derivatives that Newton matrices and linearisation are made of.  With z = (r, c_rate, b),
+/// r = M v_dot - f + G^T lambda, stacked (n_z = n_v + n_dyn + n_alg), at fixed v_dot and lambda:
+struct TangentMatrices {
+  Eigen::MatrixXd z_p, z_v, z_c, z_a;  ///< dz/dp, dz/dv, dz/dc, dz/da
+  Eigen::MatrixXd h_p;                 ///< d(G v + g_t)/dp
+};
+
+/// What derivatives are taken for.
+enum class TangentScope {
+  everything,  ///< all columns
+  newton,      ///< the columns of elastic coordinates hold their stiffness and damping alone, see
+               ///< Equations::elastic_coordinate: the cost is then that of the rigid mechanism
+};
+
 class Equations {
  public:
   /// Work space of one thread.
@@ -99,6 +113,14 @@ class Equations {
   /// Elastic coordinates with k = 0 belong to a body whose stiffness is a matrix: adds the derivatives of all
   /// such bodies' internal forces by p to r_p (n_v rows, n_p) and by v to r_v (n_v rows, n_v).
   virtual void add_elastic_tangents(const State& /*s*/, MatrixRef /*r_p*/, MatrixRef /*r_v*/) const {}
+
+  /// The tangent matrices at one state, exactly; of scope `newton` without the elastic coordinates' columns,
+  /// which it leaves at 0.  False where an implementation knows no way but differences of the functions
+  /// above and below.
+  virtual bool tangents(const State& /*s*/, ConstVectorRef /*v_dot*/, TangentScope /*scope*/,
+                        Scratch& /*scratch*/, TangentMatrices& /*out*/) const {
+    return false;
+  }
 
   /// g (n_lambda), constraints on position level; nonholonomic rows give 0.
   virtual void position_constraints(double t, ConstVectorRef p, Scratch& scratch, VectorRef g) const = 0;

@@ -10,6 +10,7 @@
 #include <stdexcept>
 
 #include "mbs/input/document.hpp"
+#include "mbs/model/derivatives.hpp"
 #include "mbs/model/operations.hpp"
 
 namespace flexura::mbs {
@@ -251,7 +252,7 @@ Expression::Expression(std::string where, std::string text, const SignalNames& s
 }
 
 template <class T>
-T Expression::run(const double* signals, const T& time) const {
+T Expression::run(const double* signals, const T& time, int moving) const {
   T stack[stack_size + 1];
   int top = -1;
   const int n = static_cast<int>(program_.size());
@@ -264,6 +265,8 @@ T Expression::run(const double* signals, const T& time) const {
         break;
       case signal:
         stack[++top] = in.place == 0 ? time : constant_of<T>(signals[in.place]);
+        if constexpr (std::is_same_v<T, Jet>)
+          if (in.place != 0 && in.place == moving) stack[top].first = 1.0;
         break;
       case jump_if_zero:
         if (value_of(stack[top--]) == 0.0) i = in.count;
@@ -359,6 +362,16 @@ double Expression::evaluate(const double* signals) const {
   const double value = run<double>(signals, signals[0]);
   if (!std::isfinite(value)) refuse_value(value, signals[0]);
   return value;
+}
+
+double Expression::derivative(const double* signals, int place) const {
+  const Jet f = run<Jet>(signals, Jet{signals[0], 0.0, 0.0}, place);
+  // A vertical slope (sqrt at 0) counts as none: what is made of it must stay finite.
+  return std::isfinite(f.first) ? f.first : 0.0;
+}
+
+void Derivatives::by_formula(const Expression& f, const double* signals, const Matrix& d) {
+  for (const int place : f.reads()) by_signal(place, f.derivative(signals, place) * d);
 }
 
 Jet Expression::time_derivatives(double t) const {

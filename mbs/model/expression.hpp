@@ -56,6 +56,8 @@ class Expression {
   /// Throws std::runtime_error, naming the element and the time, when the result is not finite.
   double evaluate(const double* signals) const;
 
+  /// Its derivative by the signal in one place.
+  double derivative(const double* signals, int place) const;
   /// f, f', f'' of a formula of t and parameters alone.
   Jet time_derivatives(double t) const;
 
@@ -67,7 +69,7 @@ class Expression {
     double value = 0;  ///< of a constant
   };
   template <class T>
-  T run(const double* signals, const T& time) const;
+  T run(const double* signals, const T& time, int moving = 0) const;
   [[noreturn]] void refuse_value(double value, double t) const;
 
   std::string where_, text_;

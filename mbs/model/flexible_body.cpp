@@ -180,6 +180,33 @@ Spatial FlexibleBody::inverse_dynamics(const double* s_values, const double* s_d
   return need;
 }
 
+void FlexibleBody::turning_tangents(const double*, const double* s_dot_values, const Vector3d& w, Work& work,
+                                    Eigen::Matrix<double, 6, 3>& need_w,
+                                    Eigen::Matrix<double, Eigen::Dynamic, 3>& modal_w) const {
+  const ConstMap s_dot(s_dot_values, m_);
+  Vector3d C_t_s_dot = Vector3d::Zero(), C_r_s_dot = Vector3d::Zero();
+  C_t_s_dot.noalias() += work.C_t * s_dot;
+  C_r_s_dot.noalias() += work.C_r * s_dot;
+  need_w.topRows<3>() = skew(w) * work.J - skew(work.J * w);
+  need_w.bottomRows<3>() = -skew(w.cross(work.d) + 2.0 * C_t_s_dot) - skew(w) * skew(work.d);
+  modal_w.setZero();
+  if (data_.coupling == Coupling::constant) {
+    need_w.topRows<3>() -= skew(C_r_s_dot);
+    return;
+  }
+  Matrix3d P;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) P(i, j) = block(work.B, i, j, m_).dot(s_dot);
+  need_w.topRows<3>() += 2.0 * (P.trace() * Matrix3d::Identity() - P.transpose());
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j)
+      modal_w.col(i) +=
+          w(j) * (block(work.B, i, j, m_) + block(work.B, j, i, m_)) - 2.0 * w(i) * block(work.B, j, j, m_);
+  if (data_.coupling != Coupling::full) return;
+  work.W.noalias() = T_skew_ * s_dot;
+  for (int i = 0; i < 3; ++i) modal_w.col(i) += 2.0 * work.W.segment(i * m_, m_);
+}
+
 double FlexibleBody::kinetic_energy(const double* s_dot_values, const Spatial& V, const Work& work) const {
   const ConstMap s_dot(s_dot_values, m_);
   const Vector3d &w = V.angular, &v = V.linear;

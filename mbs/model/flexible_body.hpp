@@ -91,6 +91,8 @@ struct NodeMotion {
   Eigen::VectorXd second, rates;                 ///< work space
 };
 
+struct DeformationTangents;
+
 class FlexibleBody {
  public:
   /// What an evaluation leaves for the next: one of each body in the scratch of a mechanism.
@@ -131,6 +133,19 @@ class FlexibleBody {
   virtual Spatial inverse_dynamics(const double* s, const double* s_dot, const double* s_ddot,
                                    const Spatial& V, const Spatial& A, Work& work, double* modal) const;
 
+  /// Derivatives of inverse_dynamics() by w (in B): of the wrench and of the modal forces.
+  virtual void turning_tangents(const double* s, const double* s_dot, const Vector3d& w, Work& work,
+                                Eigen::Matrix<double, 6, 3>& need_w,
+                                Eigen::Matrix<double, Eigen::Dynamic, 3>& modal_w) const;
+
+  /// The other derivatives of inverse_dynamics(), by s and s', at the state of the last set_position(work).
+  void deformation_tangents(const double* s, const double* s_dot, const double* s_ddot, const Spatial& V,
+                            const Spatial& A, Work& work, DeformationTangents& out) const;
+  /// Those of node_motion(), and of map^T wrench at a fixed wrench (about the node, in B).
+  void node_tangents(int node, const double* s, const double* s_dot, const double* s_ddot,
+                     const Vector6d& wrench, DeformationTangents& out) const;
+  DeformationTangents make_deformation_tangents() const;
+
   /// After set_position; V = (w_WB, v_WBo) in B.
   double kinetic_energy(const double* s_dot, const Spatial& V, const Work& work) const;
   virtual double strain_energy(const double* s) const;
@@ -156,6 +171,11 @@ class FlexibleBody {
   FlexibleBody(double mass, std::vector<FlexibleNode> nodes, Eigen::MatrixXd M_e);
 
  private:
+  void difference_deformation(const double* s, const double* s_dot, const double* s_ddot, const Spatial& V,
+                              const Spatial& A, DeformationTangents& out) const;
+  void difference_node(int node, const double* s, const double* s_dot, const double* s_ddot,
+                       const Vector6d& wrench, DeformationTangents& out) const;
+
   int m_;
   ModalData data_;
   Eigen::MatrixXd M_e_;
@@ -165,6 +185,23 @@ class FlexibleBody {
   Eigen::MatrixXd T_skew_;
   Eigen::VectorXd B_0_;     ///< 9 m
   Eigen::MatrixXd N_skew_;  ///< 3 m x m: N_ab - N_ba, (a, b, c) cyclic; empty without stiffening
+};
+
+/// See FlexibleBody; those of a body that is not modal are central differences of its own functions, right to
+/// about 1e-10 of their scale.
+struct DeformationTangents {
+  using Columns = Eigen::Matrix<double, 6, Eigen::Dynamic>;
+  // Of inverse_dynamics().
+  Columns need_s, need_v;            ///< 6 x m: wrench by s and by s'
+  Eigen::MatrixXd modal_s, modal_v;  ///< m x m: modal forces by s and by s'
+  // Of one node's motion in B (V = map s' and A) and of its map.
+  Columns motion_s, acceleration_s, acceleration_v;  ///< 6 x m: V by s, A by s and by s'; V by s' is the map
+  Eigen::MatrixXd map_s;                             ///< m x m: map^T wrench by s
+
+  // Work space.
+  Eigen::VectorXd moved_s, moved_v, modal, T_v, turn;
+  FlexibleBody::Work work;
+  NodeMotion node;
 };
 
 }  // namespace flexura::mbs

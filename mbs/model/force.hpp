@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "mbs/model/derivatives.hpp"
 #include "mbs/model/kinematics.hpp"
 
 /// Force elements and measures.  Adding one: one file in forces/ or measures/ and one line in its registry.
@@ -54,6 +55,11 @@ class ForceElement : public HasStates {
 
   /// Adds the applied forces; `signals` are the values of formulas' names (SignalNames).
   virtual void apply(const Kinematics& kin, const double* signals, Loads& loads) const = 0;
+  /// True where differentiate() is there; what an element does without is differenced.
+  virtual bool has_derivatives() const { return false; }
+  /// Of apply() and rates().
+  virtual void differentiate(const Kinematics& /*kin*/, const double* /*signals*/, Derivatives& /*d*/) const {
+  }
   /// Adds to `powers` so that potential' = - power of the force + input - dissipated holds exactly.
   virtual void add_powers(const Kinematics& kin, const double* signals, Powers& powers) const = 0;
   virtual std::vector<OutputInfo> outputs() const { return {}; }
@@ -78,6 +84,8 @@ class Measure {
   virtual input::Dimension dimension() const = 0;
   /// `signals` holds the measures that stand before this one in the file.
   virtual double value(const Kinematics& kin, const double* signals) const = 0;
+  /// Of value(), as rows().
+  virtual void differentiate(const Kinematics& kin, const double* signals, Derivatives& d) const = 0;
   /// Signals read by it.
   virtual std::vector<int> reads() const { return {}; }
 

@@ -1,6 +1,7 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <memory>
 #include <string>
@@ -129,6 +130,10 @@ class RelativeRows {
   /// contact_residual(a).
   virtual bool has_contact() const { return false; }
   virtual double contact_residual(const Pose& /*X_FM*/, double /*a*/) const { return 0.0; }
+  /// Its derivatives by p_FoMo and by a.
+  virtual Eigen::Vector4d contact_derivatives(const Pose& /*X_FM*/, double /*a*/) const {
+    return Eigen::Vector4d::Zero();
+  }
   /// Its value at an assembled position.
   virtual double start_contact(const Pose& /*X_FM*/) const { return 0.0; }
 };
@@ -137,6 +142,13 @@ class RelativeRows {
 struct CoordinateInfo {
   std::string name;
   input::Dimension dimension;
+};
+
+/// How the columns and the bias of a joint change: by q_j with q moved along the tangent coordinate j
+/// (Joint::retract), and by v.
+struct MotionDerivatives {
+  std::array<MotionMatrix, 6> S_q;  ///< dS/dq_j
+  MotionMatrix bias_q, bias_v;      ///< 6 x n_v
 };
 
 class Joint : public RelativeRows {
@@ -153,6 +165,11 @@ class Joint : public RelativeRows {
   /// Sets the columns of S (6 x n_v).
   virtual void motion(const double* q, MotionMatrix& S) const = 0;
   virtual Vector6d bias(const double* /*q*/, const double* /*v*/) const { return Vector6d::Zero(); }
+  /// True where S is one matrix for all q and there is no bias.
+  virtual bool has_constant_motion() const { return false; }
+  /// Asked only where the motion is not constant.  A joint that does not know is differenced by itself: the
+  /// error is about 1e-10 of the entries' scale.
+  virtual void motion_derivatives(const double* q, const double* v, MotionDerivatives& d) const;
   virtual void kinematic(const double* /*q*/, const double* w, double* q_dot) const {
     for (int i = 0; i < n_v(); ++i) q_dot[i] = w[i];
   }

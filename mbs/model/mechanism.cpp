@@ -60,17 +60,26 @@ void Mechanism::applied_forces(const State& s, VectorRef c_rate, VectorRef b, Wo
   take_states(s, work);
   body_forces(true, work);
   evaluate_signals(work);
-  for (std::size_t i = 0; i < d_.controls.size(); ++i)
-    d_.controls[i]->rates(work.signals.data(), work.kin.c + first_state_[i], c_rate.data() + first_state_[i]);
+  element_loads(s, Which::all, c_rate, b, work);
+}
+
+// What forces, controls and constraints contribute, after take_states() and evaluate_signals().
+void Mechanism::element_loads(const State& s, Which which, VectorRef c_rate, VectorRef b, Work& work) const {
+  const bool all = which == Which::all;
+  if (all)
+    for (std::size_t i = 0; i < d_.controls.size(); ++i)
+      d_.controls[i]->rates(work.signals.data(), work.kin.c + first_state_[i],
+                            c_rate.data() + first_state_[i]);
   BodyLoads loads(*this, work, 1.0);
   for (std::size_t i = 0; i < d_.forces.size(); ++i) {
+    if (!all && d_.forces[i]->has_derivatives() != (which == Which::with_derivatives)) continue;
     own_states(i, work);
     d_.forces[i]->apply(work.kin, work.signals.data(), loads);
     if (d_.forces[i]->n_states() > 0)
       d_.forces[i]->rates(work.kin, work.signals.data(), c_rate.data() + first_force_state_[i]);
   }
-  algebraic_equations(work, b);
-  add_constraint_loads(s.lambda.data(), -1.0, work);
+  if (all) algebraic_equations(work, b);
+  add_constraint_loads(s.lambda.data(), -1.0, work, which);
 }
 
 void Mechanism::momentum(const State& s, ConstVectorRef v_dot, Scratch& scratch, VectorRef r,

@@ -115,6 +115,8 @@ class Mechanism final : public Equations {
                  VectorRef c_rate, VectorRef b, VectorRef g_dot, VectorRef g, VectorRef GT_mu) const override;
   bool elastic_coordinate(int i_v, int& i_p, double& k, double& d) const override;
   void add_elastic_tangents(const State& s, MatrixRef r_p, MatrixRef r_v) const override;
+  bool tangents(const State& s, ConstVectorRef v_dot, TangentScope scope, Scratch& scratch,
+                TangentMatrices& out) const override;
   void position_constraints(double t, ConstVectorRef p, Scratch& scratch, VectorRef g) const override;
   void velocity_constraints(double t, ConstVectorRef p, ConstVectorRef v, Scratch& scratch,
                             VectorRef g_dot) const override;
@@ -189,6 +191,7 @@ class Mechanism final : public Equations {
  private:
   struct Work;
   class BodyLoads;
+  class ElementDerivatives;
 
   struct TreeBody {
     int parent = -1;
@@ -219,7 +222,17 @@ class Mechanism final : public Equations {
   void body_forces(bool with_gravity, Work& work) const;
   void evaluate_signals(Work& work) const;
   void applied_forces(const State& s, VectorRef c_rate, VectorRef b, Work& work) const;
+  enum class Which { all, with_derivatives, without_derivatives };
+  void element_loads(const State& s, Which which, VectorRef c_rate, VectorRef b, Work& work) const;
   void own_inertia(Work& work) const;
+  void size_tangents(Work& work) const;
+  void vary_joints(Work& work) const;
+  void vary_inertia(Work& work) const;
+  void inertia_tangents(bool with_modes, Work& work, Eigen::MatrixXd& z_q, Eigen::MatrixXd& z_v) const;
+  void mode_tangents(Work& work, Eigen::MatrixXd& z_q, Eigen::MatrixXd& z_v) const;
+  void vary_nodes(int body, Work& work, Eigen::MatrixXd& z_q) const;
+  void difference_elements(const State& s, TangentScope scope, Work& work, TangentMatrices& out) const;
+  void take_to_coordinates(const double* p, const Eigen::MatrixXd& by_tangent, Eigen::MatrixXd& by_p) const;
   void constraint_rows(VectorRef g, VectorRef g_dot, Work& work) const;
   void take_states(const State& s, Work& work) const;
   void own_states(std::size_t force, Work& work) const;
@@ -234,7 +247,7 @@ class Mechanism final : public Equations {
   void one_way_rates(const Work& work, double* c_rate) const;
   void deform_one_way_markers(Work& work) const;
   void backward(Work& work, double* r) const;
-  void add_constraint_loads(const double* lambda, double factor, Work& work) const;
+  void add_constraint_loads(const double* lambda, double factor, Work& work, Which which = Which::all) const;
   EnergyReport energies(const double* lambda, Work& work) const;
   void list_quantities();
   Vector6d joint_reaction(int joint, Work& work) const;

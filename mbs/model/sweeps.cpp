@@ -267,6 +267,9 @@ void Mechanism::BodyLoads::apply(int marker, const Spatial& wrench_W) {
     const TreeBody& t = mechanism_.bodies_[description.body];
     const Vector6d f = factor_ * (body.X_WB.R.transpose() * wrench_W).vector();
     work_.r.segment(t.i_v, t.m).noalias() -= work_.local[marker].motion.map.transpose() * f;
+    Spatial& load = work_.local[marker].load;
+    load.angular += factor_ * wrench_W.angular;
+    load.linear += factor_ * wrench_W.linear;
   }
 }
 
@@ -312,12 +315,14 @@ void Mechanism::evaluate_signals(Work& work) const {
   }
 }
 
-void Mechanism::add_constraint_loads(const double* lambda, double factor, Work& work) const {
+void Mechanism::add_constraint_loads(const double* lambda, double factor, Work& work, Which which) const {
   if (kept_rows_.empty()) return;
   work.rows_x.setZero();
   for (std::size_t i = 0; i < kept_rows_.size(); ++i) work.rows_x(kept_rows_[i]) = lambda[i];
   BodyLoads loads(*this, work, factor);
   for (std::size_t k = 0; k < constraints_.size(); ++k) {
+    if (which != Which::all && constraints_[k]->has_derivatives() != (which == Which::with_derivatives))
+      continue;
     own_contact(k, work);
     constraints_[k]->apply_GT(work.kin, work.rows_x.data() + first_row_[k], loads);
   }

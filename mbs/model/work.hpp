@@ -1,6 +1,7 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "mbs/model/mechanism.hpp"
@@ -47,10 +48,65 @@ struct Mechanism::Work final : public Equations::Scratch {
   /// A marker on a node of a flexible body, relative to its body and expressed there.
   struct LocalMarker {
     Pose X_BP;
+    Spatial load;       ///< all applied to it, about its origin, in W
     NodeMotion motion;  ///< of the marker: its node's, taken to the marker's origin; no map on rigid bodies
   };
 
+  /// What tangents.cpp keeps, all about one origin for each branch of the tree, in W: see there.
+  struct BranchOfBody {
+    int depth = 0;
+    Vector3d origin = Vector3d::Zero();
+    Spatial F;                                         ///< on this body and all outboard
+    Matrix6d I = Matrix6d::Zero();                     ///< of them
+    Eigen::Matrix<double, 6, 3> B;                     ///< of them
+    Eigen::Matrix<double, Eigen::Dynamic, 3> modal_w;  ///< scratch of the body's own
+    std::array<std::array<Spatial, 6>, 6> own_turns;   ///< [j][i]: d phi_i / dq_j within one joint
+  };
+  /// Of a flexible body's own coordinates.
+  struct MovedNode {
+    Eigen::Matrix<double, 6, Eigen::Dynamic> eta, D, E, E_v;  ///< of a marker on a node, its body held: 6 x m
+  };
+  using Columns6 = Eigen::Matrix<double, 6, Eigen::Dynamic>;
+  struct Tangent {
+    std::vector<BranchOfBody> bodies;
+    std::vector<MovedNode> markers;
+    std::vector<DeformationTangents> deformations;  ///< of flexible bodies
+    Columns6 G_p, G_v;
+    Columns6 phi, D, E, E_v;   ///< of every velocity coordinate
+    Columns6 row_E, H_p, H_v;  ///< the same
+    Eigen::Matrix3Xd row_w;
+    Eigen::MatrixXd z_q, h_q;  ///< by the tangent coordinates of p
+    MotionDerivatives joint;
+    std::vector<bool> is_elastic;
+    std::vector<int> kept;  ///< of all constraint rows, -1 for redundant ones
+    State moved;
+    Eigen::VectorXd z, z_plus, h, h_plus, step;
+  };
+
+  /// How a marker moves with the coordinates that it depends on: twists of a point of its body (or node),
+  /// and D of (1) in inertia_tangents.cpp about that point; zero for all others.
+  struct Reach {
+    Columns6 twist, D;
+    Columns6 rigid;         ///< twists without what the marker moves in its own body
+    std::vector<int> list;  ///< from the body inwards
+    std::size_t n_own = 0;  ///< those that not all markers of a load have in common come first
+  };
+  struct ElementTangent {
+    Reach at, axes, reaction, seen_F, seen_M;
+    std::pair<int, int> seen;  ///< markers of seen_F and seen_M
+    std::vector<int> columns, seen_columns;
+    std::vector<long> mark;
+    long marks = 0;
+    Eigen::Matrix<double, 12, Eigen::Dynamic> motion;  ///< of seen_M in seen_F, pose and twist by q
+    // What the element does: rows of the target and their derivatives by its numbers (6 at most).
+    std::vector<int> rows;
+    Columns6 by_row;
+    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> signals;  ///< by (q, v, c, a)
+  };
+
   Kinematics kin;
+  Tangent tangent;
+  ElementTangent element;
   std::vector<Body> bodies;
   std::vector<Articulated> articulated;
   std::vector<LocalMarker> local;  ///< of every marker; map is empty on rigid bodies

@@ -80,7 +80,6 @@ void StabilisedIndex2::linearise(double t, ConstVectorRef y, ConstVectorRef yp, 
 }
 
 void StabilisedIndex2::forget_structure() {
-  tangents_.forget_structure();
   ++structure_;
 }
 

@@ -2,15 +2,8 @@
 #include "mbs/solver/tangents.hpp"
 
 #include <cmath>
-#include <stdexcept>
 
 namespace flexura::mbs {
-namespace {
-
-// Below, the search for the structure costs more than it saves.
-constexpr int kGroupsFrom = 40;
-
-}  // namespace
 
 Tangents::Tangents(const Equations& eq) : eq_(eq), n_(eq.sizes()), scratch_(eq.make_scratch()) {
   const int n_z = n_.n_v + n_.n_dyn + n_.n_alg;
@@ -21,8 +14,8 @@ Tangents::Tangents(const Equations& eq) : eq_(eq), n_(eq.sizes()), scratch_(eq.m
   M.setZero(n_.n_v, n_.n_v);
   G.setZero(n_.n_lambda, n_.n_v);
   h_p.setZero(n_.n_lambda, n_.n_p);
-  z.setZero(n_z);
-  z_plus_ = z;
+  z_.setZero(n_z);
+  z_plus_ = z_;
   h_.setZero(n_.n_lambda);
   h_plus_ = h_;
   position_scale_.resize(n_.n_p);
@@ -55,15 +48,18 @@ void Tangents::difference(Eigen::VectorXd& x, double scale_floor, int j, const E
   x(j) = x_j + step_of(x_j, scale_floor);
   const double up = x(j);
   momentum(s_, v_dot, z_plus_);
-  columns.col(j) = (z_plus_ - z) / (up - x_j);
+  columns.col(j) = (z_plus_ - z_) / (up - x_j);
   x(j) = x_j;
 }
 
-void Tangents::by_single_columns(const Eigen::VectorXd& v_dot, bool skips) {
+void Tangents::by_differences(const Eigen::VectorXd& v_dot, bool skips) {
+  momentum(s_, v_dot, z_);
   for (int j = 0; j < n_.n_p; ++j)
     if (!skips || !elastic_p_[j]) difference(s_.p, position_scale_(j), j, v_dot, z_p);
   for (int j = 0; j < n_.n_v; ++j)
     if (!skips || !elastic_v_[j]) difference(s_.v, velocity_scale_(j), j, v_dot, z_v);
+  for (int j = 0; j < n_.n_dyn; ++j) difference(s_.c, 1.0, j, v_dot, z_c);
+  for (int j = 0; j < n_.n_alg; ++j) difference(s_.a, 1.0, j, v_dot, z_a);
   if (n_.n_lambda == 0) return;
   eq_.velocity_constraints(s_.t, s_.p, s_.v, *scratch_, h_);
   for (int j = 0; j < n_.n_p; ++j) {
@@ -79,81 +75,20 @@ void Tangents::by_single_columns(const Eigen::VectorXd& v_dot, bool skips) {
   }
 }
 
-void Tangents::by_groups(const Eigen::VectorXd& v_dot) {
-  const auto all = [&](const ColumnGroups& groups, Eigen::VectorXd& x, const Eigen::VectorXd& scale,
-                       const Eigen::VectorXd& low, Eigen::VectorXd& high, Eigen::MatrixXd& columns,
-                       const auto& evaluate) {
-    columns.setZero();
-    x_0_ = x;
-    for (int k = 0; k < groups.size(); ++k) {
-      for (const int j : groups.group(k)) x(j) += step_of(x(j), scale(j));
-      evaluate();
-      for (const int j : groups.group(k)) {
-        const double step = x(j) - x_0_(j);
-        for (const int i : groups.rows(j)) columns(i, j) = (high(i) - low(i)) / step;
-        x(j) = x_0_(j);
-      }
-    }
-  };
-  const auto forces = [&] { momentum(s_, v_dot, z_plus_); };
-  all(groups_p_, s_.p, position_scale_, z, z_plus_, z_p, forces);
-  all(groups_v_, s_.v, velocity_scale_, z, z_plus_, z_v, forces);
-  if (n_.n_lambda == 0) return;
-  eq_.velocity_constraints(s_.t, s_.p, s_.v, *scratch_, h_);
-  all(groups_h_, s_.p, position_scale_, h_, h_plus_, h_p,
-      [&] { eq_.velocity_constraints(s_.t, s_.p, s_.v, *scratch_, h_plus_); });
-}
-
-bool Tangents::find_structure(const Eigen::VectorXd& v_dot, bool skips) {
-  by_single_columns(v_dot, skips);
-  Eigen::MatrixXd of_p = z_p.cwiseAbs(), of_v = z_v.cwiseAbs(), of_h = h_p.cwiseAbs();
-  // Beside the state, where nothing rests and no axes coincide: there what happens to be zero shows.
-  const State here = s_;
-  const Eigen::VectorXd z_here = z;
-  Eigen::VectorXd d(n_.n_v), v_dot_beside = v_dot;
-  for (int i = 0; i < n_.n_v; ++i) {
-    d(i) = 1e-3 * velocity_scale_(i) * (1.0 + std::cos(1.7 * i));
-    s_.v(i) += velocity_scale_(i) * (1.5 + std::sin(2.3 * i));
-    v_dot_beside(i) += velocity_scale_(i) * (1.5 + std::cos(3.1 * i));
-  }
-  eq_.retract(here.p, d, s_.p);
-  bool found = true;
-  try {
-    momentum(s_, v_dot_beside, z);
-    by_single_columns(v_dot_beside, skips);
-    of_p += z_p.cwiseAbs();
-    of_v += z_v.cwiseAbs();
-    of_h += h_p.cwiseAbs();
-    found = of_p.allFinite() && of_v.allFinite() && of_h.allFinite();
-  } catch (const std::runtime_error&) {
-    found = false;  // a formula has no value there
-  }
-  s_ = here;
-  z = z_here;
-  if (!found) return false;
-  const std::vector<bool> none_p(n_.n_p, false), none_v(n_.n_v, false);
-  groups_p_.find(of_p, skips ? elastic_p_ : none_p);
-  groups_v_.find(of_v, skips ? elastic_v_ : none_v);
-  groups_h_.find(of_h, skips ? elastic_p_ : none_p);
-  structure_skips_ = skips;
-  return true;
-}
-
 void Tangents::evaluate(const State& s, const Eigen::VectorXd& v_dot, TangentScope scope) {
   const bool skips = scope == TangentScope::newton;
-  s_ = s;
   eq_.mass_matrix(s.p, *scratch_, M);
   eq_.constraint_matrix(s.t, s.p, *scratch_, G);
-  momentum(s_, v_dot, z);
-  if (n_.n_v >= kGroupsFrom && (!structure_known_ || structure_skips_ != skips))
-    structure_known_ = find_structure(v_dot, skips);
-  if (structure_known_)
-    by_groups(v_dot);
-  else
-    by_single_columns(v_dot, skips);
-  for (int j = 0; j < n_.n_dyn; ++j) difference(s_.c, 1.0, j, v_dot, z_c);
-  for (int j = 0; j < n_.n_alg; ++j) difference(s_.a, 1.0, j, v_dot, z_a);
-  if (!skips) return;
+  if (eq_.tangents(s, v_dot, scope, *scratch_, *this)) {
+    ++evaluations;
+  } else {
+    s_ = s;
+    by_differences(v_dot, skips);
+  }
+  if (skips) set_elastic_columns(s);
+}
+
+void Tangents::set_elastic_columns(const State& s) {
   for (const Elastic& e : elastic_) {
     z_p.col(e.i_p).setZero();
     z_v.col(e.i_v).setZero();

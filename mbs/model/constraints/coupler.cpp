@@ -39,6 +39,12 @@ class Coupler final : public Constraint {
   void apply_GT(const Kinematics&, const double* x, Loads& loads) const override {
     for (const Term& term : terms_) loads.apply(term.coordinate, term.factor * x[0]);
   }
+  bool has_derivatives() const override { return true; }
+  void differentiate(const Kinematics&, const double* x, Derivatives& d) const override {
+    for (const Term& term : terms_) d.force(term.coordinate, term.factor * x[0]);
+    d.rows();
+    for (const Term& term : terms_) d.by_speed(term.coordinate, term.factor);
+  }
   void rate(const Kinematics& kin, double* g_t) const override {
     g_t[0] = -value_->time_derivatives(kin.t).first;
   }

@@ -74,6 +74,12 @@ void DriveConstraint::apply_GT(const Kinematics&, const double* x, Loads& loads)
   loads.apply(coordinate_, x[0]);
 }
 
+void DriveConstraint::differentiate(const Kinematics&, const double* x, Derivatives& d) const {
+  d.force(coordinate_, x[0]);
+  d.rows();
+  d.by_speed(coordinate_, 1.0);
+}
+
 void DriveConstraint::rate(const Kinematics& kin, double* g_t) const {
   g_t[0] = -wanted_speed(kin.t);
 }

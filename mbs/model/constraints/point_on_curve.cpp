@@ -50,6 +50,12 @@ class PointOnCurve final : public RelativeRows {
     const SpaceCurve::Point c = curve_.at(a);
     return (X_FM.p - c.r).dot(c.r_1);
   }
+  Eigen::Vector4d contact_derivatives(const Pose& X_FM, double a) const override {
+    const SpaceCurve::Point c = curve_.at(a);
+    Eigen::Vector4d by;
+    by << c.r_1, (X_FM.p - c.r).dot(c.r_2) - c.r_1.squaredNorm();
+    return by;
+  }
   double start_contact(const Pose& X_FM) const override { return curve_.foot(X_FM.p, near_); }
 
  private:

@@ -38,11 +38,8 @@ class RollingDisc final : public Constraint {
   }
   void acceleration(const Kinematics& kin, double* g_ddot) const override {
     const Relative rel = kin.relative_acceleration(F_, M_);
-    const Vector3d w = rel.V.head<3>(), alpha = rel.A.head<3>(), a = rel.X_FM.R.col(2), n = Vector3d::UnitZ();
-    const Vector3d e = to_contact(rel.X_FM);
-    const Vector3d a_dot = w.cross(a);
-    const double u = n.dot(a), u_dot = n.dot(a_dot), root = std::sqrt(1.0 - u * u);
-    const Vector3d e_dot = (u_dot * a + u * a_dot) / root + u * u_dot / (root * root) * e;
+    const Vector3d w = rel.V.head<3>(), alpha = rel.A.head<3>(), e = to_contact(rel.X_FM);
+    const Vector3d e_dot = contact_rate(rel.X_FM, e, w);
     const Vector3d v_dot = rel.A.tail<3>() + radius_ * (alpha.cross(e) + w.cross(e_dot));
     g_ddot[0] = v_dot.z();
     g_ddot[1] = v_dot.x();
@@ -55,7 +52,36 @@ class RollingDisc final : public Constraint {
     loads.apply_between(kin, F_, M_, on_M);
   }
 
+  bool has_derivatives() const override { return true; }
+  void differentiate(const Kinematics& kin, const double* x, Derivatives& d) const override {
+    const Relative rel = kin.relative_motion(F_, M_);
+    const Vector3d w = rel.V.head<3>(), e = to_contact(rel.X_FM), f(x[1], x[2], x[0]);
+    Eigen::Matrix<double, 6, 12> load = Eigen::Matrix<double, 6, 12>::Zero();
+    Eigen::Matrix<double, 3, 12> v = Eigen::Matrix<double, 3, 12>::Zero();
+    for (int j = 0; j < 3; ++j) {
+      const Vector3d e_j = contact_rate(rel.X_FM, e, Vector3d::Unit(j));
+      load.col(j).head<3>() = radius_ * e_j.cross(f);
+      v.col(j) = radius_ * w.cross(e_j);
+      v.col(6 + j) = radius_ * Vector3d::Unit(j).cross(e);
+      v.col(9 + j) = Vector3d::Unit(j);
+    }
+    Vector6d on_M;
+    on_M << radius_ * e.cross(f), f;
+    d.between(F_, M_, on_M);
+    d.by_relative(F_, M_, load);
+    Eigen::Matrix<double, 3, 12> rates;
+    rates << v.row(2), v.row(0), v.row(1);
+    d.rows();
+    d.by_relative(F_, M_, rates);
+  }
+
  private:
+  /// e' as the disc turns with w.
+  static Vector3d contact_rate(const Pose& X_FM, const Vector3d& e, const Vector3d& w) {
+    const Vector3d a = X_FM.R.col(2), a_dot = w.cross(a);
+    const double u = a.z(), u_dot = a_dot.z(), root = std::sqrt(1.0 - u * u);
+    return (u_dot * a + u * a_dot) / root + u * u_dot / (root * root) * e;
+  }
   /// e: from the centre to the lowest point of the rim, a unit vector in F.
   static Vector3d to_contact(const Pose& X_FM) {
     const Vector3d a = X_FM.R.col(2), n = Vector3d::UnitZ();

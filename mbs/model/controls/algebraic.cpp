@@ -14,6 +14,10 @@ class AlgebraicLoop final : public Control {
   void start(double*) const override {}
   void rates(const double*, const double*, double*) const override {}
   double output(const double*, const double*) const override { return guess_; }
+  void differentiate(const double* signals, const double*, Derivatives& d) const override {
+    d.rows();
+    d.by_formula(*equation_, signals);
+  }
   std::vector<int> reads() const override { return equation_->reads(); }
   bool is_algebraic() const override { return true; }
   double start_algebraic() const override { return guess_; }

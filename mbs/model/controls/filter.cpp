@@ -16,6 +16,15 @@ class Filter final : public Control {
     c_rate[0] = (input_->evaluate(signals) - c[0]) / time_constant_;
   }
   double output(const double*, const double* c) const override { return c[0]; }
+  void differentiate_rates(const double* signals, const double*, Derivatives& d) const override {
+    d.rate(0);
+    d.by_formula(*input_, signals, 1.0 / time_constant_);
+    d.by_state(0, -1.0 / time_constant_);
+  }
+  void differentiate(const double*, const double*, Derivatives& d) const override {
+    d.rows();
+    d.by_state(0, 1.0);
+  }
   std::vector<int> reads() const override { return input_->reads(); }
 
  private:

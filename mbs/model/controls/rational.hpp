@@ -33,6 +33,20 @@ class Rational : public Control {
     for (std::size_t i = 0; i < b_.size(); ++i) y += b_[i] * c[i];
     return y;
   }
+  void differentiate_rates(const double* signals, const double*, Derivatives& d) const override {
+    const int n = n_states();
+    for (int i = 0; i + 1 < n; ++i) {
+      d.rate(i);
+      d.by_state(i + 1, 1.0 / T_);
+    }
+    d.rate(n - 1);
+    d.by_formula(*input_, signals, 1.0 / (a_[n] * T_));
+    for (int i = 0; i < n; ++i) d.by_state(i, -a_[i] / (a_[n] * T_));
+  }
+  void differentiate(const double*, const double*, Derivatives& d) const override {
+    d.rows();
+    for (std::size_t i = 0; i < b_.size(); ++i) d.by_state(static_cast<int>(i), b_[i]);
+  }
   std::vector<int> reads() const override { return input_->reads(); }
 
  protected:

@@ -19,6 +19,8 @@ class Relay final : public Control {
   void start(double* c) const override { c[0] = levels_.starts_on ? 1.0 : 0.0; }
   void rates(const double*, const double*, double* c_rate) const override { c_rate[0] = 0.0; }
   double output(const double*, const double* c) const override { return is_on(c) ? levels_.on : levels_.off; }
+  /// Constant between switches.
+  void differentiate(const double*, const double*, Derivatives&) const override {}
   std::vector<int> reads() const override { return input_->reads(); }
 
   int n_switches() const override { return 1; }

@@ -21,6 +21,10 @@ class Sample final : public Control {
   }
   void rates(const double*, const double*, double* c_rate) const override { c_rate[0] = c_rate[1] = 0.0; }
   double output(const double*, const double* c) const override { return c[0]; }
+  void differentiate(const double*, const double*, Derivatives& d) const override {
+    d.rows();
+    d.by_state(0, 1.0);
+  }
   std::vector<int> reads() const override { return input_->reads(); }
 
   int n_switches() const override { return 1; }

@@ -16,6 +16,14 @@ class StateEquation final : public Control {
     c_rate[0] = rate_->evaluate(signals);
   }
   double output(const double*, const double* c) const override { return c[0]; }
+  void differentiate_rates(const double* signals, const double*, Derivatives& d) const override {
+    d.rate(0);
+    d.by_formula(*rate_, signals);
+  }
+  void differentiate(const double*, const double*, Derivatives& d) const override {
+    d.rows();
+    d.by_state(0, 1.0);
+  }
   std::vector<int> reads() const override { return rate_->reads(); }
 
  private:

@@ -45,6 +45,44 @@ class Actuator final : public ForceElement {
     loads.apply(P_, Spatial{Vector3d::Zero(), -pull});
     loads.apply(Q_, Spatial{Vector3d::Zero(), pull});
   }
+  bool has_derivatives() const override { return true; }
+  void differentiate(const Kinematics& kin, const double* signals, Derivatives& d) const override {
+    using Row = Eigen::Matrix<double, 1, 12>;
+    Row speed_by_motion = Row::Zero();
+    if (coordinate_) {
+      d.force(*coordinate_, kin.own.c[0]);
+      d.by_state(0, 1.0);
+    } else {
+      const Relative rel = kin.relative_motion(P_, Q_);
+      const double length = rel.X_FM.p.norm();
+      if (length > 0.0) {
+        const Vector3d e = rel.X_FM.p / length;
+        const Matrix3d turn = (Matrix3d::Identity() - e * e.transpose()) / length;
+        speed_by_motion.segment<3>(3) = (turn * rel.V.tail<3>()).transpose();
+        speed_by_motion.tail<3>() = e.transpose();
+        Vector6d on_Q = Vector6d::Zero(), by_state = Vector6d::Zero();
+        by_state.tail<3>() = e;
+        on_Q.tail<3>() = kin.own.c[0] * e;
+        Eigen::Matrix<double, 6, 12> W = Eigen::Matrix<double, 6, 12>::Zero();
+        W.block<3, 3>(3, 3) = kin.own.c[0] * turn;
+        d.between(P_, Q_, on_Q);
+        d.by_relative(P_, Q_, W);
+        d.by_state(0, by_state);
+      }
+    }
+    d.rate(0);
+    d.by_state(0, -1.0 / law_.time_constant);
+    const double command = law_.command->evaluate(signals), asked = allowed(kin, signals);
+    if (asked == command) {
+      d.by_formula(*law_.command, signals, 1.0 / law_.time_constant);
+    } else if (asked != 0.0) {
+      const double slope = -law_.limit / law_.no_load_speed / law_.time_constant;
+      if (coordinate_)
+        d.by_speed(*coordinate_, slope);
+      else
+        d.by_relative(P_, Q_, slope * speed_by_motion);
+    }
+  }
   void add_powers(const Kinematics& kin, const double*, Powers& powers) const override {
     powers.input += kin.own.c[0] * speed(kin);
   }

@@ -34,6 +34,16 @@ class Applied final : public ForceElement {
     loads.apply(marker_, w);
     if (reaction_ >= 0) loads.apply(reaction_, at_reaction(kin, w));
   }
+  bool has_derivatives() const override { return true; }
+  void differentiate(const Kinematics&, const double* signals, Derivatives& d) const override {
+    Vector6d components = Vector6d::Zero();
+    const int first = is_torque_ ? 0 : 3;
+    for (int i = 0; i < 3; ++i)
+      if (components_[i]) components(first + i) = components_[i]->evaluate(signals);
+    d.wrench(marker_, axes_, reaction_, components);
+    for (int i = 0; i < 3; ++i)
+      if (components_[i]) d.by_formula(*components_[i], signals, Vector6d::Unit(first + i));
+  }
   void add_powers(const Kinematics& kin, const double* signals, Powers& powers) const override {
     const Spatial w = wrench(kin, signals);
     powers.input += w.dot(kin.markers[marker_].V);

@@ -24,6 +24,38 @@ class Bushing final : public ForceElement {
   void apply(const Kinematics& kin, const double*, Loads& loads) const override {
     loads.apply_between(kin, F_, M_, on_M(kin));
   }
+  bool has_derivatives() const override { return true; }
+  void differentiate(const Kinematics& kin, const double*, Derivatives& d) const override {
+    // With t = J^-T e, e the elastic torque:  t' = J^-T (e' - J'^T t),  theta' = J^-1 w.
+    const Relative rel = kin.relative_motion(F_, M_);
+    const Vector6d x = deflection(rel.X_FM);
+    const LeftJacobian J(x.tail<3>());
+    const Matrix3d J_inverse = left_jacobian(x.tail<3>()).inverse();
+    Matrix6d K = K_;
+    Vector6d elastic = K_ * x;
+    for (int i = 0; i < 6; ++i)
+      if (curves_[i]) {
+        K(i, i) += curves_[i]->at(x(i)).first;
+        elastic(i) += (*curves_[i])(x(i));
+      }
+    const Vector3d t = J_inverse.transpose() * elastic.tail<3>();
+    Eigen::Matrix<double, 6, 12> W;
+    for (int j = 0; j < 6; ++j) {
+      Vector6d dx = Vector6d::Zero();
+      if (j < 3)
+        dx.tail<3>() = J_inverse.col(j);
+      else
+        dx(j - 3) = 1.0;
+      const Vector6d de = K * dx;
+      Vector3d turned;
+      for (int i = 0; i < 3; ++i) turned(i) = J.first(dx.tail<3>(), Vector3d::Unit(i)).dot(t);
+      W.col(j) << -J_inverse.transpose() * (de.tail<3>() - turned), -de.head<3>();
+    }
+    W.rightCols<6>() << -D_.bottomRightCorner<3, 3>(), -D_.bottomLeftCorner<3, 3>(),
+        -D_.topRightCorner<3, 3>(), -D_.topLeftCorner<3, 3>();
+    d.between(F_, M_, on_M(kin));
+    d.by_relative(F_, M_, W);
+  }
   void add_powers(const Kinematics& kin, const double*, Powers& powers) const override {
     const Relative rel = kin.relative_motion(F_, M_);
     const Vector6d x = deflection(rel.X_FM), V = rates(rel);

@@ -69,6 +69,40 @@ class Clearance final : public ForceElement {
                   ripple_.amplitude * ripple_.count * std::sin(ripple_.count * q) * unscaled_energy(kin));
     }
   }
+  bool has_derivatives() const override { return true; }
+  void differentiate(const Kinematics& kin, const double*, Derivatives& d) const override {
+    // f = scale F; F = N below - N above.
+    double F = 0.0, energy_slope = 0.0;
+    ContactLaw::Slopes at[2];
+    for (int side = 0; side < 2; ++side) {
+      const auto [gap, rate] = gap_of(side, kin);
+      const int* root = kin.own.root + 2 * side;
+      const double sign = side == 0 ? 1.0 : -1.0;
+      at[side] = law_.slopes(gap, rate, root, kin.own.c + side);
+      F += sign * law_.force(gap, rate, root, kin.own.c + side);
+      energy_slope -= sign * law_.elastic_force(gap, root);
+    }
+    const CoordinateRef first = terms_[0].coordinate;
+    const double q = ripple_.amplitude == 0.0 ? 0.0 : kin.coordinate(first), n = ripple_.count;
+    const double f = scale(kin), scale_slope = -ripple_.amplitude * n * std::sin(n * q);
+    for (const Term& term : terms_) {
+      d.force(term.coordinate, term.factor * f * F);
+      for (const Term& other : terms_) {
+        const double factor = term.factor * other.factor * f;
+        d.by_coordinate(other.coordinate, factor * (at[0].by_gap + at[1].by_gap));
+        d.by_speed(other.coordinate, factor * (at[0].by_rate + at[1].by_rate));
+      }
+      if (ripple_.amplitude != 0.0) d.by_coordinate(first, term.factor * scale_slope * F);
+      if (law_.n_states() > 0)
+        for (int side = 0; side < 2; ++side)
+          d.by_state(side, (side == 0 ? 1.0 : -1.0) * term.factor * f * at[side].by_state);
+    }
+    if (ripple_.amplitude == 0.0) return;
+    d.force(first, -scale_slope * unscaled_energy(kin));
+    d.by_coordinate(first, ripple_.amplitude * n * n * std::cos(n * q) * unscaled_energy(kin));
+    for (const Term& term : terms_)
+      d.by_coordinate(term.coordinate, -scale_slope * energy_slope * term.factor);
+  }
   void add_powers(const Kinematics& kin, const double*, Powers& powers) const override {
     powers.potential += scale(kin) * unscaled_energy(kin);
     for (int side = 0; side < 2; ++side) {

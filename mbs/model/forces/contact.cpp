@@ -35,6 +35,23 @@ struct Surface {
     normal = -normal;
     return radius - length;
   }
+  /// d normal / dp.
+  Matrix3d turning(const Vector3d& p, const Vector3d& normal) const {
+    if (kind == Kind::plane) return Matrix3d::Zero();
+    if (kind == Kind::curve) {
+      // The foot s moves by r' . dp / D.
+      const Vector3d P(p.x(), p.y(), 0.0);
+      const SpaceCurve::Point foot = curve->at(curve->nearest(P));
+      const double D = foot.r_1.squaredNorm() - (P - foot.r).dot(foot.r_2);
+      Vector3d along = foot.r_1 / D;
+      along.z() = 0.0;
+      return (inside ? -1.0 : 1.0) * curve->frame(foot).n_1[0] * along.transpose();
+    }
+    Matrix3d across = Matrix3d::Identity() - normal * normal.transpose();
+    if (kind == Kind::cylinder) across(2, 2) = 0.0;
+    const double length = kind == Kind::cylinder ? std::hypot(p.x(), p.y()) : p.norm();
+    return length > 0.0 ? Matrix3d((inside ? -1.0 : 1.0) / length * across) : Matrix3d(Matrix3d::Zero());
+  }
 };
 
 /// A sphere of radius r about Mo touches a surface fixed in F and lets go again (contact_law.hpp).
@@ -83,6 +100,44 @@ class Contact final : public ForceElement {
     Vector6d on_M;
     on_M << (-radius_ * at.normal).cross(f), f;
     loads.apply_between(kin, F_, M_, on_M);
+  }
+  bool has_derivatives() const override { return true; }
+  void differentiate(const Kinematics& kin, const double*, Derivatives& d) const override {
+    if (!ContactLaw::active(kin.own.root)) return;
+    const Relative rel = kin.relative_motion(F_, M_);
+    const Vector3d w = rel.V.head<3>(), u = rel.V.tail<3>();
+    const Touch at(*this, kin);
+    const ContactLaw::Slopes slopes = law_.slopes(at.gap, at.gap_rate, kin.own.root, kin.own.c);
+    const Matrix3d turn = surface_.turning(rel.X_FM.p, at.normal);
+    const double speed = at.sliding.norm(), z = speed / v_0_, step = std::tanh(z);
+    // friction = -mu N phi(|v_t|) v_t, phi(x) = tanh(x / v_0) / x.
+    const double phi = speed > 0.0 ? step / speed : 1.0 / v_0_;
+    const double phi_slope = speed > 0.0 ? ((1.0 - step * step) / v_0_ - phi) / speed : 0.0;
+    const Vector3d &n = at.normal, f = at.N * n + at.friction;
+    const auto on_M = [&](double dN, const Vector3d& dn, const Vector3d& dsliding) {
+      const double dspeed = speed > 0.0 ? at.sliding.dot(dsliding) / speed : 0.0;
+      const Vector3d df = dN * n + at.N * dn -
+                          mu_ * ((dN * phi + at.N * phi_slope * dspeed) * at.sliding + at.N * phi * dsliding);
+      Vector6d change;
+      change << -radius_ * (dn.cross(f) + n.cross(df)), df;
+      return change;
+    };
+    // The sphere looks alike from all sides: turning it changes nothing.
+    Eigen::Matrix<double, 6, 12> W = Eigen::Matrix<double, 6, 12>::Zero();
+    for (int j = 3; j < 12; ++j) {
+      const Vector3d dp = j < 6 ? Vector3d(Vector3d::Unit(j - 3)) : Vector3d(Vector3d::Zero());
+      const Vector3d dw = j >= 6 && j < 9 ? Vector3d(Vector3d::Unit(j - 6)) : Vector3d(Vector3d::Zero());
+      const Vector3d du = j >= 9 ? Vector3d(Vector3d::Unit(j - 9)) : Vector3d(Vector3d::Zero());
+      const Vector3d dn = turn * dp;
+      const double drate = dn.dot(u) + n.dot(du);
+      const Vector3d dsliding = du - radius_ * (dw.cross(n) + w.cross(dn)) - dn * n.dot(u) - n * drate;
+      W.col(j) = on_M(slopes.by_gap * n.dot(dp) + slopes.by_rate * drate, dn, dsliding);
+    }
+    Vector6d wrench;
+    wrench << -radius_ * n.cross(f), f;
+    d.between(F_, M_, wrench);
+    d.by_relative(F_, M_, W);
+    if (law_.n_states() > 0) d.by_state(0, on_M(slopes.by_state, Vector3d::Zero(), Vector3d::Zero()));
   }
   void add_powers(const Kinematics& kin, const double*, Powers& powers) const override {
     if (!ContactLaw::active(kin.own.root)) return;

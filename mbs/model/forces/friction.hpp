@@ -23,6 +23,12 @@ struct FrictionLaw {
     const double x = v / stribeck_speed;
     return coulomb + (static_force - coulomb) * std::exp(-x * x);
   }
+  /// dF/dv.
+  double sliding_slope(double v) const {
+    if (stribeck_speed == 0.0) return 0.0;
+    const double x = v / stribeck_speed;
+    return -2.0 * x / stribeck_speed * (static_force - coulomb) * std::exp(-x * x);
+  }
 };
 
 /// Which of the two limits may be 0.

@@ -14,6 +14,11 @@ class JointForce final : public ForceElement {
   void apply(const Kinematics&, const double* signals, Loads& loads) const override {
     loads.apply(speed_, value_->evaluate(signals));
   }
+  bool has_derivatives() const override { return true; }
+  void differentiate(const Kinematics&, const double* signals, Derivatives& d) const override {
+    d.force(speed_, value_->evaluate(signals));
+    d.by_formula(*value_, signals);
+  }
   void add_powers(const Kinematics& kin, const double* signals, Powers& powers) const override {
     powers.input += value_->evaluate(signals) * kin.speed(speed_);
   }

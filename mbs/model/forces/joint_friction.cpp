@@ -18,6 +18,13 @@ class JointFriction final : public ForceElement {
   void apply(const Kinematics& kin, const double*, Loads& loads) const override {
     loads.apply(c_, force(kin.speed(c_)));
   }
+  bool has_derivatives() const override { return true; }
+  void differentiate(const Kinematics& kin, const double*, Derivatives& d) const override {
+    const double v = kin.speed(c_), step = std::tanh(v / transition_speed_);
+    d.force(c_, force(v));
+    d.by_speed(c_, -law_.sliding_slope(v) * step - law_.sliding(v) * (1.0 - step * step) / transition_speed_ -
+                       law_.viscous);
+  }
   void add_powers(const Kinematics& kin, const double*, Powers& powers) const override {
     const double v = kin.speed(c_);
     powers.dissipated -= force(v) * v;

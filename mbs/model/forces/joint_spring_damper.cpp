@@ -23,6 +23,13 @@ class JointSpringDamper final : public ForceElement {
   void apply(const Kinematics& kin, const double*, Loads& loads) const override {
     loads.apply(c_, force(kin));
   }
+  bool has_derivatives() const override { return true; }
+  void differentiate(const Kinematics& kin, const double*, Derivatives& d) const override {
+    const double x = kin.coordinate(c_) - rest_, v = kin.speed(c_);
+    d.force(c_, force(kin));
+    d.by_coordinate(c_, -stiffness_ - (curve_ ? curve_->at(x).first : 0.0));
+    d.by_speed(c_, -damping_ - (damping_curve_ ? damping_curve_->at(v).first : 0.0));
+  }
   void add_powers(const Kinematics& kin, const double*, Powers& powers) const override {
     const double q = kin.coordinate(c_), v = kin.speed(c_);
     powers.potential += 0.5 * stiffness_ * (q - rest_) * (q - rest_) + preload_ * q;

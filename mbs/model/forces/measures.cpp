@@ -8,17 +8,31 @@ namespace {
 class RelativeMeasure final : public Measure {
  public:
   using Function = double (*)(const Kinematics&, int F, int M, const Vector3d& direction);
+  /// Its derivatives by X_FM and V_FM (Derivatives::by_relative).
+  using Row = Eigen::Matrix<double, 1, 12>;
+  using Gradient = Row (*)(const Relative& rel, const Vector3d& direction);
   RelativeMeasure(std::string name, int F, int M, const Vector3d& direction, input::Dimension dimension,
-                  Function f)
-      : Measure(std::move(name)), F_(F), M_(M), direction_(direction), dimension_(dimension), f_(f) {}
+                  Function f, Gradient gradient)
+      : Measure(std::move(name)),
+        F_(F),
+        M_(M),
+        direction_(direction),
+        dimension_(dimension),
+        f_(f),
+        gradient_(gradient) {}
   input::Dimension dimension() const override { return dimension_; }
   double value(const Kinematics& kin, const double*) const override { return f_(kin, F_, M_, direction_); }
+  void differentiate(const Kinematics& kin, const double*, Derivatives& d) const override {
+    d.rows();
+    d.by_relative(F_, M_, gradient_(kin.relative_motion(F_, M_), direction_));
+  }
 
  private:
   int F_, M_;
   Vector3d direction_;
   input::Dimension dimension_;
   Function f_;
+  Gradient gradient_;
 };
 
 class ExpressionMeasure final : public Measure {
@@ -28,10 +42,23 @@ class ExpressionMeasure final : public Measure {
   input::Dimension dimension() const override { return input::dim::none; }
   double value(const Kinematics&, const double* signals) const override { return value_->evaluate(signals); }
   std::vector<int> reads() const override { return value_->reads(); }
+  void differentiate(const Kinematics&, const double* signals, Derivatives& d) const override {
+    d.rows();
+    d.by_formula(*value_, signals);
+  }
 
  private:
   std::shared_ptr<const Expression> value_;
 };
+
+using Row = RelativeMeasure::Row;
+
+/// A row that has one block of three.
+Row row(int first, const Vector3d& x) {
+  Row r = Row::Zero();
+  r.segment<3>(first) = x.transpose();
+  return r;
+}
 
 double distance(const Kinematics& kin, int F, int M, const Vector3d&) {
   return (kin.markers[M].X_WP.p - kin.markers[F].X_WP.p).norm();
@@ -58,9 +85,35 @@ double angular_velocity(const Kinematics& kin, int F, int M, const Vector3d& e) 
   return kin.relative_motion(F, M).V.head<3>().dot(e);
 }
 
+Row distance_gradient(const Relative& rel, const Vector3d&) {
+  const double length = rel.X_FM.p.norm();
+  return length > 0.0 ? row(3, rel.X_FM.p / length) : Row(Row::Zero());
+}
+Row distance_rate_gradient(const Relative& rel, const Vector3d&) {
+  const double length = rel.X_FM.p.norm();
+  if (length == 0.0) return Row::Zero();
+  const Vector3d e = rel.X_FM.p / length, u = rel.V.tail<3>();
+  return row(3, (u - e * e.dot(u)) / length) + row(9, e);
+}
+Row position_gradient(const Relative&, const Vector3d& e) {
+  return row(3, e);
+}
+Row axis_gradient(const Relative& rel, const Vector3d& e) {
+  return row(0, Vector3d(rel.X_FM.R.col(2)).cross(e));
+}
+Row velocity_gradient(const Relative&, const Vector3d& e) {
+  return row(9, e);
+}
+Row angle_gradient(const Relative& rel, const Vector3d&) {
+  return row(0, TurnAboutZ(rel.X_FM.R, Vector3d::Zero()).gradient);
+}
+Row angular_velocity_gradient(const Relative&, const Vector3d& e) {
+  return row(6, e);
+}
+
 constexpr bool with_direction = true, without_direction = false;
 
-template <RelativeMeasure::Function f, bool directed>
+template <RelativeMeasure::Function f, RelativeMeasure::Gradient gradient, bool directed>
 MeasureType relative(const char* name, const char* doc, const input::Dimension& dimension) {
   using namespace input;
   MeasureType type;
@@ -78,7 +131,8 @@ MeasureType relative(const char* name, const char* doc, const input::Dimension& 
       if (!(e.norm() > 0.0)) s.refuse("direction", "has no length", "write for example [1, 0, 0]");
       e.normalize();
     }
-    return std::make_shared<RelativeMeasure>(own, c.marker(s, "from"), c.marker(s, "to"), e, measured, f);
+    return std::make_shared<RelativeMeasure>(own, c.marker(s, "from"), c.marker(s, "to"), e, measured, f,
+                                             gradient);
   };
   return type;
 }
@@ -86,32 +140,33 @@ MeasureType relative(const char* name, const char* doc, const input::Dimension& 
 }  // namespace
 
 MeasureType distance_measure() {
-  return relative<distance, without_direction>("distance", "Distance of two markers.", input::dim::length);
+  return relative<distance, distance_gradient, without_direction>("distance", "Distance of two markers.",
+                                                                  input::dim::length);
 }
 MeasureType distance_rate_measure() {
-  return relative<distance_rate, without_direction>(
+  return relative<distance_rate, distance_rate_gradient, without_direction>(
       "distance_rate", "Time derivative of the distance of two markers.", input::dim::velocity);
 }
 MeasureType position_measure() {
-  return relative<position, with_direction>("position", "Component of the position of M in F.",
-                                            input::dim::length);
+  return relative<position, position_gradient, with_direction>(
+      "position", "Component of the position of M in F.", input::dim::length);
 }
 MeasureType axis_measure() {
-  return relative<axis_component, with_direction>(
+  return relative<axis_component, axis_gradient, with_direction>(
       "axis", "Component of the z axis of M in F, a direction cosine.", input::dim::none);
 }
 MeasureType velocity_measure() {
-  return relative<velocity, with_direction>("velocity", "Component of the velocity of M as seen from F.",
-                                            input::dim::velocity);
+  return relative<velocity, velocity_gradient, with_direction>(
+      "velocity", "Component of the velocity of M as seen from F.", input::dim::velocity);
 }
 MeasureType angle_measure() {
-  return relative<angle, without_direction>("angle", "Angle of M about the z axis of F, within +-180 deg.",
-                                            input::dim::angle);
+  return relative<angle, angle_gradient, without_direction>(
+      "angle", "Angle of M about the z axis of F, within +-180 deg.", input::dim::angle);
 }
 MeasureType angular_velocity_measure() {
-  return relative<angular_velocity, with_direction>("angular_velocity",
-                                                    "Component of the angular velocity of M as seen from F.",
-                                                    input::dim::angular_velocity);
+  return relative<angular_velocity, angular_velocity_gradient, with_direction>(
+      "angular_velocity", "Component of the angular velocity of M as seen from F.",
+      input::dim::angular_velocity);
 }
 MeasureType expression_measure() {
   using namespace input;

@@ -29,6 +29,26 @@ class SpringDamper final : public ForceElement {
     loads.apply(P_, Spatial{Vector3d::Zero(), f});
     loads.apply(Q_, Spatial{Vector3d::Zero(), -f});
   }
+  bool has_derivatives() const override { return true; }
+  void differentiate(const Kinematics& kin, const double*, Derivatives& d) const override {
+    const Relative rel = kin.relative_motion(P_, Q_);
+    const double length = rel.X_FM.p.norm();
+    if (length == 0.0) return;
+    const Vector3d e = rel.X_FM.p / length, u = rel.V.tail<3>();
+    const Line line{e, length, e.dot(u)};
+    const double stretch = length - free_length_, T = tension(line);
+    const double k = stiffness_ + (curve_ ? curve_->at(stretch).first : 0.0);
+    const double c = damping_ + (damping_curve_ ? damping_curve_->at(line.rate).first : 0.0);
+    // e' turns as e is pulled sideways: (1 - e e^T) / L.
+    const Matrix3d turn = (Matrix3d::Identity() - e * e.transpose()) / length;
+    Eigen::Matrix<double, 6, 12> W = Eigen::Matrix<double, 6, 12>::Zero();
+    W.block<3, 3>(3, 3) = -e * (k * e + c * turn * u).transpose() - T * turn;
+    W.block<3, 3>(3, 9) = -c * e * e.transpose();
+    Vector6d on_Q;
+    on_Q << Vector3d::Zero(), -T * e;
+    d.between(P_, Q_, on_Q);
+    d.by_relative(P_, Q_, W);
+  }
   void add_powers(const Kinematics& kin, const double*, Powers& powers) const override {
     const Line line = along(kin);
     const double stretch = line.length - free_length_;

@@ -53,6 +53,17 @@ class StickSlip final : public ForceElement {
   void apply(const Kinematics& kin, const double*, Loads& loads) const override {
     loads.apply(c_, force(kin));
   }
+  bool has_derivatives() const override { return true; }
+  void differentiate(const Kinematics& kin, const double*, Derivatives& d) const override {
+    const double v = kin.speed(c_);
+    const int s = kin.own.root[0];
+    d.force(c_, force(kin));
+    d.by_speed(c_, (s == 0 ? -law_.stick_damping : -s * law_.sliding_slope(v)) - law_.viscous);
+    if (s != 0) return;
+    d.by_state(0, -1.0);
+    d.rate(0);
+    d.by_speed(c_, law_.stick_stiffness);
+  }
   void add_powers(const Kinematics& kin, const double*, Powers& powers) const override {
     const double v = kin.speed(c_);
     if (kin.own.root[0] == 0) {

@@ -34,6 +34,19 @@ class ConstantVelocity final : public Joint {
     bias.head<3>() = left_jacobian_bias({q[0], q[1], 0}, {v[0], v[1], 0});
     return bias;
   }
+  void motion_derivatives(const double* q, const double* v, MotionDerivatives& d) const override {
+    const LeftJacobian J({q[0], q[1], 0});
+    const Vector3d rate(v[0], v[1], 0);
+    for (MotionMatrix& S : d.S_q) S.setZero(6, 2);
+    d.bias_q.setZero(6, 2);
+    d.bias_v.setZero(6, 2);
+    for (int j = 0; j < 2; ++j) {
+      const Vector3d e = Vector3d::Unit(j);
+      for (int i = 0; i < 2; ++i) d.S_q[j].col(i).head<3>() = J.first(e, Vector3d::Unit(i));
+      d.bias_q.col(j).head<3>() = J.second(e, rate, rate);
+      d.bias_v.col(j).head<3>() = J.first(e, rate) + J.first(rate, e);
+    }
+  }
   void coordinates_of(const Pose& X, double* q) const override {
     // The z axis of M, seen from F, leans by the angle of theta about theta.
     const Vector3d lean(-X.R(1, 2), X.R(0, 2), 0.0);

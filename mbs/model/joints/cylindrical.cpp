@@ -22,6 +22,7 @@ class Cylindrical final : public Joint {
   int n_v() const override { return 2; }
 
   Pose pose(const double* q) const override { return {rotation_about_z(q[0]), {0, 0, q[1]}}; }
+  bool has_constant_motion() const override { return true; }
   void motion(const double*, MotionMatrix& S) const override {
     S.col(0) = Vector6d::Unit(2);
     S.col(1) = Vector6d::Unit(5);

@@ -15,6 +15,7 @@ class Fixed final : public Joint {
   int n_v() const override { return 0; }
 
   Pose pose(const double*) const override { return {}; }
+  bool has_constant_motion() const override { return true; }
   void motion(const double*, MotionMatrix&) const override {}
   void coordinates_of(const Pose&, double*) const override {}
   void speeds_of(const double*, const Vector6d&, double*) const override {}

@@ -39,6 +39,7 @@ class Partial final : public Joint {
     for (int i = 0; i < n_slides(); ++i) X.p(slides_[i]) = q[n_q() + i];
     return X;
   }
+  bool has_constant_motion() const override { return true; }
   void motion(const double*, MotionMatrix& S) const override {
     if (turn_ == Turn::any)
       for (int i = 0; i < 3; ++i) S.col(i) = Vector6d::Unit(i);

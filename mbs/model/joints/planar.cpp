@@ -25,6 +25,7 @@ class Planar final : public Joint {
   int n_v() const override { return 3; }
 
   Pose pose(const double* q) const override { return {rotation_about_z(q[2]), {q[0], q[1], 0}}; }
+  bool has_constant_motion() const override { return true; }
   void motion(const double*, MotionMatrix& S) const override {
     S.col(0) = Vector6d::Unit(3);
     S.col(1) = Vector6d::Unit(4);

@@ -18,6 +18,7 @@ class Prismatic final : public Joint {
   int n_v() const override { return 1; }
 
   Pose pose(const double* q) const override { return {Matrix3d::Identity(), {0, 0, q[0]}}; }
+  bool has_constant_motion() const override { return true; }
   void motion(const double*, MotionMatrix& S) const override { S.col(0) = Vector6d::Unit(5); }
   void coordinates_of(const Pose& X, double* q) const override { q[0] = X.p.z(); }
   void speeds_of(const double*, const Vector6d& V, double* v) const override { v[0] = V(5); }

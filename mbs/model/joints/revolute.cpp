@@ -18,6 +18,7 @@ class Revolute final : public Joint {
   int n_v() const override { return 1; }
 
   Pose pose(const double* q) const override { return {rotation_about_z(q[0]), Vector3d::Zero()}; }
+  bool has_constant_motion() const override { return true; }
   void motion(const double*, MotionMatrix& S) const override { S.col(0) = Vector6d::Unit(2); }
   void coordinates_of(const Pose& X, double* q) const override { q[0] = angle_about_z(X.R); }
   void speeds_of(const double*, const Vector6d& V, double* v) const override { v[0] = V(2); }

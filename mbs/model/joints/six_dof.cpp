@@ -28,6 +28,7 @@ class SixDof final : public Joint {
   int n_v() const override { return 6; }
 
   Pose pose(const double* q) const override { return {rotation_of_quaternion(q), {q[4], q[5], q[6]}}; }
+  bool has_constant_motion() const override { return true; }
   void motion(const double*, MotionMatrix& S) const override { S.setIdentity(); }
   void kinematic(const double* q, const double* w, double* q_dot) const override {
     quaternion_rate(q, w, q_dot);

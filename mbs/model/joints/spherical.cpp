@@ -27,6 +27,7 @@ class Spherical final : public Joint {
   int n_v() const override { return 3; }
 
   Pose pose(const double* q) const override { return {rotation_of_quaternion(q), Vector3d::Zero()}; }
+  bool has_constant_motion() const override { return true; }
   void motion(const double*, MotionMatrix& S) const override {
     S.topRows<3>().setIdentity();
     S.bottomRows<3>().setZero();

@@ -37,6 +37,16 @@ class Universal final : public Joint {
     bias.head<3>() = v[0] * v[1] * a_.cross(second_axis(q));
     return bias;
   }
+  void motion_derivatives(const double* q, const double* v, MotionDerivatives& d) const override {
+    const Vector3d second = second_axis(q), slope = a_.cross(second);  // second'' = -second
+    for (MotionMatrix& S : d.S_q) S.setZero(6, 2);
+    d.bias_q.setZero(6, 2);
+    d.bias_v.setZero(6, 2);
+    d.S_q[0].col(1).head<3>() = slope;
+    d.bias_q.col(0).head<3>() = -v[0] * v[1] * second;
+    d.bias_v.col(0).head<3>() = v[1] * slope;
+    d.bias_v.col(1).head<3>() = v[0] * slope;
+  }
   void coordinates_of(const Pose& X, double* q) const override {
     const Vector3d carried = X.R * b_;
     q[0] = std::atan2(c_.dot(carried), b_.dot(carried));

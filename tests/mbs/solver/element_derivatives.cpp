@@ -4,12 +4,15 @@
 #include <map>
 #include <set>
 
+#include "mbs/model/ancf_part.hpp"
 #include "mbs/model/constraints/types.hpp"
 #include "mbs/model/controls/types.hpp"
 #include "mbs/model/forces/types.hpp"
 #include "mbs/model/joints/types.hpp"
+#include "mbs/model/modal_basis.hpp"
 #include "mbs/solver/tangents.hpp"
 #include "tests/mbs/model/checks.hpp"
+#include "tests/mbs/model/lattice.hpp"
 #include "tests/mbs/model/mechanism_file.hpp"
 
 /// The derivatives that Newton's method and the linearisation use, against central differences of fourth
@@ -32,20 +35,21 @@ VectorXd everything(const Mechanism& m, const State& s, const VectorXd& v_dot, E
   return y;
 }
 
-void derivatives_agree(const Mechanism& m, State s, unsigned seed) {
+// Central differences of fourth order, D(h) = f' - h^4 f^(5) / 30 + ..., round-off 1.5 eps |f| / h.
+// Beside that a derivative may err by `own_error` of the scale, where it comes from differences itself.
+void derivatives_agree(const Mechanism& m, State s, unsigned seed, TangentScope scope, double own_error) {
   const Sizes n = m.sizes();
   Random random(seed);
   const VectorXd v_dot = random.vector(n.n_v);
   Tangents tangents(m);
-  tangents.evaluate(s, v_dot);
+  tangents.evaluate(s, v_dot, scope);
   const auto scratch = m.make_scratch();
   const VectorXd here = everything(m, s, v_dot, *scratch);
   const int n_z = n.n_v + n.n_dyn + n.n_alg;
-  const auto compare = [&](VectorXd& x, const MatrixXd& columns, const MatrixXd* rows_h, const char* what) {
-    // A fourth-order formula with h = 1e-3 errs by h^4 f^(5) / 30 and eps / h |f|: both about 1e-12 of f's
-    // scale.
-    const double h = 1e-3;
+  const auto compare = [&](VectorXd& x, const MatrixXd& columns, const MatrixXd* rows_h,
+                           const std::vector<bool>& skips, const char* what) {
     for (int j = 0; j < x.size(); ++j) {
+      if (!skips.empty() && skips[j]) continue;
       const double x_j = x(j);
       const auto at = [&](double step) {
         x(j) = x_j + step;
@@ -53,23 +57,41 @@ void derivatives_agree(const Mechanism& m, State s, unsigned seed) {
         x(j) = x_j;
         return y;
       };
-      const VectorXd D = (8.0 * (at(h) - at(-h)) - (at(2 * h) - at(-2 * h))) / (12.0 * h);
+      const auto difference = [&](double h) {
+        return VectorXd((8.0 * (at(h) - at(-h)) - (at(2 * h) - at(-2 * h))) / (12.0 * h));
+      };
+      const double h = 2.5e-4;
+      const VectorXd D = difference(h), coarse = difference(2.0 * h);
       VectorXd own(here.size());
       own.head(n_z) = columns.col(j);
       own.tail(n.n_lambda) = rows_h ? VectorXd(rows_h->col(j)) : VectorXd(D.tail(n.n_lambda));
-      // The forward differences of Tangents: 1.5e-8 (f'' / 2 + |f|), where f'' may be a hundred times f and
-      // f'.
+      // Truncation is a fifteenth of what halving the step changed; the terms beyond it may be as large
+      // again. Round-off: 1.5 eps / h = 1.3e-12 of the largest numbers met on the way to f, some ten times f
+      // itself.
       const double scale = 1.0 + here.cwiseAbs().maxCoeff() + D.cwiseAbs().maxCoeff();
-      EXPECT_LT((own - D).cwiseAbs().maxCoeff(), 2e-6 * scale) << what << " " << j;
+      const double tolerance = (D - coarse).cwiseAbs().maxCoeff() / 7.0 + (2e-11 + own_error) * scale;
+      EXPECT_LT((own - D).cwiseAbs().maxCoeff(), tolerance) << what << " " << j << ", scale " << scale;
+      // The comparison must not become empty by differences that say nothing.
+      EXPECT_LT(tolerance, (1e-7 + own_error) * scale) << what << " " << j;
     }
   };
-  compare(s.p, tangents.z_p, n.n_lambda > 0 ? &tangents.h_p : nullptr, "by position");
-  compare(s.v, tangents.z_v, n.n_lambda > 0 ? &tangents.G : nullptr, "by velocity");
-  compare(s.c, tangents.z_c, nullptr, "by dynamic state");
-  compare(s.a, tangents.z_a, nullptr, "by algebraic state");
+  std::vector<bool> elastic_p, elastic_v;
+  if (scope == TangentScope::newton) {
+    elastic_p.assign(n.n_p, false);
+    elastic_v.assign(n.n_v, false);
+    for (int i = 0; i < n.n_v; ++i) {
+      int i_p;
+      double k, d;
+      if (m.elastic_coordinate(i, i_p, k, d)) elastic_p[i_p] = elastic_v[i] = true;
+    }
+  }
+  compare(s.p, tangents.z_p, n.n_lambda > 0 ? &tangents.h_p : nullptr, elastic_p, "by position");
+  compare(s.v, tangents.z_v, n.n_lambda > 0 ? &tangents.G : nullptr, elastic_v, "by velocity");
+  compare(s.c, tangents.z_c, nullptr, {}, "by dynamic state");
+  compare(s.a, tangents.z_a, nullptr, {}, "by algebraic state");
 }
 
-void derivatives_agree(const Mechanism& m) {
+void derivatives_agree(const Mechanism& m, double own_error = 0.0) {
   for (unsigned seed : {3u, 4u}) {
     State s = checks::random_state(m, seed, 0.3);
     Random random(seed + 50);
@@ -78,7 +100,27 @@ void derivatives_agree(const Mechanism& m) {
     const auto scratch = m.make_scratch();
     m.start_contacts(s, *scratch);
     m.start_switches(s, *scratch);
-    derivatives_agree(m, s, seed + 100);
+    derivatives_agree(m, s, seed + 100, TangentScope::everything, own_error);
+    if (m.sizes().n_flx > 0) derivatives_agree(m, s, seed + 100, TangentScope::newton, own_error);
+  }
+}
+
+// The body deforms, and its markers of these names sit on its two nodes.
+void make_flexible(MechanismDescription& d, const std::string& body, const std::string& left,
+                   const std::string& right) {
+  static const auto flexible = [] {
+    BasisOptions options;
+    options.modes = 3;
+    return std::make_shared<FlexibleBody>(modal_data(lattice::make_lattice(4, 40.0).se, options));
+  }();
+  for (std::size_t b = 0; b < d.bodies.size(); ++b) {
+    if (d.bodies[b].name != body) continue;
+    d.bodies[b].inertia = {};
+    d.bodies[b].flexible = flexible;
+    for (MarkerDescription& marker : d.markers)
+      if (marker.body == static_cast<int>(b) &&
+          (marker.name == body + "." + left || marker.name == body + "." + right))
+        marker.node = marker.name == body + "." + left ? 0 : 1;
   }
 }
 
@@ -99,6 +141,8 @@ inertia = [1, 2, 2.5]
 [body.b.marker.in]
 position = [0.1, 0.5, -0.2]
 axis = [1, 2, 3]
+[body.b.marker.hub]
+position = [0.1, -0.1, 0.2]
 [body.c]
 mass = 1
 [joint.first]
@@ -108,7 +152,7 @@ to = "a"
 [joint.second]
 type = "cylindrical"
 from = "a.out"
-to = "b"
+to = "b.hub"
 [joint.third]
 type = "prismatic"
 from = "ground.track"
@@ -132,10 +176,17 @@ class ElementDerivatives : public MechanismFileTest {
         ADD_FAILURE() << "has no example in this test: give it one, so that its derivatives are checked";
         continue;
       }
-      const Mechanism m(read(std::string(kFrame) + "[" + kind + ".x]\ntype = \"" + std::string(type.name) +
-                             "\"\n" + example->second)
-                            .description);
-      derivatives_agree(m);
+      for (const bool flexible : {false, true}) {
+        SCOPED_TRACE(flexible ? "on flexible bodies" : "on rigid bodies");
+        MechanismDescription d = read(std::string(kFrame) + "[" + kind + ".x]\ntype = \"" +
+                                      std::string(type.name) + "\"\n" + example->second)
+                                     .description;
+        if (flexible) {
+          make_flexible(d, "a", "", "out");
+          make_flexible(d, "b", "in", "hub");
+        }
+        derivatives_agree(Mechanism(std::move(d)));
+      }
     }
     for (const auto& [name, text] : examples) EXPECT_TRUE(known.contains(name)) << name << " is no " << kind;
   }
@@ -245,6 +296,123 @@ TEST(JointDerivatives, OfEveryType) {
       derivatives_agree(Mechanism(std::move(d)));
     }
   }
+}
+
+// A spring between two points that knows nothing of derivatives, as a user's own may.
+class PlainSpring final : public ForceElement {
+ public:
+  PlainSpring(int P, int Q) : ForceElement("plain"), P_(P), Q_(Q) {}
+  std::string_view type() const override { return "plain"; }
+  void apply(const Kinematics& kin, const double*, Loads& loads) const override {
+    const Vector3d r = kin.markers[Q_].X_WP.p - kin.markers[P_].X_WP.p;
+    const Vector3d f = 3.0 * r.norm() * r + 2.0 * (kin.markers[Q_].V.linear - kin.markers[P_].V.linear);
+    loads.apply(P_, Spatial{Vector3d::Zero(), f});
+    loads.apply(Q_, Spatial{Vector3d::Zero(), -f});
+  }
+  void add_powers(const Kinematics&, const double*, Powers&) const override {}
+
+ private:
+  int P_, Q_;
+};
+
+/// The origin of M stays on a sphere about F.
+class PlainSphere final : public Constraint {
+ public:
+  PlainSphere(int F, int M) : Constraint("sphere"), F_(F), M_(M) {}
+  int n_rows() const override { return 1; }
+  std::string row_name(int) const override { return "radius"; }
+  void position(const Kinematics& kin, double* g) const override { g[0] = 0.5 * r(kin).squaredNorm() - 1.0; }
+  void velocity(const Kinematics& kin, double* g_dot) const override { g_dot[0] = r(kin).dot(u(kin)); }
+  void acceleration(const Kinematics& kin, double* g_ddot) const override {
+    g_ddot[0] = r(kin).dot(kin.markers[M_].A.linear - kin.markers[F_].A.linear) + u(kin).squaredNorm();
+  }
+  void apply_GT(const Kinematics& kin, const double* x, Loads& loads) const override {
+    loads.apply(M_, Spatial{Vector3d::Zero(), x[0] * r(kin)});
+    loads.apply(F_, Spatial{Vector3d::Zero(), -x[0] * r(kin)});
+  }
+
+ private:
+  Vector3d r(const Kinematics& kin) const { return kin.markers[M_].X_WP.p - kin.markers[F_].X_WP.p; }
+  Vector3d u(const Kinematics& kin) const { return kin.markers[M_].V.linear - kin.markers[F_].V.linear; }
+  int F_, M_;
+};
+
+// Differences of their own: 4e-11 of a scale that may be some ten times that of the sum.
+constexpr double kByDifferences = 1e-9;
+
+TEST_F(ElementDerivatives, OfElementsThatHaveNone) {
+  MechanismDescription d = read(kFrame).description;
+  make_flexible(d, "a", "", "out");
+  make_flexible(d, "b", "in", "hub");
+  const auto marker = [&](const std::string& name) {
+    for (std::size_t i = 0; i < d.markers.size(); ++i)
+      if (d.markers[i].name == name) return static_cast<int>(i);
+    throw std::invalid_argument(name);
+  };
+  d.forces.push_back(std::make_shared<PlainSpring>(marker("a.out"), marker("b.in")));
+  d.constraints.push_back(std::make_shared<PlainSphere>(marker("ground.track"), marker("b.in")));
+  derivatives_agree(Mechanism(std::move(d)), kByDifferences);
+}
+
+TEST(JointDerivatives, OfAMotionThatIsDifferenced) {
+  for (const char* type : {"universal", "constant_velocity"}) {
+    const auto joint = make_joint(type);
+    const double q[] = {0.7, -0.4}, v[] = {1.3, 0.6};
+    MotionDerivatives exact, differenced;
+    joint->motion_derivatives(q, v, exact);
+    joint->Joint::motion_derivatives(q, v, differenced);
+    // Entries of order one.
+    for (int j = 0; j < 2; ++j) EXPECT_LT((exact.S_q[j] - differenced.S_q[j]).cwiseAbs().maxCoeff(), 1e-9);
+    EXPECT_LT((exact.bias_q - differenced.bias_q).cwiseAbs().maxCoeff(), 1e-9);
+    EXPECT_LT((exact.bias_v - differenced.bias_v).cwiseAbs().maxCoeff(), 1e-12);
+  }
+}
+
+// Two bodies of one kind on a chain, held at nodes on either side of a joint, loaded there by a closure.
+void derivatives_agree_on(std::shared_ptr<const FlexibleBody> body, double own_error = 0.0) {
+  MechanismDescription d = checks::chain_of(body, body, "universal");
+  Random random(21);
+  const int last = d.add_marker(checks::chain_second, "last", random.pose(0.2), 0);
+  d.joints[d.add_joint("closure", "spherical", d.add_marker(0, "end", random.pose()), last)].cut = true;
+  derivatives_agree(Mechanism(std::move(d)), own_error);
+}
+
+TEST(FlexibleDerivatives, OfEveryLevelOfCoupling) {
+  BasisOptions options;
+  options.modes = 4;
+  ModalData data = modal_data(lattice::make_lattice(4, 40.0).se, options);
+  data.damping.setConstant(0.3);
+  for (const Coupling coupling : {Coupling::constant, Coupling::partial, Coupling::full}) {
+    SCOPED_TRACE(static_cast<int>(coupling));
+    data.coupling = coupling;
+    derivatives_agree_on(std::make_shared<FlexibleBody>(data));
+  }
+}
+
+// Any symmetric second-order displacement will do.
+TEST(FlexibleDerivatives, OfAStiffenedBody) {
+  BasisOptions options;
+  options.modes = 4;
+  ModalData data = modal_data(lattice::make_lattice(4, 40.0).se, options);
+  Random random(31);
+  const auto blocks = [&](int n) {
+    MatrixXd x(4 * n, 4);
+    for (int k = 0; k < n; ++k) {
+      MatrixXd block(4, 4);
+      for (int j = 0; j < 4; ++j) block.col(j) = random.vector(4, 0.2);
+      x.middleRows(4 * k, 4) = block + block.transpose();
+    }
+    return x;
+  };
+  data.second = SecondOrderIntegrals{blocks(3), blocks(9)};
+  for (FlexibleNode& node : data.nodes) node.second = blocks(6);
+  derivatives_agree_on(std::make_shared<FlexibleBody>(data));
+}
+
+TEST(FlexibleDerivatives, OfAnAncfBeam) {
+  derivatives_agree_on(straight_ancf_part(beam::ancf::uncoupled_section(50, 20, 20, 3, 4, 5, 1, 0.05, 0.05),
+                                          {0, 0, 0}, {1, 0, 0}, {0, 1, 0}, 1),
+                       kByDifferences);
 }
 
 }  // namespace
