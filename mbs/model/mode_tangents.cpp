@@ -59,8 +59,7 @@ void Mechanism::vary_nodes(int b, Work& work, MatrixXd& z_q) const {
       const Vector3d &w = column.angular, &u = column.linear;
       // f stays in its place in the body while its map's origin, the node, moves by u.
       const Vector3d u_x_f = R.transpose() * u.cross(f.linear);
-      z_q.col(t.i_v + l).segment(t.i_v, t.m).noalias() -=
-          local.motion.map.topRows<3>().transpose() * u_x_f;
+      z_q.col(t.i_v + l).segment(t.i_v, t.m).noalias() -= local.motion.map.topRows<3>().transpose() * u_x_f;
       const Spatial V_s = R * Spatial::from(d.motion_s.col(l)),
                     A_s = R * Spatial::from(d.acceleration_s.col(l)),
                     A_v = R * Spatial::from(d.acceleration_v.col(l));

@@ -52,7 +52,7 @@ struct Mechanism::Work final : public Equations::Scratch {
     NodeMotion motion;  ///< of the marker: its node's, taken to the marker's origin; no map on rigid bodies
   };
 
-  /// What tangents.cpp keeps, all about one origin for each branch of the tree, in W: see there.
+  /// What inertia_tangents.cpp keeps, all about one origin for each branch of the tree, in W: see there.
   struct BranchOfBody {
     int depth = 0;
     Vector3d origin = Vector3d::Zero();
