@@ -50,9 +50,9 @@ Vector6d closure_wrench(const Joint& joint, const Pose& X_FM, int index) {
 
 }  // namespace
 
-Mechanism::ElementDerivatives::ElementDerivatives(const Mechanism& mechanism, const State& s,
-                                                  TangentScope scope, Work& work, TangentMatrices& out)
-    : m_(mechanism), s_(s), scope_(scope), work_(work), out_(out), e_(work.element) {
+Mechanism::ElementDerivatives::ElementDerivatives(const Mechanism& mechanism, TangentScope scope, Work& work,
+                                                  TangentMatrices& out)
+    : m_(mechanism), scope_(scope), work_(work), out_(out), e_(work.element) {
   e_.seen = {-2, -2};
   e_.signals.setZero();
 }

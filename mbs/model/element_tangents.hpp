@@ -19,8 +19,7 @@ namespace flexura::mbs {
 ///     components
 class Mechanism::ElementDerivatives final : public Derivatives {
  public:
-  ElementDerivatives(const Mechanism& mechanism, const State& s, TangentScope scope, Work& work,
-                     TangentMatrices& out);
+  ElementDerivatives(const Mechanism& mechanism, TangentScope scope, Work& work, TangentMatrices& out);
 
   void all_signals();
   void all_elements();
@@ -58,7 +57,6 @@ class Mechanism::ElementDerivatives final : public Derivatives {
   bool skips(int j) const;
 
   const Mechanism& m_;
-  const State& s_;
   TangentScope scope_;
   Work& work_;
   TangentMatrices& out_;

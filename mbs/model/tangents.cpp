@@ -33,7 +33,7 @@ bool Mechanism::tangents(const State& s, ConstVectorRef v_dot, TangentScope scop
   for (MatrixXd* m : {&out.z_v, &out.z_c, &out.z_a}) m->setZero();
   if (with_modes) mode_tangents(work, T.z_q, out.z_v);
   inertia_tangents(with_modes, work, T.z_q, out.z_v);
-  ElementDerivatives elements(*this, s, scope, work, out);
+  ElementDerivatives elements(*this, scope, work, out);
   elements.all_signals();
   elements.all_elements();
   difference_elements(s, scope, work, out);
