@@ -88,6 +88,17 @@ void AncfPart::set_position(const double* s, Work& work) const {
   }
 }
 
+// The coordinates' rates into work.v and P' into work.W.
+AncfPart::Rates AncfPart::take_rates(const double* s_dot, Work& work) const {
+  expand(s_dot, false, work.v);
+  work.W.setZero(work.v.size());
+  body_.mass().multiply_add(1.0, work.v, work.W);
+  Rates out;
+  out.d_dot.noalias() = vectors(work.v) * weight_;
+  out.G.noalias() = vectors(work.q) * vectors(work.W).transpose();
+  return out;
+}
+
 Spatial AncfPart::inverse_dynamics(const double* s, const double* s_dot, const double* s_ddot,
                                    const Spatial& V, const Spatial& A, Work& work, double* modal) const {
   const Vector3d &w = V.angular, &alpha = A.angular, &a = A.linear, &d = work.d;
@@ -103,15 +114,8 @@ Spatial AncfPart::inverse_dynamics(const double* s, const double* s_dot, const d
   for (Eigen::Index i = 0; i < Q.cols(); ++i) torque += Vector3d(Q.col(i)).cross(Vector3d(P_ddot.col(i)));
 
   const int n = static_cast<int>(weight_.size());
-  expand(s_dot, false, work.v);
-  VectorXd& P_dot_vector = work.W;
-  P_dot_vector.setZero(work.v.size());
-  body_.mass().multiply_add(1.0, work.v, P_dot_vector);
-  const auto P_dot = vectors(P_dot_vector);
-  Vector3d d_dot;
-  d_dot.noalias() = vectors(work.v) * weight_;
-  Matrix3d G;  // int rho_a rho'_b dm
-  G.noalias() = Q * P_dot.transpose();
+  const auto [d_dot, G] = take_rates(s_dot, work);
+  const auto P_dot = vectors(work.W);
 
   Spatial need;
   need.linear = mass() * a + alpha.cross(d) + w.cross(w.cross(d)) + 2.0 * w.cross(d_dot) + d_ddot;
@@ -121,8 +125,8 @@ Spatial AncfPart::inverse_dynamics(const double* s, const double* s_dot, const d
     const Vector3d P = work.P.col(i), Pd = P_dot.col(i);
     work.f.segment<3>(3 * i) += weight_(i) * a + alpha.cross(P) + w.cross(w.cross(P)) + 2.0 * w.cross(Pd);
   }
-  body_.force(work.q, &work.v, P_dot_vector);
-  work.f += P_dot_vector;
+  body_.force(work.q, &work.v, work.W);
+  work.f += work.W;
   for (int i = 0; i < m(); ++i) modal[i] = work.f(coordinate(i));
   return need;
 }
@@ -180,16 +184,8 @@ void AncfPart::node_motion(int node, const double* s, const double* s_dot, const
 void AncfPart::turning_tangents(const double*, const double* s_dot, const Vector3d& w, Work& work,
                                 Eigen::Matrix<double, 6, 3>& need_w,
                                 Eigen::Matrix<double, Eigen::Dynamic, 3>& modal_w) const {
-  const auto Q = vectors(work.q);
-  expand(s_dot, false, work.v);
-  VectorXd& P_dot_vector = work.W;
-  P_dot_vector.setZero(work.v.size());
-  body_.mass().multiply_add(1.0, work.v, P_dot_vector);
-  const auto P_dot = vectors(P_dot_vector);
-  Vector3d d_dot;
-  d_dot.noalias() = vectors(work.v) * weight_;
-  Matrix3d G;
-  G.noalias() = Q * P_dot.transpose();
+  const auto [d_dot, G] = take_rates(s_dot, work);
+  const auto P_dot = vectors(work.W);
   need_w.topRows<3>() =
       skew(w) * work.J - skew(work.J * w) + 2.0 * (G.trace() * Matrix3d::Identity() - G.transpose());
   need_w.bottomRows<3>() = -skew(w.cross(work.d) + 2.0 * d_dot) - skew(w) * skew(work.d);

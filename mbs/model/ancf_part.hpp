@@ -52,6 +52,11 @@ class AncfPart final : public FlexibleBody {
   double amplitude(int) const override { return 1.0; }  // lengths and slopes as they are
 
  private:
+  struct Rates {
+    Vector3d d_dot;
+    Matrix3d G;  ///< int rho_a rho'_b dm
+  };
+  Rates take_rates(const double* s_dot, Work& work) const;
   void expand(const double* s, bool from_rest, Eigen::VectorXd& q) const;
 
   beam::ancf::AncfBody body_;

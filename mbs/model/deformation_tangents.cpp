@@ -1,6 +1,7 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include <cmath>
 
+#include "mbs/math/differences.hpp"
 #include "mbs/math/rotation.hpp"
 #include "mbs/model/flexible_body.hpp"
 
@@ -14,9 +15,6 @@ namespace flexura::mbs {
 namespace {
 
 using ConstMap = Eigen::Map<const Eigen::VectorXd>;
-
-// Truncation and round-off of central differences are both about eps^(2/3) = 4e-11 of the scale.
-constexpr double kStep = 6e-6;
 
 }  // namespace
 
@@ -126,12 +124,12 @@ void FlexibleBody::difference_deformation(const double* s, const double* s_dot, 
     need.col(l).setZero();
     modal.col(l).setZero();
     for (const double sign : {1.0, -1.0}) {
-      x(l) = x_l + sign * kStep;
+      x(l) = x_l + sign * kCentralStep;
       set_position(out.moved_s.data(), out.work);
       const Spatial f =
           inverse_dynamics(out.moved_s.data(), out.moved_v.data(), s_ddot, V, A, out.work, out.modal.data());
-      need.col(l) += sign / (2.0 * kStep) * f.vector();
-      modal.col(l) += sign / (2.0 * kStep) * out.modal;
+      need.col(l) += sign / (2.0 * kCentralStep) * f.vector();
+      modal.col(l) += sign / (2.0 * kCentralStep) * out.modal;
     }
     x(l) = x_l;
   };
@@ -210,14 +208,14 @@ void FlexibleBody::difference_node(int index, const double* s, const double* s_d
   out.map_s.setZero();
   for (int l = 0; l < m_; ++l) {
     for (const double sign : {1.0, -1.0}) {
-      const double factor = sign / (2.0 * kStep);
-      out.moved_s(l) = s[l] + sign * kStep;
+      const double factor = sign / (2.0 * kCentralStep);
+      out.moved_s(l) = s[l] + sign * kCentralStep;
       node_motion(index, out.moved_s.data(), s_dot, s_ddot, out.node);
       out.motion_s.col(l) += factor * out.node.V.vector();
       out.acceleration_s.col(l) += factor * out.node.A.vector();
       out.map_s.col(l).noalias() += factor * out.node.map.transpose() * wrench;
       out.moved_s(l) = s[l];
-      out.moved_v(l) = s_dot[l] + sign * kStep;
+      out.moved_v(l) = s_dot[l] + sign * kCentralStep;
       node_motion(index, s, out.moved_v.data(), s_ddot, out.node);
       out.acceleration_v.col(l) += factor * out.node.A.vector();
       out.moved_v(l) = s_dot[l];

@@ -5,14 +5,16 @@
 #include <cmath>
 #include <numbers>
 
+#include "mbs/math/differences.hpp"
+
 namespace flexura::mbs {
 namespace {
 
 /// Derivatives of a coordinate (or speed) of a joint that closes a loop by its frames' relative motion:
-/// central differences of the joint's own functions, right to about 4e-11.
+/// central differences of the joint's own functions.
 Eigen::Matrix<double, 1, 12> closure_gradient(const Kinematics& kin, const JointPlace& place, int index,
                                               bool of_speed) {
-  constexpr double h = 6e-6;
+  constexpr double h = kCentralStep;
   const Relative rel = kin.relative_motion(place.marker_F, place.marker_M);
   Eigen::Matrix<double, 1, 12> gradient;
   for (int j = 0; j < (of_speed ? 12 : 6); ++j) {
@@ -231,7 +233,7 @@ void Mechanism::ElementDerivatives::force(CoordinateRef c, double value) {
     add_row(place.i_v + c.index, -factor_ * Vector6d::Unit(0));
     return;
   }
-  constexpr double h = 6e-6;
+  constexpr double h = kCentralStep;
   const Pose X = work_.kin.relative_pose(place.marker_F, place.marker_M);
   const Vector6d unit = closure_wrench(*place.joint, X, c.index);
   Eigen::Matrix<double, 6, 12> turned = Eigen::Matrix<double, 6, 12>::Zero();

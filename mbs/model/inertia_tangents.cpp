@@ -52,7 +52,6 @@ void Mechanism::vary_joints(Work& work) const {
                  *v_dot = work.kin.v_dot + place.i_v;
     const MarkerState &F = work.kin.markers[place.marker_F], &M = work.kin.markers[place.marker_M];
     const Matrix3d& R = F.X_WP.R;
-    const Vector3d &w_F = F.V.angular, &alpha_F = F.A.angular;
     MotionMatrix S = MotionMatrix::Zero(6, n);
     joint.motion(q, S);
     MotionDerivatives& d = T.joint;
@@ -72,13 +71,8 @@ void Mechanism::vary_joints(Work& work) const {
         A_q = R * Spatial::from(by_a);
         A_v = R * Spatial::from(d.bias_v.col(j));
       }
-      Change by_q{w_j, u_j, V_q.angular, w_F.cross(u_j) + V_q.linear, {}, {}};
-      by_q.dalpha = w_F.cross(V_q.angular) + A_q.angular;
-      by_q.da = alpha_F.cross(u_j) + w_F.cross(w_F.cross(u_j)) + 2.0 * w_F.cross(V_q.linear) + A_q.linear;
-      Change by_v{Vector3d::Zero(), Vector3d::Zero(), w_j, u_j, {}, {}};
-      by_v.dalpha = w_F.cross(w_j) + A_v.angular;
-      by_v.da = 2.0 * w_F.cross(u_j) + A_v.linear;
-      const Variation x = variation(M, branch.origin, by_q), y = variation(M, branch.origin, by_v);
+      const RelativeChange d_M(F.V, F.A, w_j, u_j, V_q, A_q, A_v);
+      const Variation x = variation(M, branch.origin, d_M.by_q), y = variation(M, branch.origin, d_M.by_v);
       const int k = place.i_v + j;
       T.phi.col(k) = sign * x.phi.vector();
       T.D.col(k) = sign * x.D.vector();

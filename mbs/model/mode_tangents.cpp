@@ -27,7 +27,6 @@ void Mechanism::vary_nodes(int b, Work& work, MatrixXd& z_q) const {
   const Work::Body& body = work.bodies[b];
   const Matrix3d& R = body.X_WB.R;
   const Vector3d& origin = T.bodies[b].origin;
-  const Vector3d &w_B = body.V.angular, &alpha_B = body.A.angular;
   DeformationTangents& d = T.deformations[b];
   for (const int i : markers_of_body_[b]) {
     if (d_.markers[i].node < 0) continue;
@@ -63,13 +62,8 @@ void Mechanism::vary_nodes(int b, Work& work, MatrixXd& z_q) const {
       const Spatial V_s = R * Spatial::from(d.motion_s.col(l)),
                     A_s = R * Spatial::from(d.acceleration_s.col(l)),
                     A_v = R * Spatial::from(d.acceleration_v.col(l));
-      Change by_s{w, u, V_s.angular, w_B.cross(u) + V_s.linear, {}, {}};
-      by_s.dalpha = w_B.cross(V_s.angular) + A_s.angular;
-      by_s.da = alpha_B.cross(u) + w_B.cross(w_B.cross(u)) + 2.0 * w_B.cross(V_s.linear) + A_s.linear;
-      Change by_v{Vector3d::Zero(), Vector3d::Zero(), w, u, {}, {}};
-      by_v.dalpha = w_B.cross(w) + A_v.angular;
-      by_v.da = 2.0 * w_B.cross(u) + A_v.linear;
-      const Variation x = variation(N, origin, by_s), y = variation(N, origin, by_v);
+      const RelativeChange d_N(body.V, body.A, w, u, V_s, A_s, A_v);
+      const Variation x = variation(N, origin, d_N.by_q), y = variation(N, origin, d_N.by_v);
       moved.D.col(l) = x.D.vector();
       moved.E.col(l) = x.E.vector();
       moved.E.col(l).tail<3>() += x.phi.angular.cross(d_.gravity);

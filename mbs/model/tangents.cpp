@@ -2,6 +2,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 
+#include "mbs/math/differences.hpp"
 #include "mbs/model/element_tangents.hpp"
 
 /// The tangent matrices: inertia in closed form (inertia_tangents.cpp), then what elements add.
@@ -166,15 +167,14 @@ void Mechanism::ElementDerivatives::all_elements() {
   }
 }
 
-// Central differences of what the elements do: with the step eps^(1/3) truncation and round-off are both
-// about eps^(2/3) = 4e-11 of the scale.
+// Central differences of what the elements do.
 void Mechanism::difference_elements(const State& s, TangentScope scope, Work& work,
                                     TangentMatrices& out) const {
   const auto wants_differences = [](const auto& element) { return !element->has_derivatives(); };
   if (std::ranges::none_of(d_.forces, wants_differences) &&
       std::ranges::none_of(constraints_, wants_differences))
     return;
-  constexpr double h = 6e-6;
+  constexpr double h = kCentralStep;
   Work::Tangent& T = work.tangent;
   State& moved = T.moved;
   moved = s;

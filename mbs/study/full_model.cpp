@@ -68,11 +68,6 @@ FullModel::FullModel(std::unique_ptr<mbs::Mechanism> mechanism) : mechanism_(std
     block.m = bodies[b].flexible->m();
     blocks_.push_back(std::move(block));
   }
-  for (int j = 0; j < mechanism_->sizes().n_v; ++j) {
-    all_columns_.push_back(j);
-    if (std::ranges::none_of(blocks_, [&](const ModalBlock& b) { return j >= b.v && j < b.v + b.m; }))
-      joint_columns_.push_back(j);
-  }
 }
 
 std::unique_ptr<FullModel> FullModel::make(const mbs::PreparedMechanism& run,
@@ -108,11 +103,11 @@ void FullModel::take_start(const mbs::PreparedMechanism& run) {
   for (const ModalBlock& block : blocks_) s.p.segment(block.p, block.m).setZero();
   mechanism_->drop_redundant(run.state.t, s.p);
   scratch_ = mechanism_->make_scratch();
+  tangents_ = std::make_unique<mbs::Tangents>(*mechanism_);
+  kinematics_ = std::make_unique<mbs::KinematicBlocks>(*mechanism_, s.p);
   const mbs::Sizes n = mechanism_->sizes();
   c_rate_.resize(n.n_dyn);
   b_.resize(n.n_alg);
-  r_.resize(n.n_v);
-  r_moved_.resize(n.n_v);
 }
 
 void FullModel::residual(const mbs::State& s, const VectorXd& v_dot, VectorXd& r) {
@@ -120,47 +115,13 @@ void FullModel::residual(const mbs::State& s, const VectorXd& v_dot, VectorXd& r
   mechanism_->momentum(s, v_dot, *scratch_, r, c_rate_, b_);
 }
 
-void FullModel::mass_and_constraints(const mbs::State& s, LinearisedRow& row) {
-  const mbs::Sizes n = mechanism_->sizes();
-  row.M.resize(n.n_v, n.n_v);
-  row.G.resize(n.n_lambda, n.n_v);
-  mechanism_->mass_matrix(s.p, *scratch_, row.M);
-  mechanism_->constraint_matrix(s.t, s.p, *scratch_, row.G);
-}
-
-void FullModel::tangents(const mbs::State& s, const VectorXd& v_dot, LinearisedRow& row) {
-  const mbs::Sizes n = mechanism_->sizes();
-  row.D.resize(n.n_v, n.n_v);
-  row.K.resize(n.n_v, n.n_v);
-  tangents_of(all_columns_, s, v_dot, row);
-}
-
-void FullModel::joint_tangents(const mbs::State& s, const VectorXd& v_dot, LinearisedRow& row) {
-  tangents_of(joint_columns_, s, v_dot, row);
-}
-
-void FullModel::tangents_of(const std::vector<int>& columns, const mbs::State& s, const VectorXd& v_dot,
-                            LinearisedRow& row) {
-  const mbs::Sizes n = mechanism_->sizes();
-  residual(s, v_dot, r_);
-  // Forward differences; sqrt(eps) balances round-off against truncation.
-  moved_ = s;
-  VectorXd d = VectorXd::Zero(n.n_v);
-  for (const int j : columns) {
-    d(j) = 1.5e-8 * mechanism_->velocity_scale(j);
-    mechanism_->retract(s.p, d, moved_.p);
-    residual(moved_, v_dot, r_moved_);
-    row.K.col(j) = (r_moved_ - r_) / d(j);
-    d(j) = 0.0;
-  }
-  moved_.p = s.p;
-  for (const int j : columns) {
-    const double v_j = s.v(j);
-    moved_.v(j) = v_j + 1.5e-8 * std::max(std::abs(v_j), mechanism_->velocity_scale(j));
-    residual(moved_, v_dot, r_moved_);
-    row.D.col(j) = (r_moved_ - r_) / (moved_.v(j) - v_j);
-    moved_.v(j) = v_j;
-  }
+void FullModel::linearise(const mbs::State& s, const VectorXd& v_dot, LinearisedRow& row) {
+  tangents_->evaluate(s, v_dot);
+  kinematics_->update(s.p, s.v);
+  row.M = tangents_->M;
+  row.G = tangents_->G;
+  row.D = tangents_->z_v.topRows(mechanism_->sizes().n_v);
+  kinematics_->multiply_T(tangents_->z_p.topRows(mechanism_->sizes().n_v), row.K);
 }
 
 void FullModel::evaluate(const std::vector<int>& which, const mbs::State& s, const VectorXd& v_dot,

@@ -8,7 +8,9 @@
 #include <string>
 #include <vector>
 
+#include "mbs/solver/kinematic_blocks.hpp"
 #include "mbs/solver/prepare.hpp"
+#include "mbs/solver/tangents.hpp"
 #include "mbs/study/linear_correction.hpp"
 
 /// The mechanism of a run with every deformation of its superelements, and the way between its states and
@@ -32,17 +34,11 @@ class FullModel {
 
   const mbs::Mechanism& mechanism() const { return *mechanism_; }
   const std::vector<ModalBlock>& blocks() const { return blocks_; }
-  /// The velocity coordinates that are no block's.
-  const std::vector<int>& joint_columns() const { return joint_columns_; }
 
-  /// M (n_v x n_v) and G (n_lambda x n_v) of the full model at the state.
-  void mass_and_constraints(const mbs::State& s, LinearisedRow& row);
-  /// K and D (n_v x n_v): the derivatives of the momentum balance along p (by tangent vectors, K = z_p T) and
-  /// by v, of the bodies' own stiffness, springs, geometric and gyroscopic terms alike.
-  void tangents(const mbs::State& s, const Eigen::VectorXd& v_dot, LinearisedRow& row);
-  /// The columns of the joint coordinates alone, which change most while a mechanism turns; those of the
-  /// modal coordinates stay as `row` has them.
-  void joint_tangents(const mbs::State& s, const Eigen::VectorXd& v_dot, LinearisedRow& row);
+  /// At the state: M (n_v x n_v), G (n_lambda x n_v), K and D (n_v x n_v), the derivatives of the momentum
+  /// balance along p (by tangent vectors, K = z_p T) and by v, of the bodies' own stiffness, springs,
+  /// geometric and gyroscopic terms alike.
+  void linearise(const mbs::State& s, const Eigen::VectorXd& v_dot, LinearisedRow& row);
   /// r (n_v) = M v_dot - f + G^T lambda, the momentum balance; forces along the velocity coordinates [N, Nm].
   void residual(const mbs::State& s, const Eigen::VectorXd& v_dot, Eigen::VectorXd& r);
   /// y: the quantities `which` (Mechanism's numbers) at the state, each in its SI unit.
@@ -56,15 +52,13 @@ class FullModel {
   friend class Embedding;
   explicit FullModel(std::unique_ptr<mbs::Mechanism> mechanism);
   void take_start(const mbs::PreparedMechanism& run);
-  void tangents_of(const std::vector<int>& columns, const mbs::State& s, const Eigen::VectorXd& v_dot,
-                   LinearisedRow& row);
 
   std::unique_ptr<mbs::Mechanism> mechanism_;
   std::unique_ptr<mbs::Equations::Scratch> scratch_;
+  std::unique_ptr<mbs::Tangents> tangents_;
+  std::unique_ptr<mbs::KinematicBlocks> kinematics_;
   std::vector<ModalBlock> blocks_;
-  std::vector<int> all_columns_, joint_columns_;
-  Eigen::VectorXd c_rate_, b_, r_, r_moved_;
-  mbs::State moved_;
+  Eigen::VectorXd c_rate_, b_;
 };
 
 /// Between the states of one mechanism and those of the full model: joint coordinates by their names, modal

@@ -70,8 +70,7 @@ Screening::Screening(const mbs::PreparedMechanism& run, FullModel& full, const s
 
 void Screening::take(const mbs::State& s, const VectorXd& v_dot) {
   if (!shadows_ || !shadows_->take(s, v_dot)) return;
-  if (shadows_->tangents_are_new()) tangents_.push_back({shadows_->linearised().D, shadows_->linearised().K});
-  rows_.push_back({shadows_->embedded(), shadows_->embedded_v_dot(), tangents_.size() - 1});
+  rows_.push_back({shadows_->embedded(), shadows_->embedded_v_dot()});
 }
 
 TruncationEstimate Screening::estimate() const {
@@ -116,19 +115,12 @@ std::vector<VectorXd> Screening::outputs_with(const ModalBlock& block, const Mat
   mbs::State moved;
   std::vector<VectorXd> outputs;
   const std::size_t every = std::max<std::size_t>(1, rows_.size() / kRowsForCandidates);
-  std::size_t last_tangents = tangents_.size();
   for (std::size_t i = 0; i < rows_.size(); i += every) {
     const Row& at = rows_[i];
-    full_.mass_and_constraints(at.s, row);
+    full_.linearise(at.s, at.v_dot, row);
     full_.residual(at.s, at.v_dot, r);
     small.M.noalias() = T.transpose() * (row.M * T);
     small.G.noalias() = row.G * T;
-    if (at.tangents != last_tangents) {
-      row.D = tangents_[at.tangents].D;
-      row.K = tangents_[at.tangents].K;
-      last_tangents = at.tangents;
-    }
-    full_.joint_tangents(at.s, at.v_dot, row);
     small.D.noalias() = T.transpose() * (row.D * T);
     small.K.noalias() = T.transpose() * (row.K * T);
     small.D.diagonal().tail(extra_damping.size()) += extra_damping;
@@ -221,8 +213,8 @@ void Screening::change_of_stiffness(const ModalBlock& block, Screened& out) {
   LinearisedRow with, without;
   const std::size_t every = std::max<std::size_t>(1, rows_.size() / kRowsForStiffness);
   for (std::size_t i = every / 2; i < rows_.size(); i += every) {
-    stiffened->tangents(rows_[i].s, rows_[i].v_dot, with);
-    full_.tangents(rows_[i].s, rows_[i].v_dot, without);
+    stiffened->linearise(rows_[i].s, rows_[i].v_dot, with);
+    full_.linearise(rows_[i].s, rows_[i].v_dot, without);
     const MatrixXd change = scale.asDiagonal() *
                             (with.K - without.K).block(block.v, block.v, block.m, block.m) *
                             scale.asDiagonal();
@@ -257,7 +249,7 @@ std::vector<Screened> Screening::bodies(const std::vector<std::string>& for_bodi
       screened.spin = std::max(screened.spin, omega.norm());
     }
     LinearisedRow row;
-    full_.mass_and_constraints(rows_.front().s, row);
+    full_.linearise(rows_.front().s, rows_.front().v_dot, row);
     const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> held(
         stiffness_of(full_, block).asDiagonal().toDenseMatrix(),
         row.M.block(block.v, block.v, block.m, block.m), Eigen::EigenvaluesOnly | Eigen::Ax_lBx);

@@ -69,10 +69,6 @@ class Screening {
   struct Row {
     mbs::State s;
     Eigen::VectorXd v_dot;
-    std::size_t tangents = 0;
-  };
-  struct Tangents {
-    Eigen::MatrixXd D, K;
   };
   const ModalBlock& block_of(const std::string& body) const;
   Eigen::MatrixXd responses_of(const std::string& body) const;
@@ -89,7 +85,6 @@ class Screening {
   std::vector<std::string> overrides_;
   std::unique_ptr<Shadows> shadows_;
   std::vector<Row> rows_;
-  std::vector<Tangents> tangents_;
 };
 
 }  // namespace flexura::study

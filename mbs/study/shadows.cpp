@@ -16,12 +16,8 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-// Rows beyond so many are thinned out; tangents by modal coordinates are renewed every so many rows taken.
-// Those by joint coordinates are renewed at every one: where a mechanism turns, stiffness that lags by an
-// angle feeds the correction, turn after turn (of the steam engine's, 24 turns, it made 100 % of what is 1
-// %).
+// Rows beyond so many are thinned out.
 constexpr double kMostRows = 800.0;
-constexpr long kRowsPerTangent = 16;
 // An output counts from this part of the largest one of its unit on: below it symmetry and round-off stand,
 // not motion.  What nobody asked for by name has to be larger to matter.
 constexpr double kNothing = 1e-6, kNothingUnasked = 1e-3;
@@ -71,7 +67,7 @@ struct Shadows::Impl {
   MatrixXd source_sums, last_source;  // outputs x sources: integral of the error squared
   VectorXd square, square_size, last_square, last_size;
   bool asked = false;  // the user named the outputs
-  bool joints_feel_nothing = false, renewed = false;
+  bool joints_feel_nothing = false;
   long every = 1, rows = 0, taken = 0;
   double wall = 0.0, t = 0.0, span = 0.0;
 
@@ -173,12 +169,9 @@ bool Shadows::take(const mbs::State& s, const VectorXd& v_dot) {
   const double h = in.taken > 0 ? s.t - in.t : 0.0;
   if (in.taken > 0 && !(h > 0.0)) return false;
   in.embedding.embed(s, v_dot, in.s, in.v_dot);
-  in.renewed = in.taken % kRowsPerTangent == 0;
-  in.full.mass_and_constraints(in.s, in.row);
-  if (in.renewed)
-    in.full.tangents(in.s, in.v_dot, in.row);
-  else
-    in.full.joint_tangents(in.s, in.v_dot, in.row);
+  // At every row: where a mechanism turns, stiffness that lags by an angle feeds the correction, turn after
+  // turn (over 24 turns of the steam engine it made 100 % of what is 1 %).
+  in.full.linearise(in.s, in.v_dot, in.row);
   in.full.residual(in.s, in.v_dot, in.r);
   in.correction->step(h, in.row, in.loads());
   in.compare(h);
@@ -210,12 +203,6 @@ mbs::State Shadows::corrected(VectorXd& v_dot) const {
 }
 const VectorXd& Shadows::corrected_outputs() const {
   return impl_->y_moved;
-}
-const LinearisedRow& Shadows::linearised() const {
-  return impl_->row;
-}
-bool Shadows::tangents_are_new() const {
-  return impl_->renewed;
 }
 
 double OutputEstimate::relative_max() const {

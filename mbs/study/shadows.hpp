@@ -84,8 +84,6 @@ class Shadows {
   const Eigen::VectorXd& embedded_v_dot() const;
   mbs::State corrected(Eigen::VectorXd& v_dot) const;
   const Eigen::VectorXd& corrected_outputs() const;
-  const LinearisedRow& linearised() const;
-  bool tangents_are_new() const;
 
  private:
   struct Impl;

@@ -1,12 +1,12 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mbs/math/differences.hpp"
 #include "mbs/model/joint.hpp"
 
 namespace flexura::mbs {
 
-// Central differences: with the step eps^(1/3) truncation and round-off are both about eps^(2/3) = 4e-11.
 void Joint::motion_derivatives(const double* q, const double* v, MotionDerivatives& d) const {
   const int n = n_v();
-  constexpr double h = 6e-6;
+  constexpr double h = kCentralStep;
   double moved[7], step[6] = {}, speeds[6];
   MotionMatrix S(6, n);
   d.bias_q.setZero(6, n);

@@ -18,6 +18,14 @@ using ::testing::HasSubstr;
 using testing::Outcome;
 using testing::run_program;
 
+constexpr const char* kBlockOnGuide = R"toml([body.block]
+mass = 1
+[joint.slide]
+type = "prismatic"
+from = "ground"
+to = "block"
+)toml";
+
 class Flexura : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -272,13 +280,7 @@ TEST_F(Flexura, OutputsInAFolderThatIsNotThereAreRefused) {
 // pole: the run up to there is kept, readable and named.
 TEST_F(Flexura, SimulateKeepsWhatCameBeforeAValueThatIsNotFinite) {
   const auto mechanism = folder_ / "pole.toml", results = folder_ / "pole.h5";
-  std::ofstream(mechanism) << R"toml([body.block]
-mass = 1
-[joint.slide]
-type = "prismatic"
-from = "ground"
-to = "block"
-[force.push]
+  std::ofstream(mechanism) << kBlockOnGuide << R"toml([force.push]
 type = "force"
 marker = "block"
 x = "1/(t - 0.5)^2"
@@ -300,13 +302,7 @@ output_step = 0.01
 // Ctrl-C: the run ends after the step under way, with code 1 and its time; what it has is readable.
 TEST_F(Flexura, SimulateEndsCleanlyWhenInterrupted) {
   const auto mechanism = folder_ / "long.toml", results = folder_ / "long.h5", script = folder_ / "run.sh";
-  std::ofstream(mechanism) << R"toml([body.block]
-mass = 1
-[joint.slide]
-type = "prismatic"
-from = "ground"
-to = "block"
-[force.spring]
+  std::ofstream(mechanism) << kBlockOnGuide << R"toml([force.spring]
 type = "joint_spring_damper"
 joint = "slide"
 stiffness = 1000

@@ -6,6 +6,43 @@
 
 namespace flexura::mbs {
 
+/// A chain of two bodies and one on a guide, in general positions: for an element between "a.out", "b.in" and
+/// "ground.track", or of the coordinates "second.angle", "second.position" and "third".
+inline constexpr const char* kThreeBodies = R"toml(
+[ground.marker.track]
+position = [0.1, 0.2, -0.4]
+axis = [0.1, 0.2, 1]
+[body.a]
+mass = 1
+inertia = [1, 2, 2.5]
+center = [0.1, 0, 0.2]
+[body.a.marker.out]
+position = [0.3, 0.1, 0.2]
+rotation = [0.3, 0.4, 0.5]
+[body.b]
+mass = 2
+inertia = [1, 2, 2.5]
+[body.b.marker.in]
+position = [0.1, 0.5, -0.2]
+axis = [1, 2, 3]
+[body.b.marker.hub]
+position = [0.1, -0.1, 0.2]
+[body.c]
+mass = 1
+[joint.first]
+type = "six_dof"
+from = "ground"
+to = "a"
+[joint.second]
+type = "cylindrical"
+from = "a.out"
+to = "b.hub"
+[joint.third]
+type = "prismatic"
+from = "ground.track"
+to = "c"
+)toml";
+
 /// Mechanism files written in the test and read without their [solver].
 class MechanismFileTest : public test::TestFolder {
  protected:

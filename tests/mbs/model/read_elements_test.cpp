@@ -10,39 +10,7 @@ namespace {
 using namespace checks;
 
 TEST_F(MechanismFileTest, ConstraintsSatisfyAllIdentities) {
-  const std::string frame = R"toml(
-[ground.marker.track]
-position = [0.1, 0.2, -0.4]
-axis = [0.1, 0.2, 1]
-[body.a]
-mass = 1
-inertia = [1, 2, 2.5]
-center = [0.1, 0, 0.2]
-[body.a.marker.out]
-position = [0.3, 0.1, 0.2]
-rotation = [0.3, 0.4, 0.5]
-[body.b]
-mass = 2
-inertia = [1, 2, 2.5]
-[body.b.marker.in]
-position = [0.1, 0.5, -0.2]
-axis = [1, 2, 3]
-[body.c]
-mass = 1
-[joint.first]
-type = "six_dof"
-from = "ground"
-to = "a"
-[joint.second]
-type = "cylindrical"
-from = "a.out"
-to = "b"
-[joint.third]
-type = "prismatic"
-from = "ground.track"
-to = "c"
-[constraint.c]
-)toml";
+  const std::string frame = kThreeBodies + std::string("[constraint.c]\n");
   const char* constraints[] = {
       R"toml(type = "point_on_line"
 from = "a.out"

@@ -124,41 +124,6 @@ void make_flexible(MechanismDescription& d, const std::string& body, const std::
   }
 }
 
-constexpr const char* kFrame = R"toml(
-[ground.marker.track]
-position = [0.1, 0.2, -0.4]
-axis = [0.1, 0.2, 1]
-[body.a]
-mass = 1
-inertia = [1, 2, 2.5]
-center = [0.1, 0, 0.2]
-[body.a.marker.out]
-position = [0.3, 0.1, 0.2]
-rotation = [0.3, 0.4, 0.5]
-[body.b]
-mass = 2
-inertia = [1, 2, 2.5]
-[body.b.marker.in]
-position = [0.1, 0.5, -0.2]
-axis = [1, 2, 3]
-[body.b.marker.hub]
-position = [0.1, -0.1, 0.2]
-[body.c]
-mass = 1
-[joint.first]
-type = "six_dof"
-from = "ground"
-to = "a"
-[joint.second]
-type = "cylindrical"
-from = "a.out"
-to = "b.hub"
-[joint.third]
-type = "prismatic"
-from = "ground.track"
-to = "c"
-)toml";
-
 using Examples = std::map<std::string, std::string>;
 
 class ElementDerivatives : public MechanismFileTest {
@@ -178,7 +143,7 @@ class ElementDerivatives : public MechanismFileTest {
       }
       for (const bool flexible : {false, true}) {
         SCOPED_TRACE(flexible ? "on flexible bodies" : "on rigid bodies");
-        MechanismDescription d = read(std::string(kFrame) + "[" + kind + ".x]\ntype = \"" +
+        MechanismDescription d = read(std::string(kThreeBodies) + "[" + kind + ".x]\ntype = \"" +
                                       std::string(type.name) + "\"\n" + example->second)
                                      .description;
         if (flexible) {
@@ -341,7 +306,7 @@ class PlainSphere final : public Constraint {
 constexpr double kByDifferences = 1e-9;
 
 TEST_F(ElementDerivatives, OfElementsThatHaveNone) {
-  MechanismDescription d = read(kFrame).description;
+  MechanismDescription d = read(kThreeBodies).description;
   make_flexible(d, "a", "", "out");
   make_flexible(d, "b", "in", "hub");
   const auto marker = [&](const std::string& name) {
