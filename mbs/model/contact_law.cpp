@@ -38,9 +38,11 @@ double ContactLaw::push(double gap, double gap_rate, const double* c) const {
   return 1.0;
 }
 
-void ContactLaw::switching(double gap, double gap_rate, const double* c, double* values) const {
-  values[0] = gap;
-  values[1] = push(gap, gap_rate, c);
+void ContactLaw::switching(double gap, double gap_rate, const int* root, const double* c,
+                           double* values) const {
+  values[0] = root[0] == 1 ? -gap : gap;
+  // Apart from each other there is nothing to push.
+  values[1] = root[0] == 0 ? 1.0 : root[1] == 1 ? push(gap, gap_rate, c) : -push(gap, gap_rate, c);
 }
 
 void ContactLaw::start(double gap, double gap_rate, int* root, double* c) const {
@@ -49,16 +51,9 @@ void ContactLaw::start(double gap, double gap_rate, int* root, double* c) const 
   root[1] = push(gap, gap_rate, c) >= 0.0 ? 1 : 0;
 }
 
-void ContactLaw::change(int which, double gap, double gap_rate, int* root, double* c) const {
-  // The state lies just behind the zero and says where it goes, also when round-off finds the same zero
-  // twice.
-  if (which == 1) {
-    const double now = push(gap, gap_rate, c);
-    root[1] = now != 0.0 ? (now > 0.0 ? 1 : 0) : 1 - root[1];
-    return;
-  }
-  root[0] = gap_rate != 0.0 ? (gap_rate < 0.0 ? 1 : 0) : 1 - root[0];
-  if (root[0] == 0) return;
+void ContactLaw::change(int which, double gap_rate, int* root, double* c) const {
+  root[which] = 1 - root[which];
+  if (which == 1 || root[0] == 0) return;
   root[1] = 1;  // what comes together pushes: d u > 0, or 1 + chi
   if (chi_ > 0.0) c[0] = std::max(-gap_rate, slowest_);
 }

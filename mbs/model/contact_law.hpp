@@ -34,12 +34,12 @@ class ContactLaw {
 
   /// Is there a force?  Both switches on.
   static bool active(const int* root) { return root[0] == 1 && root[1] == 1; }
-  /// Switching functions at a gap (< 0: penetration) and its rate.
-  void switching(double gap, double gap_rate, const double* c, double* values) const;
+  /// Switching functions at a gap (< 0: penetration) and its rate: positive while the positions are right.
+  void switching(double gap, double gap_rate, const int* root, const double* c, double* values) const;
   /// Positions of the switches away from their zeros.
   void start(double gap, double gap_rate, int* root, double* c) const;
-  /// Takes a switch at its zero into its new position.
-  void change(int which, double gap, double gap_rate, int* root, double* c) const;
+  /// Takes a switch whose function fell below 0 into its other position.
+  void change(int which, double gap_rate, int* root, double* c) const;
   /// N >= 0.
   double force(double gap, double gap_rate, const int* root, const double* c) const;
   /// Its derivatives.

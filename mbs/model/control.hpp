@@ -13,7 +13,7 @@
 ///
 ///     c' = f(signals, c),     output = h(c) or, where the element feeds through, h(signals, c)
 ///
-/// A control may switch: the integrator then stops at the zeros of its switching functions and lets it change
+/// A control may switch: the integrator then stops where a switching function falls below 0 and lets it change
 /// its states.  One that solves an algebraic equation has a = output for its state:
 ///
 ///     0 = residual(signals)

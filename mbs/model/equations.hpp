@@ -158,7 +158,7 @@ class Equations {
   /// Energies and powers; v_dot (n_v) is needed only where reactions of drives do work.
   virtual EnergyReport energy(const State& s, ConstVectorRef v_dot, Scratch& scratch) const = 0;
 
-  /// Switching functions (n_root); a solver stops where one changes sign, calls on_root and restarts.
+  /// Switching functions (n_root): a solver stops where one falls below 0, calls on_root and restarts.
   virtual void roots(const State& s, Scratch& scratch, VectorRef values) const = 0;
   /// Takes the switch `which` into its new position; returns true when velocities jump (an impact changed
   /// s.v).

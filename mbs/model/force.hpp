@@ -33,13 +33,13 @@ class HasStates {
   /// Values of dynamic states before anything is known of the motion.
   virtual void start(double* /*c*/) const {}
   virtual void rates(const Kinematics& /*kin*/, const double* /*signals*/, double* /*c_rate*/) const {}
-  /// Functions whose zeros the integrator stops at; positions of switches and what hangs on them stay
-  /// between.
+  /// Functions that are positive while their switches are in the right position: the integrator stops where
+  /// one falls below 0.  Positions of switches and what hangs on them stay in between.
   virtual void switching(const Kinematics& /*kin*/, const double* /*signals*/, double* /*values*/) const {}
   /// Positions that an assembled state wants, and dynamic states that go with them.
   virtual void start_switches(const Kinematics& /*kin*/, const double* /*signals*/, int* /*root*/,
                               double* /*c*/) const {}
-  /// Takes the switch `which` at its zero into its new position.
+  /// Takes the switch `which`, whose function fell below 0, into its other position.
   virtual void change_switch(int /*which*/, const Kinematics& /*kin*/, const double* /*signals*/,
                              int* /*root*/, double* /*c*/) const {}
 

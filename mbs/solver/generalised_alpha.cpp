@@ -430,11 +430,11 @@ void GeneralisedAlpha::remember(History& history) {
   history(v_dot_older_);
   history(d_before_);
   for (double* x : {&h_, &h_w_, &h_older_, &h_done_, &h_matrix_}) history(*x);
+  switches_.remember(history);
   if (!history.reads()) return;
   started_ = true;
   if (!kinematics_) kinematics_ = std::make_unique<KinematicBlocks>(eq_, now_.s.p);
   found_ = now_.s;
-  switches_.start(now_.s);
   if (h_matrix_ == 0.0) return;
   next_ = at_matrix_;
   factor(h_matrix_);

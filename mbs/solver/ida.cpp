@@ -11,6 +11,7 @@
 
 #include "mbs/solver/error_weights.hpp"
 #include "mbs/solver/newton_matrix.hpp"
+#include "mbs/solver/switches.hpp"
 
 namespace flexura::mbs {
 
@@ -29,7 +30,7 @@ Map edit(N_Vector x) {
 class Ida final : public Integrator {
  public:
   Ida(const Equations& eq, const SolverOptions& options)
-      : eq_(eq), options_(options), scratch_(eq.make_scratch()), weights_(eq, options) {
+      : eq_(eq), options_(options), weights_(eq, options), switches_(eq) {
     if (SUNContext_Create(nullptr, &context_) != 0)
       throw std::runtime_error("SUNDIALS cannot be initialised");
   }
@@ -72,7 +73,6 @@ class Ida final : public Integrator {
   static int jacobian(double t, double cj, N_Vector y, N_Vector yp, N_Vector, SUNMatrix, void* self, N_Vector,
                       N_Vector, N_Vector);
   static int weights(N_Vector y, N_Vector w, void* self);
-  static int roots(double t, N_Vector y, N_Vector yp, double* values, void* self);
   static void message(int code, const char*, const char*, char* text, void* self);
   static Ida& of(void* self) { return *static_cast<Ida*>(self); }
   // Runs a callback that may throw; nothing passes through C code.  A state at which the model cannot be
@@ -91,8 +91,8 @@ class Ida final : public Integrator {
 
   const Equations& eq_;
   SolverOptions options_;
-  std::unique_ptr<Equations::Scratch> scratch_;
   ErrorWeights weights_;
+  SwitchFinder switches_;
   std::unique_ptr<StabilisedIndex2> form_;
   std::unique_ptr<NewtonMatrix<double>> newton_matrix_;
   SUNContext context_ = nullptr;
@@ -100,10 +100,10 @@ class Ida final : public Integrator {
   SUNLinearSolver solver_ = nullptr;
   SUNMatrix matrix_ = nullptr;
   N_Vector y_ = nullptr, yp_ = nullptr, id_ = nullptr, dky_ = nullptr;
-  State root_state_;
+  State found_;  // where switches are looked for
+  Eigen::VectorXd v_dot_found_;
   double t_ = 0.0;
   StepCounts before_;  // of earlier starts: IDA counts from its last start
-  std::vector<int> root_info_;
   Built built_;
   State start_;  // of the last (re)start: the scale S of the form and the switches
   long failures_seen_ = 0;
@@ -166,17 +166,6 @@ int Ida::weights(N_Vector y, N_Vector w, void* self) {
   return out.allFinite() ? 0 : -1;
 }
 
-int Ida::roots(double t, N_Vector y, N_Vector yp, double* values, void* self) {
-  Ida& ida = of(self);
-  return ida.guarded([&] {
-    ida.form_->unpack(t, view(y), ida.root_state_);
-    (void)yp;
-    Map out(values, ida.eq_.sizes().n_root);
-    ida.eq_.roots(ida.root_state_, *ida.scratch_, out);
-    return out.allFinite() ? 0 : -1;
-  });
-}
-
 void Ida::message(int, const char*, const char*, char* text, void* self) {
   of(self).last_message_ = text;
 }
@@ -224,9 +213,7 @@ void Ida::create(const State& s) {
   edit(yp_).setZero();
   edit(id_).setZero();
   edit(id_).head(form_->at_a()).setOnes();
-  const Sizes sizes = eq_.sizes();
-  root_state_ = s;
-  root_info_.assign(sizes.n_root, 0);
+  found_ = s;
 
   memory_ = IDACreate(context_);
   if (memory_ == nullptr) throw std::runtime_error("SUNDIALS cannot allocate an integrator");
@@ -262,10 +249,6 @@ void Ida::create(const State& s) {
   solver_->ops->free = free_solver;
   check(IDASetLinearSolver(memory_, solver_, matrix_), "the linear solver");
   check(IDASetJacFn(memory_, &Ida::jacobian), "the Jacobian");
-  if (sizes.n_root > 0) {
-    check(IDARootInit(memory_, sizes.n_root, &Ida::roots), "the switches");
-    check(IDASetNoInactiveRootWarn(memory_), "the switches");
-  }
 }
 
 void Ida::start(const State& s, const Eigen::VectorXd& v_dot) {
@@ -279,7 +262,8 @@ void Ida::start(const State& s, const Eigen::VectorXd& v_dot) {
     form_->set_start(s);
   }
   failures_seen_ = 0;
-  start_ = s;
+  start_ = found_ = s;
+  switches_.start(s);
   form_->pack(s, v_dot, edit(y_), edit(yp_));
   check(IDAReInit(memory_, s.t, y_, yp_), "the initial values");
   check(IDASetInitStep(memory_, options_.first_step), "first_step");
@@ -295,12 +279,16 @@ StepEnd Ida::step(double t_stop) {
   if (flag < 0) fail(flag);
   if (!view(y_).allFinite())
     throw IntegrationError(fmt::format("the state is no longer finite at t = {:.9g} s", t));
-  end.t_end = t_ = t;
-  if (flag == IDA_ROOT_RETURN) {
-    check(IDAGetRootInfo(memory_, root_info_.data()), "the switches");
-    for (std::size_t k = 0; k < root_info_.size(); ++k)
-      if (root_info_[k] != 0) end.roots.push_back(static_cast<int>(k));
-  }
+  end.t_end = t;
+  // IDA has a root finder of its own, which overlooks a function that leaves an exact 0.
+  switches_.search(
+      t_, end.t_end,
+      [&](double at) -> const State& {
+        interpolate(at, found_, v_dot_found_);
+        return found_;
+      },
+      end.roots);
+  t_ = end.t_end;
   return end;
 }
 
@@ -380,7 +368,7 @@ void Ida::remember(History& history) {
   history.all(NV_DATA_S(y_), n);
   history.all(NV_DATA_S(yp_), n);
   // Of IDA's own record all that a step leaves for the next: the divided differences and what belongs to them
-  // (SUNDIALS 6, ida_impl.h), the Newton iteration's memory and that of the root finder.
+  // (SUNDIALS 6, ida_impl.h), the Newton iteration's memory.
   if (history.reads()) {
     // IDA sets itself up in its first step; everything that step leaves is overwritten below.
     double t = start_.t;
@@ -404,15 +392,7 @@ void Ida::remember(History& history) {
         &m->ida_epsNewt, &m->ida_toldel, &m->ida_hmax_inv, &m->ida_hmin, &m->ida_tolsf})
     history(*x);
   history(m->ida_nst);
-  if (m->ida_nrtfn > 0) {
-    for (double* x : {&m->ida_tlo, &m->ida_thi, &m->ida_trout, &m->ida_toutc, &m->ida_ttol}) history(*x);
-    for (double* x : {m->ida_glo, m->ida_ghi, m->ida_grout}) history.all(x, m->ida_nrtfn);
-    for (int k = 0; k < m->ida_nrtfn; ++k) {
-      history(m->ida_gactive[k]);
-      history(m->ida_iroots[k]);
-    }
-    history(m->ida_irfnd);
-  }
+  switches_.remember(history);
   history(built_.t);
   history(built_.cj);
   history(built_.y);

@@ -33,7 +33,7 @@ struct StepCounts {
 struct StepEnd {
   double t_begin = 0.0, t_end = 0.0;
   std::vector<int>
-      roots;  ///< switches whose functions changed sign at t_end; then call start() before step()
+      roots;  ///< switches whose functions fell below 0 at t_end; then call start() before step()
 };
 
 class Integrator {

@@ -427,9 +427,8 @@ void Radau::remember(History& history) {
   history(newton_scope_);
   for (int* k : {&full_matrices_left_, &full_span_, &cheap_steps_}) history(*k);
   history(is_first_);
+  switches_.remember(history);
   if (!history.reads()) return;
-  form_->unpack(t_, y_, found_);
-  switches_.start(found_);
   if (!has_tangents_) return;
   form_->linearise(t_tangents_, y_tangents_, yp_tangents_,
                    newton_scope_ ? TangentScope::newton : TangentScope::everything);

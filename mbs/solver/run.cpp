@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 
 #include "mbs/solver/accelerations.hpp"
 #include "mbs/solver/assemble.hpp"
@@ -15,8 +16,10 @@ namespace flexura::mbs {
 
 namespace {
 
-// More switchings than this within 1e-7 of the run are an accumulation, like a ball's last bounces.
+// More switchings of one switch within this part of the run are an accumulation, like the last bounces of a
+// ball between impacts, or a relay whose own output takes its input back across the level.
 constexpr int kMostEventsAtOnce = 20;
+constexpr double kAtOnce = 1e-10;
 
 constexpr int kMostHops = 1000;
 
@@ -58,6 +61,7 @@ class Runner {
   }
   void write_rows_until(double t, Integrator& integrator);
   void take_switches(const std::vector<int>& roots);
+  void refuse_endless(int which) const;
   void measure_drift();
   bool step_once();  // false ends the run
   bool finish_step(const StepEnd& end, Integrator& integrator);
@@ -99,19 +103,27 @@ void Runner::measure_drift() {
   result_.peak_velocity_drift = std::max(result_.peak_velocity_drift, g_dot_.cwiseAbs().maxCoeff());
 }
 
+void Runner::refuse_endless(int which) const {
+  const double t = result_.state.t, duration = options_.end_time - options_.start_time;
+  // Far from t = 0 two events cannot lie closer than the round-off of the time.
+  const double span =
+      std::max(kAtOnce * duration, 1e5 * std::numeric_limits<double>::epsilon() * std::abs(t));
+  int times = 0;
+  for (auto event = result_.events.rbegin(); event != result_.events.rend() && t - event->t < span; ++event)
+    if (event->which == which && ++times > kMostEventsAtOnce)
+      throw IntegrationError(
+          fmt::format("\"{}\" switches without end at t = {:.9g} s ({} times within {:.2g} s): give the "
+                      "contact or the switch a hysteresis, damping or a compliant law",
+                      eq_.name_of_root(which), t, times, span));
+}
+
 void Runner::take_switches(const std::vector<int>& roots) {
   State& s = result_.state;
   for (const int which : roots) {
     const bool jumped = eq_.on_root(which, s, *scratch_);
     result_.events.push_back({s.t, which, jumped});
   }
-  const auto& events = result_.events;
-  if (events.size() > kMostEventsAtOnce &&
-      s.t - events[events.size() - kMostEventsAtOnce].t < 1e-7 * (options_.end_time - options_.start_time))
-    throw IntegrationError(
-        fmt::format("\"{}\" switches without end at t = {:.9g} s ({} times within 1e-7 of the run): give the "
-                    "contact or the switch a hysteresis, damping or a compliant law",
-                    eq_.name_of_root(roots.front()), s.t, kMostEventsAtOnce));
+  for (const int which : roots) refuse_endless(which);
   // Velocities that jumped, and constraints that the switch brought in, want the smallest impulse.
   AssembleReport report;
   assemble_velocities(eq_, s, {}, report);

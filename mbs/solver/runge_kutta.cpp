@@ -92,10 +92,10 @@ class RungeKutta final : public Integrator {
     history(k_[0]);
     for (Eigen::VectorXd& d : dense_) history(d);
     for (double* x : {&h_, &h_done_, &t_begin_, &error_before_}) history(*x);
+    switches_.remember(history);
     if (!history.reads()) return;
     started_ = has_rates_ = true;
     found_ = state_;
-    switches_.start(state_);
   }
 
  private:

@@ -13,69 +13,66 @@ SwitchFinder::SwitchFinder(const Equations& eq)
   middle_.setZero(n_root_);
 }
 
-void SwitchFinder::evaluate(const State& s, Eigen::VectorXd& values) {
-  eq_.roots(s, *scratch_, values);
-}
-
 void SwitchFinder::start(const State& s) {
-  if (n_root_ > 0) evaluate(s, low_);
+  if (n_root_ > 0) eq_.roots(s, *scratch_, low_);
 }
 
 bool SwitchFinder::search(double t_begin, double& t_end, const std::function<const State&(double)>& state_at,
                           std::vector<int>& which) {
   which.clear();
   if (n_root_ == 0) return false;
-  for (int k = 0; k < n_root_; ++k)
-    if (low_(k) == 0.0) {
-      evaluate(state_at(t_begin + 1e-3 * (t_end - t_begin)), middle_);
-      for (int j = 0; j < n_root_; ++j)
-        if (low_(j) == 0.0) low_(j) = middle_(j);
-      break;
-    }
-  auto changes = [&](const Eigen::VectorXd& values, int k) {
-    return low_(k) != 0.0 && low_(k) * values(k) <= 0.0;
-  };
-  auto any_change = [&](const Eigen::VectorXd& values) {
-    for (int k = 0; k < n_root_; ++k)
-      if (changes(values, k)) return true;
-    return false;
-  };
-  evaluate(state_at(t_end), high_);
-  if (!any_change(high_)) {
-    low_ = high_;
+  const auto evaluate = [&](double t, Eigen::VectorXd& values) { eq_.roots(state_at(t), *scratch_, values); };
+  evaluate(t_end, high_);
+  if (!any_negative(high_)) {
+    low_.swap(high_);
     return false;
   }
-  double a = t_begin, b = t_end, weight = 1.0;
+  double a = t_begin, b = t_end;
+  // What stands at 0 to round-off, and for a restart that is either side of it, shows a little later whether
+  // it set out the right way.
+  const double later = t_begin + 1e-3 * (t_end - t_begin);
+  for (int k = 0; k < n_root_; ++k)
+    if (high_(k) < 0.0 && !(low_(k) > 0.0)) {
+      evaluate(later, middle_);
+      if (any_negative(middle_)) {
+        b = later;
+        high_.swap(middle_);
+      } else {
+        a = later;
+        low_.swap(middle_);
+      }
+      break;
+    }
+  double weight = 1.0;
   int last_side = 0;
   const double resolution =
       20.0 * std::numeric_limits<double>::epsilon() * (std::abs(t_end) + (t_end - t_begin));
   for (int iteration = 0; iteration < 200 && b - a > resolution; ++iteration) {
-    // The function whose secant crosses zero first leads.
+    // The function whose secant crosses zero first leads; halves where there is no secant.
     double t = b;
     for (int k = 0; k < n_root_; ++k)
-      if (changes(high_, k)) {
-        const double fraction = high_(k) == low_(k) ? 0.5 : weight * low_(k) / (weight * low_(k) - high_(k));
+      if (high_(k) < 0.0) {
+        const double fraction = low_(k) > 0.0 ? weight * low_(k) / (weight * low_(k) - high_(k)) : 0.5;
         t = std::min(t, a + fraction * (b - a));
       }
     if (iteration > 60) t = 0.5 * (a + b);
     t = std::min(std::max(t, a + 0.5 * resolution), b - 0.5 * resolution);
-    evaluate(state_at(t), middle_);
-    if (any_change(middle_)) {
+    evaluate(t, middle_);
+    if (any_negative(middle_)) {
       b = t;
-      high_ = middle_;
+      high_.swap(middle_);
       weight = last_side == 1 ? weight * 2.0 : 1.0;
       last_side = 1;
     } else {
       a = t;
-      low_ = middle_;
+      low_.swap(middle_);
       weight = last_side == -1 ? weight * 0.5 : 1.0;
       last_side = -1;
     }
   }
   t_end = b;
   for (int k = 0; k < n_root_; ++k)
-    if (changes(high_, k)) which.push_back(k);
-  low_ = high_;
+    if (high_(k) < 0.0) which.push_back(k);
   return true;
 }
 

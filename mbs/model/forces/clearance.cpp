@@ -44,7 +44,7 @@ class Clearance final : public ForceElement {
   void switching(const Kinematics& kin, const double*, double* values) const override {
     for (int side = 0; side < 2; ++side) {
       const auto [gap, rate] = gap_of(side, kin);
-      law_.switching(gap, rate, kin.own.c + side, values + 2 * side);
+      law_.switching(gap, rate, kin.own.root + 2 * side, kin.own.c + side, values + 2 * side);
     }
   }
   void start_switches(const Kinematics& kin, const double*, int* root, double* c) const override {
@@ -55,8 +55,7 @@ class Clearance final : public ForceElement {
   }
   void change_switch(int which, const Kinematics& kin, const double*, int* root, double* c) const override {
     const int side = which / 2;
-    const auto [gap, rate] = gap_of(side, kin);
-    law_.change(which % 2, gap, rate, root + 2 * side, c + side);
+    law_.change(which % 2, gap_of(side, kin).second, root + 2 * side, c + side);
   }
 
   void apply(const Kinematics& kin, const double*, Loads& loads) const override {

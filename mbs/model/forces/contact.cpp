@@ -82,15 +82,14 @@ class Contact final : public ForceElement {
   }
   void switching(const Kinematics& kin, const double*, double* values) const override {
     const Touch at(*this, kin);
-    law_.switching(at.gap, at.gap_rate, kin.own.c, values);
+    law_.switching(at.gap, at.gap_rate, kin.own.root, kin.own.c, values);
   }
   void start_switches(const Kinematics& kin, const double*, int* root, double* c) const override {
     const Touch at(*this, kin);
     law_.start(at.gap, at.gap_rate, root, c);
   }
   void change_switch(int which, const Kinematics& kin, const double*, int* root, double* c) const override {
-    const Touch at(*this, kin);
-    law_.change(which, at.gap, at.gap_rate, root, c);
+    law_.change(which, Touch(*this, kin).gap_rate, root, c);
   }
 
   void apply(const Kinematics& kin, const double*, Loads& loads) const override {

@@ -139,10 +139,12 @@ class BouncingBall : public SimpleEquations {
     }
     return e;
   }
-  void roots(const State& s, Scratch&, VectorRef values) const override { values(0) = s.p(0); }
+  void roots(const State& s, Scratch&, VectorRef values) const override {
+    values(0) = s.root[0] == 1 ? -s.p(0) : s.p(0);
+  }
   bool on_root(int, State& s, Scratch&) const override {
     if (compliant) {
-      s.root[0] = s.v(0) < 0.0 ? 1 : 0;
+      s.root[0] = 1 - s.root[0];
       return false;
     }
     if (s.v(0) < 0.0) s.v(0) *= -restitution;
