@@ -291,9 +291,9 @@ GeneralisedAlpha::Outcome GeneralisedAlpha::newton(double h) {
   }
 }
 
-// e <- the part of e that the motion takes up: M e through Newton's matrix.  What a change of step leaves in
-// the accelerations along the constraints (of order h, with alternating sign) and in vibrations that the step
-// does not resolve dies out by itself and must not steer the step.
+// e <- the part of the velocities' error e that the motion takes up: M e through Newton's matrix.  What a
+// change of step leaves in the accelerations along the constraints (of order h, with alternating sign) and in
+// vibrations that the step does not resolve dies out by itself and must not steer the step.
 void GeneralisedAlpha::filter(VectorXd& e) {
   F_.setZero();
   F_.head(n_.n_v).noalias() = tangents_.M * e;
@@ -303,8 +303,10 @@ void GeneralisedAlpha::filter(VectorXd& e) {
 }
 
 double GeneralisedAlpha::local_error(double h) {
+  // Of positions also what constraints prescribe: they close loops however long the step, but a step that
+  // does not resolve the motion finds wrong accelerations and forces, and Newton's method fails with every
+  // longer one.
   unused_ = k_.error_p * h * h * (next_.w - now_.w);
-  filter(unused_);
   eq_.kinematic(next_.s.p, unused_, error_.head(n_.n_p));
   unused_ = (next_.v_dot - now_.v_dot) / h - (now_.v_dot - v_dot_older_) / h_older_;
   unused_ *= k_.error_v * h * h * h * 2.0 / (h + h_older_);
