@@ -81,13 +81,15 @@ void LoopCloser::factor(double t, const Eigen::VectorXd& p) {
 }
 
 // In units of round-off, which grows with the speeds for those on velocity level.
-double LoopCloser::residuals(const State& s) {
+LoopCloser::Residuals LoopCloser::residuals(const State& s) {
   eq_.constraints(s.t, s.p, s.v, *scratch_, g_, g_dot_);
   const double speed = std::max(1.0, s.v.cwiseQuotient(scale_).lpNorm<Eigen::Infinity>());
-  double size = 0.0;
+  Residuals size;
   for (int k = 0; k < n_.n_lambda; ++k)
-    if (round_off_(k) > 0.0)
-      size = std::max({size, std::abs(g_(k)) / round_off_(k), std::abs(g_dot_(k)) / (round_off_(k) * speed)});
+    if (round_off_(k) > 0.0) {
+      size.position = std::max(size.position, std::abs(g_(k)) / round_off_(k));
+      size.velocity = std::max(size.velocity, std::abs(g_dot_(k)) / (round_off_(k) * speed));
+    }
   return size;
 }
 
@@ -96,6 +98,8 @@ void LoopCloser::correct(State& s) {
   saddle_.solve(rest_, g_, d_, x_);
   eq_.kinematic(s.p, d_, p_);  // unlike retract() it leaves the lengths of quaternions alone
   s.p += p_;
+  // Velocities where the positions are now: a step of fast mechanisms changes G v by more than its residual.
+  eq_.velocity_constraints(s.t, s.p, s.v, *scratch_, g_dot_);
   g_dot_ = -g_dot_;
   saddle_.solve(rest_, g_dot_, d_, x_);
   s.v += d_;
@@ -103,28 +107,37 @@ void LoopCloser::correct(State& s) {
 
 void LoopCloser::close(State& s) {
   if (n_.n_lambda == 0) return;
+  // Newton's method takes nine tenths of g away at once: the nearest point on the constraints is this one.
+  bool is_near = false;
   try {
     bool fresh = !has_factors_;
     if (fresh) factor(s.t, s.p);
-    double size = residuals(s);
-    if (!(size > 1.0)) return;
+    Residuals size = residuals(s);
+    if (size.closed()) return;
     trial_ = s;
-    for (int iteration = 0; iteration < 10 && size > 1.0 && std::isfinite(size); ++iteration) {
+    for (int iteration = 0; iteration < 10 && !size.closed() && std::isfinite(size.larger()); ++iteration) {
       correct(trial_);
-      const double now = residuals(trial_);
-      if (!fresh && now > 1.0 && !(now < 0.1 * size)) {
+      const Residuals now = residuals(trial_);
+      if (!fresh && !now.closed() && !(now.larger() < 0.1 * size.larger())) {
         factor(s.t, s.p);
         fresh = true;
         trial_ = s;
         size = residuals(trial_);
+        is_near = false;
         continue;
       }
-      if (!(now < 0.5 * size)) return;
+      is_near = is_near || now.position <= std::max(1.0, 0.1 * size.position);
+      if (!now.closed() && !(now.larger() < 0.5 * size.larger())) return;
       size = now;
     }
-    if (!(size <= 1.0)) return;
+    if (!size.closed()) return;
   } catch (const std::runtime_error&) {
     return;  // no mass matrix there: the integrator will say so
+  }
+  if (is_near) {
+    s.p = trial_.p;
+    s.v = trial_.v;
+    return;
   }
   weights_.evaluate(s.p, s.v, s.c, w_);
   change_ = trial_.p - s.p;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <memory>
 
 #include "mbs/model/equations.hpp"
@@ -39,15 +40,22 @@ class LoopCloser {
  public:
   LoopCloser(const Equations& eq, const SolverOptions& options);
 
-  /// Positions and velocities.  Leaves s as it was where positions would change by more than ten times the
-  /// error allowed in a step: near a dead point, where the residual says little about the distance.
+  /// Positions and velocities, of ends of steps and of rows inside long steps, whose polynomial closes loops
+  /// less well.  Leaves s as it was where Newton's method takes less than nine tenths of g away at once and
+  /// positions would change by more than ten times the error allowed in a step: near a dead point, where the
+  /// residual says little about the distance.
   void close(State& s);
   /// Where the factorisation was made, so that a continued run repeats the unbroken one to the bit.
   void remember(History& history);
 
  private:
+  struct Residuals {
+    double position = 0.0, velocity = 0.0;
+    double larger() const { return std::max(position, velocity); }
+    bool closed() const { return larger() <= 1.0; }
+  };
   void factor(double t, const Eigen::VectorXd& p);
-  double residuals(const State& s);
+  Residuals residuals(const State& s);
   void correct(State& s);
 
   const Equations& eq_;

@@ -62,7 +62,7 @@ class Runner {
   void write_rows_until(double t, Integrator& integrator);
   void take_switches(const std::vector<int>& roots);
   void refuse_endless(int which) const;
-  void measure_drift();
+  void measure_drift(const State& s);
   bool step_once();  // false ends the run
   bool finish_step(const StepEnd& end, Integrator& integrator);
   bool hop(const IntegrationError& reason);
@@ -88,16 +88,18 @@ void Runner::write_rows_until(double t, Integrator& integrator) {
   for (; row_time(next_row_) <= t && row_time(next_row_) > row_time(next_row_ - 1); ++next_row_) {
     const double t_row = row_time(next_row_);
     integrator.interpolate(t_row, row_state_, row_v_dot_);
-    if (keeps_book_) closer_.close(row_state_);
+    if (keeps_book_) {
+      closer_.close(row_state_);
+      measure_drift(row_state_);
+    }
     if (!callbacks_.row) continue;
     callbacks_.row(row_state_, row_v_dot_,
                    keeps_book_ ? book_.at_row(row_state_, row_v_dot_) : book_.account());
   }
 }
 
-void Runner::measure_drift() {
+void Runner::measure_drift(const State& s) {
   if (n_.n_lambda == 0) return;
-  const State& s = result_.state;
   eq_.constraints(s.t, s.p, s.v, *scratch_, g_, g_dot_);
   result_.peak_position_drift = std::max(result_.peak_position_drift, g_.cwiseAbs().maxCoeff());
   result_.peak_velocity_drift = std::max(result_.peak_velocity_drift, g_dot_.cwiseAbs().maxCoeff());
@@ -188,7 +190,7 @@ bool Runner::finish_step(const StepEnd& end, Integrator& integrator) {
     book_.start(result_.state, result_.v_dot);
   result_.largest_energy_error = std::max(result_.largest_energy_error, std::abs(book_.account().error()));
   if (keeps_book_) closer_.close(result_.state);
-  measure_drift();
+  measure_drift(result_.state);
   if (callbacks_.progress)
     callbacks_.progress(end.t_end,
                         (end.t_end - options_.start_time) / (options_.end_time - options_.start_time));
