@@ -22,6 +22,7 @@ using Eigen::VectorXd;
 constexpr std::array kLadder = {0, 1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128};
 // A candidate is judged on about so many rows, the stiffness on so few.
 constexpr std::size_t kRowsForCandidates = 300, kRowsForStiffness = 8;
+constexpr double kMostMemory = 256e6;  // [B] of linearised rows
 
 double hz(double omega2) {
   return std::sqrt(std::max(omega2, 0.0)) / (2.0 * std::numbers::pi);
@@ -96,6 +97,18 @@ MatrixXd Screening::responses_of(const std::string& body) const {
   }
 }
 
+// The full model about a row, kept while that takes no more than the memory allowed.
+const LinearisedRow& Screening::linearised(std::size_t row) {
+  const auto found = linearised_.find(row);
+  if (found != linearised_.end()) return found->second;
+  const mbs::Sizes n = full_.mechanism().sizes();
+  const double bytes = 8.0 * n.n_v * (3.0 * n.n_v + n.n_lambda);
+  if (bytes * static_cast<double>(linearised_.size() + 1) > kMostMemory) linearised_.clear();
+  LinearisedRow& out = linearised_[row];
+  full_.linearise(rows_[row].s, rows_[row].v_dot, out);
+  return out;
+}
+
 // The outputs of the correction in the deformations S of one body (n_block x k), row by row.
 std::vector<VectorXd> Screening::outputs_with(const ModalBlock& block, const MatrixXd& S,
                                               const VectorXd& extra_damping) {
@@ -110,14 +123,14 @@ std::vector<VectorXd> Screening::outputs_with(const ModalBlock& block, const Mat
   T.block(block.v, n_joint, block.m, S.cols()) = S;
 
   LinearCorrection correction(T.cols(), 1);
-  LinearisedRow row, small;
+  LinearisedRow small;
   VectorXd r, y;
   mbs::State moved;
   std::vector<VectorXd> outputs;
   const std::size_t every = std::max<std::size_t>(1, rows_.size() / kRowsForCandidates);
   for (std::size_t i = 0; i < rows_.size(); i += every) {
     const Row& at = rows_[i];
-    full_.linearise(at.s, at.v_dot, row);
+    const LinearisedRow& row = linearised(i);
     full_.residual(at.s, at.v_dot, r);
     small.M.noalias() = T.transpose() * (row.M * T);
     small.G.noalias() = row.G * T;
@@ -210,11 +223,11 @@ void Screening::change_of_stiffness(const ModalBlock& block, Screened& out) {
   if (!out.has_stiffening_terms) return;
   const auto stiffened = FullModel::make(run_, file_, overrides_, {block.name});
   const VectorXd scale = stiffness_of(full_, block).cwiseSqrt().cwiseInverse();
-  LinearisedRow with, without;
+  LinearisedRow with;
   const std::size_t every = std::max<std::size_t>(1, rows_.size() / kRowsForStiffness);
   for (std::size_t i = every / 2; i < rows_.size(); i += every) {
     stiffened->linearise(rows_[i].s, rows_[i].v_dot, with);
-    full_.linearise(rows_[i].s, rows_[i].v_dot, without);
+    const LinearisedRow& without = linearised(i);
     const MatrixXd change = scale.asDiagonal() *
                             (with.K - without.K).block(block.v, block.v, block.m, block.m) *
                             scale.asDiagonal();
@@ -248,11 +261,9 @@ std::vector<Screened> Screening::bodies(const std::vector<std::string>& for_bodi
       full_.evaluate(spin, row.s, row.v_dot, omega);
       screened.spin = std::max(screened.spin, omega.norm());
     }
-    LinearisedRow row;
-    full_.linearise(rows_.front().s, rows_.front().v_dot, row);
     const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> held(
         stiffness_of(full_, block).asDiagonal().toDenseMatrix(),
-        row.M.block(block.v, block.v, block.m, block.m), Eigen::EigenvaluesOnly | Eigen::Ax_lBx);
+        linearised(0).M.block(block.v, block.v, block.m, block.m), Eigen::EigenvaluesOnly | Eigen::Ax_lBx);
     screened.first_hz = hz(held.eigenvalues()(0));
     screened.excitation_hz = excitation(block);
     change_of_stiffness(block, screened);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -72,6 +73,7 @@ class Screening {
   };
   const ModalBlock& block_of(const std::string& body) const;
   Eigen::MatrixXd responses_of(const std::string& body) const;
+  const LinearisedRow& linearised(std::size_t row);
   std::vector<Eigen::VectorXd> outputs_with(const ModalBlock& block, const Eigen::MatrixXd& S,
                                             const Eigen::VectorXd& extra_damping);
   Candidate judge(const ModalBlock& block, int modes, const Eigen::MatrixXd& responses,
@@ -85,6 +87,7 @@ class Screening {
   std::vector<std::string> overrides_;
   std::unique_ptr<Shadows> shadows_;
   std::vector<Row> rows_;
+  std::map<std::size_t, LinearisedRow> linearised_;  ///< every candidate wants the same
 };
 
 }  // namespace flexura::study
