@@ -8,17 +8,16 @@ input::TableSchema solver_schema() {
   in::TableSchema schema;
   schema.name = "solver";
   schema.doc = "How the equations of motion are integrated and how often results are written.";
-  schema.keys.push_back(
-      in::choice(
-          "method", {"ida", "radau", "generalised_alpha", "runge_kutta", "kinematics", "quasi_statics"},
-          "integrator: ida = SUNDIALS IDA (BDF, variable step and order) on the stabilised index-2 form; "
-          "radau = Radau IIA of order 5 on the same form, L-stable: high frequencies decay, none grows; "
-          "generalised_alpha = order 2 on index 3 with numerical damping at high frequencies (rho_inf); "
-          "runge_kutta = Dormand-Prince 5(4) with projection, explicit, for models that are not stiff; "
-          "kinematics = positions, velocities, accelerations and drive forces where drives prescribe the "
-          "whole "
-          "motion; quasi_statics = an equilibrium at each output time")
-          .or_default("ida"));
+  schema.keys.push_back(in::choice(
+      "method", {"ida", "radau", "generalised_alpha", "runge_kutta", "kinematics", "quasi_statics"},
+      "integrator: ida = SUNDIALS IDA (BDF, variable step and order) on the stabilised index-2 form; "
+      "radau = Radau IIA of order 5 on the same form, L-stable: high frequencies decay, none grows; "
+      "generalised_alpha = order 2 on index 3 with numerical damping at high frequencies (rho_inf); "
+      "runge_kutta = Dormand-Prince 5(4) with projection, explicit, for models that are not stiff; "
+      "kinematics = positions, velocities, accelerations and drive forces where drives prescribe the "
+      "whole "
+      "motion; quasi_statics = an equilibrium at each output time; without it radau where a body has "
+      "modal coordinates, ida otherwise"));
   schema.keys.push_back(
       in::quantity("start_time", in::dim::time, "time at which the run begins").or_default("0 s"));
   schema.keys.push_back(
@@ -39,10 +38,11 @@ input::TableSchema solver_schema() {
                             .at_least(1e-13)
                             .at_most(1e-1));
   schema.keys.push_back(
-      in::quantity("accuracy", in::dim::none,
-                   "wanted relative accuracy (rms) of all stored outputs, like \"1 %\": flexura simulate then "
-                   "chooses the tolerance, and fidelity and modes of every superelement that has no fidelity "
-                   "of its own; 0 = nothing is chosen")
+      in::quantity(
+          "accuracy", in::dim::none,
+          "wanted relative accuracy (rms) of all stored outputs, like \"1 %\": flexura simulate then "
+          "chooses the tolerance, and fidelity and modes of every superelement that has no fidelity "
+          "of its own; 0 = nothing is chosen")
           .or_default("0")
           .at_least(0.0)
           .at_most(1.0));
@@ -98,7 +98,7 @@ input::TableSchema solver_schema() {
 
 SolverOptions read_solver_options(const input::Section& section) {
   SolverOptions o;
-  o.method = section.text("method");
+  if (section.has("method")) o.method = section.text("method");
   o.start_time = section.quantity("start_time");
   o.end_time = section.quantity("end_time");
   o.stop_time = section.quantity("stop_time");

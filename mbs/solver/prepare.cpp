@@ -4,6 +4,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
+
 #include "mbs/solver/accelerations.hpp"
 #include "mbs/solver/kinematic_blocks.hpp"
 #include "mbs/solver/settle.hpp"
@@ -33,6 +35,14 @@ std::vector<bool> modal_velocities(const Mechanism& mechanism, const State& s) {
     for (int k = 0; k < bodies[b].flexible->m(); ++k) modal[first + k] = true;
   }
   return velocities_of(mechanism, s, modal);
+}
+
+// Vibration that nothing excites bounds the steps of a multistep method, not those of Radau IIA: on the
+// scenes of cases/trade the latter is 1.2 to 700 times faster with all modes, as fast without any.
+bool has_modes(const Mechanism& mechanism) {
+  return std::ranges::any_of(mechanism.description().bodies, [](const BodyDescription& body) {
+    return body.flexible && body.flexible->is_modal();
+  });
 }
 
 std::vector<bool> either(std::vector<bool> a, const std::vector<bool>& b) {
@@ -68,6 +78,8 @@ PreparedMechanism prepare(const std::filesystem::path& path, const std::vector<s
   out.given_start_time = out.options.start_time;
   out.notes = out.file.notes;
   out.mechanism = std::make_unique<Mechanism>(out.file.description);
+  if (!out.file.solver.has("method") && !out.file.solver.has("max_order") && has_modes(*out.mechanism))
+    out.options.method = "radau";
   out.state = out.mechanism->initial_state();
   out.state.t = out.options.start_time;
   std::vector<bool> given_positions = out.mechanism->given_positions();

@@ -105,7 +105,6 @@ class Chooser {
       tolerance_ = std::clamp(1e-3 * accuracy_, 1e-9, 1e-4);
       given_.push_back(fmt::format("solver.tolerance={:.3g}", *tolerance_));
       given_.push_back(fmt::format("solver.absolute_factor={}", kAbsoluteFactor));
-      chooses_method_ = !given.file.solver.has("method");
     }
   }
 
@@ -129,8 +128,6 @@ class Chooser {
     if (tolerance_)
       out.reasons.push_back(
           fmt::format("tolerance {:.1e}: a thousandth of the wanted {}", *tolerance_, percent(accuracy_)));
-    if (takes_radau())
-      out.reasons.push_back("integrator radau: vibration that nothing excites does not bound its steps");
     return out;
   }
 
@@ -141,15 +138,7 @@ class Chooser {
       const auto words = choice.overrides(body);
       out.insert(out.end(), words.begin(), words.end());
     }
-    if (takes_radau()) out.push_back("solver.method=radau");
     return out;
-  }
-
-  // Vibration that nothing excites bounds the steps of a multistep method, not those of this one: with all
-  // modes it is 1.2 to 7 times cheaper on the scenes of cases/trade, with none the same.
-  bool takes_radau() const {
-    return chooses_method_ &&
-           std::ranges::any_of(choices_, [](const auto& entry) { return !entry.second.rigid; });
   }
 
   // The run with the bodies rigid that are to be chosen; `out` must outlive the screening.
@@ -378,7 +367,6 @@ class Chooser {
   std::vector<std::string> given_;
   const mbs::RunCallbacks& callbacks_;
   std::optional<double> tolerance_;
-  bool chooses_method_ = false;
   std::map<std::string, BodyChoice> choices_;
   std::unique_ptr<FullModel> full_;
   std::optional<Screening> screening_;

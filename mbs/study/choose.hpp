@@ -24,7 +24,7 @@
 ///
 /// The tolerance follows from the accuracy by tol = accuracy / 1000 within [1e-9, 1e-4]: on the scenes of
 /// cases/trade that leaves the integrator a tenth of the error or less.  Its absolute part is a hundredth of
-/// it, and the integrator Radau IIA where a chosen body deforms, unless the file names one.
+/// it.
 namespace flexura::study {
 
 struct RowOfRun {
