@@ -90,6 +90,9 @@ double instructions(const Folder& folder, const std::vector<std::string>& more) 
 }
 
 TEST(OnlyWhatASceneRequires, IsReadBuiltAndStored) {
+#ifdef __SANITIZE_ADDRESS__
+  GTEST_SKIP() << "valgrind does not run programs with an address sanitizer of their own";
+#endif
   const Folder folder;
   folder.write("scene.toml", kScene);
   superelement::write(folder / "beam.se.h5", superelement::testing::make_box_beam());
