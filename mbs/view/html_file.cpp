@@ -57,7 +57,13 @@ void HtmlFile::finish(std::string_view script) {
   finished_ = true;
 }
 
-void HtmlFile::fail(std::string_view why) const {
+void HtmlFile::fail(std::string_view why) {
+  // A constructor that throws has no destructor to clean up behind it.
+  if (out_.is_open()) {
+    out_.close();
+    std::error_code ignored;
+    std::filesystem::remove(part_, ignored);
+  }
   throw std::runtime_error(fmt::format("cannot write the page '{}': {}", path_.string(), why));
 }
 

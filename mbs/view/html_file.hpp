@@ -23,7 +23,7 @@ class HtmlFile {
   void finish(std::string_view script);
 
  private:
-  [[noreturn]] void fail(std::string_view why) const;
+  [[noreturn]] void fail(std::string_view why);
 
   std::filesystem::path path_, part_;
   std::ofstream out_;

@@ -276,6 +276,27 @@ TEST_F(Flexura, OutputsInAFolderThatIsNotThereAreRefused) {
   }
 }
 
+// A file may have no more than 512 bytes here, as on a full disk: one sentence, code 1, nothing left behind.
+TEST_F(Flexura, OutputsThatCannotBeWrittenAreSaidSoAndLeaveNothing) {
+  const auto out = folder_ / "out";
+  std::filesystem::create_directory(out);
+  const std::string suspension = " " FLEXURA_SOURCE_DIR "/cases/macpherson/macpherson.toml --run ride ";
+  const std::vector<std::string> commands = {
+      "modes " + beam_ + " --html ", "report " + beam_ + " -o ", "export " + beam_ + " -f vtk -o ",
+      "linearize" + suspension + "--descriptor -o ", "statics" + suspension + "--save-state "};
+  for (const std::string& command : commands) {
+    const std::string file = (out / "file.m").string(), script = (folder_ / "limited.sh").string();
+    std::ofstream(script) << "trap '' XFSZ\nulimit -f 1\nexec " FLEXURA_BIN_DIR "/flexura " << command << file
+                          << " -q 2>&1 | cat\nexit ${PIPESTATUS[0]}\n";
+    const Outcome outcome = run_program("bash " + script);
+    EXPECT_EQ(outcome.code, 1) << command;
+    EXPECT_TRUE(outcome.out.starts_with("error: ")) << command << outcome.out;
+    EXPECT_EQ(std::count(outcome.out.begin(), outcome.out.end(), '\n'), 1) << outcome.out;
+    EXPECT_THAT(outcome.out, HasSubstr("file.m"));
+    EXPECT_TRUE(std::filesystem::is_empty(out)) << command;
+  }
+}
+
 // A force with a pole half way, taken by the guide alone, so that no step is cut back before the row at the
 // pole: the run up to there is kept, readable and named.
 TEST_F(Flexura, SimulateKeepsWhatCameBeforeAValueThatIsNotFinite) {
