@@ -2,9 +2,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 #include "mbs/app/commands.hpp"
 #include "mbs/app/recorder.hpp"
+#include "mbs/app/results_summary.hpp"
 #include "mbs/solver/accelerations.hpp"
 #include "mbs/terminal/terminal.hpp"
 
@@ -15,7 +17,7 @@ namespace {
 struct Arguments : MechanismArguments {
   std::string results, output;
   std::vector<std::string> quantities;
-  bool csv = false;
+  bool csv = false, json = false;
 };
 
 double stored(const results::Run& run, Eigen::Index row, const char* name) {
@@ -82,10 +84,17 @@ int compute(const Arguments& arguments, const terminal::Talk& talk) {
     writer.end_run(source.complete, source.stopped_because, source.summary_json);
   }
   writer.close();
+  std::vector<std::string> files = {path.string()};
   if (arguments.csv)
-    for (const auto& table : results::write_csv(results::read(path), path))
-      if (!talk.quiet) fmt::print("table   {}\n", table.string());
-  if (!talk.quiet) fmt::print("results {}\n", path.string());
+    for (const auto& table : results::write_csv(results::read(path), path)) files.push_back(table.string());
+  if (arguments.json) {
+    nlohmann::json told = summary_json("outputs", results::read(path));
+    told["files"] = files;
+    fmt::print("{}\n", told.dump(1));
+  } else if (!talk.quiet) {
+    for (std::size_t i = 1; i < files.size(); ++i) fmt::print("table   {}\n", files[i]);
+    fmt::print("results {}\n", files[0]);
+  }
   return 0;
 }
 
@@ -101,6 +110,8 @@ terminal::Command outputs_command() {
                         "what to compute, * and ? are wildcards; default: what the mechanism file says")
                 .option("-o,--output", a->output, "FILE", "results file (default: RESULTS_outputs.h5)")
                 .flag("--csv", a->csv, "write a table of each run beside it")
+                .flag("--json", a->json,
+                      "print names, units and ranges of what was computed, and the files, as JSON")
                 .example("flexura outputs engine.toml engine.h5 --quantity \"pin.force_*\" --csv",
                          "reactions that the run did not store");
             return [a, &talk] { return compute(*a, talk); };

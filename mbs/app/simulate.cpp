@@ -190,7 +190,7 @@ int simulate(Arguments arguments, const terminal::Talk& talk) {
     summary.update(outcome.summary);
     for (const std::string& line : outcome.lines)
       remarks.push_back(run.name == "run" ? line : fmt::format("run {}: {}", run.name, line));
-    summary["notes"] = outcome.warnings;
+    summary["warnings"] = outcome.warnings;
     writer.end_run(r.complete, r.stopped_because, summary.dump());
     if (arguments.json) {
       list.push_back(run_json(run));

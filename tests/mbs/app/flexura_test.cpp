@@ -1,19 +1,16 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <chrono>
-#include <nlohmann/json.hpp>
 
-#include "mbs/superelement/file.hpp"
 #include "mbs/terminal/terminal.hpp"
-#include "tests/mbs/app/run_program.hpp"
-#include "tests/mbs/superelement/box_beam.hpp"
+#include "tests/mbs/app/flexura_fixture.hpp"
 
 namespace flexura {
 namespace {
 
+using testing::Flexura;
 using ::testing::HasSubstr;
 using testing::Outcome;
 using testing::run_program;
@@ -25,24 +22,6 @@ type = "prismatic"
 from = "ground"
 to = "block"
 )toml";
-
-class Flexura : public ::testing::Test {
- protected:
-  void SetUp() override {
-    folder_ = std::filesystem::temp_directory_path() / ("flexura_app_" + std::to_string(::getpid()));
-    std::filesystem::create_directories(folder_);
-    beam_ = (folder_ / "beam.se.h5").string();
-    superelement::write(beam_, superelement::testing::make_box_beam());
-  }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
-
-  static Outcome flexura(const std::string& arguments) {
-    return run_program(FLEXURA_BIN_DIR "/flexura " + arguments);
-  }
-
-  std::filesystem::path folder_;
-  std::string beam_;
-};
 
 TEST_F(Flexura, ModesPrintsATableThatFits) {
   const Outcome outcome = flexura("modes " + beam_);
@@ -116,79 +95,6 @@ TEST_F(Flexura, VerboseTellsCountsAndStages) {
   EXPECT_EQ(plain.out.find("jacobians"), std::string::npos);
   EXPECT_THAT(verbose.err, HasSubstr("run bump: "));
   EXPECT_THAT(verbose.out, HasSubstr("jacobians"));
-}
-
-TEST_F(Flexura, ModesGivesJsonForScripts) {
-  const Outcome outcome = flexura("modes --json --clamped left -n 2 -- " + beam_);
-  ASSERT_EQ(outcome.code, 0) << outcome.err;
-  const auto json = nlohmann::json::parse(outcome.out);
-  EXPECT_EQ(json.at("analyses").size(), 1u);
-  EXPECT_EQ(json["analyses"][0]["held"], nlohmann::json({"left"}));
-  EXPECT_EQ(json["analyses"][0]["n_rigid"], 0);
-  ASSERT_EQ(json["analyses"][0]["modes"].size(), 2u);
-  // Cantilever 0.8 m, thickness 0.03 m: 1.875104^2 sqrt(EI/(rho A)) / (2 pi L^2) = 39.16 Hz; cubic and
-  // quartic terms and the rotary inertia change it by less than one percent.
-  const double f = 1.875104 * 1.875104 * std::sqrt(2.1e11 * 0.03 * 0.03 / 12 / 7850) / (2 * M_PI * 0.64);
-  EXPECT_NEAR(json["analyses"][0]["modes"][0]["frequency_hz"].get<double>() / f, 1.0, 0.01);
-}
-
-// What the commands on mechanisms print for people, for scripts: a spring of 1000 N/m under 2 kg and g = 10
-// m/s^2.
-TEST_F(Flexura, CommandsOnMechanismsGiveJsonForScripts) {
-  const auto mechanism = folder_ / "spring.toml";
-  std::ofstream(mechanism) << R"toml(name = "spring"
-gravity = [0, 0, -10]
-[ground.marker.post]
-axis = [0, 0, 1]
-[body.block]
-mass = 2
-marker.up = { axis = [0, 0, 1] }
-[joint.slide]
-type = "prismatic"
-from = "ground.post"
-to = "block.up"
-[force.spring]
-type = "joint_spring_damper"
-joint = "slide"
-stiffness = 1000
-[solver]
-end_time = 0.1
-)toml";
-  const auto json = [&](const std::string& command, const std::string& kind) {
-    const Outcome outcome = flexura(command + " " + mechanism.string() + " --json");
-    EXPECT_EQ(outcome.code, 0) << outcome.err;
-    const auto told = nlohmann::json::parse(outcome.out);  // nothing else is on stdout
-    EXPECT_EQ(told["kind"], kind);
-    EXPECT_EQ(told["name"], "spring");
-    EXPECT_EQ(told["runs"].size(), 1u);
-    return told["runs"][0];
-  };
-  const auto modes = json("eigen", "natural modes");
-  EXPECT_EQ(modes["coordinates"], nlohmann::json({"slide.speed"}));
-  ASSERT_EQ(modes["modes"].size(), 1u);
-  // sqrt(1000 / 2) / (2 pi); the stiffness is a difference quotient, 1e-6 of it.
-  EXPECT_NEAR(modes["modes"][0]["frequency_hz"].get<double>(), std::sqrt(500.0) / (2 * M_PI), 1e-5);
-  EXPECT_EQ(modes["modes"][0]["shape"]["real"].size(), 1u);
-  const auto rest = json("statics", "equilibrium");
-  bool found = false;
-  for (const auto& quantity : rest["quantities"]) {
-    if (quantity["name"] != "slide.position") continue;
-    found = true;
-    EXPECT_NEAR(quantity["value"].get<double>(), -0.02, 1e-9);  // m g / k
-    EXPECT_EQ(quantity["unit"], "m");
-  }
-  EXPECT_TRUE(found);
-  const auto start = json("assemble", "assembled");
-  EXPECT_EQ(start["velocities"][0]["name"], "slide.speed");
-  EXPECT_NEAR(start["velocities"][0]["acceleration"].get<double>(), -10.0, 1e-9);
-  const auto linear = json("linearize -o " + (folder_ / "spring.m").string(), "linear system");
-  EXPECT_EQ(linear["states"].size(), 2u);
-  EXPECT_EQ(linear["files"], nlohmann::json({(folder_ / "spring.m").string()}));
-  const auto ended = json("simulate -o " + (folder_ / "spring.h5").string(), "results");
-  EXPECT_EQ(ended["complete"], true);
-  EXPECT_EQ(ended["summary"]["end_time"], 0.1);
-  // A file that names no runs has none to speak of.
-  EXPECT_THAT(flexura("check " + mechanism.string()).out, ::testing::StartsWith("spring, t = 0 s\n"));
 }
 
 TEST_F(Flexura, ModesWritesAPage) {
