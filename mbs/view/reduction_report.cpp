@@ -90,7 +90,7 @@ ReportTable table_of(const std::string& title, const json& rows) {
     }
   }
   // What names the row comes first.
-  for (const char* first : {"check", "interface", "name", "number", "mode"}) {
+  for (const char* first : {"frequency_hz", "check", "interface", "name", "number", "mode"}) {
     const auto found = std::find(keys.begin(), keys.end(), first);
     if (found != keys.end()) std::rotate(keys.begin(), found, found + 1);
   }
@@ -195,6 +195,7 @@ void add_json(ReportSection& section, const std::string& title, const json& valu
   } else if (value.is_object()) {
     ReportFacts facts;
     for (const auto& [key, item] : value.items()) {
+      if (item.is_null()) continue;  // not measured
       if (!item.is_object() && !(item.is_array() && !item.empty() && item.front().is_object())) {
         const ReportCell cell = cell_of(key, item);
         facts.facts.emplace_back(words(key),
@@ -247,16 +248,16 @@ Report reduction_report(const Superelement& se) {
 
   if (told.is_object()) {
     // What the reader must know first.
-    if (told.contains("notes") && told["notes"].is_array() && !told["notes"].empty()) {
-      ReportSection& notes = report.add("Notes");
-      for (const json& note : told["notes"]) notes.add(ReportNotice{Tone::plain, plain_text(note)});
-    }
     for (const auto& [key, value] : told.items()) {
       if (key == "acceptance" || key == "checks" || key == "accuracy") {
         std::string heading = words(key);
         heading[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(heading[0])));
         add_json(report.add(heading), "", value);
       }
+    }
+    if (told.contains("notes") && told["notes"].is_array() && !told["notes"].empty()) {
+      ReportSection& notes = report.add("Notes");
+      for (const json& note : told["notes"]) notes.add(ReportNotice{Tone::plain, plain_text(note)});
     }
   }
   add_body(report, se, told);

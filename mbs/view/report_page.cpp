@@ -195,10 +195,8 @@ class ReportWriter {
     if (block.curves.size() > 1) {
       file_.put("<ul class=\"plot-legend\">");
       for (std::size_t i = 0; i < block.curves.size(); ++i) {
-        file_.put(fmt::format(
-            "<li><svg viewBox=\"0 0 30 10\" width=\"30\" height=\"10\" aria-hidden=\"true\"><path "
-            "class=\"curve c{} d{}\" d=\"M1 5H29\"/></svg>{}</li>",
-            i % 6, i % 4, escape_html(block.curves[i].name)));
+        file_.put(
+            fmt::format("<li>{}{}</li>", svg_key(block.curves[i], i), escape_html(block.curves[i].name)));
       }
       file_.put("</ul>");
     }

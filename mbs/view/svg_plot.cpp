@@ -126,24 +126,18 @@ std::vector<std::size_t> drawn_points(const ReportCurve& curve, const Scale& x) 
   return places;
 }
 
-/// Labels beside their points, none over another: where there is no room the point's title has to do.
+/// Labels beside their points: none over another or over a mark, and off the curves where there is room;
+/// where there is none the point's title has to do.
 class Labels {
  public:
-  void draw(std::string& svg, const std::string& text, double px, double py) {
-    // Letters of this size are 7.5 wide on the average and 15 high.
-    const double w = 7.5 * static_cast<double>(text.size()), h = 15.0;
-    // At the right edge the left of the point comes first.
-    const bool turned = px > right - 130;
-    for (const double below : {-6.0, 16.0}) {
-      for (const bool to_left : {turned, !turned}) {
-        const Box box{to_left ? px - 8 - w : px + 8, py + below - h, w, h};
-        if (box.x < left || box.x + w > width || overlaps(box)) continue;
-        placed_.push_back(box);
-        svg += fmt::format("<text class=\"label\" x=\"{:.1f}\" y=\"{:.1f}\"{}>{}</text>",
-                           to_left ? px - 8 : px + 8, py + below, to_left ? " text-anchor=\"end\"" : "",
-                           escape_html(text));
-        return;
-      }
+  void add_mark(double px, double py) { marks_.push_back({px - 4, py - 4, 8, 8}); }
+  void add_segment(double x1, double y1, double x2, double y2) { segments_.push_back({x1, y1, x2, y2}); }
+  void add_label(const std::string& text, double px, double py) { wanted_.push_back({text, px, py}); }
+
+  /// Once all marks and curves are known, so that labels lie on top of them.
+  void draw(std::string& svg) {
+    for (const Wanted& label : wanted_) {
+      if (!place(svg, label, true)) place(svg, label, false);
     }
   }
 
@@ -151,13 +145,78 @@ class Labels {
   struct Box {
     double x, y, w, h;
   };
-  bool overlaps(const Box& a) const {
-    return std::any_of(placed_.begin(), placed_.end(), [&](const Box& b) {
+  struct Segment {
+    double x1, y1, x2, y2;
+  };
+  struct Wanted {
+    std::string text;
+    double x, y;
+  };
+
+  bool place(std::string& svg, const Wanted& label, bool off_curves) {
+    // Letters of this size are 7 wide on the average; 13 is their height without the room between lines.
+    const double w = 7.0 * static_cast<double>(label.text.size()), h = 13.0;
+    // At the right edge the left of the point comes first.
+    const bool turned = label.x > right - 130;
+    for (const double below : {-6.0, 16.0}) {
+      for (const bool to_left : {turned, !turned}) {
+        const double at = to_left ? label.x - 8 : label.x + 8;
+        const Box box{to_left ? at - w : at, label.y + below - 11, w, h};
+        if (box.x < left || box.x + w > width || box.y < 0.0 || box.y + h > bottom) continue;
+        if (hits(placed_, box) || hits(marks_, box) || (off_curves && crossed(box))) continue;
+        placed_.push_back(box);
+        svg += fmt::format("<text class=\"label\" x=\"{:.1f}\" y=\"{:.1f}\"{}>{}</text>", at, label.y + below,
+                           to_left ? " text-anchor=\"end\"" : "", escape_html(label.text));
+        return true;
+      }
+    }
+    return false;
+  }
+
+  static bool hits(const std::vector<Box>& boxes, const Box& a) {
+    return std::any_of(boxes.begin(), boxes.end(), [&](const Box& b) {
       return a.x < b.x + b.w && b.x < a.x + a.w && a.y < b.y + b.h && b.y < a.y + a.h;
     });
   }
-  std::vector<Box> placed_;
+  /// Liang and Barsky: the part of a segment inside the box, as a range of its parameter, is not empty.
+  bool crossed(const Box& box) const {
+    return std::any_of(segments_.begin(), segments_.end(), [&](const Segment& s) {
+      double from = 0.0, to = 1.0;
+      const auto clip = [&](double start, double change, double low, double high) {
+        if (change == 0.0) return low < start && start < high;
+        const auto [first, last] = std::minmax({(low - start) / change, (high - start) / change});
+        from = std::max(from, first);
+        to = std::min(to, last);
+        return from < to;
+      };
+      return clip(s.x1, s.x2 - s.x1, box.x, box.x + box.w) && clip(s.y1, s.y2 - s.y1, box.y, box.y + box.h);
+    });
+  }
+
+  std::vector<Box> marks_, placed_;
+  std::vector<Segment> segments_;
+  std::vector<Wanted> wanted_;
 };
+
+/// Four marks, so that curves are told apart without colour; `inside` stands between the tags.
+std::string mark_svg(std::size_t number, double px, double py, const std::string& inside) {
+  const char* const tags[] = {"circle", "rect", "path", "path"};
+  std::string shape;
+  switch (number % 4) {
+    case 0:
+      shape = fmt::format("cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"4\"", px, py);
+      break;
+    case 1:
+      shape = fmt::format("x=\"{:.1f}\" y=\"{:.1f}\" width=\"7\" height=\"7\"", px - 3.5, py - 3.5);
+      break;
+    case 2:
+      shape = fmt::format("d=\"M{:.1f} {:.1f}l4.5 8h-9z\"", px, py - 5);
+      break;
+    default:
+      shape = fmt::format("d=\"M{:.1f} {:.1f}l5 5l-5 5l-5-5z\"", px, py - 5);
+  }
+  return fmt::format("<{0} {1} class=\"mark c{2}\">{3}</{0}>", tags[number % 4], shape, number % 6, inside);
+}
 
 void draw_curve(std::string& svg, const ReportCurve& curve, std::size_t number, const Scale& x,
                 const Scale& y, Labels& labels) {
@@ -165,12 +224,16 @@ void draw_curve(std::string& svg, const ReportCurve& curve, std::size_t number, 
   if (curve.style != CurveStyle::points) {
     std::string path;
     bool pen_down = false;
+    double before_x = 0.0, before_y = 0.0;
     for (const std::size_t i : drawn_points(curve, x)) {
       if (!visible(i)) {
         pen_down = false;
         continue;
       }
-      path += fmt::format("{}{:.1f} {:.1f}", pen_down ? 'L' : 'M', x(curve.x[i]), y(curve.y[i]));
+      const double px = x(curve.x[i]), py = y(curve.y[i]);
+      path += fmt::format("{}{:.1f} {:.1f}", pen_down ? 'L' : 'M', px, py);
+      if (pen_down) labels.add_segment(before_x, before_y, px, py);
+      before_x = px, before_y = py;
       pen_down = true;
     }
     svg += fmt::format("<path class=\"curve c{} d{}\" d=\"{}\"/>", number % 6, number % 4, path);
@@ -182,26 +245,10 @@ void draw_curve(std::string& svg, const ReportCurve& curve, std::size_t number, 
     std::string name =
         fmt::format("{}: {}, {}", curve.name, figure_text(curve.x[i], 4), figure_text(curve.y[i], 4));
     if (i < curve.labels.size()) name = curve.labels[i] + " · " + name;
-    // Four marks, so that curves are told apart without colour.
-    std::string mark;
-    switch (number % 4) {
-      case 0:
-        mark = fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"4\"", px, py);
-        break;
-      case 1:
-        mark = fmt::format("<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"7\" height=\"7\"", px - 3.5, py - 3.5);
-        break;
-      case 2:
-        mark = fmt::format("<path d=\"M{:.1f} {:.1f}l4.5 8h-9z\"", px, py - 5);
-        break;
-      default:
-        mark = fmt::format("<path d=\"M{:.1f} {:.1f}l5 5l-5 5l-5-5z\"", px, py - 5);
-    }
-    svg += fmt::format("{} class=\"mark c{}\"><title>{}</title>{}", mark, number % 6, escape_html(name),
-                       number % 4 == 0   ? "</circle>"
-                       : number % 4 == 1 ? "</rect>"
-                                         : "</path>");
-    if (i < curve.labels.size() && curve.x.size() <= 14) labels.draw(svg, curve.labels[i], px, py);
+    svg += mark_svg(number, px, py, fmt::format("<title>{}</title>", escape_html(name)));
+    labels.add_mark(px, py);
+    if (i < curve.labels.size() && !curve.labels[i].empty() && curve.x.size() <= 14)
+      labels.add_label(curve.labels[i], px, py);
   }
 }
 
@@ -258,8 +305,17 @@ std::string svg_plot(const ReportPlot& plot) {
   svg += fmt::format("<path class=\"frame\" d=\"M{} {}V{}H{}\"/>", left, top, bottom, right);
   Labels labels;
   for (std::size_t i = 0; i < plot.curves.size(); ++i) draw_curve(svg, plot.curves[i], i, x, y, labels);
+  labels.draw(svg);
   svg += fmt::format("<path class=\"pointer\" d=\"M0 {}V{}\"/></svg>", top, bottom);
   return svg;
+}
+
+std::string svg_key(const ReportCurve& curve, std::size_t number) {
+  std::string svg = "<svg viewBox=\"0 0 30 12\" width=\"30\" height=\"12\" aria-hidden=\"true\">";
+  if (curve.style != CurveStyle::points)
+    svg += fmt::format("<path class=\"curve c{} d{}\" d=\"M1 6H29\"/>", number % 6, number % 4);
+  if (curve.style != CurveStyle::line) svg += mark_svg(number, 15, 6, "");
+  return svg + "</svg>";
 }
 
 }  // namespace flexura::view

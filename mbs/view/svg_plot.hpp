@@ -19,4 +19,7 @@ std::vector<double> axis_ticks(double low, double high, bool logarithmic, int mo
 /// drawn by the least and greatest value of each column.
 std::string svg_plot(const ReportPlot& plot);
 
+/// A small drawing of curve i's line and mark for the legend.
+std::string svg_key(const ReportCurve& curve, std::size_t number);
+
 }  // namespace flexura::view

@@ -145,6 +145,29 @@ TEST(ReportPage, LabelsDoNotLieOverOneAnother) {
   EXPECT_THAT(svg, HasSubstr("f · c: "));  // in the title of its mark
 }
 
+// To the right of a point in the middle of a rising curve, the curve itself would run through the words: they
+// stand left above.
+TEST(ReportPage, LabelsStandOffCurvesAndMarks) {
+  ReportPlot plot{.title = "t", .note = {}, .x = {"x"}, .y = {"y"}, .curves = {}};
+  plot.curves = {{.name = "c",
+                  .x = {0, 1, 2},
+                  .y = {0, 1, 2},
+                  .style = CurveStyle::line_and_points,
+                  .labels = {"", "here", ""}}};
+  const std::string svg = svg_plot(plot);
+  const auto label = svg.find(">here</text>");
+  ASSERT_NE(label, std::string::npos);
+  const std::string tag = svg.substr(svg.rfind('<', label), label - svg.rfind('<', label));
+  EXPECT_THAT(tag, HasSubstr("text-anchor=\"end\""));
+  EXPECT_GT(label, svg.rfind("class=\"mark"));  // on top of everything
+  // The legend shows what is drawn: here a line and a mark.
+  const std::string key = svg_key(plot.curves[0], 0);
+  EXPECT_THAT(key, HasSubstr("class=\"curve"));
+  EXPECT_THAT(key, HasSubstr("class=\"mark"));
+  plot.curves[0].style = CurveStyle::points;
+  EXPECT_THAT(svg_key(plot.curves[0], 0), Not(HasSubstr("class=\"curve")));
+}
+
 TEST(ReportPage, LongCurvesKeepTheirPeaks) {
   ReportPlot plot{.title = "long", .x = {"t"}, .y = {"y"}, .curves = {{.name = "y", .x = {}, .y = {}}}};
   for (int i = 0; i < 200000; ++i) {

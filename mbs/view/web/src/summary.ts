@@ -16,6 +16,33 @@ function rows(value: Json, prefix: string, out: [string, string][]): void {
   } else out.push([prefix, text(value)]);
 }
 
+/** What readers look for, in their order, with a unit; whatever else the summary holds follows behind a line to open. */
+const known: [string, string, string][] = [
+  ['relative_energy_error', 'energy error', 'of the energy moved'], ['energy_error', 'energy balance', 'J'],
+  ['largest_energy_error', 'largest imbalance', 'J'], ['work_in', 'work done on it', 'J'], ['dissipated', 'energy dissipated', 'J'],
+  ['peak_position_drift', 'largest drift of positions', ''], ['peak_velocity_drift', 'largest drift of velocities', ''],
+  ['estimate.error', 'estimated error', 'of the worst output’s rms'], ['method', 'integrator', ''], ['tolerance', 'tolerance', ''],
+  ['steps', 'steps', ''], ['wall_time', 'computing time', 's'], ['real_time_factor', 'computing per simulated time', ''],
+  ['switches', 'switches', ''], ['redundant_constraints', 'redundant constraints', ''],
+];
+
+function told(list: [string, string][]): { first: [string, string][]; more: [string, string][] } {
+  const all = new Map(list);
+  const first: [string, string][] = [];
+  for (const [key, name, unit] of known) {
+    const value = all.get(key);
+    if (value === undefined) continue;
+    all.delete(key);
+    first.push([name, unit ? `${value} ${unit}` : value]);
+  }
+  const more = [...all].map(([key, value]): [string, string] => [key.replaceAll('_', ' ').replaceAll('.', ' · '), value]);
+  // Summaries of other programs, with names of their own, are not hidden.
+  return first.length ? { first, more } : { first: more, more: [] };
+}
+
+const pairs = (list: [string, string][]) =>
+  h('dl', { class: 'pairs' }, ...list.map(([k, v]) => h('div', {}, h('dt', {}, k), h('dd', {}, v))));
+
 function text(value: Json): string {
   return typeof value === 'number' ? (Number.isInteger(value) ? String(value) : figure(value, 5)) : String(value);
 }
@@ -51,14 +78,15 @@ export function summaryPanel(runs: Run[]): HTMLElement {
   return h('div', { class: 'summary' }, ...runs.map((run) => {
     const list: [string, string][] = [];
     const t = run.time;
-    if (t.length) list.push(['time', `${figure(t[0], 4)} – ${figure(t[t.length - 1], 4)} s, ${run.header.rows_stored} times stored`]);
     rows(run.header.summary as Json, '', list);
+    const { first, more } = told(list);
+    if (t.length) first.unshift(['time', `${figure(t[0], 4)} – ${figure(t[t.length - 1], 4)} s, ${run.header.rows_stored} times stored`]);
     return h('section', { class: 'card' },
       h('header', {}, h('h3', {}, run.header.name),
         h('span', { class: run.header.complete ? 'chip good' : 'chip bad' },
           icon(run.header.complete ? 'check' : 'warning'), run.header.complete ? 'complete' : 'stopped early')),
       ...warningsOf(run).map((w) => h('p', { class: 'warning' }, icon('warning'), w)),
-      h('dl', { class: 'pairs' }, ...list.map(([k, v]) => h('div', {}, h('dt', {}, k), h('dd', {}, v)))),
-      estimates(run));
+      pairs(first), estimates(run),
+      more.length ? h('details', { class: 'estimates' }, h('summary', {}, `${more.length} more figures`), pairs(more)) : null);
   }));
 }
