@@ -1,13 +1,14 @@
 #!/usr/bin/env node
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-// extremes_page.mjs LOG PAGE.json: gathers the Markdown tables that the tests at the extremes printed (ctest --verbose
-// > LOG) into the JSON of a report, with an overview of each axis and a plot beside each table of figures; "flexura
-// report PAGE.json" makes the page.
+// extremes_page.mjs LOG PAGE.json [PAGE.md [COMMIT]]: gathers the Markdown tables that the tests at the extremes printed
+// (ctest --verbose > LOG) into the JSON of a report, with an overview of each axis and a plot beside each table of
+// figures; "flexura report PAGE.json" makes the page.  PAGE.md is the same as a document: the tables, with the day, the
+// commit they were measured at, and what broke its bound.
 import { readFileSync, renameSync, writeFileSync } from 'node:fs';
 
-const [log, page] = process.argv.slice(2);
+const [log, page, document, commit] = process.argv.slice(2);
 if (!page) {
-  console.error('usage: extremes_page.mjs LOG PAGE.json');
+  console.error('usage: extremes_page.mjs LOG PAGE.json [PAGE.md [COMMIT]]');
   process.exit(2);
 }
 
@@ -44,8 +45,8 @@ for (const lines of tests.values()) {
         const headless = row.length === longForm.length && isNumber(row[3]);
         if (!section) begin(headless ? 'Solver' : 'Table');
         section.tables.push((table = { columns: headless ? longForm : row, rows: headless ? [row] : [] }));
-      } else if (row.length === table.columns.length) {
-        table.rows.push(row);
+      } else if (row.length === table.columns.length && row.join() !== table.rows.at(-1)?.join()) {
+        table.rows.push(row); // a row that broke its bound is printed again with the failure
       }
     } else if (section && /[A-Za-z]/.test(line) && section.tables.length === 0) {
       section.text.push(plain(line));
@@ -145,5 +146,40 @@ for (const { title, text, tables } of merged) {
   }
   report.sections.push({ title, blocks });
 }
-writeFileSync(`${page}.part`, JSON.stringify(report, null, 1) + '\n');
-renameSync(`${page}.part`, page);
+function write(path, text) {
+  writeFileSync(`${path}.part`, text);
+  renameSync(`${path}.part`, path);
+}
+write(page, JSON.stringify(report, null, 1) + '\n');
+
+// ---- The document. -------------------------------------------------------------------------------------------------
+function markdown() {
+  const line = (cells) => `| ${cells.map((cell) => `${cell}`.replace(/\|/g, '\\|')).join(' | ')} |`;
+  const tableOf = (names, rows) => [line(names), line(names.map(() => '---')), ...rows.map(line), ''];
+  const out = [
+    '# Flexura at the extremes', '',
+    `${report.summary} Made by \`tests/run extremes\` on ${new Date().toISOString().slice(0, 10)}` +
+      `${commit ? ` at commit ${commit}` : ''}; every figure with a bound is held to it by its test.`, '',
+  ];
+  const broken = [];
+  const body = [];
+  if (overview.rows.length > 0) body.push('## Overview', '', ...tableOf(overview.columns.map((c) => c.name), overview.rows));
+  for (const { title, text, tables } of merged) {
+    body.push(`## ${title}`, '');
+    if (text.length > 0) body.push(text.join(' '), '');
+    for (const { columns, rows } of tables) {
+      if (rows.length === 0) continue;
+      const measured = columns.indexOf('measured'), bound = columns.indexOf('bound');
+      body.push(...tableOf(columns, rows.map((row) => {
+        if (measured < 0 || bound < 0 || +row[measured] < +row[bound]) return row;
+        broken.push(row);
+        return row.map((cell, k) => (k === measured ? `**${cell}**` : cell));
+      })));
+    }
+  }
+  if (broken.length > 0)
+    out.push(`${broken.length} of the figures broke ${broken.length > 1 ? 'their bounds' : 'its bound'} (in bold below): ` +
+      `${broken.map((row) => row.slice(0, 3).join(', ')).join('; ')}.`, '');
+  return [...out, ...body].join('\n');
+}
+if (document) write(document, markdown());
