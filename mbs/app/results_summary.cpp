@@ -14,9 +14,9 @@ namespace {
 using Lines = std::vector<std::pair<std::string, std::string>>;
 
 /// The numbers and words of a run's summary, "energy.error" for a number inside a table; lists are left to
-/// the page, and so are the estimated errors of the single outputs.
+/// the page, and so are the estimated errors of the single outputs and what was left out of each body.
 void flatten(const nlohmann::json& value, const std::string& name, Lines& lines) {
-  if (name == "estimate.outputs") return;
+  if (name == "estimate.outputs" || name == "left_out.bodies") return;
   if (value.is_object()) {
     for (const auto& [key, inner] : value.items())
       flatten(inner, name.empty() ? key : name + "." + key, lines);

@@ -71,12 +71,12 @@ std::string refusal(const CLI::App& app, const CLI::ParseError& failure) {
 constexpr int doc_column = 30;
 
 // CLI11 leaves long lines as they are: they go on below, where their text began.
-std::string wrapped(const std::string& help, std::size_t width) {
+std::string wrapped(const std::string& help, std::size_t width, std::size_t column = doc_column) {
   std::string out;
   std::istringstream lines(help);
   for (std::string line; std::getline(lines, line);) {
     // Examples may be copied: they stay in one line.
-    const std::size_t indent = line.find_first_not_of(' ') == 2 ? doc_column : 6;
+    const std::size_t indent = line.find_first_not_of(' ') == 2 ? column : 6;
     while (line.size() > width && !line.starts_with("  flexura")) {
       const std::size_t cut = line.rfind(' ', width);
       if (cut == std::string::npos || cut <= indent) break;
@@ -152,7 +152,7 @@ std::string program_help(const Program& program) {
       "Exit codes: 0 done, 1 failed or interrupted (what was computed is kept), 2 bad input.\n",
       program.name);
   if (!program.examples.empty()) text += "\n" + examples_text(program.examples);
-  return text;
+  return wrapped(text, static_cast<std::size_t>(width(stdout)), longest + 4);
 }
 
 }  // namespace
@@ -195,7 +195,8 @@ Options& Options::option(const std::string& names, std::string& value, const std
 }
 Options& Options::option(const std::string& names, int& value, const std::string& what,
                          const std::string& doc) {
-  impl_->last = impl_->app->add_option(names, value, doc)->type_name(what)->capture_default_str();
+  impl_->last = impl_->app->add_option(names, value, doc)->type_name(what);
+  if (value >= 0) impl_->last->capture_default_str();  // a negative number stands for none
   impl_->note(names, what, doc);
   return *this;
 }
