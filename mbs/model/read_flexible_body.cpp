@@ -149,8 +149,9 @@ std::vector<input::Key> flexible_body_keys() {
           "of a superelement: modal, with geometric stiffening, one-way (the motion is that of the rigid "
           "body), quasi-static, or without deformation; of a beam: absolute nodal coordinates for any "
           "bending, rigid segments joined by its stiffness, or rigid; auto: flexura simulate chooses among "
-          "rigid, static, modal and modal-stiffened, and the number of modes, for the run's accuracy (see "
-          "solver.accuracy; 1 % without it)")
+          "rigid, static, modal and modal-stiffened, and the number of modes, of a beam between rigid and "
+          "ancf, "
+          "for the run's accuracy (see solver.accuracy; 1 % without it)")
           .or_default("modal"),
       integer("modes", "keep at most so many eigenmodes, lowest first; without it all").at_least(1),
       quantity("max_frequency", dim::frequency, "keep no eigenmode above").above(0.0),
@@ -194,7 +195,8 @@ std::vector<input::Key> flexible_body_keys() {
 
 std::string fidelity_of(const Section& s) {
   const std::string word = s.text("fidelity");
-  return word == "auto" ? "modal" : word;
+  if (word != "auto") return word;
+  return s.has("beam") && !s.has("superelement") ? "ancf" : "modal";
 }
 
 bool wants_stress(const Section& s) {

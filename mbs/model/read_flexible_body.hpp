@@ -20,15 +20,16 @@
 /// | modal            | eigenmodes and response modes, coupling as `coupling` says         |
 /// | modal-stiffened  | the same with geometric stiffening                                 |
 ///
-/// Where eigenmodes are dropped, `attachments` adds response modes for the interfaces that joints, constraints
-/// or forces act on.  Their own frequencies say nothing about the body, so they are damped critically unless the
-/// file gives `critical_above`.
+/// Where eigenmodes are dropped, `attachments` adds response modes for the interfaces that joints,
+/// constraints or forces act on.  Their own frequencies say nothing about the body, so they are damped
+/// critically unless the file gives `critical_above`.
 namespace flexura::mbs {
 
 /// Keys of a body that hold for superelements.
 std::vector<input::Key> flexible_body_keys();
 
-/// The word of fidelity that the body is built with: "auto" is built as "modal" until a run chooses.
+/// The word of fidelity that the body is built with: "auto" is built as "modal", of a beam as "ancf", until a
+/// run chooses.
 std::string fidelity_of(const input::Section& s);
 
 /// True where the body's table asks for stresses.

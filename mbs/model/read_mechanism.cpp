@@ -44,7 +44,8 @@ MechanismFile read_mechanism(const std::filesystem::path& file, const input::Tab
   out.outputs = root.table("output").texts("quantities");
   out.y = root.table("output").texts("y");
   for (const auto& [name, s] : root.table_map("body"))
-    if (s.has("superelement") && s.has("fidelity")) out.fidelity[name] = s.text("fidelity");
+    if ((s.has("superelement") || s.has("beam")) && s.has("fidelity"))
+      out.fidelity[name] = s.text("fidelity");
   for (const auto& [name, s] : root.table_map("run")) {
     out.runs.push_back({name, s.texts("set")});
     if (s.has("accuracy"))

@@ -9,6 +9,7 @@
 #include <numbers>
 #include <optional>
 
+#include "mbs/study/beam_screening.hpp"
 #include "mbs/study/percent.hpp"
 #include "mbs/study/screening.hpp"
 #include "mbs/terminal/terminal.hpp"
@@ -25,6 +26,8 @@ constexpr double kLastGood = 0.25;
 constexpr int kMostRestarts = 6;
 // At 1 % deflections of 10 um are still above the absolute part of the error allowed, 0.1 um.
 constexpr double kAbsoluteFactor = 0.01;
+// A slope of a tenth turns an axis by 0.1^2 / 2: half a per cent of the length, which no mode knows.
+constexpr double kLargestOfLinear = 0.1;
 constexpr double kUsualAccuracy = 0.01;  // of bodies with fidelity = "auto" in a run without accuracy
 
 double accuracy_of(const mbs::PreparedMechanism& run) {
@@ -37,6 +40,13 @@ bool is_open(const mbs::PreparedMechanism& run, const mbs::BodyDescription& body
     return false;  // a subsystem's own file says
   const auto given = run.file.fidelity.find(body.name);
   return given == run.file.fidelity.end() ? accuracy_of(run) > 0.0 : given->second == "auto";
+}
+
+// A beam without superelement whose fidelity is to be chosen; it stands there as ANCF.
+bool is_open_beam(const mbs::PreparedMechanism& run, const mbs::BodyDescription& body) {
+  const auto given = run.file.fidelity.find(body.name);
+  return body.superelement.empty() && body.flexible && given != run.file.fidelity.end() &&
+         given->second == "auto";
 }
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
@@ -91,16 +101,28 @@ struct BodyChoice {
   }
 };
 
+// A beam without superelement.
+struct BeamChoice {
+  std::string body;
+  bool rigid = true;
+  std::string reason;
+  std::string text() const { return fmt::format("{}: {}: {}", body, rigid ? "rigid" : "ancf", reason); }
+};
+
 class Chooser {
  public:
   Chooser(const mbs::PreparedMechanism& given, const std::filesystem::path& file,
           const std::vector<std::string>& overrides, const mbs::RunCallbacks& callbacks)
       : accuracy_(accuracy_of(given) > 0.0 ? accuracy_of(given) : kUsualAccuracy),
+        as_given_(given),
         file_(file),
         given_(overrides),
         callbacks_(callbacks) {
     for (const mbs::BodyDescription& body : given.mechanism->description().bodies)
-      if (is_open(given, body)) choices_[body.name] = {};
+      if (is_open(given, body))
+        choices_[body.name] = {};
+      else if (is_open_beam(given, body))
+        beams_.push_back({body.name, true, ""});
     if (accuracy_of(given) > 0.0) {
       tolerance_ = std::clamp(1e-3 * accuracy_, 1e-9, 1e-4);
       given_.push_back(fmt::format("solver.tolerance={:.3g}", *tolerance_));
@@ -112,17 +134,17 @@ class Chooser {
     const auto start = std::chrono::steady_clock::now();
     ChosenRun out{mbs::prepare(file_, overrides()), overrides(), {}, {}, false, {}, {}, 0, 0.0};
     screen(out);
-    if (!choices_.empty() && out.result.complete && out.has_estimate) {
-      choose();
-      if (std::ranges::any_of(choices_, [](const auto& entry) { return !entry.second.rigid; })) {
-        const double screening = seconds_since(start);
-        out = simulate(out.prepared);
-        out.screening_wall += screening;
-      } else {
-        out.screening_wall = std::max(0.0, seconds_since(start) - out.result.wall_time);
-      }
+    if (!choices_.empty() && out.result.complete && out.has_estimate) choose();
+    if (std::ranges::any_of(choices_, [](const auto& entry) { return !entry.second.rigid; }) ||
+        std::ranges::any_of(beams_, [](const BeamChoice& beam) { return !beam.rigid; })) {
+      const double screening = seconds_since(start);
+      out = simulate(out.prepared);
+      out.screening_wall += screening;
+    } else {
+      out.screening_wall = std::max(0.0, seconds_since(start) - out.result.wall_time);
     }
     for (const auto& [body, choice] : choices_) out.reasons.push_back(choice.text(body));
+    for (const BeamChoice& beam : beams_) out.reasons.push_back(beam.text());
     out.reasons.insert(out.reasons.end(), restarts_.begin(), restarts_.end());
     out.restarts = static_cast<int>(restarts_.size());
     if (tolerance_)
@@ -138,6 +160,14 @@ class Chooser {
       const auto words = choice.overrides(body);
       out.insert(out.end(), words.begin(), words.end());
     }
+    const auto beams = overrides_of_beams();
+    out.insert(out.end(), beams.begin(), beams.end());
+    return out;
+  }
+  std::vector<std::string> overrides_of_beams() const {
+    std::vector<std::string> out;
+    for (const BeamChoice& beam : beams_)
+      out.push_back(fmt::format("body.{}.fidelity={}", beam.body, beam.rigid ? "rigid" : "ancf"));
     return out;
   }
 
@@ -149,9 +179,13 @@ class Chooser {
       full_ = FullModel::make(out.prepared, file_, out.overrides);
       screening_.emplace(out.prepared, *full_, file_, out.overrides);
     }
+    std::vector<std::string> names;
+    for (const BeamChoice& beam : beams_) names.push_back(beam.body);
+    BeamScreening beams(*as_given_.mechanism, *out.prepared.mechanism, names);
     mbs::RunCallbacks mine = callbacks_;
     mine.row = [&](const mbs::State& s, const VectorXd& v_dot, const mbs::EnergyAccount& energy) {
       out.rows.push_back({s, v_dot, energy});
+      beams.take(s, v_dot);
       if (screening_) screening_->take(s, v_dot);
       if (shadows) shadows->take(s, v_dot);
     };
@@ -164,6 +198,20 @@ class Chooser {
       out.has_estimate = true;
       out.estimate = sizes_ = screening_->estimate();
       span_ = screening_->span();
+    }
+    choose_beams(beams.beams());
+  }
+
+  void choose_beams(const std::vector<ScreenedBeam>& screened) {
+    const double share = kShareOfModes * accuracy_;
+    for (std::size_t i = 0; i < beams_.size(); ++i) {
+      const ScreenedBeam& s = screened[i];
+      beams_[i].rigid = s.deflection <= share;
+      beams_[i].reason = fmt::format(
+          "rigid, its joints would load it with up to {} N, enough to bend it (EI {} N m^2, {} m long) by {} "
+          "of its length{}",
+          number(s.force, 2), number(s.bending_stiffness, 2), number(s.length, 2), percent(s.deflection),
+          s.deflection > kLargestOfLinear ? ": far beyond what modes describe" : "");
     }
   }
 
@@ -231,7 +279,13 @@ class Chooser {
   ChosenRun simulate(const mbs::PreparedMechanism& screened) {
     screening_.reset();
     const std::vector<std::string> stiffened = stiffened_bodies();
-    if (!stiffened.empty()) full_ = FullModel::make(screened, file_, given_, stiffened);
+    const bool bent = std::ranges::any_of(beams_, [](const BeamChoice& beam) { return !beam.rigid; });
+    if (!stiffened.empty() || (full_ && bent)) {
+      std::vector<std::string> words = given_;
+      const auto beams = overrides_of_beams();
+      words.insert(words.end(), beams.begin(), beams.end());
+      full_ = FullModel::make(screened, file_, words, stiffened);
+    }
     ChosenRun out{mbs::prepare(file_, overrides()), overrides(), {}, {}, false, {}, {}, 0, 0.0};
     const double start_time = out.prepared.options.start_time;
     mbs::State state = out.prepared.state;
@@ -266,7 +320,7 @@ class Chooser {
   // False where the run ended with its error within the accuracy, or ended otherwise.
   bool run_until_over(ChosenRun& out, const mbs::State& state, const VectorXd& v_dot, const Good& start,
                       Good& good) {
-    const auto shadows = Shadows::make(out.prepared, *full_);
+    const auto shadows = full_ ? Shadows::make(out.prepared, *full_) : nullptr;
     VectorXd spent;
     if (shadows) spent = VectorXd::Zero(static_cast<Eigen::Index>(shadows->outputs().size()));
     if (start.is_there) spent = start.squares;
@@ -363,11 +417,13 @@ class Chooser {
   }
 
   double accuracy_;
+  const mbs::PreparedMechanism& as_given_;
   std::filesystem::path file_;
   std::vector<std::string> given_;
   const mbs::RunCallbacks& callbacks_;
   std::optional<double> tolerance_;
   std::map<std::string, BodyChoice> choices_;
+  std::vector<BeamChoice> beams_;
   std::unique_ptr<FullModel> full_;
   std::optional<Screening> screening_;
   TruncationEstimate sizes_;  // what the screening says about the outputs' sizes
@@ -378,8 +434,9 @@ class Chooser {
 }  // namespace
 
 bool is_to_be_chosen(const mbs::PreparedMechanism& run) {
-  return accuracy_of(run) > 0.0 || std::ranges::any_of(run.mechanism->description().bodies,
-                                                       [&](const auto& body) { return is_open(run, body); });
+  return accuracy_of(run) > 0.0 ||
+         std::ranges::any_of(run.mechanism->description().bodies,
+                             [&](const auto& body) { return is_open(run, body) || is_open_beam(run, body); });
 }
 
 ChosenRun run_within(const mbs::PreparedMechanism& given, const std::filesystem::path& file,

@@ -18,6 +18,9 @@
 /// matter.  Half of the accuracy is for what is left out (shared equally by the bodies), half for what the
 /// first-order screening does not see and for the integrator.
 ///
+/// A beam with fidelity = "auto" and no superelement stays rigid where it would bend by less than its share
+/// of its length, and becomes an ANCF beam otherwise (beam_screening.hpp).
+///
 /// The chosen mechanism runs with its own shadows.  Where their error has used up the whole run's budget the
 /// run stops, the body that contributes most gets more, and the run goes on from the last row at which half
 /// of the budget was left, with the deformation that the shadows had there.
@@ -45,8 +48,8 @@ struct ChosenRun {
   double screening_wall = 0.0;  ///< [s] of the screening and of what restarts threw away
 };
 
-/// True where a superelement has fidelity = "auto", or where the run has a wanted accuracy (solver.accuracy)
-/// and a superelement has no fidelity of its own.
+/// True where a superelement or a beam has fidelity = "auto", or where the run has a wanted accuracy
+/// (solver.accuracy) and a superelement has no fidelity of its own.
 bool is_to_be_chosen(const mbs::PreparedMechanism& run);
 
 /// Runs it: `given` is the mechanism as its file and the overrides describe it.  With solver.accuracy the

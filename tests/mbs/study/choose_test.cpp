@@ -138,6 +138,50 @@ TEST_F(Choosing, AFastSlenderSceneComesOutStiffened) {
   EXPECT_LT((exact - got).norm(), 0.01 * exact.norm());
 }
 
+// A steel bar as a pendulum, let go level.
+const char* const kPendulum = R"toml(
+[ground.marker.hook]
+axis = [0, 1, 0]
+[body.rope]
+fidelity = "auto"
+[body.rope.beam]
+to = ["L", 0, 0]
+diameter = "d"
+young = "200 GPa"
+density = "7800 kg/m^3"
+elements = 4
+[body.rope.marker.eye]
+on = "root"
+axis = [0, 1, 0]
+[parameters]
+L = 1
+d = 0.001
+[joint.hook]
+type = "revolute"
+from = "ground.hook"
+to = "rope.eye"
+[solver]
+end_time = "20 ms"
+output_step = "1 ms"
+)toml";
+
+TEST_F(Choosing, ACableComesOutAsAncfAndABarRigid) {
+  const std::filesystem::path file = folder_.write("pendulum.toml", kPendulum);
+  const ChosenRun cable = run(file, {});
+  ASSERT_TRUE(cable.result.complete) << cable.result.stopped_because;
+  // A wire of 1 mm and 1 m: EI = E pi d^4 / 64 = 0.0098 N m^2, and its hook carries up to its weight of 0.06
+  // N.
+  EXPECT_THAT(cable.reasons, ::testing::ElementsAre(::testing::AllOf(
+                                 HasSubstr("rope: ancf: rigid, its joints would load it with up to"),
+                                 HasSubstr("EI 0.0098 N m^2"), HasSubstr("far beyond what modes describe"))));
+  ASSERT_TRUE(cable.prepared.mechanism->description().bodies.back().flexible);
+  EXPECT_FALSE(cable.prepared.mechanism->description().bodies.back().flexible->is_modal());
+  EXPECT_EQ(cable.rows.size(), 21u);
+  // 20 mm and 0.1 m: weight 2.4 N, 2.4 L^2 / (3 EI) = 5e-6 of its length.
+  const ChosenRun bar = run(file, {"parameters.L=0.1", "parameters.d=0.02"});
+  EXPECT_THAT(bar.reasons, ::testing::ElementsAre(HasSubstr("rope: rigid: ")));
+}
+
 TEST_F(Choosing, TheWantedAccuracyIsMet) {
   const mbs::PreparedMechanism p = mbs::prepare(clamped_, {});
   const Eigen::VectorXd exact = values(*p.mechanism, truth(p), "sway");
