@@ -37,11 +37,11 @@
 ///     values = { strength = "3e-4" }
 ///
 /// What the classes must do stands in force.hpp (ForceElement), constraint.hpp (Constraint;
-/// RelativeConstraint takes rows on a relative pose) and joint.hpp (Joint).  Derivatives are optional: what an
-/// element does not differentiate itself (derivatives.hpp) is differenced, all coordinates through, which costs
-/// as much as the rest.  Elements are constant: what
-/// changes is handed in.  They may throw std::invalid_argument from the constructor, with one sentence: the
-/// program adds file and line. cases/user_elements holds one of each.
+/// RelativeConstraint takes rows on a relative pose) and joint.hpp (Joint).  Derivatives are optional: what
+/// an element does not differentiate itself (derivatives.hpp) is differenced, all coordinates through, which
+/// costs as much as the rest.  Elements are constant: what changes is handed in.  They may throw
+/// std::invalid_argument from the constructor, with one sentence: the program adds file and line.
+/// cases/user_elements holds one of each.
 namespace flexura::mbs {
 
 /// What a mechanism file says to an element.
@@ -83,9 +83,10 @@ struct UserElements {
 
 #define FLEXURA_TEXT_OF(x) #x
 #define FLEXURA_TEXT(x) FLEXURA_TEXT_OF(x)
-/// Program and library must agree on it: both see the same classes laid out in the same way.
-#define FLEXURA_INTERFACE                                                                         \
-  "2, GCC " FLEXURA_TEXT(__GNUC__) ", Eigen " FLEXURA_TEXT(EIGEN_WORLD_VERSION) "." FLEXURA_TEXT( \
+/// Program and library must agree on it: both see the same classes laid out in the same way. What lays them
+/// out are Eigen and the standard library: g++ and clang use the same one, and the same binary interface.
+#define FLEXURA_INTERFACE                                                                                       \
+  "2, libstdc++ " FLEXURA_TEXT(_GLIBCXX_RELEASE) ", Eigen " FLEXURA_TEXT(EIGEN_WORLD_VERSION) "." FLEXURA_TEXT( \
       EIGEN_MAJOR_VERSION) ", alignment " FLEXURA_TEXT(EIGEN_MAX_ALIGN_BYTES)
 
 #define FLEXURA_ELEMENTS(elements)             \
