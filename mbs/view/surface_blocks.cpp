@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
@@ -10,13 +11,26 @@ namespace flexura::view {
 
 namespace {
 
+using Vertices = Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>;
+
 /// 16 bits are more than any picture shows: with the largest displacement over a whole 4K screen a step is
 /// 1/8 pixel. Large parts with many modes make do with 12 bits: at a tenth of the screen, still a step of
-/// 1/10 pixel; surfaces of half a million vertices with 10: there, a step of 4/10 pixel.
+/// 1/10 pixel; surfaces of a third of a million vertices with 10: there, a step of 4/10 pixel. A million
+/// vertices that are all on the surface, with 46 modes, have 8 bits, so that the page keeps to 40 MB: a step
+/// of half a pixel where the largest displacement is a tenth of a window 1,300 pixels wide. The page says so.
+constexpr int fewest_levels = 127;
 int choose_levels(Eigen::Index n_vertices, int n_shapes) {
-  constexpr double many_values = 6.0e6, very_many_values = 1.5e7;
   const double values = static_cast<double>(n_vertices) * n_shapes;
-  return values > very_many_values ? 511 : values > many_values ? 2047 : 32767;
+  return values > 2.5e7 ? fewest_levels : values > 1.5e7 ? 511 : values > 6.0e6 ? 2047 : 32767;
+}
+
+/// Multiples of a power of two, at most 1/32768 of the box's diagonal: 1/30 pixel on a window of 1,000, and
+/// the last of a number's four bytes is nearly always zero.
+Vertices rounded(const superelement::Surface& surface) {
+  const double size = (surface.vertices.colwise().maxCoeff() - surface.vertices.colwise().minCoeff()).norm();
+  if (!(size > 0.0)) return surface.vertices.cast<float>();
+  const double step = std::exp2(std::floor(std::log2(size)) - 15.0);
+  return ((surface.vertices.array() / step).round() * step).matrix().cast<float>();
 }
 
 template <typename Indices>
@@ -61,7 +75,8 @@ SurfaceBlocks::SurfaceBlocks(PageFile& page, std::string key, const superelement
   }
   predictions_ = predictions(triangles, traversal.parent, static_cast<int>(n_vertices));
 
-  const Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor> vertices = surface.vertices.cast<float>();
+  const Vertices vertices =
+      levels_ == fewest_levels ? rounded(surface) : Vertices(surface.vertices.cast<float>());
   const auto span = [](const auto& m) { return std::span(m.data(), static_cast<std::size_t>(m.size())); };
   page_.add(key_ + "/vertices", span(vertices));
   page_.add<std::int32_t>(key_ + "/triangles", span(triangles));
@@ -93,7 +108,8 @@ nlohmann::json SurfaceBlocks::header() const {
     if (j < stress_scales_.size()) shapes.back()["stress"] = stress_scales_[j];
   }
   return {{"key", key_},       {"vertices", predictions_.size()}, {"triangles", n_triangles_},
-          {"edges", n_edges_}, {"stress", stress_components_},    {"shapes", shapes}};
+          {"edges", n_edges_}, {"stress", stress_components_},    {"levels", levels_},
+          {"shapes", shapes}};
 }
 
 void require_pictures(const superelement::Superelement& se) {

@@ -314,7 +314,8 @@ export async function modesPage(app: HTMLElement, header: ModesHeader): Promise<
           onclick: () => mac.showModal() }, icon('grid'), 'MAC matrix')))),
     mac,
     h('footer', { class: 'foot' }, `Written by ${header.created_by}. ${header.surface.vertices} vertices, ${
-      header.surface.triangles} triangles.`));
+      header.surface.triangles} triangles.${(header.surface.levels ?? 511) < 511
+      ? ` Shapes to 1/${header.surface.levels} of their largest displacement, to keep this page small.` : ''}`));
   setPlaying(state.playing);
   look();
   view('iso');

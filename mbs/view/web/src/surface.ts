@@ -11,6 +11,7 @@ export interface SurfaceHeader {
   vertices: number;
   triangles: number;
   edges: number;
+  levels?: number; // steps of a shape up to its largest displacement
   stress?: number; // components of the stress of each shape: 0, 1 (von Mises) or 6
   shapes: { scale: number; stress?: number }[]; // shape j is block key/shape/j, its stress key/stress/j
   sections?: SectionsHeader; // of beams: section forces of shape j are block key/section/j
