@@ -59,6 +59,16 @@ StaticsReport solve_statics(const Equations& eq, State& s, const StaticsOptions&
     eq.momentum(state, rest, *scratch, out.head(n_v), out.segment(n_v, n_c), out.segment(n_v + n_c, n_a));
     if (n_l > 0) eq.position_constraints(state.t, state.p, *scratch, out.tail(n_l));
   };
+  // Contacts close and open on the way, like every switch whose function falls below 0.
+  Eigen::VectorXd switching = Eigen::VectorXd::Zero(n.n_root);
+  const auto take_switches = [&] {
+    if (n.n_root == 0) return;
+    eq.roots(s, *scratch, switching);
+    for (int k = 0; k < n.n_root; ++k)
+      if (switching(k) < 0.0) eq.on_root(k, s, *scratch);
+    s.v.setZero();  // an impact leaves nothing behind here
+  };
+  take_switches();
   // Without the multipliers' part: forces that no reaction carries, in the norm of M^-1.
   residual(s, F);
   require_finite_forces(eq, s.t, F.head(n_v), F.segment(n_v, n_c), F.segment(n_v + n_c, n_a));
@@ -108,6 +118,7 @@ StaticsReport solve_statics(const Equations& eq, State& s, const StaticsOptions&
     trial.a += alpha * x.segment(n_v + n_c, n_a);
     trial.lambda += alpha * x.tail(n_l);
     s = trial;
+    take_switches();
     residual(s, F);
     require_finite_forces(eq, s.t, F.head(n_v), F.segment(n_v, n_c), F.segment(n_v + n_c, n_a));
     report.force_residual = F.head(n_v).cwiseAbs().maxCoeff();

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "mbs/solver/statics.hpp"
 #include "tests/mbs/cases/text_case.hpp"
 
 /// Switches that begin at their zero, meet it in pairs, or come back to it at once, with every integrator.
@@ -204,6 +205,22 @@ TEST_P(SwitchesAtZero, ManyBallsThatLandAtOneInstantAreNoEndlessSwitching) {
   const RunResult r = result(p);
   EXPECT_TRUE(r.complete) << r.stopped_because;
   EXPECT_EQ(r.events.size(), 60u);
+}
+
+TEST(SwitchesInStatics, BallFallsToTheFloorAndSinksInAsFarAsItsWeightAsks) {
+  // From 1 m above it, from its surface and from inside: N = k delta^n = m g.
+  for (const double height : {1.05, 0.05, 0.03})
+    for (const double n : {1.0, 1.5})
+      for (const char* loss : {"damping=40", "restitution=0.5"}) {
+        PreparedMechanism p =
+            prepare_case("switches/bouncing_ball.toml",
+                         {fmt::format("joint.fall.position={}", height), fmt::format("force.floor.{}", loss),
+                          fmt::format("force.floor.exponent={}", n)});
+        solve_statics(*p.mechanism, p.state);
+        // Newton's last step is below 1e-9 of the metre.
+        EXPECT_NEAR(now(p, {"fall.position"})(0), 0.05 - std::pow(g / 1e4, 1.0 / n), 1e-8)
+            << height << " " << n;
+      }
 }
 
 INSTANTIATE_TEST_SUITE_P(Integrators, SwitchesAtZero,
