@@ -147,6 +147,11 @@ int simulate(Arguments arguments, const terminal::Talk& talk) {
       throw std::invalid_argument(
           fmt::format("{}: holds states but no history to go on from; start from it with --from-state",
                       arguments.continue_from));
+    if (!p.continuation_fits)
+      throw std::invalid_argument(fmt::format(
+          "{}: was saved by another mechanism: the numbers of its states and constraints differ; go on with "
+          "the mechanism that saved it, or start from its states with --from-state",
+          arguments.continue_from));
     p.options.start_time = p.given_start_time;
   }
   results::Writer writer(arguments.output, model_header(runs, arguments.file, arguments.output));
@@ -203,10 +208,15 @@ int simulate(Arguments arguments, const terminal::Talk& talk) {
       progress.clear();
       fmt::print(stderr, "warning: {}: {}\n", run.name, sentence);
     }
-    const bool complete = r.complete;
+    const bool complete = r.complete, as_told = r.stopped_as_told;
     const std::string why = r.stopped_because;
     done.emplace_back(run.name, std::make_pair(&prepared, std::move(r)));
-    if (!complete) {
+    if (as_told) {
+      if (!talk.quiet) {
+        progress.clear();
+        fmt::print(stderr, "note: run \"{}\": {}\n", run.name, why);
+      }
+    } else if (!complete) {
       stopped = fmt::format("run \"{}\" stopped: {}", run.name, why);
       break;
     }

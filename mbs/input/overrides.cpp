@@ -58,6 +58,15 @@ void refuse_new_names(const toml::table& root, const TableSchema& schema, const 
     path = join_path(path, steps[i].key);
     const toml::node* next = table == nullptr ? nullptr : table->get(steps[i].key);
     table = next == nullptr ? nullptr : next->as_table();
+    // Of the file itself: a subsystem's parameters also stand in a file of their own.
+    if (i == 0 && key != nullptr && key->kind == Kind::formulas && table != nullptr && !table->empty() &&
+        i + 2 == steps.size() && !table->contains(steps[i + 1].key)) {
+      std::vector<std::string> names;
+      for (const auto& [other, child] : *table) names.emplace_back(other.str());
+      throw InputError(fmt::format("command line: {}: the file's {} have no \"{}\"{}",
+                                   join_path(path, steps[i + 1].key), path, steps[i + 1].key,
+                                   suggestion(steps[i + 1].key, names)));
+    }
     if (key == nullptr || key->table == nullptr || steps[i].index) return;
     known = key->table.get();
     if (key->kind != Kind::table_map) continue;

@@ -167,7 +167,11 @@ Expression::Expression(std::string where, std::string text, const SignalNames& s
   if (assigns(text_)) refuse("a formula must not assign; compare with ==");
 
   std::vector<double> values(signals.size(), 1.0);
-  std::vector<std::string> known = signals.names();
+  // What the file gives its names to comes first.
+  std::vector<std::string> known;
+  for (const auto& [name, value] : constants) known.push_back(name);
+  for (const auto& [name, curve] : tables) known.push_back(name);
+  known.insert(known.end(), signals.names().begin(), signals.names().end());
   mu::Parser parser;
   parser.EnableOptimizer(false);
   parser.ClearConst();
@@ -184,16 +188,12 @@ Expression::Expression(std::string where, std::string text, const SignalNames& s
     known.insert(known.end(), {"atan2", "pow", "min", "max", "step", "pi", "e"});
     for (const auto& [name, curve] : tables) {
       parser.DefineFunUserData(name, f_table, const_cast<Curve*>(curve.get()));
-      known.push_back(name);
     }
     parser.DefineInfixOprt("-", f1<minus>);
     parser.DefineInfixOprt("+", f1<plus>);
     if (!constants.contains("pi")) parser.DefineConst("pi", std::numbers::pi);
     if (!constants.contains("e")) parser.DefineConst("e", std::numbers::e);
-    for (const auto& [name, value] : constants) {
-      parser.DefineConst(name, value);
-      known.push_back(name);
-    }
+    for (const auto& [name, value] : constants) parser.DefineConst(name, value);
     std::erase(known, "");
     for (int i = 0; i < signals.size(); ++i)
       if (!signals.names()[i].empty()) parser.DefineVar(signals.names()[i], &values[i]);
@@ -355,7 +355,9 @@ T Expression::run(const double* signals, const T& time, int moving) const {
 }
 
 void Expression::refuse_value(double value, double t) const {
-  throw std::runtime_error(fmt::format("{} = \"{}\" is {} at t = {:.9g} s", where_, text_, value, t));
+  // Not a number has no sign for a user.
+  throw std::runtime_error(fmt::format("{} = \"{}\" is {} at t = {:.9g} s", where_, text_,
+                                       std::isnan(value) ? std::abs(value) : value, t));
 }
 
 double Expression::evaluate(const double* signals) const {

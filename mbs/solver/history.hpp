@@ -29,7 +29,10 @@ class History {
     } else {
       long n = static_cast<long>(x.size());
       (*this)(n);
-      if (reads_) x.resize(n);
+      if (reads_) {
+        if (n < 0 || n > static_cast<long>(values_.size() - at_)) refuse();
+        x.resize(n);
+      }
       for (long i = 0; i < n; ++i) (*this)(x[i]);
     }
   }
@@ -46,8 +49,14 @@ class History {
 
  private:
   double next() {
-    if (at_ >= values_.size()) throw std::runtime_error("the integrator's history is cut short");
+    if (at_ >= values_.size()) refuse();
     return values_[at_++];
+  }
+  [[noreturn]] static void refuse() {
+    throw std::invalid_argument(
+        "the integrator's history does not fit this mechanism: it was saved by another one, or is cut short; "
+        "start "
+        "from the states alone (--from-state)");
   }
   std::vector<double> values_;
   std::size_t at_ = 0;

@@ -73,7 +73,11 @@ AssembleReport close_loops(const Mechanism& mechanism, State& s, const AssembleO
 PreparedMechanism prepare(const std::filesystem::path& path, const std::vector<std::string>& overrides,
                           const std::filesystem::path& state_file) {
   MechanismFile file = read_mechanism(path, solver_schema(), overrides);
-  PreparedMechanism out{std::move(file), {}, {}, {}, {}, {}, {}, 0.0, {}, {}};
+  PreparedMechanism out{std::move(file), {}, {}, {}, {}, {}, {}, 0.0, {}, {}, true};
+  if (out.file.description.bodies.size() < 2 && out.file.description.controls.empty())
+    throw input::InputError(fmt::format(
+        "{}: has no body and no control: there is nothing that could move; give at least one [body.NAME]",
+        path.string()));
   out.options = read_solver_options(out.file.solver);
   out.given_start_time = out.options.start_time;
   out.notes = out.file.notes;
@@ -136,7 +140,15 @@ PreparedMechanism prepare(const std::filesystem::path& path, const std::vector<s
   if (!state_file.empty()) {
     // Now that the redundant rows are gone the multipliers have their places.
     State whole = out.state;
-    out.continuation = read_state(state_file, *out.mechanism, whole).continuation;
+    StateChange change = read_state(state_file, *out.mechanism, whole);
+    if (change.continuation) {
+      const std::vector<int> counts = {
+          static_cast<int>(whole.p.size()),      static_cast<int>(whole.v.size()),
+          static_cast<int>(whole.c.size()),      static_cast<int>(whole.a.size()),
+          static_cast<int>(whole.lambda.size()), static_cast<int>(whole.root.size())};
+      out.continuation_fits = change.counts == counts;
+    }
+    out.continuation = std::move(change.continuation);
   }
   return out;
 }

@@ -26,6 +26,7 @@ struct PreparedMechanism {
   double given_start_time = 0.0;             ///< of the mechanism file, whatever a state file says
   std::optional<Continuation> continuation;  ///< of the state file, where it holds one
   std::vector<std::string> notes;            ///< of reading, redundancy and assembly, for the user
+  bool continuation_fits = true;             ///< its file has as many states of every kind as the mechanism
 };
 
 /// Reads, builds, assembles on all levels and drops redundant constraint rows.  Throws input::InputError for

@@ -202,6 +202,7 @@ bool Runner::finish_step(const StepEnd& end, Integrator& integrator) {
   if (options_.stop_time > options_.start_time && end.t_end >= options_.stop_time &&
       end.t_end < options_.end_time) {
     result_.stopped_because = fmt::format("stop_time is reached at t = {:.9g} s", end.t_end);
+    result_.stopped_as_told = true;
     return false;
   }
   if (options_.max_steps > 0 && integrator_->counts().steps >= options_.max_steps &&
@@ -232,7 +233,10 @@ void Runner::resume(const Continuation& from) {
   closer_.remember(history);
   integrator_->remember(history);
   if (!history.is_used_up())
-    throw std::invalid_argument("the integrator's history is longer than this mechanism needs");
+    throw std::invalid_argument(
+        "the integrator's history is longer than this mechanism needs: it was saved by another one; start "
+        "from the "
+        "states alone (--from-state)");
   book_.resume(from.energy, s, from.v_dot);
   next_row_ = from.next_row;
   resumed_ = true;

@@ -43,8 +43,9 @@ struct Continuation {
 
 struct RunResult {
   bool complete = false;
-  std::string stopped_because;  ///< empty when complete
-  State state;                  ///< at the last time reached
+  std::string stopped_because;   ///< empty when complete
+  bool stopped_as_told = false;  ///< at stop_time
+  State state;                   ///< at the last time reached
   Eigen::VectorXd v_dot;
   StepCounts counts;
   EnergyAccount energy;

@@ -96,6 +96,17 @@ void write_state(const std::filesystem::path& path, const Equations& eq, const s
       fmt::format("{}: cannot be written; check the folder, its permissions and the disk", path.string()));
 }
 
+namespace {
+
+// What the library says of a broken file, without its own number for it.
+std::string reason(const nlohmann::json::exception& e) {
+  const std::string text = e.what();
+  const auto at = text.find("] ");
+  return text.starts_with('[') && at != std::string::npos ? text.substr(at + 2) : text;
+}
+
+}  // namespace
+
 StateChange read_state(const std::filesystem::path& path, const Equations& eq, State& s) {
   std::ifstream file(path);
   if (!file) throw std::invalid_argument(fmt::format("{}: there is no such file", path.string()));
@@ -103,7 +114,7 @@ StateChange read_state(const std::filesystem::path& path, const Equations& eq, S
   try {
     in = Json::parse(file);
   } catch (const nlohmann::json::exception& e) {
-    throw std::invalid_argument(fmt::format("{}: is not a state file: {}", path.string(), e.what()));
+    throw std::invalid_argument(fmt::format("{}: is not a state file: {}", path.string(), reason(e)));
   }
   if (!in.is_object() || in.value("format", "") != "flexura state")
     throw std::invalid_argument(
@@ -135,9 +146,11 @@ StateChange read_state(const std::filesystem::path& path, const Equations& eq, S
       for (std::size_t i = 0; i < place.size(); ++i) *place[i] = energy[i];
       to.history = c.at("history").get<std::vector<double>>();
       to.state = s;
+      for (const char* key : {"positions", "velocities", "dynamic", "algebraic", "multipliers", "switches"})
+        change.counts.push_back(static_cast<int>(in.value(key, Json::array()).size()));
     }
   } catch (const nlohmann::json::exception& e) {
-    throw std::invalid_argument(fmt::format("{}: is not a state file: {}", path.string(), e.what()));
+    throw std::invalid_argument(fmt::format("{}: is not a state file: {}", path.string(), reason(e)));
   }
   return change;
 }

@@ -264,6 +264,8 @@ speed = "pi/n"
   EXPECT_TRUE(d.bodies[1].inertia.mass_center.isApprox(1.5 * Vector3d(0.04, 0.0, -0.02), 1e-15));
   EXPECT_DOUBLE_EQ(d.joints[0].initial_speeds.at(0), M_PI / 3);
   EXPECT_DOUBLE_EQ(read(text, {"parameters.n=4"}).description.bodies[1].inertia.mass, 2.0);
+  EXPECT_EQ(test::refusal_of([&] { read(text, {"parameters.m=4"}); }),
+            "command line: parameters.m: the file's parameters have no \"m\"; known are n, r");
 
   const auto with_mass = [&](const std::string& mass) {
     return refusal("[parameters]\nradius = 1\n[body.b]\nmass = \"" + mass + "\"\n");

@@ -15,6 +15,7 @@ namespace {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 class States : public RunFolder {};
 class Sequences : public RunFolder {};
@@ -32,7 +33,7 @@ const results::Quantity* find(const results::Run& run, const std::string& name, 
 TEST_F(States, RunCutInTwoIsTheUnbrokenRunRowByRow) {
   file(rod + "[solver]\nend_time = 2\noutput_step = 0.05\ntolerance = 1e-8\nstore_states = true\n");
   ASSERT_EQ(flexura("simulate m.toml -o whole.h5"), 0) << text_of("err.txt");
-  EXPECT_EQ(flexura("simulate m.toml -o first.h5 --set solver.stop_time=1 --save-state half.json"), 1);
+  EXPECT_EQ(flexura("simulate m.toml -o first.h5 --set solver.stop_time=1 --save-state half.json"), 0);
   EXPECT_THAT(text_of("err.txt"), HasSubstr("stop_time is reached"));
   ASSERT_EQ(flexura("simulate m.toml -o second.h5 --continue half.json"), 0) << text_of("err.txt");
   const results::Run whole = results::read(folder_ / "whole.h5").runs[0],
@@ -46,6 +47,35 @@ TEST_F(States, RunCutInTwoIsTheUnbrokenRunRowByRow) {
 
   EXPECT_EQ(flexura("simulate m.toml -o x.h5 --continue half.json --set solver.method=runge_kutta"), 2);
   EXPECT_THAT(text_of("err.txt"), HasSubstr("the integrator \"ida\""));
+
+  // Another mechanism with states of the same names: a constraint more, then another one's history.
+  file(rod + R"toml([body.rod.marker.tip]
+position = [1, 0, 0]
+[ground.marker.wall]
+position = [1, -1, 0]
+[constraint.link]
+type = "distance"
+from = "ground.wall"
+to = "rod.tip"
+length = "1 m"
+)toml",
+       "other.toml");
+  EXPECT_EQ(flexura("simulate other.toml -o x.h5 --continue half.json"), 2);
+  EXPECT_THAT(text_of("err.txt"), HasSubstr("was saved by another mechanism"));
+  std::string state = text_of("half.json");
+  const auto history = state.find("\"history\": [");
+  ASSERT_NE(history, std::string::npos);
+  file(state.substr(0, history) + "\"history\": [1e9, 2]}}", "short.json");
+  EXPECT_EQ(flexura("simulate m.toml -o x.h5 --continue short.json"), 2);
+  EXPECT_THAT(text_of("err.txt"), HasSubstr("history does not fit this mechanism"));
+  file(state.substr(0, history), "cut.json");
+  EXPECT_EQ(flexura("simulate m.toml -o x.h5 --continue cut.json"), 2);
+  EXPECT_THAT(text_of("err.txt"),
+              AllOf(HasSubstr("is not a state file: parse error"), Not(HasSubstr("json.exception"))));
+  EXPECT_EQ(flexura("simulate none.toml -o x.h5"), 2);
+  file("", "empty.toml");
+  EXPECT_EQ(flexura("simulate empty.toml -o x.h5"), 2);
+  EXPECT_THAT(text_of("err.txt"), HasSubstr("empty.toml: has no body and no control"));
 }
 
 TEST_F(States, StateSetChangesTheStatesThatItNames) {
