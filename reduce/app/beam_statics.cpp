@@ -5,12 +5,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <ostream>
 
 #include "beam/model/section_stress.hpp"
 #include "mbs/terminal/terminal.hpp"
+#include "reduce/app/text_file.hpp"
 #include "reduce/linalg/session.hpp"
 
 namespace flexura::reduce {
@@ -151,16 +151,9 @@ void print_statics(const BeamPartInput& part, const std::vector<std::string>& he
     cases.push_back({{"case", load.name}, {"nodes", node_rows}, {"members", member_rows}});
   }
   if (report.empty()) return;
-  const std::filesystem::path beside = report.string() + ".part";
-  std::ofstream file(beside);
-  file << nlohmann::json{{"part", part.name},
-                         {"resultants", {"N", "V_y", "V_z", "T", "M_y", "M_z"}},
-                         {"cases", cases}}
-              .dump(1)
-       << '\n';
-  file.close();
-  if (!file) throw std::runtime_error(report.string() + " cannot be written");
-  std::filesystem::rename(beside, report);
+  const nlohmann::json json = {
+      {"part", part.name}, {"resultants", {"N", "V_y", "V_z", "T", "M_y", "M_z"}}, {"cases", cases}};
+  write_text(report, json.dump(1) + "\n");
 }
 
 }  // namespace flexura::reduce

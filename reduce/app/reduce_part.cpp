@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <numbers>
 
@@ -16,6 +15,7 @@
 #include "reduce/app/read_matrices.hpp"
 #include "reduce/app/report.hpp"
 #include "reduce/app/surface.hpp"
+#include "reduce/app/text_file.hpp"
 #include "reduce/app/to_superelement.hpp"
 #include "reduce/cms/finished_modes.hpp"
 #include "reduce/cms/shape_change.hpp"
@@ -164,9 +164,7 @@ void reduce_part(const PartInput& input, const std::filesystem::path& output, co
                                                   report.json.dump(1), std::move(vertices));
   if (input.has_damping) se.modal_damping = 0.0;
   superelement::write(output, se);
-  if (!options.report.empty()) {
-    std::ofstream(options.report) << report.json.dump(2) << '\n';
-  }
+  if (!options.report.empty()) write_text(options.report, report.json.dump(2) + "\n");
   line.finish();
   for (const std::string& warning : data.warnings) fmt::print(stderr, "warning: {}\n", warning);
   if (!options.quiet) fmt::print("{}wrote {}\n", report.text, output.string());

@@ -3,12 +3,12 @@
 
 #include <fmt/format.h>
 
-#include <fstream>
 #include <iostream>
 
 #include "mbs/input/document.hpp"
 #include "reduce/app/section_file.hpp"
 #include "reduce/app/section_report.hpp"
+#include "reduce/app/text_file.hpp"
 
 namespace flexura::reduce {
 namespace {
@@ -18,17 +18,6 @@ struct Arguments {
   std::vector<std::string> overrides;
   bool json = false, schema = false;
 };
-
-// Writes beside and renames, so that no half-written file is left.
-void write_file(const std::filesystem::path& file, const std::string& text) {
-  std::filesystem::path beside = file;
-  beside += ".part";
-  std::ofstream out(beside);
-  out << text;
-  out.close();
-  if (!out) throw std::runtime_error(file.string() + " cannot be written");
-  std::filesystem::rename(beside, file);
-}
 
 int solve_section(const Arguments& arguments, const terminal::Talk& talk) {
   if (arguments.schema) {
@@ -53,8 +42,8 @@ int solve_section(const Arguments& arguments, const terminal::Talk& talk) {
   terminal::require_folder_of(output);
   terminal::require_folder_of(drawing);
   const beam::SectionProperties section = solve(read_section_file(source, overrides));
-  write_file(output, section_result(section));
-  write_file(drawing, section_svg(section));
+  write_text(output, section_result(section));
+  write_text(drawing, section_svg(section));
   if (arguments.json) {
     std::cout << section_json(section) << '\n';
   } else if (!talk.quiet) {
