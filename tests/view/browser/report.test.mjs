@@ -74,6 +74,8 @@ test('the pointer reads values off the plot', async () => {
 
 test('numbers of a plot are a table for those who do not see it', async () => {
   await page.locator('details.numbers summary').click();
+  // The table is filled when the browser says that it was opened, a little after the click.
+  await page.locator('details.numbers tbody tr').first().waitFor();
   assert.equal(await page.locator('details.numbers tbody tr').count(), 204);
   await page.locator('details.numbers summary').click();
   assert.match(await page.locator('svg.report-plot').getAttribute('aria-label'), /^Signals: signal over time; curves sine, points/);
