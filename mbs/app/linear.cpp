@@ -14,6 +14,7 @@
 #include "mbs/solver/descriptor.hpp"
 #include "mbs/solver/linearise.hpp"
 #include "mbs/superelement/exchange/exchange.hpp"
+#include "mbs/superelement/text_file.hpp"
 #include "mbs/terminal/terminal.hpp"
 
 /// linearize and statics: what a mechanism does near a state.
@@ -98,7 +99,7 @@ std::filesystem::path write_response(const LinearSystem& system, const Eigen::Ve
         fmt::format_to(out, ",{:.12g},{:.9g}", std::abs(H[k](i, j)), std::arg(H[k](i, j)) * 180.0 / M_PI);
     text += '\n';
   }
-  superelement::exchange::write_whole(path, text);
+  superelement::write_whole(path, text);
   return path;
 }
 

@@ -7,11 +7,12 @@
 
 #include "mbs/hdf5/file.hpp"
 #include "mbs/superelement/exchange/exchange.hpp"
+#include "mbs/superelement/text_file.hpp"
 
 namespace flexura::app {
 namespace {
 
-using superelement::exchange::write_whole;
+using superelement::write_whole;
 
 std::string octave_matrix(const Eigen::MatrixXd& A) {
   if (A.size() == 0) return fmt::format("zeros({}, {});\n", A.rows(), A.cols());

@@ -12,6 +12,7 @@
 #include "mbs/study/judge.hpp"
 #include "mbs/study/tables.hpp"
 #include "mbs/superelement/exchange/exchange.hpp"
+#include "mbs/superelement/text_file.hpp"
 #include "mbs/terminal/terminal.hpp"
 #include "mbs/view/report.hpp"
 
@@ -22,7 +23,7 @@ namespace {
 using study::Judgement;
 using study::Row;
 using study::StudyFile;
-using superelement::exchange::write_whole;
+using superelement::write_whole;
 using terminal::Align;
 using terminal::number;
 

@@ -150,8 +150,7 @@ std::vector<input::Key> flexible_body_keys() {
           "body), quasi-static, or without deformation; of a beam: absolute nodal coordinates for any "
           "bending, rigid segments joined by its stiffness, or rigid; auto: flexura simulate chooses among "
           "rigid, static, modal and modal-stiffened, and the number of modes, of a beam between rigid and "
-          "ancf, "
-          "for the run's accuracy (see solver.accuracy; 1 % without it)")
+          "ancf, for the run's accuracy (see solver.accuracy; 1 % without it)")
           .or_default("modal"),
       integer("modes", "keep at most so many eigenmodes, lowest first; without it all").at_least(1),
       quantity("max_frequency", dim::frequency, "keep no eigenmode above").above(0.0),

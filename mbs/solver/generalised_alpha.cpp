@@ -3,36 +3,20 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
 #include "mbs/solver/accelerations.hpp"
+#include "mbs/solver/alpha_matrix.hpp"
 #include "mbs/solver/error_weights.hpp"
 #include "mbs/solver/finite.hpp"
-#include "mbs/solver/kinematic_blocks.hpp"
 #include "mbs/solver/switches.hpp"
-#include "mbs/solver/tangents.hpp"
 
 namespace flexura::mbs {
 
 namespace {
 
 using Eigen::VectorXd;
-
-struct Coefficients {
-  explicit Coefficients(double rho)
-      : alpha_m((2.0 * rho - 1.0) / (rho + 1.0)), alpha_f(rho / (rho + 1.0)), delta(alpha_m - alpha_f) {
-    gamma = 0.5 - delta;
-    beta = 0.25 * (1.0 - delta) * (1.0 - delta);
-    kappa = (1.0 - alpha_f) / (1.0 - alpha_m);
-    error_p = beta + 0.5 * delta - 1.0 / 6.0;
-    const double later = (1.0 + delta) * (1.0 + delta), now = delta * delta;
-    const double e = 0.5 * ((1.0 - alpha_f) - (1.0 - alpha_m) * later - alpha_m * now);
-    error_v = 0.5 * ((1.0 - gamma) * now + gamma * later) + e - 1.0 / 6.0;
-  }
-  double alpha_m, alpha_f, delta, gamma, beta, kappa, error_p, error_v;
-};
 
 class GeneralisedAlpha final : public Integrator {
  public:
@@ -43,16 +27,12 @@ class GeneralisedAlpha final : public Integrator {
         k_(options.rho_inf),
         scratch_(eq.make_scratch()),
         accelerations_(eq),
-        tangents_(eq),
+        matrix_(eq, k_),
         weights_(eq, options),
         switches_(eq) {
     const int n_z = n_.n_v + n_.n_dyn + n_.n_alg, n_x = n_z + n_.n_lambda;
     F_.setZero(n_x);
     x_.setZero(n_x);
-    row_scale_.setOnes(n_x);
-    column_scale_.setOnes(n_x);
-    J_.setZero(n_x, n_x);
-    lu_ = Eigen::PartialPivLU<Eigen::MatrixXd>(n_x);
     d_.setZero(n_.n_v);
     unused_.setZero(n_.n_v);
     g_dot_.setZero(n_.n_lambda);
@@ -68,7 +48,12 @@ class GeneralisedAlpha final : public Integrator {
   void start(const State& s, const VectorXd& v_dot) override;
   StepEnd step(double t_stop) override;
   void interpolate(double t, State& s, VectorXd& v_dot) override;
-  StepCounts counts() const override { return counts_; }
+  StepCounts counts() const override {
+    StepCounts c = counts_;
+    c.jacobians = matrix_.factored();
+    c.evaluations += matrix_.evaluations();
+    return c;
+  }
   void remember(History& history) override;
 
  private:
@@ -81,11 +66,10 @@ class GeneralisedAlpha final : public Integrator {
 
   void place(double h);              // p, v, c of next_ from its v', c'
   void residual();                   // F_ at next_
-  void factor(double h);             // the matrix at next_
   Outcome newton(double h);          // next_ by Newton's method from its prediction
   double correction_size(double h);  // of x_ in units of the error allowed
   double local_error(double h);      // in units of the error allowed
-  void filter(VectorXd& e);
+  void state_at(double t, State& s);
   int worst_state() const;
   std::string name_of(int i) const {
     return i < n_.n_p            ? eq_.name_of_position(i)
@@ -96,33 +80,26 @@ class GeneralisedAlpha final : public Integrator {
   const Equations& eq_;
   Sizes n_;
   SolverOptions options_;
-  Coefficients k_;
+  AlphaCoefficients k_;
   std::unique_ptr<Equations::Scratch> scratch_;
   AccelerationSolver accelerations_;
-  Tangents tangents_;
+  AlphaMatrix matrix_;
   ErrorWeights weights_;
   SwitchFinder switches_;
-  std::unique_ptr<KinematicBlocks> kinematics_;
   Point now_, next_, before_;  // before_: the beginning of the last step, for its polynomial
   VectorXd v_dot_older_;       // v' one step before now_
-  State found_;
-  VectorXd F_, x_, row_scale_, column_scale_, d_, d_before_, g_, g_dot_, mu_, unused_, w_, error_, round_off_,
-      v_dot_found_;
-  Eigen::MatrixXd J_, Z_q_;
-  Eigen::PartialPivLU<Eigen::MatrixXd> lu_;
+  VectorXd F_, x_, d_, d_before_, g_, g_dot_, mu_, unused_, w_, error_, round_off_;
   std::vector<bool> holonomic_;
   StepCounts counts_;
   std::string trouble_;
-  Point at_matrix_;  // where the matrix was built
-  double h_ = 0.0, h_w_ = 0.0, h_older_ = 0.0, h_done_ = 0.0, h_matrix_ = 0.0;
+  double h_ = 0.0, h_w_ = 0.0, h_older_ = 0.0, h_done_ = 0.0;
   bool started_ = false;
 };
 
 void GeneralisedAlpha::start(const State& s, const VectorXd& v_dot) {
   if (started_) ++counts_.restarts;
   started_ = true;
-  if (!kinematics_) kinematics_ = std::make_unique<KinematicBlocks>(eq_, s.p);
-  now_.s = found_ = s;
+  now_.s = s;
   now_.v_dot = v_dot;
   State ahead = s;
   VectorXd v_dot_ahead;
@@ -163,7 +140,7 @@ void GeneralisedAlpha::start(const State& s, const VectorXd& v_dot) {
   now_.w_c = now_.c_dot + k_.delta * h_ * c_jerk;
   v_dot_older_ = v_dot - h_ * jerk;
   h_older_ = h_;
-  h_matrix_ = 0.0;
+  matrix_.forget();
   next_ = before_ = now_;
   h_done_ = 0.0;
   switches_.start(now_.s);
@@ -194,44 +171,9 @@ void GeneralisedAlpha::residual() {
   for (int k = 0; k < n_.n_lambda; ++k) F_(n_z + k) = holonomic_[k] ? g_(k) : g_dot_(k);
 }
 
-void GeneralisedAlpha::factor(double h) {
-  const int n_v = n_.n_v, n_c = n_.n_dyn, n_a = n_.n_alg, n_l = n_.n_lambda, n_z = n_v + n_c + n_a;
-  const double by_v = h * k_.gamma * k_.kappa, by_d = h * h * k_.beta * k_.kappa;
-  const long evaluations = tangents_.evaluations;
-  tangents_.evaluate(next_.s, next_.v_dot);
-  counts_.evaluations += tangents_.evaluations - evaluations;
-  ++counts_.jacobians;
-  const Tangents& t = tangents_;
-  kinematics_->update(next_.s.p, next_.s.v);
-  kinematics_->multiply_T(t.z_p, Z_q_);
-  J_.setZero();
-  J_.topLeftCorner(n_z, n_v) = by_v * t.z_v + by_d * Z_q_;
-  J_.block(0, n_v, n_z, n_c) = by_v * t.z_c;
-  J_.block(0, n_v + n_c, n_z, n_a) = t.z_a;
-  J_.middleRows(n_v, n_c) *= -1.0;
-  J_.topLeftCorner(n_v, n_v) += t.M;
-  J_.block(n_v, n_v, n_c, n_c).diagonal().array() += 1.0;
-  for (int i = 0; i < n_v; ++i)
-    row_scale_(i) = column_scale_(i) = t.M(i, i) > 0.0 ? 1.0 / std::sqrt(t.M(i, i)) : 1.0;
-  J_.block(0, n_z, n_v, n_l) = t.G.transpose();
-  J_.block(n_z, 0, n_l, n_v) = t.G;
-  for (int k = 0; k < n_l; ++k) {
-    const double norm = (t.G.row(k).transpose().array() * column_scale_.head(n_v).array()).matrix().norm();
-    row_scale_(n_z + k) = column_scale_(n_z + k) = norm > 0.0 ? 1.0 / norm : 1.0;
-  }
-  J_ = row_scale_.asDiagonal() * J_ * column_scale_.asDiagonal();
-  // Redundant rows and dead points: see NewtonMatrix.
-  for (int k = 0; k < n_l; ++k) {
-    J_(n_z + k, n_z + k) -= 1e-12;
-  }
-  lu_.compute(J_);
-  h_matrix_ = h;
-  at_matrix_ = next_;
-}
-
 double GeneralisedAlpha::correction_size(double h) {
   // What this correction of v' and c' does to p, v and c.
-  const double by_v = h * k_.gamma * k_.kappa, by_d = h * h * k_.beta * k_.kappa;
+  const double by_v = k_.by_v(h), by_d = k_.by_d(h);
   eq_.kinematic(next_.s.p, x_.head(n_.n_v), error_.head(n_.n_p));
   error_.head(n_.n_p) *= by_d;
   error_.segment(n_.n_p, n_.n_v) = by_v * x_.head(n_.n_v);
@@ -247,10 +189,10 @@ double GeneralisedAlpha::correction_size(double h) {
 
 GeneralisedAlpha::Outcome GeneralisedAlpha::newton(double h) {
   const int n_v = n_.n_v, n_c = n_.n_dyn, n_a = n_.n_alg, n_l = n_.n_lambda, n_z = n_v + n_c + n_a;
-  const double by_v = h * k_.gamma * k_.kappa, by_d = h * h * k_.beta * k_.kappa;
+  const double by_v = k_.by_v(h), by_d = k_.by_d(h);
   bool fresh = false;
-  if (h_matrix_ == 0.0 || std::abs(h / h_matrix_ - 1.0) > 0.3) {
-    factor(h);
+  if (matrix_.h() == 0.0 || std::abs(h / matrix_.h() - 1.0) > 0.3) {
+    matrix_.factor(h, next_.s, next_.v_dot);
     fresh = true;
   }
   for (;;) {
@@ -260,9 +202,8 @@ GeneralisedAlpha::Outcome GeneralisedAlpha::newton(double h) {
       residual();
       // g moves with d, by_d times v'.
       for (int k = 0; k < n_l; ++k) F_(n_z + k) /= holonomic_[k] ? by_d : by_v;
-      F_.array() *= row_scale_.array();
-      x_ = lu_.solve(F_);
-      x_.array() *= -column_scale_.array();
+      F_ = -F_;
+      matrix_.solve(F_, x_);
       if (!x_.allFinite()) break;
       next_.v_dot += x_.head(n_v);
       next_.c_dot += x_.segment(n_v, n_c);
@@ -286,20 +227,9 @@ GeneralisedAlpha::Outcome GeneralisedAlpha::newton(double h) {
     }
     if (converged) return Outcome::converged;
     if (fresh) return Outcome::diverged;
-    factor(h);
+    matrix_.factor(h, next_.s, next_.v_dot);
     fresh = true;
   }
-}
-
-// e <- the part of the velocities' error e that the motion takes up: M e through Newton's matrix.  What a
-// change of step leaves in the accelerations along the constraints (of order h, with alternating sign) and in
-// vibrations that the step does not resolve dies out by itself and must not steer the step.
-void GeneralisedAlpha::filter(VectorXd& e) {
-  F_.setZero();
-  F_.head(n_.n_v).noalias() = tangents_.M * e;
-  F_.array() *= row_scale_.array();
-  x_ = lu_.solve(F_);
-  e = x_.head(n_.n_v).cwiseProduct(column_scale_.head(n_.n_v));
 }
 
 double GeneralisedAlpha::local_error(double h) {
@@ -310,7 +240,7 @@ double GeneralisedAlpha::local_error(double h) {
   eq_.kinematic(next_.s.p, unused_, error_.head(n_.n_p));
   unused_ = (next_.v_dot - now_.v_dot) / h - (now_.v_dot - v_dot_older_) / h_older_;
   unused_ *= k_.error_v * h * h * h * 2.0 / (h + h_older_);
-  filter(unused_);
+  matrix_.filter(unused_);
   error_.segment(n_.n_p, n_.n_v) = unused_;
   // Of first-order states: as of velocities, with the change of their rates for the second difference.
   error_.tail(n_.n_dyn) = std::abs(k_.error_v) * h * (next_.w_c - now_.w_c);
@@ -359,7 +289,7 @@ StepEnd GeneralisedAlpha::step(double t_stop) {
       ++counts_.error_failures;
     else
       ++counts_.newton_failures;
-    h_matrix_ = 0.0;
+    matrix_.forget();
     if (h <= h_min || fixed) {
       if (!trouble_.empty()) throw IntegrationError(trouble_);
       throw IntegrationError(
@@ -393,20 +323,13 @@ StepEnd GeneralisedAlpha::step(double t_stop) {
   std::swap(now_, next_);
   d_before_ = d_;
   h_done_ = h;
-  switches_.search(
-      end.t_begin, end.t_end,
-      [&](double t) -> const State& {
-        interpolate(t, found_, v_dot_found_);
-        return found_;
-      },
-      end.roots);
+  switches_.search(end, [&](double t, State& s) { state_at(t, s); });
   return end;
 }
 
-void GeneralisedAlpha::interpolate(double t, State& s, VectorXd& v_dot) {
+void GeneralisedAlpha::state_at(double t, State& s) {
   if (h_done_ == 0.0 || t >= now_.s.t) {
     s = now_.s;
-    v_dot = now_.v_dot;
     return;
   }
   // Cubic through both ends' values and rates.
@@ -421,25 +344,27 @@ void GeneralisedAlpha::interpolate(double t, State& s, VectorXd& v_dot) {
   s.c = (1.0 - to_1) * before_.s.c + to_1 * now_.s.c + rate_0 * before_.c_dot + rate_1 * now_.c_dot;
   s.a = y * before_.s.a + x * now_.s.a;
   s.lambda = y * before_.s.lambda + x * now_.s.lambda;
-  v_dot = y * before_.v_dot + x * now_.v_dot;
+}
+
+void GeneralisedAlpha::interpolate(double t, State& s, VectorXd& v_dot) {
+  state_at(t, s);
+  const double x = h_done_ == 0.0 || t >= now_.s.t ? 1.0 : (t - before_.s.t) / h_done_;
+  v_dot = (1.0 - x) * before_.v_dot + x * now_.v_dot;
 }
 
 void GeneralisedAlpha::remember(History& history) {
-  for (Point* x : {&now_, &before_, &at_matrix_}) {
+  for (Point* x : {&now_, &before_}) {
     history(x->s);
     for (VectorXd* y : {&x->v_dot, &x->c_dot, &x->w, &x->w_c}) history(*y);
   }
   history(v_dot_older_);
   history(d_before_);
-  for (double* x : {&h_, &h_w_, &h_older_, &h_done_, &h_matrix_}) history(*x);
-  switches_.remember(history);
+  for (double* x : {&h_, &h_w_, &h_older_, &h_done_}) history(*x);
+  switches_.remember(history, now_.s);
+  matrix_.remember(history);
   if (!history.reads()) return;
   started_ = true;
-  if (!kinematics_) kinematics_ = std::make_unique<KinematicBlocks>(eq_, now_.s.p);
-  found_ = now_.s;
-  if (h_matrix_ == 0.0) return;
-  next_ = at_matrix_;
-  factor(h_matrix_);
+  next_ = now_;
 }
 
 }  // namespace

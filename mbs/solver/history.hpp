@@ -55,8 +55,7 @@ class History {
   [[noreturn]] static void refuse() {
     throw std::invalid_argument(
         "the integrator's history does not fit this mechanism: it was saved by another one, or is cut short; "
-        "start "
-        "from the states alone (--from-state)");
+        "start from the states alone (--from-state)");
   }
   std::vector<double> values_;
   std::size_t at_ = 0;

@@ -53,6 +53,7 @@ class Ida final : public Integrator {
 
  private:
   void create(const State& s);
+  void state_at(double t, State& s);
   void check(int flag, const char* what) const {
     if (flag < 0) throw std::runtime_error(fmt::format("SUNDIALS refuses {}: {}", what, last_message_));
   }
@@ -100,8 +101,6 @@ class Ida final : public Integrator {
   SUNLinearSolver solver_ = nullptr;
   SUNMatrix matrix_ = nullptr;
   N_Vector y_ = nullptr, yp_ = nullptr, id_ = nullptr, dky_ = nullptr;
-  State found_;  // where switches are looked for
-  Eigen::VectorXd v_dot_found_;
   double t_ = 0.0;
   StepCounts before_;  // of earlier starts: IDA counts from its last start
   Built built_;
@@ -213,7 +212,6 @@ void Ida::create(const State& s) {
   edit(yp_).setZero();
   edit(id_).setZero();
   edit(id_).head(form_->at_a()).setOnes();
-  found_ = s;
 
   memory_ = IDACreate(context_);
   if (memory_ == nullptr) throw std::runtime_error("SUNDIALS cannot allocate an integrator");
@@ -262,7 +260,7 @@ void Ida::start(const State& s, const Eigen::VectorXd& v_dot) {
     form_->set_start(s);
   }
   failures_seen_ = 0;
-  start_ = found_ = s;
+  start_ = s;
   switches_.start(s);
   form_->pack(s, v_dot, edit(y_), edit(yp_));
   check(IDAReInit(memory_, s.t, y_, yp_), "the initial values");
@@ -281,13 +279,7 @@ StepEnd Ida::step(double t_stop) {
     throw IntegrationError(fmt::format("the state is no longer finite at t = {:.9g} s", t));
   end.t_end = t;
   // IDA has a root finder of its own, which overlooks a function that leaves an exact 0.
-  switches_.search(
-      t_, end.t_end,
-      [&](double at) -> const State& {
-        interpolate(at, found_, v_dot_found_);
-        return found_;
-      },
-      end.roots);
+  switches_.search(end, [&](double at, State& s) { state_at(at, s); });
   t_ = end.t_end;
   return end;
 }
@@ -333,9 +325,13 @@ void Ida::fail(int flag) {
   }
 }
 
-void Ida::interpolate(double t, State& s, Eigen::VectorXd& v_dot) {
+void Ida::state_at(double t, State& s) {
   check(IDAGetDky(memory_, t, 0, dky_), "the time to interpolate at");
   form_->unpack(t, view(dky_), s);
+}
+
+void Ida::interpolate(double t, State& s, Eigen::VectorXd& v_dot) {
+  state_at(t, s);
   check(IDAGetDky(memory_, t, 1, dky_), "the time to interpolate at");
   v_dot = view(dky_).segment(form_->at_v(), form_->at_c() - form_->at_v());
 }
@@ -392,7 +388,7 @@ void Ida::remember(History& history) {
         &m->ida_epsNewt, &m->ida_toldel, &m->ida_hmax_inv, &m->ida_hmin, &m->ida_tolsf})
     history(*x);
   history(m->ida_nst);
-  switches_.remember(history);
+  switches_.remember(history, start_);
   history(built_.t);
   history(built_.cj);
   history(built_.y);

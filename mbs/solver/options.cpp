@@ -15,8 +15,7 @@ input::TableSchema solver_schema() {
       "generalised_alpha = order 2 on index 3 with numerical damping at high frequencies (rho_inf); "
       "runge_kutta = Dormand-Prince 5(4) with projection, explicit, for models that are not stiff; "
       "kinematics = positions, velocities, accelerations and drive forces where drives prescribe the "
-      "whole "
-      "motion; quasi_statics = an equilibrium at each output time; without it radau where a body has "
+      "whole motion; quasi_statics = an equilibrium at each output time; without it radau where a body has "
       "modal coordinates, ida otherwise"));
   schema.keys.push_back(
       in::quantity("start_time", in::dim::time, "time at which the run begins").or_default("0 s"));

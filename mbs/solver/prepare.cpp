@@ -141,13 +141,7 @@ PreparedMechanism prepare(const std::filesystem::path& path, const std::vector<s
     // Now that the redundant rows are gone the multipliers have their places.
     State whole = out.state;
     StateChange change = read_state(state_file, *out.mechanism, whole);
-    if (change.continuation) {
-      const std::vector<int> counts = {
-          static_cast<int>(whole.p.size()),      static_cast<int>(whole.v.size()),
-          static_cast<int>(whole.c.size()),      static_cast<int>(whole.a.size()),
-          static_cast<int>(whole.lambda.size()), static_cast<int>(whole.root.size())};
-      out.continuation_fits = change.counts == counts;
-    }
+    out.continuation_fits = change.continuation_fits;
     out.continuation = std::move(change.continuation);
   }
   return out;

@@ -134,14 +134,11 @@ void LoopCloser::close(State& s) {
   } catch (const std::runtime_error&) {
     return;  // no mass matrix there: the integrator will say so
   }
-  if (is_near) {
-    s.p = trial_.p;
-    s.v = trial_.v;
-    return;
+  if (!is_near) {
+    weights_.evaluate(s.p, s.v, s.c, w_);
+    change_ = trial_.p - s.p;
+    if (!(change_.cwiseProduct(w_.head(n_.n_p)).norm() <= 10.0 * std::sqrt(n_.n_p))) return;
   }
-  weights_.evaluate(s.p, s.v, s.c, w_);
-  change_ = trial_.p - s.p;
-  if (!(change_.cwiseProduct(w_.head(n_.n_p)).norm() <= 10.0 * std::sqrt(n_.n_p))) return;
   s.p = trial_.p;
   s.v = trial_.v;
 }

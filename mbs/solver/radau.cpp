@@ -21,7 +21,6 @@ using Eigen::VectorXcd;
 using Eigen::VectorXd;
 
 constexpr int kMostIterations = 7;
-constexpr int kLongestFullSpan = 32;
 constexpr double kSafety = 0.9;
 // Newton's method may contract this slowly with the derivatives of an earlier step.  Of a turning engine with
 // 20 modes two thirds of them are saved for 6 % more iterations; at 0.2 the iterations cost more than that.
@@ -48,6 +47,7 @@ class Radau final : public Integrator {
   StepCounts counts() const override {
     StepCounts c = counts_;
     if (form_) c.evaluations = form_->evaluations();
+    if (matrices_) c.jacobians = matrices_->linearised();
     return c;
   }
   void remember(History& history) override;
@@ -58,8 +58,8 @@ class Radau final : public Integrator {
   void create(const State& s);
   void set_weights();
   double norm(const VectorXd& x) const { return std::sqrt(x.cwiseAbs2().dot(weights2_) / n_norm_); }
+  void state_at(double t, State& s);
   void linearise(double h);
-  bool factor(double h);
   void predict(double h);
   Outcome newton(double h, double& shorter, int& iterations);
   double local_error(double h, bool again);
@@ -79,21 +79,13 @@ class Radau final : public Integrator {
   StabilisedIndex2* form_ = nullptr;  // in matrices_
   double loosening_, n_norm_ = 1.0;
 
-  State state_, found_;  // state_: at t_, for its switches
+  State state_;  // at t_, for its switches
   double t_ = 0.0;
-  VectorXd y_, yp_;            // at t_
-  std::array<VectorXd, 3> Z_;  // of the last step, which began at t_begin_ from y_begin_
-  VectorXd y_begin_, yp_begin_;
-  double t_begin_ = 0.0, h_done_ = 0.0;
+  VectorXd y_, yp_;                                  // at t_
+  std::array<VectorXd, 3> Z_;                        // of the step being tried
+  RadauPolynomial last_{k_, 0.0, 0.0, {}, {}};                         // of the last step
   double h_ = 0.0;                                   // the next step
-  double h_matrix_ = 0.0;                            // of the factors; 0: none
-  bool has_tangents_ = false;                        // the derivatives were taken, there:
-  double t_tangents_ = 0.0, t_with_tangents_ = 0.0;  // and for the step that began there
-  VectorXd y_tangents_, yp_tangents_;
-  bool newton_scope_ = false;  // with TangentScope::newton
-  bool is_first_ = true;       // the step is the first from here
-  // Full matrices to come, and how many the next failure asks for: few where it was a force that changed.
-  int full_matrices_left_ = 0, full_span_ = 1, cheap_steps_ = 0;
+  bool is_first_ = true;                             // the step is the first from here
   double theta_ = 0.0, convergence_ = 1.0;           // of Newton's method
   double h_accepted_ = 0.0, error_accepted_ = 1e-2;  // for the predictive controller
   bool rejected_ = false;
@@ -103,20 +95,20 @@ class Radau final : public Integrator {
   VectorXcd rhs_c_, x_c_;
   StepCounts counts_;
   std::string trouble_;
-  VectorXd interpolated_, v_dot_found_;
+  VectorXd interpolated_;
 };
 
 void Radau::create(const State& s) {
-  matrices_ = std::make_unique<RadauMatrices>(eq_, s);
+  matrices_ = std::make_unique<RadauMatrices>(eq_, k_, s);
   form_ = &matrices_->form();
   const int n = form_->size();
-  for (VectorXd* x : {&y_, &yp_, &y_begin_, &yp_begin_, &y_tangents_, &yp_tangents_, &weights2_, &stage_,
-                      &rate_, &step_, &rhs_, &x_, &error_, &interpolated_})
+  for (VectorXd* x :
+       {&y_, &yp_, &last_.y_begin, &weights2_, &stage_, &rate_, &step_, &rhs_, &x_, &error_, &interpolated_})
     x->setZero(n);
   rhs_c_.setZero(n);
   x_c_.setZero(n);
-  for (VectorXd& z : Z_) z.setZero(n);
-  for (VectorXd& r : R_) r.setZero(n);
+  for (auto* three : {&Z_, &last_.Z, &R_})
+    for (VectorXd& x : *three) x.setZero(n);
   n_norm_ = std::max(1, form_->at_lambda());
 }
 
@@ -140,7 +132,7 @@ void Radau::start(const State& s, const VectorXd& v_dot) {
     ++counts_.restarts;
     form_->set_start(s);
   }
-  state_ = found_ = s;
+  state_ = s;
   t_ = s.t;
   form_->pack(s, v_dot, y_, yp_);
   set_weights();
@@ -153,8 +145,8 @@ void Radau::start(const State& s, const VectorXd& v_dot) {
     const double rate = norm(step_) * loosening_ * options_.tolerance;
     h_ = std::min({h_, 1e-4 * duration, rate > 0.0 ? 0.01 / rate : duration});
   }
-  h_done_ = h_matrix_ = 0.0;
-  has_tangents_ = false;
+  last_.h = 0.0;
+  matrices_->forget();
   is_first_ = true;
   h_accepted_ = 0.0;
   error_accepted_ = 1e-2;
@@ -167,49 +159,27 @@ void Radau::start(const State& s, const VectorXd& v_dot) {
 // In the middle of the step to come, by the last step's polynomial: there the frozen matrix is nearest to
 // those of the stages, and Newton's method converges twice as fast as with the one at the beginning.
 void Radau::linearise(double h) {
-  // Elastic coordinates by their stiffness alone, until Newton's method fails with it (see Ida).
-  TangentScope scope = TangentScope::everything;
-  if (form_->has_elastic_coordinates() && full_matrices_left_ == 0) scope = TangentScope::newton;
-  if (full_matrices_left_ > 0) --full_matrices_left_;
-  has_tangents_ = true;
-  t_with_tangents_ = t_tangents_ = t_;
-  y_tangents_ = y_;
-  yp_tangents_ = yp_;
-  if (h_done_ > 0.0) {
-    const double ahead = 0.5 * std::min(h, h_done_), x = 1.0 + ahead / h_done_;
-    t_tangents_ = t_ + ahead;
-    y_tangents_ = y_begin_;
-    yp_tangents_.setZero();
-    for (int j = 0; j < 3; ++j) {
-      y_tangents_ += k_.basis(j, x) * Z_[j];
-      yp_tangents_ += k_.slope(j, x) / h_done_ * Z_[j];
-    }
+  if (last_.h == 0.0) {
+    matrices_->linearise(t_, t_, y_, yp_);
+    return;
   }
-  newton_scope_ = scope == TangentScope::newton;
-  ++counts_.jacobians;
-  form_->linearise(t_tangents_, y_tangents_, yp_tangents_, scope);
-}
-
-bool Radau::factor(double h) {
-  h_matrix_ = h;
-  return matrices_->factor(k_.gamma / h, k_.lambda / h);
+  const double ahead = 0.5 * std::min(h, last_.h), x = 1.0 + ahead / last_.h;
+  last_.value(x, stage_);
+  last_.rate(x, 0, form_->size(), rate_);
+  matrices_->linearise(t_, t_ + ahead, stage_, rate_);
 }
 
 // Stage values from the last step's polynomial, or along the tangent.
 void Radau::predict(double h) {
-  if (h_done_ == 0.0) {
-    for (int i = 0; i < 3; ++i) {
+  for (int i = 0; i < 3; ++i) {
+    if (last_.h == 0.0) {
       Z_[i].setZero();
       Z_[i].head(form_->at_a()) = k_.c[i] * h * yp_.head(form_->at_a());
+    } else {
+      last_.value(1.0 + k_.c[i] * h / last_.h, Z_[i]);
+      Z_[i] -= y_;
     }
-    return;
   }
-  for (int i = 0; i < 3; ++i) {
-    const double x = 1.0 + k_.c[i] * h / h_done_;
-    R_[i] = y_begin_ - y_;
-    for (int j = 0; j < 3; ++j) R_[i] += k_.basis(j, x) * Z_[j];
-  }
-  for (int i = 0; i < 3; ++i) Z_[i] = R_[i];
 }
 
 Radau::Outcome Radau::newton(double h, double& shorter, int& iterations) {
@@ -320,19 +290,19 @@ void Radau::fail(double h, bool converges) {
 void Radau::accept(double h, double t_stop, double wanted, double error, double quotient) {
   ++counts_.steps;
   is_first_ = false;
-  if (newton_scope_ && ++cheap_steps_ % kLongestFullSpan == 0) full_span_ = std::max(1, full_span_ / 2);
+  matrices_->praise();
   if (h_accepted_ > 0.0) {  // K. Gustafsson's predictive controller
     const double predicted = (h / h_accepted_) * std::pow(error * error / error_accepted_, 0.25) / kSafety;
     quotient = std::max(quotient, std::clamp(predicted, 0.125, 5.0));
   }
   h_accepted_ = h;
   error_accepted_ = std::max(1e-2, error);
-  y_begin_ = y_;
-  yp_begin_ = yp_;
-  t_begin_ = t_;
-  h_done_ = h;
-  y_ += Z_[2];
-  yp_ = (k_.B(2, 0) * Z_[0] + k_.B(2, 1) * Z_[1] + k_.B(2, 2) * Z_[2]) / h;
+  last_.t_begin = t_;
+  last_.h = h;
+  last_.y_begin = y_;
+  last_.Z.swap(Z_);
+  y_ += last_.Z[2];
+  yp_ = (k_.B(2, 0) * last_.Z[0] + k_.B(2, 1) * last_.Z[1] + k_.B(2, 2) * last_.Z[2]) / h;
   t_ = t_ + h >= t_stop ? t_stop : t_ + h;
   double next = h / quotient;
   if (rejected_) next = std::min(next, h);
@@ -348,8 +318,7 @@ StepEnd Radau::step(double t_stop) {
   const double h_max = options_.max_step > 0.0 ? options_.max_step : 0.1 * duration;
   const double h_min = options_.min_step > 0.0 ? options_.min_step : 1e-12 * duration;
   set_weights();
-  bool tangents_are_fresh = has_tangents_ && t_with_tangents_ == t_;
-  bool wants_tangents = !tangents_are_fresh && (!has_tangents_ || theta_ > kSlow);
+  bool wants_tangents = !matrices_->are_fresh(t_) && (!matrices_->has_tangents() || theta_ > kSlow);
   const double wanted = h_;
   for (;;) {
     const double left = t_stop - t_;
@@ -365,11 +334,9 @@ StepEnd Radau::step(double t_stop) {
     try {
       if (wants_tangents) {
         linearise(h);
-        tangents_are_fresh = true;
         wants_tangents = false;
-        h_matrix_ = 0.0;
       }
-      if (h_matrix_ == h || factor(h)) {
+      if (matrices_->factor(h)) {
         predict(h);
         outcome = newton(h, shorter, iterations);
       }
@@ -377,21 +344,12 @@ StepEnd Radau::step(double t_stop) {
       trouble_ = e.what();
     }
     if (outcome != Outcome::converged) {
-      // predict() has used the last polynomial up.
-      h_done_ = 0.0;
+      last_.h = 0.0;  // it led astray
       ++counts_.newton_failures;
       if (h <= h_min) fail(h, false);
-      if (tangents_are_fresh) {
-        if (newton_scope_) {
-          full_matrices_left_ = full_span_;
-          full_span_ = std::min(2 * full_span_, kLongestFullSpan);
-          wants_tangents = true;
-        }
-      } else {
-        wants_tangents = true;
-      }
       // A matrix from the middle of a step that failed is of no use to steps much shorter.
-      if (rejected_ && t_tangents_ > t_) wants_tangents = true;
+      wants_tangents =
+          !matrices_->are_fresh(t_) || matrices_->ask_for_more() || (rejected_ && matrices_->look_ahead());
       h_ = shorter * h;
       rejected_ = true;
       continue;
@@ -402,43 +360,37 @@ StepEnd Radau::step(double t_stop) {
         std::min(kSafety, kSafety * (1 + 2 * kMostIterations) / (iterations + 2 * kMostIterations));
     double quotient = std::clamp(std::pow(error, 0.25) / factor, 0.125, 5.0);
     if (error >= 1.0) {
-      h_done_ = 0.0;
+      last_.h = 0.0;
       ++counts_.error_failures;
       if (h <= h_min) fail(h, true);
       h_ = is_first_ ? 0.1 * h : h / quotient;
       rejected_ = true;
-      if (!tangents_are_fresh) wants_tangents = true;
+      wants_tangents = !matrices_->are_fresh(t_);
       continue;
     }
     accept(h, t_stop, wanted, error, quotient);
     break;
   }
-  StepEnd end;
-  end.t_begin = t_begin_;
-  end.t_end = t_;
-  switches_.search(
-      t_begin_, end.t_end,
-      [&](double t) -> const State& {
-        interpolate(t, found_, v_dot_found_);
-        return found_;
-      },
-      end.roots);
+  StepEnd end{last_.t_begin, t_, {}};
+  switches_.search(end, [&](double t, State& s) { state_at(t, s); });
   return end;
 }
 
-void Radau::interpolate(double t, State& s, VectorXd& v_dot) {
-  if (h_done_ == 0.0) {
+void Radau::state_at(double t, State& s) {
+  if (last_.h == 0.0) {
     form_->unpack(t_, y_, s);
-    v_dot = yp_.segment(form_->at_v(), n_.n_v);
     return;
   }
-  const double x = (t - t_begin_) / h_done_;
-  interpolated_ = y_begin_;
-  for (int i = 0; i < 3; ++i) interpolated_ += k_.basis(i, x) * Z_[i];
+  last_.value((t - last_.t_begin) / last_.h, interpolated_);
   form_->unpack(t, interpolated_, s);
-  const int at_v = form_->at_v();
-  v_dot = k_.slope(0, x) / h_done_ * Z_[0].segment(at_v, n_.n_v);
-  for (int i = 1; i < 3; ++i) v_dot += k_.slope(i, x) / h_done_ * Z_[i].segment(at_v, n_.n_v);
+}
+
+void Radau::interpolate(double t, State& s, VectorXd& v_dot) {
+  state_at(t, s);
+  if (last_.h == 0.0)
+    v_dot = yp_.segment(form_->at_v(), n_.n_v);
+  else
+    last_.rate((t - last_.t_begin) / last_.h, form_->at_v(), n_.n_v, v_dot);
 }
 
 void Radau::remember(History& history) {
@@ -447,23 +399,14 @@ void Radau::remember(History& history) {
   if (history.reads()) {
     create(state_);
     form_->set_start(state_);
-    found_ = state_;
   }
-  for (VectorXd* x : {&y_, &yp_, &Z_[0], &Z_[1], &Z_[2], &y_begin_, &yp_begin_, &y_tangents_, &yp_tangents_})
+  for (VectorXd* x : {&y_, &yp_, &last_.Z[0], &last_.Z[1], &last_.Z[2], &last_.y_begin}) history(*x);
+  for (double* x :
+       {&t_, &last_.t_begin, &last_.h, &h_, &theta_, &convergence_, &h_accepted_, &error_accepted_})
     history(*x);
-  for (double* x : {&t_, &t_begin_, &h_done_, &h_, &h_matrix_, &t_tangents_, &t_with_tangents_, &theta_,
-                    &convergence_, &h_accepted_, &error_accepted_})
-    history(*x);
-  history(has_tangents_);
-  history(newton_scope_);
-  for (int* k : {&full_matrices_left_, &full_span_, &cheap_steps_}) history(*k);
   history(is_first_);
-  switches_.remember(history);
-  if (!history.reads()) return;
-  if (!has_tangents_) return;
-  form_->linearise(t_tangents_, y_tangents_, yp_tangents_,
-                   newton_scope_ ? TangentScope::newton : TangentScope::everything);
-  if (h_matrix_ > 0.0) factor(h_matrix_);
+  switches_.remember(history, state_);
+  matrices_->remember(history);
 }
 
 }  // namespace

@@ -46,4 +46,9 @@ double RadauTableau::slope(int i, double x) const {
   return ((x - c[j]) * (x - c[k]) + x * (x - c[k]) + x * (x - c[j])) / (c[i] * (c[i] - c[j]) * (c[i] - c[k]));
 }
 
+void RadauPolynomial::value(double x, Eigen::VectorXd& y) const {
+  y = y_begin;
+  for (int i = 0; i < 3; ++i) y += tableau.basis(i, x) * Z[i];
+}
+
 }  // namespace flexura::mbs

@@ -30,4 +30,21 @@ struct RadauTableau {
   double slope(int i, double x) const;
 };
 
+/// The polynomial of a step of Radau IIA: y at its beginning and the stages' Z_i = y(t_begin + c_i h) - y.
+struct RadauPolynomial {
+  const RadauTableau& tableau;
+  double t_begin = 0.0, h = 0.0;  ///< h = 0: there is none
+  Eigen::VectorXd y_begin;
+  std::array<Eigen::VectorXd, 3> Z;
+
+  /// y at t_begin + x h.
+  void value(double x, Eigen::VectorXd& y) const;
+  /// y' there, of `count` entries from `first` on.
+  template <class Out>
+  void rate(double x, int first, int count, Out&& rate) const {
+    rate = tableau.slope(0, x) / h * Z[0].segment(first, count);
+    for (int i = 1; i < 3; ++i) rate += tableau.slope(i, x) / h * Z[i].segment(first, count);
+  }
+};
+
 }  // namespace flexura::mbs

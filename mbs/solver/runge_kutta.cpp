@@ -58,7 +58,7 @@ class RungeKutta final : public Integrator {
   void start(const State& s, const Eigen::VectorXd&) override {
     if (started_) ++counts_.restarts;
     started_ = true;
-    state_ = stage_ = found_ = s;
+    state_ = stage_ = s;
     pack(s, y_);
     rates(s.t, y_, k_[0]);
     take_multipliers();
@@ -92,10 +92,8 @@ class RungeKutta final : public Integrator {
     history(k_[0]);
     for (Eigen::VectorXd& d : dense_) history(d);
     for (double* x : {&h_, &h_done_, &t_begin_, &error_before_}) history(*x);
-    switches_.remember(history);
-    if (!history.reads()) return;
-    started_ = has_rates_ = true;
-    found_ = state_;
+    switches_.remember(history, state_);
+    if (history.reads()) started_ = has_rates_ = true;
   }
 
  private:
@@ -142,7 +140,7 @@ class RungeKutta final : public Integrator {
   std::array<Eigen::VectorXd, kStages> k_;
   std::array<Eigen::VectorXd, 5> dense_;
   Eigen::VectorXd y_, y_new_, w_, error_, v_dot_;
-  State state_, stage_, found_;
+  State state_, stage_, projected_;
   StepCounts counts_;
   double h_ = 0.0, h_done_ = 0.0, t_begin_ = 0.0, error_before_ = 1e-4;
   bool started_ = false;
@@ -196,8 +194,8 @@ StepEnd RungeKutta::step(double t_stop) {
       size = try_step(h);
       if (fixed && std::isfinite(size)) size = 0.0;
       if (size <= 1.0) {
-        found_ = stage_;
-        projected = projector_.project(found_);
+        projected_ = stage_;
+        projected = projector_.project(projected_);
         if (!projected) size = std::numeric_limits<double>::infinity();
       }
     } catch (const std::runtime_error& e) {
@@ -207,7 +205,7 @@ StepEnd RungeKutta::step(double t_stop) {
       t_begin_ = state_.t;
       h_done_ = h;
       // Continuous extension, with the projected end.
-      pack(found_, error_);
+      pack(projected_, error_);
       last_stage_is_end_ = error_ == y_new_;
       y_new_ = error_;
       dense_[0] = y_;
@@ -241,14 +239,8 @@ StepEnd RungeKutta::step(double t_stop) {
   StepEnd end;
   end.t_begin = t_begin_;
   end.t_end = t_begin_ + h_done_ >= t_stop ? t_stop : t_begin_ + h_done_;
-  stage_.root = found_.root = state_.root;
-  switches_.search(
-      t_begin_, end.t_end,
-      [&](double t) -> const State& {
-        unpack(t, found_);
-        return found_;
-      },
-      end.roots);
+  stage_.root = state_.root;
+  switches_.search(end, [&](double t, State& s) { unpack(t, s); });
   if (end.roots.empty()) {
     state_.t = end.t_end;
     y_ = y_new_;

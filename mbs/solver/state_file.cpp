@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "mbs/input/document.hpp"
+#include "mbs/superelement/text_file.hpp"
 
 namespace flexura::mbs {
 
@@ -82,18 +83,7 @@ void write_state(const std::filesystem::path& path, const Equations& eq, const s
     for (const double* x : numbers(energy)) c["energy"].push_back(*x);
     c["history"] = continuation->history;
   }
-  const std::filesystem::path beside = path.string() + ".part";
-  std::error_code failure;
-  {
-    std::ofstream file(beside);
-    file << out.dump(1) << '\n';
-    file.close();
-    if (file) std::filesystem::rename(beside, path, failure);
-    if (file && !failure) return;
-  }
-  std::filesystem::remove(beside, failure);
-  throw std::runtime_error(
-      fmt::format("{}: cannot be written; check the folder, its permissions and the disk", path.string()));
+  superelement::write_whole(path, out.dump(1) + '\n');
 }
 
 namespace {
@@ -146,8 +136,11 @@ StateChange read_state(const std::filesystem::path& path, const Equations& eq, S
       for (std::size_t i = 0; i < place.size(); ++i) *place[i] = energy[i];
       to.history = c.at("history").get<std::vector<double>>();
       to.state = s;
-      for (const char* key : {"positions", "velocities", "dynamic", "algebraic", "multipliers", "switches"})
-        change.counts.push_back(static_cast<int>(in.value(key, Json::array()).size()));
+      const std::pair<const char*, std::size_t> counts[] = {
+          {"positions", s.p.size()}, {"velocities", s.v.size()},       {"dynamic", s.c.size()},
+          {"algebraic", s.a.size()}, {"multipliers", s.lambda.size()}, {"switches", s.root.size()}};
+      change.continuation_fits = std::ranges::all_of(
+          counts, [&](const auto& of) { return in.value(of.first, Json::array()).size() == of.second; });
     }
   } catch (const nlohmann::json::exception& e) {
     throw std::invalid_argument(fmt::format("{}: is not a state file: {}", path.string(), reason(e)));

@@ -28,9 +28,7 @@ void write_state(const std::filesystem::path& path, const Equations& eq, const s
 struct StateChange {
   std::vector<bool> position, velocity;  ///< entries of p and of v that the file names
   std::optional<Continuation> continuation;
-  /// Of a continuation: positions, velocities, dynamic, algebraic, multipliers and switches that the file
-  /// holds.
-  std::vector<int> counts;
+  bool continuation_fits = true;  ///< the file has as many states of every kind as the mechanism
 };
 
 /// Puts the file's values into `s`.  Throws std::invalid_argument, one sentence, for a file that is none and

@@ -14,18 +14,21 @@ SwitchFinder::SwitchFinder(const Equations& eq)
 }
 
 void SwitchFinder::start(const State& s) {
+  found_ = s;
   if (n_root_ > 0) eq_.roots(s, *scratch_, low_);
 }
 
-bool SwitchFinder::search(double t_begin, double& t_end, const std::function<const State&(double)>& state_at,
-                          std::vector<int>& which) {
-  which.clear();
-  if (n_root_ == 0) return false;
-  const auto evaluate = [&](double t, Eigen::VectorXd& values) { eq_.roots(state_at(t), *scratch_, values); };
+void SwitchFinder::search(StepEnd& end, const StateAt& state_at) {
+  if (n_root_ == 0) return;
+  const double t_begin = end.t_begin, t_end = end.t_end;
+  const auto evaluate = [&](double t, Eigen::VectorXd& values) {
+    state_at(t, found_);
+    eq_.roots(found_, *scratch_, values);
+  };
   evaluate(t_end, high_);
   if (!any_negative(high_)) {
     low_.swap(high_);
-    return false;
+    return;
   }
   double a = t_begin, b = t_end;
   // What stands at 0 to round-off, and for a restart that is either side of it, shows a little later whether
@@ -70,10 +73,14 @@ bool SwitchFinder::search(double t_begin, double& t_end, const std::function<con
       last_side = -1;
     }
   }
-  t_end = b;
+  end.t_end = b;
   for (int k = 0; k < n_root_; ++k)
-    if (high_(k) < 0.0) which.push_back(k);
-  return true;
+    if (high_(k) < 0.0) end.roots.push_back(k);
+}
+
+void SwitchFinder::remember(History& history, const State& s) {
+  if (history.reads()) found_ = s;
+  history(low_);
 }
 
 }  // namespace flexura::mbs

@@ -8,6 +8,7 @@
 
 #include "mbs/model/equations.hpp"
 #include "mbs/solver/history.hpp"
+#include "mbs/solver/integrator.hpp"
 
 /// Locates inside a step where a switching function falls below 0, on the integrator's polynomial and to the
 /// round-off of the time: the Illinois form of regula falsi.
@@ -20,15 +21,18 @@ class SwitchFinder {
  public:
   explicit SwitchFinder(const Equations& eq);
 
+  /// Puts the state at t within the last step into `s`, of the mechanism's sizes, from the step's polynomial.
+  using StateAt = std::function<void(double t, State& s)>;
+
   /// Forgets the past: call at every (re)start.
   void start(const State& s);
 
-  /// Looks at the step [t_begin, t_end] whose states `state_at` gives.  Returns true when a function falls
-  /// below 0: t_end is then moved to the first such time (just behind it) and `which` lists the functions.
-  bool search(double t_begin, double& t_end, const std::function<const State&(double)>& state_at,
-              std::vector<int>& which);
+  /// Looks at the step that ends with `end`.  Where a function falls below 0, t_end is moved to the first
+  /// such time (just behind it) and `roots` lists the functions.
+  void search(StepEnd& end, const StateAt& state_at);
 
-  void remember(History& history) { history(low_); }
+  /// `s` is the state of the last start.
+  void remember(History& history, const State& s);
 
  private:
   bool any_negative(const Eigen::VectorXd& values) const { return (values.array() < 0.0).any(); }
@@ -36,6 +40,7 @@ class SwitchFinder {
   const Equations& eq_;
   int n_root_;
   std::unique_ptr<Equations::Scratch> scratch_;
+  State found_;
   Eigen::VectorXd low_, high_, middle_;  // at both ends of the interval and between
 };
 

@@ -10,6 +10,7 @@
 
 #include "mbs/superelement/exchange/exchange.hpp"
 #include "mbs/superelement/exchange/polydata.hpp"
+#include "mbs/superelement/text_file.hpp"
 #include "mbs/view/body_shapes.hpp"
 #include "mbs/view/stress_field.hpp"
 #include "mbs/view/surface_blocks.hpp"
@@ -171,7 +172,7 @@ std::vector<fs::path> write_motion_vtk(const fs::path& stem, const results::Resu
                           escape_xml((folder.filename() / name).generic_string()));
     }
     written.push_back(stem.string() + "." + run.name + ".pvd");
-    superelement::exchange::write_whole(written.back(), list + "</Collection>\n</VTKFile>\n");
+    superelement::write_whole(written.back(), list + "</Collection>\n</VTKFile>\n");
   }
   if (written.empty())
     throw std::invalid_argument("the results hold no run with a stored time: simulate first");

@@ -9,8 +9,8 @@
 #include <ostream>
 
 #include "beam/model/section_stress.hpp"
+#include "mbs/superelement/text_file.hpp"
 #include "mbs/terminal/terminal.hpp"
-#include "reduce/app/text_file.hpp"
 #include "reduce/linalg/session.hpp"
 
 namespace flexura::reduce {
@@ -153,7 +153,7 @@ void print_statics(const BeamPartInput& part, const std::vector<std::string>& he
   if (report.empty()) return;
   const nlohmann::json json = {
       {"part", part.name}, {"resultants", {"N", "V_y", "V_z", "T", "M_y", "M_z"}}, {"cases", cases}};
-  write_text(report, json.dump(1) + "\n");
+  superelement::write_whole(report, json.dump(1) + "\n");
 }
 
 }  // namespace flexura::reduce

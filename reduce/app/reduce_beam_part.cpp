@@ -11,10 +11,10 @@
 #include <ostream>
 
 #include "mbs/superelement/file.hpp"
+#include "mbs/superelement/text_file.hpp"
 #include "mbs/terminal/terminal.hpp"
 #include "reduce/app/report.hpp"
 #include "reduce/app/section_forces.hpp"
-#include "reduce/app/text_file.hpp"
 #include "reduce/app/to_superelement.hpp"
 #include "reduce/beams/full_modes.hpp"
 #include "reduce/linalg/session.hpp"
@@ -125,7 +125,7 @@ void reduce_beam_part(const BeamPartInput& input, const std::filesystem::path& o
     se.sections = section_forces(
         mesh, beams.T, std::clamp(static_cast<int>(2 * most_members / input.model.members.size()), 2, 9));
   superelement::write(output, se);
-  if (!options.report.empty()) write_text(options.report, json.dump(2) + "\n");
+  if (!options.report.empty()) superelement::write_whole(options.report, json.dump(2) + "\n");
   line.finish();
   if (!options.quiet) fmt::print("{}wrote {}\n", text, output.string());
 }

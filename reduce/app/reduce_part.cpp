@@ -10,12 +10,12 @@
 #include <numbers>
 
 #include "mbs/superelement/file.hpp"
+#include "mbs/superelement/text_file.hpp"
 #include "mbs/terminal/terminal.hpp"
 #include "reduce/app/make_part.hpp"
 #include "reduce/app/read_matrices.hpp"
 #include "reduce/app/report.hpp"
 #include "reduce/app/surface.hpp"
-#include "reduce/app/text_file.hpp"
 #include "reduce/app/to_superelement.hpp"
 #include "reduce/cms/finished_modes.hpp"
 #include "reduce/cms/shape_change.hpp"
@@ -164,7 +164,7 @@ void reduce_part(const PartInput& input, const std::filesystem::path& output, co
                                                   report.json.dump(1), std::move(vertices));
   if (input.has_damping) se.modal_damping = 0.0;
   superelement::write(output, se);
-  if (!options.report.empty()) write_text(options.report, report.json.dump(2) + "\n");
+  if (!options.report.empty()) superelement::write_whole(options.report, report.json.dump(2) + "\n");
   line.finish();
   for (const std::string& warning : data.warnings) fmt::print(stderr, "warning: {}\n", warning);
   if (!options.quiet) fmt::print("{}wrote {}\n", report.text, output.string());

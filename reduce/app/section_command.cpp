@@ -6,9 +6,9 @@
 #include <iostream>
 
 #include "mbs/input/document.hpp"
+#include "mbs/superelement/text_file.hpp"
 #include "reduce/app/section_file.hpp"
 #include "reduce/app/section_report.hpp"
-#include "reduce/app/text_file.hpp"
 
 namespace flexura::reduce {
 namespace {
@@ -42,8 +42,8 @@ int solve_section(const Arguments& arguments, const terminal::Talk& talk) {
   terminal::require_folder_of(output);
   terminal::require_folder_of(drawing);
   const beam::SectionProperties section = solve(read_section_file(source, overrides));
-  write_text(output, section_result(section));
-  write_text(drawing, section_svg(section));
+  superelement::write_whole(output, section_result(section));
+  superelement::write_whole(drawing, section_svg(section));
   if (arguments.json) {
     std::cout << section_json(section) << '\n';
   } else if (!talk.quiet) {

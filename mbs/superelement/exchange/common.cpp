@@ -3,27 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <stdexcept>
 
 #include "mbs/superelement/exchange/exchange.hpp"
 
 namespace flexura::superelement::exchange {
-
-void write_whole(const std::filesystem::path& path, std::string_view content) {
-  const std::filesystem::path beside = path.string() + ".part";
-  std::error_code failure;
-  {
-    std::ofstream out(beside, std::ios::binary);
-    out.write(content.data(), static_cast<std::streamsize>(content.size()));
-    out.close();
-    if (out) std::filesystem::rename(beside, path, failure);
-    if (out && !failure) return;
-  }
-  std::filesystem::remove(beside, failure);
-  throw std::runtime_error(path.string() +
-                           ": cannot be written; check the folder, its permissions and the disk");
-}
 
 Eigen::MatrixXd elastic_shapes(const Superelement& se, const ModeAnalysis& modes) {
   Eigen::MatrixXd Y(se.n(), static_cast<Eigen::Index>(modes.modes.size()) - modes.n_rigid);

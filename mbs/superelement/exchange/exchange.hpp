@@ -82,8 +82,6 @@ void write_flexdata(const std::filesystem::path& path, const FlexData& data);
 FlexData read_flexdata(const std::filesystem::path& path);
 
 namespace exchange {
-/// Writes beside and renames.
-void write_whole(const std::filesystem::path& path, std::string_view content);
 /// The elastic modes as columns, n x m.
 Eigen::MatrixXd elastic_shapes(const Superelement& se, const ModeAnalysis& modes);
 /// The largest displacement of a mode on the surface.

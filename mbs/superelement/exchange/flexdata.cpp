@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "mbs/superelement/exchange/exchange.hpp"
+#include "mbs/superelement/text_file.hpp"
 
 // MotionSolve Reference Guide, Reference_FlexData. The guide's own example is not well-formed XML (tags that
 // do not match in case, "< ! -- -->" as a comment), so the reader looks for blocks and numbers only.
@@ -139,7 +140,7 @@ void write_flexdata(const std::filesystem::path& path, const FlexData& data) {
     }
   }
   fmt::format_to(to, "</NodeData>\n</Reference_FlexData>\n");
-  exchange::write_whole(path, {out.data(), out.size()});
+  write_whole(path, {out.data(), out.size()});
 }
 
 FlexData read_flexdata(const std::filesystem::path& path) {

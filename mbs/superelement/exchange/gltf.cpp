@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "mbs/superelement/exchange/exchange.hpp"
+#include "mbs/superelement/text_file.hpp"
 
 // glTF 2.0 in its binary form (Khronos Group, "glTF 2.0 Specification", sections 3.6 meshes with morph
 // targets, 3.11 animations, 4 GLB).  One mesh; morph target j is the drawn displacement of mode j; animation
@@ -176,7 +177,7 @@ void write_gltf(const std::filesystem::path& path, const Superelement& se, const
   append_u32(out, buffer.bytes().size());
   out.append("BIN\0", 4);
   out += buffer.bytes();
-  exchange::write_whole(path, out);
+  write_whole(path, out);
 }
 
 }  // namespace flexura::superelement

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include "mbs/superelement/exchange/exchange.hpp"
+#include "mbs/superelement/text_file.hpp"
 
 // Matrix Market (math.nist.gov/MatrixMarket/formats.html) and DMIG (Nastran Quick Reference Guide, bulk
 // data).
@@ -90,7 +91,7 @@ std::vector<std::filesystem::path> write_matrix_market(const std::filesystem::pa
       fmt::format("% superelement {}, SI units\n{}", without_line_breaks(se.name), dof_comments(se));
   const auto write = [&](const char* letter, const Eigen::MatrixXd& A) {
     written.push_back(stem.string() + "." + letter + ".mtx");
-    exchange::write_whole(written.back(), matrix_market(A, comments));
+    write_whole(written.back(), matrix_market(A, comments));
   };
   write("K", se.K_se);
   write("M", se.M_se);
@@ -114,7 +115,7 @@ void write_dmig(const std::filesystem::path& path, const Superelement& se) {
   append_dmig(out, "KFLEX", se.K_se, all);
   append_dmig(out, "MFLEX", se.M_se, all);
   if (se.D_se.size() > 0) append_dmig(out, "BFLEX", se.D_se, all);
-  exchange::write_whole(path, {out.data(), out.size()});
+  write_whole(path, {out.data(), out.size()});
 }
 
 }  // namespace flexura::superelement

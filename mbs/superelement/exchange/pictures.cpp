@@ -3,6 +3,7 @@
 
 #include "mbs/superelement/exchange/exchange.hpp"
 #include "mbs/superelement/exchange/polydata.hpp"
+#include "mbs/superelement/text_file.hpp"
 
 // VTK XML PolyData (polydata.hpp) and gmsh's MSH 2.2 (gmsh.info).
 namespace flexura::superelement {
@@ -52,7 +53,7 @@ void write_gmsh_views(const std::filesystem::path& path, const Superelement& se,
     }
     fmt::format_to(to, "$EndNodeData\n");
   }
-  exchange::write_whole(path, {out.data(), out.size()});
+  write_whole(path, {out.data(), out.size()});
 }
 
 }  // namespace flexura::superelement

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "mbs/superelement/exchange/exchange.hpp"
+#include "mbs/superelement/text_file.hpp"
 
 namespace flexura::superelement::exchange {
 namespace {

@@ -16,6 +16,7 @@
 #include <cmath>
 
 #include "mbs/superelement/exchange/exchange.hpp"
+#include "mbs/superelement/text_file.hpp"
 
 namespace flexura::superelement {
 namespace {
@@ -272,7 +273,7 @@ void write_sid(const std::filesystem::path& path, const Superelement& se, const 
   out.taylor(11, "De", sid.De, {});
   out.line(6, "end modal");
   out.line(1, "end part");
-  exchange::write_whole(path, out.text());
+  write_whole(path, out.text());
 }
 
 }  // namespace flexura::superelement

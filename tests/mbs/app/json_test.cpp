@@ -15,6 +15,29 @@ using testing::Flexura;
 using ::testing::HasSubstr;
 using testing::Outcome;
 
+// A block of 2 kg on an upright guide, g = 10 m/s^2.
+constexpr const char* kBlockOnGuide = R"toml(gravity = [0, 0, -10]
+[ground.marker.post]
+axis = [0, 0, 1]
+[body.block]
+mass = 2
+marker.up = { axis = [0, 0, 1] }
+[joint.slide]
+type = "prismatic"
+from = "ground.post"
+to = "block.up"
+)toml";
+
+// The single run in what a command printed of the mechanism `name`: JSON and nothing else.
+nlohmann::json only_run(const Outcome& outcome, const std::string& kind, const std::string& name) {
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  const auto told = nlohmann::json::parse(outcome.out);
+  EXPECT_EQ(told["kind"], kind);
+  EXPECT_EQ(told["name"], name);
+  EXPECT_EQ(told["runs"].size(), 1u);
+  return told["runs"][0];
+}
+
 TEST_F(Flexura, ModesGivesJsonForScripts) {
   const Outcome outcome = flexura("modes --json --clamped left -n 2 -- " + beam_);
   ASSERT_EQ(outcome.code, 0) << outcome.err;
@@ -33,18 +56,8 @@ TEST_F(Flexura, ModesGivesJsonForScripts) {
 // m/s^2.
 TEST_F(Flexura, CommandsOnMechanismsGiveJsonForScripts) {
   const auto mechanism = folder_ / "spring.toml";
-  std::ofstream(mechanism) << R"toml(name = "spring"
-gravity = [0, 0, -10]
-[ground.marker.post]
-axis = [0, 0, 1]
-[body.block]
-mass = 2
-marker.up = { axis = [0, 0, 1] }
-[joint.slide]
-type = "prismatic"
-from = "ground.post"
-to = "block.up"
-[force.spring]
+  std::ofstream(mechanism) << "name = \"spring\"\n"
+                           << kBlockOnGuide << R"toml([force.spring]
 type = "joint_spring_damper"
 joint = "slide"
 stiffness = 1000
@@ -52,13 +65,7 @@ stiffness = 1000
 end_time = 0.1
 )toml";
   const auto json = [&](const std::string& command, const std::string& kind) {
-    const Outcome outcome = flexura(command + " " + mechanism.string() + " --json");
-    EXPECT_EQ(outcome.code, 0) << outcome.err;
-    const auto told = nlohmann::json::parse(outcome.out);  // nothing else is on stdout
-    EXPECT_EQ(told["kind"], kind);
-    EXPECT_EQ(told["name"], "spring");
-    EXPECT_EQ(told["runs"].size(), 1u);
-    return told["runs"][0];
+    return only_run(flexura(command + " " + mechanism.string() + " --json"), kind, "spring");
   };
   const auto modes = json("eigen", "natural modes");
   EXPECT_EQ(modes["coordinates"], nlohmann::json({"slide.speed"}));
@@ -92,18 +99,8 @@ end_time = 0.1
 // m/s^2, is at 3 t - 5 t^2.
 TEST_F(Flexura, ResultsAndOutputsGiveJsonForScripts) {
   const auto mechanism = folder_ / "throw.toml", results = folder_ / "throw.h5", more = folder_ / "more.h5";
-  std::ofstream(mechanism) << R"toml(name = "throw"
-gravity = [0, 0, -10]
-[ground.marker.post]
-axis = [0, 0, 1]
-[body.block]
-mass = 2
-marker.up = { axis = [0, 0, 1] }
-[joint.slide]
-type = "prismatic"
-from = "ground.post"
-to = "block.up"
-speed = 3
+  std::ofstream(mechanism) << "name = \"throw\"\n"
+                           << kBlockOnGuide << R"toml(speed = 3
 [output]
 quantities = ["slide.position"]
 [solver]
@@ -112,14 +109,6 @@ output_step = 0.1
 store_states = true
 )toml";
   ASSERT_EQ(flexura("simulate " + mechanism.string() + " -o " + results.string()).code, 0);
-  const auto only_run = [](const Outcome& outcome, const std::string& kind) {
-    EXPECT_EQ(outcome.code, 0) << outcome.err;
-    const auto told = nlohmann::json::parse(outcome.out);  // nothing else is on stdout
-    EXPECT_EQ(told["kind"], kind);
-    EXPECT_EQ(told["name"], "throw");
-    EXPECT_EQ(told["runs"].size(), 1u);
-    return told["runs"][0];
-  };
   const auto range_of = [](const nlohmann::json& run, const std::string& name) {
     for (const auto& quantity : run["quantities"])
       if (quantity["name"] == name)
@@ -127,7 +116,7 @@ store_states = true
     ADD_FAILURE() << name << " is not in " << run.dump();
     return std::make_pair(0.0, 0.0);
   };
-  const auto stored = only_run(flexura("view --summary --json " + results.string()), "results");
+  const auto stored = only_run(flexura("view --summary --json " + results.string()), "results", "throw");
   EXPECT_EQ(stored["run"], "run");
   EXPECT_EQ(stored["rows"], 7);
   EXPECT_EQ(stored["complete"], true);
@@ -143,7 +132,7 @@ store_states = true
   const std::string command = "outputs " + mechanism.string() + " " + results.string() +
                               " --quantity slide.speed --csv --json -o " + more.string();
   const Outcome outcome = flexura(command);
-  const auto computed = only_run(outcome, "outputs");
+  const auto computed = only_run(outcome, "outputs", "throw");
   const auto [slowest, fastest] = range_of(computed, "slide.speed");
   EXPECT_NEAR(slowest, -3.0, 1e-5);
   EXPECT_NEAR(fastest, 3.0, 1e-5);

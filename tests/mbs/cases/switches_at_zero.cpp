@@ -38,23 +38,27 @@ class SwitchesAtZero : public TextCase, public ::testing::WithParamInterface<con
 
 constexpr double g = 9.81, omega = 100.0;  // of the ball of 1 kg on its floor of 1e4 N/m
 
+// How far a spring is pressed in at t after a steady force set in that holds it `deep` in the end: with x'' +
+// 2 a x' + omega^2 x = omega^2 deep from rest.
+double pressed(double t, double deep, double a, double omega) {
+  const double w = std::sqrt(omega * omega - a * a);
+  return deep * (1.0 - std::exp(-a * t) * (std::cos(w * t) + a / w * std::sin(w * t)));
+}
+
 TEST_P(SwitchesAtZero, BallPutDownOnTheFloorSinksInAsFarAsItsWeightAsks) {
   const PreparedMechanism p = ball({"joint.fall.position=0.05"});
   const Series s = simulate(p, {"fall.position"});
   const double deep = g / (omega * omega);
   for (std::size_t i = 0; i < s.t.size(); ++i)
-    EXPECT_NEAR(s.values[i](0) - 0.05, -deep * (1.0 - std::cos(omega * s.t[i])), 1e-3 * deep) << s.t[i];
+    EXPECT_NEAR(s.values[i](0) - 0.05, -pressed(s.t[i], deep, 0.0, omega), 1e-3 * deep) << s.t[i];
 }
 
 TEST_P(SwitchesAtZero, DampedBallPutDownOnTheFloorComesToRest) {
   const PreparedMechanism p = ball({"joint.fall.position=0.05", "force.floor.damping=40"});
   const Series s = simulate(p, {"fall.position"});
-  const double deep = g / (omega * omega), a = 20.0, w = std::sqrt(omega * omega - a * a);
-  for (std::size_t i = 0; i < s.t.size(); ++i) {
-    const double t = s.t[i];
-    const double x = -deep * (1.0 - std::exp(-a * t) * (std::cos(w * t) + a / w * std::sin(w * t)));
-    EXPECT_NEAR(s.values[i](0) - 0.05, x, 1e-3 * deep) << t;
-  }
+  const double deep = g / (omega * omega);
+  for (std::size_t i = 0; i < s.t.size(); ++i)
+    EXPECT_NEAR(s.values[i](0) - 0.05, -pressed(s.t[i], deep, 20.0, omega), 1e-3 * deep) << s.t[i];
 }
 
 TEST_P(SwitchesAtZero, BallThatTouchesWithoutLoadFeelsTheFloorOncePressed) {
@@ -120,12 +124,9 @@ value = "10"
                                       0.2);
   const Series s = simulate(p, {"axle.angle"});
   // 0.5 x'' + 20 x' + 5e3 x = 10.
-  const double deep = 10.0 / 5e3, a = 20.0, w = std::sqrt(1e4 - a * a);
-  for (std::size_t i = 0; i < s.t.size(); ++i) {
-    const double t = s.t[i];
-    EXPECT_NEAR(s.values[i](0), deep * (1.0 - std::exp(-a * t) * (std::cos(w * t) + a / w * std::sin(w * t))),
-                1e-3 * deep);
-  }
+  const double deep = 10.0 / 5e3;
+  for (std::size_t i = 0; i < s.t.size(); ++i)
+    EXPECT_NEAR(s.values[i](0), pressed(s.t[i], deep, 20.0, 100.0), 1e-3 * deep) << s.t[i];
 }
 
 TEST_P(SwitchesAtZero, RelayAtItsLevelSwitchesOnceForEveryPassage) {
