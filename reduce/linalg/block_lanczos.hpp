@@ -19,6 +19,6 @@ namespace flexura::linalg {
 /// Every pair's residual is measured with K and M; iterations go on until all are below the tolerance.
 /// Throws std::runtime_error when they do not get there.
 EigenPairs block_lanczos(const EigenProblem& problem, const EigenRequest& request,
-                         const Progress& progress = {}, int block = 8);
+                         const Progress& progress = {}, int block = 16);
 
 }  // namespace flexura::linalg

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "reduce/linalg/progress.hpp"
+#include "reduce/linalg/supernodal_solve.hpp"
 
 namespace flexura::linalg {
 namespace {
@@ -35,11 +36,8 @@ cholmod_sparse view_of(const UpperCsr& A) {
 }  // namespace
 
 struct CholeskyFactor::Impl {
-  // cholmod_solve2 keeps its workspaces in `common` and reuses Y, E: they are scratch, not state.
-  mutable cholmod_common common{};
-  mutable cholmod_factor* L = nullptr;
-  mutable cholmod_dense* Y = nullptr;
-  mutable cholmod_dense* E = nullptr;
+  cholmod_common common{};
+  cholmod_factor* L = nullptr;
   int n = 0;
   FactorFigures figures;
 
@@ -53,8 +51,6 @@ struct CholeskyFactor::Impl {
     common.postorder = 1;
   }
   ~Impl() {
-    cholmod_free_dense(&Y, &common);
-    cholmod_free_dense(&E, &common);
     cholmod_free_factor(&L, &common);
     cholmod_finish(&common);
   }
@@ -72,6 +68,7 @@ struct CholeskyFactor::Impl {
   }
 
   std::vector<int> order(const UpperCsr& A, std::span<const int> group_begin);
+  SupernodalFactor supernodes() const;
   void check_pivots(const UpperCsr& A);
 };
 
@@ -107,20 +104,22 @@ std::vector<int> CholeskyFactor::Impl::order(const UpperCsr& A, std::span<const 
   return rows;
 }
 
+SupernodalFactor CholeskyFactor::Impl::supernodes() const {
+  const auto ints = [](const void* array) { return static_cast<const int*>(array); };
+  return {n,          static_cast<int>(L->nsuper),      ints(L->super), ints(L->pi), ints(L->px),
+          ints(L->s), static_cast<const double*>(L->x), ints(L->Perm)};
+}
+
 // Looks at the diagonal of the supernodal factor for pivots that are round-off.
 void CholeskyFactor::Impl::check_pivots(const UpperCsr& A) {
-  const int* super = static_cast<const int*>(L->super);
-  const int* row_pointer = static_cast<const int*>(L->pi);
-  const int* value_pointer = static_cast<const int*>(L->px);
-  const double* x = static_cast<const double*>(L->x);
-  const int* permutation = static_cast<const int*>(L->Perm);
+  const SupernodalFactor f = supernodes();
   double smallest = 1.0;
   int where = 0;
-  for (std::size_t s = 0; s < L->nsuper; ++s) {
-    const int n_rows = row_pointer[s + 1] - row_pointer[s];
-    for (int c = 0; c < super[s + 1] - super[s]; ++c) {
-      const double l = x[value_pointer[s] + static_cast<std::ptrdiff_t>(c) * n_rows + c];
-      const int row = permutation[super[s] + c];
+  for (int s = 0; s < f.n_supernodes; ++s) {
+    const std::ptrdiff_t n_rows = f.first_row[s + 1] - f.first_row[s];
+    for (int c = 0; c < f.first_column[s + 1] - f.first_column[s]; ++c) {
+      const double l = f.values[f.first_value[s] + c * n_rows + c];
+      const int row = f.permutation[f.first_column[s] + c];
       const double pivot = l * l / A.values[A.row_begin[row]];
       if (!(pivot >= smallest)) smallest = pivot, where = row;
     }
@@ -172,24 +171,7 @@ Eigen::MatrixXd CholeskyFactor::solve(const Eigen::Ref<const Eigen::MatrixXd>& B
   if (B.rows() != impl_->n)
     throw std::logic_error("solve: the right-hand sides do not have the matrix's length");
   Eigen::MatrixXd X(B.rows(), B.cols());
-  if (X.size() == 0) return X;
-  const auto dense_view = [](Eigen::Index rows, Eigen::Index cols, Eigen::Index stride, double* data) {
-    cholmod_dense view{};
-    view.nrow = static_cast<std::size_t>(rows);
-    view.ncol = static_cast<std::size_t>(cols);
-    view.d = static_cast<std::size_t>(stride);
-    view.nzmax = view.d * view.ncol;
-    view.x = data;
-    view.xtype = CHOLMOD_REAL;
-    view.dtype = CHOLMOD_DOUBLE;
-    return view;
-  };
-  cholmod_dense b = dense_view(B.rows(), B.cols(), B.outerStride(), const_cast<double*>(B.data()));
-  cholmod_dense x = dense_view(X.rows(), X.cols(), X.rows(), X.data());
-  cholmod_dense* x_pointer = &x;  // large enough, so it is written in place
-  cholmod_solve2(CHOLMOD_A, impl_->L, &b, nullptr, &x_pointer, nullptr, &impl_->Y, &impl_->E, &impl_->common);
-  impl_->check("solving");
-  if (x_pointer != &x) throw std::logic_error("solve: CHOLMOD replaced the result array");
+  if (X.size() > 0) supernodal_solve(impl_->supernodes(), B, X);
   return X;
 }
 
