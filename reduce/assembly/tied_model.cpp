@@ -9,6 +9,7 @@
 #include "reduce/assembly/average.hpp"
 #include "reduce/assembly/rigid_motion.hpp"
 #include "reduce/assembly/tied_codes.hpp"
+#include "reduce/linalg/parallel.hpp"
 
 namespace flexura::reduce {
 
@@ -173,11 +174,43 @@ void TiedModel::gather(const Eigen::Ref<const Eigen::MatrixXd>& F, Eigen::Matrix
   }
 }
 
+// C_i^T (m (x) I_3) C_i X by panels of eight columns, one panel per core at a time.
 void TiedModel::multiply_M_ii(const Eigen::Ref<const Eigen::MatrixXd>& X, Eigen::MatrixXd& Y) const {
-  Eigen::MatrixXd U, MU, boundary;
-  expand(X, Eigen::MatrixXd::Zero(n_b_, X.cols()), U);
-  m_->multiply_kron3(U, MU);
-  gather(MU, Y, boundary);
+  constexpr Eigen::Index kWidth = linalg::RowPanel::ColsAtCompileTime;
+  using PanelRows = Eigen::Matrix<double, 6, kWidth>;
+  Y.resize(n_i_, X.cols());
+  linalg::parallel_for(static_cast<int>((X.cols() + kWidth - 1) / kWidth), [&](int panel) {
+    const Eigen::Index first = panel * kWidth, width = std::min(kWidth, X.cols() - first);
+    const auto n_rows = static_cast<Eigen::Index>(code_.size());
+    linalg::RowPanel U = linalg::RowPanel::Zero(n_rows, kWidth), MU;
+    for (Eigen::Index d = 0; d < n_rows; ++d)
+      if (code_[d] >= 0)
+        for (Eigen::Index c = 0; c < width; ++c) U(d, c) = X(code_[d], first + c);
+    for (const InterfaceDofs& interface : interfaces_) {
+      if (interface.tie != Tie::rigid) continue;
+      PanelRows q = PanelRows::Zero();
+      for (int direction = 0; direction < 6; ++direction)
+        if (const int code = interface.code[direction]; code >= 0)
+          q.row(direction).head(width) = X.row(code).segment(first, width);
+      for (mesh::Index node : interface.nodes)
+        U.middleRows<3>(3 * static_cast<Eigen::Index>(node)) =
+            motion_at(points_.row(node).transpose() - interface.point) * q;
+    }
+    m_->multiply_kron3(U, MU);
+    for (Eigen::Index d = 0; d < n_rows; ++d)
+      if (code_[d] >= 0)
+        for (Eigen::Index c = 0; c < width; ++c) Y(code_[d], first + c) = MU(d, c);
+    for (const InterfaceDofs& interface : interfaces_) {
+      if (interface.tie != Tie::rigid) continue;
+      PanelRows load = PanelRows::Zero();
+      for (mesh::Index node : interface.nodes)
+        load += motion_at(points_.row(node).transpose() - interface.point).transpose() *
+                MU.middleRows<3>(3 * static_cast<Eigen::Index>(node));
+      for (int direction = 0; direction < 6; ++direction)
+        if (const int code = interface.code[direction]; code >= 0)
+          Y.row(code).segment(first, width) = load.row(direction).head(width);
+    }
+  });
 }
 
 Eigen::Matrix3d TiedModel::direction_projector(const Link& link) const {

@@ -28,22 +28,45 @@ class Basis {
   auto vectors() const { return V_.leftCols(size_); }
   auto vectors(Index first, Index count) const { return V_.middleCols(first, count); }
 
+  // M times the newest block, for S to be applied to; it is kept for the recurrence below.
+  const MatrixXd& multiply_newest_by_M(Index width) {
+    M_before_ = std::move(M_newest_);
+    problem_.multiply_M(vectors(size_ - width, width), M_newest_);
+    return M_newest_;
+  }
+
   // Makes W orthogonal to the basis and to itself and appends it; what is round-off of W's own size is left
   // out. On return W_before = V_old C + V_new R.
   void append(MatrixXd W, MatrixXd& C, MatrixXd& R) {
     const Index old = size_;
     C.setZero(old, W.cols());
     MatrixXd MW;
-    double scale = 0.0;
-    // Twice is enough (W. Kahan): the second pass removes what cancellation left in the first.
-    for (int pass = 0; pass < 2; ++pass) {
-      problem_.multiply_M(W, MW);
-      if (pass == 0) scale = std::sqrt(std::max(0.0, W.cwiseProduct(MW).colwise().sum().maxCoeff()));
+    problem_.multiply_M(W, MW);
+    const auto columns_squared = [&] { return W.cwiseProduct(MW).colwise().sum().cwiseMax(0.0).eval(); };
+    const double scale = std::sqrt(columns_squared().maxCoeff());
+    // In exact arithmetic S V_newest meets only the two newest blocks.  They are taken out first, so that
+    // what is taken out along the whole basis, which costs two passes over it, is small.
+    Index end = old;
+    for (const MatrixXd* M_V : {&M_newest_, &M_before_}) {
+      const Index width = M_V->cols();
+      if (width == 0 || width > end) break;
+      end -= width;
+      const MatrixXd c = transpose_times(*M_V, W);
+      add_product(-1.0, V_.middleCols(end, width), c, W);
+      add_product(-1.0, *M_V, c, MW);
+      C.middleRows(end, width) += c;
+    }
+    // One pass leaves eps times what it took out; twice is enough (W. Kahan).  MW stays that of W before the
+    // pass: V^T M W = 0 makes of this an error of second order in W^T M W.
+    constexpr double kSmall = 1e-7;
+    for (int pass = 0; pass < 3 && old > 0; ++pass) {
       const MatrixXd c = transpose_times(V_.leftCols(old), MW);
       add_product(-1.0, V_.leftCols(old), c, W);
       C += c;
+      if ((c.colwise().squaredNorm().array() <= kSmall * kSmall * columns_squared().array()).all()) break;
+      problem_.multiply_M(W, MW);
     }
-    R = orthonormalise(W, scale);
+    R = orthonormalise(std::move(W), std::move(MW), scale);
   }
 
   void reserve(Index capacity) {
@@ -58,19 +81,19 @@ class Basis {
     V_.leftCols(Y.cols()) = kept;
     V_.middleCols(Y.cols(), last_block) = last;
     size_ = Y.cols() + last_block;
+    M_newest_.resize(0, 0);  // S V_last meets all of the new basis
   }
 
  private:
-  // Appends an orthonormal basis of span(W), W already orthogonal to the basis; returns R, W = V_new R.
-  // The Gram matrix tells directions apart down to 1e-7 of the largest; the rest is cleaned and treated anew.
-  MatrixXd orthonormalise(MatrixXd W, double scale) {
+  // Appends an orthonormal basis of span(W), W already orthogonal to the basis, MW = M W; returns R, W =
+  // V_new R. The Gram matrix tells directions apart down to 1e-7 of the largest; the rest is cleaned and
+  // treated anew.
+  MatrixXd orthonormalise(MatrixXd W, MatrixXd MW, double scale) {
     MatrixXd R = MatrixXd::Zero(0, W.cols());
     MatrixXd from_input =
         MatrixXd::Identity(W.cols(), W.cols());  // W_now = (rest) in terms of the input's columns
     const Index first = size_;
     while (W.cols() > 0) {
-      MatrixXd MW;
-      problem_.multiply_M(W, MW);
       const DenseEigen gram = symmetric_eigen(0.5 * (transpose_times(W, MW) + transpose_times(MW, W)));
       const double largest = gram.values.maxCoeff();
       const double smallest_kept = 1e-13 * scale;  // a few hundred ulps of what W was made from
@@ -110,6 +133,7 @@ class Basis {
           grown += c.middleRows(first, size_ - first) * from_input;
         }
         W = std::move(rest);
+        problem_.multiply_M(W, MW);
       } else {
         W.resize(W.rows(), 0);
       }
@@ -120,6 +144,7 @@ class Basis {
 
   const EigenProblem& problem_;
   MatrixXd V_;
+  MatrixXd M_newest_, M_before_;  // M times the newest block and the one before; empty where not known
   Index size_ = 0;
 };
 
@@ -199,7 +224,7 @@ EigenPairs block_lanczos(const EigenProblem& problem, const EigenRequest& reques
   for (double& x : X.reshaped()) x = normal(random);
   problem.multiply_M(X, MX);
   problem.solve(MX, W);
-  basis.append(W, C, R);
+  basis.append(std::move(W), C, R);
   pairs.n_solves += static_cast<int>(b);
   ++pairs.n_blocks;
 
@@ -210,13 +235,11 @@ EigenPairs block_lanczos(const EigenProblem& problem, const EigenRequest& reques
   Index next_look = target + b;
   for (int step = 0;; ++step) {
     // S on the newest block.
-    const Index first = basis.size() - last;
-    problem.multiply_M(basis.vectors(first, last), MX);
-    problem.solve(MX, W);
+    problem.solve(basis.multiply_newest_by_M(last), W);
     pairs.n_solves += static_cast<int>(last);
     ++pairs.n_blocks;
     const Index old = basis.size();
-    basis.append(W, C, R);
+    basis.append(std::move(W), C, R);
     H.conservativeResize(old, old);
     H.rightCols(last) = C;
     H.bottomRows(last) = C.transpose();

@@ -9,54 +9,73 @@
 
 #include "reduce/linalg/parallel.hpp"
 #include "reduce/linalg/petsc_check.hpp"
+#include "reduce/linalg/simd.hpp"
 
 namespace flexura::linalg {
 namespace {
 
-constexpr int kWidth = 4;  // columns handled together: one pass over the matrix for four products
-
-// y += A x for kWidth interleaved columns of `Dirs` interleaved directions.
-template <int Block>
-void multiply_block(const UpperCsr& A, const double* x, double* y) {
+// y = A x for W interleaved columns of `Directions` interleaved directions: row 3 i + a of column c is at
+// place (i, a, c), so that what one entry of A multiplies lies together.
+template <int W, int Directions>
+FLEXURA_INLINE void multiply_rows(const UpperCsr& A, const double* x_values, double* y_values) {
+  using Row = typename Lanes<W>::Row;
+  const Row* x = reinterpret_cast<const Row*>(x_values);
+  Row* y = reinterpret_cast<Row*>(y_values);
+  std::fill_n(y_values, static_cast<std::ptrdiff_t>(A.n) * Directions * W, 0.0);
   for (int i = 0; i < A.n; ++i) {
     const int begin = A.row_begin[i], end = A.row_begin[i + 1];
-    const double* xi = x + static_cast<std::ptrdiff_t>(i) * Block;
-    double* yi = y + static_cast<std::ptrdiff_t>(i) * Block;
-    double sum[Block];
-    for (int c = 0; c < Block; ++c) sum[c] = A.values[begin] * xi[c];  // the diagonal comes first
+    const std::ptrdiff_t row = static_cast<std::ptrdiff_t>(i) * Directions;
+    Row x_i[Directions], sum[Directions];
+    for (int d = 0; d < Directions; ++d) {
+      x_i[d] = x[row + d];
+      sum[d] = A.values[begin] * x_i[d];  // the diagonal comes first
+    }
     for (int k = begin + 1; k < end; ++k) {
       const double a = A.values[k];
-      const std::ptrdiff_t j = static_cast<std::ptrdiff_t>(A.columns[k]) * Block;
-      for (int c = 0; c < Block; ++c) {
-        sum[c] += a * x[j + c];
-        y[j + c] += a * xi[c];
+      const std::ptrdiff_t j = static_cast<std::ptrdiff_t>(A.columns[k]) * Directions;
+      for (int d = 0; d < Directions; ++d) {
+        sum[d] += a * x[j + d];
+        y[j + d] += a * x_i[d];
       }
     }
-    for (int c = 0; c < Block; ++c) yi[c] += sum[c];
+    for (int d = 0; d < Directions; ++d) y[row + d] += sum[d];
   }
 }
 
-template <int Directions>
-void multiply_columns(const UpperCsr& A, const Eigen::Ref<const Eigen::MatrixXd>& X, Eigen::MatrixXd& Y) {
-  const Eigen::Index rows = static_cast<Eigen::Index>(A.n) * Directions, n_cols = X.cols();
-  if (X.rows() != rows) throw std::logic_error("multiply: the vectors do not have the length of the matrix");
-  Y.resize(rows, n_cols);
-  const int n_chunks = static_cast<int>((n_cols + kWidth - 1) / kWidth);
-  parallel_for(n_chunks, [&](int chunk) {
-    const Eigen::Index first = static_cast<Eigen::Index>(chunk) * kWidth;
-    const int width = static_cast<int>(std::min<Eigen::Index>(kWidth, n_cols - first));
-    if (width == 1 && Directions == 1) {
-      Y.col(first).setZero();
-      multiply_block<1>(A, X.col(first).data(), Y.col(first).data());
-      return;
-    }
-    // Row 3 i + a of column c goes to place (i, a, c): what is multiplied by one matrix entry lies together.
-    std::vector<double> x(static_cast<std::size_t>(rows) * kWidth, 0.0), y(x.size(), 0.0);
-    for (int c = 0; c < width; ++c)
-      for (Eigen::Index r = 0; r < rows; ++r) x[r * kWidth + c] = X(r, first + c);
-    multiply_block<Directions * kWidth>(A, x.data(), y.data());
-    for (int c = 0; c < width; ++c)
-      for (Eigen::Index r = 0; r < rows; ++r) Y(r, first + c) = y[r * kWidth + c];
+template <int W>
+void multiply_columns(const UpperCsr& A, int directions, const Eigen::Ref<const Eigen::MatrixXd>& X,
+                      Eigen::Index first, Eigen::Index count, Eigen::MatrixXd& Y) {
+  const std::size_t n_rows = static_cast<std::size_t>(X.rows());
+  const std::unique_ptr<double[]> x(new double[n_rows * W]), y(new double[n_rows * W]);
+  for (std::size_t r = 0; r < n_rows; ++r)
+    for (Eigen::Index c = 0; c < W; ++c)
+      x[r * W + c] = c < count ? X(static_cast<Eigen::Index>(r), first + c) : 0.0;
+  on_this_machine([&]() __attribute__((always_inline)) {
+    if (directions == 3)
+      multiply_rows<W, 3>(A, x.get(), y.get());
+    else
+      multiply_rows<W, 1>(A, x.get(), y.get());
+  });
+  for (std::size_t r = 0; r < n_rows; ++r)
+    for (Eigen::Index c = 0; c < count; ++c) Y(static_cast<Eigen::Index>(r), first + c) = y[r * W + c];
+}
+
+// One pass over the matrix for eight columns; few columns take less.
+void multiply(const UpperCsr& A, int directions, const Eigen::Ref<const Eigen::MatrixXd>& X,
+              Eigen::MatrixXd& Y) {
+  const Eigen::Index n_cols = X.cols();
+  if (X.rows() != static_cast<Eigen::Index>(A.n) * directions)
+    throw std::logic_error("multiply: the vectors do not have the length of the matrix");
+  Y.resize(X.rows(), n_cols);
+  const Eigen::Index width = n_cols > 8 ? 8 : n_cols > 1 ? 4 : 1;
+  parallel_for(static_cast<int>((n_cols + width - 1) / width), [&](int chunk) {
+    const Eigen::Index first = chunk * width, count = std::min(width, n_cols - first);
+    if (width == 8)
+      multiply_columns<8>(A, directions, X, first, count, Y);
+    else if (width == 4)
+      multiply_columns<4>(A, directions, X, first, count, Y);
+    else
+      multiply_columns<1>(A, directions, X, first, count, Y);
   });
 }
 
@@ -120,7 +139,7 @@ double SymmetricMatrix::diagonal(int dof) const {
 }
 
 void SymmetricMatrix::multiply(const Eigen::Ref<const Eigen::MatrixXd>& X, Eigen::MatrixXd& Y) const {
-  multiply_columns<1>(csr(), X, Y);
+  linalg::multiply(csr(), 1, X, Y);
 }
 
 void SymmetricMatrix::multiply_magnitudes(const Eigen::Ref<const Eigen::MatrixXd>& X,
@@ -128,11 +147,20 @@ void SymmetricMatrix::multiply_magnitudes(const Eigen::Ref<const Eigen::MatrixXd
   std::vector<double> magnitudes(impl_->values.size());
   std::transform(impl_->values.begin(), impl_->values.end(), magnitudes.begin(),
                  [](double a) { return std::abs(a); });
-  multiply_columns<1>({size(), impl_->row_begin, impl_->columns, magnitudes}, X.cwiseAbs(), Y);
+  linalg::multiply({size(), impl_->row_begin, impl_->columns, magnitudes}, 1, X.cwiseAbs(), Y);
 }
 
 void SymmetricMatrix::multiply_kron3(const Eigen::Ref<const Eigen::MatrixXd>& X, Eigen::MatrixXd& Y) const {
-  multiply_columns<3>(csr(), X, Y);
+  linalg::multiply(csr(), 3, X, Y);
+}
+
+void SymmetricMatrix::multiply_kron3(const RowPanel& X, RowPanel& Y) const {
+  if (X.rows() != 3 * static_cast<Eigen::Index>(size()))
+    throw std::logic_error("multiply: the panel does not have the length of the matrix");
+  Y.resize(X.rows(), X.cols());
+  on_this_machine([&]() __attribute__((always_inline)) {
+    multiply_rows<RowPanel::ColsAtCompileTime, 3>(csr(), X.data(), Y.data());
+  });
 }
 
 }  // namespace flexura::linalg

@@ -17,6 +17,9 @@ struct UpperCsr {
   std::span<const double> values;
 };
 
+/// Eight vectors stored by rows, as products with sparse matrices want them.
+using RowPanel = Eigen::Matrix<double, Eigen::Dynamic, 8, Eigen::RowMajor>;
+
 /// A symmetric sparse matrix, assembled in PETSc (SBAIJ).  Needs a Session.
 class SymmetricMatrix {
  public:
@@ -44,6 +47,7 @@ class SymmetricMatrix {
   void multiply_magnitudes(const Eigen::Ref<const Eigen::MatrixXd>& X, Eigen::MatrixXd& Y) const;
   /// Y = (A (x) I_3) X: A acts on each of the three directions alike.  X is 3n x k, row 3 i + a.
   void multiply_kron3(const Eigen::Ref<const Eigen::MatrixXd>& X, Eigen::MatrixXd& Y) const;
+  void multiply_kron3(const RowPanel& X, RowPanel& Y) const;
 
  private:
   struct Impl;
