@@ -115,6 +115,12 @@ void FullModel::residual(const mbs::State& s, const VectorXd& v_dot, VectorXd& r
   mechanism_->momentum(s, v_dot, *scratch_, r, c_rate_, b_);
 }
 
+void FullModel::constraint_matrix(const mbs::State& s, MatrixXd& G) {
+  const mbs::Sizes n = mechanism_->sizes();
+  G.setZero(n.n_lambda, n.n_v);
+  if (n.n_lambda > 0) mechanism_->constraint_matrix(s.t, s.p, *scratch_, G);
+}
+
 void FullModel::linearise(const mbs::State& s, const VectorXd& v_dot, LinearisedRow& row) {
   tangents_->evaluate(s, v_dot);
   kinematics_->update(s.p, s.v);

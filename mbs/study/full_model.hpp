@@ -39,6 +39,8 @@ class FullModel {
   /// balance along p (by tangent vectors, K = z_p T) and by v, of the bodies' own stiffness, springs,
   /// geometric and gyroscopic terms alike.
   void linearise(const mbs::State& s, const Eigen::VectorXd& v_dot, LinearisedRow& row);
+  /// G (n_lambda x n_v) alone.
+  void constraint_matrix(const mbs::State& s, Eigen::MatrixXd& G);
   /// r (n_v) = M v_dot - f + G^T lambda, the momentum balance; forces along the velocity coordinates [N, Nm].
   void residual(const mbs::State& s, const Eigen::VectorXd& v_dot, Eigen::VectorXd& r);
   /// y: the quantities `which` (Mechanism's numbers) at the state, each in its SI unit.

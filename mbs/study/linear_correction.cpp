@@ -1,7 +1,7 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include "mbs/study/linear_correction.hpp"
 
-#include <Eigen/LU>
+#include <cmath>
 
 namespace flexura::study {
 namespace {
@@ -24,9 +24,9 @@ LinearCorrection::LinearCorrection(Eigen::Index n, Eigen::Index columns) {
   delta_ = rate_ = acceleration_ = auxiliary_ = MatrixXd::Zero(n, columns);
 }
 
-void LinearCorrection::step(double h, const LinearisedRow& row, const MatrixXd& load) {
+void LinearCorrection::step(double h, const LinearisedRow& row, const MatrixXd& G, const MatrixXd& load) {
   const Alpha alpha(kRhoInf);
-  MatrixXd A = row.M, rhs = load, predicted, predicted_rate;
+  MatrixXd rhs = load, predicted, predicted_rate;
   double to_acceleration = 0.0, to_rate = 0.0;
   if (h > 0.0) {
     // auxiliary_new = ((1 - f) acceleration_new + f acceleration - m auxiliary) / (1 - m)
@@ -36,21 +36,24 @@ void LinearCorrection::step(double h, const LinearisedRow& row, const MatrixXd& 
     const double share = (1.0 - alpha.f) / (1.0 - alpha.m);
     to_acceleration = h * h * alpha.beta * share;  // delta_new = predicted + to_acceleration acceleration_new
     to_rate = h * alpha.gamma * share;
-    A += to_rate * row.D + to_acceleration * row.K;
     rhs.noalias() -= row.D * predicted_rate;
     rhs.noalias() -= row.K * predicted;
   }
+  if (row.number == 0 || row.number != number_ || std::abs(h - h_) > 1e-9 * h) {
+    A_.compute(h > 0.0 ? MatrixXd(row.M + to_rate * row.D + to_acceleration * row.K) : row.M);
+    number_ = row.number;
+    h_ = h;
+  }
   // [A G^T; G 0] (acceleration, dlambda) = (rhs, 0 or what closes the loops at position level), by the Schur
   // complement; a part in 1e12 on its diagonal carries it over dead points and rows that others imply.
-  const Eigen::PartialPivLU<MatrixXd> factor(A);
-  MatrixXd acceleration_new = factor.solve(rhs);
-  if (row.G.rows() > 0) {
-    const MatrixXd B = factor.solve(row.G.transpose());
-    MatrixXd schur = row.G * B;
+  MatrixXd acceleration_new = A_.solve(rhs);
+  if (G.rows() > 0) {
+    const MatrixXd B = A_.solve(G.transpose());
+    MatrixXd schur = G * B;
     const double mean = schur.trace() / static_cast<double>(schur.rows());
     schur.diagonal().array() += 1e-12 * mean;
-    MatrixXd gap = row.G * acceleration_new;
-    if (h > 0.0) gap += row.G * predicted / to_acceleration;
+    MatrixXd gap = G * acceleration_new;
+    if (h > 0.0) gap += G * predicted / to_acceleration;
     dlambda_ = Eigen::PartialPivLU<MatrixXd>(schur).solve(gap);
     acceleration_new.noalias() -= B * dlambda_;
   } else {

@@ -1,7 +1,7 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <Eigen/Core>
+#include <Eigen/LU>
 
 /// The linear equations of a small correction to a run,
 ///
@@ -16,6 +16,7 @@ namespace flexura::study {
 /// At one row: M, D, K n x n, G n_lambda x n.
 struct LinearisedRow {
   Eigen::MatrixXd M, D, K, G;
+  long number = 0;  ///< of its own where several rows share it, so that its factors serve for all; 0: none
 };
 
 class LinearCorrection {
@@ -23,8 +24,8 @@ class LinearCorrection {
   LinearCorrection(Eigen::Index n, Eigen::Index columns);
 
   /// To the next row, h [s] later; h = 0 at the first one, where it only finds the accelerations.  load n x
-  /// columns.
-  void step(double h, const LinearisedRow& row, const Eigen::MatrixXd& load);
+  /// columns; G in place of row.G, which may be that of an earlier row.
+  void step(double h, const LinearisedRow& row, const Eigen::MatrixXd& G, const Eigen::MatrixXd& load);
 
   const Eigen::MatrixXd& delta() const { return delta_; }  ///< n x columns
   const Eigen::MatrixXd& rate() const { return rate_; }
@@ -33,6 +34,9 @@ class LinearCorrection {
 
  private:
   Eigen::MatrixXd delta_, rate_, acceleration_, auxiliary_, dlambda_;
+  Eigen::PartialPivLU<Eigen::MatrixXd> A_;  // of the step solved last
+  long number_ = 0;
+  double h_ = 0.0;
 };
 
 }  // namespace flexura::study

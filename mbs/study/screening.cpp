@@ -20,9 +20,9 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr std::array kLadder = {0, 1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128};
-// A candidate is judged on about so many rows, the stiffness on so few.
-constexpr std::size_t kRowsForCandidates = 300, kRowsForStiffness = 8;
+// A candidate is judged on about so many rows, spin and stiffness on fewer.
 constexpr double kMostMemory = 256e6;  // [B] of linearised rows
+constexpr std::size_t kRowsForCandidates = 300, kRowsForSpin = 100, kRowsForStiffness = 8;
 
 double hz(double omega2) {
   return std::sqrt(std::max(omega2, 0.0)) / (2.0 * std::numbers::pi);
@@ -71,7 +71,14 @@ Screening::Screening(const mbs::PreparedMechanism& run, FullModel& full, const s
 
 void Screening::take(const mbs::State& s, const VectorXd& v_dot) {
   if (!shadows_ || !shadows_->take(s, v_dot)) return;
-  rows_.push_back({shadows_->embedded(), shadows_->embedded_v_dot()});
+  rows_.push_back({shadows_->embedded(), shadows_->embedded_v_dot(), shadows_->residual(),
+                   shadows_->linearised().G(), nullptr});
+  // What does not fit is taken anew where it is wanted.
+  const auto& row = shadows_->linearised().row();
+  if (row->number != last_number_)
+    memory_ += 8.0 * static_cast<double>(row->M.size() + row->D.size() + row->K.size() + row->G.size());
+  last_number_ = row->number;
+  if (memory_ < kMostMemory) rows_.back().linearised = row;
 }
 
 TruncationEstimate Screening::estimate() const {
@@ -97,18 +104,6 @@ MatrixXd Screening::responses_of(const std::string& body) const {
   }
 }
 
-// The full model about a row, kept while that takes no more than the memory allowed.
-const LinearisedRow& Screening::linearised(std::size_t row) {
-  const auto found = linearised_.find(row);
-  if (found != linearised_.end()) return found->second;
-  const mbs::Sizes n = full_.mechanism().sizes();
-  const double bytes = 8.0 * n.n_v * (3.0 * n.n_v + n.n_lambda);
-  if (bytes * static_cast<double>(linearised_.size() + 1) > kMostMemory) linearised_.clear();
-  LinearisedRow& out = linearised_[row];
-  full_.linearise(rows_[row].s, rows_[row].v_dot, out);
-  return out;
-}
-
 // The outputs of the correction in the deformations S of one body (n_block x k), row by row.
 std::vector<VectorXd> Screening::outputs_with(const ModalBlock& block, const MatrixXd& S,
                                               const VectorXd& extra_damping) {
@@ -123,23 +118,25 @@ std::vector<VectorXd> Screening::outputs_with(const ModalBlock& block, const Mat
   T.block(block.v, n_joint, block.m, S.cols()) = S;
 
   LinearCorrection correction(T.cols(), 1);
-  LinearisedRow small;
-  VectorXd r, y;
+  LinearisedRow small, own;
+  VectorXd y;
   mbs::State moved;
   std::vector<VectorXd> outputs;
   const std::size_t every = std::max<std::size_t>(1, rows_.size() / kRowsForCandidates);
   for (std::size_t i = 0; i < rows_.size(); i += every) {
     const Row& at = rows_[i];
-    const LinearisedRow& row = linearised(i);
-    full_.residual(at.s, at.v_dot, r);
-    small.M.noalias() = T.transpose() * (row.M * T);
-    small.G.noalias() = row.G * T;
-    small.D.noalias() = T.transpose() * (row.D * T);
-    small.K.noalias() = T.transpose() * (row.K * T);
-    small.D.diagonal().tail(extra_damping.size()) += extra_damping;
+    if (!at.linearised) full_.linearise(at.s, at.v_dot, own);
+    const LinearisedRow& row = at.linearised ? *at.linearised : own;
+    if (row.number == 0 || row.number != small.number) {
+      small.number = row.number;
+      small.M.noalias() = T.transpose() * (row.M * T);
+      small.D.noalias() = T.transpose() * (row.D * T);
+      small.K.noalias() = T.transpose() * (row.K * T);
+      small.D.diagonal().tail(extra_damping.size()) += extra_damping;
+    }
     VectorXd load = VectorXd::Zero(n_v);
-    load.segment(block.v, block.m) = -r.segment(block.v, block.m);
-    correction.step(i == 0 ? 0.0 : at.s.t - rows_[i - every].s.t, small, T.transpose() * load);
+    load.segment(block.v, block.m) = -at.residual.segment(block.v, block.m);
+    correction.step(i == 0 ? 0.0 : at.s.t - rows_[i - every].s.t, small, at.G * T, T.transpose() * load);
     full_.move(at.s, T * correction.delta().col(0), T * correction.rate().col(0),
                correction.dlambda().rows() > 0 ? VectorXd(correction.dlambda().col(0)) : VectorXd(), moved);
     full_.evaluate(shadows_->outputs(), moved, at.v_dot + T * correction.acceleration().col(0), y);
@@ -206,12 +203,9 @@ Candidate Screening::cheapest(const std::string& body, double share) {
 double Screening::excitation(const ModalBlock& block) {
   const VectorXd& omega2 = stiffness_of(full_, block);
   MatrixXd loads(static_cast<Index>(rows_.size()), block.m);
-  VectorXd r;
-  for (std::size_t i = 0; i < rows_.size(); ++i) {
-    full_.residual(rows_[i].s, rows_[i].v_dot, r);
+  for (std::size_t i = 0; i < rows_.size(); ++i)
     loads.row(static_cast<Index>(i)) =
-        r.segment(block.v, block.m).cwiseQuotient(omega2.cwiseSqrt()).transpose();
-  }
+        rows_[i].residual.segment(block.v, block.m).cwiseQuotient(omega2.cwiseSqrt()).transpose();
   return reach(loads, span() / static_cast<double>(rows_.size() - 1), 0.999);
 }
 
@@ -223,11 +217,11 @@ void Screening::change_of_stiffness(const ModalBlock& block, Screened& out) {
   if (!out.has_stiffening_terms) return;
   const auto stiffened = FullModel::make(run_, file_, overrides_, {block.name});
   const VectorXd scale = stiffness_of(full_, block).cwiseSqrt().cwiseInverse();
-  LinearisedRow with;
+  LinearisedRow with, without;
   const std::size_t every = std::max<std::size_t>(1, rows_.size() / kRowsForStiffness);
   for (std::size_t i = every / 2; i < rows_.size(); i += every) {
     stiffened->linearise(rows_[i].s, rows_[i].v_dot, with);
-    const LinearisedRow& without = linearised(i);
+    full_.linearise(rows_[i].s, rows_[i].v_dot, without);
     const MatrixXd change = scale.asDiagonal() *
                             (with.K - without.K).block(block.v, block.v, block.m, block.m) *
                             scale.asDiagonal();
@@ -257,13 +251,15 @@ std::vector<Screened> Screening::bodies(const std::vector<std::string>& for_bodi
     for (std::size_t i = 0; i < infos.size(); ++i)
       if (infos[i].name.starts_with(source.body + ".angular_velocity_")) spin.push_back(static_cast<int>(i));
     VectorXd omega;
-    for (const Row& row : rows_) {
-      full_.evaluate(spin, row.s, row.v_dot, omega);
+    const std::size_t every = std::max<std::size_t>(1, rows_.size() / kRowsForSpin);
+    for (std::size_t i = 0; i < rows_.size(); i += every) {
+      full_.evaluate(spin, rows_[i].s, rows_[i].v_dot, omega);
       screened.spin = std::max(screened.spin, omega.norm());
     }
     const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> held(
         stiffness_of(full_, block).asDiagonal().toDenseMatrix(),
-        linearised(0).M.block(block.v, block.v, block.m, block.m), Eigen::EigenvaluesOnly | Eigen::Ax_lBx);
+        rows_.front().linearised->M.block(block.v, block.v, block.m, block.m),
+        Eigen::EigenvaluesOnly | Eigen::Ax_lBx);
     screened.first_hz = hz(held.eigenvalues()(0));
     screened.excitation_hz = excitation(block);
     change_of_stiffness(block, screened);

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <filesystem>
-#include <map>
 #include <string>
 #include <vector>
 
@@ -69,11 +68,12 @@ class Screening {
  private:
   struct Row {
     mbs::State s;
-    Eigen::VectorXd v_dot;
+    Eigen::VectorXd v_dot, residual;
+    Eigen::MatrixXd G;
+    std::shared_ptr<const LinearisedRow> linearised;
   };
   const ModalBlock& block_of(const std::string& body) const;
   Eigen::MatrixXd responses_of(const std::string& body) const;
-  const LinearisedRow& linearised(std::size_t row);
   std::vector<Eigen::VectorXd> outputs_with(const ModalBlock& block, const Eigen::MatrixXd& S,
                                             const Eigen::VectorXd& extra_damping);
   Candidate judge(const ModalBlock& block, int modes, const Eigen::MatrixXd& responses,
@@ -87,7 +87,8 @@ class Screening {
   std::vector<std::string> overrides_;
   std::unique_ptr<Shadows> shadows_;
   std::vector<Row> rows_;
-  std::map<std::size_t, LinearisedRow> linearised_;  ///< every candidate wants the same
+  long last_number_ = 0;  // of the linearised rows kept
+  double memory_ = 0.0;   // [B], of these
 };
 
 }  // namespace flexura::study

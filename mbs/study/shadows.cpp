@@ -73,7 +73,7 @@ struct Shadows::Impl {
 
   mbs::State s, moved;
   VectorXd v_dot, r, y, y_moved;
-  LinearisedRow row;
+  HeldRows linearised{full};
 
   MatrixXd loads() const;
   void compare(double h);
@@ -169,11 +169,9 @@ bool Shadows::take(const mbs::State& s, const VectorXd& v_dot) {
   const double h = in.taken > 0 ? s.t - in.t : 0.0;
   if (in.taken > 0 && !(h > 0.0)) return false;
   in.embedding.embed(s, v_dot, in.s, in.v_dot);
-  // At every row: where a mechanism turns, stiffness that lags by an angle feeds the correction, turn after
-  // turn (over 24 turns of the steam engine it made 100 % of what is 1 %).
-  in.full.linearise(in.s, in.v_dot, in.row);
+  in.linearised.take(in.s, in.v_dot, h);
   in.full.residual(in.s, in.v_dot, in.r);
-  in.correction->step(h, in.row, in.loads());
+  in.correction->step(h, *in.linearised.row(), in.linearised.G(), in.loads());
   in.compare(h);
   in.t = s.t;
   ++in.taken;
@@ -192,6 +190,12 @@ const mbs::State& Shadows::embedded() const {
 }
 const VectorXd& Shadows::embedded_v_dot() const {
   return impl_->v_dot;
+}
+const VectorXd& Shadows::residual() const {
+  return impl_->r;
+}
+const HeldRows& Shadows::linearised() const {
+  return impl_->linearised;
 }
 mbs::State Shadows::corrected(VectorXd& v_dot) const {
   v_dot = impl_->v_dot + impl_->correction->acceleration().rowwise().sum();

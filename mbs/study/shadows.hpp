@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "mbs/solver/prepare.hpp"
-#include "mbs/study/full_model.hpp"
+#include "mbs/study/held_rows.hpp"
 
 /// What a run loses by the deformations it leaves out, estimated while it runs: they follow as shadows,
 /// driven one-way by the loads of the run.
@@ -82,6 +82,9 @@ class Shadows {
   /// At the last row taken: the run's state in the full model, and that state corrected.
   const mbs::State& embedded() const;
   const Eigen::VectorXd& embedded_v_dot() const;
+  /// There, in the full model: the momentum balance of that state (n_v), and its derivatives.
+  const Eigen::VectorXd& residual() const;
+  const HeldRows& linearised() const;
   mbs::State corrected(Eigen::VectorXd& v_dot) const;
   const Eigen::VectorXd& corrected_outputs() const;
 
