@@ -93,9 +93,10 @@ int check_mechanism(const std::string& file, bool json, const terminal::Talk& ta
                       tree ? "tree joint" : "constraint",
                       tree && d.joints[j].is_connection
                           ? "the connection with the fewest freedoms to a body no joint leads to"
-                      : tree            ? "it leads to its body"
-                      : d.joints[j].cut ? "the file cuts it"
-                                        : "it closes a loop"});
+                      : tree               ? "it leads to its body"
+                      : d.joints[j].splits ? "many flexible bodies in a chain cost less so"
+                      : d.joints[j].cut    ? "the file cuts it"
+                                           : "it closes a loop"});
     }
     fmt::print("{}\n", joints.text(terminal::width(stdout), colour));
     if (!p.redundant.empty()) {

@@ -67,6 +67,8 @@ class ForceElement : public HasStates {
                                 double* /*values*/) const {}
   /// Signals its formulas read.
   virtual std::vector<int> reads() const { return {}; }
+  /// Coordinates of joints that it works on: these joints stay in the tree, where an angle counts turns.
+  virtual std::vector<CoordinateRef> coordinates() const { return {}; }
   /// The markers it acts between, for pictures; -1 where there is none.
   virtual std::pair<int, int> markers() const { return {-1, -1}; }
   virtual std::string_view type() const = 0;

@@ -51,7 +51,9 @@ struct JointDescription {
   std::string name;
   std::shared_ptr<const Joint> joint;
   int marker_F = -1, marker_M = -1;
-  bool cut = false;  ///< keep out of the tree
+  bool cut = false;           ///< keep out of the tree
+  bool keep_in_tree = false;  ///< even in a long branch, see split_branches.cpp
+  bool splits = false;        ///< the program cut it there
   /// The program decides what it becomes: a joint of the tree where one is needed, the one with the fewest
   /// freedoms first, else a constraint; its initial values are then of no account.
   bool is_connection = false;
@@ -207,6 +209,9 @@ class Mechanism final : public Equations {
   enum class Level { position, velocity, acceleration };
 
   void build_tree();
+  void grow_tree();
+  bool split_branches();
+  void follow_split_joints();
   void place_joint(int body, int joint, bool reversed);
   void number_states();
   void build_constraints();
@@ -254,7 +259,9 @@ class Mechanism final : public Equations {
 
   MechanismDescription d_;
   std::vector<TreeBody> bodies_;
-  std::vector<int> order_;  ///< bodies outwards, without ground
+  std::vector<int> order_;        ///< bodies outwards, without ground
+  std::vector<int> whole_order_;  ///< the same before long branches were split; empty where none was
+  std::vector<int> split_joint_;  ///< of a body whose branch begins there: the joint that led to it, or -1
   std::vector<JointPlace> places_;
   std::vector<std::vector<int>> markers_of_body_;
   std::vector<std::shared_ptr<const Constraint>> constraints_;  ///< closures, drives, then the description's

@@ -96,7 +96,13 @@ TableSchema joint_schema(bool is_connection) {
   schema.selector = "type";
   schema.keys = {text("from", "marker F on the first body, \"body.marker\"").required(),
                  text("to", "marker M on the second body").required()};
-  if (!is_connection) schema.keys.push_back(flag("cut", "close a loop here").or_default("false"));
+  if (!is_connection)
+    schema.keys.push_back(
+        flag("cut",
+             "close a loop here; without it the program decides, and where more than five "
+             "flexible bodies with more than 100 modes hang on one another it closes the "
+             "joints between them as constraints, which takes less time (false keeps one as "
+             "it is; so does whatever reads, drives or loads its coordinates)"));
   for (const JointType& type : joint_types()) {
     TableSchema variant;
     variant.doc = type.doc;

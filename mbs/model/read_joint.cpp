@@ -94,7 +94,10 @@ JointDescription read_joint(const std::string& name, const Section& s, const Rea
   if (markers[joint.marker_F].body == markers[joint.marker_M].body)
     s.refuse("to", fmt::format("\"{}\" is a marker of the same body as \"{}\"", s.text("to"), s.text("from")),
              "a joint joins two bodies");
-  if (!is_connection) joint.cut = s.flag("cut");
+  if (!is_connection && s.has("cut")) {
+    joint.cut = s.flag("cut");
+    joint.keep_in_tree = !joint.cut;
+  }
   const auto coordinates = joint.joint->coordinates(), speeds = joint.joint->speeds();
   if (type == "user") {
     read_user_joint(s, context, joint);

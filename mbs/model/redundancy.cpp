@@ -26,7 +26,7 @@ constexpr double vanishing = 1e-9;
 /// and returns the kept ones in ascending order.
 std::vector<int> independent_rows(const MatrixXd& G) {
   const int n = static_cast<int>(G.rows());
-  MatrixXd Q = G;
+  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> Q = G;
   for (int i = 0; i < n; ++i) {
     const double length = Q.row(i).norm();
     if (length > 0.0) Q.row(i) /= length;
@@ -46,9 +46,14 @@ std::vector<int> independent_rows(const MatrixXd& G) {
     done[best] = true;
     kept.push_back(best);
     const Eigen::RowVectorXd q = Q.row(best) / longest;
-    for (int i = 0; i < n; ++i)
-      if (!done[i])
-        for (int pass = 0; pass < 2; ++pass) Q.row(i) -= Q.row(i).dot(q) * q;
+    for (int i = 0; i < n; ++i) {
+      if (done[i]) continue;
+      for (int pass = 0; pass < 2; ++pass) {
+        const double along = Q.row(i).dot(q);
+        if (along == 0.0) break;  // joints far from each other
+        Q.row(i) -= along * q;
+      }
+    }
   }
   std::ranges::sort(kept);
   return kept;
@@ -92,6 +97,7 @@ std::vector<RedundantRow> Mechanism::drop_redundant(double t, ConstVectorRef p) 
     random ^= random << 17;
     return 2.0 * static_cast<double>(random >> 11) / 9007199254740992.0 - 1.0;
   };
+  if (static_cast<int>(best.size()) == n_rows) return {};  // no neighbour can have a larger rank
   VectorXd g(n_rows);
   position_constraints(t, p, *scratch, g);
   const double residual_0 = g.norm();

@@ -87,7 +87,16 @@ void Mechanism::build_tree() {
           "joint \"{}\" goes from \"{}\" to \"{}\", two markers of one body; a joint joins two bodies",
           joint.name, d_.markers[joint.marker_F].name, d_.markers[joint.marker_M].name));
   }
+  grow_tree();
+  if (split_branches()) grow_tree();
+  markers_of_body_.assign(n_bodies, {});
+  for (std::size_t i = 0; i < d_.markers.size(); ++i)
+    markers_of_body_[d_.markers[i].body].push_back(static_cast<int>(i));
+}
 
+void Mechanism::grow_tree() {
+  const int n_bodies = static_cast<int>(d_.bodies.size());
+  order_.clear();
   bodies_.assign(n_bodies, {});
   std::vector<bool> reached(n_bodies, false), used(d_.joints.size(), false);
   reached[0] = true;
@@ -180,10 +189,6 @@ void Mechanism::build_tree() {
         "initial values away, or {}",
         joint.name, joint.cut ? "its cut = true" : "cut another joint of the loop with cut = true"));
   }
-
-  markers_of_body_.assign(n_bodies, {});
-  for (std::size_t i = 0; i < d_.markers.size(); ++i)
-    markers_of_body_[d_.markers[i].body].push_back(static_cast<int>(i));
 }
 
 void Mechanism::place_joint(int body, int joint, bool reversed) {
@@ -245,7 +250,6 @@ void Mechanism::build_constraints() {
   }
   first_row_.push_back(row);
   for (int i = 0; i < row; ++i) kept_rows_.push_back(i);
-
 
   // Where the signals come from, and which of them anything reads.
   sources_.resize(d_.signals.size());
@@ -354,6 +358,7 @@ void Mechanism::find_initial_values() {
       given_v_[place.i_v + index] = true;
     }
   }
+  follow_split_joints();
   // Initial coordinates may hold quaternions of any length.
   const Eigen::VectorXd p = p_0_;
   retract(p, Eigen::VectorXd::Zero(n_v_), p_0_);

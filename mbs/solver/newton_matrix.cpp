@@ -8,15 +8,18 @@
 #include <complex>
 #include <vector>
 
+#include "mbs/solver/sparse_tangents.hpp"
+
 namespace flexura::mbs {
 
 namespace {
 
-// Below either, dense factors are faster.  Measured, dense / KLU for one factorisation: closed loops (fill
-// 0.14) 59 / 56 us at 61 unknowns, 125 / 66 us at 91, 7.0 / 0.84 ms at 361; separate chains (fill 0.12 to
-// 0.5) dense up to 160 unknowns.
-constexpr int kSparseFrom = 60;
-constexpr double kSparseBelow = 0.10;  // of all entries
+// Dense factors are faster below so many unknowns, and with more than so many of the entries.  Measured,
+// dense / KLU for one factorisation: closed loops (fill 0.14) 59 / 56 us at 61 unknowns, 125 / 66 us at
+// 91, 7.0 / 0.84 ms at 361; separate chains (fill 0.12 to 0.5) dense up to 160 unknowns; flexible bodies on
+// one another (fill 0.2) 30 / 7.5 ms for a whole step at 345.
+constexpr int kSparseFrom = 60, kLarge = 160;
+constexpr double kSparseBelow = 0.10, kSparseBelowIfLarge = 0.25;
 
 // Where rows of G depend on each other (redundant, or at a dead point) the blocks of the multipliers are
 // singular; this part of their scale keeps the factors finite and is far below Newton's need elsewhere.
@@ -30,9 +33,9 @@ struct NewtonMatrix<Scalar>::Factors {
 
   Matrix J;
   Eigen::PartialPivLU<Matrix> lu;
-  Sparse J_sparse, z_p, h_p, G, GS;
+  Sparse J_sparse, z_p, h_p, G, GS, ET, TET;
   Eigen::KLU<Sparse> klu;
-  std::vector<Eigen::Triplet<Scalar>> entries;
+  std::vector<Eigen::Triplet<Scalar>> entries, of_blocks;
   std::vector<int> outer, inner;  // the pattern that KLU has analysed
   bool is_sparse = false, may_be_sparse = true;
   long structure = -1;  // of the form, for which may_be_sparse was found
@@ -73,9 +76,19 @@ void NewtonMatrix<Scalar>::scale(double size) {
     column_scale_(i) = scale;
   }
   row_scale_.segment(n_v, n_.n_dyn).setConstant(1.0 / size);
+  length_.setZero(n_l);
+  if (factors_->may_be_sparse) {
+    const SparseTangents::Sparse& G = form_.sparse_tangents().G;
+    for (int j = 0; j < G.outerSize(); ++j)
+      for (SparseTangents::Sparse::InnerIterator it(G, j); it; ++it)
+        length_(it.row()) += std::pow(it.value() * column_scale_(j), 2);
+    length_ = length_.cwiseSqrt().eval();
+  } else {
+    for (int k = 0; k < n_l; ++k)
+      length_(k) = (d.G.row(k).transpose().array() * column_scale_.head(n_v).array()).matrix().norm();
+  }
   for (int k = 0; k < n_l; ++k) {
-    const double norm = (d.G.row(k).transpose().array() * column_scale_.head(n_v).array()).matrix().norm();
-    const double scale = norm > 0.0 ? 1.0 / norm : 1.0;
+    const double scale = length_(k) > 0.0 ? 1.0 / length_(k) : 1.0;
     row_scale_(at_l + k) = scale;
     column_scale_(at_l + k) = scale * size;
     row_scale_(at_m + k) = form_.is_holonomic(k) ? scale * size : 1.0;
@@ -86,6 +99,12 @@ void NewtonMatrix<Scalar>::scale(double size) {
 template <class Scalar>
 void NewtonMatrix<Scalar>::assemble_dense(Scalar cj) {
   const Tangents& d = form_.tangents();
+  inverse_.multiply_ET(d.z_p, z_v_);
+  if (n_.n_lambda > 0) {
+    inverse_.multiply_ET(d.h_p, h_v_);
+    inverse_.multiply_TET(d.G, g_v_);
+    GS_ = (form_.S().asDiagonal() * d.G.transpose()).template cast<Scalar>();
+  }
   const int n_v = n_.n_v, n_c = n_.n_dyn, n_a = n_.n_alg, n_l = n_.n_lambda, at_l = n_z_, at_m = n_z_ + n_l;
   Matrix& J = factors_->J;
   J.setZero(n_z_ + 2 * n_l, n_z_ + 2 * n_l);
@@ -117,11 +136,12 @@ void NewtonMatrix<Scalar>::assemble_dense(Scalar cj) {
   }
 }
 
-// The same entry by entry.
+// The same from what is not zero.
 template <class Scalar>
 void NewtonMatrix<Scalar>::assemble_sparse(Scalar cj) {
   using Sparse = typename Factors::Sparse;
   const Tangents& d = form_.tangents();
+  const SparseTangents& sparse = form_.sparse_tangents();
   const int n_v = n_.n_v, n_c = n_.n_dyn, n_l = n_.n_lambda, at_l = n_z_, at_m = n_z_ + n_l;
   Factors& f = *factors_;
   f.entries.clear();
@@ -134,31 +154,40 @@ void NewtonMatrix<Scalar>::assemble_sparse(Scalar cj) {
     for (Eigen::Index j = 0; j < block.cols(); ++j)
       for (Eigen::Index i = 0; i < block.rows(); ++i) add(at_i + i, at_j + j, block(i, j));
   };
-  const auto add_sparse = [&](int at_i, int at_j, const Sparse& block) {
+  const auto add_sparse = [&](int at_i, int at_j, const auto& block, Scalar factor) {
     for (int j = 0; j < block.outerSize(); ++j)
-      for (typename Sparse::InnerIterator it(block, j); it; ++it)
-        add(at_i + it.row(), at_j + it.col(), it.value());
+      for (typename std::decay_t<decltype(block)>::InnerIterator it(block, j); it; ++it)
+        add(at_i + it.row(), at_j + it.col(), factor * it.value());
   };
-  add_dense(0, 0, z_v_);
-  add_dense(0, 0, d.z_v);
-  for (int j = 0; j < n_v; ++j)
-    for (int i = 0; i < n_v; ++i) add(i, j, cj * d.M(i, j));
+  const auto take_blocks = [&](int rows, Sparse& out, const auto& list) {
+    f.of_blocks.clear();
+    list([&](int i, int j, Scalar value) { f.of_blocks.emplace_back(i, j, value); });
+    out.resize(rows, n_v);
+    out.setFromTriplets(f.of_blocks.begin(), f.of_blocks.end());
+  };
+  take_blocks(n_.n_p, f.ET, [&](auto&& to) { inverse_.entries_of_ET(to); });
+  f.z_p = sparse.z_p.template cast<Scalar>();
+  const Sparse z_v = f.z_p * f.ET;
+  add_sparse(0, 0, z_v, 1.0);
+  add_sparse(0, 0, sparse.z_v, 1.0);
+  add_sparse(0, 0, sparse.M, cj);
   add_dense(0, n_v, d.z_c);
   add_dense(0, n_v + n_c, d.z_a);
   for (int i = n_v; i < n_v + n_c; ++i) add(i, i, -cj);
-  f.z_p = d.z_p.sparseView().template cast<Scalar>();
   if (n_l > 0) {
-    f.GS = GS_.sparseView();
-    f.G = d.G.sparseView().template cast<Scalar>();
-    f.h_p = d.h_p.sparseView().template cast<Scalar>();
-    const Sparse z_v = z_v_.sparseView(), h_v = h_v_.sparseView(), g_v = g_v_.sparseView();
-    add_sparse(0, at_l, Sparse(f.G.transpose()));
-    add_sparse(0, at_m, Sparse(z_v * f.GS));
-    add_sparse(at_l, 0, f.G);
-    add_sparse(at_l, 0, h_v);
-    add_sparse(at_l, at_m, Sparse(h_v * f.GS));
-    add_sparse(at_m, 0, g_v);
-    add_sparse(at_m, at_m, Sparse(g_v * f.GS));
+    take_blocks(n_v, f.TET, [&](auto&& to) { inverse_.entries_of_TET(to); });
+    f.G = sparse.G.template cast<Scalar>();
+    f.h_p = sparse.h_p.template cast<Scalar>();
+    const Sparse G_T = f.G.transpose();
+    f.GS = form_.S().template cast<Scalar>().asDiagonal() * G_T;
+    const Sparse h_v = f.h_p * f.ET, g_v = f.G * f.TET;
+    add_sparse(0, at_l, G_T, 1.0);
+    add_sparse(0, at_m, Sparse(z_v * f.GS), 1.0);
+    add_sparse(at_l, 0, f.G, 1.0);
+    add_sparse(at_l, 0, h_v, 1.0);
+    add_sparse(at_l, at_m, Sparse(h_v * f.GS), 1.0);
+    add_sparse(at_m, 0, g_v, 1.0);
+    add_sparse(at_m, at_m, Sparse(g_v * f.GS), 1.0);
     for (int k = 0; k < n_l; ++k) {
       if (!form_.is_holonomic(k)) f.entries.emplace_back(at_m + k, at_m + k, 1.0);
       f.entries.emplace_back(at_l + k, at_l + k, -kOfRedundantRows);
@@ -195,25 +224,19 @@ bool NewtonMatrix<Scalar>::factor_sparse() {
 
 template <class Scalar>
 bool NewtonMatrix<Scalar>::factor(Scalar cj) {
-  const Tangents& d = form_.tangents();
   inverse_.compute(form_.kinematics(), cj);
-  inverse_.multiply_ET(d.z_p, z_v_);
-  if (n_.n_lambda > 0) {
-    inverse_.multiply_ET(d.h_p, h_v_);
-    inverse_.multiply_TET(d.G, g_v_);
-    GS_ = (form_.S().asDiagonal() * d.G.transpose()).template cast<Scalar>();
-  }
-  scale(std::abs(cj));
   Factors& f = *factors_;
   if (f.structure != form_.structure()) {
     f.structure = form_.structure();
     f.may_be_sparse = row_scale_.size() >= kSparseFrom;
   }
+  scale(std::abs(cj));
   f.is_sparse = false;
   if (f.may_be_sparse) {
     assemble_sparse(cj);
     const double all = static_cast<double>(f.J_sparse.rows()) * static_cast<double>(f.J_sparse.cols());
-    f.is_sparse = f.may_be_sparse = static_cast<double>(f.J_sparse.nonZeros()) < kSparseBelow * all;
+    const double below = f.J_sparse.rows() > kLarge ? kSparseBelowIfLarge : kSparseBelow;
+    f.is_sparse = f.may_be_sparse = static_cast<double>(f.J_sparse.nonZeros()) < below * all;
   }
   if (f.is_sparse) return factor_sparse();
   assemble_dense(cj);

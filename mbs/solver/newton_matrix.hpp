@@ -49,8 +49,8 @@ class NewtonMatrix {
   const Sizes n_;
   const int n_z_;  ///< n_v + n_dyn + n_alg
   KinematicInverse<Scalar> inverse_;
-  Eigen::VectorXd row_scale_, column_scale_;
-  Matrix z_v_, h_v_, g_v_, GS_;  ///< derivatives by v of what depends on p; S G^T
+  Eigen::VectorXd row_scale_, column_scale_, length_;  ///< length_ of the rows of G D
+  Matrix z_v_, h_v_, g_v_, GS_;                        ///< derivatives by v of what depends on p; S G^T
   Vector rhs_, solution_, y_p_, dp_, dp_0_, w_, z_, g_w_;
   std::unique_ptr<Factors> factors_;
 };

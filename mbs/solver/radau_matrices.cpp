@@ -59,7 +59,7 @@ void RadauMatrices::praise() {
 void RadauMatrices::multiply_rates(const Eigen::VectorXd& x, Eigen::VectorXd& out) const {
   const int at_v = form_.at_v(), n_v = form_.sizes().n_v;
   out = x;
-  out.segment(at_v, n_v).noalias() = form_.tangents().M * x.segment(at_v, n_v);
+  form_.multiply_M(x.segment(at_v, n_v), out.segment(at_v, n_v));
   out.tail(form_.size() - form_.at_a()).setZero();
 }
 

@@ -8,6 +8,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "mbs/solver/sparse_saddle.hpp"
+
 namespace flexura::mbs {
 
 struct SaddleSolver::Impl {
@@ -15,6 +17,8 @@ struct SaddleSolver::Impl {
   std::vector<int> free;  // the entries of x that take part
   Eigen::MatrixXd M_hat, B;
   Eigen::VectorXd column_scale, row_scale, f, y_hat, h_hat, w;
+  SparseSaddle sparse;
+  bool is_sparse = false;  // of the last factor()
   Eigen::LLT<Eigen::MatrixXd> cholesky;
   // B P = Q R where the rows of G are independent; only where they are not, the complete decomposition.
   Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr;
@@ -68,7 +72,8 @@ SaddleSolver::SaddleSolver() : impl_(std::make_unique<Impl>()) {}
 SaddleSolver::~SaddleSolver() = default;
 
 int SaddleSolver::rank() const {
-  return impl_->n_lambda == 0 || impl_->free.empty() ? 0 : static_cast<int>(impl_->qr.rank());
+  if (impl_->n_lambda == 0 || impl_->free.empty()) return 0;
+  return impl_->is_sparse ? impl_->n_lambda : static_cast<int>(impl_->qr.rank());
 }
 const Eigen::VectorXd& SaddleSolver::row_scale() const {
   return impl_->row_scale;
@@ -127,12 +132,6 @@ void SaddleSolver::factor(const Equations& eq, const Eigen::MatrixXd& M, const E
   for (int j = 0; j < n; ++j)
     for (int i = 0; i < n; ++i)
       s.M_hat(i, j) = s.column_scale(s.free[i]) * M(s.free[i], s.free[j]) * s.column_scale(s.free[j]);
-  s.cholesky.compute(s.M_hat);
-  if (const int i =
-          first_small_pivot(s.M_hat, s.cholesky.info() == Eigen::Success ? &s.cholesky.matrixLLT() : nullptr);
-      i >= 0)
-    refuse_mass(eq, s.free[i], M(s.free[i], s.free[i]));
-
   s.row_scale = Eigen::VectorXd::Zero(s.n_lambda);
   s.B.resize(n, s.n_lambda);
   for (int k = 0; k < s.n_lambda; ++k) {
@@ -141,6 +140,13 @@ void SaddleSolver::factor(const Equations& eq, const Eigen::MatrixXd& M, const E
     if (norm > 0.0) s.row_scale(k) = 1.0 / norm;
     s.B.col(k) *= s.row_scale(k);
   }
+  s.is_sparse = s.sparse.factor(s.M_hat, s.B);
+  if (s.is_sparse) return;
+  s.cholesky.compute(s.M_hat);
+  if (const int i =
+          first_small_pivot(s.M_hat, s.cholesky.info() == Eigen::Success ? &s.cholesky.matrixLLT() : nullptr);
+      i >= 0)
+    refuse_mass(eq, s.free[i], M(s.free[i], s.free[i]));
   if (s.n_lambda == 0 || n == 0) return;
   s.cholesky.matrixL().solveInPlace(s.B);
   // Rows have unit length; a pivot of 1e-10 means two constraints whose directions differ by 1e-10: nothing
@@ -163,6 +169,17 @@ void SaddleSolver::solve(const Eigen::VectorXd& r, const Eigen::VectorXd& h, Eig
   }
   s.f.resize(n);
   for (int i = 0; i < n; ++i) s.f(i) = s.column_scale(s.free[i]) * r(s.free[i]);
+  const auto take_out = [&] {
+    x = Eigen::VectorXd::Zero(s.n_v);
+    for (int i = 0; i < n; ++i) x(s.free[i]) = s.column_scale(s.free[i]) * s.w(i);
+  };
+  if (s.is_sparse) {
+    s.h_hat = s.row_scale.cwiseProduct(h);
+    s.sparse.solve(s.f, s.h_hat, s.w, s.y_hat);
+    y = s.row_scale.cwiseProduct(s.y_hat);
+    take_out();
+    return;
+  }
   s.cholesky.matrixL().solveInPlace(s.f);
   // In w = L^T x: w + B y = f, B^T w = h.  So w = (I - B B^+) f + B^+T h and y = B^+ (f - w).
   if (s.n_lambda > 0) {
@@ -180,8 +197,7 @@ void SaddleSolver::solve(const Eigen::VectorXd& r, const Eigen::VectorXd& h, Eig
     y.resize(0);
   }
   s.cholesky.matrixU().solveInPlace(s.w);
-  x = Eigen::VectorXd::Zero(s.n_v);
-  for (int i = 0; i < n; ++i) x(s.free[i]) = s.column_scale(s.free[i]) * s.w(i);
+  take_out();
 }
 
 }  // namespace flexura::mbs

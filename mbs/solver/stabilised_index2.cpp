@@ -2,6 +2,7 @@
 #include "mbs/solver/stabilised_index2.hpp"
 
 #include "mbs/solver/finite.hpp"
+#include "mbs/solver/sparse_tangents.hpp"
 
 namespace flexura::mbs {
 
@@ -21,6 +22,8 @@ StabilisedIndex2::StabilisedIndex2(const Equations& eq, const State& start)
   for (int k = 0; k < n_.n_lambda; ++k) holonomic_.push_back(eq.is_holonomic(k));
   set_start(start);
 }
+
+StabilisedIndex2::~StabilisedIndex2() = default;
 
 void StabilisedIndex2::set_start(const State& s) {
   s_ = s;
@@ -76,7 +79,20 @@ void StabilisedIndex2::linearise(double t, ConstVectorRef y, ConstVectorRef yp, 
   unpack(t, y, s_);
   v_dot_ = yp.segment(at_v(), n_.n_v);
   tangents_.evaluate(s_, v_dot_, scope);
+  sparse_.reset();
   kinematics_.update(s_.p, s_.v);
+}
+
+const SparseTangents& StabilisedIndex2::sparse_tangents() const {
+  if (!sparse_) sparse_ = std::make_unique<SparseTangents>(tangents_);
+  return *sparse_;
+}
+
+void StabilisedIndex2::multiply_M(ConstVectorRef x, VectorRef out) const {
+  if (sparse_)
+    out.noalias() = sparse_->M * x;
+  else
+    out.noalias() = tangents_.M * x;
 }
 
 void StabilisedIndex2::forget_structure() {

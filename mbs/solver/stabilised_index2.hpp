@@ -26,9 +26,12 @@
 /// Its Newton matrices dF/dy + cj dF/dy' are made from the derivatives taken here: see newton_matrix.hpp.
 namespace flexura::mbs {
 
+struct SparseTangents;
+
 class StabilisedIndex2 {
  public:
   StabilisedIndex2(const Equations& eq, const State& start);
+  ~StabilisedIndex2();
 
   int size() const { return n_y_; }
   int n_lambda() const { return n_.n_lambda; }
@@ -54,6 +57,10 @@ class StabilisedIndex2 {
   void linearise(double t, ConstVectorRef y, ConstVectorRef yp, TangentScope scope);
   const Sizes& sizes() const { return n_; }
   const Tangents& tangents() const { return tangents_; }
+  /// The same without their zeros, made at the first call after linearise().
+  const SparseTangents& sparse_tangents() const;
+  /// out = M x with the mass matrix of the last linearise().
+  void multiply_M(ConstVectorRef x, VectorRef out) const;
   const KinematicBlocks& kinematics() const { return kinematics_; }
   bool is_holonomic(int row) const { return holonomic_[row]; }
   bool has_elastic_coordinates() const { return tangents_.has_elastic_coordinates(); }
@@ -71,6 +78,7 @@ class StabilisedIndex2 {
   State s_;
   KinematicBlocks kinematics_;
   Tangents tangents_;
+  mutable std::unique_ptr<SparseTangents> sparse_;  // of tangents_, once anyone asked
   Eigen::VectorXd S_, w_, v_dot_, z_, p_dot_;
   std::vector<bool> holonomic_;
   std::string non_finite_;

@@ -28,6 +28,9 @@ class Actuator final : public ForceElement {
       : ForceElement(std::move(name)), coordinate_(coordinate), P_(P), Q_(Q), law_(std::move(law)) {}
   std::string_view type() const override { return "actuator"; }
   std::pair<int, int> markers() const override { return {P_, Q_}; }
+  std::vector<CoordinateRef> coordinates() const override {
+    return coordinate_ ? std::vector<CoordinateRef>{*coordinate_} : std::vector<CoordinateRef>{};
+  }
   std::vector<int> reads() const override { return law_.command->reads(); }
   int n_states() const override { return 1; }
   void start(double* c) const override { c[0] = law_.start; }

@@ -31,6 +31,11 @@ class Clearance final : public ForceElement {
         measured_in_(measured_in),
         pushes_in_(pushes_in) {}
   std::string_view type() const override { return type_; }
+  std::vector<CoordinateRef> coordinates() const override {
+    std::vector<CoordinateRef> all;
+    for (const Term& term : terms_) all.push_back(term.coordinate);
+    return all;
+  }
   int n_states() const override { return 2 * law_.n_states(); }
   int n_switches() const override { return 2 * ContactLaw::n_switches; }
   std::string switch_name(int i) const override {

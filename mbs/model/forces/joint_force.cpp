@@ -10,6 +10,7 @@ class JointForce final : public ForceElement {
   JointForce(std::string name, CoordinateRef speed, std::shared_ptr<const Expression> value)
       : ForceElement(std::move(name)), speed_(speed), value_(std::move(value)) {}
   std::string_view type() const override { return "joint_force"; }
+  std::vector<CoordinateRef> coordinates() const override { return {speed_}; }
   std::vector<int> reads() const override { return value_->reads(); }
   void apply(const Kinematics&, const double* signals, Loads& loads) const override {
     loads.apply(speed_, value_->evaluate(signals));

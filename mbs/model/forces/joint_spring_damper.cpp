@@ -20,6 +20,7 @@ class JointSpringDamper final : public ForceElement {
         curve_(std::move(curve)),
         damping_curve_(std::move(damping_curve)) {}
   std::string_view type() const override { return "joint_spring_damper"; }
+  std::vector<CoordinateRef> coordinates() const override { return {c_}; }
   void apply(const Kinematics& kin, const double*, Loads& loads) const override {
     loads.apply(c_, force(kin));
   }
