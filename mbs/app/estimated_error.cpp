@@ -45,14 +45,20 @@ std::vector<MeshShare> mesh_shares(const mbs::PreparedMechanism& prepared) {
 }
 
 std::string estimated_error_line(const std::vector<MeshShare>& meshes,
-                                 const study::TruncationEstimate* truncation, const mbs::RunResult& result) {
+                                 const study::TruncationEstimate* truncation,
+                                 const study::IntegratorEstimate* check, const mbs::RunResult& result) {
   struct Part {
     std::string text;
     double error;
   };
-  const double integrator = std::abs(result.energy.relative_error());
+  const double integrator = check ? check->error : std::abs(result.energy.relative_error());
   std::vector<Part> parts = {{"the integrator", integrator}};
-  std::string words = fmt::format("integrator {} (energy balance)", percent(integrator)), worst = "an output";
+  std::string words =
+      check ? fmt::format("integrator {} (in {}; a second run at {:g} times the {})", percent(integrator),
+                          check->output, check->factor, check->by_step ? "step" : "tolerance")
+            : fmt::format("integrator {} or more (energy balance alone; --check-integrator tells)",
+                          percent(integrator));
+  std::string worst = check && !check->output.empty() ? check->output : "an output";
   double error = integrator;
   if (truncation && truncation->worst >= 0) {
     error += truncation->error;
@@ -88,8 +94,13 @@ std::string estimated_error_line(const std::vector<MeshShare>& meshes,
 
 nlohmann::json estimated_error_json(const std::vector<MeshShare>& meshes,
                                     const study::TruncationEstimate* truncation,
-                                    const mbs::RunResult& result) {
-  nlohmann::json out = {{"integrator", std::abs(result.energy.relative_error())}};
+                                    const study::IntegratorEstimate* check, const mbs::RunResult& result) {
+  nlohmann::json out = {{"integrator", check ? check->error : std::abs(result.energy.relative_error())}};
+  if (check)
+    out["integrator_check"] = {{"error", check->error},
+                               {"output", check->output},
+                               {"factor", check->factor},
+                               {"wall_time", check->wall}};
   for (const MeshShare& mesh : meshes)
     if (mesh.of_deformation >= 0.0) out["mesh"][mesh.body] = mesh.of_deformation;
   if (!truncation) return out;

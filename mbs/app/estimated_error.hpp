@@ -7,11 +7,15 @@
 
 #include "mbs/solver/prepare.hpp"
 #include "mbs/solver/run.hpp"
+#include "mbs/study/integrator_check.hpp"
 #include "mbs/study/shadows.hpp"
 
 /// What a run says about its own error, by source:
 ///
-/// - integrator: the energy balance, relative to the largest energy, which knows nothing of the tolerance;
+/// - integrator: a second run with another tolerance (mbs/study/integrator_check.hpp) where the user asked
+/// for
+///   it; else the energy balance, relative to the largest energy, which knows nothing of the tolerance and is
+///   a lower bound at best;
 /// - modes of a body: the shadows of what the run leaves out of it (mbs/study/shadows.hpp), the rms of the
 ///   error over the rms of the output, of the output where that is largest;
 /// - mesh of a body: its reduction's report, twice the estimated relative error of its first free frequency
@@ -28,14 +32,17 @@ struct MeshShare {
 std::vector<MeshShare> mesh_shares(const mbs::PreparedMechanism& prepared);
 
 /// One line: the estimated error, its parts and the largest contributor.  `truncation` may be null (nothing
-/// was left out).
+/// was left out), `integrator` too (not asked for).
 std::string estimated_error_line(const std::vector<MeshShare>& meshes,
-                                 const study::TruncationEstimate* truncation, const mbs::RunResult& result);
+                                 const study::TruncationEstimate* truncation,
+                                 const study::IntegratorEstimate* integrator, const mbs::RunResult& result);
 
-/// The same for the summary in the results file: {"error", "shadows", "wall_time", "integrator", "by_body",
-/// "mesh", "outputs": {name: {"max", "rms", "size_max", "size_rms", "final"}}}.
+/// The same for the summary in the results file: {"error", "shadows", "wall_time", "integrator",
+/// "integrator_check": {"error", "output", "factor", "wall_time"}, "by_body", "mesh", "outputs": {name:
+/// {"max", "rms", "size_max", "size_rms", "final"}}}.
 nlohmann::json estimated_error_json(const std::vector<MeshShare>& meshes,
                                     const study::TruncationEstimate* truncation,
+                                    const study::IntegratorEstimate* integrator,
                                     const mbs::RunResult& result);
 
 }  // namespace flexura::app

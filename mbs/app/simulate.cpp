@@ -4,6 +4,7 @@
 #include <csignal>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "mbs/app/commands.hpp"
 #include "mbs/app/estimated_error.hpp"
@@ -24,7 +25,7 @@ using mbs::RunResult;
 
 struct Arguments : MechanismArguments {
   std::string output, end_time, save_state, continue_from, accuracy;
-  bool csv = false, schema = false, no_estimate = false, json = false;
+  bool csv = false, schema = false, no_estimate = false, check_integrator = false, json = false;
 };
 
 volatile std::sig_atomic_t interrupted = 0;
@@ -54,14 +55,23 @@ struct Outcome {
   std::vector<std::string> lines, warnings;
 };
 
+// Made where the user wants it and the run comes from its beginning to its end.
+std::unique_ptr<study::IntegratorCheck> wanted_check(const PreparedMechanism& prepared,
+                                                     const Arguments& arguments) {
+  return arguments.check_integrator ? study::IntegratorCheck::make(prepared) : nullptr;
+}
+
 void add_estimate(const PreparedMechanism& prepared, const study::TruncationEstimate* truncation,
-                  Outcome& outcome) {
+                  study::IntegratorCheck* check, const mbs::RunCallbacks& callbacks, Outcome& outcome) {
   const LeftOut unneeded = left_out(prepared);
   outcome.summary["left_out"] = left_out_json(unneeded);
   if (std::string line = left_out_line(unneeded); !line.empty()) outcome.lines.push_back(std::move(line));
   const std::vector<MeshShare> meshes = mesh_shares(prepared);
-  outcome.summary["estimate"] = estimated_error_json(meshes, truncation, outcome.result);
-  outcome.lines.push_back(estimated_error_line(meshes, truncation, outcome.result));
+  std::optional<study::IntegratorEstimate> integrator;
+  if (check && outcome.result.complete) integrator = check->estimate(callbacks);
+  const study::IntegratorEstimate* const by_check = integrator ? &*integrator : nullptr;
+  outcome.summary["estimate"] = estimated_error_json(meshes, truncation, by_check, outcome.result);
+  outcome.lines.push_back(estimated_error_line(meshes, truncation, by_check, outcome.result));
 }
 
 Outcome run_as_told(const NamedRun& run, const Arguments& arguments, results::Writer& writer,
@@ -71,9 +81,11 @@ Outcome run_as_told(const NamedRun& run, const Arguments& arguments, results::Wr
   recorder.begin(run.name);
   const auto shadows =
       arguments.no_estimate ? nullptr : study::Shadows::make(prepared, arguments.file, run.overrides);
+  const auto check = wanted_check(prepared, arguments);
   callbacks.row = [&](const mbs::State& s, const Eigen::VectorXd& v_dot, const mbs::EnergyAccount& energy) {
     recorder.append(s, v_dot, energy);
     if (shadows) shadows->take(s, v_dot);
+    if (check) check->take(s, v_dot);
   };
   Outcome out;
   out.result =
@@ -85,7 +97,7 @@ Outcome run_as_told(const NamedRun& run, const Arguments& arguments, results::Wr
   study::TruncationEstimate truncation;
   if (shadows) truncation = shadows->estimate();
   out.result.wall_time -= truncation.wall;
-  add_estimate(prepared, shadows ? &truncation : nullptr, out);
+  add_estimate(prepared, shadows ? &truncation : nullptr, check.get(), callbacks, out);
   return out;
 }
 
@@ -101,7 +113,11 @@ Outcome run_within_accuracy(NamedRun& run, const Arguments& arguments, results::
   run.overrides = std::move(chosen.overrides);
   Recorder recorder(run.prepared, writer);
   recorder.begin(run.name);
-  for (const study::RowOfRun& row : chosen.rows) recorder.append(row.state, row.v_dot, row.energy);
+  const auto check = wanted_check(run.prepared, arguments);
+  for (const study::RowOfRun& row : chosen.rows) {
+    recorder.append(row.state, row.v_dot, row.energy);
+    if (check) check->take(row.state, row.v_dot);
+  }
   Outcome out;
   out.warnings = recorder.range().sentences();
   out.result = std::move(chosen.result);
@@ -110,7 +126,7 @@ Outcome run_within_accuracy(NamedRun& run, const Arguments& arguments, results::
   out.summary["screening_wall_time"] = chosen.screening_wall;
   out.lines = std::move(chosen.reasons);
   if (!arguments.no_estimate)
-    add_estimate(run.prepared, chosen.has_estimate ? &chosen.estimate : nullptr, out);
+    add_estimate(run.prepared, chosen.has_estimate ? &chosen.estimate : nullptr, check.get(), callbacks, out);
   return out;
 }
 
@@ -137,8 +153,12 @@ int simulate(Arguments arguments, const terminal::Talk& talk) {
   if (!arguments.continue_from.empty()) {
     if (!arguments.from_state.empty())
       throw std::invalid_argument("--continue and --from-state exclude each other");
+    if (arguments.check_integrator)
+      throw std::invalid_argument("--check-integrator needs the whole run: it does not go with --continue");
     arguments.from_state = arguments.continue_from;
   }
+  if (arguments.check_integrator && arguments.no_estimate)
+    throw std::invalid_argument("--check-integrator and --no-estimate exclude each other");
   std::vector<NamedRun> runs = prepare_runs(arguments);
   if (!arguments.save_state.empty()) only_run(runs, arguments, "--save-state");
   if (!arguments.continue_from.empty()) {
@@ -262,6 +282,8 @@ terminal::Command simulate_command() {
             .flag("--csv", a->csv, "write a table of each run beside the results")
             .flag("--json", a->json, "print how each run ended as JSON (SI units)")
             .flag("--no-estimate", a->no_estimate, "do not estimate what dropped modes cost in accuracy")
+            .flag("--check-integrator", a->check_integrator,
+                  "run once more at ten times the tolerance to tell the integrator's error")
             .flag("--schema", a->schema, "print the mechanism file's reference page, then stop")
             .example("flexura simulate engine.toml -o engine.h5", "all runs of the file")
             .example(

@@ -20,7 +20,8 @@ namespace {
 using Eigen::VectorXd;
 using terminal::number;
 
-constexpr double kShareOfModes = 0.5;
+// The tolerance leaves the integrator far less than the rest (see tolerance_), and the run is watched.
+constexpr double kShareOfModes = 0.8;
 // A run goes on from where its error had used up this part of the budget (of the squares' integral).
 constexpr double kLastGood = 0.25;
 constexpr int kMostRestarts = 6;

@@ -22,7 +22,7 @@ using Eigen::VectorXd;
 constexpr std::array kLadder = {0, 1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128};
 // A candidate is judged on about so many rows, spin and stiffness on fewer.
 constexpr double kMostMemory = 256e6;  // [B] of linearised rows
-constexpr std::size_t kRowsForCandidates = 300, kRowsForSpin = 100, kRowsForStiffness = 8;
+constexpr std::size_t kRowsForCandidates = 200, kRowsForSpin = 100, kRowsForStiffness = 8;
 
 double hz(double omega2) {
   return std::sqrt(std::max(omega2, 0.0)) / (2.0 * std::numbers::pi);

@@ -22,9 +22,10 @@ constexpr double kMostRows = 800.0;
 // not motion.  What nobody asked for by name has to be larger to matter.
 constexpr double kNothing = 1e-6, kNothingUnasked = 1e-3;
 
-// Outputs that both mechanisms have; modal coordinates of a body are no outputs of an engineer's.
-std::vector<int> outputs_of(const mbs::PreparedMechanism& run, const mbs::Mechanism& full,
-                            std::vector<OutputEstimate>& sums) {
+}  // namespace
+
+std::vector<int> judged_outputs(const mbs::PreparedMechanism& run, const mbs::Mechanism& full,
+                                std::vector<OutputEstimate>& sums) {
   const auto run_infos = run.mechanism->quantities(), infos = full.quantities();
   const bool asked = !run.file.outputs.empty();
   std::map<std::string, int> index;
@@ -47,15 +48,27 @@ std::vector<int> outputs_of(const mbs::PreparedMechanism& run, const mbs::Mechan
   return outputs;
 }
 
-}  // namespace
+long rows_between(const mbs::PreparedMechanism& run) {
+  const mbs::SolverOptions& o = run.options;
+  return std::max(1L, static_cast<long>((o.end_time - o.start_time) / o.output_step / kMostRows));
+}
+
+void find_what_counts(std::vector<OutputEstimate>& outputs, bool asked) {
+  std::map<std::string, double> largest;
+  for (const OutputEstimate& o : outputs) {
+    double& most = largest[o.unit];
+    most = std::max(most, o.size_rms);
+  }
+  for (OutputEstimate& o : outputs)
+    o.counts = o.size_rms > (asked ? kNothing : kNothingUnasked) * largest[o.unit];
+}
 
 struct Shadows::Impl {
   Impl(const mbs::PreparedMechanism& run, FullModel& full_model)
       : full(full_model),
         embedding(*run.mechanism, full_model),
         asked(!run.file.outputs.empty()),
-        every(std::max(1L, static_cast<long>((run.options.end_time - run.options.start_time) /
-                                             run.options.output_step / kMostRows))) {}
+        every(rows_between(run)) {}
 
   FullModel& full;
   std::unique_ptr<FullModel> own;  // where the shadows made it themselves
@@ -153,7 +166,7 @@ std::unique_ptr<Shadows> Shadows::make(const mbs::PreparedMechanism& run, FullMo
     if (!in.embedding.complete(i)) in.sources.push_back(i);
   }
   if (in.sources.empty()) return nullptr;
-  in.outputs = outputs_of(run, full.mechanism(), in.sums);
+  in.outputs = judged_outputs(run, full.mechanism(), in.sums);
   const Index n_out = static_cast<Index>(in.outputs.size()),
               n_sources = static_cast<Index>(in.sources.size());
   in.square = in.square_size = in.last_square = in.last_size = VectorXd::Zero(n_out);
@@ -234,16 +247,12 @@ TruncationEstimate Shadows::estimate() const {
   out.wall = in.wall;
   out.outputs = in.sums;
   const double span = std::max(in.span, 1e-300);
-  std::map<std::string, double> largest;
   for (std::size_t i = 0; i < out.outputs.size(); ++i) {
     OutputEstimate& o = out.outputs[i];
     o.rms = std::sqrt(in.square(static_cast<Index>(i)) / span);
     o.size_rms = std::sqrt(in.square_size(static_cast<Index>(i)) / span);
-    double& most = largest[o.unit];
-    most = std::max(most, o.size_rms);
   }
-  for (OutputEstimate& o : out.outputs)
-    o.counts = o.size_rms > (in.asked ? kNothing : kNothingUnasked) * largest[o.unit];
+  find_what_counts(out.outputs, in.asked);
   std::tie(out.error, out.worst) = worst_output(in.square, span, out.outputs);
   for (std::size_t k = 0; k < in.sources.size(); ++k) {
     const ModalBlock& block = in.full.blocks()[in.sources[k]];

@@ -60,6 +60,17 @@ struct TruncationEstimate {
 std::pair<double, int> worst_output(const Eigen::VectorXd& squares, double span,
                                     const std::vector<OutputEstimate>& outputs);
 
+/// The quantities of `full` by which a run is judged, outputs that both mechanisms have, each with its name
+/// and unit in `outputs`; modal coordinates of a body are no outputs of an engineer's.
+std::vector<int> judged_outputs(const mbs::PreparedMechanism& run, const mbs::Mechanism& full,
+                                std::vector<OutputEstimate>& outputs);
+
+/// Of a run's rows one in so many is looked at, 400 to 800 in all.
+long rows_between(const mbs::PreparedMechanism& run);
+
+/// Sets `counts`: outputs that are nothing beside others of their unit do not; `asked`: the user named them.
+void find_what_counts(std::vector<OutputEstimate>& outputs, bool asked);
+
 class Shadows {
  public:
   /// Null where the run has every deformation of its superelements, damped and coupled as the full model.
