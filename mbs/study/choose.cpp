@@ -62,7 +62,8 @@ struct BodyChoice {
   std::string reason;
 
   std::vector<std::string> overrides(const std::string& body) const {
-    std::vector<std::string> words = {"modes=", "max_frequency=", "attachments=used"};
+    std::vector<std::string> words = {
+        "modes=", "max_frequency=", candidate.plain ? "attachments=none" : "attachments=used"};
     if (rigid) {
       words.push_back("fidelity=rigid");
     } else if (candidate.modes == 0 && !stiffened) {
@@ -248,6 +249,9 @@ class Chooser {
     else if (c.modes == 0)
       choice.reason += fmt::format(", its first mode has {} Hz: it follows its loads statically (loss {})",
                                    number(s.first_hz, 2), percent(c.loss));
+    else if (c.plain)
+      choice.reason += fmt::format(", modes above {} Hz are not needed, nor response modes (loss {})",
+                                   number(c.highest_hz, 2), percent(c.loss));
     else
       choice.reason +=
           fmt::format(", modes above {} Hz respond statically, kept as {} response modes (loss {})",

@@ -171,21 +171,11 @@ Candidate Screening::judge(const ModalBlock& block, int modes, const MatrixXd& r
   return out;
 }
 
-Candidate Screening::cheapest(const std::string& body, double share) {
-  const ModalBlock& block = block_of(body);
-  const MatrixXd responses = responses_of(body);
-  Candidate all;
-  all.modes = static_cast<int>(block.m);
-  all.all = true;
-  all.highest_hz = hz(stiffness_of(full_, block)(block.m - 1));
-  std::vector<int> ladder;
-  for (const int modes : kLadder)
-    // Without eigenmodes as many responses as deformations are less work, too: nothing of them vibrates.
-    if (modes > 0 ? modes + responses.cols() < block.m : responses.cols() > 0) ladder.push_back(modes);
-  if (ladder.empty()) return all;
-  const std::vector<VectorXd> whole = outputs_with(block, MatrixXd::Identity(block.m, block.m), VectorXd(0));
-  // By bisection: more modes lose less.
-  Candidate found = all;
+// The fewest of `ladder`, by bisection: more modes lose less.
+std::optional<Candidate> Screening::fewest(const ModalBlock& block, const std::vector<int>& ladder,
+                                           const MatrixXd& responses, const std::vector<VectorXd>& whole,
+                                           double share) {
+  std::optional<Candidate> found;
   std::size_t low = 0, high = ladder.size();
   while (low < high) {
     const std::size_t middle = (low + high) / 2;
@@ -198,6 +188,30 @@ Candidate Screening::cheapest(const std::string& body, double share) {
     }
   }
   return found;
+}
+
+Candidate Screening::cheapest(const std::string& body, double share) {
+  const ModalBlock& block = block_of(body);
+  const MatrixXd responses = responses_of(body);
+  Candidate best;
+  best.modes = static_cast<int>(block.m);
+  best.all = true;
+  best.highest_hz = hz(stiffness_of(full_, block)(block.m - 1));
+  std::vector<int> ladder, plain;
+  for (const int modes : kLadder)
+    // Without eigenmodes as many responses as deformations are less work, too: nothing of them vibrates.
+    if (modes > 0 ? modes + responses.cols() < block.m : responses.cols() > 0) ladder.push_back(modes);
+  const std::vector<VectorXd> whole = outputs_with(block, MatrixXd::Identity(block.m, block.m), VectorXd(0));
+  if (const auto found = fewest(block, ladder, responses, whole, share)) best = *found;
+  // Eigenmodes alone where fewer coordinates do as well; nothing beats response modes alone.
+  if (best.modes == 0) return best;
+  for (const int modes : kLadder)
+    if (modes > 0 && modes < best.modes + best.responses) plain.push_back(modes);
+  if (auto found = fewest(block, plain, MatrixXd(block.m, 0), whole, share)) {
+    found->plain = true;
+    best = *found;
+  }
+  return best;
 }
 
 double Screening::excitation(const ModalBlock& block) {

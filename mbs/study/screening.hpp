@@ -34,10 +34,11 @@ struct Screened {
   bool has_stiffening_terms = false;
 };
 
-/// n eigenmodes and the response modes; n = 0: response modes alone ("static").
+/// n eigenmodes and the response modes or not; n = 0: response modes alone ("static").
 struct Candidate {
   int modes = 0, responses = 0;
   bool all = false;         ///< every deformation, without response modes
+  bool plain = false;       ///< eigenmodes alone
   double loss = 0.0;        ///< relative rms of the worst output
   double highest_hz = 0.0;  ///< of the eigenmodes kept; 0 without any
 };
@@ -78,6 +79,9 @@ class Screening {
                                             const Eigen::VectorXd& extra_damping);
   Candidate judge(const ModalBlock& block, int modes, const Eigen::MatrixXd& responses,
                   const std::vector<Eigen::VectorXd>& whole);
+  std::optional<Candidate> fewest(const ModalBlock& block, const std::vector<int>& ladder,
+                                  const Eigen::MatrixXd& responses, const std::vector<Eigen::VectorXd>& whole,
+                                  double share);
   double excitation(const ModalBlock& block);
   void change_of_stiffness(const ModalBlock& block, Screened& out);
 
