@@ -174,6 +174,49 @@ void TiedModel::gather(const Eigen::Ref<const Eigen::MatrixXd>& F, Eigen::Matrix
   }
 }
 
+linalg::SymmetricMatrix TiedModel::shifted_stiffness(double shift) const {
+  linalg::SymmetricMatrix K = K_ii_->copy();
+  // The interior dofs that a node follows, and its motion for a unit of each.
+  struct Follows {
+    int n = 0;
+    std::array<int, 6> dof{};
+    Eigen::Matrix<double, 3, 6> C;
+  };
+  const auto follows = [&](int node) {
+    Follows out;
+    const auto add = [&](int code, const Eigen::Vector3d& motion) {
+      if (code < 0) return;
+      out.dof[out.n] = code;
+      out.C.col(out.n++) = motion;
+    };
+    if (const int tie = tie_of_[node]; tie >= 0) {
+      const Eigen::Matrix<double, 3, 6> motion =
+          motion_at(points_.row(node).transpose() - interfaces_[tie].point);
+      for (int d = 0; d < 6; ++d) add(interfaces_[tie].code[d], motion.col(d));
+    } else {
+      for (int d = 0; d < 3; ++d)
+        if (const int code = code_[3 * static_cast<std::size_t>(node) + d]; is_dof(code))
+          add(code, Eigen::Vector3d::Unit(d));
+    }
+    return out;
+  };
+  const linalg::UpperCsr m = m_->csr();
+  for (int p = 0; p < m.n; ++p) {
+    const Follows of_p = follows(p);
+    for (int k = m.row_begin[p]; of_p.n > 0 && k < m.row_begin[p + 1]; ++k) {
+      const int q = m.columns[k];
+      const Follows of_q = q == p ? of_p : follows(q);
+      for (int a = 0; a < of_p.n; ++a)
+        for (int b = p == q ? a : 0; b < of_q.n; ++b) {
+          double value = shift * m.values[k] * of_p.C.col(a).dot(of_q.C.col(b));
+          if (p != q && of_p.dof[a] == of_q.dof[b]) value *= 2.0;  // (p, q) and (q, p)
+          if (value != 0.0) K.add_to_entry(of_p.dof[a], of_q.dof[b], value);
+        }
+    }
+  }
+  return K;
+}
+
 // C_i^T (m (x) I_3) C_i X by panels of eight columns, one panel per core at a time.
 void TiedModel::multiply_M_ii(const Eigen::Ref<const Eigen::MatrixXd>& X, Eigen::MatrixXd& Y) const {
   constexpr Eigen::Index kWidth = linalg::RowPanel::ColsAtCompileTime;

@@ -67,6 +67,8 @@ class TiedModel {
               Eigen::MatrixXd& U) const;
   /// f_i = C_i^T F, f_b = C_b^T F.
   void gather(const Eigen::Ref<const Eigen::MatrixXd>& F, Eigen::MatrixXd& f_i, Eigen::MatrixXd& f_b) const;
+  /// K_ii + shift M_ii, on the pattern of K_ii.
+  linalg::SymmetricMatrix shifted_stiffness(double shift) const;
   /// Y = M_ii X.
   void multiply_M_ii(const Eigen::Ref<const Eigen::MatrixXd>& X, Eigen::MatrixXd& Y) const;
 

@@ -42,6 +42,7 @@ class TiedSolver {
   void remove_reactions(Eigen::MatrixXd& R) const;
 
   const TiedModel& model() const { return model_; }
+  const std::vector<int>& order() const { return factor_.order(); }
   const linalg::FactorFigures& figures() const { return factor_.figures(); }
 
  private:

@@ -124,6 +124,7 @@ void require_finite(const MatrixXd& X, const char* what) {
 struct Cut {
   double omega2_last = 0.0, omega2_next = 0.0;
   int n_modes = 0;
+  std::vector<int> order;  // of the factorisation
 };
 
 // Interface modes of elastic ties; the averaging model and its factor are gone on return.
@@ -148,15 +149,12 @@ InterfaceModes faces_of(const Part& whole, const TiedSolver& stiff, const Constr
   return modes;
 }
 
-// All but the certificate.  Model and factor are gone on return: the certificate's take their place in
-// memory.  `part` is `whole` with its elastic ties rigid.
-Cut reduce(const Part& whole, const Part& part, const ReductionOptions& options, Reduction& reduction) {
+// All but the certificate.  The factor is gone on return: the certificate's takes its place in memory.
+// `part`, of which `model` is, is `whole` with its elastic ties rigid.
+Cut reduce(const Part& whole, const Part& part, const TiedModel& model, const ReductionOptions& options,
+           Reduction& reduction) {
   ReductionReport& report = reduction.report;
   linalg::Stopwatch watch;
-  AssemblyOptions assembly;
-  assembly.progress = options.progress;
-  const TiedModel model(part, assembly);
-  report.seconds_assembly = watch.lap();
   const TiedSolver solver(model, options.progress);
   watch.lap();
   report.factor = solver.figures();
@@ -214,7 +212,8 @@ Cut reduce(const Part& whole, const Part& part, const ReductionOptions& options,
   const double omega2_left_out = pairs.omega2_next;
   Cut cut;
   if (fixed_modes && pairs.omega2.size() > 0)
-    cut = {pairs.omega2(pairs.omega2.size() - 1), pairs.omega2_next, static_cast<int>(pairs.omega2.size())};
+    cut = {pairs.omega2(pairs.omega2.size() - 1), pairs.omega2_next, static_cast<int>(pairs.omega2.size()),
+           solver.order()};
   if (options.set == ModeSet::craig_chang) {
     basis = craig_chang_basis(part, model, solver, constraint.Psi, constraint.K_bb, options, report);
     report.seconds_normal_modes = watch.lap();
@@ -348,11 +347,16 @@ Reduction craig_bampton(const Part& whole, const ReductionOptions& options) {
     stiff = with_rigid_faces(whole);
   }
   const Part& part = stiff ? *stiff : whole;
-  const Cut cut = reduce(whole, part, options, reduction);
+  linalg::Stopwatch watch;
+  AssemblyOptions assembly;
+  assembly.progress = options.progress;
+  const TiedModel model(part, assembly);
+  reduction.report.seconds_assembly = watch.lap();
+  const Cut cut = reduce(whole, part, model, options, reduction);
   if (options.certify && cut.n_modes > 0) {
     linalg::report(options.progress, "certificate", 0.0);
-    linalg::Stopwatch watch;
-    certify(part, cut.omega2_last, cut.omega2_next, cut.n_modes, reduction.report);
+    watch.lap();
+    certify(model, cut.order, cut.omega2_last, cut.omega2_next, cut.n_modes, reduction.report);
     reduction.report.seconds_certificate = watch.lap();
   }
   reduction.report.peak_memory_bytes = peak_memory();

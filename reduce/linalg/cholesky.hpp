@@ -5,6 +5,7 @@
 #include <memory>
 #include <span>
 #include <stdexcept>
+#include <vector>
 
 #include "reduce/linalg/factor_figures.hpp"
 #include "reduce/linalg/symmetric_matrix.hpp"
@@ -18,7 +19,7 @@ struct SingularMatrix : std::runtime_error {
   int dof;  ///< the row at which it was noticed
 };
 
-/// A sparse Cholesky factorisation P A P^T = L L^T (CHOLMOD, supernodal; nested dissection by METIS).
+/// A sparse Cholesky factorisation P A P^T = L L^T (supernodal_factor.hpp; nested dissection by METIS).
 class CholeskyFactor {
  public:
   /// `group_begin` cuts the rows into groups of consecutive rows with the same pattern (the directions of one
@@ -35,6 +36,8 @@ class CholeskyFactor {
   Eigen::MatrixXd solve(const Eigen::Ref<const Eigen::MatrixXd>& B) const;
 
   int size() const;
+  /// Row order()[k] is eliminated as number k.
+  const std::vector<int>& order() const;
   const FactorFigures& figures() const;
 
  private:

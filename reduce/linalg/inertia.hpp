@@ -2,28 +2,32 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <memory>
+#include <vector>
 
+#include "reduce/linalg/supernodal_factor.hpp"
 #include "reduce/linalg/symmetric_matrix.hpp"
 
 namespace flexura::linalg {
 
-/// A factorisation A = L D L^T of an indefinite symmetric matrix (MUMPS through PETSc), for its inertia: by
-/// Sylvester's law K - sigma M has as many negative pivots as there are eigenvalues below sigma.
+/// A factorisation A = L S L^T of an indefinite symmetric matrix, for its inertia: by Sylvester's law K -
+/// sigma M has as many negative pivots as there are eigenvalues below sigma.
+///
+/// There is no pivoting (shifts lie low in the spectrum, so few pivots are negative, and none is small unless
+/// sigma is all but an eigenvalue of a piece of the structure held at its separators).  In place of it each
+/// factor is put to the test: what round-off has added to the matrix must be small where the matrix itself
+/// is, on the vectors nearest to its null space.  These dominate x = A^-1 b for a random b, so the residual
+/// of such solves says whether an eigenvalue may have crossed zero.
 class IndefiniteFactor {
  public:
-  /// The matrix must outlive the factor.  std::runtime_error where MUMPS fails or a pivot is zero.
-  explicit IndefiniteFactor(const SymmetricMatrix& A);
-  ~IndefiniteFactor();
-  IndefiniteFactor(const IndefiniteFactor&) = delete;
-  IndefiniteFactor& operator=(const IndefiniteFactor&) = delete;
+  /// `order`: row order[k] is eliminated as number k; nested dissection where it is empty.
+  /// std::runtime_error where a pivot is zero or the test fails: the limit must be moved a little.
+  explicit IndefiniteFactor(const SymmetricMatrix& A, std::vector<int> order = {});
 
-  int n_negative() const;
-  Eigen::MatrixXd solve(const Eigen::MatrixXd& B) const;
+  int n_negative() const { return factor_.n_negative(); }
+  Eigen::MatrixXd solve(const Eigen::Ref<const Eigen::MatrixXd>& B) const;
 
  private:
-  struct Impl;
-  std::unique_ptr<Impl> impl_;
+  SupernodalFactor factor_;
 };
 
 }  // namespace flexura::linalg

@@ -1,14 +1,21 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-#include "reduce/linalg/supernodal_solve.hpp"
-
 #include <algorithm>
 #include <memory>
 
 #include "reduce/linalg/panel_products.hpp"
 #include "reduce/linalg/parallel.hpp"
+#include "reduce/linalg/supernodal_factor.hpp"
 
 namespace flexura::linalg {
 namespace {
+
+// The factor's arrays.
+struct Arrays {
+  int n, n_supernodes;
+  const int *first_column, *first_row, *rows, *order;
+  const std::int64_t* first_value;
+  const double *values, *signs;
+};
 
 // The dense matrix of one supernode.
 struct Supernode {
@@ -18,7 +25,7 @@ struct Supernode {
   const int* rows_below;  // height - width of them
 };
 
-FLEXURA_INLINE Supernode supernode(const SupernodalFactor& L, int s) {
+FLEXURA_INLINE Supernode supernode(const Arrays& L, int s) {
   const int width = L.first_column[s + 1] - L.first_column[s];
   return {L.values + L.first_value[s], L.first_row[s + 1] - L.first_row[s], width,
           L.rows + L.first_row[s] + width};
@@ -49,9 +56,9 @@ FLEXURA_INLINE void backward_columns(const Supernode& s, int k, typename Lanes<W
   }
 }
 
-// X = (L L^T)^-1 X for a panel in the factor's order; `scratch` has room for the rows of any supernode.
+// X = (L S L^T)^-1 X for a panel in the factor's order; `scratch` has room for the rows of any supernode.
 template <int W>
-FLEXURA_INLINE void solve_panel(const SupernodalFactor& L, double* panel, double* scratch) {
+FLEXURA_INLINE void solve_panel(const Arrays& L, double* panel, double* scratch) {
   using Row = typename Lanes<W>::Row;
   Row* X = reinterpret_cast<Row*>(panel);
   Row* below = reinterpret_cast<Row*>(scratch);
@@ -72,6 +79,7 @@ FLEXURA_INLINE void solve_panel(const SupernodalFactor& L, double* panel, double
     const std::ptrdiff_t n_below = s.height - s.width;
     Row* x = X + L.first_column[i];
     for (std::ptrdiff_t r = 0; r < n_below; ++r) below[r] = X[s.rows_below[r]];
+    for (int c = 0; c < s.width; ++c) x[c] *= L.signs[L.first_column[i] + c];
     int k = s.width;
     for (; k >= kPanelColumns; k -= kPanelColumns)
       backward_columns<W, kPanelColumns>(s, k - kPanelColumns, x, below);
@@ -81,7 +89,7 @@ FLEXURA_INLINE void solve_panel(const SupernodalFactor& L, double* panel, double
 }
 
 template <int W>
-void solve_columns(const SupernodalFactor& L, const Eigen::Ref<const Eigen::MatrixXd>& B, Eigen::Index first,
+void solve_columns(const Arrays& L, const Eigen::Ref<const Eigen::MatrixXd>& B, Eigen::Index first,
                    Eigen::Index count, Eigen::MatrixXd& X) {
   std::ptrdiff_t longest = 0;
   for (int s = 0; s < L.n_supernodes; ++s)
@@ -90,17 +98,19 @@ void solve_columns(const SupernodalFactor& L, const Eigen::Ref<const Eigen::Matr
       scratch(new double[static_cast<std::size_t>(longest) * W]);
   double* at = panel.get();
   for (int k = 0; k < L.n; ++k)
-    for (int c = 0; c < W; ++c) *at++ = c < count ? B(L.permutation[k], first + c) : 0.0;
+    for (int c = 0; c < W; ++c) *at++ = c < count ? B(L.order[k], first + c) : 0.0;
   on_this_machine([&]() __attribute__((always_inline)) { solve_panel<W>(L, panel.get(), scratch.get()); });
   for (int k = 0; k < L.n; ++k)
     for (Eigen::Index c = 0; c < count; ++c)
-      X(L.permutation[k], first + c) = panel[static_cast<std::size_t>(k) * W + static_cast<std::size_t>(c)];
+      X(L.order[k], first + c) = panel[static_cast<std::size_t>(k) * W + static_cast<std::size_t>(c)];
 }
 
 }  // namespace
 
-void supernodal_solve(const SupernodalFactor& L, const Eigen::Ref<const Eigen::MatrixXd>& B,
-                      Eigen::MatrixXd& X) {
+void SupernodalFactor::solve(const Eigen::Ref<const Eigen::MatrixXd>& B, Eigen::MatrixXd& X) const {
+  const Arrays L{n_,           n_supernodes(), first_column_.data(), first_row_.data(),
+                 rows_.data(), order_.data(),  first_value_.data(),  values_.get(),
+                 signs_.data()};
   X.resize(B.rows(), B.cols());
   const Eigen::Index n_cols = B.cols();
   const int width = n_cols > 8 ? 8 : n_cols > 1 ? 4 : 1;

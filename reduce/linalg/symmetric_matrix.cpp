@@ -121,6 +121,23 @@ void SymmetricMatrix::add_to_diagonal(int dof, double value) {
   impl_->values[impl_->row_begin[dof]] += value;
 }
 
+void SymmetricMatrix::add_to_entry(int i, int j, double value) {
+  const auto begin = impl_->columns.begin();
+  const int row = std::min(i, j), column = std::max(i, j);
+  const auto end = begin + impl_->row_begin[row + 1];
+  const auto place = std::lower_bound(begin + impl_->row_begin[row], end, column);
+  if (place == end || *place != column)
+    throw std::runtime_error("adding to a matrix: the entry is outside its pattern");
+  impl_->values[static_cast<std::size_t>(place - begin)] += value;
+}
+
+SymmetricMatrix SymmetricMatrix::copy() const {
+  SymmetricMatrix A(impl_->row_begin, impl_->columns);
+  A.impl_->values = impl_->values;  // of the same size: PETSc's view of the array stays valid
+  A.finish();
+  return A;
+}
+
 void SymmetricMatrix::finish() {
   petsc_check(MatAssemblyBegin(impl_->mat, MAT_FINAL_ASSEMBLY), "assembling a matrix");
   petsc_check(MatAssemblyEnd(impl_->mat, MAT_FINAL_ASSEMBLY), "assembling a matrix");

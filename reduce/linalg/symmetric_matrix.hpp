@@ -34,9 +34,12 @@ class SymmetricMatrix {
   void add(std::span<const int> dofs, const Eigen::MatrixXd& block);
   /// Adds to one diagonal entry.
   void add_to_diagonal(int dof, double value);
+  /// Adds to entry (i, j) = (j, i).  Throws std::runtime_error for an entry outside the pattern.
+  void add_to_entry(int i, int j, double value);
   /// Ends the assembly; needed once before anything is read.
   void finish();
 
+  SymmetricMatrix copy() const;
   int size() const;
   UpperCsr csr() const;
   double diagonal(int dof) const;

@@ -153,8 +153,8 @@ TEST_P(ReducedBanana, NoModeIsMissed) {
   const Part p = part();
   const Reduction se = reduce_with(p, 24);
   for (int k : {0, 1, 7, se.n_q - 1}) {
-    EXPECT_EQ(count_modes_below(p, se.omega2(k) * (1.0 + 1e-6)), k + 1) << "above mode " << k;
-    EXPECT_EQ(count_modes_below(p, se.omega2(k) * (1.0 - 1e-6)), k) << "below mode " << k;
+    EXPECT_EQ(count_modes_below(TiedModel(p), se.omega2(k) * (1.0 + 1e-6)), k + 1) << "above mode " << k;
+    EXPECT_EQ(count_modes_below(TiedModel(p), se.omega2(k) * (1.0 - 1e-6)), k) << "below mode " << k;
   }
 }
 
