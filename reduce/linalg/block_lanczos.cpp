@@ -232,7 +232,7 @@ EigenPairs block_lanczos(const EigenProblem& problem, const EigenRequest& reques
   Index last = basis.size();  // width of the newest block, which S has not been applied to
   double accurate = std::max(1e-2 * request.tolerance, 1e-14);
   int rounds_without_gain = 0;
-  Index next_look = target + b;
+  Index next_look = target + b, looked_at = 0, known_then = 0;
   for (int step = 0;; ++step) {
     // S on the newest block.
     problem.solve(basis.multiply_newest_by_M(last), W);
@@ -248,7 +248,6 @@ EigenPairs block_lanczos(const EigenProblem& problem, const EigenRequest& reques
 
     const bool exhausted = last == 0;
     if (!exhausted && old < next_look && step > 0 && basis.size() + b <= capacity) continue;
-    next_look = old + std::max<Index>(b, old / 16);  // a look at a large H costs as much as several blocks
     const Ritz ritz = ritz_pairs(H, R, applied, problem.shift);
     Index count = wanted(ritz, request, accurate);
     if (exhausted && count < 0) {
@@ -258,6 +257,19 @@ EigenPairs block_lanczos(const EigenProblem& problem, const EigenRequest& reques
     }
     Index known = 0;  // leading pairs that are accurate already
     while (known < ritz.estimate.size() && ritz.estimate(known) < accurate) ++known;
+    {
+      // A look at H costs some 100 size^3, a block 8 n size b in orthogonalisation alone: looks are to be a
+      // quarter of that.  The pairs known so far tell when the rest will be.
+      const double size = static_cast<double>(old), gained = static_cast<double>(known - known_then);
+      const double least = std::clamp(48.0 * size * size / problem.n, static_cast<double>(b),
+                                      std::max(size / 8.0, static_cast<double>(b)));
+      const double needed = gained > 0.0 ? static_cast<double>(target - known) *
+                                               (size - static_cast<double>(looked_at)) / gained
+                                         : 0.0;
+      next_look = old + static_cast<Index>(std::clamp(needed, least, std::max(least, size / 4.0)));
+      looked_at = old;
+      known_then = known;
+    }
     report(progress, kStage, std::min(0.99, static_cast<double>(known) / static_cast<double>(target)));
     if (count >= 0) {
       MatrixXd Y = ritz.Y.leftCols(count);
@@ -296,6 +308,7 @@ EigenPairs block_lanczos(const EigenProblem& problem, const EigenRequest& reques
         basis.reserve(capacity = std::min<Index>(problem.n_free, 2 * capacity) + 2 * b);
       const MatrixXd Y = ritz.Y.leftCols(keep);
       basis.restart(Y, last);
+      looked_at = known_then = 0;
       H = MatrixXd::Zero(keep, keep);
       for (Index k = 0; k < keep; ++k) H(k, k) = 1.0 / (ritz.omega2(k) + problem.shift);
     }

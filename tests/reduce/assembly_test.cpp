@@ -54,6 +54,24 @@ TEST(Ties, RigidMotionOfInterfacesIsRigidMotionOfTheBody) {
     }
 }
 
+// K_ii + shift M_ii by adding products of the nodal mass matrix is what assembling by elements gives, also
+// where an interface node keeps directions to itself; and the mass in it is that of the products M_ii X.
+TEST(Ties, ShiftedStiffnessIsTheAssembledOne) {
+  Part part = small_beam(Tie::rigid, Tie::rigid);
+  part.interfaces[1].directions = {0, 2, 5};
+  part.masses.push_back({part.mesh.solids[0].nodes(0, 0), 0.7});
+  AssemblyOptions options;
+  options.shift = -3.1e7;
+  const Eigen::MatrixXd assembled = dense(TiedModel(part, options).K_ii());
+  const TiedModel model(part);
+  const Eigen::MatrixXd shifted = dense(model.shifted_stiffness(options.shift));
+  Eigen::MatrixXd M;
+  model.multiply_M_ii(Eigen::MatrixXd::Identity(model.n_i(), model.n_i()), M);
+  // Sums of some tens of terms.
+  EXPECT_LT((shifted - assembled).norm(), 1e-14 * assembled.norm());
+  EXPECT_LT((shifted - dense(model.K_ii()) - options.shift * M).norm(), 1e-14 * assembled.norm());
+}
+
 TEST(Ties, AverageOfARigidMotionIsTheMotionOnCurvedFaces) {
   Part part = small_beam();
   deform(part.mesh, [](const Eigen::Vector3d& x) -> Eigen::Vector3d {

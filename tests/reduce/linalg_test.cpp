@@ -9,6 +9,7 @@
 #include "reduce/linalg/block_lanczos.hpp"
 #include "reduce/linalg/cholesky.hpp"
 #include "reduce/linalg/dense.hpp"
+#include "reduce/linalg/inertia.hpp"
 #include "reduce/linalg/krylov_schur.hpp"
 #include "tests/reduce/parts.hpp"
 
@@ -109,6 +110,50 @@ TEST(Cholesky, SingularMatricesNameTheRow) {
   } catch (const SingularMatrix& singular) {
     EXPECT_EQ(singular.dof, 3);
   }
+}
+
+// A - sigma 1 of the grid, all in the diagonal.
+SymmetricMatrix shifted_grid(int n, double sigma) {
+  SymmetricMatrix A = grid_laplacian(n);
+  for (int i = 0; i < n * n; ++i) A.add_to_entry(i, i, -sigma);
+  return A;
+}
+
+// By Sylvester's law there are as many negative pivots as eigenvalues below sigma; 14,400 unknowns make
+// subtrees for several cores and fronts above them.
+TEST(Inertia, IsTheNumberOfTheGridsEigenvaluesBelowTheShift) {
+  const int n = 120;
+  const std::vector<double> exact = grid_eigenvalues(n);
+  for (const double sigma : {-1.0, 0.5 * (exact[2] + exact[3]), 0.02, 0.1, 0.5}) {
+    const SymmetricMatrix A = shifted_grid(n, sigma);
+    const IndefiniteFactor factor(A);
+    const auto below = std::lower_bound(exact.begin(), exact.end(), sigma) - exact.begin();
+    EXPECT_EQ(factor.n_negative(), below) << "sigma " << sigma;
+    // The eigenvalue nearest to sigma is 1e-5 away or more: condition number 1e6, times 1e-16, times growth.
+    const Eigen::MatrixXd B = random_matrix(n * n, 11);
+    Eigen::MatrixXd AX;
+    A.multiply(factor.solve(B), AX);
+    EXPECT_LT((AX - B).norm(), 1e-8 * B.norm()) << "sigma " << sigma;
+  }
+}
+
+TEST(Inertia, ALimitOnAnEigenvalueIsRefused) {
+  const std::vector<double> exact = grid_eigenvalues(30);
+  EXPECT_THROW(IndefiniteFactor(shifted_grid(30, exact[5])), std::runtime_error);
+}
+
+TEST(Dense, TallProductsOfAnyShapeAreThoseOfTheirEntries) {
+  for (const int rows : {5, 700, 9001})
+    for (const int cols : {1, 6, 17})
+      for (const int few : {1, 8, 13, 40}) {
+        const Eigen::MatrixXd A = random_matrix(rows, cols), B = random_matrix(rows, few, 2),
+                              S = random_matrix(cols, few, 3);
+        // Entries up to 1: sums of `rows` products are right to that many ulps.
+        EXPECT_LT((transpose_times(A, B) - A.transpose() * B).cwiseAbs().maxCoeff(), 2e-16 * rows);
+        Eigen::MatrixXd C = B;
+        add_product(-0.5, A, S, C);
+        EXPECT_LT((C - (B - 0.5 * A * S)).cwiseAbs().maxCoeff(), 2e-16 * (cols + 2));
+      }
 }
 
 class Eigensolvers : public ::testing::TestWithParam<bool> {
