@@ -20,8 +20,8 @@ namespace {
 using Eigen::VectorXd;
 using terminal::number;
 
-// The tolerance leaves the integrator far less than the rest (see tolerance_), and the run is watched.
-constexpr double kShareOfModes = 0.8;
+// At 0.8 three of the trade's 18 cases missed their accuracy, at 0.5 none.
+constexpr double kShareOfModes = 0.5;
 // A run goes on from where its error had used up this part of the budget (of the squares' integral).
 constexpr double kLastGood = 0.25;
 constexpr int kMostRestarts = 6;

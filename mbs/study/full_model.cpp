@@ -6,6 +6,7 @@
 #include <Eigen/QR>
 #include <algorithm>
 
+#include "mbs/superelement/contents.hpp"
 #include "mbs/superelement/file.hpp"
 
 namespace flexura::study {
@@ -52,6 +53,10 @@ MatrixXd deformations_of(const std::string& superelement, const MatrixXd& Y_full
 }
 
 }  // namespace
+
+bool has_stiffening_terms(const mbs::BodyDescription& body) {
+  return superelement::contents(body.superelement).bytes.stiffening > 0.0;
+}
 
 FullModel::FullModel(std::unique_ptr<mbs::Mechanism> mechanism) : mechanism_(std::move(mechanism)) {
   const auto& bodies = mechanism_->description().bodies;

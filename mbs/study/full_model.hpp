@@ -24,6 +24,9 @@ struct ModalBlock {
   Eigen::Index p = 0, v = 0, m = 0;  ///< first entry in p, in v; number
 };
 
+/// The superelement's file holds geometric stiffening terms.
+bool has_stiffening_terms(const mbs::BodyDescription& body);
+
 class FullModel {
  public:
   /// `overrides` are those the run was prepared with, `stiffened` the bodies that are taken with geometric

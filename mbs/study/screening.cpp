@@ -10,7 +10,6 @@
 #include <numbers>
 
 #include "mbs/study/spectrum.hpp"
-#include "mbs/superelement/file.hpp"
 
 namespace flexura::study {
 namespace {
@@ -20,9 +19,10 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr std::array kLadder = {0, 1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128};
-// A candidate is judged on about so many rows, spin and stiffness on fewer.
+// A candidate is judged on about so many rows (on every second one a static arm seemed three times as wrong),
+// spin and stiffness on fewer.
 constexpr double kMostMemory = 256e6;  // [B] of linearised rows
-constexpr std::size_t kRowsForCandidates = 200, kRowsForSpin = 100, kRowsForStiffness = 8;
+constexpr std::size_t kRowsForCandidates = 800, kRowsForSpin = 100, kRowsForStiffness = 8;
 
 double hz(double omega2) {
   return std::sqrt(std::max(omega2, 0.0)) / (2.0 * std::numbers::pi);
@@ -225,9 +225,7 @@ double Screening::excitation(const ModalBlock& block) {
 
 void Screening::change_of_stiffness(const ModalBlock& block, Screened& out) {
   const auto& body = full_.mechanism().description().bodies[static_cast<std::size_t>(block.body)];
-  out.has_stiffening_terms =
-      superelement::read(body.superelement, {.matrices = false, .inertia = false, .stiffening = true})
-          .stiffening.has_value();
+  out.has_stiffening_terms = has_stiffening_terms(body);
   if (!out.has_stiffening_terms) return;
   const auto stiffened = FullModel::make(run_, file_, overrides_, {block.name});
   const VectorXd scale = stiffness_of(full_, block).cwiseSqrt().cwiseInverse();

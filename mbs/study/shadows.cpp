@@ -149,8 +149,7 @@ std::unique_ptr<Shadows> Shadows::make(const mbs::PreparedMechanism& run, const 
                                        const std::vector<std::string>& overrides) {
   std::vector<std::string> stiffened;
   for (const mbs::BodyDescription& body : run.mechanism->description().bodies)
-    if (!body.superelement.empty() && body.flexible && body.flexible->data().second)
-      stiffened.push_back(body.name);
+    if (!body.superelement.empty() && has_stiffening_terms(body)) stiffened.push_back(body.name);
   std::unique_ptr<FullModel> full = FullModel::make(run, file, overrides, stiffened);
   if (!full) return nullptr;
   auto shadows = make(run, *full);

@@ -17,8 +17,8 @@
 /// (full_model.hpp).  The state of the run, put into it with the dropped deformations at rest, leaves a
 /// residual r in its momentum balance: the load that they would have felt (inertia of the large motion,
 /// reactions at the interfaces, gravity), of a one-way body also the load that its joints would have felt,
-/// and without geometric stiffening the loads of that.  The correction delta of all coordinates obeys, to
-/// first order,
+/// and of a body without geometric stiffening whose superelement has its terms the loads of that.  The
+/// correction delta of all coordinates obeys, to first order,
 ///
 ///     M delta'' + D delta' + K delta + G^T dlambda = -r(t),      G delta = 0
 ///
@@ -73,7 +73,8 @@ void find_what_counts(std::vector<OutputEstimate>& outputs, bool asked);
 
 class Shadows {
  public:
-  /// Null where the run has every deformation of its superelements, damped and coupled as the full model.
+  /// Null where the run has every deformation of its superelements, damped, coupled and stiffened as the full
+  /// model, which takes all geometric stiffening that the superelements know.
   static std::unique_ptr<Shadows> make(const mbs::PreparedMechanism& run, const std::filesystem::path& file,
                                        const std::vector<std::string>& overrides);
   /// The same with a full model that outlives it.
