@@ -250,6 +250,8 @@ class Mechanism final : public Equations {
   void one_way_loads(int body, const Spatial& V, const Spatial& A, Work& work) const;
   void load_one_way(int marker, const Spatial& wrench_W, double factor, Work& work) const;
   void one_way_rates(const Work& work, double* c_rate) const;
+  void one_way_tangents(Work& work, Eigen::MatrixXd& z_c) const;
+  void difference_one_way(const State& s, ConstVectorRef v_dot, Work& work, TangentMatrices& out) const;
   void deform_one_way_markers(Work& work) const;
   void backward(Work& work, double* r) const;
   void add_constraint_loads(const double* lambda, double factor, Work& work, Which which = Which::all) const;

@@ -61,11 +61,11 @@ class Scaled {
   MatrixXd to_loads(const MatrixXd& P) const { return scale_.asDiagonal() * P; }
   const MatrixXd& free() const { return free_; }
 
-  /// Eigenmodes among the vectors orthogonal to `held` (scaled as loads), without rigid motions.
-  Modes eigenmodes(const MatrixXd& held) const {
-    if (held.cols() == 0) return eigenmodes_in(free_);
+  /// The held directions (scaled as loads) and mean axes for the rigid motions that they leave: what of a
+  /// deformation vanishes.
+  MatrixXd conditions_of(const MatrixXd& held) const {
     const MatrixXd H = to_loads(held);
-    // Rigid motions that the held directions leave: the null space of H^T R.
+    // The null space of H^T R.
     Eigen::FullPivLU<MatrixXd> lu(H.transpose() * R);
     lu.setThreshold(1e-9);
     MatrixXd conditions = H;
@@ -73,6 +73,13 @@ class Scaled {
       conditions.conservativeResize(Eigen::NoChange, H.cols() + left);
       conditions.rightCols(left) = MR_ * lu.kernel();
     }
+    return conditions;
+  }
+
+  /// Eigenmodes among the vectors orthogonal to `held`, without rigid motions.
+  Modes eigenmodes(const MatrixXd& held) const {
+    if (held.cols() == 0) return eigenmodes_in(free_);
+    MatrixXd conditions = conditions_of(held);
     for (Index k = 0; k < conditions.cols(); ++k)
       if (const double length = conditions.col(k).norm(); length > 0.0) conditions.col(k) /= length;
     Eigen::ColPivHouseholderQR<MatrixXd> qr(conditions);
@@ -98,6 +105,16 @@ class Scaled {
 
   /// Takes a rigid motion from each column: none of its momentum is left.
   void to_mean_axes(MatrixXd& S) const { S -= R * (R.transpose() * MR_).ldlt().solve(MR_.transpose() * S); }
+
+  /// Takes a rigid motion from each column: the held directions do not move.
+  void to_held_frame(const MatrixXd& held, MatrixXd& S) const {
+    const MatrixXd H = conditions_of(held);
+    if (H.cols() != 6)
+      throw std::invalid_argument(fmt::format(
+          "superelement \"{}\": {} directions cannot hold a frame; at most six that are independent can",
+          se_.name, held.cols()));
+    S -= R * Matrix6d(H.transpose() * R).fullPivLu().solve(H.transpose() * S);
+  }
 
   /// Takes a rigid motion from each column: the interface is at rest.
   void to_fixed_interface(int interface, MatrixXd& S) const {
@@ -267,6 +284,9 @@ ModalData modal_data(const superelement::Superelement& se, const BasisOptions& o
     modes = scaled.orthonormalised(std::move(S));
     if (options.fixed_interface >= 0) {
       scaled.to_fixed_interface(options.fixed_interface, modes.Y);
+      modes = scaled.orthonormalised(std::move(modes.Y));
+    } else if (options.frame_is_held) {
+      scaled.to_held_frame(options.held, modes.Y);
       modes = scaled.orthonormalised(std::move(modes.Y));
     }
   }

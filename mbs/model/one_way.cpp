@@ -1,4 +1,7 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+
+#include "mbs/math/differences.hpp"
 #include "mbs/model/work.hpp"
 
 /// One-way deformation (kineto-elastodynamics): the mechanism moves with the body rigid, and the deformation
@@ -40,6 +43,62 @@ void Mechanism::one_way_rates(const Work& work, double* c_rate) const {
       c_rate[i + k] = work.kin.c[i + m + k];
       c_rate[i + m + k] = -work.bodies[b].one_way(k);
     }
+  }
+}
+
+// By the deformation itself: what Newton's method needs, after body_forces().  (s, s') follows the rigid
+// motion and never answers, so that the rest only makes the deformation converge one iteration later.
+void Mechanism::one_way_tangents(Work& work, Eigen::MatrixXd& z_c) const {
+  for (int b : order_) {
+    if (!d_.bodies[b].ked) continue;
+    const FlexibleBody& ked = *d_.bodies[b].ked;
+    const int m = ked.m(), i = bodies_[b].i_c;
+    Work::Body& body = work.bodies[b];
+    DeformationTangents& d = work.tangent.deformations[b];
+    const Matrix3d& R = body.X_WB.R;
+    const double* s = work.kin.c + i;
+    ked.deformation_tangents(s, s + m, body.no_acceleration.data(), R.transpose() * body.V,
+                             R.transpose() * Spatial{body.A.angular, body.A.linear - d_.gravity},
+                             body.flexible, d);
+    z_c.block(n_v_ + i, i + m, m, m).setIdentity();
+    z_c.block(n_v_ + i + m, i, m, m) = -d.modal_s;
+    z_c.block(n_v_ + i + m, i + m, m, m) = -d.modal_v;
+  }
+}
+
+// By the motion: central differences along its own coordinates, of which rigid bodies have few.
+void Mechanism::difference_one_way(const State& s, ConstVectorRef v_dot, Work& work,
+                                   TangentMatrices& out) const {
+  const int first = first_force_state_.back(), n = n_dyn_ - first;
+  if (n == 0) return;
+  Work::Tangent& T = work.tangent;
+  State& moved = T.moved;
+  moved = s;
+  const auto evaluate = [&](Eigen::VectorXd& z) {
+    momentum(moved, v_dot, work, z.head(n_v_), z.segment(n_v_, n_dyn_), z.tail(z.size() - n_v_ - n_dyn_));
+  };
+  const auto set = [&](double step, auto&& column) {
+    column.segment(n_v_ + first, n) = (T.z_plus - T.z).segment(n_v_ + first, n) / (2.0 * step);
+  };
+  for (int j = 0; j < n_v_; ++j) {
+    T.step(j) = kCentralStep;
+    retract(s.p, T.step, moved.p);
+    evaluate(T.z_plus);
+    T.step(j) = -kCentralStep;
+    retract(s.p, T.step, moved.p);
+    evaluate(T.z);
+    T.step(j) = 0.0;
+    moved.p = s.p;
+    set(kCentralStep, T.z_q.col(j));
+  }
+  for (int j = 0; j < n_v_; ++j) {
+    const double v_j = s.v(j), step = kCentralStep * std::max(1.0, std::abs(v_j));
+    moved.v(j) = v_j + step;
+    evaluate(T.z_plus);
+    moved.v(j) = v_j - step;
+    evaluate(T.z);
+    moved.v(j) = v_j;
+    set(step, out.z_v.col(j));
   }
 }
 

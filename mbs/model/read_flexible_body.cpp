@@ -71,6 +71,39 @@ MatrixXd held_directions(const superelement::Superelement& se, const MechanismDe
   return held;
 }
 
+/// Where the joints hold a body: at most six of the directions that they lock, independent for a rigid body,
+/// displacements before rotations, in the order of the file.
+MatrixXd held_by_joints(const superelement::Superelement& se, const MechanismDescription& d, int body) {
+  const MatrixXd R = superelement::rigid_motions(se);
+  // As a rigid body of about its own size sees them: lengths count like radians.
+  double size = 0.0;
+  for (const superelement::Interface& a : se.interfaces)
+    for (const superelement::Interface& b : se.interfaces)
+      size = std::max(size, (a.p_BoN_B - b.p_BoN_B).norm());
+  if (!(size > 0.0)) size = 1.0;
+  MatrixXd held(se.n(), 0);
+  std::vector<Vector6d> basis;
+  for (const bool displacements : {true, false})
+    for (const JointDescription& joint : d.joints) {
+      const int marker = marker_on(d, joint, body);
+      if (marker < 0 || interface_of(d.markers[marker]) < 0) continue;
+      const MatrixXd all = marker_loads(se, d.markers[marker]);
+      for (const int k : locked_directions(*joint.joint)) {
+        if ((k >= 3) != displacements) continue;
+        Vector6d row = R.transpose() * all.col(k);
+        row.tail<3>() /= size;  // columns of R: translations, then rotations
+        row.normalize();
+        for (int pass = 0; pass < 2; ++pass)
+          for (const Vector6d& q : basis) row -= q.dot(row) * q;
+        if (row.norm() < 1e-3) continue;  // a frame must not hang on nearly parallel directions
+        basis.push_back(row.normalized());
+        held.conservativeResize(Eigen::NoChange, held.cols() + 1);
+        held.rightCols<1>() = all.col(k);
+      }
+    }
+  return held;
+}
+
 /// Loads that what acts on the interface can put on it: all six, less the torques of a joint that turns
 /// freely there, where nothing else acts.
 MatrixXd loads_on(const superelement::Superelement& se, const MechanismDescription& d, int body,
@@ -165,14 +198,15 @@ std::vector<input::Key> flexible_body_keys() {
           .or_default("0")
           .at_least(0.0),
       choice(
-          "frame", {"mean_axis", "joint_fixed"},
-          "the body's frame: without momentum of the deformation, or fixed to the interface of the first "
-          "joint "
-          "that leads to the body; without it mean_axis, for a one-way body on a single joint joint_fixed"),
+          "frame", {"mean_axis", "joint_fixed", "joints"},
+          "the body's frame: without momentum of the deformation; fixed to the interface of the first joint "
+          "that leads to the body; or where its joints hold it (six of the directions that they lock, "
+          "displacements first: the line between two pins). Without it mean_axis, for a one-way body "
+          "joint_fixed on a single joint and joints on several"),
       choice(
           "boundary", {"free", "joint"},
           "eigenmodes of the free body, or held as that joint holds it; without it joint for a joint_fixed "
-          "frame"),
+          "frame (modes of a frame held by the joints are held there)"),
       quantity("damping", dim::none, "damping ratio of all modes; without any law the superelement's")
           .at_least(0.0),
       quantities("damping_by_mode", dim::none, "ratios of mode 1, 2, ...; the last one also of all above"),
@@ -265,7 +299,24 @@ std::shared_ptr<const FlexibleBody> prepare_flexible_body(const Section& s,
   const auto joints = std::ranges::count_if(
       d.joints, [&](const JointDescription& joint) { return marker_on(d, joint, body) >= 0; });
   const bool held_by_one = fidelity == "ked" && joints == 1 && frame_joint(d, body) != nullptr;
-  const bool joint_fixed = s.has("frame") ? s.text("frame") == "joint_fixed" : held_by_one;
+  const std::string frame = s.has("frame")                    ? s.text("frame")
+                            : held_by_one                     ? "joint_fixed"
+                            : fidelity == "ked" && joints > 1 ? "joints"
+                                                              : "mean_axis";
+  const bool joint_fixed = frame == "joint_fixed";
+  if (frame == "joints") {
+    if (s.has("boundary"))
+      s.refuse("boundary", "a frame held by the joints holds the eigenmodes too", "take this key away");
+    options.held = held_by_joints(se, d, body);
+    options.frame_is_held = options.held.cols() > 0;
+    if (!options.frame_is_held && s.has("frame"))
+      s.refuse("frame", "no joint of this body sits on an interface and locks a direction",
+               "let joints' markers stand on interfaces (on = \"INTERFACE\"), or take this key away");
+    if (options.frame_is_held)
+      notes.push_back(
+          fmt::format("body \"{}\": its joints hold the frame and the eigenmodes in {} directions", name,
+                      options.held.cols()));
+  }
   const std::string boundary = s.has("boundary") ? s.text("boundary") : joint_fixed ? "joint" : "free";
   if (joint_fixed || boundary == "joint") {
     const JointDescription* joint = frame_joint(d, body);

@@ -12,9 +12,6 @@ using Eigen::MatrixXd;
 
 bool Mechanism::tangents(const State& s, ConstVectorRef v_dot, TangentScope scope, Scratch& scratch,
                          TangentMatrices& out) const {
-  const bool one_way =
-      std::ranges::any_of(d_.bodies, [](const BodyDescription& b) { return b.ked != nullptr; });
-  if (one_way) return false;
   const bool with_modes = n_flx_ > 0 && scope == TangentScope::everything;
   Work& work = work_of(scratch);
   Work::Tangent& T = work.tangent;
@@ -34,10 +31,12 @@ bool Mechanism::tangents(const State& s, ConstVectorRef v_dot, TangentScope scop
   for (MatrixXd* m : {&out.z_v, &out.z_c, &out.z_a}) m->setZero();
   if (with_modes) mode_tangents(work, T.z_q, out.z_v);
   inertia_tangents(with_modes, work, T.z_q, out.z_v);
+  one_way_tangents(work, out.z_c);
   ElementDerivatives elements(*this, scope, work, out);
   elements.all_signals();
   elements.all_elements();
   difference_elements(s, scope, work, out);
+  difference_one_way(s, v_dot, work, out);
   take_to_coordinates(s.p.data(), T.z_q, out.z_p);
   take_to_coordinates(s.p.data(), T.h_q, out.h_p);
   return true;
@@ -52,6 +51,7 @@ void Mechanism::size_tangents(Work& work) const {
   T.markers.resize(d_.markers.size());
   int widest = 0;
   for (int b : order_) {
+    if (d_.bodies[b].ked) T.deformations[b] = d_.bodies[b].ked->make_deformation_tangents();
     if (bodies_[b].m == 0) continue;
     widest = std::max(widest, bodies_[b].m);
     T.deformations[b] = d_.bodies[b].flexible->make_deformation_tangents();

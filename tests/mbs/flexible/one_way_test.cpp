@@ -70,6 +70,73 @@ TEST(OneWayDeformation, LeavesTheRigidMotionAlone) {
   EXPECT_EQ(ked.name_of_dynamic(m), "beam.mode_1_rate");
 }
 
+TEST(OneWayDeformation, DerivativesAgreeWithDifferences) {
+  const auto l = lattice::make_lattice(3);
+  MechanismDescription d;
+  Random random(5);
+  d.gravity = {0.3, -9.0, 1.0};
+  const int beam = d.add_body(body_of(l.se, {}, Fidelity::ked));
+  d.add_joint("root", "revolute", d.add_marker(0, "o", random.pose()),
+              interface_marker(d, beam, l.se, 0, Fidelity::ked));
+  const Mechanism m(d);
+  const Sizes n = m.sizes();
+  State s = random_state(m, 6);
+  s.c = random.vector(n.n_dyn, 0.1);
+  const VectorXd v_dot = random.vector(n.n_v);
+  TangentMatrices tangents;
+  const int n_z = n.n_v + n.n_dyn;
+  tangents.z_p.setZero(n_z, n.n_p);
+  tangents.z_v.setZero(n_z, n.n_v);
+  tangents.z_c.setZero(n_z, n.n_dyn);
+  tangents.z_a.setZero(n_z, 0);
+  tangents.h_p.setZero(0, n.n_p);
+  const auto scratch = m.make_scratch();
+  ASSERT_TRUE(m.tangents(s, v_dot, TangentScope::everything, *scratch, tangents));
+  const auto by = [&](VectorXd& x, int j) {
+    VectorXd z[2] = {VectorXd::Zero(n_z), VectorXd::Zero(n_z)}, none(0);
+    const double x_j = x(j), h = 1e-5;
+    for (const int k : {0, 1}) {
+      x(j) = x_j + (k == 0 ? h : -h);
+      m.momentum(s, v_dot, *scratch, z[k].head(n.n_v), z[k].tail(n.n_dyn), none);
+    }
+    x(j) = x_j;
+    return VectorXd((z[0] - z[1]) / (2.0 * h));
+  };
+  // Central differences: truncation h^2 and round-off eps / h are both below 1e-9 of the largest entry.
+  const double scale = 1e-8 * tangents.z_c.cwiseAbs().maxCoeff();
+  for (int j = 0; j < n.n_dyn; ++j)
+    EXPECT_LE((by(s.c, j) - tangents.z_c.col(j)).cwiseAbs().maxCoeff(), scale) << j;
+  for (int j = 0; j < n.n_v; ++j)
+    EXPECT_LE((by(s.v, j) - tangents.z_v.col(j)).cwiseAbs().maxCoeff(), scale) << j;
+  for (int j = 0; j < n.n_p; ++j)
+    EXPECT_LE((by(s.p, j) - tangents.z_p.col(j)).cwiseAbs().maxCoeff(), scale) << j;
+}
+
+TEST(OneWayDeformation, VibratesBetweenTwoPinsAsAPinnedBeam) {
+  // What the rigid motion's reactions cannot tell the body, that its ends are held, its frame must.
+  beams::StraightBeam b;
+  b.EA = 1e6;
+  b.GI_t = b.EI_y = b.EI_z = 100.0;
+  b.elements = 8;
+  const superelement::Superelement se = beams::beam_superelement(b);
+  BasisOptions options;
+  options.held.resize(se.n(),
+                      6);  // loads: torque, then force; the line between the ends, and no twist at the root
+  const Eigen::MatrixXd root = interface_loads(se, 0), tip = interface_loads(se, 1);
+  options.held << root.rightCols(3), tip.rightCols(2), root.col(0);
+  options.frame_is_held = true;
+  options.loads = interface_loads(se, {0, 1});
+  options.modes = 6;
+  const ModalData data = modal_data(se, options);
+  const double pi = std::numbers::pi,
+               pinned = std::pow(pi, 4) * 100.0 / (b.mass_per_length * std::pow(b.length, 4));
+  // Eight cubic elements: (pi / 8)^4 / 720 = 3e-5 of omega^2.
+  EXPECT_NEAR(data.stiffness(0), pinned, 1e-4 * pinned);
+  EXPECT_NEAR(data.stiffness(1), pinned, 1e-4 * pinned);
+  // The frame lies where the conditions hold it.
+  EXPECT_LE((options.held.transpose() * data.Y).cwiseAbs().maxCoeff(), 1e-9 * data.Y.cwiseAbs().maxCoeff());
+}
+
 TEST(OneWayDeformation, IsTheForcedVibrationOfTheRigidMotion) {
   // A cantilever on a shaft that swings by a small angle about an axis through its root: the shaft is driven,
   // so deformation cannot change the motion, and KED and modal agree to second order in the angle.
