@@ -277,8 +277,7 @@ terminal::Command simulate_command() {
             .option("--end-time", a->end_time, "TIME", "short for --set solver.end_time=TIME")
             .option("--accuracy", a->accuracy, "ACCURACY",
                     "short for --set solver.accuracy=ACCURACY: choose fidelity and modes of the "
-                    "superelements, and "
-                    "the tolerance, for this accuracy of all stored outputs, as \"1 %\"")
+                    "superelements, and the tolerance, for this accuracy of all stored outputs, as \"1 %\"")
             .flag("--csv", a->csv, "write a table of each run beside the results")
             .flag("--json", a->json, "print how each run ended as JSON (SI units)")
             .flag("--no-estimate", a->no_estimate, "do not estimate what dropped modes cost in accuracy")

@@ -216,6 +216,7 @@ class Mechanism final : public Equations {
   void number_states();
   void build_constraints();
   void find_initial_values();
+  void stand_at(int b, const Pose& X_WB, const Work& work);
   void check_inertia() const;
 
   Work& work_of(Scratch& scratch) const;

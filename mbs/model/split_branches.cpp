@@ -99,11 +99,10 @@ void Mechanism::follow_split_joints() {
     const TreeBody& body = bodies_[b];
     if (body.parent != 0 || body.reversed) continue;
     const JointPlace& place = places_[body.joint];
-    const Pose X_FW = d_.markers[body.marker_in].X_BP.inverse();
-    const Pose X_FM = X_FW * X_WB * d_.markers[body.marker_out].X_BP;
-    place.joint->coordinates_of(X_FM, p_0_.data() + place.i_p);
-    const Vector3d to_M = X_WB.R * d_.markers[body.marker_out].X_BP.p;
-    const Spatial V_FM = X_FW.R * Spatial{V.angular, V.linear + V.angular.cross(to_M)};
+    stand_at(b, X_WB, work);
+    const Vector3d to_M = X_WB.R * work.local[body.marker_out].X_BP.p;
+    const Spatial V_FM = work.kin.markers[body.marker_in].X_WP.R.transpose() *
+                         Spatial{V.angular, V.linear + V.angular.cross(to_M)};
     place.joint->speeds_of(p_0_.data() + place.i_p, V_FM.vector(), v_0_.data() + place.i_v);
   }
 }

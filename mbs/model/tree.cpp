@@ -321,6 +321,15 @@ void Mechanism::build_constraints() {
   });
 }
 
+/// Sets the coordinates of b's joint in p_0_ so that the body stands at X_WB; `work` knows the markers of the
+/// body before it.
+void Mechanism::stand_at(int b, const Pose& X_WB, const Work& work) {
+  const TreeBody& body = bodies_[b];
+  const JointPlace& place = places_[body.joint];
+  const Pose X = work.kin.markers[body.marker_in].X_WP.inverse() * X_WB * work.local[body.marker_out].X_BP;
+  place.joint->coordinates_of(body.reversed ? X.inverse() : X, p_0_.data() + place.i_p);
+}
+
 void Mechanism::find_initial_values() {
   p_0_ = Eigen::VectorXd::Zero(n_p_);
   v_0_ = Eigen::VectorXd::Zero(n_v_);
@@ -338,10 +347,7 @@ void Mechanism::find_initial_values() {
     const JointPlace& place = places_[body.joint];
     if (d_.bodies[b].X_WB) {
       forward(Level::position, 0.0, p_0_.data(), nullptr, nullptr, work);
-      const Pose X_WP_in = work.kin.markers[body.marker_in].X_WP;
-      const Pose X_BP_out = work.bodies[b].X_WB.inverse() * work.kin.markers[body.marker_out].X_WP;
-      const Pose X = X_WP_in.inverse() * (*d_.bodies[b].X_WB * X_BP_out);
-      joint.joint->coordinates_of(body.reversed ? X.inverse() : X, p_0_.data() + place.i_p);
+      stand_at(b, *d_.bodies[b].X_WB, work);
     }
     for (const auto& [index, motion] : joint.drives) {
       const Jet f = motion->time_derivatives(0.0);

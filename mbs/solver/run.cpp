@@ -218,8 +218,7 @@ void Runner::resume(const Continuation& from) {
   if (from.method != options_.method)
     throw std::invalid_argument(
         fmt::format("the history is that of the integrator \"{}\", this run uses \"{}\"; take the same "
-                    "method, or start from "
-                    "the state alone",
+                    "method, or start from the state alone",
                     from.method, options_.method));
   const State& s = from.state;
   if (s.p.size() != n_.n_p || s.v.size() != n_.n_v || s.c.size() != n_.n_dyn ||
@@ -235,8 +234,7 @@ void Runner::resume(const Continuation& from) {
   if (!history.is_used_up())
     throw std::invalid_argument(
         "the integrator's history is longer than this mechanism needs: it was saved by another one; start "
-        "from the "
-        "states alone (--from-state)");
+        "from the states alone (--from-state)");
   book_.resume(from.energy, s, from.v_dot);
   next_row_ = from.next_row;
   resumed_ = true;

@@ -6,10 +6,10 @@
 #include <algorithm>
 #include <chrono>
 #include <map>
-#include <numbers>
 #include <optional>
 
 #include "mbs/study/beam_screening.hpp"
+#include "mbs/study/body_choice.hpp"
 #include "mbs/study/percent.hpp"
 #include "mbs/study/screening.hpp"
 #include "mbs/terminal/terminal.hpp"
@@ -53,63 +53,6 @@ bool is_open_beam(const mbs::PreparedMechanism& run, const mbs::BodyDescription&
 double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
-
-// What a body is to be.
-struct BodyChoice {
-  bool rigid = true, stiffened = false;
-  Candidate candidate;
-  int available = 0;
-  std::string reason;
-
-  std::vector<std::string> overrides(const std::string& body) const {
-    std::vector<std::string> words = {
-        "modes=", "max_frequency=", candidate.plain ? "attachments=none" : "attachments=used"};
-    if (rigid) {
-      words.push_back("fidelity=rigid");
-    } else if (candidate.modes == 0 && !stiffened) {
-      words.push_back("fidelity=static");
-    } else {
-      words.push_back(stiffened ? "fidelity=modal-stiffened" : "fidelity=modal");
-      // With stiffening one eigenmode at least: response modes alone are quasi-static.
-      if (!candidate.all) words.push_back(fmt::format("modes={}", std::max(candidate.modes, 1)));
-    }
-    for (std::string& word : words) word = fmt::format("body.{}.{}", body, word);
-    return words;
-  }
-  // "rod: modal, 4 of 22 modes".
-  std::string what(const std::string& body) const {
-    if (rigid) return body + ": rigid";
-    if (candidate.modes == 0 && !stiffened)
-      return fmt::format("{}: static, {} response modes", body, candidate.responses);
-    const char* const fidelity = stiffened ? "modal-stiffened" : "modal";
-    if (candidate.all) return fmt::format("{}: {}, all {} modes", body, fidelity, available);
-    return fmt::format("{}: {}, {} of {} modes", body, fidelity, std::max(candidate.modes, 1), available);
-  }
-  std::string text(const std::string& body) const { return what(body) + ": " + reason; }
-  // More of it; false where nothing is left to add.
-  bool refine() {
-    if (rigid) {
-      rigid = false;
-      candidate.modes = 1;
-      return true;
-    }
-    if (candidate.all) return false;
-    candidate.modes = std::max(2, 2 * candidate.modes);
-    if (candidate.modes + candidate.responses >= available) {
-      candidate.all = true;
-      candidate.modes = available;
-    }
-    return true;
-  }
-};
-
-// A beam without superelement.
-struct BeamChoice {
-  std::string body;
-  bool rigid = true;
-  std::string reason;
-  std::string text() const { return fmt::format("{}: {}: {}", body, rigid ? "rigid" : "ancf", reason); }
-};
 
 class Chooser {
  public:
@@ -240,34 +183,7 @@ class Chooser {
     choice.candidate = screening_->cheapest(s.body, share);
     // A stiffness that is off by a part is a deflection that is off by this part.
     choice.stiffened = s.stiffness_change * std::min(1.0, s.rigid_error) > share;
-    const double first = 2.0 * std::numbers::pi * s.first_hz;
-    choice.reason = fmt::format("rigid, {} would be off by {}; excitation reaches {} Hz", s.output,
-                                percent(s.rigid_error), number(s.excitation_hz, 2));
-    const Candidate& c = choice.candidate;
-    if (c.all)
-      choice.reason += fmt::format("; no smaller number keeps outputs within {}", percent(share));
-    else if (c.modes == 0)
-      choice.reason += fmt::format(", its first mode has {} Hz: it follows its loads statically (loss {})",
-                                   number(s.first_hz, 2), percent(c.loss));
-    else if (c.plain)
-      choice.reason += fmt::format(", modes above {} Hz are not needed, nor response modes (loss {})",
-                                   number(c.highest_hz, 2), percent(c.loss));
-    else
-      choice.reason +=
-          fmt::format(", modes above {} Hz respond statically, kept as {} response modes (loss {})",
-                      number(c.highest_hz, 2), c.responses, percent(c.loss));
-    if (s.spin > 0.1 * first)
-      choice.reason += fmt::format("; spin {} rad/s is {} of its first frequency", number(s.spin, 2),
-                                   percent(s.spin / first));
-    if (choice.stiffened)
-      choice.reason +=
-          fmt::format("; spin and loads change its stiffness by {}{}", percent(s.stiffness_change),
-                      s.most_negative_change < -0.3
-                          ? fmt::format(", {} of what buckles it", percent(-s.most_negative_change))
-                          : "");
-    else if (!s.has_stiffening_terms && s.spin * s.spin > share * first * first)
-      choice.reason +=
-          "; its superelement has no stiffening terms (reduce it with stiffening = true to have that judged)";
+    choice.explain(s, share);
   }
 
   // A row in the full model from which a better choice may go on.

@@ -8,6 +8,20 @@ namespace flexura::study {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
+namespace {
+
+// The largest entry of the difference of M + h D / 2 + h^2 K / 4 (what the trapezoidal rule solves with),
+// scaled to a unit diagonal.
+double change(const LinearisedRow& a, const LinearisedRow& b, double h) {
+  const VectorXd diagonal = (b.M + 0.5 * h * b.D + 0.25 * h * h * b.K).diagonal().cwiseAbs();
+  const double floor = 1e-12 * diagonal.maxCoeff();
+  const VectorXd scale = diagonal.cwiseMax(floor).cwiseSqrt().cwiseInverse();
+  const MatrixXd A = (b.M - a.M) + 0.5 * h * (b.D - a.D) + 0.25 * h * h * (b.K - a.K);
+  return (scale.asDiagonal() * A * scale.asDiagonal()).cwiseAbs().maxCoeff();
+}
+
+}  // namespace
+
 void HeldRows::take(const mbs::State& s, const VectorXd& v_dot, double h) {
   if (last_ && left_ > 0 && s.root == switches_) {
     --left_;
@@ -30,16 +44,6 @@ void HeldRows::take(const mbs::State& s, const VectorXd& v_dot, double h) {
   switches_ = s.root;
   G_ = now->G;
   last_ = std::move(now);
-}
-
-// The largest entry of the difference of M + h D / 2 + h^2 K / 4 (what the trapezoidal rule solves with),
-// scaled to a unit diagonal.
-double HeldRows::change(const LinearisedRow& a, const LinearisedRow& b, double h) const {
-  const VectorXd diagonal = (b.M + 0.5 * h * b.D + 0.25 * h * h * b.K).diagonal().cwiseAbs();
-  const double floor = 1e-12 * diagonal.maxCoeff();
-  const VectorXd scale = diagonal.cwiseMax(floor).cwiseSqrt().cwiseInverse();
-  const MatrixXd A = (b.M - a.M) + 0.5 * h * (b.D - a.D) + 0.25 * h * h * (b.K - a.K);
-  return (scale.asDiagonal() * A * scale.asDiagonal()).cwiseAbs().maxCoeff();
 }
 
 }  // namespace flexura::study

@@ -28,8 +28,6 @@ class HeldRows {
   long linearised() const { return linearised_; }  ///< how often
 
  private:
-  double change(const LinearisedRow& a, const LinearisedRow& b, double h) const;
-
   static constexpr double kSmallChange = 0.005;
   static constexpr int kLongestSpan = 16;
 

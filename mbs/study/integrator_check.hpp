@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "mbs/solver/prepare.hpp"
-#include "mbs/study/shadows.hpp"
+#include "mbs/study/judged_outputs.hpp"
 
 /// What the integrator costs a run in accuracy, from the same run once more with a tolerance ten times as
 /// large (a fixed step twice as long).

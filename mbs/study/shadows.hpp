@@ -9,6 +9,7 @@
 
 #include "mbs/solver/prepare.hpp"
 #include "mbs/study/held_rows.hpp"
+#include "mbs/study/judged_outputs.hpp"
 
 /// What a run loses by the deformations it leaves out, estimated while it runs: they follow as shadows,
 /// driven one-way by the loads of the run.
@@ -30,15 +31,6 @@
 /// lambda), both in the full model.
 namespace flexura::study {
 
-struct OutputEstimate {
-  std::string name, unit;
-  double max = 0.0, rms = 0.0, final = 0.0;  ///< of the error, in the output's unit
-  double size_max = 0.0, size_rms = 0.0;     ///< of the corrected output
-  bool counts = true;                        ///< false where the output is nothing beside others of its unit
-  double relative_max() const;
-  double relative_rms() const;
-};
-
 struct SourceEstimate {
   std::string body;
   int available = 0;   ///< deformations of its superelement
@@ -55,21 +47,6 @@ struct TruncationEstimate {
   double error = 0.0;  ///< that error
   double wall = 0.0;   ///< [s] that the shadows took
 };
-
-/// Relative rms, of the worst output that counts, of squared errors integrated over `span`; and which.
-std::pair<double, int> worst_output(const Eigen::VectorXd& squares, double span,
-                                    const std::vector<OutputEstimate>& outputs);
-
-/// The quantities of `full` by which a run is judged, outputs that both mechanisms have, each with its name
-/// and unit in `outputs`; modal coordinates of a body are no outputs of an engineer's.
-std::vector<int> judged_outputs(const mbs::PreparedMechanism& run, const mbs::Mechanism& full,
-                                std::vector<OutputEstimate>& outputs);
-
-/// Of a run's rows one in so many is looked at, 400 to 800 in all.
-long rows_between(const mbs::PreparedMechanism& run);
-
-/// Sets `counts`: outputs that are nothing beside others of their unit do not; `asked`: the user named them.
-void find_what_counts(std::vector<OutputEstimate>& outputs, bool asked);
 
 class Shadows {
  public:

@@ -131,47 +131,58 @@ void TiedModel::number_dofs(const Part& part) {
   }
 }
 
+template <class Read, class Rows>
+void TiedModel::spread(const Read& read, Rows& U) const {
+  for (Eigen::Index d = 0; d < U.rows(); ++d)
+    if (is_dof(code_[d])) read(code_[d], U.row(d));
+  Eigen::Matrix<double, 6, Rows::ColsAtCompileTime> q(6, U.cols());
+  for (const InterfaceDofs& interface : interfaces_) {
+    if (interface.tie != Tie::rigid) continue;
+    for (int direction = 0; direction < 6; ++direction) read(interface.code[direction], q.row(direction));
+    for (const mesh::Index node : interface.nodes)
+      U.template middleRows<3>(3 * static_cast<Eigen::Index>(node)) =
+          motion_at(points_.row(node).transpose() - interface.point) * q;
+  }
+}
+
+template <class Rows, class Write>
+void TiedModel::collect(const Rows& F, const Write& write) const {
+  for (Eigen::Index d = 0; d < F.rows(); ++d)
+    if (is_dof(code_[d])) write(code_[d], F.row(d));
+  Eigen::Matrix<double, 6, Rows::ColsAtCompileTime> load(6, F.cols());
+  for (const InterfaceDofs& interface : interfaces_) {
+    if (interface.tie != Tie::rigid) continue;
+    load.setZero();
+    for (const mesh::Index node : interface.nodes)
+      load += motion_at(points_.row(node).transpose() - interface.point).transpose() *
+              F.template middleRows<3>(3 * static_cast<Eigen::Index>(node));
+    for (int direction = 0; direction < 6; ++direction) write(interface.code[direction], load.row(direction));
+  }
+}
+
 void TiedModel::expand(const Eigen::Ref<const Eigen::MatrixXd>& u_i,
                        const Eigen::Ref<const Eigen::MatrixXd>& u_b, Eigen::MatrixXd& U) const {
-  const Eigen::Index n_cols = u_i.cols();
-  U.setZero(3 * static_cast<Eigen::Index>(n_nodes_), n_cols);
-  const auto value = [&](int code, Eigen::Index c) {
-    return code >= 0 ? u_i(code, c) : u_b(boundary_of(code), c);
-  };
-  for (Eigen::Index c = 0; c < n_cols; ++c) {
-    for (Eigen::Index d = 0; d < U.rows(); ++d)
-      if (is_dof(code_[d])) U(d, c) = value(code_[d], c);
-    for (const InterfaceDofs& interface : interfaces_) {
-      if (interface.tie != Tie::rigid) continue;
-      Vector6 q;
-      for (int direction = 0; direction < 6; ++direction) q(direction) = value(interface.code[direction], c);
-      for (mesh::Index node : interface.nodes)
-        U.col(c).segment<3>(3 * static_cast<Eigen::Index>(node)) =
-            motion_at(points_.row(node).transpose() - interface.point) * q;
-    }
-  }
+  U.setZero(3 * static_cast<Eigen::Index>(n_nodes_), u_i.cols());
+  spread(
+      [&](int code, auto&& row) {
+        if (code >= 0)
+          row = u_i.row(code);
+        else
+          row = u_b.row(boundary_of(code));
+      },
+      U);
 }
 
 void TiedModel::gather(const Eigen::Ref<const Eigen::MatrixXd>& F, Eigen::MatrixXd& f_i,
                        Eigen::MatrixXd& f_b) const {
   f_i.setZero(n_i_, F.cols());
   f_b.setZero(n_b_, F.cols());
-  const auto place = [&](int code, Eigen::Index c) -> double& {
-    return code >= 0 ? f_i(code, c) : f_b(boundary_of(code), c);
-  };
-  for (Eigen::Index c = 0; c < F.cols(); ++c) {
-    for (Eigen::Index d = 0; d < F.rows(); ++d)
-      if (is_dof(code_[d])) place(code_[d], c) = F(d, c);
-    for (const InterfaceDofs& interface : interfaces_) {
-      if (interface.tie != Tie::rigid) continue;
-      Vector6 load = Vector6::Zero();
-      for (mesh::Index node : interface.nodes)
-        load += motion_at(points_.row(node).transpose() - interface.point).transpose() *
-                F.col(c).segment<3>(3 * static_cast<Eigen::Index>(node));
-      for (int direction = 0; direction < 6; ++direction)
-        place(interface.code[direction], c) += load(direction);
-    }
-  }
+  collect(F, [&](int code, const auto& row) {
+    if (code >= 0)
+      f_i.row(code) = row;
+    else
+      f_b.row(boundary_of(code)) = row;
+  });
 }
 
 linalg::SymmetricMatrix TiedModel::shifted_stiffness(double shift) const {
@@ -220,39 +231,21 @@ linalg::SymmetricMatrix TiedModel::shifted_stiffness(double shift) const {
 // C_i^T (m (x) I_3) C_i X by panels of eight columns, one panel per core at a time.
 void TiedModel::multiply_M_ii(const Eigen::Ref<const Eigen::MatrixXd>& X, Eigen::MatrixXd& Y) const {
   constexpr Eigen::Index kWidth = linalg::RowPanel::ColsAtCompileTime;
-  using PanelRows = Eigen::Matrix<double, 6, kWidth>;
   Y.resize(n_i_, X.cols());
   linalg::parallel_for(static_cast<int>((X.cols() + kWidth - 1) / kWidth), [&](int panel) {
     const Eigen::Index first = panel * kWidth, width = std::min(kWidth, X.cols() - first);
-    const auto n_rows = static_cast<Eigen::Index>(code_.size());
-    linalg::RowPanel U = linalg::RowPanel::Zero(n_rows, kWidth), MU;
-    for (Eigen::Index d = 0; d < n_rows; ++d)
-      if (code_[d] >= 0)
-        for (Eigen::Index c = 0; c < width; ++c) U(d, c) = X(code_[d], first + c);
-    for (const InterfaceDofs& interface : interfaces_) {
-      if (interface.tie != Tie::rigid) continue;
-      PanelRows q = PanelRows::Zero();
-      for (int direction = 0; direction < 6; ++direction)
-        if (const int code = interface.code[direction]; code >= 0)
-          q.row(direction).head(width) = X.row(code).segment(first, width);
-      for (mesh::Index node : interface.nodes)
-        U.middleRows<3>(3 * static_cast<Eigen::Index>(node)) =
-            motion_at(points_.row(node).transpose() - interface.point) * q;
-    }
+    linalg::RowPanel U = linalg::RowPanel::Zero(static_cast<Eigen::Index>(code_.size()), kWidth), MU;
+    spread(
+        [&](int code, auto&& row) {
+          for (Eigen::Index c = 0; c < kWidth; ++c)
+            row(c) = code >= 0 && c < width ? X(code, first + c) : 0.0;
+        },
+        U);
     m_->multiply_kron3(U, MU);
-    for (Eigen::Index d = 0; d < n_rows; ++d)
-      if (code_[d] >= 0)
-        for (Eigen::Index c = 0; c < width; ++c) Y(code_[d], first + c) = MU(d, c);
-    for (const InterfaceDofs& interface : interfaces_) {
-      if (interface.tie != Tie::rigid) continue;
-      PanelRows load = PanelRows::Zero();
-      for (mesh::Index node : interface.nodes)
-        load += motion_at(points_.row(node).transpose() - interface.point).transpose() *
-                MU.middleRows<3>(3 * static_cast<Eigen::Index>(node));
-      for (int direction = 0; direction < 6; ++direction)
-        if (const int code = interface.code[direction]; code >= 0)
-          Y.row(code).segment(first, width) = load.row(direction).head(width);
-    }
+    collect(MU, [&](int code, const auto& row) {
+      if (code < 0) return;
+      for (Eigen::Index c = 0; c < width; ++c) Y(code, first + c) = row(c);
+    });
   });
 }
 

@@ -101,6 +101,13 @@ class TiedModel {
   std::string describe_dof(int i) const;
 
  private:
+  /// U = C u by rows: read(code, row) sets a row (of all columns) to the dof with this code.
+  template <class Read, class Rows>
+  void spread(const Read& read, Rows& U) const;
+  /// C^T F by rows: write(code, row) is called once for each dof.
+  template <class Rows, class Write>
+  void collect(const Rows& F, const Write& write) const;
+
   struct InterfaceDofs {
     Tie tie;
     Eigen::Vector3d point;

@@ -4,21 +4,12 @@
 #include <algorithm>
 #include <stdexcept>
 #include <string>
-#include <thread>
 #include <vector>
 
+#include "reduce/linalg/blas.hpp"
 #include "reduce/linalg/blas_threads.hpp"
 #include "reduce/linalg/panel_products.hpp"
 #include "reduce/linalg/parallel.hpp"
-
-extern "C" {
-void dgemm_(const char*, const char*, const int*, const int*, const int*, const double*, const double*,
-            const int*, const double*, const int*, const double*, double*, const int*);
-void dsyevd_(const char*, const char*, const int*, double*, const int*, double*, double*, const int*, int*,
-             const int*, int*);
-void dsygvd_(const int*, const char*, const char*, const int*, double*, const int*, double*, const int*,
-             double*, double*, const int*, int*, const int*, int*);
-}
 
 namespace flexura::linalg {
 namespace {
@@ -40,8 +31,7 @@ void gemm(char transA, char transB, double alpha, const Eigen::Ref<const Eigen::
 // Rows that one core takes of a tall matrix: all cores have their share, and short ones are not cut.
 int n_shares(Eigen::Index n_rows) {
   constexpr Eigen::Index kFewest = 4096;
-  return static_cast<int>(
-      std::clamp<Eigen::Index>(n_rows / kFewest, 1, std::max(1u, std::thread::hardware_concurrency())));
+  return static_cast<int>(std::clamp<Eigen::Index>(n_rows / kFewest, 1, n_cores()));
 }
 
 // The products with few columns, on one core's share: by chunks of rows whose panels stay in the first cache.

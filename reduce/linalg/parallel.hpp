@@ -9,11 +9,15 @@
 
 namespace flexura::linalg {
 
+inline int n_cores() {
+  return static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+}
+
 /// Calls work(0) ... work(n - 1), each once, on as many threads as the machine has cores.  The first
 /// exception is thrown again here.
 template <class Work>
 void parallel_for(int n, const Work& work) {
-  const int n_threads = std::min<int>(n, static_cast<int>(std::max(1u, std::thread::hardware_concurrency())));
+  const int n_threads = std::min(n, n_cores());
   std::atomic<int> next{0};
   std::exception_ptr error;
   std::atomic_flag error_taken = ATOMIC_FLAG_INIT;

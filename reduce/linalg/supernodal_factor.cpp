@@ -8,24 +8,13 @@
 #include <mutex>
 #include <numeric>
 #include <queue>
-#include <thread>
 
+#include "reduce/linalg/blas.hpp"
 #include "reduce/linalg/blas_threads.hpp"
 #include "reduce/linalg/parallel.hpp"
 
-extern "C" {
-void dgemm_(const char*, const char*, const int*, const int*, const int*, const double*, const double*,
-            const int*, const double*, const int*, const double*, double*, const int*);
-void dtrsm_(const char*, const char*, const char*, const char*, const int*, const int*, const double*,
-            const double*, const int*, double*, const int*);
-}
-
 namespace flexura::linalg {
 namespace {
-
-int n_cores() {
-  return static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
-}
 
 // Calls work(first, count) for shares of n rows: one share, or several on all cores where the work of `flops`
 // pays for threads.

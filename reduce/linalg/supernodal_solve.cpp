@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <memory>
 
+#include "reduce/linalg/column_panels.hpp"
 #include "reduce/linalg/panel_products.hpp"
-#include "reduce/linalg/parallel.hpp"
 #include "reduce/linalg/supernodal_factor.hpp"
 
 namespace flexura::linalg {
@@ -112,17 +112,8 @@ void SupernodalFactor::solve(const Eigen::Ref<const Eigen::MatrixXd>& B, Eigen::
                  rows_.data(), order_.data(),  first_value_.data(),  values_.get(),
                  signs_.data()};
   X.resize(B.rows(), B.cols());
-  const Eigen::Index n_cols = B.cols();
-  const int width = n_cols > 8 ? 8 : n_cols > 1 ? 4 : 1;
-  parallel_for(static_cast<int>((n_cols + width - 1) / width), [&](int p) {
-    const Eigen::Index first = static_cast<Eigen::Index>(p) * width,
-                       count = std::min<Eigen::Index>(width, n_cols - first);
-    if (width == 8)
-      solve_columns<8>(L, B, first, count, X);
-    else if (width == 4)
-      solve_columns<4>(L, B, first, count, X);
-    else
-      solve_columns<1>(L, B, first, count, X);
+  for_each_panel(B.cols(), [&](auto width, Eigen::Index first, Eigen::Index count) {
+    solve_columns<width>(L, B, first, count, X);
   });
 }
 

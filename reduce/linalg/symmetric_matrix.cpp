@@ -7,7 +7,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "reduce/linalg/parallel.hpp"
+#include "reduce/linalg/column_panels.hpp"
 #include "reduce/linalg/petsc_check.hpp"
 #include "reduce/linalg/simd.hpp"
 
@@ -60,22 +60,13 @@ void multiply_columns(const UpperCsr& A, int directions, const Eigen::Ref<const 
     for (Eigen::Index c = 0; c < count; ++c) Y(static_cast<Eigen::Index>(r), first + c) = y[r * W + c];
 }
 
-// One pass over the matrix for eight columns; few columns take less.
 void multiply(const UpperCsr& A, int directions, const Eigen::Ref<const Eigen::MatrixXd>& X,
               Eigen::MatrixXd& Y) {
-  const Eigen::Index n_cols = X.cols();
   if (X.rows() != static_cast<Eigen::Index>(A.n) * directions)
     throw std::logic_error("multiply: the vectors do not have the length of the matrix");
-  Y.resize(X.rows(), n_cols);
-  const Eigen::Index width = n_cols > 8 ? 8 : n_cols > 1 ? 4 : 1;
-  parallel_for(static_cast<int>((n_cols + width - 1) / width), [&](int chunk) {
-    const Eigen::Index first = chunk * width, count = std::min(width, n_cols - first);
-    if (width == 8)
-      multiply_columns<8>(A, directions, X, first, count, Y);
-    else if (width == 4)
-      multiply_columns<4>(A, directions, X, first, count, Y);
-    else
-      multiply_columns<1>(A, directions, X, first, count, Y);
+  Y.resize(X.rows(), X.cols());
+  for_each_panel(X.cols(), [&](auto width, Eigen::Index first, Eigen::Index count) {
+    multiply_columns<width>(A, directions, X, first, count, Y);
   });
 }
 

@@ -4,13 +4,13 @@
 #include <cmath>
 #include <ctime>
 #include <functional>
-#include <numbers>
 
 #include "mbs/model/mechanism.hpp"
 #include "mbs/model/modal_basis.hpp"
-#include "mbs/solver/assemble.hpp"
 #include "mbs/solver/run.hpp"
 #include "tests/mbs/flexible/beam_superelement.hpp"
+#include "tests/mbs/flexible/chain.hpp"
+#include "tests/mbs/started.hpp"
 
 /// Chains and loops of flexible bodies with 20 modes each: time of the set-up, of a residual and of a step,
 /// and how they grow with the number of bodies.
@@ -35,33 +35,6 @@ std::shared_ptr<const FlexibleBody> link_body() {
   return std::make_shared<FlexibleBody>(modal_data(beams::beam_superelement(b), options));
 }
 
-enum class Kind { chain, loop, tree };  // tree: a chain with every joint in the tree
-
-// n links of 1 m along x, hinged about z and y in turn; of a loop the end is held where it starts.
-MechanismDescription links(const std::shared_ptr<const FlexibleBody>& link, int n, Kind kind) {
-  MechanismDescription d;
-  d.gravity = {0.0, -9.81, 0.0};
-  int before = 0;
-  for (int i = 0; i < n; ++i) {
-    const int body = d.add_body({.name = fmt::format("link_{}", i), .flexible = link});
-    Pose turn;
-    if (i % 2 == 1) turn.R = rotation_exp({0.5 * std::numbers::pi, 0.0, 0.0});
-    const int from = i == 0 ? d.add_marker(0, "wall", turn) : d.add_marker(before, "out", turn, 1);
-    const int j =
-        d.add_joint(fmt::format("hinge_{}", i), "revolute", from, d.add_marker(body, "in", turn, 0));
-    d.joints[j].keep_in_tree = kind == Kind::tree;
-    before = body;
-  }
-  if (kind == Kind::loop) {
-    Pose end;
-    end.p = {1.0 * n, 0.0, 0.0};
-    const int j =
-        d.add_joint("end", "spherical", d.add_marker(0, "end", end), d.add_marker(before, "end", {}, 1));
-    d.joints[j].cut = true;
-  }
-  return d;
-}
-
 struct Times {
   double set_up, residual, step;
 };
@@ -69,13 +42,10 @@ struct Times {
 Times measure(const std::string& name, MechanismDescription description) {
   Times out{};
   double start = now();
-  Mechanism m(std::move(description));
-  State s = m.initial_state();
-  Eigen::VectorXd v_dot;
-  assemble_positions(m, s);
-  m.drop_redundant(0.0, s.p);
-  s.lambda = Eigen::VectorXd::Zero(m.sizes().n_lambda);
-  assemble(m, s, v_dot);
+  const Started begin(std::move(description));
+  const Mechanism& m = begin.m;
+  const State& s = begin.s;
+  const Eigen::VectorXd& v_dot = begin.v_dot;
   out.set_up = now() - start;
 
   const Sizes n = m.sizes();
@@ -116,18 +86,21 @@ Times measure(const std::string& name, MechanismDescription description) {
 int main() {
   using namespace flexura::mbs;
   const auto link = link_body();
-  const auto series = [&](const char* name, Kind kind) {
-    const Times few = measure(fmt::format("flexible_{}_10", name), links(link, 10, kind));
-    const Times many = measure(fmt::format("flexible_{}_100", name), links(link, 100, kind));
+  const auto measured = [&](const char* name, const Chain& chain) {
+    return measure(fmt::format("flexible_{}_{}", name, chain.links), chain_of(link, chain));
+  };
+  const auto series = [&](const char* name, bool closed) {
+    const Times few = measured(name, {.links = 10, .closed = closed});
+    const Times many = measured(name, {.links = 100, .closed = closed});
     const auto growth = [&](const char* what, double small, double large) {
       fmt::print("flexible_{}.{}.growth_exponent = {:.2f} 1\n", name, what, std::log10(large / small));
     };
     growth("residual", few.residual, many.residual);
     growth("step", few.step, many.step);
   };
-  series("chain", Kind::chain);
-  series("loop", Kind::loop);
+  series("chain", false);
+  series("loop", true);
   // What the constraints between the links save.
-  measure("flexible_chain_10_in_tree", links(link, 10, Kind::tree));
+  measure("flexible_chain_10_in_tree", chain_of(link, {.links = 10, .keep_whole = true}));
   return 0;
 }

@@ -8,8 +8,8 @@
 
 #include "mbs/model/mechanism.hpp"
 #include "mbs/solver/accelerations.hpp"
-#include "mbs/solver/assemble.hpp"
 #include "mbs/solver/run.hpp"
+#include "tests/mbs/started.hpp"
 
 /// Time for each evaluation and steps per second of chains and of closed loops, with the growth over their
 /// size.
@@ -81,28 +81,25 @@ struct Times {
 class Subject {
  public:
   Subject(std::string name, MechanismDescription description, std::string method, double end_time)
-      : name_(std::move(name)), m_(std::move(description)) {
-    s_ = m_.initial_state();
-    assemble_positions(m_, s_);
-    m_.drop_redundant(0.0, s_.p);
-    s_.lambda = Eigen::VectorXd::Zero(m_.sizes().n_lambda);
-    assemble(m_, s_, v_dot_);
+      : name_(std::move(name)), start_(std::move(description)) {
     options_.method = std::move(method);
     options_.end_time = options_.output_step = end_time;
     options_.tolerance = 1e-6;
   }
 
   void sample() {
-    const Sizes n = m_.sizes();
-    auto scratch = m_.make_scratch();
+    const Mechanism& m = start_.m;
+    const Sizes n = m.sizes();
+    auto scratch = m.make_scratch();
     Eigen::VectorXd r(n.n_v), none(0), v_dot;
     const auto take = [](double& best, double seconds) { best = std::min(best, seconds); };
-    take(best_.evaluation, seconds_per_call([&] { m_.momentum(s_, v_dot_, *scratch, r, none, none); }));
-    AccelerationSolver accelerations(m_);
-    State moving = s_;
+    take(best_.evaluation,
+         seconds_per_call([&] { m.momentum(start_.s, start_.v_dot, *scratch, r, none, none); }));
+    AccelerationSolver accelerations(m);
+    State moving = start_.s;
     take(best_.acceleration, seconds_per_call([&] { accelerations.solve(moving, v_dot); }));
     const double start = now();
-    const RunResult result = run(m_, s_, v_dot_, options_);
+    const RunResult result = run(m, start_.s, start_.v_dot, options_);
     const double seconds = now() - start;
     if (!result.complete) fmt::print(stderr, "{}: {}\n", name_, result.stopped_because);
     steps_ = result.counts.steps;
@@ -130,9 +127,7 @@ class Subject {
   }
 
   std::string name_;
-  Mechanism m_;
-  State s_;
-  Eigen::VectorXd v_dot_;
+  Started start_;
   SolverOptions options_;
   Times best_;
   long steps_ = 0;

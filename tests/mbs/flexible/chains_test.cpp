@@ -11,6 +11,7 @@
 #include "mbs/solver/run.hpp"
 #include "mbs/solver/statics.hpp"
 #include "tests/mbs/flexible/beam_superelement.hpp"
+#include "tests/mbs/flexible/chain.hpp"
 
 /// Flexible bodies on flexible bodies, so many that the program closes the joints between them as constraints
 /// (mbs/model/split_branches.cpp).
@@ -19,7 +20,7 @@ namespace {
 
 using Eigen::VectorXd;
 
-constexpr int kLinks = 9;
+const int kLinks = Chain().links;
 
 beams::StraightBeam rope() {
   beams::StraightBeam b;
@@ -36,37 +37,8 @@ std::shared_ptr<const FlexibleBody> link_body(double damping = 0.0) {
   return std::make_shared<FlexibleBody>(modal_data(beams::beam_superelement(rope()), options));
 }
 
-struct Chain {
-  bool keep_whole = false;  // all joints in the tree
-  bool floats = false;      // else it hangs on a hinge
-  bool closed = false;      // its end is held where it starts
-};
-
-/// Links of 1 m along x, hinged about z and y in turn.
 Mechanism make_chain(const std::shared_ptr<const FlexibleBody>& link, const Chain& chain) {
-  MechanismDescription d;
-  d.gravity = {0.0, -9.81, 0.0};
-  int before = 0;
-  for (int i = 0; i < kLinks; ++i) {
-    const int body = d.add_body({.name = fmt::format("link_{}", i), .flexible = link});
-    Pose turn;
-    if (i % 2 == 1) turn.R = rotation_exp({0.5 * std::numbers::pi, 0.0, 0.0});
-    if (i > 0 || !chain.floats) {
-      const int from = i == 0 ? d.add_marker(0, "wall", turn) : d.add_marker(before, "out", turn, 1);
-      const int j =
-          d.add_joint(fmt::format("hinge_{}", i), "revolute", from, d.add_marker(body, "in", turn, 0));
-      d.joints[j].keep_in_tree = chain.keep_whole;
-    }
-    before = body;
-  }
-  if (chain.closed) {
-    Pose end;
-    end.p = {1.0 * kLinks, 0.0, 0.0};
-    const int j =
-        d.add_joint("end", "spherical", d.add_marker(0, "end", end), d.add_marker(before, "end", {}, 1));
-    d.joints[j].cut = true;
-  }
-  return Mechanism(std::move(d));
+  return Mechanism(chain_of(link, chain));
 }
 
 Vector3d end_of(const Mechanism& m, const State& s) {
@@ -90,10 +62,7 @@ TEST(ChainOfFlexibleBodies, PartsIntoItsLinks) {
 
 TEST(ChainOfFlexibleBodies, WhatReadsOrDrivesAJointKeepsItInTheTree) {
   const auto link = link_body();
-  Mechanism model = make_chain(link, {});
-  MechanismDescription d = model.description();
-  for (JointDescription& joint : d.joints) joint.cut = joint.splits = false;
-  d.joints.resize(kLinks);  // without the free bodies' own
+  MechanismDescription d = chain_of(link, {});
   d.joints[4].initial_coordinates[0] = 0.1;
   const Mechanism m(d);
   for (int j = 0; j < kLinks; ++j) EXPECT_EQ(m.in_tree(j), j == 0 || j == 4) << j;
@@ -101,7 +70,7 @@ TEST(ChainOfFlexibleBodies, WhatReadsOrDrivesAJointKeepsItInTheTree) {
 
 TEST(ChainOfFlexibleBodies, StartsWithTheSpeedOfItsFirstJoint) {
   const auto link = link_body();
-  MechanismDescription d = make_chain(link, {.keep_whole = true}).description();
+  MechanismDescription d = chain_of(link, {.keep_whole = true});
   d.joints[0].initial_speeds[0] = 2.0;
   const Mechanism whole(d);
   for (JointDescription& joint : d.joints) joint.keep_in_tree = false;
@@ -122,11 +91,8 @@ TEST(ChainOfFlexibleBodies, HangsStretchedByItsOwnWeight) {
   // Hanging down, every section carries what is below it: the end sinks by rho A g L^2 / 2 EA.
   for (const bool keep_whole : {false, true}) {
     SCOPED_TRACE(keep_whole);
-    MechanismDescription d = make_chain(link_body(), {.keep_whole = keep_whole}).description();
+    MechanismDescription d = chain_of(link_body(), {.keep_whole = keep_whole});
     d.gravity = {9.81, 0.0, 0.0};
-    if (!keep_whole)
-      for (JointDescription& joint : d.joints) joint.cut = joint.splits = false;
-    d.joints.resize(kLinks);
     const Mechanism m(d);
     State s = m.initial_state();
     s.lambda = VectorXd::Zero(m.sizes().n_lambda);

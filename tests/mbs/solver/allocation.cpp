@@ -6,10 +6,10 @@
 
 #include "mbs/model/mechanism.hpp"
 #include "mbs/model/modal_basis.hpp"
-#include "mbs/solver/assemble.hpp"
 #include "mbs/solver/integrator.hpp"
 #include "tests/mbs/allocations.hpp"
 #include "tests/mbs/model/lattice.hpp"
+#include "tests/mbs/started.hpp"
 
 namespace flexura::mbs::test {
 namespace {
@@ -52,20 +52,14 @@ TEST_P(Allocations, OfAStepAreNone) {
   GTEST_SKIP() << "the sanitizer owns malloc";
 #endif
   const auto [method, closed] = GetParam();
-  Mechanism m(engine(closed));
-  State s = m.initial_state();
-  Eigen::VectorXd v_dot;
-  assemble_positions(m, s);
-  m.drop_redundant(0.0, s.p);
-  s.lambda = Eigen::VectorXd::Zero(m.sizes().n_lambda);
-  assemble(m, s, v_dot);
+  const Started start(engine(closed));
   SolverOptions o;
   o.method = method;
   o.end_time = 1.0;
   o.tolerance = 1e-5;
   if (o.method == "generalised_alpha") o.fixed_step = 2e-5;
-  const auto integrator = make_integrator(m, o);
-  integrator->start(s, v_dot);
+  const auto integrator = make_integrator(start.m, o);
+  integrator->start(start.s, start.v_dot);
   // The first steps find the sizes, and IDA its order.
   for (int k = 0; k < 20; ++k) integrator->step(o.end_time);
   const long jacobians = integrator->counts().jacobians, before = allocations;

@@ -3,12 +3,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cctype>
-#include <cmath>
 #include <string>
 #include <vector>
 
 #include "tests/app/command.hpp"
+#include "tests/mbs/study/rows_of_run.hpp"
 
 namespace flexura::study {
 namespace {
@@ -53,37 +54,18 @@ class IntegratorChecks : public ::testing::TestWithParam<std::vector<std::string
 TEST_P(IntegratorChecks, TellTheErrorAgainstAMuchTighterRun) {
   const Folder folder;
   const auto file = folder.write("pendulum.toml", kDoublePendulum);
-  // Rows of the run, each its outputs.
-  const auto outputs = [&](const mbs::PreparedMechanism& p, IntegratorCheck* check) {
-    const auto which = mbs::select_quantities(*p.mechanism, p.file.outputs);
-    const auto scratch = p.mechanism->make_scratch();
-    std::vector<Eigen::VectorXd> out;
-    mbs::RunCallbacks callbacks;
-    callbacks.row = [&](const mbs::State& s, const Eigen::VectorXd& v_dot, const mbs::EnergyAccount&) {
-      p.mechanism->evaluate(which, s, v_dot, *scratch,
-                            out.emplace_back(static_cast<Eigen::Index>(which.size())));
-      if (check) check->take(s, v_dot);
-    };
-    EXPECT_TRUE(mbs::run(*p.mechanism, p.state, p.v_dot, p.options, callbacks).complete);
-    return out;
-  };
   // Order five at 1e-12 is right to 1e-10 here, six orders below the errors looked at.
-  const auto truth =
-      outputs(mbs::prepare(file, {"solver.method=runge_kutta", "solver.tolerance=1e-12"}), nullptr);
+  const Eigen::MatrixXd truth =
+      rows_of_run(mbs::prepare(file, {"solver.method=runge_kutta", "solver.tolerance=1e-12"}));
   const mbs::PreparedMechanism p = mbs::prepare(file, GetParam());
   const auto check = IntegratorCheck::make(p);
   ASSERT_TRUE(check);
-  const auto values = outputs(p, check.get());
-  ASSERT_EQ(values.size(), truth.size());
+  const Eigen::MatrixXd values =
+      rows_of_run(p, [&](const mbs::State& s, const Eigen::VectorXd& v_dot) { check->take(s, v_dot); });
+  ASSERT_EQ(values.rows(), truth.rows());
   double error = 0.0;
-  for (Eigen::Index i = 0; i < 3; ++i) {
-    double square = 0.0, size = 0.0;
-    for (std::size_t k = 0; k < truth.size(); ++k) {
-      square += std::pow(values[k](i) - truth[k](i), 2);
-      size += std::pow(truth[k](i), 2);
-    }
-    error = std::max(error, std::sqrt(square / size));
-  }
+  for (Eigen::Index i = 0; i < 3; ++i)
+    error = std::max(error, (values.col(i) - truth.col(i)).norm() / truth.col(i).norm());
   const IntegratorEstimate estimate = check->estimate({});
   // What is wanted of an estimate: within a factor of three either way.
   EXPECT_GT(estimate.error, error / 3.0);

@@ -8,6 +8,7 @@
 #include "mbs/superelement/file.hpp"
 #include "tests/app/command.hpp"
 #include "tests/mbs/study/clamped_bar.hpp"
+#include "tests/mbs/study/rows_of_run.hpp"
 #include "tests/mbs/superelement/box_beam.hpp"
 
 namespace flexura::study {
@@ -30,19 +31,10 @@ class ShadowsOfABar : public ::testing::Test {
   Run run(const std::vector<std::string>& overrides) const {
     const mbs::PreparedMechanism p = mbs::prepare(file_, overrides);
     const auto shadows = Shadows::make(p, file_, overrides);
-    const auto which = mbs::select_quantities(*p.mechanism, p.file.outputs);
-    const auto scratch = p.mechanism->make_scratch();
-    std::vector<Eigen::VectorXd> rows;
-    mbs::RunCallbacks callbacks;
-    callbacks.row = [&](const mbs::State& s, const Eigen::VectorXd& v_dot, const mbs::EnergyAccount&) {
-      rows.emplace_back(static_cast<Eigen::Index>(which.size()));
-      p.mechanism->evaluate(which, s, v_dot, *scratch, rows.back());
-      if (shadows) shadows->take(s, v_dot);
-    };
-    EXPECT_TRUE(mbs::run(*p.mechanism, p.state, p.v_dot, p.options, callbacks).complete);
     Run out;
-    out.values.resize(static_cast<Eigen::Index>(rows.size()), static_cast<Eigen::Index>(which.size()));
-    for (std::size_t i = 0; i < rows.size(); ++i) out.values.row(static_cast<Eigen::Index>(i)) = rows[i];
+    out.values = rows_of_run(p, [&](const mbs::State& s, const Eigen::VectorXd& v_dot) {
+      if (shadows) shadows->take(s, v_dot);
+    });
     out.has_estimate = shadows != nullptr;
     if (shadows) out.estimate = shadows->estimate();
     return out;
