@@ -46,7 +46,8 @@ std::string kind_text(const Key& key) {
     case Kind::quantities:
       return "list of " + count + (unit.empty() ? "numbers" : "quantities" + in_unit);
     case Kind::vectors3:
-      return "list of " + count + "times 3 numbers" + in_unit;
+      return count.empty() ? "list of points: 3 numbers" + in_unit + " each"
+                           : "list of " + count + "times 3 numbers" + in_unit;
     case Kind::matrix:
       return "matrix: list of rows" + in_unit;
     case Kind::table:

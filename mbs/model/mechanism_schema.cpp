@@ -7,6 +7,7 @@
 #include "mbs/model/forces/types.hpp"
 #include "mbs/model/joints/types.hpp"
 #include "mbs/model/read_flexible_body.hpp"
+#include "mbs/model/read_linked_marker.hpp"
 #include "mbs/model/read_mechanism.hpp"
 #include "mbs/model/read_tables.hpp"
 #include "mbs/model/user_library.hpp"
@@ -34,6 +35,8 @@ TableSchema marker_schema() {
   add_pose(schema, "the marker in the body's frame (undeformed)");
   schema.keys.push_back(
       text("on", "interface of a flexible body that carries the marker along as it deforms"));
+  const std::vector<Key> linked = linked_marker_keys();
+  schema.keys.insert(schema.keys.end(), linked.begin(), linked.end());
   return schema;
 }
 

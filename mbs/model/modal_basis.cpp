@@ -31,7 +31,8 @@ double hz(double omega2) {
 /// differ in size.
 class Scaled {
  public:
-  explicit Scaled(const superelement::Superelement& se) : se_(se), n_(se.n()), scale_(se.n()) {
+  /// `ties` n_se x k: motions along them are held at zero.
+  Scaled(const superelement::Superelement& se, const MatrixXd& ties) : se_(se), n_(se.n()), scale_(se.n()) {
     for (int i = 0; i < n_; ++i) {
       if (!(se.M_se(i, i) > 0.0))
         throw std::invalid_argument(fmt::format(
@@ -52,7 +53,18 @@ class Scaled {
           "with more directions)",
           se.name, n_, qr.rank()));
     // The complement of M R: the last n - 6 columns of its orthogonal factor.
-    free_ = qr.householderQ() * MatrixXd::Identity(n_, n_).rightCols(n_ - 6);
+    if (ties.cols() == 0) {
+      free_ = qr.householderQ() * MatrixXd::Identity(n_, n_).rightCols(n_ - 6);
+      return;
+    }
+    ties_ = to_loads(ties);
+    ties_.colwise().normalize();
+    free_ = complement(MR_);
+    if (free_.cols() == 0)
+      throw std::invalid_argument(fmt::format(
+          "superelement \"{}\": its rigid links leave no deformation; link fewer interfaces or use "
+          "fidelity = \"rigid\"",
+          se_.name));
   }
 
   MatrixXd M, K, R;
@@ -79,14 +91,8 @@ class Scaled {
   /// Eigenmodes among the vectors orthogonal to `held`, without rigid motions.
   Modes eigenmodes(const MatrixXd& held) const {
     if (held.cols() == 0) return eigenmodes_in(free_);
-    MatrixXd conditions = conditions_of(held);
-    for (Index k = 0; k < conditions.cols(); ++k)
-      if (const double length = conditions.col(k).norm(); length > 0.0) conditions.col(k) /= length;
-    Eigen::ColPivHouseholderQR<MatrixXd> qr(conditions);
-    qr.setThreshold(1e-9);
-    const Index rest = n_ - qr.rank();
-    if (rest == 0) return {};
-    return eigenmodes_in(qr.householderQ() * MatrixXd::Identity(n_, n_).rightCols(rest));
+    const MatrixXd N = complement(conditions_of(held));
+    return N.cols() == 0 ? Modes{} : eigenmodes_in(N);
   }
 
   /// Response modes for the loads, mean axes.
@@ -106,7 +112,7 @@ class Scaled {
   /// Takes a rigid motion from each column: none of its momentum is left.
   void to_mean_axes(MatrixXd& S) const { S -= R * (R.transpose() * MR_).ldlt().solve(MR_.transpose() * S); }
 
-  /// Takes a rigid motion from each column: the held directions do not move.
+  /// Takes a rigid motion from each column: these directions do not move.
   void to_held_frame(const MatrixXd& held, MatrixXd& S) const {
     const MatrixXd H = conditions_of(held);
     if (H.cols() != 6)
@@ -145,6 +151,20 @@ class Scaled {
   }
 
  private:
+  /// An orthonormal basis of what is orthogonal to the columns and to the ties.
+  MatrixXd complement(const MatrixXd& columns) const {
+    MatrixXd all(n_, columns.cols() + ties_.cols());
+    if (ties_.cols() > 0)
+      all << columns, ties_;
+    else
+      all = columns;
+    for (Index k = 0; k < all.cols(); ++k)
+      if (const double length = all.col(k).norm(); length > 0.0) all.col(k) /= length;
+    Eigen::ColPivHouseholderQR<MatrixXd> qr(all);
+    qr.setThreshold(1e-9);
+    return qr.householderQ() * MatrixXd::Identity(n_, n_).rightCols(n_ - qr.rank());
+  }
+
   Modes eigenmodes_in(const MatrixXd& N) const {
     const MatrixXd K_c = N.transpose() * K * N, M_c = N.transpose() * M * N;
     const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> solver(0.5 * (K_c + K_c.transpose()),
@@ -170,25 +190,38 @@ class Scaled {
   const superelement::Superelement& se_;
   int n_;
   VectorXd scale_;
-  MatrixXd MR_, free_;
+  MatrixXd MR_, free_, ties_;
 };
 
-FlexibleNode node_of(const superelement::Interface& interface, const MatrixXd& Y,
-                     const superelement::StiffeningTerms* terms) {
+FlexibleNode node_of(const BodyNode& at, const MatrixXd& Y, const superelement::StiffeningTerms* terms) {
   const Index m = Y.cols();
   FlexibleNode node;
-  node.name = interface.name;
-  node.p_BoN_B = interface.p_BoN_B;
-  node.Phi_t = node.Phi_r = Eigen::Matrix3Xd::Zero(3, m);
-  MatrixXd second = MatrixXd::Zero(terms ? 6 * m : 0, m);
-  for (std::size_t k = 0; k < interface.directions.size(); ++k) {
-    const int direction = static_cast<int>(interface.directions[k]);
-    const int dof = interface.first_dof + static_cast<int>(k);
-    (direction < 3 ? node.Phi_t.row(direction) : node.Phi_r.row(direction - 3)) = Y.row(dof);
-    if (terms) second.middleRows(direction * m, m) = -Y.transpose() * terms->K0F.at(dof) * Y;
+  node.name = at.name;
+  node.p_BoN_B = at.p_BoN_B;
+  node.Phi_t = at.rows.topRows<3>() * Y;
+  node.Phi_r = at.rows.bottomRows<3>() * Y;
+  if (!terms || !at.is_on_interfaces) return node;
+  MatrixXd second = MatrixXd::Zero(6 * m, m);
+  for (std::size_t dof = 0; dof < terms->K0F.size(); ++dof) {
+    const auto share = at.rows.col(static_cast<Index>(dof));
+    if (share.isZero(0.0)) continue;
+    const MatrixXd K0F = Y.transpose() * terms->K0F[dof] * Y;
+    for (int k = 0; k < 6; ++k)
+      if (share(k) != 0.0) second.middleRows(k * m, m) -= share(k) * K0F;
   }
   if (!second.isZero(0.0)) node.second = std::move(second);
   return node;
+}
+
+/// All of the nodes' ties side by side.
+MatrixXd ties_of(const superelement::Superelement& se, const std::vector<BodyNode>& nodes) {
+  MatrixXd ties(se.n(), 0);
+  for (const BodyNode& node : nodes) {
+    if (node.ties.cols() == 0) continue;
+    ties.conservativeResize(Eigen::NoChange, ties.cols() + node.ties.cols());
+    ties.rightCols(node.ties.cols()) = node.ties;
+  }
+  return ties;
 }
 
 }  // namespace
@@ -227,17 +260,7 @@ SecondOrderIntegrals second_order_integrals(const superelement::StiffeningTerms&
 }
 
 MatrixXd interface_loads(const superelement::Superelement& se, int interface, const Vector3d& offset) {
-  const superelement::Interface& i = se.interfaces.at(interface);
-  MatrixXd P = MatrixXd::Zero(se.n(), 6);
-  // Torque t and force f at the offset: t + offset x f about the node.
-  Matrix6d to_node = Matrix6d::Identity();  // rows: force, torque at the node; columns: torque, force
-  to_node.topLeftCorner<3, 3>().setZero();
-  to_node.topRightCorner<3, 3>().setIdentity();
-  to_node.bottomLeftCorner<3, 3>().setIdentity();
-  to_node.bottomRightCorner<3, 3>() = skew(offset);
-  for (std::size_t k = 0; k < i.directions.size(); ++k)
-    P.row(i.first_dof + static_cast<int>(k)) = to_node.row(static_cast<int>(i.directions[k]));
-  return P;
+  return node_loads(interface_node(se, interface), offset);
 }
 
 MatrixXd interface_loads(const superelement::Superelement& se, const std::vector<int>& interfaces) {
@@ -254,22 +277,23 @@ ModalData modal_data(const superelement::Superelement& se, const BasisOptions& o
                     "stiffening = true, or "
                     "use fidelity = \"modal\"",
                     se.name));
-  const Scaled scaled(se);
+  const Scaled scaled(se, ties_of(se, options.nodes));
   Modes modes = scaled.eigenmodes(options.held);
   const int available = static_cast<int>(modes.omega2.size());
   int kept = 0;
   while (kept < available && kept < options.modes && hz(modes.omega2(kept)) <= options.max_frequency) ++kept;
   const bool responses = options.loads.cols() > 0 && (kept < available || options.held.cols() > 0);
   if (kept == 0 && !responses)
-    throw std::invalid_argument(
-        fmt::format("superelement \"{}\": no mode is left (the first one has {:.6g} Hz); keep one or use "
-                    "fidelity = \"rigid\"",
-                    se.name, hz(modes.omega2(0))));
+    throw std::invalid_argument(fmt::format(
+        "superelement \"{}\": no mode is left (the first one of {} has {:.6g} Hz); keep one or use "
+        "fidelity = \"rigid\"",
+        se.name, available, available > 0 ? hz(modes.omega2(0)) : 0.0));
   const double first_dropped = kept < available ? hz(modes.omega2(kept)) : 0.0;
   std::vector<double> eigen_hz;
   for (int i = 0; i < kept; ++i) eigen_hz.push_back(hz(modes.omega2(i)));
 
-  const bool free_eigenmodes_alone = options.held.cols() == 0 && !responses && options.fixed_interface < 0;
+  const bool free_eigenmodes_alone =
+      options.held.cols() == 0 && !responses && options.fixed_interface < 0 && options.frame.cols() == 0;
   if (free_eigenmodes_alone) {
     modes.Y = modes.Y.leftCols(kept).eval();
     modes.omega2 = modes.omega2.head(kept).eval();
@@ -285,8 +309,8 @@ ModalData modal_data(const superelement::Superelement& se, const BasisOptions& o
     if (options.fixed_interface >= 0) {
       scaled.to_fixed_interface(options.fixed_interface, modes.Y);
       modes = scaled.orthonormalised(std::move(modes.Y));
-    } else if (options.frame_is_held) {
-      scaled.to_held_frame(options.held, modes.Y);
+    } else if (options.frame.cols() > 0) {
+      scaled.to_held_frame(options.frame, modes.Y);
       modes = scaled.orthonormalised(std::move(modes.Y));
     }
   }
@@ -309,8 +333,8 @@ ModalData modal_data(const superelement::Superelement& se, const BasisOptions& o
   data.damping = modal_damping(law, data.stiffness, of_superelement);
   const superelement::StiffeningTerms* terms = options.stiffening ? &*se.stiffening : nullptr;
   if (terms) data.second = second_order_integrals(*terms, data.Y);
-  for (const superelement::Interface& interface : se.interfaces)
-    data.nodes.push_back(node_of(interface, data.Y, terms));
+  for (const BodyNode& node : interface_nodes(se)) data.nodes.push_back(node_of(node, data.Y, terms));
+  for (const BodyNode& node : options.nodes) data.nodes.push_back(node_of(node, data.Y, terms));
   return data;
 }
 

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "mbs/model/body_node.hpp"
 #include "mbs/model/flexible_body.hpp"
 #include "mbs/model/modal_damping.hpp"
 #include "mbs/superelement/superelement.hpp"
@@ -22,12 +23,13 @@
 ///    R the rigid motions: attachment modes with inertia relief for Omega_0 = 0.  With them the body gives
 ///    way under its interface loads as the superelement does, whatever eigenmodes were dropped.
 /// 3. The frame: a rigid motion is taken from each so that R^T M_se y = 0 (mean axes, Tisserand), so that one
-///    interface neither moves nor turns in the frame (joint-fixed), or so that the held directions do not move
+///    interface neither moves nor turns in the frame (joint-fixed), or so that given directions do not move
 ///    in it (held by its joints; what these leave of the rigid motions by mean axes).  All describe the same
 ///    deformations.
 /// 4. Orthonormalised: Y^T M_se Y = 1, Y^T K_se Y = Omega^2; what depends on the others is dropped.
 ///
 /// Without steps 1's truncation all n - 6 deformations of the superelement are kept and step 2 adds nothing.
+/// Rigid links (body_node.hpp) leave of all this what keeps ties^T u_se = 0.
 namespace flexura::mbs {
 
 struct BasisOptions {
@@ -37,7 +39,8 @@ struct BasisOptions {
   Eigen::MatrixXd loads;            ///< n_se x j, unit loads for response modes; empty: none
   double response_frequency = 0.0;  ///< [Hz] Omega_0 / 2 pi; must not be a natural frequency
   int fixed_interface = -1;         ///< joint-fixed frame at this interface; -1: mean axes
-  bool frame_is_held = false;       ///< the frame where `held` (at most six, independent) does not move
+  Eigen::MatrixXd frame;            ///< n_se x k <= 6, independent: directions that do not move in the frame
+  std::vector<BodyNode> nodes;      ///< beside the interfaces; behind them in ModalData::nodes
   std::optional<double> damping;    ///< ratio for all modes; short for damping_law.ratio
   DampingLaw damping_law;
   Coupling coupling = Coupling::full;

@@ -22,31 +22,32 @@ int marker_on(const MechanismDescription& d, const JointDescription& joint, int 
   return -1;
 }
 
-/// The interface a marker stands on, or -1; on a one-way body markers do not move with it.
-int interface_of(const MarkerDescription& marker) {
+using Nodes = std::vector<BodyNode>;
+
+/// The node of its body that a marker stands on, or -1; on a one-way body markers do not move with it.
+int node_of(const MarkerDescription& marker) {
   return std::max(marker.node, marker.ked_node);
 }
 
-/// The interface that a joint-fixed frame sits on: of the first joint (not cut) that leads to the body.
+/// The joint that a joint-fixed frame sits on: the first one (not cut) that leads to the body.
 const JointDescription* frame_joint(const MechanismDescription& d, int body) {
   for (const bool cut : {false, true})
     for (const JointDescription& joint : d.joints)
       if (joint.cut == cut)
-        if (const int marker = marker_on(d, joint, body); marker >= 0 && interface_of(d.markers[marker]) >= 0)
+        if (const int marker = marker_on(d, joint, body); marker >= 0 && node_of(d.markers[marker]) >= 0)
           return &joint;
   return nullptr;
 }
 
 /// Unit wrenches (torque, force) about the marker in its own axes, as loads on the superelement.
-MatrixXd marker_loads(const superelement::Superelement& se, const MarkerDescription& marker) {
+MatrixXd marker_loads(const Nodes& nodes, const MarkerDescription& marker) {
   const Matrix3d& R = marker.X_BP.R;
   Matrix6d axes = Matrix6d::Zero();
   axes.topLeftCorner<3, 3>() = R;
   axes.bottomRightCorner<3, 3>() = R;
-  const int interface = interface_of(marker);
-  const Vector3d offset =
-      marker.node >= 0 ? marker.X_BP.p : Vector3d(marker.X_BP.p - se.interfaces[interface].p_BoN_B);
-  return interface_loads(se, interface, offset) * axes;
+  const BodyNode& node = nodes[node_of(marker)];
+  const Vector3d offset = marker.node >= 0 ? marker.X_BP.p : Vector3d(marker.X_BP.p - node.p_BoN_B);
+  return node_loads(node, offset) * axes;
 }
 
 /// The directions a joint locks, in its frame F.  Rotations first, as in a twist.
@@ -61,19 +62,20 @@ std::vector<int> locked_directions(const Joint& joint) {
   return locked;
 }
 
-MatrixXd held_directions(const superelement::Superelement& se, const MechanismDescription& d,
-                         const JointDescription& joint, int body) {
+MatrixXd held_directions(const Nodes& nodes, const MechanismDescription& d, const JointDescription& joint,
+                         int body) {
   const MarkerDescription& marker = d.markers[marker_on(d, joint, body)];
-  const MatrixXd all = marker_loads(se, marker);
+  const MatrixXd all = marker_loads(nodes, marker);
   const std::vector<int> locked = locked_directions(*joint.joint);
-  MatrixXd held(se.n(), locked.size());
+  MatrixXd held(all.rows(), locked.size());
   for (std::size_t k = 0; k < locked.size(); ++k) held.col(k) = all.col(locked[k]);
   return held;
 }
 
 /// Where the joints hold a body: at most six of the directions that they lock, independent for a rigid body,
 /// displacements before rotations, in the order of the file.
-MatrixXd held_by_joints(const superelement::Superelement& se, const MechanismDescription& d, int body) {
+MatrixXd held_by_joints(const superelement::Superelement& se, const Nodes& nodes,
+                        const MechanismDescription& d, int body) {
   const MatrixXd R = superelement::rigid_motions(se);
   // As a rigid body of about its own size sees them: lengths count like radians.
   double size = 0.0;
@@ -86,8 +88,8 @@ MatrixXd held_by_joints(const superelement::Superelement& se, const MechanismDes
   for (const bool displacements : {true, false})
     for (const JointDescription& joint : d.joints) {
       const int marker = marker_on(d, joint, body);
-      if (marker < 0 || interface_of(d.markers[marker]) < 0) continue;
-      const MatrixXd all = marker_loads(se, d.markers[marker]);
+      if (marker < 0 || node_of(d.markers[marker]) < 0) continue;
+      const MatrixXd all = marker_loads(nodes, d.markers[marker]);
       for (const int k : locked_directions(*joint.joint)) {
         if ((k >= 3) != displacements) continue;
         Vector6d row = R.transpose() * all.col(k);
@@ -104,16 +106,15 @@ MatrixXd held_by_joints(const superelement::Superelement& se, const MechanismDes
   return held;
 }
 
-/// Loads that what acts on the interface can put on it: all six, less the torques of a joint that turns
-/// freely there, where nothing else acts.
-MatrixXd loads_on(const superelement::Superelement& se, const MechanismDescription& d, int body,
-                  int interface) {
+/// Loads that what acts on the node can put on it: all six, less the torques of a joint that turns freely
+/// there, where nothing else acts.
+MatrixXd loads_on(const Nodes& nodes, const MechanismDescription& d, int body, int node) {
   const JointDescription* only = nullptr;
   int acting = 0;
   bool drives_or_joint_forces = false;
   for (const JointDescription& joint : d.joints) {
     const int marker = marker_on(d, joint, body);
-    if (marker < 0 || interface_of(d.markers[marker]) != interface) continue;
+    if (marker < 0 || node_of(d.markers[marker]) != node) continue;
     ++acting;
     only = &joint;
     drives_or_joint_forces = !joint.drives.empty();
@@ -123,19 +124,18 @@ MatrixXd loads_on(const superelement::Superelement& se, const MechanismDescripti
     // Forces without markers act on joint coordinates.
     if (from < 0 && to < 0) drives_or_joint_forces = true;
     for (const int marker : {from, to})
-      if (marker >= 0 && d.markers[marker].body == body && interface_of(d.markers[marker]) == interface)
-        acting += 2;
+      if (marker >= 0 && d.markers[marker].body == body && node_of(d.markers[marker]) == node) acting += 2;
   }
   for (const auto& constraint : d.constraints)
     if (const auto* relative = dynamic_cast<const RelativeConstraint*>(constraint.get()))
       for (const int marker : {relative->marker_F(), relative->marker_M()})
-        if (d.markers[marker].body == body && interface_of(d.markers[marker]) == interface) acting += 2;
+        if (d.markers[marker].body == body && node_of(d.markers[marker]) == node) acting += 2;
   const std::set<std::string_view> turning = {"revolute", "cylindrical", "spherical"};
   if (acting != 1 || drives_or_joint_forces || !only || !turning.contains(only->joint->type()))
-    return interface_loads(se, interface);
-  const MatrixXd all = marker_loads(se, d.markers[marker_on(d, *only, body)]);
+    return node_loads(nodes[node]);
+  const MatrixXd all = marker_loads(nodes, d.markers[marker_on(d, *only, body)]);
   if (only->joint->type() == "spherical") return all.rightCols(3);
-  MatrixXd loads(se.n(), 5);  // z is the axis; along it a cylindrical joint slides, perhaps with friction
+  MatrixXd loads(all.rows(), 5);  // z is the axis; along it a cylindrical joint slides, perhaps with friction
   loads << all.leftCols(2), all.rightCols(3);
   return loads;
 }
@@ -252,11 +252,11 @@ std::shared_ptr<const StressField> read_stress_field(const Section& s, const sup
   return field;
 }
 
-std::vector<int> loaded_interfaces(const MechanismDescription& d, int body) {
+std::vector<int> loaded_nodes(const MechanismDescription& d, int body) {
   std::set<int> found;
   const auto take = [&](int marker) {
-    if (marker >= 0 && d.markers[marker].body == body && interface_of(d.markers[marker]) >= 0)
-      found.insert(interface_of(d.markers[marker]));
+    if (marker >= 0 && d.markers[marker].body == body && node_of(d.markers[marker]) >= 0)
+      found.insert(node_of(d.markers[marker]));
   };
   for (const JointDescription& joint : d.joints) {
     if (joint.joint->type() == "six_dof") continue;  // carries no load
@@ -278,10 +278,14 @@ std::vector<int> loaded_interfaces(const MechanismDescription& d, int body) {
 
 std::shared_ptr<const FlexibleBody> prepare_flexible_body(const Section& s,
                                                           const superelement::Superelement& se,
+                                                          const std::vector<BodyNode>& linked,
                                                           const MechanismDescription& d, int body,
                                                           std::vector<std::string>& notes) {
+  Nodes nodes = interface_nodes(se);
+  nodes.insert(nodes.end(), linked.begin(), linked.end());
   const std::string &name = d.bodies[body].name, fidelity = fidelity_of(s);
   BasisOptions options;
+  options.nodes = linked;
   options.damping_law = damping_law(s);
   options.stiffening = fidelity == "modal-stiffened";
   const std::string coupling = s.text("coupling");
@@ -307,12 +311,12 @@ std::shared_ptr<const FlexibleBody> prepare_flexible_body(const Section& s,
   if (frame == "joints") {
     if (s.has("boundary"))
       s.refuse("boundary", "a frame held by the joints holds the eigenmodes too", "take this key away");
-    options.held = held_by_joints(se, d, body);
-    options.frame_is_held = options.held.cols() > 0;
-    if (!options.frame_is_held && s.has("frame"))
+    options.frame = options.held = held_by_joints(se, nodes, d, body);
+    const bool is_held = options.held.cols() > 0;
+    if (!is_held && s.has("frame"))
       s.refuse("frame", "no joint of this body sits on an interface and locks a direction",
                "let joints' markers stand on interfaces (on = \"INTERFACE\"), or take this key away");
-    if (options.frame_is_held)
+    if (is_held)
       notes.push_back(
           fmt::format("body \"{}\": its joints hold the frame and the eigenmodes in {} directions", name,
                       options.held.cols()));
@@ -325,27 +329,30 @@ std::shared_ptr<const FlexibleBody> prepare_flexible_body(const Section& s,
       s.refuse(key, "no joint sits on an interface of this body",
                "let a joint's marker stand on an interface (on = \"INTERFACE\"), or take this key away");
     const MarkerDescription& marker = d.markers[marker_on(d, *joint, body)];
-    if (joint_fixed) options.fixed_interface = interface_of(marker);
-    if (boundary == "joint") options.held = held_directions(se, d, *joint, body);
-    notes.push_back(fmt::format("body \"{}\": joint \"{}\" on interface \"{}\" gives {}", name, joint->name,
-                                se.interfaces[interface_of(marker)].name,
-                                joint_fixed && boundary == "joint"
-                                    ? "the frame and the eigenmodes' boundary condition"
-                                : joint_fixed ? "the frame"
-                                              : "the eigenmodes' boundary condition"));
+    const int node = node_of(marker);
+    if (joint_fixed && node < static_cast<int>(se.interfaces.size()))
+      options.fixed_interface = node;
+    else if (joint_fixed)
+      options.frame = node_loads(nodes[node]);
+    if (boundary == "joint") options.held = held_directions(nodes, d, *joint, body);
+    notes.push_back(
+        fmt::format("body \"{}\": joint \"{}\" on {} \"{}\" gives {}", name, joint->name,
+                    node < static_cast<int>(se.interfaces.size()) ? "interface" : "marker", nodes[node].name,
+                    joint_fixed && boundary == "joint" ? "the frame and the eigenmodes' boundary condition"
+                    : joint_fixed                      ? "the frame"
+                                                       : "the eigenmodes' boundary condition"));
   }
 
   const std::string attachments = s.has("attachments")   ? s.text("attachments")
                                   : fidelity == "static" ? "used"
                                                          : "none";
-  std::vector<int> interfaces;
+  std::vector<int> loaded;
   if (attachments == "all")
-    for (std::size_t i = 0; i < se.interfaces.size(); ++i) interfaces.push_back(static_cast<int>(i));
-  if (attachments == "used") interfaces = loaded_interfaces(d, body);
+    for (std::size_t i = 0; i < nodes.size(); ++i) loaded.push_back(static_cast<int>(i));
+  if (attachments == "used") loaded = loaded_nodes(d, body);
   options.loads.resize(se.n(), 0);
-  for (const int interface : interfaces) {
-    const MatrixXd more =
-        attachments == "all" ? interface_loads(se, interface) : loads_on(se, d, body, interface);
+  for (const int node : loaded) {
+    const MatrixXd more = attachments == "all" ? node_loads(nodes[node]) : loads_on(nodes, d, body, node);
     options.loads.conservativeResize(Eigen::NoChange, options.loads.cols() + more.cols());
     options.loads.rightCols(more.cols()) = more;
   }

@@ -14,6 +14,7 @@
 #include "mbs/model/read_body.hpp"
 #include "mbs/model/read_flexible_body.hpp"
 #include "mbs/model/read_joint.hpp"
+#include "mbs/model/read_linked_marker.hpp"
 #include "mbs/model/read_tables.hpp"
 #include "mbs/superelement/file.hpp"
 
@@ -92,7 +93,7 @@ void prepare_bodies(ReadModel& model) {
   MechanismDescription& d = model.description;
   for (const auto& [b, se] : model.to_prepare) {
     const Section& s = model.sections.at(b);
-    const auto body = prepare_flexible_body(s, *se, d, b, model.notes);
+    const auto body = prepare_flexible_body(s, *se, model.linked[b], d, b, model.notes);
     if (wants_stress(s)) d.bodies[b].stress = read_stress_field(s, *se, *body);
     (model.is_one_way(b) ? d.bodies[b].ked : d.bodies[b].flexible) = body;
   }
@@ -198,40 +199,62 @@ void Reader::add_marker(int body, const std::string& full_name, const Pose& X, i
   if (one_way) d.markers.back().ked_node = node;
 }
 
-void Reader::read_markers(const Section& s, int body, const Pose& X_B, const std::string& owner,
-                          bool deforms) {
-  MechanismDescription& d = model_.description;
-  for (const auto& [name, m] : s.table_map("marker")) {
+/// The node of the body that carries the marker, and where it is; -1 where none does.
+std::pair<int, Vector3d> Reader::carrying_node(const Section& m, int body, const std::string& name,
+                                               bool deforms, const superelement::Superelement* se) {
+  const auto& interfaces = model_.interfaces[body];
+  if (is_linked(m)) {
+    if (!se)
+      m.refuse(m.has("nodes")    ? "nodes"
+               : m.has("points") ? "points"
+                                 : "within",
+               "only superelements have nodes to follow", "take the key away, or use on");
+    std::vector<BodyNode>& linked = model_.linked[body];
+    BodyNode node = read_linked_node(m, name, *se, deforms, model_.notes);
+    const Vector3d p = node.p_BoN_B;
+    if (!deforms) return {-1, p};
+    linked.push_back(std::move(node));
+    return {static_cast<int>(interfaces.size() + linked.size()) - 1, p};
+  }
+  const std::string interface = m.text("on");
+  const auto found =
+      std::ranges::find_if(interfaces, [&](const auto& entry) { return entry.first == interface; });
+  if (found == interfaces.end()) {
+    std::vector<std::string> known;
+    for (const auto& entry : interfaces) known.push_back(entry.first);
+    m.refuse(
+        "on",
+        fmt::format("the body has no interface \"{}\"{}", interface, input::suggestion(interface, known)),
+        interfaces.empty() ? "only superelements have interfaces" : "");
+  }
+  return {deforms ? static_cast<int>(found - interfaces.begin()) : -1, found->second};
+}
+
+void Reader::read_markers(const Section& s, int body, const Pose& X_B, const std::string& owner, bool deforms,
+                          const superelement::Superelement* se) {
+  const MechanismDescription& d = model_.description;
+  for (const auto& [own_name, m] : s.table_map("marker")) {
     Pose X = read_pose(m);
+    const std::string name = owner + "." + own_name;
     int node = -1;
     for (const MarkerDescription& other : d.markers)
-      if (other.name == owner + "." + name)
+      if (other.name == name)
         m.refuse("", "has the name of an interface of the superelement", "choose another name");
-    if (m.has("on")) {
-      const std::string interface = m.text("on");
-      const auto& interfaces = model_.interfaces[body];
-      const auto found =
-          std::ranges::find_if(interfaces, [&](const auto& entry) { return entry.first == interface; });
-      if (found == interfaces.end()) {
-        std::vector<std::string> known;
-        for (const auto& entry : interfaces) known.push_back(entry.first);
-        m.refuse(
-            "on",
-            fmt::format("the body has no interface \"{}\"{}", interface, input::suggestion(interface, known)),
-            interfaces.empty() ? "only superelements have interfaces" : "");
-      }
-      if (!m.has("position")) X.p = found->second;
-      if (deforms) {
-        node = static_cast<int>(found - interfaces.begin());  // nodes are the interfaces in their order
-        if (!model_.is_one_way(body)) X.p -= found->second;   // relative to the node
-      }
+    for (const char* key : {"weights", "link"})
+      if (m.has(key) && !is_linked(m))
+        m.refuse(key, "is for a marker on several nodes", "say which by nodes, points or within");
+    if (m.has("on") || is_linked(m)) {
+      const auto [carries, p] = carrying_node(m, body, name, deforms, se);
+      node = carries;
+      if (!m.has("position")) X.p = p;
+      if (node >= 0 && !model_.is_one_way(body)) X.p -= p;  // relative to the node
     } else if (deforms) {
       model_.notes.push_back(
-          fmt::format("marker \"{}.{}\" is fixed in the body's floating frame and sees no deformation; "
-                      "say on = \"INTERFACE\" to let an interface carry it",
-                      owner, name));
+          fmt::format("marker \"{}\" is fixed in the body's floating frame and sees no deformation; "
+                      "say on = \"INTERFACE\" (or nodes, points, within) to let the body carry it",
+                      name));
     }
-    add_marker(body, owner + "." + name, X_B * X, node);
+    add_marker(body, name, X_B * X, node);
   }
 }
 
@@ -241,9 +264,13 @@ std::shared_ptr<const superelement::Superelement> Reader::load(const Section& s)
   const std::string fidelity = fidelity_of(s);
   parts.matrices = fidelity != "rigid";  // a rigid body needs none
   parts.stiffening = fidelity == "modal-stiffened";
-  parts.stress = parts.surface = wants_stress(s);
-  const std::string key = fmt::format("{}|{}|{}|{}", path.lexically_normal().string(), parts.matrices,
-                                      parts.stiffening, parts.stress);
+  const bool by_surface = std::ranges::any_of(
+      s.table_map("marker"), [](const auto& entry) { return follows_surface(entry.second); });
+  parts.stress = wants_stress(s);
+  parts.surface = parts.stress || by_surface;
+  parts.shapes = parts.matrices && by_surface;
+  const std::string key = fmt::format("{}|{}|{}|{}|{}", path.lexically_normal().string(), parts.matrices,
+                                      parts.stiffening, parts.stress, by_surface);
   auto& loaded = model_.superelements[key];
   if (loaded) return loaded;
   try {
@@ -316,7 +343,7 @@ void Reader::read_body(const std::string& own_name, const Section& s) {
                deforms ? static_cast<int>(i) : -1);
   }
   model_.interfaces[b] = std::move(interfaces);
-  read_markers(s, b, Pose{}, name, deforms);
+  read_markers(s, b, Pose{}, name, deforms, se.get());
 }
 
 void Reader::read_joints() {

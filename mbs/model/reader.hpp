@@ -6,6 +6,7 @@
 #include <memory>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "mbs/model/beam_part.hpp"
@@ -32,7 +33,8 @@ struct ReadModel {
   std::map<std::string, std::shared_ptr<const superelement::Superelement>> superelements;
   /// Of deforming bodies; they are prepared when it is known what acts on them.
   std::map<int, std::shared_ptr<const superelement::Superelement>> to_prepare;
-  std::map<int, Segments> segments;  ///< beams cut into pieces, by the piece at the root
+  std::map<int, std::vector<BodyNode>> linked;  ///< nodes of deforming bodies beside their interfaces
+  std::map<int, Segments> segments;             ///< beams cut into pieces, by the piece at the root
 
   bool deforms(int body) const { return to_prepare.contains(body) || description.bodies[body].flexible; }
   bool is_one_way(int body) const {
@@ -68,8 +70,10 @@ class Reader {
   void read_body(const std::string& name, const input::Section& s);
   std::shared_ptr<const superelement::Superelement> load(const input::Section& s);
   void read_markers(const input::Section& s, int body, const Pose& X_B, const std::string& owner,
-                    bool deforms);
-  /// `node` is an interface of a deforming body, or -1.
+                    bool deforms, const superelement::Superelement* se = nullptr);
+  std::pair<int, Vector3d> carrying_node(const input::Section& marker, int body, const std::string& name,
+                                         bool deforms, const superelement::Superelement* se);
+  /// `node` is one of a deforming body, or -1.
   void add_marker(int body, const std::string& full_name, const Pose& X, int node);
 
   ReadModel& model_;

@@ -124,7 +124,7 @@ TEST(OneWayDeformation, VibratesBetweenTwoPinsAsAPinnedBeam) {
                       6);  // loads: torque, then force; the line between the ends, and no twist at the root
   const Eigen::MatrixXd root = interface_loads(se, 0), tip = interface_loads(se, 1);
   options.held << root.rightCols(3), tip.rightCols(2), root.col(0);
-  options.frame_is_held = true;
+  options.frame = options.held;
   options.loads = interface_loads(se, {0, 1});
   options.modes = 6;
   const ModalData data = modal_data(se, options);

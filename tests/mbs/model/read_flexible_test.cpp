@@ -116,5 +116,112 @@ TEST_F(MechanismFileTest, BodiesArePreparedForWhatActsOnThem) {
               HasSubstr("takes no eigenmodes"));
 }
 
+const char* const carried_by_several = R"toml(
+[body.beam]
+superelement = "beam.se.h5"
+[body.beam.marker.middle]
+points = [[0.3, 0.17, 0], [0.6, 0.34, 0.1], [0.62, 0.14, 0.33], [0.3, -0.03, 0.3]]
+[body.beam.marker.around]
+position = [0.45, 0.2, 0.15]
+within = "300 mm"
+axis = [0, 1, 1]
+[body.bob]
+mass = 1
+inertia = [0.1, 0.1, 0.1]
+[joint.pivot]
+type = "revolute"
+from = "ground"
+to = "beam.middle"
+[joint.neck]
+type = "ball"
+from = "beam.around"
+to = "bob"
+[force.gust]
+type = "force"
+marker = "beam.middle"
+axes = "beam.around"
+x = "sin(t)"
+y = "3"
+reaction = "bob"
+)toml";
+
+TEST_F(MechanismFileTest, MarkersFollowSeveralNodes) {
+  lattice::Lattice l = lattice::make_lattice(6);
+  superelement::write(folder_ / "bare.se.h5", l.se);
+  l.se.surface.vertices = l.x.transpose();
+  l.se.surface.triangles.resize(1, 3);
+  l.se.surface.triangles << 0, 1, 2;
+  l.se.surface.edges.resize(0, 2);
+  l.se.shapes = l.T.cast<float>();
+  superelement::write(folder_ / "beam.se.h5", l.se);
+  const MechanismFile file = read(carried_by_several);
+  EXPECT_THAT(file.notes[0],
+              HasSubstr("marker \"beam.middle\" follows 4 nodes of the surface, the farthest"));
+  EXPECT_THAT(file.notes[1], HasSubstr("marker \"beam.around\" follows"));
+  // Joints, forces and measures there: kinematics, powers and Lagrange's equations are those of the marker.
+  all_identities_hold(Mechanism(file.description), 11);
+  const auto& nodes = file.description.bodies[1].flexible->data().nodes;
+  ASSERT_EQ(nodes.size(), 4u);
+  EXPECT_EQ(nodes[2].name, "beam.middle");
+  // The marker stands where it is told to, its node in the centre of those around.
+  const auto place = [](const MechanismDescription& d, const std::string& name) {
+    for (const MarkerDescription& m : d.markers)
+      if (m.name == name)
+        return m.node < 0 ? m.X_BP.p
+                          : Vector3d(d.bodies[m.body].flexible->data().nodes[m.node].p_BoN_B + m.X_BP.p);
+    return Vector3d(Vector3d::Zero());
+  };
+  EXPECT_LT((place(file.description, "beam.around") - Vector3d(0.45, 0.2, 0.15)).norm(), 1e-15);
+  const MechanismDescription rigid = read(carried_by_several, {"body.beam.fidelity=rigid"}).description;
+  for (const char* name : {"beam.middle", "beam.around"})
+    EXPECT_LT((place(file.description, name) - place(rigid, name)).norm(), 1e-15) << name;
+  for (const char* how : {"fidelity=ked", "fidelity=static", "frame=joint_fixed", "attachments=used"}) {
+    SCOPED_TRACE(how);
+    all_identities_hold(Mechanism(read(carried_by_several, {std::string("body.beam.") + how}).description),
+                        12);
+  }
+  // Both ends in one rigid piece: six deformations fewer.
+  const std::string link = std::string(carried_by_several) +
+                           "[body.beam.marker.grip]\nnodes = [\"left\", "
+                           "\"right\"]\nlink = \"rigid\"\n";
+  const Mechanism linked(read(link).description);
+  EXPECT_EQ(linked.sizes().n_flx, l.se.n() - 12);
+  all_identities_hold(linked, 13);
+}
+
+TEST_F(MechanismFileTest, MarkersOnSeveralNodesAreRefusedWithTheReason) {
+  lattice::Lattice l = lattice::make_lattice(6);
+  superelement::write(folder_ / "bare.se.h5", l.se);
+  const auto refusal_of_marker = [&](const std::string& keys,
+                                     const std::string& body = "superelement = \"bare.se.h5\"") {
+    return refusal("[body.beam]\n" + body + "\n[body.beam.marker.x]\n" + keys + "\n");
+  };
+  EXPECT_THAT(refusal_of_marker("nodes = [\"left\", \"rihgt\"]"),
+              HasSubstr("no interface \"rihgt\", did you mean \"right\"?"));
+  EXPECT_THAT(refusal_of_marker("nodes = [\"left\", \"left\"]"), HasSubstr("names \"left\" twice"));
+  EXPECT_THAT(refusal_of_marker("nodes = [\"left\", \"right\"]"),
+              HasSubstr("determine 5 of its six motions; give at least three places"));
+  EXPECT_THAT(refusal_of_marker("nodes = [\"left\"]\non = \"left\""), HasSubstr("is for a marker on one"));
+  EXPECT_THAT(refusal_of_marker("nodes = [\"left\"]\nweights = [1, 2]"), HasSubstr("2 entries for 1 nodes"));
+  EXPECT_THAT(refusal_of_marker("points = [[0, 0, 0]]"), HasSubstr("has no shapes on its surface"));
+  EXPECT_THAT(refusal_of_marker("points = [[0, 0, 0]]\nlink = \"rigid\""),
+              HasSubstr("a rigid link joins interfaces"));
+  EXPECT_THAT(refusal_of_marker("within = \"1 mm\""), HasSubstr("needs a position"));
+  EXPECT_THAT(refusal_of_marker("on = \"left\"\nweights = [1]"), HasSubstr("is for a marker on several nodes"));
+  EXPECT_THAT(refusal_of_marker("nodes = [\"a\"]", "mass = 1"), HasSubstr("only superelements have nodes"));
+  l.se.surface.vertices = l.x.transpose();
+  l.se.surface.triangles.resize(1, 3);
+  l.se.surface.triangles << 0, 1, 2;
+  l.se.surface.edges.resize(0, 2);
+  l.se.shapes = l.T.cast<float>();
+  superelement::write(folder_ / "beam.se.h5", l.se);
+  const std::string body = "superelement = \"beam.se.h5\"";
+  EXPECT_THAT(refusal_of_marker("points = [[0, 0.1, 0], [0, 0.11, 0], [1, 0, 0]]", body),
+              HasSubstr("nearest to the same node of the surface as a point before it"));
+  // The lattice's nearest corner is (0.94, 0.41, 0.24).
+  EXPECT_THAT(refusal_of_marker("position = [5, 0, 0]\nwithin = \"10 mm\"", body),
+              HasSubstr("the sphere holds 0 nodes of the surface, the nearest one lies 4.087 m"));
+}
+
 }  // namespace
 }  // namespace flexura::mbs

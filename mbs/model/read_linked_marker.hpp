@@ -1,0 +1,30 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "mbs/input/document.hpp"
+#include "mbs/input/schema.hpp"
+#include "mbs/model/body_node.hpp"
+
+/// Markers that follow several places of a superelement at once: [body.NAME.marker.NAME] with nodes, points
+/// or within.
+namespace flexura::mbs {
+
+/// Keys of a marker for that.
+std::vector<input::Key> linked_marker_keys();
+
+/// True where a marker's table has one of these keys.
+bool is_linked(const input::Section& marker);
+
+/// True where it follows nodes of the surface: the superelement must be read with surface and shapes.
+bool follows_surface(const input::Section& marker);
+
+/// The node that the marker `name` = "body.marker" sits on.  Without `deforms` its place is all that is
+/// needed, and shapes are not.  Notes for the user are appended.  Throws InputError.
+BodyNode read_linked_node(const input::Section& marker, const std::string& name,
+                          const superelement::Superelement& se, bool deforms,
+                          std::vector<std::string>& notes);
+
+}  // namespace flexura::mbs
