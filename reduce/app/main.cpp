@@ -29,7 +29,7 @@ struct Arguments {
   std::string input, output, report, mesh_size;
   std::vector<std::string> overrides, held;
   int modes = -1, beam_modes = 0, places = 5, compare = 0;
-  bool list_faces = false, schema = false, schema_beams = false, statics = false;
+  bool factor_in_file = false, list_faces = false, schema = false, schema_beams = false, statics = false;
 };
 
 int reduce_with(const Arguments& arguments, const terminal::Talk& talk) {
@@ -80,7 +80,10 @@ int reduce_with(const Arguments& arguments, const terminal::Talk& talk) {
   const reduce::PartInput part = reduce::read_part(arguments.input, overrides);
 
   reduce::reduce_part(part, output,
-                      {.report = arguments.report, .compare = arguments.compare, .quiet = talk.quiet});
+                      {.report = arguments.report,
+                       .compare = arguments.compare,
+                       .factor_in_file = arguments.factor_in_file,
+                       .quiet = talk.quiet});
   return 0;
 }
 
@@ -101,6 +104,10 @@ std::function<int()> declare(terminal::Options& options, const terminal::Talk& t
       .option(
           "--compare", arguments->compare, "N",
           "also solve the full model: N free frequencies and static compliance against the superelement's")
+      .flag("--factor-in-file", arguments->factor_in_file,
+            "keep the factor in a temporary file (in TMPDIR or beside the output), as is done by itself "
+            "where it "
+            "does not fit into memory")
       .flag("--list-faces", arguments->list_faces, "list the solids and faces of the part, then stop")
       .flag("--schema", arguments->schema, "print the part file's reference page, then stop")
       .flag("--schema-beams", arguments->schema_beams, "print the beam part file's reference page, then stop")

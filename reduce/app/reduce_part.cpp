@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstdlib>
 #include <nlohmann/json.hpp>
 #include <numbers>
 
@@ -127,6 +128,9 @@ void reduce_part(const PartInput& input, const std::filesystem::path& output, co
   how.loads = modelled.loads;
   how.shape_nodes = picture.nodes;
   how.stiffening = input.stiffening;
+  how.storage.place =
+      options.factor_in_file ? linalg::FactorStorage::Place::file : linalg::FactorStorage::Place::automatic;
+  if (!std::getenv("TMPDIR")) how.storage.folder = std::filesystem::absolute(output).parent_path();
   how.progress = progress;
   std::vector<std::int32_t> vertices = stress_vertices(input.recovery, part.mesh, picture.nodes);
   for (const std::int32_t vertex : vertices) how.stress_nodes.push_back(picture.nodes[vertex]);

@@ -134,6 +134,8 @@ nlohmann::json reduction_json(const Reduction& reduction) {
           {"rigid_strain", r.rigid_strain},
           {"smallest_pivot", r.factor.smallest_pivot},
           {"factor_nonzeros", r.factor.nonzeros},
+          {"factor_bytes", r.factor.bytes},
+          {"factor_in_file", r.factor.in_file},
           {"peak_memory_bytes", r.peak_memory_bytes},
           {"seconds",
            {{"assembly", r.seconds_assembly},
@@ -241,6 +243,8 @@ Report make_report(const PartInput& input, const Reduction& reduction, ReportDat
   }
   if (data.comparison.static_error >= 0.0)
     text += fmt::format("  static compliance against the full model: {:.1e}\n", data.comparison.static_error);
+  if (r.factor.in_file)
+    text += fmt::format("  the factor ({:.2f} GB) was kept in a temporary file\n", r.factor.bytes / 1e9);
   text += fmt::format("  {:.1f} s in all, peak memory {:.2f} GB\n", data.seconds, r.peak_memory_bytes / 1e9);
   text += "  " + verdict + '\n';
   return report;

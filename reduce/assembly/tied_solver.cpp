@@ -9,11 +9,13 @@ namespace flexura::reduce {
 namespace {
 
 // The pins' springs go onto the diagonal for the factorisation only.
-linalg::CholeskyFactor factorise(const TiedModel& model, const linalg::Progress& progress) {
+linalg::CholeskyFactor factorise(const TiedModel& model, const linalg::Progress& progress,
+                                 const linalg::FactorStorage& storage) {
   linalg::report(progress, "factorisation", 0.0);
   try {
-    linalg::CholeskyFactor factor(model.K_ii(), model.group_begin(), model.pins());
-    linalg::report(progress, "factorisation", 1.0);
+    linalg::CholeskyFactor factor(model.K_ii(), model.group_begin(), model.pins(), storage);
+    linalg::report(progress, factor.figures().in_file ? "factorisation (kept in a file)" : "factorisation",
+                   1.0);
     return factor;
   } catch (const linalg::SingularMatrix& singular) {
     throw std::invalid_argument(
@@ -26,8 +28,9 @@ linalg::CholeskyFactor factorise(const TiedModel& model, const linalg::Progress&
 
 }  // namespace
 
-TiedSolver::TiedSolver(const TiedModel& model, const linalg::Progress& progress)
-    : model_(model), factor_(factorise(model, progress)) {
+TiedSolver::TiedSolver(const TiedModel& model, const linalg::Progress& progress,
+                       const linalg::FactorStorage& storage)
+    : model_(model), factor_(factorise(model, progress, storage)) {
   const auto& A = model.A();
   const auto& pins = model.pins();
   const Eigen::Index n_a = A.rows(), n_p = static_cast<Eigen::Index>(pins.size());

@@ -25,7 +25,8 @@ class TiedSolver {
  public:
   /// Factorises.  The model must outlive the solver.  A mechanism (two solids that share a single node, say)
   /// is refused with std::invalid_argument that names node and direction.
-  explicit TiedSolver(const TiedModel& model, const linalg::Progress& progress = {});
+  explicit TiedSolver(const TiedModel& model, const linalg::Progress& progress = {},
+                      const linalg::FactorStorage& storage = {});
 
   /// U for A U = 0 (fixed interfaces), all columns together.
   Eigen::MatrixXd solve(const Eigen::Ref<const Eigen::MatrixXd>& F) const;

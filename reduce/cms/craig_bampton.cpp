@@ -149,13 +149,21 @@ InterfaceModes faces_of(const Part& whole, const TiedSolver& stiff, const Constr
   return modes;
 }
 
+// Beside the factor stand the eigensolver's basis and blocks and the retained shapes.
+linalg::FactorStorage storage_for(const TiedModel& model, const ReductionOptions& options) {
+  linalg::FactorStorage storage = options.storage;
+  const int n_vectors = linalg::block_lanczos_vectors(options.n_modes) + 2 * model.n_b() + 100;
+  storage.reserve += sizeof(double) * static_cast<double>(model.n_i()) * n_vectors;
+  return storage;
+}
+
 // All but the certificate.  The factor is gone on return: the certificate's takes its place in memory.
 // `part`, of which `model` is, is `whole` with its elastic ties rigid.
 Cut reduce(const Part& whole, const Part& part, const TiedModel& model, const ReductionOptions& options,
            Reduction& reduction) {
   ReductionReport& report = reduction.report;
   linalg::Stopwatch watch;
-  const TiedSolver solver(model, options.progress);
+  const TiedSolver solver(model, options.progress, storage_for(model, options));
   watch.lap();
   report.factor = solver.figures();
 
@@ -356,7 +364,8 @@ Reduction craig_bampton(const Part& whole, const ReductionOptions& options) {
   if (options.certify && cut.n_modes > 0) {
     linalg::report(options.progress, "certificate", 0.0);
     watch.lap();
-    certify(model, cut.order, cut.omega2_last, cut.omega2_next, cut.n_modes, reduction.report);
+    certify(model, cut.order, cut.omega2_last, cut.omega2_next, cut.n_modes, reduction.report,
+            options.storage);
     reduction.report.seconds_certificate = watch.lap();
   }
   reduction.report.peak_memory_bytes = peak_memory();

@@ -12,8 +12,9 @@
 
 namespace flexura::reduce {
 
-int count_modes_below(const TiedModel& model, double omega2, std::vector<int> order) {
-  const linalg::IndefiniteFactor factor(model.shifted_stiffness(-omega2), std::move(order));
+int count_modes_below(const TiedModel& model, double omega2, std::vector<int> order,
+                      const linalg::FactorStorage& storage) {
+  const linalg::IndefiniteFactor factor(model.shifted_stiffness(-omega2), std::move(order), storage);
   const auto n_a = static_cast<int>(model.A().rows());
   if (n_a == 0) return factor.n_negative();
   const Eigen::MatrixXd At = Eigen::MatrixXd(model.A().transpose());
@@ -23,14 +24,14 @@ int count_modes_below(const TiedModel& model, double omega2, std::vector<int> or
 }
 
 void certify(const TiedModel& model, const std::vector<int>& order, double omega2_last, double omega2_next,
-             int n_modes, ReductionReport& report) {
+             int n_modes, ReductionReport& report, const linalg::FactorStorage& storage) {
   const double gap =
       std::isfinite(omega2_next) ? omega2_next - omega2_last : 2.0 * linalg::kClusterGap * omega2_last;
   constexpr double kPlaces[] = {0.5, 0.35, 0.65, 0.42, 0.58};
   for (const double place : kPlaces) {
     report.certified_omega2 = omega2_last + place * gap;
     try {
-      report.certified_modes = count_modes_below(model, report.certified_omega2, order);
+      report.certified_modes = count_modes_below(model, report.certified_omega2, order, storage);
       break;
     } catch (const std::runtime_error&) {
       if (place == std::end(kPlaces)[-1]) throw;

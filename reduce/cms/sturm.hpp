@@ -5,6 +5,7 @@
 
 #include "reduce/assembly/tied_model.hpp"
 #include "reduce/cms/reduction.hpp"
+#include "reduce/linalg/factor_store.hpp"
 
 namespace flexura::reduce {
 
@@ -17,12 +18,13 @@ namespace flexura::reduce {
 /// less one negative for each row of A (K. Gould, Math. Prog. 32 (1985), 90).  It proves that an eigensolver
 /// has missed none.  Needs a linalg::Session;
 /// std::runtime_error where the limit lies on an eigenvalue.
-int count_modes_below(const TiedModel& model, double omega2, std::vector<int> order = {});
+int count_modes_below(const TiedModel& model, double omega2, std::vector<int> order = {},
+                      const linalg::FactorStorage& storage = {});
 
 /// Counts between the last of `n_modes` kept eigenvalues and the first left out (infinite where there is
 /// none), and notes both in the report; a limit at which no factor is good enough (linalg::IndefiniteFactor)
 /// is moved within that gap.  std::runtime_error where the counts differ.
 void certify(const TiedModel& model, const std::vector<int>& order, double omega2_last, double omega2_next,
-             int n_modes, ReductionReport& report);
+             int n_modes, ReductionReport& report, const linalg::FactorStorage& storage = {});
 
 }  // namespace flexura::reduce

@@ -208,13 +208,17 @@ void polish(const EigenProblem& problem, EigenPairs& pairs) {
 
 }  // namespace
 
+// Room for a Krylov space without a restart in the usual case; a search up to a frequency may need to grow.
+int block_lanczos_vectors(int count, int block) {
+  return 4 * std::max(count, 1) + 17 * block;
+}
+
 EigenPairs block_lanczos(const EigenProblem& problem, const EigenRequest& request, const Progress& progress,
                          int block) {
   constexpr const char* kStage = "modes (block Lanczos)";
   const Index b = std::min<Index>(block, problem.n_free);
   const Index target = std::max(request.count, 1);
-  // Room for a Krylov space without a restart in the usual case; a search up to a frequency may need to grow.
-  Index capacity = std::min<Index>(problem.n_free, 4 * target + 15 * b) + 2 * b;
+  Index capacity = std::min<Index>(problem.n_free + 2 * b, block_lanczos_vectors(request.count, block));
   EigenPairs pairs;
   Basis basis(problem, capacity);
   std::mt19937_64 random(20240229);

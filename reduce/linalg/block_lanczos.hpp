@@ -21,4 +21,7 @@ namespace flexura::linalg {
 EigenPairs block_lanczos(const EigenProblem& problem, const EigenRequest& request,
                          const Progress& progress = {}, int block = 16);
 
+/// How many vectors of the problem's length the basis holds at most, for `count` pairs.
+int block_lanczos_vectors(int count, int block = 16);
+
 }  // namespace flexura::linalg

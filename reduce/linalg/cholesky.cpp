@@ -22,7 +22,7 @@ struct CholeskyFactor::Impl {
 };
 
 CholeskyFactor::CholeskyFactor(const SymmetricMatrix& A, std::span<const int> group_begin,
-                               std::span<const int> doubled) {
+                               std::span<const int> doubled, const FactorStorage& storage) {
   UpperCsr csr = A.csr();
   Stopwatch watch;
   std::vector<int> order;
@@ -34,6 +34,7 @@ CholeskyFactor::CholeskyFactor(const SymmetricMatrix& A, std::span<const int> gr
   figures.seconds_symbolic = watch.lap();
   figures.nonzeros = impl_->L.nonzeros();
   figures.flops = impl_->L.flops();
+  figures.bytes = impl_->L.bytes();
   // The matrix is left as it was: only the factor sees the doubled entries.
   std::vector<double> values;
   if (!doubled.empty()) {
@@ -41,9 +42,10 @@ CholeskyFactor::CholeskyFactor(const SymmetricMatrix& A, std::span<const int> gr
     for (const int row : doubled) values[csr.row_begin[row]] *= 2.0;
     csr.values = values;
   }
-  const int failed = impl_->L.factorise(csr, true);
+  const int failed = impl_->L.factorise(csr, true, storage);
   if (failed >= 0) throw SingularMatrix(failed, "the matrix is not positive definite");
   figures.seconds_numeric = watch.lap();
+  figures.in_file = impl_->L.is_in_file();
   const SupernodalFactor::Pivot smallest = impl_->L.smallest_pivot(A.csr());
   figures.smallest_pivot = smallest.ratio;
   if (!(smallest.ratio > kSmallestPivot))

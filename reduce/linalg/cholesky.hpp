@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "reduce/linalg/factor_figures.hpp"
+#include "reduce/linalg/factor_store.hpp"
 #include "reduce/linalg/symmetric_matrix.hpp"
 
 namespace flexura::linalg {
@@ -25,9 +26,9 @@ class CholeskyFactor {
   /// `group_begin` cuts the rows into groups of consecutive rows with the same pattern (the directions of one
   /// node), ascending, first 0, last n; the ordering is found on the groups, which is faster.  Empty: each
   /// row its own group.  `doubled` lists rows whose diagonal entry is taken twice: A + E diag(A_pp) E^T is
-  /// factorised.  Throws SingularMatrix, or std::runtime_error when memory does not suffice.
+  /// factorised.  Throws SingularMatrix, or std::runtime_error when neither memory nor the disk suffices.
   explicit CholeskyFactor(const SymmetricMatrix& A, std::span<const int> group_begin = {},
-                          std::span<const int> doubled = {});
+                          std::span<const int> doubled = {}, const FactorStorage& storage = {});
   ~CholeskyFactor();
   CholeskyFactor(CholeskyFactor&&) noexcept;
   CholeskyFactor& operator=(CholeskyFactor&&) noexcept;

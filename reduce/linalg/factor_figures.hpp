@@ -7,6 +7,8 @@ namespace flexura::linalg {
 struct FactorFigures {
   double nonzeros = 0.0;  ///< of L
   double flops = 0.0;
+  double bytes = 0.0;             ///< of what is stored, zeros within supernodes included
+  bool in_file = false;           ///< it did not fit into memory, or a file was asked for (factor_store.hpp)
   double seconds_ordering = 0.0;  ///< METIS
   double seconds_symbolic = 0.0;
   double seconds_numeric = 0.0;

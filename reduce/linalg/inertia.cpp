@@ -14,9 +14,10 @@ SupernodalFactor analysed(const UpperCsr& A, std::vector<int> order) {
 
 }  // namespace
 
-IndefiniteFactor::IndefiniteFactor(const SymmetricMatrix& A, std::vector<int> order)
+IndefiniteFactor::IndefiniteFactor(const SymmetricMatrix& A, std::vector<int> order,
+                                   const FactorStorage& storage)
     : factor_(analysed(A.csr(), std::move(order))) {
-  const bool failed = factor_.factorise(A.csr(), false) >= 0;
+  const bool failed = factor_.factorise(A.csr(), false, storage) >= 0;
   // Round-off E that takes an eigenvalue mu of A past zero is greater than mu, and greater than mu + e, what
   // the factor has in its place.  So the residual E x of x = (A + E)^-1 b is no smaller than b's part along
   // the eigenvector, which is normally distributed: in one of eight draws it is above 0.1, but for once in

@@ -21,7 +21,8 @@ class IndefiniteFactor {
  public:
   /// `order`: row order[k] is eliminated as number k; nested dissection where it is empty.
   /// std::runtime_error where a pivot is zero or the test fails: the limit must be moved a little.
-  explicit IndefiniteFactor(const SymmetricMatrix& A, std::vector<int> order = {});
+  explicit IndefiniteFactor(const SymmetricMatrix& A, std::vector<int> order = {},
+                            const FactorStorage& storage = {});
 
   int n_negative() const { return factor_.n_negative(); }
   Eigen::MatrixXd solve(const Eigen::Ref<const Eigen::MatrixXd>& B) const;

@@ -1,6 +1,7 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include "reduce/linalg/session.hpp"
 
+#include <malloc.h>
 #include <slepcsys.h>
 
 #include <cstdlib>
@@ -58,6 +59,9 @@ Launch launch() {
 
 Session::Session() {
   if (open_sessions == 0) {
+    // Arrays from 4 MB on are mapped one by one and given back when they are freed.  By default the limit
+    // rises with what is freed, up to 32 MB, and a fifth of the memory of large parts was holes in the heap.
+    mallopt(M_MMAP_THRESHOLD, 4 << 20);
     if (ended)
       throw std::runtime_error("MPI cannot be started a second time: keep one linalg::Session in main()");
     // On one machine the ob1 messaging layer starts in a fifth of the time of the default; the user's choice

@@ -10,12 +10,31 @@
 namespace flexura::linalg {
 namespace {
 
+// What is called with 32-bit and what with 64-bit indices.
+struct Narrow {
+  using Index = int;
+  static constexpr int kType = CHOLMOD_INT;
+  static constexpr auto start = cholmod_start;
+  static constexpr auto finish = cholmod_finish;
+  static constexpr auto free_factor = cholmod_free_factor;
+  static constexpr auto analyse = cholmod_analyze_p;
+};
+struct Wide {
+  using Index = SuiteSparse_long;
+  static constexpr int kType = CHOLMOD_LONG;
+  static constexpr auto start = cholmod_l_start;
+  static constexpr auto finish = cholmod_l_finish;
+  static constexpr auto free_factor = cholmod_l_free_factor;
+  static constexpr auto analyse = cholmod_l_analyze_p;
+};
+
+template <class Kind>
 struct Cholmod {
   cholmod_common common{};
   cholmod_factor* L = nullptr;
 
   Cholmod() {
-    cholmod_start(&common);
+    Kind::start(&common);
     common.print = 0;
     common.error_handler = nullptr;
     common.supernodal = CHOLMOD_SUPERNODAL;
@@ -24,8 +43,8 @@ struct Cholmod {
     common.postorder = 1;
   }
   ~Cholmod() {
-    cholmod_free_factor(&L, &common);
-    cholmod_finish(&common);
+    Kind::free_factor(&L, &common);
+    Kind::finish(&common);
   }
   Cholmod(const Cholmod&) = delete;
   Cholmod& operator=(const Cholmod&) = delete;
@@ -34,28 +53,63 @@ struct Cholmod {
     if (common.status == CHOLMOD_OUT_OF_MEMORY)
       throw std::runtime_error(std::string("memory does not suffice while ") + doing +
                                ": use a coarser mesh or a machine with more memory");
-    if (common.status == CHOLMOD_TOO_LARGE)
-      throw std::runtime_error(std::string("the matrix is too large for 32-bit indices while ") + doing +
-                               ": use a coarser mesh");
     if (common.status < 0)
       throw std::runtime_error(std::string("CHOLMOD failed while ") + doing + " (status " +
                                std::to_string(common.status) + ")");
   }
 };
 
-cholmod_sparse pattern_of(int n, std::span<const int> begin, std::span<const int> columns) {
+template <class Kind>
+cholmod_sparse pattern_of(int n, std::span<const typename Kind::Index> begin,
+                          std::span<const typename Kind::Index> columns) {
   cholmod_sparse view{};
   view.nrow = view.ncol = static_cast<std::size_t>(n);
   view.nzmax = columns.size();
-  view.p = const_cast<int*>(begin.data());
-  view.i = const_cast<int*>(columns.data());
+  view.p = const_cast<typename Kind::Index*>(begin.data());
+  view.i = const_cast<typename Kind::Index*>(columns.data());
   view.stype = -1;  // upper triangle by rows = lower triangle by columns
-  view.itype = CHOLMOD_INT;
+  view.itype = Kind::kType;
   view.xtype = CHOLMOD_PATTERN;
   view.dtype = CHOLMOD_DOUBLE;
   view.sorted = 1;
   view.packed = 1;
   return view;
+}
+
+// The same numbers, 64 bits wide where they are wanted so.
+std::span<const int> widened(std::span<const int> numbers, std::vector<int>&) {
+  return numbers;
+}
+std::span<const SuiteSparse_long> widened(std::span<const int> numbers, std::vector<SuiteSparse_long>& copy) {
+  copy.assign(numbers.begin(), numbers.end());
+  return copy;
+}
+
+struct Analysis {
+  std::vector<int> first_column, first_row, rows, order;
+  double nonzeros = 0.0, flops = 0.0;
+};
+
+// False where 32 bits do not count the factor's entries.
+template <class Kind>
+bool analyse(const UpperCsr& A, const std::vector<int>& order, Analysis& analysis) {
+  using Index = typename Kind::Index;
+  Cholmod<Kind> cholmod;
+  {
+    std::vector<Index> begin, columns, given;
+    cholmod_sparse pattern = pattern_of<Kind>(A.n, widened(A.row_begin, begin), widened(A.columns, columns));
+    cholmod.L = Kind::analyse(&pattern, const_cast<Index*>(widened(order, given).data()), nullptr, 0,
+                              &cholmod.common);
+  }
+  if (cholmod.common.status == CHOLMOD_TOO_LARGE) return false;
+  cholmod.check("analysing the matrix");
+  const cholmod_factor& L = *cholmod.L;
+  const auto copy = [](const void* array, std::size_t count) {
+    return std::vector<int>(static_cast<const Index*>(array), static_cast<const Index*>(array) + count);
+  };
+  analysis = {copy(L.super, L.nsuper + 1), copy(L.pi, L.nsuper + 1), copy(L.s, L.ssize),
+              copy(L.Perm, L.n),           cholmod.common.lnz,       cholmod.common.fl};
+  return true;
 }
 
 }  // namespace
@@ -79,9 +133,9 @@ std::vector<int> nested_dissection(const UpperCsr& A, std::span<const int> group
         if (group_of[A.columns[k]] != last) columns.push_back(last = group_of[A.columns[k]]);
     begin.push_back(static_cast<int>(columns.size()));
   }
-  cholmod_sparse graph = pattern_of(n_groups, begin, columns);
+  cholmod_sparse graph = pattern_of<Narrow>(n_groups, begin, columns);
   std::vector<int> group_order(n_groups), order;
-  Cholmod cholmod;
+  Cholmod<Narrow> cholmod;
   cholmod_metis(&graph, nullptr, 0, 1, group_order.data(), &cholmod.common);
   cholmod.check("ordering the matrix");
   order.reserve(A.n);
@@ -90,27 +144,23 @@ std::vector<int> nested_dissection(const UpperCsr& A, std::span<const int> group
   return order;
 }
 
-SupernodalFactor::SupernodalFactor(const UpperCsr& A, std::vector<int> order)
+SupernodalFactor::SupernodalFactor(const UpperCsr& A, std::vector<int> order, Indices indices)
     : n_(A.n), first_column_{0}, first_row_{0}, first_value_{0} {
   if (n_ == 0) return;
   if (static_cast<int>(order.size()) != n_)
     throw std::logic_error("the order does not have the matrix's length");
-  Cholmod cholmod;
-  cholmod_sparse pattern = pattern_of(A.n, A.row_begin, A.columns);
-  cholmod.L = cholmod_analyze_p(&pattern, order.data(), nullptr, 0, &cholmod.common);
-  cholmod.check("analysing the matrix");
-  const cholmod_factor& L = *cholmod.L;
-  const auto copy = [](const void* array, std::size_t count) {
-    return std::vector<int>(static_cast<const int*>(array), static_cast<const int*>(array) + count);
-  };
-  first_column_ = copy(L.super, L.nsuper + 1);
-  first_row_ = copy(L.pi, L.nsuper + 1);
-  rows_ = copy(L.s, L.ssize);
-  order_ = copy(L.Perm, L.n);
+  Analysis analysis;
+  if ((indices == Indices::wide || !analyse<Narrow>(A, order, analysis)) &&
+      !analyse<Wide>(A, order, analysis))
+    throw std::runtime_error("the factor has more entries than 64-bit indices can count: use a coarser mesh");
+  first_column_ = std::move(analysis.first_column);
+  first_row_ = std::move(analysis.first_row);
+  rows_ = std::move(analysis.rows);
+  order_ = std::move(analysis.order);
+  nonzeros_ = analysis.nonzeros;
+  flops_ = analysis.flops;
   for (int s = 0; s < n_supernodes(); ++s)
-    first_value_.push_back(first_value_.back() + static_cast<std::int64_t>(width(s)) * height(s));
-  nonzeros_ = cholmod.common.lnz;
-  flops_ = cholmod.common.fl;
+    first_value_.push_back(first_value_.back() + static_cast<std::int64_t>(shape(s).size()));
 }
 
 }  // namespace flexura::linalg

@@ -20,7 +20,8 @@
 #include "reduce/linalg/session.hpp"
 
 /// The reduction of one CAD part against its own factorisation, against Krylov-Schur and against CalculiX,
-/// all on one mesh.  bench_reduction NAME PART.toml SIZE [krylov] [calculix]
+/// all on one mesh.  bench_reduction NAME PART.toml SIZE MODES [krylov] [calculix] [file]; with `file` the
+/// factor is kept in a file
 namespace flexura::reduce {
 namespace {
 
@@ -145,7 +146,7 @@ void against_calculix(const std::string& name, const PartInput& input, Part part
 }
 
 void run(const std::string& name, const std::filesystem::path& file, const std::string& size, int n_modes,
-         bool krylov, bool calculix) {
+         bool krylov, bool calculix, bool in_file) {
   PartInput input = read_part(file, {"mesh.size=" + size, fmt::format("modes.count={}", n_modes)});
   input.cad.worker = FLEXURA_BIN_DIR "/flexura-mesh";
   const ModelledPart modelled = make_part(input, load_part_mesh(input, {}));
@@ -158,11 +159,13 @@ void run(const std::string& name, const std::filesystem::path& file, const std::
   options.n_modes = n_modes;
   options.tolerance = 1e-8;
   options.certify = true;
+  if (in_file) options.storage.place = linalg::FactorStorage::Place::file;
   options.shape_nodes = picture.nodes;
   Timed ours = reduce(part, options);
   const ReductionReport r = ours.reduction.report;
   print(name + ".dofs", r.n_i + r.n_b, "1");
   print_stages(name, ours);
+  print(name + ".factor", r.factor.bytes / 1e9, "GB");
   print(name + ".peak_memory", r.peak_memory_bytes / 1e9, "GB");
   print(name + ".core_over_factorisation", core_seconds(r) / r.factor.seconds_numeric, "1");
 
@@ -195,17 +198,18 @@ void run(const std::string& name, const std::filesystem::path& file, const std::
 
 int main(int argc, char** argv) {
   if (argc < 5) {
-    fmt::print(stderr, "usage: bench_reduction NAME PART.toml SIZE MODES [krylov] [calculix]\n");
+    fmt::print(stderr, "usage: bench_reduction NAME PART.toml SIZE MODES [krylov] [calculix] [file]\n");
     return 2;
   }
-  bool krylov = false, calculix = false;
+  bool krylov = false, calculix = false, file = false;
   for (int k = 5; k < argc; ++k) {
     krylov = krylov || std::string(argv[k]) == "krylov";
+    file = file || std::string(argv[k]) == "file";
     calculix = calculix || std::string(argv[k]) == "calculix";
   }
   const flexura::linalg::Session session;
   try {
-    flexura::reduce::run(argv[1], argv[2], argv[3], std::stoi(argv[4]), krylov, calculix);
+    flexura::reduce::run(argv[1], argv[2], argv[3], std::stoi(argv[4]), krylov, calculix, file);
   } catch (const std::exception& error) {
     fmt::print(stderr, "error: {}\n", error.what());
     return 1;

@@ -137,6 +137,94 @@ TEST(Inertia, IsTheNumberOfTheGridsEigenvaluesBelowTheShift) {
   }
 }
 
+// The Laplacian of an n x n x n grid less sigma: eigenvalues 6 - 2 cos(i h) - 2 cos(j h) - 2 cos(k h) -
+// sigma.
+SymmetricMatrix shifted_cube(int n, double sigma) {
+  std::vector<int> begin{0}, columns;
+  const auto neighbours = [n](int i, const auto& visit) {
+    if (i % n + 1 < n) visit(i + 1);
+    if (i / n % n + 1 < n) visit(i + n);
+    if (i / (n * n) + 1 < n) visit(i + n * n);
+  };
+  for (int i = 0; i < n * n * n; ++i) {
+    columns.push_back(i);
+    neighbours(i, [&](int j) { columns.push_back(j); });
+    begin.push_back(static_cast<int>(columns.size()));
+  }
+  SymmetricMatrix A(begin, columns);
+  for (int i = 0; i < n * n * n; ++i) {
+    A.add_to_entry(i, i, 6.0 - sigma);
+    neighbours(i, [&](int j) { A.add_to_entry(i, j, -1.0); });
+  }
+  A.finish();
+  return A;
+}
+
+// Separators of a cube of 22 have 484 unknowns: fronts of several blocks of columns, with rows below them.
+TEST(Inertia, FrontsOfSeveralBlocksCountTheEigenvaluesOfACube) {
+  const int n = 22;
+  ASSERT_GT(n * n, 2 * Trapezoid::kBlock);
+  const double h = std::numbers::pi / (n + 1);
+  std::vector<double> exact;
+  for (int i = 1; i <= n; ++i)
+    for (int j = 1; j <= n; ++j)
+      for (int k = 1; k <= n; ++k)
+        exact.push_back(6.0 - 2.0 * (std::cos(i * h) + std::cos(j * h) + std::cos(k * h)));
+  std::sort(exact.begin(), exact.end());
+  for (const double sigma : {0.0, 0.21, 0.5, 1.0}) {
+    const SymmetricMatrix A = shifted_cube(n, sigma);
+    const IndefiniteFactor factor(A);
+    const auto above = std::lower_bound(exact.begin(), exact.end(), sigma);
+    EXPECT_EQ(factor.n_negative(), above - exact.begin()) << "sigma " << sigma;
+    const Eigen::MatrixXd B = random_matrix(n * n * n, 5);
+    Eigen::MatrixXd AX;
+    A.multiply(factor.solve(B), AX);
+    // The nearest eigenvalue is farther than 1e-4, the largest 12: condition 1e5, times 1e-16, times growth.
+    ASSERT_GT(*above - sigma, 1e-4);
+    EXPECT_LT((AX - B).norm(), 1e-9 * B.norm()) << "sigma " << sigma;
+  }
+}
+
+// The same operations in the same order, wherever the numbers are kept and however wide their indices are.
+TEST(Cholesky, AFactorInAFileGivesTheSameNumbersToTheBit) {
+  const SymmetricMatrix A = shifted_cube(22, 0.0);
+  const Eigen::MatrixXd B = random_matrix(A.size(), 13);
+  const CholeskyFactor in_memory(A, {}, {}, {.place = FactorStorage::Place::memory}),
+      in_file(A, {}, {}, {.place = FactorStorage::Place::file});
+  EXPECT_FALSE(in_memory.figures().in_file);
+  EXPECT_TRUE(in_file.figures().in_file);
+  EXPECT_EQ(in_file.solve(B), in_memory.solve(B));
+  // As much beside it as no machine has: the file is chosen without being asked for.
+  EXPECT_TRUE(CholeskyFactor(A, {}, {}, {.reserve = 1e18}).figures().in_file);
+}
+
+TEST(Cholesky, AFolderThatCannotHoldTheFactorIsNamed) {
+  const SymmetricMatrix A = grid_laplacian(10);
+  try {
+    const CholeskyFactor factor(A, {}, {},
+                                {.place = FactorStorage::Place::file, .folder = "/no/such/folder"});
+    FAIL() << "nothing was thrown";
+  } catch (const std::runtime_error& error) {
+    EXPECT_THAT(error.what(), ::testing::HasSubstr("/no/such/folder"));
+    EXPECT_THAT(error.what(), ::testing::HasSubstr("TMPDIR"));
+  }
+}
+
+TEST(SupernodalFactor, WideIndicesGiveTheSameFactor) {
+  const SymmetricMatrix A = shifted_cube(12, 0.0);
+  const std::vector<int> order = nested_dissection(A.csr());
+  SupernodalFactor narrow(A.csr(), order), wide(A.csr(), order, SupernodalFactor::Indices::wide);
+  EXPECT_EQ(wide.order(), narrow.order());
+  EXPECT_EQ(wide.bytes(), narrow.bytes());
+  ASSERT_EQ(narrow.factorise(A.csr(), true), -1);
+  ASSERT_EQ(wide.factorise(A.csr(), true), -1);
+  const Eigen::MatrixXd B = random_matrix(A.size(), 3);
+  Eigen::MatrixXd X, Y;
+  narrow.solve(B, X);
+  wide.solve(B, Y);
+  EXPECT_EQ(X, Y);
+}
+
 TEST(Inertia, ALimitOnAnEigenvalueIsRefused) {
   const std::vector<double> exact = grid_eigenvalues(30);
   EXPECT_THROW(IndefiniteFactor(shifted_grid(30, exact[5])), std::runtime_error);
