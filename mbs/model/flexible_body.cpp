@@ -2,9 +2,11 @@
 #include "mbs/model/flexible_body.hpp"
 
 #include <cmath>
+#include <cstring>
 #include <stdexcept>
 
 #include "mbs/math/rotation.hpp"
+#include "mbs/math/simd.hpp"
 
 namespace flexura::mbs {
 namespace {
@@ -16,6 +18,73 @@ using Map = Eigen::Map<Eigen::VectorXd>;
 /// Block 3 a + b of a vector of nine blocks of m.
 auto block(const Eigen::VectorXd& x, int a, int b, int m) {
   return x.segment((3 * a + b) * m, m);
+}
+
+/// Three numbers and one to spare, which fill a register; in memory they are four doubles.
+typedef double Four __attribute__((vector_size(32)));
+
+FLEXURA_INLINE void load(const double* from, Four& x) {
+  std::memcpy(&x, from, sizeof x);
+}
+FLEXURA_INLINE void store(const Four& x, double* to) {
+  std::memcpy(to, &x, sizeof x);
+}
+
+// sum_i s_i shape_i; a shape is eight numbers, (rotation, 0, displacement, 0).
+FLEXURA_INLINE void add_columns(const double* shapes, const double* s, int m, double* sum) {
+  Four angular = {}, linear = {}, of_angular, of_linear;
+  for (int i = 0; i < m; ++i) {
+    load(shapes + 8 * i, of_angular);
+    load(shapes + 8 * i + 4, of_linear);
+    angular += s[i] * of_angular;
+    linear += s[i] * of_linear;
+  }
+  store(angular, sum);
+  store(linear, sum + 4);
+}
+
+struct MapSums {
+  double V[8] = {}, A[8] = {}, theta_dot[4] = {};  ///< shaped as above
+};
+
+// Columns (J theta_i, u_i) of the map, w = J theta', and what the rates make of them, in one pass.
+FLEXURA_INLINE void map_columns(const double* shapes, const Matrix3d& J, const double* s_dot,
+                                const double* s_ddot, int m, double* map, MapSums& sums) {
+  const Four J_x = {J(0, 0), J(1, 0), J(2, 0), 0.0}, J_y = {J(0, 1), J(1, 1), J(2, 1), 0.0},
+             J_z = {J(0, 2), J(1, 2), J(2, 2), 0.0};
+  Four V_angular = {}, V_linear = {}, A_angular = {}, A_linear = {}, theta_dot = {};
+  for (int i = 0; i < m; ++i, map += 6) {
+    const double* shape = shapes + 8 * i;
+    Four theta, linear;
+    load(shape, theta);
+    load(shape + 4, linear);
+    const Four angular = shape[0] * J_x + shape[1] * J_y + shape[2] * J_z;
+    for (int k = 0; k < 3; ++k) {
+      map[k] = angular[k];
+      map[3 + k] = linear[k];
+    }
+    if (!s_dot) continue;
+    V_angular += s_dot[i] * angular;
+    V_linear += s_dot[i] * linear;
+    if (!s_ddot) continue;
+    A_angular += s_ddot[i] * angular;
+    A_linear += s_ddot[i] * linear;
+    theta_dot += s_dot[i] * theta;
+  }
+  store(V_angular, sums.V);
+  store(V_linear, sums.V + 4);
+  store(A_angular, sums.A);
+  store(A_linear, sums.A + 4);
+  store(theta_dot, sums.theta_dot);
+}
+
+// (rotation, 0, displacement, 0) of each mode.
+Eigen::Matrix<double, 8, Eigen::Dynamic> padded(const FlexibleNode& node) {
+  Eigen::Matrix<double, 8, Eigen::Dynamic> out;
+  out.setZero(8, node.Phi_t.cols());
+  out.topRows<3>() = node.Phi_r;
+  out.middleRows<3>(4) = node.Phi_t;
+  return out;
 }
 
 }  // namespace
@@ -37,6 +106,7 @@ FlexibleBody::FlexibleBody(ModalData data)
   if (data_.second && data_.coupling != Coupling::full)
     throw std::invalid_argument("geometric stiffening needs the full inertia coupling of a flexible body");
 
+  for (const FlexibleNode& node : data_.nodes) shapes_.push_back(padded(node));
   M_e_ = in.S_phiphi[0] + in.S_phiphi[1] + in.S_phiphi[2];
   T_.resize(9 * m_, m_);
   B_0_.resize(9 * m_);
@@ -238,65 +308,53 @@ Pose FlexibleBody::node_pose(int index, const double* s_values) const {
 NodeMotion FlexibleBody::make_node_motion() const {
   NodeMotion out;
   out.map.setZero(6, m_);
-  out.theta_map.setZero(3, m_);
   out.second.setZero(6 * m_);
+  out.rates.setZero(8 * m_);
   return out;
 }
 
 void FlexibleBody::node_motion(int index, const double* s_values, const double* s_dot_values,
                                const double* s_ddot_values, NodeMotion& out) const {
   const FlexibleNode& node = data_.nodes[index];
-  const ConstMap s(s_values, m_);
-  Vector3d theta = Vector3d::Zero(), u = Vector3d::Zero();
-  for (int i = 0; i < m_; ++i) {
-    theta += s(i) * node.Phi_r.col(i);
-    u += s(i) * node.Phi_t.col(i);
-    out.map.col(i) << node.Phi_r.col(i), node.Phi_t.col(i);
-  }
+  const double* shapes = shapes_[index].data();
+  double sums[8];
+  on_this_machine([&]() __attribute__((always_inline)) { add_columns(shapes, s_values, m_, sums); });
+  Vector3d theta(sums[0], sums[1], sums[2]), u(sums[4], sums[5], sums[6]);
   const bool second = node.second.size() > 0;
   if (second) {
+    const ConstMap s(s_values, m_);
     out.second.noalias() = node.second * s;
+    out.rates = ConstMap(shapes, 8 * m_);
     for (int k = 0; k < 6; ++k) {
       const auto K_s = out.second.segment(k * m_, m_);
       (k < 3 ? u(k) : theta(k - 3)) += 0.5 * K_s.dot(s);
-      out.map.row(k < 3 ? 3 + k : k - 3) += K_s.transpose();
+      Eigen::Map<Eigen::VectorXd, 0, Eigen::InnerStride<8>>(out.rates.data() + (k < 3 ? 4 + k : k - 3), m_) +=
+          K_s;
     }
+    shapes = out.rates.data();
   }
   const Matrix3d J_l = left_jacobian(theta);
   out.X_BN = {rotation_exp(theta), node.p_BoN_B + u};
-  // w = J_l theta'.
-  for (int i = 0; i < m_; ++i) {
-    const Vector3d theta_i = out.map.col(i).head<3>();
-    out.theta_map.col(i) = theta_i;
-    out.map.col(i).head<3>().noalias() = J_l * theta_i;
-  }
+  MapSums of_rates;
+  on_this_machine([&]() __attribute__((always_inline)) {
+    map_columns(shapes, J_l, s_dot_values, s_ddot_values, m_, out.map.data(), of_rates);
+  });
   if (!s_dot_values) return;
-
-  const ConstMap s_dot(s_dot_values, m_);
-  Vector6d V = Vector6d::Zero();
-  for (int i = 0; i < m_; ++i) V += s_dot(i) * out.map.col(i);
-  out.V = Spatial::from(V);
+  const auto spatial = [](const double* x) { return Spatial{{x[0], x[1], x[2]}, {x[4], x[5], x[6]}}; };
+  out.V = spatial(of_rates.V);
   if (!s_ddot_values) return;
-
-  const ConstMap s_ddot(s_ddot_values, m_);
-  Vector6d A = Vector6d::Zero();
-  Vector3d theta_dot = Vector3d::Zero();
-  for (int i = 0; i < m_; ++i) {
-    A += s_ddot(i) * out.map.col(i);
-    theta_dot += s_dot(i) * out.theta_map.col(i);
+  out.A = spatial(of_rates.A);
+  const double* rate = of_rates.theta_dot;
+  out.A.angular += left_jacobian_bias(theta, {rate[0], rate[1], rate[2]});
+  if (!second) return;
+  Vector3d theta_ddot;
+  const ConstMap s_dot(s_dot_values, m_);
+  out.second.noalias() = node.second * s_dot;
+  for (int k = 0; k < 3; ++k) {
+    out.A.linear(k) += out.second.segment(k * m_, m_).dot(s_dot);
+    theta_ddot(k) = out.second.segment((3 + k) * m_, m_).dot(s_dot);
   }
-  Vector3d alpha = left_jacobian_bias(theta, theta_dot);
-  if (second) {
-    Vector3d theta_ddot;
-    out.second.noalias() = node.second * s_dot;
-    for (int k = 0; k < 3; ++k) {
-      A(3 + k) += out.second.segment(k * m_, m_).dot(s_dot);
-      theta_ddot(k) = out.second.segment((3 + k) * m_, m_).dot(s_dot);
-    }
-    alpha.noalias() += J_l * theta_ddot;
-  }
-  A.head<3>() += alpha;
-  out.A = Spatial::from(A);
+  out.A.angular += J_l * theta_ddot;
 }
 
 double FlexibleBody::amplitude(int i) const {

@@ -87,7 +87,6 @@ struct NodeMotion {
   Pose X_BN;     ///< the node's frame, parallel to B where the body is undeformed
   Spatial V, A;  ///< twist and acceleration relative to B, expressed in B
   Eigen::Matrix<double, 6, Eigen::Dynamic> map;  ///< 6 x m: V = map s'
-  Eigen::Matrix3Xd theta_map;                    ///< 3 x m: derivative of the rotation vector by s
   Eigen::VectorXd second, rates;                 ///< work space
 };
 
@@ -183,7 +182,8 @@ class FlexibleBody {
   Eigen::MatrixXd T_;
   /// Rows c of blocks T_ab - T_ba, (a, b, c) cyclic: 3 m x m.
   Eigen::MatrixXd T_skew_;
-  Eigen::VectorXd B_0_;     ///< 9 m
+  Eigen::VectorXd B_0_;                                           ///< 9 m
+  std::vector<Eigen::Matrix<double, 8, Eigen::Dynamic>> shapes_;  ///< of the nodes, for node_motion()
   Eigen::MatrixXd N_skew_;  ///< 3 m x m: N_ab - N_ba, (a, b, c) cyclic; empty without stiffening
 };
 

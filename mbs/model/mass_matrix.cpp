@@ -7,6 +7,7 @@
 namespace flexura::mbs {
 // Every body by itself, and its twists for unit velocities of its own coordinates; after forward().
 void Mechanism::own_inertia(Work& work) const {
+  deform_inertia(work);
   for (int b : order_) {
     Work::Body& body = work.bodies[b];
     const Matrix3d& R = body.X_WB.R;
@@ -87,8 +88,8 @@ void Mechanism::mass_matrix(ConstVectorRef p, Scratch& scratch, MatrixRef M) con
         auto column = M.col(first + j).segment(first_a, n_a);
         column.noalias() = work.K[tc.parent].transpose() * H.col(j);
         if (deforms)  // modal velocities of the parent move the marker
-          column.tail(ta.m).noalias() +=
-              work.local[tc.marker_in].motion.map.transpose() * (parent.X_WB.R.transpose() * at_marker).vector();
+          column.tail(ta.m).noalias() += work.local[tc.marker_in].motion.map.transpose() *
+                                         (parent.X_WB.R.transpose() * at_marker).vector();
       }
       M.block(first, first_a, n, n_a) = M.block(first_a, first, n_a, n).transpose();
     }

@@ -254,6 +254,7 @@ EnergyReport Mechanism::energies(const double* lambda, Work& work) const {
 EnergyReport Mechanism::energy(const State& s, ConstVectorRef, Scratch& scratch) const {
   Work& work = work_of(scratch);
   forward(Level::velocity, s.t, s.p.data(), s.v.data(), nullptr, work);
+  deform_inertia(work);
   take_states(s, work);
   evaluate_signals(work);
   return energies(s.lambda.data(), work);

@@ -225,6 +225,7 @@ class Mechanism final : public Equations {
   void place_markers(int body, Level level, Work& work) const;
   void move_through_joint(int body, Level level, Work& work) const;
   void local_marker(int marker, Level level, Work& work) const;
+  void deform_inertia(Work& work) const;
   void body_forces(bool with_gravity, Work& work) const;
   void evaluate_signals(Work& work) const;
   void applied_forces(const State& s, VectorRef c_rate, VectorRef b, Work& work) const;

@@ -67,13 +67,18 @@ void Mechanism::forward(Level level, double t, const double* p, const double* v,
   work.kin.v = v;
   work.kin.v_dot = v_dot;
   for (int b : order_) {
-    const BodyDescription& body = d_.bodies[b];
-    if (body.flexible) body.flexible->set_position(p + bodies_[b].i_p, work.bodies[b].flexible);
     for (int i : markers_of_body_[b])
       if (d_.markers[i].node >= 0) local_marker(i, level, work);
     move_through_joint(b, level, work);
     place_markers(b, level, work);
   }
+}
+
+// The inertia of deformed bodies, after forward(); what asks for positions and velocities alone does without.
+void Mechanism::deform_inertia(Work& work) const {
+  for (int b : order_)
+    if (const auto& flexible = d_.bodies[b].flexible)
+      flexible->set_position(work.kin.p + bodies_[b].i_p, work.bodies[b].flexible);
 }
 
 void Mechanism::local_marker(int marker, Level level, Work& work) const {
@@ -200,6 +205,7 @@ void Mechanism::clear_loads(Work& work) const {
 
 void Mechanism::body_forces(bool with_gravity, Work& work) const {
   const Vector3d g = with_gravity ? d_.gravity : Vector3d::Zero();
+  deform_inertia(work);
   work.r.setZero();
   work.bodies[0].F = {};
   for (int b : order_) {

@@ -6,8 +6,10 @@
 #include <Eigen/SparseCore>
 #include <cmath>
 #include <complex>
+#include <type_traits>
 #include <vector>
 
+#include "mbs/solver/complex_factors.hpp"
 #include "mbs/solver/sparse_tangents.hpp"
 
 namespace flexura::mbs {
@@ -32,7 +34,7 @@ struct NewtonMatrix<Scalar>::Factors {
   using Sparse = Eigen::SparseMatrix<Scalar>;
 
   Matrix J;
-  Eigen::PartialPivLU<Matrix> lu;
+  std::conditional_t<std::is_same_v<Scalar, double>, Eigen::PartialPivLU<Matrix>, ComplexFactors> lu;
   Sparse J_sparse, z_p, h_p, G, GS, ET, TET;
   Eigen::KLU<Sparse> klu;
   std::vector<Eigen::Triplet<Scalar>> entries, of_blocks;
@@ -272,10 +274,14 @@ void NewtonMatrix<Scalar>::solve(const Eigen::Ref<const Vector>& rhs, Eigen::Ref
       if (form_.is_holonomic(k)) rhs_(n_z_ + n_l + k) -= g_w_(k);
   }
   rhs_.array() *= row_scale_.array();
-  if (f.is_sparse)
+  if (f.is_sparse) {
     solution_ = f.klu.solve(rhs_);
-  else
+  } else if constexpr (std::is_same_v<Scalar, double>) {
     solution_ = f.lu.solve(rhs_);
+  } else {
+    solution_ = rhs_;
+    f.lu.solve_in_place(solution_);
+  }
   solution_.array() *= column_scale_.array();
   w_ = solution_.head(n_v);
   if (n_l > 0 && f.is_sparse) w_ += f.GS * solution_.tail(n_l);

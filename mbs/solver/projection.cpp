@@ -83,6 +83,7 @@ void LoopCloser::factor(double t, const Eigen::VectorXd& p) {
 // In units of round-off, which grows with the speeds for those on velocity level.
 LoopCloser::Residuals LoopCloser::residuals(const State& s) {
   eq_.constraints(s.t, s.p, s.v, *scratch_, g_, g_dot_);
+  drift_ = {g_.cwiseAbs().maxCoeff(), g_dot_.cwiseAbs().maxCoeff()};
   const double speed = std::max(1.0, s.v.cwiseQuotient(scale_).lpNorm<Eigen::Infinity>());
   Residuals size;
   for (int k = 0; k < n_.n_lambda; ++k)
@@ -93,54 +94,75 @@ LoopCloser::Residuals LoopCloser::residuals(const State& s) {
   return size;
 }
 
-void LoopCloser::correct(State& s) {
+// By the residuals taken last.
+void LoopCloser::correct_position(State& s) {
   g_ = -g_;
   saddle_.solve(rest_, g_, d_, x_);
   eq_.kinematic(s.p, d_, p_);  // unlike retract() it leaves the lengths of quaternions alone
   s.p += p_;
-  // Velocities where the positions are now: a step of fast mechanisms changes G v by more than its residual.
-  eq_.velocity_constraints(s.t, s.p, s.v, *scratch_, g_dot_);
+}
+void LoopCloser::correct_velocity(State& s) {
   g_dot_ = -g_dot_;
   saddle_.solve(rest_, g_dot_, d_, x_);
   s.v += d_;
 }
 
-void LoopCloser::close(State& s) {
-  if (n_.n_lambda == 0) return;
-  // Newton's method takes nine tenths of g away at once: the nearest point on the constraints is this one.
-  bool is_near = false;
-  try {
-    bool fresh = !has_factors_;
-    if (fresh) factor(s.t, s.p);
-    Residuals size = residuals(s);
-    if (size.closed()) return;
-    trial_ = s;
-    for (int iteration = 0; iteration < 10 && !size.closed() && std::isfinite(size.larger()); ++iteration) {
-      correct(trial_);
-      const Residuals now = residuals(trial_);
-      if (!fresh && !now.closed() && !(now.larger() < 0.1 * size.larger())) {
-        factor(s.t, s.p);
-        fresh = true;
-        trial_ = s;
-        size = residuals(trial_);
-        is_near = false;
-        continue;
-      }
-      is_near = is_near || now.position <= std::max(1.0, 0.1 * size.position);
-      if (!now.closed() && !(now.larger() < 0.5 * size.larger())) return;
-      size = now;
+// Positions, then velocities where the positions are now: a step of fast mechanisms changes G v by more than
+// its residual.  False where Newton's method does not get there.
+bool LoopCloser::close_trial(const State& s, bool& is_near) {
+  bool fresh = !has_factors_;
+  if (fresh) factor(s.t, s.p);
+  trial_ = s;
+  Residuals size = residuals(trial_);
+  for (int iteration = 0; iteration < 20 && !size.closed() && std::isfinite(size.larger()); ++iteration) {
+    const bool of_position = size.position > 1.0;
+    correct_position(trial_);
+    // Where positions hardly move the residual of the velocities holds.
+    if (!of_position) correct_velocity(trial_);
+    const Residuals now = residuals(trial_);
+    const double was = of_position ? size.position : size.velocity,
+                 is = of_position ? now.position : now.velocity;
+    if (!fresh && is > 1.0 && !(is < 0.1 * was)) {
+      factor(s.t, s.p);
+      fresh = true;
+      trial_ = s;
+      size = residuals(trial_);
+      is_near = false;
+      continue;
     }
-    if (!size.closed()) return;
-  } catch (const std::runtime_error&) {
-    return;  // no mass matrix there: the integrator will say so
+    if (of_position) is_near = is_near || is <= std::max(1.0, 0.1 * was);
+    if (is > 1.0 && !(is < 0.5 * was)) return false;
+    size = now;
   }
-  if (!is_near) {
+  return size.closed();
+}
+
+LoopCloser::Drift LoopCloser::drift(const State& s) {
+  if (n_.n_lambda > 0) residuals(s);
+  return drift_;
+}
+
+LoopCloser::Drift LoopCloser::close(State& s) {
+  if (n_.n_lambda == 0) return {};
+  // Newton's method takes nine tenths of g away at once: the nearest point on the constraints is this one.
+  bool is_near = false, is_closed = false;
+  try {
+    is_closed = close_trial(s, is_near);
+  } catch (const std::runtime_error&) {
+    // No mass matrix there: the integrator will say so.
+  }
+  if (is_closed && !is_near) {
     weights_.evaluate(s.p, s.v, s.c, w_);
     change_ = trial_.p - s.p;
-    if (!(change_.cwiseProduct(w_.head(n_.n_p)).norm() <= 10.0 * std::sqrt(n_.n_p))) return;
+    is_closed = change_.cwiseProduct(w_.head(n_.n_p)).norm() <= 10.0 * std::sqrt(n_.n_p);
   }
-  s.p = trial_.p;
-  s.v = trial_.v;
+  if (is_closed) {
+    s.p = trial_.p;
+    s.v = trial_.v;
+  } else {
+    residuals(s);
+  }
+  return drift_;
 }
 
 void LoopCloser::remember(History& history) {

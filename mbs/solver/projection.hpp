@@ -38,13 +38,20 @@ class Projector {
 /// tenth at a time.
 class LoopCloser {
  public:
+  /// The largest |g| and |G v + g_t|.
+  struct Drift {
+    double position = 0.0, velocity = 0.0;
+  };
+
   LoopCloser(const Equations& eq, const SolverOptions& options);
 
   /// Positions and velocities, of ends of steps and of rows inside long steps, whose polynomial closes loops
   /// less well.  Leaves s as it was where Newton's method takes less than nine tenths of g away at once and
   /// positions would change by more than ten times the error allowed in a step: near a dead point, where the
-  /// residual says little about the distance.
-  void close(State& s);
+  /// residual says little about the distance.  Returns what is left open.
+  Drift close(State& s);
+  /// The same of s as it is.
+  Drift drift(const State& s);
   /// Where the factorisation was made, so that a continued run repeats the unbroken one to the bit.
   void remember(History& history);
 
@@ -56,7 +63,9 @@ class LoopCloser {
   };
   void factor(double t, const Eigen::VectorXd& p);
   Residuals residuals(const State& s);
-  void correct(State& s);
+  void correct_position(State& s);
+  void correct_velocity(State& s);
+  bool close_trial(const State& s, bool& is_near);
 
   const Equations& eq_;
   Sizes n_;
@@ -65,6 +74,7 @@ class LoopCloser {
   SaddleSolver saddle_;
   bool has_factors_ = false;
   double t_factors_ = 0.0;
+  Drift drift_;  // at the last residuals()
   Eigen::VectorXd p_factors_;
   State trial_;
   Eigen::MatrixXd M_, G_;

@@ -22,6 +22,12 @@ using Eigen::VectorXd;
 
 constexpr int kMostIterations = 7;
 constexpr double kSafety = 0.9;
+// Steps follow G. Soederlind's digital filter H211b (ACM TOMS 29 (2003) 1), with the error aimed at as
+// kSafety^4 and b = kFilter.  A controller that takes the error to go with h^4 alone makes steps of vibrating
+// bodies long and short in turn, every one with new factors: of the steam engine with 20 modes 1460 to 1860
+// steps and 50 failures of Newton's method, with this one 1200 to 1300 and 30.  At b = 4 more steps are
+// rejected, at b = 8 there are more of them.
+constexpr double kFilter = 6.0, kAim = kSafety * kSafety * kSafety * kSafety;
 // Newton's method may contract this slowly with the derivatives of an earlier step.  Of a turning engine with
 // 20 modes two thirds of them are saved for 6 % more iterations; at 0.2 the iterations cost more than that.
 constexpr double kSlow = 0.05;
@@ -83,7 +89,7 @@ class Radau final : public Integrator {
   double t_ = 0.0;
   VectorXd y_, yp_;                                  // at t_
   std::array<VectorXd, 3> Z_;                        // of the step being tried
-  RadauPolynomial last_{k_, 0.0, 0.0, {}, {}};                         // of the last step
+  RadauPolynomial last_{k_, 0.0, 0.0, {}, {}};       // of the last step
   double h_ = 0.0;                                   // the next step
   bool is_first_ = true;                             // the step is the first from here
   double theta_ = 0.0, convergence_ = 1.0;           // of Newton's method
@@ -291,12 +297,11 @@ void Radau::accept(double h, double t_stop, double wanted, double error, double 
   ++counts_.steps;
   is_first_ = false;
   matrices_->praise();
-  if (h_accepted_ > 0.0) {  // K. Gustafsson's predictive controller
-    const double predicted = (h / h_accepted_) * std::pow(error * error / error_accepted_, 0.25) / kSafety;
-    quotient = std::max(quotient, std::clamp(predicted, 0.125, 5.0));
-  }
+  if (h_accepted_ > 0.0)
+    quotient = std::max(quotient, std::pow(error * error_accepted_ / (kAim * kAim), 0.25 / kFilter) *
+                                      std::pow(h / h_accepted_, 1.0 / kFilter));
   h_accepted_ = h;
-  error_accepted_ = std::max(1e-2, error);
+  error_accepted_ = error;
   last_.t_begin = t_;
   last_.h = h;
   last_.y_begin = y_;

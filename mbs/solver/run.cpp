@@ -40,8 +40,6 @@ class Runner {
     result_.state = start;
     result_.state.t = options.start_time;
     result_.v_dot = v_dot;
-    g_.setZero(n_.n_lambda);
-    g_dot_.setZero(n_.n_lambda);
     n_rows_ = static_cast<long>(
         std::floor((options.end_time - options.start_time) / options.output_step * (1 + 1e-12)));
   }
@@ -62,7 +60,8 @@ class Runner {
   void write_rows_until(double t, Integrator& integrator);
   void take_switches(const std::vector<int>& roots);
   void refuse_endless(int which) const;
-  void measure_drift(const State& s);
+  void close_loops(State& s);
+  void note(const LoopCloser::Drift& left);
   bool step_once();  // false ends the run
   bool finish_step(const StepEnd& end, Integrator& integrator);
   bool hop(const IntegrationError& reason);
@@ -78,7 +77,7 @@ class Runner {
   LoopCloser closer_;
   RunResult result_;
   State row_state_;
-  Eigen::VectorXd row_v_dot_, g_, g_dot_;
+  Eigen::VectorXd row_v_dot_;
   double good_step_ = 0.0;
   long n_rows_ = 0, next_row_ = 1;
   bool resumed_ = false, keeps_book_ = true;
@@ -88,21 +87,20 @@ void Runner::write_rows_until(double t, Integrator& integrator) {
   for (; row_time(next_row_) <= t && row_time(next_row_) > row_time(next_row_ - 1); ++next_row_) {
     const double t_row = row_time(next_row_);
     integrator.interpolate(t_row, row_state_, row_v_dot_);
-    if (keeps_book_) {
-      closer_.close(row_state_);
-      measure_drift(row_state_);
-    }
+    if (keeps_book_) close_loops(row_state_);
     if (!callbacks_.row) continue;
     callbacks_.row(row_state_, row_v_dot_,
                    keeps_book_ ? book_.at_row(row_state_, row_v_dot_) : book_.account());
   }
 }
 
-void Runner::measure_drift(const State& s) {
-  if (n_.n_lambda == 0) return;
-  eq_.constraints(s.t, s.p, s.v, *scratch_, g_, g_dot_);
-  result_.peak_position_drift = std::max(result_.peak_position_drift, g_.cwiseAbs().maxCoeff());
-  result_.peak_velocity_drift = std::max(result_.peak_velocity_drift, g_dot_.cwiseAbs().maxCoeff());
+void Runner::close_loops(State& s) {
+  note(closer_.close(s));
+}
+
+void Runner::note(const LoopCloser::Drift& left) {
+  result_.peak_position_drift = std::max(result_.peak_position_drift, left.position);
+  result_.peak_velocity_drift = std::max(result_.peak_velocity_drift, left.velocity);
 }
 
 void Runner::refuse_endless(int which) const {
@@ -188,13 +186,15 @@ bool Runner::finish_step(const StepEnd& end, Integrator& integrator) {
     book_.close_step();
   else
     book_.start(result_.state, result_.v_dot);
+  if (!keeps_book_) note(closer_.drift(result_.state));
   result_.largest_energy_error = std::max(result_.largest_energy_error, std::abs(book_.account().error()));
-  if (keeps_book_) closer_.close(result_.state);
-  measure_drift(result_.state);
   if (callbacks_.progress)
     callbacks_.progress(end.t_end,
                         (end.t_end - options_.start_time) / (options_.end_time - options_.start_time));
-  if (!end.roots.empty()) take_switches(end.roots);
+  if (!end.roots.empty()) {
+    if (keeps_book_) close_loops(result_.state);
+    take_switches(end.roots);
+  }
   if (callbacks_.stop_wanted && callbacks_.stop_wanted()) {
     result_.stopped_because = fmt::format("interrupted at t = {:.9g} s", end.t_end);
     return false;
@@ -240,17 +240,19 @@ void Runner::resume(const Continuation& from) {
   resumed_ = true;
 }
 
+// What a run gives away stands on its constraints; the histories are those of a run that goes on.
 void Runner::remember() {
   Continuation& c = result_.continuation;
+  History history;
+  closer_.remember(history);
+  if (options_.end_time > options_.start_time) integrator_->remember(history);
+  c.history = history.values();
+  if (keeps_book_) close_loops(result_.state);
   c.method = options_.method;
   c.state = result_.state;
   c.v_dot = result_.v_dot;
   c.energy = book_.account();
   c.next_row = next_row_;
-  History history;
-  closer_.remember(history);
-  if (options_.end_time > options_.start_time) integrator_->remember(history);
-  c.history = history.values();
 }
 
 RunResult Runner::run() {

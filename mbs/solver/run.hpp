@@ -50,7 +50,7 @@ struct RunResult {
   StepCounts counts;
   EnergyAccount energy;
   double largest_energy_error = 0.0;  ///< largest |EnergyAccount::error| at the ends of steps [J]
-  double peak_position_drift = 0.0;   ///< largest |g| at rows and ends of steps, holonomic rows
+  double peak_position_drift = 0.0;   ///< largest |g| at rows, switches and the end, holonomic rows
   double peak_velocity_drift = 0.0;   ///< largest |G v + g_t|
   double wall_time = 0.0;             ///< s
   std::vector<RootEvent> events;

@@ -1,7 +1,7 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#define FLEXURA_INLINE inline __attribute__((always_inline))
+#include "mbs/math/simd.hpp"
 
 namespace flexura::linalg {
 
@@ -15,23 +15,5 @@ template <>
 struct Lanes<1> {
   using Row = double;
 };
-
-#ifdef __x86_64__
-template <class Work>
-__attribute__((target("avx2,fma"))) void run_with_avx2(const Work& work) {
-  work();
-}
-#endif
-
-/// Calls work() compiled for the machine at hand: programs are built for any x86-64, whose registers hold two
-/// numbers; where there are registers for four and fused multiply-add, they are used.  `work` and all it
-/// calls must be marked always_inline (FLEXURA_INLINE).
-template <class Work>
-void on_this_machine(const Work& work) {
-#ifdef __x86_64__
-  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) return run_with_avx2(work);
-#endif
-  work();
-}
 
 }  // namespace flexura::linalg

@@ -13,7 +13,7 @@ mesh/partition  | mesh/model
 mesh            | mesh
 beam/section    |
 beam            | beam
-reduce/linalg   |
+reduce/linalg   | mbs/math
 reduce/elements | mesh/model beam
 reduce/assembly | mesh/model beam reduce/elements reduce/linalg
 reduce/app      | mesh beam reduce mbs/superelement mbs/input mbs/terminal

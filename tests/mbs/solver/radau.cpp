@@ -12,14 +12,15 @@ TEST(Radau, ErrorFallsWithTheTolerance) {
   const Eigen::Vector2d exact(.986291751132, -.165010853126);
   double error[3];
   for (int k = 0; k < 3; ++k) {
-    const double tolerance = std::pow(10.0, -5 - 2 * k);
+    const double tolerance = std::pow(10.0, -6 - 2 * k);
     const RunResult r = simulate(m, s, until(1.0, tolerance, "radau"));
     error[k] = (r.state.p - exact).norm();
-    EXPECT_LT(error[k], 10.0 * tolerance);
-    EXPECT_LT(r.peak_position_drift, 10.0 * tolerance);
+    // The third-order estimate of a step is held to this; what the fifth-order step leaves is a part of it.
+    const double allowed = 0.1 * std::pow(tolerance, 2.0 / 3.0);
+    EXPECT_LT(error[k], allowed);
+    EXPECT_LT(r.peak_position_drift, allowed);
   }
-  // At least as the third-order estimate that controls the step: tolerance^(2/3), 460 over four decades, less
-  // what single steps happen to be.
+  // At least as that estimate: tolerance^(2/3), 460 over four decades, less what single steps happen to be.
   EXPECT_GT(error[0] / error[2], 30.0);
 }
 
