@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "reduce/beams/beam_stiffening.hpp"
+#include "reduce/cms/mode_choice.hpp"
 #include "reduce/linalg/block_lanczos.hpp"
 #include "reduce/linalg/cholesky.hpp"
 #include "reduce/linalg/dense.hpp"
@@ -151,11 +152,15 @@ BeamReduction reduce_beams(const Structure& structure, const std::vector<BeamInt
     M.ii->multiply(Psi, M_Psi);
     const MatrixXd Mhat = M.ib + M_Psi;
     const MatrixXd participation = linalg::transpose_times(pairs.Phi, Mhat);
-    reduction.dropped = linalg::transpose_times(Mhat, factor.solve(Mhat));
-    if (n_q > 0)
-      reduction.dropped -=
-          participation.transpose() * pairs.omega2.cwiseInverse().asDiagonal() * participation;
-    reduction.dropped = (0.5 * (reduction.dropped + reduction.dropped.transpose())).eval();
+    const MatrixXd answer = factor.solve(Mhat);
+    MatrixXd M_answer;
+    M.ii->multiply(answer, M_answer);
+    InteriorDynamics interior;
+    interior.compliance = linalg::transpose_times(Mhat, answer);
+    interior.growth = linalg::transpose_times(answer, M_answer);
+    DroppedModes dropped = dropped_modes(interior, participation, pairs.omega2);
+    reduction.dropped = std::move(dropped.share);
+    reduction.dropped_growth = std::move(dropped.growth);
     reduction.omega2_dropped = n_q > 0 ? pairs.omega2(n_q - 1) : 0.0;
     report.seconds_estimate = watch.lap();
   }

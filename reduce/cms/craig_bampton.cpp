@@ -188,7 +188,11 @@ Cut reduce(const Part& whole, const Part& part, const TiedModel& model, const Re
     interior.K_bb = constraint.K_bb;
     interior.M_bb = linalg::transpose_times(U, M_U);
     interior.M_bb = (0.5 * (interior.M_bb + interior.M_bb.transpose())).eval();
-    interior.compliance = linalg::transpose_times(Mhat, solver.solve(Mhat));
+    const MatrixXd answer = solver.solve(Mhat);
+    interior.compliance = linalg::transpose_times(Mhat, answer);
+    MatrixXd M_answer;
+    model.multiply_M_ii(answer, M_answer);
+    interior.growth = linalg::transpose_times(answer, M_answer);
     report.seconds_estimate = watch.lap();
   }
 
@@ -281,11 +285,9 @@ Cut reduce(const Part& whole, const Part& part, const TiedModel& model, const Re
   if (options.estimate_error && fixed_modes && n_w == 0) {
     // F_rs = K_ii^-1 - Phi Omega^-2 Phi^T, extra shapes included: they are K- and M-orthogonal like modes.
     const MatrixXd participation = linalg::transpose_times(basis.Phi, Mhat);  // n_q x n_b
-    reduction.dropped = interior.compliance;
-    if (n_q > 0)
-      reduction.dropped -=
-          participation.transpose() * basis.omega2.cwiseInverse().asDiagonal() * participation;
-    reduction.dropped = (0.5 * (reduction.dropped + reduction.dropped.transpose())).eval();
+    DroppedModes dropped = dropped_modes(interior, participation, basis.omega2);
+    reduction.dropped = std::move(dropped.share);
+    reduction.dropped_growth = std::move(dropped.growth);
     reduction.omega2_dropped = omega2_left_out;
     if (options.accuracy > 0.0) {
       const BandError error = band_error(reduction, options.omega_max);

@@ -19,6 +19,39 @@ void require_estimate(const Reduction& reduction) {
         "the reduction was made without its error estimate: ask for it in the options");
 }
 
+// Eigenvalues with the residual shapes X = F_rs Mhat beside the reduced model's own: on `kept` columns
+//
+//     [ K_se 0 ; 0 Omega_d^2 ],   [ M_se C ; C^T 1 ],   C = [ Mhat^T X ; 0 ] Y,
+//
+// (none where the growth is not known), where Y makes X^T M X = growth the identity and X^T K X = Mhat^T X =
+// dropped the diagonal Omega_d^2.
+Eigen::VectorXd enlarged_eigenvalues(const Reduction& r, const std::vector<int>& kept) {
+  if (r.dropped_growth.size() == 0 || !(r.dropped_growth.diagonal().maxCoeff() > 0.0)) return {};
+  // Shapes that differ by round-off only are one.
+  constexpr double kDependent = 1e-10;
+  const Eigen::VectorXd scale = r.dropped_growth.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+  const linalg::DenseEigen growth =
+      linalg::symmetric_eigen(scale.asDiagonal() * r.dropped_growth * scale.asDiagonal());
+  Eigen::Index n_x = 0;
+  while (n_x < growth.values.size() && growth.values(growth.values.size() - 1 - n_x) > kDependent) ++n_x;
+  Eigen::MatrixXd Y = scale.asDiagonal() * growth.vectors.rightCols(n_x) *
+                      growth.values.tail(n_x).cwiseSqrt().cwiseInverse().asDiagonal();
+  const linalg::DenseEigen own = linalg::symmetric_eigen(Y.transpose() * r.dropped * Y);
+  Y = (Y * own.vectors).eval();
+  const Eigen::MatrixXd coupling = r.dropped * Y;
+  const auto n = static_cast<Eigen::Index>(kept.size());
+  Eigen::MatrixXd K = Eigen::MatrixXd::Zero(n + n_x, n + n_x),
+                  M = Eigen::MatrixXd::Identity(n + n_x, n + n_x);
+  K.topLeftCorner(n, n) = r.K_se(kept, kept);
+  M.topLeftCorner(n, n) = r.M_se(kept, kept);
+  // No dropped shape is softer than the first dropped mode; what says so is round-off.
+  K.diagonal().tail(n_x) = own.values.cwiseMax(std::min(r.omega2_dropped, own.values.maxCoeff()));
+  for (Eigen::Index row = 0; row < n; ++row)
+    if (kept[row] < r.n_b) M.row(row).tail(n_x) = coupling.row(kept[row]);
+  M.bottomLeftCorner(n_x, n) = M.topRightCorner(n, n_x).transpose();
+  return linalg::generalized_eigen(K, M).values;
+}
+
 }  // namespace
 
 std::vector<ModeError> mode_errors(const Reduction& reduction, const std::vector<int>& held) {
@@ -32,6 +65,12 @@ std::vector<ModeError> mode_errors(const Reduction& reduction, const std::vector
   // stand out by ten powers of ten; elastic eigenvalues of one body do not spread that far from the largest
   // static one.
   const double elastic = 1e-9 * modes.values(modes.values.size() / 2);
+  Eigen::VectorXd enlarged;
+  try {
+    enlarged = enlarged_eigenvalues(reduction, kept);
+  } catch (const std::runtime_error&) {
+    // Residual shapes that round-off alone makes have no positive mass: the leading order will do.
+  }
   std::vector<ModeError> errors;
   for (Eigen::Index k = 0; k < modes.values.size(); ++k) {
     const double lambda = modes.values(k);
@@ -39,10 +78,11 @@ std::vector<ModeError> mode_errors(const Reduction& reduction, const std::vector
     Eigen::VectorXd u_b = Eigen::VectorXd::Zero(reduction.n_b);
     for (std::size_t r = 0; r < kept.size(); ++r)
       if (kept[r] < reduction.n_b) u_b(kept[r]) = modes.vectors(static_cast<Eigen::Index>(r), k);
-    const double estimate = lambda * u_b.dot(reduction.dropped * u_b);
+    const double leading = lambda * u_b.dot(reduction.dropped * u_b);
     const double margin = 1.0 - lambda / reduction.omega2_dropped;
-    errors.push_back(
-        {lambda, estimate, margin > 0.0 ? estimate / margin : std::numeric_limits<double>::infinity(), true});
+    const double estimate = enlarged.size() > 0 ? std::max(0.0, lambda / enlarged(k) - 1.0) : leading;
+    const double safe = margin > 0.0 ? leading / margin : std::numeric_limits<double>::infinity();
+    errors.push_back({lambda, estimate, safe, true});
   }
   // Errors as large as the gap between two eigenvalues mix their modes, and the estimates with them.
   for (std::size_t k = 0; k + 1 < errors.size(); ++k) {

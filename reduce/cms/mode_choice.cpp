@@ -17,6 +17,16 @@ bool may_cut(const InteriorDynamics& interior, Index count) {
 
 }  // namespace
 
+DroppedModes dropped_modes(const InteriorDynamics& interior, const MatrixXd& p,
+                           const Eigen::VectorXd& omega2) {
+  const Eigen::VectorXd flexibility = omega2.cwiseInverse();
+  DroppedModes out{interior.compliance - p.transpose() * flexibility.asDiagonal() * p,
+                   interior.growth - p.transpose() * flexibility.cwiseAbs2().asDiagonal() * p};
+  out.share = (0.5 * (out.share + out.share.transpose())).eval();
+  out.growth = (0.5 * (out.growth + out.growth.transpose())).eval();
+  return out;
+}
+
 Reduction with_first_modes(const InteriorDynamics& interior, int count) {
   const Index n_b = interior.K_bb.rows();
   Reduction r;
@@ -31,8 +41,9 @@ Reduction with_first_modes(const InteriorDynamics& interior, int count) {
   r.M_se.topLeftCorner(n_b, n_b) = interior.M_bb;
   r.M_se.bottomLeftCorner(count, n_b) = p;
   r.M_se.topRightCorner(n_b, count) = p.transpose();
-  r.dropped = interior.compliance - p.transpose() * r.omega2.cwiseInverse().asDiagonal() * p;
-  r.dropped = (0.5 * (r.dropped + r.dropped.transpose())).eval();
+  DroppedModes dropped = dropped_modes(interior, p, r.omega2);
+  r.dropped = std::move(dropped.share);
+  r.dropped_growth = std::move(dropped.growth);
   r.omega2_dropped = count < interior.omega2.size() ? interior.omega2(count) : interior.omega2_next;
   return r;
 }

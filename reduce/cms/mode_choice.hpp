@@ -14,7 +14,7 @@
 ///
 ///     Mhat^T F_rs Mhat = Mhat^T K_ii^-1 Mhat - sum_j<=k p_j p_j^T / omega_j^2,    p_j = Mhat^T phi_j,
 ///
-/// so all k are tried with one solve.
+/// so all k are tried with one solve; the next order, with omega_j^4, likewise.
 ///
 /// By effective mass: the modes, from below, whose (p_j^T R_b)^2 add up to the wanted fraction of the
 /// interior's mass and moments of inertia for each of the six rigid motions.
@@ -24,10 +24,18 @@ namespace flexura::reduce {
 struct InteriorDynamics {
   Eigen::MatrixXd K_bb, M_bb;     ///< condensed: of the constraint modes alone
   Eigen::MatrixXd compliance;     ///< Mhat^T K_ii^-1 Mhat, n_b x n_b
+  Eigen::MatrixXd growth;         ///< Mhat^T K_ii^-1 M_ii K_ii^-1 Mhat, n_b x n_b
   Eigen::MatrixXd participation;  ///< rows p_j^T, n_q x n_b
   Eigen::VectorXd omega2;         ///< n_q
   double omega2_next = 0.0;
 };
+
+/// What modes with these participations (rows) and eigenvalues leave of compliance and growth.
+struct DroppedModes {
+  Eigen::MatrixXd share, growth;
+};
+DroppedModes dropped_modes(const InteriorDynamics& interior, const Eigen::MatrixXd& participation,
+                           const Eigen::VectorXd& omega2);
 
 /// The reduction with the first `count` modes: matrices and estimate only.
 Reduction with_first_modes(const InteriorDynamics& interior, int count);

@@ -78,6 +78,8 @@ struct Reduction {
   /// n_b x n_b: Mhat^T F_rs Mhat, the dropped modes' share of the interface's dynamics (error_estimate.hpp)
   /// [kg s^2].
   Eigen::MatrixXd dropped;
+  /// n_b x n_b: Mhat^T F_rs M_ii F_rs Mhat, how that share grows with omega^2 [kg s^4]; empty: not known.
+  Eigen::MatrixXd dropped_growth;
   double omega2_dropped = 0.0;  ///< the first dropped eigenvalue [rad^2/s^2]
   ReductionReport report;
 
