@@ -19,7 +19,9 @@
 #include "reduce/app/reduce_beam_part.hpp"
 #include "reduce/app/reduce_part.hpp"
 #include "reduce/app/section_command.hpp"
+#include "reduce/assembly/model_factor.hpp"
 #include "reduce/linalg/session.hpp"
+#include "reduce/linalg/team.hpp"
 
 namespace {
 
@@ -32,7 +34,7 @@ struct Arguments {
   bool factor_in_file = false, list_faces = false, schema = false, schema_beams = false, statics = false;
 };
 
-int reduce_with(const Arguments& arguments, const terminal::Talk& talk) {
+int reduce_with(const Arguments& arguments, const terminal::Talk& talk, const linalg::Team* team) {
   if (arguments.schema) {
     std::cout << input::reference_page(reduce::part_schema());
     return 0;
@@ -82,12 +84,14 @@ int reduce_with(const Arguments& arguments, const terminal::Talk& talk) {
   reduce::reduce_part(part, output,
                       {.report = arguments.report,
                        .compare = arguments.compare,
+                       .team = team,
                        .factor_in_file = arguments.factor_in_file,
                        .quiet = talk.quiet});
   return 0;
 }
 
-std::function<int()> declare(terminal::Options& options, const terminal::Talk& talk) {
+std::function<int()> declare(terminal::Options& options, const terminal::Talk& talk,
+                             const linalg::Team* team) {
   const auto arguments = std::make_shared<Arguments>();
   options.optional_argument("PART", arguments->input, "part file (.toml); with --list-faces also a CAD file")
       .option("-o,--output", arguments->output, "FILE", "superelement to write (default: PART.se.h5)")
@@ -115,26 +119,32 @@ std::function<int()> declare(terminal::Options& options, const terminal::Talk& t
       .example("flexura reduce conrod.toml -o conrod.se.h5", "mesh, reduce, write")
       .example("flexura reduce conrod.toml -o fine.se.h5 --mesh-size \"2 mm\" --set modes.count=40",
                "finer, with more modes");
-  return [arguments, &talk] { return reduce_with(*arguments, talk); };
+  return [arguments, &talk, team] { return reduce_with(*arguments, talk, team); };
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  // Under mpirun the first process reduces, on all cores by threads, and the others wait for it in MPI's end:
-  // two would write one file.
+  // Under mpirun the first process reads, leads and writes; the others do their shares of elements,
+  // factorisations and solves until it ends.
   std::optional<linalg::Session> session;
-  if (const linalg::Launch launch = linalg::launch(); launch.size > 1) {
+  std::optional<linalg::Team> team;
+  if (linalg::launch().size > 1) {
     session.emplace();
-    if (launch.rank > 0) return 0;
-    fmt::print(stderr,
-               "note: {} processes were started; the first works, on all its cores, the others wait\n",
-               launch.size);
+    team.emplace();
+    if (team->rank() > 0) {
+      reduce::serve(*team);
+      return 0;
+    }
   }
   // `flexura section` is handed over as "flexura-reduce section ...".
   if (argc > 1 && std::string(argv[1]) == "section")
     return terminal::run(reduce::section_command(), FLEXURA_VERSION, argc - 1, argv + 1);
-  return terminal::run(
-      {.name = "flexura reduce", .summary = "make a superelement of a CAD part", .declare = declare},
-      FLEXURA_VERSION, argc, argv);
+  return terminal::run({.name = "flexura reduce",
+                        .summary = "make a superelement of a CAD part",
+                        .declare =
+                            [&](terminal::Options& options, const terminal::Talk& talk) {
+                              return declare(options, talk, team ? &*team : nullptr);
+                            }},
+                       FLEXURA_VERSION, argc, argv);
 }

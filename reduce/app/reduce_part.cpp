@@ -128,6 +128,7 @@ void reduce_part(const PartInput& input, const std::filesystem::path& output, co
   how.loads = modelled.loads;
   how.shape_nodes = picture.nodes;
   how.stiffening = input.stiffening;
+  how.team = options.team;
   how.storage.place =
       options.factor_in_file ? linalg::FactorStorage::Place::file : linalg::FactorStorage::Place::automatic;
   if (!std::getenv("TMPDIR")) how.storage.folder = std::filesystem::absolute(output).parent_path();

@@ -4,13 +4,15 @@
 #include <filesystem>
 
 #include "reduce/app/part_file.hpp"
+#include "reduce/linalg/team.hpp"
 
 namespace flexura::reduce {
 
 struct OutputOptions {
   std::filesystem::path report;  ///< JSON report beside the superelement; empty = only inside it
   int compare = 0;  ///< free frequencies to compare with the full model, which is solved, too; 0: none
-  bool factor_in_file = false;  ///< the factor goes to a temporary file even where memory has room
+  const linalg::Team* team = nullptr;  ///< of processes that share the work; null: this one alone
+  bool factor_in_file = false;         ///< the factor goes to a temporary file even where memory has room
   bool quiet = false;
 };
 

@@ -241,7 +241,10 @@ void TiedModel::assemble(const Part& part, const AssemblyOptions& options) {
   m_->finish();
   K_ib_.resize(n_i_, n_b_);
   K_ib_.setFromTriplets(K_ib.begin(), K_ib.end());
+}
 
+// A of the averaging ties.
+void TiedModel::average(const Part& part) {
   std::vector<Eigen::Triplet<double>> A;
   for (int k = 0; k < n_interfaces(); ++k) {
     InterfaceDofs& interface = interfaces_[k];

@@ -38,7 +38,11 @@ TiedModel::TiedModel(const Part& part, const AssemblyOptions& options)
   check_pieces(part);
   if (options.shift == 0.0) choose_pins();
   build_patterns(part);
-  assemble(part, options);
+  if (options.team)
+    assemble_together(part, options);
+  else
+    assemble(part, options);
+  average(part);
 }
 
 // Interior dofs run by nodes in the mesh's order, then come those of interface nodes whose directions are not

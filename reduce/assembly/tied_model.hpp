@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "reduce/assembly/part.hpp"
+#include "reduce/linalg/distributed_factor.hpp"
 #include "reduce/linalg/progress.hpp"
 #include "reduce/linalg/symmetric_matrix.hpp"
 
@@ -34,6 +35,8 @@ struct AssemblyOptions {
   double shift = 0.0;
   /// Accepts interfaces that do not hold the body (with a shift, or to be clamped otherwise).
   bool may_be_free = false;
+  /// Whose ranks compute the elements together, each its part of the mesh; null: this process alone.
+  const linalg::Team* team = nullptr;
   linalg::Progress progress;
 };
 
@@ -59,6 +62,19 @@ class TiedModel {
   /// Interior dofs at which weak springs would hold what the ties with stiffness of their own do not (0 to 6
   /// of them).
   const std::vector<int>& pins() const { return pins_; }
+  /// What the ranks of a team have computed of the model, and what this rank has of it (shared_assembly.cpp).
+  struct Shares {
+    const linalg::Team* team = nullptr;
+    linalg::RowShares rows;
+    std::unique_ptr<TiedModel> own;
+  };
+  const Shares& shares() const {
+    return shares_;
+  }  ///< without a team where the model is this process's alone
+  /// On the ranks that do not lead: takes a share of a model's elements, computes it and sends the matrices
+  /// to rank 0; null where its elements are bad, which rank 0 then says.
+  static std::unique_ptr<TiedModel> take_share(const linalg::Team& team, linalg::RowShares& rows);
+
   /// Interior dofs by nodes: ascending, first 0, last n_i.
   const std::vector<int>& group_begin() const { return group_begin_; }
 
@@ -125,6 +141,14 @@ class TiedModel {
   void choose_pins();
   void build_patterns(const Part& part);
   void assemble(const Part& part, const AssemblyOptions& options);
+  void average(const Part& part);
+
+  TiedModel(linalg::Message& numbering, const Part& share, const AssemblyOptions& options);
+  void put_numbering(linalg::Message& message) const;
+  void put_matrices(linalg::Message& message) const;
+  void add_matrices(linalg::Message& message);
+  void assemble_together(const Part& part, const AssemblyOptions& options);
+  linalg::RowShares share_rows(const Part& part, const std::vector<int>& part_of, int n_parts) const;
 
   int n_nodes_ = 0, n_i_ = 0, n_b_ = 0;
   Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor> points_;
@@ -141,6 +165,7 @@ class TiedModel {
   Eigen::SparseMatrix<double, Eigen::RowMajor> A_;
   std::vector<int> averaged_dofs_;
   std::vector<int> pins_;
+  Shares shares_;
 };
 
 }  // namespace flexura::reduce

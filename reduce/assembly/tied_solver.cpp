@@ -5,15 +5,17 @@
 
 #include <stdexcept>
 
+#include "reduce/linalg/cholesky.hpp"
+
 namespace flexura::reduce {
 namespace {
 
 // The pins' springs go onto the diagonal for the factorisation only.
-linalg::CholeskyFactor factorise(const TiedModel& model, const linalg::Progress& progress,
-                                 const linalg::FactorStorage& storage) {
+ModelFactor factorise(const TiedModel& model, const linalg::Progress& progress,
+                      const linalg::FactorStorage& storage) {
   linalg::report(progress, "factorisation", 0.0);
   try {
-    linalg::CholeskyFactor factor(model.K_ii(), model.group_begin(), model.pins(), storage);
+    ModelFactor factor = ModelFactor::stiffness(model, storage);
     linalg::report(progress, factor.figures().in_file ? "factorisation (kept in a file)" : "factorisation",
                    1.0);
     return factor;
@@ -22,7 +24,8 @@ linalg::CholeskyFactor factorise(const TiedModel& model, const linalg::Progress&
         fmt::format("the stiffness matrix is singular although the interfaces hold the body: a part of it "
                     "can move without strain, "
                     "noticed at {}; look for solids that touch in a single node or edge",
-                    model.describe_dof(singular.dof)));
+                    singular.dof >= 0 ? model.describe_dof(singular.dof)
+                                      : "a place that one process alone (without mpirun) would name"));
   }
 }
 

@@ -4,8 +4,7 @@
 #include <Eigen/Core>
 #include <Eigen/LU>
 
-#include "reduce/assembly/tied_model.hpp"
-#include "reduce/linalg/cholesky.hpp"
+#include "reduce/assembly/model_factor.hpp"
 
 /// Solves with K_ii of a tied model, averaging ties included:
 ///
@@ -51,7 +50,7 @@ class TiedSolver {
                       const Eigen::Ref<const Eigen::MatrixXd>& g) const;
 
   const TiedModel& model_;
-  linalg::CholeskyFactor factor_;
+  ModelFactor factor_;
   Eigen::MatrixXd Z_;  ///< K'^-1 V
   Eigen::PartialPivLU<Eigen::MatrixXd> small_;
   Eigen::PartialPivLU<Eigen::MatrixXd> AAt_;

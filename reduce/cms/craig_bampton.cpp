@@ -360,8 +360,12 @@ Reduction craig_bampton(const Part& whole, const ReductionOptions& options) {
   linalg::Stopwatch watch;
   AssemblyOptions assembly;
   assembly.progress = options.progress;
+  assembly.team = options.team;
   const TiedModel model(part, assembly);
   reduction.report.seconds_assembly = watch.lap();
+  if (options.team)
+    reduction.report.notes.push_back(fmt::format(
+        "{} processes share the elements, the factorisations and the solves", options.team->size()));
   const Cut cut = reduce(whole, part, model, options, reduction);
   if (options.certify && cut.n_modes > 0) {
     linalg::report(options.progress, "certificate", 0.0);

@@ -55,6 +55,7 @@ struct ReductionOptions {
   bool estimate_error = true;
   bool stiffening = false;                ///< geometric stiffening terms
   std::vector<mesh::Index> stress_nodes;  ///< nodes at which stress modes are wanted
+  const linalg::Team* team = nullptr;     ///< whose ranks share elements, factors and solves (serve())
   linalg::FactorStorage storage;          ///< of the factor; room for the eigensolver is added here
   linalg::Progress progress;
 };

@@ -6,15 +6,15 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "reduce/assembly/model_factor.hpp"
 #include "reduce/linalg/dense.hpp"
 #include "reduce/linalg/eigen_problem.hpp"
-#include "reduce/linalg/inertia.hpp"
 
 namespace flexura::reduce {
 
 int count_modes_below(const TiedModel& model, double omega2, std::vector<int> order,
                       const linalg::FactorStorage& storage) {
-  const linalg::IndefiniteFactor factor(model.shifted_stiffness(-omega2), std::move(order), storage);
+  const ModelFactor factor = ModelFactor::shifted(model, -omega2, std::move(order), storage);
   const auto n_a = static_cast<int>(model.A().rows());
   if (n_a == 0) return factor.n_negative();
   const Eigen::MatrixXd At = Eigen::MatrixXd(model.A().transpose());

@@ -59,9 +59,6 @@ Launch launch() {
 
 Session::Session() {
   if (open_sessions == 0) {
-    // Arrays from 4 MB on are mapped one by one and given back when they are freed.  By default the limit
-    // rises with what is freed, up to 32 MB, and a fifth of the memory of large parts was holes in the heap.
-    mallopt(M_MMAP_THRESHOLD, 4 << 20);
     if (ended)
       throw std::runtime_error("MPI cannot be started a second time: keep one linalg::Session in main()");
     // On one machine the ob1 messaging layer starts in a fifth of the time of the default; the user's choice
@@ -73,6 +70,12 @@ Session::Session() {
     PetscOptionsSetValue(nullptr, "-skip_petscrc", "true");
     if (SlepcInitializeNoArguments() != 0) throw std::runtime_error("PETSc and SLEPc could not be started");
     PetscPushErrorHandler(remember_error, nullptr);
+    // MPI has told the allocator to keep all it ever had, for the sake of network cards.  Arrays from 4 MB on
+    // are mapped one by one again and given back when they are freed: a fifth of the memory of large parts
+    // was holes.
+    mallopt(M_MMAP_MAX, 65536);
+    mallopt(M_MMAP_THRESHOLD, 4 << 20);
+    mallopt(M_TRIM_THRESHOLD, 4 << 20);
   }
   ++open_sessions;
 }

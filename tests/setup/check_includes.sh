@@ -15,7 +15,7 @@ beam/section    |
 beam            | beam
 reduce/linalg   | mbs/math
 reduce/elements | mesh/model beam
-reduce/assembly | mesh/model beam reduce/elements reduce/linalg
+reduce/assembly | mesh/model mesh/partition beam reduce/elements reduce/linalg
 reduce/app      | mesh beam reduce mbs/superelement mbs/input mbs/terminal
 reduce          | mesh/model mesh/partition beam reduce
 mbs/hdf5        |

@@ -1,0 +1,42 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <memory>
+
+#include "reduce/assembly/tied_model.hpp"
+#include "reduce/linalg/factor_figures.hpp"
+#include "reduce/linalg/factor_store.hpp"
+
+/// The stiffness matrix of a tied model, factorised: the one place that knows whether a process works alone
+/// (its own multifrontal method on all its cores) or leads a team (MUMPS over all ranks).
+namespace flexura::reduce {
+
+class ModelFactor {
+ public:
+  struct Impl;
+  /// K_ii with its diagonal doubled at the model's pins.  linalg::SingularMatrix (with dof -1 where a team
+  /// does not know it) where it is not positive definite to round-off.
+  static ModelFactor stiffness(const TiedModel& model, const linalg::FactorStorage& storage = {});
+  /// K_ii + shift M_ii, indefinite, for its inertia; in `order`, or nested dissection where that is empty.
+  /// std::runtime_error where the shift is all but an eigenvalue.
+  static ModelFactor shifted(const TiedModel& model, double shift, std::vector<int> order = {},
+                             const linalg::FactorStorage& storage = {});
+  ~ModelFactor();
+  ModelFactor(ModelFactor&&) noexcept;
+  ModelFactor& operator=(ModelFactor&&) noexcept;
+
+  Eigen::MatrixXd solve(const Eigen::Ref<const Eigen::MatrixXd>& B) const;
+  int n_negative() const;                 ///< pivots
+  const std::vector<int>& order() const;  ///< empty where a team has factorised
+  const linalg::FactorFigures& figures() const;
+
+ private:
+  explicit ModelFactor(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+/// What the ranks that do not lead do until rank 0 sends them home: their shares of elements, factors and
+/// solves.
+void serve(const linalg::Team& team);
+
+}  // namespace flexura::reduce
