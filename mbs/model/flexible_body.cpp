@@ -20,6 +20,25 @@ auto block(const Eigen::VectorXd& x, int a, int b, int m) {
   return x.segment((3 * a + b) * m, m);
 }
 
+// y = A x of a tall matrix by columns, four of them at once.
+FLEXURA_INLINE void tall_product(const double* A, int rows, int columns, const double* x,
+                                 double* __restrict y) {
+  for (int i = 0; i < rows; ++i) y[i] = 0.0;
+  int j = 0;
+  for (; j + 4 <= columns; j += 4, A += 4 * rows)
+    for (int i = 0; i < rows; ++i)
+      y[i] +=
+          (A[i] * x[j] + A[rows + i] * x[j + 1]) + (A[2 * rows + i] * x[j + 2] + A[3 * rows + i] * x[j + 3]);
+  for (; j < columns; ++j, A += rows)
+    for (int i = 0; i < rows; ++i) y[i] += A[i] * x[j];
+}
+
+void multiply(const Eigen::MatrixXd& A, const double* x, Eigen::VectorXd& y) {
+  const int rows = static_cast<int>(A.rows()), columns = static_cast<int>(A.cols());
+  on_this_machine([&]()
+                      __attribute__((always_inline)) { tall_product(A.data(), rows, columns, x, y.data()); });
+}
+
 /// Three numbers and one to spare, which fill a register; in memory they are four doubles.
 typedef double Four __attribute__((vector_size(32)));
 
@@ -170,7 +189,7 @@ void FlexibleBody::set_position(const double* s_values, Work& work) const {
   const ConstMap s(s_values, m_);
   const superelement::InertiaIntegrals& in = data_.inertia;
   if (data_.coupling == Coupling::full) {
-    work.T_s.noalias() = T_ * s;
+    multiply(T_, s_values, work.T_s);
     work.B = B_0_ + work.T_s;
   }
   work.d = in.S_x;
@@ -182,8 +201,8 @@ void FlexibleBody::set_position(const double* s_values, Work& work) const {
       for (int b = 0; b < 3; ++b)
         rho_rho(a, b) += block(B_0_, b, a, m_).dot(s) + block(work.B, a, b, m_).dot(s);
   if (data_.second) {
-    work.K0t_s.noalias() = data_.second->t * s;
-    work.N_s.noalias() = data_.second->x * s;
+    multiply(data_.second->t, s_values, work.K0t_s);
+    multiply(data_.second->x, s_values, work.N_s);
     work.B += work.N_s;
     Matrix3d x_u2;
     for (int a = 0; a < 3; ++a) {
@@ -237,14 +256,14 @@ Spatial FlexibleBody::inverse_dynamics(const double* s_values, const double* s_d
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) modal += (w(i) * w(j) - (i == j ? w2 : 0.0)) * block(work.B, i, j, m_);
   if (data_.coupling == Coupling::full) {
-    work.W.noalias() = T_skew_ * s_dot;
+    multiply(T_skew_, s_dot_values, work.W);
     for (int i = 0; i < 3; ++i) modal += 2.0 * w(i) * work.W.segment(i * m_, m_);
   }
   if (data_.second) {
     // W is free now: s'^T K0t s' and s'^T (N_ab - N_ba) s', the centripetal part of u2''.
-    work.W.noalias() = data_.second->t * s_dot;
+    multiply(data_.second->t, s_dot_values, work.W);
     for (int i = 0; i < 3; ++i) need.linear(i) += work.W.segment(i * m_, m_).dot(s_dot);
-    work.W.noalias() = N_skew_ * s_dot;
+    multiply(N_skew_, s_dot_values, work.W);
     for (int i = 0; i < 3; ++i) need.angular(i) += work.W.segment(i * m_, m_).dot(s_dot);
   }
   return need;
@@ -273,7 +292,7 @@ void FlexibleBody::turning_tangents(const double*, const double* s_dot_values, c
       modal_w.col(i) +=
           w(j) * (block(work.B, i, j, m_) + block(work.B, j, i, m_)) - 2.0 * w(i) * block(work.B, j, j, m_);
   if (data_.coupling != Coupling::full) return;
-  work.W.noalias() = T_skew_ * s_dot;
+  multiply(T_skew_, s_dot_values, work.W);
   for (int i = 0; i < 3; ++i) modal_w.col(i) += 2.0 * work.W.segment(i * m_, m_);
 }
 
