@@ -59,6 +59,9 @@ struct EnergyReport {
 struct TangentMatrices {
   Eigen::MatrixXd z_p, z_v, z_c, z_a;  ///< dz/dp, dz/dv, dz/dc, dz/da
   Eigen::MatrixXd h_p;                 ///< d(G v + g_t)/dp
+  /// dc_rate/dv_dot (n_dyn x n_v) and dc_rate/dlambda (n_dyn x n_lambda), of dynamic states that answer to
+  /// accelerations and reactions (one-way deformation); both empty where none does.
+  Eigen::MatrixXd c_v_dot, c_lambda;
 };
 
 /// What derivatives are taken for.

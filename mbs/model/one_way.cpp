@@ -46,8 +46,7 @@ void Mechanism::one_way_rates(const Work& work, double* c_rate) const {
   }
 }
 
-// By the deformation itself: what Newton's method needs, after body_forces().  (s, s') follows the rigid
-// motion and never answers, so that the rest only makes the deformation converge one iteration later.
+// By the deformation itself, after body_forces().
 void Mechanism::one_way_tangents(Work& work, Eigen::MatrixXd& z_c) const {
   for (int b : order_) {
     if (!d_.bodies[b].ked) continue;
@@ -66,7 +65,8 @@ void Mechanism::one_way_tangents(Work& work, Eigen::MatrixXd& z_c) const {
   }
 }
 
-// By the motion: central differences along its own coordinates, of which rigid bodies have few.
+// By the motion and by the states of others: central differences, of which rigid bodies have few.  By
+// accelerations and reactions, which act linearly, unit steps are exact.
 void Mechanism::difference_one_way(const State& s, ConstVectorRef v_dot, Work& work,
                                    TangentMatrices& out) const {
   const int first = first_force_state_.back(), n = n_dyn_ - first;
@@ -74,31 +74,50 @@ void Mechanism::difference_one_way(const State& s, ConstVectorRef v_dot, Work& w
   Work::Tangent& T = work.tangent;
   State& moved = T.moved;
   moved = s;
-  const auto evaluate = [&](Eigen::VectorXd& z) {
-    momentum(moved, v_dot, work, z.head(n_v_), z.segment(n_v_, n_dyn_), z.tail(z.size() - n_v_ - n_dyn_));
+  const auto evaluate = [&](ConstVectorRef at_v_dot, Eigen::VectorXd& z) {
+    momentum(moved, at_v_dot, work, z.head(n_v_), z.segment(n_v_, n_dyn_), z.tail(z.size() - n_v_ - n_dyn_));
   };
-  const auto set = [&](double step, auto&& column) {
-    column.segment(n_v_ + first, n) = (T.z_plus - T.z).segment(n_v_ + first, n) / (2.0 * step);
-  };
+  const auto change = [&](double step) { return (T.z_plus - T.z).segment(n_v_ + first, n) / step; };
   for (int j = 0; j < n_v_; ++j) {
     T.step(j) = kCentralStep;
     retract(s.p, T.step, moved.p);
-    evaluate(T.z_plus);
+    evaluate(v_dot, T.z_plus);
     T.step(j) = -kCentralStep;
     retract(s.p, T.step, moved.p);
-    evaluate(T.z);
+    evaluate(v_dot, T.z);
     T.step(j) = 0.0;
     moved.p = s.p;
-    set(kCentralStep, T.z_q.col(j));
+    T.z_q.col(j).segment(n_v_ + first, n) = change(2.0 * kCentralStep);
   }
+  const auto along = [&](Eigen::VectorXd& x, Eigen::Index j, auto&& column) {
+    const double x_j = x(j), step = kCentralStep * std::max(1.0, std::abs(x_j));
+    x(j) = x_j + step;
+    evaluate(v_dot, T.z_plus);
+    x(j) = x_j - step;
+    evaluate(v_dot, T.z);
+    x(j) = x_j;
+    column.segment(n_v_ + first, n) = change(2.0 * step);
+  };
+  for (int j = 0; j < n_v_; ++j) along(moved.v, j, out.z_v.col(j));
+  for (int j = 0; j < first; ++j) along(moved.c, j, out.z_c.col(j));
+  for (Eigen::Index j = 0; j < s.a.size(); ++j) along(moved.a, j, out.z_a.col(j));
+
+  out.c_v_dot.setZero(n_dyn_, n_v_);
+  out.c_lambda.setZero(n_dyn_, s.lambda.size());
+  evaluate(v_dot, T.z);
+  T.step = v_dot;
   for (int j = 0; j < n_v_; ++j) {
-    const double v_j = s.v(j), step = kCentralStep * std::max(1.0, std::abs(v_j));
-    moved.v(j) = v_j + step;
-    evaluate(T.z_plus);
-    moved.v(j) = v_j - step;
-    evaluate(T.z);
-    moved.v(j) = v_j;
-    set(step, out.z_v.col(j));
+    T.step(j) += 1.0;
+    evaluate(T.step, T.z_plus);
+    T.step(j) = v_dot(j);
+    out.c_v_dot.col(j).tail(n) = change(1.0);
+  }
+  T.step.setZero();
+  for (Eigen::Index k = 0; k < s.lambda.size(); ++k) {
+    moved.lambda(k) += 1.0;
+    evaluate(v_dot, T.z_plus);
+    moved.lambda(k) = s.lambda(k);
+    out.c_lambda.col(k).tail(n) = change(1.0);
   }
 }
 

@@ -39,6 +39,10 @@ void AlphaMatrix::factor(double h, const State& s, const Eigen::VectorXd& v_dot)
   J_.topLeftCorner(n_z, n_v) = by_v * t.z_v + by_d * Z_q_;
   J_.block(0, n_v, n_z, n_c) = by_v * t.z_c;
   J_.block(0, n_v + n_c, n_z, n_a) = t.z_a;
+  if (t.c_v_dot.size() > 0) {
+    J_.block(n_v, 0, n_c, n_v) += t.c_v_dot;
+    J_.block(n_v, n_z, n_c, n_l) = t.c_lambda;
+  }
   J_.middleRows(n_v, n_c) *= -1.0;
   J_.topLeftCorner(n_v, n_v) += t.M;
   J_.block(n_v, n_v, n_c, n_c).diagonal().array() += 1.0;

@@ -111,6 +111,10 @@ DescriptorSystem linearise_as_descriptor(const Equations& eq, const State& given
   out.A.block(at_c, n_v, n_c + n_a, n_v) = t.z_v.bottomRows(n_c + n_a);
   out.A.block(at_c, at_c, n_c + n_a, n_c) = t.z_c.bottomRows(n_c + n_a);
   out.A.block(at_c, at_a, n_c + n_a, n_a) = t.z_a.bottomRows(n_c + n_a);
+  if (t.c_v_dot.size() > 0) {
+    out.E.block(at_c, n_v, n_c, n_v) = -t.c_v_dot;
+    out.A.block(at_c, at_l, n_c, n_l) = t.c_lambda;
+  }
   for (int k = 0; k < n_l; ++k) {
     if (eq.is_holonomic(k)) {
       out.A.block(at_l + k, 0, 1, n_v) = t.G.row(k);

@@ -40,6 +40,7 @@ class Lineariser {
   Sample at(int column, double step);
   Eigen::VectorXd rates(const Sample& sample) const;
   Sample with_input(int input, double step);
+  Eigen::VectorXd c_rates(const State& s, const Eigen::VectorXd& v_dot);
 
   const Equations& eq_;
   Sizes n_;
@@ -156,6 +157,12 @@ Eigen::VectorXd Lineariser::rates(const Sample& sample) const {
   return out;
 }
 
+Eigen::VectorXd Lineariser::c_rates(const State& s, const Eigen::VectorXd& v_dot) {
+  Eigen::VectorXd r(n_.n_v), c(n_.n_dyn), b(n_.n_alg);
+  eq_.momentum(s, v_dot, *eq_.make_scratch(), r, c, b);
+  return c;
+}
+
 LinearSystem Lineariser::system(const LineariseOptions& options) {
   const int n_z = static_cast<int>(independent_.size()), n_x = 2 * n_z + n_.n_dyn;
   LinearSystem out;
@@ -205,10 +212,11 @@ LinearSystem Lineariser::system(const LineariseOptions& options) {
                  lambda);
     for (int i = 0; i < n_z; ++i) out.B(n_z + i, k) = a(independent_[i]);
     out.inputs.push_back("force on " + eq_.name_of_velocity(options.inputs[k]));
+    // Dynamic states and outputs see accelerations and reactions linearly.
+    State loaded = s_0_;
+    loaded.lambda += lambda;
+    out.B.col(k).tail(n_.n_dyn) = c_rates(loaded, v_dot_0_ + a) - c_rates(s_0_, v_dot_0_);
     if (options.outputs) {
-      // Outputs see accelerations and reactions linearly.
-      State loaded = s_0_;
-      loaded.lambda += lambda;
       out.D.col(k) = options.outputs(loaded, v_dot_0_ + a) - out.y_0;
     }
   }

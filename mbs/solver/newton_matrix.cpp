@@ -115,10 +115,12 @@ void NewtonMatrix<Scalar>::assemble_dense(Scalar cj) {
   J.block(0, n_v, n_z_, n_c) = d.z_c.template cast<Scalar>();
   J.block(0, n_v + n_c, n_z_, n_a) = d.z_a.template cast<Scalar>();
   // The dynamic states' residual is c' - f_c.
+  if (d.c_v_dot.size() > 0) J.block(n_v, 0, n_c, n_v) += cj * d.c_v_dot.template cast<Scalar>();
   J.block(n_v, 0, n_c, n_z_) *= -1.0;
   J.block(n_v, n_v, n_c, n_c).diagonal().array() += cj;
   if (n_l > 0) {
     J.block(0, at_l, n_v, n_l) = d.G.transpose().template cast<Scalar>();
+    if (d.c_lambda.size() > 0) J.block(n_v, at_l, n_c, n_l) = -d.c_lambda.template cast<Scalar>();
     J.block(0, at_m, n_z_, n_l).noalias() = z_v_ * GS_;
     J.block(n_v, at_m, n_c, n_l) *= -1.0;
     J.block(at_l, 0, n_l, n_v) = d.G.template cast<Scalar>() + h_v_;
@@ -175,6 +177,8 @@ void NewtonMatrix<Scalar>::assemble_sparse(Scalar cj) {
   add_sparse(0, 0, sparse.M, cj);
   add_dense(0, n_v, d.z_c);
   add_dense(0, n_v + n_c, d.z_a);
+  add_dense(n_v, 0, cj * d.c_v_dot.template cast<Scalar>());
+  add_dense(n_v, at_l, d.c_lambda);
   for (int i = n_v; i < n_v + n_c; ++i) add(i, i, -cj);
   if (n_l > 0) {
     take_blocks(n_v, f.TET, [&](auto&& to) { inverse_.entries_of_TET(to); });

@@ -99,6 +99,7 @@ StaticsReport solve_statics(const Equations& eq, State& s, const StaticsOptions&
     J.block(0, n_v, n_z, n_c) = tangents.z_c;
     J.block(0, n_v + n_c, n_z, n_a) = tangents.z_a;
     J.block(0, n_z, n_v, n_l) = tangents.G.transpose();
+    if (tangents.c_lambda.size() > 0) J.block(n_v, n_z, n_c, n_l) = tangents.c_lambda;
     J.block(n_z, 0, n_l, n_v) = tangents.G;
     J = scale.asDiagonal() * J * scale.asDiagonal();
     J.bottomRightCorner(n_l, n_l).diagonal().array() -= 1e-13;

@@ -11,6 +11,7 @@
 #include "mbs/model/joints/types.hpp"
 #include "mbs/model/modal_basis.hpp"
 #include "mbs/solver/tangents.hpp"
+#include "mbs/superelement/file.hpp"
 #include "tests/mbs/model/checks.hpp"
 #include "tests/mbs/model/lattice.hpp"
 #include "tests/mbs/model/mechanism_file.hpp"
@@ -40,7 +41,7 @@ VectorXd everything(const Mechanism& m, const State& s, const VectorXd& v_dot, E
 void derivatives_agree(const Mechanism& m, State s, unsigned seed, TangentScope scope, double own_error) {
   const Sizes n = m.sizes();
   Random random(seed);
-  const VectorXd v_dot = random.vector(n.n_v);
+  VectorXd v_dot = random.vector(n.n_v);
   Tangents tangents(m);
   tangents.evaluate(s, v_dot, scope);
   const auto scratch = m.make_scratch();
@@ -89,6 +90,14 @@ void derivatives_agree(const Mechanism& m, State s, unsigned seed, TangentScope 
   compare(s.v, tangents.z_v, n.n_lambda > 0 ? &tangents.G : nullptr, elastic_v, "by velocity");
   compare(s.c, tangents.z_c, nullptr, {}, "by dynamic state");
   compare(s.a, tangents.z_a, nullptr, {}, "by algebraic state");
+  // M and G^T, and what dynamic states say to accelerations and reactions.
+  MatrixXd by_v_dot = MatrixXd::Zero(n_z, n.n_v), by_lambda = MatrixXd::Zero(n_z, n.n_lambda);
+  by_v_dot.topRows(n.n_v) = tangents.M;
+  by_lambda.topRows(n.n_v) = tangents.G.transpose();
+  if (tangents.c_v_dot.size() > 0) by_v_dot.middleRows(n.n_v, n.n_dyn) = tangents.c_v_dot;
+  if (tangents.c_lambda.size() > 0) by_lambda.middleRows(n.n_v, n.n_dyn) = tangents.c_lambda;
+  compare(v_dot, by_v_dot, nullptr, {}, "by acceleration");
+  compare(s.lambda, by_lambda, nullptr, {}, "by multiplier");
 }
 
 void derivatives_agree(const Mechanism& m, double own_error = 0.0) {
@@ -366,6 +375,51 @@ TEST(FlexibleDerivatives, AtAnInterpolatedNode) {
   ModalData data = modal_data(l.se, options);
   data.nodes.erase(data.nodes.begin(), data.nodes.begin() + 2);  // the chain sits on the first two
   derivatives_agree_on(std::make_shared<FlexibleBody>(data));
+}
+
+// One-way: its deformation answers to the motion, to accelerations and reactions, and to the states of
+// others.
+TEST_F(ElementDerivatives, OfAOneWayBody) {
+  superelement::write(folder_ / "beam.se.h5", lattice::make_lattice(4, 40.0).se);
+  derivatives_agree(Mechanism(read(R"toml(
+[ground.marker.far]
+position = [1, 0.2, 0.3]
+[body.beam]
+superelement = "beam.se.h5"
+fidelity = "ked"
+modes = 4
+[body.bob]
+mass = 1
+inertia = [0.1, 0.1, 0.1]
+[body.bob.marker.end]
+position = [0.3, -0.2, 0.1]
+[joint.pivot]
+type = "universal"
+from = "ground"
+to = "beam.left"
+[joint.neck]
+type = "revolute"
+from = "beam.right"
+to = "bob"
+[joint.closure]
+type = "spherical"
+from = "ground.far"
+to = "bob.end"
+cut = true
+[control.lag]
+type = "state"
+rate = "-2*lag + neck.speed"
+[control.root]
+type = "algebraic"
+equation = "root + 0.3*root^3 - neck.angle"
+[force.gust]
+type = "force"
+marker = "beam.right"
+x = "3*lag"
+y = "2*root"
+)toml")
+                                  .description),
+                    kByDifferences);
 }
 
 // Any symmetric second-order displacement will do.
