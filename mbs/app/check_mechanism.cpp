@@ -54,7 +54,8 @@ nlohmann::json to_json(const NamedRun& run) {
 }  // namespace
 
 int check_mechanism(const std::string& file, bool json, const terminal::Talk& talk) {
-  const std::vector<NamedRun> runs = prepare_runs({file, {}, {}, {}});
+  const std::vector<NamedRun> runs =
+      prepare_runs({.file = file, .set = {}, .runs = {}, .from_state = {}, .cache = {}});
   if (json) {
     nlohmann::json list = nlohmann::json::array();
     for (const NamedRun& run : runs) list.push_back(to_json(run));

@@ -23,11 +23,17 @@ void declare_mechanism(terminal::Options& options, MechanismArguments& arguments
               "override a key of the file, as in body.rod.fidelity=rigid")
       .option("--from-state", arguments.from_state, "FILE",
               "start from the states in this file (see --save-state), or from those that it names")
-      .option("--run", arguments.runs, "NAME", "only these of the file's runs");
+      .option("--run", arguments.runs, "NAME", "only these of the file's runs")
+      .option(
+          "--cache", arguments.cache, "FOLDER",
+          "keep the modes of flexible bodies there and take them from there, each by the content of what it "
+          "follows from");
 }
 
 std::vector<NamedRun> prepare_runs(const MechanismArguments& arguments) {
-  const mbs::MechanismFile file = mbs::read_mechanism(arguments.file, mbs::solver_schema(), arguments.set);
+  const auto cache = std::make_shared<mbs::PreparationCache>(arguments.cache);
+  const mbs::MechanismFile file =
+      mbs::read_mechanism(arguments.file, mbs::solver_schema(), arguments.set, cache.get());
   std::vector<std::string> known;
   for (const mbs::RunDescription& run : file.runs) known.push_back(run.name);
   for (const std::string& wanted : arguments.runs)
@@ -41,7 +47,8 @@ std::vector<NamedRun> prepare_runs(const MechanismArguments& arguments) {
     // What stands on the command line has the last word.
     std::vector<std::string> overrides = run.overrides;
     overrides.insert(overrides.end(), arguments.set.begin(), arguments.set.end());
-    runs.push_back({run.name, mbs::prepare(arguments.file, overrides, arguments.from_state), overrides});
+    runs.push_back(
+        {run.name, mbs::prepare(arguments.file, overrides, arguments.from_state, cache), overrides});
     if (!arguments.from_state.empty()) runs.back().prepared.options.start_time = runs.back().prepared.state.t;
   }
   return runs;

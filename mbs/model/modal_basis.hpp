@@ -32,6 +32,8 @@
 /// Rigid links (body_node.hpp) leave of all this what keeps ties^T u_se = 0.
 namespace flexura::mbs {
 
+class PreparationCache;
+
 struct BasisOptions {
   int modes = std::numeric_limits<int>::max();  ///< eigenmodes: at most so many, lowest first
   double max_frequency = std::numeric_limits<double>::infinity();  ///< [Hz], eigenmodes: none above
@@ -58,8 +60,9 @@ struct BasisReport {
 
 /// Throws std::invalid_argument when the superelement cannot carry its rigid motions, keeps no mode, has no
 /// stiffening terms where they are asked for, or when the fixed interface lacks directions.
+/// Steps that the cache knows are taken from there.
 ModalData modal_data(const superelement::Superelement& se, const BasisOptions& options = {},
-                     BasisReport* report = nullptr);
+                     BasisReport* report = nullptr, PreparationCache* cache = nullptr);
 
 /// n_se x 6: the loads p_se of unit wrenches (torque, then force, in B's axes, about a point `offset` from
 /// the interface's node) on an interface.  Directions that the interface does not keep take no load.

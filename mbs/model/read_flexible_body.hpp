@@ -9,6 +9,7 @@
 #include "mbs/input/schema.hpp"
 #include "mbs/model/body_node.hpp"
 #include "mbs/model/mechanism.hpp"
+#include "mbs/model/preparation_cache.hpp"
 #include "mbs/superelement/superelement.hpp"
 
 /// The automatic preparation of a flexible body: from what its table says and what acts on it.
@@ -41,16 +42,11 @@ std::shared_ptr<const StressField> read_stress_field(const input::Section& s,
                                                      const superelement::Superelement& se,
                                                      const FlexibleBody& body);
 
-/// The nodes (indices) that joints, constraints and forces of the mechanism act on.
-std::vector<int> loaded_nodes(const MechanismDescription& d, int body);
-
 /// Builds the body; joints and forces of `d` are already there and its markers on interfaces have the
 /// interface's index as node, those on the nodes of `linked` the numbers behind.  Notes for the user are
 /// appended.  Throws InputError.
-std::shared_ptr<const FlexibleBody> prepare_flexible_body(const input::Section& s,
-                                                          const superelement::Superelement& se,
-                                                          const std::vector<BodyNode>& linked,
-                                                          const MechanismDescription& d, int body,
-                                                          std::vector<std::string>& notes);
+std::shared_ptr<const FlexibleBody> prepare_flexible_body(
+    const input::Section& s, const superelement::Superelement& se, const std::vector<BodyNode>& linked,
+    const MechanismDescription& d, int body, std::vector<std::string>& notes, PreparationCache& cache);
 
 }  // namespace flexura::mbs

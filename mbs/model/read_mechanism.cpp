@@ -22,8 +22,9 @@ std::string text_of(const std::filesystem::path& file) {
 }  // namespace
 
 MechanismFile read_mechanism(const std::filesystem::path& file, const input::TableSchema& solver,
-                             const std::vector<std::string>& overrides) {
-  ReadModel model;
+                             const std::vector<std::string>& overrides, PreparationCache* cache) {
+  PreparationCache own;  // bodies of one superelement share it
+  ReadModel model{.cache = cache ? *cache : own};
   Reader reader(model, file, solver, overrides);
   const input::Section& root = reader.root();
   MechanismDescription& d = model.description;

@@ -8,6 +8,7 @@
 
 #include "mbs/input/document.hpp"
 #include "mbs/model/mechanism.hpp"
+#include "mbs/model/preparation_cache.hpp"
 
 /// The mechanism file (TOML): bodies, markers, joints, forces, measures, runs.
 namespace flexura::mbs {
@@ -35,9 +36,11 @@ struct MechanismFile {
 };
 
 /// Reads and checks the file with `overrides` applied ("body.rod.fidelity=rigid").  Superelement files are
-/// sought beside it.  Throws InputError.
+/// sought beside it.  What the cache holds of their bodies' preparation is not computed again.  Throws
+/// InputError.
 MechanismFile read_mechanism(const std::filesystem::path& file, const input::TableSchema& solver,
-                             const std::vector<std::string>& overrides = {});
+                             const std::vector<std::string>& overrides = {},
+                             PreparationCache* cache = nullptr);
 
 /// Indices of the wanted quantities, in the order of the patterns; the usual ones for no patterns.
 /// Throws std::invalid_argument for a pattern that fits nothing ("did you mean ...?").

@@ -16,7 +16,6 @@
 #include "mbs/model/read_joint.hpp"
 #include "mbs/model/read_linked_marker.hpp"
 #include "mbs/model/read_tables.hpp"
-#include "mbs/superelement/file.hpp"
 
 namespace flexura::mbs {
 namespace {
@@ -93,7 +92,7 @@ void prepare_bodies(ReadModel& model) {
   MechanismDescription& d = model.description;
   for (const auto& [b, se] : model.to_prepare) {
     const Section& s = model.sections.at(b);
-    const auto body = prepare_flexible_body(s, *se, model.linked[b], d, b, model.notes);
+    const auto body = prepare_flexible_body(s, *se, model.linked[b], d, b, model.notes, model.cache);
     if (wants_stress(s)) d.bodies[b].stress = read_stress_field(s, *se, *body);
     (model.is_one_way(b) ? d.bodies[b].ked : d.bodies[b].flexible) = body;
   }
@@ -269,16 +268,11 @@ std::shared_ptr<const superelement::Superelement> Reader::load(const Section& s)
   parts.stress = wants_stress(s);
   parts.surface = parts.stress || by_surface;
   parts.shapes = parts.matrices && by_surface;
-  const std::string key = fmt::format("{}|{}|{}|{}|{}", path.lexically_normal().string(), parts.matrices,
-                                      parts.stiffening, parts.stress, by_surface);
-  auto& loaded = model_.superelements[key];
-  if (loaded) return loaded;
   try {
-    loaded = std::make_shared<superelement::Superelement>(superelement::read(path, parts));
+    return model_.cache.read(path, parts);
   } catch (const std::runtime_error& error) {
     throw input::InputError(s.where("superelement") + ": " + error.what());
   }
-  return loaded;
 }
 
 void Reader::read_body(const std::string& own_name, const Section& s) {

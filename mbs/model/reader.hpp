@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "mbs/model/beam_part.hpp"
+#include "mbs/model/preparation_cache.hpp"
 #include "mbs/model/read_context.hpp"
 #include "mbs/model/read_flexible_body.hpp"
 #include "mbs/model/read_mechanism.hpp"
@@ -24,17 +25,16 @@ namespace flexura::mbs {
 
 /// What all files of a mechanism are read into.
 struct ReadModel {
-  MechanismDescription description;
-  std::vector<std::string> notes;
-  std::map<int, input::Section> sections;  ///< of bodies
-  std::map<int, std::vector<std::pair<std::string, Vector3d>>> interfaces;
-  std::set<int> joined;  ///< bodies with a joint
-  /// Superelements by file and what is read of it: one that is placed many times is held once.
-  std::map<std::string, std::shared_ptr<const superelement::Superelement>> superelements;
+  PreparationCache& cache;
+  MechanismDescription description = {};
+  std::vector<std::string> notes = {};
+  std::map<int, input::Section> sections = {};  ///< of bodies
+  std::map<int, std::vector<std::pair<std::string, Vector3d>>> interfaces = {};
+  std::set<int> joined = {};  ///< bodies with a joint
   /// Of deforming bodies; they are prepared when it is known what acts on them.
-  std::map<int, std::shared_ptr<const superelement::Superelement>> to_prepare;
-  std::map<int, std::vector<BodyNode>> linked;  ///< nodes of deforming bodies beside their interfaces
-  std::map<int, Segments> segments;             ///< beams cut into pieces, by the piece at the root
+  std::map<int, std::shared_ptr<const superelement::Superelement>> to_prepare = {};
+  std::map<int, std::vector<BodyNode>> linked = {};  ///< nodes of deforming bodies beside their interfaces
+  std::map<int, Segments> segments = {};             ///< beams cut into pieces, by the piece at the root
 
   bool deforms(int body) const { return to_prepare.contains(body) || description.bodies[body].flexible; }
   bool is_one_way(int body) const {

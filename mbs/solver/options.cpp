@@ -16,8 +16,7 @@ input::TableSchema solver_schema() {
       "runge_kutta = Dormand-Prince 5(4) with projection, explicit, for models that are not stiff; "
       "kinematics = positions, velocities, accelerations and drive forces where drives prescribe the "
       "whole motion; quasi_statics = an equilibrium at each output time; without it radau where "
-      "deformation acts on the motion through modal coordinates, runge_kutta where it is one-way in all "
-      "bodies that have it, ida otherwise"));
+      "bodies deform in modal coordinates, ida otherwise"));
   schema.keys.push_back(
       in::quantity("start_time", in::dim::time, "time at which the run begins").or_default("0 s"));
   schema.keys.push_back(

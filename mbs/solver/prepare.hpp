@@ -27,13 +27,15 @@ struct PreparedMechanism {
   std::optional<Continuation> continuation;  ///< of the state file, where it holds one
   std::vector<std::string> notes;            ///< of reading, redundancy and assembly, for the user
   bool continuation_fits = true;             ///< its file has as many states of every kind as the mechanism
+  std::shared_ptr<PreparationCache> cache;   ///< of its bodies; for further runs of the same file
 };
 
 /// Reads, builds, assembles on all levels and drops redundant constraint rows.  Throws input::InputError for
 /// a bad file and for a mechanism that cannot be assembled, std::invalid_argument for a description that
 /// cannot move.  A state file (state_file.hpp) sets the states that it names before the assembly, which
-/// rather moves the others, and the time at which the run starts.
+/// rather moves the others, and the time at which the run starts.  Without a cache it makes a new one.
 PreparedMechanism prepare(const std::filesystem::path& file, const std::vector<std::string>& overrides = {},
-                          const std::filesystem::path& state_file = {});
+                          const std::filesystem::path& state_file = {},
+                          std::shared_ptr<PreparationCache> cache = nullptr);
 
 }  // namespace flexura::mbs

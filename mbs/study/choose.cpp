@@ -77,7 +77,7 @@ class Chooser {
 
   ChosenRun run() {
     const auto start = std::chrono::steady_clock::now();
-    ChosenRun out{mbs::prepare(file_, overrides()), overrides(), {}, {}, false, {}, {}, 0, 0.0};
+    ChosenRun out{prepared(overrides()), overrides(), {}, {}, false, {}, {}, 0, 0.0};
     screen(out);
     if (!choices_.empty() && out.result.complete && out.has_estimate) choose();
     if (std::ranges::any_of(choices_, [](const auto& entry) { return !entry.second.rigid; }) ||
@@ -99,6 +99,10 @@ class Chooser {
   }
 
  private:
+  mbs::PreparedMechanism prepared(const std::vector<std::string>& words) const {
+    return mbs::prepare(file_, words, {}, as_given_.cache);
+  }
+
   std::vector<std::string> overrides() const {
     std::vector<std::string> out = given_;
     for (const auto& [body, choice] : choices_) {
@@ -207,7 +211,7 @@ class Chooser {
       words.insert(words.end(), beams.begin(), beams.end());
       full_ = FullModel::make(screened, file_, words, stiffened);
     }
-    ChosenRun out{mbs::prepare(file_, overrides()), overrides(), {}, {}, false, {}, {}, 0, 0.0};
+    ChosenRun out{prepared(overrides()), overrides(), {}, {}, false, {}, {}, 0, 0.0};
     const double start_time = out.prepared.options.start_time;
     mbs::State state = out.prepared.state;
     VectorXd v_dot = out.prepared.v_dot;
@@ -281,7 +285,7 @@ class Chooser {
   // The mechanism as it is chosen now, in the state of `start`, with the rows until there.
   void go_on(ChosenRun& out, const Good& start, mbs::State& state, VectorXd& v_dot) {
     out.overrides = overrides();
-    mbs::PreparedMechanism refined = mbs::prepare(file_, out.overrides);
+    mbs::PreparedMechanism refined = prepared(out.overrides);
     state = refined.state;
     v_dot = refined.v_dot;
     if (start.is_there) {

@@ -91,7 +91,7 @@ std::unique_ptr<FullModel> FullModel::make(const mbs::PreparedMechanism& run,
       full.push_back(fmt::format("body.{}.{}", body.name, text));
   }
   if (!any) return nullptr;
-  mbs::MechanismFile all = mbs::read_mechanism(file, mbs::solver_schema(), full);
+  mbs::MechanismFile all = mbs::read_mechanism(file, mbs::solver_schema(), full, run.cache.get());
   std::unique_ptr<FullModel> out(new FullModel(std::make_unique<mbs::Mechanism>(std::move(all.description))));
   out->take_start(run);
   return out;

@@ -12,11 +12,11 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "mbs/input/content_hash.hpp"
 #include "mbs/model/read_mechanism.hpp"
 #include "mbs/results/results.hpp"
 #include "mbs/solver/options.hpp"
 #include "mbs/study/child.hpp"
-#include "mbs/study/content_hash.hpp"
 
 namespace flexura::study {
 namespace {
@@ -88,9 +88,10 @@ class Laboratory {
       : study_(study), programs_(programs), options_(options) {
     fs::create_directories(study.cache);
     cache_ = fs::absolute(study.cache);
-    flexura_ = ContentHash().add_file(programs.flexura).hex();
+    flexura_ = input::ContentHash().add_file(programs.flexura).hex();
     machine_ = machine_name();
-    if (!study.parts.empty()) reduce_ = ContentHash().add_file(programs.reduce).add_file(programs.mesh).hex();
+    if (!study.parts.empty())
+      reduce_ = input::ContentHash().add_file(programs.reduce).add_file(programs.mesh).hex();
     check_mechanism();
   }
 
@@ -185,7 +186,7 @@ class Laboratory {
     if (const auto found = choice.part_set.find(part.name); found != choice.part_set.end())
       set.insert(set.end(), found->second.begin(), found->second.end());
     Task task;
-    ContentHash hash;
+    input::ContentHash hash;
     hash.add(reduce_).add_input_file(part.file);
     task.command = {programs_.reduce.string(), fs::absolute(part.file).string(), "-q"};
     for (const std::string& text : set) {
@@ -234,7 +235,7 @@ class Laboratory {
   Task simulation(const Choice& choice) const {
     Task task;
     task.name = choice.name;
-    ContentHash hash;
+    input::ContentHash hash;
     hash.add(flexura_).add(machine_).add_input_file(study_.mechanism).add(study_.run);
     task.command = {programs_.flexura.string(), "simulate", fs::absolute(study_.mechanism).string(), "-q"};
     if (!study_.run.empty()) task.command.insert(task.command.end(), {"--run", study_.run});
@@ -270,7 +271,11 @@ class Laboratory {
 
   ChildOutcome simulate(const Task& task, const fs::path& output, bool with_estimate) const {
     std::vector<std::string> command = task.command;
-    if (!with_estimate) command.push_back("--no-estimate");
+    // Timed runs prepare their bodies as a run by itself does.
+    if (with_estimate)
+      command.insert(command.end(), {"--cache", (cache_ / "bodies").string()});
+    else
+      command.push_back("--no-estimate");
     command.insert(command.end(), {"-o", output.string()});
     return run_child(command, cache_, study_.time_limit);
   }

@@ -95,7 +95,7 @@ MatrixXd Screening::responses_of(const std::string& body) const {
   for (const char* const text : {"fidelity=static", "frame=mean_axis", "boundary=free", "coupling=full"})
     overrides.push_back(fmt::format("body.{}.{}", body, text));
   try {
-    mbs::MechanismFile file = mbs::read_mechanism(file_, mbs::solver_schema(), overrides);
+    mbs::MechanismFile file = mbs::read_mechanism(file_, mbs::solver_schema(), overrides, run_.cache.get());
     const mbs::Mechanism mechanism(std::move(file.description));
     const auto index = static_cast<std::size_t>(&block - full_.blocks().data());
     return Embedding(mechanism, full_).deformations(index);

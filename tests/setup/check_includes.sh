@@ -41,7 +41,7 @@ H5              | mbs/hdf5/
 CLI             | mbs/terminal/
 toml\+\+        | mbs/input/
 muParser        | mbs/model/ reduce/app/force_field.cpp
-xxhash          | mbs/study/
+xxhash          | mbs/input/
 spdlog          | mbs/app/ reduce/app/
 '
 

@@ -5,8 +5,8 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "mbs/input/content_hash.hpp"
 #include "mbs/study/child.hpp"
-#include "mbs/study/content_hash.hpp"
 #include "mbs/study/study_file.hpp"
 #include "tests/app/command.hpp"
 
@@ -162,11 +162,11 @@ TEST(ContentHash, FollowsTheFilesThatAnInputFileNames) {
   const Folder folder;
   folder.write("part.step", "one");
   const fs::path file = folder.write("part.toml", "file = \"part.step\"\n");
-  const std::string before = ContentHash().add_input_file(file).hex();
-  EXPECT_EQ(before, ContentHash().add_input_file(file).hex());
+  const std::string before = input::ContentHash().add_input_file(file).hex();
+  EXPECT_EQ(before, input::ContentHash().add_input_file(file).hex());
   folder.write("part.step", "two");
-  EXPECT_NE(before, ContentHash().add_input_file(file).hex());
-  EXPECT_NE(ContentHash().add("ab").add("c").hex(), ContentHash().add("a").add("bc").hex());
+  EXPECT_NE(before, input::ContentHash().add_input_file(file).hex());
+  EXPECT_NE(input::ContentHash().add("ab").add("c").hex(), input::ContentHash().add("a").add("bc").hex());
 }
 
 class StudyCommand : public ::testing::Test {

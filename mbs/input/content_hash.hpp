@@ -8,7 +8,7 @@
 
 /// Names for results by what they were made from: 128 bits of XXH3 over program, files and overrides.  Two
 /// different contents share a name with probability 2^-128 per pair, as long as nobody seeks to make them.
-namespace flexura::study {
+namespace flexura::input {
 
 class ContentHash {
  public:
@@ -32,4 +32,4 @@ class ContentHash {
   std::unique_ptr<Impl> impl_;
 };
 
-}  // namespace flexura::study
+}  // namespace flexura::input

@@ -1,5 +1,5 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-#include "mbs/study/content_hash.hpp"
+#include "mbs/input/content_hash.hpp"
 
 #include <fmt/format.h>
 
@@ -11,7 +11,7 @@
 #include <sstream>
 #include <stdexcept>
 
-namespace flexura::study {
+namespace flexura::input {
 
 namespace fs = std::filesystem;
 
@@ -72,4 +72,4 @@ std::string ContentHash::hex() const {
   return fmt::format("{:016x}{:016x}", h.high64, h.low64);
 }
 
-}  // namespace flexura::study
+}  // namespace flexura::input
