@@ -17,8 +17,7 @@ void check_beam(const BeamSection& s, double length) {
   if (!is_positive_definite(s.C) || !s.C.isApprox(s.C.transpose(), 1e-12))
     throw std::invalid_argument(
         "the section stiffness C is not symmetric and positive definite; a shear-rigid section needs finite "
-        "shear "
-        "areas here.");
+        "shear areas here.");
   require_positive("the section's mass per length [kg/m]", s.m);
   Eigen::Matrix3d inertia;
   inertia << s.m, s.m_y, s.m_z, s.m_y, s.m_yy, s.m_yz, s.m_z, s.m_yz, s.m_zz;

@@ -162,11 +162,11 @@ std::vector<std::string> warnings(const Model& model, const std::vector<int>& fi
     if (held == 0) continue;
     const double length = placement_of(model, member).length;
     if (!(section.I_w > 0.0) || !section.material || !section.constants) {
-      texts.push_back(fmt::format(
-          "member \"{}\": its section \"{}\" is open and thin-walled and its warping is held at {} end(s), "
-          "which a beam "
-          "element of 12 dofs cannot carry; it will twist too much (warping constant unknown, no estimate)",
-          member.name, section.name, held));
+      texts.push_back(
+          fmt::format("member \"{}\": its section \"{}\" is open and thin-walled and its warping is held at "
+                      "{} end(s), which a beam element of 12 dofs cannot carry; it will twist too much "
+                      "(warping constant unknown, no estimate)",
+                      member.name, section.name, held));
       continue;
     }
     // Twist of a bar with one end held against warping, other free: theta' length (1 - tanh(a)/a) of
@@ -178,9 +178,8 @@ std::vector<std::string> warnings(const Model& model, const std::vector<int>& fi
     if (share < 0.02) continue;
     texts.push_back(fmt::format(
         "member \"{}\": its section \"{}\" is open and thin-walled and its warping is held at {} end(s); a "
-        "beam element "
-        "of 12 dofs cannot carry that: at {:.3g} m, {:.2g} times the decay length {:.3g} m, it twists {:.0f} "
-        "% too much",
+        "beam element of 12 dofs cannot carry that: at {:.3g} m, {:.2g} times the decay length {:.3g} m, it "
+        "twists {:.0f} % too much",
         member.name, section.name, held, length, length / decay, decay, 100.0 * share / (1.0 - share)));
   }
   return texts;

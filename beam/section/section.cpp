@@ -200,11 +200,11 @@ SectionInertia inertia_of(const std::string& name, const Matrix6d& M) {
   for (int i = 0; i < 6; ++i)
     for (int j = 0; j < 6; ++j)
       if (std::abs(M(i, j) - expected(i, j)) > 1e-9 * size(i) * size(j))
-        throw std::invalid_argument(fmt::format(
-            "section \"{}\": entry ({}, {}) of the section mass is {:g}, a section that moves rigidly has "
-            "{:g} there "
-            "(M_11 = M_22 = M_33 = mass per length, M_44 = M_55 + M_66, M_15 = -M_24, M_16 = -M_34)",
-            name, i + 1, j + 1, M(i, j), expected(i, j)));
+        throw std::invalid_argument(
+            fmt::format("section \"{}\": entry ({}, {}) of the section mass is {:g}, a section that moves "
+                        "rigidly has {:g} there (M_11 = M_22 = M_33 = mass per length, M_44 = M_55 + M_66, "
+                        "M_15 = -M_24, M_16 = -M_34)",
+                        name, i + 1, j + 1, M(i, j), expected(i, j)));
   require_nonnegative_inertia(name, inertia);
   return inertia;
 }

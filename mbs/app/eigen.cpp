@@ -119,8 +119,7 @@ mbs::LinearSystem without_loads(const PreparedMechanism& p) {
   } catch (const std::runtime_error& failure) {
     throw std::runtime_error(
         fmt::format("--buckling compares the equilibrium with that of the mechanism without weight and given "
-                    "forces, which "
-                    "has none: {}; where only some runs have springs, choose one with --run",
+                    "forces, which has none: {}; where only some runs have springs, choose one with --run",
                     failure.what()));
   }
   Eigen::VectorXd v_dot;

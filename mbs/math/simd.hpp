@@ -5,6 +5,17 @@
 
 namespace flexura {
 
+/// W numbers that lie together in an array of doubles, added and multiplied at once; the compiler takes the
+/// widest registers it may.
+template <int W>
+struct Lanes {
+  typedef double Row __attribute__((vector_size(8 * W), aligned(8), may_alias));
+};
+template <>
+struct Lanes<1> {
+  using Row = double;
+};
+
 #ifdef __x86_64__
 template <class Work>
 __attribute__((target("avx2,fma"))) void run_with_avx2(const Work& work) {

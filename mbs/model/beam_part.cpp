@@ -64,8 +64,7 @@ input::TableSchema beam_part_schema() {
   schema.name = "beam";
   schema.doc =
       "A prismatic beam, for the fidelities ancf, segments and rigid. Its ends are the markers root and tip. "
-      "The "
-      "section is given by a material and a shape (diameter, or width and height), or by its constants.";
+      "The section is given by a material and a shape (diameter, or width and height), or by its constants.";
   schema.keys = {
       vector3("from", dim::length, "the root in the body's frame").or_default("[0, 0, 0]"),
       vector3("to", dim::length, "the tip").required(),
@@ -220,7 +219,8 @@ Segments add_segments(MechanismDescription& d, int root, const BeamPart& part) {
     const int body = d.add_body({.name = fmt::format("{}.{}", name, k), .inertia = inertia});
     out.bodies.push_back(body);
     const Vector3d middle = part.from_B + (k - 0.5) * l * R.col(0);
-    const int F_marker = d.add_marker(before, fmt::format("joint_{}_from", k), {R, middle - out.origins_B[k - 1]});
+    const int F_marker =
+        d.add_marker(before, fmt::format("joint_{}_from", k), {R, middle - out.origins_B[k - 1]});
     const int M_marker = d.add_marker(body, fmt::format("joint_{}_to", k), {R, middle - origin});
     d.add_joint(fmt::format("{}.joint_{}", name, k), "six_dof", F_marker, M_marker);
     d.forces.push_back(

@@ -39,9 +39,10 @@ void multiply(const Eigen::MatrixXd& A, const double* x, Eigen::VectorXd& y) {
                       __attribute__((always_inline)) { tall_product(A.data(), rows, columns, x, y.data()); });
 }
 
-/// Three numbers and one to spare, which fill a register; in memory they are four doubles.
-typedef double Four __attribute__((vector_size(32)));
+/// Three numbers and one to spare, which fill a register.
+using Four = Lanes<4>::Row;
 
+// By copies: a reference into an array would lose that its four numbers are aligned as doubles only.
 FLEXURA_INLINE void load(const double* from, Four& x) {
   std::memcpy(&x, from, sizeof x);
 }

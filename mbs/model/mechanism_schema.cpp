@@ -63,8 +63,7 @@ TableSchema body_schema() {
   schema.name = "body";
   schema.doc =
       "A rigid body by its mass properties, or a superelement. Its interfaces are markers by their names. A "
-      "body "
-      "without any joint floats free.";
+      "body without any joint floats free.";
   schema.keys = {
       quantity("mass", dim::mass, "mass; needed without a superelement").at_least(0.0),
       vector3("center", dim::length, "centre of mass in the body's frame").or_default("[0, 0, 0]"),
@@ -86,16 +85,12 @@ TableSchema body_schema() {
 TableSchema joint_schema(bool is_connection) {
   TableSchema schema;
   schema.name = is_connection ? "connection" : "joint";
-  schema.doc =
-      is_connection
-          ? "Joins two bodies like a joint; the program makes a joint of the tree of it where the joints "
-            "leave a body "
-            "unreached (of several connections the one with the fewest freedoms) and a constraint elsewhere. "
-            "Its "
-            "values at the start are guesses that a constraint ignores. flexura check says what it became."
-          : "Joins two bodies. Joints span a tree from ground outwards (in the order of the file, a driven "
-            "joint "
-            "first); the others close loops as constraints.";
+  schema.doc = is_connection ? "Joins two bodies like a joint; the program makes a joint of the tree of it "
+                               "where the joints leave a body unreached (of several connections the one with "
+                               "the fewest freedoms) and a constraint elsewhere. Its values at the start are "
+                               "guesses that a constraint ignores. flexura check says what it became."
+                             : "Joins two bodies. Joints span a tree from ground outwards (in the order of "
+                               "the file, a driven joint first); the others close loops as constraints.";
   schema.selector = "type";
   schema.keys = {text("from", "marker F on the first body, \"body.marker\"").required(),
                  text("to", "marker M on the second body").required()};
@@ -193,8 +188,7 @@ TableSchema mechanism_schema(TableSchema solver) {
   input_schema.name = "input";
   input_schema.doc =
       "An input u of the mechanism: a function of time that formulas read by its name, and a column of B "
-      "where the "
-      "mechanism is linearised.";
+      "where the mechanism is linearised.";
   input_schema.keys = {input::expression("value", "a formula of t and parameters, in SI").or_default("0")};
 
   schema.name = "mechanism";

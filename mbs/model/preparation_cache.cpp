@@ -7,6 +7,9 @@
 #include <fstream>
 #include <optional>
 #include <sstream>
+#include <stdexcept>
+
+#include "mbs/superelement/text_file.hpp"
 
 namespace flexura::mbs {
 namespace {
@@ -58,23 +61,15 @@ std::optional<Matrices> read_entry(const fs::path& file) {
   return unpacked(text.str());
 }
 
-// Beside and renamed: another program may read it at the same time.
+// A folder that takes no files costs time only.  Two programs may write one entry at the same time: it holds
+// the same numbers, and a half of them is not taken for whole.
 void write_entry(const fs::path& file, const Matrices& matrices) {
   std::error_code none;
   fs::create_directories(file.parent_path(), none);
-  const fs::path beside =
-      fmt::format("{}.{:x}.part", file.string(), reinterpret_cast<std::uintptr_t>(&matrices));
-  {
-    std::ofstream out(beside, std::ios::binary);
-    const std::string text = packed(matrices);
-    out.write(text.data(), static_cast<std::streamsize>(text.size()));
-    if (!out.flush()) {
-      fs::remove(beside, none);
-      return;
-    }
+  try {
+    superelement::write_whole(file, packed(matrices));
+  } catch (const std::runtime_error&) {
   }
-  fs::rename(beside, file, none);
-  if (none) fs::remove(beside, none);
 }
 
 }  // namespace

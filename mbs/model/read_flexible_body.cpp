@@ -72,14 +72,12 @@ std::vector<input::Key> flexible_body_keys() {
       quantity("response_frequency", dim::frequency, "at which the response modes are taken; 0: static")
           .or_default("0")
           .at_least(0.0),
-      choice(
-          "frame", {"mean_axis", "joint_fixed", "joints"},
-          "the body's frame: without momentum of the deformation; fixed to the interface of the first joint "
-          "that leads to the body; or where its joints hold it (six of the directions that they lock, "
-          "displacements first: the line between two pins). Without it mean_axis, of a body with a rigid "
-          "link "
-          "(a marker's link) fixed to that, for a one-way body joint_fixed on a single joint and joints on "
-          "several"),
+      choice("frame", {"mean_axis", "joint_fixed", "joints"},
+             "the body's frame: without momentum of the deformation; fixed to the interface of the first "
+             "joint that leads to the body; or where its joints hold it (six of the directions that they "
+             "lock, displacements first: the line between two pins). Without it mean_axis, of a body with a "
+             "rigid link (a marker's link) fixed to that, for a one-way body joint_fixed on a single joint "
+             "and joints on several"),
       choice(
           "boundary", {"free", "joint"},
           "eigenmodes of the free body, or held as that joint holds it; without it joint for a joint_fixed "

@@ -87,8 +87,10 @@ std::vector<input::Key> linked_marker_keys() {
   };
 }
 
-bool is_linked(const Section& m) {
-  return m.has("nodes") || follows_surface(m);
+const char* linking_key(const Section& m) {
+  for (const char* key : {"nodes", "points", "within"})
+    if (m.has(key)) return key;
+  return nullptr;
 }
 
 bool follows_surface(const Section& m) {
@@ -122,8 +124,7 @@ BodyNode read_linked_node(const Section& m, const std::string& name, const super
     if (se.surface.vertices.rows() == 0 || (deforms && se.shapes.rows() != 3 * se.surface.vertices.rows()))
       m.refuse(key, "the superelement has no shapes on its surface",
                "reduce the part from its CAD file, mesh or beams (foreign matrices bring none), or name "
-               "interfaces in "
-               "nodes");
+               "interfaces in nodes");
     add_surface_nodes(m, name, se, places, notes);
   }
   if (m.has("weights")) {
@@ -137,7 +138,7 @@ BodyNode read_linked_node(const Section& m, const std::string& name, const super
       m.refuse("weights", "a weight must be positive", "leave out nodes that shall not count");
   }
   if (places.interfaces.empty() && places.vertices.empty())
-    m.refuse(m.has("nodes") ? "nodes" : "points", "names no node", "name some, or take the key away");
+    m.refuse(linking_key(m), "names no node", "name some, or take the key away");
   try {
     BodyNode node;
     if (!deforms)
@@ -148,7 +149,7 @@ BodyNode read_linked_node(const Section& m, const std::string& name, const super
       node = interpolated_node(se, name, places);
     return node;
   } catch (const std::invalid_argument& error) {
-    m.refuse(m.has("nodes") ? "nodes" : m.has("points") ? "points" : "within", error.what());
+    m.refuse(linking_key(m), error.what());
   }
 }
 

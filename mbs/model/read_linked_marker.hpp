@@ -15,8 +15,9 @@ namespace flexura::mbs {
 /// Keys of a marker for that.
 std::vector<input::Key> linked_marker_keys();
 
-/// True where a marker's table has one of these keys.
-bool is_linked(const input::Section& marker);
+/// The key by which a marker names several nodes (the first of nodes, points and within), null where it has
+/// none of them.
+const char* linking_key(const input::Section& marker);
 
 /// True where it follows nodes of the surface: the superelement must be read with surface and shapes.
 bool follows_surface(const input::Section& marker);

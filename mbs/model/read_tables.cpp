@@ -46,8 +46,7 @@ input::TableSchema table_schema() {
   schema.name = "table";
   schema.doc =
       "A curve through points. Formulas call it by its name, as in drive = \"lift(360*t)\"; springs and "
-      "bushings take "
-      "it as their law. All in SI.";
+      "bushings take it as their law. All in SI.";
   schema.keys = {
       quantities("x", dim::none, "rising"),
       quantities("y", dim::none, "as many"),

@@ -202,12 +202,8 @@ void Reader::add_marker(int body, const std::string& full_name, const Pose& X, i
 std::pair<int, Vector3d> Reader::carrying_node(const Section& m, int body, const std::string& name,
                                                bool deforms, const superelement::Superelement* se) {
   const auto& interfaces = model_.interfaces[body];
-  if (is_linked(m)) {
-    if (!se)
-      m.refuse(m.has("nodes")    ? "nodes"
-               : m.has("points") ? "points"
-                                 : "within",
-               "only superelements have nodes to follow", "take the key away, or use on");
+  if (const char* key = linking_key(m)) {
+    if (!se) m.refuse(key, "only superelements have nodes to follow", "take the key away, or use on");
     std::vector<BodyNode>& linked = model_.linked[body];
     BodyNode node = read_linked_node(m, name, *se, deforms, model_.notes);
     const Vector3d p = node.p_BoN_B;
@@ -240,9 +236,9 @@ void Reader::read_markers(const Section& s, int body, const Pose& X_B, const std
       if (other.name == name)
         m.refuse("", "has the name of an interface of the superelement", "choose another name");
     for (const char* key : {"weights", "link"})
-      if (m.has(key) && !is_linked(m))
+      if (m.has(key) && !linking_key(m))
         m.refuse(key, "is for a marker on several nodes", "say which by nodes, points or within");
-    if (m.has("on") || is_linked(m)) {
+    if (m.has("on") || linking_key(m)) {
       const auto [carries, p] = carrying_node(m, body, name, deforms, se);
       node = carries;
       if (!m.has("position")) X.p = p;

@@ -185,8 +185,7 @@ void Mechanism::grow_tree() {
       continue;
     throw std::invalid_argument(fmt::format(
         "joint \"{}\" closes a loop, so its coordinate and speed follow from those of the other joints; take "
-        "its "
-        "initial values away, or {}",
+        "its initial values away, or {}",
         joint.name, joint.cut ? "its cut = true" : "cut another joint of the loop with cut = true"));
   }
 }

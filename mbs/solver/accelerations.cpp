@@ -78,11 +78,11 @@ void AccelerationSolver::solve_algebraic(State& s) {
   }
   int worst = 0;
   b_.cwiseAbs().maxCoeff(&worst);
-  throw std::runtime_error(fmt::format(
-      "the algebraic equation of \"{}\" has no solution near the present state at t = {:.9g} s (residual "
-      "{:.3g}): "
-      "give a better start value or make the loop's gain such that the equation can be solved for it",
-      eq_.name_of_algebraic(worst), s.t, b_(worst)));
+  throw std::runtime_error(
+      fmt::format("the algebraic equation of \"{}\" has no solution near the present state at t = {:.9g} s "
+                  "(residual {:.3g}): give a better start value or make the loop's gain such that the "
+                  "equation can be solved for it",
+                  eq_.name_of_algebraic(worst), s.t, b_(worst)));
 }
 
 bool AccelerationSolver::solve_recursively(State& s, Eigen::VectorXd& v_dot) {

@@ -13,8 +13,7 @@ std::vector<BucklingMode> buckling_modes(const LinearSystem& unloaded, const Lin
   if (unloaded.independent != loaded.independent)
     throw std::runtime_error(
         "the equilibrium under the loads lies too far from the unloaded mechanism for linear buckling: they "
-        "take "
-        "different coordinates; reduce the loads");
+        "take different coordinates; reduce the loads");
   const auto n = static_cast<Eigen::Index>(unloaded.independent.size());
   // A's lower left block is -M^-1 K.
   const Eigen::MatrixXd A_0 = unloaded.A.block(n, 0, n, n), A_1 = loaded.A.block(n, 0, n, n);
@@ -25,8 +24,7 @@ std::vector<BucklingMode> buckling_modes(const LinearSystem& unloaded, const Lin
   if (n == 0 || !(lu.rcond() > 1e-11))
     throw std::runtime_error(
         "the mechanism moves without stiffness when its loads are taken away, so that nothing can buckle; "
-        "hold it "
-        "by joints or springs");
+        "hold it by joints or springs");
   const Eigen::MatrixXd B =
       lu.solve(scale.cwiseInverse().asDiagonal() * (A_0 - A_1) * scale.cwiseInverse().asDiagonal());
   const Eigen::EigenSolver<Eigen::MatrixXd> solver(B);

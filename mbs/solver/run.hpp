@@ -11,8 +11,9 @@
 #include "mbs/solver/integrator.hpp"
 #include "mbs/solver/options.hpp"
 
-/// One dynamic run with any integrator: rows at a fixed rate, on the constraints to round-off (LoopCloser),
-/// switches, energy book, constraint drift, clean stops.
+/// One dynamic run with any integrator: rows at a fixed rate, switches, energy book, constraint drift, clean
+/// stops.  Rows, switches and the end are brought onto the constraints to round-off (LoopCloser), the steps
+/// between them are not.
 namespace flexura::mbs {
 
 struct RunCallbacks {

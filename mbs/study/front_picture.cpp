@@ -72,8 +72,7 @@ std::string front_picture(const FrontPicture& picture) {
     const double top = std::max(kTop, y(uncertainty));
     svg += fmt::format(
         "<rect x=\"{0}\" y=\"{1:.1f}\" width=\"{2}\" height=\"{3:.1f}\" fill=\"#e8ebee\"/>\n<text x=\"{4}\" "
-        "y=\"{5:.1f}\" "
-        "fill=\"#5b6773\" font-size=\"11\">below the reference's own uncertainty</text>\n",
+        "y=\"{5:.1f}\" fill=\"#5b6773\" font-size=\"11\">below the reference's own uncertainty</text>\n",
         kLeft, top, kRight - kLeft, kBottom - top, kLeft + 6, std::min(kBottom - 6, top + 14));
   }
   for (const double value : ticks(x))

@@ -69,8 +69,7 @@ in::TableSchema reference_schema() {
   check.doc =
       "The reference with one thing coarser. Their difference is its uncertainty in this direction (an upper "
       "bound where refinement at least halves the error); with ratio and order it is divided by ratio^order "
-      "- 1 "
-      "(Richardson).";
+      "- 1 (Richardson).";
   check.keys = {
       set_key("what is coarser").required(),
       in::quantity("ratio", in::dim::none, "how much coarser, as of mesh sizes or steps").above(1.0),
@@ -329,9 +328,8 @@ in::TableSchema study_schema() {
   schema.name = "study";
   schema.doc =
       "What `flexura study` takes: a mechanism, a ladder of choices from coarse to fine, and the quantities "
-      "that "
-      "have to be right. Every choice is run and measured; errors are taken against the finest choice and "
-      "against a converged reference with its own uncertainty.";
+      "that have to be right. Every choice is run and measured; errors are taken against the finest choice "
+      "and against a converged reference with its own uncertainty.";
   schema.keys = {
       in::text("name", "title of tables and pictures; without it the file's name"),
       in::text("mechanism", "mechanism file, relative to the study file").required(),

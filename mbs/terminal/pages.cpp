@@ -69,8 +69,7 @@ std::string bash_completion(const Program& program) {
     if (!command.helper.empty()) {
       cases += fmt::format(
           "    {0}) options=$(\"$(dirname -- \"$(command -v -- \"${{COMP_WORDS[0]}}\")\")\"/{1} "
-          "--list-options "
-          "2>/dev/null) ;;\n",
+          "--list-options 2>/dev/null) ;;\n",
           command.name, command.helper);
       continue;
     }

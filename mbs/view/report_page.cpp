@@ -100,11 +100,9 @@ class ReportWriter {
     file_.put(
         "<header class=\"bar\"><span class=\"brand\"><svg viewBox=\"0 0 32 32\" width=\"26\" height=\"26\" "
         "aria-hidden=\"true\"><rect width=\"32\" height=\"32\" rx=\"8\" fill=\"var(--accent)\"/><path d=\"M6 "
-        "21c5 0 "
-        "6-11 11-11s5 7 9 7\" fill=\"none\" stroke=\"#fff\" stroke-width=\"2.6\" "
-        "stroke-linecap=\"round\"/><circle "
-        "cx=\"6\" cy=\"21\" r=\"2.4\" fill=\"#fff\"/><circle cx=\"26\" cy=\"17\" r=\"2.4\" "
-        "fill=\"#fff\"/></svg><span>Flexura</span></span><h1>");
+        "21c5 0 6-11 11-11s5 7 9 7\" fill=\"none\" stroke=\"#fff\" stroke-width=\"2.6\" "
+        "stroke-linecap=\"round\"/><circle cx=\"6\" cy=\"21\" r=\"2.4\" fill=\"#fff\"/><circle cx=\"26\" "
+        "cy=\"17\" r=\"2.4\" fill=\"#fff\"/></svg><span>Flexura</span></span><h1>");
     file_.put(escape_html(report_.title));
     file_.put("</h1><div class=\"bar-buttons\"></div></header>\n");
   }

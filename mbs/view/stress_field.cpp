@@ -14,8 +14,7 @@ StressField::StressField(const superelement::Superelement& se)
       (n_places > 0 && modes_.vertices.back() >= n_vertices_)) {
     throw std::invalid_argument(fmt::format(
         "the stress modes of superelement '{}' are {} x {} for {} places, with {} shape functions and {} "
-        "vertices they "
-        "must be {} x {}",
+        "vertices they must be {} x {}",
         se.name, modes_.S.rows(), modes_.S.cols(), n_places, se.n(), n_vertices_, 6 * n_places, se.n()));
   }
 }

@@ -297,8 +297,7 @@ std::string svg_plot(const ReportPlot& plot) {
   const Scale x = make_scale(plot, true, left, right), y = make_scale(plot, false, bottom, top);
   std::string svg = fmt::format(
       "<svg class=\"report-plot\" viewBox=\"0 0 {} {}\" role=\"img\" aria-label=\"{}\" data-frame=\"{} {} {} "
-      "{}\" "
-      "data-x=\"{} {} {}\" data-y=\"{} {} {}\">",
+      "{}\" data-x=\"{} {} {}\" data-y=\"{} {} {}\">",
       width, height, escape_html(spoken(plot, x, y)), left, top, right, bottom, x.low(), x.high(),
       plot.x.logarithmic ? "log" : "linear", y.low(), y.high(), plot.y.logarithmic ? "log" : "linear");
   draw_axis(svg, plot.x, x, true);

@@ -86,9 +86,8 @@ const TableSchema& beam_schema() {
     TableSchema s{.name = "beam part file",
                   .doc =
                       "A structure of beams for `flexura reduce`. Quantities carry their unit (\"210 GPa\", "
-                      "\"12 mm\"); "
-                      "plain numbers are SI. A file with a table [member.NAME] or [curves.NAME] is read as a "
-                      "beam part."};
+                      "\"12 mm\"); plain numbers are SI. A file with a table [member.NAME] or [curves.NAME] "
+                      "is read as a beam part."};
     s.keys = {
         input::text("name", "name of the part; default: the file's name"),
         input::flag("stiffening",

@@ -110,8 +110,7 @@ std::function<int()> declare(terminal::Options& options, const terminal::Talk& t
           "also solve the full model: N free frequencies and static compliance against the superelement's")
       .flag("--factor-in-file", arguments->factor_in_file,
             "keep the factor in a temporary file (in TMPDIR or beside the output), as is done by itself "
-            "where it "
-            "does not fit into memory")
+            "where it does not fit into memory")
       .flag("--list-faces", arguments->list_faces, "list the solids and faces of the part, then stop")
       .flag("--schema", arguments->schema, "print the part file's reference page, then stop")
       .flag("--schema-beams", arguments->schema_beams, "print the beam part file's reference page, then stop")

@@ -356,8 +356,7 @@ const TableSchema& part_schema() {
         input::text("name", "name of the part; default: the file's name"),
         input::choice("mass", {"consistent", "lumped", "reduced"},
                       "mass matrix of the elements; `reduced`: consistent, but integrated at the stiffness's "
-                      "points, as "
-                      "CalculiX does with ten-node tetrahedra")
+                      "points, as CalculiX does with ten-node tetrahedra")
             .or_default("consistent"),
         input::flag("stiffening",
                     "keep the geometric stiffening terms: what loads and rotation add to the stiffness")

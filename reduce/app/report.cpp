@@ -234,8 +234,7 @@ Report make_report(const PartInput& input, const Reduction& reduction, ReportDat
   if (r.band_frequency_error >= 0.0)
     text += fmt::format(
         "  up to {:.5g} Hz, safe estimate: frequencies within {:.2g} %, dynamic stiffness of the interface "
-        "within "
-        "{:.2g} %\n",
+        "within {:.2g} %\n",
         input.modes.up_to, 100.0 * r.band_frequency_error, 100.0 * r.band_interface_error);
   for (std::size_t k = 0; k < data.comparison.full_hz.size(); ++k) {
     const double full = data.comparison.full_hz[k], reduced = data.comparison.reduced_hz[k];

@@ -102,9 +102,8 @@ std::string section_svg(const beam::SectionProperties& exact) {
       "role=\"img\" font-family=\"system-ui, 'DejaVu Sans', sans-serif\" font-size=\"14\">\n"
       "<title>Section {2}</title>\n"
       "<style>.material {{ fill: #c3cfdd; stroke: #2b3f57; }} .principal {{ stroke: #a33; stroke-dasharray: "
-      "6 4; }} "
-      ".own {{ stroke: #15202b; stroke-width: 1.6; }} .size {{ stroke: #7c8a99; }} .quiet {{ fill: #556372; "
-      "}}</style>\n"
+      "6 4; }} .own {{ stroke: #15202b; stroke-width: 1.6; }} .size {{ stroke: #7c8a99; }} .quiet {{ fill: "
+      "#556372; }}</style>\n"
       "<rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n"
       "<text x=\"{3:.0f}\" y=\"30\" font-size=\"17\" font-weight=\"600\">{2}</text>\n",
       width, height, escaped(s.section.name), margin);

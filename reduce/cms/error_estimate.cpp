@@ -1,6 +1,7 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include "reduce/cms/error_estimate.hpp"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -23,8 +24,9 @@ void require_estimate(const Reduction& reduction) {
 //
 //     [ K_se 0 ; 0 Omega_d^2 ],   [ M_se C ; C^T 1 ],   C = [ Mhat^T X ; 0 ] Y,
 //
-// (none where the growth is not known), where Y makes X^T M X = growth the identity and X^T K X = Mhat^T X =
-// dropped the diagonal Omega_d^2.
+// where Y makes X^T M X = growth the identity and X^T K X = Mhat^T X =
+// dropped the diagonal Omega_d^2.  None where the growth is not known, or where round-off alone makes the
+// shapes, whose mass is then not positive: the leading order will do.
 Eigen::VectorXd enlarged_eigenvalues(const Reduction& r, const std::vector<int>& kept) {
   if (r.dropped_growth.size() == 0 || !(r.dropped_growth.diagonal().maxCoeff() > 0.0)) return {};
   // Shapes that differ by round-off only are one.
@@ -49,6 +51,7 @@ Eigen::VectorXd enlarged_eigenvalues(const Reduction& r, const std::vector<int>&
   for (Eigen::Index row = 0; row < n; ++row)
     if (kept[row] < r.n_b) M.row(row).tail(n_x) = coupling.row(kept[row]);
   M.bottomLeftCorner(n_x, n) = M.topRightCorner(n, n_x).transpose();
+  if (Eigen::LLT<Eigen::MatrixXd>(M).info() != Eigen::Success) return {};
   return linalg::generalized_eigen(K, M).values;
 }
 
@@ -65,12 +68,7 @@ std::vector<ModeError> mode_errors(const Reduction& reduction, const std::vector
   // stand out by ten powers of ten; elastic eigenvalues of one body do not spread that far from the largest
   // static one.
   const double elastic = 1e-9 * modes.values(modes.values.size() / 2);
-  Eigen::VectorXd enlarged;
-  try {
-    enlarged = enlarged_eigenvalues(reduction, kept);
-  } catch (const std::runtime_error&) {
-    // Residual shapes that round-off alone makes have no positive mass: the leading order will do.
-  }
+  const Eigen::VectorXd enlarged = enlarged_eigenvalues(reduction, kept);
   std::vector<ModeError> errors;
   for (Eigen::Index k = 0; k < modes.values.size(); ++k) {
     const double lambda = modes.values(k);

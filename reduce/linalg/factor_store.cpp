@@ -6,6 +6,7 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdint>
 #include <cstdlib>
@@ -40,13 +41,13 @@ int nameless_file(std::size_t n, const std::filesystem::path& folder) {
     close(file);
     std::error_code none;
     const auto room = std::filesystem::space(folder, none);
-    throw std::runtime_error(fmt::format(
-        "the factor ({:.1f} GB) does not fit into memory ({:.1f} GB are free), nor onto the disk of {} "
-        "({:.1f} "
-        "GB are free; {}): use a coarser mesh, a machine with more memory, or set TMPDIR to a folder on a "
-        "larger disk",
-        static_cast<double>(n) / kGigabyte, available_memory() / kGigabyte, folder.string(),
-        none ? 0.0 : static_cast<double>(room.available) / kGigabyte, std::strerror(error)));
+    throw std::runtime_error(
+        fmt::format("the factor ({:.1f} GB) does not fit onto the disk of {} ({:.1f} GB are free; {}; of "
+                    "memory {:.1f} GB are free): use a coarser mesh, a machine with more memory, or set "
+                    "TMPDIR to a folder on a larger disk",
+                    static_cast<double>(n) / kGigabyte, folder.string(),
+                    none ? 0.0 : static_cast<double>(room.available) / kGigabyte, std::strerror(error),
+                    available_memory() / kGigabyte));
   }
   return file;
 }

@@ -7,9 +7,9 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "mbs/math/simd.hpp"
 #include "reduce/linalg/column_panels.hpp"
 #include "reduce/linalg/petsc_check.hpp"
-#include "reduce/linalg/simd.hpp"
 
 namespace flexura::linalg {
 namespace {

@@ -87,8 +87,7 @@ ConstraintType gear_constraint() {
   using namespace input;
   return {"gear",
           "Two toothed wheels in mesh: teeth_1 q_1 + teeth_2 q_2 = teeth_1 * offset; internal gears turn the "
-          "same way. "
-          "Their joints must sit on one carrier (ground or a planet carrier).",
+          "same way. Their joints must sit on one carrier (ground or a planet carrier).",
           {text("joint_1", "joint of the first wheel, or \"joint.coordinate\"").required(),
            text("joint_2", "joint of the second wheel").required(),
            quantity("teeth_1", dim::none, "number of teeth, or pitch radius").required().above(0.0),

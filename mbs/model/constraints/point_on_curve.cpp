@@ -71,8 +71,7 @@ ConstraintType point_on_curve_constraint() {
   type.name = "point_on_curve";
   type.doc =
       "The origin of M stays on a curve fixed in F. How far along it stands, as the sum of the chords from "
-      "the first "
-      "point, is an algebraic state; rounds on a closed curve count on.";
+      "the first point, is an algebraic state; rounds on a closed curve count on.";
   type.keys = {text("from", "marker F that carries the curve").required(), text("to", "marker M").required()};
   for (Key& key : space_curve_keys()) type.keys.push_back(std::move(key));
   type.keys.push_back(

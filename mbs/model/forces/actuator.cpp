@@ -130,8 +130,7 @@ ForceType actuator_force() {
   return {
       "actuator",
       "A motor or cylinder: a force along a joint's coordinate, or along the line between two markers "
-      "(positive "
-      "pushes them apart), that follows a command with a lag and within limits.",
+      "(positive pushes them apart), that follows a command with a lag and within limits.",
       {text("joint", "the joint"),
        text("coordinate", "its coordinate, where it has more than one: \"angle\", \"position\", ..."),
        text("from", "instead of joint: marker at one end"), text("to", "marker at the other end"),

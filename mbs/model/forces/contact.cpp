@@ -193,9 +193,8 @@ ForceType contact_force() {
       quantity("radius", dim::length, "of the sphere; 0: a point").required().at_least(0.0),
       choice("surface", {"plane", "sphere", "cylinder", "curve"},
              "what it touches: the xy plane of F from above, a sphere about F, a cylinder about the z axis "
-             "of F, "
-             "or a curve in the xy plane of F drawn out along z, on its left side as one walks from point to "
-             "point")
+             "of F, or a curve in the xy plane of F drawn out along z, on its left side as one walks from "
+             "point to point")
           .or_default("plane"),
       quantity("surface_radius", dim::length, "of the sphere or cylinder").above(0.0),
       vectors3("points", dim::length, "of the curve, z = 0; a cubic spline runs through them"),
@@ -210,8 +209,7 @@ ForceType contact_force() {
                      .above(0.0));
   return {"contact",
           "A sphere touches a plane, a sphere, a cylinder or a curve and lets go of it: an elastic law with "
-          "damping or "
-          "restitution, touch and release located by the integrator.",
+          "damping or restitution, touch and release located by the integrator.",
           std::move(keys),
           [](const std::string& name, const Section& s,
              const ReadContext& context) -> std::shared_ptr<const ForceElement> {

@@ -101,8 +101,7 @@ ForceType stick_slip_force() {
   using namespace input;
   return {"stick_slip",
           "Friction along a joint's coordinate that truly sticks: a switch located by the integrator lets it "
-          "go and "
-          "catches it again. All in N, m/s or N m, rad/s.",
+          "go and catches it again. All in N, m/s or N m, rad/s.",
           friction_keys(
               {expression("stick_stiffness",
                           "of the spring that holds it while it sticks, N/m or N m/rad; it yields by "

@@ -79,8 +79,7 @@ JointType constant_velocity_joint() {
   return {
       "constant_velocity",
       "Bends in any direction about the common origin but does not twist: both shafts turn at one rate. Also "
-      "called "
-      "homokinetic joint.",
+      "called homokinetic joint.",
       {"homokinetic"},
       {},
       [](const input::Section*) -> std::unique_ptr<Joint> { return std::make_unique<ConstantVelocity>(); }};

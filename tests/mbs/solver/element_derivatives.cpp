@@ -4,115 +4,23 @@
 #include <map>
 #include <set>
 
-#include "mbs/model/ancf_part.hpp"
 #include "mbs/model/constraints/types.hpp"
 #include "mbs/model/controls/types.hpp"
 #include "mbs/model/forces/types.hpp"
 #include "mbs/model/joints/types.hpp"
 #include "mbs/model/modal_basis.hpp"
-#include "mbs/solver/tangents.hpp"
-#include "mbs/superelement/file.hpp"
 #include "tests/mbs/model/checks.hpp"
 #include "tests/mbs/model/lattice.hpp"
 #include "tests/mbs/model/mechanism_file.hpp"
+#include "tests/mbs/solver/derivatives.hpp"
 
-/// The derivatives that Newton's method and the linearisation use, against central differences of fourth
-/// order, for every registered type of joint, constraint, force, measure and control.  A type without an
-/// example here fails.
+/// Derivatives of every registered type of joint, constraint, force, measure and control, on rigid and on
+/// flexible bodies.  A type without an example here fails.
 namespace flexura::mbs {
 namespace {
 
+using checks::derivatives_agree;
 using checks::Random;
-using Eigen::MatrixXd;
-using Eigen::VectorXd;
-
-// [r; c_rate; b; G v + g_t] of a state.
-VectorXd everything(const Mechanism& m, const State& s, const VectorXd& v_dot, Equations::Scratch& scratch) {
-  const Sizes n = m.sizes();
-  VectorXd y(n.n_v + n.n_dyn + n.n_alg + n.n_lambda);
-  m.momentum(s, v_dot, scratch, y.head(n.n_v), y.segment(n.n_v, n.n_dyn),
-             y.segment(n.n_v + n.n_dyn, n.n_alg));
-  m.velocity_constraints(s.t, s.p, s.v, scratch, y.tail(n.n_lambda));
-  return y;
-}
-
-// Central differences of fourth order, D(h) = f' - h^4 f^(5) / 30 + ..., round-off 1.5 eps |f| / h.
-// Beside that a derivative may err by `own_error` of the scale, where it comes from differences itself.
-void derivatives_agree(const Mechanism& m, State s, unsigned seed, TangentScope scope, double own_error) {
-  const Sizes n = m.sizes();
-  Random random(seed);
-  VectorXd v_dot = random.vector(n.n_v);
-  Tangents tangents(m);
-  tangents.evaluate(s, v_dot, scope);
-  const auto scratch = m.make_scratch();
-  const VectorXd here = everything(m, s, v_dot, *scratch);
-  const int n_z = n.n_v + n.n_dyn + n.n_alg;
-  const auto compare = [&](VectorXd& x, const MatrixXd& columns, const MatrixXd* rows_h,
-                           const std::vector<bool>& skips, const char* what) {
-    for (int j = 0; j < x.size(); ++j) {
-      if (!skips.empty() && skips[j]) continue;
-      const double x_j = x(j);
-      const auto at = [&](double step) {
-        x(j) = x_j + step;
-        VectorXd y = everything(m, s, v_dot, *scratch);
-        x(j) = x_j;
-        return y;
-      };
-      const auto difference = [&](double h) {
-        return VectorXd((8.0 * (at(h) - at(-h)) - (at(2 * h) - at(-2 * h))) / (12.0 * h));
-      };
-      const double h = 2.5e-4;
-      const VectorXd D = difference(h), coarse = difference(2.0 * h);
-      VectorXd own(here.size());
-      own.head(n_z) = columns.col(j);
-      own.tail(n.n_lambda) = rows_h ? VectorXd(rows_h->col(j)) : VectorXd(D.tail(n.n_lambda));
-      // Truncation is a fifteenth of what halving the step changed; the terms beyond it may be as large
-      // again. Round-off: 1.5 eps / h = 1.3e-12 of the largest numbers met on the way to f, some ten times f
-      // itself.
-      const double scale = 1.0 + here.cwiseAbs().maxCoeff() + D.cwiseAbs().maxCoeff();
-      const double tolerance = (D - coarse).cwiseAbs().maxCoeff() / 7.0 + (2e-11 + own_error) * scale;
-      EXPECT_LT((own - D).cwiseAbs().maxCoeff(), tolerance) << what << " " << j << ", scale " << scale;
-      // The comparison must not become empty by differences that say nothing.
-      EXPECT_LT(tolerance, (1e-7 + own_error) * scale) << what << " " << j;
-    }
-  };
-  std::vector<bool> elastic_p, elastic_v;
-  if (scope == TangentScope::newton) {
-    elastic_p.assign(n.n_p, false);
-    elastic_v.assign(n.n_v, false);
-    for (int i = 0; i < n.n_v; ++i) {
-      int i_p;
-      double k, d;
-      if (m.elastic_coordinate(i, i_p, k, d)) elastic_p[i_p] = elastic_v[i] = true;
-    }
-  }
-  compare(s.p, tangents.z_p, n.n_lambda > 0 ? &tangents.h_p : nullptr, elastic_p, "by position");
-  compare(s.v, tangents.z_v, n.n_lambda > 0 ? &tangents.G : nullptr, elastic_v, "by velocity");
-  compare(s.c, tangents.z_c, nullptr, {}, "by dynamic state");
-  compare(s.a, tangents.z_a, nullptr, {}, "by algebraic state");
-  // M and G^T, and what dynamic states say to accelerations and reactions.
-  MatrixXd by_v_dot = MatrixXd::Zero(n_z, n.n_v), by_lambda = MatrixXd::Zero(n_z, n.n_lambda);
-  by_v_dot.topRows(n.n_v) = tangents.M;
-  by_lambda.topRows(n.n_v) = tangents.G.transpose();
-  if (tangents.c_v_dot.size() > 0) by_v_dot.middleRows(n.n_v, n.n_dyn) = tangents.c_v_dot;
-  if (tangents.c_lambda.size() > 0) by_lambda.middleRows(n.n_v, n.n_dyn) = tangents.c_lambda;
-  compare(v_dot, by_v_dot, nullptr, {}, "by acceleration");
-  compare(s.lambda, by_lambda, nullptr, {}, "by multiplier");
-}
-
-void derivatives_agree(const Mechanism& m, double own_error = 0.0) {
-  for (unsigned seed : {3u, 4u}) {
-    State s = checks::random_state(m, seed, 0.3);
-    Random random(seed + 50);
-    s.c += random.vector(static_cast<int>(s.c.size()), 0.2);
-    s.a += random.vector(static_cast<int>(s.a.size()), 0.2);
-    const auto scratch = m.make_scratch();
-    m.start_contacts(s, *scratch);
-    m.start_switches(s, *scratch);
-    derivatives_agree(m, s, seed + 100, TangentScope::everything, own_error);
-    if (m.sizes().n_flx > 0) derivatives_agree(m, s, seed + 100, TangentScope::newton, own_error);
-  }
-}
 
 // The body deforms, and its markers of these names sit on its two nodes.
 void make_flexible(MechanismDescription& d, const std::string& body, const std::string& left,
@@ -311,9 +219,6 @@ class PlainSphere final : public Constraint {
   int F_, M_;
 };
 
-// Differences of their own: 4e-11 of a scale that may be some ten times that of the sum.
-constexpr double kByDifferences = 1e-9;
-
 TEST_F(ElementDerivatives, OfElementsThatHaveNone) {
   MechanismDescription d = read(kThreeBodies).description;
   make_flexible(d, "a", "", "out");
@@ -325,7 +230,7 @@ TEST_F(ElementDerivatives, OfElementsThatHaveNone) {
   };
   d.forces.push_back(std::make_shared<PlainSpring>(marker("a.out"), marker("b.in")));
   d.constraints.push_back(std::make_shared<PlainSphere>(marker("ground.track"), marker("b.in")));
-  derivatives_agree(Mechanism(std::move(d)), kByDifferences);
+  derivatives_agree(Mechanism(std::move(d)), checks::kByDifferences);
 }
 
 TEST(JointDerivatives, OfAMotionThatIsDifferenced) {
@@ -340,112 +245,6 @@ TEST(JointDerivatives, OfAMotionThatIsDifferenced) {
     EXPECT_LT((exact.bias_q - differenced.bias_q).cwiseAbs().maxCoeff(), 1e-9);
     EXPECT_LT((exact.bias_v - differenced.bias_v).cwiseAbs().maxCoeff(), 1e-12);
   }
-}
-
-// Two bodies of one kind on a chain, held at nodes on either side of a joint, loaded there by a closure.
-void derivatives_agree_on(std::shared_ptr<const FlexibleBody> body, double own_error = 0.0) {
-  MechanismDescription d = checks::chain_of(body, body, "universal");
-  Random random(21);
-  const int last = d.add_marker(checks::chain_second, "last", random.pose(0.2), 0);
-  d.joints[d.add_joint("closure", "spherical", d.add_marker(0, "end", random.pose()), last)].cut = true;
-  derivatives_agree(Mechanism(std::move(d)), own_error);
-}
-
-TEST(FlexibleDerivatives, OfEveryLevelOfCoupling) {
-  BasisOptions options;
-  options.modes = 4;
-  ModalData data = modal_data(lattice::make_lattice(4, 40.0).se, options);
-  data.damping.setConstant(0.3);
-  for (const Coupling coupling : {Coupling::constant, Coupling::partial, Coupling::full}) {
-    SCOPED_TRACE(static_cast<int>(coupling));
-    data.coupling = coupling;
-    derivatives_agree_on(std::make_shared<FlexibleBody>(data));
-  }
-}
-
-// A joint, a closure and what they carry at a marker that follows three places of the surface.
-TEST(FlexibleDerivatives, AtAnInterpolatedNode) {
-  lattice::Lattice l = lattice::make_lattice(4, 40.0);
-  l.se.surface.vertices = l.x.transpose();
-  l.se.shapes = l.T.cast<float>();
-  BasisOptions options;
-  options.modes = 4;
-  options.nodes = {interpolated_node(l.se, "a", {{}, {7, 10, 14}, {}}),
-                   interpolated_node(l.se, "b", {{1}, {16, 20, 23}, {1, 2, 3, 4}})};
-  ModalData data = modal_data(l.se, options);
-  data.nodes.erase(data.nodes.begin(), data.nodes.begin() + 2);  // the chain sits on the first two
-  derivatives_agree_on(std::make_shared<FlexibleBody>(data));
-}
-
-// One-way: its deformation answers to the motion, to accelerations and reactions, and to the states of
-// others.
-TEST_F(ElementDerivatives, OfAOneWayBody) {
-  superelement::write(folder_ / "beam.se.h5", lattice::make_lattice(4, 40.0).se);
-  derivatives_agree(Mechanism(read(R"toml(
-[ground.marker.far]
-position = [1, 0.2, 0.3]
-[body.beam]
-superelement = "beam.se.h5"
-fidelity = "ked"
-modes = 4
-[body.bob]
-mass = 1
-inertia = [0.1, 0.1, 0.1]
-[body.bob.marker.end]
-position = [0.3, -0.2, 0.1]
-[joint.pivot]
-type = "universal"
-from = "ground"
-to = "beam.left"
-[joint.neck]
-type = "revolute"
-from = "beam.right"
-to = "bob"
-[joint.closure]
-type = "spherical"
-from = "ground.far"
-to = "bob.end"
-cut = true
-[control.lag]
-type = "state"
-rate = "-2*lag + neck.speed"
-[control.root]
-type = "algebraic"
-equation = "root + 0.3*root^3 - neck.angle"
-[force.gust]
-type = "force"
-marker = "beam.right"
-x = "3*lag"
-y = "2*root"
-)toml")
-                                  .description),
-                    kByDifferences);
-}
-
-// Any symmetric second-order displacement will do.
-TEST(FlexibleDerivatives, OfAStiffenedBody) {
-  BasisOptions options;
-  options.modes = 4;
-  ModalData data = modal_data(lattice::make_lattice(4, 40.0).se, options);
-  Random random(31);
-  const auto blocks = [&](int n) {
-    MatrixXd x(4 * n, 4);
-    for (int k = 0; k < n; ++k) {
-      MatrixXd block(4, 4);
-      for (int j = 0; j < 4; ++j) block.col(j) = random.vector(4, 0.2);
-      x.middleRows(4 * k, 4) = block + block.transpose();
-    }
-    return x;
-  };
-  data.second = SecondOrderIntegrals{blocks(3), blocks(9)};
-  for (FlexibleNode& node : data.nodes) node.second = blocks(6);
-  derivatives_agree_on(std::make_shared<FlexibleBody>(data));
-}
-
-TEST(FlexibleDerivatives, OfAnAncfBeam) {
-  derivatives_agree_on(straight_ancf_part(beam::ancf::uncoupled_section(50, 20, 20, 3, 4, 5, 1, 0.05, 0.05),
-                                          {0, 0, 0}, {1, 0, 0}, {0, 1, 0}, 1),
-                       kByDifferences);
 }
 
 }  // namespace

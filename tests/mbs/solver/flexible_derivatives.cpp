@@ -1,0 +1,129 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include <gtest/gtest.h>
+
+#include "mbs/model/ancf_part.hpp"
+#include "mbs/model/modal_basis.hpp"
+#include "mbs/superelement/file.hpp"
+#include "tests/mbs/model/checks.hpp"
+#include "tests/mbs/model/lattice.hpp"
+#include "tests/mbs/model/mechanism_file.hpp"
+#include "tests/mbs/solver/derivatives.hpp"
+
+/// Derivatives of every kind of flexible body.
+namespace flexura::mbs {
+namespace {
+
+using checks::derivatives_agree;
+using checks::Random;
+using Eigen::MatrixXd;
+
+// Two bodies of one kind on a chain, held at nodes on either side of a joint, loaded there by a closure.
+void derivatives_agree_on(std::shared_ptr<const FlexibleBody> body, double own_error = 0.0) {
+  MechanismDescription d = checks::chain_of(body, body, "universal");
+  Random random(21);
+  const int last = d.add_marker(checks::chain_second, "last", random.pose(0.2), 0);
+  d.joints[d.add_joint("closure", "spherical", d.add_marker(0, "end", random.pose()), last)].cut = true;
+  derivatives_agree(Mechanism(std::move(d)), own_error);
+}
+
+TEST(FlexibleDerivatives, OfEveryLevelOfCoupling) {
+  BasisOptions options;
+  options.modes = 4;
+  ModalData data = modal_data(lattice::make_lattice(4, 40.0).se, options);
+  data.damping.setConstant(0.3);
+  for (const Coupling coupling : {Coupling::constant, Coupling::partial, Coupling::full}) {
+    SCOPED_TRACE(static_cast<int>(coupling));
+    data.coupling = coupling;
+    derivatives_agree_on(std::make_shared<FlexibleBody>(data));
+  }
+}
+
+// A joint, a closure and what they carry at a marker that follows three places of the surface.
+TEST(FlexibleDerivatives, AtAnInterpolatedNode) {
+  lattice::Lattice l = lattice::make_lattice(4, 40.0);
+  l.se.surface.vertices = l.x.transpose();
+  l.se.shapes = l.T.cast<float>();
+  BasisOptions options;
+  options.modes = 4;
+  options.nodes = {interpolated_node(l.se, "a", {{}, {7, 10, 14}, {}}),
+                   interpolated_node(l.se, "b", {{1}, {16, 20, 23}, {1, 2, 3, 4}})};
+  ModalData data = modal_data(l.se, options);
+  data.nodes.erase(data.nodes.begin(), data.nodes.begin() + 2);  // the chain sits on the first two
+  derivatives_agree_on(std::make_shared<FlexibleBody>(data));
+}
+
+using FlexibleDerivativesOfAFile = MechanismFileTest;
+
+// One-way: its deformation answers to the motion, to accelerations and reactions, and to the states of
+// others.
+TEST_F(FlexibleDerivativesOfAFile, OfAOneWayBody) {
+  superelement::write(folder_ / "beam.se.h5", lattice::make_lattice(4, 40.0).se);
+  derivatives_agree(Mechanism(read(R"toml(
+[ground.marker.far]
+position = [1, 0.2, 0.3]
+[body.beam]
+superelement = "beam.se.h5"
+fidelity = "ked"
+modes = 4
+[body.bob]
+mass = 1
+inertia = [0.1, 0.1, 0.1]
+[body.bob.marker.end]
+position = [0.3, -0.2, 0.1]
+[joint.pivot]
+type = "universal"
+from = "ground"
+to = "beam.left"
+[joint.neck]
+type = "revolute"
+from = "beam.right"
+to = "bob"
+[joint.closure]
+type = "spherical"
+from = "ground.far"
+to = "bob.end"
+cut = true
+[control.lag]
+type = "state"
+rate = "-2*lag + neck.speed"
+[control.root]
+type = "algebraic"
+equation = "root + 0.3*root^3 - neck.angle"
+[force.gust]
+type = "force"
+marker = "beam.right"
+x = "3*lag"
+y = "2*root"
+)toml")
+                                  .description),
+                    checks::kByDifferences);
+}
+
+// Any symmetric second-order displacement will do.
+TEST(FlexibleDerivatives, OfAStiffenedBody) {
+  BasisOptions options;
+  options.modes = 4;
+  ModalData data = modal_data(lattice::make_lattice(4, 40.0).se, options);
+  Random random(31);
+  const auto blocks = [&](int n) {
+    MatrixXd x(4 * n, 4);
+    for (int k = 0; k < n; ++k) {
+      MatrixXd block(4, 4);
+      for (int j = 0; j < 4; ++j) block.col(j) = random.vector(4, 0.2);
+      x.middleRows(4 * k, 4) = block + block.transpose();
+    }
+    return x;
+  };
+  data.second = SecondOrderIntegrals{blocks(3), blocks(9)};
+  for (FlexibleNode& node : data.nodes) node.second = blocks(6);
+  derivatives_agree_on(std::make_shared<FlexibleBody>(data));
+}
+
+TEST(FlexibleDerivatives, OfAnAncfBeam) {
+  derivatives_agree_on(straight_ancf_part(beam::ancf::uncoupled_section(50, 20, 20, 3, 4, 5, 1, 0.05, 0.05),
+                                          {0, 0, 0}, {1, 0, 0}, {0, 1, 0}, 1),
+                       checks::kByDifferences);
+}
+
+}  // namespace
+}  // namespace flexura::mbs
