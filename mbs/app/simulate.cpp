@@ -87,6 +87,8 @@ Outcome run_as_told(const NamedRun& run, const Arguments& arguments, results::Wr
     if (shadows) shadows->take(s, v_dot);
     if (check) check->take(s, v_dot);
   };
+  // What the shadows cost is taken off the run's time, so they must not run beside it.
+  callbacks.rows_beside = !shadows;
   Outcome out;
   out.result =
       arguments.continue_from.empty()

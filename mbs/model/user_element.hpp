@@ -39,8 +39,9 @@
 /// What the classes must do stands in force.hpp (ForceElement), constraint.hpp (Constraint;
 /// RelativeConstraint takes rows on a relative pose) and joint.hpp (Joint).  Derivatives are optional: what
 /// an element does not differentiate itself (derivatives.hpp) is differenced, all coordinates through, which
-/// costs as much as the rest.  Elements are constant: what changes is handed in.  They may throw
-/// std::invalid_argument from the constructor, with one sentence: the program adds file and line.
+/// costs as much as the rest.  Elements are constant: what changes is handed in, and two threads may ask the
+/// same element at once.  They may throw std::invalid_argument from the constructor, with one sentence: the
+/// program adds file and line.
 /// cases/user_elements holds one of each.
 namespace flexura::mbs {
 

@@ -25,16 +25,12 @@ void EnergyBook::start(const State& s, const Eigen::VectorXd& v_dot) {
   account_.peak = account_.now.kinetic;
   t_ = s.t;
   h_ = 0.0;
-  s_ = s;
-  v_dot_ = v_dot;
 }
 
-void EnergyBook::resume(const EnergyAccount& account, const State& s, const Eigen::VectorXd& v_dot) {
+void EnergyBook::resume(const EnergyAccount& account, double t) {
   account_ = account;
-  t_ = s.t;
+  t_ = t;
   h_ = 0.0;
-  s_ = s;
-  v_dot_ = v_dot;
 }
 
 namespace {
@@ -57,14 +53,16 @@ double integral_of_basis(int i, double x) {
 
 }  // namespace
 
-void EnergyBook::open_step(double t_end, Integrator& integrator) {
+std::array<double, 3> EnergyBook::node_times(double t_begin, double t_end) {
+  const double h = t_end - t_begin;
+  return {t_begin + kNode[1] * h, t_begin + kNode[2] * h, t_end};
+}
+
+void EnergyBook::open_step(double t_end, const std::array<Instant, 3>& nodes) {
   t_end_ = t_end;
   h_ = t_end - t_;
   at_node_[0] = account_.now;
-  for (int i = 1; i < 4; ++i) {
-    integrator.interpolate(i == 3 ? t_end : t_ + kNode[i] * h_, s_, v_dot_);
-    at_node_[i] = eq_.energy(s_, v_dot_, *scratch_);
-  }
+  for (int i = 0; i < 3; ++i) at_node_[i + 1] = eq_.energy(nodes[i].state, nodes[i].v_dot, *scratch_);
 }
 
 void EnergyBook::add(double x, EnergyAccount& account) const {

@@ -3,9 +3,9 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <memory>
 
 #include "mbs/model/equations.hpp"
-#include "mbs/solver/integrator.hpp"
 
 /// The energy book of a run:
 ///
@@ -15,6 +15,12 @@
 /// to degree five, the highest order of the integrators), so the error left is that of the trajectory.
 /// Between the ends of a step the integral is that of the cubic through these four powers.
 namespace flexura::mbs {
+
+/// A moment of a run.
+struct Instant {
+  State state;
+  Eigen::VectorXd v_dot;
+};
 
 struct EnergyAccount {
   EnergyReport now;         ///< at the time of the last call
@@ -36,10 +42,12 @@ class EnergyBook {
 
   void start(const State& s, const Eigen::VectorXd& v_dot);
   /// Goes on from the account of an earlier part of the run.
-  void resume(const EnergyAccount& account, const State& s, const Eigen::VectorXd& v_dot);
-  /// Takes the integrator's last step, which ends at t_end; s and v_dot are the state there.  Rows within the
-  /// step are asked for before it is closed.
-  void open_step(double t_end, Integrator& integrator);
+  void resume(const EnergyAccount& account, double t);
+  /// Where a step from t_begin to t_end is looked at, the last is the end itself.
+  static std::array<double, 3> node_times(double t_begin, double t_end);
+  /// Takes the integrator's next step, which ends at t_end, by what its polynomial says at node_times(). Rows
+  /// within the step are asked for before it is closed.
+  void open_step(double t_end, const std::array<Instant, 3>& nodes);
   EnergyAccount at_row(const State& s, const Eigen::VectorXd& v_dot);
   void close_step();
   /// Velocities (or the state of springs) jumped at a switch: the difference counts as dissipated.
@@ -57,8 +65,6 @@ class EnergyBook {
   EnergyAccount account_;
   double t_ = 0.0, t_end_ = 0.0, h_ = 0.0;
   std::array<EnergyReport, 4> at_node_;  // of the open step
-  State s_;
-  Eigen::VectorXd v_dot_;
 };
 
 }  // namespace flexura::mbs

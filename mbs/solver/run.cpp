@@ -10,6 +10,7 @@
 
 #include "mbs/solver/accelerations.hpp"
 #include "mbs/solver/assemble.hpp"
+#include "mbs/solver/bookkeeper.hpp"
 #include "mbs/solver/projection.hpp"
 
 namespace flexura::mbs {
@@ -33,10 +34,9 @@ class Runner {
         callbacks_(callbacks),
         scratch_(eq.make_scratch()),
         integrator_(make_integrator(eq, options)),
-        book_(eq),
         accelerations_(eq),
-        closer_(eq, options) {
-    keeps_book_ = options.method != "quasi_statics";
+        keeps_book_(options.method != "quasi_statics"),
+        books_(eq, options, callbacks.row, callbacks.rows_beside && keeps_book_) {
     result_.state = start;
     result_.state.t = options.start_time;
     result_.v_dot = v_dot;
@@ -50,18 +50,20 @@ class Runner {
  private:
   void remember();
   void write_row(const State& s, const Eigen::VectorXd& v_dot) {
-    if (callbacks_.row) callbacks_.row(s, v_dot, book_.account());
+    if (callbacks_.row) callbacks_.row(s, v_dot, books_.book().account());
   }
   double row_time(long k) const {
     // The last row stands at the end time even where the step does not divide the run.
     return k > n_rows_ ? options_.end_time
                        : std::min(options_.start_time + k * options_.output_step, options_.end_time);
   }
-  void write_rows_until(double t, Integrator& integrator);
+  bool next_row_is_until(double t) const {
+    return row_time(next_row_) <= t && row_time(next_row_) > row_time(next_row_ - 1);
+  }
+  void enter_step(double t_begin, double t_end, Integrator& integrator);
+  void write_equilibria_until(double t, Integrator& integrator);
   void take_switches(const std::vector<int>& roots);
   void refuse_endless(int which) const;
-  void close_loops(State& s);
-  void note(const LoopCloser::Drift& left);
   bool step_once();  // false ends the run
   bool finish_step(const StepEnd& end, Integrator& integrator);
   bool hop(const IntegrationError& reason);
@@ -72,35 +74,36 @@ class Runner {
   const RunCallbacks& callbacks_;
   std::unique_ptr<Equations::Scratch> scratch_;
   std::unique_ptr<Integrator> integrator_, hopper_;
-  EnergyBook book_;
   AccelerationSolver accelerations_;
-  LoopCloser closer_;
+  bool keeps_book_;
+  Bookkeeper books_;
   RunResult result_;
-  State row_state_;
-  Eigen::VectorXd row_v_dot_;
+  Instant row_;
   double good_step_ = 0.0;
   long n_rows_ = 0, next_row_ = 1;
-  bool resumed_ = false, keeps_book_ = true;
+  bool resumed_ = false;
 };
 
-void Runner::write_rows_until(double t, Integrator& integrator) {
-  for (; row_time(next_row_) <= t && row_time(next_row_) > row_time(next_row_ - 1); ++next_row_) {
-    const double t_row = row_time(next_row_);
-    integrator.interpolate(t_row, row_state_, row_v_dot_);
-    if (keeps_book_) close_loops(row_state_);
-    if (!callbacks_.row) continue;
-    callbacks_.row(row_state_, row_v_dot_,
-                   keeps_book_ ? book_.at_row(row_state_, row_v_dot_) : book_.account());
+void Runner::enter_step(double t_begin, double t_end, Integrator& integrator) {
+  BookEntry& step = books_.next(BookEntry::Kind::step);
+  step.t_end = t_end;
+  const std::array<double, 3> times = EnergyBook::node_times(t_begin, t_end);
+  for (int i = 0; i < 3; ++i) integrator.interpolate(times[i], step.nodes[i].state, step.nodes[i].v_dot);
+  books_.enter();
+  for (; next_row_is_until(t_end); ++next_row_) {
+    Instant& row = books_.next(BookEntry::Kind::row).row;
+    integrator.interpolate(row_time(next_row_), row.state, row.v_dot);
+    books_.enter();
   }
+  books_.next(BookEntry::Kind::end);
+  books_.enter();
 }
 
-void Runner::close_loops(State& s) {
-  note(closer_.close(s));
-}
-
-void Runner::note(const LoopCloser::Drift& left) {
-  result_.peak_position_drift = std::max(result_.peak_position_drift, left.position);
-  result_.peak_velocity_drift = std::max(result_.peak_velocity_drift, left.velocity);
+void Runner::write_equilibria_until(double t, Integrator& integrator) {
+  for (; next_row_is_until(t); ++next_row_) {
+    integrator.interpolate(row_time(next_row_), row_.state, row_.v_dot);
+    write_row(row_.state, row_.v_dot);
+  }
 }
 
 void Runner::refuse_endless(int which) const {
@@ -128,7 +131,7 @@ void Runner::take_switches(const std::vector<int>& roots) {
   AssembleReport report;
   assemble_velocities(eq_, s, {}, report);
   accelerations_.solve(s, result_.v_dot);
-  book_.jump(s, result_.v_dot);
+  books_.book().jump(s, result_.v_dot);
   integrator_->start(s, result_.v_dot);
 }
 
@@ -178,21 +181,22 @@ bool Runner::hop(const IntegrationError& reason) {
 }
 
 bool Runner::finish_step(const StepEnd& end, Integrator& integrator) {
-  if (keeps_book_) book_.open_step(end.t_end, integrator);
-  write_rows_until(end.t_end, integrator);
-  integrator.interpolate(end.t_end, result_.state, result_.v_dot);
-  // Equilibria know nothing of the work between them: every one begins its own account.
-  if (keeps_book_)
-    book_.close_step();
-  else
-    book_.start(result_.state, result_.v_dot);
-  if (!keeps_book_) note(closer_.drift(result_.state));
-  result_.largest_energy_error = std::max(result_.largest_energy_error, std::abs(book_.account().error()));
+  if (keeps_book_) {
+    enter_step(result_.state.t, end.t_end, integrator);
+    integrator.interpolate(end.t_end, result_.state, result_.v_dot);
+  } else {
+    write_equilibria_until(end.t_end, integrator);
+    integrator.interpolate(end.t_end, result_.state, result_.v_dot);
+    // Equilibria know nothing of the work between them: every one begins its own account.
+    books_.book().start(result_.state, result_.v_dot);
+    books_.note(books_.closer().drift(result_.state));
+  }
   if (callbacks_.progress)
     callbacks_.progress(end.t_end,
                         (end.t_end - options_.start_time) / (options_.end_time - options_.start_time));
   if (!end.roots.empty()) {
-    if (keeps_book_) close_loops(result_.state);
+    books_.settle();
+    if (keeps_book_) books_.note(books_.closer().close(result_.state));
     take_switches(end.roots);
   }
   if (callbacks_.stop_wanted && callbacks_.stop_wanted()) {
@@ -229,29 +233,30 @@ void Runner::resume(const Continuation& from) {
   result_.state = s;
   result_.v_dot = from.v_dot;
   History history(from.history);
-  closer_.remember(history);
+  books_.closer().remember(history);
   integrator_->remember(history);
   if (!history.is_used_up())
     throw std::invalid_argument(
         "the integrator's history is longer than this mechanism needs: it was saved by another one; start "
         "from the states alone (--from-state)");
-  book_.resume(from.energy, s, from.v_dot);
+  books_.book().resume(from.energy, s.t);
   next_row_ = from.next_row;
   resumed_ = true;
 }
 
 // What a run gives away stands on its constraints; the histories are those of a run that goes on.
 void Runner::remember() {
+  books_.settle();
   Continuation& c = result_.continuation;
   History history;
-  closer_.remember(history);
+  books_.closer().remember(history);
   if (options_.end_time > options_.start_time) integrator_->remember(history);
   c.history = history.values();
-  if (keeps_book_) close_loops(result_.state);
+  if (keeps_book_) books_.note(books_.closer().close(result_.state));
   c.method = options_.method;
   c.state = result_.state;
   c.v_dot = result_.v_dot;
-  c.energy = book_.account();
+  c.energy = books_.book().account();
   c.next_row = next_row_;
 }
 
@@ -264,7 +269,7 @@ RunResult Runner::run() {
         integrator_->start(result_.state, result_.v_dot);
         integrator_->interpolate(options_.start_time, result_.state, result_.v_dot);
       }
-      book_.start(result_.state, result_.v_dot);
+      books_.book().start(result_.state, result_.v_dot);
       write_row(result_.state, result_.v_dot);
     }
     if (options_.end_time > result_.state.t) {
@@ -277,12 +282,19 @@ RunResult Runner::run() {
     result_.stopped_because = e.what();
   } catch (const AssemblyError& e) {
     result_.stopped_because = e.what();
+  } catch (...) {
+    books_.settle_what_can_be();  // rows before the trouble are worth keeping
+    throw;
   }
   remember();
   const long hops = result_.counts.hops;
   result_.counts = integrator_->counts();
   result_.counts.hops = hops;
-  result_.energy = book_.account();
+  result_.energy = books_.book().account();
+  const Bookkeeper::Peaks& peaks = books_.peaks();
+  result_.largest_energy_error = peaks.energy_error;
+  result_.peak_position_drift = peaks.drift.position;
+  result_.peak_velocity_drift = peaks.drift.velocity;
   result_.wall_time = std::chrono::duration<double>(std::chrono::steady_clock::now() - clock_start).count();
   return result_;
 }

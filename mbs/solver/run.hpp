@@ -19,6 +19,9 @@ namespace flexura::mbs {
 struct RunCallbacks {
   /// Called at start_time, at every output time and at the end.
   std::function<void(const State&, const Eigen::VectorXd& v_dot, const EnergyAccount&)> row;
+  /// Rows are made and `row` is called by a second thread, some steps behind: it then shares nothing with the
+  /// other two.  The numbers are the same to the bit; when run() returns, all rows are there.
+  bool rows_beside = false;
   /// Called after every step with the time reached and the fraction done.
   std::function<void(double t, double fraction)> progress;
   /// True asks for a clean stop after the present step (Ctrl-C).

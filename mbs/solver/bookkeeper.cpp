@@ -1,0 +1,50 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mbs/solver/bookkeeper.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace flexura::mbs {
+
+Bookkeeper::Bookkeeper(const Equations& eq, const SolverOptions& options, Row row, bool beside)
+    : book_(eq),
+      closer_(eq, options),
+      row_(std::move(row)),
+      entries_([this](BookEntry& entry) { work_off(entry); }, beside) {}
+
+BookEntry& Bookkeeper::next(BookEntry::Kind kind) {
+  BookEntry& entry = entries_.next();
+  entry.kind = kind;
+  return entry;
+}
+
+void Bookkeeper::work_off(BookEntry& entry) {
+  switch (entry.kind) {
+    case BookEntry::Kind::step:
+      book_.open_step(entry.t_end, entry.nodes);
+      break;
+    case BookEntry::Kind::row:
+      note(closer_.close(entry.row.state));
+      if (row_) row_(entry.row.state, entry.row.v_dot, book_.at_row(entry.row.state, entry.row.v_dot));
+      break;
+    case BookEntry::Kind::end:
+      book_.close_step();
+      peaks_.energy_error = std::max(peaks_.energy_error, std::abs(book_.account().error()));
+      break;
+  }
+}
+
+void Bookkeeper::settle_what_can_be() noexcept {
+  try {
+    settle();
+  } catch (...) {
+    // The run has its first trouble to tell already.
+  }
+}
+
+void Bookkeeper::note(const LoopCloser::Drift& left) {
+  peaks_.drift.position = std::max(peaks_.drift.position, left.position);
+  peaks_.drift.velocity = std::max(peaks_.drift.velocity, left.velocity);
+}
+
+}  // namespace flexura::mbs

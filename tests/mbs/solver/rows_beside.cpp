@@ -1,0 +1,184 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include <gtest/gtest.h>
+
+#include <numeric>
+#include <stdexcept>
+
+#include "mbs/solver/accelerations.hpp"
+#include "mbs/solver/conveyor.hpp"
+#include "mbs/solver/run.hpp"
+#include "tests/mbs/solver/flexible_engine.hpp"
+#include "tests/mbs/solver/simple.hpp"
+#include "tests/mbs/started.hpp"
+
+/// Rows that a second thread makes.
+namespace flexura::mbs::test {
+namespace {
+
+TEST(Conveyor, WorksOffEverythingInOrder) {
+  std::vector<int> seen;
+  std::thread::id by;
+  Conveyor<int> items(
+      [&](int& i) {
+        seen.push_back(i);
+        if (i == 0) by = std::this_thread::get_id();
+      },
+      true);
+  // In two parts, neither a whole number of batches.
+  for (int i = 0; i < 1003; ++i) {
+    items.next() = i;
+    items.push();
+    if (i == 500) items.settle();
+    if (i == 500) {
+      EXPECT_EQ(seen.size(), 501u);
+    }
+  }
+  items.settle();
+  std::vector<int> all(1003);
+  std::iota(all.begin(), all.end(), 0);
+  EXPECT_EQ(seen, all);
+  EXPECT_NE(by, std::this_thread::get_id());
+}
+
+TEST(Conveyor, FinishesWhatWasHandedOver) {
+  std::vector<int> seen;
+  {
+    Conveyor<int> items([&](int& i) { seen.push_back(i); }, true);
+    for (int i = 0; i < 400; ++i) {
+      items.next() = i;
+      items.push();
+    }
+  }
+  // At most 127 wait for the second thread; whoever wants those settles.
+  EXPECT_GE(seen.size(), 400u - 127u);
+  for (std::size_t i = 0; i < seen.size(); ++i) EXPECT_EQ(seen[i], static_cast<int>(i));
+}
+
+TEST(Conveyor, ThrowsWhereTheFirstThreadIs) {
+  for (const bool beside : {false, true}) {
+    SCOPED_TRACE(beside);
+    std::vector<int> seen;
+    Conveyor<int> items(
+        [&](int& i) {
+          if (i == 70) throw std::runtime_error("70 is too many");
+          seen.push_back(i);
+        },
+        beside);
+    int pushed = 0;
+    const auto push_all = [&] {
+      for (; pushed < 1000; ++pushed) {
+        items.next() = pushed;
+        items.push();
+      }
+      items.settle();
+    };
+    EXPECT_THROW(push_all(), std::runtime_error);
+    EXPECT_EQ(seen.size(), 70u);
+    EXPECT_LE(pushed, 70 + 2 * 128);  // soon
+    items.next() = 2000;
+    items.push();
+    items.settle();
+    EXPECT_EQ(seen.back(), 2000);
+  }
+}
+
+struct Rows {
+  std::vector<State> states;
+  std::vector<Eigen::VectorXd> v_dot;
+  std::vector<double> energy_errors;
+};
+
+RunResult run_into(Rows& rows, const Equations& eq, const State& s, const Eigen::VectorXd& v_dot,
+                   const SolverOptions& o, bool beside) {
+  RunCallbacks callbacks;
+  callbacks.row = [&](const State& row, const Eigen::VectorXd& a, const EnergyAccount& energy) {
+    rows.states.push_back(row);
+    rows.v_dot.push_back(a);
+    rows.energy_errors.push_back(energy.error());
+  };
+  callbacks.rows_beside = beside;
+  return run(eq, s, v_dot, o, callbacks);
+}
+
+void expect_same_to_the_bit(const Equations& eq, const State& s, const Eigen::VectorXd& v_dot,
+                            const SolverOptions& o) {
+  Rows here, beside;
+  const RunResult a = run_into(here, eq, s, v_dot, o, false), b = run_into(beside, eq, s, v_dot, o, true);
+  ASSERT_TRUE(a.complete) << a.stopped_because;
+  ASSERT_TRUE(b.complete) << b.stopped_because;
+  EXPECT_GT(a.counts.steps, 20);
+  ASSERT_EQ(here.states.size(), beside.states.size());
+  for (std::size_t i = 0; i < here.states.size(); ++i) {
+    EXPECT_EQ(here.states[i].t, beside.states[i].t);
+    EXPECT_EQ(here.states[i].p, beside.states[i].p) << i;
+    EXPECT_EQ(here.states[i].v, beside.states[i].v) << i;
+    EXPECT_EQ(here.states[i].lambda, beside.states[i].lambda) << i;
+    EXPECT_EQ(here.v_dot[i], beside.v_dot[i]) << i;
+    EXPECT_EQ(here.energy_errors[i], beside.energy_errors[i]) << i;
+  }
+  EXPECT_EQ(a.state.p, b.state.p);
+  EXPECT_EQ(a.energy.error(), b.energy.error());
+  EXPECT_EQ(a.largest_energy_error, b.largest_energy_error);
+  EXPECT_EQ(a.peak_position_drift, b.peak_position_drift);
+  EXPECT_EQ(a.peak_velocity_drift, b.peak_velocity_drift);
+  EXPECT_EQ(a.events.size(), b.events.size());
+}
+
+class RowsBeside : public ::testing::TestWithParam<const char*> {};
+
+TEST_P(RowsBeside, OfAFlexibleLoopAreTheSameToTheBit) {
+  const Started start(flexible_engine(true));
+  SolverOptions o;
+  o.method = GetParam();
+  o.end_time = 0.05;
+  o.output_step = 2e-4;
+  o.tolerance = 1e-5;
+  if (o.method == "generalised_alpha") o.fixed_step = 1e-4;
+  expect_same_to_the_bit(start.m, start.s, start.v_dot, o);
+}
+
+// Switches, whose jumps enter the book between the steps.
+TEST_P(RowsBeside, OfABallOnItsFloorAreTheSameToTheBit) {
+  const BouncingBall m;
+  State s = make_state(m);
+  s.p << 1.0;
+  Eigen::VectorXd v_dot;
+  assemble(m, s, v_dot);
+  SolverOptions o;
+  o.method = GetParam();
+  o.end_time = 1.5;
+  o.output_step = 0.01;
+  if (o.method == "generalised_alpha") o.fixed_step = 1e-3;
+  expect_same_to_the_bit(m, s, v_dot, o);
+}
+
+TEST_P(RowsBeside, ThatCannotBeWrittenEndTheRun) {
+  const CartesianPendulum m;
+  State s = make_state(m);
+  s.p << -1.0, 0.0;
+  Eigen::VectorXd v_dot;
+  assemble(m, s, v_dot);
+  SolverOptions o;
+  o.method = GetParam();
+  o.end_time = 100.0;
+  o.output_step = 0.01;
+  if (o.method == "generalised_alpha") o.fixed_step = 1e-3;
+  int rows = 0;
+  double t_steps = 0.0;
+  RunCallbacks callbacks;
+  callbacks.rows_beside = true;
+  callbacks.row = [&](const State&, const Eigen::VectorXd&, const EnergyAccount&) {
+    if (++rows == 30) throw std::runtime_error("the disk is full");
+  };
+  callbacks.progress = [&](double t, double) { t_steps = t; };
+  EXPECT_THROW(run(m, s, v_dot, o, callbacks), std::runtime_error);
+  EXPECT_EQ(rows, 30);
+  EXPECT_LT(t_steps, 50.0);  // soon, not at the end
+}
+
+INSTANTIATE_TEST_SUITE_P(Integrators, RowsBeside,
+                         ::testing::Values("ida", "radau", "generalised_alpha", "runge_kutta"),
+                         [](const auto& info) { return std::string(info.param); });
+
+}  // namespace
+}  // namespace flexura::mbs::test
