@@ -38,8 +38,8 @@ LeftOut left_out(const mbs::PreparedMechanism& prepared) {
     part(deforms != nullptr, bytes.matrices, "matrices");
     part(deforms && deforms->data().second, bytes.stiffening, "stiffening terms");
     part(description.stress != nullptr, bytes.stress, "stress modes");
-    part(description.stress != nullptr, bytes.surface, "surface");
-    part(false, bytes.shapes, "shapes of the surface");
+    part(description.stress || description.follows_surface, bytes.surface, "surface");
+    part(deforms && description.follows_surface, bytes.shapes, "shapes of the surface");
     out.bodies.push_back(std::move(body));
   }
   out.quantities_of_all = static_cast<int>(mechanism.quantities().size());

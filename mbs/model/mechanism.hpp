@@ -44,6 +44,7 @@ struct BodyDescription {
   std::shared_ptr<const StressField> stress = {};  ///< of a deforming body
   std::optional<Pose> X_WB = {};                   ///< guess for the assembly, in [m]
   std::string superelement = {};                   ///< file, for pictures
+  bool follows_surface = false;                    ///< markers follow nodes of the superelement's surface
   std::string shape_json = {};                     ///< primitive shapes, for pictures
 };
 

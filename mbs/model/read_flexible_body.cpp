@@ -144,6 +144,14 @@ std::shared_ptr<const FlexibleBody> prepare_flexible_body(
   if (options.stiffening && options.coupling != Coupling::full)
     s.refuse("coupling", "geometric stiffening needs all inertia coupling",
              "write coupling = \"full\" or fidelity = \"modal\"");
+  if (options.stiffening)
+    for (const int node : loaded_nodes(d, body))
+      if (!nodes[node].is_on_interfaces)
+        s.refuse("fidelity",
+                 fmt::format("marker \"{}\" loads nodes of the surface, and a superelement has geometric "
+                             "stiffening by loads on its interfaces only: all of it or none",
+                             nodes[node].name),
+                 "make that place an interface when the part is reduced, or use fidelity = \"modal\"");
   if (s.has("modes")) options.modes = s.integer("modes");
   if (s.has("max_frequency")) options.max_frequency = s.quantity("max_frequency");
   options.response_frequency = s.quantity("response_frequency");

@@ -71,9 +71,11 @@ std::vector<input::Key> linked_marker_keys() {
       texts("nodes",
             "instead of on: several interfaces, in a superelement, that carry the marker together; without a "
             "position it stands in their centre"),
-      vectors3("points", dim::length,
-               "instead of on: places on the surface of a superelement with pictures; the nodes nearest to "
-               "them carry the marker, beside those of nodes"),
+      vectors3(
+          "points", dim::length,
+          "instead of on: places on the surface of a superelement with pictures; the nodes nearest to "
+          "them carry the marker, beside those of nodes; loads on it have no geometric stiffening in the "
+          "superelement, so modal-stiffened refuses them"),
       quantity("within", dim::length,
                "instead of on: all nodes of the surface that lie so near to position carry the marker")
           .above(0.0),
@@ -95,6 +97,11 @@ const char* linking_key(const Section& m) {
 
 bool follows_surface(const Section& m) {
   return m.has("points") || m.has("within");
+}
+
+bool a_marker_follows_surface(const Section& body) {
+  return std::ranges::any_of(body.table_map("marker"),
+                             [](const auto& entry) { return follows_surface(entry.second); });
 }
 
 BodyNode read_linked_node(const Section& m, const std::string& name, const superelement::Superelement& se,

@@ -21,6 +21,8 @@ const char* linking_key(const input::Section& marker);
 
 /// True where it follows nodes of the surface: the superelement must be read with surface and shapes.
 bool follows_surface(const input::Section& marker);
+/// True where a marker of the body does.
+bool a_marker_follows_surface(const input::Section& body);
 
 /// The node that the marker `name` = "body.marker" sits on.  Without `deforms` its place is all that is
 /// needed, and shapes are not.  Notes for the user are appended.  Throws InputError.

@@ -259,8 +259,7 @@ std::shared_ptr<const superelement::Superelement> Reader::load(const Section& s)
   const std::string fidelity = fidelity_of(s);
   parts.matrices = fidelity != "rigid";  // a rigid body needs none
   parts.stiffening = fidelity == "modal-stiffened";
-  const bool by_surface = std::ranges::any_of(
-      s.table_map("marker"), [](const auto& entry) { return follows_surface(entry.second); });
+  const bool by_surface = a_marker_follows_surface(s);
   parts.stress = wants_stress(s);
   parts.surface = parts.stress || by_surface;
   parts.shapes = parts.matrices && by_surface;
@@ -299,6 +298,7 @@ void Reader::read_body(const std::string& own_name, const Section& s) {
     if (s.has("mass")) s.refuse("mass", "a superelement brings its own mass", "take one of the two away");
     se = load(s);
     body.superelement = s.file("superelement").string();
+    body.follows_surface = a_marker_follows_surface(s);
     for (const superelement::Interface& i : se->interfaces) interfaces.emplace_back(i.name, i.p_BoN_B);
     if (fidelity == "rigid" || fidelity == "ked") body.inertia = rigid_inertia(*se);
   } else if (s.has("beam")) {

@@ -24,7 +24,8 @@ struct ModalBlock {
   Eigen::Index p = 0, v = 0, m = 0;  ///< first entry in p, in v; number
 };
 
-/// The superelement's file holds geometric stiffening terms.
+/// The superelement's file holds geometric stiffening terms for what loads the body: no marker follows nodes
+/// of its surface.
 bool has_stiffening_terms(const mbs::BodyDescription& body);
 
 class FullModel {

@@ -127,6 +127,14 @@ TEST(OnlyWhatASceneRequires, ReportSaysWhatWasLeftOutAndWhatItSaved) {
   EXPECT_NE(outcome.out.find("matrices, stress modes, surface, shapes of the surface of beam"),
             std::string::npos)
       << outcome.out;
+  // A marker that follows nodes of the surface takes it along.
+  folder.write("scene.toml", std::string(kScene) +
+                                 "[body.beam.marker.skin]\npoints = [[0.3, 0.2, 0.1], [-0.4, 0.3, 0.2], "
+                                 "[0.1, -0.5, -0.3]]\n");
+  const Outcome followed = run("flexura", {"simulate", (folder / "scene.toml").string(), "--set",
+                                           "body.beam.fidelity=modal", "-o", (folder / "out.h5").string()});
+  ASSERT_EQ(followed.exit_code, 0) << followed.err;
+  EXPECT_NE(followed.out.find("left out: stress modes of beam ("), std::string::npos) << followed.out;
 }
 
 }  // namespace

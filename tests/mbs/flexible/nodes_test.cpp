@@ -91,15 +91,8 @@ TEST(InterpolatedNode, FollowsRigidMotionAndWeighs) {
   EXPECT_LT((node.rows.topRows<3>() * any - mean).norm(), 1e-14);
 }
 
-superelement::Superelement with_surface(const lattice::Lattice& l) {
-  superelement::Superelement se = l.se;
-  se.surface.vertices = l.x.transpose();
-  se.shapes = l.T.cast<float>();
-  return se;
-}
-
 TEST(InterpolatedNode, LoadsAreStaticallyEquivalent) {
-  const superelement::Superelement se = with_surface(lattice::make_lattice(3));
+  const superelement::Superelement se = lattice::with_surface(lattice::make_lattice(3));
   const BodyNode node = interpolated_node(se, "x", {{0}, {9, 14, 22}, {}});
   EXPECT_FALSE(node.is_on_interfaces);
   const Vector3d offset(0.1, 0.3, -0.2);
@@ -113,7 +106,7 @@ TEST(InterpolatedNode, LoadsAreStaticallyEquivalent) {
 }
 
 TEST(InterpolatedNode, NeedsThreePlacesThatAreNotOnALine) {
-  const superelement::Superelement se = with_surface(lattice::make_lattice(3));
+  const superelement::Superelement se = lattice::with_surface(lattice::make_lattice(3));
   const auto refusal = [&](const NodePlaces& places) {
     return test::refusal_of([&] { interpolated_node(se, "x", places); });
   };
@@ -165,18 +158,7 @@ TEST(RigidLink, IsTheConstrainedEigenvalueProblem) {
 TEST(InterpolatedNode, OfInterfacesTakesTheirShareOfTheStiffening) {
   // Linear in the load: a unit load on the node is its shares on the interfaces.
   lattice::Lattice l = lattice::make_lattice(3);
-  const int n = l.se.n();
-  Random random(9);
-  superelement::StiffeningTerms& terms = l.se.stiffening.emplace();
-  const auto any = [&] {
-    MatrixXd x(n, n);
-    for (int j = 0; j < n; ++j) x.col(j) = random.vector(n);
-    return MatrixXd(x + x.transpose());
-  };
-  for (MatrixXd& x : terms.K0t) x = any();
-  for (MatrixXd& x : terms.K0r) x = any();
-  for (MatrixXd& x : terms.K0omega) x = any();
-  for (int k = 0; k < 12; ++k) terms.K0F.push_back(any());
+  l.se.stiffening = lattice::any_stiffening(l.se.n(), 9);
   BasisOptions options;
   options.stiffening = true;
   BodyNode node = interface_node(l.se, 0);

@@ -21,18 +21,7 @@ using ::testing::IsEmpty;
 
 superelement::Superelement stiffened_lattice() {
   superelement::Superelement se = lattice::make_lattice(9).se;
-  Random random(4);
-  const int n = se.n();
-  const auto any = [&] {
-    MatrixXd x(n, n);
-    for (int j = 0; j < n; ++j) x.col(j) = random.vector(n);
-    return MatrixXd(x + x.transpose());
-  };
-  superelement::StiffeningTerms& terms = se.stiffening.emplace();
-  for (MatrixXd& x : terms.K0t) x = any();
-  for (MatrixXd& x : terms.K0r) x = any();
-  for (MatrixXd& x : terms.K0omega) x = any();
-  for (int k = 0; k < 12; ++k) terms.K0F.push_back(any());
+  se.stiffening = lattice::any_stiffening(se.n(), 4);
   return se;
 }
 

@@ -4,6 +4,8 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 
+#include "tests/mbs/model/checks.hpp"
+
 namespace flexura::mbs::lattice {
 
 Lattice make_lattice(int n_q, double bar_stiffness) {
@@ -89,6 +91,31 @@ Lattice make_lattice(int n_q, double bar_stiffness) {
     for (int c = 0; c < 6; ++c) I.S_phiphi[c] += m * phi.row(ab[c][0]).transpose() * phi.row(ab[c][1]);
   }
   return out;
+}
+
+superelement::StiffeningTerms any_stiffening(int n, unsigned seed) {
+  checks::Random random(seed);
+  const auto any = [&] {
+    MatrixXd x(n, n);
+    for (int j = 0; j < n; ++j) x.col(j) = random.vector(n);
+    return MatrixXd(x + x.transpose());
+  };
+  superelement::StiffeningTerms terms;
+  for (MatrixXd& x : terms.K0t) x = any();
+  for (MatrixXd& x : terms.K0r) x = any();
+  for (MatrixXd& x : terms.K0omega) x = any();
+  for (int k = 0; k < 12; ++k) terms.K0F.push_back(any());
+  return terms;
+}
+
+superelement::Superelement with_surface(const Lattice& lattice) {
+  superelement::Superelement se = lattice.se;
+  se.surface.vertices = lattice.x.transpose();
+  se.surface.triangles.resize(1, 3);
+  se.surface.triangles << 0, 1, 2;
+  se.surface.edges.resize(0, 2);
+  se.shapes = lattice.T.cast<float>();
+  return se;
 }
 
 }  // namespace flexura::mbs::lattice

@@ -25,4 +25,10 @@ struct Lattice {
 /// With n_q fixed-interface modes; bars of this E A [N].
 Lattice make_lattice(int n_q, double bar_stiffness = 400.0);
 
+/// Symmetric matrices of random numbers in place of the geometric stiffening of n shapes and two interfaces.
+superelement::StiffeningTerms any_stiffening(int n, unsigned seed);
+
+/// The superelement with pictures: all points as the vertices of its surface, and the shapes on them.
+superelement::Superelement with_surface(const Lattice& lattice);
+
 }  // namespace flexura::mbs::lattice

@@ -146,14 +146,9 @@ reaction = "bob"
 )toml";
 
 TEST_F(MechanismFileTest, MarkersFollowSeveralNodes) {
-  lattice::Lattice l = lattice::make_lattice(6);
+  const lattice::Lattice l = lattice::make_lattice(6);
   superelement::write(folder_ / "bare.se.h5", l.se);
-  l.se.surface.vertices = l.x.transpose();
-  l.se.surface.triangles.resize(1, 3);
-  l.se.surface.triangles << 0, 1, 2;
-  l.se.surface.edges.resize(0, 2);
-  l.se.shapes = l.T.cast<float>();
-  superelement::write(folder_ / "beam.se.h5", l.se);
+  superelement::write(folder_ / "beam.se.h5", lattice::with_surface(l));
   const MechanismFile file = read(carried_by_several);
   EXPECT_THAT(file.notes[0],
               HasSubstr("marker \"beam.middle\" follows 4 nodes of the surface, the farthest"));
@@ -190,7 +185,7 @@ TEST_F(MechanismFileTest, MarkersFollowSeveralNodes) {
 }
 
 TEST_F(MechanismFileTest, MarkersOnSeveralNodesAreRefusedWithTheReason) {
-  lattice::Lattice l = lattice::make_lattice(6);
+  const lattice::Lattice l = lattice::make_lattice(6);
   superelement::write(folder_ / "bare.se.h5", l.se);
   const auto refusal_of_marker = [&](const std::string& keys,
                                      const std::string& body = "superelement = \"bare.se.h5\"") {
@@ -207,20 +202,34 @@ TEST_F(MechanismFileTest, MarkersOnSeveralNodesAreRefusedWithTheReason) {
   EXPECT_THAT(refusal_of_marker("points = [[0, 0, 0]]\nlink = \"rigid\""),
               HasSubstr("a rigid link joins interfaces"));
   EXPECT_THAT(refusal_of_marker("within = \"1 mm\""), HasSubstr("needs a position"));
-  EXPECT_THAT(refusal_of_marker("on = \"left\"\nweights = [1]"), HasSubstr("is for a marker on several nodes"));
+  EXPECT_THAT(refusal_of_marker("on = \"left\"\nweights = [1]"),
+              HasSubstr("is for a marker on several nodes"));
   EXPECT_THAT(refusal_of_marker("nodes = [\"a\"]", "mass = 1"), HasSubstr("only superelements have nodes"));
-  l.se.surface.vertices = l.x.transpose();
-  l.se.surface.triangles.resize(1, 3);
-  l.se.surface.triangles << 0, 1, 2;
-  l.se.surface.edges.resize(0, 2);
-  l.se.shapes = l.T.cast<float>();
-  superelement::write(folder_ / "beam.se.h5", l.se);
+  superelement::write(folder_ / "beam.se.h5", lattice::with_surface(l));
   const std::string body = "superelement = \"beam.se.h5\"";
   EXPECT_THAT(refusal_of_marker("points = [[0, 0.1, 0], [0, 0.11, 0], [1, 0, 0]]", body),
               HasSubstr("nearest to the same node of the surface as a point before it"));
   // The lattice's nearest corner is (0.94, 0.41, 0.24).
   EXPECT_THAT(refusal_of_marker("position = [5, 0, 0]\nwithin = \"10 mm\"", body),
               HasSubstr("the sphere holds 0 nodes of the surface, the nearest one lies 4.087 m"));
+}
+
+// All of the geometric stiffening or none: the file has none for loads on nodes of the surface.
+TEST_F(MechanismFileTest, LoadsOnTheSurfaceOfAStiffenedBodyAreRefused) {
+  superelement::Superelement se = lattice::with_surface(lattice::make_lattice(6));
+  se.stiffening = lattice::any_stiffening(se.n(), 5);
+  superelement::write(folder_ / "beam.se.h5", se);
+  const std::string stiffened = "body.beam.fidelity=modal-stiffened";
+  const auto refusal_of = [&](const std::vector<std::string>& overrides) {
+    return test::refusal_of([&] { read(carried_by_several, overrides); });
+  };
+  EXPECT_THAT(refusal_of({stiffened}), HasSubstr("marker \"beam.middle\" loads nodes of the surface"));
+  EXPECT_EQ(refusal_of({}), "accepted");
+  // Places that are looked at only load nothing.
+  const std::vector<std::string> looks_only = {stiffened, "joint.pivot.to=beam.left",
+                                               "joint.neck.from=beam.right", "force.gust.marker=beam.right",
+                                               "force.gust.axes=beam.right"};
+  EXPECT_EQ(refusal_of(looks_only), "accepted");
 }
 
 }  // namespace

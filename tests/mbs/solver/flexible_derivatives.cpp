@@ -40,14 +40,12 @@ TEST(FlexibleDerivatives, OfEveryLevelOfCoupling) {
 
 // A joint, a closure and what they carry at a marker that follows three places of the surface.
 TEST(FlexibleDerivatives, AtAnInterpolatedNode) {
-  lattice::Lattice l = lattice::make_lattice(4, 40.0);
-  l.se.surface.vertices = l.x.transpose();
-  l.se.shapes = l.T.cast<float>();
+  const superelement::Superelement se = lattice::with_surface(lattice::make_lattice(4, 40.0));
   BasisOptions options;
   options.modes = 4;
-  options.nodes = {interpolated_node(l.se, "a", {{}, {7, 10, 14}, {}}),
-                   interpolated_node(l.se, "b", {{1}, {16, 20, 23}, {1, 2, 3, 4}})};
-  ModalData data = modal_data(l.se, options);
+  options.nodes = {interpolated_node(se, "a", {{}, {7, 10, 14}, {}}),
+                   interpolated_node(se, "b", {{1}, {16, 20, 23}, {1, 2, 3, 4}})};
+  ModalData data = modal_data(se, options);
   data.nodes.erase(data.nodes.begin(), data.nodes.begin() + 2);  // the chain sits on the first two
   derivatives_agree_on(std::make_shared<FlexibleBody>(data));
 }
