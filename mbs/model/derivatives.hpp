@@ -32,6 +32,8 @@ class Derivatives {
   virtual void wrench(int at, int axes, int reaction, const Vector6d& wrench) = 0;
   /// Loads::apply on a coordinate.
   virtual void force(CoordinateRef c, double value) = 0;
+  /// Loads::apply_modal with factor 1: what follows is about the factor.
+  virtual void modal(int body, const Eigen::VectorXd& f) = 0;
   /// The rate of its dynamic state i.
   virtual void rate(int i) = 0;
   /// Of a constraint: all its rows of velocity().  Of a measure or a control: its value.  Of an algebraic
@@ -44,6 +46,8 @@ class Derivatives {
   virtual void by_coordinate(CoordinateRef c, const Matrix& d) = 0;
   virtual void by_speed(CoordinateRef c, const Matrix& d) = 0;
   virtual void by_signal(int signal, const Matrix& d) = 0;
+  /// The modal coordinate i of a body that deforms.
+  virtual void by_deformation(int body, int i, const Vector6d& d) = 0;
   /// Its dynamic state i.
   virtual void by_state(int i, const Matrix& d) = 0;
   /// Its algebraic state.

@@ -252,6 +252,12 @@ void Mechanism::ElementDerivatives::force(CoordinateRef c, double value) {
   lift_ = unit;
 }
 
+void Mechanism::ElementDerivatives::modal(int body, const Eigen::VectorXd& f) {
+  start(Target::z);
+  const TreeBody& t = m_.bodies_[body];  // t.m = 0 where it is rigid or one-way
+  for (int l = 0; l < t.m; ++l) add_row(t.i_v + l, -factor_ * f(l) * Vector6d::Unit(0));
+}
+
 void Mechanism::ElementDerivatives::rate(int i) {
   start(Target::z);
   add_row(m_.n_v_ + first_state_ + i, Vector6d::Unit(0));
@@ -331,6 +337,11 @@ void Mechanism::ElementDerivatives::by_signal(int signal, const Matrix& d) {
   const Vector6d change = six(d.col(0));
   for (Eigen::Index j = 0; j < e_.signals.cols(); ++j)
     if (const double by = e_.signals(signal, j); by != 0.0) add_column(static_cast<int>(j), by * change);
+}
+
+void Mechanism::ElementDerivatives::by_deformation(int body, int i, const Vector6d& d) {
+  const int column = m_.bodies_[body].i_v + i;
+  if (!skips(column)) add_column(column, d);
 }
 
 void Mechanism::ElementDerivatives::by_state(int i, const Matrix& d) {

@@ -30,12 +30,14 @@ class Mechanism::ElementDerivatives final : public Derivatives {
   void between(int marker_F, int marker_M, const Vector6d& on_M_F) override;
   void wrench(int at, int axes, int reaction, const Vector6d& wrench) override;
   void force(CoordinateRef c, double value) override;
+  void modal(int body, const Eigen::VectorXd& f) override;
   void rate(int i) override;
   void rows() override;
   void by_relative(int marker_F, int marker_M, const Matrix& d) override;
   void by_coordinate(CoordinateRef c, const Matrix& d) override;
   void by_speed(CoordinateRef c, const Matrix& d) override;
   void by_signal(int signal, const Matrix& d) override;
+  void by_deformation(int body, int i, const Vector6d& d) override;
   void by_state(int i, const Matrix& d) override;
   void by_algebraic(double d) override;
 

@@ -71,6 +71,8 @@ class ForceElement : public HasStates {
   virtual std::vector<CoordinateRef> coordinates() const { return {}; }
   /// The markers it acts between, for pictures; -1 where there is none.
   virtual std::pair<int, int> markers() const { return {-1, -1}; }
+  /// The body and the load case of its superelement that it puts on it; -1 for none.
+  virtual std::pair<int, int> load_case() const { return {-1, -1}; }
   virtual std::string_view type() const = 0;
 
  private:

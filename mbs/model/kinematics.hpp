@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "mbs/math/spatial.hpp"
+#include "mbs/model/body_load.hpp"
 #include "mbs/model/joint.hpp"
 
 /// What joints' closures, constraints, forces and measures see of a mechanism at one state.
@@ -35,6 +36,14 @@ struct JointPlace {
   bool in_tree() const { return i_p >= 0; }
 };
 
+/// What loads that are spread over a body need of it.
+struct BodyState {
+  const std::vector<BodyLoad>* loads = nullptr;  ///< those of its superelement
+  /// Modal coordinates and their rates (from level velocity on) of a body that deforms; null on a rigid body
+  /// and on a one-way body, whose deformation its loads do not see.
+  const double *s = nullptr, *s_dot = nullptr;
+};
+
 /// What one element has of its own at one state.
 struct OwnStates {
   const double* c = nullptr;  ///< its dynamic states
@@ -55,6 +64,7 @@ class Kinematics {
   const double* c = nullptr;  ///< dynamic states of controls, where signals are evaluated
   OwnStates own;              ///< of the element that is being evaluated
   std::vector<MarkerState> markers;
+  std::vector<BodyState> bodies;
   const std::vector<JointPlace>* joints = nullptr;
 
   const MarkerState& marker(int i) const { return markers[i]; }
@@ -81,6 +91,8 @@ class Loads {
   /// A generalised force on a joint's speed; on a closure by the wrench between its frames that has this
   /// power.
   virtual void apply(CoordinateRef c, double force) = 0;
+  /// factor * f on the modal coordinates of a body that deforms, one-way or both ways (m of them).
+  virtual void apply_modal(int body, const Eigen::VectorXd& f, double factor) = 0;
   /// A wrench on marker M, about Mo, expressed in F, and its reaction on the body of F.
   void apply_between(const Kinematics& kin, int marker_F, int marker_M, const Vector6d& on_M_F);
 };

@@ -45,6 +45,8 @@ struct BodyDescription {
   std::optional<Pose> X_WB = {};                   ///< guess for the assembly, in [m]
   std::string superelement = {};                   ///< file, for pictures
   bool follows_surface = false;                    ///< markers follow nodes of the superelement's surface
+  std::vector<BodyLoad> loads = {};                ///< load cases of its superelement
+  bool is_loaded_by_case = false;                  ///< a force puts one of them on it
   std::string shape_json = {};                     ///< primitive shapes, for pictures
 };
 

@@ -285,6 +285,21 @@ ModalData modal_data(const superelement::Superelement& se, const BasisOptions& o
   return data;
 }
 
+std::vector<BodyLoad> body_loads(const superelement::Superelement& se, const MatrixXd& Y) {
+  const MatrixXd R = superelement::rigid_motions(se);
+  std::vector<BodyLoad> out;
+  for (const superelement::LoadCase& load : se.load_cases) {
+    const Eigen::Matrix<double, 6, 1> p = R.transpose() * load.p_se;  // translations, then rotations
+    BodyLoad body{.name = load.name, .wrench = {p.tail<3>(), p.head<3>()}, .modal = {}, .moment = {}};
+    if (Y.size() > 0) {
+      body.modal = Y.transpose() * load.p_se;
+      if (load.moment.size() > 0) body.moment = load.moment * Y;
+    }
+    out.push_back(std::move(body));
+  }
+  return out;
+}
+
 RigidInertia rigid_inertia(const superelement::Superelement& se) {
   const superelement::InertiaIntegrals& in = se.inertia;
   return {in.mass, in.S_x, in.S_xx.trace() * Matrix3d::Identity() - in.S_xx};

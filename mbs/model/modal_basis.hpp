@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "mbs/model/body_load.hpp"
 #include "mbs/model/body_node.hpp"
 #include "mbs/model/flexible_body.hpp"
 #include "mbs/model/modal_damping.hpp"
@@ -81,6 +82,9 @@ superelement::InertiaIntegrals transform(const superelement::InertiaIntegrals& i
 ///     K0r_c = N_ab - N_ba,  (a, b, c) cyclic,      K0omega_aa = N_aa - tr N,      K0omega_ab = N_ab + N_ba
 SecondOrderIntegrals second_order_integrals(const superelement::StiffeningTerms& terms,
                                             const Eigen::MatrixXd& Y);
+
+/// The superelement's load cases on a body of the shapes Y (n_se x m), or on a rigid one (Y empty).
+std::vector<BodyLoad> body_loads(const superelement::Superelement& se, const Eigen::MatrixXd& Y = {});
 
 /// The body of fidelity "rigid": mass, centre and inertia of the undeformed superelement.
 RigidInertia rigid_inertia(const superelement::Superelement& se);

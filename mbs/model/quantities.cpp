@@ -13,6 +13,9 @@ namespace dim = input::dim;
 
 constexpr const char* axis_names[] = {"x", "y", "z"};
 
+// Six stresses, von Mises', six strains.
+constexpr int kOfPoint = 13;
+
 }  // namespace
 
 void Mechanism::list_quantities() {
@@ -88,12 +91,17 @@ void Mechanism::list_quantities() {
       const char* components[] = {"xx", "yy", "zz", "xy", "yz", "zx"};
       for (std::size_t p = 0; p < stress->points().size(); ++p) {
         const std::string point = name + "." + stress->points()[p].name;
-        const int first = 7 * static_cast<int>(p);
+        const int first = kOfPoint * static_cast<int>(p);
         add(point + ".von_mises", dim::pressure, "von Mises stress at the point", K::point_stress, k,
             first + 6, true);
         for (int i = 0; i < 6; ++i)
           add(fmt::format("{}.stress_{}", point, components[i]), dim::pressure,
               "stress at the point, in the body's axes", K::point_stress, k, first + i);
+        for (int i = 0; stress->has_strain() && i < 6; ++i)
+          add(fmt::format("{}.strain_{}", point, components[i]), dim::none,
+              i < 3 ? "strain at the point, in the body's axes"
+                    : "shear strain at the point (an angle), in the body's axes",
+              K::point_stress, k, first + 7 + i);
       }
     }
   }
@@ -266,8 +274,11 @@ void Mechanism::evaluate(const std::vector<int>& which, const State& s, ConstVec
       }
       case QuantityKind::point_stress: {
         const StressField& stress = *d_.bodies[q.index].stress;
-        const Stress sigma = stress.at(stress.points()[q.component / 7].place, modal_coordinates(q.index, s));
-        value = q.component % 7 == 6 ? von_mises(sigma) : sigma(q.component % 7);
+        const int place = stress.points()[q.component / kOfPoint].place, what = q.component % kOfPoint;
+        const double* const modal = modal_coordinates(q.index, s);
+        value = what < 6    ? stress.at(place, modal)(what)
+                : what == 6 ? von_mises(stress.at(place, modal))
+                            : stress.strain_at(place, modal)(what - 7);
         break;
       }
       case QuantityKind::measure:

@@ -122,6 +122,8 @@ std::shared_ptr<const StressField> read_stress_field(const Section& s, const sup
     x.col(k) = se.surface.vertices.row(vertices[k]).transpose();
   auto field = std::make_shared<StressField>(
       se.stress->S, std::move(x), std::vector<int>(vertices.begin(), vertices.end()), body.data().Y);
+  if (!se.stress->compliance.empty())
+    field->set_compliance(se.stress->compliance, {se.stress->material.begin(), se.stress->material.end()});
   for (const auto& [name, point] : s.table_map("stress_point"))
     field->add_point(name, point.vector3("position"));
   return field;
@@ -152,6 +154,11 @@ std::shared_ptr<const FlexibleBody> prepare_flexible_body(
                              "stiffening by loads on its interfaces only: all of it or none",
                              nodes[node].name),
                  "make that place an interface when the part is reduced, or use fidelity = \"modal\"");
+  if (options.stiffening && d.bodies[body].is_loaded_by_case)
+    s.refuse("fidelity",
+             "a force puts a load case on the body, and a superelement has geometric stiffening by gravity, "
+             "motion and loads on its interfaces only: all of it or none",
+             "use fidelity = \"modal\", or let forces act on interfaces");
   if (s.has("modes")) options.modes = s.integer("modes");
   if (s.has("max_frequency")) options.max_frequency = s.quantity("max_frequency");
   options.response_frequency = s.quantity("response_frequency");
@@ -221,13 +228,23 @@ std::shared_ptr<const FlexibleBody> prepare_flexible_body(
     options.loads.conservativeResize(Eigen::NoChange, options.loads.cols() + more.cols());
     options.loads.rightCols(more.cols()) = more;
   }
+  if (attachments == "used")
+    for (const auto& force : d.forces) {
+      const auto [on, load] = force->load_case();
+      if (on != body) continue;
+      options.loads.conservativeResize(Eigen::NoChange, options.loads.cols() + 1);
+      options.loads.rightCols<1>() = se.load_cases[static_cast<std::size_t>(load)].p_se;
+    }
 
   if (fidelity == "static") {
     for (const char* key : {"modes", "max_frequency"})
       if (s.has(key)) s.refuse(key, "fidelity \"static\" takes no eigenmodes", "take the key away");
     if (options.loads.cols() == 0)
-      s.refuse("fidelity", "nothing acts on an interface of this body, so nothing deforms it statically",
-               "use fidelity = \"rigid\"");
+      s.refuse(
+          "fidelity",
+          "nothing acts on an interface of this body and no force puts a load case on it, so nothing deforms "
+          "it statically",
+          "use fidelity = \"rigid\"");
     options.modes = 0;
     options.coupling = Coupling::constant;
     options.damping_law.critical_above = std::min(options.damping_law.critical_above, 0.0);

@@ -95,6 +95,7 @@ void prepare_bodies(ReadModel& model) {
     const auto body = prepare_flexible_body(s, *se, model.linked[b], d, b, model.notes, model.cache);
     if (wants_stress(s)) d.bodies[b].stress = read_stress_field(s, *se, *body);
     (model.is_one_way(b) ? d.bodies[b].ked : d.bodies[b].flexible) = body;
+    d.bodies[b].loads = body_loads(*se, body->data().Y);
   }
 }
 
@@ -299,6 +300,7 @@ void Reader::read_body(const std::string& own_name, const Section& s) {
     se = load(s);
     body.superelement = s.file("superelement").string();
     body.follows_surface = a_marker_follows_surface(s);
+    body.loads = body_loads(*se);
     for (const superelement::Interface& i : se->interfaces) interfaces.emplace_back(i.name, i.p_BoN_B);
     if (fidelity == "rigid" || fidelity == "ked") body.inertia = rigid_inertia(*se);
   } else if (s.has("beam")) {
@@ -379,8 +381,11 @@ void Reader::read_elements() {
     d.controls.push_back(type.read(prefix_ + name, s, names));
     if (type.feeds_through) take_name(name, s);
   }
-  for (const auto& [name, s] : root_.table_map("force"))
+  for (const auto& [name, s] : root_.table_map("force")) {
     d.forces.push_back(find_type(force_types(), s.text("type")).read(prefix_ + name, s, names));
+    if (const auto [body, load] = d.forces.back()->load_case(); body >= 0)
+      d.bodies[body].is_loaded_by_case = true;
+  }
 }
 
 }  // namespace flexura::mbs

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
@@ -21,6 +22,16 @@ StressField::StressField(const Eigen::MatrixXd& S, Eigen::Matrix3Xd x, std::vect
     throw std::invalid_argument(fmt::format("stress modes of {} x {} do not fit {} places and {} shapes",
                                             S.rows(), S.cols(), x_.cols(), Y.rows()));
   S_ = S * Y;
+}
+
+void StressField::set_compliance(std::vector<Eigen::Matrix<double, 6, 6>> compliance,
+                                 std::vector<int> material) {
+  const auto n = static_cast<int>(compliance.size());
+  if (material.size() != vertices_.size() ||
+      std::ranges::any_of(material, [&](int k) { return k < 0 || k >= n; }))
+    throw std::invalid_argument("the materials of the stress modes do not fit their places");
+  compliance_ = std::move(compliance);
+  material_ = std::move(material);
 }
 
 void StressField::add_point(const std::string& name, const Eigen::Vector3d& wanted) {

@@ -15,6 +15,7 @@
 namespace flexura::mbs {
 
 using Stress = Eigen::Matrix<double, 6, 1>;  ///< xx, yy, zz, xy, yz, zx [Pa], in B
+using Strain = Eigen::Matrix<double, 6, 1>;  ///< likewise, shears as angles (g_xy = 2 e_xy)
 
 /// sqrt(3 J2).
 double von_mises(const Stress& sigma);
@@ -45,7 +46,13 @@ class StressField {
   void add_point(const std::string& name, const Eigen::Vector3d& wanted);
   const std::vector<Point>& points() const { return points_; }
 
+  /// One matrix for each material [1/Pa], and the material of each place.  Throws std::invalid_argument where
+  /// they do not fit.
+  void set_compliance(std::vector<Eigen::Matrix<double, 6, 6>> compliance, std::vector<int> material);
+  bool has_strain() const { return !compliance_.empty(); }
+
   Stress at(int place, const double* s) const;
+  Strain strain_at(int place, const double* s) const { return compliance_[material_[place]] * at(place, s); }
   /// Over all places.
   Largest largest(const double* s) const;
 
@@ -53,6 +60,8 @@ class StressField {
   Eigen::MatrixXd S_;   // 6 n_s x m
   Eigen::Matrix3Xd x_;  // 3 x n_s
   std::vector<int> vertices_;
+  std::vector<Eigen::Matrix<double, 6, 6>> compliance_;
+  std::vector<int> material_;
   std::vector<Point> points_;
 };
 

@@ -12,6 +12,8 @@ std::unique_ptr<Equations::Scratch> Mechanism::make_scratch() const {
   work->local.resize(d_.markers.size());
   work->kin.markers.resize(d_.markers.size());
   work->kin.joints = &places_;
+  work->kin.bodies.resize(d_.bodies.size());
+  for (std::size_t b = 0; b < d_.bodies.size(); ++b) work->kin.bodies[b].loads = &d_.bodies[b].loads;
   int widest = 0;
   work->K.resize(d_.bodies.size());
   for (std::size_t b = 1; b < d_.bodies.size(); ++b) {
@@ -67,6 +69,11 @@ void Mechanism::forward(Level level, double t, const double* p, const double* v,
   work.kin.v = v;
   work.kin.v_dot = v_dot;
   for (int b : order_) {
+    const TreeBody& body = bodies_[b];
+    if (body.m > 0) {
+      work.kin.bodies[b].s = p + body.i_p;
+      work.kin.bodies[b].s_dot = v ? v + body.i_v : nullptr;
+    }
     for (int i : markers_of_body_[b])
       if (d_.markers[i].node >= 0) local_marker(i, level, work);
     move_through_joint(b, level, work);
@@ -293,6 +300,14 @@ void Mechanism::BodyLoads::apply(CoordinateRef c, double force) {
   Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 6, 6> gram = S.transpose() * S;
   const Vector6d wrench = S * gram.inverse().col(c.index) * force;
   apply_between(work_.kin, place.marker_F, place.marker_M, wrench);
+}
+
+void Mechanism::BodyLoads::apply_modal(int body, const VectorXd& f, double factor) {
+  const TreeBody& t = mechanism_.bodies_[body];
+  if (mechanism_.d_.bodies[body].ked)
+    work_.bodies[body].one_way.noalias() -= factor_ * factor * f;
+  else
+    work_.r.segment(t.i_v, t.m).noalias() -= factor_ * factor * f;
 }
 
 void Mechanism::evaluate_signals(Work& work) const {

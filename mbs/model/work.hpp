@@ -132,6 +132,7 @@ class Mechanism::BodyLoads final : public Loads {
   using Loads::apply;
   void apply(int marker, const Spatial& wrench_W) override;
   void apply(CoordinateRef c, double force) override;
+  void apply_modal(int body, const Eigen::VectorXd& f, double factor) override;
 
  private:
   const Mechanism& mechanism_;

@@ -55,7 +55,8 @@ MatrixXd deformations_of(const std::string& superelement, const MatrixXd& Y_full
 }  // namespace
 
 bool has_stiffening_terms(const mbs::BodyDescription& body) {
-  return !body.follows_surface && superelement::contents(body.superelement).bytes.stiffening > 0.0;
+  return !body.follows_surface && !body.is_loaded_by_case &&
+         superelement::contents(body.superelement).bytes.stiffening > 0.0;
 }
 
 FullModel::FullModel(std::unique_ptr<mbs::Mechanism> mechanism) : mechanism_(std::move(mechanism)) {

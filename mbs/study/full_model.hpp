@@ -25,7 +25,7 @@ struct ModalBlock {
 };
 
 /// The superelement's file holds geometric stiffening terms for what loads the body: no marker follows nodes
-/// of its surface.
+/// of its surface, and no force puts a load case on it.
 bool has_stiffening_terms(const mbs::BodyDescription& body);
 
 class FullModel {

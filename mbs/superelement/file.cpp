@@ -133,6 +133,12 @@ void write_matrices(Group root, const Superelement& se) {
   }
   hdf5::write_matrix(group, "p_se", p_se, "by the dofs",
                      "load vectors T^T p, one row for each name in load_cases");
+  if (se.load_cases.front().moment.size() == 0) return;
+  Eigen::MatrixXd moment(3 * p_se.rows(), se.n());
+  for (Eigen::Index i = 0; i < p_se.rows(); ++i)
+    moment.middleRows<3>(3 * i) = se.load_cases[static_cast<std::size_t>(i)].moment;
+  hdf5::write_matrix(group, "p_moment", moment, "N m times shape",
+                     "row 3 i + a: torque of load i about Bo by displacement, sum of (phi_k x p)_a");
 }
 
 void read_matrices(const Group& root, Superelement& se) {
@@ -142,11 +148,21 @@ void read_matrices(const Group& root, Superelement& se) {
   se.M_se = hdf5::read_matrix(group, "M_se", n, n);
   if (group.has("D_se")) se.D_se = hdf5::read_matrix(group, "D_se", n, n);
   se.omega2 = hdf5::read_vector(group, "omega2", se.n_q);
+}
+
+// Rigid bodies feel loads, too.
+void read_load_cases(const Group& root, Superelement& se) {
   if (se.load_cases.empty()) return;
-  const Eigen::MatrixXd p_se =
-      hdf5::read_matrix(group, "p_se", static_cast<Eigen::Index>(se.load_cases.size()), n);
-  for (std::size_t i = 0; i < se.load_cases.size(); ++i)
-    se.load_cases[i].p_se = p_se.row(static_cast<Eigen::Index>(i));
+  const Group group = root.group("matrices");
+  const Eigen::Index n = se.n(), n_cases = static_cast<Eigen::Index>(se.load_cases.size());
+  const Eigen::MatrixXd p_se = hdf5::read_matrix(group, "p_se", n_cases, n);
+  Eigen::MatrixXd moment;
+  if (group.has("p_moment")) moment = hdf5::read_matrix(group, "p_moment", 3 * n_cases, n);
+  for (Eigen::Index i = 0; i < n_cases; ++i) {
+    LoadCase& load = se.load_cases[static_cast<std::size_t>(i)];
+    load.p_se = p_se.row(i);
+    if (moment.size() > 0) load.moment = moment.middleRows<3>(3 * i);
+  }
 }
 
 void write_inertia(Group root, const Superelement& se) {
@@ -300,11 +316,8 @@ Superelement read(const std::filesystem::path& path, const Parts& parts) {
   read_header(root.read_text("header"), root.label() + "header", se);
   se.source = root.read_text("source");
   se.report_json = root.read_text("report");
-  if (parts.matrices) {
-    read_matrices(root, se);
-  } else {
-    for (LoadCase& load : se.load_cases) load.p_se = Eigen::VectorXd();
-  }
+  read_load_cases(root, se);
+  if (parts.matrices) read_matrices(root, se);
   if (parts.inertia) read_inertia(root, se);
   if (parts.stiffening) read_stiffening(root, se);
   if (parts.surface) read_surface(root, se);

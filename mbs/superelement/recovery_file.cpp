@@ -23,7 +23,34 @@ void write_stress(Group root, const StressModes& stress) {
     write_rows(group, "modes", by_shape, "Pa per dof", doc + ", float32");
   }
   group.set("precision", stress.double_precision ? "float64" : "float32");
+  if (stress.compliance.empty()) return;
+  Eigen::MatrixXd compliance(6 * static_cast<Eigen::Index>(stress.compliance.size()), 6);
+  for (std::size_t k = 0; k < stress.compliance.size(); ++k)
+    compliance.middleRows<6>(6 * static_cast<Eigen::Index>(k)) = stress.compliance[k];
+  hdf5::write_matrix(
+      group, "compliance", compliance, "1/Pa",
+      "row 6 k + c: strain c = xx, yy, zz, xy, yz, zx (shears as angles) of material k by stress");
+  group.write("material", {stress.material.size()}, stress.material.data(), "", "(s): material of the place");
 }
+
+namespace {
+
+void read_compliance(const Group& group, StressModes& stress) {
+  if (!group.has("compliance")) return;
+  const Shape rows = group.shape("compliance");
+  constexpr std::size_t most_materials = 100'000;
+  if (rows.size() != 2 || rows[0] % 6 != 0 || rows[0] > 6 * most_materials)
+    throw hdf5::BadFile(group.label() +
+                        "/compliance: has the wrong shape; the file is damaged, make it again");
+  const Eigen::MatrixXd compliance =
+      hdf5::read_matrix(group, "compliance", static_cast<Eigen::Index>(rows[0]), 6);
+  for (Eigen::Index k = 0; k < compliance.rows(); k += 6)
+    stress.compliance.push_back(compliance.middleRows<6>(k));
+  stress.material.resize(stress.vertices.size());
+  group.read("material", {stress.material.size()}, stress.material.data());
+}
+
+}  // namespace
 
 void read_stress(const Group& root, Superelement& se) {
   if (!root.has("stress")) return;
@@ -37,6 +64,7 @@ void read_stress(const Group& root, Superelement& se) {
   }
   stress.vertices.resize(places[0]);
   group.read("vertices", places, stress.vertices.data());
+  read_compliance(group, stress);
   const Eigen::Index width = 6 * static_cast<Eigen::Index>(places[0]);
   if (stress.double_precision) {
     stress.S = hdf5::read_matrix(group, "modes", se.n(), width).transpose();

@@ -76,7 +76,11 @@ struct StressModes {
   std::vector<std::int32_t> vertices;  ///< n_s: index of each place among the surface's vertices, ascending
   Eigen::MatrixXd
       S;  ///< 6 n_s x n [Pa per unit of the shape]: rows xx, yy, zz, xy, yz, zx of place 0, then 1
-  bool double_precision = false;  ///< of the file; float32 otherwise
+  /// Of each material there [1/Pa]: (e_xx, e_yy, e_zz, g_xy, g_yz, g_zx) = compliance sigma, shears as
+  /// angles; empty where it is not known.
+  std::vector<Eigen::Matrix<double, 6, 6>> compliance = {};
+  std::vector<std::int32_t> material = {};  ///< n_s: index of each place's compliance
+  bool double_precision = false;            ///< of the file; float32 otherwise
 };
 
 /// Section forces of every shape at places along the members of a beam part, so that at run time
@@ -100,6 +104,9 @@ struct SectionForces {
 struct LoadCase {
   std::string name;
   Eigen::VectorXd p_se;  ///< n
+  /// 3 x n [N m per unit of the shape]: torque of the load about Bo by the displacement of what it acts on,
+  /// sum of phi_k x p; empty where it is not known.
+  Eigen::Matrix3Xd moment = {};
 };
 
 struct Superelement {

@@ -219,6 +219,13 @@ class Check {
     const auto n_s = static_cast<Eigen::Index>(stress.vertices.size());
     sized_and_finite("the stress modes", stress.S, 6 * n_s, se_.n());
     std::int32_t last = -1;
+    if (!stress.compliance.empty()) {
+      for (const auto& C : stress.compliance) sized_and_finite("the compliance", C, 6, 6);
+      const auto n_materials = static_cast<std::int32_t>(stress.compliance.size());
+      if (stress.material.size() != stress.vertices.size() ||
+          std::ranges::any_of(stress.material, [&](std::int32_t k) { return k < 0 || k >= n_materials; }))
+        refuse("the materials of the stress modes do not fit their places");
+    }
     for (const std::int32_t vertex : stress.vertices) {
       if (vertex <= last) refuse("the vertices of the stress modes do not ascend");
       last = vertex;
@@ -312,10 +319,12 @@ void validate_parts(const Superelement& se, const Parts& present) {
       check.symmetric("D_se", se.D_se);
     }
     check.rigid_motions_are_strain_free();
-    for (const LoadCase& load : se.load_cases) {
-      if (load.name.empty()) check.refuse("a load case has no name");
-      check.sized_and_finite(("load case " + load.name).c_str(), load.p_se, n, 1);
-    }
+  }
+  for (const LoadCase& load : se.load_cases) {
+    if (load.name.empty()) check.refuse("a load case has no name");
+    check.sized_and_finite(("load case " + load.name).c_str(), load.p_se, n, 1);
+    if (load.moment.size() > 0 || se.load_cases.front().moment.size() > 0)
+      check.sized_and_finite(("torque of load case " + load.name).c_str(), load.moment, 3, n);
   }
   if (present.inertia) check.inertia_sizes();
   if (present.matrices && present.inertia) check.mass_matrix_and_integrals_agree();

@@ -236,7 +236,9 @@ TableSchema link_schema() {
 
 TableSchema load_schema() {
   TableSchema s{.name = "load",
-                .doc = "A distributed load whose vector p_se is kept for run time under its name."};
+                .doc =
+                    "A distributed load that is kept for run time under its name: forces of the type "
+                    "`distributed_load` put it on the body, times a formula."};
   s.selector = "type";
   s.keys = {
       input::choice("type", {"gravity", "rotation", "pressure", "field"}, "what acts").required(),

@@ -168,6 +168,7 @@ void reduce_part(const PartInput& input, const std::filesystem::path& output, co
   superelement::Superelement se = to_superelement(input, std::move(reduction), std::move(picture.surface),
                                                   report.json.dump(1), std::move(vertices));
   if (input.has_damping) se.modal_damping = 0.0;
+  if (se.stress && !finished) add_compliance(part, how.stress_nodes, *se.stress);
   superelement::write(output, se);
   if (!options.report.empty()) superelement::write_whole(options.report, report.json.dump(2) + "\n");
   line.finish();

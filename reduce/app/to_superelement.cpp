@@ -1,6 +1,12 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include "reduce/app/to_superelement.hpp"
 
+#include <Eigen/LU>
+#include <map>
+#include <stdexcept>
+
+#include "reduce/recovery/stress.hpp"
+
 namespace flexura::reduce {
 
 superelement::Superelement to_superelement(const PartInput& input, Reduction&& reduction,
@@ -24,7 +30,8 @@ superelement::Superelement to_superelement(const PartInput& input, Reduction&& r
   se.M_se = std::move(reduction.M_se);
   se.omega2 = std::move(reduction.omega2);
   se.D_se = std::move(reduction.D_se);
-  for (ReducedLoad& load : reduction.loads) se.load_cases.push_back({load.name, std::move(load.p_se)});
+  for (ReducedLoad& load : reduction.loads)
+    se.load_cases.push_back({load.name, std::move(load.p_se), std::move(load.moment)});
   se.modal_damping = input.modes.damping;
   se.inertia.mass = reduction.inertia.mass;
   se.inertia.S_x = reduction.inertia.S_x;
@@ -46,6 +53,17 @@ superelement::Superelement to_superelement(const PartInput& input, Reduction&& r
   se.surface = std::move(surface);
   se.shapes = std::move(reduction.shapes);
   return se;
+}
+
+void add_compliance(const Part& part, const std::vector<mesh::Index>& nodes,
+                    superelement::StressModes& stress) {
+  std::map<int, std::int32_t> numbers;
+  for (const auto& [material, cells] : nodal_materials(part, nodes)) {
+    if (material < 0) throw std::logic_error("stresses are wanted at a node of no solid");
+    const auto [found, is_new] = numbers.emplace(material, static_cast<std::int32_t>(numbers.size()));
+    if (is_new) stress.compliance.push_back(part.materials[static_cast<std::size_t>(material)].D.inverse());
+    stress.material.push_back(found->second);
+  }
 }
 
 }  // namespace flexura::reduce

@@ -15,4 +15,8 @@ superelement::Superelement to_superelement(const PartInput& input, Reduction&& r
                                            superelement::Surface&& surface, std::string report_json,
                                            std::vector<std::int32_t> stress_vertices = {});
 
+/// The materials' compliances at the stress modes' places, which are these nodes.
+void add_compliance(const Part& part, const std::vector<mesh::Index>& nodes,
+                    superelement::StressModes& stress);
+
 }  // namespace flexura::reduce

@@ -12,6 +12,7 @@
 #include "reduce/cms/choose_modes.hpp"
 #include "reduce/cms/constraint_modes.hpp"
 #include "reduce/cms/craig_chang.hpp"
+#include "reduce/cms/load_case.hpp"
 #include "reduce/cms/response_modes.hpp"
 #include "reduce/cms/shape_change.hpp"
 #include "reduce/cms/sturm.hpp"
@@ -297,7 +298,8 @@ Cut reduce(const Part& whole, const Part& part, const TiedModel& model, const Re
     report.seconds_estimate += watch.lap();
   }
   for (const LoadField& load : options.loads) {
-    reduction.loads.push_back({load.name, linalg::transpose_times(T, nodal_forces(model, load))});
+    reduction.loads.push_back(
+        reduced_load(load, T, [&](const LoadField& field) { return nodal_forces(model, field); }));
   }
   reduction.D_se = damper_matrix(part, model, T);
   if (options.stiffening) {

@@ -34,7 +34,8 @@ struct ReducedInterface {
 /// A load case on the shapes.
 struct ReducedLoad {
   std::string name;
-  Eigen::VectorXd p_se;  ///< n, T^T p
+  Eigen::VectorXd p_se;     ///< n, T^T p
+  Eigen::Matrix3Xd moment;  ///< 3 x n, sum of phi_k x p
 };
 
 /// What the reduction did and how well, for reports.

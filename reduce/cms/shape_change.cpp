@@ -87,7 +87,10 @@ void change_shapes(Reduction& r, const CanonicalShapes& shapes) {
     for (MatrixXd& A : r.stiffening->K0omega) congruent(A);
     for (MatrixXd& A : r.stiffening->K0F) congruent(A);
   }
-  for (ReducedLoad& load : r.loads) load.p_se = (Y.transpose() * load.p_se).eval();
+  for (ReducedLoad& load : r.loads) {
+    load.p_se = (Y.transpose() * load.p_se).eval();
+    load.moment = (load.moment * Y).eval();
+  }
   if (r.stress_modes.size() > 0) r.stress_modes = linalg::times(r.stress_modes, Y);
   if (r.shapes.size() > 0) r.shapes = (r.shapes * Y.cast<float>()).eval();
   r.dropped.resize(0, 0);

@@ -7,25 +7,39 @@
 
 namespace flexura::reduce {
 
-Eigen::MatrixXd nodal_stress_modes(const Part& part, const Eigen::MatrixXd& T,
-                                   const std::vector<mesh::Index>& nodes) {
-  const Eigen::Index n = T.cols();
+namespace {
+
+std::vector<Eigen::Index> places_of(const Part& part, const std::vector<mesh::Index>& nodes) {
   std::vector<Eigen::Index> place(part.mesh.n_nodes(), -1);
   for (std::size_t v = 0; v < nodes.size(); ++v) place[nodes[v]] = static_cast<Eigen::Index>(v);
-  const auto material_of = [](const mesh::CellBlock& block, Eigen::Index cell) {
-    return block.material.empty() ? 0 : static_cast<int>(block.material[cell]);
-  };
-  // The material that counts at each node, and the number of its cells there.
+  return place;
+}
+
+int material_of(const mesh::CellBlock& block, Eigen::Index cell) {
+  return block.material.empty() ? 0 : static_cast<int>(block.material[cell]);
+}
+
+}  // namespace
+
+std::vector<std::pair<int, int>> nodal_materials(const Part& part, const std::vector<mesh::Index>& nodes) {
+  const std::vector<Eigen::Index> place = places_of(part, nodes);
   std::vector<std::map<int, int>> cells(nodes.size());
   for (const mesh::CellBlock& block : part.mesh.solids)
     for (Eigen::Index cell = 0; cell < block.nodes.rows(); ++cell)
       for (mesh::Index node : block.nodes.row(cell))
         if (place[node] >= 0) ++cells[place[node]][material_of(block, cell)];
-  std::vector<std::pair<int, int>> chosen(nodes.size());
+  std::vector<std::pair<int, int>> chosen(nodes.size(), {-1, 0});
   for (std::size_t v = 0; v < nodes.size(); ++v)
     for (const auto& [material, count] : cells[v])
       if (count > chosen[v].second) chosen[v] = {material, count};
+  return chosen;
+}
 
+Eigen::MatrixXd nodal_stress_modes(const Part& part, const Eigen::MatrixXd& T,
+                                   const std::vector<mesh::Index>& nodes) {
+  const Eigen::Index n = T.cols();
+  const std::vector<Eigen::Index> place = places_of(part, nodes);
+  const std::vector<std::pair<int, int>> chosen = nodal_materials(part, nodes);
   Eigen::MatrixXd stress = Eigen::MatrixXd::Zero(6 * static_cast<Eigen::Index>(nodes.size()), n);
   NodePositions gradients;
   for (const mesh::CellBlock& block : part.mesh.solids) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <utility>
 #include <vector>
 
 #include "reduce/assembly/part.hpp"
@@ -15,5 +16,8 @@ namespace flexura::reduce {
 /// the node (of the material with most cells there: stresses jump where materials meet).
 Eigen::MatrixXd nodal_stress_modes(const Part& part, const Eigen::MatrixXd& T,
                                    const std::vector<mesh::Index>& nodes);
+
+/// That material (index) of each node, and how many of its cells share the node; -1 and 0 off the solids.
+std::vector<std::pair<int, int>> nodal_materials(const Part& part, const std::vector<mesh::Index>& nodes);
 
 }  // namespace flexura::reduce

@@ -131,6 +131,29 @@ TEST(ResponseModes, BeyondTheModesAreRefused) {
   }
 }
 
+TEST(LoadCases, TorqueByDisplacementIsThatOfTheForcesWhereTheyAct) {
+  const Part part = rod();
+  ReductionOptions options;
+  options.n_modes = 3;
+  LoadField push{.name = "push", .forces = {}, .acceleration = {}};
+  push.forces = Eigen::MatrixX3d::Zero(part.mesh.n_nodes(), 3);
+  options.shape_nodes = {5, 17, 23};
+  for (std::size_t i = 0; i < options.shape_nodes.size(); ++i)
+    push.forces.row(options.shape_nodes[i]) << 3.0 + static_cast<double>(i), -1.0,
+        2.0 * static_cast<double>(i);
+  options.loads = {push};
+  const Reduction se = craig_bampton(part, options);
+  Eigen::MatrixXd expected = Eigen::MatrixXd::Zero(3, se.shapes.cols());
+  for (Eigen::Index i = 0; i < 3; ++i)
+    for (Eigen::Index k = 0; k < se.shapes.cols(); ++k)
+      expected.col(k) +=
+          Eigen::Vector3d(se.shapes.col(k).segment<3>(3 * i).cast<double>())
+              .cross(push.forces.row(options.shape_nodes[static_cast<std::size_t>(i)]).transpose());
+  // Shapes are given in single precision.
+  EXPECT_LT((se.loads[0].moment - expected).norm(), 1e-6 * expected.norm());
+  EXPECT_GT(expected.norm(), 0.0);
+}
+
 // Gravity as a load case is M_se times unit acceleration, and its shape makes the sagging middle exact.
 TEST(LoadCases, GravityIsTheMassMatrixTimesRigidMotion) {
   const Part part = rod();
@@ -143,6 +166,13 @@ TEST(LoadCases, GravityIsTheMassMatrixTimesRigidMotion) {
   ASSERT_EQ(se.loads.size(), 1u);
   const VectorXd expected = se.M_se * rigid_motions(se).col(2) * -9.81;
   EXPECT_LT((se.loads[0].p_se - expected).norm(), 1e-9 * expected.norm());
+  // Its torque by displacement: the mass that moves, times the acceleration.
+  for (int k = 0; k < se.n_b + se.n_q; ++k) {
+    const Eigen::Vector3d moved = se.inertia.S_phi.col(k);
+    EXPECT_LT((se.loads[0].moment.col(k) - moved.cross(Eigen::Vector3d(0, 0, -9.81))).norm(),
+              1e-9 * 9.81 * se.inertia.S_phi.norm())
+        << k;
+  }
   options.loads[0].keep_shape = true;
   const Reduction exact = craig_bampton(part, options);
   EXPECT_EQ(exact.n_q, 4);

@@ -6,19 +6,10 @@ namespace flexura::mbs {
 
 const std::vector<ForceType>& force_types() {
   static const std::vector<ForceType> types = {
-      spring_damper_force(),
-      expression_force(),
-      expression_torque(),
-      joint_force(),
-      joint_spring_damper_force(),
-      joint_friction_force(),
-      bushing_force(),
-      contact_force(),
-      bump_stop_force(),
-      gear_mesh_force(),
-      stick_slip_force(),
-      actuator_force(),
-      user_force(),
+      spring_damper_force(),       expression_force(),     expression_torque(), joint_force(),
+      joint_spring_damper_force(), joint_friction_force(), bushing_force(),     contact_force(),
+      bump_stop_force(),           gear_mesh_force(),      stick_slip_force(),  actuator_force(),
+      distributed_load_force(),    user_force(),
   };
   return types;
 }

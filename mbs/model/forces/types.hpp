@@ -35,6 +35,7 @@ ForceType bump_stop_force();
 ForceType gear_mesh_force();
 ForceType stick_slip_force();
 ForceType actuator_force();
+ForceType distributed_load_force();
 /// K and D as in its file: translations first, in the axes of marker F.
 std::shared_ptr<const ForceElement> make_bushing(const std::string& name, int marker_F, int marker_M,
                                                  const Matrix6d& K, const Matrix6d& D);

@@ -32,6 +32,17 @@ TEST(StressField, FindsTheLargestAndTheNearestPlace) {
   EXPECT_DOUBLE_EQ(field.points()[0].distance, 0.5);
   EXPECT_DOUBLE_EQ(field.at(0, twisted)(3), 5e6);
   EXPECT_THROW(StressField(S, x, {4}, Y), std::invalid_argument);
+  // Hooke's law of each place's material: E = 2e11, nu = 0.3, and a second one twice as soft.
+  EXPECT_FALSE(field.has_strain());
+  Eigen::Matrix<double, 6, 6> steel = Eigen::Matrix<double, 6, 6>::Zero();
+  steel.topLeftCorner<3, 3>().setConstant(-0.3 / 2e11);
+  steel.diagonal() << 5e-12, 5e-12, 5e-12, 1.3e-11, 1.3e-11, 1.3e-11;
+  EXPECT_THROW(field.set_compliance({steel}, {0, 1}), std::invalid_argument);
+  field.set_compliance({steel, 2.0 * steel}, {0, 1});
+  const Strain pulled = field.strain_at(1, s);
+  EXPECT_NEAR(pulled(0), 2.0 * 4e6 / 2e11, 1e-18);
+  EXPECT_NEAR(pulled(2), -0.3 * pulled(0), 1e-18);
+  EXPECT_NEAR(field.strain_at(0, twisted)(3), 5e6 * 1.3e-11, 1e-18);
 }
 
 }  // namespace

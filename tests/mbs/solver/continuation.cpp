@@ -6,6 +6,7 @@
 #include "mbs/solver/assemble.hpp"
 #include "mbs/solver/run.hpp"
 #include "tests/mbs/solver/planar.hpp"
+#include "tests/mbs/solver/rows.hpp"
 #include "tests/mbs/solver/simple.hpp"
 
 namespace flexura::mbs::test {
@@ -13,41 +14,22 @@ namespace {
 
 class Continued : public ::testing::TestWithParam<std::string> {
  protected:
-  struct Rows {
-    std::vector<State> states;
-    std::vector<double> energy_errors;
-  };
-  RunCallbacks into(Rows& rows) const {
-    RunCallbacks callbacks;
-    callbacks.row = [&rows](const State& s, const Eigen::VectorXd&, const EnergyAccount& energy) {
-      rows.states.push_back(s);
-      rows.energy_errors.push_back(energy.error());
-    };
-    return callbacks;
-  }
   // Cut after the step that reaches `cut`, and gone on by an integrator that knows only the continuation.
   void expect_same_to_the_bit(const Equations& m, State s, SolverOptions o, double cut) {
     Eigen::VectorXd v_dot;
     assemble(m, s, v_dot);
     Rows whole, parts;
-    const RunResult unbroken = run(m, s, v_dot, o, into(whole));
+    const RunResult unbroken = run(m, s, v_dot, o, whole.callbacks());
     ASSERT_TRUE(unbroken.complete) << unbroken.stopped_because;
     o.stop_time = cut;
-    const RunResult first = run(m, s, v_dot, o, into(parts));
+    const RunResult first = run(m, s, v_dot, o, parts.callbacks());
     ASSERT_FALSE(first.complete);
     ASSERT_THAT(first.stopped_because, ::testing::HasSubstr("stop_time"));
     ASSERT_GT(first.counts.steps, 5);
     o.stop_time = 0.0;
-    const RunResult second = run(m, first.continuation, o, into(parts));
+    const RunResult second = run(m, first.continuation, o, parts.callbacks());
     ASSERT_TRUE(second.complete) << second.stopped_because;
-    ASSERT_EQ(parts.states.size(), whole.states.size());
-    for (std::size_t i = 0; i < whole.states.size(); ++i) {
-      EXPECT_EQ(parts.states[i].t, whole.states[i].t);
-      EXPECT_EQ(parts.states[i].p, whole.states[i].p) << i;
-      EXPECT_EQ(parts.states[i].v, whole.states[i].v) << i;
-      EXPECT_EQ(parts.states[i].lambda, whole.states[i].lambda) << i;
-      EXPECT_EQ(parts.energy_errors[i], whole.energy_errors[i]) << i;
-    }
+    test::expect_same_to_the_bit(parts, whole);
     EXPECT_EQ(second.state.p, unbroken.state.p);
   }
   SolverOptions options(double end_time) const {

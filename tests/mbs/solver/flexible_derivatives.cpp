@@ -97,6 +97,44 @@ y = "2*root"
                     checks::kByDifferences);
 }
 
+// Loads that are spread over the body, with a factor that depends on the motion.
+TEST_F(FlexibleDerivativesOfAFile, OfALoadCase) {
+  const lattice::Lattice l = lattice::make_lattice(4, 40.0);
+  superelement::Superelement se = l.se;
+  Random random(12);
+  se.load_cases = {{"wind", random.vector(se.n()), MatrixXd::Zero(3, se.n())}};
+  for (auto column : se.load_cases[0].moment.colwise()) column = random.vector3();
+  superelement::write(folder_ / "beam.se.h5", se);
+  for (const char* fidelity : {"modal", "ked", "rigid"}) {
+    SCOPED_TRACE(fidelity);
+    derivatives_agree(Mechanism(read(R"toml(
+[body.arm]
+mass = 1
+inertia = [0.1, 0.2, 0.3]
+[body.arm.marker.end]
+position = [0.3, 0.2, 0.1]
+[joint.shoulder]
+type = "universal"
+from = "ground"
+to = "arm"
+[body.beam]
+superelement = "beam.se.h5"
+[joint.elbow]
+type = "revolute"
+from = "arm.end"
+to = "beam.left"
+[force.gale]
+type = "distributed_load"
+body = "beam"
+load = "wind"
+factor = "1 + elbow.angle^2 + 0.3*elbow.speed"
+)toml",
+                                     {std::string("body.beam.fidelity=") + fidelity})
+                                    .description),
+                      checks::kByDifferences);
+  }
+}
+
 // Any symmetric second-order displacement will do.
 TEST(FlexibleDerivatives, OfAStiffenedBody) {
   BasisOptions options;

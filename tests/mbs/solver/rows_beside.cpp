@@ -5,9 +5,11 @@
 #include <stdexcept>
 
 #include "mbs/solver/accelerations.hpp"
+#include "mbs/solver/assemble.hpp"
 #include "mbs/solver/conveyor.hpp"
 #include "mbs/solver/run.hpp"
 #include "tests/mbs/solver/flexible_engine.hpp"
+#include "tests/mbs/solver/rows.hpp"
 #include "tests/mbs/solver/simple.hpp"
 #include "tests/mbs/started.hpp"
 
@@ -82,40 +84,16 @@ TEST(Conveyor, ThrowsWhereTheFirstThreadIs) {
   }
 }
 
-struct Rows {
-  std::vector<State> states;
-  std::vector<Eigen::VectorXd> v_dot;
-  std::vector<double> energy_errors;
-};
-
-RunResult run_into(Rows& rows, const Equations& eq, const State& s, const Eigen::VectorXd& v_dot,
-                   const SolverOptions& o, bool beside) {
-  RunCallbacks callbacks;
-  callbacks.row = [&](const State& row, const Eigen::VectorXd& a, const EnergyAccount& energy) {
-    rows.states.push_back(row);
-    rows.v_dot.push_back(a);
-    rows.energy_errors.push_back(energy.error());
-  };
-  callbacks.rows_beside = beside;
-  return run(eq, s, v_dot, o, callbacks);
-}
-
-void expect_same_to_the_bit(const Equations& eq, const State& s, const Eigen::VectorXd& v_dot,
-                            const SolverOptions& o) {
+void expect_same_beside(const Equations& eq, const State& s, const Eigen::VectorXd& v_dot,
+                        const SolverOptions& o) {
   Rows here, beside;
-  const RunResult a = run_into(here, eq, s, v_dot, o, false), b = run_into(beside, eq, s, v_dot, o, true);
+  RunCallbacks callbacks = beside.callbacks();
+  callbacks.rows_beside = true;
+  const RunResult a = run(eq, s, v_dot, o, here.callbacks()), b = run(eq, s, v_dot, o, callbacks);
   ASSERT_TRUE(a.complete) << a.stopped_because;
   ASSERT_TRUE(b.complete) << b.stopped_because;
   EXPECT_GT(a.counts.steps, 20);
-  ASSERT_EQ(here.states.size(), beside.states.size());
-  for (std::size_t i = 0; i < here.states.size(); ++i) {
-    EXPECT_EQ(here.states[i].t, beside.states[i].t);
-    EXPECT_EQ(here.states[i].p, beside.states[i].p) << i;
-    EXPECT_EQ(here.states[i].v, beside.states[i].v) << i;
-    EXPECT_EQ(here.states[i].lambda, beside.states[i].lambda) << i;
-    EXPECT_EQ(here.v_dot[i], beside.v_dot[i]) << i;
-    EXPECT_EQ(here.energy_errors[i], beside.energy_errors[i]) << i;
-  }
+  expect_same_to_the_bit(here, beside);
   EXPECT_EQ(a.state.p, b.state.p);
   EXPECT_EQ(a.energy.error(), b.energy.error());
   EXPECT_EQ(a.largest_energy_error, b.largest_energy_error);
@@ -124,17 +102,23 @@ void expect_same_to_the_bit(const Equations& eq, const State& s, const Eigen::Ve
   EXPECT_EQ(a.events.size(), b.events.size());
 }
 
-class RowsBeside : public ::testing::TestWithParam<const char*> {};
+class RowsBeside : public ::testing::TestWithParam<const char*> {
+ protected:
+  SolverOptions options(double end_time, double output_step, double fixed_step) const {
+    SolverOptions o;
+    o.method = GetParam();
+    o.end_time = end_time;
+    o.output_step = output_step;
+    if (o.method == "generalised_alpha") o.fixed_step = fixed_step;
+    return o;
+  }
+};
 
 TEST_P(RowsBeside, OfAFlexibleLoopAreTheSameToTheBit) {
   const Started start(flexible_engine(true));
-  SolverOptions o;
-  o.method = GetParam();
-  o.end_time = 0.05;
-  o.output_step = 2e-4;
+  SolverOptions o = options(0.05, 2e-4, 1e-4);
   o.tolerance = 1e-5;
-  if (o.method == "generalised_alpha") o.fixed_step = 1e-4;
-  expect_same_to_the_bit(start.m, start.s, start.v_dot, o);
+  expect_same_beside(start.m, start.s, start.v_dot, o);
 }
 
 // Switches, whose jumps enter the book between the steps.
@@ -144,12 +128,7 @@ TEST_P(RowsBeside, OfABallOnItsFloorAreTheSameToTheBit) {
   s.p << 1.0;
   Eigen::VectorXd v_dot;
   assemble(m, s, v_dot);
-  SolverOptions o;
-  o.method = GetParam();
-  o.end_time = 1.5;
-  o.output_step = 0.01;
-  if (o.method == "generalised_alpha") o.fixed_step = 1e-3;
-  expect_same_to_the_bit(m, s, v_dot, o);
+  expect_same_beside(m, s, v_dot, options(1.5, 0.01, 1e-3));
 }
 
 TEST_P(RowsBeside, ThatCannotBeWrittenEndTheRun) {
@@ -158,11 +137,6 @@ TEST_P(RowsBeside, ThatCannotBeWrittenEndTheRun) {
   s.p << -1.0, 0.0;
   Eigen::VectorXd v_dot;
   assemble(m, s, v_dot);
-  SolverOptions o;
-  o.method = GetParam();
-  o.end_time = 100.0;
-  o.output_step = 0.01;
-  if (o.method == "generalised_alpha") o.fixed_step = 1e-3;
   int rows = 0;
   double t_steps = 0.0;
   RunCallbacks callbacks;
@@ -171,7 +145,7 @@ TEST_P(RowsBeside, ThatCannotBeWrittenEndTheRun) {
     if (++rows == 30) throw std::runtime_error("the disk is full");
   };
   callbacks.progress = [&](double t, double) { t_steps = t; };
-  EXPECT_THROW(run(m, s, v_dot, o, callbacks), std::runtime_error);
+  EXPECT_THROW(run(m, s, v_dot, options(100.0, 0.01, 1e-3), callbacks), std::runtime_error);
   EXPECT_EQ(rows, 30);
   EXPECT_LT(t_steps, 50.0);  // soon, not at the end
 }

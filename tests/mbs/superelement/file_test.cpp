@@ -41,13 +41,17 @@ Superelement complete_beam() {
   fill(terms.K0r);
   fill(terms.K0omega);
   fill(terms.K0F);
-  se.load_cases.push_back({"steam", Eigen::VectorXd::LinSpaced(n, 0.1, 2.7)});
+  se.load_cases.push_back({"steam", Eigen::VectorXd::LinSpaced(n, 0.1, 2.7),
+                           Eigen::VectorXd::LinSpaced(3 * n, -1.1, 3.2).reshaped(3, n)});
   se.D_se = 1e-5 * se.K_se;
   StressModes& stress = se.stress.emplace();
   stress.vertices = {0, 2, 5};
   // Multiples of 1/8 pass through single precision unchanged.
   stress.S = Eigen::MatrixXd::NullaryExpr(
       18, n, [](Eigen::Index i, Eigen::Index k) { return 0.125 * static_cast<double>(7 * i - 3 * k); });
+  stress.compliance = {Eigen::Matrix<double, 6, 6>::Constant(1e-12),
+                       Eigen::Matrix<double, 6, 6>::Constant(3e-12)};
+  stress.material = {1, 0, 1};
   SectionForces& sections = se.sections.emplace();
   sections.members = {"jib", "tie \"b\""};
   sections.member = {0, 0, 1};
@@ -95,6 +99,7 @@ void expect_same(const Superelement& a, const Superelement& b) {
   for (std::size_t i = 0; i < a.load_cases.size(); ++i) {
     EXPECT_EQ(a.load_cases[i].name, b.load_cases[i].name);
     EXPECT_EQ(a.load_cases[i].p_se, b.load_cases[i].p_se);
+    EXPECT_EQ(a.load_cases[i].moment, b.load_cases[i].moment);
   }
   EXPECT_EQ(a.surface.vertices, b.surface.vertices);
   EXPECT_EQ(a.surface.triangles, b.surface.triangles);
@@ -105,6 +110,8 @@ void expect_same(const Superelement& a, const Superelement& b) {
   if (a.stress) {
     EXPECT_EQ(a.stress->vertices, b.stress->vertices);
     EXPECT_EQ(a.stress->S, b.stress->S);
+    EXPECT_EQ(a.stress->compliance, b.stress->compliance);
+    EXPECT_EQ(a.stress->material, b.stress->material);
     EXPECT_EQ(a.stress->double_precision, b.stress->double_precision);
   }
   ASSERT_EQ(a.sections.has_value(), b.sections.has_value());
