@@ -222,7 +222,9 @@ Segments add_segments(MechanismDescription& d, int root, const BeamPart& part) {
     const int F_marker =
         d.add_marker(before, fmt::format("joint_{}_from", k), {R, middle - out.origins_B[k - 1]});
     const int M_marker = d.add_marker(body, fmt::format("joint_{}_to", k), {R, middle - origin});
-    d.add_joint(fmt::format("{}.joint_{}", name, k), "six_dof", F_marker, M_marker);
+    // In the tree, where what moves the pieces apart is a coordinate: a loop closes elsewhere.
+    out.joints.push_back(d.add_joint(fmt::format("{}.joint_{}", name, k), "six_dof", F_marker, M_marker));
+    d.joints.back().keep_in_tree = true;
     d.forces.push_back(
         make_bushing(fmt::format("{}.spring_{}", name, k), F_marker, M_marker, K, part.damping_time * K));
   }

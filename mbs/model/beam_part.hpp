@@ -63,6 +63,7 @@ std::shared_ptr<const FlexibleBody> ancf_body(const BeamPart& part);
 /// A chain of rigid pieces.
 struct Segments {
   std::vector<int> bodies;          ///< of each piece, from the root
+  std::vector<int> joints;          ///< between neighbours
   std::vector<Vector3d> origins_B;  ///< of each piece's frame in B, that of the first
   Vector3d root_B = Vector3d::Zero(), axis_B = Vector3d::UnitX();
   double element_length = 1.0;

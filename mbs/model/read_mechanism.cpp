@@ -47,6 +47,8 @@ MechanismFile read_mechanism(const std::filesystem::path& file, const input::Tab
   for (const auto& [name, s] : root.table_map("body"))
     if ((s.has("superelement") || s.has("beam")) && s.has("fidelity"))
       out.fidelity[name] = s.text("fidelity");
+  for (const auto& [b, chain] : model.segments)
+    out.segment_joints.insert(out.segment_joints.end(), chain.joints.begin(), chain.joints.end());
   for (const auto& [name, s] : root.table_map("run")) {
     out.runs.push_back({name, s.texts("set")});
     if (s.has("accuracy"))

@@ -33,6 +33,7 @@ struct MechanismFile {
   input::Section solver;             ///< checked [solver] table, for read_solver_options
   /// Of the file's own superelements that have the key: their word of fidelity ("auto" is built as "modal").
   std::map<std::string, std::string> fidelity = {};
+  std::vector<int> segment_joints = {};  ///< between the pieces of beams: their coordinates are deformations
 };
 
 /// Reads and checks the file with `overrides` applied ("body.rod.fidelity=rigid").  Superelement files are

@@ -103,11 +103,12 @@ void Mechanism::grow_tree() {
   std::vector<int> queue{0};
 
   // Breadth first in the order of the file, except that a driven or coupled joint is taken as soon as one of
-  // its bodies is reached, since its coordinate must be a state, and then one whose coordinate the user set.
+  // its bodies is reached, since its coordinate must be a state, and then one whose coordinate the user set
+  // or that must not be cut.
   enum Priority { ordinary, set, wanted };
   std::vector<Priority> priority(d_.joints.size(), ordinary);
   for (std::size_t j = 0; j < d_.joints.size(); ++j) {
-    if (!d_.joints[j].initial_coordinates.empty()) priority[j] = set;
+    if (!d_.joints[j].initial_coordinates.empty() || d_.joints[j].keep_in_tree) priority[j] = set;
     if (d_.joints[j].is_driven()) priority[j] = wanted;
   }
   for (const auto& constraint : d_.constraints)

@@ -26,20 +26,27 @@ std::vector<bool> velocities_of(const Mechanism& mechanism, const State& s, cons
   return mask;
 }
 
-std::vector<bool> modal_velocities(const Mechanism& mechanism, const State& s) {
-  std::vector<bool> modal(mechanism.sizes().n_p, false);
+// The velocity coordinates by which bodies deform: modal ones and those between the segments of beams.
+std::vector<bool> deformations_of(const Mechanism& mechanism, const std::vector<int>& segment_joints,
+                                  const State& s) {
+  std::vector<bool> deforms(mechanism.sizes().n_p, false);
   const std::vector<BodyDescription>& bodies = mechanism.description().bodies;
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     const int first = mechanism.modal_position(static_cast<int>(b));
     if (first < 0) continue;
-    for (int k = 0; k < bodies[b].flexible->m(); ++k) modal[first + k] = true;
+    for (int k = 0; k < bodies[b].flexible->m(); ++k) deforms[first + k] = true;
   }
-  return velocities_of(mechanism, s, modal);
+  for (const int j : segment_joints) {
+    const JointPlace& place = mechanism.joint_places()[j];
+    if (!place.in_tree()) continue;
+    for (int k = 0; k < place.joint->n_p(); ++k) deforms[place.i_p + k] = true;
+  }
+  return velocities_of(mechanism, s, deforms);
 }
 
 // Vibration that nothing excites bounds the steps of a multistep method, not those of Radau IIA: on the
 // scenes of cases/trade the latter is 1.2 to 700 times faster with all modes, as fast without any.  One-way
-// bodies likewise: the slider-crank at 100 rad/s takes it 1.1 times real time with 6 modes and 48 with all 34
+// bodies likewise: the undamped slider-crank at 100 rad/s takes it 1.1 times real time with 6 modes, 48 with 34
 // (explicit Runge-Kutta 3.3 and 61, IDA 1.6 and more than 600).
 bool has_modes(const Mechanism& mechanism) {
   return std::ranges::any_of(mechanism.description().bodies, [](const BodyDescription& body) {
@@ -52,13 +59,13 @@ std::vector<bool> either(std::vector<bool> a, const std::vector<bool>& b) {
   return a;
 }
 
-// Loops are closed by moving bodies, not by bending them: first with all modal coordinates held; what is left
+// Loops are closed by moving bodies, not by bending them: first with all deformations held; what is left
 // open then (parts that do not fit, redundant joints) closes with the smallest deformation from there.
 AssembleReport close_loops(const Mechanism& mechanism, State& s, const AssembleOptions& keep,
-                           const std::vector<bool>& modal) {
+                           const std::vector<bool>& deforms) {
   AssembleReport stiff;
   AssembleOptions undeformed = keep;
-  undeformed.keep_position = either(keep.keep_position, modal);
+  undeformed.keep_position = either(keep.keep_position, deforms);
   try {
     stiff = assemble_positions(mechanism, s, undeformed);
   } catch (const AssemblyError&) {
@@ -101,8 +108,8 @@ PreparedMechanism prepare(const std::filesystem::path& path, const std::vector<s
   keep.keep_position = velocities_of(*out.mechanism, out.state, given_positions);
   keep.keep_velocity = given_velocities;
   try {
-    const std::vector<bool> modal = modal_velocities(*out.mechanism, out.state);
-    out.assembly = close_loops(*out.mechanism, out.state, keep, modal);
+    const std::vector<bool> deforms = deformations_of(*out.mechanism, out.file.segment_joints, out.state);
+    out.assembly = close_loops(*out.mechanism, out.state, keep, deforms);
     if (out.mechanism->sizes().n_alg > 0 && state_file.empty())
       out.mechanism->start_contacts(out.state, *out.mechanism->make_scratch());
     out.redundant = out.mechanism->drop_redundant(out.state.t, out.state.p);
@@ -110,7 +117,7 @@ PreparedMechanism prepare(const std::filesystem::path& path, const std::vector<s
     const AssembleReport positions = std::move(out.assembly);
     // Bodies start without vibration where the loops allow it.
     AssembleOptions quiet = keep;
-    quiet.keep_velocity = either(keep.keep_velocity, modal);
+    quiet.keep_velocity = either(keep.keep_velocity, deforms);
     const State assembled = out.state;
     out.assembly = assemble(*out.mechanism, out.state, out.v_dot, quiet);
     if (!out.assembly.velocities_kept) {
