@@ -105,7 +105,8 @@ mbs::LinearSystem without_loads(const PreparedMechanism& p) {
   mbs::MechanismDescription d = p.mechanism->description();
   d.gravity.setZero();
   std::erase_if(d.forces, [](const auto& force) {
-    return force->type() == "force" || force->type() == "torque" || force->type() == "joint_force";
+    return force->type() == "force" || force->type() == "torque" || force->type() == "joint_force" ||
+           force->type() == "distributed_load";
   });
   mbs::Mechanism unloaded(std::move(d));
   mbs::State s = unloaded.initial_state();

@@ -31,6 +31,8 @@ void declare_mechanism(terminal::Options& options, MechanismArguments& arguments
 }
 
 std::vector<NamedRun> prepare_runs(const MechanismArguments& arguments) {
+  if (std::filesystem::exists(arguments.cache) && !std::filesystem::is_directory(arguments.cache))
+    throw std::invalid_argument(fmt::format("--cache {}: is a file; name a folder", arguments.cache));
   const auto cache = std::make_shared<mbs::PreparationCache>(arguments.cache);
   const mbs::MechanismFile file =
       mbs::read_mechanism(arguments.file, mbs::solver_schema(), arguments.set, cache.get());

@@ -2,6 +2,7 @@
 #include "mbs/app/results_summary.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <map>
 #include <nlohmann/json.hpp>
@@ -27,6 +28,22 @@ void flatten(const nlohmann::json& value, const std::string& name, Lines& lines)
   } else if (value.is_boolean()) {
     lines.emplace_back(name, value.get<bool>() ? "yes" : "no");
   }
+}
+
+/// "2.3e+07 Pa at t = 0.12 s, at (0.1, 0, 0.02) m" of the largest value of a quantity NAME.von_mises; where
+/// it was only if NAME.von_mises_x, _y and _z are stored.
+std::string peak_of(const results::Run& run, std::size_t j) {
+  Eigen::Index row = 0;
+  const double largest = run.values.col(static_cast<Eigen::Index>(j)).maxCoeff(&row);
+  std::string text = fmt::format("{} {} at t = {} s", terminal::number(largest, 4), run.quantities[j].unit,
+                                 terminal::number(run.time[row], 4));
+  std::vector<std::string> at;
+  for (const char* axis : {"_x", "_y", "_z"})
+    for (std::size_t k = 0; k < run.quantities.size(); ++k)
+      if (run.quantities[k].name == run.quantities[j].name + axis)
+        at.push_back(terminal::number(run.values(row, static_cast<Eigen::Index>(k)), 4));
+  if (at.size() == 3) text += fmt::format(", at ({}) m", fmt::join(at, ", "));
+  return text;
 }
 
 }  // namespace
@@ -63,6 +80,8 @@ std::string summary_text(const results::Results& results, int width, bool colour
     for (auto& [name, text] : lines) put(i, name, std::move(text));
     for (std::size_t j = 0; j < run.quantities.size() && run.time.size() > 0; ++j) {
       const auto values = run.values.col(static_cast<Eigen::Index>(j));
+      if (run.quantities[j].name.ends_with(".von_mises"))
+        put(i, "peak " + run.quantities[j].name, peak_of(run, j));
       put(i, fmt::format("{} [{}]", run.quantities[j].name, run.quantities[j].unit),
           fmt::format("{} .. {}", terminal::number(values.minCoeff(), 4),
                       terminal::number(values.maxCoeff(), 4)));

@@ -14,6 +14,7 @@
 #include "mbs/model/flexible_body.hpp"
 #include "mbs/model/force.hpp"
 #include "mbs/model/joint.hpp"
+#include "mbs/model/section_points.hpp"
 #include "mbs/model/stress_field.hpp"
 
 /// A mechanism: bodies on a tree of joints in relative coordinates, loops closed by constraints, forces.
@@ -41,13 +42,14 @@ struct BodyDescription {
   /// one-way under the loads of that motion, M_e s'' + ... = what its inertia and its loads ask for, with
   /// (s, s') among the dynamic states.
   std::shared_ptr<const FlexibleBody> ked = {};
-  std::shared_ptr<const StressField> stress = {};  ///< of a deforming body
-  std::optional<Pose> X_WB = {};                   ///< guess for the assembly, in [m]
-  std::string superelement = {};                   ///< file, for pictures
-  bool follows_surface = false;                    ///< markers follow nodes of the superelement's surface
-  std::vector<BodyLoad> loads = {};                ///< load cases of its superelement
-  bool is_loaded_by_case = false;                  ///< a force puts one of them on it
-  std::string shape_json = {};                     ///< primitive shapes, for pictures
+  std::shared_ptr<const StressField> stress = {};      ///< of a deforming body
+  std::shared_ptr<const SectionPoints> sections = {};  ///< of a deforming beam part
+  std::optional<Pose> X_WB = {};                       ///< guess for the assembly, in [m]
+  std::string superelement = {};                       ///< file, for pictures
+  bool follows_surface = false;                        ///< markers follow nodes of the superelement's surface
+  std::vector<BodyLoad> loads = {};                    ///< load cases of its superelement
+  bool is_loaded_by_case = false;                      ///< a force puts one of them on it
+  std::string shape_json = {};                         ///< primitive shapes, for pictures
 };
 
 struct JointDescription {
@@ -301,6 +303,7 @@ class Mechanism final : public Equations {
     strain_energy,
     largest_stress,
     point_stress,
+    section_force,
     measure,
     contact,
     input,

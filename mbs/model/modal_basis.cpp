@@ -250,10 +250,12 @@ ModalData modal_data(const superelement::Superelement& se, const BasisOptions& o
     ++kept;
   const bool responses = options.loads.cols() > 0 && (kept < available || options.held.cols() > 0);
   if (kept == 0 && !responses)
-    throw std::invalid_argument(fmt::format(
-        "superelement \"{}\": no mode is left (the first one of {} has {:.6g} Hz); keep one or use "
-        "fidelity = \"rigid\"",
-        se.name, available, available > 0 ? hz(eigenmodes.omega2(0)) : 0.0));
+    throw BasisError(
+        options.max_frequency < std::numeric_limits<double>::infinity() ? "max_frequency" : "modes",
+        fmt::format(
+            "superelement \"{}\": no mode is left (the first one of {} has {:.6g} Hz); keep one or use "
+            "fidelity = \"rigid\"",
+            se.name, available, available > 0 ? hz(eigenmodes.omega2(0)) : 0.0));
   const double first_dropped = kept < available ? hz(eigenmodes.omega2(kept)) : 0.0;
   std::vector<double> eigen_hz;
   for (int i = 0; i < kept; ++i) eigen_hz.push_back(hz(eigenmodes.omega2(i)));

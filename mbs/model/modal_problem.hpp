@@ -2,10 +2,22 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <stdexcept>
+#include <string>
 
 #include "mbs/superelement/superelement.hpp"
 
 namespace flexura::mbs {
+
+/// What a choice of modes asks for cannot be; `key` is that of the choice.
+class BasisError : public std::invalid_argument {
+ public:
+  BasisError(std::string key, const std::string& text) : std::invalid_argument(text), key_(std::move(key)) {}
+  const std::string& key() const { return key_; }
+
+ private:
+  std::string key_;
+};
 
 /// Deformations side by side and their eigenvalues.
 struct ModeSet {
@@ -27,7 +39,8 @@ class ModalProblem {
 
   /// Eigenmodes among the vectors orthogonal to `held`, without rigid motions; phi^T M phi = 1.
   ModeSet eigenmodes(const Eigen::MatrixXd& held) const;
-  /// Response modes for the loads at the circular frequency omega, mean axes.
+  /// Response modes for the loads at the circular frequency omega, mean axes.  BasisError where that is a
+  /// natural frequency: all would be its mode.
   Eigen::MatrixXd responses(const Eigen::MatrixXd& loads, double omega) const;
 
   /// Takes a rigid motion from each column: none of its momentum is left ...

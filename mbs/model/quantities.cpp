@@ -87,7 +87,7 @@ void Mechanism::list_quantities() {
           K::largest_stress, k, 0, true);
       for (int i = 0; i < 3; ++i)
         add(fmt::format("{}.von_mises_{}", name, axis_names[i]), dim::length,
-            "where it is, in the undeformed body", K::largest_stress, k, 1 + i);
+            "where it is, in the undeformed body", K::largest_stress, k, 1 + i, true);
       const char* components[] = {"xx", "yy", "zz", "xy", "yz", "zx"};
       for (std::size_t p = 0; p < stress->points().size(); ++p) {
         const std::string point = name + "." + stress->points()[p].name;
@@ -103,6 +103,14 @@ void Mechanism::list_quantities() {
                     : "shear strain at the point (an angle), in the body's axes",
               K::point_stress, k, first + 7 + i);
       }
+    }
+    if (const SectionPoints* sections = d_.bodies[b].sections.get()) {
+      const char* components[] = {"N", "V_y", "V_z", "T", "M_y", "M_z"};
+      for (std::size_t p = 0; p < sections->points().size(); ++p)
+        for (int i = 0; i < 6; ++i)
+          add(fmt::format("{}.{}.{}", name, sections->points()[p].name, components[i]),
+              i < 3 ? dim::force : dim::torque, "section force at the point, in the member's axes",
+              K::section_force, k, 6 * static_cast<int>(p) + i, true);
     }
   }
   for (std::size_t i = 0; i < d_.measures.size(); ++i)
@@ -281,6 +289,10 @@ void Mechanism::evaluate(const std::vector<int>& which, const State& s, ConstVec
                             : stress.strain_at(place, modal)(what - 7);
         break;
       }
+      case QuantityKind::section_force:
+        value =
+            d_.bodies[q.index].sections->at(q.component / 6, modal_coordinates(q.index, s))(q.component % 6);
+        break;
       case QuantityKind::measure:
         value = measured[q.index];
         break;

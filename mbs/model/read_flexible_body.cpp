@@ -7,6 +7,7 @@
 
 #include "mbs/model/acting_loads.hpp"
 #include "mbs/model/modal_basis.hpp"
+#include "mbs/model/modal_problem.hpp"
 
 namespace flexura::mbs {
 namespace {
@@ -18,6 +19,15 @@ namespace dim = input::dim;
 DampingLaw damping_law(const Section& s) {
   DampingLaw law;
   if (s.has("damping")) law.ratio = s.quantity("damping");
+  for (const char* key : {"damping_by_mode", "damping_ratios", "damping_frequencies"}) {
+    if (!s.has(key)) continue;
+    const std::vector<double> values = s.quantities(key);
+    if (values.empty()) s.refuse(key, "is empty", "give one entry at least, or take the key away");
+    for (const double value : values)
+      if (!(value >= 0.0))
+        s.refuse(key, fmt::format("holds {:.6g}, which is negative", value),
+                 "dampers take energy out: give ratios and frequencies of 0 or more");
+  }
   if (s.has("damping_by_mode")) law.by_mode = s.quantities("damping_by_mode");
   if (s.has("damping_frequencies") != s.has("damping_ratios"))
     s.refuse(s.has("damping_ratios") ? "damping_ratios" : "damping_frequencies",
@@ -29,6 +39,12 @@ DampingLaw damping_law(const Section& s) {
       s.refuse("damping_ratios",
                fmt::format("has {} entries for {} frequencies", law.table.size(), law.table_hz.size()),
                "give one ratio for each frequency");
+    for (std::size_t k = 1; k < law.table_hz.size(); ++k)
+      if (!(law.table_hz[k] > law.table_hz[k - 1]))
+        s.refuse("damping_frequencies",
+                 fmt::format("{:.6g} Hz does not lie above the one before it, {:.6g} Hz", law.table_hz[k],
+                             law.table_hz[k - 1]),
+                 "sort the table");
   }
   if (s.has("rayleigh_alpha") || s.has("rayleigh_beta"))
     law.rayleigh = Eigen::Vector2d(s.has("rayleigh_alpha") ? s.quantity("rayleigh_alpha") : 0.0,
@@ -42,14 +58,33 @@ DampingLaw damping_law(const Section& s) {
   return law;
 }
 
+/// Why the joint gives no boundary condition that holds at all times (SP's conditions: the node has the
+/// directions that the joint locks, and these stand still in the body); empty where it gives one.
+std::string cannot_hold(const JointDescription& joint, const BodyNode& node, const MatrixXd& held) {
+  const std::string_view type = joint.joint->type();
+  if (type == "universal" || type == "constant_velocity")
+    return fmt::format(
+        "joint \"{}\" turns about two axes, so that what it locks does not stand still in the body",
+        joint.name);
+  for (Eigen::Index k = 0; k < held.cols(); ++k)
+    if (held.col(k).isZero(0.0))
+      return fmt::format("joint \"{}\" locks a direction that \"{}\" does not keep", joint.name, node.name);
+  return "";
+}
+
 }  // namespace
 
 std::vector<input::Key> flexible_body_keys() {
   using namespace input;
   TableSchema point;
   point.name = "stress_point";
-  point.doc = "A place whose stresses are stored: the nearest one with stress modes.";
+  point.doc = "A place whose stresses and strains are stored: the nearest one with stress modes.";
   point.keys = {vector3("position", dim::length, "in the undeformed body").required()};
+  TableSchema section_point = point;
+  section_point.name = "section_point";
+  section_point.doc =
+      "A place whose section forces are stored (N, V_y, V_z, T, M_y, M_z on the section that looks along the "
+      "member): the nearest one that the beam part's superelement knows.";
   return {
       text("superelement", "file made by flexura reduce, beside this one"),
       choice(
@@ -82,7 +117,11 @@ std::vector<input::Key> flexible_body_keys() {
           "boundary", {"free", "joint"},
           "eigenmodes of the free body, or held as that joint holds it; without it joint for a joint_fixed "
           "frame (modes of a frame held by the joints are held there)"),
-      quantity("damping", dim::none, "damping ratio of all modes; without any law the superelement's")
+      quantity(
+          "damping", dim::none,
+          "damping ratio of all modes of the body, free ones in the default frame: vibrations that a joint "
+          "slows down have less of it (frame = \"joint_fixed\" takes the modes that the joint leaves); "
+          "without any law the superelement's")
           .at_least(0.0),
       quantities("damping_by_mode", dim::none, "ratios of mode 1, 2, ...; the last one also of all above"),
       quantities("damping_frequencies", dim::frequency, "of a table of damping ratios, linear between"),
@@ -97,7 +136,8 @@ std::vector<input::Key> flexible_body_keys() {
           .above(0.0),
       flag("stress", "von Mises stress on the surface at every output step; needs stress modes")
           .or_default("false"),
-      table_map("stress_point", point, "places whose stresses are stored"),
+      table_map("stress_point", point, "places whose stresses and strains are stored"),
+      table_map("section_point", section_point, "places whose section forces are stored, of a beam part"),
   };
 }
 
@@ -107,6 +147,22 @@ std::string fidelity_of(const Section& s) {
   return s.has("beam") && !s.has("superelement") ? "ancf" : "modal";
 }
 
+bool wants_sections(const Section& s) {
+  return !s.table_map("section_point").empty();
+}
+
+std::shared_ptr<const SectionPoints> read_section_points(const Section& s,
+                                                         const superelement::Superelement& se,
+                                                         const FlexibleBody& body) {
+  if (!se.sections)
+    s.refuse("section_point", "the superelement has no section forces",
+             "reduce a beam part (members with sections); solid parts have stress_point");
+  auto out = std::make_shared<SectionPoints>(*se.sections, body.data().Y);
+  for (const auto& [name, point] : s.table_map("section_point"))
+    out->add_point(name, point.vector3("position"));
+  return out;
+}
+
 bool wants_stress(const Section& s) {
   return s.flag("stress") || !s.table_map("stress_point").empty();
 }
@@ -114,7 +170,7 @@ bool wants_stress(const Section& s) {
 std::shared_ptr<const StressField> read_stress_field(const Section& s, const superelement::Superelement& se,
                                                      const FlexibleBody& body) {
   if (!se.stress || se.surface.vertices.rows() == 0)
-    s.refuse("stress", "the superelement has no stress modes",
+    s.refuse(s.has("stress") ? "stress" : "stress_point", "the superelement has no stress modes",
              "reduce the part again with [recovery] stress = true");
   const std::vector<std::int32_t>& vertices = se.stress->vertices;
   Eigen::Matrix3Xd x(3, vertices.size());
@@ -193,7 +249,7 @@ std::shared_ptr<const FlexibleBody> prepare_flexible_body(
           fmt::format("body \"{}\": its joints hold the frame and the eigenmodes in {} directions", name,
                       options.held.cols()));
   }
-  const std::string boundary = s.has("boundary") ? s.text("boundary") : joint_fixed ? "joint" : "free";
+  std::string boundary = s.has("boundary") ? s.text("boundary") : joint_fixed ? "joint" : "free";
   if (joint_fixed || boundary == "joint") {
     const JointDescription* joint = frame_joint(d, body);
     const std::string key = joint_fixed ? "frame" : "boundary";
@@ -202,11 +258,21 @@ std::shared_ptr<const FlexibleBody> prepare_flexible_body(
                "let a joint's marker stand on an interface (on = \"INTERFACE\"), or take this key away");
     const MarkerDescription& marker = d.markers[marker_on(d, *joint, body)];
     const int node = node_of(marker);
+    if (boundary == "joint") {
+      options.held = held_directions(nodes, d, *joint, body);
+      if (const std::string reason = cannot_hold(*joint, nodes[node], options.held); !reason.empty()) {
+        if (s.has("boundary"))
+          s.refuse("boundary", reason, "write boundary = \"free\", or take the key away");
+        notes.push_back(
+            fmt::format("body \"{}\": {}: its eigenmodes are those of the free body", name, reason));
+        boundary = "free";
+        options.held.resize(se.n(), 0);
+      }
+    }
     if (joint_fixed && node < static_cast<int>(se.interfaces.size()))
       options.fixed_interface = node;
     else if (joint_fixed)
       options.frame = node_loads(nodes[node]);
-    if (boundary == "joint") options.held = held_directions(nodes, d, *joint, body);
     notes.push_back(
         fmt::format("body \"{}\": joint \"{}\" on {} \"{}\" gives {}", name, joint->name,
                     node < static_cast<int>(se.interfaces.size()) ? "interface" : "marker", nodes[node].name,
@@ -238,7 +304,9 @@ std::shared_ptr<const FlexibleBody> prepare_flexible_body(
 
   if (fidelity == "static") {
     for (const char* key : {"modes", "max_frequency"})
-      if (s.has(key)) s.refuse(key, "fidelity \"static\" takes no eigenmodes", "take the key away");
+      if (s.has(key))
+        notes.push_back(
+            fmt::format("body \"{}\" is static and takes no eigenmodes: {} is of no account", name, key));
     if (options.loads.cols() == 0)
       s.refuse(
           "fidelity",
@@ -259,6 +327,8 @@ std::shared_ptr<const FlexibleBody> prepare_flexible_body(
       data.damping = modal_damping(options.damping_law, data.stiffness, data.damping);
     }
     flexible = std::make_shared<FlexibleBody>(std::move(data));
+  } catch (const BasisError& error) {
+    throw input::InputError(s.where(s.has(error.key()) ? error.key() : "superelement") + ": " + error.what());
   } catch (const std::invalid_argument& error) {
     throw input::InputError(s.where("superelement") + ": " + error.what());
   }

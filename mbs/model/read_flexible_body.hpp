@@ -37,6 +37,14 @@ std::string fidelity_of(const input::Section& s);
 /// True where the body's table asks for stresses.
 bool wants_stress(const input::Section& s);
 
+/// True where it asks for section forces.
+bool wants_sections(const input::Section& s);
+
+/// The section forces its table asks for; `se` with those.  Throws InputError.
+std::shared_ptr<const SectionPoints> read_section_points(const input::Section& s,
+                                                         const superelement::Superelement& se,
+                                                         const FlexibleBody& body);
+
 /// The stresses its table asks for; `se` with its stress modes and surface.  Throws InputError.
 std::shared_ptr<const StressField> read_stress_field(const input::Section& s,
                                                      const superelement::Superelement& se,

@@ -94,6 +94,7 @@ void prepare_bodies(ReadModel& model) {
     const Section& s = model.sections.at(b);
     const auto body = prepare_flexible_body(s, *se, model.linked[b], d, b, model.notes, model.cache);
     if (wants_stress(s)) d.bodies[b].stress = read_stress_field(s, *se, *body);
+    if (wants_sections(s)) d.bodies[b].sections = read_section_points(s, *se, *body);
     (model.is_one_way(b) ? d.bodies[b].ked : d.bodies[b].flexible) = body;
     d.bodies[b].loads = body_loads(*se, body->data().Y);
   }
@@ -262,6 +263,7 @@ std::shared_ptr<const superelement::Superelement> Reader::load(const Section& s)
   parts.stiffening = fidelity == "modal-stiffened";
   const bool by_surface = a_marker_follows_surface(s);
   parts.stress = wants_stress(s);
+  parts.sections = parts.matrices && wants_sections(s);
   parts.surface = parts.stress || by_surface;
   parts.shapes = parts.matrices && by_surface;
   try {

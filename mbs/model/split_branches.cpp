@@ -36,13 +36,19 @@ bool Mechanism::split_branches() {
     for (const CoordinateRef& c : constraint->coordinates()) wanted.insert(c.joint);
   for (const auto& force : d_.forces)
     for (const CoordinateRef& c : force->coordinates()) wanted.insert(c.joint);
+  // The names of all coordinates are there for formulas; what counts is whether one reads them.
+  std::set<int> read;
+  const auto note = [&](const std::vector<int>& signals) { read.insert(signals.begin(), signals.end()); };
+  for (const auto& force : d_.forces) note(force->reads());
+  for (const auto& control : d_.controls) note(control->reads());
+  for (const auto& measure : d_.measures) note(measure->reads());
   const auto is_free = [&](int j) {
     const JointDescription& joint = d_.joints[j];
     if (joint.keep_in_tree || joint.is_driven() || wanted.contains(j) || joint.joint->n_rows() == 0 ||
         !joint.initial_coordinates.empty() || !joint.initial_speeds.empty())
       return false;
     const auto is_read = [&](const CoordinateInfo& c) {
-      return d_.signals.find(joint.name + "." + c.name) >= 0;
+      return read.contains(d_.signals.find(joint.name + "." + c.name));
     };
     return std::ranges::none_of(joint.joint->coordinates(), is_read) &&
            std::ranges::none_of(joint.joint->speeds(), is_read);

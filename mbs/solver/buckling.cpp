@@ -17,11 +17,16 @@ std::vector<BucklingMode> buckling_modes(const LinearSystem& unloaded, const Lin
   const auto n = static_cast<Eigen::Index>(unloaded.independent.size());
   // A's lower left block is -M^-1 K.
   const Eigen::MatrixXd A_0 = unloaded.A.block(n, 0, n, n), A_1 = loaded.A.block(n, 0, n, n);
+  if (n == 0)
+    throw std::runtime_error(
+        "nothing of the mechanism moves or deforms, so that nothing can buckle; let a body deform (fidelity "
+        "= "
+        "\"modal-stiffened\")");
   const Eigen::VectorXd scale = A_0.diagonal().cwiseAbs().cwiseMax(1e-300).cwiseSqrt();
   const Eigen::FullPivLU<Eigen::MatrixXd> lu(scale.cwiseInverse().asDiagonal() * A_0 *
                                              scale.cwiseInverse().asDiagonal());
   // Differences leave 1e-9 of A's scale: what lies below is no stiffness.
-  if (n == 0 || !(lu.rcond() > 1e-11))
+  if (!(lu.rcond() > 1e-11))
     throw std::runtime_error(
         "the mechanism moves without stiffness when its loads are taken away, so that nothing can buckle; "
         "hold it by joints or springs");

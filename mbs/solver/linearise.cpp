@@ -71,6 +71,10 @@ void Lineariser::choose_coordinates() {
     Q = (qr.householderQ() * Eigen::MatrixXd::Identity(n_.n_v, n_.n_v)).rightCols(n_.n_v - qr.rank()).eval();
   }
   const auto n_z = Q.cols();
+  if (n_z == 0) {  // nothing moves but dynamic states
+    N_.setZero(n_.n_v, 0);
+    return;
+  }
   Eigen::ColPivHouseholderQR<Eigen::MatrixXd> pivots(Q.transpose());
   for (Eigen::Index k = 0; k < n_z; ++k)
     independent_.push_back(static_cast<int>(pivots.colsPermutation().indices()(k)));
@@ -78,10 +82,7 @@ void Lineariser::choose_coordinates() {
   Q = D.asDiagonal() * Q;
   Eigen::MatrixXd Q_i(n_z, n_z);
   for (Eigen::Index k = 0; k < n_z; ++k) Q_i.row(k) = Q.row(independent_[k]);
-  if (n_z > 0)
-    N_ = Q * Q_i.partialPivLu().inverse();
-  else
-    N_.setZero(n_.n_v, 0);
+  N_ = Q * Q_i.partialPivLu().inverse();
 }
 
 void Lineariser::prepare_kinematics() {
@@ -240,6 +241,7 @@ LinearSystem linearise(const Equations& eq, const State& s, const LineariseOptio
 }
 
 std::vector<NaturalMode> natural_modes(const LinearSystem& system) {
+  if (system.A.rows() == 0) return {};
   const Eigen::EigenSolver<Eigen::MatrixXd> solver(system.A);
   const auto n_z = static_cast<Eigen::Index>(system.independent.size());
   std::vector<NaturalMode> modes;

@@ -90,7 +90,7 @@ StaticsReport solve_statics(const Equations& eq, State& s, const StaticsOptions&
       sigma = needed_shift(scale.head(n_v).asDiagonal() * K.topRows(n_v) * scale.head(n_v).asDiagonal(),
                            scale.tail(n_l).asDiagonal() * tangents.G * scale.head(n_v).asDiagonal());
       // Where nothing is stiff: no step of more than a tenth of a typical size.
-      if (sigma == 0.0 && K.topRows(n_v).isZero()) extra = std::max(extra, 1.0);
+      if (n_v > 0 && sigma == 0.0 && K.topRows(n_v).isZero()) extra = std::max(extra, 1.0);
       sigma += extra;
     }
     J.setZero();
@@ -105,7 +105,7 @@ StaticsReport solve_statics(const Equations& eq, State& s, const StaticsOptions&
     J.bottomRightCorner(n_l, n_l).diagonal().array() -= 1e-13;
     x = scale.cwiseProduct(J.partialPivLu().solve(-scale.cwiseProduct(F)));
     ++report.iterations;
-    const double step = x.allFinite() ? x.head(n_v).cwiseQuotient(size_v).cwiseAbs().maxCoeff()
+    const double step = x.allFinite() ? x.head(n_v).cwiseQuotient(size_v).lpNorm<Eigen::Infinity>()
                                       : std::numeric_limits<double>::infinity();
     if (!(step < 1e6)) {
       extra = std::max(4.0 * extra, 1.0);
@@ -122,18 +122,19 @@ StaticsReport solve_statics(const Equations& eq, State& s, const StaticsOptions&
     take_switches();
     residual(s, F);
     require_finite_forces(eq, s.t, F.head(n_v), F.segment(n_v, n_c), F.segment(n_v + n_c, n_a));
-    report.force_residual = F.head(n_v).cwiseAbs().maxCoeff();
+    report.force_residual = F.head(n_v).lpNorm<Eigen::Infinity>();
     report.constraint_residual = n_l > 0 ? F.tail(n_l).cwiseAbs().maxCoeff() : 0.0;
-    if (alpha == 1.0 && step < options.tolerance && extra < 1e-9 * (1.0 + K.cwiseAbs().maxCoeff()))
+    if (alpha == 1.0 && step < options.tolerance && extra < 1e-9 * (1.0 + K.lpNorm<Eigen::Infinity>()))
       return report;
     if (options.stable) {
       const bool swings = x.head(n_v).dot(step_before) < 0.0 && x.head(n_v).norm() > 0.5 * step_before.norm();
-      extra = swings ? std::max(4.0 * extra, 0.1 * std::abs(K.diagonal().cwiseAbs().maxCoeff()) *
-                                                 scale.head(n_v).cwiseAbs2().maxCoeff())
+      extra = swings ? std::max(4.0 * extra, 0.1 * K.diagonal().lpNorm<Eigen::Infinity>() *
+                                                 scale.head(n_v).cwiseAbs2().lpNorm<Eigen::Infinity>())
                      : (step < 1e-3 ? 1e-3 : 0.5) * extra;
     }
     step_before = x.head(n_v);
   }
+  if (n_v == 0) throw std::runtime_error("no equilibrium found of a mechanism that cannot move");
   int worst = 0;
   F.head(n_v).cwiseAbs().maxCoeff(&worst);
   throw std::runtime_error(

@@ -1,6 +1,9 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include <gtest/gtest.h>
 
+#include <cmath>
+
+#include "mbs/model/section_points.hpp"
 #include "mbs/model/stress_field.hpp"
 
 namespace flexura::mbs {
@@ -43,6 +46,25 @@ TEST(StressField, FindsTheLargestAndTheNearestPlace) {
   EXPECT_NEAR(pulled(0), 2.0 * 4e6 / 2e11, 1e-18);
   EXPECT_NEAR(pulled(2), -0.3 * pulled(0), 1e-18);
   EXPECT_NEAR(field.strain_at(0, twisted)(3), 5e6 * 1.3e-11, 1e-18);
+}
+
+TEST(SectionPoints, TakeTheNearestPlaceOfTheMembers) {
+  superelement::SectionForces forces;
+  forces.positions.resize(2, 3);
+  forces.positions << 0.0, 0.0, 0.0, 1.0, 0.0, 0.0;
+  forces.S = Eigen::MatrixXd::Zero(12, 3);
+  forces.S(0, 0) = 100.0;  // N of the first place
+  forces.S(11, 2) = 7.0;   // M_z of the second
+  Eigen::MatrixXd Y = Eigen::MatrixXd::Zero(3, 2);
+  Y(0, 0) = Y(2, 1) = 1.0;
+  SectionPoints points(forces, Y);
+  points.add_point("root", {0.1, 0.2, 0.0});
+  points.add_point("tip", {0.9, 0.0, 0.0});
+  EXPECT_NEAR(points.points()[0].distance, std::sqrt(0.05), 1e-15);
+  const double s[2] = {3.0, 2.0};
+  EXPECT_DOUBLE_EQ(points.at(0, s)(0), 300.0);
+  EXPECT_DOUBLE_EQ(points.at(0, s)(5), 0.0);
+  EXPECT_DOUBLE_EQ(points.at(1, s)(5), 14.0);
 }
 
 }  // namespace

@@ -1,6 +1,8 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
+#include "mbs/model/modal_basis.hpp"
 #include "mbs/superelement/file.hpp"
 #include "tests/mbs/model/checks.hpp"
 #include "tests/mbs/model/lattice.hpp"
@@ -112,8 +114,76 @@ TEST_F(MechanismFileTest, BodiesArePreparedForWhatActsOnThem) {
   EXPECT_THAT(refusal_of({"body.beam.damping=0.1", "body.beam.rayleigh_beta=1e-4"}),
               HasSubstr("has more than one damping law"));
   EXPECT_THAT(refusal_of({"body.beam.damping_ratios=[0.1]"}), HasSubstr("make a table together"));
-  EXPECT_THAT(refusal_of({"body.beam.fidelity=static", "body.beam.modes=3"}),
-              HasSubstr("takes no eigenmodes"));
+  // One word changes the fidelity: what the others need may stay.
+  EXPECT_THAT(read(flexible_pendulum, {"body.beam.fidelity=static", "body.beam.modes=3"}).notes[0],
+              HasSubstr("is static and takes no eigenmodes: modes is of no account"));
+  EXPECT_THAT(refusal_of({"body.beam.damping_by_mode=[0.1, -0.1]"}),
+              HasSubstr("body.beam.damping_by_mode = [0.1, -0.1]: holds -0.1"));
+  EXPECT_THAT(refusal_of({"body.beam.damping_ratios=[]", "body.beam.damping_frequencies=[]"}),
+              HasSubstr("is empty"));
+  EXPECT_THAT(refusal_of({"body.beam.damping_ratios=[0.1, 0.2]", "body.beam.damping_frequencies=[10, 5]"}),
+              HasSubstr("damping_frequencies = [10, 5]: 5 Hz does not lie above the one before it"));
+  EXPECT_THAT(refusal_of({"body.beam.max_frequency=1e-6"}), HasSubstr("max_frequency: superelement"));
+}
+
+// A long chain from a file: its joints stand as constraints, but for those whose coordinates a formula reads.
+TEST_F(MechanismFileTest, LongChainsArePartedWhereNothingReadsTheJoints) {
+  superelement::write(folder_ / "beam.se.h5", lattice::make_lattice(12).se);  // 18 deformations each
+  std::string chain;
+  for (int k = 0; k < 8; ++k)
+    chain += fmt::format(R"toml(
+[body.b{0}]
+superelement = "beam.se.h5"
+[joint.j{0}]
+type = "revolute"
+from = "{1}"
+to = "b{0}.left"
+)toml",
+                         k, k == 0 ? "ground" : fmt::format("b{}.right", k - 1));
+  const auto parted = [&](const std::string& text) {
+    const Mechanism m(read(text).description);
+    std::string joints;
+    for (const JointDescription& joint : m.description().joints)
+      if (joint.splits) joints += joint.name + " ";
+    return joints;
+  };
+  EXPECT_EQ(parted(chain), "j1 j2 j3 j4 j5 j6 j7 ");
+  EXPECT_EQ(parted(chain + "[force.f]\ntype = \"joint_force\"\njoint = \"j0\"\nvalue = \"-j3.speed\"\n"),
+            "j1 j2 j4 j5 j6 j7 ");
+}
+
+// Simpack's conditions on the joint that holds the eigenmodes.
+TEST_F(MechanismFileTest, JointsThatGiveNoBoundaryConditionAreTold) {
+  superelement::Superelement se = lattice::make_lattice(6).se;
+  superelement::write(folder_ / "beam.se.h5", se);
+  const std::vector<std::string> universal = {"joint.pivot.type=universal", "body.beam.frame=joint_fixed"};
+  const MechanismFile file = read(flexible_pendulum, universal);
+  EXPECT_THAT(file.notes[0], HasSubstr("joint \"pivot\" turns about two axes, so that what it locks does not "
+                                       "stand still in the body: its eigenmodes are those of the free body"));
+  EXPECT_THAT(file.notes[1], HasSubstr("gives the frame"));
+  all_identities_hold(Mechanism(file.description), 5);
+  std::vector<std::string> asked = universal;
+  asked.push_back("body.beam.boundary=joint");
+  EXPECT_THAT(test::refusal_of([&] { read(flexible_pendulum, asked); }),
+              HasSubstr("boundary = \"joint\": joint \"pivot\" turns about two axes"));
+}
+
+TEST_F(MechanismFileTest, ResponseFrequencyMustBeNoNaturalFrequency) {
+  const superelement::Superelement se = lattice::make_lattice(6).se;
+  superelement::write(folder_ / "beam.se.h5", se);
+  BasisReport report;
+  modal_data(se, {}, &report);
+  const auto set = [](double hz) { return fmt::format("body.beam.response_frequency={:.17g}", hz); };
+  const std::vector<std::string> all = {"body.beam.modes=2", "body.beam.attachments=used", ""};
+  for (const double off : {0.0, 5e-4, 0.01}) {
+    std::vector<std::string> overrides = all;
+    overrides.back() = set(report.eigen_hz[1] * (1.0 + off));
+    const std::string text = test::refusal_of([&] { read(flexible_pendulum, overrides); });
+    if (off < 1e-3)
+      EXPECT_THAT(text, HasSubstr("response_frequency: superelement \"lattice\"")) << off;
+    else
+      EXPECT_EQ(text, "accepted");
+  }
 }
 
 const char* const carried_by_several = R"toml(

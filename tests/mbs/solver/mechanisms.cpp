@@ -3,11 +3,14 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <map>
+#include <nlohmann/json.hpp>
 
 #include "mbs/model/modal_basis.hpp"
 #include "mbs/results/results.hpp"
 #include "mbs/solver/prepare.hpp"
 #include "mbs/solver/run.hpp"
+#include "mbs/superelement/file.hpp"
 #include "tests/mbs/model/lattice.hpp"
 #include "tests/mbs/solver/run_folder.hpp"
 
@@ -114,6 +117,60 @@ TEST_F(MechanismRun, MechanismThatCannotBeAssembledIsBadInput) {
   EXPECT_THAT(text_of("err.txt"), AllOf(HasSubstr("error: "), HasSubstr("m.toml"),
                                         HasSubstr("cannot be assembled"), HasSubstr("\"wrist.z\" (")));
   EXPECT_FALSE(std::filesystem::exists(folder_ / "m.h5"));
+}
+
+// Held by its joints a mechanism has equilibria and reactions all the same, and a one-way body its
+// deformation.
+TEST_F(MechanismRun, WhatCannotMoveHasEquilibriaAndModesOfItsDeformationAlone) {
+  file(R"toml(
+[body.stone]
+mass = 1
+inertia = [1, 1, 1]
+[joint.held]
+type = "fixed"
+from = "ground"
+to = "stone"
+)toml");
+  for (const char* command : {"statics", "eigen", "linearize"})
+    EXPECT_EQ(flexura(std::string(command) + " m.toml"), 0) << command << text_of("err.txt");
+  superelement::write(folder_ / "beam.se.h5", lattice::make_lattice(4).se);
+  file(R"toml(
+gravity = [0, 0, -1e-3]
+[body.beam]
+superelement = "beam.se.h5"
+frame = "joint_fixed"
+[joint.held]
+type = "fixed"
+from = "ground"
+to = "beam.left"
+[measure.tip]
+type = "position"
+from = "ground"
+to = "beam.right"
+direction = [0, 0, 1]
+)toml");
+  std::map<std::string, double> tip, hz;
+  for (const std::string fidelity : {"modal", "ked", "rigid"}) {
+    const std::string set = " m.toml --json --set body.beam.fidelity=" + fidelity;
+    ASSERT_EQ(flexura("statics" + set), 0) << text_of("err.txt");
+    const auto equilibrium = nlohmann::json::parse(text_of("out.txt"))["runs"][0];
+    for (const auto& quantity : equilibrium["quantities"])
+      if (quantity["name"] == "tip") tip[fidelity] = quantity["value"];
+    ASSERT_EQ(flexura("eigen" + set), 0) << text_of("err.txt");
+    const auto modes = nlohmann::json::parse(text_of("out.txt"))["runs"][0]["modes"];
+    EXPECT_EQ(modes.empty(), fidelity == "rigid");
+    if (!modes.empty()) hz[fidelity] = modes[0]["frequency_hz"];
+    if (fidelity == "rigid") {
+      EXPECT_NE(flexura("eigen --buckling" + set), 0);
+      EXPECT_THAT(text_of("err.txt"), HasSubstr("nothing of the mechanism moves or deforms"));
+    }
+  }
+  // The same linear equilibrium and the same modes, one-way or not; the weight is so small that what is of
+  // second order in the deformation is below a thousandth.
+  const double sag = tip["modal"] - tip["rigid"];
+  EXPECT_LT(sag, -1e-8);
+  EXPECT_NEAR(tip["ked"] - tip["rigid"], sag, -1e-3 * sag);
+  EXPECT_NEAR(hz["ked"], hz["modal"], 1e-5 * hz["modal"]);  // of a linearisation by differences
 }
 
 TEST_F(MechanismRun, CommandWritesNamedRunsTablesAndSummary) {
