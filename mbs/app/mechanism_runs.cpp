@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "mbs/model/linear_range.hpp"
 #include "mbs/solver/accelerations.hpp"
 #include "mbs/solver/statics.hpp"
 #include "mbs/terminal/terminal.hpp"
@@ -69,6 +70,9 @@ void settle(mbs::PreparedMechanism& p) {
   mbs::AccelerationSolver(*p.mechanism).solve(p.state, p.v_dot);
   p.notes.push_back(fmt::format("equilibrium in {} steps, largest force left {} N", report.iterations,
                                 terminal::number(report.force_residual, 2)));
+  mbs::LinearRange range(*p.mechanism);
+  range.observe(p.state);
+  for (std::string& sentence : range.sentences()) p.notes.push_back(std::move(sentence));
 }
 
 std::string heading(const NamedRun& run) {

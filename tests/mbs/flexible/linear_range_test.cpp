@@ -1,0 +1,52 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mbs/model/linear_range.hpp"
+
+#include <gmock/gmock.h>
+
+#include "mbs/model/modal_basis.hpp"
+#include "tests/mbs/flexible/beam_superelement.hpp"
+
+namespace flexura::mbs {
+namespace {
+
+using ::testing::HasSubstr;
+
+// A cantilever L = m = EI = 1 under a force F at its tip: the linear deflection F L^3 / 3 EI, the slope
+// F L^2 / 2 EI.
+TEST(LinearRange, TellsTheSlopeOfACantileverAndWhatItCosts) {
+  beams::StraightBeam b;
+  b.EA = 1e4;
+  b.GI_t = 10.0;
+  b.elements = 8;
+  const superelement::Superelement se = beams::beam_superelement(b);
+  BasisOptions options;
+  options.held = interface_loads(se, 0);
+  options.fixed_interface = 0;
+  MechanismDescription d;
+  d.gravity.setZero();
+  const int body =
+      d.add_body({.name = "beam", .flexible = std::make_shared<FlexibleBody>(modal_data(se, options))});
+  d.add_joint("clamp", "fixed", d.add_marker(0, "wall"), d.add_marker(body, "root", {}, 0));
+  const Mechanism m(d);
+  const FlexibleBody& beam = *m.description().bodies[body].flexible;
+  const auto sentences = [&](double force) {
+    State s = m.initial_state();
+    // All modes are there, so the static answer is the beam's.
+    s.p.segment(m.modal_position(body), beam.m()) =
+        force * beam.data().nodes[1].Phi_t.row(1).transpose().cwiseQuotient(beam.data().stiffness);
+    LinearRange range(m);
+    range.observe(m.initial_state());
+    range.observe(s);
+    return range.sentences();
+  };
+  EXPECT_TRUE(sentences(0.39).empty());  // 0.195 rad, the limit is 0.2
+  const auto told = sentences(0.8);
+  ASSERT_EQ(told.size(), 1u);
+  // 0.4 rad = 22.9 deg; a displacement linear in the modes leaves out 0.4^2 / 2 of the length.
+  EXPECT_THAT(told[0], HasSubstr("body \"beam\" leaves the linear range"));
+  EXPECT_THAT(told[0], HasSubstr("is turned by 22.9 deg against"));
+  EXPECT_THAT(told[0], HasSubstr("about 8 % of its length"));
+}
+
+}  // namespace
+}  // namespace flexura::mbs
