@@ -26,9 +26,10 @@ namespace flexura::app {
 struct MeshShare {
   std::string body;
   double of_deformation = 0.0;  ///< relative; negative where the report says nothing
+  bool is_beam = false;         ///< of no superelement: nothing says what its elements leave out
 };
 
-/// Of the superelements that deform.  Reads the reports from their files.
+/// Of the bodies that deform.  Reads the reports from their files.
 std::vector<MeshShare> mesh_shares(const mbs::PreparedMechanism& prepared);
 
 /// One line: the estimated error, its parts and the largest contributor.  `truncation` may be null (nothing

@@ -228,6 +228,30 @@ output_step = 0.01
   EXPECT_THAT(outcome.out, HasSubstr("0.49\n"));
 }
 
+// A body without superelement: what it leaves out is told in words.
+TEST_F(Flexura, SimulateEstimatesTheErrorBesideAnAncfBeam) {
+  const auto mechanism = folder_ / "cable.toml";
+  std::ofstream(mechanism) << R"toml([body.cable]
+fidelity = "ancf"
+[body.cable.beam]
+to = [1, 0, 0]
+elements = 2
+young = "1 MPa"
+density = 1000
+diameter = "10 mm"
+[joint.clamp]
+type = "fixed"
+from = "ground"
+to = "cable.root"
+[solver]
+end_time = "1 ms"
+)toml";
+  const Outcome outcome =
+      flexura("simulate " + mechanism.string() + " -o " + (folder_ / "cable.h5").string());
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("elements of cable not judged (compare with twice as many)"));
+}
+
 // Ctrl-C: the run ends after the step under way, with code 1 and its time; what it has is readable.
 TEST_F(Flexura, SimulateEndsCleanlyWhenInterrupted) {
   const auto mechanism = folder_ / "long.toml", results = folder_ / "long.h5", script = folder_ / "run.sh";
