@@ -16,7 +16,7 @@ input::TableSchema solver_schema() {
       "runge_kutta = Dormand-Prince 5(4) with projection, explicit, for models that are not stiff; "
       "kinematics = positions, velocities, accelerations and drive forces where drives prescribe the "
       "whole motion; quasi_statics = an equilibrium at each output time; without it radau where "
-      "bodies deform in modal coordinates, ida otherwise"));
+      "bodies deform (superelements, ancf), ida otherwise"));
   schema.keys.push_back(
       in::quantity("start_time", in::dim::time, "time at which the run begins").or_default("0 s"));
   schema.keys.push_back(

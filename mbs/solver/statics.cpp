@@ -18,26 +18,67 @@ namespace flexura::mbs {
 
 namespace {
 
-// The shift that makes K positive definite on the null space of G, in scaled coordinates; 0 where it is so
-// already.
-double needed_shift(const Eigen::MatrixXd& K_hat, const Eigen::MatrixXd& G_hat) {
-  const auto n_v = K_hat.rows();
-  if (n_v == 0) return 0.0;
-  Eigen::MatrixXd N = Eigen::MatrixXd::Identity(n_v, n_v);
-  if (G_hat.rows() > 0) {
-    Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(G_hat.transpose());
-    qr.setThreshold(1e-10);
-    N = (qr.householderQ() * N).rightCols(n_v - qr.rank()).eval();
-  }
-  if (N.cols() == 0) return 0.0;
-  const Eigen::MatrixXd H = N.transpose() * (0.5 * (K_hat + K_hat.transpose())) * N;
-  const Eigen::VectorXd mu =
-      Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(H, Eigen::EigenvaluesOnly).eigenvalues();
-  const double largest = mu.cwiseAbs().maxCoeff();
-  if (mu(0) > 1e-10 * largest) return 0.0;
-  // As stiff as the softest direction is unstable, and never below a part of the rest.
-  return 2.0 * std::abs(mu(0)) + 1e-6 * largest;
+// K on the null space of G, in units of `unit` (rows of G in those of `row_unit`).
+Eigen::MatrixXd on_null_space(const Eigen::MatrixXd& K, const Eigen::MatrixXd& G, const Eigen::VectorXd& unit,
+                              const Eigen::VectorXd& row_unit) {
+  const Eigen::MatrixXd H = unit.asDiagonal() * K * unit.asDiagonal();
+  if (G.rows() == 0) return H;
+  const Eigen::MatrixXd rows = row_unit.asDiagonal() * G * unit.asDiagonal();
+  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(rows.transpose());
+  qr.setThreshold(1e-10);
+  Eigen::MatrixXd N = Eigen::MatrixXd::Identity(K.rows(), K.rows());
+  N = (qr.householderQ() * N).rightCols(K.rows() - qr.rank()).eval();
+  return N.transpose() * H * N;
 }
+
+// Units in which every coordinate is as stiff as the others, those that nothing holds by the masses; empty
+// where nothing is stiff.
+Eigen::VectorXd units_of_stiffness(const Eigen::MatrixXd& K, const Eigen::VectorXd& by_mass) {
+  const Eigen::VectorXd k = K.diagonal().cwiseAbs(), m = by_mass.cwiseAbs2();
+  const double stiffest = k.cwiseProduct(m).maxCoeff();
+  if (!(stiffest > 0.0)) return {};
+  return k.cwiseMax(1e-10 * stiffest * m.cwiseInverse()).cwiseSqrt().cwiseInverse();
+}
+
+// Eigenvalues of the symmetric part, ascending.
+Eigen::VectorXd symmetric_eigenvalues(const Eigen::MatrixXd& H) {
+  return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(0.5 * (H + H.transpose()), Eigen::EigenvaluesOnly)
+      .eigenvalues();
+}
+
+// Shifts of K, the least shift being `floor` times the stiffest direction.
+struct Shifts {
+  const Eigen::MatrixXd &K, &G;
+  const Eigen::VectorXd &unit, &row_unit;  // by the masses
+  double floor;
+
+  // Makes K positive definite on the null space of G; 0 where it is so already.
+  double downhill() const {
+    if (K.rows() == 0) return 0.0;
+    // Definite or not is judged in units in which every coordinate is as stiff as the others: sections of
+    // thin beams are 1e12 times stiffer than their bending in the norm of the masses.
+    const Eigen::VectorXd by_stiffness = units_of_stiffness(K, unit);
+    if (by_stiffness.size() > 0) {
+      const Eigen::MatrixXd H = on_null_space(K, G, by_stiffness, row_unit);
+      if (H.cols() == 0) return 0.0;
+      const Eigen::VectorXd mu = symmetric_eigenvalues(H);
+      if (mu(0) > 1e-12 * mu.cwiseAbs().maxCoeff()) return 0.0;
+    }
+    const Eigen::MatrixXd H = on_null_space(K, G, unit, row_unit);
+    if (H.cols() == 0) return 0.0;
+    const Eigen::VectorXd mu = symmetric_eigenvalues(H);
+    // As stiff as the softest direction is unstable, and never below a part of the rest.
+    return 2.0 * std::max(-mu(0), 0.0) + floor * mu.cwiseAbs().maxCoeff();
+  }
+
+  // Given moments turn K unsymmetric: its symmetric part may be indefinite where every motion returns.
+  bool returns() const {
+    const Eigen::MatrixXd H = on_null_space(K, G, unit, row_unit);
+    if (H.cols() == 0 || (H - H.transpose()).norm() < 1e-12 * H.norm()) return false;
+    const Eigen::VectorXcd mu = Eigen::EigenSolver<Eigen::MatrixXd>(H, false).eigenvalues();
+    return mu.real().minCoeff() > 1e-12 * mu.cwiseAbs().maxCoeff();
+  }
+};
 
 }  // namespace
 
@@ -68,27 +109,38 @@ StaticsReport solve_statics(const Equations& eq, State& s, const StaticsOptions&
       if (switching(k) < 0.0) eq.on_root(k, s, *scratch);
     s.v.setZero();  // an impact leaves nothing behind here
   };
+  const auto scale_rows = [&] {
+    for (int k = 0; k < n_l; ++k) {
+      const double norm = (tangents.G.row(k).transpose().array() * scale.head(n_v).array()).matrix().norm();
+      scale(n_z + k) = norm > 0.0 ? 1.0 / norm : 1.0;
+    }
+  };
   take_switches();
   // Without the multipliers' part: forces that no reaction carries, in the norm of M^-1.
   residual(s, F);
   require_finite_forces(eq, s.t, F.head(n_v), F.segment(n_v, n_c), F.segment(n_v + n_c, n_a));
 
-  double extra = 0.0;  // more damping where the steps swing to and fro
+  double extra = 0.0;   // more damping where the steps swing to and fro
+  double floor = 1e-6;  // of the shift, less and less where they do not
+  double last_step = 1.0;
+  Eigen::MatrixXd stiffness;
+  Eigen::VectorXd unit, row_unit;
   Eigen::VectorXd step_before = rest;
   for (int iteration = 0; iteration < options.max_iterations; ++iteration) {
     tangents.evaluate(s, rest);
     kinematics.update(s.p, s.v);
     kinematics.multiply_T(tangents.z_p, K);
     for (int i = 0; i < n_v; ++i) scale(i) = tangents.M(i, i) > 0.0 ? 1.0 / std::sqrt(tangents.M(i, i)) : 1.0;
-    for (int k = 0; k < n_l; ++k) {
-      const double norm = (tangents.G.row(k).transpose().array() * scale.head(n_v).array()).matrix().norm();
-      scale(n_z + k) = norm > 0.0 ? 1.0 / norm : 1.0;
-    }
+    scale_rows();
     residual(s, F);
     double sigma = 0.0;
     if (options.stable) {
-      sigma = needed_shift(scale.head(n_v).asDiagonal() * K.topRows(n_v) * scale.head(n_v).asDiagonal(),
-                           scale.tail(n_l).asDiagonal() * tangents.G * scale.head(n_v).asDiagonal());
+      stiffness = K.topRows(n_v);
+      unit = scale.head(n_v);
+      row_unit = scale.tail(n_l);
+      const Shifts shifts{stiffness, tangents.G, unit, row_unit, floor};
+      sigma = shifts.downhill();
+      if (sigma > 0.0 && last_step < 1e-3 && shifts.returns()) sigma = 0.0;
       // Where nothing is stiff: no step of more than a tenth of a typical size.
       if (n_v > 0 && sigma == 0.0 && K.topRows(n_v).isZero()) extra = std::max(extra, 1.0);
       sigma += extra;
@@ -101,6 +153,14 @@ StaticsReport solve_statics(const Equations& eq, State& s, const StaticsOptions&
     J.block(0, n_z, n_v, n_l) = tangents.G.transpose();
     if (tangents.c_lambda.size() > 0) J.block(n_v, n_z, n_c, n_l) = tangents.c_lambda;
     J.block(n_z, 0, n_l, n_v) = tangents.G;
+    // The regularisation below is small beside the compliance of what the constraints hold only if that is 1.
+    if (n_v > 0) {
+      const Eigen::VectorXd by_stiffness = units_of_stiffness(K.topRows(n_v), scale.head(n_v));
+      if (by_stiffness.size() > 0) {
+        scale.head(n_v) = by_stiffness;
+        scale_rows();
+      }
+    }
     J = scale.asDiagonal() * J * scale.asDiagonal();
     J.bottomRightCorner(n_l, n_l).diagonal().array() -= 1e-13;
     x = scale.cwiseProduct(J.partialPivLu().solve(-scale.cwiseProduct(F)));
@@ -128,11 +188,14 @@ StaticsReport solve_statics(const Equations& eq, State& s, const StaticsOptions&
       return report;
     if (options.stable) {
       const bool swings = x.head(n_v).dot(step_before) < 0.0 && x.head(n_v).norm() > 0.5 * step_before.norm();
-      extra = swings ? std::max(4.0 * extra, 0.1 * K.diagonal().lpNorm<Eigen::Infinity>() *
-                                                 scale.head(n_v).cwiseAbs2().lpNorm<Eigen::Infinity>())
-                     : (step < 1e-3 ? 1e-3 : 0.5) * extra;
+      // Halves a step along this one.
+      const auto d = x.head(n_v);
+      const double along = std::abs(d.dot(K.topRows(n_v) * d)) / std::max(d.dot(tangents.M * d), 1e-300);
+      extra = swings ? std::max(4.0 * extra, along) : (step < 1e-3 ? 1e-3 : 0.5) * extra;
+      floor = swings ? std::min(4.0 * floor, 1e-6) : std::max(0.25 * floor, 1e-10);
     }
     step_before = x.head(n_v);
+    last_step = step;
   }
   if (n_v == 0) throw std::runtime_error("no equilibrium found of a mechanism that cannot move");
   int worst = 0;

@@ -17,7 +17,9 @@
 ///
 /// an implicit Euler step of length sigma^-1/2 from rest.  sigma is 0 (Newton's method) where K is positive
 /// definite on the null space of G, and otherwise large enough to make it so: the iteration then runs
-/// downhill and ends in a stable equilibrium.  Unstable ones are found with sigma = 0 throughout.
+/// downhill and ends in a stable equilibrium.  Near by sigma is 0, too, where all eigenvalues of an
+/// unsymmetric K (of moments about axes that stand still) lie to the right.  Unstable ones are found with
+/// sigma = 0 throughout.
 namespace flexura::mbs {
 
 struct StaticsOptions {

@@ -1,0 +1,100 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "mbs/solver/prepare.hpp"
+#include "mbs/solver/statics.hpp"
+#include "mbs/superelement/file.hpp"
+#include "tests/mbs/flexible/beam_superelement.hpp"
+#include "tests/mbs/test_folder.hpp"
+
+/// ANCF beams of mechanism files: what they are solved with, and where they come to rest.
+namespace flexura::mbs {
+namespace {
+
+constexpr double kEI = 175.0;  ///< of the beam below
+
+std::string steel_beam(const std::string& name, double from, int elements) {
+  return "[body." + name + "]\nfidelity = \"ancf\"\nposition = [" + std::to_string(from) + ", 0, 0]\n[body." +
+         name + ".beam]\nto = [1, 0, 0]\nelements = " + std::to_string(elements) +
+         R"toml(
+young = "210 GPa"
+density = "7850 kg/m^3"
+width = "10 mm"
+height = "10 mm"
+)toml";
+}
+
+std::string joint(const std::string& from, const std::string& to) {
+  return "[joint." + to + "]\ntype = \"fixed\"\nfrom = \"" + from + "\"\nto = \"" + to + ".root\"\n";
+}
+
+constexpr const char* kTip = R"toml([measure.x]
+type = "position"
+from = "ground"
+to = "a.tip"
+direction = [1, 0, 0]
+[measure.z]
+type = "position"
+from = "ground"
+to = "a.tip"
+direction = [0, 0, 1]
+)toml";
+
+class AncfFile : public test::TestFolder {
+ protected:
+  /// x and z of the tip of body a in static equilibrium.
+  Eigen::Vector2d rest(const std::string& text) const {
+    PreparedMechanism p = prepare(file(text + kTip));
+    const StaticsReport report = solve_statics(*p.mechanism, p.state);
+    // Steps of Newton's method, and some before where the beam turns far; never the end of all patience.
+    EXPECT_LT(report.iterations, 200);
+    const std::vector<int> which = select_quantities(*p.mechanism, {"x", "z"});
+    Eigen::VectorXd out(which.size());
+    p.mechanism->evaluate(which, p.state, Eigen::VectorXd::Zero(p.state.v.size()),
+                          *p.mechanism->make_scratch(), out);
+    return out;
+  }
+};
+
+TEST_F(AncfFile, IsSolvedByRadauUnlessTold) {
+  const std::string text = steel_beam("a", 0.0, 2) + joint("ground", "a");
+  EXPECT_EQ(prepare(file(text)).options.method, "radau");
+  EXPECT_EQ(prepare(file(text + "[solver]\nmethod = \"ida\"\n")).options.method, "ida");
+  EXPECT_EQ(prepare(file(text), {"body.a.fidelity=segments"}).options.method, "ida");
+}
+
+// A cantilever of two halves, 2 m under its weight: q L^4 / 8 EI = 88 mm.  It bends by 0.058 rad, which makes
+// it less by about its square; halves of 4 elements of constant curvature by (h/L)^2 = 1/64 / 2: 1 % in all.
+TEST_F(AncfFile, HalvesOfACantileverHangAsItDoesWhole) {
+  const double q = 7850.0 * 1e-4 * 9.81, exact = q * 16.0 / (8.0 * kEI);
+  const std::string weight = "gravity = [0, 0, -9.81]\n", a = steel_beam("a", 1.0, 4) + joint("b.tip", "a"),
+                    b = joint("ground", "b");
+  EXPECT_NEAR(-rest(weight + steel_beam("b", 0.0, 4) + b + a).y(), exact, 0.01 * exact);
+  beams::StraightBeam half;
+  half.EA = 2.1e7;
+  half.EI_y = half.EI_z = kEI;
+  half.GI_t = 114.0;
+  half.mass_per_length = 0.785;
+  half.rho_I_y = half.rho_I_z = 7850.0 * 1e-8 / 12.0;
+  superelement::write(folder_ / "half.se.h5", beams::beam_superelement(half));
+  EXPECT_NEAR(-rest(weight + "[body.b]\nsuperelement = \"half.se.h5\"\n" + b + a).y(), exact, 0.01 * exact);
+}
+
+// An end moment of 3 EI/L rolls it up to a circle's arc of 3 rad.
+TEST_F(AncfFile, CantileverIsRolledUpByAMomentAtItsTip) {
+  const Eigen::Vector2d exact(std::sin(3.0) / 3.0, (1.0 - std::cos(3.0)) / 3.0);
+  const auto rolled_up = [&](int elements) {
+    return rest("gravity = [0, 0, 0]\n" + steel_beam("a", 0.0, elements) + joint("ground", "a") +
+                "[force.f]\ntype = \"torque\"\nmarker = \"a.tip\"\ny = \"-3*175\"\n");
+  };
+  // Elements that turn by a = 3/n err by a^2 / 12 of the angle, 9 and 2.3 mm of arc, times 7 for what the
+  // angle does to the tip; without that term of order 2 some a^4 are left.
+  const Eigen::Vector2d coarse = rolled_up(8), fine = rolled_up(16);
+  EXPECT_LT((fine - exact).norm(), 0.3 * (coarse - exact).norm());
+  EXPECT_LT(((4.0 * fine - coarse) / 3.0 - exact).norm(), 3e-3);
+}
+
+}  // namespace
+}  // namespace flexura::mbs
