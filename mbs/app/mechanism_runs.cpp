@@ -8,7 +8,7 @@
 
 #include "mbs/model/linear_range.hpp"
 #include "mbs/solver/accelerations.hpp"
-#include "mbs/solver/statics.hpp"
+#include "mbs/solver/equilibrium.hpp"
 #include "mbs/terminal/terminal.hpp"
 
 namespace flexura::app {
@@ -66,7 +66,7 @@ NamedRun& only_run(std::vector<NamedRun>& runs, const MechanismArguments& argume
 }
 
 void settle(mbs::PreparedMechanism& p) {
-  const mbs::StaticsReport report = mbs::solve_statics(*p.mechanism, p.state);
+  const mbs::StaticsReport report = mbs::find_equilibrium(*p.mechanism, p.state);
   mbs::AccelerationSolver(*p.mechanism).solve(p.state, p.v_dot);
   p.notes.push_back(fmt::format("equilibrium in {} steps, largest force left {} N", report.iterations,
                                 terminal::number(report.force_residual, 2)));

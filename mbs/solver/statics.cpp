@@ -85,7 +85,8 @@ struct Shifts {
 StaticsReport solve_statics(const Equations& eq, State& s, const StaticsOptions& options) {
   const Sizes n = eq.sizes();
   const int n_v = n.n_v, n_c = n.n_dyn, n_a = n.n_alg, n_l = n.n_lambda, n_z = n_v + n_c + n_a;
-  assemble_positions(eq, s);
+  const bool open = options.opening.size() > 0;
+  if (!open) assemble_positions(eq, s);
   s.v.setZero();
   const Eigen::VectorXd rest = Eigen::VectorXd::Zero(n_v);
   auto scratch = eq.make_scratch();
@@ -99,6 +100,7 @@ StaticsReport solve_statics(const Equations& eq, State& s, const StaticsOptions&
   auto residual = [&](const State& state, Eigen::VectorXd& out) {
     eq.momentum(state, rest, *scratch, out.head(n_v), out.segment(n_v, n_c), out.segment(n_v + n_c, n_a));
     if (n_l > 0) eq.position_constraints(state.t, state.p, *scratch, out.tail(n_l));
+    if (open) out.tail(n_l) -= options.opening;
   };
   // Contacts close and open on the way, like every switch whose function falls below 0.
   Eigen::VectorXd switching = Eigen::VectorXd::Zero(n.n_root);

@@ -26,6 +26,8 @@ struct StaticsOptions {
   double tolerance = 1e-10;  ///< last step relative to the typical sizes of the positions
   int max_iterations = 500;
   bool stable = true;  ///< false: pure Newton, to the equilibrium nearest by, stable or not
+  /// Empty, or what the constraints are held at in place of 0, near which s must begin then.
+  Eigen::VectorXd opening;
 };
 
 struct StaticsReport {

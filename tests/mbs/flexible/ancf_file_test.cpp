@@ -3,8 +3,8 @@
 
 #include <cmath>
 
+#include "mbs/solver/equilibrium.hpp"
 #include "mbs/solver/prepare.hpp"
-#include "mbs/solver/statics.hpp"
 #include "mbs/superelement/file.hpp"
 #include "tests/mbs/flexible/beam_superelement.hpp"
 #include "tests/mbs/test_folder.hpp"
@@ -30,26 +30,17 @@ std::string joint(const std::string& from, const std::string& to) {
   return "[joint." + to + "]\ntype = \"fixed\"\nfrom = \"" + from + "\"\nto = \"" + to + ".root\"\n";
 }
 
-constexpr const char* kTip = R"toml([measure.x]
-type = "position"
-from = "ground"
-to = "a.tip"
-direction = [1, 0, 0]
-[measure.z]
-type = "position"
-from = "ground"
-to = "a.tip"
-direction = [0, 0, 1]
-)toml";
+std::string measures(const std::string& of) {
+  const std::string place = "type = \"position\"\nfrom = \"ground\"\nto = \"" + of + "\"\ndirection = ";
+  return "[measure.x]\n" + place + "[1, 0, 0]\n[measure.z]\n" + place + "[0, 0, 1]\n";
+}
 
 class AncfFile : public test::TestFolder {
  protected:
-  /// x and z of the tip of body a in static equilibrium.
+  /// The measures x and z in static equilibrium.
   Eigen::Vector2d rest(const std::string& text) const {
-    PreparedMechanism p = prepare(file(text + kTip));
-    const StaticsReport report = solve_statics(*p.mechanism, p.state);
-    // Steps of Newton's method, and some before where the beam turns far; never the end of all patience.
-    EXPECT_LT(report.iterations, 200);
+    PreparedMechanism p = prepare(file(text));
+    find_equilibrium(*p.mechanism, p.state);
     const std::vector<int> which = select_quantities(*p.mechanism, {"x", "z"});
     Eigen::VectorXd out(which.size());
     p.mechanism->evaluate(which, p.state, Eigen::VectorXd::Zero(p.state.v.size()),
@@ -69,7 +60,8 @@ TEST_F(AncfFile, IsSolvedByRadauUnlessTold) {
 // it less by about its square; halves of 4 elements of constant curvature by (h/L)^2 = 1/64 / 2: 1 % in all.
 TEST_F(AncfFile, HalvesOfACantileverHangAsItDoesWhole) {
   const double q = 7850.0 * 1e-4 * 9.81, exact = q * 16.0 / (8.0 * kEI);
-  const std::string weight = "gravity = [0, 0, -9.81]\n", a = steel_beam("a", 1.0, 4) + joint("b.tip", "a"),
+  const std::string weight = "gravity = [0, 0, -9.81]\n",
+                    a = steel_beam("a", 1.0, 4) + joint("b.tip", "a") + measures("a.tip"),
                     b = joint("ground", "b");
   EXPECT_NEAR(-rest(weight + steel_beam("b", 0.0, 4) + b + a).y(), exact, 0.01 * exact);
   beams::StraightBeam half;
@@ -87,13 +79,60 @@ TEST_F(AncfFile, CantileverIsRolledUpByAMomentAtItsTip) {
   const Eigen::Vector2d exact(std::sin(3.0) / 3.0, (1.0 - std::cos(3.0)) / 3.0);
   const auto rolled_up = [&](int elements) {
     return rest("gravity = [0, 0, 0]\n" + steel_beam("a", 0.0, elements) + joint("ground", "a") +
-                "[force.f]\ntype = \"torque\"\nmarker = \"a.tip\"\ny = \"-3*175\"\n");
+                "[force.f]\ntype = \"torque\"\nmarker = \"a.tip\"\ny = \"-3*175\"\n" + measures("a.tip"));
   };
   // Elements that turn by a = 3/n err by a^2 / 12 of the angle, 9 and 2.3 mm of arc, times 7 for what the
   // angle does to the tip; without that term of order 2 some a^4 are left.
   const Eigen::Vector2d coarse = rolled_up(8), fine = rolled_up(16);
   EXPECT_LT((fine - exact).norm(), 0.3 * (coarse - exact).norm());
   EXPECT_LT(((4.0 * fine - coarse) / 3.0 - exact).norm(), 3e-3);
+}
+
+// A cable of 1 m between hinges 0.8 m apart: a sinh(0.4/a) = 0.5, sag a (cosh(0.4/a) - 1).  The hinges close
+// by bending it, not by crushing it.
+TEST_F(AncfFile, CableBetweenHingesHangsAsACatenary) {
+  const double a = 0.338201879085335, sag = a * (std::cosh(0.4 / a) - 1.0);
+  const Eigen::Vector2d at = rest(R"toml(
+gravity = [0, 0, -9.81]
+[body.cable]
+fidelity = "ancf"
+[body.cable.beam]
+to = [1, 0, 0]
+elements = 8
+EA = 1e6
+EI_y = 1e-3
+EI_z = 1e-3
+GI_t = 1e-3
+GA_y = 1e5
+GA_z = 1e5
+mass_per_length = 0.1
+rho_I_y = 1e-8
+rho_I_z = 1e-8
+point.middle.at = 0.5
+[body.cable.marker.r]
+on = "root"
+axis = [0, 1, 0]
+[body.cable.marker.t]
+on = "tip"
+axis = [0, 1, 0]
+[ground.marker.a]
+axis = [0, 1, 0]
+[ground.marker.b]
+position = [0.8, 0, 0]
+axis = [0, 1, 0]
+[joint.a]
+type = "revolute"
+from = "ground.a"
+to = "cable.r"
+[joint.b]
+type = "revolute"
+from = "ground.b"
+to = "cable.t"
+)toml" + measures("cable.middle"));
+  EXPECT_NEAR(at.x(), 0.4, 1e-6);  // symmetric
+  // Bending stores 1.3 % of the energy that the cable has for its sag, which is a minimum: some of its
+  // square; elements that turn by a quarter: 0.25^2 / 12 of it.
+  EXPECT_NEAR(-at.y(), sag, 0.01 * sag);
 }
 
 }  // namespace
