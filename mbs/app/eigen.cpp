@@ -9,8 +9,8 @@
 #include "mbs/app/recorder.hpp"
 #include "mbs/solver/accelerations.hpp"
 #include "mbs/solver/buckling.hpp"
+#include "mbs/solver/equilibrium.hpp"
 #include "mbs/solver/linearise.hpp"
-#include "mbs/solver/statics.hpp"
 #include "mbs/terminal/terminal.hpp"
 
 /// eigen: natural modes of a mechanism, as a table and as pictures.
@@ -102,13 +102,7 @@ void write_pictures(const NamedRun& run, const std::vector<mbs::NaturalMode>& mo
 
 /// The mechanism without weight and given forces; springs, bushings and friction stay.
 mbs::LinearSystem without_loads(const PreparedMechanism& p) {
-  mbs::MechanismDescription d = p.mechanism->description();
-  d.gravity.setZero();
-  std::erase_if(d.forces, [](const auto& force) {
-    return force->type() == "force" || force->type() == "torque" || force->type() == "joint_force" ||
-           force->type() == "distributed_load";
-  });
-  mbs::Mechanism unloaded(std::move(d));
+  mbs::Mechanism unloaded(mbs::without_loads(p.mechanism->description()));
   mbs::State s = unloaded.initial_state();
   s.t = p.state.t;
   s.p = p.state.p;

@@ -70,6 +70,9 @@ void settle(mbs::PreparedMechanism& p) {
   mbs::AccelerationSolver(*p.mechanism).solve(p.state, p.v_dot);
   p.notes.push_back(fmt::format("equilibrium in {} steps, largest force left {} N", report.iterations,
                                 terminal::number(report.force_residual, 2)));
+  if (!report.stable)
+    p.notes.push_back(
+        "the equilibrium is where the loads led as they grew; a stable one was not found near by");
   mbs::LinearRange range(*p.mechanism);
   range.observe(p.state);
   for (std::string& sentence : range.sentences()) p.notes.push_back(std::move(sentence));

@@ -21,21 +21,16 @@ bool straighten(const Mechanism& mechanism, State& s) {
   return any;
 }
 
-std::optional<StaticsReport> close_by_steps(const Mechanism& mechanism, State& s) {
-  State now = s;
-  if (mechanism.sizes().n_lambda == 0 || !straighten(mechanism, now)) return {};
-  Eigen::VectorXd open(mechanism.sizes().n_lambda);
-  mechanism.position_constraints(now.t, now.p, *mechanism.make_scratch(), open);
-  double size = 0.0;
-  for (int i = 0; i < mechanism.sizes().n_v; ++i) size = std::max(size, mechanism.velocity_scale(i));
-  if (open.cwiseAbs().maxCoeff() < 1e-9 * size) return {};
+// From 0 to 1 by steps of a tenth at most, halved where `solve` (of the options for a part, from `now`)
+// fails.
+template <class Prepare>
+std::optional<StaticsReport> by_steps(const Mechanism& mechanism, State& now, StaticsOptions options,
+                                      Prepare&& set) {
+  constexpr double kLargest = 0.1, kLeast = 1e-3;
   StaticsReport report;
-  StaticsOptions options;
-  options.max_iterations = 50;
-  double closed = 0.0, step = 0.1;
   const auto solve = [&](double part) {
     State next = now;
-    options.opening = (1.0 - part) * open;
+    set(options, part);
     try {
       const StaticsReport one = solve_statics(mechanism, next, options);
       report.iterations += one.iterations;
@@ -49,16 +44,59 @@ std::optional<StaticsReport> close_by_steps(const Mechanism& mechanism, State& s
     return true;
   };
   if (!solve(0.0)) return {};
-  while (closed < 1.0) {
-    const double next = std::min(closed + step, 1.0);
+  for (double done = 0.0, step = kLargest; done < 1.0;) {
+    const double next = std::min(done + step, 1.0);
     if (solve(next)) {
-      closed = next;
-      step = std::min(2.0 * step, 0.1);
-    } else if ((step *= 0.5) < 1e-3) {
+      done = next;
+      step = std::min(2.0 * step, kLargest);
+    } else if ((step *= 0.5) < kLeast) {
       return {};
     }
   }
-  s = std::move(now);
+  return report;
+}
+
+std::optional<StaticsReport> close_by_steps(const Mechanism& mechanism, State& s) {
+  State now = s;
+  if (mechanism.sizes().n_lambda == 0 || !straighten(mechanism, now)) return {};
+  Eigen::VectorXd open(mechanism.sizes().n_lambda);
+  mechanism.position_constraints(now.t, now.p, *mechanism.make_scratch(), open);
+  double size = 0.0;
+  for (int i = 0; i < mechanism.sizes().n_v; ++i) size = std::max(size, mechanism.velocity_scale(i));
+  if (open.cwiseAbs().maxCoeff() < 1e-9 * size) return {};
+  StaticsOptions options;
+  options.max_iterations = 50;
+  const auto report = by_steps(mechanism, now, options,
+                               [&](StaticsOptions& o, double part) { o.opening = (1.0 - part) * open; });
+  if (report) s = std::move(now);
+  return report;
+}
+
+std::optional<StaticsReport> load_by_steps(const Mechanism& mechanism, State& s) {
+  State now = s;
+  if (!straighten(mechanism, now)) return {};
+  Mechanism unloaded(without_loads(mechanism.description()));
+  unloaded.drop_redundant(now.t, now.p);
+  const Sizes all = mechanism.sizes(), n = unloaded.sizes();
+  if (n.n_lambda != all.n_lambda || n.n_dyn != all.n_dyn || n.n_alg != all.n_alg || n.n_root != all.n_root)
+    return {};
+  now = s;
+  StaticsOptions options;
+  options.unloaded = &unloaded;
+  options.max_iterations = 15;
+  options.stable = false;
+  auto report = by_steps(mechanism, now, options, [](StaticsOptions& o, double part) { o.load = part; });
+  if (!report) return {};
+  s = now;
+  try {
+    StaticsOptions downhill;
+    downhill.max_iterations = 30;
+    const StaticsReport last = solve_statics(mechanism, now, downhill);
+    report->iterations += last.iterations;
+    s = std::move(now);
+  } catch (const std::runtime_error&) {
+    report->stable = false;
+  }
   return report;
 }
 
@@ -66,7 +104,30 @@ std::optional<StaticsReport> close_by_steps(const Mechanism& mechanism, State& s
 
 StaticsReport find_equilibrium(const Mechanism& mechanism, State& s) {
   if (const auto report = close_by_steps(mechanism, s)) return *report;
+  State now = s;
+  if (straighten(mechanism, now)) {
+    // Many steps downhill take longer than loads that grow.
+    StaticsOptions few;
+    few.max_iterations = 100;
+    try {
+      now = s;
+      const StaticsReport report = solve_statics(mechanism, now, few);
+      s = std::move(now);
+      return report;
+    } catch (const std::runtime_error&) {
+      if (const auto report = load_by_steps(mechanism, s)) return *report;
+    }
+  }
   return solve_statics(mechanism, s);
+}
+
+MechanismDescription without_loads(MechanismDescription d) {
+  d.gravity.setZero();
+  std::erase_if(d.forces, [](const auto& force) {
+    return force->type() == "force" || force->type() == "torque" || force->type() == "joint_force" ||
+           force->type() == "distributed_load";
+  });
+  return d;
 }
 
 }  // namespace flexura::mbs

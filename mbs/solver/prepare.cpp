@@ -46,8 +46,8 @@ std::vector<bool> deformations_of(const Mechanism& mechanism, const std::vector<
 
 // Vibration that nothing excites bounds the steps of a multistep method, not those of Radau IIA: on the
 // scenes of cases/trade the latter is 1.2 to 700 times faster with all modes, as fast without any.  One-way
-// bodies likewise: the undamped slider-crank at 100 rad/s takes it 1.1 times real time with 6 modes, 48 with 34
-// (explicit Runge-Kutta 3.3 and 61, IDA 1.6 and more than 600).  ANCF beams, too: their sections are stiff
+// bodies likewise: the undamped slider-crank at 100 rad/s takes it 1.1 times real time with 6 modes, 48 with
+// 34 (explicit Runge-Kutta 3.3 and 61, IDA 1.6 and more than 600).  ANCF beams, too: their sections are stiff
 // against all but bending; the first 0.02 s of a steel cantilever of 1 m x 10 mm x 10 mm under its weight
 // take it 1.1 s (IDA 37 s, generalised-alpha 60 s).
 bool has_deformation(const Mechanism& mechanism) {

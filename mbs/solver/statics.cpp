@@ -91,7 +91,9 @@ StaticsReport solve_statics(const Equations& eq, State& s, const StaticsOptions&
   const Eigen::VectorXd rest = Eigen::VectorXd::Zero(n_v);
   auto scratch = eq.make_scratch();
   KinematicBlocks kinematics(eq, s.p);
-  Tangents tangents(eq);
+  Tangents tangents(eq), unloaded(options.unloaded ? *options.unloaded : eq);
+  const auto unloaded_scratch = options.unloaded ? options.unloaded->make_scratch() : nullptr;
+  Eigen::VectorXd without(n_z);
   Eigen::MatrixXd K, J(n_z + n_l, n_z + n_l);
   Eigen::VectorXd F(n_z + n_l), x, scale = Eigen::VectorXd::Ones(n_z + n_l), size_v(n_v), g(n_l);
   for (int i = 0; i < n_v; ++i) size_v(i) = eq.velocity_scale(i);
@@ -99,6 +101,11 @@ StaticsReport solve_statics(const Equations& eq, State& s, const StaticsOptions&
 
   auto residual = [&](const State& state, Eigen::VectorXd& out) {
     eq.momentum(state, rest, *scratch, out.head(n_v), out.segment(n_v, n_c), out.segment(n_v + n_c, n_a));
+    if (options.unloaded) {
+      options.unloaded->momentum(state, rest, *unloaded_scratch, without.head(n_v), without.segment(n_v, n_c),
+                                 without.segment(n_v + n_c, n_a));
+      out.head(n_z) = options.load * out.head(n_z) + (1.0 - options.load) * without;
+    }
     if (n_l > 0) eq.position_constraints(state.t, state.p, *scratch, out.tail(n_l));
     if (open) out.tail(n_l) -= options.opening;
   };
@@ -130,6 +137,15 @@ StaticsReport solve_statics(const Equations& eq, State& s, const StaticsOptions&
   Eigen::VectorXd step_before = rest;
   for (int iteration = 0; iteration < options.max_iterations; ++iteration) {
     tangents.evaluate(s, rest);
+    if (options.unloaded) {
+      unloaded.evaluate(s, rest);
+      const auto mix = [&](Eigen::MatrixXd& with, const Eigen::MatrixXd& less) {
+        with = options.load * with + (1.0 - options.load) * less;
+      };
+      mix(tangents.z_p, unloaded.z_p);
+      mix(tangents.z_c, unloaded.z_c);
+      mix(tangents.z_a, unloaded.z_a);
+    }
     kinematics.update(s.p, s.v);
     kinematics.multiply_T(tangents.z_p, K);
     for (int i = 0; i < n_v; ++i) scale(i) = tangents.M(i, i) > 0.0 ? 1.0 / std::sqrt(tangents.M(i, i)) : 1.0;

@@ -28,12 +28,16 @@ struct StaticsOptions {
   bool stable = true;  ///< false: pure Newton, to the equilibrium nearest by, stable or not
   /// Empty, or what the constraints are held at in place of 0, near which s must begin then.
   Eigen::VectorXd opening;
+  /// Null, or the same equations without given loads, which count with 1 - load, and eq with load.
+  const Equations* unloaded = nullptr;
+  double load = 1.0;
 };
 
 struct StaticsReport {
   int iterations = 0;
   double force_residual = 0.0;       ///< largest |r|, N or N m
   double constraint_residual = 0.0;  ///< largest |g|
+  bool stable = true;                ///< false: where the loads led, and not known to be stable
 };
 
 /// Moves s.p, s.c, s.a, s.lambda into equilibrium at s.t with s.v = 0.  Throws std::runtime_error naming the
