@@ -15,30 +15,6 @@ namespace {
 using namespace checks;
 using ::testing::HasSubstr;
 
-const char* const kBlown = R"toml(
-gravity = [0, 0, 0]
-[body.arm]
-mass = 1
-inertia = [0.1, 0.2, 0.3]
-[body.arm.marker.end]
-position = [0.3, 0.2, 0.1]
-[joint.shoulder]
-type = "spherical"
-from = "ground"
-to = "arm"
-[body.beam]
-superelement = "beam.se.h5"
-[joint.elbow]
-type = "revolute"
-from = "arm.end"
-to = "beam.left"
-[force.gale]
-type = "distributed_load"
-body = "beam"
-load = "wind"
-factor = 2
-)toml";
-
 class LoadCases : public MechanismFileTest {
  protected:
   void SetUp() override {

@@ -43,6 +43,31 @@ from = "ground.track"
 to = "c"
 )toml";
 
+/// An arm with a beam of beam.se.h5 that the load case "wind" acts on.
+inline constexpr const char* kBlown = R"toml(
+gravity = [0, 0, 0]
+[body.arm]
+mass = 1
+inertia = [0.1, 0.2, 0.3]
+[body.arm.marker.end]
+position = [0.3, 0.2, 0.1]
+[joint.shoulder]
+type = "spherical"
+from = "ground"
+to = "arm"
+[body.beam]
+superelement = "beam.se.h5"
+[joint.elbow]
+type = "revolute"
+from = "arm.end"
+to = "beam.left"
+[force.gale]
+type = "distributed_load"
+body = "beam"
+load = "wind"
+factor = 2
+)toml";
+
 /// Mechanism files written in the test and read without their [solver].
 class MechanismFileTest : public test::TestFolder {
  protected:
