@@ -20,8 +20,7 @@ std::vector<BucklingMode> buckling_modes(const LinearSystem& unloaded, const Lin
   if (n == 0)
     throw std::runtime_error(
         "nothing of the mechanism moves or deforms, so that nothing can buckle; let a body deform (fidelity "
-        "= "
-        "\"modal-stiffened\")");
+        "= \"modal-stiffened\")");
   const Eigen::VectorXd scale = A_0.diagonal().cwiseAbs().cwiseMax(1e-300).cwiseSqrt();
   const Eigen::FullPivLU<Eigen::MatrixXd> lu(scale.cwiseInverse().asDiagonal() * A_0 *
                                              scale.cwiseInverse().asDiagonal());

@@ -46,9 +46,9 @@ class LoopCloser {
   LoopCloser(const Equations& eq, const SolverOptions& options);
 
   /// Positions and velocities of a row, which may lie inside a long step whose polynomial closes loops less
-  /// well, of a switch or of the end of a run.  Leaves s as it was where Newton's method takes less than nine tenths of g away at once and
-  /// positions would change by more than ten times the error allowed in a step: near a dead point, where the
-  /// residual says little about the distance.  Returns what is left open.
+  /// well, of a switch or of the end of a run.  Leaves s as it was where Newton's method takes less than nine
+  /// tenths of g away at once and positions would change by more than ten times the error allowed in a step:
+  /// near a dead point, where the residual says little about the distance.  Returns what is left open.
   Drift close(State& s);
   /// The same of s as it is.
   Drift drift(const State& s);

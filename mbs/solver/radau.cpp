@@ -286,8 +286,7 @@ void Radau::fail(double h, bool converges) {
   if (!trouble_.empty()) throw IntegrationError(trouble_);
   throw IntegrationError(
       fmt::format("{} at t = {:.9g} s with a step of {:.3g} s; the state in trouble is \"{}\": a force jumps "
-                  "there, give it a switch or smooth "
-                  "it, or the constraints lose rank there",
+                  "there, give it a switch or smooth it, or the constraints lose rank there",
                   converges ? "the error test keeps failing" : "Newton's method does not converge", t_, h,
                   worst_state()));
 }

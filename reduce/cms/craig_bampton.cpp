@@ -12,7 +12,6 @@
 #include "reduce/cms/choose_modes.hpp"
 #include "reduce/cms/constraint_modes.hpp"
 #include "reduce/cms/craig_chang.hpp"
-#include "reduce/cms/load_case.hpp"
 #include "reduce/cms/response_modes.hpp"
 #include "reduce/cms/shape_change.hpp"
 #include "reduce/cms/sturm.hpp"
@@ -64,17 +63,6 @@ Basis craig_chang_basis(const Part& part, const TiedModel& model, const TiedSolv
   return basis;
 }
 
-MatrixXd nodal_forces(const TiedModel& model, const LoadField& load) {
-  const Index n = 3 * static_cast<Index>(model.n_nodes());
-  MatrixXd F = MatrixXd::Zero(n, 1);
-  if (load.acceleration.rows() > 0) {
-    const MatrixXd a = load.acceleration.transpose().reshaped(n, 1);
-    model.m().multiply_kron3(a, F);
-  }
-  if (load.forces.rows() > 0) F += load.forces.transpose().reshaped(n, 1);
-  return F;
-}
-
 // Response and load shapes join the normal modes.
 void add_shapes(const Part& part, const TiedModel& model, const TiedSolver& solver,
                 const linalg::EigenProblem& problem, const MatrixXd& Mhat, const ReductionOptions& options,
@@ -92,7 +80,7 @@ void add_shapes(const Part& part, const TiedModel& model, const TiedSolver& solv
   for (const LoadField& load : options.loads) {
     if (!load.keep_shape) continue;
     MatrixXd f_i, f_b;
-    model.gather(nodal_forces(model, load), f_i, f_b);
+    model.gather(nodal_forces(model.m(), model.n_nodes(), load), f_i, f_b);
     extras.push_back({solver.solve(f_i), {"static answer to load " + load.name}});
   }
   for (const ExtraShapes& extra : extras)
@@ -298,8 +286,7 @@ Cut reduce(const Part& whole, const Part& part, const TiedModel& model, const Re
     report.seconds_estimate += watch.lap();
   }
   for (const LoadField& load : options.loads) {
-    reduction.loads.push_back(
-        reduced_load(load, T, [&](const LoadField& field) { return nodal_forces(model, field); }));
+    reduction.loads.push_back(reduced_load(load, T, model.m()));
   }
   reduction.D_se = damper_matrix(part, model, T);
   if (options.stiffening) {

@@ -3,6 +3,7 @@
 
 #include "reduce/assembly/tied_solver.hpp"
 #include "reduce/cms/interface_modes.hpp"
+#include "reduce/cms/load_case.hpp"
 #include "reduce/cms/reduction.hpp"
 #include "reduce/linalg/eigen_problem.hpp"
 
@@ -22,14 +23,6 @@ enum class ModeSet {
   craig_bampton,  ///< constraint modes and fixed-interface normal modes
   craig_chang,    ///< free-free modes and inertia-relief attachment modes (craig_chang.hpp)
   guyan,          ///< constraint modes only (R. J. Guyan, AIAA J. 3 (1965), 380)
-};
-
-/// A load case: forces on the nodes and accelerations of the mass, which act as m a.
-struct LoadField {
-  std::string name;
-  Eigen::MatrixX3d forces;        ///< n_nodes x 3 [N], or empty
-  Eigen::MatrixX3d acceleration;  ///< n_nodes x 3 [m/s^2], interpolated like displacements, or empty
-  bool keep_shape = false;        ///< the interior's static answer becomes a shape, too
 };
 
 enum class Eigensolver {

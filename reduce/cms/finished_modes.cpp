@@ -10,7 +10,6 @@
 
 #include "reduce/assembly/average.hpp"
 #include "reduce/assembly/rigid_motion.hpp"
-#include "reduce/cms/load_case.hpp"
 #include "reduce/cms/shape_change.hpp"
 #include "reduce/linalg/dense.hpp"
 
@@ -161,14 +160,7 @@ Reduction reduce_finished_modes(const Part& part, const FinishedModes& modes,
   B.leftCols(6) = R_b;
   r.n_b = static_cast<int>(B.rows());
 
-  const auto forces_on_nodes = [&](const LoadField& load) {
-    MatrixXd F = MatrixXd::Zero(3 * n_nodes, 1);
-    if (load.acceleration.rows() > 0)
-      m.multiply_kron3(MatrixXd(load.acceleration.transpose().reshaped(3 * n_nodes, 1)), F);
-    if (load.forces.rows() > 0) F += load.forces.transpose().reshaped(3 * n_nodes, 1);
-    return F;
-  };
-  for (const LoadField& load : options.loads) r.loads.push_back(reduced_load(load, W, forces_on_nodes));
+  for (const LoadField& load : options.loads) r.loads.push_back(reduced_load(load, W, m));
   r.shapes.resize(3 * static_cast<Index>(options.shape_nodes.size()), 6 + n_v);
   for (std::size_t v = 0; v < options.shape_nodes.size(); ++v)
     r.shapes.middleRows<3>(3 * static_cast<Index>(v)) =

@@ -70,8 +70,7 @@ ForceType distributed_load_force() {
   type.name = "distributed_load";
   type.doc =
       "A load case of a superelement (pressure, gravity, rotation or a field, `[load.NAME]` in its part "
-      "file) times "
-      "a formula. Its forces turn with the body; on a rigid body they act by their resultant.";
+      "file) times a formula. Its forces turn with the body; on a rigid body they act by their resultant.";
   type.keys = {text("body", "the body, of a superelement that was reduced with load cases").required(),
                text("load", "name of the load case").required(),
                expression("factor", "factor, a formula of t, parameters, joint coordinates and measures")
