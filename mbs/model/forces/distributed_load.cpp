@@ -90,7 +90,10 @@ ForceType distributed_load_force() {
     s.refuse("load",
              fmt::format("body \"{}\" has no load case \"{}\"{}", s.text("body"), wanted,
                          input::suggestion(wanted, known)),
-             known.empty() ? "write [load." + wanted + "] into its part file and reduce it again" : "");
+             c.description().bodies[body].superelement.empty()
+                 ? "load cases belong to superelements: name a body made of one"
+             : known.empty() ? "write [load." + wanted + "] into its part file and reduce it again"
+                             : "");
   };
   return type;
 }

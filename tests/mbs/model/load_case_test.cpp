@@ -117,10 +117,12 @@ TEST_F(LoadCases, AreRefusedWithTheReason) {
   EXPECT_THAT(refusal_of({"force.gale.load=wimd"}),
               HasSubstr("body \"beam\" has no load case \"wimd\", did you mean \"wind\"?"));
   EXPECT_THAT(refusal_of({"force.gale.body=arm"}),
-              HasSubstr("write [load.wind] into its part file and reduce it again"));
+              HasSubstr("load cases belong to superelements: name a body made of one"));
   EXPECT_THAT(refusal_of({"force.gale.body=beem"}),
               HasSubstr("there is no body \"beem\", did you mean \"beam\"?"));
   EXPECT_THAT(refusal_of({"force.gale.factor=2*wnid"}), HasSubstr("wnid"));
+  superelement::write(folder_ / "beam.se.h5", lattice::make_lattice(4).se);
+  EXPECT_THAT(refusal_of({}), HasSubstr("write [load.wind] into its part file and reduce it again"));
   l_.se.stiffening = lattice::any_stiffening(l_.se.n(), 5);
   superelement::write(folder_ / "beam.se.h5", l_.se);
   EXPECT_THAT(refusal_of({"body.beam.fidelity=modal-stiffened"}), HasSubstr("all of it or none"));
