@@ -44,7 +44,7 @@ Placement place(const std::string& name, const Eigen::Vector3d& p_BoN1_B, const 
   const Eigen::Vector3d end_2 = p_BoN2_B + offset_2_B, axis = end_2 - placement.p_Bo1_B;
   placement.length = axis.norm();
   if (!(placement.length > 1e-9 * std::max(placement.p_Bo1_B.norm(), end_2.norm())) ||
-      !(placement.length > 0.0))
+      !(placement.length > 1e-12))  // no machine has such a member; its stiffness has 36 digits more
     throw std::invalid_argument(fmt::format(
         "{} has no length: its ends (with offsets) are both at {}; move a node or take the member out", name,
         print(placement.p_Bo1_B)));

@@ -54,6 +54,12 @@ BeamMesh::BeamMesh(Model model, const Subdivision& rule) : model_(std::move(mode
     const Member& member = model_.members[m];
     const Placement whole = placement_of(model_, member);
     const int n = elements_of(model_, member, rule);
+    constexpr int most = 500'000;  // a matrix of 3 million rows
+    if (n > most - static_cast<int>(elements_.size()))
+      throw std::invalid_argument(
+          fmt::format("member \"{}\" makes it more than {} elements in all; give its "
+                      "members fewer",
+                      member.name, most));
     int previous = member.end[0].node;
     for (int k = 0; k < n; ++k) {
       MeshElement record;

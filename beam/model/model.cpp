@@ -185,7 +185,15 @@ std::vector<std::string> warnings(const Model& model, const std::vector<int>& fi
   return texts;
 }
 
+// Of a member, and of all together: at 24 numbers each, a row of them already loses half of the digits.
+constexpr int most_elements = 100'000;
+
 int elements_of(const Model& model, const Member& member, const Subdivision& rule) {
+  if (member.elements > most_elements)
+    throw std::invalid_argument(
+        fmt::format("member \"{}\": {} elements; at most {} are taken, since static "
+                    "displacements lose digits with each",
+                    member.name, member.elements, most_elements));
   if (member.elements > 0) return member.elements;
   const double length = placement_of(model, member).length;
   double h = std::min(rule.max_length, length / std::max(1, rule.elements_per_member));
@@ -215,7 +223,14 @@ int elements_of(const Model& model, const Member& member, const Subdivision& rul
   if (!(h > 0.0))
     throw std::invalid_argument(
         fmt::format("member \"{}\": the element length {:g} wanted must be positive", member.name, h));
-  return std::max(1, static_cast<int>(std::ceil(length / h * (1.0 - 1e-12))));
+  const double n = std::ceil(length / h * (1.0 - 1e-12));
+  if (!(n <= most_elements))
+    throw std::invalid_argument(fmt::format(
+        "member \"{}\": elements of {:.3g} m make {:.3g} of its {:.6g} m; at most {} are taken, "
+        "since static displacements lose digits with each; give a greater size, a lower frequency "
+        "or a greater frequency_error",
+        member.name, h, n, length, most_elements));
+  return std::max(1, static_cast<int>(n));
 }
 
 }  // namespace flexura::beam

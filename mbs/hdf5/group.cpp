@@ -30,6 +30,21 @@ std::string shape_text(const Shape& shape) {
   return text.empty() ? "a single value" : text;
 }
 
+// A file that came from elsewhere must not make us read others: links to other files, and links that lead to
+// such links, are no more followed than data that lie outside.
+void require_inside(hid_t group, const std::string& name, const std::string& full) {
+  H5L_info_t info;
+  check(H5Lget_info(group, name.c_str(), &info, H5P_DEFAULT), full);
+  if (info.type != H5L_TYPE_HARD)
+    throw BadFile(full + ": is a link, which may lead out of the file; write the data into the file itself");
+}
+
+void require_own_data(hid_t dataset, const std::string& full) {
+  const Handle properties = owned(H5Dget_create_plist(dataset), H5Pclose, full);
+  if (H5Pget_layout(properties.get()) == H5D_VIRTUAL || H5Pget_external_count(properties.get()) > 0)
+    throw BadFile(full + ": has its data in another file; write them into the file itself");
+}
+
 }  // namespace
 
 bool Group::has(const std::string& name) const {
@@ -60,13 +75,17 @@ Group Group::create_group(const std::string& name) {
 Group Group::group(const std::string& name) const {
   const std::string full = child(label_, name);
   if (!has(name)) throw BadFile(full + ": is missing; the file is not complete, make it again");
+  require_inside(handle_.get(), name, full);
   return Group(owned(H5Gopen2(handle_.get(), name.c_str(), H5P_DEFAULT), H5Gclose, full), full);
 }
 
 Handle Group::open_dataset(const std::string& name) const {
   const std::string full = child(label_, name);
   if (!has(name)) throw BadFile(full + ": is missing; the file is not complete, make it again");
-  return owned(H5Dopen2(handle_.get(), name.c_str(), H5P_DEFAULT), H5Dclose, full);
+  require_inside(handle_.get(), name, full);
+  Handle dataset = owned(H5Dopen2(handle_.get(), name.c_str(), H5P_DEFAULT), H5Dclose, full);
+  require_own_data(dataset.get(), full);
+  return dataset;
 }
 
 Shape Group::shape(const std::string& name) const {

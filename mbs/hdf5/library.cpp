@@ -43,8 +43,7 @@ std::string reason() {
       return line.substr(start, line.find('\'', start) - start);
     }
   }
-  return lines.empty() ? "HDF5 gives no reason"
-                       : "the file is damaged (" + lines.front() + "); make it again";
+  return "the file is damaged; make it again";
 }
 
 [[noreturn]] void fail(const std::string& label) {

@@ -7,7 +7,9 @@
 #include <limits>
 
 #include "mbs/input/document.hpp"
+#include "mbs/input/nesting.hpp"
 #include "mbs/input/section_data.hpp"
+#include "mbs/input/shown_text.hpp"
 #include "mbs/input/values.hpp"
 
 // Parses a TOML file, applies the overrides and checks the tree against the schema.  Defaults pass through
@@ -16,6 +18,19 @@ namespace flexura::input {
 namespace {
 
 using DataPtr = std::shared_ptr<const Section::Data>;
+
+// Names of the user's own become names in results, tables and pages; "" when this one can.
+std::string wrong_with_name(std::string_view name) {
+  constexpr std::size_t longest = 200;
+  if (name.find_first_not_of(" \t") == std::string_view::npos) return "an empty name names nothing";
+  if (name.size() > longest)
+    return fmt::format("is a name of {} letters, {} are allowed", name.size(), longest);
+  for (const char c : name)
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7F) return "has a control character in its name";
+  if (name.find('/') != std::string_view::npos)
+    return "has a \"/\" in its name, which parts names in results";
+  return "";
+}
 
 class Checker {
  public:
@@ -234,6 +249,8 @@ class Checker {
     for (const auto& [name, child] : *table) {
       const std::string full = join_path(place.path, std::string(name.str()));
       const int line = line_of(name.source()) ? line_of(name.source()) : line_of(child.source());
+      if (const std::string why = wrong_with_name(name.str()); !why.empty())
+        values_.refuse({full, line, values_.is_overridden(full), false}, nullptr, why, "choose another name");
       if (!child.is_table()) {
         values_.refuse({full, line, values_.is_overridden(full), false}, &child,
                        values_.wanted(key) + " are wanted");
@@ -304,13 +321,16 @@ std::string read_text(const std::filesystem::path& file) {
 Section read_document(const std::filesystem::path& file, const TableSchema& schema,
                       const std::vector<std::string>& overrides, const FormulaReader& formulas) {
   const std::string text = read_text(file);
+  if (const auto line = line_nested_too_deep(text))
+    throw InputError(fmt::format("{}:{}: nests deeper than {} tables and lists; no key of ours lies there",
+                                 file.string(), *line, deepest_nesting));
   toml::table root;
   try {
     root = toml::parse(text, file.string());
   } catch (const toml::parse_error& failure) {
     throw InputError(fmt::format("{}:{}:{}: is not valid TOML: {}", file.string(),
                                  failure.source().begin.line, failure.source().begin.column,
-                                 failure.description()));
+                                 shown_text(failure.description(), 200)));
   }
   Overrides applied;
   for (const std::string& entry : overrides) apply_override(root, schema, entry, applied);

@@ -4,6 +4,7 @@
 #include <initializer_list>
 
 #include "mbs/input/section_data.hpp"
+#include "mbs/input/shown_text.hpp"
 
 namespace flexura::input {
 namespace {
@@ -36,7 +37,7 @@ std::string location(const std::filesystem::path& document, int line, bool overr
                      const std::string& path) {
   std::string text = overridden ? "command line" : document.string();
   if (!overridden && line > 0) text += ":" + std::to_string(line);
-  return path.empty() ? text : text + ": " + path;
+  return path.empty() ? text : text + ": " + shown_text(path, 120);
 }
 
 void refuse_value(const std::string& location, const std::string& shown, const std::string& rule,

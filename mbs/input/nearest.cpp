@@ -1,8 +1,10 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
 #include <cctype>
+#include <cstdlib>
 
 #include "mbs/input/document.hpp"
+#include "mbs/input/shown_text.hpp"
 
 namespace flexura::input {
 namespace {
@@ -30,6 +32,8 @@ int edit_cost(const std::string& a, const std::string& b) {
   return cost[n][m];
 }
 
+constexpr int longest_word = 200;
+
 bool abbreviates(const std::string& shorter, const std::string& longer) {
   return shorter.size() >= 3 && longer.size() > shorter.size() && longer.starts_with(shorter);
 }
@@ -44,7 +48,10 @@ std::string nearest(const std::string& word, const std::vector<std::string>& kno
     // One slip in a short word, one in three letters of a long one; a word of one letter only in the wrong
     // case.
     const int allowed = length == 1 ? 1 : 2 * std::max(1, length / 3);
-    int cost = edit_cost(word, candidate);
+    // Letters that one of them has more cost 2 each: no need to look at two long words of unlike length, nor
+    // at those that nobody has typed.
+    const int more = 2 * std::abs(static_cast<int>(word.size()) - static_cast<int>(candidate.size()));
+    int cost = more > allowed || length > longest_word ? allowed + 1 : edit_cost(word, candidate);
     if (cost > allowed && (abbreviates(word, candidate) || abbreviates(candidate, word))) cost = allowed;
     if (cost <= allowed && (best.empty() || cost < best_cost)) {
       best = candidate;
@@ -55,12 +62,15 @@ std::string nearest(const std::string& word, const std::vector<std::string>& kno
 }
 
 std::string suggestion(const std::string& word, const std::vector<std::string>& known) {
-  if (const std::string near = nearest(word, known); !near.empty()) return ", did you mean \"" + near + "\"?";
+  if (const std::string near = nearest(word, known); !near.empty())
+    return ", did you mean \"" + shown_text(near) + "\"?";
   if (known.empty()) return "";
   std::string text = "; known are ";
-  constexpr std::size_t most = 20;
-  for (std::size_t i = 0; i < std::min(known.size(), most); ++i) text += (i ? ", " : "") + known[i];
-  if (known.size() > most) text += " and " + std::to_string(known.size() - most) + " more";
+  constexpr std::size_t most = 20, longest = 220;
+  std::size_t n = 0;
+  for (; n < std::min(known.size(), most) && text.size() < longest; ++n)
+    text += (n ? ", " : "") + shown_text(known[n]);
+  if (known.size() > n) text += " and " + std::to_string(known.size() - n) + " more";
   return text;
 }
 

@@ -6,7 +6,9 @@
 #include <vector>
 
 #include "mbs/input/document.hpp"
+#include "mbs/input/nesting.hpp"
 #include "mbs/input/section_data.hpp"
+#include "mbs/input/shown_text.hpp"
 #include "mbs/input/values.hpp"
 
 namespace flexura::input {
@@ -22,7 +24,7 @@ std::vector<Step> split_path(const std::string& override_text, const std::string
     return InputError(
         fmt::format("command line: \"{}\": is not of the form key.path=value; write for example "
                     "\"body.rod.density=7850 kg/m^3\" or \"joint[2].axis=[0, 0, 1]\"",
-                    override_text));
+                    shown_text(override_text)));
   };
   std::vector<Step> steps;
   std::istringstream parts(path);
@@ -41,7 +43,7 @@ std::vector<Step> split_path(const std::string& override_text, const std::string
     if (step.key.empty()) throw malformed();
     steps.push_back(step);
   }
-  if (steps.empty() || path.back() == '.') throw malformed();
+  if (steps.empty() || path.back() == '.' || steps.size() > deepest_nesting) throw malformed();
   return steps;
 }
 
@@ -91,7 +93,7 @@ void refuse_new_names(const toml::table& root, const TableSchema& schema, const 
 std::shared_ptr<toml::table> parse_value(const std::string& text) {
   try {
     // One line only: a line break would let a value smuggle in further keys.
-    if (text.find('\n') == std::string::npos) {
+    if (text.find('\n') == std::string::npos && !line_nested_too_deep(text)) {
       return std::make_shared<toml::table>(toml::parse("value = " + text));
     }
   } catch (const toml::parse_error&) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "mbs/input/document.hpp"
+#include "mbs/input/shown_text.hpp"
 
 namespace flexura::input {
 namespace {
@@ -142,7 +143,7 @@ std::vector<std::string> known_units() {
 }
 
 std::string unknown_unit(std::string_view name) {
-  std::string message = fmt::format("has the unknown unit \"{}\"", name);
+  std::string message = fmt::format("has the unknown unit \"{}\"", shown_text(name, 40));
   if (const std::string near = nearest(std::string(name), known_units()); !near.empty()) {
     return message + fmt::format(", did you mean \"{}\"?", near);
   }
@@ -229,7 +230,8 @@ class UnitParser {
   std::string_view rest() const { return text_.substr(at_); }
   [[noreturn]] void malformed() const {
     throw std::invalid_argument(
-        fmt::format("has the malformed unit \"{}\"; write for example \"kg/m^3\" or \"N*mm/rad\"", text_));
+        fmt::format("has the malformed unit \"{}\"; write for example \"kg/m^3\" or \"N*mm/rad\"",
+                    shown_text(text_, 40)));
   }
 
   std::string_view text_;
@@ -260,6 +262,9 @@ std::optional<Split> split_number(std::string_view text) {
 
 Measured with_unit(const Split& split) {
   if (split.unit.empty()) return {split.number, dim::none, false};
+  if (split.unit.front() == ',')
+    throw std::invalid_argument(
+        "has a comma behind the number; the decimal sign is a point, like \"0.5 mm\"");
   Measured unit = UnitParser(split.unit).parse();
   unit.value *= split.number;
   return unit;

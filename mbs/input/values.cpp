@@ -10,6 +10,8 @@
 #include <limits>
 #include <sstream>
 
+#include "mbs/input/shown_text.hpp"
+
 namespace flexura::input {
 
 std::string shown(const toml::node& node) {
@@ -19,7 +21,10 @@ std::string shown(const toml::node& node) {
     out << '"' << value->get() << '"';
   } else if (const auto* array = node.as_array()) {
     out << '[';
-    for (std::size_t i = 0; i < array->size(); ++i) out << (i ? ", " : "") << shown((*array)[i]);
+    constexpr std::size_t most = 40;  // the rest would be cut
+    for (std::size_t i = 0; i < std::min(array->size(), most); ++i)
+      out << (i ? ", " : "") << shown((*array)[i]);
+    if (array->size() > most) out << ", ...";
     out << ']';
   } else if (const auto* number = node.as_floating_point()) {
     out << fmt::format("{}", number->get());
@@ -28,10 +33,7 @@ std::string shown(const toml::node& node) {
       if constexpr (toml::is_value<decltype(value)>) out << value;
     });
   }
-  std::string text = out.str();
-  constexpr std::size_t longest = 72;
-  if (text.size() > longest) text.replace(longest - 3, std::string::npos, "...");
-  return text;
+  return shown_text(out.str());
 }
 
 void ValueReader::refuse(const Place& place, const toml::node* node, const std::string& rule,
@@ -188,6 +190,13 @@ double ValueReader::number(const toml::node& node, const Key& key, const Place& 
 
 void ValueReader::check_range(double value, const toml::node& node, const Key& key,
                               const Place& place) const {
+  // Far beyond any machine on either side: sums and products of what is left stay within what a double holds,
+  // of lengths, which are raised to the sixth power, too.
+  const double largest = key.dimension == dim::length ? 1e12 : 1e40, least = 1.0 / largest;
+  if (std::isfinite(value) && std::abs(value) > largest && !place.is_default)
+    refuse(place, &node, "is beyond all measure", fmt::format("the largest number taken is {}", largest));
+  if (key.lower == 0.0 && key.lower_open && value > 0.0 && value < least)
+    refuse(place, &node, "is beyond all measure", fmt::format("the least number taken is {}", least));
   const bool low = key.lower_open ? value <= key.lower : value < key.lower;
   const bool high = key.upper_open ? value >= key.upper : value > key.upper;
   if (!low && !high) return;

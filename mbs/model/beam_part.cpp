@@ -74,7 +74,7 @@ input::TableSchema beam_part_schema() {
           .at_least(1)
           .at_most(500),
       quantity("young", dim::pressure, "Young's modulus").above(0.0),
-      quantity("poisson", dim::none, "Poisson's ratio").or_default("0.3"),
+      quantity("poisson", dim::none, "Poisson's ratio").or_default("0.3").above(-1.0).below(0.5),
       quantity("density", dim::density, "mass per volume").above(0.0),
       quantity("diameter", dim::length, "of a circular section").above(0.0),
       quantity("inner_diameter", dim::length, "of its hole").above(0.0),

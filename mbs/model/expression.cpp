@@ -5,11 +5,14 @@
 #include <muParser.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
 
 #include "mbs/input/document.hpp"
+#include "mbs/input/formula_text.hpp"
+#include "mbs/input/shown_text.hpp"
 #include "mbs/model/derivatives.hpp"
 #include "mbs/model/operations.hpp"
 
@@ -123,15 +126,22 @@ int operator_code(mu::ECmdCode code) {
 
 constexpr std::size_t stack_size = 64;
 
-bool assigns(const std::string& text) {
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    if (text[i] != '=') continue;
-    const bool after = i + 1 < text.size() && text[i + 1] == '=';
-    const bool before = i > 0 && std::string("=<>!").find(text[i - 1]) != std::string::npos;
-    if (!after && !before) return true;
-    if (after) ++i;
+/// The names in a formula, each once.  The parser is told of these alone: all that a file knows, for each of
+/// its formulas, took a time that grew with the square of its length.
+std::vector<std::string> names_in(const std::string& text) {
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < text.size();) {
+    const std::size_t start = text.find_first_not_of("0123456789.", i);  // "2load": the parser will object
+    if (start == std::string::npos) break;
+    std::size_t end = start;
+    while (end < text.size() && input::is_name_character(text[end])) ++end;
+    if (end > start) names.push_back(text.substr(start, end - start));
+    i = std::max(end, start + 1);
   }
-  return false;
+  std::ranges::sort(names);
+  const auto again = std::ranges::unique(names);
+  names.erase(again.begin(), again.end());
+  return names;
 }
 
 }  // namespace
@@ -162,48 +172,67 @@ Expression::Expression(std::string where, std::string text, const SignalNames& s
                        const std::map<std::string, double>& constants, const Curves& tables)
     : where_(std::move(where)), text_(std::move(text)) {
   const auto refuse = [&](const std::string& why) {
-    throw std::invalid_argument(fmt::format("{} = \"{}\": {}", where_, text_, why));
+    throw std::invalid_argument(fmt::format("{} = \"{}\": {}", where_, input::shown_text(text_), why));
   };
-  if (assigns(text_)) refuse("a formula must not assign; compare with ==");
+  double plain = 0.0;
+  if (const auto [end, failure] = std::from_chars(text_.data(), text_.data() + text_.size(), plain);
+      failure == std::errc() && end == text_.data() + text_.size() && std::isfinite(plain)) {
+    program_.push_back({.code = constant, .value = plain});
+    return;
+  }
+  if (const std::string why = input::wrong_with_formula(text_); !why.empty()) refuse(why);
 
-  std::vector<double> values(signals.size(), 1.0);
-  // What the file gives its names to comes first.
-  std::vector<std::string> known;
-  for (const auto& [name, value] : constants) known.push_back(name);
-  for (const auto& [name, curve] : tables) known.push_back(name);
-  known.insert(known.end(), signals.names().begin(), signals.names().end());
+  const std::vector<std::string> names = names_in(text_);
+  std::vector<int> places;  // of the signals that it reads
+  for (const std::string& name : names)
+    if (const int place = signals.find(name); place >= 0) places.push_back(place);
+  std::vector<double> values(places.size(), 1.0);
+  const auto refuse_unknown = [&](const std::string& token) {
+    // What the file gives its names to comes first.
+    std::vector<std::string> known;
+    for (const auto& [name, value] : constants) known.push_back(name);
+    for (const auto& [name, curve] : tables) known.push_back(name);
+    known.insert(known.end(), signals.names().begin(), signals.names().end());
+    std::erase(known, "");
+    for (const std::string& name : known)
+      if (name.find_first_not_of(input::name_characters) != std::string::npos &&
+          text_.find(name) != std::string::npos)
+        refuse(fmt::format("the name \"{}\" cannot stand in a formula; take one of letters, digits and _",
+                           input::shown_text(name)));
+    for (const NamedFunction& f : functions_1) known.push_back(f.name);
+    known.insert(known.end(), {"atan2", "pow", "min", "max", "step", "pi", "e"});
+    refuse(
+        fmt::format("\"{}\" is not known here{}", input::shown_text(token), input::suggestion(token, known)));
+  };
   mu::Parser parser;
   parser.EnableOptimizer(false);
   parser.ClearConst();
   parser.ClearFun();
   parser.ClearInfixOprt();
-  parser.DefineNameChars("0123456789_.abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ");
+  parser.DefineNameChars(input::name_characters);
   try {
-    for (const NamedFunction& f : functions_1) parser.DefineFun(f.name, f.f), known.push_back(f.name);
+    for (const NamedFunction& f : functions_1) parser.DefineFun(f.name, f.f);
     parser.DefineFun("atan2", f_atan2);
     parser.DefineFun("pow", f_pow);
     parser.DefineFun("min", f_min);
     parser.DefineFun("max", f_max);
     parser.DefineFun("step", f_step);
-    known.insert(known.end(), {"atan2", "pow", "min", "max", "step", "pi", "e"});
-    for (const auto& [name, curve] : tables) {
-      parser.DefineFunUserData(name, f_table, const_cast<Curve*>(curve.get()));
-    }
+    for (const std::string& name : names)
+      if (const auto found = tables.find(name); found != tables.end())
+        parser.DefineFunUserData(name, f_table, const_cast<Curve*>(found->second.get()));
     parser.DefineInfixOprt("-", f1<minus>);
     parser.DefineInfixOprt("+", f1<plus>);
     if (!constants.contains("pi")) parser.DefineConst("pi", std::numbers::pi);
     if (!constants.contains("e")) parser.DefineConst("e", std::numbers::e);
-    for (const auto& [name, value] : constants) parser.DefineConst(name, value);
-    std::erase(known, "");
-    for (int i = 0; i < signals.size(); ++i)
-      if (!signals.names()[i].empty()) parser.DefineVar(signals.names()[i], &values[i]);
+    for (const std::string& name : names)
+      if (const auto found = constants.find(name); found != constants.end())
+        parser.DefineConst(name, found->second);
+    for (std::size_t i = 0; i < places.size(); ++i) parser.DefineVar(signals.names()[places[i]], &values[i]);
     parser.SetExpr(text_);
     parser.Eval();
   } catch (const mu::Parser::exception_type& error) {
-    if (error.GetCode() == mu::ecUNASSIGNABLE_TOKEN)
-      refuse(fmt::format("\"{}\" is not known here{}", error.GetToken(),
-                         input::suggestion(error.GetToken(), known)));
-    refuse(error.GetMsg());
+    if (error.GetCode() == mu::ecUNASSIGNABLE_TOKEN) refuse_unknown(error.GetToken());
+    refuse(input::shown_text(error.GetMsg(), 160));
   }
 
   const mu::ParserByteCode& code = parser.GetByteCode();
@@ -220,7 +249,7 @@ Expression::Expression(std::string where, std::string text, const SignalNames& s
         break;
       case mu::cmVAR: {
         instruction.code = signal;
-        instruction.place = static_cast<int>(token[i].Val.ptr - values.data());
+        instruction.place = places[static_cast<std::size_t>(token[i].Val.ptr - values.data())];
         reads_time_ = reads_time_ || instruction.place == 0;
         if (instruction.place > 0 && std::ranges::find(reads_, instruction.place) == reads_.end())
           reads_.push_back(instruction.place);
@@ -356,7 +385,7 @@ T Expression::run(const double* signals, const T& time, int moving) const {
 
 void Expression::refuse_value(double value, double t) const {
   // Not a number has no sign for a user.
-  throw std::runtime_error(fmt::format("{} = \"{}\" is {} at t = {:.9g} s", where_, text_,
+  throw std::runtime_error(fmt::format("{} = \"{}\" is {} at t = {:.9g} s", where_, input::shown_text(text_),
                                        std::isnan(value) ? std::abs(value) : value, t));
 }
 

@@ -1,10 +1,12 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include "mbs/model/parameters.hpp"
 
-#include <algorithm>
+#include <fmt/format.h>
+
 #include <memory>
 #include <vector>
 
+#include "mbs/input/shown_text.hpp"
 #include "mbs/model/expression.hpp"
 
 namespace flexura::mbs {
@@ -13,7 +15,7 @@ namespace {
 /// What an Expression says against a formula, without the formula: whoever reads the number shows it and its
 /// place.
 std::string without_formula(const std::string& message, const std::string& formula) {
-  const std::string opening = " = \"" + formula + "\"";
+  const std::string opening = " = \"" + input::shown_text(formula) + "\"";
   if (!message.starts_with(opening)) return message;
   const auto start = message.find_first_not_of(": ", opening.size());
   return start == std::string::npos ? message : message.substr(start);
@@ -39,31 +41,40 @@ std::map<std::string, double> read_parameters(const input::Section& root) {
     } catch (const std::invalid_argument& error) {
       throw input::InputError(file + ": " + error.what());
     }
+    if (expressions.back()->reads_time())
+      throw input::InputError(
+          fmt::format("{}: parameters.{} = \"{}\": varies with t; a parameter holds for "
+                      "the whole run, a measure or an input may vary",
+                      file, name, input::shown_text(formula)));
   }
   std::map<std::string, double> parameters;
   std::vector<double> values(names.size(), 0.0);
-  std::vector<bool> known(names.size(), false);
-  for (std::size_t left = formulas.size(); left > 0;) {
-    const std::size_t before = left;
-    for (std::size_t i = 0; i < formulas.size(); ++i) {
-      const int place = names.find(formulas[i].first);
-      if (known[place]) continue;
-      if (!std::ranges::all_of(expressions[i]->reads(), [&](int k) { return known[k]; })) continue;
-      try {
-        values[place] = expressions[i]->evaluate(values.data());
-      } catch (const std::runtime_error& error) {
-        throw input::InputError(file + ": " + error.what());
-      }
-      known[place] = true;
-      parameters[formulas[i].first] = values[place];
-      --left;
+  // Each when all that it reads is known: what waits for a name stands behind it.
+  std::vector<std::vector<std::size_t>> waiting(values.size());
+  std::vector<std::size_t> ready, missing(formulas.size());
+  for (std::size_t i = 0; i < formulas.size(); ++i) {
+    missing[i] = expressions[i]->reads().size();
+    for (const int place : expressions[i]->reads()) waiting[place].push_back(i);
+    if (missing[i] == 0) ready.push_back(i);
+  }
+  for (std::size_t next = 0; next < ready.size(); ++next) {
+    const auto& [name, formula] = formulas[ready[next]];
+    const int place = names.find(name);
+    try {
+      values[place] = expressions[ready[next]]->evaluate(values.data());
+    } catch (const std::runtime_error& error) {
+      throw input::InputError(file + ": " + error.what());
     }
-    if (left == before) {
-      std::string circle;
-      for (std::size_t i = 0; i < formulas.size(); ++i)
-        if (!known[names.find(formulas[i].first)]) circle += (circle.empty() ? "" : ", ") + formulas[i].first;
-      throw input::InputError(root.where("parameters") + ": " + circle + " depend on each other in a circle");
-    }
+    parameters[name] = values[place];
+    for (const std::size_t i : waiting[place])
+      if (--missing[i] == 0) ready.push_back(i);
+  }
+  if (ready.size() < formulas.size()) {
+    std::string circle;
+    for (std::size_t i = 0; i < formulas.size(); ++i)
+      if (missing[i] > 0) circle += (circle.empty() ? "" : ", ") + formulas[i].first;
+    throw input::InputError(root.where("parameters") + ": " + input::shown_text(circle, 200) +
+                            " depend on each other in a circle");
   }
   return parameters;
 }

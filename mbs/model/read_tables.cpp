@@ -6,6 +6,8 @@
 #include <fstream>
 #include <sstream>
 
+#include "mbs/input/shown_text.hpp"
+
 namespace flexura::mbs {
 namespace {
 
@@ -17,21 +19,35 @@ struct Points {
 Points read_points(const input::Section& s) {
   const std::filesystem::path path = s.file("file");
   std::ifstream in(path);
+  std::error_code ignored;
+  if (in && !std::filesystem::is_regular_file(path, ignored))
+    s.refuse("file", "is no file", "name the file itself");
   if (!in) s.refuse("file", "there is no such file", "paths start at the folder of this file");
   Points points;
   int row = 0;
   for (std::string line; std::getline(in, line);) {
     ++row;
     line = line.substr(0, line.find('#'));
+    const auto refuse = [&](const std::string& why, const std::string& remedy) {
+      s.refuse("file", fmt::format("line {} {}", row, why), remedy);
+    };
+    const auto first = line.find_first_not_of(" \t\r,;");
+    const bool is_number = first != std::string::npos &&
+                           std::string_view("+-.0123456789").find(line[first]) != std::string_view::npos;
+    if (is_number && line.find(';') != std::string::npos && line.find(',') != std::string::npos)
+      refuse("has a comma within its numbers", "the decimal sign is a point, like 0.5");
     for (char& c : line)
       if (c == ',' || c == ';' || c == '\t') c = ' ';
     if (line.find_first_not_of(" \r") == std::string::npos) continue;
     std::istringstream numbers(line);
     double x, y;
     if (!(numbers >> x >> y)) {
-      if (points.x.empty()) continue;  // a heading
-      s.refuse("file", fmt::format("line {} does not hold two numbers", row), "write one point on each line");
+      if (points.x.empty() && !is_number) continue;  // a heading
+      refuse("does not hold two numbers", "write one point on each line");
     }
+    if (std::string more; numbers >> more)
+      refuse(fmt::format("holds more than two numbers (\"{}\")", input::shown_text(more)),
+             "write one point on each line, with a point as the decimal sign");
     points.x.push_back(x * s.quantity("x_unit"));
     points.y.push_back(y * s.quantity("y_unit"));
   }

@@ -4,6 +4,8 @@
 #include <dlfcn.h>
 #include <fmt/format.h>
 
+#include "mbs/input/shown_text.hpp"
+#include "mbs/model/library_file.hpp"
 #include "mbs/model/user_element.hpp"
 
 namespace flexura::mbs {
@@ -15,23 +17,31 @@ class Library {
  public:
   explicit Library(const Section& s) {
     const std::filesystem::path path = s.file("library");
-    if (!std::filesystem::exists(path))
+    std::error_code ignored;
+    if (!std::filesystem::exists(path, ignored))
       s.refuse("library", "there is no such file",
                "paths start at the folder of this file; compile it first");
+    if (const std::string why = why_not_loadable(path); !why.empty())
+      s.refuse("library", why, "compile it again");
     handle_.reset(dlopen(std::filesystem::absolute(path).c_str(), RTLD_NOW | RTLD_LOCAL), [](void* handle) {
       if (handle != nullptr) dlclose(handle);
     });
-    if (!handle_) s.refuse("library", std::string("cannot be loaded: ") + dlerror());
+    if (!handle_) s.refuse("library", "cannot be loaded: " + input::shown_text(dlerror(), 200));
     const auto interface = reinterpret_cast<const char* (*)()>(dlsym(handle_.get(), "flexura_interface"));
     const auto fill = reinterpret_cast<void (*)(UserElements&)>(dlsym(handle_.get(), "flexura_elements"));
     if (interface == nullptr || fill == nullptr)
       s.refuse("library", "has no FLEXURA_ELEMENTS", "mbs/model/user_element.hpp says how it is written");
-    if (std::string(interface()) != FLEXURA_INTERFACE)
+    const char* const version = interface();
+    if (version == nullptr || std::string_view(version) != FLEXURA_INTERFACE)
       s.refuse("library",
-               fmt::format("is compiled for the interface {}, this program has {}", interface(),
-                           FLEXURA_INTERFACE),
+               fmt::format("is compiled for the interface {}, this program has {}",
+                           version == nullptr ? "\"\"" : input::shown_text(version, 40), FLEXURA_INTERFACE),
                "compile it again");
-    fill(elements_);
+    try {
+      fill(elements_);
+    } catch (...) {
+      s.refuse("library", "throws where it should name its elements", "mend its FLEXURA_ELEMENTS");
+    }
   }
 
   /// An element that keeps its library loaded.
@@ -48,9 +58,14 @@ class Library {
     }
     std::shared_ptr<const Element> made;
     try {
+      if (maker->second == nullptr) s.refuse("element", "the library names it, but cannot make it");
       made = maker->second(arguments);
+    } catch (const input::InputError&) {
+      throw;
     } catch (const std::exception& error) {
       s.refuse("element", error.what());
+    } catch (...) {
+      s.refuse("element", "the library throws what is no std::exception");
     }
     if (!made) s.refuse("element", "the library made nothing of it");
     const Element* const element = made.get();

@@ -18,9 +18,9 @@ constexpr int format_version = 1;
 json parse(const hdf5::Group& group, const std::string& name) {
   try {
     return json::parse(group.read_text(name));
-  } catch (const json::exception& failure) {
-    throw hdf5::BadFile(fmt::format("{}/{}: cannot be understood ({}); the file is damaged", group.label(),
-                                  name, failure.what()));
+  } catch (const json::exception&) {
+    throw hdf5::BadFile(
+        fmt::format("{}/{}: cannot be understood; the file is damaged, make it again", group.label(), name));
   }
 }
 

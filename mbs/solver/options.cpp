@@ -1,6 +1,12 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include "mbs/solver/options.hpp"
 
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
 namespace flexura::mbs {
 
 input::TableSchema solver_schema() {
@@ -115,6 +121,28 @@ SolverOptions read_solver_options(const input::Section& section) {
   o.store_states = section.flag("store_states");
   if (o.end_time < o.start_time)
     section.refuse("end_time", "must not be before start_time", "give a later end_time");
+  if (o.stop_time != 0.0 && o.stop_time < o.start_time)
+    section.refuse("stop_time", "must not be before start_time", "give a later stop_time, or 0 for none");
+  // Steps that a run cannot take in a lifetime, or that are lost in the round-off of the time itself.
+  const double duration = o.end_time - o.start_time,
+               resolution = 16.0 * std::numeric_limits<double>::epsilon() *
+                            std::max(std::abs(o.start_time), std::abs(o.end_time));
+  const auto bound = [&](const char* key, double step, double most, const char* of_what) {
+    if (step <= 0.0) return;
+    if (step < duration / most)
+      section.refuse(key,
+                     fmt::format("makes {:.3g} {} of {:.6g} s; at most {:.0g} are possible", duration / step,
+                                 of_what, duration, most),
+                     fmt::format("give {:.2g} s or more, or an earlier end_time", duration / most));
+    if (step < resolution && duration > 0.0)
+      section.refuse(key, fmt::format("is lost in the round-off of the time, {:.2g} s", resolution),
+                     "give a longer step, or times nearer to zero");
+  };
+  constexpr double most_rows = 1e8, most_steps = 1e10;
+  bound("output_step", o.output_step, most_rows, "rows");
+  bound("fixed_step", o.fixed_step, most_steps, "steps");
+  bound("max_step", o.max_step, most_steps, "steps");
+  bound("first_step", o.first_step, 1e15, "steps");
   if (o.fixed_step > 0.0 && o.method != "runge_kutta" && o.method != "generalised_alpha")
     section.refuse("fixed_step", o.method + " chooses its own steps",
                    "use method = \"runge_kutta\" or \"generalised_alpha\"");

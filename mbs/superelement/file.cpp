@@ -76,9 +76,8 @@ void read_header(const std::string& text, const std::string& label, Superelement
       se.interfaces.push_back(std::move(interface));
     }
     for (const json& name : header.at("load_cases")) se.load_cases.push_back({name.get<std::string>(), {}});
-  } catch (const json::exception& failure) {
-    throw hdf5::BadFile(fmt::format("{}: cannot be understood ({}); the file is damaged, make it again",
-                                    label, failure.what()));
+  } catch (const json::exception&) {
+    throw hdf5::BadFile(label + ": cannot be understood; the file is damaged, make it again");
   }
   constexpr int most_dofs = 100'000;  // a dense matrix of that size is 80 GB; a larger number is damage
   if (se.n_b < 0 || se.n_q < 0 || se.n_b > most_dofs || se.n_q > most_dofs) {

@@ -9,6 +9,7 @@
 
 #include "mbs/hdf5/file.hpp"
 #include "mbs/input/document.hpp"
+#include "mbs/input/shown_text.hpp"
 #include "mbs/terminal/description.hpp"
 #include "mbs/terminal/terminal.hpp"
 
@@ -32,7 +33,7 @@ namespace {
 constexpr int bad_input = 2;
 
 void print_error(const std::string& message) {
-  fmt::print(stderr, "{} {}\n", red("error:", takes_colour(stderr)), message);
+  fmt::print(stderr, "{} {}\n", red("error:", takes_colour(stderr)), input::shown_message(message));
 }
 
 std::string examples_text(const std::vector<std::pair<std::string, std::string>>& examples) {
@@ -264,8 +265,13 @@ int guarded(const std::function<int()>& work) {
     return bad_input;
   } catch (const std::bad_alloc&) {
     print_error("out of memory; take a smaller model or fewer modes");
+  } catch (const std::length_error&) {  // of a container: larger than any memory
+    print_error("out of memory; take a smaller model or fewer modes");
   } catch (const std::logic_error& failure) {
-    print_error(std::string("internal: ") + failure.what() + "; please report this");
+    print_error(std::string("a mistake of the program, not of the input: ") + failure.what() +
+                "; please report this with the input");
+  } catch (const std::filesystem::filesystem_error& failure) {
+    print_error(failure.path1().string() + ": " + failure.code().message());
   } catch (const std::exception& failure) {
     print_error(failure.what());
   }

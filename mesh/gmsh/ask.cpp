@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstring>
 #include <stdexcept>
 
@@ -23,6 +24,8 @@ fs::path find_worker(fs::path worker) {
   return worker;
 }
 
+}  // namespace
+
 Answer read_answer(const std::string& bytes, int nodes_per_tetrahedron) {
   const auto cut = [] { return TryFailed("handed over an incomplete result"); };
   std::uint64_t length = 0;
@@ -37,8 +40,12 @@ Answer read_answer(const std::string& bytes, int nodes_per_tetrahedron) {
     throw cut();
   }
   at += length;
+  for (const std::uint64_t n :
+       {answer.record.n_points, answer.record.n_tetrahedra, answer.record.n_triangles})
+    if (n > bytes.size()) throw cut();
   const auto take = [&](auto& values, std::uint64_t n) {
-    if (n > bytes.size() || bytes.size() - at < n * sizeof values[0]) throw cut();
+    if (n > bytes.size() || n > bytes.size() / sizeof values[0] || bytes.size() - at < n * sizeof values[0])
+      throw cut();
     const std::size_t size = n * sizeof values[0];
     values.resize(n);
     if (size > 0) std::memcpy(values.data(), bytes.data() + at, size);
@@ -50,25 +57,34 @@ Answer read_answer(const std::string& bytes, int nodes_per_tetrahedron) {
   take(answer.arrays.triangles, 3 * answer.record.n_triangles);
   take(answer.arrays.face, answer.record.n_triangles);
   take(answer.arrays.integers, answer.record.n_integers);
+  for (const auto* nodes : {&answer.arrays.tetrahedra, &answer.arrays.triangles})
+    for (const std::int32_t node : *nodes)
+      if (node < 0 || static_cast<std::uint64_t>(node) >= answer.record.n_points) throw cut();
   return answer;
 }
+
+namespace {
 
 /// The last thing that gmsh called an error, for the user's ears.
 std::string last_error(const std::string& log) {
   const std::size_t at = log.rfind("Error   : ");
   if (at == std::string::npos) return "";
   const std::size_t begin = at + 10, end = log.find('\n', begin);
-  return " (gmsh: " + log.substr(begin, end == std::string::npos ? end : end - begin) + ")";
+  constexpr std::size_t longest = 120;
+  return " (gmsh: " + log.substr(begin, std::min(longest, end == std::string::npos ? longest : end - begin)) +
+         ")";
 }
 
 }  // namespace
 
 Answer ask_worker(const fs::path& worker, const Job& job, double limit_s, const Progress& progress) {
   const ChildOutcome outcome = run_child(find_worker(worker), nlohmann::json(job).dump(), limit_s, progress);
+  const std::string stage = outcome.stage.empty() ? "" : " while " + outcome.stage;
   if (outcome.end == ChildEnd::out_of_time)
-    throw TryFailed(fmt::format("was not done within {:.3g} s", limit_s));
+    throw TryFailed(fmt::format("was not done within {:.3g} s{}", limit_s,
+                                outcome.stage.empty() ? "" : " (it was " + outcome.stage + ")"));
   if (outcome.end == ChildEnd::crashed)
-    throw TryFailed("made the mesher fail: it " + outcome.reason + last_error(outcome.log));
+    throw WorkerCrashed("made the mesher fail" + stage + ": it " + outcome.reason + last_error(outcome.log));
   Answer answer = read_answer(outcome.result, job.order == 2 ? 10 : 4);
   if (!answer.record.error.empty()) {
     const std::string detail = last_error(outcome.log);

@@ -25,8 +25,17 @@ struct Answer {
   Arrays arrays;
 };
 
-/// Throws TryFailed or PartRefused; std::runtime_error where the program is missing.
+/// The child ended with a signal or a code.
+struct WorkerCrashed : TryFailed {
+  using TryFailed::TryFailed;
+};
+
+/// Throws TryFailed or one of its kinds; std::runtime_error where the program is missing.
 Answer ask_worker(const std::filesystem::path& worker, const Job& job, double limit_s,
                   const Progress& progress);
+
+/// What the child wrote, taken apart; every count and node number is held against what is there.  Throws
+/// TryFailed.
+Answer read_answer(const std::string& bytes, int nodes_per_tetrahedron);
 
 }  // namespace flexura::mesh

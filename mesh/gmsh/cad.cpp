@@ -127,6 +127,14 @@ void check_options(const CadOptions& options) {
   if (!(options.time_limit_s > 0)) refuse("the time limit must be greater than zero");
 }
 
+/// To read a file and describe its faces takes a second for each MB: 20 s and 100 times that are not
+/// slow but endless, as with a damaged surface whose area is sought for ever.
+double listing_limit_s(const fs::path& file) {
+  std::error_code unknown;
+  const auto bytes = static_cast<double>(fs::file_size(file, unknown));
+  return 20.0 + (unknown ? 0.0 : 1e-4 * bytes);
+}
+
 /// Lists, and checks the choice of solids.  The time spent counts.
 CadReport list_and_choose(const CadOptions& options, bool must_be_one, Job& job, const Progress& progress,
                           ResultRecord* record) {
@@ -142,11 +150,16 @@ CadReport list_and_choose(const CadOptions& options, bool must_be_one, Job& job,
   all.solids.clear();
   const auto list = [&](const Job& which) {
     try {
-      return ask_worker(options.worker, which, options.time_limit_s, progress);
+      return ask_worker(options.worker, which, std::min(options.time_limit_s, listing_limit_s(options.path)),
+                        progress);
     } catch (const PartRefused& e) {
       throw std::runtime_error(name + ": " + e.what());
+    } catch (const WorkerCrashed& e) {
+      throw std::invalid_argument(name + ": is not read: it " + e.what() +
+                                  "; the file is damaged, save it again from the CAD program");
     } catch (const TryFailed& e) {
-      throw std::runtime_error(name + ": reading the CAD file failed: it " + e.what());
+      throw std::runtime_error(name + ": reading the CAD file failed: it " + e.what() +
+                               "; save it again from the CAD program");
     }
   };
   Answer answer = list(all);

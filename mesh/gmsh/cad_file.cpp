@@ -75,7 +75,7 @@ std::string iges_unit(const std::string& text) {
     std::string& field = fields.back();
     const bool digits = !field.empty() && std::all_of(field.begin(), field.end(),
                                                       [](unsigned char c) { return std::isdigit(c); });
-    if (global[k] == 'H' && digits) {  // a string of stated length follows
+    if (global[k] == 'H' && digits && field.size() < 6) {  // a string of stated length follows
       const std::size_t length = std::stoul(field);
       field += global.substr(k, length + 1);
       k += length;
@@ -116,6 +116,8 @@ CadFile inspect_cad_file(const std::filesystem::path& path) {
   if (!std::filesystem::exists(path, error)) throw std::invalid_argument(name + ": no such file");
   if (std::filesystem::is_directory(path, error))
     throw std::invalid_argument(name + ": is a folder; name the CAD file in it");
+  if (!std::filesystem::is_regular_file(path, error))
+    throw std::invalid_argument(name + ": is no file; name the CAD file itself");
   std::ifstream file(path, std::ios::binary);
   if (!file) throw std::invalid_argument(name + ": cannot be opened for reading");
   const std::string text{std::istreambuf_iterator<char>(file), {}};

@@ -130,14 +130,16 @@ int above_standard(int fd) {
   return moved;
 }
 
-void report_lines(std::string& buffer, const std::function<void(std::string_view, double)>& progress) {
+void report_lines(std::string& buffer, const std::function<void(std::string_view, double)>& progress,
+                  std::string& stage) {
   for (std::size_t end; (end = buffer.find('\n')) != std::string::npos; buffer.erase(0, end + 1)) {
     const std::string_view line(buffer.data(), end);
     const std::size_t tab = line.find('\t');
     double fraction = 0;
     if (tab == std::string_view::npos) continue;
     std::from_chars(line.data(), line.data() + tab, fraction);
-    if (progress) progress(line.substr(tab + 1), fraction);
+    stage = line.substr(tab + 1);
+    if (progress) progress(stage, fraction);
   }
 }
 
@@ -181,7 +183,7 @@ ChildOutcome run_child(const std::filesystem::path& program, const std::string& 
     const ssize_t n = read(listen.get(), bytes, sizeof bytes);
     if (n > 0) {
       lines.append(bytes, static_cast<std::size_t>(n));
-      report_lines(lines, progress);
+      report_lines(lines, progress, outcome.stage);
     } else if (n == 0) {
       pipe_open = false;
     }

@@ -16,6 +16,7 @@ struct ChildOutcome {
   std::string reason;  ///< "stopped with a segmentation fault", "ended with code 3", ...
   std::string result;  ///< all that it wrote to its result descriptor
   std::string log;     ///< the last part of what it printed
+  std::string stage;   ///< the last that it said on its progress descriptor
 };
 
 /// Runs `program` with `input` on its standard input, until it ends or `limit_s` seconds have passed; then it

@@ -21,7 +21,7 @@ void inspect(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);
   std::error_code error;
   if (!std::filesystem::exists(path, error)) throw std::invalid_argument(name + ": no such file");
-  if (std::filesystem::is_directory(path, error) || !file)
+  if (!std::filesystem::is_regular_file(path, error) || !file)
     throw std::invalid_argument(name + ": cannot be opened as a file");
   std::string head(4000, '\0');
   file.read(head.data(), static_cast<std::streamsize>(head.size()));
@@ -46,6 +46,9 @@ MeshFile read_mesh_file(const std::filesystem::path& path, const std::filesystem
     answer = ask_worker(worker, job, time_limit_s, {});
   } catch (const PartRefused& e) {
     throw std::invalid_argument(path.string() + ": " + e.what());
+  } catch (const WorkerCrashed& e) {
+    throw std::invalid_argument(path.string() + ": is not read: it " + e.what() +
+                                "; the file is damaged, write it again");
   } catch (const TryFailed& e) {
     throw std::runtime_error(path.string() + ": reading the mesh failed: it " + e.what());
   }
@@ -65,7 +68,14 @@ MeshFile read_mesh_file(const std::filesystem::path& path, const std::filesystem
   };
   auto from = take(answer.record.n_points);
   mesh.node_label.assign(from, from + static_cast<std::ptrdiff_t>(answer.record.n_points));
+  const auto incomplete = [&] {
+    return std::runtime_error(path.string() + ": reading the mesh gave an incomplete result");
+  };
+  const auto is_node = [&](std::int64_t k) {
+    return k >= 0 && static_cast<std::uint64_t>(k) < answer.record.n_points;
+  };
   for (const BlockRecord& record : answer.record.blocks) {
+    if (record.type < 0 || record.type > static_cast<int>(CellType::pyramid13)) throw incomplete();
     CellBlock block;
     block.type = static_cast<CellType>(record.type);
     from = take(record.n);
@@ -73,12 +83,14 @@ MeshFile read_mesh_file(const std::filesystem::path& path, const std::filesystem
     const auto n = static_cast<Eigen::Index>(nodes_per_cell(block.type));
     block.nodes.resize(static_cast<Eigen::Index>(record.n), n);
     from = take(record.n * static_cast<std::uint64_t>(n));
+    if (!std::all_of(from, from + block.nodes.size(), is_node)) throw incomplete();
     std::transform(from, from + block.nodes.size(), block.nodes.data(),
                    [](std::int64_t k) { return static_cast<Index>(k); });
     mesh.solids.push_back(std::move(block));
   }
   for (const GroupRecord& group : answer.record.groups) {
     from = take(group.n);
+    if (!std::all_of(from, from + static_cast<std::ptrdiff_t>(group.n), is_node)) throw incomplete();
     NodeSet set;
     set.nodes.assign(from, from + static_cast<std::ptrdiff_t>(group.n));
     std::sort(set.nodes.begin(), set.nodes.end());

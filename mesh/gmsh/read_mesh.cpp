@@ -82,7 +82,10 @@ void read_mesh(const std::string& path, ResultRecord& result, Arrays& arrays) {
   for (auto& [tag, number] : index) {
     number = next++;
     arrays.integers.push_back(static_cast<std::int64_t>(tag));
-    const std::size_t place = at.at(tag);
+    const auto found = at.find(tag);
+    if (found == at.end())
+      throw std::runtime_error("has cells on node " + std::to_string(tag) + ", which it does not hold");
+    const std::size_t place = found->second;
     arrays.points.insert(arrays.points.end(), coordinates.begin() + static_cast<std::ptrdiff_t>(3 * place),
                          coordinates.begin() + static_cast<std::ptrdiff_t>(3 * place + 3));
   }

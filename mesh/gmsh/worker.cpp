@@ -3,6 +3,7 @@
 #include <gmsh.h>
 #include <signal.h>
 #include <sys/prctl.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -10,6 +11,7 @@
 #include <fstream>
 #include <iostream>
 #include <iterator>
+#include <new>
 #include <set>
 #include <stdexcept>
 
@@ -57,6 +59,7 @@ gmsh::vectorpair import_solids(const Job& job, ResultRecord& result) {
 }
 
 void choose_solids(const Job& job, ResultRecord& result, gmsh::vectorpair& solids) {
+  say(0.02, "measuring the solids");
   for (const auto& [dimension, tag] : solids) result.solids.push_back(describe_solid(tag, job.to_m));
   for (std::size_t i = 0; i < result.solids.size(); ++i)
     for (std::size_t j = 0; j < i && result.solids[i].same_as == 0; ++j)
@@ -230,6 +233,7 @@ void run(const Job& job, ResultRecord& result, Arrays& arrays) {
     if (solids.empty()) throw std::runtime_error("is no solid any more after healing");
   }
   gmsh::model::occ::synchronize();
+  say(0.05, "measuring the faces");
   describe_kept(job, solids, result);
   if (job.task != "mesh") return;
   generate_mesh(job, result);
@@ -259,6 +263,11 @@ void write_array(const std::vector<T>& values) {
 int work() {
   const std::string text{std::istreambuf_iterator<char>(std::cin), {}};
   const Job job = nlohmann::json::parse(text).get<Job>();
+  // What a damaged file asks for must end in a refusal, not in the machine's other programs.
+  const auto memory =
+      static_cast<rlim_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<rlim_t>(sysconf(_SC_PAGESIZE));
+  const rlimit most{memory, memory};
+  setrlimit(RLIMIT_AS, &most);
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (getppid() != job.parent) return 1;  // the parent went before the line above took hold
   ResultRecord result;
@@ -266,6 +275,10 @@ int work() {
   try {
     gmsh::initialize(0, nullptr, false);
     run(job, result, arrays);
+  } catch (const std::bad_alloc&) {
+    result.error = "asks for more memory than there is; is it damaged?";
+  } catch (const std::logic_error&) {  // of containers: a number that leads out of them
+    result.error = "names things that it does not hold; is it damaged?";
   } catch (const std::exception& e) {
     result.error = e.what();
   } catch (const std::string& e) {  // gmsh throws strings

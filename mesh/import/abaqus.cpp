@@ -203,7 +203,8 @@ class Reader {
     Part& part = here();
     const auto n = static_cast<std::size_t>(nodes_per_cell(*type));
     for (const DataLine& line : k.data) {
-      ElementLine element{*type, to_integer(line.fields.at(0), line.where), {}, line.where};
+      if (line.fields.empty()) continue;
+      ElementLine element{*type, to_integer(line.fields[0], line.where), {}, line.where};
       if (line.fields.size() != n + 1)
         throw std::invalid_argument(fmt::format("{}: element {} of type {} has {} nodes instead of {}",
                                                 line.where.text(), element.label, k.get("TYPE"),
@@ -220,14 +221,20 @@ class Reader {
     AssemblySet set{
         known(k.get(of_nodes ? "NSET" : "ELSET")), upper(k.get("INSTANCE")), of_nodes, {}, {}, k.where};
     for (const DataLine& line : k.data) {
+      if (line.fields.empty()) continue;
       if (k.has("GENERATE")) {
-        const std::int64_t first = to_integer(line.fields.at(0), line.where),
+        const std::int64_t first = to_integer(line.fields[0], line.where),
                            last = to_integer(line.fields.size() > 1 ? line.fields[1] : line.fields[0],
                                              line.where),
                            step = line.fields.size() > 2 ? to_integer(line.fields[2], line.where) : 1;
         if (step <= 0)
           throw std::invalid_argument(line.where.text() +
                                       ": the increment of a generated set must be greater than zero");
+        constexpr std::int64_t most = 100'000'000;  // labels: more elements than fit into any memory
+        if (first < 0 || last > most * std::min<std::int64_t>(step, 1000))
+          throw std::invalid_argument(fmt::format(
+              "{}: a generated set from {} to {} by {}: labels lie between 0 and {}, at most {} in a set",
+              line.where.text(), first, last, step, most * 1000, most));
         for (std::int64_t label = first; label <= last; label += step) set.labels.push_back(label);
         continue;
       }
@@ -253,6 +260,11 @@ class Reader {
     }
     auto& own = sets[set.name];
     own.insert(own.end(), set.labels.begin(), set.labels.end());
+    if (set.names.empty()) return;
+    // Sets of sets, a set of itself among them, would double with each line.
+    std::ranges::sort(own);
+    const auto again = std::ranges::unique(own);
+    own.erase(again.begin(), again.end());
   }
 
   void take_elastic(const Keyword& k) {

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <fstream>
 #include <stdexcept>
 
@@ -35,8 +36,14 @@ class KeywordReader {
   explicit KeywordReader(std::set<std::string>& file_names) : file_names_(file_names) {}
 
   void read(const fs::path& path, int depth = 0) {
+    require_file(path);
     std::ifstream file(path);
     if (!file) throw std::invalid_argument(path.string() + ": no such file, or it cannot be read");
+    constexpr int most_files = 1000;
+    if (++n_files_ > most_files)
+      throw std::invalid_argument(path.string() +
+                                  ": *INCLUDE reads more than 1000 files; files that include "
+                                  "one another?");
     if (depth > 10)
       throw std::invalid_argument(path.string() +
                                   ": *INCLUDE goes deeper than 10 files; a file that includes itself?");
@@ -69,7 +76,9 @@ class KeywordReader {
       }
       Keyword keyword{where, "", {}, {}};
       const std::vector<std::string> fields = split(std::string_view(line).substr(1));
-      keyword.name = upper(fields.at(0));
+      if (fields.empty())
+        throw std::invalid_argument(where.text() + ": a keyword line without a keyword behind its *");
+      keyword.name = upper(fields[0]);
       for (std::size_t k = 1; k < fields.size(); ++k) {
         const std::size_t equals = fields[k].find('=');
         keyword.parameters[upper(trimmed(fields[k].substr(0, equals)))] =
@@ -86,6 +95,7 @@ class KeywordReader {
  private:
   std::set<std::string>& file_names_;
   bool continued_data_ = false;
+  int n_files_ = 0;
 };
 
 }  // namespace
@@ -101,8 +111,8 @@ double to_real(std::string text, const Where& where) {
   const char* begin = text.c_str() + (text.size() > 1 && text[0] == '+' ? 1 : 0);
   double value = 0;
   const auto [end, error] = std::from_chars(begin, text.c_str() + text.size(), value);
-  if (error != std::errc() || *end != '\0')
-    throw std::invalid_argument(fmt::format("{}: \"{}\" is not a number", where.text(), text));
+  if (error != std::errc() || end != text.c_str() + text.size() || !std::isfinite(value))
+    throw std::invalid_argument(fmt::format("{}: \"{}\" is not a number", where.text(), text.substr(0, 40)));
   return value;
 }
 
@@ -116,7 +126,8 @@ std::optional<std::int64_t> as_integer(const std::string& text) {
 std::int64_t to_integer(const std::string& text, const Where& where) {
   const auto value = as_integer(text);
   if (!value)
-    throw std::invalid_argument(fmt::format("{}: \"{}\" is not a whole number", where.text(), text));
+    throw std::invalid_argument(
+        fmt::format("{}: \"{}\" is not a whole number", where.text(), text.substr(0, 40)));
   return *value;
 }
 

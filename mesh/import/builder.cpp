@@ -13,21 +13,33 @@
 namespace flexura::mesh {
 
 void Unused::add(const std::string& card, const Where& where) {
-  for (Entry& entry : entries_)
-    if (entry.card == card) {
-      ++entry.count;
-      return;
-    }
-  entries_.push_back({card, where.text(), 1});
+  const auto [at, is_new] = place_.try_emplace(card, entries_.size());
+  if (is_new)
+    entries_.push_back({card, where.text(), 1});
+  else
+    ++entries_[at->second].count;
 }
 
 std::vector<std::string> Unused::messages(const std::string& noun) const {
   std::vector<std::string> out;
-  for (const Entry& entry : entries_)
+  constexpr std::size_t most = 30;
+  for (const Entry& entry : entries_) {
+    if (out.size() == most) {
+      out.push_back(fmt::format("{} more {}s of other kinds are not used", entries_.size() - most, noun));
+      break;
+    }
     out.push_back(fmt::format("{} {}{} {} {} not used (first in {})", entry.count, noun,
-                              entry.count > 1 ? "s" : "", entry.card, entry.count > 1 ? "are" : "is",
-                              entry.first));
+                              entry.count > 1 ? "s" : "", entry.card.substr(0, 60),
+                              entry.count > 1 ? "are" : "is", entry.first));
+  }
   return out;
+}
+
+void require_file(const std::filesystem::path& path) {
+  std::error_code ignored;
+  const auto status = std::filesystem::status(path, ignored);
+  if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status))
+    throw std::invalid_argument(path.string() + ": is no file; name the file itself");
 }
 
 Index ModelBuilder::add_node(int scope, std::int64_t label, const Eigen::Vector3d& x, const Where& where) {
@@ -35,9 +47,15 @@ Index ModelBuilder::add_node(int scope, std::int64_t label, const Eigen::Vector3
   if (!numbers_.emplace(std::pair{scope, label}, number).second)
     throw std::invalid_argument(
         fmt::format("{}: node {} is given twice; node numbers must be unique", where.text(), label));
-  if (!x.allFinite())
+  // In any unit of length farther away than the sun: squares and cubes of it would leave the numbers.
+  constexpr double farthest = 1e15;
+  if (!(x.cwiseAbs().maxCoeff() <= farthest))
+    throw std::invalid_argument(fmt::format(
+        "{}: node {} has a coordinate that is no number, or beyond all measure", where.text(), label));
+  constexpr std::size_t most = 100'000'000;
+  if (points_.size() >= most)
     throw std::invalid_argument(
-        fmt::format("{}: node {} has a coordinate that is no number", where.text(), label));
+        fmt::format("{}: more than {} nodes; no memory holds them", where.text(), most));
   points_.push_back(x);
   labels_.push_back(label);
   return number;

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <filesystem>
 #include <map>
 #include <string>
 #include <unordered_map>
@@ -21,6 +22,10 @@ struct Where {
   std::string text() const { return *file + ", line " + std::to_string(line); }
 };
 
+/// Refuses a folder, a device, a pipe: what may never end (std::invalid_argument).  A missing file is for the
+/// reader to tell.
+void require_file(const std::filesystem::path& path);
+
 /// Cards that were read over: name, count, first line.
 class Unused {
  public:
@@ -34,6 +39,7 @@ class Unused {
     int count = 0;
   };
   std::vector<Entry> entries_;
+  std::map<std::string, std::size_t> place_;
 };
 
 class ModelBuilder {

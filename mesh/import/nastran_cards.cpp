@@ -90,8 +90,14 @@ class Deck {
   explicit Deck(std::set<std::string>& names) : names_(names) {}
 
   void read(const std::filesystem::path& path, bool skip_case_control, int depth) {
+    require_file(path);
     std::ifstream file(path);
     if (!file) throw std::invalid_argument(path.string() + ": no such file, or it cannot be read");
+    constexpr int most_files = 1000;
+    if (++n_files_ > most_files)
+      throw std::invalid_argument(path.string() +
+                                  ": INCLUDE reads more than 1000 files; files that include "
+                                  "one another?");
     if (depth > 10)
       throw std::invalid_argument(path.string() +
                                   ": INCLUDE goes deeper than 10 files; a file that includes itself?");
@@ -141,6 +147,7 @@ class Deck {
 
   std::set<std::string>& names_;
   bool ended_ = false;
+  int n_files_ = 0;
 };
 
 }  // namespace
@@ -157,7 +164,7 @@ std::int64_t Card::integer(std::size_t k) const {
   const auto [end, error] = std::from_chars(begin, field.data() + field.size(), value);
   if (field.empty() || error != std::errc() || end != field.data() + field.size())
     throw std::invalid_argument(fmt::format("{}: field {} of {} is \"{}\" where a whole number is wanted",
-                                            where.text(), k + 2, name, field));
+                                            where.text(), k + 2, name.substr(0, 20), field.substr(0, 40)));
   return value;
 }
 
@@ -169,7 +176,7 @@ double Card::real(std::size_t k) const {
   const auto value = parse_real(text(k));
   if (!value || !std::isfinite(*value))
     throw std::invalid_argument(fmt::format("{}: field {} of {} is \"{}\" where a number is wanted",
-                                            where.text(), k + 2, name, text(k)));
+                                            where.text(), k + 2, name.substr(0, 20), text(k).substr(0, 40)));
   return *value;
 }
 

@@ -43,6 +43,7 @@ class Reader {
  public:
   ImportedModel read(const std::filesystem::path& path) {
     name_ = path.string();
+    require_file(path);
     file_.open(path);
     if (!file_) throw std::invalid_argument(name_ + ": no such file, or it cannot be read");
     while (next()) {
@@ -75,15 +76,17 @@ class Reader {
  private:
   bool next() {
     words_.clear();
-    if (!std::getline(file_, line_)) return false;
-    ++number_;
-    for (std::size_t k = 0; k < line_.size();) {
-      const std::size_t begin = line_.find_first_not_of(" \t\r", k);
-      if (begin == std::string::npos) break;
-      k = std::min(line_.find_first_of(" \t\r", begin), line_.size());
-      words_.push_back(line_.substr(begin, k - begin));
+    while (words_.empty()) {
+      if (!std::getline(file_, line_)) return false;
+      ++number_;
+      for (std::size_t k = 0; k < line_.size();) {
+        const std::size_t begin = line_.find_first_not_of(" \t\r", k);
+        if (begin == std::string::npos) break;
+        k = std::min(line_.find_first_of(" \t\r", begin), line_.size());
+        words_.push_back(line_.substr(begin, k - begin));
+      }
     }
-    return words_.empty() ? next() : true;
+    return true;
   }
   /// The next line of a record that must be there.
   void want() {
@@ -100,7 +103,8 @@ class Reader {
     const std::string& word = words_[k];
     const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
     if (error != std::errc() || end != word.data() + word.size())
-      throw std::invalid_argument(fmt::format("{}: \"{}\" is not a whole number", here().text(), word));
+      throw std::invalid_argument(
+          fmt::format("{}: \"{}\" is not a whole number", here().text(), word.substr(0, 40)));
     return value;
   }
 
@@ -113,7 +117,8 @@ class Reader {
     double value = 0;
     const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
     if (error != std::errc() || end != word.data() + word.size())
-      throw std::invalid_argument(fmt::format("{}: \"{}\" is not a number", here().text(), words_[k]));
+      throw std::invalid_argument(
+          fmt::format("{}: \"{}\" is not a number", here().text(), words_[k].substr(0, 40)));
     return value;
   }
 

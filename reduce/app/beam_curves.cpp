@@ -40,7 +40,9 @@ input::TableSchema curves_schema() {
           .or_default("5 deg")
           .above(0),
       input::flag("warping_free", "the joints let the ends warp").or_default("false"),
-      input::integer("elements", "elements of each straight member; default: by [mesh]").at_least(1),
+      input::integer("elements", "elements of each straight member; default: by [mesh]")
+          .at_least(1)
+          .at_most(100000),
   };
   return s;
 }

@@ -30,7 +30,7 @@ TableSchema member_schema() {
                    "released at the first end: some of x, y, z, rx, ry, rz, in the member's axes"),
       input::texts("release_2", "released at the second end"),
       input::flag("warping_free", "the joints let both ends warp").or_default("false"),
-      input::integer("elements", "number of elements; default: by [mesh]").at_least(1),
+      input::integer("elements", "number of elements; default: by [mesh]").at_least(1).at_most(100000),
   };
   return s;
 }
@@ -39,7 +39,10 @@ TableSchema mesh_schema() {
   TableSchema s{.name = "mesh",
                 .doc = "How members are divided into elements; the finest of the rules counts."};
   s.keys = {
-      input::integer("elements", "elements of each member at least").or_default("4").at_least(1),
+      input::integer("elements", "elements of each member at least")
+          .or_default("4")
+          .at_least(1)
+          .at_most(100000),
       input::quantity("size", dim::length, "greatest length of an element").above(0),
       input::quantity("frequency", dim::frequency, "resolve all waves up to this frequency").above(0),
       input::quantity("frequency_error", dim::none, "relative error wanted there")
@@ -59,7 +62,9 @@ TableSchema solid_schema() {
   s.keys = {
       input::text("part", "part file of the solid, relative to this file; it is reduced first"),
       input::text("superelement", "instead: a superelement that `flexura reduce` made"),
-      input::integer("modes", "number of its modes, instead of what its part file says").at_least(0),
+      input::integer("modes", "number of its modes, instead of what its part file says")
+          .at_least(0)
+          .at_most(20000),
   };
   return s;
 }

@@ -7,12 +7,21 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "mbs/input/formula_text.hpp"
+#include "mbs/input/shown_text.hpp"
+
 namespace flexura::reduce {
 
 Eigen::MatrixX3d evaluate_field(const std::array<std::string, 3>& formulas, const mesh::Mesh& mesh) {
   Eigen::MatrixX3d values(mesh.n_nodes(), 3);
   double x[3];
   for (int a = 0; a < 3; ++a) {
+    const auto refuse = [&](const std::string& why) {
+      throw std::invalid_argument(
+          fmt::format("the formula \"{}\" cannot be read ({}); it may use x, y, z and pi",
+                      input::shown_text(formulas[a]), why));
+    };
+    if (const std::string why = input::wrong_with_formula(formulas[a]); !why.empty()) refuse(why);
     mu::Parser parser;
     parser.DefineVar("x", &x[0]);
     parser.DefineVar("y", &x[1]);
@@ -25,8 +34,7 @@ Eigen::MatrixX3d evaluate_field(const std::array<std::string, 3>& formulas, cons
         values(node, a) = parser.Eval();
       }
     } catch (const mu::Parser::exception_type& error) {
-      throw std::invalid_argument(fmt::format(
-          "the formula \"{}\" cannot be read ({}); it may use x, y, z and pi", formulas[a], error.GetMsg()));
+      refuse(input::shown_text(error.GetMsg(), 120));
     }
   }
   if (!values.allFinite())

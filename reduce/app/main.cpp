@@ -58,6 +58,12 @@ int reduce_with(const Arguments& arguments, const terminal::Talk& talk, const li
   std::vector<std::string> overrides = arguments.overrides;
   if (!arguments.mesh_size.empty()) overrides.push_back("mesh.size=" + arguments.mesh_size);
   if (arguments.modes >= 0) overrides.push_back(fmt::format("modes.count={}", arguments.modes));
+  constexpr int most = 20000;
+  for (const auto& [name, count] :
+       {std::pair{"--compare", arguments.compare}, std::pair{"--places", arguments.places},
+        std::pair{"--beam-modes", arguments.beam_modes}})
+    if (count < 0 || count > most)
+      throw input::InputError(fmt::format("{} {}: must be at least 0 and at most {}", name, count, most));
   std::filesystem::path output = arguments.output;
   if (output.empty()) output = std::filesystem::path(arguments.input).replace_extension(".se.h5");
   terminal::require_folder_of(output);

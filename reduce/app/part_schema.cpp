@@ -10,7 +10,7 @@ namespace dim = input::dim;
 TableSchema modes_schema() {
   TableSchema s{.name = "modes", .doc = "Fixed-interface normal modes to keep beside the constraint modes."};
   s.keys = {
-      input::integer("count", "number of modes").or_default("20").at_least(0),
+      input::integer("count", "number of modes").or_default("20").at_least(0).at_most(20000),
       input::quantity("up_to", dim::frequency, "keep all modes up to this frequency instead of a fixed count")
           .above(0),
       input::quantity("damping", dim::none,
@@ -327,7 +327,8 @@ TableSchema solid_modes_schema() {
       input::integer("interface_count",
                      "elastic ties: number of interface modes (characteristic constraint modes)")
           .or_default("20")
-          .at_least(0),
+          .at_least(0)
+          .at_most(20000),
       input::quantity("interface_up_to", dim::frequency,
                       "elastic ties: keep all interface modes up to this frequency instead")
           .above(0),

@@ -64,6 +64,11 @@ Session::Session() {
     // On one machine the ob1 messaging layer starts in a fifth of the time of the default; the user's choice
     // counts.
     setenv("OMPI_MCA_pml", "ob1", 0);
+    // A process alone needs no daemon of MPI's, which would want ssh, nor files for others to meet it by.
+    if (launch().size == 1) {
+      setenv("OMPI_MCA_ess_singleton_isolated", "1", 0);
+      setenv("OMPI_MCA_orte_create_session_dirs", "0", 0);
+    }
     setenv("PETSC_OPTIONS", "", 1);
     setenv("HWLOC_HIDE_ERRORS", "2", 0);  // no remarks on machines without /sys: they are not ours to mend
     PetscOptionsSetValue(nullptr, "-no_signal_handler", "true");

@@ -18,6 +18,9 @@ if(FLEXURA_SANITIZE)
   # double the time to compile, 40 s against 20 s for a typical test.
   set(CMAKE_CXX_FLAGS_RELEASE "-O1 -g1 -fno-omit-frame-pointer -fsanitize=address,undefined \
 -fno-sanitize=null,alignment,vptr,object-size,nonnull-attribute,returns-nonnull-attribute -fno-sanitize-recover=undefined")
+  if(FLEXURA_FUZZ)
+    string(APPEND CMAKE_CXX_FLAGS_RELEASE " -fsanitize=fuzzer-no-link -Wno-deprecated-declarations")
+  endif()
 else()
   # Eigen's checks of sizes and indices run with the sanitizers; here they would cost the small products of every step.
   add_compile_definitions(EIGEN_NO_DEBUG)
