@@ -5,6 +5,7 @@
 
 #include "mbs/app/commands.hpp"
 #include "mbs/app/mechanism_runs.hpp"
+#include "mbs/files/output.hpp"
 #include "mbs/solver/state_file.hpp"
 #include "mbs/terminal/terminal.hpp"
 
@@ -41,7 +42,8 @@ nlohmann::json to_json(const NamedRun& run) {
 }
 
 int print_assembled(const Arguments& arguments, const terminal::Talk& talk) {
-  terminal::require_folder_of(arguments.save_state);
+  files::Claims claims;
+  claims.add(arguments.save_state);
   std::vector<NamedRun> runs = prepare_runs(arguments);
   if (!arguments.save_state.empty()) {
     const mbs::PreparedMechanism& p = only_run(runs, arguments, "--save-state").prepared;

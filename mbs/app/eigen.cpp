@@ -7,6 +7,7 @@
 
 #include "mbs/app/commands.hpp"
 #include "mbs/app/recorder.hpp"
+#include "mbs/files/output.hpp"
 #include "mbs/solver/accelerations.hpp"
 #include "mbs/solver/buckling.hpp"
 #include "mbs/solver/equilibrium.hpp"
@@ -157,7 +158,8 @@ int print_buckling(const Arguments& arguments, const terminal::Talk& talk) {
 }
 
 int print_modes(const Arguments& arguments, const terminal::Talk& talk) {
-  terminal::require_folder_of(arguments.pictures);
+  files::Claims claims;
+  claims.add(arguments.pictures);
   std::vector<NamedRun> runs = prepare_runs(arguments);
   if (!arguments.pictures.empty()) only_run(runs, arguments, "--pictures");
   nlohmann::json list = nlohmann::json::array();

@@ -1,9 +1,13 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
 
+#include <map>
+
 #include "mbs/app/commands.hpp"
+#include "mbs/files/output.hpp"
 #include "mbs/results/results.hpp"
 #include "mbs/superelement/exchange/exchange.hpp"
+#include "mbs/superelement/exchange/names.hpp"
 #include "mbs/superelement/file.hpp"
 #include "mbs/view/motion_vtk.hpp"
 
@@ -33,9 +37,12 @@ std::filesystem::path stem_of(std::filesystem::path file) {
 int export_results(const Arguments& arguments, const terminal::Talk& talk) {
   if (arguments.frames < 2)
     throw std::invalid_argument(fmt::format("--frames is {}, it must be at least 2", arguments.frames));
-  const results::Results results = results::read(arguments.file);
   std::filesystem::path stem = arguments.output.empty() ? arguments.file : arguments.output;
   if (stem.extension() == ".h5" || stem.extension() == "." + arguments.format) stem.replace_extension();
+  const results::Results results = results::read(arguments.file);
+  files::Claims claims;
+  for (const results::Run& run : results.runs)
+    claims.add(fmt::format("{}.{}.{}", stem.string(), run.name, arguments.format));
   const auto written =
       arguments.format == "csv"
           ? results::write_csv(results, stem.string() + ".csv")
@@ -48,21 +55,31 @@ int export_results(const Arguments& arguments, const terminal::Talk& talk) {
 }
 
 int run(const Arguments& arguments, const terminal::Talk& talk) {
-  terminal::require_folder_of(arguments.output);
   if (is_of_results(arguments.format)) return export_results(arguments, talk);
   if (arguments.count < 1)
     throw std::invalid_argument(fmt::format("--count is {}, it must be at least 1", arguments.count));
   const bool pictures = arguments.format == "vtk" || arguments.format == "gmsh" || arguments.format == "gltf";
   const bool matrices = arguments.format == "matrix-market" || arguments.format == "dmig";
+  static const std::map<std::string, std::string> endings = {{"dmig", ".pch"},     {"sid", ".SID_FEM"},
+                                                             {"flexdata", ".xml"}, {"vtk", ".vtp"},
+                                                             {"gltf", ".glb"},     {"gmsh", ".msh"}};
+  const auto ending = endings.find(arguments.format);
+  const std::filesystem::path output =
+      arguments.output.empty() ? std::filesystem::path(stem_of(arguments.file).string() +
+                                                       (ending == endings.end() ? "" : ending->second))
+                               : std::filesystem::path(arguments.output);
+  files::Claims claims;
+  if (arguments.format == "matrix-market") {
+    for (const char* const letter : {"K", "M", "D"})
+      claims.add(superelement::matrix_market_name(output, letter));
+  } else {
+    claims.add(output);
+  }
   const Superelement se = superelement::read(arguments.file, {.matrices = true,
                                                               .inertia = true,
                                                               .stiffening = arguments.format == "sid",
                                                               .surface = pictures,
                                                               .shapes = pictures});
-  const auto output = [&](const char* ending) {
-    return arguments.output.empty() ? std::filesystem::path(stem_of(arguments.file).string() + ending)
-                                    : std::filesystem::path(arguments.output);
-  };
   ModeAnalysis modes;
   if (!matrices) {
     modes = superelement::natural_modes(
@@ -74,15 +91,15 @@ int run(const Arguments& arguments, const terminal::Talk& talk) {
   }
   std::vector<std::filesystem::path> written;
   if (arguments.format == "matrix-market") {
-    written = superelement::write_matrix_market(output(""), se);
+    written = superelement::write_matrix_market(output, se);
   } else if (arguments.format == "dmig") {
-    written = {output(".pch")};
+    written = {output};
     superelement::write_dmig(written[0], se);
   } else if (arguments.format == "sid") {
-    written = {output(".SID_FEM")};
+    written = {output};
     superelement::write_sid(written[0], se, modes);
   } else if (arguments.format == "flexdata") {
-    written = {output(".xml")};
+    written = {output};
     superelement::write_flexdata(written[0], superelement::make_flexdata(se, modes));
     if (!talk.quiet && !se.load_cases.empty()) {
       fmt::print(stderr,
@@ -90,13 +107,13 @@ int run(const Arguments& arguments, const terminal::Talk& talk) {
                  se.load_cases.size());
     }
   } else if (arguments.format == "vtk") {
-    written = {output(".vtp")};
+    written = {output};
     superelement::write_vtp(written[0], se, modes);
   } else if (arguments.format == "gltf") {
-    written = {output(".glb")};
+    written = {output};
     superelement::write_gltf(written[0], se, modes);
   } else {
-    written = {output(".msh")};
+    written = {output};
     superelement::write_gmsh_views(written[0], se, modes);
   }
   if (!talk.quiet) {

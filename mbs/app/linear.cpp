@@ -11,6 +11,7 @@
 #include "mbs/app/commands.hpp"
 #include "mbs/app/mechanism_runs.hpp"
 #include "mbs/app/state_space.hpp"
+#include "mbs/files/output.hpp"
 #include "mbs/solver/descriptor.hpp"
 #include "mbs/solver/linearise.hpp"
 #include "mbs/superelement/exchange/exchange.hpp"
@@ -33,7 +34,8 @@ struct Arguments : MechanismArguments {
 };
 
 int print_statics(const Arguments& arguments, const terminal::Talk& talk) {
-  terminal::require_folder_of(arguments.save_state);
+  files::Claims claims;
+  claims.add(arguments.save_state);
   std::vector<NamedRun> runs = prepare_runs(arguments);
   if (!arguments.save_state.empty()) only_run(runs, arguments, "--save-state");
   nlohmann::json list = nlohmann::json::array();
@@ -104,7 +106,14 @@ std::filesystem::path write_response(const LinearSystem& system, const Eigen::Ve
 }
 
 int write_linear_system(const Arguments& arguments, const terminal::Talk& talk) {
-  terminal::require_folder_of(arguments.output);
+  std::filesystem::path path = arguments.output, table;
+  if (path.empty()) path = std::filesystem::path(arguments.file).stem().string() + "_linear.m";
+  files::Claims claims;
+  for (const auto& file : state_space_files(path, arguments.descriptor)) claims.add(file);
+  if (!arguments.response.empty()) {
+    table = path;
+    claims.add(table.replace_filename(path.stem().string() + "_response.csv"));
+  }
   std::vector<NamedRun> runs = prepare_runs(arguments);
   PreparedMechanism& p = only_run(runs, arguments, "linearize").prepared;
   if (arguments.equilibrium) settle(p);
@@ -140,8 +149,6 @@ int write_linear_system(const Arguments& arguments, const terminal::Talk& talk) 
       return y;
     };
   }
-  std::filesystem::path path = arguments.output;
-  if (path.empty()) path = std::filesystem::path(arguments.file).stem().string() + "_linear.m";
   StateSpace file;
   file.time = p.state.t;
   std::vector<std::filesystem::path> written;
@@ -165,8 +172,6 @@ int write_linear_system(const Arguments& arguments, const terminal::Talk& talk) 
     if (!arguments.response.empty()) {
       if (d.inputs.empty() || d.outputs.empty())
         throw std::invalid_argument("--response needs an --input and a --measure");
-      std::filesystem::path table = path;
-      table.replace_filename(path.stem().string() + "_response.csv");
       written.push_back(write_response(d, frequencies_of(arguments.response), table));
     }
   }

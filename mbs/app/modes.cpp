@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "mbs/app/commands.hpp"
+#include "mbs/files/output.hpp"
 #include "mbs/superelement/file.hpp"
 #include "mbs/terminal/terminal.hpp"
 #include "mbs/view/pages.hpp"
@@ -110,7 +111,8 @@ int run(const Arguments& arguments, const terminal::Talk& talk) {
   }
   if (arguments.count < 1)
     throw std::invalid_argument(fmt::format("--count is {}, it must be at least 1", arguments.count));
-  terminal::require_folder_of(arguments.html);
+  files::Claims claims;
+  claims.add(arguments.html);
   const Superelement se = superelement::read(arguments.file);
   // Without a choice: the body as it hangs in the air and, with effective masses, as it sits in its
   // interfaces.

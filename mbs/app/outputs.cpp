@@ -7,6 +7,8 @@
 #include "mbs/app/commands.hpp"
 #include "mbs/app/recorder.hpp"
 #include "mbs/app/results_summary.hpp"
+#include "mbs/files/output.hpp"
+#include "mbs/results/csv_name.hpp"
 #include "mbs/solver/accelerations.hpp"
 #include "mbs/terminal/terminal.hpp"
 
@@ -42,16 +44,17 @@ void require_states_of(const mbs::Mechanism& mechanism, const results::Run& run,
 }
 
 int compute(const Arguments& arguments, const terminal::Talk& talk) {
-  const results::Results in = results::read(arguments.results);
-  const std::vector<NamedRun> runs = prepare_runs(arguments);
   std::filesystem::path path = arguments.output;
   if (path.empty()) {
     path = arguments.results;
     path.replace_filename(path.stem().string() + "_outputs.h5");
   }
-  if (std::filesystem::exists(path) && std::filesystem::equivalent(path, arguments.results))
-    throw std::invalid_argument(
-        fmt::format("{} holds the states; write the outputs to another file", path.string()));
+  files::Claims claims;
+  claims.add(path);
+  const results::Results in = results::read(arguments.results);
+  const std::vector<NamedRun> runs = prepare_runs(arguments);
+  if (arguments.csv)
+    for (const NamedRun& run : runs) claims.add(results::csv_name(path, run.name));
   // All checked before anything is written.
   std::vector<const results::Run*> sources;
   for (const NamedRun& run : runs) {

@@ -5,6 +5,8 @@
 #include <nlohmann/json.hpp>
 
 #include "mbs/app/commands.hpp"
+#include "mbs/files/inputs.hpp"
+#include "mbs/files/output.hpp"
 #include "mbs/superelement/file.hpp"
 #include "mbs/view/reduction_report.hpp"
 
@@ -16,6 +18,7 @@ struct Arguments {
 };
 
 view::Report read_report(const std::string& file) {
+  files::note_input(file);
   std::ifstream in(file);
   if (!in) throw std::invalid_argument(fmt::format("cannot read the report '{}': no such file", file));
   nlohmann::json json;
@@ -36,7 +39,8 @@ view::Report read_report(const std::string& file) {
 int run(const Arguments& arguments, const terminal::Talk& talk) {
   std::filesystem::path html = arguments.html;
   if (html.empty()) html = std::filesystem::path(arguments.file).replace_extension(".html");
-  terminal::require_folder_of(html);
+  files::Claims claims;
+  claims.add(html);
   const bool is_json = arguments.file.ends_with(".json");
   const view::Report report =
       is_json

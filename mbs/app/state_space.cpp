@@ -5,6 +5,7 @@
 
 #include <iterator>
 
+#include "mbs/files/output.hpp"
 #include "mbs/hdf5/file.hpp"
 #include "mbs/superelement/exchange/exchange.hpp"
 #include "mbs/superelement/text_file.hpp"
@@ -55,10 +56,9 @@ std::string matrix_market(const StateSpace& s, const std::string& name, const Ei
 }
 
 void write_hdf5(const StateSpace& s, const std::filesystem::path& path) {
-  std::filesystem::path beside = path;
-  beside += ".part";
+  files::Output output(path);
   {
-    hdf5::File file(beside, hdf5::Mode::create);
+    hdf5::File file(output.part(), hdf5::Mode::create);
     hdf5::Group root = file.root();
     root.set("format", "flexura state space");
     root.set("title", s.title);
@@ -72,10 +72,27 @@ void write_hdf5(const StateSpace& s, const std::filesystem::path& path) {
     }
     file.close();
   }
-  std::filesystem::rename(beside, path);
+  output.commit();
+}
+
+std::filesystem::path matrix_file(const std::filesystem::path& path, const std::string& name) {
+  return path.parent_path() / (path.stem().string() + "_" + name + ".mtx");
 }
 
 }  // namespace
+
+std::vector<std::filesystem::path> state_space_files(const std::filesystem::path& path, bool descriptor) {
+  const std::string ending = path.extension().string();
+  if (ending == ".m" || ending == ".h5") return {path};
+  if (ending != ".mtx")
+    throw std::invalid_argument(fmt::format(
+        "{}: the ending must be .m (Octave, MATLAB), .h5 (HDF5) or .mtx (Matrix Market)", path.string()));
+  std::vector<std::filesystem::path> files;
+  for (const char* const name : {"A", "B", "C", "D", "x_0", "u_0", "y_0"})
+    files.push_back(matrix_file(path, name));
+  if (descriptor) files.push_back(matrix_file(path, "E"));
+  return files;
+}
 
 std::vector<std::filesystem::path> write_state_space(const StateSpace& system,
                                                      const std::filesystem::path& path) {
@@ -88,13 +105,10 @@ std::vector<std::filesystem::path> write_state_space(const StateSpace& system,
     write_hdf5(system, path);
     return {path};
   }
-  if (ending != ".mtx")
-    throw std::invalid_argument(fmt::format(
-        "{}: the ending must be .m (Octave, MATLAB), .h5 (HDF5) or .mtx (Matrix Market)", path.string()));
   std::vector<std::filesystem::path> files;
   for (const auto& [name, A] : system.matrices) {
     if (A.size() == 0) continue;
-    files.push_back(path.parent_path() / (path.stem().string() + "_" + name + ".mtx"));
+    files.push_back(matrix_file(path, name));
     write_whole(files.back(), matrix_market(system, name, A));
   }
   return files;

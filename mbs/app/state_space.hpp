@@ -19,8 +19,11 @@ struct StateSpace {
 
 /// By the ending of the path: .m an Octave or MATLAB script, .h5 HDF5 (one dataset for each matrix, the names
 /// as text, one a line), .mtx Matrix Market, one file NAME_A.mtx for each matrix (its nonzero entries) with
-/// the names as comments.  Returns the files.  Throws std::invalid_argument for another ending.
+/// the names as comments.  Returns the files.  The ending is one that state_space_files() takes.
 std::vector<std::filesystem::path> write_state_space(const StateSpace& system,
                                                      const std::filesystem::path& path);
+
+/// The files that this may become.  Throws std::invalid_argument for another ending.
+std::vector<std::filesystem::path> state_space_files(const std::filesystem::path& path, bool descriptor);
 
 }  // namespace flexura::app

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "mbs/app/commands.hpp"
+#include "mbs/files/output.hpp"
 #include "mbs/study/front_picture.hpp"
 #include "mbs/study/judge.hpp"
 #include "mbs/study/tables.hpp"
@@ -164,7 +165,11 @@ int run(const Arguments& arguments, const terminal::Talk& talk) {
   if (arguments.file.empty()) throw input::InputError("no study file given; see flexura study --help");
   if (arguments.jobs < 1)
     throw std::invalid_argument(fmt::format("--jobs is {}, it must be at least 1", arguments.jobs));
-  terminal::require_folder_of(arguments.output);
+  std::string stem = arguments.output;
+  if (stem.empty()) stem = std::filesystem::path(arguments.file).stem().string();
+  files::Claims claims;
+  if (arguments.share.empty())  // a share only fills the cache
+    for (const char* const ending : {".html", ".csv", ".json", ".md", ".svg"}) claims.add(stem + ending);
   const StudyFile study = study::read_study(arguments.file, arguments.set);
   const std::filesystem::path bin = program_folder();
   terminal::Progress progress(stderr, talk.quiet);
@@ -183,8 +188,6 @@ int run(const Arguments& arguments, const terminal::Talk& talk) {
     return 0;
   }
   const Judgement judgement = study::judge(study, measured);
-  std::string stem = arguments.output;
-  if (stem.empty()) stem = std::filesystem::path(arguments.file).stem().string();
   write_whole(stem + ".csv", study::as_csv(study, judgement));
   const std::string json =
       study::as_json(study, judgement, std::string("flexura ") + FLEXURA_VERSION).dump(1) + "\n";

@@ -6,6 +6,7 @@
 
 #include "mbs/app/commands.hpp"
 #include "mbs/app/results_summary.hpp"
+#include "mbs/files/output.hpp"
 #include "mbs/terminal/terminal.hpp"
 #include "mbs/view/pages.hpp"
 
@@ -22,17 +23,19 @@ struct Arguments {
 int run(const Arguments& arguments, const terminal::Talk& talk) {
   if (arguments.frames < 2)
     throw std::invalid_argument(fmt::format("--frames is {}, it must be at least 2", arguments.frames));
-  terminal::require_folder_of(arguments.html);
+  std::filesystem::path html = arguments.html;
+  if (html.empty() && !arguments.summary && !arguments.json)
+    html = std::filesystem::path(arguments.file).replace_extension(".html");
+  files::Claims claims;
+  claims.add(html);
   const results::Results results = results::read(arguments.file);
   if (arguments.json) {
     fmt::print("{}\n", summary_json("results", results).dump(1));
   } else if (arguments.summary) {
     fmt::print("{}", summary_text(results, terminal::width(stdout), terminal::takes_colour(stdout)));
   }
-  if ((arguments.summary || arguments.json) && arguments.html.empty()) return 0;
+  if (html.empty()) return 0;
   const view::Pictures pictures = view::read_pictures(results.model, arguments.file);
-  std::filesystem::path html = arguments.html;
-  if (html.empty()) html = std::filesystem::path(arguments.file).replace_extension(".html");
   view::MotionPage page;
   page.plots = arguments.plots;
   page.most_frames = arguments.frames;

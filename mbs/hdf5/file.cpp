@@ -3,6 +3,7 @@
 
 #include <fstream>
 
+#include "mbs/files/inputs.hpp"
 #include "mbs/hdf5/library.hpp"
 
 namespace flexura::hdf5 {
@@ -36,6 +37,7 @@ File::File(const std::filesystem::path& path, Mode mode) : path_(path) {
       throw BadFile(label + ": there is no such file; check the path");
     if (std::filesystem::is_directory(path, ignored))
       throw BadFile(label + ": is a folder, a file is wanted");
+    if (mode == Mode::read) files::note_input(path);
   } else if (path.has_parent_path() && !std::filesystem::is_directory(path.parent_path(), ignored)) {
     throw BadFile(label + ": the folder " + path.parent_path().string() + " does not exist; make it first");
   }
@@ -48,6 +50,7 @@ File::File(const std::filesystem::path& path, Mode mode) : path_(path) {
   switch (mode) {
     case Mode::create:
       id = H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access.get());
+      if (id < 0) throw Error(label + ": cannot be written; check the folder, its permissions and the disk");
       break;
     case Mode::modify:
       id = H5Fopen(path.c_str(), H5F_ACC_RDWR, access.get());

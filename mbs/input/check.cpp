@@ -6,6 +6,7 @@
 #include <fstream>
 #include <limits>
 
+#include "mbs/files/inputs.hpp"
 #include "mbs/input/document.hpp"
 #include "mbs/input/nesting.hpp"
 #include "mbs/input/section_data.hpp"
@@ -308,6 +309,7 @@ std::string read_text(const std::filesystem::path& file) {
   }
   if (std::filesystem::is_directory(status))
     throw InputError(file.string() + ": is a folder, a TOML file is wanted");
+  files::note_input(file);
   std::ifstream in(file, std::ios::binary);
   std::string text((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
   if (!in) throw InputError(file.string() + ": cannot be read; check its permissions");

@@ -3,6 +3,7 @@
 
 #include <initializer_list>
 
+#include "mbs/files/inputs.hpp"
 #include "mbs/input/section_data.hpp"
 #include "mbs/input/shown_text.hpp"
 
@@ -148,7 +149,10 @@ const std::filesystem::path& Section::document() const {
 }
 
 std::filesystem::path Section::file(const std::string& key) const {
-  return document().parent_path() / std::filesystem::path(text(key));  // an absolute path replaces the folder
+  const std::filesystem::path named =
+      document().parent_path() / text(key);  // an absolute path replaces the folder
+  files::note_input(named);
+  return named;
 }
 
 std::string Section::where(const std::string& key) const {

@@ -61,14 +61,14 @@ std::optional<Matrices> read_entry(const fs::path& file) {
   return unpacked(text.str());
 }
 
-// A folder that takes no files costs time only.  Two programs may write one entry at the same time: it holds
-// the same numbers, and a half of them is not taken for whole.
+// A folder that takes no files costs time only.  Where two programs have the same entry to write, it holds the
+// same numbers, and one of them suffices; a half of them is not taken for whole.
 void write_entry(const fs::path& file, const Matrices& matrices) {
   std::error_code none;
   fs::create_directories(file.parent_path(), none);
   try {
     superelement::write_whole(file, packed(matrices));
-  } catch (const std::runtime_error&) {
+  } catch (const std::exception&) {
   }
 }
 

@@ -3,6 +3,8 @@
 
 #include <fstream>
 
+#include "mbs/files/output.hpp"
+#include "mbs/results/csv_name.hpp"
 #include "mbs/results/results.hpp"
 
 namespace flexura::results {
@@ -46,20 +48,18 @@ void write_run(const Run& run, const std::filesystem::path& path) {
 
 }  // namespace
 
+std::filesystem::path csv_name(const std::filesystem::path& path, const std::string& run) {
+  std::filesystem::path target = path;
+  return target.replace_extension("." + run + ".csv");
+}
+
 std::vector<std::filesystem::path> write_csv(const Results& results, const std::filesystem::path& path) {
   std::vector<std::filesystem::path> written;
   for (const Run& run : results.runs) {
-    std::filesystem::path target = path;
-    target.replace_extension("." + run.name + ".csv");
-    const std::filesystem::path beside = target.string() + ".part";
-    try {
-      write_run(run, beside);
-      std::filesystem::rename(beside, target);
-    } catch (...) {
-      std::error_code ignored;
-      std::filesystem::remove(beside, ignored);
-      throw;
-    }
+    const std::filesystem::path target = csv_name(path, run.name);
+    files::Output output(target);
+    write_run(run, output.part());
+    output.commit();
     written.push_back(target);
   }
   return written;

@@ -6,6 +6,8 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "mbs/files/left_behind.hpp"
+#include "mbs/files/output.hpp"
 #include "mbs/hdf5/file.hpp"
 #include "mbs/results/results.hpp"
 
@@ -34,6 +36,8 @@ struct Column {
 }  // namespace
 
 struct Writer::Impl {
+  explicit Impl(const std::filesystem::path& path) : output(path), path(path), part(output.part()) {}
+  files::Output output;
   std::filesystem::path path, part;
   bool closed = false;
   int n_runs = 0;
@@ -76,9 +80,7 @@ struct Writer::Impl {
 };
 
 Writer::Writer(const std::filesystem::path& path, const ModelHeader& model)
-    : impl_(std::make_unique<Impl>()) {
-  impl_->path = path;
-  impl_->part = path.string() + ".part";
+    : impl_(std::make_unique<Impl>(path)) {
   hdf5::File file(impl_->part, hdf5::Mode::create);
   {
     hdf5::Group root = file.root();
@@ -105,15 +107,8 @@ Writer::Writer(const std::filesystem::path& path, const ModelHeader& model)
   file.close();
 }
 
-Writer::~Writer() {
-  try {
-    if (impl_->file) impl_->flush();
-    // A file in which no run began would only be in the way.
-    if (!impl_->closed && impl_->n_runs == 0) std::filesystem::remove(impl_->part);
-  } catch (const std::exception&) {
-    // Nothing more can be done for the last rows; FILE.part keeps the earlier ones.
-  }
-}
+// What is not whole by now is closed first and removed then.
+Writer::~Writer() = default;
 
 void Writer::begin_run(const std::string& run, const std::vector<Quantity>& quantities,
                        const std::vector<RunBody>& bodies, const std::vector<std::string>& state_names) {
@@ -244,8 +239,10 @@ void Writer::close() {
   Impl& w = *impl_;
   if (w.closed) return;
   if (w.file) end_run(false, "the program ended the file while the run was going on", "{}");
-  std::filesystem::rename(w.part, w.path);
+  w.output.commit();
   w.closed = true;
+  // Whole results take the place of those that a killed run left under a private name.
+  files::remove_left_behind(w.path, "\x89HDF\r\n\x1a\n");
 }
 
 }  // namespace flexura::results

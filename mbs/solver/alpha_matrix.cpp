@@ -3,6 +3,8 @@
 
 #include <cmath>
 
+#include "mbs/solver/remembered.hpp"
+
 namespace flexura::mbs {
 
 AlphaCoefficients::AlphaCoefficients(double rho)
@@ -80,7 +82,10 @@ void AlphaMatrix::remember(History& history) {
   history(h_);
   history(at_);
   history(v_dot_);
-  if (history.reads() && h_ > 0.0) factor(h_, at_, v_dot_);
+  if (!history.reads() || !(h_ > 0.0)) return;
+  require_sizes(at_, n_);
+  require_size(v_dot_.size(), n_.n_v);
+  factor(h_, at_, v_dot_);
 }
 
 }  // namespace flexura::mbs

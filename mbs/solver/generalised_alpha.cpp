@@ -10,6 +10,7 @@
 #include "mbs/solver/alpha_matrix.hpp"
 #include "mbs/solver/error_weights.hpp"
 #include "mbs/solver/finite.hpp"
+#include "mbs/solver/remembered.hpp"
 #include "mbs/solver/switches.hpp"
 
 namespace flexura::mbs {
@@ -354,15 +355,17 @@ void GeneralisedAlpha::interpolate(double t, State& s, VectorXd& v_dot) {
 
 void GeneralisedAlpha::remember(History& history) {
   for (Point* x : {&now_, &before_}) {
-    history(x->s);
-    for (VectorXd* y : {&x->v_dot, &x->c_dot, &x->w, &x->w_c}) history(*y);
+    mbs::remember(history, x->s, n_);
+    for (VectorXd* y : {&x->v_dot, &x->w}) mbs::remember(history, *y, n_.n_v);
+    for (VectorXd* y : {&x->c_dot, &x->w_c}) mbs::remember(history, *y, n_.n_dyn);
   }
-  history(v_dot_older_);
+  mbs::remember(history, v_dot_older_, n_.n_v);
   history(d_before_);
   for (double* x : {&h_, &h_w_, &h_older_, &h_done_}) history(*x);
   switches_.remember(history, now_.s);
   matrix_.remember(history);
   if (!history.reads()) return;
+  if (h_done_ != 0.0) require_size(d_before_.size(), n_.n_v);
   started_ = true;
   next_ = now_;
 }

@@ -8,9 +8,11 @@
 #include <sundials/sundials_context.h>
 
 #include <cmath>
+#include <limits>
 
 #include "mbs/solver/error_weights.hpp"
 #include "mbs/solver/newton_matrix.hpp"
+#include "mbs/solver/remembered.hpp"
 #include "mbs/solver/switches.hpp"
 
 namespace flexura::mbs {
@@ -218,6 +220,10 @@ void Ida::create(const State& s) {
   check(IDASetErrHandlerFn(memory_, &Ida::message, this), "its error handler");
   check(IDAInit(memory_, &Ida::residual, s.t, y_, yp_), "the initial values");
   check(IDASetUserData(memory_, this), "its user data");
+  // Orders that were never reached are part of the history all the same.
+  auto* const record = static_cast<IDAMem>(memory_);
+  for (int k = 0; k <= record->ida_maxord; ++k) N_VConst(0.0, record->ida_phi[k]);
+  N_VConst(0.0, record->ida_ee);
   check(IDAWFtolerances(memory_, &Ida::weights), "the error weights");
   check(IDASetId(memory_, id_), "the kinds of states");
   check(IDASetSuppressAlg(memory_, SUNTRUE), "the error test's mask");
@@ -354,7 +360,7 @@ StepCounts Ida::counts() const {
 
 void Ida::remember(History& history) {
   if (!history.reads() && memory_ == nullptr) return;  // it never started
-  history(start_);
+  mbs::remember(history, start_, eq_.sizes());
   if (history.reads()) {
     create(start_);
     form_->set_start(start_);
@@ -398,9 +404,16 @@ void Ida::remember(History& history) {
   history(full_matrices_left_);
   history(t_);
   if (!history.reads()) return;
+  for (const int order : {m->ida_kk, m->ida_kused, m->ida_knew}) require_between(order, 0, m->ida_maxord);
+  require_between(m->ida_ns, 0, m->ida_maxord + 2);
+  require_between(m->ida_phase, 0, 1);
+  require_between(m->ida_nst, 0, std::numeric_limits<long>::max());
+  // Saved before its first step, it had built none.
+  const bool is_built = m->ida_nst > 0 || built_.y.size() > 0;
+  for (const Eigen::VectorXd* x : {&built_.y, &built_.yp}) require_size(x->size(), is_built ? n : 0);
   built_.scope = scope == 1 ? TangentScope::newton : TangentScope::everything;
   IDAGetNumNonlinSolvConvFails(memory_, &failures_seen_);
-  build_matrix();
+  if (is_built) build_matrix();
 }
 
 }  // namespace

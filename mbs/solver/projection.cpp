@@ -5,6 +5,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "mbs/solver/remembered.hpp"
+
 namespace flexura::mbs {
 
 Projector::Projector(const Equations& eq) : eq_(eq), n_(eq.sizes()), scratch_(eq.make_scratch()) {
@@ -169,7 +171,7 @@ void LoopCloser::remember(History& history) {
   if (n_.n_lambda == 0) return;
   history(has_factors_);
   history(t_factors_);
-  history(p_factors_);
+  mbs::remember(history, p_factors_, n_.n_p);
   if (history.reads() && has_factors_) factor(t_factors_, p_factors_);
 }
 

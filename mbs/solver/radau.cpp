@@ -11,6 +11,7 @@
 #include "mbs/solver/error_weights.hpp"
 #include "mbs/solver/radau_matrices.hpp"
 #include "mbs/solver/radau_tableau.hpp"
+#include "mbs/solver/remembered.hpp"
 #include "mbs/solver/switches.hpp"
 
 namespace flexura::mbs {
@@ -399,12 +400,13 @@ void Radau::interpolate(double t, State& s, VectorXd& v_dot) {
 
 void Radau::remember(History& history) {
   if (!history.reads() && !form_) return;  // it never started
-  history(state_);
+  mbs::remember(history, state_, n_);
   if (history.reads()) {
     create(state_);
     form_->set_start(state_);
   }
-  for (VectorXd* x : {&y_, &yp_, &last_.Z[0], &last_.Z[1], &last_.Z[2], &last_.y_begin}) history(*x);
+  for (VectorXd* x : {&y_, &yp_, &last_.Z[0], &last_.Z[1], &last_.Z[2], &last_.y_begin})
+    mbs::remember(history, *x, form_->size());
   for (double* x :
        {&t_, &last_.t_begin, &last_.h, &h_, &theta_, &convergence_, &h_accepted_, &error_accepted_})
     history(*x);

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "mbs/solver/remembered.hpp"
+
 namespace flexura::mbs {
 
 namespace {
@@ -72,6 +74,7 @@ void RadauMatrices::remember(History& history) {
   for (Eigen::VectorXd* x : {&y_tangents_, &yp_tangents_}) history(*x);
   for (int* k : {&full_left_, &full_span_, &cheap_steps_}) history(*k);
   if (!history.reads() || !has_tangents_) return;
+  for (const Eigen::VectorXd* x : {&y_tangents_, &yp_tangents_}) require_size(x->size(), form_.size());
   form_.linearise(t_tangents_, y_tangents_, yp_tangents_, scope(is_cheap_));
   const double h = h_;
   h_ = 0.0;

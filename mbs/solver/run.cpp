@@ -12,6 +12,8 @@
 #include "mbs/solver/assemble.hpp"
 #include "mbs/solver/bookkeeper.hpp"
 #include "mbs/solver/projection.hpp"
+#include "mbs/solver/remembered.hpp"
+#include "mbs/solver/run_memory.hpp"
 
 namespace flexura::mbs {
 
@@ -27,11 +29,12 @@ constexpr int kMostHops = 1000;
 class Runner {
  public:
   Runner(const Equations& eq, const State& start, const Eigen::VectorXd& v_dot, const SolverOptions& options,
-         const RunCallbacks& callbacks)
+         const RunCallbacks& callbacks, const Remembering& remembering = {})
       : eq_(eq),
         n_(eq.sizes()),
         options_(options),
         callbacks_(callbacks),
+        remembering_(remembering),
         scratch_(eq.make_scratch()),
         integrator_(make_integrator(eq, options)),
         accelerations_(eq),
@@ -45,10 +48,14 @@ class Runner {
   }
 
   void resume(const Continuation& from);
+  void resume(const RunMemory& from);
   RunResult run();
 
  private:
   void remember();
+  void hand_out_memory();
+  StepCounts counts() const;
+  long next_row_at(double t, long said) const;
   void write_row(const State& s, const Eigen::VectorXd& v_dot) {
     if (callbacks_.row) callbacks_.row(s, v_dot, books_.book().account());
   }
@@ -72,6 +79,7 @@ class Runner {
   Sizes n_;
   const SolverOptions& options_;
   const RunCallbacks& callbacks_;
+  const Remembering remembering_;
   std::unique_ptr<Equations::Scratch> scratch_;
   std::unique_ptr<Integrator> integrator_, hopper_;
   AccelerationSolver accelerations_;
@@ -82,6 +90,11 @@ class Runner {
   double good_step_ = 0.0;
   long n_rows_ = 0, next_row_ = 1;
   bool resumed_ = false;
+  // The integrator has taken a step since its last start; between the two it has no history yet.
+  bool has_history_ = false;
+  RunMemory before_;           // of a run that goes on: its figures until then
+  StepCounts counts_at_once_;  // of the integrator when it took up its history
+  std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
 };
 
 void Runner::enter_step(double t_begin, double t_end, Integrator& integrator) {
@@ -133,6 +146,7 @@ void Runner::take_switches(const std::vector<int>& roots) {
   accelerations_.solve(s, result_.v_dot);
   books_.book().jump(s, result_.v_dot);
   integrator_->start(s, result_.v_dot);
+  has_history_ = false;
 }
 
 bool Runner::step_once() {
@@ -144,6 +158,7 @@ bool Runner::step_once() {
   }
   // The longest of the last steps: what the motion allows away from the trouble.
   good_step_ = std::max(end.t_end - end.t_begin, 0.99 * good_step_);
+  has_history_ = true;
   return finish_step(end, *integrator_);
 }
 
@@ -159,6 +174,7 @@ bool Runner::hop(const IntegrationError& reason) {
   // Steps that the implicit method took at order five or below are easy for this one; error control would
   // creep into the singular position instead of over it.
   explicit_options.fixed_step = 0.5 * good_step_;
+  has_history_ = false;
   const double t_failed = result_.state.t;
   try {
     hopper_ = make_integrator(eq_, explicit_options);
@@ -177,6 +193,7 @@ bool Runner::hop(const IntegrationError& reason) {
   if (result_.state.t - t_failed < 1e-7 * (options_.end_time - options_.start_time)) throw reason;
   ++result_.counts.hops;
   integrator_->start(result_.state, result_.v_dot);
+  has_history_ = false;
   return result_.state.t < options_.end_time;
 }
 
@@ -209,8 +226,7 @@ bool Runner::finish_step(const StepEnd& end, Integrator& integrator) {
     result_.stopped_as_told = true;
     return false;
   }
-  if (options_.max_steps > 0 && integrator_->counts().steps >= options_.max_steps &&
-      end.t_end < options_.end_time) {
+  if (options_.max_steps > 0 && counts().steps >= options_.max_steps && end.t_end < options_.end_time) {
     result_.stopped_because =
         fmt::format("max_steps = {} are used up at t = {:.9g} s", options_.max_steps, end.t_end);
     return false;
@@ -230,6 +246,19 @@ void Runner::resume(const Continuation& from) {
       static_cast<int>(s.root.size()) != n_.n_root)
     throw std::invalid_argument(
         "the state to go on from belongs to another mechanism: it has other numbers of states");
+  if (from.v_dot.size() != 0 || keeps_book_) require_size(from.v_dot.size(), n_.n_v);
+  const auto finite = [](const auto& x) {
+    return std::ranges::all_of(x, [](double y) { return std::isfinite(y); });
+  };
+  for (const Eigen::VectorXd* x : {&s.p, &s.v, &s.c, &s.lambda, &s.a, &from.v_dot})
+    if (!x->allFinite()) refuse_history();
+  if (!std::isfinite(s.t) || !finite(from.history)) refuse_history();
+  if (s.t < options_.start_time || s.t > options_.end_time)
+    throw std::invalid_argument(fmt::format(
+        "the state to go on from is that at t = {:.9g} s, and the run goes from {:.9g} to {:.9g} s: "
+        "give the start_time of the run that was saved and a later end_time",
+        s.t, options_.start_time, options_.end_time));
+  const long next = next_row_at(s.t, from.next_row);
   result_.state = s;
   result_.v_dot = from.v_dot;
   History history(from.history);
@@ -240,8 +269,66 @@ void Runner::resume(const Continuation& from) {
         "the integrator's history is longer than this mechanism needs: it was saved by another one; start "
         "from the states alone (--from-state)");
   books_.book().resume(from.energy, s.t);
-  next_row_ = from.next_row;
-  resumed_ = true;
+  next_row_ = next;
+  resumed_ = has_history_ = true;
+}
+
+void Runner::resume(const RunMemory& from) {
+  resume(from.continuation);
+  before_ = from;
+  counts_at_once_ = integrator_->counts();
+  result_.counts.hops = from.counts.hops;
+  result_.events = from.events;
+  good_step_ = from.good_step;
+}
+
+// The first row that was not given away at t, as the file says; throws where that cannot be.
+long Runner::next_row_at(double t, long said) const {
+  const double nearly = 1e-9 * options_.output_step + 1e-14 * std::abs(t);
+  // A step may end an ulp before or behind a row.
+  if (said >= 1 && said <= n_rows_ + 2 && row_time(said - 1) <= t + nearly && row_time(said) >= t - nearly)
+    return said;
+  long k =
+      std::clamp(static_cast<long>((t - options_.start_time) / options_.output_step) - 1, 1L, n_rows_ + 1);
+  while (row_time(k) <= t + nearly && row_time(k) > row_time(k - 1)) ++k;
+  if (said == k + 1) return k;  // saved at an end beside the rows' grid, which gave a row of its own
+  throw std::invalid_argument(fmt::format(
+      "the next row is said to be number {}, and after t = {:.9g} s it is number {}: the file was changed, or "
+      "start_time or output_step are others than in the run that was saved",
+      said, t, k));
+}
+
+// The integrator's memory holds no counts: what it has counted since it took its history up is added.
+StepCounts Runner::counts() const {
+  StepCounts c = before_.counts;
+  const StepCounts now = integrator_->counts();
+  for (long StepCounts::*of :
+       {&StepCounts::steps, &StepCounts::evaluations, &StepCounts::jacobians, &StepCounts::error_failures,
+        &StepCounts::newton_failures, &StepCounts::restarts})
+    c.*of += now.*of - counts_at_once_.*of;
+  c.hops = result_.counts.hops;
+  return c;
+}
+
+// Nothing of the run changes by this: what the run gives away is closed in other places.
+void Runner::hand_out_memory() {
+  books_.settle();
+  RunMemory m;
+  History history;
+  books_.closer().remember(history);
+  integrator_->remember(history);
+  m.continuation = {options_.method,         result_.state, result_.v_dot,
+                    books_.book().account(), next_row_,     history.values()};
+  m.counts = counts();
+  const Bookkeeper::Peaks& peaks = books_.peaks();
+  m.largest_energy_error = std::max(before_.largest_energy_error, peaks.energy_error);
+  m.peak_position_drift = std::max(before_.peak_position_drift, peaks.drift.position);
+  m.peak_velocity_drift = std::max(before_.peak_velocity_drift, peaks.drift.velocity);
+  m.good_step = good_step_;
+  m.wall_time =
+      before_.wall_time + std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count();
+  m.events = result_.events;
+  remembering_.take(m);
 }
 
 // What a run gives away stands on its constraints; the histories are those of a run that goes on.
@@ -261,7 +348,7 @@ void Runner::remember() {
 }
 
 RunResult Runner::run() {
-  const auto clock_start = std::chrono::steady_clock::now();
+  begin_ = std::chrono::steady_clock::now();
   try {
     if (!resumed_) {
       if (!keeps_book_) {
@@ -274,8 +361,10 @@ RunResult Runner::run() {
     }
     if (options_.end_time > result_.state.t) {
       if (!resumed_ && keeps_book_) integrator_->start(result_.state, result_.v_dot);
-      while (step_once()) {
-      }
+      while (step_once())
+        if (has_history_ && remembering_.wanted && remembering_.wanted()) hand_out_memory();
+      if (has_history_ && !result_.stopped_because.empty() && remembering_.take && remembering_.at_the_end)
+        hand_out_memory();
     }
     result_.complete = result_.stopped_because.empty();
   } catch (const IntegrationError& e) {
@@ -287,15 +376,14 @@ RunResult Runner::run() {
     throw;
   }
   remember();
-  const long hops = result_.counts.hops;
-  result_.counts = integrator_->counts();
-  result_.counts.hops = hops;
+  result_.counts = counts();
   result_.energy = books_.book().account();
   const Bookkeeper::Peaks& peaks = books_.peaks();
-  result_.largest_energy_error = peaks.energy_error;
-  result_.peak_position_drift = peaks.drift.position;
-  result_.peak_velocity_drift = peaks.drift.velocity;
-  result_.wall_time = std::chrono::duration<double>(std::chrono::steady_clock::now() - clock_start).count();
+  result_.largest_energy_error = std::max(before_.largest_energy_error, peaks.energy_error);
+  result_.peak_position_drift = std::max(before_.peak_position_drift, peaks.drift.position);
+  result_.peak_velocity_drift = std::max(before_.peak_velocity_drift, peaks.drift.velocity);
+  result_.wall_time =
+      before_.wall_time + std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count();
   return result_;
 }
 
@@ -309,6 +397,18 @@ RunResult run(const Equations& eq, const State& start, const Eigen::VectorXd& v_
 RunResult run(const Equations& eq, const Continuation& from, const SolverOptions& options,
               const RunCallbacks& callbacks) {
   Runner runner(eq, from.state, from.v_dot, options, callbacks);
+  runner.resume(from);
+  return runner.run();
+}
+
+RunResult run(const Equations& eq, const State& start, const Eigen::VectorXd& v_dot,
+              const SolverOptions& options, const RunCallbacks& callbacks, const Remembering& remembering) {
+  return Runner(eq, start, v_dot, options, callbacks, remembering).run();
+}
+
+RunResult run(const Equations& eq, const RunMemory& from, const SolverOptions& options,
+              const RunCallbacks& callbacks, const Remembering& remembering) {
+  Runner runner(eq, from.continuation.state, from.continuation.v_dot, options, callbacks, remembering);
   runner.resume(from);
   return runner.run();
 }

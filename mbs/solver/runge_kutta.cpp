@@ -11,6 +11,7 @@
 #include "mbs/solver/error_weights.hpp"
 #include "mbs/solver/finite.hpp"
 #include "mbs/solver/projection.hpp"
+#include "mbs/solver/remembered.hpp"
 #include "mbs/solver/switches.hpp"
 
 namespace flexura::mbs {
@@ -87,10 +88,9 @@ class RungeKutta final : public Integrator {
   StepCounts counts() const override { return counts_; }
 
   void remember(History& history) override {
-    for (State* x : {&state_, &stage_}) history(*x);
-    history(y_);
-    history(k_[0]);
-    for (Eigen::VectorXd& d : dense_) history(d);
+    for (State* x : {&state_, &stage_}) mbs::remember(history, *x, n_);
+    for (Eigen::VectorXd* x : {&y_, &k_[0]}) mbs::remember(history, *x, error_.size());
+    for (Eigen::VectorXd& d : dense_) mbs::remember(history, d, error_.size());
     for (double* x : {&h_, &h_done_, &t_begin_, &error_before_}) history(*x);
     switches_.remember(history, state_);
     if (history.reads()) started_ = has_rates_ = true;

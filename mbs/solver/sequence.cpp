@@ -9,6 +9,7 @@
 #include "mbs/solver/accelerations.hpp"
 #include "mbs/solver/assemble.hpp"
 #include "mbs/solver/linearise.hpp"
+#include "mbs/solver/remembered.hpp"
 #include "mbs/solver/statics.hpp"
 
 namespace flexura::mbs {
@@ -72,8 +73,10 @@ class Sequence : public Integrator {
   }
   StepCounts counts() const override { return counts_; }
   void remember(History& history) override {
-    history(now_);
+    const Sizes n = eq_.sizes();
+    mbs::remember(history, now_, n);
     history(v_dot_);
+    if (history.reads() && v_dot_.size() != 0) require_size(v_dot_.size(), n.n_v);
   }
 
  protected:

@@ -10,7 +10,10 @@
 #include <functional>
 #include <nlohmann/json.hpp>
 
+#include "mbs/files/inputs.hpp"
+#include "mbs/input/content_hash.hpp"
 #include "mbs/input/document.hpp"
+#include "mbs/solver/continuation_file.hpp"
 #include "mbs/superelement/text_file.hpp"
 
 namespace flexura::mbs {
@@ -38,6 +41,24 @@ Eigen::VectorXd vector_of(const Json& values) {
 std::array<double*, 10> numbers(EnergyAccount& e) {
   return {&e.now.kinetic, &e.now.strain, &e.now.potential, &e.now.input_power, &e.now.dissipated_power,
           &e.start,       &e.work_in,    &e.dissipated,    &e.gross_work,      &e.peak};
+}
+
+std::string checksum(Json document) {
+  document.erase("checksum");
+  return input::ContentHash().add(document.dump()).hex();
+}
+
+/// The names of all states, constraints and switches.
+std::string signature(const Equations& eq) {
+  const Sizes n = eq.sizes();
+  input::ContentHash hash;
+  for (int i = 0; i < n.n_p; ++i) hash.add(eq.name_of_position(i));
+  for (int i = 0; i < n.n_v; ++i) hash.add(eq.name_of_velocity(i));
+  for (int i = 0; i < n.n_dyn; ++i) hash.add(eq.name_of_dynamic(i));
+  for (int i = 0; i < n.n_alg; ++i) hash.add(eq.name_of_algebraic(i));
+  for (int i = 0; i < n.n_lambda; ++i) hash.add(eq.name_of_constraint(i));
+  for (int i = 0; i < n.n_root; ++i) hash.add(eq.name_of_root(i));
+  return hash.hex();
 }
 
 std::vector<bool> take(const Json& document, const char* key, const std::filesystem::path& path,
@@ -76,12 +97,14 @@ void write_state(const std::filesystem::path& path, const Equations& eq, const s
   out["switches"] = s.root;
   if (continuation != nullptr) {
     Json& c = out["continuation"];
+    c["signature"] = signature(eq);
     c["method"] = continuation->method;
     c["next_row"] = continuation->next_row;
     c["v_dot"] = plain(continuation->v_dot);
     EnergyAccount energy = continuation->energy;
     for (const double* x : numbers(energy)) c["energy"].push_back(*x);
     c["history"] = continuation->history;
+    out["checksum"] = checksum(out);
   }
   superelement::write_whole(path, out.dump(1) + '\n');
 }
@@ -98,6 +121,7 @@ std::string reason(const nlohmann::json::exception& e) {
 }  // namespace
 
 StateChange read_state(const std::filesystem::path& path, const Equations& eq, State& s) {
+  files::note_input(path);
   std::ifstream file(path);
   if (!file) throw std::invalid_argument(fmt::format("{}: there is no such file", path.string()));
   Json in;
@@ -128,11 +152,14 @@ StateChange read_state(const std::filesystem::path& path, const Equations& eq, S
       const Json& c = in["continuation"];
       Continuation& to = change.continuation.emplace();
       to.method = c.at("method");
+      if (!c.at("next_row").is_number_integer())
+        throw std::invalid_argument(path.string() + ": continuation: next_row must be a whole number");
       to.next_row = c.at("next_row");
       to.v_dot = vector_of(c.at("v_dot"));
       const auto energy = c.at("energy").get<std::vector<double>>();
       const auto place = numbers(to.energy);
-      if (energy.size() != place.size()) throw std::invalid_argument("its energy account is cut short");
+      if (energy.size() != place.size())
+        throw std::invalid_argument(path.string() + ": continuation: its energy account is cut short");
       for (std::size_t i = 0; i < place.size(); ++i) *place[i] = energy[i];
       to.history = c.at("history").get<std::vector<double>>();
       to.state = s;
@@ -141,11 +168,25 @@ StateChange read_state(const std::filesystem::path& path, const Equations& eq, S
           {"algebraic", s.a.size()}, {"multipliers", s.lambda.size()}, {"switches", s.root.size()}};
       change.continuation_fits = std::ranges::all_of(
           counts, [&](const auto& of) { return in.value(of.first, Json::array()).size() == of.second; });
+      change.continuation_fits =
+          change.continuation_fits && (!c.contains("signature") || c["signature"] == signature(eq));
     }
   } catch (const nlohmann::json::exception& e) {
     throw std::invalid_argument(fmt::format("{}: is not a state file: {}", path.string(), reason(e)));
   }
   return change;
+}
+
+void require_whole_continuation(const std::filesystem::path& path) {
+  std::ifstream file(path);
+  const Json in = Json::parse(file, nullptr, false);
+  if (!in.is_object()) return;  // read_state() says what it is
+  if (!in.contains("continuation")) return;
+  if (!in.contains("checksum") || in["checksum"] != checksum(in))
+    throw std::invalid_argument(fmt::format(
+        "{}: was changed after it was written ({}), and a run can go on only from what an integrator left; "
+        "start from its states with --from-state",
+        path.string(), in.contains("checksum") ? "its checksum does not fit" : "it has no checksum"));
 }
 
 }  // namespace flexura::mbs

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "mbs/solver/remembered.hpp"
+
 namespace flexura::mbs {
 
 SwitchFinder::SwitchFinder(const Equations& eq)
@@ -80,7 +82,7 @@ void SwitchFinder::search(StepEnd& end, const StateAt& state_at) {
 
 void SwitchFinder::remember(History& history, const State& s) {
   if (history.reads()) found_ = s;
-  history(low_);
+  mbs::remember(history, low_, n_root_);
 }
 
 }  // namespace flexura::mbs

@@ -19,6 +19,8 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "mbs/files/signals.hpp"
+
 extern char** environ;
 
 namespace flexura::study {
@@ -70,6 +72,7 @@ ChildOutcome run_child(const std::vector<std::string>& command, const fs::path& 
   for (std::string& word : words) argv.push_back(word.data());
   argv.push_back(nullptr);
 
+  const files::Unfinished out_goes(fs::absolute(out)), err_goes(fs::absolute(err));
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
@@ -84,7 +87,8 @@ ChildOutcome run_child(const std::vector<std::string>& command, const fs::path& 
   ChildOutcome outcome;
   if (time_limit > 0.0 && !wait_until(child, time_limit)) {
     outcome.timed_out = true;
-    ::kill(child, SIGKILL);
+    ::kill(child, SIGTERM);  // it takes its unfinished files away
+    if (!wait_until(child, 5.0)) ::kill(child, SIGKILL);
   }
   int status = 0;
   rusage usage{};

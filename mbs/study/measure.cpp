@@ -12,6 +12,7 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "mbs/files/output.hpp"
 #include "mbs/input/content_hash.hpp"
 #include "mbs/model/read_mechanism.hpp"
 #include "mbs/results/results.hpp"
@@ -41,9 +42,13 @@ std::string machine_name() {
 }
 
 void write_json(const fs::path& path, const json& value) {
-  const fs::path beside = fmt::format("{}.{}.part", path.string(), ::getpid());
-  std::ofstream(beside) << value.dump(1) << '\n';
-  fs::rename(beside, path);
+  // Another share of the study may write the same figures at this moment.
+  for (int attempt = 1;; ++attempt) try {
+      return files::write_whole(path, value.dump(1) + '\n');
+    } catch (const files::Busy&) {
+      if (attempt == 1000) throw;
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
 }
 
 json read_json(const fs::path& path) {
@@ -300,7 +305,7 @@ class Laboratory {
     if (fs::is_regular_file(beside)) {
       fs::rename(beside, path(task.key, ".h5"));
     } else {
-      std::ofstream(path(task.key, ".h5")).flush();  // the mark of a run that left nothing
+      files::write_whole(path(task.key, ".h5"), "");  // the mark of a run that left nothing
     }
     write_json(path(task.key, ".json"), entry);
   }

@@ -5,6 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "mbs/files/output.hpp"
 #include "mbs/hdf5/file.hpp"
 #include "mbs/superelement/checks.hpp"
 #include "mbs/superelement/recovery_file.hpp"
@@ -286,15 +287,13 @@ void write_all(const std::filesystem::path& path, const Superelement& se) {
 
 void write(const std::filesystem::path& path, const Superelement& se) {
   validate(se);
-  const std::filesystem::path beside = path.string() + ".part";
+  files::Output output(path);
   try {
-    write_all(beside, se);
-    std::filesystem::rename(beside, path);
-  } catch (...) {
-    std::error_code ignored;
-    std::filesystem::remove(beside, ignored);
-    throw;
+    write_all(output.part(), se);
+  } catch (const hdf5::BadFile& failure) {  // the disk is to blame, not an input
+    throw hdf5::Error(failure.what());
   }
+  output.commit();
 }
 
 Superelement read(const std::filesystem::path& path, const Parts& parts) {

@@ -4,9 +4,12 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <cstdio>
 #include <new>
 #include <sstream>
 
+#include "mbs/files/inputs.hpp"
+#include "mbs/files/signals.hpp"
 #include "mbs/hdf5/file.hpp"
 #include "mbs/input/document.hpp"
 #include "mbs/input/shown_text.hpp"
@@ -33,7 +36,10 @@ namespace {
 constexpr int bad_input = 2;
 
 void print_error(const std::string& message) {
-  fmt::print(stderr, "{} {}\n", red("error:", takes_colour(stderr)), input::shown_message(message));
+  // Nothing more can be done where this cannot be written either.
+  std::fputs(
+      fmt::format("{} {}
+", red("error:", takes_colour(stderr)), input::shown_message(message)).c_str(), stderr);
 }
 
 std::string examples_text(const std::vector<std::pair<std::string, std::string>>& examples) {
@@ -213,6 +219,13 @@ Options& Options::option(const std::string& names, std::vector<std::string>& val
   impl_->note(names, what, doc);
   return *this;
 }
+Options& Options::optional_value(const std::string& names, std::string& value, const std::string& bare,
+                                 const std::string& what, const std::string& doc) {
+  impl_->last = impl_->app->add_option(names, value, doc)->type_name("[" + what + "]")->expected(0, 1);
+  impl_->last->default_str(bare);
+  impl_->note(names, what, doc);
+  return *this;
+}
 Options& Options::choice(const std::string& names, std::string& value,
                          const std::vector<std::string>& choices, const std::string& doc) {
   std::string all;
@@ -244,13 +257,6 @@ Options& Options::example(const std::string& command, const std::string& what) {
 
 // --- Running ---------------------------------------------------------------------------------------------
 
-void require_folder_of(const std::filesystem::path& output) {
-  const std::filesystem::path folder = output.parent_path();
-  if (!folder.empty() && !std::filesystem::is_directory(folder))
-    throw std::invalid_argument(
-        fmt::format("{}: the folder {} does not exist; make it first", output.string(), folder.string()));
-}
-
 int guarded(const std::function<int()>& work) {
   try {
     return work();
@@ -273,13 +279,29 @@ int guarded(const std::function<int()>& work) {
   } catch (const std::filesystem::filesystem_error& failure) {
     print_error(failure.path1().string() + ": " + failure.code().message());
   } catch (const std::exception& failure) {
-    print_error(failure.what());
+    print_error(std::ferror(stdout) ? "standard output cannot be written; what was printed is not whole"
+                                    : failure.what());
   }
   return 1;
 }
 
-int run(const Command& command, const std::string& version, int argc, const char* const* argv) {
+namespace {
+
+// A whole program: its work, and what it printed has left the house.
+int run_guarded(const std::function<int()>& work) {
+  files::prepare_process();
+  files::guard_inputs();
   return guarded([&] {
+    const int code = work();
+    files::finish_standard_output();
+    return code;
+  });
+}
+
+}  // namespace
+
+int run(const Command& command, const std::string& version, int argc, const char* const* argv) {
+  return run_guarded([&] {
     const std::string only = argc == 2 ? argv[1] : "";
     if (only == "--list-options" || only == "--manual-section") {
       fmt::print("{}",
@@ -291,7 +313,7 @@ int run(const Command& command, const std::string& version, int argc, const char
 }
 
 int run(const Program& program, int argc, const char* const* argv) {
-  return guarded([&] {
+  return run_guarded([&] {
     std::vector<std::string> words(argv + 1, argv + argc);
     if (words.empty()) {
       fmt::print("{}", program_help(program));

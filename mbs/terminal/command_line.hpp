@@ -1,7 +1,6 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <filesystem>
 #include <functional>
 #include <memory>
 #include <string>
@@ -36,6 +35,9 @@ class Options {
   /// May be given several times and takes several values each time.
   Options& option(const std::string& names, std::vector<std::string>& values, const std::string& what,
                   const std::string& doc);
+  /// May stand without a value, and then has the value `bare`.
+  Options& optional_value(const std::string& names, std::string& value, const std::string& bare,
+                          const std::string& what, const std::string& doc);
   Options& choice(const std::string& names, std::string& value, const std::vector<std::string>& choices,
                   const std::string& doc);
   Options& flag(const std::string& names, bool& value, const std::string& doc);
@@ -70,17 +72,14 @@ struct Program {
 };
 
 /// Reads the command line, runs the command and turns whatever is thrown into "error: ..." and an exit code.
-/// Every program also knows "completion" (a bash script) and "man" (its manual page), made of the same
-/// declarations.
+/// Prepares the process for it: unfinished files go with every end (mbs/files), and standard output that
+/// cannot be written is a failure. Every program also knows "completion" (a bash script) and "man" (its
+/// manual page), made of the same declarations.
 int run(const Program& program, int argc, const char* const* argv);
 
 /// The same for a program with a single purpose; "--list-options" prints its options for completion
 /// scripts, "--manual-section" its part of the manual.
 int run(const Command& command, const std::string& version, int argc, const char* const* argv);
-
-/// Refuses an output whose folder is not there, before anything is computed or printed
-/// (std::invalid_argument).
-void require_folder_of(const std::filesystem::path& output);
 
 /// What run() does with exceptions: input::InputError and std::invalid_argument are bad input (2), others
 /// failures (1).

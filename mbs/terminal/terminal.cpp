@@ -39,6 +39,11 @@ bool is_terminal(std::FILE* stream) {
   return ::isatty(::fileno(stream)) == 1 && !(term && std::strcmp(term, "dumb") == 0);
 }
 
+// A terminal that has gone (SIGHUP) is no reason to lose a run.
+void say(std::FILE* stream, const std::string& text) {
+  std::fputs(text.c_str(), stream);
+}
+
 }  // namespace
 
 bool takes_colour(std::FILE* stream) {
@@ -225,7 +230,7 @@ void Progress::draw(double fraction, double now) {
   } else {
     line += "  " + duration(elapsed);
   }
-  fmt::print(stream_, "\r\033[K{}", shortened(line, 79));
+  say(stream_, "\r\033[K" + shortened(line, 79));
   std::fflush(stream_);
   drawn_ = true;
   last_drawn_ = now;
@@ -233,7 +238,7 @@ void Progress::draw(double fraction, double now) {
 
 void Progress::clear() {
   if (!drawn_) return;
-  fmt::print(stream_, "\r\033[K");
+  say(stream_, "\r\033[K");
   std::fflush(stream_);
   drawn_ = false;
 }
@@ -241,7 +246,7 @@ void Progress::clear() {
 void Progress::end_stage() {
   if (stage_.empty()) return;
   clear();
-  fmt::print(stream_, "{}: {}\n", stage_, duration(clock_() - start_));
+  say(stream_, fmt::format("{}: {}\n", stage_, duration(clock_() - start_)));
   std::fflush(stream_);
   stage_.clear();
 }

@@ -26,20 +26,13 @@ constexpr std::string_view head = R"(<!doctype html>
 }  // namespace
 
 HtmlFile::HtmlFile(const std::filesystem::path& path, std::string_view title, std::string_view style)
-    : path_(path), part_(path.string() + ".part"), out_(part_, std::ios::binary | std::ios::trunc) {
+    : path_(path), file_(path), out_(file_.part(), std::ios::binary | std::ios::trunc) {
   if (!out_) fail(std::strerror(errno));
   put(head);
   put(escape_html(title));
   put("</title>\n<style>\n");
   put(style);
   put("</style>\n</head>\n<body>\n");
-}
-
-HtmlFile::~HtmlFile() {
-  if (finished_) return;
-  out_.close();
-  std::error_code ignored;
-  std::filesystem::remove(part_, ignored);
 }
 
 void HtmlFile::put(std::string_view html) {
@@ -51,19 +44,11 @@ void HtmlFile::finish(std::string_view script) {
   put(script);
   put("</script>\n</body>\n</html>\n");
   out_.close();
-  std::error_code error;
-  if (out_) std::filesystem::rename(part_, path_, error);
-  if (!out_ || error) fail(error ? error.message() : std::strerror(errno));
-  finished_ = true;
+  if (!out_) fail(std::strerror(errno));
+  file_.commit();
 }
 
 void HtmlFile::fail(std::string_view why) {
-  // A constructor that throws has no destructor to clean up behind it.
-  if (out_.is_open()) {
-    out_.close();
-    std::error_code ignored;
-    std::filesystem::remove(part_, ignored);
-  }
   throw std::runtime_error(fmt::format("cannot write the page '{}': {}", path_.string(), why));
 }
 

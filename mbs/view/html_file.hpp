@@ -5,16 +5,17 @@
 #include <fstream>
 #include <string_view>
 
+#include "mbs/files/output.hpp"
+
 namespace flexura::view {
 
 /// An HTML file that grows piece by piece.  It may load nothing (its content security policy forbids it to).
-/// Written beside as FILE.part and renamed by finish(): a file of this name is whole or not there.
+/// Written beside and renamed by finish(): a file of this name is whole or not there.
 /// All methods throw std::runtime_error, naming the file, when the file system refuses.
 class HtmlFile {
  public:
   /// Writes the head with the title (any text) and the style sheet, and opens the body.
   HtmlFile(const std::filesystem::path& path, std::string_view title, std::string_view style);
-  ~HtmlFile();
   HtmlFile(const HtmlFile&) = delete;
   HtmlFile& operator=(const HtmlFile&) = delete;
 
@@ -25,9 +26,9 @@ class HtmlFile {
  private:
   [[noreturn]] void fail(std::string_view why);
 
-  std::filesystem::path path_, part_;
+  std::filesystem::path path_;
+  files::Output file_;
   std::ofstream out_;
-  bool finished_ = false;
 };
 
 }  // namespace flexura::view

@@ -151,6 +151,18 @@ class VtkWriter {
   bool has_stress_ = false;
 };
 
+// The pictures of a run without their list are in the way: they go where it does not come to that.
+struct Frames {
+  fs::path folder;
+  std::vector<fs::path> begun{};
+  ~Frames() {
+    if (begun.empty()) return;
+    std::error_code none;
+    for (const fs::path& file : begun) fs::remove(file, none);
+    fs::remove(folder, none);  // where nothing else is in it
+  }
+};
+
 }  // namespace
 
 std::vector<fs::path> write_motion_vtk(const fs::path& stem, const results::Results& results,
@@ -165,14 +177,17 @@ std::vector<fs::path> write_motion_vtk(const fs::path& stem, const results::Resu
     std::string list =
         "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\">\n<Collection>\n";
     int number = 0;
+    Frames frames{folder};
     for (const Eigen::Index row : thin(run.time.size(), most_frames)) {
       const fs::path name = fmt::format("{:05}.vtp", number++);
+      frames.begun.push_back(folder / name);
       writer.write(folder / name, row);
       list += fmt::format("<DataSet timestep=\"{}\" part=\"0\" file=\"{}\"/>\n", run.time[row],
                           escape_xml((folder.filename() / name).generic_string()));
     }
     written.push_back(stem.string() + "." + run.name + ".pvd");
     superelement::write_whole(written.back(), list + "</Collection>\n</VTKFile>\n");
+    frames.begun.clear();
   }
   if (written.empty())
     throw std::invalid_argument("the results hold no run with a stored time: simulate first");

@@ -9,6 +9,8 @@
 #include <fstream>
 #include <stdexcept>
 
+#include "mbs/files/inputs.hpp"
+
 namespace flexura::mesh {
 namespace {
 
@@ -37,6 +39,7 @@ class KeywordReader {
 
   void read(const fs::path& path, int depth = 0) {
     require_file(path);
+    files::note_input(path);
     std::ifstream file(path);
     if (!file) throw std::invalid_argument(path.string() + ": no such file, or it cannot be read");
     constexpr int most_files = 1000;

@@ -9,6 +9,8 @@
 #include <fstream>
 #include <stdexcept>
 
+#include "mbs/files/inputs.hpp"
+
 namespace flexura::mesh {
 namespace {
 
@@ -91,6 +93,7 @@ class Deck {
 
   void read(const std::filesystem::path& path, bool skip_case_control, int depth) {
     require_file(path);
+    files::note_input(path);
     std::ifstream file(path);
     if (!file) throw std::invalid_argument(path.string() + ": no such file, or it cannot be read");
     constexpr int most_files = 1000;

@@ -9,6 +9,7 @@
 #include <map>
 #include <stdexcept>
 
+#include "mbs/files/inputs.hpp"
 #include "mesh/import/builder.hpp"
 
 namespace flexura::mesh {
@@ -44,6 +45,7 @@ class Reader {
   ImportedModel read(const std::filesystem::path& path) {
     name_ = path.string();
     require_file(path);
+    files::note_input(path);
     file_.open(path);
     if (!file_) throw std::invalid_argument(name_ + ": no such file, or it cannot be read");
     while (next()) {

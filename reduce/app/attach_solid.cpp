@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "mbs/files/output.hpp"
 #include "mbs/superelement/file.hpp"
 
 namespace flexura::reduce {
@@ -16,6 +17,8 @@ AttachedSolid attach_solid(const SolidInput& solid, const std::filesystem::path&
     std::string stem = output.filename().string();
     if (const std::size_t dot = stem.find(".se.h5"); dot != std::string::npos) stem.erase(dot);
     file = output.parent_path() / fmt::format("{}.{}.se.h5", stem, solid.name);
+    files::Claims claims;
+    claims.add(file);
     reduce_part(read_part(solid.part, overrides), file, {.report = {}, .quiet = options.quiet});
   }
   superelement::Superelement se = superelement::read(file, {.surface = true, .shapes = true});

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <ostream>
 
+#include "mbs/files/inputs.hpp"
 #include "mesh/gmsh/cad.hpp"
 #include "reduce/app/part_file.hpp"
 
@@ -41,6 +42,7 @@ void print_example(const std::vector<mesh::Face>& faces, std::ostream& out) {
 }  // namespace
 
 void print_faces(const std::filesystem::path& file, std::ostream& out) {
+  files::note_input(file);
   const mesh::CadReport report = mesh::list_faces(cad_options_of(file));
   for (const std::string& message : report.messages) out << message << '\n';
   out << fmt::format("{}: {} solid{}, lengths in {}\n", file.filename().string(), report.solids.size(),

@@ -9,6 +9,7 @@
 #include <iostream>
 #include <optional>
 
+#include "mbs/files/output.hpp"
 #include "mbs/input/document.hpp"
 #include "mbs/terminal/command_line.hpp"
 #include "reduce/app/attach_solid.hpp"
@@ -66,8 +67,10 @@ int reduce_with(const Arguments& arguments, const terminal::Talk& talk, const li
       throw input::InputError(fmt::format("{} {}: must be at least 0 and at most {}", name, count, most));
   std::filesystem::path output = arguments.output;
   if (output.empty()) output = std::filesystem::path(arguments.input).replace_extension(".se.h5");
-  terminal::require_folder_of(output);
-  terminal::require_folder_of(arguments.report);
+  const bool prints_only = arguments.statics || arguments.beam_modes > 0;  // of beam parts
+  files::Claims claims;
+  if (!prints_only || !reduce::is_beam_file(arguments.input)) claims.add(output);
+  claims.add(arguments.report);
   if (reduce::is_beam_file(arguments.input)) {
     const linalg::Session session;  // one for the structure and its solids
     const reduce::BeamPartInput beams =

@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
+#include "mbs/files/output.hpp"
 #include "mbs/superelement/file.hpp"
 #include "mbs/superelement/text_file.hpp"
 #include "mbs/terminal/terminal.hpp"
@@ -114,6 +115,10 @@ void reduce_part(const PartInput& input, const std::filesystem::path& output, co
     for (mesh::Index node = 0; node < part.mesh.n_nodes(); ++node) picture.nodes.push_back(node);
     picture.surface.vertices = part.mesh.points;
   }
+
+  // Shapes of the surface at four bytes a number, which shrink to a half or so: a tenth is the least.
+  const double n_shapes = 6.0 * modelled.n_interfaces + std::max(0, input.modes.count);
+  files::expect_size(output, 0.1 * 4.0 * 3.0 * static_cast<double>(picture.nodes.size()) * n_shapes);
 
   const linalg::Session session;
   ReductionOptions how;

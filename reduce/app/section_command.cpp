@@ -5,6 +5,7 @@
 
 #include <iostream>
 
+#include "mbs/files/output.hpp"
 #include "mbs/input/document.hpp"
 #include "mbs/superelement/text_file.hpp"
 #include "reduce/app/section_file.hpp"
@@ -39,8 +40,8 @@ int solve_section(const Arguments& arguments, const terminal::Talk& talk) {
     throw input::InputError(
         fmt::format("{} would be overwritten by what is made of it; choose other names with -o and --svg",
                     source.string()));
-  terminal::require_folder_of(output);
-  terminal::require_folder_of(drawing);
+  files::Claims claims;
+  claims.add(output).add(drawing);
   const beam::SectionProperties section = solve(read_section_file(source, overrides));
   superelement::write_whole(output, section_result(section));
   superelement::write_whole(drawing, section_svg(section));

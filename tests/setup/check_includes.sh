@@ -8,7 +8,7 @@ cd "${1:-$(dirname "$0")/../..}"
 own_rules='
 mesh/model      |
 mesh/gmsh       | mesh/model
-mesh/import     | mesh/model
+mesh/import     | mesh/model mbs/files
 mesh/partition  | mesh/model
 mesh            | mesh
 beam/section    |
@@ -16,15 +16,16 @@ beam            | beam
 reduce/linalg   | mbs/math
 reduce/elements | mesh/model beam
 reduce/assembly | mesh/model mesh/partition beam reduce/elements reduce/linalg
-reduce/app      | mesh beam reduce mbs/superelement mbs/input mbs/terminal
+reduce/app      | mesh beam reduce mbs/files mbs/superelement mbs/input mbs/terminal
 reduce          | mesh/model mesh/partition beam reduce
-mbs/hdf5        |
-mbs/input       |
+mbs/files       |
+mbs/hdf5        | mbs/files
+mbs/input       | mbs/files
 mbs/math        |
-mbs/superelement| mbs/hdf5
-mbs/results     | mbs/hdf5
-mbs/terminal    | mbs/hdf5 mbs/input
-mbs/view        | mbs/superelement mbs/results mbs/terminal
+mbs/superelement| mbs/files mbs/hdf5
+mbs/results     | mbs/files mbs/hdf5
+mbs/terminal    | mbs/files mbs/hdf5 mbs/input
+mbs/view        | mbs/files mbs/superelement mbs/results mbs/terminal
 mbs             | mbs beam
 '
 

@@ -396,7 +396,7 @@ TEST(ModesPage, RefusesWhatItCannotDrawAndLeavesNoFile) {
   EXPECT_FALSE(fs::exists(html));
   EXPECT_FALSE(fs::exists(html.string() + ".part"));
   EXPECT_THAT(refusal("/nowhere/page.html", good, modes),
-              HasSubstr("cannot write the page '/nowhere/page.html': No such"));
+              HasSubstr("/nowhere/page.html: the folder /nowhere does not exist; make it first"));
 }
 
 }  // namespace

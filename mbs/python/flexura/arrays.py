@@ -49,12 +49,23 @@ def open_file(path, kind):
 
     Raises OSError for a file that is damaged and ValueError for one of another kind or of a later version.
     """
-    with h5py.File(path, "r") as file:
+    with _open(path) as file:
         if attribute(file, "format") != f"flexura {kind}":
             raise ValueError(f"{path} is no {kind} file (its format is {attribute(file, 'format', 'unknown')!r})")
         if int(attribute(file, "version", 0)) > 1:
             raise ValueError(f"{path} has version {attribute(file, 'version')}; this package reads version 1")
         yield file
+
+
+def _open(path):
+    try:
+        return h5py.File(path, "r")
+    except OSError as refused:
+        # A run that goes on, or was killed, has left its mark in the file.  What is there is consistent.
+        try:
+            return h5py.File(path, "r", swmr=True)
+        except OSError:
+            raise refused from None
 
 
 def read_array(dataset, name=None):

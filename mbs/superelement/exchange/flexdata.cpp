@@ -8,6 +8,7 @@
 #include <map>
 #include <optional>
 
+#include "mbs/files/inputs.hpp"
 #include "mbs/superelement/exchange/exchange.hpp"
 #include "mbs/superelement/text_file.hpp"
 
@@ -146,6 +147,7 @@ void write_flexdata(const std::filesystem::path& path, const FlexData& data) {
 FlexData read_flexdata(const std::filesystem::path& path) {
   Reader reader;
   reader.file = path.string();
+  flexura::files::note_input(path);
   std::ifstream in(path, std::ios::binary);
   if (!in)
     throw std::invalid_argument(reader.file + ": there is no such file or it cannot be read; check the path");

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include "mbs/superelement/exchange/exchange.hpp"
+#include "mbs/superelement/exchange/names.hpp"
 #include "mbs/superelement/text_file.hpp"
 
 // Matrix Market (math.nist.gov/MatrixMarket/formats.html) and DMIG (Nastran Quick Reference Guide, bulk
@@ -84,13 +85,17 @@ void append_dmig(fmt::memory_buffer& out, const std::string& name, const Eigen::
 
 }  // namespace
 
+std::filesystem::path matrix_market_name(const std::filesystem::path& stem, const std::string& letter) {
+  return stem.string() + "." + letter + ".mtx";
+}
+
 std::vector<std::filesystem::path> write_matrix_market(const std::filesystem::path& stem,
                                                        const Superelement& se) {
   std::vector<std::filesystem::path> written;
   const std::string comments =
       fmt::format("% superelement {}, SI units\n{}", without_line_breaks(se.name), dof_comments(se));
   const auto write = [&](const char* letter, const Eigen::MatrixXd& A) {
-    written.push_back(stem.string() + "." + letter + ".mtx");
+    written.push_back(matrix_market_name(stem, letter));
     write_whole(written.back(), matrix_market(A, comments));
   };
   write("K", se.K_se);

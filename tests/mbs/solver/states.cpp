@@ -118,7 +118,7 @@ TEST_F(States, OutputsFollowAfterwardsFromStoredStates) {
   }
   EXPECT_TRUE(std::filesystem::exists(folder_ / "o.run.csv"));
   EXPECT_EQ(flexura("outputs m.toml m.h5 -o m.h5"), 2);
-  EXPECT_THAT(text_of("err.txt"), HasSubstr("holds the states"));
+  EXPECT_THAT(text_of("err.txt"), HasSubstr("is read by this command"));
   file(rod + solver);
   ASSERT_EQ(flexura("simulate m.toml -o n.h5"), 0);
   EXPECT_EQ(flexura("outputs m.toml n.h5"), 2);

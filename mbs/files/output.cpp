@@ -1,0 +1,136 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mbs/files/output.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <stdexcept>
+#include <string>
+
+#include "mbs/files/claimed.hpp"
+#include "mbs/files/inputs.hpp"
+
+namespace flexura::files {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Brings a file or a folder to the disk; 0, or what went wrong.
+int synchronise(const fs::path& path) {
+  const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (descriptor < 0) return errno;
+  const int why = ::fsync(descriptor) == 0 ? 0 : errno;
+  ::close(descriptor);
+  return why == EINVAL || why == EROFS || why == ENOTSUP ? 0 : why;  // a file system that cannot
+}
+
+/// Makes an empty file of a name that was free.
+fs::path make_part(const fs::path& place, int& why) {
+  for (int attempt = 0; attempt < 1000; ++attempt) {
+    fs::path part = place;
+    if (attempt > 0) part += fmt::format(".{}", ::getpid());
+    if (attempt > 1) part += fmt::format("-{}", attempt);
+    part += ".part";
+    const int descriptor = ::open(part.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0666);
+    if (descriptor >= 0) {
+      // A file that is replaced hands down who may read it.
+      struct stat before {};
+      if (::stat(place.c_str(), &before) == 0) ::fchmod(descriptor, before.st_mode & 0777);
+      ::close(descriptor);
+      return part;
+    }
+    if ((why = errno) != EEXIST) return {};
+  }
+  return {};
+}
+
+}  // namespace
+
+Claims& Claims::add(const fs::path& output) {
+  if (output.empty()) return *this;
+  std::shared_ptr<Claimed> claimed = claim(output);
+  if (claimed->by_command)
+    throw std::invalid_argument(
+        fmt::format("{} and {} are one file, and two things are to be written there; name two",
+                    claimed->output.string(), output.string()));
+  claimed->by_command = true;
+  held_.push_back(std::move(claimed));
+  return *this;
+}
+
+void expect_size(const fs::path& output, double bytes) {
+  const fs::path place = place_of(output);
+  require_room(output, place.parent_path(), bytes);
+}
+
+Output::Output(const fs::path& path) : path_(path), claimed_(claim(path)) {
+  int why = 0;
+  part_ = make_part(claimed_->place, why);
+  if (part_.empty()) fail(why);
+  unfinished_.emplace(part_);
+}
+
+Output::Output(const fs::path& path, const fs::path& left_behind)
+    : path_(path), part_(fs::absolute(left_behind)), claimed_(claim(path)) {
+  keep();
+}
+
+Output::~Output() {
+  remove();
+}
+
+void Output::fail(int why) const {
+  throw std::runtime_error(
+      fmt::format("{}: cannot be written{}{}; check the folder, its permissions and the disk", path_.string(),
+                  why ? ": " : "", why ? std::strerror(why) : ""));
+}
+
+void Output::remove() noexcept {
+  if (!done_) ::unlink(part_.c_str());
+  done_ = true;
+  unfinished_.reset();
+}
+
+void Output::keep() {
+  done_ = true;
+  unfinished_.reset();
+}
+
+void Output::commit() {
+  refuse_input(path_, claimed_->place);
+  int why = synchronise(part_);
+  if (why == 0 && ::rename(part_.c_str(), claimed_->place.c_str()) != 0) why = errno;
+  if (why != 0) {
+    remove();
+    fail(why);
+  }
+  done_ = true;
+  unfinished_.reset();
+  note_own(claimed_->place);
+  synchronise(claimed_->place.parent_path());  // the name; the content is there in any case
+}
+
+void write_whole(const fs::path& path, std::string_view content) {
+  Output output(path);
+  const int descriptor = ::open(output.part().c_str(), O_WRONLY | O_CLOEXEC);
+  int why = descriptor < 0 ? errno : 0;
+  for (std::size_t done = 0; why == 0 && done < content.size();) {
+    const ssize_t n = ::write(descriptor, content.data() + done, content.size() - done);
+    if (n > 0)
+      done += static_cast<std::size_t>(n);
+    else if (n == 0 || errno != EINTR)
+      why = n == 0 ? ENOSPC : errno;
+  }
+  if (descriptor >= 0 && ::close(descriptor) != 0 && why == 0) why = errno;
+  if (why != 0)
+    throw std::runtime_error(
+        fmt::format("{}: cannot be written: {}; check the folder, its permissions and the disk",
+                    path.string(), std::strerror(why)));
+  output.commit();
+}
+
+}  // namespace flexura::files

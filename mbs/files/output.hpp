@@ -1,0 +1,65 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "mbs/files/lock.hpp"
+#include "mbs/files/signals.hpp"
+
+/// The one way in which files are written: claimed before anything is computed, written under a private name
+/// in the same folder, renamed when whole, removed in every other case.
+namespace flexura::files {
+
+struct Claimed;
+
+/// Outputs that a command is going to write.  Each is checked at once: a place where a file can be, not
+/// read-only, not an input (whatever links lead to it), not written by another process, room on the disk.
+class Claims {
+ public:
+  /// An empty path is no output.  Throws std::invalid_argument for what the user can mend by another name,
+  /// std::runtime_error for a full disk: one sentence.
+  Claims& add(const std::filesystem::path& output);
+
+ private:
+  std::vector<std::shared_ptr<Claimed>> held_;
+};
+
+/// Throws std::runtime_error where less room than `bytes` is left for this output.
+void expect_size(const std::filesystem::path& output, double bytes);
+
+/// One file on its way.  Claims it, unless the command has.
+class Output {
+ public:
+  explicit Output(const std::filesystem::path& path);
+  /// Goes on with a file that a killed process has left, which becomes the private one.
+  Output(const std::filesystem::path& path, const std::filesystem::path& left_behind);
+  ~Output();  ///< removes the private file unless it was committed or is kept
+  Output(const Output&) = delete;
+  Output& operator=(const Output&) = delete;
+
+  /// The private name, FILE.part or FILE.PROCESS.part; an empty file of this name exists, made by this
+  /// object.
+  const std::filesystem::path& part() const { return part_; }
+  /// The file is whole and closed: brings it to the disk and gives it its name.  Throws std::runtime_error.
+  void commit();
+  /// From now on the private file outlives this object, and the process: somebody will go on with it.
+  void keep();
+
+ private:
+  void remove() noexcept;
+  [[noreturn]] void fail(int why) const;
+
+  std::filesystem::path path_, part_;
+  std::shared_ptr<Claimed> claimed_;
+  std::optional<Unfinished> unfinished_;
+  bool done_ = false;
+};
+
+/// The whole content or nothing.  Throws std::runtime_error that names the file and the reason.
+void write_whole(const std::filesystem::path& path, std::string_view content);
+
+}  // namespace flexura::files

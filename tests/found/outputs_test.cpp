@@ -1,0 +1,457 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+
+// What may never be lost: inputs, files of other processes, old results.  Every command that writes, against
+// every way of naming an output wrongly; ends by signals, full disks and closed pipes.
+#include <fcntl.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <filesystem>
+#include <map>
+#include <thread>
+
+#include "mbs/results/results.hpp"
+#include "mbs/superelement/file.hpp"
+#include "tests/app/command.hpp"
+#include "tests/beam/input_texts.hpp"
+#include "tests/found/background.hpp"
+#include "tests/mbs/app/run_program.hpp"
+#include "tests/mbs/superelement/box_beam.hpp"
+
+namespace flexura::test {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+
+const std::string kMechanism = R"toml(
+[table.lift]
+file = "lift.txt"
+[body.rod]
+superelement = "beam.se.h5"
+[joint.hinge]
+type = "revolute"
+from = "ground"
+to = "rod.left"
+[force.push]
+type = "joint_force"
+joint = "hinge"
+value = "lift(t)"
+[input]
+u = "N m"
+[solver]
+end_time = "10 ms"
+output_step = "1 ms"
+store_states = true
+)toml";
+
+/// A folder with one input of every kind.
+class Outputs : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder_ = new Folder;
+    const Folder& f = *folder_;
+    superelement::write(f / "beam.se.h5", superelement::testing::make_box_beam());
+    f.write("lift.txt", "0 0\n1 1\n");
+    f.write("m.toml", replaced(kMechanism, "[input]\nu = \"N m\"\n", ""));
+    f.write("channel.toml", beam::testing::kSteelText + beam::testing::kChannelText);
+    f.write("boom.toml", R"([section.profile]
+type = "file"
+file = "channel.section"
+[node.root]
+position = [0, 0, 0]
+[node.tip]
+position = [6, 0, 0]
+[member.boom]
+nodes = ["root", "tip"]
+[interface.root]
+[load.tip]
+force = [0, 0, -100]
+node = "tip"
+[modes]
+count = 4
+)");
+    f.write("study.toml", "mechanism = \"m.toml\"\n");
+    f.write("report.json", R"({"title": "a report", "sections": []})");
+    ok({"section", f / "channel.toml"});
+    ok({"assemble", f / "m.toml", "--save-state", f / "state.json"});
+    ok({"simulate", f / "m.toml", "-o", f / "r.h5", "-q"});
+  }
+  static void TearDownTestSuite() {
+    delete folder_;
+    folder_ = nullptr;
+  }
+  static void ok(const std::vector<std::string>& words) {
+    const Outcome outcome = run("flexura", words);
+    ASSERT_EQ(outcome.exit_code, 0) << words[0] << ": " << outcome.err;
+  }
+
+  static Folder* folder_;
+};
+Folder* Outputs::folder_ = nullptr;
+
+/// A command that writes.  OUT stands for the output as it is named; `ending` is added where the program adds
+/// it.
+struct Writer {
+  std::string name;
+  std::vector<std::string> words, inputs;
+  std::string out = "out", ending = "";
+  bool is_quick = true;
+};
+
+std::vector<Writer> writers() {
+  return {{"simulate",
+           {"simulate", "m.toml", "-o", "OUT", "-q", "--from-state", "state.json"},
+           {"m.toml", "beam.se.h5", "lift.txt", "state.json"}},
+          {"save_state",
+           {"simulate", "m.toml", "-q", "-o", "other.h5", "--save-state", "OUT"},
+           {"m.toml", "beam.se.h5", "lift.txt"}},
+          {"simulate_csv",
+           {"simulate", "m.toml", "-o", "OUT", "-q", "--csv"},
+           {"m.toml", "beam.se.h5"},
+           "out.h5",
+           ".run.csv"},
+          {"assemble", {"assemble", "m.toml", "--save-state", "OUT", "-q"}, {"m.toml", "beam.se.h5"}},
+          {"statics", {"statics", "m.toml", "--save-state", "OUT", "-q"}, {"m.toml", "lift.txt"}},
+          {"linearize", {"linearize", "m.toml", "-o", "OUT", "-q"}, {"m.toml", "beam.se.h5"}, "out.m"},
+          {"linearize_mtx", {"linearize", "m.toml", "-o", "OUT.mtx", "-q"}, {"m.toml"}, "out", "_A.mtx"},
+          {"eigen", {"eigen", "m.toml", "--pictures", "OUT", "-q"}, {"m.toml", "beam.se.h5"}},
+          {"outputs", {"outputs", "m.toml", "r.h5", "-o", "OUT", "-q"}, {"r.h5", "m.toml", "beam.se.h5"}},
+          {"view", {"view", "r.h5", "-o", "OUT", "-q"}, {"r.h5", "beam.se.h5"}},
+          {"modes", {"modes", "beam.se.h5", "--html", "OUT", "-q"}, {"beam.se.h5"}},
+          {"report", {"report", "beam.se.h5", "-o", "OUT", "-q"}, {"beam.se.h5"}},
+          {"report_json", {"report", "report.json", "-o", "OUT", "-q"}, {"report.json"}},
+          {"export_vtk", {"export", "beam.se.h5", "-f", "vtk", "-o", "OUT", "-q"}, {"beam.se.h5"}},
+          {"export_mtx",
+           {"export", "beam.se.h5", "-f", "matrix-market", "-o", "OUT", "-q"},
+           {"beam.se.h5"},
+           "out",
+           ".K.mtx"},
+          {"export_csv", {"export", "r.h5", "-f", "csv", "-o", "OUT", "-q"}, {"r.h5"}, "out", ".run.csv"},
+          {"export_pvd", {"export", "r.h5", "-f", "pvd", "-o", "OUT", "-q"}, {"r.h5"}, "out", ".run.pvd"},
+          {"study", {"study", "study.toml", "-o", "OUT"}, {"study.toml"}, "out", ".html", false},
+          {"section", {"section", "channel.toml", "-o", "OUT", "-q"}, {"channel.toml"}},
+          {"section_svg",
+           {"section", "channel.toml", "-o", "other.section", "--svg", "OUT", "-q"},
+           {"channel.toml"}},
+          {"reduce", {"reduce", "boom.toml", "-o", "OUT", "-q"}, {"boom.toml", "channel.section"}},
+          {"reduce_report",
+           {"reduce", "boom.toml", "-o", "other.se.h5", "--report", "OUT", "-q"},
+           {"boom.toml", "channel.section"}},
+          {"reduce_statics",
+           {"reduce", "boom.toml", "--statics", "--report", "OUT", "-q"},
+           {"boom.toml", "channel.section"}}};
+}
+
+std::map<std::string, std::string> contents(const fs::path& folder) {
+  std::map<std::string, std::string> all;
+  for (const auto& entry : fs::recursive_directory_iterator(folder))
+    all[entry.path().string()] = entry.is_symlink()        ? "link"
+                                 : entry.is_regular_file() ? read_text(entry.path())
+                                                           : "folder";
+  return all;
+}
+
+class EveryWriter : public Outputs, public ::testing::WithParamInterface<Writer> {
+ protected:
+  void SetUp() override {
+    for (const auto& entry : fs::directory_iterator(folder_->path()))
+      fs::copy(entry.path(), mine_ / entry.path().filename().string());
+  }
+  Outcome write_to(const std::string& out) const {
+    std::vector<std::string> words;
+    for (const std::string& word : GetParam().words) {
+      const std::string placed = word.starts_with("OUT") ? replaced(word, "OUT", out) : word;
+      words.push_back(fs::exists(mine_ / placed) || placed.starts_with("other") ? (mine_ / placed).string()
+                                                                                : placed);
+    }
+    return run("flexura", words);
+  }
+  std::string out() const { return mine_ / GetParam().out; }
+  /// The file that the command writes for this name.
+  std::string written(const std::string& out) const {
+    fs::path stem = out;
+    if (GetParam().ending == ".run.csv") stem.replace_extension();
+    return stem.string() + GetParam().ending;
+  }
+  void expect_refused(const std::string& out, const std::string& why) const {
+    const auto before = contents(mine_.path());
+    const Outcome outcome = write_to(out);
+    EXPECT_EQ(outcome.exit_code, 2) << why << '\n' << outcome.err;
+    EXPECT_EQ(outcome.out, "") << why;
+    EXPECT_THAT(outcome.err, HasSubstr(why));
+    EXPECT_EQ(contents(mine_.path()), before) << why;
+  }
+  Folder mine_;
+};
+
+TEST_P(EveryWriter, NeverReplacesWhatItReads) {
+  for (const std::string& input : GetParam().inputs) {
+    fs::create_symlink(mine_ / input, written(out()));
+    expect_refused(out(), "would be overwritten");
+    fs::remove(written(out()));
+  }
+  fs::create_hard_link(mine_ / GetParam().inputs.back(), written(out()));
+  expect_refused(out(), "would be overwritten");
+}
+
+TEST_P(EveryWriter, RefusesPlacesWhereNoFileCanBe) {
+  fs::create_directory(written(out()));
+  expect_refused(out(), "is a folder");
+  fs::remove(written(out()));
+  expect_refused(mine_ / "nowhere" / GetParam().out, "does not exist; make it first");
+  expect_refused(mine_ / "lift.txt" / GetParam().out, "is a file, not a folder");
+  ::mkfifo(written(out()).c_str(), 0600);
+  expect_refused(out(), "is a device or a pipe");
+  fs::remove(written(out()));
+  fs::create_symlink(written(out()), written(out()));
+  expect_refused(out(), "is a symbolic link that leads back to itself");
+  fs::remove(written(out()));
+  mine_.write(fs::path(written(out())).filename(), "kept");
+  fs::permissions(written(out()), fs::perms::owner_read);
+  expect_refused(out(), "is read-only");
+}
+
+TEST_P(EveryWriter, LeavesAFileThatAnotherProcessWrites) {
+  const fs::path file = written(out());
+  const fs::path lock = file.parent_path() / ("." + file.filename().string() + ".lock");
+  const int held = ::open(lock.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
+  ASSERT_EQ(::flock(held, LOCK_EX), 0);
+  ASSERT_EQ(::write(held, "4711 \n", 6), 6);
+  const auto before = contents(mine_.path());
+  const Outcome outcome = write_to(out());
+  EXPECT_EQ(outcome.exit_code, 2) << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr("is being written by process 4711"));
+  EXPECT_EQ(contents(mine_.path()), before);
+  ::close(held);
+  if (!GetParam().is_quick) return;
+  // A lock that nobody holds is that of a process that was killed.
+  const Outcome after = write_to(out());
+  EXPECT_EQ(after.exit_code, 0) << after.err;
+  EXPECT_TRUE(fs::is_regular_file(file));
+  for (const auto& [name, content] : contents(mine_.path())) {
+    EXPECT_FALSE(name.ends_with(".part")) << name;
+    EXPECT_FALSE(name.ends_with(".lock")) << name;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Commands, EveryWriter, ::testing::ValuesIn(writers()),
+                         [](const auto& writer) { return writer.param.name; });
+
+TEST_F(Outputs, TwoOutputsOfOneCommandAreTwoFiles) {
+  const Folder f;
+  for (const std::vector<std::string>& words : std::vector<std::vector<std::string>>{
+           {"simulate", *folder_ / "m.toml", "-o", f / "a", "--save-state", f / "a"},
+           {"simulate", *folder_ / "m.toml", "-o", f / "a", "--save-state", f.path() / "." / "a"},
+           {"reduce", *folder_ / "boom.toml", "-o", f / "a", "--report", f / "a"}}) {
+    const Outcome outcome = run("flexura", words);
+    EXPECT_EQ(outcome.exit_code, 2);
+    EXPECT_THAT(outcome.err, HasSubstr("are one file"));
+    EXPECT_TRUE(fs::is_empty(f.path()));
+  }
+}
+
+// A link to a file elsewhere stays a link: what it leads to is replaced.
+TEST_F(Outputs, ALinkIsFollowed) {
+  const Folder f;
+  fs::create_directory(f / "far");
+  fs::create_symlink(f.path() / "far" / "real.html", f / "page.html");
+  ok({"report", *folder_ / "beam.se.h5", "-o", f / "page.html", "-q"});
+  EXPECT_TRUE(fs::is_symlink(f / "page.html"));
+  EXPECT_TRUE(fs::is_regular_file(f.path() / "far" / "real.html"));
+}
+
+// The values of a mechanism overflow in its first rows: nothing is left, and the old results are.
+TEST_F(Outputs, ABadMechanismLeavesNothingBesideTheOldResults) {
+  const Folder f;
+  f.write("r.h5", "old");
+  const Outcome outcome = run(
+      "flexura", {"simulate", FLEXURA_SOURCE_DIR "/tests/found/safe/misc/part_left.toml", "-o", f / "r.h5"});
+  EXPECT_NE(outcome.exit_code, 0);
+  for (const auto& entry : fs::directory_iterator(f.path())) EXPECT_EQ(entry.path().filename(), "r.h5");
+}
+
+std::string long_run(const Folder& f) {
+  return f.write("long.toml", R"toml([body.block]
+mass = 2
+[joint.slide]
+type = "prismatic"
+from = "ground"
+to = "block"
+[force.spring]
+type = "joint_spring_damper"
+joint = "slide"
+stiffness = 1000
+[solver]
+end_time = 1e7
+output_step = 0.1
+)toml");
+}
+
+bool wait_for(const std::function<bool()>& what) {
+  for (int k = 0; k < 3000; ++k, std::this_thread::sleep_for(std::chrono::milliseconds(10)))
+    if (what()) return true;
+  return false;
+}
+
+// SIGTERM and SIGHUP as Ctrl-C: the rows and the states are kept, and it is said; a second process that wants
+// the same output meanwhile is told who has it, and takes nothing from it.
+TEST_F(Outputs, SignalsEndARunCleanlyAndASecondOneIsRefused) {
+  for (const int signal : {SIGTERM, SIGHUP, SIGINT}) {
+    const Folder f;
+    const std::string mechanism = long_run(f);
+    Background first("flexura", {"simulate", mechanism, "-o", f / "r.h5", "--save-state", f / "s.json"});
+    ASSERT_TRUE(wait_for([&] {
+      try {
+        return fs::exists(f / "r.h5.part") && results::read(f / "r.h5.part").runs.at(0).time.size() > 0;
+      } catch (const std::exception&) {
+        return false;
+      }
+    }));
+    const Outcome second = run("flexura", {"simulate", mechanism, "-o", f / "r.h5"});
+    EXPECT_EQ(second.exit_code, 2);
+    EXPECT_THAT(second.err, HasSubstr("is being written by process " + std::to_string(first.pid())));
+    first.send(signal);
+    const Outcome ended = first.wait();
+    EXPECT_EQ(ended.exit_code, 1) << ended.err;
+    EXPECT_THAT(ended.err, HasSubstr("interrupted at t = "));
+    EXPECT_THAT(ended.err, HasSubstr("what was computed until then is in"));
+    EXPECT_GT(results::read(f / "r.h5").runs.at(0).time.size(), 0);
+    EXPECT_EQ(run("flexura", {"simulate", mechanism, "-o", f / "x.h5", "--from-state", f / "s.json", "--set",
+                              "solver.max_steps=1"})
+                  .exit_code,
+              1);
+    EXPECT_FALSE(fs::exists(f / "r.h5.part"));
+    EXPECT_FALSE(fs::exists(f / ".r.h5.lock"));
+  }
+}
+
+// A reduction has nothing worth keeping before its end: it takes its files away and dies by the signal.
+TEST_F(Outputs, SignalsEndAReductionWithoutATrace) {
+  for (const int signal : {SIGTERM, SIGHUP, SIGINT}) {
+    const Folder f;
+    Background reduce("flexura",
+                      {"reduce", FLEXURA_SOURCE_DIR "/cases/steam_engine/conrod.toml", "-o", f / "c.se.h5"});
+    ASSERT_TRUE(wait_for([&] { return fs::exists(f / ".c.se.h5.lock"); }));
+    reduce.send(signal);
+    EXPECT_EQ(reduce.wait().exit_code, -1);
+    EXPECT_TRUE(fs::is_empty(f.path()));
+  }
+}
+
+testing::Outcome shell(const std::string& text) {
+  const Folder f;
+  return testing::run_program("bash " + f.write("script.sh", text).string());
+}
+const std::string kFlexura = FLEXURA_BIN_DIR "/flexura ";
+
+TEST_F(Outputs, StandardOutputThatCannotBeWrittenIsAFailure) {
+  const std::string beam = *folder_ / "beam.se.h5", part = *folder_ / "boom.toml";
+  for (const std::string& command :
+       {"modes " + beam, "modes --json " + beam, std::string("man"), std::string("--help"),
+        std::string("simulate --schema"), "reduce --statics " + part, std::string("reduce --schema"),
+        "check " + beam}) {
+    for (const std::string& where :
+         {std::string("> /dev/full"), std::string(">&-"), std::string("| true; exit ${PIPESTATUS[0]}")}) {
+      if (where.starts_with("|") && command != "modes " + beam) continue;  // a race, made sure of below
+      const std::string paused = where.starts_with("|")
+                                     ? "(sleep 0.3; exec " + kFlexura + command + ") " + where
+                                     : kFlexura + command + " " + where;
+      const auto outcome = shell(paused);
+      EXPECT_EQ(outcome.code, 1) << command << where << outcome.err;
+      EXPECT_THAT(outcome.err, HasSubstr("standard output cannot be written")) << command << where;
+    }
+  }
+}
+
+// Nothing of ours is opened in the place of a closed stream: messages would go into it.
+TEST_F(Outputs, ClosedStreamsDoNoHarmToOutputs) {
+  const Folder f;
+  const auto outcome = shell(kFlexura + "simulate " + (*folder_ / "m.toml").string() + " -o " +
+                             (f / "r.h5").string() + " -v <&- 2>&-");
+  EXPECT_EQ(outcome.code, 0);
+  EXPECT_EQ(results::read(f / "r.h5").runs.at(0).time.size(), 11);
+}
+
+// Files may have no more than some blocks of 1024 bytes here, as where a quota ends.
+TEST_F(Outputs, AQuotaLeavesTheOldFileAndNothingElse) {
+  for (const std::string& command :
+       {"simulate " + (*folder_ / "m.toml").string() + " --set solver.output_step='\"1 us\"' -q -o ",
+        "reduce " + (*folder_ / "boom.toml").string() + " -q -o ",
+        "view " + (*folder_ / "r.h5").string() + " -q -o ",
+        "export " + (*folder_ / "beam.se.h5").string() + " -f gmsh -q -o ",
+        "eigen " + (*folder_ / "m.toml").string() + " -q --pictures "}) {
+    const Folder f;
+    f.write("old", "old");
+    const auto outcome = shell("ulimit -f 8\n" + kFlexura + command + (f / "old").string());
+    EXPECT_EQ(outcome.code, 1) << command << outcome.err;
+    EXPECT_TRUE(outcome.err.starts_with("error: ")) << outcome.err;
+    EXPECT_EQ(read_text(f / "old"), "old");
+    EXPECT_EQ(contents(f.path()).size(), 1u) << command;
+  }
+}
+
+/// Runs the text where `options` are mounted on DIR, in a mount table of its own.
+testing::Outcome mounted(const Folder& f, const std::string& mount, const std::string& text) {
+  return testing::run_program(
+      "unshare -m bash " +
+      f.write("mounted.sh", "dir=" + (f / "dir").string() + "\n" + mount + " || exit 77\n" + text).string());
+}
+bool may_mount() {
+  const Folder f;
+  fs::create_directory(f / "dir");
+  return mounted(f, "mount -t tmpfs -o size=64k none $dir", "exit 0").code == 0;
+}
+
+TEST_F(Outputs, AFullDiskLeavesTheOldFileAndNothingElse) {
+  if (!may_mount()) GTEST_SKIP() << "mounting a small tmpfs is not permitted here";
+  const std::string m = (*folder_ / "m.toml").string();
+  for (const std::string& command : {"simulate " + m + " --set solver.output_step='\"2 us\"' -q -o ",
+                                     "reduce " + (*folder_ / "boom.toml").string() + " -q -o ",
+                                     "view " + (*folder_ / "r.h5").string() + " -q -o "}) {
+    const Folder f;
+    fs::create_directory(f / "dir");
+    const auto outcome = mounted(
+        f, "mount -t tmpfs -o size=48k none $dir",
+        "echo old > $dir/old\n" + kFlexura + command + "$dir/old\necho code $?\ncat $dir/old\nls -A $dir");
+    EXPECT_EQ(outcome.out, "code 1\nold\nold\n") << command << outcome.err;
+    EXPECT_TRUE(outcome.err.starts_with("error: ")) << outcome.err;
+  }
+}
+
+TEST_F(Outputs, TooSmallADiskIsSaidAtTheStart) {
+  if (!may_mount()) GTEST_SKIP() << "mounting a small tmpfs is not permitted here";
+  const Folder f;
+  fs::create_directory(f / "dir");
+  const std::string mechanism = long_run(f);
+  const auto outcome =
+      mounted(f, "mount -t tmpfs -o size=1m none $dir",
+              kFlexura + "simulate " + mechanism + " -o $dir/r.h5; echo code $?; ls -A $dir");
+  EXPECT_EQ(outcome.out, "code 1\n");
+  EXPECT_THAT(outcome.err, HasSubstr("are expected, and"));
+}
+
+// root may write anywhere; a file system that is mounted for reading only stops root, too.
+TEST_F(Outputs, AReadOnlyPlaceIsSaidAtTheStart) {
+  if (!may_mount()) GTEST_SKIP() << "mounting is not permitted here";
+  for (const Writer& writer : writers()) {
+    if (writer.name != "reduce" && writer.name != "simulate" && writer.name != "view") continue;
+    const Folder f;
+    fs::create_directory(f / "dir");
+    std::string command;
+    for (const std::string& word : writer.words)
+      command += " " + (word == "OUT"                 ? "$dir/out"
+                        : fs::exists(*folder_ / word) ? (*folder_ / word).string()
+                                                      : word);
+    const auto outcome = mounted(f, "mount -t tmpfs -o ro,size=64k none $dir", kFlexura + command);
+    EXPECT_EQ(outcome.code, 2) << writer.name;
+    EXPECT_THAT(outcome.err, HasSubstr("is on a read-only file system"));
+  }
+}
+
+}  // namespace
+}  // namespace flexura::test
