@@ -19,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Brings a file or a folder to the disk; 0, or what went wrong.
+/// Brings a file to the disk; 0, or what went wrong.
 int synchronise(const fs::path& path) {
   const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
   if (descriptor < 0) return errno;
@@ -110,8 +110,8 @@ void Output::commit() {
   }
   done_ = true;
   unfinished_.reset();
+  // Where the power fails before the folder is on the disk, the name still leads to the old file: whole, too.
   note_own(claimed_->place);
-  synchronise(claimed_->place.parent_path());  // the name; the content is there in any case
 }
 
 void write_whole(const fs::path& path, std::string_view content) {

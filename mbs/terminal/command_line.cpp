@@ -38,8 +38,7 @@ constexpr int bad_input = 2;
 void print_error(const std::string& message) {
   // Nothing more can be done where this cannot be written either.
   std::fputs(
-      fmt::format("{} {}
-", red("error:", takes_colour(stderr)), input::shown_message(message)).c_str(), stderr);
+      fmt::format("{} {}\n", red("error:", takes_colour(stderr)), input::shown_message(message)).c_str(), stderr);
 }
 
 std::string examples_text(const std::vector<std::pair<std::string, std::string>>& examples) {
