@@ -28,6 +28,10 @@ hid_t open_copy_without_mark(const std::filesystem::path& path) {
 
 }  // namespace
 
+void start() {
+  silence();
+}
+
 File::File(const std::filesystem::path& path, Mode mode) : path_(path) {
   silence();
   const std::string label = path.string();
@@ -82,7 +86,7 @@ Group File::root() const {
 }
 
 void File::flush() {
-  check(H5Fflush(handle_.get(), H5F_SCOPE_LOCAL), path_.string());
+  writing([&] { check(H5Fflush(handle_.get(), H5F_SCOPE_LOCAL), path_.string()); });
 }
 
 void File::close() {

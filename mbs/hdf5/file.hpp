@@ -29,6 +29,9 @@ class BadFile : public Error {
   using Error::Error;
 };
 
+/// Lets the library start while there is memory: it does not survive when that fails within its own start.
+void start();
+
 using Shape = std::vector<std::size_t>;
 
 /// Owns one HDF5 identifier.
@@ -119,6 +122,8 @@ class Group : public Node {
                  const void* data, const std::string& unit, const std::string& doc);
   void read_raw(const std::string& name, const Shape& wanted, std::int64_t type, void* data) const;
   Handle open_dataset(const std::string& name) const;
+  Series new_series(const std::string& name, std::size_t width, const std::string& unit,
+                    const std::string& doc);
 };
 
 enum class Mode {

@@ -66,10 +66,12 @@ std::vector<std::string> Group::names() const {
 
 Group Group::create_group(const std::string& name) {
   const std::string full = child(label_, name);
-  return Group(owned(H5Gcreate2(handle_.get(), checked_name(name, label_).c_str(), H5P_DEFAULT, H5P_DEFAULT,
-                                H5P_DEFAULT),
-                     H5Gclose, full),
-               full);
+  checked_name(name, label_);
+  return writing([&] {
+    return Group(
+        owned(H5Gcreate2(handle_.get(), name.c_str(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose, full),
+        full);
+  });
 }
 
 Group Group::group(const std::string& name) const {
@@ -115,6 +117,8 @@ void Group::write_raw(const std::string& name, const Shape& shape, std::int64_t 
     Group attributes(std::move(dataset), full);
     if (!unit.empty()) attributes.set("unit", unit);
     if (!doc.empty()) attributes.set("doc", doc);
+    // The last chunks are written here, and only here a full disk is told of.
+    check(attributes.handle_.close(), full);
   });
 }
 

@@ -2,6 +2,7 @@
 #include "mbs/hdf5/library.hpp"
 
 #include <algorithm>
+#include <new>
 #include <type_traits>
 
 namespace flexura::hdf5 {
@@ -18,6 +19,9 @@ herr_t collect(unsigned, const H5E_error2_t* entry, void* out) {
 }  // namespace
 
 void silence() {
+  // At the program's end the library would close what is open, and a file whose disk is full is still half
+  // open then: it fails in that (HDF5 1.10.8, H5F__close_cb).  Files of ours are closed where their end is.
+  [[maybe_unused]] static const herr_t once = H5dont_atexit();
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
 }
 
@@ -36,6 +40,8 @@ std::string reason() {
   if (says("already open for")) return writing_mark;
   if (says("unable to lock file"))
     return "another program has it open for writing; wait until it has finished";
+  if (says("memory allocation failed") || says("unable to allocate") || says("can't allocate"))
+    return no_memory;
   for (const std::string& line : lines) {  // the operating system's own words
     const std::string key = "error message = '";
     if (const auto at = line.find(key); at != std::string::npos) {
@@ -49,6 +55,7 @@ std::string reason() {
 [[noreturn]] void fail(const std::string& label) {
   const std::string why = reason();
   // Nothing is wrong with the input then.
+  if (why == no_memory) throw std::bad_alloc();
   if (why == "No space left on device" || why == "Disk quota exceeded")
     throw std::runtime_error(label + ": " + why + "; make room or choose another folder");
   throw BadFile(label + ": " + why);

@@ -13,6 +13,9 @@ namespace flexura::hdf5 {
 inline constexpr const char* writing_mark =
     "another program is writing it, or was killed while it set the file up; wait or make it again";
 
+/// What reason() says where memory is short; fail() makes a std::bad_alloc of it.
+inline constexpr const char* no_memory = "there is not enough memory";
+
 /// HDF5 prints a stack of a dozen lines; we keep it quiet and make one sentence of it.
 void silence();
 

@@ -7,6 +7,12 @@ namespace flexura::hdf5 {
 
 Series Group::create_series(const std::string& name, std::size_t width, const std::string& unit,
                             const std::string& doc) {
+  checked_name(name, label_);
+  return writing([&] { return new_series(name, width, unit, doc); });
+}
+
+Series Group::new_series(const std::string& name, std::size_t width, const std::string& unit,
+                         const std::string& doc) {
   const std::string full = child(label_, name);
   const int rank = width > 0 ? 2 : 1;
   const hsize_t start[2] = {0, width};
@@ -71,7 +77,7 @@ std::vector<double> Series::read(std::size_t n_rows) const {
 }
 
 void Series::flush() {
-  check(H5Dflush(handle_.get()), label_);
+  writing([&] { check(H5Dflush(handle_.get()), label_); });
 }
 
 }  // namespace flexura::hdf5

@@ -258,6 +258,7 @@ Options& Options::example(const std::string& command, const std::string& what) {
 
 int guarded(const std::function<int()>& work) {
   try {
+    hdf5::start();
     return work();
   } catch (const input::InputError& failure) {
     print_error(failure.what());

@@ -54,6 +54,7 @@ class KeywordReader {
     std::string line;
     for (int number = 1; std::getline(file, line); ++number) {
       const Where where{name, number};
+      require_text(line, where);
       if (line.rfind("**", 0) == 0 || trimmed(line).empty()) continue;
       if (line[0] != '*') {
         std::vector<std::string> fields = split(line);

@@ -42,6 +42,11 @@ void require_file(const std::filesystem::path& path) {
     throw std::invalid_argument(path.string() + ": is no file; name the file itself");
 }
 
+void require_text(const std::string& line, const Where& where) {
+  if (line.find('\0') != std::string::npos)
+    throw std::invalid_argument(where.text() + ": holds a zero character; a text file is wanted");
+}
+
 Index ModelBuilder::add_node(int scope, std::int64_t label, const Eigen::Vector3d& x, const Where& where) {
   const auto number = static_cast<Index>(points_.size());
   if (!numbers_.emplace(std::pair{scope, label}, number).second)

@@ -26,6 +26,9 @@ struct Where {
 /// reader to tell.
 void require_file(const std::filesystem::path& path);
 
+/// Refuses a line that no text has (std::invalid_argument).
+void require_text(const std::string& line, const Where& where);
+
 /// Cards that were read over: name, count, first line.
 class Unused {
  public:
@@ -71,7 +74,8 @@ class ModelBuilder {
  private:
   struct KeyHash {
     std::size_t operator()(const std::pair<int, std::int64_t>& key) const {
-      return std::hash<std::int64_t>()(key.second * 1000003 + key.first);
+      return std::hash<std::uint64_t>()(static_cast<std::uint64_t>(key.second) * 1000003u +
+                                        static_cast<std::uint64_t>(key.first));
     }
   };
   std::vector<Eigen::Vector3d> points_;

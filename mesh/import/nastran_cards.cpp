@@ -118,6 +118,7 @@ class Deck {
 
  private:
   void take(const std::string& raw, const Where& where, const std::filesystem::path& path, int depth) {
+    require_text(raw, where);
     if (trimmed(raw).empty()) return;
     if (upper(trimmed(raw)).rfind("ENDDATA", 0) == 0) {
       ended_ = true;

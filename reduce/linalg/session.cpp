@@ -28,6 +28,11 @@ PetscErrorCode remember_error(MPI_Comm, int, const char*, const char*, PetscErro
   return code;
 }
 
+// PETSc tells of its errors at length on the terminal; ours is the one sentence made of what it hands over.
+PetscErrorCode say_nothing(const char*, ...) {
+  return 0;
+}
+
 }  // namespace
 
 void petsc_check(PetscErrorCode code, const char* doing) {
@@ -73,6 +78,7 @@ Session::Session() {
     setenv("HWLOC_HIDE_ERRORS", "2", 0);  // no remarks on machines without /sys: they are not ours to mend
     PetscOptionsSetValue(nullptr, "-no_signal_handler", "true");
     PetscOptionsSetValue(nullptr, "-skip_petscrc", "true");
+    PetscErrorPrintf = say_nothing;
     if (SlepcInitializeNoArguments() != 0) throw std::runtime_error("PETSc and SLEPc could not be started");
     PetscPushErrorHandler(remember_error, nullptr);
     // MPI has told the allocator to keep all it ever had, for the sake of network cards.  Arrays from 4 MB on
