@@ -65,7 +65,7 @@ class Library {
     } catch (const std::exception& error) {
       s.refuse("element", error.what());
     } catch (...) {
-      s.refuse("element", "the library throws what is no std::exception");
+      s.refuse("element", "the library throws something that has no words");
     }
     if (!made) s.refuse("element", "the library made nothing of it");
     const Element* const element = made.get();
