@@ -1,6 +1,7 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include "mbs/model/acting_loads.hpp"
 
+#include <Eigen/QR>
 #include <algorithm>
 #include <set>
 
@@ -20,16 +21,57 @@ MatrixXd marker_loads(const BodyNodes& nodes, const MarkerDescription& marker) {
   return node_loads(node, offset) * axes;
 }
 
-/// The directions a joint locks, in its frame F.  Rotations first, as in a twist.
-std::vector<int> locked_directions(const Joint& joint) {
-  std::vector<double> q(std::max(joint.n_p(), 1));
-  joint.reference(q.data());
+/// What a joint does with the six directions (rotations first, as in a twist) of one of its frames.
+struct Directions {
+  std::vector<int> locked;    ///< at q
+  std::vector<int> released;  ///< rotations that it lets free by themselves
+};
+
+Directions directions_at(const Joint& joint, const std::vector<double>& q, bool in_M) {
   MotionMatrix S(6, joint.n_v());
   joint.motion(q.data(), S);
-  std::vector<int> locked;
+  if (in_M) {
+    const Matrix3d R = joint.pose(q.data()).R;
+    S.topRows<3>() = (R.transpose() * S.topRows<3>()).eval();
+    S.bottomRows<3>() = (R.transpose() * S.bottomRows<3>()).eval();
+  }
+  Directions out;
   for (int k = 0; k < 6; ++k)
-    if (S.row(k).isZero(1e-12)) locked.push_back(k);
-  return locked;
+    if (S.row(k).isZero(1e-12)) out.locked.push_back(k);
+  if (S.cols() == 0) return out;
+  const Eigen::CompleteOrthogonalDecomposition<MatrixXd> span(S);
+  for (int k = 0; k < 3; ++k) {
+    const Vector6d e = Vector6d::Unit(k);
+    if ((S * span.solve(e) - e).norm() < 1e-9) out.released.push_back(k);
+  }
+  return out;
+}
+
+/// Coordinates where the joint's frames coincide, and two others.
+std::vector<std::vector<double>> some_configurations(const Joint& joint) {
+  std::vector<double> q(std::max(joint.n_p(), 1)), d(std::max(joint.n_v(), 1));
+  joint.reference(q.data());
+  std::vector<std::vector<double>> out(3, q);
+  for (int k = 1; k < 3; ++k) {
+    for (std::size_t i = 0; i < d.size(); ++i) d[i] = 0.3 + 0.17 * static_cast<double>(i) - 0.9 * (k - 1);
+    if (joint.n_v() > 0) joint.retract(q.data(), d.data(), out[k].data());
+  }
+  return out;
+}
+
+/// Where its frames coincide.
+std::vector<int> locked_directions(const Joint& joint) {
+  return directions_at(joint, some_configurations(joint).front(), false).locked;
+}
+
+/// Rotations about axes that stand still in the frame and that it lets free wherever it is.
+std::vector<int> released_rotations(const Joint& joint, bool in_M) {
+  std::vector<int> out = {0, 1, 2};
+  for (const auto& q : some_configurations(joint)) {
+    const std::vector<int> here = directions_at(joint, q, in_M).released;
+    std::erase_if(out, [&](int k) { return std::ranges::find(here, k) == here.end(); });
+  }
+  return out;
 }
 
 }  // namespace
@@ -38,6 +80,14 @@ int marker_on(const MechanismDescription& d, const JointDescription& joint, int 
   for (const int marker : {joint.marker_F, joint.marker_M})
     if (d.markers[marker].body == body) return marker;
   return -1;
+}
+
+bool locks_the_same_wherever_it_is(const MechanismDescription& d, const JointDescription& joint, int body) {
+  const bool in_M = marker_on(d, joint, body) == joint.marker_M;
+  const std::vector<int> at_first = locked_directions(*joint.joint);
+  return std::ranges::all_of(some_configurations(*joint.joint), [&](const std::vector<double>& q) {
+    return directions_at(*joint.joint, q, in_M).locked == at_first;
+  });
 }
 
 int node_of(const MarkerDescription& marker) {
@@ -96,34 +146,43 @@ MatrixXd held_by_joints(const superelement::Superelement& se, const BodyNodes& n
 }
 
 MatrixXd loads_on(const BodyNodes& nodes, const MechanismDescription& d, int body, int node) {
+  const auto is_here = [&](int marker) {
+    return marker >= 0 && d.markers[marker].body == body && node_of(d.markers[marker]) == node;
+  };
   const JointDescription* only = nullptr;
   int acting = 0;
-  bool drives_or_joint_forces = false;
+  std::vector<CoordinateRef> acted_on;  // joint coordinates: what acts there goes through the joint
+  bool may_act_anywhere = false;
   for (const JointDescription& joint : d.joints) {
-    const int marker = marker_on(d, joint, body);
-    if (marker < 0 || node_of(d.markers[marker]) != node) continue;
+    if (!is_here(marker_on(d, joint, body))) continue;
     ++acting;
     only = &joint;
-    drives_or_joint_forces = !joint.drives.empty();
   }
+  const auto note = [&](const std::vector<int>& markers, const std::vector<CoordinateRef>& coordinates) {
+    acted_on.insert(acted_on.end(), coordinates.begin(), coordinates.end());
+    acting += 2 * static_cast<int>(std::ranges::count_if(markers, is_here));
+    may_act_anywhere = may_act_anywhere ||
+                       (coordinates.empty() && std::ranges::all_of(markers, [](int m) { return m < 0; }));
+  };
   for (const auto& force : d.forces) {
     const auto [from, to] = force->markers();
-    // Forces without markers act on joint coordinates.
-    if (from < 0 && to < 0) drives_or_joint_forces = true;
-    for (const int marker : {from, to})
-      if (marker >= 0 && d.markers[marker].body == body && node_of(d.markers[marker]) == node) acting += 2;
+    note({from, to}, force->coordinates());
   }
-  for (const auto& constraint : d.constraints)
-    if (const auto* relative = dynamic_cast<const RelativeConstraint*>(constraint.get()))
-      for (const int marker : {relative->marker_F(), relative->marker_M()})
-        if (d.markers[marker].body == body && node_of(d.markers[marker]) == node) acting += 2;
-  const std::set<std::string_view> turning = {"revolute", "cylindrical", "spherical"};
-  if (acting != 1 || drives_or_joint_forces || !only || !turning.contains(only->joint->type()))
-    return node_loads(nodes[node]);
-  const MatrixXd all = marker_loads(nodes, d.markers[marker_on(d, *only, body)]);
-  if (only->joint->type() == "spherical") return all.rightCols(3);
-  MatrixXd loads(all.rows(), 5);  // z is the axis; along it a cylindrical joint slides, perhaps with friction
-  loads << all.leftCols(2), all.rightCols(3);
+  for (const auto& constraint : d.constraints) note(constraint->markers(), constraint->coordinates());
+  const bool turns_freely =
+      acting == 1 && only && !only->is_driven() && !may_act_anywhere &&
+      std::ranges::none_of(acted_on, [&](const CoordinateRef& c) { return &d.joints[c.joint] == only; });
+  if (!turns_freely) return node_loads(nodes[node]);
+  const int marker = marker_on(d, *only, body);
+  const std::vector<int> released = released_rotations(*only->joint, marker == only->marker_M);
+  if (released.empty()) return node_loads(nodes[node]);
+  const MatrixXd all = marker_loads(nodes, d.markers[marker]);
+  MatrixXd loads(all.rows(), 0);
+  for (int k = 0; k < 6; ++k) {
+    if (std::ranges::find(released, k) != released.end()) continue;
+    loads.conservativeResize(Eigen::NoChange, loads.cols() + 1);
+    loads.rightCols<1>() = all.col(k);
+  }
   return loads;
 }
 
@@ -134,7 +193,7 @@ std::vector<int> loaded_nodes(const MechanismDescription& d, int body) {
       found.insert(node_of(d.markers[marker]));
   };
   for (const JointDescription& joint : d.joints) {
-    if (joint.joint->type() == "six_dof") continue;  // carries no load
+    if (joint.joint->n_rows() == 0) continue;  // carries no load
     take(joint.marker_F);
     take(joint.marker_M);
   }
@@ -144,10 +203,7 @@ std::vector<int> loaded_nodes(const MechanismDescription& d, int body) {
     take(to);
   }
   for (const auto& constraint : d.constraints)
-    if (const auto* relative = dynamic_cast<const RelativeConstraint*>(constraint.get())) {
-      take(relative->marker_F());
-      take(relative->marker_M());
-    }
+    for (const int marker : constraint->markers()) take(marker);
   return {found.begin(), found.end()};
 }
 

@@ -16,6 +16,10 @@ using BodyNodes = std::vector<BodyNode>;
 /// Marker of a joint on the body, or -1.
 int marker_on(const MechanismDescription& d, const JointDescription& joint, int body);
 
+/// True where the directions that the joint locks stand still in the body, whatever its coordinates: only then
+/// do they give the body a boundary condition.
+bool locks_the_same_wherever_it_is(const MechanismDescription& d, const JointDescription& joint, int body);
+
 /// The node of its body that a marker stands on, or -1; on a one-way body markers do not move with it.
 int node_of(const MarkerDescription& marker);
 

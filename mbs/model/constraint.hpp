@@ -25,6 +25,8 @@ class Constraint {
   virtual bool is_holonomic(int /*row*/) const { return true; }
   /// Joint coordinates it binds: these joints are taken into the tree first.
   virtual std::vector<CoordinateRef> coordinates() const { return {}; }
+  /// Markers whose bodies its reactions load: flexible ones may take response modes there.
+  virtual std::vector<int> markers() const { return {}; }
   virtual void position(const Kinematics& kin, double* g) const = 0;
   virtual void velocity(const Kinematics& kin, double* g_dot) const = 0;
   virtual void acceleration(const Kinematics& kin, double* g_ddot) const = 0;
@@ -64,6 +66,7 @@ class RelativeConstraint final : public Constraint {
   void differentiate_contact(const Kinematics& kin, double a, Derivatives& d) const override;
   /// The wrench that multipliers x stand for, on M about Mo, in F: G_rel^T x.
   Vector6d wrench_on_M(const Kinematics& kin, const double* x) const;
+  std::vector<int> markers() const override { return {marker_F_, marker_M_}; }
   int marker_F() const { return marker_F_; }
   int marker_M() const { return marker_M_; }
   bool has_contact() const override { return rows_->has_contact(); }

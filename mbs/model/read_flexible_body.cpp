@@ -60,12 +60,10 @@ DampingLaw damping_law(const Section& s) {
 
 /// Why the joint gives no boundary condition that holds at all times (SP's conditions: the node has the
 /// directions that the joint locks, and these stand still in the body); empty where it gives one.
-std::string cannot_hold(const JointDescription& joint, const BodyNode& node, const MatrixXd& held) {
-  const std::string_view type = joint.joint->type();
-  if (type == "universal" || type == "constant_velocity")
-    return fmt::format(
-        "joint \"{}\" turns about two axes, so that what it locks does not stand still in the body",
-        joint.name);
+std::string cannot_hold(const MechanismDescription& d, const JointDescription& joint, int body,
+                        const BodyNode& node, const MatrixXd& held) {
+  if (!locks_the_same_wherever_it_is(d, joint, body))
+    return fmt::format("what joint \"{}\" locks does not stand still in the body as it moves", joint.name);
   for (Eigen::Index k = 0; k < held.cols(); ++k)
     if (held.col(k).isZero(0.0))
       return fmt::format("joint \"{}\" locks a direction that \"{}\" does not keep", joint.name, node.name);
@@ -260,7 +258,7 @@ std::shared_ptr<const FlexibleBody> prepare_flexible_body(
     const int node = node_of(marker);
     if (boundary == "joint") {
       options.held = held_directions(nodes, d, *joint, body);
-      if (const std::string reason = cannot_hold(*joint, nodes[node], options.held); !reason.empty()) {
+      if (const std::string reason = cannot_hold(d, *joint, body, nodes[node], options.held); !reason.empty()) {
         if (s.has("boundary"))
           s.refuse("boundary", reason, "write boundary = \"free\", or take the key away");
         notes.push_back(

@@ -22,6 +22,7 @@ class RollingDisc final : public Constraint {
     return names[i];
   }
   bool is_holonomic(int row) const override { return row == 0; }
+  std::vector<int> markers() const override { return {F_, M_}; }
 
   void position(const Kinematics& kin, double* g) const override {
     const Pose X = kin.relative_pose(F_, M_);

@@ -158,14 +158,14 @@ TEST_F(MechanismFileTest, JointsThatGiveNoBoundaryConditionAreTold) {
   superelement::write(folder_ / "beam.se.h5", se);
   const std::vector<std::string> universal = {"joint.pivot.type=universal", "body.beam.frame=joint_fixed"};
   const MechanismFile file = read(flexible_pendulum, universal);
-  EXPECT_THAT(file.notes[0], HasSubstr("joint \"pivot\" turns about two axes, so that what it locks does not "
-                                       "stand still in the body: its eigenmodes are those of the free body"));
+  EXPECT_THAT(file.notes[0], HasSubstr("what joint \"pivot\" locks does not stand still in the body as it moves: its "
+                                       "eigenmodes are those of the free body"));
   EXPECT_THAT(file.notes[1], HasSubstr("gives the frame"));
   all_identities_hold(Mechanism(file.description), 5);
   std::vector<std::string> asked = universal;
   asked.push_back("body.beam.boundary=joint");
   EXPECT_THAT(test::refusal_of([&] { read(flexible_pendulum, asked); }),
-              HasSubstr("boundary = \"joint\": joint \"pivot\" turns about two axes"));
+              HasSubstr("boundary = \"joint\": what joint \"pivot\" locks does not stand still"));
 }
 
 TEST_F(MechanismFileTest, ResponseFrequencyMustBeNoNaturalFrequency) {
