@@ -31,9 +31,31 @@ using namespace flexura;
 struct Arguments {
   std::string input, output, report, mesh_size;
   std::vector<std::string> overrides, held;
-  int modes = -1, beam_modes = 0, places = 5, compare = 0;
+  int modes = -1, beam_modes = 0, places = -1, compare = 0;
   bool factor_in_file = false, list_faces = false, schema = false, schema_beams = false, statics = false;
 };
+
+// What one kind of part knows and the other does not is refused, not passed over.
+void refuse_options_of_the_other_kind(const Arguments& a, bool is_beam) {
+  const auto refuse = [&](bool given, const char* option, const char* whose) {
+    if (given)
+      throw input::InputError(
+          fmt::format("{}: {} is for {}, which this is not: leave it out", a.input, option, whose));
+  };
+  if (is_beam) {
+    refuse(a.compare > 0, "--compare", "parts of solid elements");
+    refuse(a.factor_in_file, "--factor-in-file", "parts of solid elements");
+    if (!a.statics && (!a.held.empty() || a.places >= 0))
+      throw input::InputError("--held and --places are for --statics: give it, or leave them out");
+    if (a.statics && a.beam_modes > 0)
+      throw input::InputError("--statics and --beam-modes exclude each other");
+  } else {
+    refuse(a.beam_modes > 0, "--beam-modes", "beam parts");
+    refuse(a.statics, "--statics", "beam parts");
+    refuse(!a.held.empty(), "--held", "beam parts");
+    refuse(a.places >= 0, "--places", "beam parts");
+  }
+}
 
 int reduce_with(const Arguments& arguments, const terminal::Talk& talk, const linalg::Team* team) {
   if (arguments.schema) {
@@ -68,10 +90,12 @@ int reduce_with(const Arguments& arguments, const terminal::Talk& talk, const li
   std::filesystem::path output = arguments.output;
   if (output.empty()) output = std::filesystem::path(arguments.input).replace_extension(".se.h5");
   const bool prints_only = arguments.statics || arguments.beam_modes > 0;  // of beam parts
+  const bool is_beam = reduce::is_beam_file(arguments.input);
+  refuse_options_of_the_other_kind(arguments, is_beam);
   files::Claims claims;
-  if (!prints_only || !reduce::is_beam_file(arguments.input)) claims.add(output);
+  if (!prints_only || !is_beam) claims.add(output);
   claims.add(arguments.report);
-  if (reduce::is_beam_file(arguments.input)) {
+  if (is_beam) {
     const linalg::Session session;  // one for the structure and its solids
     const reduce::BeamPartInput beams =
         reduce::read_beam_part(arguments.input, overrides, [&](const reduce::SolidInput& solid) {
@@ -82,7 +106,8 @@ int reduce_with(const Arguments& arguments, const terminal::Talk& talk, const li
       return 0;
     }
     if (arguments.statics) {
-      reduce::print_statics(beams, arguments.held, arguments.places, std::cout, arguments.report);
+      reduce::print_statics(beams, arguments.held, arguments.places < 0 ? 5 : arguments.places, std::cout,
+                            arguments.report);
       return 0;
     }
     reduce::reduce_beam_part(beams, output, {.report = arguments.report, .quiet = talk.quiet});

@@ -149,6 +149,12 @@ void reduce_part(const PartInput& input, const std::filesystem::path& output, co
   if (options.compare > 0 && finished)
     throw input::InputError("--compare solves the full model, which finished modes do not bring along");
   if (options.compare > 0) data.comparison = compare(part, reduction, options.compare, progress);
+  if (options.compare > 0 && data.comparison.full_hz.empty())
+    data.warnings.push_back(
+        "--compare has nothing to compare: the superelement has no elastic frequency of the free body");
+  if (options.compare > 0 && data.comparison.static_error < 0.0)
+    data.notes.push_back(
+        "--compare: statics not compared, which needs two interfaces with all six directions and no other");
   if (!input.modes.struck.empty()) {
     StruckModes struck;
     try {
