@@ -12,6 +12,7 @@
 #include "mbs/solver/buckling.hpp"
 #include "mbs/solver/equilibrium.hpp"
 #include "mbs/solver/linearise.hpp"
+#include "mbs/solver/whirl.hpp"
 #include "mbs/terminal/terminal.hpp"
 
 /// eigen: natural modes of a mechanism, as a table and as pictures.
@@ -23,11 +24,26 @@ using terminal::Align;
 using terminal::number;
 
 struct Arguments : MechanismArguments {
-  bool equilibrium = false, buckling = false, json = false;
+  bool equilibrium = false, buckling = false, frozen = false, fixed_axes = false, json = false;
   int count = 30;
   std::string pictures;
-  double amplitude = 0.1;
+  double amplitude = std::nan("");
 };
+
+void check(const Arguments& a) {
+  if (a.count < 1) throw std::invalid_argument(fmt::format("--count is {}, it must be at least 1", a.count));
+  if (a.buckling && !a.pictures.empty())
+    throw std::invalid_argument("--pictures shows natural modes: it does not go with --buckling");
+  if (a.buckling && a.frozen)
+    throw std::invalid_argument("--buckling is about the static equilibrium: --frozen does not go with it");
+  if (a.fixed_axes && (a.buckling || a.equilibrium || a.frozen))
+    throw std::invalid_argument(
+        "--fixed-axes is about a steady motion: it does not go with --equilibrium, --buckling or --frozen");
+  if (a.frozen && a.equilibrium)
+    throw std::invalid_argument("--frozen takes the state as it stands: it does not go with --equilibrium");
+  if (!std::isnan(a.amplitude) && a.pictures.empty())
+    throw std::invalid_argument("--amplitude is that of the pictures: give --pictures, or leave it out");
+}
 
 // The coordinate that moves most.
 std::string largest_of(const mbs::Mechanism& m, const Eigen::VectorXd& sizes) {
@@ -84,7 +100,8 @@ void write_pictures(const NamedRun& run, const std::vector<mbs::NaturalMode>& mo
     const mbs::NaturalMode& mode = modes[k];
     Eigen::Index largest = 0;
     if (mode.shape.size() > 0) mode.shape.cwiseAbs().maxCoeff(&largest);
-    const double size = arguments.amplitude * m.velocity_scale(static_cast<int>(largest));
+    const double amplitude = std::isnan(arguments.amplitude) ? 0.1 : arguments.amplitude;
+    const double size = amplitude * m.velocity_scale(static_cast<int>(largest));
     Recorder recorder(p, writer, {"energy.potential"}, false);
     recorder.begin(fmt::format("mode {}, {} Hz", k + 1, number(mode.frequency_hz, 4)));
     for (int i = 0; i <= kPhases; ++i) {
@@ -101,9 +118,21 @@ void write_pictures(const NamedRun& run, const std::vector<mbs::NaturalMode>& mo
   writer.close();
 }
 
-/// The mechanism without weight and given forces; springs, bushings and friction stay.
-mbs::LinearSystem without_loads(const PreparedMechanism& p) {
-  mbs::Mechanism unloaded(mbs::without_loads(p.mechanism->description()));
+/// The linear system of the mechanism without what loads it, at rest.
+mbs::LinearSystem unloaded_system(const PreparedMechanism& p) {
+  mbs::Mechanism::Unloaded without = p.mechanism->without_loads(p.state, *p.mechanism->make_scratch());
+  if (!without.unknown.empty())
+    throw std::invalid_argument(
+        fmt::format("--buckling scales loads, and force \"{}\" does not say what of it is one: it acts where "
+                    "the mechanism "
+                    "starts, and changes with the state; let nature() and without_load() of its class say it "
+                    "(mbs/model/force.hpp)",
+                    without.unknown.front()));
+  if (without.loads.empty())
+    throw std::invalid_argument(
+        "--buckling scales weight, given forces and preloads, and the mechanism has none; give gravity or a "
+        "force, or leave --buckling out");
+  mbs::Mechanism unloaded(std::move(without.description));
   mbs::State s = unloaded.initial_state();
   s.t = p.state.t;
   s.p = p.state.p;
@@ -123,38 +152,91 @@ mbs::LinearSystem without_loads(const PreparedMechanism& p) {
   return mbs::linearise(unloaded, s);
 }
 
+// What the table of buckling factors does not say.
+void add_buckling_notes(const mbs::Buckling& buckling, std::vector<std::string>& notes) {
+  if (buckling.modes.empty())
+    notes.push_back(buckling.has_complex_factors
+                        ? "no factor of the loads takes the stiffness away: it does not buckle by divergence"
+                        : "the loads change no stiffness: at no factor of them does the equilibrium lose it");
+  if (buckling.has_complex_factors)
+    notes.push_back(
+        "some loads follow the motion: they may make it flutter at factors that are not seen here; "
+        "flexura eigen --equilibrium with the loads themselves shows it");
+}
+
 int print_buckling(const Arguments& arguments, const terminal::Talk& talk) {
   std::vector<NamedRun> runs = prepare_runs(arguments);
   nlohmann::json list = nlohmann::json::array();
   for (NamedRun& run : runs) {
     PreparedMechanism& p = run.prepared;
-    const mbs::LinearSystem unloaded = without_loads(p);
+    const mbs::LinearSystem unloaded = unloaded_system(p);
     settle(p);
-    const auto modes = mbs::buckling_modes(unloaded, mbs::linearise(*p.mechanism, p.state));
+    const mbs::Buckling buckling = mbs::buckling_modes(unloaded, mbs::linearise(*p.mechanism, p.state));
+    add_buckling_notes(buckling, p.notes);
     for (const auto& body : p.mechanism->description().bodies)
-      if (body.flexible && !body.flexible->data().second)
+      if (body.flexible && body.flexible->is_modal() && !body.flexible->data().second)
         p.notes.push_back(
             fmt::format("body \"{}\" has no geometric stiffening; with fidelity = \"modal-stiffened\" "
                         "its own buckling is seen",
                         body.name));
     if (arguments.json) {
-      list.push_back(to_json(run, modes, arguments.count));
+      list.push_back(to_json(run, buckling.modes, arguments.count));
       continue;
     }
     if (talk.quiet) continue;
     fmt::print("{}\n\n", heading(run));
     terminal::Table table({{"no"}, {"load factor"}, {"moves most", Align::left}});
     int index = 0;
-    for (const mbs::BucklingMode& mode : modes) {
+    for (const mbs::BucklingMode& mode : buckling.modes) {
       if (++index > arguments.count) break;
       table.add_row({fmt::format("{}", index), number(mode.factor, 6),
                      largest_of(*p.mechanism, mode.shape.cwiseAbs())});
     }
-    fmt::print("{}\n", table.text(terminal::width(stdout), terminal::takes_colour(stdout)));
+    if (index > 0) fmt::print("{}\n", table.text(terminal::width(stdout), terminal::takes_colour(stdout)));
     for (const std::string& note : p.notes) fmt::print("note: {}\n", note);
   }
   if (arguments.json) print_json("buckling", runs, list);
   return 0;
+}
+
+// "+19.8", "-12.1, +3.9", "5.2 along the axis".
+std::string text_of(const std::vector<mbs::Whirl>& whirls) {
+  std::string out;
+  for (const mbs::Whirl& one : whirls) {
+    if (!out.empty()) out += ", ";
+    const bool is_along = one.kind == mbs::Whirl::Kind::along;
+    out += is_along ? number(one.hz, 6) + " along" : (one.hz > 0.0 ? "+" : "") + number(one.hz, 6);
+  }
+  return out.empty() ? "unknown" : out;
+}
+
+nlohmann::json to_json(const std::vector<mbs::Whirl>& whirls) {
+  nlohmann::json out = nlohmann::json::array();
+  for (const mbs::Whirl& one : whirls)
+    out.push_back({{"hz", one.hz},
+                   {"kind", one.kind == mbs::Whirl::Kind::along ? "along" : "circular"},
+                   {"share", one.share}});
+  return out;
+}
+
+// With a note.
+mbs::Stability judge_stability(PreparedMechanism& p, const mbs::SteadyLinearisation& about) {
+  using Verdict = mbs::SteadyLinearisation::Verdict;
+  const mbs::Mechanism& m = *p.mechanism;
+  mbs::Stability out;
+  if (about.verdict == Verdict::unsteady) return out;
+  if (about.verdict == Verdict::equilibrium) {
+    out = mbs::stability_at_rest(m, p.state);
+  } else {
+    double rate = 0.0;
+    for (int i = 0; i < m.sizes().n_v; ++i)
+      rate = std::max(rate, std::abs(p.state.v(i)) / m.velocity_scale(i));
+    out = mbs::stability_of(m, about.system, rate);
+  }
+  std::string said =
+      mbs::sentence(m, out, about.verdict == Verdict::equilibrium ? "the equilibrium" : "the steady motion");
+  if (!said.empty()) p.notes.push_back(std::move(said));
+  return out;
 }
 
 int print_modes(const Arguments& arguments, const terminal::Talk& talk) {
@@ -165,22 +247,45 @@ int print_modes(const Arguments& arguments, const terminal::Talk& talk) {
   nlohmann::json list = nlohmann::json::array();
   for (NamedRun& run : runs) {
     PreparedMechanism& p = run.prepared;
-    if (arguments.equilibrium) settle(p);
-    const auto modes = mbs::natural_modes(mbs::linearise(*p.mechanism, p.state));
-    terminal::Table table(
-        {{"no"}, {"real [1/s]"}, {"imag [1/s]"}, {"f [Hz]"}, {"damping %"}, {"moves most", Align::left}});
+    mbs::Stability stability;
+    if (arguments.equilibrium) stability = settle(p);
+    const mbs::SteadyLinearisation about = linearise_about(p, {}, arguments.frozen);
+    const auto modes = mbs::natural_modes(about.system);
+    if (!arguments.equilibrium) stability = judge_stability(p, about);
+    if (modes.empty())
+      p.notes.push_back("nothing of the mechanism moves or deforms: it has no natural modes");
+    std::vector<terminal::Column> columns = {{"no"},     {"real [1/s]"}, {"imag [1/s]"},
+                                             {"f [Hz]"}, {"damping %"},  {"moves most", Align::left}};
+    std::vector<std::vector<mbs::Whirl>> whirls;
+    if (arguments.fixed_axes) {
+      const mbs::FixedAxes axes(*p.mechanism, p.state, about);
+      for (const mbs::NaturalMode& mode : modes) whirls.push_back(axes.of(mode));
+      columns.push_back({"fixed axes [Hz]", Align::left});
+    }
+    terminal::Table table(columns);
     int index = 0;
     for (const mbs::NaturalMode& mode : modes) {
       if (++index > arguments.count) break;
-      table.add_row({fmt::format("{}", index), number(mode.eigenvalue.real(), 6),
-                     number(mode.eigenvalue.imag(), 6), number(mode.frequency_hz, 6),
-                     number(100.0 * mode.damping, 4), largest_of(*p.mechanism, mode.shape.cwiseAbs())});
+      std::vector<std::string> row = {
+          fmt::format("{}", index),          number(mode.eigenvalue.real(), 6),
+          number(mode.eigenvalue.imag(), 6), number(mode.frequency_hz, 6),
+          number(100.0 * mode.damping, 4),   largest_of(*p.mechanism, mode.shape.cwiseAbs())};
+      if (arguments.fixed_axes) row.push_back(text_of(whirls[static_cast<std::size_t>(index - 1)]));
+      table.add_row(std::move(row));
     }
     const bool talks = !talk.quiet && !arguments.json;
-    if (arguments.json) list.push_back(to_json(run, modes, arguments.count));
+    if (arguments.json) {
+      list.push_back(to_json(run, modes, arguments.count));
+      list.back()["about"] = name_of(about.verdict);
+      list.back()["axes"] = about.axes;
+      list.back()["stability"] = mbs::name_of(stability.verdict);
+      for (std::size_t k = 0; k < list.back()["modes"].size() && arguments.fixed_axes; ++k)
+        list.back()["modes"][k]["fixed_axes"] = to_json(whirls[k]);
+    }
     if (talks) {
-      fmt::print("{}\n\n{}\n", heading(run),
-                 table.text(terminal::width(stdout), terminal::takes_colour(stdout)));
+      fmt::print("{}\n\n", heading(run));
+      if (!modes.empty())
+        fmt::print("{}\n", table.text(terminal::width(stdout), terminal::takes_colour(stdout)));
       for (const std::string& note : p.notes) fmt::print("note: {}\n", note);
     }
     if (arguments.pictures.empty()) continue;
@@ -204,6 +309,9 @@ terminal::Command eigen_command() {
         options.flag("--equilibrium", a->equilibrium, "about the static equilibrium, not the initial state")
             .flag("--buckling", a->buckling,
                   "instead: factors of weight and given forces at which the equilibrium loses its stiffness")
+            .flag("--frozen", a->frozen, kFrozenHelp)
+            .flag("--fixed-axes", a->fixed_axes,
+                  "of a rotor, also the whirl speeds in axes that stand still: positive with the rotation")
             .option("--count", a->count, "N", "print at most so many (30)")
             .option("--pictures", a->pictures, "FILE",
                     "results file with the modes as runs, for flexura view")
@@ -211,7 +319,10 @@ terminal::Command eigen_command() {
             .option("--amplitude", a->amplitude, "SIZE", "largest motion in the pictures, rad or m (0.1)")
             .example("flexura eigen engine.toml --equilibrium", "eigenvalues, frequencies, damping")
             .example("flexura eigen engine.toml --json", "the same and the shapes, for scripts");
-        return [a, &talk] { return a->buckling ? print_buckling(*a, talk) : print_modes(*a, talk); };
+        return [a, &talk] {
+          check(*a);
+          return a->buckling ? print_buckling(*a, talk) : print_modes(*a, talk);
+        };
       }};
 }
 

@@ -28,7 +28,7 @@ using terminal::Align;
 using terminal::number;
 
 struct Arguments : MechanismArguments {
-  bool equilibrium = false, descriptor = false, json = false;
+  bool equilibrium = false, descriptor = false, frozen = false, json = false;
   std::string output, save_state, response;
   std::vector<std::string> inputs, outputs;
 };
@@ -41,7 +41,7 @@ int print_statics(const Arguments& arguments, const terminal::Talk& talk) {
   nlohmann::json list = nlohmann::json::array();
   for (NamedRun& run : runs) {
     PreparedMechanism& p = run.prepared;
-    settle(p);
+    const mbs::Stability stability = settle(p);
     const mbs::Mechanism& m = *p.mechanism;
     if (!arguments.save_state.empty()) mbs::write_state(arguments.save_state, m, p.file.name, p.state);
     if (talk.quiet && !arguments.json) continue;
@@ -61,6 +61,7 @@ int print_statics(const Arguments& arguments, const terminal::Talk& talk) {
     if (arguments.json) {
       list.push_back(run_json(run));
       list.back()["quantities"] = std::move(quantities);
+      list.back()["stability"] = mbs::name_of(stability.verdict);
       continue;
     }
     fmt::print("{}\n\n{}\n", heading(run),
@@ -152,7 +153,13 @@ int write_linear_system(const Arguments& arguments, const terminal::Talk& talk) 
   StateSpace file;
   file.time = p.state.t;
   std::vector<std::filesystem::path> written;
+  const mbs::SteadyLinearisation about = linearise_about(p, options, arguments.frozen);
   if (arguments.descriptor) {
+    if (!about.axes.empty() && !arguments.frozen)
+      throw std::invalid_argument(fmt::format(
+          "--descriptor writes the mechanism's own coordinates, whose coefficients change along this motion; "
+          "they are constant in {}: leave --descriptor out, or take --frozen for this instant",
+          about.axes));
     const mbs::DescriptorSystem d = mbs::linearise_as_descriptor(m, p.state, options);
     file.title = fmt::format("{}: E x' = A x + B u, y = C x + D u about x_0, u_0, y_0 at t = {:.9g} s",
                              p.file.name, p.state.t);
@@ -163,9 +170,9 @@ int write_linear_system(const Arguments& arguments, const terminal::Talk& talk) 
       throw std::invalid_argument(
           "--response is that of the system in independent coordinates: leave --descriptor out");
   } else {
-    const LinearSystem d = mbs::linearise(m, p.state, options);
-    file.title = fmt::format("{}: x' = A x + B u, y = C x + D u about x_0, u_0, y_0 at t = {:.9g} s",
-                             p.file.name, p.state.t);
+    const LinearSystem& d = about.system;
+    file.title = fmt::format("{}: x' = A x + B u, y = C x + D u about x_0, u_0, y_0 at t = {:.9g} s{}",
+                             p.file.name, p.state.t, about.axes.empty() ? "" : ", in " + about.axes);
     file.names = {{"states", d.states}, {"inputs", d.inputs}, {"outputs", d.outputs}};
     file.matrices = {{"A", d.A},     {"B", d.B},     {"C", d.C},    {"D", d.D},
                      {"x_0", d.x_0}, {"u_0", d.u_0}, {"y_0", d.y_0}};
@@ -181,11 +188,14 @@ int write_linear_system(const Arguments& arguments, const terminal::Talk& talk) 
     nlohmann::json run = run_json(runs.front());
     for (const auto& [what, names] : file.names) run[what] = names;
     for (const auto& one : written) run["files"].push_back(one.string());
+    run["about"] = name_of(about.verdict);
+    run["axes"] = about.axes;
     print_json("linear system", runs, nlohmann::json::array({run}));
   } else if (!talk.quiet) {
     for (const auto& one : written)
       fmt::print("{} states, {} inputs, {} outputs: {}\n", file.names[0].second.size(),
                  file.names[1].second.size(), file.names[2].second.size(), one.string());
+    for (const std::string& note : p.notes) fmt::print("note: {}\n", note);
   }
   return 0;
 }
@@ -199,6 +209,7 @@ terminal::Command linearize_command() {
         auto a = std::make_shared<Arguments>();
         declare_mechanism(options, *a);
         options.flag("--equilibrium", a->equilibrium, "about the static equilibrium, not the initial state")
+            .flag("--frozen", a->frozen, kFrozenHelp)
             .option(
                 "-o,--output", a->output, "FILE",
                 ".m (Octave, MATLAB), .h5 (HDF5) or .mtx (Matrix Market); default: the file's name_linear.m")

@@ -65,7 +65,7 @@ NamedRun& only_run(std::vector<NamedRun>& runs, const MechanismArguments& argume
   return runs.front();
 }
 
-void settle(mbs::PreparedMechanism& p) {
+mbs::Stability settle(mbs::PreparedMechanism& p) {
   const mbs::StaticsReport report = mbs::find_equilibrium(*p.mechanism, p.state);
   mbs::AccelerationSolver(*p.mechanism).solve(p.state, p.v_dot);
   p.notes.push_back(fmt::format("equilibrium in {} steps, largest force left {} N", report.iterations,
@@ -76,6 +76,43 @@ void settle(mbs::PreparedMechanism& p) {
   mbs::LinearRange range(*p.mechanism);
   range.observe(p.state);
   for (std::string& sentence : range.sentences()) p.notes.push_back(std::move(sentence));
+  mbs::Stability stability = mbs::stability_at_rest(*p.mechanism, p.state);
+  if (std::string said = mbs::sentence(*p.mechanism, stability, "the equilibrium"); !said.empty())
+    p.notes.push_back(std::move(said));
+  return stability;
+}
+
+const char* const kFrozenHelp =
+    "linearise at the instant even where the state does not last: about a point of a trajectory";
+
+mbs::SteadyLinearisation linearise_about(mbs::PreparedMechanism& p, const mbs::LineariseOptions& options,
+                                         bool frozen) {
+  using Verdict = mbs::SteadyLinearisation::Verdict;
+  const double span = p.options.end_time - p.state.t;
+  mbs::SteadyLinearisation out =
+      mbs::linearise_steady(*p.mechanism, p.state, span > 0.0 ? span : 1.0, options);
+  if (out.verdict == Verdict::unsteady && !frozen)
+    throw std::invalid_argument(fmt::format(
+        "the state at t = {} s is neither an equilibrium nor a steady motion: {}; a linear system has no lasting "
+        "meaning there. Take --equilibrium, --from-state or initial_deformation = \"quasi_static\", or "
+        "--frozen for this instant",
+        terminal::number(p.state.t, 6), out.why));
+  if (out.verdict == Verdict::unsteady)
+    p.notes.push_back(
+        fmt::format("frozen at t = {} s: {}; what follows holds for times that are short against this change",
+                    terminal::number(p.state.t, 6), out.why));
+  if (!out.axes.empty())
+    p.notes.push_back("in " + out.axes +
+                      ": there the coefficients are constant, in the coordinates' own axes they are not");
+  p.notes.insert(p.notes.end(), out.notes.begin(), out.notes.end());
+  return out;
+}
+
+std::string name_of(mbs::SteadyLinearisation::Verdict verdict) {
+  using Verdict = mbs::SteadyLinearisation::Verdict;
+  return verdict == Verdict::equilibrium     ? "equilibrium"
+         : verdict == Verdict::steady_motion ? "steady motion"
+                                             : "frozen";
 }
 
 std::string heading(const NamedRun& run) {

@@ -6,6 +6,8 @@
 #include <vector>
 
 #include "mbs/solver/prepare.hpp"
+#include "mbs/solver/stability.hpp"
+#include "mbs/solver/steady_state.hpp"
 #include "mbs/terminal/command_line.hpp"
 
 /// What all commands on mechanism files share.
@@ -34,8 +36,17 @@ std::vector<NamedRun> prepare_runs(const MechanismArguments& arguments);
 NamedRun& only_run(std::vector<NamedRun>& runs, const MechanismArguments& arguments,
                    const std::string& option);
 
-/// Moves the state into static equilibrium, with a note.
-void settle(mbs::PreparedMechanism& prepared);
+/// Moves the state into static equilibrium and judges it, with notes.
+mbs::Stability settle(mbs::PreparedMechanism& prepared);
+
+/// The linear system about the prepared state, with notes on what it means.  Throws std::invalid_argument
+/// where it means nothing (steady_state.hpp), unless `frozen` asks for it all the same.
+mbs::SteadyLinearisation linearise_about(mbs::PreparedMechanism& prepared,
+                                         const mbs::LineariseOptions& options, bool frozen);
+/// "equilibrium", "steady motion" or "frozen".
+std::string name_of(mbs::SteadyLinearisation::Verdict verdict);
+/// What --frozen says of itself.
+extern const char* const kFrozenHelp;
 
 /// "engine, run rigid, t = 0 s"; without the run where the file names none.
 std::string heading(const NamedRun& run);

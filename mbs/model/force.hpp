@@ -47,6 +47,13 @@ class HasStates {
   ~HasStates() = default;
 };
 
+/// What a force element is where a mechanism's loads are taken away or scaled.
+enum class ForceNature {
+  unknown,   ///< it does not say: judged by what it does (Mechanism::without_loads)
+  response,  ///< follows from the state alone, as springs, dampers and contacts do: stays
+  load       ///< holds a given load (dead, following, a preload): ForceElement::without_load() is what stays
+};
+
 class ForceElement : public HasStates {
  public:
   explicit ForceElement(std::string name) : name_(std::move(name)) {}
@@ -71,6 +78,14 @@ class ForceElement : public HasStates {
   virtual std::vector<CoordinateRef> coordinates() const { return {}; }
   /// The markers it acts between, for pictures; -1 where there is none.
   virtual std::pair<int, int> markers() const { return {-1, -1}; }
+  virtual ForceNature nature() const { return ForceNature::unknown; }
+  /// Of nature `load`: the element without the load that it gives in the state of `kin`, where nothing of its
+  /// force is left but how it answers to other states; with the same states and switches.  nullptr: nothing
+  /// stays.
+  virtual std::shared_ptr<const ForceElement> without_load(const Kinematics& /*kin*/,
+                                                           const double* /*signals*/) const {
+    return nullptr;
+  }
   /// The body and the load case of its superelement that it puts on it; -1 for none.
   virtual std::pair<int, int> load_case() const { return {-1, -1}; }
   virtual std::string_view type() const = 0;

@@ -171,8 +171,27 @@ class Mechanism final : public Equations {
   /// instant is not redundancy), leaves them out of all later evaluations and says which.
   std::vector<RedundantRow> drop_redundant(double t, ConstVectorRef p);
 
+  /// The mechanism as it is without weight and given loads, in the state s: what a force's load is there
+  /// (ForceElement::without_load).  Springs, bushings, contacts and friction stay.
+  struct Unloaded {
+    MechanismDescription description;
+    std::vector<std::string> loads;    ///< what was taken away
+    std::vector<std::string> unknown;  ///< forces that do not say what they are, and act: they stay
+  };
+  Unloaded without_loads(const State& s, Scratch& scratch) const;
+
   /// Pose of every body (0 = ground) for pictures.
   void body_poses(const State& s, Scratch& scratch, std::vector<Pose>& poses) const;
+  /// Poses, twists and accelerations of the bodies' frames, all in W.
+  void body_motions(const State& s, ConstVectorRef v_dot, Scratch& scratch,
+                    std::vector<MarkerState>& bodies) const;
+
+  /// W (n_v x n_v): in axes that turn with the angular velocity Omega_W, expressed in W, the velocity
+  /// coordinates of a motion that is steady there obey v' = W v.  Zero for joints whose coordinates refer to
+  /// no such axes: see turning_axes.cpp.
+  Eigen::MatrixXd turning_axes(const State& s, const Vector3d& Omega_W, Scratch& scratch) const;
+  /// The same with every joint's coordinates in axes of the body that it moves.
+  Eigen::MatrixXd turning_with_bodies(const State& s, Scratch& scratch) const;
   /// First entry of the modal coordinates of a body in p, -1 for a rigid or one-way one.
   int modal_position(int body) const { return bodies_[body].m > 0 ? bodies_[body].i_p : -1; }
   /// What deforms: the flexible or the one-way body, or nullptr.
@@ -236,6 +255,7 @@ class Mechanism final : public Equations {
   void applied_forces(const State& s, VectorRef c_rate, VectorRef b, Work& work) const;
   enum class Which { all, with_derivatives, without_derivatives };
   void element_loads(const State& s, Which which, VectorRef c_rate, VectorRef b, Work& work) const;
+  ForceNature nature_by_trial(std::size_t force, const State& s, Scratch& scratch) const;
   void own_inertia(Work& work) const;
   void size_tangents(Work& work) const;
   void vary_joints(Work& work) const;

@@ -1,6 +1,8 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include "mbs/solver/buckling.hpp"
 
+#include <fmt/format.h>
+
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
@@ -8,19 +10,47 @@
 #include <stdexcept>
 
 namespace flexura::mbs {
+namespace {
 
-std::vector<BucklingMode> buckling_modes(const LinearSystem& unloaded, const LinearSystem& loaded) {
+// A's lower left block is -M^-1 K; what the dynamic states c' = A_cz z + A_cc c are in equilibrium adds to it.
+Eigen::MatrixXd static_stiffness(const LinearSystem& system) {
+  const auto n = static_cast<Eigen::Index>(system.independent.size()), n_c = system.A.rows() - 2 * n;
+  Eigen::MatrixXd K = system.A.block(n, 0, n, n);
+  if (n_c == 0) return K;
+  Eigen::MatrixXd A_cz = system.A.bottomLeftCorner(n_c, n), A_cc = system.A.bottomRightCorner(n_c, n_c);
+  for (Eigen::Index i = 0; i < n_c; ++i) {
+    const double size = A_cc.row(i).cwiseAbs().maxCoeff();
+    if (!(size > 0.0))
+      throw std::runtime_error(fmt::format(
+          "the dynamic state \"{}\" has no static value: it integrates, so that nothing can be said of "
+          "buckling; hold it constant",
+          system.states[static_cast<std::size_t>(2 * n + i)]));
+    A_cc.row(i) /= size;
+    A_cz.row(i) /= size;
+  }
+  const Eigen::PartialPivLU<Eigen::MatrixXd> lu(A_cc);
+  // Differences leave 1e-9 of A's scale.
+  if (!(lu.rcond() > 1e-9))
+    throw std::runtime_error(
+        "the dynamic states of controls and actuators have no static values, so that nothing can be said of "
+        "buckling; hold them constant");
+  K -= system.A.block(n, 2 * n, n, n_c) * lu.solve(A_cz);
+  return K;
+}
+
+}  // namespace
+
+Buckling buckling_modes(const LinearSystem& unloaded, const LinearSystem& loaded) {
   if (unloaded.independent != loaded.independent)
     throw std::runtime_error(
         "the equilibrium under the loads lies too far from the unloaded mechanism for linear buckling: they "
         "take different coordinates; reduce the loads");
   const auto n = static_cast<Eigen::Index>(unloaded.independent.size());
-  // A's lower left block is -M^-1 K.
-  const Eigen::MatrixXd A_0 = unloaded.A.block(n, 0, n, n), A_1 = loaded.A.block(n, 0, n, n);
   if (n == 0)
     throw std::runtime_error(
         "nothing of the mechanism moves or deforms, so that nothing can buckle; let a body deform (fidelity "
         "= \"modal-stiffened\")");
+  const Eigen::MatrixXd A_0 = static_stiffness(unloaded), A_1 = static_stiffness(loaded);
   const Eigen::VectorXd scale = A_0.diagonal().cwiseAbs().cwiseMax(1e-300).cwiseSqrt();
   const Eigen::FullPivLU<Eigen::MatrixXd> lu(scale.cwiseInverse().asDiagonal() * A_0 *
                                              scale.cwiseInverse().asDiagonal());
@@ -33,11 +63,17 @@ std::vector<BucklingMode> buckling_modes(const LinearSystem& unloaded, const Lin
       lu.solve(scale.cwiseInverse().asDiagonal() * (A_0 - A_1) * scale.cwiseInverse().asDiagonal());
   const Eigen::EigenSolver<Eigen::MatrixXd> solver(B);
   const double largest = solver.eigenvalues().cwiseAbs().maxCoeff();
-  std::vector<BucklingMode> modes;
+  Buckling out;
+  std::vector<BucklingMode>& modes = out.modes;
   for (Eigen::Index i = 0; i < n; ++i) {
     const std::complex<double> mu = solver.eigenvalues()(i);
-    if (std::abs(mu) <= 1e-8 * largest || std::abs(mu) == 0.0) continue;  // the loads do not reach it
-    if (std::abs(mu.imag()) > 1e-6 * std::abs(mu)) continue;
+    // The loads do not reach it; below 1e-8 of the stiffness lies the noise of the differences.
+    if (std::abs(mu) <= 1e-8 * std::max(largest, 1.0)) continue;
+    // Two equal factors are found as a pair apart by the square root of that noise.
+    if (std::abs(mu.imag()) > 1e-4 * std::abs(mu)) {
+      out.has_complex_factors = true;
+      continue;
+    }
     BucklingMode mode;
     mode.factor = 1.0 / mu.real();
     const Eigen::VectorXd z = scale.cwiseInverse().asDiagonal() * solver.eigenvectors().col(i).real();
@@ -49,7 +85,7 @@ std::vector<BucklingMode> buckling_modes(const LinearSystem& unloaded, const Lin
   std::sort(modes.begin(), modes.end(), [](const BucklingMode& a, const BucklingMode& b) {
     return std::abs(a.factor) < std::abs(b.factor);
   });
-  return modes;
+  return out;
 }
 
 }  // namespace flexura::mbs

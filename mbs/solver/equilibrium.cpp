@@ -75,7 +75,7 @@ std::optional<StaticsReport> close_by_steps(const Mechanism& mechanism, State& s
 std::optional<StaticsReport> load_by_steps(const Mechanism& mechanism, State& s) {
   State now = s;
   straighten(mechanism, now);
-  Mechanism unloaded(without_loads(mechanism.description()));
+  Mechanism unloaded(mechanism.without_loads(now, *mechanism.make_scratch()).description);
   unloaded.drop_redundant(now.t, now.p);
   const Sizes all = mechanism.sizes(), n = unloaded.sizes();
   if (n.n_lambda != all.n_lambda || n.n_dyn != all.n_dyn || n.n_alg != all.n_alg || n.n_root != all.n_root)
@@ -119,15 +119,6 @@ StaticsReport find_equilibrium(const Mechanism& mechanism, State& s) {
     }
   }
   return solve_statics(mechanism, s);
-}
-
-MechanismDescription without_loads(MechanismDescription d) {
-  d.gravity.setZero();
-  std::erase_if(d.forces, [](const auto& force) {
-    return force->type() == "force" || force->type() == "torque" || force->type() == "joint_force" ||
-           force->type() == "distributed_load";
-  });
-  return d;
 }
 
 }  // namespace flexura::mbs

@@ -12,7 +12,4 @@ namespace flexura::mbs {
 /// get weight and given forces by steps, too.  Throws what solve_statics() throws.
 StaticsReport find_equilibrium(const Mechanism& mechanism, State& s);
 
-/// Without weight and given forces; springs, bushings and friction stay.
-MechanismDescription without_loads(MechanismDescription d);
-
 }  // namespace flexura::mbs

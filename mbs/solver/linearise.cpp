@@ -188,6 +188,7 @@ LinearSystem Lineariser::system(const LineariseOptions& options) {
     out.outputs = options.output_names;
   }
   out.A.setZero(n_x, n_x);
+  out.V.setZero(n_.n_v, n_z);
   out.C.setZero(out.y_0.size(), n_x);
   for (int j = 0; j < n_x; ++j) {
     // Central differences: eps^(1/3) of the typical size.
@@ -196,6 +197,7 @@ LinearSystem Lineariser::system(const LineariseOptions& options) {
     const double step = 1e-5 * size;
     const Sample up = at(j, step), down = at(j, -step);
     out.A.col(j) = (rates(up) - rates(down)) / (2.0 * step);
+    if (j < n_z) out.V.col(j) = (up.s.v - down.s.v) / (2.0 * step);
     if (options.outputs)
       out.C.col(j) = (options.outputs(up.s, up.v_dot) - options.outputs(down.s, down.v_dot)) / (2.0 * step);
   }
@@ -238,6 +240,17 @@ LinearSystem Lineariser::system(const LineariseOptions& options) {
 
 LinearSystem linearise(const Equations& eq, const State& s, const LineariseOptions& options) {
   return Lineariser(eq, s).system(options);
+}
+
+LinearSystem in_turning_axes(LinearSystem system, const Eigen::MatrixXd& W) {
+  // dq = exp(t W) dq_K, so that dq_K' = dq' - W dq at t = 0, and dv likewise.
+  const auto n_z = static_cast<Eigen::Index>(system.independent.size());
+  const Eigen::MatrixXd by_z = (W * system.N)(system.independent, Eigen::all),
+                        by_v = (W * system.V)(system.independent, Eigen::all);
+  system.A.topLeftCorner(n_z, n_z) -= by_z;
+  system.A.block(n_z, 0, n_z, n_z) -= by_v;
+  system.A.block(n_z, n_z, n_z, n_z) -= by_z;
+  return system;
 }
 
 std::vector<NaturalMode> natural_modes(const LinearSystem& system) {

@@ -28,7 +28,12 @@ struct LinearSystem {
   Eigen::VectorXd x_0, u_0, y_0;  ///< values at the linearisation state
   std::vector<int> independent;   ///< velocity coordinates that make up z
   Eigen::MatrixXd N;              ///< n_v x n_z: dq = N z at the state
+  Eigen::MatrixXd V;              ///< n_v x n_z: dv = V z + N z'; 0 at rest
 };
+
+/// The same system in coordinates that refer to turning axes, with W of Mechanism::turning_axes: z, z' are
+/// then the components of dq, dv there, in axes that coincide with the mechanism's own at the state.
+LinearSystem in_turning_axes(LinearSystem system, const Eigen::MatrixXd& W);
 
 struct LineariseOptions {
   /// Generalised forces on these velocity coordinates are the inputs u.

@@ -117,9 +117,9 @@ std::vector<Writer> writers() {
            ".run.csv"},
           {"assemble", {"assemble", "m.toml", "--save-state", "OUT", "-q"}, {"m.toml", "beam.se.h5"}},
           {"statics", {"statics", "m.toml", "--save-state", "OUT", "-q"}, {"m.toml", "lift.txt"}},
-          {"linearize", {"linearize", "m.toml", "-o", "OUT", "-q"}, {"m.toml", "beam.se.h5"}, "out.m"},
-          {"linearize_mtx", {"linearize", "m.toml", "-o", "OUT.mtx", "-q"}, {"m.toml"}, "out", "_A.mtx"},
-          {"eigen", {"eigen", "m.toml", "--pictures", "OUT", "-q"}, {"m.toml", "beam.se.h5"}},
+          {"linearize", {"linearize", "m.toml", "--frozen", "-o", "OUT", "-q"}, {"m.toml", "beam.se.h5"}, "out.m"},
+          {"linearize_mtx", {"linearize", "m.toml", "--frozen", "-o", "OUT.mtx", "-q"}, {"m.toml"}, "out", "_A.mtx"},
+          {"eigen", {"eigen", "m.toml", "--frozen", "--pictures", "OUT", "-q"}, {"m.toml", "beam.se.h5"}},
           {"outputs", {"outputs", "m.toml", "r.h5", "-o", "OUT", "-q"}, {"r.h5", "m.toml", "beam.se.h5"}},
           {"view", {"view", "r.h5", "-o", "OUT", "-q"}, {"r.h5", "beam.se.h5"}},
           {"modes", {"modes", "beam.se.h5", "--html", "OUT", "-q"}, {"beam.se.h5"}},
@@ -384,7 +384,7 @@ TEST_F(Outputs, AQuotaLeavesTheOldFileAndNothingElse) {
         "reduce " + (*folder_ / "boom.toml").string() + " -q -o ",
         "view " + (*folder_ / "r.h5").string() + " -q -o ",
         "export " + (*folder_ / "beam.se.h5").string() + " -f gmsh -q -o ",
-        "eigen " + (*folder_ / "m.toml").string() + " -q --pictures "}) {
+        "eigen " + (*folder_ / "m.toml").string() + " -q --frozen --pictures "}) {
     const Folder f;
     f.write("old", "old");
     const auto outcome = shell("ulimit -f 8\n" + kFlexura + command + (f / "old").string());

@@ -32,10 +32,19 @@ class Actuator final : public ForceElement {
     return coordinate_ ? std::vector<CoordinateRef>{*coordinate_} : std::vector<CoordinateRef>{};
   }
   std::vector<int> reads() const override { return law_.command->reads(); }
+  ForceNature nature() const override { return ForceNature::load; }
+  /// The force that it is asked for, whatever it has at the start.
+  std::shared_ptr<const ForceElement> without_load(const Kinematics& kin,
+                                                   const double* signals) const override {
+    auto rest = std::make_shared<Actuator>(*this);
+    rest->load_ = allowed(kin, signals);
+    rest->law_.start = 0.0;
+    return rest;
+  }
   int n_states() const override { return 1; }
   void start(double* c) const override { c[0] = law_.start; }
   void rates(const Kinematics& kin, const double* signals, double* c_rate) const override {
-    c_rate[0] = (allowed(kin, signals) - kin.own.c[0]) / law_.time_constant;
+    c_rate[0] = (target(kin, signals) - kin.own.c[0]) / law_.time_constant;
   }
 
   void apply(const Kinematics& kin, const double*, Loads& loads) const override {
@@ -96,7 +105,7 @@ class Actuator final : public ForceElement {
   }
   void evaluate_outputs(const Kinematics& kin, const double* signals, double* values) const override {
     values[0] = kin.own.c[0];
-    values[1] = allowed(kin, signals);
+    values[1] = target(kin, signals);
     values[2] = speed(kin);
   }
 
@@ -110,6 +119,7 @@ class Actuator final : public ForceElement {
     if (coordinate_) return kin.speed(*coordinate_);
     return direction(kin).dot(kin.markers[Q_].V.linear - kin.markers[P_].V.linear);
   }
+  double target(const Kinematics& kin, const double* signals) const { return allowed(kin, signals) - load_; }
   double allowed(const Kinematics& kin, const double* signals) const {
     const double command = law_.command->evaluate(signals);
     if (law_.limit == std::numeric_limits<double>::infinity()) return command;
@@ -121,6 +131,7 @@ class Actuator final : public ForceElement {
   std::optional<CoordinateRef> coordinate_;
   int P_, Q_;
   Law law_;
+  double load_ = 0.0;  ///< taken away
 };
 
 }  // namespace

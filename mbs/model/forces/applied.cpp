@@ -28,6 +28,12 @@ class Applied final : public ForceElement {
       if (f) reads.insert(reads.end(), f->reads().begin(), f->reads().end());
     return reads;
   }
+  ForceNature nature() const override { return ForceNature::load; }
+  std::shared_ptr<const ForceElement> without_load(const Kinematics&, const double* signals) const override {
+    auto rest = std::make_shared<Applied>(*this);
+    rest->load_ = components(signals) + load_;
+    return rest;
+  }
 
   void apply(const Kinematics& kin, const double* signals, Loads& loads) const override {
     const Spatial w = wrench(kin, signals);
@@ -36,11 +42,10 @@ class Applied final : public ForceElement {
   }
   bool has_derivatives() const override { return true; }
   void differentiate(const Kinematics&, const double* signals, Derivatives& d) const override {
-    Vector6d components = Vector6d::Zero();
+    Vector6d wrench = Vector6d::Zero();
     const int first = is_torque_ ? 0 : 3;
-    for (int i = 0; i < 3; ++i)
-      if (components_[i]) components(first + i) = components_[i]->evaluate(signals);
-    d.wrench(marker_, axes_, reaction_, components);
+    wrench.segment<3>(first) = components(signals);
+    d.wrench(marker_, axes_, reaction_, wrench);
     for (int i = 0; i < 3; ++i)
       if (components_[i]) d.by_formula(*components_[i], signals, Vector6d::Unit(first + i));
   }
@@ -56,13 +61,18 @@ class Applied final : public ForceElement {
             {"z", d, "component in its axes"}};
   }
   void evaluate_outputs(const Kinematics&, const double* signals, double* values) const override {
-    for (int i = 0; i < 3; ++i) values[i] = components_[i] ? components_[i]->evaluate(signals) : 0.0;
+    Eigen::Map<Vector3d> out(values);
+    out = components(signals);
   }
 
  private:
-  Spatial wrench(const Kinematics& kin, const double* signals) const {
+  Vector3d components(const double* signals) const {
     Vector3d f;
     for (int i = 0; i < 3; ++i) f(i) = components_[i] ? components_[i]->evaluate(signals) : 0.0;
+    return f - load_;
+  }
+  Spatial wrench(const Kinematics& kin, const double* signals) const {
+    Vector3d f = components(signals);
     if (axes_ >= 0) f = kin.markers[axes_].X_WP.R * f;
     return is_torque_ ? Spatial{f, Vector3d::Zero()} : Spatial{Vector3d::Zero(), f};
   }
@@ -74,6 +84,7 @@ class Applied final : public ForceElement {
   bool is_torque_;
   int marker_, axes_, reaction_;
   Components components_;
+  Vector3d load_ = Vector3d::Zero();  ///< taken away
 };
 
 ForceType applied(bool is_torque) {

@@ -19,6 +19,7 @@ class Bushing final : public ForceElement {
   Bushing(std::string name, int F, int M, const Matrix6d& K, const Matrix6d& D, Laws curves)
       : ForceElement(std::move(name)), F_(F), M_(M), K_(K), D_(D), curves_(std::move(curves)) {}
   std::string_view type() const override { return "bushing"; }
+  ForceNature nature() const override { return ForceNature::response; }
   std::pair<int, int> markers() const override { return {F_, M_}; }
 
   void apply(const Kinematics& kin, const double*, Loads& loads) const override {

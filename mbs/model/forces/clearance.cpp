@@ -31,6 +31,7 @@ class Clearance final : public ForceElement {
         measured_in_(measured_in),
         pushes_in_(pushes_in) {}
   std::string_view type() const override { return type_; }
+  ForceNature nature() const override { return ForceNature::response; }
   std::vector<CoordinateRef> coordinates() const override {
     std::vector<CoordinateRef> all;
     for (const Term& term : terms_) all.push_back(term.coordinate);

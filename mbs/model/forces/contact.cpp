@@ -72,6 +72,7 @@ class Contact final : public ForceElement {
         mu_(mu),
         v_0_(v_0) {}
   std::string_view type() const override { return "contact"; }
+  ForceNature nature() const override { return ForceNature::response; }
   std::pair<int, int> markers() const override { return {F_, M_}; }
   int n_states() const override { return law_.n_states(); }
   int n_switches() const override { return ContactLaw::n_switches; }

@@ -16,10 +16,16 @@ class DistributedLoad final : public ForceElement {
   std::pair<int, int> markers() const override { return {-1, frame_}; }
   std::pair<int, int> load_case() const override { return {body_, load_}; }
   std::vector<int> reads() const override { return factor_->reads(); }
+  ForceNature nature() const override { return ForceNature::load; }
+  std::shared_ptr<const ForceElement> without_load(const Kinematics&, const double* signals) const override {
+    auto rest = std::make_shared<DistributedLoad>(*this);
+    rest->taken_away_ = factor_->evaluate(signals);
+    return rest;
+  }
 
   void apply(const Kinematics& kin, const double* signals, Loads& loads) const override {
     const BodyLoad& load = of(kin);
-    const double factor = factor_->evaluate(signals);
+    const double factor = this->factor(signals);
     const Vector6d wrench = factor * load.wrench_at(kin.bodies[body_].s).vector();
     loads.apply(frame_, kin.markers[frame_].X_WP.R * Spatial::from(wrench));
     if (load.modal.size() > 0) loads.apply_modal(body_, load.modal, factor);
@@ -27,7 +33,7 @@ class DistributedLoad final : public ForceElement {
   bool has_derivatives() const override { return true; }
   void differentiate(const Kinematics& kin, const double* signals, Derivatives& d) const override {
     const BodyLoad& load = of(kin);
-    const double factor = factor_->evaluate(signals);
+    const double factor = this->factor(signals);
     const double* s = kin.bodies[body_].s;
     const Vector6d wrench = load.wrench_at(s).vector();
     d.wrench(frame_, frame_, -1, factor * wrench);
@@ -44,22 +50,24 @@ class DistributedLoad final : public ForceElement {
     const MarkerState& frame = kin.markers[frame_];
     double power = (frame.X_WP.R * load.wrench_at(body.s)).dot(frame.V);
     if (body.s_dot) power += load.modal.dot(Eigen::Map<const Eigen::VectorXd>(body.s_dot, load.modal.size()));
-    powers.input += factor_->evaluate(signals) * power;
+    powers.input += factor(signals) * power;
   }
   std::vector<OutputInfo> outputs() const override {
     return {{"factor", input::dim::none, "factor of the load case"}};
   }
   void evaluate_outputs(const Kinematics&, const double* signals, double* values) const override {
-    values[0] = factor_->evaluate(signals);
+    values[0] = factor(signals);
   }
 
  private:
+  double factor(const double* signals) const { return factor_->evaluate(signals) - taken_away_; }
   const BodyLoad& of(const Kinematics& kin) const {
     return (*kin.bodies[body_].loads)[static_cast<std::size_t>(load_)];
   }
 
   int body_, load_, frame_;
   std::shared_ptr<const Expression> factor_;
+  double taken_away_ = 0.0;
 };
 
 }  // namespace

@@ -15,6 +15,7 @@ class JointFriction final : public ForceElement {
   JointFriction(std::string name, CoordinateRef c, const FrictionLaw& law, double transition_speed)
       : ForceElement(std::move(name)), c_(c), law_(law), transition_speed_(transition_speed) {}
   std::string_view type() const override { return "joint_friction"; }
+  ForceNature nature() const override { return ForceNature::response; }
   std::vector<CoordinateRef> coordinates() const override { return {c_}; }
   void apply(const Kinematics& kin, const double*, Loads& loads) const override {
     loads.apply(c_, force(kin.speed(c_)));

@@ -20,6 +20,15 @@ class JointSpringDamper final : public ForceElement {
         curve_(std::move(curve)),
         damping_curve_(std::move(damping_curve)) {}
   std::string_view type() const override { return "joint_spring_damper"; }
+  /// What the free length and the curves hold at the start belongs to the structure.
+  ForceNature nature() const override {
+    return preload_ != 0.0 ? ForceNature::load : ForceNature::response;
+  }
+  std::shared_ptr<const ForceElement> without_load(const Kinematics&, const double*) const override {
+    auto rest = std::make_shared<JointSpringDamper>(*this);
+    rest->preload_ = 0.0;
+    return rest;
+  }
   std::vector<CoordinateRef> coordinates() const override { return {c_}; }
   void apply(const Kinematics& kin, const double*, Loads& loads) const override {
     loads.apply(c_, force(kin));

@@ -21,6 +21,15 @@ class SpringDamper final : public ForceElement {
         curve_(std::move(curve)),
         damping_curve_(std::move(damping_curve)) {}
   std::string_view type() const override { return "spring_damper"; }
+  /// What the free length and the curves hold at the start belongs to the structure.
+  ForceNature nature() const override {
+    return preload_ != 0.0 ? ForceNature::load : ForceNature::response;
+  }
+  std::shared_ptr<const ForceElement> without_load(const Kinematics&, const double*) const override {
+    auto rest = std::make_shared<SpringDamper>(*this);
+    rest->preload_ = 0.0;
+    return rest;
+  }
   std::pair<int, int> markers() const override { return {P_, Q_}; }
 
   void apply(const Kinematics& kin, const double*, Loads& loads) const override {

@@ -23,6 +23,7 @@ class StickSlip final : public ForceElement {
   StickSlip(std::string name, CoordinateRef c, const Law& law)
       : ForceElement(std::move(name)), c_(c), law_(law) {}
   std::string_view type() const override { return "stick_slip"; }
+  ForceNature nature() const override { return ForceNature::response; }
   std::vector<CoordinateRef> coordinates() const override { return {c_}; }
   int n_states() const override { return 1; }
   int n_switches() const override { return 1; }

@@ -191,7 +191,7 @@ TEST_F(Flexura, OutputsThatCannotBeWrittenAreSaidSoAndLeaveNothing) {
   const std::string suspension = " " FLEXURA_SOURCE_DIR "/cases/macpherson/macpherson.toml --run ride ";
   const std::vector<std::string> commands = {
       "modes " + beam_ + " --html ", "report " + beam_ + " -o ", "export " + beam_ + " -f vtk -o ",
-      "linearize" + suspension + "--descriptor -o ", "statics" + suspension + "--save-state "};
+      "linearize" + suspension + "--frozen --descriptor -o ", "statics" + suspension + "--save-state "};
   for (const std::string& command : commands) {
     const std::string file = (out / "file.m").string(), script = (folder_ / "limited.sh").string();
     std::ofstream(script) << "trap '' XFSZ\nulimit -f 1\nexec " FLEXURA_BIN_DIR "/flexura " << command << file
