@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "mbs/app/mechanism_runs.hpp"
+#include "mbs/app/quantity_list.hpp"
 #include "mbs/terminal/terminal.hpp"
 
 namespace flexura::app {
@@ -47,7 +48,8 @@ nlohmann::json to_json(const NamedRun& run) {
               {"joints", joints},
               {"states", states},
               {"other_states", others},
-              {"redundant_constraints", redundant}});
+              {"redundant_constraints", redundant},
+              {"quantities", quantity_json(p)}});
   return out;
 }
 
@@ -128,6 +130,9 @@ int check_mechanism(const std::string& file, bool json, const terminal::Talk& ta
              i < static_cast<int>(p.state.root.size()) ? fmt::format("{}", p.state.root[i]) : "-"});
       fmt::print("{}\n", others.text(terminal::width(stdout), colour));
     }
+    fmt::print("Quantities (* stored when the file does not say which{}):\n{}\n",
+               p.redundant.empty() ? "" : ", ? not unique: without the redundant constraints left out",
+               quantity_list(p, terminal::width(stdout)));
     for (const std::string& note : p.notes) fmt::print("note: {}\n", note);
   }
   return 0;

@@ -122,16 +122,25 @@ int write_linear_system(const Arguments& arguments, const terminal::Talk& talk) 
   mbs::LineariseOptions options;
   std::vector<std::string> coordinates;
   for (int i = 0; i < m.sizes().n_v; ++i) coordinates.push_back(m.name_of_velocity(i));
+  // What is a coordinate's own has its name, too: a force along "shaft.angle" is one on "shaft.speed".
+  std::vector<std::string> positions(coordinates.size());
+  for (const mbs::JointPlace& place : m.joint_places())
+    for (int i = 0; place.in_tree() && place.joint->n_p() == place.joint->n_v() && i < place.joint->n_v();
+         ++i)
+      positions[place.i_v + i] = m.name_of_position(place.i_p + i);
   std::vector<std::string> own;
   for (int i = 0; i < m.n_inputs(); ++i) own.push_back(m.name_of_input(i));
   for (const std::string& wanted : arguments.inputs.empty() ? own : arguments.inputs) {
-    const auto found = std::ranges::find(coordinates, wanted);
+    auto found = std::ranges::find(coordinates, wanted);
+    if (const auto by_position = std::ranges::find(positions, wanted); by_position != positions.end())
+      found = coordinates.begin() + (by_position - positions.begin());
     if (const auto signal = std::ranges::find(own, wanted); signal != own.end()) {
       options.signals.push_back(static_cast<int>(signal - own.begin()));
       continue;
     }
     if (found == coordinates.end()) {
       coordinates.insert(coordinates.end(), own.begin(), own.end());
+      coordinates.insert(coordinates.end(), positions.begin(), positions.end());
       throw std::invalid_argument(
           fmt::format("there is no input \"{}\" and no coordinate to put a force on{}", wanted,
                       input::suggestion(wanted, coordinates)));
@@ -140,6 +149,10 @@ int write_linear_system(const Arguments& arguments, const terminal::Talk& talk) 
   }
   const std::vector<std::string>& y = arguments.outputs.empty() ? p.file.y : arguments.outputs;
   const auto which = y.empty() ? std::vector<int>{} : mbs::select_quantities(m, y);
+  if (!y.empty() && which.empty())
+    throw std::invalid_argument(fmt::format(
+        "\"{}\" is a quantity of a run and has no linearisation; energy.total and power.input are of a state",
+        y.front()));
   auto scratch = m.make_scratch();
   if (!which.empty()) {
     const auto infos = m.quantities();

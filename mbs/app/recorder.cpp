@@ -88,11 +88,7 @@ Recorder::Recorder(const mbs::PreparedMechanism& prepared, results::Writer& writ
   const auto infos = mechanism_.quantities();
   for (const int i : which_)
     quantities_.push_back({infos[i].name, input::si_unit(infos[i].dimension), infos[i].doc});
-  quantities_.push_back({"energy.input", "J", "work put in by applied forces and drives so far"});
-  quantities_.push_back({"energy.dissipated", "J", "energy taken out by dampers and impacts so far"});
-  quantities_.push_back({"energy.balance", "J",
-                         "kinetic + strain + potential, less their start and the work put in, plus what was "
-                         "dissipated: the error of the run"});
+  for (const mbs::OutputInfo& info : mbs::run_quantities()) quantities_.push_back({info.name, "J", info.doc});
   const auto& bodies = mechanism_.description().bodies;
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     results::RunBody body;

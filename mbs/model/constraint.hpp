@@ -7,6 +7,7 @@
 #include "mbs/model/derivatives.hpp"
 #include "mbs/model/expression.hpp"
 #include "mbs/model/kinematics.hpp"
+#include "mbs/model/output_info.hpp"
 
 /// Constraints: rows g(p, t) = 0 with g' = G v + g_t and g'' = G v' + gamma.  Adding one: one file in
 /// constraints/ and one line in constraint_types(), or rows on a relative pose (RelativeRows) put into a
@@ -46,10 +47,20 @@ class Constraint {
   virtual bool has_contact() const { return false; }
   virtual double contact_residual(const Kinematics& /*kin*/, double /*a*/) const { return 0.0; }
   virtual double start_contact(const Kinematics& /*kin*/) const { return 0.0; }
+  /// The forces it exerts, by name.  Without more, one generalised force for each row, "force_ROW", whose
+  /// power is the force times the rate of the row.
+  virtual std::vector<OutputInfo> outputs() const;
+  /// Their values where the multipliers are x: the generalised forces are -G^T x.
+  virtual void evaluate_outputs(const Kinematics& kin, const double* x, double* values) const;
 
  private:
   std::string name_;
 };
+
+/// Outputs of what puts a wrench on the body of M about Mo, in the axes of F: the sizes, then the components.
+std::vector<OutputInfo> wrench_outputs(bool has_force, bool has_torque);
+/// Their values.
+void put_wrench(const Vector6d& on_M_F, bool has_force, bool has_torque, double* values);
 
 /// Rows on the pose of one marker relative to another: a joint that closes a loop, a point on a line, ...
 class RelativeConstraint final : public Constraint {
@@ -76,10 +87,18 @@ class RelativeConstraint final : public Constraint {
   double start_contact(const Kinematics& kin) const override {
     return rows_->start_contact(kin.relative_pose(marker_F_, marker_M_));
   }
+  std::vector<OutputInfo> outputs() const override;
+  void evaluate_outputs(const Kinematics& kin, const double* x, double* values) const override;
 
  private:
+  struct Exerts {
+    bool force = false, torque = false;
+  };
+  Exerts exerts() const;
+
   int marker_F_, marker_M_;
   std::shared_ptr<const RelativeRows> rows_;
+  Exerts exerts_;
 };
 
 /// What a drive prescribes.

@@ -19,6 +19,17 @@ bool fits(const char* pattern, const char* text) {
 
 }  // namespace
 
+const std::vector<OutputInfo>& run_quantities() {
+  static const std::vector<OutputInfo> infos = {
+      {"energy.input", input::dim::energy, "work put in by applied forces and drives so far"},
+      {"energy.dissipated", input::dim::energy, "energy taken out by dampers and impacts so far"},
+      {"energy.balance", input::dim::energy,
+       "kinetic + strain + potential, less their start and the work put in, plus what was dissipated: the "
+       "error "
+       "of the run"}};
+  return infos;
+}
+
 std::vector<int> select_quantities(const Mechanism& mechanism, const std::vector<std::string>& patterns) {
   if (patterns.empty()) return mechanism.usual_quantities();
   const std::vector<OutputInfo> infos = mechanism.quantities();
@@ -30,8 +41,12 @@ std::vector<int> select_quantities(const Mechanism& mechanism, const std::vector
       any = true;
       if (std::ranges::find(which, static_cast<int>(i)) == which.end()) which.push_back(static_cast<int>(i));
     }
-    if (any) continue;
     std::vector<std::string> known;
+    for (const OutputInfo& info : run_quantities()) {
+      any = any || fits(pattern.c_str(), info.name.c_str());
+      known.push_back(info.name);
+    }
+    if (any) continue;
     for (const OutputInfo& info : infos) known.push_back(info.name);
     const std::string near = input::nearest(pattern, known);
     throw std::invalid_argument(

@@ -7,16 +7,10 @@
 
 #include "mbs/model/derivatives.hpp"
 #include "mbs/model/kinematics.hpp"
+#include "mbs/model/output_info.hpp"
 
 /// Force elements and measures.  Adding one: one file in forces/ or measures/ and one line in its registry.
 namespace flexura::mbs {
-
-/// A named output of an element: "spring.force".
-struct OutputInfo {
-  std::string name;  ///< completes "name of the element . "; empty: the element's own name
-  input::Dimension dimension;
-  std::string doc;
-};
 
 struct Powers {
   double potential = 0.0;   ///< energy stored [J]

@@ -134,6 +134,8 @@ class RelativeRows {
   virtual Eigen::Vector4d contact_derivatives(const Pose& /*X_FM*/, double /*a*/) const {
     return Eigen::Vector4d::Zero();
   }
+  /// True for one row that acts along the line of the origins: a massless link.
+  virtual bool is_link() const { return false; }
   /// Its value at an assembled position.
   virtual double start_contact(const Pose& /*X_FM*/) const { return 0.0; }
 };

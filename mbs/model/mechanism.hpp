@@ -16,6 +16,7 @@
 #include "mbs/model/joint.hpp"
 #include "mbs/model/section_points.hpp"
 #include "mbs/model/stress_field.hpp"
+#include "mbs/model/surface_points.hpp"
 
 /// A mechanism: bodies on a tree of joints in relative coordinates, loops closed by constraints, forces.
 ///
@@ -44,6 +45,7 @@ struct BodyDescription {
   std::shared_ptr<const FlexibleBody> ked = {};
   std::shared_ptr<const StressField> stress = {};      ///< of a deforming body
   std::shared_ptr<const SectionPoints> sections = {};  ///< of a deforming beam part
+  std::shared_ptr<const SurfacePoints> surface_points = {};
   std::optional<Pose> X_WB = {};                       ///< guess for the assembly, in [m]
   std::string superelement = {};                       ///< file, for pictures
   bool follows_surface = false;                        ///< markers follow nodes of the superelement's surface
@@ -210,6 +212,9 @@ class Mechanism final : public Equations {
   std::vector<OutputInfo> quantities() const;
   /// Those that are stored when the user does not say which.
   std::vector<int> usual_quantities() const;
+  /// Which of quantities(), forces of joints, drives and constraints, redundant constraints leave open at the
+  /// configuration p: values of them are those without the rows that were left out.
+  std::vector<bool> not_unique(double t, ConstVectorRef p) const;
   /// Values of the quantities with these indices; lambda and v_dot must belong to the state.
   void evaluate(const std::vector<int>& which, const State& s, ConstVectorRef v_dot, Scratch& scratch,
                 VectorRef values) const;
@@ -285,6 +290,8 @@ class Mechanism final : public Equations {
   EnergyReport energies(const double* lambda, Work& work) const;
   void list_quantities();
   Vector6d joint_reaction(int joint, Work& work) const;
+  double drive_force(int joint, int coordinate, const Work& work) const;
+  Vector6d total_momentum(const Work& work) const;
 
   MechanismDescription d_;
   std::vector<TreeBody> bodies_;
@@ -324,13 +331,17 @@ class Mechanism final : public Equations {
     largest_stress,
     point_stress,
     section_force,
+    surface_point,
     measure,
     contact,
     input,
     control,
     force,
+    constraint,
+    momentum,
     energy
   };
+  static constexpr int kOfPoint = 13;  ///< of point_stress: six stresses, von Mises', six strains
   struct QuantityPlace {
     OutputInfo info;
     QuantityKind kind;

@@ -166,6 +166,34 @@ TableSchema subsystem_schema() {
 
 }  // namespace
 
+// Kept beside list_quantities(), which makes them.
+constexpr const char* quantities_doc =
+    R"(What is stored. `flexura check FILE` lists the quantities of a mechanism by name (with `--json` also units and
+meanings); all are there for `simulate`, `statics` and `outputs`. Accelerations and forces are solved from the state of
+each row, positions and velocities closed onto the constraints, so that they are as accurate as the motion.
+
+| quantities | meaning |
+|---|---|
+| `JOINT.COORDINATE`, speeds, accelerations | of the joint, M (marker `to`) relative to F (marker `from`) |
+| `JOINT.force_x` .. `_z`, `JOINT.torque_x` .. `_z` | all that the joint transmits, its drive and the force elements on its coordinates included: force on the body of `to`, torque on it about the origin of `to`, in the axes of `from` |
+| `JOINT.force`, `JOINT.torque` | their sizes |
+| `JOINT.drive_force` (`.drive_force_COORDINATE` where several are driven) | force or torque of the drive along its coordinate |
+| `CONSTRAINT.force_x` .. `_z`, `.torque_x` .. `_z`, `.force`, `.torque` | likewise of constraints between two markers (what a type cannot exert is left out); of a `rolling_disc` the contact force, its torque about the disc's centre |
+| `CONSTRAINT.tension` | of a `distance`: positive where the link pulls its ends together |
+| `CONSTRAINT.torque_1` .. or `.force_1` .. | of a `gear` or `coupler`: on the coordinate of its first, second ... joint |
+| `CONSTRAINT.force_rack`, `.torque_pinion` | of a `rack_and_pinion`, on the coordinates |
+| `CONSTRAINT.force_ROW` | of a `user` constraint that names no outputs: generalised force along the row, whose power is the force times the row's rate |
+| `BODY.position_x`, `.velocity_x`, `.angular_velocity_x`, `.acceleration_x` .. | of the body's frame, in the world's axes |
+| `BODY.mode_1` .., `.strain_energy`, `.von_mises`, `BODY.POINT...` | of flexible bodies |
+| `momentum.linear_x` .. `_z`, `momentum.angular_x` .. `_z` | of all bodies, in the world's axes, about the world's origin; one-way bodies as rigid ones |
+| `energy.kinetic`, `.strain`, `.potential`, `.total`, `power.input`, `power.dissipated` | of the mechanism |
+| `energy.input`, `.dissipated`, `.balance` | of the run, always stored; the balance is its error |
+| names of measures, inputs, controls; `FORCE.OUTPUT` | values; what force elements give |
+
+Redundant constraints leave forces open: a part of them that holds itself in balance could be any. `flexura check` marks
+each quantity that such a self-stress touches with `?`; its value is the one without the rows that were left out. All
+others, and sums in which the self-stress cancels (the weight that two hinges of a door carry together), are unique.)";
+
 TableSchema mechanism_schema(TableSchema solver) {
   TableSchema ground, output, run, schema;
   ground.name = "ground";
@@ -173,7 +201,7 @@ TableSchema mechanism_schema(TableSchema solver) {
   ground.keys = {table_map("marker", marker_schema(), "markers of ground"),
                  tables("shape", shape_schema(), "for pictures")};
   output.name = "output";
-  output.doc = "What is stored.";
+  output.doc = quantities_doc;
   output.keys = {
       texts("quantities", "names, with * and ? as wildcards, like \"crank.*\"; without it the usual ones"),
       texts("y", "the outputs y of the linearised mechanism: names, with * and ? as wildcards")};

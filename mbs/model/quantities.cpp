@@ -13,8 +13,7 @@ namespace dim = input::dim;
 
 constexpr const char* axis_names[] = {"x", "y", "z"};
 
-// Six stresses, von Mises', six strains.
-constexpr int kOfPoint = 13;
+constexpr input::Dimension linear_momentum{{1, 1, -1, 0}}, angular_momentum{{2, 1, -1, 0}};
 
 }  // namespace
 
@@ -26,6 +25,16 @@ void Mechanism::list_quantities() {
     quantities_.push_back({{std::move(name), dimension, std::move(doc)}, kind, index, component, usual});
   };
   using K = QuantityKind;
+  // Sizes and forces on coordinates are usual, components are not.
+  const auto add_outputs = [&](const std::string& name, const std::vector<OutputInfo>& outputs, K kind,
+                               int index) {
+    for (std::size_t i = 0; i < outputs.size(); ++i) {
+      const std::string& own = outputs[i].name;
+      const bool is_component = own.size() > 2 && own[own.size() - 2] == '_' && own.back() >= 'x';
+      add(name + "." + own, outputs[i].dimension, outputs[i].doc, kind, index, static_cast<int>(i),
+          !is_component);
+    }
+  };
   for (std::size_t j = 0; j < d_.joints.size(); ++j) {
     const JointDescription& joint = d_.joints[j];
     const int k = static_cast<int>(j);
@@ -42,17 +51,7 @@ void Mechanism::list_quantities() {
     for (std::size_t i = 0; i < accelerations.size(); ++i)
       add(joint.name + "." + accelerations[i].name, accelerations[i].dimension, "acceleration of the joint",
           K::acceleration, k, static_cast<int>(i));
-    if (joint.joint->n_rows() > 0) {
-      add(joint.name + ".force", dim::force, "size of the force between the bodies", K::reaction, k, 6, true);
-      add(joint.name + ".torque", dim::torque, "size of the torque between the bodies", K::reaction, k, 7,
-          true);
-      for (int i = 0; i < 3; ++i)
-        add(fmt::format("{}.force_{}", joint.name, axis_names[i]), dim::force,
-            "force on the body of `to`, in the axes of `from`", K::reaction, k, 3 + i);
-      for (int i = 0; i < 3; ++i)
-        add(fmt::format("{}.torque_{}", joint.name, axis_names[i]), dim::torque,
-            "torque on the body of `to` about its marker, in the axes of `from`", K::reaction, k, i);
-    }
+    if (joint.joint->n_rows() > 0) add_outputs(joint.name, wrench_outputs(true, true), K::reaction, k);
     const auto all_drives = {&joint.drives, &joint.speed_drives, &joint.acceleration_drives};
     std::vector<int> driven;
     for (const auto* drives : all_drives)
@@ -104,6 +103,20 @@ void Mechanism::list_quantities() {
               K::point_stress, k, first + 7 + i);
       }
     }
+    if (const SurfacePoints* surface = d_.bodies[b].surface_points.get())
+      for (std::size_t p = 0; p < surface->points().size(); ++p) {
+        const std::string point = name + "." + surface->points()[p].name;
+        const int first = 7 * static_cast<int>(p);
+        add(point + ".displacement", dim::length, "size of the displacement by deformation", K::surface_point,
+            k, first + 6, true);
+        for (int i = 0; i < 3; ++i)
+          add(fmt::format("{}.displacement_{}", point, axis_names[i]), dim::length,
+              "of the node by deformation, from where the body's floating frame takes it, in the body's axes",
+              K::surface_point, k, first + i);
+        for (int i = 0; i < 3; ++i)
+          add(fmt::format("{}.position_{}", point, axis_names[i]), dim::length, "of the node, in the world",
+              K::surface_point, k, first + 3 + i);
+      }
     if (const SectionPoints* sections = d_.bodies[b].sections.get()) {
       const char* components[] = {"N", "V_y", "V_z", "T", "M_y", "M_z"};
       for (std::size_t p = 0; p < sections->points().size(); ++p)
@@ -130,6 +143,15 @@ void Mechanism::list_quantities() {
       add(d_.forces[f]->name() + "." + outputs[i].name, outputs[i].dimension, outputs[i].doc, K::force,
           static_cast<int>(f), static_cast<int>(i), true);
   }
+  const std::size_t first_own = constraints_.size() - d_.constraints.size();
+  for (std::size_t k = first_own; k < constraints_.size(); ++k)
+    add_outputs(constraints_[k]->name(), constraints_[k]->outputs(), K::constraint, static_cast<int>(k));
+  for (int i = 0; i < 3; ++i)
+    add(fmt::format("momentum.linear_{}", axis_names[i]), linear_momentum,
+        "of all bodies, in the world's axes", K::momentum, 0, 3 + i);
+  for (int i = 0; i < 3; ++i)
+    add(fmt::format("momentum.angular_{}", axis_names[i]), angular_momentum,
+        "of all bodies, about the world's origin in its axes", K::momentum, 0, i);
   const char* energies[] = {"energy.kinetic", "energy.strain", "energy.potential", "energy.total"};
   const char* docs[] = {"kinetic energy", "elastic energy of flexible bodies",
                         "energy of gravity and springs", "kinetic + strain + potential"};
@@ -149,177 +171,6 @@ std::vector<int> Mechanism::usual_quantities() const {
   for (std::size_t i = 0; i < quantities_.size(); ++i)
     if (quantities_[i].usual) which.push_back(static_cast<int>(i));
   return which;
-}
-
-Vector6d Mechanism::joint_reaction(int joint, Work& work) const {
-  const JointPlace& place = places_[joint];
-  const Pose &F = work.kin.markers[place.marker_F].X_WP, &M = work.kin.markers[place.marker_M].X_WP;
-  if (!place.in_tree()) {
-    for (std::size_t k = 0; k < constraints_.size(); ++k) {
-      const auto* closure = dynamic_cast<const RelativeConstraint*>(constraints_[k].get());
-      if (closure && closure->name() == d_.joints[joint].name)
-        return -closure->wrench_on_M(work.kin, work.rows_x.data() + first_row_[k]);
-    }
-    return Vector6d::Zero();
-  }
-  for (int b : order_) {
-    if (bodies_[b].joint != joint) continue;
-    const Spatial& through = work.bodies[b].through_joint;
-    if (!bodies_[b].reversed) return (F.R.transpose() * through).vector();
-    const Spatial on_M = shift_wrench(through, F.p - M.p);
-    return -(F.R.transpose() * on_M).vector();
-  }
-  return Vector6d::Zero();
-}
-
-void Mechanism::evaluate(const std::vector<int>& which, const State& s, ConstVectorRef v_dot,
-                         Scratch& scratch, VectorRef values) const {
-  Work& work = work_of(scratch);
-  forward(Level::acceleration, s.t, s.p.data(), s.v.data(), v_dot.data(), work);
-  take_states(s, work);
-  body_forces(true, work);
-  // Measures that only the output asks for may read signals that no force needs: all of them, in their order.
-  work.signals(0) = s.t;
-  std::vector<double> measured(d_.measures.size()), controlled(d_.controls.size());
-  for (std::size_t k = 1; k < sources_.size(); ++k) {
-    const SignalSource& source = sources_[k];
-    if (source.kind == SignalSource::Kind::coordinate)
-      work.signals(k) = work.kin.coordinate(source.coordinate);
-    if (source.kind == SignalSource::Kind::input) work.signals(k) = input_now(source.element, work);
-    if (source.kind == SignalSource::Kind::speed) work.signals(k) = work.kin.speed(source.coordinate);
-  }
-  const auto evaluate_controls = [&](bool feed_through) {
-    for (std::size_t i = 0; i < d_.controls.size(); ++i) {
-      if (d_.controls[i]->feeds_through() != feed_through) continue;
-      controlled[i] = control_output(static_cast<int>(i), work);
-      if (const int k = d_.signals.find(d_.controls[i]->name()); k >= 0) work.signals(k) = controlled[i];
-    }
-  };
-  evaluate_controls(false);
-  for (std::size_t i = 0; i < d_.measures.size(); ++i) {
-    measured[i] = d_.measures[i]->value(work.kin, work.signals.data());
-    if (const int k = d_.signals.find(d_.measures[i]->name()); k >= 0) work.signals(k) = measured[i];
-  }
-  evaluate_controls(true);
-  BodyLoads loads(*this, work, 1.0);
-  for (std::size_t i = 0; i < d_.forces.size(); ++i) {
-    own_states(i, work);
-    d_.forces[i]->apply(work.kin, work.signals.data(), loads);
-  }
-  work.rows_x.setZero();
-  add_constraint_loads(s.lambda.data(), -1.0, work);
-  backward(work, work.r.data());
-  const EnergyReport e = energies(s.lambda.data(), work);
-  const double of_energy[] = {e.kinetic,     e.strain,
-                              e.potential,   e.kinetic + e.strain + e.potential,
-                              e.input_power, e.dissipated_power};
-
-  if (n_dyn_ > first_force_state_.back()) {
-    // What is measured on a one-way body shows its deformation; the forces above did not see it.
-    const std::vector<MarkerState> rigid = work.kin.markers;
-    deform_one_way_markers(work);
-    for (std::size_t i = 0; i < d_.measures.size(); ++i) {
-      measured[i] = d_.measures[i]->value(work.kin, work.signals.data());
-      if (const int k = d_.signals.find(d_.measures[i]->name()); k >= 0) work.signals(k) = measured[i];
-    }
-    work.kin.markers = rigid;
-  }
-
-  std::vector<double> outputs;
-  int outputs_of = -1;
-  StressField::Largest largest;
-  int largest_of = -1;
-  for (std::size_t i = 0; i < which.size(); ++i) {
-    const QuantityPlace& q = quantities_[which[i]];
-    double value = 0.0;
-    switch (q.kind) {
-      case QuantityKind::coordinate:
-        value = work.kin.coordinate({q.index, q.component});
-        break;
-      case QuantityKind::speed:
-        value = work.kin.speed({q.index, q.component});
-        break;
-      case QuantityKind::acceleration:
-        value = work.kin.acceleration({q.index, q.component});
-        break;
-      case QuantityKind::reaction: {
-        const Vector6d w = joint_reaction(q.index, work);
-        value = q.component == 6   ? w.tail<3>().norm()
-                : q.component == 7 ? w.head<3>().norm()
-                                   : w(q.component);
-        break;
-      }
-      case QuantityKind::drive:
-        for (std::size_t k = 0; k < constraints_.size(); ++k) {
-          const auto* drive = dynamic_cast<const DriveConstraint*>(constraints_[k].get());
-          if (drive && drive->coordinate().joint == q.index && drive->coordinate().index == q.component)
-            value = -work.rows_x(first_row_[k]);
-        }
-        break;
-      case QuantityKind::body_position:
-        value = work.bodies[q.index].X_WB.p(q.component);
-        break;
-      case QuantityKind::body_velocity: {
-        const Spatial& V = work.bodies[q.index].V;
-        value = q.component < 3 ? V.linear(q.component) : V.angular(q.component - 3);
-        break;
-      }
-      case QuantityKind::body_acceleration:
-        value = work.bodies[q.index].A.linear(q.component);
-        break;
-      case QuantityKind::mode:
-        value = modal_coordinates(q.index, s)[q.component];
-        break;
-      case QuantityKind::strain_energy:
-        value = deforming(q.index)->strain_energy(modal_coordinates(q.index, s));
-        break;
-      case QuantityKind::largest_stress: {
-        const StressField& stress = *d_.bodies[q.index].stress;
-        if (largest_of != q.index) largest = stress.largest(modal_coordinates(q.index, s));
-        largest_of = q.index;
-        value = q.component == 0 ? largest.von_mises : stress.position(largest.place)(q.component - 1);
-        break;
-      }
-      case QuantityKind::point_stress: {
-        const StressField& stress = *d_.bodies[q.index].stress;
-        const int place = stress.points()[q.component / kOfPoint].place, what = q.component % kOfPoint;
-        const double* const modal = modal_coordinates(q.index, s);
-        value = what < 6    ? stress.at(place, modal)(what)
-                : what == 6 ? von_mises(stress.at(place, modal))
-                            : stress.strain_at(place, modal)(what - 7);
-        break;
-      }
-      case QuantityKind::section_force:
-        value =
-            d_.bodies[q.index].sections->at(q.component / 6, modal_coordinates(q.index, s))(q.component % 6);
-        break;
-      case QuantityKind::measure:
-        value = measured[q.index];
-        break;
-      case QuantityKind::contact:
-        value = work.algebraic(q.index);
-        break;
-      case QuantityKind::input:
-        value = input_now(q.index, work);
-        break;
-      case QuantityKind::control:
-        value = controlled[q.index];
-        break;
-      case QuantityKind::force:
-        if (outputs_of != q.index) {
-          outputs.assign(d_.forces[q.index]->outputs().size(), 0.0);
-          own_states(q.index, work);
-          d_.forces[q.index]->evaluate_outputs(work.kin, work.signals.data(), outputs.data());
-          outputs_of = q.index;
-        }
-        value = outputs[q.component];
-        break;
-      case QuantityKind::energy:
-        value = of_energy[q.component];
-        break;
-    }
-    values(i) = value;
-  }
 }
 
 }  // namespace flexura::mbs

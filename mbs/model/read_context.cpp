@@ -126,6 +126,12 @@ CoordinateRef ReadContext::coordinate(const input::Section& section, const std::
                                   input::suggestion(wanted, known)));
 }
 
+CoordinateInfo ReadContext::coordinate_info(CoordinateRef c) const {
+  CoordinateInfo info = d_.joints[c.joint].joint->coordinates()[c.index];
+  info.name = d_.joints[c.joint].name + "." + info.name;
+  return info;
+}
+
 std::shared_ptr<const Expression> ReadContext::expression(const input::Section& section,
                                                           const std::string& key) const {
   return expression_of(section, key, section.text(key));

@@ -33,6 +33,8 @@ class ReadContext {
   /// The speed of a joint that two keys name; the second may be left out where the joint has one only.
   CoordinateRef speed(const input::Section& section, const std::string& joint_key,
                       const std::string& coordinate_key) const;
+  /// Name ("joint.coordinate") and kind of a coordinate.
+  CoordinateInfo coordinate_info(CoordinateRef c) const;
   /// The coordinate that `name` = "joint" (with one coordinate) or "joint.coordinate" means; `key` held it.
   CoordinateRef coordinate(const input::Section& section, const std::string& key,
                            const std::string& name) const;

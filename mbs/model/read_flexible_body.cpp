@@ -78,7 +78,12 @@ std::vector<input::Key> flexible_body_keys() {
   point.name = "stress_point";
   point.doc = "A place whose stresses and strains are stored: the nearest one with stress modes.";
   point.keys = {vector3("position", dim::length, "in the undeformed body").required()};
-  TableSchema section_point = point;
+  TableSchema surface_point = point, section_point = point;
+  surface_point.name = "surface_point";
+  surface_point.doc =
+      "A place whose displacement by deformation, in the body's axes, and position in the world are stored: "
+      "the "
+      "nearest node of the superelement's surface.";
   section_point.name = "section_point";
   section_point.doc =
       "A place whose section forces are stored (N, V_y, V_z, T, M_y, M_z on the section that looks along the "
@@ -135,6 +140,7 @@ std::vector<input::Key> flexible_body_keys() {
       flag("stress", "von Mises stress on the surface at every output step; needs stress modes")
           .or_default("false"),
       table_map("stress_point", point, "places whose stresses and strains are stored"),
+      table_map("surface_point", surface_point, "nodes of the surface whose displacements are stored"),
       table_map("section_point", section_point, "places whose section forces are stored, of a beam part"),
   };
 }
@@ -158,6 +164,32 @@ std::shared_ptr<const SectionPoints> read_section_points(const Section& s,
   auto out = std::make_shared<SectionPoints>(*se.sections, body.data().Y);
   for (const auto& [name, point] : s.table_map("section_point"))
     out->add_point(name, point.vector3("position"));
+  return out;
+}
+
+bool wants_surface_points(const Section& s) {
+  return !s.table_map("surface_point").empty();
+}
+
+std::shared_ptr<const SurfacePoints> read_surface_points(const Section& s,
+                                                         const superelement::Superelement& se,
+                                                         const FlexibleBody* body) {
+  const auto n_v = se.surface.vertices.rows();
+  if (n_v == 0 || (body && se.shapes.rows() != 3 * n_v))
+    s.refuse("surface_point", "the superelement has no shapes on its surface",
+             "reduce the part from its CAD file, mesh or beams (foreign matrices bring none), or name an "
+             "interface");
+  auto out = std::make_shared<SurfacePoints>();
+  for (const auto& [name, point] : s.table_map("surface_point")) {
+    Eigen::Index v = 0;
+    (se.surface.vertices.rowwise() - point.vector3("position").transpose())
+        .rowwise()
+        .squaredNorm()
+        .minCoeff(&v);
+    MatrixXd Phi(3, 0);
+    if (body) Phi = se.shapes.middleRows(3 * v, 3).cast<double>() * body->data().Y;
+    out->add({name, se.surface.vertices.row(v).transpose(), std::move(Phi)});
+  }
   return out;
 }
 

@@ -45,6 +45,15 @@ std::shared_ptr<const SectionPoints> read_section_points(const input::Section& s
                                                          const superelement::Superelement& se,
                                                          const FlexibleBody& body);
 
+/// True where it asks for nodes of the surface.
+bool wants_surface_points(const input::Section& s);
+
+/// Those; `se` with its surface, and with the shapes there of a body that deforms (else null).  Throws
+/// InputError.
+std::shared_ptr<const SurfacePoints> read_surface_points(const input::Section& s,
+                                                         const superelement::Superelement& se,
+                                                         const FlexibleBody* body);
+
 /// The stresses its table asks for; `se` with its stress modes and surface.  Throws InputError.
 std::shared_ptr<const StressField> read_stress_field(const input::Section& s,
                                                      const superelement::Superelement& se,

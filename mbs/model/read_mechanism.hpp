@@ -43,7 +43,12 @@ MechanismFile read_mechanism(const std::filesystem::path& file, const input::Tab
                              const std::vector<std::string>& overrides = {},
                              PreparationCache* cache = nullptr);
 
+/// What a run's own account adds to Mechanism::quantities(): energy.input, energy.dissipated, energy.balance.
+/// They are stored with every run, whatever is asked for.
+const std::vector<OutputInfo>& run_quantities();
+
 /// Indices of the wanted quantities, in the order of the patterns; the usual ones for no patterns.
+/// Patterns may also fit run_quantities(), which are not among them.
 /// Throws std::invalid_argument for a pattern that fits nothing ("did you mean ...?").
 std::vector<int> select_quantities(const Mechanism& mechanism, const std::vector<std::string>& patterns);
 

@@ -94,6 +94,7 @@ void prepare_bodies(ReadModel& model) {
     const Section& s = model.sections.at(b);
     const auto body = prepare_flexible_body(s, *se, model.linked[b], d, b, model.notes, model.cache);
     if (wants_stress(s)) d.bodies[b].stress = read_stress_field(s, *se, *body);
+    if (wants_surface_points(s)) d.bodies[b].surface_points = read_surface_points(s, *se, body.get());
     if (wants_sections(s)) d.bodies[b].sections = read_section_points(s, *se, *body);
     (model.is_one_way(b) ? d.bodies[b].ked : d.bodies[b].flexible) = body;
     d.bodies[b].loads = body_loads(*se, body->data().Y);
@@ -264,8 +265,8 @@ std::shared_ptr<const superelement::Superelement> Reader::load(const Section& s)
   const bool by_surface = a_marker_follows_surface(s);
   parts.stress = wants_stress(s);
   parts.sections = parts.matrices && wants_sections(s);
-  parts.surface = parts.stress || by_surface;
-  parts.shapes = parts.matrices && by_surface;
+  parts.surface = parts.stress || by_surface || wants_surface_points(s);
+  parts.shapes = parts.matrices && (by_surface || wants_surface_points(s));
   try {
     return model_.cache.read(path, parts);
   } catch (const std::runtime_error& error) {
@@ -305,6 +306,8 @@ void Reader::read_body(const std::string& own_name, const Section& s) {
     body.loads = body_loads(*se);
     for (const superelement::Interface& i : se->interfaces) interfaces.emplace_back(i.name, i.p_BoN_B);
     if (fidelity == "rigid" || fidelity == "ked") body.inertia = rigid_inertia(*se);
+    if (fidelity == "rigid" && wants_surface_points(s))
+      body.surface_points = read_surface_points(s, *se, nullptr);
   } else if (s.has("beam")) {
     s.refuse("fidelity", fmt::format("\"{}\" needs a superelement", fidelity),
              "reduce the beam (flexura reduce), or use fidelity = \"ancf\", \"segments\" or \"rigid\"");
@@ -313,6 +316,9 @@ void Reader::read_body(const std::string& own_name, const Section& s) {
       if (s.has(key)) s.refuse(key, "a rigid body has no modes", "give a superelement or take the key away");
     body.inertia = read_inertia(s);
   }
+  if (!se && wants_surface_points(s))
+    s.refuse("surface_point", "the body has no superelement, whose surface has nodes",
+             "give it one, or measure at a marker");
   const bool placed = s.has("position") || s.has("axis") || s.has("rotation") || s.has("quaternion");
   if (placed || !prefix_.empty()) {
     // Where the base itself starts is known if its own table says so.

@@ -299,6 +299,7 @@ void Mechanism::BodyLoads::apply(CoordinateRef c, double force) {
   place.joint->motion(q, S);
   Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 6, 6> gram = S.transpose() * S;
   const Vector6d wrench = S * gram.inverse().col(c.index) * force;
+  if (!work_.on_closure.empty()) work_.on_closure[c.joint] += factor_ * wrench;
   apply_between(work_.kin, place.marker_F, place.marker_M, wrench);
 }
 

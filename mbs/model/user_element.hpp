@@ -87,7 +87,7 @@ struct UserElements {
 /// Program and library must agree on it: both see the same classes laid out in the same way. What lays them
 /// out are Eigen and the standard library: g++ and clang use the same one, and the same binary interface.
 #define FLEXURA_INTERFACE                                                                                       \
-  "4, libstdc++ " FLEXURA_TEXT(_GLIBCXX_RELEASE) ", Eigen " FLEXURA_TEXT(EIGEN_WORLD_VERSION) "." FLEXURA_TEXT( \
+  "5, libstdc++ " FLEXURA_TEXT(_GLIBCXX_RELEASE) ", Eigen " FLEXURA_TEXT(EIGEN_WORLD_VERSION) "." FLEXURA_TEXT( \
       EIGEN_MAJOR_VERSION) ", alignment " FLEXURA_TEXT(EIGEN_MAX_ALIGN_BYTES)
 
 #define FLEXURA_ELEMENTS(elements)             \

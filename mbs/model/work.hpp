@@ -111,6 +111,9 @@ struct Mechanism::Work final : public Equations::Scratch {
   std::vector<Articulated> articulated;
   std::vector<LocalMarker> local;  ///< of every marker; map is empty on rigid bodies
   Eigen::VectorXd r;               ///< n_v: forces along the velocity coordinates
+  /// What force elements put on the coordinate of a joint that closes a loop, on M about Mo in F: kept for
+  /// each joint by evaluate(), empty elsewhere.
+  std::vector<Vector6d> on_closure;
   Eigen::VectorXd rows_x, rows_g;  ///< one entry for each constraint row, redundant ones included
   Eigen::VectorXd signals;
   Eigen::VectorXd zero_v;

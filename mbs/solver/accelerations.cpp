@@ -111,18 +111,46 @@ void AccelerationSolver::solve(State& s, Eigen::VectorXd& v_dot) {
   // The second pass is one step of iterative refinement; more only where forces depend on the multipliers.
   double before = std::numeric_limits<double>::infinity();
   for (int pass = 0; pass < 20; ++pass) {
-    eq_.momentum(s, v_dot, *scratch_, r_, c_rate_, b_);
-    require_finite_forces(eq_, s.t, r_, c_rate_, b_);
-    eq_.acceleration_constraints(s.t, s.p, s.v, v_dot, *scratch_, g_ddot_);
-    r_ = -r_;
-    g_ddot_ = -g_ddot_;
-    saddle_.solve(r_, g_ddot_, dv_, dlambda_);
-    v_dot += dv_;
-    s.lambda += dlambda_;
-    const double change = dv_.norm() / (1e-300 + v_dot.norm()) + dlambda_.norm() / (1e-300 + s.lambda.norm());
+    const double change = improve(saddle_, s, v_dot);
     if (pass > 0 && (change < 1e-12 || change > 0.5 * before)) break;
     before = change;
   }
+}
+
+// One pass; returns how much it changed, relative to what there is now, in the norm of the kinetic energy:
+// v_dot / D and lambda / E (see SaddleSolver) are forces over roots of masses, both of them.
+double AccelerationSolver::improve(SaddleSolver& factors, State& s, Eigen::VectorXd& v_dot) {
+  eq_.momentum(s, v_dot, *scratch_, r_, c_rate_, b_);
+  require_finite_forces(eq_, s.t, r_, c_rate_, b_);
+  eq_.acceleration_constraints(s.t, s.p, s.v, v_dot, *scratch_, g_ddot_);
+  r_ = -r_;
+  g_ddot_ = -g_ddot_;
+  factors.solve(r_, g_ddot_, dv_, dlambda_);
+  v_dot += dv_;
+  s.lambda += dlambda_;
+  const auto size = [&](const Eigen::VectorXd& x, const Eigen::VectorXd& y) {
+    double sum = x.cwiseQuotient(factors.column_scale()).squaredNorm();
+    for (int k = 0; k < n_.n_lambda; ++k)
+      if (const double scale = factors.row_scale()(k); scale > 0.0) sum += (y(k) / scale) * (y(k) / scale);
+    return std::sqrt(sum);
+  };
+  return size(dv_, dlambda_) / (1e-300 + size(v_dot, s.lambda));
+}
+
+double AccelerationSolver::refine(SaddleSolver& factors, State& s, Eigen::VectorXd& v_dot) {
+  // A pass costs O(n), new factors of a large mechanism far more: old ones serve while they take away most of
+  // what is left.
+  constexpr double slowest = 0.3;
+  double before = improve(factors, s, v_dot), left = before;
+  for (int pass = 0; pass < 20 && left > at_round_off; ++pass) {
+    const double change = improve(factors, s, v_dot);
+    const double ratio = change / before;
+    left = change;
+    if (!(ratio < slowest)) break;
+    left *= ratio / (1.0 - ratio);  // the sum of the passes to come
+    before = change;
+  }
+  return left;
 }
 
 }  // namespace flexura::mbs

@@ -29,12 +29,21 @@ class AccelerationSolver {
   /// sentence, where M is singular, b = 0 has no solution near s.a or a force is not finite.
   void solve(State& s, Eigen::VectorXd& v_dot);
 
+  /// The same from values nearby (those of an integrator's polynomial), with factors of M and G that were made
+  /// at a state nearby: each pass takes away what the last one missed, until at_round_off is left or the gain
+  /// is small.  Returns what may be left, relative to v_dot and s.lambda; with old factors more than
+  /// at_round_off means that they are too old.
+  double refine(SaddleSolver& factors, State& s, Eigen::VectorXd& v_dot);
+  static constexpr double at_round_off = 1e-11;
+  /// Without constraints, by M^-1 in O(n); false where the equations do not offer it.
+  bool solve_recursively(State& s, Eigen::VectorXd& v_dot);
+  void solve_algebraic(State& s);
+
   const Eigen::VectorXd& c_rate() const { return c_rate_; }                      ///< f_c of the last solve
   int constraint_rank() const { return n_.n_lambda == 0 ? 0 : saddle_.rank(); }  ///< of G in the last solve
 
  private:
-  bool solve_recursively(State& s, Eigen::VectorXd& v_dot);
-  void solve_algebraic(State& s);
+  double improve(SaddleSolver& factors, State& s, Eigen::VectorXd& v_dot);
 
   const Equations& eq_;
   Sizes n_;

@@ -25,6 +25,7 @@ void Bookkeeper::work_off(BookEntry& entry) {
       break;
     case BookEntry::Kind::row:
       note(closer_.close(entry.row.state));
+      closer_.accelerate(entry.row.state, entry.row.v_dot);
       if (row_) row_(entry.row.state, entry.row.v_dot, book_.at_row(entry.row.state, entry.row.v_dot));
       break;
     case BookEntry::Kind::end:

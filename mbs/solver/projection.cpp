@@ -57,7 +57,7 @@ bool Projector::project(State& s) {
 }
 
 LoopCloser::LoopCloser(const Equations& eq, const SolverOptions& options)
-    : eq_(eq), n_(eq.sizes()), scratch_(eq.make_scratch()), weights_(eq, options) {
+    : eq_(eq), n_(eq.sizes()), scratch_(eq.make_scratch()), weights_(eq, options), accelerations_(eq) {
   if (n_.n_lambda == 0) return;
   M_.setZero(n_.n_v, n_.n_v);
   G_.setZero(n_.n_lambda, n_.n_v);
@@ -164,7 +164,36 @@ LoopCloser::Drift LoopCloser::close(State& s) {
   } else {
     residuals(s);
   }
+  is_closed_ = is_closed;
   return drift_;
+}
+
+void LoopCloser::accelerate(State& s, Eigen::VectorXd& v_dot) {
+  if (!is_closed_) return;
+  trial_ = s;
+  v_dot_0_ = v_dot;
+  bool is_solved = false;
+  try {
+    accelerations_.solve_algebraic(s);
+    is_solved = n_.n_v == 0 || accelerations_.solve_recursively(s, v_dot) ||
+                (has_factors_ && accelerations_.refine(saddle_, s, v_dot) <= accelerations_.at_round_off);
+    if (!is_solved) {
+      factor(s.t, s.p);
+      s.lambda = trial_.lambda;
+      v_dot = v_dot_0_;
+      // Round-off of a badly conditioned mechanism stands higher; what is far from it are forces that depend on
+      // the multipliers.
+      is_solved = accelerations_.refine(saddle_, s, v_dot) <= 1e3 * accelerations_.at_round_off;
+    }
+    if (!is_solved) accelerations_.solve(s, v_dot);
+    is_solved = v_dot.allFinite() && s.lambda.allFinite();
+  } catch (const std::runtime_error&) {
+    is_solved = false;
+  }
+  if (is_solved) return;
+  s.lambda = trial_.lambda;
+  s.a = trial_.a;
+  v_dot = v_dot_0_;
 }
 
 void LoopCloser::remember(History& history) {

@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "mbs/model/equations.hpp"
+#include "mbs/solver/accelerations.hpp"
 #include "mbs/solver/error_weights.hpp"
 #include "mbs/solver/history.hpp"
 #include "mbs/solver/saddle.hpp"
@@ -31,7 +32,7 @@ class Projector {
   Eigen::VectorXd g_, zero_, d_, x_, p_, scale_;
 };
 
-/// The same for every state that a run gives away, cheaply: implicit methods close their loops to Newton's
+/// The same for every state that a run gives away, cheaply, and its accelerations and multipliers: implicit methods close their loops to Newton's
 /// tolerance, which follows that of the run; behind this class stands round-off, 1e-11 of what a typical
 /// motion changes in a row, whatever the tolerance.  The integrator keeps its own state, so that nothing of
 /// this enters its history of rates.  One factorisation serves as long as it makes the residuals fall to a
@@ -52,6 +53,11 @@ class LoopCloser {
   Drift close(State& s);
   /// The same of s as it is.
   Drift drift(const State& s);
+  /// After close(): accelerations and multipliers that belong to the state, by the same factorisation, in
+  /// place of those of the integrator's polynomial, from which it starts.  An integrator's rates are two
+  /// orders less accurate than its positions.  Leaves them as they are where the loops did not close or the
+  /// equations cannot be solved: the integrator will say so.
+  void accelerate(State& s, Eigen::VectorXd& v_dot);
   /// Where the factorisation was made, so that a continued run repeats the unbroken one to the bit.
   void remember(History& history);
 
@@ -72,13 +78,14 @@ class LoopCloser {
   std::unique_ptr<Equations::Scratch> scratch_;
   ErrorWeights weights_;
   SaddleSolver saddle_;
-  bool has_factors_ = false;
+  AccelerationSolver accelerations_;
+  bool has_factors_ = false, is_closed_ = true;  // the latter of the last close()
   double t_factors_ = 0.0;
   Drift drift_;  // at the last residuals()
   Eigen::VectorXd p_factors_;
   State trial_;
   Eigen::MatrixXd M_, G_;
-  Eigen::VectorXd g_, g_dot_, round_off_, rest_, d_, x_, p_, scale_, w_, change_;
+  Eigen::VectorXd g_, g_dot_, round_off_, rest_, d_, x_, p_, scale_, w_, change_, v_dot_0_;
 };
 
 }  // namespace flexura::mbs

@@ -339,7 +339,10 @@ void Runner::remember() {
   books_.closer().remember(history);
   if (options_.end_time > options_.start_time) integrator_->remember(history);
   c.history = history.values();
-  if (keeps_book_) books_.note(books_.closer().close(result_.state));
+  if (keeps_book_) {
+    books_.note(books_.closer().close(result_.state));
+    books_.closer().accelerate(result_.state, result_.v_dot);
+  }
   c.method = options_.method;
   c.state = result_.state;
   c.v_dot = result_.v_dot;

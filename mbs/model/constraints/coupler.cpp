@@ -13,6 +13,8 @@ class Coupler final : public Constraint {
   struct Term {
     CoordinateRef coordinate;
     double factor;
+    std::string label;    ///< of what it puts on the coordinate
+    CoordinateInfo info;  ///< of the coordinate
   };
   Coupler(std::string name, std::vector<Term> terms, std::shared_ptr<const Expression> value)
       : Constraint(std::move(name)), terms_(std::move(terms)), value_(std::move(value)) {}
@@ -48,6 +50,19 @@ class Coupler final : public Constraint {
   void rate(const Kinematics& kin, double* g_t) const override {
     g_t[0] = -value_->time_derivatives(kin.t).first;
   }
+  std::vector<OutputInfo> outputs() const override {
+    std::vector<OutputInfo> infos;
+    for (const Term& term : terms_) {
+      const bool turns = term.info.dimension == input::dim::angle;
+      infos.push_back({(turns ? "torque_" : "force_") + term.label,
+                       turns ? input::dim::torque : input::dim::force,
+                       "on the coordinate " + term.info.name});
+    }
+    return infos;
+  }
+  void evaluate_outputs(const Kinematics&, const double* x, double* values) const override {
+    for (const Term& term : terms_) *values++ = -term.factor * x[0];
+  }
 
  private:
   std::vector<Term> terms_;
@@ -55,6 +70,10 @@ class Coupler final : public Constraint {
 };
 
 using input::Section;
+
+Coupler::Term term(const ReadContext& c, CoordinateRef coordinate, double factor, std::string label) {
+  return {coordinate, factor, std::move(label), c.coordinate_info(coordinate)};
+}
 
 input::Key offset() {
   return input::expression("offset", "value of the sum: a formula of t and parameters").or_default("0");
@@ -78,7 +97,7 @@ ConstraintType coupler_constraint() {
           s.refuse("factors", "does not have one entry for each of joints");
         std::vector<Coupler::Term> terms;
         for (std::size_t i = 0; i < joints.size(); ++i)
-          terms.push_back({c.coordinate(s, "joints", joints[i]), factors[i]});
+          terms.push_back(term(c, c.coordinate(s, "joints", joints[i]), factors[i], std::to_string(i + 1)));
         return std::make_shared<Coupler>(name, std::move(terms), c.time_expression(s, "offset"));
       }};
 }
@@ -99,8 +118,9 @@ ConstraintType gear_constraint() {
              const ReadContext& c) -> std::shared_ptr<const Constraint> {
             const double ratio =
                 s.quantity("teeth_2") / s.quantity("teeth_1") * (s.flag("internal") ? -1.0 : 1.0);
-            std::vector<Coupler::Term> terms{{c.coordinate(s, "joint_1", s.text("joint_1")), 1.0},
-                                             {c.coordinate(s, "joint_2", s.text("joint_2")), ratio}};
+            std::vector<Coupler::Term> terms{
+                term(c, c.coordinate(s, "joint_1", s.text("joint_1")), 1.0, "1"),
+                term(c, c.coordinate(s, "joint_2", s.text("joint_2")), ratio, "2")};
             return std::make_shared<Coupler>(name, std::move(terms), c.time_expression(s, "offset"));
           }};
 }
@@ -116,8 +136,8 @@ ConstraintType rack_and_pinion_constraint() {
           [](const std::string& name, const Section& s,
              const ReadContext& c) -> std::shared_ptr<const Constraint> {
             std::vector<Coupler::Term> terms{
-                {c.coordinate(s, "rack", s.text("rack")), 1.0},
-                {c.coordinate(s, "pinion", s.text("pinion")), -s.quantity("radius")}};
+                term(c, c.coordinate(s, "rack", s.text("rack")), 1.0, "rack"),
+                term(c, c.coordinate(s, "pinion", s.text("pinion")), -s.quantity("radius"), "pinion")};
             return std::make_shared<Coupler>(name, std::move(terms), c.time_expression(s, "offset"));
           }};
 }

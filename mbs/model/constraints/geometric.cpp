@@ -61,6 +61,7 @@ class Distance final : public RelativeRows {
   int n_rows() const override { return 1; }
   void constrain(Rows& rows) const override { rows.distance(length_); }
   std::string row_name(int) const override { return "length"; }
+  bool is_link() const override { return true; }
 
  private:
   double length_;

@@ -7,7 +7,11 @@ namespace flexura::mbs {
 
 RelativeConstraint::RelativeConstraint(std::string name, int marker_F, int marker_M,
                                        std::shared_ptr<const RelativeRows> rows)
-    : Constraint(std::move(name)), marker_F_(marker_F), marker_M_(marker_M), rows_(std::move(rows)) {}
+    : Constraint(std::move(name)),
+      marker_F_(marker_F),
+      marker_M_(marker_M),
+      rows_(std::move(rows)),
+      exerts_(exerts()) {}
 
 void RelativeConstraint::position(const Kinematics& kin, double* g) const {
   const Pose X = kin.relative_pose(marker_F_, marker_M_);

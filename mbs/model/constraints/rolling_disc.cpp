@@ -52,6 +52,13 @@ class RollingDisc final : public Constraint {
     on_M << radius_ * to_contact(kin.relative_pose(F_, M_)).cross(f), f;
     loads.apply_between(kin, F_, M_, on_M);
   }
+  std::vector<OutputInfo> outputs() const override { return wrench_outputs(true, true); }
+  void evaluate_outputs(const Kinematics& kin, const double* x, double* values) const override {
+    const Vector3d f(-x[1], -x[2], -x[0]);
+    Vector6d on_M;
+    on_M << radius_ * to_contact(kin.relative_pose(F_, M_)).cross(f), f;
+    put_wrench(on_M, true, true, values);
+  }
 
   bool has_derivatives() const override { return true; }
   void differentiate(const Kinematics& kin, const double* x, Derivatives& d) const override {
