@@ -21,8 +21,45 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// "C3D8R" -> hex8; variants (reduced, hybrid, incompatible, modified) share nodes and shape functions.
-std::optional<CellType> solid_type(const std::string& name) {
+/// An Abaqus solid element: its shape and what its letters mean here.
+struct SolidType {
+  CellType shape;
+  CellVariant variant = CellVariant::standard;
+  std::string replaced;  ///< what is computed instead and what it does; empty where it is that element
+};
+
+/// Variants (reduced, hybrid, incompatible, modified) share nodes and shape functions.
+SolidType variant_of(CellType shape, const std::string& letters) {
+  const bool reduced = letters.find('R') != std::string::npos;
+  const bool hybrid = letters.find('H') != std::string::npos;
+  const bool incompatible = letters.find('I') != std::string::npos;
+  SolidType type{shape, CellVariant::standard, ""};
+  if (reduced && shape == CellType::hex20) {
+    type.variant = CellVariant::reduced;
+  } else if (reduced) {
+    type.replaced =
+        "integrated in full, without hourglass control: stiffer, in bending of linear elements by far";
+  } else if (incompatible && shape == CellType::hex8) {
+    type.variant = CellVariant::bubbles;
+  } else if (shape == CellType::hex8 && letters.empty()) {
+    type.replaced =
+        "integrated in full where Abaqus takes the mean volume change of the element: the same but for "
+        "Poisson's "
+        "ratios near 0.5, where it is stiffer";
+  } else if (letters.find('M') != std::string::npos) {
+    type.replaced = "taken as the standard element, not the modified one: slightly stiffer";
+  } else if (letters.find('V') != std::string::npos) {
+    type.replaced = "taken with as many nodes as the line has, integrated in full";
+  }
+  if (hybrid)
+    type.replaced +=
+        std::string(type.replaced.empty() ? "" : "; ") +
+        "in displacements alone: the same but for Poisson's ratios near 0.5, where it is stiffer";
+  return type;
+}
+
+/// "C3D8R" -> hex8.
+std::optional<SolidType> solid_type(const std::string& name) {
   const std::string type = upper(name);
   std::size_t digits = 3;
   if (type.rfind("C3D", 0) != 0 && type.rfind("DC3D", 0) != 0) return {};
@@ -33,7 +70,7 @@ std::optional<CellType> solid_type(const std::string& name) {
       {"27", CellType::hex27}, {"6", CellType::wedge6}, {"15", CellType::wedge15}, {"5", CellType::pyramid5}};
   const auto found = kTypes.find(type.substr(3, digits - 3));
   if (found == kTypes.end()) return {};
-  return found->second;
+  return variant_of(found->second, type.substr(digits));
 }
 
 /// Abaqus numbers hex27's centre first and then faces -z, +z, -y, +x, +y, -x.
@@ -46,6 +83,7 @@ std::vector<std::int64_t> in_mesh_order(CellType type, const std::vector<std::in
 
 struct ElementLine {
   CellType type;
+  CellVariant variant;
   std::int64_t label;
   std::vector<std::int64_t> nodes;
   Where where;
@@ -195,22 +233,28 @@ class Reader {
   }
 
   void take_elements(const Keyword& k) {
-    const std::optional<CellType> type = solid_type(k.get("TYPE"));
-    if (!type) {
+    const std::optional<SolidType> solid = solid_type(k.get("TYPE"));
+    if (!solid) {
       for (const DataLine& line : k.data) unused_.add("*ELEMENT of type " + k.get("TYPE"), line.where);
       return;
     }
     Part& part = here();
-    const auto n = static_cast<std::size_t>(nodes_per_cell(*type));
+    const CellType type = solid->shape;
+    if (!solid->replaced.empty()) {
+      auto& [count, effect] = replaced_[upper(k.get("TYPE"))];
+      count += k.data.size();
+      effect = solid->replaced;
+    }
+    const auto n = static_cast<std::size_t>(nodes_per_cell(type));
     for (const DataLine& line : k.data) {
       if (line.fields.empty()) continue;
-      ElementLine element{*type, to_integer(line.fields[0], line.where), {}, line.where};
+      ElementLine element{type, solid->variant, to_integer(line.fields[0], line.where), {}, line.where};
       if (line.fields.size() != n + 1)
         throw std::invalid_argument(fmt::format("{}: element {} of type {} has {} nodes instead of {}",
                                                 line.where.text(), element.label, k.get("TYPE"),
                                                 line.fields.size() - 1, n));
       for (std::size_t i = 1; i <= n; ++i) element.nodes.push_back(to_integer(line.fields[i], line.where));
-      element.nodes = in_mesh_order(*type, element.nodes);
+      element.nodes = in_mesh_order(type, element.nodes);
       part.elements.push_back(element);
       if (k.has("ELSET")) part.element_sets[known(k.get("ELSET"))].push_back(element.label);
     }
@@ -300,6 +344,7 @@ class Reader {
       }
       cell_of_[{scope, element.label}] =
           builder_.add_cell(scope, element.type, element.label, std::move(nodes), element.where);
+      builder_.cells().back().variant = element.variant;
     }
     for (const auto& [name, labels] : part.node_sets)
       builder_.add_to_set(prefix + name, nodes_of(scope, labels));
@@ -375,6 +420,9 @@ class Reader {
     if (builder_.cells().empty())
       throw std::invalid_argument(path.string() +
                                   ": holds no solid elements (C3D4, C3D10, C3D8, C3D20, ...)");
+    for (const auto& [type, what] : replaced_)
+      model_.messages.push_back(fmt::format("{} element{} of type {}: {}", what.first,
+                                            what.first == 1 ? "" : "s", type, what.second));
     for (const std::string& message : unused_.messages("keyword")) model_.messages.push_back(message);
     builder_.finish(model_, {});
     return std::move(model_);
@@ -397,6 +445,7 @@ class Reader {
   ImportedModel model_;
   ModelBuilder builder_;
   Unused unused_;
+  std::map<std::string, std::pair<std::size_t, std::string>> replaced_;  // type: how many, what it becomes
   std::set<std::string> file_names_;
   std::map<std::string, std::string> spelling_;
   std::vector<Part> parts_;

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <stdexcept>
+#include <tuple>
 
 #include "mesh/model/cell.hpp"
 #include "mesh/model/geometry.hpp"
@@ -114,10 +115,12 @@ std::vector<Index> ModelBuilder::finish(ImportedModel& model, const std::vector<
   if (const std::size_t dropped = number.size() - static_cast<std::size_t>(n); dropped > 0)
     model.messages.push_back(fmt::format("{} nodes belong to no element and are left out", dropped));
 
-  std::vector<CellType> types;
+  using Kind = std::pair<CellType, CellVariant>;
+  std::vector<Kind> kinds;
   std::size_t with_material = 0;
   for (const Cell& cell : cells_) {
-    if (std::find(types.begin(), types.end(), cell.type) == types.end()) types.push_back(cell.type);
+    if (const Kind kind{cell.type, cell.variant}; std::find(kinds.begin(), kinds.end(), kind) == kinds.end())
+      kinds.push_back(kind);
     with_material += cell.material >= 0;
   }
   if (with_material > 0 && with_material < cells_.size()) {
@@ -127,15 +130,15 @@ std::vector<Index> ModelBuilder::finish(ImportedModel& model, const std::vector<
         fmt::format("element {} has no section or material, as {} others; others have one", bare->label,
                     cells_.size() - with_material - 1));
   }
-  for (const CellType type : types) {
+  for (const Kind& kind : kinds) {
     CellBlock block;
-    block.type = type;
-    const auto rows =
-        std::count_if(cells_.begin(), cells_.end(), [&](const Cell& c) { return c.type == type; });
-    block.nodes.resize(rows, nodes_per_cell(type));
+    std::tie(block.type, block.variant) = kind;
+    const auto rows = std::count_if(cells_.begin(), cells_.end(),
+                                    [&](const Cell& c) { return Kind{c.type, c.variant} == kind; });
+    block.nodes.resize(rows, nodes_per_cell(block.type));
     Index row = 0;
     for (const Cell& cell : cells_) {
-      if (cell.type != type) continue;
+      if (Kind{cell.type, cell.variant} != kind) continue;
       for (std::size_t k = 0; k < cell.nodes.size(); ++k)
         block.nodes(row, static_cast<Eigen::Index>(k)) = number[cell.nodes[k]];
       block.label.push_back(cell.label);

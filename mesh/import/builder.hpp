@@ -58,6 +58,7 @@ class ModelBuilder {
     std::int64_t label;
     std::vector<Index> nodes;  ///< in the order of Mesh
     Index material;            ///< -1 = none stated
+    CellVariant variant = CellVariant::standard;
   };
   /// Returns the cell's number, as `cells` counts.
   std::size_t add_cell(int scope, CellType type, std::int64_t label, std::vector<Index> nodes,

@@ -39,9 +39,17 @@ int nodes_per_cell(CellType type);
 int dimension_of(CellType type);
 const char* name_of(CellType type);
 
-/// Cells of one type, one row of node indices each.
+/// How a foreign program integrates a solid of this shape, where the deck says so.
+enum class CellVariant : std::uint8_t {
+  standard,  ///< as the part asks for
+  reduced,   ///< stiffness with the next lower Gauss rule (C3D20R)
+  bubbles,   ///< incompatible modes (C3D8I)
+};
+
+/// Cells of one type and variant, one row of node indices each.
 struct CellBlock {
   CellType type = CellType::tet10;
+  CellVariant variant = CellVariant::standard;
   Eigen::Matrix<Index, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> nodes;  ///< n_cells x nodes_per_cell
   std::vector<Index> material;      ///< n_cells; index into the part's materials, empty = all 0
   std::vector<std::int64_t> label;  ///< n_cells; the cell numbers of the file it came from, empty = none

@@ -151,19 +151,20 @@ BeamPartInput read_beam_part(const std::filesystem::path& file, const std::vecto
     for (const beam::Member& member : model.members) members.known.push_back(member.name);
     for (const auto& [name, l] : in.table_map("load")) read_load(name, l, nodes, members, part.cases);
   }
-  for (const auto& [name, i] : in.table_map("interface")) {
-    BeamInterface interface {
-      name, -1, { 0, 1, 2, 3, 4, 5 }
-    };
-    interface.node = nodes.find(i, "node", i.has("node") ? i.text("node") : name);
-    if (i.has("directions")) {
-      const std::bitset<6> kept = directions(i, "directions");
-      interface.directions.clear();
-      for (int k = 0; k < 6; ++k)
-        if (kept[k]) interface.directions.push_back(k);
+  if (in.has("interface"))
+    for (const auto& [name, i] : in.table_map("interface")) {
+      BeamInterface interface {
+        name, -1, { 0, 1, 2, 3, 4, 5 }
+      };
+      interface.node = nodes.find(i, "node", i.has("node") ? i.text("node") : name);
+      if (i.has("directions")) {
+        const std::bitset<6> kept = directions(i, "directions");
+        interface.directions.clear();
+        for (int k = 0; k < 6; ++k)
+          if (kept[k]) interface.directions.push_back(k);
+      }
+      part.interfaces.push_back(interface);
     }
-    part.interfaces.push_back(interface);
-  }
   const Section mesh = in.table("mesh");
   part.subdivision.elements_per_member = mesh.integer("elements");
   if (mesh.has("size")) part.subdivision.max_length = mesh.quantity("size");

@@ -106,7 +106,7 @@ const TableSchema& beam_schema() {
         input::table_map("curves", curves_schema(), "members from a file of curves"),
         input::table_map("solid", solid_schema(), "solids that members hold on to"),
         input::table_map("mass", mass, "point masses by name"),
-        input::table_map("interface", interface, "interfaces by name").required(),
+        input::table_map("interface", interface, "interfaces by name"),
         input::table_map("load", load_schema(), "loads by name"),
         input::table("mesh", mesh_schema(), "division into elements"),
         input::table("modes", modes_schema(), "modes"),

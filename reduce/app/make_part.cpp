@@ -8,6 +8,7 @@
 
 #include "reduce/app/force_field.hpp"
 #include "reduce/assembly/point_mass.hpp"
+#include "reduce/assembly/whole_body.hpp"
 #include "reduce/elements/surface.hpp"
 
 namespace flexura::reduce {
@@ -73,9 +74,18 @@ void add_interfaces(const PartInput& input, const PartMesh& from, ModelledPart& 
                        .tie = wanted.tie,
                        .point = wanted.reference.value_or(chosen.reference),
                        .directions = wanted.directions};
-    out.notes.push_back(fmt::format("interface {}: {}, {} nodes, {}", wanted.name, chosen.description,
-                                    chosen.set.nodes.size(), name_of(wanted.tie)));
     spec.set = std::move(chosen.set);
+    // One node has no rotation to follow rigidly; asked for displacements alone it is tied as what it is.
+    const bool no_rotation = wanted.directions.empty() || wanted.directions.back() < 3;
+    if (wanted.tie == Tie::rigid && spec.set.nodes.size() == 1 && no_rotation) spec.tie = Tie::node;
+    std::string tie = name_of(spec.tie);
+    if (wanted.tie == Tie::average || wanted.tie == Tie::elastic) {
+      const bool equal = wanted.equal_weights || spec.set.faces.empty();
+      if (equal) spec.weights.assign(spec.set.nodes.size(), 1.0);
+      tie += equal ? " (every node alike)" : " (weighted by area)";
+    }
+    out.notes.push_back(fmt::format("interface {}: {}, {} nodes, {}", wanted.name, chosen.description,
+                                    spec.set.nodes.size(), tie));
     out.part.interfaces.push_back(std::move(spec));
   }
   if (input.interfaces.empty()) {
@@ -86,11 +96,6 @@ void add_interfaces(const PartInput& input, const PartMesh& from, ModelledPart& 
                                       from.ties[t].node, from.ties[t].spec.set.nodes.size(),
                                       name_of(from.ties[t].spec.tie)));
     }
-    if (from.ties.empty())
-      throw InputError(
-          input.where +
-          ": the part has no interface; add a table [interface.NAME] for each place where joints "
-          "or forces act, the deck has no ties to take instead");
   }
   out.n_interfaces = static_cast<int>(out.part.interfaces.size());
   // The deck's other rigid ties still are rigid pieces of the part; a mean of nodes that nobody asks for is
@@ -106,6 +111,19 @@ void add_interfaces(const PartInput& input, const PartMesh& from, ModelledPart& 
     out.notes.push_back(fmt::format("{} (RBE2) is a rigid piece of the part, no interface", spec.name));
     out.part.interfaces.push_back(std::move(spec));
   }
+}
+
+// What the interfaces do not hold (all of it where there are none) is held by the body's own mean motion.
+void complete_interfaces(const PartInput& input, ModelledPart& out) {
+  const int n_free = free_rigid_motions(out.part);
+  if (n_free == 0 || !input.finished.vectors.empty()) return;
+  const std::string name = at(input.where, [&] { return hold_whole_body(out.part); });
+  out.notes.push_back(
+      fmt::format("{} {} of the six rigid motions free; interface \"{}\", the mean motion of the body, takes "
+                  "them: add an "
+                  "[interface.NAME] for each place where joints or forces act",
+                  out.n_interfaces == 0 ? "the part has no interface, which leaves" : "the interfaces leave",
+                  n_free, name));
 }
 
 void add_masses(const PartInput& input, const PartMesh& from, ModelledPart& out) {
@@ -199,6 +217,7 @@ ModelledPart make_part(const PartInput& input, PartMesh&& from) {
   out.part.mass = input.mass;
   out.part.formulation = input.formulation;
   add_interfaces(input, from, out);
+  complete_interfaces(input, out);
   add_masses(input, from, out);
   add_links(input, out);
   add_loads(input, from, out);

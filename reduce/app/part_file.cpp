@@ -158,6 +158,10 @@ InterfaceInput read_interface(const std::string& name, const Section& in) {
           : tie == "node"    ? Tie::node
           : tie == "elastic" ? Tie::elastic
                              : Tie::rigid;
+  f.equal_weights = in.has("weights") ? in.text("weights") == "equal" : in.text("by") == "nodes";
+  if (in.has("weights") && (f.deck_tie || (f.tie != Tie::average && f.tie != Tie::elastic)))
+    in.refuse("weights", "are those of a mean: an average or elastic tie that is no tie of the deck",
+              "leave the key out, or tie the interface as an average");
   if (f.tie == Tie::node) f.directions = {0, 1, 2};
   if (in.has("directions")) {
     static const std::vector<std::string> known = {"x", "y", "z", "rx", "ry", "rz"};
@@ -308,11 +312,6 @@ PartInput read_part(const std::filesystem::path& file, const std::vector<std::st
               "keep the one table [material.NAME] it is made of");
   }
   for (const auto& [name, f] : in.table_map("interface")) part.interfaces.push_back(read_interface(name, f));
-  if (part.interfaces.empty() && part.format != PartFormat::nastran) {
-    throw InputError(in.where() +
-                     ": the part has no interface; add a table [interface.NAME] for each place where joints "
-                     "or forces act, `flexura reduce --list-faces` shows what can be chosen");
-  }
   for (const auto& [name, m] : in.table_map("mass_point")) part.masses.push_back(read_mass(name, m));
   for (const auto& [name, l] : in.table_map("link")) part.links.push_back(read_link(name, l));
   for (const auto& [name, l] : in.table_map("load")) {

@@ -29,6 +29,7 @@ struct InterfaceInput {
   mesh::Rule rule = {};              ///< which faces
   std::optional<int> deck_tie = {};  ///< or which tie of the deck
   Tie tie = Tie::rigid;
+  bool equal_weights = false;  ///< of averages: nodes count alike, not by the faces' area
   std::vector<int> directions = {0, 1, 2, 3, 4, 5};
   std::optional<Eigen::Vector3d> reference;  ///< [m], none = the centre of the chosen faces
   std::string where;                         ///< "part.toml:12: interface.bore", for messages

@@ -118,6 +118,11 @@ TableSchema interface_schema() {
           "(`interface_count` and the like in [modes]), which stand beside the others. Without such modes it "
           "is `rigid`, with all of them `average`")
           .or_default("rigid"),
+      input::choice(
+          "weights", {"area", "equal"},
+          "whose mean an `average` or `elastic` tie takes: every face counts by its area, or every node "
+          "alike. Default: `area`, with `by = \"nodes\"` `equal`; nodes that form no faces count alike. "
+          "The ties of a deck have weights of their own"),
       input::vector3(
           "reference", dim::length,
           "position of the interface node; default: centre of the chosen faces, for a cylinder the middle "

@@ -69,7 +69,14 @@ void reduce_beam_part(const BeamPartInput& input, const std::filesystem::path& o
   how.omega_max = 2.0 * std::numbers::pi * input.modes.up_to;
   how.progress = [&line](std::string_view stage, double fraction) { line(stage, fraction); };
   const Structure structure(mesh, input.solids);
-  BeamReduction beams = reduce_beams(structure, input.interfaces, how);
+  std::vector<BeamInterface> interfaces = input.interfaces;
+  if (const auto body = body_interface(structure, interfaces)) {
+    notes.push_back(
+        fmt::format("the interfaces leave rigid motions free; interface \"{}\", node \"{}\", takes them",
+                    body->name, input.model.nodes[body->node].name));
+    interfaces.push_back(*body);
+  }
+  BeamReduction beams = reduce_beams(structure, interfaces, how);
   Reduction& reduction = beams.reduction;
   const ReductionReport& r = reduction.report;
 

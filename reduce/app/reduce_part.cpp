@@ -9,6 +9,7 @@
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <set>
 
 #include "mbs/files/output.hpp"
 #include "mbs/superelement/file.hpp"
@@ -68,17 +69,21 @@ FinishedModes load_finished_modes(const PartInput& input) {
 }
 
 /// Frequencies of the free body and static compliance between the first and the last interface, nothing
-/// reduced, against the superelement.
-Comparison compare(const Part& part, const Reduction& reduction, int count,
+/// reduced, against the superelement as it is written: full modes of the `struck` numbers (counted from 1,
+/// rigid ones included) have no partner in it.
+Comparison compare(const Part& part, const Reduction& reduction, int count, const std::vector<int>& struck,
                    const linalg::Progress& progress) {
   Comparison out;
   const Eigen::VectorXd reduced = reduced_free_modes(reduction);
   count = std::min<int>(count, static_cast<int>(reduced.size()) - 6);
   if (count < 1) return out;
-  const linalg::EigenPairs full = full_free_modes(part, count, reduced(6), progress);
-  for (int k = 0; k < count; ++k) {
-    out.full_hz.push_back(std::sqrt(full.omega2(6 + k)) / (2.0 * std::numbers::pi));
-    out.reduced_hz.push_back(std::sqrt(reduced(6 + k)) / (2.0 * std::numbers::pi));
+  const auto n_struck = static_cast<int>(std::set<int>(struck.begin(), struck.end()).size());
+  const linalg::EigenPairs full = full_free_modes(part, count + n_struck, reduced(6), progress);
+  int k = 6;
+  for (int number = 7; number <= 6 + count + n_struck && k < 6 + count; ++number) {
+    if (std::find(struck.begin(), struck.end(), number) != struck.end()) continue;
+    out.full_hz.push_back(std::sqrt(full.omega2(number - 1)) / (2.0 * std::numbers::pi));
+    out.reduced_hz.push_back(std::sqrt(reduced(k++)) / (2.0 * std::numbers::pi));
   }
   std::vector<const ReducedInterface*> six;
   for (const ReducedInterface& interface : reduction.interfaces)
@@ -148,13 +153,6 @@ void reduce_part(const PartInput& input, const std::filesystem::path& output, co
   if (reduction.dropped.size() > 0) data.errors = mode_errors(reduction);
   if (options.compare > 0 && finished)
     throw input::InputError("--compare solves the full model, which finished modes do not bring along");
-  if (options.compare > 0) data.comparison = compare(part, reduction, options.compare, progress);
-  if (options.compare > 0 && data.comparison.full_hz.empty())
-    data.warnings.push_back(
-        "--compare has nothing to compare: the superelement has no elastic frequency of the free body");
-  if (options.compare > 0 && data.comparison.static_error < 0.0)
-    data.notes.push_back(
-        "--compare: statics not compared, which needs two interfaces with all six directions and no other");
   if (!input.modes.struck.empty()) {
     StruckModes struck;
     try {
@@ -172,6 +170,14 @@ void reduce_part(const PartInput& input, const std::filesystem::path& output, co
                       "{:.3g} % stiffer than the part is",
                       100.0 * struck.interface_stiffer));
   }
+  if (options.compare > 0)
+    data.comparison = compare(part, reduction, options.compare, input.modes.struck, progress);
+  if (options.compare > 0 && data.comparison.full_hz.empty())
+    data.warnings.push_back(
+        "--compare has nothing to compare: the superelement has no elastic frequency of the free body");
+  if (options.compare > 0 && data.comparison.static_error < 0.0)
+    data.notes.push_back(
+        "--compare: statics not compared, which needs two interfaces with all six directions and no other");
   if (input.has_damping) add_damping(reduction, input.damping);
   data.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const Report report = make_report(input, reduction, data);

@@ -6,6 +6,7 @@
 #include <Eigen/Geometry>
 #include <Eigen/SVD>
 #include <cmath>
+#include <stdexcept>
 
 namespace flexura::reduce {
 namespace {
@@ -69,6 +70,19 @@ Eigen::Matrix<double, 6, Eigen::Dynamic> free_motions(
   int rank = 0;
   while (rank < 6 && svd.singularValues()(rank) > 1e-12 * std::max(svd.singularValues()(0), 1e-300)) ++rank;
   return S * svd.matrixV().rightCols(6 - rank);
+}
+
+void require_held(const Eigen::Ref<const Eigen::Matrix<double, Eigen::Dynamic, 6>>& H,
+                  const Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>& points) {
+  const Eigen::Vector3d low = points.colwise().minCoeff(), high = points.colwise().maxCoeff();
+  const Eigen::Vector3d centre = 0.5 * (low + high);
+  const double length = high != low ? 0.5 * (high - low).norm() : 1.0;
+  const auto free = free_motions(H, centre, length);
+  if (free.cols() == 0) return;
+  throw std::invalid_argument(
+      fmt::format("the interfaces together leave the body free to move ({} of six rigid motions), for "
+                  "instance a {}: add an interface or retain more directions",
+                  free.cols(), describe_motion(free, centre, length)));
 }
 
 std::string describe_motion(const Eigen::Matrix<double, 6, Eigen::Dynamic>& free,

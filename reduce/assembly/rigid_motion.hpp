@@ -21,6 +21,10 @@ Eigen::Matrix<double, 6, Eigen::Dynamic> free_motions(
     const Eigen::Ref<const Eigen::Matrix<double, Eigen::Dynamic, 6>>& H, const Eigen::Vector3d& centre,
     double length);
 
+/// std::invalid_argument, with one of the motions, where rows H leave a body of these nodes free to move.
+void require_held(const Eigen::Ref<const Eigen::Matrix<double, Eigen::Dynamic, 6>>& H,
+                  const Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>& points);
+
 /// "rotation about the axis (0, 0, 1) through (0.1, 0, 0) m" and the like, for the first of the free motions.
 std::string describe_motion(const Eigen::Matrix<double, 6, Eigen::Dynamic>& free,
                             const Eigen::Vector3d& centre, double length);

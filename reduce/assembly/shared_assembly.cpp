@@ -41,6 +41,7 @@ void put_cells(Message& message, const Part& part, const std::vector<int>& part_
       labels.push_back(block.label.empty() ? static_cast<std::int64_t>(number) : block.label[cell]);
     }
     message.put(block.type);
+    message.put(block.variant);
     message.put_all(nodes);
     message.put_all(materials);
     message.put_all(labels);
@@ -62,6 +63,7 @@ Part take_cells(Message& message) {
   part.mesh.solids.resize(message.take<std::size_t>());
   for (mesh::CellBlock& block : part.mesh.solids) {
     block.type = message.take<mesh::CellType>();
+    block.variant = message.take<mesh::CellVariant>();
     const auto nodes = message.take_all<mesh::Index>();
     block.material = message.take_all<mesh::Index>();
     block.label = message.take_all<std::int64_t>();

@@ -179,7 +179,7 @@ void TiedModel::assemble(const Part& part, const AssemblyOptions& options) {
   }
   for (const mesh::CellBlock& block : part.mesh.solids) {
     if (part.matrices) break;
-    const Element& element = solid_element(block.type, part.formulation);
+    const Element& element = solid_element(block.type, formulation_of(block, part.formulation));
     for (Eigen::Index first = 0; first < block.nodes.rows(); first += kChunk) {
       const int count = static_cast<int>(std::min<Eigen::Index>(kChunk, block.nodes.rows() - first));
       linalg::parallel_for(count, [&](int k) {

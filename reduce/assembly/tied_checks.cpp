@@ -81,14 +81,7 @@ void TiedModel::check_interfaces(const Part& part, bool may_be_free) const {
         part.interfaces[pair.first].name, part.interfaces[pair.second].name, count, count == 1 ? "" : "s"));
   }
   if (may_be_free) return;
-  const Extent extent = extent_of(points_);
-  const auto free = free_motions(rigid_b(), extent.centre, extent.length);
-  if (free.cols() > 0)
-    throw std::invalid_argument(
-        fmt::format("the interfaces together leave the body free to move ({} of six rigid motions), for "
-                    "instance a {}: add an "
-                    "interface or retain more directions",
-                    free.cols(), describe_motion(free, extent.centre, extent.length)));
+  require_held(rigid_b(), points_);
 }
 
 // All nodes must hang together through cells and ties.

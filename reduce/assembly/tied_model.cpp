@@ -297,6 +297,12 @@ Eigen::MatrixXd TiedModel::rigid_b() const {
   return R;
 }
 
+Eigen::MatrixXd TiedModel::rigid_i() const {
+  std::vector<Eigen::MatrixXd> motions;
+  for (const InterfaceDofs& interface : interfaces_) motions.push_back(node_motion_at(interface.point));
+  return interior_part(rigid_nodes(), motions);
+}
+
 Eigen::MatrixXd TiedModel::rigid_nodes() const {
   Eigen::MatrixXd R(3 * static_cast<Eigen::Index>(n_nodes_), 6);
   for (int node = 0; node < n_nodes_; ++node)

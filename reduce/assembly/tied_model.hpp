@@ -98,8 +98,10 @@ class TiedModel {
   /// Where each interior dof is in another model of the same part with other ties: its number there, or -1.
   std::vector<int> interior_in(const TiedModel& other) const;
 
-  /// The six rigid motions (about Bo) of the boundary dofs, n_b x 6, and of all nodes, 3 n_nodes x 6.
+  /// The six rigid motions (about Bo) of the boundary dofs, n_b x 6, of the interior ones, n_i x 6, and of all
+  /// nodes, 3 n_nodes x 6.
   Eigen::MatrixXd rigid_b() const;
+  Eigen::MatrixXd rigid_i() const;
   Eigen::MatrixXd rigid_nodes() const;
 
   /// First boundary dof of an interface; its retained directions follow.

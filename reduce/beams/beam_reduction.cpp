@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "reduce/assembly/rigid_motion.hpp"
+#include "reduce/assembly/rigid_projection.hpp"
 #include "reduce/beams/beam_stiffening.hpp"
 #include "reduce/cms/mode_choice.hpp"
 #include "reduce/linalg/block_lanczos.hpp"
@@ -18,22 +20,64 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 
-MatrixXd rigid_motions(const beam::BeamMesh& mesh, const Numbering& numbering) {
-  MatrixXd R = MatrixXd::Zero(numbering.n_b, 6);
+// The rigid motions (about Bo) of the boundary and of the interior dofs; coordinates of attached solids' own
+// deformation have no part in them.
+struct RigidMotions {
+  MatrixXd R_b, R_i;              // n_b x 6, n_i x 6
+  std::vector<char> is_rotation;  // of the boundary dofs
+};
+
+RigidMotions rigid_motions(const beam::BeamMesh& mesh, const Numbering& numbering) {
+  RigidMotions out{MatrixXd::Zero(numbering.n_b, 6), MatrixXd::Zero(numbering.n_i, 6),
+                   std::vector<char>(numbering.n_b, 0)};
   for (int dof = 0; dof < mesh.n_dofs(); ++dof) {
-    const int b = -numbering.code[dof] - 1;
-    if (numbering.code[dof] == Numbering::kUnused || b < 0) continue;
-    const Eigen::Vector3d& p = mesh.points()[dof / 6];
+    const int code = numbering.code[dof];
+    if (code == Numbering::kUnused) continue;
     const int k = dof % 6;
-    R(b, k) = 1.0;
-    if (k == 0) R.block<1, 3>(b, 3) << 0, p.z(), -p.y();
-    if (k == 1) R.block<1, 3>(b, 3) << -p.z(), 0, p.x();
-    if (k == 2) R.block<1, 3>(b, 3) << p.y(), -p.x(), 0;
+    if (code < 0) out.is_rotation[-code - 1] = k >= 3;
+    (code < 0 ? out.R_b.row(-code - 1) : out.R_i.row(code)) = node_motion_at(mesh.points()[dof / 6]).row(k);
   }
-  return R;
+  return out;
 }
 
 }  // namespace
+
+std::optional<BeamInterface> body_interface(const Structure& structure,
+                                            const std::vector<BeamInterface>& interfaces) {
+  const std::vector<beam::Node>& nodes = structure.mesh().model().nodes;
+  std::vector<char> taken(nodes.size(), 0);
+  std::string name = "body";
+  MatrixXd H(0, 6);
+  for (const BeamInterface& interface : interfaces) {
+    if (interface.node < 0 || interface.node >= static_cast<int>(nodes.size())) return {};
+    taken[interface.node] = 1;
+    if (interface.name == name) name = "whole_body";
+    H.conservativeResize(H.rows() + static_cast<Index>(interface.directions.size()), 6);
+    H.bottomRows(static_cast<Index>(interface.directions.size())) =
+        node_motion_at(structure.mesh().points()[interface.node])(interface.directions, Eigen::all);
+  }
+  Eigen::Vector3d low = Eigen::Vector3d::Constant(1e300), high = -low, middle = Eigen::Vector3d::Zero();
+  int n_used = 0;
+  for (std::size_t k = 0; k < nodes.size(); ++k) {
+    if (!structure.used()[6 * k]) continue;
+    const Eigen::Vector3d& x = structure.mesh().points()[k];
+    low = low.cwiseMin(x), high = high.cwiseMax(x);
+    middle += x;
+    ++n_used;
+  }
+  if (n_used == 0) return {};
+  middle /= n_used;
+  const double length = high != low ? 0.5 * (high - low).norm() : 1.0;
+  if (H.rows() > 0 && free_motions(H, 0.5 * (low + high), length).cols() == 0) return {};
+  int best = -1;
+  for (std::size_t k = 0; k < nodes.size(); ++k) {
+    if (taken[k] || !structure.used()[6 * k]) continue;
+    const auto away = [&](int node) { return (structure.mesh().points()[node] - middle).norm(); };
+    if (best < 0 || away(static_cast<int>(k)) < away(best)) best = static_cast<int>(k);
+  }
+  if (best < 0) return {};
+  return BeamInterface{name, best};
+}
 
 BeamReduction reduce_beams(const Structure& structure, const std::vector<BeamInterface>& interfaces,
                            const ReductionOptions& options) {
@@ -54,10 +98,14 @@ BeamReduction reduce_beams(const Structure& structure, const std::vector<BeamInt
   watch.lap();
 
   linalg::report(options.progress, "constraint modes", 0.0);
-  const MatrixXd Psi = solve_refined(factor, *K.ii, -K.ib);
+  MatrixXd Psi = solve_refined(factor, *K.ii, -K.ib);
   MatrixXd K_Psi;
   K.ii->multiply(Psi, K_Psi);
   report.constraint_residual = K.ib.norm() > 0.0 ? (K_Psi + K.ib).norm() / K.ib.norm() : 0.0;
+  const RigidMotions rigid = rigid_motions(mesh, numbering);
+  const RigidProjection projection(rigid.R_b, rigid.is_rotation);
+  report.rigid_error = projection.error(Psi, rigid.R_i);
+  Psi = projection.corrected(Psi, rigid.R_i);
   MatrixXd K_bb;
   report.seconds_constraint_modes = watch.lap();
 
@@ -139,8 +187,7 @@ BeamReduction reduce_beams(const Structure& structure, const std::vector<BeamInt
   }
 
   reduction.shapes = structure.shapes(T);
-  const MatrixXd R = rigid_motions(mesh, numbering);
-  report.rigid_strain = n_b > 6 ? (K_bb * R).norm() / (K_bb.norm() * R.norm()) : 0.0;
+  report.rigid_strain = n_b > 6 ? (K_bb * rigid.R_b).norm() / (K_bb.norm() * rigid.R_b.norm()) : 0.0;
   report.seconds_projection = watch.lap();
 
   if (options.stiffening) {

@@ -1,6 +1,7 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "reduce/beams/numbering.hpp"
@@ -24,6 +25,12 @@ struct BeamReduction {
 /// Needs a linalg::Session.  Throws std::invalid_argument for no interface, an interface at a node twice or
 /// that does not exist, interfaces that leave a motion free (names the node and direction where it shows),
 /// beams without mass where modes are wanted; std::runtime_error when a computation fails.
+/// Where the interfaces leave rigid motions free (or there are none): the node of members that lies nearest to the
+/// middle and is no interface, as one more, "body", which takes them; with six directions it stiffens nothing.
+/// Empty where they hold the structure, or no node is left.
+std::optional<BeamInterface> body_interface(const Structure& structure,
+                                            const std::vector<BeamInterface>& interfaces);
+
 BeamReduction reduce_beams(const Structure& structure, const std::vector<BeamInterface>& interfaces,
                            const ReductionOptions& options);
 

@@ -1,6 +1,7 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include "reduce/cms/constraint_modes.hpp"
 
+#include "reduce/assembly/rigid_projection.hpp"
 #include "reduce/linalg/dense.hpp"
 
 namespace flexura::reduce {
@@ -25,6 +26,15 @@ ConstraintModes constraint_modes(const TiedModel& model, const TiedSolver& solve
   modes.K_bb += linalg::transpose_times(K_ib, modes.Psi);
   for (Index r = 0; r < n_a; ++r) modes.K_bb.row(averaged[r]) -= solution.mu.row(r);
   modes.K_bb = (0.5 * (modes.K_bb + modes.K_bb.transpose())).eval();
+  const MatrixXd R_b = model.rigid_b(), R_i = model.rigid_i();
+  std::vector<char> is_rotation;
+  for (int k = 0; k < model.n_interfaces(); ++k)
+    for (const int direction : model.directions(k)) is_rotation.push_back(direction >= 3);
+  const RigidProjection rigid(R_b, is_rotation);
+  modes.rigid_error = rigid.error(modes.Psi, R_i);
+  if (model.n_b() > 6) modes.rigid_strain = (modes.K_bb * R_b).norm() / (modes.K_bb.norm() * R_b.norm());
+  modes.Psi = rigid.corrected(modes.Psi, R_i);
+  modes.K_bb = rigid.strain_free(modes.K_bb);
   // Six motions that hold the body are its rigid motions: what stands there is round-off.
   if (model.n_b() == 6) modes.K_bb.setZero();
   return modes;

@@ -13,6 +13,7 @@
 #include "reduce/cms/constraint_modes.hpp"
 #include "reduce/cms/craig_chang.hpp"
 #include "reduce/cms/response_modes.hpp"
+#include "reduce/cms/ritz_check.hpp"
 #include "reduce/cms/shape_change.hpp"
 #include "reduce/cms/sturm.hpp"
 #include "reduce/linalg/block_lanczos.hpp"
@@ -66,30 +67,37 @@ Basis craig_chang_basis(const Part& part, const TiedModel& model, const TiedSolv
 // Response and load shapes join the normal modes.
 void add_shapes(const Part& part, const TiedModel& model, const TiedSolver& solver,
                 const linalg::EigenProblem& problem, const MatrixXd& Mhat, const ReductionOptions& options,
-                linalg::EigenPairs& pairs, ReductionReport& report) {
+                linalg::EigenPairs& pairs, std::vector<StaticAnswer>& answers, ReductionReport& report) {
   const Index n_normal = pairs.omega2.size();
-  std::vector<ExtraShapes> extras;
+  ExtraShapes all;
+  const auto add = [&all, n = model.n_i()](const ExtraShapes& some) {
+    const Index before = all.X.cols();
+    all.X.conservativeResize(n, before + some.X.cols());
+    all.X.rightCols(some.X.cols()) = some.X;
+    all.names.insert(all.names.end(), some.names.begin(), some.names.end());
+  };
   if (!options.response_omegas.empty()) {
     constexpr const char* kDirections[] = {"u_x", "u_y", "u_z", "theta_x", "theta_y", "theta_z"};
     std::vector<std::string> names;
     for (int k = 0; k < model.n_interfaces(); ++k)
       for (const int d : model.directions(k)) names.push_back(part.interfaces[k].name + "." + kDirections[d]);
     for (const double omega : options.response_omegas)
-      extras.push_back(response_shapes(problem, pairs, Mhat, omega, names));
+      add(response_shapes(problem, pairs, Mhat, omega, names));
   }
   for (const LoadField& load : options.loads) {
     if (!load.keep_shape) continue;
     MatrixXd f_i, f_b;
     model.gather(nodal_forces(model.m(), model.n_nodes(), load), f_i, f_b);
-    extras.push_back({solver.solve(f_i), {"static answer to load " + load.name}});
+    const MatrixXd u_i = solver.solve(f_i);
+    add({u_i, {"static answer to load " + load.name}});
+    answers.push_back({load.name, f_i, f_i.col(0).dot(u_i.col(0))});
   }
-  for (const ExtraShapes& extra : extras)
-    for (const std::string& name : append_shapes(problem, pairs, extra))
-      report.notes.push_back(name + " is dropped: it depends on the other shapes");
+  if (all.names.empty()) return;
+  for (const std::string& name : append_shapes(problem, pairs, all))
+    report.notes.push_back(name + " is dropped: it depends on the other shapes");
   report.n_extra = static_cast<int>(pairs.omega2.size() - n_normal);
-  if (!extras.empty())
-    report.notes.push_back(
-        fmt::format("{} response and load shapes beside {} normal modes", report.n_extra, n_normal));
+  report.notes.push_back(
+      fmt::format("{} response and load shapes beside {} normal modes", report.n_extra, n_normal));
 }
 
 // T^T D T of the dampers; empty where there are none.
@@ -219,9 +227,11 @@ Cut reduce(const Part& whole, const Part& part, const TiedModel& model, const Re
     basis = craig_chang_basis(part, model, solver, constraint.Psi, constraint.K_bb, options, report);
     report.seconds_normal_modes = watch.lap();
   } else {
-    add_shapes(part, model, solver, problem, Mhat, options, pairs, report);
+    std::vector<StaticAnswer> answers;
+    add_shapes(part, model, solver, problem, Mhat, options, pairs, answers, report);
     basis.Phi = std::move(pairs.Phi);
     basis.omega2 = std::move(pairs.omega2);
+    require_ritz(problem, basis.Phi, basis.omega2, answers);
   }
 
   InterfaceModes faces;
@@ -266,8 +276,8 @@ Cut reduce(const Part& whole, const Part& part, const TiedModel& model, const Re
   for (std::size_t v = 0; v < options.shape_nodes.size(); ++v)
     reduction.shapes.middleRows<3>(3 * static_cast<Index>(v)) =
         T.middleRows<3>(3 * static_cast<Index>(options.shape_nodes[v])).cast<float>();
-  const MatrixXd R = model.rigid_b();
-  if (n_b > 6) report.rigid_strain = (constraint.K_bb * R).norm() / (constraint.K_bb.norm() * R.norm());
+  report.rigid_strain = constraint.rigid_strain;
+  report.rigid_error = constraint.rigid_error;
   report.seconds_projection = watch.lap();
   linalg::report(options.progress, "projection", 1.0);
 
@@ -361,6 +371,8 @@ Reduction craig_bampton(const Part& whole, const ReductionOptions& options) {
     watch.lap();
     certify(model, cut.order, cut.omega2_last, cut.omega2_next, cut.n_modes, reduction.report,
             options.storage);
+    // Courant: no Ritz value stands below the eigenvalue of its number; elastic ties are another model.
+    if (!stiff) require_not_below(reduction.omega2, reduction.report);
     reduction.report.seconds_certificate = watch.lap();
   }
   reduction.report.peak_memory_bytes = peak_memory();

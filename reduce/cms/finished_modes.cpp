@@ -157,6 +157,7 @@ Reduction reduce_finished_modes(const Part& part, const FinishedModes& modes,
     R_b.bottomRows(rows.rows()) = node_motion_at(point)(spec.directions, Eigen::all);
     r.interfaces.push_back({spec.name, spec.tie, point, spec.directions, static_cast<int>(first)});
   }
+  require_held(R_b, part.mesh.points);
   B.leftCols(6) = R_b;
   r.n_b = static_cast<int>(B.rows());
 

@@ -48,7 +48,8 @@ struct ReductionReport {
   double seconds_estimate = 0.0, seconds_stiffening = 0.0, seconds_stress = 0.0;
   double peak_memory_bytes = 0.0;    ///< of the process so far
   int solved_right_hand_sides = 0;   ///< by the eigensolver
-  double rigid_strain = 0.0;         ///< |K_se R| over |K_bb| |R|: zero to round-off
+  double rigid_strain = 0.0;         ///< |K_bb R| over |K_bb| |R| before rigid motions are taken out: round-off
+  double rigid_error = 0.0;          ///< of rigid motions in the constraint modes before they are made exact
   double constraint_residual = 0.0;  ///< ||K_ii Psi + K_ib|| / ||K_ib||, averages included
   Eigen::VectorXd mode_residual;     ///< n_q: ||K phi - omega^2 M phi|| / ||K phi||
   int certified_modes = -1;          ///< counted below the cut-off by Sylvester's law; -1: not counted

@@ -17,8 +17,14 @@ using Eigen::MatrixXd;
 
 ExtraShapes response_shapes(const linalg::EigenProblem& problem, const linalg::EigenPairs& pairs,
                             const MatrixXd& Mhat, double omega, const std::vector<std::string>& names) {
-  const double ratio = omega * omega / pairs.omega2_next;
   const double hertz = omega / (2.0 * std::numbers::pi);
+  if (omega > 0.0 && !(pairs.omega2_next > 0.0))
+    throw std::invalid_argument(fmt::format(
+        "response modes at {:.5g} Hz want the normal modes below it, but none are computed; keep at least one "
+        "(count = 1), or ask for the response at 0 Hz",
+        hertz));
+  // At rest the series below has one term, whatever is kept.
+  const double ratio = omega > 0.0 ? omega * omega / pairs.omega2_next : 0.0;
   if (!(ratio < 0.64))
     throw std::invalid_argument(fmt::format(
         "response modes at {:.5g} Hz want all normal modes to {:.5g} Hz, the first left out is at {:.5g} Hz; "
@@ -59,6 +65,10 @@ std::vector<std::string> append_shapes(const linalg::EigenProblem& problem, lina
   MatrixXd MQ(n, Q.cols()), M_block;
   problem.multiply_M(pairs.Phi, M_block);
   MQ.leftCols(n_q) = M_block;
+  MatrixXd K_all;
+  problem.multiply_K(extra.X, K_all);
+  const Eigen::VectorXd energy_of_all = extra.X.cwiseProduct(K_all).colwise().sum();
+  K_all.resize(0, 0);
   Index rank = n_q;
   for (Index j = 0; j < extra.X.cols(); ++j) {
     MatrixXd x = extra.X.col(j), M_x;
@@ -68,7 +78,11 @@ std::vector<std::string> append_shapes(const linalg::EigenProblem& problem, lina
       x -= linalg::times(Q.leftCols(rank), linalg::transpose_times(MQ.leftCols(rank), x));
     problem.multiply_M(x, M_x);
     const double rest = std::sqrt(std::max(x.col(0).dot(M_x.col(0)), 0.0));
-    if (!(rest > kDependent * length)) {
+    // What carries little mass can still carry the load's strain energy: both must be covered.
+    MatrixXd K_x;
+    problem.multiply_K(x, K_x);
+    const double energy = std::max(x.col(0).dot(K_x.col(0)), 0.0);
+    if (!(rest > kDependent * length) && !(energy > kDependent * kDependent * energy_of_all(j))) {
       dropped.push_back(extra.names[static_cast<std::size_t>(j)]);
       continue;
     }
@@ -80,7 +94,8 @@ std::vector<std::string> append_shapes(const linalg::EigenProblem& problem, lina
   MatrixXd K_X;
   const MatrixXd X = Q.middleCols(n_q, fresh);
   problem.multiply_K(X, K_X);
-  // Exact modes have no stiffness in common with what is mass-orthogonal to them.
+  // One Rayleigh-Ritz step for all of them: what is mass-orthogonal to exact modes has no stiffness in common
+  // with these, but the fresh shapes have with one another.
   const MatrixXd k = linalg::transpose_times(X, K_X);
   const linalg::DenseEigen ritz = linalg::symmetric_eigen(0.5 * (k + k.transpose()));
   pairs.Phi.conservativeResize(n, rank);

@@ -32,9 +32,10 @@ struct ExtraShapes {
 ExtraShapes response_shapes(const linalg::EigenProblem& problem, const linalg::EigenPairs& pairs,
                             const Eigen::MatrixXd& Mhat, double omega, const std::vector<std::string>& names);
 
-/// Takes the normal modes out of the extra shapes, drops what depends on earlier ones (kDependent) and
-/// appends the rest to the pairs as vectors with phi^T M phi = 1, phi^T K phi = diag(omega2).  Returns the
-/// names of the dropped.
+/// Takes the normal modes out of the extra shapes, drops what depends on earlier ones (kDependent, in mass and
+/// in strain energy) and appends the rest to the pairs as vectors with phi^T M phi = 1, phi^T K phi =
+/// diag(omega2).  Returns the names of the dropped.  The pairs must be exact modes, so it is called once, with
+/// the shapes of all loads and frequencies.
 std::vector<std::string> append_shapes(const linalg::EigenProblem& problem, linalg::EigenPairs& pairs,
                                        const ExtraShapes& extra);
 

@@ -42,6 +42,12 @@ Registry make_registry() {
   add(Formulation::standard, make(CellType::hex8, Lumping::row_sum));
   add(Formulation::enhanced, make(CellType::hex8, Lumping::row_sum, Enhancement::bubbles));
   add(Formulation::standard, make(CellType::hex20, Lumping::scaled));
+  // Eight points leave six modes of a single element without energy beside its rigid motions; those of neighbours
+  // do not fit to one another, so that a mesh of two has none (Zienkiewicz, Taylor, vol. 1, 12.5).  The mass stays
+  // whole.
+  Element reduced = make(CellType::hex20, Lumping::scaled);
+  reduced.stiffness = tabulate(CellType::hex20, mesh::stiffness_quadrature(CellType::hex8));
+  add(Formulation::reduced, std::move(reduced));
   add(Formulation::standard, make(CellType::hex27, Lumping::scaled));
   add(Formulation::standard, make(CellType::wedge6, Lumping::row_sum));
   add(Formulation::standard, make(CellType::wedge15, Lumping::scaled));
@@ -51,6 +57,18 @@ Registry make_registry() {
 }
 
 }  // namespace
+
+Formulation formulation_of(const mesh::CellBlock& block, Formulation of_part) {
+  switch (block.variant) {
+    case mesh::CellVariant::reduced:
+      return Formulation::reduced;
+    case mesh::CellVariant::bubbles:
+      return Formulation::enhanced;
+    case mesh::CellVariant::standard:
+      break;
+  }
+  return of_part;
+}
 
 TabulatedRule tabulate(CellType type, const mesh::Quadrature& rule) {
   TabulatedRule table;

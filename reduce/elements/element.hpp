@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "mesh/model/cell.hpp"
+#include "mesh/model/mesh.hpp"
 
 /// Isoparametric solid elements.  An element is a cell shape (its functions N_a(xi) are those of
 /// mesh/model/cell.hpp) and two quadrature rules; the matrices (solid.hpp) are shared:
@@ -58,7 +59,11 @@ struct Element {
 enum class Formulation {
   standard,  ///< displacements only
   enhanced,  ///< hex8 with bubbles: does not lock in bending; the same as standard for all others
+  reduced,   ///< hex20 with 2 x 2 x 2 points for the stiffness; the same as standard for all others
 };
+
+/// The formulation of a block whose deck says how it is integrated, else the part's.
+Formulation formulation_of(const mesh::CellBlock& block, Formulation of_part);
 
 /// Tabulates a cell type's shape functions at a rule's points.
 TabulatedRule tabulate(mesh::CellType type, const mesh::Quadrature& rule);

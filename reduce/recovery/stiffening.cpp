@@ -65,7 +65,7 @@ linalg::SymmetricMatrix stress_stiffness(const Part& part, const linalg::Symmetr
   constexpr int kChunk = 512;
   std::vector<MatrixXd> results(kChunk);
   for (const mesh::CellBlock& block : part.mesh.solids) {
-    const Element& element = solid_element(block.type, part.formulation);
+    const Element& element = solid_element(block.type, formulation_of(block, part.formulation));
     for (Index first = 0; first < block.nodes.rows(); first += kChunk) {
       const int count = static_cast<int>(std::min<Index>(kChunk, block.nodes.rows() - first));
       linalg::parallel_for(count, [&](int k) {

@@ -1,0 +1,84 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "reduce/assembly/whole_body.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "reduce/assembly/rigid_motion.hpp"
+#include "reduce/elements/element.hpp"
+
+namespace flexura::reduce {
+
+using Eigen::Index;
+
+namespace {
+
+// Each node's share of the volume of its cells, all of a cell's alike: positive for every element.
+std::vector<double> nodal_volumes(const Part& part) {
+  std::vector<double> volume(part.mesh.n_nodes(), 0.0);
+  for (const mesh::CellBlock& block : part.mesh.solids) {
+    const TabulatedRule& rule = solid_element(block.type).mass;
+    NodePositions x(block.nodes.cols(), 3);
+    for (Index cell = 0; cell < block.nodes.rows(); ++cell) {
+      for (Index a = 0; a < x.rows(); ++a) x.row(a) = part.mesh.points.row(block.nodes(cell, a));
+      double whole = 0.0;
+      for (const TabulatedRule::Point& point : rule.points)
+        whole += point.weight * (point.dN.transpose() * x).determinant();
+      for (const mesh::Index node : block.nodes.row(cell))
+        volume[node] += whole / static_cast<double>(x.rows());
+    }
+  }
+  if (part.matrices)  // no cells: every node that has mass counts alike
+    for (std::size_t k = 0; k < part.matrices->pairs.size(); ++k)
+      if (const auto& [a, b] = part.matrices->pairs[k]; a == b && part.matrices->m[k] > 0.0) volume[a] = 1.0;
+  return volume;
+}
+
+}  // namespace
+
+int free_rigid_motions(const Part& part) {
+  std::vector<Vector6> rows;
+  for (const InterfaceSpec& spec : part.interfaces) {
+    const Eigen::Vector3d point = spec.tie == Tie::node && spec.set.nodes.size() == 1
+                                      ? Eigen::Vector3d(part.mesh.points.row(spec.set.nodes.front()))
+                                      : spec.point;
+    for (const int direction : spec.directions)
+      if (direction >= 0 && direction < 6)
+        rows.emplace_back(node_motion_at(point).row(direction).transpose());
+  }
+  if (rows.empty()) return 6;
+  Eigen::Matrix<double, Eigen::Dynamic, 6> H(static_cast<Index>(rows.size()), 6);
+  for (std::size_t k = 0; k < rows.size(); ++k) H.row(static_cast<Index>(k)) = rows[k].transpose();
+  const Eigen::RowVector3d low = part.mesh.points.colwise().minCoeff(),
+                           high = part.mesh.points.colwise().maxCoeff();
+  return static_cast<int>(
+      free_motions(H, 0.5 * (low + high).transpose(), std::max(0.5 * (high - low).norm(), 1e-300)).cols());
+}
+
+std::string hold_whole_body(Part& part) {
+  if (part.mesh.n_nodes() == 0 || free_rigid_motions(part) == 0) return "";
+  std::vector<char> taken(part.mesh.n_nodes(), 0);
+  std::string name = "body";
+  for (const InterfaceSpec& spec : part.interfaces) {
+    for (const mesh::Index node : spec.set.nodes) taken[node] = 1;
+    if (spec.name == name) name = "whole_body";
+  }
+  const std::vector<double> volume = nodal_volumes(part);
+  InterfaceSpec body{.name = name, .tie = Tie::average};
+  double whole = 0.0;
+  for (mesh::Index node = 0; node < part.mesh.n_nodes(); ++node) {
+    if (taken[node] || !(volume[node] > 0.0)) continue;
+    body.set.nodes.push_back(node);
+    body.weights.push_back(volume[node]);
+    body.point += volume[node] * part.mesh.points.row(node).transpose();
+    whole += volume[node];
+  }
+  if (body.set.nodes.size() < 3)
+    throw std::invalid_argument(
+        "the interfaces leave the body free to move and have all its nodes but two: retain more directions");
+  body.point /= whole;
+  part.interfaces.push_back(std::move(body));
+  return name;
+}
+
+}  // namespace flexura::reduce
