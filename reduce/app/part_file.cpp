@@ -160,7 +160,7 @@ InterfaceInput read_interface(const std::string& name, const Section& in) {
                              : Tie::rigid;
   f.equal_weights = in.has("weights") ? in.text("weights") == "equal" : in.text("by") == "nodes";
   if (in.has("weights") && (f.deck_tie || (f.tie != Tie::average && f.tie != Tie::elastic)))
-    in.refuse("weights", "are those of a mean: an average or elastic tie that is no tie of the deck",
+    in.refuse("weights", "goes with a mean: an average or elastic tie that is none of the deck",
               "leave the key out, or tie the interface as an average");
   if (f.tie == Tie::node) f.directions = {0, 1, 2};
   if (in.has("directions")) {

@@ -137,6 +137,7 @@ void reduce_part(const PartInput& input, const std::filesystem::path& output, co
   how.certify = input.modes.certify;
   how.loads = modelled.loads;
   how.shape_nodes = picture.nodes;
+  how.estimate_mesh = true;
   how.stiffening = input.stiffening;
   how.team = options.team;
   how.storage.place =
@@ -178,6 +179,7 @@ void reduce_part(const PartInput& input, const std::filesystem::path& output, co
   if (options.compare > 0 && data.comparison.static_error < 0.0)
     data.notes.push_back(
         "--compare: statics not compared, which needs two interfaces with all six directions and no other");
+  data.mesh_error = mesh_share(reduction);
   if (input.has_damping) add_damping(reduction, input.damping);
   data.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const Report report = make_report(input, reduction, data);

@@ -55,8 +55,8 @@ std::vector<AcceptanceCheck> acceptance_checks(const Reduction& reduction, const
   std::vector<AcceptanceCheck> out;
   // One solve with K_ii leaves 1e-16 times its condition.  Rigid motions are made exact afterwards; their errors
   // tell those of all static shapes.
-  out.push_back(
-      {"static solutions by rigid motion", fmt::format("{:.1e}", r.rigid_error), "1e-5", r.rigid_error < 1e-5});
+  out.push_back({"static solutions by rigid motion", fmt::format("{:.1e}", r.rigid_error), "1e-5",
+                 r.rigid_error < 1e-5});
   out.push_back({"constraint modes are static solutions", fmt::format("{:.1e}", r.constraint_residual),
                  "1e-8", r.constraint_residual < 1e-8});
   if (r.factor.smallest_pivot > 0.0)  // a team's factorisation does not say
@@ -108,14 +108,82 @@ nlohmann::json certificate_json(const ReductionReport& r) {
   return {{"modes", r.certified_modes}, {"below_hz", frequency_hz(r.certified_omega2)}};
 }
 
-/// The frequency to which the reduced frequencies are within a per cent, by the safe estimate.
-double good_to(const std::vector<ModeError>& errors) {
+/// The frequency to which the reduced frequencies are within a per cent, by the safe estimate of the dropped modes
+/// and the mesh's share.
+double good_to(const std::vector<ModeError>& errors, const MeshShare& mesh) {
   double last = 0.0;
-  for (const ModeError& e : errors) {
-    if (!(0.5 * e.safe_estimate < 0.01)) break;
-    last = frequency_hz(e.omega2);
+  for (std::size_t k = 0; k < std::min(errors.size(), mesh.modes.size()); ++k) {
+    if (!(0.5 * errors[k].safe_estimate + mesh.modes[k].error < 0.01)) break;
+    last = frequency_hz(errors[k].omega2);
   }
   return last;
+}
+
+/// A number that JSON can hold: null where the mesh does not resolve what is asked.
+nlohmann::json number(double value) {
+  return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json(nullptr);
+}
+
+nlohmann::json mesh_error_json(const std::optional<MeshShare>& share) {
+  if (!share) return nullptr;
+  nlohmann::json out = {{"modes", nlohmann::json::array()}, {"interfaces", nlohmann::json::array()}};
+  for (const MeshShare::Mode& mode : share->modes)
+    out["modes"].push_back({{"hz", frequency_hz(mode.omega2)}, {"frequency_error", number(mode.error)}});
+  for (const MeshShare::Interface& interface : share->interfaces)
+    out["interfaces"].push_back({{"name", interface.name}, {"compliance_error", number(interface.error)}});
+  return out;
+}
+
+std::string percent_or_more(double error) {
+  return error < 0.5 ? fmt::format("{:.2g} %", 100.0 * error) : std::string("50 % or more");
+}
+
+/// "mesh, estimated: first frequency 0.3 %, ..."
+std::string mesh_error_text(const std::optional<MeshShare>& share) {
+  if (!share) return "  mesh error: unknown (no elements to judge); compare with a finer mesh\n";
+  std::string text;
+  if (!share->modes.empty()) {
+    text += fmt::format("  mesh error, estimated: first free frequency {}",
+                        percent_or_more(share->modes[0].error));
+    const std::size_t last = std::min<std::size_t>(share->modes.size(), 6) - 1;
+    if (last > 0) text += fmt::format(", number {} {}", last + 1, percent_or_more(share->modes[last].error));
+  }
+  double worst = -1.0;
+  std::string where;
+  for (const MeshShare::Interface& interface : share->interfaces)
+    if (interface.error > worst) worst = interface.error, where = interface.name;
+  if (worst >= 0.0)
+    text += fmt::format("{}static compliance at {} {}", text.empty() ? "  mesh error, estimated: " : "; ",
+                        where, percent_or_more(worst));
+  return text + "\n";
+}
+
+/// What can be promised of a superelement that passed its checks.
+std::string verdict_of(const ReportData& data) {
+  if (!data.mesh_error || data.mesh_error->modes.empty())
+    return "checks passed; the mesh's error is unknown, so no accuracy is promised";
+  const MeshShare& mesh = *data.mesh_error;
+  double statics = 0.0;
+  for (const MeshShare::Interface& interface : mesh.interfaces) statics = std::max(statics, interface.error);
+  const double first = mesh.modes.front().error;
+  if (std::max(first, statics) > 0.05)
+    return fmt::format(
+        "mesh too coarse: {} off in {} by its estimate; choose a smaller mesh size or elements of order 2",
+        percent_or_more(std::max(first, statics)),
+        first > statics ? "the first frequency" : "static compliance");
+  const std::string compliance =
+      mesh.interfaces.empty() ? "" : fmt::format("; static compliance within {}", percent_or_more(statics));
+  if (data.errors.empty())
+    return fmt::format(
+        "to be trusted: mesh within {} in the first frequency; what dropped modes cost is unknown{}",
+        percent_or_more(first), compliance);
+  const double good = good_to(data.errors, mesh);
+  if (good > 0.0)
+    return fmt::format("to be trusted: frequencies within 1 % up to {:.5g} Hz, mesh and modes{}", good,
+                       compliance);
+  const double modes = 0.5 * data.errors.front().safe_estimate;
+  return fmt::format("first frequency not within 1 %: mesh {}, dropped modes {}{}", percent_or_more(first),
+                     percent_or_more(modes), compliance);
 }
 
 }  // namespace
@@ -150,6 +218,7 @@ nlohmann::json reduction_json(const Reduction& reduction) {
             {"projection", r.seconds_projection},
             {"certificate", r.seconds_certificate},
             {"estimate", r.seconds_estimate},
+            {"mesh_error", r.seconds_mesh_error},
             {"stiffening", r.seconds_stiffening},
             {"stress", r.seconds_stress}}}};
 }
@@ -168,13 +237,7 @@ Report make_report(const PartInput& input, const Reduction& reduction, ReportDat
 
   std::string verdict;
   if (failed == checks.end()) {
-    const double good = good_to(data.errors);
-    verdict =
-        good > 0.0
-            ? fmt::format("to be trusted: frequencies within 1 % up to {:.5g} Hz by the safe estimate", good)
-            : "to be trusted in statics; no estimate for frequencies";
-    if (!data.errors.empty() && good == 0.0)
-      verdict = "to be trusted in statics; its first frequency is not within 1 % by the safe estimate";
+    verdict = verdict_of(data);
   } else {
     verdict = "with care: " + failed->check;
     if (!failed->value.empty()) verdict += fmt::format(": {}, bound {}", failed->value, failed->bound);
@@ -190,6 +253,7 @@ Report make_report(const PartInput& input, const Reduction& reduction, ReportDat
                  {"reduction", reduction_json(reduction)},
                  {"interface_condition", interface_condition(reduction)},
                  {"estimate", errors_json(data.errors)},
+                 {"mesh_error", mesh_error_json(data.mesh_error)},
                  {"certificate", certificate_json(r)},
                  {"notes", data.notes},
                  {"seconds", data.seconds}};
@@ -233,6 +297,7 @@ Report make_report(const PartInput& input, const Reduction& reduction, ReportDat
                           frequency_hz(r.certified_omega2));
     text += '\n';
   }
+  text += mesh_error_text(data.mesh_error);
   if (r.band_frequency_error >= 0.0)
     text += fmt::format(
         "  up to {:.5g} Hz, safe estimate: frequencies within {:.2g} %, dynamic stiffness of the interface "

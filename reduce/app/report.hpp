@@ -8,6 +8,7 @@
 #include "mesh/gmsh/cad.hpp"
 #include "reduce/app/part_file.hpp"
 #include "reduce/cms/error_estimate.hpp"
+#include "reduce/cms/mesh_share.hpp"
 
 namespace flexura::reduce {
 
@@ -28,6 +29,7 @@ struct ReportData {
   std::vector<std::string> notes;
   std::vector<std::string> warnings = {};
   std::vector<ModeError> errors = {};  ///< of the free body's frequencies; empty: not estimated
+  std::optional<MeshShare> mesh_error = {};  ///< what the mesh costs; none: not known
   Comparison comparison = {};
   double seconds = 0.0;
 };

@@ -16,6 +16,7 @@
 #include "reduce/cms/ritz_check.hpp"
 #include "reduce/cms/shape_change.hpp"
 #include "reduce/cms/sturm.hpp"
+#include "reduce/estimate/mesh_error.hpp"
 #include "reduce/linalg/block_lanczos.hpp"
 #include "reduce/linalg/dense.hpp"
 #include "reduce/linalg/krylov_schur.hpp"
@@ -294,6 +295,10 @@ Cut reduce(const Part& whole, const Part& part, const TiedModel& model, const Re
       report.band_interface_error = error.interface;
     }
     report.seconds_estimate += watch.lap();
+  }
+  if (options.estimate_mesh) {
+    reduction.mesh_error = mesh_error(part, T, options.progress);
+    report.seconds_mesh_error = watch.lap();
   }
   for (const LoadField& load : options.loads) {
     reduction.loads.push_back(reduced_load(load, T, model.m()));

@@ -46,6 +46,7 @@ struct ReductionOptions {
   Eigensolver eigensolver = Eigensolver::block_lanczos;
   std::vector<mesh::Index> shape_nodes;  ///< nodes at which shapes are wanted (the surface)
   bool estimate_error = true;
+  bool estimate_mesh = false;             ///< fills Reduction::mesh_error
   bool stiffening = false;                ///< geometric stiffening terms
   std::vector<mesh::Index> stress_nodes;  ///< nodes at which stress modes are wanted
   const linalg::Team* team = nullptr;     ///< whose ranks share elements, factors and solves (serve())

@@ -45,7 +45,7 @@ struct ReductionReport {
   double seconds_assembly = 0.0;
   linalg::FactorFigures factor;
   double seconds_constraint_modes = 0.0, seconds_normal_modes = 0.0, seconds_projection = 0.0;
-  double seconds_estimate = 0.0, seconds_stiffening = 0.0, seconds_stress = 0.0;
+  double seconds_estimate = 0.0, seconds_mesh_error = 0.0, seconds_stiffening = 0.0, seconds_stress = 0.0;
   double peak_memory_bytes = 0.0;    ///< of the process so far
   int solved_right_hand_sides = 0;   ///< by the eigensolver
   double rigid_strain = 0.0;         ///< |K_bb R| over |K_bb| |R| before rigid motions are taken out: round-off
@@ -83,6 +83,8 @@ struct Reduction {
   /// n_b x n_b: Mhat^T F_rs M_ii F_rs Mhat, how that share grows with omega^2 [kg s^4]; empty: not known.
   Eigen::MatrixXd dropped_growth;
   double omega2_dropped = 0.0;  ///< the first dropped eigenvalue [rad^2/s^2]
+  /// n x n: the energy that the mesh leaves in each shape (reduce/estimate/mesh_error.hpp) [J]; empty: not known.
+  Eigen::MatrixXd mesh_error;
   ReductionReport report;
 
   int n() const { return n_b + n_q; }

@@ -71,6 +71,7 @@ void change_shapes(Reduction& r, const CanonicalShapes& shapes) {
   congruent(r.K_se);
   congruent(r.M_se);
   congruent(r.D_se);
+  congruent(r.mesh_error);
   r.omega2 = shapes.omega2;
   r.n_q = static_cast<int>(shapes.omega2.size());
   r.K_se.topRightCorner(r.n_b, r.n_q).setZero();
@@ -124,6 +125,7 @@ StruckModes strike_modes(Reduction& r, const std::vector<int>& numbers) {
   const MatrixXd before = r.K_se.topLeftCorner(r.n_b, r.n_b);
   const MatrixXd R = modes.vectors.topLeftCorner(r.n_b, 6);
   change_shapes(r, shapes);
+  if (!(before.norm() > 0.0)) return out;  // one interface, which nothing else holds: no static stiffness
   const MatrixXd hold = before.norm() / R.squaredNorm() * R * R.transpose();
   out.interface_stiffer =
       linalg::generalized_eigen(r.K_se.topLeftCorner(r.n_b, r.n_b) + hold, before + hold).values.maxCoeff() -
