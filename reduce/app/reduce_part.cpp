@@ -180,6 +180,7 @@ void reduce_part(const PartInput& input, const std::filesystem::path& output, co
     data.notes.push_back(
         "--compare: statics not compared, which needs two interfaces with all six directions and no other");
   data.mesh_error = mesh_share(reduction);
+  if (const std::string coarse = too_coarse(data.mesh_error); !coarse.empty()) data.warnings.push_back(coarse);
   if (input.has_damping) add_damping(reduction, input.damping);
   data.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const Report report = make_report(input, reduction, data);

@@ -188,6 +188,17 @@ std::string verdict_of(const ReportData& data) {
 
 }  // namespace
 
+std::string too_coarse(const std::optional<MeshShare>& mesh) {
+  if (!mesh) return "";
+  double worst = mesh->modes.empty() ? 0.0 : mesh->modes.front().error;
+  for (const MeshShare::Interface& interface : mesh->interfaces) worst = std::max(worst, interface.error);
+  if (worst < 0.2) return "";
+  return fmt::format(
+      "the mesh does not resolve the part: its error is estimated at {}; choose a smaller mesh size, or elements of "
+      "order 2",
+      percent_or_more(worst));
+}
+
 nlohmann::json reduction_json(const Reduction& reduction) {
   const ReductionReport& r = reduction.report;
   std::vector<double> frequencies;

@@ -2,7 +2,6 @@
 #include "reduce/estimate/stress_recovery.hpp"
 
 #include <Eigen/Eigenvalues>
-#include <Eigen/QR>
 #include <algorithm>
 #include <map>
 #include <mutex>
@@ -57,6 +56,38 @@ NodePositions positions(const mesh::Mesh& mesh, const mesh::CellBlock& block, In
   NodePositions x(block.nodes.cols(), 3);
   for (Index a = 0; a < x.rows(); ++a) x.row(a) = mesh.points.row(block.nodes(cell, a));
   return x;
+}
+
+// argmin |P a - S|: terms are taken in their order, each less what the former ones have of it; one that adds nothing
+// at the points (x^2 where they stand on two planes) is left out, so that what is simplest explains them.
+MatrixXd fit(const MatrixXd& P, const MatrixXd& S) {
+  constexpr double kAdds = 0.05;  // of the term's own size at the points
+  const Index n = P.cols();
+  MatrixXd Q(P.rows(), n), R = MatrixXd::Zero(n, n);
+  std::vector<Index> kept;
+  for (Index j = 0; j < n; ++j) {
+    Eigen::VectorXd q = P.col(j);
+    const double size = q.norm();
+    const auto rank = static_cast<Index>(kept.size());
+    Eigen::VectorXd r = Eigen::VectorXd::Zero(rank);
+    for (int pass = 0; pass < 2; ++pass) {
+      const Eigen::VectorXd share = Q.leftCols(rank).transpose() * q;
+      q -= Q.leftCols(rank) * share;
+      r += share;
+    }
+    const double rest = q.norm();
+    if (!(rest > kAdds * size) || !(size > 0.0)) continue;
+    R.col(rank).head(rank) = r;
+    R(rank, rank) = rest;
+    Q.col(rank) = q / rest;
+    kept.push_back(j);
+  }
+  const auto rank = static_cast<Index>(kept.size());
+  const MatrixXd a =
+      R.topLeftCorner(rank, rank).triangularView<Eigen::Upper>().solve(Q.leftCols(rank).transpose() * S);
+  MatrixXd out = MatrixXd::Zero(n, S.cols());
+  for (Index k = 0; k < rank; ++k) out.row(kept[static_cast<std::size_t>(k)]) = a.row(k);
+  return out;
 }
 
 MatrixXd displacements(const mesh::CellBlock& block, Index cell, const Eigen::Ref<const MatrixXd>& T) {
@@ -240,16 +271,13 @@ Eigen::MatrixXf StressRecovery::recover(const Eigen::Ref<const MatrixXd>& T) con
         for (Index c = 0; c < 6; ++c)
           S.row(static_cast<Index>(s)).segment(c * k, k) = samples.row(6 * static_cast<Index>(rows[s]) + c);
       }
-      Eigen::CompleteOrthogonalDecomposition<MatrixXd> fit;
-      fit.setThreshold(1e-3);
-      fit.compute(P);
       MatrixXd Q(static_cast<Index>(patch.at.size()), P.cols());
       for (std::size_t a = 0; a < patch.at.size(); ++a) {
         const Eigen::Vector3d x = part_.mesh.points.row(node_of_place_[patch.at[a]]).transpose();
         Q.row(static_cast<Index>(a)) =
             patch.share[a] * terms(patch.degree, patch.to_local * (x - patch.centre));
       }
-      values[p] = Q * fit.solve(S);
+      values[p] = Q * fit(P, S);
     }
   });
   Eigen::MatrixXf out = Eigen::MatrixXf::Zero(6 * static_cast<Index>(n_places_), k);
