@@ -167,7 +167,6 @@ poisson = 0.3
 density = "7850 kg/m^3"
 )"),
               HasSubstr("did you mean \"steel\""));
-  EXPECT_THAT(refusal("job_matrix_generate_conrod.inp", ""), HasSubstr("no interface"));
   EXPECT_THAT(refusal("CHEXA08_.nas", "[interface.a]\nby = \"tie\"\nelement = 7\n"),
               AllOf(HasSubstr("there is no tie 7"), HasSubstr("65, 66")));
   EXPECT_THAT(
