@@ -121,7 +121,8 @@ void complete_interfaces(const PartInput& input, ModelledPart& out) {
   out.notes.push_back(
       fmt::format("{} {} of the six rigid motions free; interface \"{}\", the mean motion of the body, takes "
                   "them: add an "
-                  "[interface.NAME] for each place where joints or forces act",
+                  "[interface.NAME] for each place where joints or forces act (flexura reduce --list-faces shows what can be "
+      "chosen)",
                   out.n_interfaces == 0 ? "the part has no interface, which leaves" : "the interfaces leave",
                   n_free, name));
 }
