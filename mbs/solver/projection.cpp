@@ -174,16 +174,24 @@ void LoopCloser::accelerate(State& s, Eigen::VectorXd& v_dot) {
   v_dot_0_ = v_dot;
   bool is_solved = false;
   try {
-    accelerations_.solve_algebraic(s);
-    is_solved = n_.n_v == 0 || accelerations_.solve_recursively(s, v_dot) ||
-                (has_factors_ && accelerations_.refine(saddle_, s, v_dot) <= accelerations_.at_round_off);
+    if (n_.n_lambda == 0) {
+      if (n_.n_v > 0)
+        accelerations_.solve(s, v_dot);
+      else
+        accelerations_.solve_algebraic(s);
+      is_solved = true;
+    } else {
+      accelerations_.solve_algebraic(s);
+      is_solved =
+          has_factors_ && accelerations_.refine(saddle_, s, v_dot) <= AccelerationSolver::at_round_off;
+    }
     if (!is_solved) {
       factor(s.t, s.p);
       s.lambda = trial_.lambda;
       v_dot = v_dot_0_;
       // Round-off of a badly conditioned mechanism stands higher; what is far from it are forces that depend on
       // the multipliers.
-      is_solved = accelerations_.refine(saddle_, s, v_dot) <= 1e3 * accelerations_.at_round_off;
+      is_solved = accelerations_.refine(saddle_, s, v_dot) <= 1e3 * AccelerationSolver::at_round_off;
     }
     if (!is_solved) accelerations_.solve(s, v_dot);
     is_solved = v_dot.allFinite() && s.lambda.allFinite();
