@@ -366,14 +366,16 @@ int simulate(Arguments arguments, const terminal::Talk& talk) {
       throw;  // what the file asks for cannot be: there is nothing worth keeping
     } catch (const std::exception& failure) {
       // A formula, a table or a row that is not finite: the rows before it are worth keeping.
+      const bool no_memory = dynamic_cast<const std::bad_alloc*>(&failure) != nullptr;
+      const std::string why = no_memory ? "out of memory" : failure.what();
       bool kept = false;
       try {
-        kept = writer.keep(failure.what());
+        kept = writer.keep(why);
       } catch (const std::exception&) {  // the disk is full: the first sentence says so
       }
       if (!kept) throw;
       throw std::runtime_error(fmt::format("run \"{}\" stopped: {}; what was computed until then is in {}",
-                                           run.name, failure.what(), arguments.output));
+                                           run.name, why, arguments.output));
     }
     RunResult& r = outcome.result;
     const PreparedMechanism& prepared = run.prepared;

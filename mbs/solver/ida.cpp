@@ -86,6 +86,10 @@ class Ida final : public Integrator {
     try {
       trouble_.clear();
       return f();
+    } catch (const std::bad_alloc&) {
+      // No step is short enough for that, and what was to grow is in no state to be used again.
+      fatal_ = std::current_exception();
+      return -1;
     } catch (const std::exception& e) {
       trouble_ = e.what();
       return 1;
@@ -110,6 +114,7 @@ class Ida final : public Integrator {
   long failures_seen_ = 0;
   int full_matrices_left_ = 0;
   std::string last_message_;
+  std::exception_ptr fatal_;
   std::string trouble_;  // why the last evaluation failed, or empty
 };
 
@@ -294,6 +299,7 @@ void Ida::fail(int flag) {
   double t = t_, h = 0.0;
   IDAGetCurrentTime(memory_, &t);
   IDAGetCurrentStep(memory_, &h);
+  if (fatal_) std::rethrow_exception(fatal_);
   if (!trouble_.empty()) throw IntegrationError(trouble_);
   // The state with the largest error or correction is the best hint at the element in trouble.
   std::string worst;

@@ -10,7 +10,7 @@
  * there at the end
  *
  * KIND: write (to regular files), create (open for writing), sync, rename, allocate (from 1 kB on: what a
- * machine refuses; not those that HDF5 makes for itself: 1.10.8 does not survive them), map.  Thread-safe:
+ * machine refuses; not those that HDF5, MPI and the loader make for themselves: they do not survive them), map.  Thread-safe:
  * one atomic counter. */
 #define _GNU_SOURCE
 #include <dlfcn.h>
@@ -168,9 +168,12 @@ MAPPER(mmap64, off64_t)
 
 static int refused(size_t size, void* caller) {
   if (size < 1024 || wanted != allocating || !armed) return 0;
+  static const char* const delicate[] = {"libhdf5",  "libmpi", "libopen-",  "ld-linux",
+                                         "libpmix", "mca_",   "libevent", "libhwloc"};
   Dl_info from_;
-  if (dladdr(caller, &from_) != 0 && from_.dli_fname != NULL && strstr(from_.dli_fname, "libhdf5") != NULL)
-    return 0;
+  if (dladdr(caller, &from_) != 0 && from_.dli_fname != NULL)
+    for (size_t k = 0; k < sizeof delicate / sizeof *delicate; ++k)
+      if (strstr(from_.dli_fname, delicate[k]) != NULL) return 0;
   if (!fails(allocating)) return 0;
   errno = ENOMEM;
   return 1;
