@@ -173,6 +173,9 @@ int write_linear_system(const Arguments& arguments, const terminal::Talk& talk) 
           "--descriptor writes the mechanism's own coordinates, whose coefficients change along this motion; "
           "they are constant in {}: leave --descriptor out, or take --frozen for this instant",
           about.axes));
+    if (!about.axes.empty())
+      p.notes.back() = fmt::format("frozen at t = {} s, in the mechanism's own coordinates",
+                                   number(p.state.t, 6));
     const mbs::DescriptorSystem d = mbs::linearise_as_descriptor(m, p.state, options);
     file.title = fmt::format("{}: E x' = A x + B u, y = C x + D u about x_0, u_0, y_0 at t = {:.9g} s",
                              p.file.name, p.state.t);
