@@ -71,7 +71,13 @@ Output::Output(const fs::path& path) : path_(path), claimed_(claim(path)) {
   int why = 0;
   part_ = make_part(claimed_->place, why);
   if (part_.empty()) fail(why);
-  unfinished_.emplace(part_);
+  try {
+    unfinished_.emplace(part_);
+  } catch (...) {  // memory: nobody else knows of the file yet
+    std::error_code ignored;
+    fs::remove(part_, ignored);
+    throw;
+  }
 }
 
 Output::Output(const fs::path& path, const fs::path& left_behind)

@@ -143,7 +143,11 @@ class Faults : public ::testing::TestWithParam<const char*> {
   }
 
   /// What every end has to be.
-  void judge(const Ended& ended, const std::string& what) {
+  void judge(Ended ended, const std::string& what) {
+    // SUNDIALS says this itself while it has no integrator yet that could be told to be silent.
+    const std::string of_sundials = "\n[IDA ERROR]  IDACreate\n  A memory request failed.\n\n";
+    if (const auto at = ended.err.find(of_sundials); at != std::string::npos)
+      ended.err.erase(at, of_sundials.size());
     EXPECT_EQ(ended.signal, 0) << what << ": ended by signal " << ended.signal << "\n" << ended.err;
     const bool kept = test::read_text(program_.output) == program_.old;
     if (ended.code == 0) {
