@@ -155,8 +155,11 @@ Matrix3d frame_along(const Vector3d& axis) {
   Matrix3d R;
   R.col(2) = axis / length;
   // Of the three base vectors the one farthest from the axis; for an axis along z this gives the unit matrix.
+  // Where two are equally far but for the digits of the axis it is the first, so that axes typed twice give
+  // frames that agree.
   int k = 0;
-  R.col(2).cwiseAbs().minCoeff(&k);
+  const double least = R.col(2).cwiseAbs().minCoeff();
+  while (std::abs(R(k, 2)) > least + 1e-9) ++k;
   R.col(0) = (Vector3d::Unit(k) - R(k, 2) * R.col(2)).normalized();
   R.col(1) = R.col(2).cross(R.col(0));
   return R;

@@ -24,6 +24,9 @@ class Constraint {
   virtual std::string row_name(int i) const = 0;
   /// False for a row on velocities only, whose position residual is always 0.
   virtual bool is_holonomic(int /*row*/) const { return true; }
+  /// True for a row whose g at the same positions may change with time (a drive): the mechanism then gets
+  /// where the row, as it is now, does not let it.
+  virtual bool reads_time(int /*row*/) const { return false; }
   /// Joint coordinates it binds: these joints are taken into the tree first.
   virtual std::vector<CoordinateRef> coordinates() const { return {}; }
   /// Markers whose bodies its reactions load: flexible ones may take response modes there.
@@ -115,6 +118,7 @@ class DriveConstraint final : public Constraint {
   DriveConstraint(std::string name, CoordinateRef coordinate, std::shared_ptr<const Expression> motion,
                   DriveLevel level = DriveLevel::position, double start_speed = 0.0);
   bool is_holonomic(int) const override { return level_ == DriveLevel::position; }
+  bool reads_time(int) const override { return motion_->reads_time(); }
   int n_rows() const override { return 1; }
   std::string row_name(int) const override { return "drive"; }
   void position(const Kinematics& kin, double* g) const override;

@@ -54,6 +54,14 @@ struct EnergyReport {
   double dissipated_power = 0.0;  ///< taken out by dampers and modal damping, >= 0
 };
 
+/// How large the numbers are that constraint rows are made of: closing tolerances are parts of them, whether
+/// or not anything can move that changes the rows.
+struct ConstraintSizes {
+  Eigen::VectorXd size;         ///< what a turn of 1 rad, or a way as long as the mechanism, changes in g
+  Eigen::VectorXd round_off;    ///< what is left of g when its positions are right to double precision
+  std::vector<bool> is_length;  ///< g is in m; else in rad, or a number
+};
+
 /// The derivatives that Newton matrices and linearisation are made of.  With z = (r, c_rate, b),
 /// r = M v_dot - f + G^T lambda, stacked (n_z = n_v + n_dyn + n_alg), at fixed v_dot and lambda:
 struct TangentMatrices {
@@ -149,6 +157,34 @@ class Equations {
 
   /// G (n_lambda x n_v), dense.
   virtual void constraint_matrix(double t, ConstVectorRef p, Scratch& scratch, MatrixRef G) const = 0;
+
+  /// Sizes of the rows of g (n_lambda). This default knows them by what the coordinates change in them alone;
+  /// a row that nothing changes takes the largest of the others.
+  virtual ConstraintSizes constraint_sizes(double t, ConstVectorRef p, Scratch& scratch) const {
+    const Sizes n = sizes();
+    Eigen::MatrixXd G(n.n_lambda, n.n_v);
+    constraint_matrix(t, p, scratch, G);
+    Eigen::VectorXd scale(n.n_v);
+    for (int i = 0; i < n.n_v; ++i) scale(i) = velocity_scale(i);
+    ConstraintSizes out{G.cwiseAbs() * scale, {}, std::vector<bool>(n.n_lambda, false)};
+    const double largest = n.n_lambda > 0 ? out.size.maxCoeff() : 0.0;
+    for (double& size : out.size)
+      if (!(size > 1e-8 * largest)) size = largest > 0.0 ? largest : 1.0;
+    out.round_off = 4e-16 * out.size;
+    return out;
+  }
+
+  /// Rows that were left out because they follow from the others: while the kept ones hold, so must they.
+  virtual int n_left_out() const { return 0; }
+  /// Their g, G v + g_t and, unless v_dot is empty, G v_dot + gamma (n_left_out each).
+  virtual void left_out_constraints(double /*t*/, ConstVectorRef /*p*/, ConstVectorRef /*v*/,
+                                    ConstVectorRef /*v_dot*/, Scratch& /*scratch*/, VectorRef /*g*/,
+                                    VectorRef /*g_dot*/, VectorRef /*g_ddot*/) const {}
+  virtual ConstraintSizes left_out_sizes(double /*t*/, ConstVectorRef /*p*/, Scratch& /*scratch*/) const {
+    return {};
+  }
+  /// The row itself, then those that it followed from when it was left out.
+  virtual std::vector<std::string> names_of_left_out(int /*i*/) const { return {}; }
 
   /// M (n_v x n_v), symmetric positive definite, dense.
   virtual void mass_matrix(ConstVectorRef p, Scratch& scratch, MatrixRef M) const = 0;

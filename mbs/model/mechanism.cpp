@@ -262,8 +262,7 @@ EnergyReport Mechanism::energy(const State& s, ConstVectorRef, Scratch& scratch)
 
 bool Mechanism::is_holonomic(int row) const {
   const int full = kept_rows_[row];
-  std::size_t k = 0;
-  while (first_row_[k + 1] <= full) ++k;
+  const std::size_t k = constraint_of_row(full);
   return constraints_[k]->is_holonomic(full - first_row_[k]);
 }
 
@@ -345,10 +344,7 @@ std::string Mechanism::name_of_algebraic(int i) const {
 }
 
 std::string Mechanism::name_of_constraint(int i) const {
-  const int full = kept_rows_[i];
-  std::size_t k = 0;
-  while (first_row_[k + 1] <= full) ++k;
-  return constraints_[k]->name() + "." + constraints_[k]->row_name(full - first_row_[k]);
+  return name_of_row(kept_rows_[i]);
 }
 
 const double* Mechanism::modal_coordinates(int body, const State& s) const {

@@ -135,6 +135,12 @@ class Mechanism final : public Equations {
                                 Scratch& scratch, VectorRef g_ddot) const override;
   void apply_GT(double t, ConstVectorRef p, ConstVectorRef x, Scratch& scratch, VectorRef f_c) const override;
   void constraint_matrix(double t, ConstVectorRef p, Scratch& scratch, MatrixRef G) const override;
+  ConstraintSizes constraint_sizes(double t, ConstVectorRef p, Scratch& scratch) const override;
+  int n_left_out() const override { return static_cast<int>(left_out_.size()); }
+  void left_out_constraints(double t, ConstVectorRef p, ConstVectorRef v, ConstVectorRef v_dot,
+                            Scratch& scratch, VectorRef g, VectorRef g_dot, VectorRef g_ddot) const override;
+  ConstraintSizes left_out_sizes(double t, ConstVectorRef p, Scratch& scratch) const override;
+  std::vector<std::string> names_of_left_out(int i) const override;
   void mass_matrix(ConstVectorRef p, Scratch& scratch, MatrixRef M) const override;
   bool factor_mass(ConstVectorRef p, Scratch& scratch) const override;
   void solve_mass(Scratch& scratch, VectorRef x) const override;
@@ -170,7 +176,9 @@ class Mechanism final : public Equations {
   void start_contacts(State& s, Scratch& scratch) const;
 
   /// Finds rows that follow from others at the assembled configuration p and near it (a rank that drops at an
-  /// instant is not redundancy), leaves them out of all later evaluations and says which.
+  /// instant is not redundancy), leaves them out of all later evaluations and says which. Near means where the
+  /// mechanism gets when drives are elsewhere, too. Whether the rows agree, in the rates of drives for one, is
+  /// not asked here: see row_watch.hpp.
   std::vector<RedundantRow> drop_redundant(double t, ConstVectorRef p);
 
   /// The mechanism as it is without weight and given loads, in the state s: what a force's load is there
@@ -222,6 +230,7 @@ class Mechanism final : public Equations {
  private:
   struct Work;
   class BodyLoads;
+  class RowLoads;
   class ElementDerivatives;
 
   struct TreeBody {
@@ -271,6 +280,12 @@ class Mechanism final : public Equations {
   void difference_elements(const State& s, TangentScope scope, Work& work, TangentMatrices& out) const;
   void take_to_coordinates(const double* p, const Eigen::MatrixXd& by_tangent, Eigen::MatrixXd& by_p) const;
   void constraint_rows(VectorRef g, VectorRef g_dot, Work& work) const;
+  /// Which constraint a row, among all rows, belongs to.
+  std::size_t constraint_of_row(int row) const;
+  std::string name_of_row(int row) const;
+  double extent(const Work& work) const;
+  ConstraintSizes sizes_of_rows(const std::vector<int>& rows, double t, ConstVectorRef p, Work& work) const;
+  Eigen::VectorXd kinematic_scale(double extent) const;
   void take_states(const State& s, Work& work) const;
   void own_states(std::size_t force, Work& work) const;
   double control_output(int control, const Work& work) const;
@@ -303,6 +318,8 @@ class Mechanism final : public Equations {
   std::vector<std::shared_ptr<const Constraint>> constraints_;  ///< closures, drives, then the description's
   std::vector<int> first_row_;     ///< of each constraint among all rows, and their number at the end
   std::vector<int> kept_rows_;     ///< all rows -> without redundant ones
+  std::vector<int> left_out_;      ///< these
+  std::vector<std::vector<int>> follows_from_;  ///< of each row left out: kept ones, among all rows
   std::vector<int> used_signals_;  ///< in the order in which they can be evaluated
   std::vector<int> first_state_;   ///< of each control in c, and their number at the end
   std::vector<int>

@@ -90,7 +90,12 @@ TableSchema joint_schema(bool is_connection) {
                                "the fewest freedoms) and a constraint elsewhere. Its values at the start are "
                                "guesses that a constraint ignores. flexura check says what it became."
                              : "Joins two bodies. Joints span a tree from ground outwards (in the order of "
-                               "the file, a driven joint first); the others close loops as constraints.";
+                               "the file, a driven joint first); the others close loops as constraints. Rows of "
+                               "constraints that follow from others are left out and named; they must agree "
+                               "with these in position, speed and acceleration, drives included, and are "
+                               "watched during the run: what contradicts ends it with the names of the rows "
+                               "and the time. Loops are closed to 1e-9 of the mechanism's size; parts that do "
+                               "not fit by up to 1e-6 of it are taken as they are, with a note.";
   schema.selector = "type";
   schema.keys = {text("from", "marker F on the first body, \"body.marker\"").required(),
                  text("to", "marker M on the second body").required()};

@@ -1,5 +1,6 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -173,12 +174,27 @@ void Mechanism::grow_tree() {
     take(j);
     sweep();
   }
+  // The joints of the tree between the two bodies of another one.
+  const auto loop_of = [&](int j) {
+    std::vector<std::string> names;
+    std::vector<bool> is_on_way(n_bodies, false);
+    int f = d_.markers[d_.joints[j].marker_F].body, m = d_.markers[d_.joints[j].marker_M].body;
+    for (int b = f; b >= 0; b = b == 0 ? -1 : bodies_[b].parent) is_on_way[b] = true;
+    for (; !is_on_way[m]; m = bodies_[m].parent) names.push_back("\"" + d_.joints[bodies_[m].joint].name + "\"");
+    for (; f != m; f = bodies_[f].parent) names.push_back("\"" + d_.joints[bodies_[f].joint].name + "\"");
+    return fmt::format("{}", fmt::join(names, ", "));
+  };
   for (std::size_t j = 0; j < d_.joints.size(); ++j)
     if (!used[j] && priority[j] == wanted)
       throw std::invalid_argument(
-          fmt::format("joint \"{}\" is driven or coupled but closes a loop; {}", d_.joints[j].name,
-                      d_.joints[j].cut ? "take away its cut = true and cut another joint of the loop"
-                                       : "a loop of such joints alone cannot move"));
+          d_.joints[j].cut
+              ? fmt::format("joint \"{}\" is driven or coupled but closes a loop; take away its cut = true and cut "
+                            "another joint of the loop",
+                            d_.joints[j].name)
+              : fmt::format("joint \"{}\" is driven or coupled but closes a loop of joints that are all so ({}): "
+                            "where one of them is prescribed by the others its drive can only say the same or "
+                            "contradict them; take away one of the drives or couplings",
+                            d_.joints[j].name, loop_of(static_cast<int>(j))));
 
   for (std::size_t j = 0; j < d_.joints.size(); ++j) {
     const JointDescription& joint = d_.joints[j];

@@ -15,17 +15,18 @@ namespace flexura::mbs {
 
 namespace {
 
-// "\"loop.x\" (0.012), \"loop.y\" (-0.003)": the worst rows first, three at most.
-std::string worst_rows(const Equations& eq, const Eigen::VectorXd& residual, const Eigen::VectorXd& allowed) {
+// "\"loop.x\" (0.012 m), \"loop.axis_y\" (-0.003 rad)": the worst rows first, three at most, `per` second.
+std::string worst_rows(const Equations& eq, const Eigen::VectorXd& residual, const Eigen::VectorXd& allowed,
+                       const ConstraintSizes& sizes, const char* per = "") {
   std::vector<int> order(residual.size());
   std::iota(order.begin(), order.end(), 0);
-  std::sort(order.begin(), order.end(),
-            [&](int a, int b) { return std::abs(residual(a)) > std::abs(residual(b)); });
+  const auto open = [&](int k) { return std::abs(residual(k)) / sizes.size(k); };
+  std::sort(order.begin(), order.end(), [&](int a, int b) { return open(a) > open(b); });
   std::string text;
   for (std::size_t k = 0; k < std::min<std::size_t>(3, order.size()); ++k) {
     if (k > 0 && std::abs(residual(order[k])) <= allowed(order[k])) break;
-    text += fmt::format("{}\"{}\" ({:.6g})", k == 0 ? "" : ", ", eq.name_of_constraint(order[k]),
-                        residual(order[k]));
+    text += fmt::format("{}\"{}\" ({:.6g} {}{})", k == 0 ? "" : ", ", eq.name_of_constraint(order[k]),
+                        residual(order[k]), sizes.is_length[order[k]] ? "m" : "rad", per);
   }
   return text;
 }
@@ -61,23 +62,20 @@ class PositionSolver {
 
   const Eigen::VectorXd& residual() const { return g_; }
   const Eigen::VectorXd& allowed() const { return allowed_; }
-  /// Open by no more than a millionth of the typical positions: finer than parts are made, and no more than a
+  const ConstraintSizes& sizes() const { return sizes_; }
+  /// Open by no more than a millionth of the mechanism's size: finer than parts are made, and no more than a
   /// change of the loop's lengths in the seventh digit would mend.
   bool nearly_closed() const { return (g_.cwiseAbs().array() <= 1e3 * allowed_.array()).all(); }
+  /// How far open, in units of what is allowed.
+  double openness() const { return g_.size() > 0 ? (g_.array() / allowed_.array()).abs().maxCoeff() : 0.0; }
+  /// All that is open is so by rows that nothing can change: their names, else "".
+  std::string rows_out_of_reach() const;
   int iterations() const { return iterations_; }
   double change() const { return change_; }
 
  private:
   void linearise(const Eigen::VectorXd& p);
-  // |g_k| that is round-off (factor eps) or still acceptable (factor 1e-9) for typical positions and this G.
-  // A row that nothing moves (out of the plane of a planar loop) takes the scale of the others.
-  Eigen::VectorXd bound(double factor) const {
-    Eigen::VectorXd scale = G_.cwiseAbs() * step_scale_;
-    const double largest = scale.size() > 0 ? scale.maxCoeff() : 0.0;
-    for (double& row : scale)
-      if (row < 1e-8 * largest) row = largest;
-    return factor * scale.array() + 1e-300;
-  }
+  bool is_round_off() const { return (g_.cwiseAbs().array() <= sizes_.round_off.array()).all(); }
   double merit(const Eigen::VectorXd& g) const { return row_scale_.cwiseProduct(g).norm(); }
 
   const Equations& eq_;
@@ -86,6 +84,7 @@ class PositionSolver {
   std::unique_ptr<Equations::Scratch> scratch_;
   Eigen::MatrixXd M_, G_, H_;
   Eigen::VectorXd g_, free_, step_scale_, column_scale_, row_scale_, allowed_;
+  ConstraintSizes sizes_;
   int iterations_ = 0;
   double change_ = 0.0;
 };
@@ -100,15 +99,33 @@ void PositionSolver::linearise(const Eigen::VectorXd& p) {
   for (int i = 0; i < n_.n_v; ++i)
     if (M_(i, i) > 0.0) column_scale_(i) /= std::sqrt(M_(i, i));
   H_ = G_ * column_scale_.asDiagonal();
+  // Sizes follow the mechanism on its way together: a guess may lie far from where it will stand.
+  sizes_ = eq_.constraint_sizes(t_, p, *scratch_);
   row_scale_ = Eigen::VectorXd::Ones(n_.n_lambda);
-  const double largest = n_.n_lambda > 0 ? H_.rowwise().norm().maxCoeff() : 0.0;
+  double largest = 0.0;  // of a row by its size
+  for (int k = 0; k < n_.n_lambda; ++k) largest = std::max(largest, H_.row(k).norm() / sizes_.size(k));
   for (int k = 0; k < n_.n_lambda; ++k) {
     const double norm = H_.row(k).norm();
-    // Rows that vanish at this instant (a dead point) keep the scale of the others.
-    row_scale_(k) = norm > 1e-8 * largest ? 1.0 / norm : (largest > 0.0 ? 1.0 / largest : 1.0);
+    // Rows that vanish at this instant (a dead point) or for good take the scale of the others.
+    const double typical = (largest > 0.0 ? largest : 1.0) * sizes_.size(k);
+    row_scale_(k) = 1.0 / (norm > 1e-8 * typical ? norm : typical);
   }
   H_ = row_scale_.asDiagonal() * H_;
-  allowed_ = bound(1e-9);
+  // What the loop may be open by where its rows depend on each other: 1e-9 of the mechanism's size, and more
+  // only where that is below the round-off of its place in the world.
+  allowed_ = (1e-9 * sizes_.size).cwiseMax(1e2 * sizes_.round_off);
+}
+
+std::string PositionSolver::rows_out_of_reach() const {
+  std::string text;
+  for (int k = 0; k < n_.n_lambda; ++k) {
+    if (std::abs(g_(k)) <= allowed_(k)) continue;
+    const double reach = n_.n_v > 0 ? G_.row(k).cwiseAbs().dot(step_scale_) : 0.0;
+    if (reach > 1e-8 * sizes_.size(k)) return {};
+    text += fmt::format("{}\"{}\" ({:.6g} {})", text.empty() ? "" : ", ", eq_.name_of_constraint(k), g_(k),
+                        sizes_.is_length[k] ? "m" : "rad");
+  }
+  return text;
 }
 
 bool PositionSolver::solve(Eigen::VectorXd& p, int max_iterations) {
@@ -119,7 +136,7 @@ bool PositionSolver::solve(Eigen::VectorXd& p, int max_iterations) {
   eq_.position_constraints(t_, p, *scratch_, g_);
   for (int iteration = 0; iteration < max_iterations; ++iteration) {
     linearise(p);
-    if ((g_.cwiseAbs().array() <= bound(4e-16).array()).all()) break;
+    if (n_.n_v == 0 || is_round_off()) break;
     const double now = merit(g_);
     bool accepted = false;
     for (int attempt = 0; attempt < 12 && !accepted; ++attempt) {
@@ -157,8 +174,10 @@ bool PositionSolver::solve(Eigen::VectorXd& p, int max_iterations) {
 
 AssembleReport assemble_positions(const Equations& eq, State& s, const AssembleOptions& options) {
   AssembleReport report;
-  const Eigen::VectorXd start = s.p;
-  auto attempt = [&](const std::vector<bool>& keep, double nudge, std::string& why) {
+  enum class Outcome { closed, nearly, open };
+  std::string misfit, why, out_of_reach;
+  double openness = 0.0;
+  auto attempt = [&](const Eigen::VectorXd& start, const std::vector<bool>& keep, double nudge) {
     s.p = start;
     if (nudge > 0.0) {
       // At a stretched-out start the constraints' gradients can be blind to the way out; a small push shows
@@ -177,23 +196,51 @@ AssembleReport assemble_positions(const Equations& eq, State& s, const AssembleO
     report.iterations += solver.iterations();
     report.position_change = solver.change();
     report.position_residual = solver.residual().size() > 0 ? solver.residual().cwiseAbs().maxCoeff() : 0.0;
-    if (!solved && solver.nearly_closed()) {
-      // Parts that do not fit exactly, like a loop around an axis whose markers stand a nanometre apart along
-      // it.
-      report.notes.push_back(fmt::format("the loops close but for {}, taken as parts that do not fit exactly",
-                                         worst_rows(eq, solver.residual(), solver.allowed())));
-      return true;
+    if (solved) return Outcome::closed;
+    openness = solver.openness();
+    const std::string worst = worst_rows(eq, solver.residual(), solver.allowed(), solver.sizes());
+    if (solver.nearly_closed()) {
+      misfit = worst;
+      return Outcome::nearly;
     }
-    if (!solved && why.empty()) why = worst_rows(eq, solver.residual(), solver.allowed());
-    return solved;
+    if (why.empty()) {
+      why = worst;
+      out_of_reach = solver.rows_out_of_reach();
+    }
+    return Outcome::open;
   };
-  std::string why;
+  const auto settled = [&](Outcome outcome, const std::vector<bool>& keep) {
+    if (outcome != Outcome::nearly) return outcome == Outcome::closed;
+    // Start values that were typed with few digits stand in the way of nothing.
+    const AssembleReport nearly = report;
+    const Eigen::VectorXd p = s.p;
+    const std::string left = misfit;
+    const double open = openness;
+    if (any(keep)) {
+      const Outcome freed = attempt(p, {}, 0.0);
+      report.position_change += nearly.position_change;
+      if (freed == Outcome::closed || (freed == Outcome::nearly && openness < 0.1 * open)) {
+        if (freed == Outcome::closed) return true;
+        report.notes.push_back(
+            fmt::format("the loops close but for {}, taken as parts that do not fit exactly", misfit));
+        return true;
+      }
+      const int iterations = report.iterations;
+      report = nearly;
+      report.iterations = iterations;
+      s.p = p;
+    }
+    // Parts that do not fit exactly, like a loop around an axis whose markers stand a nanometre apart along it.
+    report.notes.push_back(
+        fmt::format("the loops close but for {}, taken as parts that do not fit exactly", left));
+    return true;
+  };
+  const Eigen::VectorXd start = s.p;
   for (const double nudge : {0.0, 1e-2, 1e-1})
-    if (attempt(options.keep_position, nudge, why)) return report;
+    if (settled(attempt(start, options.keep_position, nudge), options.keep_position)) return report;
   if (any(options.keep_position)) {
-    std::string ignored;
     for (const double nudge : {0.0, 1e-2, 1e-1})
-      if (attempt({}, nudge, ignored)) {
+      if (settled(attempt(start, {}, nudge), {})) {
         report.positions_kept = false;
         report.notes.push_back(
             fmt::format("the prescribed initial positions {} contradict the constraints and were moved to "
@@ -203,6 +250,12 @@ AssembleReport assemble_positions(const Equations& eq, State& s, const AssembleO
       }
   }
   s.p = start;
+  if (!out_of_reach.empty())
+    throw AssemblyError(
+        fmt::format("the mechanism cannot be assembled at t = {:.6g} s: {} cannot be met: nothing can move that "
+                    "changes it; mend the markers and lengths of the parts that it joins, or give them a joint "
+                    "that lets them move",
+                    s.t, out_of_reach));
   throw AssemblyError(
       fmt::format("the mechanism cannot be assembled at t = {:.6g} s: the constraints {} cannot be closed; "
                   "check the markers, "
@@ -213,7 +266,7 @@ AssembleReport assemble_positions(const Equations& eq, State& s, const AssembleO
 void assemble_velocities(const Equations& eq, State& s, const AssembleOptions& options,
                          AssembleReport& report) {
   const Sizes n = eq.sizes();
-  if (n.n_lambda == 0) return;
+  if (n.n_lambda == 0 || n.n_v == 0) return;
   auto scratch = eq.make_scratch();
   Eigen::MatrixXd M = Eigen::MatrixXd::Zero(n.n_v, n.n_v), G = Eigen::MatrixXd::Zero(n.n_lambda, n.n_v);
   Eigen::VectorXd g_dot = Eigen::VectorXd::Zero(n.n_lambda), g_t = g_dot, delta, impulse;
@@ -248,11 +301,11 @@ void assemble_velocities(const Equations& eq, State& s, const AssembleOptions& o
                     names_of(eq, options.keep_velocity)));
     return;
   }
-  throw AssemblyError(
-      fmt::format("the initial velocities cannot be made consistent at t = {:.6g} s: the constraints {} want "
-                  "motions that exclude "
-                  "each other; check driven joints and the loops that they move",
-                  s.t, worst_rows(eq, g_dot, Eigen::VectorXd::Zero(n.n_lambda))));
+  throw AssemblyError(fmt::format(
+      "the initial velocities cannot be made consistent at t = {:.6g} s: the constraints {} want motions that "
+      "exclude each other; check driven joints and the loops that they move",
+      s.t,
+      worst_rows(eq, g_dot, Eigen::VectorXd::Zero(n.n_lambda), eq.constraint_sizes(s.t, s.p, *scratch), "/s")));
 }
 
 AssembleReport assemble(const Equations& eq, State& s, Eigen::VectorXd& v_dot,

@@ -4,11 +4,15 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mbs/solver/integrator.hpp"
+
 namespace flexura::mbs {
 
 Bookkeeper::Bookkeeper(const Equations& eq, const SolverOptions& options, Row row, bool beside)
     : book_(eq),
       closer_(eq, options),
+      watch_(eq),
+      allowed_(RowWatch::allowed(options.tolerance)),
       row_(std::move(row)),
       entries_([this](BookEntry& entry) { work_off(entry); }, beside) {}
 
@@ -24,7 +28,8 @@ void Bookkeeper::work_off(BookEntry& entry) {
       book_.open_step(entry.t_end, entry.nodes);
       break;
     case BookEntry::Kind::row:
-      note(closer_.close(entry.row.state));
+      if (const RowWatch::Opening& open = close(entry.row.state); open.left_out > 1.0 || open.kept > allowed_)
+        throw IntegrationError(watch_.complaint(entry.row.state.t, entry.row.state.t, allowed_));
       closer_.accelerate(entry.row.state, entry.row.v_dot);
       if (row_) row_(entry.row.state, entry.row.v_dot, book_.at_row(entry.row.state, entry.row.v_dot));
       break;
@@ -33,6 +38,15 @@ void Bookkeeper::work_off(BookEntry& entry) {
       peaks_.energy_error = std::max(peaks_.energy_error, std::abs(book_.account().error()));
       break;
   }
+}
+
+const RowWatch::Opening& Bookkeeper::close(State& s) {
+  LoopCloser::Drift left = closer_.close(s);
+  const RowWatch::Opening& open = watch_.look(s);
+  left.position = std::max(left.position, open.drift);
+  left.velocity = std::max(left.velocity, open.drift_rate);
+  note(left);
+  return open;
 }
 
 void Bookkeeper::settle_what_can_be() noexcept {

@@ -7,6 +7,7 @@
 #include "mbs/solver/conveyor.hpp"
 #include "mbs/solver/energy.hpp"
 #include "mbs/solver/projection.hpp"
+#include "mbs/solver/row_watch.hpp"
 
 /// What a run makes of the steps that its integrator took: the energy book and the rows, on their constraints
 /// to round-off.  Nothing of it enters the next steps, so it may be done beside them.
@@ -34,9 +35,11 @@ class Bookkeeper {
   /// `row`; the numbers are the same to the bit.
   Bookkeeper(const Equations& eq, const SolverOptions& options, Row row, bool beside);
 
+  /// The state from which the run goes: what its loops are open by is how little their parts fit.
+  void begin(const State& s) { watch_.begin(s); }
   /// To be filled, then entered.
   BookEntry& next(BookEntry::Kind kind);
-  /// What an earlier entry threw may come from here.
+  /// What an earlier entry threw may come from here: IntegrationError of a row that is off its constraints.
   void enter() { entries_.push(); }
   /// Waits until all is entered; only then the following may be asked for.
   void settle() { entries_.settle(); }
@@ -47,12 +50,16 @@ class Bookkeeper {
   LoopCloser& closer() { return closer_; }
   const Peaks& peaks() const { return peaks_; }
   void note(const LoopCloser::Drift& left);
+  /// Closes the loops of s, notes what is left open, of rows left out as redundant, too, and returns it.
+  const RowWatch::Opening& close(State& s);
 
  private:
   void work_off(BookEntry& entry);
 
   EnergyBook book_;
   LoopCloser closer_;
+  RowWatch watch_;
+  double allowed_;  // see RowWatch::Opening
   Row row_;
   Peaks peaks_;
   Conveyor<BookEntry> entries_;

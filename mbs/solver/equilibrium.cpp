@@ -1,9 +1,13 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include "mbs/solver/equilibrium.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <optional>
 #include <stdexcept>
+
+#include "mbs/solver/row_watch.hpp"
 
 namespace flexura::mbs {
 namespace {
@@ -100,9 +104,7 @@ std::optional<StaticsReport> load_by_steps(const Mechanism& mechanism, State& s)
   return report;
 }
 
-}  // namespace
-
-StaticsReport find_equilibrium(const Mechanism& mechanism, State& s) {
+StaticsReport search(const Mechanism& mechanism, State& s) {
   if (const auto report = close_by_steps(mechanism, s)) return *report;
   State now = s;
   if (straighten(mechanism, now)) {
@@ -119,6 +121,20 @@ StaticsReport find_equilibrium(const Mechanism& mechanism, State& s) {
     }
   }
   return solve_statics(mechanism, s);
+}
+
+}  // namespace
+
+StaticsReport find_equilibrium(const Mechanism& mechanism, State& s) {
+  RowWatch watch(mechanism);
+  watch.begin(s);
+  StaticsReport report = search(mechanism, s);
+  // What followed from the other constraints where the search began need not do so where it ended.
+  if (watch.look(s, RowWatch::Judge::positions).left_out > 1.0)
+    throw std::runtime_error(
+        fmt::format("the equilibrium found breaks constraints that were redundant at the start: {}",
+                    watch.complaint_about_left_out(s.t)));
+  return report;
 }
 
 }  // namespace flexura::mbs

@@ -7,7 +7,9 @@
 #include <algorithm>
 
 #include "mbs/solver/accelerations.hpp"
+#include "mbs/solver/dead_point.hpp"
 #include "mbs/solver/kinematic_blocks.hpp"
+#include "mbs/solver/row_watch.hpp"
 #include "mbs/solver/settle.hpp"
 
 namespace flexura::mbs {
@@ -53,6 +55,17 @@ std::vector<bool> deformations_of(const Mechanism& mechanism, const std::vector<
 bool has_deformation(const Mechanism& mechanism) {
   return std::ranges::any_of(mechanism.description().bodies,
                              [](const BodyDescription& body) { return body.ked || body.flexible; });
+}
+
+constexpr const char* kLocked =
+    "the constraints leave no degree of freedom and nothing drives it: the mechanism is a structure and stands "
+    "still (a loop whose axes are out of line by a little is one)";
+
+bool is_locked(const PreparedMechanism& p) {
+  const Sizes n = p.mechanism->sizes();
+  return n.n_v > 0 && n.n_lambda > 0 && p.assembly.constraint_rank == n.n_v && p.state.v.isZero(1e-12) &&
+         p.v_dot.isZero(1e-9) &&
+         std::ranges::none_of(p.file.description.joints, [](const JointDescription& j) { return j.is_driven(); });
 }
 
 std::vector<bool> either(std::vector<bool> a, const std::vector<bool>& b) {
@@ -130,6 +143,10 @@ PreparedMechanism prepare(const std::filesystem::path& path, const std::vector<s
       out.mechanism->start_switches(out.state, *scratch);
       AccelerationSolver(*out.mechanism).solve(out.state, out.v_dot);
     }
+    RowWatch(*out.mechanism).begin(out.state, out.v_dot);
+    if (is_locked(out)) out.assembly.notes.push_back(kLocked);
+    if (std::string note = require_one_branch(*out.mechanism, out.state, out.v_dot); !note.empty())
+      out.assembly.notes.push_back(std::move(note));
     if (out.options.settled_start && state_file.empty()) settle(*out.mechanism, out.state, out.v_dot, keep);
     // The second assembly finds the loops closed; what it took is in the first report.
     out.assembly.iterations += positions.iterations;

@@ -11,8 +11,10 @@
 #include "mbs/solver/accelerations.hpp"
 #include "mbs/solver/assemble.hpp"
 #include "mbs/solver/bookkeeper.hpp"
+#include "mbs/solver/dead_point.hpp"
 #include "mbs/solver/projection.hpp"
 #include "mbs/solver/remembered.hpp"
+#include "mbs/solver/row_watch.hpp"
 #include "mbs/solver/run_memory.hpp"
 
 namespace flexura::mbs {
@@ -38,6 +40,8 @@ class Runner {
         scratch_(eq.make_scratch()),
         integrator_(make_integrator(eq, options)),
         accelerations_(eq),
+        watch_(eq),
+        watch_closer_(eq, options),
         keeps_book_(options.method != "quasi_statics"),
         books_(eq, options, callbacks.row, callbacks.rows_beside && keeps_book_) {
     result_.state = start;
@@ -74,6 +78,8 @@ class Runner {
   bool step_once();  // false ends the run
   bool finish_step(const StepEnd& end, Integrator& integrator);
   bool hop(const IntegrationError& reason);
+  bool contradicts(double t, Integrator& integrator);
+  bool stop_at_contradiction(const StepEnd& end, Integrator& integrator);
 
   const Equations& eq_;
   Sizes n_;
@@ -83,6 +89,8 @@ class Runner {
   std::unique_ptr<Equations::Scratch> scratch_;
   std::unique_ptr<Integrator> integrator_, hopper_;
   AccelerationSolver accelerations_;
+  RowWatch watch_;
+  LoopCloser watch_closer_;
   bool keeps_book_;
   Bookkeeper books_;
   RunResult result_;
@@ -197,7 +205,39 @@ bool Runner::hop(const IntegrationError& reason) {
   return result_.state.t < options_.end_time;
 }
 
+// Rows left out as redundant, at a time within the last step. What Newton's method left of the kept ones is
+// not theirs.
+bool Runner::contradicts(double t, Integrator& integrator) {
+  const auto judge = keeps_book_ ? RowWatch::Judge::all : RowWatch::Judge::positions;
+  integrator.interpolate(t, row_.state, row_.v_dot);
+  if (watch_.look(row_.state, judge).left_out <= 1.0) return false;
+  watch_closer_.close(row_.state);
+  const RowWatch::Opening& open = watch_.look(row_.state, judge);
+  // Near a dead point loops are not closed further.
+  return open.left_out > (open.kept <= 1e-3 ? 1.0 : RowWatch::allowed(options_.tolerance));
+}
+
+// The run ends where a row that was redundant begins to say something else; rows until then are kept.
+bool Runner::stop_at_contradiction(const StepEnd& end, Integrator& integrator) {
+  if (!watch_.watches() || !contradicts(end.t_end, integrator)) return false;
+  double agrees = result_.state.t, contradictory = end.t_end;
+  for (int k = 0; k < 30; ++k) {
+    const double middle = 0.5 * (agrees + contradictory);
+    (contradicts(middle, integrator) ? contradictory : agrees) = middle;
+  }
+  contradicts(end.t_end, integrator);
+  result_.stopped_because = watch_.complaint(end.t_end, agrees, RowWatch::allowed(options_.tolerance));
+  if (agrees <= result_.state.t) return true;
+  if (keeps_book_)
+    enter_step(result_.state.t, agrees, integrator);
+  else
+    write_equilibria_until(agrees, integrator);
+  integrator.interpolate(agrees, result_.state, result_.v_dot);
+  return true;
+}
+
 bool Runner::finish_step(const StepEnd& end, Integrator& integrator) {
+  if (stop_at_contradiction(end, integrator)) return false;
   if (keeps_book_) {
     enter_step(result_.state.t, end.t_end, integrator);
     integrator.interpolate(end.t_end, result_.state, result_.v_dot);
@@ -213,7 +253,7 @@ bool Runner::finish_step(const StepEnd& end, Integrator& integrator) {
                         (end.t_end - options_.start_time) / (options_.end_time - options_.start_time));
   if (!end.roots.empty()) {
     books_.settle();
-    if (keeps_book_) books_.note(books_.closer().close(result_.state));
+    if (keeps_book_) books_.close(result_.state);
     take_switches(end.roots);
   }
   if (callbacks_.stop_wanted && callbacks_.stop_wanted()) {
@@ -340,7 +380,7 @@ void Runner::remember() {
   if (options_.end_time > options_.start_time) integrator_->remember(history);
   c.history = history.values();
   if (keeps_book_) {
-    books_.note(books_.closer().close(result_.state));
+    books_.close(result_.state);
     books_.closer().accelerate(result_.state, result_.v_dot);
   }
   c.method = options_.method;
@@ -352,6 +392,8 @@ void Runner::remember() {
 
 RunResult Runner::run() {
   begin_ = std::chrono::steady_clock::now();
+  watch_.begin(result_.state);
+  books_.begin(result_.state);
   try {
     if (!resumed_) {
       if (!keeps_book_) {
@@ -371,7 +413,7 @@ RunResult Runner::run() {
     }
     result_.complete = result_.stopped_because.empty();
   } catch (const IntegrationError& e) {
-    result_.stopped_because = e.what();
+    result_.stopped_because = with_rank_loss(eq_, result_.state, e.what());
   } catch (const AssemblyError& e) {
     result_.stopped_because = e.what();
   } catch (...) {

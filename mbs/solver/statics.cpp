@@ -160,7 +160,9 @@ StaticsReport solve_statics(const Equations& eq, State& s, const StaticsOptions&
       sigma = shifts.downhill();
       if (sigma > 0.0 && last_step < 1e-3 && shifts.returns()) sigma = 0.0;
       // Where nothing is stiff: no step of more than a tenth of a typical size.
-      if (n_v > 0 && sigma == 0.0 && K.topRows(n_v).isZero()) extra = std::max(extra, 1.0);
+      if (n_v > 0 && sigma == 0.0 && K.topRows(n_v).isZero() &&
+          on_null_space(stiffness, tangents.G, unit, row_unit).cols() > 0)
+        extra = std::max(extra, 1.0);
       sigma += extra;
     }
     J.setZero();
@@ -202,7 +204,10 @@ StaticsReport solve_statics(const Equations& eq, State& s, const StaticsOptions&
     require_finite_forces(eq, s.t, F.head(n_v), F.segment(n_v, n_c), F.segment(n_v + n_c, n_a));
     report.force_residual = F.head(n_v).lpNorm<Eigen::Infinity>();
     report.constraint_residual = n_l > 0 ? F.tail(n_l).cwiseAbs().maxCoeff() : 0.0;
-    if (alpha == 1.0 && step < options.tolerance && extra < 1e-9 * (1.0 + K.lpNorm<Eigen::Infinity>()))
+    // Where nothing is stiff and no force is left any position is an equilibrium.
+    const bool indifferent = step < 1e-6 * options.tolerance && K.topRows(n_v).isZero();
+    if (alpha == 1.0 && step < options.tolerance &&
+        (indifferent || extra < 1e-9 * (1.0 + K.lpNorm<Eigen::Infinity>())))
       return report;
     if (options.stable) {
       const bool swings = x.head(n_v).dot(step_before) < 0.0 && x.head(n_v).norm() > 0.5 * step_before.norm();

@@ -20,6 +20,7 @@ class Coupler final : public Constraint {
       : Constraint(std::move(name)), terms_(std::move(terms)), value_(std::move(value)) {}
   int n_rows() const override { return 1; }
   std::string row_name(int) const override { return "ratio"; }
+  bool reads_time(int) const override { return value_->reads_time(); }
   std::vector<CoordinateRef> coordinates() const override {
     std::vector<CoordinateRef> list;
     for (const Term& term : terms_) list.push_back(term.coordinate);

@@ -1,0 +1,196 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "mbs/results/results.hpp"
+#include "tests/app/command.hpp"
+
+/// Constraints that conflict, are redundant or lose rank: what contradicts is refused by the names of its rows
+/// (2: by the file alone, before the first step; 1: where the motion gets there, rows kept), what is redundant and
+/// fits runs. constraints/ holds the family, rigid/ and safe/overcon/ the files by which it was found.
+namespace flexura {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::AnyOf;
+using ::testing::HasSubstr;
+using ::testing::Not;
+using test::Outcome;
+using test::run;
+
+const std::string kFound = FLEXURA_SOURCE_DIR "/tests/found/";
+
+Outcome simulate(const std::string& file, const test::Folder& folder, const std::string& method = "ida") {
+  return run("flexura", {"simulate", kFound + file + ".toml", "-o", folder / "rows.h5", "--no-estimate", "--set",
+                         "solver.method=" + method});
+}
+
+struct Refused {
+  std::string file;
+  std::vector<std::string> names;  // that the message must hold
+};
+
+class RefusedBeforeTheFirstStep : public ::testing::TestWithParam<Refused> {};
+TEST_P(RefusedBeforeTheFirstStep, NamesTheRows) {
+  const test::Folder folder;
+  const Outcome outcome = simulate(GetParam().file, folder);
+  EXPECT_EQ(outcome.exit_code, 2) << outcome.err << outcome.out;
+  for (const std::string& name : GetParam().names) EXPECT_THAT(outcome.err, HasSubstr(name));
+  EXPECT_FALSE(std::filesystem::exists(folder / "rows.h5"));
+}
+// Where a row is open by a rate at t = 0 the number in the message follows from the drives by hand.
+INSTANTIATE_TEST_SUITE_P(
+    Constraints, RefusedBeforeTheFirstStep,
+    ::testing::Values(
+        Refused{"rigid/gear_two_drives", {"\"g.ratio\"", "\"a.drive\"", "\"b.drive\"", "contradict", "1 rad/s"}},
+        Refused{"rigid/two_drives_conflict", {"\"c\"", "driven"}},
+        Refused{"rigid/two_motors_one_dof", {"\"A.drive\"", "\"D.drive\"", "\"C.", "contradict"}},
+        Refused{"rigid/misaligned_rigid_fourbar", {"\"A.drive\"", "\"C.axis_", "contradict"}},
+        Refused{"constraints/coupler_offset_conflict", {"\"c.ratio\"", "0.1 rad/s"}},
+        Refused{"constraints/gear_acceleration_conflict", {"\"g.ratio\"", "2 rad/s^2"}},
+        Refused{"constraints/gear_speed_drive_conflict", {"\"g.ratio\"", "1 rad/s"}},
+        Refused{"constraints/gear_ring3_driven", {"\"j0.drive\"", "contradict"}},
+        Refused{"constraints/gear_ring4_wrong_ratio", {"\"j0.drive\"", "contradict"}},
+        Refused{"constraints/screw_conflict", {"\"s.", "contradict"}},
+        Refused{"constraints/screw_in_slider", {"\"s.", "\"p.drive\"", "contradict"}},
+        Refused{"constraints/cam_follower_driven", {"\"c.", "\"cam.drive\"", "\"fol.drive\"", "contradict"}},
+        Refused{"constraints/distance_stretched_speed", {"\"d.length\""}},
+        Refused{"constraints/distance_locks_driven", {"\"u.length\"", "\"j.drive\"", "contradict"}},
+        Refused{"constraints/distance_two_lengths", {"\"d1.length\"", "\"d2.length\"", " m)"}},
+        Refused{"constraints/parallelogram_flat_driven", {"dead point", "ambiguous", "speed"}},
+        Refused{"constraints/slider_driven_dead_point", {"dead point", "ambiguous", "speed", "\"A.speed\""}},
+        Refused{"constraints/misaligned_slow_start", {"\"A.drive\"", "\"C.axis_", "rad/s^2"}},
+        Refused{"constraints/misaligned_1e-4", {"\"A.drive\"", "\"C.axis_", "contradict"}},
+        Refused{"constraints/two_sliders_skew_axis", {"\"r.rotation_y\" (", "cannot be met"}},
+        Refused{"constraints/door_offset_1mm", {"\"h2.x\" (-0.001 m)"}},
+        Refused{"constraints/bennett_off", {"\"j1."}},
+        Refused{"constraints/weld_and_free", {"\"c.length\"", "cannot be met", "nothing can move"}}));
+
+struct Stopped {
+  std::string file, method;
+  std::vector<std::string> names;
+  double since;  // of the contradiction [s]
+};
+
+class StoppedOnTheWay : public ::testing::TestWithParam<Stopped> {};
+TEST_P(StoppedOnTheWay, NamesRowsAndTimeAndKeepsTheRowsBefore) {
+  const test::Folder folder;
+  const Outcome outcome = simulate(GetParam().file, folder, GetParam().method);
+  EXPECT_EQ(outcome.exit_code, 1) << outcome.err << outcome.out;
+  for (const std::string& name : GetParam().names) EXPECT_THAT(outcome.err, HasSubstr(name));
+  const results::Results results = results::read(folder / "rows.h5");
+  ASSERT_FALSE(results.runs.empty());
+  EXPECT_FALSE(results.runs[0].complete);
+  const Eigen::VectorXd& t = results.runs[0].time;
+  ASSERT_GT(t.size(), 0);
+  EXPECT_LE(t(t.size() - 1), GetParam().since + 1e-3);
+  EXPECT_GE(t(t.size() - 1), GetParam().since - 0.02);  // a row every hundredth of the run at least
+}
+// sin t leaves t by t^3 / 6, which the rows are to be told from by their rates, t^2 / 2 = 1e-5. The step functions
+// begin at 0.5 and 0.4 s. The slider is drawn out of the crank's reach, 0.1 + 0.3 m, at (0.4 - 0.338) / 0.1 s; the
+// rocker (0.6 m) is held by crank and coupler folded on each other, 0.9 - 0.3 m to a pivot 0.8 m away, at the angle
+// whose cosine is (0.8^2 + 0.6^2 - 0.6^2) / (2 0.8 0.6), its supplement being 1.9 + 0.5 t.
+INSTANTIATE_TEST_SUITE_P(
+    Constraints, StoppedOnTheWay,
+    ::testing::Values(
+        Stopped{"constraints/coupler_jerk_conflict", "ida", {"\"c.ratio\"", "contradict"}, 0.00447},
+        Stopped{"constraints/gear_later_conflict", "ida", {"\"g.ratio\"", "from t = 0.5 s on"}, 0.5},
+        Stopped{"constraints/gear_later_conflict", "radau", {"\"g.ratio\"", "contradict"}, 0.5},
+        Stopped{"constraints/gear_later_conflict", "generalised_alpha", {"\"g.ratio\"", "contradict"}, 0.5},
+        Stopped{"constraints/gear_later_conflict", "runge_kutta", {"\"g.ratio\"", "contradict"}, 0.5},
+        Stopped{"constraints/misaligned_late", "ida", {"\"C.axis_", "\"A.drive\"", "contradict"}, 0.4},
+        Stopped{"constraints/misaligned_late", "radau", {"\"C.axis_", "\"A.drive\"", "contradict"}, 0.4},
+        Stopped{"constraints/misaligned_late", "generalised_alpha", {"\"C.axis_", "contradict"}, 0.4},
+        Stopped{"constraints/misaligned_late", "runge_kutta", {"\"C.axis_", "contradict"}, 0.4},
+        Stopped{"constraints/slider_driven_out_of_reach", "ida", {"\"S.drive\"", "locks"}, 0.62},
+        Stopped{"constraints/slider_driven_out_of_reach", "radau", {"\"S.drive\"", "locks"}, 0.62},
+        Stopped{"constraints/fourbar_rocker_driven_too_far", "ida", {"\"D.drive\"", "locks"},
+                2.0 * (std::numbers::pi - std::acos(0.64 / 0.96) - 1.9)}));
+
+struct Fits {
+  std::string file, says;
+  int redundant;
+};
+
+class Runs : public ::testing::TestWithParam<Fits> {};
+TEST_P(Runs, WithItsRedundantRowsReported) {
+  const test::Folder folder;
+  const Outcome outcome = simulate(GetParam().file, folder);
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr(GetParam().says));
+  EXPECT_THAT(outcome.err, Not(HasSubstr("do not fit")));
+  const results::Results results = results::read(folder / "rows.h5");
+  const nlohmann::json summary = nlohmann::json::parse(results.runs.at(0).summary_json);
+  EXPECT_EQ(summary.at("redundant_constraints"), GetParam().redundant);
+  // Rows that are left out are among them: closed to the round-off of lengths of a metre and what 1e-9 of
+  // misalignment opens.
+  EXPECT_LT(summary.at("peak_position_drift").get<double>(), 1e-9);
+}
+INSTANTIATE_TEST_SUITE_P(
+    Constraints, Runs,
+    ::testing::Values(Fits{"rigid/door_two_hinges_rounding", "redundant", 5},
+                      Fits{"rigid/door_two_hinges_skew", "redundant", 5},
+                      Fits{"rigid/cam_false_misfit_n96", "redundant", 1},
+                      Fits{"constraints/coupler_compatible", "\"c.ratio\"", 1},
+                      Fits{"constraints/gear_compatible", "\"g.ratio\"", 1},
+                      Fits{"constraints/gear_ring4", "redundant", 1},
+                      Fits{"constraints/screw_compatible", "redundant", 5},
+                      Fits{"constraints/cam_nearly", "redundant", 1},
+                      Fits{"constraints/distance_twice", "redundant", 1},
+                      Fits{"constraints/parallelogram_flat_speeds", "redundant", 3},
+                      Fits{"constraints/parallelogram_flat_rest", "give speeds for \"A.speed\"", 3},
+                      Fits{"constraints/parallelogram_through", "redundant", 3},
+                      Fits{"constraints/parallelogram_through_driven", "redundant", 3},
+                      Fits{"constraints/fourbar_oblique", "redundant", 3},
+                      Fits{"constraints/fourbar_far", "redundant", 3},
+                      Fits{"constraints/fourbar_two_motors_agree", "redundant", 4},
+                      Fits{"constraints/misaligned_1e-9", "redundant", 3},
+                      Fits{"constraints/two_sliders_rounding", "redundant", 5},
+                      Fits{"constraints/revolute_cylindrical", "redundant", 4},
+                      Fits{"constraints/revolute_and_connection", "redundant", 3},
+                      Fits{"constraints/sarrus", "redundant", 1}, Fits{"constraints/bennett", "redundant", 3},
+                      Fits{"constraints/cardan_straight", "redundant", 1}));
+
+// The cam's drive and its follower are where the curve says, whatever digits the start value has.
+TEST(Constraints, AStartValueWithFewDigitsIsNoMisfit) {
+  const Outcome outcome = run("flexura", {"assemble", kFound + "rigid/cam_false_misfit_n96.toml", "--json"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_THAT(outcome.out + outcome.err, Not(HasSubstr("do not fit")));
+}
+
+struct Immovable {
+  std::string file;
+  bool fits;
+};
+
+class NothingCanMove : public ::testing::TestWithParam<Immovable> {};
+TEST_P(NothingCanMove, InEveryCommandThatReadsMechanisms) {
+  const test::Folder folder;
+  for (const std::vector<std::string>& command : std::vector<std::vector<std::string>>{
+           {"check"}, {"assemble"}, {"statics"}, {"eigen"}, {"linearize", "-o", folder / "linear.m"}, {"simulate", "-o", folder / "rows.h5"}}) {
+    std::vector<std::string> arguments = command;
+    arguments.insert(arguments.begin() + 1, kFound + GetParam().file + ".toml");
+    const Outcome outcome = run("flexura", arguments);
+    EXPECT_EQ(outcome.exit_code, GetParam().fits ? 0 : 2) << command[0] << ": " << outcome.err;
+    if (!GetParam().fits)
+      EXPECT_THAT(outcome.err, AllOf(HasSubstr("cannot be met"), HasSubstr("nothing can move"))) << command[0];
+  }
+}
+INSTANTIATE_TEST_SUITE_P(Constraints, NothingCanMove,
+                         ::testing::Values(Immovable{"safe/overcon/a", true}, Immovable{"safe/overcon/b", true},
+                                           Immovable{"safe/overcon/fixedonly", true},
+                                           Immovable{"safe/overcon/four", false},
+                                           Immovable{"safe/overcon/l", false},
+                                           Immovable{"safe/overcon/overcon", false},
+                                           Immovable{"constraints/welds_loop", true},
+                                           Immovable{"constraints/all_driven", true},
+                                           Immovable{"constraints/driven_weld", true}));
+
+}  // namespace
+}  // namespace flexura
