@@ -336,8 +336,8 @@ int simulate(Arguments arguments, const terminal::Talk& talk) {
                       arguments.continue_from));
     if (!p.continuation_fits)
       throw std::invalid_argument(fmt::format(
-          "{}: was saved by another mechanism: the numbers of its states and constraints differ; go on with "
-          "the mechanism that saved it, or start from its states with --from-state",
+          "{}: was saved by another mechanism: its states, or its masses, forces and constraints in this state, differ; "
+          "go on with the mechanism that saved it, or start from its states with --from-state",
           arguments.continue_from));
     p.options.start_time = p.given_start_time;
   }

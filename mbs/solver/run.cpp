@@ -28,6 +28,18 @@ constexpr double kAtOnce = 1e-10;
 
 constexpr int kMostHops = 1000;
 
+// The last entry of a history is the number of those before it: one that is missing shifts the others, which might
+// by chance make sense all the same.
+std::vector<double> sealed(std::vector<double> values) {
+  values.push_back(static_cast<double>(values.size()));
+  return values;
+}
+std::vector<double> opened(std::vector<double> values) {
+  if (values.empty() || values.back() != static_cast<double>(values.size() - 1)) refuse_history();
+  values.pop_back();
+  return values;
+}
+
 class Runner {
  public:
   Runner(const Equations& eq, const State& start, const Eigen::VectorXd& v_dot, const SolverOptions& options,
@@ -301,7 +313,7 @@ void Runner::resume(const Continuation& from) {
   const long next = next_row_at(s.t, from.next_row);
   result_.state = s;
   result_.v_dot = from.v_dot;
-  History history(from.history);
+  History history(opened(from.history));
   books_.closer().remember(history);
   integrator_->remember(history);
   if (!history.is_used_up())
@@ -358,7 +370,7 @@ void Runner::hand_out_memory() {
   books_.closer().remember(history);
   integrator_->remember(history);
   m.continuation = {options_.method,         result_.state, result_.v_dot,
-                    books_.book().account(), next_row_,     history.values()};
+                    books_.book().account(), next_row_,     sealed(history.values())};
   m.counts = counts();
   const Bookkeeper::Peaks& peaks = books_.peaks();
   m.largest_energy_error = std::max(before_.largest_energy_error, peaks.energy_error);
@@ -378,7 +390,7 @@ void Runner::remember() {
   History history;
   books_.closer().remember(history);
   if (options_.end_time > options_.start_time) integrator_->remember(history);
-  c.history = history.values();
+  c.history = sealed(history.values());
   if (keeps_book_) {
     books_.close(result_.state);
     books_.closer().accelerate(result_.state, result_.v_dot);

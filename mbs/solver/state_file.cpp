@@ -61,6 +61,28 @@ std::string signature(const Equations& eq) {
   return hash.hex();
 }
 
+/// What masses, forces and constraints of the mechanism say in this state: its momentum balance, f_c and b, with
+/// accelerations and multipliers of zero and of one.  Another mass, stiffness or place of a joint gives others.
+Eigen::VectorXd answers(const Equations& eq, State s) {
+  const Sizes n = eq.sizes();
+  const auto scratch = eq.make_scratch();
+  const int n_all = n.n_v + n.n_dyn + n.n_alg;
+  Eigen::VectorXd out(3 * n_all);
+  for (int k = 0; k < 3; ++k) {
+    s.lambda = Eigen::VectorXd::Constant(n.n_lambda, k == 2 ? 1.0 : 0.0);
+    auto part = out.segment(k * n_all, n_all);
+    eq.momentum(s, Eigen::VectorXd::Constant(n.n_v, k == 1 ? 1.0 : 0.0), *scratch, part.head(n.n_v),
+                part.segment(n.n_v, n.n_dyn), part.tail(n.n_alg));
+  }
+  return out;
+}
+
+/// Round-off differs between machines; what a user changes differs by more.
+bool are_the_same(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
+  return a.size() == b.size() &&
+         (a.size() == 0 || (a - b).cwiseAbs().maxCoeff() <= 1e-8 * a.cwiseAbs().maxCoeff());
+}
+
 std::vector<bool> take(const Json& document, const char* key, const std::filesystem::path& path,
                        const NameOf& name, Eigen::VectorXd& x) {
   std::vector<bool> taken(x.size(), false);
@@ -98,6 +120,7 @@ void write_state(const std::filesystem::path& path, const Equations& eq, const s
   if (continuation != nullptr) {
     Json& c = out["continuation"];
     c["signature"] = signature(eq);
+    if (const Eigen::VectorXd told = answers(eq, s); told.allFinite()) c["answers"] = plain(told);
     c["method"] = continuation->method;
     c["next_row"] = continuation->next_row;
     c["v_dot"] = plain(continuation->v_dot);
@@ -169,7 +192,8 @@ StateChange read_state(const std::filesystem::path& path, const Equations& eq, S
       change.continuation_fits = std::ranges::all_of(
           counts, [&](const auto& of) { return in.value(of.first, Json::array()).size() == of.second; });
       change.continuation_fits =
-          change.continuation_fits && (!c.contains("signature") || c["signature"] == signature(eq));
+          change.continuation_fits && (!c.contains("signature") || c["signature"] == signature(eq)) &&
+          (!c.contains("answers") || are_the_same(vector_of(c["answers"]), answers(eq, s)));
     }
   } catch (const nlohmann::json::exception& e) {
     throw std::invalid_argument(fmt::format("{}: is not a state file: {}", path.string(), reason(e)));

@@ -281,6 +281,10 @@ TEST_F(Checkpoint, AStateFileThatWasChangedIsNoHistory) {
     other.erase(key);
     EXPECT_EQ(go_on(other, true).exit_code, 2) << key;
   }
+  const Outcome heavier = run("flexura", words({"--run", "second", "-q", "-o", folder_ / "rest.h5", "--set",
+                                                "body.ball.mass=2", "--continue", state}));
+  EXPECT_EQ(heavier.exit_code, 2);
+  EXPECT_THAT(heavier.err, HasSubstr("was saved by another mechanism"));
   for (const char* const key : {"method", "v_dot", "energy", "next_row", "history", "signature"}) {
     other = good;
     other["continuation"].erase(key);
