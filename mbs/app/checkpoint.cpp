@@ -330,7 +330,7 @@ void Checkpoints::end_run(const json& end) {
 }
 
 void Checkpoints::take(const mbs::RunMemory& memory) {
-  last_ = Clock::now();
+  const Clock::time_point begin = Clock::now();
   rows_->synchronise();
   json out = {{"format", kFormat},
               {"version", 1},
@@ -352,6 +352,8 @@ void Checkpoints::take(const mbs::RunMemory& memory) {
   }
   files::write_whole(files_.newest, out.dump(1) + "\n");
   any_ = true;
+  last_ = Clock::now();
+  cost_ = last_ - begin;
 }
 
 void Checkpoints::remove() {

@@ -1,6 +1,7 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <algorithm>
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
@@ -84,7 +85,8 @@ class Checkpoints {
   void add(const mbs::State& s, const Eigen::VectorXd& v_dot, const EnergyRow& energy);
   void end_run(const nlohmann::json& end);
 
-  bool due() const { return Clock::now() - last_ >= interval_; }
+  /// After the interval; on a slow disk after so long that they take a tenth of the time at most.
+  bool due() const { return Clock::now() - last_ >= std::max(interval_, 9.0 * cost_); }
   void take(const mbs::RunMemory& memory);
   bool any() const { return any_; }  ///< one is there to go on from
   /// The results are whole.
@@ -96,7 +98,7 @@ class Checkpoints {
   void put(std::uint64_t kind, std::string_view content);
 
   CheckpointFiles files_;
-  std::chrono::duration<double> interval_;
+  std::chrono::duration<double> interval_, cost_{0.0};
   nlohmann::json identity_;
   std::string run_;
   std::unique_ptr<RowsFile> rows_;

@@ -1,6 +1,9 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include "mbs/hdf5/file.hpp"
 
+#include <fcntl.h>
+#include <unistd.h>
+
 #include <fstream>
 
 #include "mbs/files/inputs.hpp"
@@ -24,6 +27,17 @@ hid_t open_copy_without_mark(const std::filesystem::path& path) {
     return -1;
   }
   return H5Fopen(path.c_str(), H5F_ACC_RDWR, access.get());
+}
+
+// A file that cannot be written can never be closed, and HDF5 falls over it when the program ends.  What it has
+// still to write goes nowhere instead; the file is given up.
+void write_into_nothing(hid_t file) {
+  void* driver = nullptr;
+  if (H5Fget_vfd_handle(file, H5P_DEFAULT, &driver) < 0 || driver == nullptr) return;
+  const int nothing = ::open("/dev/null", O_RDWR | O_CLOEXEC);
+  if (nothing < 0) return;
+  ::dup2(nothing, *static_cast<const int*>(driver));
+  ::close(nothing);
 }
 
 }  // namespace
@@ -94,6 +108,7 @@ void File::close() {
     if (!handle_.is_open()) return;
     const herr_t flushed = H5Fflush(handle_.get(), H5F_SCOPE_LOCAL);
     const std::string why = flushed < 0 ? reason() : "";
+    if (flushed < 0) write_into_nothing(handle_.get());
     const int closed = handle_.close();
     if (flushed < 0) throw BadFile(path_.string() + ": " + why);
     check(closed, path_.string());

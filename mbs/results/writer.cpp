@@ -108,7 +108,13 @@ Writer::Writer(const std::filesystem::path& path, const ModelHeader& model)
 }
 
 // What is not whole by now is closed first and removed then.
-Writer::~Writer() = default;
+Writer::~Writer() {
+  try {
+    if (impl_->file) impl_->file->close();
+  } catch (const std::exception&) {
+    // Its trouble has been told.
+  }
+}
 
 void Writer::begin_run(const std::string& run, const std::vector<Quantity>& quantities,
                        const std::vector<RunBody>& bodies, const std::vector<std::string>& state_names) {

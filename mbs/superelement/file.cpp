@@ -260,8 +260,7 @@ void read_shapes(const Group& root, Superelement& se) {
   group.read("surface", shape, se.shapes.data());
 }
 
-void write_all(const std::filesystem::path& path, const Superelement& se) {
-  hdf5::File file(path, hdf5::Mode::create);
+void write_all(hdf5::File& file, const Superelement& se) {
   {
     Group root = file.root();
     root.set("format", format_name);
@@ -289,7 +288,16 @@ void write(const std::filesystem::path& path, const Superelement& se) {
   validate(se);
   files::Output output(path);
   try {
-    write_all(output.part(), se);
+    hdf5::File file(output.part(), hdf5::Mode::create);
+    try {
+      write_all(file, se);
+    } catch (const hdf5::Error&) {
+      try {
+        file.close();  // gives it up
+      } catch (const hdf5::Error&) {
+      }
+      throw;
+    }
   } catch (const hdf5::BadFile& failure) {  // the disk is to blame, not an input
     throw hdf5::Error(failure.what());
   }
