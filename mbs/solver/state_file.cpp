@@ -192,7 +192,7 @@ StateChange read_state(const std::filesystem::path& path, const Equations& eq, S
       change.continuation_fits = std::ranges::all_of(
           counts, [&](const auto& of) { return in.value(of.first, Json::array()).size() == of.second; });
       change.continuation_fits =
-          change.continuation_fits && (!c.contains("signature") || c["signature"] == signature(eq)) &&
+          change.continuation_fits && c.contains("signature") && c["signature"] == signature(eq) &&
           (!c.contains("answers") || are_the_same(vector_of(c["answers"]), answers(eq, s)));
     }
   } catch (const nlohmann::json::exception& e) {
