@@ -62,13 +62,14 @@ Buckling buckling_modes(const LinearSystem& unloaded, const LinearSystem& loaded
   const Eigen::MatrixXd B =
       lu.solve(scale.cwiseInverse().asDiagonal() * (A_0 - A_1) * scale.cwiseInverse().asDiagonal());
   const Eigen::EigenSolver<Eigen::MatrixXd> solver(B);
-  const double largest = solver.eigenvalues().cwiseAbs().maxCoeff();
+  const double change = B.cwiseAbs().maxCoeff();
   Buckling out;
   std::vector<BucklingMode>& modes = out.modes;
   for (Eigen::Index i = 0; i < n; ++i) {
     const std::complex<double> mu = solver.eigenvalues()(i);
-    // The loads do not reach it; below 1e-8 of the stiffness lies the noise of the differences.
-    if (std::abs(mu) <= 1e-8 * std::max(largest, 1.0)) continue;
+    // The loads do not reach it: 1e-8 of the stiffness is the noise of the differences, and its square root
+    // what becomes of two zeros of loads that follow the motion.
+    if (std::abs(mu) <= std::max(1e-8, 1e-4 * change)) continue;
     // Two equal factors are found as a pair apart by the square root of that noise.
     if (std::abs(mu.imag()) > 1e-4 * std::abs(mu)) {
       out.has_complex_factors = true;
@@ -82,6 +83,8 @@ Buckling buckling_modes(const LinearSystem& unloaded, const LinearSystem& loaded
     if (mode.shape.cwiseAbs().maxCoeff(&k) > 0.0) mode.shape /= mode.shape(k);
     modes.push_back(std::move(mode));
   }
+  // Of loads with a potential some factor is real.
+  if (modes.empty() && change > 1e-7) out.has_complex_factors = true;
   std::sort(modes.begin(), modes.end(), [](const BucklingMode& a, const BucklingMode& b) {
     return std::abs(a.factor) < std::abs(b.factor);
   });

@@ -7,6 +7,7 @@
 #include <cctype>
 #include <filesystem>
 #include <iostream>
+#include <limits>
 #include <optional>
 
 #include "mbs/files/output.hpp"
@@ -28,10 +29,14 @@ namespace {
 
 using namespace flexura;
 
+constexpr int kNotGiven = std::numeric_limits<int>::min();
+
 struct Arguments {
   std::string input, output, report, mesh_size;
   std::vector<std::string> overrides, held;
-  int modes = -1, beam_modes = 0, places = -1, compare = 0;
+  int modes = -1, beam_modes = 0, compare = 0;
+  int places = kNotGiven;
+  int places_or_default() const { return places == kNotGiven ? 5 : places; }
   bool factor_in_file = false, list_faces = false, schema = false, schema_beams = false, statics = false;
 };
 
@@ -45,7 +50,7 @@ void refuse_options_of_the_other_kind(const Arguments& a, bool is_beam) {
   if (is_beam) {
     refuse(a.compare > 0, "--compare", "parts of solid elements");
     refuse(a.factor_in_file, "--factor-in-file", "parts of solid elements");
-    if (!a.statics && (!a.held.empty() || a.places >= 0))
+    if (!a.statics && (!a.held.empty() || a.places != kNotGiven))
       throw input::InputError("--held and --places are for --statics: give it, or leave them out");
     if (a.statics && a.beam_modes > 0)
       throw input::InputError("--statics and --beam-modes exclude each other");
@@ -53,7 +58,7 @@ void refuse_options_of_the_other_kind(const Arguments& a, bool is_beam) {
     refuse(a.beam_modes > 0, "--beam-modes", "beam parts");
     refuse(a.statics, "--statics", "beam parts");
     refuse(!a.held.empty(), "--held", "beam parts");
-    refuse(a.places >= 0, "--places", "beam parts");
+    refuse(a.places != kNotGiven, "--places", "beam parts");
   }
 }
 
@@ -83,7 +88,7 @@ int reduce_with(const Arguments& arguments, const terminal::Talk& talk, const li
   if (arguments.modes >= 0) overrides.push_back(fmt::format("modes.count={}", arguments.modes));
   constexpr int most = 20000;
   for (const auto& [name, count] :
-       {std::pair{"--compare", arguments.compare}, std::pair{"--places", arguments.places},
+       {std::pair{"--compare", arguments.compare}, std::pair{"--places", arguments.places_or_default()},
         std::pair{"--beam-modes", arguments.beam_modes}})
     if (count < 0 || count > most)
       throw input::InputError(fmt::format("{} {}: must be at least 0 and at most {}", name, count, most));
@@ -106,7 +111,7 @@ int reduce_with(const Arguments& arguments, const terminal::Talk& talk, const li
       return 0;
     }
     if (arguments.statics) {
-      reduce::print_statics(beams, arguments.held, arguments.places < 0 ? 5 : arguments.places, std::cout,
+      reduce::print_statics(beams, arguments.held, arguments.places_or_default(), std::cout,
                             arguments.report);
       return 0;
     }

@@ -80,6 +80,7 @@ TEST_F(Buckling, WithoutLoadsThereIsNothingToScale) {
 // and at no load is there another equilibrium.
 TEST_F(Buckling, FollowingForcesTakeNoStiffnessAway) {
   const std::string ziegler = R"toml(
+gravity = [0, 0, 0]
 [ground.marker.o]
 axis = [0, 1, 0]
 [body.a]

@@ -47,6 +47,7 @@ class SteadyState : public ::testing::Test {
       const Outcome frozen = flexura(command, file, with);
       EXPECT_EQ(frozen.exit_code, 0) << command << frozen.err;
       EXPECT_THAT(frozen.out, HasSubstr("frozen at t = 0 s"));
+      std::filesystem::remove(folder_ / "x.m");
     }
   }
   static std::vector<double> frequencies(const nlohmann::json& run, double below) {
