@@ -175,7 +175,9 @@ TableSchema subsystem_schema() {
 constexpr const char* quantities_doc =
     R"(What is stored. `flexura check FILE` lists the quantities of a mechanism by name (with `--json` also units and
 meanings); all are there for `simulate`, `statics` and `outputs`. Accelerations and forces are solved from the state of
-each row, positions and velocities closed onto the constraints, so that they are as accurate as the motion.
+each row, positions and velocities closed onto the constraints, so that they are as accurate as the motion. Where
+constraints lose rank (a dead point, a change point) the equations do not determine the forces: a row that falls next to
+such a position can be far off in them.
 
 | quantities | meaning |
 |---|---|
