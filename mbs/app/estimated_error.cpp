@@ -2,11 +2,13 @@
 #include "mbs/app/estimated_error.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "mbs/study/full_model.hpp"
 #include "mbs/study/percent.hpp"
 #include "mbs/superelement/file.hpp"
 
@@ -19,110 +21,166 @@ namespace {
 // The shadows are linear in what they correct; from here on their figure is no more than a warning.
 constexpr double kTrusted = 0.2;
 
+ErrorSource mesh_of(const mbs::BodyDescription& body) {
+  ErrorSource out{"mesh", body.name, {}, 0.0, "its reduction reports no estimate"};
+  const auto report = nlohmann::json::parse(
+      superelement::read(body.superelement, {.matrices = false, .inertia = false}).report_json, nullptr,
+      false);
+  if (!report.is_object()) return out;
+  const auto estimate = report.find("estimate");
+  double of_deformation = 0.0;
+  if (const auto mesh = report.find("mesh"); mesh != report.end() && mesh->is_object() &&
+                                             mesh->contains("volume_error") &&
+                                             mesh->at("volume_error").is_number())
+    of_deformation = std::abs(mesh->at("volume_error").get<double>());
+  if (estimate == report.end() || !estimate->is_array() || estimate->empty() ||
+      !estimate->front().contains("frequency_error") ||
+      !estimate->front().at("frequency_error").is_number()) {
+    // The shape alone says nothing of the elements.
+    out.at_least = of_deformation;
+    return out;
+  }
+  out.error = of_deformation + 2.0 * estimate->front().at("frequency_error").get<double>();
+  out.note = "of its deformation";
+  return out;
+}
+
+void add_bodies(const mbs::PreparedMechanism& prepared, std::vector<ErrorSource>& sources) {
+  for (const mbs::BodyDescription& body : prepared.mechanism->description().bodies) {
+    if (body.superelement.empty()) continue;
+    if (body.flexible || body.ked) sources.push_back(mesh_of(body));
+    if (!study::has_stiffening_terms(body))
+      sources.push_back({"stiffening",
+                         body.name,
+                         {},
+                         0.0,
+                         body.follows_surface || body.is_loaded_by_case
+                             ? "its loads on the surface have no terms for it"
+                             : "reduce it with stiffening = true"});
+  }
+}
+
+// What switches takes another course with every change of the motion: a second run sees it, an estimate that is
+// linear about the run does not.
+void add_switches(const mbs::PreparedMechanism& prepared, bool is_judged, std::vector<ErrorSource>& sources) {
+  if (is_judged) return;
+  for (const auto& force : prepared.mechanism->description().forces)
+    if (force->n_switches() > 0)
+      sources.push_back({"switch", force->name(), {}, 0.0, "the estimate is linear about the run"});
+}
+
+std::string words_of(const ErrorSource& source) {
+  if (source.kind == "integrator") return "integrator";
+  if (source.kind == "modes") return "modes left out of " + source.name;
+  if (source.kind == "mesh") return "mesh and reduction of " + source.name;
+  if (source.kind == "elements") return "elements of " + source.name;
+  if (source.kind == "link") return "rigid link of " + source.name;
+  if (source.kind == "stiffening") return "geometric stiffening of " + source.name;
+  if (source.kind == "switch") return "switching of " + source.name;
+  return "user element " + source.name;
+}
+
+std::string basis(const study::OutputEstimate& output) {
+  return output.scale > output.size_rms ? output.name + "'s family, beside which it is nothing"
+                                        : output.name + ", the worst output";
+}
+
 }  // namespace
 
-std::vector<MeshShare> mesh_shares(const mbs::PreparedMechanism& prepared) {
-  std::vector<MeshShare> out;
-  for (const mbs::BodyDescription& body : prepared.mechanism->description().bodies) {
-    if (!body.flexible && !body.ked) continue;
-    MeshShare share{body.name, -1.0};
-    if (body.superelement.empty()) {
-      share.is_beam = true;
-      out.push_back(std::move(share));
-      continue;
-    }
-    const auto report = nlohmann::json::parse(
-        superelement::read(body.superelement, {.matrices = false, .inertia = false}).report_json, nullptr,
-        false);
-    const auto add = [&](double part) { share.of_deformation = std::max(share.of_deformation, 0.0) + part; };
-    if (report.is_object()) {
-      const auto estimate = report.find("estimate");
-      if (estimate != report.end() && estimate->is_array() && !estimate->empty())
-        add(2.0 * estimate->front().value("frequency_error", 0.0));
-      const auto mesh = report.find("mesh");
-      if (mesh != report.end() && mesh->is_object() && mesh->contains("volume_error") &&
-          mesh->at("volume_error").is_number())
-        add(std::abs(mesh->at("volume_error").get<double>()));
-    }
-    out.push_back(std::move(share));
+ErrorEstimate estimate_error(const mbs::PreparedMechanism& prepared,
+                             const study::TruncationEstimate* truncation,
+                             const study::IntegratorEstimate* check, const mbs::RunResult& result) {
+  ErrorEstimate out;
+  const std::string& method = prepared.options.method;
+  if (check) {
+    out.sources.push_back({"integrator", "", check->error, 0.0,
+                           fmt::format("in {}; a second run at {:g} times the {}", check->output,
+                                       check->factor, check->by_step ? "step" : "tolerance")});
+  } else if (method != "kinematics" && method != "quasi_statics") {
+    const double balance = std::abs(result.energy.relative_error());
+    out.sources.push_back({"integrator",
+                           "",
+                           {},
+                           balance,
+                           fmt::format("energy balance {}; --check-integrator tells", percent(balance))});
+  }
+  out.of = check && !check->output.empty() ? check->output : "an output";
+  if (truncation && truncation->worst >= 0) {
+    out.of = basis(truncation->outputs[static_cast<std::size_t>(truncation->worst)]);
+    out.is_large = truncation->error > kTrusted;
+    for (const study::SourceEstimate& source : truncation->by_body)
+      // Alone a body may be worst for another output.
+      out.sources.push_back(
+          {"modes", source.body, source.error, 0.0,
+           truncation->by_body.size() > 1 && !source.output.empty() ? "in " + source.output : ""});
+  }
+  add_bodies(prepared, out.sources);
+  for (const mbs::BlindSpot& spot : prepared.file.blind_spots)
+    out.sources.push_back({spot.kind, spot.name, {}, 0.0, spot.remedy});
+  add_switches(prepared, check && !truncation, out.sources);
+  // Of all bodies together, where some of their errors may cancel.
+  if (truncation) out.at_least += truncation->error;
+  for (const ErrorSource& source : out.sources) {
+    if (source.kind != "modes") out.at_least += source.error.value_or(source.at_least);
+    out.is_whole = out.is_whole && source.error.has_value();
   }
   return out;
 }
 
-std::string estimated_error_line(const std::vector<MeshShare>& meshes,
-                                 const study::TruncationEstimate* truncation,
-                                 const study::IntegratorEstimate* check, const mbs::RunResult& result) {
-  struct Part {
-    std::string text;
-    double error;
-  };
-  const double integrator = check ? check->error : std::abs(result.energy.relative_error());
-  std::vector<Part> parts = {{"the integrator", integrator}};
-  std::string words =
-      check ? fmt::format("integrator {} (in {}; a second run at {:g} times the {})", percent(integrator),
-                          check->output, check->factor, check->by_step ? "step" : "tolerance")
-            : fmt::format("integrator {} or more (energy balance alone; --check-integrator tells)",
-                          percent(integrator));
-  std::string worst = check && !check->output.empty() ? check->output : "an output";
-  double error = integrator;
-  if (truncation && truncation->worst >= 0) {
-    error += truncation->error;
-    worst = truncation->outputs[static_cast<std::size_t>(truncation->worst)].name + ", the worst output";
-    for (const study::SourceEstimate& source : truncation->by_body) {
-      words += fmt::format(", modes left out of {} {}", source.body, percent(source.error));
-      // Alone a body may be worst for another output.
-      parts.push_back({truncation->by_body.size() > 1 && !source.output.empty()
-                           ? fmt::format("what is left out of {}, in {}", source.body, source.output)
-                           : fmt::format("what is left out of {}", source.body),
-                       source.error});
-    }
-  } else if (!truncation) {
-    words += ", no mode left out";
-  }
-  for (const MeshShare& mesh : meshes) {
-    if (mesh.is_beam) {
-      words += fmt::format(", elements of {} not judged (compare with twice as many)", mesh.body);
+std::string estimated_error_line(const ErrorEstimate& estimate) {
+  std::vector<std::string> known, unknown;
+  const ErrorSource* largest = nullptr;
+  bool has_modes = false;
+  for (const ErrorSource& source : estimate.sources) {
+    has_modes = has_modes || source.kind == "modes";
+    if (!source.error) {
+      unknown.push_back(words_of(source) + (source.note.empty() ? "" : fmt::format(" ({})", source.note)));
       continue;
     }
-    if (mesh.of_deformation < 0.0) {
-      words += fmt::format(", mesh of {} unknown (its reduction reports no estimate)", mesh.body);
-      continue;
-    }
-    words += fmt::format(", mesh and reduction of {} {} of its deformation", mesh.body,
-                         percent(mesh.of_deformation));
-    error += mesh.of_deformation;
-    parts.push_back({fmt::format("mesh and reduction of {}", mesh.body), mesh.of_deformation});
+    known.push_back(fmt::format("{} {}{}", words_of(source), percent(*source.error),
+                                source.note.empty()           ? ""
+                                : source.kind == "integrator" ? fmt::format(" ({})", source.note)
+                                                              : " " + source.note));
+    if (!largest || *source.error > *largest->error) largest = &source;
   }
-  const Part& largest = *std::ranges::max_element(parts, {}, &Part::error);
-  std::string line = fmt::format("estimated error {} of the rms of {}: {}; largest: {}", percent(error),
-                                 worst, words, largest.text);
-  if (truncation && truncation->error > kTrusted)
+  if (!has_modes) known.push_back("no mode left out");
+  std::string line =
+      fmt::format("estimated error {}{} of the rms of {}: {}", estimate.is_whole ? "" : "at least ",
+                  percent(estimate.at_least), estimate.of, fmt::join(known, ", "));
+  if (!unknown.empty()) line += fmt::format("; unknown: {}", fmt::join(unknown, ", "));
+  if (largest) line += fmt::format("; largest{}: {}", unknown.empty() ? "" : " known", words_of(*largest));
+  if (estimate.is_large)
     line += "; an estimate to first order, of this size only a warning: compare with a run with more modes";
   return line;
 }
 
-nlohmann::json estimated_error_json(const std::vector<MeshShare>& meshes,
+nlohmann::json estimated_error_json(const ErrorEstimate& estimate,
                                     const study::TruncationEstimate* truncation,
                                     const study::IntegratorEstimate* check, const mbs::RunResult& result) {
-  nlohmann::json out = {{"integrator", check ? check->error : std::abs(result.energy.relative_error())}};
+  using nlohmann::json;
+  json out = {{"error", estimate.is_whole ? json(estimate.at_least) : json()},
+              {"at_least", estimate.at_least},
+              {"unknown", json::array()},
+              {"integrator", check ? json(check->error) : json()},
+              {"energy_balance", std::abs(result.energy.relative_error())}};
+  for (const ErrorSource& source : estimate.sources) {
+    if (!source.error)
+      out["unknown"].push_back({{"source", source.kind}, {"name", source.name}, {"remedy", source.note}});
+    if (source.kind == "mesh") out["mesh"][source.name] = source.error ? json(*source.error) : json();
+  }
   if (check)
     out["integrator_check"] = {{"error", check->error},
                                {"output", check->output},
                                {"factor", check->factor},
                                {"wall_time", check->wall}};
-  for (const MeshShare& mesh : meshes)
-    if (mesh.of_deformation >= 0.0) out["mesh"][mesh.body] = mesh.of_deformation;
   if (!truncation) return out;
-  out["error"] = truncation->error;
+  out["truncation"] = truncation->error;
   out["shadows"] = truncation->shadows;
   out["wall_time"] = truncation->wall;
   for (const study::SourceEstimate& source : truncation->by_body) out["by_body"][source.body] = source.error;
   for (const study::OutputEstimate& o : truncation->outputs)
-    out["outputs"][o.name] = {{"max", o.max},
-                              {"rms", o.rms},
-                              {"final", o.final},
-                              {"size_max", o.size_max},
-                              {"size_rms", o.size_rms}};
+    out["outputs"][o.name] = {{"max", o.max},           {"rms", o.rms},           {"final", o.final},
+                              {"size_max", o.size_max}, {"size_rms", o.size_rms}, {"scale", o.scale}};
   return out;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,36 +13,51 @@
 
 /// What a run says about its own error, by source:
 ///
-/// - integrator: a second run with another tolerance (mbs/study/integrator_check.hpp) where the user asked
-/// for
-///   it; else the energy balance, relative to the largest energy, which knows nothing of the tolerance and is
-///   a lower bound at best;
+/// - integrator: a second run with another tolerance (mbs/study/integrator_check.hpp) where the user asked for
+///   it; else unknown: the energy balance, relative to the largest energy, is a lower bound at best;
 /// - modes of a body: the shadows of what the run leaves out of it (mbs/study/shadows.hpp), the rms of the
 ///   error over the rms of the output, of the output where that is largest;
 /// - mesh of a body: its reduction's report, twice the estimated relative error of its first free frequency
 ///   (stiffness goes with its square) and the mesh's volume against CAD; a part of the body's deformation.
 ///   It counts in full, as if the output were nothing but deformation.
+///
+/// What nothing judged is unknown, and the total is then "at least" what is known: elements of ANCF beams and
+/// of segments, rigid links, elements of users' own libraries, geometric stiffening of bodies whose
+/// superelement has no terms for it, a mesh whose reduction reports no estimate, and what switches (contact,
+/// clearance, stick-slip) as long as nothing but an estimate linear about the run has looked at it.
 namespace flexura::app {
 
-struct MeshShare {
-  std::string body;
-  double of_deformation = 0.0;  ///< relative; negative where the report says nothing
-  bool is_beam = false;         ///< of no superelement: nothing says what its elements leave out
+struct ErrorSource {
+  std::string
+      kind;  ///< "integrator", "modes", "mesh", "elements", "link", "user_element", "stiffening", "switch"
+  std::string name;             ///< of the body or element; empty for the integrator
+  std::optional<double> error;  ///< relative; nothing where it is unknown
+  double at_least = 0.0;        ///< of an unknown one
+  std::string note;             ///< what the figure is, or how an unknown one can be judged
 };
 
-/// Of the bodies that deform.  Reads the reports from their files.
-std::vector<MeshShare> mesh_shares(const mbs::PreparedMechanism& prepared);
+struct ErrorEstimate {
+  std::vector<ErrorSource> sources;
+  double at_least = 0.0;  ///< sum of what is known
+  bool is_whole = true;   ///< nothing is unknown: at_least is the estimate
+  std::string of;         ///< of which output's rms it is a part
+  bool is_large = false;  ///< beyond what an estimate to first order can tell
+};
 
-/// One line: the estimated error, its parts and the largest contributor.  `truncation` may be null (nothing
-/// was left out), `integrator` too (not asked for).
-std::string estimated_error_line(const std::vector<MeshShare>& meshes,
-                                 const study::TruncationEstimate* truncation,
-                                 const study::IntegratorEstimate* integrator, const mbs::RunResult& result);
+/// `truncation` may be null (nothing was left out), `integrator` too (not asked for).
+ErrorEstimate estimate_error(const mbs::PreparedMechanism& prepared,
+                             const study::TruncationEstimate* truncation,
+                             const study::IntegratorEstimate* integrator, const mbs::RunResult& result);
 
-/// The same for the summary in the results file: {"error", "shadows", "wall_time", "integrator",
-/// "integrator_check": {"error", "output", "factor", "wall_time"}, "by_body", "mesh", "outputs": {name:
-/// {"max", "rms", "size_max", "size_rms", "final"}}}.
-nlohmann::json estimated_error_json(const std::vector<MeshShare>& meshes,
+/// One line: the estimated error, its parts and the largest contributor, and what is unknown.
+std::string estimated_error_line(const ErrorEstimate& estimate);
+
+/// The same for the summary in the results file: {"error" (null where a source is unknown), "at_least",
+/// "unknown": [{"source", "name", "remedy"}], "truncation", "shadows", "wall_time", "integrator" (null without
+/// a second run), "energy_balance", "integrator_check": {"error", "output", "factor", "wall_time"}, "by_body",
+/// "mesh" (null for a body without estimate), "outputs": {name: {"max", "rms", "size_max", "size_rms",
+/// "scale", "final"}}}.
+nlohmann::json estimated_error_json(const ErrorEstimate& estimate,
                                     const study::TruncationEstimate* truncation,
                                     const study::IntegratorEstimate* integrator,
                                     const mbs::RunResult& result);

@@ -49,6 +49,7 @@ MechanismFile read_mechanism(const std::filesystem::path& file, const input::Tab
       out.fidelity[name] = s.text("fidelity");
   for (const auto& [b, chain] : model.segments)
     out.segment_joints.insert(out.segment_joints.end(), chain.joints.begin(), chain.joints.end());
+  out.blind_spots = std::move(model.blind_spots);
   for (const auto& [name, s] : root.table_map("run")) {
     out.runs.push_back({name, s.texts("set")});
     if (s.has("accuracy"))

@@ -22,6 +22,13 @@ struct RunDescription {
   std::vector<std::string> overrides;
 };
 
+/// Something in the file whose share in a run's error nothing in the program estimates.
+struct BlindSpot {
+  std::string kind;    ///< "elements", "link", "user_element"
+  std::string name;    ///< of the body, marker or element
+  std::string remedy;  ///< how the user can judge it; may be empty
+};
+
 struct MechanismFile {
   std::string name;                  ///< of the mechanism
   std::string source;                ///< the file's text
@@ -34,6 +41,7 @@ struct MechanismFile {
   /// Of the file's own superelements that have the key: their word of fidelity ("auto" is built as "modal").
   std::map<std::string, std::string> fidelity = {};
   std::vector<int> segment_joints = {};  ///< between the pieces of beams: their coordinates are deformations
+  std::vector<BlindSpot> blind_spots = {};
 };
 
 /// Reads and checks the file with `overrides` applied ("body.rod.fidelity=rigid").  Superelement files are

@@ -209,6 +209,7 @@ std::pair<int, Vector3d> Reader::carrying_node(const Section& m, int body, const
     if (!se) m.refuse(key, "only superelements have nodes to follow", "take the key away, or use on");
     std::vector<BodyNode>& linked = model_.linked[body];
     BodyNode node = read_linked_node(m, name, *se, deforms, model_.notes);
+    if (m.text("link") == "rigid") model_.blind_spots.push_back({"link", name, ""});
     const Vector3d p = node.p_BoN_B;
     if (!deforms) return {-1, p};
     linked.push_back(std::move(node));
@@ -329,6 +330,12 @@ void Reader::read_body(const std::string& own_name, const Section& s) {
   const std::string name = body.name;
   const int b = d.add_body(std::move(body));
   model_.sections.emplace(b, s);
+  if (is_beam && fidelity != "rigid")
+    model_.blind_spots.push_back(
+        {"elements", name,
+         prefix_.empty()
+             ? fmt::format("a run with --set body.{}.beam.elements={} tells", name, 2 * beam.elements)
+             : "a run with twice as many tells"});
   if (se && fidelity != "rigid") model_.to_prepare.emplace(b, se);
   if (is_beam && fidelity == "segments") {
     model_.segments[b] = add_segments(d, b, beam);
@@ -346,6 +353,11 @@ void Reader::read_body(const std::string& own_name, const Section& s) {
   read_markers(s, b, Pose{}, name, deforms, se.get());
 }
 
+// What comes out of a library of the user's may hold anything.
+void Reader::note_user_element(const std::string& name, const Section& s) {
+  if (s.has("library")) model_.blind_spots.push_back({"user_element", name, ""});
+}
+
 void Reader::read_joints() {
   const ReadContext names = context();
   MechanismDescription& d = model_.description;
@@ -354,6 +366,7 @@ void Reader::read_joints() {
       for (const JointDescription& other : d.joints)
         if (other.name == prefix_ + name) s.refuse("", "has the name of a joint", "choose another name");
       JointDescription joint = read_joint(prefix_ + name, s, names, std::string_view(kind) == "connection");
+      note_user_element(prefix_ + name, s);
       model_.joined.insert({d.markers[joint.marker_F].body, d.markers[joint.marker_M].body});
       d.joints.push_back(std::move(joint));
     }
@@ -364,8 +377,10 @@ void Reader::read_elements() {
   for (const auto& subsystem : subsystems_) subsystem->read_elements();
   const ReadContext names = context();
   MechanismDescription& d = model_.description;
-  for (const auto& [name, s] : root_.table_map("constraint"))
+  for (const auto& [name, s] : root_.table_map("constraint")) {
     d.constraints.push_back(find_type(constraint_types(), s.text("type")).read(prefix_ + name, s, names));
+    note_user_element(prefix_ + name, s);
+  }
   const auto take_name = [&](const std::string& name, const Section& s) {
     if (name == "t" || name == "pi" || parameters_.contains(name) || tables_.contains(name) ||
         d.signals.find(prefix_ + name) >= 0)
@@ -391,6 +406,7 @@ void Reader::read_elements() {
   }
   for (const auto& [name, s] : root_.table_map("force")) {
     d.forces.push_back(find_type(force_types(), s.text("type")).read(prefix_ + name, s, names));
+    note_user_element(prefix_ + name, s);
     if (const auto [body, load] = d.forces.back()->load_case(); body >= 0)
       d.bodies[body].is_loaded_by_case = true;
   }

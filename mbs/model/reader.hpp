@@ -35,6 +35,7 @@ struct ReadModel {
   std::map<int, std::shared_ptr<const superelement::Superelement>> to_prepare = {};
   std::map<int, std::vector<BodyNode>> linked = {};  ///< nodes of deforming bodies beside their interfaces
   std::map<int, Segments> segments = {};             ///< beams cut into pieces, by the piece at the root
+  std::vector<BlindSpot> blind_spots = {};
 
   bool deforms(int body) const { return to_prepare.contains(body) || description.bodies[body].flexible; }
   bool is_one_way(int body) const {
@@ -73,6 +74,7 @@ class Reader {
                     bool deforms, const superelement::Superelement* se = nullptr);
   std::pair<int, Vector3d> carrying_node(const input::Section& marker, int body, const std::string& name,
                                          bool deforms, const superelement::Superelement* se);
+  void note_user_element(const std::string& name, const input::Section& s);
   /// `node` is one of a deforming body, or -1.
   void add_marker(int body, const std::string& full_name, const Pose& X, int node);
 

@@ -44,6 +44,7 @@ IntegratorCheck::IntegratorCheck(const mbs::PreparedMechanism& run, double facto
       power_(power),
       scratch_(run.mechanism->make_scratch()),
       which_(judged_outputs(run, *run.mechanism, outputs_)),
+      families_(*run.mechanism, length_of(run)),
       every_(rows_between(run)) {}
 
 void IntegratorCheck::evaluate(const mbs::State& s, const VectorXd& v_dot, VectorXd& y) {
@@ -55,6 +56,7 @@ void IntegratorCheck::take(const mbs::State& s, const VectorXd& v_dot) {
   if (!is_wanted()) return;
   times_.push_back(s.t);
   evaluate(s, v_dot, values_.emplace_back());
+  families_.take(s, v_dot);
 }
 
 IntegratorEstimate IntegratorCheck::estimate(const mbs::RunCallbacks& callbacks) {
@@ -87,7 +89,7 @@ IntegratorEstimate IntegratorCheck::estimate(const mbs::RunCallbacks& callbacks)
   const auto count = static_cast<double>(row);
   for (Eigen::Index i = 0; i < n; ++i)
     outputs_[static_cast<std::size_t>(i)].size_rms = std::sqrt(sizes(i) / count);
-  find_what_counts(outputs_, !run_.file.outputs.empty());
+  families_.judge(outputs_, !run_.file.outputs.empty(), run_.options.tolerance);
   const auto [error, worst] = worst_output(squares, count, outputs_);
   out.error = error / std::abs(std::pow(factor_, power_) - 1.0);
   if (worst >= 0) out.output = outputs_[static_cast<std::size_t>(worst)].name;

@@ -52,6 +52,7 @@ class IntegratorCheck {
   std::unique_ptr<mbs::Equations::Scratch> scratch_;
   std::vector<OutputEstimate> outputs_;  // before which_, which fills it
   std::vector<int> which_;
+  Families families_;
   long every_ = 1, rows_ = 0;
   std::vector<double> times_;
   std::vector<Eigen::VectorXd> values_;

@@ -34,6 +34,17 @@ std::vector<Signal> read_signals(const StudyFile& study, const results::Run& run
   return signals;
 }
 
+// A quantity that is zero or noise is judged against the largest of its unit that the reference stores.
+double size_in_family(double own, const results::Run& run, const std::string& name, Norm norm) {
+  constexpr double kNoise = 1e-6;
+  const auto self = std::ranges::find(run.quantities, name, &results::Quantity::name);
+  double family = 0.0;
+  for (std::size_t k = 0; k < run.quantities.size(); ++k)
+    if (run.quantities[k].unit == self->unit)
+      family = std::max(family, size_of({run.time, run.values.col(static_cast<Eigen::Index>(k))}, norm));
+  return own < kNoise * family ? family : own;
+}
+
 results::Run read_run(const Measurement& m) {
   return std::move(results::read(m.results).runs.front());
 }
@@ -43,14 +54,17 @@ class Judge {
   Judge(const StudyFile& study, const Measurements& measured) : study_(study), measured_(measured) {}
 
   Judgement judge() {
-    reference_ = signals_or_refuse(measured_.reference, study_.reference.name);
+    const results::Run reference = run_or_refuse(measured_.reference, study_.reference.name);
+    reference_ = read_signals(study_, reference);
     for (std::size_t k = 0; k < study_.quantities.size(); ++k) {
       const WantedQuantity& q = study_.quantities[k];
       size_.push_back(q.scale > 0.0 ? q.scale : size_of(reference_[k], q.norm));
+      if (q.scale <= 0.0 && q.norm != Norm::frequency)
+        size_.back() = size_in_family(size_.back(), reference, q.name, q.norm);
       if (!(size_.back() > 0.0))
         throw std::invalid_argument(
             fmt::format("{}: quantity.{}: \"{}\" is zero in the reference, so an error relative to it has no "
-                        "meaning; give scale",
+                        "meaning, and nothing else of its unit is stored; give scale",
                         study_.file.string(), q.label, q.name));
     }
     find_uncertainty();
@@ -60,11 +74,14 @@ class Judge {
   }
 
  private:
-  std::vector<Signal> signals_or_refuse(const Measurement& m, const std::string& name) const {
+  results::Run run_or_refuse(const Measurement& m, const std::string& name) const {
     if (!m.complete)
       throw std::invalid_argument(fmt::format("{}: the run \"{}\" {}; nothing can be measured without it",
                                               study_.file.string(), name, m.failure));
-    return read_signals(study_, read_run(m));
+    return read_run(m);
+  }
+  std::vector<Signal> signals_or_refuse(const Measurement& m, const std::string& name) const {
+    return read_signals(study_, run_or_refuse(m, name));
   }
 
   double relative(std::size_t k, const Signal& a, const Signal& b) const {
@@ -89,7 +106,11 @@ class Judge {
         largest = std::max(largest, value.is_number() ? value.get<double>() / size_[k] : kInfinite);
       }
     }
-    return largest + estimate.value("integrator", 0.0);
+    // Without a second run the integrator's share is unknown, and its energy balance a lower bound.
+    for (const char* const key : {"integrator", "energy_balance"})
+      if (estimate.contains(key) && estimate.at(key).is_number())
+        return largest + estimate.at(key).get<double>();
+    return largest;
   }
 
   void find_uncertainty() {

@@ -17,6 +17,8 @@ struct Shadows::Impl {
       : full(full_model),
         embedding(*run.mechanism, full_model),
         asked(!run.file.outputs.empty()),
+        tolerance(run.options.tolerance),
+        families(full_model.mechanism(), length_of(run)),
         every(rows_between(run)) {}
 
   FullModel& full;
@@ -29,6 +31,8 @@ struct Shadows::Impl {
   MatrixXd source_sums, last_source;  // outputs x sources: integral of the error squared
   VectorXd square, square_size, last_square, last_size;
   bool asked = false;  // the user named the outputs
+  double tolerance;
+  Families families;
   bool joints_feel_nothing = false;
   long every = 1, rows = 0, taken = 0;
   double wall = 0.0, t = 0.0, span = 0.0;
@@ -134,6 +138,7 @@ bool Shadows::take(const mbs::State& s, const VectorXd& v_dot) {
   in.full.residual(in.s, in.v_dot, in.r);
   in.correction->step(h, *in.linearised.row(), in.linearised.G(), in.loads());
   in.compare(h);
+  in.families.take(in.s, in.v_dot);
   in.t = s.t;
   ++in.taken;
   in.wall += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -181,7 +186,7 @@ TruncationEstimate Shadows::estimate() const {
     o.rms = std::sqrt(in.square(static_cast<Index>(i)) / span);
     o.size_rms = std::sqrt(in.square_size(static_cast<Index>(i)) / span);
   }
-  find_what_counts(out.outputs, in.asked);
+  in.families.judge(out.outputs, in.asked, in.tolerance);
   std::tie(out.error, out.worst) = worst_output(in.square, span, out.outputs);
   for (std::size_t k = 0; k < in.sources.size(); ++k) {
     const ModalBlock& block = in.full.blocks()[in.sources[k]];
