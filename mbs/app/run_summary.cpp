@@ -14,7 +14,9 @@ using terminal::number;
 
 nlohmann::json summary_of(const mbs::PreparedMechanism& prepared, const mbs::RunResult& r) {
   const double simulated = r.state.t - prepared.options.start_time;
-  return {{"method", prepared.options.method},
+  return {{"method", r.method.empty() ? prepared.options.method : r.method},
+          {"method_changes", r.method_changes},
+          {"method_hint", r.method_hint},
           {"tolerance", prepared.options.tolerance},
           {"end_time", r.state.t},
           {"wall_time", r.wall_time},

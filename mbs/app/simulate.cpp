@@ -62,12 +62,12 @@ void add_estimate(const PreparedMechanism& prepared, const study::TruncationEsti
   const LeftOut unneeded = left_out(prepared);
   outcome.summary["left_out"] = left_out_json(unneeded);
   if (std::string line = left_out_line(unneeded); !line.empty()) outcome.lines.push_back(std::move(line));
-  const std::vector<MeshShare> meshes = mesh_shares(prepared);
   std::optional<study::IntegratorEstimate> integrator;
   if (check && outcome.result.complete) integrator = check->estimate(callbacks);
   const study::IntegratorEstimate* const by_check = integrator ? &*integrator : nullptr;
-  outcome.summary["estimate"] = estimated_error_json(meshes, truncation, by_check, outcome.result);
-  outcome.lines.push_back(estimated_error_line(meshes, truncation, by_check, outcome.result));
+  const ErrorEstimate estimate = estimate_error(prepared, truncation, by_check, outcome.result);
+  outcome.summary["estimate"] = estimated_error_json(estimate, truncation, by_check, outcome.result);
+  outcome.lines.push_back(estimated_error_line(estimate));
 }
 
 RunResult run_with_memory(const PreparedMechanism& prepared, bool goes_on, const Memory& memory,
@@ -388,6 +388,8 @@ int simulate(Arguments arguments, const terminal::Talk& talk) {
                        &r.continuation);
     nlohmann::json summary = ended ? nlohmann::json::object() : summary_of(prepared, r);
     summary.update(outcome.summary);
+    for (const std::string& change : r.method_changes) outcome.lines.push_back("method changed " + change);
+    if (!r.method_hint.empty()) outcome.lines.push_back("hint: " + r.method_hint);
     for (const std::string& line : outcome.lines)
       remarks.push_back(run.name == "run" ? line : fmt::format("run {}: {}", run.name, line));
     summary["warnings"] = outcome.warnings;

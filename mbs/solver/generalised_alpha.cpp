@@ -102,6 +102,7 @@ void GeneralisedAlpha::start(const State& s, const VectorXd& v_dot) {
   started_ = true;
   now_.s = s;
   now_.v_dot = v_dot;
+  weights_.start(s, v_dot);
   State ahead = s;
   VectorXd v_dot_ahead;
   accelerations_.solve(ahead, v_dot_ahead);
@@ -135,6 +136,14 @@ void GeneralisedAlpha::start(const State& s, const VectorXd& v_dot) {
         std::max(jerk.cwiseProduct(w_.segment(n_.n_p, n_.n_v)).lpNorm<Eigen::Infinity>(),
                  v_dot.cwiseProduct(w_.segment(n_.n_p, n_.n_v)).lpNorm<Eigen::Infinity>() / duration);
     h_ = std::min(1e-3 * duration, rate > 0.0 ? 0.1 * std::cbrt(1.0 / rate) : 1e-3 * duration);
+  }
+  // A step longer than the time in which the accelerations change, omega^2 = |a' - a| / |d|, has no use for
+  // their rate of change: carried on for that long it would be larger than they ever get.
+  const auto size = [&](const VectorXd& x) { return x.cwiseProduct(w_.segment(n_.n_p, n_.n_v)).norm(); };
+  weights_.evaluate(s.p, s.v, s.c, w_);
+  if (h_ * h_ * tau * size(jerk) > size(d_)) {
+    jerk.setZero();
+    c_jerk.setZero();
   }
   h_w_ = h_;
   now_.w = v_dot + k_.delta * h_ * jerk;
@@ -259,7 +268,7 @@ int GeneralisedAlpha::worst_state() const {
 
 StepEnd GeneralisedAlpha::step(double t_stop) {
   const double duration = options_.end_time - options_.start_time;
-  const double h_max = options_.max_step > 0.0 ? options_.max_step : 0.1 * duration;
+  const double h_max = options_.longest_step();
   const double h_min = options_.min_step > 0.0 ? options_.min_step : 1e-12 * duration;
   const bool fixed = options_.fixed_step > 0.0;
   weights_.evaluate(now_.s.p, now_.s.v, now_.s.c, w_);
@@ -324,6 +333,7 @@ StepEnd GeneralisedAlpha::step(double t_stop) {
   std::swap(now_, next_);
   d_before_ = d_;
   h_done_ = h;
+  weights_.take(now_.s.p, now_.s.v);
   switches_.search(end, [&](double t, State& s) { state_at(t, s); });
   return end;
 }
@@ -362,6 +372,7 @@ void GeneralisedAlpha::remember(History& history) {
   mbs::remember(history, v_dot_older_, n_.n_v);
   history(d_before_);
   for (double* x : {&h_, &h_w_, &h_older_, &h_done_}) history(*x);
+  weights_.remember(history);
   switches_.remember(history, now_.s);
   matrix_.remember(history);
   if (!history.reads()) return;

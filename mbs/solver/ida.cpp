@@ -22,6 +22,10 @@ namespace {
 using ConstMap = Eigen::Map<const Eigen::VectorXd>;
 using Map = Eigen::Map<Eigen::VectorXd>;
 
+// So many steps in a row at a low order, each of which failed at first, are a trap; orders one to five take
+// 2 + 3 + 4 + 5 + 6 steps of one length.
+constexpr int kTrapped = 5, kHeld = 20;
+
 ConstMap view(N_Vector x) {
   return {NV_DATA_S(x), static_cast<Eigen::Index>(NV_LENGTH_S(x))};
 }
@@ -61,6 +65,8 @@ class Ida final : public Integrator {
   }
   [[noreturn]] void fail(int flag);
   TangentScope scope();
+  void watch_order();
+  void leave_trap();
   // What the matrix was last built from, so that it can be built again to the bit.
   struct Built {
     double t = 0.0, cj = 0.0;
@@ -113,6 +119,8 @@ class Ida final : public Integrator {
   State start_;  // of the last (re)start: the scale S of the form and the switches
   long failures_seen_ = 0;
   int full_matrices_left_ = 0;
+  long errors_seen_ = 0;
+  int trapped_ = 0, held_left_ = 0;  // steps at a low order that failed once; steps still held at one length
   std::string last_message_;
   std::exception_ptr fatal_;
   std::string trouble_;  // why the last evaluation failed, or empty
@@ -237,7 +245,7 @@ void Ida::create(const State& s) {
   check(IDASetMaxErrTestFails(memory_, 20), "the number of failures");
   check(IDASetMaxConvFails(memory_, 25), "the number of failures");
   const double duration = options_.end_time - options_.start_time;
-  check(IDASetMaxStep(memory_, options_.max_step > 0.0 ? options_.max_step : 0.1 * duration), "max_step");
+  check(IDASetMaxStep(memory_, options_.longest_step()), "max_step");
   check(IDASetMinStep(memory_, options_.min_step > 0.0 ? options_.min_step : 1e-12 * duration), "min_step");
   // Newton down to a hundredth of the error allowed (IDA's own choice is a third): what it leaves behind is
   // noise in accelerations and multipliers, which costs more steps than the iterations do (Andrews: 40 %
@@ -272,6 +280,8 @@ void Ida::start(const State& s, const Eigen::VectorXd& v_dot) {
   }
   failures_seen_ = 0;
   start_ = s;
+  weights_.start(s, v_dot);
+  leave_trap();
   switches_.start(s);
   form_->pack(s, v_dot, edit(y_), edit(yp_));
   check(IDAReInit(memory_, s.t, y_, yp_), "the initial values");
@@ -289,10 +299,40 @@ StepEnd Ida::step(double t_stop) {
   if (!view(y_).allFinite())
     throw IntegrationError(fmt::format("the state is no longer finite at t = {:.9g} s", t));
   end.t_end = t;
+  const int n_p = form_->at_v();
+  weights_.take(view(y_).head(n_p), view(y_).segment(n_p, form_->at_c() - n_p));
+  watch_order();
   // IDA has a root finder of its own, which overlooks a function that leaves an exact 0.
   switches_.search(end, [&](double at, State& s) { state_at(at, s); });
   t_ = end.t_end;
   return end;
+}
+
+// IDA lengthens its steps by nothing less than a factor of two, and lifts its order only after as many steps
+// of one length as the order.  Of a stiff contact the velocities follow from the positions, (p_n - p_n-1) / h at
+// order one, with an error that goes with h: a step twice as long brings a jump of that error, fails, and the
+// count of equal steps begins anew, for ever at order one.  Steps held at one length for a while let the order
+// rise, and the jump shrinks with it.
+void Ida::watch_order() {
+  long errors = 0;
+  int order = 0;
+  double h = 0.0;
+  IDAGetNumErrTestFails(memory_, &errors);
+  IDAGetLastOrder(memory_, &order);
+  IDAGetLastStep(memory_, &h);
+  trapped_ = errors > errors_seen_ && order < std::min(3, options_.max_order) ? trapped_ + 1 : 0;
+  errors_seen_ = errors;
+  if (held_left_ > 0 && --held_left_ == 0) check(IDASetMaxStep(memory_, options_.longest_step()), "max_step");
+  if (trapped_ < kTrapped || held_left_ > 0) return;
+  check(IDASetMaxStep(memory_, h), "max_step");
+  held_left_ = kHeld;
+  trapped_ = 0;
+}
+
+void Ida::leave_trap() {
+  if (held_left_ > 0) check(IDASetMaxStep(memory_, options_.longest_step()), "max_step");
+  trapped_ = held_left_ = 0;
+  errors_seen_ = 0;
 }
 
 void Ida::fail(int flag) {
@@ -367,6 +407,9 @@ StepCounts Ida::counts() const {
 void Ida::remember(History& history) {
   if (!history.reads() && memory_ == nullptr) return;  // it never started
   mbs::remember(history, start_, eq_.sizes());
+  weights_.remember(history);
+  history(trapped_);
+  history(held_left_);
   if (history.reads()) {
     create(start_);
     form_->set_start(start_);
@@ -419,6 +462,7 @@ void Ida::remember(History& history) {
   for (const Eigen::VectorXd* x : {&built_.y, &built_.yp}) require_size(x->size(), is_built ? n : 0);
   built_.scope = scope == 1 ? TangentScope::newton : TangentScope::everything;
   IDAGetNumNonlinSolvConvFails(memory_, &failures_seen_);
+  IDAGetNumErrTestFails(memory_, &errors_seen_);
   if (is_built) build_matrix();
 }
 

@@ -1,6 +1,7 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <memory>
 #include <string>
 
 #include "mbs/input/document.hpp"
@@ -8,6 +9,8 @@
 
 /// What the user may say about a dynamic run: the table [solver] of a mechanism file.
 namespace flexura::mbs {
+
+struct Scales;
 
 struct SolverOptions {
   std::string method = "ida";  ///< the integrator, one of those in integrator.cpp
@@ -23,11 +26,18 @@ struct SolverOptions {
   double rho_inf = 0.8;        ///< of generalised_alpha: share of vibration left at infinite frequency
   double first_step = 0.0;     ///< s; 0 lets the integrator choose
   double min_step = 0.0;       ///< s; 0: 1e-12 of the run
-  double max_step = 0.0;       ///< s; 0: a tenth of the run
+  double max_step = 0.0;       ///< s; 0: a tenth of the run, of fixed steps none
   double fixed_step = 0.0;     ///< s; 0: variable. Not for ida
   int max_steps = 0;           ///< steps allowed in a run; 0: no bound
   bool settled_start = false;  ///< elastic coordinates start where their loads hold them (settle.hpp)
   bool store_states = false;   ///< write all states into the results file
+  /// Nobody said `method`: the run may change between ida and radau where steps collapse (method_watch.hpp).
+  bool method_is_open = false;
+  /// Of the mechanism (scales.hpp); without them lengths and angles count as in a mechanism of 1 m.
+  std::shared_ptr<const Scales> scales = nullptr;
+
+  /// The bound on an integrator's steps [s].
+  double longest_step() const;
 };
 
 /// Schema of [solver], for the mechanism file and its reference page.

@@ -9,6 +9,7 @@
 #include "mbs/solver/accelerations.hpp"
 #include "mbs/solver/dead_point.hpp"
 #include "mbs/solver/kinematic_blocks.hpp"
+#include "mbs/solver/mechanism_scales.hpp"
 #include "mbs/solver/row_watch.hpp"
 #include "mbs/solver/settle.hpp"
 
@@ -108,6 +109,7 @@ PreparedMechanism prepare(const std::filesystem::path& path, const std::vector<s
   out.mechanism = std::make_unique<Mechanism>(out.file.description);
   if (!out.file.solver.has("method") && !out.file.solver.has("max_order") && has_deformation(*out.mechanism))
     out.options.method = "radau";
+  out.options.method_is_open = !out.file.solver.has("method") && !out.file.solver.has("max_order");
   out.state = out.mechanism->initial_state();
   out.state.t = out.options.start_time;
   std::vector<bool> given_positions = out.mechanism->given_positions();
@@ -165,6 +167,7 @@ PreparedMechanism prepare(const std::filesystem::path& path, const std::vector<s
                     names.size(), names.size() == 1 ? "" : "s", fmt::join(names, ", ")));
   }
   for (const std::string& note : out.assembly.notes) out.notes.push_back(note);
+  out.options.scales = std::make_shared<Scales>(scales_of(*out.mechanism, out.state));
   if (!state_file.empty()) {
     // Now that the redundant rows are gone the multipliers have their places.
     State whole = out.state;

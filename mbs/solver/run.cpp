@@ -12,6 +12,7 @@
 #include "mbs/solver/assemble.hpp"
 #include "mbs/solver/bookkeeper.hpp"
 #include "mbs/solver/dead_point.hpp"
+#include "mbs/solver/method_watch.hpp"
 #include "mbs/solver/projection.hpp"
 #include "mbs/solver/remembered.hpp"
 #include "mbs/solver/row_watch.hpp"
@@ -27,6 +28,8 @@ constexpr int kMostEventsAtOnce = 20;
 constexpr double kAtOnce = 1e-10;
 
 constexpr int kMostHops = 1000;
+constexpr std::size_t kAnchors = 3;
+constexpr std::size_t kMostChanges = 20;
 
 // The last entry of a history is the number of those before it: one that is missing shifts the others, which might
 // by chance make sense all the same.
@@ -51,6 +54,9 @@ class Runner {
         remembering_(remembering),
         scratch_(eq.make_scratch()),
         integrator_(make_integrator(eq, options)),
+        method_watch_(eq, options),
+        is_watched_(options.method == "ida" || options.method == "radau" ||
+                    options.method == "generalised_alpha" || options.method == "runge_kutta"),
         accelerations_(eq),
         watch_(eq),
         watch_closer_(eq, options),
@@ -92,14 +98,22 @@ class Runner {
   bool hop(const IntegrationError& reason);
   bool contradicts(double t, Integrator& integrator);
   bool stop_at_contradiction(const StepEnd& end, Integrator& integrator);
+  bool leap(const Instant& from, bool& goes_on);
+  bool start_again(State& s, Eigen::VectorXd& v_dot);
+  void watch_method();
+  bool change_after(const IntegrationError& reason);
+  void change_method(const std::string& method, const std::string& why);
+  void remember_own(History& history);
 
   const Equations& eq_;
   Sizes n_;
-  const SolverOptions& options_;
+  SolverOptions options_;
   const RunCallbacks& callbacks_;
   const Remembering remembering_;
   std::unique_ptr<Equations::Scratch> scratch_;
   std::unique_ptr<Integrator> integrator_, hopper_;
+  MethodWatch method_watch_;
+  bool is_watched_;
   AccelerationSolver accelerations_;
   RowWatch watch_;
   LoopCloser watch_closer_;
@@ -108,6 +122,9 @@ class Runner {
   RunResult result_;
   Instant row_;
   double good_step_ = 0.0;
+  // The beginnings of the last long steps.
+  std::array<Instant, kAnchors> anchors_;
+  std::size_t n_anchors_ = 0, next_anchor_ = 0;
   long n_rows_ = 0, next_row_ = 1;
   bool resumed_ = false;
   // The integrator has taken a step since its last start; between the two it has no history yet.
@@ -174,12 +191,73 @@ bool Runner::step_once() {
   try {
     end = integrator_->step(options_.end_time);
   } catch (const IntegrationError& reason) {
-    return hop(reason);
+    if (!options_.method_is_open) return hop(reason);
+    try {
+      return hop(reason);
+    } catch (const IntegrationError&) {
+      if (!change_after(reason)) throw;
+      return true;
+    }
   }
   // The longest of the last steps: what the motion allows away from the trouble.
   good_step_ = std::max(end.t_end - end.t_begin, 0.99 * good_step_);
   has_history_ = true;
-  return finish_step(end, *integrator_);
+  if (n_.n_lambda > 0 && end.t_end - end.t_begin > 0.1 * good_step_) {
+    anchors_[next_anchor_].state = result_.state;
+    anchors_[next_anchor_].v_dot = result_.v_dot;
+    next_anchor_ = (next_anchor_ + 1) % kAnchors;
+    n_anchors_ = std::min(n_anchors_ + 1, kAnchors);
+  }
+  const bool goes_on = finish_step(end, *integrator_);
+  if (!end.roots.empty()) n_anchors_ = 0;
+  if (is_watched_ && method_watch_.step(options_.method, end.t_end, integrator_->counts()) &&
+      (goes_on || result_.stopped_as_told))
+    watch_method();
+  return goes_on;
+}
+
+// A state to start an integrator from, on the constraints; false where there is none.
+bool Runner::start_again(State& s, Eigen::VectorXd& v_dot) {
+  try {
+    if (!Projector(eq_).project(s)) return false;
+    accelerations_.solve(s, v_dot);
+  } catch (const std::runtime_error&) {
+    return false;
+  }
+  return true;
+}
+
+void Runner::watch_method() {
+  State s = result_.state;
+  Eigen::VectorXd v_dot = result_.v_dot;
+  if (!start_again(s, v_dot)) return;
+  const std::string method = method_watch_.look(options_.method, s, v_dot);
+  if (!method.empty())
+    change_method(method, fmt::format("it is about {:.0f} times as fast there", method_watch_.last_gain()));
+}
+
+bool Runner::change_after(const IntegrationError& reason) {
+  if (result_.method_changes.size() >= kMostChanges) return false;
+  State s = result_.state;
+  Eigen::VectorXd v_dot = result_.v_dot;
+  if (!start_again(s, v_dot)) return false;
+  const std::string method = method_watch_.after_failure(options_.method, s, v_dot);
+  if (method.empty()) return false;
+  change_method(method, reason.what());
+  return true;
+}
+
+void Runner::change_method(const std::string& method, const std::string& why) {
+  result_.method_changes.push_back(
+      fmt::format("from {} to {} at t = {:.6g} s: {}", options_.method, method, result_.state.t, why));
+  before_.counts = counts();
+  counts_at_once_ = {};
+  options_.method = method;
+  integrator_ = make_integrator(eq_, options_);
+  method_watch_.change();
+  start_again(result_.state, result_.v_dot);
+  integrator_->start(result_.state, result_.v_dot);
+  has_history_ = false;
 }
 
 bool Runner::hop(const IntegrationError& reason) {
@@ -189,32 +267,54 @@ bool Runner::hop(const IntegrationError& reason) {
   if ((options_.method != "ida" && options_.method != "radau" && options_.method != "generalised_alpha") ||
       n_.n_lambda == 0 || result_.counts.hops >= kMostHops)
     throw reason;
+  // From where the run stands, or, where that is too near to the singular position for round-off to allow it,
+  // from the beginnings of the last long steps: what lies before the present time is not taken again.
+  const double t_failed = result_.state.t;
+  has_history_ = false;
+  for (std::size_t back = 0; back <= n_anchors_; ++back) {
+    const Instant from = back == 0 ? Instant{result_.state, result_.v_dot}
+                                   : anchors_[(next_anchor_ + kAnchors - back) % kAnchors];
+    bool goes_on = true;
+    if (!leap(from, goes_on)) continue;
+    if (!goes_on) return false;
+    if (result_.state.t - t_failed < 1e-7 * (options_.end_time - options_.start_time)) continue;
+    ++result_.counts.hops;
+    n_anchors_ = 0;
+    integrator_->start(result_.state, result_.v_dot);
+    has_history_ = false;
+    return result_.state.t < options_.end_time;
+  }
+  throw reason;
+}
+
+// A few explicit steps; false where not even one of them came beyond the present time.
+bool Runner::leap(const Instant& from, bool& goes_on) {
   SolverOptions explicit_options = options_;
   explicit_options.method = "runge_kutta";
+  explicit_options.method_is_open = false;
   // Steps that the implicit method took at order five or below are easy for this one; error control would
   // creep into the singular position instead of over it.
-  explicit_options.fixed_step = 0.5 * good_step_;
-  has_history_ = false;
-  const double t_failed = result_.state.t;
+  explicit_options.fixed_step = std::max(0.5 * good_step_, 1.5 * (result_.state.t - from.state.t));
+  explicit_options.max_step = 0.0;
+  bool came_on = false;
   try {
     hopper_ = make_integrator(eq_, explicit_options);
+    State s = from.state;
+    Eigen::VectorXd v_dot = from.v_dot;
     // What Newton left of G v would grow like 1 / sigma.
-    if (!Projector(eq_).project(result_.state)) throw reason;
-    accelerations_.solve(result_.state, result_.v_dot);
-    hopper_->start(result_.state, result_.v_dot);
+    if (!start_again(s, v_dot)) return false;
+    hopper_->start(s, v_dot);
     for (int k = 0; k < 4 && result_.state.t < options_.end_time; ++k) {
       const StepEnd end = hopper_->step(options_.end_time);
-      const bool goes_on = finish_step(end, *hopper_);
-      if (!goes_on || !end.roots.empty()) return goes_on;
+      if (end.t_end <= result_.state.t) continue;
+      came_on = true;
+      goes_on = finish_step(end, *hopper_);
+      if (!goes_on || !end.roots.empty()) return true;
     }
   } catch (const std::runtime_error&) {
-    throw reason;
+    // As far as it came.
   }
-  if (result_.state.t - t_failed < 1e-7 * (options_.end_time - options_.start_time)) throw reason;
-  ++result_.counts.hops;
-  integrator_->start(result_.state, result_.v_dot);
-  has_history_ = false;
-  return result_.state.t < options_.end_time;
+  return came_on;
 }
 
 // Rows left out as redundant, at a time within the last step. What Newton's method left of the kept ones is
@@ -287,6 +387,10 @@ bool Runner::finish_step(const StepEnd& end, Integrator& integrator) {
 }
 
 void Runner::resume(const Continuation& from) {
+  if (options_.method_is_open && (from.method == "ida" || from.method == "radau")) {
+    options_.method = from.method;
+    integrator_ = make_integrator(eq_, options_);
+  }
   if (from.method != options_.method)
     throw std::invalid_argument(
         fmt::format("the history is that of the integrator \"{}\", this run uses \"{}\"; take the same "
@@ -315,7 +419,9 @@ void Runner::resume(const Continuation& from) {
   result_.v_dot = from.v_dot;
   History history(opened(from.history));
   books_.closer().remember(history);
+  remember_own(history);
   integrator_->remember(history);
+  method_watch_.take_counts(options_.method, integrator_->counts());
   if (!history.is_used_up())
     throw std::invalid_argument(
         "the integrator's history is longer than this mechanism needs: it was saved by another one; start "
@@ -344,10 +450,11 @@ long Runner::next_row_at(double t, long said) const {
       std::clamp(static_cast<long>((t - options_.start_time) / options_.output_step) - 1, 1L, n_rows_ + 1);
   while (row_time(k) <= t + nearly && row_time(k) > row_time(k - 1)) ++k;
   if (said == k + 1) return k;  // saved at an end beside the rows' grid, which gave a row of its own
-  throw std::invalid_argument(fmt::format(
-      "the next row is said to be number {}, and after t = {:.9g} s it is number {}: the file was changed, or "
-      "start_time or output_step are others than in the run that was saved",
-      said, t, k));
+  throw std::invalid_argument(
+      fmt::format("the next row is said to be number {}, and after t = {:.9g} s it is number {}: the file "
+                  "was changed, or "
+                  "start_time or output_step are others than in the run that was saved",
+                  said, t, k));
 }
 
 // The integrator's memory holds no counts: what it has counted since it took its history up is added.
@@ -362,12 +469,35 @@ StepCounts Runner::counts() const {
   return c;
 }
 
+// What the run itself remembers beside its integrator.
+void Runner::remember_own(History& history) {
+  method_watch_.remember(history);
+  for (Instant& anchor : anchors_) {
+    history(anchor.state);
+    history(anchor.v_dot);
+  }
+  long n = static_cast<long>(n_anchors_), next = static_cast<long>(next_anchor_);
+  history(n);
+  history(next);
+  if (!history.reads()) return;
+  require_between(n, 0, kAnchors);
+  require_between(next, 0, kAnchors - 1);
+  n_anchors_ = static_cast<std::size_t>(n);
+  next_anchor_ = static_cast<std::size_t>(next);
+  for (std::size_t back = 1; back <= n_anchors_; ++back) {
+    const Instant& anchor = anchors_[(next_anchor_ + kAnchors - back) % kAnchors];
+    require_sizes(anchor.state, n_);
+    require_size(anchor.v_dot.size(), n_.n_v);
+  }
+}
+
 // Nothing of the run changes by this: what the run gives away is closed in other places.
 void Runner::hand_out_memory() {
   books_.settle();
   RunMemory m;
   History history;
   books_.closer().remember(history);
+  remember_own(history);
   integrator_->remember(history);
   m.continuation = {options_.method,         result_.state, result_.v_dot,
                     books_.book().account(), next_row_,     sealed(history.values())};
@@ -389,6 +519,7 @@ void Runner::remember() {
   Continuation& c = result_.continuation;
   History history;
   books_.closer().remember(history);
+  remember_own(history);
   if (options_.end_time > options_.start_time) integrator_->remember(history);
   c.history = sealed(history.values());
   if (keeps_book_) {
@@ -434,6 +565,8 @@ RunResult Runner::run() {
   }
   remember();
   result_.counts = counts();
+  result_.method = options_.method;
+  if (result_.method_changes.empty()) result_.method_hint = method_watch_.hint(options_.method);
   result_.energy = books_.book().account();
   const Bookkeeper::Peaks& peaks = books_.peaks();
   result_.largest_energy_error = std::max(before_.largest_energy_error, peaks.energy_error);

@@ -58,6 +58,9 @@ struct RunResult {
   double peak_velocity_drift = 0.0;   ///< largest |G v + g_t|
   double wall_time = 0.0;             ///< s
   std::vector<RootEvent> events;
+  std::string method;                       ///< the integrator that took the last step
+  std::vector<std::string> method_changes;  ///< one sentence for each, where the method was left open
+  std::string method_hint;  ///< where another method would have been much faster, else empty (method_watch.hpp)
   Continuation continuation;
 };
 

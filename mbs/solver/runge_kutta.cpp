@@ -56,13 +56,14 @@ class RungeKutta final : public Integrator {
     error_.setZero(n_y);
   }
 
-  void start(const State& s, const Eigen::VectorXd&) override {
+  void start(const State& s, const Eigen::VectorXd& v_dot) override {
     if (started_) ++counts_.restarts;
     started_ = true;
     state_ = stage_ = s;
     pack(s, y_);
     rates(s.t, y_, k_[0]);
     take_multipliers();
+    weights_.start(s, v_dot);
     switches_.start(s);
     if (options_.fixed_step > 0.0)
       h_ = options_.fixed_step;
@@ -92,6 +93,7 @@ class RungeKutta final : public Integrator {
     for (Eigen::VectorXd* x : {&y_, &k_[0]}) mbs::remember(history, *x, error_.size());
     for (Eigen::VectorXd& d : dense_) mbs::remember(history, d, error_.size());
     for (double* x : {&h_, &h_done_, &t_begin_, &error_before_}) history(*x);
+    weights_.remember(history);
     switches_.remember(history, state_);
     if (history.reads()) started_ = has_rates_ = true;
   }
@@ -180,7 +182,7 @@ double RungeKutta::try_step(double h) {
 
 StepEnd RungeKutta::step(double t_stop) {
   const double duration = options_.end_time - options_.start_time;
-  const double h_max = options_.max_step > 0.0 ? options_.max_step : 0.1 * duration;
+  const double h_max = options_.longest_step();
   const double h_min = options_.min_step > 0.0 ? options_.min_step : 1e-12 * duration;
   const bool fixed = options_.fixed_step > 0.0;
   std::string trouble;
@@ -245,6 +247,7 @@ StepEnd RungeKutta::step(double t_stop) {
     state_.t = end.t_end;
     y_ = y_new_;
     set(end.t_end, y_, state_);
+    weights_.take(state_.p, state_.v);
     // First same as last, where the projection found nothing to do.
     if (last_stage_is_end_)
       k_[0].swap(k_[kStages - 1]);

@@ -1,0 +1,17 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <Eigen/Core>
+
+/// How large things are in a mechanism, so that no tolerance depends on the units that its maker thinks in.
+namespace flexura::mbs {
+
+struct Scales {
+  /// Across the mechanism [m]: the diagonal of the box around what moves, as it is first put together.
+  double length = 1.0;
+  /// The displacement [m] that one unit of a position (n_p) or a velocity (n_v) stands for, somewhere in the
+  /// mechanism: 1 for lengths, `length` for angles, of a mode that of the body's point that moves most.
+  Eigen::VectorXd reach_p, reach_v;
+};
+
+}  // namespace flexura::mbs
