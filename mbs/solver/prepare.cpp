@@ -167,7 +167,9 @@ PreparedMechanism prepare(const std::filesystem::path& path, const std::vector<s
                     names.size(), names.size() == 1 ? "" : "s", fmt::join(names, ", ")));
   }
   for (const std::string& note : out.assembly.notes) out.notes.push_back(note);
-  out.options.scales = std::make_shared<Scales>(scales_of(*out.mechanism, out.state));
+  // Of the file's own positions: a run that goes on from a state has the scales of the one that was cut.
+  out.options.scales =
+      std::make_shared<Scales>(scales_of(*out.mechanism, out.mechanism->initial_state()));
   if (!state_file.empty()) {
     // Now that the redundant rows are gone the multipliers have their places.
     State whole = out.state;
