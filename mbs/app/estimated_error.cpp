@@ -67,6 +67,13 @@ void add_switches(const mbs::PreparedMechanism& prepared, bool is_judged, std::v
   for (const auto& force : prepared.mechanism->description().forces)
     if (force->n_switches() > 0)
       sources.push_back({"switch", force->name(), {}, 0.0, "the estimate is linear about the run"});
+  for (int i = 0; i < prepared.mechanism->sizes().n_root; ++i)
+    if (prepared.mechanism->is_condition(i))
+      sources.push_back({"switch",
+                         prepared.mechanism->name_of_root(i),
+                         {},
+                         0.0,
+                         "the estimate is linear about the run"});
 }
 
 std::string words_of(const ErrorSource& source) {
@@ -109,10 +116,20 @@ ErrorEstimate estimate_error(const mbs::PreparedMechanism& prepared,
     out.of = basis(truncation->outputs[static_cast<std::size_t>(truncation->worst)]);
     out.is_large = truncation->error > kTrusted;
     for (const study::SourceEstimate& source : truncation->by_body)
-      // Alone a body may be worst for another output.
-      out.sources.push_back(
-          {"modes", source.body, source.error, 0.0,
-           truncation->by_body.size() > 1 && !source.output.empty() ? "in " + source.output : ""});
+      if (truncation->missed > 0.0)
+        out.sources.push_back(
+            {"modes",
+             source.body,
+             {},
+             source.error,
+             fmt::format("forces change within {:.3g} s, the rows that judge it are {:.3g} s apart: "
+                         "give a smaller output_step",
+                         truncation->missed, truncation->rows_apart)});
+      else
+        // Alone a body may be worst for another output.
+        out.sources.push_back(
+            {"modes", source.body, source.error, 0.0,
+             truncation->by_body.size() > 1 && !source.output.empty() ? "in " + source.output : ""});
   }
   add_bodies(prepared, out.sources);
   for (const mbs::BlindSpot& spot : prepared.file.blind_spots)

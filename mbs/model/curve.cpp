@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
+#include <tuple>
 
 namespace flexura::mbs {
 namespace {
@@ -90,6 +91,98 @@ Curve::Curve(std::vector<double> x, std::vector<double> y, Interpolation interpo
   before_ = {y[0], extends * pieces_[0].c1, 0.0, 0.0, 0.0};
   after_ = {y[n - 1], extends * (last.c1 + h * (2.0 * last.c2 + 3.0 * h * last.c3)), 0.0, 0.0, sum};
   at_zero_ = antiderivative(0.0);
+  find_kinks();
+}
+
+double Curve::periods(double x) const {
+  return outside_ == Outside::repeat ? std::floor((x - x_.front()) / (x_.back() - x_.front())) : 0.0;
+}
+
+void Curve::find_kinks() {
+  const std::size_t n = x_.size();
+  bounds_ = over_pieces(x_.front(), x_.back());
+  const double range = bounds_.value.width();
+  // Slope and second derivative at the end of piece i.
+  const auto at_end = [&](std::size_t i) {
+    const Piece& c = pieces_[i];
+    const double h = x_[i + 1] - x_[i];
+    return std::pair(c.c1 + h * (2.0 * c.c2 + 3.0 * c.c3 * h), 2.0 * c.c2 + 6.0 * c.c3 * h);
+  };
+  int count = 0;
+  kinks_.resize(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    const bool first = i == 0, last = i + 1 == n;
+    double before = before_.c1, bends_before = 0.0, after = after_.c1, bends_after = 0.0;
+    double h = first ? x_[1] - x_[0] : x_[i] - x_[i - 1];
+    if (!first || outside_ == Outside::repeat) std::tie(before, bends_before) = at_end(first ? n - 2 : i - 1);
+    if (!last || outside_ == Outside::repeat) {
+      const Piece& c = pieces_[last ? 0 : i];
+      after = c.c1;
+      bends_after = 2.0 * c.c2;
+    }
+    if (!first && !last) h = std::max(h, x_[i + 1] - x_[i]);
+    count += std::abs(after - before) * h > 1e-4 * range ||
+             std::abs(bends_after - bends_before) * h * h > 1e-3 * range;
+    kinks_[i] = count;
+  }
+}
+
+double Curve::kinks_until(double x) const {
+  const double k = periods(x);
+  x -= k * (x_.back() - x_.front());
+  // The first and the last point of a repeated curve are one.
+  const bool repeats = outside_ == Outside::repeat;
+  const auto i = std::upper_bound(x_.begin(), repeats ? x_.end() - 1 : x_.end(), x) - x_.begin();
+  const int in_period = repeats ? kinks_[kinks_.size() - 2] : 0;
+  return k * in_period + (i > 0 ? kinks_[static_cast<std::size_t>(i - 1)] : 0);
+}
+
+// Pieces that [a, b], within one period, has a share of.
+Curve::Bounds Curve::over_pieces(double a, double b) const {
+  Bounds all;
+  bool any = false;
+  const auto take = [&](const Piece& c, const Interval& u) {
+    const Bounds part{Interval(c.c0) + u * (Interval(c.c1) + u * (Interval(c.c2) + u * Interval(c.c3))),
+                      Interval(c.c1) + u * (Interval(2.0 * c.c2) + u * Interval(3.0 * c.c3)),
+                      Interval(2.0 * c.c2) + u * Interval(6.0 * c.c3)};
+    all =
+        any ? Bounds{hull(all.value, part.value), hull(all.first, part.first), hull(all.second, part.second)}
+            : part;
+    any = true;
+  };
+  if (a < x_.front()) take(before_, {a - x_.front(), std::min(b, x_.front()) - x_.front()});
+  if (b >= x_.front() && a <= x_.back())
+    for (std::size_t i = piece_of(std::max(a, x_.front())); i < pieces_.size() && x_[i] <= b; ++i)
+      take(pieces_[i], {std::max(a, x_[i]) - x_[i], std::min(b, x_[i + 1]) - x_[i]});
+  if (b > x_.back()) take(after_, {std::max(a, x_.back()) - x_.back(), b - x_.back()});
+  return all;
+}
+
+Curve::Bounds Curve::over(const Interval& x) const {
+  double a = x.lo, b = x.hi;
+  if (outside_ == Outside::repeat) {
+    const double period = x_.back() - x_.front(), k = periods(a);
+    if (!(b - a < period)) return bounds_;
+    a -= k * period;
+    b -= k * period;
+    if (b > x_.back()) {
+      const Bounds one = over({a, x_.back()}), other = over({x_.front(), b - period});
+      return {hull(one.value, other.value), hull(one.first, other.first), hull(one.second, other.second)};
+    }
+  }
+  // Over many pieces that of all of them does, so that one question costs little.
+  constexpr std::size_t many = 16;
+  if (std::isfinite(a) && std::isfinite(b) && piece_of(b) - piece_of(a) <= many) return over_pieces(a, b);
+  Bounds all = bounds_;
+  for (const auto& [outside, piece] :
+       {std::pair(Interval(a - x_.front(), 0.0), &before_), std::pair(Interval(0.0, b - x_.back()), &after_)})
+    if (outside.lo < 0.0 || outside.hi > 0.0) {
+      if (outside.lo > outside.hi) continue;
+      all.value = hull(all.value, Interval(piece->c0) + outside * Interval(piece->c1));
+      all.first = hull(all.first, piece->c1);
+      all.second = hull(all.second, 0.0);
+    }
+  return all;
 }
 
 std::size_t Curve::piece_of(double x) const {

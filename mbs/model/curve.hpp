@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "mbs/math/interval.hpp"
+
 /// Curves through tabulated points (x_i, y_i), x rising.
 ///
 ///     linear   straight between the points
@@ -36,12 +38,25 @@ class Curve {
   /// The integral from 0 to x: the energy of a spring with this force.
   double integral(double x) const { return antiderivative(x) - at_zero_; }
 
+  struct Bounds {
+    Interval value, first, second;
+  };
+  /// What the curve and its derivatives are between two x.
+  Bounds over(const Interval& x) const;
+  /// The number of kinks up to x: points where the slope (or, of an Akima curve, the second derivative)
+  /// jumps.  Bends that a dense table of a smooth curve has, of less than 1e-4 of its range from one point to
+  /// the next, are none.
+  double kinks_until(double x) const;
+
  private:
   /// y = c0 + c1 u + c2 u^2 + c3 u^3, u = x - x_i.
   struct Piece {
     double c0, c1, c2, c3, sum;  ///< sum: the integral from x_0 to x_i
   };
   std::size_t piece_of(double x) const;
+  double periods(double x) const;
+  void find_kinks();
+  Bounds over_pieces(double a, double b) const;
   double antiderivative(double x) const;
 
   std::vector<double> x_;
@@ -49,6 +64,8 @@ class Curve {
   Outside outside_;
   Piece before_, after_;  ///< straight lines beyond the ends
   double whole_ = 0.0, at_zero_ = 0.0;
+  std::vector<int> kinks_;  ///< at points up to each one
+  Bounds bounds_;           ///< of all pieces between the ends
 };
 
 /// Tables of a mechanism file by their names, for formulas and elements.

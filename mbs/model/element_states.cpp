@@ -2,7 +2,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
+#include <set>
 
+#include "mbs/model/operations.hpp"
+#include "mbs/model/time_function.hpp"
 #include "mbs/model/work.hpp"
 
 /// Dynamic states and switches that belong to single elements.
@@ -12,6 +16,8 @@ void Mechanism::take_states(const State& s, Work& work) const {
   work.kin.c = s.c.data();
   // A caller that knows nothing of switches has them all off.
   for (std::size_t i = 0; i < work.switches.size(); ++i) work.switches[i] = i < s.root.size() ? s.root[i] : 0;
+  for (std::size_t i = 0; i < conditions_.size(); ++i)
+    work.signals(conditions_[i].place) = work.switches[static_cast<std::size_t>(first_switch_.back()) + i];
   if (s.u.size() == work.inputs.size())
     work.inputs = s.u;
   else
@@ -72,6 +78,63 @@ void Mechanism::roots(const State& s, Scratch& scratch, VectorRef values) const 
     own_states(i, work);
     d_.forces[i]->switching(work.kin, work.signals.data(), values.data() + first_switch_[i]);
   }
+  for (std::size_t i = 0; i < conditions_.size(); ++i)
+    values(first_switch_.back() + static_cast<int>(i)) =
+        conditions_[i].formula->switching(conditions_[i].node, work.signals.data());
+}
+
+void Mechanism::list_conditions(const std::vector<bool>& is_used) {
+  // Inputs, and measures that are formulas of time, inputs and each other.
+  std::map<int, const FormulaTree*> of_time;
+  std::vector<const Expression*> idle;
+  for (const InputDescription& input : d_.inputs)
+    if (const int k = d_.signals.find(input.name); k >= 0) of_time[k] = &input.value->tree();
+  for (const auto& measure : d_.measures) {
+    const int k = d_.signals.find(measure->name());
+    const Expression* formula = measure->formula();
+    if (!formula || k < 0) continue;
+    if (!is_used[static_cast<std::size_t>(k)]) idle.push_back(formula);
+    if (std::ranges::all_of(formula->reads(), [&](int place) { return of_time.contains(place); }))
+      of_time[k] = &formula->tree();
+  }
+  const TimeFunction::Source source = [&](int place) {
+    const auto found = of_time.find(place);
+    return found == of_time.end() ? nullptr : found->second;
+  };
+  std::set<std::string> known;
+  for (const FormulaDescription& f : d_.formulas) {
+    // What only the results show moves nothing.
+    if (std::ranges::find(idle, f.expression.get()) != idle.end()) continue;
+    const FormulaTree& tree = f.expression->tree();
+    for (const int part : TimeFunction::parts(tree, source)) {
+      auto function =
+          std::make_shared<const TimeFunction>(f.expression->where(), f.drives, tree, part, source);
+      if (known.insert(function->fingerprint()).second) functions_of_time_.push_back(std::move(function));
+    }
+    int number = 0;
+    for (const int node : f.expression->conditions()) {
+      ++number;
+      // What depends on time alone is known beforehand, and needs no watching.
+      const bool watched = tree.any(node, [&](const FormulaNode& n) {
+        return n.code == operations::signal && n.place > 0 && !of_time.contains(n.place);
+      });
+      if (watched) conditions_.push_back({f.expression, node, tree[node].held, number});
+    }
+  }
+}
+
+void Mechanism::hold_conditions(State& s, Scratch& scratch) const {
+  if (conditions_.empty()) return;
+  s.root.resize(static_cast<std::size_t>(n_switches()), 0);
+  const auto first = s.root.begin() + first_switch_.back();
+  std::fill(first, s.root.end(), 0);
+  Work& work = work_of(scratch);
+  forward(Level::velocity, s.t, s.p.data(), s.v.data(), nullptr, work);
+  take_states(s, work);
+  evaluate_signals(work);
+  for (std::size_t i = 0; i < conditions_.size(); ++i)
+    first[static_cast<long>(i)] =
+        conditions_[i].formula->condition_now(conditions_[i].node, work.signals.data());
 }
 
 bool Mechanism::on_root(int which, State& s, Scratch& scratch) const {
@@ -79,7 +142,13 @@ bool Mechanism::on_root(int which, State& s, Scratch& scratch) const {
   forward(Level::velocity, s.t, s.p.data(), s.v.data(), nullptr, work);
   take_states(s, work);
   evaluate_signals(work);
-  s.root.resize(first_switch_.back(), 0);
+  s.root.resize(n_switches(), 0);
+  if (is_condition(which)) {
+    const Condition& condition = conditions_[static_cast<std::size_t>(which - first_switch_.back())];
+    s.root[static_cast<std::size_t>(which)] =
+        condition.formula->condition_next(condition.node, work.signals.data());
+    return false;
+  }
   std::size_t i = 0;
   if (which < first_control_switch_.back()) {
     while (first_control_switch_[i + 1] <= which) ++i;
@@ -99,7 +168,7 @@ void Mechanism::start_switches(State& s, Scratch& scratch) const {
   forward(Level::velocity, s.t, s.p.data(), s.v.data(), nullptr, work);
   take_states(s, work);
   evaluate_signals(work);
-  s.root.assign(first_switch_.back(), 0);
+  s.root.assign(n_switches(), 0);
   for (std::size_t i = 0; i < d_.controls.size(); ++i)
     if (d_.controls[i]->n_switches() > 0)
       d_.controls[i]->start_switches(work.signals.data(), s.c.data() + first_state_[i]);
@@ -109,9 +178,20 @@ void Mechanism::start_switches(State& s, Scratch& scratch) const {
     d_.forces[i]->start_switches(work.kin, work.signals.data(), s.root.data() + first_switch_[i],
                                  s.c.data() + first_force_state_[i]);
   }
+  hold_conditions(s, scratch);
+}
+
+std::string Mechanism::describe_root(int i) const {
+  if (!is_condition(i)) return Equations::describe_root(i);
+  const Expression& formula = *conditions_[static_cast<std::size_t>(i - first_switch_.back())].formula;
+  return fmt::format("a condition of {} = \"{}\"", formula.where(), formula.text());
 }
 
 std::string Mechanism::name_of_root(int i) const {
+  if (is_condition(i)) {
+    const Condition& condition = conditions_[static_cast<std::size_t>(i - first_switch_.back())];
+    return fmt::format("{}.condition_{}", condition.formula->where(), condition.number);
+  }
   std::size_t k = 0;
   if (i < first_control_switch_.back()) {
     while (first_control_switch_[k + 1] <= i) ++k;

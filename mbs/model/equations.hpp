@@ -6,6 +6,10 @@
 #include <string>
 #include <vector>
 
+namespace flexura::mbs {
+class TimeFunction;
+}
+
 /// The equations of motion as the solvers see them (Simpack's form):
 ///
 ///     p' = T(p) v                                    kinematic
@@ -227,6 +231,16 @@ class Equations {
   virtual double input_value(int /*i*/, double /*t*/) const { return 0.0; }
 
   virtual std::string name_of_root(int i) const { return "switch " + std::to_string(i); }
+  /// The same for a message.
+  virtual std::string describe_root(int i) const { return "\"" + name_of_root(i) + "\""; }
+  /// True for a condition in a formula.  Its position may be 0: the formula is then always as it is written,
+  /// also within a step; else it is held until its switching function falls below 0.
+  virtual bool is_condition(int /*root*/) const { return false; }
+  /// Holds all conditions at what they are in this state.
+  virtual void hold_conditions(State& /*s*/, Scratch& /*scratch*/) const {}
+
+  /// What moves or loads the mechanism and is known before the run.
+  virtual std::vector<std::shared_ptr<const TimeFunction>> functions_of_time() const { return {}; }
 };
 
 }  // namespace flexura::mbs

@@ -33,6 +33,9 @@ double f_atan2(double y, double x) {
 double f_pow(double x, double y) {
   return std::pow(x, y);
 }
+double f_mod(double x, double y) {
+  return modulo_of(x, y);
+}
 double f_min(const double* x, int n) {
   return *std::min_element(x, x + n);
 }
@@ -71,7 +74,9 @@ constexpr NamedFunction functions_1[] = {{"sin", sine, f1<sine>},
                                          {"sqrt", square_root, f1<square_root>},
                                          {"abs", absolute, f1<absolute>},
                                          {"sign", signum, f1<signum>},
-                                         {"rint", round_to_integer, f1<round_to_integer>}};
+                                         {"rint", round_to_integer, f1<round_to_integer>},
+                                         {"floor", round_down, f1<round_down>},
+                                         {"ceil", round_up, f1<round_up>}};
 
 template <class F>
 bool is(const mu::generic_callable_type& called, F* f) {
@@ -85,6 +90,7 @@ int function_code(const mu::generic_callable_type& called) {
   if (is(called, f1<plus>)) return plus;
   if (is(called, f_atan2)) return arc_tangent_2;
   if (is(called, f_pow)) return power;
+  if (is(called, f_mod)) return modulo;
   if (is(called, f_min)) return minimum;
   if (is(called, f_max)) return maximum;
   if (is(called, f_step)) return smooth_step;
@@ -169,7 +175,8 @@ SignalNames SignalNames::within(const std::string& prefix) const {
 }
 
 Expression::Expression(std::string where, std::string text, const SignalNames& signals,
-                       const std::map<std::string, double>& constants, const Curves& tables)
+                       const std::map<std::string, double>& constants, const Curves& tables,
+                       SignalNames* held)
     : where_(std::move(where)), text_(std::move(text)) {
   const auto refuse = [&](const std::string& why) {
     throw std::invalid_argument(fmt::format("{} = \"{}\": {}", where_, input::shown_text(text_), why));
@@ -178,6 +185,10 @@ Expression::Expression(std::string where, std::string text, const SignalNames& s
   if (const auto [end, failure] = std::from_chars(text_.data(), text_.data() + text_.size(), plain);
       failure == std::errc() && end == text_.data() + text_.size() && std::isfinite(plain)) {
     program_.push_back({.code = constant, .value = plain});
+    FormulaNode number;
+    number.code = constant;
+    number.value = plain;
+    tree_.root = tree_.add(std::move(number));
     return;
   }
   if (const std::string why = input::wrong_with_formula(text_); !why.empty()) refuse(why);
@@ -200,7 +211,7 @@ Expression::Expression(std::string where, std::string text, const SignalNames& s
         refuse(fmt::format("the name \"{}\" cannot stand in a formula; take one of letters, digits and _",
                            input::shown_text(name)));
     for (const NamedFunction& f : functions_1) known.push_back(f.name);
-    known.insert(known.end(), {"atan2", "pow", "min", "max", "step", "pi", "e"});
+    known.insert(known.end(), {"atan2", "pow", "mod", "min", "max", "step", "pi", "e"});
     refuse(
         fmt::format("\"{}\" is not known here{}", input::shown_text(token), input::suggestion(token, known)));
   };
@@ -214,6 +225,7 @@ Expression::Expression(std::string where, std::string text, const SignalNames& s
     for (const NamedFunction& f : functions_1) parser.DefineFun(f.name, f.f);
     parser.DefineFun("atan2", f_atan2);
     parser.DefineFun("pow", f_pow);
+    parser.DefineFun("mod", f_mod);
     parser.DefineFun("min", f_min);
     parser.DefineFun("max", f_max);
     parser.DefineFun("step", f_step);
@@ -278,6 +290,10 @@ Expression::Expression(std::string where, std::string text, const SignalNames& s
     }
     program_.push_back(instruction);
   }
+  std::vector<int> stack, node_of(program_.size(), -1);
+  build_tree(0, program_.size(), stack, node_of);
+  tree_.root = stack.back();
+  if (held) find_conditions(*held, node_of);
 }
 
 template <class T>
@@ -286,6 +302,9 @@ T Expression::run(const double* signals, const T& time, int moving) const {
   int top = -1;
   const int n = static_cast<int>(program_.size());
   const auto truth = [](bool b) { return constant_of<T>(b ? 1.0 : 0.0); };
+  const auto held_at = [&](const Instruction& in) -> double {
+    return held_integer(static_cast<int>(signals[in.place]));
+  };
   for (int i = 0; i < n; ++i) {
     const Instruction& in = program_[i];
     switch (in.code) {
@@ -325,19 +344,27 @@ T Expression::run(const double* signals, const T& time, int moving) const {
         break;
       case less:
         --top;
-        stack[top] = truth(value_of(stack[top]) < value_of(stack[top + 1]));
+        stack[top] =
+            truth(in.place > 0 && signals[in.place] != 0.0 ? held_at(in) != 0.0
+                                                           : value_of(stack[top]) < value_of(stack[top + 1]));
         break;
       case less_equal:
         --top;
-        stack[top] = truth(value_of(stack[top]) <= value_of(stack[top + 1]));
+        stack[top] = truth(in.place > 0 && signals[in.place] != 0.0
+                               ? held_at(in) != 0.0
+                               : value_of(stack[top]) <= value_of(stack[top + 1]));
         break;
       case greater:
         --top;
-        stack[top] = truth(value_of(stack[top]) > value_of(stack[top + 1]));
+        stack[top] =
+            truth(in.place > 0 && signals[in.place] != 0.0 ? held_at(in) != 0.0
+                                                           : value_of(stack[top]) > value_of(stack[top + 1]));
         break;
       case greater_equal:
         --top;
-        stack[top] = truth(value_of(stack[top]) >= value_of(stack[top + 1]));
+        stack[top] = truth(in.place > 0 && signals[in.place] != 0.0
+                               ? held_at(in) != 0.0
+                               : value_of(stack[top]) >= value_of(stack[top + 1]));
         break;
       case equal:
         --top;
@@ -359,6 +386,12 @@ T Expression::run(const double* signals, const T& time, int moving) const {
         --top;
         stack[top] = arc_tangent_2_of(stack[top], stack[top + 1]);
         break;
+      case modulo:
+        --top;
+        stack[top] = in.place > 0 && signals[in.place] != 0.0
+                         ? stack[top] - constant_of<T>(held_at(in)) * stack[top + 1]
+                         : modulo_of(stack[top], stack[top + 1]);
+        break;
       case minimum:
       case maximum: {
         top -= in.count - 1;
@@ -377,7 +410,10 @@ T Expression::run(const double* signals, const T& time, int moving) const {
             smooth_step_of(stack[top], stack[top + 1], stack[top + 2], stack[top + 3], stack[top + 4]);
         break;
       default:
-        stack[top] = apply_unary(in.code, stack[top]);
+        if (in.place > 0 && signals[in.place] != 0.0)
+          stack[top] = constant_of<T>(held_at(in));
+        else
+          stack[top] = apply_unary(in.code, stack[top]);
     }
   }
   return stack[0];

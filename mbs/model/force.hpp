@@ -101,6 +101,8 @@ class Measure {
   virtual void differentiate(const Kinematics& kin, const double* signals, Derivatives& d) const = 0;
   /// Signals read by it.
   virtual std::vector<int> reads() const { return {}; }
+  /// Where it is a formula and nothing else.
+  virtual const Expression* formula() const { return nullptr; }
 
  private:
   std::string name_;

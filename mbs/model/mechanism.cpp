@@ -16,7 +16,7 @@ Sizes Mechanism::sizes() const {
   sizes.n_flx = n_flx_;
   sizes.n_dyn = n_dyn_;
   sizes.n_lambda = static_cast<int>(kept_rows_.size());
-  sizes.n_root = first_switch_.back();
+  sizes.n_root = n_switches();
   sizes.n_alg = static_cast<int>(algebraic_.size() + contacts_.size());
   return sizes;
 }
@@ -32,7 +32,7 @@ State Mechanism::initial_state() const {
   s.a.resize(sizes().n_alg);
   for (std::size_t k = 0; k < algebraic_.size(); ++k)
     s.a(static_cast<Eigen::Index>(k)) = d_.controls[algebraic_[k]]->start_algebraic();
-  s.root.assign(first_switch_.back(), 0);
+  s.root.assign(n_switches(), 0);
   if (!contacts_.empty()) start_contacts(s, *make_scratch());
   return s;
 }

@@ -72,6 +72,12 @@ struct JointDescription {
   bool is_driven() const { return !drives.empty() || !speed_drives.empty() || !acceleration_drives.empty(); }
 };
 
+/// A formula of the motion.
+struct FormulaDescription {
+  std::shared_ptr<const Expression> expression;
+  bool drives = false;  ///< prescribes a motion, by t alone
+};
+
 /// An input u of the mechanism: a function of time that formulas read by its name.
 struct InputDescription {
   std::string name;
@@ -89,6 +95,8 @@ struct MechanismDescription {
   std::vector<std::shared_ptr<const Measure>> measures;
   std::vector<std::shared_ptr<const Control>> controls;
   std::vector<InputDescription> inputs;
+  /// Formulas that forces, controls, measures and drives are made of.
+  std::vector<FormulaDescription> formulas;
   /// What formulas may read: "t", then any "joint.coordinate", "joint.speed", "measure" they name.
   SignalNames signals;
 
@@ -157,6 +165,12 @@ class Mechanism final : public Equations {
   std::string name_of_constraint(int i) const override;
   std::string name_of_algebraic(int i) const override;
   std::string name_of_root(int i) const override;
+  std::string describe_root(int i) const override;
+  bool is_condition(int root) const override { return root >= first_switch_.back(); }
+  void hold_conditions(State& s, Scratch& scratch) const override;
+  std::vector<std::shared_ptr<const TimeFunction>> functions_of_time() const override {
+    return functions_of_time_;
+  }
   int n_inputs() const override { return static_cast<int>(d_.inputs.size()); }
   std::string name_of_input(int i) const override { return d_.inputs[i].name; }
   double input_value(int i, double t) const override { return d_.inputs[i].value->evaluate(&t); }
@@ -252,6 +266,8 @@ class Mechanism final : public Equations {
   void follow_split_joints();
   void place_joint(int body, int joint, bool reversed);
   void number_states();
+  void list_conditions(const std::vector<bool>& is_used);
+  int n_switches() const { return first_switch_.back() + static_cast<int>(conditions_.size()); }
   void build_constraints();
   void find_initial_values();
   void stand_at(int b, const Pose& X_WB, const Work& work);
@@ -328,6 +344,12 @@ class Mechanism final : public Equations {
   std::vector<int> algebraic_;             ///< controls with an algebraic state, the first of all
   std::vector<int> contacts_;              ///< constraints with a contact on a curve, whose states come next
   std::vector<int> first_switch_;          ///< of each force among the switches, and their number at the end
+  struct Condition {
+    std::shared_ptr<const Expression> formula;
+    int node = 0, place = 0, number = 1;  ///< place: of the signal that holds it
+  };
+  std::vector<Condition> conditions_;  ///< the last of the switches
+  std::vector<std::shared_ptr<const TimeFunction>> functions_of_time_;
   struct SignalSource {
     enum class Kind { time, coordinate, speed, measure, control, input } kind = Kind::time;
     CoordinateRef coordinate;

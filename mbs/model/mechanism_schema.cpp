@@ -227,7 +227,22 @@ TableSchema mechanism_schema(TableSchema solver) {
   input_schema.keys = {input::expression("value", "a formula of t and parameters, in SI").or_default("0")};
 
   schema.name = "mechanism";
-  schema.doc = "A mechanism: bodies, joints, forces, and how they are simulated.";
+  schema.doc =
+      "A mechanism: bodies, joints, forces, and how they are simulated.\n\n"
+      "Formulas know + - * / ^, comparisons, && || and ? :, the constants pi and e, the functions sin cos "
+      "tan "
+      "asin acos atan atan2 sinh cosh tanh asinh acosh atanh exp ln log (the same) log10 log2 sqrt abs sign "
+      "rint floor ceil min max pow(x, y), mod(x, y) (what is left of x after whole multiples of y), step(x, "
+      "x_0, y_0, x_1, y_1) (the cubic from y_0 at x_0 to y_1 at x_1, level outside), and tables by their "
+      "names; they read the time t, parameters and, where a key says so, joint coordinates and speeds, "
+      "measures, inputs and controls.\n\n"
+      "What a formula does in time is known before the run: every integrator stops where it jumps or has a "
+      "kink (a comparison, abs, floor, a point of a linear table, ...), begins anew behind a jump, and takes "
+      "no step over a pulse, however short and smooth, that is worth more than 1e-9 of the formula's range "
+      "times the run. Comparisons, sign and rounding of what moves are switches: held between events, "
+      "located "
+      "to round-off, and an error where they switch without end. == and != hold for an instant and are no "
+      "events. A row that falls on an event shows what was before it.";
   schema.keys = {
       text("name", "title of results and pictures; without it the file's name"),
       vector3("gravity", dim::acceleration, "acceleration of free fall").or_default("[0, 0, -9.81]"),

@@ -70,6 +70,10 @@ Jet unary(int code, double x) {
       return {std::abs(x), x < 0 ? -1.0 : 1.0, 0};
     case signum:
       return {x > 0 ? 1.0 : x < 0 ? -1.0 : 0.0, 0, 0};
+    case round_down:
+      return {std::floor(x), 0, 0};
+    case round_up:
+      return {std::ceil(x), 0, 0};
     default:
       return {std::rint(x), 0, 0};
   }
@@ -132,6 +136,11 @@ Jet arc_tangent_2_of(const Jet& y, const Jet& x) {
       (x.value * y.second - y.value * x.second - 2.0 * (x.value * x.first + y.value * y.first) * f.first) /
       r2;
   return f;
+}
+
+Jet modulo_of(const Jet& x, const Jet& y) {
+  const double n = std::floor(x.value / y.value);
+  return {x.value - n * y.value, x.first - n * y.first, x.second - n * y.second};
 }
 
 double table_of(const Curve& curve, double x) {

@@ -1,6 +1,7 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cmath>
 #include <type_traits>
 
 #include "mbs/model/expression.hpp"
@@ -53,12 +54,17 @@ enum Code : int {
   absolute,
   signum,
   round_to_integer,
+  round_down,
+  round_up,
   table,
   // of more
   arc_tangent_2,
   minimum,
   maximum,
-  smooth_step
+  modulo,
+  smooth_step,
+  // of a formula's tree only
+  choice
 };
 
 Jet operator+(const Jet& a, const Jet& b);
@@ -85,6 +91,12 @@ Jet arc_tangent_2_of(const Jet& y, const Jet& x);
 
 double table_of(const Curve& curve, double x);
 Jet table_of(const Curve& curve, const Jet& x);
+
+/// What is left of x after whole multiples of y: of the sign of y.
+inline double modulo_of(double x, double y) {
+  return x - y * std::floor(x / y);
+}
+Jet modulo_of(const Jet& x, const Jet& y);
 
 template <class T>
 T constant_of(double x) {

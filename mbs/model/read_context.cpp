@@ -9,10 +9,10 @@ namespace {
 std::shared_ptr<const Expression> compile(const input::Section& section, const std::string& key,
                                           const std::string& formula, const SignalNames& signals,
                                           const std::map<std::string, double>& constants,
-                                          const Curves& tables) {
+                                          const Curves& tables, SignalNames* held = nullptr) {
   const std::string path = section.path() + "." + key;
   try {
-    return std::make_shared<Expression>(path, formula, signals, constants, tables);
+    return std::make_shared<Expression>(path, formula, signals, constants, tables, held);
   } catch (const std::invalid_argument& error) {
     // The message opens with the path; in the file it also has a line.
     const std::string where = section.where(key);
@@ -140,7 +140,9 @@ std::shared_ptr<const Expression> ReadContext::expression(const input::Section& 
 std::shared_ptr<const Expression> ReadContext::expression_of(const input::Section& section,
                                                              const std::string& key,
                                                              const std::string& formula) const {
-  return compile(section, key, formula, d_.signals.within(prefix_), parameters_, tables_);
+  auto f = compile(section, key, formula, d_.signals.within(prefix_), parameters_, tables_, &d_.signals);
+  d_.formulas.push_back({f, false});
+  return f;
 }
 
 std::shared_ptr<const Expression> ReadContext::time_expression(const input::Section& section,
@@ -151,7 +153,14 @@ std::shared_ptr<const Expression> ReadContext::time_expression(const input::Sect
 std::shared_ptr<const Expression> ReadContext::time_expression_of(const input::Section& section,
                                                                   const std::string& key,
                                                                   const std::string& formula) const {
-  return compile(section, key, formula, SignalNames(), parameters_, tables_);
+  auto f = compile(section, key, formula, SignalNames(), parameters_, tables_);
+  d_.formulas.push_back({f, true});
+  return f;
+}
+
+std::shared_ptr<const Expression> ReadContext::input_expression(const input::Section& section,
+                                                                const std::string& key) const {
+  return compile(section, key, section.text(key), SignalNames(), parameters_, tables_);
 }
 
 std::shared_ptr<const Curve> ReadContext::table(const input::Section& section, const std::string& key) const {

@@ -46,9 +46,12 @@ class ReadContext {
   /// The value of a formula of parameters.
   double number(const input::Section& section, const std::string& key) const;
   double number_of(const input::Section& section, const std::string& key, const std::string& formula) const;
-  /// A formula of time and parameters.
+  /// A formula of time and parameters that prescribes a motion.
   std::shared_ptr<const Expression> time_expression(const input::Section& section,
                                                     const std::string& key) const;
+  /// The same for an input, which moves nothing unless a formula reads it.
+  std::shared_ptr<const Expression> input_expression(const input::Section& section,
+                                                     const std::string& key) const;
   std::shared_ptr<const Expression> time_expression_of(const input::Section& section, const std::string& key,
                                                        const std::string& formula) const;
 

@@ -388,7 +388,7 @@ void Reader::read_elements() {
     d.signals.add(prefix_ + name);
   };
   for (const auto& [name, s] : root_.table_map("input")) {
-    d.inputs.push_back({prefix_ + name, names.time_expression(s, "value")});
+    d.inputs.push_back({prefix_ + name, names.input_expression(s, "value")});
     take_name(name, s);
   }
   // Outputs of states alone can be read by every formula, measures by those below, the rest by forces.

@@ -51,7 +51,7 @@ std::unique_ptr<Equations::Scratch> Mechanism::make_scratch() const {
   work->rows_x.setZero(first_row_.back());
   work->rows_g.setZero(first_row_.back());
   work->signals.setZero(d_.signals.size());
-  work->switches.assign(first_switch_.back(), 0);
+  work->switches.assign(n_switches(), 0);
   work->algebraic.setZero(sizes().n_alg);
   work->inputs.setZero(n_inputs());
   work->contacts.assign(constraints_.size(), std::numeric_limits<double>::quiet_NaN());

@@ -319,6 +319,7 @@ void Mechanism::build_constraints() {
   for (std::size_t i = d_.measures.size(); i-- > 0;)
     if (const int k = d_.signals.find(d_.measures[i]->name()); k >= 0 && is_used[k])
       mark(d_.measures[i]->reads());
+  list_conditions(is_used);
   // Coordinates, outputs that depend on states alone, measures in their order, then what feeds through.
   const auto append = [&](auto&& wanted) {
     for (int k = 1; k < d_.signals.size(); ++k)

@@ -92,7 +92,14 @@ void EnergyBook::close_step() {
 void EnergyBook::jump(const State& s, const Eigen::VectorXd& v_dot) {
   const double before = account_.total();
   look(eq_.energy(s, v_dot, *scratch_), account_);
-  account_.dissipated += before - account_.total();
+  // What it takes is lost; what it gives comes from a drive whose speed jumps.
+  const double lost = before - account_.total();
+  if (lost >= 0.0) {
+    account_.dissipated += lost;
+  } else {
+    account_.work_in -= lost;
+    account_.gross_work -= lost;
+  }
 }
 
 }  // namespace flexura::mbs

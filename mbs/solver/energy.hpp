@@ -50,7 +50,8 @@ class EnergyBook {
   void open_step(double t_end, const std::array<Instant, 3>& nodes);
   EnergyAccount at_row(const State& s, const Eigen::VectorXd& v_dot);
   void close_step();
-  /// Velocities (or the state of springs) jumped at a switch: the difference counts as dissipated.
+  /// Velocities (or the state of springs) jumped at a switch: the difference counts as dissipated where it is
+  /// a loss, else as work put in.
   void jump(const State& s, const Eigen::VectorXd& v_dot);
 
   const EnergyAccount& account() const { return account_; }

@@ -112,20 +112,20 @@ void GeneralisedAlpha::start(const State& s, const VectorXd& v_dot) {
   // The jerk by a short step along the motion gives w_0 and a first step whose error is small.
   const double duration = options_.end_time - options_.start_time;
   const double speed = std::max(1e-300, s.v.lpNorm<Eigen::Infinity>());
-  const double tau = std::min(1e-6 * duration, 1e-4 / speed);
+  const double tau = std::min({1e-6 * duration, 1e-4 / speed, 0.5 * (horizon_ - s.t)});
   d_ = tau * s.v + 0.5 * tau * tau * v_dot;
   eq_.retract(s.p, d_, ahead.p);
   ahead.v += tau * v_dot;
   ahead.c += tau * now_.c_dot;
   ahead.t += tau;
   VectorXd jerk = VectorXd::Zero(n_.n_v), c_jerk = VectorXd::Zero(n_.n_dyn);
-  try {
-    accelerations_.solve(ahead, v_dot_ahead);
-    jerk = (v_dot_ahead - v_dot) / tau;
-    c_jerk = (accelerations_.c_rate() - now_.c_dot) / tau;
-  } catch (const std::runtime_error&) {
-    // Beyond an edge of the model: start without it, at order 1 for one step.
-  }
+  if (tau > 0.0) try {
+      accelerations_.solve(ahead, v_dot_ahead);
+      jerk = (v_dot_ahead - v_dot) / tau;
+      c_jerk = (accelerations_.c_rate() - now_.c_dot) / tau;
+    } catch (const std::runtime_error&) {
+      // Beyond an edge of the model: start without it, at order 1 for one step.
+    }
   if (options_.fixed_step > 0.0) {
     h_ = options_.fixed_step;
   } else if (options_.first_step > 0.0) {
@@ -283,7 +283,7 @@ StepEnd GeneralisedAlpha::step(double t_stop) {
     now_.w_c = now_.c_dot + (h / h_w_) * (now_.w_c - now_.c_dot);
     h_w_ = h;
     next_ = now_;
-    next_.s.t = now_.s.t + h;
+    next_.s.t = std::min(now_.s.t + h, t_stop);
     next_.v_dot += (h / h_older_) * (now_.v_dot - v_dot_older_);
     place(h);
     Outcome outcome = Outcome::diverged;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <limits>
 #include <memory>
 #include <stdexcept>
 #include <string>
@@ -43,7 +44,11 @@ class Integrator {
   /// (Re)starts at a consistent state with accelerations v_dot (n_v).
   virtual void start(const State& s, const Eigen::VectorXd& v_dot) = 0;
 
-  /// One step, not beyond t_stop; ends early at a switch.  Throws IntegrationError.
+  /// No state behind it is looked at by the next start(): something jumps there.
+  void set_horizon(double t) { horizon_ = t; }
+
+  /// One step, not beyond t_stop, where nothing behind it is looked at; ends early at a switch.  Throws
+  /// IntegrationError.
   virtual StepEnd step(double t_stop) = 0;
 
   /// State and accelerations at t within the last step, from the integrator's own polynomial.
@@ -53,6 +58,9 @@ class Integrator {
 
   /// Writes its memory into `history`, or takes it from there in place of start().
   virtual void remember(History& history) = 0;
+
+ protected:
+  double horizon_ = std::numeric_limits<double>::infinity();
 };
 
 /// The integrator of options.method; `eq` must live longer.

@@ -93,8 +93,8 @@ input::TableSchema solver_schema() {
                             .at_least(0.0));
   schema.keys.push_back(
       in::quantity("fixed_step", in::dim::time,
-                   "fixed step of runge_kutta and generalised_alpha, without error control; 0 = "
-                   "variable step")
+                   "fixed step of runge_kutta and generalised_alpha, without error control, shorter only "
+                   "where it ends at an event; 0 = variable step")
           .or_default("0 s")
           .at_least(0.0));
   schema.keys.push_back(in::integer("max_steps", "a run that needs more steps stops; 0 = no bound")

@@ -81,7 +81,7 @@ class Radau final : public Integrator {
   void state_at(double t, State& s);
   void linearise(double h);
   void predict(double h);
-  Outcome newton(double h, double& shorter, int& iterations);
+  Outcome newton(double h, double t_stop, double& shorter, int& iterations);
   double local_error(double h, bool again);
   double distance_between_nodes(double h);
   void accept(double h, double t_stop, double wanted, double error, double quotient);
@@ -203,7 +203,7 @@ void Radau::predict(double h) {
   }
 }
 
-Radau::Outcome Radau::newton(double h, double& shorter, int& iterations) {
+Radau::Outcome Radau::newton(double h, double t_stop, double& shorter, int& iterations) {
   // A hundredth of the error allowed (RADAU5's choice for tolerances of 1e-4 and less is sqrt(tolerance)).
   const double goal = std::max(10.0 * std::numeric_limits<double>::epsilon() / options_.tolerance, 1e-2);
   convergence_ = std::pow(std::max(convergence_, std::numeric_limits<double>::epsilon()), 0.8);
@@ -213,7 +213,7 @@ Radau::Outcome Radau::newton(double h, double& shorter, int& iterations) {
     for (int i = 0; i < 3; ++i) {
       stage_ = y_ + Z_[i];
       rate_ = (k_.B(i, 0) * Z_[0] + k_.B(i, 1) * Z_[1] + k_.B(i, 2) * Z_[2]) / h;
-      if (!form_->residual(t_ + k_.c[i] * h, stage_, rate_, R_[i])) {
+      if (!form_->residual(std::min(t_ + k_.c[i] * h, t_stop), stage_, rate_, R_[i])) {
         trouble_ = form_->non_finite();
         return Outcome::diverged;
       }
@@ -363,7 +363,7 @@ StepEnd Radau::step(double t_stop) {
       }
       if (matrices_->factor(h)) {
         predict(h);
-        outcome = newton(h, shorter, iterations);
+        outcome = newton(h, t_stop, shorter, iterations);
       }
     } catch (const std::runtime_error& e) {
       trouble_ = e.what();

@@ -12,6 +12,7 @@
 #include "mbs/solver/assemble.hpp"
 #include "mbs/solver/bookkeeper.hpp"
 #include "mbs/solver/dead_point.hpp"
+#include "mbs/solver/known_times.hpp"
 #include "mbs/solver/method_watch.hpp"
 #include "mbs/solver/projection.hpp"
 #include "mbs/solver/remembered.hpp"
@@ -61,7 +62,8 @@ class Runner {
         watch_(eq),
         watch_closer_(eq, options),
         keeps_book_(options.method != "quasi_statics"),
-        books_(eq, options, callbacks.row, callbacks.rows_beside && keeps_book_) {
+        books_(eq, options, callbacks.row, callbacks.rows_beside && keeps_book_),
+        times_(eq, options) {
     result_.state = start;
     result_.state.t = options.start_time;
     result_.v_dot = v_dot;
@@ -89,9 +91,15 @@ class Runner {
   bool next_row_is_until(double t) const {
     return row_time(next_row_) <= t && row_time(next_row_) > row_time(next_row_ - 1);
   }
-  void enter_step(double t_begin, double t_end, Integrator& integrator);
-  void write_equilibria_until(double t, Integrator& integrator);
+  void enter_step(double t_begin, double t_end, double rows_until, Integrator& integrator);
+  void write_equilibria_until(double t_end, double rows_until, Integrator& integrator);
   void take_switches(const std::vector<int>& roots);
+  void change_switches(const std::vector<int>& roots);
+  void start_anew();
+  void look_ahead();
+  bool grows_at_once(const StepEnd& end);
+  void leave_short_steps();
+  void pass_event();
   void refuse_endless(int which) const;
   bool step_once();  // false ends the run
   bool finish_step(const StepEnd& end, Integrator& integrator);
@@ -121,6 +129,8 @@ class Runner {
   Bookkeeper books_;
   RunResult result_;
   Instant row_;
+  KnownTimes times_;
+  KnownTimes::Stop stop_;  // of the step under way
   double good_step_ = 0.0;
   // The beginnings of the last long steps.
   std::array<Instant, kAnchors> anchors_;
@@ -134,24 +144,24 @@ class Runner {
   std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
 };
 
-void Runner::enter_step(double t_begin, double t_end, Integrator& integrator) {
+void Runner::enter_step(double t_begin, double t_end, double rows_until, Integrator& integrator) {
   BookEntry& step = books_.next(BookEntry::Kind::step);
   step.t_end = t_end;
   const std::array<double, 3> times = EnergyBook::node_times(t_begin, t_end);
   for (int i = 0; i < 3; ++i) integrator.interpolate(times[i], step.nodes[i].state, step.nodes[i].v_dot);
   books_.enter();
-  for (; next_row_is_until(t_end); ++next_row_) {
+  for (; next_row_is_until(rows_until); ++next_row_) {
     Instant& row = books_.next(BookEntry::Kind::row).row;
-    integrator.interpolate(row_time(next_row_), row.state, row.v_dot);
+    integrator.interpolate(std::min(row_time(next_row_), t_end), row.state, row.v_dot);
     books_.enter();
   }
   books_.next(BookEntry::Kind::end);
   books_.enter();
 }
 
-void Runner::write_equilibria_until(double t, Integrator& integrator) {
-  for (; next_row_is_until(t); ++next_row_) {
-    integrator.interpolate(row_time(next_row_), row_.state, row_.v_dot);
+void Runner::write_equilibria_until(double t_end, double rows_until, Integrator& integrator) {
+  for (; next_row_is_until(rows_until); ++next_row_) {
+    integrator.interpolate(std::min(row_time(next_row_), t_end), row_.state, row_.v_dot);
     write_row(row_.state, row_.v_dot);
   }
 }
@@ -165,31 +175,94 @@ void Runner::refuse_endless(int which) const {
   for (auto event = result_.events.rbegin(); event != result_.events.rend() && t - event->t < span; ++event)
     if (event->which == which && ++times > kMostEventsAtOnce)
       throw IntegrationError(
-          fmt::format("\"{}\" switches without end at t = {:.9g} s ({} times within {:.2g} s): give the "
+          fmt::format("{} switches without end at t = {:.9g} s ({} times within {:.2g} s): give the "
                       "contact or the switch a hysteresis, damping or a compliant law",
-                      eq_.name_of_root(which), t, times, span));
+                      eq_.describe_root(which), t, times, span));
 }
 
-void Runner::take_switches(const std::vector<int>& roots) {
+void Runner::change_switches(const std::vector<int>& roots) {
   State& s = result_.state;
   for (const int which : roots) {
     const bool jumped = eq_.on_root(which, s, *scratch_);
     result_.events.push_back({s.t, which, jumped});
   }
   for (const int which : roots) refuse_endless(which);
+}
+
+void Runner::take_switches(const std::vector<int>& roots) {
+  change_switches(roots);
+  // What they changed may be what conditions in formulas look at.
+  std::vector<int> changed = roots, others;
+  Eigen::VectorXd values(n_.n_root);
+  for (int pass = 0; pass < kMostEventsAtOnce; ++pass) {
+    eq_.roots(result_.state, *scratch_, values);
+    others.clear();
+    for (int k = 0; k < n_.n_root; ++k)
+      if (eq_.is_condition(k) && values(k) < 0.0 && std::ranges::find(changed, k) == changed.end())
+        others.push_back(k);
+    if (others.empty()) break;
+    change_switches(others);
+    changed = others;
+  }
+  start_anew();
+}
+
+void Runner::start_anew() {
+  State& s = result_.state;
   // Velocities that jumped, and constraints that the switch brought in, want the smallest impulse.
   AssembleReport report;
   assemble_velocities(eq_, s, {}, report);
   accelerations_.solve(s, result_.v_dot);
   books_.book().jump(s, result_.v_dot);
+  integrator_->set_horizon(times_.next(s.t).t);
   integrator_->start(s, result_.v_dot);
   has_history_ = false;
+  n_anchors_ = 0;
+}
+
+// What is due at this very time is passed before the next step.
+void Runner::look_ahead() {
+  while ((stop_ = times_.next(result_.state.t)).is_due && result_.state.t < options_.end_time) pass_event();
+  stop_.t = std::min(stop_.t, options_.end_time);
+}
+
+// Behind it, where all that is a function of time has its new value: the state is that before, velocities that
+// a drive makes jump excepted.
+void Runner::pass_event() {
+  times_.pass(stop_);
+  books_.settle();
+  State& s = result_.state;
+  if (keeps_book_) books_.close(s);
+  Eigen::VectorXd before(n_.n_root), after(n_.n_root), g_before(n_.n_lambda), g_after(n_.n_lambda);
+  eq_.roots(s, *scratch_, before);
+  eq_.position_constraints(s.t, s.p, *scratch_, g_before);
+  s.t = std::min(stop_.after, options_.end_time);
+  eq_.position_constraints(s.t, s.p, *scratch_, g_after);
+  for (int k = 0; k < n_.n_lambda; ++k)
+    if (const double jump = g_after(k) - g_before(k); std::abs(jump) > 1e-9)
+      throw IntegrationError(
+          fmt::format("what \"{}\" prescribes jumps by {:.3g} (m or rad) at t = {:.9g} s, and no position "
+                      "can: lead it over "
+                      "with step(t, t_0, y_0, t_1, y_1)",
+                      eq_.name_of_constraint(k), -jump, s.t));
+  eq_.roots(s, *scratch_, after);
+  std::vector<int> roots;
+  for (int k = 0; k < n_.n_root; ++k)
+    if (before(k) >= 0.0 && after(k) < 0.0 && before(k) - after(k) > 1e-9 * (std::abs(before(k)) - after(k)))
+      roots.push_back(k);
+  ++result_.time_events;
+  if (roots.empty())
+    start_anew();
+  else
+    take_switches(roots);
 }
 
 bool Runner::step_once() {
+  look_ahead();
+  if (result_.state.t >= options_.end_time) return false;
   StepEnd end;
   try {
-    end = integrator_->step(options_.end_time);
+    end = integrator_->step(stop_.t);
   } catch (const IntegrationError& reason) {
     if (!options_.method_is_open) return hop(reason);
     try {
@@ -256,6 +329,7 @@ void Runner::change_method(const std::string& method, const std::string& why) {
   integrator_ = make_integrator(eq_, options_);
   method_watch_.change();
   start_again(result_.state, result_.v_dot);
+  integrator_->set_horizon(times_.next(result_.state.t).t);
   integrator_->start(result_.state, result_.v_dot);
   has_history_ = false;
 }
@@ -280,6 +354,7 @@ bool Runner::hop(const IntegrationError& reason) {
     if (result_.state.t - t_failed < 1e-7 * (options_.end_time - options_.start_time)) continue;
     ++result_.counts.hops;
     n_anchors_ = 0;
+    integrator_->set_horizon(times_.next(result_.state.t).t);
     integrator_->start(result_.state, result_.v_dot);
     has_history_ = false;
     return result_.state.t < options_.end_time;
@@ -305,11 +380,15 @@ bool Runner::leap(const Instant& from, bool& goes_on) {
     if (!start_again(s, v_dot)) return false;
     hopper_->start(s, v_dot);
     for (int k = 0; k < 4 && result_.state.t < options_.end_time; ++k) {
-      const StepEnd end = hopper_->step(options_.end_time);
+      const long passed = result_.time_events;
+      if (k > 0) look_ahead();
+      if (result_.time_events > passed) return true;
+      const StepEnd end = hopper_->step(stop_.t);
       if (end.t_end <= result_.state.t) continue;
       came_on = true;
       goes_on = finish_step(end, *hopper_);
-      if (!goes_on || !end.roots.empty()) return true;
+      // Behind an event the implicit method has started anew.
+      if (!goes_on || !end.roots.empty() || result_.time_events > passed) return true;
     }
   } catch (const std::runtime_error&) {
     // As far as it came.
@@ -341,20 +420,39 @@ bool Runner::stop_at_contradiction(const StepEnd& end, Integrator& integrator) {
   result_.stopped_because = watch_.complaint(end.t_end, agrees, RowWatch::allowed(options_.tolerance));
   if (agrees <= result_.state.t) return true;
   if (keeps_book_)
-    enter_step(result_.state.t, agrees, integrator);
+    enter_step(result_.state.t, agrees, agrees, integrator);
   else
-    write_equilibria_until(agrees, integrator);
+    write_equilibria_until(agrees, agrees, integrator);
   integrator.interpolate(agrees, result_.state, result_.v_dot);
   return true;
 }
 
+// A fixed step that gave way to a pulse and comes back: what a method remembers of much shorter steps is noise
+// in a long one.
+bool Runner::grows_at_once(const StepEnd& end) {
+  if (!(options_.fixed_step > 0.0) || result_.state.t >= options_.end_time) return false;
+  const double until = std::min(times_.next(result_.state.t).t, options_.end_time) - result_.state.t;
+  const double next = std::min(options_.fixed_step, until);
+  return (options_.max_step > 0.0 ? std::min(next, options_.max_step) : next) >
+         10.0 * (end.t_end - end.t_begin);
+}
+
+void Runner::leave_short_steps() {
+  books_.settle();
+  if (keeps_book_) books_.close(result_.state);
+  start_anew();
+}
+
 bool Runner::finish_step(const StepEnd& end, Integrator& integrator) {
   if (stop_at_contradiction(end, integrator)) return false;
+  // Rows that fall on an event show what was before it.
+  const bool at_event = stop_.is_event && end.t_end == stop_.t && end.roots.empty();
+  const double rows_until = at_event ? std::max(stop_.after, end.t_end) : end.t_end;
   if (keeps_book_) {
-    enter_step(result_.state.t, end.t_end, integrator);
+    enter_step(result_.state.t, end.t_end, rows_until, integrator);
     integrator.interpolate(end.t_end, result_.state, result_.v_dot);
   } else {
-    write_equilibria_until(end.t_end, integrator);
+    write_equilibria_until(end.t_end, rows_until, integrator);
     integrator.interpolate(end.t_end, result_.state, result_.v_dot);
     // Equilibria know nothing of the work between them: every one begins its own account.
     books_.book().start(result_.state, result_.v_dot);
@@ -368,11 +466,16 @@ bool Runner::finish_step(const StepEnd& end, Integrator& integrator) {
     if (keeps_book_) books_.close(result_.state);
     take_switches(end.roots);
   }
+  if (at_event)
+    pass_event();
+  else if (end.roots.empty() && grows_at_once(end))
+    leave_short_steps();
   if (callbacks_.stop_wanted && callbacks_.stop_wanted()) {
     result_.stopped_because = fmt::format("interrupted at t = {:.9g} s", end.t_end);
     return false;
   }
-  if (options_.stop_time > options_.start_time && end.t_end >= options_.stop_time &&
+  // Behind an event that started the integrator anew it has nothing yet to go on with to the bit.
+  if (options_.stop_time > options_.start_time && end.t_end >= options_.stop_time && has_history_ &&
       end.t_end < options_.end_time) {
     result_.stopped_because = fmt::format("stop_time is reached at t = {:.9g} s", end.t_end);
     result_.stopped_as_told = true;
@@ -383,7 +486,7 @@ bool Runner::finish_step(const StepEnd& end, Integrator& integrator) {
         fmt::format("max_steps = {} are used up at t = {:.9g} s", options_.max_steps, end.t_end);
     return false;
   }
-  return end.t_end < options_.end_time;
+  return result_.state.t < options_.end_time;
 }
 
 void Runner::resume(const Continuation& from) {
@@ -543,12 +646,19 @@ RunResult Runner::run() {
         // The first row is an equilibrium too.
         integrator_->start(result_.state, result_.v_dot);
         integrator_->interpolate(options_.start_time, result_.state, result_.v_dot);
+      } else if (n_.n_root > 0) {
+        const std::vector<int> before = result_.state.root;
+        eq_.hold_conditions(result_.state, *scratch_);
+        if (result_.state.root != before) accelerations_.solve(result_.state, result_.v_dot);
       }
       books_.book().start(result_.state, result_.v_dot);
       write_row(result_.state, result_.v_dot);
     }
     if (options_.end_time > result_.state.t) {
-      if (!resumed_ && keeps_book_) integrator_->start(result_.state, result_.v_dot);
+      if (!resumed_ && keeps_book_) {
+        integrator_->set_horizon(times_.next(result_.state.t).t);
+        integrator_->start(result_.state, result_.v_dot);
+      }
       while (step_once())
         if (has_history_ && remembering_.wanted && remembering_.wanted()) hand_out_memory();
       if (has_history_ && !result_.stopped_because.empty() && remembering_.take && remembering_.at_the_end)

@@ -130,7 +130,7 @@ class RungeKutta final : public Integrator {
     set(t, error_, s);
   }
   double first_step();
-  double try_step(double h);  // the error in units of the allowed one
+  double try_step(double h, double t_stop);  // the error in units of the allowed one
 
   const Equations& eq_;
   Sizes n_;
@@ -160,16 +160,17 @@ double RungeKutta::first_step() {
                                        : 1e-3 * duration);
 }
 
-double RungeKutta::try_step(double h) {
+double RungeKutta::try_step(double h, double t_stop) {
   for (int i = 1; i < kStages; ++i) {
     y_new_ = y_;
     for (int j = 0; j < i; ++j)
       if (kA[i][j] != 0.0) y_new_ += h * kA[i][j] * k_[j];
     if (!y_new_.allFinite()) return std::numeric_limits<double>::infinity();
-    if (i + 1 < kStages) rates(state_.t + kNode[i] * h, y_new_, k_[i]);
+    if (i + 1 < kStages) rates(std::min(state_.t + kNode[i] * h, t_stop), y_new_, k_[i]);
   }
   // The last stage sits at the new point; it is taken before the projection, as the error formula wants it.
-  rates(state_.t + h, y_new_, k_[kStages - 1]);
+  // Round-off must not take it past a jump.
+  rates(std::min(state_.t + h, t_stop), y_new_, k_[kStages - 1]);
   error_.setZero();
   for (int i = 0; i < kStages; ++i)
     if (kError[i] != 0.0) error_ += h * kError[i] * k_[i];
@@ -193,7 +194,7 @@ StepEnd RungeKutta::step(double t_stop) {
     double size = std::numeric_limits<double>::infinity();
     bool projected = false;
     try {
-      size = try_step(h);
+      size = try_step(h, t_stop);
       if (fixed && std::isfinite(size)) size = 0.0;
       if (size <= 1.0) {
         projected_ = stage_;

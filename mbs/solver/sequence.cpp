@@ -21,12 +21,16 @@ class Sequence : public Integrator {
  public:
   Sequence(const Equations& eq, const SolverOptions& options, const char* what)
       : eq_(eq), options_(options), what_(what) {
-    if (eq.sizes().n_root > 0)
-      throw std::invalid_argument(fmt::format(
-          "{} does not locate switches, and \"{}\" is one: use method = \"ida\"", what, eq.name_of_root(0)));
+    for (int k = 0; k < eq.sizes().n_root; ++k)
+      if (!eq.is_condition(k))
+        throw std::invalid_argument(
+            fmt::format("{} does not locate switches, and \"{}\" is one: use method = \"ida\"", what,
+                        eq.name_of_root(k)));
   }
   void start(const State& s, const Eigen::VectorXd&) override {
     now_ = s;
+    // Each state for itself: formulas are as they are there.
+    for (std::size_t k = 0; k < now_.root.size(); ++k) now_.root[k] = 0;
     solve(now_, v_dot_);
   }
   StepEnd step(double t_stop) override {

@@ -124,6 +124,13 @@ StaticsReport solve_statics(const Equations& eq, State& s, const StaticsOptions&
       scale(n_z + k) = norm > 0.0 ? 1.0 / norm : 1.0;
     }
   };
+  // Conditions in formulas are as they are at each step, and held again in the equilibrium.
+  bool holds_conditions = false;
+  for (std::size_t k = 0; k < s.root.size(); ++k)
+    if (eq.is_condition(static_cast<int>(k))) {
+      holds_conditions = holds_conditions || s.root[k] != 0;
+      s.root[k] = 0;
+    }
   take_switches();
   // Without the multipliers' part: forces that no reaction carries, in the norm of M^-1.
   residual(s, F);
@@ -207,8 +214,10 @@ StaticsReport solve_statics(const Equations& eq, State& s, const StaticsOptions&
     // Where nothing is stiff and no force is left any position is an equilibrium.
     const bool indifferent = step < 1e-6 * options.tolerance && K.topRows(n_v).isZero();
     if (alpha == 1.0 && step < options.tolerance &&
-        (indifferent || extra < 1e-9 * (1.0 + K.lpNorm<Eigen::Infinity>())))
+        (indifferent || extra < 1e-9 * (1.0 + K.lpNorm<Eigen::Infinity>()))) {
+      if (holds_conditions) eq.hold_conditions(s, *scratch);
       return report;
+    }
     if (options.stable) {
       const bool swings = x.head(n_v).dot(step_before) < 0.0 && x.head(n_v).norm() > 0.5 * step_before.norm();
       // Halves a step along this one.

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <tuple>
 
+#include "mbs/solver/known_times.hpp"
+
 namespace flexura::study {
 
 using Eigen::Index;
@@ -36,6 +38,7 @@ struct Shadows::Impl {
   bool joints_feel_nothing = false;
   long every = 1, rows = 0, taken = 0;
   double wall = 0.0, t = 0.0, span = 0.0;
+  double missed = 0.0, rows_apart = 0.0;
 
   mbs::State s, moved;
   VectorXd v_dot, r, y, y_moved;
@@ -119,6 +122,9 @@ std::unique_ptr<Shadows> Shadows::make(const mbs::PreparedMechanism& run, FullMo
   }
   if (in.sources.empty()) return nullptr;
   in.outputs = judged_outputs(run, full.mechanism(), in.sums);
+  // A pulse is seen where two rows lie in it.
+  in.rows_apart = static_cast<double>(in.every) * run.options.output_step;
+  in.missed = mbs::KnownTimes::shortest(*run.mechanism, run.options, 2.0 * in.rows_apart);
   const Index n_out = static_cast<Index>(in.outputs.size()),
               n_sources = static_cast<Index>(in.sources.size());
   in.square = in.square_size = in.last_square = in.last_size = VectorXd::Zero(n_out);
@@ -179,6 +185,8 @@ TruncationEstimate Shadows::estimate() const {
   const Impl& in = *impl_;
   TruncationEstimate out;
   out.wall = in.wall;
+  out.missed = in.missed;
+  out.rows_apart = in.missed > 0.0 ? in.rows_apart : 0.0;
   out.outputs = in.sums;
   const double span = std::max(in.span, 1e-300);
   for (std::size_t i = 0; i < out.outputs.size(); ++i) {

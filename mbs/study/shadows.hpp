@@ -46,6 +46,9 @@ struct TruncationEstimate {
   int worst = -1;      ///< the output of the largest relative rms error, -1 when there is none
   double error = 0.0;  ///< that error
   double wall = 0.0;   ///< [s] that the shadows took
+  /// Rows are so far apart [s] that they miss what forces do within `missed` [s]: the error is then unknown.
+  /// Both 0 where they miss nothing.
+  double missed = 0.0, rows_apart = 0.0;
 };
 
 class Shadows {

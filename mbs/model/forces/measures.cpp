@@ -42,6 +42,7 @@ class ExpressionMeasure final : public Measure {
   input::Dimension dimension() const override { return input::dim::none; }
   double value(const Kinematics&, const double* signals) const override { return value_->evaluate(signals); }
   std::vector<int> reads() const override { return value_->reads(); }
+  const Expression* formula() const override { return value_.get(); }
   void differentiate(const Kinematics&, const double* signals, Derivatives& d) const override {
     d.rows();
     d.by_formula(*value_, signals);

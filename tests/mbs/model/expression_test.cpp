@@ -46,6 +46,8 @@ TEST(Expression, EvaluatesArithmeticAndFunctions) {
   EXPECT_DOUBLE_EQ(value("step(t, 0, 1, 2, 5)", 9.0), 5.0);
   EXPECT_DOUBLE_EQ(value("atan2(1, -1)"), 0.75 * std::numbers::pi);
   EXPECT_DOUBLE_EQ(value("pow(2, 10) + sqrt(16) + abs(-3) + sign(-2)"), 1030.0);
+  EXPECT_DOUBLE_EQ(value("floor(-1.5) + 10*ceil(-1.5) + 100*rint(2.6)"), 288.0);
+  EXPECT_DOUBLE_EQ(value("mod(7, 3) + 10*mod(-1, 3) + 100*mod(1, -3)"), -179.0);
 }
 
 TEST(Expression, ReadsMeasuredQuantitiesByDottedName) {

@@ -1,0 +1,64 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "mbs/results/results.hpp"
+#include "tests/app/command.hpp"
+
+/// Events that every integrator stepped over (trade/scene_impulse_*), with "estimated error 0 %" and exit 0.
+namespace flexura::test {
+namespace {
+
+const std::string trade = FLEXURA_SOURCE_DIR "/tests/found/trade/";
+
+results::Run simulated(const Folder& folder, const std::filesystem::path& scene, const std::string& method) {
+  const std::filesystem::path output = folder / (method + scene.stem().string() + ".h5");
+  const Outcome outcome = run("flexura", {"simulate", scene.string(), "-q", "--no-estimate", "-o", output,
+                                          "--set", "solver.method=" + method});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  return results::read(output).runs.at(0);
+}
+
+Eigen::VectorXd values(const results::Run& run, const std::string& name) {
+  for (std::size_t i = 0; i < run.quantities.size(); ++i)
+    if (run.quantities[i].name == name) return run.values.col(static_cast<Eigen::Index>(i));
+  throw std::out_of_range(name);
+}
+
+class Events : public ::testing::TestWithParam<const char*> {};
+
+TEST_P(Events, ALateImpulseMovesARigidMass) {
+  const Folder folder;
+  const results::Run run = simulated(folder, trade + "scene_impulse_rigid_late.toml", GetParam());
+  const Eigen::VectorXd speed = values(run, "s.speed");
+  EXPECT_NEAR(speed(speed.size() - 1), 10.0, 1e-9);
+  // The row at 0.5 s is that before it; at 0.51 s all of it is there.
+  for (Eigen::Index i = 0; i < speed.size(); ++i)
+    EXPECT_NEAR(speed(i), 1000.0 * std::clamp(0.002 * static_cast<double>(i) - 0.5, 0.0, 0.01), 1e-9);
+}
+
+TEST_P(Events, ALateImpulseRingsAsOneAtTheStart) {
+  const Folder folder;
+  ASSERT_EQ(run("flexura", {"reduce", trade + "ringer.toml", "-q", "-o", folder / "ringer.se.h5"}).exit_code,
+            0);
+  const auto scene = [&](const std::string& name) { return folder.write(name, read_text(trade + name)); };
+  const results::Run late = simulated(folder, scene("scene_impulse_late.toml"), GetParam());
+  // The same with as many modes, hit at once.
+  const std::string early_text =
+      replaced(read_text(trade + "scene_impulse_late.toml"),
+               "t>0.5 && t<0.501 ? 200*sin(pi*(t-0.5)/0.001)^2 : 0", "t<0.001 ? 200*sin(pi*t/0.001)^2 : 0");
+  const results::Run early = simulated(folder, folder.write("early.toml", early_text), GetParam());
+  const Eigen::VectorXd tip = values(late, "tip"), expected = values(early, "tip");
+  EXPECT_EQ(tip.head(1001).cwiseAbs().maxCoeff(), 0.0);
+  const double size = expected.cwiseAbs().maxCoeff();
+  EXPECT_NEAR(size, 7.5e-3, 0.1e-3);
+  // Two runs at the default tolerance of 1e-6 a step, of some thousand steps each.
+  EXPECT_LT((tip.tail(1001) - expected.head(1001)).cwiseAbs().maxCoeff(), 0.01 * size);
+}
+
+INSTANTIATE_TEST_SUITE_P(Methods, Events,
+                         ::testing::Values("ida", "radau", "runge_kutta", "generalised_alpha"));
+
+}  // namespace
+}  // namespace flexura::test
