@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "mbs/app/open_page.hpp"
 #include "mbs/model/linear_range.hpp"
 #include "mbs/solver/accelerations.hpp"
 #include "mbs/solver/equilibrium.hpp"
@@ -50,8 +51,24 @@ std::vector<NamedRun> prepare_runs(const MechanismArguments& arguments) {
     // What stands on the command line has the last word.
     std::vector<std::string> overrides = run.overrides;
     overrides.insert(overrides.end(), arguments.set.begin(), arguments.set.end());
-    runs.push_back(
-        {run.name, mbs::prepare(arguments.file, overrides, arguments.from_state, cache), overrides});
+    try {
+      runs.push_back(
+          {run.name, mbs::prepare(arguments.file, overrides, arguments.from_state, cache), overrides});
+    } catch (const mbs::NotAssembled& failure) {
+      const std::string page = std::filesystem::path(arguments.file).stem().string() + ".open.html";
+      try {
+        write_open_page(page, failure, arguments.file);
+      } catch (const std::exception&) {  // a folder that cannot be written to: the sentence is what counts
+        throw input::InputError(failure.what());
+      }
+      throw input::InputError(
+          fmt::format("{}; {} shows it as it stands, open joints in red", failure.what(), page));
+    }
+    for (const std::string& note : runs.back().prepared.notes)
+      if (note.starts_with(mbs::warning_mark))
+        fmt::print(stderr, "warning: {}: {}\n", run.name, note.substr(mbs::warning_mark.size()));
+    std::erase_if(runs.back().prepared.notes,
+                  [](const std::string& note) { return note.starts_with(mbs::warning_mark); });
     if (!arguments.from_state.empty()) runs.back().prepared.options.start_time = runs.back().prepared.state.t;
   }
   return runs;
@@ -75,6 +92,7 @@ mbs::Stability settle(mbs::PreparedMechanism& p) {
         "the equilibrium is where the loads led as they grew; a stable one was not found near by");
   mbs::LinearRange range(*p.mechanism);
   range.observe(p.state);
+  if (const std::string why = range.runaway(); !why.empty()) throw std::runtime_error(why);
   for (std::string& sentence : range.sentences()) p.notes.push_back(std::move(sentence));
   mbs::Stability stability = mbs::stability_at_rest(*p.mechanism, p.state);
   if (std::string said = mbs::sentence(*p.mechanism, stability, "the equilibrium"); !said.empty())
@@ -125,7 +143,9 @@ std::string heading(const NamedRun& run) {
 }
 
 nlohmann::json run_json(const NamedRun& run) {
-  return {{"run", run.name}, {"time_s", run.prepared.state.t}, {"notes", run.prepared.notes}};
+  return {{"run", run.name},
+          {"time_s", run.prepared.state.t},
+          {"notes", run.prepared.notes}};
 }
 
 void print_json(const std::string& kind, const std::vector<NamedRun>& runs, const nlohmann::json& list) {

@@ -2,6 +2,9 @@
 #include "mbs/app/recorder.hpp"
 
 #include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
 
 #include "mbs/input/units.hpp"
 
@@ -9,10 +12,18 @@ namespace flexura::app {
 
 results::ModelHeader model_header(std::span<const NamedRun> runs, const std::filesystem::path& mechanism_file,
                                   const std::filesystem::path& results_file) {
-  const mbs::Mechanism& first = *runs.front().prepared.mechanism;
+  std::vector<const mbs::PreparedMechanism*> list;
+  for (const NamedRun& run : runs) list.push_back(&run.prepared);
+  return model_header(list, mechanism_file, results_file);
+}
+
+results::ModelHeader model_header(const std::vector<const mbs::PreparedMechanism*>& runs,
+                                  const std::filesystem::path& mechanism_file,
+                                  const std::filesystem::path& results_file) {
+  const mbs::Mechanism& first = *runs.front()->mechanism;
   results::ModelHeader header;
-  header.name = runs.front().prepared.file.name;
-  header.source = runs.front().prepared.file.source;
+  header.name = runs.front()->file.name;
+  header.source = runs.front()->file.source;
   header.created_by = std::string("flexura ") + FLEXURA_VERSION;
   header.connections_json = mbs::connections_json(first);
   const auto results_folder = std::filesystem::absolute(results_file).parent_path();
@@ -23,8 +34,8 @@ results::ModelHeader model_header(std::span<const NamedRun> runs, const std::fil
     line.name = body.name;
     line.shape_json = body.shape_json;
     bool flexible = false;
-    for (const NamedRun& run : runs) {
-      const auto& bodies = run.prepared.mechanism->description().bodies;
+    for (const mbs::PreparedMechanism* run : runs) {
+      const auto& bodies = run->mechanism->description().bodies;
       if (b < bodies.size() && !bodies[b].superelement.empty())
         flexible = flexible || bodies[b].flexible || bodies[b].ked;
     }
@@ -106,6 +117,27 @@ Recorder::Recorder(const mbs::PreparedMechanism& prepared, results::Writer& writ
 void Recorder::begin(const std::string& name) {
   writer_.begin_run(name, quantities_, run_bodies_,
                     store_states_ ? state_names(mechanism_) : std::vector<std::string>{});
+}
+
+void Recorder::append(const mbs::State& s, const Eigen::VectorXd& v_dot, const mbs::EnergyAccount& energy) {
+  if (p_start_.size() == 0) {
+    p_start_ = p_scale_ = s.p;
+    for (Eigen::Index i = 0; i < s.p.size(); ++i)
+      p_scale_(i) = mechanism_.position_scale(static_cast<int>(i));
+  }
+  const std::vector<mbs::Pose> before = poses_;
+  const double t_before = row_.time;
+  append(s, v_dot, EnergyRow{energy.work_in, energy.dissipated, energy.error()});
+  double speed = 0.0;
+  const double travel =
+      s.p.size() > 0 ? (s.p - p_start_).cwiseQuotient(p_scale_).lpNorm<Eigen::Infinity>() : 0.0;
+  if (!before.empty() && s.t > t_before)
+    for (std::size_t b = 0; b < poses_.size(); ++b)
+      speed = std::max(speed, (poses_[b].p - before[b].p).norm() / (s.t - t_before));
+  growth_.observe(s.t, energy.now.kinetic, travel, speed);
+  // The row that shows it is kept, and the run ends there.
+  if (const std::string why = range_.runaway(); !why.empty()) throw std::runtime_error(why);
+  if (!growth_.reason().empty()) throw std::runtime_error(growth_.reason());
 }
 
 void Recorder::append(const mbs::State& s, const Eigen::VectorXd& v_dot, const EnergyRow& energy) {

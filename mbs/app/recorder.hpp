@@ -8,11 +8,17 @@
 #include "mbs/model/linear_range.hpp"
 #include "mbs/results/results.hpp"
 #include "mbs/solver/energy.hpp"
+#include "mbs/solver/growth.hpp"
 
 /// From a mechanism's states to a results file.
 namespace flexura::app {
 
 results::ModelHeader model_header(std::span<const NamedRun> runs, const std::filesystem::path& mechanism_file,
+                                  const std::filesystem::path& results_file);
+
+/// The same of mechanisms that are no runs.
+results::ModelHeader model_header(const std::vector<const mbs::PreparedMechanism*>& runs,
+                                  const std::filesystem::path& mechanism_file,
                                   const std::filesystem::path& results_file);
 
 /// What energy.* quantities take from the run's own account; the rest follows from the states alone.
@@ -31,9 +37,9 @@ class Recorder {
       : Recorder(prepared, writer, prepared.file.outputs, prepared.options.store_states) {}
   void begin(const std::string& name);
   void append(const mbs::State& s, const Eigen::VectorXd& v_dot, const EnergyRow& energy);
-  void append(const mbs::State& s, const Eigen::VectorXd& v_dot, const mbs::EnergyAccount& energy) {
-    append(s, v_dot, EnergyRow{energy.work_in, energy.dissipated, energy.error()});
-  }
+  /// A row of a run in time.  Throws std::runtime_error, with the row written, where the motion grows without
+  /// bound.
+  void append(const mbs::State& s, const Eigen::VectorXd& v_dot, const mbs::EnergyAccount& energy);
   /// Whether flexible bodies stayed in the linear range in the rows so far.
   const mbs::LinearRange& range() const { return range_; }
 
@@ -46,6 +52,8 @@ class Recorder {
   std::vector<results::RunBody> run_bodies_;
   std::vector<mbs::Pose> poses_;
   mbs::LinearRange range_;
+  mbs::GrowthWatch growth_;
+  Eigen::VectorXd p_start_, p_scale_;
   results::Row row_;
   bool store_states_;
 };

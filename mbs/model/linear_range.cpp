@@ -3,45 +3,189 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
 namespace flexura::mbs {
+namespace {
 
-LinearRange::LinearRange(const Mechanism& mechanism, double limit)
-    : mechanism_(mechanism), limit_(limit), worst_(mechanism.description().bodies.size()) {}
+using Eigen::Index;
+
+// Mean displacement by the body's size from where on its probes are looked at.
+constexpr double kAskProbes = 1e-3;
+
+// A rod of this radius of gyration about its middle is as long.
+double length_of(const FlexibleBody& body) {
+  const superelement::InertiaIntegrals& in = body.data().inertia;
+  double size = 0.0;
+  if (in.mass > 0.0 && in.S_x.size() > 0) {
+    const Vector3d c = in.S_x / in.mass;
+    size = std::sqrt(std::max(0.0, 12.0 * ((in.S_xx.trace()) / in.mass - c.squaredNorm())));
+  }
+  const auto& nodes = body.data().nodes;
+  for (std::size_t i = 0; i < nodes.size(); ++i)
+    for (std::size_t j = 0; j < i; ++j) size = std::max(size, (nodes[i].p_BoN_B - nodes[j].p_BoN_B).norm());
+  return size;
+}
+
+std::string at_place(const Vector3d& p) {
+  return fmt::format("its surface at ({:.4g}, {:.4g}, {:.4g}) m", p.x(), p.y(), p.z());
+}
+
+}  // namespace
+
+LinearRange::LinearRange(const Mechanism& mechanism, const RangeLimits& limits)
+    : mechanism_(mechanism), limits_(limits), watched_(mechanism.description().bodies.size()) {
+  for (std::size_t b = 0; b < watched_.size(); ++b)
+    if (const FlexibleBody* body = mechanism.deforming(static_cast<int>(b)))
+      watched_[b].size = length_of(*body);
+}
 
 void LinearRange::observe(const State& s) {
-  for (std::size_t b = 0; b < worst_.size(); ++b) {
+  for (std::size_t b = 0; b < watched_.size(); ++b) {
     const FlexibleBody* body = mechanism_.deforming(static_cast<int>(b));
-    if (!body || !body->is_modal()) continue;
+    if (!body) continue;
     const double* modal = mechanism_.modal_coordinates(static_cast<int>(b), s);
-    const int n = static_cast<int>(body->data().nodes.size());
-    R_.resize(n);
-    for (int i = 0; i < n; ++i) R_[i] = body->node_pose(i, modal).R;
-    for (int i = 0; i < n; ++i)
-      for (int j = i + 1; j < n; ++j) {
-        const double angle = rotation_log(R_[i].transpose() * R_[j]).norm();
-        if (angle > worst_[b].angle) worst_[b] = {angle, s.t, i, j};
+    if (body->is_modal()) {
+      observe_modal(static_cast<int>(b), s.t, modal);
+      continue;
+    }
+    // Any bending is fine; what it is made of stretches linearly.
+    Watched& watched = watched_[b];
+    const auto& nodes = body->data().nodes;
+    for (std::size_t i = 0; i < nodes.size(); ++i)
+      for (std::size_t j = 0; j < i; ++j) {
+        const double l = (nodes[i].p_BoN_B - nodes[j].p_BoN_B).norm();
+        const double now = (body->node_pose(static_cast<int>(i), modal).p -
+                            body->node_pose(static_cast<int>(j), modal).p)
+                               .norm();
+        if (!(l > 1e-6 * watched.size) || !(now / l - 1.0 > watched.strain.value)) continue;
+        watched.strain = {now / l - 1.0, s.t, 0.0, "the line from \"" + nodes[j].name + "\" to \"" + nodes[i].name + "\"", ""};
+        watched.of_size = {(now - l) / watched.size, s.t, now - l, nodes[i].name, nodes[j].name};
       }
   }
 }
 
+void LinearRange::observe_displacement(Watched& watched, double t, double moved, double distance,
+                                       const std::string& what, const std::string& against) const {
+  // Places at one point say nothing of a line between them.
+  const double l = std::max(distance, 1e-3 * watched.size);
+  if (moved > watched.displacement.value * l) watched.displacement = {moved / l, t, moved, what, against};
+  if (moved > watched.of_size.value * watched.size)
+    watched.of_size = {moved / watched.size, t, moved, what, against};
+}
+
+void LinearRange::observe_modal(int b, double t, const double* modal) {
+  const FlexibleBody& body = *mechanism_.deforming(b);
+  Watched& watched = watched_[b];
+  const auto& nodes = body.data().nodes;
+  const int n = static_cast<int>(nodes.size()), m = body.m();
+  poses_.resize(n);
+  for (int i = 0; i < n; ++i) poses_[i] = body.node_pose(i, modal);
+  for (int i = 0; i < n; ++i)
+    for (int j = i + 1; j < n; ++j) {
+      const double angle = rotation_log(poses_[i].R.transpose() * poses_[j].R).norm();
+      if (angle > watched.rotation.value) watched.rotation = {angle, t, 0.0, nodes[j].name, nodes[i].name};
+    }
+  const auto seen_from = [&](int j, const Vector3d& p, const Vector3d& p_0) {
+    return (poses_[j].R.transpose() * (p - poses_[j].p) - (p_0 - nodes[j].p_BoN_B)).norm();
+  };
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j < n; ++j)
+      if (i != j)
+        observe_displacement(watched, t, seen_from(j, poses_[i].p, nodes[i].p_BoN_B),
+                             (nodes[i].p_BoN_B - nodes[j].p_BoN_B).norm(), "its \"" + nodes[i].name + "\"",
+                             nodes[j].name);
+
+  const Eigen::Map<const Eigen::VectorXd> s(modal, m);
+  const std::string& file = mechanism_.description().bodies[b].superelement;
+  if (!watched.asked && !file.empty() && s.norm() > kAskProbes * watched.size * std::sqrt(body.mass())) {
+    watched.asked = true;
+    try {
+      auto probes = std::make_shared<DeformationProbes>(read_probes(file, body.data().Y));
+      watched.size = std::max(watched.size, probes->size);
+      watched.probes = std::move(probes);
+    } catch (const std::exception&) {  // the file was moved: interfaces are judged alone
+    }
+  }
+  if (!watched.probes) return;
+  const DeformationProbes& probes = *watched.probes;
+  const Index n_points = probes.points.cols();
+  displacements_.resize(3, n_points);
+  Eigen::Map<Eigen::VectorXd>(displacements_.data(), 3 * n_points).noalias() = probes.displacements * s;
+  for (Index k = 0; k < n_points; ++k) {
+    const Vector3d p_0 = probes.points.col(k), p = p_0 + displacements_.col(k);
+    for (int j = 0; j < n; ++j) {
+      const double moved = seen_from(j, p, p_0), distance = (p_0 - nodes[j].p_BoN_B).norm();
+      if (moved > watched.displacement.value * std::max(distance, 1e-3 * watched.size) ||
+          moved > watched.of_size.value * watched.size)
+        observe_displacement(watched, t, moved, distance, at_place(p_0), nodes[j].name);
+    }
+  }
+  strains_.noalias() = probes.strains * s;
+  Index which = 0;
+  if (strains_.size() > 0)
+    if (const double e = strains_.cwiseAbs().maxCoeff(&which); e > watched.strain.value)
+      watched.strain = {e, t, 0.0, at_place(probes.strain_places.col(which)), ""};
+}
+
 std::vector<std::string> LinearRange::sentences() const {
   std::vector<std::string> out;
-  for (std::size_t b = 0; b < worst_.size(); ++b) {
-    const Worst& w = worst_[b];
-    if (!(w.angle > limit_)) continue;
-    const auto& nodes = mechanism_.deforming(static_cast<int>(b))->data().nodes;
-    out.push_back(
-        fmt::format("body \"{}\" leaves the linear range of its deformation: at t = {:.6g} s its interface "
-                    "\"{}\" is turned by "
-                    "{:.3g} deg against \"{}\", and displacements linear in the modes are wrong by about "
-                    "{:.2g} % of its length",
-                    mechanism_.description().bodies[b].name, w.t, nodes[w.to].name,
-                    w.angle * 180.0 / std::numbers::pi, nodes[w.from].name, 50.0 * w.angle * w.angle));
+  for (std::size_t b = 0; b < watched_.size(); ++b) {
+    const Watched& w = watched_[b];
+    const std::string& name = mechanism_.description().bodies[b].name;
+    const FlexibleBody* body = mechanism_.deforming(static_cast<int>(b));
+    if (!body) continue;
+    if (body->is_modal() && w.of_size.value > limits_.of_size) {
+      out.push_back(fmt::format(
+          "body \"{}\" is deformed by more than its own size: at t = {:.6g} s {} is displaced by {:.3g} m "
+          "against "
+          "\"{}\", and the body is {:.3g} m long: displacements linear in the modes mean nothing there",
+          name, w.of_size.t, w.of_size.what, w.of_size.moved, w.of_size.against,
+          w.of_size.moved / w.of_size.value));
+    } else if (w.rotation.value > limits_.rotation) {
+      out.push_back(
+          fmt::format("body \"{}\" leaves the linear range of its deformation: at t = {:.6g} s its interface "
+                      "\"{}\" is turned "
+                      "by {:.3g} deg against \"{}\", and displacements linear in the modes are wrong by "
+                      "about {:.2g} % of its "
+                      "length",
+                      name, w.rotation.t, w.rotation.what, w.rotation.value * 180.0 / std::numbers::pi,
+                      w.rotation.against, 50.0 * w.rotation.value * w.rotation.value));
+    } else if (w.displacement.value > limits_.displacement) {
+      out.push_back(fmt::format(
+          "body \"{}\" leaves the linear range of its deformation: at t = {:.6g} s {} is displaced by {:.3g} "
+          "m "
+          "against \"{}\", {:.3g} of their distance (linear up to about {:.3g}), and displacements linear in "
+          "the "
+          "modes are wrong by about {:.2g} % of that distance",
+          name, w.displacement.t, w.displacement.what, w.displacement.moved, w.displacement.against,
+          w.displacement.value, limits_.displacement, 60.0 * w.displacement.value * w.displacement.value));
+    }
+    if (w.strain.value > limits_.strain)
+      out.push_back(
+          fmt::format("body \"{}\" is strained by {:.3g} % at t = {:.6g} s at {}: its elasticity is linear, "
+                      "and no material's is up to there",
+                      name, 100.0 * w.strain.value, w.strain.t, w.strain.what));
   }
   return out;
+}
+
+std::string LinearRange::runaway() const {
+  for (std::size_t b = 0; b < watched_.size(); ++b) {
+    const Watched& w = watched_[b];
+    if (!(w.of_size.value > limits_.runaway)) continue;
+    return fmt::format(
+        "body \"{}\" is deformed by {:.3g} times its own size at t = {:.6g} s: its deformation grows without "
+        "bound; the "
+        "motion is unstable, or its loads are far beyond what it can carry (a body whose spin softens it "
+        "needs "
+        "fidelity \"modal-stiffened\", one with fidelity \"ked\" bears no load that depends on its "
+        "deformation)",
+        mechanism_.description().bodies[b].name, w.of_size.value, w.of_size.t);
+  }
+  return {};
 }
 
 }  // namespace flexura::mbs

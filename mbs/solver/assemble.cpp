@@ -6,9 +6,12 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
+#include <utility>
 
 #include "mbs/solver/accelerations.hpp"
+#include "mbs/solver/closing.hpp"
 #include "mbs/solver/saddle.hpp"
 
 namespace flexura::mbs {
@@ -43,17 +46,28 @@ bool any(const std::vector<bool>& mask) {
   return std::find(mask.begin(), mask.end(), true) != mask.end();
 }
 
+// How freely each coordinate moves: held ones not at all, prescribed ones by the factor given.
+Eigen::VectorXd freedoms(int n_v, const ClosingOptions& options, double of_prescribed) {
+  Eigen::VectorXd free = Eigen::VectorXd::Ones(n_v);
+  for (int i = 0; i < n_v; ++i) {
+    if (!options.keep.empty() && options.keep[i]) free(i) = of_prescribed;
+    if (!options.hold.empty() && options.hold[i]) free(i) = 0.0;
+  }
+  return free;
+}
+
+// Of a prescribed coordinate that has to move: small enough that the others come first, large enough that G
+// keeps its rank in double precision (the square counts).
+constexpr double kReluctant = 1e-2;
+
 // One solution of g(p) = 0 by damped minimum-norm steps from a start.
 class PositionSolver {
  public:
-  PositionSolver(const Equations& eq, double t, const std::vector<bool>& keep)
-      : eq_(eq), n_(eq.sizes()), t_(t), scratch_(eq.make_scratch()) {
+  PositionSolver(const Equations& eq, double t, Eigen::VectorXd free)
+      : eq_(eq), n_(eq.sizes()), t_(t), scratch_(eq.make_scratch()), free_(std::move(free)) {
     M_.setZero(n_.n_v, n_.n_v);
     G_.setZero(n_.n_lambda, n_.n_v);
     g_.setZero(n_.n_lambda);
-    free_ = Eigen::VectorXd::Ones(n_.n_v);
-    for (std::size_t i = 0; i < keep.size(); ++i)
-      if (keep[i]) free_(static_cast<Eigen::Index>(i)) = 0.0;
     step_scale_.resize(n_.n_v);
     for (int i = 0; i < n_.n_v; ++i) step_scale_(i) = eq.velocity_scale(i);
   }
@@ -66,6 +80,10 @@ class PositionSolver {
   /// Open by no more than a millionth of the mechanism's size: finer than parts are made, and no more than a
   /// change of the loop's lengths in the seventh digit would mend.
   bool nearly_closed() const { return (g_.cwiseAbs().array() <= 1e3 * allowed_.array()).all(); }
+  /// Open by round-off alone, if by that.
+  bool is_closed() const {
+    return (g_.cwiseAbs().array() <= (1e-12 * sizes_.size).cwiseMax(10.0 * sizes_.round_off).array()).all();
+  }
   /// How far open, in units of what is allowed.
   double openness() const { return g_.size() > 0 ? (g_.array() / allowed_.array()).abs().maxCoeff() : 0.0; }
   /// All that is open is so by rows that nothing can change: their names, else "".
@@ -83,7 +101,7 @@ class PositionSolver {
   double t_;
   std::unique_ptr<Equations::Scratch> scratch_;
   Eigen::MatrixXd M_, G_, H_;
-  Eigen::VectorXd g_, free_, step_scale_, column_scale_, row_scale_, allowed_;
+  Eigen::VectorXd free_, g_, step_scale_, column_scale_, row_scale_, allowed_;
   ConstraintSizes sizes_;
   int iterations_ = 0;
   double change_ = 0.0;
@@ -172,95 +190,118 @@ bool PositionSolver::solve(Eigen::VectorXd& p, int max_iterations) {
 
 }  // namespace
 
-AssembleReport assemble_positions(const Equations& eq, State& s, const AssembleOptions& options) {
-  AssembleReport report;
-  enum class Outcome { closed, nearly, open };
-  std::string misfit, why, out_of_reach;
-  double openness = 0.0;
-  auto attempt = [&](const Eigen::VectorXd& start, const std::vector<bool>& keep, double nudge) {
+Closing close_positions(const Equations& eq, State& s, const ClosingOptions& options) {
+  Closing out;
+  out.closed = true;
+  AssembleReport& report = out.report;
+  const Eigen::VectorXd start = s.p;
+  const int n_v = eq.sizes().n_v;
+  // The attempt that left the loops open the least.
+  struct Nearest {
+    double openness = std::numeric_limits<double>::infinity();
+    bool acceptable = false, kept = true;
+    Eigen::VectorXd p, g;
+    std::string worst;
+    double change = 0.0;
+    std::string out_of_reach;
+  } nearest;
+  const auto attempt = [&](const Eigen::VectorXd& free, double nudge, bool kept, double pattern = 0.0) {
     s.p = start;
     if (nudge > 0.0) {
       // At a stretched-out start the constraints' gradients can be blind to the way out; a small push shows
       // it.
-      Eigen::VectorXd d(eq.sizes().n_v);
-      for (Eigen::Index i = 0; i < d.size(); ++i)
-        d(i) = keep.empty() || !keep[i]
-                   ? nudge * eq.velocity_scale(static_cast<int>(i)) * std::cos(2.4 * i + 0.7)
-                   : 0.0;
+      Eigen::VectorXd d(n_v);
+      for (int i = 0; i < n_v; ++i)
+        d(i) = nudge * free(i) * eq.velocity_scale(i) * std::cos((2.4 + pattern) * i + 0.7 + pattern);
       Eigen::VectorXd moved(start.size());
       eq.retract(start, d, moved);
       s.p = moved;
     }
-    PositionSolver solver(eq, s.t, keep);
+    PositionSolver solver(eq, s.t, free);
     const bool solved = solver.solve(s.p, options.max_iterations);
     report.iterations += solver.iterations();
     report.position_change = solver.change();
     report.position_residual = solver.residual().size() > 0 ? solver.residual().cwiseAbs().maxCoeff() : 0.0;
-    if (solved) return Outcome::closed;
-    openness = solver.openness();
-    const std::string worst = worst_rows(eq, solver.residual(), solver.allowed(), solver.sizes());
-    if (solver.nearly_closed()) {
-      misfit = worst;
-      return Outcome::nearly;
-    }
-    if (why.empty()) {
-      why = worst;
-      out_of_reach = solver.rows_out_of_reach();
-    }
-    return Outcome::open;
+    out.to_round_off = solver.is_closed();
+    // A prescribed value moves only for a loop that closes better by it, not for round-off.
+    if (!solved && solver.openness() < (kept == nearest.kept ? 1.0 : 0.5) * nearest.openness)
+      nearest = {solver.openness(),
+                 solver.nearly_closed(),
+                 kept,
+                 s.p,
+                 solver.residual(),
+                 worst_rows(eq, solver.residual(), solver.allowed(), solver.sizes()),
+                 solver.change(),
+                 solver.rows_out_of_reach()};
+    return solved;
   };
-  const auto settled = [&](Outcome outcome, const std::vector<bool>& keep) {
-    if (outcome != Outcome::nearly) return outcome == Outcome::closed;
-    // Start values that were typed with few digits stand in the way of nothing.
-    const AssembleReport nearly = report;
-    const Eigen::VectorXd p = s.p;
-    const std::string left = misfit;
-    const double open = openness;
-    if (any(keep)) {
-      const Outcome freed = attempt(p, {}, 0.0);
-      report.position_change += nearly.position_change;
-      if (freed == Outcome::closed || (freed == Outcome::nearly && openness < 0.1 * open)) {
-        if (freed == Outcome::closed) return true;
-        report.notes.push_back(
-            fmt::format("the loops close but for {}, taken as parts that do not fit exactly", misfit));
-        return true;
-      }
-      const int iterations = report.iterations;
-      report = nearly;
-      report.iterations = iterations;
-      s.p = p;
-    }
-    // Parts that do not fit exactly, like a loop around an axis whose markers stand a nanometre apart along it.
+  constexpr double kNudges[] = {0.0, 1e-2, 1e-1};
+  const Eigen::VectorXd keeping = freedoms(n_v, options, 0.0);
+  for (const double nudge : kNudges)
+    if (attempt(keeping, nudge, true)) return out;
+  const auto say_moved = [&] {
+    report.positions_kept = false;
     report.notes.push_back(
-        fmt::format("the loops close but for {}, taken as parts that do not fit exactly", left));
-    return true;
+        fmt::format("the prescribed initial positions {} contradict the constraints and were moved to "
+                    "close the loops",
+                    names_of(eq, options.keep)));
   };
-  const Eigen::VectorXd start = s.p;
-  for (const double nudge : {0.0, 1e-2, 1e-1})
-    if (settled(attempt(start, options.keep_position, nudge), options.keep_position)) return report;
-  if (any(options.keep_position)) {
-    for (const double nudge : {0.0, 1e-2, 1e-1})
-      if (settled(attempt(start, {}, nudge), {})) {
-        report.positions_kept = false;
-        report.notes.push_back(
-            fmt::format("the prescribed initial positions {} contradict the constraints and were moved to "
-                        "close the loops",
-                        names_of(eq, options.keep_position)));
-        return report;
+  if (any(options.keep)) {
+    const Eigen::VectorXd reluctant = freedoms(n_v, options, kReluctant);
+    for (const double nudge : kNudges)
+      if (attempt(reluctant, nudge, false)) {
+        say_moved();
+        return out;
       }
   }
+  // Each start costs up to max_iterations factorisations: mechanisms of some hundred coordinates do without.
+  if (options.search_far && !nearest.acceptable && n_v <= 300)
+    for (const bool kept : {true, false})
+      for (const double pattern : {0.0, 1.9, 3.1, 4.3})
+        for (const double nudge : {0.25, 0.5}) {
+          if (!kept && !any(options.keep)) continue;
+          if (!attempt(freedoms(n_v, options, kept ? 0.0 : kReluctant), nudge, kept, pattern)) continue;
+          if (!kept) say_moved();
+          return out;
+        }
+  if (nearest.acceptable) {
+    // Parts that do not fit exactly, like a loop around an axis whose markers stand a nanometre apart along
+    // it.
+    s.p = nearest.p;
+    report.position_change = nearest.change;
+    report.position_residual = nearest.g.cwiseAbs().maxCoeff();
+    out.to_round_off = false;
+    if (!nearest.kept) say_moved();
+    report.notes.push_back(
+        fmt::format("the loops close but for {}, taken as parts that do not fit exactly", nearest.worst));
+    return out;
+  }
   s.p = start;
-  if (!out_of_reach.empty())
-    throw AssemblyError(
-        fmt::format("the mechanism cannot be assembled at t = {:.6g} s: {} cannot be met: nothing can move that "
-                    "changes it; mend the markers and lengths of the parts that it joins, or give them a joint "
-                    "that lets them move",
-                    s.t, out_of_reach));
-  throw AssemblyError(
-      fmt::format("the mechanism cannot be assembled at t = {:.6g} s: the constraints {} cannot be closed; "
-                  "check the markers, "
-                  "lengths and initial positions of the parts that they join",
-                  s.t, why));
+  out.closed = out.to_round_off = false;
+  out.p = nearest.p;
+  out.g = nearest.g;
+  out.worst = nearest.worst;
+  out.out_of_reach = nearest.out_of_reach;
+  return out;
+}
+
+AssembleReport assemble_positions(const Equations& eq, State& s, const AssembleOptions& options) {
+  const Closing closing =
+      close_positions(eq, s, {options.keep_position, {}, false, options.max_iterations});
+  if (closing.closed) return closing.report;
+  throw AssemblyError(fmt::format("the mechanism cannot be assembled at t = {:.6g} s: {}", s.t, why_open(closing)));
+}
+
+std::string why_open(const Closing& closing) {
+  if (!closing.out_of_reach.empty())
+    return fmt::format(
+        "{} cannot be met: nothing can move that changes it; mend the markers and lengths of the parts that it "
+        "joins, or give them a joint that lets them move",
+        closing.out_of_reach);
+  return fmt::format(
+      "the constraints {} cannot be closed; check the markers, lengths and initial positions of the parts that "
+      "they join",
+      closing.worst);
 }
 
 void assemble_velocities(const Equations& eq, State& s, const AssembleOptions& options,

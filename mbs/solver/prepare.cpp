@@ -7,45 +7,16 @@
 #include <algorithm>
 
 #include "mbs/solver/accelerations.hpp"
+#include "mbs/solver/close_loops.hpp"
 #include "mbs/solver/dead_point.hpp"
-#include "mbs/solver/kinematic_blocks.hpp"
 #include "mbs/solver/mechanism_scales.hpp"
+#include "mbs/solver/not_assembled.hpp"
 #include "mbs/solver/row_watch.hpp"
 #include "mbs/solver/settle.hpp"
 
 namespace flexura::mbs {
 
 namespace {
-
-// The velocity coordinates whose block of positions is wholly marked.
-std::vector<bool> velocities_of(const Mechanism& mechanism, const State& s, const std::vector<bool>& marked) {
-  std::vector<bool> mask(mechanism.sizes().n_v, false);
-  const KinematicBlocks kinematics(mechanism, s.p);
-  for (const KinematicBlocks::Block& block : kinematics.blocks()) {
-    bool all = true;
-    for (const int i : block.p) all = all && marked[i];
-    for (const int j : block.v) mask[j] = all;
-  }
-  return mask;
-}
-
-// The velocity coordinates by which bodies deform: modal ones and those between the segments of beams.
-std::vector<bool> deformations_of(const Mechanism& mechanism, const std::vector<int>& segment_joints,
-                                  const State& s) {
-  std::vector<bool> deforms(mechanism.sizes().n_p, false);
-  const std::vector<BodyDescription>& bodies = mechanism.description().bodies;
-  for (std::size_t b = 0; b < bodies.size(); ++b) {
-    const int first = mechanism.modal_position(static_cast<int>(b));
-    if (first < 0) continue;
-    for (int k = 0; k < bodies[b].flexible->m(); ++k) deforms[first + k] = true;
-  }
-  for (const int j : segment_joints) {
-    const JointPlace& place = mechanism.joint_places()[j];
-    if (!place.in_tree()) continue;
-    for (int k = 0; k < place.joint->n_p(); ++k) deforms[place.i_p + k] = true;
-  }
-  return velocities_of(mechanism, s, deforms);
-}
 
 // Vibration that nothing excites bounds the steps of a multistep method, not those of Radau IIA: on the
 // scenes of cases/trade the latter is 1.2 to 700 times faster with all modes, as fast without any.  One-way
@@ -74,22 +45,33 @@ std::vector<bool> either(std::vector<bool> a, const std::vector<bool>& b) {
   return a;
 }
 
-// Loops are closed by moving bodies, not by bending them: first with all deformations held; what is left
-// open then (parts that do not fit, redundant joints) closes with the smallest deformation from there.
-AssembleReport close_loops(const Mechanism& mechanism, State& s, const AssembleOptions& keep,
-                           const std::vector<bool>& deforms) {
-  AssembleReport stiff;
-  AssembleOptions undeformed = keep;
-  undeformed.keep_position = either(keep.keep_position, deforms);
-  try {
-    stiff = assemble_positions(mechanism, s, undeformed);
-  } catch (const AssemblyError&) {
-    // The next attempt may deform the bodies from the start, and words the refusal if it fails too.
+// Strain energy far above what the loads ask for: the start is then mostly the misfit.  Ten times their
+// deformation.
+constexpr double kOutOfScale = 100.0;
+
+void tell_strain(const StrainedLoops& strained, const std::vector<bool>& deforms, PreparedMechanism& out) {
+  std::string sentence = sentence_of(strained, *out.mechanism, out.state);
+  if (strained.are_parts_as_made) {
+    out.notes.push_back(std::move(sentence));
+    return;
   }
-  AssembleReport report = assemble_positions(mechanism, s, keep);
-  report.iterations += stiff.iterations;
-  report.position_change += stiff.position_change;
-  return report;
+  const double asked = energy_of_loads(*out.mechanism, strained, deforms, out.state);
+  if (!(strained.energy > kOutOfScale * asked)) {
+    out.notes.push_back(std::move(sentence));
+    return;
+  }
+  double largest = 0.0;
+  int which = 0;
+  for (Eigen::Index i = 0; i < out.state.lambda.size(); ++i)
+    if (std::abs(out.state.lambda(i)) > largest) {
+      largest = std::abs(out.state.lambda(i));
+      which = static_cast<int>(i);
+    }
+  out.notes.push_back(
+      fmt::format("{}{}; the loads at the start ask for {:.3g} J. The run begins with the forces of this "
+                  "misfit, {:.4g} {} in \"{}\": mend the markers, lengths or initial positions unless it is meant",
+                  warning_mark, sentence, asked, largest, force_unit_of(*out.mechanism, which),
+                  out.mechanism->name_of_constraint(which)));
 }
 
 }  // namespace
@@ -124,8 +106,9 @@ PreparedMechanism prepare(const std::filesystem::path& path, const std::vector<s
   keep.keep_position = velocities_of(*out.mechanism, out.state, given_positions);
   keep.keep_velocity = given_velocities;
   try {
-    const std::vector<bool> deforms = deformations_of(*out.mechanism, out.file.segment_joints, out.state);
-    out.assembly = close_loops(*out.mechanism, out.state, keep, deforms);
+    const std::vector<bool> deforms = deformations_of(*out.mechanism, out.file, out.state);
+    const std::optional<StrainedLoops> strained =
+        close_loops(*out.mechanism, out.file, out.state, keep, out.assembly);
     if (out.mechanism->sizes().n_alg > 0 && state_file.empty())
       out.mechanism->start_contacts(out.state, *out.mechanism->make_scratch());
     out.redundant = out.mechanism->drop_redundant(out.state.t, out.state.p);
@@ -149,12 +132,18 @@ PreparedMechanism prepare(const std::filesystem::path& path, const std::vector<s
     if (is_locked(out)) out.assembly.notes.push_back(kLocked);
     if (std::string note = require_one_branch(*out.mechanism, out.state, out.v_dot); !note.empty())
       out.assembly.notes.push_back(std::move(note));
+    if (strained) tell_strain(*strained, deforms, out);
     if (out.options.settled_start && state_file.empty()) settle(*out.mechanism, out.state, out.v_dot, keep);
     // The second assembly finds the loops closed; what it took is in the first report.
     out.assembly.iterations += positions.iterations;
     out.assembly.position_change += positions.position_change;
     out.assembly.positions_kept = positions.positions_kept;
     out.assembly.notes.insert(out.assembly.notes.begin(), positions.notes.begin(), positions.notes.end());
+  } catch (const OpenLoops& e) {
+    std::vector<Opening> openings = openings_of(*out.mechanism, e.g);
+    out.state.p = e.p;
+    const std::string what = fmt::format("{}: {}", path.string(), e.what());
+    throw NotAssembled(what, std::make_shared<const PreparedMechanism>(std::move(out)), std::move(openings));
   } catch (const AssemblyError& e) {
     throw input::InputError(fmt::format("{}: {}", path.string(), e.what()));
   }

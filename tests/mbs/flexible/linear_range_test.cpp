@@ -9,6 +9,7 @@
 namespace flexura::mbs {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 
 // A cantilever L = m = EI = 1 under a force F at its tip: the linear deflection F L^3 / 3 EI, the slope
@@ -39,7 +40,12 @@ TEST(LinearRange, TellsTheSlopeOfACantileverAndWhatItCosts) {
     range.observe(s);
     return range.sentences();
   };
-  EXPECT_TRUE(sentences(0.39).empty());  // 0.195 rad, the limit is 0.2
+  // The tip stands F / 3 off and is turned by F / 2: limits are 0.1 of the length and 0.1745 rad.
+  EXPECT_TRUE(sentences(0.29).empty());
+  const auto displaced = sentences(0.32);
+  ASSERT_EQ(displaced.size(), 1u);
+  // 3/5 (d / l)^2 = 0.6 * 0.1067^2.
+  EXPECT_THAT(displaced[0], AllOf(HasSubstr("is displaced by 0.107 m against"), HasSubstr("about 0.68 %")));
   const auto told = sentences(0.8);
   ASSERT_EQ(told.size(), 1u);
   // 0.4 rad = 22.9 deg; a displacement linear in the modes leaves out 0.4^2 / 2 of the length.
