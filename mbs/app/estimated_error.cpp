@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "mbs/study/full_model.hpp"
 #include "mbs/study/percent.hpp"
@@ -21,27 +22,57 @@ namespace {
 // The shadows are linear in what they correct; from here on their figure is no more than a warning.
 constexpr double kTrusted = 0.2;
 
+// A number of a report, or nothing.
+std::optional<double> number_in(const nlohmann::json& table, const char* key) {
+  const auto found = table.is_object() ? table.find(key) : table.end();
+  if (found == table.end() || !found->is_number()) return {};
+  return found->get<double>();
+}
+
+// What the elements cost in deformation, by the report's estimates for the lowest frequency (f ~ k^(1/2)) and for the
+// compliance between interfaces; nothing where the mesh was not judged or does not resolve the part (null).
+std::optional<double> share_of_elements(const nlohmann::json& report) {
+  const auto estimate = report.find("mesh_error");
+  if (estimate == report.end() || !estimate->is_object()) return {};
+  double worst = -1.0;
+  const auto take = [&](const char* list, const char* key, double factor, bool only_first) {
+    const auto rows = estimate->find(list);
+    if (rows == estimate->end() || !rows->is_array()) return true;
+    for (const nlohmann::json& row : *rows) {
+      const std::optional<double> error = number_in(row, key);
+      if (!error) return false;
+      worst = std::max(worst, factor * *error);
+      if (only_first) break;
+    }
+    return true;
+  };
+  if (!take("modes", "frequency_error", 2.0, true) || !take("interfaces", "compliance_error", 1.0, false))
+    return {};
+  return worst >= 0.0 ? std::optional(worst) : std::nullopt;
+}
+
 ErrorSource mesh_of(const mbs::BodyDescription& body) {
   ErrorSource out{"mesh", body.name, {}, 0.0, "its reduction reports no estimate"};
   const auto report = nlohmann::json::parse(
       superelement::read(body.superelement, {.matrices = false, .inertia = false}).report_json, nullptr,
       false);
   if (!report.is_object()) return out;
+  double known = 0.0;
+  if (const auto mesh = report.find("mesh"); mesh != report.end())
+    known = std::abs(number_in(*mesh, "volume_error").value_or(0.0));
   const auto estimate = report.find("estimate");
-  double of_deformation = 0.0;
-  if (const auto mesh = report.find("mesh"); mesh != report.end() && mesh->is_object() &&
-                                             mesh->contains("volume_error") &&
-                                             mesh->at("volume_error").is_number())
-    of_deformation = std::abs(mesh->at("volume_error").get<double>());
-  if (estimate == report.end() || !estimate->is_array() || estimate->empty() ||
-      !estimate->front().contains("frequency_error") ||
-      !estimate->front().at("frequency_error").is_number()) {
-    // The shape alone says nothing of the elements.
-    out.at_least = of_deformation;
-    return out;
+  std::optional<double> dropped;
+  if (estimate != report.end() && estimate->is_array() && !estimate->empty())
+    dropped = number_in(estimate->front(), "frequency_error");
+  const std::optional<double> elements = share_of_elements(report);
+  known += 2.0 * dropped.value_or(0.0) + elements.value_or(0.0);
+  if (dropped && elements) {
+    out.error = known;
+    out.note = "of its deformation";
+  } else {
+    out.at_least = known;
+    if (dropped) out.note = "its elements were not judged, or do not resolve the part";
   }
-  out.error = of_deformation + 2.0 * estimate->front().at("frequency_error").get<double>();
-  out.note = "of its deformation";
   return out;
 }
 
@@ -69,11 +100,8 @@ void add_switches(const mbs::PreparedMechanism& prepared, bool is_judged, std::v
       sources.push_back({"switch", force->name(), {}, 0.0, "the estimate is linear about the run"});
   for (int i = 0; i < prepared.mechanism->sizes().n_root; ++i)
     if (prepared.mechanism->is_condition(i))
-      sources.push_back({"switch",
-                         prepared.mechanism->name_of_root(i),
-                         {},
-                         0.0,
-                         "the estimate is linear about the run"});
+      sources.push_back(
+          {"switch", prepared.mechanism->name_of_root(i), {}, 0.0, "the estimate is linear about the run"});
 }
 
 std::string words_of(const ErrorSource& source) {
