@@ -190,7 +190,7 @@ TEST_P(TimeEvents, ConditionsOnTheMotionAreLocated) {
   EXPECT_NEAR(field.values.back()(0), std::sqrt(1.02), 1e-8);
   // Stairs: 1 N in [0, 1), 2 N in [1, 2), 3 N in [2, 3).
   const Series stairs =
-      simulated(with_start(pushed_by("1 + floor(s.position)"), "0", "0") + GetParam().solver("10", "0.01"),
+      simulated(with_start(pushed_by("1 + floor(s.position)"), "0", "0") + GetParam().solver("3", "0.01"),
                 {"s.position", "s.speed"});
   for (const Eigen::VectorXd& row : stairs.values) {
     if (row(0) >= 3.0) break;
