@@ -16,7 +16,7 @@ namespace {
 constexpr double kGlance = 1e-3;
 // A position far from zero is held to this many times the motion.
 constexpr double kOfMotion = 100.0;
-// Allowed errors of positions end here, in parts of the length: a hundredth of it, to which Newton's method
+// Allowed errors of positions end here, in parts of the length (or of how far from the origin it stands): a hundredth of it, to which Newton's method
 // goes down, is then fifty times the round-off of the positions that loops are closed by.  Of velocities they
 // end where this error comes about within the glance: a short step turns the round-off of loops into speeds.
 constexpr double kLeast = 1e-12;
@@ -36,10 +36,12 @@ ErrorWeights::ErrorWeights(const Equations& eq, const SolverOptions& options)
   for (int i = 0; i < n.n_v; ++i) reach_v_(i) = 1.0 / eq.velocity_scale(i);
   if (options.scales && options.scales->reach_p.size() == n.n_p && options.scales->reach_v.size() == n.n_v) {
     length_ = options.scales->length;
+    place_ = options.scales->farthest;
     reach_p_ = options.scales->reach_p;
     reach_v_ = options.scales->reach_v;
   }
   for (int i = 0; i < n.n_v; ++i) usual_speed_(i) = eq.velocity_scale(i) * reach_v_(i);
+  place_ = std::max(place_, length_);
   displacement_ = length_;
   speed_ = HUGE_VAL;
 }
@@ -92,8 +94,8 @@ void ErrorWeights::take(ConstVectorRef p, ConstVectorRef v) {
 }
 
 void ErrorWeights::evaluate(ConstVectorRef p, ConstVectorRef v, ConstVectorRef c, VectorRef w) const {
-  const double least_p = std::min(kLeast, tolerance_ * floor_) * length_,
-               least_v = duration_ > 0.0 ? kLeast * length_ / (kGlance * duration_) : 0.0;
+  const double least_p = std::min(kLeast, tolerance_ * floor_) * place_,
+               least_v = duration_ > 0.0 ? kLeast * place_ / (kGlance * duration_) : 0.0;
   const double most = std::min(length_, kOfMotion * displacement_);
   for (Eigen::Index i = 0; i < p.size(); ++i) {
     const double reach = reach_p_(i),

@@ -43,7 +43,7 @@ class ErrorWeights {
   void guess(const State& s, const Eigen::VectorXd& v_dot);
 
   const Equations& eq_;
-  double tolerance_, floor_, duration_, length_ = 1.0;
+  double tolerance_, floor_, duration_, length_ = 1.0, place_ = 0.0;
   Eigen::VectorXd reach_p_, reach_v_;  // [m] for a unit
   Eigen::VectorXd usual_speed_;        // [m/s], of one unit of a velocity
   bool has_start_ = false;

@@ -10,7 +10,7 @@ namespace {
 
 // The box around bodies and markers: of what moves, since ground may hold marks far away; of everything where
 // what moves is a point; without any extent, the largest radius of gyration.
-double length_of(const Mechanism& mechanism, const State& s) {
+double length_of(const Mechanism& mechanism, const State& s, double& farthest) {
   const MechanismDescription& d = mechanism.description();
   std::vector<Pose> poses;
   mechanism.body_poses(s, *mechanism.make_scratch(), poses);
@@ -31,9 +31,10 @@ double length_of(const Mechanism& mechanism, const State& s) {
     for (const MarkerDescription& marker : d.markers)
       if (marker.node < 0) take(marker.body, marker.X_BP.p);
     if (!(low.x() <= high.x())) continue;
+    farthest = std::max(high.cwiseAbs().maxCoeff(), low.cwiseAbs().maxCoeff());
     const double diagonal = (high - low).norm();
     if (std::isfinite(diagonal) &&
-        diagonal > 1e-9 * std::max(high.cwiseAbs().maxCoeff(), low.cwiseAbs().maxCoeff()))
+        diagonal > 1e-9 * farthest)
       return diagonal;
   }
   double gyration = 0.0;
@@ -48,7 +49,7 @@ double length_of(const Mechanism& mechanism, const State& s) {
 Scales scales_of(const Mechanism& mechanism, const State& s) {
   const Sizes n = mechanism.sizes();
   Scales out;
-  out.length = length_of(mechanism, s);
+  out.length = length_of(mechanism, s, out.farthest);
   // Modes, and whatever no joint of the tree says otherwise.
   out.reach_p.resize(n.n_p);
   out.reach_v.resize(n.n_v);

@@ -34,7 +34,9 @@ int solve_section(const Arguments& arguments, const terminal::Talk& talk) {
   if (output.empty()) output = std::filesystem::path(source).replace_extension(".section");
   if (drawing.empty()) drawing = std::filesystem::path(output).replace_extension(".svg");
   const auto same = [](const std::filesystem::path& a, const std::filesystem::path& b) {
-    return std::filesystem::weakly_canonical(a) == std::filesystem::weakly_canonical(b);
+    std::error_code unknown;  // links that lead to themselves: the claims say so
+    const auto first = std::filesystem::weakly_canonical(a, unknown);
+    return !unknown && first == std::filesystem::weakly_canonical(b, unknown) && !unknown;
   };
   if (same(output, source) || same(drawing, source) || same(output, drawing))
     throw input::InputError(

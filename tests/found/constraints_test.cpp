@@ -62,14 +62,14 @@ INSTANTIATE_TEST_SUITE_P(
         Refused{"constraints/cam_follower_driven", {"\"c.", "\"cam.drive\"", "\"fol.drive\"", "contradict"}},
         Refused{"constraints/distance_stretched_speed", {"\"d.length\""}},
         Refused{"constraints/distance_locks_driven", {"\"u.length\"", "\"j.drive\"", "contradict"}},
-        Refused{"constraints/distance_two_lengths", {"\"d1.length\"", "\"d2.length\"", " m)"}},
+        Refused{"constraints/distance_two_lengths", {"\"d1\" (", "\"d2\" (", " mm"}},
         Refused{"constraints/parallelogram_flat_driven", {"dead point", "ambiguous", "speed"}},
         Refused{"constraints/slider_driven_dead_point", {"dead point", "ambiguous", "speed", "\"A.speed\""}},
         Refused{"constraints/misaligned_slow_start", {"\"A.drive\"", "\"C.axis_", "rad/s^2"}},
         Refused{"constraints/misaligned_1e-4", {"\"A.drive\"", "\"C.axis_", "contradict"}},
         Refused{"constraints/two_sliders_skew_axis", {"\"r.rotation_y\" (", "cannot be met"}},
         Refused{"constraints/door_offset_1mm", {"\"h2.x\" (-0.001 m)"}},
-        Refused{"constraints/bennett_off", {"\"j1."}},
+        Refused{"constraints/bennett_off", {"\"j1\" ("}},
         Refused{"constraints/weld_and_free", {"\"c.length\"", "cannot be met", "nothing can move"}}));
 
 struct Stopped {
@@ -167,6 +167,7 @@ TEST(Constraints, AStartValueWithFewDigitsIsNoMisfit) {
 struct Immovable {
   std::string file;
   bool fits;
+  bool is_driven = false;  // it moves as its drives say: no state about which a linear system would last
 };
 
 class NothingCanMove : public ::testing::TestWithParam<Immovable> {};
@@ -177,6 +178,11 @@ TEST_P(NothingCanMove, InEveryCommandThatReadsMechanisms) {
     std::vector<std::string> arguments = command;
     arguments.insert(arguments.begin() + 1, kFound + GetParam().file + ".toml");
     const Outcome outcome = run("flexura", arguments);
+    if (GetParam().is_driven && (command[0] == "eigen" || command[0] == "linearize")) {
+      EXPECT_EQ(outcome.exit_code, 2) << command[0];
+      EXPECT_THAT(outcome.err, HasSubstr("neither an equilibrium nor a steady motion"));
+      continue;
+    }
     EXPECT_EQ(outcome.exit_code, GetParam().fits ? 0 : 2) << command[0] << ": " << outcome.err;
     if (!GetParam().fits)
       EXPECT_THAT(outcome.err, AllOf(HasSubstr("cannot be met"), HasSubstr("nothing can move"))) << command[0];
@@ -190,7 +196,7 @@ INSTANTIATE_TEST_SUITE_P(Constraints, NothingCanMove,
                                            Immovable{"safe/overcon/overcon", false},
                                            Immovable{"constraints/welds_loop", true},
                                            Immovable{"constraints/all_driven", true},
-                                           Immovable{"constraints/driven_weld", true}));
+                                           Immovable{"constraints/driven_weld", true, true}));
 
 }  // namespace
 }  // namespace flexura

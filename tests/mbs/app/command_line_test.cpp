@@ -143,7 +143,7 @@ TEST(CommandLine, WhatIsThrownBecomesAMessageAndAnExitCode) {
   EXPECT_EQ(outcome(std::runtime_error("no convergence")).code, 1);
   EXPECT_EQ(outcome(std::runtime_error("no convergence")).err, "error: no convergence\n");
   EXPECT_EQ(outcome(std::bad_alloc()).code, 1);
-  EXPECT_EQ(outcome(std::logic_error("x")).err, "error: internal: x; please report this\n");
+  EXPECT_EQ(outcome(std::logic_error("x")).err, "error: a mistake of the program, not of the input: x; please report this with the input\n");
   EXPECT_EQ(run_words({"mesh", "f"}, [] { return 7; }).code, 7);
 }
 

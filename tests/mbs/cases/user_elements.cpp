@@ -81,7 +81,7 @@ TEST_F(UserElements, RefuseWhatTheFileGetsWrong) {
   EXPECT_THAT(refusal_with({"force.pull.element=magnt"}),
               HasSubstr("the library has no force of this name, did you mean \"magnet\"?"));
   EXPECT_THAT(refusal_with({"force.pull.library=lib_none.so"}), HasSubstr("there is no such file"));
-  EXPECT_THAT(refusal_with({"force.pull.library=magnets.toml"}), HasSubstr("cannot be loaded"));
+  EXPECT_THAT(refusal_with({"force.pull.library=magnets.toml"}), HasSubstr("is no shared library"));
   EXPECT_THAT(refusal_with({"force.pull.values={core = 1}"}), HasSubstr("values.strength is missing"));
   EXPECT_THAT(refusal_with({"force.pull.markers=[\"ball\"]"}),
               HasSubstr("markers has 1 entries, 2 are wanted"));

@@ -67,7 +67,7 @@ length = "1 m"
   ASSERT_NE(history, std::string::npos);
   file(state.substr(0, history) + "\"history\": [1e9, 2]}}", "short.json");
   EXPECT_EQ(flexura("simulate m.toml -o x.h5 --continue short.json"), 2);
-  EXPECT_THAT(text_of("err.txt"), HasSubstr("history does not fit this mechanism"));
+  EXPECT_THAT(text_of("err.txt"), HasSubstr("was changed after it was written"));
   file(state.substr(0, history), "cut.json");
   EXPECT_EQ(flexura("simulate m.toml -o x.h5 --continue cut.json"), 2);
   EXPECT_THAT(text_of("err.txt"),

@@ -322,7 +322,7 @@ TEST_F(SuperelementFile, ARefusedWriteLeavesNothingBehind) {
   try {
     write(folder_ / "nowhere" / "beam.se.h5", complete_beam());
     FAIL();
-  } catch (const std::runtime_error& failure) {
+  } catch (const std::invalid_argument& failure) {
     EXPECT_THAT(failure.what(), HasSubstr("nowhere does not exist; make it first"));
   }
 }
