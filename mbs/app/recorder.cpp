@@ -120,27 +120,31 @@ void Recorder::begin(const std::string& name) {
 }
 
 void Recorder::append(const mbs::State& s, const Eigen::VectorXd& v_dot, const mbs::EnergyAccount& energy) {
-  if (p_start_.size() == 0) {
-    p_start_ = p_scale_ = s.p;
-    for (Eigen::Index i = 0; i < s.p.size(); ++i)
-      p_scale_(i) = mechanism_.position_scale(static_cast<int>(i));
-  }
-  const std::vector<mbs::Pose> before = poses_;
-  const double t_before = row_.time;
   append(s, v_dot, EnergyRow{energy.work_in, energy.dissipated, energy.error()});
+  watch(s, energy.now.kinetic);
+}
+
+void Recorder::watch(const mbs::State& s, double kinetic_energy) {
   double speed = 0.0;
   const double travel =
       s.p.size() > 0 ? (s.p - p_start_).cwiseQuotient(p_scale_).lpNorm<Eigen::Infinity>() : 0.0;
-  if (!before.empty() && s.t > t_before)
+  if (!poses_before_.empty() && s.t > t_before_)
     for (std::size_t b = 0; b < poses_.size(); ++b)
-      speed = std::max(speed, (poses_[b].p - before[b].p).norm() / (s.t - t_before));
-  growth_.observe(s.t, energy.now.kinetic, travel, speed);
+      speed = std::max(speed, (poses_[b].p - poses_before_[b].p).norm() / (s.t - t_before_));
+  growth_.observe(s.t, kinetic_energy, travel, speed);
   // The row that shows it is kept, and the run ends there.
   if (const std::string why = range_.runaway(); !why.empty()) throw std::runtime_error(why);
   if (!growth_.reason().empty()) throw std::runtime_error(growth_.reason());
 }
 
 void Recorder::append(const mbs::State& s, const Eigen::VectorXd& v_dot, const EnergyRow& energy) {
+  if (p_start_.size() == 0) {
+    p_start_ = p_scale_ = s.p;
+    for (Eigen::Index i = 0; i < s.p.size(); ++i)
+      p_scale_(i) = mechanism_.position_scale(static_cast<int>(i));
+  }
+  poses_before_ = poses_;
+  t_before_ = row_.time;
   row_.time = s.t;
   const auto n = static_cast<Eigen::Index>(which_.size());
   mechanism_.evaluate(which_, s, v_dot, *scratch_, row_.quantities.head(n));

@@ -37,9 +37,10 @@ class Recorder {
       : Recorder(prepared, writer, prepared.file.outputs, prepared.options.store_states) {}
   void begin(const std::string& name);
   void append(const mbs::State& s, const Eigen::VectorXd& v_dot, const EnergyRow& energy);
-  /// A row of a run in time.  Throws std::runtime_error, with the row written, where the motion grows without
-  /// bound.
+  /// A row of a run in time, watched.
   void append(const mbs::State& s, const Eigen::VectorXd& v_dot, const mbs::EnergyAccount& energy);
+  /// Judges the row just appended: throws std::runtime_error where the motion grows without bound.
+  void watch(const mbs::State& s, double kinetic_energy);
   /// Whether flexible bodies stayed in the linear range in the rows so far.
   const mbs::LinearRange& range() const { return range_; }
 
@@ -50,7 +51,8 @@ class Recorder {
   std::vector<int> which_;
   std::vector<results::Quantity> quantities_;
   std::vector<results::RunBody> run_bodies_;
-  std::vector<mbs::Pose> poses_;
+  std::vector<mbs::Pose> poses_, poses_before_;
+  double t_before_ = 0.0;
   mbs::LinearRange range_;
   mbs::GrowthWatch growth_;
   Eigen::VectorXd p_start_, p_scale_;

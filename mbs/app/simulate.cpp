@@ -102,6 +102,7 @@ Outcome run_as_told(const NamedRun& run, const Arguments& arguments, results::Wr
     const EnergyRow energy{account.work_in, account.dissipated, account.error()};
     observe(s, v_dot, energy);
     if (memory.to) memory.to->add(s, v_dot, energy);
+    recorder.watch(s, account.now.kinetic);
   };
   // What the shadows cost is taken off the run's time, so they must not run beside it.
   callbacks.rows_beside = !shadows;
