@@ -210,9 +210,11 @@ Closing close_positions(const Equations& eq, State& s, const ClosingOptions& opt
     if (nudge > 0.0) {
       // At a stretched-out start the constraints' gradients can be blind to the way out; a small push shows
       // it.
-      Eigen::VectorXd d(n_v);
+      Eigen::VectorXd d = Eigen::VectorXd::Zero(n_v);
+      int k = 0;  // of those that move: the push, and the branch it leads to, is that of the rigid mechanism
       for (int i = 0; i < n_v; ++i)
-        d(i) = nudge * free(i) * eq.velocity_scale(i) * std::cos((2.4 + pattern) * i + 0.7 + pattern);
+        if (free(i) > 0.0)
+          d(i) = nudge * eq.velocity_scale(i) * std::cos((2.4 + pattern) * k++ + 0.7 + pattern);
       Eigen::VectorXd moved(start.size());
       eq.retract(start, d, moved);
       s.p = moved;
@@ -223,6 +225,12 @@ Closing close_positions(const Equations& eq, State& s, const ClosingOptions& opt
     report.position_change = solver.change();
     report.position_residual = solver.residual().size() > 0 ? solver.residual().cwiseAbs().maxCoeff() : 0.0;
     out.to_round_off = solver.is_closed();
+    if (solved && nudge > 0.0)
+      report.notes.push_back(fmt::format(
+          "the start values lead to no closed loops of themselves (they are stretched out, or far off); a "
+          "push of {:.2g} rad or m found the branch that the mechanism stands on: give values near the one "
+          "that is meant",
+          nudge));
     // A prescribed value moves only for a loop that closes better by it, not for round-off.
     if (!solved && solver.openness() < (kept == nearest.kept ? 1.0 : 0.5) * nearest.openness)
       nearest = {solver.openness(),
@@ -254,11 +262,11 @@ Closing close_positions(const Equations& eq, State& s, const ClosingOptions& opt
         return out;
       }
   }
-  // Each start costs up to max_iterations factorisations: mechanisms of some hundred coordinates do without.
-  if (options.search_far && !nearest.acceptable && n_v <= 300)
+  // Each start costs up to max_iterations factorisations: mechanisms of many coordinates do without.
+  if (options.search_far && !nearest.acceptable && n_v <= 150)
     for (const bool kept : {true, false})
-      for (const double pattern : {0.0, 1.9, 3.1, 4.3})
-        for (const double nudge : {0.25, 0.5}) {
+      for (const double nudge : {0.3, 0.6, 1.2, 2.4})
+        for (const double pattern : {0.0, 1.9, 3.1, 4.3}) {
           if (!kept && !any(options.keep)) continue;
           if (!attempt(freedoms(n_v, options, kept ? 0.0 : kReluctant), nudge, kept, pattern)) continue;
           if (!kept) say_moved();

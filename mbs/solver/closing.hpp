@@ -17,7 +17,7 @@ struct ClosingOptions {
   /// n_v, or empty for none: coordinates that do not move at all, as deformations of bodies while joints close
   /// the loops.
   std::vector<bool> hold;
-  /// Where nothing near the start closes the loops, starts far from it (up to half a radian or typical size)
+  /// Where nothing near the start closes the loops, starts far from it (up to 2.4 rad or typical sizes)
   /// are tried, too: what they find stands on another branch perhaps, but no body is bent.
   bool search_far = false;
   int max_iterations = 200;

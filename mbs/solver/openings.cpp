@@ -19,7 +19,7 @@ namespace {
 
 std::string length_text(double metres) {
   if (metres >= 1.0) return fmt::format("{:.3g} m", metres);
-  if (metres >= 1e-3) return fmt::format("{:.3g} mm", 1e3 * metres);
+  if (metres >= 1e-5) return fmt::format("{:.3g} mm", 1e3 * metres);
   return metres >= 1e-6 ? fmt::format("{:.3g} um", 1e6 * metres) : fmt::format("{:.3g} m", metres);
 }
 

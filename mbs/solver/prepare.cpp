@@ -67,11 +67,12 @@ void tell_strain(const StrainedLoops& strained, const std::vector<bool>& deforms
       largest = std::abs(out.state.lambda(i));
       which = static_cast<int>(i);
     }
-  out.notes.push_back(
-      fmt::format("{}{}; the loads at the start ask for {:.3g} J. The run begins with the forces of this "
-                  "misfit, {:.4g} {} in \"{}\": mend the markers, lengths or initial positions unless it is meant",
-                  warning_mark, sentence, asked, largest, force_unit_of(*out.mechanism, which),
-                  out.mechanism->name_of_constraint(which)));
+  const std::string loads = asked > 1e-9 * strained.energy ? fmt::format("{:.3g} J", asked) : "none of it";
+  out.notes.push_back(fmt::format(
+      "{}{}; the loads at the start ask for {}. The run begins with the forces of this misfit, {:.4g} {} "
+      "in \"{}\": mend the markers, lengths or initial positions unless it is meant",
+      warning_mark, sentence, loads, largest, force_unit_of(*out.mechanism, which),
+      out.mechanism->name_of_constraint(which)));
 }
 
 }  // namespace

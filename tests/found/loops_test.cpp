@@ -18,6 +18,7 @@ namespace fs = std::filesystem;
 using test::Outcome;
 using test::run;
 using ::testing::AllOf;
+using ::testing::ContainsRegex;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
@@ -39,8 +40,7 @@ class Loops : public ::testing::Test {
     folder_ = new test::Folder;
     const fs::path found = fs::path(FLEXURA_SOURCE_DIR) / "tests/found";
     for (const auto& entry : fs::directory_iterator(found / "loops")) fs::copy(entry.path(), folder_->path());
-    for (const char* name : {"tri.toml", "bar.toml", "fourbar_collinear.toml"})
-      fs::copy(found / "user" / name, folder_->path());
+    for (const char* name : {"tri.toml", "bar.toml"}) fs::copy(found / "user" / name, folder_->path());
     for (const std::string part : {"b10", "b20", "b25", "b40", "bar"}) {
       const Outcome made =
           run("flexura-reduce", {*folder_ / (part + ".toml"), "-o", *folder_ / (part + ".se.h5"), "-q"});
@@ -75,17 +75,20 @@ class Loops : public ::testing::Test {
 };
 
 // Bars of 250 mm on bearings 260 mm apart, which their apex joins: cos = 130 / 250.  Bearing A carries the weight of
-// one bar, across the plane.
+// one bar, across the plane: from the start where the bars have settled under it.
 TEST_F(Loops, TwoBarsTurnAndCarryTheirWeight) {
   const Start s = start_of("tri");
   ASSERT_EQ(s.outcome.exit_code, 0) << s.outcome.err;
   for (const char* kind : {"rigid", "flexible"}) {
     EXPECT_NEAR(s("A.angle", kind), std::acos(0.52), 1e-13);
     EXPECT_NEAR(s("B.angle", kind), M_PI - std::acos(0.52), 1e-13);
-    // 7850 kg/m^3 of steel; the flexible bars have it within the integrals of a beam.
-    EXPECT_NEAR(s("A.force", kind), 7850.0 * A * 0.25 * 9.81, 1e-3) << kind;
     EXPECT_NEAR(s("energy.strain", kind), 0.0, 1e-15);
   }
+  const Start settled = start_of("tri", {"--set", "solver.initial_deformation=quasi_static"});
+  ASSERT_EQ(settled.outcome.exit_code, 0) << settled.outcome.err;
+  // 7850 kg/m^3 of steel.
+  for (const char* kind : {"rigid", "flexible"})
+    EXPECT_NEAR(settled("A.force", kind), 7850.0 * A * 0.25 * 9.81, 1e-5) << kind;
   EXPECT_THAT(s.outcome.err,
               AllOf(HasSubstr("do not close the loops and were moved: \"A.angle\" from 60 to 58.66"),
                     Not(HasSubstr("warning"))));
@@ -183,6 +186,7 @@ TEST_F(Loops, AMisfitFinerThanPartsAreMadeIsNoWarning) {
 
 // The apex of two bars on bearings 600 mm apart stays open by 100 mm: units, names, and a page that shows it.
 TEST_F(Loops, WhatCannotCloseIsNamedAndShown) {
+  // Two bars of 250 mm over 600 mm: 100 mm are missing at the least, the nearest start leaves up to a quarter more.
   std::string text = test::replaced(test::read_text(folder() / "tri.toml"), "260 mm", "600 mm");
   folder().write("too_far.toml", text);
   for (const std::string command : {"assemble", "statics", "simulate"}) {
@@ -193,7 +197,7 @@ TEST_F(Loops, WhatCannotCloseIsNamedAndShown) {
     EXPECT_EQ(outcome.exit_code, 2) << command;
     EXPECT_THAT(outcome.err,
                 AllOf(HasSubstr("cannot be assembled"), HasSubstr("\"C\" (from \"left.b\" to \"right.b\")"),
-                      HasSubstr("by 100 mm"), HasSubstr(".open.html")))
+                      ContainsRegex("by 1[0-2][0-9] mm"), HasSubstr(".open.html")))
         << command;
     const fs::path page = "too_far.open.html";
     ASSERT_TRUE(fs::exists(page)) << command;
