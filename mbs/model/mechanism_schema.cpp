@@ -112,7 +112,8 @@ TableSchema joint_schema(bool is_connection) {
     const auto joint = make_joint(type.name);
     const auto coordinates = joint->coordinates(), speeds = joint->speeds();
     for (const CoordinateInfo& c : coordinates)
-      variant.keys.push_back(quantity(c.name, c.dimension, "coordinate at the start"));
+      variant.keys.push_back(quantity(
+          c.name, c.dimension, "coordinate at the start; moves only where the others cannot close the loops"));
     for (const CoordinateInfo& c : speeds)
       variant.keys.push_back(quantity(c.name, c.dimension, "speed at the start"));
     if (joint->n_p() == joint->n_v() && !is_connection) {

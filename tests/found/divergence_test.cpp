@@ -143,9 +143,9 @@ TEST(Divergence, AnUnstableControlEndsTheRun) {
 
 TEST(Divergence, LongAndFastMotionIsNone) {
   const Folder folder;
-  // 10 m/s^2 for 2e6 s: 2e13 m at 2e7 m/s; a force that grows with time for as long; what falls over and swings on.
-  EXPECT_EQ(slide(folder, "10", "2e6", "1e3").exit_code, 0);
-  EXPECT_EQ(slide(folder, "1e-5*t", "2e6", "1e3").exit_code, 0);
+  // 10 m/s^2 for 2e4 s: 2e9 m at 2e5 m/s; a force that grows with time for as long; what falls over and swings on.
+  EXPECT_EQ(slide(folder, "10", "2e4", "50").exit_code, 0);
+  EXPECT_EQ(slide(folder, "1e-2*t", "2e4", "50").exit_code, 0);
   EXPECT_EQ(slide(folder, "j.position - 0.01*j.position^3", "60", "0.05").exit_code, 0);
 }
 
