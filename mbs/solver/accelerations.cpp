@@ -137,12 +137,12 @@ double AccelerationSolver::improve(SaddleSolver& factors, State& s, Eigen::Vecto
   return size(dv_, dlambda_) / (1e-300 + size(v_dot, s.lambda));
 }
 
-double AccelerationSolver::refine(SaddleSolver& factors, State& s, Eigen::VectorXd& v_dot) {
+double AccelerationSolver::refine(SaddleSolver& factors, State& s, Eigen::VectorXd& v_dot, double enough) {
   // A pass costs O(n), new factors of a large mechanism far more: old ones serve while they take away most of
   // what is left.
   constexpr double slowest = 0.3;
   double before = improve(factors, s, v_dot), left = before;
-  for (int pass = 0; pass < 20 && left > at_round_off; ++pass) {
+  for (int pass = 0; pass < 20 && left > enough; ++pass) {
     const double change = improve(factors, s, v_dot);
     const double ratio = change / before;
     left = change;

@@ -30,10 +30,10 @@ class AccelerationSolver {
   void solve(State& s, Eigen::VectorXd& v_dot);
 
   /// The same from values nearby (those of an integrator's polynomial), with factors of M and G that were made
-  /// at a state nearby: each pass takes away what the last one missed, until at_round_off is left or the gain
-  /// is small.  Returns what may be left, relative to v_dot and s.lambda; with old factors more than
-  /// at_round_off means that they are too old.
-  double refine(SaddleSolver& factors, State& s, Eigen::VectorXd& v_dot);
+  /// at a state nearby: each pass takes away what the last one missed, until no more than `enough` is left or
+  /// the gain is small.  Returns what may be left, relative to v_dot and s.lambda; with old factors more than
+  /// `enough` means that they are too old.
+  double refine(SaddleSolver& factors, State& s, Eigen::VectorXd& v_dot, double enough);
   static constexpr double at_round_off = 1e-11;
   /// Without constraints, by M^-1 in O(n); false where the equations do not offer it.
   bool solve_recursively(State& s, Eigen::VectorXd& v_dot);

@@ -57,7 +57,12 @@ bool Projector::project(State& s) {
 }
 
 LoopCloser::LoopCloser(const Equations& eq, const SolverOptions& options)
-    : eq_(eq), n_(eq.sizes()), scratch_(eq.make_scratch()), weights_(eq, options), accelerations_(eq) {
+    : eq_(eq),
+      n_(eq.sizes()),
+      scratch_(eq.make_scratch()),
+      weights_(eq, options),
+      accelerations_(eq),
+      enough_(std::clamp(1e-3 * options.tolerance, AccelerationSolver::at_round_off, 1e-8)) {
   if (n_.n_lambda == 0) return;
   M_.setZero(n_.n_v, n_.n_v);
   G_.setZero(n_.n_lambda, n_.n_v);
@@ -182,8 +187,7 @@ void LoopCloser::accelerate(State& s, Eigen::VectorXd& v_dot) {
       is_solved = true;
     } else {
       accelerations_.solve_algebraic(s);
-      is_solved =
-          has_factors_ && accelerations_.refine(saddle_, s, v_dot) <= AccelerationSolver::at_round_off;
+      is_solved = has_factors_ && accelerations_.refine(saddle_, s, v_dot, enough_) <= enough_;
     }
     if (!is_solved) {
       factor(s.t, s.p);
@@ -191,7 +195,8 @@ void LoopCloser::accelerate(State& s, Eigen::VectorXd& v_dot) {
       v_dot = v_dot_0_;
       // Round-off of a badly conditioned mechanism stands higher; what is far from it are forces that depend on
       // the multipliers.
-      is_solved = accelerations_.refine(saddle_, s, v_dot) <= 1e3 * AccelerationSolver::at_round_off;
+      is_solved = accelerations_.refine(saddle_, s, v_dot, enough_) <=
+                  std::max(enough_, 1e3 * AccelerationSolver::at_round_off);
     }
     if (!is_solved) accelerations_.solve(s, v_dot);
     is_solved = v_dot.allFinite() && s.lambda.allFinite();

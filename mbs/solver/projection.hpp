@@ -79,6 +79,7 @@ class LoopCloser {
   ErrorWeights weights_;
   SaddleSolver saddle_;
   AccelerationSolver accelerations_;
+  double enough_;  // what accelerations may lack, relative: a thousandth of the tolerance, not below round-off
   bool has_factors_ = false, is_closed_ = true;  // the latter of the last close()
   double t_factors_ = 0.0;
   Drift drift_;  // at the last residuals()
