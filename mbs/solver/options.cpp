@@ -84,7 +84,7 @@ input::TableSchema solver_schema() {
                             .or_default("0 s")
                             .at_least(0.0));
   schema.keys.push_back(
-      in::quantity("min_step", in::dim::time, "a run that needs smaller steps stops; 0 = 1e-12 of the run")
+      in::quantity("min_step", in::dim::time, "a run that needs smaller steps stops; 0: 1e-12 of the run, of ida 1e-15")
           .or_default("0 s")
           .at_least(0.0));
   schema.keys.push_back(in::quantity("max_step", in::dim::time,

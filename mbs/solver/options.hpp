@@ -25,7 +25,7 @@ struct SolverOptions {
   int max_order = 5;           ///< of BDF; 2 is stable for undamped vibration of any frequency
   double rho_inf = 0.8;        ///< of generalised_alpha: share of vibration left at infinite frequency
   double first_step = 0.0;     ///< s; 0 lets the integrator choose
-  double min_step = 0.0;       ///< s; 0: 1e-12 of the run
+  double min_step = 0.0;       ///< s; 0: 1e-12 of the run, of ida 1e-15
   double max_step = 0.0;       ///< s; 0: a tenth of the run, of fixed steps none
   double fixed_step = 0.0;     ///< s; 0: variable. Not for ida
   int max_steps = 0;           ///< steps allowed in a run; 0: no bound
