@@ -40,6 +40,41 @@ TEST_P(Events, ALateImpulseMovesARigidMass) {
     EXPECT_NEAR(speed(i), 1000.0 * std::clamp(0.002 * static_cast<double>(i) - 0.5, 0.0, 0.01), 1e-9);
 }
 
+// Each has the impulse 1 N s on 1 kg that stood still until then.
+TEST_P(Events, SpikesOfAMicrosecondAreWhole) {
+  const Folder folder;
+  const std::string mechanism = R"(gravity = [0, 0, 0]
+[ground.marker.A]
+axis = [1, 0, 0]
+[body.m]
+mass = 1
+inertia = [0.01, 0.01, 0.01]
+marker.a = {axis = [1, 0, 0]}
+[joint.s]
+type = "prismatic"
+from = "ground.A"
+to = "m.a"
+[table.spike]
+x = [0, 2, 2.000001, 2.000002, 10]
+y = [0, 0, 1e6, 0, 0]
+interpolation = "linear"
+[force.f]
+type = "joint_force"
+joint = "s"
+value = "FORMULA"
+[solver]
+output_step = 0.1
+)";
+  for (const std::string formula :
+       {"spike(t)", "t > 3.3333 && t < 3.3333 + 1e-6 ? 1e6 : 0", "5e4*(abs(t - 5) < 1e-5)"}) {
+    const results::Run run = simulated(
+        folder, folder.write("spike.toml", replaced(mechanism, "FORMULA", formula)), GetParam(), "10");
+    const Eigen::VectorXd speed = values(run, "s.speed");
+    // The tolerance of 1e-6 a step, of a hundred steps that mostly have nothing to do.
+    EXPECT_NEAR(speed(speed.size() - 1), 1.0, 1e-6) << formula;
+  }
+}
+
 TEST_P(Events, ALateImpulseRingsAsOneAtTheStart) {
   const Folder folder;
   ASSERT_EQ(run("flexura", {"reduce", trade + "ringer.toml", "-q", "-o", folder / "ringer.se.h5"}).exit_code,
