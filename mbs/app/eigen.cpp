@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "mbs/app/commands.hpp"
 #include "mbs/app/recorder.hpp"
@@ -153,8 +154,12 @@ mbs::LinearSystem unloaded_system(const PreparedMechanism& p) {
 }
 
 // What the table of buckling factors does not say.
-void add_buckling_notes(const mbs::Buckling& buckling, std::vector<std::string>& notes) {
-  if (buckling.modes.empty())
+void add_buckling_notes(const mbs::Buckling& buckling, bool can_move, std::vector<std::string>& notes) {
+  if (!can_move)
+    notes.push_back(
+        "nothing of the mechanism moves or deforms: at no factor of the loads does it buckle; a body that is to "
+        "buckle by itself needs fidelity = \"modal-stiffened\"");
+  else if (buckling.modes.empty())
     notes.push_back(buckling.has_complex_factors
                         ? "no factor of the loads takes the stiffness away: it does not buckle by divergence"
                         : "the loads change no stiffness: at no factor of them does the equilibrium lose it");
@@ -172,7 +177,7 @@ int print_buckling(const Arguments& arguments, const terminal::Talk& talk) {
     const mbs::LinearSystem unloaded = unloaded_system(p);
     settle(p);
     const mbs::Buckling buckling = mbs::buckling_modes(unloaded, mbs::linearise(*p.mechanism, p.state));
-    add_buckling_notes(buckling, p.notes);
+    add_buckling_notes(buckling, !unloaded.independent.empty(), p.notes);
     for (const auto& body : p.mechanism->description().bodies)
       if (body.flexible && body.flexible->is_modal() && !body.flexible->data().second)
         p.notes.push_back(
@@ -239,6 +244,34 @@ mbs::Stability judge_stability(PreparedMechanism& p, const mbs::SteadyLinearisat
   return out;
 }
 
+// A mechanism at rest beside an equilibrium, as one that is drawn without the sag of its springs, is meant to stand in
+// it.  Where anything is driven or moves, or falls far, only its user knows.
+std::optional<mbs::Stability> settle_near(PreparedMechanism& p) {
+  constexpr double kNear = 0.35;  // rad or typical sizes: 20 degrees
+  const mbs::Mechanism& m = *p.mechanism;
+  if (!p.state.v.isZero(0.0) || !m.functions_of_time().empty() || lasts(p)) return {};
+  const mbs::State before = p.state;
+  const Eigen::VectorXd v_dot = p.v_dot;
+  const std::vector<std::string> notes = p.notes;
+  try {
+    const mbs::Stability stability = settle(p);
+    double way = 0.0;
+    for (int i = 0; i < m.sizes().n_p; ++i)
+      way = std::max(way, std::abs(p.state.p(i) - before.p(i)) / m.position_scale(i));
+    if (way < kNear) {
+      p.notes.insert(p.notes.begin() + static_cast<long>(notes.size()),
+                     "the initial state is no equilibrium: these are the modes about the one beside it, as with "
+                     "--equilibrium (--frozen takes the initial state)");
+      return stability;
+    }
+  } catch (const std::runtime_error&) {  // none found: the initial state is refused for what it is
+  }
+  p.state = before;
+  p.v_dot = v_dot;
+  p.notes = notes;
+  return {};
+}
+
 int print_modes(const Arguments& arguments, const terminal::Talk& talk) {
   files::Claims claims;
   claims.add(arguments.pictures);
@@ -247,11 +280,14 @@ int print_modes(const Arguments& arguments, const terminal::Talk& talk) {
   nlohmann::json list = nlohmann::json::array();
   for (NamedRun& run : runs) {
     PreparedMechanism& p = run.prepared;
-    mbs::Stability stability;
-    if (arguments.equilibrium) stability = settle(p);
+    std::optional<mbs::Stability> settled;
+    if (arguments.equilibrium)
+      settled = settle(p);
+    else if (!arguments.frozen && !arguments.fixed_axes && arguments.from_state.empty())
+      settled = settle_near(p);
     const mbs::SteadyLinearisation about = linearise_about(p, {}, arguments.frozen);
     const auto modes = mbs::natural_modes(about.system);
-    if (!arguments.equilibrium) stability = judge_stability(p, about);
+    const mbs::Stability stability = settled ? *settled : judge_stability(p, about);
     if (modes.empty())
       p.notes.push_back("nothing of the mechanism moves or deforms: it has no natural modes");
     std::vector<terminal::Column> columns = {{"no"},     {"real [1/s]"}, {"imag [1/s]"},
@@ -306,7 +342,8 @@ terminal::Command eigen_command() {
       [](terminal::Options& options, const terminal::Talk& talk) -> std::function<int()> {
         auto a = std::make_shared<Arguments>();
         declare_mechanism(options, *a);
-        options.flag("--equilibrium", a->equilibrium, "about the static equilibrium, not the initial state")
+        options.flag("--equilibrium", a->equilibrium,
+                  "about the static equilibrium, also where the initial state moves or stands far from it")
             .flag("--buckling", a->buckling,
                   "instead: factors of weight and given forces at which the equilibrium loses its stiffness")
             .flag("--frozen", a->frozen, kFrozenHelp)

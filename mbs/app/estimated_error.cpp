@@ -1,4 +1,5 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mbs/solver/integrator_kind.hpp"
 #include "mbs/app/estimated_error.hpp"
 
 #include <fmt/format.h>
@@ -99,7 +100,7 @@ void add_switches(const mbs::PreparedMechanism& prepared, bool is_judged, std::v
     if (force->n_switches() > 0)
       sources.push_back({"switch", force->name(), {}, 0.0, "the estimate is linear about the run"});
   for (int i = 0; i < prepared.mechanism->sizes().n_root; ++i)
-    if (prepared.mechanism->is_condition(i))
+    if (prepared.mechanism->is_condition(i) && !prepared.mechanism->is_kink(i))
       sources.push_back(
           {"switch", prepared.mechanism->name_of_root(i), {}, 0.0, "the estimate is linear about the run"});
 }
@@ -126,12 +127,11 @@ ErrorEstimate estimate_error(const mbs::PreparedMechanism& prepared,
                              const study::TruncationEstimate* truncation,
                              const study::IntegratorEstimate* check, const mbs::RunResult& result) {
   ErrorEstimate out;
-  const std::string& method = prepared.options.method;
   if (check) {
     out.sources.push_back({"integrator", "", check->error, 0.0,
                            fmt::format("in {}; a second run at {:g} times the {}", check->output,
                                        check->factor, check->by_step ? "step" : "tolerance")});
-  } else if (method != "kinematics" && method != "quasi_statics") {
+  } else if (mbs::kind_of(prepared.options).integrates) {
     const double balance = std::abs(result.energy.relative_error());
     out.sources.push_back({"integrator",
                            "",

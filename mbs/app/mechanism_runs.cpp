@@ -65,8 +65,10 @@ std::vector<NamedRun> prepare_runs(const MechanismArguments& arguments) {
           fmt::format("{}; {} shows it as it stands, open joints in red", failure.what(), page));
     }
     for (const std::string& note : runs.back().prepared.notes)
-      if (note.starts_with(mbs::warning_mark))
-        fmt::print(stderr, "warning: {}: {}\n", run.name, note.substr(mbs::warning_mark.size()));
+      if (note.starts_with(mbs::warning_mark)) {
+        runs.back().warnings.push_back(note.substr(mbs::warning_mark.size()));
+        fmt::print(stderr, "warning: {}: {}\n", run.name, runs.back().warnings.back());
+      }
     std::erase_if(runs.back().prepared.notes,
                   [](const std::string& note) { return note.starts_with(mbs::warning_mark); });
     if (!arguments.from_state.empty()) runs.back().prepared.options.start_time = runs.back().prepared.state.t;
@@ -102,6 +104,12 @@ mbs::Stability settle(mbs::PreparedMechanism& p) {
 
 const char* const kFrozenHelp =
     "linearise at the instant even where the state does not last: about a point of a trajectory";
+
+bool lasts(const mbs::PreparedMechanism& p) {
+  const double span = p.options.end_time - p.state.t;
+  return mbs::linearise_steady(*p.mechanism, p.state, span > 0.0 ? span : 1.0, {}).verdict !=
+         mbs::SteadyLinearisation::Verdict::unsteady;
+}
 
 mbs::SteadyLinearisation linearise_about(mbs::PreparedMechanism& p, const mbs::LineariseOptions& options,
                                          bool frozen) {
@@ -145,7 +153,8 @@ std::string heading(const NamedRun& run) {
 nlohmann::json run_json(const NamedRun& run) {
   return {{"run", run.name},
           {"time_s", run.prepared.state.t},
-          {"notes", run.prepared.notes}};
+          {"notes", run.prepared.notes},
+          {"warnings", run.warnings}};
 }
 
 void print_json(const std::string& kind, const std::vector<NamedRun>& runs, const nlohmann::json& list) {

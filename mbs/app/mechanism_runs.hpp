@@ -26,6 +26,7 @@ struct NamedRun {
   std::string name;
   mbs::PreparedMechanism prepared;
   std::vector<std::string> overrides;  ///< that it was prepared with: the run's own, then the command line's
+  std::vector<std::string> warnings = {};  ///< of its start, printed already
 };
 
 /// The runs that the file names and the user chose, each assembled.  Throws std::invalid_argument for a run
@@ -38,6 +39,9 @@ NamedRun& only_run(std::vector<NamedRun>& runs, const MechanismArguments& argume
 
 /// Moves the state into static equilibrium and judges it, with notes.
 mbs::Stability settle(mbs::PreparedMechanism& prepared);
+
+/// The prepared state is an equilibrium or one of a steady motion.
+bool lasts(const mbs::PreparedMechanism& prepared);
 
 /// The linear system about the prepared state, with notes on what it means.  Throws std::invalid_argument
 /// where it means nothing (steady_state.hpp), unless `frozen` asks for it all the same.

@@ -393,7 +393,10 @@ int simulate(Arguments arguments, const terminal::Talk& talk) {
     if (!r.method_hint.empty()) outcome.lines.push_back("hint: " + r.method_hint);
     for (const std::string& line : outcome.lines)
       remarks.push_back(run.name == "run" ? line : fmt::format("run {}: {}", run.name, line));
-    summary["warnings"] = outcome.warnings;
+    std::vector<std::string> warnings = run.warnings;
+    if (!ended) warnings.insert(warnings.end(), outcome.warnings.begin(), outcome.warnings.end());
+    if (ended) warnings = outcome.warnings;
+    summary["warnings"] = warnings;
     if (memory.to && !ended)
       memory.to->end_run({{"complete", r.complete},
                           {"as_told", r.stopped_as_told},
@@ -405,7 +408,7 @@ int simulate(Arguments arguments, const terminal::Talk& talk) {
     writer.end_run(r.complete, r.stopped_because, summary.dump());
     if (arguments.json) {
       list.push_back(run_json(run));
-      list.back()["warnings"] = outcome.warnings;
+      list.back()["warnings"] = warnings;
       list.back()["complete"] = r.complete;
       list.back()["stopped_because"] = r.stopped_because;
       list.back()["summary"] = std::move(summary);

@@ -22,6 +22,8 @@ class Constraint {
 
   virtual int n_rows() const = 0;
   virtual std::string row_name(int i) const = 0;
+  /// What is open where g of the row is `residual`: the same unless the row is no length and no angle.
+  virtual double gap(int /*row*/, double residual) const { return residual; }
   /// False for a row on velocities only, whose position residual is always 0.
   virtual bool is_holonomic(int /*row*/) const { return true; }
   /// True for a row whose g at the same positions may change with time (a drive): the mechanism then gets
@@ -71,6 +73,7 @@ class RelativeConstraint final : public Constraint {
   RelativeConstraint(std::string name, int marker_F, int marker_M, std::shared_ptr<const RelativeRows> rows);
   int n_rows() const override { return rows_->n_rows(); }
   std::string row_name(int i) const override { return rows_->row_name(i); }
+  double gap(int row, double residual) const override { return rows_->gap(row, residual); }
   void position(const Kinematics& kin, double* g) const override;
   void velocity(const Kinematics& kin, double* g_dot) const override;
   void acceleration(const Kinematics& kin, double* g_ddot) const override;

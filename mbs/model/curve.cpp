@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 #include <tuple>
 
@@ -135,6 +136,29 @@ double Curve::kinks_until(double x) const {
   const auto i = std::upper_bound(x_.begin(), repeats ? x_.end() - 1 : x_.end(), x) - x_.begin();
   const int in_period = repeats ? kinks_[kinks_.size() - 2] : 0;
   return k * in_period + (i > 0 ? kinks_[static_cast<std::size_t>(i - 1)] : 0);
+}
+
+Interval Curve::between_kinks(double x) const {
+  const double infinity = std::numeric_limits<double>::infinity();
+  const double period = outside_ == Outside::repeat ? x_.back() - x_.front() : 0.0, shift = periods(x) * period;
+  x -= shift;
+  const auto n = static_cast<long>(x_.size());
+  const auto is_kink = [&](long i) {
+    return kinks_[static_cast<std::size_t>(i)] > (i > 0 ? kinks_[static_cast<std::size_t>(i - 1)] : 0);
+  };
+  const long next = std::upper_bound(x_.begin(), x_.end(), x) - x_.begin();
+  Interval out(-infinity, infinity);
+  for (long i = next - 1; i >= 0 && out.lo == -infinity; --i)
+    if (is_kink(i)) out.lo = x_[static_cast<std::size_t>(i)] + shift;
+  for (long i = next; i < n && out.hi == infinity; ++i)
+    if (is_kink(i)) out.hi = x_[static_cast<std::size_t>(i)] + shift;
+  if (period == 0.0 || kinks_.back() == 0) return out;
+  // The last one of the period before, the first one of the next.
+  for (long i = n - 2; i >= 0 && out.lo == -infinity; --i)
+    if (is_kink(i)) out.lo = x_[static_cast<std::size_t>(i)] + shift - period;
+  for (long i = 1; i < n && out.hi == infinity; ++i)
+    if (is_kink(i)) out.hi = x_[static_cast<std::size_t>(i)] + shift + period;
+  return out;
 }
 
 // Pieces that [a, b], within one period, has a share of.

@@ -47,6 +47,9 @@ class Curve {
   /// jumps.  Bends that a dense table of a smooth curve has, of less than 1e-4 of its range from one point to
   /// the next, are none.
   double kinks_until(double x) const;
+  /// Between which x there are as many, itself between their ends.
+  Interval between_kinks(double x) const;
+  int kinks() const { return kinks_.back(); }  ///< at all points
 
  private:
   /// y = c0 + c1 u + c2 u^2 + c3 u^3, u = x - x_i.

@@ -181,6 +181,12 @@ void Mechanism::start_switches(State& s, Scratch& scratch) const {
   hold_conditions(s, scratch);
 }
 
+bool Mechanism::is_kink(int root) const {
+  if (!is_condition(root)) return false;
+  const Condition& condition = conditions_[static_cast<std::size_t>(root - first_switch_.back())];
+  return condition.formula->is_kink(condition.node);
+}
+
 std::string Mechanism::describe_root(int i) const {
   if (!is_condition(i)) return Equations::describe_root(i);
   const Expression& formula = *conditions_[static_cast<std::size_t>(i - first_switch_.back())].formula;

@@ -236,6 +236,9 @@ class Equations {
   /// True for a condition in a formula.  Its position may be 0: the formula is then always as it is written,
   /// also within a step; else it is held until its switching function falls below 0.
   virtual bool is_condition(int /*root*/) const { return false; }
+  /// True for a condition at which the formula bends but does not jump (abs, min, max, a table's points): nothing
+  /// goes wrong where it is left at 0.
+  virtual bool is_kink(int /*root*/) const { return false; }
   /// Holds all conditions at what they are in this state.
   virtual void hold_conditions(State& /*s*/, Scratch& /*scratch*/) const {}
 

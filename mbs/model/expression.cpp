@@ -395,6 +395,10 @@ T Expression::run(const double* signals, const T& time, int moving) const {
       case minimum:
       case maximum: {
         top -= in.count - 1;
+        if (in.place > 0 && signals[in.place] != 0.0) {
+          stack[top] = stack[top + static_cast<int>(held_at(in))];
+          break;
+        }
         for (int k = 1; k < in.count; ++k) {
           const double a = value_of(stack[top]), b = value_of(stack[top + k]);
           if (in.code == minimum ? b < a : b > a) stack[top] = stack[top + k];
@@ -411,7 +415,8 @@ T Expression::run(const double* signals, const T& time, int moving) const {
         break;
       default:
         if (in.place > 0 && signals[in.place] != 0.0)
-          stack[top] = constant_of<T>(held_at(in));
+          stack[top] = in.code == absolute ? constant_of<T>(held_at(in) != 0.0 ? 1.0 : -1.0) * stack[top]
+                                           : constant_of<T>(held_at(in));
         else
           stack[top] = apply_unary(in.code, stack[top]);
     }

@@ -21,7 +21,8 @@
 ///
 /// A comparison, sign(), rint(), floor(), ceil() and mod() of states is a *condition* of the motion: between
 /// events it is held at what it was, so that forces are smooth there, and its switching function says when
-/// that ends (Mechanism::roots).  What it is held at comes with the signals.
+/// that ends (Mechanism::roots).  What it is held at comes with the signals.  Likewise abs(), min() and max() and the
+/// kinks of a table, which are no jumps: that these are conditions is for no step to leap over a short bump.
 namespace flexura::mbs {
 
 /// A value with its first two time derivatives.
@@ -77,6 +78,8 @@ class Expression {
   const FormulaTree& tree() const { return tree_; }
   /// Nodes of the tree that are conditions with a place to hold them.
   const std::vector<int>& conditions() const { return conditions_; }
+  /// The formula bends there but does not jump.
+  bool is_kink(int condition) const;
   /// Positive while the condition is what it is held at, from the other conditions as they are held.
   double switching(int condition, const double* signals) const;
   /// What the condition is now, and what it becomes where its switching function fell below 0, as signals

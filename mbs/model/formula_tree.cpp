@@ -1,6 +1,8 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <utility>
 
 #include "mbs/model/expression.hpp"
 #include "mbs/model/operations.hpp"
@@ -9,6 +11,13 @@
 namespace flexura::mbs {
 
 using namespace operations;
+
+namespace {
+
+// A road of more points than these keeps steps short by itself.
+constexpr int kMostKinks = 1000;
+
+}  // namespace
 
 // The program from `begin` on, as it would run, with nodes on the stack in place of values.
 void Expression::build_tree(std::size_t begin, std::size_t end, std::vector<int>& stack,
@@ -70,7 +79,9 @@ void Expression::find_conditions(SignalNames& held, const std::vector<int>& node
     const bool jumps = code == less || code == less_equal || code == greater || code == greater_equal ||
                        code == signum || code == round_to_integer || code == round_down || code == round_up ||
                        code == modulo;
-    if (k < 0 || !jumps) continue;
+    const bool bends = code == absolute || code == minimum || code == maximum ||
+                       (code == table && tree_[k].curve->kinks() > 0 && tree_[k].curve->kinks() <= kMostKinks);
+    if (k < 0 || !(jumps || bends)) continue;
     if (!tree_.any(k, [](const FormulaNode& node) { return node.code == signal && node.place > 0; }))
       continue;
     program_[i].place = tree_.nodes[static_cast<std::size_t>(k)].held = held.add_hidden();
@@ -86,7 +97,19 @@ double value_at(const FormulaTree& tree, int k, const double* signals) {
   const auto arg = [&](std::size_t i) { return value_at(tree, node.args[i], signals); };
   if (node.held > 0 && signals[node.held] != 0.0) {
     const double held = held_integer(static_cast<int>(signals[node.held]));
-    return node.code == modulo ? arg(0) - held * arg(1) : held;
+    switch (node.code) {
+      case modulo:
+        return arg(0) - held * arg(1);
+      case absolute:
+        return held != 0.0 ? arg(0) : -arg(0);
+      case minimum:
+      case maximum:
+        return arg(static_cast<std::size_t>(held));
+      case table:
+        break;  // it bends where it stands
+      default:
+        return held;
+    }
   }
   switch (node.code) {
     case constant:
@@ -147,6 +170,23 @@ bool compares(int code) {
   return code == less || code == less_equal || code == greater || code == greater_equal;
 }
 
+bool is_extreme(int code) {
+  return code == minimum || code == maximum;
+}
+
+// Of min and max: by how much argument i is ahead of the next one, and which that is.
+std::pair<double, int> lead_of(const FormulaTree& tree, int k, int i, const double* signals) {
+  const FormulaNode& node = tree[k];
+  const double own = value_at(tree, node.args[static_cast<std::size_t>(i)], signals);
+  std::pair<double, int> least(std::numeric_limits<double>::infinity(), i);
+  for (std::size_t j = 0; j < node.args.size(); ++j) {
+    if (static_cast<int>(j) == i) continue;
+    const double other = value_at(tree, node.args[j], signals);
+    least = std::min(least, std::pair(node.code == minimum ? other - own : own - other, static_cast<int>(j)));
+  }
+  return least;
+}
+
 // What the condition looks at: it jumps where this passes 0 or, of what rounds, an edge between integers.
 double looks_at(const FormulaTree& tree, int k, const double* signals) {
   const FormulaNode& node = tree[k];
@@ -159,12 +199,23 @@ double looks_at(const FormulaTree& tree, int k, const double* signals) {
 
 }  // namespace
 
+bool Expression::is_kink(int condition) const {
+  const int code = tree_[condition].code;
+  return code == absolute || code == table || is_extreme(code);
+}
+
 double Expression::switching(int condition, const double* signals) const {
   const FormulaNode& node = tree_[condition];
   if (signals[node.held] == 0.0) return 1.0;
   const int held = held_integer(static_cast<int>(signals[node.held]));
+  if (is_extreme(node.code)) return lead_of(tree_, condition, held, signals).first;
   const double x = looks_at(tree_, condition, signals);
-  if (compares(node.code)) return held != 0 ? x : -x;
+  if (compares(node.code) || node.code == absolute) return held != 0 ? x : -x;
+  if (node.code == table) {
+    const Interval piece = node.curve->between_kinks(x);
+    const double now = node.curve->kinks_until(x);
+    return now == held ? std::min(x - piece.lo, piece.hi - x) : now > held ? piece.lo - x : x - piece.hi;
+  }
   if (node.code == signum) return held == 0 ? -std::abs(x) : held * x;
   const double lower = node.code == round_to_integer ? held - 0.5 : node.code == round_up ? held - 1.0 : held;
   return std::min(x - lower, lower + 1.0 - x);
@@ -172,9 +223,18 @@ double Expression::switching(int condition, const double* signals) const {
 
 int Expression::condition_now(int condition, const double* signals) const {
   const FormulaNode& node = tree_[condition];
+  if (is_extreme(node.code)) {
+    for (int i = 0; i + 1 < static_cast<int>(node.args.size()); ++i)
+      if (lead_of(tree_, condition, i, signals).first >= 0.0) return held_signal(i);
+    return held_signal(static_cast<int>(node.args.size()) - 1);
+  }
   const double x = looks_at(tree_, condition, signals);
   double now = 0.0;
-  if (node.code == less || node.code == greater)
+  if (node.code == absolute)
+    now = x >= 0.0;
+  else if (node.code == table)
+    now = node.curve->kinks_until(x);
+  else if (node.code == less || node.code == greater)
     now = x > 0.0;
   else if (compares(node.code))
     now = x >= 0.0;
@@ -187,7 +247,9 @@ int Expression::condition_now(int condition, const double* signals) const {
 int Expression::condition_next(int condition, const double* signals) const {
   const FormulaNode& node = tree_[condition];
   const int held = held_integer(static_cast<int>(signals[node.held]));
-  if (compares(node.code)) return held_signal(held != 0 ? 0 : 1);
+  if (compares(node.code) || node.code == absolute) return held_signal(held != 0 ? 0 : 1);
+  if (is_extreme(node.code)) return held_signal(lead_of(tree_, condition, held, signals).second);
+  if (node.code == table) return condition_now(condition, signals);
   const double x = looks_at(tree_, condition, signals);
   if (node.code == signum) return held_signal(x > 0.0 ? 1 : x < 0.0 ? -1 : -held);
   const int now = condition_now(condition, signals);

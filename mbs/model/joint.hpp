@@ -124,6 +124,8 @@ class RelativeRows {
   virtual ~RelativeRows() = default;
   virtual int n_rows() const = 0;
   virtual void constrain(Rows& rows) const = 0;
+  /// What is open between the frames where row i is g [m or rad].
+  virtual double gap(int /*row*/, double g) const { return g; }
   /// "x", "parallel_1": completes "name of the joint . ".
   virtual std::string row_name(int i) const = 0;
   /// The parameter of a contact that travels along a curve is an algebraic state a with 0 =

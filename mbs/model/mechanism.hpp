@@ -167,6 +167,7 @@ class Mechanism final : public Equations {
   std::string name_of_root(int i) const override;
   std::string describe_root(int i) const override;
   bool is_condition(int root) const override { return root >= first_switch_.back(); }
+  bool is_kink(int root) const override;
   void hold_conditions(State& s, Scratch& scratch) const override;
   std::vector<std::shared_ptr<const TimeFunction>> functions_of_time() const override {
     return functions_of_time_;

@@ -90,7 +90,8 @@ TableSchema joint_schema(bool is_connection) {
                                "the fewest freedoms) and a constraint elsewhere. Its values at the start are "
                                "guesses that a constraint ignores. flexura check says what it became."
                              : "Joins two bodies. Joints span a tree from ground outwards (in the order of "
-                               "the file, a driven joint first); the others close loops as constraints. Rows of "
+                               "the file, a driven joint first); the others close loops as constraints, driven "
+                               "ones too (their angles then show without whole turns). Rows of "
                                "constraints that follow from others are left out and named; they must agree "
                                "with these in position, speed and acceleration, drives included, and are "
                                "watched during the run: what contradicts ends it with the names of the rows "
@@ -242,7 +243,8 @@ TableSchema mechanism_schema(TableSchema solver) {
       "no step over a pulse, however short and smooth, that is worth more than 1e-9 of the formula's range "
       "times the run. Comparisons, sign and rounding of what moves are switches: held between events, "
       "located "
-      "to round-off, and an error where they switch without end. == and != hold for an instant and are no "
+      "to round-off, and an error where they switch without end; so are abs, min, max and the kinks of a table, where "
+      "nothing jumps. == and != hold for an instant and are no "
       "events. A row that falls on an event shows what was before it.";
   schema.keys = {
       text("name", "title of results and pictures; without it the file's name"),

@@ -184,16 +184,21 @@ void Mechanism::grow_tree() {
     for (; f != m; f = bodies_[f].parent) names.push_back("\"" + d_.joints[bodies_[f].joint].name + "\"");
     return fmt::format("{}", fmt::join(names, ", "));
   };
+  // A driven joint that closes a loop of driven ones repeats what these say or contradicts them, and is told so when
+  // the loops close; couplings count turns, which no closure does.
+  std::vector<bool> coupled(d_.joints.size(), false);
+  for (const auto& constraint : d_.constraints)
+    for (const CoordinateRef& c : constraint->coordinates()) coupled[c.joint] = true;
   for (std::size_t j = 0; j < d_.joints.size(); ++j)
-    if (!used[j] && priority[j] == wanted)
+    if (!used[j] && coupled[j])
       throw std::invalid_argument(
           d_.joints[j].cut
-              ? fmt::format("joint \"{}\" is driven or coupled but closes a loop; take away its cut = true and cut "
+              ? fmt::format("joint \"{}\" is coupled but closes a loop; take away its cut = true and cut "
                             "another joint of the loop",
                             d_.joints[j].name)
-              : fmt::format("joint \"{}\" is driven or coupled but closes a loop of joints that are all so ({}): "
-                            "where one of them is prescribed by the others its drive can only say the same or "
-                            "contradict them; take away one of the drives or couplings",
+              : fmt::format("joint \"{}\" is coupled but closes a loop of joints that are all coupled or driven ({}): "
+                            "where one of them is prescribed by the others its coupling can only say the same or "
+                            "contradict them; take away one of the couplings or drives",
                             d_.joints[j].name, loop_of(static_cast<int>(j))));
 
   for (std::size_t j = 0; j < d_.joints.size(); ++j) {

@@ -100,7 +100,8 @@ void ErrorWeights::evaluate(ConstVectorRef p, ConstVectorRef v, ConstVectorRef c
   for (Eigen::Index i = 0; i < p.size(); ++i) {
     const double reach = reach_p_(i),
                  allowed = tolerance_ * (std::min(std::abs(p(i)) * reach, most) + floor_ * displacement_);
-    w(i) = reach / std::max(allowed, least_p);
+    // Round-off of what has gone 1e10 lengths away is larger than any part of the length.
+    w(i) = reach / std::max({allowed, least_p, kLeast * std::abs(p(i)) * reach});
   }
   for (Eigen::Index i = 0; i < v.size(); ++i) {
     const double reach = reach_v_(i);

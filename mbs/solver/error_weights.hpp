@@ -18,7 +18,7 @@
 /// loosen the tolerance with its revolutions, nor does the way that a vehicle has gone.  D is the largest
 /// displacement since the run began, at most L, and V the largest speed, at most 1 m/s and 1 rad/s: a micro
 /// mechanism, or a stiff one that moves by nanometres, is held to its own motion.  What round-off
-/// makes of L is not asked for.
+/// makes of L, or of a position itself, is not asked for.
 namespace flexura::mbs {
 
 class ErrorWeights {

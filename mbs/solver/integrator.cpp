@@ -11,16 +11,29 @@
 
 namespace flexura::mbs {
 
+namespace {
+
+// One line for each; what else is known of them stands in integrator_kind.cpp.
+struct Maker {
+  const char* name;
+  std::unique_ptr<Integrator> (*make)(const Equations&, const SolverOptions&);
+};
+constexpr Maker kMakers[] = {
+    {"ida", make_ida},
+    {"radau", make_radau},
+    {"generalised_alpha", make_generalised_alpha},
+    {"runge_kutta", make_runge_kutta},
+    {"kinematics", make_kinematics},
+    {"quasi_statics", make_quasi_statics},
+};
+
+}  // namespace
+
 std::unique_ptr<Integrator> make_integrator(const Equations& eq, const SolverOptions& options) {
   const Sizes n = eq.sizes();
   if (n.n_p + n.n_v + n.n_dyn + n.n_alg + n.n_lambda + n.n_root == 0) return make_rest();
-  // One line for each integrator; the same names stand in solver_schema().
-  if (options.method == "ida") return make_ida(eq, options);
-  if (options.method == "radau") return make_radau(eq, options);
-  if (options.method == "runge_kutta") return make_runge_kutta(eq, options);
-  if (options.method == "generalised_alpha") return make_generalised_alpha(eq, options);
-  if (options.method == "kinematics") return make_kinematics(eq, options);
-  if (options.method == "quasi_statics") return make_quasi_statics(eq, options);
+  for (const Maker& maker : kMakers)
+    if (options.method == maker.name) return maker.make(eq, options);
   throw std::invalid_argument(fmt::format("unknown integrator \"{}\"", options.method));
 }
 

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "mbs/solver/integrator_kind.hpp"
 #include "mbs/solver/remembered.hpp"
 
 namespace flexura::mbs {
@@ -19,11 +20,6 @@ constexpr double kWorthwhile = 0.25;
 // A method is changed, and another one named, from these factors on: the count of work is good to two.
 constexpr double kChange = 3.0, kName = 5.0;
 
-// The methods between which a run may change by itself: implicit, with error control, for any mechanism.
-bool is_for_all(const std::string& method) {
-  return method == "ida" || method == "radau";
-}
-
 }  // namespace
 
 MethodWatch::MethodWatch(const Equations& eq, const SolverOptions& options)
@@ -32,9 +28,10 @@ MethodWatch::MethodWatch(const Equations& eq, const SolverOptions& options)
       n_(eq.sizes().n_v + 2.0 * eq.sizes().n_lambda),
       next_look_(kFirstLook),
       half_way_(kFirstLook / 2),
-      others_({"ida", "radau", "generalised_alpha", "runge_kutta"}),
-      work_of_others_(others_.size(), 0.0) {
-  t_half_ = options.start_time;
+      t_half_(options.start_time) {
+  for (const IntegratorKind& kind : integrator_kinds())
+    if (kind.integrates) others_.emplace_back(kind.name);
+  work_of_others_.assign(others_.size(), 0.0);
 }
 
 // In evaluations of the residual, some 500 n operations each: a dense factorisation takes n^3 / 3, of complex
@@ -42,10 +39,10 @@ MethodWatch::MethodWatch(const Equations& eq, const SolverOptions& options)
 double MethodWatch::work(const std::string& method, const StepCounts& c) const {
   const double factor = n_ * n_ / 1500.0, evaluations = static_cast<double>(c.evaluations),
                jacobians = static_cast<double>(c.jacobians);
-  if (method == "radau") return evaluations + jacobians * (6.0 + 5.0 * factor);
-  // An explicit stage solves for accelerations, by mass matrix and QR where there are constraints.
-  if (method == "runge_kutta") return evaluations * (eq_.sizes().n_lambda > 0 ? 3.0 + 4.0 * factor : 2.0);
-  return evaluations + jacobians * (6.0 + factor);
+  const IntegratorKind& kind = kind_of(method);
+  const double of_evaluation =
+      eq_.sizes().n_lambda > 0 ? kind.constrained_evaluation + kind.constrained_factor * factor : kind.evaluation;
+  return of_evaluation * evaluations + jacobians * (6.0 + kind.matrix * factor);
 }
 
 bool MethodWatch::step(const std::string& method, double t, const StepCounts& counts) {
@@ -97,10 +94,10 @@ std::string MethodWatch::look(const std::string& method, const State& s, const E
   double best_gain = kChange;
   for (std::size_t i = 0; i < others_.size(); ++i) {
     const std::string& other = others_[i];
-    const bool may_take_over = options_.method_is_open && is_for_all(other);
+    const bool may_take_over = options_.method_is_open && kind_of(other).is_for_all;
     double gain = 1.0;
     // For the methods that are only named the first look would be too short.
-    if (other != method && (may_take_over || is_for_all(other) || steps_ > kFirstLook))
+    if (other != method && (may_take_over || kind_of(other).is_for_all || steps_ > kFirstLook))
       gain = pace_of(other, s, v_dot, (may_take_over ? kShare : kShareToName) * work_) / pace_;
     work_of_others_[i] += since / std::max(gain, 1e-3);
     if (may_take_over && other != method && gain > best_gain) {
@@ -117,7 +114,7 @@ std::string MethodWatch::after_failure(const std::string& method, const State& s
   constexpr double kTrial = 500.0;  // evaluations: enough for a few steps of any method
   if (!options_.method_is_open) return {};
   for (const std::string& other : others_)
-    if (is_for_all(other) && other != method && pace_of(other, s, v_dot, kTrial) > 0.0) return other;
+    if (kind_of(other).is_for_all && other != method && pace_of(other, s, v_dot, kTrial) > 0.0) return other;
   return {};
 }
 

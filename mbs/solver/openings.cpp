@@ -75,6 +75,8 @@ struct Place {
   const JoinedRows* rows = nullptr;
   std::string name;
   input::Dimension dimension = input::dim::none;
+  const Constraint* constraint = nullptr;  // of the file, and which of its rows
+  int row = 0;
 };
 
 // What row i of the mechanism is.
@@ -82,7 +84,7 @@ Place place_of(const Mechanism& mechanism, const std::map<std::string, JoinedRow
   const MechanismDescription& d = mechanism.description();
   const std::string name = mechanism.name_of_constraint(i);
   const std::size_t dot = name.rfind('.');
-  Place place{nullptr, name.substr(0, dot), input::dim::none};
+  Place place{nullptr, name.substr(0, dot)};
   const std::string row = dot == std::string::npos ? "" : name.substr(dot + 1);
   const auto found = all.find(place.name);
   if (found == all.end()) return place;
@@ -101,7 +103,11 @@ Place place_of(const Mechanism& mechanism, const std::map<std::string, JoinedRow
     if (constraint->name() != place.name) continue;
     place.rows = &found->second;
     for (int k = 0; k < constraint->n_rows(); ++k)
-      if (constraint->row_name(k) == row) place.dimension = found->second.dimensions[k];
+      if (constraint->row_name(k) == row) {
+        place.dimension = found->second.dimensions[k];
+        place.constraint = constraint.get();
+        place.row = k;
+      }
   }
   return place;
 }
@@ -125,7 +131,7 @@ std::vector<Opening> openings_of(const Mechanism& mechanism, const Eigen::Vector
     double& size = place.dimension == input::dim::length  ? one.length
                    : place.dimension == input::dim::angle ? one.angle
                                                           : one.other;
-    size = std::hypot(size, g(i));
+    size = std::hypot(size, place.constraint ? place.constraint->gap(place.row, g(i)) : g(i));
   }
   const auto width = [](const Opening& o) { return std::max({o.length, o.angle, o.other}); };
   std::ranges::stable_sort(all, std::ranges::greater(), width);

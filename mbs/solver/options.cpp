@@ -7,6 +7,8 @@
 #include <cmath>
 #include <limits>
 
+#include "mbs/solver/integrator_kind.hpp"
+
 namespace flexura::mbs {
 
 double SolverOptions::longest_step() const {
@@ -19,8 +21,10 @@ input::TableSchema solver_schema() {
   in::TableSchema schema;
   schema.name = "solver";
   schema.doc = "How the equations of motion are integrated and how often results are written.";
+  std::vector<std::string> methods;
+  for (const IntegratorKind& kind : integrator_kinds()) methods.emplace_back(kind.name);
   schema.keys.push_back(in::choice(
-      "method", {"ida", "radau", "generalised_alpha", "runge_kutta", "kinematics", "quasi_statics"},
+      "method", methods,
       "integrator: ida = SUNDIALS IDA (BDF, variable step and order) on the stabilised index-2 form; "
       "radau = Radau IIA of order 5 on the same form, L-stable: high frequencies decay, none grows; "
       "generalised_alpha = order 2 on index 3 with numerical damping at high frequencies (rho_inf); "
@@ -153,9 +157,9 @@ SolverOptions read_solver_options(const input::Section& section) {
   bound("fixed_step", o.fixed_step, most_steps, "steps");
   bound("max_step", o.max_step, most_steps, "steps");
   bound("first_step", o.first_step, 1e15, "steps");
-  if (o.fixed_step > 0.0 && o.method != "runge_kutta" && o.method != "generalised_alpha")
+  if (o.fixed_step > 0.0 && !kind_of(o).takes_fixed_steps)
     section.refuse("fixed_step", o.method + " chooses its own steps",
-                   "use method = \"runge_kutta\" or \"generalised_alpha\"");
+                   "use method = " + names_of_kinds(&IntegratorKind::takes_fixed_steps));
   if (o.max_step > 0.0 && o.max_step < o.min_step)
     section.refuse("max_step", "must not be below min_step", "give a larger max_step, or 0 for no bound");
   if (o.max_step > 0.0 && o.fixed_step > o.max_step)

@@ -12,6 +12,7 @@
 #include "mbs/solver/mechanism_scales.hpp"
 #include "mbs/solver/not_assembled.hpp"
 #include "mbs/solver/row_watch.hpp"
+#include "mbs/solver/saddle.hpp"
 #include "mbs/solver/settle.hpp"
 
 namespace flexura::mbs {
@@ -38,6 +39,29 @@ bool is_locked(const PreparedMechanism& p) {
   return n.n_v > 0 && n.n_lambda > 0 && p.assembly.constraint_rank == n.n_v && p.state.v.isZero(1e-12) &&
          p.v_dot.isZero(1e-9) &&
          std::ranges::none_of(p.file.description.joints, [](const JointDescription& j) { return j.is_driven(); });
+}
+
+constexpr const char* kRings =
+    "but for its deformation the mechanism is a structure, and its bodies start undeformed: it rings about the "
+    "shape that it rests in, and forces at the start are those of letting go, not of rest (solver.initial_deformation "
+    "= \"quasi_static\" starts at rest, flexura statics finds it)";
+
+// The constraints leave nothing to bodies that do not deform, and nothing drives or moves them; loads do.
+bool rings(const PreparedMechanism& p, const std::vector<bool>& deforms) {
+  const Sizes n = p.mechanism->sizes();
+  if (n.n_lambda == 0 || std::ranges::find(deforms, true) == deforms.end() || p.options.settled_start ||
+      !p.state.v.isZero(1e-12) || p.v_dot.isZero(1e-9) ||
+      std::ranges::any_of(p.file.description.joints, [](const JointDescription& j) { return j.is_driven(); }))
+    return false;
+  std::vector<bool> rigid = deforms;
+  rigid.flip();
+  Eigen::MatrixXd M = Eigen::MatrixXd::Zero(n.n_v, n.n_v), G = Eigen::MatrixXd::Zero(n.n_lambda, n.n_v);
+  const auto scratch = p.mechanism->make_scratch();
+  p.mechanism->mass_matrix(p.state.p, *scratch, M);
+  p.mechanism->constraint_matrix(p.state.t, p.state.p, *scratch, G);
+  SaddleSolver saddle;
+  saddle.factor(*p.mechanism, M, G, rigid);
+  return saddle.rank() == std::ranges::count(rigid, true);
 }
 
 std::vector<bool> either(std::vector<bool> a, const std::vector<bool>& b) {
@@ -131,6 +155,7 @@ PreparedMechanism prepare(const std::filesystem::path& path, const std::vector<s
     }
     RowWatch(*out.mechanism).begin(out.state, out.v_dot);
     if (is_locked(out)) out.assembly.notes.push_back(kLocked);
+    if (state_file.empty() && rings(out, deforms)) out.assembly.notes.push_back(kRings);
     if (std::string note = require_one_branch(*out.mechanism, out.state, out.v_dot); !note.empty())
       out.assembly.notes.push_back(std::move(note));
     if (strained) tell_strain(*strained, deforms, out);

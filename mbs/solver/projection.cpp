@@ -174,12 +174,16 @@ LoopCloser::Drift LoopCloser::close(State& s) {
 }
 
 void LoopCloser::accelerate(State& s, Eigen::VectorXd& v_dot) {
-  if (!is_closed_) return;
   trial_ = s;
   v_dot_0_ = v_dot;
   bool is_solved = false;
   try {
-    if (n_.n_lambda == 0) {
+    if (!is_closed_) {
+      // Near a dead point multipliers grow beyond bounds: those of the state are nearer than what stands at the ends of
+      // a long step.
+      accelerations_.solve(s, v_dot);
+      is_solved = true;
+    } else if (n_.n_lambda == 0) {
       if (n_.n_v > 0)
         accelerations_.solve(s, v_dot);
       else

@@ -55,8 +55,8 @@ class LoopCloser {
   Drift drift(const State& s);
   /// After close(): accelerations and multipliers that belong to the state, by the same factorisation, in
   /// place of those of the integrator's polynomial, from which it starts.  An integrator's rates are two
-  /// orders less accurate than its positions.  Leaves them as they are where the loops did not close or the
-  /// equations cannot be solved: the integrator will say so.
+  /// orders less accurate than its positions.  Where the loops did not close they are those of the state as it
+  /// stands.  Leaves them as they are where the equations cannot be solved: the integrator will say so.
   void accelerate(State& s, Eigen::VectorXd& v_dot);
   /// Where the factorisation was made, so that a continued run repeats the unbroken one to the bit.
   void remember(History& history);

@@ -7,6 +7,8 @@
 #include <optional>
 #include <stdexcept>
 
+#include "mbs/solver/integrator_kind.hpp"
+
 namespace flexura::study {
 namespace {
 
@@ -16,11 +18,9 @@ constexpr double kFactor = 10.0, kLargestTolerance = 0.1;
 
 // The global error goes with the tolerance to this power, with a fixed step to the method's order.
 std::optional<double> power_of(const mbs::SolverOptions& options) {
-  const bool fixed = options.fixed_step > 0.0;
-  if (options.method == "radau" || options.method == "ida") return 5.0 / 6.0;
-  if (options.method == "runge_kutta") return fixed ? 5.0 : 1.0;
-  if (options.method == "generalised_alpha") return fixed ? 2.0 : 2.0 / 3.0;
-  return std::nullopt;
+  const mbs::IntegratorKind& kind = mbs::kind_of(options);
+  const double power = options.fixed_step > 0.0 ? kind.power_of_step : kind.power_of_tolerance;
+  return power > 0.0 ? std::optional(power) : std::nullopt;
 }
 
 }  // namespace

@@ -76,6 +76,13 @@ TEST_F(Buckling, WithoutLoadsThereIsNothingToScale) {
   EXPECT_THAT(none.err, HasSubstr("the mechanism has none"));
 }
 
+TEST_F(Buckling, WhatIsWeldedBucklesAtNoLoad) {
+  std::string text = replaced(bar("", ""), "\"revolute\"", "\"fixed\"");
+  const nlohmann::json run = run_of(folder_.write("welded.toml", replaced(text, "[0, 0, 0]", "[0, 0, -100]")));
+  EXPECT_TRUE(run["modes"].empty());
+  EXPECT_THAT(run["notes"].dump(), HasSubstr("nothing of the mechanism moves or deforms"));
+}
+
 // H. Ziegler, Ingenieur-Archiv 20 (1952) 49: two bars on springs under a force along the outer one flutter,
 // and at no load is there another equilibrium.
 TEST_F(Buckling, FollowingForcesTakeNoStiffnessAway) {

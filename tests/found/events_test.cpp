@@ -96,8 +96,59 @@ TEST_P(Events, ALateImpulseRingsAsOneAtTheStart) {
   EXPECT_LT((tip.tail(61) - expected).cwiseAbs().maxCoeff(), 0.001 * size);
 }
 
+std::string slide(const std::string& start, const std::string& more) {
+  return "gravity = [0, 0, 0]\n[body.m]\nmass = 1\ninertia = [1, 1, 1]\n[joint.s]\ntype = \"prismatic\"\nfrom = "
+         "\"ground\"\nto = \"m\"\n" +
+         start + more + "[output]\nquantities = [\"s.*\"]\n";
+}
+std::string force(const std::string& value) {
+  return "[force.f]\ntype = \"joint_force\"\njoint = \"s\"\nvalue = \"" + value + "\"\n";
+}
+
+// A push of 10 kN at the most along 20 mm of a way of 15 m, 2 ms of one second, where formulas bend but never jump:
+// k w^2 = 100 J make 10 m/s to sqrt(300) m/s.
+TEST_P(Events, AShortBumpAlongTheWayIsNotSteppedOver) {
+  const Folder folder;
+  const std::string table = "[table.bump]\nx = [4.99, 5, 5.01]\ny = [0, 1e4, 0]\ninterpolation = \"linear\"\n";
+  int number = 0;
+  for (const std::string& law :
+       {force("1e6*max(0, 0.01 - abs(s.position - 5))"),
+        force("max(0, min(1e6*(s.position - 4.99), 1e6*(5.01 - s.position)))"), table + force("bump(s.position)")}) {
+    const auto scene = folder.write(std::to_string(++number) + ".toml", slide("speed = 10\n", law));
+    const Eigen::VectorXd speed = values(simulated(folder, scene, GetParam()), "s.speed");
+    // 1e-6 a step, of some dozens of steps.
+    EXPECT_NEAR(speed(speed.size() - 1), std::sqrt(300.0), 1e-3) << law;
+  }
+}
+
+// Drag by v |v| and a spring that is soft to one side: what swings out about two kinks goes on to its end.
+TEST_P(Events, WhatComesToRestAtAKinkGoesOn) {
+  const Folder folder;
+  const auto scene = folder.write(
+      "m.toml", slide("position = 1e-3\n",
+                      force("-40*max(s.position, 0) - 90*min(s.position, 0) - 4*s.speed - s.speed*abs(s.speed)")));
+  const Eigen::VectorXd x = values(simulated(folder, scene, GetParam(), "20"), "s.position");
+  EXPECT_LT(std::abs(x(x.size() - 1)), 1e-9);
+}
+
 INSTANTIATE_TEST_SUITE_P(Methods, Events,
                          ::testing::Values("ida", "radau", "runge_kutta", "generalised_alpha"));
+
+
+// Equilibria see events, too: x = F(t) / k, of a force that begins at 0.5 s (the row there is that before), and one that
+// is there for 1e-9 s only, on a row of its own.
+TEST(QuasiStatics, FollowsWhatJumpsWithTime) {
+  const Folder folder;
+  const std::string spring =
+      "[force.k]\ntype = \"joint_spring_damper\"\njoint = \"s\"\nstiffness = 100\n";
+  const auto scene = folder.write(
+      "m.toml", slide("", spring + force("(t > 0.5 ? 10 : 0) + (t > 0.7 - 1e-9 && t < 0.7 + 1e-9 ? 5 : 0)")));
+  const results::Run run = simulated(folder, scene, "quasi_statics");
+  const Eigen::VectorXd x = values(run, "s.position");
+  ASSERT_EQ(x.size(), 101);
+  for (Eigen::Index i = 0; i < x.size(); ++i)
+    EXPECT_NEAR(x(i), i <= 50 ? 0.0 : i == 70 ? 0.15 : 0.1, 1e-12) << i;
+}
 
 }  // namespace
 }  // namespace flexura::test

@@ -292,6 +292,32 @@ TEST_F(SteadyState, AnEquilibriumSaysThatItIsUnstable) {
   EXPECT_THAT(loose["notes"].dump(), HasSubstr("h.speed\\\" moves without stiffness"));
 }
 
+// A bar drawn level that its torsion spring (k = 100 N m/rad) lets sag: k a = -m g l cos a, and about there
+// omega^2 = (k - m g l sin a) / (m l^2 + I).
+TEST_F(SteadyState, WhatStandsBesideItsEquilibriumIsTakenThere) {
+  const std::filesystem::path file = folder_.write("sags.toml", R"toml(
+gravity = [0, -9.81, 0]
+[body.a]
+mass = 1
+center = [0.5, 0, 0]
+inertia = [0.1, 0.1, 0.1]
+[joint.h]
+type = "revolute"
+from = "ground"
+to = "a"
+[force.k]
+type = "joint_spring_damper"
+joint = "h"
+stiffness = 100
+)toml");
+  double a = 0.0;
+  for (int i = 0; i < 50; ++i) a = -0.5 * 9.81 * std::cos(a) / 100.0;
+  const nlohmann::json run = eigen(file);
+  EXPECT_NEAR(run["modes"][0]["frequency_hz"].get<double>(),
+              std::sqrt((100.0 - 0.5 * 9.81 * std::sin(a)) / 0.35) / (2.0 * M_PI), 1e-6);
+  EXPECT_THAT(run["notes"].dump(), HasSubstr("modes about the one beside it"));
+}
+
 TEST_F(SteadyState, WhatDoesNotLastIsRefusedOrFrozenByName) {
   expect_refused(folder_.write("m.toml", kRod + "angle = \"30 deg\"\n"), "\"h.speed\" changes by");
   // Through the lowest point with a speed that gravity changes at once after.

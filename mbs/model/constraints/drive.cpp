@@ -1,6 +1,7 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include <array>
 #include <cmath>
+#include <numbers>
 
 #include "mbs/model/constraint.hpp"
 
@@ -58,8 +59,13 @@ double DriveConstraint::wanted_acceleration(double t) const {
 }
 
 void DriveConstraint::position(const Kinematics& kin, double* g) const {
-  g[0] = level_ == DriveLevel::position ? kin.coordinate(coordinate_) - motion_->time_derivatives(kin.t).value
-                                        : 0.0;
+  g[0] = 0.0;
+  if (level_ != DriveLevel::position) return;
+  g[0] = kin.coordinate(coordinate_) - motion_->time_derivatives(kin.t).value;
+  const JointPlace& place = (*kin.joints)[static_cast<std::size_t>(coordinate_.joint)];
+  // Of a joint that closes a loop the frames tell the angle but for whole turns.
+  if (!place.in_tree() && place.joint->coordinates()[coordinate_.index].dimension == input::dim::angle)
+    g[0] = std::remainder(g[0], 2.0 * std::numbers::pi);
 }
 
 void DriveConstraint::velocity(const Kinematics& kin, double* g_dot) const {

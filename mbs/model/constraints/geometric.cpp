@@ -1,4 +1,7 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <cmath>
+
 #include "mbs/model/constraints/types.hpp"
 
 /// Constraints that are one or more rows on the pose of marker M in marker F.
@@ -60,6 +63,10 @@ class Distance final : public RelativeRows {
   explicit Distance(double length) : length_(length) {}
   int n_rows() const override { return 1; }
   void constrain(Rows& rows) const override { rows.distance(length_); }
+  // Of g = (d^2 - L^2) / 2 L the gap is d - L.
+  double gap(int, double g) const override {
+    return std::sqrt(std::max(0.0, length_ * (length_ + 2.0 * g))) - length_;
+  }
   std::string row_name(int) const override { return "length"; }
   bool is_link() const override { return true; }
 
