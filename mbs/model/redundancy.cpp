@@ -13,12 +13,14 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// A row is dependent when what is left of it beside the kept rows is below this part of its length. Assembly
-/// leaves angles wrong by 1e-10 or so, and a true degree of restraint of 1e-7 could not be told from that.
-constexpr double dependent = 1e-7;
+/// A row is dependent when what is left of it beside the kept rows is below this part of its length: markers are
+/// written with nine digits, angles between the parts of a loop make ten or a hundred times as much of the rest,
+/// and what is left out is watched to a millionth (row_watch.hpp).
+constexpr double dependent = 1e-6;
 /// A row is nothing at all where no motion as large as the mechanism changes it by more than this part of its
-/// size (ConstraintSizes): far above round-off.
-constexpr double vanishing = 1e-9;
+/// size (ConstraintSizes). Axes of a door written with nine digits leave 1e-9, which normalised would pass for a
+/// direction that the hinges hold; arms of lengths can be far smaller than the mechanism.
+constexpr double vanishing_angle = 1e-6, vanishing_length = 1e-8;
 
 /// Orthogonalises the rows in turn, the longest remainder first (pivoting keeps the choice well conditioned),
 /// those `of_positions` before the others, and returns the kept ones in ascending order.
@@ -90,7 +92,8 @@ std::vector<RedundantRow> Mechanism::drop_redundant(double t, ConstVectorRef p) 
     // What axes that are parallel but for round-off leave of a row would pass for a direction once
     // normalised.
     for (int i = 0; i < n_rows; ++i)
-      if (G.row(i).cwiseAbs().maxCoeff() < vanishing * sizes.size(i)) G.row(i).setZero();
+      if (G.row(i).cwiseAbs().maxCoeff() < (sizes.is_length[i] ? vanishing_length : vanishing_angle) * sizes.size(i))
+        G.row(i).setZero();
     return G;
   };
 

@@ -25,6 +25,8 @@ BookEntry& Bookkeeper::next(BookEntry::Kind kind) {
 void Bookkeeper::work_off(BookEntry& entry) {
   switch (entry.kind) {
     case BookEntry::Kind::step:
+      for (Instant& node : entry.nodes)
+        if (book_.asks_multipliers(node.state)) closer_.accelerate(node.state, node.v_dot);
       book_.open_step(entry.t_end, entry.nodes);
       break;
     case BookEntry::Kind::row:

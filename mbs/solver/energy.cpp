@@ -74,6 +74,15 @@ void EnergyBook::add(double x, EnergyAccount& account) const {
   }
 }
 
+bool EnergyBook::asks_multipliers(const State& s) {
+  const int n_lambda = static_cast<int>(s.lambda.size());
+  if (n_lambda == 0) return false;
+  g_t_.resize(n_lambda);
+  rest_.setZero(s.v.size());
+  eq_.velocity_constraints(s.t, s.p, rest_, *scratch_, g_t_);
+  return !g_t_.isZero(0.0);
+}
+
 EnergyAccount EnergyBook::at_row(const State& s, const Eigen::VectorXd& v_dot) {
   EnergyAccount account = account_;
   if (h_ > 0.0) add((s.t - t_) / h_, account);

@@ -294,6 +294,11 @@ double Judge::difference(const LinearSystem& at_0, const LinearSystem& at_tau, c
 // Empty where tau later everything is the same in these axes; else why it is not.
 std::string Judge::change_along(const Axes& axes, double tau, double& change) {
   State later = along(axes, tau);
+  if (!later.p.allFinite() || !later.v.allFinite()) {
+    // Of a body that hardly turns the precession is a quotient of small numbers.
+    change = 1.0;
+    return "the motion is not one of turning axes";
+  }
   // Given functions of time are held where that is no contradiction: a load that swings is no part of the
   // coefficients.  Drives go on.
   const double at_0 = opening(s_), bound = 1e-7 + 10.0 * at_0;
@@ -337,15 +342,19 @@ std::vector<Judge::Axes> Judge::candidates() {
   std::vector<MarkerState> bodies, soon;
   m_.body_motions(s_, v_dot_, *scratch_, bodies);
   // w'' from the accelerations a little later, where |w'| is a turning of w.
-  double rate = 0.0;
-  for (const MarkerState& body : bodies) rate = std::max(rate, body.V.angular.norm());
+  double rate = 0.0, quickest = 0.0;
+  for (const MarkerState& body : bodies) {
+    rate = std::max(rate, body.V.angular.norm());
+    quickest = std::max({quickest, rate, std::sqrt(body.A.angular.norm())});
+  }
   for (std::size_t b = 1; b < bodies.size(); ++b) {
     const std::string& name = m_.description().bodies[b].name;
     const Vector3d w = bodies[b].V.angular, alpha = bodies[b].A.angular;
     if (w.norm() > 1e-9 * rate)
       add(m_.turning_axes(s_, w, *scratch_), fmt::format("axes that turn with \"{}\"", name));
-    if (!(alpha.norm() > 1e-9 * w.squaredNorm()) || out.size() > 8) continue;
-    const double h = 1e-4 / rate;
+    // What does not turn has no precession, however it gathers speed.
+    if (!(w.norm() > 1e-9 * quickest) || !(alpha.norm() > 1e-9 * w.squaredNorm()) || out.size() > 8) continue;
+    const double h = 1e-4 / quickest;
     Vector3d alpha_dot = Vector3d::Zero();
     for (const double side : {1.0, -1.0}) {
       State near = s_;

@@ -1,0 +1,450 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "tests/mbs/random/judge.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <functional>
+#include <numbers>
+
+#include "mbs/math/rotation.hpp"
+#include "mbs/solver/accelerations.hpp"
+#include "mbs/solver/equilibrium.hpp"
+#include "mbs/solver/prepare.hpp"
+#include "mbs/solver/run.hpp"
+#include "mbs/solver/stability.hpp"
+#include "mbs/solver/steady_state.hpp"
+
+namespace flexura::mbs::chance {
+
+namespace {
+
+constexpr double kTolerance = 1e-7;
+
+struct RanRow {
+  double t = 0.0, kinetic = 0.0, potential = 0.0;
+  std::vector<BodyMotion> motion;
+  std::vector<std::vector<double>> coordinates, speeds;  // of the joints, as the program says
+};
+
+struct Ran {
+  enum class End { complete, stopped, refused, broken } end = End::broken;
+  std::string message;
+  std::vector<RanRow> rows;
+  double balance = 0.0;
+  std::vector<std::string> notes;
+  std::string sentence() const {
+    return end == End::complete ? "complete" : (end == End::stopped ? "stopped: " : "refused: ") + message;
+  }
+};
+
+bool is_documented(const std::exception& e) {
+  return dynamic_cast<const std::invalid_argument*>(&e) || dynamic_cast<const std::runtime_error*>(&e);
+}
+
+std::string to_file(const Scene& scene, const Writing& how, const JudgeOptions& options) {
+  const std::string file = options.file + how.suffix + ".toml";
+  std::ofstream(file) << to_toml(scene, how);
+  return file;
+}
+
+RanRow row_of(const Scene& scene, const Writing& how, const Mechanism& m, const State& s, const Eigen::VectorXd& v_dot,
+              Equations::Scratch& scratch) {
+  std::vector<MarkerState> bodies;
+  m.body_motions(s, v_dot, scratch, bodies);
+  RanRow row;
+  row.t = s.t;
+  row.motion.resize(scene.bodies.size());
+  const double unit = 1.0 / how.length;
+  for (std::size_t i = 1; i < bodies.size(); ++i) {
+    const std::size_t b = std::stoul(m.description().bodies[i].name.substr(1));
+    const MarkerState& x = bodies[i];
+    const Vector3d c = x.X_WP.R * scene.bodies[b].center, &w = x.V.angular;
+    row.motion[b] = {{x.X_WP.R, unit * x.X_WP.p},
+                     {w, unit * x.V.linear + w.cross(c)},
+                     {x.A.angular, unit * x.A.linear + x.A.angular.cross(c) + w.cross(w.cross(c))}};
+  }
+  const EnergyReport energy = m.energy(s, v_dot, scratch);
+  const double joule = 1.0 / (how.mass * how.length * how.length);
+  row.kinetic = joule * energy.kinetic;
+  row.potential = joule * (energy.potential + energy.strain);
+  return row;
+}
+
+// What the program says of the coordinates by name.
+class Named {
+ public:
+  Named(const Scene& scene, const Writing& how, const Mechanism& m) : scene_(scene), how_(how) {
+    std::vector<std::string> names;
+    for (std::size_t j = 0; j < scene.joints.size(); ++j) {
+      if (scene.joints[j].is_connection) continue;
+      for (const NamedCoordinate& c : coordinates_of(scene.joints[j].type)) {
+        names.push_back(fmt::format("j{}.{}", j, c.name));
+        names.push_back(fmt::format("j{}.{}", j, c.speed));
+      }
+    }
+    if (!names.empty()) which_ = select_quantities(m, names);
+    if (which_.size() != names.size()) throw std::logic_error("joint coordinates that are no quantities");
+    values_.resize(static_cast<Eigen::Index>(which_.size()));
+  }
+  void read(const Mechanism& m, const State& s, const Eigen::VectorXd& v_dot, Equations::Scratch& scratch, RanRow& row) {
+    m.evaluate(which_, s, v_dot, scratch, values_);
+    Eigen::Index k = 0;
+    row.coordinates.resize(scene_.joints.size());
+    row.speeds.resize(scene_.joints.size());
+    for (std::size_t j = 0; j < scene_.joints.size(); ++j) {
+      if (scene_.joints[j].is_connection) continue;
+      for (const NamedCoordinate& c : coordinates_of(scene_.joints[j].type)) {
+        const double unit = c.is_angle() ? 1.0 : 1.0 / how_.length;
+        row.coordinates[j].push_back(unit * values_(k++));
+        row.speeds[j].push_back(unit * values_(k++));
+      }
+    }
+  }
+
+ private:
+  const Scene& scene_;
+  const Writing& how_;
+  std::vector<int> which_;
+  Eigen::VectorXd values_;
+};
+
+Ran simulate(const Scene& scene, const Writing& how, const JudgeOptions& options) {
+  Ran ran;
+  try {
+    const PreparedMechanism p = prepare(to_file(scene, how, options));
+    ran.notes = p.notes;
+    ran.end = Ran::End::stopped;
+    Named named(scene, how, *p.mechanism);
+    auto scratch = p.mechanism->make_scratch();
+    RunCallbacks callbacks;
+    callbacks.row = [&](const State& s, const Eigen::VectorXd& v_dot, const EnergyAccount&) {
+      ran.rows.push_back(row_of(scene, how, *p.mechanism, s, v_dot, *scratch));
+      named.read(*p.mechanism, s, v_dot, *scratch, ran.rows.back());
+    };
+    const RunResult r = run(*p.mechanism, p.state, p.v_dot, p.options, callbacks);
+    ran.balance = r.energy.relative_error();
+    ran.message = r.stopped_because;
+    if (r.complete) ran.end = Ran::End::complete;
+  } catch (const std::exception& e) {
+    if (ran.end == Ran::End::broken && is_documented(e)) ran.end = Ran::End::refused;
+    if (!is_documented(e)) ran.end = Ran::End::broken;
+    ran.message = e.what();
+  }
+  return ran;
+}
+
+double difference(const std::vector<BodyMotion>& a, const std::vector<BodyMotion>& b, double size) {
+  double d = 0.0;
+  for (std::size_t i = 1; i < a.size(); ++i)
+    d = std::max({d, (a[i].X_WB.p - b[i].X_WB.p).norm() / size,
+                  rotation_log(a[i].X_WB.R.transpose() * b[i].X_WB.R).norm()});
+  return d;
+}
+
+// At the rows that both have.
+double difference(const Ran& a, const Ran& b, double size) {
+  double d = 0.0;
+  for (std::size_t k = 0; k < std::min(a.rows.size(), b.rows.size()); ++k)
+    d = std::max(d, difference(a.rows[k].motion, b.rows[k].motion, size));
+  return d;
+}
+
+class Judge {
+ public:
+  Judge(const Scene& scene, const JudgeOptions& options) : scene_(scene), options_(options), physics_(scene) {}
+
+  Judgement judge() {
+    std::string why;
+    nature_ = physics_.nature(&why);
+    out_.nature = nature_ == Nature::moves ? "moves" : nature_ == Nature::contradicts ? "contradicts" : "unclear";
+    if (!why.empty()) out_.nature += ": " + why;
+    Writing how;
+    how.solver = with("ida", kTolerance);
+    const Ran first = simulate(scene_, how, options_);
+    out_.end = first.sentence();
+    look_at_end(first);
+    look_at_rows(first, "ida");
+    how.solver = with("radau", kTolerance);
+    const Ran second = simulate(scene_, how, options_);
+    compare(first, second, "ida and radau", out_.integrators);
+    look_at_rows(second, "radau");
+    if (options_.other_files) {
+      how.solver = with("ida", kTolerance);
+      how.bodies_backwards = true;
+      how.suffix = "_backwards";
+      const Ran backwards = simulate(scene_, how, options_);
+      if (!scene_.order_matters) compare(first, backwards, "bodies in another order", out_.files);
+      look_at_rows(backwards, "bodies in another order");
+      how.bodies_backwards = false;
+      how.length = 1000.0;
+      how.mass = 1e-3;
+      how.suffix = "_mm";
+      const Ran millimetres = simulate(scene_, how, options_);
+      compare(first, millimetres, "units of mm, t, s", out_.files);
+      look_at_rows(millimetres, "units of mm, t, s");
+    }
+    if (options_.other_commands) other_commands();
+    return std::move(out_);
+  }
+
+ private:
+  using Nature = ScenePhysics::Nature;
+  template <class... Args>
+  void complain(fmt::format_string<Args...> format, Args&&... args) {
+    out_.complaints.push_back(which_ + fmt::format(format, std::forward<Args>(args)...));
+  }
+  static std::string with(const std::string& method, double tolerance) {
+    return fmt::format("method = \"{}\"\ntolerance = {:.17g}\n", method, tolerance);
+  }
+
+  void look_at_message(const std::string& message, const std::string& where) {
+    if (message.empty()) complain("{} ended without a message", where);
+    if (message.find("nan") != std::string::npos || message.find("inf ") != std::string::npos)
+      complain("{} speaks of numbers that are none: {}", where, message);
+  }
+
+  void look_at_end(const Ran& ran) {
+    if (ran.end == Ran::End::broken) complain("broke: {}", ran.message);
+    if (ran.end != Ran::End::complete) look_at_message(ran.message, "the run");
+    if (nature_ == Nature::contradicts && ran.end == Ran::End::complete) complain("it contradicts itself and ran");
+    if (nature_ == Nature::moves && ran.end == Ran::End::refused) complain("refused: {}", ran.message);
+    if (nature_ == Nature::moves && ran.end == Ran::End::stopped && !may_stop(ran)) complain("stopped: {}", ran.message);
+  }
+
+  // Where the last row stands the rows are about to lose rank, or cannot hold a moment later.
+  bool may_stop(const Ran& ran) {
+    if (ran.rows.empty()) return false;
+    ScenePhysics physics(scene_);
+    for (const RanRow& row : ran.rows) physics.count_turns_from(row.motion, row.t);
+    const RanRow& last = ran.rows.back();
+    std::vector<Pose> X, later;
+    for (const BodyMotion& body : last.motion) X.push_back(body.X_WB);
+    const int rank = physics.rank(X, last.t).rank;
+    for (int k = 0; k <= 10; ++k) {
+      const double dt = 0.1 * k * 1.1 * scene_.output_step;
+      later = X;
+      for (std::size_t b = 1; b < X.size(); ++b) {
+        later[b].R = rotation_exp(dt * last.motion[b].V.angular) * X[b].R;
+        later[b].p = X[b].p + dt * (last.motion[b].V.linear -
+                                    last.motion[b].V.angular.cross(X[b].R * scene_.bodies[b].center));
+      }
+      if (physics.close(later, last.t + dt) > 1e-8) return true;
+      const ScenePhysics::Rank there = physics.rank(later, last.t + dt);
+      if (there.rank != rank || there.smallest < 0.02) return true;
+    }
+    return false;
+  }
+
+  void look_at_rows(const Ran& ran, const std::string& which) {
+    which_ = which + ": ";
+    look_at_rows(ran);
+    which_.clear();
+  }
+
+  void look_at_rows(const Ran& ran) {
+    said_acceleration_ = said_coordinate_ = false;
+    said_rows_ = 0;
+    if (ran.rows.empty()) {
+      if (ran.end != Ran::End::refused) complain("no rows");
+      return;
+    }
+    ScenePhysics physics(scene_);
+    const double size = physics.size();
+    const double fit = scene_.digits < 17 ? 3.0 * std::pow(10.0, 1 - scene_.digits) + 1e-9 : 1e-9;
+    double energy_0 = 0.0, moved_energy = 0.0, offset_0 = 0.0;
+    Vector3d p_0, L_0, c_0;
+    const bool floats = !scene_.is_grounded();
+    for (std::size_t k = 0; k < ran.rows.size(); ++k) {
+      const RanRow& row = ran.rows[k];
+      physics.count_turns_from(row.motion, row.t);
+      std::vector<Pose> X;
+      double speed = 0.0, acceleration = 0.0;
+      for (std::size_t b = 1; b < row.motion.size(); ++b) {
+        const BodyMotion& m = row.motion[b];
+        speed = std::max({speed, m.V.angular.norm(), m.V.linear.norm() / size});
+        acceleration = std::max({acceleration, m.A.angular.norm(), m.A.linear.norm() / size});
+      }
+      for (const BodyMotion& body : row.motion) X.push_back(body.X_WB);
+      if (!std::isfinite(speed + acceleration)) {
+        complain("numbers that are none at t = {:.6g}", row.t);
+        return;
+      }
+      worst(physics, physics.rows(X, row.t), fit,  out_.rows, "open", row.t);
+      worst(physics, physics.rates(row.motion, row.t), 1e-7 * (1.0 + speed) + 10.0 * fit * speed, out_.rates, "opening",
+            row.t);
+      look_at_coordinates(physics, row, X);
+      const ScenePhysics::Gauss gauss = physics.accelerations(row.motion, row.t);
+      if (physics.n_rows() == 0 || gauss.rank.is_clear()) {
+        double error = 0.0;
+        for (std::size_t b = 1; b < row.motion.size(); ++b) {
+          const Eigen::VectorXd a = gauss.a.segment<6>(6 * static_cast<Eigen::Index>(b) - 6);
+          error = std::max({error, (a.head<3>() - row.motion[b].A.angular).norm(),
+                            (a.tail<3>() - row.motion[b].A.linear).norm() / size});
+        }
+        error /= 1.0 + acceleration + speed * speed;
+        out_.accelerations = std::max(out_.accelerations, error);
+        if (error > 1e-5 + 1e3 * fit && !has(said_acceleration_))
+          complain("accelerations at t = {:.6g} are off by {:.2e} of {:.3g}", row.t, error, acceleration);
+      }
+      const double T = physics.kinetic(row.motion), U = physics.potential(row.motion);
+      const Vector3d p = physics.momentum(row.motion), c = physics.centre(row.motion);
+      const Vector3d L = physics.angular_momentum(row.motion) - c.cross(p);
+      if (k == 0) energy_0 = T + U, offset_0 = T + U - row.kinetic - row.potential, p_0 = p, L_0 = L, c_0 = c;
+      moved_energy = std::max({moved_energy, T, std::abs(T + U - energy_0)});
+      const double scale = 1e-9 + moved_energy;
+      if (std::abs(T - row.kinetic) > 1e-9 * scale + 1e-9 * T) complain("kinetic energy {} is said to be {}", T, row.kinetic);
+      if (std::abs(T + U - row.kinetic - row.potential - offset_0) > 1e-8 * (scale + std::abs(U)))
+        complain("energy {} is said to be {}", T + U - offset_0, row.kinetic + row.potential);
+      if (scene_.is_conservative()) {
+        const double error = std::abs(T + U - energy_0) / (scale + std::abs(U - row.kinetic) * 1e-6);
+        const double weight = std::abs(T + U - energy_0);
+        out_.energy = std::max(out_.energy, weight / (1e-9 + std::max(T, std::abs(U))));
+        (void)error;
+      }
+      if (floats) {
+        const double of = physics.mass() * (size * speed + 1e-3);
+        const double error = std::max((p - p_0 - physics.mass() * row.t * scene_.gravity).norm() / of,
+                                      (L - L_0).norm() / (of * size));
+        out_.momentum = std::max(out_.momentum, error);
+      }
+    }
+    // Relative to the energy that was moved; where nothing was, there is nothing to be relative to.
+    out_.balance = moved_energy > 1e-9 ? std::abs(ran.balance) : 0.0;
+    if (out_.energy > 1e-5) complain("energy is lost by {:.2e}", out_.energy);
+    // Where a run stops because its rows lose rank the forces grow without bound.
+    if (out_.balance > (ran.end == Ran::End::stopped ? 1e-3 : 1e-5)) complain("the energy balance is open by {:.2e}", out_.balance);
+    if (out_.momentum > 1e-4) complain("momentum changes by {:.2e}", out_.momentum);
+  }
+
+  bool has(bool& said) {
+    const bool before = said;
+    said = true;
+    return before;
+  }
+
+  void worst(const ScenePhysics& physics, const Eigen::VectorXd& g, double allowed, double& largest, const char* what,
+             double t) {
+    for (Eigen::Index i = 0; i < g.size(); ++i) {
+      const int row = static_cast<int>(i);
+      const double open = std::abs(g(i)) / (physics.row_is_length(row) ? physics.size() : 1.0);
+      const double bound = physics.row_is_integrated(row) ? allowed + 100.0 * kTolerance : allowed;
+      if (!physics.row_is_integrated(row)) largest = std::max(largest, open);
+      if (!(open <= bound) && said_rows_++ < 3)
+        complain("{} is {} by {:.2e} at t = {:.6g}, {:.1e} allowed", physics.row_name(row), what, open, t, bound);
+    }
+  }
+
+  void look_at_coordinates(const ScenePhysics& physics, const RanRow& row, const std::vector<Pose>& X) {
+    for (int j = 0; j < static_cast<int>(row.coordinates.size()); ++j)
+      for (int i = 0; i < static_cast<int>(row.coordinates[j].size()); ++i) {
+        const double q = physics.coordinate(j, i, X), v = physics.speed(j, i, row.motion);
+        const bool turns = coordinates_of(scene_.joints[j].type)[i].is_angle();
+        double d = row.coordinates[j][i] - q;
+        if (turns) d = std::remainder(d, 2.0 * std::numbers::pi);
+        if (std::abs(d) > 1e-6 && !has(said_coordinate_))
+          complain("j{}.{} is {:.9g}, said to be {:.9g}", j, coordinates_of(scene_.joints[j].type)[i].name, q,
+                   row.coordinates[j][i]);
+        if (std::abs(v - row.speeds[j][i]) > 1e-6 * (1.0 + std::abs(v)) && !has(said_coordinate_))
+          complain("j{}.{} is {:.9g}, said to be {:.9g}", j, coordinates_of(scene_.joints[j].type)[i].speed, v,
+                   row.speeds[j][i]);
+      }
+  }
+
+  void compare(const Ran& a, const Ran& b, const std::string& what, double& largest) {
+    if (b.end == Ran::End::broken) complain("{}: broke: {}", what, b.message);
+    if (a.end != b.end && nature_ != Nature::unclear) {
+      complain("{}: one is {}, the other {}", what, a.sentence(), b.sentence());
+      return;
+    }
+    // From a guess the mechanism may close elsewhere.
+    if (scene_.start == Start::guess) return;
+    const double d = difference(a, b, physics_.size());
+    largest = std::max(largest, d);
+    const double allowed = 300.0 * kTolerance;
+    if (d > allowed) {
+      const double growth = sensitivity();
+      if (d > allowed * growth) complain("{}: the motion differs by {:.2e}, sensitivity {:.1f}", what, d, growth);
+    }
+  }
+
+  // By how much a disturbance of the first row's speeds has grown at the end.
+  double sensitivity() {
+    if (sensitivity_ > 0.0) return sensitivity_;
+    sensitivity_ = 1.0;
+    const double eps = 1e-5;
+    try {
+      PreparedMechanism p = prepare(to_file(scene_, {.solver = with("radau", 1e-9), .suffix = "_fine"}, options_));
+      auto scratch = p.mechanism->make_scratch();
+      const auto rows_from = [&](State s) {
+        Ran ran;
+        Eigen::VectorXd v_dot;
+        assemble(*p.mechanism, s, v_dot);
+        RunCallbacks callbacks;
+        callbacks.row = [&](const State& x, const Eigen::VectorXd& a, const EnergyAccount&) {
+          ran.rows.push_back(row_of(scene_, {}, *p.mechanism, x, a, *scratch));
+        };
+        run(*p.mechanism, s, v_dot, p.options, callbacks);
+        return ran;
+      };
+      const Ran base = rows_from(p.state);
+      for (int k = 0; k < 2; ++k) {
+        State s = p.state;
+        for (Eigen::Index i = 0; i < s.v.size(); ++i) s.v(i) += eps * ((i + k) % 2 == 0 ? 1.0 : -1.0);
+        sensitivity_ = std::max(sensitivity_, difference(base, rows_from(s), physics_.size()) / eps);
+      }
+    } catch (const std::exception&) {
+    }
+    return sensitivity_;
+  }
+
+  static bool is_finite(const Eigen::MatrixXd& A) { return A.allFinite(); }
+
+  void attempt(const std::string& what, const std::function<bool()>& work) {
+    try {
+      if (!work()) complain("{} gives numbers that are none", what);
+    } catch (const std::exception& e) {
+      if (!is_documented(e)) complain("{} broke: {}", what, e.what());
+      look_at_message(e.what(), what);
+    }
+  }
+
+  void other_commands() {
+    const std::string file = to_file(scene_, {.solver = with("ida", kTolerance)}, options_);
+    attempt("linearisation", [&] {
+      const PreparedMechanism p = prepare(file);
+      p.mechanism->not_unique(p.state.t, p.state.p);
+      const SteadyLinearisation out = linearise_steady(*p.mechanism, p.state, 1.0, {});
+      for (const NaturalMode& mode : natural_modes(out.system))
+        if (!std::isfinite(mode.frequency_hz + mode.eigenvalue.real())) return false;
+      return is_finite(out.system.A);
+    });
+    attempt("statics", [&] {
+      PreparedMechanism p = prepare(file);
+      find_equilibrium(*p.mechanism, p.state);
+      AccelerationSolver(*p.mechanism).solve(p.state, p.v_dot);
+      stability_at_rest(*p.mechanism, p.state);
+      const LinearSystem system = linearise(*p.mechanism, p.state);
+      natural_modes(system);
+      return is_finite(system.A) && p.state.p.allFinite() && p.state.lambda.allFinite();
+    });
+  }
+
+  const Scene& scene_;
+  const JudgeOptions& options_;
+  ScenePhysics physics_;
+  Nature nature_ = Nature::unclear;
+  Judgement out_;
+  std::string which_;  // run is being looked at
+  bool said_acceleration_ = false, said_coordinate_ = false;
+  int said_rows_ = 0;
+  double sensitivity_ = 0.0;
+};
+
+}  // namespace
+
+Judgement judge(const Scene& scene, const JudgeOptions& options) { return Judge(scene, options).judge(); }
+
+}  // namespace flexura::mbs::chance
