@@ -13,6 +13,9 @@ namespace flexura::mbs {
 namespace {
 
 constexpr long kFirstLook = 1000, kNextLook = 4;
+// Where steps are dear: a run of 500 of them lasts long enough for a word.
+constexpr long kFirstLookIfLarge = 250;
+constexpr double kLarge = 100.0;
 // Part of the work done that a look may cost, for a method to change to and for one only to be named.
 constexpr double kShare = 0.04, kShareToName = 0.015;
 // What is left of the run must be worth a look.
@@ -26,8 +29,9 @@ MethodWatch::MethodWatch(const Equations& eq, const SolverOptions& options)
     : eq_(eq),
       options_(options),
       n_(eq.sizes().n_v + 2.0 * eq.sizes().n_lambda),
-      next_look_(kFirstLook),
-      half_way_(kFirstLook / 2),
+      first_look_(n_ > kLarge ? kFirstLookIfLarge : kFirstLook),
+      next_look_(first_look_),
+      half_way_(first_look_ / 2),
       t_half_(options.start_time) {
   for (const IntegratorKind& kind : integrator_kinds())
     if (kind.integrates) others_.emplace_back(kind.name);
@@ -97,7 +101,7 @@ std::string MethodWatch::look(const std::string& method, const State& s, const E
     const bool may_take_over = options_.method_is_open && kind_of(other).is_for_all;
     double gain = 1.0;
     // For the methods that are only named the first look would be too short.
-    if (other != method && (may_take_over || kind_of(other).is_for_all || steps_ > kFirstLook))
+    if (other != method && (may_take_over || kind_of(other).is_for_all || steps_ > first_look_))
       gain = pace_of(other, s, v_dot, (may_take_over ? kShare : kShareToName) * work_) / pace_;
     work_of_others_[i] += since / std::max(gain, 1e-3);
     if (may_take_over && other != method && gain > best_gain) {
@@ -120,8 +124,8 @@ std::string MethodWatch::after_failure(const std::string& method, const State& s
 
 void MethodWatch::change() {
   steps_ = 0;
-  next_look_ = kFirstLook;
-  half_way_ = kFirstLook / 2;
+  next_look_ = first_look_;
+  half_way_ = first_look_ / 2;
   work_ = counted_ = work_half_ = work_looked_ = 0.0;
 }
 

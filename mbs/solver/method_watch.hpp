@@ -7,7 +7,7 @@
 #include "mbs/solver/integrator.hpp"
 
 /// Looks, while a run goes on, whether another integrator would go faster from where it stands: after 1000
-/// steps, 4000, 16000, ... of one method the others take steps of their own from a copy of the state, for a
+/// steps (250 of large matrices), 4000, 16000, ... of one method the others take steps of their own from a copy of the state, for a
 /// few per cent of the work done so far.  What is compared is simulated time for each unit of work.  Work is
 /// counted (evaluations and matrices, weighed by their operations), never timed: a run repeated looks at the
 /// same places and sees the same.
@@ -50,6 +50,7 @@ class MethodWatch {
   const Equations& eq_;
   SolverOptions options_;
   double n_;                               // order of the matrices
+  long first_look_;
   long steps_ = 0, next_look_, half_way_;  // of this method
   double work_ = 0.0, counted_ = 0.0;      // of this method; what its counts said last
   double t_half_ = 0.0, work_half_ = 0.0, work_looked_ = 0.0;

@@ -10,6 +10,7 @@
 
 #include "mbs/solver/error_weights.hpp"
 #include "mbs/solver/radau_matrices.hpp"
+#include "mbs/solver/radau_stages.hpp"
 #include "mbs/solver/radau_tableau.hpp"
 #include "mbs/solver/remembered.hpp"
 #include "mbs/solver/switches.hpp"
@@ -22,6 +23,9 @@ using Eigen::VectorXcd;
 using Eigen::VectorXd;
 
 constexpr int kMostIterations = 7;
+// With a matrix for each stage (radau_stages.hpp) Newton's method goes on for longer, but never quadratically; where it
+// is wanted again soon, the next steps begin with it, and where it does not serve it is not tried again for some.
+constexpr int kMostStageIterations = 20, kMostStagePasses = 4, kMostStageSteps = 64, kSoonAgain = 4, kLongestWait = 1024;
 constexpr double kSafety = 0.9;
 // Steps follow G. Soederlind's digital filter H211b (ACM TOMS 29 (2003) 1), with the error aimed at as
 // kSafety^4 and b = kFilter.  A controller that takes the error to go with h^4 alone makes steps of vibrating
@@ -68,6 +72,10 @@ class Radau final : public Integrator {
     StepCounts c = counts_;
     if (form_) c.evaluations = form_->evaluations();
     if (matrices_) c.jacobians = matrices_->linearised();
+    if (stages_) {
+      c.evaluations += stages_->evaluations();
+      c.jacobians += stages_->linearised();
+    }
     return c;
   }
   void remember(History& history) override;
@@ -81,7 +89,8 @@ class Radau final : public Integrator {
   void state_at(double t, State& s);
   void linearise(double h);
   void predict(double h);
-  Outcome newton(double h, double t_stop, double& shorter, int& iterations);
+  Outcome newton(double h, double t_stop, double& shorter, int& iterations, bool by_stages);
+  Outcome newton_by_stages(double h, double t_stop, double& shorter, int& iterations);
   double local_error(double h, bool again);
   double distance_between_nodes(double h);
   void accept(double h, double t_stop, double wanted, double error, double quotient);
@@ -97,6 +106,9 @@ class Radau final : public Integrator {
   std::unique_ptr<Equations::Scratch> scratch_;
   std::unique_ptr<RadauMatrices> matrices_;
   StabilisedIndex2* form_ = nullptr;  // in matrices_
+  std::unique_ptr<RadauStages> stages_;  // once they were wanted
+  // Steps to come that begin with them, or that do without; how many the next time, and steps since then.
+  int stage_steps_ = 0, stage_wait_ = 0, stage_run_ = 1, stage_span_ = 8, plain_steps_ = 0;
   double loosening_, n_norm_ = 1.0;
 
   State state_;  // at t_, for its switches
@@ -151,6 +163,7 @@ void Radau::start(const State& s, const VectorXd& v_dot) {
   } else {
     ++counts_.restarts;
     form_->set_start(s);
+    if (stages_) stages_->set_start(s);
   }
   state_ = s;
   t_ = s.t;
@@ -203,13 +216,34 @@ void Radau::predict(double h) {
   }
 }
 
-Radau::Outcome Radau::newton(double h, double t_stop, double& shorter, int& iterations) {
+// Stages from the last step's polynomial or along the tangent, and the derivatives there.
+Radau::Outcome Radau::newton_by_stages(double h, double t_stop, double& shorter, int& iterations) {
+  if (!stages_) stages_ = std::make_unique<RadauStages>(eq_, k_, state_);
+  predict(h);
+  Outcome outcome = Outcome::diverged;
+  for (int pass = 0; pass < kMostStagePasses && outcome != Outcome::converged; ++pass) {
+    for (int i = 0; i < 3; ++i) {
+      stage_ = y_ + Z_[i];
+      rate_ = (k_.B(i, 0) * Z_[0] + k_.B(i, 1) * Z_[1] + k_.B(i, 2) * Z_[2]) / h;
+      if (!stages_->linearise(i, std::min(t_ + k_.c[i] * h, t_stop), stage_, rate_, h)) return Outcome::diverged;
+    }
+    outcome = newton(h, t_stop, shorter, iterations, true);
+    if (!Z_[2].allFinite()) return Outcome::diverged;
+  }
+  theta_ = 1.0;  // nothing is known of the one matrix
+  return outcome;
+}
+
+Radau::Outcome Radau::newton(double h, double t_stop, double& shorter, int& iterations, bool by_stages) {
+  const int most = by_stages ? kMostStageIterations : kMostIterations;
+  // Passes in which a triangular matrix may make corrections longer first.
+  const int trusted = by_stages ? 3 : 1;
   // A hundredth of the error allowed (RADAU5's choice for tolerances of 1e-4 and less is sqrt(tolerance)).
   const double goal = std::max(10.0 * std::numeric_limits<double>::epsilon() / options_.tolerance, 1e-2);
   convergence_ = std::pow(std::max(convergence_, std::numeric_limits<double>::epsilon()), 0.8);
   double before = 0.0, ratio_before = 0.0;
   shorter = 0.5;
-  for (int k = 1; k <= kMostIterations; ++k) {
+  for (int k = 1; k <= most; ++k) {
     for (int i = 0; i < 3; ++i) {
       stage_ = y_ + Z_[i];
       rate_ = (k_.B(i, 0) * Z_[0] + k_.B(i, 1) * Z_[1] + k_.B(i, 2) * Z_[2]) / h;
@@ -218,15 +252,17 @@ Radau::Outcome Radau::newton(double h, double t_stop, double& shorter, int& iter
         return Outcome::diverged;
       }
     }
-    rhs_ = k_.v_left(0) * R_[0] + k_.v_left(1) * R_[1] + k_.v_left(2) * R_[2];
-    rhs_c_ = k_.w_left(0) * R_[0] + k_.w_left(1) * R_[1] + k_.w_left(2) * R_[2];
-    matrices_->solve(rhs_, step_);
-    matrices_->solve(rhs_c_, x_c_);
-    double sum = 0.0;
-    for (int i = 0; i < 3; ++i) {
-      R_[i] = -k_.v(i) * step_ - 2.0 * (k_.w(i) * x_c_).real();
-      sum += R_[i].cwiseAbs2().dot(weights2_);
+    if (by_stages) {
+      stages_->solve(R_);
+    } else {
+      rhs_ = k_.v_left(0) * R_[0] + k_.v_left(1) * R_[1] + k_.v_left(2) * R_[2];
+      rhs_c_ = k_.w_left(0) * R_[0] + k_.w_left(1) * R_[1] + k_.w_left(2) * R_[2];
+      matrices_->solve(rhs_, step_);
+      matrices_->solve(rhs_c_, x_c_);
+      for (int i = 0; i < 3; ++i) R_[i] = -k_.v(i) * step_ - 2.0 * (k_.w(i) * x_c_).real();
     }
+    double sum = 0.0;
+    for (int i = 0; i < 3; ++i) sum += R_[i].cwiseAbs2().dot(weights2_);
     const double size = std::sqrt(sum / (3.0 * n_norm_));
     if (!std::isfinite(size)) return Outcome::diverged;
     iterations = k;
@@ -235,16 +271,16 @@ Radau::Outcome Radau::newton(double h, double t_stop, double& shorter, int& iter
       theta_ = std::min(theta_, kSlow);
       return Outcome::converged;
     }
-    if (k > 1 && k < kMostIterations) {
+    if (k > 1 && k < most) {
       const double ratio = size / before;
       theta_ = k == 2 ? ratio : std::sqrt(ratio * ratio_before);
       ratio_before = ratio;
-      if (theta_ >= 0.99) return Outcome::diverged;
-      convergence_ = theta_ / (1.0 - theta_);
+      if (theta_ >= 0.99 && (k > trusted || ratio > 10.0)) return Outcome::diverged;
+      convergence_ = theta_ < 0.99 ? theta_ / (1.0 - theta_) : 100.0;
       const double at_end =
-          convergence_ * size * std::pow(theta_, kMostIterations - 1 - k) / goal;  // after the last iteration
-      if (at_end >= 1.0) {
-        shorter = 0.8 * std::pow(std::clamp(at_end, 1e-4, 20.0), -1.0 / (3 + kMostIterations - k));
+          convergence_ * size * std::pow(theta_, most - 1 - k) / goal;  // after the last iteration
+      if (at_end >= 1.0 && k > trusted) {
+        shorter = 0.8 * std::pow(std::clamp(at_end, 1e-4, 20.0), -1.0 / (3 + most - k));
         return Outcome::slow;
       }
     }
@@ -315,6 +351,9 @@ void Radau::fail(double h, bool converges) {
 void Radau::accept(double h, double t_stop, double wanted, double error, double quotient) {
   ++counts_.steps;
   is_first_ = false;
+  if (stage_wait_ > 0) --stage_wait_;
+  plain_steps_ = stage_steps_ > 0 ? 0 : std::min(plain_steps_ + 1, kSoonAgain);
+  if (stage_steps_ > 0 && --stage_steps_ == 0) stage_span_ = 8;
   matrices_->praise();
   if (h_accepted_ > 0.0)
     quotient = std::max(quotient, std::pow(error * error_accepted_ / (kAim * kAim), 0.25 / kFilter) *
@@ -355,15 +394,32 @@ StepEnd Radau::step(double t_stop) {
     trouble_.clear();
     double shorter = 0.25;
     int iterations = 0;
+    bool by_stages = false;
     Outcome outcome = Outcome::diverged;
     try {
       if (wants_tangents) {
         linearise(h);
         wants_tangents = false;
       }
-      if (matrices_->factor(h)) {
+      const bool has_factors = matrices_->factor(h);
+      if (has_factors && stage_steps_ == 0) {
         predict(h);
-        outcome = newton(h, t_stop, shorter, iterations);
+        outcome = newton(h, t_stop, shorter, iterations, false);
+      }
+      by_stages = has_factors && outcome != Outcome::converged &&
+                  (stage_steps_ > 0 || (stage_wait_ == 0 && matrices_->are_fresh(t_) && matrices_->are_full()));
+      if (by_stages) {
+        outcome = newton_by_stages(h, t_stop, shorter, iterations);
+        if (outcome == Outcome::converged) {
+          if (stage_steps_ == 0) {
+            stage_run_ = plain_steps_ < kSoonAgain ? std::min(2 * stage_run_, kMostStageSteps) : 1;
+            stage_steps_ = stage_run_;
+          }
+        } else {
+          stage_steps_ = 0;
+          stage_wait_ = stage_span_;
+          stage_span_ = std::min(2 * stage_span_, kLongestWait);
+        }
       }
     } catch (const std::runtime_error& e) {
       trouble_ = e.what();
@@ -382,7 +438,8 @@ StepEnd Radau::step(double t_stop) {
     // Rows are moved onto their constraints from ten times the error at the nodes away.
     const double error = std::max(local_error(h, rejected_ || is_first_), 0.1 * distance_between_nodes(h));
     const double factor =
-        std::min(kSafety, kSafety * (1 + 2 * kMostIterations) / (iterations + 2 * kMostIterations));
+        by_stages ? kSafety
+                  : std::min(kSafety, kSafety * (1 + 2 * kMostIterations) / (iterations + 2 * kMostIterations));
     double quotient = std::clamp(std::pow(error, 0.25) / factor, 0.125, 5.0);
     if (error >= 1.0) {
       last_.h = 0.0;
@@ -431,6 +488,10 @@ void Radau::remember(History& history) {
        {&t_, &last_.t_begin, &last_.h, &h_, &theta_, &convergence_, &h_accepted_, &error_accepted_})
     history(*x);
   history(is_first_);
+  for (int* k : {&stage_steps_, &stage_wait_, &stage_run_, &stage_span_, &plain_steps_}) {
+    history(*k);
+    if (history.reads()) require_between(*k, 0, kLongestWait);
+  }
   weights_.remember(history);
   switches_.remember(history, state_);
   matrices_->remember(history);

@@ -14,7 +14,8 @@ namespace flexura::mbs {
 /// BDF of order three to five is unstable for weakly damped vibration.
 ///
 /// Newton's method on the eigenvectors of B: one real system at cj = gamma/h and one complex at cj = lambda/h
-/// for each iteration.  The error estimate (1/h gamma F_y' + F_y)^-1 F_y' (y_0' + (1/h) sum_i e_i Z_i) is of
+/// for each iteration; where the matrix changes too much from stage to stage for that, one for each stage
+/// (radau_stages.hpp).  The error estimate (1/h gamma F_y' + F_y)^-1 F_y' (y_0' + (1/h) sum_i e_i Z_i) is of
 /// order three; so that the tolerance means about the same as for the other methods it is met in the form 0.1
 /// tolerance^(2/3), as in RADAU5.  Multipliers are kept out of the error test.
 std::unique_ptr<Integrator> make_radau(const Equations& eq, const SolverOptions& options);

@@ -58,15 +58,6 @@ void RadauMatrices::praise() {
   if (is_cheap_ && ++cheap_steps_ % kLongestFullSpan == 0) full_span_ = std::max(1, full_span_ / 2);
 }
 
-void RadauMatrices::multiply_rates(const Eigen::VectorXd& x, Eigen::VectorXd& out) const {
-  const int at_v = form_.at_v(), n_v = form_.sizes().n_v;
-  out = x;
-  form_.multiply_M(x.segment(at_v, n_v), out.segment(at_v, n_v));
-  if (const Eigen::MatrixXd& c_v_dot = form_.tangents().c_v_dot; c_v_dot.size() > 0)
-    out.segment(form_.at_c(), c_v_dot.rows()).noalias() -= c_v_dot * x.segment(at_v, n_v);
-  out.tail(form_.size() - form_.at_a()).setZero();
-}
-
 void RadauMatrices::remember(History& history) {
   history(has_tangents_);
   history(is_cheap_);

@@ -26,6 +26,8 @@ class RadauMatrices {
   bool has_tangents() const { return has_tangents_; }
   /// The derivatives were taken for the step that begins at t.
   bool are_fresh(double t) const { return has_tangents_ && t_step_ == t; }
+  /// They hold all there is, not the stiffness alone.
+  bool are_full() const { return has_tangents_ && !is_cheap_; }
   /// They were taken ahead of where the step begins.
   bool look_ahead() const { return t_tangents_ > t_step_; }
 
@@ -43,7 +45,7 @@ class RadauMatrices {
   void solve(const Eigen::VectorXd& rhs, Eigen::VectorXd& x) { real_.solve(rhs, x); }
   void solve(const Eigen::VectorXcd& rhs, Eigen::VectorXcd& x) { complex_.solve(rhs, x); }
   /// out = dF/dy' x.
-  void multiply_rates(const Eigen::VectorXd& x, Eigen::VectorXd& out) const;
+  void multiply_rates(const Eigen::VectorXd& x, Eigen::VectorXd& out) const { form_.multiply_rates(x, out); }
 
   long linearised() const { return linearised_; }  ///< how often
 

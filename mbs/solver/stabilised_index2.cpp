@@ -95,6 +95,14 @@ void StabilisedIndex2::multiply_M(ConstVectorRef x, VectorRef out) const {
     out.noalias() = tangents_.M * x;
 }
 
+void StabilisedIndex2::multiply_rates(const Eigen::VectorXd& x, Eigen::VectorXd& out) const {
+  out = x;
+  multiply_M(x.segment(at_v(), n_.n_v), out.segment(at_v(), n_.n_v));
+  if (const Eigen::MatrixXd& c_v_dot = tangents_.c_v_dot; c_v_dot.size() > 0)
+    out.segment(at_c(), c_v_dot.rows()).noalias() -= c_v_dot * x.segment(at_v(), n_.n_v);
+  out.tail(n_y_ - at_a()).setZero();
+}
+
 void StabilisedIndex2::forget_structure() {
   ++structure_;
 }

@@ -61,6 +61,8 @@ class StabilisedIndex2 {
   const SparseTangents& sparse_tangents() const;
   /// out = M x with the mass matrix of the last linearise().
   void multiply_M(ConstVectorRef x, VectorRef out) const;
+  /// out = dF/dy' x there.
+  void multiply_rates(const Eigen::VectorXd& x, Eigen::VectorXd& out) const;
   const KinematicBlocks& kinematics() const { return kinematics_; }
   bool is_holonomic(int row) const { return holonomic_[row]; }
   bool has_elastic_coordinates() const { return tangents_.has_elastic_coordinates(); }

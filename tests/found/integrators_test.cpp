@@ -51,23 +51,28 @@ class Integrators : public ::testing::Test {
   Folder folder_;
 };
 
-// A body 1e9 times as heavy as the one that carries it: that one's spin about its own axis has 0.1 kg m^2, and
-// 1e9 (omega h)^2 as soon as a step turns the axis by omega h.  Newton's method with one matrix for three stages
-// contracts only below omega h = 1e-5 (344,252 steps of Radau for 0.4 s; explicit Runge-Kutta takes 41 for 2 s).
-// Who asks for Radau is told; who does not gets IDA, right to a thousand tolerances.
-TEST_F(Integrators, AHeavyBodyOnALightOneIsToldToWhomAsksForRadau) {
+// A body 1e9 times as heavy as the one that carries it: that one's spin about its own axis has 0.1 kg m^2, in the axes of
+// its ball joint beside 1e9, and the matrix changes by 1e9 (omega h)^2 as a step turns that axis by omega h.  Newton's
+// method with one matrix for three stages contracts only below omega h = 1e-5: 344,252 steps of Radau for 0.4 s, where
+// explicit Runge-Kutta takes 41 for 2 s. With a matrix for each stage Radau takes a few hundred.
+TEST_F(Integrators, AHeavyBodyOnALightOneHoldsNoMethodUp) {
   const std::string file = kFound + "trade/scene_heavy.toml";
-  const Run radau = simulate(file, {"solver.method=radau", "solver.max_steps=5000"});
-  EXPECT_EQ(radau.outcome.exit_code, 1);
-  EXPECT_THAT(radau.outcome.out, HasSubstr("hint: "));
-  EXPECT_THAT(radau.outcome.out, HasSubstr("--set solver.method="));
   const std::string text = replaced(read_text(file), "method=\"radau\"", "");
-  const Run open = simulate(folder_.write("heavy.toml", text).string(), {}),
+  const Run radau = simulate(file, {"solver.method=radau"}),
+            open = simulate(folder_.write("heavy.toml", text).string(), {}),
             explicit_one = simulate(file, {"solver.method=runge_kutta"});
-  for (const Run* run : {&open, &explicit_one}) ASSERT_EQ(run->outcome.exit_code, 0) << run->outcome.err;
+  for (const Run* run : {&radau, &open, &explicit_one}) ASSERT_EQ(run->outcome.exit_code, 0) << run->outcome.err;
+  EXPECT_LT(radau.steps(), 1000);
   EXPECT_LT(open.steps(), 5000);
   const Eigen::VectorXd x = explicit_one["j2.position"];
-  EXPECT_LT((open["j2.position"] - x).cwiseAbs().maxCoeff(), 1e-3 * x.cwiseAbs().maxCoeff());
+  for (const Run* run : {&radau, &open})
+    EXPECT_LT(((*run)["j2.position"] - x).cwiseAbs().maxCoeff(), 1e-3 * x.cwiseAbs().maxCoeff());
+  // It goes on from where it was cut, to the bit.
+  const std::string state = (folder_ / "state.json").string();
+  ASSERT_EQ(simulate(file, {"solver.stop_time=1"}, {"--no-estimate", "--save-state", state}).outcome.exit_code, 0);
+  const Run rest = simulate(file, {}, {"--no-estimate", "--continue", state});
+  ASSERT_EQ(rest.outcome.exit_code, 0) << rest.outcome.err;
+  EXPECT_EQ(rest["j2.position"].tail(1)(0), radau["j2.position"].tail(1)(0));
 }
 
 // Contact of 1e8 N/m with nearly critical damping: IDA stayed at order one, every step failing once (20,000
