@@ -158,7 +158,7 @@ bool PositionSolver::solve(Eigen::VectorXd& p, int max_iterations) {
   if (n_.n_lambda == 0) return true;
   Eigen::VectorXd d(n_.n_v), p_trial(n_.n_p), g_trial(n_.n_lambda), x;
   Eigen::MatrixXd normal;
-  double mu = 0.0;
+  double mu = 0.0, reach = std::numeric_limits<double>::infinity();
   eq_.position_constraints(t_, p, *scratch_, g_);
   for (int iteration = 0; iteration < max_iterations; ++iteration) {
     linearise(p);
@@ -178,10 +178,12 @@ bool PositionSolver::solve(Eigen::VectorXd& p, int max_iterations) {
       // Rows that depend on each other but for the last digits of the file (a door on two hinges) can be open by
       // less all along a way of the mechanism than where it stands: no reason to go there.
       constexpr double kChase = 1e5;
-      if ((g_.cwiseAbs().array() <= allowed_.array()).all() &&
-          largest > kChase * (g_.array() / sizes_.size.array()).abs().maxCoeff()) {
-        mu = std::max(10.0 * mu, 1e-8);
-        continue;
+      if (nearly_closed()) {
+        reach = std::min(reach, kChase * (g_.array() / sizes_.size.array()).abs().maxCoeff());
+        if (largest > reach) {
+          mu = std::max(10.0 * mu, 1e-8);
+          continue;
+        }
       }
       double alpha = largest > 0.5 ? 0.5 / largest : 1.0;
       for (int halving = 0; halving < 8; ++halving, alpha *= 0.5) {
@@ -190,6 +192,7 @@ bool PositionSolver::solve(Eigen::VectorXd& p, int max_iterations) {
         if (g_trial.allFinite() && merit(g_trial) < now * (1.0 - 1e-4 * alpha)) {
           accepted = true;
           change_ += alpha * largest;
+          reach -= alpha * largest;
           break;
         }
       }
@@ -277,8 +280,10 @@ Closing close_positions(const Equations& eq, State& s, const ClosingOptions& opt
           "push of {:.2g} rad or m found the branch that the mechanism stands on: give values near the one "
           "that is meant",
           nudge));
-    // A prescribed value moves only for a loop that closes better by it, not for round-off.
-    if (!solved && solver.openness() < (kept == nearest.kept ? 1.0 : 0.5) * nearest.openness)
+    // A prescribed value moves only for a loop that closes better by it, not for round-off; parts that do not fit
+    // stay where they were put unless they fit far better elsewhere.
+    const double better = nearest.acceptable ? 0.01 : kept == nearest.kept ? 1.0 : 0.5;
+    if (!solved && solver.openness() < better * nearest.openness)
       nearest = {solver.openness(),
                  solver.nearly_closed(),
                  kept,
@@ -383,6 +388,9 @@ void assemble_velocities(const Equations& eq, State& s, const AssembleOptions& o
   eq.constraint_matrix(s.t, s.p, *scratch, G);
   eq.velocity_constraints(s.t, s.p, Eigen::VectorXd::Zero(n.n_v), *scratch, g_t);
   const Eigen::VectorXd start = s.v;
+  const ConstraintSizes sizes = eq.constraint_sizes(s.t, s.p, *scratch);
+  Eigen::VectorXd typical(n.n_v);
+  for (int i = 0; i < n.n_v; ++i) typical(i) = eq.velocity_scale(i);
   SaddleSolver saddle;
   auto attempt = [&](const std::vector<bool>& keep) {
     std::vector<bool> is_free(keep);
@@ -400,7 +408,13 @@ void assemble_velocities(const Equations& eq, State& s, const AssembleOptions& o
     // What velocities of this size may leave by round-off of a matrix with condition 1e6 or better.
     const Eigen::VectorXd allowed =
         1e-9 * (G.cwiseAbs() * (start.cwiseAbs() + s.v.cwiseAbs()) + g_t.cwiseAbs()).array() + 1e-12;
-    return (g_dot.cwiseAbs().array() <= allowed.array()).all();
+    // Where kept velocities leave only coordinates that the rows do not see (but for round-off of G) these would
+    // have to run without bound.
+    constexpr double kRunaway = 1e8;
+    const double wanted = std::max({start.cwiseQuotient(typical).lpNorm<Eigen::Infinity>(),
+                                    g_t.cwiseQuotient(sizes.size).lpNorm<Eigen::Infinity>(), 1e-300});
+    return (g_dot.cwiseAbs().array() <= allowed.array()).all() &&
+           s.v.cwiseQuotient(typical).lpNorm<Eigen::Infinity>() <= kRunaway * wanted;
   };
   if (attempt(options.keep_velocity)) return;
   if (any(options.keep_velocity) && attempt({})) {
@@ -414,7 +428,7 @@ void assemble_velocities(const Equations& eq, State& s, const AssembleOptions& o
       "the initial velocities cannot be made consistent at t = {:.6g} s: the constraints {} want motions that "
       "exclude each other; check driven joints and the loops that they move",
       s.t,
-      worst_rows(eq, g_dot, Eigen::VectorXd::Zero(n.n_lambda), eq.constraint_sizes(s.t, s.p, *scratch), "/s")));
+      worst_rows(eq, g_dot, Eigen::VectorXd::Zero(n.n_lambda), sizes, "/s")));
 }
 
 AssembleReport assemble(const Equations& eq, State& s, Eigen::VectorXd& v_dot,
