@@ -296,8 +296,11 @@ Expression::Expression(std::string where, std::string text, const SignalNames& s
   if (held) find_conditions(*held, node_of);
 }
 
+// ~moving in place of moving: kinks are not held.
 template <class T>
 T Expression::run(const double* signals, const T& time, int moving) const {
+  const bool holds_kinks = moving >= 0;
+  if (!holds_kinks) moving = ~moving;
   T stack[stack_size + 1];
   int top = -1;
   const int n = static_cast<int>(program_.size());
@@ -395,7 +398,7 @@ T Expression::run(const double* signals, const T& time, int moving) const {
       case minimum:
       case maximum: {
         top -= in.count - 1;
-        if (in.place > 0 && signals[in.place] != 0.0) {
+        if (holds_kinks && in.place > 0 && signals[in.place] != 0.0) {
           stack[top] = stack[top + static_cast<int>(held_at(in))];
           break;
         }
@@ -414,7 +417,7 @@ T Expression::run(const double* signals, const T& time, int moving) const {
             smooth_step_of(stack[top], stack[top + 1], stack[top + 2], stack[top + 3], stack[top + 4]);
         break;
       default:
-        if (in.place > 0 && signals[in.place] != 0.0)
+        if (in.place > 0 && signals[in.place] != 0.0 && (holds_kinks || in.code != absolute))
           stack[top] = in.code == absolute ? constant_of<T>(held_at(in) != 0.0 ? 1.0 : -1.0) * stack[top]
                                            : constant_of<T>(held_at(in));
         else
@@ -431,13 +434,16 @@ void Expression::refuse_value(double value, double t) const {
 }
 
 double Expression::evaluate(const double* signals) const {
-  const double value = run<double>(signals, signals[0]);
+  double value = run<double>(signals, signals[0]);
+  // A trial step beyond a kink that is held may leave where the formula has values: max(0, x)^1.5.
+  if (!std::isfinite(value)) value = run<double>(signals, signals[0], ~0);
   if (!std::isfinite(value)) refuse_value(value, signals[0]);
   return value;
 }
 
 double Expression::derivative(const double* signals, int place) const {
-  const Jet f = run<Jet>(signals, Jet{signals[0], 0.0, 0.0}, place);
+  Jet f = run<Jet>(signals, Jet{signals[0], 0.0, 0.0}, place);
+  if (!std::isfinite(f.first)) f = run<Jet>(signals, Jet{signals[0], 0.0, 0.0}, ~place);
   // A vertical slope (sqrt at 0) counts as none: what is made of it must stay finite.
   return std::isfinite(f.first) ? f.first : 0.0;
 }

@@ -91,25 +91,21 @@ void Expression::find_conditions(SignalNames& held, const std::vector<int>& node
 
 namespace {
 
+bool is_extreme(int code) {
+  return code == minimum || code == maximum;
+}
+bool bends_at(int code) {
+  return code == absolute || code == table || is_extreme(code);
+}
+
 // At the node, with conditions as they are held, or as they are where they are not.
 double value_at(const FormulaTree& tree, int k, const double* signals) {
   const FormulaNode& node = tree[k];
   const auto arg = [&](std::size_t i) { return value_at(tree, node.args[i], signals); };
   if (node.held > 0 && signals[node.held] != 0.0) {
     const double held = held_integer(static_cast<int>(signals[node.held]));
-    switch (node.code) {
-      case modulo:
-        return arg(0) - held * arg(1);
-      case absolute:
-        return held != 0.0 ? arg(0) : -arg(0);
-      case minimum:
-      case maximum:
-        return arg(static_cast<std::size_t>(held));
-      case table:
-        break;  // it bends where it stands
-      default:
-        return held;
-    }
+    if (node.code == modulo) return arg(0) - held * arg(1);
+    if (!bends_at(node.code)) return held;
   }
   switch (node.code) {
     case constant:
@@ -170,10 +166,6 @@ bool compares(int code) {
   return code == less || code == less_equal || code == greater || code == greater_equal;
 }
 
-bool is_extreme(int code) {
-  return code == minimum || code == maximum;
-}
-
 // Of min and max: by how much argument i is ahead of the next one, and which that is.
 std::pair<double, int> lead_of(const FormulaTree& tree, int k, int i, const double* signals) {
   const FormulaNode& node = tree[k];
@@ -200,8 +192,7 @@ double looks_at(const FormulaTree& tree, int k, const double* signals) {
 }  // namespace
 
 bool Expression::is_kink(int condition) const {
-  const int code = tree_[condition].code;
-  return code == absolute || code == table || is_extreme(code);
+  return bends_at(tree_[condition].code);
 }
 
 double Expression::switching(int condition, const double* signals) const {
