@@ -10,6 +10,8 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "tests/setup/scratch_place.hpp"
+
 extern char** environ;
 
 namespace flexura::test {
@@ -41,7 +43,7 @@ Outcome run(const std::string& program, const std::vector<std::string>& argument
 }
 
 Folder::Folder() {
-  std::string pattern = (fs::temp_directory_path() / "flexura-test-XXXXXX").string();
+  std::string pattern = (::flexura::test::scratch_place() / "flexura-test-XXXXXX").string();
   if (mkdtemp(pattern.data()) == nullptr) throw std::runtime_error("cannot make a folder like " + pattern);
   path_ = pattern;
 }

@@ -18,8 +18,8 @@ const char* const kPart = R"(name = "rod"
 [geometry]
 file = "conrod.step"
 [mesh]
-size = "15 mm"
-elements_per_circle = 8
+size = "30 mm"
+elements_per_circle = 6
 [material.steel]
 young = "210 GPa"
 poisson = 0.3

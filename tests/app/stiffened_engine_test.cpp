@@ -1,6 +1,6 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 
-// The steam engine of cases/steam_engine with its rod 1, 4 and 16 times as stiff: it tends to the engine
+// The steam engine of cases/steam_engine with its rod once and four times as stiff: it tends to the engine
 // with the rigid rod, and at the rate that linear elasticity gives.  cases/stiff_rod plots the same.
 #include <gtest/gtest.h>
 
@@ -28,7 +28,7 @@ Eigen::VectorXd history(const results::Results& results, const std::string& run,
 
 TEST(StiffenedEngine, TendsToTheRigidOne) {
   const Folder folder;
-  const std::vector<std::string> stiffness = {"1", "4", "16"};
+  const std::vector<std::string> stiffness = {"1", "4"};
   std::string text = read_text(kEngine + "engine.toml");
   text.erase(text.find("[run.rigid]"));
   text = replaced(text, "\"conrod.se.h5\"", "\"rod_1.se.h5\"");
@@ -42,7 +42,7 @@ TEST(StiffenedEngine, TendsToTheRigidOne) {
     text += "[run.x" + k + "]\nset = [\"body.rod.superelement=rod_" + k + ".se.h5\"]\n";
   }
   const std::string file = folder.write("engine.toml", text), output = folder / "engine.h5";
-  const Outcome outcome = run("flexura", {"simulate", file, "-q", "-o", output, "--end-time", "0.2 s",
+  const Outcome outcome = run("flexura", {"simulate", file, "-q", "-o", output, "--end-time", "0.1 s",
                                           "--set", "solver.tolerance=1e-8"});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   const results::Results results = results::read(output);
@@ -53,14 +53,12 @@ TEST(StiffenedEngine, TendsToTheRigidOne) {
     stretch.push_back(history(results, "x" + k, "rod_stretch").cwiseAbs().maxCoeff());
     angle.push_back((history(results, "x" + k, "main.angle") - rigid_angle).cwiseAbs().maxCoeff());
   }
-  for (int k = 0; k < 2; ++k) {
-    // Deformation is load over stiffness. What is left is dynamic: the steam's harmonics below 150 Hz against
-    // the rod's axial mode with the crosshead at 900 Hz, (150 / 900)^2 = 3 % at most.
-    EXPECT_NEAR(stretch[k] / stretch[k + 1], 4.0, 0.12);
-    // And with it goes its effect on the motion; the integrators' own difference, 1e-7 rad, is 5 % of the
-    // least.
-    EXPECT_NEAR(angle[k] / angle[k + 1], 4.0, 0.2);
-  }
+  // Deformation is load over stiffness. What is left is dynamic: the steam's harmonics below 150 Hz against
+  // the rod's axial mode with the crosshead at 900 Hz, (150 / 900)^2 = 3 % at most.
+  EXPECT_NEAR(stretch[0] / stretch[1], 4.0, 0.12);
+  // And with it goes its effect on the motion; the integrators' own difference, 1e-7 rad, is 5 % of the
+  // least.
+  EXPECT_NEAR(angle[0] / angle[1], 4.0, 0.2);
   EXPECT_GT(stretch[0], 1e-6) << "a rod that does not give shows nothing";
 }
 

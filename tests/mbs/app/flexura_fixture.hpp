@@ -10,6 +10,7 @@
 #include "mbs/superelement/file.hpp"
 #include "tests/mbs/app/run_program.hpp"
 #include "tests/mbs/superelement/box_beam.hpp"
+#include "tests/setup/scratch_place.hpp"
 
 /// The program `flexura` in a folder of its own, in which a superelement lies.
 namespace flexura::testing {
@@ -17,7 +18,7 @@ namespace flexura::testing {
 class Flexura : public ::testing::Test {
  protected:
   void SetUp() override {
-    folder_ = std::filesystem::temp_directory_path() / ("flexura_app_" + std::to_string(::getpid()));
+    folder_ = ::flexura::test::scratch_place() / ("flexura_app_" + std::to_string(::getpid()));
     std::filesystem::create_directories(folder_);
     beam_ = (folder_ / "beam.se.h5").string();
     superelement::write(beam_, superelement::testing::make_box_beam());

@@ -8,6 +8,8 @@
 #include <fstream>
 #include <random>
 
+#include "tests/setup/scratch_place.hpp"
+
 namespace flexura::input {
 namespace {
 
@@ -51,7 +53,7 @@ TableSchema schema() {
 class Document : public ::testing::Test {
  protected:
   void SetUp() override {
-    folder_ = std::filesystem::temp_directory_path() / ("flexura_input_" + std::to_string(::getpid()));
+    folder_ = ::flexura::test::scratch_place() / ("flexura_input_" + std::to_string(::getpid()));
     std::filesystem::create_directories(folder_);
     file_ = folder_ / "engine.toml";
   }

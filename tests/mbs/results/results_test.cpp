@@ -12,6 +12,7 @@
 #include <thread>
 
 #include "mbs/hdf5/file.hpp"
+#include "tests/setup/scratch_place.hpp"
 
 namespace flexura::results {
 namespace {
@@ -66,7 +67,7 @@ void expect_rows(const Run& run, int n) {
 class ResultsFile : public ::testing::Test {
  protected:
   void SetUp() override {
-    folder_ = std::filesystem::temp_directory_path() / ("flexura_results_" + std::to_string(::getpid()));
+    folder_ = ::flexura::test::scratch_place() / ("flexura_results_" + std::to_string(::getpid()));
     std::filesystem::create_directories(folder_);
     file_ = folder_ / "engine.h5";
     part_ = folder_ / "engine.h5.part";

@@ -14,6 +14,7 @@
 #include <sstream>
 
 #include "tests/mbs/superelement/box_beam.hpp"
+#include "tests/setup/scratch_place.hpp"
 
 namespace flexura::superelement {
 namespace {
@@ -26,7 +27,7 @@ using testing::make_box_beam;
 class Exchange : public ::testing::Test {
  protected:
   void SetUp() override {
-    folder_ = std::filesystem::temp_directory_path() / ("flexura_exchange_" + std::to_string(::getpid()));
+    folder_ = ::flexura::test::scratch_place() / ("flexura_exchange_" + std::to_string(::getpid()));
     std::filesystem::create_directories(folder_);
   }
   void TearDown() override { std::filesystem::remove_all(folder_); }

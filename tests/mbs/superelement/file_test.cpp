@@ -9,6 +9,7 @@
 
 #include "mbs/hdf5/file.hpp"
 #include "tests/mbs/superelement/box_beam.hpp"
+#include "tests/setup/scratch_place.hpp"
 
 namespace flexura::superelement {
 namespace {
@@ -127,7 +128,7 @@ void expect_same(const Superelement& a, const Superelement& b) {
 class SuperelementFile : public ::testing::Test {
  protected:
   void SetUp() override {
-    folder_ = std::filesystem::temp_directory_path() / ("flexura_superelement_" + std::to_string(::getpid()));
+    folder_ = ::flexura::test::scratch_place() / ("flexura_superelement_" + std::to_string(::getpid()));
     std::filesystem::create_directories(folder_);
     file_ = folder_ / "beam.se.h5";
   }
