@@ -13,6 +13,7 @@
 #include <fstream>
 #include <vector>
 
+#include "mbs/files/json_depth.hpp"
 #include "mbs/files/left_behind.hpp"
 #include "mbs/files/output.hpp"
 
@@ -145,7 +146,8 @@ std::ifstream open_rows(const fs::path& file) {
 json read_whole(const fs::path& file) {
   std::ifstream in(file);
   if (!in) throw std::invalid_argument("there is no such file");
-  json out = json::parse(in, nullptr, false);
+  const std::string text{std::istreambuf_iterator<char>(in), {}};
+  json out = json::parse(files::shallow_json(text), nullptr, false);
   if (out.is_discarded() || !out.is_object() || !out.contains("format") || out["format"] != kFormat)
     throw std::invalid_argument("is not a checkpoint");
   if (!out.contains("checksum") || out["checksum"] != checksum(out))
@@ -188,7 +190,7 @@ Resumption::Resumption(const fs::path& output, const json& identity) : files_(ou
       while (in && next(in, size_, record)) {
         hash.add(packed(record.kind, record.content));
         if (record.kind == run_begins) run = record.content;
-        if (record.kind == run_ends) ends_[run] = json::parse(record.content);
+        if (record.kind == run_ends) ends_[run] = json::parse(files::shallow_json(record.content));
       }
       if (found.at("rows_checksum").get<std::string>() != hash.hex())
         throw std::invalid_argument("its rows in " + files_.rows.string() + " are damaged or of another run");
@@ -259,8 +261,9 @@ struct Checkpoints::RowsFile {
     if (file) std::fclose(file);
   }
   [[noreturn]] void fail() const {
-    throw std::runtime_error(fmt::format("{}: the rows of the checkpoints cannot be written: {}",
-                                         path.string(), std::strerror(errno ? errno : ENOSPC)));
+    throw std::runtime_error(
+        fmt::format("{}: the rows of the checkpoints cannot be written: {}; check the folder and the disk",
+                    path.string(), std::strerror(errno ? errno : ENOSPC)));
   }
   void write(std::string_view text) {
     errno = 0;

@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "mbs/files/json_depth.hpp"
 #include "mbs/study/full_model.hpp"
 #include "mbs/study/percent.hpp"
 #include "mbs/superelement/file.hpp"
@@ -55,8 +56,9 @@ std::optional<double> share_of_elements(const nlohmann::json& report) {
 ErrorSource mesh_of(const mbs::BodyDescription& body) {
   ErrorSource out{"mesh", body.name, {}, 0.0, "its reduction reports no estimate"};
   const auto report = nlohmann::json::parse(
-      superelement::read(body.superelement, {.matrices = false, .inertia = false}).report_json, nullptr,
-      false);
+      files::shallow_json(
+          superelement::read(body.superelement, {.matrices = false, .inertia = false}).report_json),
+      nullptr, false);
   if (!report.is_object()) return out;
   double known = 0.0;
   if (const auto mesh = report.find("mesh"); mesh != report.end())

@@ -6,6 +6,7 @@
 
 #include "mbs/app/commands.hpp"
 #include "mbs/files/inputs.hpp"
+#include "mbs/files/json_depth.hpp"
 #include "mbs/files/output.hpp"
 #include "mbs/superelement/file.hpp"
 #include "mbs/view/reduction_report.hpp"
@@ -20,14 +21,18 @@ struct Arguments {
 view::Report read_report(const std::string& file) {
   files::note_input(file);
   std::ifstream in(file);
-  if (!in) throw std::invalid_argument(fmt::format("cannot read the report '{}': no such file", file));
+  if (!in)
+    throw std::invalid_argument(
+        fmt::format("cannot read the report '{}': no such file; check its path", file));
+  const std::string text{std::istreambuf_iterator<char>(in), {}};
   nlohmann::json json;
   try {
-    json = nlohmann::json::parse(in);
+    json = nlohmann::json::parse(files::shallow_json(text));
   } catch (const nlohmann::json::parse_error& failure) {
     // Without the library's own number of the fault, "[json.exception.parse_error.101] ".
     const std::string what = failure.what();
-    throw std::invalid_argument(fmt::format("'{}' is not JSON: {}", file, what.substr(what.find("] ") + 2)));
+    throw std::invalid_argument(
+        fmt::format("'{}' is not JSON: {}; correct it there", file, what.substr(what.find("] ") + 2)));
   }
   try {
     return view::report_from_json(json);

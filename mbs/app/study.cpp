@@ -9,6 +9,8 @@
 
 #include "mbs/app/commands.hpp"
 #include "mbs/files/output.hpp"
+#include "mbs/files/signals.hpp"
+#include "mbs/study/child.hpp"
 #include "mbs/study/front_picture.hpp"
 #include "mbs/study/judge.hpp"
 #include "mbs/study/tables.hpp"
@@ -178,8 +180,16 @@ int run(const Arguments& arguments, const terminal::Talk& talk) {
   options.fresh = arguments.fresh;
   options.progress = [&](std::string_view stage, double fraction) { progress(stage, fraction); };
   read_share(arguments.share, options);
-  const study::Measurements measured =
-      study::measure(study, {bin / "flexura", bin / "flexura-reduce", bin / "flexura-mesh"}, options);
+  const study::Measurements measured = [&] {
+    const files::StopRequests signals;
+    try {
+      return study::measure(study, {bin / "flexura", bin / "flexura-reduce", bin / "flexura-mesh"}, options);
+    } catch (const study::Interrupted& end) {
+      throw std::runtime_error(fmt::format(
+          "the study was {}; what was measured until then is in {}: the same command goes on from there",
+          end.what(), study.cache.string()));
+    }
+  }();
   progress.finish();
   if (!measured.whole) {
     if (!talk.quiet && !arguments.json)

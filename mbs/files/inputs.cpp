@@ -16,7 +16,7 @@ namespace {
 namespace fs = std::filesystem;
 
 struct Process {
-  std::mutex guard;
+  std::recursive_mutex guard;  // a claim that ends asks what has been read
   bool notes = false;
   std::map<Identity, fs::path> inputs;
   std::set<Identity> own;

@@ -13,7 +13,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// FILE.part, FILE.4711.part, FILE.4711-2.part
+bool begins_with(const fs::path& file, std::string_view opening) {
+  std::ifstream in(file, std::ios::binary);
+  std::string head(opening.size(), ' ');
+  in.read(head.data(), static_cast<std::streamsize>(head.size()));
+  return opening.empty() ? in.peek() == std::char_traits<char>::eof() : in.gcount() == 0 || head == opening;
+}
+
+}  // namespace
+
 bool is_private_name(std::string_view name, std::string_view file) {
   constexpr std::string_view kEnding = ".part";
   if (!name.starts_with(file) || !name.ends_with(kEnding) || name.size() < file.size() + kEnding.size())
@@ -24,26 +32,21 @@ bool is_private_name(std::string_view name, std::string_view file) {
           std::ranges::all_of(name.substr(1), [](char c) { return (c >= '0' && c <= '9') || c == '-'; }));
 }
 
-bool begins_with(const fs::path& file, std::string_view opening) {
-  std::ifstream in(file, std::ios::binary);
-  std::string head(opening.size(), ' ');
-  in.read(head.data(), static_cast<std::streamsize>(head.size()));
-  return in.gcount() == 0 || head == opening;
-}
-
-}  // namespace
-
-void remove_left_behind(const fs::path& output, std::string_view opening) {
+std::vector<fs::path> private_files(const fs::path& place, std::string_view opening) {
   std::error_code none;
-  const fs::path place = fs::weakly_canonical(output, none);
-  std::vector<fs::path> left;
+  std::vector<fs::path> found;
   for (fs::directory_iterator entry(place.parent_path(), none), end; !none && entry != end;
        entry.increment(none))
     if (is_private_name(entry->path().filename().string(), place.filename().string()) &&
-        fs::is_regular_file(entry->symlink_status(none)))
-      left.push_back(entry->path());
-  for (const fs::path& file : left)
-    if (begins_with(file, opening) && !input_like(file)) fs::remove(file, none);
+        fs::is_regular_file(entry->symlink_status(none)) && begins_with(entry->path(), opening))
+      found.push_back(entry->path());
+  return found;
+}
+
+void remove_left_behind(const fs::path& output, std::string_view opening) {
+  std::error_code none;
+  for (const fs::path& file : private_files(fs::weakly_canonical(output, none), opening))
+    if (!input_like(file)) fs::remove(file, none);
 }
 
 }  // namespace flexura::files

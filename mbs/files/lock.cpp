@@ -10,9 +10,13 @@
 #include <cerrno>
 #include <chrono>
 #include <cstring>
+#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <thread>
+
+#include "mbs/files/inputs.hpp"
+#include "mbs/files/left_behind.hpp"
 
 namespace flexura::files {
 namespace {
@@ -67,6 +71,21 @@ std::string holder(int descriptor) {
   return "another process";
 }
 
+/// The private files that a holder has noted, and empty ones: it may have ended between the two.
+std::vector<fs::path> left_by(int descriptor, const fs::path& place) {
+  std::string text(std::size_t{1} << 16, '\0');
+  const ssize_t n = ::pread(descriptor, text.data(), text.size(), 0);
+  text.resize(n > 0 ? static_cast<std::size_t>(n) : 0);
+  if (text.empty()) return {};
+  std::vector<fs::path> left = private_files(place, "");
+  std::istringstream lines(text);
+  std::string line;
+  std::getline(lines, line);  // who it was
+  while (std::getline(lines, line))
+    if (is_private_name(line, place.filename().string())) left.push_back(place.parent_path() / line);
+  return left;
+}
+
 bool is_still(const fs::path& file, int descriptor) {
   struct stat by_name {
   }, by_descriptor{};
@@ -78,10 +97,13 @@ bool is_still(const fs::path& file, int descriptor) {
 
 Lock::Lock(const fs::path& place, const fs::path& output)
     : file_(place.parent_path() / fmt::format(".{}.lock", place.filename().string())) {
+  const HeldBack until_it_is_known;
+  bool is_held = false;
   for (;;) {
     descriptor_ = ::open(file_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666);
     if (descriptor_ < 0) refuse(output, place.parent_path(), errno);
-    if (::flock(descriptor_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+    is_held = ::flock(descriptor_, LOCK_EX | LOCK_NB) == 0;
+    if (!is_held && errno == EWOULDBLOCK) {
       const std::string who = holder(descriptor_);
       ::close(descriptor_);
       throw Busy(fmt::format("{}: is being written by {}; wait until it has ended, or name another output",
@@ -90,19 +112,53 @@ Lock::Lock(const fs::path& place, const fs::path& output)
     if (is_still(file_, descriptor_)) break;
     ::close(descriptor_);  // its holder has just ended and taken the name away
   }
-  unfinished_.emplace(file_);
-  const std::string text = fmt::format("{} {}\n", ::getpid(), host());
-  errno = 0;
-  if (::ftruncate(descriptor_, 0) != 0 ||
-      ::pwrite(descriptor_, text.data(), text.size(), 0) != static_cast<ssize_t>(text.size())) {
-    const int why = errno ? errno : ENOSPC;
+  int why = 0;
+  try {
+    if (is_held) left_ = left_by(descriptor_, place);
+    if (left_.empty()) unfinished_.emplace(file_);
+    std::string text = fmt::format("{} {}\n", ::getpid(), host());
+    for (const fs::path& part : left_) text += part.filename().string() + '\n';
+    errno = 0;
+    if (::ftruncate(descriptor_, 0) != 0 ||
+        ::pwrite(descriptor_, text.data(), text.size(), 0) != static_cast<ssize_t>(text.size()))
+      why = errno ? errno : ENOSPC;
+  } catch (...) {  // memory
+    ::unlink(file_.c_str());
+    ::close(descriptor_);
+    throw;
+  }
+  if (why != 0) {
     ::unlink(file_.c_str());
     ::close(descriptor_);
     refuse(output, place.parent_path(), why);
   }
 }
 
+int Lock::note(const fs::path& part) {
+  const std::string line = part.filename().string() + '\n';
+  const off_t end = ::lseek(descriptor_, 0, SEEK_END);
+  errno = 0;
+  if (end >= 0 && ::pwrite(descriptor_, line.data(), line.size(), end) == static_cast<ssize_t>(line.size()))
+    return 0;
+  return errno ? errno : ENOSPC;
+}
+
+void Lock::unlink_left() noexcept {
+  try {
+    for (const fs::path& part : left_)
+      if (!input_like(part)) ::unlink(part.c_str());
+  } catch (const std::exception&) {  // memory: they stay
+  }
+  left_.clear();
+}
+
+void Lock::remove_left() {
+  unlink_left();
+  if (!unfinished_) unfinished_.emplace(file_);
+}
+
 Lock::~Lock() {
+  unlink_left();
   ::unlink(file_.c_str());  // while it is locked: who opens it after that finds another name
   ::close(descriptor_);
 }

@@ -69,20 +69,18 @@ void expect_size(const fs::path& output, double bytes) {
 
 Output::Output(const fs::path& path) : path_(path), claimed_(claim(path)) {
   int why = 0;
+  claimed_->lock.remove_left();
+  const HeldBack until_it_is_known;
   part_ = make_part(claimed_->place, why);
   if (part_.empty()) fail(why);
   try {
+    if ((why = claimed_->lock.note(part_)) != 0) fail(why);
     unfinished_.emplace(part_);
-  } catch (...) {  // memory: nobody else knows of the file yet
+  } catch (...) {  // memory, disk: nobody else knows of the file yet
     std::error_code ignored;
     fs::remove(part_, ignored);
     throw;
   }
-}
-
-Output::Output(const fs::path& path, const fs::path& left_behind)
-    : path_(path), part_(fs::absolute(left_behind)), claimed_(claim(path)) {
-  keep();
 }
 
 Output::~Output() {
@@ -97,11 +95,6 @@ void Output::fail(int why) const {
 
 void Output::remove() noexcept {
   if (!done_) ::unlink(part_.c_str());
-  done_ = true;
-  unfinished_.reset();
-}
-
-void Output::keep() {
   done_ = true;
   unfinished_.reset();
 }

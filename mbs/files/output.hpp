@@ -35,9 +35,7 @@ void expect_size(const std::filesystem::path& output, double bytes);
 class Output {
  public:
   explicit Output(const std::filesystem::path& path);
-  /// Goes on with a file that a killed process has left, which becomes the private one.
-  Output(const std::filesystem::path& path, const std::filesystem::path& left_behind);
-  ~Output();  ///< removes the private file unless it was committed or is kept
+  ~Output();  ///< removes the private file unless it was committed
   Output(const Output&) = delete;
   Output& operator=(const Output&) = delete;
 
@@ -46,8 +44,6 @@ class Output {
   const std::filesystem::path& part() const { return part_; }
   /// The file is whole and closed: brings it to the disk and gives it its name.  Throws std::runtime_error.
   void commit();
-  /// From now on the private file outlives this object, and the process: somebody will go on with it.
-  void keep();
 
  private:
   void remove() noexcept;

@@ -30,6 +30,7 @@ struct Unfinished::Slot {
 namespace {
 
 std::atomic<int> stop_signal{0}, interrupts{0};  // lock-free: a handler may touch them
+std::atomic<int> held_back{0}, held_signal{0};
 std::atomic<void*> first_slot{nullptr};  // Unfinished::Slot, which only Unfinished and its friend may name
 
 }  // namespace
@@ -43,6 +44,10 @@ void remove_unfinished() noexcept {
 namespace {
 
 extern "C" void end_by(int signal) {
+  if (held_back > 0) {
+    held_signal = signal;
+    return;
+  }
   remove_unfinished();
   std::signal(signal, SIG_DFL);
   ::raise(signal);
@@ -75,7 +80,9 @@ void prepare_process() {
 
 Unfinished::Unfinished(const std::filesystem::path& file) : slot_(nullptr) {
   const std::string name = file.string();
-  if (name.size() >= PATH_MAX) throw std::invalid_argument(name + ": the path is too long");
+  if (name.size() >= PATH_MAX)
+    throw std::invalid_argument(name +
+                                ": the path is too long; name an output in a folder nearer to the root");
   for (Slot* s = static_cast<Slot*>(first_slot.load()); s != nullptr && slot_ == nullptr; s = s->next) {
     int vacant = Slot::vacant;
     if (s->state.compare_exchange_strong(vacant, Slot::filling)) slot_ = s;
@@ -93,6 +100,15 @@ Unfinished::Unfinished(const std::filesystem::path& file) : slot_(nullptr) {
 
 Unfinished::~Unfinished() {
   slot_->state = Slot::vacant;
+}
+
+HeldBack::HeldBack() {
+  ++held_back;
+}
+
+HeldBack::~HeldBack() {
+  if (--held_back == 0)
+    if (const int signal = held_signal.exchange(0)) end_by(signal);
 }
 
 StopRequests::StopRequests() {
@@ -131,8 +147,10 @@ void finish_standard_output() {
   const bool flushed = std::fflush(stdout) == 0;
   const int why = errno;
   if (flushed && std::ferror(stdout) == 0 && std::cout.good()) return;
-  throw std::runtime_error(fmt::format("standard output cannot be written{}{}; what was printed is not whole",
-                                       why ? ": " : "", why ? std::strerror(why) : ""));
+  throw std::runtime_error(
+      fmt::format("standard output cannot be written{}{}; what was printed is not whole; check the pipe or "
+                  "the disk behind it",
+                  why ? ": " : "", why ? std::strerror(why) : ""));
 }
 
 }  // namespace flexura::files

@@ -26,6 +26,15 @@ class Unfinished {
   Slot* slot_;
 };
 
+/// While it lives, signals that end the program do so later: between the making of a file and its Unfinished.
+class HeldBack {
+ public:
+  HeldBack();
+  ~HeldBack();
+  HeldBack(const HeldBack&) = delete;
+  HeldBack& operator=(const HeldBack&) = delete;
+};
+
 /// While it lives, SIGINT, SIGTERM and SIGHUP ask for a clean end instead.  A second SIGINT ends the program
 /// at once.  SIGHUP stays ignored where it was (nohup).
 class StopRequests {

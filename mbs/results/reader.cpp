@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "mbs/files/json_depth.hpp"
 #include "mbs/hdf5/file.hpp"
 #include "mbs/results/results.hpp"
 
@@ -17,7 +18,7 @@ constexpr int format_version = 1;
 
 json parse(const hdf5::Group& group, const std::string& name) {
   try {
-    return json::parse(group.read_text(name));
+    return json::parse(files::shallow_json(group.read_text(name)));
   } catch (const json::exception&) {
     throw hdf5::BadFile(
         fmt::format("{}/{}: cannot be understood; the file is damaged, make it again", group.label(), name));

@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "mbs/files/inputs.hpp"
+#include "mbs/files/json_depth.hpp"
 #include "mbs/input/content_hash.hpp"
 #include "mbs/input/document.hpp"
 #include "mbs/solver/continuation_file.hpp"
@@ -95,7 +96,8 @@ std::vector<bool> take(const Json& document, const char* key, const std::filesys
       throw std::invalid_argument(fmt::format("{}: {}: the mechanism has no state \"{}\"{}", path.string(),
                                               key, state, input::suggestion(state, known)));
     if (!value.is_number() || !std::isfinite(value.get<double>()))
-      throw std::invalid_argument(fmt::format("{}: {}: \"{}\" must be a number", path.string(), key, state));
+      throw std::invalid_argument(
+          fmt::format("{}: {}: \"{}\" must be a number; correct it there", path.string(), key, state));
     x(found - known.begin()) = value.get<double>();
     taken[found - known.begin()] = true;
   }
@@ -146,14 +148,16 @@ std::string reason(const nlohmann::json::exception& e) {
 StateChange read_state(const std::filesystem::path& path, const Equations& eq, State& s) {
   files::note_input(path);
   std::ifstream file(path);
-  if (!file) throw std::invalid_argument(fmt::format("{}: there is no such file", path.string()));
+  if (!file)
+    throw std::invalid_argument(fmt::format("{}: there is no such file; check its path", path.string()));
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
   Json in;
   try {
-    in = Json::parse(file);
+    in = Json::parse(files::shallow_json(text));
   } catch (const nlohmann::json::exception& e) {
     throw std::invalid_argument(fmt::format("{}: is not a state file: {}", path.string(), reason(e)));
   }
-  if (!in.is_object() || in.value("format", "") != "flexura state")
+  if (!in.is_object() || !in.contains("format") || in["format"] != "flexura state")
     throw std::invalid_argument(
         fmt::format("{}: is not a state file; it must hold \"format\": \"flexura state\"", path.string()));
   StateChange change;
@@ -176,13 +180,15 @@ StateChange read_state(const std::filesystem::path& path, const Equations& eq, S
       Continuation& to = change.continuation.emplace();
       to.method = c.at("method");
       if (!c.at("next_row").is_number_integer())
-        throw std::invalid_argument(path.string() + ": continuation: next_row must be a whole number");
+        throw std::invalid_argument(path.string() +
+                                    ": continuation: next_row must be a whole number; save the state again");
       to.next_row = c.at("next_row");
       to.v_dot = vector_of(c.at("v_dot"));
       const auto energy = c.at("energy").get<std::vector<double>>();
       const auto place = numbers(to.energy);
       if (energy.size() != place.size())
-        throw std::invalid_argument(path.string() + ": continuation: its energy account is cut short");
+        throw std::invalid_argument(path.string() +
+                                    ": continuation: its energy account is cut short; save the state again");
       for (std::size_t i = 0; i < place.size(); ++i) *place[i] = energy[i];
       to.history = c.at("history").get<std::vector<double>>();
       to.state = s;
@@ -203,7 +209,8 @@ StateChange read_state(const std::filesystem::path& path, const Equations& eq, S
 
 void require_whole_continuation(const std::filesystem::path& path) {
   std::ifstream file(path);
-  const Json in = Json::parse(file, nullptr, false);
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  const Json in = Json::parse(files::shallow_json(text), nullptr, false);
   if (!in.is_object()) return;  // read_state() says what it is
   if (!in.contains("continuation")) return;
   if (!in.contains("checksum") || in["checksum"] != checksum(in))

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -17,8 +18,20 @@ struct ChildOutcome {
   std::string out, err;      ///< what it printed
 };
 
+/// This process has been told to end; the child has ended.
+class Interrupted : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// Names of this process's passing files begin or go on with this: "by-HOST-PROCESS.".
+std::string scratch_mark();
+/// Removes what processes of this machine that are no more have left under their marks in `scratch`.
+void remove_scratch_left(const std::filesystem::path& scratch);
+
 /// Runs command[0] with the other words, without a shell; `scratch` is a folder for what it prints.  After
-/// time_limit seconds (0: none) it is ended.  Throws std::runtime_error when it cannot be started.
+/// time_limit seconds (0: none) it is ended; so it is when this process ends, however, or is told to
+/// (files::StopRequests).  Throws std::runtime_error when it cannot be started, and Interrupted.
 ChildOutcome run_child(const std::vector<std::string>& command, const std::filesystem::path& scratch,
                        double time_limit = 0.0);
 

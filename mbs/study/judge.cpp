@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
+#include "mbs/files/json_depth.hpp"
 #include "mbs/results/results.hpp"
 #include "mbs/study/front.hpp"
 #include "mbs/study/percent.hpp"
@@ -26,7 +27,8 @@ std::vector<Signal> read_signals(const StudyFile& study, const results::Run& run
     const auto found = std::ranges::find(run.quantities, q.name, &results::Quantity::name);
     if (found == run.quantities.end())
       throw std::invalid_argument(
-          fmt::format("{}: quantity.{}: the results have no \"{}\"", study.file.string(), q.label, q.name));
+          fmt::format("{}: quantity.{}: the results have no \"{}\"; choose one that flexura outputs lists",
+                      study.file.string(), q.label, q.name));
     Signal whole{run.time, run.values.col(found - run.quantities.begin())};
     signals.push_back(q.to > q.from || q.from > 0.0 ? window(whole, q.from, q.to > q.from ? q.to : kInfinite)
                                                     : std::move(whole));
@@ -76,8 +78,9 @@ class Judge {
  private:
   results::Run run_or_refuse(const Measurement& m, const std::string& name) const {
     if (!m.complete)
-      throw std::invalid_argument(fmt::format("{}: the run \"{}\" {}; nothing can be measured without it",
-                                              study_.file.string(), name, m.failure));
+      throw std::invalid_argument(fmt::format(
+          "{}: the run \"{}\" {}; nothing can be measured without it; make it run by itself first",
+          study_.file.string(), name, m.failure));
     return read_run(m);
   }
   std::vector<Signal> signals_or_refuse(const Measurement& m, const std::string& name) const {
@@ -90,7 +93,7 @@ class Judge {
 
   // The run's own estimate in the norms of the study; a mean errs no more than the rms, a frequency has none.
   double estimate_of(const results::Run& run) const {
-    const auto summary = nlohmann::json::parse(run.summary_json, nullptr, false);
+    const auto summary = nlohmann::json::parse(files::shallow_json(run.summary_json), nullptr, false);
     if (!summary.is_object() || !summary.contains("estimate")) return -1.0;
     const auto& estimate = summary.at("estimate");
     double largest = 0.0;

@@ -12,11 +12,13 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "mbs/files/json_depth.hpp"
 #include "mbs/files/output.hpp"
 #include "mbs/input/content_hash.hpp"
 #include "mbs/model/read_mechanism.hpp"
 #include "mbs/results/results.hpp"
 #include "mbs/solver/options.hpp"
+#include "mbs/study/cache_entry.hpp"
 #include "mbs/study/child.hpp"
 
 namespace flexura::study {
@@ -51,10 +53,14 @@ void write_json(const fs::path& path, const json& value) {
     }
 }
 
-json read_json(const fs::path& path) {
-  std::ifstream in(path);
-  return in ? json::parse(in, nullptr, false) : json();
-}
+/// A file of ours in the cache on its way to its name, gone with this object.
+struct Passing {
+  fs::path path;
+  ~Passing() {
+    std::error_code ignored;
+    fs::remove(path, ignored);
+  }
+};
 
 // "error: ..." of a program, without the word.
 std::string refusal(const ChildOutcome& outcome) {
@@ -93,6 +99,7 @@ class Laboratory {
       : study_(study), programs_(programs), options_(options) {
     fs::create_directories(study.cache);
     cache_ = fs::absolute(study.cache);
+    remove_scratch_left(cache_);
     flexura_ = input::ContentHash().add_file(programs.flexura).hex();
     machine_ = machine_name();
     if (!study.parts.empty())
@@ -183,7 +190,7 @@ class Laboratory {
 
   fs::path path(const std::string& key, const char* ending) const { return cache_ / (key + ending); }
   bool is_there(const std::string& key, const char* ending) const {
-    return fs::is_regular_file(path(key, ending)) && fs::is_regular_file(path(key, ".json"));
+    return fs::is_regular_file(path(key, ending)) && read_cache_entry(path(key, ".json"));
   }
 
   Task reduction(const Part& part, const Choice& choice) const {
@@ -222,19 +229,22 @@ class Laboratory {
   }
 
   void reduce(const Task& task) const {
-    const fs::path beside = path(task.key, fmt::format(".{}.part", ::getpid()).c_str());
+    const Passing beside{path(task.key, ("." + scratch_mark() + "reduced").c_str())};
     std::vector<std::string> command = task.command;
-    command.insert(command.end(), {"-o", beside.string()});
+    command.insert(command.end(), {"-o", beside.path.string()});
     const ChildOutcome outcome = run_child(command, cache_, 0.0);
     if (outcome.exit_code != 0) {
-      std::error_code ignored;
-      fs::remove(beside, ignored);
       const std::string text = fmt::format("{}: {}", task.name, refusal(outcome));
       if (outcome.exit_code == 2) throw input::InputError(text);
       throw std::runtime_error(text);
     }
-    fs::rename(beside, path(task.key, ".se.h5"));
-    write_json(path(task.key, ".json"), {{"wall", outcome.wall}, {"peak_memory", outcome.peak_memory}});
+    fs::rename(beside.path, path(task.key, ".se.h5"));
+    CacheEntry entry;
+    entry.choice = task.name;
+    entry.wall = {outcome.wall};
+    entry.cpu = {outcome.cpu};
+    entry.peak_memory = outcome.peak_memory;
+    write_json(path(task.key, ".json"), to_json(entry));
   }
 
   Task simulation(const Choice& choice) const {
@@ -248,7 +258,7 @@ class Laboratory {
     for (const Part& part : study_.parts) {
       const std::string key = reduction(part, choice).key;
       hash.add(key);
-      task.reduce_wall += read_json(path(key, ".json")).value("wall", 0.0);
+      if (const auto entry = read_cache_entry(path(key, ".json"))) task.reduce_wall += entry->total_wall();
       for (const std::string& body : part.bodies)
         set.push_back(fmt::format("body.{}.superelement=\"{}\"", body, path(key, ".se.h5").string()));
     }
@@ -287,27 +297,25 @@ class Laboratory {
 
   void first_run(const Task& task) const {
     if (!options_.fresh && is_there(task.key, ".h5")) return;
-    const fs::path beside = path(task.key, fmt::format(".{}.first", ::getpid()).c_str());
-    const ChildOutcome outcome = simulate(task, beside, true);
+    const Passing beside{path(task.key, ("." + scratch_mark() + "first").c_str())};
+    const ChildOutcome outcome = simulate(task, beside.path, true);
     if (outcome.exit_code == 2)
       throw input::InputError(
           fmt::format("{}: choice \"{}\": {}", study_.file.string(), task.name, refusal(outcome)));
-    json entry = {{"choice", task.name},
-                  {"exit_code", outcome.exit_code},
-                  {"peak_memory", 0.0},
-                  {"wall", json::array()},
-                  {"cpu", json::array()}};
+    CacheEntry entry;
+    entry.choice = task.name;
+    entry.exit_code = outcome.exit_code;
     if (outcome.timed_out)
-      entry["failure"] = fmt::format("took longer than {:.6g} s", study_.time_limit);
+      entry.failure = fmt::format("took longer than {:.6g} s", study_.time_limit);
     else if (outcome.exit_code != 0)
-      entry["failure"] = outcome.exit_code > 128 ? fmt::format("ended by signal {}", outcome.exit_code - 128)
-                                                 : refusal(outcome);
-    if (fs::is_regular_file(beside)) {
-      fs::rename(beside, path(task.key, ".h5"));
+      entry.failure = outcome.exit_code > 128 ? fmt::format("ended by signal {}", outcome.exit_code - 128)
+                                              : refusal(outcome);
+    if (fs::is_regular_file(beside.path)) {
+      fs::rename(beside.path, path(task.key, ".h5"));
     } else {
       files::write_whole(path(task.key, ".h5"), "");  // the mark of a run that left nothing
     }
-    write_json(path(task.key, ".json"), entry);
+    write_json(path(task.key, ".json"), to_json(entry));
   }
 
   // One round of all choices after the other, so that a slow drift of the machine meets all alike.
@@ -320,34 +328,42 @@ class Laboratory {
       for (const std::size_t i : timed) {
         const Task& task = tasks[i];
         const fs::path record = path(task.key, ".json");
-        json entry = read_json(record);
-        if (!entry.contains("failure") && static_cast<int>(entry.at("wall").size()) < round) {
-          const fs::path scratch = path(task.key, fmt::format(".{}.again", ::getpid()).c_str());
-          const ChildOutcome outcome = simulate(task, scratch, false);
-          std::error_code ignored;
-          fs::remove(scratch, ignored);
-          entry["wall"].push_back(outcome.wall);
-          entry["cpu"].push_back(outcome.cpu);
-          entry["peak_memory"] = std::max(entry.at("peak_memory").get<double>(), outcome.peak_memory);
-          write_json(record, entry);
+        CacheEntry entry = entry_of(task);
+        if (entry.failure.empty() && static_cast<int>(entry.wall.size()) < round) {
+          const Passing scratch{path(task.key, ("." + scratch_mark() + "again").c_str())};
+          const ChildOutcome outcome = simulate(task, scratch.path, false);
+          entry.wall.push_back(outcome.wall);
+          entry.cpu.push_back(outcome.cpu);
+          entry.peak_memory = std::max(entry.peak_memory, outcome.peak_memory);
+          write_json(record, to_json(entry));
         }
         say("times", static_cast<double>(++done) / static_cast<double>(timed.size() * study_.repeats));
       }
   }
 
+  /// Of a run that has just been found there.  Another process may have taken it away meanwhile.
+  CacheEntry entry_of(const Task& task) const {
+    if (auto entry = read_cache_entry(path(task.key, ".json"))) return *std::move(entry);
+    throw std::runtime_error(
+        fmt::format("{}: cannot be read any more; start the study again", path(task.key, ".json").string()));
+  }
+
   Measurement measurement(const Task& task) const {
-    const json entry = read_json(path(task.key, ".json"));
+    const CacheEntry entry = entry_of(task);
     Measurement m;
     m.results = path(task.key, ".h5");
     m.reduce_wall = task.reduce_wall;
-    m.wall = entry.at("wall").get<std::vector<double>>();
-    m.cpu = entry.at("cpu").get<std::vector<double>>();
-    m.peak_memory = entry.at("peak_memory");
-    m.failure = entry.value("failure", std::string());
+    m.wall = entry.wall;
+    m.cpu = entry.cpu;
+    m.peak_memory = entry.peak_memory;
+    m.failure = entry.failure;
     m.complete = m.failure.empty();
     if (!m.complete) return m;
     const results::Results results = results::read(m.results);
-    const json summary = json::parse(results.runs.front().summary_json, nullptr, false);
+    if (results.runs.empty())
+      throw std::runtime_error(fmt::format("{}: holds no run; remove it, and the study runs \"{}\" again",
+                                           m.results.string(), task.name));
+    const json summary = json::parse(files::shallow_json(results.runs.front().summary_json), nullptr, false);
     if (summary.is_object()) {
       m.solver_wall = summary.value("wall_time", 0.0);
       m.steps = summary.value("steps", 0L);

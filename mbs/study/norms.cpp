@@ -84,7 +84,8 @@ double difference(const Signal& signal, const Signal& reference, Norm norm) {
   if (norm != Norm::final) require_same_times(signal.time, reference.time);
   const VectorXd &y = signal.value, &y_ref = reference.value;
   if (y.size() == 0 || y_ref.size() == 0)
-    throw std::invalid_argument("a signal without rows cannot be compared");
+    throw std::invalid_argument(
+        "a signal without rows cannot be compared; give a span of time that has rows");
   switch (norm) {
     case Norm::max:
       return (y - y_ref).cwiseAbs().maxCoeff();

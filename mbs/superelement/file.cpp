@@ -5,6 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "mbs/files/json_depth.hpp"
 #include "mbs/files/output.hpp"
 #include "mbs/hdf5/file.hpp"
 #include "mbs/superelement/checks.hpp"
@@ -54,7 +55,7 @@ std::string header_text(const Superelement& se) {
 
 void read_header(const std::string& text, const std::string& label, Superelement& se) {
   try {
-    const json header = json::parse(text);
+    const json header = json::parse(files::shallow_json(text));
     header.at("name").get_to(se.name);
     header.at("created_by").get_to(se.created_by);
     header.at("n_b").get_to(se.n_b);

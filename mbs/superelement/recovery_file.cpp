@@ -3,6 +3,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "mbs/files/json_depth.hpp"
+
 namespace flexura::superelement {
 
 using hdf5::Group;
@@ -96,7 +98,8 @@ void read_sections(const Group& root, Superelement& se) {
   const Group group = root.group("sections");
   SectionForces& sections = se.sections.emplace();
   try {
-    sections.members = nlohmann::json::parse(group.read_text("members")).get<std::vector<std::string>>();
+    sections.members = nlohmann::json::parse(files::shallow_json(group.read_text("members")))
+                           .get<std::vector<std::string>>();
   } catch (const nlohmann::json::exception&) {
     throw hdf5::BadFile(group.label() + "/members: is no list of names; the file is damaged, make it again");
   }

@@ -8,6 +8,8 @@
 #include <stdexcept>
 #include <vector>
 
+#include "mbs/files/json_depth.hpp"
+
 namespace flexura::view {
 
 namespace {
@@ -120,11 +122,11 @@ class Shape {
 json parse_body_shapes(const std::string& body, const std::string& shape_json) {
   json shapes = json::array();
   if (shape_json.empty()) return shapes;
-  const json given = json::parse(shape_json, nullptr, false);
+  const json given = json::parse(files::shallow_json(shape_json), nullptr, false);
   if (given.is_null()) return shapes;
   if (!given.is_array()) {
-    throw std::invalid_argument(
-        fmt::format("body '{}' has shapes that are not a JSON list: {}", body, shape_json));
+    throw std::invalid_argument(fmt::format(
+        "body '{}' has shapes that are not a JSON list; simulate again to make the results anew", body));
   }
   for (std::size_t i = 0; i < given.size(); ++i) shapes.push_back(Shape(body, i, given[i]).read());
   return shapes;

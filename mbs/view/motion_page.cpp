@@ -7,6 +7,7 @@
 #include <optional>
 #include <stdexcept>
 
+#include "mbs/files/json_depth.hpp"
 #include "mbs/superelement/file.hpp"
 #include "mbs/view/body_shapes.hpp"
 #include "mbs/view/page_file.hpp"
@@ -55,7 +56,7 @@ std::vector<T> gather(const Matrix& m, const std::vector<Eigen::Index>& rows) {
 
 /// JSON kept in the results, or null where it cannot be read: a page is more useful than a refusal.
 json lenient(const std::string& text) {
-  json value = json::parse(text, nullptr, false);
+  json value = json::parse(files::shallow_json(text), nullptr, false);
   return value.is_discarded() ? json() : value;
 }
 

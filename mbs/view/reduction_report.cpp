@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
+#include "mbs/files/json_depth.hpp"
 #include "mbs/view/html.hpp"
 
 namespace flexura::view {
@@ -228,7 +229,7 @@ Report reduction_report(const Superelement& se) {
       .summary = fmt::format(
           "{} interface degrees of freedom and {} fixed-interface modes stand for the part.", se.n_b, se.n_q),
       .created_by = se.created_by};
-  const json told = json::parse(se.report_json, nullptr, false);
+  const json told = json::parse(files::shallow_json(se.report_json), nullptr, false);
   const auto get = [&](const char* group, const char* key) -> json {
     if (!told.is_object() || !told.contains(group)) return {};
     const json& value = told.at(group);
