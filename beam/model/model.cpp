@@ -31,7 +31,7 @@ void check_indices(const Model& model) {
     if (member.direction_node >= 0) require_index(what, "node", member.direction_node, model.nodes.size());
     if (member.elements < 0)
       throw std::invalid_argument(
-          fmt::format("{}: {} elements is not a number of elements", what, member.elements));
+          fmt::format("{}: {} elements is not a number of elements; give 1 or more", what, member.elements));
   }
   for (const PointMass& mass : model.point_masses)
     require_index("a point mass", "node", mass.node, model.nodes.size());

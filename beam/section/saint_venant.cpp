@@ -106,7 +106,8 @@ SaintVenantFields solve_saint_venant(const std::string& name, const SectionMesh&
   const Eigen::SimplicialLLT<Sparse> factor(E_ff);
   if (factor.info() != Eigen::Success)
     throw std::invalid_argument(fmt::format(
-        "section \"{}\": its warping problem is singular; does the mesh hang together by edges?", name));
+        "section \"{}\": its warping problem is singular; mesh it so that its cells hang together by edges",
+        name));
   const auto solve_E = [&](const MatrixX6& right) {
     MatrixX6 reduced(free, 6), full = MatrixX6::Zero(n, 6);
     for (int i = 0; i < n; ++i)

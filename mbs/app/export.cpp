@@ -86,7 +86,8 @@ int run(const Arguments& arguments, const terminal::Talk& talk) {
         se, arguments.held == "all" ? superelement::interface_names(se) : std::vector<std::string>{},
         arguments.count);
     if (static_cast<int>(modes.modes.size()) == modes.n_rigid) {
-      throw std::invalid_argument(fmt::format("superelement \"{}\" has no elastic mode to write", se.name));
+      throw std::invalid_argument(fmt::format(
+          "superelement \"{}\" has no elastic mode to write; reduce the part with modes", se.name));
     }
   }
   std::vector<std::filesystem::path> written;

@@ -150,9 +150,10 @@ int write_linear_system(const Arguments& arguments, const terminal::Talk& talk) 
   const std::vector<std::string>& y = arguments.outputs.empty() ? p.file.y : arguments.outputs;
   const auto which = y.empty() ? std::vector<int>{} : mbs::select_quantities(m, y);
   if (!y.empty() && which.empty())
-    throw std::invalid_argument(fmt::format(
-        "\"{}\" is a quantity of a run and has no linearisation; energy.total and power.input are of a state",
-        y.front()));
+    throw std::invalid_argument(
+        fmt::format("\"{}\" is a quantity of a run and has no linearisation; choose what belongs to a state, "
+                    "as energy.total and power.input do",
+                    y.front()));
   auto scratch = m.make_scratch();
   if (!which.empty()) {
     const auto infos = m.quantities();

@@ -37,9 +37,10 @@ void require_states_of(const mbs::Mechanism& mechanism, const results::Run& run,
     const std::string here = i < wanted.size() ? wanted[i] : "none",
                       there = i < run.state_names.size() ? run.state_names[i] : "none";
     if (here != there)
-      throw std::invalid_argument(fmt::format(
-          "{}: run \"{}\" is of another mechanism: its state {} is \"{}\", the mechanism's is \"{}\"", file,
-          run.name, i + 1, there, here));
+      throw std::invalid_argument(
+          fmt::format("{}: run \"{}\" is of another mechanism: its state {} is \"{}\", the mechanism's is "
+                      "\"{}\"; give the file that made it",
+                      file, run.name, i + 1, there, here));
   }
 }
 

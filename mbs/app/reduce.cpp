@@ -28,7 +28,8 @@ void hand_over_to_reduce(const std::vector<std::string>& arguments) {
   for (std::string& word : words) argv.push_back(word.data());
   argv.push_back(nullptr);
   ::execv(program.c_str(), argv.data());
-  throw std::runtime_error(program.string() + ": cannot be started: " + std::strerror(errno));
+  throw std::runtime_error(program.string() + ": cannot be started: " + std::strerror(errno) +
+                           "; install the program again");
 }
 
 // main() hands over before any command is read; these entries are for the list of commands and

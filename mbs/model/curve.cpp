@@ -61,10 +61,10 @@ Curve::Curve(std::vector<double> x, std::vector<double> y, Interpolation interpo
   const std::size_t n = x_.size();
   if (n != y.size())
     throw std::invalid_argument(fmt::format("has {} x and {} y; one y belongs to each x", n, y.size()));
-  if (n < 2) throw std::invalid_argument("has fewer than 2 points");
+  if (n < 2) throw std::invalid_argument("has fewer than 2 points; give at least two");
   for (std::size_t i = 0; i < n; ++i) {
     if (!std::isfinite(x_[i]) || !std::isfinite(y[i]))
-      throw std::invalid_argument("holds a number that is not finite");
+      throw std::invalid_argument("holds a number that is not finite; correct it there");
     if (i > 0 && !(x_[i] > x_[i - 1]))
       throw std::invalid_argument(fmt::format("has x = {} after x = {}; x must rise", x_[i], x_[i - 1]));
   }

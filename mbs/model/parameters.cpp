@@ -74,7 +74,7 @@ std::map<std::string, double> read_parameters(const input::Section& root) {
     for (std::size_t i = 0; i < formulas.size(); ++i)
       if (missing[i] > 0) circle += (circle.empty() ? "" : ", ") + formulas[i].first;
     throw input::InputError(root.where("parameters") + ": " + input::shown_text(circle, 200) +
-                            " depend on each other in a circle");
+                            " depend on each other in a circle; give one of them as a number");
   }
   return parameters;
 }

@@ -88,15 +88,15 @@ Elastic elastic_modes(const Eigen::MatrixXd& K, const Eigen::MatrixXd& M, const 
   M_c = 0.5 * (M_c + M_c.transpose()).eval();
   const Eigen::LLT<Eigen::MatrixXd> factor(K_c);
   if (factor.info() != Eigen::Success) {
-    throw std::invalid_argument(
-        fmt::format("superelement \"{}\": K_se is not positive definite beside its rigid motions; "
-                    "a piece of the body is loose or an interface is not tied to it",
-                    name));
+    throw std::invalid_argument(fmt::format(
+        "superelement \"{}\": K_se is not positive definite beside its rigid motions; "
+        "a piece of the body is loose or an interface is not tied to it; join them and reduce again",
+        name));
   }
   const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> solver(M_c, K_c);
   if (solver.info() != Eigen::Success) {
-    throw std::runtime_error(
-        fmt::format("superelement \"{}\": the eigenvalue problem did not converge", name));
+    throw std::runtime_error(fmt::format(
+        "superelement \"{}\": the eigenvalue problem did not converge; reduce the part again", name));
   }
   const Eigen::VectorXd& mu = solver.eigenvalues();  // ascending, so frequencies descend
   Elastic result;
@@ -124,7 +124,7 @@ Eigen::MatrixXd mass_orthonormal(const Eigen::MatrixXd& R, const Eigen::MatrixXd
   if (factor.info() != Eigen::Success) {
     throw std::invalid_argument(
         fmt::format("superelement \"{}\": a rigid motion moves no mass; its interfaces do not hold "
-                    "all six of them",
+                    "all six of them; choose interfaces that do",
                     name));
   }
   return factor.matrixU().solve<Eigen::OnTheRight>(R);

@@ -76,7 +76,7 @@ void read_mesh(const std::string& path, ResultRecord& result, Arrays& arrays) {
         ordered[c * n + k] = nodes[c * n + static_cast<std::size_t>(row->order[k])];
     blocks.emplace_back(std::move(cells), std::move(ordered));
   }
-  if (blocks.empty()) throw std::runtime_error("holds no solid cells");
+  if (blocks.empty()) throw std::runtime_error("holds no solid cells; save the volume elements too");
 
   std::int64_t next = 0;
   for (auto& [tag, number] : index) {

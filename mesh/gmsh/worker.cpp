@@ -75,7 +75,8 @@ void choose_solids(const Job& job, ResultRecord& result, gmsh::vectorpair& solid
     if (wanted) result.kept.push_back(solid.number);
   }
   if (!gone.empty()) gmsh::model::occ::remove(gone, true);
-  if (kept.empty()) throw std::runtime_error("has none of the chosen solids");
+  if (kept.empty())
+    throw std::runtime_error("has none of the chosen solids; choose from those that --list-faces prints");
   solids = kept;
 }
 

@@ -109,7 +109,7 @@ void collect_curves(const Job& job, ResultRecord& result, Arrays& arrays) {
       arrays.integers.insert(arrays.integers.end(), {here - 1, here, curve});
     }
   }
-  if (arrays.integers.empty()) throw std::runtime_error("holds no curves");
+  if (arrays.integers.empty()) throw std::runtime_error("holds no curves; export the beams' centre lines");
   result.blocks.push_back({0, arrays.integers.size() / 3});
 
   gmsh::vectorpair groups;

@@ -46,7 +46,9 @@ void read_solid(const std::string& name, const Section& in, const AttachSolid& a
       in.refuse("modes", "is for solids given as `part`", "a superelement has the modes it was made with");
     wanted.modes = in.integer("modes");
   }
-  if (!attach) throw InputError(in.where() + ": solids cannot be taken here");
+  if (!attach)
+    throw InputError(in.where() +
+                     ": solids cannot be taken here; give them in the beam part that is reduced");
   AttachedSolid solid = attach(wanted);
   for (const ReducedInterface& interface : solid.reduction.interfaces) {
     solid.node.push_back(static_cast<int>(part.model.nodes.size()));

@@ -19,7 +19,7 @@ constexpr input::Dimension kStaticMoment{{3, 0, 0, 0}};
 beam::Matrix6d matrix6(const Section& in, const std::string& key) {
   const Eigen::MatrixXd matrix = in.matrix(key);
   if (matrix.rows() != 6 || matrix.cols() != 6)
-    in.refuse(key, fmt::format("is {} x {}, a section has 6 x 6", matrix.rows(), matrix.cols()));
+    in.refuse(key, fmt::format("is {} x {}; write the 6 x 6 of a section", matrix.rows(), matrix.cols()));
   return matrix;
 }
 

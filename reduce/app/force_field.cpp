@@ -38,7 +38,9 @@ Eigen::MatrixX3d evaluate_field(const std::array<std::string, 3>& formulas, cons
     }
   }
   if (!values.allFinite())
-    throw std::invalid_argument("the formulas give a value that is not finite at a node of the part");
+    throw std::invalid_argument(
+        "the formulas give a value that is not finite at a node of the part; check them where a divisor is "
+        "zero");
   return values;
 }
 

@@ -47,7 +47,9 @@ const DeckTie& tie_of(const PartMesh& from, int label, const std::string& where)
   const auto found =
       std::find_if(from.ties.begin(), from.ties.end(), [&](const DeckTie& t) { return t.label == label; });
   if (found != from.ties.end()) return *found;
-  if (from.ties.empty()) throw InputError(where + ": the file has no ties (RBE2, RBE3)");
+  if (from.ties.empty())
+    throw InputError(where +
+                     ": the file has no ties (RBE2, RBE3); choose the interface by its nodes or faces");
   std::string known;
   for (const DeckTie& tie : from.ties) known += fmt::format("{}{}", known.empty() ? "" : ", ", tie.label);
   throw InputError(fmt::format("{}: there is no tie {}; there are {}", where, label, known));
@@ -197,7 +199,8 @@ void add_loads(const PartInput& input, const PartMesh& from, ModelledPart& out) 
       } else if (wanted.type == "pressure") {
         const mesh::Selection chosen = mesh::select_nodes(mesh, from.faces, wanted.faces);
         if (chosen.set.faces.empty())
-          throw std::invalid_argument("the set has no faces of the part's surface to push on");
+          throw std::invalid_argument(
+              "the set has no faces of the part's surface to push on; name a set of whole faces");
         load.forces = -wanted.value * pressure_load(mesh, chosen.set.faces);
       } else {
         load.acceleration = evaluate_field(wanted.formulas, mesh);

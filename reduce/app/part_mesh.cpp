@@ -97,8 +97,9 @@ void choose_materials(const PartInput& input, const mesh::ImportedModel& model, 
                                     [](const mesh::CellBlock& block) { return !block.material.empty(); });
   if (!assigned && part.materials.size() > 1)
     throw std::invalid_argument(
-        fmt::format("{}: {} materials are defined, but no section assigns them to the elements", deck,
-                    part.materials.size()));
+        fmt::format("{}: {} materials are defined, but no section assigns them to the elements; add one to "
+                    "the deck, or [material.NAME] here",
+                    deck, part.materials.size()));
 }
 
 /// Which nodes belong to solid elements.
@@ -149,8 +150,10 @@ void take_masses(const mesh::ImportedModel& model, const std::vector<char>& in_c
     } else if (in_cell[from.node]) {
       part.masses.push_back(mass);
     } else {
-      throw std::invalid_argument(fmt::format(
-          "point mass {} hangs on a node that belongs to no solid element and to no tie", from.label));
+      throw std::invalid_argument(
+          fmt::format("point mass {} hangs on a node that belongs to no solid element and to no tie; tie it "
+                      "or take it out of the deck",
+                      from.label));
     }
   }
 }

@@ -50,7 +50,7 @@ std::vector<std::int32_t> stress_vertices(const RecoveryInput& wanted, const mes
   if (vertices.empty())
     throw input::InputError(wanted.where +
                             ": none of the sets' nodes lies on the part's surface, where "
-                            "stresses are kept");
+                            "stresses are kept; name other sets");
   return vertices;
 }
 
@@ -153,7 +153,8 @@ void reduce_part(const PartInput& input, const std::filesystem::path& output, co
   ReportData data{.mesh = mesh_report, .notes = modelled.notes};
   if (reduction.dropped.size() > 0) data.errors = mode_errors(reduction);
   if (options.compare > 0 && finished)
-    throw input::InputError("--compare solves the full model, which finished modes do not bring along");
+    throw input::InputError(
+        "--compare solves the full model, which finished modes do not bring along; leave it out");
   if (!input.modes.struck.empty()) {
     StruckModes struck;
     try {
