@@ -76,7 +76,7 @@ const EXEMPT = [
   ['mbs/view/', 'results and superelements that their readers have checked'],
   ['mbs/results/writer.cpp', 'rows that the recorder makes'],
   ['mbs/solver/ida.cpp', 'what SUNDIALS says of itself; the steps where a force jumps are named with what to do in integrator.hpp'],
-  ['mbs/solver/integrator.cpp', 'names that options.cpp has checked'],
+  ['mbs/solver/integrator', 'names that options.cpp has checked'],
   ['mbs/solver/sequence.cpp', 'the place before the sentence of an integrator'],
   ['mbs/solver/assemble.cpp', 'the place before the sentence of what contradicts'],
   ['mbs/model/flexible_body.cpp', 'superelements that are validated when read'],
