@@ -30,8 +30,8 @@ const Conrod& conrod() {
   static const Conrod instance = [] {
     Conrod c;
     c.cad = mesh::mesh_cad({.path = std::string(FLEXURA_SOURCE_DIR) + "/cases/steam_engine/conrod.step",
-                            .size = 0.012,
-                            .elements_per_circle = 10,
+                            .size = 0.016,
+                            .elements_per_circle = 8,
                             .worker = std::string(FLEXURA_BIN_DIR) + "/flexura-mesh"});
     c.part.mesh = c.cad.mesh;
     c.part.materials = {reduce::isotropic("steel", 210e9, 0.3, kDensity)};
