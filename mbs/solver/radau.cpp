@@ -26,6 +26,8 @@ constexpr int kMostIterations = 7;
 // With a matrix for each stage (radau_stages.hpp) Newton's method goes on for longer, but never quadratically; where it
 // is wanted again soon, the next steps begin with it, and where it does not serve it is not tried again for some.
 constexpr int kMostStageIterations = 20, kMostStagePasses = 4, kMostStageSteps = 64, kSoonAgain = 4, kLongestWait = 1024;
+// Tried from one failure in five attempts on: a contact that closes fails now and then.
+constexpr double kTroubled = 0.2;
 constexpr double kSafety = 0.9;
 // Steps follow G. Soederlind's digital filter H211b (ACM TOMS 29 (2003) 1), with the error aimed at as
 // kSafety^4 and b = kFilter.  A controller that takes the error to go with h^4 alone makes steps of vibrating
@@ -108,7 +110,8 @@ class Radau final : public Integrator {
   StabilisedIndex2* form_ = nullptr;  // in matrices_
   std::unique_ptr<RadauStages> stages_;  // once they were wanted
   // Steps to come that begin with them, or that do without; how many the next time, and steps since then.
-  int stage_steps_ = 0, stage_wait_ = 0, stage_run_ = 1, stage_span_ = 8, plain_steps_ = 0;
+  int stage_steps_ = 0, stage_wait_ = 0, stage_run_ = 1, stage_span_ = 8, plain_steps_ = kSoonAgain;
+  double trouble_rate_ = 0.0;  // failures of Newton's method with one matrix, of some ten attempts
   double loosening_, n_norm_ = 1.0;
 
   State state_;  // at t_, for its switches
@@ -405,9 +408,11 @@ StepEnd Radau::step(double t_stop) {
       if (has_factors && stage_steps_ == 0) {
         predict(h);
         outcome = newton(h, t_stop, shorter, iterations, false);
+        trouble_rate_ += 0.1 * ((outcome == Outcome::converged ? 0.0 : 1.0) - trouble_rate_);
       }
       by_stages = has_factors && outcome != Outcome::converged &&
-                  (stage_steps_ > 0 || (stage_wait_ == 0 && matrices_->are_fresh(t_) && matrices_->are_full()));
+                  (stage_steps_ > 0 || (stage_wait_ == 0 && (trouble_rate_ > kTroubled || plain_steps_ < kSoonAgain) &&
+                                         matrices_->are_fresh(t_) && matrices_->are_full()));
       if (by_stages) {
         outcome = newton_by_stages(h, t_stop, shorter, iterations);
         if (outcome == Outcome::converged) {
@@ -488,6 +493,7 @@ void Radau::remember(History& history) {
        {&t_, &last_.t_begin, &last_.h, &h_, &theta_, &convergence_, &h_accepted_, &error_accepted_})
     history(*x);
   history(is_first_);
+  history(trouble_rate_);
   for (int* k : {&stage_steps_, &stage_wait_, &stage_run_, &stage_span_, &plain_steps_}) {
     history(*k);
     if (history.reads()) require_between(*k, 0, kLongestWait);
