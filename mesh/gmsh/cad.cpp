@@ -309,11 +309,18 @@ CadMesh mesh_cad(const CadOptions& options, const Progress& progress) {
   ResultRecord listed;
   CadReport report = list_and_choose(options, true, job, progress, &listed);
   job.task = "mesh";
-  const double size =
-      options.size > 0 ? options.size : automatic_size(listed.volume, listed.area, diagonal_of(report));
-  const double size_min = options.size_min > 0 ? std::min(options.size_min, size) : size / kSizeRange;
+  double size = options.size > 0 ? options.size : automatic_size(listed.volume, listed.area, diagonal_of(report));
+  double size_min = options.size_min > 0 ? std::min(options.size_min, size) : size / kSizeRange;
+  if (options.size == 0 && options.sizes.empty()) job.most_triangles = kMostTriangles;
+  job.sizes = options.sizes;
+  if (!job.sizes.empty()) {
+    size = 0.0, size_min = job.sizes[3];
+    for (std::size_t k = 3; k < job.sizes.size(); k += 4) {
+      size = std::max(size, job.sizes[k]);
+      size_min = std::min(size_min, job.sizes[k]);
+    }
+  }
   job.size = size;
-  if (options.size == 0) job.most_triangles = kMostTriangles;
 
   std::vector<Attempt> attempts = {{"as asked", 6, 1, options.heal},
                                    {"with the MeshAdapt surface mesher", 1, 1, options.heal},

@@ -26,6 +26,7 @@ struct Job {
   bool fuse = false, heal = false;
   int order = 2;
   double size = 0, size_min = 0;  ///< [m]
+  std::vector<double> sizes;      ///< x, y, z, greatest edge length there [m]; empty: `size` everywhere
   double elements_per_circle = 0;
   int most_triangles = 0;     ///< with more on the surface, sizes grow until it fits; 0 = no limit
   int surface_algorithm = 6;  ///< gmsh's Mesh.Algorithm: 6 frontal-Delaunay, 5 Delaunay, 1 MeshAdapt
@@ -34,7 +35,7 @@ struct Job {
   /// "planar": for each region its outer loop and its holes, y and z of each corner [m].
   std::vector<std::vector<std::vector<double>>> regions;
 };
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Job, task, path, format, to_m, solids, fuse, heal, order, size, size_min,
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Job, task, path, format, to_m, solids, fuse, heal, order, size, size_min, sizes,
                                    elements_per_circle, most_triangles, surface_algorithm, turn, parent,
                                    regions)
 

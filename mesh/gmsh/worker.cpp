@@ -17,6 +17,7 @@
 
 #include "mesh/gmsh/job.hpp"
 #include "mesh/gmsh/read_mesh.hpp"
+#include "mesh/gmsh/size_field.hpp"
 #include "mesh/gmsh/worker_curves.hpp"
 #include "mesh/gmsh/worker_describe.hpp"
 #include "mesh/gmsh/worker_planar.hpp"
@@ -125,6 +126,11 @@ void generate_mesh(const Job& job, ResultRecord& result) {
   result.size = job.size;
   result.size_min = job.size_min;
   result.elements_per_circle = job.elements_per_circle;
+  if (!job.sizes.empty())
+    gmsh::model::mesh::setSizeCallback(
+        [field = SizeField(job.sizes), to_m = job.to_m](int, int, double x, double y, double z) {
+          return field.at(x * to_m, y * to_m, z * to_m) / to_m;
+        });
   for (int coarser = 0;; ++coarser) {
     gmsh::option::setNumber("Mesh.MeshSizeMax", result.size / job.to_m);
     gmsh::option::setNumber("Mesh.MeshSizeMin", result.size_min / job.to_m);

@@ -32,7 +32,7 @@ using namespace flexura;
 constexpr int kNotGiven = std::numeric_limits<int>::min();
 
 struct Arguments {
-  std::string input, output, report, mesh_size;
+  std::string input, output, report, mesh_size, accuracy;
   std::vector<std::string> overrides, held;
   int modes = -1, beam_modes = 0, compare = 0;
   int places = kNotGiven;
@@ -49,6 +49,7 @@ void refuse_options_of_the_other_kind(const Arguments& a, bool is_beam) {
   };
   if (is_beam) {
     refuse(a.compare > 0, "--compare", "parts of solid elements");
+    refuse(!a.accuracy.empty(), "--accuracy", "parts of solid elements");
     refuse(a.factor_in_file, "--factor-in-file", "parts of solid elements");
     if (!a.statics && (!a.held.empty() || a.places != kNotGiven))
       throw input::InputError("--held and --places are for --statics: give it, or leave them out");
@@ -85,6 +86,7 @@ int reduce_with(const Arguments& arguments, const terminal::Talk& talk, const li
         arguments.input));
   std::vector<std::string> overrides = arguments.overrides;
   if (!arguments.mesh_size.empty()) overrides.push_back("mesh.size=" + arguments.mesh_size);
+  if (!arguments.accuracy.empty()) overrides.push_back("modes.accuracy=" + arguments.accuracy);
   if (arguments.modes >= 0) overrides.push_back(fmt::format("modes.count={}", arguments.modes));
   constexpr int most = 20000;
   for (const auto& [name, count] :
@@ -135,6 +137,8 @@ std::function<int()> declare(terminal::Options& options, const terminal::Talk& t
   options.optional_argument("PART", arguments->input, "part file (.toml); with --list-faces also a CAD file")
       .option("-o,--output", arguments->output, "FILE", "superelement to write (default: PART.se.h5)")
       .option("--mesh-size", arguments->mesh_size, "LENGTH", "element size, overrides mesh.size: \"2 mm\"")
+      .option("--accuracy", arguments->accuracy, "PERCENT",
+              "choose mesh and modes for this accuracy, overrides modes.accuracy: \"1 %\"")
       .option("--modes", arguments->modes, "N", "number of normal modes, overrides modes.count")
       .option("--beam-modes", arguments->beam_modes, "N",
               "beam parts: print N natural frequencies of the free structure, nothing reduced, then stop")
@@ -155,6 +159,8 @@ std::function<int()> declare(terminal::Options& options, const terminal::Talk& t
       .flag("--schema-beams", arguments->schema_beams, "print the beam part file's reference page, then stop")
       .example("flexura reduce --list-faces bracket.step", "what an interface can be chosen from")
       .example("flexura reduce conrod.toml -o conrod.se.h5", "mesh, reduce, write")
+      .example("flexura reduce conrod.toml --accuracy \"1 %\"",
+               "mesh anew until frequencies and static compliance are within 1 %")
       .example("flexura reduce conrod.toml -o fine.se.h5 --mesh-size \"2 mm\" --set modes.count=40",
                "finer, with more modes");
   return [arguments, &talk, team] { return reduce_with(*arguments, talk, team); };

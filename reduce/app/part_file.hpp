@@ -41,7 +41,7 @@ struct ModesInput {
   double damping = 0.0;
   // Solid parts only.
   ModeSet set = ModeSet::craig_bampton;
-  double accuracy = 0.0, effective_mass = 0.0;  ///< 0: not asked for
+  double accuracy = 0.0, compliance_accuracy = 0.0, effective_mass = 0.0;  ///< 0: not asked for
   std::vector<double> response_omegas = {};     ///< [rad/s]
   InterfaceModesRequest interface_modes = {};
   std::vector<int> struck = {};

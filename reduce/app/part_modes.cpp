@@ -15,6 +15,10 @@ void read_solid_modes(const Section& in, ModesInput& modes) {
               : set == "craig_chang" ? ModeSet::craig_chang
                                      : ModeSet::craig_bampton;
   if (in.has("accuracy")) modes.accuracy = in.quantity("accuracy");
+  modes.compliance_accuracy =
+      in.has("compliance_accuracy") ? in.quantity("compliance_accuracy") : modes.accuracy;
+  if (modes.compliance_accuracy > 0.0 && !(modes.accuracy > 0.0))
+    in.refuse("compliance_accuracy", "goes with the accuracy of frequencies", "add e.g. accuracy = \"1 %\"");
   if (in.has("effective_mass")) modes.effective_mass = in.quantity("effective_mass");
   if (in.has("response_at"))
     for (const double f : in.quantities("response_at")) {
@@ -24,8 +28,6 @@ void read_solid_modes(const Section& in, ModesInput& modes) {
   if (in.has("strike_modes")) modes.struck = in.integers("strike_modes");
   modes.certify = in.flag("certify");
   modes.where = in.where();
-  if (modes.accuracy > 0.0 && !(modes.up_to > 0.0))
-    in.refuse("accuracy", "holds in a band of frequencies", "add e.g. up_to = \"800 Hz\"");
   if (modes.accuracy > 0.0 && modes.effective_mass > 0.0)
     in.refuse("effective_mass", "modes are kept by accuracy or by effective mass, one of the two");
   const char* const fixed_only[] = {"accuracy", "effective_mass", "response_at"};

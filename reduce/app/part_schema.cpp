@@ -317,8 +317,15 @@ TableSchema solid_modes_schema() {
           .or_default("craig_bampton"));
   const std::vector<Key> more = {
       input::quantity("accuracy", dim::none,
-                      "keep as many modes as it takes for this accuracy (\"1 %\") of the body's frequencies "
-                      "and of the interface's dynamic stiffness below `up_to`, as estimated")
+                      "choose mesh and modes so that the body's frequencies below `up_to` (without it the first "
+                      "six of the free body) and the static compliance between the interfaces are within this "
+                      "(\"1 %\") by their estimates; CAD parts are meshed anew, finer where the error is, until "
+                      "they are. A mesh that comes with the part stays: its share is reported")
+          .above(0)
+          .below(1),
+      input::quantity("compliance_accuracy", dim::none,
+                      "accuracy of the static compliance between the interfaces where another one than that of the "
+                      "frequencies is wanted (default: `accuracy`)")
           .above(0)
           .below(1),
       input::quantity("effective_mass", dim::none,

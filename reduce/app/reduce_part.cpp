@@ -2,11 +2,13 @@
 #include "reduce/app/reduce_part.hpp"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <set>
@@ -16,6 +18,7 @@
 #include "mbs/superelement/text_file.hpp"
 #include "mbs/terminal/terminal.hpp"
 #include "reduce/app/make_part.hpp"
+#include "reduce/app/reach_accuracy.hpp"
 #include "reduce/app/read_matrices.hpp"
 #include "reduce/app/report.hpp"
 #include "reduce/app/surface.hpp"
@@ -103,40 +106,67 @@ Comparison compare(const Part& part, const Reduction& reduction, int count, cons
 
 }  // namespace
 
-void reduce_part(const PartInput& input, const std::filesystem::path& output, const OutputOptions& options) {
-  const auto start = std::chrono::steady_clock::now();
-  terminal::Progress line(stderr, options.quiet);
-  const auto progress = [&line](std::string_view stage, double fraction) { line(stage, fraction); };
+namespace {
 
-  PartMesh from = load_part_mesh(input, progress);
-  const mesh::MeshReport mesh_report = from.report;
-  const ModelledPart modelled = make_part(input, std::move(from));
-  const Part& part = modelled.part;
-  std::vector<std::vector<mesh::Index>> interface_nodes;
-  for (int k = 0; k < modelled.n_interfaces; ++k) interface_nodes.push_back(part.interfaces[k].set.nodes);
-  SurfacePicture picture = make_surface(part.mesh, interface_nodes);
-  if (!input.finished.vectors.empty() && part.mesh.boundary.empty()) {
-    // A table of nodes has no surface: all nodes are kept, as points.
-    for (mesh::Index node = 0; node < part.mesh.n_nodes(); ++node) picture.nodes.push_back(node);
-    picture.surface.vertices = part.mesh.points;
+/// Whether a superelement is there whose mesh resolves its part.
+bool is_better(const std::filesystem::path& output) {
+  std::error_code error;
+  if (!std::filesystem::exists(output, error)) return false;
+  // What is going to be written is not read as an input: a copy is.
+  const std::filesystem::path copy =
+      std::filesystem::temp_directory_path() / fmt::format("flexura-{}-{}", getpid(), output.filename().string());
+  const auto remove = [](const std::filesystem::path* file) {
+    std::error_code ignored;
+    std::filesystem::remove(*file, ignored);
+  };
+  const std::unique_ptr<const std::filesystem::path, decltype(remove)> removed(&copy, remove);
+  try {
+    std::filesystem::copy_file(output, copy);
+    const auto report = nlohmann::json::parse(
+        superelement::read(copy, {.matrices = false, .inertia = false}).report_json, nullptr, false);
+    const nlohmann::json& first = report.at("mesh_error").at("modes").at(0).at("frequency_error");
+    return first.is_number() && first.get<double>() < 0.2;
+  } catch (const std::exception&) {
+    return false;  // no superelement, or one without an estimate
   }
+}
 
-  // Shapes of the surface at four bytes a number, which shrink to a half or so: a tenth is the least.
-  const double n_shapes = 6.0 * modelled.n_interfaces + std::max(0, input.modes.count);
-  files::expect_size(output, 0.1 * 4.0 * 3.0 * static_cast<double>(picture.nodes.size()) * n_shapes);
+/// What no solid material has: most often a value without its unit.
+std::string odd_material(const Material& material) {
+  constexpr double kSoftest = 1e3, kStiffest = 2e12;  // [Pa]: gels, diamond
+  constexpr double kLightest = 1.0, kHeaviest = 25e3;  // [kg/m^3]: aerogels, osmium
+  const double stiffness = material.D(0, 0);
+  if (!(stiffness > kSoftest && stiffness < kStiffest))
+    return fmt::format("material \"{}\" has a stiffness of {:.3g} Pa, as no material has; is the unit of its Young's "
+                       "modulus missing (young = \"210 GPa\")?",
+                       material.name, stiffness);
+  if (!(material.density > kLightest && material.density < kHeaviest))
+    return fmt::format("material \"{}\" has a density of {:.3g} kg/m^3, as no material has; is its unit missing "
+                       "(density = \"7850 kg/m^3\")?",
+                       material.name, material.density);
+  return "";
+}
 
-  const linalg::Session session;
+/// One mesh and its reduction.
+struct Attempt {
+  ModelledPart modelled;
+  mesh::MeshReport mesh;
+  SurfacePicture picture;
+  std::vector<std::int32_t> vertices;
+  Reduction reduction;
+};
+
+ReductionOptions options_of(const PartInput& input, const std::filesystem::path& output,
+                            const OutputOptions& options, const linalg::Progress& progress) {
   ReductionOptions how;
   how.set = input.modes.set;
   how.n_modes = input.modes.up_to > 0.0 ? 0 : input.modes.count;
   how.omega_max = 2.0 * std::numbers::pi * input.modes.up_to;
-  how.accuracy = input.modes.accuracy;
+  if (input.modes.up_to > 0.0) how.accuracy = 0.5 * input.modes.accuracy;
   how.effective_mass = input.modes.effective_mass;
   how.interface_modes = input.modes.interface_modes;
   how.response_omegas = input.modes.response_omegas;
   how.certify = input.modes.certify;
-  how.loads = modelled.loads;
-  how.shape_nodes = picture.nodes;
   how.estimate_mesh = true;
   how.stiffening = input.stiffening;
   how.team = options.team;
@@ -144,13 +174,106 @@ void reduce_part(const PartInput& input, const std::filesystem::path& output, co
       options.factor_in_file ? linalg::FactorStorage::Place::file : linalg::FactorStorage::Place::automatic;
   if (!std::getenv("TMPDIR")) how.storage.folder = std::filesystem::absolute(output).parent_path();
   how.progress = progress;
-  std::vector<std::int32_t> vertices = stress_vertices(input.recovery, part.mesh, picture.nodes);
-  for (const std::int32_t vertex : vertices) how.stress_nodes.push_back(picture.nodes[vertex]);
-  const bool finished = !input.finished.vectors.empty();
-  Reduction reduction =
-      finished ? reduce_finished_modes(part, load_finished_modes(input), how) : craig_bampton(part, how);
+  return how;
+}
 
-  ReportData data{.mesh = mesh_report, .notes = modelled.notes};
+Attempt attempt(const PartInput& input, const std::filesystem::path& output, ReductionOptions how) {
+  PartMesh from = load_part_mesh(input, how.progress);
+  Attempt out;
+  out.mesh = from.report;
+  out.modelled = make_part(input, std::move(from));
+  const Part& part = out.modelled.part;
+  std::vector<std::vector<mesh::Index>> interface_nodes;
+  for (int k = 0; k < out.modelled.n_interfaces; ++k) interface_nodes.push_back(part.interfaces[k].set.nodes);
+  out.picture = make_surface(part.mesh, interface_nodes);
+  if (!input.finished.vectors.empty() && part.mesh.boundary.empty()) {
+    // A table of nodes has no surface: all nodes are kept, as points.
+    for (mesh::Index node = 0; node < part.mesh.n_nodes(); ++node) out.picture.nodes.push_back(node);
+    out.picture.surface.vertices = part.mesh.points;
+  }
+  // Shapes of the surface at four bytes a number, which shrink to a half or so: a tenth is the least.
+  const double n_shapes = 6.0 * out.modelled.n_interfaces + std::max(0, input.modes.count);
+  files::expect_size(output, 0.1 * 4.0 * 3.0 * static_cast<double>(out.picture.nodes.size()) * n_shapes);
+  how.loads = out.modelled.loads;
+  how.shape_nodes = out.picture.nodes;
+  out.vertices = stress_vertices(input.recovery, part.mesh, out.picture.nodes);
+  for (const std::int32_t vertex : out.vertices) how.stress_nodes.push_back(out.picture.nodes[vertex]);
+  out.reduction = input.finished.vectors.empty() ? craig_bampton(part, how)
+                                                 : reduce_finished_modes(part, load_finished_modes(input), how);
+  return out;
+}
+
+/// Meshes and reduces until both are within what is asked; without a goal once.  `say` gets a line for each mesh.
+/// std::runtime_error where the goal is out of reach.
+Attempt reach(PartInput input, const std::filesystem::path& output, ReductionOptions how,
+              const std::function<void(const std::string&)>& say, std::vector<std::string>& warnings) {
+  constexpr int kMostMeshes = 7, kMostModes = 200;
+  AccuracyGoal goal(input.modes);
+  const bool own_mesh = input.format != PartFormat::cad;
+  for (int cycle = 1;; ++cycle) {
+    linalg::Stopwatch watch;
+    Attempt out = attempt(input, output, how);
+    if (!goal.asked()) return out;
+    Judgement judged = goal.judge(out.reduction);
+    const int dofs = out.reduction.report.n_i + out.reduction.report.n_b;
+    if (!judged.known) {
+      warnings.push_back(fmt::format("an accuracy of {:.3g} % is asked, but the mesh cannot be judged", 100.0 * input.modes.accuracy));
+      return out;
+    }
+    say(fmt::format("mesh {}: {} dofs, {} modes; estimated error of the mesh: frequencies {:.2g} %, static compliance "
+                    "{:.2g} %; of the modes left out {:.2g} %; {:.1f} s",
+                    cycle, dofs, out.reduction.n_q, 100.0 * judged.frequencies, 100.0 * judged.compliance,
+                    100.0 * judged.modes, watch.lap()));
+    const bool more_modes = !goal.modes_reached(judged) && how.accuracy == 0.0 && how.n_modes < kMostModes;
+    if (more_modes) how.n_modes = std::min(kMostModes, how.n_modes + std::max(8, how.n_modes / 2));
+    const bool mesh_done = goal.mesh_reached(judged) || own_mesh;
+    if (mesh_done && !more_modes) {
+      if (!goal.mesh_reached(judged))
+        warnings.push_back("the mesh comes with the part and cannot be made finer here; " + goal.describe(judged));
+      else if (!goal.modes_reached(judged) && how.accuracy == 0.0)
+        warnings.push_back("more modes are not tried; " + goal.describe(judged));
+      return out;
+    }
+    if (cycle == kMostMeshes)
+      throw std::runtime_error(fmt::format(
+          "the accuracy is out of reach with {} meshes: {}; ask for less, for compliance separately "
+          "(modes.compliance_accuracy), or start with a smaller mesh.size",
+          cycle, goal.describe(judged)));
+    if (!mesh_done) {
+      try {
+        input.cad.sizes = goal.next_sizes(out.modelled.part.mesh, dofs, judged);
+      } catch (const std::runtime_error& error) {
+        throw std::runtime_error(std::string("the accuracy is out of reach: ") + error.what());
+      }
+    }
+  }
+}
+
+}  // namespace
+
+void reduce_part(const PartInput& input, const std::filesystem::path& output, const OutputOptions& options) {
+  const auto start = std::chrono::steady_clock::now();
+  terminal::Progress line(stderr, options.quiet);
+  const auto progress = [&line](std::string_view stage, double fraction) { line(stage, fraction); };
+  const linalg::Session session;
+  const bool finished = !input.finished.vectors.empty();
+  std::vector<std::string> warnings;
+  Attempt done = reach(
+      input, output, options_of(input, output, options, progress),
+      [&](const std::string& text) {
+        if (options.quiet) return;
+        line.finish();
+        fmt::print("  {}\n", text);
+        std::fflush(stdout);
+      },
+      warnings);
+  const Part& part = done.modelled.part;
+  Reduction& reduction = done.reduction;
+  SurfacePicture& picture = done.picture;
+  std::vector<std::int32_t>& vertices = done.vertices;
+
+  ReportData data{.mesh = done.mesh, .notes = done.modelled.notes};
+  data.warnings = warnings;
   if (reduction.dropped.size() > 0) data.errors = mode_errors(reduction);
   if (options.compare > 0 && finished)
     throw input::InputError(
@@ -180,16 +303,23 @@ void reduce_part(const PartInput& input, const std::filesystem::path& output, co
   if (options.compare > 0 && data.comparison.static_error < 0.0)
     data.notes.push_back(
         "--compare: statics not compared, which needs two interfaces with all six directions and no other");
-  data.mesh_error = mesh_share(reduction);
+  data.mesh_error = reduction.mesh;
   if (const std::string coarse = too_coarse(data.mesh_error); !coarse.empty()) data.warnings.push_back(coarse);
+  if (!too_coarse(data.mesh_error).empty() && is_better(output))
+    throw std::runtime_error(fmt::format("{}; {}, which resolves it, is kept: name another file by -o to write this one",
+                                         too_coarse(data.mesh_error), output.string()));
+  for (const Material& material : part.materials)
+    if (const std::string odd = odd_material(material); !odd.empty()) data.warnings.push_back(odd);
   if (input.has_damping) add_damping(reduction, input.damping);
   data.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const Report report = make_report(input, reduction, data);
   line("write", 0.0);
+  std::vector<mesh::Index> stress_nodes;
+  for (const std::int32_t vertex : vertices) stress_nodes.push_back(picture.nodes[vertex]);
   superelement::Superelement se = to_superelement(input, std::move(reduction), std::move(picture.surface),
                                                   report.json.dump(1), std::move(vertices));
   if (input.has_damping) se.modal_damping = 0.0;
-  if (se.stress && !finished) add_compliance(part, how.stress_nodes, *se.stress);
+  if (se.stress && !finished) add_compliance(part, stress_nodes, *se.stress);
   superelement::write(output, se);
   if (!options.report.empty()) superelement::write_whole(options.report, report.json.dump(2) + "\n");
   line.finish();

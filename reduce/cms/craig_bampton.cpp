@@ -16,7 +16,8 @@
 #include "reduce/cms/ritz_check.hpp"
 #include "reduce/cms/shape_change.hpp"
 #include "reduce/cms/sturm.hpp"
-#include "reduce/estimate/mesh_error.hpp"
+#include "reduce/cms/mesh_share.hpp"
+#include "reduce/estimate/enriched_error.hpp"
 #include "reduce/linalg/block_lanczos.hpp"
 #include "reduce/linalg/dense.hpp"
 #include "reduce/linalg/krylov_schur.hpp"
@@ -297,7 +298,17 @@ Cut reduce(const Part& whole, const Part& part, const TiedModel& model, const Re
     report.seconds_estimate += watch.lap();
   }
   if (options.estimate_mesh) {
-    reduction.mesh_error = mesh_error(part, T, options.progress);
+    const JudgedMotions motions = judged_motions(reduction, options.omega_max);
+    MeshEnergy left;
+    const bool enriched = EnrichedError::suits(whole);
+    if (enriched)
+      left = EnrichedError(part, T, motions.states, options.progress).energy();
+    else
+      left = recovered_energy(part, T * motions.states.Y, options.progress);
+    if (left.known()) {
+      reduction.mesh = mesh_share(motions, left);
+      reduction.mesh->rough = !enriched;
+    }
     report.seconds_mesh_error = watch.lap();
   }
   for (const LoadField& load : options.loads) {

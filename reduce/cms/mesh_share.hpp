@@ -1,23 +1,25 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <optional>
+#include <Eigen/Core>
 #include <string>
 #include <vector>
 
-#include "reduce/cms/reduction.hpp"
+#include "reduce/assembly/part.hpp"
+#include "reduce/estimate/enriched_error.hpp"
 
 /// What the mesh costs in accuracy, by frequency and by interface, from the energies it leaves
-/// (reduce/estimate/mesh_error.hpp).
+/// (reduce/estimate/enriched_error.hpp, mesh_error.hpp).
 ///
 /// A mesh makes the part too stiff.  With x the share of the energy that is error,
 ///
-///     frequency:   f_h / f - 1 = (1 - x)^(-1/2) - 1,    x = y^T E y / (y^T K y) of the free body's mode y,
-///     compliance:  1 - C_h / C = x,                     x = (C E C)_dd / C_dd,  C = K_kk^-1,
+///     frequency:   f_h / f - 1 = (1 - x)^(-1/2) - 1,    of a mode of the free body,
+///     compliance:  1 - C_h / C = x,                     of a direction of an interface while all others are held.
 ///
-/// the latter of a direction d of an interface k while all others are held.  Exact for a single shape; x from 1 on
-/// says no more than that the mesh does not resolve it.
+/// Exact for a single shape; x from 1 on says no more than that the mesh does not resolve it.
 namespace flexura::reduce {
+
+struct Reduction;
 
 struct MeshShare {
   struct Mode {
@@ -28,11 +30,27 @@ struct MeshShare {
     std::string name;
     double error;  ///< relative, of the static compliance in the worst direction; infinite likewise
   };
-  std::vector<Mode> modes;            ///< the elastic ones, ascending
+  std::vector<Mode> modes;            ///< the lowest elastic ones, ascending
   std::vector<Interface> interfaces;  ///< where there are two or more
+  /// n_cells x n_states: of each cell in the order of the blocks, its share of x, modes first, then the directions of
+  /// the interfaces.
+  Eigen::MatrixXf by_cell;
+  bool rough = false;  ///< by recovered stresses, which where few cells lie across are off by up to five
 };
 
-/// None where the mesh's error is not known.
-std::optional<MeshShare> mesh_share(const Reduction& reduction);
+/// The motions of the superelement that are judged.
+struct JudgedMotions {
+  JudgedStates states;
+  Eigen::VectorXd energy;  ///< y^T K_se y
+  int n_modes = 0;         ///< the first ones; after them the static answers, interface by interface
+  std::vector<std::string> names;  ///< of those interfaces
+  std::vector<int> n_directions;  ///< 0: as the first
+};
+
+/// The elastic modes up to `omega_max` [rad/s], at least the first 10 and at most 60, and the answers to unit loads in
+/// each direction of each interface while all others are held.
+JudgedMotions judged_motions(const Reduction& reduction, double omega_max);
+
+MeshShare mesh_share(const JudgedMotions& motions, const MeshEnergy& left);
 
 }  // namespace flexura::reduce

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "reduce/assembly/part.hpp"
+#include "reduce/cms/mesh_share.hpp"
 #include "reduce/invariants/inertia_integrals.hpp"
 #include "reduce/linalg/factor_figures.hpp"
 #include "reduce/linalg/progress.hpp"
@@ -83,8 +84,7 @@ struct Reduction {
   /// n_b x n_b: Mhat^T F_rs M_ii F_rs Mhat, how that share grows with omega^2 [kg s^4]; empty: not known.
   Eigen::MatrixXd dropped_growth;
   double omega2_dropped = 0.0;  ///< the first dropped eigenvalue [rad^2/s^2]
-  /// n x n: the energy that the mesh leaves in each shape (reduce/estimate/mesh_error.hpp) [J]; empty: not known.
-  Eigen::MatrixXd mesh_error;
+  std::optional<MeshShare> mesh;  ///< what the mesh costs in accuracy; none: not known
   ReductionReport report;
 
   int n() const { return n_b + n_q; }

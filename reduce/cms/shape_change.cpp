@@ -71,7 +71,6 @@ void change_shapes(Reduction& r, const CanonicalShapes& shapes) {
   congruent(r.K_se);
   congruent(r.M_se);
   congruent(r.D_se);
-  congruent(r.mesh_error);
   r.omega2 = shapes.omega2;
   r.n_q = static_cast<int>(shapes.omega2.size());
   r.K_se.topRightCorner(r.n_b, r.n_q).setZero();
@@ -117,6 +116,12 @@ StruckModes strike_modes(Reduction& r, const std::vector<int>& numbers) {
   std::vector<int> kept;
   for (int k = 0; k < r.n(); ++k)
     if (!gone[k]) kept.push_back(k);
+  if (r.mesh) {
+    std::vector<MeshShare::Mode> left;
+    for (std::size_t k = 0; k < r.mesh->modes.size(); ++k)
+      if (!gone[6 + k]) left.push_back(r.mesh->modes[k]);
+    r.mesh->modes = std::move(left);
+  }
   const MatrixXd Z = modes.vectors(Eigen::all, kept);
   CanonicalShapes shapes =
       canonical_shapes(Z.transpose() * r.K_se * Z, Z.transpose() * r.M_se * Z, Z.topRows(r.n_b));

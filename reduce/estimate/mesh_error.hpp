@@ -6,24 +6,29 @@
 #include "reduce/assembly/part.hpp"
 #include "reduce/linalg/progress.hpp"
 
-/// What the mesh leaves of the energy.
+/// What the mesh leaves of the energy, by recovered stresses.
 ///
 /// For a shape u_h of the mesh and the exact u that it stands for, the difference e has the energy |e|^2, estimated
 /// with recovered stresses s* (stress_recovery.hpp) in place of the exact ones (O. C. Zienkiewicz, J. Z. Zhu, Int. J.
-/// Numer. Meth. Eng. 24 (1987), 337).  As a matrix on all shapes T of a superelement,
+/// Numer. Meth. Eng. 24 (1987), 337):
 ///
-///     E_ij = integral (s*_i - s_i)^T C (s*_j - s_j) dV,    C = D^-1,
+///     E = integral (s* - s)^T C (s* - s) dV,    C = D^-1.
 ///
-/// it gives, since a conforming mesh is too stiff by just this energy (Galerkin orthogonality):
-///  - the eigenvalue of a mode y of whatever the body is part of:  lambda_h - lambda = y^T E y  (y^T M y = 1; G.
-///    Strang, G. J. Fix, An Analysis of the Finite Element Method, chapter 6),
-///  - the static stiffness between interfaces:  K_h - K = E on the constraint modes,
-///  - the compliance under a load p:  delta C = C_h E C_h.
-/// Rigid motions have no part in it.
+/// A conforming mesh is too stiff by just this energy (Galerkin orthogonality):
+///  - the eigenvalue of a mode with u^T M u = 1:  lambda_h - lambda = E  (G. Strang, G. J. Fix, An Analysis of the
+///    Finite Element Method, chapter 6),
+///  - the compliance under a unit load, u its answer:  C - C_h = E.
+/// Rigid motions have no part in it.  Where the elements' enrichments are known, enriched_error.hpp is better.
 namespace flexura::reduce {
 
-/// E, n x n [J per unit of the shapes squared], positive semidefinite; empty where the part has no cells (matrices of
-/// another program): then it is not known.
-Eigen::MatrixXd mesh_error(const Part& part, const Eigen::MatrixXd& T, const linalg::Progress& progress);
+/// Energies [J] that the mesh leaves in k states, and the share of each cell, in the order of the blocks.
+struct MeshEnergy {
+  Eigen::VectorXd energy;    ///< k
+  Eigen::MatrixXf by_cell;   ///< n_cells x k
+  bool known() const { return energy.size() > 0; }
+};
+
+/// Of displacements U (3 n_nodes x k); not known where the part has no cells (matrices of another program).
+MeshEnergy recovered_energy(const Part& part, const Eigen::MatrixXd& U, const linalg::Progress& progress);
 
 }  // namespace flexura::reduce

@@ -6,6 +6,7 @@
 #include <map>
 #include <mutex>
 
+#include "reduce/estimate/cell_data.hpp"
 #include "reduce/linalg/parallel.hpp"
 
 namespace flexura::reduce {
@@ -15,10 +16,6 @@ using Eigen::MatrixXd;
 using mesh::CellType;
 
 namespace {
-
-bool is_quadratic(CellType type) {
-  return mesh::nodes_per_cell(type) > mesh::shape_of(type).corners;
-}
 
 // Where the stresses of a cell are best: the points of the next lower Gauss rule.
 mesh::Quadrature superconvergent_points(CellType type) {
@@ -50,12 +47,6 @@ Eigen::RowVectorXd terms(int degree, const Eigen::Vector3d& x) {
   if (degree > 1)
     p.segment<6>(4) << x(0) * x(0), x(1) * x(1), x(2) * x(2), x(0) * x(1), x(1) * x(2), x(2) * x(0);
   return p;
-}
-
-NodePositions positions(const mesh::Mesh& mesh, const mesh::CellBlock& block, Index cell) {
-  NodePositions x(block.nodes.cols(), 3);
-  for (Index a = 0; a < x.rows(); ++a) x.row(a) = mesh.points.row(block.nodes(cell, a));
-  return x;
 }
 
 // argmin |P a - S|: terms are taken in their order, each less what the former ones have of it; one that adds nothing
@@ -97,10 +88,6 @@ MatrixXd displacements(const mesh::CellBlock& block, Index cell, const Eigen::Re
   return u;
 }
 
-int material_of(const mesh::CellBlock& block, Index cell) {
-  return block.material.empty() ? 0 : static_cast<int>(block.material[static_cast<std::size_t>(cell)]);
-}
-
 }  // namespace
 
 MatrixXd stress_at(const TabulatedRule::Point& point, const NodePositions& x, const Matrix6& D,
@@ -129,7 +116,7 @@ void StressRecovery::number_places() {
     for (Index cell = 0; cell < block.nodes.rows(); ++cell) {
       for (Index a = 0; a < block.nodes.cols(); ++a) {
         const auto [found, fresh] =
-            number.try_emplace({block.nodes(cell, a), material_of(block, cell)}, n_places_);
+            number.try_emplace({block.nodes(cell, a), static_cast<int>(material_of(block, cell))}, n_places_);
         if (fresh) {
           ++n_places_;
           node_of_place_.push_back(block.nodes(cell, a));

@@ -1,0 +1,66 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <vector>
+
+#include "mbs/math/simd.hpp"
+
+/// Products with the small dense matrices of cells, in single precision on the machine's widest registers.
+namespace flexura::reduce {
+
+/// Eight numbers that lie together.
+typedef float Eight __attribute__((vector_size(32), aligned(4), may_alias));
+
+/// A += G^T G; G is m x n by rows, A n x n.
+inline void add_gram(const float* G, int m, int n, float* A) {
+  on_this_machine([&]() __attribute__((always_inline)) {
+    for (int k = 0; k < m; ++k) {
+      const float* g = G + static_cast<long>(k) * n;
+      for (int i = 0; i < n; ++i) {
+        const float a = g[i];
+        float* row = A + static_cast<long>(i) * n;
+        for (int j = 0; j < n; ++j) row[j] += a * g[j];
+      }
+    }
+  });
+}
+
+/// The inverse of a symmetric positive definite matrix in its place, by Gauss and Jordan.
+inline void invert(float* A, int n) {
+  on_this_machine([&]() __attribute__((always_inline)) {
+    for (int k = 0; k < n; ++k) {
+      float* pivot = A + static_cast<long>(k) * n;
+      const float p = 1.0f / pivot[k];
+      pivot[k] = 1.0f;
+      for (int j = 0; j < n; ++j) pivot[j] *= p;
+      for (int i = 0; i < n; ++i) {
+        if (i == k) continue;
+        float* row = A + static_cast<long>(i) * n;
+        const float a = row[k];
+        row[k] = 0.0f;
+        for (int j = 0; j < n; ++j) row[j] -= a * pivot[j];
+      }
+    }
+  });
+}
+
+/// Y = A X; A symmetric n x n, n a multiple of three, X and Y n x 8 by rows.
+inline void multiply_eight(const float* A, int n, const float* X, float* Y) {
+  on_this_machine([&]() __attribute__((always_inline)) {
+    for (int i = 0; i < n; i += 3) {
+      Eight y0{}, y1{}, y2{};
+      const float *a0 = A + static_cast<long>(i) * n, *a1 = a0 + n, *a2 = a1 + n;
+      for (int j = 0; j < n; ++j) {
+        const Eight x = *reinterpret_cast<const Eight*>(X + 8 * j);
+        y0 += a0[j] * x;
+        y1 += a1[j] * x;
+        y2 += a2[j] * x;
+      }
+      *reinterpret_cast<Eight*>(Y + 8 * i) = y0;
+      *reinterpret_cast<Eight*>(Y + 8 * (i + 1)) = y1;
+      *reinterpret_cast<Eight*>(Y + 8 * (i + 2)) = y2;
+    }
+  });
+}
+
+}  // namespace flexura::reduce
