@@ -152,8 +152,8 @@ CadReport list_and_choose(const CadOptions& options, bool must_be_one, Job& job,
     try {
       return ask_worker(options.worker, which, std::min(options.time_limit_s, listing_limit_s(options.path)),
                         progress);
-    } catch (const PartRefused& e) {
-      throw std::runtime_error(name + ": " + e.what());
+    } catch (const PartRefused& e) {  // what the file holds, not what failed
+      throw std::invalid_argument(name + ": " + e.what());
     } catch (const WorkerCrashed& e) {
       throw std::invalid_argument(name + ": is not read: it " + e.what() +
                                   "; the file is damaged, save it again from the CAD program");

@@ -137,6 +137,11 @@ CadFile inspect_cad_file(const std::filesystem::path& path) {
   const std::size_t line = head.find('\n');
   if (line != std::string::npos && line >= 73 && head[72] == 'S') return {"iges", iges_unit(text)};
 
+  if (upper(head).find("<REFERENCE_FLEXDATA") != std::string::npos)
+    throw std::invalid_argument(
+        name +
+        ": is a FlexData file: modes at the interface nodes alone, without the mass that a superelement needs; give the mesh "
+        "as geometry.file and the modes of all its nodes as [mode_vectors], or the deck or CAD file that they came from");
   const char* wanted =
       extension == ".IGS" || extension == ".IGES"   ? "not an IGES file: column 73 of its first line is no S"
       : extension == ".BREP" || extension == ".BRP" ? "not a BREP file: it does not name CASCADE Topology"

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 #include <tuple>
 
@@ -85,7 +86,7 @@ std::size_t ModelBuilder::add_cell(int scope, CellType type, std::int64_t label,
   if (std::adjacent_find(sorted.begin(), sorted.end()) != sorted.end())
     throw std::invalid_argument(fmt::format(
         "{}: element {} names a node twice; collapsed elements cannot be used", where.text(), label));
-  cells_.push_back({type, label, std::move(nodes), -1});
+  cells_.push_back({.type = type, .label = label, .nodes = std::move(nodes), .material = -1});
   return static_cast<std::size_t>(number);
 }
 
@@ -136,6 +137,7 @@ std::vector<Index> ModelBuilder::finish(ImportedModel& model, const std::vector<
     const auto rows = std::count_if(cells_.begin(), cells_.end(),
                                     [&](const Cell& c) { return Kind{c.type, c.variant} == kind; });
     block.nodes.resize(rows, nodes_per_cell(block.type));
+    const bool is_shell = dimension_of(block.type) == 2;
     Index row = 0;
     for (const Cell& cell : cells_) {
       if (Kind{cell.type, cell.variant} != kind) continue;
@@ -143,9 +145,18 @@ std::vector<Index> ModelBuilder::finish(ImportedModel& model, const std::vector<
         block.nodes(row, static_cast<Eigen::Index>(k)) = number[cell.nodes[k]];
       block.label.push_back(cell.label);
       if (with_material > 0) block.material.push_back(cell.material);
+      if (is_shell) {
+        if (!(cell.thickness > 0 && std::isfinite(cell.thickness)))
+          throw std::invalid_argument(fmt::format(
+              "shell element {} has the thickness {:g}; it must be above 0 (*SHELL SECTION, T of PSHELL)", cell.label,
+              cell.thickness));
+        block.thickness.push_back(cell.thickness);
+        block.offset.push_back(cell.offset);
+      }
       ++row;
     }
-    mesh.solids.push_back(std::move(block));
+    if (std::ranges::all_of(block.offset, [](double offset) { return offset == 0; })) block.offset.clear();
+    (is_shell ? mesh.shells : mesh.solids).push_back(std::move(block));
   }
   for (const CellBlock& block : mesh.solids) {
     const auto& centre = stiffness_quadrature(block.type).points;

@@ -59,11 +59,13 @@ class ModelBuilder {
     std::vector<Index> nodes;  ///< in the order of Mesh
     Index material;            ///< -1 = none stated
     CellVariant variant = CellVariant::standard;
+    double thickness = 0, offset = 0;  ///< shells (tri3, quad4)
   };
   /// Returns the cell's number, as `cells` counts.
   std::size_t add_cell(int scope, CellType type, std::int64_t label, std::vector<Index> nodes,
                        const Where& where);
   std::vector<Cell>& cells() { return cells_; }
+  const Eigen::Vector3d& place(Index node) const { return points_[static_cast<std::size_t>(node)]; }
 
   void add_to_set(const std::string& name, const std::vector<Index>& nodes);
 

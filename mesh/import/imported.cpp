@@ -11,6 +11,9 @@ void scale_to_si(ImportedModel& model, double length, double mass, double time) 
     throw std::invalid_argument("units of length, mass and time must be greater than zero");
   const double area = length * length, stress = mass / (length * time * time);
   model.mesh.points *= length;
+  for (CellBlock& shells : model.mesh.shells)
+    for (auto* lengths : {&shells.thickness, &shells.offset})
+      for (double& value : *lengths) value *= length;
   for (ImportedMaterial& material : model.materials) {
     material.E *= stress;
     material.rho *= mass / (area * length);
@@ -21,6 +24,8 @@ void scale_to_si(ImportedModel& model, double length, double mass, double time) 
     point.offset *= length;
     point.inertia *= mass * area;
   }
+  for (ImportedSpring& spring : model.springs)
+    for (std::size_t k = 0; k < 6; ++k) spring.stiffness[k] *= (k < 3 ? mass : mass * area) / (time * time);
   for (ImportedBar& bar : model.bars) {
     for (Eigen::Vector3d& offset : bar.offset) offset *= length;
     bar.A *= area;

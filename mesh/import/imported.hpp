@@ -39,7 +39,7 @@ struct ImportedMass {
   Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();  ///< about the mass centre
 };
 
-/// A straight beam (CBAR, CBEAM, B31): section constants in the element frame, x from node 0 to node 1, y in
+/// A straight beam (CBAR, CBEAM, B31) or, without moments of inertia, a rod (CROD, T3D2): section constants in the element frame, x from node 0 to node 1, y in
 /// the plane of x and `orientation`.
 struct ImportedBar {
   std::int64_t label = 0;
@@ -50,6 +50,15 @@ struct ImportedBar {
   double kappa_y = 0, kappa_z = 0;                    ///< shear factors; 0 = no shear deformation
   double extra_mass_per_length = 0;
   Index material = 0;
+  std::array<std::array<bool, 6>, 2> released{};  ///< at each end: u, v, w and rotations in the element's axes
+};
+
+/// Springs between two nodes (CBUSH, CELAS, SPRINGA), six of them along and about axes at the middle between them.
+struct ImportedSpring {
+  std::int64_t label = 0;
+  std::array<Index, 2> nodes{-1, -1};
+  Eigen::Matrix3d R = Eigen::Matrix3d::Identity();  ///< columns: the axes
+  std::array<double, 6> stiffness{};                ///< of displacements, then rotations
 };
 
 /// Dofs that the file fixes (SPC) or keeps (ASET).
@@ -59,11 +68,12 @@ struct ImportedDofs {
 };
 
 struct ImportedModel {
-  Mesh mesh;  ///< solids[].material indexes `materials`; element sets become node sets of their names
+  Mesh mesh;  ///< solids[].material and shells[].material index `materials`; element sets become node sets of their names
   std::vector<ImportedMaterial> materials;
   std::vector<ImportedTie> ties;
   std::vector<ImportedMass> masses;
   std::vector<ImportedBar> bars;
+  std::vector<ImportedSpring> springs;
   std::vector<ImportedDofs> fixed, kept;
   std::vector<std::string> messages;  ///< cards not used, with count and first line number; other remarks
 };

@@ -3,12 +3,14 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
 #include <array>
 #include <cmath>
 #include <map>
 #include <set>
 #include <stdexcept>
 
+#include "mesh/import/bar_sections.hpp"
 #include "mesh/import/builder.hpp"
 #include "mesh/import/nastran_cards.hpp"
 #include "mesh/import/nastran_systems.hpp"
@@ -46,19 +48,23 @@ class Reader {
     read_materials();
     read_grids();
     read_solids();
+    read_shells();
     read_bars();
+    read_rods();
+    read_springs();
     read_ties();
     read_masses();
     read_dofs();
     static const std::set<std::string> kSilent = {"CORD2R", "CORD2C", "CORD2S", "CORD1R", "CORD1C",
-                                                  "CORD1S", "PSOLID", "PBAR",   "PBEAM"};
+                                                  "CORD1S", "PSOLID", "PSHELL", "PBAR",   "PBEAM",
+                                                  "PBARL",  "PBEAML"};
     for (const Card& card : cards_)
       if (!used_.contains(card.name) && !kSilent.contains(card.name)) unused_.add(card.name, card.where);
     for (const std::string& message : unused_.messages("card")) model_.messages.push_back(message);
     if (builder_.cells().empty() && model_.bars.empty())
       throw std::invalid_argument(path.string() +
-                                  ": holds no solid and no beam elements (CTETRA, CHEXA, CPENTA, CPYRAM, "
-                                  "CBAR, CBEAM); not Nastran bulk data?");
+                                  ": holds no solid, shell or beam elements (CTETRA, CHEXA, CPENTA, CPYRAM, "
+                                  "CQUAD4, CTRIA3, CBAR, CBEAM); not Nastran bulk data?");
     finish();
     return std::move(model_);
   }
@@ -169,7 +175,225 @@ class Reader {
     }
   }
 
+  // ---- shells
+
+  struct ShellProperty {
+    Index material;
+    double thickness, extra_mass_per_area;
+  };
+
+  ShellProperty shell_property(const Card& card) {
+    ShellProperty shell{material(card.integer(1), card.where), card.real(2, 0), card.real(7, 0)};
+    const std::int64_t mid = card.integer(1);
+    if (card.blank(3))
+      unused_.add("PSHELL's missing MID2 (membrane alone; bending is computed as well)", card.where);
+    else if (card.integer(3) != mid)
+      unused_.add("PSHELL's MID2 other than MID1 (MID1 is used for bending, too)", card.where);
+    if (std::abs(card.real(4, 1) - 1) > 1e-6) unused_.add("PSHELL's 12 I / T**3 other than 1", card.where);
+    if (std::abs(card.real(6, 5.0 / 6) - 5.0 / 6) > 1e-3) unused_.add("PSHELL's TS/T other than 5/6", card.where);
+    if (!card.blank(10)) unused_.add("PSHELL's MID4", card.where);
+    return shell;
+  }
+
+  void read_shells() {
+    std::map<std::int64_t, ShellProperty> properties;
+    for (const Card* card : all("PSHELL")) properties.emplace(card->integer(0), shell_property(*card));
+    static const std::map<std::string, CellType> kCards = {{"CQUAD4", CellType::quad4},
+                                                           {"CQUADR", CellType::quad4},
+                                                           {"CTRIA3", CellType::tri3},
+                                                           {"CTRIAR", CellType::tri3}};
+    for (const Card& card : cards_) {
+      const auto found = kCards.find(card.name);
+      if (found == kCards.end()) continue;
+      used_.insert(card.name);
+      const auto n = static_cast<std::size_t>(nodes_per_cell(found->second));
+      const std::int64_t id = card.integer(0), property = card.integer(1, id);
+      const auto section = properties.find(property);
+      if (section == properties.end())
+        throw std::invalid_argument(fmt::format("{}: property {} of {} {} is no PSHELL of this file",
+                                                card.where.text(), property, card.name, id));
+      std::vector<Index> nodes(n);
+      for (std::size_t k = 0; k < n; ++k) nodes[k] = builder_.node(0, card.integer(2 + k), card.where);
+      builder_.add_to_set("property " + std::to_string(property), nodes);
+      if (const double extra = section->second.extra_mass_per_area; extra > 0) {  // an equal share for every corner
+        const auto at = [&](std::size_t k) { return builder_.place(nodes[k]); };
+        const Vector3d across = n == 3 ? (at(1) - at(0)).cross(at(2) - at(0)) : (at(2) - at(0)).cross(at(3) - at(1));
+        for (const Index node : nodes) extra_mass_[node] += extra * 0.5 * across.norm() / static_cast<double>(n);
+      }
+      ModelBuilder::Cell& cell =
+          builder_.cells()[builder_.add_cell(0, found->second, id, std::move(nodes), card.where)];
+      cell.material = section->second.material;
+      cell.thickness = section->second.thickness;
+      // THETA or MCID stands before ZOFFS; an isotropic material has no direction.
+      cell.offset = card.real(3 + n, 0);
+      double sum = 0;
+      std::size_t given = 0;
+      for (std::size_t k = 10; k < 10 + n; ++k)
+        if (!card.blank(k)) sum += card.real(k), ++given;
+      if (given == 0) continue;
+      const bool scaled = card.integer(9, 0) == 1;  // TFLAG: T1 to T4 are fractions of T
+      const double others = static_cast<double>(n - given) * (scaled ? 1 : cell.thickness);
+      const double mean = (sum + others) / static_cast<double>(n);
+      cell.thickness = scaled ? mean * cell.thickness : mean;
+      for (std::size_t k = 10; k < 10 + n; ++k)
+        if (!card.blank(k) && std::abs(card.real(k) * (scaled ? section->second.thickness : 1) - cell.thickness) >
+                                  1e-6 * cell.thickness)
+          unused_.add(card.name + "'s thicknesses that differ from corner to corner (their mean is used)", card.where);
+    }
+  }
+
   // ---- beams
+
+  // PBARL, PBEAML.
+  ImportedBar shaped_section(const Card& card) {
+    const std::string type = card.text(3);
+    ImportedBar bar;
+    bar.material = material(card.integer(1), card.where);
+    std::size_t n = 0;
+    try {
+      n = nastran_dimensions(type);
+      std::vector<double> dim;
+      for (std::size_t k = 0; k < n; ++k) dim.push_back(card.real(8 + k, 0));
+      const BarSection s = nastran_section(type, dim);
+      bar.A = s.A, bar.I_yy = s.I_yy, bar.I_zz = s.I_zz, bar.I_yz = s.I_yz, bar.J = s.J;
+      bar.kappa_y = s.kappa_y, bar.kappa_z = s.kappa_z;
+    } catch (const std::invalid_argument& error) {
+      throw std::invalid_argument(
+          fmt::format("{}: {} {}: {}", card.where.text(), card.name, card.integer(0), error.what()));
+    }
+    bar.extra_mass_per_length = card.real(8 + n, 0);
+    for (std::size_t k = 8 + n + 1; card.name == "PBEAML" && k < card.fields.size(); ++k)
+      if (card.text(k).rfind("YES", 0) == 0 || card.text(k) == "NO") {
+        unused_.add("PBEAML's stations (end A is used all along)", card.where);
+        break;
+      }
+    return bar;
+  }
+
+  // CROD with PROD, CONROD alone: stretch and, with J, torsion.
+  void read_rods() {
+    std::map<std::int64_t, const Card*> properties;
+    for (const Card* card : all("PROD")) properties.emplace(card->integer(0), card);
+    const auto add = [&](const Card& card, std::size_t nodes, std::int64_t mid, const Card& from, std::size_t first) {
+      ImportedBar rod;
+      rod.label = card.integer(0);
+      rod.nodes = {builder_.node(0, card.integer(nodes), card.where),
+                   builder_.node(0, card.integer(nodes + 1), card.where)};
+      rod.material = material(mid, from.where);
+      rod.A = from.real(first);
+      rod.J = from.real(first + 1, 0);
+      rod.extra_mass_per_length = from.real(first + 3, 0);
+      model_.bars.push_back(rod);
+    };
+    for (const Card* card : all("CROD")) {
+      const std::int64_t property = card->integer(1, card->integer(0));
+      const auto found = properties.find(property);
+      if (found == properties.end())
+        throw std::invalid_argument(fmt::format("{}: property {} of CROD {} is no PROD of this file",
+                                                card->where.text(), property, card->integer(0)));
+      add(*card, 2, found->second->integer(1), *found->second, 2);
+    }
+    for (const Card* card : all("CONROD")) add(*card, 1, card->integer(3), *card, 4);
+  }
+
+  // ---- springs
+
+  // One component of two nodes.  Between nodes that stand apart only stretch along their line leaves the body free to
+  // turn.
+  void add_scalar_spring(const Card& card, double stiffness, std::size_t first) {
+    const std::int64_t a = card.integer(first, 0), b = card.integer(first + 2, 0);
+    if (a == 0 || b == 0) {
+      unused_.add(card.name + " to the ground (a superelement is a free body)", card.where);
+      return;
+    }
+    const std::int64_t c = card.integer(first + 1, 0);
+    if (c != card.integer(first + 3, 0) || c < 1 || c > 6)
+      throw std::invalid_argument(fmt::format(
+          "{}: {} {} joins component {} of one node to {} of the other; equal ones from 1 to 6 are read",
+          card.where.text(), card.name, card.integer(0), c, card.integer(first + 3, 0)));
+    ImportedSpring spring{.label = card.integer(0)};
+    spring.nodes = {builder_.node(0, a, card.where), builder_.node(0, b, card.where)};
+    spring.stiffness[static_cast<std::size_t>(c - 1)] = stiffness;
+    const Vector3d line = systems_.grid_place(b, card.where) - systems_.grid_place(a, card.where);
+    if (c < 4 && line.cross(Vector3d::Unit(static_cast<Eigen::Index>(c - 1))).norm() > 1e-9 * line.norm())
+      throw std::invalid_argument(
+          fmt::format("{}: {} {} acts in direction {} between nodes that do not lie one behind the other in it, so that a "
+                      "turn of the whole body would strain it; use CBUSH",
+                      card.where.text(), card.name, card.integer(0), c));
+    model_.springs.push_back(spring);
+  }
+
+  // The vector of an orientation: a GRID or three numbers.
+  Vector3d orientation(const Card& card, const Vector3d& from) {
+    if (!card.blank(4) && card.blank(5) && card.blank(6) && !card.is_real(4))
+      return systems_.grid_place(card.integer(4), card.where) - from;
+    return {card.real(4, 0), card.real(5, 0), card.real(6, 0)};
+  }
+
+  void read_springs() {
+    std::map<std::int64_t, double> elas;
+    for (const Card* card : all("PELAS"))
+      for (const std::size_t k : {0u, 4u})
+        if (!card->blank(k)) elas[card->integer(k)] = card->real(k + 1);
+    for (const Card* card : all("CELAS1")) {
+      const std::int64_t property = card->integer(1, card->integer(0));
+      if (!elas.contains(property))
+        throw std::invalid_argument(fmt::format("{}: property {} of CELAS1 {} is no PELAS of this file",
+                                                card->where.text(), property, card->integer(0)));
+      add_scalar_spring(*card, elas[property], 2);
+    }
+    for (const Card* card : all("CELAS2")) add_scalar_spring(*card, card->real(1), 2);
+
+    std::map<std::int64_t, std::array<double, 6>> bush;
+    for (const Card* card : all("PBUSH"))
+      for (std::size_t k = 1; k < card->fields.size(); k += 8) {
+        if (card->text(k) == "K") {
+          auto& stiffness = bush[card->integer(0)];
+          for (std::size_t d = 0; d < 6; ++d) stiffness[d] = card->real(k + 1 + d, 0);
+        } else if (!card->blank(k)) {
+          unused_.add("PBUSH's " + card->text(k), card->where);
+        }
+      }
+    for (const Card* card : all("CBUSH")) {
+      const std::int64_t property = card->integer(1, card->integer(0));
+      if (!bush.contains(property))
+        throw std::invalid_argument(fmt::format("{}: property {} of CBUSH {} is no PBUSH with K of this file",
+                                                card->where.text(), property, card->integer(0)));
+      if (card->blank(3) || card->integer(3) == 0) {
+        unused_.add("CBUSH to the ground (a superelement is a free body)", card->where);
+        continue;
+      }
+      add_bush(*card, bush[property]);
+    }
+  }
+
+  void add_bush(const Card& card, const std::array<double, 6>& stiffness) {
+    ImportedSpring spring{.label = card.integer(0)};
+    spring.nodes = {builder_.node(0, card.integer(2), card.where), builder_.node(0, card.integer(3), card.where)};
+    spring.stiffness = stiffness;
+    const Vector3d a = systems_.grid_place(card.integer(2), card.where),
+                   line = systems_.grid_place(card.integer(3), card.where) - a;
+    if (!card.blank(7)) {
+      const NastranSystem& s = systems_.system(card.integer(7), card.where);
+      if (s.kind != 'R')
+        throw std::invalid_argument(fmt::format(
+            "{}: CBUSH {} has axes of a cylindrical or spherical system; rectangular ones are read",
+            card.where.text(), card.integer(0)));
+      spring.R = s.R;
+    } else if (line.norm() > 0) {  // x along the line, y in the plane of the orientation
+      Vector3d v = orientation(card, a);
+      const bool along_alone = stiffness[1] == 0 && stiffness[2] == 0 && stiffness[4] == 0 && stiffness[5] == 0;
+      if (along_alone && v.cross(line).norm() == 0) v = line.unitOrthogonal();
+      if (!(v.cross(line).norm() > 1e-9 * v.norm() * line.norm()))
+        throw std::invalid_argument(
+            fmt::format("{}: CBUSH {} has no orientation vector", card.where.text(), card.integer(0)));
+      const Vector3d x = line.normalized(), z = x.cross(v).normalized();
+      spring.R << x, z.cross(x), z;
+    }
+    if (!card.blank(8) && std::abs(card.real(8) - 0.5) > 1e-9)
+      unused_.add("CBUSH's place S (the middle is used)", card.where);
+    model_.springs.push_back(spring);
+  }
 
   ImportedBar section(std::int64_t property, const Card& bar) {
     for (const Card* card : all("PBAR")) {
@@ -212,7 +436,10 @@ class Reader {
       if (tapered) unused_.add("PBEAM's taper (end A is used all along)", card->where);
       return s;
     }
-    throw std::invalid_argument(fmt::format("{}: property {} of {} {} is no PBAR or PBEAM of this file",
+    for (const char* name : {"PBARL", "PBEAML"})
+      for (const Card* card : all(name))
+        if (card->integer(0) == property) return shaped_section(*card);
+    throw std::invalid_argument(fmt::format("{}: property {} of {} {} is no PBAR, PBARL, PBEAM or PBEAML of this file",
                                             bar.where.text(), property, bar.name, bar.integer(0)));
   }
 
@@ -225,14 +452,11 @@ class Reader {
         bar.nodes = {builder_.node(0, card->integer(2), card->where),
                      builder_.node(0, card->integer(3), card->where)};
         const Vector3d a = systems_.grid_place(card->integer(2), card->where);
-        if (!card->blank(4) && card->blank(5) && card->blank(6) && !card->is_real(4))
-          bar.orientation = systems_.grid_place(card->integer(4), card->where) - a;
-        else
-          bar.orientation = Vector3d(card->real(4, 0), card->real(5, 0), card->real(6, 0));
+        bar.orientation = orientation(*card, a);
         for (std::size_t end = 0; end < 2; ++end)
           for (std::size_t k = 0; k < 3; ++k)
             bar.offset[end][static_cast<Eigen::Index>(k)] = card->real(10 + 3 * end + k, 0);
-        if (!card->blank(8) || !card->blank(9)) unused_.add(std::string(name) + "'s pin flags", card->where);
+        bar.released = {components(card->text(8), *card), components(card->text(9), *card)};
         if (!(bar.orientation.norm() > 0))
           throw std::invalid_argument(
               fmt::format("{}: {} {} has no orientation vector", card->where.text(), name, id));
@@ -339,10 +563,14 @@ class Reader {
   }
 
   void finish() {
+    for (const auto& [node, mass] : extra_mass_)
+      model_.masses.push_back({.label = 0, .node = node, .mass = mass});
     std::vector<Index> used;
     const auto each_node = [&](auto&& visit) {
       for (ImportedBar& bar : model_.bars)
         for (Index& node : bar.nodes) visit(node);
+      for (ImportedSpring& spring : model_.springs)
+        for (Index& node : spring.nodes) visit(node);
       for (ImportedMass& mass : model_.masses) visit(mass.node);
       for (ImportedTie& tie : model_.ties) {
         visit(tie.reference);
@@ -366,6 +594,7 @@ class Reader {
   std::map<std::string, std::vector<const Card*>> by_name_;
   std::map<std::int64_t, Index> material_, property_;
   NastranSystems systems_;
+  std::map<Index, double> extra_mass_;  // of shells' NSM
 };
 
 }  // namespace

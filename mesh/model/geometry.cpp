@@ -126,6 +126,22 @@ Volumes measure_volume(const Mesh& mesh) {
       }
     }
   }
+  for (const CellBlock& block : mesh.shells) {
+    const Samples samples(block.type, volume_quadrature(block.type));
+    for (Index cell = 0; cell < block.nodes.rows(); ++cell) {
+      const CellPoints x = points_of(mesh, block, cell);
+      for (std::size_t k = 0; k < samples.at.size(); ++k) {
+        const Eigen::Matrix3d J = jacobian(x, samples.at[k]);
+        const Eigen::Vector3d dA = J.col(0).cross(J.col(1)) * samples.weights[static_cast<Eigen::Index>(k)];
+        const double dV = block.thickness[cell] * dA.norm();
+        Eigen::Vector3d r = x.transpose() * samples.at[k].N - origin;
+        if (!block.offset.empty()) r += block.offset[cell] * dA.normalized();
+        total.volume += dV;
+        first += r * dV;
+        second += r * r.transpose() * dV;
+      }
+    }
+  }
   if (total.volume == 0) return total;
   const Eigen::Vector3d c = first / total.volume;
   second -= total.volume * c * c.transpose();
@@ -248,6 +264,7 @@ void extract_boundary(Mesh& mesh) {
     }
     mesh.boundary.push_back(std::move(block));
   }
+  for (const CellBlock& shell : mesh.shells) mesh.boundary.push_back({.type = shell.type, .nodes = shell.nodes});
 }
 
 Surface measure_surface(const Mesh& mesh, const std::vector<CellBlock>& faces) {
@@ -311,7 +328,8 @@ Pieces find_pieces(const Mesh& mesh) {
     while (parent[k] != k) k = parent[k] = parent[parent[k]];
     return k;
   };
-  for (const CellBlock& block : mesh.solids)
+  for (const auto* blocks : {&mesh.solids, &mesh.shells})
+   for (const CellBlock& block : *blocks)
     for (Index cell = 0; cell < block.nodes.rows(); ++cell) {
       Index a = root(block.nodes(cell, 0));
       for (Eigen::Index k = 0; k < block.nodes.cols(); ++k) {
@@ -340,6 +358,7 @@ Index drop_unused_nodes(Mesh& mesh) {
       for (Eigen::Index k = 0; k < block.nodes.size(); ++k) number[block.nodes.data()[k]] = 0;
   };
   mark(mesh.solids);
+  mark(mesh.shells);
   mark(mesh.boundary);
   for (const auto& [name, set] : mesh.sets) {
     mark(set.faces);
@@ -363,6 +382,7 @@ Index drop_unused_nodes(Mesh& mesh) {
         block.nodes.data()[k] = number[block.nodes.data()[k]];
   };
   renumber(mesh.solids);
+  renumber(mesh.shells);
   renumber(mesh.boundary);
   for (auto& [name, set] : mesh.sets) {
     renumber(set.faces);

@@ -13,7 +13,7 @@
 ///     (x-c)(x-c)^T)
 namespace flexura::mesh {
 
-/// Sizes of a body of density 1.
+/// Sizes of a body of density 1; shells count as their middle surface times their thickness.
 struct Volumes {
   double volume = 0;                                   ///< [m^3]
   Eigen::Vector3d centroid = Eigen::Vector3d::Zero();  ///< [m], frame B
@@ -50,7 +50,7 @@ Quality measure_quality(const Mesh& mesh);
 Index straighten_poor_cells(Mesh& mesh, double poor_ratio = kPoorRatio);
 
 /// Sets mesh.boundary to the faces that belong to exactly one solid cell, oriented outwards (they inherit the
-/// cells' orientation), one block for each face type.  boundary_face is cleared.  Throws
+/// cells' orientation), one block for each face type, and then the blocks of shells.  boundary_face is cleared.  Throws
 /// std::invalid_argument when a face belongs to three or more cells.
 void extract_boundary(Mesh& mesh);
 

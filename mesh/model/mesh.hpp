@@ -53,6 +53,8 @@ struct CellBlock {
   Eigen::Matrix<Index, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> nodes;  ///< n_cells x nodes_per_cell
   std::vector<Index> material;      ///< n_cells; index into the part's materials, empty = all 0
   std::vector<std::int64_t> label;  ///< n_cells; the cell numbers of the file it came from, empty = none
+  std::vector<double> thickness;    ///< shells: n_cells [m]
+  std::vector<double> offset;       ///< shells: n_cells, from the nodes to the middle surface along the normal [m]
 };
 
 /// A named set of nodes, with the surface cells that span it where it came from a face (for area weights).
@@ -64,6 +66,7 @@ struct NodeSet {
 struct Mesh {
   Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor> points;  ///< n_nodes x 3 [m], frame B
   std::vector<CellBlock> solids;
+  std::vector<CellBlock> shells;    ///< tri3 and quad4, whose nodes have six dofs
   std::vector<CellBlock> boundary;  ///< the outer surface, oriented outwards
   std::vector<Index>
       boundary_face;  ///< CAD or mesh face number of each boundary cell, in block order; may be empty

@@ -21,6 +21,7 @@
 #include "reduce/app/reduce_beam_part.hpp"
 #include "reduce/app/reduce_part.hpp"
 #include "reduce/app/section_command.hpp"
+#include "reduce/app/write_mesh.hpp"
 #include "reduce/assembly/model_factor.hpp"
 #include "reduce/linalg/session.hpp"
 #include "reduce/linalg/team.hpp"
@@ -32,7 +33,7 @@ using namespace flexura;
 constexpr int kNotGiven = std::numeric_limits<int>::min();
 
 struct Arguments {
-  std::string input, output, report, mesh_size, accuracy;
+  std::string input, output, report, mesh, mesh_size, accuracy;
   std::vector<std::string> overrides, held;
   int modes = -1, beam_modes = 0, compare = 0;
   int places = kNotGiven;
@@ -50,6 +51,7 @@ void refuse_options_of_the_other_kind(const Arguments& a, bool is_beam) {
   if (is_beam) {
     refuse(a.compare > 0, "--compare", "parts of solid elements");
     refuse(!a.accuracy.empty(), "--accuracy", "parts of solid elements");
+    refuse(!a.mesh.empty(), "--mesh", "parts of solid elements");
     refuse(a.factor_in_file, "--factor-in-file", "parts of solid elements");
     if (!a.statics && (!a.held.empty() || a.places != kNotGiven))
       throw input::InputError("--held and --places are for --statics: give it, or leave them out");
@@ -102,6 +104,10 @@ int reduce_with(const Arguments& arguments, const terminal::Talk& talk, const li
   files::Claims claims;
   if (!prints_only || !is_beam) claims.add(output);
   claims.add(arguments.report);
+  if (!arguments.mesh.empty() && !reduce::is_mesh_ending(arguments.mesh))
+    throw input::InputError(
+        fmt::format("--mesh {}: a mesh is written as .inp (Abaqus), .vtu (ParaView) or .msh (gmsh)", arguments.mesh));
+  claims.add(arguments.mesh);
   if (is_beam) {
     const linalg::Session session;  // one for the structure and its solids
     const reduce::BeamPartInput beams =
@@ -124,6 +130,7 @@ int reduce_with(const Arguments& arguments, const terminal::Talk& talk, const li
 
   reduce::reduce_part(part, output,
                       {.report = arguments.report,
+                       .mesh = arguments.mesh,
                        .compare = arguments.compare,
                        .team = team,
                        .factor_in_file = arguments.factor_in_file,
@@ -148,6 +155,8 @@ std::function<int()> declare(terminal::Options& options, const terminal::Talk& t
       .option("--places", arguments->places, "N", "places along each member for --statics (default: 5)")
       .option("--set", arguments->overrides, "KEY=VALUE", "override an entry of the part file")
       .option("--report", arguments->report, "FILE", "also write the acceptance report as JSON")
+      .option("--mesh", arguments->mesh, "FILE",
+              "also write the mesh of solids and shells, in m: .inp (Abaqus), .vtu (ParaView) or .msh (gmsh)")
       .option(
           "--compare", arguments->compare, "N",
           "also solve the full model: N free frequencies and static compliance against the superelement's")

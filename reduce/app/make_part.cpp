@@ -6,8 +6,10 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 
+#include "reduce/app/deck_frames.hpp"
 #include "reduce/app/force_field.hpp"
 #include "reduce/assembly/point_mass.hpp"
+#include "reduce/assembly/shell_skins.hpp"
 #include "reduce/assembly/whole_body.hpp"
 #include "reduce/elements/surface.hpp"
 
@@ -182,7 +184,8 @@ void add_links(const PartInput& input, ModelledPart& out) {
   }
 }
 
-void add_loads(const PartInput& input, const PartMesh& from, ModelledPart& out) {
+/// `surface` is the mesh in which faces are chosen: before shells have got their skins.
+void add_loads(const PartInput& input, const PartMesh& from, const mesh::Mesh& surface, ModelledPart& out) {
   const mesh::Mesh& mesh = out.part.mesh;
   for (const LoadInput& wanted : input.loads) {
     LoadField load{.name = wanted.name, .keep_shape = wanted.keep_shape};
@@ -197,11 +200,12 @@ void add_loads(const PartInput& input, const PartMesh& from, ModelledPart& out) 
               wanted.value * wanted.value * (r - wanted.vector * wanted.vector.dot(r)).transpose();
         }
       } else if (wanted.type == "pressure") {
-        const mesh::Selection chosen = mesh::select_nodes(mesh, from.faces, wanted.faces);
+        const mesh::Selection chosen = mesh::select_nodes(surface, from.faces, wanted.faces);
         if (chosen.set.faces.empty())
           throw std::invalid_argument(
               "the set has no faces of the part's surface to push on; name a set of whole faces");
-        load.forces = -wanted.value * pressure_load(mesh, chosen.set.faces);
+        load.forces = Eigen::MatrixX3d::Zero(mesh.n_nodes(), 3);
+        load.forces.topRows(surface.n_nodes()) = -wanted.value * pressure_load(surface, chosen.set.faces);
       } else {
         load.acceleration = evaluate_field(wanted.formulas, mesh);
       }
@@ -221,10 +225,16 @@ ModelledPart make_part(const PartInput& input, PartMesh&& from) {
   out.part.mass = input.mass;
   out.part.formulation = input.formulation;
   add_interfaces(input, from, out);
+  // Faces are chosen in the mesh as it came: before shells and beams get the points around them.
+  const bool has_points = !out.part.mesh.shells.empty() || !from.bars.empty();
+  const mesh::Mesh middle = has_points ? out.part.mesh : mesh::Mesh();
+  add_shell_skins(out.part);
+  add_bars(from.bars, out.part);
+  add_springs(from.springs, out.part);
   complete_interfaces(input, out);
   add_masses(input, from, out);
   add_links(input, out);
-  add_loads(input, from, out);
+  add_loads(input, from, has_points ? middle : out.part.mesh, out);
   return out;
 }
 

@@ -102,10 +102,15 @@ void choose_materials(const PartInput& input, const mesh::ImportedModel& model, 
                     deck, part.materials.size()));
 }
 
-/// Which nodes belong to solid elements.
-std::vector<char> nodes_in_cells(const mesh::Mesh& mesh) {
+/// Which nodes belong to elements.
+std::vector<char> nodes_in_cells(const mesh::Mesh& mesh, const PartMesh& part) {
   std::vector<char> inside(mesh.n_nodes(), 0);
-  for (const mesh::CellBlock& block : mesh.solids)
+  for (const mesh::ImportedBar& bar : part.bars)
+    for (const mesh::Index node : bar.nodes) inside[node] = 1;
+  for (const mesh::ImportedSpring& spring : part.springs)
+    for (const mesh::Index node : spring.nodes) inside[node] = 1;
+  for (const auto* blocks : {&mesh.solids, &mesh.shells})
+   for (const mesh::CellBlock& block : *blocks)
     for (Eigen::Index k = 0; k < block.nodes.size(); ++k) inside[block.nodes.data()[k]] = 1;
   return inside;
 }
@@ -122,12 +127,18 @@ void take_ties(const mesh::ImportedModel& model, const std::vector<char>& in_cel
         .node = part.mesh.node_label.empty() ? from.reference + 1 : part.mesh.node_label[from.reference]};
     tie.spec.name = fmt::format("tie {}", from.label);
     tie.spec.tie = rigid ? Tie::rigid : Tie::average;
+    tie.spec.rotations = from.dofs[3] && from.dofs[4] && from.dofs[5];
+    if (rigid && !tie.spec.rotations && (from.dofs[3] || from.dofs[4] || from.dofs[5]))
+      throw std::invalid_argument(fmt::format(
+          "RBE2 {} ties only some of the three rotations of its nodes; tie all or none (CM = 123456 or 123)",
+          from.label));
     tie.spec.point = part.mesh.points.row(from.reference);
     std::vector<std::pair<mesh::Index, double>> nodes;
     for (std::size_t k = 0; k < from.nodes.size(); ++k)
       nodes.emplace_back(from.nodes[k], rigid || from.weights.empty() ? 1.0 : from.weights[k]);
     // A reference node that solid elements share moves with its own spider.
     if (rigid && in_cell[from.reference]) nodes.emplace_back(from.reference, 1.0);
+    tie.spec.turning_node = from.reference;
     std::sort(nodes.begin(), nodes.end());
     nodes.erase(std::unique(nodes.begin(), nodes.end(), [](auto& a, auto& b) { return a.first == b.first; }),
                 nodes.end());
@@ -151,7 +162,7 @@ void take_masses(const mesh::ImportedModel& model, const std::vector<char>& in_c
       part.masses.push_back(mass);
     } else {
       throw std::invalid_argument(
-          fmt::format("point mass {} hangs on a node that belongs to no solid element and to no tie; tie it "
+          fmt::format("point mass {} hangs on a node that belongs to no element and to no tie; tie it "
                       "or take it out of the deck",
                       from.label));
     }
@@ -191,23 +202,28 @@ PartMesh load_part_mesh(const PartInput& input, const mesh::Progress& progress) 
                                         input.stiffness.filename().string(),
                                         input.mass_matrix.filename().string()));
   }
-  const std::vector<char> in_cell = nodes_in_cells(part.mesh);
+  if (part.matrices) {
+    part.mesh.shells.clear();  // their stiffness is in the matrices
+  } else {
+    part.bars = std::move(model.bars);
+    part.springs = std::move(model.springs);
+  }
+  const std::vector<char> in_cell = nodes_in_cells(part.mesh, part);
   take_ties(model, in_cell, part);
   take_masses(model, in_cell, part);
-  if (!model.bars.empty())
-    part.messages.push_back(fmt::format(
-        "{} bar{} (CBAR, CBEAM, first element {}) left out: a part of solids takes none; structures of beams "
-        "have their own part file (--schema-beams)",
-        model.bars.size(), model.bars.size() == 1 ? " is" : "s are", model.bars.front().label));
+  if (!part.bars.empty() || !part.springs.empty())
+    part.messages.push_back(fmt::format("{} beams and rods, {} springs", part.bars.size(), part.springs.size()));
   if (!model.fixed.empty())
     part.messages.push_back(fmt::format(
         "the supports at {} node{} (SPC) are left out: a superelement is a free body, joints hold it at run "
         "time",
         model.fixed.size(), model.fixed.size() == 1 ? "" : "s"));
   part.report.n_nodes = part.mesh.n_nodes();
-  if (part.mesh.solids.empty()) return part;
+  if (part.mesh.solids.empty() && part.mesh.shells.empty()) return part;
   const mesh::Volumes volumes = mesh::measure_volume(part.mesh);
   part.report.n_cells = part.mesh.n_solid_cells();
+  for (const mesh::CellBlock& block : part.mesh.shells)
+    part.report.n_cells += static_cast<mesh::Index>(block.nodes.rows());
   part.report.quality = mesh::measure_quality(part.mesh);
   part.report.volume = volumes.volume;
   part.report.centroid = volumes.centroid;

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "mesh/import/imported.hpp"
 #include "mesh/gmsh/cad.hpp"
 #include "reduce/app/part_file.hpp"
 #include "reduce/assembly/part.hpp"
@@ -25,6 +26,8 @@ struct PartMesh {
   std::vector<Material> materials;
   std::optional<NodalMatrices> matrices;  ///< instead of elements and materials
   std::vector<DeckTie> ties;
+  std::vector<mesh::ImportedBar> bars;
+  std::vector<mesh::ImportedSpring> springs;
   std::vector<PointMass> masses;       ///< on nodes of the mesh
   std::vector<PointMass> tied_masses;  ///< on reference nodes of ties: `node` is the place in `ties`
   mesh::MeshReport report;             ///< cad_volume is 0 for meshes

@@ -29,7 +29,7 @@ TableSchema geometry_schema() {
       .doc =
           "The part, relative to the part file: a CAD file (STEP, IGES, BREP), which is meshed, or a "
           "mesh: gmsh (.msh), Abaqus or CalculiX (.inp), Nastran (.bdf, .dat, .nas), I-DEAS "
-          "(.unv), with its materials, sets, ties and point masses."};
+          "(.unv), with its solids, shells, beams, springs, materials, sets, ties and point masses."};
   s.keys = {
       input::text("file", "CAD file or mesh").required(),
       input::choice(

@@ -23,10 +23,12 @@
 #include "reduce/app/report.hpp"
 #include "reduce/app/surface.hpp"
 #include "reduce/app/to_superelement.hpp"
+#include "reduce/app/write_mesh.hpp"
 #include "reduce/cms/finished_modes.hpp"
 #include "reduce/cms/shape_change.hpp"
 #include "reduce/cms/verification.hpp"
 #include "reduce/linalg/session.hpp"
+#include "reduce/recovery/stress.hpp"
 
 namespace flexura::reduce {
 
@@ -34,7 +36,8 @@ namespace {
 
 /// The surface vertices at which stress modes are wanted.
 std::vector<std::int32_t> stress_vertices(const RecoveryInput& wanted, const mesh::Mesh& mesh,
-                                          const std::vector<mesh::Index>& surface_nodes) {
+                                          const std::vector<mesh::Index>& surface_nodes,
+                                          const Part& part) {
   std::vector<std::int32_t> vertices;
   if (!wanted.stress) return vertices;
   std::vector<char> inside(mesh.n_nodes(), wanted.groups.empty());
@@ -48,8 +51,13 @@ std::vector<std::int32_t> stress_vertices(const RecoveryInput& wanted, const mes
     }
     for (const mesh::Index node : set->second.nodes) inside[node] = 1;
   }
+  for (const Follower& follower : part.followers)  // the skins of shells
+    if (follower.from.size() == 1 && inside[follower.from.front().first]) inside[follower.point] = 1;
+  // What is seen of beams has no stress modes.
+  const auto of_cells = part.frames.empty() ? std::vector<std::pair<int, int>>(surface_nodes.size(), {0, 1})
+                                            : nodal_materials(part, surface_nodes);
   for (std::size_t v = 0; v < surface_nodes.size(); ++v)
-    if (inside[surface_nodes[v]]) vertices.push_back(static_cast<std::int32_t>(v));
+    if (inside[surface_nodes[v]] && of_cells[v].first >= 0) vertices.push_back(static_cast<std::int32_t>(v));
   if (vertices.empty())
     throw input::InputError(wanted.where +
                             ": none of the sets' nodes lies on the part's surface, where "
@@ -185,6 +193,12 @@ Attempt attempt(const PartInput& input, const std::filesystem::path& output, Red
   const Part& part = out.modelled.part;
   std::vector<std::vector<mesh::Index>> interface_nodes;
   for (int k = 0; k < out.modelled.n_interfaces; ++k) interface_nodes.push_back(part.interfaces[k].set.nodes);
+  for (std::vector<mesh::Index>& nodes : interface_nodes) {  // and the skins of shells at them
+    const auto n = static_cast<std::ptrdiff_t>(nodes.size());
+    for (const Follower& follower : part.followers)
+      if (follower.from.size() == 1 && std::binary_search(nodes.begin(), nodes.begin() + n, follower.from.front().first))
+        nodes.push_back(follower.point);
+  }
   out.picture = make_surface(part.mesh, interface_nodes);
   if (!input.finished.vectors.empty() && part.mesh.boundary.empty()) {
     // A table of nodes has no surface: all nodes are kept, as points.
@@ -196,7 +210,7 @@ Attempt attempt(const PartInput& input, const std::filesystem::path& output, Red
   files::expect_size(output, 0.1 * 4.0 * 3.0 * static_cast<double>(out.picture.nodes.size()) * n_shapes);
   how.loads = out.modelled.loads;
   how.shape_nodes = out.picture.nodes;
-  out.vertices = stress_vertices(input.recovery, part.mesh, out.picture.nodes);
+  out.vertices = stress_vertices(input.recovery, part.mesh, out.picture.nodes, part);
   for (const std::int32_t vertex : out.vertices) how.stress_nodes.push_back(out.picture.nodes[vertex]);
   out.reduction = input.finished.vectors.empty() ? craig_bampton(part, how)
                                                  : reduce_finished_modes(part, load_finished_modes(input), how);
@@ -268,6 +282,7 @@ void reduce_part(const PartInput& input, const std::filesystem::path& output, co
       },
       warnings);
   const Part& part = done.modelled.part;
+  if (!options.mesh.empty()) write_mesh(options.mesh, part.mesh);
   Reduction& reduction = done.reduction;
   SurfacePicture& picture = done.picture;
   std::vector<std::int32_t>& vertices = done.vertices;

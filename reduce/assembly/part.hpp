@@ -5,6 +5,7 @@
 #include <array>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "mesh/model/mesh.hpp"
@@ -35,6 +36,8 @@ struct InterfaceSpec {
   std::vector<int> directions = {0, 1, 2,
                                  3, 4, 5};  ///< retained: 0-2 displacement x, y, z, 3-5 rotation; ascending
   std::vector<double> weights = {};         ///< Tie::average: of each node of the set, instead of areas
+  bool rotations = true;  ///< Tie::rigid: the set's own rotations (of shells and beams) follow, too
+  mesh::Index turning_node = -1;  ///< the one whose rotation follows even so
 };
 
 /// A rigid piece of mass: on a node of the mesh or on an interface node (point_mass.hpp).
@@ -67,6 +70,27 @@ struct NodalMatrices {
   std::vector<double> m;           ///< of each pair: the mass matrix is m (x) I_3 [kg]
 };
 
+/// An element of nodes with six dofs each (u, theta) whose matrix is given: a beam, a bushing, a spring.  A node
+/// whose rows of theta are all zero gets no rotation from it.
+struct FrameElement {
+  std::vector<mesh::Index> nodes;
+  Eigen::MatrixXd K;  ///< 6n x 6n, axes of B [N/m, N, N m]
+};
+
+/// A point of the mesh without dofs of its own, which moves with nodes that have six:
+/// u = sum C (u_node, theta_node).  Points on the skins of shells, in and around beams, beside a node.
+struct Follower {
+  mesh::Index point = -1;
+  std::vector<std::pair<mesh::Index, Eigen::Matrix<double, 3, 6>>> from;
+};
+
+/// The points on both sides of the shells: for every cell of a block of mesh.shells and each of its corners
+/// (shell_skins.hpp).
+struct ShellSkins {
+  using Corners = Eigen::Matrix<mesh::Index, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  Corners top, bottom;  ///< top: on the side of the cell's normal
+};
+
 /// Everything that a reduction starts from.
 struct Part {
   mesh::Mesh mesh;
@@ -75,6 +99,9 @@ struct Part {
   std::optional<NodalMatrices> matrices;  ///< instead of what the cells and materials give
   std::vector<NodalMass> masses;
   std::vector<Link> links;
+  std::vector<FrameElement> frames;
+  std::vector<ShellSkins> skins;    ///< of each block of mesh.shells, once they are made
+  std::vector<Follower> followers;  ///< NodalMass on them (also below zero on their nodes) makes rotary inertia
   MassKind mass = MassKind::consistent;
   Formulation formulation = Formulation::standard;
 };

@@ -5,7 +5,11 @@
 
 #include <cmath>
 #include <stdexcept>
+#include <utility>
+#include <vector>
 
+#include "reduce/assembly/rigid_motion.hpp"
+#include "reduce/assembly/tied_model.hpp"
 #include "reduce/linalg/dense.hpp"
 
 namespace flexura::reduce {
@@ -25,30 +29,37 @@ mesh::Index add_tied_node(Part& part, int interface, const Eigen::Vector3d& x) {
   return node;
 }
 
-void add_mass_to_interface(Part& part, int interface, const PointMass& mass) {
-  const std::string name = part.interfaces[interface].name;
-  if (!(mass.mass > 0.0))
-    throw std::invalid_argument(
-        fmt::format("the mass on interface '{}' is {} kg, it must be above 0", name, mass.mass));
-  const Eigen::Vector3d centre = part.interfaces[interface].point + mass.offset;
-  if (mass.inertia.isZero(0.0)) {
-    part.masses.push_back({add_tied_node(part, interface, centre), mass.mass});
-    return;
-  }
+namespace {
+
+// Points (from the node) with masses that have the inertia of a rigid piece: its mass centre alone, or two points on
+// each principal axis.
+std::vector<std::pair<Eigen::Vector3d, double>> equal_points(const PointMass& mass, const std::string& where) {
+  if (mass.inertia.isZero(0.0)) return {{mass.offset, mass.mass}};
   const Eigen::Matrix3d C = 0.5 * mass.inertia.trace() * Eigen::Matrix3d::Identity() - mass.inertia;
   const linalg::DenseEigen axes = linalg::symmetric_eigen(C);
   // Figures come with five digits and more: a plate's zero may come out negative by as much.
   if (axes.values(0) < -1e-5 * axes.values(2))
     throw std::invalid_argument(fmt::format(
-        "the moments of inertia on interface '{}' belong to no body: the greatest exceeds the sum "
-        "of the other two",
-        name));
+        "the moments of inertia on {} belong to no body: the greatest exceeds the sum of the other two", where));
+  std::vector<std::pair<Eigen::Vector3d, double>> points;
   for (int k = 0; k < 3; ++k) {
     const Eigen::Vector3d reach =
         std::sqrt(3.0 * std::max(axes.values(k), 0.0) / mass.mass) * axes.vectors.col(k);
-    for (const double side : {-1.0, 1.0})
-      part.masses.push_back({add_tied_node(part, interface, centre + side * reach), mass.mass / 6.0});
+    for (const double side : {-1.0, 1.0}) points.emplace_back(mass.offset + side * reach, mass.mass / 6.0);
   }
+  return points;
+}
+
+}  // namespace
+
+void add_mass_to_interface(Part& part, int interface, const PointMass& mass) {
+  const std::string name = part.interfaces[interface].name;
+  if (!(mass.mass > 0.0))
+    throw std::invalid_argument(
+        fmt::format("the mass on interface '{}' is {} kg, it must be above 0", name, mass.mass));
+  const Eigen::Vector3d node = part.interfaces[interface].point;
+  for (const auto& [arm, share] : equal_points(mass, fmt::format("interface '{}'", name)))
+    part.masses.push_back({add_tied_node(part, interface, node + arm), share});
 }
 
 void add_mass_to_node(Part& part, const PointMass& mass) {
@@ -56,11 +67,25 @@ void add_mass_to_node(Part& part, const PointMass& mass) {
   if (!(mass.mass > 0.0))
     throw std::invalid_argument(
         fmt::format("the point mass on node {} is {} kg, it must be above 0", label, mass.mass));
-  if (!mass.offset.isZero(0.0) || !mass.inertia.isZero(0.0))
+  if (!mass.offset.isZero(0.0) || !mass.inertia.isZero(0.0)) {
+    if (nodes_with_rotations(part)[mass.node] != 0) {
+      for (const auto& [arm, share] : equal_points(mass, fmt::format("node {}", label))) {
+        mesh::Mesh& mesh = part.mesh;
+        const mesh::Index point = mesh.n_nodes();
+        const Eigen::Vector3d x = mesh.points.row(mass.node).transpose() + arm;
+        mesh.points.conservativeResize(point + 1, 3);
+        mesh.points.row(point) = x.transpose();
+        if (!mesh.node_label.empty()) mesh.node_label.push_back(-1);
+        part.followers.push_back({point, {{mass.node, motion_at(arm)}}});
+        part.masses.push_back({point, share});
+      }
+      return;
+    }
     throw std::invalid_argument(fmt::format(
         "the point mass on node {} has an offset or moments of inertia, but solid elements have no "
         "rotations there: put it on a rigid interface",
         label));
+  }
   part.masses.push_back({mass.node, mass.mass});
 }
 

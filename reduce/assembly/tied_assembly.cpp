@@ -9,6 +9,7 @@
 #include "reduce/assembly/rigid_motion.hpp"
 #include "reduce/assembly/tied_codes.hpp"
 #include "reduce/assembly/tied_model.hpp"
+#include "reduce/elements/shell.hpp"
 #include "reduce/linalg/parallel.hpp"
 
 namespace flexura::reduce {
@@ -45,16 +46,18 @@ Adjacency upper_adjacency(int n, const std::vector<std::vector<int>>& elements) 
 
 }  // namespace
 
+// A node of a rigid tie can have a rotation of its own beside what it follows.
+void TiedModel::add_groups(int node, std::vector<int>& groups) const {
+  for (const int group : {tie_of_[node] >= 0 ? tie_group_[tie_of_[node]] : -1, group_of_[node]})
+    if (group >= 0 && std::find(groups.begin(), groups.end(), group) == groups.end()) groups.push_back(group);
+}
+
 void TiedModel::build_patterns(const Part& part) {
   const int n_groups = static_cast<int>(group_begin_.size()) - 1;
   std::vector<std::vector<int>> by_nodes, by_groups;
   const auto connect = [&](std::vector<int> nodes) {
     std::vector<int> groups;
-    for (const int node : nodes) {
-      const int group = tie_of_[node] >= 0 ? tie_group_[tie_of_[node]] : group_of_[node];
-      if (group >= 0 && std::find(groups.begin(), groups.end(), group) == groups.end())
-        groups.push_back(group);
-    }
+    for (const int node : nodes) add_groups(node, groups);
     by_nodes.push_back(std::move(nodes));
     by_groups.push_back(std::move(groups));
   };
@@ -66,6 +69,15 @@ void TiedModel::build_patterns(const Part& part) {
         connect({block.nodes.row(cell).begin(), block.nodes.row(cell).end()});
   }
   for (const Link& link : part.links) connect({link.from, link.to});
+  for (const mesh::CellBlock& block : part.mesh.shells)
+    for (Eigen::Index cell = 0; cell < block.nodes.rows(); ++cell)
+      connect({block.nodes.row(cell).begin(), block.nodes.row(cell).end()});
+  for (const FrameElement& frame : part.frames) connect({frame.nodes.begin(), frame.nodes.end()});
+  for (const Follower& follower : part.followers) {
+    std::vector<int> groups;
+    for (const auto& [node, C] : follower.from) add_groups(node, groups);
+    by_groups.push_back(std::move(groups));
+  }
   Adjacency nodes = upper_adjacency(n_nodes_, by_nodes);
   m_ = std::make_unique<linalg::SymmetricMatrix>(std::move(nodes.begin), std::move(nodes.columns));
 
@@ -107,19 +119,23 @@ void TiedModel::assemble(const Part& part, const AssemblyOptions& options) {
   K_bb_.setZero(n_b_, n_b_);
   std::int64_t n_cells = 0, n_done = 0, n_inverted = 0;
   std::string inverted;
-  for (const mesh::CellBlock& block : part.mesh.solids) n_cells += block.nodes.rows();
+  for (const auto* blocks : {&part.mesh.solids, &part.mesh.shells})
+    for (const mesh::CellBlock& block : *blocks) n_cells += block.nodes.rows();
 
-  // One element into K_ii, K_ib, K_bb.  Elements away from the ties, nearly all, go the direct way.
+  // One element into K_ii, K_ib, K_bb, its nodes with three dofs each or six.  Elements away from the ties, nearly all,
+  // go the direct way.
   std::vector<int> dofs, tied;
   Eigen::MatrixXd C, K_tied;
   const auto add_stiffness = [&](const auto& cell, const Eigen::MatrixXd& K_e) {
+    const bool turns = K_e.rows() == 6 * cell.size();
     dofs.clear();
     bool direct = true;
-    for (Eigen::Index a = 0; a < cell.size(); ++a)
-      for (int d = 0; d < 3; ++d) {
-        dofs.push_back(code_[3 * static_cast<std::size_t>(cell(a)) + d]);
-        direct = direct && dofs.back() >= 0;
-      }
+    for (Eigen::Index a = 0; a < cell.size(); ++a) {
+      for (int d = 0; d < 3; ++d) dofs.push_back(code_[3 * static_cast<std::size_t>(cell(a)) + d]);
+      const int r = turns ? rotation_of_[cell(a)] : -1;
+      for (int d = 0; d < 3 && turns; ++d) dofs.push_back(r >= 0 ? rotation_code_[r][d] : kUnused);
+    }
+    for (const int code : dofs) direct = direct && code >= 0;
     if (direct) {
       K_ii_->add(dofs, K_e);
       return;
@@ -132,15 +148,21 @@ void TiedModel::assemble(const Part& part, const AssemblyOptions& options) {
       tied.push_back(code);
       return static_cast<Eigen::Index>(tied.size()) - 1;
     };
-    C.setZero(static_cast<Eigen::Index>(dofs.size()), 6 * cell.size());
+    Eigen::Index n_columns = static_cast<Eigen::Index>(dofs.size());
+    for (Eigen::Index a = 0; a < cell.size(); ++a)
+      if (const int slave = slave_of_[cell(a)]; slave >= 0)
+        n_columns += slave_begin_[slave + 1] - slave_begin_[slave];
+    C.setZero(static_cast<Eigen::Index>(dofs.size()), n_columns);
+    const Eigen::Index width = turns ? 6 : 3;
     for (Eigen::Index a = 0; a < cell.size(); ++a) {
-      if (const int k = tie_of_[cell(a)]; k >= 0) {
-        const Eigen::Matrix<double, 3, 6> D =
-            motion_at(points_.row(cell(a)).transpose() - interfaces_[k].point);
-        for (int q = 0; q < 6; ++q) C.block<3, 1>(3 * a, column_of(interfaces_[k].code[q])) = D.col(q);
+      if (const int slave = slave_of_[cell(a)]; slave >= 0) {
+        for (int k = slave_begin_[slave]; k < slave_begin_[slave + 1]; ++k)
+          C.block<3, 1>(width * a, column_of(slave_code_[k])) = slave_C_[k];
       } else {
-        for (int d = 0; d < 3; ++d) C(3 * a + d, column_of(dofs[3 * a + d])) = 1.0;
+        for (int d = 0; d < 3; ++d) C(width * a + d, column_of(dofs[width * a + d])) = 1.0;
       }
+      for (Eigen::Index d = 3; d < width; ++d)
+        if (const int code = dofs[width * a + d]; is_dof(code)) C(width * a + d, column_of(code)) = 1.0;
     }
     const auto used = C.leftCols(static_cast<Eigen::Index>(tied.size()));
     K_tied = used.transpose() * K_e * used;
@@ -218,6 +240,39 @@ void TiedModel::assemble(const Part& part, const AssemblyOptions& options) {
                      static_cast<double>(n_done) / static_cast<double>(n_cells));
     }
   }
+  for (const mesh::CellBlock& block : part.mesh.shells) {
+    for (Eigen::Index first = 0; first < block.nodes.rows(); first += kChunk) {
+      const int count = static_cast<int>(std::min<Eigen::Index>(kChunk, block.nodes.rows() - first));
+      linalg::parallel_for(count, [&](int k) {
+        const Eigen::Index cell = first + k;
+        const Material& material = part.materials.at(block.material.empty() ? 0 : block.material[cell]);
+        const double offset = block.offset.empty() ? 0.0 : block.offset[cell];
+        NodePositions x(block.nodes.cols(), 3);
+        for (Eigen::Index a = 0; a < x.rows(); ++a) x.row(a) = points_.row(block.nodes(cell, a));
+        Result& result = results[k];
+        result.smallest_det = shell_stiffness(x, material.D, block.thickness[cell], offset, result.K);
+        shell_mass(x, material.density, block.thickness[cell], part.mass, result.m);
+        if (offset != 0.0) result.m.setZero();  // it is on points beside the nodes (shell_skins.hpp)
+      });
+      for (int k = 0; k < count; ++k) {
+        const auto cell = block.nodes.row(first + k);
+        Result& result = results[k];
+        if (!(result.smallest_det > 0.0)) {
+          if (++n_inverted <= 5)
+            inverted += fmt::format("{}{}", n_inverted > 1 ? ", " : "",
+                                    block.label.empty() ? n_done + k : block.label[first + k]);
+          continue;
+        }
+        m_->add({cell.data(), static_cast<std::size_t>(cell.size())}, result.m);
+        if (options.shift != 0.0)
+          for (Eigen::Index a = 0; a < cell.size(); ++a)
+            for (Eigen::Index c = 0; c < cell.size(); ++c)
+              result.K.block<3, 3>(6 * a, 6 * c).diagonal().array() += options.shift * result.m(a, c);
+        add_stiffness(cell, result.K);
+      }
+      n_done += count;
+    }
+  }
   if (n_inverted > 0)
     throw std::invalid_argument(
         fmt::format("{} of {} cells {} inverted or flat (det J <= 0 at a quadrature point): cell{} {}{}; "
@@ -230,6 +285,10 @@ void TiedModel::assemble(const Part& part, const AssemblyOptions& options) {
     const Eigen::Matrix<mesh::Index, 1, 1> cell(mass.node);
     add_stiffness(cell, options.shift * mass.mass * Eigen::MatrixXd::Identity(3, 3));
   }
+  for (const FrameElement& frame : part.frames)
+    add_stiffness(Eigen::Map<const Eigen::Matrix<mesh::Index, 1, Eigen::Dynamic>>(
+                      frame.nodes.data(), static_cast<Eigen::Index>(frame.nodes.size())),
+                  frame.K);
   for (const Link& link : part.links) {
     const Eigen::Matrix3d k = link.stiffness * direction_projector(link);
     Eigen::MatrixXd K_e(6, 6);

@@ -51,7 +51,7 @@ void TiedModel::check_interfaces(const Part& part, bool may_be_free) const {
             fmt::format("interface '{}' is tied as a node, but its set has {} nodes: give one "
                         "node, or tie it rigid or as an average",
                         name, interface.nodes.size()));
-      if (largest > 2)
+      if (largest > 2 && rotation_of_[interface.nodes[0]] < 0)
         throw std::invalid_argument(
             fmt::format("interface '{}' is a single node of solid elements, which has no rotations: retain "
                         "displacements only, or choose a face",
@@ -59,12 +59,17 @@ void TiedModel::check_interfaces(const Part& part, bool may_be_free) const {
       continue;
     }
     Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor> set(interface.nodes.size(), 3);
-    Eigen::Matrix<double, Eigen::Dynamic, 6> H(3 * set.rows(), 6);
+    Eigen::Matrix<double, Eigen::Dynamic, 6> H = Eigen::MatrixXd::Zero(3 * set.rows() + 3, 6);
+    bool turns = false;
     for (Eigen::Index a = 0; a < set.rows(); ++a) {
-      set.row(a) = points_.row(interface.nodes[a]);
+      const mesh::Index node = interface.nodes[a];
+      set.row(a) = points_.row(node);
       H.middleRows<3>(3 * a) = motion_at(set.row(a));
+      turns = turns || (interface.tie == Tie::rigid && rotation_of_[node] >= 0 &&
+                        (part.interfaces[k].rotations || node == part.interfaces[k].turning_node));
     }
     const Extent extent = extent_of(set);
+    if (turns) H.bottomRightCorner<3, 3>().diagonal().setConstant(extent.length);
     const auto free = free_motions(H, extent.centre, extent.length);
     if (free.cols() > 0)
       throw std::invalid_argument(fmt::format(
@@ -96,6 +101,14 @@ void TiedModel::check_pieces(const Part& part) const {
     for (Eigen::Index cell = 0; cell < block.nodes.rows(); ++cell)
       for (Eigen::Index a = 1; a < block.nodes.cols(); ++a)
         parent[root(block.nodes(cell, a))] = root(block.nodes(cell, 0));
+  for (const mesh::CellBlock& block : part.mesh.shells)
+    for (Eigen::Index cell = 0; cell < block.nodes.rows(); ++cell)
+      for (Eigen::Index a = 1; a < block.nodes.cols(); ++a)
+        parent[root(block.nodes(cell, a))] = root(block.nodes(cell, 0));
+  for (const FrameElement& frame : part.frames)
+    for (const mesh::Index node : frame.nodes) parent[root(node)] = root(frame.nodes.front());
+  for (const Follower& follower : part.followers)
+    for (const auto& [node, C] : follower.from) parent[root(follower.point)] = root(node);
   if (part.matrices)
     for (const auto& [a, b] : part.matrices->pairs) parent[root(a)] = root(b);
   for (int k = 0; k < n_interfaces(); ++k)
@@ -105,7 +118,7 @@ void TiedModel::check_pieces(const Part& part) const {
   for (int node = 0; node < n_nodes_; ++node)
     if (code_[3 * static_cast<std::size_t>(node)] != kUnused)
       ++pieces.try_emplace(root(node), 0, node).first->second.first;
-  if (pieces.empty()) throw std::invalid_argument("the mesh has no solid cells");
+  if (pieces.empty()) throw std::invalid_argument("the mesh has no cells that stiffness comes from");
   if (pieces.size() == 1) return;
   const auto smallest = std::min_element(pieces.begin(), pieces.end(), [](const auto& a, const auto& b) {
     return a.second.first < b.second.first;

@@ -50,6 +50,8 @@ TiedModel::TiedModel(const Part& part, const AssemblyOptions& options)
 void TiedModel::number_dofs(const Part& part) {
   code_.assign(3 * static_cast<std::size_t>(n_nodes_), kUnused);
   tie_of_.assign(n_nodes_, -1);
+  rotation_of_.assign(n_nodes_, -1);
+  slave_of_.assign(n_nodes_, -1);
   group_of_.assign(n_nodes_, -1);
   for (const mesh::CellBlock& block : part.mesh.solids)
     for (Eigen::Index k = 0; k < block.nodes.size(); ++k) {
@@ -59,6 +61,9 @@ void TiedModel::number_dofs(const Part& part) {
             fmt::format("a cell refers to node {}, but the mesh has nodes 0 to {}", node, n_nodes_ - 1));
       std::fill_n(code_.begin() + 3 * static_cast<std::ptrdiff_t>(node), 3, kPending);
     }
+  mark_rotations(part);
+  for (const Follower& follower : part.followers)
+    std::fill_n(code_.begin() + 3 * static_cast<std::ptrdiff_t>(follower.point), 3, kSlave);
   if (part.matrices) {
     std::fill(code_.begin(), code_.end(), kUnused);
     for (const auto& pair : part.matrices->pairs)
@@ -104,13 +109,18 @@ void TiedModel::number_dofs(const Part& part) {
       for (mesh::Index node : interface.nodes) {
         tie_of_[node] = static_cast<int>(k);
         std::fill_n(code_.begin() + 3 * static_cast<std::ptrdiff_t>(node), 3, kSlave);
+        if (const int r = rotation_of_[node]; r >= 0 && (part.interfaces[k].rotations || node == part.interfaces[k].turning_node))
+          rotation_code_[r].fill(kSlave);
       }
     if (interface.tie == Tie::node && interface.nodes.size() == 1) {
       const mesh::Index node = interface.nodes[0];
       interface.point = points_.row(node);
       int b = interface.first_b;
       for (int direction : interface.directions)
-        if (direction < 3) code_[3 * static_cast<std::size_t>(node) + direction] = boundary_code(b++);
+        if (direction < 3)
+          code_[3 * static_cast<std::size_t>(node) + direction] = boundary_code(b++);
+        else if (const int r = rotation_of_[node]; r >= 0)
+          rotation_code_[r][direction - 3] = boundary_code(b++);
     }
   }
   group_begin_ = {0};
@@ -122,6 +132,9 @@ void TiedModel::number_dofs(const Part& part) {
   for (int node = 0; node < n_nodes_; ++node) {
     for (int a = 0; a < 3; ++a)
       if (int& code = code_[3 * static_cast<std::size_t>(node) + a]; code == kPending) code = n_i_++;
+    if (const int r = rotation_of_[node]; r >= 0)
+      for (int& code : rotation_code_[r])
+        if (code == kPending) code = n_i_++;
     group_of_[node] = close_group();
   }
   for (InterfaceDofs& interface : interfaces_) {
@@ -133,34 +146,122 @@ void TiedModel::number_dofs(const Part& part) {
         if (code == kUnused) code = n_i_++;
     tie_group_.push_back(close_group());
   }
+  for (const InterfaceDofs& interface : interfaces_)
+    for (const mesh::Index node : interface.nodes)
+      if (const int r = rotation_of_[node]; interface.tie == Tie::rigid && r >= 0 && rotation_code_[r][0] == kSlave)
+        std::copy_n(interface.code.begin() + 3, 3, rotation_code_[r].begin());
+  follow(part);
+}
+
+std::vector<char> nodes_with_rotations(const Part& part) {
+  std::vector<char> turns(part.mesh.n_nodes(), 0);
+  for (const mesh::CellBlock& block : part.mesh.shells)
+    for (Eigen::Index k = 0; k < block.nodes.size(); ++k) turns[block.nodes.data()[k]] = 1;
+  for (const FrameElement& frame : part.frames)
+    for (std::size_t a = 0; a < frame.nodes.size(); ++a)
+      if (!frame.K.middleRows<3>(6 * static_cast<Eigen::Index>(a) + 3).isZero(0.0)) turns[frame.nodes[a]] = 1;
+  return turns;
+}
+
+void TiedModel::mark_rotations(const Part& part) {
+  const auto check = [this](mesh::Index node) {
+    if (node < 0 || node >= n_nodes_)
+      throw std::invalid_argument(
+          fmt::format("an element refers to node {}, but the mesh has nodes 0 to {}", node, n_nodes_ - 1));
+    std::fill_n(code_.begin() + 3 * static_cast<std::ptrdiff_t>(node), 3, kPending);
+  };
+  for (const mesh::CellBlock& block : part.mesh.shells)
+    for (Eigen::Index k = 0; k < block.nodes.size(); ++k) check(block.nodes.data()[k]);
+  for (const FrameElement& frame : part.frames)
+    for (const mesh::Index node : frame.nodes) check(node);
+  const std::vector<char> turns = nodes_with_rotations(part);
+  for (int node = 0; node < n_nodes_; ++node) {
+    if (!turns[node]) continue;
+    rotation_of_[node] = static_cast<int>(rotation_code_.size());
+    rotation_code_.push_back({kPending, kPending, kPending});
+  }
+}
+
+// The points without dofs, by what they follow.
+void TiedModel::follow(const Part& part) {
+  slave_begin_ = {0};
+  const auto add = [this](int code, const Eigen::Vector3d& C) {
+    for (std::size_t k = slave_begin_.back(); k < slave_code_.size(); ++k)
+      if (slave_code_[k] == code) {
+        slave_C_[k] += C;
+        return;
+      }
+    slave_code_.push_back(code);
+    slave_C_.push_back(C);
+  };
+  // Of a node's own displacement and rotation by C.
+  const auto add_node = [&](mesh::Index node, const Eigen::Matrix<double, 3, 6>& C) {
+    if (const int tie = tie_of_[node]; tie >= 0) {
+      const Eigen::Matrix<double, 3, 6> motion =
+          C.leftCols<3>() * motion_at(points_.row(node).transpose() - interfaces_[tie].point);
+      for (int d = 0; d < 6; ++d) add(interfaces_[tie].code[d], motion.col(d));
+    } else {
+      for (int d = 0; d < 3; ++d) add(code_[3 * static_cast<std::size_t>(node) + d], C.col(d));
+    }
+    const int r = rotation_of_[node];
+    for (int d = 0; d < 3 && r >= 0; ++d) add(rotation_code_[r][d], C.col(3 + d));
+  };
+  const auto close = [this](mesh::Index point) {
+    slave_of_[point] = static_cast<int>(slave_begin_.size()) - 1;
+    slave_begin_.push_back(static_cast<int>(slave_code_.size()));
+  };
+  for (int node = 0; node < n_nodes_; ++node) {
+    if (tie_of_[node] < 0) continue;
+    const InterfaceDofs& interface = interfaces_[tie_of_[node]];
+    const Eigen::Matrix<double, 3, 6> motion = motion_at(points_.row(node).transpose() - interface.point);
+    for (int d = 0; d < 6; ++d) add(interface.code[d], motion.col(d));
+    close(node);
+  }
+  for (const Follower& follower : part.followers) {
+    if (slave_of_[follower.point] >= 0)
+      throw std::invalid_argument(fmt::format("point {} follows two things", follower.point));
+    for (const auto& [node, C] : follower.from) {
+      const bool moves = tie_of_[node] >= 0 || is_dof(code_[3 * static_cast<std::size_t>(node)]);
+      if (!moves || (rotation_of_[node] < 0 && !C.rightCols<3>().isZero(0.0)))
+        throw std::invalid_argument(fmt::format("a point follows node {}, which has no {}",
+                                                node_label_.empty() ? node : node_label_[node],
+                                                moves ? "rotation: no shell and no beam holds it" : "dofs"));
+      add_node(node, C);
+    }
+    close(follower.point);
+  }
 }
 
 template <class Read, class Rows>
 void TiedModel::spread(const Read& read, Rows& U) const {
   for (Eigen::Index d = 0; d < U.rows(); ++d)
     if (is_dof(code_[d])) read(code_[d], U.row(d));
-  Eigen::Matrix<double, 6, Rows::ColsAtCompileTime> q(6, U.cols());
-  for (const InterfaceDofs& interface : interfaces_) {
-    if (interface.tie != Tie::rigid) continue;
-    for (int direction = 0; direction < 6; ++direction) read(interface.code[direction], q.row(direction));
-    for (const mesh::Index node : interface.nodes)
-      U.template middleRows<3>(3 * static_cast<Eigen::Index>(node)) =
-          motion_at(points_.row(node).transpose() - interface.point) * q;
+  Eigen::Matrix<double, 1, Rows::ColsAtCompileTime> q(U.cols());
+  for (int node = 0; node < n_nodes_; ++node) {
+    const int slave = slave_of_[node];
+    if (slave < 0) continue;
+    auto u = U.template middleRows<3>(3 * static_cast<Eigen::Index>(node));
+    u.setZero();
+    for (int k = slave_begin_[slave]; k < slave_begin_[slave + 1]; ++k) {
+      read(slave_code_[k], q);
+      u.noalias() += slave_C_[k] * q;
+    }
   }
 }
 
-template <class Rows, class Write>
-void TiedModel::collect(const Rows& F, const Write& write) const {
+template <class Rows, class Add>
+void TiedModel::collect(const Rows& F, const Add& add) const {
   for (Eigen::Index d = 0; d < F.rows(); ++d)
-    if (is_dof(code_[d])) write(code_[d], F.row(d));
-  Eigen::Matrix<double, 6, Rows::ColsAtCompileTime> load(6, F.cols());
-  for (const InterfaceDofs& interface : interfaces_) {
-    if (interface.tie != Tie::rigid) continue;
-    load.setZero();
-    for (const mesh::Index node : interface.nodes)
-      load += motion_at(points_.row(node).transpose() - interface.point).transpose() *
-              F.template middleRows<3>(3 * static_cast<Eigen::Index>(node));
-    for (int direction = 0; direction < 6; ++direction) write(interface.code[direction], load.row(direction));
+    if (is_dof(code_[d])) add(code_[d], F.row(d));
+  Eigen::Matrix<double, 1, Rows::ColsAtCompileTime> share(F.cols());
+  for (int node = 0; node < n_nodes_; ++node) {
+    const int slave = slave_of_[node];
+    if (slave < 0) continue;
+    for (int k = slave_begin_[slave]; k < slave_begin_[slave + 1]; ++k) {
+      share.noalias() =
+          slave_C_[k].transpose() * F.template middleRows<3>(3 * static_cast<Eigen::Index>(node));
+      add(slave_code_[k], share);
+    }
   }
 }
 
@@ -183,9 +284,9 @@ void TiedModel::gather(const Eigen::Ref<const Eigen::MatrixXd>& F, Eigen::Matrix
   f_b.setZero(n_b_, F.cols());
   collect(F, [&](int code, const auto& row) {
     if (code >= 0)
-      f_i.row(code) = row;
+      f_i.row(code) += row;
     else
-      f_b.row(boundary_of(code)) = row;
+      f_b.row(boundary_of(code)) += row;
   });
 }
 
@@ -193,37 +294,34 @@ linalg::SymmetricMatrix TiedModel::shifted_stiffness(double shift) const {
   linalg::SymmetricMatrix K = K_ii_->copy();
   // The interior dofs that a node follows, and its motion for a unit of each.
   struct Follows {
-    int n = 0;
-    std::array<int, 6> dof{};
-    Eigen::Matrix<double, 3, 6> C;
+    std::vector<int> dof;
+    std::vector<Eigen::Vector3d> C;
   };
-  const auto follows = [&](int node) {
-    Follows out;
+  const auto follows = [&](int node, Follows& out) {
+    out.dof.clear(), out.C.clear();
     const auto add = [&](int code, const Eigen::Vector3d& motion) {
       if (code < 0) return;
-      out.dof[out.n] = code;
-      out.C.col(out.n++) = motion;
+      out.dof.push_back(code);
+      out.C.push_back(motion);
     };
-    if (const int tie = tie_of_[node]; tie >= 0) {
-      const Eigen::Matrix<double, 3, 6> motion =
-          motion_at(points_.row(node).transpose() - interfaces_[tie].point);
-      for (int d = 0; d < 6; ++d) add(interfaces_[tie].code[d], motion.col(d));
+    if (const int slave = slave_of_[node]; slave >= 0) {
+      for (int k = slave_begin_[slave]; k < slave_begin_[slave + 1]; ++k) add(slave_code_[k], slave_C_[k]);
     } else {
       for (int d = 0; d < 3; ++d)
         if (const int code = code_[3 * static_cast<std::size_t>(node) + d]; is_dof(code))
           add(code, Eigen::Vector3d::Unit(d));
     }
-    return out;
   };
   const linalg::UpperCsr m = m_->csr();
+  Follows of_p, of_q;
   for (int p = 0; p < m.n; ++p) {
-    const Follows of_p = follows(p);
-    for (int k = m.row_begin[p]; of_p.n > 0 && k < m.row_begin[p + 1]; ++k) {
+    follows(p, of_p);
+    for (int k = m.row_begin[p]; !of_p.dof.empty() && k < m.row_begin[p + 1]; ++k) {
       const int q = m.columns[k];
-      const Follows of_q = q == p ? of_p : follows(q);
-      for (int a = 0; a < of_p.n; ++a)
-        for (int b = p == q ? a : 0; b < of_q.n; ++b) {
-          double value = shift * m.values[k] * of_p.C.col(a).dot(of_q.C.col(b));
+      follows(q, of_q);
+      for (std::size_t a = 0; a < of_p.dof.size(); ++a)
+        for (std::size_t b = p == q ? a : 0; b < of_q.dof.size(); ++b) {
+          double value = shift * m.values[k] * of_p.C[a].dot(of_q.C[b]);
           if (p != q && of_p.dof[a] == of_q.dof[b]) value *= 2.0;  // (p, q) and (q, p)
           if (value != 0.0) K.add_to_entry(of_p.dof[a], of_q.dof[b], value);
         }
@@ -235,7 +333,7 @@ linalg::SymmetricMatrix TiedModel::shifted_stiffness(double shift) const {
 // C_i^T (m (x) I_3) C_i X by panels of eight columns, one panel per core at a time.
 void TiedModel::multiply_M_ii(const Eigen::Ref<const Eigen::MatrixXd>& X, Eigen::MatrixXd& Y) const {
   constexpr Eigen::Index kWidth = linalg::RowPanel::ColsAtCompileTime;
-  Y.resize(n_i_, X.cols());
+  Y.setZero(n_i_, X.cols());
   linalg::parallel_for(static_cast<int>((X.cols() + kWidth - 1) / kWidth), [&](int panel) {
     const Eigen::Index first = panel * kWidth, width = std::min(kWidth, X.cols() - first);
     linalg::RowPanel U = linalg::RowPanel::Zero(static_cast<Eigen::Index>(code_.size()), kWidth), MU;
@@ -248,7 +346,7 @@ void TiedModel::multiply_M_ii(const Eigen::Ref<const Eigen::MatrixXd>& X, Eigen:
     m_->multiply_kron3(U, MU);
     collect(MU, [&](int code, const auto& row) {
       if (code < 0) return;
-      for (Eigen::Index c = 0; c < width; ++c) Y(code, first + c) = row(c);
+      for (Eigen::Index c = 0; c < width; ++c) Y(code, first + c) += row(c);
     });
   });
 }
@@ -262,10 +360,15 @@ Eigen::Matrix3d TiedModel::direction_projector(const Link& link) const {
 }
 
 Eigen::MatrixXd TiedModel::interior_part(const Eigen::Ref<const Eigen::MatrixXd>& U,
+                                         const Eigen::Ref<const Eigen::MatrixXd>& rotations,
                                          const std::vector<Eigen::MatrixXd>& interface_motions) const {
   Eigen::MatrixXd u_i(n_i_, U.cols());
   for (std::size_t d = 0; d < code_.size(); ++d)
     if (code_[d] >= 0) u_i.row(code_[d]) = U.row(static_cast<Eigen::Index>(d));
+  for (std::size_t r = 0; r < rotation_code_.size(); ++r)
+    for (int d = 0; d < 3; ++d)
+      if (const int code = rotation_code_[r][d]; code >= 0)
+        u_i.row(code) = rotations.row(3 * static_cast<Eigen::Index>(r) + d);
   for (std::size_t k = 0; k < interfaces_.size(); ++k)
     if (interfaces_[k].tie == Tie::rigid)
       for (int direction = 0; direction < 6; ++direction)
@@ -280,6 +383,8 @@ std::vector<int> TiedModel::interior_in(const TiedModel& other) const {
     if (code >= 0 && there >= 0) place[code] = there;
   };
   for (std::size_t d = 0; d < code_.size(); ++d) match(code_[d], other.code_[d]);
+  for (std::size_t r = 0; r < rotation_code_.size(); ++r)
+    for (int d = 0; d < 3; ++d) match(rotation_code_[r][d], other.rotation_code_[r][d]);
   for (std::size_t k = 0; k < interfaces_.size(); ++k)
     if (interfaces_[k].tie == Tie::rigid && other.interfaces_[k].tie == Tie::rigid)
       for (int direction = 0; direction < 6; ++direction)
@@ -300,7 +405,27 @@ Eigen::MatrixXd TiedModel::rigid_b() const {
 Eigen::MatrixXd TiedModel::rigid_i() const {
   std::vector<Eigen::MatrixXd> motions;
   for (const InterfaceDofs& interface : interfaces_) motions.push_back(node_motion_at(interface.point));
-  return interior_part(rigid_nodes(), motions);
+  return interior_part(rigid_nodes(), rigid_rotations(), motions);
+}
+
+Eigen::MatrixXd TiedModel::rigid_rotations() const {
+  Eigen::MatrixXd R = Eigen::MatrixXd::Zero(3 * n_rotations(), 6);
+  for (int r = 0; r < n_rotations(); ++r) R.block<3, 3>(3 * r, 3).setIdentity();
+  return R;
+}
+
+Eigen::MatrixXd TiedModel::expand_rotations(const Eigen::Ref<const Eigen::MatrixXd>& u_i,
+                                            const Eigen::Ref<const Eigen::MatrixXd>& u_b) const {
+  Eigen::MatrixXd rotations(3 * n_rotations(), u_i.cols());
+  for (int r = 0; r < n_rotations(); ++r)
+    for (int d = 0; d < 3; ++d) {
+      const int code = rotation_code_[r][d];
+      if (code >= 0)
+        rotations.row(3 * r + d) = u_i.row(code);
+      else
+        rotations.row(3 * r + d) = u_b.row(boundary_of(code));
+    }
+  return rotations;
 }
 
 Eigen::MatrixXd TiedModel::rigid_nodes() const {
@@ -308,6 +433,14 @@ Eigen::MatrixXd TiedModel::rigid_nodes() const {
   for (int node = 0; node < n_nodes_; ++node)
     R.middleRows<3>(3 * static_cast<Eigen::Index>(node)) = motion_at(points_.row(node));
   return R;
+}
+
+// Where a direction of a rigid tie's or a single node's interface is.
+int TiedModel::code_of(const InterfaceDofs& interface, int d) const {
+  if (interface.tie != Tie::node) return interface.code[d];
+  const mesh::Index node = interface.nodes[0];
+  if (d < 3) return code_[3 * static_cast<std::size_t>(node) + d];
+  return rotation_of_[node] >= 0 ? rotation_code_[rotation_of_[node]][d - 3] : kUnused;
 }
 
 Eigen::MatrixXd TiedModel::interface_motion(int k, const Eigen::Ref<const Eigen::MatrixXd>& u_i,
@@ -322,9 +455,7 @@ Eigen::MatrixXd TiedModel::interface_motion(int k, const Eigen::Ref<const Eigen:
     return q;
   }
   for (int d = 0; d < 6; ++d) {
-    int code = interface.code[d];
-    if (interface.tie == Tie::node)
-      code = d < 3 ? code_[3 * static_cast<std::size_t>(interface.nodes[0]) + d] : kUnused;
+    const int code = code_of(interface, d);
     if (is_dof(code)) q.row(d) = code >= 0 ? u_i.row(code) : u_b.row(boundary_of(code));
   }
   return q;
@@ -341,22 +472,27 @@ Eigen::MatrixXd TiedModel::interface_load(int k, const Eigen::Ref<const Eigen::M
     return f;
   }
   for (int d = 0; d < 6; ++d) {
-    int code = interface.code[d];
-    if (interface.tie == Tie::node)
-      code = d < 3 ? code_[3 * static_cast<std::size_t>(interface.nodes[0]) + d] : kUnused;
+    const int code = code_of(interface, d);
     if (code >= 0) f.row(code) += load.row(d);
   }
   return f;
 }
 
 std::string TiedModel::describe_dof(int i) const {
+  const auto describe = [&](int node, const char* how, int axis) {
+    const std::int64_t label = node_label_.empty() ? static_cast<std::int64_t>(node) : node_label_[node];
+    return fmt::format("node {} at ({:.5g}, {:.5g}, {:.5g}) m {} {}", label, points_(node, 0), points_(node, 1),
+                       points_(node, 2), how, "xyz"[axis]);
+  };
   const auto found = std::find(code_.begin(), code_.end(), i);
-  if (found == code_.end()) return "an interface node";
-  const auto place = found - code_.begin();
-  const auto node = static_cast<std::size_t>(place / 3);
-  const std::int64_t label = node_label_.empty() ? static_cast<std::int64_t>(node) : node_label_[node];
-  return fmt::format("node {} at ({:.5g}, {:.5g}, {:.5g}) m in {}", label, points_(node, 0), points_(node, 1),
-                     points_(node, 2), "xyz"[place % 3]);
+  if (found != code_.end()) {
+    const auto place = static_cast<int>(found - code_.begin());
+    return describe(place / 3, "in", place % 3);
+  }
+  for (int node = 0; node < n_nodes_; ++node)
+    for (int d = 0; d < 3 && rotation_of_[node] >= 0; ++d)
+      if (rotation_code_[rotation_of_[node]][d] == i) return describe(node, "in its rotation about", d);
+  return "an interface node";
 }
 
 }  // namespace flexura::reduce

@@ -17,7 +17,9 @@
 ///
 ///     U = C_i u_i + C_b u_b,       K_ii = C_i^T K C_i,  K_ib = C_i^T K C_b,  K_bb = C_b^T K C_b,
 ///
-/// where C is the identity but for the nodes of rigid ties, which follow their interface node.  Averaging
+/// where C is the identity but for points that follow others: nodes of rigid ties their interface node,
+/// Follower points the nodes of shells and beams.  These nodes have rotations as well, which are dofs beside
+/// the displacements and no rows of U: what has mass or is looked at is a point.  Averaging
 /// ties leave the mesh alone and say instead
 ///
 ///     A u_i = u_b (averaged rows).
@@ -39,6 +41,9 @@ struct AssemblyOptions {
   const linalg::Team* team = nullptr;
   linalg::Progress progress;
 };
+
+/// Which nodes have six dofs: those of shells, and of frame elements that resist their rotation.
+std::vector<char> nodes_with_rotations(const Part& part);
 
 class TiedModel {
  public:
@@ -91,18 +96,27 @@ class TiedModel {
   /// The directions in which a link acts: n n^T, or 1 where its ends coincide.
   Eigen::Matrix3d direction_projector(const Link& link) const;
 
-  /// u_i of displacements U of all nodes (3 n_nodes x k) and motions of the interface nodes (6 x k each).
+  /// u_i of displacements U of all nodes (3 n_nodes x k), rotations as expand_rotations gives them, and motions of
+  /// the interface nodes (6 x k each).
   Eigen::MatrixXd interior_part(const Eigen::Ref<const Eigen::MatrixXd>& U,
+                                const Eigen::Ref<const Eigen::MatrixXd>& rotations,
                                 const std::vector<Eigen::MatrixXd>& interface_motions) const;
+
+  /// The rotations of the nodes that have them (shells, beams): 3 n_rotations() x k, row 3 rotation_of(node) + axis.
+  Eigen::MatrixXd expand_rotations(const Eigen::Ref<const Eigen::MatrixXd>& u_i,
+                                   const Eigen::Ref<const Eigen::MatrixXd>& u_b) const;
+  int n_rotations() const { return static_cast<int>(rotation_code_.size()); }
+  int rotation_of(mesh::Index node) const { return rotation_of_[node]; }  ///< -1: it has none
 
   /// Where each interior dof is in another model of the same part with other ties: its number there, or -1.
   std::vector<int> interior_in(const TiedModel& other) const;
 
-  /// The six rigid motions (about Bo) of the boundary dofs, n_b x 6, of the interior ones, n_i x 6, and of all
-  /// nodes, 3 n_nodes x 6.
+  /// The six rigid motions (about Bo) of the boundary dofs, n_b x 6, of the interior ones, n_i x 6, of all nodes,
+  /// 3 n_nodes x 6, and of the rotations, 3 n_rotations x 6.
   Eigen::MatrixXd rigid_b() const;
   Eigen::MatrixXd rigid_i() const;
   Eigen::MatrixXd rigid_nodes() const;
+  Eigen::MatrixXd rigid_rotations() const;
 
   /// First boundary dof of an interface; its retained directions follow.
   int first_dof(int interface) const { return interfaces_[interface].first_b; }
@@ -119,12 +133,12 @@ class TiedModel {
   std::string describe_dof(int i) const;
 
  private:
-  /// U = C u by rows: read(code, row) sets a row (of all columns) to the dof with this code.
+  /// U = C u by rows: read(code, row) sets a row (of all columns) to the dof with this code, if it is one.
   template <class Read, class Rows>
   void spread(const Read& read, Rows& U) const;
-  /// C^T F by rows: write(code, row) is called once for each dof.
-  template <class Rows, class Write>
-  void collect(const Rows& F, const Write& write) const;
+  /// C^T F by rows: add(code, row) is called for every share of a dof.
+  template <class Rows, class Add>
+  void collect(const Rows& F, const Add& add) const;
 
   struct InterfaceDofs {
     Tie tie;
@@ -137,9 +151,13 @@ class TiedModel {
         average;  ///< averaging ties: u, theta of the set's displacements
   };
 
+  int code_of(const InterfaceDofs& interface, int direction) const;
   void check_interfaces(const Part& part, bool may_be_free) const;
   void check_pieces(const Part& part) const;
   void number_dofs(const Part& part);
+  void mark_rotations(const Part& part);
+  void follow(const Part& part);
+  void add_groups(int node, std::vector<int>& groups) const;
   void choose_pins();
   void build_patterns(const Part& part);
   void assemble(const Part& part, const AssemblyOptions& options);
@@ -158,6 +176,12 @@ class TiedModel {
   std::vector<InterfaceDofs> interfaces_;
   std::vector<int> code_;    ///< 3 n_nodes: interior dof >= 0, boundary -(b + 1), or kSlave, kUnused
   std::vector<int> tie_of_;  ///< n_nodes: the rigid tie a node follows, or -1
+  std::vector<int> rotation_of_;                   ///< n_nodes: place of its rotation, or -1
+  std::vector<std::array<int, 3>> rotation_code_;  ///< of each rotation
+  // What points without dofs (kSlave) follow: u = sum over k of slave_C_[k] (dof slave_code_[k]).
+  std::vector<int> slave_of_;  ///< n_nodes: place in slave_begin_, or -1
+  std::vector<int> slave_begin_, slave_code_;
+  std::vector<Eigen::Vector3d> slave_C_;
   std::vector<int> group_begin_;
   std::vector<int> group_of_;   ///< n_nodes: group of interior dofs, or -1
   std::vector<int> tie_group_;  ///< group of the interior dofs of an interface node, or -1

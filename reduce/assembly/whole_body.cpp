@@ -6,6 +6,7 @@
 
 #include "reduce/assembly/rigid_motion.hpp"
 #include "reduce/elements/element.hpp"
+#include "reduce/elements/shell.hpp"
 
 namespace flexura::reduce {
 
@@ -28,6 +29,17 @@ std::vector<double> nodal_volumes(const Part& part) {
         volume[node] += whole / static_cast<double>(x.rows());
     }
   }
+  for (const mesh::CellBlock& block : part.mesh.shells) {
+    NodePositions x(block.nodes.cols(), 3);
+    for (Index cell = 0; cell < block.nodes.rows(); ++cell) {
+      for (Index a = 0; a < x.rows(); ++a) x.row(a) = part.mesh.points.row(block.nodes(cell, a));
+      const double whole = shell_frame(x).area * block.thickness[cell];
+      for (const mesh::Index node : block.nodes.row(cell)) volume[node] += whole / static_cast<double>(x.rows());
+    }
+  }
+  if (part.mesh.solids.empty() && part.mesh.shells.empty())  // beams alone: their nodes count alike
+    for (const FrameElement& frame : part.frames)
+      for (const mesh::Index node : frame.nodes) volume[node] = 1.0;
   if (part.matrices)  // no cells: every node that has mass counts alike
     for (std::size_t k = 0; k < part.matrices->pairs.size(); ++k)
       if (const auto& [a, b] = part.matrices->pairs[k]; a == b && part.matrices->m[k] > 0.0) volume[a] = 1.0;

@@ -57,7 +57,7 @@ void choose_modes(const TiedModel& model, const ReductionOptions& options, const
       const Eigen::Vector3d shift = Eigen::Vector3d::Unit(a).cross(centre);
       motions->col(3 + a) = (motions->col(3 + a) - motions->leftCols(3) * shift).eval();
     }
-  const MatrixXd R_i = model.interior_part(R, [&] {
+  const MatrixXd R_i = model.interior_part(R, model.rigid_rotations(), [&] {
     std::vector<MatrixXd> motions;
     for (int k = 0; k < model.n_interfaces(); ++k) motions.push_back(node_motion_at(model.point(k) - centre));
     return motions;

@@ -297,7 +297,8 @@ Cut reduce(const Part& whole, const Part& part, const TiedModel& model, const Re
     }
     report.seconds_estimate += watch.lap();
   }
-  if (options.estimate_mesh) {
+  // The estimate knows solids only: with shells or beams the mesh's share is unknown.
+  if (options.estimate_mesh && part.mesh.shells.empty() && part.frames.empty()) {
     const JudgedMotions motions = judged_motions(reduction, options.omega_max);
     MeshEnergy left;
     const bool enriched = EnrichedError::suits(whole);
@@ -321,13 +322,24 @@ Cut reduce(const Part& whole, const Part& part, const TiedModel& model, const Re
     report.seconds_stiffening = watch.lap();
   }
   if (!options.stress_nodes.empty()) {
-    reduction.stress_modes = nodal_stress_modes(part, T, options.stress_nodes);
+    MatrixXd rotations;
+    std::vector<int> rotation_of;
+    if (!part.mesh.shells.empty()) {
+      MatrixXd shapes_i = MatrixXd::Zero(model.n_i(), n), shapes_b = MatrixXd::Zero(n_b, n);
+      shapes_i.leftCols(n_b) = basis.U_b;
+      shapes_i.middleCols(n_b, n_phi) = basis.Phi;
+      shapes_b.leftCols(n_b).setIdentity();
+      rotations = model.expand_rotations(shapes_i, shapes_b);
+      for (mesh::Index node = 0; node < part.mesh.n_nodes(); ++node) rotation_of.push_back(model.rotation_of(node));
+    }
+    reduction.stress_modes = nodal_stress_modes(part, T, options.stress_nodes, rotations, rotation_of);
     report.seconds_stress = watch.lap();
   }
   if (n_w > 0)
     change_shapes(reduction, canonical_shapes(reduction.K_se, reduction.M_se, MatrixXd::Identity(n_b, n)));
   report.n_nodes = model.n_nodes();
-  for (const mesh::CellBlock& block : part.mesh.solids)
+  for (const auto* blocks : {&part.mesh.solids, &part.mesh.shells})
+   for (const mesh::CellBlock& block : *blocks)
     report.n_cells += static_cast<int>(block.nodes.rows());
   report.n_i = model.n_i();
   report.n_b = reduction.n_b;
@@ -369,6 +381,9 @@ Reduction craig_bampton(const Part& whole, const ReductionOptions& options) {
       throw std::invalid_argument(
           "elastic ties go with Craig and Bampton's or Guyan's modes, by number, frequency or effective "
           "mass");
+    if (!whole.mesh.shells.empty() || !whole.frames.empty())
+      throw std::invalid_argument(
+          "elastic ties are for solids: with shells or beams tie the interfaces rigid or as averages");
     stiff = with_rigid_faces(whole);
   }
   const Part& part = stiff ? *stiff : whole;

@@ -40,7 +40,7 @@ CraigChangSpan craig_chang_span(const Part& part, const TiedModel& model, const 
         span.C_b.block(model.first_dof(k) + static_cast<Index>(d), 6, 1, n_free) =
             motion.back().row(model.directions(k)[d]);
     }
-    span.W.middleCols(6, n_free) = model.interior_part(free.U.rightCols(n_free), motion) -
+    span.W.middleCols(6, n_free) = model.interior_part(free.U.rightCols(n_free), free.rotations.rightCols(n_free), motion) -
                                    linalg::times(Psi, span.C_b.middleCols(6, n_free));
   }
 

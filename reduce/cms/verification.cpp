@@ -46,9 +46,10 @@ FreeModes free_modes_on_nodes(const Part& part, const linalg::EigenRequest& requ
     model.multiply_M_ii(X, MX);
     Y -= omega2_scale * MX;
   };
-  FreeModes modes{linalg::block_lanczos(problem, request, progress), {}, {}};
+  FreeModes modes{linalg::block_lanczos(problem, request, progress), {}, {}, {}};
   const MatrixXd none = MatrixXd::Zero(model.n_b(), modes.pairs.Phi.cols());
   model.expand(modes.pairs.Phi, none, modes.U);
+  modes.rotations = model.expand_rotations(modes.pairs.Phi, none);
   for (int k = 0; k < model.n_interfaces(); ++k)
     modes.motion.push_back(model.interface_motion(k, modes.pairs.Phi, none));
   modes.pairs.Phi.resize(0, 0);

@@ -17,6 +17,7 @@ linalg::EigenPairs full_free_modes(const Part& part, int count, double omega2_sc
 struct FreeModes {
   linalg::EigenPairs pairs;             ///< without Phi
   Eigen::MatrixXd U;                    ///< 3 n_nodes x k
+  Eigen::MatrixXd rotations;            ///< 3 n_rotations x k
   std::vector<Eigen::MatrixXd> motion;  ///< of each interface node, 6 x k
 };
 /// `request` counts the rigid modes, too; `omega2_scale` as above.

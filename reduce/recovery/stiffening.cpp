@@ -102,6 +102,9 @@ linalg::SymmetricMatrix stress_stiffness(const Part& part, const linalg::Symmetr
 
 StiffeningTerms stiffening_terms(const Part& part, const TiedSolver& solver, const MatrixXd& Psi,
                                  const MatrixXd& K_bb, const MatrixXd& T, const linalg::Progress& progress) {
+  if (!part.mesh.shells.empty() || !part.frames.empty())
+    throw std::invalid_argument(
+        "geometric stiffening of shells and of beams among solids is not computed: leave it out (stiffening = false)");
   const TiedModel& model = solver.model();
   const Index n_b = model.n_b(), n = T.cols(), n_nodes = model.n_nodes();
   const auto& points = part.mesh.points;

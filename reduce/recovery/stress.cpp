@@ -2,7 +2,9 @@
 #include "reduce/recovery/stress.hpp"
 
 #include <map>
+#include <optional>
 
+#include "reduce/elements/shell.hpp"
 #include "reduce/elements/solid.hpp"
 
 namespace flexura::reduce {
@@ -28,6 +30,11 @@ std::vector<std::pair<int, int>> nodal_materials(const Part& part, const std::ve
     for (Eigen::Index cell = 0; cell < block.nodes.rows(); ++cell)
       for (mesh::Index node : block.nodes.row(cell))
         if (place[node] >= 0) ++cells[place[node]][material_of(block, cell)];
+  for (std::size_t b = 0; b < part.skins.size(); ++b)
+    for (const ShellSkins::Corners* side : {&part.skins[b].top, &part.skins[b].bottom})
+      for (Eigen::Index cell = 0; cell < side->rows(); ++cell)
+        for (const mesh::Index node : side->row(cell))
+          if (place[node] >= 0) ++cells[place[node]][material_of(part.mesh.shells[b], cell)];
   std::vector<std::pair<int, int>> chosen(nodes.size(), {-1, 0});
   for (std::size_t v = 0; v < nodes.size(); ++v)
     for (const auto& [material, count] : cells[v])
@@ -36,7 +43,8 @@ std::vector<std::pair<int, int>> nodal_materials(const Part& part, const std::ve
 }
 
 Eigen::MatrixXd nodal_stress_modes(const Part& part, const Eigen::MatrixXd& T,
-                                   const std::vector<mesh::Index>& nodes) {
+                                   const std::vector<mesh::Index>& nodes, const Eigen::MatrixXd& rotations,
+                                   const std::vector<int>& rotation_of) {
   const Eigen::Index n = T.cols();
   const std::vector<Eigen::Index> place = places_of(part, nodes);
   const std::vector<std::pair<int, int>> chosen = nodal_materials(part, nodes);
@@ -61,6 +69,35 @@ Eigen::MatrixXd nodal_stress_modes(const Part& part, const Eigen::MatrixXd& T,
         }
         stress.middleRows<6>(6 * v) += part.materials[material].D * strain / chosen[v].second;
       }
+    }
+  }
+  for (std::size_t b = 0; b < part.skins.size(); ++b) {
+    const mesh::CellBlock& block = part.mesh.shells[b];
+    NodePositions x(block.nodes.cols(), 3);
+    Eigen::MatrixXd q(6 * x.rows(), n);
+    for (Eigen::Index cell = 0; cell < block.nodes.rows(); ++cell) {
+      const int material = material_of(block, cell);
+      const double t = block.thickness[cell];
+      std::optional<ShellStress> of_cell;
+      for (const bool top : {true, false})
+        for (Eigen::Index c = 0; c < x.rows(); ++c) {
+          const Eigen::Index v = place[(top ? part.skins[b].top : part.skins[b].bottom)(cell, c)];
+          if (v < 0 || chosen[v].first != material) continue;
+          if (!of_cell) {
+            for (Eigen::Index a = 0; a < x.rows(); ++a) {
+              const mesh::Index node = block.nodes(cell, a);
+              x.row(a) = part.mesh.points.row(node);
+              q.middleRows<3>(6 * a) = T.middleRows<3>(3 * static_cast<Eigen::Index>(node));
+              q.middleRows<3>(6 * a + 3) =
+                  rotations.middleRows<3>(3 * static_cast<Eigen::Index>(rotation_of.at(node)));
+            }
+            of_cell = shell_stress(x, part.materials[material].D, t, block.offset.empty() ? 0.0 : block.offset[cell]);
+          }
+          const auto corner = static_cast<std::size_t>(c);
+          stress.middleRows<6>(6 * v) +=
+              (of_cell->membrane[corner] + (top ? 0.5 * t : -0.5 * t) * of_cell->bending[corner]) * q /
+              chosen[v].second;
+        }
     }
   }
   return stress;

@@ -93,11 +93,12 @@ TEST(AbaqusDeck, InstancesAreTurnedAndMoved) {
 TEST(AbaqusDeck, UnusedKeywordsAreCounted) {
   const ImportedModel model =
       read_text(std::string(kNodes) +
-                "*ELEMENT, TYPE=C3D4\n1,1,2,3,4\n*ELEMENT, TYPE=S3\n7,1,2,3\n8,1,3,4\n"
+                "*ELEMENT, TYPE=C3D4\n1,1,2,3,4\n*ELEMENT, TYPE=S3\n7,1,2,3\n8,1,3,4\n*ELEMENT, TYPE=CPS3\n9,1,2,3\n10,1,3,4\n"
                 "*SURFACE, NAME=S\nE, S1\n");
   EXPECT_THAT(model.messages,
-              ::testing::Contains(HasSubstr("2 keywords *ELEMENT of type S3 are not used (first in")));
-  EXPECT_THAT(model.messages, ::testing::Contains(HasSubstr("deck.inp, line 10)")));
+              ::testing::Contains(HasSubstr("2 shell elements (S3, S4, ...) have no section and are not used")));
+  EXPECT_THAT(model.messages, ::testing::Contains(HasSubstr("2 keywords *ELEMENT of type CPS3 are not used (first in")));
+  EXPECT_THAT(model.messages, ::testing::Contains(HasSubstr("deck.inp, line 13)")));
   EXPECT_THAT(model.messages, ::testing::Contains(HasSubstr("1 keyword *SURFACE is not used")));
 }
 
@@ -116,7 +117,7 @@ TEST(AbaqusDeck, RefusalsNameFileLineAndRemedy) {
                               "MATERIAL=stel\n*MATERIAL, NAME=steel\n"),
               HasSubstr("material \"stel\" is not defined"));
   EXPECT_THAT(refusal(nodes + "*NODE\n6, 1,x,0\n"), HasSubstr("line 8: \"x\" is not a number"));
-  EXPECT_THAT(refusal(nodes), HasSubstr("holds no solid elements"));
+  EXPECT_THAT(refusal(nodes), HasSubstr("holds no solid, shell or beam elements"));
   EXPECT_THROW(read_abaqus("no_such.inp"), std::invalid_argument);
 }
 

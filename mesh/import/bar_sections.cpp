@@ -1,0 +1,183 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mesh/import/bar_sections.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <stdexcept>
+
+namespace flexura::mesh {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+void require(bool good, const std::string& what) {
+  if (!good) throw std::invalid_argument(what);
+}
+
+}  // namespace
+
+BarSection circle(double r) {
+  BarSection s;
+  s.A = kPi * r * r;
+  s.I_yy = s.I_zz = kPi * r * r * r * r / 4;
+  s.J = 2 * s.I_yy;
+  s.kappa_y = s.kappa_z = 6.0 / 7.0;
+  return s;
+}
+
+BarSection tube(double r, double inner) {
+  const BarSection outside = circle(r), hole = circle(inner);
+  BarSection s;
+  s.A = outside.A - hole.A;
+  s.I_yy = s.I_zz = outside.I_yy - hole.I_yy;
+  s.J = 2 * s.I_yy;
+  const double m = inner / r, square = (1 + m * m) * (1 + m * m);
+  s.kappa_y = s.kappa_z = 6 * square / (7 * square + 20 * m * m);
+  return s;
+}
+
+BarSection rectangle(double b_y, double b_z) {
+  BarSection s;
+  s.A = b_y * b_z;
+  s.I_yy = b_y * b_z * b_z * b_z / 12;
+  s.I_zz = b_z * b_y * b_y * b_y / 12;
+  const double a = std::max(b_y, b_z), b = std::min(b_y, b_z);
+  double sum = 0;
+  for (int n = 1; n < 40; n += 2) sum += std::tanh(n * kPi * a / (2 * b)) / std::pow(n, 5);
+  s.J = a * b * b * b / 3 * (1 - 192 * b / (std::pow(kPi, 5) * a) * sum);
+  s.kappa_y = s.kappa_z = 5.0 / 6.0;
+  return s;
+}
+
+BarSection box(double b_y, double b_z, double side, double flange) {
+  BarSection s;
+  const double c_y = b_y - 2 * side, c_z = b_z - 2 * flange;
+  s.A = b_y * b_z - c_y * c_z;
+  s.I_yy = (b_y * b_z * b_z * b_z - c_y * c_z * c_z * c_z) / 12;
+  s.I_zz = (b_z * b_y * b_y * b_y - c_z * c_y * c_y * c_y) / 12;
+  const double m_y = b_y - side, m_z = b_z - flange;  // the walls' middle line
+  s.J = 4 * m_y * m_y * m_z * m_z / (2 * m_y / flange + 2 * m_z / side);
+  s.kappa_y = 2 * flange * b_y / s.A;
+  s.kappa_z = 2 * side * b_z / s.A;
+  s.kappa_y = std::min(s.kappa_y, 5.0 / 6.0), s.kappa_z = std::min(s.kappa_z, 5.0 / 6.0);
+  return s;
+}
+
+BarSection open_section(const std::vector<Wall>& walls) {
+  BarSection s;
+  double y = 0, z = 0, web_y = 0, web_z = 0;
+  for (const Wall& w : walls) {
+    const double A = w.along_y * w.along_z;
+    s.A += A, y += A * w.y, z += A * w.z;
+    (w.along_y > w.along_z ? web_y : web_z) += A;
+    const double thick = std::min(w.along_y, w.along_z);
+    s.J += std::max(w.along_y, w.along_z) * thick * thick * thick / 3;
+  }
+  y /= s.A, z /= s.A;
+  for (const Wall& w : walls) {
+    const double A = w.along_y * w.along_z, dy = w.y - y, dz = w.z - z;
+    s.I_yy += A * (w.along_z * w.along_z / 12 + dz * dz);
+    s.I_zz += A * (w.along_y * w.along_y / 12 + dy * dy);
+    s.I_yz += A * dy * dz;
+  }
+  s.kappa_y = std::min(web_y / s.A, 5.0 / 6.0), s.kappa_z = std::min(web_z / s.A, 5.0 / 6.0);
+  if (std::abs(s.I_yz) < 1e-12 * std::max(s.I_yy, s.I_zz)) s.I_yz = 0;
+  return s;
+}
+
+std::size_t nastran_dimensions(const std::string& type) {
+  static const std::map<std::string, std::size_t> kNumber = {{"ROD", 1}, {"TUBE", 2}, {"TUBE2", 2}, {"BAR", 2},
+                                                             {"BOX", 4}, {"I", 6},    {"T", 4},     {"CHAN", 4},
+                                                             {"L", 4},   {"H", 4}};
+  const auto found = kNumber.find(type);
+  require(found != kNumber.end(), fmt::format("the cross-section {} is not known; ROD, TUBE, TUBE2, BAR, BOX, I, T, "
+                                              "CHAN, L and H are, or give its constants (PBAR, PBEAM)",
+                                              type));
+  return found->second;
+}
+
+// The cards draw z_elem to the side and y_elem upwards (MSC Nastran, Quick Reference Guide, PBARL).
+BarSection nastran_section(const std::string& type, const std::vector<double>& d) {
+  require(d.size() >= nastran_dimensions(type),
+          fmt::format("a cross-section {} has {} dimensions, not {}", type, nastran_dimensions(type), d.size()));
+  for (const double value : d)
+    require(value > 0 || type == "TUBE", fmt::format("a dimension of the cross-section {} is {:g}", type, value));
+  const auto sound = [&](bool good) {
+    require(good, fmt::format("the dimensions of the cross-section {} leave no material or no hole", type));
+  };
+  if (type == "ROD") return circle(d[0]);
+  if (type == "TUBE") {
+    sound(d[0] > d[1] && d[1] >= 0);
+    return tube(d[0], d[1]);
+  }
+  if (type == "TUBE2") {
+    sound(d[0] > d[1]);
+    return tube(d[0], d[0] - d[1]);
+  }
+  if (type == "BAR") return rectangle(d[1], d[0]);
+  if (type == "BOX") {
+    sound(d[1] > 2 * d[2] && d[0] > 2 * d[3]);
+    return box(d[1], d[0], d[2], d[3]);
+  }
+  if (type == "I") {  // height, lower and upper width, web, lower and upper flange
+    sound(d[0] > d[4] + d[5]);
+    const double web = d[0] - d[4] - d[5];
+    return open_section({{d[4] / 2, 0, d[4], d[1]}, {d[4] + web / 2, 0, web, d[3]}, {d[0] - d[5] / 2, 0, d[5], d[2]}});
+  }
+  if (type == "T") {  // width, height, flange, web
+    sound(d[1] > d[2]);
+    return open_section({{d[1] - d[2] / 2, 0, d[2], d[0]}, {(d[1] - d[2]) / 2, 0, d[1] - d[2], d[3]}});
+  }
+  if (type == "CHAN") {  // width, height, web, flanges
+    sound(d[1] > 2 * d[3] && d[0] > d[2]);
+    return open_section({{0, d[2] / 2, d[1] - 2 * d[3], d[2]},
+                         {(d[1] - d[3]) / 2, d[0] / 2, d[3], d[0]},
+                         {-(d[1] - d[3]) / 2, d[0] / 2, d[3], d[0]}});
+  }
+  if (type == "L") {  // width, height, lower leg's thickness, upright leg's thickness
+    sound(d[1] > d[2] && d[0] > d[3]);
+    return open_section({{d[2] / 2, d[0] / 2, d[2], d[0]}, {d[2] + (d[1] - d[2]) / 2, d[3] / 2, d[1] - d[2], d[3]}});
+  }
+  // H: inner width, both uprights' thickness together, their height, the bar's thickness
+  return open_section({{0, 0, d[3], d[0]},
+                       {0, (d[0] + d[1] / 2) / 2, d[2], d[1] / 2},
+                       {0, -(d[0] + d[1] / 2) / 2, d[2], d[1] / 2}});
+}
+
+BarSection abaqus_section(const std::string& type, const std::vector<double>& d) {
+  static const std::map<std::string, std::size_t> kNumber = {{"CIRC", 1}, {"PIPE", 2}, {"RECT", 2},
+                                                             {"BOX", 6},  {"I", 7},    {"L", 4}};
+  const auto found = kNumber.find(type);
+  require(found != kNumber.end(),
+          fmt::format("SECTION={} is not known; CIRC, PIPE, RECT, BOX, I and L are, or give its constants (*BEAM "
+                      "GENERAL SECTION)",
+                      type));
+  require(d.size() >= found->second,
+          fmt::format("SECTION={} has {} dimensions, not {}", type, found->second, d.size()));
+  for (std::size_t k = 0; k < found->second; ++k)
+    require(d[k] > 0, fmt::format("a dimension of SECTION={} is {:g}", type, d[k]));
+  if (type == "CIRC") return circle(d[0]);
+  if (type == "PIPE") {
+    require(d[0] > d[1], "SECTION=PIPE: the wall is thicker than the radius");
+    return tube(d[0], d[0] - d[1]);
+  }
+  if (type == "RECT") return rectangle(d[0], d[1]);
+  if (type == "BOX") {  // a, b, t1 to t4 around
+    require(d[0] > d[2] + d[4] && d[1] > d[3] + d[5], "SECTION=BOX: the walls leave no hole");
+    BarSection s = box(d[0], d[1], (d[2] + d[4]) / 2, (d[3] + d[5]) / 2);
+    return s;
+  }
+  if (type == "I") {  // l, h, b1, b2, t1, t2, t3: lower and upper flange, web
+    require(d[1] > d[4] + d[5], "SECTION=I: the flanges are thicker than the section is high");
+    const double web = d[1] - d[4] - d[5];
+    return open_section({{0, d[4] / 2, d[2], d[4]}, {0, d[4] + web / 2, d[6], web}, {0, d[1] - d[5] / 2, d[3], d[5]}});
+  }
+  require(d[0] > d[3] && d[1] > d[2], "SECTION=L: the legs are thicker than the section");
+  return open_section({{d[0] / 2, d[2] / 2, d[0], d[2]}, {d[3] / 2, d[2] + (d[1] - d[2]) / 2, d[3], d[1] - d[2]}});
+}
+
+}  // namespace flexura::mesh

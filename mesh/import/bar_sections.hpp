@@ -1,0 +1,41 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string>
+#include <vector>
+
+/// Constants of the cross-sections that decks name by shape (PBARL, PBEAML, *BEAM SECTION).  y and z are the
+/// element's axes; all moments about the centroid.
+namespace flexura::mesh {
+
+struct BarSection {
+  double A = 0, I_yy = 0, I_zz = 0, I_yz = 0;  ///< I_yy = int z^2 dA, I_zz = int y^2 dA, I_yz = int y z dA
+  double J = 0;                                ///< torsion constant of Saint-Venant
+  double kappa_y = 0, kappa_z = 0;             ///< shear factors; 0: no shear deformation
+};
+
+/// A rectangle of the section, with its middle at (y, z).
+struct Wall {
+  double y, z, along_y, along_z;
+};
+
+BarSection circle(double radius);
+/// J = I_p; shear factors of a thin wall, 1/2, to those of the full circle, 6/7 (Cowper 1966, nu = 0).
+BarSection tube(double outer_radius, double inner_radius);
+/// J by Saint-Venant's series (Timoshenko, Goodier, art. 109); shear factors 5/6.
+BarSection rectangle(double along_y, double along_z);
+/// Outer measures; `side` is the thickness of the two walls that run along z, `flange` of those along y.  J by
+/// Bredt; shear factors: the walls along the force.
+BarSection box(double along_y, double along_z, double side, double flange);
+/// Open sections: J the sum of length thickness^3 / 3; shear factors: the walls along the force.
+BarSection open_section(const std::vector<Wall>& walls);
+
+/// A section of PBARL and PBEAML (MSC Nastran's shapes ROD, TUBE, TUBE2, BAR, BOX, I, T, CHAN, L, H); std::invalid_argument for
+/// shapes that are not known, too few dimensions, or dimensions that leave no material.
+BarSection nastran_section(const std::string& type, const std::vector<double>& dim);
+std::size_t nastran_dimensions(const std::string& type);
+
+/// A section of *BEAM SECTION, y along Abaqus' direction 1: CIRC, PIPE, RECT, BOX, I, L.
+BarSection abaqus_section(const std::string& type, const std::vector<double>& dim);
+
+}  // namespace flexura::mesh

@@ -1,0 +1,419 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "reduce/elements/shell.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <array>
+#include <cmath>
+
+#include "reduce/elements/material.hpp"
+
+namespace flexura::reduce {
+namespace {
+
+using Eigen::Index;
+using Eigen::Matrix2d;
+using Eigen::Matrix3d;
+using Eigen::MatrixXd;
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+using Corners = Eigen::Matrix<double, Eigen::Dynamic, 2, 0, 4, 2>;
+
+// Stiffness of a slice in the element's axes: plane stress (11, 22, 12) and transverse shear (13, 23), 5/6 of it.
+struct PlaneStress {
+  Matrix3d D;
+  Matrix2d shear;
+};
+
+PlaneStress plane_stress(const Matrix6& D, const Matrix3d& R) {
+  const Matrix6 local = turned({.name = {}, .D = D, .density = 1.0}, R.transpose()).D;
+  constexpr std::array<int, 3> in_plane = {0, 1, 3};
+  constexpr std::array<int, 2> across = {5, 4};  // 13 and 23
+  PlaneStress out;
+  for (int a = 0; a < 3; ++a)
+    for (int b = 0; b < 3; ++b)
+      out.D(a, b) = local(in_plane[a], in_plane[b]) -
+                    local(in_plane[a], 2) * local(2, in_plane[b]) / local(2, 2);
+  for (int a = 0; a < 2; ++a)
+    for (int b = 0; b < 2; ++b) out.shear(a, b) = 5.0 / 6.0 * local(across[a], across[b]);
+  return out;
+}
+
+// Functions of the reference cell at a point: corners N, sides P (one for each, from corner k to k + 1).
+struct Functions {
+  Eigen::VectorXd N, P;
+  Eigen::Matrix<double, Eigen::Dynamic, 2> dN, dP, dM;  // dM: bubbles 1 - xi^2, 1 - eta^2 (quadrilaterals)
+};
+
+Functions functions_at(Index n, double r, double s) {
+  Functions f;
+  f.N.resize(n), f.P.resize(n), f.dN.resize(n, 2), f.dP.resize(n, 2);
+  if (n == 3) {
+    f.N << 1.0 - r - s, r, s;
+    f.dN << -1, -1, 1, 0, 0, 1;
+    for (int k = 0; k < 3; ++k) {
+      const int j = (k + 1) % 3;
+      f.P(k) = 4.0 * f.N(k) * f.N(j);
+      f.dP.row(k) = 4.0 * (f.N(k) * f.dN.row(j) + f.N(j) * f.dN.row(k));
+    }
+    return f;
+  }
+  f.N << 0.25 * (1 - r) * (1 - s), 0.25 * (1 + r) * (1 - s), 0.25 * (1 + r) * (1 + s), 0.25 * (1 - r) * (1 + s);
+  f.dN << -0.25 * (1 - s), -0.25 * (1 - r), 0.25 * (1 - s), -0.25 * (1 + r), 0.25 * (1 + s), 0.25 * (1 + r),
+      -0.25 * (1 + s), 0.25 * (1 - r);
+  f.P << 0.5 * (1 - r * r) * (1 - s), 0.5 * (1 + r) * (1 - s * s), 0.5 * (1 - r * r) * (1 + s),
+      0.5 * (1 - r) * (1 - s * s);
+  f.dP << -r * (1 - s), -0.5 * (1 - r * r), 0.5 * (1 - s * s), -s * (1 + r), -r * (1 + s), 0.5 * (1 - r * r),
+      -0.5 * (1 - s * s), -s * (1 - r);
+  f.dM.resize(2, 2);
+  f.dM << -2 * r, 0, 0, -2 * s;
+  return f;
+}
+
+struct Place {
+  double r, s, weight;
+};
+
+// Exact for the quadratic products of a straight cell: 2 x 2 Gauss points, or the middles of a triangle's sides.
+std::vector<Place> quadrature(Index n) {
+  if (n == 3) return {{0.5, 0.0, 1.0 / 6.0}, {0.5, 0.5, 1.0 / 6.0}, {0.0, 0.5, 1.0 / 6.0}};
+  const double g = 1.0 / std::sqrt(3.0);
+  return {{-g, -g, 1.0}, {g, -g, 1.0}, {g, g, 1.0}, {-g, g, 1.0}};
+}
+
+struct Side {
+  int i, j;
+  double length;
+  Vector2d s;
+};
+
+std::vector<Side> sides_of(const Corners& x) {
+  std::vector<Side> sides;
+  const int n = static_cast<int>(x.rows());
+  for (int k = 0; k < n; ++k) {
+    const Vector2d d = (x.row((k + 1) % n) - x.row(k)).transpose();
+    sides.push_back({k, (k + 1) % n, d.norm(), d.normalized()});
+  }
+  return sides;
+}
+
+// Bending: dofs w, theta_1, theta_2 of each corner.
+class Bending {
+ public:
+  Bending(const Corners& x, const PlaneStress& D, double t)
+      : x_(x), n_(x.rows()), sides_(sides_of(x)), Db_(n_, 3 * n_), phi_(n_) {
+    Db_.setZero();
+    for (Index k = 0; k < n_; ++k) {
+      const Side& side = sides_[static_cast<std::size_t>(k)];
+      const double c = side.s(0), s = side.s(1);
+      const Vector3d stretch(c * c, s * s, 2 * c * s);
+      const double bending = t * t * t / 12.0 * stretch.dot(D.D * stretch), shear = t * side.s.dot(D.shear * side.s);
+      phi_(k) = 12.0 * bending / (side.length * side.length * shear);
+      const double factor = -1.5 / (side.length * (1.0 + phi_(k)));
+      Db_(k, 3 * side.i) -= factor;
+      Db_(k, 3 * side.j) += factor;
+      for (const int corner : {side.i, side.j}) {  // s . beta = s_1 theta_2 - s_2 theta_1
+        Db_(k, 3 * corner + 1) -= factor * 0.5 * side.length * s;
+        Db_(k, 3 * corner + 2) += factor * 0.5 * side.length * c;
+      }
+    }
+  }
+
+  // Curvatures (beta_1,1; beta_2,2; beta_1,2 + beta_2,1): 3 x 3n.
+  MatrixXd curvature(const Functions& f, const Matrix2d& J_inverse) const {
+    const MatrixXd dN = f.dN * J_inverse, dP = f.dP * J_inverse;
+    MatrixXd B = MatrixXd::Zero(3, 3 * n_);
+    for (Index i = 0; i < n_; ++i) {
+      B(0, 3 * i + 2) += dN(i, 0);
+      B(1, 3 * i + 1) -= dN(i, 1);
+      B(2, 3 * i + 2) += dN(i, 1);
+      B(2, 3 * i + 1) -= dN(i, 0);
+    }
+    for (Index k = 0; k < n_; ++k) {
+      const Vector2d& s = sides_[static_cast<std::size_t>(k)].s;
+      const Vector3d of_side(dP(k, 0) * s(0), dP(k, 1) * s(1), dP(k, 1) * s(0) + dP(k, 0) * s(1));
+      B += of_side * Db_.row(k);
+    }
+    return B;
+  }
+
+  // Shear strains (gamma_13, gamma_23): 2 x 3n, from the constant ones along the sides.
+  MatrixXd shear(const Functions& f, const Matrix2d& J_inverse, double r, double s) const {
+    MatrixXd covariant = MatrixXd::Zero(2, 3 * n_);
+    for (Index k = 0; k < n_; ++k) {
+      const Side& side = sides_[static_cast<std::size_t>(k)];
+      const Eigen::RowVectorXd along = -2.0 / 3.0 * phi_(k) * side.length * Db_.row(k);
+      Vector2d weight;
+      if (n_ == 3)
+        weight = (f.N(side.i) * f.dN.row(side.j) - f.N(side.j) * f.dN.row(side.i)).transpose();
+      else  // the covariant component is half the side's length times the strain along it
+        weight = k == 0   ? Vector2d(0.25 * (1 - s), 0)
+                 : k == 1 ? Vector2d(0, 0.25 * (1 + r))
+                 : k == 2 ? Vector2d(-0.25 * (1 + s), 0)
+                          : Vector2d(0, -0.25 * (1 - r));
+      covariant += weight * along;
+    }
+    return J_inverse.transpose() * covariant;
+  }
+
+ private:
+  Corners x_;
+  Index n_;
+  std::vector<Side> sides_;
+  MatrixXd Db_;
+  Eigen::VectorXd phi_;
+};
+
+// d(x_1, x_2)/d(r, s), rows r and s; dN/dx = dN/dr J^-T with row vectors dN J_inverse, J_inverse = (J^T)^-1.
+struct Jacobian {
+  double det;
+  Matrix2d inverse;  // columns: dr/dx_1.. such that (dN/dr, dN/ds) * inverse = (dN/dx_1, dN/dx_2)
+};
+
+Jacobian jacobian(const Functions& f, const Corners& x) {
+  const Matrix2d dx_dr = x.transpose() * f.dN;  // (a, b) = dx_a/dr_b
+  return {dx_dr.determinant(), dx_dr.inverse()};
+}
+
+// Membrane of the quadrilateral: dofs u, v, theta_3 of each corner, then four of the bubbles.
+struct Quadrilateral {
+  MatrixXd K;        // 12 x 12, condensed
+  MatrixXd bubbles;  // 4 x 12: alpha = bubbles * q
+};
+
+// In-plane strains (11, 22, 12) of corners and bubbles, 3 x 16, and the rotation (v,1 - u,2)/2 - theta_3, 1 x 16.
+void membrane_operators(const Functions& f, const Jacobian& J, const Jacobian& J_0, MatrixXd& B,
+                        Eigen::RowVectorXd& drill) {
+  const MatrixXd dN = f.dN * J.inverse, dM = J_0.det / J.det * (f.dM * J_0.inverse);
+  B.setZero(3, 16);
+  drill.setZero(16);
+  const auto add = [&](Index column_u, const Eigen::RowVector2d& d) {
+    B(0, column_u) = d(0), B(1, column_u + 1) = d(1);
+    B(2, column_u) = d(1), B(2, column_u + 1) = d(0);
+    drill(column_u) = -0.5 * d(1), drill(column_u + 1) = 0.5 * d(0);
+  };
+  for (Index i = 0; i < 4; ++i) {
+    add(3 * i, dN.row(i));
+    drill(3 * i + 2) = -f.N(i);
+  }
+  for (Index k = 0; k < 2; ++k) add(12 + 2 * k, dM.row(k));
+}
+
+Quadrilateral quadrilateral(const Corners& x, const PlaneStress& D, double t) {
+  const Jacobian J_0 = jacobian(functions_at(4, 0, 0), x);
+  MatrixXd K = MatrixXd::Zero(16, 16), B;
+  Eigen::RowVectorXd drill;
+  for (const Place& p : quadrature(4)) {
+    const Functions f = functions_at(4, p.r, p.s);
+    const Jacobian J = jacobian(f, x);
+    membrane_operators(f, J, J_0, B, drill);
+    K += p.weight * J.det * t * (B.transpose() * D.D * B + D.D(2, 2) * drill.transpose() * drill);
+  }
+  Quadrilateral out;
+  out.bubbles = -K.bottomRightCorner(4, 4).ldlt().solve(K.bottomLeftCorner(4, 12));
+  out.K = K.topLeftCorner(12, 12) + K.topRightCorner(12, 4) * out.bubbles;
+  return out;
+}
+
+// Membrane of the triangle, dofs u, v, theta_3 of each corner.  L (9 x 3) lumps boundary tractions of a constant
+// stress; the mean strain is L^T q / area.
+MatrixXd lumping(const Corners& x) {
+  constexpr double kAlpha = 1.5;  // of the optimal element
+  MatrixXd L(9, 3);
+  for (int i = 0; i < 3; ++i) {
+    const int j = (i + 1) % 3, k = (i + 2) % 3;
+    const auto X = [&](int a, int b) { return x(a, 0) - x(b, 0); };
+    const auto Y = [&](int a, int b) { return x(a, 1) - x(b, 1); };
+    L.row(3 * i) << Y(j, k), 0, X(k, j);
+    L.row(3 * i + 1) << 0, X(k, j), Y(j, k);
+    L.row(3 * i + 2) << kAlpha / 6 * Y(j, k) * (Y(i, k) - Y(j, i)), kAlpha / 6 * X(k, j) * (X(k, i) - X(i, j)),
+        kAlpha / 3 * (X(k, i) * Y(i, k) - X(i, j) * Y(j, i));
+  }
+  return 0.5 * L;
+}
+
+MatrixXd triangle_membrane(const Corners& x, const PlaneStress& D, double t, double area) {
+  const MatrixXd L = lumping(x);
+  const MatrixXd basic = t / area * L * D.D * L.transpose();
+  const auto X = [&](int a, int b) { return x(a - 1, 0) - x(b - 1, 0); };
+  const auto Y = [&](int a, int b) { return x(a - 1, 1) - x(b - 1, 1); };
+  const auto l2 = [&](int a, int b) { return X(a, b) * X(a, b) + Y(a, b) * Y(a, b); };
+  const double A4 = 4.0 * area;
+  MatrixXd H(3, 9);  // hierarchical rotations
+  for (int i = 0; i < 3; ++i) {
+    H.row(i) << X(3, 2), Y(3, 2), 0, X(1, 3), Y(1, 3), 0, X(2, 1), Y(2, 1), 0;
+    H(i, 3 * i + 2) = A4;
+  }
+  H /= A4;
+  const double l21 = l2(2, 1), l32 = l2(3, 2), l13 = l2(1, 3);
+  Matrix3d T;  // strains from those along the sides 2-1, 3-2, 1-3
+  T << Y(2, 3) * Y(1, 3) * l21, Y(3, 1) * Y(2, 1) * l32, Y(1, 2) * Y(3, 2) * l13,  //
+      X(2, 3) * X(1, 3) * l21, X(3, 1) * X(2, 1) * l32, X(1, 2) * X(3, 2) * l13,   //
+      (Y(2, 3) * X(3, 1) + X(3, 2) * Y(1, 3)) * l21, (Y(3, 1) * X(1, 2) + X(1, 3) * Y(2, 1)) * l32,
+      (Y(1, 2) * X(2, 3) + X(2, 1) * Y(3, 2)) * l13;
+  T /= A4 * area;
+  const auto Q = [&](std::array<double, 9> b) {
+    Matrix3d out;
+    out << b[0] / l21, b[1] / l21, b[2] / l21, b[3] / l32, b[4] / l32, b[5] / l32, b[6] / l13, b[7] / l13,
+        b[8] / l13;
+    return Matrix3d(2.0 * area / 3.0 * out);
+  };
+  // beta_1 ... beta_9 = 1, 2, 1, 0, 1, -1, -1, -1, -2.
+  const Matrix3d Q1 = Q({1, 2, 1, 0, 1, -1, -1, -1, -2}), Q2 = Q({-2, -1, -1, 1, 1, 2, -1, 0, 1}),
+                 Q3 = Q({1, -1, 0, -1, -2, -1, 2, 1, 1});
+  const Matrix3d natural = T.transpose() * D.D * T;
+  Matrix3d K_theta = Matrix3d::Zero();
+  for (const Matrix3d& q : {Matrix3d(0.5 * (Q1 + Q2)), Matrix3d(0.5 * (Q2 + Q3)), Matrix3d(0.5 * (Q3 + Q1))})
+    K_theta += q.transpose() * natural * q;
+  // Poisson's ratio of the optimal factor, for any elasticity that of its in-plane stiffness.
+  const double nu = (D.D(0, 1) + D.D(1, 0)) / (D.D(0, 0) + D.D(1, 1));
+  const double beta_0 = std::max(0.5 * (1.0 - 4.0 * nu * nu), 0.01);
+  return basic + 0.75 * beta_0 * area * t * H.transpose() * K_theta * H;
+}
+
+// q_local = T q: the axes turned, the (warped) corner carried to the middle surface.
+MatrixXd transform(const ShellFrame& frame, double offset) {
+  const Index n = frame.x.rows();
+  MatrixXd T = MatrixXd::Zero(6 * n, 6 * n);
+  const Matrix3d Rt = frame.R.transpose();
+  for (Index a = 0; a < n; ++a) {
+    T.block<3, 3>(6 * a, 6 * a) = Rt;
+    T.block<3, 3>(6 * a + 3, 6 * a + 3) = Rt;
+    // u' = u + theta x (arm e_3); in the axes: (arm theta_2, -arm theta_1, 0).
+    const double arm = offset - frame.warp(a);
+    T.block<1, 3>(6 * a, 6 * a + 3) = arm * Rt.row(1);
+    T.block<1, 3>(6 * a + 1, 6 * a + 3) = -arm * Rt.row(0);
+  }
+  return T;
+}
+
+// Places of the membrane's (u, v, theta_3) and the bending's (w, theta_1, theta_2) among six local dofs.
+constexpr std::array<int, 3> kMembrane = {0, 1, 5}, kBending = {2, 3, 4};
+
+void scatter(const MatrixXd& K, const std::array<int, 3>& place, MatrixXd& out) {
+  for (Index i = 0; i < K.rows(); ++i)
+    for (Index j = 0; j < K.cols(); ++j)
+      out(6 * (i / 3) + place[static_cast<std::size_t>(i % 3)], 6 * (j / 3) + place[static_cast<std::size_t>(j % 3)]) +=
+          K(i, j);
+}
+
+}  // namespace
+
+ShellFrame shell_frame(const NodePositions& X) {
+  const Index n = X.rows();
+  ShellFrame frame;
+  frame.centre = X.colwise().mean().transpose();
+  const auto at = [&](Index a) { return Vector3d(X.row(a).transpose()); };
+  const Vector3d normal = n == 3 ? (at(1) - at(0)).cross(at(2) - at(0)) : (at(2) - at(0)).cross(at(3) - at(1));
+  const Vector3d along = n == 3 ? Vector3d(at(1) - at(0)) : Vector3d(at(1) + at(2) - at(0) - at(3));
+  const Vector3d e3 = normal.normalized(), e1 = (along - e3 * e3.dot(along)).normalized();
+  frame.R << e1, e3.cross(e1), e3;
+  const NodePositions local = (X.rowwise() - frame.centre.transpose()) * frame.R;
+  frame.x = local.leftCols<2>();
+  frame.warp = local.col(2);
+  frame.smallest_det = std::numeric_limits<double>::infinity();
+  for (const Place& p : quadrature(n)) {
+    const double det = jacobian(functions_at(n, p.r, p.s), frame.x).det;
+    frame.area += p.weight * det;
+    frame.smallest_det = std::min(frame.smallest_det, det);
+  }
+  // At the corners as well: a quadrilateral with an angle above 180 degrees is no element.
+  if (n == 4)
+    for (const auto& [r, s] : {std::pair{-1.0, -1.0}, {1.0, -1.0}, {1.0, 1.0}, {-1.0, 1.0}})
+      frame.smallest_det = std::min(frame.smallest_det, jacobian(functions_at(4, r, s), frame.x).det);
+  if (!(frame.smallest_det > -std::numeric_limits<double>::infinity())) frame.smallest_det = 0.0;  // no number
+  return frame;
+}
+
+double shell_stiffness(const NodePositions& X, const Matrix6& D6, double t, double offset, MatrixXd& K_e) {
+  const ShellFrame frame = shell_frame(X);
+  const Index n = X.rows();
+  if (!(frame.smallest_det > 0.0)) return frame.smallest_det;
+  const PlaneStress D = plane_stress(D6, frame.R);
+  const Bending bending(frame.x, D, t);
+  MatrixXd K = MatrixXd::Zero(3 * n, 3 * n);
+  for (const Place& p : quadrature(n)) {
+    const Functions f = functions_at(n, p.r, p.s);
+    const Jacobian J = jacobian(f, frame.x);
+    const MatrixXd B = bending.curvature(f, J.inverse), B_s = bending.shear(f, J.inverse, p.r, p.s);
+    K += p.weight * J.det * (t * t * t / 12.0 * B.transpose() * D.D * B + t * B_s.transpose() * D.shear * B_s);
+  }
+  MatrixXd local = MatrixXd::Zero(6 * n, 6 * n);
+  scatter(K, kBending, local);
+  scatter(n == 3 ? triangle_membrane(frame.x, D, t, frame.area) : quadrilateral(frame.x, D, t).K, kMembrane, local);
+  const MatrixXd T = transform(frame, offset);
+  K_e = T.transpose() * local * T;
+  K_e = (0.5 * (K_e + K_e.transpose())).eval();
+  return frame.smallest_det;
+}
+
+double shell_mass(const NodePositions& X, double density, double t, MassKind kind, MatrixXd& m_e) {
+  const ShellFrame frame = shell_frame(X);
+  const Index n = X.rows();
+  m_e.setZero(n, n);
+  if (!(frame.smallest_det > 0.0)) return frame.smallest_det;
+  for (const Place& p : quadrature(n)) {
+    const Functions f = functions_at(n, p.r, p.s);
+    m_e += p.weight * jacobian(f, frame.x).det * density * t * f.N * f.N.transpose();
+  }
+  if (kind == MassKind::lumped) m_e = Eigen::VectorXd(m_e.rowwise().sum()).asDiagonal().toDenseMatrix();
+  return frame.smallest_det;
+}
+
+ShellStress shell_stress(const NodePositions& X, const Matrix6& D6, double t, double offset) {
+  const ShellFrame frame = shell_frame(X);
+  const Index n = X.rows();
+  const PlaneStress D = plane_stress(D6, frame.R);
+  const MatrixXd T = transform(frame, offset);
+  // In-plane stresses (11, 22, 12) of the element's axes to six of the mesh's.
+  Eigen::Matrix<double, 6, 3> turn;
+  const Vector3d a = frame.R.col(0), b = frame.R.col(1);
+  const Matrix3d of[3] = {a * a.transpose(), b * b.transpose(), a * b.transpose() + b * a.transpose()};
+  for (int k = 0; k < 3; ++k)
+    turn.col(k) << of[k](0, 0), of[k](1, 1), of[k](2, 2), of[k](0, 1), of[k](1, 2), of[k](2, 0);
+
+  // Strains (3 x 6n, local dofs) where the element is most accurate, then at the corners.
+  std::vector<MatrixXd> membrane, curvature;
+  const Bending bending(frame.x, D, t);
+  const auto spread = [&](const MatrixXd& B, const std::array<int, 3>& place) {
+    MatrixXd out = MatrixXd::Zero(3, 6 * n);
+    for (Index j = 0; j < B.cols(); ++j) out.col(6 * (j / 3) + place[static_cast<std::size_t>(j % 3)]) = B.col(j);
+    return out;
+  };
+  ShellStress stress;
+  if (n == 3) {
+    const MatrixXd mean = spread(lumping(frame.x).transpose() / frame.area, kMembrane);
+    for (const auto& [r, s] : {std::pair{0.0, 0.0}, {1.0, 0.0}, {0.0, 1.0}}) {  // curvatures are linear
+      const Functions f = functions_at(3, r, s);
+      membrane.push_back(mean);
+      curvature.push_back(spread(bending.curvature(f, jacobian(f, frame.x).inverse), kBending));
+    }
+  } else {
+    const Quadrilateral plane = quadrilateral(frame.x, D, t);
+    const Jacobian J_0 = jacobian(functions_at(4, 0, 0), frame.x);
+    std::vector<MatrixXd> m, c;
+    MatrixXd B;
+    Eigen::RowVectorXd drill;
+    for (const Place& p : quadrature(4)) {
+      const Functions f = functions_at(4, p.r, p.s);
+      const Jacobian J = jacobian(f, frame.x);
+      membrane_operators(f, J, J_0, B, drill);
+      m.push_back(spread(B.leftCols(12) + B.rightCols(4) * plane.bubbles, kMembrane));
+      c.push_back(spread(bending.curvature(f, J.inverse), kBending));
+    }
+    const double g = std::sqrt(3.0);  // a corner in units of the Gauss points
+    for (const auto& [r, s] : {std::pair{-g, -g}, {g, -g}, {g, g}, {-g, g}}) {
+      const Eigen::VectorXd N = functions_at(4, r, s).N;
+      membrane.push_back(N(0) * m[0] + N(1) * m[1] + N(2) * m[2] + N(3) * m[3]);
+      curvature.push_back(N(0) * c[0] + N(1) * c[1] + N(2) * c[2] + N(3) * c[3]);
+    }
+  }
+  for (Index corner = 0; corner < n; ++corner) {
+    stress.membrane.push_back(turn * D.D * membrane[static_cast<std::size_t>(corner)] * T);
+    stress.bending.push_back(turn * D.D * curvature[static_cast<std::size_t>(corner)] * T);
+  }
+  return stress;
+}
+
+}  // namespace flexura::reduce
