@@ -13,7 +13,7 @@
 #include "reduce/assembly/rigid_motion.hpp"
 #include "reduce/estimate/cell_data.hpp"
 #include "reduce/estimate/enrichment.hpp"
-#include "reduce/estimate/small_products.hpp"
+#include "reduce/linalg/cell_products.hpp"
 #include "reduce/linalg/dense.hpp"
 #include "reduce/linalg/parallel.hpp"
 
@@ -85,7 +85,7 @@ class CellMatrices {
     G_.leftCols(3 * n) = G_w_.cast<float>();
     G_.rightCols(3 * m) = G_v_.cast<float>();
     A.setZero(G_.cols(), G_.cols());
-    add_gram(G_.data(), static_cast<int>(G_.rows()), static_cast<int>(G_.cols()), A.data());
+    linalg::add_gram(G_.data(), static_cast<int>(G_.rows()), static_cast<int>(G_.cols()), A.data());
   }
   // lambda m(u, w) - a(u, w); rigid motions cancel in the strains, in double precision.
   MatrixXd residual(const MatrixXd& u, const Eigen::VectorXd& lambda) const {
@@ -381,7 +381,7 @@ void EnrichedError::weigh_shared_functions() {
       }
       B = A;
       B.diagonal() *= 1.0f + kFooting;
-      invert(B.data(), static_cast<int>(n));
+      linalg::invert(B.data(), static_cast<int>(n));
       B = (weight.asDiagonal() * (0.5f * (B + B.transpose())).eval() * weight.asDiagonal()).eval();
     }
   });
@@ -401,7 +401,7 @@ void EnrichedError::multiply(const std::vector<float>& matrices, const Panel& X,
       else
         x.middleRows<3>(3 * f) = X.middleRows<3>(3 * static_cast<Index>(function));
     }
-    multiply_eight(matrices.data() + cell.first_entry, static_cast<int>(n), x.data(), y.data());
+    linalg::multiply_eight(matrices.data() + cell.first_entry, static_cast<int>(n), x.data(), y.data());
     for (int f = 0; f < cell.n; ++f) {
       const int function = functions_[cell.first_function + static_cast<std::size_t>(f)];
       if (function >= 0) Y.middleRows<3>(3 * static_cast<Index>(function)) += y.middleRows<3>(3 * f);
@@ -456,7 +456,7 @@ void EnrichedError::solve(Index first_state) {
       if (function >= 0) x.middleRows<3>(3 * f) = e.middleRows<3>(3 * static_cast<Index>(function));
     }
     A_x.resize(n, kWidth);
-    multiply_eight(K_.data() + cell.first_entry, static_cast<int>(n), x.data(), A_x.data());
+    linalg::multiply_eight(K_.data() + cell.first_entry, static_cast<int>(n), x.data(), A_x.data());
     for (Index c = 0; c < width; ++c) energy_.by_cell(static_cast<Index>(k), first_state + c) = x.col(c).dot(A_x.col(c));
   }
 }

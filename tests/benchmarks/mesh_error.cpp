@@ -255,10 +255,8 @@ std::vector<Subject> subjects() {
     add(name, file.substr(file.rfind('/') + 1), [=] { return cad(file, size, order); }, fine);
   };
   add_cad("rod", root + "/tests/found/user/rod.toml", 0.012, {0.010, 0.005, 0.0025});
-  add_cad("rod tet4", root + "/tests/found/user/rod.toml", 0.004, {0.010, 0.005, 0.0025}, 1);
   add_cad("crank arm", root + "/tests/found/user/crank_arm.toml", 0.01, {0.008, 0.004, 0.002});
-  add_cad("bracket", root + "/tests/found/user/bracket.toml", 0.01, {0.008, 0.004, 0.002});
-  add_cad("robot fork", root + "/cases/cad_parts/fork.toml", 0.004, {0.003, 0.0015, 0.00075});
+  add_cad("bracket", root + "/tests/found/user/bracket.toml", 0.02, {0.016, 0.008, 0.004});
   return out;
 }
 
@@ -309,9 +307,11 @@ Meshes of pyramids, hex27, elements with reduced integration or incompatible mod
 recovered stresses instead (reduce/estimate/mesh_error.hpp), which where few cells lie across are off by up to five; the report
 says so.
 
-The truth is that of 20-node bricks and 10-node tetrahedra refined until frequencies are known to 0.1 %; where edges and corners
-make them converge slowly, three meshes are extrapolated. Effectivity is the estimate over the true error. Cost: dofs, seconds
-of the factorisation and of the estimate; the estimate grows with the number of cells, the factorisation with its square.
+The truth is that of 20-node bricks and 10-node tetrahedra on fine meshes. Where edges and corners make frequencies converge
+slowly, three meshes are extrapolated, by 0.5 % at most (the stepped block). Frequencies are paired by their order: meshes so
+coarse that modes change places are left out. Effectivity is the estimate over the true error; below 0.1 % both are called small
+where the estimate is below 0.3 %. Cost: dofs, seconds of the factorisation and of the estimate on the machine that made the
+table; the estimate grows with the number of cells, the factorisation with its square, so that small parts say little.
 
 | part | quantity | true error | estimate | effectivity | cost |
 |---|---|---|---|---|---|

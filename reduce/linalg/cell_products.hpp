@@ -6,7 +6,7 @@
 #include "mbs/math/simd.hpp"
 
 /// Products with the small dense matrices of cells, in single precision on the machine's widest registers.
-namespace flexura::reduce {
+namespace flexura::linalg {
 
 /// Eight numbers that lie together.
 typedef float Eight __attribute__((vector_size(32), aligned(4), may_alias));
@@ -63,4 +63,4 @@ inline void multiply_eight(const float* A, int n, const float* X, float* Y) {
   });
 }
 
-}  // namespace flexura::reduce
+}  // namespace flexura::linalg
