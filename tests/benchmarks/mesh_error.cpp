@@ -311,7 +311,8 @@ The truth is that of 20-node bricks and 10-node tetrahedra on fine meshes. Where
 slowly, three meshes are extrapolated, by 0.5 % at most (the stepped block). Frequencies are paired by their order: meshes so
 coarse that modes change places are left out. Effectivity is the estimate over the true error; below 0.1 % both are called small
 where the estimate is below 0.3 %. Cost: dofs, seconds of the factorisation and of the estimate on the machine that made the
-table; the estimate grows with the number of cells, the factorisation with its square, so that small parts say little.
+table; the estimate grows with the number of cells, the factorisation with its square, so that small parts say little. With
+181,000 dofs (39,000 tet10) the estimate took 2.2 times as long as the factorisation; a fifth is the aim, not reached there.
 
 | part | quantity | true error | estimate | effectivity | cost |
 |---|---|---|---|---|---|
