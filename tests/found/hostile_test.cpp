@@ -278,10 +278,10 @@ TEST(HostileInput, DecksOfOddLinesAreRefusedWithTheLine) {
 TEST(HostileInput, ACadFileThatIsReadForEverIsGivenUpWithItsStage) {
   const Folder folder;
   const std::string text =
-      test::replaced(kDeckPart, "x.inp", safe("brep/x.brep")) + "[mesh]\ntime_limit = \"1 s\"\n";
+      test::replaced(kDeckPart, "x.inp", safe("brep/x.brep")) + "[mesh]\ntime_limit = \"2 s\"\n";
   const Outcome outcome = run("flexura", {"reduce", folder.write("p.toml", text).string()});
   EXPECT_EQ(outcome.exit_code, 1);
-  EXPECT_THAT(outcome.err, HasSubstr("was not done within 1 s (it was reading the CAD file)"));
+  EXPECT_THAT(outcome.err, HasSubstr("was not done within 2 s (it was reading the CAD file)"));
 }
 
 }  // namespace

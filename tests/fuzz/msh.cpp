@@ -7,6 +7,6 @@
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace flexura;
   return fuzz::judged([&] {
-    mesh::read_mesh_file(fuzz::file_of("m.msh", fuzz::text_of(data, size)), FLEXURA_MESH_PROGRAM, 20.0);
+    mesh::read_mesh_file(fuzz::file_of("m.msh", fuzz::text_of(data, size)), FLEXURA_MESH_PROGRAM, 8.0);
   });
 }
