@@ -10,6 +10,7 @@
 #include <climits>
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <iostream>
 #include <stdexcept>
@@ -72,6 +73,7 @@ void prepare_process() {
   open_if_closed(STDIN_FILENO, "/dev/null", O_RDONLY);
   open_if_closed(STDOUT_FILENO, "/dev/full", O_WRONLY);  // what is printed is lost, and that is said
   open_if_closed(STDERR_FILENO, "/dev/null", O_WRONLY);
+  std::atexit([] { remove_unfinished(); });  // a library that gives up (MPI) ends the program by itself
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);
   for (const int signal : {SIGHUP, SIGINT, SIGQUIT, SIGTERM, SIGXCPU})
