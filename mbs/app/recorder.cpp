@@ -94,6 +94,7 @@ Recorder::Recorder(const mbs::PreparedMechanism& prepared, results::Writer& writ
       writer_(writer),
       scratch_(mechanism_.make_scratch()),
       range_(mechanism_),
+      turns_(mechanism_),
       store_states_(store_states) {
   which_ = mbs::select_quantities(mechanism_, patterns);
   const auto infos = mechanism_.quantities();
@@ -134,6 +135,7 @@ void Recorder::watch(const mbs::State& s, double kinetic_energy) {
   growth_.observe(s.t, kinetic_energy, travel, speed);
   // The row that shows it is kept, and the run ends there.
   if (const std::string why = range_.runaway(); !why.empty()) throw std::runtime_error(why);
+  if (!turns_.reason().empty()) throw std::runtime_error(turns_.reason());
   if (!growth_.reason().empty()) throw std::runtime_error(growth_.reason());
 }
 
@@ -152,6 +154,7 @@ void Recorder::append(const mbs::State& s, const Eigen::VectorXd& v_dot, const E
   row_.quantities(n + 1) = energy.dissipated;
   row_.quantities(n + 2) = energy.balance;
   range_.observe(s);
+  turns_.observe(s, v_dot);
   mechanism_.body_poses(s, *scratch_, poses_);
   for (std::size_t b = 0; b < poses_.size(); ++b) {
     row_.pose[b].head<3>() = poses_[b].p;

@@ -5,6 +5,7 @@
 #include <span>
 
 #include "mbs/app/mechanism_runs.hpp"
+#include "mbs/app/turn_watch.hpp"
 #include "mbs/model/linear_range.hpp"
 #include "mbs/results/results.hpp"
 #include "mbs/solver/energy.hpp"
@@ -55,6 +56,7 @@ class Recorder {
   double t_before_ = 0.0;
   mbs::LinearRange range_;
   mbs::GrowthWatch growth_;
+  TurnWatch turns_;
   Eigen::VectorXd p_start_, p_scale_;
   results::Row row_;
   bool store_states_;

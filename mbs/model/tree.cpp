@@ -104,10 +104,12 @@ void Mechanism::grow_tree() {
   std::vector<int> queue{0};
 
   // Breadth first in the order of the file, except that a driven or coupled joint is taken as soon as one of
-  // its bodies is reached, since its coordinate must be a state, and then one whose coordinate the user set
-  // or that must not be cut.
-  enum Priority { ordinary, set, wanted };
+  // its bodies is reached, since its coordinate must be a state, then one whose coordinate the user set or that
+  // must not be cut, then one along which forces act: angles of joints that close loops are known within +-pi only.
+  enum Priority { ordinary, loaded, set, wanted };
   std::vector<Priority> priority(d_.joints.size(), ordinary);
+  for (const auto& force : d_.forces)
+    for (const CoordinateRef& c : force->coordinates()) priority[c.joint] = loaded;
   for (std::size_t j = 0; j < d_.joints.size(); ++j) {
     if (!d_.joints[j].initial_coordinates.empty() || d_.joints[j].keep_in_tree) priority[j] = set;
     if (d_.joints[j].is_driven()) priority[j] = wanted;
@@ -149,6 +151,7 @@ void Mechanism::grow_tree() {
       while (true) {
         int j = next_joint(wanted, -1);
         if (j < 0) j = next_joint(set, -1);
+        if (j < 0) j = next_joint(loaded, -1);
         if (j < 0) j = next_joint(ordinary, queue[k]);
         if (j < 0) break;
         take(j);

@@ -8,7 +8,10 @@ namespace flexura::mbs {
 
 double EnergyAccount::relative_error() const {
   const double scale = std::max(gross_work, peak);
-  return scale > 0.0 ? std::abs(error()) / scale : 0.0;
+  // A structure that stands still moves no energy but the round-off of what it holds.
+  constexpr double kRoundOff = 1e-10;
+  const double held = kRoundOff * (now.kinetic + std::abs(now.strain) + std::abs(now.potential));
+  return scale > held ? std::abs(error()) / scale : 0.0;
 }
 
 EnergyBook::EnergyBook(const Equations& eq) : eq_(eq), scratch_(eq.make_scratch()) {}
