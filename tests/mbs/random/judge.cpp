@@ -256,7 +256,7 @@ class Judge {
     ScenePhysics physics(scene_);
     const double size = physics.size();
     const double fit = scene_.digits < 17 ? 3.0 * std::pow(10.0, 1 - scene_.digits) + 1e-9 : 1e-9;
-    double energy_0 = 0.0, moved_energy = 0.0, offset_0 = 0.0;
+    double energy_0 = 0.0, moved_energy = 0.0, offset_0 = 0.0, lost = 0.0, stored = 0.0;
     Vector3d p_0, L_0, c_0;
     const bool floats = !scene_.is_grounded();
     for (std::size_t k = 0; k < ran.rows.size(); ++k) {
@@ -301,10 +301,8 @@ class Judge {
       if (std::abs(T + U - row.kinetic - row.potential - offset_0) > 1e-8 * (scale + std::abs(U)))
         complain("energy {} is said to be {}", T + U - offset_0, row.kinetic + row.potential);
       if (scene_.is_conservative()) {
-        const double error = std::abs(T + U - energy_0) / (scale + std::abs(U - row.kinetic) * 1e-6);
-        const double weight = std::abs(T + U - energy_0);
-        out_.energy = std::max(out_.energy, weight / (1e-9 + std::max(T, std::abs(U))));
-        (void)error;
+        lost = std::max(lost, std::abs(T + U - energy_0));
+        stored = std::max(stored, std::abs(U - energy_0));
       }
       if (floats) {
         const double of = physics.mass() * (size * speed + 1e-3);
@@ -315,6 +313,8 @@ class Judge {
     }
     // Relative to the energy that was moved; where nothing was, there is nothing to be relative to.
     out_.balance = moved_energy > 1e-9 ? std::abs(ran.balance) : 0.0;
+    // Of the energy that went to and fro.
+    out_.energy = std::max(out_.energy, lost / (1e-9 + moved_energy + stored));
     if (out_.energy > 1e-5) complain("energy is lost by {:.2e}", out_.energy);
     // Where a run stops because its rows lose rank the forces grow without bound.
     if (out_.balance > (ran.end == Ran::End::stopped ? 1e-3 : 1e-5)) complain("the energy balance is open by {:.2e}", out_.balance);
