@@ -192,8 +192,9 @@ std::string estimated_error_line(const ErrorEstimate& estimate) {
   }
   if (!has_modes) known.push_back("no mode left out");
   std::string line =
-      fmt::format("estimated error {}{} of the rms of {}: {}", estimate.is_whole ? "" : "at least ",
-                  percent(estimate.at_least), estimate.of, fmt::join(known, ", "));
+      fmt::format("estimated error {}{} of the rms of {}", estimate.is_whole ? "" : "at least ",
+                  percent(estimate.at_least), estimate.of);
+  if (!known.empty()) line += fmt::format(": {}", fmt::join(known, ", "));
   if (!unknown.empty()) line += fmt::format("; unknown: {}", fmt::join(unknown, ", "));
   if (largest) line += fmt::format("; largest{}: {}", unknown.empty() ? "" : " known", words_of(*largest));
   if (estimate.is_large)

@@ -51,6 +51,25 @@ class Estimates : public ::testing::Test {
   Folder folder_;
 };
 
+// A hit of 1 ms on a bar that keeps 3 of its 32 modes, seen at rows 10 ms apart: what the rows do not resolve judges no
+// mode. Where the hit is as slow as the rows are near it does.
+TEST_F(Estimates, RowsThatMissALoadJudgeNoMode) {
+  reduce(kFound / "trade/ringer.toml");
+  const std::string text = read_text(kFound / "trade/scene_impulse_late.toml");
+  const std::vector<std::string> few = {"body.bar.modes=3", "solver.end_time=0.52"};
+  std::vector<std::string> rare = few, near = few;
+  rare.push_back("solver.output_step=\"10 ms\"");
+  const Run missed = simulate(folder_.write("hit.toml", text), rare);
+  EXPECT_TRUE(missed.has_unknown("modes", "bar"));
+  EXPECT_THAT(missed.text.out, HasSubstr("give a smaller output_step"));
+  EXPECT_THAT(missed.text.out, Not(HasSubstr(": ;")));
+  near.push_back("solver.output_step=\"1 ms\"");
+  const Run seen = simulate(
+      folder_.write("push.toml", replaced(text, "t>0.5 && t<0.501 ? 200*sin(pi*(t-0.5)/0.001)^2 : 0", "2*sin(20*t)")),
+      near);
+  EXPECT_FALSE(seen.has_unknown("modes", "bar"));
+}
+
 // 29, 11 and 5.5 % wrong with one, two and three segments, and "estimated error 8e-07 %": nothing had judged
 // how many there are.
 TEST_F(Estimates, ElementsOfBeamsAreUnknown) {
