@@ -401,7 +401,7 @@ void EnrichedError::multiply(const std::vector<float>& matrices, const Panel& X,
       else
         x.middleRows<3>(3 * f) = X.middleRows<3>(3 * static_cast<Index>(function));
     }
-    linalg::multiply_eight(matrices.data() + cell.first_entry, static_cast<int>(n), x.data(), y.data());
+    linalg::multiply_sixteen(matrices.data() + cell.first_entry, static_cast<int>(n), x.data(), y.data());
     for (int f = 0; f < cell.n; ++f) {
       const int function = functions_[cell.first_function + static_cast<std::size_t>(f)];
       if (function >= 0) Y.middleRows<3>(3 * static_cast<Index>(function)) += y.middleRows<3>(3 * f);
@@ -456,7 +456,7 @@ void EnrichedError::solve(Index first_state) {
       if (function >= 0) x.middleRows<3>(3 * f) = e.middleRows<3>(3 * static_cast<Index>(function));
     }
     A_x.resize(n, kWidth);
-    linalg::multiply_eight(K_.data() + cell.first_entry, static_cast<int>(n), x.data(), A_x.data());
+    linalg::multiply_sixteen(K_.data() + cell.first_entry, static_cast<int>(n), x.data(), A_x.data());
     for (Index c = 0; c < width; ++c) energy_.by_cell(static_cast<Index>(k), first_state + c) = x.col(c).dot(A_x.col(c));
   }
 }

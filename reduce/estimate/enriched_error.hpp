@@ -46,7 +46,8 @@ class EnrichedError {
   const MeshEnergy& energy() const { return energy_; }
 
  private:
-  static constexpr int kWidth = 8;
+  /// States together: those of a part with two interfaces.  Cells' matrices come from memory once for all of them.
+  static constexpr int kWidth = 16;
   using Panel = Eigen::Matrix<float, Eigen::Dynamic, kWidth, Eigen::RowMajor>;
   struct Cell {
     int block;

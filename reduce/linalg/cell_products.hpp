@@ -44,21 +44,28 @@ inline void invert(float* A, int n) {
   });
 }
 
-/// Y = A X; A symmetric n x n, n a multiple of three, X and Y n x 8 by rows.
-inline void multiply_eight(const float* A, int n, const float* X, float* Y) {
+/// Y = A X; A symmetric n x n, n a multiple of three, X and Y n x 16 by rows.
+inline void multiply_sixteen(const float* A, int n, const float* X, float* Y) {
   on_this_machine([&]() __attribute__((always_inline)) {
     for (int i = 0; i < n; i += 3) {
-      Eight y0{}, y1{}, y2{};
+      Eight y00{}, y01{}, y10{}, y11{}, y20{}, y21{};
       const float *a0 = A + static_cast<long>(i) * n, *a1 = a0 + n, *a2 = a1 + n;
       for (int j = 0; j < n; ++j) {
-        const Eight x = *reinterpret_cast<const Eight*>(X + 8 * j);
-        y0 += a0[j] * x;
-        y1 += a1[j] * x;
-        y2 += a2[j] * x;
+        const Eight* x = reinterpret_cast<const Eight*>(X + 16 * j);
+        y00 += a0[j] * x[0];
+        y01 += a0[j] * x[1];
+        y10 += a1[j] * x[0];
+        y11 += a1[j] * x[1];
+        y20 += a2[j] * x[0];
+        y21 += a2[j] * x[1];
       }
-      *reinterpret_cast<Eight*>(Y + 8 * i) = y0;
-      *reinterpret_cast<Eight*>(Y + 8 * (i + 1)) = y1;
-      *reinterpret_cast<Eight*>(Y + 8 * (i + 2)) = y2;
+      Eight* y = reinterpret_cast<Eight*>(Y + 16 * i);
+      y[0] = y00;
+      y[1] = y01;
+      y[2] = y10;
+      y[3] = y11;
+      y[4] = y20;
+      y[5] = y21;
     }
   });
 }
