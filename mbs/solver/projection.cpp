@@ -62,7 +62,7 @@ LoopCloser::LoopCloser(const Equations& eq, const SolverOptions& options)
       scratch_(eq.make_scratch()),
       weights_(eq, options),
       accelerations_(eq),
-      enough_(std::clamp(1e-3 * options.tolerance, AccelerationSolver::at_round_off, 1e-8)) {
+      enough_(std::clamp(1e-4 * options.tolerance, AccelerationSolver::at_round_off, 1e-10)) {
   if (n_.n_lambda == 0) return;
   M_.setZero(n_.n_v, n_.n_v);
   G_.setZero(n_.n_lambda, n_.n_v);

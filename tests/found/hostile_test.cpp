@@ -263,8 +263,8 @@ TEST(HostileInput, DecksOfOddLinesAreRefusedWithTheLine) {
   for (const auto& [deck, words] :
        {std::pair{"1, 2, 3\n*NODE\n", "data before the first keyword"},
         std::pair{"*\n1,2\n", "without a keyword"},
-        std::pair{"*ELEMENT, TYPE=C3D4\n,,,\n", "holds no solid elements"},
-        std::pair{"*NSET, NSET=a, GENERATE\n,,\n", "holds no solid elements"},
+        std::pair{"*ELEMENT, TYPE=C3D4\n,,,\n", "holds no solid, shell or beam elements"},
+        std::pair{"*NSET, NSET=a, GENERATE\n,,\n", "holds no solid, shell or beam elements"},
         std::pair{"*NSET, NSET=a, GENERATE\n1, 9000000000000000000\n", "a generated set from 1"},
         std::pair{"*NODE\n1, inf, 0, 0\n", "is not a number"},
         std::pair{"*NODE\n1, 1e300, 0, 0\n*ELEMENT, TYPE=C3D4\n1,1,1,1,1\n", "beyond all measure"},

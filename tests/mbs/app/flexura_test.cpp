@@ -294,7 +294,7 @@ TEST_F(Flexura, BashCompletesCommandsOptionsAndChoices) {
   EXPECT_EQ(offers("flexura modes --cl", 2), "--clamped\n");
   EXPECT_EQ(offers("flexura export beam --format d", 4), "dmig\n");
   EXPECT_EQ(offers("flexura modes beam", 2), "\n");  // files are bash's own business
-  EXPECT_EQ(offers(FLEXURA_BIN_DIR "/flexura reduce --mesh", 2), "--mesh-size\n");  // asked of flexura-reduce
+  EXPECT_EQ(offers(FLEXURA_BIN_DIR "/flexura reduce --mesh-", 2), "--mesh-size\n");  // asked of flexura-reduce
 }
 
 // A copy of the program alone in a folder has no companion to hand over to; beside one it becomes that

@@ -161,10 +161,10 @@ TEST_F(MechanismFileTest, QuantitiesAgreeWithTheirOwnFormulas) {
                    get("energy.kinetic") + get("energy.strain") + get("energy.potential"));
   EXPECT_DOUBLE_EQ(get("guide.force"),
                    std::hypot(get("guide.force_x"), get("guide.force_y"), get("guide.force_z")));
-  // The wrist closes the loop: its reaction on the slider is minus G^T lambda, in the axes of the rod's
-  // marker.
+  // The pin closes the loop (the wrist, which carries a spring, is in the tree): its reaction on the rod is minus
+  // G^T lambda, in the axes of the crank's marker.
   Vector3d lambda_force = -s.lambda.head<3>();
-  EXPECT_NEAR(get("wrist.force"), lambda_force.norm(), 1e-13 * lambda_force.norm());
+  EXPECT_NEAR(get("pin.force"), lambda_force.norm(), 1e-13 * lambda_force.norm());
 
   EXPECT_EQ(select_quantities(mechanism, {"energy.*"}).size(), 4u);
   EXPECT_FALSE(select_quantities(mechanism, {}).empty());
