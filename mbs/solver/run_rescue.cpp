@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "mbs/solver/finite.hpp"
 #include "mbs/solver/runner.hpp"
 
 /// Where an integrator does not come on, or another would come on faster: hops across positions in which constraints
@@ -76,7 +77,12 @@ bool Runner::hop(const IntegrationError& reason) {
     const Instant from = back == 0 ? Instant{result_.state, result_.v_dot}
                                    : anchors_[(next_anchor_ + kAnchors - back) % kAnchors];
     bool goes_on = true;
-    if (!leap(from, goes_on)) continue;
+    try {
+      if (!leap(from, goes_on)) continue;
+    } catch (const NonFiniteError&) {
+      // Beyond where the mechanism locks there is nothing to land on: that it locks is what there is to say.
+      throw reason;
+    }
     if (!goes_on) return false;
     if (result_.state.t - t_failed < 1e-7 * (options_.end_time - options_.start_time)) continue;
     ++result_.counts.hops;

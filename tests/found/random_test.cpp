@@ -127,5 +127,14 @@ TEST(RandomSamples, SpringsOnCutJointsSayThatTheyCannotGoRound) {
   EXPECT_THAT(outcome.err, HasSubstr("force \"spring\" acts along it"));
 }
 
+// IDA stops where the mechanism locks; what was tried beyond it said "the force is not finite (-nan)".
+TEST(RandomSamples, ASliderLedBeyondItsLockIsSaidToLock) {
+  const test::Folder folder;
+  const Outcome outcome = test::run(
+      "flexura", {"simulate", "-q", kFolder + "led_beyond_its_lock.toml", "-o", folder / "rows.h5"});
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_THAT(outcome.err, HasSubstr("locks or stands at a dead point"));
+}
+
 }  // namespace
 }  // namespace flexura
