@@ -199,6 +199,27 @@ void TiedModel::assemble(const Part& part, const AssemblyOptions& options) {
       add_stiffness(Eigen::Matrix<mesh::Index, 1, 2>(a, b), K_e);
     }
   }
+  // Cells first to first + count of a block, into K and M; n_dofs is that of a node in their matrices.
+  const auto take_in = [&](const mesh::CellBlock& block, Eigen::Index first, int count, Eigen::Index n_dofs) {
+    for (int k = 0; k < count; ++k) {
+      const auto cell = block.nodes.row(first + k);
+      Result& result = results[k];
+      if (!(result.smallest_det > 0.0)) {
+        if (++n_inverted <= 5)
+          inverted += fmt::format("{}{}", n_inverted > 1 ? ", " : "",
+                                  block.label.empty() ? n_done + k : block.label[first + k]);
+        continue;
+      }
+      m_->add({cell.data(), static_cast<std::size_t>(cell.size())}, result.m);
+      if (options.shift != 0.0)
+        for (Eigen::Index a = 0; a < cell.size(); ++a)
+          for (Eigen::Index c = 0; c < cell.size(); ++c)
+            result.K.block<3, 3>(n_dofs * a, n_dofs * c).diagonal().array() += options.shift * result.m(a, c);
+      add_stiffness(cell, result.K);
+    }
+    n_done += count;
+    linalg::report(options.progress, "assembly", static_cast<double>(n_done) / static_cast<double>(n_cells));
+  };
   for (const mesh::CellBlock& block : part.mesh.solids) {
     if (part.matrices) break;
     const Element& element = solid_element(block.type, formulation_of(block, part.formulation));
@@ -219,25 +240,7 @@ void TiedModel::assemble(const Part& part, const AssemblyOptions& options) {
             std::min(result.smallest_det,
                      element_mass(element, x, part.materials[material].density, part.mass, result.m));
       });
-      for (int k = 0; k < count; ++k) {
-        const auto cell = block.nodes.row(first + k);
-        Result& result = results[k];
-        if (!(result.smallest_det > 0.0)) {
-          if (++n_inverted <= 5)
-            inverted += fmt::format("{}{}", n_inverted > 1 ? ", " : "",
-                                    block.label.empty() ? n_done + k : block.label[first + k]);
-          continue;
-        }
-        m_->add({cell.data(), static_cast<std::size_t>(cell.size())}, result.m);
-        if (options.shift != 0.0)
-          for (Eigen::Index a = 0; a < cell.size(); ++a)
-            for (Eigen::Index c = 0; c < cell.size(); ++c)
-              result.K.block<3, 3>(3 * a, 3 * c).diagonal().array() += options.shift * result.m(a, c);
-        add_stiffness(cell, result.K);
-      }
-      n_done += count;
-      linalg::report(options.progress, "assembly",
-                     static_cast<double>(n_done) / static_cast<double>(n_cells));
+      take_in(block, first, count, 3);
     }
   }
   for (const mesh::CellBlock& block : part.mesh.shells) {
@@ -254,23 +257,7 @@ void TiedModel::assemble(const Part& part, const AssemblyOptions& options) {
         shell_mass(x, material.density, block.thickness[cell], part.mass, result.m);
         if (offset != 0.0) result.m.setZero();  // it is on points beside the nodes (shell_skins.hpp)
       });
-      for (int k = 0; k < count; ++k) {
-        const auto cell = block.nodes.row(first + k);
-        Result& result = results[k];
-        if (!(result.smallest_det > 0.0)) {
-          if (++n_inverted <= 5)
-            inverted += fmt::format("{}{}", n_inverted > 1 ? ", " : "",
-                                    block.label.empty() ? n_done + k : block.label[first + k]);
-          continue;
-        }
-        m_->add({cell.data(), static_cast<std::size_t>(cell.size())}, result.m);
-        if (options.shift != 0.0)
-          for (Eigen::Index a = 0; a < cell.size(); ++a)
-            for (Eigen::Index c = 0; c < cell.size(); ++c)
-              result.K.block<3, 3>(6 * a, 6 * c).diagonal().array() += options.shift * result.m(a, c);
-        add_stiffness(cell, result.K);
-      }
-      n_done += count;
+      take_in(block, first, count, 6);
     }
   }
   if (n_inverted > 0)

@@ -7,10 +7,15 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <chrono>
+#include <filesystem>
+#include <functional>
 #include <stdexcept>
 #include <string>
+#include <thread>
 #include <vector>
 
+#include "mbs/results/results.hpp"
 #include "tests/app/command.hpp"
 
 extern char** environ;
@@ -65,5 +70,42 @@ class Background {
   Folder streams_;
   pid_t pid_ = -1;
 };
+
+/// Waits until `what` holds, for at most half a minute; returns whether it does.
+inline bool wait_for(const std::function<bool()>& what) {
+  for (int k = 0; k < 3000; ++k, std::this_thread::sleep_for(std::chrono::milliseconds(10)))
+    if (what()) return true;
+  return false;
+}
+
+/// Waits for the first rows of a run under way, which are read in `part` (FILE.part).
+inline bool wait_for_rows(const std::filesystem::path& part) {
+  return wait_for([&] {
+    try {
+      return std::filesystem::exists(part) && results::read(part).runs.at(0).time.size() > 0;
+    } catch (const std::exception&) {
+      return false;
+    }
+  });
+}
+
+/// A mechanism file whose run does not end by itself within a test.
+inline std::string write_long_run(const Folder& folder) {
+  return folder.write("long.toml", R"toml([body.block]
+mass = 2
+[joint.slide]
+type = "prismatic"
+from = "ground"
+to = "block"
+[force.spring]
+type = "joint_spring_damper"
+joint = "slide"
+stiffness = 1000
+[solver]
+end_time = 1e7
+output_step = 0.1
+store_states = true
+)toml");
+}
 
 }  // namespace flexura::test

@@ -94,12 +94,6 @@ std::string contents(const fs::path& file) {
   return out;
 }
 
-bool wait_for(const std::function<bool()>& what) {
-  for (int k = 0; k < 6000; ++k, std::this_thread::sleep_for(std::chrono::milliseconds(5)))
-    if (what()) return true;
-  return false;
-}
-
 class Checkpoint : public ::testing::Test {
  protected:
   void SetUp() override {

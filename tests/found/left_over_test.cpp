@@ -24,12 +24,6 @@ namespace fs = std::filesystem;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-bool wait_for(const std::function<bool()>& what) {
-  for (int k = 0; k < 3000; ++k, std::this_thread::sleep_for(std::chrono::milliseconds(10)))
-    if (what()) return true;
-  return false;
-}
-
 class LeftOver : public ::testing::Test {
  protected:
   std::set<std::string> names(const fs::path& folder) const {
@@ -40,33 +34,13 @@ class LeftOver : public ::testing::Test {
   /// A run that never ends by itself, killed once it has rows.
   void killed_run(const std::string& output) const {
     Background run("flexura", {"simulate", mechanism_, "-q", "-o", output});
-    ASSERT_TRUE(wait_for([&] {
-      try {
-        return results::read(output + ".part").runs.at(0).time.size() > 0;
-      } catch (const std::exception&) {
-        return false;
-      }
-    }));
+    ASSERT_TRUE(wait_for_rows(output + ".part"));
     run.send(SIGKILL);
     run.wait();
     ASSERT_TRUE(fs::exists(output + ".part"));
   }
   Folder inputs_, folder_;
-  std::string mechanism_ = inputs_.write("long.toml", R"toml([body.block]
-mass = 2
-[joint.slide]
-type = "prismatic"
-from = "ground"
-to = "block"
-[force.spring]
-type = "joint_spring_damper"
-joint = "slide"
-stiffness = 1000
-[solver]
-end_time = 1e7
-output_step = 0.1
-store_states = true
-)toml");
+  std::string mechanism_ = write_long_run(inputs_);
   std::string output_ = folder_ / "r.h5";
 };
 

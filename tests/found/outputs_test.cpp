@@ -277,43 +277,14 @@ TEST_F(Outputs, ABadMechanismLeavesNothingBesideTheOldResults) {
   for (const auto& entry : fs::directory_iterator(f.path())) EXPECT_EQ(entry.path().filename(), "r.h5");
 }
 
-std::string long_run(const Folder& f) {
-  return f.write("long.toml", R"toml([body.block]
-mass = 2
-[joint.slide]
-type = "prismatic"
-from = "ground"
-to = "block"
-[force.spring]
-type = "joint_spring_damper"
-joint = "slide"
-stiffness = 1000
-[solver]
-end_time = 1e7
-output_step = 0.1
-)toml");
-}
-
-bool wait_for(const std::function<bool()>& what) {
-  for (int k = 0; k < 3000; ++k, std::this_thread::sleep_for(std::chrono::milliseconds(10)))
-    if (what()) return true;
-  return false;
-}
-
 // SIGTERM and SIGHUP as Ctrl-C: the rows and the states are kept, and it is said; a second process that wants
 // the same output meanwhile is told who has it, and takes nothing from it.
 TEST_F(Outputs, SignalsEndARunCleanlyAndASecondOneIsRefused) {
   for (const int signal : {SIGTERM, SIGHUP, SIGINT}) {
     const Folder f;
-    const std::string mechanism = long_run(f);
+    const std::string mechanism = write_long_run(f);
     Background first("flexura", {"simulate", mechanism, "-o", f / "r.h5", "--save-state", f / "s.json"});
-    ASSERT_TRUE(wait_for([&] {
-      try {
-        return fs::exists(f / "r.h5.part") && results::read(f / "r.h5.part").runs.at(0).time.size() > 0;
-      } catch (const std::exception&) {
-        return false;
-      }
-    }));
+    ASSERT_TRUE(wait_for_rows(f / "r.h5.part"));
     const Outcome second = run("flexura", {"simulate", mechanism, "-o", f / "r.h5"});
     EXPECT_EQ(second.exit_code, 2);
     EXPECT_THAT(second.err, HasSubstr("is being written by process " + std::to_string(first.pid())));
@@ -429,7 +400,7 @@ TEST_F(Outputs, TooSmallADiskIsSaidAtTheStart) {
   if (!may_mount()) GTEST_SKIP() << "mounting a small tmpfs is not permitted here";
   const Folder f;
   fs::create_directory(f / "dir");
-  const std::string mechanism = long_run(f);
+  const std::string mechanism = write_long_run(f);
   const auto outcome =
       mounted(f, "mount -t tmpfs -o size=1m none $dir",
               kFlexura + "simulate " + mechanism + " -o $dir/r.h5; echo code $?; ls -A $dir");
