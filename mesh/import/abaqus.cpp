@@ -321,7 +321,7 @@ class Reader {
       return;
     }
     if (!solid) {
-      for (const DataLine& line : k.data) unused_.add("*ELEMENT of type " + k.get("TYPE"), line.where);
+      for (const DataLine& line : k.data) left_out_.add(k.get("TYPE"), line.where);
       return;
     }
     Part& part = here();
@@ -895,6 +895,7 @@ class Reader {
       model_.messages.push_back(fmt::format("{} element{} of type {}: {}", what.first,
                                             what.first == 1 ? "" : "s", type, what.second));
     for (const std::string& message : unused_.messages("keyword")) model_.messages.push_back(message);
+    model_.warnings = left_out_.messages("element");
     std::vector<Index> used;
     each_other_node([&](Index& node) { used.push_back(node); });
     renumber_others(builder_.finish(model_, used));
@@ -919,7 +920,7 @@ class Reader {
 
   ImportedModel model_;
   ModelBuilder builder_;
-  Unused unused_;
+  Unused unused_, left_out_;  // keywords; elements
   std::map<std::string, std::pair<std::size_t, std::string>> replaced_;  // type: how many, what it becomes
   std::set<std::string> file_names_;
   std::map<std::string, std::string> spelling_;

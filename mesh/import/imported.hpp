@@ -76,6 +76,7 @@ struct ImportedModel {
   std::vector<ImportedSpring> springs;
   std::vector<ImportedDofs> fixed, kept;
   std::vector<std::string> messages;  ///< cards not used, with count and first line number; other remarks
+  std::vector<std::string> warnings;  ///< elements not used: the body is not the one that the deck describes
 };
 
 /// Converts a model whose file is in other consistent units: `length`, `mass` and `time` are those of the

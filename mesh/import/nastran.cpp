@@ -61,6 +61,14 @@ class Reader {
     for (const Card& card : cards_)
       if (!used_.contains(card.name) && !kSilent.contains(card.name)) unused_.add(card.name, card.where);
     for (const std::string& message : unused_.messages("card")) model_.messages.push_back(message);
+    // Elements with stiffness or mass that are not read; dampers, gaps and plot elements have none of either.
+    static const std::set<std::string> kElements = {
+        "CQUAD8", "CTRIA6", "CQUADX", "CTRIAX", "CTRIAX6", "CSHEAR", "CTUBE",  "CBEND",  "CBEAM3", "CWELD", "CFAST",
+        "CSEAM",  "CELAS3", "CELAS4", "CMASS1", "CMASS2",  "CMASS3", "CMASS4", "CONM1",  "CBUSH1D", "CCONEAX", "GENEL"};
+    Unused left_out;
+    for (const Card& card : cards_)
+      if (!used_.contains(card.name) && kElements.contains(card.name)) left_out.add(card.name, card.where);
+    model_.warnings = left_out.messages("element");
     if (builder_.cells().empty() && model_.bars.empty())
       throw std::invalid_argument(path.string() +
                                   ": holds no solid, shell or beam elements (CTETRA, CHEXA, CPENTA, CPYRAM, "

@@ -219,6 +219,7 @@ void add_loads(const PartInput& input, const PartMesh& from, const mesh::Mesh& s
 ModelledPart make_part(const PartInput& input, PartMesh&& from) {
   ModelledPart out;
   out.notes = from.messages;
+  out.warnings = from.warnings;
   out.part.mesh = std::move(from.mesh);
   out.part.materials = from.materials;
   out.part.matrices = std::move(from.matrices);

@@ -14,6 +14,7 @@ struct ModelledPart {
   int n_interfaces = 0;  ///< the first ones; after them come ties of the deck that are no interfaces
   std::vector<LoadField> loads;
   std::vector<std::string> notes;
+  std::vector<std::string> warnings;
 };
 
 /// Throws input::InputError naming the table.

@@ -188,6 +188,7 @@ PartMesh load_part_mesh(const PartInput& input, const mesh::Progress& progress) 
   mesh::scale_to_si(model, input.unit_length, input.unit_mass, 1.0);
   part.mesh = std::move(model.mesh);
   part.messages = std::move(model.messages);
+  part.warnings = std::move(model.warnings);
   if (!input.finished.vectors.empty()) {
     NodalMatrices& matrices = part.matrices.emplace(read_mass_matrix(input.finished.mass, part.mesh));
     for (double& m : matrices.m) m *= input.unit_mass;

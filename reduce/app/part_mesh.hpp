@@ -32,6 +32,7 @@ struct PartMesh {
   std::vector<PointMass> tied_masses;  ///< on reference nodes of ties: `node` is the place in `ties`
   mesh::MeshReport report;             ///< cad_volume is 0 for meshes
   std::vector<std::string> messages;   ///< from readers and meshers
+  std::vector<std::string> warnings;   ///< from readers: the mesh is not all that the file describes
 };
 
 /// Meshes or reads.  Materials of the part file replace those of the deck that have the same name; where the

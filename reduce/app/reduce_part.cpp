@@ -155,6 +155,25 @@ std::string odd_material(const Material& material) {
   return "";
 }
 
+/// A shell that is thicker than a third of all shells are long: most often a thickness in another unit.  Empty where
+/// none is.
+std::string odd_thickness(const mesh::Mesh& mesh) {
+  Eigen::RowVector3d low = Eigen::RowVector3d::Constant(HUGE_VAL), high = -low;
+  double thickest = 0.0;
+  for (const mesh::CellBlock& block : mesh.shells) {
+    for (const mesh::Index node : block.nodes.reshaped()) {
+      low = low.cwiseMin(mesh.points.row(node));
+      high = high.cwiseMax(mesh.points.row(node));
+    }
+    for (const double thickness : block.thickness) thickest = std::max(thickest, thickness);
+  }
+  const double length = (high - low).norm();
+  if (mesh.shells.empty() || !(thickest > length / 3.0)) return "";
+  return fmt::format("a shell is {:.3g} m thick where all shells together are {:.3g} m long; is its thickness in the "
+                     "deck's unit of length?",
+                     thickest, length);
+}
+
 /// One mesh and its reduction.
 struct Attempt {
   ModelledPart modelled;
@@ -323,8 +342,10 @@ void reduce_part(const PartInput& input, const std::filesystem::path& output, co
   if (!too_coarse(data.mesh_error).empty() && is_better(output))
     throw std::runtime_error(fmt::format("{}; {}, which resolves it, is kept: name another file by -o to write this one",
                                          too_coarse(data.mesh_error), output.string()));
+  data.warnings.insert(data.warnings.end(), done.modelled.warnings.begin(), done.modelled.warnings.end());
   for (const Material& material : part.materials)
     if (const std::string odd = odd_material(material); !odd.empty()) data.warnings.push_back(odd);
+  if (const std::string odd = odd_thickness(part.mesh); !odd.empty()) data.warnings.push_back(odd);
   if (input.has_damping) add_damping(reduction, input.damping);
   data.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const Report report = make_report(input, reduction, data);

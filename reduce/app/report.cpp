@@ -145,7 +145,7 @@ std::string percent_or_more(double error) {
 
 /// "mesh, estimated: first frequency 0.3 %, ..."
 std::string mesh_error_text(const std::optional<MeshShare>& share) {
-  if (!share) return "  mesh error: unknown (no elements to judge); compare with a finer mesh\n";
+  if (!share) return "  mesh error: unknown (no estimate for such elements or matrices); compare with a finer mesh\n";
   std::string text;
   if (!share->modes.empty()) {
     text += fmt::format("  mesh error, estimated: first free frequency {}",
