@@ -179,6 +179,11 @@ int run(const Arguments& arguments, const terminal::Talk& talk) {
   options.jobs = arguments.jobs;
   options.fresh = arguments.fresh;
   options.progress = [&](std::string_view stage, double fraction) { progress(stage, fraction); };
+  options.note = [&](std::string_view words) {
+    if (talk.quiet) return;
+    progress.clear();
+    fmt::print(stderr, "note: {}\n", words);
+  };
   read_share(arguments.share, options);
   const study::Measurements measured = [&] {
     const files::StopRequests signals;

@@ -8,6 +8,7 @@
 #include <numeric>
 
 #include "mbs/files/json_depth.hpp"
+#include "mbs/input/content_hash.hpp"
 
 namespace flexura::study {
 namespace {
@@ -33,9 +34,27 @@ json to_json(const CacheEntry& entry) {
               {"exit_code", entry.exit_code},
               {"peak_memory", entry.peak_memory},
               {"wall", entry.wall},
-              {"cpu", entry.cpu}};
+              {"cpu", entry.cpu},
+              {"content", entry.content}};
   if (!entry.failure.empty()) out["failure"] = entry.failure;
+  out["checksum"] = checksum_of(out);
   return out;
+}
+
+std::string checksum_of(json entry) {
+  entry.erase("checksum");
+  // Texts that are no UTF-8 are replaced, not refused: their checksum does not fit then, which is enough.
+  return input::ContentHash().add(entry.dump(-1, ' ', false, json::error_handler_t::replace)).hex();
+}
+
+std::string content_of(const std::filesystem::path& file) {
+  std::error_code none;
+  if (!std::filesystem::is_regular_file(file, none)) return "";
+  try {
+    return input::ContentHash().add_file(file).hex();
+  } catch (const std::runtime_error&) {
+    return "";
+  }
 }
 
 std::optional<CacheEntry> cache_entry_of(std::string_view text) {
@@ -45,13 +64,15 @@ std::optional<CacheEntry> cache_entry_of(std::string_view text) {
     return found != in.end() && is_right(*found);
   };
   const auto is_text = [](const json& x) { return x.is_string(); };
-  if (!in.is_object() || !has("choice", is_text) || (in.contains("failure") && !has("failure", is_text)) ||
+  if (!in.is_object() || !has("choice", is_text) || !has("content", is_text) ||
+      !has("checksum", [&](const json& x) { return x == checksum_of(in); }) || (in.contains("failure") && !has("failure", is_text)) ||
       !has("exit_code", [](const json& x) { return x.is_number_integer(); }) || !has("wall", are_times) ||
       !has("cpu", are_times) ||
       !has("peak_memory", [](const json& x) { return x.is_number() && is_time(x.get<double>()); }))
     return std::nullopt;
   CacheEntry entry;
   entry.choice = in["choice"];
+  entry.content = in["content"];
   entry.failure = in.value("failure", "");
   entry.exit_code = in["exit_code"];
   entry.wall = in["wall"].get<std::vector<double>>();

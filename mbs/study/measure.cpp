@@ -189,8 +189,24 @@ class Laboratory {
   }
 
   fs::path path(const std::string& key, const char* ending) const { return cache_ / (key + ending); }
-  bool is_there(const std::string& key, const char* ending) const {
-    return fs::is_regular_file(path(key, ending)) && read_cache_entry(path(key, ".json"));
+  // A file and its entry, both as they were written.
+  bool is_there(const std::string& key, const char* ending) {
+    const fs::path file = path(key, ending), record = path(key, ".json");
+    std::error_code none;
+    if (!fs::exists(file, none) || !fs::exists(record, none)) return false;
+    const auto entry = read_cache_entry(record);
+    if (entry && entry->content == content_of(file)) return true;
+    const std::lock_guard lock(guard_);
+    if (options_.note)
+      options_.note(fmt::format("{} is not what was written there: it is made again",
+                                (entry ? file : record).string()));
+    return false;
+  }
+
+  // Writes the entry of a file that has just been put there.
+  void record(const Task& task, const char* ending, CacheEntry entry) const {
+    entry.content = content_of(path(task.key, ending));
+    write_json(path(task.key, ".json"), to_json(entry));
   }
 
   Task reduction(const Part& part, const Choice& choice) const {
@@ -244,7 +260,7 @@ class Laboratory {
     entry.wall = {outcome.wall};
     entry.cpu = {outcome.cpu};
     entry.peak_memory = outcome.peak_memory;
-    write_json(path(task.key, ".json"), to_json(entry));
+    record(task, ".se.h5", entry);
   }
 
   Task simulation(const Choice& choice) const {
@@ -295,7 +311,7 @@ class Laboratory {
     return run_child(command, cache_, study_.time_limit);
   }
 
-  void first_run(const Task& task) const {
+  void first_run(const Task& task) {
     if (!options_.fresh && is_there(task.key, ".h5")) return;
     const Passing beside{path(task.key, ("." + scratch_mark() + "first").c_str())};
     const ChildOutcome outcome = simulate(task, beside.path, true);
@@ -315,7 +331,7 @@ class Laboratory {
     } else {
       files::write_whole(path(task.key, ".h5"), "");  // the mark of a run that left nothing
     }
-    write_json(path(task.key, ".json"), to_json(entry));
+    record(task, ".h5", entry);
   }
 
   // One round of all choices after the other, so that a slow drift of the machine meets all alike.
@@ -327,7 +343,6 @@ class Laboratory {
     for (int round = 1; round <= study_.repeats; ++round)
       for (const std::size_t i : timed) {
         const Task& task = tasks[i];
-        const fs::path record = path(task.key, ".json");
         CacheEntry entry = entry_of(task);
         if (entry.failure.empty() && static_cast<int>(entry.wall.size()) < round) {
           const Passing scratch{path(task.key, ("." + scratch_mark() + "again").c_str())};
@@ -335,7 +350,7 @@ class Laboratory {
           entry.wall.push_back(outcome.wall);
           entry.cpu.push_back(outcome.cpu);
           entry.peak_memory = std::max(entry.peak_memory, outcome.peak_memory);
-          write_json(record, to_json(entry));
+          write_json(path(task.key, ".json"), to_json(entry));
         }
         say("times", static_cast<double>(++done) / static_cast<double>(timed.size() * study_.repeats));
       }

@@ -11,7 +11,8 @@
 
 /// Runs the choices of a study in child processes and keeps what they cost in a cache of files named by
 /// content: KEY.h5 (results) and KEY.json (measurements).  A study that was interrupted, or shared between
-/// processes or machines with a common folder, goes on where the cache ends.
+/// processes or machines with a common folder, goes on where the cache ends.  A file there that is not what was written is
+/// made again, with a note.
 namespace flexura::study {
 
 struct Programs {
@@ -23,6 +24,7 @@ struct MeasureOptions {
   int share = 1, shares = 1;  ///< run only every shares-th choice, beginning with number `share`
   bool fresh = false;         ///< forget what is in the cache
   std::function<void(std::string_view stage, double fraction)> progress;
+  std::function<void(std::string_view words)> note;  ///< a sentence for the user, one at a time
 };
 
 /// What one choice cost.

@@ -73,7 +73,7 @@ Bar make_bar(const mesh::ImportedBar& from, const Part& part, const std::string&
   const beam::Matrix12d T = bar.place.transform();
   Eigen::Matrix<double, 6, 6> R = Eigen::Matrix<double, 6, 6>::Zero();
   R.topLeftCorner<3, 3>() = R.bottomRightCorner<3, 3>() = bar.place.R_BE;
-  if (!(from.A > 0.0)) throw std::invalid_argument(fmt::format("{} has the area {:g}", name, from.A));
+  if (!(from.A > 0.0)) throw std::invalid_argument(fmt::format("{} has the area {:g}; it must be above 0", name, from.A));
   // Torsion alone is struck out where the section has none: what holds the node elsewhere does.
   const auto spring = [&](int d, double k) {
     beam::Vector12d q = beam::Vector12d::Zero();
@@ -203,7 +203,7 @@ void add_springs(const std::vector<mesh::ImportedSpring>& springs, Part& part) {
     for (int d = 0; d < 6; ++d) {
       k(d) = from.stiffness[static_cast<std::size_t>(d)];
       if (!(k(d) >= 0.0 && std::isfinite(k(d))))
-        throw std::invalid_argument(fmt::format("spring element {} has the stiffness {:g}", from.label, k(d)));
+        throw std::invalid_argument(fmt::format("spring element {} has the stiffness {:g}; it must be at least 0 and finite", from.label, k(d)));
     }
     if (k.isZero(0.0)) continue;
     FrameElement element{.nodes = {from.nodes[0], from.nodes[1]}, .K = strain.transpose() * k.asDiagonal() * strain};

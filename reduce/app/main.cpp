@@ -106,7 +106,7 @@ int reduce_with(const Arguments& arguments, const terminal::Talk& talk, const li
   claims.add(arguments.report);
   if (!arguments.mesh.empty() && !reduce::is_mesh_ending(arguments.mesh))
     throw input::InputError(
-        fmt::format("--mesh {}: a mesh is written as .inp (Abaqus), .vtu (ParaView) or .msh (gmsh)", arguments.mesh));
+        fmt::format("--mesh {}: must end in .inp (Abaqus), .vtu (ParaView) or .msh (gmsh)", arguments.mesh));
   claims.add(arguments.mesh);
   if (is_beam) {
     const linalg::Session session;  // one for the structure and its solids

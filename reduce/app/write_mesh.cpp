@@ -181,12 +181,12 @@ void write_mesh(const std::filesystem::path& path, const mesh::Mesh& mesh) {
   const std::string end = ending_of(path);
   if (!is_mesh_ending(path))
     throw std::invalid_argument(
-        fmt::format("{}: a mesh is written as .inp (Abaqus), .vtu (ParaView) or .msh (gmsh), not \"{}\"", path.string(), end));
+        fmt::format("{}: must end in .inp (Abaqus), .vtu (ParaView) or .msh (gmsh), not in \"{}\"", path.string(), end));
   mesh::Mesh plain = mesh;  // without the points around shells and beams
   plain.boundary.clear();
   plain.boundary_face.clear();
   mesh::drop_unused_nodes(plain);
-  if (blocks_of(plain).empty()) throw std::invalid_argument(path.string() + ": the part has no cells to write");
+  if (blocks_of(plain).empty()) throw std::invalid_argument(path.string() + ": the part has no cells to write (it is made of beams alone); leave --mesh out");
   files::write_whole(path, end == ".inp" ? abaqus(plain) : end == ".vtu" ? vtu(plain) : gmsh(plain));
 }
 

@@ -20,6 +20,7 @@ using test::read_text;
 using test::replaced;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 // A mass on a spring: x = x_0 cos(omega t) with omega = 10 rad/s.
 const char* const kOscillator = R"toml(
@@ -250,6 +251,43 @@ TEST_F(StudyCommand, GoesOnWhereItWasInterruptedAndFollowsTheContent) {
   ASSERT_EQ(study().exit_code, 0);
   EXPECT_EQ(stamp().size(), 2 * before.size());
   EXPECT_NE(json(), first);
+}
+
+TEST_F(StudyCommand, WhatIsDamagedInTheCacheIsMadeAgain) {
+  ASSERT_EQ(study().exit_code, 0);
+  const auto errors = [&] {
+    std::vector<double> all;
+    const auto out = json();
+    for (const auto& choice : out.at("choices")) all.push_back(choice.at("error"));
+    return all;
+  };
+  const auto first = errors();
+  const auto file = [&](const char* ending, std::size_t n) {
+    std::vector<fs::path> files;
+    for (const auto& entry : fs::directory_iterator(folder_ / "study.cache"))
+      if (entry.path().extension() == ending) files.push_back(entry.path());
+    std::ranges::sort(files);
+    return files.at(n % files.size());
+  };
+  const auto damage = [&](const fs::path& path, const std::string& text) {
+    std::ofstream(path, std::ios::binary) << text;
+    const Outcome again = study();
+    EXPECT_EQ(again.exit_code, 0) << again.err;
+    EXPECT_THAT(again.err, HasSubstr("note: " + path.string() + " is not what was written there: it is made again"));
+    EXPECT_EQ(errors(), first);
+  };
+  const std::string results = read_text(file(".h5", 0));
+  std::string changed = results;  // a number of the rows: HDF5 still reads it
+  changed[changed.size() / 2] = static_cast<char>(changed[changed.size() / 2] ^ 1);
+  damage(file(".h5", 0), changed);
+  damage(file(".h5", 1), results.substr(0, results.size() / 2));
+  damage(file(".h5", 2), "");
+  const std::string entry = read_text(file(".json", 0));
+  damage(file(".json", 0), replaced(entry, "\"wall\": [", "\"wall\": [0.5, "));
+  damage(file(".json", 1), entry.substr(0, 20));
+  damage(file(".json", 2), "[[[[");
+  // Nothing is left to be made again.
+  EXPECT_THAT(study().err, Not(HasSubstr("note: ")));
 }
 
 TEST_F(StudyCommand, RefusesBeforeAnythingRuns) {
