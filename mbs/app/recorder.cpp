@@ -93,7 +93,7 @@ Recorder::Recorder(const mbs::PreparedMechanism& prepared, results::Writer& writ
     : mechanism_(*prepared.mechanism),
       writer_(writer),
       scratch_(mechanism_.make_scratch()),
-      range_(mechanism_),
+      range_(mechanism_, prepared.options.end_time - prepared.state.t),
       turns_(mechanism_),
       store_states_(store_states) {
   which_ = mbs::select_quantities(mechanism_, patterns);

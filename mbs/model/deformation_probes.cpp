@@ -6,8 +6,6 @@
 #include <utility>
 #include <vector>
 
-#include "mbs/superelement/file.hpp"
-
 namespace flexura::mbs {
 namespace {
 
@@ -92,13 +90,6 @@ DeformationProbes probes_of(const superelement::Superelement& se, const MatrixXd
   }
   out.strains = strains * Y;
   return out;
-}
-
-DeformationProbes read_probes(const std::filesystem::path& file, const MatrixXd& Y) {
-  superelement::Parts parts;
-  parts.matrices = parts.inertia = false;
-  parts.surface = parts.shapes = true;
-  return probes_of(superelement::read(file, parts), Y);
 }
 
 }  // namespace flexura::mbs

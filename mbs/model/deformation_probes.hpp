@@ -2,7 +2,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <filesystem>
 
 #include "mbs/superelement/superelement.hpp"
 
@@ -21,9 +20,7 @@ struct DeformationProbes {
   double size = 0.0;               ///< diagonal of the surface's bounding box [m]
 };
 
-/// Of the file's surface, for modal coordinates s with u_se = Y s.  Empty (no points) where it has none.
-/// Throws what superelement::read() throws.
-DeformationProbes read_probes(const std::filesystem::path& superelement, const Eigen::MatrixXd& Y);
+/// Of the surface, for modal coordinates s with u_se = Y s.  Empty (no points) where it has none.
 DeformationProbes probes_of(const superelement::Superelement& se, const Eigen::MatrixXd& Y);
 
 }  // namespace flexura::mbs

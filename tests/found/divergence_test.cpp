@@ -101,6 +101,62 @@ to = "b.b"
   EXPECT_THAT(less.out + less.err, Not(HasSubstr("linear range")));
 }
 
+// The same beam, 10 mm thick, under q per length: w = W (16 x^2 (L - x)^2 / L^4), W = q L^4 / 384 E I.  Its ends should
+// come closer by 2.4381 W^2 / L, and held apart it is stiffer by 0.696 (W / h)^2: N u / U with N = E A u / L and
+// U = 1/2 E I int w''^2.  1.6e4 m/s^2 make W = 4.785 mm, u = 0.1396 mm, 15.9 %; stations along the surface see 1 % less.
+TEST(LinearRange, EndsHeldApartPullWhatBends) {
+  const Folder folder;
+  reduce(folder, kFound / "loops/b40.toml");
+  const auto said = [&](const std::string& joint, const std::string& more) {
+    folder.write("held.toml", R"(gravity = [0, 0, -1.6e4]
+[ground.marker.A]
+[ground.marker.B]
+position = [0.4, 0, 0]
+axis = [1, 0, 0]
+[ground.marker.O]
+position = [-1, 0, 0]
+[body.b]
+superelement = "b40.se.h5"
+[body.b.marker.tip]
+on = "b"
+axis = [1, 0, 0]
+[body.w]
+mass = 1
+inertia = [1, 1, 1]
+position = [0.4, 0, 0]
+[body.w.marker.o]
+axis = [1, 0, 0]
+[joint.A]
+type = "fixed"
+from = "ground.A"
+to = "b.a"
+[joint.B]
+from = "ground.B"
+to = "w.o"
+type = ")" + joint + R"("
+[joint.C]
+type = "fixed"
+from = "w.o"
+to = "b.tip"
+)" + more);
+    const Outcome outcome = run("flexura", {"statics", folder / "held.toml"});
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    return outcome.out + outcome.err;
+  };
+  EXPECT_THAT(said("fixed", ""), AllOf(HasSubstr("body \"b\" is held where its bending"), HasSubstr("by 0.000138 m"),
+                                       HasSubstr("a tension of 1.45e+04 N"), HasSubstr("about 16 % more stiffness")));
+  EXPECT_THAT(said("prismatic", ""), Not(HasSubstr("is held where")));
+  // Held by a spring as stiff as the beam is along itself, E A / L = 1.05e8 N/m: half of it.
+  EXPECT_THAT(said("prismatic", R"([force.s]
+type = "spring_damper"
+from = "ground.O"
+to = "w.o"
+stiffness = 1.05e8
+free_length = 1.4
+)"),
+              AllOf(HasSubstr("a tension of 7.2"), HasSubstr("about 7.8 % more stiffness")));
+}
+
 constexpr const char* kSlider = R"(gravity = [0, 0, 0]
 [ground.marker.o]
 [body.b]
