@@ -522,6 +522,7 @@ class Reader {
       throw std::invalid_argument(k.where.text() + ": *" + k.name + " without MATERIAL is not read");
     Section section{known(k.get("ELSET")), known(k.get("MATERIAL")), k.where};
     section.thickness = to_real(field(k, 0, 0), k.where);
+    require_positive(section.thickness, "*" + k.name, "thickness", k.where);
     if (k.has("OFFSET")) {  // of the reference surface (the nodes) from the middle, in thicknesses along the normal
       const std::string offset = upper(k.get("OFFSET"));
       const double fraction = offset == "SPOS" ? 0.5 : offset == "SNEG" ? -0.5 : to_real(offset, k.where);
@@ -622,6 +623,7 @@ class Reader {
       const std::pair<int, std::int64_t> key{scope, label};
       if (const auto spring = spring_of_.find(key); data.kind == "SPRING" && spring != spring_of_.end()) {
         ImportedSpring& to = model_.springs[spring->second];
+        require_not_negative(data.values[0], "*" + data.kind, "stiffness", data.where);
         to.stiffness[0] = data.values[0];
         spring_set_.insert(spring->second);
       }
@@ -834,6 +836,11 @@ class Reader {
     bar.material = material;
     if (type[0] == 'T') {
       bar.A = section.area;
+      if (section.bar)
+        throw std::invalid_argument(fmt::format("{}: truss element {} has a section of beams; *SOLID SECTION with an area "
+                                                "is wanted",
+                                                section.where.text(), bar.label));
+      require_positive(bar.A, fmt::format("truss element {}", bar.label), "area", section.where);
       return;
     }
     if (!section.bar)
@@ -842,6 +849,7 @@ class Reader {
     const BarSection& s = *section.bar;
     bar.A = s.A, bar.I_yy = s.I_yy, bar.I_zz = s.I_zz, bar.I_yz = s.I_yz, bar.J = s.J;
     if (type.rfind("B31", 0) == 0) bar.kappa_y = s.kappa_y, bar.kappa_z = s.kappa_z;  // B33 knows no shear
+    require_section(bar, fmt::format("beam element {}", bar.label), section.where);
     bar.orientation = instance ? Eigen::Vector3d(instance->R * section.n1) : section.n1;
   }
 

@@ -49,6 +49,32 @@ void require_text(const std::string& line, const Where& where) {
     throw std::invalid_argument(where.text() + ": holds a zero character; a text file is wanted");
 }
 
+void require_positive(double value, const std::string& of, const char* what, const Where& where) {
+  if (!(value > 0 && std::isfinite(value)))
+    throw std::invalid_argument(
+        fmt::format("{}: {} has the {} {:g}; it must be above 0", where.text(), of, what, value));
+}
+
+void require_not_negative(double value, const std::string& of, const char* what, const Where& where) {
+  if (!(value >= 0 && std::isfinite(value)))
+    throw std::invalid_argument(
+        fmt::format("{}: {} has the {} {:g}; it must be at least 0", where.text(), of, what, value));
+}
+
+void require_section(const ImportedBar& bar, const std::string& of, const Where& where) {
+  require_positive(bar.A, of, "area", where);
+  require_not_negative(bar.I_yy, of, "second moment of area I_yy", where);
+  require_not_negative(bar.I_zz, of, "second moment of area I_zz", where);
+  require_not_negative(bar.J, of, "torsion constant", where);
+  require_not_negative(bar.kappa_y, of, "shear factor", where);
+  require_not_negative(bar.kappa_z, of, "shear factor", where);
+  // Decks print six digits: a section without width across its weak axis may miss equality by their rounding.
+  if (!(bar.I_yz * bar.I_yz <= (1 + 1e-5) * bar.I_yy * bar.I_zz))
+    throw std::invalid_argument(
+        fmt::format("{}: {} has the product of area I_yz = {:g}; its square must be at most I_yy I_zz = {:g}",
+                    where.text(), of, bar.I_yz, bar.I_yy * bar.I_zz));
+}
+
 Index ModelBuilder::add_node(int scope, std::int64_t label, const Eigen::Vector3d& x, const Where& where) {
   const auto number = static_cast<Index>(points_.size());
   if (!numbers_.emplace(std::pair{scope, label}, number).second)
@@ -86,7 +112,7 @@ std::size_t ModelBuilder::add_cell(int scope, CellType type, std::int64_t label,
   if (std::adjacent_find(sorted.begin(), sorted.end()) != sorted.end())
     throw std::invalid_argument(fmt::format(
         "{}: element {} names a node twice; collapsed elements cannot be used", where.text(), label));
-  cells_.push_back({.type = type, .label = label, .nodes = std::move(nodes), .material = -1});
+  cells_.push_back({.type = type, .label = label, .nodes = std::move(nodes), .material = -1, .where = where});
   return static_cast<std::size_t>(number);
 }
 
@@ -128,8 +154,8 @@ std::vector<Index> ModelBuilder::finish(ImportedModel& model, const std::vector<
     const auto bare =
         std::find_if(cells_.begin(), cells_.end(), [](const Cell& c) { return c.material < 0; });
     throw std::invalid_argument(
-        fmt::format("element {} has no section or material, as {} others; others have one", bare->label,
-                    cells_.size() - with_material - 1));
+        fmt::format("{}: element {} has no section or material, as {} others; others have one", bare->where.text(),
+                    bare->label, cells_.size() - with_material - 1));
   }
   for (const Kind& kind : kinds) {
     CellBlock block;
@@ -148,8 +174,8 @@ std::vector<Index> ModelBuilder::finish(ImportedModel& model, const std::vector<
       if (is_shell) {
         if (!(cell.thickness > 0 && std::isfinite(cell.thickness)))
           throw std::invalid_argument(fmt::format(
-              "shell element {} has the thickness {:g}; it must be above 0 (*SHELL SECTION, T of PSHELL)", cell.label,
-              cell.thickness));
+              "{}: shell element {} has the thickness {:g}; it must be above 0 (*SHELL SECTION, T of PSHELL)",
+              cell.where.text(), cell.label, cell.thickness));
         block.thickness.push_back(cell.thickness);
         block.offset.push_back(cell.offset);
       }
@@ -158,13 +184,18 @@ std::vector<Index> ModelBuilder::finish(ImportedModel& model, const std::vector<
     if (std::ranges::all_of(block.offset, [](double offset) { return offset == 0; })) block.offset.clear();
     (is_shell ? mesh.shells : mesh.solids).push_back(std::move(block));
   }
+  const auto place_of = [&](const CellBlock& block, Index row) {  // the rows of a block stand in the order of the cells
+    for (const Cell& cell : cells_)
+      if (cell.type == block.type && cell.variant == block.variant && row-- == 0) return cell.where.text();
+    return std::string();
+  };
   for (const CellBlock& block : mesh.solids) {
     const auto& centre = stiffness_quadrature(block.type).points;
     for (Index cell = 0; cell < block.nodes.rows(); ++cell)
       if (!(jacobian_determinants(mesh, block, cell, centre).minCoeff() > 0))
         throw std::invalid_argument(
-            fmt::format("element {} ({}) is turned inside out: det J <= 0 at an integration point",
-                        block.label[static_cast<std::size_t>(cell)], name_of(block.type)));
+            fmt::format("{}: element {} ({}) is turned inside out: det J <= 0 at an integration point",
+                        place_of(block, cell), block.label[static_cast<std::size_t>(cell)], name_of(block.type)));
   }
   for (const auto& [name, nodes] : sets_) {
     NodeSet set;

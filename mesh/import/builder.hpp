@@ -29,6 +29,13 @@ void require_file(const std::filesystem::path& path);
 /// Refuses a line that no text has (std::invalid_argument).
 void require_text(const std::string& line, const Where& where);
 
+/// Numbers of a deck that a structure cannot have, with the place of the card: std::invalid_argument "deck.inp, line 12:
+/// CBAR 7 has the area -1; it must be above 0".
+void require_positive(double value, const std::string& of, const char* what, const Where& where);
+void require_not_negative(double value, const std::string& of, const char* what, const Where& where);
+/// Area above 0; second moments, torsion constant and shear factors at least 0; I_yy I_zz >= I_yz^2.  Mass may be taken away.
+void require_section(const ImportedBar& bar, const std::string& of, const Where& where);
+
 /// Cards that were read over: name, count, first line.
 class Unused {
  public:
@@ -60,6 +67,7 @@ class ModelBuilder {
     Index material;            ///< -1 = none stated
     CellVariant variant = CellVariant::standard;
     double thickness = 0, offset = 0;  ///< shells (tri3, quad4)
+    Where where;
   };
   /// Returns the cell's number, as `cells` counts.
   std::size_t add_cell(int scope, CellType type, std::int64_t label, std::vector<Index> nodes,

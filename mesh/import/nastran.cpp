@@ -291,6 +291,7 @@ class Reader {
       rod.A = from.real(first);
       rod.J = from.real(first + 1, 0);
       rod.extra_mass_per_length = from.real(first + 3, 0);
+      require_section(rod, fmt::format("{} {}", card.name, rod.label), from.where);
       model_.bars.push_back(rod);
     };
     for (const Card* card : all("CROD")) {
@@ -321,6 +322,7 @@ class Reader {
           card.where.text(), card.name, card.integer(0), c, card.integer(first + 3, 0)));
     ImportedSpring spring{.label = card.integer(0)};
     spring.nodes = {builder_.node(0, a, card.where), builder_.node(0, b, card.where)};
+    require_not_negative(stiffness, fmt::format("{} {}", card.name, spring.label), "stiffness", card.where);
     spring.stiffness[static_cast<std::size_t>(c - 1)] = stiffness;
     const Vector3d line = systems_.grid_place(b, card.where) - systems_.grid_place(a, card.where);
     if (c < 4 && line.cross(Vector3d::Unit(static_cast<Eigen::Index>(c - 1))).norm() > 1e-9 * line.norm())
@@ -378,6 +380,8 @@ class Reader {
   void add_bush(const Card& card, const std::array<double, 6>& stiffness) {
     ImportedSpring spring{.label = card.integer(0)};
     spring.nodes = {builder_.node(0, card.integer(2), card.where), builder_.node(0, card.integer(3), card.where)};
+    for (const double k : stiffness)
+      require_not_negative(k, fmt::format("CBUSH {}", spring.label), "stiffness", card.where);
     spring.stiffness = stiffness;
     const Vector3d a = systems_.grid_place(card.integer(2), card.where),
                    line = systems_.grid_place(card.integer(3), card.where) - a;
@@ -468,6 +472,7 @@ class Reader {
         if (!(bar.orientation.norm() > 0))
           throw std::invalid_argument(
               fmt::format("{}: {} {} has no orientation vector", card->where.text(), name, id));
+        require_section(bar, fmt::format("{} {}", name, id), card->where);
         model_.bars.push_back(bar);
       }
   }

@@ -59,7 +59,7 @@ struct Line {
   std::vector<std::string> fields;
 };
 
-Line split_line(const std::string& raw) {
+Line split_line(const std::string& raw, const Where& where) {
   Line line;
   if (raw.find(',') != std::string::npos) {
     std::vector<std::string> parts;
@@ -71,7 +71,12 @@ Line split_line(const std::string& raw) {
     }
     line.name = parts[0];
     const std::size_t width = !line.name.empty() && line.name.back() == '*' ? 4 : 8;
-    parts.resize(std::min(parts.size(), width + 1));
+    // Behind the data stands the mark of the continuation; more would be left out without a word.
+    for (std::size_t k = width + 1; k < parts.size(); ++k)
+      if (!parts[k].empty() && (k > width + 1 || (parts[k][0] != '+' && parse_real(parts[k]))))
+        throw std::invalid_argument(
+            fmt::format("{}: {} has more than {} fields on a line; write the others on a line that begins with \"+\"",
+                        where.text(), line.name.empty() ? "the continuation" : line.name.substr(0, 20), width));
     parts.resize(width + 1);
     line.fields.assign(parts.begin() + 1, parts.end());
     return line;
@@ -131,7 +136,7 @@ class Deck {
       read(path.parent_path() / file, false, depth + 1);
       return;
     }
-    const Line line = split_line(raw);
+    const Line line = split_line(raw, where);
     const bool continues = line.name.empty() || line.name[0] == '+' || line.name[0] == '*';
     if (!continues) {
       Card card;

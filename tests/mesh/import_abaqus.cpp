@@ -12,6 +12,7 @@
 namespace flexura::mesh {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 
 std::string data(const std::string& name) {
@@ -97,9 +98,29 @@ TEST(AbaqusDeck, UnusedKeywordsAreCounted) {
                 "*SURFACE, NAME=S\nE, S1\n");
   EXPECT_THAT(model.messages,
               ::testing::Contains(HasSubstr("2 shell elements (S3, S4, ...) have no section and are not used")));
-  EXPECT_THAT(model.messages, ::testing::Contains(HasSubstr("2 keywords *ELEMENT of type CPS3 are not used (first in")));
-  EXPECT_THAT(model.messages, ::testing::Contains(HasSubstr("deck.inp, line 13)")));
+  EXPECT_THAT(model.warnings, ::testing::Contains(AllOf(HasSubstr("CPS3"), HasSubstr("deck.inp, line 13)"))));
   EXPECT_THAT(model.messages, ::testing::Contains(HasSubstr("1 keyword *SURFACE is not used")));
+}
+
+TEST(AbaqusDeck, NumbersThatNoStructureHasAreRefusedWithTheirLine) {
+  const std::string steel = "*MATERIAL, NAME=S\n*ELASTIC\n2.1E11,.3\n", nodes = kNodes;
+  const auto section = [&](const std::string& element, const std::string& words) {
+    return refusal(nodes + "*ELEMENT, ELSET=E, TYPE=" + element + "\n" + words + "\n" + steel);
+  };
+  for (const char* const t : {"-1E-3", "0"})
+    EXPECT_THAT(section("S3\n1,1,2,3", std::string("*SHELL SECTION, ELSET=E, MATERIAL=S\n") + t),
+                AllOf(HasSubstr("line 9: *SHELL SECTION has the thickness"), HasSubstr("above 0")));
+  EXPECT_THAT(section("T3D2\n1,1,2", "*SOLID SECTION, ELSET=E, MATERIAL=S\n-1E-4"),
+              HasSubstr("line 9: truss element 1 has the area -0.0001; it must be above 0"));
+  EXPECT_THAT(section("T3D2\n1,1,2", "*BEAM SECTION, ELSET=E, MATERIAL=S, SECTION=RECT\n.1,.1\n0,0,1"),
+              HasSubstr("line 9: truss element 1 has a section of beams"));
+  const std::string general = "*BEAM GENERAL SECTION, ELSET=E, SECTION=GENERAL\n";
+  EXPECT_THAT(section("B31\n1,1,2", general + "1E-4,-1E-8,0,1E-8,1E-8\n0,0,1\n2.1E11,8E10"),
+              HasSubstr("line 9: beam element 1 has the second moment of area I_yy -1e-08"));
+  EXPECT_THAT(section("B31\n1,1,2", general + "1E-4,1E-8,3E-8,1E-8,1E-8\n0,0,1\n2.1E11,8E10"),
+              HasSubstr("product of area I_yz = 3e-08"));
+  EXPECT_THAT(refusal(nodes + "*ELEMENT, TYPE=C3D4\n1,1,2,3,4\n*ELEMENT, TYPE=SPRINGA, ELSET=E\n2,1,2\n*SPRING, ELSET=E\n\n-5.\n"),
+              HasSubstr("has the stiffness -5; it must be at least 0"));
 }
 
 TEST(AbaqusDeck, RefusalsNameFileLineAndRemedy) {
@@ -112,7 +133,7 @@ TEST(AbaqusDeck, RefusalsNameFileLineAndRemedy) {
               HasSubstr("line 9: element 1 is given twice"));
   EXPECT_THAT(refusal(nodes + "1, 0,0,0\n"), HasSubstr("line 7: node 1 is given twice"));
   EXPECT_THAT(refusal(nodes + "*ELEMENT, TYPE=C3D4\n1,1,3,2,4\n"),
-              HasSubstr("element 1 (tet4) is turned inside out"));
+              HasSubstr("line 8: element 1 (tet4) is turned inside out"));
   EXPECT_THAT(refusal(nodes + "*ELEMENT, TYPE=C3D4, ELSET=E\n1,1,2,3,4\n*SOLID SECTION, ELSET=E, "
                               "MATERIAL=stel\n*MATERIAL, NAME=steel\n"),
               HasSubstr("material \"stel\" is not defined"));

@@ -14,7 +14,9 @@ namespace flexura::mesh {
 namespace {
 
 using Eigen::Vector3d;
+using ::testing::AllOf;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 std::string data(const std::string& name) {
   return FLEXURA_SOURCE_DIR "/tests/mesh/data/" + name;
@@ -184,12 +186,43 @@ TEST(NastranDeck, ConsistentUnitsScaleToSi) {
   EXPECT_THROW(scale_to_si(model, 0, 1, 1), std::invalid_argument);
 }
 
+// What no structure has is refused where it stands: a negative stiffness would make a mechanism explode, not stop here.
+TEST(NastranDeck, NumbersThatNoStructureHasAreRefusedWithTheirLine) {
+  const std::string grids =
+      "GRID,1,,0.,0.,0.\nGRID,2,,1.,0.,0.\nGRID,3,,0.,1.,0.\nGRID,4,,0.,0.,1.\nMAT1,7,2.+11,,.3,7850.\n";
+  const auto shell = [&](const std::string& t) { return refusal(grids + "PSHELL,1,7," + t + ",7\nCTRIA3,1,1,1,2,3\n"); };
+  for (const char* const t : {"-1.-3", "0.", ""})
+    EXPECT_THAT(shell(t), AllOf(HasSubstr("deck.bdf, line 7: shell element 1 has the thickness"), HasSubstr("above 0")));
+  const auto bar = [&](const std::string& numbers) {
+    return refusal(grids + "PBAR,1,7," + numbers + "\nCBAR,1,1,1,2,0.,1.,0.\n");
+  };
+  EXPECT_THAT(bar("-1.-4,1.-8,1.-8,1.-8"), HasSubstr("deck.bdf, line 7: CBAR 1 has the area -0.0001; it must be above 0"));
+  EXPECT_THAT(bar("1.-4,-1.-8,1.-8,1.-8"), HasSubstr("second moment of area I_zz -1e-08; it must be at least 0"));
+  EXPECT_THAT(bar("1.-4,1.-8,-1.-8,1.-8"), HasSubstr("second moment of area I_yy -1e-08"));
+  EXPECT_THAT(bar("1.-4,1.-8,1.-8,-1.-8"), HasSubstr("torsion constant -1e-08"));
+  EXPECT_THAT(bar("1.-4,1.-8,1.-8,1.-8\n+,,,,,,,,\n+,,,2.-8"), HasSubstr("product of area I_yz = 2e-08"));
+  EXPECT_THAT(refusal(grids + "CONROD,1,1,2,7,0.\n"), HasSubstr("line 6: CONROD 1 has the area 0"));
+  EXPECT_THAT(refusal(grids + "CTETRA,1,1,1,2,3,4\nCELAS2,2,-5.,1,1,2,1\n"),
+              HasSubstr("line 7: CELAS2 2 has the stiffness -5; it must be at least 0"));
+  EXPECT_THAT(refusal(grids + "CTETRA,1,1,1,2,3,4\nPBUSH,3,K,1.,-2.,1.\nCBUSH,2,3,1,2,0.,1.,0.\n"),
+              HasSubstr("line 8: CBUSH 2 has the stiffness -2"));
+}
+
+// Free fields beyond the eighth are no data in this format: left out, they would be zeros.
+TEST(NastranDeck, MoreFieldsThanALineHoldsAreRefused) {
+  const std::string grids = "GRID,1,,0.,0.,0.\nGRID,2,,1.,0.,0.\nGRID,3,,0.,1.,0.\nGRID,4,,0.,0.,1.\n";
+  EXPECT_THAT(refusal(grids + "MAT1,7,2.+11,,.3,7850.,,,,4\n"),
+              HasSubstr("deck.bdf, line 5: MAT1 has more than 8 fields on a line; write the others"));
+  EXPECT_THAT(refusal(grids + "MAT1,7,2.+11,,.3,7850.,,,,,4\n"), HasSubstr("more than 8 fields"));
+  EXPECT_THAT(refusal(grids + "CTETRA,1,1,1,2,3,4,,,+A\n+A,,,,,,,,\n"), Not(HasSubstr("more than")));
+}
+
 TEST(NastranDeck, RefusalsNameFileLineAndRemedy) {
   const std::string grids = "GRID,1,,0.,0.,0.\nGRID,2,,1.,0.,0.\nGRID,3,,0.,1.,0.\nGRID,4,,0.,0.,1.\n";
   EXPECT_THAT(refusal(grids + "CTETRA,1,1,1,2,3,9\n"), HasSubstr("deck.bdf, line 5: node 9 does not exist"));
   EXPECT_THAT(refusal(grids + "CTETRA,1,1,1,2,3,4,1\n"),
               HasSubstr("CTETRA 1 has 1 of its 6 mid-side nodes; all or none"));
-  EXPECT_THAT(refusal(grids + "CTETRA,1,1,1,3,2,4\n"), HasSubstr("element 1 (tet4) is turned inside out"));
+  EXPECT_THAT(refusal(grids + "CTETRA,1,1,1,3,2,4\n"), HasSubstr("line 5: element 1 (tet4) is turned inside out"));
   EXPECT_THAT(refusal(grids + "GRID,1,,0.,0.,0.\n"), HasSubstr("is given twice"));
   EXPECT_THAT(refusal(grids + "PSOLID,2,7\nCTETRA,1,2,1,2,3,4\n"), HasSubstr("material 7 is not defined"));
   EXPECT_THAT(refusal(grids + "MAT1,7,2.+11,,.3\nPSOLID,2,7\nCTETRA,1,1,1,2,3,4\n"),
