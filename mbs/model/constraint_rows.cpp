@@ -38,8 +38,8 @@ class Mechanism::RowLoads final : public Loads {
   double size() const { return size_; }
   /// A position in the world is a sum over the joints before it, each right to half a unit of the last place.
   double round_off() const { return 8.0 * std::numeric_limits<double>::epsilon() * numbers_; }
-  /// A rack's row, x - r phi, is a length too.
-  bool is_length() const { return force_ > 0.0; }
+  /// A rack's row, x - r phi, is a length too; so is a distance without direction, which loads nothing.
+  bool is_length() const { return force_ > 0.0 || torque_ == 0.0; }
 
  private:
   void add(double force, double torque, double size, double numbers) {

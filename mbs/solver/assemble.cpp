@@ -283,7 +283,8 @@ Closing close_positions(const Equations& eq, State& s, const ClosingOptions& opt
     // A prescribed value moves only for a loop that closes better by it, not for round-off; parts that do not fit
     // stay where they were put unless they fit far better elsewhere.
     const double better = nearest.acceptable ? 0.01 : kept == nearest.kept ? 1.0 : 0.5;
-    if (!solved && solver.openness() < better * nearest.openness)
+    // The first is kept whatever it is: a row without direction (a distance from a point to itself) is open beyond measure.
+    if (!solved && (nearest.p.size() == 0 || solver.openness() < better * nearest.openness))
       nearest = {solver.openness(),
                  solver.nearly_closed(),
                  kept,

@@ -87,8 +87,11 @@ class Program {
   }
 
   Ended with_fault(const std::string& fault) const {
-    return wait(start({"LD_PRELOAD=" FLEXURA_SHIM, "FLEXURA_FAULT=" + fault, "FLEXURA_FAULT_FROM=" + input,
-                       "FLEXURA_FAULT_COUNT=" + (talk_ / "count").string()}));
+    std::vector<std::string> environment = {"LD_PRELOAD=" FLEXURA_SHIM, "FLEXURA_FAULT=" + fault,
+                                            "FLEXURA_FAULT_COUNT=" + (talk_ / "count").string()};
+    // Outputs are claimed before the input is opened, and the loader creates no files.
+    if (!fault.starts_with("create")) environment.push_back("FLEXURA_FAULT_FROM=" + input);
+    return wait(start(environment));
   }
 
   long count(const std::string& kind) const {

@@ -70,6 +70,7 @@ INSTANTIATE_TEST_SUITE_P(
         Refused{"constraints/two_sliders_skew_axis", {"\"r.rotation_y\" (", "cannot be met"}},
         Refused{"constraints/door_offset_1mm", {"\"h2.x\" (-0.001 m)"}},
         Refused{"constraints/bennett_off", {"\"j1\" ("}},
+        Refused{"constraints/distance_to_itself", {"\"d2.length\" (-1 m)", "cannot be met", "nothing can move"}},
         Refused{"constraints/weld_and_free", {"\"c.length\"", "cannot be met", "nothing can move"}}));
 
 struct Stopped {
