@@ -80,10 +80,12 @@ std::optional<SolidType> shell_type(const std::string& name) {
   static const std::map<std::string, CellType> kTypes = {
       {"S3", CellType::tri3},   {"S3R", CellType::tri3},   {"S3RS", CellType::tri3},  {"STRI3", CellType::tri3},
       {"S4", CellType::quad4},  {"S4R", CellType::quad4},  {"S4RS", CellType::quad4}, {"S4RSW", CellType::quad4},
-      {"S4R5", CellType::quad4}};
+      {"S4R5", CellType::quad4}, {"S8", CellType::quad8},   {"S8R", CellType::quad8},  {"S8R5", CellType::quad8},
+      {"S6", CellType::tri6},   {"STRI65", CellType::tri6}};
   const auto found = kTypes.find(upper(name));
   if (found == kTypes.end()) return {};
-  return SolidType{found->second, CellVariant::standard, ""};
+  const bool quadratic = found->second == CellType::quad8 || found->second == CellType::tri6;
+  return SolidType{found->second, CellVariant::standard, quadratic ? ModelBuilder::split_shells() : ""};
 }
 
 /// Abaqus numbers hex27's centre first and then faces -z, +z, -y, +x, +y, -x.

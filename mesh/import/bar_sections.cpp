@@ -18,6 +18,13 @@ void require(bool good, const std::string& what) {
   if (!good) throw std::invalid_argument(what);
 }
 
+// Of the height between two flanges, where the shear centre is above the lower one: as their moments about the web.
+double flange_centre(double lower_thickness, double lower_width, double upper_thickness, double upper_width) {
+  const double lower = lower_thickness * std::pow(lower_width, 3),
+               upper = upper_thickness * std::pow(upper_width, 3);
+  return upper / (lower + upper);
+}
+
 }  // namespace
 
 BarSection circle(double r) {
@@ -67,7 +74,7 @@ BarSection box(double b_y, double b_z, double side, double flange) {
   return s;
 }
 
-BarSection open_section(const std::vector<Wall>& walls) {
+BarSection open_section(const std::vector<Wall>& walls, double shear_y, double shear_z) {
   BarSection s;
   double y = 0, z = 0, web_y = 0, web_z = 0;
   for (const Wall& w : walls) {
@@ -78,6 +85,7 @@ BarSection open_section(const std::vector<Wall>& walls) {
     s.J += std::max(w.along_y, w.along_z) * thick * thick * thick / 3;
   }
   y /= s.A, z /= s.A;
+  s.shear_y = shear_y - y, s.shear_z = shear_z - z;
   for (const Wall& w : walls) {
     const double A = w.along_y * w.along_z, dy = w.y - y, dz = w.z - z;
     s.I_yy += A * (w.along_z * w.along_z / 12 + dz * dz);
@@ -90,22 +98,24 @@ BarSection open_section(const std::vector<Wall>& walls) {
 }
 
 std::size_t nastran_dimensions(const std::string& type) {
-  static const std::map<std::string, std::size_t> kNumber = {{"ROD", 1}, {"TUBE", 2}, {"TUBE2", 2}, {"BAR", 2},
-                                                             {"BOX", 4}, {"I", 6},    {"T", 4},     {"CHAN", 4},
-                                                             {"L", 4},   {"H", 4}};
+  static const std::map<std::string, std::size_t> kNumber = {
+      {"ROD", 1}, {"TUBE", 2}, {"TUBE2", 2}, {"BAR", 2}, {"BOX", 4},
+      {"I", 6},   {"T", 4},    {"CHAN", 4},  {"L", 4},   {"H", 4}};
   const auto found = kNumber.find(type);
-  require(found != kNumber.end(), fmt::format("the cross-section {} is not known; ROD, TUBE, TUBE2, BAR, BOX, I, T, "
-                                              "CHAN, L and H are, or give its constants (PBAR, PBEAM)",
-                                              type));
+  require(found != kNumber.end(),
+          fmt::format("the cross-section {} is not known; ROD, TUBE, TUBE2, BAR, BOX, I, T, "
+                      "CHAN, L and H are, or give its constants (PBAR, PBEAM)",
+                      type));
   return found->second;
 }
 
 // The cards draw z_elem to the side and y_elem upwards (MSC Nastran, Quick Reference Guide, PBARL).
 BarSection nastran_section(const std::string& type, const std::vector<double>& d) {
-  require(d.size() >= nastran_dimensions(type),
-          fmt::format("a cross-section {} has {} dimensions, not {}", type, nastran_dimensions(type), d.size()));
+  require(d.size() >= nastran_dimensions(type), fmt::format("a cross-section {} has {} dimensions, not {}",
+                                                            type, nastran_dimensions(type), d.size()));
   for (const double value : d)
-    require(value > 0 || type == "TUBE", fmt::format("a dimension of the cross-section {} is {:g}", type, value));
+    require(value > 0 || type == "TUBE",
+            fmt::format("a dimension of the cross-section {} is {:g}", type, value));
   const auto sound = [&](bool good) {
     require(good, fmt::format("the dimensions of the cross-section {} leave no material or no hole", type));
   };
@@ -126,36 +136,45 @@ BarSection nastran_section(const std::string& type, const std::vector<double>& d
   if (type == "I") {  // height, lower and upper width, web, lower and upper flange
     sound(d[0] > d[4] + d[5]);
     const double web = d[0] - d[4] - d[5];
-    return open_section({{d[4] / 2, 0, d[4], d[1]}, {d[4] + web / 2, 0, web, d[3]}, {d[0] - d[5] / 2, 0, d[5], d[2]}});
+    return open_section(
+        {{d[4] / 2, 0, d[4], d[1]}, {d[4] + web / 2, 0, web, d[3]}, {d[0] - d[5] / 2, 0, d[5], d[2]}},
+        d[4] / 2 + flange_centre(d[4], d[1], d[5], d[2]) * (d[0] - (d[4] + d[5]) / 2), 0);
   }
   if (type == "T") {  // width, height, flange, web
     sound(d[1] > d[2]);
-    return open_section({{d[1] - d[2] / 2, 0, d[2], d[0]}, {(d[1] - d[2]) / 2, 0, d[1] - d[2], d[3]}});
+    return open_section({{d[1] - d[2] / 2, 0, d[2], d[0]}, {(d[1] - d[2]) / 2, 0, d[1] - d[2], d[3]}},
+                        d[1] - d[2] / 2, 0);
   }
   if (type == "CHAN") {  // width, height, web, flanges
     sound(d[1] > 2 * d[3] && d[0] > d[2]);
+    const double b = d[0] - d[2] / 2, h = d[1] - d[3];  // of the walls' middle lines
     return open_section({{0, d[2] / 2, d[1] - 2 * d[3], d[2]},
                          {(d[1] - d[3]) / 2, d[0] / 2, d[3], d[0]},
-                         {-(d[1] - d[3]) / 2, d[0] / 2, d[3], d[0]}});
+                         {-(d[1] - d[3]) / 2, d[0] / 2, d[3], d[0]}},
+                        0, d[2] / 2 - 3 * b * b * d[3] / (h * d[2] + 6 * b * d[3]));
   }
   if (type == "L") {  // width, height, lower leg's thickness, upright leg's thickness
     sound(d[1] > d[2] && d[0] > d[3]);
-    return open_section({{d[2] / 2, d[0] / 2, d[2], d[0]}, {d[2] + (d[1] - d[2]) / 2, d[3] / 2, d[1] - d[2], d[3]}});
+    return open_section(
+        {{d[2] / 2, d[0] / 2, d[2], d[0]}, {d[2] + (d[1] - d[2]) / 2, d[3] / 2, d[1] - d[2], d[3]}}, d[2] / 2,
+        d[3] / 2);
   }
   // H: inner width, both uprights' thickness together, their height, the bar's thickness
   return open_section({{0, 0, d[3], d[0]},
                        {0, (d[0] + d[1] / 2) / 2, d[2], d[1] / 2},
-                       {0, -(d[0] + d[1] / 2) / 2, d[2], d[1] / 2}});
+                       {0, -(d[0] + d[1] / 2) / 2, d[2], d[1] / 2}},
+                      0, 0);
 }
 
 BarSection abaqus_section(const std::string& type, const std::vector<double>& d) {
   static const std::map<std::string, std::size_t> kNumber = {{"CIRC", 1}, {"PIPE", 2}, {"RECT", 2},
                                                              {"BOX", 6},  {"I", 7},    {"L", 4}};
   const auto found = kNumber.find(type);
-  require(found != kNumber.end(),
-          fmt::format("SECTION={} is not known; CIRC, PIPE, RECT, BOX, I and L are, or give its constants (*BEAM "
-                      "GENERAL SECTION)",
-                      type));
+  require(
+      found != kNumber.end(),
+      fmt::format("SECTION={} is not known; CIRC, PIPE, RECT, BOX, I and L are, or give its constants (*BEAM "
+                  "GENERAL SECTION)",
+                  type));
   require(d.size() >= found->second,
           fmt::format("SECTION={} has {} dimensions, not {}", type, found->second, d.size()));
   for (std::size_t k = 0; k < found->second; ++k)
@@ -174,10 +193,14 @@ BarSection abaqus_section(const std::string& type, const std::vector<double>& d)
   if (type == "I") {  // l, h, b1, b2, t1, t2, t3: lower and upper flange, web
     require(d[1] > d[4] + d[5], "SECTION=I: the flanges are thicker than the section is high");
     const double web = d[1] - d[4] - d[5];
-    return open_section({{0, d[4] / 2, d[2], d[4]}, {0, d[4] + web / 2, d[6], web}, {0, d[1] - d[5] / 2, d[3], d[5]}});
+    return open_section(
+        {{0, d[4] / 2, d[2], d[4]}, {0, d[4] + web / 2, d[6], web}, {0, d[1] - d[5] / 2, d[3], d[5]}}, 0,
+        d[4] / 2 + flange_centre(d[4], d[2], d[5], d[3]) * (d[1] - (d[4] + d[5]) / 2));
   }
   require(d[0] > d[3] && d[1] > d[2], "SECTION=L: the legs are thicker than the section");
-  return open_section({{d[0] / 2, d[2] / 2, d[0], d[2]}, {d[3] / 2, d[2] + (d[1] - d[2]) / 2, d[3], d[1] - d[2]}});
+  return open_section(
+      {{d[0] / 2, d[2] / 2, d[0], d[2]}, {d[3] / 2, d[2] + (d[1] - d[2]) / 2, d[3], d[1] - d[2]}}, d[3] / 2,
+      d[2] / 2);
 }
 
 }  // namespace flexura::mesh

@@ -12,6 +12,7 @@ struct BarSection {
   double A = 0, I_yy = 0, I_zz = 0, I_yz = 0;  ///< I_yy = int z^2 dA, I_zz = int y^2 dA, I_yz = int y z dA
   double J = 0;                                ///< torsion constant of Saint-Venant
   double kappa_y = 0, kappa_z = 0;             ///< shear factors; 0: no shear deformation
+  double shear_y = 0, shear_z = 0;  ///< shear centre, from the centroid (thin walls; Roark, table of 9.2)
 };
 
 /// A rectangle of the section, with its middle at (y, z).
@@ -27,8 +28,9 @@ BarSection rectangle(double along_y, double along_z);
 /// Outer measures; `side` is the thickness of the two walls that run along z, `flange` of those along y.  J by
 /// Bredt; shear factors: the walls along the force.
 BarSection box(double along_y, double along_z, double side, double flange);
-/// Open sections: J the sum of length thickness^3 / 3; shear factors: the walls along the force.
-BarSection open_section(const std::vector<Wall>& walls);
+/// Open sections: J the sum of length thickness^3 / 3; shear factors: the walls along the force.  The shear centre (y, z)
+/// is given where the walls are.
+BarSection open_section(const std::vector<Wall>& walls, double shear_y, double shear_z);
 
 /// A section of PBARL and PBEAML (MSC Nastran's shapes ROD, TUBE, TUBE2, BAR, BOX, I, T, CHAN, L, H); std::invalid_argument for
 /// shapes that are not known, too few dimensions, or dimensions that leave no material.

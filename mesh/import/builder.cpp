@@ -108,6 +108,7 @@ std::size_t ModelBuilder::add_cell(int scope, CellType type, std::int64_t label,
     throw std::invalid_argument(
         fmt::format("{}: element {} is given twice; element numbers must be unique", where.text(), label));
   std::vector<Index> sorted = nodes;
+  std::erase(sorted, -1);
   std::sort(sorted.begin(), sorted.end());
   if (std::adjacent_find(sorted.begin(), sorted.end()) != sorted.end())
     throw std::invalid_argument(fmt::format(
@@ -121,7 +122,66 @@ void ModelBuilder::add_to_set(const std::string& name, const std::vector<Index>&
   set.insert(set.end(), nodes.begin(), nodes.end());
 }
 
+const char* ModelBuilder::split_shells() {
+  return "each split into shells of three or four nodes between its own: as good as such a mesh of half the "
+         "size, not as a "
+         "quadratic element";
+}
+
+void ModelBuilder::split_quadratic_shells() {
+  std::vector<Cell> cells;
+  cells.reserve(cells_.size());
+  for (const Cell& cell : cells_) {
+    if (cell.type != CellType::tri6 && cell.type != CellType::quad8) {
+      cells.push_back(cell);
+      continue;
+    }
+    const std::size_t n = cell.type == CellType::quad8 ? 4 : 3;
+    const auto add = [&](std::vector<Index> nodes) {
+      Cell part = cell;
+      part.type = nodes.size() == 4 ? CellType::quad4 : CellType::tri3;
+      part.nodes = std::move(nodes);
+      cells.push_back(std::move(part));
+    };
+    const auto add_point = [&](const Eigen::Vector3d& x) {
+      points_.push_back(x);
+      labels_.push_back(-1);
+      return static_cast<Index>(points_.size() - 1);
+    };
+    const auto c = [&](std::size_t k) { return cell.nodes[k % n]; };
+    const auto m = [&](std::size_t k) { return cell.nodes[n + (k + n) % n]; };  // between corners k and k + 1
+    const auto lacking =
+        std::count(cell.nodes.begin() + static_cast<std::ptrdiff_t>(n), cell.nodes.end(), -1);
+    Eigen::Vector3d corners = Eigen::Vector3d::Zero(), middles = corners;
+    for (std::size_t k = 0; k < n; ++k) {
+      corners += place(c(k));
+      if (m(k) >= 0) middles += place(m(k));
+    }
+    if (lacking == static_cast<std::ptrdiff_t>(n)) {
+      add({cell.nodes.begin(), cell.nodes.begin() + static_cast<std::ptrdiff_t>(n)});
+    } else if (lacking > 0) {  // a fan about the middle
+      const Index centre = add_point(corners / static_cast<double>(n));
+      for (std::size_t k = 0; k < n; ++k) {
+        if (m(k) < 0) {
+          add({centre, c(k), c(k + 1)});
+          continue;
+        }
+        add({centre, c(k), m(k)});
+        add({centre, m(k), c(k + 1)});
+      }
+    } else if (n == 3) {
+      for (std::size_t k = 0; k < 3; ++k) add({c(k), m(k), m(k + 2)});
+      add({m(0), m(1), m(2)});
+    } else {  // the serendipity element's own centre
+      const Index centre = add_point(0.5 * middles - 0.25 * corners);
+      for (std::size_t k = 0; k < 4; ++k) add({c(k), m(k), centre, m(k + 3)});
+    }
+  }
+  cells_ = std::move(cells);
+}
+
 std::vector<Index> ModelBuilder::finish(ImportedModel& model, const std::vector<Index>& also_used) {
+  split_quadratic_shells();
   Mesh& mesh = model.mesh;
   mesh = Mesh();
   std::vector<Index> number(points_.size(), -1);
@@ -154,14 +214,15 @@ std::vector<Index> ModelBuilder::finish(ImportedModel& model, const std::vector<
     const auto bare =
         std::find_if(cells_.begin(), cells_.end(), [](const Cell& c) { return c.material < 0; });
     throw std::invalid_argument(
-        fmt::format("{}: element {} has no section or material, as {} others; others have one", bare->where.text(),
-                    bare->label, cells_.size() - with_material - 1));
+        fmt::format("{}: element {} has no section or material, as {} others; others have one",
+                    bare->where.text(), bare->label, cells_.size() - with_material - 1));
   }
   for (const Kind& kind : kinds) {
     CellBlock block;
     std::tie(block.type, block.variant) = kind;
-    const auto rows = std::count_if(cells_.begin(), cells_.end(),
-                                    [&](const Cell& c) { return Kind{c.type, c.variant} == kind; });
+    const auto rows = std::count_if(cells_.begin(), cells_.end(), [&](const Cell& c) {
+      return Kind{c.type, c.variant} == kind;
+    });
     block.nodes.resize(rows, nodes_per_cell(block.type));
     const bool is_shell = dimension_of(block.type) == 2;
     Index row = 0;
@@ -184,7 +245,8 @@ std::vector<Index> ModelBuilder::finish(ImportedModel& model, const std::vector<
     if (std::ranges::all_of(block.offset, [](double offset) { return offset == 0; })) block.offset.clear();
     (is_shell ? mesh.shells : mesh.solids).push_back(std::move(block));
   }
-  const auto place_of = [&](const CellBlock& block, Index row) {  // the rows of a block stand in the order of the cells
+  const auto place_of = [&](const CellBlock& block,
+                            Index row) {  // the rows of a block stand in the order of the cells
     for (const Cell& cell : cells_)
       if (cell.type == block.type && cell.variant == block.variant && row-- == 0) return cell.where.text();
     return std::string();
@@ -193,9 +255,9 @@ std::vector<Index> ModelBuilder::finish(ImportedModel& model, const std::vector<
     const auto& centre = stiffness_quadrature(block.type).points;
     for (Index cell = 0; cell < block.nodes.rows(); ++cell)
       if (!(jacobian_determinants(mesh, block, cell, centre).minCoeff() > 0))
-        throw std::invalid_argument(
-            fmt::format("{}: element {} ({}) is turned inside out: det J <= 0 at an integration point",
-                        place_of(block, cell), block.label[static_cast<std::size_t>(cell)], name_of(block.type)));
+        throw std::invalid_argument(fmt::format(
+            "{}: element {} ({}) is turned inside out: det J <= 0 at an integration point",
+            place_of(block, cell), block.label[static_cast<std::size_t>(cell)], name_of(block.type)));
   }
   for (const auto& [name, nodes] : sets_) {
     NodeSet set;

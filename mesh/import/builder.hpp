@@ -63,10 +63,10 @@ class ModelBuilder {
   struct Cell {
     CellType type;
     std::int64_t label;
-    std::vector<Index> nodes;  ///< in the order of Mesh
+    std::vector<Index> nodes;  ///< in the order of Mesh; of quadratic shells mid-side nodes may lack (-1)
     Index material;            ///< -1 = none stated
     CellVariant variant = CellVariant::standard;
-    double thickness = 0, offset = 0;  ///< shells (tri3, quad4)
+    double thickness = 0, offset = 0;  ///< shells (tri3, quad4; tri6, quad8 become these at the end)
     Where where;
   };
   /// Returns the cell's number, as `cells` counts.
@@ -82,7 +82,12 @@ class ModelBuilder {
   /// dropped). Throws when some cells have a material and others none, or a cell is turned inside out.
   std::vector<Index> finish(ImportedModel& model, const std::vector<Index>& also_used);
 
+  /// What becomes of quadratic shells, for messages.
+  static const char* split_shells();
+
  private:
+  /// Quadratic shells as linear ones between the same nodes.
+  void split_quadratic_shells();
   struct KeyHash {
     std::size_t operator()(const std::pair<int, std::int64_t>& key) const {
       return std::hash<std::uint64_t>()(static_cast<std::uint64_t>(key.second) * 1000003u +

@@ -29,6 +29,7 @@ void scale_to_si(ImportedModel& model, double length, double mass, double time) 
   for (ImportedBar& bar : model.bars) {
     for (Eigen::Vector3d& offset : bar.offset) offset *= length;
     bar.A *= area;
+    bar.centroid *= length, bar.extra_mass_at *= length;
     for (double* second : {&bar.I_yy, &bar.I_zz, &bar.I_yz, &bar.J}) *second *= area * area;
     bar.extra_mass_per_length *= mass / length;
   }

@@ -48,9 +48,13 @@ struct ImportedBar {
   std::array<Eigen::Vector3d, 2> offset{Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
   double A = 0, I_yy = 0, I_zz = 0, I_yz = 0, J = 0;  ///< I_zz resists bending in the x-y plane
   double kappa_y = 0, kappa_z = 0;                    ///< shear factors; 0 = no shear deformation
+  /// From the axis, which is the line of shear centres (CBEAM): of the centroid, about which the moments are, and of the
+  /// extra mass.  y, z of the element.
+  Eigen::Vector2d centroid = Eigen::Vector2d::Zero(), extra_mass_at = Eigen::Vector2d::Zero();
   double extra_mass_per_length = 0;
   Index material = 0;
-  std::array<std::array<bool, 6>, 2> released{};  ///< at each end: u, v, w and rotations in the element's axes
+  std::array<std::array<bool, 6>, 2>
+      released{};  ///< at each end: u, v, w and rotations in the element's axes
 };
 
 /// Springs between two nodes (CBUSH, CELAS, SPRINGA), six of them along and about axes at the middle between them.
@@ -68,7 +72,8 @@ struct ImportedDofs {
 };
 
 struct ImportedModel {
-  Mesh mesh;  ///< solids[].material and shells[].material index `materials`; element sets become node sets of their names
+  Mesh
+      mesh;  ///< solids[].material and shells[].material index `materials`; element sets become node sets of their names
   std::vector<ImportedMaterial> materials;
   std::vector<ImportedTie> ties;
   std::vector<ImportedMass> masses;

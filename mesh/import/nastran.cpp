@@ -14,6 +14,7 @@
 #include "mesh/import/builder.hpp"
 #include "mesh/import/nastran_cards.hpp"
 #include "mesh/import/nastran_systems.hpp"
+#include "mesh/model/cell.hpp"
 
 namespace flexura::mesh {
 namespace {
@@ -55,24 +56,25 @@ class Reader {
     read_ties();
     read_masses();
     read_dofs();
-    static const std::set<std::string> kSilent = {"CORD2R", "CORD2C", "CORD2S", "CORD1R", "CORD1C",
-                                                  "CORD1S", "PSOLID", "PSHELL", "PBAR",   "PBEAM",
-                                                  "PBARL",  "PBEAML"};
+    static const std::set<std::string> kSilent = {"CORD2R", "CORD2C", "CORD2S", "CORD1R", "CORD1C", "CORD1S",
+                                                  "PSOLID", "PSHELL", "PBAR",   "PBEAM",  "PBARL",  "PBEAML"};
     for (const Card& card : cards_)
       if (!used_.contains(card.name) && !kSilent.contains(card.name)) unused_.add(card.name, card.where);
     for (const std::string& message : unused_.messages("card")) model_.messages.push_back(message);
     // Elements with stiffness or mass that are not read; dampers, gaps and plot elements have none of either.
     static const std::set<std::string> kElements = {
-        "CQUAD8", "CTRIA6", "CQUADX", "CTRIAX", "CTRIAX6", "CSHEAR", "CTUBE",  "CBEND",  "CBEAM3", "CWELD", "CFAST",
-        "CSEAM",  "CELAS3", "CELAS4", "CMASS1", "CMASS2",  "CMASS3", "CMASS4", "CONM1",  "CBUSH1D", "CCONEAX", "GENEL"};
+        "CQUAD",  "CQUADX", "CTRIAX", "CTRIAX6", "CSHEAR",  "CTUBE",   "CBEND",
+        "CBEAM3", "CWELD",  "CFAST",  "CSEAM",   "CELAS3",  "CELAS4",  "CMASS1",
+        "CMASS2", "CMASS3", "CMASS4", "CONM1",   "CBUSH1D", "CCONEAX", "GENEL"};
     Unused left_out;
     for (const Card& card : cards_)
       if (!used_.contains(card.name) && kElements.contains(card.name)) left_out.add(card.name, card.where);
     model_.warnings = left_out.messages("element");
+    for (const std::string& message : approximated_.messages("card")) model_.warnings.push_back(message);
     if (builder_.cells().empty() && model_.bars.empty())
       throw std::invalid_argument(path.string() +
                                   ": holds no solid, shell or beam elements (CTETRA, CHEXA, CPENTA, CPYRAM, "
-                                  "CQUAD4, CTRIA3, CBAR, CBEAM); not Nastran bulk data?");
+                                  "CQUAD4, CTRIA3, CQUAD8, CTRIA6, CBAR, CBEAM); not Nastran bulk data?");
     finish();
     return std::move(model_);
   }
@@ -194,60 +196,89 @@ class Reader {
     ShellProperty shell{material(card.integer(1), card.where), card.real(2, 0), card.real(7, 0)};
     const std::int64_t mid = card.integer(1);
     if (card.blank(3))
-      unused_.add("PSHELL's missing MID2 (membrane alone; bending is computed as well)", card.where);
+      approximated_.add("PSHELL's missing MID2 (membrane alone; bending is computed as well)", card.where);
     else if (card.integer(3) != mid)
-      unused_.add("PSHELL's MID2 other than MID1 (MID1 is used for bending, too)", card.where);
-    if (std::abs(card.real(4, 1) - 1) > 1e-6) unused_.add("PSHELL's 12 I / T**3 other than 1", card.where);
-    if (std::abs(card.real(6, 5.0 / 6) - 5.0 / 6) > 1e-3) unused_.add("PSHELL's TS/T other than 5/6", card.where);
-    if (!card.blank(10)) unused_.add("PSHELL's MID4", card.where);
+      approximated_.add("PSHELL's MID2 other than MID1 (MID1 is used for bending, too)", card.where);
+    if (std::abs(card.real(4, 1) - 1) > 1e-6)
+      approximated_.add("PSHELL's 12 I / T**3 other than 1", card.where);
+    if (std::abs(card.real(6, 5.0 / 6) - 5.0 / 6) > 1e-3)
+      approximated_.add("PSHELL's TS/T other than 5/6", card.where);
+    if (!card.blank(10)) approximated_.add("PSHELL's MID4", card.where);
     return shell;
   }
 
   void read_shells() {
     std::map<std::int64_t, ShellProperty> properties;
     for (const Card* card : all("PSHELL")) properties.emplace(card->integer(0), shell_property(*card));
-    static const std::map<std::string, CellType> kCards = {{"CQUAD4", CellType::quad4},
-                                                           {"CQUADR", CellType::quad4},
-                                                           {"CTRIA3", CellType::tri3},
-                                                           {"CTRIAR", CellType::tri3}};
+    std::set<std::int64_t> layered;
+    for (const char* name : {"PCOMP", "PCOMPG"})
+      for (const Card* card : by_name_[name]) layered.insert(card->integer(0));
+    // Where the nodes end, there stand: THETA or MCID, ZOFFS; TFLAG and the corners' thicknesses.
+    struct ShellCard {
+      CellType type;
+      std::size_t offset, flag, thickness;
+    };
+    static const std::map<std::string, ShellCard> kCards = {
+        {"CQUAD4", {CellType::quad4, 7, 9, 10}},   {"CQUADR", {CellType::quad4, 7, 9, 10}},
+        {"CTRIA3", {CellType::tri3, 6, 9, 10}},    {"CTRIAR", {CellType::tri3, 6, 9, 10}},
+        {"CQUAD8", {CellType::quad8, 15, 16, 10}}, {"CTRIA6", {CellType::tri6, 9, 13, 10}}};
+    std::map<std::string, int> split;
     for (const Card& card : cards_) {
       const auto found = kCards.find(card.name);
       if (found == kCards.end()) continue;
       used_.insert(card.name);
-      const auto n = static_cast<std::size_t>(nodes_per_cell(found->second));
+      const ShellCard& places = found->second;
+      const auto n_nodes = static_cast<std::size_t>(nodes_per_cell(places.type)),
+                 n = static_cast<std::size_t>(shape_of(places.type).corners);
       const std::int64_t id = card.integer(0), property = card.integer(1, id);
       const auto section = properties.find(property);
       if (section == properties.end())
-        throw std::invalid_argument(fmt::format("{}: property {} of {} {} is no PSHELL of this file",
-                                                card.where.text(), property, card.name, id));
-      std::vector<Index> nodes(n);
-      for (std::size_t k = 0; k < n; ++k) nodes[k] = builder_.node(0, card.integer(2 + k), card.where);
-      builder_.add_to_set("property " + std::to_string(property), nodes);
-      if (const double extra = section->second.extra_mass_per_area; extra > 0) {  // an equal share for every corner
+        throw std::invalid_argument(
+            fmt::format("{}: property {} of {} {} is no PSHELL of this file{}", card.where.text(), property,
+                        card.name, id,
+                        layered.contains(property)
+                            ? "; layers (PCOMP) are not read: give a PSHELL with their effective material"
+                            : ""));
+      std::vector<Index> nodes(n_nodes, -1);
+      for (std::size_t k = 0; k < n_nodes; ++k)  // mid-side nodes may be left out
+        if (k < n || (!card.blank(2 + k) && card.integer(2 + k) != 0))
+          nodes[k] = builder_.node(0, card.integer(2 + k), card.where);
+      std::vector<Index> present = nodes;
+      std::erase(present, -1);
+      builder_.add_to_set("property " + std::to_string(property), present);
+      if (n_nodes > n) ++split[card.name];
+      if (const double extra = section->second.extra_mass_per_area;
+          extra > 0) {  // an equal share for every corner
         const auto at = [&](std::size_t k) { return builder_.place(nodes[k]); };
-        const Vector3d across = n == 3 ? (at(1) - at(0)).cross(at(2) - at(0)) : (at(2) - at(0)).cross(at(3) - at(1));
-        for (const Index node : nodes) extra_mass_[node] += extra * 0.5 * across.norm() / static_cast<double>(n);
+        const Vector3d across =
+            n == 3 ? (at(1) - at(0)).cross(at(2) - at(0)) : (at(2) - at(0)).cross(at(3) - at(1));
+        for (std::size_t k = 0; k < n; ++k)
+          extra_mass_[nodes[k]] += extra * 0.5 * across.norm() / static_cast<double>(n);
       }
       ModelBuilder::Cell& cell =
-          builder_.cells()[builder_.add_cell(0, found->second, id, std::move(nodes), card.where)];
+          builder_.cells()[builder_.add_cell(0, places.type, id, std::move(nodes), card.where)];
       cell.material = section->second.material;
       cell.thickness = section->second.thickness;
-      // THETA or MCID stands before ZOFFS; an isotropic material has no direction.
-      cell.offset = card.real(3 + n, 0);
+      cell.offset = card.real(places.offset, 0);  // an isotropic material has no direction THETA
       double sum = 0;
       std::size_t given = 0;
-      for (std::size_t k = 10; k < 10 + n; ++k)
+      for (std::size_t k = places.thickness; k < places.thickness + n; ++k)
         if (!card.blank(k)) sum += card.real(k), ++given;
       if (given == 0) continue;
-      const bool scaled = card.integer(9, 0) == 1;  // TFLAG: T1 to T4 are fractions of T
+      const bool scaled = card.integer(places.flag, 0) == 1;  // TFLAG: T1 to T4 are fractions of T
       const double others = static_cast<double>(n - given) * (scaled ? 1 : cell.thickness);
       const double mean = (sum + others) / static_cast<double>(n);
       cell.thickness = scaled ? mean * cell.thickness : mean;
-      for (std::size_t k = 10; k < 10 + n; ++k)
-        if (!card.blank(k) && std::abs(card.real(k) * (scaled ? section->second.thickness : 1) - cell.thickness) >
-                                  1e-6 * cell.thickness)
-          unused_.add(card.name + "'s thicknesses that differ from corner to corner (their mean is used)", card.where);
+      for (std::size_t k = places.thickness; k < places.thickness + n; ++k)
+        if (!card.blank(k) && std::abs(card.real(k) * (scaled ? section->second.thickness : 1) -
+                                       cell.thickness) > 1e-6 * cell.thickness)
+          approximated_.add(
+              card.name + "'s thicknesses that differ from corner to corner (their mean is used)",
+              card.where);
     }
+    for (const auto& [name, count] : split)
+      model_.messages.push_back(fmt::format("{} element{} of type {}: {}", count, count == 1 ? "" : "s", name,
+                                            ModelBuilder::split_shells()));
   }
 
   // ---- beams
@@ -258,6 +289,7 @@ class Reader {
     ImportedBar bar;
     bar.material = material(card.integer(1), card.where);
     std::size_t n = 0;
+    Eigen::Vector2d shear_centre;
     try {
       n = nastran_dimensions(type);
       std::vector<double> dim;
@@ -265,14 +297,20 @@ class Reader {
       const BarSection s = nastran_section(type, dim);
       bar.A = s.A, bar.I_yy = s.I_yy, bar.I_zz = s.I_zz, bar.I_yz = s.I_yz, bar.J = s.J;
       bar.kappa_y = s.kappa_y, bar.kappa_z = s.kappa_z;
+      shear_centre << s.shear_y, s.shear_z;
     } catch (const std::invalid_argument& error) {
       throw std::invalid_argument(
           fmt::format("{}: {} {}: {}", card.where.text(), card.name, card.integer(0), error.what()));
     }
+    if (card.name == "PBEAML") bar.centroid = -shear_centre;  // CBAR knows one centre only
     bar.extra_mass_per_length = card.real(8 + n, 0);
     for (std::size_t k = 8 + n + 1; card.name == "PBEAML" && k < card.fields.size(); ++k)
       if (card.text(k).rfind("YES", 0) == 0 || card.text(k) == "NO") {
-        unused_.add("PBEAML's stations (end A is used all along)", card.where);
+        // A station repeats the dimensions of end A where the beam is uniform.
+        bool same = card.text(k).rfind("YES", 0) == 0;
+        for (std::size_t d = 0; d < n; ++d)
+          same = same && (card.blank(k + 2 + d) || card.real(k + 2 + d) == card.real(8 + d, 0));
+        if (!same) approximated_.add("PBEAML's stations (end A is used all along)", card.where);
         break;
       }
     return bar;
@@ -282,7 +320,8 @@ class Reader {
   void read_rods() {
     std::map<std::int64_t, const Card*> properties;
     for (const Card* card : all("PROD")) properties.emplace(card->integer(0), card);
-    const auto add = [&](const Card& card, std::size_t nodes, std::int64_t mid, const Card& from, std::size_t first) {
+    const auto add = [&](const Card& card, std::size_t nodes, std::int64_t mid, const Card& from,
+                         std::size_t first) {
       ImportedBar rod;
       rod.label = card.integer(0);
       rod.nodes = {builder_.node(0, card.integer(nodes), card.where),
@@ -327,7 +366,8 @@ class Reader {
     const Vector3d line = systems_.grid_place(b, card.where) - systems_.grid_place(a, card.where);
     if (c < 4 && line.cross(Vector3d::Unit(static_cast<Eigen::Index>(c - 1))).norm() > 1e-9 * line.norm())
       throw std::invalid_argument(
-          fmt::format("{}: {} {} acts in direction {} between nodes that do not lie one behind the other in it, so that a "
+          fmt::format("{}: {} {} acts in direction {} between nodes that do not lie one behind the other in "
+                      "it, so that a "
                       "turn of the whole body would strain it; use CBUSH",
                       card.where.text(), card.name, card.integer(0), c));
     model_.springs.push_back(spring);
@@ -379,7 +419,8 @@ class Reader {
 
   void add_bush(const Card& card, const std::array<double, 6>& stiffness) {
     ImportedSpring spring{.label = card.integer(0)};
-    spring.nodes = {builder_.node(0, card.integer(2), card.where), builder_.node(0, card.integer(3), card.where)};
+    spring.nodes = {builder_.node(0, card.integer(2), card.where),
+                    builder_.node(0, card.integer(3), card.where)};
     for (const double k : stiffness)
       require_not_negative(k, fmt::format("CBUSH {}", spring.label), "stiffness", card.where);
     spring.stiffness = stiffness;
@@ -394,7 +435,8 @@ class Reader {
       spring.R = s.R;
     } else if (line.norm() > 0) {  // x along the line, y in the plane of the orientation
       Vector3d v = orientation(card, a);
-      const bool along_alone = stiffness[1] == 0 && stiffness[2] == 0 && stiffness[4] == 0 && stiffness[5] == 0;
+      const bool along_alone =
+          stiffness[1] == 0 && stiffness[2] == 0 && stiffness[4] == 0 && stiffness[5] == 0;
       if (along_alone && v.cross(line).norm() == 0) v = line.unitOrthogonal();
       if (!(v.cross(line).norm() > 1e-9 * v.norm() * line.norm()))
         throw std::invalid_argument(
@@ -403,7 +445,7 @@ class Reader {
       spring.R << x, z.cross(x), z;
     }
     if (!card.blank(8) && std::abs(card.real(8) - 0.5) > 1e-9)
-      unused_.add("CBUSH's place S (the middle is used)", card.where);
+      approximated_.add("CBUSH's place S (the middle is used)", card.where);
     model_.springs.push_back(spring);
   }
 
@@ -445,14 +487,19 @@ class Reader {
       }
       s.kappa_y = card->real(at, 1);
       s.kappa_z = card->real(at + 1, 1);
-      if (tapered) unused_.add("PBEAM's taper (end A is used all along)", card->where);
+      s.extra_mass_at << card->real(at + 8, 0), card->real(at + 9, 0);
+      s.centroid << card->real(at + 12, 0), card->real(at + 13, 0);
+      for (const std::size_t k : {8u, 9u, 12u, 13u})
+        tapered = tapered || (!card->blank(at + k + 2) && card->real(at + k + 2) != card->real(at + k, 0));
+      if (tapered) approximated_.add("PBEAM's taper (end A is used all along)", card->where);
       return s;
     }
     for (const char* name : {"PBARL", "PBEAML"})
       for (const Card* card : all(name))
         if (card->integer(0) == property) return shaped_section(*card);
-    throw std::invalid_argument(fmt::format("{}: property {} of {} {} is no PBAR, PBARL, PBEAM or PBEAML of this file",
-                                            bar.where.text(), property, bar.name, bar.integer(0)));
+    throw std::invalid_argument(
+        fmt::format("{}: property {} of {} {} is no PBAR, PBARL, PBEAM or PBEAML of this file",
+                    bar.where.text(), property, bar.name, bar.integer(0)));
   }
 
   void read_bars() {
@@ -506,7 +553,8 @@ class Reader {
         if (card->is_real(k)) {
           weight = card->real(k);
           if (const auto dofs = components(card->text(++k), *card); !(dofs[0] && dofs[1] && dofs[2]))
-            unused_.add("RBE3 weights that leave out directions 1 to 3 (all three are used)", card->where);
+            approximated_.add("RBE3 weights that leave out directions 1 to 3 (all three are used)",
+                              card->where);
           continue;
         }
         tie.nodes.push_back(builder_.node(0, card->integer(k), card->where));
@@ -601,7 +649,7 @@ class Reader {
 
   ImportedModel model_;
   ModelBuilder builder_;
-  Unused unused_;
+  Unused unused_, approximated_;
   std::set<std::string> names_, used_;
   std::vector<Card> cards_;
   std::map<std::string, std::vector<const Card*>> by_name_;

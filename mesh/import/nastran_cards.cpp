@@ -59,7 +59,7 @@ struct Line {
   std::vector<std::string> fields;
 };
 
-Line split_line(const std::string& raw, const Where& where) {
+Line split_line(const std::string& raw) {
   Line line;
   if (raw.find(',') != std::string::npos) {
     std::vector<std::string> parts;
@@ -71,13 +71,16 @@ Line split_line(const std::string& raw, const Where& where) {
     }
     line.name = parts[0];
     const std::size_t width = !line.name.empty() && line.name.back() == '*' ? 4 : 8;
-    // Behind the data stands the mark of the continuation; more would be left out without a word.
-    for (std::size_t k = width + 1; k < parts.size(); ++k)
-      if (!parts[k].empty() && (k > width + 1 || (parts[k][0] != '+' && parse_real(parts[k]))))
-        throw std::invalid_argument(
-            fmt::format("{}: {} has more than {} fields on a line; write the others on a line that begins with \"+\"",
-                        where.text(), line.name.empty() ? "the continuation" : line.name.substr(0, 20), width));
-    parts.resize(width + 1);
+    // After the last field of a line stands the name of its continuation.  What stands there and is none (a number, or
+    // anything with more behind it) goes on with the card: some programs write it all on one line.
+    std::size_t n = parts.size();
+    while (n > 1 && parts[n - 1].empty()) --n;
+    const auto is_name = [](const std::string& text) {
+      return text.empty() || text[0] == '*' || std::isalpha(static_cast<unsigned char>(text[0])) ||
+             text[0] == '+';
+    };
+    if (n <= width + 1 || (n == width + 2 && is_name(parts[width + 1]))) n = width + 1;
+    parts.resize(std::max(n, width + 1));
     line.fields.assign(parts.begin() + 1, parts.end());
     return line;
   }
@@ -136,7 +139,7 @@ class Deck {
       read(path.parent_path() / file, false, depth + 1);
       return;
     }
-    const Line line = split_line(raw, where);
+    const Line line = split_line(raw);
     const bool continues = line.name.empty() || line.name[0] == '+' || line.name[0] == '*';
     if (!continues) {
       Card card;
@@ -150,7 +153,7 @@ class Deck {
     if (cards.empty())
       throw std::invalid_argument(where.text() + ": a continuation line without a card before it");
     std::vector<std::string>& fields = cards.back().fields;
-    if (line.fields.size() == 8 && fields.size() % 8 != 0) fields.resize((fields.size() / 8 + 1) * 8);
+    if (line.fields.size() >= 8 && fields.size() % 8 != 0) fields.resize((fields.size() / 8 + 1) * 8);
     fields.insert(fields.end(), line.fields.begin(), line.fields.end());
   }
 

@@ -58,7 +58,7 @@ Matrix3d cross_matrix(const Vector3d& r) {
 // A beam, or a rod as a beam whose bending is struck out.
 struct Bar {
   beam::Placement place;
-  beam::Matrix12d K;                             // of the nodes, axes of B
+  beam::Matrix12d K;                              // of the nodes, axes of B
   std::function<beam::Matrix6x12d(double)> move;  // axes of B, at x along it
 };
 
@@ -73,7 +73,8 @@ Bar make_bar(const mesh::ImportedBar& from, const Part& part, const std::string&
   const beam::Matrix12d T = bar.place.transform();
   Eigen::Matrix<double, 6, 6> R = Eigen::Matrix<double, 6, 6>::Zero();
   R.topLeftCorner<3, 3>() = R.bottomRightCorner<3, 3>() = bar.place.R_BE;
-  if (!(from.A > 0.0)) throw std::invalid_argument(fmt::format("{} has the area {:g}; it must be above 0", name, from.A));
+  if (!(from.A > 0.0))
+    throw std::invalid_argument(fmt::format("{} has the area {:g}; it must be above 0", name, from.A));
   // Torsion alone is struck out where the section has none: what holds the node elsewhere does.
   const auto spring = [&](int d, double k) {
     beam::Vector12d q = beam::Vector12d::Zero();
@@ -94,13 +95,17 @@ Bar make_bar(const mesh::ImportedBar& from, const Part& part, const std::string&
     };
     return bar;
   }
-  beam::Constants constants{.A = from.A, .I_y = from.I_yy, .I_z = from.I_zz};
+  const double y = from.centroid(0), z = from.centroid(1);  // moments are about the axis
+  beam::Constants constants{
+      .A = from.A, .I_y = from.I_yy + from.A * z * z, .I_z = from.I_zz + from.A * y * y};
+  constants.S_y = from.A * z, constants.S_z = from.A * y;
+  constants.y_cg = y, constants.z_cg = z;
   constants.I_t = from.J > 0.0 ? from.J : from.I_yy + from.I_zz;
   if (from.kappa_y > 0.0) constants.A_sy = from.kappa_y * from.A;
   if (from.kappa_z > 0.0) constants.A_sz = from.kappa_z * from.A;
-  constants.I_yz = -from.I_yz;  // the sign of an inertia tensor
-  const beam::Section section =
-      beam::make_section(name, constants, {.name = name, .E = E, .G = G, .rho = part.materials.at(from.material).density});
+  constants.I_yz = -(from.I_yz + from.A * y * z);  // the sign of an inertia tensor
+  const beam::Section section = beam::make_section(
+      name, constants, {.name = name, .E = E, .G = G, .rho = part.materials.at(from.material).density});
   beam::Releases releases;
   for (std::size_t end = 0; end < 2; ++end)
     for (std::size_t d = 0; d < 6; ++d) releases[6 * end + d] = from.released[end][d];
@@ -115,8 +120,10 @@ Bar make_bar(const mesh::ImportedBar& from, const Part& part, const std::string&
 }  // namespace
 
 void add_bars(const std::vector<mesh::ImportedBar>& bars, Part& part) {
-  constexpr double kGauss[4] = {-0.8611363115940526, -0.3399810435848563, 0.3399810435848563, 0.8611363115940526};
-  constexpr double kWeight[4] = {0.3478548451374538, 0.6521451548625461, 0.6521451548625461, 0.3478548451374538};
+  constexpr double kGauss[4] = {-0.8611363115940526, -0.3399810435848563, 0.3399810435848563,
+                                0.8611363115940526};
+  constexpr double kWeight[4] = {0.3478548451374538, 0.6521451548625461, 0.6521451548625461,
+                                 0.3478548451374538};
   Points points(part);
   std::vector<std::array<mesh::Index, 4>> seen;
   for (const mesh::ImportedBar& from : bars) {
@@ -132,7 +139,12 @@ void add_bars(const std::vector<mesh::ImportedBar>& bars, Part& part) {
     part.frames.push_back(std::move(element));
 
     // Mass, and the section's moments about its principal axes.
-    const double mass = density * from.A + from.extra_mass_per_length;
+    const bool apart = from.extra_mass_at != from.centroid && from.extra_mass_per_length > 0.0;
+    const double mass = density * from.A + (apart ? 0.0 : from.extra_mass_per_length);
+    const auto across = [&](const Eigen::Vector2d& at) -> Vector3d {
+      return bar.place.R_BE.rightCols<2>() * at;
+    };
+    const Vector3d centroid = across(from.centroid), extra_at = across(from.extra_mass_at);
     Eigen::Matrix2d moments;
     moments << from.I_zz, from.I_yz, from.I_yz, from.I_yy;
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(density * moments);
@@ -140,7 +152,12 @@ void add_bars(const std::vector<mesh::ImportedBar>& bars, Part& part) {
       const double x = 0.5 * l * (1.0 + kGauss[g]), share = 0.5 * l * kWeight[g];
       const beam::Matrix6x12d move = bar.move(x);
       const Vector3d on_axis = bar.place.p_Bo1_B + x * bar.place.R_BE.col(0);
-      const mesh::Index middle = points.add(on_axis, from.nodes, move.topRows<3>());
+      const auto add = [&](const Vector3d& arm) {
+        return points.add(on_axis + arm, from.nodes,
+                          move.topRows<3>() - cross_matrix(arm) * move.bottomRows<3>());
+      };
+      const mesh::Index middle = add(centroid);
+      if (apart) part.masses.push_back({add(extra_at), from.extra_mass_per_length * share});
       double left = mass;
       for (int k = 0; k < 2; ++k) {
         const double moment = axes.eigenvalues()(k);
@@ -149,10 +166,7 @@ void add_bars(const std::vector<mesh::ImportedBar>& bars, Part& part) {
         const double w = mass / 6.0, reach = std::sqrt(moment / (2.0 * w));
         const Vector3d r = reach * bar.place.R_BE.rightCols<2>() * axes.eigenvectors().col(k);
         for (const double way : {-1.0, 1.0}) {
-          const Vector3d arm = way * r;
-          const mesh::Index beside =
-              points.add(on_axis + arm, from.nodes, move.topRows<3>() - cross_matrix(arm) * move.bottomRows<3>());
-          part.masses.push_back({beside, w * share});
+          part.masses.push_back({add(centroid + way * r), w * share});
         }
         left -= 2.0 * w;
       }
@@ -169,7 +183,7 @@ void add_bars(const std::vector<mesh::ImportedBar>& bars, Part& part) {
       if (!is_rod) move.middleCols<6>(6 - 6 * end).setZero();  // round-off of the other end
       for (int c = 0; c < 4; ++c) {
         const double y = c == 0 || c == 3 ? -half_y : half_y, z = c < 2 ? -half_z : half_z;
-        const Vector3d arm = bar.place.R_BE * Vector3d(0.0, y, z);
+        const Vector3d arm = centroid + bar.place.R_BE * Vector3d(0.0, y, z);
         ring[end][c] = points.add(bar.place.p_Bo1_B + end * l * bar.place.R_BE.col(0) + arm, from.nodes,
                                   move.topRows<3>() - cross_matrix(arm) * move.bottomRows<3>());
       }
@@ -203,15 +217,17 @@ void add_springs(const std::vector<mesh::ImportedSpring>& springs, Part& part) {
     for (int d = 0; d < 6; ++d) {
       k(d) = from.stiffness[static_cast<std::size_t>(d)];
       if (!(k(d) >= 0.0 && std::isfinite(k(d))))
-        throw std::invalid_argument(fmt::format("spring element {} has the stiffness {:g}; it must be at least 0 and finite", from.label, k(d)));
+        throw std::invalid_argument(fmt::format(
+            "spring element {} has the stiffness {:g}; it must be at least 0 and finite", from.label, k(d)));
     }
     if (k.isZero(0.0)) continue;
-    FrameElement element{.nodes = {from.nodes[0], from.nodes[1]}, .K = strain.transpose() * k.asDiagonal() * strain};
+    FrameElement element{.nodes = {from.nodes[0], from.nodes[1]},
+                         .K = strain.transpose() * k.asDiagonal() * strain};
     // A spring along the line of its nodes turns nothing: what round-off leaves of the arms is none.
     const double size = element.K.cwiseAbs().maxCoeff(), arm = (b - a).norm();
     for (int end = 0; end < 2; ++end)
-      if (k.tail<3>().isZero(0.0) &&
-          element.K.middleRows<3>(6 * end + 3).cwiseAbs().maxCoeff() <= 1e-12 * size * std::max(arm, 1e-300)) {
+      if (k.tail<3>().isZero(0.0) && element.K.middleRows<3>(6 * end + 3).cwiseAbs().maxCoeff() <=
+                                         1e-12 * size * std::max(arm, 1e-300)) {
         element.K.middleRows<3>(6 * end + 3).setZero();
         element.K.middleCols<3>(6 * end + 3).setZero();
       }

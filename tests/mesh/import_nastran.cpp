@@ -208,13 +208,16 @@ TEST(NastranDeck, NumbersThatNoStructureHasAreRefusedWithTheirLine) {
               HasSubstr("line 8: CBUSH 2 has the stiffness -2"));
 }
 
-// Free fields beyond the eighth are no data in this format: left out, they would be zeros.
-TEST(NastranDeck, MoreFieldsThanALineHoldsAreRefused) {
-  const std::string grids = "GRID,1,,0.,0.,0.\nGRID,2,,1.,0.,0.\nGRID,3,,0.,1.,0.\nGRID,4,,0.,0.,1.\n";
-  EXPECT_THAT(refusal(grids + "MAT1,7,2.+11,,.3,7850.,,,,4\n"),
-              HasSubstr("deck.bdf, line 5: MAT1 has more than 8 fields on a line; write the others"));
-  EXPECT_THAT(refusal(grids + "MAT1,7,2.+11,,.3,7850.,,,,,4\n"), HasSubstr("more than 8 fields"));
-  EXPECT_THAT(refusal(grids + "CTETRA,1,1,1,2,3,4,,,+A\n+A,,,,,,,,\n"), Not(HasSubstr("more than")));
+// Free fields beyond the eighth go on with the card, as some programs write it; left out, they would be zeros.  One word
+// there is the mark of the continuation, "+1" too.
+TEST(NastranDeck, MoreFieldsThanALineHoldsGoOnWithTheCard) {
+  const auto shear = [](const std::string& section) {
+    const ImportedModel model =
+        read_text("GRID,1,,0.,0.,0.\nGRID,2,,1.,0.,0.\nMAT1,1,2.+11,,.3,7850.\nCBAR,1,1,1,2,0.,1.,0.\n" + section);
+    return std::array{model.bars.at(0).kappa_y, model.bars.at(0).kappa_z};
+  };
+  for (const char* rest : {",,,,,,,,,,,.5,.25\n", "\n,\n,.5,.25\n", ",,,+1\n+1\n,.5,.25\n", ",,,P1\n+P1,,,,,,,,,.5,.25\n"})
+    EXPECT_EQ(shear("PBAR,1,1,.01,1.-5,2.-5,3.-5" + std::string(rest)), (std::array{0.5, 0.25})) << rest;
 }
 
 TEST(NastranDeck, RefusalsNameFileLineAndRemedy) {
