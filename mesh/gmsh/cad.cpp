@@ -13,6 +13,7 @@
 
 #include "mesh/gmsh/ask.hpp"
 #include "mesh/gmsh/cad_file.hpp"
+#include "mesh/gmsh/cad_job.hpp"
 
 namespace flexura::mesh {
 namespace {
@@ -25,81 +26,6 @@ constexpr double kSizeRange = 3;       // greatest over least size: small fillet
 constexpr double kSliver = 1e-3;       // of the scaled Jacobian
 constexpr int kMostTriangles = 25000;  // about 70,000 nodes of a thin-walled tet10 part
 constexpr double kVolumeRefusal = 0.05;  // beyond, the mesh is not this part
-
-Job first_job(const CadOptions& options, const CadFile& file, CadReport& report) {
-  Job job;
-  job.path = fs::absolute(options.path).string();
-  job.format = file.format;
-  job.solids = options.solids;
-  job.fuse = options.fuse;
-  job.heal = options.heal;
-  job.order = options.order;
-  job.elements_per_circle = options.elements_per_circle;
-  job.parent = getpid();
-  report.unit = file.unit.empty() ? "mm" : file.unit;
-  if (file.format == "brep") {  // no unit in the file: numbers come as they are
-    report.unit = options.unit.empty() ? "mm" : options.unit;
-    job.to_m = metres_in(report.unit);
-    if (options.unit.empty())
-      report.messages.push_back("BREP files have no unit; its numbers are taken as mm");
-  } else if (!options.unit.empty()) {  // OpenCASCADE converts from the declared unit to mm; undo that
-    if (file.unit.empty())
-      throw std::invalid_argument(options.path.string() +
-                                  ": the unit of length in the file cannot be read, so it "
-                                  "cannot be replaced by " +
-                                  options.unit);
-    job.to_m = 1e-3 * metres_in(options.unit) / metres_in(file.unit);
-    if (options.unit != file.unit)
-      report.messages.push_back("the file says " + file.unit + "; its numbers are taken as " + options.unit);
-    report.unit = options.unit;
-  }
-  return job;
-}
-
-Eigen::Vector3d vector_of(const std::array<double, 3>& a) {
-  return {a[0], a[1], a[2]};
-}
-
-Eigen::Matrix<double, 2, 3> box_of(const std::array<double, 6>& a) {
-  Eigen::Matrix<double, 2, 3> box;
-  box << a[0], a[1], a[2], a[3], a[4], a[5];
-  return box;
-}
-
-void fill_report(const ResultRecord& record, CadReport& report) {
-  report.solids.clear();
-  report.faces.clear();
-  for (const SolidRecord& from : record.solids) {
-    CadSolid solid;
-    solid.number = from.number;
-    solid.name = from.name;
-    solid.volume = from.volume;
-    solid.centroid = vector_of(from.centroid);
-    solid.inertia = Eigen::Map<const Eigen::Matrix3d>(from.inertia.data());
-    solid.box = box_of(from.box);
-    solid.same_as = from.same_as;
-    report.solids.push_back(solid);
-  }
-  for (const FaceRecord& from : record.faces) {
-    Face face;
-    face.number = from.number;
-    face.solid = from.solid;
-    face.name = from.name;
-    face.kind = static_cast<FaceKind>(from.kind);
-    face.area = from.area;
-    face.centroid = vector_of(from.centroid);
-    face.box = box_of(from.box);
-    face.normal = vector_of(from.normal);
-    face.axis_point = vector_of(from.axis_point);
-    face.axis = vector_of(from.axis);
-    face.radius = from.radius;
-    face.length = from.length;
-    face.sweep = from.sweep;
-    face.hole = from.hole;
-    report.faces.push_back(face);
-  }
-  report.area = record.area;
-}
 
 std::string list_solids(const std::vector<CadSolid>& solids) {
   std::string text;
@@ -125,14 +51,6 @@ void check_options(const CadOptions& options) {
     refuse(fmt::format("{} elements for each circle are not possible; take 0 to 1000",
                        options.elements_per_circle));
   if (!(options.time_limit_s > 0)) refuse("the time limit must be greater than zero");
-}
-
-/// To read a file and describe its faces takes a second for each MB: 20 s and 100 times that are not
-/// slow but endless, as with a damaged surface whose area is sought for ever.
-double listing_limit_s(const fs::path& file) {
-  std::error_code unknown;
-  const auto bytes = static_cast<double>(fs::file_size(file, unknown));
-  return 20.0 + (unknown ? 0.0 : 1e-4 * bytes);
 }
 
 /// Lists, and checks the choice of solids.  The time spent counts.
@@ -175,7 +93,8 @@ CadReport list_and_choose(const CadOptions& options, bool must_be_one, Job& job,
           fmt::format("{}: there is no solid {}; it has{}", name, number, list_solids(report.solids)));
   const std::size_t left = options.solids.empty() ? answer.record.kept.size() : options.solids.size();
   if (must_be_one && left > 1 && !options.fuse)
-    throw std::invalid_argument(fmt::format("{}: {} solids to mesh; choose one by number, or fuse them:{}",
+    throw std::invalid_argument(fmt::format("{}: {} solids to mesh; choose one by its number (solid = 1 in the table [geometry]), or join those that touch "
+                                            "(fuse = true there):{}",
                                             name, left, list_solids(report.solids)));
   job.solids = options.solids.empty() ? answer.record.kept : options.solids;
   if (job.fuse || job.heal || !options.solids.empty()) {
@@ -225,28 +144,6 @@ Mesh build_mesh(const Answer& answer, int order) {
       mesh.boundary_face.push_back(found->second);
     }
   return mesh;
-}
-
-/// Named CAD faces become sets.
-void add_named_sets(const std::vector<Face>& faces, Mesh& mesh) {
-  for (const Face& face : faces) {
-    if (face.name.empty()) continue;
-    NodeSet& set = mesh.sets[face.name];
-    std::size_t k = 0;
-    for (const CellBlock& surface : mesh.boundary) {
-      std::vector<Index> rows;
-      for (Index cell = 0; cell < surface.nodes.rows(); ++cell, ++k)
-        if (mesh.boundary_face[k] == face.number) rows.push_back(cell);
-      if (rows.empty()) continue;
-      CellBlock own;
-      own.type = surface.type;
-      own.nodes = surface.nodes(rows, Eigen::all);
-      set.nodes.insert(set.nodes.end(), own.nodes.data(), own.nodes.data() + own.nodes.size());
-      set.faces.push_back(std::move(own));
-    }
-    std::sort(set.nodes.begin(), set.nodes.end());
-    set.nodes.erase(std::unique(set.nodes.begin(), set.nodes.end()), set.nodes.end());
-  }
 }
 
 /// Builds, mends and judges; throws TryFailed when the mesh cannot be used.

@@ -140,8 +140,8 @@ CadFile inspect_cad_file(const std::filesystem::path& path) {
   if (upper(head).find("<REFERENCE_FLEXDATA") != std::string::npos)
     throw std::invalid_argument(
         name +
-        ": is a FlexData file: modes at the interface nodes alone, without the mass that a superelement needs; give the mesh "
-        "as geometry.file and the modes of all its nodes as [mode_vectors], or the deck or CAD file that they came from");
+        ": is a FlexData file, finished modes and no geometry: name it as file of a table [flexdata] instead of [geometry], "
+        "or give it to flexura reduce itself");
   const char* wanted =
       extension == ".IGS" || extension == ".IGES"   ? "not an IGES file: column 73 of its first line is no S"
       : extension == ".BREP" || extension == ".BRP" ? "not a BREP file: it does not name CASCADE Topology"

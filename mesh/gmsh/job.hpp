@@ -19,7 +19,7 @@ inline constexpr int kResultDescriptor = 3, kProgressDescriptor = 4;
 
 struct Job {
   std::string
-      task;  ///< "list" or "mesh" a CAD file, "read" a mesh, "planar", "curves": see planar.hpp, curves.hpp
+      task;  ///< "list" or "mesh" a CAD file, "sheet": its faces (worker_sheet.hpp), "read" a mesh, "planar", "curves": see planar.hpp, curves.hpp
   std::string path, format;
   double to_m = 1e-3;  ///< model units (mm) to m
   std::vector<int> solids;
@@ -78,6 +78,7 @@ struct ResultRecord {
   std::vector<SolidRecord> solids;
   std::vector<int> kept;        ///< numbers of the solids that the faces and the mesh belong to
   double volume = 0, area = 0;  ///< of what is kept, after fusing and healing
+  double outline = 0;           ///< "sheet": length of the free edges
   std::array<double, 3> centroid{};
   std::vector<FaceRecord> faces;
   std::vector<std::string> messages;
@@ -86,7 +87,7 @@ struct ResultRecord {
   std::vector<BlockRecord> blocks;
   std::vector<GroupRecord> groups;
 };
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ResultRecord, error, solids, kept, volume, area, centroid, faces, messages,
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ResultRecord, error, solids, kept, volume, area, outline, centroid, faces, messages,
                                    size, size_min, elements_per_circle, n_points, n_tetrahedra, n_triangles,
                                    n_integers, blocks, groups)
 

@@ -23,6 +23,7 @@
 #include "mesh/gmsh/worker_curves.hpp"
 #include "mesh/gmsh/worker_describe.hpp"
 #include "mesh/gmsh/worker_planar.hpp"
+#include "mesh/gmsh/worker_sheet.hpp"
 
 namespace flexura::mesh {
 namespace {
@@ -87,7 +88,8 @@ std::string describe_free_edges(const gmsh::vectorpair& faces, double to_m) {
 
 [[noreturn]] void refuse_open(const std::string& free_edges) {
   throw std::runtime_error("is not closed, so that it has no inside: " + free_edges +
-                           " (coordinates in mm); close or stitch the surface in the CAD program and export a solid body");
+                           " (coordinates in mm); close or stitch the surface in the CAD program and export a solid body, or, where it is sheet metal, give "
+                           "its thickness in a table [shell]");
 }
 
 /// Closes a file of faces.  What is not closed is refused with the places of its free edges.
@@ -345,6 +347,10 @@ void run(const Job& job, ResultRecord& result, Arrays& arrays) {
     return;
   }
   say(0, "reading the CAD file");
+  if (job.task == "sheet") {
+    mesh_sheet(job, result, arrays);
+    return;
+  }
   gmsh::vectorpair solids = import_solids(job, result);
   choose_solids(job, result, solids);
   if (job.fuse) fuse_solids(result, solids);

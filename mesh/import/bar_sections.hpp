@@ -12,6 +12,7 @@ struct BarSection {
   double A = 0, I_yy = 0, I_zz = 0, I_yz = 0;  ///< I_yy = int z^2 dA, I_zz = int y^2 dA, I_yz = int y z dA
   double J = 0;                                ///< torsion constant of Saint-Venant
   double kappa_y = 0, kappa_z = 0;             ///< shear factors; 0: no shear deformation
+  double node_y = 0, node_z = 0;               ///< the deck's node, from the centroid (Abaqus' I)
   double shear_y = 0, shear_z = 0;  ///< shear centre, from the centroid (thin walls; Roark, table of 9.2)
 };
 

@@ -117,6 +117,17 @@ std::size_t ModelBuilder::add_cell(int scope, CellType type, std::int64_t label,
   return static_cast<std::size_t>(number);
 }
 
+void ModelBuilder::join(const std::map<Index, Index>& same) {
+  const auto replace = [&](Index& node) {
+    if (const auto found = same.find(node); found != same.end()) node = found->second;
+  };
+  for (auto& [label, node] : numbers_) replace(node);
+  for (Cell& cell : cells_)
+    for (Index& node : cell.nodes) replace(node);
+  for (auto& [name, nodes] : sets_)
+    for (Index& node : nodes) replace(node);
+}
+
 void ModelBuilder::add_to_set(const std::string& name, const std::vector<Index>& nodes) {
   std::vector<Index>& set = sets_[name];
   set.insert(set.end(), nodes.begin(), nodes.end());

@@ -75,6 +75,9 @@ class ModelBuilder {
   std::vector<Cell>& cells() { return cells_; }
   const Eigen::Vector3d& place(Index node) const { return points_[static_cast<std::size_t>(node)]; }
 
+  /// Nodes that become others, in labels, cells and sets.
+  void join(const std::map<Index, Index>& same);
+
   void add_to_set(const std::string& name, const std::vector<Index>& nodes);
 
   /// Fills model.mesh (blocks in order of first appearance of their type), its boundary and sets; drops nodes

@@ -10,16 +10,16 @@
 #include <set>
 #include <stdexcept>
 
-#include "mesh/import/bar_sections.hpp"
 #include "mesh/import/builder.hpp"
 #include "mesh/import/nastran_cards.hpp"
-#include "mesh/import/nastran_systems.hpp"
+#include "mesh/import/nastran_reader.hpp"
 #include "mesh/model/cell.hpp"
 
 namespace flexura::mesh {
-namespace {
 
 using Eigen::Vector3d;
+
+namespace {
 
 struct SolidCard {
   CellType linear, quadratic;
@@ -37,631 +37,356 @@ const std::map<std::string, SolidCard>& solid_cards() {
   return kCards;
 }
 
-class Reader {
- public:
-  ImportedModel read(const std::filesystem::path& path) {
-    cards_ = read_cards(path, names_);
-    for (const Card& card : cards_) {
-      by_name_[card.name].push_back(&card);
-      systems_.add(card);
-    }
-    used_ = {"GRDSET"};
-    read_materials();
-    read_grids();
-    read_solids();
-    read_shells();
-    read_bars();
-    read_rods();
-    read_springs();
-    read_ties();
-    read_masses();
-    read_dofs();
-    static const std::set<std::string> kSilent = {"CORD2R", "CORD2C", "CORD2S", "CORD1R", "CORD1C", "CORD1S",
-                                                  "PSOLID", "PSHELL", "PBAR",   "PBEAM",  "PBARL",  "PBEAML"};
-    for (const Card& card : cards_)
-      if (!used_.contains(card.name) && !kSilent.contains(card.name)) unused_.add(card.name, card.where);
-    for (const std::string& message : unused_.messages("card")) model_.messages.push_back(message);
-    // Elements with stiffness or mass that are not read; dampers, gaps and plot elements have none of either.
-    static const std::set<std::string> kElements = {
-        "CQUAD",  "CQUADX", "CTRIAX", "CTRIAX6", "CSHEAR",  "CTUBE",   "CBEND",
-        "CBEAM3", "CWELD",  "CFAST",  "CSEAM",   "CELAS3",  "CELAS4",  "CMASS1",
-        "CMASS2", "CMASS3", "CMASS4", "CONM1",   "CBUSH1D", "CCONEAX", "GENEL"};
-    Unused left_out;
-    for (const Card& card : cards_)
-      if (!used_.contains(card.name) && kElements.contains(card.name)) left_out.add(card.name, card.where);
-    model_.warnings = left_out.messages("element");
-    for (const std::string& message : approximated_.messages("card")) model_.warnings.push_back(message);
-    if (builder_.cells().empty() && model_.bars.empty())
-      throw std::invalid_argument(path.string() +
-                                  ": holds no solid, shell or beam elements (CTETRA, CHEXA, CPENTA, CPYRAM, "
-                                  "CQUAD4, CTRIA3, CQUAD8, CTRIA6, CBAR, CBEAM); not Nastran bulk data?");
-    finish();
-    return std::move(model_);
-  }
-
- private:
-  const std::vector<const Card*>& all(const std::string& name) {
-    used_.insert(name);
-    return by_name_[name];
-  }
-
-  // ---- materials and properties
-
-  void read_materials() {
-    for (const Card* card : all("MAT1")) {
-      ImportedMaterial material;
-      const std::int64_t id = card->integer(0);
-      material.name = std::to_string(id);
-      material.rho = card->real(4, 0);
-      const bool has_E = !card->blank(1), has_G = !card->blank(2), has_nu = !card->blank(3);
-      if (has_E + has_G + has_nu < 2)
-        throw std::invalid_argument(
-            fmt::format("{}: MAT1 {} needs two of E, G and NU", card->where.text(), id));
-      const double G = card->real(2, 0);
-      material.nu = has_nu ? card->real(3) : card->real(1) / (2 * G) - 1;
-      material.E = has_E ? card->real(1) : 2 * G * (1 + material.nu);
-      if (has_E && has_G && has_nu && std::abs(G * 2 * (1 + material.nu) / material.E - 1) > 1e-3)
-        model_.messages.push_back(fmt::format(
-            "{}: MAT1 {} has a G that is not E / (2 (1 + NU)); E and NU are used", card->where.text(), id));
-      if (!material_.emplace(id, static_cast<Index>(model_.materials.size())).second)
-        throw std::invalid_argument(fmt::format("{}: material {} is given twice", card->where.text(), id));
-      model_.materials.push_back(material);
-    }
-    for (const Card* card : all("PSOLID"))
-      property_[card->integer(0)] = material(card->integer(1), card->where);
-  }
-
-  Index material(std::int64_t id, const Where& where) const {
-    const auto found = material_.find(id);
-    if (found == material_.end())
-      throw std::invalid_argument(fmt::format("{}: material {} is not defined", where.text(), id));
-    return found->second;
-  }
-
-  // ---- nodes
-
-  void read_grids() {
-    int turned = 0;
-    const Card* grdset = systems_.grdset();
-    for (const Card* card : all("GRID")) {
-      const std::int64_t id = card->integer(0);
-      const Index node = builder_.add_node(0, id, systems_.grid_place(id, card->where), card->where);
-      const std::string fixed = !card->blank(6) ? card->text(6) : grdset ? grdset->text(6) : "";
-      if (!fixed.empty()) model_.fixed.push_back({node, components(fixed, *card)});
-      turned += card->integer(5, grdset ? grdset->integer(5, 0) : 0) > 0;
-    }
-    if (turned > 0)
-      model_.messages.push_back(
-          fmt::format("{} GRID have displacement axes of their own (CD): directions of SPC, ASET and ties "
-                      "there are taken in the basic system",
-                      turned));
-  }
-
-  static std::array<bool, 6> components(const std::string& digits, const Card& card) {
-    std::array<bool, 6> dofs{};
-    for (const char c : digits) {
-      if (c == '0') continue;
-      if (c < '1' || c > '6')
-        throw std::invalid_argument(
-            fmt::format("{}: \"{}\" on {} names directions; only the digits 1 to 6 may stand there",
-                        card.where.text(), digits, card.name));
-      dofs[static_cast<std::size_t>(c - '1')] = true;
-    }
-    return dofs;
-  }
-
-  // ---- solids
-
-  void read_solids() {
-    for (const Card& card : cards_) {
-      const auto found = solid_cards().find(card.name);
-      if (found == solid_cards().end()) continue;
-      used_.insert(card.name);
-      const SolidCard& solid = found->second;
-      const auto n_linear = static_cast<std::size_t>(nodes_per_cell(solid.linear)),
-                 n_quadratic = static_cast<std::size_t>(nodes_per_cell(solid.quadratic));
-      const std::int64_t id = card.integer(0), property = card.integer(1, id);
-      std::size_t middle = 0;
-      for (std::size_t k = n_linear; k < n_quadratic; ++k)
-        middle += !card.blank(2 + k) && card.integer(2 + k) != 0;
-      if (middle != 0 && middle != n_quadratic - n_linear)
-        throw std::invalid_argument(
-            fmt::format("{}: {} {} has {} of its {} mid-side nodes; all or none are wanted",
-                        card.where.text(), card.name, id, middle, n_quadratic - n_linear));
-      const std::size_t n = middle ? n_quadratic : n_linear;
-      std::vector<Index> nodes(n);
-      for (std::size_t k = 0; k < n; ++k)
-        nodes[k] = builder_.node(
-            0, card.integer(2 + static_cast<std::size_t>(middle ? solid.order[k] : static_cast<int>(k))),
-            card.where);
-      builder_.add_to_set("property " + std::to_string(property), nodes);
-      const std::size_t cell =
-          builder_.add_cell(0, middle ? solid.quadratic : solid.linear, id, std::move(nodes), card.where);
-      if (const auto p = property_.find(property); p != property_.end())
-        builder_.cells()[cell].material = p->second;
-      else if (!by_name_["PSOLID"].empty())
-        throw std::invalid_argument(
-            fmt::format("{}: PSOLID {} of {} {} is not defined", card.where.text(), property, card.name, id));
-    }
-  }
-
-  // ---- shells
-
-  struct ShellProperty {
-    Index material;
-    double thickness, extra_mass_per_area;
-  };
-
-  ShellProperty shell_property(const Card& card) {
-    ShellProperty shell{material(card.integer(1), card.where), card.real(2, 0), card.real(7, 0)};
-    const std::int64_t mid = card.integer(1);
-    if (card.blank(3))
-      approximated_.add("PSHELL's missing MID2 (membrane alone; bending is computed as well)", card.where);
-    else if (card.integer(3) != mid)
-      approximated_.add("PSHELL's MID2 other than MID1 (MID1 is used for bending, too)", card.where);
-    if (std::abs(card.real(4, 1) - 1) > 1e-6)
-      approximated_.add("PSHELL's 12 I / T**3 other than 1", card.where);
-    if (std::abs(card.real(6, 5.0 / 6) - 5.0 / 6) > 1e-3)
-      approximated_.add("PSHELL's TS/T other than 5/6", card.where);
-    if (!card.blank(10)) approximated_.add("PSHELL's MID4", card.where);
-    return shell;
-  }
-
-  void read_shells() {
-    std::map<std::int64_t, ShellProperty> properties;
-    for (const Card* card : all("PSHELL")) properties.emplace(card->integer(0), shell_property(*card));
-    std::set<std::int64_t> layered;
-    for (const char* name : {"PCOMP", "PCOMPG"})
-      for (const Card* card : by_name_[name]) layered.insert(card->integer(0));
-    // Where the nodes end, there stand: THETA or MCID, ZOFFS; TFLAG and the corners' thicknesses.
-    struct ShellCard {
-      CellType type;
-      std::size_t offset, flag, thickness;
-    };
-    static const std::map<std::string, ShellCard> kCards = {
-        {"CQUAD4", {CellType::quad4, 7, 9, 10}},   {"CQUADR", {CellType::quad4, 7, 9, 10}},
-        {"CTRIA3", {CellType::tri3, 6, 9, 10}},    {"CTRIAR", {CellType::tri3, 6, 9, 10}},
-        {"CQUAD8", {CellType::quad8, 15, 16, 10}}, {"CTRIA6", {CellType::tri6, 9, 13, 10}}};
-    std::map<std::string, int> split;
-    for (const Card& card : cards_) {
-      const auto found = kCards.find(card.name);
-      if (found == kCards.end()) continue;
-      used_.insert(card.name);
-      const ShellCard& places = found->second;
-      const auto n_nodes = static_cast<std::size_t>(nodes_per_cell(places.type)),
-                 n = static_cast<std::size_t>(shape_of(places.type).corners);
-      const std::int64_t id = card.integer(0), property = card.integer(1, id);
-      const auto section = properties.find(property);
-      if (section == properties.end())
-        throw std::invalid_argument(
-            fmt::format("{}: property {} of {} {} is no PSHELL of this file{}", card.where.text(), property,
-                        card.name, id,
-                        layered.contains(property)
-                            ? "; layers (PCOMP) are not read: give a PSHELL with their effective material"
-                            : ""));
-      std::vector<Index> nodes(n_nodes, -1);
-      for (std::size_t k = 0; k < n_nodes; ++k)  // mid-side nodes may be left out
-        if (k < n || (!card.blank(2 + k) && card.integer(2 + k) != 0))
-          nodes[k] = builder_.node(0, card.integer(2 + k), card.where);
-      std::vector<Index> present = nodes;
-      std::erase(present, -1);
-      builder_.add_to_set("property " + std::to_string(property), present);
-      if (n_nodes > n) ++split[card.name];
-      if (const double extra = section->second.extra_mass_per_area;
-          extra > 0) {  // an equal share for every corner
-        const auto at = [&](std::size_t k) { return builder_.place(nodes[k]); };
-        const Vector3d across =
-            n == 3 ? (at(1) - at(0)).cross(at(2) - at(0)) : (at(2) - at(0)).cross(at(3) - at(1));
-        for (std::size_t k = 0; k < n; ++k)
-          extra_mass_[nodes[k]] += extra * 0.5 * across.norm() / static_cast<double>(n);
-      }
-      ModelBuilder::Cell& cell =
-          builder_.cells()[builder_.add_cell(0, places.type, id, std::move(nodes), card.where)];
-      cell.material = section->second.material;
-      cell.thickness = section->second.thickness;
-      cell.offset = card.real(places.offset, 0);  // an isotropic material has no direction THETA
-      double sum = 0;
-      std::size_t given = 0;
-      for (std::size_t k = places.thickness; k < places.thickness + n; ++k)
-        if (!card.blank(k)) sum += card.real(k), ++given;
-      if (given == 0) continue;
-      const bool scaled = card.integer(places.flag, 0) == 1;  // TFLAG: T1 to T4 are fractions of T
-      const double others = static_cast<double>(n - given) * (scaled ? 1 : cell.thickness);
-      const double mean = (sum + others) / static_cast<double>(n);
-      cell.thickness = scaled ? mean * cell.thickness : mean;
-      for (std::size_t k = places.thickness; k < places.thickness + n; ++k)
-        if (!card.blank(k) && std::abs(card.real(k) * (scaled ? section->second.thickness : 1) -
-                                       cell.thickness) > 1e-6 * cell.thickness)
-          approximated_.add(
-              card.name + "'s thicknesses that differ from corner to corner (their mean is used)",
-              card.where);
-    }
-    for (const auto& [name, count] : split)
-      model_.messages.push_back(fmt::format("{} element{} of type {}: {}", count, count == 1 ? "" : "s", name,
-                                            ModelBuilder::split_shells()));
-  }
-
-  // ---- beams
-
-  // PBARL, PBEAML.
-  ImportedBar shaped_section(const Card& card) {
-    const std::string type = card.text(3);
-    ImportedBar bar;
-    bar.material = material(card.integer(1), card.where);
-    std::size_t n = 0;
-    Eigen::Vector2d shear_centre;
-    try {
-      n = nastran_dimensions(type);
-      std::vector<double> dim;
-      for (std::size_t k = 0; k < n; ++k) dim.push_back(card.real(8 + k, 0));
-      const BarSection s = nastran_section(type, dim);
-      bar.A = s.A, bar.I_yy = s.I_yy, bar.I_zz = s.I_zz, bar.I_yz = s.I_yz, bar.J = s.J;
-      bar.kappa_y = s.kappa_y, bar.kappa_z = s.kappa_z;
-      shear_centre << s.shear_y, s.shear_z;
-    } catch (const std::invalid_argument& error) {
-      throw std::invalid_argument(
-          fmt::format("{}: {} {}: {}", card.where.text(), card.name, card.integer(0), error.what()));
-    }
-    if (card.name == "PBEAML") bar.centroid = -shear_centre;  // CBAR knows one centre only
-    bar.extra_mass_per_length = card.real(8 + n, 0);
-    for (std::size_t k = 8 + n + 1; card.name == "PBEAML" && k < card.fields.size(); ++k)
-      if (card.text(k).rfind("YES", 0) == 0 || card.text(k) == "NO") {
-        // A station repeats the dimensions of end A where the beam is uniform.
-        bool same = card.text(k).rfind("YES", 0) == 0;
-        for (std::size_t d = 0; d < n; ++d)
-          same = same && (card.blank(k + 2 + d) || card.real(k + 2 + d) == card.real(8 + d, 0));
-        if (!same) approximated_.add("PBEAML's stations (end A is used all along)", card.where);
-        break;
-      }
-    return bar;
-  }
-
-  // CROD with PROD, CONROD alone: stretch and, with J, torsion.
-  void read_rods() {
-    std::map<std::int64_t, const Card*> properties;
-    for (const Card* card : all("PROD")) properties.emplace(card->integer(0), card);
-    const auto add = [&](const Card& card, std::size_t nodes, std::int64_t mid, const Card& from,
-                         std::size_t first) {
-      ImportedBar rod;
-      rod.label = card.integer(0);
-      rod.nodes = {builder_.node(0, card.integer(nodes), card.where),
-                   builder_.node(0, card.integer(nodes + 1), card.where)};
-      rod.material = material(mid, from.where);
-      rod.A = from.real(first);
-      rod.J = from.real(first + 1, 0);
-      rod.extra_mass_per_length = from.real(first + 3, 0);
-      require_section(rod, fmt::format("{} {}", card.name, rod.label), from.where);
-      model_.bars.push_back(rod);
-    };
-    for (const Card* card : all("CROD")) {
-      const std::int64_t property = card->integer(1, card->integer(0));
-      const auto found = properties.find(property);
-      if (found == properties.end())
-        throw std::invalid_argument(fmt::format("{}: property {} of CROD {} is no PROD of this file",
-                                                card->where.text(), property, card->integer(0)));
-      add(*card, 2, found->second->integer(1), *found->second, 2);
-    }
-    for (const Card* card : all("CONROD")) add(*card, 1, card->integer(3), *card, 4);
-  }
-
-  // ---- springs
-
-  // One component of two nodes.  Between nodes that stand apart only stretch along their line leaves the body free to
-  // turn.
-  void add_scalar_spring(const Card& card, double stiffness, std::size_t first) {
-    const std::int64_t a = card.integer(first, 0), b = card.integer(first + 2, 0);
-    if (a == 0 || b == 0) {
-      unused_.add(card.name + " to the ground (a superelement is a free body)", card.where);
-      return;
-    }
-    const std::int64_t c = card.integer(first + 1, 0);
-    if (c != card.integer(first + 3, 0) || c < 1 || c > 6)
-      throw std::invalid_argument(fmt::format(
-          "{}: {} {} joins component {} of one node to {} of the other; equal ones from 1 to 6 are read",
-          card.where.text(), card.name, card.integer(0), c, card.integer(first + 3, 0)));
-    ImportedSpring spring{.label = card.integer(0)};
-    spring.nodes = {builder_.node(0, a, card.where), builder_.node(0, b, card.where)};
-    require_not_negative(stiffness, fmt::format("{} {}", card.name, spring.label), "stiffness", card.where);
-    spring.stiffness[static_cast<std::size_t>(c - 1)] = stiffness;
-    const Vector3d line = systems_.grid_place(b, card.where) - systems_.grid_place(a, card.where);
-    if (c < 4 && line.cross(Vector3d::Unit(static_cast<Eigen::Index>(c - 1))).norm() > 1e-9 * line.norm())
-      throw std::invalid_argument(
-          fmt::format("{}: {} {} acts in direction {} between nodes that do not lie one behind the other in "
-                      "it, so that a "
-                      "turn of the whole body would strain it; use CBUSH",
-                      card.where.text(), card.name, card.integer(0), c));
-    model_.springs.push_back(spring);
-  }
-
-  // The vector of an orientation: a GRID or three numbers.
-  Vector3d orientation(const Card& card, const Vector3d& from) {
-    if (!card.blank(4) && card.blank(5) && card.blank(6) && !card.is_real(4))
-      return systems_.grid_place(card.integer(4), card.where) - from;
-    return {card.real(4, 0), card.real(5, 0), card.real(6, 0)};
-  }
-
-  void read_springs() {
-    std::map<std::int64_t, double> elas;
-    for (const Card* card : all("PELAS"))
-      for (const std::size_t k : {0u, 4u})
-        if (!card->blank(k)) elas[card->integer(k)] = card->real(k + 1);
-    for (const Card* card : all("CELAS1")) {
-      const std::int64_t property = card->integer(1, card->integer(0));
-      if (!elas.contains(property))
-        throw std::invalid_argument(fmt::format("{}: property {} of CELAS1 {} is no PELAS of this file",
-                                                card->where.text(), property, card->integer(0)));
-      add_scalar_spring(*card, elas[property], 2);
-    }
-    for (const Card* card : all("CELAS2")) add_scalar_spring(*card, card->real(1), 2);
-
-    std::map<std::int64_t, std::array<double, 6>> bush;
-    for (const Card* card : all("PBUSH"))
-      for (std::size_t k = 1; k < card->fields.size(); k += 8) {
-        if (card->text(k) == "K") {
-          auto& stiffness = bush[card->integer(0)];
-          for (std::size_t d = 0; d < 6; ++d) stiffness[d] = card->real(k + 1 + d, 0);
-        } else if (!card->blank(k)) {
-          unused_.add("PBUSH's " + card->text(k), card->where);
-        }
-      }
-    for (const Card* card : all("CBUSH")) {
-      const std::int64_t property = card->integer(1, card->integer(0));
-      if (!bush.contains(property))
-        throw std::invalid_argument(fmt::format("{}: property {} of CBUSH {} is no PBUSH with K of this file",
-                                                card->where.text(), property, card->integer(0)));
-      if (card->blank(3) || card->integer(3) == 0) {
-        unused_.add("CBUSH to the ground (a superelement is a free body)", card->where);
-        continue;
-      }
-      add_bush(*card, bush[property]);
-    }
-  }
-
-  void add_bush(const Card& card, const std::array<double, 6>& stiffness) {
-    ImportedSpring spring{.label = card.integer(0)};
-    spring.nodes = {builder_.node(0, card.integer(2), card.where),
-                    builder_.node(0, card.integer(3), card.where)};
-    for (const double k : stiffness)
-      require_not_negative(k, fmt::format("CBUSH {}", spring.label), "stiffness", card.where);
-    spring.stiffness = stiffness;
-    const Vector3d a = systems_.grid_place(card.integer(2), card.where),
-                   line = systems_.grid_place(card.integer(3), card.where) - a;
-    if (!card.blank(7)) {
-      const NastranSystem& s = systems_.system(card.integer(7), card.where);
-      if (s.kind != 'R')
-        throw std::invalid_argument(fmt::format(
-            "{}: CBUSH {} has axes of a cylindrical or spherical system; rectangular ones are read",
-            card.where.text(), card.integer(0)));
-      spring.R = s.R;
-    } else if (line.norm() > 0) {  // x along the line, y in the plane of the orientation
-      Vector3d v = orientation(card, a);
-      const bool along_alone =
-          stiffness[1] == 0 && stiffness[2] == 0 && stiffness[4] == 0 && stiffness[5] == 0;
-      if (along_alone && v.cross(line).norm() == 0) v = line.unitOrthogonal();
-      if (!(v.cross(line).norm() > 1e-9 * v.norm() * line.norm()))
-        throw std::invalid_argument(
-            fmt::format("{}: CBUSH {} has no orientation vector", card.where.text(), card.integer(0)));
-      const Vector3d x = line.normalized(), z = x.cross(v).normalized();
-      spring.R << x, z.cross(x), z;
-    }
-    if (!card.blank(8) && std::abs(card.real(8) - 0.5) > 1e-9)
-      approximated_.add("CBUSH's place S (the middle is used)", card.where);
-    model_.springs.push_back(spring);
-  }
-
-  ImportedBar section(std::int64_t property, const Card& bar) {
-    for (const Card* card : all("PBAR")) {
-      if (card->integer(0) != property) continue;
-      ImportedBar s;
-      s.material = material(card->integer(1), card->where);
-      s.A = card->real(2, 0);
-      s.I_zz = card->real(3, 0);  // plane 1 is the x-y plane
-      s.I_yy = card->real(4, 0);
-      s.J = card->real(5, 0);
-      s.extra_mass_per_length = card->real(6, 0);
-      s.kappa_y = card->real(16, 0);
-      s.kappa_z = card->real(17, 0);
-      s.I_yz = card->real(18, 0);
-      return s;
-    }
-    for (const Card* card : all("PBEAM")) {
-      if (card->integer(0) != property) continue;
-      ImportedBar s;
-      s.material = material(card->integer(1), card->where);
-      s.A = card->real(2);
-      s.I_zz = card->real(3);
-      s.I_yy = card->real(4);
-      s.I_yz = card->real(5, 0);
-      s.J = card->real(6, 0);
-      s.extra_mass_per_length = card->real(7, 0);
-      s.kappa_y = s.kappa_z = 1;  // the card's default
-      // Stress points, then stations (each with stress points of its own after YES), then K1, K2.
-      const auto is_station = [&](std::size_t k) {
-        return card->text(k).rfind("YES", 0) == 0 || card->text(k) == "NO";
-      };
-      std::size_t at = is_station(8) ? 8 : 16;
-      bool tapered = false;
-      while (is_station(at)) {
-        tapered = tapered || (!card->blank(at + 2) && std::abs(card->real(at + 2) - s.A) > 1e-6 * s.A);
-        at += card->text(at) == "YES" ? 16 : 8;
-      }
-      s.kappa_y = card->real(at, 1);
-      s.kappa_z = card->real(at + 1, 1);
-      s.extra_mass_at << card->real(at + 8, 0), card->real(at + 9, 0);
-      s.centroid << card->real(at + 12, 0), card->real(at + 13, 0);
-      for (const std::size_t k : {8u, 9u, 12u, 13u})
-        tapered = tapered || (!card->blank(at + k + 2) && card->real(at + k + 2) != card->real(at + k, 0));
-      if (tapered) approximated_.add("PBEAM's taper (end A is used all along)", card->where);
-      return s;
-    }
-    for (const char* name : {"PBARL", "PBEAML"})
-      for (const Card* card : all(name))
-        if (card->integer(0) == property) return shaped_section(*card);
-    throw std::invalid_argument(
-        fmt::format("{}: property {} of {} {} is no PBAR, PBARL, PBEAM or PBEAML of this file",
-                    bar.where.text(), property, bar.name, bar.integer(0)));
-  }
-
-  void read_bars() {
-    for (const char* name : {"CBAR", "CBEAM"})
-      for (const Card* card : all(name)) {
-        const std::int64_t id = card->integer(0);
-        ImportedBar bar = section(card->integer(1, id), *card);
-        bar.label = id;
-        bar.nodes = {builder_.node(0, card->integer(2), card->where),
-                     builder_.node(0, card->integer(3), card->where)};
-        const Vector3d a = systems_.grid_place(card->integer(2), card->where);
-        bar.orientation = orientation(*card, a);
-        for (std::size_t end = 0; end < 2; ++end)
-          for (std::size_t k = 0; k < 3; ++k)
-            bar.offset[end][static_cast<Eigen::Index>(k)] = card->real(10 + 3 * end + k, 0);
-        bar.released = {components(card->text(8), *card), components(card->text(9), *card)};
-        if (!(bar.orientation.norm() > 0))
-          throw std::invalid_argument(
-              fmt::format("{}: {} {} has no orientation vector", card->where.text(), name, id));
-        require_section(bar, fmt::format("{} {}", name, id), card->where);
-        model_.bars.push_back(bar);
-      }
-  }
-
-  // ---- ties, masses, dofs
-
-  void read_ties() {
-    for (const Card* card : all("RBE2")) {
-      ImportedTie tie;
-      tie.label = card->integer(0);
-      tie.reference = builder_.node(0, card->integer(1), card->where);
-      tie.dofs = components(card->text(2), *card);
-      for (std::size_t k = 3; k < card->fields.size(); ++k)
-        if (!card->blank(k) && !card->is_real(k))
-          tie.nodes.push_back(builder_.node(0, card->integer(k), card->where));
-      model_.ties.push_back(std::move(tie));
-    }
-    for (const Card* card : all("RBE3")) {
-      ImportedTie tie;
-      tie.kind = ImportedTie::Kind::average;
-      tie.label = card->integer(0);
-      tie.reference = builder_.node(0, card->integer(2), card->where);
-      tie.dofs = components(card->text(3), *card);
-      double weight = 1;
-      for (std::size_t k = 4; k < card->fields.size(); ++k) {
-        if (card->blank(k)) continue;
-        if (card->text(k) == "UM" || card->text(k) == "ALPHA") {
-          unused_.add("RBE3's " + card->text(k), card->where);
-          break;
-        }
-        if (card->is_real(k)) {
-          weight = card->real(k);
-          if (const auto dofs = components(card->text(++k), *card); !(dofs[0] && dofs[1] && dofs[2]))
-            approximated_.add("RBE3 weights that leave out directions 1 to 3 (all three are used)",
-                              card->where);
-          continue;
-        }
-        tie.nodes.push_back(builder_.node(0, card->integer(k), card->where));
-        tie.weights.push_back(weight);
-      }
-      model_.ties.push_back(std::move(tie));
-    }
-    for (const ImportedTie& tie : model_.ties)
-      if (tie.nodes.empty())
-        throw std::invalid_argument(fmt::format("RBE2 or RBE3 {} ties no nodes", tie.label));
-  }
-
-  void read_masses() {
-    for (const Card* card : all("CONM2")) {
-      ImportedMass mass;
-      mass.label = card->integer(0);
-      mass.node = builder_.node(0, card->integer(1), card->where);
-      mass.mass = card->real(3, 0);
-      const std::int64_t cid = card->integer(2, 0);
-      const Vector3d x(card->real(4, 0), card->real(5, 0), card->real(6, 0));
-      const NastranSystem& s = systems_.system(std::max<std::int64_t>(cid, 0), card->where);
-      mass.offset = cid == -1 ? Vector3d(x - systems_.grid_place(card->integer(1), card->where))
-                              : Vector3d(s.R * s.rectangular(x));
-      Eigen::Matrix3d I;
-      I << card->real(8, 0), -card->real(9, 0), -card->real(11, 0),  // the card holds the products of
-          -card->real(9, 0), card->real(10, 0), -card->real(12, 0),  // inertia with a plus sign
-          -card->real(11, 0), -card->real(12, 0), card->real(13, 0);
-      mass.inertia = s.R * I * s.R.transpose();
-      model_.masses.push_back(mass);
-    }
-  }
-
-  /// The grids of a list that may say "1, THRU, 9".
-  std::vector<std::int64_t> grid_list(const Card& card, std::size_t first) {
-    std::vector<std::int64_t> ids;
-    for (std::size_t k = first; k < card.fields.size(); ++k) {
-      if (card.blank(k)) continue;
-      if (card.text(k) == "THRU") {
-        const std::int64_t last = card.integer(++k);
-        for (auto at = systems_.grids().upper_bound(ids.empty() ? 0 : ids.back());
-             at != systems_.grids().end() && at->first <= last; ++at)
-          ids.push_back(at->first);
-      } else {
-        ids.push_back(card.integer(k));
-      }
-    }
-    return ids;
-  }
-
-  void read_dofs() {
-    for (const Card* card : all("SPC"))
-      for (const std::size_t k : {1u, 4u})
-        if (!card->blank(k))
-          model_.fixed.push_back(
-              {builder_.node(0, card->integer(k), card->where), components(card->text(k + 1), *card)});
-    for (const Card* card : all("SPC1"))
-      for (const std::int64_t id : grid_list(*card, 2))
-        model_.fixed.push_back({builder_.node(0, id, card->where), components(card->text(1), *card)});
-    for (const Card* card : all("ASET"))
-      for (std::size_t k = 0; k + 1 < card->fields.size(); k += 2)
-        if (!card->blank(k))
-          model_.kept.push_back(
-              {builder_.node(0, card->integer(k), card->where), components(card->text(k + 1), *card)});
-    for (const Card* card : all("ASET1"))
-      for (const std::int64_t id : grid_list(*card, 1))
-        model_.kept.push_back({builder_.node(0, id, card->where), components(card->text(0), *card)});
-  }
-
-  void finish() {
-    for (const auto& [node, mass] : extra_mass_)
-      model_.masses.push_back({.label = 0, .node = node, .mass = mass});
-    std::vector<Index> used;
-    const auto each_node = [&](auto&& visit) {
-      for (ImportedBar& bar : model_.bars)
-        for (Index& node : bar.nodes) visit(node);
-      for (ImportedSpring& spring : model_.springs)
-        for (Index& node : spring.nodes) visit(node);
-      for (ImportedMass& mass : model_.masses) visit(mass.node);
-      for (ImportedTie& tie : model_.ties) {
-        visit(tie.reference);
-        for (Index& node : tie.nodes) visit(node);
-      }
-    };
-    each_node([&](Index& node) { used.push_back(node); });
-    const std::vector<Index> number = builder_.finish(model_, used);
-    each_node([&](Index& node) { node = number[node]; });
-    for (auto* dofs : {&model_.fixed, &model_.kept}) {
-      for (ImportedDofs& entry : *dofs) entry.node = number[entry.node];
-      std::erase_if(*dofs, [](const ImportedDofs& entry) { return entry.node < 0; });
-    }
-  }
-
-  ImportedModel model_;
-  ModelBuilder builder_;
-  Unused unused_, approximated_;
-  std::set<std::string> names_, used_;
-  std::vector<Card> cards_;
-  std::map<std::string, std::vector<const Card*>> by_name_;
-  std::map<std::int64_t, Index> material_, property_;
-  NastranSystems systems_;
-  std::map<Index, double> extra_mass_;  // of shells' NSM
-};
-
 }  // namespace
 
+ImportedModel NastranReader::read(const std::filesystem::path& path) {
+  cards_ = read_cards(path, names_);
+  for (const Card& card : cards_) {
+    by_name_[card.name].push_back(&card);
+    systems_.add(card);
+  }
+  used_ = {"GRDSET"};
+  read_materials();
+  read_grids();
+  read_solids();
+  read_shells();
+  read_bars();
+  read_rods();
+  read_springs();
+  read_ties();
+  read_masses();
+  read_dofs();
+  static const std::set<std::string> kSilent = {"CORD2R", "CORD2C", "CORD2S", "CORD1R", "CORD1C", "CORD1S",
+                                                "PSOLID", "PSHELL", "PBAR",   "PBEAM",  "PBARL",  "PBEAML"};
+  for (const Card& card : cards_)
+    if (!used_.contains(card.name) && !kSilent.contains(card.name)) unused_.add(card.name, card.where);
+  for (const std::string& message : unused_.messages("card")) model_.messages.push_back(message);
+  // Elements with stiffness or mass that are not read; dampers, gaps and plot elements have none of either.
+  static const std::set<std::string> kElements = {
+      "CQUAD",  "CQUADX", "CTRIAX", "CTRIAX6", "CSHEAR",  "CTUBE",   "CBEND",
+      "CBEAM3", "CWELD",  "CFAST",  "CSEAM",   "CELAS3",  "CELAS4",  "CMASS1",
+      "CMASS2", "CMASS3", "CMASS4", "CONM1",   "CBUSH1D", "CCONEAX", "GENEL"};
+  Unused left_out;
+  for (const Card& card : cards_)
+    if (!used_.contains(card.name) && kElements.contains(card.name)) left_out.add(card.name, card.where);
+  model_.warnings = left_out.messages("element");
+  for (const std::string& message : approximated_.messages("card")) model_.warnings.push_back(message);
+  if (builder_.cells().empty() && model_.bars.empty())
+    throw std::invalid_argument(path.string() +
+                                ": holds no solid, shell or beam elements (CTETRA, CHEXA, CPENTA, CPYRAM, "
+                                "CQUAD4, CTRIA3, CQUAD8, CTRIA6, CBAR, CBEAM); not Nastran bulk data?");
+  finish();
+  return std::move(model_);
+}
+
+const std::vector<const Card*>& NastranReader::all(const std::string& name) {
+  used_.insert(name);
+  return by_name_[name];
+}
+
+void NastranReader::read_materials() {
+  for (const Card* card : all("MAT1")) {
+    ImportedMaterial material;
+    const std::int64_t id = card->integer(0);
+    material.name = std::to_string(id);
+    material.rho = card->real(4, 0);
+    const bool has_E = !card->blank(1), has_G = !card->blank(2), has_nu = !card->blank(3);
+    if (has_E + has_G + has_nu < 2)
+      throw std::invalid_argument(
+          fmt::format("{}: MAT1 {} needs two of E, G and NU", card->where.text(), id));
+    const double G = card->real(2, 0);
+    material.nu = has_nu ? card->real(3) : card->real(1) / (2 * G) - 1;
+    material.E = has_E ? card->real(1) : 2 * G * (1 + material.nu);
+    if (has_E && has_G && has_nu && std::abs(G * 2 * (1 + material.nu) / material.E - 1) > 1e-3)
+      model_.messages.push_back(fmt::format(
+          "{}: MAT1 {} has a G that is not E / (2 (1 + NU)); E and NU are used", card->where.text(), id));
+    if (!material_.emplace(id, static_cast<Index>(model_.materials.size())).second)
+      throw std::invalid_argument(fmt::format("{}: material {} is given twice", card->where.text(), id));
+    model_.materials.push_back(material);
+  }
+  for (const Card* card : all("PSOLID"))
+    property_[card->integer(0)] = material(card->integer(1), card->where);
+}
+
+Index NastranReader::material(std::int64_t id, const Where& where) const {
+  const auto found = material_.find(id);
+  if (found == material_.end())
+    throw std::invalid_argument(fmt::format("{}: material {} is not defined", where.text(), id));
+  return found->second;
+}
+
+void NastranReader::read_grids() {
+  int turned = 0;
+  const Card* grdset = systems_.grdset();
+  for (const Card* card : all("GRID")) {
+    const std::int64_t id = card->integer(0);
+    const Index node = builder_.add_node(0, id, systems_.grid_place(id, card->where), card->where);
+    const std::string fixed = !card->blank(6) ? card->text(6) : grdset ? grdset->text(6) : "";
+    if (!fixed.empty()) model_.fixed.push_back({node, components(fixed, *card)});
+    turned += card->integer(5, grdset ? grdset->integer(5, 0) : 0) > 0;
+  }
+  if (turned > 0)
+    model_.messages.push_back(
+        fmt::format("{} GRID have displacement axes of their own (CD): directions of SPC, ASET and ties "
+                    "there are taken in the basic system",
+                    turned));
+}
+
+std::array<bool, 6> NastranReader::components(const std::string& digits, const Card& card) {
+  std::array<bool, 6> dofs{};
+  for (const char c : digits) {
+    if (c == '0') continue;
+    if (c < '1' || c > '6')
+      throw std::invalid_argument(
+          fmt::format("{}: \"{}\" on {} names directions; only the digits 1 to 6 may stand there",
+                      card.where.text(), digits, card.name));
+    dofs[static_cast<std::size_t>(c - '1')] = true;
+  }
+  return dofs;
+}
+
+void NastranReader::read_solids() {
+  for (const Card& card : cards_) {
+    const auto found = solid_cards().find(card.name);
+    if (found == solid_cards().end()) continue;
+    used_.insert(card.name);
+    const SolidCard& solid = found->second;
+    const auto n_linear = static_cast<std::size_t>(nodes_per_cell(solid.linear)),
+               n_quadratic = static_cast<std::size_t>(nodes_per_cell(solid.quadratic));
+    const std::int64_t id = card.integer(0), property = card.integer(1, id);
+    std::size_t middle = 0;
+    for (std::size_t k = n_linear; k < n_quadratic; ++k)
+      middle += !card.blank(2 + k) && card.integer(2 + k) != 0;
+    if (middle != 0 && middle != n_quadratic - n_linear)
+      throw std::invalid_argument(
+          fmt::format("{}: {} {} has {} of its {} mid-side nodes; all or none are wanted", card.where.text(),
+                      card.name, id, middle, n_quadratic - n_linear));
+    const std::size_t n = middle ? n_quadratic : n_linear;
+    std::vector<Index> nodes(n);
+    for (std::size_t k = 0; k < n; ++k)
+      nodes[k] = builder_.node(
+          0, card.integer(2 + static_cast<std::size_t>(middle ? solid.order[k] : static_cast<int>(k))),
+          card.where);
+    builder_.add_to_set("property " + std::to_string(property), nodes);
+    const std::size_t cell =
+        builder_.add_cell(0, middle ? solid.quadratic : solid.linear, id, std::move(nodes), card.where);
+    if (const auto p = property_.find(property); p != property_.end())
+      builder_.cells()[cell].material = p->second;
+    else if (!by_name_["PSOLID"].empty())
+      throw std::invalid_argument(
+          fmt::format("{}: PSOLID {} of {} {} is not defined", card.where.text(), property, card.name, id));
+  }
+}
+
+NastranReader::ShellProperty NastranReader::shell_property(const Card& card) {
+  ShellProperty shell{material(card.integer(1), card.where), card.real(2, 0), card.real(7, 0)};
+  const std::int64_t mid = card.integer(1);
+  if (card.blank(3))
+    approximated_.add("PSHELL's missing MID2 (membrane alone; bending is computed as well)", card.where);
+  else if (card.integer(3) != mid)
+    approximated_.add("PSHELL's MID2 other than MID1 (MID1 is used for bending, too)", card.where);
+  if (std::abs(card.real(4, 1) - 1) > 1e-6)
+    approximated_.add("PSHELL's 12 I / T**3 other than 1", card.where);
+  if (std::abs(card.real(6, 5.0 / 6) - 5.0 / 6) > 1e-3)
+    approximated_.add("PSHELL's TS/T other than 5/6", card.where);
+  if (!card.blank(10)) approximated_.add("PSHELL's MID4", card.where);
+  return shell;
+}
+
+void NastranReader::read_shells() {
+  std::map<std::int64_t, ShellProperty> properties;
+  for (const Card* card : all("PSHELL")) properties.emplace(card->integer(0), shell_property(*card));
+  std::set<std::int64_t> layered;
+  for (const char* name : {"PCOMP", "PCOMPG"})
+    for (const Card* card : by_name_[name]) layered.insert(card->integer(0));
+  // Where the nodes end, there stand: THETA or MCID, ZOFFS; TFLAG and the corners' thicknesses.
+  struct ShellCard {
+    CellType type;
+    std::size_t offset, flag, thickness;
+  };
+  static const std::map<std::string, ShellCard> kCards = {
+      {"CQUAD4", {CellType::quad4, 7, 9, 10}},   {"CQUADR", {CellType::quad4, 7, 9, 10}},
+      {"CTRIA3", {CellType::tri3, 6, 9, 10}},    {"CTRIAR", {CellType::tri3, 6, 9, 10}},
+      {"CQUAD8", {CellType::quad8, 15, 16, 10}}, {"CTRIA6", {CellType::tri6, 9, 13, 10}}};
+  std::map<std::string, int> split;
+  for (const Card& card : cards_) {
+    const auto found = kCards.find(card.name);
+    if (found == kCards.end()) continue;
+    used_.insert(card.name);
+    const ShellCard& places = found->second;
+    const auto n_nodes = static_cast<std::size_t>(nodes_per_cell(places.type)),
+               n = static_cast<std::size_t>(shape_of(places.type).corners);
+    const std::int64_t id = card.integer(0), property = card.integer(1, id);
+    const auto section = properties.find(property);
+    if (section == properties.end())
+      throw std::invalid_argument(fmt::format(
+          "{}: property {} of {} {} is no PSHELL of this file{}", card.where.text(), property, card.name, id,
+          layered.contains(property)
+              ? "; layers (PCOMP) are not read: give a PSHELL with their effective material"
+              : ""));
+    std::vector<Index> nodes(n_nodes, -1);
+    for (std::size_t k = 0; k < n_nodes; ++k)  // mid-side nodes may be left out
+      if (k < n || (!card.blank(2 + k) && card.integer(2 + k) != 0))
+        nodes[k] = builder_.node(0, card.integer(2 + k), card.where);
+    std::vector<Index> present = nodes;
+    std::erase(present, -1);
+    builder_.add_to_set("property " + std::to_string(property), present);
+    if (n_nodes > n) ++split[card.name];
+    if (const double extra = section->second.extra_mass_per_area;
+        extra > 0) {  // an equal share for every corner
+      const auto at = [&](std::size_t k) { return builder_.place(nodes[k]); };
+      const Vector3d across =
+          n == 3 ? (at(1) - at(0)).cross(at(2) - at(0)) : (at(2) - at(0)).cross(at(3) - at(1));
+      for (std::size_t k = 0; k < n; ++k)
+        extra_mass_[nodes[k]] += extra * 0.5 * across.norm() / static_cast<double>(n);
+    }
+    ModelBuilder::Cell& cell =
+        builder_.cells()[builder_.add_cell(0, places.type, id, std::move(nodes), card.where)];
+    cell.material = section->second.material;
+    cell.thickness = section->second.thickness;
+    cell.offset = card.real(places.offset, 0);  // an isotropic material has no direction THETA
+    double sum = 0;
+    std::size_t given = 0;
+    for (std::size_t k = places.thickness; k < places.thickness + n; ++k)
+      if (!card.blank(k)) sum += card.real(k), ++given;
+    if (given == 0) continue;
+    const bool scaled = card.integer(places.flag, 0) == 1;  // TFLAG: T1 to T4 are fractions of T
+    const double others = static_cast<double>(n - given) * (scaled ? 1 : cell.thickness);
+    const double mean = (sum + others) / static_cast<double>(n);
+    cell.thickness = scaled ? mean * cell.thickness : mean;
+    for (std::size_t k = places.thickness; k < places.thickness + n; ++k)
+      if (!card.blank(k) && std::abs(card.real(k) * (scaled ? section->second.thickness : 1) -
+                                     cell.thickness) > 1e-6 * cell.thickness)
+        approximated_.add(card.name + "'s thicknesses that differ from corner to corner (their mean is used)",
+                          card.where);
+  }
+  for (const auto& [name, count] : split)
+    model_.messages.push_back(fmt::format("{} element{} of type {}: {}", count, count == 1 ? "" : "s", name,
+                                          ModelBuilder::split_shells()));
+}
+
+void NastranReader::read_ties() {
+  for (const Card* card : all("RBE2")) {
+    ImportedTie tie;
+    tie.label = card->integer(0);
+    tie.reference = builder_.node(0, card->integer(1), card->where);
+    tie.dofs = components(card->text(2), *card);
+    for (std::size_t k = 3; k < card->fields.size(); ++k)
+      if (!card->blank(k) && !card->is_real(k))
+        tie.nodes.push_back(builder_.node(0, card->integer(k), card->where));
+    model_.ties.push_back(std::move(tie));
+  }
+  for (const Card* card : all("RBE3")) {
+    ImportedTie tie;
+    tie.kind = ImportedTie::Kind::average;
+    tie.label = card->integer(0);
+    tie.reference = builder_.node(0, card->integer(2), card->where);
+    tie.dofs = components(card->text(3), *card);
+    double weight = 1;
+    for (std::size_t k = 4; k < card->fields.size(); ++k) {
+      if (card->blank(k)) continue;
+      if (card->text(k) == "UM" || card->text(k) == "ALPHA") {
+        unused_.add("RBE3's " + card->text(k), card->where);
+        break;
+      }
+      if (card->is_real(k)) {
+        weight = card->real(k);
+        if (const auto dofs = components(card->text(++k), *card); !(dofs[0] && dofs[1] && dofs[2]))
+          approximated_.add("RBE3 weights that leave out directions 1 to 3 (all three are used)",
+                            card->where);
+        continue;
+      }
+      tie.nodes.push_back(builder_.node(0, card->integer(k), card->where));
+      tie.weights.push_back(weight);
+    }
+    model_.ties.push_back(std::move(tie));
+  }
+  for (const ImportedTie& tie : model_.ties)
+    if (tie.nodes.empty())
+      throw std::invalid_argument(fmt::format("RBE2 or RBE3 {} ties no nodes", tie.label));
+}
+
+void NastranReader::read_masses() {
+  for (const Card* card : all("CONM2")) {
+    ImportedMass mass;
+    mass.label = card->integer(0);
+    mass.node = builder_.node(0, card->integer(1), card->where);
+    mass.mass = card->real(3, 0);
+    const std::int64_t cid = card->integer(2, 0);
+    const Vector3d x(card->real(4, 0), card->real(5, 0), card->real(6, 0));
+    const NastranSystem& s = systems_.system(std::max<std::int64_t>(cid, 0), card->where);
+    mass.offset = cid == -1 ? Vector3d(x - systems_.grid_place(card->integer(1), card->where))
+                            : Vector3d(s.R * s.rectangular(x));
+    Eigen::Matrix3d I;
+    I << card->real(8, 0), -card->real(9, 0), -card->real(11, 0),  // the card holds the products of
+        -card->real(9, 0), card->real(10, 0), -card->real(12, 0),  // inertia with a plus sign
+        -card->real(11, 0), -card->real(12, 0), card->real(13, 0);
+    mass.inertia = s.R * I * s.R.transpose();
+    model_.masses.push_back(mass);
+  }
+}
+
+std::vector<std::int64_t> NastranReader::grid_list(const Card& card, std::size_t first) {
+  std::vector<std::int64_t> ids;
+  for (std::size_t k = first; k < card.fields.size(); ++k) {
+    if (card.blank(k)) continue;
+    if (card.text(k) == "THRU") {
+      const std::int64_t last = card.integer(++k);
+      for (auto at = systems_.grids().upper_bound(ids.empty() ? 0 : ids.back());
+           at != systems_.grids().end() && at->first <= last; ++at)
+        ids.push_back(at->first);
+    } else {
+      ids.push_back(card.integer(k));
+    }
+  }
+  return ids;
+}
+
+void NastranReader::read_dofs() {
+  for (const Card* card : all("SPC"))
+    for (const std::size_t k : {1u, 4u})
+      if (!card->blank(k))
+        model_.fixed.push_back(
+            {builder_.node(0, card->integer(k), card->where), components(card->text(k + 1), *card)});
+  for (const Card* card : all("SPC1"))
+    for (const std::int64_t id : grid_list(*card, 2))
+      model_.fixed.push_back({builder_.node(0, id, card->where), components(card->text(1), *card)});
+  for (const Card* card : all("ASET"))
+    for (std::size_t k = 0; k + 1 < card->fields.size(); k += 2)
+      if (!card->blank(k))
+        model_.kept.push_back(
+            {builder_.node(0, card->integer(k), card->where), components(card->text(k + 1), *card)});
+  for (const Card* card : all("ASET1"))
+    for (const std::int64_t id : grid_list(*card, 1))
+      model_.kept.push_back({builder_.node(0, id, card->where), components(card->text(0), *card)});
+}
+
+void NastranReader::finish() {
+  for (const auto& [node, mass] : extra_mass_)
+    model_.masses.push_back({.label = 0, .node = node, .mass = mass});
+  std::vector<Index> used;
+  const auto each_node = [&](auto&& visit) {
+    for (ImportedBar& bar : model_.bars)
+      for (Index& node : bar.nodes) visit(node);
+    for (ImportedSpring& spring : model_.springs)
+      for (Index& node : spring.nodes) visit(node);
+    for (ImportedMass& mass : model_.masses) visit(mass.node);
+    for (ImportedTie& tie : model_.ties) {
+      visit(tie.reference);
+      for (Index& node : tie.nodes) visit(node);
+    }
+  };
+  each_node([&](Index& node) { used.push_back(node); });
+  const std::vector<Index> number = builder_.finish(model_, used);
+  each_node([&](Index& node) { node = number[node]; });
+  for (auto* dofs : {&model_.fixed, &model_.kept}) {
+    for (ImportedDofs& entry : *dofs) entry.node = number[entry.node];
+    std::erase_if(*dofs, [](const ImportedDofs& entry) { return entry.node < 0; });
+  }
+}
+
 ImportedModel read_nastran(const std::filesystem::path& path) {
-  return Reader().read(path);
+  return NastranReader().read(path);
 }
 
 }  // namespace flexura::mesh

@@ -192,8 +192,10 @@ static Selection select(const Context& c, const NodesRule& rule) {
   Selection selection;
   std::vector<Index>& nodes = selection.set.nodes;
   std::map<std::int64_t, Index> index_of;
-  for (Index k = 0; k < c.mesh.n_nodes() && !rule.labels.empty(); ++k)
-    index_of[c.mesh.node_label.empty() ? k + 1 : c.mesh.node_label[static_cast<std::size_t>(k)]] = k;
+  for (Index k = 0; k < c.mesh.n_nodes() && !rule.labels.empty(); ++k)  // points that are ours have no number
+    if (const std::int64_t label = c.mesh.node_label.empty() ? k + 1 : c.mesh.node_label[static_cast<std::size_t>(k)];
+        label >= 0)
+      index_of[label] = k;
   for (const std::int64_t label : rule.labels) {
     const auto found = index_of.find(label);
     if (found == index_of.end())
@@ -232,7 +234,14 @@ static Selection select(const Context& c, const NodesRule& rule) {
 Selection select_nodes(const Mesh& mesh, const std::vector<Face>& faces, const Rule& rule) {
   const auto box = bounding_box(mesh);
   const selecting::Context context{mesh, faces, (box.row(1) - box.row(0)).norm()};
-  return std::visit([&](const auto& r) { return selecting::select(context, r); }, rule);
+  const auto faces_of = [&] { return std::visit([&](const auto& r) { return selecting::select(context, r); }, rule); };
+  if (mesh.shells.empty()) return faces_of();
+  try {
+    return faces_of();
+  } catch (const std::invalid_argument&) {
+    if (std::optional<Selection> edges = selecting::select_edges(context, rule)) return *edges;
+    throw;
+  }
 }
 
 }  // namespace flexura::mesh

@@ -16,7 +16,8 @@
 ///
 /// With CAD faces at hand (mesh.boundary_face and a list of Face) whole faces are chosen by their exact
 /// geometry; on foreign meshes the rules judge the boundary cells: every node on the surface and the cell's
-/// normal along the surface's.  All lengths in m, frame B.
+/// normal along the surface's.  Where shells have no such face, their free edges are taken that lie in the plane or, with the
+/// radius given, about the axis.  All lengths in m, frame B.
 namespace flexura::mesh {
 
 /// All cylindrical faces about an axis: one bore, or several bores in line.

@@ -49,4 +49,7 @@ std::string nearest(const std::vector<Face>& faces, FaceKind kind,
 
 Selection select(const Context& c, const CylinderRule& rule);
 
+/// Free edges of shells in a plane, or about an axis at the radius: the rim of a sheet, the edge of its hole.  None: nothing.
+std::optional<Selection> select_edges(const Context& c, const Rule& rule);
+
 }  // namespace flexura::mesh::selecting

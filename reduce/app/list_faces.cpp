@@ -7,16 +7,17 @@
 #include <ostream>
 
 #include "mbs/files/inputs.hpp"
-#include "mesh/gmsh/cad.hpp"
+#include "mesh/gmsh/sheet.hpp"
 #include "reduce/app/part_file.hpp"
 
 namespace flexura::reduce {
 
 namespace {
 
-mesh::CadOptions cad_options_of(const std::filesystem::path& file) {
-  if (file.extension() == ".toml") return read_part(file).cad;
-  return {.path = file};
+mesh::CadReport faces_of(const std::filesystem::path& file) {
+  if (file.extension() != ".toml") return mesh::list_faces({.path = file});
+  const PartInput part = read_part(file);
+  return part.sheet_thickness > 0.0 ? mesh::list_sheet(part.cad) : mesh::list_faces(part.cad);
 }
 
 /// An interface table for the largest bore, else the largest plane: something to copy and change.
@@ -43,7 +44,7 @@ void print_example(const std::vector<mesh::Face>& faces, std::ostream& out) {
 
 void print_faces(const std::filesystem::path& file, std::ostream& out) {
   files::note_input(file);
-  const mesh::CadReport report = mesh::list_faces(cad_options_of(file));
+  const mesh::CadReport report = faces_of(file);
   for (const std::string& message : report.messages) out << message << '\n';
   out << fmt::format("{}: {} solid{}, lengths in {}\n", file.filename().string(), report.solids.size(),
                      report.solids.size() == 1 ? "" : "s", report.unit);

@@ -16,6 +16,7 @@
 #include "reduce/app/attach_solid.hpp"
 #include "reduce/app/beam_file.hpp"
 #include "reduce/app/beam_statics.hpp"
+#include "reduce/app/flexdata_part.hpp"
 #include "reduce/app/list_faces.hpp"
 #include "reduce/app/part_file.hpp"
 #include "reduce/app/reduce_beam_part.hpp"
@@ -38,7 +39,7 @@ struct Arguments {
   int modes = -1, beam_modes = 0, compare = 0;
   int places = kNotGiven;
   int places_or_default() const { return places == kNotGiven ? 5 : places; }
-  bool factor_in_file = false, list_faces = false, schema = false, schema_beams = false, statics = false;
+  bool factor_in_file = false, list_faces = false, schema = false, schema_beams = false, schema_flexdata = false, statics = false;
 };
 
 // What one kind of part knows and the other does not is refused, not passed over.
@@ -65,6 +66,17 @@ void refuse_options_of_the_other_kind(const Arguments& a, bool is_beam) {
   }
 }
 
+// FlexData files hold finished modes.
+void refuse_options_of_reductions(const Arguments& a) {
+  const std::pair<bool, const char*> given[] = {{!a.mesh_size.empty(), "--mesh-size"}, {!a.accuracy.empty(), "--accuracy"},
+                                                {a.modes >= 0, "--modes"},             {!a.mesh.empty(), "--mesh"},
+                                                {a.compare > 0, "--compare"},          {a.factor_in_file, "--factor-in-file"}};
+  for (const auto& [is_given, option] : given)
+    if (is_given)
+      throw input::InputError(fmt::format("{}: {} is for parts that are reduced here; these modes are finished: leave it out",
+                                          a.input, option));
+}
+
 int reduce_with(const Arguments& arguments, const terminal::Talk& talk, const linalg::Team* team) {
   if (arguments.schema) {
     std::cout << input::reference_page(reduce::part_schema());
@@ -72,6 +84,10 @@ int reduce_with(const Arguments& arguments, const terminal::Talk& talk, const li
   }
   if (arguments.schema_beams) {
     std::cout << input::reference_page(reduce::beam_schema());
+    return 0;
+  }
+  if (arguments.schema_flexdata) {
+    std::cout << input::reference_page(reduce::flexdata_schema());
     return 0;
   }
   if (arguments.input.empty()) throw input::InputError("no part file given; see flexura reduce --help");
@@ -100,7 +116,9 @@ int reduce_with(const Arguments& arguments, const terminal::Talk& talk, const li
   if (output.empty()) output = std::filesystem::path(arguments.input).replace_extension(".se.h5");
   const bool prints_only = arguments.statics || arguments.beam_modes > 0;  // of beam parts
   const bool is_beam = reduce::is_beam_file(arguments.input);
+  const bool is_flexdata = !is_beam && reduce::is_flexdata_file(arguments.input);
   refuse_options_of_the_other_kind(arguments, is_beam);
+  if (is_flexdata) refuse_options_of_reductions(arguments);
   files::Claims claims;
   if (!prints_only || !is_beam) claims.add(output);
   claims.add(arguments.report);
@@ -108,6 +126,11 @@ int reduce_with(const Arguments& arguments, const terminal::Talk& talk, const li
     throw input::InputError(
         fmt::format("--mesh {}: must end in .inp (Abaqus), .vtu (ParaView) or .msh (gmsh)", arguments.mesh));
   claims.add(arguments.mesh);
+  if (is_flexdata) {
+    reduce::reduce_flexdata(reduce::read_flexdata_part(arguments.input, arguments.overrides), output,
+                            {.report = arguments.report, .quiet = talk.quiet});
+    return 0;
+  }
   if (is_beam) {
     const linalg::Session session;  // one for the structure and its solids
     const reduce::BeamPartInput beams =
@@ -141,7 +164,7 @@ int reduce_with(const Arguments& arguments, const terminal::Talk& talk, const li
 std::function<int()> declare(terminal::Options& options, const terminal::Talk& talk,
                              const linalg::Team* team) {
   const auto arguments = std::make_shared<Arguments>();
-  options.optional_argument("PART", arguments->input, "part file (.toml); with --list-faces also a CAD file")
+  options.optional_argument("PART", arguments->input, "part file (.toml) or FlexData (.xml); with --list-faces also a CAD file")
       .option("-o,--output", arguments->output, "FILE", "superelement to write (default: PART.se.h5)")
       .option("--mesh-size", arguments->mesh_size, "LENGTH", "element size, overrides mesh.size: \"2 mm\"")
       .option("--accuracy", arguments->accuracy, "PERCENT",
@@ -165,6 +188,8 @@ std::function<int()> declare(terminal::Options& options, const terminal::Talk& t
             "where it does not fit into memory")
       .flag("--list-faces", arguments->list_faces, "list the solids and faces of the part, then stop")
       .flag("--schema", arguments->schema, "print the part file's reference page, then stop")
+      .flag("--schema-flexdata", arguments->schema_flexdata,
+            "print the reference page of part files for FlexData, then stop")
       .flag("--schema-beams", arguments->schema_beams, "print the beam part file's reference page, then stop")
       .example("flexura reduce --list-faces bracket.step", "what an interface can be chosen from")
       .example("flexura reduce conrod.toml -o conrod.se.h5", "mesh, reduce, write")

@@ -77,13 +77,9 @@ void read_units(const Section& geometry, PartInput& part) {
       {"um", {1e-6, ""}},
       {"inch", {0.0254, "lbf s^2/in"}},
       {"ft", {0.3048, "slug"}}};
-  static const std::map<std::string, double> masses = {
-      {"kg", 1.0}, {"t", 1e3}, {"g", 1e-3}, {"lbf s^2/in", 175.12683524647636}, {"slug", 14.593902937206365}};
   const auto& [length, mass] = lengths.at(geometry.has("unit") ? geometry.text("unit") : "m");
   part.unit_length = length;
-  part.unit_mass = masses.at(geometry.has("mass_unit") ? geometry.text("mass_unit")
-                             : mass.empty()            ? "kg"
-                                                       : mass);
+  part.unit_mass = mass_unit(geometry.has("mass_unit") ? geometry.text("mass_unit") : mass.empty() ? "kg" : mass);
   part.mass_unit_known = geometry.has("mass_unit") || !mass.empty();
 }
 
@@ -262,6 +258,12 @@ DampingRule read_damping(const Section& in) {
 
 }  // namespace
 
+double mass_unit(const std::string& name) {
+  static const std::map<std::string, double> masses = {
+      {"kg", 1.0}, {"t", 1e3}, {"g", 1e-3}, {"lbf s^2/in", 175.12683524647636}, {"slug", 14.593902937206365}};
+  return masses.at(name);
+}
+
 PartInput read_part(const std::filesystem::path& file, const std::vector<std::string>& overrides) {
   const Section in = input::read_document(file, part_schema(), overrides);
   PartInput part;
@@ -286,6 +288,16 @@ PartInput read_part(const std::filesystem::path& file, const std::vector<std::st
       if (geometry.has(key)) geometry.refuse(key, "is for CAD parts", "a mesh file is taken as it is");
   }
 
+  if (in.has("shell")) {
+    const Section shell = in.table("shell");
+    part.sheet_thickness = shell.quantity("thickness");
+    if (part.format != PartFormat::cad)
+      throw InputError(shell.where() + ": is for CAD parts; shells of a mesh file or deck have their thickness there");
+    if (meshing.has("order"))
+      meshing.refuse("order", "is for solids; shells have three and four nodes", "leave the key out");
+    if (in.flag("stiffening"))
+      in.refuse("stiffening", "is not known of shells", "leave the key out");
+  }
   if (in.has("matrices")) {
     const Section matrices = in.table("matrices");
     part.stiffness = matrices.file("stiffness");

@@ -96,6 +96,7 @@ struct PartInput {
   mesh::CadOptions cad;                       ///< path of any format; geometry and meshing of CAD parts
   double unit_length = 1.0, unit_mass = 1.0;  ///< of a mesh file, in SI
   bool mass_unit_known = true;                ///< given, or going with the length unit
+  double sheet_thickness = 0.0;                  ///< [m] of a CAD part of faces; 0: solids
   Formulation formulation = Formulation::standard;
   std::filesystem::path stiffness, mass_matrix;  ///< finished matrices; empty: none
   struct {
@@ -115,6 +116,9 @@ struct PartInput {
 };
 
 const input::TableSchema& part_schema();
+
+/// kg in a mass unit of `geometry.mass_unit`.
+double mass_unit(const std::string& name);
 
 /// Reads and checks a part file.  Throws input::InputError.
 PartInput read_part(const std::filesystem::path& file, const std::vector<std::string>& overrides = {});

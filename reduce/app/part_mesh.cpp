@@ -7,6 +7,7 @@
 #include <chrono>
 
 #include "mesh/gmsh/mesh_file.hpp"
+#include "mesh/gmsh/sheet.hpp"
 #include "mesh/import/abaqus.hpp"
 #include "mesh/import/nastran.hpp"
 #include "mesh/import/unv.hpp"
@@ -174,7 +175,8 @@ void take_masses(const mesh::ImportedModel& model, const std::vector<char>& in_c
 PartMesh load_part_mesh(const PartInput& input, const mesh::Progress& progress) {
   PartMesh part;
   if (input.format == PartFormat::cad) {
-    mesh::CadMesh cad = mesh::mesh_cad(input.cad, progress);
+    mesh::CadMesh cad = input.sheet_thickness > 0.0 ? mesh::mesh_sheet(input.cad, input.sheet_thickness, progress)
+                                                     : mesh::mesh_cad(input.cad, progress);
     part.mesh = std::move(cad.mesh);
     part.faces = std::move(cad.cad.faces);
     part.report = std::move(cad.report);

@@ -163,6 +163,17 @@ TableSchema interface_schema() {
   return s;
 }
 
+TableSchema shell_schema() {
+  TableSchema s{
+      .name = "shell",
+      .doc =
+          "Sheet metal: the faces of a CAD file without solids are the middle surface of a sheet and meshed with shells of six "
+          "degrees of freedom a node (docs/shells.md). Faces that meet are joined. Interfaces are chosen as on solids; where no face "
+          "fits, `by = \"plane\"` takes the free edges in the plane and `by = \"cylinder\"` with its radius the edge of a hole."};
+  s.keys = {input::quantity("thickness", dim::length, "of the sheet, half of it on either side of the faces").required().above(0)};
+  return s;
+}
+
 TableSchema matrices_schema() {
   TableSchema s{
       .name = "matrices",
@@ -381,6 +392,7 @@ const TableSchema& part_schema() {
         input::table_map("material", material_schema(),
                          "material by name: exactly one for a CAD part; for a deck, in place of its own"),
         input::table_map("interface", interface_schema(), "interfaces by name"),
+        input::table("shell", shell_schema(), "sheet metal"),
         input::table("matrices", matrices_schema(), "finished matrices"),
         input::table("mode_vectors", mode_vectors_schema(), "finished modes"),
         input::table_map("mass_point", mass_schema(), "point masses by name"),

@@ -25,6 +25,13 @@ TEST(ReferencePages, BeamFilePageIsPrintedFromItsSchema) {
       << "renew it: flexura reduce --schema-beams > cases/BEAM_FILE.md";
 }
 
+TEST(ReferencePages, FlexDataPageIsPrintedFromItsSchema) {
+  const Outcome outcome = run("flexura-reduce", {"--schema-flexdata"});
+  EXPECT_EQ(outcome.exit_code, 0);
+  EXPECT_EQ(outcome.out, page("FLEXDATA_FILE.md"))
+      << "renew it: flexura reduce --schema-flexdata > cases/FLEXDATA_FILE.md";
+}
+
 TEST(ReferencePages, SectionFilePageIsPrintedFromItsSchema) {
   const Outcome outcome = run("flexura", {"section", "--schema"});
   EXPECT_EQ(outcome.exit_code, 0);

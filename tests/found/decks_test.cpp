@@ -52,7 +52,8 @@ struct Plate {
   std::string nastran(const std::string& more = "") const {
     std::string text = fmt::format("BEGIN BULK\nMAT1,1,{:.9e},,{},{}\nPSHELL,1,1,{},1,,1\n", E, nu, rho, t);
     for (int j = 0; j <= ny; ++j)
-      for (int i = 0; i <= nx; ++i) text += fmt::format("GRID,{},,{:.15g},{:.15g},0.\n", node(i, j), at(i, j)[0], at(i, j)[1]);
+      for (int i = 0; i <= nx; ++i)
+        text += fmt::format("GRID,{},,{:.15g},{:.15g},0.\n", node(i, j), at(i, j)[0], at(i, j)[1]);
     int e = 0;
     each_cell([&](const std::vector<int>& n) {
       text += fmt::format("{},{},1,{}", n.size() == 4 ? "CQUAD4" : "CTRIA3", ++e, fmt::join(n, ","));
@@ -64,12 +65,16 @@ struct Plate {
   std::string abaqus() const {
     std::string text = "*HEADING\nplate\n*NODE\n";
     for (int j = 0; j <= ny; ++j)
-      for (int i = 0; i <= nx; ++i) text += fmt::format("{}, {:.15g}, {:.15g}, 0.\n", node(i, j), at(i, j)[0], at(i, j)[1]);
+      for (int i = 0; i <= nx; ++i)
+        text += fmt::format("{}, {:.15g}, {:.15g}, 0.\n", node(i, j), at(i, j)[0], at(i, j)[1]);
     text += fmt::format("*ELEMENT, TYPE={}, ELSET=ALL\n", cells == Cells::quadrilaterals ? "S4R" : "S3");
     int e = 0;
     each_cell([&](const std::vector<int>& n) { text += fmt::format("{}, {}\n", ++e, fmt::join(n, ", ")); });
-    return text + fmt::format("*SHELL SECTION, ELSET=ALL, MATERIAL=STEEL\n{}, 5\n*MATERIAL, NAME=STEEL\n*ELASTIC\n{:.9e}, "
-                              "{}\n*DENSITY\n{}\n", t, E, nu, rho);
+    return text +
+           fmt::format(
+               "*SHELL SECTION, ELSET=ALL, MATERIAL=STEEL\n{}, 5\n*MATERIAL, NAME=STEEL\n*ELASTIC\n{:.9e}, "
+               "{}\n*DENSITY\n{}\n",
+               t, E, nu, rho);
   }
   std::string edge(const std::function<bool(int, int)>& on) const {
     std::vector<int> nodes;
@@ -100,7 +105,9 @@ class Decks : public testing::Test {
     out.report = nlohmann::json::parse(read_text(report));
     return out;
   }
-  static VectorXd clamped_hz(const superelement::Superelement& se) { return se.omega2.cwiseSqrt() / (2 * kPi); }
+  static VectorXd clamped_hz(const superelement::Superelement& se) {
+    return se.omega2.cwiseSqrt() / (2 * kPi);
+  }
   // Displacements of all coordinates with interface `held` at rest under loads on the others.
   static VectorXd statics(const superelement::Superelement& se, int held, int loaded, const VectorXd& load) {
     std::vector<int> free;
@@ -121,8 +128,9 @@ TEST_F(Decks, PlatesOfShellsHaveTheInertiaOfPlates) {
   for (const Cells cells : {Cells::quadrilaterals, Cells::triangles})
     for (const double offset : {0.0, 0.3}) {
       const Plate plate{.lx = 2.0, .ly = 1.0, .t = 0.1, .offset = offset, .nx = 4, .ny = 2, .cells = cells};
-      const Reduced r = reduce(plate.nastran(), "[interface.root]\n" + plate.edge([](int i, int) { return i == 0; }) +
-                                                    "[modes]\ncount = 3\n");
+      const Reduced r = reduce(plate.nastran(), "[interface.root]\n" + plate.edge([](int i, int) {
+        return i == 0;
+      }) + "[modes]\ncount = 3\n");
       ASSERT_EQ(r.outcome.exit_code, 0) << r.outcome.err;
       const double m = plate.mass(), t2 = plate.t * plate.t / 12;
       EXPECT_NEAR(r.se.inertia.mass, m, 1e-12 * m);
@@ -154,8 +162,9 @@ TEST_F(Decks, NafemsFV16CantileveredThinSquarePlate) {
     double before = 1.0;
     for (const int n : {8, 16}) {
       const Plate plate{.nx = n, .ny = n, .cells = cells};
-      const Reduced r = reduce(plate.nastran(), "[interface.root]\n" + plate.edge([](int i, int) { return i == 0; }) +
-                                                    "[modes]\ncount = 6\n");
+      const Reduced r = reduce(plate.nastran(), "[interface.root]\n" + plate.edge([](int i, int) {
+        return i == 0;
+      }) + "[modes]\ncount = 6\n");
       ASSERT_EQ(r.outcome.exit_code, 0) << r.outcome.err;
       const VectorXd hz = clamped_hz(r.se);
       double worst = 0.0;
@@ -190,7 +199,8 @@ TEST_F(Decks, NafemsFV15AndFV22ClampedRhombicPlates) {
 // The same plate written for Abaqus is the same superelement.
 TEST_F(Decks, AbaqusAndNastranShellsAreTheSame) {
   const Plate plate{.lx = 1.0, .ly = 0.5, .t = 0.01, .nx = 4, .ny = 3};
-  const std::string rest = "[interface.root]\n" + plate.edge([](int i, int) { return i == 0; }) + "[modes]\ncount = 4\n";
+  const std::string rest =
+      "[interface.root]\n" + plate.edge([](int i, int) { return i == 0; }) + "[modes]\ncount = 4\n";
   const Reduced a = reduce(plate.nastran(), rest),
                 b = reduce(plate.abaqus(), "unit = \"m\"\n" + rest, {}, "deck.inp");
   ASSERT_EQ(a.outcome.exit_code, 0) << a.outcome.err;
@@ -203,9 +213,10 @@ TEST_F(Decks, AbaqusAndNastranShellsAreTheSame) {
 TEST_F(Decks, StressesOfABentStripStandOnBothSkins) {
   for (const Cells cells : {Cells::quadrilaterals, Cells::triangles}) {
     const Plate strip{.lx = 1.0, .ly = 0.2, .t = 0.02, .nu = 0.0, .nx = 5, .ny = 2, .cells = cells};
-    const Reduced r = reduce(strip.nastran(), "[interface.a]\n" + strip.edge([](int i, int) { return i == 0; }) +
-                                                  "[interface.b]\n" + strip.edge([](int i, int) { return i == 5; }) +
-                                                  "[modes]\ncount = 2\n[recovery]\nstress = true\n");
+    const Reduced r =
+        reduce(strip.nastran(), "[interface.a]\n" + strip.edge([](int i, int) { return i == 0; }) +
+                                    "[interface.b]\n" + strip.edge([](int i, int) { return i == 5; }) +
+                                    "[modes]\ncount = 2\n[recovery]\nstress = true\n");
     ASSERT_EQ(r.outcome.exit_code, 0) << r.outcome.err;
     ASSERT_TRUE(r.se.stress);
     VectorXd load = VectorXd::Zero(6);
@@ -221,7 +232,8 @@ TEST_F(Decks, StressesOfABentStripStandOnBothSkins) {
       EXPECT_NEAR(std::abs(z), strip.t / 2, 1e-12);
       VectorXd exact = VectorXd::Zero(6);
       exact(0) = z > 0 ? sigma : -sigma;  // beta_x = theta_y: fibres above are stretched
-      EXPECT_LT((stress.segment(6 * static_cast<Eigen::Index>(k), 6) - exact).norm(), 1e-5 * sigma);  // kept as float
+      EXPECT_LT((stress.segment(6 * static_cast<Eigen::Index>(k), 6) - exact).norm(),
+                1e-5 * sigma);  // kept as float
     }
   }
 }
@@ -239,7 +251,8 @@ std::string cantilever(int n, const std::string& more = "") {
 }
 
 TEST_F(Decks, BeamsOfADeckAreTimoshenkosToTheLastDigits) {
-  const std::string ends = "[interface.a]\nby = \"nodes\"\nnodes = [1]\n[interface.b]\nby = \"nodes\"\nnodes = [5]\n";
+  const std::string ends =
+      "[interface.a]\nby = \"nodes\"\nnodes = [1]\n[interface.b]\nby = \"nodes\"\nnodes = [5]\n";
   const Reduced r = reduce(cantilever(4), ends + "[modes]\ncount = 6\n");
   ASSERT_EQ(r.outcome.exit_code, 0) << r.outcome.err;
   const double E = 2.1e11, G = E / 2.6, A = 0.0015, I_zz = 0.03 * std::pow(0.05, 3) / 12,
@@ -265,11 +278,13 @@ TEST_F(Decks, BeamsOfADeckAreTimoshenkosToTheLastDigits) {
 // The first frequencies of a clamped-clamped bar, 22.3733 and 61.6728 sqrt(EI / rho A) / l^2, without shear and rotary
 // inertia's 2 % and 6 %: slender enough (l / radius of gyration 400) for 3e-4.
 TEST_F(Decks, BeamsOfADeckVibrateAsBeamsDo) {
-  std::string text = "BEGIN BULK\nMAT1,1,2.1+11,,0.3,7850.\nPBAR,1,1,7.853982-5,4.908739-10,4.908739-10,9.817477-10\n";
+  std::string text =
+      "BEGIN BULK\nMAT1,1,2.1+11,,0.3,7850.\nPBAR,1,1,7.853982-5,4.908739-10,4.908739-10,9.817477-10\n";
   for (int k = 0; k <= 12; ++k) text += fmt::format("GRID,{},,0.,{:.15g},0.\n", k + 1, k / 12.0);
   for (int k = 0; k < 12; ++k) text += fmt::format("CBAR,{},1,{},{},1.,0.,0.\n", k + 1, k + 1, k + 2);
-  const Reduced r = reduce(text + "ENDDATA\n", "[interface.a]\nby = \"nodes\"\nnodes = [1]\n[interface.b]\nby = \"nodes\"\n"
-                                               "nodes = [13]\n[modes]\ncount = 4\n");
+  const Reduced r = reduce(text + "ENDDATA\n",
+                           "[interface.a]\nby = \"nodes\"\nnodes = [1]\n[interface.b]\nby = \"nodes\"\n"
+                           "nodes = [13]\n[modes]\ncount = 4\n");
   ASSERT_EQ(r.outcome.exit_code, 0) << r.outcome.err;
   const double scale = std::sqrt(2.1e11 * 4.908739e-10 / (7850 * 7.853982e-5)) / (2 * kPi);
   const VectorXd hz = clamped_hz(r.se);
@@ -284,11 +299,13 @@ TEST_F(Decks, SpringsOfADeckAddTheirCompliance) {
       "CBAR,1,1,1,2,0.,1.,0.\nCBAR,2,1,3,4,0.,1.,0.\n";
   const std::string bush = "PBUSH,7,K,3.+7,2.+7,1.+7,1.+5,2.+5,3.+5\nCBUSH,10,7,2,3,,,,0\n";
   std::string scalar = "PELAS,9,3.+7\nCELAS1,10,9,2,1,3,1\n";
-  for (int c = 2; c <= 6; ++c) scalar += fmt::format("CELAS2,{},{},2,{},3,{}\n", 10 + c, c < 4 ? "2.+7" : "1.+5", c, c);
+  for (int c = 2; c <= 6; ++c)
+    scalar += fmt::format("CELAS2,{},{},2,{},3,{}\n", 10 + c, c < 4 ? "2.+7" : "1.+5", c, c);
   for (const std::string& springs : {bush, scalar}) {
-    const Reduced r = reduce(fmt::format(fmt::runtime(kBeamDeck), bars + springs),
-                             "[interface.a]\nby = \"nodes\"\nnodes = [1]\n[interface.b]\nby = \"nodes\"\nnodes = [4]\n"
-                             "[modes]\ncount = 2\n");
+    const Reduced r =
+        reduce(fmt::format(fmt::runtime(kBeamDeck), bars + springs),
+               "[interface.a]\nby = \"nodes\"\nnodes = [1]\n[interface.b]\nby = \"nodes\"\nnodes = [4]\n"
+               "[modes]\ncount = 2\n");
     ASSERT_EQ(r.outcome.exit_code, 0) << r.outcome.err;
     VectorXd load = VectorXd::Zero(6);
     load(0) = 1.0;
@@ -299,7 +316,8 @@ TEST_F(Decks, SpringsOfADeckAddTheirCompliance) {
 // A point mass with offset and moments of inertia on a node of a shell.
 TEST_F(Decks, PointMassesHangOnShells) {
   const Plate plate{.lx = 2.0, .ly = 1.0, .t = 0.1, .nx = 2, .ny = 2};
-  const std::string root = "[interface.root]\n" + plate.edge([](int i, int) { return i == 0; }) + "[modes]\ncount = 3\n";
+  const std::string root =
+      "[interface.root]\n" + plate.edge([](int i, int) { return i == 0; }) + "[modes]\ncount = 3\n";
   const Reduced without = reduce(plate.nastran(), root),
                 with = reduce(plate.nastran("CONM2,99,6,0,50.,0.1,0.2,0.3\n,2.,,3.,,,4.\n"), root);
   ASSERT_EQ(with.outcome.exit_code, 0) << with.outcome.err;
@@ -314,8 +332,9 @@ TEST_F(Decks, PointMassesHangOnShells) {
 // Mass per area beside the sheet's own.
 TEST_F(Decks, NonstructuralMassOfShellsCounts) {
   const Plate plate{.lx = 2.0, .ly = 1.0, .t = 0.1, .nx = 4, .ny = 2};
-  const Reduced r = reduce(replaced(plate.nastran(), "PSHELL,1,1,0.1,1,,1\n", "PSHELL,1,1,0.1,1,,1,,3.5\n"),
-                           "[interface.root]\n" + plate.edge([](int i, int) { return i == 0; }) + "[modes]\ncount = 3\n");
+  const Reduced r =
+      reduce(replaced(plate.nastran(), "PSHELL,1,1,0.1,1,,1\n", "PSHELL,1,1,0.1,1,,1,,3.5\n"),
+             "[interface.root]\n" + plate.edge([](int i, int) { return i == 0; }) + "[modes]\ncount = 3\n");
   ASSERT_EQ(r.outcome.exit_code, 0) << r.outcome.err;
   EXPECT_NEAR(r.se.inertia.mass, plate.mass() + 7.0, 1e-9);
 }
@@ -327,12 +346,15 @@ TEST_F(Decks, SpidersHoldTheRotationsThatTheyName) {
   const auto strips = [&](const char* cm) {
     std::string more;
     for (int j = 0; j < 2; ++j)
-      for (int i = 0; i < 5; ++i) more += fmt::format("GRID,{},,{:.15g},{:.15g},0.\n", 101 + i + 5 * j, 0.5 + 0.125 * i, 0.1 * j);
-    for (int i = 0; i < 4; ++i) more += fmt::format("CQUAD4,{},1,{},{},{},{}\n", 101 + i, 101 + i, 102 + i, 107 + i, 106 + i);
+      for (int i = 0; i < 5; ++i)
+        more += fmt::format("GRID,{},,{:.15g},{:.15g},0.\n", 101 + i + 5 * j, 0.5 + 0.125 * i, 0.1 * j);
+    for (int i = 0; i < 4; ++i)
+      more += fmt::format("CQUAD4,{},1,{},{},{},{}\n", 101 + i, 101 + i, 102 + i, 107 + i, 106 + i);
     return strip.nastran(more + fmt::format("RBE2,50,5,{},101\nRBE2,51,10,{},106\n", cm, cm));
   };
-  const std::string ends = "[interface.a]\nby = \"nodes\"\nnodes = [1, 6]\n[interface.b]\nby = \"nodes\"\nnodes = [105, 110]\n"
-                           "[modes]\ncount = 1\n";
+  const std::string ends =
+      "[interface.a]\nby = \"nodes\"\nnodes = [1, 6]\n[interface.b]\nby = \"nodes\"\nnodes = [105, 110]\n"
+      "[modes]\ncount = 1\n";
   const Reduced clamped = reduce(strips("123456"), ends), hinged = reduce(strips("123"), ends);
   ASSERT_EQ(clamped.outcome.exit_code, 0) << clamped.outcome.err;
   ASSERT_EQ(hinged.outcome.exit_code, 0) << hinged.outcome.err;
@@ -345,21 +367,31 @@ TEST_F(Decks, SpidersHoldTheRotationsThatTheyName) {
 // coupling to a surface of solids.
 TEST_F(Decks, AbaqusBeamsMassesAndCouplings) {
   const std::string deck =
-      "*HEADING\n*NODE\n1,0.,0.,0.\n2,.1,0.,0.\n3,.1,.1,0.\n4,0.,.1,0.\n5,0.,0.,.1\n6,.1,0.,.1\n7,.1,.1,.1\n8,0.,.1,.1\n"
+      "*HEADING\n*NODE\n1,0.,0.,0.\n2,.1,0.,0.\n3,.1,.1,0.\n4,0.,.1,0.\n5,0.,0.,.1\n6,.1,0.,.1\n7,.1,.1,."
+      "1\n8,0.,.1,.1\n"
       "20,.1,.05,.05\n21,.6,.05,.05\n22,.6,.05,.3\n"
-      "*ELEMENT, TYPE=C3D8, ELSET=BLOCK\n1,1,2,3,4,5,6,7,8\n*ELEMENT, TYPE=B31, ELSET=BEAM\n2,20,21\n3,21,22\n"
-      "*ELEMENT, TYPE=T3D2, ELSET=STAY\n4,20,22\n*ELEMENT, TYPE=MASS, ELSET=LUMP\n5,22\n*ELEMENT, TYPE=ROTARYI, ELSET=TURN\n6,22\n"
+      "*ELEMENT, TYPE=C3D8, ELSET=BLOCK\n1,1,2,3,4,5,6,7,8\n*ELEMENT, TYPE=B31, "
+      "ELSET=BEAM\n2,20,21\n3,21,22\n"
+      "*ELEMENT, TYPE=T3D2, ELSET=STAY\n4,20,22\n*ELEMENT, TYPE=MASS, ELSET=LUMP\n5,22\n*ELEMENT, "
+      "TYPE=ROTARYI, ELSET=TURN\n6,22\n"
       "*SOLID SECTION, ELSET=BLOCK, MATERIAL=STEEL\n*SOLID SECTION, ELSET=STAY, MATERIAL=STEEL\n1.E-4\n"
       "*BEAM SECTION, ELSET=BEAM, MATERIAL=STEEL, SECTION=RECT\n0.02, 0.04\n0.,1.,0.\n*MASS, ELSET=LUMP\n3.\n"
-      "*ROTARY INERTIA, ELSET=TURN\n.1,.2,.15,0.,0.,0.\n*MATERIAL, NAME=STEEL\n*ELASTIC\n2.1E11,0.3\n*DENSITY\n7850.\n"
-      "*SURFACE, NAME=FACE, TYPE=ELEMENT\nBLOCK, S4\n*COUPLING, CONSTRAINT NAME=C1, REF NODE=20, SURFACE=FACE\n*KINEMATIC\n";
-  const Reduced r = reduce(deck, "unit = \"m\"\n[interface.foot]\nby = \"plane\"\npoint = [0, 0, 0]\nnormal = [1, 0, 0]\n"
-                                 "[interface.knee]\nby = \"nodes\"\nnodes = [21]\n[modes]\ncount = 4\n", {}, "deck.inp");
+      "*ROTARY INERTIA, ELSET=TURN\n.1,.2,.15,0.,0.,0.\n*MATERIAL, "
+      "NAME=STEEL\n*ELASTIC\n2.1E11,0.3\n*DENSITY\n7850.\n"
+      "*SURFACE, NAME=FACE, TYPE=ELEMENT\nBLOCK, S4\n*COUPLING, CONSTRAINT NAME=C1, REF NODE=20, "
+      "SURFACE=FACE\n*KINEMATIC\n";
+  const Reduced r =
+      reduce(deck,
+             "unit = \"m\"\n[interface.foot]\nby = \"plane\"\npoint = [0, 0, 0]\nnormal = [1, 0, 0]\n"
+             "[interface.knee]\nby = \"nodes\"\nnodes = [21]\n[modes]\ncount = 4\n",
+             {}, "deck.inp");
   ASSERT_EQ(r.outcome.exit_code, 0) << r.outcome.err;
   const double stay = std::hypot(0.5, 0.25);
   EXPECT_NEAR(r.se.inertia.mass, 7850 * (0.001 + 0.75 * 8e-4 + stay * 1e-4) + 3.0, 1e-9);
   EXPECT_THAT(r.outcome.out, AllOf(HasSubstr("3 beams and rods"), HasSubstr("*COUPLING")));
-  const Reduced bare = reduce(replaced(deck, "*BEAM SECTION, ELSET=BEAM, MATERIAL=STEEL, SECTION=RECT\n0.02, 0.04\n0.,1.,0.\n", ""), "unit = \"m\"\n", {}, "deck.inp");
+  const Reduced bare = reduce(
+      replaced(deck, "*BEAM SECTION, ELSET=BEAM, MATERIAL=STEEL, SECTION=RECT\n0.02, 0.04\n0.,1.,0.\n", ""),
+      "unit = \"m\"\n", {}, "deck.inp");
   EXPECT_EQ(bare.outcome.exit_code, 2);
   EXPECT_THAT(bare.outcome.err, HasSubstr("has no section"));
 }
@@ -368,12 +400,16 @@ TEST_F(Decks, AbaqusBeamsMassesAndCouplings) {
 // of 30 x 20 x 10 mm without its lid, its six faces loose, two lines.
 TEST_F(Decks, OpenCadFilesSayWhereTheyAreOpen) {
   const auto list = [](const std::string& name) {
-    return run("flexura-reduce", {std::string(FLEXURA_SOURCE_DIR "/tests/found/reduce/") + name, "--list-faces"});
+    return run("flexura-reduce",
+               {std::string(FLEXURA_SOURCE_DIR "/tests/found/reduce/") + name, "--list-faces"});
   };
-  const Outcome open = list("open_box.brep"), lines = list("two_lines.brep"), loose = list("faces_of_box.brep");
+  const Outcome open = list("open_box.brep"), lines = list("two_lines.brep"),
+                loose = list("faces_of_box.brep");
   EXPECT_EQ(open.exit_code, 2);
-  EXPECT_THAT(open.err, AllOf(HasSubstr("is not closed"), HasSubstr("4 of its 12 edges belong to one face only, 100 mm together"),
-                              HasSubstr("(0, 20, 10) to (30, 20, 10), 30 mm"), HasSubstr("export a solid body")));
+  EXPECT_THAT(open.err,
+              AllOf(HasSubstr("is not closed"),
+                    HasSubstr("4 of its 12 edges belong to one face only, 100 mm together"),
+                    HasSubstr("(0, 20, 10) to (30, 20, 10), 30 mm"), HasSubstr("export a solid body")));
   EXPECT_EQ(lines.exit_code, 2);
   EXPECT_THAT(lines.err, HasSubstr("only 2 curves"));
   EXPECT_EQ(loose.exit_code, 0) << loose.err;
@@ -382,26 +418,34 @@ TEST_F(Decks, OpenCadFilesSayWhereTheyAreOpen) {
 
 // Modes at a few nodes are no geometry: the file is known, and what to give instead is said.
 TEST_F(Decks, FlexDataAsGeometryNamesTheKey) {
-  folder_.write("arm.xml", "<Reference_FlexData\n id = \"1\"\n num_nodes = \"9\"\n num_sel_modes = \"0\"\n num_sel_nodes = \"0\">\n"
-                           "</Reference_FlexData>\n");
-  const auto part = folder_.write("part.toml", "[geometry]\nfile = \"arm.xml\"\n[material.steel]\nyoung = \"210 GPa\"\npoisson = "
-                                               "0.3\ndensity = 7850\n");
+  folder_.write("arm.xml",
+                "<Reference_FlexData\n id = \"1\"\n num_nodes = \"9\"\n num_sel_modes = \"0\"\n "
+                "num_sel_nodes = \"0\">\n"
+                "</Reference_FlexData>\n");
+  const auto part =
+      folder_.write("part.toml",
+                    "[geometry]\nfile = \"arm.xml\"\n[material.steel]\nyoung = \"210 GPa\"\npoisson = "
+                    "0.3\ndensity = 7850\n");
   const Outcome outcome = run("flexura-reduce", {part.string(), "-o", (folder_ / "x.se.h5").string()});
   EXPECT_EQ(outcome.exit_code, 2);
-  EXPECT_THAT(outcome.err, AllOf(HasSubstr("FlexData"), HasSubstr("[mode_vectors]")));
+  EXPECT_THAT(outcome.err, AllOf(HasSubstr("is a FlexData file"), HasSubstr("[flexdata]")));
 }
 
 // A block of solids whose face carries a sheet on a spider of its own: one body.
 TEST_F(Decks, SolidsShellsAndBeamsMakeOneBody) {
   const std::string text =
       "BEGIN BULK\nMAT1,1,2.1+11,,0.3,7850.\nPSOLID,1,1\nPSHELL,2,1,0.01,1,,1\nPBARL,3,1,,ROD\n,0.01\n"
-      "GRID,1,,0.,0.,0.\nGRID,2,,.1,0.,0.\nGRID,3,,.1,.1,0.\nGRID,4,,0.,.1,0.\nGRID,5,,0.,0.,.1\nGRID,6,,.1,0.,.1\n"
+      "GRID,1,,0.,0.,0.\nGRID,2,,.1,0.,0.\nGRID,3,,.1,.1,0.\nGRID,4,,0.,.1,0.\nGRID,5,,0.,0.,.1\nGRID,6,,.1,"
+      "0.,.1\n"
       "GRID,7,,.1,.1,.1\nGRID,8,,0.,.1,.1\nCHEXA,1,1,1,2,3,4,5,6\n,7,8\n"
-      "GRID,11,,0.1,0.,.05\nGRID,12,,0.4,0.,.05\nGRID,13,,0.4,.1,.05\nGRID,14,,0.1,.1,.05\nCQUAD4,2,2,11,12,13,14\n"
+      "GRID,11,,0.1,0.,.05\nGRID,12,,0.4,0.,.05\nGRID,13,,0.4,.1,.05\nGRID,14,,0.1,.1,.05\nCQUAD4,2,2,11,12,"
+      "13,14\n"
       "GRID,20,,0.1,0.05,0.05\nRBE2,30,20,123456,2,3,6,7,11,14\n"
       "GRID,21,,1.,0.,.05\nCBAR,3,3,12,21,0.,1.,0.\nENDDATA\n";
-  const Reduced r = reduce(text, "[interface.foot]\nby = \"plane\"\npoint = [0, 0, 0]\nnormal = [1, 0, 0]\n[interface.tip]\nby = "
-                                 "\"nodes\"\nnodes = [21]\n[modes]\ncount = 5\n");
+  const Reduced r =
+      reduce(text,
+             "[interface.foot]\nby = \"plane\"\npoint = [0, 0, 0]\nnormal = [1, 0, 0]\n[interface.tip]\nby = "
+             "\"nodes\"\nnodes = [21]\n[modes]\ncount = 5\n");
   ASSERT_EQ(r.outcome.exit_code, 0) << r.outcome.err;
   EXPECT_NEAR(r.se.inertia.mass, 7850 * (0.001 + 0.3 * 0.1 * 0.01 + 0.6 * kPi * 1e-4), 1e-9);
   EXPECT_THAT(r.outcome.out, HasSubstr("1 beams and rods"));
@@ -409,13 +453,16 @@ TEST_F(Decks, SolidsShellsAndBeamsMakeOneBody) {
 
 // The mesh written for other programs, read again, is the same part.
 TEST_F(Decks, MeshesAreWrittenForOtherPrograms) {
-  const std::string material = "[material.steel]\nyoung = \"210 GPa\"\npoisson = 0.3\ndensity = 7850\n",
-                    foot = "[interface.foot]\nby = \"plane\"\npoint = [0, 0, 0]\nnormal = [1, 0, 0]\n[modes]\ncount = 3\n";
+  const std::string
+      material = "[material.steel]\nyoung = \"210 GPa\"\npoisson = 0.3\ndensity = 7850\n",
+      foot = "[interface.foot]\nby = \"plane\"\npoint = [0, 0, 0]\nnormal = [1, 0, 0]\n[modes]\ncount = 3\n";
   // Two wedges and a brick.
   const std::string deck =
       "BEGIN BULK\nMAT1,1,2.1+11,,0.3,7850.\nPSOLID,1,1\n"
-      "GRID,1,,0.,0.,0.\nGRID,2,,.1,0.,0.\nGRID,3,,.1,.1,0.\nGRID,4,,0.,.1,0.\nGRID,5,,0.,0.,.1\nGRID,6,,.1,0.,.1\n"
-      "GRID,7,,.1,.1,.1\nGRID,8,,0.,.1,.1\nGRID,9,,.25,0.,0.\nGRID,10,,.25,.1,0.\nGRID,11,,.25,0.,.1\nGRID,12,,.25,.1,.1\n"
+      "GRID,1,,0.,0.,0.\nGRID,2,,.1,0.,0.\nGRID,3,,.1,.1,0.\nGRID,4,,0.,.1,0.\nGRID,5,,0.,0.,.1\nGRID,6,,.1,"
+      "0.,.1\n"
+      "GRID,7,,.1,.1,.1\nGRID,8,,0.,.1,.1\nGRID,9,,.25,0.,0.\nGRID,10,,.25,.1,0.\nGRID,11,,.25,0.,.1\nGRID,"
+      "12,,.25,.1,.1\n"
       "CHEXA,1,1,1,2,3,4,5,6\n,7,8\nCPENTA,2,1,2,9,10,6,11,12\nCPENTA,3,1,2,10,3,6,12,7\nENDDATA\n";
   const Reduced first = reduce(deck, foot, {"--mesh", (folder_ / "again.inp").string()});
   ASSERT_EQ(first.outcome.exit_code, 0) << first.outcome.err;
@@ -427,14 +474,16 @@ TEST_F(Decks, MeshesAreWrittenForOtherPrograms) {
     EXPECT_LT((again.se.omega2 - first.se.omega2).norm(), 1e-8 * first.se.omega2.norm()) << name;
   }
   ASSERT_EQ(reduce(deck, foot, {"--mesh", (folder_ / "again.vtu").string()}).outcome.exit_code, 0);
-  EXPECT_THAT(read_text(folder_ / "again.vtu"), AllOf(HasSubstr("NumberOfPoints=\"12\" NumberOfCells=\"3\""), HasSubstr("12\n13\n13\n")));
+  EXPECT_THAT(read_text(folder_ / "again.vtu"),
+              AllOf(HasSubstr("NumberOfPoints=\"12\" NumberOfCells=\"3\""), HasSubstr("12\n13\n13\n")));
   EXPECT_EQ(reduce(deck, foot, {"--mesh", (folder_ / "again.stl").string()}).outcome.exit_code, 2);
 }
 
 // What is not read is listed, and what cannot be is refused by name.
 TEST_F(Decks, WhatIsNotReadIsListedOrRefused) {
   const Plate plate{.lx = 1.0, .ly = 1.0, .t = 0.01, .nx = 2, .ny = 2};
-  const std::string root = "[interface.root]\n" + plate.edge([](int i, int) { return i == 0; }) + "[modes]\ncount = 1\n";
+  const std::string root =
+      "[interface.root]\n" + plate.edge([](int i, int) { return i == 0; }) + "[modes]\ncount = 1\n";
   const Reduced listed = reduce(plate.nastran("PLOAD4,1,1,2.\nPLOAD4,1,2,2.\nCELAS2,77,1.+3,5,3\n"), root);
   ASSERT_EQ(listed.outcome.exit_code, 0) << listed.outcome.err;
   EXPECT_THAT(listed.outcome.out, HasSubstr("2 cards PLOAD4"));
@@ -445,15 +494,20 @@ TEST_F(Decks, WhatIsNotReadIsListedOrRefused) {
   EXPECT_THAT(lacks.outcome.err, HasSubstr("warning: 1 element CSHEAR is not used"));
   EXPECT_THAT(lacks.outcome.out, HasSubstr("with care: "));
   const Reduced thick = reduce(replaced(plate.nastran(), "PSHELL,1,1,0.01", "PSHELL,1,1,10."), root);
-  EXPECT_THAT(thick.outcome.err, HasSubstr("a shell is 10 m thick where all shells together are 1.41 m long"));
+  EXPECT_THAT(thick.outcome.err,
+              HasSubstr("a shell is 10 m thick where all shells together are 1.41 m long"));
   const auto refusal = [&](const std::string& deck) {
     const Reduced r = reduce(deck, root);
     EXPECT_EQ(r.outcome.exit_code, 2) << r.outcome.err;
     return r.outcome.err;
   };
-  EXPECT_THAT(refusal(replaced(plate.nastran(), "PSHELL,1,1,0.01", "PSHELL,1,1,0.")), HasSubstr("thickness 0"));
-  EXPECT_THAT(refusal(replaced(plate.nastran(), "CQUAD4,1,1,1,2,5,4", "CQUAD4,1,1,1,5,2,4")), HasSubstr("inverted or flat"));
-  EXPECT_THAT(refusal(plate.nastran("PBARL,9,1,,HAT\n,1.,1.,1.,1.\nGRID,50,,5.,0.,0.\nCBAR,60,9,1,50,0.,1.,0.\n")), HasSubstr("HAT"));
+  EXPECT_THAT(refusal(replaced(plate.nastran(), "PSHELL,1,1,0.01", "PSHELL,1,1,0.")),
+              HasSubstr("thickness 0"));
+  EXPECT_THAT(refusal(replaced(plate.nastran(), "CQUAD4,1,1,1,2,5,4", "CQUAD4,1,1,1,5,2,4")),
+              HasSubstr("inverted or flat"));
+  EXPECT_THAT(
+      refusal(plate.nastran("PBARL,9,1,,HAT\n,1.,1.,1.,1.\nGRID,50,,5.,0.,0.\nCBAR,60,9,1,50,0.,1.,0.\n")),
+      HasSubstr("HAT"));
   EXPECT_THAT(refusal(plate.nastran("CELAS2,77,1.+3,1,3,9,3\n")), HasSubstr("turn of the whole body"));
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -55,8 +56,21 @@ void write_gmsh_views(const std::filesystem::path& path, const Superelement& se,
 /// write_vtp; opens in browsers' viewers, Blender, PowerPoint.  Animation j swings target j once in 1.5 s.
 void write_gltf(const std::filesystem::path& path, const Superelement& se, const ModeAnalysis& modes);
 
-/// MotionSolve's Reference_FlexData: frequencies, damping and mode shapes at the interface nodes.  It holds
-/// no inertia invariants: good for inspection and for programs that bring their own.
+/// The rigid body and the integrals of the modes, as superelement::InertiaIntegrals.
+struct FlexDataBody {
+  double mass = 0.0;
+  Eigen::Vector3d S_x = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d S_xx = Eigen::Matrix3d::Zero();
+  std::vector<std::string> names;                  ///< of the interfaces, as `nodes`
+  std::vector<std::vector<Direction>> directions;  ///< that each of them retains
+  double modal_damping = 0.0;               ///< share of the modes' damping that is the body's default
+  Eigen::Matrix3Xd S_phi;                   ///< 3 x m
+  Eigen::MatrixXd S_xphi;                   ///< 9 x m
+  std::array<Eigen::MatrixXd, 6> S_phiphi;  ///< each m x m
+};
+
+/// MotionSolve's Reference_FlexData: frequencies, damping and mode shapes at the interface nodes.  The format has no
+/// inertia invariants; they go into a comment, which other programs pass over, so that the body can be read back.
 struct FlexData {
   struct ModeLine {
     int id = 0;
@@ -68,6 +82,7 @@ struct FlexData {
     int id = 0;
     Eigen::Vector3d position;
   };
+  std::optional<FlexDataBody> body;  ///< none in the files of other programs
   int id = 1;
   int num_nodes = 0;  ///< of the finite element model, or 0
   std::vector<ModeLine> modes;
@@ -78,7 +93,7 @@ struct FlexData {
 FlexData make_flexdata(const Superelement& se, const ModeAnalysis& modes);
 void write_flexdata(const std::filesystem::path& path, const FlexData& data);
 /// Reads what write_flexdata writes and MotionSolve's own files.  Throws std::invalid_argument naming file
-/// and line.
+/// and line, also for more numbers than the counts say, what is not finite, and rigid modes.
 FlexData read_flexdata(const std::filesystem::path& path);
 
 namespace exchange {

@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <cctype>
 #include <charconv>
+#include <cmath>
 #include <fstream>
 #include <map>
+#include <numbers>
 #include <optional>
 
 #include "mbs/files/inputs.hpp"
@@ -81,18 +83,156 @@ class Numbers {
     const std::size_t start = at_ + (text[at_] == '+' ? 1 : 0);
     double value = 0.0;
     const auto [stop, failure] = std::from_chars(text.data() + start, text.data() + end_, value);
-    if (failure != std::errc()) {
+    if (failure != std::errc() || !std::isfinite(value)) {
       reader_.fail(at_, fmt::format("\"{}\" stands where {} is wanted",
                                     text.substr(at_, std::min<std::size_t>(12, end_ - at_)), what));
     }
     at_ = static_cast<std::size_t>(stop - text.data());
     return value;
   }
+  int whole(const char* what) {
+    const double value = next(what);
+    if (!(std::abs(value) < 2e9) || value != std::floor(value))
+      reader_.fail(at_, fmt::format("{} stands where {} is wanted", value, what));
+    return static_cast<int>(value);
+  }
+  [[noreturn]] void refuse(const std::string& what) const { reader_.fail(at_, what); }
+  /// Refuses what is left.
+  void end(const std::string& count) {
+    const std::string& text = reader_.text;
+    for (;;) {
+      while (at_ < end_ && std::isspace(static_cast<unsigned char>(text[at_]))) ++at_;
+      if (at_ >= end_) return;
+      if (text[at_] != '<') break;
+      at_ = std::min(text.find('>', at_), end_ - 1) + 1;
+    }
+    reader_.fail(at_, fmt::format("the block goes on with \"{}\" after {}",
+                                  text.substr(at_, std::min<std::size_t>(12, end_ - at_)), count));
+  }
 
  private:
   const Reader& reader_;
   std::size_t at_, end_;
 };
+
+constexpr const char* kComment = "<!-- Flexura: the body's inertia integrals (SI)";
+constexpr const char* kDirections[] = {"x", "y", "z", "rx", "ry", "rz"};
+
+// Names as they may stand in a comment: "--" would end it.
+std::string encoded(const std::string& name) {
+  std::string out;
+  for (const char c : name) {
+    if (std::isalnum(static_cast<unsigned char>(c)) || c == '_' || c == '.')
+      out += c;
+    else
+      out += fmt::format("%{:02X}", static_cast<unsigned char>(c));
+  }
+  return out;
+}
+
+std::string decoded(const std::string& text) {
+  std::string out;
+  for (std::size_t k = 0; k < text.size(); ++k) {
+    unsigned value = 0;
+    if (text[k] == '%' && k + 2 < text.size() &&
+        std::from_chars(text.data() + k + 1, text.data() + k + 3, value, 16).ec == std::errc()) {
+      out += static_cast<char>(value);
+      k += 2;
+    } else {
+      out += text[k];
+    }
+  }
+  return out;
+}
+
+void write_body(fmt::memory_buffer& out, const FlexDataBody& body) {
+  auto to = std::back_inserter(out);
+  const auto numbers = [&](const char* name, const auto& A) {
+    fmt::format_to(to, "{}", name);
+    for (Eigen::Index j = 0; j < A.cols(); ++j)
+      for (Eigen::Index i = 0; i < A.rows(); ++i)
+        fmt::format_to(to, "{}{:.16E}", i % 6 == 0 ? "\n" : " ", A(i, j));
+    fmt::format_to(to, "\n");
+  };
+  fmt::format_to(to, "{}\nmass {:.16E}\nmodal_damping {:.16E}\n", kComment, body.mass, body.modal_damping);
+  numbers("S_x", body.S_x);
+  numbers("S_xx", body.S_xx);
+  for (std::size_t k = 0; k < body.names.size(); ++k) {
+    fmt::format_to(to, "interface {}", encoded(body.names[k]));
+    for (const Direction d : body.directions[k]) fmt::format_to(to, " {}", kDirections[static_cast<int>(d)]);
+    fmt::format_to(to, " ;\n");
+  }
+  numbers("S_phi", body.S_phi);
+  numbers("S_xphi", body.S_xphi);
+  for (const Eigen::MatrixXd& S : body.S_phiphi) numbers("S_phiphi", S);
+  fmt::format_to(to, "-->\n");
+}
+
+// The words of the comment, one after the other.
+class Words {
+ public:
+  Words(const Reader& reader, Block block) : reader_(reader), at_(block.begin), end_(block.end) {}
+  std::string next(const std::string& wanted) {
+    const std::string& text = reader_.text;
+    while (at_ < end_ && std::isspace(static_cast<unsigned char>(text[at_]))) ++at_;
+    if (at_ >= end_)
+      reader_.fail(end_, "the comment of the inertia integrals ends where " + wanted + " is wanted");
+    begin_ = at_;
+    while (at_ < end_ && !std::isspace(static_cast<unsigned char>(text[at_]))) ++at_;
+    return text.substr(begin_, at_ - begin_);
+  }
+  void expect(const std::string& word) {
+    if (const std::string found = next(word); found != word)
+      reader_.fail(begin_, fmt::format("\"{}\" stands where {} is wanted", found.substr(0, 20), word));
+  }
+  double number(const std::string& of) {
+    const std::string word = next("a number of " + of);
+    double value = 0.0;
+    const auto [stop, failure] = std::from_chars(word.data(), word.data() + word.size(), value);
+    if (failure != std::errc() || stop != word.data() + word.size() || !std::isfinite(value))
+      reader_.fail(begin_,
+                   fmt::format("\"{}\" stands where a number of {} is wanted", word.substr(0, 20), of));
+    return value;
+  }
+  Eigen::MatrixXd matrix(const std::string& name, Eigen::Index rows, Eigen::Index columns) {
+    expect(name);
+    std::vector<double> values;  // one by one: a count that is not true takes no memory
+    for (Eigen::Index k = 0; k < rows * columns; ++k) values.push_back(number(name));
+    return Eigen::Map<const Eigen::MatrixXd>(values.data(), rows, columns);
+  }
+  [[noreturn]] void fail(const std::string& what) const { reader_.fail(begin_, what); }
+
+ private:
+  const Reader& reader_;
+  std::size_t at_, end_, begin_ = 0;
+};
+
+FlexDataBody read_body(const Reader& reader, Block block, int n_nodes, int n_modes) {
+  Words words(reader, block);
+  FlexDataBody body;
+  words.expect("mass");
+  body.mass = words.number("mass");
+  words.expect("modal_damping");
+  body.modal_damping = words.number("modal_damping");
+  body.S_x = words.matrix("S_x", 3, 1);
+  body.S_xx = words.matrix("S_xx", 3, 3);
+  for (int k = 0; k < n_nodes; ++k) {
+    words.expect("interface");
+    body.names.push_back(decoded(words.next("a name")));
+    std::vector<Direction>& directions = body.directions.emplace_back();
+    for (std::string word; (word = words.next("a direction or \";\"")) != ";";) {
+      const auto found = std::find(std::begin(kDirections), std::end(kDirections), word);
+      if (found == std::end(kDirections) ||
+          (!directions.empty() && static_cast<int>(directions.back()) >= found - std::begin(kDirections)))
+        words.fail("the directions of an interface are x, y, z, rx, ry, rz in this order, or some of them");
+      directions.push_back(static_cast<Direction>(found - std::begin(kDirections)));
+    }
+  }
+  body.S_phi = words.matrix("S_phi", 3, n_modes);
+  body.S_xphi = words.matrix("S_xphi", 9, n_modes);
+  for (Eigen::MatrixXd& S : body.S_phiphi) S = words.matrix("S_phiphi", n_modes, n_modes);
+  return body;
+}
 
 }  // namespace
 
@@ -114,6 +254,17 @@ FlexData make_flexdata(const Superelement& se, const ModeAnalysis& modes) {
     }
   }
   data.num_nodes = static_cast<int>(se.surface.vertices.rows());
+  FlexDataBody& body = data.body.emplace();
+  const InertiaIntegrals& I = se.inertia;
+  body.mass = I.mass, body.S_x = I.S_x, body.S_xx = I.S_xx;
+  body.modal_damping = se.modal_damping;
+  for (const Interface& interface : se.interfaces) {
+    body.names.push_back(interface.name);
+    body.directions.push_back(interface.directions);
+  }
+  body.S_phi = I.S_phi * Y;
+  body.S_xphi = I.S_xphi * Y;
+  for (std::size_t k = 0; k < 6; ++k) body.S_phiphi[k] = Y.transpose() * I.S_phiphi[k] * Y;
   return data;
 }
 
@@ -126,21 +277,23 @@ void write_flexdata(const std::filesystem::path& path, const FlexData& data) {
                  "<!-- ID Frequency Eigenvalue Damping -->\n",
                  data.id, data.num_nodes, data.modes.size(), data.nodes.size());
   for (const auto& mode : data.modes) {
-    fmt::format_to(to, "{:8} {:22.14E} {:22.14E} {:22.14E}\n", mode.id, mode.frequency, mode.eigenvalue,
+    fmt::format_to(to, "{:8} {:24.16E} {:24.16E} {:24.16E}\n", mode.id, mode.frequency, mode.eigenvalue,
                    mode.damping);
   }
   fmt::format_to(to, "</ModeData>\n<NodeData>\n<!-- ID X Y Z -->\n");
   for (const auto& node : data.nodes) {
-    fmt::format_to(to, "{:8} {:22.14E} {:22.14E} {:22.14E}\n", node.id, node.position[0], node.position[1],
+    fmt::format_to(to, "{:8} {:24.16E} {:24.16E} {:24.16E}\n", node.id, node.position[0], node.position[1],
                    node.position[2]);
   }
   fmt::format_to(to, "<!-- Mode Shape -->\n");
   for (Eigen::Index j = 0; j < data.shapes.cols(); ++j) {
     for (Eigen::Index i = 0; i < data.shapes.rows(); ++i) {
-      fmt::format_to(to, "{:22.14E}{}", data.shapes(i, j), i % 6 == 5 ? "\n" : " ");
+      fmt::format_to(to, "{:24.16E}{}", data.shapes(i, j), i % 6 == 5 ? "\n" : " ");
     }
   }
-  fmt::format_to(to, "</NodeData>\n</Reference_FlexData>\n");
+  fmt::format_to(to, "</NodeData>\n");
+  if (data.body) write_body(out, *data.body);
+  fmt::format_to(to, "</Reference_FlexData>\n");
   write_whole(path, {out.data(), out.size()});
 }
 
@@ -171,16 +324,26 @@ FlexData read_flexdata(const std::filesystem::path& path) {
   Numbers mode_numbers(reader, *mode_block);
   for (int j = 0; j < n_modes; ++j) {
     FlexData::ModeLine mode;
-    mode.id = static_cast<int>(mode_numbers.next("a mode's number"));
+    mode.id = mode_numbers.whole("a mode's number");
     mode.frequency = mode_numbers.next("a frequency");
     mode.eigenvalue = mode_numbers.next("an eigenvalue");
     mode.damping = mode_numbers.next("a damping ratio");
+    if (!(mode.eigenvalue > 0.0))
+      mode_numbers.refuse(
+          fmt::format("mode {} has the eigenvalue {:g}; only elastic modes, above 0, belong here", mode.id,
+                      mode.eigenvalue));
+    // Printed digits: four at least.
+    if (std::abs(2.0 * std::numbers::pi * mode.frequency / std::sqrt(mode.eigenvalue) - 1.0) > 1e-3)
+      mode_numbers.refuse(fmt::format(
+          "mode {} has the frequency {:g} Hz and the eigenvalue {:g}, which is {:g} Hz", mode.id,
+          mode.frequency, mode.eigenvalue, std::sqrt(mode.eigenvalue) / (2.0 * std::numbers::pi)));
     data.modes.push_back(mode);
   }
+  mode_numbers.end(fmt::format("num_sel_modes = {} modes", n_modes));
   Numbers node_numbers(reader, *node_block);
   for (int k = 0; k < n_nodes; ++k) {
     FlexData::NodeLine node;
-    node.id = static_cast<int>(node_numbers.next("a node's number"));
+    node.id = node_numbers.whole("a node's number");
     for (int a = 0; a < 3; ++a) node.position[a] = node_numbers.next("a coordinate");
     data.nodes.push_back(node);
   }
@@ -190,6 +353,13 @@ FlexData read_flexdata(const std::filesystem::path& path) {
   for (long long i = 0; i < 6LL * n_nodes * n_modes; ++i)
     values.push_back(node_numbers.next("a mode shape's entry"));
   data.shapes = Eigen::Map<const Eigen::MatrixXd>(values.data(), 6 * n_nodes, n_modes);
+  node_numbers.end(fmt::format("{} mode shapes at {} nodes", n_modes, n_nodes));
+  if (const std::size_t comment = reader.text.find(kComment, node_block->end); comment != std::string::npos) {
+    const std::size_t close = reader.text.find("-->", comment);
+    if (close == std::string::npos)
+      reader.fail(comment, "the comment of the inertia integrals is not closed; the file is cut short");
+    data.body = read_body(reader, {comment + std::string(kComment).size(), close}, n_nodes, n_modes);
+  }
   return data;
 }
 

@@ -1,0 +1,116 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <Eigen/Core>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "mesh/import/bar_sections.hpp"
+#include "mesh/import/builder.hpp"
+#include "mesh/import/imported.hpp"
+
+/// What the keywords of an Abaqus deck say, by labels and names, before anything is placed in a model.
+namespace flexura::mesh::abaqus {
+
+struct ElementLine {
+  CellType type;
+  CellVariant variant;
+  std::int64_t label;
+  std::vector<std::int64_t> nodes;
+  Where where;
+};
+struct NodeLine {
+  std::int64_t label;
+  Eigen::Vector3d x;
+  Where where;
+};
+struct Section {
+  std::string set, material;
+  Where where;
+  double thickness = 0, offset = 0;  // of shells
+  double area = 0;                   // of trusses
+  std::optional<BarSection> bar = {};
+  Eigen::Vector3d n1 = -Eigen::Vector3d::UnitZ();  // of beams: their direction 1
+};
+/// Elements that are no cells: beams, trusses, point masses, springs.
+struct OtherElement {
+  std::string type;
+  std::int64_t label;
+  std::vector<std::int64_t> nodes;
+  Where where;
+};
+/// *MASS, *ROTARY INERTIA, *SPRING: numbers for the elements of a set.
+struct ElementData {
+  std::string kind, set;
+  std::vector<double> values;
+  Where where;
+};
+/// *COUPLING, *RIGID BODY, *MPC.
+struct TieKeyword {
+  std::string what, reference,
+      set = {};  // what: COUPLING (of a surface), RIGID BODY (of a node set), MPC (of a node or set)
+  ImportedTie::Kind kind = ImportedTie::Kind::rigid;
+  std::array<bool, 6> dofs{true, true, true, true, true, true};
+  Where where = {};
+};
+/// *TIE: a line of it.
+struct SurfaceTie {
+  std::string slave, master;
+  double tolerance = 0;  ///< 0: a twentieth of the master's cells
+  Where where;
+};
+struct Surface {
+  Where where;
+  bool of_nodes = false, used = false;
+  std::vector<std::pair<std::string, std::string>> entries;  // set or label, face
+};
+
+/// What a part (or the model level) holds, by label.
+struct Part {
+  std::string name;
+  std::vector<NodeLine> nodes;
+  std::vector<ElementLine> elements;
+  std::map<std::string, std::vector<std::int64_t>> node_sets, element_sets;
+  std::vector<Section> sections;
+  std::vector<OtherElement> others;
+  std::vector<ElementData> data;
+};
+
+struct Instance {
+  std::string name;
+  int part = -1;
+  Part own;  // nodes and elements given in the instance itself
+  Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
+  Eigen::Vector3d t = Eigen::Vector3d::Zero();
+};
+
+struct AssemblySet {
+  std::string name, instance;
+  bool of_nodes;
+  std::vector<std::int64_t> labels;
+  std::vector<std::string> names;
+  Where where;
+};
+
+struct Deck {
+  std::set<std::string> file_names;  ///< of all Where
+  std::vector<Part> parts;           ///< 0: the model level of a flat file
+  std::vector<std::unique_ptr<Instance>> instances;
+  std::vector<AssemblySet> assembly_sets;
+  std::vector<TieKeyword> ties;
+  std::vector<SurfaceTie> surface_ties;
+  std::map<std::string, Surface> surfaces;
+  std::vector<ImportedMaterial> materials;
+  Unused unused, left_out, unbound;  ///< keywords; elements; keywords that bind what stays apart
+  std::map<std::string, std::pair<std::size_t, std::string>> replaced;  ///< type: how many, what it becomes
+};
+
+/// Throws std::invalid_argument, naming file and line.
+Deck read_deck(const std::filesystem::path& path);
+
+}  // namespace flexura::mesh::abaqus

@@ -1,0 +1,318 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "reduce/app/flexdata_part.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Cholesky>
+#include <cctype>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "mbs/input/document.hpp"
+#include "mbs/superelement/exchange/exchange.hpp"
+#include "mbs/superelement/file.hpp"
+#include "mbs/superelement/text_file.hpp"
+#include "reduce/app/part_file.hpp"
+#include "reduce/app/to_superelement.hpp"
+#include "reduce/assembly/rigid_motion.hpp"
+#include "reduce/cms/shape_change.hpp"
+
+namespace flexura::reduce {
+namespace {
+
+using Eigen::Index;
+using Eigen::Matrix3d;
+using Eigen::MatrixXd;
+using Eigen::Vector3d;
+using superelement::Direction;
+using superelement::FlexData;
+using superelement::FlexDataBody;
+
+std::string text_of(const std::filesystem::path& file) {
+  std::ostringstream text;
+  text << std::ifstream(file).rdbuf();
+  return text.str();
+}
+
+// The file's numbers in SI.  Modes are of unit modal mass in the file's units: displacements per sqrt(mass) * length.
+void to_si(FlexData& data, double length, double mass) {
+  for (FlexData::NodeLine& node : data.nodes) node.position *= length;
+  const double scale = 1.0 / std::sqrt(mass);
+  for (Index row = 0; row < data.shapes.rows(); ++row)
+    data.shapes.row(row) *= row % 6 < 3 ? scale : scale / length;
+}
+
+// The body as the part file gives it, for a file without integrals.
+FlexDataBody rigid_body(const FlexDataInput& input, const FlexData& data) {
+  if (!input.mass || !input.centre || !input.inertia)
+    throw input::InputError(fmt::format(
+        "{}: {} holds modes at the interface nodes, but no mass; give the body's mass, centre and inertia in "
+        "a table [flexdata] of "
+        "a part file (flexura reduce --schema-flexdata), as the program prints them that made the file",
+        input.where, input.file.string()));
+  const auto m = static_cast<Index>(data.modes.size());
+  FlexDataBody body;
+  body.mass = *input.mass;
+  body.S_x = body.mass * *input.centre;
+  body.S_xx = 0.5 * input.inertia->trace() * Matrix3d::Identity() - *input.inertia +
+              body.mass * *input.centre * input.centre->transpose();
+  for (const FlexData::NodeLine& node : data.nodes) {
+    body.names.push_back(fmt::format("node {}", node.id));
+    body.directions.push_back({Direction::u_x, Direction::u_y, Direction::u_z, Direction::theta_x,
+                               Direction::theta_y, Direction::theta_z});
+  }
+  body.S_phi.setZero(3, m);
+  body.S_xphi.setZero(9, m);
+  for (std::size_t k = 0; k < 6; ++k)
+    body.S_phiphi[k] = k < 3 ? MatrixXd(MatrixXd::Identity(m, m) / 3.0) : MatrixXd(MatrixXd::Zero(m, m));
+  return body;
+}
+
+// All integrals of [R Phi]: a rigid motion k is t_k + A_k x.
+InertiaIntegrals integrals_of(const FlexDataBody& body) {
+  const Index m = body.S_phi.cols(), n = 6 + m;
+  InertiaIntegrals I{.mass = body.mass, .S_x = body.S_x, .S_xx = body.S_xx};
+  std::array<Vector3d, 6> t;
+  std::array<Matrix3d, 6> A;
+  for (int k = 0; k < 6; ++k) {
+    t[k] = k < 3 ? Vector3d(Vector3d::Unit(k)) : Vector3d(Vector3d::Zero());
+    A[k].setZero();
+    if (k < 3) continue;
+    const int c = k - 3, a = (c + 1) % 3, b = (c + 2) % 3;  // e_c x x: -x_b along a, x_a along b
+    A[k](a, b) = -1.0, A[k](b, a) = 1.0;
+  }
+  I.S_phi.resize(3, n);
+  I.S_xphi.resize(9, n);
+  for (int k = 0; k < 6; ++k) {
+    I.S_phi.col(k) = body.mass * t[k] + A[k] * body.S_x;
+    for (int a = 0; a < 3; ++a)
+      for (int b = 0; b < 3; ++b)
+        I.S_xphi(3 * a + b, k) = body.S_x(a) * t[k](b) + A[k].row(b).dot(body.S_xx.row(a));
+  }
+  I.S_phi.rightCols(m) = body.S_phi;
+  I.S_xphi.rightCols(m) = body.S_xphi;
+  constexpr int kPairs[6][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {1, 2}, {2, 0}};
+  for (std::size_t p = 0; p < 6; ++p) {
+    const int a = kPairs[p][0], b = kPairs[p][1];
+    MatrixXd& S = I.S_phiphi[p];
+    S.resize(n, n);
+    S.bottomRightCorner(m, m) = body.S_phiphi[p];
+    for (int k = 0; k < 6; ++k) {
+      for (int l = 0; l < 6; ++l)
+        S(k, l) = body.mass * t[k](a) * t[l](b) + t[k](a) * A[l].row(b).dot(body.S_x) +
+                  A[k].row(a).dot(body.S_x) * t[l](b) + A[k].row(a) * body.S_xx * A[l].row(b).transpose();
+      for (Index l = 0; l < m; ++l) {
+        S(k, 6 + l) = t[k](a) * body.S_phi(b, l);
+        S(6 + l, k) = body.S_phi(a, l) * t[k](b);
+        for (int d = 0; d < 3; ++d) {
+          S(k, 6 + l) += A[k](a, d) * body.S_xphi(3 * d + b, l);
+          S(6 + l, k) += A[k](b, d) * body.S_xphi(3 * d + a, l);
+        }
+      }
+    }
+  }
+  return I;
+}
+
+void check_body(const FlexDataBody& body, const std::string& file) {
+  const Vector3d centre = body.S_x / body.mass;
+  const Matrix3d second = body.S_xx - body.mass * centre * centre.transpose();
+  const Matrix3d J = second.trace() * Matrix3d::Identity() - second;
+  if (!(body.mass > 0.0) || Eigen::LLT<Matrix3d>(J).info() != Eigen::Success)
+    throw std::invalid_argument(
+        fmt::format("{}: no body has the mass {:g} kg and the moments of inertia {:g}, {:g}, {:g} kg m^2 "
+                    "about its centre",
+                    file, body.mass, J(0, 0), J(1, 1), J(2, 2)));
+}
+
+Matrix3d symmetric(const std::vector<double>& v) {  // xx, yy, zz, xy, yz, zx
+  Matrix3d J;
+  J << v[0], v[3], v[5], v[3], v[1], v[4], v[5], v[4], v[2];
+  return J;
+}
+
+}  // namespace
+
+const input::TableSchema& flexdata_schema() {
+  static const input::TableSchema schema = [] {
+    namespace dim = input::dim;
+    input::TableSchema s{
+        .name = "flexdata",
+        .doc =
+            "The file and what it lacks. Written by `flexura export --format flexdata` it lacks nothing: "
+            "`flexura reduce "
+            "arm.xml` needs no part file. Modes must be those of the free body, of unit modal mass, at least "
+            "as many as "
+            "move every interface in each direction by itself (six for each interface node, less six)."};
+    s.keys = {
+        input::text("file", "FlexData file (.xml)").required(),
+        input::choice("unit", {"m", "mm", "cm", "inch", "ft"}, "its length unit").or_default("m"),
+        input::choice("mass_unit", {"kg", "t", "g", "lbf s^2/in", "slug"},
+                      "its mass unit, the time being s; default: what goes with the length unit (m: kg, mm: "
+                      "t, inch: lbf s^2/in, "
+                      "ft: slug)"),
+        input::quantity("mass", dim::mass, "the body's mass").above(0),
+        input::vector3("centre", dim::length, "its mass centre"),
+        input::quantities("inertia", dim::inertia,
+                          "xx, yy, zz, xy, yz, zx: its inertia tensor about the mass centre")
+            .sized(6),
+        input::texts("names",
+                     "of its interface nodes, in the file's order; default: \"node 12\" by their numbers"),
+    };
+    input::TableSchema top{
+        .name = "FlexData part file",
+        .doc =
+            "A flexible body that another program has reduced, as MotionSolve's Reference_FlexData, for "
+            "`flexura reduce`. Quantities carry their unit; plain numbers are SI."};
+    top.keys = {input::text("name", "name of the part; default: the file's name"),
+                input::table("flexdata", s, "the file").required()};
+    return top;
+  }();
+  return schema;
+}
+
+bool is_flexdata_file(const std::filesystem::path& file) {
+  std::string ending = file.extension().string();
+  for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  if (ending == ".xml") return true;
+  std::ifstream in(file);
+  for (std::string line; std::getline(in, line);) {
+    const std::size_t first = line.find_first_not_of(" \t");
+    if (first != std::string::npos && line.compare(first, 10, "[flexdata]") == 0) return true;
+  }
+  return false;
+}
+
+FlexDataInput read_flexdata_part(const std::filesystem::path& file,
+                                 const std::vector<std::string>& overrides) {
+  FlexDataInput part{.name = file.stem().string(), .where = file.string()};
+  std::string ending = file.extension().string();
+  if (ending != ".toml") {
+    if (!overrides.empty())
+      throw input::InputError(
+          file.string() +
+          ": is a FlexData file, which has no entries to set; write a part file with a table "
+          "[flexdata]");
+    part.file = file;
+    return part;
+  }
+  const input::Section top = input::read_document(file, flexdata_schema(), overrides),
+                       in = top.table("flexdata");
+  if (top.has("name")) part.name = top.text("name");
+  part.source = text_of(file);
+  part.where = in.where();
+  part.file = in.file("file");
+  static const std::map<std::string, std::pair<double, std::string>> lengths = {
+      {"m", {1.0, "kg"}},
+      {"mm", {1e-3, "t"}},
+      {"cm", {1e-2, "kg"}},
+      {"inch", {0.0254, "lbf s^2/in"}},
+      {"ft", {0.3048, "slug"}}};
+  const auto& [length, mass] = lengths.at(in.text("unit"));
+  part.unit_length = length;
+  part.unit_mass = mass_unit(in.has("mass_unit") ? in.text("mass_unit") : mass);
+  if (in.has("mass")) part.mass = in.quantity("mass");
+  if (in.has("centre")) part.centre = in.vector3("centre");
+  if (in.has("inertia")) part.inertia = symmetric(in.quantities("inertia"));
+  if (in.has("names")) part.names = in.texts("names");
+  return part;
+}
+
+void reduce_flexdata(const FlexDataInput& input, const std::filesystem::path& output,
+                     const OutputOptions& options) {
+  FlexData data = superelement::read_flexdata(input.file);
+  if (data.nodes.empty())
+    throw std::invalid_argument(input.file.string() +
+                                ": has no interface nodes to which anything could be joined");
+  std::vector<std::string> notes, warnings;
+  if (data.body) {
+    if (input.mass || input.centre || input.inertia)
+      throw input::InputError(input.where + ": " + input.file.string() +
+                              " brings its mass and inertia along; leave mass, centre and inertia out");
+  } else {
+    to_si(data, input.unit_length, input.unit_mass);
+    data.body = rigid_body(input, data);
+    warnings.push_back(
+        "the file has no inertia integrals: that centrifugal and Coriolis forces deform the body is left "
+        "out, so that results "
+        "hold while it turns slowly against its lowest frequency");
+  }
+  FlexDataBody& body = *data.body;
+  check_body(body, input.file.string());
+  if (!input.names.empty()) {
+    if (input.names.size() != data.nodes.size())
+      throw input::InputError(fmt::format("{}.names: {} names for {} interface nodes", input.where,
+                                          input.names.size(), data.nodes.size()));
+    body.names = input.names;
+  }
+  const auto m = static_cast<Index>(data.modes.size());
+
+  Reduction r;
+  r.inertia = integrals_of(body);
+  r.M_se = r.inertia.S_phiphi[0] + r.inertia.S_phiphi[1] + r.inertia.S_phiphi[2];
+  r.K_se = MatrixXd::Zero(6 + m, 6 + m);
+  MatrixXd B(0, 6 + m), places(3 * static_cast<Index>(data.nodes.size()), 6 + m);
+  for (std::size_t k = 0; k < data.nodes.size(); ++k) {
+    const auto first = static_cast<Index>(6 * k);
+    MatrixXd motion(6, 6 + m);
+    motion << node_motion_at(data.nodes[k].position), data.shapes.middleRows<6>(first);
+    places.middleRows<3>(3 * static_cast<Index>(k)) = motion.topRows<3>();
+    ReducedInterface interface { .name = body.names[k], .tie = Tie::rigid, .point = data.nodes[k].position };
+    interface.first_dof = static_cast<int>(B.rows());
+    for (const Direction d : body.directions[k]) interface.directions.push_back(static_cast<int>(d));
+    B.conservativeResize(B.rows() + static_cast<Index>(interface.directions.size()), Eigen::NoChange);
+    B.bottomRows(static_cast<Index>(interface.directions.size())) = motion(interface.directions, Eigen::all);
+    r.interfaces.push_back(std::move(interface));
+  }
+  r.n_b = static_cast<int>(B.rows());
+  Eigen::VectorXd damping = Eigen::VectorXd::Zero(6 + m);
+  for (Index j = 0; j < m; ++j) {
+    const FlexData::ModeLine& mode = data.modes[static_cast<std::size_t>(j)];
+    r.K_se(6 + j, 6 + j) = mode.eigenvalue;
+    damping(6 + j) = 2.0 * (mode.damping - body.modal_damping) * std::sqrt(mode.eigenvalue);
+    // Printed digits of the shapes.
+    if (std::abs(r.M_se(6 + j, 6 + j) - 1.0) > 1e-6)
+      throw std::invalid_argument(fmt::format("{}: mode {} has the modal mass {:g}, 1 is wanted",
+                                              input.file.string(), mode.id, r.M_se(6 + j, 6 + j)));
+  }
+  // Alike but for printed digits, it is the body's default.
+  const double size = std::sqrt(r.K_se.maxCoeff());
+  if (damping.cwiseAbs().maxCoeff() > 1e-9 * size) r.D_se = damping.asDiagonal();
+  r.shapes = places.cast<float>();
+  CanonicalShapes shapes;
+  try {
+    shapes = canonical_shapes(r.K_se, r.M_se, B);
+  } catch (const std::invalid_argument& error) {
+    throw std::invalid_argument(
+        fmt::format("{}: {} (its {} modes with the six rigid motions; {} dofs need {} modes at least, those "
+                    "of the free body)",
+                    input.file.string(), error.what(), m, r.n_b, std::max(0, r.n_b - 6)));
+  }
+  change_shapes(r, shapes);
+  notes.push_back(fmt::format("{} modes of {} with the six rigid motions: {} interface dofs + {} modes", m,
+                              input.file.filename().string(), r.n_b, r.n_q));
+  const nlohmann::json json = {
+      {"flexdata", {{"file", input.file.filename().string()}, {"modes", m}}},
+      {"notes", notes},
+      {"warnings", warnings},
+      {"verdict", "as good as the modes of the file; what its mesh and its choice of modes cost is unknown"}};
+  PartInput named;  // what the superelement takes of a part's input
+  named.name = input.name;
+  named.source = input.source;
+  named.modes.damping = body.modal_damping;
+  superelement::Surface surface;  // its interface nodes, as points
+  surface.vertices.resize(static_cast<Index>(data.nodes.size()), 3);
+  for (std::size_t k = 0; k < data.nodes.size(); ++k)
+    surface.vertices.row(static_cast<Index>(k)) = data.nodes[k].position;
+  const Vector3d centre = body.S_x / body.mass;
+  superelement::write(output, to_superelement(named, std::move(r), std::move(surface), json.dump(1)));
+  if (!options.report.empty()) superelement::write_whole(options.report, json.dump(2) + "\n");
+  for (const std::string& warning : warnings) fmt::print(stderr, "warning: {}\n", warning);
+  if (!options.quiet)
+    fmt::print("  {}\n  mass {:.6g} kg, centre ({:.5g}, {:.5g}, {:.5g}) m\n  {}\nwrote {}\n", notes[0],
+               body.mass, centre.x(), centre.y(), centre.z(), json["verdict"].get<std::string>(),
+               output.string());
+}
+
+}  // namespace flexura::reduce

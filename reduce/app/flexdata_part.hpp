@@ -1,0 +1,46 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <Eigen/Core>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "mbs/input/schema.hpp"
+#include "reduce/app/reduce_part.hpp"
+
+/// Superelements of FlexData files: frequencies and shapes of the free body's modes at its interface nodes, as MotionSolve's
+/// Reference_FlexData holds them (mbs/superelement/exchange/exchange.hpp).
+///
+///     W = [ R  Phi ],   M_W = diag(M_rigid, 1),   K_W = diag(0, omega^2)
+///
+/// with Phi mass-normalised modes of the free body and R its rigid motions, brought to interface coordinates by
+/// canonical_shapes (shape_change.hpp).  The format has no mass: it comes from the comment that `flexura export` writes, with all
+/// inertia integrals, or from the part file.  Without the integrals those that do not follow from orthogonality (the stretch by
+/// centrifugal forces) are zero, which is said.
+namespace flexura::reduce {
+
+struct FlexDataInput {
+  std::string name, source, where;
+  std::filesystem::path file;
+  double unit_length = 1.0, unit_mass = 1.0;  ///< of the file, in SI
+  std::optional<double> mass;                 ///< [kg]
+  std::optional<Eigen::Vector3d> centre;      ///< [m]
+  std::optional<Eigen::Matrix3d> inertia;     ///< about the centre [kg m^2]
+  std::vector<std::string> names;             ///< of the interface nodes; empty: the file's
+};
+
+const input::TableSchema& flexdata_schema();
+
+/// A part file with a table [flexdata], or a FlexData file itself (.xml).
+bool is_flexdata_file(const std::filesystem::path& file);
+
+/// Throws input::InputError.
+FlexDataInput read_flexdata_part(const std::filesystem::path& file, const std::vector<std::string>& overrides);
+
+/// Throws std::invalid_argument for what the user can mend, std::runtime_error otherwise; `output` is written whole or not at
+/// all.
+void reduce_flexdata(const FlexDataInput& input, const std::filesystem::path& output, const OutputOptions& options);
+
+}  // namespace flexura::reduce
