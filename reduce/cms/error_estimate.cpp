@@ -36,6 +36,7 @@ Eigen::VectorXd enlarged_eigenvalues(const Reduction& r, const std::vector<int>&
       linalg::symmetric_eigen(scale.asDiagonal() * r.dropped_growth * scale.asDiagonal());
   Eigen::Index n_x = 0;
   while (n_x < growth.values.size() && growth.values(growth.values.size() - 1 - n_x) > kDependent) ++n_x;
+  if (n_x == 0) return {};  // a mass without a positive direction: round-off
   Eigen::MatrixXd Y = scale.asDiagonal() * growth.vectors.rightCols(n_x) *
                       growth.values.tail(n_x).cwiseSqrt().cwiseInverse().asDiagonal();
   const linalg::DenseEigen own = linalg::symmetric_eigen(Y.transpose() * r.dropped * Y);
