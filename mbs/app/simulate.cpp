@@ -393,6 +393,7 @@ int simulate(Arguments arguments, const terminal::Talk& talk) {
     if (!r.method_hint.empty()) outcome.lines.push_back("hint: " + r.method_hint);
     for (const std::string& line : outcome.lines)
       remarks.push_back(run.name == "run" ? line : fmt::format("run {}: {}", run.name, line));
+    if (!ended && !r.near_rank_loss.empty()) outcome.warnings.push_back(r.near_rank_loss);
     std::vector<std::string> warnings = run.warnings;
     if (!ended) warnings.insert(warnings.end(), outcome.warnings.begin(), outcome.warnings.end());
     if (ended) warnings = outcome.warnings;

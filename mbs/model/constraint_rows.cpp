@@ -63,7 +63,13 @@ std::size_t Mechanism::constraint_of_row(int row) const {
 
 std::string Mechanism::name_of_row(int row) const {
   const std::size_t k = constraint_of_row(row);
-  return constraints_[k]->name() + "." + constraints_[k]->row_name(row - first_row_[k]);
+  const std::string name = constraints_[k]->name() + "." + constraints_[k]->row_name(row - first_row_[k]);
+  const auto* const drive = dynamic_cast<const DriveConstraint*>(constraints_[k].get());
+  if (!drive) return name;
+  // Of several driven coordinates of a joint it says which, as the drives' forces do.
+  const JointDescription& joint = d_.joints[drive->coordinate().joint];
+  if (joint.drives.size() + joint.speed_drives.size() + joint.acceleration_drives.size() < 2) return name;
+  return name + "_" + joint.joint->coordinates()[drive->coordinate().index].name;
 }
 
 std::vector<std::string> Mechanism::names_of_left_out(int i) const {

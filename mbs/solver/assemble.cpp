@@ -67,13 +67,19 @@ enum class Measure { gradients, gaps };
 // One solution of g(p) = 0 by damped minimum-norm steps from a start.
 class PositionSolver {
  public:
-  PositionSolver(const Equations& eq, double t, Eigen::VectorXd free, Measure measure = Measure::gradients)
-      : eq_(eq), n_(eq.sizes()), t_(t), measure_(measure), scratch_(eq.make_scratch()), free_(std::move(free)) {
+  /// `large` (n_v) is what steps are parts of.
+  PositionSolver(const Equations& eq, double t, Eigen::VectorXd free, Eigen::VectorXd large,
+                 Measure measure = Measure::gradients)
+      : eq_(eq),
+        n_(eq.sizes()),
+        t_(t),
+        measure_(measure),
+        scratch_(eq.make_scratch()),
+        free_(std::move(free)),
+        step_scale_(std::move(large)) {
     M_.setZero(n_.n_v, n_.n_v);
     G_.setZero(n_.n_lambda, n_.n_v);
     g_.setZero(n_.n_lambda);
-    step_scale_.resize(n_.n_v);
-    for (int i = 0; i < n_.n_v; ++i) step_scale_(i) = eq.velocity_scale(i);
   }
 
   bool solve(Eigen::VectorXd& p, int max_iterations);
@@ -108,7 +114,7 @@ class PositionSolver {
   Measure measure_;
   std::unique_ptr<Equations::Scratch> scratch_;
   Eigen::MatrixXd M_, G_, H_;
-  Eigen::VectorXd free_, g_, step_scale_, column_scale_, row_scale_, allowed_;
+  Eigen::VectorXd free_, step_scale_, g_, column_scale_, row_scale_, allowed_;
   ConstraintSizes sizes_;
   int iterations_ = 0;
   double change_ = 0.0;
@@ -172,7 +178,7 @@ bool PositionSolver::solve(Eigen::VectorXd& p, int max_iterations) {
       x = normal.ldlt().solve(-row_scale_.cwiseProduct(g_));
       d = column_scale_.cwiseProduct(H_.transpose() * x);
       if (!d.allFinite()) break;
-      // Half a radian (half a typical size) at a time: further away lies another branch.
+      // Half a radian (half the mechanism's length) at a time: further away lies another branch.
       const double largest = d.cwiseAbs().cwiseQuotient(step_scale_).maxCoeff();
       // What is open by little is closed by ways of its size, times one over the sines of the mechanism's angles.
       // Rows that depend on each other but for the last digits of the file (a door on two hinges) can be open by
@@ -245,6 +251,11 @@ Closing close_positions(const Equations& eq, State& s, const ClosingOptions& opt
   AssembleReport& report = out.report;
   const Eigen::VectorXd start = s.p;
   const int n_v = eq.sizes().n_v;
+  Eigen::VectorXd large = options.large;
+  if (large.size() != n_v) {
+    large.resize(n_v);
+    for (int i = 0; i < n_v; ++i) large(i) = eq.velocity_scale(i);
+  }
   // The attempt that left the loops open the least.
   struct Nearest {
     double openness = std::numeric_limits<double>::infinity();
@@ -263,12 +274,12 @@ Closing close_positions(const Equations& eq, State& s, const ClosingOptions& opt
       int k = 0;  // of those that move: the push, and the branch it leads to, is that of the rigid mechanism
       for (int i = 0; i < n_v; ++i)
         if (free(i) > 0.0)
-          d(i) = nudge * eq.velocity_scale(i) * std::cos((2.4 + pattern) * k++ + 0.7 + pattern);
+          d(i) = nudge * large(i) * std::cos((2.4 + pattern) * k++ + 0.7 + pattern);
       Eigen::VectorXd moved(start.size());
       eq.retract(start, d, moved);
       s.p = moved;
     }
-    PositionSolver solver(eq, s.t, free);
+    PositionSolver solver(eq, s.t, free, large);
     const bool solved = solver.solve(s.p, options.max_iterations);
     report.iterations += solver.iterations();
     report.position_change = solver.change();
@@ -277,8 +288,8 @@ Closing close_positions(const Equations& eq, State& s, const ClosingOptions& opt
     if (solved && nudge > 0.0)
       report.notes.push_back(fmt::format(
           "the start values lead to no closed loops of themselves (they are stretched out, or far off); a "
-          "push of {:.2g} rad or m found the branch that the mechanism stands on: give values near the one "
-          "that is meant",
+          "push of {:.2g} rad or lengths of the mechanism found the branch that the mechanism stands on: give "
+          "values near the one that is meant",
           nudge));
     // A prescribed value moves only for a loop that closes better by it, not for round-off; parts that do not fit
     // stay where they were put unless they fit far better elsewhere.
@@ -339,7 +350,7 @@ Closing close_positions(const Equations& eq, State& s, const ClosingOptions& opt
   // Newton's method came to rest where its own measure is least: the gap itself may be less beside it, and what is given
   // is no reason to show a wider one.
   if (n_v > 0 && nearest.p.size() > 0 && nearest.out_of_reach.empty()) {
-    PositionSolver solver(eq, s.t, freedoms(n_v, options, 1.0), Measure::gaps);
+    PositionSolver solver(eq, s.t, freedoms(n_v, options, 1.0), large, Measure::gaps);
     Eigen::VectorXd p = nearest.p;
     solver.approach(p, options.max_iterations);
     report.iterations += solver.iterations();

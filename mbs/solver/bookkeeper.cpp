@@ -9,7 +9,7 @@
 namespace flexura::mbs {
 
 Bookkeeper::Bookkeeper(const Equations& eq, const SolverOptions& options, Row row, bool beside)
-    : book_(eq),
+    : book_(eq, options.tolerance),
       closer_(eq, options),
       watch_(eq),
       allowed_(RowWatch::allowed(options.tolerance)),
@@ -25,9 +25,7 @@ BookEntry& Bookkeeper::next(BookEntry::Kind kind) {
 void Bookkeeper::work_off(BookEntry& entry) {
   switch (entry.kind) {
     case BookEntry::Kind::step:
-      for (Instant& node : entry.nodes)
-        if (book_.asks_multipliers(node.state)) closer_.accelerate(node.state, node.v_dot);
-      book_.open_step(entry.t_end, entry.nodes);
+      enter_step(entry);
       break;
     case BookEntry::Kind::row:
       if (const RowWatch::Opening& open = close(entry.row.state); open.left_out > 1.0 || open.kept > allowed_)
@@ -40,6 +38,23 @@ void Bookkeeper::work_off(BookEntry& entry) {
       peaks_.energy_error = std::max(peaks_.energy_error, std::abs(book_.account().error()));
       break;
   }
+}
+
+void Bookkeeper::enter_step(BookEntry& entry) {
+  if (!book_.asks_multipliers(entry.nodes[2].state)) {
+    book_.open_step(entry.t_end, entry.nodes);
+    return;
+  }
+  const auto put_right = [this](Instant& at) {
+    closer_.close(at.state);
+    closer_.accelerate(at.state, at.v_dot);
+  };
+  for (Instant& node : entry.nodes) put_right(node);
+  book_.open_step(entry.t_end, entry.nodes, [&](double x) -> const Instant& {
+    EnergyBook::interpolate(entry.begin, entry.nodes, x, between_);
+    put_right(between_);
+    return between_;
+  });
 }
 
 const RowWatch::Opening& Bookkeeper::close(State& s) {

@@ -19,6 +19,7 @@ struct BookEntry {
   Kind kind = Kind::step;
   double t_end = 0.0;            ///< of the step
   std::array<Instant, 3> nodes;  ///< of the step, at EnergyBook::node_times()
+  Instant begin;                 ///< of the step, where there are constraints
   Instant row;
 };
 
@@ -49,12 +50,14 @@ class Bookkeeper {
   EnergyBook& book() { return book_; }
   LoopCloser& closer() { return closer_; }
   const Peaks& peaks() const { return peaks_; }
+  const RowWatch& watch() const { return watch_; }
   void note(const LoopCloser::Drift& left);
   /// Closes the loops of s, notes what is left open, of rows left out as redundant, too, and returns it.
   const RowWatch::Opening& close(State& s);
 
  private:
   void work_off(BookEntry& entry);
+  void enter_step(BookEntry& entry);
 
   EnergyBook book_;
   LoopCloser closer_;
@@ -62,6 +65,7 @@ class Bookkeeper {
   double allowed_;  // see RowWatch::Opening
   Row row_;
   Peaks peaks_;
+  Instant between_;
   Conveyor<BookEntry> entries_;
 };
 

@@ -13,6 +13,7 @@
 #include "mbs/solver/closing.hpp"
 #include "mbs/solver/equilibrium.hpp"
 #include "mbs/solver/kinematic_blocks.hpp"
+#include "mbs/solver/mechanism_scales.hpp"
 #include "mbs/solver/tangents.hpp"
 
 namespace flexura::mbs {
@@ -132,6 +133,12 @@ std::string moved_values(const Mechanism& mechanism, const VectorXd& before, con
   return fmt::format("{}", fmt::join(list, ", "));
 }
 
+// 1 rad, or the mechanism's length: as much of a step in a watch as in a bridge.
+VectorXd large_steps(const Mechanism& mechanism, const State& s) {
+  const Scales scales = scales_of(mechanism, s);
+  return scales.length * scales.reach_v.cwiseInverse();
+}
+
 }  // namespace
 
 std::vector<bool> velocities_of(const Mechanism& mechanism, const State& s, const std::vector<bool>& marked) {
@@ -165,7 +172,8 @@ std::optional<StrainedLoops> close_loops(const Mechanism& mechanism, const Mecha
                                          const AssembleOptions& keep, AssembleReport& report) {
   const VectorXd start = s.p;
   const std::vector<bool> deforms = deformations_of(mechanism, file, s);
-  ClosingOptions stiff{keep.keep_position, deforms, true, keep.max_iterations};
+  const VectorXd large = large_steps(mechanism, s);
+  ClosingOptions stiff{keep.keep_position, deforms, true, keep.max_iterations, large};
   const auto say_moved = [&] {
     if (report.positions_kept) return;
     const std::string values = moved_values(mechanism, start, s.p, keep.keep_position);
@@ -208,7 +216,7 @@ std::optional<StrainedLoops> close_loops(const Mechanism& mechanism, const Mecha
   out.openings = openings_of(mechanism, g);
 
   const auto close = [&] {
-    const Closing last = close_positions(mechanism, s, {{}, {}, false, keep.max_iterations});
+    const Closing last = close_positions(mechanism, s, {{}, {}, false, keep.max_iterations, large});
     if (!last.closed) return false;
     report.iterations += last.report.iterations;
     report.position_change += last.report.position_change;

@@ -21,6 +21,9 @@ struct ClosingOptions {
   /// are tried, too: what they find stands on another branch perhaps, but no body is bent.
   bool search_far = false;
   int max_iterations = 200;
+  /// n_v, or empty for Equations::velocity_scale(): what counts as a large step of a coordinate, 1 rad or the mechanism's
+  /// own length.
+  Eigen::VectorXd large = {};
 };
 
 struct Closing {

@@ -9,7 +9,9 @@
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
+#include "mbs/solver/accelerations.hpp"
 #include "mbs/solver/assemble.hpp"
 
 namespace flexura::mbs {
@@ -170,6 +172,36 @@ std::string with_rank_loss(const Equations& eq, const State& s, const std::strin
       "the mechanism locks or stands at a dead point at t = {:.9g} s: the constraints {} lose rank there (smallest "
       "singular value {:.1e}); change the lengths, end the drive before it, or drive another joint ({})",
       s.t, list(rows.rows(svd.matrixU().rightCols(1))), least / sigma(0), trouble.substr(0, trouble.find(':')));
+}
+
+std::string near_rank_loss(const Equations& eq, const LoopCloser::Nearness& nearness, double misfit,
+                           double tolerance) {
+  // Rows that are near to dependent wherever the mechanism stands (a heavy body on a light one) lose no rank.
+  constexpr double kComesNear = 0.1;
+  const double sigma = nearness.least;
+  if (!(sigma < kComesNear * nearness.largest)) return {};
+  // Positions are sums of some terms of the mechanism's size.
+  const double doubt = (misfit + 4.0 * std::numeric_limits<double>::epsilon()) / (sigma * sigma);
+  if (!(doubt > 10.0 * tolerance)) return {};
+  std::string which = "rows";
+  const Sizes n = eq.sizes();
+  if (n.n_lambda <= kMostRows) {
+    State s = make_state(eq);
+    s.t = nearness.t;
+    s.p = nearness.p;
+    const ScaledRows rows(eq, s);
+    if (rows.B.allFinite()) {
+      const Eigen::JacobiSVD<MatrixXd> svd(rows.B, Eigen::ComputeFullU);
+      which = "constraints " + list(rows.rows(svd.matrixU().rightCols(1)));
+    }
+  }
+  return fmt::format(
+      "near t = {:.6g} s the {} come close to depending on each other (singular value {:.1e}): speeds, accelerations, "
+      "forces and the energy balance there are right to {} of themselves, not to the tolerance; {}",
+      nearness.t, which, sigma, doubt < 1.0 ? fmt::format("{:.1e}", doubt) : "nothing",
+      misfit > 4.0 * std::numeric_limits<double>::epsilon()
+          ? "give markers with more digits, or lead the mechanism not through there"
+          : "lead the mechanism not through there");
 }
 
 }  // namespace flexura::mbs

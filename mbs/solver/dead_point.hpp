@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "mbs/model/equations.hpp"
+#include "mbs/solver/projection.hpp"
 
 /// Positions at which independent constraint rows lose rank for an instant: dead points, change points, where
 /// branches of motion cross, and the last position that a locking mechanism reaches.
@@ -26,5 +27,12 @@ std::string require_one_branch(const Equations& eq, const State& s, const Eigen:
 /// The message of an integrator that could not go on from s: where rows nearly lose rank there it says which, else
 /// it is `trouble` as it was.
 std::string with_rank_loss(const Equations& eq, const State& s, const std::string& trouble);
+
+/// One sentence where a run came so near to a position at which rows lose rank that what follows from their inverse is
+/// worse than ten times `tolerance` there, else "". With sigma their least singular value, an error e of the positions
+/// (in parts of the mechanism's size: what its parts do not fit by, and round-off) moves the mechanism by e / sigma
+/// along the motion that the rows nearly allow, which changes sigma by as much, and so speeds, accelerations and forces
+/// by e / sigma^2 of themselves.
+std::string near_rank_loss(const Equations& eq, const LoopCloser::Nearness& nearness, double misfit, double tolerance);
 
 }  // namespace flexura::mbs

@@ -14,7 +14,19 @@ double EnergyAccount::relative_error() const {
   return scale > held ? std::abs(error()) / scale : 0.0;
 }
 
-EnergyBook::EnergyBook(const Equations& eq) : eq_(eq), scratch_(eq.make_scratch()) {}
+namespace {
+
+// A step is halved no further than into parts of 2^-12 of it, and into no more than these.
+constexpr double kShortest = 1.0 / 4096.0;
+constexpr std::size_t kMostParts = 128;
+
+}  // namespace
+
+EnergyBook::EnergyBook(const Equations& eq, double tolerance)
+    : eq_(eq), scratch_(eq.make_scratch()), tolerance_(tolerance) {
+  parts_.reserve(kMostParts);
+  parts_.resize(1);
+}
 
 void EnergyBook::look(const EnergyReport& now, EnergyAccount& account) const {
   account.now = now;
@@ -41,6 +53,14 @@ namespace {
 // Lobatto's four points: the ends, which are evaluated anyway, and two between.
 const double kNode[4] = {0.0, 0.5 - std::sqrt(0.05), 0.5 + std::sqrt(0.05), 1.0};
 
+// The cubic that is 1 at node i and 0 at the others.
+double basis(int i, double x) {
+  double value = 1.0;
+  for (int j = 0; j < 4; ++j)
+    if (j != i) value *= (x - kNode[j]) / (kNode[i] - kNode[j]);
+  return value;
+}
+
 // Integral from 0 to x of the cubic that is 1 at node i and 0 at the others; at x = 1 Lobatto's weights.
 double integral_of_basis(int i, double x) {
   // The other three nodes: (u - a)(u - b)(u - c) = u^3 - S u^2 + P u - Q.
@@ -61,19 +81,89 @@ std::array<double, 3> EnergyBook::node_times(double t_begin, double t_end) {
   return {t_begin + kNode[1] * h, t_begin + kNode[2] * h, t_end};
 }
 
-void EnergyBook::open_step(double t_end, const std::array<Instant, 3>& nodes) {
+void EnergyBook::interpolate(const Instant& begin, const std::array<Instant, 3>& nodes, double x, Instant& at) {
+  const double N[4] = {basis(0, x), basis(1, x), basis(2, x), basis(3, x)};
+  const auto mix = [&](Eigen::VectorXd State::* y) {
+    at.state.*y =
+        N[0] * begin.state.*y + N[1] * nodes[0].state.*y + N[2] * nodes[1].state.*y + N[3] * nodes[2].state.*y;
+  };
+  for (const auto y : {&State::p, &State::v, &State::c, &State::lambda, &State::a}) mix(y);
+  at.state.t = begin.state.t + x * (nodes[2].state.t - begin.state.t);
+  at.state.root = nodes[0].state.root;
+  at.v_dot = N[0] * begin.v_dot + N[1] * nodes[0].v_dot + N[2] * nodes[1].v_dot + N[3] * nodes[2].v_dot;
+}
+
+// What the four points may miss of the part's work [J]. With c_k the coefficients of Legendre's polynomials, which fall
+// by a ratio r each where the power is analytic about the part, the first one missed is c_6: of size P r^6 with r from
+// c_2 = P r^2 and c_3 = P r^3, the larger of the two (a power that is odd or even about the middle has one of them).
+double EnergyBook::unresolved(const Part& part) const {
+  double missed = 0.0;
+  for (const auto power : {&EnergyReport::input_power, &EnergyReport::dissipated_power}) {
+    const double f[4] = {part.at[0].*power, part.at[1].*power, part.at[2].*power, part.at[3].*power};
+    const double P = std::max({std::abs(f[0]), std::abs(f[1]), std::abs(f[2]), std::abs(f[3])});
+    if (P == 0.0) continue;
+    const double c_2 = 5.0 / 12.0 * std::abs(f[0] + f[3] - f[1] - f[2]) / P;
+    const double c_3 = 0.25 * std::abs(f[3] - f[0] - std::sqrt(5.0) * (f[2] - f[1])) / P;
+    missed += h_ * part.length * P * std::max(c_2 * c_2 * c_2, c_3 * c_3);
+  }
+  return missed;
+}
+
+void EnergyBook::halve(std::size_t k, const Between& between) {
+  const Part whole = parts_[k];
+  const auto look_at = [&](double x) {
+    const Instant& at = between(x);
+    return eq_.energy(at.state, at.v_dot, *scratch_);
+  };
+  Part left, right;
+  left.begin = whole.begin;
+  left.length = right.length = 0.5 * whole.length;
+  right.begin = left.begin + left.length;
+  for (const int i : {1, 2}) {
+    left.at[i] = look_at(left.begin + kNode[i] * left.length);
+    right.at[i] = look_at(right.begin + kNode[i] * right.length);
+  }
+  left.at[0] = whole.at[0];
+  left.at[3] = right.at[0] = look_at(right.begin);
+  right.at[3] = whole.at[3];
+  parts_[k] = left;
+  parts_.insert(parts_.begin() + static_cast<std::ptrdiff_t>(k) + 1, right);
+}
+
+void EnergyBook::open_step(double t_end, const std::array<Instant, 3>& nodes, const Between& between) {
   t_end_ = t_end;
   h_ = t_end - t_;
-  at_node_[0] = account_.now;
-  for (int i = 0; i < 3; ++i) at_node_[i + 1] = eq_.energy(nodes[i].state, nodes[i].v_dot, *scratch_);
+  parts_.resize(1);
+  parts_[0].begin = 0.0;
+  parts_[0].length = 1.0;
+  parts_[0].at[0] = account_.now;
+  for (int i = 0; i < 3; ++i) parts_[0].at[i + 1] = eq_.energy(nodes[i].state, nodes[i].v_dot, *scratch_);
+  if (!between) return;
+  for (std::size_t k = 0; k < parts_.size();) {
+    const Part& part = parts_[k];
+    EnergyAccount then = account_;
+    add(1.0, then);
+    const double moved = std::max(then.gross_work, account_.peak);
+    // A tenth: the errors of steps add up.
+    const bool is_enough = unresolved(part) <= 0.1 * tolerance_ * moved || part.length <= kShortest ||
+                           parts_.size() >= kMostParts;
+    if (is_enough)
+      ++k;
+    else
+      halve(k, between);
+  }
 }
 
 void EnergyBook::add(double x, EnergyAccount& account) const {
-  for (int i = 0; i < 4; ++i) {
-    const double weight = h_ * integral_of_basis(i, x);
-    account.work_in += weight * at_node_[i].input_power;
-    account.gross_work += weight * std::abs(at_node_[i].input_power);
-    account.dissipated += weight * at_node_[i].dissipated_power;
+  for (const Part& part : parts_) {
+    if (x <= part.begin) break;
+    const double share = std::min(1.0, (x - part.begin) / part.length);
+    for (int i = 0; i < 4; ++i) {
+      const double weight = h_ * part.length * integral_of_basis(i, share);
+      account.work_in += weight * part.at[i].input_power;
+      account.gross_work += weight * std::abs(part.at[i].input_power);
+      account.dissipated += weight * part.at[i].dissipated_power;
+    }
   }
 }
 
@@ -96,7 +186,7 @@ EnergyAccount EnergyBook::at_row(const State& s, const Eigen::VectorXd& v_dot) {
 
 void EnergyBook::close_step() {
   if (h_ > 0.0) add(1.0, account_);
-  look(at_node_[3], account_);
+  look(parts_.back().at[3], account_);
   t_ = t_end_;
   h_ = 0.0;
 }

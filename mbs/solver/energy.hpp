@@ -3,7 +3,9 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <functional>
 #include <memory>
+#include <vector>
 
 #include "mbs/model/equations.hpp"
 
@@ -14,6 +16,11 @@
 /// The powers are integrated over each step by four Lobatto points on the integrator's own polynomial (exact
 /// to degree five, the highest order of the integrators), so the error left is that of the trajectory.
 /// Between the ends of a step the integral is that of the cubic through these four powers.
+///
+/// What drives do is known better than by a polynomial: between the nodes of a long step it lies off the constraints
+/// (a driven loop is right at the nodes of a step of a tenth of a turn), and near a position where they lose rank the
+/// power has a peak far shorter than the step. There the powers are those of states that were moved onto the
+/// constraints, and a step is halved until its four powers resolve it.
 namespace flexura::mbs {
 
 /// A moment of a run.
@@ -38,7 +45,11 @@ struct EnergyAccount {
 
 class EnergyBook {
  public:
-  explicit EnergyBook(const Equations& eq);
+  /// A state of the open step at its share x, 0 to 1, on the constraints and with its multipliers.
+  using Between = std::function<const Instant&(double x)>;
+
+  /// `tolerance` is what the work of a step may lack, relative to the energy that was moved.
+  EnergyBook(const Equations& eq, double tolerance);
 
   void start(const State& s, const Eigen::VectorXd& v_dot);
   /// Goes on from the account of an earlier part of the run.
@@ -46,8 +57,10 @@ class EnergyBook {
   /// Where a step from t_begin to t_end is looked at, the last is the end itself.
   static std::array<double, 3> node_times(double t_begin, double t_end);
   /// Takes the integrator's next step, which ends at t_end, by what its polynomial says at node_times(). Rows
-  /// within the step are asked for before it is closed.
-  void open_step(double t_end, const std::array<Instant, 3>& nodes);
+  /// within the step are asked for before it is closed. With `between` it is halved where four powers say too little.
+  void open_step(double t_end, const std::array<Instant, 3>& nodes, const Between& between = {});
+  /// Fills `at` by the cubic through the step's begin and its three nodes.
+  static void interpolate(const Instant& begin, const std::array<Instant, 3>& nodes, double x, Instant& at);
   /// Whether constraints that move by themselves do work at this state, which is that of their multipliers.
   /// Those of an integrator's polynomial answer to no error test: a wheel that a drive turns evenly took steps
   /// of a tenth of a turn, exact in its motion, whose account was open by 2 %.
@@ -65,11 +78,19 @@ class EnergyBook {
 
   const Equations& eq_;
   std::unique_ptr<Equations::Scratch> scratch_;
+  // A part of the open step with what was seen at its four points.
+  struct Part {
+    double begin = 0.0, length = 1.0;
+    std::array<EnergyReport, 4> at;
+  };
+  double unresolved(const Part& part) const;
+  void halve(std::size_t k, const Between& between);
   void add(double x, EnergyAccount& account) const;  // the share x of the open step
 
+  double tolerance_;
   EnergyAccount account_;
   double t_ = 0.0, t_end_ = 0.0, h_ = 0.0;
-  std::array<EnergyReport, 4> at_node_;  // of the open step
+  std::vector<Part> parts_;  // of the open step, in their order
   Eigen::VectorXd g_t_, rest_;
 };
 

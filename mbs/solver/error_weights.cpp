@@ -40,7 +40,8 @@ ErrorWeights::ErrorWeights(const Equations& eq, const SolverOptions& options)
     reach_p_ = options.scales->reach_p;
     reach_v_ = options.scales->reach_v;
   }
-  for (int i = 0; i < n.n_v; ++i) usual_speed_(i) = eq.velocity_scale(i) * reach_v_(i);
+  // What stands still in a mechanism 500 m across that moves at 100 m/s has round-off of more than 1e-9 m/s.
+  for (int i = 0; i < n.n_v; ++i) usual_speed_(i) = std::max(eq.velocity_scale(i) * reach_v_(i), length_);
   place_ = std::max(place_, length_);
   displacement_ = length_;
   speed_ = HUGE_VAL;

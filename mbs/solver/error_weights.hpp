@@ -16,7 +16,7 @@
 /// All in displacements: what a unit of a state moves stands in SolverOptions::scales, so that lengths, angles
 /// and modes are of the same worth.  L is the mechanism's length: a wheel's angle does not
 /// loosen the tolerance with its revolutions, nor does the way that a vehicle has gone.  D is the largest
-/// displacement since the run began, at most L, and V the largest speed, at most 1 m/s and 1 rad/s: a micro
+/// displacement since the run began, at most L, and V the largest speed, at most 1 rad/s and 1 m/s or L / 1 s: a micro
 /// mechanism, or a stiff one that moves by nanometres, is held to its own motion.  What round-off
 /// makes of L, or of a position itself, is not asked for.
 namespace flexura::mbs {
@@ -45,7 +45,7 @@ class ErrorWeights {
   const Equations& eq_;
   double tolerance_, floor_, duration_, length_ = 1.0, place_ = 0.0;
   Eigen::VectorXd reach_p_, reach_v_;  // [m] for a unit
-  Eigen::VectorXd usual_speed_;        // [m/s], of one unit of a velocity
+  Eigen::VectorXd usual_speed_;        // [m/s], of one unit of a velocity, or one length in a second
   bool has_start_ = false;
   Eigen::VectorXd p_start_;
   double displacement_ = 0.0, speed_ = 0.0;  // D, V without their upper bounds

@@ -90,8 +90,12 @@ Place place_of(const Mechanism& mechanism, const std::map<std::string, JoinedRow
   if (found == all.end()) return place;
   for (const JointDescription& joint : d.joints) {
     if (joint.name != place.name) continue;
-    if (row == "drive") {  // of a joint in the tree
-      place.dimension = joint.joint->coordinates().front().dimension;
+    if (row.starts_with("drive")) {
+      const auto coordinates = joint.joint->coordinates();
+      for (const auto* drives : {&joint.drives, &joint.speed_drives, &joint.acceleration_drives})
+        for (const auto& [index, motion] : *drives)
+          if (row == "drive" || row == "drive_" + coordinates[index].name)
+            place.dimension = coordinates[index].dimension;
       return place;
     }
     place.rows = &found->second;

@@ -67,7 +67,7 @@ input::TableSchema solver_schema() {
           "absolute_factor", in::dim::none,
           "the absolute error allowed is tolerance * absolute_factor times the largest displacement of the "
           "run so far (angles and modes counted by what they displace; at most the mechanism's length), for "
-          "speeds the largest speed so far (at most 1 m/s, 1 rad/s)")
+          "speeds the largest speed so far (at most 1 rad/s, and 1 m/s or one length of the mechanism in a second)")
           .or_default("0.01")
           .above(0.0));
   schema.keys.push_back(

@@ -85,6 +85,13 @@ void LoopCloser::factor(double t, const Eigen::VectorXd& p) {
   saddle_.factor(eq_, M_, G_);
   for (int k = 0; k < n_.n_lambda; ++k) round_off_(k) = 1e-11 * G_.row(k).cwiseAbs().dot(scale_.transpose());
   has_factors_ = true;
+  const double independence = saddle_.independence();
+  nearness_.largest = std::max(nearness_.largest, independence);
+  if (independence < nearness_.least) {
+    nearness_.least = independence;
+    nearness_.t = t;
+    nearness_.p = p;
+  }
 }
 
 // In units of round-off, which grows with the speeds for those on velocity level.
@@ -218,6 +225,8 @@ void LoopCloser::remember(History& history) {
   history(has_factors_);
   history(t_factors_);
   mbs::remember(history, p_factors_, n_.n_p);
+  for (double* x : {&nearness_.least, &nearness_.largest, &nearness_.t}) history(*x);
+  history(nearness_.p);
   if (history.reads() && has_factors_) factor(t_factors_, p_factors_);
 }
 

@@ -44,6 +44,13 @@ class LoopCloser {
     double position = 0.0, velocity = 0.0;
   };
 
+  /// How near the rows came to depending on each other, see SaddleSolver::independence().
+  struct Nearness {
+    double least = 1.0, largest = 0.0;
+    double t = 0.0;     ///< of the least
+    Eigen::VectorXd p;  ///< there
+  };
+
   LoopCloser(const Equations& eq, const SolverOptions& options);
 
   /// Positions and velocities of a row, which may lie inside a long step whose polynomial closes loops less
@@ -58,6 +65,8 @@ class LoopCloser {
   /// orders less accurate than its positions.  Where the loops did not close they are those of the state as it
   /// stands.  Leaves them as they are where the equations cannot be solved: the integrator will say so.
   void accelerate(State& s, Eigen::VectorXd& v_dot);
+  /// Of all states given to close() and accelerate() so far, but for those that old factors served well.
+  const Nearness& nearness() const { return nearness_; }
   /// Where the factorisation was made, so that a continued run repeats the unbroken one to the bit.
   void remember(History& history);
 
@@ -83,6 +92,7 @@ class LoopCloser {
   bool has_factors_ = false, is_closed_ = true;  // the latter of the last close()
   double t_factors_ = 0.0;
   Drift drift_;  // at the last residuals()
+  Nearness nearness_;
   Eigen::VectorXd p_factors_;
   State trial_;
   Eigen::MatrixXd M_, G_;

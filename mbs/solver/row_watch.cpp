@@ -53,10 +53,10 @@ RowWatch::RowWatch(const Equations& eq)
 }
 
 void RowWatch::begin(const State& s) {
-  double misfit = 0.0;
+  misfit_ = 0.0;
   const auto size_up = [&](ConstraintSizes& sizes, const VectorXd& g) {
     sizes.size = sizes.size.cwiseMax(1e-300);
-    if (g.size() > 0) misfit = std::max(misfit, g.cwiseQuotient(sizes.size).lpNorm<Eigen::Infinity>());
+    if (g.size() > 0) misfit_ = std::max(misfit_, g.cwiseQuotient(sizes.size).lpNorm<Eigen::Infinity>());
   };
   if (n_kept_ > 0) {
     kept_sizes_ = eq_.constraint_sizes(s.t, s.p, *scratch_);
@@ -69,7 +69,7 @@ void RowWatch::begin(const State& s) {
     size_up(sizes_, g_);
   }
   // Parts that do not fit exactly open and close as they move, one row by what the others make of it.
-  open_ = kOpen + 10.0 * misfit;
+  open_ = kOpen + 10.0 * misfit_;
 }
 
 void RowWatch::begin(const State& s, const VectorXd& v_dot) {

@@ -44,6 +44,8 @@ class RowWatch {
   /// Equilibria under moving drives are at rest: their rates say nothing.
   enum class Judge { positions, all };
   const Opening& look(const State& s, Judge judge = Judge::all);
+  /// What the rows were open by at begin(), in parts of their size: how little the parts fit.
+  double misfit() const { return misfit_; }
   bool watches() const { return n_ > 0; }
   /// What `kept` may be where Newton's method closed the loops to the run's tolerance and no better.
   static double allowed(double tolerance);
@@ -63,7 +65,7 @@ class RowWatch {
   ConstraintSizes sizes_, kept_sizes_;
   Eigen::VectorXd scale_, none_;
   Eigen::VectorXd g_, g_dot_, g_ddot_, g_kept_;
-  double open_ = 0.0;  // allowed of a row's size
+  double misfit_ = 0.0, open_ = 0.0;  // the latter: allowed of a row's size
   Opening opening_;
 };
 

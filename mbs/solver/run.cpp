@@ -30,6 +30,7 @@ void Runner::enter_step(double t_begin, double t_end, double rows_until, Integra
   step.t_end = t_end;
   const std::array<double, 3> times = EnergyBook::node_times(t_begin, t_end);
   for (int i = 0; i < 3; ++i) integrator.interpolate(times[i], step.nodes[i].state, step.nodes[i].v_dot);
+  if (n_.n_lambda > 0) integrator.interpolate(t_begin, step.begin.state, step.begin.v_dot);
   books_.enter();
   for (; next_row_is_until(rows_until); ++next_row_) {
     Instant& row = books_.next(BookEntry::Kind::row).row;
@@ -271,6 +272,7 @@ bool Runner::finish_step(const StepEnd& end, Integrator& integrator) {
 
 RunResult Runner::run() {
   begin_ = std::chrono::steady_clock::now();
+  bool is_lock = false;
   watch_.begin(result_.state);
   books_.begin(result_.state);
   try {
@@ -300,6 +302,7 @@ RunResult Runner::run() {
     result_.complete = result_.stopped_because.empty();
   } catch (const IntegrationError& e) {
     result_.stopped_because = with_rank_loss(eq_, result_.state, e.what());
+    is_lock = result_.stopped_because != e.what();
   } catch (const AssemblyError& e) {
     result_.stopped_because = e.what();
   } catch (...) {
@@ -312,6 +315,9 @@ RunResult Runner::run() {
   if (result_.method_changes.empty()) result_.method_hint = method_watch_.hint(options_.method);
   result_.energy = books_.book().account();
   const Bookkeeper::Peaks& peaks = books_.peaks();
+  if (keeps_book_ && !is_lock)
+    result_.near_rank_loss =
+        near_rank_loss(eq_, books_.closer().nearness(), books_.watch().misfit(), options_.tolerance);
   result_.largest_energy_error = std::max(before_.largest_energy_error, peaks.energy_error);
   result_.peak_position_drift = std::max(before_.peak_position_drift, peaks.drift.position);
   result_.peak_velocity_drift = std::max(before_.peak_velocity_drift, peaks.drift.velocity);

@@ -75,6 +75,14 @@ int SaddleSolver::rank() const {
   if (impl_->n_lambda == 0 || impl_->free.empty()) return 0;
   return impl_->is_sparse ? impl_->n_lambda : static_cast<int>(impl_->qr.rank());
 }
+double SaddleSolver::independence() const {
+  const Impl& s = *impl_;
+  if (s.n_lambda == 0) return 1.0;
+  if (static_cast<int>(s.free.size()) < s.n_lambda) return 0.0;
+  if (s.is_sparse) return s.sparse.independence();
+  const double largest = std::abs(s.qr.matrixR()(0, 0));
+  return largest > 0.0 ? std::abs(s.qr.matrixR()(s.n_lambda - 1, s.n_lambda - 1)) / largest : 0.0;
+}
 const Eigen::VectorXd& SaddleSolver::row_scale() const {
   return impl_->row_scale;
 }

@@ -32,6 +32,9 @@ class SaddleSolver {
   void solve(const Eigen::VectorXd& r, const Eigen::VectorXd& h, Eigen::VectorXd& x, Eigen::VectorXd& y);
 
   int rank() const;                             ///< of G
+  /// Least over largest pivot of B, about its least singular value over its largest: how near the rows of G are to
+  /// depending on each other. 1 without rows.
+  double independence() const;
   const Eigen::VectorXd& row_scale() const;     ///< E: 1 / norm of the rows of G D (0 for a row of zeros)
   const Eigen::VectorXd& column_scale() const;  ///< D: 1 / sqrt(M_ii)
 

@@ -2,6 +2,7 @@
 #include "mbs/solver/sparse_saddle.hpp"
 
 #include <Eigen/SparseCholesky>
+#include <cmath>
 
 namespace flexura::mbs {
 
@@ -48,6 +49,12 @@ bool SparseSaddle::factor(const Eigen::MatrixXd& M, const Eigen::MatrixXd& G_T) 
   s.X = s.of_M.solve(s.G_T);
   s.of_S.compute(Impl::Sparse(s.G_T.transpose() * s.X));
   return Impl::is_safe(s.of_S);
+}
+
+// Pivots of S are squares of those of B.
+double SparseSaddle::independence() const {
+  const auto& D = impl_->of_S.vectorD();
+  return std::sqrt(D.minCoeff() / D.maxCoeff());
 }
 
 void SparseSaddle::solve(const Eigen::VectorXd& f, const Eigen::VectorXd& h, Eigen::VectorXd& x,

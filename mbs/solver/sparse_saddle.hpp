@@ -23,6 +23,8 @@ class SparseSaddle {
   /// want the complete decomposition of the dense way.
   bool factor(const Eigen::MatrixXd& M, const Eigen::MatrixXd& G_T);
 
+  double independence() const;  ///< see SaddleSolver
+
   /// x (n) and y (n_lambda) for f (n) and h (n_lambda).
   void solve(const Eigen::VectorXd& f, const Eigen::VectorXd& h, Eigen::VectorXd& x, Eigen::VectorXd& y);
 
