@@ -144,7 +144,7 @@ std::string percent_or_more(double error) {
 }
 
 /// "mesh, estimated: first frequency 0.3 %, ..."
-std::string mesh_error_text(const std::optional<MeshShare>& share) {
+std::string mesh_error_text(const std::optional<MeshShare>& share, bool stresses) {
   if (!share) return "  mesh error: unknown (no estimate for such elements or matrices); compare with a finer mesh\n";
   std::string text;
   if (!share->modes.empty()) {
@@ -160,6 +160,7 @@ std::string mesh_error_text(const std::optional<MeshShare>& share) {
   if (worst >= 0.0)
     text += fmt::format("{}static compliance at {} {}", text.empty() ? "  mesh error, estimated: " : "; ",
                         where, percent_or_more(worst));
+  if (stresses) text += "; of stress: unknown";
   return text + "\n";
 }
 
@@ -230,6 +231,8 @@ nlohmann::json reduction_json(const Reduction& reduction) {
           {"factor_bytes", r.factor.bytes},
           {"factor_in_file", r.factor.in_file},
           {"peak_memory_bytes", r.peak_memory_bytes},
+          {"processor_seconds",
+           {{"factorisation", r.factor.processor_seconds}, {"mesh_error", r.processor_seconds_mesh_error}}},
           {"seconds",
            {{"assembly", r.seconds_assembly},
             {"ordering", r.factor.seconds_ordering + r.factor.seconds_symbolic},
@@ -319,7 +322,7 @@ Report make_report(const PartInput& input, const Reduction& reduction, ReportDat
                           frequency_hz(r.certified_omega2));
     text += '\n';
   }
-  text += mesh_error_text(data.mesh_error);
+  text += mesh_error_text(data.mesh_error, reduction.stress_modes.size() > 0);
   if (r.band_frequency_error >= 0.0)
     text += fmt::format(
         "  up to {:.5g} Hz, safe estimate: frequencies within {:.2g} %, dynamic stiffness of the interface "

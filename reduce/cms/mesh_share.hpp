@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "reduce/assembly/part.hpp"
-#include "reduce/estimate/enriched_error.hpp"
+#include "reduce/estimate/mesh_error.hpp"
 
 /// What the mesh costs in accuracy, by frequency and by interface, from the energies it leaves
 /// (reduce/estimate/enriched_error.hpp, mesh_error.hpp).

@@ -47,6 +47,7 @@ struct ReductionReport {
   linalg::FactorFigures factor;
   double seconds_constraint_modes = 0.0, seconds_normal_modes = 0.0, seconds_projection = 0.0;
   double seconds_estimate = 0.0, seconds_mesh_error = 0.0, seconds_stiffening = 0.0, seconds_stress = 0.0;
+  double processor_seconds_mesh_error = 0.0;  ///< all cores together
   double peak_memory_bytes = 0.0;    ///< of the process so far
   int solved_right_hand_sides = 0;   ///< by the eigensolver
   double rigid_strain = 0.0;         ///< |K_bb R| over |K_bb| |R| before rigid motions are taken out: round-off

@@ -21,6 +21,13 @@
 /// Rigid motions have no part in it.  Where the elements' enrichments are known, enriched_error.hpp is better.
 namespace flexura::reduce {
 
+/// Displacements that are judged.
+struct JudgedStates {
+  Eigen::MatrixXd Y;       ///< n x k: combinations of the shapes
+  Eigen::VectorXd lambda;  ///< k: omega^2 [rad^2/s^2], 0 for statics
+  Eigen::MatrixXd force;   ///< n_b x k: on the interface dofs, in the order of the part's interfaces and directions
+};
+
 /// Energies [J] that the mesh leaves in k states, and the share of each cell, in the order of the blocks.
 struct MeshEnergy {
   Eigen::VectorXd energy;    ///< k

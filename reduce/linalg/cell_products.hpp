@@ -11,43 +11,10 @@ namespace flexura::linalg {
 /// Eight numbers that lie together.
 typedef float Eight __attribute__((vector_size(32), aligned(4), may_alias));
 
-/// A += G^T G; G is m x n by rows, A n x n.
-inline void add_gram(const float* G, int m, int n, float* A) {
+/// Y = A X; A m x n by rows, m a multiple of three, X n x 16 and Y m x 16 by rows.
+inline void multiply_sixteen(const float* A, int m, int n, const float* X, float* Y) {
   on_this_machine([&]() __attribute__((always_inline)) {
-    for (int k = 0; k < m; ++k) {
-      const float* g = G + static_cast<long>(k) * n;
-      for (int i = 0; i < n; ++i) {
-        const float a = g[i];
-        float* row = A + static_cast<long>(i) * n;
-        for (int j = 0; j < n; ++j) row[j] += a * g[j];
-      }
-    }
-  });
-}
-
-/// The inverse of a symmetric positive definite matrix in its place, by Gauss and Jordan.
-inline void invert(float* A, int n) {
-  on_this_machine([&]() __attribute__((always_inline)) {
-    for (int k = 0; k < n; ++k) {
-      float* pivot = A + static_cast<long>(k) * n;
-      const float p = 1.0f / pivot[k];
-      pivot[k] = 1.0f;
-      for (int j = 0; j < n; ++j) pivot[j] *= p;
-      for (int i = 0; i < n; ++i) {
-        if (i == k) continue;
-        float* row = A + static_cast<long>(i) * n;
-        const float a = row[k];
-        row[k] = 0.0f;
-        for (int j = 0; j < n; ++j) row[j] -= a * pivot[j];
-      }
-    }
-  });
-}
-
-/// Y = A X; A symmetric n x n, n a multiple of three, X and Y n x 16 by rows.
-inline void multiply_sixteen(const float* A, int n, const float* X, float* Y) {
-  on_this_machine([&]() __attribute__((always_inline)) {
-    for (int i = 0; i < n; i += 3) {
+    for (int i = 0; i < m; i += 3) {
       Eight y00{}, y01{}, y10{}, y11{}, y20{}, y21{};
       const float *a0 = A + static_cast<long>(i) * n, *a1 = a0 + n, *a2 = a1 + n;
       for (int j = 0; j < n; ++j) {

@@ -42,9 +42,11 @@ CholeskyFactor::CholeskyFactor(const SymmetricMatrix& A, std::span<const int> gr
     for (const int row : doubled) values[csr.row_begin[row]] *= 2.0;
     csr.values = values;
   }
+  const double before = processor_seconds();
   const int failed = impl_->L.factorise(csr, true, storage);
   if (failed >= 0) throw SingularMatrix(failed, "the matrix is not positive definite");
   figures.seconds_numeric = watch.lap();
+  figures.processor_seconds = processor_seconds() - before;
   figures.in_file = impl_->L.is_in_file();
   const SupernodalFactor::Pivot smallest = impl_->L.smallest_pivot(A.csr());
   figures.smallest_pivot = smallest.ratio;

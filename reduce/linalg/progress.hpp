@@ -2,6 +2,7 @@
 #pragma once
 
 #include <chrono>
+#include <ctime>
 #include <functional>
 #include <string_view>
 
@@ -14,6 +15,11 @@ using Progress = std::function<void(std::string_view stage, double fraction)>;
 /// Calls a progress function if there is one.
 inline void report(const Progress& progress, std::string_view stage, double fraction) {
   if (progress) progress(stage, fraction);
+}
+
+/// Processor time of this process so far, all threads together: on a busy machine the measure of work.
+inline double processor_seconds() {
+  return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
 }
 
 /// Wall-clock seconds since construction or the last call of lap().

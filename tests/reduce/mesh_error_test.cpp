@@ -82,7 +82,7 @@ TEST(MeshError, HasNoPartOfRigidMotions) {
   EXPECT_LT(recovered_energy(part, T, {}).energy(0), 1e-12 * energy);
   const JudgedStates states{MatrixXd::Identity(2, 2), Eigen::VectorXd::Zero(2), {}};
   // Forces are kept to seven digits; the strains that they come from are free of the motion.
-  EXPECT_LT(EnrichedError(part, T, states, {}).energy().energy(0), 1e-12 * energy);
+  EXPECT_LT(enriched_energy(part, T, states, {}).energy(0), 1e-12 * energy);
 }
 
 // Gained functions are zero at nodes, and their derivatives are those of their values (central differences: 1e-6 steps
@@ -110,7 +110,8 @@ TEST(MeshError, EnrichmentsVanishAtNodes) {
 }
 
 // Pure bending by moments at averaging ties has u of second degree, which linear cells enriched hold: the energy gained is
-// then all that is missing, C_exact - C_h with C = L / (E I).  Conjugate gradients stop a few per cent below.
+// then all that is missing, C_exact - C_h with C = L / (E I).  Conjugate gradients stop where a step gains 4 %, and what the
+// others would gain is guessed, 6 % at most.
 TEST(MeshError, OfPureBendingOnBricksIsAllThatIsMissing) {
   const Part part = beam(kSize, {6, 2, 2}, mesh::CellType::hex8, Tie::average, Tie::average);
   ReductionOptions options;
@@ -126,7 +127,7 @@ TEST(MeshError, OfPureBendingOnBricksIsAllThatIsMissing) {
                  estimate = r.mesh->by_cell.col(n_modes + direction).sum();
     // Its Poisson strains are held nowhere: the tie is an average.
     EXPECT_GT(estimate, 0.9 * missing) << direction << ": " << estimate << " of " << missing;
-    EXPECT_LT(estimate, 1.01 * missing) << direction << ": " << estimate << " of " << missing;
+    EXPECT_LT(estimate, 1.07 * missing) << direction << ": " << estimate << " of " << missing;
   }
 }
 
@@ -148,7 +149,7 @@ TEST_P(MeshErrorOfModes, IsThatOfTheFrequencies) {
   const Part part = beam(kSize, c.n, c.type, Tie::average, Tie::average);
   const FreeModes modes = free_modes_on_nodes(part, {10, 0.0, 1e-7}, truth(6));
   const JudgedStates states{MatrixXd::Identity(10, 10), modes.pairs.omega2.head(10).cwiseMax(0.0), {}};
-  const Eigen::VectorXd E = EnrichedError(part, modes.U.leftCols(10), states, {}).energy().energy;
+  const Eigen::VectorXd E = enriched_energy(part, modes.U.leftCols(10), states, {}).energy;
   for (int k = 6; k < 10; ++k) {
     const double lambda = modes.pairs.omega2(k), error = (lambda - truth(k)) / lambda,
                  estimate = E(k) / lambda;
