@@ -68,6 +68,22 @@ void RowWatch::begin(const State& s) {
     eq_.left_out_constraints(s.t, s.p, s.v, none_, *scratch_, g_, g_dot_, g_ddot_);
     size_up(sizes_, g_);
   }
+  // What counts as fast: 1 rad/s, and of coordinates that move rows by lengths one length of the mechanism in a second (in
+  // those of more than 1 m). A wheel beside gears that runs at 100 m/s excuses nothing of them in one 500 m across.
+  double length = 1.0;
+  for (const ConstraintSizes* sizes : {&kept_sizes_, &sizes_})
+    for (Eigen::Index k = 0; k < sizes->size.size(); ++k)
+      if (sizes->is_length[static_cast<std::size_t>(k)]) length = std::max(length, sizes->size(k));
+  constexpr Eigen::Index kMost = 600;  // coordinates of a dense matrix that costs nothing
+  if (length > 1.0 && n_kept_ > 0 && scale_.size() <= kMost) {
+    Eigen::MatrixXd G = Eigen::MatrixXd::Zero(n_kept_, scale_.size());
+    eq_.constraint_matrix(s.t, s.p, *scratch_, G);
+    for (int i = 0; i < scale_.size(); ++i) {
+      const double unit = eq_.velocity_scale(i);
+      const double moves = unit * G.col(i).cwiseAbs().cwiseQuotient(kept_sizes_.size).maxCoeff();
+      scale_(i) = unit * std::max(1.0, moves * length > 1.0 ? 1.0 / moves : length);
+    }
+  }
   // Parts that do not fit exactly open and close as they move, one row by what the others make of it.
   open_ = kOpen + 10.0 * misfit_;
 }

@@ -220,5 +220,29 @@ to = "b.up"
   EXPECT_THAT(outcome.err, HasSubstr("\"c.drive_position\""));
 }
 
+// A wheel that runs at 650 m/s beside it excused a ring of gears of another ratio for 10 ms, in place of none in metres.
+TEST(RandomSamples, RingsOfAnotherRatioAreRefusedInMillimetres) {
+  const test::Folder folder;
+  const Outcome outcome =
+      test::run("flexura", {"simulate", "-q", kFolder + "ring_in_millimetres.toml", "-o", folder / "rows.h5"});
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_THAT(outcome.err, HasSubstr("contradict each other from t = 0 s on"));
+}
+
+// The search for an equilibrium lays the disc down: "the force on ... is not finite (-nan)".
+TEST(RandomSamples, ADiscThatLiesFlatIsSaidTo) {
+  const test::Folder folder;
+  const std::string file = kFolder + "disc_that_falls_flat.toml";
+  for (const std::vector<std::string>& words :
+       {std::vector<std::string>{"statics", file}, std::vector<std::string>{"simulate", "-q", file, "-o", folder / "rows.h5"},
+        std::vector<std::string>{"simulate", "-q", file, "-o", folder / "flat.h5", "--set",
+                                 "body.disc.quaternion=[1, 0, 0, 0]"}}) {
+    const Outcome outcome = test::run("flexura", words);
+    EXPECT_NE(outcome.exit_code, 0) << outcome.out;
+    EXPECT_THAT(outcome.err, HasSubstr("error: "));
+    EXPECT_THAT(outcome.err, Not(HasSubstr("nan")));
+  }
+}
+
 }  // namespace
 }  // namespace flexura

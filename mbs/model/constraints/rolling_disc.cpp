@@ -1,4 +1,9 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include <cmath>
+#include <stdexcept>
+
 #include "mbs/model/constraints/types.hpp"
 
 namespace flexura::mbs {
@@ -85,16 +90,27 @@ class RollingDisc final : public Constraint {
 
  private:
   /// e' as the disc turns with w.
-  static Vector3d contact_rate(const Pose& X_FM, const Vector3d& e, const Vector3d& w) {
+  Vector3d contact_rate(const Pose& X_FM, const Vector3d& e, const Vector3d& w) const {
     const Vector3d a = X_FM.R.col(2), a_dot = w.cross(a);
-    const double u = a.z(), u_dot = a_dot.z(), root = std::sqrt(1.0 - u * u);
+    const double u = a.z(), u_dot = a_dot.z(), root = steepness(a);
     return (u_dot * a + u * a_dot) / root + u * u_dot / (root * root) * e;
   }
   /// e: from the centre to the lowest point of the rim, a unit vector in F.
-  static Vector3d to_contact(const Pose& X_FM) {
+  Vector3d to_contact(const Pose& X_FM) const {
     const Vector3d a = X_FM.R.col(2), n = Vector3d::UnitZ();
-    const double u = n.dot(a);
-    return (u * a - n) / std::sqrt(1.0 - u * u);
+    return (n.dot(a) * a - n) / steepness(a);
+  }
+  /// w, 0 where the disc lies flat: there all its rim is lowest.
+  double steepness(const Vector3d& a) const {
+    // The contact runs round the rim at 1 / w of the disc's own speeds: what is left of their digits is none.
+    constexpr double kFlat = 1e-8;
+    const double w = std::hypot(a.x(), a.y());
+    if (!(w > kFlat))
+      throw std::runtime_error(
+          fmt::format("the rolling disc \"{}\" lies flat on its plane, where it has no lowest point to roll on: end the run "
+                      "before it falls, give it a speed that keeps it up, or let a contact carry its rim",
+                      name()));
+    return w;
   }
 
   int F_, M_;

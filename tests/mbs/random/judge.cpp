@@ -34,6 +34,8 @@ struct Ran {
   std::string message;
   std::vector<RanRow> rows;
   double balance = 0.0;
+  long steps = 0;
+  std::string warning;  // of rows near rank loss
   std::vector<std::string> notes;
   std::string sentence() const {
     return end == End::complete ? "complete" : (end == End::stopped ? "stopped: " : "refused: ") + message;
@@ -126,6 +128,8 @@ Ran simulate(const Scene& scene, const Writing& how, const JudgeOptions& options
     };
     const RunResult r = run(*p.mechanism, p.state, p.v_dot, p.options, callbacks);
     ran.balance = r.energy.relative_error();
+    ran.warning = r.near_rank_loss;
+    ran.steps = r.counts.steps;
     ran.message = r.stopped_because;
     if (r.complete) ran.end = Ran::End::complete;
   } catch (const std::exception& e) {
@@ -165,10 +169,11 @@ class Judge {
     how.solver = with("open", kTolerance);
     const Ran first = simulate(scene_, how, options_);
     out_.end = first.sentence();
-    look_at_end(first);
-    look_at_rows(first, "open method");
     how.solver = with("radau", kTolerance);
     const Ran second = simulate(scene_, how, options_);
+    fewest_steps_ = std::min(first.steps, second.steps);
+    look_at_end(first);
+    look_at_rows(first, "open method");
     compare(first, second, "the open method and radau", out_.integrators);
     look_at_rows(second, "radau");
     if (options_.other_files) {
@@ -213,7 +218,13 @@ class Judge {
     if (ran.end != Ran::End::complete) look_at_message(ran.message, "the run");
     if (nature_ == Nature::contradicts && ran.end == Ran::End::complete) complain("it contradicts itself and ran");
     if (nature_ == Nature::moves && ran.end == Ran::End::refused) complain("refused: {}", ran.message);
-    if (nature_ == Nature::moves && ran.end == Ran::End::stopped && !may_stop(ran)) complain("stopped: {}", ran.message);
+    if (nature_ == Nature::moves && ran.end == Ran::End::stopped && !may_stop(ran) && !may_chatter(ran)) complain("stopped: {}", ran.message);
+  }
+
+  // A force that changes with the coordinate it acts on may drive it back across the level from both sides.
+  bool may_chatter(const Ran& ran) const {
+    return ran.message.find("switches without end") != std::string::npos &&
+           std::ranges::any_of(scene_.forces, [](const SceneForce& f) { return f.type == "joint_force"; });
   }
 
   // Where the last row stands the rows are about to lose rank, or cannot hold a moment later.
@@ -256,6 +267,7 @@ class Judge {
     ScenePhysics physics(scene_);
     const double size = physics.size();
     const double fit = scene_.digits < 17 ? 3.0 * std::pow(10.0, 1 - scene_.digits) + 1e-9 : 1e-9;
+    double sigma = 1.0;  // the rows' least singular value on the way
     double energy_0 = 0.0, moved_energy = 0.0, offset_0 = 0.0, lost = 0.0, stored = 0.0;
     Vector3d p_0, L_0, c_0;
     const bool floats = !scene_.is_grounded();
@@ -279,7 +291,8 @@ class Judge {
             row.t);
       look_at_coordinates(physics, row, X);
       const ScenePhysics::Gauss gauss = physics.accelerations(row.motion, row.t);
-      if (physics.n_rows() == 0 || gauss.rank.is_clear()) {
+      if (physics.n_rows() > 0) sigma = std::min(sigma, gauss.rank.smallest);
+      if ((physics.n_rows() == 0 || gauss.rank.is_clear()) && !physics.stands_at_switch(row.motion, row.t)) {
         double error = 0.0;
         for (std::size_t b = 1; b < row.motion.size(); ++b) {
           const Eigen::VectorXd a = gauss.a.segment<6>(6 * static_cast<Eigen::Index>(b) - 6);
@@ -313,11 +326,21 @@ class Judge {
     }
     // Relative to the energy that was moved; where nothing was, there is nothing to be relative to.
     out_.balance = moved_energy > 1e-9 ? std::abs(ran.balance) : 0.0;
+    // Each step may err by the tolerance, at worst all of them one way; steps that another method does not need are
+    // no excuse.
+    const double steps = static_cast<double>(std::min(ran.steps, 3 * fewest_steps_));
+    const double vibrated = std::clamp(kTolerance * steps, 1e-5, 1e-3);
     // Of the energy that went to and fro; a structure that stands still moves the round-off of what it holds, 1e-11.
-    out_.energy = std::max(out_.energy, lost / (1e-9 + 1e-6 * std::abs(energy_0) + moved_energy + stored));
-    if (out_.energy > 1e-5) complain("energy is lost by {:.2e}", out_.energy);
+    const double part = lost / (1e-9 + 1e-6 * std::abs(energy_0) + moved_energy + stored);
+    out_.energy = std::max(out_.energy, part);
+    if (part > vibrated) complain("energy is lost by {:.2e}", part);
     // Where a run stops because its rows lose rank the forces grow without bound.
-    if (out_.balance > (ran.end == Ran::End::stopped ? 1e-3 : 1e-5)) complain("the energy balance is open by {:.2e}", out_.balance);
+    // What rows that fit to e make of forces is right to e / sigma^2 (near_rank_loss() of dead_point.hpp).
+    const double misfit = scene_.digits < 17 ? 3.0 * std::pow(10.0, 1 - scene_.digits) : 1e-15;
+    const double amplified = std::min(misfit / (sigma * sigma), 1e-3);
+    const double allowed = ran.end == Ran::End::stopped ? 1e-3 : std::max(vibrated, amplified);
+    if (!ran.warning.empty()) ++out_.warnings;
+    if (ran.warning.empty() && out_.balance > allowed) complain("the energy balance is open by {:.2e}", out_.balance);
     if (out_.momentum > 1e-4) complain("momentum changes by {:.2e}", out_.momentum);
   }
 
@@ -365,7 +388,8 @@ class Judge {
     if (scene_.start == Start::guess) return;
     const double d = difference(a, b, physics_.size());
     largest = std::max(largest, d);
-    const double allowed = 300.0 * kTolerance;
+    // Each step may err by the tolerance, at worst all of them one way.
+    const double allowed = kTolerance * static_cast<double>(std::max({300L, a.steps, b.steps}));
     if (d > allowed) {
       const double growth = sensitivity();
       if (d > allowed * growth) complain("{}: the motion differs by {:.2e}, sensitivity {:.1f}", what, d, growth);
@@ -442,6 +466,7 @@ class Judge {
   std::string which_;  // run is being looked at
   bool said_acceleration_ = false, said_coordinate_ = false;
   int said_rows_ = 0;
+  long fewest_steps_ = 0;  // of the open method and radau
   double sensitivity_ = 0.0;
 };
 

@@ -24,6 +24,7 @@ struct Judgement {
   /// momentum, difference of two integrators.
   double rows = 0.0, rates = 0.0, accelerations = 0.0, energy = 0.0, balance = 0.0, momentum = 0.0, integrators = 0.0,
          files = 0.0;
+  int warnings = 0;  ///< runs that warned of rows near rank loss
 };
 
 /// Runs the scene in every way and asks whether it ended right, or with a message where it may.

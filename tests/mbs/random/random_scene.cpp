@@ -1,9 +1,12 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include "tests/mbs/random/random_scene.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <string>
 
 #include "tests/mbs/random/chance.hpp"
 #include "tests/mbs/random/scene_physics.hpp"
@@ -18,7 +21,7 @@ Matrix3d about_z(double angle) { return rotation_exp({0.0, 0.0, angle}); }
 
 class Maker {
  public:
-  explicit Maker(std::uint64_t seed) : chance_(seed) { s_.bodies.resize(1); }
+  explicit Maker(std::uint64_t seed) : chance_(seed), more_chance_(~seed), has_more_(seed % 3 == 0) { s_.bodies.resize(1); }
 
   Scene make() {
     s_.gravity = chance_.flip(0.3) ? Vector3d::Zero() : Vector3d(9.81 * chance_.direction());
@@ -42,7 +45,14 @@ class Maker {
         break;
     }
     decorate();
+    // From numbers of their own: the other mechanisms stay what they were.
+    if (has_more_) {
+      if (more_chance_.flip(0.2)) add_wheel();
+      if (more_chance_.flip(0.3)) add_curve();
+      decorate_more();
+    }
     choose_start();
+    if (s_.digits < 17) round_markers();
     if (s_.start == Start::guess) {
       s_.guess = s_.poses();
       for (std::size_t b = 1; b < s_.guess.size(); ++b) {
@@ -548,7 +558,131 @@ class Maker {
     }
   }
 
-  Chance chance_;
+  // A body of its own that rolls over a plane and is held to another one by a spring.
+  void add_wheel() {
+    std::swap(chance_, more_chance_);  // bodies and poses are drawn from the former
+    const Pose plane = pose(0.5);
+    std::swap(chance_, more_chance_);
+    const double lean = more_chance_.between(-0.5, 0.5), turn = more_chance_.between(-3.0, 3.0);
+    // The disc's axis is level but for its lean; its centre stands radius * cos(lean) above the plane.
+    SceneConstraint c;
+    c.type = "rolling_disc";
+    c.length = more_chance_.between(0.1, 0.3);
+    const Pose disc = plane * Pose{about_z(turn) * rotation_exp({0.5 * std::numbers::pi + lean, 0, 0}),
+                                   {more_chance_.between(-0.3, 0.3), 0.1, c.length * std::cos(lean)}};
+    const int other = more_chance_.below(static_cast<int>(s_.bodies.size()));
+    std::swap(chance_, more_chance_);
+    const int wheel = body(disc * pose(0.02));
+    std::swap(chance_, more_chance_);
+    s_.bodies[wheel].velocity = more_chance_.vector(1.0);
+    s_.bodies[wheel].angular_velocity = more_chance_.vector(4.0);
+    c.F = marker_at(0, plane);
+    c.M = marker_at(wheel, disc);
+    s_.constraints.push_back(c);
+    s_.what += ", a disc rolls";
+    SceneForce f;
+    f.type = "spring_damper";
+    f.F = s_.add_marker(other, {more_chance_.rotation(), more_chance_.vector(0.3)});
+    f.M = marker_at(wheel, disc);
+    f.rest = (s_.marker(f.F, s_.poses()).p - disc.p).norm();
+    f.stiffness = more_chance_.between(1.0, 50.0);
+    if (f.rest > 0.15) s_.forces.push_back(f);
+  }
+
+  // A point of a body stays on a curve of another, where that leaves a freedom.
+  void add_curve() {
+    const int n = static_cast<int>(s_.bodies.size()), A = more_chance_.below(n), B = more_chance_.below(n);
+    if (A == B) return;
+    const Scene before = s_;
+    SceneConstraint c;
+    c.type = "point_on_curve";
+    for (const double x : {-0.4, -0.12, 0.15, 0.45})
+      c.points.push_back({x, more_chance_.between(-0.1, 0.1), more_chance_.between(-0.05, 0.05)});
+    const SceneCurve curve(c.points);
+    const Pose X_W = {more_chance_.rotation(), s_.bodies[B].X_WB * more_chance_.vector(0.2)};
+    const double s = 0.5 * (curve.knots()[1] + curve.knots()[2]);
+    c.F = marker_at(A, X_W);
+    c.M = marker_at(B, X_W * Pose{Matrix3d::Identity(), curve.at(s)});
+    s_.constraints.push_back(c);
+    const ScenePhysics physics(s_), without(before);
+    const ScenePhysics::Rank rank = physics.rank(s_.poses(), 0.0), less = without.rank(before.poses(), 0.0);
+    if (physics.n_freedoms() == rank.rank || rank.rank != less.rank + 2 || rank.smallest < 0.02)
+      s_ = before;
+    else
+      s_.what += ", a point on a curve";
+  }
+
+  // Elements that touch, switch, rub and hold in six directions.
+  void decorate_more() {
+    const int n_bodies = static_cast<int>(s_.bodies.size());
+    for (int n = 1 + more_chance_.below(3); n > 0; --n) {
+      SceneForce f;
+      const int A = more_chance_.below(n_bodies), B = 1 + more_chance_.below(n_bodies - 1);
+      const int kind = more_chance_.below(5);
+      if (kind <= 1) {
+        if (A == B) continue;
+        const Pose X = {more_chance_.rotation(), s_.bodies[B].X_WB * more_chance_.vector(0.3)};
+        f.F = marker_at(A, X);
+        if (kind == 0) {
+          f.type = "bushing";
+          f.M = marker_at(B, X * Pose{rotation_exp(more_chance_.vector(0.1)), more_chance_.vector(0.02)});
+          f.stiffness = std::exp(more_chance_.between(5.0, 9.0));
+          f.turn_stiffness = std::exp(more_chance_.between(1.0, 4.0));
+          if (more_chance_.flip(0.4)) f.damping = 0.01 * f.stiffness, f.turn_damping = 0.01 * f.turn_stiffness;
+        } else {
+          f.type = "contact";
+          f.radius = more_chance_.flip(0.3) ? 0.0 : more_chance_.between(0.01, 0.1);
+          const double x = more_chance_.between(-0.2, 0.2), gap = more_chance_.between(-0.001, 0.02);
+          f.M = marker_at(B, X * Pose{Matrix3d::Identity(), {x, 0.0, f.radius + gap}});
+          f.exponent = more_chance_.flip(0.5) ? 1.0 : 1.5;
+          f.stiffness = std::exp(more_chance_.between(7.0, 11.0));
+          if (more_chance_.flip(0.4)) f.damping = more_chance_.between(1.0, 20.0);
+        }
+      } else {
+        if (s_.joints.empty()) continue;
+        f.joint = more_chance_.below(static_cast<int>(s_.joints.size()));
+        const SceneJoint& joint = s_.joints[f.joint];
+        const auto& coordinates = coordinates_of(joint.type);
+        // Angles of joints that close loops end the run where they jump (turn_watch.hpp).
+        if (coordinates.empty() || joint.closes || joint.is_connection || joint.type == "universal" ||
+            joint.type == "screw" || joint.type == "point_on_line" || joint.type == "point_on_plane")
+          continue;
+        f.coordinate = more_chance_.below(static_cast<int>(coordinates.size()));
+        const bool turns = coordinates[f.coordinate].is_angle();
+        const double size = turns ? 2.0 : 10.0;
+        if (kind == 2) {
+          f.type = "joint_friction";
+          f.coulomb = size * more_chance_.between(0.05, 1.0);
+          f.transition = turns ? 0.3 : 0.05;
+          if (more_chance_.flip(0.5)) f.damping = 0.1 * f.coulomb;
+        } else {
+          f.type = kind == 3 ? "actuator" : "joint_force";
+          f.level[0] = size * more_chance_.between(-1.0, 1.0);
+          f.level[1] = size * more_chance_.between(-1.0, 1.0);
+          f.time_constant = more_chance_.between(0.01, 0.1);
+          f.start = more_chance_.flip(0.5) ? 0.0 : f.level[0];
+          f.at = kind == 3 ? more_chance_.between(0.02, 0.2)
+                           : ScenePhysics(s_).coordinate(f.joint, f.coordinate, s_.poses()) +
+                                 more_chance_.between(-0.2, 0.2) * (turns ? 1.0 : 0.2);
+        }
+      }
+      s_.forces.push_back(f);
+    }
+  }
+
+  // As a file with so many digits gives them.
+  void round_markers() {
+    const auto rounded = [&](double x) { return std::stod(fmt::format("{:.{}g}", x, s_.digits)); };
+    for (SceneMarker& marker : s_.markers) {
+      marker.X_BP.p = marker.X_BP.p.unaryExpr(rounded);
+      if (marker.X_BP.R.isIdentity(0.0)) continue;
+      const Eigen::Vector4d q = quaternion_of_rotation(marker.X_BP.R).unaryExpr(rounded);
+      marker.X_BP.R = rotation_of_quaternion(q.data());
+    }
+  }
+
+  Chance chance_, more_chance_;
+  bool has_more_;
   Scene s_;
 };
 

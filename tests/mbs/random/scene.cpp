@@ -9,6 +9,8 @@
 #include <numbers>
 #include <numeric>
 
+#include <Eigen/LU>
+
 #include "mbs/math/rotation.hpp"
 
 namespace flexura::mbs::chance {
@@ -23,6 +25,52 @@ std::string Law::text(int derivative, double factor) const {
     return fmt::format("{:.17g} + ({:.17g})*t{}", factor * a, factor * b, wave("sin", factor * c));
   if (derivative == 1) return fmt::format("{:.17g}{}", factor * b, wave("cos", factor * c * w));
   return fmt::format("0{}", wave("sin", -factor * c * w * w));
+}
+
+// T F' = level - F.
+double SceneForce::actuator_force(double t) const {
+  const auto follow = [&](double from, double to, double dt) { return to + (from - to) * std::exp(-dt / time_constant); };
+  return t <= at ? follow(start, level[0], t) : follow(follow(start, level[0], at), level[1], t - at);
+}
+
+SceneCurve::SceneCurve(const std::vector<Vector3d>& points) : r_(points), s_(points.size(), 0.0) {
+  const auto n = static_cast<Eigen::Index>(points.size());
+  for (std::size_t i = 1; i < points.size(); ++i) s_[i] = s_[i - 1] + (points[i] - points[i - 1]).norm();
+  Eigen::MatrixXd A = Eigen::MatrixXd::Identity(n, n), b = Eigen::MatrixXd::Zero(n, 3);
+  for (Eigen::Index i = 1; i + 1 < n; ++i) {
+    const double h = s_[i] - s_[i - 1], k = s_[i + 1] - s_[i];
+    A(i, i - 1) = h / 6.0, A(i, i) = (h + k) / 3.0, A(i, i + 1) = k / 6.0;
+    b.row(i) = ((r_[i + 1] - r_[i]) / k - (r_[i] - r_[i - 1]) / h).transpose();
+  }
+  const Eigen::MatrixXd x = A.fullPivLu().solve(b);
+  for (Eigen::Index i = 0; i < n; ++i) r_2_.emplace_back(x.row(i).transpose());
+}
+
+Vector3d SceneCurve::at(double s) const {
+  const std::size_t n = s_.size();
+  std::size_t i = 0;
+  while (i + 2 < n && s > s_[i + 1]) ++i;
+  const double h = s_[i + 1] - s_[i], in = std::clamp(s, s_.front(), s_.back());
+  const double a = (s_[i + 1] - in) / h, b = (in - s_[i]) / h;
+  Vector3d r = a * r_[i] + b * r_[i + 1] + h * h / 6.0 * ((a * a * a - a) * r_2_[i] + (b * b * b - b) * r_2_[i + 1]);
+  if (in != s)
+    r += (s - in) * ((r_[i + 1] - r_[i]) / h + h / 6.0 * ((1.0 - 3.0 * a * a) * r_2_[i] + (3.0 * b * b - 1.0) * r_2_[i + 1]));
+  return r;
+}
+
+double SceneCurve::foot(const Vector3d& p) const {
+  const double length = s_.back();
+  double best = 0.0, least = HUGE_VAL;
+  for (int k = -20; k <= 120; ++k)
+    if (const double d = (at(0.01 * k * length) - p).norm(); d < least) least = d, best = 0.01 * k * length;
+  // Newton's method on (r - p) . r' by differences of order four.
+  const double h = 1e-4 * length;
+  for (int pass = 0; pass < 8; ++pass) {
+    const Vector3d r_1 = (8.0 * (at(best + h) - at(best - h)) - (at(best + 2 * h) - at(best - 2 * h))) / (12.0 * h);
+    const Vector3d r_2 = (at(best + h) - 2.0 * at(best) + at(best - h)) / (h * h), d = at(best) - p;
+    best -= d.dot(r_1) / (r_1.squaredNorm() + d.dot(r_2));
+  }
+  return best;
 }
 
 std::vector<Pose> Scene::poses() const {
@@ -49,14 +97,15 @@ bool Scene::is_grounded() const {
                              }) ||
          std::ranges::any_of(forces, [&](const SceneForce& f) {
            return f.type == "force" || f.type == "torque" ||
-                  (f.type == "spring_damper" && (on_ground(f.F) || on_ground(f.M)));
+                  (f.is_between_markers() && (on_ground(f.F) || on_ground(f.M)));
          });
 }
 
 bool Scene::is_conservative() const {
   return std::ranges::none_of(joints, [](const SceneJoint& j) { return !j.drives.empty(); }) &&
          std::ranges::none_of(forces, [](const SceneForce& f) {
-           return f.damping != 0.0 || f.type == "force" || f.type == "torque";
+           return f.damping != 0.0 || f.turn_damping != 0.0 || f.type == "force" || f.type == "torque" ||
+                  f.type == "joint_friction" || f.type == "actuator" || f.type == "joint_force";
          });
 }
 
@@ -185,7 +234,7 @@ class Writer {
     for (const int m : order(s_.markers.size(), how_.bodies_backwards))
       if (s_.markers[m].body == b) {
         say("[{}.marker.m{}]\n", table, m);
-        write_pose(s_.markers[m].X_BP, s_.digits);
+        write_pose(s_.markers[m].X_BP, 17);
       }
   }
 
@@ -261,6 +310,13 @@ class Writer {
       say("joints = [{}]\nfactors = [{}]\noffset = {:.17g}\n", joints, factors, constraint.offset);
     } else {
       say("from = \"{}\"\nto = \"{}\"\n", marker_name(constraint.F), marker_name(constraint.M));
+      if (constraint.type == "rolling_disc") say("radius = {:.17g}\n", how_.length * constraint.length);
+      if (constraint.type == "point_on_curve") {
+        std::string points;
+        for (const Vector3d& p : constraint.points)
+          points += fmt::format("{}{}", points.empty() ? "" : ", ", list(how_.length * p, 17));
+        say("points = [{}]\n", points);
+      }
       if (constraint.type == "distance") say("length = {:.17g}\n", how_.length * constraint.length);
     }
   }
@@ -273,6 +329,30 @@ class Writer {
       say("from = \"{}\"\nto = \"{}\"\nstiffness = {:.17g}\ndamping = {:.17g}\nfree_length = {:.17g}\n",
           marker_name(force.F), marker_name(force.M), how_.mass * force.stiffness, how_.mass * force.damping,
           how_.length * force.rest);
+    } else if (force.type == "bushing") {
+      const auto three = [](double x) { return fmt::format("[{0:.17g}, {0:.17g}, {0:.17g}]", x); };
+      say("from = \"{}\"\nto = \"{}\"\nstiffness = {}\ndamping = {}\n", marker_name(force.F), marker_name(force.M),
+          three(how_.mass * force.stiffness), three(how_.mass * force.damping));
+      say("rotational_stiffness = {}\nrotational_damping = {}\n", three(Nm * force.turn_stiffness),
+          three(Nm * force.turn_damping));
+    } else if (force.type == "contact") {
+      say("from = \"{}\"\nto = \"{}\"\nradius = {:.17g}\nstiffness = {:.17g}\nexponent = {:.17g}\ndamping = {:.17g}\n",
+          marker_name(force.F), marker_name(force.M), how_.length * force.radius,
+          force.stiffness * N / std::pow(how_.length, force.exponent), force.exponent, how_.mass * force.damping);
+    } else if (force.is_along_joint() && force.type != "joint_spring_damper") {
+      const NamedCoordinate& c = coordinates_of(s_.joints[force.joint].type)[force.coordinate];
+      const double unit = c.is_angle() ? 1.0 : how_.length, size = N * how_.length / unit;
+      say("joint = \"j{}\"\n", force.joint);
+      if (coordinates_of(s_.joints[force.joint].type).size() > 1) say("coordinate = \"{}\"\n", c.name);
+      if (force.type == "joint_friction")
+        say("coulomb = {:.17g}\nviscous = {:.17g}\ntransition_speed = {:.17g}\n", size * force.coulomb,
+            size / unit * force.damping, unit * force.transition);
+      else if (force.type == "actuator")
+        say("command = \"t > {:.17g} ? {:.17g} : {:.17g}\"\ntime_constant = {:.17g}\nstart = {:.17g}\n", force.at,
+            size * force.level[1], size * force.level[0], force.time_constant, size * force.start);
+      else
+        say("value = \"{} > {:.17g} ? {:.17g} : {:.17g}\"\n", coordinate_name(force.joint, force.coordinate),
+            unit * force.at, size * force.level[1], size * force.level[0]);
     } else if (force.type == "joint_spring_damper") {
       const NamedCoordinate& c = coordinates_of(s_.joints[force.joint].type)[force.coordinate];
       const double k = how_.mass * (c.is_angle() ? how_.length * how_.length : 1.0);

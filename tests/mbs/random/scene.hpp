@@ -62,7 +62,7 @@ struct SceneJoint {
 struct SceneConstraint {
   std::string type;
   int F = 0, M = 0;
-  double length = 0.0;  ///< of a distance; radius of a rack and pinion
+  double length = 0.0;  ///< of a distance; radius of a rack and pinion or of a disc
   /// Of couplers: joint, coordinate, factor.
   struct Term {
     int joint, coordinate;
@@ -72,14 +72,39 @@ struct SceneConstraint {
   double teeth_1 = 1.0, teeth_2 = 1.0;
   bool internal = false;
   double offset = 0.0;
+  std::vector<Vector3d> points;  ///< of a curve
+};
+
+/// The natural cubic spline through points over the sum of their chords (C. de Boor, A Practical Guide to Splines), straight
+/// on beyond its ends.
+class SceneCurve {
+ public:
+  explicit SceneCurve(const std::vector<Vector3d>& points);
+  Vector3d at(double s) const;
+  double foot(const Vector3d& p) const;  ///< s of the nearest point
+  const std::vector<double>& knots() const { return s_; }
+
+ private:
+  std::vector<Vector3d> r_, r_2_;  // values and second derivatives at the knots
+  std::vector<double> s_;
 };
 
 struct SceneForce {
-  std::string type;  ///< spring_damper, joint_spring_damper, force, torque
+  std::string type;  ///< spring_damper, joint_spring_damper, force, torque, bushing, joint_friction, actuator, ...
   int F = 0, M = 0;
   int joint = 0, coordinate = 0;
   double stiffness = 0.0, damping = 0.0, rest = 0.0;
   Law law[3];
+  double turn_stiffness = 0.0, turn_damping = 0.0;  ///< of a bushing
+  double coulomb = 0.0, transition = 0.0;           ///< of friction along a joint
+  double exponent = 1.0, radius = 0.0;              ///< of a contact
+  /// Of actuators (by time) and forces along a joint (by its coordinate): level[1] beyond `at`, else level[0].
+  double at = 0.0, level[2] = {0.0, 0.0}, time_constant = 0.0, start = 0.0;
+  bool is_along_joint() const {
+    return type == "joint_spring_damper" || type == "joint_friction" || type == "actuator" || type == "joint_force";
+  }
+  bool is_between_markers() const { return type == "spring_damper" || type == "bushing" || type == "contact"; }
+  double actuator_force(double t) const;
 };
 
 /// How the file says where the mechanism starts.
@@ -99,7 +124,7 @@ struct Scene {
   std::vector<SceneForce> forces;
   Start start = Start::joints;
   std::vector<Pose> guess;   ///< poses of the bodies for Start::guess
-  int digits = 17;           ///< of markers
+  int digits = 17;           ///< that markers were rounded to
   bool order_matters = false;  ///< another order of the bodies is another mechanism
   double end_time = 0.3, output_step = 0.01;
 

@@ -79,6 +79,14 @@ ScenePhysics::ScenePhysics(const Scene& scene) : scene_(scene), n_(static_cast<i
     const std::string name = fmt::format("c{}", c);
     if (constraint.type == "distance") {
       names_.push_back(name + ".length"), is_length_.push_back(true);
+    } else if (constraint.type == "rolling_disc") {
+      names_.push_back(name + ".height"), is_length_.push_back(true);
+      for (const char* row : {".slip_x", ".slip_y"}) {
+        slip_rows_.push_back(n_rows());
+        names_.push_back(name + row), is_length_.push_back(true);
+      }
+    } else if (constraint.type == "point_on_curve") {
+      for (const char* row : {".side", ".up"}) names_.push_back(name + row), is_length_.push_back(true);
     } else if (!constraint.terms.empty()) {
       const auto& term = constraint.terms[0];
       names_.push_back(name + ".ratio");
@@ -112,6 +120,34 @@ void ScenePhysics::count_turns_from(const std::vector<BodyMotion>& motion, doubl
       turns_[j][i] = value(static_cast<int>(j), static_cast<int>(i), X);
 }
 
+namespace {
+// From a disc's centre to its lowest point over the xy plane of F: in its plane, as far down as that goes.
+Vector3d lowest(const Pose& X_FM) {
+  const Vector3d axis = X_FM.R.col(2), down = -Vector3d::UnitZ();
+  return (down - axis * axis.dot(down)).normalized();
+}
+}  // namespace
+
+Eigen::VectorXd ScenePhysics::slip(const std::vector<Pose>& X, const Eigen::VectorXd& v) const {
+  Eigen::VectorXd out(static_cast<Eigen::Index>(slip_rows_.size()));
+  Eigen::Index k = 0;
+  for (const SceneConstraint& c : scene_.constraints) {
+    if (c.type != "rolling_disc") continue;
+    const Pose X_F = marker(c.F, X), X_M = marker(c.M, X);
+    const Vector3d at = X_M.p + c.length * (X_F.R * lowest(X_F.inverse() * X_M));
+    const auto velocity = [&](int b) {
+      if (b == 0) return Vector3d(Vector3d::Zero());
+      const Vector3d w = v.segment<3>(6 * b - 6), u = v.segment<3>(6 * b - 3);
+      return Vector3d(u + w.cross(at - X[b] * scene_.bodies[b].center));
+    };
+    const Vector3d slides =
+        X_F.R.transpose() * (velocity(scene_.markers[c.M].body) - velocity(scene_.markers[c.F].body));
+    out(k++) = slides.x();
+    out(k++) = slides.y();
+  }
+  return out;
+}
+
 Eigen::VectorXd ScenePhysics::rows(const std::vector<Pose>& X, double t) const {
   Eigen::VectorXd g(n_rows());
   int k = 0;
@@ -132,6 +168,20 @@ Eigen::VectorXd ScenePhysics::rows(const std::vector<Pose>& X, double t) const {
   for (const SceneConstraint& c : scene_.constraints) {
     if (c.type == "distance") {
       g(k++) = (marker(c.M, X).p - marker(c.F, X).p).norm() - c.length;
+    } else if (c.type == "rolling_disc") {
+      const Pose X_FM = marker(c.F, X).inverse() * marker(c.M, X);
+      g(k++) = X_FM.p.z() + c.length * lowest(X_FM).z();
+      g(k++) = 0.0;
+      g(k++) = 0.0;
+    } else if (c.type == "point_on_curve") {
+      const Vector3d P = (marker(c.F, X).inverse() * marker(c.M, X)).p;
+      const SceneCurve curve(c.points);
+      const double s = curve.foot(P), h = 1e-4;
+      const Vector3d along =
+          (8.0 * (curve.at(s + h) - curve.at(s - h)) - (curve.at(s + 2 * h) - curve.at(s - 2 * h))).normalized();
+      const Vector3d side = Vector3d::UnitZ().cross(along).normalized();
+      g(k++) = side.dot(P - curve.at(s));
+      g(k++) = along.cross(side).dot(P - curve.at(s));
     } else if (c.type == "gear") {
       g(k++) = value(c.terms[0].joint, c.terms[0].coordinate, X) +
                (c.internal ? -1.0 : 1.0) * c.teeth_2 / c.teeth_1 * value(c.terms[1].joint, c.terms[1].coordinate, X) -
@@ -192,6 +242,9 @@ Eigen::MatrixXd ScenePhysics::jacobian(const std::vector<Pose>& X, double t, Eig
         kFirst);
     if (i % 6 >= 3) G.col(i) /= size_;
     d(i) = 0.0;
+    if (slip_rows_.empty()) continue;
+    const Eigen::VectorXd slides = slip(X, Eigen::VectorXd::Unit(6 * n_, i));
+    for (std::size_t k = 0; k < slip_rows_.size(); ++k) G(slip_rows_[k], i) = slides(static_cast<Eigen::Index>(k));
   }
   if (g_t) *g_t = first_difference([&](double h) { return rows(X, t + h); }, kFirst);
   return G;
@@ -215,13 +268,23 @@ double calm(const Eigen::VectorXd& v, double size) {
 Eigen::VectorXd ScenePhysics::rates(const std::vector<BodyMotion>& motion, double t) const {
   const std::vector<Pose> X = poses_of(motion);
   const Eigen::VectorXd v = velocities_of(motion);
-  return first_difference([&](double h) { return rows(moved(X, h * v), t + h); }, kFirst * calm(v, size_));
+  Eigen::VectorXd out =
+      first_difference([&](double h) { return rows(moved(X, h * v), t + h); }, kFirst * calm(v, size_));
+  const Eigen::VectorXd slides = slip(X, v);
+  for (std::size_t k = 0; k < slip_rows_.size(); ++k) out(slip_rows_[k]) = slides(static_cast<Eigen::Index>(k));
+  return out;
 }
 
 Eigen::VectorXd ScenePhysics::gamma(const std::vector<BodyMotion>& motion, double t) const {
   const std::vector<Pose> X = poses_of(motion);
   const Eigen::VectorXd v = velocities_of(motion);
-  return second_difference([&](double h) { return rows(moved(X, h * v), t + h); }, kSecond * calm(v, size_));
+  Eigen::VectorXd out =
+      second_difference([&](double h) { return rows(moved(X, h * v), t + h); }, kSecond * calm(v, size_));
+  if (slip_rows_.empty()) return out;
+  const Eigen::VectorXd slides =
+      first_difference([&](double h) { return slip(moved(X, h * v), v); }, kFirst * calm(v, size_));
+  for (std::size_t k = 0; k < slip_rows_.size(); ++k) out(slip_rows_[k]) = slides(static_cast<Eigen::Index>(k));
+  return out;
 }
 
 double ScenePhysics::speed(int j, int i, const std::vector<BodyMotion>& motion) const {
@@ -313,13 +376,40 @@ Eigen::VectorXd ScenePhysics::forces(const std::vector<BodyMotion>& motion, doub
                              force.damping * e.dot(velocity(B, Q) - velocity(A, P));
       put(A, P, tension * e, none);
       put(B, Q, -tension * e, none);
-    } else if (force.type == "joint_spring_damper") {
+    } else if (force.type == "bushing") {
+      const int A = scene_.markers[force.F].body, B = scene_.markers[force.M].body;
+      for (const int b : {A, B})
+        for (int i = 0; b > 0 && i < 6; ++i) {
+          Eigen::VectorXd d = Eigen::VectorXd::Zero(6 * n_);
+          f(6 * b - 6 + i) -= first_difference(
+              [&](double h) {
+                d(6 * b - 6 + i) = h;
+                return Eigen::VectorXd::Constant(1, bushing_energy(force, moved(X, d)));
+              },
+              kFirst)(0);
+        }
+      const Vector3d at = marker(force.M, X).p;
+      const auto turn = [&](int b) { return b == 0 ? none : Vector3d(motion[b].V.angular); };
+      const Vector3d pull = -force.damping * (velocity(B, at) - velocity(A, at)),
+                     twist = -force.turn_damping * (turn(B) - turn(A));
+      put(B, at, pull, twist);
+      put(A, at, -pull, -twist);
+    } else if (force.type == "contact") {
+      const Vector3d n = marker(force.F, X).R.col(2), at = marker(force.M, X).p - force.radius * n;
+      const double push = contact_push(force, motion);
+      put(scene_.markers[force.M].body, at, push * n, none);
+      put(scene_.markers[force.F].body, at, -push * n, none);
+    } else if (force.is_along_joint()) {
       const SceneJoint& joint = scene_.joints[force.joint];
       const NamedCoordinate& c = coordinates_of(joint.type)[force.coordinate];
       const int A = scene_.markers[joint.F].body, B = scene_.markers[joint.M].body;
       const Matrix3d R_WF = marker(joint.F, X).R;
       const double q = value(force.joint, force.coordinate, X), rate = speed(force.joint, force.coordinate, motion);
-      const double size = -force.stiffness * (q - force.rest) - force.damping * rate;
+      const double size = force.type == "joint_spring_damper" ? -force.stiffness * (q - force.rest) - force.damping * rate
+                          : force.type == "joint_friction"
+                              ? -force.coulomb * std::tanh(rate / force.transition) - force.damping * rate
+                          : force.type == "actuator" ? force.actuator_force(t)
+                                                     : force.level[q > force.at ? 1 : 0];
       const Vector3d at = marker(joint.M, X).p;
       if (c.is_angle()) {
         put(B, at, none, size * R_WF.col(2));
@@ -336,6 +426,43 @@ Eigen::VectorXd ScenePhysics::forces(const std::vector<BodyMotion>& motion, doub
     }
   }
   return f;
+}
+
+double ScenePhysics::bushing_energy(const SceneForce& force, const std::vector<Pose>& X) const {
+  const Pose X_FM = marker(force.F, X).inverse() * marker(force.M, X);
+  return 0.5 * force.stiffness * X_FM.p.squaredNorm() +
+         0.5 * force.turn_stiffness * rotation_log(X_FM.R).squaredNorm();
+}
+
+double ScenePhysics::gap(const SceneForce& force, const std::vector<Pose>& X) const {
+  return (marker(force.F, X).inverse() * marker(force.M, X)).p.z() - force.radius;
+}
+
+double ScenePhysics::contact_push(const SceneForce& force, const std::vector<BodyMotion>& motion) const {
+  const std::vector<Pose> X = poses_of(motion);
+  const double deep = -gap(force, X);
+  if (deep <= 0.0) return 0.0;
+  const Eigen::VectorXd v = velocities_of(motion);
+  const double rate = -first_difference(
+      [&](double h) { return Eigen::VectorXd::Constant(1, gap(force, moved(X, h * v))); }, kFirst * calm(v, size_))(0);
+  return std::max(0.0, force.stiffness * std::pow(deep, force.exponent) + force.damping * rate);
+}
+
+bool ScenePhysics::stands_at_switch(const std::vector<BodyMotion>& motion, double t) const {
+  constexpr double kNear = 1e-5;
+  const std::vector<Pose> X = poses_of(motion);
+  // A spline's third derivative jumps at its knots, over which differences look.
+  const bool at_knot = std::ranges::any_of(scene_.constraints, [&](const SceneConstraint& c) {
+    if (c.type != "point_on_curve") return false;
+    const SceneCurve curve(c.points);
+    const double s = curve.foot((marker(c.F, X).inverse() * marker(c.M, X)).p);
+    return std::ranges::any_of(curve.knots(), [&](double knot) { return std::abs(s - knot) < 0.02 * size_; });
+  });
+  return at_knot || std::ranges::any_of(scene_.forces, [&](const SceneForce& force) {
+    return (force.type == "contact" && std::abs(gap(force, X)) < kNear * size_) ||
+           (force.type == "joint_force" && std::abs(value(force.joint, force.coordinate, X) - force.at) < kNear) ||
+           (force.type == "actuator" && std::abs(t - force.at) < kNear);
+  });
 }
 
 ScenePhysics::Gauss ScenePhysics::accelerations(const std::vector<BodyMotion>& motion, double t) const {
@@ -379,6 +506,11 @@ double ScenePhysics::potential(const std::vector<BodyMotion>& motion) const {
     U -= scene_.bodies[b].mass * scene_.gravity.dot(X[b] * scene_.bodies[b].center);
   for (const SceneForce& force : scene_.forces) {
     double stretch = 0.0;
+    if (force.type == "bushing") U += bushing_energy(force, X);
+    if (force.type == "contact")
+      // A surface that is left faster than it comes back keeps nothing.
+      if (contact_push(force, motion) > 0.0)
+        U += force.stiffness / (force.exponent + 1.0) * std::pow(-gap(force, X), force.exponent + 1.0);
     if (force.type == "spring_damper")
       stretch = (marker(force.M, X).p - marker(force.F, X).p).norm() - force.rest;
     else if (force.type == "joint_spring_damper")

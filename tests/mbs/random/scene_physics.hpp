@@ -62,6 +62,9 @@ class ScenePhysics {
   };
   Gauss accelerations(const std::vector<BodyMotion>& motion, double t) const;
 
+  /// Whether a switch of a force stands at this row within what its position is known to.
+  bool stands_at_switch(const std::vector<BodyMotion>& motion, double t) const;
+
   /// Kinetic energy, and potential of weight and springs [J].
   double kinetic(const std::vector<BodyMotion>& motion) const;
   double potential(const std::vector<BodyMotion>& motion) const;
@@ -85,6 +88,11 @@ class ScenePhysics {
   Pose marker(int i, const std::vector<Pose>& X) const { return scene_.marker(i, X); }
   double counted(double angle, int key) const;
   double value(int joint, int coordinate, const std::vector<Pose>& X) const;
+  /// Of every rolling disc: its first slip row, and the speed over the plane of its lowest point for speeds v (6 n).
+  Eigen::VectorXd slip(const std::vector<Pose>& X_WB, const Eigen::VectorXd& v) const;
+  double bushing_energy(const SceneForce& force, const std::vector<Pose>& X) const;
+  double gap(const SceneForce& force, const std::vector<Pose>& X) const;
+  double contact_push(const SceneForce& force, const std::vector<BodyMotion>& motion) const;
   std::vector<Pose> moved(const std::vector<Pose>& X_WB, const Eigen::VectorXd& d) const;
   Eigen::VectorXd forces(const std::vector<BodyMotion>& motion, double t) const;
   Matrix3d inertia(int b, const Pose& X) const;
@@ -96,6 +104,7 @@ class ScenePhysics {
   double size_ = 1.0;
   std::vector<std::string> names_;
   std::vector<bool> is_length_, is_integrated_;
+  std::vector<int> slip_rows_;  // two of each rolling disc, in their order; they have no position
   std::vector<std::vector<double>> turns_;  // reference value of each joint's angles
 };
 
