@@ -306,6 +306,9 @@ void write(const std::filesystem::path& path, const Superelement& se) {
 }
 
 Superelement read(const std::filesystem::path& path, const Parts& parts) {
+  if (path.extension() == ".xml")
+    throw hdf5::BadFile(path.string() + ": is no superelement; if it is a FlexData file, \"flexura reduce " +
+                        path.filename().string() + "\" makes one of it");
   const hdf5::File file(path, hdf5::Mode::read);
   const Group root = file.root();
   if (!root.has_attribute("format") || root.text("format") != format_name) {

@@ -179,7 +179,8 @@ std::function<int()> declare(terminal::Options& options, const terminal::Talk& t
       .option("--set", arguments->overrides, "KEY=VALUE", "override an entry of the part file")
       .option("--report", arguments->report, "FILE", "also write the acceptance report as JSON")
       .option("--mesh", arguments->mesh, "FILE",
-              "also write the mesh of solids and shells, in m: .inp (Abaqus), .vtu (ParaView) or .msh (gmsh)")
+              "also write the mesh of solids and shells, in m: .inp (Abaqus, with materials and sections), .vtu "
+              "(ParaView) or .msh (gmsh)")
       .option(
           "--compare", arguments->compare, "N",
           "also solve the full model: N free frequencies and static compliance against the superelement's")

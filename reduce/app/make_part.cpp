@@ -229,6 +229,13 @@ ModelledPart make_part(const PartInput& input, PartMesh&& from) {
   // Faces are chosen in the mesh as it came: before shells and beams get the points around them.
   const bool has_points = !out.part.mesh.shells.empty() || !from.bars.empty();
   const mesh::Mesh middle = has_points ? out.part.mesh : mesh::Mesh();
+  if (input.recovery.stress && !from.bars.empty()) {
+    if (out.part.mesh.solids.empty() && out.part.mesh.shells.empty())
+      throw InputError(input.where +
+                       ": recovery.stress: stresses of beams are not known, and the part has nothing else; leave the key out");
+    out.warnings.push_back(fmt::format("the stresses of {} beam{} are not known: stress modes are those of solids and shells",
+                                       from.bars.size(), from.bars.size() == 1 ? "" : "s"));
+  }
   add_shell_skins(out.part);
   add_bars(from.bars, out.part);
   add_springs(from.springs, out.part);

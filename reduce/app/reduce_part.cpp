@@ -301,7 +301,7 @@ void reduce_part(const PartInput& input, const std::filesystem::path& output, co
       },
       warnings);
   const Part& part = done.modelled.part;
-  if (!options.mesh.empty()) write_mesh(options.mesh, part.mesh);
+  if (!options.mesh.empty()) write_mesh(options.mesh, part.mesh, part.materials);
   Reduction& reduction = done.reduction;
   SurfacePicture& picture = done.picture;
   std::vector<std::int32_t>& vertices = done.vertices;

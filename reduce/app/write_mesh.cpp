@@ -3,11 +3,13 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cctype>
 #include <iterator>
 #include <map>
 #include <stdexcept>
+#include <tuple>
 #include <vector>
 
 #include "mbs/files/output.hpp"
@@ -36,13 +38,16 @@ const Names& names_of(CellType type) {
       {CellType::wedge6, {"C3D6", 13, 6, {}, {}}},
       {CellType::pyramid5, {"C3D5", 14, 7, {}, {}}},
       {CellType::tet10, {"C3D10", 24, 11, {0, 1, 2, 3, 4, 5, 6, 7, 9, 8}, {}}},
-      {CellType::hex20, {"C3D20", 25, 17, {0, 1, 2, 3, 4, 5, 6, 7, 8, 11, 13, 9, 16, 18, 19, 17, 10, 12, 14, 15}, {}}},
+      {CellType::hex20,
+       {"C3D20", 25, 17, {0, 1, 2, 3, 4, 5, 6, 7, 8, 11, 13, 9, 16, 18, 19, 17, 10, 12, 14, 15}, {}}},
       {CellType::wedge15, {"C3D15", 26, 18, {0, 1, 2, 3, 4, 5, 6, 9, 7, 12, 14, 13, 8, 10, 11}, {}}},
       {CellType::pyramid13, {"C3D13", 27, 19, {0, 1, 2, 3, 4, 5, 8, 10, 6, 7, 9, 11, 12}, {}}},
       {CellType::hex27,
-       {"C3D27", 29, 12,
-        {0,  1,  2,  3,  4,  5,  6,  7,  8,  11, 13, 9,  16, 18, 19, 17, 10, 12, 14, 15, 22, 23, 21, 24, 20, 25, 26},
-        {0,  1,  2,  3,  4,  5,  6,  7,  8,  9,  10, 11, 12, 13, 14, 15, 16, 17, 18, 19, 26, 24, 25, 22, 21, 23, 20}}}};
+       {"C3D27",
+        29,
+        12,
+        {0, 1, 2, 3, 4, 5, 6, 7, 8, 11, 13, 9, 16, 18, 19, 17, 10, 12, 14, 15, 22, 23, 21, 24, 20, 25, 26},
+        {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 18, 19, 26, 24, 25, 22, 21, 23, 20}}}};
   return kNames.at(type);
 }
 
@@ -64,8 +69,8 @@ std::vector<std::int64_t> labels_of(const mesh::Mesh& mesh) {
   std::vector<std::int64_t> labels = mesh.node_label;
   std::vector<std::int64_t> sorted = labels;
   std::ranges::sort(sorted);
-  const bool good = labels.size() == static_cast<std::size_t>(mesh.n_nodes()) && !sorted.empty() && sorted.front() > 0 &&
-                    std::ranges::adjacent_find(sorted) == sorted.end();
+  const bool good = labels.size() == static_cast<std::size_t>(mesh.n_nodes()) && !sorted.empty() &&
+                    sorted.front() > 0 && std::ranges::adjacent_find(sorted) == sorted.end();
   if (good) return labels;
   labels.resize(static_cast<std::size_t>(mesh.n_nodes()));
   for (std::size_t k = 0; k < labels.size(); ++k) labels[k] = static_cast<std::int64_t>(k) + 1;
@@ -78,21 +83,69 @@ std::string set_name(std::string name) {
   return std::isalpha(static_cast<unsigned char>(name[0])) ? name : "S_" + name;
 }
 
-std::string abaqus(const mesh::Mesh& mesh) {
+// A material in its own axes; false where it is turned against those of the mesh, for which the deck would want more.
+bool abaqus_material(const Material& material, fmt::memory_buffer& out) {
+  const Eigen::Matrix<double, 6, 6> S = material.D.inverse();
+  Eigen::Matrix<double, 6, 6> coupling = material.D;
+  coupling.topLeftCorner<3, 3>().setZero();
+  coupling.diagonal().setZero();
+  if (coupling.cwiseAbs().maxCoeff() > 1e-9 * material.D.cwiseAbs().maxCoeff()) return false;
+  const double E = 1.0 / S(0, 0), nu = -S(0, 1) * E;
+  const auto to = std::back_inserter(out);
+  fmt::format_to(to, "*MATERIAL, NAME={}\n", material.name);
+  if ((isotropic(material.name, E, nu, material.density).D - material.D).cwiseAbs().maxCoeff() < 1e-9 * E) {
+    fmt::format_to(to, "*ELASTIC\n{:.17g}, {:.17g}\n", E, nu);
+  } else {
+    fmt::format_to(to,
+                   "*ELASTIC, TYPE=ENGINEERING CONSTANTS\n{:.17g}, {:.17g}, {:.17g}, {:.17g}, {:.17g}, "
+                   "{:.17g}, {:.17g}, {:.17g}\n{:.17g}\n",
+                   E, 1.0 / S(1, 1), 1.0 / S(2, 2), nu, -S(0, 2) * E, -S(1, 2) / S(1, 1), 1.0 / S(3, 3),
+                   1.0 / S(5, 5), 1.0 / S(4, 4));
+  }
+  fmt::format_to(to, "*DENSITY\n{:.17g}\n", material.density);
+  return true;
+}
+
+const char* abaqus_name(const CellBlock& block) {
+  if (block.type == CellType::hex20 && block.variant == mesh::CellVariant::reduced) return "C3D20R";
+  if (block.type == CellType::hex8 && block.variant == mesh::CellVariant::bubbles) return "C3D8I";
+  return names_of(block.type).abaqus;
+}
+
+std::string abaqus(const mesh::Mesh& mesh, const std::vector<Material>& materials) {
   fmt::memory_buffer out;
   const auto to = std::back_inserter(out);
   const std::vector<std::int64_t> labels = labels_of(mesh);
   fmt::format_to(to, "*HEADING\nmesh of a part, lengths in m\n*NODE\n");
   for (mesh::Index k = 0; k < mesh.n_nodes(); ++k)
-    fmt::format_to(to, "{}, {:.17g}, {:.17g}, {:.17g}\n", labels[k], mesh.points(k, 0), mesh.points(k, 1), mesh.points(k, 2));
+    fmt::format_to(to, "{}, {:.17g}, {:.17g}, {:.17g}\n", labels[k], mesh.points(k, 0), mesh.points(k, 1),
+                   mesh.points(k, 2));
   std::int64_t element = 0;
   int number = 0;
-  for (const CellBlock* block : blocks_of(mesh)) {
-    if (block->type == CellType::pyramid13)
-      throw std::invalid_argument("Abaqus knows no pyramids of 13 nodes; write .vtu or .msh");
+  fmt::memory_buffer sections;
+  // Cells of one block with one material, thickness and offset.
+  using Kind = std::tuple<mesh::Index, double, double>;
+  const auto kind_of = [](const CellBlock& block, Eigen::Index cell) {
+    const auto k = static_cast<std::size_t>(cell);
+    return Kind{block.material.empty() ? 0 : block.material[k],
+                block.thickness.empty() ? 0.0 : block.thickness[k],
+                block.offset.empty() ? 0.0 : block.offset[k]};
+  };
+  const auto write_cells = [&](const CellBlock* block, const Kind& kind) {
     const Names& names = names_of(block->type);
-    fmt::format_to(to, "*ELEMENT, TYPE={}, ELSET=CELLS_{}\n", names.abaqus, ++number);
+    fmt::format_to(to, "*ELEMENT, TYPE={}, ELSET=CELLS_{}\n", abaqus_name(*block), ++number);
+    const auto& [material, thickness, offset] = kind;
+    if (static_cast<std::size_t>(material) < materials.size()) {
+      const auto section = std::back_inserter(sections);
+      const std::string& name = materials[static_cast<std::size_t>(material)].name;
+      if (mesh::dimension_of(block->type) == 3)
+        fmt::format_to(section, "*SOLID SECTION, ELSET=CELLS_{}, MATERIAL={}\n", number, name);
+      else
+        fmt::format_to(section, "*SHELL SECTION, ELSET=CELLS_{}, MATERIAL={}{}\n{:.17g}, 5\n", number, name,
+                       offset != 0.0 ? fmt::format(", OFFSET={:.17g}", -offset / thickness) : "", thickness);
+    }
     for (Eigen::Index cell = 0; cell < block->nodes.rows(); ++cell) {
+      if (kind_of(*block, cell) != kind) continue;
       fmt::format_to(to, "{}", ++element);
       for (Eigen::Index a = 0; a < block->nodes.cols(); ++a) {
         const auto ours = names.abaqus_order.empty() ? a : names.abaqus_order[static_cast<std::size_t>(a)];
@@ -101,7 +154,20 @@ std::string abaqus(const mesh::Mesh& mesh) {
       }
       fmt::format_to(to, "\n");
     }
+  };
+  for (const CellBlock* block : blocks_of(mesh)) {
+    if (block->type == CellType::pyramid13)
+      throw std::invalid_argument("Abaqus knows no pyramids of 13 nodes; write .vtu or .msh");
+    std::vector<Kind> kinds;
+    for (Eigen::Index cell = 0; cell < block->nodes.rows(); ++cell)
+      if (const Kind kind = kind_of(*block, cell); std::ranges::find(kinds, kind) == kinds.end())
+        kinds.push_back(kind);
+    for (const Kind& kind : kinds) write_cells(block, kind);
   }
+  fmt::memory_buffer deck;
+  bool known = !materials.empty();
+  for (const Material& material : materials) known = known && abaqus_material(material, deck);
+  if (known) fmt::format_to(to, "{}{}", fmt::to_string(deck), fmt::to_string(sections));
   for (const auto& [name, set] : mesh.sets) {
     fmt::format_to(to, "*NSET, NSET={}\n", set_name(name));
     for (std::size_t k = 0; k < set.nodes.size(); ++k)
@@ -115,7 +181,8 @@ std::string gmsh(const mesh::Mesh& mesh) {
   const auto to = std::back_inserter(out);
   fmt::format_to(to, "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n{}\n", mesh.n_nodes());
   for (mesh::Index k = 0; k < mesh.n_nodes(); ++k)
-    fmt::format_to(to, "{} {:.17g} {:.17g} {:.17g}\n", k + 1, mesh.points(k, 0), mesh.points(k, 1), mesh.points(k, 2));
+    fmt::format_to(to, "{} {:.17g} {:.17g} {:.17g}\n", k + 1, mesh.points(k, 0), mesh.points(k, 1),
+                   mesh.points(k, 2));
   const auto blocks = blocks_of(mesh);
   Eigen::Index n = 0, element = 0;
   for (const CellBlock* block : blocks) n += block->nodes.rows();
@@ -141,14 +208,17 @@ std::string vtu(const mesh::Mesh& mesh) {
   const auto blocks = blocks_of(mesh);
   Eigen::Index n = 0;
   for (const CellBlock* block : blocks) n += block->nodes.rows();
-  fmt::format_to(to,
-                 "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"0.1\" "
-                 "byte_order=\"LittleEndian\">\n<UnstructuredGrid>\n<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n"
-                 "<Points>\n<DataArray type=\"Float64\" NumberOfComponents=\"3\" format=\"ascii\">\n",
-                 mesh.n_nodes(), n);
+  fmt::format_to(
+      to,
+      "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"0.1\" "
+      "byte_order=\"LittleEndian\">\n<UnstructuredGrid>\n<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n"
+      "<Points>\n<DataArray type=\"Float64\" NumberOfComponents=\"3\" format=\"ascii\">\n",
+      mesh.n_nodes(), n);
   for (mesh::Index k = 0; k < mesh.n_nodes(); ++k)
     fmt::format_to(to, "{:.17g} {:.17g} {:.17g}\n", mesh.points(k, 0), mesh.points(k, 1), mesh.points(k, 2));
-  fmt::format_to(to, "</DataArray>\n</Points>\n<Cells>\n<DataArray type=\"Int64\" Name=\"connectivity\" format=\"ascii\">\n");
+  fmt::format_to(to,
+                 "</DataArray>\n</Points>\n<Cells>\n<DataArray type=\"Int64\" Name=\"connectivity\" "
+                 "format=\"ascii\">\n");
   const auto each = [&](const auto& visit) {
     for (const CellBlock* block : blocks)
       for (Eigen::Index cell = 0; cell < block->nodes.rows(); ++cell) visit(*block, cell);
@@ -159,10 +229,14 @@ std::string vtu(const mesh::Mesh& mesh) {
   });
   fmt::format_to(to, "</DataArray>\n<DataArray type=\"Int64\" Name=\"offsets\" format=\"ascii\">\n");
   Eigen::Index offset = 0;
-  each([&](const CellBlock& block, Eigen::Index) { fmt::format_to(to, "{}\n", offset += block.nodes.cols()); });
+  each([&](const CellBlock& block, Eigen::Index) {
+    fmt::format_to(to, "{}\n", offset += block.nodes.cols());
+  });
   fmt::format_to(to, "</DataArray>\n<DataArray type=\"UInt8\" Name=\"types\" format=\"ascii\">\n");
   each([&](const CellBlock& block, Eigen::Index) { fmt::format_to(to, "{}\n", names_of(block.type).vtk); });
-  fmt::format_to(to, "</DataArray>\n</Cells>\n<CellData>\n<DataArray type=\"Int64\" Name=\"material\" format=\"ascii\">\n");
+  fmt::format_to(
+      to,
+      "</DataArray>\n</Cells>\n<CellData>\n<DataArray type=\"Int64\" Name=\"material\" format=\"ascii\">\n");
   each([&](const CellBlock& block, Eigen::Index cell) {
     fmt::format_to(to, "{}\n", block.material.empty() ? 0 : block.material[static_cast<std::size_t>(cell)]);
   });
@@ -177,17 +251,22 @@ bool is_mesh_ending(const std::filesystem::path& path) {
   return end == ".inp" || end == ".vtu" || end == ".msh";
 }
 
-void write_mesh(const std::filesystem::path& path, const mesh::Mesh& mesh) {
+void write_mesh(const std::filesystem::path& path, const mesh::Mesh& mesh,
+                const std::vector<Material>& materials) {
   const std::string end = ending_of(path);
   if (!is_mesh_ending(path))
-    throw std::invalid_argument(
-        fmt::format("{}: must end in .inp (Abaqus), .vtu (ParaView) or .msh (gmsh), not in \"{}\"", path.string(), end));
+    throw std::invalid_argument(fmt::format(
+        "{}: must end in .inp (Abaqus), .vtu (ParaView) or .msh (gmsh), not in \"{}\"", path.string(), end));
   mesh::Mesh plain = mesh;  // without the points around shells and beams
   plain.boundary.clear();
   plain.boundary_face.clear();
   mesh::drop_unused_nodes(plain);
-  if (blocks_of(plain).empty()) throw std::invalid_argument(path.string() + ": the part has no cells to write (it is made of beams alone); leave --mesh out");
-  files::write_whole(path, end == ".inp" ? abaqus(plain) : end == ".vtu" ? vtu(plain) : gmsh(plain));
+  if (blocks_of(plain).empty())
+    throw std::invalid_argument(
+        path.string() + ": the part has no cells to write (it is made of beams alone); leave --mesh out");
+  files::write_whole(path, end == ".inp"   ? abaqus(plain, materials)
+                           : end == ".vtu" ? vtu(plain)
+                                           : gmsh(plain));
 }
 
 }  // namespace flexura::reduce

@@ -396,6 +396,23 @@ TEST_F(Decks, AbaqusBeamsMassesAndCouplings) {
   EXPECT_THAT(bare.outcome.err, HasSubstr("has no section"));
 }
 
+// Stresses of beams are not known, and not promised.
+TEST_F(Decks, StressesOfBeamsAreSaidToBeUnknown) {
+  const std::string ends =
+      "[interface.a]\nby = \"nodes\"\nnodes = [1]\n[interface.b]\nby = \"nodes\"\nnodes = [5]\n";
+  const Reduced beams = reduce(cantilever(4), ends + "[modes]\ncount = 2\n[recovery]\nstress = true\n");
+  EXPECT_EQ(beams.outcome.exit_code, 2);
+  EXPECT_THAT(beams.outcome.err, HasSubstr("stresses of beams are not known"));
+  const Plate plate{.lx = 1.0, .ly = 1.0, .t = 0.01, .nx = 2, .ny = 2};
+  const Reduced both =
+      reduce(plate.nastran("PBARL,9,1,,ROD\n,.02\nGRID,50,,1.5,0.5,0.\nCBAR,60,9,6,50,0.,1.,0.\n"),
+             "[interface.root]\n" + plate.edge([](int i, int) { return i == 0; }) +
+                 "[modes]\ncount = 2\n[recovery]\nstress = true\n");
+  ASSERT_EQ(both.outcome.exit_code, 0) << both.outcome.err;
+  EXPECT_THAT(both.outcome.err, HasSubstr("warning: the stresses of 1 beam are not known"));
+  EXPECT_EQ(both.se.stress->vertices.size(), 2u * 9);
+}
+
 // What a CAD file of faces must say: where it is open, or that it was healed and to which volume.  Drawn for this: a box
 // of 30 x 20 x 10 mm without its lid, its six faces loose, two lines.
 TEST_F(Decks, OpenCadFilesSayWhereTheyAreOpen) {
@@ -403,13 +420,16 @@ TEST_F(Decks, OpenCadFilesSayWhereTheyAreOpen) {
     return run("flexura-reduce",
                {std::string(FLEXURA_SOURCE_DIR "/tests/found/reduce/") + name, "--list-faces"});
   };
-  const Outcome open = list("open_box.brep"), lines = list("two_lines.brep"),
+  const Outcome open = list("open_box.brep"), bore = list("open_bore.brep"), lines = list("two_lines.brep"),
                 loose = list("faces_of_box.brep");
   EXPECT_EQ(open.exit_code, 2);
   EXPECT_THAT(open.err,
               AllOf(HasSubstr("is not closed"),
                     HasSubstr("4 of its 12 edges belong to one face only, 100 mm together"),
                     HasSubstr("(0, 20, 10) to (30, 20, 10), 30 mm"), HasSubstr("export a solid body")));
+  EXPECT_EQ(bore.exit_code, 2);  // a block whose bore has no wall
+  EXPECT_THAT(bore.err, AllOf(HasSubstr("is not closed"),
+                              HasSubstr("2 of its 14 edges belong to one face only, 50.265 mm together")));
   EXPECT_EQ(lines.exit_code, 2);
   EXPECT_THAT(lines.err, HasSubstr("only 2 curves"));
   EXPECT_EQ(loose.exit_code, 0) << loose.err;
@@ -468,7 +488,9 @@ TEST_F(Decks, MeshesAreWrittenForOtherPrograms) {
   ASSERT_EQ(first.outcome.exit_code, 0) << first.outcome.err;
   reduce(deck, foot, {"--mesh", (folder_ / "again.msh").string()});
   for (const std::string name : {"again.inp", "again.msh"}) {
-    const Reduced again = reduce(read_text(folder_ / name), "unit = \"m\"\n" + material + foot, {}, name);
+    // The deck has its materials, the mesh has none.
+    const Reduced again = reduce(read_text(folder_ / name),
+                                 "unit = \"m\"\n" + (name == "again.inp" ? "" : material) + foot, {}, name);
     ASSERT_EQ(again.outcome.exit_code, 0) << again.outcome.err;
     EXPECT_NEAR(again.se.inertia.mass, first.se.inertia.mass, 1e-9);
     EXPECT_LT((again.se.omega2 - first.se.omega2).norm(), 1e-8 * first.se.omega2.norm()) << name;

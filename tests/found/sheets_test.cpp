@@ -23,12 +23,14 @@ constexpr double kPi = std::numbers::pi;
 
 class Sheets : public testing::Test {
  protected:
-  Outcome reduce(const std::string& geometry, const std::string& rest, const std::string& thickness) {
+  Outcome reduce(const std::string& geometry, const std::string& rest, const std::string& thickness,
+                 std::vector<std::string> options = {}) {
     const auto part = folder_.write(
         "part.toml", fmt::format("[geometry]\n{}\n[shell]\nthickness = {}\n[material.steel]\nyoung = "
                                  "\"200 GPa\"\npoisson = 0.3\ndensity = 8000\n{}",
                                  geometry, thickness, rest));
-    return run("flexura-reduce", {part.string(), "-o", (folder_ / "part.se.h5").string()});
+    options.insert(options.begin(), {part.string(), "-o", (folder_ / "part.se.h5").string()});
+    return run("flexura-reduce", options);
   }
   static std::string file(const std::string& name) {
     return "file = \"" FLEXURA_SOURCE_DIR "/tests/found/" + name + "\"";
@@ -72,6 +74,21 @@ TEST_F(Sheets, ABracketIsOneBody) {
   const Outcome faces = run("flexura-reduce", {"--list-faces", (folder_ / "part.toml").string()});
   EXPECT_EQ(faces.exit_code, 0) << faces.err;
   EXPECT_THAT(faces.out, HasSubstr("faces\n"));
+}
+
+// The mesh written as a deck, with its thickness and material, is the same sheet.
+TEST_F(Sheets, WrittenAsADeckIsTheSame) {
+  const std::string rest =
+      "[interface.rim]\nby = \"plane\"\npoint = [0, 0, \"40 mm\"]\nnormal = [0, 0, 1]\n[modes]\ncount = 3\n";
+  const Outcome outcome = reduce(file("sheets/bracket.brep"), rest + "[mesh]\nsize = \"15 mm\"\n", "\"2 mm\"",
+                                 {"--mesh", (folder_ / "again.inp").string()});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const superelement::Superelement first = se();
+  const auto part = folder_.write("again.toml", "[geometry]\nfile = \"again.inp\"\nunit = \"m\"\n" + rest);
+  const Outcome again = run("flexura-reduce", {part.string(), "-o", (folder_ / "part.se.h5").string()});
+  ASSERT_EQ(again.exit_code, 0) << again.err;
+  EXPECT_NEAR(se().inertia.mass / first.inertia.mass, 1.0, 1e-12);
+  EXPECT_LT((se().omega2 - first.omega2).norm(), 1e-8 * first.omega2.norm());
 }
 
 TEST_F(Sheets, WhatIsNoSheetIsRefused) {

@@ -308,6 +308,8 @@ FlexData read_flexdata(const std::filesystem::path& path) {
   const std::string lowered = lower(reader.text);
   const std::size_t start = lowered.find("<reference_flexdata");
   if (start == std::string::npos) reader.fail(0, "holds no Reference_FlexData");
+  if (lowered.find("</reference_flexdata", start) == std::string::npos)
+    reader.fail(start, "Reference_FlexData is not closed; the file is cut short");
   const auto mode_block = find_block(reader, lowered, "modedata");
   if (!mode_block) reader.fail(start, "has no ModeData block");
   const auto node_block = find_block(reader, lowered, "nodedata");
