@@ -148,7 +148,7 @@ void LinearRange::observe_modal(int b, const State& state, const double* modal) 
   const Eigen::Map<const Eigen::VectorXd> s(modal, m);
   ask_surface(b, modal);
   observe_lines(b, state, s);
-  if (!watched.probes) return;
+  if (!watched.probes || watched.probes->points.cols() == 0) return;
   const DeformationProbes& probes = *watched.probes;
   const Index n_points = probes.points.cols();
   displacements_.resize(3, n_points);

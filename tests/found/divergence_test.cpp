@@ -15,6 +15,7 @@ using test::Folder;
 using test::Outcome;
 using test::run;
 using ::testing::AllOf;
+using ::testing::AnyOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
@@ -72,7 +73,7 @@ TEST(LinearRange, AGuidedBeamWhoseEndsStayParallelIsWarnedOf) {
 
 // Clamped at both ends, 400 x 20 x 10 mm, under W = rho A g L it sags by w = W / L x^2 (L - x)^2 / 24 E I where there is
 // no interface: 2e5 m/s^2 make 60 mm in the middle and most of the distance x to an end, 0.35, at the place of the
-// surface next to x = L / 3; 5e4 make a quarter.
+// surface next to x = L / 3, or as far from the other end; 5e4 make a quarter.
 TEST(LinearRange, TheMiddleOfAClampedBeamIsLookedAt) {
   const Folder folder;
   reduce(folder, kFound / "loops/b40.toml");
@@ -94,7 +95,7 @@ to = "b.b"
   const Outcome outcome = run("flexura", {"statics", folder / "clamped.toml"});
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_THAT(outcome.out + outcome.err,
-              AllOf(HasSubstr("body \"b\" leaves the linear range"), HasSubstr("its surface at (0.15, "),
+              AllOf(HasSubstr("body \"b\" leaves the linear range"), AnyOf(HasSubstr("its surface at (0.15, "), HasSubstr("its surface at (0.25, ")),
                     HasSubstr("is displaced by 0.053"), HasSubstr("against \"")));
   const Outcome less = run("flexura", {"statics", folder / "clamped.toml", "--set", "gravity=[0,0,-5e4]"});
   EXPECT_EQ(less.exit_code, 0) << less.err;
