@@ -43,9 +43,11 @@ TEST(Iftomm, A02WindowsPassTheirSingularPositions) {
                              {2, .057815795768, .998327267863},
                              {5, -.811310461000, -.584615545356},
                              {10, .328458111534, .944518538181}};
+  // What each passage leaves open depends on rounding (compilers differ): together up to 2e-5 J of the 11 to 70 J with
+  // which it moves, so 1e-6 of its speed of up to 5 m/s, and 5e-5 m in 10 s.
   for (const auto& [t, x, y] : exact) {
-    EXPECT_NEAR(s.at(t)(0), x, 1e-5) << t;
-    EXPECT_NEAR(s.at(t)(1), y, 1e-5) << t;
+    EXPECT_NEAR(s.at(t)(0), x, 5e-5) << t;
+    EXPECT_NEAR(s.at(t)(1), y, 5e-5) << t;
   }
   EXPECT_LT(energy_error(s, 2), 1e-3);
 }
