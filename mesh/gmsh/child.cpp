@@ -131,12 +131,12 @@ int above_standard(int fd) {
 }
 
 void report_lines(std::string& buffer, const std::function<void(std::string_view, double)>& progress,
-                  std::string& stage) {
+                  std::string& stage, double& fraction) {
   for (std::size_t end; (end = buffer.find('\n')) != std::string::npos; buffer.erase(0, end + 1)) {
     const std::string_view line(buffer.data(), end);
     const std::size_t tab = line.find('\t');
-    double fraction = 0;
     if (tab == std::string_view::npos) continue;
+    fraction = 0.0;
     std::from_chars(line.data(), line.data() + tab, fraction);
     stage = line.substr(tab + 1);
     if (progress) progress(stage, fraction);
@@ -162,6 +162,7 @@ ChildOutcome run_child(const std::filesystem::path& program, const std::string& 
 
   ChildOutcome outcome;
   std::string lines;
+  double fraction = 0.0;
   int status = 0;
   bool pipe_open = true;
   for (;;) {
@@ -178,12 +179,16 @@ ChildOutcome run_child(const std::filesystem::path& program, const std::string& 
       continue;
     }
     pollfd waiting{listen.get(), POLLIN, 0};
-    if (poll(&waiting, 1, pause) <= 0) continue;
+    if (poll(&waiting, 1, pause) <= 0) {
+      // Still at it: a stage that takes long is seen to.
+      if (progress && !outcome.stage.empty()) progress(outcome.stage, fraction);
+      continue;
+    }
     char bytes[512];
     const ssize_t n = read(listen.get(), bytes, sizeof bytes);
     if (n > 0) {
       lines.append(bytes, static_cast<std::size_t>(n));
-      report_lines(lines, progress, outcome.stage);
+      report_lines(lines, progress, outcome.stage, fraction);
     } else if (n == 0) {
       pipe_open = false;
     }

@@ -184,7 +184,7 @@ static Selection select(const Context& c, const NameRule& rule) {
   for (const Face& face : c.faces)
     if (face.name == rule.name) selection.face_numbers.push_back(face.number);
   std::sort(selection.face_numbers.begin(), selection.face_numbers.end());
-  selection.description = fmt::format("set \"{}\", {} nodes", rule.name, selection.set.nodes.size());
+  selection.description = fmt::format("set \"{}\", {} node{}", rule.name, selection.set.nodes.size(), selection.set.nodes.size() == 1 ? "" : "s");
   return selection;
 }
 
@@ -225,7 +225,7 @@ static Selection select(const Context& c, const NodesRule& rule) {
   // Faces give area weights only where they reach every node.
   if (set_of(selection.set.faces).nodes.size() != nodes.size()) selection.set.faces.clear();
   measure(c.mesh, selection);
-  selection.description = fmt::format("{} nodes", nodes.size());
+  selection.description = fmt::format("{} node{}", nodes.size(), nodes.size() == 1 ? "" : "s");
   return selection;
 }
 

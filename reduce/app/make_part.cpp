@@ -88,8 +88,10 @@ void add_interfaces(const PartInput& input, const PartMesh& from, ModelledPart& 
       if (equal) spec.weights.assign(spec.set.nodes.size(), 1.0);
       tie += equal ? " (every node alike)" : " (weighted by area)";
     }
-    out.notes.push_back(fmt::format("interface {}: {}, {} nodes, {}", wanted.name, chosen.description,
-                                    spec.set.nodes.size(), tie));
+    // A set chosen by its nodes says how many.
+    const std::string count = fmt::format("{} node{}", spec.set.nodes.size(), spec.set.nodes.size() == 1 ? "" : "s");
+    out.notes.push_back(fmt::format("interface {}: {}{}, {}", wanted.name, chosen.description,
+                                    chosen.description.ends_with(count) ? "" : ", " + count, tie));
     out.part.interfaces.push_back(std::move(spec));
   }
   if (input.interfaces.empty()) {

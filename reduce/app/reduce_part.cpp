@@ -18,9 +18,11 @@
 #include "mbs/superelement/text_file.hpp"
 #include "mbs/terminal/terminal.hpp"
 #include "reduce/app/make_part.hpp"
+#include "reduce/app/mesh_hints.hpp"
 #include "reduce/app/reach_accuracy.hpp"
 #include "reduce/app/read_matrices.hpp"
 #include "reduce/app/report.hpp"
+#include "reduce/app/stage_lines.hpp"
 #include "reduce/app/surface.hpp"
 #include "reduce/app/to_superelement.hpp"
 #include "reduce/app/write_mesh.hpp"
@@ -143,9 +145,10 @@ bool is_better(const std::filesystem::path& output) {
 std::string odd_material(const Material& material) {
   constexpr double kSoftest = 1e3, kStiffest = 2e12;  // [Pa]: gels, diamond
   constexpr double kLightest = 1.0, kHeaviest = 25e3;  // [kg/m^3]: aerogels, osmium
-  const double stiffness = material.D(0, 0);
+  // In shear: what does not depend on how compressible the material is.
+  const double stiffness = 3.0 * material.D(3, 3);
   if (!(stiffness > kSoftest && stiffness < kStiffest))
-    return fmt::format("material \"{}\" has a stiffness of {:.3g} Pa, as no material has; is the unit of its Young's "
+    return fmt::format("material \"{}\" has a stiffness of about {:.3g} Pa, as no material has; is the unit of its Young's "
                        "modulus missing (young = \"210 GPa\")?",
                        material.name, stiffness);
   if (!(material.density > kLightest && material.density < kHeaviest))
@@ -236,23 +239,37 @@ Attempt attempt(const PartInput& input, const std::filesystem::path& output, Red
   return out;
 }
 
-/// Meshes and reduces until both are within what is asked; without a goal once.  `say` gets a line for each mesh.
+std::string why_unjudged(const Part& part) {
+  if (part.matrices) return "its matrices come from another program, without elements";
+  if (!part.mesh.shells.empty() || !part.frames.empty()) return "it has shells or beams, of which no estimate is known";
+  if (part.mesh.solids.empty()) return "it has no solid elements";
+  return "the part has no elastic mode";
+}
+
+/// Meshes and reduces until both are within what is asked; without a goal once.  Modes are chosen on the first mesh, where
+/// they cost least.  `say` gets a line for each reduction.
 /// std::runtime_error where the goal is out of reach.
 Attempt reach(PartInput input, const std::filesystem::path& output, ReductionOptions how,
               const std::function<void(const std::string&)>& say, std::vector<std::string>& warnings) {
   constexpr int kMostMeshes = 7, kMostModes = 200;
   AccuracyGoal goal(input.modes);
   const bool own_mesh = input.format != PartFormat::cad;
-  for (int cycle = 1;; ++cycle) {
+  for (int cycle = 1;;) {
     linalg::Stopwatch watch;
     Attempt out = attempt(input, output, how);
     if (!goal.asked()) return out;
     Judgement judged = goal.judge(out.reduction);
     const int dofs = out.reduction.report.n_i + out.reduction.report.n_b;
-    if (!judged.known) {
-      warnings.push_back(fmt::format("an accuracy of {:.3g} % is asked, but the mesh cannot be judged", 100.0 * input.modes.accuracy));
-      return out;
-    }
+    if (!judged.known)
+      throw std::runtime_error(fmt::format(
+          "an accuracy of {:.3g} % is asked, but the mesh cannot be judged: {}; leave the accuracy out and choose the modes "
+          "by modes.count, then nothing is promised of the mesh",
+          100.0 * input.modes.accuracy, why_unjudged(out.modelled.part)));
+    if (out.reduction.mesh->rough && warnings.empty())
+      warnings.push_back(fmt::format(
+          "the accuracy of {:.3g} % asked for is judged only roughly, from recovered stresses (to a factor of five): compare "
+          "with a finer mesh",
+          100.0 * input.modes.accuracy));
     say(fmt::format("mesh {}: {} dofs, {} modes; estimated error of the mesh: frequencies {:.2g} %, static compliance "
                     "{:.2g} %; of the modes left out {:.2g} %; {:.1f} s",
                     cycle, dofs, out.reduction.n_q, 100.0 * judged.frequencies, 100.0 * judged.compliance,
@@ -267,18 +284,18 @@ Attempt reach(PartInput input, const std::filesystem::path& output, ReductionOpt
         warnings.push_back("more modes are not tried; " + goal.describe(judged));
       return out;
     }
+    if (more_modes) continue;
     if (cycle == kMostMeshes)
       throw std::runtime_error(fmt::format(
           "the accuracy is out of reach with {} meshes: {}; ask for less, for compliance separately "
           "(modes.compliance_accuracy), or start with a smaller mesh.size",
           cycle, goal.describe(judged)));
-    if (!mesh_done) {
-      try {
-        input.cad.sizes = goal.next_sizes(out.modelled.part.mesh, dofs, judged);
-      } catch (const std::runtime_error& error) {
-        throw std::runtime_error(std::string("the accuracy is out of reach: ") + error.what());
-      }
+    try {
+      input.cad.sizes = goal.next_sizes(out.modelled.part.mesh, dofs, judged);
+    } catch (const std::runtime_error& error) {
+      throw std::runtime_error(std::string("the accuracy is out of reach: ") + error.what());
     }
+    ++cycle;
   }
 }
 
@@ -287,7 +304,11 @@ Attempt reach(PartInput input, const std::filesystem::path& output, ReductionOpt
 void reduce_part(const PartInput& input, const std::filesystem::path& output, const OutputOptions& options) {
   const auto start = std::chrono::steady_clock::now();
   terminal::Progress line(stderr, options.quiet);
-  const auto progress = [&line](std::string_view stage, double fraction) { line(stage, fraction); };
+  StageLines log(stderr, options.quiet);
+  const auto progress = [&](std::string_view stage, double fraction) {
+    line(stage, fraction);
+    log(stage, fraction);
+  };
   const linalg::Session session;
   const bool finished = !input.finished.vectors.empty();
   std::vector<std::string> warnings;
@@ -339,6 +360,9 @@ void reduce_part(const PartInput& input, const std::filesystem::path& output, co
         "--compare: statics not compared, which needs two interfaces with all six directions and no other");
   data.mesh_error = reduction.mesh;
   if (const std::string coarse = too_coarse(data.mesh_error); !coarse.empty()) data.warnings.push_back(coarse);
+  const MeshHints hints = mesh_hints(part, input.format == PartFormat::cad ? done.mesh.size : 0.0, data.mesh_error);
+  data.warnings.insert(data.warnings.end(), hints.warnings.begin(), hints.warnings.end());
+  data.notes.insert(data.notes.end(), hints.notes.begin(), hints.notes.end());
   if (!too_coarse(data.mesh_error).empty() && is_better(output))
     throw std::runtime_error(fmt::format("{}; {}, which resolves it, is kept: name another file by -o to write this one",
                                          too_coarse(data.mesh_error), output.string()));
@@ -349,7 +373,7 @@ void reduce_part(const PartInput& input, const std::filesystem::path& output, co
   if (input.has_damping) add_damping(reduction, input.damping);
   data.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const Report report = make_report(input, reduction, data);
-  line("write", 0.0);
+  progress("write", 0.0);
   std::vector<mesh::Index> stress_nodes;
   for (const std::int32_t vertex : vertices) stress_nodes.push_back(picture.nodes[vertex]);
   superelement::Superelement se = to_superelement(input, std::move(reduction), std::move(picture.surface),
@@ -359,6 +383,7 @@ void reduce_part(const PartInput& input, const std::filesystem::path& output, co
   superelement::write(output, se);
   if (!options.report.empty()) superelement::write_whole(options.report, report.json.dump(2) + "\n");
   line.finish();
+  log.finish();
   for (const std::string& warning : data.warnings) fmt::print(stderr, "warning: {}\n", warning);
   if (!options.quiet) fmt::print("{}wrote {}\n", report.text, output.string());
 }

@@ -2,6 +2,7 @@
 #include "reduce/assembly/average.hpp"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 
 #include "reduce/assembly/rigid_motion.hpp"
 #include "reduce/elements/surface.hpp"
@@ -17,6 +18,7 @@ Eigen::Matrix<double, 6, Eigen::Dynamic> averaging_map(const mesh::Mesh& mesh,
   double radius = 0.0;
   for (mesh::Index node : nodes)
     radius = std::max(radius, (mesh.points.row(node).transpose() - interface.point).norm());
+  if (!(radius > 0.0)) radius = 1.0;  // one node at the interface's point
   Eigen::Matrix<double, 6, 1> scale;
   scale << 1, 1, 1, 1 / radius, 1 / radius, 1 / radius;
   Eigen::Matrix<double, Eigen::Dynamic, 6> D(3 * n, 6), WD(3 * n, 6);
@@ -36,7 +38,15 @@ Eigen::Matrix<double, 6, Eigen::Dynamic> averaging_map(const mesh::Mesh& mesh,
         WD.middleRows<3>(3 * it.row()) += it.value() * D.middleRows<3>(3 * c);
   }
   const Eigen::Matrix<double, 6, 6> gram = D.transpose() * WD;
-  return scale.asDiagonal() * gram.ldlt().solve(WD.transpose());
+  // What nodes on a line or in a point do not determine (a rotation about them) is zero: nobody may ask for it
+  // (TiedModel::check).  1e-12: as free_motions has it.
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>> eigen(0.5 * (gram + gram.transpose()));
+  const auto& values = eigen.eigenvalues();
+  if (values(0) > 1e-12 * values(5)) return scale.asDiagonal() * gram.ldlt().solve(WD.transpose());
+  const Eigen::Matrix<double, 6, 1> inverse =
+      (values.array() > 1e-12 * values(5)).select(values.cwiseInverse(), Eigen::Matrix<double, 6, 1>::Zero());
+  return scale.asDiagonal() * (eigen.eigenvectors() * inverse.asDiagonal() * eigen.eigenvectors().transpose()) *
+         WD.transpose();
 }
 
 }  // namespace flexura::reduce

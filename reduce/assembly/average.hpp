@@ -18,7 +18,7 @@ namespace flexura::reduce {
 /// becomes a linear traction over the faces that is statically equivalent to it.
 ///
 /// Returns the 6 x 3 n_S matrix of this map (columns x, y, z of node 0 of the set, ...).
-/// std::invalid_argument where the nodes lie on a line or in a point.
+/// Rotations that nodes on a line or in a point do not determine are zero in it.
 Eigen::Matrix<double, 6, Eigen::Dynamic> averaging_map(const mesh::Mesh& mesh,
                                                        const InterfaceSpec& interface);
 

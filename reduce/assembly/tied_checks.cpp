@@ -26,6 +26,18 @@ Extent extent_of(const Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>
   return {0.5 * (low + high), length > 0.0 ? length : 1.0};
 }
 
+// Whether motions that the nodes do not hold (6 x p) leave a node at `point` where it is in the directions asked for.
+bool none_moves(const Eigen::Matrix<double, 6, Eigen::Dynamic>& free, const std::vector<int>& directions,
+                const Eigen::Vector3d& point, const Extent& extent) {
+  constexpr double kNothing = 1e-6;  // as free_motions has it
+  Eigen::Matrix<double, 6, 1> unit;
+  unit << 1, 1, 1, extent.length, extent.length, extent.length;
+  const Eigen::Matrix<double, 6, Eigen::Dynamic> there = unit.asDiagonal() * (node_motion_at(point) * free),
+                                                 all = unit.asDiagonal() * (node_motion_at(extent.centre) * free);
+  return std::all_of(directions.begin(), directions.end(),
+                     [&](int direction) { return there.row(direction).norm() <= kNothing * all.norm(); });
+}
+
 }  // namespace
 
 void TiedModel::check_interfaces(const Part& part, bool may_be_free) const {
@@ -71,12 +83,13 @@ void TiedModel::check_interfaces(const Part& part, bool may_be_free) const {
     const Extent extent = extent_of(set);
     if (turns) H.bottomRightCorner<3, 3>().diagonal().setConstant(extent.length);
     const auto free = free_motions(H, extent.centre, extent.length);
-    if (free.cols() > 0)
+    if (free.cols() > 0 && !(interface.tie == Tie::average && none_moves(free, interface.directions, interface.point, extent)))
       throw std::invalid_argument(fmt::format(
           "interface '{}' has {} node{}, {}, and cannot hold a {}: choose a face or more nodes{}", name,
           set.rows(), set.rows() == 1 ? "" : "s", set.rows() == 1 ? "a point" : "all on one line",
           describe_motion(free, extent.centre, extent.length),
-          set.rows() == 1 ? ", or tie it as a node (displacements only)" : ""));
+          set.rows() == 1 ? ", or tie it as a node (displacements only)"
+                          : ", or tie = \"average\" with the directions alone that they hold"));
   }
   if (!shared.empty()) {
     const auto& [pair, count] = *shared.begin();
