@@ -90,6 +90,7 @@ std::vector<int> face_corners(CellType type, int face) {
       {4, {{0, 1, 2}, {0, 3, 1}, {1, 3, 2}, {2, 3, 0}}},
       {6, {{0, 1, 2}, {3, 5, 4}, {0, 3, 4, 1}, {1, 4, 5, 2}, {2, 5, 3, 0}}},
       {8, {{0, 1, 2, 3}, {4, 7, 6, 5}, {0, 4, 5, 1}, {1, 5, 6, 2}, {2, 6, 7, 3}, {3, 7, 4, 0}}}};
+  if (dimension_of(type) != 3) return {};
   const auto found = kFaces.find(shape_of(type).corners);
   if (found == kFaces.end() || face < 0 || face >= static_cast<int>(found->second.size())) return {};
   return found->second[static_cast<std::size_t>(face)];
