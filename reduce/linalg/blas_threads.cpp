@@ -2,6 +2,10 @@
 #include "reduce/linalg/blas_threads.hpp"
 
 #include <dlfcn.h>
+#include <fmt/format.h>
+#include <sys/mman.h>
+
+#include <stdexcept>
 
 namespace flexura::linalg {
 namespace {
@@ -19,6 +23,19 @@ OneBlasThread::OneBlasThread() : before_(get_threads && set_threads ? get_thread
 
 OneBlasThread::~OneBlasThread() {
   if (before_ > 1) set_threads(before_);
+}
+
+void require_blas_memory(int n_threads) {
+  if (!get_threads) return;
+  constexpr std::size_t kEach = std::size_t{129} << 20;
+  const std::size_t size = kEach * static_cast<std::size_t>(n_threads);
+  void* const space = mmap(nullptr, size, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+  if (space == MAP_FAILED)
+    throw std::runtime_error(
+        fmt::format("out of memory: the linear algebra wants {} MB of address space for its {} thread{}, which the system "
+                    "does not give; free memory, or raise the limit (ulimit -v)",
+                    size >> 20, n_threads, n_threads == 1 ? "" : "s"));
+  munmap(space, size);
 }
 
 }  // namespace flexura::linalg

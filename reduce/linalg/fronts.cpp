@@ -37,6 +37,9 @@ Fronts::Fronts(const UpperCsr& A, SupernodalFactor& L, bool must_be_definite)
 
 int Fronts::run() {
   const OneBlasThread one;
+  // The threads keep their work space: the first time decides.
+  static const bool has_room = (require_blas_memory(n_cores()), true);
+  static_cast<void>(has_room);
   permute();
   const std::size_t stack = room();
   parallel_for(static_cast<int>(roots_.size()), [&](int k) {

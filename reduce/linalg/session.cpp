@@ -9,6 +9,7 @@
 #include <string>
 #include <utility>
 
+#include "reduce/linalg/blas_threads.hpp"
 #include "reduce/linalg/petsc_check.hpp"
 
 namespace flexura::linalg {
@@ -81,6 +82,7 @@ Session::Session() {
     PetscErrorPrintf = say_nothing;
     if (SlepcInitializeNoArguments() != 0) throw std::runtime_error("PETSc and SLEPc could not be started");
     PetscPushErrorHandler(remember_error, nullptr);
+    require_blas_memory(1);
     // MPI has told the allocator to keep all it ever had, for the sake of network cards.  Arrays from 4 MB on
     // are mapped one by one again and given back when they are freed: a fifth of the memory of large parts
     // was holes.
