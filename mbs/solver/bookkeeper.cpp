@@ -45,14 +45,15 @@ void Bookkeeper::enter_step(BookEntry& entry) {
     book_.open_step(entry.t_end, entry.nodes);
     return;
   }
-  const auto put_right = [this](Instant& at) {
-    closer_.close(at.state);
-    closer_.accelerate(at.state, at.v_dot);
-  };
-  for (Instant& node : entry.nodes) put_right(node);
-  book_.open_step(entry.t_end, entry.nodes, [&](double x) -> const Instant& {
+  for (Instant& node : entry.nodes) {
+    closer_.close(node.state);
+    closer_.accelerate(node.state, node.v_dot);
+  }
+  // Two pointers: a std::function holds no more without memory of its own.
+  book_.open_step(entry.t_end, entry.nodes, [this, &entry](double x) -> const Instant& {
     EnergyBook::interpolate(entry.begin, entry.nodes, x, between_);
-    put_right(between_);
+    closer_.close(between_.state);
+    closer_.accelerate(between_.state, between_.v_dot);
     return between_;
   });
 }

@@ -179,6 +179,7 @@ std::string near_rank_loss(const Equations& eq, const LoopCloser::Nearness& near
   // Rows that are near to dependent wherever the mechanism stands (a heavy body on a light one) lose no rank.
   constexpr double kComesNear = 0.1;
   const double sigma = nearness.least;
+  if (nearness.p.size() == 0 || !nearness.p.allFinite()) return {};
   if (!(sigma < kComesNear * nearness.largest)) return {};
   // Positions are sums of some terms of the mechanism's size.
   const double doubt = (misfit + 4.0 * std::numeric_limits<double>::epsilon()) / (sigma * sigma);

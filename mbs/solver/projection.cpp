@@ -227,6 +227,7 @@ void LoopCloser::remember(History& history) {
   mbs::remember(history, p_factors_, n_.n_p);
   for (double* x : {&nearness_.least, &nearness_.largest, &nearness_.t}) history(*x);
   history(nearness_.p);
+  if (history.reads() && nearness_.p.size() > 0) require_size(nearness_.p.size(), n_.n_p);
   if (history.reads() && has_factors_) factor(t_factors_, p_factors_);
 }
 
