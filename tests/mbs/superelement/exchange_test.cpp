@@ -168,7 +168,7 @@ TEST_F(Exchange, BrokenFlexDataIsRefusedByLine) {
               HasSubstr("the block ends where a mode's number is wanted"));
   EXPECT_THAT(
       refusal(std::regex_replace(good, std::regex("num_sel_nodes = \"2\""), "num_sel_nodes = \"9999999\"")),
-      HasSubstr("the block ends where "));
+      HasSubstr("stands where a node's number is wanted"));  // the shapes' numbers are none of nodes
   EXPECT_THAT(refusal(std::regex_replace(good, std::regex("num_sel_nodes"), "num_nodes_sel")),
               HasSubstr("num_sel_nodes"));
   EXPECT_THAT(refusal(std::regex_replace(good, std::regex("       7 "), "       x ")),
