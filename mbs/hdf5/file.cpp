@@ -66,10 +66,13 @@ File::File(const std::filesystem::path& path, Mode mode) : path_(path) {
   check(H5Pset_file_locking(access.get(), mode != Mode::read, true), label);
   hid_t id = -1;
   switch (mode) {
-    case Mode::create:
-      id = H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access.get());
+    case Mode::create: {
+      const Handle root = owned(H5Pcreate(H5P_FILE_CREATE), H5Pclose, label);
+      check(H5Pset_obj_track_times(root.get(), false), label);  // equal content gives equal bytes
+      id = H5Fcreate(path.c_str(), H5F_ACC_TRUNC, root.get(), access.get());
       if (id < 0) throw Error(label + ": cannot be written; check the folder, its permissions and the disk");
       break;
+    }
     case Mode::modify:
       id = H5Fopen(path.c_str(), H5F_ACC_RDWR, access.get());
       break;
