@@ -1,8 +1,11 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include "mbs/solver/known_times.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 #include "mbs/model/time_function.hpp"
 
@@ -15,6 +18,9 @@ constexpr double kQuietImpulse = 1e-9;
 // Parts that are not at one with themselves where they are so short, as beside a pole, are left alone.
 constexpr double kShortest = 1e-12;
 constexpr int kParts = 3;
+// Parts looked at for one answer.  An event takes 60, a sine's period four; where more are needed a formula without
+// values is asked about, or one whose jumps are as close as numbers.
+constexpr int kMostParts = 1 << 18;
 // Events that lie closer than so many of the smallest steps of the time are passed together.
 constexpr double kTogether = 16.0;
 
@@ -33,7 +39,7 @@ class KnownTimes::Scan {
   };
 
   Scan(std::shared_ptr<const TimeFunction> f, double begin, double end, double fixed_step)
-      : f_(std::move(f)), span_(end - begin), fixed_step_(fixed_step), scanned_(begin) {
+      : f_(std::move(f)), begin_(begin), span_(end - begin), fixed_step_(fixed_step), scanned_(begin) {
     const TimeFunction::Bounds whole = f_->over(begin, end);
     is_straight_ = whole.is_decided && whole.second.magnitude() == 0.0;
     double range = whole.value.width();
@@ -54,7 +60,10 @@ class KnownTimes::Scan {
   /// What lies behind t, as far as kParts, an event or the horizon.
   const std::deque<Item>& ahead(double t, double horizon) {
     while (!items_.empty() && items_.front().end <= t) items_.pop_front();
-    while (!parts_.empty() && scanned_ < horizon && !is_enough()) advance(t);
+    for (int n = 0; !parts_.empty() && scanned_ < horizon && !is_enough(); ++n) {
+      if (n == kMostParts) give_up();
+      advance(t);
+    }
     return items_;
   }
 
@@ -69,10 +78,11 @@ class KnownTimes::Scan {
     parts_.push_back({part.begin, middle, bends});
   }
   void advance(double t);
+  [[noreturn]] void give_up() const;
   void add_event(double before, double after);
 
   std::shared_ptr<const TimeFunction> f_;
-  double span_, fixed_step_, quiet_ = 0.0, scanned_;
+  double begin_, span_, fixed_step_, quiet_ = 0.0, scanned_;
   bool is_straight_ = false;
   std::vector<Part> parts_;  // the earliest last
   std::deque<Item> items_;
@@ -91,6 +101,21 @@ void KnownTimes::Scan::add_event(double before, double after) {
   const bool bend = differs(a.second, b.second, 1e-6, 0.0);
   if (!value && !slope && !bend) return;
   items_.push_back({before, after, true});
+}
+
+void KnownTimes::Scan::give_up() const {
+  const auto has_value = [&](double t) { return std::isfinite(f_->at(t).jet.value); };
+  double last = begin_, without = parts_.back().begin;
+  const bool has_values = has_value(without) && has_value(parts_.back().end);
+  for (int i = 0; i < 60 && !has_values && has_value(last); ++i) {
+    const double middle = 0.5 * (last + without);
+    (has_value(middle) ? last : without) = middle;
+  }
+  throw std::runtime_error(fmt::format(
+      "{} cannot be followed beyond t = {:.9g} s: {}; correct the formula, or let the run end before", f_->where(),
+      has_values ? scanned_ : last,
+      has_values ? "it jumps or bends more often there than steps can be made"
+                 : "it has no value there (asin, sqrt, log or a division beyond what they take?)"));
 }
 
 void KnownTimes::Scan::advance(double t) {

@@ -122,7 +122,8 @@ void check_body(const FlexDataBody& body, const std::string& file) {
   if (!(body.mass > 0.0) || Eigen::LLT<Matrix3d>(J).info() != Eigen::Success)
     throw std::invalid_argument(
         fmt::format("{}: no body has the mass {:g} kg and the moments of inertia {:g}, {:g}, {:g} kg m^2 "
-                    "about its centre",
+                    "about its centre: all must be above 0 and none greater than the others together; check them and "
+                    "the units",
                     file, body.mass, J(0, 0), J(1, 1), J(2, 2)));
 }
 
@@ -224,7 +225,7 @@ void reduce_flexdata(const FlexDataInput& input, const std::filesystem::path& ou
   FlexData data = superelement::read_flexdata(input.file);
   if (data.nodes.empty())
     throw std::invalid_argument(input.file.string() +
-                                ": has no interface nodes to which anything could be joined");
+                                ": has no interface nodes to which anything could be joined; at least one is needed");
   std::vector<std::string> notes, warnings;
   if (data.body) {
     if (input.mass || input.centre || input.inertia)
@@ -242,7 +243,7 @@ void reduce_flexdata(const FlexDataInput& input, const std::filesystem::path& ou
   check_body(body, input.file.string());
   if (!input.names.empty()) {
     if (input.names.size() != data.nodes.size())
-      throw input::InputError(fmt::format("{}.names: {} names for {} interface nodes", input.where,
+      throw input::InputError(fmt::format("{}.names: {} names for {} interface nodes; give each node one", input.where,
                                           input.names.size(), data.nodes.size()));
     body.names = input.names;
   }

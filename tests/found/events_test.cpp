@@ -2,6 +2,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <fstream>
+#include <iterator>
 
 #include "mbs/results/results.hpp"
 #include "tests/app/command.hpp"
@@ -149,6 +151,19 @@ INSTANTIATE_TEST_SUITE_P(Methods, Events,
 
 // Equilibria see events, too: x = F(t) / k, of a force that begins at 0.5 s (the row there is that before), and one that
 // is there for 1e-9 s only, on a row of its own.
+// asin has no value beyond 1, which 1e6 sin(10 t) reaches after 1e-7 s; the search for its jumps never ended.
+TEST(KnownTimes, AFormulaWithoutValuesEndsTheRunWhereTheyEnd) {
+  const Folder folder;
+  std::ifstream in(FLEXURA_SOURCE_DIR "/tests/found/rigid/check_integrator_noise.toml");
+  const std::string text{std::istreambuf_iterator<char>(in), {}};
+  const Outcome outcome = run("flexura", {"simulate", folder.write("axis.toml", replaced(text, "h=0.1", "h=1e6")), "-o",
+                                          folder / "axis.h5", "--set", "solver.method=runge_kutta"});
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_NE(outcome.err.find("joint.plate.drive cannot be followed beyond t = 1e-07 s: it has no value there"),
+            std::string::npos)
+      << outcome.err;
+}
+
 TEST(QuasiStatics, FollowsWhatJumpsWithTime) {
   const Folder folder;
   const std::string spring =
