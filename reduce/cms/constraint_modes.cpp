@@ -1,6 +1,9 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include "reduce/cms/constraint_modes.hpp"
 
+#include <algorithm>
+#include <limits>
+
 #include "reduce/assembly/rigid_projection.hpp"
 #include "reduce/linalg/dense.hpp"
 
@@ -8,6 +11,12 @@ namespace flexura::reduce {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
+
+namespace {
+
+constexpr double kWorthAsking = 1e-8;  // a residual below needs no excuse
+
+}  // namespace
 
 ConstraintModes constraint_modes(const TiedModel& model, const TiedSolver& solver) {
   const auto& averaged = model.averaged_dofs();
@@ -22,7 +31,16 @@ ConstraintModes constraint_modes(const TiedModel& model, const TiedSolver& solve
   MatrixXd reaction = MatrixXd::Zero(model.n_i(), model.n_b());
   if (n_a > 0) reaction = model.A().transpose() * solution.mu;
   const double scale = K_ib.norm() + reaction.norm();
-  if (scale > 0.0) modes.residual = (K_Psi + K_ib + reaction).norm() / scale;
+  const double open = (K_Psi + K_ib + reaction).norm();
+  if (scale > 0.0) modes.residual = open / scale;
+  if (modes.residual > kWorthAsking) {
+    // Where all static shapes are rigid motions, of averages for one, K_ib and the reactions are round-off themselves:
+    // eps |K| |Psi| is what rounding the shapes' entries does, and nothing below a few of it can be judged.
+    MatrixXd magnitudes;
+    model.K_ii().multiply_magnitudes(modes.Psi, magnitudes);
+    const double rounding = 4.0 * std::numeric_limits<double>::epsilon() * magnitudes.norm();
+    modes.residual = open <= rounding ? 0.0 : open / std::max(scale, rounding);
+  }
   modes.K_bb += linalg::transpose_times(K_ib, modes.Psi);
   for (Index r = 0; r < n_a; ++r) modes.K_bb.row(averaged[r]) -= solution.mu.row(r);
   modes.K_bb = (0.5 * (modes.K_bb + modes.K_bb.transpose())).eval();
