@@ -65,15 +65,12 @@ std::vector<ModeError> mode_errors(const Reduction& reduction, const std::vector
     if (std::find(held.begin(), held.end(), k) == held.end()) kept.push_back(k);
   const linalg::DenseEigen modes =
       linalg::generalized_eigen(reduction.K_se(kept, kept), reduction.M_se(kept, kept));
-  // Rigid motions: as many as the stiffness of the boundary, with the held dofs away, leaves free.  They
-  // stand out by ten powers of ten; elastic eigenvalues of one body do not spread that far from the largest
-  // static one.
-  const double elastic = 1e-9 * modes.values(modes.values.size() / 2);
+  const double elastic = least_elastic(modes.values);
   const Eigen::VectorXd enlarged = enlarged_eigenvalues(reduction, kept);
   std::vector<ModeError> errors;
   for (Eigen::Index k = 0; k < modes.values.size(); ++k) {
     const double lambda = modes.values(k);
-    if (lambda < elastic) continue;
+    if (lambda <= elastic) continue;
     Eigen::VectorXd u_b = Eigen::VectorXd::Zero(reduction.n_b);
     for (std::size_t r = 0; r < kept.size(); ++r)
       if (kept[r] < reduction.n_b) u_b(kept[r]) = modes.vectors(static_cast<Eigen::Index>(r), k);

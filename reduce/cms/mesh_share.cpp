@@ -21,11 +21,10 @@ JudgedMotions judged_motions(const Reduction& r, double omega_max) {
   std::vector<VectorXd> y, force;
   std::vector<double> lambda, energy;
   const linalg::DenseEigen modes = linalg::generalized_eigen(r.K_se, r.M_se);
-  // The six rigid motions stand out by ten powers of ten.
-  const double elastic = 1e-9 * modes.values(modes.values.size() / 2);
+  const double elastic = least_elastic(modes.values);
   for (Index k = 0; k < modes.values.size(); ++k) {
     const double omega2 = modes.values(k);
-    if (omega2 < elastic) continue;
+    if (omega2 <= elastic) continue;
     if (out.n_modes >= kMost || (out.n_modes >= kLeast && omega2 > omega_max * omega_max)) break;
     y.emplace_back(modes.vectors.col(k));
     force.emplace_back(VectorXd::Zero(r.n_b));

@@ -91,4 +91,11 @@ struct Reduction {
   int n() const { return n_b + n_q; }
 };
 
+/// Eigenvalues (ascending) of a body above which they are elastic: its rigid motions, six at most, stand out by ten
+/// powers of ten, while elastic ones of one body do not spread that far from the largest static one.
+inline double least_elastic(const Eigen::VectorXd& eigenvalues) {
+  const Eigen::Index n = eigenvalues.size();
+  return n > 0 ? 1e-9 * eigenvalues(std::min(n - 1, std::max<Eigen::Index>(n / 2, 6))) : 0.0;
+}
+
 }  // namespace flexura::reduce
