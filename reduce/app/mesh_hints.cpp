@@ -72,6 +72,16 @@ MeshHints mesh_hints(const Part& part, double size, const std::optional<MeshShar
   if (part.matrices || part.mesh.solids.empty()) return out;
   const bool known = share && !(share->modes.empty() && share->interfaces.empty());
   const double worst = known ? worst_of(*share) : 0.0;
+  // Whatever the estimate says: what it adds to the elements is held by the bulk modulus as they are.
+  for (const Material& material : part.materials) {
+    // nu of an isotropic material; beyond 0.495 the bulk modulus is a hundred times the shear modulus.
+    const double poisson = material.D(0, 1) / (material.D(0, 0) + material.D(0, 1));
+    if (poisson > 0.495)
+      out.warnings.push_back(fmt::format(
+          "material \"{}\" is nearly incompressible (Poisson's ratio {:.7g}), where elements of displacements are far too "
+          "stiff: take 0.49 unless its compressibility itself matters, and a finer mesh",
+          material.name, poisson));
+  }
   if (known && !(worst > kNote)) return out;
   std::vector<std::string>& to = !known || !(worst <= kWarn) ? out.warnings : out.notes;
 
@@ -89,15 +99,6 @@ MeshHints mesh_hints(const Part& part, double size, const std::optional<MeshShar
     to.push_back(fmt::format("{:.0f} of {:.0f} elements are of order 1, far too stiff in bending: use order 2", n_linear, n_all));
   if (share_of_single_layers(part.mesh) > 0.5)
     to.push_back("most of the part has a single element through its thickness: two or more bend as they should");
-  for (const Material& material : part.materials) {
-    // nu of an isotropic material; beyond 0.495 the bulk modulus is a hundred times the shear modulus.
-    const double poisson = material.D(0, 1) / (material.D(0, 0) + material.D(0, 1));
-    if (poisson > 0.495)
-      to.push_back(fmt::format(
-          "material \"{}\" is nearly incompressible (Poisson's ratio {:.7g}), where elements of displacements are far too "
-          "stiff: take 0.49 unless its compressibility itself matters, and a finer mesh",
-          material.name, poisson));
-  }
   return out;
 }
 

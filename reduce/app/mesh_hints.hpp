@@ -12,7 +12,8 @@ namespace flexura::reduce {
 
 /// Why a mesh is too stiff, for people who have to mend it: elements larger than the part is thick, elements of order 1,
 /// one element through the thickness, a nearly incompressible material.  Warnings where the mesh's error is unknown or
-/// estimated beyond 5 % in the first frequency or in statics, notes beyond 1 %, else nothing: the reasons do no harm.
+/// estimated beyond 5 % in the first frequency or in statics, notes beyond 1 %, else nothing: the reasons do no harm.  A
+/// nearly incompressible material is always warned of: the estimate does not see what it does.
 struct MeshHints {
   std::vector<std::string> warnings, notes;
 };
