@@ -81,9 +81,7 @@ class Placer {
     model_.warnings = deck_.left_out.messages("element");
     for (const std::string& message : deck_.unbound.messages("keyword"))
       model_.warnings.push_back(message + ": what it binds stays apart");
-    std::vector<Index> used;
-    each_other_node([&](Index& node) { used.push_back(node); });
-    renumber_others(builder_.finish(model_, used));
+    builder_.finish(model_);
     return std::move(model_);
   }
 
@@ -285,7 +283,7 @@ class Placer {
         }
       }
       builder_.join(same);
-      each_other_node([&](Index& node) {
+      each_attached_node(model_, [&](Index& node) {
         if (const auto found = same.find(node); found != same.end()) node = found->second;
       });
       for (auto& [name, nodes] : set_nodes_)
@@ -383,23 +381,6 @@ class Placer {
             fmt::format("spring element {} (SPRINGA) has no length, hence no direction", spring.label));
       const Eigen::Vector3d x = line.normalized(), y = x.unitOrthogonal();
       spring.R << x, y, x.cross(y);
-    }
-  }
-
-  void renumber_others(const std::vector<Index>& number) {
-    each_other_node([&](Index& node) { node = number[static_cast<std::size_t>(node)]; });
-  }
-
-  template <class Visit>
-  void each_other_node(const Visit& visit) {
-    for (ImportedBar& bar : model_.bars)
-      for (Index& node : bar.nodes) visit(node);
-    for (ImportedSpring& spring : model_.springs)
-      for (Index& node : spring.nodes) visit(node);
-    for (ImportedMass& mass : model_.masses) visit(mass.node);
-    for (ImportedTie& tie : model_.ties) {
-      visit(tie.reference);
-      for (Index& node : tie.nodes) visit(node);
     }
   }
 

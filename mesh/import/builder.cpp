@@ -191,15 +191,14 @@ void ModelBuilder::split_quadratic_shells() {
   cells_ = std::move(cells);
 }
 
-std::vector<Index> ModelBuilder::finish(ImportedModel& model, const std::vector<Index>& also_used) {
+void ModelBuilder::finish(ImportedModel& model) {
   split_quadratic_shells();
   Mesh& mesh = model.mesh;
   mesh = Mesh();
   std::vector<Index> number(points_.size(), -1);
   for (const Cell& cell : cells_)
     for (const Index node : cell.nodes) number[node] = 0;
-  for (const Index node : also_used)
-    if (node >= 0) number[node] = 0;
+  each_attached_node(model, [&](Index& node) { number[node] = 0; });
   Index n = 0;
   for (Index& k : number)
     if (k == 0) k = n++;
@@ -280,7 +279,11 @@ std::vector<Index> ModelBuilder::finish(ImportedModel& model, const std::vector<
   }
   extract_boundary(mesh);
   attach_faces_to_sets(mesh);
-  return number;
+  each_attached_node(model, [&](Index& node) { node = number[node]; });
+  for (auto* dofs : {&model.fixed, &model.kept}) {
+    for (ImportedDofs& entry : *dofs) entry.node = number[entry.node];
+    std::erase_if(*dofs, [](const ImportedDofs& entry) { return entry.node < 0; });
+  }
 }
 
 }  // namespace flexura::mesh

@@ -52,6 +52,20 @@ class Unused {
   std::map<std::string, std::size_t> place_;
 };
 
+/// Visits, by reference, every number of a node in bars, springs, masses and ties.
+template <class Visit>
+void each_attached_node(ImportedModel& model, const Visit& visit) {
+  for (ImportedBar& bar : model.bars)
+    for (Index& node : bar.nodes) visit(node);
+  for (ImportedSpring& spring : model.springs)
+    for (Index& node : spring.nodes) visit(node);
+  for (ImportedMass& mass : model.masses) visit(mass.node);
+  for (ImportedTie& tie : model.ties) {
+    visit(tie.reference);
+    for (Index& node : tie.nodes) visit(node);
+  }
+}
+
 class ModelBuilder {
  public:
   /// Labels are unique in a scope (an instance of a part); most formats have scope 0 only.
@@ -81,9 +95,10 @@ class ModelBuilder {
   void add_to_set(const std::string& name, const std::vector<Index>& nodes);
 
   /// Fills model.mesh (blocks in order of first appearance of their type), its boundary and sets; drops nodes
-  /// that nothing uses (`also_used`: ends of bars, masses, ties) and returns old to new node numbers (-1 =
-  /// dropped). Throws when some cells have a material and others none, or a cell is turned inside out.
-  std::vector<Index> finish(ImportedModel& model, const std::vector<Index>& also_used);
+  /// on which no cell, bar, spring, mass or tie stands, and gives those of the model (which were numbers of add_node until
+  /// here) their numbers in the mesh; what is fixed or kept at a dropped node goes with it.  Throws when some cells have a
+  /// material and others none, or a cell is turned inside out.
+  void finish(ImportedModel& model);
 
   /// What becomes of quadratic shells, for messages.
   static const char* split_shells();

@@ -364,25 +364,7 @@ void NastranReader::read_dofs() {
 void NastranReader::finish() {
   for (const auto& [node, mass] : extra_mass_)
     model_.masses.push_back({.label = 0, .node = node, .mass = mass});
-  std::vector<Index> used;
-  const auto each_node = [&](auto&& visit) {
-    for (ImportedBar& bar : model_.bars)
-      for (Index& node : bar.nodes) visit(node);
-    for (ImportedSpring& spring : model_.springs)
-      for (Index& node : spring.nodes) visit(node);
-    for (ImportedMass& mass : model_.masses) visit(mass.node);
-    for (ImportedTie& tie : model_.ties) {
-      visit(tie.reference);
-      for (Index& node : tie.nodes) visit(node);
-    }
-  };
-  each_node([&](Index& node) { used.push_back(node); });
-  const std::vector<Index> number = builder_.finish(model_, used);
-  each_node([&](Index& node) { node = number[node]; });
-  for (auto* dofs : {&model_.fixed, &model_.kept}) {
-    for (ImportedDofs& entry : *dofs) entry.node = number[entry.node];
-    std::erase_if(*dofs, [](const ImportedDofs& entry) { return entry.node < 0; });
-  }
+  builder_.finish(model_);
 }
 
 ImportedModel read_nastran(const std::filesystem::path& path) {

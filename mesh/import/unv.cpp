@@ -71,7 +71,7 @@ class Reader {
       throw std::invalid_argument(name_ + ": holds no solid elements (datasets 2411 and 2412)");
     for (const auto& [set, entities] : groups_) make_set(set, entities);
     for (const std::string& message : unused_.messages("dataset")) model_.messages.push_back(message);
-    builder_.finish(model_, {});
+    builder_.finish(model_);
     return std::move(model_);
   }
 
