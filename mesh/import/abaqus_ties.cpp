@@ -1,0 +1,155 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <stdexcept>
+
+#include "mesh/import/abaqus_keywords.hpp"
+#include "mesh/import/abaqus_placer.hpp"
+#include "mesh/import/abaqus_types.hpp"
+#include "mesh/model/cell.hpp"
+
+namespace flexura::mesh::abaqus {
+
+std::vector<Index> Placer::named_nodes(const std::string& name, const Where& where) {
+  if (const auto label = as_integer(name)) return {builder_.node(0, *label, where)};
+  if (const auto set = set_nodes_.find(upper(name)); set != set_nodes_.end()) return set->second;
+  if (const auto cells = set_cells_.find(upper(name)); cells != set_cells_.end())
+    return nodes_of_elements(cells->second.first, cells->second.second);
+  if (const std::size_t dot = name.rfind('.'); dot != std::string::npos)
+    if (const auto label = as_integer(name.substr(dot + 1)))
+      if (const auto scope = scope_of_.find(upper(name.substr(0, dot))); scope != scope_of_.end())
+        return {builder_.node(scope->second, *label, where)};
+  throw std::invalid_argument(fmt::format("{}: \"{}\" is no node and no set", where.text(), name));
+}
+
+std::vector<Index> Placer::surface_nodes(const std::string& name, const Where& where) {
+  const auto found = deck_.surfaces.find(name);
+  if (found == deck_.surfaces.end()) return named_nodes(name, where);
+  found->second.used = true;
+  std::vector<Index> nodes;
+  for (const auto& [entry, face] : found->second.entries) {
+    const bool whole = found->second.of_nodes || face == "SPOS" || face == "SNEG" || face.empty();
+    if (whole) {
+      const std::vector<Index> some = named_nodes(entry, where);
+      nodes.insert(nodes.end(), some.begin(), some.end());
+      continue;
+    }
+    const auto set = set_cells_.find(upper(entry));
+    const auto number = face[0] == 'S' ? as_integer(face.substr(1)) : std::nullopt;
+    if (!number || (set == set_cells_.end() && !as_integer(entry)))
+      throw std::invalid_argument(
+          fmt::format("{}: the surface {} has an entry \"{}, {}\", which is not read", where.text(), name,
+                      entry, face));
+    const std::pair<int, std::vector<std::int64_t>> cells =
+        set != set_cells_.end() ? set->second : std::pair{0, std::vector<std::int64_t>{*as_integer(entry)}};
+    for (const std::int64_t label : cells.second) {
+      const auto at = cell_of_.find({cells.first, label});
+      if (at == cell_of_.end()) continue;
+      const ModelBuilder::Cell& cell = builder_.cells()[at->second];
+      const std::vector<int> corners = face_corners(cell.type, static_cast<int>(*number) - 1);
+      if (corners.empty())
+        throw std::invalid_argument(fmt::format("{}: element {} of the surface {} has no face {}",
+                                                where.text(), label, name, face));
+      const auto on = [&](int c) { return std::find(corners.begin(), corners.end(), c) != corners.end(); };
+      for (const int c : corners) nodes.push_back(cell.nodes[static_cast<std::size_t>(c)]);
+      const CellShape& shape = shape_of(cell.type);
+      for (std::size_t e = 0; e < shape.edges.size(); ++e)
+        if (const std::size_t middle = static_cast<std::size_t>(shape.corners) + e;
+            middle < cell.nodes.size() && on(shape.edges[e][0]) && on(shape.edges[e][1]))
+          nodes.push_back(cell.nodes[middle]);
+    }
+  }
+  return nodes;
+}
+
+void Placer::merge_surface_ties() {
+  for (const SurfaceTie& tie : deck_.surface_ties) {
+    std::vector<Index> slaves = surface_nodes(tie.slave, tie.where),
+                       masters = surface_nodes(tie.master, tie.where);
+    for (std::vector<Index>* nodes : {&slaves, &masters}) {
+      std::ranges::sort(*nodes);
+      nodes->erase(std::unique(nodes->begin(), nodes->end()), nodes->end());
+    }
+    double tolerance = tie.tolerance;
+    if (!(tolerance > 0)) {
+      // The least distance of a master's node from the others, on the mean of a few.
+      double sum = 0;
+      const std::size_t step = std::max<std::size_t>(1, masters.size() / 20);
+      std::size_t count = 0;
+      for (std::size_t k = 0; k < masters.size(); k += step, ++count) {
+        double least = HUGE_VAL;
+        for (const Index other : masters)
+          if (other != masters[k])
+            least = std::min(least, (builder_.place(other) - builder_.place(masters[k])).norm());
+        sum += least;
+      }
+      tolerance = count > 0 && std::isfinite(sum) ? 0.05 * sum / static_cast<double>(count) : 0;
+    }
+    std::map<Index, Index> same;
+    std::size_t apart = 0;
+    for (const Index slave : slaves) {
+      const auto nearest = std::ranges::min_element(
+          masters, {}, [&](Index m) { return (builder_.place(m) - builder_.place(slave)).squaredNorm(); });
+      if (nearest != masters.end() &&
+          (builder_.place(*nearest) - builder_.place(slave)).norm() <= tolerance) {
+        if (*nearest != slave) same[slave] = *nearest;
+      } else {
+        ++apart;
+      }
+    }
+    builder_.join(same);
+    each_attached_node(model_, [&](Index& node) {
+      if (const auto found = same.find(node); found != same.end()) node = found->second;
+    });
+    for (auto& [name, nodes] : set_nodes_)
+      for (Index& node : nodes)
+        if (const auto found = same.find(node); found != same.end()) node = found->second;
+    model_.messages.push_back(fmt::format("*TIE in {}: {} nodes of {} are joined to nodes of {}",
+                                          tie.where.text(), same.size(), tie.slave, tie.master));
+    if (apart > 0)
+      model_.warnings.push_back(
+          fmt::format("*TIE in {}: {} of the {} nodes of {} lie on no node of {} (within {:.3g}) and stay "
+                      "apart: only nodes that "
+                      "coincide are joined, so mesh both sides alike there",
+                      tie.where.text(), apart, slaves.size(), tie.slave, tie.master, tolerance));
+  }
+}
+
+void Placer::resolve_ties() {
+  std::map<std::pair<Index, std::array<bool, 6>>, std::size_t> of_reference;
+  for (const TieKeyword& from : deck_.ties) {
+    const std::vector<Index> reference = named_nodes(from.reference, from.where);
+    if (reference.size() != 1)
+      throw std::invalid_argument(fmt::format("{}: *{}: the reference \"{}\" is {} nodes, not one",
+                                              from.where.text(), from.what, from.reference,
+                                              reference.size()));
+    std::vector<Index> nodes =
+        from.what == "COUPLING" ? surface_nodes(from.set, from.where) : named_nodes(from.set, from.where);
+    std::ranges::sort(nodes);
+    nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+    std::erase(nodes, reference[0]);
+    if (nodes.empty())
+      throw std::invalid_argument(fmt::format("{}: *{} ties no nodes", from.where.text(), from.what));
+    // Pairs of one node make one rigid piece.
+    const auto [at, fresh] = of_reference.emplace(std::pair{reference[0], from.dofs}, model_.ties.size());
+    if (!fresh && from.what == "MPC") {
+      auto& all = model_.ties[at->second].nodes;
+      all.insert(all.end(), nodes.begin(), nodes.end());
+      continue;
+    }
+    ImportedTie tie;
+    tie.kind = from.kind;
+    tie.label = static_cast<std::int64_t>(model_.ties.size()) + 1;
+    tie.reference = reference[0];
+    tie.dofs = from.dofs;
+    if (tie.kind == ImportedTie::Kind::average) tie.weights.assign(nodes.size(), 1.0);
+    tie.nodes = std::move(nodes);
+    model_.messages.push_back(fmt::format("*{} in {} is tie {}", from.what, from.where.text(), tie.label));
+    model_.ties.push_back(std::move(tie));
+  }
+}
+
+}  // namespace flexura::mesh::abaqus
