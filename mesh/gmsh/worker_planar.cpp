@@ -8,6 +8,8 @@
 #include <map>
 #include <stdexcept>
 
+#include "mesh/gmsh/worker_nodes.hpp"
+
 namespace flexura::mesh {
 namespace {
 
@@ -97,25 +99,15 @@ void mesh_planar_faces(const Job& job, Arrays& arrays) {
   gmsh::model::mesh::generate(2);
   gmsh::model::mesh::setOrder(2);
 
-  std::vector<std::size_t> tags;
-  std::vector<double> coordinates, parameters;
-  gmsh::model::mesh::getNodes(tags, coordinates, parameters, -1, -1, false, false);
-  std::map<std::size_t, std::size_t> place;
-  for (std::size_t k = 0; k < tags.size(); ++k) place[tags[k]] = k;
-  std::map<std::size_t, std::int64_t> number;
+  NodeNumbers numbers;
   for (const auto& [dimension, tag] : faces) {
     std::vector<std::size_t> cells, nodes;
     gmsh::model::mesh::getElementsByType(9, cells, nodes, tag);
     for (std::size_t c = 0; c < cells.size(); ++c) {
       for (int k = 0; k < 6; ++k) {
-        const std::size_t node = nodes[6 * c + k];
-        const auto [it, added] = number.insert({node, static_cast<std::int64_t>(number.size())});
-        if (added) {
-          const std::size_t at = 3 * place.at(node);
-          arrays.points.insert(arrays.points.end(), {coordinates[at + axes[0]] * kModelUnit,
-                                                     coordinates[at + axes[1]] * kModelUnit, 0.0});
-        }
-        arrays.integers.push_back(it->second);
+        arrays.integers.push_back(numbers.of(nodes[6 * c + k], [&](const double* x) {
+          arrays.points.insert(arrays.points.end(), {x[axes[0]] * kModelUnit, x[axes[1]] * kModelUnit, 0.0});
+        }));
       }
       arrays.integers.push_back(region_of.at(tag));
     }

@@ -4,12 +4,12 @@
 #include <gmsh.h>
 
 #include <cmath>
-#include <map>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "mesh/gmsh/worker_describe.hpp"
+#include "mesh/gmsh/worker_nodes.hpp"
 #include "mesh/model/mesh.hpp"
 
 namespace flexura::mesh {
@@ -75,12 +75,7 @@ void mesh_sheet(const Job& job, ResultRecord& result, Arrays& arrays) {
   gmsh::option::setNumber("Mesh.MeshSizeFromCurvature", std::lround(job.elements_per_circle));
   gmsh::model::mesh::generate(2);
 
-  std::vector<std::size_t> tags;
-  std::vector<double> coordinates, parameters;
-  gmsh::model::mesh::getNodes(tags, coordinates, parameters, -1, -1, false, false);
-  std::map<std::size_t, std::size_t> place;
-  for (std::size_t k = 0; k < tags.size(); ++k) place[tags[k]] = k;
-  std::map<std::size_t, std::int64_t> number;
+  NodeNumbers numbers;
   const std::pair<int, CellType> types[] = {{3, CellType::quad4}, {2, CellType::tri3}};
   for (const auto& [type, ours] : types) {
     std::vector<std::int64_t> labels, cells_nodes;
@@ -88,13 +83,10 @@ void mesh_sheet(const Job& job, ResultRecord& result, Arrays& arrays) {
       std::vector<std::size_t> cells, nodes;
       gmsh::model::mesh::getElementsByType(type, cells, nodes, face.second);
       labels.insert(labels.end(), cells.size(), face.second);
-      for (const std::size_t node : nodes) {
-        const auto [at, fresh] = number.emplace(node, static_cast<std::int64_t>(number.size()));
-        if (fresh)
-          for (int i = 0; i < 3; ++i)
-            arrays.points.push_back(coordinates[3 * place.at(node) + static_cast<std::size_t>(i)] * job.to_m);
-        cells_nodes.push_back(at->second);
-      }
+      for (const std::size_t node : nodes)
+        cells_nodes.push_back(numbers.of(node, [&](const double* x) {
+          for (int i = 0; i < 3; ++i) arrays.points.push_back(x[i] * job.to_m);
+        }));
     }
     if (labels.empty()) continue;
     result.blocks.push_back({static_cast<int>(ours), labels.size()});

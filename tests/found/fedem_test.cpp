@@ -9,8 +9,7 @@
 #include <Eigen/Dense>
 #include <cmath>
 
-#include "mbs/superelement/file.hpp"
-#include "tests/app/command.hpp"
+#include "tests/found/parts.hpp"
 
 namespace flexura::test {
 namespace {
@@ -19,23 +18,19 @@ using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-class Fedem : public testing::Test {
+class Fedem : public Parts {
  protected:
   // The superelement of a deck: with its own ties as interfaces, or held at `root` and loaded at `tip`.
   superelement::Superelement reduce(const std::string& deck, int root = 0, int tip = 0) {
-    folder_.write("deck.nas", deck);
-    std::string text = "[geometry]\nfile = \"deck.nas\"\n[modes]\ncount = 1\n";
+    std::string text = "[modes]\ncount = 1\n";
     if (root > 0)
       text += fmt::format(
           "[interface.a]\nby = \"nodes\"\nnodes = [{}]\n[interface.b]\nby = \"nodes\"\nnodes = [{}]\n", root,
           tip);
-    const auto part = folder_.write("part.toml", text);
-    outcome_ = run("flexura-reduce", {part.string(), "-o", folder_ / "part.se.h5"});
-    if (outcome_.exit_code != 0) {
-      ADD_FAILURE() << outcome_.err;
-      return {};
-    }
-    return superelement::read(folder_ / "part.se.h5", {});
+    Reduced r = reduce_deck(deck, text, {}, "deck.nas");
+    outcome_ = r.outcome;
+    EXPECT_EQ(outcome_.exit_code, 0) << outcome_.err;
+    return std::move(r.se);
   }
   static std::string file(const std::string& name) {
     return read_text(FLEXURA_SOURCE_DIR "/tests/found/decks/" + name);
@@ -54,7 +49,6 @@ class Fedem : public testing::Test {
   static Vector3d in_gravity(const superelement::Superelement& se, const Vector3d& g) {
     return tip(se, se.M_se * superelement::rigid_motions(se).leftCols<3>() * g);
   }
-  Folder folder_;
   Outcome outcome_;
 };
 

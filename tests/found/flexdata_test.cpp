@@ -148,5 +148,20 @@ TEST_F(FlexDataFiles, WhatIsBrokenIsRefusedByOneSentence) {
   EXPECT_THAT(option.err, HasSubstr("--modes is for parts that are reduced here"));
 }
 
+// Modes at a few nodes are no geometry: the file is known, and what to give instead is said.
+TEST_F(FlexDataFiles, AsGeometryAreAnsweredWithTheKey) {
+  folder_.write("arm.xml",
+                "<Reference_FlexData\n id = \"1\"\n num_nodes = \"9\"\n num_sel_modes = \"0\"\n "
+                "num_sel_nodes = \"0\">\n"
+                "</Reference_FlexData>\n");
+  const auto part =
+      folder_.write("part.toml",
+                    "[geometry]\nfile = \"arm.xml\"\n[material.steel]\nyoung = \"210 GPa\"\npoisson = "
+                    "0.3\ndensity = 7850\n");
+  const Outcome outcome = run("flexura-reduce", {part.string(), "-o", (folder_ / "x.se.h5").string()});
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_THAT(outcome.err, AllOf(HasSubstr("is a FlexData file"), HasSubstr("[flexdata]")));
+}
+
 }  // namespace
 }  // namespace flexura::test

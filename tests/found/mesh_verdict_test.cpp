@@ -6,10 +6,9 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
-#include <nlohmann/json.hpp>
 #include <numbers>
 
-#include "tests/app/command.hpp"
+#include "tests/found/parts.hpp"
 
 namespace flexura::test {
 namespace {
@@ -18,24 +17,13 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
 
-class MeshVerdict : public testing::Test {
+class MeshVerdict : public Parts {
  protected:
-  struct Reduced {
-    Outcome outcome;
-    nlohmann::json report;
-    double hz(std::size_t k) const { return report["mesh_error"]["modes"].at(k)["hz"]; }
-    double error(std::size_t k) const {
-      const nlohmann::json& error = report["mesh_error"]["modes"].at(k)["frequency_error"];
-      return error.is_number() ? error.get<double>() : HUGE_VAL;
-    }
-  };
-
-  Reduced reduce(const std::filesystem::path& part, std::vector<std::string> options = {}) {
-    const std::string report = folder_ / "report.json";
-    options.insert(options.begin(), {part.string(), "-o", output(), "--report", report});
-    Reduced out{run("flexura-reduce", options), {}};
-    if (out.outcome.exit_code == 0) out.report = nlohmann::json::parse(read_text(report));
-    return out;
+  // What the report's estimate says of a mode.
+  static double hz(const Reduced& r, std::size_t k) { return r.report["mesh_error"]["modes"].at(k)["hz"]; }
+  static double error(const Reduced& r, std::size_t k) {
+    const nlohmann::json& error = r.report["mesh_error"]["modes"].at(k)["frequency_error"];
+    return error.is_number() ? error.get<double>() : HUGE_VAL;
   }
 
   void bring(const std::string& name) const {
@@ -72,10 +60,6 @@ tie = "average"
     folder_.write("block.inp", replaced(read_text(folder_ / "blockC3D20.inp"), "2e+11, 0.3", "2e+11, " + poisson));
     return folder_.write("block.toml", "[geometry]\nfile = \"block.inp\"\n" + more);
   }
-
-  std::string output() const { return folder_ / "part.se.h5"; }
-
-  Folder folder_;
 };
 
 const std::string kHeld = "[interface.left]\nby = \"plane\"\npoint = [0, 0, 0]\nnormal = [1, 0, 0]\n";
@@ -125,7 +109,7 @@ TEST_F(MeshVerdict, AccuracyChoosesMeshAndModes) {
     for (const double hz : bending_hz(0.1, b, h, 2.1e11, 0.3, 7850)) truth.push_back(hz);
   std::sort(truth.begin(), truth.end());
   // Below the first torsion, 14 kHz.
-  for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(r.hz(k) / truth[k], 1.0, kAsked + kTheory) << k;
+  for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(hz(r, k) / truth[k], 1.0, kAsked + kTheory) << k;
 }
 
 // A mesh of 4 m for a bar of 0.1 m (a mistyped "4 mm"), or of linear tetrahedra: warned of with its reasons, not trusted,
@@ -158,12 +142,12 @@ TEST_F(MeshVerdict, AShaftWithSharpShouldersIsJudgedByItsMesh) {
   ASSERT_EQ(coarse.outcome.exit_code, 0) << coarse.outcome.err;
   ASSERT_EQ(finer.outcome.exit_code, 0) << finer.outcome.err;
   for (std::size_t k = 0; k < 4; ++k) {
-    const double moved = coarse.hz(k) / finer.hz(k) - 1.0;
+    const double moved = hz(coarse, k) / hz(finer, k) - 1.0;
     EXPECT_GT(moved, 0.0) << k;  // a finer mesh is softer
-    EXPECT_LT(moved, 2.0 * coarse.error(k)) << k;
-    EXPECT_LT(finer.error(k), coarse.error(k)) << k;
+    EXPECT_LT(moved, 2.0 * error(coarse, k)) << k;
+    EXPECT_LT(error(finer, k), error(coarse, k)) << k;
   }
-  if (coarse.error(0) > 0.01) {
+  if (error(coarse, 0) > 0.01) {
     EXPECT_THAT(coarse.outcome.out, Not(HasSubstr("frequencies within 1 %")));
   }
 }

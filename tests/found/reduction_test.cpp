@@ -5,33 +5,18 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <nlohmann/json.hpp>
 
-#include "mbs/superelement/file.hpp"
-#include "tests/app/command.hpp"
+#include "tests/found/parts.hpp"
 
 namespace flexura::test {
 namespace {
 
 using testing::HasSubstr;
 
-class FoundReduction : public testing::Test {
+class FoundReduction : public Parts {
  protected:
-  struct Reduced {
-    Outcome outcome;
-    nlohmann::json report;
-  };
-
   static std::filesystem::path sample(const std::string& name) {
     return std::filesystem::path(FLEXURA_SOURCE_DIR) / "tests/found" / name;
-  }
-
-  Reduced reduce(const std::filesystem::path& part, std::vector<std::string> options = {}) {
-    const std::string report = folder_ / "report.json";
-    options.insert(options.begin(), {part.string(), "-o", output(), "--report", report});
-    Reduced out{run("flexura-reduce", options), {}};
-    if (out.outcome.exit_code == 0) out.report = nlohmann::json::parse(read_text(report));
-    return out;
   }
 
   /// A part of the 4 m block of 20-node bricks, ended by `more`.
@@ -40,10 +25,6 @@ class FoundReduction : public testing::Test {
                           std::filesystem::copy_options::overwrite_existing);
     return folder_.write("block.toml", "[geometry]\nfile = \"" + deck + "\"\n" + more);
   }
-
-  std::string output() const { return folder_ / "part.se.h5"; }
-
-  Folder folder_;
 };
 
 // Rayleigh's principle: no frequency of a projection lies below the full model's; 1e-9 is the eigensolver's

@@ -11,8 +11,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "mbs/superelement/file.hpp"
-#include "tests/app/command.hpp"
+#include "tests/found/parts.hpp"
 
 namespace flexura::test {
 namespace {
@@ -21,7 +20,7 @@ using Eigen::VectorXd;
 using testing::HasSubstr;
 constexpr double kPi = std::numbers::pi;
 
-class Sheets : public testing::Test {
+class Sheets : public Parts {
  protected:
   Outcome reduce(const std::string& geometry, const std::string& rest, const std::string& thickness,
                  std::vector<std::string> options = {}) {
@@ -29,16 +28,14 @@ class Sheets : public testing::Test {
         "part.toml", fmt::format("[geometry]\n{}\n[shell]\nthickness = {}\n[material.steel]\nyoung = "
                                  "\"200 GPa\"\npoisson = 0.3\ndensity = 8000\n{}",
                                  geometry, thickness, rest));
-    options.insert(options.begin(), {part.string(), "-o", (folder_ / "part.se.h5").string()});
-    return run("flexura-reduce", options);
+    return Parts::reduce(part, std::move(options)).outcome;
   }
   static std::string file(const std::string& name) {
     return "file = \"" FLEXURA_SOURCE_DIR "/tests/found/" + name + "\"";
   }
   superelement::Superelement se() const {
-    return superelement::read(folder_ / "part.se.h5", {.surface = true, .stress = true});
+    return superelement::read(output(), {.surface = true, .stress = true});
   }
-  Folder folder_;
 };
 
 // NAFEMS FV16, a cantilevered square plate (Selected benchmarks for natural frequency analysis, 1987): 10 x 10 x 0.05 m.
@@ -85,7 +82,7 @@ TEST_F(Sheets, WrittenAsADeckIsTheSame) {
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   const superelement::Superelement first = se();
   const auto part = folder_.write("again.toml", "[geometry]\nfile = \"again.inp\"\nunit = \"m\"\n" + rest);
-  const Outcome again = run("flexura-reduce", {part.string(), "-o", (folder_ / "part.se.h5").string()});
+  const Outcome again = run("flexura-reduce", {part.string(), "-o", output()});
   ASSERT_EQ(again.exit_code, 0) << again.err;
   EXPECT_NEAR(se().inertia.mass / first.inertia.mass, 1.0, 1e-12);
   EXPECT_LT((se().omega2 - first.omega2).norm(), 1e-8 * first.omega2.norm());
@@ -98,7 +95,7 @@ TEST_F(Sheets, WhatIsNoSheetIsRefused) {
                            const std::string& more = "") {
     const Outcome outcome = reduce(file(name) + more, rest, thickness);
     EXPECT_EQ(outcome.exit_code, 2) << outcome.err;
-    EXPECT_FALSE(std::filesystem::exists(folder_ / "part.se.h5"));
+    EXPECT_FALSE(std::filesystem::exists(output()));
     return outcome.err;
   };
   EXPECT_THAT(refusal("sheets/square.brep", "0"), HasSubstr("thickness"));

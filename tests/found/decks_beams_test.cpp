@@ -1,0 +1,151 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+
+// Decks of beams, rods, springs and point masses, from the file to the superelement: against exact solutions.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+#include <cmath>
+#include <numbers>
+
+#include "tests/found/parts.hpp"
+#include "tests/found/plate_deck.hpp"
+
+namespace flexura::test {
+namespace {
+
+using Eigen::VectorXd;
+using testing::AllOf;
+using testing::HasSubstr;
+constexpr double kPi = std::numbers::pi;
+
+using DeckBeams = Parts;
+
+const std::string kBeamDeck =
+    "BEGIN BULK\nMAT1,1,2.1+11,,0.3,7850.\nPBARL,1,1,,BAR\n,0.03,0.05\n"  // 30 mm along z, 50 mm along y
+    "{}ENDDATA\n";
+
+// n CBARs along x of length 1.
+std::string cantilever(int n, const std::string& more = "") {
+  std::string text;
+  for (int k = 0; k <= n; ++k) text += fmt::format("GRID,{},,{:.15g},0.,0.\n", k + 1, 1.0 * k / n);
+  for (int k = 0; k < n; ++k) text += fmt::format("CBAR,{},1,{},{},0.,1.,0.\n", k + 1, k + 1, k + 2);
+  return fmt::format(fmt::runtime(kBeamDeck), text + more);
+}
+
+TEST_F(DeckBeams, BeamsOfADeckAreTimoshenkosToTheLastDigits) {
+  const std::string ends =
+      "[interface.a]\nby = \"nodes\"\nnodes = [1]\n[interface.b]\nby = \"nodes\"\nnodes = [5]\n";
+  const Reduced r = reduce_deck(cantilever(4), ends + "[modes]\ncount = 6\n");
+  ASSERT_EQ(r.outcome.exit_code, 0) << r.outcome.err;
+  const double E = 2.1e11, G = E / 2.6, A = 0.0015, I_zz = 0.03 * std::pow(0.05, 3) / 12,
+               I_yy = 0.05 * std::pow(0.03, 3) / 12;
+  const auto tip = [&](int d) {
+    VectorXd load = VectorXd::Zero(6);
+    load(d) = 1.0;
+    return statics(r.se, 0, 1, load)(r.se.interfaces[1].first_dof + d);
+  };
+  EXPECT_NEAR(tip(0) * E * A, 1.0, 1e-9);
+  EXPECT_NEAR(tip(1) / (1 / (3 * E * I_zz) + 1.2 / (G * A)), 1.0, 1e-9);
+  EXPECT_NEAR(tip(2) / (1 / (3 * E * I_yy) + 1.2 / (G * A)), 1.0, 1e-9);
+  // Saint-Venant's constant of 50 x 30: 0.2129 a b^3 (Timoshenko, Goodier, table of art. 109: 0.2137 at 5/3 by
+  // interpolation of 0.196 at 1.5 and 0.229 at 2: 1 %).
+  EXPECT_NEAR(1 / (tip(3) * G * 0.05 * std::pow(0.03, 3)), 0.208, 0.006);
+  // Inertia of the solid bar.
+  const double m = 7850 * A;
+  EXPECT_NEAR(r.se.inertia.mass, m, 1e-12 * m);
+  Eigen::Matrix3d S_xx = Eigen::Vector3d(1.0 / 3, 0.05 * 0.05 / 12, 0.03 * 0.03 / 12).asDiagonal();
+  EXPECT_LT((r.se.inertia.S_xx / m - S_xx).norm(), 1e-12);
+}
+
+// The first frequencies of a clamped-clamped bar, 22.3733 and 61.6728 sqrt(EI / rho A) / l^2, without shear and rotary
+// inertia's 2 % and 6 %: slender enough (l / radius of gyration 400) for 3e-4.
+TEST_F(DeckBeams, BeamsOfADeckVibrateAsBeamsDo) {
+  std::string text =
+      "BEGIN BULK\nMAT1,1,2.1+11,,0.3,7850.\nPBAR,1,1,7.853982-5,4.908739-10,4.908739-10,9.817477-10\n";
+  for (int k = 0; k <= 12; ++k) text += fmt::format("GRID,{},,0.,{:.15g},0.\n", k + 1, k / 12.0);
+  for (int k = 0; k < 12; ++k) text += fmt::format("CBAR,{},1,{},{},1.,0.,0.\n", k + 1, k + 1, k + 2);
+  const Reduced r = reduce_deck(text + "ENDDATA\n",
+                           "[interface.a]\nby = \"nodes\"\nnodes = [1]\n[interface.b]\nby = \"nodes\"\n"
+                           "nodes = [13]\n[modes]\ncount = 4\n");
+  ASSERT_EQ(r.outcome.exit_code, 0) << r.outcome.err;
+  const double scale = std::sqrt(2.1e11 * 4.908739e-10 / (7850 * 7.853982e-5)) / (2 * kPi);
+  const VectorXd hz = clamped_hz(r.se);
+  for (int k = 0; k < 4; ++k) EXPECT_NEAR(hz(k) / (scale * (k < 2 ? 22.37329 : 61.67282)), 1.0, 1e-3) << k;
+}
+
+// Two bars that meet in a bushing or in scalar springs: compliances add.
+TEST_F(DeckBeams, SpringsOfADeckAddTheirCompliance) {
+  const double E = 2.1e11, A = 0.0015, k = 3e7;
+  const std::string bars =
+      "GRID,1,,0.,0.,0.\nGRID,2,,0.5,0.,0.\nGRID,3,,0.5,0.,0.\nGRID,4,,1.,0.,0.\n"
+      "CBAR,1,1,1,2,0.,1.,0.\nCBAR,2,1,3,4,0.,1.,0.\n";
+  const std::string bush = "PBUSH,7,K,3.+7,2.+7,1.+7,1.+5,2.+5,3.+5\nCBUSH,10,7,2,3,,,,0\n";
+  std::string scalar = "PELAS,9,3.+7\nCELAS1,10,9,2,1,3,1\n";
+  for (int c = 2; c <= 6; ++c)
+    scalar += fmt::format("CELAS2,{},{},2,{},3,{}\n", 10 + c, c < 4 ? "2.+7" : "1.+5", c, c);
+  for (const std::string& springs : {bush, scalar}) {
+    const Reduced r =
+        reduce_deck(fmt::format(fmt::runtime(kBeamDeck), bars + springs),
+               "[interface.a]\nby = \"nodes\"\nnodes = [1]\n[interface.b]\nby = \"nodes\"\nnodes = [4]\n"
+               "[modes]\ncount = 2\n");
+    ASSERT_EQ(r.outcome.exit_code, 0) << r.outcome.err;
+    VectorXd load = VectorXd::Zero(6);
+    load(0) = 1.0;
+    EXPECT_NEAR(statics(r.se, 0, 1, load)(r.se.interfaces[1].first_dof) / (1 / (E * A) + 1 / k), 1.0, 1e-9);
+  }
+}
+
+// The same structure for Abaqus: beams with their section by shape, a truss, a spring, a mass with moments of inertia, a
+// coupling to a surface of solids.
+TEST_F(DeckBeams, AbaqusBeamsMassesAndCouplings) {
+  const std::string deck =
+      "*HEADING\n*NODE\n1,0.,0.,0.\n2,.1,0.,0.\n3,.1,.1,0.\n4,0.,.1,0.\n5,0.,0.,.1\n6,.1,0.,.1\n7,.1,.1,."
+      "1\n8,0.,.1,.1\n"
+      "20,.1,.05,.05\n21,.6,.05,.05\n22,.6,.05,.3\n"
+      "*ELEMENT, TYPE=C3D8, ELSET=BLOCK\n1,1,2,3,4,5,6,7,8\n*ELEMENT, TYPE=B31, "
+      "ELSET=BEAM\n2,20,21\n3,21,22\n"
+      "*ELEMENT, TYPE=T3D2, ELSET=STAY\n4,20,22\n*ELEMENT, TYPE=MASS, ELSET=LUMP\n5,22\n*ELEMENT, "
+      "TYPE=ROTARYI, ELSET=TURN\n6,22\n"
+      "*SOLID SECTION, ELSET=BLOCK, MATERIAL=STEEL\n*SOLID SECTION, ELSET=STAY, MATERIAL=STEEL\n1.E-4\n"
+      "*BEAM SECTION, ELSET=BEAM, MATERIAL=STEEL, SECTION=RECT\n0.02, 0.04\n0.,1.,0.\n*MASS, ELSET=LUMP\n3.\n"
+      "*ROTARY INERTIA, ELSET=TURN\n.1,.2,.15,0.,0.,0.\n*MATERIAL, "
+      "NAME=STEEL\n*ELASTIC\n2.1E11,0.3\n*DENSITY\n7850.\n"
+      "*SURFACE, NAME=FACE, TYPE=ELEMENT\nBLOCK, S4\n*COUPLING, CONSTRAINT NAME=C1, REF NODE=20, "
+      "SURFACE=FACE\n*KINEMATIC\n";
+  const Reduced r =
+      reduce_deck(deck,
+             "unit = \"m\"\n[interface.foot]\nby = \"plane\"\npoint = [0, 0, 0]\nnormal = [1, 0, 0]\n"
+             "[interface.knee]\nby = \"nodes\"\nnodes = [21]\n[modes]\ncount = 4\n",
+             {}, "deck.inp");
+  ASSERT_EQ(r.outcome.exit_code, 0) << r.outcome.err;
+  const double stay = std::hypot(0.5, 0.25);
+  EXPECT_NEAR(r.se.inertia.mass, 7850 * (0.001 + 0.75 * 8e-4 + stay * 1e-4) + 3.0, 1e-9);
+  EXPECT_THAT(r.outcome.out, AllOf(HasSubstr("3 beams and rods"), HasSubstr("*COUPLING")));
+  const Reduced bare = reduce_deck(
+      replaced(deck, "*BEAM SECTION, ELSET=BEAM, MATERIAL=STEEL, SECTION=RECT\n0.02, 0.04\n0.,1.,0.\n", ""),
+      "unit = \"m\"\n", {}, "deck.inp");
+  EXPECT_EQ(bare.outcome.exit_code, 2);
+  EXPECT_THAT(bare.outcome.err, HasSubstr("has no section"));
+}
+
+// Stresses of beams are not known, and not promised.
+TEST_F(DeckBeams, StressesOfBeamsAreSaidToBeUnknown) {
+  const std::string ends =
+      "[interface.a]\nby = \"nodes\"\nnodes = [1]\n[interface.b]\nby = \"nodes\"\nnodes = [5]\n";
+  const Reduced beams = reduce_deck(cantilever(4), ends + "[modes]\ncount = 2\n[recovery]\nstress = true\n");
+  EXPECT_EQ(beams.outcome.exit_code, 2);
+  EXPECT_THAT(beams.outcome.err, HasSubstr("stresses of beams are not known"));
+  const Plate plate{.lx = 1.0, .ly = 1.0, .t = 0.01, .nx = 2, .ny = 2};
+  const Reduced both =
+      reduce_deck(plate.nastran("PBARL,9,1,,ROD\n,.02\nGRID,50,,1.5,0.5,0.\nCBAR,60,9,6,50,0.,1.,0.\n"),
+             "[interface.root]\n" + plate.edge([](int i, int) { return i == 0; }) +
+                 "[modes]\ncount = 2\n[recovery]\nstress = true\n");
+  ASSERT_EQ(both.outcome.exit_code, 0) << both.outcome.err;
+  EXPECT_THAT(both.outcome.err, HasSubstr("warning: the stresses of 1 beam are not known"));
+  EXPECT_EQ(both.se.stress->vertices.size(), 2u * 9);
+}
+
+}  // namespace
+}  // namespace flexura::test
