@@ -93,6 +93,45 @@ void Output::fail(int why) const {
                   why ? ": " : "", why ? std::strerror(why) : ""));
 }
 
+/// False where the disk has no room for it.
+bool Output::make_copy() {
+  {
+    const HeldBack until_it_is_known;
+    int why = 0;
+    if (copy_.empty()) {
+      fs::path made = make_part(claimed_->place, why);
+      if (made.empty()) return false;
+      if (claimed_->lock.note(made) != 0) {
+        ::unlink(made.c_str());
+        return false;
+      }
+      copy_ = std::move(made);
+    }
+    unfinished_copy_.emplace(copy_);
+  }
+  std::error_code trouble;
+  if (fs::copy_file(part_, copy_, fs::copy_options::overwrite_existing, trouble)) return true;
+  remove_copy();
+  return false;
+}
+
+void Output::remove_copy() noexcept {
+  ::unlink(copy_.c_str());
+  unfinished_copy_.reset();
+}
+
+void Output::change(const std::function<void(const fs::path&)>& change) {
+  if (!make_copy()) return change(part_);
+  try {
+    change(copy_);
+    if (::rename(copy_.c_str(), part_.c_str()) != 0) fail(errno);
+  } catch (...) {
+    remove_copy();
+    throw;
+  }
+  unfinished_copy_.reset();
+}
+
 void Output::remove() noexcept {
   if (!done_) ::unlink(part_.c_str());
   done_ = true;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string_view>
@@ -42,16 +43,22 @@ class Output {
   /// The private name, FILE.part or FILE.PROCESS.part; an empty file of this name exists, made by this
   /// object.
   const std::filesystem::path& part() const { return part_; }
+  /// Changes the private file, closed by now, so that it is whole at any moment, whatever kills the process:
+  /// `change` works on a copy, which takes the file's place when it returns and is removed when it throws.
+  /// Where a copy cannot be made (no room) it works on the file itself.
+  void change(const std::function<void(const std::filesystem::path&)>& change);
   /// The file is whole and closed: brings it to the disk and gives it its name.  Throws std::runtime_error.
   void commit();
 
  private:
+  bool make_copy();
+  void remove_copy() noexcept;
   void remove() noexcept;
   [[noreturn]] void fail(int why) const;
 
-  std::filesystem::path path_, part_;
+  std::filesystem::path path_, part_, copy_;  ///< copy_: once a change has made one
   std::shared_ptr<Claimed> claimed_;
-  std::optional<Unfinished> unfinished_;
+  std::optional<Unfinished> unfinished_, unfinished_copy_;
   bool done_ = false;
 };
 

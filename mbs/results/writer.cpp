@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <cmath>
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <optional>
 
@@ -13,7 +14,8 @@
 
 // How a killed run stays readable: between runs the file is closed.  While a run writes, the file is open for
 // appending (HDF5's single-writer mode), in which every write leaves consistent blocks on disk; groups cannot
-// be made then, so begin_run() makes them all first and end_run() adds the summary afterwards.
+// be made then, so begin_run() makes them all first and end_run() adds the summary afterwards.  Both write
+// blocks in an order that leaves the file unreadable when they are cut, so they work on a copy of it.
 namespace flexura::results {
 namespace {
 
@@ -68,6 +70,14 @@ struct Writer::Impl {
     c.buffer.insert(c.buffer.end(), values, values + count);
   }
 
+  void change(const std::function<void(hdf5::File&)>& change) {
+    output.change([&](const std::filesystem::path& place) {
+      hdf5::File file(place, hdf5::Mode::modify);
+      change(file);
+      file.close();
+    });
+  }
+
   void flush() {
     for (Column& column : columns) {
       column.series.append(column.buffer.data(), column.buffer.size() / column.width());
@@ -120,37 +130,33 @@ void Writer::begin_run(const std::string& run, const std::vector<Quantity>& quan
                        const std::vector<RunBody>& bodies, const std::vector<std::string>& state_names) {
   Impl& w = *impl_;
   if (w.closed || w.file) throw std::logic_error("begin_run: the results file is closed or a run is open");
-  {
-    hdf5::File file(w.part, hdf5::Mode::modify);
-    {
-      hdf5::Group group = file.root().group("runs").create_group(run);
-      group.set("order", w.n_runs);
-      group.set("complete", 0);
-      json header = {{"quantities", json::array()}, {"bodies", json::array()}, {"states", state_names}};
-      group.create_series("time", 0, "s", "output times");
-      hdf5::Group quantity_group = group.create_group("quantities");
-      for (const Quantity& quantity : quantities) {
-        quantity_group.create_series(quantity.name, 0, quantity.unit, quantity.doc);
-        header["quantities"].push_back(
-            {{"name", quantity.name}, {"unit", quantity.unit}, {"doc", quantity.doc}});
-      }
-      hdf5::Group body_group = group.create_group("bodies");
-      for (const RunBody& body : bodies) {
-        hdf5::Group one = body_group.create_group(body.name);
-        one.create_series("pose", 7, "m, 1", "position of Bo in W, quaternion w x y z of R_WB");
-        const auto n_modes = static_cast<std::size_t>(body.basis.cols());
-        if (n_modes > 0) {
-          one.create_series("modal", n_modes, "", "modal coordinates s");
-          hdf5::write_matrix(one, "basis", body.basis, "", "n_se x m: u_se = basis s");
-        }
-        header["bodies"].push_back({{"name", body.name}, {"n_se", body.basis.rows()}, {"n_modes", n_modes}});
-      }
-      if (!state_names.empty())
-        group.create_series("states", state_names.size(), "", "states, named in the header");
-      group.write_text("header", dump(header), "JSON: quantities, bodies and states in order");
+  w.change([&](hdf5::File& file) {
+    hdf5::Group group = file.root().group("runs").create_group(run);
+    group.set("order", w.n_runs);
+    group.set("complete", 0);
+    json header = {{"quantities", json::array()}, {"bodies", json::array()}, {"states", state_names}};
+    group.create_series("time", 0, "s", "output times");
+    hdf5::Group quantity_group = group.create_group("quantities");
+    for (const Quantity& quantity : quantities) {
+      quantity_group.create_series(quantity.name, 0, quantity.unit, quantity.doc);
+      header["quantities"].push_back(
+          {{"name", quantity.name}, {"unit", quantity.unit}, {"doc", quantity.doc}});
     }
-    file.close();
-  }
+    hdf5::Group body_group = group.create_group("bodies");
+    for (const RunBody& body : bodies) {
+      hdf5::Group one = body_group.create_group(body.name);
+      one.create_series("pose", 7, "m, 1", "position of Bo in W, quaternion w x y z of R_WB");
+      const auto n_modes = static_cast<std::size_t>(body.basis.cols());
+      if (n_modes > 0) {
+        one.create_series("modal", n_modes, "", "modal coordinates s");
+        hdf5::write_matrix(one, "basis", body.basis, "", "n_se x m: u_se = basis s");
+      }
+      header["bodies"].push_back({{"name", body.name}, {"n_se", body.basis.rows()}, {"n_modes", n_modes}});
+    }
+    if (!state_names.empty())
+      group.create_series("states", state_names.size(), "", "states, named in the header");
+    group.write_text("header", dump(header), "JSON: quantities, bodies and states in order");
+  });
   w.file.emplace(w.part, hdf5::Mode::append);
   const hdf5::Group group = w.file->root().group("runs").group(run);
   w.columns.clear();
@@ -223,14 +229,12 @@ void Writer::end_run(bool complete, const std::string& stopped_because, const st
   w.columns.clear();
   w.file->close();
   w.file.reset();
-  hdf5::File file(w.part, hdf5::Mode::modify);
-  {
+  w.change([&](hdf5::File& file) {
     hdf5::Group group = file.root().group("runs").group(w.run);
     group.write_text("summary", summary_json, "JSON: energy balance, counts, times");
     group.set("stopped_because", stopped_because);
     group.set("complete", complete ? 1 : 0);
-  }
-  file.close();
+  });
 }
 
 bool Writer::keep(const std::string& stopped_because) {

@@ -133,6 +133,15 @@ class Checkpoint : public ::testing::Test {
     return names;
   }
   Folder folder_;
+  /// Of the run that is under way.
+  bool has_rows() const {
+    try {
+      return results::read(out_ + ".part").runs.at(0).time.size() > 0;
+    } catch (const std::exception&) {
+      return false;
+    }
+  }
+
   std::string mechanism_, out_ = folder_ / "out.h5";
 };
 
@@ -220,19 +229,44 @@ TEST_F(Checkpoint, DamagedAndForeignOnesAreRefusedOrTheOneBeforeIsTaken) {
 TEST_F(Checkpoint, RowsOfAKilledRunAreReadable) {
   for (int k = 0; k < 4; ++k) {
     Background process("flexura", words({"-q", "-o", out_}));
-    ASSERT_TRUE(wait_for([&] {
-      try {
-        return results::read(out_ + ".part").runs.at(0).time.size() > 0;
-      } catch (const std::exception&) {
-        return process.has_ended();
-      }
-    }));
+    ASSERT_TRUE(wait_for([&] { return process.has_ended() || has_rows(); }));
     std::this_thread::sleep_for(std::chrono::milliseconds(11 * k));
     process.send(SIGKILL);
     if (process.wait().exit_code == 0) continue;
     EXPECT_GT(results::read(out_ + ".part").runs.at(0).time.size(), 0);
     fs::remove(out_ + ".part");
   }
+}
+
+// The most delicate moments are those between two runs, when groups are made: of 33 kills of these sixty
+// short runs nine left a file that could not be read.
+TEST_F(Checkpoint, RowsOfEndedRunsAreReadableWhereverTheNextWasCut) {
+  std::string text = R"toml(
+[body.ball]
+mass = 1
+[joint.guide]
+type = "prismatic"
+from = "ground"
+to = "ball"
+[solver]
+end_time = "0.1 s"
+output_step = "5 ms"
+)toml";
+  for (int i = 0; i < 60; ++i) text += "[run.r" + std::to_string(i) + "]\nset = []\n";
+  const std::string mechanism = folder_.write("many.toml", text);
+  int n_cut = 0;
+  for (int k = 0; k < 12; ++k) {
+    Background process("flexura", {"simulate", mechanism, "-q", "-o", out_});
+    ASSERT_TRUE(wait_for([&] { return process.has_ended() || has_rows(); }));
+    std::this_thread::sleep_for(std::chrono::milliseconds(17 * k));
+    process.send(SIGKILL);
+    if (process.wait().exit_code == 0) continue;
+    const results::Results left = results::read(out_ + ".part");
+    for (std::size_t i = 0; i + 1 < left.runs.size(); ++i) EXPECT_TRUE(left.runs[i].complete);
+    n_cut += left.runs.size() > 1;
+    fs::remove(out_ + ".part");
+  }
+  EXPECT_GT(n_cut, 0);
 }
 
 // A state file's numbers are checked before an integrator takes them: without its checksum nothing goes on,
