@@ -24,7 +24,6 @@ using Clock = std::chrono::steady_clock;
 constexpr double kVolumeGoal = 0.005;  // of the CAD volume
 constexpr double kSizeRange = 3;       // greatest over least size: small fillets are not resolved by default
 constexpr double kSliver = 1e-3;       // of the scaled Jacobian
-constexpr int kMostTriangles = 25000;  // about 70,000 nodes of a thin-walled tet10 part
 constexpr double kVolumeRefusal = 0.05;  // beyond, the mesh is not this part
 
 std::string list_solids(const std::vector<CadSolid>& solids) {
@@ -208,7 +207,10 @@ CadMesh mesh_cad(const CadOptions& options, const Progress& progress) {
   job.task = "mesh";
   double size = options.size > 0 ? options.size : automatic_size(listed.volume, listed.area, diagonal_of(report));
   double size_min = options.size_min > 0 ? std::min(options.size_min, size) : size / kSizeRange;
-  if (options.size == 0 && options.sizes.empty()) job.most_triangles = kMostTriangles;
+  if (options.size == 0 && options.sizes.empty()) {
+    job.most_triangles = options.most_triangles;
+    job.most_tetrahedra = options.most_tetrahedra;
+  }
   job.sizes = options.sizes;
   if (!job.sizes.empty()) {
     size = 0.0, size_min = job.sizes[3];
@@ -251,6 +253,10 @@ CadMesh mesh_cad(const CadOptions& options, const Progress& progress) {
         continue;
       }
       if (k > 0) messages.push_back("meshed " + attempt.what);
+      if (answer.record.graded)
+        messages.push_back(
+            "short edges would fill the part with small elements: to bound the mesh, sizes grow away from them; state a mesh "
+            "size for a finer one");
       if (answer.record.size != job.size)
         messages.push_back(fmt::format(
             "the part has many small features: sizes were raised to {:.4g} mm, at least {:.4g} mm, "
@@ -284,6 +290,7 @@ CadMesh mesh_cad(const CadOptions& options, const Progress& progress) {
       messages.push_back(fmt::format("meshing {} failed: {}", attempt.what, e.what()));
       reasons.push_back(fmt::format("{}: {}", attempt.what, e.what()));
       ++k;
+      if (k < attempts.size()) job.note = fmt::format(" {} ({})", attempts[k].what, messages.back());
     }
   }
   throw std::runtime_error(

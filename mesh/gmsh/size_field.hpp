@@ -39,7 +39,8 @@ class SizeField {
       in_[static_cast<std::size_t>(next[bucket(place(&points_[4 * k]))]++)] = static_cast<int>(k);
   }
 
-  double at(double x, double y, double z) const {
+  /// `distance`, where given, becomes that of the nearest point.
+  double at(double x, double y, double z, double* distance = nullptr) const {
     const double p[3] = {x, y, z};
     const std::array<int, 3> c = place(p);
     double best = std::numeric_limits<double>::infinity(), size = 0.0;
@@ -62,6 +63,7 @@ class SizeField {
         }
       if (best <= r * width_) break;
     }
+    if (distance) *distance = best;
     return size;
   }
 

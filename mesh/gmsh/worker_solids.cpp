@@ -72,6 +72,14 @@ std::string describe_free_edges(const gmsh::vectorpair& faces, double to_m) {
                            "its thickness in a table [shell]");
 }
 
+/// Takes `old` shapes away that healing made `kept` ones of: they would stay beside them and be meshed as well.
+void remove_but(const gmsh::vectorpair& old, const gmsh::vectorpair& kept) {
+  gmsh::vectorpair gone;
+  for (const auto& entity : old)
+    if (std::find(kept.begin(), kept.end(), entity) == kept.end()) gone.push_back(entity);
+  if (!gone.empty()) gmsh::model::occ::remove(gone, true);
+}
+
 /// Closes a file of faces.  What is not closed is refused with the places of its free edges.
 void sew(const Job& job, gmsh::vectorpair& imported, gmsh::vectorpair& solids, ResultRecord& result) {
   gmsh::vectorpair faces;
@@ -91,7 +99,10 @@ void sew(const Job& job, gmsh::vectorpair& imported, gmsh::vectorpair& solids, R
   } catch (const std::string& error) {
     trouble = error;
   }
-  if (trouble.empty()) imported = healed;
+  if (trouble.empty()) {
+    remove_but(imported, healed);
+    imported = healed;
+  }
   faces.clear();
   solids.clear();
   for (const auto& entity : imported) {
@@ -209,7 +220,7 @@ void heal_solids(ResultRecord& result, gmsh::vectorpair& solids) {
   const double before = volume_of();
   gmsh::vectorpair healed;
   gmsh::model::occ::healShapes(healed, solids, 1e-5, true, true, true, false, true);
-  gmsh::model::occ::remove(solids, true);  // the unhealed shape would stay beside the healed one
+  remove_but(solids, healed);
   solids.clear();
   for (const auto& entity : healed)
     if (entity.first == 3) solids.push_back(entity);

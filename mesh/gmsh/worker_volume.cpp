@@ -1,14 +1,46 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include "mesh/gmsh/worker_volume.hpp"
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <map>
+#include <string>
 
 #include "mesh/gmsh/size_field.hpp"
 #include "mesh/gmsh/worker_progress.hpp"
 
 namespace flexura::mesh {
 namespace {
+
+/// Sizes that grow from those of the pieces of the edges by a quarter of the way: gmsh by itself gives a face the sizes
+/// of its edges throughout, which on a tooth drawn as a hundred short edges fills the whole part with small elements.
+void grade_from_edges() {
+  std::vector<std::size_t> tags, pieces, ends;
+  std::vector<double> coordinates, parameters, points;
+  gmsh::model::mesh::getNodes(tags, coordinates, parameters, -1, -1, false, false);
+  std::map<std::size_t, Eigen::Vector3d> place;
+  for (std::size_t k = 0; k < tags.size(); ++k) place[tags[k]] = Eigen::Vector3d::Map(&coordinates[3 * k]);
+  gmsh::model::mesh::getElementsByType(1, pieces, ends);
+  for (std::size_t k = 0; k < pieces.size(); ++k) {
+    const Eigen::Vector3d a = place[ends[2 * k]], b = place[ends[2 * k + 1]], middle = 0.5 * (a + b);
+    if (!(a - b).isZero(0.0)) points.insert(points.end(), {middle.x(), middle.y(), middle.z(), (a - b).norm()});
+  }
+  if (points.empty()) return;
+  constexpr double kGrowth = 0.25;
+  gmsh::model::mesh::setSizeCallback([field = SizeField(points)](int, int, double x, double y, double z) {
+    double distance = 0.0;
+    const double size = field.at(x, y, z, &distance);
+    return size + kGrowth * distance;
+  });
+}
+
+std::size_t count_elements(int type) {
+  std::vector<std::size_t> cells, nodes;
+  gmsh::model::mesh::getElementsByType(type, cells, nodes);
+  return cells.size();
+}
 
 /// Elements of one type on one entity.  gmsh takes vectors that are not empty for memory of the right size.
 void elements_of(int type, int tag, std::vector<std::size_t>& cells, std::vector<std::size_t>& nodes) {
@@ -23,7 +55,6 @@ void generate_mesh(const Job& job, ResultRecord& result) {
   gmsh::option::setNumber("Mesh.Algorithm", job.surface_algorithm);
   gmsh::option::setNumber("Mesh.Algorithm3D", 1);
   gmsh::option::setNumber("Mesh.OptimizeThreshold", 0.7);  // 0.3 leaves slivers, 0.8 gains nothing more
-  gmsh::option::setNumber("Mesh.MeshSizeExtendFromBoundary", 1);
   result.size = job.size;
   result.size_min = job.size_min;
   result.elements_per_circle = job.elements_per_circle;
@@ -32,26 +63,45 @@ void generate_mesh(const Job& job, ResultRecord& result) {
         [field = SizeField(job.sizes), to_m = job.to_m](int, int, double x, double y, double z) {
           return field.at(x * to_m, y * to_m, z * to_m) / to_m;
         });
-  for (int coarser = 0;; ++coarser) {
+  constexpr int kMostTries = 6;
+  std::string note = job.note;
+  for (int tries = 1;; ++tries) {
     gmsh::option::setNumber("Mesh.MeshSizeMax", result.size / job.to_m);
     gmsh::option::setNumber("Mesh.MeshSizeMin", result.size_min / job.to_m);
     gmsh::option::setNumber("Mesh.MeshSizeFromCurvature", std::lround(result.elements_per_circle));
-    say(0.1, "meshing edges");
+    say(0.1, "meshing edges" + note);
     gmsh::model::mesh::generate(1);
-    say(0.15, "meshing faces");
+    say(0.15, "meshing faces" + note);
+    if (result.graded) grade_from_edges();
+    // Where sizes are given everywhere, those of the boundary are not spread over what it bounds.
+    const bool spread = !result.graded && job.sizes.empty();
+    gmsh::option::setNumber("Mesh.MeshSizeExtendFromBoundary", spread ? 1 : 0);
     gmsh::model::mesh::generate(2);
-    if (job.most_triangles == 0 || coarser == 5) break;
-    std::vector<std::size_t> triangles, nodes;
-    gmsh::model::mesh::getElementsByType(2, triangles, nodes);  // linear triangles, before curving
-    if (triangles.size() <= static_cast<std::size_t>(job.most_triangles)) break;
+    if (result.graded) gmsh::model::mesh::removeSizeCallback();
+    gmsh::option::setNumber("Mesh.MeshSizeExtendFromBoundary", job.sizes.empty() ? 1 : 0);
+    const bool bounded = tries < kMostTries;
+    const std::size_t triangles = count_elements(2);  // linear, before curving
+    bool too_many = bounded && job.most_triangles > 0 && triangles > static_cast<std::size_t>(job.most_triangles);
+    if (!too_many) {
+      say(0.4, "meshing the volume" + note);
+      gmsh::model::mesh::generate(3);
+      too_many = bounded && job.most_tetrahedra > 0 && count_elements(4) > static_cast<std::size_t>(job.most_tetrahedra);
+    }
+    if (!too_many) break;
     gmsh::model::mesh::clear();
+    if (!result.graded && job.sizes.empty()) {
+      result.graded = true;
+      note = job.note + ", sizes growing away from short edges";
+      continue;
+    }
     result.size_min = std::min(1.4 * result.size_min, result.size);
     result.elements_per_circle =
         std::min(result.elements_per_circle, std::max(6.0, 0.85 * result.elements_per_circle));
     result.size *= 1.1;
+    char text[80];
+    std::snprintf(text, sizeof text, ", sizes raised to %.4g mm", 1e3 * result.size);
+    note = job.note + text;
   }
-  say(0.4, "meshing the volume");
-  gmsh::model::mesh::generate(3);
   if (job.order == 2) {
     say(0.8, "curving to quadratic elements");
     gmsh::model::mesh::setOrder(2);

@@ -8,7 +8,7 @@
 // For the child process: tetrahedra in solids.
 namespace flexura::mesh {
 
-/// Meshes edges, faces and the volume with the job's sizes, coarser where there would be more triangles than it allows; what
+/// Meshes edges, faces and the volume with the job's sizes, coarser where there would be more than it allows; what
 /// sizes were taken is in the result.
 void generate_mesh(const Job& job, ResultRecord& result);
 

@@ -180,6 +180,32 @@ TEST(LinearMesh, IsRefinedUntilTheVolumeHolds) {
   EXPECT_LT(std::abs(part.report.volume_error), 0.005);
 }
 
+/// A block of 60 x 20 x 40 mm, one of whose sides is drawn as forty faces of 0.5 mm: gmsh would fill these with elements of
+/// their width (3400 triangles, 8600 tetrahedra). Sizes that grow away from the edges keep to the bound and leave the volume as it is drawn.
+TEST(BoundedMesh, ShortEdgesDoNotFillThePartWithSmallElements) {
+  CadOptions options = options_for(project("tests/mesh/data/short_edges.brep"));
+  options.most_triangles = 3000;
+  const CadMesh part = mesh_cad(options);
+  EXPECT_LE(part.mesh.boundary_face.size(), 3000u);
+  EXPECT_THAT(part.report.messages, ::testing::Contains(HasSubstr("sizes grow away from")));
+  EXPECT_THAT(part.report.messages, ::testing::Not(::testing::Contains(HasSubstr("sizes were raised"))));
+  EXPECT_LT(std::abs(part.report.volume_error), 1e-9);  // all its faces are plane
+  options.most_triangles = 25000;
+  options.most_tetrahedra = 7500;
+  EXPECT_LE(mesh_cad(options).report.n_cells, 7500);
+}
+
+/// Loose faces are sewn to a solid of which they are no part any more: they are not meshed beside it. The bound lies
+/// between once and twice the triangles of the box.
+TEST(BoundedMesh, FacesThatWereSewnAreNotMeshedTwice) {
+  CadOptions options = options_for(project("tests/mesh/data/box.igs"));
+  const std::size_t triangles = mesh_cad(options).mesh.boundary_face.size();
+  options.most_triangles = static_cast<int>(3 * triangles / 2);
+  const CadMesh part = mesh_cad(options);
+  EXPECT_EQ(part.mesh.boundary_face.size(), triangles);
+  EXPECT_THAT(part.report.messages, ::testing::Not(::testing::Contains(HasSubstr("sizes grow"))));
+}
+
 TEST(FusedMesh, OfTwoTouchingBodiesIsOnePiece) {
   CadOptions options = options_for(project("tests/mesh/data/two_touching_one_apart.step"));
   options.solids = {1, 2};
