@@ -8,8 +8,8 @@
 
 #include "mbs/app/checkpoint.hpp"
 #include "mbs/app/commands.hpp"
-#include "mbs/app/one_run.hpp"
 #include "mbs/app/mechanism_runs.hpp"
+#include "mbs/app/one_run.hpp"
 #include "mbs/app/run_summary.hpp"
 #include "mbs/files/output.hpp"
 #include "mbs/files/signals.hpp"
@@ -80,8 +80,12 @@ double least_size(const std::vector<NamedRun>& runs) {
     const mbs::SolverOptions& o = run.prepared.options;
     const double rows = (o.end_time - o.start_time) / o.output_step;
     const mbs::Sizes n = run.prepared.mechanism->sizes();
-    const double columns = 1.0 +
-                           mbs::select_quantities(*run.prepared.mechanism, run.prepared.file.outputs).size() +
+    // What a body has beside its motion is known once its fidelity is chosen.
+    const auto outputs =
+        study::is_to_be_chosen(run.prepared)
+            ? 0
+            : mbs::select_quantities(*run.prepared.mechanism, run.prepared.file.outputs).size();
+    const double columns = 1.0 + static_cast<double>(outputs) +
                            (o.store_states ? n.n_p + n.n_v + n.n_dyn + n.n_alg + n.n_lambda + n.n_root : 0);
     if (std::isfinite(rows) && o.stop_time <= o.start_time) numbers += std::max(rows, 0.0) * columns;
   }
@@ -155,10 +159,11 @@ int simulate(SimulateArguments arguments, const terminal::Talk& talk) {
           fmt::format("{}: holds states but no history to go on from; start from it with --from-state",
                       arguments.continue_from));
     if (!p.continuation_fits)
-      throw std::invalid_argument(fmt::format(
-          "{}: was saved by another mechanism: its states, or its masses, forces and constraints in this state, differ; "
-          "go on with the mechanism that saved it, or start from its states with --from-state",
-          arguments.continue_from));
+      throw std::invalid_argument(
+          fmt::format("{}: was saved by another mechanism: its states, or its masses, forces and constraints "
+                      "in this state, differ; "
+                      "go on with the mechanism that saved it, or start from its states with --from-state",
+                      arguments.continue_from));
     p.options.start_time = p.given_start_time;
   }
   if (arguments.csv)

@@ -42,19 +42,18 @@ std::string BodyChoice::text(const std::string& body) const {
   return what(body) + ": " + reason;
 }
 
-bool BodyChoice::refine() {
+void BodyChoice::refine() {
+  if (!can_be_refined()) return;
   if (rigid) {
     rigid = false;
     candidate.modes = 1;
-    return true;
+    return;
   }
-  if (candidate.all) return false;
   candidate.modes = std::max(2, 2 * candidate.modes);
   if (candidate.modes + candidate.responses >= available) {
     candidate.all = true;
     candidate.modes = available;
   }
-  return true;
 }
 
 void BodyChoice::explain(const Screened& s, double share) {

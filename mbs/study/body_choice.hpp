@@ -21,8 +21,10 @@ struct BodyChoice {
   std::string what(const std::string& body) const;
   /// The same with the reason.
   std::string text(const std::string& body) const;
-  /// More of it; false where nothing is left to add.
-  bool refine();
+  /// False where nothing is left to add.
+  bool can_be_refined() const { return rigid || !candidate.all; }
+  /// More of it, where it can be refined.
+  void refine();
   /// Sets the reason: what the screening saw, with `share` [1] of the accuracy for this body.
   void explain(const Screened& screened, double share);
 };

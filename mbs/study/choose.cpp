@@ -7,6 +7,7 @@
 #include <chrono>
 #include <map>
 #include <optional>
+#include <set>
 
 #include "mbs/study/beam_screening.hpp"
 #include "mbs/study/body_choice.hpp"
@@ -78,6 +79,8 @@ class Chooser {
   ChosenRun run() {
     const auto start = std::chrono::steady_clock::now();
     ChosenRun out{prepared(overrides()), overrides(), {}, {}, false, {}, {}, 0, 0.0};
+    // A name that nothing has is refused before the run.
+    if (choices_.empty()) mbs::select_quantities(*out.prepared.mechanism, out.prepared.file.outputs);
     screen(out);
     if (!choices_.empty() && out.result.complete && out.has_estimate) choose();
     if (std::ranges::any_of(choices_, [](const auto& entry) { return !entry.second.rigid; }) ||
@@ -122,6 +125,7 @@ class Chooser {
 
   // The run with the bodies rigid that are to be chosen; `out` must outlive the screening.
   void screen(ChosenRun& out) {
+    for (const mbs::OutputInfo& info : out.prepared.mechanism->quantities()) of_rigid_.insert(info.name);
     // Where nothing is to be chosen but the tolerance, the shadows are those of any run.
     const auto shadows = choices_.empty() ? Shadows::make(out.prepared, file_, out.overrides) : nullptr;
     if (!choices_.empty()) {
@@ -171,7 +175,7 @@ class Chooser {
       const auto found = choices_.find(source.body);
       if (found == choices_.end()) continue;
       found->second.available = source.available;
-      if (source.error > share)
+      if (source.error > share || has_output_of_its_own(source.body))
         not_rigid.push_back(source.body);
       else
         found->second.reason =
@@ -179,6 +183,13 @@ class Chooser {
     }
     for (const Screened& s : screening_->bodies(not_rigid))
       if (std::ranges::find(not_rigid, s.body) != not_rigid.end()) choose_body(s, share);
+  }
+
+  // Stress, say, that a rigid body has none of.
+  bool has_output_of_its_own(const std::string& body) const {
+    return std::ranges::any_of(sizes_.outputs, [&](const OutputEstimate& output) {
+      return output.name.starts_with(body + '.') && !of_rigid_.contains(output.name);
+    });
   }
 
   void choose_body(const Screened& s, double share) {
@@ -220,14 +231,12 @@ class Chooser {
     double wall_before = 0.0;
     for (int attempt = 0;; ++attempt) {
       Good good;
-      const bool over = run_until_over(out, state, v_dot, start, good);
+      const std::string worst = run_until_over(out, state, v_dot, start, good, attempt < kMostRestarts);
       add(out.result.counts, steps_before);
-      if (!over || attempt == kMostRestarts) break;
-      const std::string worst = worst_choice(out.estimate);
       if (worst.empty()) break;
       BodyChoice& choice = choices_.at(worst);
       const std::string was = choice.what(worst);
-      if (!choice.refine()) break;
+      choice.refine();
       const double t_stopped = out.result.state.t;
       if (good.is_there) start = std::move(good);
       go_on(out, start, state, v_dot);
@@ -242,14 +251,15 @@ class Chooser {
     return out;
   }
 
-  // False where the run ended with its error within the accuracy, or ended otherwise.
-  bool run_until_over(ChosenRun& out, const mbs::State& state, const VectorXd& v_dot, const Good& start,
-                      Good& good) {
+  // A run that uses up its accuracy is stopped where something can be refined: the body to refine.  Empty where
+  // the run ended otherwise.
+  std::string run_until_over(ChosenRun& out, const mbs::State& state, const VectorXd& v_dot,
+                             const Good& start, Good& good, bool may_stop) {
     const auto shadows = full_ ? Shadows::make(out.prepared, *full_) : nullptr;
     VectorXd spent;
     if (shadows) spent = VectorXd::Zero(static_cast<Eigen::Index>(shadows->outputs().size()));
     if (start.is_there) spent = start.squares;
-    bool over = false;
+    std::string to_refine;
     mbs::RunCallbacks mine = callbacks_;
     mine.row = [&](const mbs::State& s, const VectorXd& a, const mbs::EnergyAccount& energy) {
       // The row from which the run goes on is there already.
@@ -257,7 +267,10 @@ class Chooser {
       if (!shadows || !shadows->take(s, a)) return;
       const VectorXd squares = spent + shadows->squares();
       const double error = worst_output(squares, span_, sizes_.outputs).first;
-      over = error > accuracy_;
+      if (error > accuracy_ && may_stop) {
+        to_refine = worst_choice(shadows->estimate());
+        may_stop = !to_refine.empty();
+      }
       if (error * error > kLastGood * accuracy_ * accuracy_ || (start.is_there && s.t <= state.t)) return;
       good.state = shadows->corrected(good.v_dot);
       good.energy = out.rows.back().energy;
@@ -265,20 +278,24 @@ class Chooser {
       good.rows = out.rows.size();
       good.is_there = true;
     };
-    mine.stop_wanted = [&] { return over || (callbacks_.stop_wanted && callbacks_.stop_wanted()); };
+    mine.stop_wanted = [&] {
+      return !to_refine.empty() || (callbacks_.stop_wanted && callbacks_.stop_wanted());
+    };
     out.result = mbs::run(*out.prepared.mechanism, state, v_dot, out.prepared.options, mine);
     out.has_estimate = shadows != nullptr;
     out.estimate = shadows ? shadows->estimate() : TruncationEstimate();
     if (shadows) {
       out.result.wall_time -= out.estimate.wall;
     }
-    return over;
+    return to_refine;
   }
 
-  // The chosen body that loses most.
+  // The chosen body that loses most among those to which something can be added.
   std::string worst_choice(const TruncationEstimate& estimate) const {
     for (const SourceEstimate& source : estimate.by_body)
-      if (choices_.contains(source.body)) return source.body;
+      if (const auto found = choices_.find(source.body);
+          found != choices_.end() && found->second.can_be_refined())
+        return source.body;
     return "";
   }
 
@@ -351,7 +368,8 @@ class Chooser {
   std::vector<BeamChoice> beams_;
   std::unique_ptr<FullModel> full_;
   std::optional<Screening> screening_;
-  TruncationEstimate sizes_;  // what the screening says about the outputs' sizes
+  std::set<std::string> of_rigid_;  // names of quantities with the open bodies rigid
+  TruncationEstimate sizes_;        // what the screening says about the outputs' sizes
   double span_ = 0.0;
   std::vector<std::string> restarts_;
 };

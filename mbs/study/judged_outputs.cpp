@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 
 #include "mbs/input/units.hpp"
 #include "mbs/solver/scales.hpp"
@@ -30,28 +31,51 @@ bool is_motion(const std::string& unit) {
   return unit == "m" || unit == "rad";
 }
 
+std::vector<std::string> usual_outputs(const mbs::Mechanism& mechanism) {
+  std::vector<std::string> out;
+  const auto infos = mechanism.quantities();
+  for (const int i : mechanism.usual_quantities()) out.push_back(infos[static_cast<std::size_t>(i)].name);
+  return out;
+}
+
+// What the patterns name in the run; a pattern that names nothing there what it names in the full model
+// (stress of a body that is rigid in the run).
+std::vector<std::string> asked_outputs(const mbs::PreparedMechanism& run, const mbs::Mechanism& full) {
+  std::set<std::string> in_run;
+  for (const mbs::OutputInfo& info : run.mechanism->quantities()) in_run.insert(info.name);
+  const auto infos = full.quantities();
+  std::vector<std::string> out;
+  for (const std::string& pattern : run.file.outputs) {
+    std::vector<std::string> all, there;
+    for (const int i : mbs::select_quantities(full, {pattern})) {
+      all.push_back(infos[static_cast<std::size_t>(i)].name);
+      if (in_run.contains(all.back())) there.push_back(all.back());
+    }
+    for (std::string& name : there.empty() ? all : there)
+      if (std::ranges::find(out, name) == out.end()) out.push_back(std::move(name));
+  }
+  return out;
+}
+
 }  // namespace
 
 std::vector<int> judged_outputs(const mbs::PreparedMechanism& run, const mbs::Mechanism& full,
                                 std::vector<OutputEstimate>& sums) {
-  const auto run_infos = run.mechanism->quantities(), infos = full.quantities();
+  const auto infos = full.quantities();
   const bool asked = !run.file.outputs.empty();
-  std::map<std::string, int> index;
-  for (std::size_t i = 0; i < infos.size(); ++i) index.emplace(infos[i].name, static_cast<int>(i));
   std::vector<int> outputs;
-  for (const int i : mbs::select_quantities(*run.mechanism, run.file.outputs)) {
-    const std::string& name = run_infos[static_cast<std::size_t>(i)].name;
-    const auto found = index.find(name);
-    if (found == index.end() || name.find(".mode_") != std::string::npos) continue;
+  for (const std::string& name : asked ? asked_outputs(run, full) : usual_outputs(*run.mechanism)) {
+    const auto found = std::ranges::find(infos, name, &mbs::OutputInfo::name);
+    if (found == infos.end() || name.find(".mode_") != std::string::npos) continue;
     if (name.find(".von_mises_") != std::string::npos) continue;
     // Energies are stored for the balance; strain energy is not what a rigid body is judged by.
     if (!asked &&
         (name.starts_with("energy.") || name.starts_with("power.") || name.ends_with(".strain_energy")))
       continue;
-    outputs.push_back(found->second);
+    outputs.push_back(static_cast<int>(found - infos.begin()));
     OutputEstimate output;
     output.name = name;
-    output.unit = input::si_unit(infos[static_cast<std::size_t>(found->second)].dimension);
+    output.unit = input::si_unit(found->dimension);
     sums.push_back(std::move(output));
   }
   return outputs;

@@ -33,8 +33,9 @@ struct OutputEstimate {
 std::pair<double, int> worst_output(const Eigen::VectorXd& squares, double span,
                                     const std::vector<OutputEstimate>& outputs);
 
-/// The quantities of `full` by which a run is judged, outputs that both mechanisms have, each with its name
-/// and unit in `outputs`; modal coordinates of a body, and places of the largest stress, are no outputs of an
+/// The quantities of `full` by which a run is judged, each with its name and unit in `outputs`: outputs that
+/// both mechanisms have, and what is asked for by a name that only the full model knows (stress of a body that
+/// is rigid in the run, where it is zero); modal coordinates of a body, and places of the largest stress, are no outputs of an
 /// engineer's.
 std::vector<int> judged_outputs(const mbs::PreparedMechanism& run, const mbs::Mechanism& full,
                                 std::vector<OutputEstimate>& outputs);

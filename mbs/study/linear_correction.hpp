@@ -2,6 +2,8 @@
 #pragma once
 
 #include <Eigen/LU>
+#include <utility>
+#include <vector>
 
 /// The linear equations of a small correction to a run,
 ///
@@ -10,7 +12,9 @@
 /// with the matrices of the row, for several loads f (columns) at once.  One step of generalised-alpha (Chung
 /// and Hulbert 1993, rho_inf = 0.4, in the form of Arnold and Bruels 2007: the equations hold at the rows
 /// themselves, an auxiliary acceleration carries the algorithm) leads from row to row, whatever the
-/// frequencies: what the rows do not resolve responds statically.
+/// frequencies: what the rows do not resolve responds statically.  That holds where loads change slowly; where
+/// they begin at once or jump, modes ring until their damping has brought them to rest, and there the steps
+/// are as short as the modes ask that still ring (Transients).
 namespace flexura::study {
 
 /// At one row: M, D, K n x n, G n_lambda x n.
@@ -19,13 +23,35 @@ struct LinearisedRow {
   long number = 0;  ///< of its own where several rows share it, so that its factors serve for all; 0: none
 };
 
+/// How long modes ring after a sudden load, and how short the steps must be that follow them: an oscillation
+/// of frequency omega and damping ratio zeta is followed with kStepsPerPeriod steps until it has fallen to
+/// exp(-kDecay).  Few steps in all: the fast ones are at rest soon.
+class Transients {
+ public:
+  /// More modes that may ring: squares of their frequencies [rad^2/s^2], and damping 2 zeta omega [1/s].
+  void add(const Eigen::VectorXd& omega2, const Eigen::VectorXd& damping);
+  /// Loads have just jumped.  Nothing is followed any more once the steps are used up.
+  void begin() { since_ = steps_left_ > 0 ? 0.0 : since_; }
+  /// The longest step from here [s]; infinite where nothing rings.
+  double step() const;
+  void pass(double dt);
+
+ private:
+  static constexpr double kStepsPerPeriod = 12.0, kDecay = 4.0, kLeastDampingRatio = 2e-3;
+  std::vector<std::pair<double, double>> modes_;  // until when it rings [s], step [s]; the fastest first
+  double since_ = 0.0;
+  long steps_left_ = 40000;
+};
+
 class LinearCorrection {
  public:
   LinearCorrection(Eigen::Index n, Eigen::Index columns);
 
   /// To the next row, h [s] later; h = 0 at the first one, where it only finds the accelerations.  load n x
-  /// columns; G in place of row.G, which may be that of an earlier row.
-  void step(double h, const LinearisedRow& row, const Eigen::MatrixXd& G, const Eigen::MatrixXd& load);
+  /// columns; G in place of row.G, which may be that of an earlier row.  Load and G go evenly from those of
+  /// the last row to these; a load that has jumped is there from the last row on.
+  void step(double h, const LinearisedRow& row, const Eigen::MatrixXd& G, const Eigen::MatrixXd& load,
+            Transients* transients = nullptr, bool jumped = false);
 
   const Eigen::MatrixXd& delta() const { return delta_; }  ///< n x columns
   const Eigen::MatrixXd& rate() const { return rate_; }
@@ -33,10 +59,15 @@ class LinearCorrection {
   const Eigen::MatrixXd& dlambda() const { return dlambda_; }  ///< n_lambda x columns
 
  private:
+  void factor(double h, double rho, const LinearisedRow& row);
+  void step_once(double h, double rho, const LinearisedRow& row, const Eigen::MatrixXd& G,
+                 const Eigen::MatrixXd& B, const Eigen::MatrixXd& load);
+
   Eigen::MatrixXd delta_, rate_, acceleration_, auxiliary_, dlambda_;
+  Eigen::MatrixXd last_G_, last_load_;
   Eigen::PartialPivLU<Eigen::MatrixXd> A_;  // of the step solved last
   long number_ = 0;
-  double h_ = 0.0;
+  double h_ = 0.0, rho_ = 0.0;
 };
 
 }  // namespace flexura::study

@@ -72,7 +72,7 @@ Screening::Screening(const mbs::PreparedMechanism& run, FullModel& full, const s
 void Screening::take(const mbs::State& s, const VectorXd& v_dot) {
   if (!shadows_ || !shadows_->take(s, v_dot)) return;
   rows_.push_back({shadows_->embedded(), shadows_->embedded_v_dot(), shadows_->residual(),
-                   shadows_->linearised().G(), nullptr});
+                   shadows_->linearised().G(), nullptr, shadows_->jumped()});
   // What does not fit is taken anew where it is wanted.
   const auto& row = shadows_->linearised().row();
   if (row->number != last_number_)
@@ -118,6 +118,10 @@ std::vector<VectorXd> Screening::outputs_with(const ModalBlock& block, const Mat
   T.block(block.v, n_joint, block.m, S.cols()) = S;
 
   LinearCorrection correction(T.cols(), 1);
+  Transients transients;
+  VectorXd own_damping = (S.transpose() * damping_of(full_, block).asDiagonal() * S).diagonal();
+  own_damping.tail(extra_damping.size()) += extra_damping;
+  transients.add((S.transpose() * stiffness_of(full_, block).asDiagonal() * S).diagonal(), own_damping);
   LinearisedRow small, own;
   VectorXd y;
   mbs::State moved;
@@ -136,7 +140,12 @@ std::vector<VectorXd> Screening::outputs_with(const ModalBlock& block, const Mat
     }
     VectorXd load = VectorXd::Zero(n_v);
     load.segment(block.v, block.m) = -at.residual.segment(block.v, block.m);
-    correction.step(i == 0 ? 0.0 : at.s.t - rows_[i - every].s.t, small, at.G * T, T.transpose() * load);
+    // A jump in the rows that are passed over counts, too.
+    bool jumped = false;
+    for (std::size_t k = i; k > 0 && k + every > i; --k) jumped = jumped || rows_[k].jumped;
+    if (jumped) transients.begin();
+    correction.step(i == 0 ? 0.0 : at.s.t - rows_[i - every].s.t, small, at.G * T, T.transpose() * load,
+                    &transients, jumped);
     full_.move(at.s, T * correction.delta().col(0), T * correction.rate().col(0),
                correction.dlambda().rows() > 0 ? VectorXd(correction.dlambda().col(0)) : VectorXd(), moved);
     full_.evaluate(shadows_->outputs(), moved, at.v_dot + T * correction.acceleration().col(0), y);

@@ -73,6 +73,7 @@ class Screening {
     Eigen::VectorXd v_dot, residual;
     Eigen::MatrixXd G;
     std::shared_ptr<const LinearisedRow> linearised;
+    bool jumped = false;  ///< a load has, since the row before
   };
   const ModalBlock& block_of(const std::string& body) const;
   Eigen::MatrixXd responses_of(const std::string& body) const;

@@ -28,6 +28,9 @@ struct Shadows::Impl {
   Embedding embedding;
   std::vector<std::size_t> sources;  // blocks with dropped deformations
   std::unique_ptr<LinearCorrection> correction;
+  Transients transients;
+  std::unique_ptr<mbs::KnownTimes> known;  // while there are any
+  bool jumped = false;
   std::vector<int> outputs;
   std::vector<OutputEstimate> sums;
   MatrixXd source_sums, last_source;  // outputs x sources: integral of the error squared
@@ -45,6 +48,7 @@ struct Shadows::Impl {
   HeldRows linearised{full};
 
   MatrixXd loads() const;
+  bool jumps_before(double t);
   void compare(double h);
 };
 
@@ -60,6 +64,21 @@ MatrixXd Shadows::Impl::loads() const {
     if (k == 0) load.col(0) += rest;
   }
   return load;
+}
+
+// Whether a load that is known beforehand jumps or has a kink between the last row and this one.
+bool Shadows::Impl::jumps_before(double now) {
+  bool any = false;
+  for (double at = t; known;) {
+    const mbs::KnownTimes::Stop stop = known->next(at);
+    if (!(stop.t < now)) break;
+    any = any || stop.is_event;
+    if (stop.is_event) known->pass(stop);
+    const double next = stop.is_event ? stop.after : stop.t;
+    if (!(next > at)) break;
+    at = next;
+  }
+  return any;
 }
 
 void Shadows::Impl::compare(double h) {
@@ -118,7 +137,13 @@ std::unique_ptr<Shadows> Shadows::make(const mbs::PreparedMechanism& run, FullMo
   Impl& in = *impl;
   for (std::size_t i = 0; i < full.blocks().size(); ++i) {
     in.joints_feel_nothing = in.joints_feel_nothing || in.embedding.one_way(i);
-    if (!in.embedding.complete(i)) in.sources.push_back(i);
+    if (in.embedding.complete(i)) continue;
+    in.sources.push_back(i);
+    const auto& data = full.mechanism()
+                           .description()
+                           .bodies[static_cast<std::size_t>(full.blocks()[i].body)]
+                           .flexible->data();
+    in.transients.add(data.stiffness, data.damping);
   }
   if (in.sources.empty()) return nullptr;
   in.outputs = judged_outputs(run, full.mechanism(), in.sums);
@@ -129,6 +154,7 @@ std::unique_ptr<Shadows> Shadows::make(const mbs::PreparedMechanism& run, FullMo
               n_sources = static_cast<Index>(in.sources.size());
   in.square = in.square_size = in.last_square = in.last_size = VectorXd::Zero(n_out);
   in.source_sums = in.last_source = MatrixXd::Zero(n_out, n_sources);
+  in.known = std::make_unique<mbs::KnownTimes>(*run.mechanism, run.options);
   in.correction = std::make_unique<LinearCorrection>(full.mechanism().sizes().n_v, n_sources);
   return std::unique_ptr<Shadows>(new Shadows(std::move(impl)));
 }
@@ -142,7 +168,9 @@ bool Shadows::take(const mbs::State& s, const VectorXd& v_dot) {
   in.embedding.embed(s, v_dot, in.s, in.v_dot);
   in.linearised.take(in.s, in.v_dot, h);
   in.full.residual(in.s, in.v_dot, in.r);
-  in.correction->step(h, *in.linearised.row(), in.linearised.G(), in.loads());
+  in.jumped = in.taken > 0 && in.jumps_before(s.t);
+  if (in.jumped) in.transients.begin();
+  in.correction->step(h, *in.linearised.row(), in.linearised.G(), in.loads(), &in.transients, in.jumped);
   in.compare(h);
   in.families.take(in.s, in.v_dot);
   in.t = s.t;
@@ -165,6 +193,9 @@ const VectorXd& Shadows::embedded_v_dot() const {
 }
 const VectorXd& Shadows::residual() const {
   return impl_->r;
+}
+bool Shadows::jumped() const {
+  return impl_->jumped;
 }
 const HeldRows& Shadows::linearised() const {
   return impl_->linearised;

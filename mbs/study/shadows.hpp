@@ -23,7 +23,8 @@
 ///
 ///     M delta'' + D delta' + K delta + G^T dlambda = -r(t),      G delta = 0
 ///
-/// with the derivatives of the full model about the run (linear_correction.hpp).  r is split by the bodies it
+/// with the derivatives of the full model about the run (linear_correction.hpp); where the run begins and where
+/// loads jump in time the vibrations that this starts are followed until they have died away.  r is split by the bodies it
 /// acts on; the equation is linear, so each body's share of the error is known.  It says little where the
 /// loss is of order one.
 ///
@@ -77,6 +78,7 @@ class Shadows {
   /// There, in the full model: the momentum balance of that state (n_v), and its derivatives.
   const Eigen::VectorXd& residual() const;
   const HeldRows& linearised() const;
+  bool jumped() const;  ///< a load that is known beforehand has jumped since the row taken before
   mbs::State corrected(Eigen::VectorXd& v_dot) const;
   const Eigen::VectorXd& corrected_outputs() const;
 
