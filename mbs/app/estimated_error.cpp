@@ -1,9 +1,7 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-#include "mbs/solver/integrator_kind.hpp"
 #include "mbs/app/estimated_error.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -11,6 +9,7 @@
 #include <optional>
 
 #include "mbs/files/json_depth.hpp"
+#include "mbs/solver/integrator_kind.hpp"
 #include "mbs/study/full_model.hpp"
 #include "mbs/study/percent.hpp"
 #include "mbs/superelement/file.hpp"
@@ -107,17 +106,6 @@ void add_switches(const mbs::PreparedMechanism& prepared, bool is_judged, std::v
           {"switch", prepared.mechanism->name_of_root(i), {}, 0.0, "the estimate is linear about the run"});
 }
 
-std::string words_of(const ErrorSource& source) {
-  if (source.kind == "integrator") return "integrator";
-  if (source.kind == "modes") return "modes left out of " + source.name;
-  if (source.kind == "mesh") return "mesh and reduction of " + source.name;
-  if (source.kind == "elements") return "elements of " + source.name;
-  if (source.kind == "link") return "rigid link of " + source.name;
-  if (source.kind == "stiffening") return "geometric stiffening of " + source.name;
-  if (source.kind == "switch") return "switching of " + source.name;
-  return "user element " + source.name;
-}
-
 std::string basis(const study::OutputEstimate& output) {
   return output.scale > output.size_rms ? output.name + "'s family, beside which it is nothing"
                                         : output.name + ", the worst output";
@@ -171,64 +159,6 @@ ErrorEstimate estimate_error(const mbs::PreparedMechanism& prepared,
     if (source.kind != "modes") out.at_least += source.error.value_or(source.at_least);
     out.is_whole = out.is_whole && source.error.has_value();
   }
-  return out;
-}
-
-std::string estimated_error_line(const ErrorEstimate& estimate) {
-  std::vector<std::string> known, unknown;
-  const ErrorSource* largest = nullptr;
-  bool has_modes = false;
-  for (const ErrorSource& source : estimate.sources) {
-    has_modes = has_modes || source.kind == "modes";
-    if (!source.error) {
-      unknown.push_back(words_of(source) + (source.note.empty() ? "" : fmt::format(" ({})", source.note)));
-      continue;
-    }
-    known.push_back(fmt::format("{} {}{}", words_of(source), percent(*source.error),
-                                source.note.empty()           ? ""
-                                : source.kind == "integrator" ? fmt::format(" ({})", source.note)
-                                                              : " " + source.note));
-    if (!largest || *source.error > *largest->error) largest = &source;
-  }
-  if (!has_modes) known.push_back("no mode left out");
-  std::string line =
-      fmt::format("estimated error {}{} of the rms of {}", estimate.is_whole ? "" : "at least ",
-                  percent(estimate.at_least), estimate.of);
-  if (!known.empty()) line += fmt::format(": {}", fmt::join(known, ", "));
-  if (!unknown.empty()) line += fmt::format("; unknown: {}", fmt::join(unknown, ", "));
-  if (largest) line += fmt::format("; largest{}: {}", unknown.empty() ? "" : " known", words_of(*largest));
-  if (estimate.is_large)
-    line += "; an estimate to first order, of this size only a warning: compare with a run with more modes";
-  return line;
-}
-
-nlohmann::json estimated_error_json(const ErrorEstimate& estimate,
-                                    const study::TruncationEstimate* truncation,
-                                    const study::IntegratorEstimate* check, const mbs::RunResult& result) {
-  using nlohmann::json;
-  json out = {{"error", estimate.is_whole ? json(estimate.at_least) : json()},
-              {"at_least", estimate.at_least},
-              {"unknown", json::array()},
-              {"integrator", check ? json(check->error) : json()},
-              {"energy_balance", std::abs(result.energy.relative_error())}};
-  for (const ErrorSource& source : estimate.sources) {
-    if (!source.error)
-      out["unknown"].push_back({{"source", source.kind}, {"name", source.name}, {"remedy", source.note}});
-    if (source.kind == "mesh") out["mesh"][source.name] = source.error ? json(*source.error) : json();
-  }
-  if (check)
-    out["integrator_check"] = {{"error", check->error},
-                               {"output", check->output},
-                               {"factor", check->factor},
-                               {"wall_time", check->wall}};
-  if (!truncation) return out;
-  out["truncation"] = truncation->error;
-  out["shadows"] = truncation->shadows;
-  out["wall_time"] = truncation->wall;
-  for (const study::SourceEstimate& source : truncation->by_body) out["by_body"][source.body] = source.error;
-  for (const study::OutputEstimate& o : truncation->outputs)
-    out["outputs"][o.name] = {{"max", o.max},           {"rms", o.rms},           {"final", o.final},
-                              {"size_max", o.size_max}, {"size_rms", o.size_rms}, {"scale", o.scale}};
   return out;
 }
 

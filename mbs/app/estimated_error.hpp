@@ -49,8 +49,12 @@ ErrorEstimate estimate_error(const mbs::PreparedMechanism& prepared,
                              const study::TruncationEstimate* truncation,
                              const study::IntegratorEstimate* integrator, const mbs::RunResult& result);
 
-/// One line: the estimated error, its parts and the largest contributor, and what is unknown.
-std::string estimated_error_line(const ErrorEstimate& estimate);
+/// The estimated error, and a line for each part of it, the largest first, and for what is unknown.
+std::string estimated_error_text(const ErrorEstimate& estimate);
+
+/// A sentence where the accuracy asked for is not met, or where something that may well exceed it is unknown
+/// (modes that no row judges, switching); empty else.
+std::string missed_accuracy(const ErrorEstimate& estimate, double accuracy);
 
 /// The same for the summary in the results file: {"error" (null where a source is unknown), "at_least",
 /// "unknown": [{"source", "name", "remedy"}], "truncation", "shadows", "wall_time", "integrator" (null without

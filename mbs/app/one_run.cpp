@@ -1,6 +1,9 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include "mbs/app/one_run.hpp"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <optional>
 
 #include "mbs/app/estimated_error.hpp"
@@ -30,7 +33,10 @@ void add_estimate(const PreparedMechanism& prepared, const study::TruncationEsti
   const study::IntegratorEstimate* const by_check = integrator ? &*integrator : nullptr;
   const ErrorEstimate estimate = estimate_error(prepared, truncation, by_check, outcome.result);
   outcome.summary["estimate"] = estimated_error_json(estimate, truncation, by_check, outcome.result);
-  outcome.lines.push_back(estimated_error_line(estimate));
+  outcome.lines.push_back(estimated_error_text(estimate));
+  if (const double accuracy = prepared.file.solver.quantity("accuracy"); accuracy > 0.0)
+    if (std::string sentence = missed_accuracy(estimate, accuracy); !sentence.empty())
+      outcome.warnings.push_back(std::move(sentence));
 }
 
 RunResult run_with_memory(const PreparedMechanism& prepared, bool goes_on, const CheckpointMemory& memory,
@@ -77,7 +83,7 @@ RunResult result_from(const nlohmann::json& end) {
 }  // namespace
 
 RunOutcome run_as_told(const NamedRun& run, const SimulateArguments& arguments, results::Writer& writer,
-                    mbs::RunCallbacks callbacks, const CheckpointMemory& memory) {
+                       mbs::RunCallbacks callbacks, const CheckpointMemory& memory) {
   const PreparedMechanism& prepared = run.prepared;
   Recorder recorder(prepared, writer);
   recorder.begin(run.name);
@@ -130,7 +136,7 @@ nlohmann::json figures_of(const RunResult& r) {
 }
 
 RunOutcome run_again_from(const nlohmann::json& end, const NamedRun& run, const Resumption& from,
-                       results::Writer& writer) {
+                          results::Writer& writer) {
   Recorder recorder(run.prepared, writer);
   recorder.begin(run.name);
   from.replay(run.name, *run.prepared.mechanism,
@@ -146,7 +152,7 @@ RunOutcome run_again_from(const nlohmann::json& end, const NamedRun& run, const 
 }
 
 RunOutcome run_within_accuracy(NamedRun& run, const SimulateArguments& arguments, results::Writer& writer,
-                            const mbs::RunCallbacks& callbacks) {
+                               const mbs::RunCallbacks& callbacks) {
   if (!arguments.from_state.empty() || !arguments.continue_from.empty())
     throw std::invalid_argument(
         "a run whose fidelity is chosen starts from the file's own state; take --from-state or --continue "
@@ -165,9 +171,11 @@ RunOutcome run_within_accuracy(NamedRun& run, const SimulateArguments& arguments
   out.warnings = recorder.range().sentences();
   out.result = std::move(chosen.result);
   out.summary["chosen"] = chosen.reasons;
+  out.summary["chosen_set"] = chosen.set;
   out.summary["restarts"] = chosen.restarts;
   out.summary["screening_wall_time"] = chosen.screening_wall;
   out.lines = std::move(chosen.reasons);
+  out.lines.push_back(fmt::format("without the choice: --set {}", fmt::join(chosen.set, " --set ")));
   if (!arguments.no_estimate)
     add_estimate(run.prepared, chosen.has_estimate ? &chosen.estimate : nullptr, check.get(), callbacks, out);
   return out;

@@ -78,7 +78,7 @@ class Chooser {
 
   ChosenRun run() {
     const auto start = std::chrono::steady_clock::now();
-    ChosenRun out{prepared(overrides()), overrides(), {}, {}, false, {}, {}, 0, 0.0};
+    ChosenRun out{prepared(overrides()), overrides(), {}, {}, {}, false, {}, {}, 0, 0.0};
     // A name that nothing has is refused before the run.
     if (choices_.empty()) mbs::select_quantities(*out.prepared.mechanism, out.prepared.file.outputs);
     screen(out);
@@ -95,6 +95,7 @@ class Chooser {
     for (const BeamChoice& beam : beams_) out.reasons.push_back(beam.text());
     out.reasons.insert(out.reasons.end(), restarts_.begin(), restarts_.end());
     out.restarts = static_cast<int>(restarts_.size());
+    out.set = keys_of(out.overrides);
     if (tolerance_)
       out.reasons.push_back(
           fmt::format("tolerance {:.1e}: a thousandth of the wanted {}", *tolerance_, percent(accuracy_)));
@@ -185,6 +186,20 @@ class Chooser {
       if (std::ranges::find(not_rigid, s.body) != not_rigid.end()) choose_body(s, share);
   }
 
+  // The choice without the wish for one.
+  std::vector<std::string> keys_of(std::vector<std::string> overrides) const {
+    const auto wishes = std::erase_if(
+        overrides, [](const std::string& word) { return word.starts_with("solver.accuracy="); });
+    if (accuracy_of(as_given_) > 0.0 && wishes == 0) overrides.push_back("solver.accuracy=");
+    // The last word on a key counts.
+    const auto key = [](const std::string& word) { return word.substr(0, word.find('=')); };
+    for (std::size_t i = overrides.size(); i-- > 0;)
+      if (std::any_of(overrides.begin() + static_cast<std::ptrdiff_t>(i) + 1, overrides.end(),
+                      [&](const std::string& later) { return key(later) == key(overrides[i]); }))
+        overrides.erase(overrides.begin() + static_cast<std::ptrdiff_t>(i));
+    return overrides;
+  }
+
   // Stress, say, that a rigid body has none of.
   bool has_output_of_its_own(const std::string& body) const {
     return std::ranges::any_of(sizes_.outputs, [&](const OutputEstimate& output) {
@@ -222,7 +237,7 @@ class Chooser {
       words.insert(words.end(), beams.begin(), beams.end());
       full_ = FullModel::make(screened, file_, words, stiffened);
     }
-    ChosenRun out{prepared(overrides()), overrides(), {}, {}, false, {}, {}, 0, 0.0};
+    ChosenRun out{prepared(overrides()), overrides(), {}, {}, {}, false, {}, {}, 0, 0.0};
     const double start_time = out.prepared.options.start_time;
     mbs::State state = out.prepared.state;
     VectorXd v_dot = out.prepared.v_dot;

@@ -39,6 +39,7 @@ struct RowOfRun {
 struct ChosenRun {
   mbs::PreparedMechanism prepared;
   std::vector<std::string> overrides;  ///< it was prepared with
+  std::vector<std::string> set;        ///< keys that give the same run without a choice
   mbs::RunResult result;
   std::vector<RowOfRun> rows;  ///< what the callback `row` would have been given
   bool has_estimate = false;
