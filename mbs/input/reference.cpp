@@ -91,14 +91,30 @@ void write_rows(const std::vector<Key>& keys, std::string& out) {
 
 void write_nested(const std::vector<Key>& keys, const std::string& prefix, int level, std::string& out);
 
-void write_table(const TableSchema& schema, const std::string& heading, const std::string& prefix, int level,
-                 std::string& out) {
+// Whether this variant stands under another name of its own: its schema says of which type it is.
+bool is_synonym(const TableSchema& schema, const std::string& name, const TableSchema& variant) {
+  return variant.name != name && schema.variants.contains(variant.name);
+}
+
+std::string synonyms_text(const TableSchema& schema, const std::string& name) {
+  std::string text;
+  for (const auto& [other, variant] : schema.variants)
+    if (variant.name == name && is_synonym(schema, other, variant))
+      text += (text.empty() ? "`\"" : ", `\"") + other + "\"`";
+  return text.empty() ? "" : "The same type: " + text + ".\n\n";
+}
+
+void write_table(const TableSchema& schema, const std::string& heading, const std::string& synonyms,
+                 const std::string& prefix, int level, std::string& out) {
   out += std::string(static_cast<std::size_t>(level), '#') + " " + heading + "\n\n";
   if (!schema.doc.empty()) out += schema.doc + "\n\n";
+  out += synonyms;
   write_rows(schema.keys, out);
   write_nested(schema.keys, prefix, level + 1, out);
   for (const auto& [name, variant] : schema.variants) {
-    write_table(variant, fmt::format("`{} = \"{}\"`", schema.selector, name), prefix, level + 1, out);
+    if (is_synonym(schema, name, variant)) continue;
+    write_table(variant, fmt::format("`{} = \"{}\"`", schema.selector, name), synonyms_text(schema, name),
+                prefix, level + 1, out);
   }
 }
 
@@ -109,7 +125,7 @@ void write_nested(const std::vector<Key>& keys, const std::string& prefix, int l
     const std::string heading = key.kind == Kind::tables      ? "`[[" + path + "]]`"
                                 : key.kind == Kind::table_map ? "`[" + path + ".NAME]`"
                                                               : "`[" + path + "]`";
-    write_table(*key.table, heading, key.kind == Kind::table_map ? path + ".NAME" : path, level, out);
+    write_table(*key.table, heading, "", key.kind == Kind::table_map ? path + ".NAME" : path, level, out);
   }
 }
 
@@ -117,7 +133,7 @@ void write_nested(const std::vector<Key>& keys, const std::string& prefix, int l
 
 std::string reference_page(const TableSchema& schema) {
   std::string out;
-  write_table(schema, schema.name, "", 1, out);
+  write_table(schema, schema.name, "", "", 1, out);
   return out;
 }
 

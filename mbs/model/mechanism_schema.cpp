@@ -134,6 +134,7 @@ TableSchema joint_schema(bool is_connection) {
         }
     }
     variant.keys.insert(variant.keys.end(), type.keys.begin(), type.keys.end());
+    variant.name = type.name;  // under a synonym: what it is another name of
     for (const std::string& synonym : type.synonyms) schema.variants[synonym] = variant;
     schema.variants[type.name] = std::move(variant);
   }

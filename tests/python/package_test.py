@@ -163,6 +163,16 @@ class Package(unittest.TestCase):
         self.assertEqual(flexible["n_dof"], 1 + flexible["n_flx"])
         self.assertEqual(rigid["joints"], [{"name": "hinge", "type": "revolute", "is_constraint": False, "is_connection": False}])
 
+    def test_results_are_a_mapping_of_runs_and_one_run_goes_by_its_name(self):
+        self.assertEqual(list(self.results), ["rigid", "flexible"])
+        self.assertIn("rigid", self.results)
+        self.assertNotIn("rigit", self.results)
+        self.assertEqual(len(self.results.items()), 2)
+        self.assertEqual(repr(self.results), "<results 'pendulum': runs rigid, flexible>")
+        one = flexura.simulate(self.here / "pendulum.toml", self.here / "one.h5",
+                               settings={"solver.end_time": "0.01 s"}, runs="rigid")
+        self.assertEqual(list(one), ["rigid"])
+
     def test_refusals_are_the_programs_sentences(self):
         with self.assertRaisesRegex(flexura.FlexuraError, "did you mean") as caught:
             flexura.simulate(self.here / "pendulum.toml", self.here / "no.h5", settings={"solver.end_tim": "1 s"})

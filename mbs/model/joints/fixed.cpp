@@ -34,7 +34,7 @@ class Fixed final : public Joint {
 
 JointType fixed_joint() {
   return {"fixed",
-          "No relative motion. Also called weld or rigid joint.",
+          "No relative motion.",
           {"weld", "rigid"},
           {},
           [](const input::Section*) -> std::unique_ptr<Joint> { return std::make_unique<Fixed>(); }};

@@ -38,7 +38,7 @@ class Prismatic final : public Joint {
 JointType prismatic_joint() {
   return {
       "prismatic",
-      "Translation along the common z axis of the two markers. Also called slider or translational joint.",
+      "Translation along the common z axis of the two markers.",
       {"slider", "translational"},
       {},
       [](const input::Section*) -> std::unique_ptr<Joint> { return std::make_unique<Prismatic>(); }};

@@ -37,7 +37,7 @@ class Revolute final : public Joint {
 
 JointType revolute_joint() {
   return {"revolute",
-          "Rotation about the common z axis of the two markers. Also called hinge, pin or torsion joint.",
+          "Rotation about the common z axis of the two markers.",
           {"hinge", "pin", "torsion"},
           {},
           [](const input::Section*) -> std::unique_ptr<Joint> { return std::make_unique<Revolute>(); }};

@@ -55,7 +55,7 @@ class Screw final : public Joint {
 
 JointType screw_joint() {
   return {"screw",
-          "Rotation about the common z axis with a translation in proportion. Also called helical joint.",
+          "Rotation about the common z axis with a translation in proportion.",
           {"helical"},
           {input::quantity("pitch", input::dim::length,
                            "translation in one full turn, negative for a left-hand thread; "

@@ -59,7 +59,7 @@ class SixDof final : public Joint {
 
 JointType six_dof_joint() {
   return {"six_dof",
-          "All six freedoms: no restraint, a choice of coordinates. Also called free joint.",
+          "All six freedoms: no restraint, a choice of coordinates.",
           {"free"},
           {},
           [](const input::Section*) -> std::unique_ptr<Joint> { return std::make_unique<SixDof>(); }};

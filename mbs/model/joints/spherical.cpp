@@ -63,7 +63,7 @@ class Spherical final : public Joint {
 
 JointType spherical_joint() {
   return {"spherical",
-          "Free rotation about the common origin of the two markers. Also called ball joint.",
+          "Free rotation about the common origin of the two markers.",
           {"ball"},
           {},
           [](const input::Section*) -> std::unique_ptr<Joint> { return std::make_unique<Spherical>(); }};

@@ -77,7 +77,7 @@ class Universal final : public Joint {
 JointType universal_joint() {
   return {
       "universal",
-      "Two rotations about perpendicular axes through the common origin. Also called Hooke or Cardan joint.",
+      "Two rotations about perpendicular axes through the common origin.",
       {"hooke", "cardan"},
       {input::choice("axes", {"al-be", "be-ga", "al-ga"},
                      "first axis fixed in from's marker, second in to's: x and y, y and z, or x and z")

@@ -63,11 +63,12 @@ def reduce(part, output=None, settings=None):
 def simulate(mechanism, output=None, settings=None, runs=None):
     """Simulates a mechanism file and reads the results.
 
-    settings: keys of the mechanism file to change, {"solver.end_time": "1 s"}; runs: names, default all of the file.
+    settings: keys of the mechanism file to change, {"solver.end_time": "1 s"}; runs: names, or one name; default all of the file.
     """
+    runs = [runs] if isinstance(runs, str) else runs or []
     mechanism = Path(mechanism)
     output = Path(output) if output else mechanism.with_suffix(".h5")
-    chosen = [word for name in runs or [] for word in ("--run", name)]
+    chosen = [word for name in runs for word in ("--run", name)]
     run(["simulate", mechanism, "-q", "-o", output, *chosen, *_settings(settings)])
     return read_results(output)
 

@@ -88,9 +88,9 @@ class Run(Mapping):
         return f"<run {self.name!r}: {len(self.time)} rows{end}, {len(self)} quantities>"
 
 
-@dataclass
-class Results:
-    """A results file: results["flexible"]["main.speed"]."""
+@dataclass(repr=False, eq=False)
+class Results(Mapping):
+    """A results file, a mapping from the names of its runs to them: results["flexible"]["main.speed"]."""
 
     name: str
     created_by: str
@@ -104,6 +104,15 @@ class Results:
             return self.runs[run]
         except KeyError:
             raise KeyError(f"no run is called {run!r}; there are {', '.join(self.runs)}") from None
+
+    def __iter__(self):
+        return iter(self.runs)
+
+    def __len__(self):
+        return len(self.runs)
+
+    def __repr__(self):
+        return f"<results {self.name!r}: runs {', '.join(self.runs)}>"
 
 
 def read_results(path):

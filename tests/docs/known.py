@@ -1,0 +1,67 @@
+#!/usr/bin/python3
+# Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+"""known.py ROOT PROGRAMS: what the documentation names is there.
+
+Every command of flexura and every option beside it in a Markdown file is in the program's --help; every link to a file
+leads to one.  (Commands in ```console blocks of docs/ are run and compared by consoles.py.)
+"""
+import pathlib
+import re
+import subprocess
+import sys
+
+LINK = re.compile(r"!?\[[^\]]*\]\(([^)\s#]+)(?:#[^)\s]*)?\)")
+# flexura COMMAND and what follows it on its line (also flexura-reduce), up to the end of the code span or a pipe
+CALL = re.compile(r"(?<![\w/.-])(?<!from )flexura(?:-reduce| ([a-z]+))((?: [^\n`|;&#)]*)?)")
+# Fenced blocks, indented ones, spans.  Prose may say "flexura reads".
+IN_CODE = re.compile(r"^```[a-z]*\n(.*?)^```|^    (.*?)$|`([^`\n]+)`", re.M | re.S)
+OWN = {"man", "completion", "help"}  # commands of the terminal itself
+
+
+def main():
+    root, programs = pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2]).resolve()
+    helped = lambda *words: subprocess.run([programs / "flexura", *words, "--help"], capture_output=True, text=True,
+                                           check=True).stdout
+    commands = re.findall(r"^  ([a-z]+)  +\S", helped().split("Commands:")[1].split('"flexura COMMAND')[0], re.M)
+    options = {c: set(re.findall(r"(?<![\w-])(--?[a-z][a-z-]*)", helped(c))) for c in commands}
+    listed = subprocess.run(["git", "-C", root, "ls-files", "-co", "--exclude-standard", "*.md"], capture_output=True,
+                            text=True, check=True).stdout.split()
+    failures = calls = links = 0
+    for name in listed:
+        if not (root / name).is_file():
+            continue
+        text = (root / name).read_text()
+        # What was found by trying, and what changed, names options that there no longer are.
+        if name.startswith("tests/found/") or name == "CHANGELOG.md":
+            text = ""
+        code = "\n".join("".join(found) for found in IN_CODE.findall(text))
+        for match in CALL.finditer(code.replace("\\\n", " ")):
+            command = match[1] or "reduce"
+            if command in OWN or match[0].startswith("flexura COMMAND"):
+                continue
+            calls += 1
+            if command not in options:
+                failures += 1
+                print(f"{name}: flexura has no command '{command}' ({match[0].strip()})")
+                continue
+            quoted = re.sub(r'"[^"]*"', '""', match[2])
+            for option in re.findall(r"(?<=\s)(--?[a-z][a-z-]*)", quoted):
+                if option not in options[command] and option not in ("--help", "--version"):
+                    failures += 1
+                    print(f"{name}: flexura {command} has no option {option}")
+        for match in LINK.finditer(re.sub(r"`[^`\n]*`", "", re.sub(r"^```.*?^```", "", text, flags=re.M | re.S))):
+            target = match[1]
+            if "://" in target or target.startswith("mailto:") or target.endswith("reference/commands.md"):
+                continue
+            if target == "commands.md" and name.startswith("docs/reference/"):
+                continue  # made by docs/build
+            links += 1
+            if not (root / name).parent.joinpath(target).exists():
+                failures += 1
+                print(f"{name}: link to {target}, which is not there")
+    print(f"{len(listed)} pages, {calls} commands, {links} links")
+    return 1 if failures or calls < 20 else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
