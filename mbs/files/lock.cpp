@@ -135,11 +135,14 @@ Lock::Lock(const fs::path& place, const fs::path& output)
 }
 
 int Lock::note(const fs::path& part) {
-  const std::string line = part.filename().string() + '\n';
+  std::string line = part.filename().string() + '\n';
+  if (line == noted_) return 0;
   const off_t end = ::lseek(descriptor_, 0, SEEK_END);
   errno = 0;
-  if (end >= 0 && ::pwrite(descriptor_, line.data(), line.size(), end) == static_cast<ssize_t>(line.size()))
+  if (end >= 0 && ::pwrite(descriptor_, line.data(), line.size(), end) == static_cast<ssize_t>(line.size())) {
+    noted_ = std::move(line);
     return 0;
+  }
   return errno ? errno : ENOSPC;
 }
 

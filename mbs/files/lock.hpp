@@ -42,6 +42,7 @@ class Lock {
 
   std::filesystem::path file_;
   int descriptor_ = -1;
+  std::string noted_;                        ///< the last line of it
   std::vector<std::filesystem::path> left_;  ///< by a holder that was killed
   std::optional<Unfinished> unfinished_;     ///< once nothing is left: until then the file knows of it
 };

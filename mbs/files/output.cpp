@@ -10,6 +10,7 @@
 #include <cstring>
 #include <stdexcept>
 #include <string>
+#include <system_error>
 
 #include "mbs/files/claimed.hpp"
 #include "mbs/files/inputs.hpp"
@@ -67,25 +68,45 @@ void expect_size(const fs::path& output, double bytes) {
   require_room(output, place.parent_path(), bytes);
 }
 
-Output::Output(const fs::path& path) : path_(path), claimed_(claim(path)) {
+PrivateFile::PrivateFile(Claimed& claimed) {
   int why = 0;
-  claimed_->lock.remove_left();
   const HeldBack until_it_is_known;
-  part_ = make_part(claimed_->place, why);
-  if (part_.empty()) fail(why);
+  path_ = make_part(claimed.place, why);
+  if (path_.empty()) throw std::system_error(why, std::generic_category());
   try {
-    if ((why = claimed_->lock.note(part_)) != 0) fail(why);
-    unfinished_.emplace(part_);
+    if ((why = claimed.lock.note(path_)) != 0) throw std::system_error(why, std::generic_category());
+    unfinished_.emplace(path_);
   } catch (...) {  // memory, disk: nobody else knows of the file yet
-    std::error_code ignored;
-    fs::remove(part_, ignored);
+    ::unlink(path_.c_str());
     throw;
   }
 }
 
-Output::~Output() {
+PrivateFile::~PrivateFile() {
   remove();
 }
+
+void PrivateFile::remove() noexcept {
+  if (unfinished_) ::unlink(path_.c_str());
+  unfinished_.reset();
+}
+
+int PrivateFile::rename(const fs::path& to) {
+  if (::rename(path_.c_str(), to.c_str()) != 0) return errno;
+  unfinished_.reset();
+  return 0;
+}
+
+Output::Output(const fs::path& path) : path_(path), claimed_(claim(path)) {
+  claimed_->lock.remove_left();
+  try {
+    part_.emplace(*claimed_);
+  } catch (const std::system_error& e) {
+    fail(e.code().value());
+  }
+}
+
+Output::~Output() = default;
 
 void Output::fail(int why) const {
   throw std::runtime_error(
@@ -93,61 +114,27 @@ void Output::fail(int why) const {
                   why ? ": " : "", why ? std::strerror(why) : ""));
 }
 
-/// False where the disk has no room for it.
-bool Output::make_copy() {
-  {
-    const HeldBack until_it_is_known;
-    int why = 0;
-    if (copy_.empty()) {
-      fs::path made = make_part(claimed_->place, why);
-      if (made.empty()) return false;
-      if (claimed_->lock.note(made) != 0) {
-        ::unlink(made.c_str());
-        return false;
-      }
-      copy_ = std::move(made);
-    }
-    unfinished_copy_.emplace(copy_);
-  }
-  std::error_code trouble;
-  if (fs::copy_file(part_, copy_, fs::copy_options::overwrite_existing, trouble)) return true;
-  remove_copy();
-  return false;
-}
-
-void Output::remove_copy() noexcept {
-  ::unlink(copy_.c_str());
-  unfinished_copy_.reset();
-}
-
 void Output::change(const std::function<void(const fs::path&)>& change) {
-  if (!make_copy()) return change(part_);
+  std::optional<PrivateFile> copy;
   try {
-    change(copy_);
-    if (::rename(copy_.c_str(), part_.c_str()) != 0) fail(errno);
-  } catch (...) {
-    remove_copy();
-    throw;
+    copy.emplace(*claimed_);
+    fs::copy_file(part(), copy->path(), fs::copy_options::overwrite_existing);
+  } catch (const std::system_error&) {  // no room for a copy
+    copy.reset();
+    return change(part());
   }
-  unfinished_copy_.reset();
-}
-
-void Output::remove() noexcept {
-  if (!done_) ::unlink(part_.c_str());
-  done_ = true;
-  unfinished_.reset();
+  change(copy->path());
+  if (const int why = copy->rename(part()); why != 0) fail(why);
 }
 
 void Output::commit() {
   refuse_input(path_, claimed_->place);
-  int why = synchronise(part_);
-  if (why == 0 && ::rename(part_.c_str(), claimed_->place.c_str()) != 0) why = errno;
+  int why = synchronise(part());
+  if (why == 0) why = part_->rename(claimed_->place);
   if (why != 0) {
-    remove();
+    part_->remove();
     fail(why);
   }
-  done_ = true;
-  unfinished_.reset();
   // Where the power fails before the folder is on the disk, the name still leads to the old file: whole, too.
   note_own(claimed_->place);
 }

@@ -32,6 +32,26 @@ class Claims {
 /// Throws std::runtime_error where less room than `bytes` is left for this output.
 void expect_size(const std::filesystem::path& output, double bytes);
 
+/// An empty file of a private name beside an output, FILE.part or FILE.PROCESS.part; removed with this object
+/// unless it has been given its name.
+class PrivateFile {
+ public:
+  /// Throws std::system_error.
+  explicit PrivateFile(Claimed& claimed);
+  ~PrivateFile();
+  PrivateFile(const PrivateFile&) = delete;
+  PrivateFile& operator=(const PrivateFile&) = delete;
+
+  const std::filesystem::path& path() const { return path_; }
+  /// 0, or what went wrong.
+  int rename(const std::filesystem::path& to);
+  void remove() noexcept;
+
+ private:
+  std::filesystem::path path_;
+  std::optional<Unfinished> unfinished_;
+};
+
 /// One file on its way.  Claims it, unless the command has.
 class Output {
  public:
@@ -40,9 +60,8 @@ class Output {
   Output(const Output&) = delete;
   Output& operator=(const Output&) = delete;
 
-  /// The private name, FILE.part or FILE.PROCESS.part; an empty file of this name exists, made by this
-  /// object.
-  const std::filesystem::path& part() const { return part_; }
+  /// The private file, empty at first.
+  const std::filesystem::path& part() const { return part_->path(); }
   /// Changes the private file, closed by now, so that it is whole at any moment, whatever kills the process:
   /// `change` works on a copy, which takes the file's place when it returns and is removed when it throws.
   /// Where a copy cannot be made (no room) it works on the file itself.
@@ -51,15 +70,11 @@ class Output {
   void commit();
 
  private:
-  bool make_copy();
-  void remove_copy() noexcept;
-  void remove() noexcept;
   [[noreturn]] void fail(int why) const;
 
-  std::filesystem::path path_, part_, copy_;  ///< copy_: once a change has made one
+  std::filesystem::path path_;
   std::shared_ptr<Claimed> claimed_;
-  std::optional<Unfinished> unfinished_, unfinished_copy_;
-  bool done_ = false;
+  std::optional<PrivateFile> part_;
 };
 
 /// The whole content or nothing.  Throws std::runtime_error that names the file and the reason.

@@ -85,8 +85,10 @@ std::string connections_json(const Mechanism& mechanism) {
     }
     list.push_back(std::move(j));
   };
-  for (const JointDescription& joint : d.joints)
+  for (const JointDescription& joint : d.joints) {
     add(joint.name, std::string(joint.joint->type()), joint.marker_F, joint.marker_M, joint.marker_F);
+    list.back()["is_joint"] = true;
+  }
   for (const auto& force : d.forces) {
     const auto [from, to] = force->markers();
     if (from >= 0 || to >= 0) add(force->name(), std::string(force->type()), from, to, axes_of(*force));

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -54,6 +55,42 @@ std::vector<T> gather(const Matrix& m, const std::vector<Eigen::Index>& rows) {
   return values;
 }
 
+/// Interfaces that have a rotation as well, which the page can take deformations from: name, place [m] in the
+/// body, and how each modal coordinate displaces and turns them (m x 6, m and rad).
+json frames_json(const Superelement& se, const Eigen::MatrixXd& basis) {
+  json frames = json::array();
+  for (const superelement::Interface& interface : se.interfaces) {
+    if (interface.directions.size() != 6) continue;
+    json motion = json::array();
+    for (Eigen::Index j = 0; j < basis.cols(); ++j) {
+      std::vector<double> column(6);
+      for (std::size_t k = 0; k < 6; ++k)
+        column[static_cast<std::size_t>(interface.directions[k])] =
+            basis(interface.first_dof + static_cast<Eigen::Index>(k), j);
+      motion.push_back(column);
+    }
+    const Eigen::Vector3d& p = interface.p_BoN_B;
+    frames.push_back({{"name", interface.name}, {"point", {p.x(), p.y(), p.z()}}, {"motion", motion}});
+  }
+  return frames;
+}
+
+/// The frame at which a joint to the ground holds the body, or null.
+json held_by(const json& frames, const json& connections, const std::string& body) {
+  if (!connections.is_array()) return nullptr;
+  for (const json& c : connections)
+    for (const auto& [own, other, point] :
+         {std::array{"body_1", "body_2", "p_1"}, std::array{"body_2", "body_1", "p_2"}}) {
+      if (!c.is_object() || !c.value("is_joint", false) || c.value(own, "") != body ||
+          c.value(other, "") != "ground")
+        continue;
+      const auto p = c.find(point);
+      for (std::size_t i = 0; p != c.end() && i < frames.size(); ++i)
+        if (*p == frames[i].at("point")) return i;
+    }
+  return nullptr;
+}
+
 /// JSON kept in the results, or null where it cannot be read: a page is more useful than a refusal.
 json lenient(const std::string& text) {
   json value = json::parse(files::shallow_json(text), nullptr, false);
@@ -64,7 +101,11 @@ class MotionWriter {
  public:
   MotionWriter(const std::filesystem::path& html, const results::Results& results, const Pictures& pictures,
                const MotionPage& page)
-      : results_(results), pictures_(pictures), page_(page), html_(html) {}
+      : results_(results),
+        pictures_(pictures),
+        page_(page),
+        html_(html),
+        connections_(lenient(results.model.connections_json)) {}
 
   void write() {
     require_something();
@@ -82,7 +123,7 @@ class MotionWriter {
                    {"created_by", results_.model.created_by},
                    {"surfaces", surfaces},
                    {"bodies", bodies},
-                   {"connections", lenient(results_.model.connections_json)},
+                   {"connections", connections_},
                    {"plots", plots},
                    {"runs", runs}});
   }
@@ -247,6 +288,8 @@ class MotionWriter {
         file_->add<float>(fmt::format("{}/body/{}/modal", key, j), gather<float>(body.modal, frames));
         entry["first_shape"] = found->second;
         entry["n_shapes"] = body.basis.cols();
+        entry["frames"] = frames_json(*picture(body.name), body.basis);
+        entry["held_by"] = held_by(entry["frames"], connections_, body.name);
       }
       bodies.push_back(entry);
     }
@@ -259,6 +302,7 @@ class MotionWriter {
   const Pictures& pictures_;
   const MotionPage& page_;
   const std::filesystem::path html_;
+  const json connections_;
   std::vector<Figure> figures_;
   std::map<const results::BodyHistory*, int> first_shape_;
   std::optional<PageFile> file_;

@@ -3,6 +3,7 @@
 import * as THREE from 'three';
 import { ghostPush } from './primitives';
 import { lineFragment, lineVertex, surfaceFragment, surfaceVertex } from './shaders';
+import type { InterfaceFrame } from './motion_data';
 import type { Surface } from './surface';
 
 export interface Look {
@@ -13,6 +14,9 @@ export interface Look {
   opacity: number;
 }
 
+/** The frame of an interface; its modal coordinates are the weights from `first` on. */
+export interface Reference { frame: InterfaceFrame; first: number }
+
 /** One drawn body: a surface with its own weights; several may share the surface's shapes. */
 export class DeformedBody {
   readonly group = new THREE.Group();
@@ -22,6 +26,9 @@ export class DeformedBody {
   readonly outline: THREE.LineSegments;
   readonly marker: THREE.Points;
   private readonly table: THREE.DataTexture;
+  private reference_: Reference | null = null;
+  /** Where deformation is seen from instead, at this time and at the start; null: from the reference. */
+  private seen: { now: THREE.Matrix4; then: THREE.Matrix4 } | null = null;
   private readonly shared: Record<string, THREE.IUniform>;
 
   constructor(readonly surface: Surface, scale: THREE.Texture) {
@@ -33,6 +40,9 @@ export class DeformedBody {
       uStress: { value: surface.stress ?? surface.texture }, uStressLayers: { value: surface.stressLayers },
       uMagnify: { value: 1 }, uRange: { value: new THREE.Vector2(0, 1) }, uScale: { value: scale },
       uCut: { value: new THREE.Vector4(0, 0, 0, 0) },
+      uShift: { value: new THREE.Vector3() }, uTurn: { value: new THREE.Vector3() },
+      uPivot: { value: new THREE.Vector3() }, uSeen: { value: 0 },
+      uNow: { value: new THREE.Matrix4() }, uThen: { value: new THREE.Matrix4() },
     };
     const uniforms = (own: Record<string, unknown>) => ({
       ...this.shared, ...Object.fromEntries(Object.entries(own).map(([k, v]) => [k, { value: v }])),
@@ -71,6 +81,8 @@ export class DeformedBody {
     this.edges = new THREE.LineSegments(lines, lineMaterial({}));
     const outline = lineMaterial({ uPull: 0 });
     outline.uniforms.uCount = { value: 0 };
+    outline.uniforms.uShift = { value: new THREE.Vector3() };
+    outline.uniforms.uTurn = { value: new THREE.Vector3() };
     this.outline = new THREE.LineSegments(lines, outline);
     const point = new THREE.BufferGeometry();
     point.setAttribute('position', new THREE.BufferAttribute(new Float32Array(3), 3));
@@ -103,6 +115,58 @@ export class DeformedBody {
     }
     this.shared.uCount.value = count;
     this.table.needsUpdate = true;
+    const motion = this.motionOf(this.weights);
+    (this.shared.uShift.value as THREE.Vector3).set(motion[0], motion[1], motion[2]);
+    (this.shared.uTurn.value as THREE.Vector3).set(motion[3], motion[4], motion[5]);
+  }
+
+  /** The frame from which deformation counts, for colours and for what is magnified; null: the body's own. */
+  set reference(value: Reference | null) {
+    this.reference_ = value;
+    (this.shared.uPivot.value as THREE.Vector3).fromArray(value?.frame.point ?? [0, 0, 0]);
+    this.update();
+  }
+
+  /** Colours by the way from `then` to `now` of the body's frame, both seen from another body; null: by deformation. */
+  see(from: { now: THREE.Matrix4; then: THREE.Matrix4 } | null): void {
+    this.seen = from;
+    this.shared.uSeen.value = from ? 1 : 0;
+    if (!from) return;
+    (this.shared.uNow.value as THREE.Matrix4).copy(from.now);
+    (this.shared.uThen.value as THREE.Matrix4).copy(from.then);
+  }
+
+  /** Displacement [m] and rotation [rad] of the reference, in the body's frame. */
+  private motionOf(weights: ArrayLike<number>): number[] {
+    const motion = [0, 0, 0, 0, 0, 0];
+    this.reference_?.frame.motion.forEach((column, j) => {
+      const w = weights[this.reference_!.first + j];
+      for (let k = 0; k < 6; ++k) motion[k] += w * column[k];
+    });
+    return motion;
+  }
+
+  /** What moves a vertex with the reference. */
+  private carried(vertex: number, weights: ArrayLike<number>): THREE.Vector3 {
+    const motion = this.motionOf(weights);
+    const arm = this.surface.position(vertex, new THREE.Vector3());
+    if (this.reference_) arm.sub(new THREE.Vector3(...this.reference_.frame.point));
+    return new THREE.Vector3(motion[3], motion[4], motion[5]).cross(arm)
+      .add(new THREE.Vector3(motion[0], motion[1], motion[2]));
+  }
+
+  /** The displacement that is coloured [m], from the page's own data. */
+  shown(vertex: number, weights: ArrayLike<number> = this.weights, out = new THREE.Vector3()): THREE.Vector3 {
+    this.surface.displacement(vertex, weights, out);
+    if (!this.seen) return out.sub(this.carried(vertex, weights));
+    const place = this.surface.position(vertex, new THREE.Vector3());
+    return out.add(place).applyMatrix4(this.seen.now).sub(place.applyMatrix4(this.seen.then));
+  }
+
+  /** From the undeformed to the drawn place of a vertex [m], in the body's frame. */
+  drawnOffset(vertex: number, out = new THREE.Vector3()): THREE.Vector3 {
+    const carried = this.carried(vertex, this.weights);
+    return this.surface.displacement(vertex, this.weights, out).sub(carried).multiplyScalar(this.magnify).add(carried);
   }
 
   set magnify(value: number) {
@@ -158,7 +222,7 @@ export class DeformedBody {
 
   /** Drawn position of a vertex in W, from the page's own data. */
   drawn(vertex: number, out = new THREE.Vector3()): THREE.Vector3 {
-    this.surface.displacement(vertex, this.weights, out).multiplyScalar(this.magnify);
+    this.drawnOffset(vertex, out);
     out.add(this.surface.position(vertex, new THREE.Vector3()));
     this.group.updateMatrixWorld();
     return out.applyMatrix4(this.group.matrixWorld);

@@ -35,7 +35,8 @@ export class Mechanism {
   private magnify_ = 1;
   private ghost = false;
   private jointsShown = true;
-  largestDeflection = 0; // [m], over a sample of frames and vertices
+  largestDeflection = 0; // [m], over a sample of frames and vertices, from the reference
+  private reference = 'held';
   largestStress = 0; // [Pa]
 
   constructor(readonly run: Run, header: MotionHeader, surfaces: Surface[], scale: THREE.Texture, glyphSize: number) {
@@ -107,7 +108,49 @@ export class Mechanism {
       return [...Array.from({ length: n_shapes }, (_, j) => b.deformed!.surface.load(first_shape + j)),
               b.sections?.load(first_shape, n_shapes)];
     }));
+    this.setReference(this.reference);
+  }
+
+  /**
+   * Where deformation is taken from: 'held' (the interface at which a joint to the ground holds the body, else its
+   * floating frame), 'own' (the floating frame), 'interface:NAME' (of the bodies that have it); or the whole
+   * displacement since the start, seen from 'ground' or 'body:NAME'.
+   */
+  setReference(choice: string): void {
+    this.reference = choice;
+    for (const body of this.bodies) {
+      if (!body.deformed || body.number < 0) continue;
+      const { frames, held_by, first_shape } = this.run.header.bodies[body.number];
+      const named = choice.startsWith('interface:') ? (frames ?? []).find((f) => f.name === choice.slice(10)) : undefined;
+      const held = choice !== 'own' && typeof held_by === 'number' ? frames?.[held_by] : undefined;
+      const frame = named ?? held;
+      body.deformed.reference = frame ? { frame, first: first_shape } : null;
+    }
     this.largestDeflection = this.findLargest();
+  }
+
+  /** The pose of a body at a frame and a fraction of the way to the next. */
+  private poseAt(number: number, frame: number, part: number): THREE.Matrix4 {
+    const frames = this.run.frameTime.length;
+    const { pose } = this.run.motion[number];
+    const next = part === 0 ? frame : frame + 1;
+    const mix = (c: number) => pose[c * frames + frame] + part * (pose[c * frames + next] - pose[c * frames + frame]);
+    const q = (row: number) => new THREE.Quaternion(pose[4 * frames + row], pose[5 * frames + row],
+                                                    pose[6 * frames + row], pose[3 * frames + row]).normalize();
+    const turned = part > 0 ? q(frame).slerp(q(next), part) : q(frame); // slerp takes the shorter way round
+    return new THREE.Matrix4().compose(new THREE.Vector3(mix(0), mix(1), mix(2)), turned, new THREE.Vector3(1, 1, 1));
+  }
+
+  /** Seen from the ground or another body, where that is the reference. */
+  private see(body: DrawnBody, frame: number, part: number): void {
+    const other = this.reference.startsWith('body:') ? this.body(this.reference.slice(5)) : undefined;
+    if (this.reference !== 'ground' && !other) {
+      body.deformed!.see(null);
+      return;
+    }
+    const from = (at: number, p: number) => (other && other.number >= 0 ? this.poseAt(other.number, at, p).invert() : new THREE.Matrix4())
+      .multiply(this.poseAt(body.number, at, p));
+    body.deformed!.see({ now: from(frame, part), then: from(0, 0) });
   }
 
   private findLargest(): number {
@@ -124,8 +167,9 @@ export class Mechanism {
       const every = Math.max(1, Math.floor(frames / 80));
       for (let i = 0; i < frames; i += every) {
         for (let j = 0; j < n_shapes; ++j) weights[first_shape + j] = motion.modal[j * frames + i];
+        this.see(body, i, 0);
         for (let v = 0; v < n; v += Math.max(1, Math.floor(n / 400))) {
-          most = Math.max(most, surface.displacement(v, weights, u).lengthSq());
+          most = Math.max(most, body.deformed.shown(v, weights, u).lengthSq());
         }
         // Stresses peak in few places: more vertices, fewer frames.
         if (surface.stress && (i / every) % 4 === 0) {
@@ -166,18 +210,13 @@ export class Mechanism {
 
   setTime(t: number): void {
     const { at, part } = locate(this.run.frameTime, t);
-    const next = part === 0 ? at : at + 1;
     const frames = this.run.frameTime.length;
     for (const body of this.bodies) {
       if (body.number < 0 || !frames) continue;
-      const { pose, modal } = this.run.motion[body.number];
-      const mix = (c: number) => pose[c * frames + at] + part * (pose[c * frames + next] - pose[c * frames + at]);
-      body.group.position.set(mix(0), mix(1), mix(2));
-      const q = (row: number) => new THREE.Quaternion(pose[4 * frames + row], pose[5 * frames + row],
-                                                      pose[6 * frames + row], pose[3 * frames + row]).normalize();
-      body.group.quaternion.copy(q(at));
-      if (part > 0) body.group.quaternion.slerp(q(next), part); // slerp takes the shorter way round
+      const { modal } = this.run.motion[body.number];
+      this.poseAt(body.number, at, part).decompose(body.group.position, body.group.quaternion, new THREE.Vector3());
       if (body.deformed && modal) {
+        this.see(body, at, part);
         this.mixModal(body, modal, at, part, body.deformed.weights);
         body.deformed.update();
       }

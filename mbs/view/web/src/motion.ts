@@ -74,7 +74,7 @@ export async function motionPage(app: HTMLElement, header: MotionHeader): Promis
   const start = mechanisms[state.main].box(t0);
   const travels = extent.getSize(new THREE.Vector3()).length() > 6 * start.getSize(new THREE.Vector3()).length();
   const shown = travels ? start : extent;
-  const deflection = Math.max(0, ...mechanisms.map((m) => m.largestDeflection));
+  let deflection = Math.max(0, ...mechanisms.map((m) => m.largestDeflection));
   const flexibleSize = Math.max(0, ...mechanisms[state.main].bodies.filter((b) => b.deformed)
     .map((b) => b.deformed!.surface.size));
   const fullMagnify = deflection > 0 ? Math.max(1, round125((0.06 * flexibleSize) / deflection)) : 1;
@@ -127,7 +127,7 @@ export async function motionPage(app: HTMLElement, header: MotionHeader): Promis
     const top = isStress ? stressMost : deflection;
     const { factor, unit } = isStress ? stressUnit(top) : lengthUnit(top);
     legend.show(state.field === 0 ? null : {
-      title: `${isStress ? 'von Mises' : '|u|'} [${unit}]`, scale: 'magnitude', low: 0, high: top * factor,
+      title: `${isStress ? 'von Mises' : `|u| ${fromWhere()}`} [${unit}]`, scale: 'magnitude', low: 0, high: top * factor,
       note: `drawn ×${figure(state.magnify, 3)}`,
     });
     setTime(state.time);
@@ -161,6 +161,27 @@ export async function motionPage(app: HTMLElement, header: MotionHeader): Promis
     refresh();
   };
   color.hidden = deflection === 0;
+  // Where displacements are taken from.
+  const flexible = runs.flatMap((r) => r.header.bodies.filter((b) => b.n_shapes > 0));
+  const isHeld = flexible.some((b) => typeof b.held_by === 'number');
+  const interfaces = [...new Set(flexible.flatMap((b) => (b.frames ?? []).map((f) => f.name)))];
+  const references: [string, string][] = [
+    ['held', isHeld ? 'from where it is held' : 'from the floating frame'],
+    ...(isHeld ? [['own', 'from the floating frame'] as [string, string]] : []),
+    ...interfaces.map((name) => [`interface:${name}`, `from interface ${name}`] as [string, string]),
+    ['ground', 'since the start, from ground'],
+    ...header.bodies.filter((b) => b.kind !== 'ground').map((b) => [`body:${b.name}`, `since the start, from ${b.name}`] as [string, string])];
+  const reference = h('select', { id: 'reference', 'aria-label': 'Displacement counts', title: 'Where displacement is taken from',
+                                  onchange: () => setReference(reference.value) },
+                      ...references.map(([value, text]) => h('option', { value }, text)));
+  const fromWhere = () => references.find(([value]) => value === reference.value)![1];
+  const setReference = (choice: string) => {
+    reference.value = choice;
+    for (const m of mechanisms) m.setReference(choice);
+    deflection = Math.max(0, ...mechanisms.map((m) => m.largestDeflection));
+    refresh();
+  };
+  reference.hidden = deflection === 0;
   const glyphs = toggle('Joints', true, (on) => {
     for (const m of mechanisms) m.showJoints = on;
     stage.draw();
@@ -293,7 +314,7 @@ export async function motionPage(app: HTMLElement, header: MotionHeader): Promis
   const strip = h('div', { class: 'strip' },
     h('div', { class: 'group wide' }, play, timeline.input, clock),
     h('div', { class: 'group' }, speed.element, magnify.element),
-    h('div', { class: 'group' }, color, glyphs, forces, sections.choice, follow));
+    h('div', { class: 'group' }, color, reference, glyphs, forces, sections.choice, follow));
   const corner = h('div', { class: 'corner' }, views,
     iconButton('camera', 'Save a picture (P)', () => void savePng(), { id: 'png' }),
     iconButton('film', 'Save an animation (M)', () => void saveFilm(), { id: 'film' }));
@@ -327,7 +348,7 @@ export async function motionPage(app: HTMLElement, header: MotionHeader): Promis
   app.replaceChildren(
     topBar(header.title, [['Bodies', String(moving.length)], ['Runs', String(runs.length)],
                           ['Time', `${figure(duration, 4)} s`],
-                          ...(deflection > 0 ? [['Deflection', lengthText(deflection)] as [string, string]] : []),
+                          ...(deflection > 0 ? [[`Largest |u| ${fromWhere()}`, lengthText(deflection)] as [string, string]] : []),
                           ...(energyError > 0 ? [['Energy error', `${figure(100 * energyError, 2)} %`] as [string, string]] : [])],
            keys, theme),
     h('main', { class: 'split motion' },
@@ -351,6 +372,6 @@ export async function motionPage(app: HTMLElement, header: MotionHeader): Promis
 
   (window as unknown as { flexura: unknown }).flexura = motionScripts({
     header, runs, mechanisms, stage, deck, sections, quantities: all.map((q) => q.name), start: t0, end: t1,
-    largestDeflection: deflection, largestStress: stressMost, state, view, setField, setPlaying, setTime, refresh,
+    largestDeflection: () => deflection, largestStress: stressMost, state, view, setField, setReference, setPlaying, setTime, refresh,
   });
 }

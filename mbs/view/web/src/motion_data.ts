@@ -25,6 +25,18 @@ export interface Connection {
   axes?: { body: string; rotation: [number, number, number, number] };
 }
 
+/** An interface of a flexible body: its place, and how each modal coordinate displaces and turns it. */
+export interface InterfaceFrame { name: string; point: Point; motion: number[][] }
+
+export interface RunBody {
+  name: string;
+  surface: number | null;
+  first_shape: number;
+  n_shapes: number;
+  frames?: InterfaceFrame[];
+  held_by?: number | null; // the frame at which a joint to the ground holds it
+}
+
 export interface RunHeader {
   name: string;
   complete: boolean;
@@ -33,7 +45,7 @@ export interface RunHeader {
   rows: number;
   frames: number;
   quantities: { name: string; unit: string; doc: string }[];
-  bodies: { name: string; surface: number | null; first_shape: number; n_shapes: number }[];
+  bodies: RunBody[];
   summary: unknown;
 }
 

@@ -18,11 +18,12 @@ export interface MotionParts {
   quantities: string[];
   start: number;
   end: number;
-  largestDeflection: number;
+  largestDeflection: () => number;
   largestStress: number;
   state: { time: number; magnify: number; visible: boolean[] };
   view: (name: ViewName) => void;
   setField: (field: number) => void;
+  setReference: (choice: string) => void;
   setPlaying: (on: boolean) => void;
   setTime: (t: number) => void;
   refresh: () => void;
@@ -51,7 +52,8 @@ export function motionScripts(page: MotionParts): object {
     },
     setMagnify: (v: number) => { state.magnify = v; refresh(); }, get magnify() { return state.magnify; },
     showRun: (name: string, on: boolean) => { state.visible[runNamed(name)] = on; refresh(); deck.redraw(); },
-    view: page.view, largestDeflection: page.largestDeflection,
+    view: page.view, get largestDeflection() { return page.largestDeflection(); },
+    setReference: page.setReference,
     quantity: async (run: string, name: string) => [...((await runs[runNamed(run)].quantity(name)) ?? [])],
     times: (run: string) => [...runs[runNamed(run)].time], frameTimes: (run: string) => [...runs[runNamed(run)].frameTime],
     plots: () => deck.cards.map((c) => c.names),

@@ -108,7 +108,7 @@ export class SectionDiagram {
     const u = new THREE.Vector3();
     const { axes } = this.forces.header;
     for (let p = 0; p < this.forces.n; ++p) {
-      const foot = this.body.surface.displacement(this.nearest[p], this.body.weights, u).multiplyScalar(this.body.magnify)
+      const foot = this.body.drawnOffset(this.nearest[p], u)
         .add(this.forces.position(p));
       const h = height * this.forces.value(p, c, this.body.weights);
       const { side } = resultants[c];

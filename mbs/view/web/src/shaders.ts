@@ -12,7 +12,10 @@ const deform = /* glsl */ `
   uniform int uStressLayers;    // of each shape: 0 none, 1 von Mises, 2 the six components
   uniform sampler2D uWeights;   // one texel for each shape in use: weight times scale, layer, weight times stress scale
   uniform int uCount;
-  uniform float uMagnify;       // times the displacement, for the drawn position only
+  uniform float uMagnify;       // times the deformation, for the drawn position only
+  uniform vec3 uShift, uTurn, uPivot;  // motion of the frame from which the deformation counts: at uPivot
+  uniform int uSeen;            // 1: coloured by the way from uThen * place to uNow * moved place
+  uniform mat4 uNow, uThen;
   uniform int uField;           // 0 none, 1 magnitude, 2, 3, 4 along x, y, z, 5 von Mises stress
   uniform vec2 uRange;          // of the colour scale
   in float vertex;
@@ -25,6 +28,12 @@ const deform = /* glsl */ `
       u += w.x * vec3(texelFetch(uShapes, ivec3(at, int(w.y + 0.5)), 0).xyz);
     }
     return u;
+  }
+  vec3 carried(vec3 x) {        // by that frame
+    return uShift + cross(uTurn, x - uPivot);
+  }
+  vec3 shown(vec3 x, vec3 u) {  // the displacement that is coloured; u of the surface's own
+    return uSeen == 1 ? (uNow * vec4(x + u, 1.0) - uThen * vec4(x, 1.0)).xyz : u - carried(x);
   }
   float vonMises() {
     int v = int(vertex + 0.5);
@@ -52,12 +61,13 @@ export const surfaceVertex = /* glsl */ `${deform}
   out float vField, vPaint;
   void main() {
     vec3 u = displacement();
-    vField = uField > 0 ? field(u) : 0.0;
+    vField = uField > 0 ? field(shown(position, u)) : 0.0;
     vPaint = paint;
     vBody = position;
     vNormal0 = normalMatrix * normal;
     vPlace0 = (modelViewMatrix * vec4(position, 1.0)).xyz;
-    vec4 place = modelViewMatrix * vec4(position + uMagnify * u, 1.0);
+    vec3 r = carried(position);
+    vec4 place = modelViewMatrix * vec4(position + r + uMagnify * (u - r), 1.0);
     vPlace = place.xyz;
     place.xyz *= 1.0 + uPush;
     gl_Position = projectionMatrix * place;
@@ -106,9 +116,10 @@ export const lineVertex = /* glsl */ `${deform}
   out vec3 vBody;
   void main() {
     vec3 u = displacement();
-    vField = uField > 0 ? field(u) : 0.0;
+    vField = uField > 0 ? field(shown(position, u)) : 0.0;
     vBody = position;
-    vec4 place = modelViewMatrix * vec4(position + uMagnify * u, 1.0);
+    vec3 r = carried(position);
+    vec4 place = modelViewMatrix * vec4(position + r + uMagnify * (u - r), 1.0);
     place.xyz *= 1.0 - uPull;   // a little towards the eye, out of the surface
     gl_Position = projectionMatrix * place;
     gl_PointSize = uPoint;
