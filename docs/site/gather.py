@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-"""gather.py ROOT OUT PROGRAMS: gathers the pages of the site in OUT, in the layout of the repository.
+"""gather.py ROOT OUT PROGRAMS MESSAGES: gathers the pages of the site in OUT, in the layout of the repository.
 
 Every Markdown file stays where it belongs and stands in the site under its own path, so that one set of links serves
 readers of the repository and of the site.  Three things are added: a page for each other file that a page links to (its
@@ -23,8 +23,8 @@ LANGUAGE = {".hpp": "cpp", ".cpp": "cpp", ".toml": "toml", ".py": "python", ".mj
 
 
 class Site:
-    def __init__(self, root, out, programs):
-        self.root, self.out, self.programs = root, out, programs
+    def __init__(self, root, out, programs, messages_table):
+        self.root, self.out, self.programs, self.messages_table = root, out, programs, messages_table
         listed = subprocess.run(["git", "-C", root, "ls-files", "-co", "--exclude-standard"], check=True,
                                 capture_output=True, text=True).stdout.split("\n")
         self.files = {name for name in listed if name and (root / name).is_file()}
@@ -57,7 +57,7 @@ class Site:
             return None
         folder = posixpath.dirname(page)
         name = posixpath.normpath(posixpath.join(folder, target))
-        if name.startswith("docs/generated/") or name.startswith("docs/reference/commands"):
+        if name.startswith("docs/generated/") or name in ("docs/reference/commands.md", "docs/reference/messages.md"):
             return None
         relative = lambda to: posixpath.relpath(to, folder or ".")
         if name in self.files:
@@ -114,6 +114,23 @@ class Site:
             text += f"\n## flexura {name}\n\n```\n{run('flexura', name, '--help').rstrip()}\n```\n"
         self.write("docs/reference/commands.md", text)
 
+    def messages(self, table):
+        """A page of every text that is thrown, from the table that tests/setup/check_messages.mjs makes of the sources."""
+        subjects = {}
+        for line in table.read_text().split("\n"):
+            cells = re.split(r"(?<!\\) \| ", line.strip("| "))
+            if len(cells) != 4 or ":" not in cells[0] or cells[3].startswith("exempt"):
+                continue
+            folder = posixpath.dirname(cells[0].split(":")[0])
+            words = re.sub(r"[<>&]", lambda m: {"<": "&lt;", ">": "&gt;", "&": "&amp;"}[m[0]], cells[2])
+            subjects.setdefault(folder, {})[re.sub(r"\{[^}]*\}", "…", words.replace(" \\| ", " "))] = None
+        text = ("# Messages\n\nEvery text with which the programs refuse or stop, by the folder of the sources that says it; … stands "
+                "for names and numbers. Each says what is wrong and what to do, or what the value must be; the programs put file, line "
+                "and key before it. A test holds all of them to that.\n")
+        for folder in sorted(subjects):
+            text += f"\n## {folder}\n\n" + "".join(f"- {words}\n" for words in sorted(subjects[folder]))
+        self.write("docs/reference/messages.md", text)
+
     def run(self):
         shutil.rmtree(self.out, ignore_errors=True)
         for name in sorted(f for f in self.files if f.endswith(".md") and not f.startswith("tests/found/")):
@@ -122,6 +139,7 @@ class Site:
         name = "tests/found/README.md"
         self.write(name, self.convert(name, (self.root / name).read_text()))
         self.commands()
+        self.messages(self.messages_table)
         for name in sorted(self.shown):
             text = (self.root / name).read_text()
             fence = "````" if "```" in text else "```"
@@ -140,4 +158,4 @@ class Site:
 
 
 if __name__ == "__main__":
-    sys.exit(Site(*(pathlib.Path(p).resolve() for p in sys.argv[1:4])).run())
+    sys.exit(Site(*(pathlib.Path(p).resolve() for p in sys.argv[1:5])).run())

@@ -96,25 +96,23 @@ bool is_synonym(const TableSchema& schema, const std::string& name, const TableS
   return variant.name != name && schema.variants.contains(variant.name);
 }
 
-std::string synonyms_text(const TableSchema& schema, const std::string& name) {
-  std::string text;
+// `type = "revolute"`, and beside it its synonyms: in the heading, where a search looks first.
+std::string variant_heading(const TableSchema& schema, const std::string& name) {
+  std::string text = fmt::format("`{} = \"{}\"`", schema.selector, name);
   for (const auto& [other, variant] : schema.variants)
-    if (variant.name == name && is_synonym(schema, other, variant))
-      text += (text.empty() ? "`\"" : ", `\"") + other + "\"`";
-  return text.empty() ? "" : "The same type: " + text + ".\n\n";
+    if (variant.name == name && is_synonym(schema, other, variant)) text += fmt::format(", `\"{}\"`", other);
+  return text;
 }
 
-void write_table(const TableSchema& schema, const std::string& heading, const std::string& synonyms,
-                 const std::string& prefix, int level, std::string& out) {
+void write_table(const TableSchema& schema, const std::string& heading, const std::string& prefix, int level,
+                 std::string& out) {
   out += std::string(static_cast<std::size_t>(level), '#') + " " + heading + "\n\n";
   if (!schema.doc.empty()) out += schema.doc + "\n\n";
-  out += synonyms;
   write_rows(schema.keys, out);
   write_nested(schema.keys, prefix, level + 1, out);
   for (const auto& [name, variant] : schema.variants) {
     if (is_synonym(schema, name, variant)) continue;
-    write_table(variant, fmt::format("`{} = \"{}\"`", schema.selector, name), synonyms_text(schema, name),
-                prefix, level + 1, out);
+    write_table(variant, variant_heading(schema, name), prefix, level + 1, out);
   }
 }
 
@@ -125,7 +123,7 @@ void write_nested(const std::vector<Key>& keys, const std::string& prefix, int l
     const std::string heading = key.kind == Kind::tables      ? "`[[" + path + "]]`"
                                 : key.kind == Kind::table_map ? "`[" + path + ".NAME]`"
                                                               : "`[" + path + "]`";
-    write_table(*key.table, heading, "", key.kind == Kind::table_map ? path + ".NAME" : path, level, out);
+    write_table(*key.table, heading, key.kind == Kind::table_map ? path + ".NAME" : path, level, out);
   }
 }
 
@@ -133,7 +131,7 @@ void write_nested(const std::vector<Key>& keys, const std::string& prefix, int l
 
 std::string reference_page(const TableSchema& schema) {
   std::string out;
-  write_table(schema, schema.name, "", "", 1, out);
+  write_table(schema, schema.name, "", 1, out);
   return out;
 }
 

@@ -204,6 +204,26 @@ Redundant constraints leave forces open: a part of them that holds itself in bal
 each quantity that such a self-stress touches with `?`; its value is the one without the rows that were left out. All
 others, and sums in which the self-stress cancels (the weight that two hinges of a door carry together), are unique.)";
 
+// Kept beside expression.hpp, which reads them.
+constexpr const char* formulas_doc =
+    R"(Every number of the file may be a formula of its `[parameters]`; where a key says "formula", it may also read the time `t`,
+joint coordinates and speeds (`JOINT.angle`, `JOINT.speed`), measures, inputs and controls by their names.
+
+| in formulas | |
+|---|---|
+| `+ - * / ^`, `( )` | arithmetic; `^` is the power |
+| `< <= > >= == !=`, `&&`, `\|\|`, `a ? b : c` | comparisons give 1 or 0 |
+| `pi`, `e` | constants |
+| `sin cos tan asin acos atan`, `atan2(y, x)` | angles in rad |
+| `sinh cosh tanh asinh acosh atanh` | hyperbolic |
+| `exp`, `ln` or `log`, `log10`, `log2`, `sqrt`, `pow(x, y)` | `log` is the natural logarithm |
+| `abs`, `sign`, `rint`, `floor`, `ceil`, `min`, `max` | `rint` rounds to the nearest whole number |
+| `mod(x, y)` | what is left of x after whole multiples of y, of the sign of y |
+| `step(x, x_0, y_0, x_1, y_1)` | the cubic from y_0 at x_0 to y_1 at x_1, level outside |
+| `NAME(x)` | the table `[table.NAME]` |
+
+)";
+
 TableSchema mechanism_schema(TableSchema solver) {
   TableSchema ground, output, run, schema;
   ground.name = "ground";
@@ -229,16 +249,9 @@ TableSchema mechanism_schema(TableSchema solver) {
       "where the mechanism is linearised.";
   input_schema.keys = {input::expression("value", "a formula of t and parameters, in SI").or_default("0")};
 
-  schema.name = "mechanism";
-  schema.doc =
-      "A mechanism: bodies, joints, forces, and how they are simulated.\n\n"
-      "Formulas know + - * / ^, comparisons, && || and ? :, the constants pi and e, the functions sin cos "
-      "tan "
-      "asin acos atan atan2 sinh cosh tanh asinh acosh atanh exp ln log (the same) log10 log2 sqrt abs sign "
-      "rint floor ceil min max pow(x, y), mod(x, y) (what is left of x after whole multiples of y), step(x, "
-      "x_0, y_0, x_1, y_1) (the cubic from y_0 at x_0 to y_1 at x_1, level outside), and tables by their "
-      "names; they read the time t, parameters and, where a key says so, joint coordinates and speeds, "
-      "measures, inputs and controls.\n\n"
+  schema.name = "mechanism file";
+  schema.doc = std::string("A mechanism: bodies, joints, forces, and how they are simulated.\n\n") +
+      formulas_doc +
       "What a formula does in time is known before the run: every integrator stops where it jumps or has a "
       "kink (a comparison, abs, floor, a point of a linear table, ...), begins anew behind a jump, and takes "
       "no step over a pulse, however short and smooth, that is worth more than 1e-9 of the formula's range "

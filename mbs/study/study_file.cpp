@@ -325,7 +325,7 @@ void add_chosen(StudyFile& study) {
 
 in::TableSchema study_schema() {
   in::TableSchema schema;
-  schema.name = "study";
+  schema.name = "study file";
   schema.doc =
       "What `flexura study` takes: a mechanism, a ladder of choices from coarse to fine, and the quantities "
       "that have to be right. Every choice is run and measured; errors are taken against the finest choice "
