@@ -48,30 +48,10 @@ ImportedModel Placer::build(const std::filesystem::path& path) {
   if (deck_.instances.empty())
     for (std::size_t p = 1; p < deck_.parts.size(); ++p)
       place(deck_.parts[p], ++scope, nullptr, placed > 1 ? deck_.parts[p].name + "." : "");
-  for (const AssemblySet& set : deck_.assembly_sets) {
-    if (!set.names.empty()) {
-      deck_.unused.add(
-          std::string(set.of_nodes ? "*NSET" : "*ELSET") + " of the assembly that names other sets",
-          set.where);
-      continue;
-    }
-    const auto found = scope_of.find(set.instance);
-    if (!set.instance.empty() && found == scope_of.end())
-      throw std::invalid_argument(fmt::format("{}: set \"{}\" is of an instance \"{}\" that is not defined",
-                                              set.where.text(), set.name, set.instance));
-    const int in = set.instance.empty() ? 0 : found->second;
-    builder_.add_to_set(set.name,
-                        set.of_nodes ? nodes_of(in, set.labels) : nodes_of_elements(in, set.labels));
-    if (set.of_nodes) {
-      auto& all = set_nodes_[upper(set.name)];
-      const std::vector<Index> some = nodes_of(in, set.labels);
-      all.insert(all.end(), some.begin(), some.end());
-    } else {
-      set_cells_[upper(set.name)] = {in, set.labels};
-    }
-  }
+  for (const AssemblySet& set : deck_.assembly_sets) take_assembly_set(set);
   merge_surface_ties();
   finish_others();
+  take_equations();
   resolve_ties();
   for (const auto& [name, surface] : deck_.surfaces)
     if (!surface.used) deck_.unused.add("*SURFACE", surface.where);
@@ -89,6 +69,51 @@ ImportedModel Placer::build(const std::filesystem::path& path) {
     model_.warnings.push_back(message + ": what it binds stays apart");
   builder_.finish(model_);
   return std::move(model_);
+}
+
+void Placer::take_assembly_set(const AssemblySet& set) {
+  const auto found = scope_of_.find(set.instance);
+  if (!set.instance.empty() && found == scope_of_.end())
+    throw std::invalid_argument(fmt::format("{}: set \"{}\" is of an instance \"{}\" that is not defined",
+                                            set.where.text(), set.name, set.instance));
+  const int in = set.instance.empty() ? 0 : found->second;
+  // Sets that it names are of the assembly, of an instance ("I.S"), or of the one that the set is of.
+  const auto find = [&](const auto& sets, const std::string& name) {
+    const auto own = sets.find(set.instance.empty() ? upper(name) : set.instance + "." + upper(name));
+    return own != sets.end() ? own : sets.find(upper(name));
+  };
+  const auto unknown = [&](const std::string& name) {
+    return std::invalid_argument(fmt::format("{}: set \"{}\" names a set \"{}\" that is not defined", set.where.text(),
+                                             set.name, name));
+  };
+  std::vector<Index> nodes;
+  if (set.of_nodes) {
+    nodes = nodes_of(in, set.labels);
+    for (const std::string& name : set.names) {
+      const auto other = find(set_nodes_, name);
+      if (other == set_nodes_.end()) throw unknown(name);
+      nodes.insert(nodes.end(), other->second.begin(), other->second.end());
+    }
+    auto& all = set_nodes_[upper(set.name)];
+    all.insert(all.end(), nodes.begin(), nodes.end());
+  } else {
+    std::vector<Label> labels = in_scope(in, set.labels);
+    for (const std::string& name : set.names) {
+      const auto other = find(set_cells_, name);
+      if (other == set_cells_.end()) throw unknown(name);
+      labels.insert(labels.end(), other->second.begin(), other->second.end());
+    }
+    nodes = nodes_of_elements(labels);
+    auto& all = set_cells_[upper(set.name)];  // it can go on for another instance
+    all.insert(all.end(), labels.begin(), labels.end());
+  }
+  builder_.add_to_set(set.name, nodes);
+}
+
+std::vector<Placer::Label> Placer::in_scope(int scope, const std::vector<std::int64_t>& labels) {
+  std::vector<Label> out;
+  for (const std::int64_t label : labels) out.emplace_back(scope, label);
+  return out;
 }
 
 void Placer::place(const Part& part, int scope, const Instance* instance, const std::string& prefix) {
@@ -112,13 +137,15 @@ void Placer::place(const Part& part, int scope, const Instance* instance, const 
     builder_.add_to_set(prefix + name, nodes_of(scope, labels));
     set_nodes_[upper(prefix + name)] = nodes_of(scope, labels);
     set_nodes_.try_emplace(upper(name), nodes_of(scope, labels));
+    if (instance) set_nodes_[upper(instance->name + "." + name)] = nodes_of(scope, labels);
   }
   for (const auto& [name, labels] : part.element_sets) {
-    set_cells_[upper(prefix + name)] = set_cells_[upper(name)] = {scope, labels};
+    set_cells_[upper(prefix + name)] = set_cells_[upper(name)] = in_scope(scope, labels);
+    if (instance) set_cells_[upper(instance->name + "." + name)] = in_scope(scope, labels);
   }
   for (const auto& [name, labels] : part.element_sets)
     if (!part.node_sets.contains(name))
-      builder_.add_to_set(prefix + name, nodes_of_elements(scope, labels));
+      builder_.add_to_set(prefix + name, nodes_of_elements(in_scope(scope, labels)));
   for (const Section& section : part.sections) assign(section, part, scope, instance);
   for (const ElementData& data : part.data) assign(data, part, scope, instance);
 }
@@ -135,8 +162,8 @@ void Placer::place_other(const OtherElement& element, int scope) {
     ImportedBar bar;
     bar.label = element.label;
     bar.nodes = {nodes[0], nodes[1]};
-    if (element.type[0] == 'B' && nodes.size() > 2)
-      deck_.unused.add("a beam's third node (its section's n1 is used)", element.where);
+    if (element.type[0] == 'B' && nodes.size() > 2)  // it gives n1 instead of the section
+      bar.orientation = builder_.place(nodes[2]) - builder_.place(nodes[0]);
     bar_of_[key] = {model_.bars.size(), element.type};
     model_.bars.push_back(bar);
   } else if (element.type == "SPRINGA") {
@@ -155,13 +182,17 @@ std::vector<Index> Placer::nodes_of(int scope, const std::vector<std::int64_t>& 
   return nodes;
 }
 
-std::vector<Index> Placer::nodes_of_elements(int scope, const std::vector<std::int64_t>& labels) {
+std::vector<Index> Placer::nodes_of_elements(const std::vector<Label>& labels) {
   std::vector<Index> nodes;
-  for (const std::int64_t label : labels)
-    if (const auto found = cell_of_.find({scope, label}); found != cell_of_.end()) {
+  for (const Label& label : labels)
+    if (const auto found = cell_of_.find(label); found != cell_of_.end()) {
       const auto& cell = builder_.cells()[found->second].nodes;
       nodes.insert(nodes.end(), cell.begin(), cell.end());
+    } else if (const auto bar = bar_of_.find(label); bar != bar_of_.end()) {
+      const auto& ends = model_.bars[bar->second.first].nodes;
+      nodes.insert(nodes.end(), ends.begin(), ends.end());
     }
+  std::erase(nodes, -1);
   return nodes;
 }
 

@@ -36,6 +36,7 @@ class Reader {
     }
     if (k.name != "DENSITY" && k.name != "ELASTIC" && k.name != "MATERIAL" && k.name != "DAMPING")
       in_material_ = false;
+    if (k.name == "PART" || k.name == "INSTANCE" || k.name == "END PART" || k.name == "END INSTANCE") system_ = Transform();
     if (k.name == "STEP")
       in_step_ = true;
     else if (k.name == "PART") {
@@ -61,6 +62,8 @@ class Reader {
     else if (k.name == "SOLID SECTION") {
       Section section{known(k.get("ELSET")), known(k.get("MATERIAL")), k.where};
       if (const std::vector<double> area = numbers_of(k, 0); !area.empty()) section.area = area[0];
+      section.oriented = k.has("ORIENTATION");
+      if (k.has("COMPOSITE")) throw std::invalid_argument(k.where.text() + ": *SOLID SECTION, COMPOSITE is not read");
       here().sections.push_back(section);
     } else if (k.name == "SHELL SECTION" || k.name == "SHELL GENERAL SECTION")
       take_shell_section(k);
@@ -79,7 +82,17 @@ class Reader {
       take_surface(k);
     else if (k.name == "TIE")
       take_surface_tie(k);
-    else if (k.name == "EQUATION" || k.name == "EMBEDDED ELEMENT" || k.name == "SHELL TO SOLID COUPLING" ||
+    else if (k.name == "EQUATION")
+      take_equations(k);
+    else if (k.name == "TRANSFORM")
+      take_transform(k);
+    else if (k.name == "SYSTEM")
+      take_system(k);
+    else if (makes_mesh(k.name))
+      throw std::invalid_argument(fmt::format(
+          "{}: *{} makes nodes or elements from others, which is not read: write the deck out with all its nodes and elements",
+          k.where.text(), k.name));
+    else if (k.name == "KINEMATIC COUPLING" || k.name == "DISTRIBUTING COUPLING" || k.name == "EMBEDDED ELEMENT" || k.name == "SHELL TO SOLID COUPLING" ||
              k.name == "FASTENER" || k.name == "CONTACT PAIR" || k.name == "CONTACT")
       deck_.unbound.add("*" + k.name, k.where);
     else if (k.name == "MATERIAL") {
@@ -128,6 +141,90 @@ class Reader {
     instance_ = deck_.instances.back().get();
   }
 
+  static bool makes_mesh(const std::string& name) {
+    static const std::set<std::string> kNames = {"NGEN",   "NCOPY",  "NFILL",     "NMAP",
+                                                 "ELGEN",  "ELCOPY", "ASSEMBLED", "SUBSTRUCTURE PROPERTY"};
+    return kNames.contains(name);
+  }
+
+  // Six numbers, a and b: x along a, y in the plane of a and b; of cylinders and spheres the axis from a to b.
+  static Transform axes_of(const std::vector<double>& v, char kind, const Where& where) {
+    Transform to{.set = {}, .kind = kind, .where = where};
+    const Eigen::Vector3d a(v[0], v[1], v[2]), b(v[3], v[4], v[5]);
+    Eigen::Vector3d x = a, z = a.cross(b);
+    if (kind != 'R') {
+      to.origin = a;
+      z = b - a;
+      x = z.unitOrthogonal();
+    }
+    if (!(x.norm() > 0) || !(z.norm() > 0))
+      throw std::invalid_argument(fmt::format("{}: these points span no axes", where.text()));
+    to.R.col(2) = z.normalized();
+    to.R.col(1) = z.cross(x).normalized();
+    to.R.col(0) = to.R.col(1).cross(to.R.col(2));
+    return to;
+  }
+
+  void take_transform(const Keyword& k) {
+    const std::string type = upper(k.has("TYPE") ? k.get("TYPE") : "R");
+    std::vector<double> v = numbers_of(k, 0);
+    if (v.size() < 6 || (type != "R" && type != "C" && type != "S"))
+      throw std::invalid_argument(k.where.text() + ": *TRANSFORM wants TYPE=R, C or S and six numbers");
+    Transform to = axes_of(v, type[0], k.where);
+    to.set = upper(k.get("NSET"));
+    deck_.transforms.push_back(to);
+  }
+
+  // Origin, a point on x and one in the x-y plane; without a line the global system again.
+  void take_system(const Keyword& k) {
+    std::vector<double> v = numbers_of(k, 0), more = numbers_of(k, 1);
+    v.insert(v.end(), more.begin(), more.end());
+    system_ = Transform();
+    if (v.empty()) return;
+    const bool about_z = v.size() <= 6;  // two points alone
+    v.resize(9, 0.0);
+    const Eigen::Vector3d o(v[0], v[1], v[2]), x = Eigen::Vector3d(v[3], v[4], v[5]) - o;
+    Eigen::Vector3d y = Eigen::Vector3d(v[6], v[7], v[8]) - o;
+    if (about_z) y = Eigen::Vector3d::UnitZ().cross(x);
+    system_ = axes_of({x[0], x[1], x[2], y[0], y[1], y[2]}, 'R', k.where);
+    system_.origin = o;
+  }
+
+  void take_equations(const Keyword& k) {
+    if (k.has("INPUT")) {
+      deck_.unbound.add("*EQUATION, INPUT", k.where);
+      return;
+    }
+    for (std::size_t line = 0; line < k.data.size();) {
+      const DataLine& head = k.data[line];
+      if (head.fields.empty() || head.fields[0].empty()) {
+        ++line;
+        continue;
+      }
+      const std::int64_t n = to_integer(head.fields[0], head.where);
+      EquationLine equation{.terms = {}, .where = head.where};
+      std::vector<std::string> words(head.fields.begin() + 1, head.fields.end());
+      while (!words.empty() && words.back().empty()) words.pop_back();
+      for (++line; words.size() < static_cast<std::size_t>(3 * std::clamp<std::int64_t>(n, 0, 100000)) && line < k.data.size();
+           ++line) {
+        words.insert(words.end(), k.data[line].fields.begin(), k.data[line].fields.end());
+        while (!words.empty() && words.back().empty()) words.pop_back();
+      }
+      if (n < 1 || words.size() != static_cast<std::size_t>(3 * n))
+        throw std::invalid_argument(fmt::format("{}: *EQUATION of {} terms has {} entries instead of {} (node or set, dof, "
+                                                "coefficient for each)",
+                                                head.where.text(), n, words.size(), 3 * n));
+      for (std::size_t t = 0; t < words.size(); t += 3) {
+        const std::int64_t dof = to_integer(words[t + 1], head.where);
+        if (dof < 1 || dof > 6)
+          throw std::invalid_argument(
+              fmt::format("{}: *EQUATION names dof {}; 1 to 6 are displacements and rotations", head.where.text(), dof));
+        equation.terms.push_back({words[t], static_cast<int>(dof), to_real(words[t + 2], head.where)});
+      }
+      deck_.equations.push_back(std::move(equation));
+    }
+  }
+
   void take_nodes(const Keyword& k) {
     if (k.has("SYSTEM") && upper(k.get("SYSTEM")) != "R")
       throw std::invalid_argument(
@@ -140,6 +237,7 @@ class Reader {
       for (std::size_t i = 1; i < std::min<std::size_t>(4, line.fields.size()); ++i)
         if (!line.fields[i].empty())
           node.x[static_cast<Eigen::Index>(i) - 1] = to_real(line.fields[i], line.where);
+      node.x = (system_.origin + system_.R * node.x).eval();
       part.nodes.push_back(node);
       if (k.has("NSET")) part.node_sets[known(k.get("NSET"))].push_back(node.label);
     }
@@ -303,7 +401,10 @@ class Reader {
     for (const DataLine& line : k.data)
       if (!line.fields.empty() && !line.fields[0].empty())
         surface.entries.emplace_back(line.fields[0], line.fields.size() > 1 ? upper(line.fields[1]) : "");
-    deck_.surfaces[upper(k.get("NAME"))] = std::move(surface);
+    if (k.has("COMBINE") || k.has("CROP"))
+      throw std::invalid_argument(k.where.text() + ": *SURFACE that combines or crops others is not read; list its elements");
+    const std::string part = part_ > 0 ? deck_.parts[static_cast<std::size_t>(part_)].name + "." : "";
+    deck_.surfaces[part + upper(k.get("NAME"))] = std::move(surface);
   }
 
   void take_set(const Keyword& k) {
@@ -372,7 +473,7 @@ class Reader {
       const double fraction = offset == "SPOS" ? 0.5 : offset == "SNEG" ? -0.5 : to_real(offset, k.where);
       section.offset = -fraction * section.thickness;
     }
-    if (k.has("ORIENTATION")) deck_.unused.add("*" + k.name + "'s ORIENTATION", k.where);
+    section.oriented = k.has("ORIENTATION");  // no matter where the material has no directions
     for (const char* word : {"NODAL THICKNESS", "SHELL THICKNESS", "STACK DIRECTION"})
       if (k.has(word)) deck_.unused.add("*" + k.name + "'s " + word, k.where);
     here().sections.push_back(section);
@@ -398,12 +499,24 @@ class Reader {
 
   Deck deck_;
   std::map<std::string, std::string> spelling_;
+  Transform system_;  // of the nodes that follow
   Instance* instance_ = nullptr;
   int part_ = 0;
   bool in_step_ = false, in_assembly_ = false, in_material_ = false;
 };
 
 }  // namespace
+
+Eigen::Matrix3d Transform::axes_at(const Eigen::Vector3d& x) const {
+  if (kind == 'R') return R;
+  const Eigen::Vector3d from = x - origin, z = R.col(2);
+  const Eigen::Vector3d radial = kind == 'S' ? from : Eigen::Vector3d(from - z * z.dot(from)), around = z.cross(from);
+  if (!(around.norm() > 1e-12 * from.norm())) return R;  // on the axis
+  Eigen::Matrix3d axes;
+  const Eigen::Vector3d r = radial.normalized(), t = around.normalized();
+  axes << r, t, (kind == 'S' ? Eigen::Vector3d(r.cross(t)) : z);
+  return axes;
+}
 
 Deck read_deck(const std::filesystem::path& path) {
   return Reader().read(path);

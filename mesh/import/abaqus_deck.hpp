@@ -34,6 +34,7 @@ struct Section {
   Where where;
   double thickness = 0, offset = 0;  // of shells
   double area = 0;                   // of trusses
+  bool oriented = false;             // has an ORIENTATION
   std::optional<BarSection> bar = {};
   Eigen::Vector3d n1 = -Eigen::Vector3d::UnitZ();  // of beams: their direction 1
 };
@@ -63,6 +64,26 @@ struct SurfaceTie {
   std::string slave, master;
   double tolerance = 0;  ///< 0: a twentieth of the master's cells
   Where where;
+};
+/// *EQUATION: sum of coefficient times dof (1 to 6) of a node or of each node of a set = 0.
+struct EquationLine {
+  struct Term {
+    std::string of;
+    int dof = 1;
+    double coefficient = 0;
+  };
+  std::vector<Term> terms;
+  Where where;
+};
+/// Axes by *TRANSFORM (of the dofs of a set) or *SYSTEM (of coordinates): rectangular, cylindrical or spherical.
+struct Transform {
+  std::string set;
+  char kind = 'R';
+  Eigen::Matrix3d R = Eigen::Matrix3d::Identity();  ///< columns: the axes
+  Eigen::Vector3d origin = Eigen::Vector3d::Zero();
+  Where where;
+  /// Columns: the directions 1, 2, 3 at a place.
+  Eigen::Matrix3d axes_at(const Eigen::Vector3d& x) const;
 };
 struct Surface {
   Where where;
@@ -104,6 +125,8 @@ struct Deck {
   std::vector<AssemblySet> assembly_sets;
   std::vector<TieKeyword> ties;
   std::vector<SurfaceTie> surface_ties;
+  std::vector<EquationLine> equations;
+  std::vector<Transform> transforms;
   std::map<std::string, Surface> surfaces;
   std::vector<ImportedMaterial> materials;
   Unused unused, left_out, unbound;  ///< keywords; elements; keywords that bind what stays apart

@@ -12,6 +12,7 @@
 #include "mesh/import/abaqus_deck.hpp"
 #include "mesh/import/builder.hpp"
 #include "mesh/import/imported.hpp"
+#include "mesh/import/projection.hpp"
 
 namespace flexura::mesh::abaqus {
 
@@ -28,7 +29,11 @@ class Placer {
   void place(const Part& part, int scope, const Instance* instance, const std::string& prefix);
   void place_other(const OtherElement& element, int scope);
   std::vector<Index> nodes_of(int scope, const std::vector<std::int64_t>& labels) const;
-  std::vector<Index> nodes_of_elements(int scope, const std::vector<std::int64_t>& labels);
+  /// An element of an instance (scope).
+  using Label = std::pair<int, std::int64_t>;
+  std::vector<Index> nodes_of_elements(const std::vector<Label>& labels);
+  static std::vector<Label> in_scope(int scope, const std::vector<std::int64_t>& labels);
+  void take_assembly_set(const AssemblySet& set);
   /// Shells on the faces of solids without a section of their own mark these faces (as meshers write them): no stiffness.
   void drop_bare_shells();
 
@@ -40,9 +45,23 @@ class Placer {
   /// Nodes that a keyword names by a number, a set, or INSTANCE.number.
   std::vector<Index> named_nodes(const std::string& name, const Where& where);
   std::vector<Index> surface_nodes(const std::string& name, const Where& where);
-  /// *TIE: nodes of the slave that lie on nodes of the master become one with them, rotations too.  Between nodes the
-  /// surfaces stay apart, which is a warning.
+  /// A surface by its name, "INSTANCE.NAME" where a part defines it; null where there is none.
+  struct FoundSurface {
+    Surface* surface = nullptr;
+    std::string prefix;  ///< of the sets that it names
+    int scope = 0;       ///< of the elements that it names by number
+  };
+  FoundSurface find_surface(const std::string& name);
+  /// The faces of a surface of elements; none of a surface of nodes.
+  std::vector<SurfaceFace> surface_faces(const std::string& name, const Where& where);
+  /// *TIE: nodes of the slave that lie on nodes of the master become one with them, rotations too; others follow the master's
+  /// faces.
   void merge_surface_ties();
+  /// The displacements of these nodes are those of the master's faces where they stand.
+  void tie_between_nodes(const SurfaceTie& tie, const std::vector<Index>& slaves, double tolerance);
+  void take_equations();
+  /// Columns: the directions of a node's dofs (*TRANSFORM).
+  Eigen::Matrix3d axes_at(Index node) const;
   void resolve_ties();
 
   Deck deck_;
@@ -54,8 +73,9 @@ class Placer {
   std::set<std::pair<int, std::int64_t>> other_labels_;
   std::set<std::size_t> spring_set_;
   std::map<std::string, std::vector<Index>> set_nodes_;
-  std::map<std::string, std::pair<int, std::vector<std::int64_t>>> set_cells_;
+  std::map<std::string, std::vector<Label>> set_cells_;
   std::map<std::string, int> scope_of_;
+  std::map<Index, const Transform*> axes_of_;
 };
 
 }  // namespace flexura::mesh::abaqus

@@ -39,6 +39,7 @@ void assign_bar(const Section& section, ImportedBar& bar, const std::string& typ
   bar.A = s.A, bar.I_yy = s.I_yy, bar.I_zz = s.I_zz, bar.I_yz = s.I_yz, bar.J = s.J;
   if (type.rfind("B31", 0) == 0) bar.kappa_y = s.kappa_y, bar.kappa_z = s.kappa_z;  // B33 knows no shear
   require_section(bar, fmt::format("beam element {}", bar.label), section.where);
+  if (bar.orientation.norm() > 0) return;
   bar.orientation = instance ? Eigen::Vector3d(instance->R * section.n1) : section.n1;
 }
 
@@ -54,6 +55,10 @@ void Placer::assign(const Section& section, const Part& part, int scope, const I
   if (set == part.element_sets.end())
     throw std::invalid_argument(
         fmt::format("{}: element set \"{}\" is not defined", section.where.text(), section.set));
+  if (material->orthotropic && (section.oriented || (instance && !instance->R.isIdentity(1e-12))))
+    throw std::invalid_argument(fmt::format(
+        "{}: the material {} has directions, which {}: not read; those along the model's axes are",
+        section.where.text(), section.material, section.oriented ? "an ORIENTATION turns" : "the instance turns"));
   for (const std::int64_t label : set->second)
     if (const auto bar = bar_of_.find({scope, label}); bar != bar_of_.end())
       assign_bar(section, model_.bars[bar->second.first], bar->second.second,

@@ -17,7 +17,7 @@ std::vector<Index> Placer::named_nodes(const std::string& name, const Where& whe
   if (const auto label = as_integer(name)) return {builder_.node(0, *label, where)};
   if (const auto set = set_nodes_.find(upper(name)); set != set_nodes_.end()) return set->second;
   if (const auto cells = set_cells_.find(upper(name)); cells != set_cells_.end())
-    return nodes_of_elements(cells->second.first, cells->second.second);
+    return nodes_of_elements(cells->second);
   if (const std::size_t dot = name.rfind('.'); dot != std::string::npos)
     if (const auto label = as_integer(name.substr(dot + 1)))
       if (const auto scope = scope_of_.find(upper(name.substr(0, dot))); scope != scope_of_.end())
@@ -25,43 +25,83 @@ std::vector<Index> Placer::named_nodes(const std::string& name, const Where& whe
   throw std::invalid_argument(fmt::format("{}: \"{}\" is no node and no set", where.text(), name));
 }
 
-std::vector<Index> Placer::surface_nodes(const std::string& name, const Where& where) {
-  const auto found = deck_.surfaces.find(name);
-  if (found == deck_.surfaces.end()) return named_nodes(name, where);
-  found->second.used = true;
-  std::vector<Index> nodes;
-  for (const auto& [entry, face] : found->second.entries) {
-    const bool whole = found->second.of_nodes || face == "SPOS" || face == "SNEG" || face.empty();
-    if (whole) {
-      const std::vector<Index> some = named_nodes(entry, where);
-      nodes.insert(nodes.end(), some.begin(), some.end());
-      continue;
-    }
-    const auto set = set_cells_.find(upper(entry));
-    const auto number = face[0] == 'S' ? as_integer(face.substr(1)) : std::nullopt;
-    if (!number || (set == set_cells_.end() && !as_integer(entry)))
+Placer::FoundSurface Placer::find_surface(const std::string& name) {
+  const auto get = [&](const std::string& key) {
+    const auto found = deck_.surfaces.find(key);
+    return found == deck_.surfaces.end() ? nullptr : &found->second;
+  };
+  const std::size_t dot = name.rfind('.');
+  int scope = 0;
+  for (const auto& instance : deck_.instances) {
+    ++scope;
+    const std::string& part = deck_.parts[static_cast<std::size_t>(instance->part)].name;
+    const bool named = dot != std::string::npos && name.substr(0, dot) == upper(instance->name);
+    if (!named && !(deck_.instances.size() == 1 && !get(name))) continue;
+    if (Surface* surface = get(part + "." + (named ? name.substr(dot + 1) : name)))
+      return {surface, upper(instance->name) + ".", scope};
+  }
+  if (Surface* surface = get(name)) return {surface, "", 0};
+  for (std::size_t p = 1; p < deck_.parts.size() && deck_.instances.empty(); ++p)  // parts without an assembly
+    if (Surface* surface = get(deck_.parts[p].name + "." + name)) return {surface, "", static_cast<int>(p)};
+  return {};
+}
+
+std::vector<SurfaceFace> Placer::surface_faces(const std::string& name, const Where& where) {
+  std::vector<SurfaceFace> faces;
+  const FoundSurface found = find_surface(name);
+  if (!found.surface || found.surface->of_nodes) return faces;
+  for (const auto& [entry, face] : found.surface->entries) {
+    auto set = set_cells_.find(found.prefix + upper(entry));
+    if (set == set_cells_.end()) set = set_cells_.find(upper(entry));
+    const bool whole = face == "SPOS" || face == "SNEG" || face.empty();
+    const auto number = !whole && face[0] == 'S' ? as_integer(face.substr(1)) : std::nullopt;
+    if ((!whole && !number) || (set == set_cells_.end() && !as_integer(entry))) {
+      if (whole) continue;  // a set of nodes
       throw std::invalid_argument(
           fmt::format("{}: the surface {} has an entry \"{}, {}\", which is not read", where.text(), name,
                       entry, face));
-    const std::pair<int, std::vector<std::int64_t>> cells =
-        set != set_cells_.end() ? set->second : std::pair{0, std::vector<std::int64_t>{*as_integer(entry)}};
-    for (const std::int64_t label : cells.second) {
-      const auto at = cell_of_.find({cells.first, label});
+    }
+    const std::vector<Label> cells =
+        set != set_cells_.end() ? set->second : std::vector<Label>{{found.scope, *as_integer(entry)}};
+    for (const Label& label : cells) {
+      const auto at = cell_of_.find(label);
       if (at == cell_of_.end()) continue;
       const ModelBuilder::Cell& cell = builder_.cells()[at->second];
-      const std::vector<int> corners = face_corners(cell.type, static_cast<int>(*number) - 1);
+      if (whole) {
+        if (dimension_of(cell.type) == 2 && std::ranges::find(cell.nodes, -1) == cell.nodes.end())
+          faces.push_back({cell.type, cell.nodes});
+        continue;
+      }
+      std::vector<int> corners = face_corners(cell.type, static_cast<int>(*number) - 1);
       if (corners.empty())
         throw std::invalid_argument(fmt::format("{}: element {} of the surface {} has no face {}",
-                                                where.text(), label, name, face));
-      const auto on = [&](int c) { return std::find(corners.begin(), corners.end(), c) != corners.end(); };
-      for (const int c : corners) nodes.push_back(cell.nodes[static_cast<std::size_t>(c)]);
-      const CellShape& shape = shape_of(cell.type);
-      for (std::size_t e = 0; e < shape.edges.size(); ++e)
-        if (const std::size_t middle = static_cast<std::size_t>(shape.corners) + e;
-            middle < cell.nodes.size() && on(shape.edges[e][0]) && on(shape.edges[e][1]))
-          nodes.push_back(cell.nodes[middle]);
+                                                where.text(), label.second, name, face));
+      std::ranges::sort(corners);
+      for (const CellFace& own : shape_of(cell.type).faces) {
+        std::vector<int> these(own.nodes.begin(), own.nodes.begin() + shape_of(own.type).corners);
+        std::ranges::sort(these);
+        if (these != corners) continue;
+        SurfaceFace& to = faces.emplace_back(SurfaceFace{own.type, {}});
+        for (const int c : own.nodes) to.nodes.push_back(cell.nodes[static_cast<std::size_t>(c)]);
+      }
     }
   }
+  return faces;
+}
+
+std::vector<Index> Placer::surface_nodes(const std::string& name, const Where& where) {
+  const FoundSurface found = find_surface(name);
+  if (!found.surface) return named_nodes(name, where);
+  found.surface->used = true;
+  std::vector<Index> nodes;
+  for (const auto& [entry, face] : found.surface->entries)
+    if (found.surface->of_nodes || face == "SPOS" || face == "SNEG" || face.empty()) {
+      const std::string own = found.prefix + upper(entry);
+      const std::vector<Index> some =
+          named_nodes(set_nodes_.contains(own) || set_cells_.contains(own) || as_integer(entry) ? own : entry, where);
+      nodes.insert(nodes.end(), some.begin(), some.end());
+    }
+  for (const SurfaceFace& face : surface_faces(name, where)) nodes.insert(nodes.end(), face.nodes.begin(), face.nodes.end());
   return nodes;
 }
 
@@ -89,7 +129,7 @@ void Placer::merge_surface_ties() {
       tolerance = count > 0 && std::isfinite(sum) ? 0.05 * sum / static_cast<double>(count) : 0;
     }
     std::map<Index, Index> same;
-    std::size_t apart = 0;
+    std::vector<Index> between;
     for (const Index slave : slaves) {
       const auto nearest = std::ranges::min_element(
           masters, {}, [&](Index m) { return (builder_.place(m) - builder_.place(slave)).squaredNorm(); });
@@ -97,7 +137,7 @@ void Placer::merge_surface_ties() {
           (builder_.place(*nearest) - builder_.place(slave)).norm() <= tolerance) {
         if (*nearest != slave) same[slave] = *nearest;
       } else {
-        ++apart;
+        between.push_back(slave);
       }
     }
     builder_.join(same);
@@ -107,14 +147,10 @@ void Placer::merge_surface_ties() {
     for (auto& [name, nodes] : set_nodes_)
       for (Index& node : nodes)
         if (const auto found = same.find(node); found != same.end()) node = found->second;
-    model_.messages.push_back(fmt::format("*TIE in {}: {} nodes of {} are joined to nodes of {}",
-                                          tie.where.text(), same.size(), tie.slave, tie.master));
-    if (apart > 0)
-      model_.warnings.push_back(
-          fmt::format("*TIE in {}: {} of the {} nodes of {} lie on no node of {} (within {:.3g}) and stay "
-                      "apart: only nodes that "
-                      "coincide are joined, so mesh both sides alike there",
-                      tie.where.text(), apart, slaves.size(), tie.slave, tie.master, tolerance));
+    if (!same.empty() || between.empty())
+      model_.messages.push_back(fmt::format("*TIE in {}: {} nodes of {} are joined to nodes of {}",
+                                            tie.where.text(), same.size(), tie.slave, tie.master));
+    if (!between.empty()) tie_between_nodes(tie, between, tie.tolerance);
   }
 }
 

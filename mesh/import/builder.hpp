@@ -52,7 +52,7 @@ class Unused {
   std::map<std::string, std::size_t> place_;
 };
 
-/// Visits, by reference, every number of a node in bars, springs, masses and ties.
+/// Visits, by reference, every number of a node in bars, springs, masses, ties and equations.
 template <class Visit>
 void each_attached_node(ImportedModel& model, const Visit& visit) {
   for (ImportedBar& bar : model.bars)
@@ -64,6 +64,8 @@ void each_attached_node(ImportedModel& model, const Visit& visit) {
     visit(tie.reference);
     for (Index& node : tie.nodes) visit(node);
   }
+  for (ImportedEquation& equation : model.equations)
+    for (ImportedEquation::Term& term : equation.terms) visit(term.node);
 }
 
 class ModelBuilder {
@@ -88,6 +90,8 @@ class ModelBuilder {
                        const Where& where);
   std::vector<Cell>& cells() { return cells_; }
   const Eigen::Vector3d& place(Index node) const { return points_[static_cast<std::size_t>(node)]; }
+
+  void move(Index node, const Eigen::Vector3d& x) { points_[static_cast<std::size_t>(node)] = x; }
 
   /// Nodes that become others, in labels, cells and sets.
   void join(const std::map<Index, Index>& same);

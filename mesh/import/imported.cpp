@@ -26,6 +26,8 @@ void scale_to_si(ImportedModel& model, double length, double mass, double time) 
   }
   for (ImportedSpring& spring : model.springs)
     for (std::size_t k = 0; k < 6; ++k) spring.stiffness[k] *= (k < 3 ? mass : mass * area) / (time * time);
+  for (ImportedEquation& equation : model.equations)  // of displacements in lengths and of angles
+    for (ImportedEquation::Term& term : equation.terms) term.row.tail<3>() *= length;
   for (ImportedBar& bar : model.bars) {
     for (Eigen::Vector3d& offset : bar.offset) offset *= length;
     bar.A *= area;

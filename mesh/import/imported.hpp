@@ -65,6 +65,17 @@ struct ImportedSpring {
   std::array<double, 6> stiffness{};                ///< of displacements, then rotations
 };
 
+/// sum of row . (u, theta)(node) over the terms = 0: *EQUATION, MPC, one direction of a node that *TIE binds between others.
+/// The first term names the dependent dof.
+struct ImportedEquation {
+  struct Term {
+    Index node = -1;
+    Eigen::Matrix<double, 6, 1> row = Eigen::Matrix<double, 6, 1>::Zero();  ///< axes of the file
+  };
+  std::vector<Term> terms;
+  std::string of;  ///< "*EQUATION in deck.inp, line 12"
+};
+
 /// Dofs that the file fixes (SPC) or keeps (ASET).
 struct ImportedDofs {
   Index node = -1;
@@ -79,6 +90,7 @@ struct ImportedModel {
   std::vector<ImportedMass> masses;
   std::vector<ImportedBar> bars;
   std::vector<ImportedSpring> springs;
+  std::vector<ImportedEquation> equations;
   std::vector<ImportedDofs> fixed, kept;
   std::vector<std::string> messages;  ///< cards not used, with count and first line number; other remarks
   std::vector<std::string> warnings;  ///< elements not used: the body is not the one that the deck describes

@@ -54,6 +54,7 @@ ImportedModel NastranReader::read(const std::filesystem::path& path) {
   read_rods();
   read_springs();
   read_ties();
+  read_constraints(path);
   read_masses();
   read_dofs();
   static const std::set<std::string> kSilent = {"CORD2R", "CORD2C", "CORD2S", "CORD1R", "CORD1C", "CORD1S",
@@ -70,6 +71,14 @@ ImportedModel NastranReader::read(const std::filesystem::path& path) {
   for (const Card& card : cards_)
     if (!used_.contains(card.name) && kElements.contains(card.name)) left_out.add(card.name, card.where);
   model_.warnings = left_out.messages("element");
+  // Rigid elements and contacts that are not read.
+  static const std::set<std::string> kBinds = {"RBE1",   "RROD",  "RTRPLT", "RSPLINE", "RSSCON", "RJOINT", "MPCAX",
+                                               "BCTABLE", "BCTSET", "BGSET", "BCONP",   "BSURF",  "TIE",    "CGAP",  "SUPER"};
+  Unused unbound;
+  for (const Card& card : cards_)
+    if (!used_.contains(card.name) && kBinds.contains(card.name)) unbound.add(card.name, card.where);
+  for (const std::string& message : unbound.messages("card"))
+    model_.warnings.push_back(message + ": what it binds stays apart");
   for (const std::string& message : approximated_.messages("card")) model_.warnings.push_back(message);
   if (builder_.cells().empty() && model_.bars.empty())
     throw std::invalid_argument(path.string() +
@@ -127,8 +136,8 @@ void NastranReader::read_grids() {
   }
   if (turned > 0)
     model_.messages.push_back(
-        fmt::format("{} GRID have displacement axes of their own (CD): directions of SPC, ASET and ties "
-                    "there are taken in the basic system",
+        fmt::format("{} GRID have displacement axes of their own (CD): MPC, CBAR, CBEAM, CBUSH and CELAS follow them, "
+                    "directions of SPC and ASET are taken in the basic system",
                     turned));
 }
 
@@ -263,47 +272,6 @@ void NastranReader::read_shells() {
   for (const auto& [name, count] : split)
     model_.messages.push_back(fmt::format("{} element{} of type {}: {}", count, count == 1 ? "" : "s", name,
                                           ModelBuilder::split_shells()));
-}
-
-void NastranReader::read_ties() {
-  for (const Card* card : all("RBE2")) {
-    ImportedTie tie;
-    tie.label = card->integer(0);
-    tie.reference = builder_.node(0, card->integer(1), card->where);
-    tie.dofs = components(card->text(2), *card);
-    for (std::size_t k = 3; k < card->fields.size(); ++k)
-      if (!card->blank(k) && !card->is_real(k))
-        tie.nodes.push_back(builder_.node(0, card->integer(k), card->where));
-    model_.ties.push_back(std::move(tie));
-  }
-  for (const Card* card : all("RBE3")) {
-    ImportedTie tie;
-    tie.kind = ImportedTie::Kind::average;
-    tie.label = card->integer(0);
-    tie.reference = builder_.node(0, card->integer(2), card->where);
-    tie.dofs = components(card->text(3), *card);
-    double weight = 1;
-    for (std::size_t k = 4; k < card->fields.size(); ++k) {
-      if (card->blank(k)) continue;
-      if (card->text(k) == "UM" || card->text(k) == "ALPHA") {
-        unused_.add("RBE3's " + card->text(k), card->where);
-        break;
-      }
-      if (card->is_real(k)) {
-        weight = card->real(k);
-        if (const auto dofs = components(card->text(++k), *card); !(dofs[0] && dofs[1] && dofs[2]))
-          approximated_.add("RBE3 weights that leave out directions 1 to 3 (all three are used)",
-                            card->where);
-        continue;
-      }
-      tie.nodes.push_back(builder_.node(0, card->integer(k), card->where));
-      tie.weights.push_back(weight);
-    }
-    model_.ties.push_back(std::move(tie));
-  }
-  for (const ImportedTie& tie : model_.ties)
-    if (tie.nodes.empty())
-      throw std::invalid_argument(fmt::format("RBE2 or RBE3 {} ties no nodes", tie.label));
 }
 
 void NastranReader::read_masses() {

@@ -86,8 +86,13 @@ void NastranReader::add_scalar_spring(const Card& card, double stiffness, std::s
   spring.nodes = {builder_.node(0, a, card.where), builder_.node(0, b, card.where)};
   require_not_negative(stiffness, fmt::format("{} {}", card.name, spring.label), "stiffness", card.where);
   spring.stiffness[static_cast<std::size_t>(c - 1)] = stiffness;
+  spring.R = axes_at(a, card.where);
+  if (!spring.R.isApprox(axes_at(b, card.where), 1e-9))
+    throw std::invalid_argument(fmt::format(
+        "{}: {} {} joins nodes whose displacement axes (CD) differ; equal ones are read", card.where.text(), card.name,
+        card.integer(0)));
   const Vector3d line = systems_.grid_place(b, card.where) - systems_.grid_place(a, card.where);
-  if (c < 4 && line.cross(Vector3d::Unit(static_cast<Eigen::Index>(c - 1))).norm() > 1e-9 * line.norm())
+  if (c < 4 && line.cross(spring.R.col(static_cast<Eigen::Index>(c - 1))).norm() > 1e-9 * line.norm())
     throw std::invalid_argument(
         fmt::format("{}: {} {} acts in direction {} between nodes that do not lie one behind the other in "
                     "it, so that a "
@@ -96,10 +101,11 @@ void NastranReader::add_scalar_spring(const Card& card, double stiffness, std::s
   model_.springs.push_back(spring);
 }
 
+// Components are in the displacement axes of the element's first node.
 Vector3d NastranReader::orientation(const Card& card, const Vector3d& from) {
   if (!card.blank(4) && card.blank(5) && card.blank(6) && !card.is_real(4))
     return systems_.grid_place(card.integer(4), card.where) - from;
-  return {card.real(4, 0), card.real(5, 0), card.real(6, 0)};
+  return axes_at(card.integer(2), card.where) * Vector3d(card.real(4, 0), card.real(5, 0), card.real(6, 0));
 }
 
 void NastranReader::read_springs() {
@@ -234,8 +240,10 @@ void NastranReader::read_bars() {
       const Vector3d a = systems_.grid_place(card->integer(2), card->where);
       bar.orientation = orientation(*card, a);
       for (std::size_t end = 0; end < 2; ++end)
-        for (std::size_t k = 0; k < 3; ++k)
-          bar.offset[end][static_cast<Eigen::Index>(k)] = card->real(10 + 3 * end + k, 0);
+        bar.offset[end] = axes_at(card->integer(2 + end), card->where) *
+                          Vector3d(card->real(10 + 3 * end, 0), card->real(11 + 3 * end, 0), card->real(12 + 3 * end, 0));
+      if (!card->blank(7) && card->text(7) != "GGG" && !card->is_real(7))
+        approximated_.add(std::string(name) + "'s OFFT (vectors are taken in the displacement axes, GGG)", card->where);
       bar.released = {components(card->text(8), *card), components(card->text(9), *card)};
       if (!(bar.orientation.norm() > 0))
         throw std::invalid_argument(

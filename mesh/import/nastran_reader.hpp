@@ -50,6 +50,11 @@ class NastranReader {
   ImportedBar section(std::int64_t property, const Card& bar);
   void read_bars();
   void read_ties();
+  /// MPC of the set that the case control of `path` chooses, with MPCADD; RBAR.
+  void read_constraints(const std::filesystem::path& path);
+  void read_rigid_bars();
+  /// Columns: the displacement axes of a GRID (CD).
+  Eigen::Matrix3d axes_at(std::int64_t grid, const Where& where);
   void read_masses();
   /// The grids of a list that may say "1, THRU, 9".
   std::vector<std::int64_t> grid_list(const Card& card, std::size_t first);

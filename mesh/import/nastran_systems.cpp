@@ -26,6 +26,21 @@ Vector3d NastranSystem::rectangular(const Vector3d& x) const {
   return x;
 }
 
+Eigen::Matrix3d NastranSystem::axes_at(const Vector3d& x) const {
+  if (kind == 'R') return R;
+  const Vector3d from = x - origin, z = R.col(2), around = z.cross(from);
+  if (!(around.norm() > 1e-12 * from.norm())) return R;  // on the axis
+  const Vector3d t = around.normalized();
+  Eigen::Matrix3d axes;
+  if (kind == 'C') {
+    axes << t.cross(z), t, z;
+  } else {  // r, theta from the axis, phi
+    const Vector3d r = from.normalized();
+    axes << r, t.cross(r), t;
+  }
+  return axes;
+}
+
 void NastranSystems::add(const Card& card) {
   static const std::set<std::string> kSystems = {"CORD1R", "CORD1C", "CORD1S", "CORD2R", "CORD2C", "CORD2S"};
   if (kSystems.contains(card.name)) {

@@ -17,6 +17,8 @@ struct NastranSystem {
 
   Eigen::Vector3d place(const Eigen::Vector3d& x) const { return origin + R * rectangular(x); }
   Eigen::Vector3d rectangular(const Eigen::Vector3d& x) const;
+  /// Columns: the directions 1, 2, 3 of displacements at a place of the basic system.
+  Eigen::Matrix3d axes_at(const Eigen::Vector3d& x) const;
 };
 
 /// The cards are kept by address and must outlive it.

@@ -5,9 +5,13 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
 
 #include "reduce/app/deck_frames.hpp"
 #include "reduce/app/force_field.hpp"
+#include "reduce/assembly/constraints.hpp"
 #include "reduce/assembly/point_mass.hpp"
 #include "reduce/assembly/shell_skins.hpp"
 #include "reduce/assembly/whole_body.hpp"
@@ -119,6 +123,28 @@ void add_interfaces(const PartInput& input, const PartMesh& from, ModelledPart& 
   }
 }
 
+// The deck's constraints between nodes: nodes that follow an interface or a spider cannot follow others.
+void add_equations(const PartMesh& from, Part& part) {
+  if (from.equations.empty()) return;
+  std::vector<char> follows(part.mesh.n_nodes(), 0);
+  for (const InterfaceSpec& spec : part.interfaces)
+    if (spec.tie == Tie::rigid || spec.tie == Tie::node)
+      for (const mesh::Index node : spec.set.nodes) follows[node] = 1;
+  std::vector<LinearEquation> equations;
+  for (const mesh::ImportedEquation& equation : from.equations) {
+    LinearEquation& to = equations.emplace_back();
+    to.of = equation.of;
+    for (const mesh::ImportedEquation::Term& term : equation.terms) {
+      std::array<int, 6> order{0, 1, 2, 3, 4, 5};  // an oblique direction by its largest component
+      std::ranges::stable_sort(order, std::ranges::greater(), [&](int d) { return std::abs(term.row(d)); });
+      for (const int d : order)
+        if (term.row(d) != 0.0) to.terms.emplace_back(NodalDof{term.node, d}, term.row(d));
+    }
+    if (to.terms.empty()) equations.pop_back();
+  }
+  part.dependent = eliminate(equations, part.mesh.points, [&](const NodalDof& dof) { return !follows[dof.node]; });
+}
+
 // What the interfaces do not hold (all of it where there are none) is held by the body's own mean motion.
 void complete_interfaces(const PartInput& input, ModelledPart& out) {
   const int n_free = free_rigid_motions(out.part);
@@ -228,6 +254,7 @@ ModelledPart make_part(const PartInput& input, PartMesh&& from) {
   out.part.mass = input.mass;
   out.part.formulation = input.formulation;
   add_interfaces(input, from, out);
+  add_equations(from, out.part);
   // Faces are chosen in the mesh as it came: before shells and beams get the points around them.
   const bool has_points = !out.part.mesh.shells.empty() || !from.bars.empty();
   const mesh::Mesh middle = has_points ? out.part.mesh : mesh::Mesh();

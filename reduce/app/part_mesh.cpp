@@ -210,6 +210,7 @@ PartMesh load_part_mesh(const PartInput& input, const mesh::Progress& progress) 
   } else {
     part.bars = std::move(model.bars);
     part.springs = std::move(model.springs);
+    part.equations = std::move(model.equations);
   }
   const std::vector<char> in_cell = nodes_in_cells(part.mesh, part);
   take_ties(model, in_cell, part);

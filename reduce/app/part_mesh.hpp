@@ -28,6 +28,7 @@ struct PartMesh {
   std::vector<DeckTie> ties;
   std::vector<mesh::ImportedBar> bars;
   std::vector<mesh::ImportedSpring> springs;
+  std::vector<mesh::ImportedEquation> equations;
   std::vector<PointMass> masses;       ///< on nodes of the mesh
   std::vector<PointMass> tied_masses;  ///< on reference nodes of ties: `node` is the place in `ties`
   mesh::MeshReport report;             ///< cad_volume is 0 for meshes

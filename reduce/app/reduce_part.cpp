@@ -242,6 +242,7 @@ Attempt attempt(const PartInput& input, const std::filesystem::path& output, Red
 std::string why_unjudged(const Part& part) {
   if (part.matrices) return "its matrices come from another program, without elements";
   if (!part.mesh.shells.empty() || !part.frames.empty()) return "it has shells or beams, of which no estimate is known";
+  if (!part.dependent.empty()) return "constraints (*EQUATION, MPC, *TIE between nodes) bind its mesh, whose error is not known";
   if (part.mesh.solids.empty()) return "it has no solid elements";
   return "the part has no elastic mode";
 }

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <compare>
 #include <optional>
 #include <string>
 #include <utility>
@@ -84,6 +85,20 @@ struct Follower {
   std::vector<std::pair<mesh::Index, Eigen::Matrix<double, 3, 6>>> from;
 };
 
+/// A displacement (0 to 2, axes of B) or rotation (3 to 5) of a node.
+struct NodalDof {
+  mesh::Index node = -1;
+  int direction = 0;
+  auto operator<=>(const NodalDof&) const = default;
+};
+
+/// A dof that others give: q = sum of coefficients q(from), which are independent (constraints.hpp).  A rotation has one, with
+/// the coefficient 1.
+struct DependentDof {
+  NodalDof dof;
+  std::vector<std::pair<NodalDof, double>> from;
+};
+
 /// The points on both sides of the shells: for every cell of a block of mesh.shells and each of its corners
 /// (shell_skins.hpp).
 struct ShellSkins {
@@ -102,6 +117,7 @@ struct Part {
   std::vector<FrameElement> frames;
   std::vector<ShellSkins> skins;    ///< of each block of mesh.shells, once they are made
   std::vector<Follower> followers;  ///< NodalMass on them (also below zero on their nodes) makes rotary inertia
+  std::vector<DependentDof> dependent;  ///< by dof, ascending
   MassKind mass = MassKind::consistent;
   Formulation formulation = Formulation::standard;
 };

@@ -184,6 +184,10 @@ void TiedModel::assemble_together(const Part& part, const AssemblyOptions& optio
   const linalg::Team& team = *options.team;
   if (!part.mesh.shells.empty() || !part.frames.empty())
     throw std::invalid_argument("shells and beams are computed by one process: start the program without mpirun");
+  if (!part.dependent.empty())
+    throw std::invalid_argument(
+        "parts with constraints (*EQUATION, MPC, *TIE between nodes) are computed by one process: start the program without "
+        "mpirun");
   const std::vector<int> part_of = mesh::cell_parts(part.mesh, team.size());
   shares_ = {&team, share_rows(part, part_of, team.size()), nullptr};
   Message numbering;

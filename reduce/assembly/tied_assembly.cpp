@@ -50,6 +50,21 @@ Adjacency upper_adjacency(int n, const std::vector<std::vector<int>>& elements) 
 void TiedModel::add_groups(int node, std::vector<int>& groups) const {
   for (const int group : {tie_of_[node] >= 0 ? tie_group_[tie_of_[node]] : -1, group_of_[node]})
     if (group >= 0 && std::find(groups.begin(), groups.end(), group) == groups.end()) groups.push_back(group);
+  // What the dofs of a node follow by constraints.
+  const int slave = tie_of_[node] < 0 ? slave_of_[node] : -1;
+  for (int k = slave >= 0 ? slave_begin_[slave] : 0; slave >= 0 && k < slave_begin_[slave + 1]; ++k) {
+    if (slave_code_[k] < 0) continue;
+    const auto next = std::upper_bound(group_begin_.begin(), group_begin_.end(), slave_code_[k]);
+    const int group = static_cast<int>(next - group_begin_.begin()) - 1;
+    if (std::find(groups.begin(), groups.end(), group) == groups.end()) groups.push_back(group);
+  }
+  if (const int r = rotation_of_[node]; r >= 0)  // a rotation can be another node's
+    for (const int code : rotation_code_[r]) {
+      if (code < 0) continue;
+      const auto next = std::upper_bound(group_begin_.begin(), group_begin_.end(), code);
+      const int group = static_cast<int>(next - group_begin_.begin()) - 1;
+      if (std::find(groups.begin(), groups.end(), group) == groups.end()) groups.push_back(group);
+    }
 }
 
 void TiedModel::build_patterns(const Part& part) {
@@ -309,9 +324,14 @@ void TiedModel::average(const Part& part) {
       const int row = static_cast<int>(averaged_dofs_.size());
       averaged_dofs_.push_back(boundary_of(interface.code[direction]));
       for (std::size_t a = 0; a < interface.nodes.size(); ++a)
-        for (int d = 0; d < 3; ++d)
-          A.emplace_back(row, code_[3 * static_cast<std::size_t>(interface.nodes[a]) + d],
-                         interface.average(direction, 3 * static_cast<Eigen::Index>(a) + d));
+        each_dof(interface.nodes[a], [&](int code, const Eigen::Vector3d& C) {
+          if (code < 0)
+            throw std::invalid_argument(fmt::format(
+                "interface '{}' is the mean of nodes of which node {} is bound to another interface: choose interfaces that "
+                "constraints do not join",
+                used.name, node_label_.empty() ? interface.nodes[a] : node_label_[interface.nodes[a]]));
+          A.emplace_back(row, code, interface.average.row(direction).segment<3>(3 * static_cast<Eigen::Index>(a)).dot(C));
+        });
     }
   }
   A_.resize(static_cast<Eigen::Index>(averaged_dofs_.size()), n_i_);

@@ -122,6 +122,8 @@ void TiedModel::check_pieces(const Part& part) const {
     for (const mesh::Index node : frame.nodes) parent[root(node)] = root(frame.nodes.front());
   for (const Follower& follower : part.followers)
     for (const auto& [node, C] : follower.from) parent[root(follower.point)] = root(node);
+  for (const DependentDof& constraint : part.dependent)
+    for (const auto& [from, c] : constraint.from) parent[root(constraint.dof.node)] = root(from.node);
   if (part.matrices)
     for (const auto& [a, b] : part.matrices->pairs) parent[root(a)] = root(b);
   for (int k = 0; k < n_interfaces(); ++k)

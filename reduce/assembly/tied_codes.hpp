@@ -3,11 +3,13 @@
 
 #include <limits>
 
+#include "reduce/assembly/tied_model.hpp"
+
 // Where a nodal displacement is in the tied model, in one integer; for the .cpp files of TiedModel only.
 namespace flexura::reduce {
 
 inline constexpr int kUnused = std::numeric_limits<int>::min();  // the node belongs to no cell
-inline constexpr int kSlave = kUnused + 1;                       // follows a rigid tie
+inline constexpr int kSlave = kUnused + 1;                       // follows a rigid tie, or others by a constraint
 inline constexpr int kPending = kUnused + 2;                     // not numbered yet
 
 constexpr bool is_dof(int code) {
@@ -18,6 +20,17 @@ constexpr int boundary_code(int b) {
 }
 constexpr int boundary_of(int code) {
   return -code - 1;
+}
+
+template <class Visit>
+void TiedModel::each_dof(int node, const Visit& visit) const {
+  if (const int slave = slave_of_[node]; slave >= 0) {
+    for (int k = slave_begin_[slave]; k < slave_begin_[slave + 1]; ++k) visit(slave_code_[k], slave_C_[k]);
+    return;
+  }
+  for (int d = 0; d < 3; ++d)
+    if (const int code = code_[3 * static_cast<std::size_t>(node) + d]; is_dof(code))
+      visit(code, Eigen::Vector3d(Eigen::Vector3d::Unit(d)));
 }
 
 }  // namespace flexura::reduce

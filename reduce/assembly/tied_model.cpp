@@ -123,6 +123,20 @@ void TiedModel::number_dofs(const Part& part) {
           rotation_code_[r][direction - 3] = boundary_code(b++);
     }
   }
+  for (const DependentDof& constraint : part.dependent) {
+    const auto [node, direction] = constraint.dof;
+    const int r = rotation_of_[node];
+    int* code = direction < 3 ? &code_[3 * static_cast<std::size_t>(node) + direction]
+                              : r >= 0 ? &rotation_code_[r][direction - 3] : nullptr;
+    if (!code || (*code != kPending && *code != kUnused))
+      throw std::invalid_argument(fmt::format("a constraint binds direction {} of node {}, which {}", direction + 1,
+                                              node_label_.empty() ? node : node_label_[node],
+                                              code ? "follows something else" : "has no rotations"));
+    *code = kSlave;
+    for (const auto& [from, coefficient] : constraint.from)  // a node of constraints alone has the dofs that they name
+      if (from.direction < 3)
+        if (int& own = code_[3 * static_cast<std::size_t>(from.node) + from.direction]; own == kUnused) own = kPending;
+  }
   group_begin_ = {0};
   const auto close_group = [this]() -> int {
     if (n_i_ == group_begin_.back()) return -1;
@@ -150,6 +164,15 @@ void TiedModel::number_dofs(const Part& part) {
     for (const mesh::Index node : interface.nodes)
       if (const int r = rotation_of_[node]; interface.tie == Tie::rigid && r >= 0 && rotation_code_[r][0] == kSlave)
         std::copy_n(interface.code.begin() + 3, 3, rotation_code_[r].begin());
+  for (const DependentDof& constraint : part.dependent) {
+    if (constraint.dof.direction < 3) continue;
+    const NodalDof& from = constraint.from.at(0).first;
+    const int r = rotation_of_[from.node];
+    if (r < 0 || from.direction < 3)
+      throw std::invalid_argument(fmt::format("a constraint names the rotation of node {}, which has none",
+                                              node_label_.empty() ? from.node : node_label_[from.node]));
+    rotation_code_[rotation_of_[constraint.dof.node]][constraint.dof.direction - 3] = rotation_code_[r][from.direction - 3];
+  }
   follow(part);
 }
 
@@ -196,7 +219,10 @@ void TiedModel::follow(const Part& part) {
   };
   // Of a node's own displacement and rotation by C.
   const auto add_node = [&](mesh::Index node, const Eigen::Matrix<double, 3, 6>& C) {
-    if (const int tie = tie_of_[node]; tie >= 0) {
+    if (const int tie = tie_of_[node], slave = slave_of_[node]; tie < 0 && slave >= 0) {
+      for (int k = slave_begin_[slave]; k < slave_begin_[slave + 1]; ++k)
+        add(slave_code_[k], Eigen::Vector3d(C.leftCols<3>() * slave_C_[k]));
+    } else if (tie >= 0) {
       const Eigen::Matrix<double, 3, 6> motion =
           C.leftCols<3>() * motion_at(points_.row(node).transpose() - interfaces_[tie].point);
       for (int d = 0; d < 6; ++d) add(interfaces_[tie].code[d], motion.col(d));
@@ -217,11 +243,44 @@ void TiedModel::follow(const Part& part) {
     for (int d = 0; d < 6; ++d) add(interface.code[d], motion.col(d));
     close(node);
   }
+  // Nodes of which constraints bind a displacement; the others are their own.
+  for (std::size_t k = 0; k < part.dependent.size();) {
+    const mesh::Index node = part.dependent[k].dof.node;
+    for (int d = 0; d < 3; ++d)
+      if (const int code = code_[3 * static_cast<std::size_t>(node) + d]; is_dof(code)) add(code, Eigen::Vector3d::Unit(d));
+    bool binds = false;
+    for (; k < part.dependent.size() && part.dependent[k].dof.node == node; ++k) {
+      const DependentDof& constraint = part.dependent[k];
+      if (constraint.dof.direction > 2) continue;
+      binds = true;
+      const Eigen::Vector3d unit = Eigen::Vector3d::Unit(constraint.dof.direction);
+      for (const auto& [from, c] : constraint.from) {
+        const int tie = tie_of_[from.node], r = rotation_of_[from.node];
+        if (from.direction < 3 && tie >= 0) {
+          const Eigen::Matrix<double, 3, 6> motion = motion_at(points_.row(from.node).transpose() - interfaces_[tie].point);
+          for (int e = 0; e < 6; ++e) add(interfaces_[tie].code[e], c * motion(from.direction, e) * unit);
+          continue;
+        }
+        if (from.direction > 2 && r < 0)
+          throw std::invalid_argument(fmt::format("a constraint names the rotation of node {}, which has none",
+                                                  node_label_.empty() ? from.node : node_label_[from.node]));
+        add(from.direction < 3 ? code_[3 * static_cast<std::size_t>(from.node) + from.direction]
+                               : rotation_code_[r][from.direction - 3],
+            c * unit);
+      }
+    }
+    if (!binds) {  // only rotations: it has its own displacements
+      slave_code_.resize(static_cast<std::size_t>(slave_begin_.back()));
+      slave_C_.resize(static_cast<std::size_t>(slave_begin_.back()));
+      continue;
+    }
+    close(node);
+  }
   for (const Follower& follower : part.followers) {
     if (slave_of_[follower.point] >= 0)
       throw std::invalid_argument(fmt::format("point {} follows two things", follower.point));
     for (const auto& [node, C] : follower.from) {
-      const bool moves = tie_of_[node] >= 0 || is_dof(code_[3 * static_cast<std::size_t>(node)]);
+      const bool moves = slave_of_[node] >= 0 || is_dof(code_[3 * static_cast<std::size_t>(node)]);
       if (!moves || (rotation_of_[node] < 0 && !C.rightCols<3>().isZero(0.0)))
         throw std::invalid_argument(fmt::format("a point follows node {}, which has no {}",
                                                 node_label_.empty() ? node : node_label_[node],
@@ -252,7 +311,7 @@ void TiedModel::spread(const Read& read, Rows& U) const {
 template <class Rows, class Add>
 void TiedModel::collect(const Rows& F, const Add& add) const {
   for (Eigen::Index d = 0; d < F.rows(); ++d)
-    if (is_dof(code_[d])) add(code_[d], F.row(d));
+    if (is_dof(code_[d]) && slave_of_[d / 3] < 0) add(code_[d], F.row(d));
   Eigen::Matrix<double, 1, Rows::ColsAtCompileTime> share(F.cols());
   for (int node = 0; node < n_nodes_; ++node) {
     const int slave = slave_of_[node];
@@ -299,18 +358,11 @@ linalg::SymmetricMatrix TiedModel::shifted_stiffness(double shift) const {
   };
   const auto follows = [&](int node, Follows& out) {
     out.dof.clear(), out.C.clear();
-    const auto add = [&](int code, const Eigen::Vector3d& motion) {
+    each_dof(node, [&](int code, const Eigen::Vector3d& motion) {
       if (code < 0) return;
       out.dof.push_back(code);
       out.C.push_back(motion);
-    };
-    if (const int slave = slave_of_[node]; slave >= 0) {
-      for (int k = slave_begin_[slave]; k < slave_begin_[slave + 1]; ++k) add(slave_code_[k], slave_C_[k]);
-    } else {
-      for (int d = 0; d < 3; ++d)
-        if (const int code = code_[3 * static_cast<std::size_t>(node) + d]; is_dof(code))
-          add(code, Eigen::Vector3d::Unit(d));
-    }
+    });
   };
   const linalg::UpperCsr m = m_->csr();
   Follows of_p, of_q;
@@ -449,9 +501,9 @@ Eigen::MatrixXd TiedModel::interface_motion(int k, const Eigen::Ref<const Eigen:
   Eigen::MatrixXd q = Eigen::MatrixXd::Zero(6, u_i.cols());
   if (interface.tie == Tie::average) {
     for (std::size_t a = 0; a < interface.nodes.size(); ++a)
-      for (int d = 0; d < 3; ++d)
-        q += interface.average.col(3 * static_cast<Eigen::Index>(a) + d) *
-             u_i.row(code_[3 * static_cast<std::size_t>(interface.nodes[a]) + d]);
+      each_dof(interface.nodes[a], [&](int code, const Eigen::Vector3d& C) {
+        q += interface.average.middleCols<3>(3 * static_cast<Eigen::Index>(a)) * C * u_i.row(code);
+      });
     return q;
   }
   for (int d = 0; d < 6; ++d) {
@@ -466,9 +518,9 @@ Eigen::MatrixXd TiedModel::interface_load(int k, const Eigen::Ref<const Eigen::M
   Eigen::MatrixXd f = Eigen::MatrixXd::Zero(n_i_, load.cols());
   if (interface.tie == Tie::average) {
     for (std::size_t a = 0; a < interface.nodes.size(); ++a)
-      for (int d = 0; d < 3; ++d)
-        f.row(code_[3 * static_cast<std::size_t>(interface.nodes[a]) + d]) +=
-            interface.average.col(3 * static_cast<Eigen::Index>(a) + d).transpose() * load;
+      each_dof(interface.nodes[a], [&](int code, const Eigen::Vector3d& C) {
+        f.row(code) += (interface.average.middleCols<3>(3 * static_cast<Eigen::Index>(a)) * C).transpose() * load;
+      });
     return f;
   }
   for (int d = 0; d < 6; ++d) {

@@ -17,8 +17,8 @@
 ///
 ///     U = C_i u_i + C_b u_b,       K_ii = C_i^T K C_i,  K_ib = C_i^T K C_b,  K_bb = C_b^T K C_b,
 ///
-/// where C is the identity but for points that follow others: nodes of rigid ties their interface node,
-/// Follower points the nodes of shells and beams.  These nodes have rotations as well, which are dofs beside
+/// where C is the identity but for what follows others: nodes of rigid ties their interface node, Follower points the nodes of
+/// shells and beams, dependent dofs of multipoint constraints those that they are combinations of.  These nodes have rotations as well, which are dofs beside
 /// the displacements and no rows of U: what has mass or is looked at is a point.  Averaging
 /// ties leave the mesh alone and say instead
 ///
@@ -158,6 +158,9 @@ class TiedModel {
   void mark_rotations(const Part& part);
   void follow(const Part& part);
   void add_groups(int node, std::vector<int>& groups) const;
+  /// Calls visit(code, u) for every dof that moves a node: the dof, and the displacement for a unit of it.
+  template <class Visit>
+  void each_dof(int node, const Visit& visit) const;  // tied_codes.hpp
   void choose_pins();
   void build_patterns(const Part& part);
   void assemble(const Part& part, const AssemblyOptions& options);

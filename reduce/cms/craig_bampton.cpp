@@ -299,7 +299,7 @@ Cut reduce(const Part& whole, const Part& part, const TiedModel& model, const Re
     report.seconds_estimate += watch.lap();
   }
   // The estimate knows solids only: with shells or beams the mesh's share is unknown.
-  if (options.estimate_mesh && part.mesh.shells.empty() && part.frames.empty()) {
+  if (options.estimate_mesh && part.mesh.shells.empty() && part.frames.empty() && part.dependent.empty()) {
     const double before = linalg::processor_seconds();
     const JudgedMotions motions = judged_motions(reduction, options.omega_max);
     MeshEnergy left;
@@ -384,9 +384,9 @@ Reduction craig_bampton(const Part& whole, const ReductionOptions& options) {
       throw std::invalid_argument(
           "elastic ties go with Craig and Bampton's or Guyan's modes, by number, frequency or effective "
           "mass");
-    if (!whole.mesh.shells.empty() || !whole.frames.empty())
+    if (!whole.mesh.shells.empty() || !whole.frames.empty() || !whole.dependent.empty())
       throw std::invalid_argument(
-          "elastic ties are for solids: with shells or beams tie the interfaces rigid or as averages");
+          "elastic ties are for solids: with shells, beams or constraints tie the interfaces rigid or as averages");
     stiff = with_rigid_faces(whole);
   }
   const Part& part = stiff ? *stiff : whole;

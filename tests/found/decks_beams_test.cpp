@@ -147,5 +147,40 @@ TEST_F(DeckBeams, StressesOfBeamsAreSaidToBeUnknown) {
   EXPECT_EQ(both.se.stress->vertices.size(), 2u * 9);
 }
 
+// Where the deck gives directions in other axes: displacement axes (CD) of Nastran's nodes, a third node of Abaqus' beams.
+TEST_F(DeckBeams, DirectionsAreTakenInTheirAxes) {
+  const std::string ends = "[interface.a]\nby = \"nodes\"\nnodes = [1]\n[interface.b]\nby = \"nodes\"\nnodes = [2]\n[modes]\ncount = 2\n";
+  const auto same = [](const Reduced& a, const Reduced& b) {
+    ASSERT_EQ(a.outcome.exit_code, 0) << a.outcome.err;
+    ASSERT_EQ(b.outcome.exit_code, 0) << b.outcome.err;
+    EXPECT_LT((a.se.K_se.topLeftCorner(12, 12) - b.se.K_se.topLeftCorner(12, 12)).norm(),
+              1e-9 * a.se.K_se.topLeftCorner(12, 12).norm());
+  };
+  // Axis 1 of system 9 is y, axis 2 is -x; the second offset of 0.01 along y.
+  const auto nastran = [](const std::string& system, const std::string& vector, const std::string& offset) {
+    return "BEGIN BULK\nMAT1,1,2.1+11,,0.3,7850.\nPBARL,1,1,,BAR\n,0.03,0.05\nCORD2R,9,,0.,0.,0.,0.,0.,1.\n,0.,1.,0.\nGRID,1,,0.,0.,0.," +
+           system + "\nGRID,2,,1.,0.,0.," + system + "\nGRID,3,,.5,0.,0.," + system + "\nCBAR,1,1,1,3," + vector + "\nCBAR,2,1,3,2," + vector +
+           "\n,,,0.,0.,0.," + offset + "\nENDDATA\n";
+  };
+  same(reduce_deck(nastran("", "0.,1.,0.", "0.,.01,0."), ends), reduce_deck(nastran("9", "1.,0.,0.", ".01,0.,0."), ends));
+  const auto abaqus = [](const std::string& third, const std::string& n1) {
+    return "*NODE\n1, 0,0,0\n2, 1,0,0\n3, .5,0,0\n9, 0.,1.,0.\n*ELEMENT, TYPE=B31, ELSET=B\n1, 1,3" + third + "\n2, 3,2" + third +
+           "\n*BEAM SECTION, ELSET=B, MATERIAL=S, SECTION=RECT\n.05,.03\n" + n1 +
+           "*MATERIAL, NAME=S\n*ELASTIC\n2.1E11,.3\n*DENSITY\n7850.\n";
+  };
+  same(reduce_deck(abaqus("", "0.,1.,0.\n"), "unit = \"m\"\n" + ends, {}, "deck.inp"),
+       reduce_deck(abaqus(",9", ""), "unit = \"m\"\n" + ends, {}, "deck.inp"));
+  // A system of coordinates: its x is y, its origin (1, 2, 3).
+  const Reduced moved = reduce_deck("*SYSTEM\n1.,2.,3., 1.,3.,3., 0.,2.,3.\n" + abaqus("", "1.,0.,0.\n"), "unit = \"m\"\n" + ends, {},
+                                    "deck.inp");
+  ASSERT_EQ(moved.outcome.exit_code, 0) << moved.outcome.err;
+  EXPECT_LT((moved.se.interfaces[1].p_BoN_B - Eigen::Vector3d(1, 3, 3)).norm(), 1e-12);
+  for (const char* keyword : {"*NGEN", "*ELGEN", "*NFILL", "*ELCOPY"}) {
+    const Reduced made = reduce_deck(abaqus("", "0.,1.,0.\n") + keyword + "\n1, 2\n", "unit = \"m\"\n" + ends, {}, "deck.inp");
+    EXPECT_EQ(made.outcome.exit_code, 2) << keyword;
+    EXPECT_THAT(made.outcome.err, HasSubstr("write the deck out with all its nodes and elements"));
+  }
+}
+
 }  // namespace
 }  // namespace flexura::test
