@@ -14,6 +14,7 @@ terminal::Command assemble_command();
 terminal::Command check_command();
 terminal::Command eigen_command();
 terminal::Command export_command();
+terminal::Command import_command();
 terminal::Command linearize_command();
 terminal::Command modes_command();
 terminal::Command outputs_command();
@@ -30,8 +31,8 @@ std::vector<terminal::Command> all_commands();
 /// The folder of the running program: its companions lie beside it.
 std::filesystem::path program_folder();
 
-/// Replaces this process by flexura-reduce with these arguments, which lies beside this program.  Returns
-/// only by throwing std::runtime_error when it is not there.
-[[noreturn]] void hand_over_to_reduce(const std::vector<std::string>& arguments);
+/// Replaces this process by the companion of this name (flexura-reduce, flexura-import) with these arguments,
+/// which lies beside this program.  Returns only by throwing std::runtime_error when it is not there.
+[[noreturn]] void hand_over(const std::string& companion, const std::vector<std::string>& arguments);
 
 }  // namespace flexura::app

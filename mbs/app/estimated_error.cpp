@@ -80,7 +80,7 @@ ErrorSource mesh_of(const mbs::BodyDescription& body) {
 
 void add_bodies(const mbs::PreparedMechanism& prepared, std::vector<ErrorSource>& sources) {
   for (const mbs::BodyDescription& body : prepared.mechanism->description().bodies) {
-    if (body.superelement.empty()) continue;
+    if (!study::can_deform(body)) continue;
     if (body.flexible || body.ked) sources.push_back(mesh_of(body));
     if (!study::has_stiffening_terms(body))
       sources.push_back({"stiffening",

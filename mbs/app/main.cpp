@@ -5,10 +5,10 @@ int main(int argc, char** argv) {
   using namespace flexura;
   // The heavy side reads its own command line, --help included.
   const std::string command = argc > 1 ? argv[1] : "";
-  if (command == "reduce")
-    return terminal::guarded([&]() -> int { app::hand_over_to_reduce({argv + 2, argv + argc}); });
+  if (command == "reduce" || command == "import")
+    return terminal::guarded([&]() -> int { app::hand_over("flexura-" + command, {argv + 2, argv + argc}); });
   if (command == "section")
-    return terminal::guarded([&]() -> int { app::hand_over_to_reduce({argv + 1, argv + argc}); });
+    return terminal::guarded([&]() -> int { app::hand_over("flexura-reduce", {argv + 1, argv + argc}); });
   const terminal::Program program{
       .name = "flexura",
       .version = FLEXURA_VERSION,

@@ -18,7 +18,7 @@ results::ModelHeader model_header(std::span<const NamedRun> runs, const std::fil
 }
 
 results::ModelHeader model_header(const std::vector<const mbs::PreparedMechanism*>& runs,
-                                  const std::filesystem::path& mechanism_file,
+                                  const std::filesystem::path&,
                                   const std::filesystem::path& results_file) {
   const mbs::Mechanism& first = *runs.front()->mechanism;
   results::ModelHeader header;
@@ -27,7 +27,6 @@ results::ModelHeader model_header(const std::vector<const mbs::PreparedMechanism
   header.created_by = std::string("flexura ") + FLEXURA_VERSION;
   header.connections_json = mbs::connections_json(first);
   const auto results_folder = std::filesystem::absolute(results_file).parent_path();
-  const auto model_folder = std::filesystem::absolute(mechanism_file).parent_path();
   for (std::size_t b = 0; b < first.description().bodies.size(); ++b) {
     const mbs::BodyDescription& body = first.description().bodies[b];
     results::BodyHeader line;
@@ -41,9 +40,9 @@ results::ModelHeader model_header(const std::vector<const mbs::PreparedMechanism
     }
     line.kind = b == 0 ? "ground" : flexible ? "flexible" : "rigid";
     if (!body.superelement.empty()) {
-      std::filesystem::path path = body.superelement;
-      if (path.is_relative()) path = model_folder / path;
-      line.superelement = path.lexically_relative(results_folder).generic_string();
+      // The document's folder stands in it already.
+      const auto path = std::filesystem::absolute(body.superelement).lexically_normal();
+      line.superelement = path.lexically_relative(results_folder.lexically_normal()).generic_string();
     }
     header.bodies.push_back(std::move(line));
   }

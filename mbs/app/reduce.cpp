@@ -14,13 +14,11 @@ std::filesystem::path program_folder() {
   return failure ? std::filesystem::path(".") : self.parent_path();
 }
 
-void hand_over_to_reduce(const std::vector<std::string>& arguments) {
-  const std::filesystem::path program = program_folder() / "flexura-reduce";
+void hand_over(const std::string& companion, const std::vector<std::string>& arguments) {
+  const std::filesystem::path program = program_folder() / companion;
   if (::access(program.c_str(), X_OK) != 0) {
-    throw std::runtime_error(
-        program.string() +
-        ": the reduction program is not there; build it with \"cmake --build BUILD --target "
-        "flexura-reduce\" or copy it beside flexura");
+    throw std::runtime_error(program.string() + ": this program is not there; build it with \"cmake --build BUILD --target " +
+                             companion + "\" or copy it beside flexura");
   }
   std::vector<std::string> words = {program.string()};
   words.insert(words.end(), arguments.begin(), arguments.end());
@@ -37,7 +35,7 @@ void hand_over_to_reduce(const std::vector<std::string>& arguments) {
 terminal::Command reduce_command() {
   return {"reduce", "make a superelement of a CAD part, a mesh or a beam model (by flexura-reduce)",
           [](terminal::Options&, const terminal::Talk&) -> std::function<int()> {
-            hand_over_to_reduce({"--help"});
+            hand_over("flexura-reduce", {"--help"});
           },
           "flexura-reduce"};
 }
@@ -45,9 +43,17 @@ terminal::Command reduce_command() {
 terminal::Command section_command() {
   return {"section", "constants of any cross-section, for beams (by flexura-reduce)",
           [](terminal::Options&, const terminal::Talk&) -> std::function<int()> {
-            hand_over_to_reduce({"section", "--help"});
+            hand_over("flexura-reduce", {"section", "--help"});
           },
           "flexura-reduce section"};
+}
+
+terminal::Command import_command() {
+  return {"import", "make a mechanism of a robot (URDF) or a CAD assembly (by flexura-import)",
+          [](terminal::Options&, const terminal::Talk&) -> std::function<int()> {
+            hand_over("flexura-import", {"--help"});
+          },
+          "flexura-import"};
 }
 
 }  // namespace flexura::app

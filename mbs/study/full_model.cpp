@@ -54,6 +54,10 @@ MatrixXd deformations_of(const std::string& superelement, const MatrixXd& Y_full
 
 }  // namespace
 
+bool can_deform(const mbs::BodyDescription& body) {
+  return !body.superelement.empty() && superelement::contents(body.superelement).header.n() > 6;
+}
+
 bool has_stiffening_terms(const mbs::BodyDescription& body) {
   return !body.follows_surface && !body.is_loaded_by_case &&
          superelement::contents(body.superelement).bytes.stiffening > 0.0;
@@ -84,7 +88,7 @@ std::unique_ptr<FullModel> FullModel::make(const mbs::PreparedMechanism& run,
   bool any = false;
   for (const mbs::BodyDescription& body : run.mechanism->description().bodies) {
     // A subsystem's bodies are as its own file says.
-    if (body.superelement.empty() || body.name.find('.') != std::string::npos) continue;
+    if (body.name.find('.') != std::string::npos || !can_deform(body)) continue;
     any = true;
     const bool stiff = std::ranges::find(stiffened, body.name) != stiffened.end();
     for (const char* const text : {stiff ? "fidelity=modal-stiffened" : "fidelity=modal", "coupling=full",

@@ -24,6 +24,10 @@ struct ModalBlock {
   Eigen::Index p = 0, v = 0, m = 0;  ///< first entry in p, in v; number
 };
 
+/// The body has a superelement with coordinates beside its six rigid motions; one without them (of an import) only
+/// carries a rigid body's inertia and picture.
+bool can_deform(const mbs::BodyDescription& body);
+
 /// The superelement's file holds geometric stiffening terms for what loads the body: no marker follows nodes
 /// of its surface, and no force puts a load case on it.
 bool has_stiffening_terms(const mbs::BodyDescription& body);

@@ -1,0 +1,169 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "import/urdf/mesh_file.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <map>
+#include <sstream>
+#include <stdexcept>
+
+#include "import/urdf/xml.hpp"
+#include "mbs/files/inputs.hpp"
+
+namespace flexura::import::urdf {
+namespace {
+
+namespace fs = std::filesystem;
+
+class SurfaceBuilder {
+ public:
+  explicit SurfaceBuilder(const fs::path& file) : file_(file) {}
+
+  int vertex(const Vector3d& x) {
+    if (!x.allFinite()) refuse("a vertex is not finite");
+    const auto [at, is_new] = index_.emplace(std::array{x.x(), x.y(), x.z()}, static_cast<int>(surface.vertices.size()));
+    if (is_new) surface.vertices.push_back(x);
+    return at->second;
+  }
+  void triangle(int a, int b, int c) {
+    if (a != b && b != c && c != a) surface.triangles.emplace_back(a, b, c);
+  }
+  [[noreturn]] void refuse(const std::string& what) const {
+    throw std::invalid_argument(file_.string() + ": " + what);
+  }
+
+  Surface surface;
+
+ private:
+  const fs::path& file_;
+  std::map<std::array<double, 3>, int> index_;
+};
+
+void read_binary_stl(const std::string& bytes, SurfaceBuilder& builder) {
+  std::uint32_t n = 0;
+  std::memcpy(&n, bytes.data() + 80, sizeof n);
+  for (std::uint32_t t = 0; t < n; ++t) {
+    float x[12];
+    std::memcpy(x, bytes.data() + 84 + 50 * static_cast<std::size_t>(t), sizeof x);
+    int corner[3];
+    for (int k = 0; k < 3; ++k) corner[k] = builder.vertex({x[3 + 3 * k], x[4 + 3 * k], x[5 + 3 * k]});
+    builder.triangle(corner[0], corner[1], corner[2]);
+  }
+}
+
+Vector3d read_point(std::istringstream& words, const SurfaceBuilder& builder) {
+  Vector3d x;
+  for (int k = 0; k < 3; ++k) {
+    std::string word;
+    words >> word;
+    const auto value = parse_number(word);
+    if (!value) builder.refuse(fmt::format("a vertex has \"{}\" where a number is wanted; is the file damaged?", shown(word)));
+    x[k] = *value;
+  }
+  return x;
+}
+
+void read_text_stl(const std::string& text, SurfaceBuilder& builder) {
+  std::istringstream lines(text);
+  std::vector<int> corners;
+  for (std::string line; std::getline(lines, line);) {
+    std::istringstream words(line);
+    std::string word;
+    words >> word;
+    if (word == "vertex") corners.push_back(builder.vertex(read_point(words, builder)));
+    if (word == "endfacet") {
+      if (corners.size() != 3) builder.refuse(fmt::format("a facet has {} vertices, 3 are wanted", corners.size()));
+      builder.triangle(corners[0], corners[1], corners[2]);
+      corners.clear();
+    }
+  }
+}
+
+void read_obj(const std::string& text, SurfaceBuilder& builder) {
+  std::istringstream lines(text);
+  std::vector<int> numbered;  // of the file's vertices, those that coincide are one
+  for (std::string line; std::getline(lines, line);) {
+    std::istringstream words(line);
+    std::string word;
+    words >> word;
+    if (word == "v") {
+      numbered.push_back(builder.vertex(read_point(words, builder)));
+    } else if (word == "f") {
+      std::vector<int> polygon;
+      while (words >> word) {
+        const auto number = parse_number(std::string_view(word).substr(0, word.find('/')));
+        const double n = static_cast<double>(numbered.size());
+        const double at = !number ? -1.0 : *number < 0.0 ? n + *number : *number - 1.0;  // from 1, or from the end
+        if (!(at >= 0.0) || !(at < n) || at != std::floor(at))
+          builder.refuse(fmt::format("a face names vertex \"{}\" of {}", shown(word), numbered.size()));
+        polygon.push_back(numbered[static_cast<std::size_t>(at)]);
+      }
+      for (std::size_t i = 2; i < polygon.size(); ++i) builder.triangle(polygon[0], polygon[i - 1], polygon[i]);
+    }
+  }
+}
+
+}  // namespace
+
+Surface read_surface(const fs::path& file) {
+  SurfaceBuilder builder(file);
+  std::string ending = file.extension().string();
+  for (char& c : ending) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  if (ending != ".stl" && ending != ".obj")
+    builder.refuse("is a mesh of a kind that is not read; STL and OBJ are");
+  files::note_input(file);
+  std::ifstream in(file, std::ios::binary);
+  const std::string bytes{std::istreambuf_iterator<char>(in), {}};
+  if (!in && bytes.empty()) builder.refuse("cannot be read");
+  std::uint32_t n = 0;
+  if (bytes.size() >= 84) std::memcpy(&n, bytes.data() + 80, sizeof n);
+  // A text that begins with "solid" can be binary: the length tells.
+  const bool is_binary = ending == ".stl" && bytes.size() >= 84 && bytes.size() == 84 + 50 * static_cast<std::size_t>(n);
+  if (is_binary)
+    read_binary_stl(bytes, builder);
+  else if (ending == ".stl" && !bytes.starts_with("solid"))
+    builder.refuse("is neither a text STL (which begins with \"solid\") nor a binary one of the length that it states; is it cut short?");
+  else if (ending == ".stl")
+    read_text_stl(bytes, builder);
+  else
+    read_obj(bytes, builder);
+  if (builder.surface.triangles.empty()) builder.refuse("holds no triangle");
+  return builder.surface;
+}
+
+fs::path find_mesh(const std::string& uri, const fs::path& urdf, const std::vector<std::string>& packages) {
+  const fs::path folder = fs::absolute(urdf).parent_path();
+  std::error_code failure;
+  const auto found = [&](const fs::path& file) {
+    if (!fs::is_regular_file(file, failure))
+      throw std::invalid_argument(fmt::format("mesh \"{}\" is not there ({})", shown(uri), file.string()));
+    return file;
+  };
+  if (uri.starts_with("file://")) return found(uri.substr(7));
+  constexpr std::string_view scheme = "package://";
+  if (!uri.starts_with(scheme)) {
+    if (uri.find("://") != std::string::npos)
+      throw std::invalid_argument(fmt::format("mesh \"{}\" is not a file; package://, file:// and paths are", shown(uri)));
+    return found(folder / uri);
+  }
+  const std::string rest = uri.substr(scheme.size());
+  const auto slash = rest.find('/');
+  const std::string package = rest.substr(0, slash), path = slash == std::string::npos ? "" : rest.substr(slash + 1);
+  for (const std::string& given : packages)
+    if (given.starts_with(package + "=")) return found(fs::path(given.substr(package.size() + 1)) / path);
+  for (fs::path at = folder;; at = at.parent_path()) {
+    if (at.filename() == package && fs::is_regular_file(at / path, failure)) return at / path;
+    if (fs::is_regular_file(at / package / path, failure)) return at / package / path;
+    if (at == at.parent_path()) break;
+  }
+  throw std::invalid_argument(fmt::format("mesh \"{}\" is not there: no folder \"{}\" at or above {}; name it with --package {}=FOLDER",
+                                          shown(uri), shown(package), folder.string(), shown(package)));
+}
+
+}  // namespace flexura::import::urdf
