@@ -97,9 +97,13 @@ TEST_F(ArmInPrescribedMotion, DrivesTakeTheTorquesOfKdl) {
     if (joint->type == urdf::Joint::REVOLUTE || joint->type == urdf::Joint::CONTINUOUS)
       kdl_joint = KDL::Joint(joint->name, F.p, axis, KDL::Joint::RotAxis);
     KDL::RigidBodyInertia inertia;
-    if (const auto& i = model_->getLink(joint->child_link_name)->inertial)
-      inertia = to_kdl(i->origin) * KDL::RigidBodyInertia(i->mass, KDL::Vector::Zero(),
-                                                         KDL::RotationalInertia(i->ixx, i->iyy, i->izz, i->ixy, i->ixz, i->iyz));
+    if (const auto& i = model_->getLink(joint->child_link_name)->inertial) {
+      // Its constructor takes the inertia about the centre of mass, in the axes of the link.
+      const KDL::Frame X = to_kdl(i->origin);
+      const KDL::RigidBodyInertia turned =
+          X.M * KDL::RigidBodyInertia(i->mass, KDL::Vector::Zero(), KDL::RotationalInertia(i->ixx, i->iyy, i->izz, i->ixy, i->ixz, i->iyz));
+      inertia = KDL::RigidBodyInertia(i->mass, X.p, turned.getRotationalInertia());
+    }
     chain.addSegment(KDL::Segment(joint->child_link_name, kdl_joint, F, inertia));
     damping.push_back(joint->dynamics ? joint->dynamics->damping : 0.0);
   }

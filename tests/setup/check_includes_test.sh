@@ -3,7 +3,7 @@
 set -euo pipefail
 check=$(cd "$(dirname "$0")" && pwd)/check_includes.sh
 tree=$(mktemp -d); trap 'rm -rf "$tree"' EXIT
-mkdir -p "$tree"/{mesh/model,mesh/gmsh,beam/section,reduce/linalg,reduce/cms,mbs/model,mbs/superelement}
+mkdir -p "$tree"/{import/model,mesh/model,mesh/gmsh,beam/section,reduce/linalg,reduce/cms,mbs/model,mbs/superelement}
 good() { printf '#include "mesh/model/mesh.hpp"\n' >"$tree/mesh/gmsh/worker.cpp"
          printf '#include <petsc.h>\n' >"$tree/reduce/linalg/petsc_check.hpp"
          printf '#include "reduce/linalg/petsc_check.hpp"\n' >"$tree/reduce/linalg/solve.cpp"
@@ -23,6 +23,7 @@ expect reduce/cms/bad.cpp '#include "mbs/superelement/file.hpp"' 'reduce may inc
 expect mesh/model/bad.cpp '#include "mesh/gmsh/cad.hpp"' 'mesh/model may include itself'
 expect mbs/model/bad.cpp '#include <petscmat.h>' 'includes a header of petsc'
 expect reduce/cms/bad.cpp '#include <slepceps.h>' 'includes a header of slepc'
+expect import/model/bad.cpp '#include <tinyxml2.h>' 'includes a header of tinyxml2'
 expect mesh/model/bad.cpp '#include <gmsh.h>' 'includes a header of gmsh'
 expect reduce/linalg/bad.hpp '#include "reduce/linalg/petsc_check.hpp"' 'which shows petsc'
 expect mbs/superelement/bad.cpp '#include <hdf5.h>' 'only mbs/hdf5/ may'
