@@ -8,6 +8,7 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "reduce/app/mesh_sizes.hpp"
 #include "reduce/cms/error_estimate.hpp"
 
 namespace flexura::reduce {
@@ -76,7 +77,7 @@ bool AccuracyGoal::modes_reached(const Judgement& j) const {
   return j.modes <= kModesShare * frequencies_;
 }
 
-std::vector<double> AccuracyGoal::next_sizes(const mesh::Mesh& mesh, int dofs, const Judgement& j) const {
+std::vector<double> AccuracyGoal::next_sizes(const Part& part, int dofs, const Judgement& j) const {
   // Of each cell the greatest share of what a state may have; all of them together may have one.
   constexpr double kAim = 0.7;  // a little less, so that the next mesh is not just above
   const Eigen::MatrixXf& by_cell = share_.by_cell;
@@ -87,67 +88,20 @@ std::vector<double> AccuracyGoal::next_sizes(const mesh::Mesh& mesh, int dofs, c
     const double may = mode ? 2.0 * kMeshShare * frequencies_ / raised_ : kMeshShare * compliance_;
     share = share.cwiseMax(by_cell.col(k).cast<double>() / may);
   }
-  std::vector<double> nodes_size(static_cast<std::size_t>(mesh.n_nodes()), 0.0);
-  std::vector<int> nodes_cells(static_cast<std::size_t>(mesh.n_nodes()), 0);
-  int degree = 2;
-  for (const mesh::CellBlock& block : mesh.solids)
-    if (block.nodes.cols() == mesh::shape_of(block.type).corners) degree = 1;
-  // Corners and edges converge more slowly than the degree says.
-  const double p = degree == 2 ? 1.5 : 1.0, d = 3.0, least = 1e-6 * share.maxCoeff();
-  const double sum = share.cwiseMax(least).array().pow(d / (2.0 * p + d)).sum();
-  // Finer by more than four is a guess; coarser at most by a half.
-  VectorXd factor(share.size());
-  for (Index k = 0; k < share.size(); ++k)
-    factor(k) = std::clamp(std::pow(kAim, 1.0 / (2.0 * p)) /
-                               (std::pow(std::max(share(k), least), 1.0 / (2.0 * p + d)) * std::pow(sum, 1.0 / (2.0 * p))),
-                           0.25, 1.5);
-  const double growth = factor.array().pow(-3.0).mean();
-  double scale = 1.0;
+  const std::vector<char> sharp = nodes_at_sharp_edges(part);
+  // One mesh tells the errors of one six times as good, not of any: asked for more at once, the interior would make up for
+  // edges at which nothing finer may be asked.
+  VectorXd factor = cell_factors(part.mesh, share, sharp, std::max(kAim, share.sum() / 6.0));
+  const double growth = cells_for(part.mesh, factor, sharp);
   if (growth * dofs > kMostDofs) {
     if (1.5 * dofs > kMostDofs)
       throw std::runtime_error(fmt::format(
           "{}; a mesh that may reach it would have about {:.2g} dofs, more than the {:.2g} that are tried: ask for "
           "less, for compliance separately (modes.compliance_accuracy), or choose mesh.size yourself",
           describe(j), growth * dofs, kMostDofs));
-    scale = std::cbrt(growth * dofs / kMostDofs);
+    factor *= std::cbrt(growth * dofs / kMostDofs);
   }
-  Index cell = 0;
-  for (const mesh::CellBlock& block : mesh.solids) {
-    const mesh::CellShape& shape = mesh::shape_of(block.type);
-    for (Index row = 0; row < block.nodes.rows(); ++row, ++cell) {
-      double length = 0.0;
-      for (const auto& edge : shape.edges)
-        length += (mesh.points.row(block.nodes(row, edge[0])) - mesh.points.row(block.nodes(row, edge[1]))).norm();
-      const double size = std::log(scale * factor(cell) * length / static_cast<double>(shape.edges.size()));
-      for (int a = 0; a < shape.corners; ++a) {
-        nodes_size[static_cast<std::size_t>(block.nodes(row, a))] += size;
-        ++nodes_cells[static_cast<std::size_t>(block.nodes(row, a))];
-      }
-    }
-  }
-  for (std::size_t node = 0; node < nodes_size.size(); ++node)
-    if (nodes_cells[node] > 0) nodes_size[node] = std::exp(nodes_size[node] / nodes_cells[node]);
-  // From node to node sizes grow by no more than a part of the way.
-  constexpr double kGrowth = 0.5;
-  for (int sweep = 0; sweep < 3; ++sweep)
-    for (const mesh::CellBlock& block : mesh.solids)
-      for (Index row = 0; row < block.nodes.rows(); ++row)
-        for (const auto& edge : mesh::shape_of(block.type).edges) {
-          const auto a = static_cast<std::size_t>(block.nodes(row, edge[0])),
-                     b = static_cast<std::size_t>(block.nodes(row, edge[1]));
-          const double way = kGrowth * (mesh.points.row(block.nodes(row, edge[0])) -
-                                        mesh.points.row(block.nodes(row, edge[1])))
-                                           .norm();
-          nodes_size[a] = std::min(nodes_size[a], nodes_size[b] + way);
-          nodes_size[b] = std::min(nodes_size[b], nodes_size[a] + way);
-        }
-  std::vector<double> out;
-  for (mesh::Index node = 0; node < mesh.n_nodes(); ++node) {
-    if (nodes_cells[static_cast<std::size_t>(node)] == 0) continue;
-    for (int a = 0; a < 3; ++a) out.push_back(mesh.points(node, a));
-    out.push_back(nodes_size[static_cast<std::size_t>(node)]);
-  }
-  return out;
+  return size_points(part.mesh, factor, sharp);
 }
 
 std::string AccuracyGoal::describe(const Judgement& j) const {

@@ -30,10 +30,10 @@ class AccuracyGoal {
   bool mesh_reached(const Judgement& j) const;
   bool modes_reached(const Judgement& j) const;
 
-  /// Sizes of the next mesh (mesh::CadOptions::sizes) for the last reduction judged: the error equally spread over the
-  /// cells, which costs the fewest (P. Ladeveze, G. Coffignal, P. Marin 1986; O. C. Zienkiewicz, J. Z. Zhu 1987).
+  /// Sizes of the next mesh (mesh::CadOptions::sizes) for the last reduction judged: those of
+  /// the fewest cells (P. Ladeveze, G. Coffignal, P. Marin 1986; mesh_sizes.hpp).
   /// `dofs`: of the mesh that was judged; std::runtime_error where the next one would be beyond all bounds.
-  std::vector<double> next_sizes(const mesh::Mesh& mesh, int dofs, const Judgement& j) const;
+  std::vector<double> next_sizes(const Part& part, int dofs, const Judgement& j) const;
 
   /// "asked 1 % ..., estimated ..."
   std::string describe(const Judgement& j) const;

@@ -292,7 +292,7 @@ Attempt reach(PartInput input, const std::filesystem::path& output, ReductionOpt
           "(modes.compliance_accuracy), or start with a smaller mesh.size",
           cycle, goal.describe(judged)));
     try {
-      input.cad.sizes = goal.next_sizes(out.modelled.part.mesh, dofs, judged);
+      input.cad.sizes = goal.next_sizes(out.modelled.part, dofs, judged);
     } catch (const std::runtime_error& error) {
       throw std::runtime_error(std::string("the accuracy is out of reach: ") + error.what());
     }

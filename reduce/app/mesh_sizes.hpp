@@ -1,0 +1,34 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "reduce/assembly/part.hpp"
+
+/// Sizes of the next mesh from the errors of the cells of one.
+///
+/// A cell of size h that is made smaller by the factor f leaves  e f^a  of its error e and costs  f^-d  cells.  Away from
+/// edges a = 2p, d = 3 (p the degree).  Along an edge where stresses are unbounded like r^(lambda - 1) the energy left is that
+/// of a tube, a = 2 lambda, and as sizes may grow away from the edge, only its length is to be divided: d = 1 (I. Babuska,
+/// R. B. Kellogg, J. Pitkaranta, Numer. Math. 33 (1979) 447; T. Apel, Anisotropic Finite Elements, 1999).  The fewest cells for
+/// a given sum of errors:  minimise sum f^-d with sum e f^a given, so that  a e f^(a+d) / d  is the same for all cells.
+namespace flexura::reduce {
+
+/// Nodes on edges where stresses are unbounded: between faces of the surface that meet at more than 180 degrees, and
+/// around rigid interfaces.
+std::vector<char> nodes_at_sharp_edges(const Part& part);
+
+/// Factor f of each cell (order of the blocks of solids) so that the sum of the errors becomes `aim`; 1/16 to 1.5.
+/// `share`: the errors today; `sharp`: of the nodes.
+Eigen::VectorXd cell_factors(const mesh::Mesh& mesh, const Eigen::VectorXd& share, const std::vector<char>& sharp,
+                             double aim);
+
+/// About how many times as many cells the factors ask for.
+double cells_for(const mesh::Mesh& mesh, const Eigen::VectorXd& factor, const std::vector<char>& sharp);
+
+/// x, y, z, size (mesh::CadOptions::sizes): sizes at the nodes, growing from node to node by no more than half of the way,
+/// and between the nodes where they differ much.
+std::vector<double> size_points(const mesh::Mesh& mesh, const Eigen::VectorXd& factor, const std::vector<char>& sharp);
+
+}  // namespace flexura::reduce
