@@ -53,8 +53,8 @@ for (const page of pages) {
   if (after !== before) fs.writeFileSync(file, after);
 }
 const index = JSON.parse(fs.readFileSync(path.join(site, 'search/search_index.json'), 'utf8'));
-// Texts of source files and the record of defects would hide what readers look for.
-index.docs = index.docs.filter((doc) => !/^(source|tests\/found|cases\/cad_parts)\//.test(doc.location));
+// Texts of source files, the record of defects and tables of figures would hide what readers look for.
+index.docs = index.docs.filter((doc) => !/^(source|tests|cases\/cad_parts)\/|^beam\/EXTREMES/.test(doc.location));
 fs.writeFileSync(path.join(site, 'search/search_index.json'), JSON.stringify(index));
 fs.writeFileSync(
   path.join(site, 'assets/search_index.js'),

@@ -10,6 +10,7 @@
 #include <cmath>
 
 #include "tests/found/parts.hpp"
+#include "tests/reference.hpp"
 
 namespace flexura::test {
 namespace {
@@ -52,25 +53,30 @@ class Fedem : public Parts {
   Outcome outcome_;
 };
 
+const Reference fedem = {"FEDEM's test decks, displacement", "the last of four published digits"};
+
 // test_FEsolve.C: four digits.  The section by name, by constants, with shear in one plane and without.
 TEST_F(Fedem, CylinderBeams) {
   const Vector3d sideways(0, 1e5, 0);
-  EXPECT_NEAR(loaded(reduce(file("CylinderBeam.nas"), 1, 6), sideways).y(), 0.3450, 5e-5);
-  EXPECT_NEAR(loaded(reduce(file("CylinderBeam-generic.nas"), 1, 6), sideways).y(), 0.3450, 5e-5);
-  EXPECT_NEAR(loaded(reduce(file("CylinderBeam-noshear.nas"), 1, 6), sideways).y(), 0.3434, 5e-5);
+  expect_reference("CylinderBeam", "m", loaded(reduce(file("CylinderBeam.nas"), 1, 6), sideways).y(), 0.3450, 5e-5, fedem);
+  expect_reference("CylinderBeam-generic", "m", loaded(reduce(file("CylinderBeam-generic.nas"), 1, 6), sideways).y(), 0.3450, 5e-5,
+                   fedem);
+  expect_reference("CylinderBeam-noshear", "m", loaded(reduce(file("CylinderBeam-noshear.nas"), 1, 6), sideways).y(), 0.3434, 5e-5,
+                   fedem);
   const Vector3d both = loaded(reduce(file("CylinderBeam-shearY.nas"), 1, 6), {1e5, 1e5, 0});
-  EXPECT_NEAR(both.x(), 0.3434, 5e-5);
-  EXPECT_NEAR(both.y(), 0.3450, 5e-5);
+  expect_reference("CylinderBeam-shearY, x", "m", both.x(), 0.3434, 5e-5, fedem);
+  expect_reference("CylinderBeam-shearY, y", "m", both.y(), 0.3450, 5e-5, fedem);
 }
 
 // An I of beams; of a sheet and a T of beams whose centroid lies off its shear centre; of sheets alone: 1 kN in y.  What is
 // published is compared to 1e-4 there.
 TEST_F(Fedem, TheSameBeamOfBeamsOfBothAndOfShells) {
   const Vector3d force(0, 1e3, 0);
-  EXPECT_NEAR(loaded(reduce(file("01_1D_BeamElements.nas"), 1211, 1251), force).y(), 0.0128, 5e-5);
+  expect_reference("I of beams", "m", loaded(reduce(file("01_1D_BeamElements.nas"), 1211, 1251), force).y(), 0.0128, 5e-5,
+                   fedem);
 
   const superelement::Superelement hybrid = reduce(file("02_1D2D_Hybrid.nas"));
-  EXPECT_NEAR(loaded(hybrid, force).y(), 0.0129, 5e-5);
+  expect_reference("the same of a sheet and a T", "m", loaded(hybrid, force).y(), 0.0129, 5e-5, fedem);
   // Its centre is that of the I (by areas as the deck prints them, with four digits).
   EXPECT_LT((hybrid.inertia.S_x / hybrid.inertia.mass - Vector3d(0.2, 0, 1)).norm(), 2e-5);
 
@@ -101,7 +107,7 @@ TEST_F(Fedem, TheSameBeamOfBeamsOfBothAndOfShells) {
     deck += fmt::format("GRID,{},,.1,0.,{}.\nRBE2,{},{},123456,{},{},{}\n,{}\n", 10 + k, k / 20, 9000 + k,
                         10 + k, ring[0], ring[1], ring[2], fmt::join(ring.begin() + 3, ring.end(), ","));
   }
-  EXPECT_NEAR(loaded(reduce(deck + "ENDDATA\n"), force).y(), 0.0123, 5e-5);
+  expect_reference("the same of shells", "m", loaded(reduce(deck + "ENDDATA\n"), force).y(), 0.0123, 5e-5, fedem);
 }
 
 // A cantilever of 1 x 0.2 x 0.1 m in its own weight, nodes three in a row from z = -1 on; grids 2 and 26 carry the spiders.
@@ -155,7 +161,8 @@ TEST_F(Fedem, CantileversOfShells) {
 // centre and itself turned by the 70.85 degrees of the principal axes.  A force through the shear centre twists nothing.)
 TEST_F(Fedem, AngleWithItsCentroidBesideItsShearCentre) {
   const superelement::Superelement se = reduce(file("L-beam.nas"), 1, 3);
-  EXPECT_NEAR(loaded(se, {0, 1e7, 0}).x(), 0.00806403, 5e-9);
+  expect_reference("angle, stretch beside its shear centre", "m", loaded(se, {0, 1e7, 0}).x(), 0.00806403, 5e-9,
+                   {"FEDEM's test decks", "the last of six published digits"});
   VectorXd p = VectorXd::Zero(se.n());
   p(7) = 1e7;
   const Eigen::Index n = se.n() - 6;

@@ -10,6 +10,7 @@
 #include "reduce/cms/craig_bampton.hpp"
 #include "reduce/linalg/block_lanczos.hpp"
 #include "tests/reduce/parts.hpp"
+#include "tests/reference.hpp"
 
 namespace flexura::reduce {
 namespace {
@@ -69,7 +70,11 @@ TEST(Nafems, SolidPlateOnItsSidesVibratesAsFv52) {
   const auto plate = [](int m, int n) { return mindlin_plate_hz(m, n, a, 1.0, E, nu, rho); };
   const double shear = std::sqrt(E / (2.0 * (1.0 + nu)) / rho) / (2.0 * a);
   const double expected[] = {plate(1, 1), plate(1, 2), plate(2, 1), shear, shear, plate(2, 2)};
-  for (int k = 0; k < 6; ++k) EXPECT_NEAR(hertz(k) / expected[k], 1.0, k == 3 || k == 4 ? 1e-4 : 7e-3) << k;
+  for (int k = 0; k < 6; ++k)
+    test::expect_reference("thick plate of hex20, mode " + std::to_string(k + 1), "Hz", hertz(k), expected[k],
+                           (k == 3 || k == 4 ? 1e-4 : 7e-3) * expected[k],
+                           {"NAFEMS FV52 by Mindlin's plate; exact shear",
+                            "Mindlin's plate lies 0.1 to 0.6 % below three dimensions"});
 }
 
 }  // namespace

@@ -21,8 +21,9 @@ install_packages() {
     as_root=(sudo)
   fi
   say "installing ${#missing[@]} Debian packages: ${missing[*]}"
-  "${as_root[@]}" apt-get update -qq || return 1
-  "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends \
+  # Another package manager may be at work (unattended upgrades): wait for it instead of failing.
+  "${as_root[@]}" apt-get -o DPkg::Lock::Timeout=600 update -qq || return 1
+  "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -o DPkg::Lock::Timeout=600 install -y -qq --no-install-recommends \
     "${missing[@]}" >"${TMPDIR:-/tmp}/flexura-apt.log" 2>&1 || {
     tail -n 20 "${TMPDIR:-/tmp}/flexura-apt.log" >&2
     say "error: apt-get could not install these packages; the lines above are its last words" >&2
@@ -42,5 +43,8 @@ build() {
       return 1
     }
   fi
-  cmake --build "build/$preset" -- --quiet "$@" || return 1
+  [ -d "build/$preset/bin" ] || say "the first build compiles some 600 files: about a quarter of an hour on two cores"
+  local quiet=--quiet
+  [ -t 1 ] && quiet=  # on a terminal ninja's own line shows how far it is
+  cmake --build "build/$preset" -- $quiet "$@" || return 1
 }

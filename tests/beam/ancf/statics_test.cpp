@@ -15,6 +15,7 @@
 #include "tests/beam/ancf/exact/catenary.hpp"
 #include "tests/beam/ancf/exact/elastica.hpp"
 #include "tests/beam/ancf/samples.hpp"
+#include "tests/reference.hpp"
 
 namespace flexura::beam::ancf {
 namespace {
@@ -81,8 +82,10 @@ TEST(AncfStatics, CantileverUnderTipForceFollowsTheElastica) {
         }
         const bool is_line = name != "spatial beam";
         EXPECT_LT(error, error_8[name] / (is_line ? 12 : 3.5)) << name << " " << alpha;
-        EXPECT_LT(error, is_line ? std::pow(kappa_l, 4) / 120 : kappa_l * kappa_l / 24)
-            << name << " " << alpha;
+        test::expect_reference("tip of a " + name + ", P L^2/EI = " + std::to_string(static_cast<int>(alpha)) +
+                                   ", error in L",
+                               "", error, 0.0, is_line ? std::pow(kappa_l, 4) / 120 : kappa_l * kappa_l / 24,
+                               {"elastica, elliptic integrals", "interpolation of the curve by 16 elements"});
         // Newton with extrapolated stress at EA/EI = 1e8; the plain iteration takes hundreds.
         EXPECT_LT(result.iterations, 40) << name << " " << alpha;
       }
@@ -252,7 +255,8 @@ TEST(AncfStatics, HangingCableTakesTheCatenary) {
   // Cubics: order 4.  The tangent turns by 1.9 rad in all, 0.2 an element at the sharpest: (0.2)^4/120 of
   // L_0.
   EXPECT_LT(errors[1], errors[0] / 12);
-  EXPECT_LT(errors[1], L_0 * std::pow(0.2, 4) / 120);
+  test::expect_reference("hanging cable, largest error of a node", "m", errors[1], 0.0, L_0 * std::pow(0.2, 4) / 120,
+                         {"elastic catenary", "interpolation of the curve by 16 elements"});
 }
 
 struct PrincetonRow {
@@ -290,8 +294,11 @@ TEST(AncfStatics, PrincetonBeamBendsAndTwists) {
     const Vector3d u = tip(body, result.q) - Vector3d(L, 0, 0);
     // 1 % of the beam column (beam and solid differ by 1.5 to 2.5 %); zero by symmetry: cos 90 degrees in
     // floating point, magnified by the load.
-    EXPECT_NEAR(u[1], row.beam_uy, 0.01 * row.beam_uy + 1e-9) << row.angle_deg;
-    EXPECT_NEAR(u[2], row.beam_uz, 0.01 * row.beam_uz + 1e-9) << row.angle_deg;
+    const test::Reference princeton = {"Princeton beam, load 8.896 N: published beam solution",
+                                       "1 %; published beams and solids differ by 1.5 to 2.5 %"};
+    const std::string at = " at " + std::to_string(static_cast<int>(row.angle_deg)) + " deg";
+    test::expect_reference("u_y" + at, "m", u[1], row.beam_uy, 0.01 * row.beam_uy + 1e-9, princeton);
+    test::expect_reference("u_z" + at, "m", u[2], row.beam_uz, 0.01 * row.beam_uz + 1e-9, princeton);
   }
 }
 

@@ -10,6 +10,7 @@
 #include "mbs/solver/linearise.hpp"
 #include "mbs/solver/run.hpp"
 #include "tests/mbs/flexible/beam_superelement.hpp"
+#include "tests/reference.hpp"
 
 /// Rotating beams: where a linear flexible body without geometric stiffening goes wrong.
 /// Reference values: tests/mbs/flexible/data/README.md.
@@ -108,10 +109,13 @@ TEST(SimoVuQuocSpinUp, PeakDeflectionAndSteadyExtensionWithStiffening) {
     const SpinUp out = spin_up(options, se, 20.0);
     ASSERT_TRUE(out.complete);
     // The reference is linear in the deflection, good to (w/L)^2 = 0.4 %: 1 %.
-    EXPECT_NEAR(out.peak, -0.57437, 0.01 * 0.57437);
-    EXPECT_NEAR(out.peak_time, 6.762, 0.05);
+    const flexura::test::Reference kane = {"spin-up of Kane, Simo and Vu-Quoc: linear theory with stiffening",
+                                  "the reference is good to (w/L)^2 = 0.4 %"};
+    flexura::test::expect_reference("largest deflection of the tip", "m", out.peak, -0.57437, 0.01 * 0.57437, kane);
+    flexura::test::expect_reference("its time", "s", out.peak_time, 6.762, 0.05, kane);
     // rho A W^2 L^3 / (3 EA), less the shortening of the vibration that is left, (w'^2 / 2) L ~ 1e-6.
-    EXPECT_NEAR(out.final_extension, 5.142857e-4, 0.01 * 5.142857e-4);
+    flexura::test::expect_reference("steady extension", "m", out.final_extension, 5.142857e-4, 0.01 * 5.142857e-4,
+                           {"rho A W^2 L^3 / (3 EA)", "1 %"});
   }
 }
 
@@ -174,8 +178,11 @@ TEST(RotatingCantilever, FlapAndChordFrequenciesWithCoriolis) {
   for (const auto& [mu, flap, chord] : reference) {
     SCOPED_TRACE(mu);
     const Frequencies out = rotating_frequencies(se, options, mu);
-    EXPECT_NEAR(out.flap, flap, 0.01 * flap);
-    EXPECT_NEAR(out.chord, chord, 0.01 * chord);
+    const flexura::test::Reference published = {"rotating cantilever, dimensionless frequencies over the spin, published",
+                                       "1 %: slenderness 70 in place of a thin beam's"};
+    flexura::test::expect_reference("flap at spin " + std::to_string(static_cast<int>(mu)), "", out.flap, flap, 0.01 * flap, published);
+    flexura::test::expect_reference("chord at spin " + std::to_string(static_cast<int>(mu)), "", out.chord, chord, 0.01 * chord,
+                           published);
   }
   // Without stiffening the flap frequency stays where it is at rest and the chord one falls with mu.
   options.stiffening = false;
