@@ -1,21 +1,24 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 
-// flexura-import: turns a robot (URDF) into a folder with a mechanism that runs.  `flexura import`
+// flexura-import: turns a robot (URDF) or a CAD assembly (STEP) into a folder with a mechanism that runs.  `flexura import`
 // hands over to it.
 #include <fmt/format.h>
 
 #include <filesystem>
 
+#include "import/cad/build.hpp"
 #include "import/model/folder.hpp"
 #include "import/urdf/convert.hpp"
+#include "mbs/input/units.hpp"
 #include "mbs/terminal/command_line.hpp"
+#include "mbs/terminal/terminal.hpp"
 
 namespace {
 
 using namespace flexura;
 
 struct Arguments {
-  std::string input, output, base = "fixed";
+  std::string input, output, base, joints, ground, density, clearance, time_limit;
   std::vector<std::string> packages;
   bool force = false, no_stops = false;
 };
@@ -35,13 +38,51 @@ void report(const import::Mechanism& mechanism, const std::filesystem::path& fol
   fmt::print("mechanism {}\n", (folder / "mechanism.toml").string());
 }
 
-int import_file(const Arguments& a, const terminal::Talk& talk) {
-  const std::string ending = ending_of(a.input);
-  if (ending == ".xacro")
-    throw std::invalid_argument(a.input + ": is a xacro template; expand it first: xacro robot.xacro > robot.urdf");
-  if (ending != ".urdf")
-    throw std::invalid_argument(a.input + ": is not of a kind that is imported; robots (.urdf) are");
-  const std::filesystem::path folder = a.output.empty() ? std::filesystem::path(a.input).stem() : std::filesystem::path(a.output);
+// What one kind of file knows and the other does not is refused, not passed over.
+void refuse_options_of_the_other_kind(const Arguments& a, bool is_robot) {
+  const auto refuse = [&](bool given, const char* option, const char* whose) {
+    if (given) throw std::invalid_argument(fmt::format("{}: {} is for {}, which this is not: leave it out", a.input, option, whose));
+  };
+  if (is_robot) {
+    refuse(!a.joints.empty(), "--joints", "assemblies");
+    refuse(!a.ground.empty(), "--ground", "assemblies");
+    refuse(!a.density.empty(), "--density", "assemblies");
+    refuse(!a.clearance.empty(), "--clearance", "assemblies");
+    refuse(!a.time_limit.empty(), "--time-limit", "assemblies");
+  } else {
+    refuse(!a.base.empty(), "--base", "robots");
+    refuse(a.no_stops, "--no-stops", "robots");
+    refuse(!a.packages.empty(), "--package", "robots");
+  }
+}
+
+double quantity(const std::string& text, const char* option, const input::Dimension& dimension, double otherwise) {
+  if (text.empty()) return otherwise;
+  double value = 0.0;
+  try {
+    value = input::parse_quantity(text, dimension);
+  } catch (const std::invalid_argument& why) {
+    throw std::invalid_argument(fmt::format("{} {}: {}", option, text, why.what()));
+  }
+  if (!(value > 0.0)) throw std::invalid_argument(fmt::format("{} {}: must be positive", option, text));
+  return value;
+}
+
+void print_proposal(const import::cad::Built& built, const terminal::Talk& talk) {
+  if (talk.quiet) return;
+  terminal::Table table({{"joint", terminal::Align::left}, {"type", terminal::Align::left}, {"confidence", terminal::Align::left}, {"redundant"}});
+  std::size_t i = 0;
+  for (const import::Element& e : built.mechanism.elements) {
+    if (e.table != "joint" || e.name == built.mechanism.elements.front().name) continue;
+    const import::cad::ProposedJoint& joint = built.proposal.joints[i++];
+    const std::string& type = e.lines.front().second;
+    table.add_row({e.name, type.substr(1, type.size() - 2), name_of(joint.confidence), fmt::format("{}", joint.redundant)});
+  }
+  if (i > 0) fmt::print("{}", table.text());
+  fmt::print("degrees of freedom: {}\n", built.proposal.freedom);
+}
+
+int import_robot(const Arguments& a, const std::filesystem::path& folder, const terminal::Talk& talk) {
   const import::Mechanism mechanism =
       import::urdf::to_mechanism(import::urdf::read_robot(a.input), {.floating_base = a.base == "floating",
                                                                     .stops = !a.no_stops,
@@ -51,21 +92,53 @@ int import_file(const Arguments& a, const terminal::Talk& talk) {
   return 0;
 }
 
+int import_assembly(const Arguments& a, const std::filesystem::path& folder, const terminal::Talk& talk) {
+  const import::cad::BuildOptions options{
+      .propose = {.clearance = quantity(a.clearance, "--clearance", input::dim::length, 2e-4), .ground = a.ground},
+      .joints = a.joints != "none",
+      .density = quantity(a.density, "--density", input::dim::density, 7850.0)};
+  const double limit = quantity(a.time_limit, "--time-limit", input::dim::time, 600.0);
+  const import::cad::Assembly assembly = import::cad::read_assembly(a.input, limit);
+  const import::cad::Built built = import::cad::build(assembly, std::filesystem::path(a.input).stem().string(), options);
+  import::write_folder(folder, built.mechanism, built.texts, a.force);
+  if (options.joints) print_proposal(built, talk);
+  report(built.mechanism, folder, talk);
+  return 0;
+}
+
+int import_file(const Arguments& a, const terminal::Talk& talk) {
+  const std::string ending = ending_of(a.input);
+  if (ending == ".xacro")
+    throw std::invalid_argument(a.input + ": is a xacro template; expand it first: xacro robot.xacro > robot.urdf");
+  const bool is_robot = ending == ".urdf";
+  if (!is_robot && ending != ".step" && ending != ".stp")
+    throw std::invalid_argument(a.input + ": is not of a kind that is imported; robots (.urdf) and assemblies (.step, .stp) are");
+  refuse_options_of_the_other_kind(a, is_robot);
+  const std::filesystem::path folder = a.output.empty() ? std::filesystem::path(a.input).stem() : std::filesystem::path(a.output);
+  return is_robot ? import_robot(a, folder, talk) : import_assembly(a, folder, talk);
+}
+
 std::function<int()> declare(terminal::Options& options, const terminal::Talk& talk) {
   const auto a = std::make_shared<Arguments>();
-  options.argument("FILE", a->input, "robot (.urdf)")
+  options.argument("FILE", a->input, "robot (.urdf) or assembly (.step, .stp)")
       .option("-o,--output", a->output, "FOLDER", "folder to write, made where it is not there (default: the file's name)")
       .flag("--force", a->force, "replace files of the folder that are there already")
-      .choice("--base", a->base, {"fixed", "floating"}, "whether the root link stands on the ground or floats free (default: fixed)")
-      .flag("--no-stops", a->no_stops, "leave the limits of the joints' travel out")
-      .option("--package", a->packages, "NAME=FOLDER", "where package://NAME/ of the meshes lies")
-      .example("flexura import robot.urdf -o robot", "then: flexura simulate robot/mechanism.toml");
+      .choice("--base", a->base, {"fixed", "floating"}, "robots: whether the root link stands on the ground or floats free (default: fixed)")
+      .flag("--no-stops", a->no_stops, "robots: leave the limits of the joints' travel out")
+      .option("--package", a->packages, "NAME=FOLDER", "robots: where package://NAME/ of the meshes lies")
+      .choice("--joints", a->joints, {"propose", "none"}, "assemblies: propose joints from the geometry, or leave the bodies free (default: propose)")
+      .option("--ground", a->ground, "BODY", "assemblies: the body that stands still (default: the one with the largest box)")
+      .option("--clearance", a->clearance, "LENGTH", "assemblies: greatest gap between faces that touch (default: 0.2 mm)")
+      .option("--density", a->density, "DENSITY", "assemblies: of parts that have none in the file (default: 7850 kg/m^3)")
+      .option("--time-limit", a->time_limit, "TIME", "assemblies: give the reading up after this time (default: 600 s)")
+      .example("flexura import robot.urdf -o robot", "then: flexura simulate robot/mechanism.toml")
+      .example("flexura import engine.step -o engine", "bodies, joints from their geometry, part files for flexura reduce");
   return [a, &talk] { return import_file(*a, talk); };
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  return terminal::run({.name = "flexura import", .summary = "make a mechanism of a robot", .declare = declare},
+  return terminal::run({.name = "flexura import", .summary = "make a mechanism of a robot or a CAD assembly", .declare = declare},
                        FLEXURA_VERSION, argc, argv);
 }

@@ -74,6 +74,8 @@ superelement::Superelement rigid_superelement(const Body& body, const std::strin
                                           Direction::theta_y, Direction::theta_z},
                            .first_dof = 0});
   se.n_b = 6;
+  for (const auto& [name, p] : body.interfaces)
+    se.interfaces.push_back({.name = name, .tie = "rigid", .p_BoN_B = p, .directions = {}, .first_dof = 6});
   se.K_se = Eigen::MatrixXd::Zero(6, 6);
   se.inertia = rigid_integrals(body);
   se.M_se = se.inertia.S_phiphi[0] + se.inertia.S_phiphi[1] + se.inertia.S_phiphi[2];

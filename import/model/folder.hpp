@@ -10,8 +10,8 @@
 
 namespace flexura::import {
 
-/// The body as a superelement of six rigid coordinates: one interface "origin" at Bo, no stiffness, the exact
-/// inertia integrals, the surface for pictures.  Throws std::invalid_argument where the mass is not positive.
+/// The body as a superelement of six rigid coordinates: one interface "origin" at Bo, those of the body without
+/// coordinates of their own, no stiffness, the exact inertia integrals, the surface for pictures.  Throws std::invalid_argument where the mass is not positive.
 superelement::Superelement rigid_superelement(const Body& body, const std::string& source);
 
 /// A text file beside the mechanism: a part file, a CAD file.

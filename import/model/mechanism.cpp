@@ -22,7 +22,7 @@ void Surface::append(const Surface& other, const Pose& X) {
 std::string Names::add(const std::string& wanted) {
   constexpr std::size_t longest = 60;
   // What formulas and lists of results know by themselves.
-  constexpr std::array reserved = {"ground", "t",   "pi",  "e",    "energy", "momentum", "power", "run",
+  constexpr std::array reserved = {"ground", "origin", "t",   "pi",  "e",    "energy", "momentum", "power", "run",
                                    "sin",    "cos", "tan", "sqrt", "exp",    "log",      "abs",   "mod",
                                    "min",    "max", "pow", "step", "sign"};
   std::string name;
@@ -105,8 +105,15 @@ void write_table(std::string& out, const std::string& header, const std::vector<
 }
 
 void write_markers(std::string& out, const std::string& body, const std::vector<Marker>& markers) {
-  for (const Marker& marker : markers)
-    write_table(out, fmt::format("[{}.marker.{}]", body, marker.name), {}, pose_lines(marker.X_BM));
+  for (const Marker& marker : markers) {
+    std::vector<Line> lines = pose_lines(marker.X_BM);
+    if (!marker.on.empty()) {
+      lines.insert(lines.begin(), {"on", toml(marker.on)});
+      // Without a position it would stand where the interface does.
+      if (marker.X_BM.p.isZero(0.0)) lines.emplace_back("position", toml(marker.X_BM.p));
+    }
+    write_table(out, fmt::format("[{}.marker.{}]", body, marker.name), {}, lines);
+  }
 }
 
 std::vector<Line> body_lines(const Body& body) {

@@ -28,6 +28,7 @@ struct Pose {
 struct Marker {
   std::string name;
   Pose X_BM;
+  std::string on = {};  ///< interface of the body's superelement that carries it where the body deforms
 };
 
 /// Triangles for pictures, counter-clockwise from outside.
@@ -53,6 +54,8 @@ struct Body {
   Surface surface = {};                          ///< drawn by a rigid superelement where there is any
   std::vector<std::vector<Line>> shapes = {};  ///< simple solids of the mechanism file
   Pose X_WB = {};
+  /// Places of the superelement that become interfaces where the part is reduced; rigid it carries markers there.
+  std::vector<std::pair<std::string, Vector3d>> interfaces = {};
   std::string part = {};  ///< bodies of one part share its superelement, "parts/PART.se.h5"; empty: of its own
 
   const std::string& file() const { return part.empty() ? name : part; }

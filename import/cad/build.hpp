@@ -1,0 +1,25 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "import/cad/propose.hpp"
+#include "import/model/folder.hpp"
+
+namespace flexura::import::cad {
+
+struct BuildOptions {
+  ProposeOptions propose;
+  bool joints = true;        ///< propose them; otherwise every body but ground floats free
+  double density = 7850.0;  ///< of parts for which the file gives none [kg/m^3]
+};
+
+struct Built {
+  Mechanism mechanism;
+  std::vector<TextFile> texts;  ///< part files and their CAD files
+  Proposal proposal;
+};
+
+/// The assembly as a mechanism: a body for each instance in the frame of its part, a joint for each proposal, and for each
+/// distinct part its exact shape (.brep) and a part file whose interfaces are the faces that joints sit on.
+Built build(const Assembly& assembly, const std::string& name, const BuildOptions& options);
+
+}  // namespace flexura::import::cad

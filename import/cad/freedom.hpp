@@ -1,0 +1,44 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+/// What motion contacts leave to a body.
+///
+/// A contact at p with the unit normal n, pointing from body A to body B, allows the twists (omega, v at the world's origin)
+/// of B relative to A with n . (v + omega x p) >= 0.  All contacts together leave a convex cone. Two subspaces bound the
+/// freedom of a joint: the twists that keep every contact (the cone's lineality space, all rows = 0), and the span of the
+/// cone, that is all twists along which the body is not held from both sides (Reuleaux's form closure).  Where they
+/// agree the contacts alone make the joint; where they do not, something that is not drawn (weight, a spring, a clip)
+/// must hold the body against a contact.
+namespace flexura::import::cad {
+
+using Vector6d = Eigen::Matrix<double, 6, 1>;
+
+struct Contact {
+  Eigen::Vector3d p, n;  ///< in the world
+};
+
+struct Freedom {
+  Eigen::MatrixXd kept;  ///< 6 x k, orthonormal in the scaled twists: every contact kept
+  Eigen::MatrixXd open;  ///< 6 x m, m >= k: what no form closure forbids
+};
+
+/// Twists are (omega, v) at `centre`, lengths over `size`: of one magnitude.
+Freedom freedom_of(const std::vector<Contact>& contacts, const Eigen::Vector3d& centre, double size);
+
+/// Least squares min |A x - b| with x >= 0 (Lawson and Hanson, Solving Least Squares Problems, ch. 23).
+Eigen::VectorXd nonnegative_least_squares(const Eigen::MatrixXd& A, const Eigen::VectorXd& b);
+
+/// What kind of joint a space of relative twists is.
+struct JointForm {
+  enum class Type { fixed, revolute, prismatic, screw, cylindrical, universal, planar, spherical, other } type = Type::other;
+  Eigen::Vector3d point = Eigen::Vector3d::Zero();  ///< on the axis; the centre of a sphere
+  Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();  ///< axis, direction of sliding, normal of the plane
+};
+
+/// `twists`: 6 x k as of freedom_of, about `centre` with `size`.
+JointForm form_of(const Eigen::MatrixXd& twists, const Eigen::Vector3d& centre, double size);
+
+}  // namespace flexura::import::cad

@@ -1,0 +1,58 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+/// What flexura-import and its child flexura-assembly say to each other: a job as JSON on descriptor 0, the
+/// answer as CBOR on descriptor 3, progress on 4 (mesh/gmsh/job.hpp, whose descriptors these are). Lengths of the answer are m.
+namespace flexura::import::cad {
+
+struct AssemblyJob {
+  std::string path;
+  std::int64_t parent = 0;
+  double deflection = 0.002;  ///< of the pictures' triangles, part of the part's size
+};
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(AssemblyJob, path, parent, deflection)
+
+struct FaceAnswer {
+  int kind = 4;  ///< of mesh::FaceKind
+  double area = 0, radius = 0, length = 0;
+  bool hole = false;
+  std::array<double, 3> centroid{}, normal{}, axis_point{}, axis{};
+  std::vector<std::int32_t> triangles;
+};
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(FaceAnswer, kind, area, radius, length, hole, centroid, normal, axis_point, axis, triangles)
+
+struct PartAnswer {
+  std::string name, color, brep;
+  double density = 0, volume = 0;
+  int solids = 0;
+  std::array<double, 3> center{};
+  std::array<double, 9> moments{};
+  std::vector<double> vertices;
+  std::vector<std::int32_t> edges;
+  std::vector<FaceAnswer> faces;
+};
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(PartAnswer, name, color, brep, density, volume, solids, center, moments, vertices, edges, faces)
+
+struct InstanceAnswer {
+  int part = 0;
+  std::string name, path;
+  std::array<double, 9> R{};
+  std::array<double, 3> p{};
+};
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(InstanceAnswer, part, name, path, R, p)
+
+struct AssemblyAnswer {
+  std::string error;  ///< not empty: nothing else counts
+  std::vector<PartAnswer> parts;
+  std::vector<InstanceAnswer> instances;
+  std::vector<std::string> notes;
+};
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(AssemblyAnswer, error, parts, instances, notes)
+
+}  // namespace flexura::import::cad

@@ -1,0 +1,416 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "import/cad/propose.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
+#include <set>
+#include <stdexcept>
+
+#include "mbs/math/rotation.hpp"
+
+namespace flexura::import::cad {
+namespace {
+
+using Type = JointForm::Type;
+using mesh::FaceKind;
+using Eigen::MatrixXd;
+
+// Gaps that differ by less are one and the same: CAD's own tolerance.
+constexpr double kSameGap = 1e-6;
+
+std::string mm(double x) { return fmt::format("{:.4g} mm", 1e3 * x); }
+
+std::string evidence_of(const FacePair& p, const std::string& a, const std::string& b) {
+  if (p.kind == FaceKind::cylinder)
+    return fmt::format("{} {} of {} (face {}) in {} (face {}), {} long, gap {}", "shaft", mm(p.radius), p.shaft_in_a ? a : b,
+                       p.shaft_in_a ? p.face_a : p.face_b, p.shaft_in_a ? b : a, p.shaft_in_a ? p.face_b : p.face_a, mm(p.extent),
+                       mm(p.gap));
+  if (p.kind == FaceKind::sphere)
+    return fmt::format("ball of radius {} of {} (face {}) in {} (face {}), gap {}", mm(p.radius), p.shaft_in_a ? a : b,
+                       p.shaft_in_a ? p.face_a : p.face_b, p.shaft_in_a ? b : a, p.shaft_in_a ? p.face_b : p.face_a, mm(p.gap));
+  return fmt::format("plane on plane, {} (face {}) and {} (face {}), {:.4g} mm^2, gap {}", a, p.face_a, b, p.face_b, 1e6 * p.extent,
+                     mm(p.gap));
+}
+
+// Twists that the form allows, about `centre` in units of `size`, 6 x k.
+MatrixXd twists_of(const JointForm& form, const Vector3d& centre, double size) {
+  const auto turn = [&](const Vector3d& w) {
+    Vector6d t;
+    t << w, (form.point - centre).cross(w) / size;
+    return t;
+  };
+  const auto slide = [](const Vector3d& v) {
+    Vector6d t;
+    t << Vector3d::Zero(), v;
+    return t;
+  };
+  std::vector<Vector6d> columns;
+  const Matrix3d R = mbs::frame_along(form.axis);
+  switch (form.type) {
+    case Type::revolute: columns = {turn(form.axis)}; break;
+    case Type::prismatic: columns = {slide(form.axis)}; break;
+    case Type::cylindrical: columns = {turn(form.axis), slide(form.axis)}; break;
+    case Type::planar: columns = {turn(form.axis), slide(R.col(0)), slide(R.col(1))}; break;
+    case Type::spherical: columns = {turn(Vector3d::UnitX()), turn(Vector3d::UnitY()), turn(Vector3d::UnitZ())}; break;
+    default: break;
+  }
+  MatrixXd twists(6, static_cast<Eigen::Index>(columns.size()));
+  for (Eigen::Index k = 0; k < twists.cols(); ++k) twists.col(k) = columns[static_cast<std::size_t>(k)];
+  return twists;
+}
+
+class Proposer {
+ public:
+  Proposer(const Assembly& assembly, const std::vector<std::string>& names, const ProposeOptions& options)
+      : assembly_(assembly), names_(names), options_(options), n_(static_cast<int>(assembly.instances.size())) {
+    for (const Instance& i : assembly.instances) parts_.push_back(place(assembly.parts[static_cast<std::size_t>(i.part)], i.X_WP));
+    low_ = parts_.front().low;
+    high_ = parts_.front().high;
+    for (const PlacedPart& part : parts_) {
+      low_ = low_.cwiseMin(part.low);
+      high_ = high_.cwiseMax(part.high);
+    }
+    group_.resize(static_cast<std::size_t>(n_));
+    std::iota(group_.begin(), group_.end(), 0);
+  }
+
+  Proposal run() {
+    find_ground();
+    for (int a = 0; a < n_; ++a)
+      for (int b = a + 1; b < n_; ++b)
+        if (auto pairs = find_pairs(at(a), at(b), options_.clearance); !pairs.empty()) pairs_[{a, b}] = std::move(pairs);
+    fix_bolted();
+    do {
+      fix_what_is_held();
+    } while (fix_a_fastener() || fix_a_pin());
+    join_groups();
+    count();
+    return std::move(result_);
+  }
+
+ private:
+  using Key = std::pair<int, int>;
+
+  const PlacedPart& at(int i) const { return parts_[static_cast<std::size_t>(i)]; }
+  const std::string& name(int i) const { return names_[static_cast<std::size_t>(i)]; }
+  int group(int i) const { return group_[static_cast<std::size_t>(i)]; }
+
+  void find_ground() {
+    if (!options_.ground.empty()) {
+      std::vector<int> found;
+      for (int i = 0; i < n_; ++i)
+        if (name(i) == options_.ground || assembly_.instances[static_cast<std::size_t>(i)].name == options_.ground) found.push_back(i);
+      if (found.size() != 1) {
+        std::string list;
+        for (int i = 0; i < std::min(n_, 12); ++i) list += (i > 0 ? ", " : "") + name(i);
+        throw std::invalid_argument(fmt::format("--ground {}: {} bodies of the assembly are called so; it has {}{}", shown(options_.ground),
+                                                found.size(), list, n_ > 12 ? ", ..." : ""));
+      }
+      result_.ground = found.front();
+      return;
+    }
+    double largest = -1.0;
+    for (int i = 0; i < n_; ++i)
+      if (const double box = (at(i).high - at(i).low).prod(); box > largest) {
+        largest = box;
+        result_.ground = i;
+      }
+  }
+
+  void merge(int a, int b) {
+    const int from = group(b), to = group(a);
+    for (int& g : group_)
+      if (g == from) g = to;
+  }
+
+  void fix(int a, int b, Confidence confidence, std::vector<std::string> evidence, std::string doubt, const std::vector<FacePair>& pairs) {
+    ProposedJoint joint{.a = a, .b = b, .confidence = confidence, .evidence = std::move(evidence), .doubt = std::move(doubt)};
+    joint.form.type = Type::fixed;
+    joint.form.point = pairs.empty() ? Vector3d(0.5 * (at(b).low + at(b).high)) : pairs.front().point;
+    for (const FacePair& p : pairs) {
+      joint.faces.emplace_back(a, p.face_a);
+      joint.faces.emplace_back(b, p.face_b);
+    }
+    result_.joints.push_back(std::move(joint));
+    merge(a, b);
+  }
+
+  void fix_bolted() {
+    for (const auto& [key, pairs] : pairs_) {
+      const auto [a, b] = key;
+      if (group(a) == group(b)) continue;
+      for (const FacePair& p : pairs) {
+        if (p.kind != FaceKind::plane) continue;
+        const auto axes = common_hole_axes(at(a), at(b), p.axis, options_.clearance);
+        if (axes.size() < 2) continue;
+        fix(a, b, Confidence::high, {fmt::format("{} holes in common across one plane: bolted", axes.size()), evidence_of(p, name(a), name(b))},
+            "", {p});
+        break;
+      }
+    }
+  }
+
+  // The groups' contacts, first to second; of both orders of instances.
+  std::map<Key, std::vector<const std::pair<const Key, std::vector<FacePair>>*>> between_groups() const {
+    std::map<Key, std::vector<const std::pair<const Key, std::vector<FacePair>>*>> between;
+    for (const auto& entry : pairs_) {
+      const int ga = group(entry.first.first), gb = group(entry.first.second);
+      if (ga != gb) between[{std::min(ga, gb), std::max(ga, gb)}].push_back(&entry);
+    }
+    return between;
+  }
+
+  struct Joined {
+    Freedom freedom;
+    Vector3d centre;
+    double size;
+    std::vector<std::string> evidence;
+    bool overlap = false;
+  };
+
+  template <class Entries>
+  Joined joined(const Key& groups, const Entries& entries) const {
+    std::vector<Contact> contacts;
+    Joined result;
+    for (const auto* entry : entries) {
+      const auto [a, b] = entry->first;
+      const double sign = group(a) == groups.first ? 1.0 : -1.0;
+      for (const FacePair& pair : entry->second) {
+        for (Contact c : pair.contacts) {
+          c.n *= sign;
+          contacts.push_back(c);
+        }
+        result.evidence.push_back(evidence_of(pair, name(a), name(b)));
+        result.overlap = result.overlap || pair.gap < -kSameGap;
+      }
+    }
+    result.centre.setZero();
+    for (const Contact& c : contacts) result.centre += c.p / static_cast<double>(contacts.size());
+    result.size = 0.0;
+    for (const Contact& c : contacts) result.size = std::max(result.size, (c.p - result.centre).norm());
+    result.size = std::max(result.size, 1e-9);
+    result.freedom = freedom_of(contacts, result.centre, result.size);
+    return result;
+  }
+
+  void fix_what_is_held() {
+    for (bool again = true; again;) {
+      again = false;
+      for (const auto& [groups, entries] : between_groups()) {
+        const Joined j = joined(groups, entries);
+        if (j.freedom.kept.cols() > 0) continue;
+        const bool closed = j.freedom.open.cols() == 0;
+        const auto [a, b] = entries.front()->first;
+        fix(a, b, closed ? Confidence::high : Confidence::low, j.evidence,
+            closed ? "" : "nothing drawn presses them together: they could come apart", entries.front()->second);
+        again = true;
+        break;
+      }
+    }
+  }
+
+  // Every face turns into itself about the axis; small ones of no known kind (fillets) may be anything.
+  bool is_of_revolution(int i, const Vector3d& point, const Vector3d& axis) const {
+    double odd = 0.0, all = 0.0;
+    for (const PlacedFace& f : at(i).faces) {
+      all += f.face->shape.area;
+      const Vector3d off = f.point - point;
+      const bool on_axis = (off - axis * axis.dot(off)).norm() < options_.clearance;
+      const bool fits = f.kind == FaceKind::plane                                        ? f.normal.cross(axis).norm() < 1e-3
+                        : f.kind == FaceKind::cylinder || f.kind == FaceKind::cone ? f.axis.cross(axis).norm() < 1e-3 && on_axis
+                        : f.kind == FaceKind::sphere                                     ? on_axis
+                                                                                         : false;
+      if (!fits) odd += f.face->shape.area;
+    }
+    return odd < 0.2 * all;
+  }
+
+  struct Seat {
+    int other = -1;
+    double gap = 1e300, length = 0.0;
+    const std::vector<FacePair>* pairs = nullptr;
+  };
+
+  // The one axis on which a body alone in its group runs in others, and where; nothing where there is none.
+  std::vector<Seat> seats_on_one_axis(int i, bool& has_shoulder) const {
+    if (std::ranges::count(group_, group(i)) != 1 || i == result_.ground) return {};
+    std::vector<Seat> seats;
+    const FacePair* first = nullptr;
+    has_shoulder = false;
+    for (const auto& [key, pairs] : pairs_) {
+      if (key.first != i && key.second != i) continue;
+      Seat seat{.other = key.first == i ? key.second : key.first, .pairs = &pairs};
+      for (const FacePair& p : pairs) {
+        if (p.kind == FaceKind::sphere) return {};
+        if (p.kind == FaceKind::plane) {
+          has_shoulder = true;
+          continue;
+        }
+        if (p.shaft_in_a != (key.first == i)) return {};  // it is the bore
+        if (first == nullptr) first = &p;
+        const Vector3d off = p.point - first->point;
+        if (p.axis.cross(first->axis).norm() > 1e-3 || (off - first->axis * first->axis.dot(off)).norm() > options_.clearance) return {};
+        seat.gap = std::min(seat.gap, p.gap);
+        seat.length += p.extent;
+      }
+      if (seat.length > 0.0) seats.push_back(seat);
+    }
+    if (first == nullptr || !is_of_revolution(i, first->point, first->axis)) return {};
+    return seats;
+  }
+
+  bool fix_a_fastener() {
+    for (int i = 0; i < n_; ++i) {
+      bool has_shoulder = false;
+      const auto seats = seats_on_one_axis(i, has_shoulder);
+      if (seats.size() < 2 || !has_shoulder) continue;
+      std::set<int> groups;
+      for (const Seat& seat : seats) groups.insert(group(seat.other));
+      if (groups.size() != 1) continue;
+      const auto touch = [&](int a, int b) { return pairs_.contains({std::min(a, b), std::max(a, b)}); };
+      if (!touch(seats[0].other, seats[1].other)) continue;  // a shaft through two bearings
+      fix_seat(i, seats[0], Confidence::medium, "a body of revolution through parts that are fixed to one another: a fastener", "it could turn");
+      return true;
+    }
+    return false;
+  }
+
+  bool fix_a_pin() {
+    for (int i = 0; i < n_; ++i) {
+      bool has_shoulder = false;
+      auto seats = seats_on_one_axis(i, has_shoulder);
+      std::set<int> groups;
+      for (const Seat& seat : seats) groups.insert(group(seat.other));
+      if (groups.size() < 2) continue;
+      std::ranges::stable_sort(seats, [](const Seat& x, const Seat& y) {
+        return std::abs(x.gap - y.gap) > kSameGap ? x.gap < y.gap : x.length > y.length + kSameGap;
+      });
+      const auto next = std::ranges::find_if(seats, [&](const Seat& s) { return group(s.other) != group(seats[0].other); });
+      const bool tighter = next->gap - seats[0].gap > kSameGap;
+      fix_seat(i, seats[0], tighter ? Confidence::high : Confidence::medium,
+               fmt::format("a pin: its own spin moves nothing, so it is fixed where it {}", tighter ? "fits tightest" : "sits longest"),
+               tighter ? "" : fmt::format("it fits {} as tightly; where it turns changes no motion of the others", name(next->other)));
+      return true;
+    }
+    return false;
+  }
+
+  void fix_seat(int i, const Seat& seat, Confidence confidence, const std::string& rule, const std::string& doubt) {
+    std::vector<std::string> evidence = {rule};
+    const int a = std::min(i, seat.other), b = std::max(i, seat.other);
+    for (const FacePair& p : *seat.pairs) evidence.push_back(evidence_of(p, name(a), name(b)));
+    fix(a, b, confidence, std::move(evidence), doubt, *seat.pairs);
+  }
+
+  void join_groups() {
+    std::vector<std::pair<ProposedJoint, Key>> loose;
+    std::set<int> has_joint;
+    for (const auto& [groups, entries] : between_groups()) {
+      const Joined j = joined(groups, entries);
+      const auto [a, b] = entries.front()->first;
+      ProposedJoint joint{.a = a, .b = b, .evidence = j.evidence};
+      joint.form = form_of(j.freedom.kept, j.centre, j.size);
+      const auto more = j.freedom.open.cols() - j.freedom.kept.cols();
+      joint.confidence = more == 0 ? Confidence::high : Confidence::medium;
+      if (more > 0)
+        joint.doubt = fmt::format("held from one side only: {} {} more if it lifts off", more, more == 1 ? "freedom" : "freedoms");
+      if (j.overlap) {
+        joint.confidence = Confidence::low;
+        joint.doubt += std::string(joint.doubt.empty() ? "" : "; ") + "the faces overlap: a press fit, or a thread, would hold it";
+      }
+      for (const auto* entry : entries)
+        for (const FacePair& p : entry->second) {
+          joint.faces.emplace_back(entry->first.first, p.face_a);
+          joint.faces.emplace_back(entry->first.second, p.face_b);
+        }
+      if (twists_of(joint.form, j.centre, j.size).cols() == 0) {
+        result_.doubts.push_back(fmt::format("{} and {} touch and keep {} freedoms that no joint has: none is proposed ({})", name(a), name(b),
+                                             j.freedom.kept.cols(), fmt::join(j.evidence, "; ")));
+        continue;
+      }
+      if (j.freedom.open.cols() == 6) {
+        loose.emplace_back(std::move(joint), groups);
+        continue;
+      }
+      has_joint.insert({groups.first, groups.second});
+      result_.joints.push_back(std::move(joint));
+    }
+    for (auto& [joint, groups] : loose) {
+      const int ground = group(result_.ground);
+      const bool first_held = groups.first == ground || has_joint.contains(groups.first),
+                 second_held = groups.second == ground || has_joint.contains(groups.second);
+      if (first_held && second_held) {
+        result_.doubts.push_back(fmt::format("{} and {} touch from one side only: a contact, not a joint ({})", name(joint.a), name(joint.b),
+                                             fmt::join(joint.evidence, "; ")));
+        continue;
+      }
+      joint.confidence = Confidence::low;
+      joint.doubt = "nothing but this contact holds it: it could lift off";
+      has_joint.insert({groups.first, groups.second});
+      result_.joints.push_back(std::move(joint));
+    }
+    std::set<int> alone;
+    for (int i = 0; i < n_; ++i)
+      if (group(i) != group(result_.ground) && !has_joint.contains(group(i)) && alone.insert(group(i)).second)
+        result_.doubts.push_back(fmt::format("{} touches nothing within {} and floats free; a larger --clearance may find what holds it", name(i),
+                                             mm(options_.clearance)));
+  }
+
+  // Rank of all joints' rows in the groups' twists, joint by joint.
+  void count() {
+    const Vector3d centre = 0.5 * (low_ + high_);
+    const double size = std::max(1e-9, 0.5 * (high_ - low_).norm());
+    std::map<int, int> column;
+    for (int i = 0; i < n_; ++i)
+      if (group(i) != group(result_.ground)) column.emplace(group(i), 0);
+    int next = 0;
+    for (auto& [g, c] : column) c = 6 * next++;
+    MatrixXd all(0, 6 * next);
+    int rank = 0;
+    for (ProposedJoint& joint : result_.joints) {
+      if (joint.form.type == Type::fixed) continue;
+      const MatrixXd S = twists_of(joint.form, centre, size);
+      const Eigen::HouseholderQR<MatrixXd> qr(S);
+      const MatrixXd N = (qr.householderQ() * MatrixXd::Identity(6, 6)).rightCols(6 - S.cols()).transpose();
+      const Eigen::Index first = all.rows();
+      all.conservativeResize(first + N.rows(), Eigen::NoChange);
+      all.bottomRows(N.rows()).setZero();
+      if (const auto c = column.find(group(joint.b)); c != column.end()) all.block(first, c->second, N.rows(), 6) += N;
+      if (const auto c = column.find(group(joint.a)); c != column.end()) all.block(first, c->second, N.rows(), 6) -= N;
+      Eigen::ColPivHouseholderQR<MatrixXd> solver(all);
+      solver.setThreshold(1e-6);
+      const int now = all.cols() == 0 ? 0 : static_cast<int>(solver.rank());
+      joint.redundant = static_cast<int>(N.rows()) - (now - rank);
+      rank = now;
+    }
+    result_.freedom = 6 * next - rank;
+  }
+
+  const Assembly& assembly_;
+  const std::vector<std::string>& names_;
+  const ProposeOptions& options_;
+  const int n_;
+  std::vector<PlacedPart> parts_;
+  std::map<Key, std::vector<FacePair>> pairs_;
+  std::vector<int> group_;
+  Vector3d low_, high_;
+  Proposal result_;
+};
+
+}  // namespace
+
+const char* name_of(Confidence confidence) {
+  return confidence == Confidence::high ? "high" : confidence == Confidence::medium ? "medium" : "low";
+}
+
+Proposal propose(const Assembly& assembly, const std::vector<std::string>& names, const ProposeOptions& options) {
+  return Proposer(assembly, names, options).run();
+}
+
+}  // namespace flexura::import::cad

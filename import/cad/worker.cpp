@@ -1,0 +1,66 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+
+// flexura-assembly: the child process in which OpenCASCADE reads an assembly (see job.hpp). A file that crashes or hangs it
+// ends this process only.
+#include <signal.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <iostream>
+#include <iterator>
+#include <new>
+
+#include "import/cad/job.hpp"
+#include "import/cad/worker_assembly.hpp"
+#include "mesh/gmsh/job.hpp"
+
+namespace flexura::import::cad {
+namespace {
+
+// As flexura-mesh: what a damaged file asks for must end in a refusal.
+void limit_memory() {
+#ifndef __SANITIZE_ADDRESS__  // its shadow takes terabytes of addresses
+  const auto memory = static_cast<rlim_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<rlim_t>(sysconf(_SC_PAGESIZE));
+  const rlimit most{memory, memory};
+  setrlimit(RLIMIT_AS, &most);
+#endif
+}
+
+int work() {
+  const std::string text{std::istreambuf_iterator<char>(std::cin), {}};
+  const AssemblyJob job = nlohmann::json::parse(text).get<AssemblyJob>();
+  limit_memory();
+  prctl(PR_SET_PDEATHSIG, SIGKILL);
+  if (getppid() != job.parent) return 1;  // the parent went before the line above took hold
+  AssemblyAnswer answer;
+  try {
+    read_step(job, answer);
+  } catch (const std::bad_alloc&) {
+    answer.error = "asks for more memory than there is; is it damaged?";
+  } catch (const std::exception& e) {
+    answer.error = e.what();
+  } catch (...) {
+    answer.error = "made OpenCASCADE fail without a reason";
+  }
+  const std::vector<std::uint8_t> bytes = nlohmann::json::to_cbor(nlohmann::json(answer));
+  for (std::size_t done = 0; done < bytes.size();) {
+    const ssize_t n = write(mesh::kResultDescriptor, bytes.data() + done, bytes.size() - done);
+    if (n <= 0) return 1;
+    done += static_cast<std::size_t>(n);
+  }
+  std::cout.flush();
+  _exit(0);  // the kernel's own clean-up takes time; the answer is complete
+}
+
+}  // namespace
+}  // namespace flexura::import::cad
+
+int main() {
+  try {
+    return flexura::import::cad::work();
+  } catch (const std::exception& e) {
+    std::cerr << "flexura-assembly works for flexura-import and is not started by hand: " << e.what() << '\n';
+    return 2;
+  }
+}

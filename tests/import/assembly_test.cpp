@@ -1,0 +1,330 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+
+// Assemblies drawn here, whose joints and degrees of freedom are known, imported as a user does it.
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <fstream>
+#include <map>
+#include <numbers>
+#include <set>
+#include <sstream>
+
+#include "cases/assembly/drawing.hpp"
+#include "mbs/superelement/file.hpp"
+#include "tests/import/robot_run.hpp"
+
+namespace flexura::test {
+namespace {
+
+namespace fs = std::filesystem;
+using namespace drawing;
+using testing::HasSubstr;
+using testing::Not;
+using testing::Pair;
+using testing::UnorderedElementsAre;
+
+const gp_Dir kX(1, 0, 0), kY(0, 1, 0), kZ(0, 0, 1);
+
+struct Import {
+  Outcome outcome;
+  std::string mechanism;
+  std::map<std::string, std::string> joints;  ///< name and type, but for that to the ground
+  int freedom = -1;
+};
+
+Import import(const Folder& folder, const std::string& step, std::vector<std::string> words = {}) {
+  Import result;
+  words.insert(words.begin(), {"import", step, "-o", folder / "out"});
+  result.outcome = run("flexura", words);
+  if (result.outcome.exit_code != 0) return result;
+  result.mechanism = read_text(folder / "out/mechanism.toml");
+  std::istringstream lines(result.mechanism);
+  std::string joint;
+  for (std::string line; std::getline(lines, line);) {
+    if (line.starts_with("[")) joint = line.starts_with("[joint.") ? line.substr(7, line.size() - 8) : "";
+    if (!joint.empty() && joint != "to_ground" && line.starts_with("type = ")) result.joints[joint] = line.substr(8, line.size() - 9);
+  }
+  const auto at = result.outcome.out.find("degrees of freedom: ");
+  if (at != std::string::npos) result.freedom = std::stoi(result.outcome.out.substr(at + 20));
+  // Whatever is proposed runs.
+  const Outcome ran = run("flexura", {"simulate", folder / "out/mechanism.toml", "-o", folder / "out.h5", "--end-time", "0.002", "--no-estimate"});
+  EXPECT_EQ(ran.exit_code, 0) << ran.err;
+  return result;
+}
+
+Import import(const Folder& folder, Assembly& assembly, const std::vector<std::string>& words = {}) {
+  assembly.write(folder / "a.step");
+  return import(folder, (folder / "a.step").string(), words);
+}
+
+TopoDS_Shape plate(double hole) { return box({-30, -30, 0}, {30, 30, 10}) - cylinder({0, 0, 0}, kZ, hole, 10); }
+
+TEST(AssemblyImport, ShaftWithShouldersOnBothSidesIsAHinge) {
+  const Folder folder;
+  Assembly a("hinge");
+  a.place(a.part("plate", plate(5.0)), at({0, 0, 0}));
+  a.place(a.part("spool", cylinder({0, 0, -5}, kZ, 8, 5) + cylinder({0, 0, 0}, kZ, 5, 10) + cylinder({0, 0, 10}, kZ, 8, 5)), at({0, 0, 0}));
+  const Import i = import(folder, a);
+  EXPECT_EQ(i.outcome.exit_code, 0) << i.outcome.err;
+  EXPECT_THAT(i.joints, UnorderedElementsAre(Pair("plate_spool", "revolute")));
+  EXPECT_EQ(i.freedom, 1);
+  EXPECT_THAT(i.mechanism, HasSubstr("# confidence high\n# "));
+}
+
+TEST(AssemblyImport, WithoutShouldersItSlidesTooWithOneItMightLiftOff) {
+  const Folder folder, second;
+  Assembly a("bush");
+  a.place(a.part("plate", plate(5.05)), at({0, 0, 0}));
+  a.place(a.part("rod", cylinder({0, 0, -20}, kZ, 5, 50)), at({0, 0, 0}));
+  Import i = import(folder, a);
+  EXPECT_THAT(i.joints, UnorderedElementsAre(Pair("plate_rod", "cylindrical")));
+  EXPECT_EQ(i.freedom, 2);
+  Assembly b("one shoulder");
+  b.place(b.part("plate", plate(5.0)), at({0, 0, 0}));
+  b.place(b.part("rod", cylinder({0, 0, -20}, kZ, 5, 30) + cylinder({0, 0, 10}, kZ, 8, 5)), at({0, 0, 0}));
+  i = import(second, b);
+  EXPECT_THAT(i.joints, UnorderedElementsAre(Pair("plate_rod", "revolute")));
+  EXPECT_THAT(i.mechanism, HasSubstr("confidence medium: held from one side only"));
+}
+
+TEST(AssemblyImport, ClearanceDecidesWhatTouches) {
+  const Folder folder, wide;
+  Assembly a("loose");
+  a.place(a.part("plate", plate(5.4)), at({0, 0, 0}));
+  a.place(a.part("rod", cylinder({0, 0, -20}, kZ, 5, 50)), at({0, 0, 0}));
+  Import i = import(folder, a);
+  EXPECT_TRUE(i.joints.empty());
+  EXPECT_THAT(i.outcome.err, HasSubstr("rod touches nothing within 0.2 mm and floats free"));
+  EXPECT_EQ(i.freedom, 6);
+  i = import(wide, (folder / "a.step").string(), {"--clearance", "0.5 mm"});
+  EXPECT_THAT(i.joints, UnorderedElementsAre(Pair("plate_rod", "cylindrical")));
+}
+
+TEST(AssemblyImport, BallInASocketBarInAHole) {
+  const Folder folder, second;
+  Assembly a("ball");
+  a.place(a.part("socket", box({-20, -20, -20}, {20, 20, 5}) - sphere({0, 0, 0}, 12)), at({0, 0, 0}));
+  a.place(a.part("stud", sphere({0, 0, 0}, 12) + cylinder({0, 0, 8}, kZ, 4, 30)), turned({0, 0, 0}, kX, 0.3));
+  Import i = import(folder, a);
+  EXPECT_THAT(i.joints, UnorderedElementsAre(Pair("socket_stud", "spherical")));
+  EXPECT_EQ(i.freedom, 3);
+  Assembly b("slide");
+  b.place(b.part("guide", box({-20, -20, 0}, {20, 20, 30}) - box({-6, -4, 0}, {6, 4, 30})), turned({5, 6, 7}, kY, 0.4));
+  b.place(b.part("bar", box({-6, -4, -20}, {6, 4, 60})), turned({5, 6, 7}, kY, 0.4));
+  i = import(second, b, {"--ground", "guide"});
+  EXPECT_THAT(i.joints, UnorderedElementsAre(Pair("guide_bar", "prismatic")));
+  EXPECT_EQ(i.freedom, 1);
+}
+
+TEST(AssemblyImport, BoltedPlatesAreFixedWithTheirBolts) {
+  const Folder folder;
+  Assembly a("bolted");
+  const auto holes = [](const TopoDS_Shape& shape, double z, double length, double radius) {
+    return shape - cylinder({-20, 0, z}, kZ, radius, length) - cylinder({20, 0, z}, kZ, radius, length);
+  };
+  a.place(a.part("lower", holes(box({-30, -10, -20}, {30, 10, 0}), -15, 15, 2.5)), at({0, 0, 0}));
+  a.place(a.part("upper", holes(box({-30, -10, 0}, {30, 10, 8}), 0, 8, 2.5)), at({0, 0, 0}));
+  const TDF_Label bolt = a.part("bolt", cylinder({0, 0, -20}, kZ, 2.5, 20) + cylinder({0, 0, 0}, kZ, 4.5, 3));
+  a.place(bolt, at({-20, 0, 8}));
+  a.place(bolt, at({20, 0, 8}));
+  const Import i = import(folder, a);
+  EXPECT_EQ(i.joints.size(), 3U);
+  for (const auto& [name, type] : i.joints) EXPECT_EQ(type, "fixed") << name;
+  EXPECT_EQ(i.freedom, 0);
+  EXPECT_TRUE(fs::exists(folder / "out/parts/bolt.se.h5"));
+  EXPECT_FALSE(fs::exists(folder / "out/parts/bolt_2.se.h5"));  // one part, two bodies
+  EXPECT_THAT(i.mechanism, HasSubstr("[body.bolt_2]"));
+}
+
+// Four bars with pins: a body of revolution that runs in two bars is fixed to one, the loop has one freedom and the
+// three rows too many of every plane loop of hinges.
+TEST(AssemblyImport, FourBarLinkageOfPlatesAndPinsHasOneFreedom) {
+  const Folder folder;
+  Assembly a("four bar");
+  // Bars along x with a bore at either end, in two layers; ends spread so that it is no parallelogram.
+  const auto bar = [](double length, double z) {
+    return box({-8, -6, z}, {length + 8, 6, z + 5}) - cylinder({0, 0, z}, kZ, 3, 5) - cylinder({length, 0, z}, kZ, 3, 5);
+  };
+  const gp_Pnt A(0, 0, 0), D(80, 0, 0), B(20, 30, 0);
+  // C: 70 from B, 50 from D.
+  const double d = B.Distance(D), along = (70.0 * 70.0 - 50.0 * 50.0 + d * d) / (2.0 * d), off = std::sqrt(70.0 * 70.0 - along * along);
+  const double ux = (D.X() - B.X()) / d, uy = (D.Y() - B.Y()) / d;
+  const gp_Pnt C(B.X() + along * ux - off * uy, B.Y() + along * uy + off * ux, 0);
+  const auto place = [&](const char* name, const gp_Pnt& from, const gp_Pnt& to, double z) {
+    a.place(a.part(name, bar(from.Distance(to), z)), turned(from, kZ, std::atan2(to.Y() - from.Y(), to.X() - from.X())));
+  };
+  place("frame", A, D, 0);
+  place("crank", A, B, 5);
+  place("coupler", B, C, 0);
+  place("rocker", D, C, 5);
+  const TDF_Label pin = a.part("pin", cylinder({0, 0, -3}, kZ, 6, 3) + cylinder({0, 0, 0}, kZ, 3, 10) + cylinder({0, 0, 10}, kZ, 6, 3));
+  for (const gp_Pnt& p : {A, B, C, D}) a.place(pin, at(p));
+  const Import i = import(folder, a, {"--ground", "frame"});
+  EXPECT_EQ(i.outcome.exit_code, 0) << i.outcome.err;
+  int hinges = 0, fixed = 0;
+  for (const auto& [name, type] : i.joints) {
+    hinges += type == "revolute" ? 1 : 0;
+    fixed += type == "fixed" ? 1 : 0;
+  }
+  EXPECT_EQ(hinges, 4);
+  EXPECT_EQ(fixed, 4);
+  EXPECT_EQ(i.joints.size(), 8U);
+  EXPECT_EQ(i.freedom, 1);
+  // The solver says the same.
+  const Outcome check = run("flexura", {"check", folder / "out/mechanism.toml"});
+  EXPECT_THAT(check.out, testing::ContainsRegex("redundant constraints +3"));
+}
+
+// 20 x 30 x 40 mm less a bore of 5 mm radius: mass, centre and inertia by formulas; in the file's inches and with
+// its density.
+TEST(AssemblyImport, MassPropertiesAreThoseOfTheExactShape) {
+  const Folder folder;
+  Assembly a("drilled");
+  a.place(a.part("block", box({0, 0, 0}, {20, 30, 40}) - cylinder({10, 12, 0}, kZ, 5, 40), 2700.0, "#FF8000"), at({100, 0, 0}));
+  a.write(folder / "inch.step", "INCH");
+  const Import i = import(folder, (folder / "inch.step").string());
+  ASSERT_EQ(i.outcome.exit_code, 0) << i.outcome.err;
+  EXPECT_THAT(i.outcome.err, Not(HasSubstr("no density")));
+  EXPECT_THAT(i.mechanism, HasSubstr("colour #FF"));
+  EXPECT_THAT(i.mechanism, HasSubstr("position = [0.1"));
+  const auto se = superelement::read(folder / "out/parts/block.se.h5");
+  const double rho = 2700.0, mb = rho * 0.02 * 0.03 * 0.04, mc = rho * std::numbers::pi * 25e-6 * 0.04, m = mb - mc;
+  // The faces are exact; what is lost is the file's 15 digits in inches and the integration.
+  EXPECT_NEAR(se.inertia.mass, m, 1e-8 * m);
+  const double y = (mb * 0.015 - mc * 0.012) / m;
+  EXPECT_NEAR(se.inertia.S_x.y() / m, y, 1e-9);
+  EXPECT_NEAR(se.inertia.S_x.x() / m, 0.01, 1e-9);
+  const double xx = mb * 0.02 * 0.02 / 3.0 - mc * (0.25 * 25e-6 + 0.01 * 0.01);
+  EXPECT_NEAR(se.inertia.S_xx(0, 0), xx, 1e-8 * xx);
+  const double xy = mb * 0.01 * 0.015 - mc * 0.01 * 0.012;
+  EXPECT_NEAR(se.inertia.S_xx(0, 1), xy, 1e-8 * xy);
+}
+
+TEST(AssemblyImport, SubassembliesPlaceWhatTheyHold) {
+  const Folder folder;
+  Assembly a("nest");
+  const TDF_Label inner = a.group("inner"), outer = a.group("outer"), cube = a.part("cube", box({-1, -1, -1}, {1, 1, 1}));
+  a.place(inner, cube, at({10, 0, 0}));
+  a.place(outer, inner, turned({0, 20, 0}, kZ, std::numbers::pi / 2));
+  a.place(outer, at({0, 0, 30}));
+  a.place(a.part("base", box({-50, -50, -60}, {50, 50, -50})), at({0, 0, 0}));
+  const Import i = import(folder, a);
+  // (10, 0, 0) turned by 90 degrees: (0, 10, 0); then (0, 20, 0) and (0, 0, 30).
+  EXPECT_THAT(i.mechanism, HasSubstr("of nest / outer / inner"));
+  const results::Run r = results::read(folder / "out.h5").runs.at(0);
+  EXPECT_NEAR(body(r, "cube").pose(0, 0), 0.0, 1e-12);
+  EXPECT_NEAR(body(r, "cube").pose(0, 1), 0.03, 1e-12);
+  EXPECT_NEAR(body(r, "cube").pose(0, 2), 0.03, 1e-12);
+}
+
+TEST(AssemblyImport, JointsNoneLeavesTheBodiesFree) {
+  const Folder folder;
+  Assembly a("two");
+  a.place(a.part("plate", plate(5.0)), at({0, 0, 0}));
+  a.place(a.part("rod", cylinder({0, 0, -20}, kZ, 5, 50)), at({0, 0, 0}));
+  const Import i = import(folder, a, {"--joints", "none", "--ground", "rod"});
+  EXPECT_TRUE(i.joints.empty());
+  EXPECT_THAT(i.mechanism, HasSubstr("to = \"rod.ground\""));
+}
+
+// The engine of cases/assembly: block, crank, rod, piston in a closed loop, and what is bolted to them.
+class Engine : public testing::Test {};
+
+TEST_F(Engine, IsASliderCrankWithOneFreedom) {
+  const Folder folder;
+  const Import i = import(folder, FLEXURA_SOURCE_DIR "/cases/assembly/engine.step");
+  ASSERT_EQ(i.outcome.exit_code, 0) << i.outcome.err;
+  std::map<std::string, std::string> moving;
+  for (const auto& [name, type] : i.joints)
+    if (type != "fixed") moving[name] = type;
+  EXPECT_THAT(moving, UnorderedElementsAre(Pair("block_crankshaft", "revolute"), Pair("crankshaft_connecting_rod", "revolute"),
+                                           Pair("connecting_rod_piston_pin", "cylindrical"), Pair("block_piston", "cylindrical")));
+  EXPECT_EQ(i.joints.size() - moving.size(), 13U);
+  EXPECT_EQ(i.freedom, 1);
+  // Driven, its piston moves by r cos a + sqrt(l^2 - r^2 sin^2 a); the crank stands at 60 degrees.
+  const Outcome driven = run("flexura", {"simulate", folder / "out/mechanism.toml", "-o", folder / "e.h5", "--no-estimate", "--set",
+                                         "solver.method=kinematics", "solver.output_step=0.02", "joint.block_crankshaft.drive=6*t"});
+  ASSERT_EQ(driven.exit_code, 0) << driven.err;
+  const results::Run r = results::read(folder / "e.h5").runs.at(0);
+  const auto& piston = body(r, "piston").pose;
+  const auto& crank = body(r, "crankshaft").pose;
+  const double radius = 0.025, length = 0.1;
+  double least = 1.0, most = 0.0;
+  for (Eigen::Index row = 0; row < r.time.size(); ++row) {
+    const Eigen::Quaterniond q(crank(row, 3), crank(row, 4), crank(row, 5), crank(row, 6));
+    const Eigen::Vector3d pin = q * Eigen::Vector3d(0, 0, radius);
+    // STEP keeps placements to some 1e-9 m.
+    EXPECT_NEAR(piston(row, 2), pin.z() + std::sqrt(length * length - pin.x() * pin.x()), 1e-8);
+    least = std::min(least, piston(row, 2));
+    most = std::max(most, piston(row, 2));
+  }
+  EXPECT_NEAR(most - least, 2 * radius, 1e-3);  // nearly a turn, in steps of 7 degrees
+}
+
+struct BadStep {
+  std::string name, text, says;
+};
+
+class BadAssembly : public testing::TestWithParam<BadStep> {};
+
+TEST_P(BadAssembly, EndsInOneSentenceAndWritesNothing) {
+  const Folder folder;
+  const auto file = folder.write("a.step", GetParam().text);
+  const Outcome outcome = run("flexura", {"import", file, "-o", folder / "out"});
+  EXPECT_EQ(outcome.exit_code, 2) << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr(GetParam().says));
+  EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+  EXPECT_FALSE(fs::exists(folder / "out"));
+}
+
+std::string engine_text() { return read_text(FLEXURA_SOURCE_DIR "/cases/assembly/engine.step"); }
+
+INSTANTIATE_TEST_SUITE_P(All, BadAssembly,
+                         testing::Values(BadStep{"empty", "", "is no STEP file"}, BadStep{"text", "hello", "is no STEP file"},
+                                         BadStep{"header_alone", "ISO-10303-21;\nHEADER;\nENDSEC;\n", "a.step"},
+                                         BadStep{"no_data", "ISO-10303-21;\nHEADER;\nFILE_DESCRIPTION((''),'2;1');\nFILE_NAME('','',(''),(''),'','','');\n"
+                                                            "FILE_SCHEMA(('AUTOMOTIVE_DESIGN'));\nENDSEC;\nDATA;\nENDSEC;\nEND-ISO-10303-21;\n", "a.step"}),
+                         [](const auto& info) { return info.param.name; });
+
+TEST(AssemblyImport, CutShortItEndsInASentenceOrIsWhatIsLeft) {
+  const Folder folder;
+  const std::string whole = engine_text();
+  for (const double part : {0.3, 0.9}) {
+    const auto file = folder.write("cut.step", whole.substr(0, static_cast<std::size_t>(part * static_cast<double>(whole.size()))));
+    const Outcome outcome = run("flexura", {"import", file, "-o", folder / "cut"});
+    EXPECT_EQ(outcome.exit_code, 2) << outcome.err << outcome.out;
+    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+    EXPECT_FALSE(fs::exists(folder / "cut"));
+  }
+}
+
+TEST(AssemblyImport, UnknownGroundAndForeignOptionsAreRefused) {
+  const Folder folder;
+  const std::string engine = FLEXURA_SOURCE_DIR "/cases/assembly/engine.step";
+  EXPECT_THAT(run("flexura", {"import", engine, "-o", folder / "out", "--ground", "bolt"}).err, HasSubstr("0 bodies of the assembly are called so; it has"));
+  EXPECT_THAT(run("flexura", {"import", engine, "-o", folder / "out", "--base", "fixed"}).err, HasSubstr("--base is for robots"));
+  EXPECT_THAT(run("flexura", {"import", engine, "-o", folder / "out", "--density", "3 mm"}).err, HasSubstr("--density 3 mm"));
+  EXPECT_FALSE(fs::exists(folder / "out"));
+}
+
+TEST(AssemblyImport, HostileNamesStayInsideTheFolder) {
+  const Folder folder;
+  Assembly a("../../a");
+  double x = 0.0;
+  for (const char* name : {"../../../evil", "/etc/passwd", "a\"]\n[run.x]", "a b", "a_b", ""}) {
+    a.place(a.part(name, box({x, 0, 0}, {x + 5, 5, 5})), at({0, 0, 0}), std::string(name) + "'");
+    x += 10;
+  }
+  const Import i = import(folder, a);
+  ASSERT_EQ(i.outcome.exit_code, 0) << i.outcome.err;
+  std::set<std::string> beside;
+  for (const auto& entry : fs::directory_iterator(folder.path())) beside.insert(entry.path().filename().string());
+  EXPECT_EQ(beside, (std::set<std::string>{"a.step", "out", "out.h5"}));
+  int files = 0;
+  for (const auto& entry : fs::directory_iterator(folder / "out/parts")) files += entry.is_regular_file() ? 1 : 0;
+  EXPECT_EQ(files, 6 * 3);  // .brep, .toml, .se.h5
+}
+
+}  // namespace
+}  // namespace flexura::test
