@@ -13,6 +13,7 @@
 #include <fstream>
 #include <vector>
 
+#include "mbs/files/inputs.hpp"
 #include "mbs/files/json_depth.hpp"
 #include "mbs/files/left_behind.hpp"
 #include "mbs/files/output.hpp"
@@ -135,6 +136,7 @@ bool next(std::ifstream& in, std::uint64_t end, Record& record) {
   return static_cast<bool>(in.read(record.content.data(), static_cast<std::streamsize>(head[1])));
 }
 std::ifstream open_rows(const fs::path& file) {
+  files::require_no_device(file);
   std::ifstream in(file, std::ios::binary);
   std::string opening(kRowsOpening.size(), ' ');
   in.read(opening.data(), static_cast<std::streamsize>(opening.size()));
@@ -144,6 +146,7 @@ std::ifstream open_rows(const fs::path& file) {
 
 /// The checkpoint as it was written; throws std::invalid_argument with what is wrong with it.
 json read_whole(const fs::path& file) {
+  files::require_no_device(file);
   std::ifstream in(file);
   if (!in) throw std::invalid_argument("there is no such file");
   const std::string text{std::istreambuf_iterator<char>(in), {}};

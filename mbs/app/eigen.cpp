@@ -44,6 +44,9 @@ void check(const Arguments& a) {
     throw std::invalid_argument("--frozen takes the state as it stands: it does not go with --equilibrium");
   if (!std::isnan(a.amplitude) && a.pictures.empty())
     throw std::invalid_argument("--amplitude is that of the pictures: give --pictures, or leave it out");
+  if (a.amplitude <= 0.0 || a.amplitude > 1e40)
+    throw std::invalid_argument(
+        fmt::format("--amplitude is {:g}, it must be above 0 and at most 1e40", a.amplitude));
 }
 
 // The coordinate that moves most.

@@ -5,6 +5,7 @@
 
 #include "mbs/app/commands.hpp"
 #include "mbs/files/output.hpp"
+#include "mbs/files/place.hpp"
 #include "mbs/results/results.hpp"
 #include "mbs/superelement/exchange/exchange.hpp"
 #include "mbs/superelement/exchange/names.hpp"
@@ -39,6 +40,7 @@ int export_results(const Arguments& arguments, const terminal::Talk& talk) {
     throw std::invalid_argument(fmt::format("--frames is {}, it must be at least 2", arguments.frames));
   std::filesystem::path stem = arguments.output.empty() ? arguments.file : arguments.output;
   if (stem.extension() == ".h5" || stem.extension() == "." + arguments.format) stem.replace_extension();
+  files::require_stem(stem);
   const results::Results results = results::read(arguments.file);
   files::Claims claims;
   for (const results::Run& run : results.runs)
@@ -70,6 +72,7 @@ int run(const Arguments& arguments, const terminal::Talk& talk) {
                                : std::filesystem::path(arguments.output);
   files::Claims claims;
   if (arguments.format == "matrix-market") {
+    files::require_stem(output);
     for (const char* const letter : {"K", "M", "D"})
       claims.add(superelement::matrix_market_name(output, letter));
   } else {

@@ -77,9 +77,11 @@ Eigen::VectorXd frequencies_of(const std::string& text) {
   double low = 0.0, high = 0.0;
   int count = 0, used = 0;
   if (std::sscanf(text.c_str(), "%lf:%lf:%d%n", &low, &high, &count, &used) != 3 ||
-      used != static_cast<int>(text.size()) || !(low > 0.0) || !(high > low) || count < 2)
+      used != static_cast<int>(text.size()) || !(low >= 1e-40) || !(high > low) || !(high <= 1e40) || count < 2 ||
+      count > 1000000)
     throw std::invalid_argument(fmt::format(
-        "--response is \"{}\", it must be FROM:TO:COUNT with 0 < FROM < TO in Hz and COUNT at least 2",
+        "--response is \"{}\", it must be FROM:TO:COUNT with 1e-40 <= FROM < TO <= 1e40 in Hz and COUNT from 2 "
+        "to 1000000",
         text));
   Eigen::VectorXd f(count);
   for (int i = 0; i < count; ++i) f(i) = low * std::pow(high / low, static_cast<double>(i) / (count - 1));

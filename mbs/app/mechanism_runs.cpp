@@ -33,8 +33,11 @@ void declare_mechanism(terminal::Options& options, MechanismArguments& arguments
 }
 
 std::vector<NamedRun> prepare_runs(const MechanismArguments& arguments) {
-  if (std::filesystem::exists(arguments.cache) && !std::filesystem::is_directory(arguments.cache))
-    throw std::invalid_argument(fmt::format("--cache {}: is a file; name a folder", arguments.cache));
+  std::error_code failure;  // a link that leads back to itself
+  const std::filesystem::file_status cached = std::filesystem::status(arguments.cache, failure);
+  if (!std::filesystem::is_directory(cached) && cached.type() != std::filesystem::file_type::not_found)
+    throw std::invalid_argument(fmt::format("--cache {}: is no folder{}; name one", arguments.cache,
+                                            failure ? " (" + failure.message() + ")" : ""));
   const auto cache = std::make_shared<mbs::PreparationCache>(arguments.cache);
   const mbs::MechanismFile file =
       mbs::read_mechanism(arguments.file, mbs::solver_schema(), arguments.set, cache.get());

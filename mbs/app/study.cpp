@@ -9,6 +9,7 @@
 
 #include "mbs/app/commands.hpp"
 #include "mbs/files/output.hpp"
+#include "mbs/files/place.hpp"
 #include "mbs/files/signals.hpp"
 #include "mbs/study/child.hpp"
 #include "mbs/study/front_picture.hpp"
@@ -169,6 +170,7 @@ int run(const Arguments& arguments, const terminal::Talk& talk) {
     throw std::invalid_argument(fmt::format("--jobs is {}, it must be at least 1", arguments.jobs));
   std::string stem = arguments.output;
   if (stem.empty()) stem = std::filesystem::path(arguments.file).stem().string();
+  files::require_stem(stem);
   files::Claims claims;
   if (arguments.share.empty())  // a share only fills the cache
     for (const char* const ending : {".html", ".csv", ".json", ".md", ".svg"}) claims.add(stem + ending);

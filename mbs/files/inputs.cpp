@@ -50,7 +50,17 @@ void guard_inputs() {
   p.inputs.clear();
 }
 
+void require_no_device(const fs::path& file) {
+  std::error_code none;
+  const fs::file_status status = fs::status(file, none);
+  if (fs::exists(status) && !fs::is_regular_file(status) && !fs::is_directory(status))
+    throw std::invalid_argument(
+        fmt::format("{}: is a device or a pipe, a file is wanted; write what comes from it into a file first",
+                    file.string()));
+}
+
 void note_input(const fs::path& file) {
+  require_no_device(file);
   Process& p = process();
   const std::scoped_lock lock(p.guard);
   const auto id = p.notes ? identity_of(file) : std::nullopt;

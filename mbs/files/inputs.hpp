@@ -14,7 +14,11 @@ namespace flexura::files {
 /// From now on inputs are noted and outputs are held against them.  For the start of a program.
 void guard_inputs();
 
-/// Notes a file that is read.  Throws std::invalid_argument where it is one that the command is going to
+/// Throws std::invalid_argument where what is to be read is a device or a pipe: reading it may wait for ever,
+/// or never end.
+void require_no_device(const std::filesystem::path& file);
+
+/// Notes a file that is read, and requires that it is no device.  Throws std::invalid_argument where it is one that the command is going to
 /// write; files that it has written itself may be read again.
 void note_input(const std::filesystem::path& file);
 

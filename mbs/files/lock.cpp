@@ -48,9 +48,15 @@ std::string host() {
                               folder.string(), std::strerror(why)));
     case ENAMETOOLONG:
       throw std::invalid_argument(where + "its name is too long; name another output");
-    default:
-      throw std::runtime_error(where + fmt::format("{} in {}; name an output in another folder",
+    case EIO:
+    case EMFILE:
+    case ENFILE:
+    case ENOMEM:
+      throw std::runtime_error(where + fmt::format("{} in {}; mend that or name an output in another folder",
                                                    std::strerror(why), folder.string()));
+    default:  // a folder of a kind that takes no files: /proc, ...
+      throw std::invalid_argument(where + fmt::format("{} in {}; name an output in another folder",
+                                                      std::strerror(why), folder.string()));
   }
 }
 

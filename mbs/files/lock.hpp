@@ -25,7 +25,7 @@ class Lock {
  public:
   /// `place` as of place_of(), `output` as the user named it.  Throws Busy where another process
   /// holds it, std::invalid_argument where the folder takes no files, std::runtime_error where the disk is
-  /// full.
+  /// full or broken.
   Lock(const std::filesystem::path& place, const std::filesystem::path& output);
   ~Lock();
   Lock(const Lock&) = delete;

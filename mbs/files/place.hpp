@@ -23,6 +23,10 @@ std::optional<Identity> identity_of(const std::filesystem::path& file);
 /// that is read-only.
 std::filesystem::path place_of(const std::filesystem::path& output);
 
+/// For commands that add endings to a name.  Throws std::invalid_argument where it is no beginning of a file's
+/// name: "", ".", "folder/", a device.
+void require_stem(const std::filesystem::path& stem);
+
 /// Throws std::runtime_error where the file system that holds `folder` has less room than `bytes`, or files
 /// may not become so large (ulimit -f).
 void require_room(const std::filesystem::path& output, const std::filesystem::path& folder, double bytes);

@@ -54,6 +54,8 @@ std::optional<Matrices> unpacked(const std::string& text) {
 }
 
 std::optional<Matrices> read_entry(const fs::path& file) {
+  std::error_code none;
+  if (!fs::is_regular_file(file, none)) return std::nullopt;
   std::ifstream in(file, std::ios::binary);
   if (!in) return std::nullopt;
   std::ostringstream text;

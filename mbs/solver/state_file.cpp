@@ -208,6 +208,7 @@ StateChange read_state(const std::filesystem::path& path, const Equations& eq, S
 }
 
 void require_whole_continuation(const std::filesystem::path& path) {
+  files::require_no_device(path);
   std::ifstream file(path);
   const std::string text{std::istreambuf_iterator<char>(file), {}};
   const Json in = Json::parse(files::shallow_json(text), nullptr, false);

@@ -82,6 +82,8 @@ std::optional<CacheEntry> cache_entry_of(std::string_view text) {
 }
 
 std::optional<CacheEntry> read_cache_entry(const std::filesystem::path& file) {
+  std::error_code none;
+  if (!std::filesystem::is_regular_file(file, none)) return std::nullopt;
   std::ifstream in(file);
   if (!in) return std::nullopt;
   return cache_entry_of(std::string(std::istreambuf_iterator<char>(in), {}));

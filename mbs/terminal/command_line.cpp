@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <cmath>
 #include <cstdio>
 #include <new>
 #include <sstream>
@@ -174,6 +175,11 @@ Description describe(const Command& command) {
   return impl->description;
 }
 
+// A variable of the shell that is not set: the default would be taken in silence.
+static std::string not_empty(const std::string& word) {
+  return word.empty() ? "the value is empty; give one, or leave the option out" : "";
+}
+
 // --- Options ---------------------------------------------------------------------------------------------
 
 Options& Options::argument(const std::string& name, std::string& value, const std::string& doc) {
@@ -196,25 +202,32 @@ Options& Options::option(const std::string& names, std::string& value, const std
                          const std::string& doc) {
   impl_->last = impl_->app->add_option(names, value, doc)->type_name(what);
   if (!value.empty()) impl_->last->capture_default_str();
+  impl_->last->check(not_empty);
   impl_->note(names, what, doc);
   return *this;
 }
 Options& Options::option(const std::string& names, int& value, const std::string& what,
                          const std::string& doc) {
   impl_->last = impl_->app->add_option(names, value, doc)->type_name(what);
-  if (value >= 0) impl_->last->capture_default_str();  // a negative number stands for none
+  if (value >= 0)
+    impl_->last->capture_default_str();
+  else  // a negative number stands for none: it cannot be given
+    impl_->last->check([](const std::string& word) -> std::string {
+      return word.starts_with('-') ? word + " is negative; give 0 or more, or leave it out" : "";
+    });
   impl_->note(names, what, doc);
   return *this;
 }
 Options& Options::option(const std::string& names, double& value, const std::string& what,
                          const std::string& doc) {
-  impl_->last = impl_->app->add_option(names, value, doc)->type_name(what)->capture_default_str();
+  impl_->last = impl_->app->add_option(names, value, doc)->type_name(what);
+  if (std::isfinite(value)) impl_->last->capture_default_str();
   impl_->note(names, what, doc);
   return *this;
 }
 Options& Options::option(const std::string& names, std::vector<std::string>& values, const std::string& what,
                          const std::string& doc) {
-  impl_->last = impl_->app->add_option(names, values, doc)->type_name(what);
+  impl_->last = impl_->app->add_option(names, values, doc)->type_name(what)->check(not_empty);
   impl_->note(names, what, doc);
   return *this;
 }
@@ -277,7 +290,7 @@ int guarded(const std::function<int()>& work) {
     print_error(std::string("a mistake of the program, not of the input: ") + failure.what() +
                 "; please report this with the input");
   } catch (const std::filesystem::filesystem_error& failure) {
-    print_error(failure.path1().string() + ": " + failure.code().message());
+    print_error(failure.path1().string() + ": " + failure.code().message() + "; check the path");
   } catch (const std::exception& failure) {
     print_error(std::ferror(stdout) ? "standard output cannot be written; what was printed is not whole"
                                     : failure.what());

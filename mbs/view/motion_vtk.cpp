@@ -8,6 +8,9 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
+#include "mbs/files/inputs.hpp"
+#include "mbs/files/place.hpp"
+#include "mbs/files/signals.hpp"
 #include "mbs/superelement/exchange/exchange.hpp"
 #include "mbs/superelement/exchange/polydata.hpp"
 #include "mbs/superelement/text_file.hpp"
@@ -151,7 +154,8 @@ class VtkWriter {
   bool has_stress_ = false;
 };
 
-// The pictures of a run without their list are in the way: they go where it does not come to that.
+// The pictures of a run without their list are in the way: those that are new go where it does not come to
+// that.
 struct Frames {
   fs::path folder;
   std::vector<fs::path> begun{};
@@ -163,27 +167,67 @@ struct Frames {
   }
 };
 
+fs::path folder_of(const fs::path& stem, const results::Run& run) {
+  return stem.string() + "." + run.name;
+}
+
+fs::path frame_of(const fs::path& folder, int number) {
+  return folder / fmt::format("{:05}.vtp", number);
+}
+
+// Before the first picture is written: can all of them be where they belong?
+void require_places(const fs::path& folder, std::size_t n_frames) {
+  std::error_code failure;
+  const fs::file_status status = fs::status(folder, failure);
+  if (status.type() == fs::file_type::not_found) {
+    files::place_of(folder);  // its own folder
+    return;
+  }
+  if (!fs::is_directory(status))
+    throw std::invalid_argument(
+        fmt::format("{}: is no folder, and the pictures are to be put in one of this name; name another output",
+                    folder.string()));
+  for (std::size_t k = 0; k < n_frames; ++k) {
+    const fs::path frame = frame_of(folder, static_cast<int>(k));
+    files::place_of(frame);
+    if (const auto input = files::input_like(frame))
+      throw std::invalid_argument(fmt::format(
+          "{}: is read by this command, as {}, and would be overwritten; name another output", frame.string(),
+          input->string()));
+  }
+}
+
 }  // namespace
 
 std::vector<fs::path> write_motion_vtk(const fs::path& stem, const results::Results& results,
                                        const Pictures& pictures, int most_frames) {
   using superelement::exchange::escape_xml;
+  for (const results::Run& run : results.runs)
+    if (run.time.size() > 0) require_places(folder_of(stem, run), thin(run.time.size(), most_frames).size());
+  const files::StopRequests signals;
   std::vector<fs::path> written;
   for (const results::Run& run : results.runs) {
     if (run.time.size() == 0) continue;
     const VtkWriter writer(results, run, pictures);
-    const fs::path folder = stem.string() + "." + run.name;
-    fs::create_directories(folder);
+    const fs::path folder = folder_of(stem, run);
+    std::error_code failure;
+    if (!fs::create_directory(folder, failure) && failure)
+      throw std::invalid_argument(fmt::format("{}: the folder of the pictures cannot be made: {}; name another output",
+                                              folder.string(), failure.message()));
     std::string list =
         "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\">\n<Collection>\n";
     int number = 0;
     Frames frames{folder};
     for (const Eigen::Index row : thin(run.time.size(), most_frames)) {
-      const fs::path name = fmt::format("{:05}.vtp", number++);
-      frames.begun.push_back(folder / name);
-      writer.write(folder / name, row);
+      if (files::StopRequests::wanted())
+        throw std::runtime_error(
+            fmt::format("interrupted by {}; the list of the pictures is not written", files::StopRequests::name()));
+      const fs::path frame = frame_of(folder, number++);
+      std::error_code none;
+      if (!fs::exists(fs::symlink_status(frame, none))) frames.begun.push_back(frame);
+      writer.write(frame, row);
       list += fmt::format("<DataSet timestep=\"{}\" part=\"0\" file=\"{}\"/>\n", run.time[row],
-                          escape_xml((folder.filename() / name).generic_string()));
+                          escape_xml((folder.filename() / frame.filename()).generic_string()));
     }
     written.push_back(stem.string() + "." + run.name + ".pvd");
     superelement::write_whole(written.back(), list + "</Collection>\n</VTKFile>\n");

@@ -75,7 +75,7 @@ node = "tip"
 [modes]
 count = 4
 )");
-    f.write("study.toml", "mechanism = \"m.toml\"\n");
+    f.write("study.toml", "mechanism = \"m.toml\"\n[choice.a]\n[quantity.x]\nof = \"hinge.angle\"\n");
     f.write("report.json", R"({"title": "a report", "sections": []})");
     ok({"section", f / "channel.toml"});
     ok({"assemble", f / "m.toml", "--save-state", f / "state.json"});
@@ -118,6 +118,7 @@ std::vector<Writer> writers() {
           {"assemble", {"assemble", "m.toml", "--save-state", "OUT", "-q"}, {"m.toml", "beam.se.h5"}},
           {"statics", {"statics", "m.toml", "--save-state", "OUT", "-q"}, {"m.toml", "lift.txt"}},
           {"linearize", {"linearize", "m.toml", "--frozen", "-o", "OUT", "-q"}, {"m.toml", "beam.se.h5"}, "out.m"},
+          {"linearize_h5", {"linearize", "m.toml", "--frozen", "-o", "OUT", "-q"}, {"m.toml"}, "out.h5"},
           {"linearize_mtx", {"linearize", "m.toml", "--frozen", "-o", "OUT.mtx", "-q"}, {"m.toml"}, "out", "_A.mtx"},
           {"eigen", {"eigen", "m.toml", "--frozen", "--pictures", "OUT", "-q"}, {"m.toml", "beam.se.h5"}},
           {"outputs", {"outputs", "m.toml", "r.h5", "-o", "OUT", "-q"}, {"r.h5", "m.toml", "beam.se.h5"}},
@@ -126,6 +127,11 @@ std::vector<Writer> writers() {
           {"report", {"report", "beam.se.h5", "-o", "OUT", "-q"}, {"beam.se.h5"}},
           {"report_json", {"report", "report.json", "-o", "OUT", "-q"}, {"report.json"}},
           {"export_vtk", {"export", "beam.se.h5", "-f", "vtk", "-o", "OUT", "-q"}, {"beam.se.h5"}},
+          {"export_dmig", {"export", "beam.se.h5", "-f", "dmig", "-o", "OUT", "-q"}, {"beam.se.h5"}},
+          {"export_sid", {"export", "beam.se.h5", "-f", "sid", "-o", "OUT", "-q"}, {"beam.se.h5"}},
+          {"export_flexdata", {"export", "beam.se.h5", "-f", "flexdata", "-o", "OUT", "-q"}, {"beam.se.h5"}},
+          {"export_gmsh", {"export", "beam.se.h5", "-f", "gmsh", "-o", "OUT", "-q"}, {"beam.se.h5"}},
+          {"export_gltf", {"export", "beam.se.h5", "-f", "gltf", "-o", "OUT", "-q"}, {"beam.se.h5"}},
           {"export_mtx",
            {"export", "beam.se.h5", "-f", "matrix-market", "-o", "OUT", "-q"},
            {"beam.se.h5"},
@@ -133,7 +139,12 @@ std::vector<Writer> writers() {
            ".K.mtx"},
           {"export_csv", {"export", "r.h5", "-f", "csv", "-o", "OUT", "-q"}, {"r.h5"}, "out", ".run.csv"},
           {"export_pvd", {"export", "r.h5", "-f", "pvd", "-o", "OUT", "-q"}, {"r.h5"}, "out", ".run.pvd"},
-          {"study", {"study", "study.toml", "-o", "OUT"}, {"study.toml"}, "out", ".html", false},
+          {"study",
+           {"study", "study.toml", "-o", "OUT"},
+           {"study.toml", "m.toml", "lift.txt", "beam.se.h5"},
+           "out",
+           ".html",
+           false},
           {"section", {"section", "channel.toml", "-o", "OUT", "-q"}, {"channel.toml"}},
           {"section_svg",
            {"section", "channel.toml", "-o", "other.section", "--svg", "OUT", "-q"},
