@@ -183,6 +183,8 @@ TEST_P(Faults, EveryCallThatFailsIsASentence) {
   long tried = 0;
   for (const std::string kind : {"write", "create", "sync", "rename", "map", "allocate"}) {
     const long n = program_.count(kind);
+    // A machine that sees no calls finds nothing.  Memory is mapped by the libraries of a reduction alone.
+    if (kind != "map") EXPECT_GT(n, 0) << kind;
     for (const std::string& more : {std::string(), std::string("+")}) {
       if (more == "+" && kind != "write" && kind != "allocate") continue;
       for (const long k : moments(n)) {
