@@ -10,11 +10,14 @@
 #include <fstream>
 #include <mutex>
 #include <nlohmann/json.hpp>
+#include <system_error>
 #include <thread>
 
+#include "mbs/files/inputs.hpp"
 #include "mbs/files/json_depth.hpp"
 #include "mbs/files/output.hpp"
 #include "mbs/input/content_hash.hpp"
+#include "mbs/input/shown_text.hpp"
 #include "mbs/model/read_mechanism.hpp"
 #include "mbs/results/results.hpp"
 #include "mbs/solver/options.hpp"
@@ -87,7 +90,11 @@ void spread(std::size_t n, int jobs, const std::function<void(std::size_t)>& wor
     }
   };
   std::vector<std::thread> threads;
-  for (int k = 1; k < jobs; ++k) threads.emplace_back(worker);
+  const std::size_t most = std::min(n, static_cast<std::size_t>(jobs));
+  try {
+    for (std::size_t k = 1; k < most; ++k) threads.emplace_back(worker);
+  } catch (const std::system_error&) {  // no more threads here: those that there are do the work
+  }
   worker();
   for (std::thread& thread : threads) thread.join();
   if (failure) std::rethrow_exception(failure);
@@ -97,14 +104,23 @@ class Laboratory {
  public:
   Laboratory(const StudyFile& study, const Programs& programs, const MeasureOptions& options)
       : study_(study), programs_(programs), options_(options) {
-    fs::create_directories(study.cache);
+    check_mechanism();
+    // What the programs that this one starts are going to read: no output of the study may lie there.
+    for (const input::InputFile& file : input::input_files(study_.mechanism)) files::note_input(file.path);
+    for (const Part& part : study_.parts)
+      for (const input::InputFile& file : input::input_files(part.file)) files::note_input(file.path);
+    std::error_code failure, none;
+    fs::create_directories(study.cache, failure);
+    if (!fs::is_directory(study.cache, none))
+      throw input::InputError(fmt::format("{}: cache = \"{}\": no folder of this name can be made{}; name another",
+                                          study.file.string(), input::shown_text(study.cache.string()),
+                                          failure ? ": " + failure.message() : ""));
     cache_ = fs::absolute(study.cache);
     remove_scratch_left(cache_);
     flexura_ = input::ContentHash().add_file(programs.flexura).hex();
     machine_ = machine_name();
     if (!study.parts.empty())
       reduce_ = input::ContentHash().add_file(programs.reduce).add_file(programs.mesh).hex();
-    check_mechanism();
   }
 
   Measurements run() {
@@ -293,7 +309,10 @@ class Laboratory {
       std::erase(value, '"');
       std::error_code none;
       const fs::path named = fs::absolute(study_.mechanism).parent_path() / value;
-      if (value.size() < 1024 && fs::is_regular_file(named, none)) hash.add_file(named);
+      if (value.size() < 1024 && fs::is_regular_file(named, none)) {
+        files::note_input(named);
+        hash.add_file(named);
+      }
       task.command.insert(task.command.end(), {"--set", text});
     }
     task.key = hash.hex();

@@ -167,6 +167,20 @@ TEST(ContentHash, FollowsTheFilesThatAnInputFileNames) {
   EXPECT_EQ(before, input::ContentHash().add_input_file(file).hex());
   folder.write("part.step", "two");
   EXPECT_NE(before, input::ContentHash().add_input_file(file).hex());
+  // What a subsystem, a part or a deck names counts as well.
+  const auto changes = [&](const std::string& first, const std::string& second, const std::string& third) {
+    folder.write("third.txt", "1");
+    folder.write(second, third);
+    const std::filesystem::path top = folder.write("top.toml", first);
+    const std::string one = input::ContentHash().add_input_file(top).hex();
+    folder.write("third.txt", "2");
+    return one != input::ContentHash().add_input_file(top).hex();
+  };
+  EXPECT_TRUE(changes("file = \"sub.toml\"", "sub.toml", "file = 'third.txt'"));
+  EXPECT_TRUE(changes("file = \"deck.inp\"", "deck.inp", "*NODE\n*Include, Input=third.txt\n"));
+  EXPECT_TRUE(changes("file = \"deck.bdf\"", "deck.bdf", "BEGIN BULK\nINCLUDE 'third.txt'\n"));
+  EXPECT_TRUE(changes("file = \"sub.toml\"", "sub.toml", "a = 'sub.toml'\nb = 'top.toml'\nc = 'third.txt'"));
+  EXPECT_FALSE(changes("file = \"sub.toml\"", "sub.toml", "file = 'fourth.txt'"));
   EXPECT_NE(input::ContentHash().add("ab").add("c").hex(), input::ContentHash().add("a").add("bc").hex());
 }
 
