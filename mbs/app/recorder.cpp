@@ -1,6 +1,8 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include "mbs/app/recorder.hpp"
 
+#include <fmt/format.h>
+
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -152,6 +154,12 @@ void Recorder::append(const mbs::State& s, const Eigen::VectorXd& v_dot, const E
   row_.quantities(n) = energy.work_in;
   row_.quantities(n + 1) = energy.dissipated;
   row_.quantities(n + 2) = energy.balance;
+  // What the file would refuse, before any of the row is in it: those before are kept.
+  for (Eigen::Index i = 0; i < row_.quantities.size(); ++i)
+    if (const double value = row_.quantities(i); !std::isfinite(value))
+      throw std::runtime_error(fmt::format(
+          "{} is {} at t = {:.9g} s, beyond all numbers; give the drive, force or control that leads there a bound",
+          quantities_[static_cast<std::size_t>(i)].name, std::isnan(value) ? std::abs(value) : value, s.t));
   range_.observe(s);
   turns_.observe(s, v_dot);
   mechanism_.body_poses(s, *scratch_, poses_);

@@ -429,8 +429,9 @@ T Expression::run(const double* signals, const T& time, int moving) const {
 
 void Expression::refuse_value(double value, double t) const {
   // Not a number has no sign for a user.
-  throw std::runtime_error(fmt::format("{} = \"{}\" is {} at t = {:.9g} s", where_, input::shown_text(text_),
-                                       std::isnan(value) ? std::abs(value) : value, t));
+  throw std::runtime_error(fmt::format(
+      "{} = \"{}\" is {} at t = {:.9g} s, a finite number is wanted; correct the formula or what it reads",
+      where_, input::shown_text(text_), std::isnan(value) ? std::abs(value) : value, t));
 }
 
 double Expression::evaluate(const double* signals) const {

@@ -19,6 +19,13 @@ constexpr double kLight = 299792458.0;  // [m/s]
 void GrowthWatch::observe(double t, double kinetic, double travel, double speed) {
   if (!reason_.empty()) return;
   ++row_;
+  if (!std::isfinite(kinetic)) {  // the speed of a body that turns about its centre of mass is none of a place
+    reason_ = fmt::format(
+        "the motion grows without bound: the kinetic energy at t = {:.6g} s is beyond all numbers; look for an "
+        "unstable control, a damper of negative sign or a drive or force that has no bound",
+        t);
+    return;
+  }
   if (speed > 0.1 * kLight) {
     reason_ = fmt::format(
         "the motion grows without bound: a body moves at {:.3g} m/s at t = {:.6g} s, beyond a tenth of the "

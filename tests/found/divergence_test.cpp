@@ -43,6 +43,18 @@ void expect_kept(const Folder& folder, const std::string& reason) {
   EXPECT_GT(kept.runs[0].time.size(), 10);
 }
 
+// The centre of mass stays where it is: no speed of a place tells, and the energy leaves the numbers.
+TEST(Divergence, ADriveThatLeavesTheNumbersEndsTheRun) {
+  const Folder folder;
+  folder.write("spin.toml", "[body.a]\nmass = 1\ninertia = [1, 1, 1]\n[joint.j]\ntype = \"revolute\"\nfrom = "
+                            "\"ground\"\nto = \"a\"\ndrive_speed = \"exp(1e6*t)\"\n[solver]\nend_time = "
+                            "0.0004\noutput_step = 0.00002\n");
+  const Outcome outcome = simulate(folder, "spin.toml");
+  EXPECT_EQ(outcome.exit_code, 1) << outcome.out << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr("beyond all numbers"));
+  expect_kept(folder, "beyond all numbers");
+}
+
 // Kane's beam spun past its first clamped frequency, one-way: 7e22 m after 19 s.
 TEST(Divergence, ABeamSpunPastItsRangeEndsTheRun) {
   const Folder folder;

@@ -221,8 +221,8 @@ output_step = 0.01
   Outcome outcome = flexura("simulate " + mechanism.string() + " -o " + results.string());
   EXPECT_EQ(outcome.code, 1);
   EXPECT_THAT(outcome.err,
-              HasSubstr("push.x = \"1/(t - 0.5)^2\" is inf at t = 0.5 s; what was computed until "
-                        "then is in " +
+              HasSubstr("push.x = \"1/(t - 0.5)^2\" is inf at t = 0.5 s, a finite number is wanted; correct the "
+                        "formula or what it reads; what was computed until then is in " +
                         results.string()));
   outcome = flexura("view --summary " + results.string());
   EXPECT_EQ(outcome.code, 0) << outcome.err;

@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <functional>
+#include <limits>
 
 namespace flexura::mbs::test {
 namespace {
@@ -64,6 +65,16 @@ TEST(GrowthWatch, ASuddenKickIsNot) {
   const Motion shot{[](double t) { return t < 1.0 ? 1e-20 : 1e4; },
                     [](double t) { return t < 1.0 ? 0.0 : 2e3 * t; }};
   EXPECT_EQ(watch(shot, 100.0, 0.1).first, "");
+}
+
+// No loop over the decades on the way to infinity.
+TEST(GrowthWatch, AnEnergyBeyondAllNumbersEndsTheRun) {
+  for (const double energy : {std::numeric_limits<double>::infinity(), std::numeric_limits<double>::quiet_NaN()}) {
+    GrowthWatch watch;
+    watch.observe(0.0, 1.0, 0.0, 0.0);
+    watch.observe(1.0, energy, 0.0, 0.0);
+    EXPECT_THAT(watch.reason(), ::testing::HasSubstr("beyond all numbers"));
+  }
 }
 
 TEST(GrowthWatch, AWayFromLightSpeedNewtonEnds) {
