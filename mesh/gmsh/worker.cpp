@@ -111,7 +111,10 @@ int work() {
   } catch (const std::exception& e) {
     result.error = e.what();
   } catch (const std::string& e) {  // gmsh throws strings
-    result.error = e;
+    result.error = e.find("OpenCASCADE exception") == std::string::npos
+                       ? e
+                       : "is given up by OpenCASCADE; it is damaged, or holds what OpenCASCADE does not know: save it "
+                         "again from the CAD program";
   } catch (...) {
     result.error = "OpenCASCADE or gmsh failed without a reason";
   }

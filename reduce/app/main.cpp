@@ -5,11 +5,15 @@
 #include <fmt/format.h>
 
 #include <cctype>
+#include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <iostream>
 #include <limits>
 #include <optional>
+#include <stdexcept>
 
+#include "mbs/files/inputs.hpp"
 #include "mbs/files/output.hpp"
 #include "mbs/input/document.hpp"
 #include "mbs/terminal/command_line.hpp"
@@ -24,6 +28,7 @@
 #include "reduce/app/section_command.hpp"
 #include "reduce/app/write_mesh.hpp"
 #include "reduce/assembly/model_factor.hpp"
+#include "reduce/linalg/blas_threads.hpp"
 #include "reduce/linalg/session.hpp"
 #include "reduce/linalg/team.hpp"
 
@@ -115,6 +120,7 @@ int reduce_with(const Arguments& arguments, const terminal::Talk& talk, const li
   std::filesystem::path output = arguments.output;
   if (output.empty()) output = std::filesystem::path(arguments.input).replace_extension(".se.h5");
   const bool prints_only = arguments.statics || arguments.beam_modes > 0;  // of beam parts
+  files::require_no_device(arguments.input);
   const bool is_beam = reduce::is_beam_file(arguments.input);
   const bool is_flexdata = !is_beam && reduce::is_flexdata_file(arguments.input);
   refuse_options_of_the_other_kind(arguments, is_beam);
@@ -201,6 +207,19 @@ std::function<int()> declare(terminal::Options& options, const terminal::Talk& t
   return [arguments, &talk, team] { return reduce_with(*arguments, talk, team); };
 }
 
+// Where memory is short a thread of OpenBLAS may ask for it for ever, from the program's start on, and the end of
+// the process would wait for that thread: everything of ours is done by now, so the rest is left to the kernel.
+int end(int code) {
+  try {
+    linalg::require_blas_memory(1);
+  } catch (const std::runtime_error&) {
+    std::cout.flush();
+    std::fflush(nullptr);
+    std::_Exit(code);
+  }
+  return code;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -218,12 +237,13 @@ int main(int argc, char** argv) {
   }
   // `flexura section` is handed over as "flexura-reduce section ...".
   if (argc > 1 && std::string(argv[1]) == "section")
-    return terminal::run(reduce::section_command(), FLEXURA_VERSION, argc - 1, argv + 1);
-  return terminal::run({.name = "flexura reduce",
+    return end(terminal::run(reduce::section_command(), FLEXURA_VERSION, argc - 1, argv + 1));
+  const int code = terminal::run({.name = "flexura reduce",
                         .summary = "make a superelement of a CAD part",
                         .declare =
                             [&](terminal::Options& options, const terminal::Talk& talk) {
                               return declare(options, talk, team ? &*team : nullptr);
                             }},
                        FLEXURA_VERSION, argc, argv);
+  return session ? code : end(code);  // others wait for the first process
 }

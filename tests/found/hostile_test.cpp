@@ -275,6 +275,15 @@ TEST(HostileInput, DecksOfOddLinesAreRefusedWithTheLine) {
   }
 }
 
+TEST(HostileInput, WhatOpenCascadeGivesUpIsSaidInOurWords) {
+  const Folder folder;
+  const std::string whole = test::read_text(FLEXURA_SOURCE_DIR "/tests/mesh/data/drilled_box.brep");
+  const auto damaged = folder.write("box.brep", test::replaced(whole, "\n+5 0 *\n", "\n+59 0 *\n"));
+  const Outcome outcome = run("flexura", {"reduce", "--list-faces", damaged.string()});
+  expect_refused(outcome, "box.brep: is given up by OpenCASCADE; it is damaged");
+  EXPECT_THAT(outcome.err, HasSubstr("save it again from the CAD program"));
+}
+
 TEST(HostileInput, ACadFileThatIsReadForEverIsGivenUpWithItsStage) {
   const Folder folder;
   const std::string text =
