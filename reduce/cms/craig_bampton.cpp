@@ -5,6 +5,7 @@
 #include <sys/resource.h>
 
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <optional>
 #include <stdexcept>
@@ -200,6 +201,10 @@ Cut reduce(const Part& whole, const Part& part, const TiedModel& model, const Re
   linalg::EigenPairs pairs;
   pairs.Phi.resize(model.n_i(), 0);
   const auto solve_for = [&](int count, double omega) {
+    if (problem.n_free == 0) {  // all dofs are the interfaces': a beam between two of them
+      pairs.omega2_next = std::numeric_limits<double>::infinity();
+      return;
+    }
     const linalg::EigenRequest request{count, omega * omega, options.tolerance};
     pairs = options.eigensolver == Eigensolver::krylov_schur
                 ? linalg::krylov_schur(problem, request, options.progress)
