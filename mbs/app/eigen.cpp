@@ -13,6 +13,7 @@
 #include "mbs/solver/buckling.hpp"
 #include "mbs/solver/equilibrium.hpp"
 #include "mbs/solver/linearise.hpp"
+#include "mbs/solver/static_stiffness.hpp"
 #include "mbs/solver/whirl.hpp"
 #include "mbs/terminal/terminal.hpp"
 
@@ -86,6 +87,7 @@ nlohmann::json to_json(const NamedRun& run, const std::vector<mbs::BucklingMode>
     if (static_cast<int>(list.size()) == count) break;
     list.push_back({{"number", list.size() + 1},
                     {"load_factor", mode.factor},
+                    {"relative_error", mode.error},
                     {"moves_most", largest_of(*run.prepared.mechanism, mode.shape.cwiseAbs())}});
   }
   return out;
@@ -122,8 +124,8 @@ void write_pictures(const NamedRun& run, const std::vector<mbs::NaturalMode>& mo
   writer.close();
 }
 
-/// The linear system of the mechanism without what loads it, at rest.
-mbs::LinearSystem unloaded_system(const PreparedMechanism& p) {
+/// The stiffness of the mechanism without what loads it.
+mbs::StaticStiffness unloaded_stiffness(const PreparedMechanism& p) {
   mbs::Mechanism::Unloaded without = p.mechanism->without_loads(p.state, *p.mechanism->make_scratch());
   if (!without.unknown.empty())
     throw std::invalid_argument(
@@ -151,9 +153,7 @@ mbs::LinearSystem unloaded_system(const PreparedMechanism& p) {
                     "forces, which has none: {}; where only some runs have springs, choose one with --run",
                     failure.what()));
   }
-  Eigen::VectorXd v_dot;
-  mbs::AccelerationSolver(unloaded).solve(s, v_dot);
-  return mbs::linearise(unloaded, s);
+  return mbs::static_stiffness(unloaded, s);
 }
 
 // What the table of buckling factors does not say.
@@ -170,6 +170,20 @@ void add_buckling_notes(const mbs::Buckling& buckling, bool can_move, std::vecto
     notes.push_back(
         "some loads follow the motion: they may make it flutter at factors that are not seen here; "
         "flexura eigen --equilibrium with the loads themselves shows it");
+  // Beside a factor that is seen, one a hundred times larger is of no interest.
+  const double first = buckling.modes.empty() ? 1.0 : std::abs(buckling.modes.front().factor);
+  if (buckling.seen_to < 1e2 * first)
+    notes.push_back(fmt::format(
+        "factors beyond {} are not told from none: the loads change the stiffness too little beside its round-off; "
+        "take larger loads",
+        number(buckling.seen_to, 2)));
+  for (const mbs::BucklingMode& mode : buckling.modes)
+    if (mode.error > 1e-3) {
+      notes.push_back(fmt::format("load factor {} is right to {} of itself only: stiffnesses of very different size "
+                                  "leave no more digits",
+                                  number(mode.factor, 6), number(mode.error, 2)));
+      break;
+    }
 }
 
 int print_buckling(const Arguments& arguments, const terminal::Talk& talk) {
@@ -177,9 +191,12 @@ int print_buckling(const Arguments& arguments, const terminal::Talk& talk) {
   nlohmann::json list = nlohmann::json::array();
   for (NamedRun& run : runs) {
     PreparedMechanism& p = run.prepared;
-    const mbs::LinearSystem unloaded = unloaded_system(p);
+    const mbs::StaticStiffness unloaded = unloaded_stiffness(p);
     settle(p);
-    const mbs::Buckling buckling = mbs::buckling_modes(unloaded, mbs::linearise(*p.mechanism, p.state));
+    give_warnings(run);
+    const mbs::Buckling buckling = mbs::buckling_modes(
+        unloaded,
+        mbs::static_stiffness(*p.mechanism, p.state, &unloaded.independent));
     add_buckling_notes(buckling, !unloaded.independent.empty(), p.notes);
     for (const auto& body : p.mechanism->description().bodies)
       if (body.flexible && body.flexible->is_modal() && !body.flexible->data().second)
@@ -187,6 +204,7 @@ int print_buckling(const Arguments& arguments, const terminal::Talk& talk) {
             fmt::format("body \"{}\" has no geometric stiffening; with fidelity = \"modal-stiffened\" "
                         "its own buckling is seen",
                         body.name));
+    note_discretisation(p);
     if (arguments.json) {
       list.push_back(to_json(run, buckling.modes, arguments.count));
       continue;
@@ -288,11 +306,13 @@ int print_modes(const Arguments& arguments, const terminal::Talk& talk) {
       settled = settle(p);
     else if (!arguments.frozen && !arguments.fixed_axes && arguments.from_state.empty())
       settled = settle_near(p);
+    give_warnings(run);
     const mbs::SteadyLinearisation about = linearise_about(p, {}, arguments.frozen);
     const auto modes = mbs::natural_modes(about.system);
     const mbs::Stability stability = settled ? *settled : judge_stability(p, about);
     if (modes.empty())
       p.notes.push_back("nothing of the mechanism moves or deforms: it has no natural modes");
+    note_discretisation(p);
     std::vector<terminal::Column> columns = {{"no"},     {"real [1/s]"}, {"imag [1/s]"},
                                              {"f [Hz]"}, {"damping %"},  {"moves most", Align::left}};
     std::vector<std::vector<mbs::Whirl>> whirls;

@@ -162,4 +162,18 @@ ErrorEstimate estimate_error(const mbs::PreparedMechanism& prepared,
   return out;
 }
 
+std::vector<ErrorSource> discretisation_of(const mbs::PreparedMechanism& prepared) {
+  std::vector<ErrorSource> sources;
+  for (const mbs::BodyDescription& body : prepared.mechanism->description().bodies) {
+    const mbs::FlexibleBody* deforms = body.flexible ? body.flexible.get() : body.ked.get();
+    // Shapes of a superelement, the six of rigid motion among them, that the basis does not span.
+    if (deforms && deforms->is_modal() && deforms->m() + 6 < deforms->data().Y.rows())
+      sources.push_back({"modes", body.name, {}, 0.0, "flexura simulate estimates them"});
+  }
+  add_bodies(prepared, sources);
+  for (const mbs::BlindSpot& spot : prepared.file.blind_spots)
+    sources.push_back({spot.kind, spot.name, {}, 0.0, spot.remedy});
+  return sources;
+}
+
 }  // namespace flexura::app

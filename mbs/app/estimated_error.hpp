@@ -56,7 +56,13 @@ std::string estimated_error_text(const ErrorEstimate& estimate);
 /// (modes that no row judges, switching); empty else.
 std::string missed_accuracy(const ErrorEstimate& estimate, double accuracy);
 
-/// The same for the summary in the results file: {"error" (null where a source is unknown), "at_least",
+/// What the bodies' modes, meshes and elements cost, as far as it is known before a run.
+std::vector<ErrorSource> discretisation_of(const mbs::PreparedMechanism& prepared);
+/// For commands that estimate no error: "discretisation: mesh and reduction of rod 1.2 % of its deformation;
+/// unknown: elements of blade (a run with ... tells)"; empty where nothing that deforms was left to chance.
+std::string discretisation_line(const mbs::PreparedMechanism& prepared);
+
+/// The estimate for the summary in the results file: {"error" (null where a source is unknown), "at_least",
 /// "unknown": [{"source", "name", "remedy"}], "truncation", "shadows", "wall_time", "integrator" (null without
 /// a second run), "energy_balance", "integrator_check": {"error", "output", "factor", "wall_time"}, "by_body",
 /// "mesh" (null for a body without estimate), "outputs": {name: {"max", "rms", "size_max", "size_rms",

@@ -72,6 +72,22 @@ std::string folded(const std::string& words, std::size_t width, std::size_t inde
 
 }  // namespace
 
+std::string discretisation_line(const mbs::PreparedMechanism& prepared) {
+  ErrorEstimate estimate;
+  estimate.sources = discretisation_of(prepared);
+  std::vector<std::string> known, unknown;
+  for (const Entry& e : entries(estimate)) {
+    const std::string words = words_of(e.kind, e.names);
+    if (e.error)
+      known.push_back(fmt::format("{} {} {}", words, percent(*e.error), e.note));
+    else
+      unknown.push_back(words + (e.note.empty() ? "" : fmt::format(" ({})", e.note)));
+  }
+  if (known.empty() && unknown.empty()) return {};
+  return fmt::format("discretisation: {}{}{}{}", fmt::join(known, ", "), !known.empty() && !unknown.empty() ? "; " : "",
+                     unknown.empty() ? "" : "unknown: ", fmt::join(unknown, ", "));
+}
+
 std::string estimated_error_text(const ErrorEstimate& estimate) {
   constexpr std::size_t kWidth = 80, kIndent = 13;
   std::string out = fmt::format("estimated error {}{} of the rms of {}", estimate.is_whole ? "" : "at least ",

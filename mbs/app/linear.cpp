@@ -42,6 +42,8 @@ int print_statics(const Arguments& arguments, const terminal::Talk& talk) {
   for (NamedRun& run : runs) {
     PreparedMechanism& p = run.prepared;
     const mbs::Stability stability = settle(p);
+    give_warnings(run);
+    note_discretisation(p);
     const mbs::Mechanism& m = *p.mechanism;
     if (!arguments.save_state.empty()) mbs::write_state(arguments.save_state, m, p.file.name, p.state);
     if (talk.quiet && !arguments.json) continue;
@@ -118,8 +120,10 @@ int write_linear_system(const Arguments& arguments, const terminal::Talk& talk) 
     claims.add(table.replace_filename(path.stem().string() + "_response.csv"));
   }
   std::vector<NamedRun> runs = prepare_runs(arguments);
-  PreparedMechanism& p = only_run(runs, arguments, "linearize").prepared;
+  NamedRun& run = only_run(runs, arguments, "linearize");
+  PreparedMechanism& p = run.prepared;
   if (arguments.equilibrium) settle(p);
+  give_warnings(run);
   const mbs::Mechanism& m = *p.mechanism;
   mbs::LineariseOptions options;
   std::vector<std::string> coordinates;
@@ -201,15 +205,16 @@ int write_linear_system(const Arguments& arguments, const terminal::Talk& talk) 
       written.push_back(write_response(d, frequencies_of(arguments.response), table));
     }
   }
+  note_discretisation(p);
   const auto files = write_state_space(file, path);
   written.insert(written.end(), files.begin(), files.end());
   if (arguments.json) {
-    nlohmann::json run = run_json(runs.front());
-    for (const auto& [what, names] : file.names) run[what] = names;
-    for (const auto& one : written) run["files"].push_back(one.string());
-    run["about"] = name_of(about.verdict);
-    run["axes"] = about.axes;
-    print_json("linear system", runs, nlohmann::json::array({run}));
+    nlohmann::json out = run_json(run);
+    for (const auto& [what, names] : file.names) out[what] = names;
+    for (const auto& one : written) out["files"].push_back(one.string());
+    out["about"] = name_of(about.verdict);
+    out["axes"] = about.axes;
+    print_json("linear system", runs, nlohmann::json::array({out}));
   } else if (!talk.quiet) {
     for (const auto& one : written)
       fmt::print("{} states, {} inputs, {} outputs: {}\n", file.names[0].second.size(),

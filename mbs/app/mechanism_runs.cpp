@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "mbs/app/estimated_error.hpp"
 #include "mbs/app/open_page.hpp"
 #include "mbs/model/linear_range.hpp"
 #include "mbs/solver/accelerations.hpp"
@@ -67,13 +68,7 @@ std::vector<NamedRun> prepare_runs(const MechanismArguments& arguments) {
       throw input::InputError(
           fmt::format("{}; {} shows it as it stands, open joints in red", failure.what(), page));
     }
-    for (const std::string& note : runs.back().prepared.notes)
-      if (note.starts_with(mbs::warning_mark)) {
-        runs.back().warnings.push_back(note.substr(mbs::warning_mark.size()));
-        fmt::print(stderr, "warning: {}: {}\n", run.name, runs.back().warnings.back());
-      }
-    std::erase_if(runs.back().prepared.notes,
-                  [](const std::string& note) { return note.starts_with(mbs::warning_mark); });
+    give_warnings(runs.back());
     if (!arguments.from_state.empty()) runs.back().prepared.options.start_time = runs.back().prepared.state.t;
   }
   return runs;
@@ -87,6 +82,21 @@ NamedRun& only_run(std::vector<NamedRun>& runs, const MechanismArguments& argume
   return runs.front();
 }
 
+void give_warnings(NamedRun& run) {
+  std::vector<std::string>& notes = run.prepared.notes;
+  const auto is_warning = [](const std::string& note) { return note.starts_with(mbs::warning_mark); };
+  for (const std::string& note : notes)
+    if (is_warning(note)) {
+      run.warnings.push_back(note.substr(mbs::warning_mark.size()));
+      fmt::print(stderr, "warning: {}: {}\n", run.name, run.warnings.back());
+    }
+  std::erase_if(notes, is_warning);
+}
+
+void note_discretisation(mbs::PreparedMechanism& p) {
+  if (std::string line = discretisation_line(p); !line.empty()) p.notes.push_back(std::move(line));
+}
+
 mbs::Stability settle(mbs::PreparedMechanism& p) {
   const mbs::StaticsReport report = mbs::find_equilibrium(*p.mechanism, p.state);
   mbs::AccelerationSolver(*p.mechanism).solve(p.state, p.v_dot);
@@ -98,7 +108,7 @@ mbs::Stability settle(mbs::PreparedMechanism& p) {
   mbs::LinearRange range(*p.mechanism);
   range.observe(p.state);
   if (const std::string why = range.runaway(); !why.empty()) throw std::runtime_error(why);
-  for (std::string& sentence : range.sentences()) p.notes.push_back(std::move(sentence));
+  for (const std::string& sentence : range.sentences()) p.notes.push_back(mbs::warning_mark + sentence);
   mbs::Stability stability = mbs::stability_at_rest(*p.mechanism, p.state);
   if (std::string said = mbs::sentence(*p.mechanism, stability, "the equilibrium"); !said.empty())
     p.notes.push_back(std::move(said));

@@ -37,8 +37,15 @@ std::vector<NamedRun> prepare_runs(const MechanismArguments& arguments);
 NamedRun& only_run(std::vector<NamedRun>& runs, const MechanismArguments& arguments,
                    const std::string& option);
 
-/// Moves the state into static equilibrium and judges it, with notes.
+/// Moves the state into static equilibrium and judges it, with notes; those that are warnings bear their mark.
 mbs::Stability settle(mbs::PreparedMechanism& prepared);
+
+/// Notes that bear the mark of warnings (not_assembled.hpp) become the run's warnings, printed on stderr.
+void give_warnings(NamedRun& run);
+
+/// Closes the notes of a command that estimates no error: what of the bodies' discretisation nothing judged, and
+/// what is known of the rest (estimated_error.hpp).
+void note_discretisation(mbs::PreparedMechanism& prepared);
 
 /// The prepared state is an equilibrium or one of a steady motion.
 bool lasts(const mbs::PreparedMechanism& prepared);

@@ -75,6 +75,7 @@ RunResult result_from(const nlohmann::json& end) {
   r.energy.dissipated = e.at(5);
   r.energy.gross_work = e.at(6);
   r.energy.peak = e.at(7);
+  r.energy.round_off = e.at(8);
   r.peak_position_drift = f.at("drift").at(0);
   r.peak_velocity_drift = f.at("drift").at(1);
   return r;
@@ -131,7 +132,7 @@ nlohmann::json figures_of(const RunResult& r) {
           {"switches", r.events.size()},
           {"energy",
            {e.kinetic, e.strain, e.potential, r.energy.start, r.energy.work_in, r.energy.dissipated,
-            r.energy.gross_work, r.energy.peak}},
+            r.energy.gross_work, r.energy.peak, r.energy.round_off}},
           {"drift", {r.peak_position_drift, r.peak_velocity_drift}}};
 }
 

@@ -2,6 +2,7 @@
 #include "mbs/model/ancf_part.hpp"
 
 #include <Eigen/SparseCore>
+#include <algorithm>
 #include <stdexcept>
 
 #include "beam/ancf/kinematics.hpp"
@@ -166,8 +167,7 @@ void AncfPart::node_motion(int node, const double* s, const double* s_dot, const
   out.X_BN = {point.R_WS * R_rest_[node].transpose(), point.p_WoP_W};
   out.map.setZero();
   for (Eigen::Index j = 0; j < point.J_v.cols(); ++j) {
-    const int at = point.first + static_cast<int>(j);
-    const int i = at >= kNode ? at - kFixed : at >= 3 && at < 6 ? at - 3 : -1;
+    const int i = free_of(point.first + static_cast<int>(j));
     if (i < 0) continue;
     out.map.col(i).head<3>() = point.J_w.col(j);
     out.map.col(i).tail<3>() = point.J_v.col(j);
@@ -197,6 +197,63 @@ void AncfPart::turning_tangents(const double*, const double* s_dot, const Vector
   }
 }
 
+// Of the terms of inverse_dynamics(), s_l moving vector k along c: Q_k changes by e_c, and P_j by m_jk e_c; s'_l and
+// s''_l change P'_j and P''_j alike.
+void AncfPart::own_deformation_tangents(const double* s, const double* s_dot, const double* s_ddot,
+                                        const Spatial& V, const Spatial& A, Work& work,
+                                        DeformationTangents& out) const {
+  const Vector3d &w = V.angular, &alpha = A.angular, &a = A.linear;
+  out.modal_s.setZero();
+  out.modal_v.setZero();
+  add_tangents(s, s_dot, out.modal_s, out.modal_v);
+  const Matrix3d turning = skew(alpha) + skew(w) * skew(w);
+  if (!turning.isZero(0.0)) add_free(body_.mass_times(turning), out.modal_s);
+  if (!w.isZero(0.0)) add_free(body_.mass_times(2.0 * skew(w)), out.modal_v);
+
+  expand(s_ddot, false, work.v);
+  work.f.setZero(work.v.size());
+  body_.mass().multiply_add(1.0, work.v, work.f);
+  const auto P_ddot = vectors(work.f);
+  take_rates(s_dot, work);
+  const auto P_dot = vectors(work.W);
+  for (int l = 0; l < m(); ++l) {
+    const int k = coordinate(l) / 3, c = coordinate(l) % 3;
+    const Vector3d e = Vector3d::Unit(c), C_t = weight_(k) * e, P = work.P.col(k), Pd = P_dot.col(k),
+                   Pdd = P_ddot.col(k);
+    Spatial by_s, by_v;
+    by_s.linear = alpha.cross(C_t) + w.cross(w.cross(C_t));
+    by_v.linear = 2.0 * w.cross(C_t);
+    const auto turned = [&](const Vector3d& x) -> Vector3d {  // dJ x
+      return 2.0 * P(c) * x - e * P.dot(x) - P * x(c);
+    };
+    by_s.angular = C_t.cross(a) + turned(alpha) + w.cross(turned(w)) + 2.0 * (w * Pd(c) - Pd * w(c)) + e.cross(Pdd);
+    by_v.angular = 2.0 * (w * P(c) - e * P.dot(w));
+    out.need_s.col(l) = by_s.vector();
+    out.need_v.col(l) = by_v.vector();
+  }
+}
+
+std::pair<int, int> AncfPart::coordinates_of(int node) const {
+  const int first = stations_[node].at.element * kNode, end = first + 2 * kNode;
+  return {first == 0 ? 0 : first - kFixed, end - kFixed};
+}
+
+int AncfPart::free_of(int coordinate) {
+  return coordinate >= kNode ? coordinate - kFixed : coordinate >= 3 && coordinate < 6 ? coordinate - 3 : -1;
+}
+
+// Without the rows and columns that B fixes.
+void AncfPart::add_free(const beam::ancf::BlockTridiagonal& from, MatrixRef to) const {
+  for (int a = 0; a < body_.n_nodes(); ++a)
+    for (int b = std::max(a - 1, 0); b < std::min(a + 2, body_.n_nodes()); ++b) {
+      const auto block = from.block(a, b);
+      for (int k = 0; k < kNode; ++k)
+        for (int h = 0; h < kNode; ++h)
+          if (const int i = free_of(kNode * a + k), j = free_of(kNode * b + h); i >= 0 && j >= 0)
+            to(i, j) += block(k, h);
+    }
+}
+
 void AncfPart::add_tangents(const double* s, const double* s_dot, MatrixRef K, MatrixRef D) const {
   VectorXd q, v, f(body_.n_q());
   expand(s, true, q);
@@ -204,15 +261,8 @@ void AncfPart::add_tangents(const double* s, const double* s_dot, MatrixRef K, M
   beam::ancf::BlockTridiagonal dK(body_.n_nodes(), kNode), dD(body_.n_nodes(), kNode);
   AncfBody::Scratch scratch = body_.make_scratch();
   body_.force_and_tangents(q, &v, scratch, f, dK, dD);
-  const auto add = [&](const beam::ancf::BlockTridiagonal& from, MatrixRef to) {
-    beam::ancf::Triplets entries;
-    from.append_to(entries);
-    const auto free = [](int at) { return at >= kNode ? at - kFixed : at >= 3 && at < 6 ? at - 3 : -1; };
-    for (const auto& entry : entries)
-      if (const int i = free(entry.row()), j = free(entry.col()); i >= 0 && j >= 0) to(i, j) += entry.value();
-  };
-  add(dK, K);
-  add(dD, D);
+  add_free(dK, K);
+  add_free(dD, D);
 }
 
 std::shared_ptr<const FlexibleBody> straight_ancf_part(

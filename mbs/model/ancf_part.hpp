@@ -2,7 +2,7 @@
 #pragma once
 
 #include "beam/ancf/body.hpp"
-#include "mbs/model/flexible_body.hpp"
+#include "mbs/model/own_tangents.hpp"
 
 /// A beam of the absolute nodal coordinate formulation as a body of a mechanism: it may bend as far as it
 /// likes.
@@ -20,7 +20,7 @@
 /// equations in absolute coordinates.
 namespace flexura::mbs {
 
-class AncfPart final : public FlexibleBody {
+class AncfPart final : public FlexibleBody, public OwnTangents {
  public:
   /// A place that markers can sit on.
   struct Station {
@@ -35,6 +35,8 @@ class AncfPart final : public FlexibleBody {
   const beam::ancf::AncfBody& beam() const { return body_; }
   /// The coordinate of the beam that s_i adds to.
   static int coordinate(int i) { return i < 3 ? 3 + i : 9 + i; }
+  /// The s_i that adds to a coordinate of the beam; -1 where that is fixed to B.
+  static int free_of(int coordinate);
 
   void set_position(const double* s, Work& work) const override;
   Spatial inverse_dynamics(const double* s, const double* s_dot, const double* s_ddot, const Spatial& V,
@@ -48,6 +50,10 @@ class AncfPart final : public FlexibleBody {
   void turning_tangents(const double* s, const double* s_dot, const Vector3d& w, Work& work,
                         Eigen::Matrix<double, 6, 3>& need_w,
                         Eigen::Matrix<double, Eigen::Dynamic, 3>& modal_w) const override;
+  void own_deformation_tangents(const double* s, const double* s_dot, const double* s_ddot, const Spatial& V,
+                                const Spatial& A, Work& work, DeformationTangents& out) const override;
+  /// Those of its element.
+  std::pair<int, int> coordinates_of(int node) const override;
   void add_tangents(const double* s, const double* s_dot, MatrixRef K, MatrixRef D) const override;
   double amplitude(int) const override { return 1.0; }  // lengths and slopes as they are
 
@@ -58,6 +64,7 @@ class AncfPart final : public FlexibleBody {
   };
   Rates take_rates(const double* s_dot, Work& work) const;
   void expand(const double* s, bool from_rest, Eigen::VectorXd& q) const;
+  void add_free(const beam::ancf::BlockTridiagonal& from, MatrixRef to) const;
 
   beam::ancf::AncfBody body_;
   std::vector<Station> stations_;

@@ -3,7 +3,7 @@
 
 #include "mbs/math/differences.hpp"
 #include "mbs/math/rotation.hpp"
-#include "mbs/model/flexible_body.hpp"
+#include "mbs/model/own_tangents.hpp"
 
 /// Derivatives of what a flexible body needs and of how its nodes move, by its coordinates s and s'.
 ///
@@ -36,6 +36,10 @@ DeformationTangents FlexibleBody::make_deformation_tangents() const {
 void FlexibleBody::deformation_tangents(const double* s_values, const double* s_dot_values,
                                         const double* s_ddot_values, const Spatial& V, const Spatial& A,
                                         Work& work, DeformationTangents& out) const {
+  if (const auto* own = dynamic_cast<const OwnTangents*>(this)) {
+    own->own_deformation_tangents(s_values, s_dot_values, s_ddot_values, V, A, work, out);
+    return;
+  }
   if (!is_modal()) {
     difference_deformation(s_values, s_dot_values, s_ddot_values, V, A, out);
     return;
@@ -206,7 +210,9 @@ void FlexibleBody::difference_node(int index, const double* s, const double* s_d
   out.moved_v = ConstMap(s_dot, m_);
   for (auto* x : {&out.motion_s, &out.acceleration_s, &out.acceleration_v}) x->setZero();
   out.map_s.setZero();
-  for (int l = 0; l < m_; ++l) {
+  const auto* own = dynamic_cast<const OwnTangents*>(this);
+  const auto [first, end] = own ? own->coordinates_of(index) : std::pair(0, m_);
+  for (int l = first; l < end; ++l) {
     for (const double sign : {1.0, -1.0}) {
       const double factor = sign / (2.0 * kCentralStep);
       out.moved_s(l) = s[l] + sign * kCentralStep;

@@ -122,8 +122,9 @@ std::string moved_values(const Mechanism& mechanism, const VectorXd& before, con
         const input::Dimension dimension = place.joint->coordinates()[i - place.i_p].dimension;
         const bool is_angle = dimension == input::dim::angle, is_length = dimension == input::dim::length;
         const double unit = is_angle ? M_PI / 180.0 : is_length ? 1e-3 : 1.0;
-        list.push_back(fmt::format("\"{}\" from {:.6g} to {:.6g}{}", mechanism.name_of_position(i),
-                                   before(i) / unit, after(i) / unit,
+        const std::string from = fmt::format("{:.6g}", before(i) / unit), to = fmt::format("{:.6g}", after(i) / unit);
+        if (from == to) continue;
+        list.push_back(fmt::format("\"{}\" from {} to {}{}", mechanism.name_of_position(i), from, to,
                                    is_angle    ? " deg"
                                    : is_length ? " mm"
                                                : ""));
@@ -176,9 +177,10 @@ std::optional<StrainedLoops> close_loops(const Mechanism& mechanism, const Mecha
   ClosingOptions stiff{keep.keep_position, deforms, true, keep.max_iterations, large};
   const auto say_moved = [&] {
     if (report.positions_kept) return;
+    // By less than is printed is not moved.
     const std::string values = moved_values(mechanism, start, s.p, keep.keep_position);
-    if (values.empty()) return;
     std::erase_if(report.notes, [](const std::string& note) { return note.starts_with("the prescribed"); });
+    if (values.empty()) return;
     report.notes.insert(
         report.notes.begin(),
         fmt::format("the initial values given do not close the loops and were moved: {}", values));

@@ -11,10 +11,13 @@ double EnergyAccount::relative_error() const {
   // A structure that stands still moves no energy but the round-off of what it holds.
   constexpr double kRoundOff = 1e-10;
   const double held = kRoundOff * (now.kinetic + std::abs(now.strain) + std::abs(now.potential));
-  return scale > held ? std::abs(error()) / scale : 0.0;
+  return scale > held && scale > round_off ? std::abs(error()) / scale : 0.0;
 }
 
 namespace {
+
+// Of typical speeds: what the last digits of positions do within 0.1 ms.
+constexpr double kRoundOffSpeed = 1e-12;
 
 // A step is halved no further than into parts of 2^-12 of it, and into no more than these.
 constexpr double kShortest = 1.0 / 4096.0;
@@ -33,8 +36,15 @@ void EnergyBook::look(const EnergyReport& now, EnergyAccount& account) const {
   account.peak = std::max({account.peak, account.now.kinetic, std::abs(account.total() - account.start)});
 }
 
+double EnergyBook::round_off_energy(const State& s, const Eigen::VectorXd& v_dot) const {
+  State noise = s;
+  for (Eigen::Index i = 0; i < s.v.size(); ++i) noise.v(i) = kRoundOffSpeed * eq_.rate_scale(static_cast<int>(i));
+  return eq_.energy(noise, v_dot, *scratch_).kinetic;
+}
+
 void EnergyBook::start(const State& s, const Eigen::VectorXd& v_dot) {
   account_ = {};
+  account_.round_off = round_off_energy(s, v_dot);
   account_.now = eq_.energy(s, v_dot, *scratch_);
   account_.start = account_.total();
   account_.peak = account_.now.kinetic;
@@ -177,6 +187,7 @@ bool EnergyBook::asks_multipliers(const State& s) {
 }
 
 EnergyAccount EnergyBook::at_row(const State& s, const Eigen::VectorXd& v_dot) {
+  if (account_.round_off == 0.0) account_.round_off = round_off_energy(s, v_dot);
   EnergyAccount account = account_;
   if (h_ > 0.0) add((s.t - t_) / h_, account);
   look(eq_.energy(s, v_dot, *scratch_), account);

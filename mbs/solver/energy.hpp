@@ -36,10 +36,12 @@ struct EnergyAccount {
   double dissipated = 0.0;  ///< integral of dissipated_power, and what impacts took [J]
   double gross_work = 0.0;  ///< integral of |input_power| [J]
   double peak = 0.0;        ///< largest |E - E(t_0)| and largest kinetic energy so far [J]
+  double round_off = 0.0;   ///< kinetic energy of round-off speeds [J]; 0: not known yet
 
   double total() const { return now.kinetic + now.strain + now.potential; }
   double error() const { return total() - start - work_in + dissipated; }
-  /// error() relative to the energy that was moved: the larger of the work put in and the peak.
+  /// error() relative to the energy that was moved: the larger of the work put in and the peak; 0 where that is
+  /// no more than round-off.
   double relative_error() const;
 };
 
@@ -75,6 +77,7 @@ class EnergyBook {
 
  private:
   void look(const EnergyReport& now, EnergyAccount& account) const;
+  double round_off_energy(const State& s, const Eigen::VectorXd& v_dot) const;
 
   const Equations& eq_;
   std::unique_ptr<Equations::Scratch> scratch_;

@@ -274,6 +274,7 @@ StepEnd GeneralisedAlpha::step(double t_stop) {
   weights_.evaluate(now_.s.p, now_.s.v, now_.s.c, w_);
   double h, size = 0.0;
   bool shortened = false;
+  std::string ahead;  // why the model could not be evaluated in a step that was tried
   for (;;) {
     const double left = t_stop - now_.s.t;
     h = std::min({h_, h_max, left});
@@ -293,6 +294,8 @@ StepEnd GeneralisedAlpha::step(double t_stop) {
       if (outcome == Outcome::converged && !fixed) size = local_error(h);
     } catch (const std::runtime_error& e) {
       trouble_ = e.what();
+      // What a longer step met lies ahead of all shorter ones.
+      if (dynamic_cast<const NonFiniteError*>(&e) == nullptr) ahead = trouble_;
     }
     if (outcome == Outcome::converged && (fixed || size <= 1.0)) break;
     if (outcome == Outcome::converged)
@@ -301,7 +304,7 @@ StepEnd GeneralisedAlpha::step(double t_stop) {
       ++counts_.newton_failures;
     matrix_.forget();
     if (h <= h_min || fixed) {
-      if (!trouble_.empty()) throw IntegrationError(trouble_);
+      if (!ahead.empty() || !trouble_.empty()) throw IntegrationError(ahead.empty() ? trouble_ : ahead);
       throw IntegrationError(
           fmt::format("{} at t = {:.9g} s with a step of {:.3g} s; the state in trouble is \"{}\": a force "
                       "jumps there, give it "

@@ -1,6 +1,7 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include "mbs/solver/linearise.hpp"
 
+#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <Eigen/QR>
@@ -9,8 +10,10 @@
 
 #include "mbs/solver/accelerations.hpp"
 #include "mbs/solver/assemble.hpp"
+#include "mbs/solver/independent.hpp"
 #include "mbs/solver/kinematic_blocks.hpp"
 #include "mbs/solver/saddle.hpp"
+#include "mbs/solver/tangents.hpp"
 
 namespace flexura::mbs {
 
@@ -37,6 +40,8 @@ class Lineariser {
 
   void choose_coordinates();
   void prepare_kinematics();
+  bool has_exact_system();
+  void set_exactly(LinearSystem& out);
   Sample at(int column, double step);
   Eigen::VectorXd rates(const Sample& sample) const;
   Sample with_input(int input, double step);
@@ -59,30 +64,9 @@ void Lineariser::choose_coordinates() {
   G_.setZero(n_.n_lambda, n_.n_v);
   eq_.mass_matrix(s_0_.p, *scratch, M_);
   eq_.constraint_matrix(s_0_.t, s_0_.p, *scratch, G_);
-  Eigen::VectorXd D(n_.n_v);
-  for (int i = 0; i < n_.n_v; ++i) D(i) = M_(i, i) > 0.0 ? 1.0 / std::sqrt(M_(i, i)) : 1.0;
-  Eigen::MatrixXd Q = Eigen::MatrixXd::Identity(n_.n_v, n_.n_v);
-  if (n_.n_lambda > 0) {
-    Eigen::MatrixXd GD = (G_ * D.asDiagonal()).transpose();
-    for (int k = 0; k < n_.n_lambda; ++k)
-      if (const double norm = GD.col(k).norm(); norm > 0.0) GD.col(k) /= norm;
-    Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(GD);
-    qr.setThreshold(1e-10);
-    Q = (qr.householderQ() * Eigen::MatrixXd::Identity(n_.n_v, n_.n_v)).rightCols(n_.n_v - qr.rank()).eval();
-  }
-  const auto n_z = Q.cols();
-  if (n_z == 0) {  // nothing moves but dynamic states
-    N_.setZero(n_.n_v, 0);
-    return;
-  }
-  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> pivots(Q.transpose());
-  for (Eigen::Index k = 0; k < n_z; ++k)
-    independent_.push_back(static_cast<int>(pivots.colsPermutation().indices()(k)));
-  std::sort(independent_.begin(), independent_.end());
-  Q = D.asDiagonal() * Q;
-  Eigen::MatrixXd Q_i(n_z, n_z);
-  for (Eigen::Index k = 0; k < n_z; ++k) Q_i.row(k) = Q.row(independent_[k]);
-  N_ = Q * Q_i.partialPivLu().inverse();
+  IndependentCoordinates z = independent_coordinates(M_, G_);
+  independent_ = std::move(z.independent);
+  N_ = std::move(z.N);
 }
 
 void Lineariser::prepare_kinematics() {
@@ -164,6 +148,56 @@ Eigen::VectorXd Lineariser::c_rates(const State& s, const Eigen::VectorXd& v_dot
   return c;
 }
 
+// At rest, and where there are constraints with accelerations that are no more than what a solver left, on rows that
+// hold still: the derivatives of the momentum rows are then all there is. Dynamic states that answer to accelerations
+// or reactions are left to differences.
+bool Lineariser::has_exact_system() {
+  // Of all that moves [m/s^2, rad/s^2]: as much as the curvature of constraints adds to squares of frequencies.
+  constexpr double kNoAcceleration = 1e-5;
+  if (!s_0_.v.isZero(0.0)) return false;
+  if (n_.n_lambda == 0) return true;
+  for (int k = 0; k < n_.n_lambda; ++k)
+    if (!eq_.is_holonomic(k)) return false;
+  if (std::sqrt(v_dot_0_.dot(M_ * v_dot_0_)) > kNoAcceleration * std::sqrt(M_.diagonal().maxCoeff())) return false;
+  auto scratch = eq_.make_scratch();
+  const Eigen::VectorXd rest = Eigen::VectorXd::Zero(n_.n_v);
+  Eigen::VectorXd g_t(n_.n_lambda), g_tt(n_.n_lambda);
+  eq_.velocity_constraints(s_0_.t, s_0_.p, rest, *scratch, g_t);
+  eq_.acceleration_constraints(s_0_.t, s_0_.p, rest, rest, *scratch, g_tt);
+  return g_t.isZero(0.0) && g_tt.isZero(0.0);
+}
+
+// With y = (c, a) and a from its own rows, b_a a = -(b_p z + b_v z' + b_c c).
+void Lineariser::set_exactly(LinearSystem& out) {
+  const int n_z = static_cast<int>(independent_.size()), n_c = n_.n_dyn, n_a = n_.n_alg;
+  Tangents t(eq_);
+  t.evaluate(s_0_, v_dot_0_);
+  if (t.c_v_dot.size() > 0 || t.c_lambda.size() > 0) return;
+  KinematicBlocks kinematics(eq_, s_0_.p);
+  kinematics.update(s_0_.p, s_0_.v);
+  Eigen::MatrixXd K;
+  kinematics.multiply_T(t.z_p, K);
+  // Columns of (z, z', c) for the rows (r, c', b).
+  Eigen::MatrixXd Z(n_.n_v + n_c + n_a, 2 * n_z + n_c);
+  Z << K * N_, t.z_v * N_, t.z_c;
+  if (n_a > 0) {
+    const Eigen::FullPivLU<Eigen::MatrixXd> b_a(t.z_a.bottomRows(n_a));
+    if (!b_a.isInvertible()) return;
+    const Eigen::MatrixXd by_a = b_a.solve(Z.bottomRows(n_a));
+    Z -= t.z_a * by_a;
+  }
+  out.A.topRows(n_z).setZero();
+  out.A.block(0, n_z, n_z, n_z).setIdentity();
+  const Eigen::MatrixXd M_z = N_.transpose() * M_ * N_;
+  const Eigen::VectorXd unit = M_z.diagonal().cwiseSqrt().cwiseInverse();
+  const Eigen::LLT<Eigen::MatrixXd> llt(unit.asDiagonal() * M_z * unit.asDiagonal());
+  if (llt.info() != Eigen::Success) return;
+  const Eigen::MatrixXd forces = unit.asDiagonal() * (N_.transpose() * Z.topRows(n_.n_v));
+  out.A.middleRows(n_z, n_z) = -(unit.asDiagonal() * llt.solve(forces));
+  out.A.bottomRows(n_c) = Z.middleRows(n_.n_v, n_c);
+  out.relative_error = 1e-14;
+}
+
 LinearSystem Lineariser::system(const LineariseOptions& options) {
   const int n_z = static_cast<int>(independent_.size()), n_x = 2 * n_z + n_.n_dyn;
   LinearSystem out;
@@ -190,13 +224,15 @@ LinearSystem Lineariser::system(const LineariseOptions& options) {
   out.A.setZero(n_x, n_x);
   out.V.setZero(n_.n_v, n_z);
   out.C.setZero(out.y_0.size(), n_x);
-  for (int j = 0; j < n_x; ++j) {
+  if (has_exact_system()) set_exactly(out);
+  const bool is_exact = out.relative_error < 1e-12;
+  for (int j = 0; j < n_x && !(is_exact && !options.outputs); ++j) {
     // Central differences: eps^(1/3) of the typical size.
     const double size =
         j < 2 * n_z ? eq_.velocity_scale(independent_[j % n_z]) : std::max(1.0, std::abs(out.x_0(j)));
     const double step = 1e-5 * size;
     const Sample up = at(j, step), down = at(j, -step);
-    out.A.col(j) = (rates(up) - rates(down)) / (2.0 * step);
+    if (!is_exact) out.A.col(j) = (rates(up) - rates(down)) / (2.0 * step);
     if (j < n_z) out.V.col(j) = (up.s.v - down.s.v) / (2.0 * step);
     if (options.outputs)
       out.C.col(j) = (options.outputs(up.s, up.v_dot) - options.outputs(down.s, down.v_dot)) / (2.0 * step);
@@ -253,19 +289,58 @@ LinearSystem in_turning_axes(LinearSystem system, const Eigen::MatrixXd& W) {
   return system;
 }
 
+namespace {
+
+// Units of the coordinates, powers of 2, in which rows and columns of A are of one size: B. N. Parlett, C. Reinsch,
+// Numer. Math. 13 (1969) 293.
+Eigen::VectorXd balance(const Eigen::MatrixXd& A) {
+  const Eigen::Index n = A.rows();
+  Eigen::VectorXd unit = Eigen::VectorXd::Ones(n);
+  constexpr int kMostPasses = 100;
+  bool changes = true;
+  for (int pass = 0; pass < kMostPasses && changes; ++pass) {
+    changes = false;
+    for (Eigen::Index i = 0; i < n; ++i) {
+      double row = 0.0, column = 0.0;
+      for (Eigen::Index j = 0; j < n; ++j)
+        if (j != i) {
+          row += std::abs(A(i, j)) * unit(j) / unit(i);
+          column += std::abs(A(j, i)) * unit(i) / unit(j);
+        }
+      if (!(row > 0.0) || !(column > 0.0)) continue;
+      const double factor = std::exp2(std::round(0.5 * std::log2(row / column)));
+      if (column * factor + row / factor >= 0.95 * (row + column)) continue;
+      unit(i) *= factor;
+      changes = true;
+    }
+  }
+  return unit;
+}
+
+}  // namespace
+
 std::vector<NaturalMode> natural_modes(const LinearSystem& system) {
   if (system.A.rows() == 0) return {};
-  const Eigen::EigenSolver<Eigen::MatrixXd> solver(system.A);
+  const Eigen::VectorXd unit = balance(system.A);
+  const Eigen::MatrixXd A = unit.cwiseInverse().asDiagonal() * system.A * unit.asDiagonal();
+  const Eigen::EigenSolver<Eigen::MatrixXd> solver(A);
+  // What rounding makes of the eigenvalues shows where A^T has others.
+  const Eigen::VectorXcd again = Eigen::EigenSolver<Eigen::MatrixXd>(A.transpose(), false).eigenvalues();
   const auto n_z = static_cast<Eigen::Index>(system.independent.size());
   std::vector<NaturalMode> modes;
   for (Eigen::Index i = 0; i < system.A.rows(); ++i) {
-    const std::complex<double> value = solver.eigenvalues()(i);
+    std::complex<double> value = solver.eigenvalues()(i);
     if (value.imag() < 0.0) continue;
     NaturalMode mode;
     mode.eigenvalue = value;
+    constexpr double kOfSample = 10.0;
+    mode.noise = kOfSample * (again.array() - value).abs().minCoeff() + system.relative_error * std::abs(value);
+    if (std::abs(value.real()) <= mode.noise) mode.eigenvalue.real(0.0);
+    if (std::abs(value.imag()) <= mode.noise) mode.eigenvalue.imag(0.0);
+    value = mode.eigenvalue;
     mode.frequency_hz = value.imag() / (2.0 * M_PI);
     mode.damping = std::abs(value) > 0.0 ? -value.real() / std::abs(value) : 0.0;
-    mode.shape = system.N.cast<std::complex<double>>() * solver.eigenvectors().col(i).head(n_z);
+    mode.shape = system.N.cast<std::complex<double>>() * (unit.head(n_z).asDiagonal() * solver.eigenvectors().col(i).head(n_z));
     Eigen::Index largest = 0;
     if (mode.shape.size() > 0 && mode.shape.cwiseAbs().maxCoeff(&largest) > 0.0)
       mode.shape /= mode.shape(largest);

@@ -290,7 +290,9 @@ RunResult Runner::run() {
       write_row(result_.state, result_.v_dot);
     }
     if (options_.end_time > result_.state.t) {
-      if (!resumed_ && keeps_book_) {
+      if (!resumed_ && is_watched_ && stands_still()) {
+        change_method("kinematics", "nothing is free to move, the constraints hold all of it");
+      } else if (!resumed_ && keeps_book_) {
         integrator_->set_horizon(times_.next(result_.state.t).t);
         integrator_->start(result_.state, result_.v_dot);
       }

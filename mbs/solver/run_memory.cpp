@@ -30,9 +30,12 @@ std::vector<double> opened(std::vector<double> values) {
 
 void Runner::resume(const Continuation& from) {
   const auto may_go_on = [&](const IntegratorKind& kind) { return kind.is_for_all && from.method == kind.name; };
-  if (options_.method_is_open && std::ranges::any_of(integrator_kinds(), may_go_on)) {
+  // What stands still was left to kinematics, whatever the method.
+  const bool stood = from.method == "kinematics" && is_watched_;
+  if (stood || (options_.method_is_open && std::ranges::any_of(integrator_kinds(), may_go_on))) {
     options_.method = from.method;
     integrator_ = make_integrator(eq_, options_);
+    is_watched_ = kind_of(options_).integrates;
   }
   if (from.method != options_.method)
     throw std::invalid_argument(

@@ -6,6 +6,7 @@
 
 #include "mbs/solver/finite.hpp"
 #include "mbs/solver/runner.hpp"
+#include "mbs/solver/saddle.hpp"
 
 /// Where an integrator does not come on, or another would come on faster: hops across positions in which constraints
 /// lose rank, and changes of the method.
@@ -49,6 +50,32 @@ bool Runner::change_after(const IntegrationError& reason) {
   return true;
 }
 
+// At rest, and every freedom is held by rows that do not move: there is nothing to integrate, and what an integrator
+// makes of the round-off of such rows has no smallest step (IDA: 1e-9 s, for minutes).
+bool Runner::stands_still() const {
+  constexpr double kHeld = 1e-6;  // of the rows' independence: what parts are made to
+  constexpr int kGlances = 100;   // at rows that begin to move later
+  const State& s = result_.state;
+  if (n_.n_v == 0 || n_.n_lambda < n_.n_v || n_.n_dyn > 0 || n_.n_alg > 0 || !s.v.isZero(1e-12)) return false;
+  for (int k = 0; k < n_.n_root; ++k)
+    if (!eq_.is_condition(k)) return false;
+  for (int k = 0; k < n_.n_lambda; ++k)
+    if (!eq_.is_holonomic(k)) return false;
+  Eigen::VectorXd g_t(n_.n_lambda);
+  const Eigen::VectorXd rest = Eigen::VectorXd::Zero(n_.n_v);
+  for (int k = 0; k <= kGlances; ++k) {
+    const double t = options_.start_time + (options_.end_time - options_.start_time) * k / kGlances;
+    eq_.velocity_constraints(t, s.p, rest, *scratch_, g_t);
+    if (!g_t.isZero(0.0)) return false;
+  }
+  Eigen::MatrixXd M = Eigen::MatrixXd::Zero(n_.n_v, n_.n_v), G = Eigen::MatrixXd::Zero(n_.n_lambda, n_.n_v);
+  eq_.mass_matrix(s.p, *scratch_, M);
+  eq_.constraint_matrix(s.t, s.p, *scratch_, G);
+  SaddleSolver rows;
+  rows.factor(eq_, M, G);
+  return rows.rank() == n_.n_v && rows.independence() > kHeld;
+}
+
 void Runner::change_method(const std::string& method, const std::string& why) {
   result_.method_changes.push_back(
       fmt::format("from {} to {} at t = {:.6g} s: {}", options_.method, method, result_.state.t, why));
@@ -56,6 +83,7 @@ void Runner::change_method(const std::string& method, const std::string& why) {
   counts_at_once_ = {};
   options_.method = method;
   integrator_ = make_integrator(eq_, options_);
+  is_watched_ = kind_of(options_).integrates;
   method_watch_.change();
   start_again(result_.state, result_.v_dot);
   integrator_->set_horizon(times_.next(result_.state.t).t);

@@ -86,6 +86,7 @@ class Runner {
   bool leap(const Instant& from, bool& goes_on);
   bool start_again(State& s, Eigen::VectorXd& v_dot);
   void watch_method();
+  bool stands_still() const;
   bool change_after(const IntegrationError& reason);
   void change_method(const std::string& method, const std::string& why);
   void remember_own(History& history);

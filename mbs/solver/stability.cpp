@@ -4,10 +4,9 @@
 #include <fmt/format.h>
 
 #include <Eigen/Eigenvalues>
-#include <Eigen/QR>
 #include <cmath>
 
-#include "mbs/solver/kinematic_blocks.hpp"
+#include "mbs/solver/static_stiffness.hpp"
 #include "mbs/solver/tangents.hpp"
 
 namespace flexura::mbs {
@@ -17,33 +16,15 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using Verdict = Stability::Verdict;
 
-// Of the stiffest direction, in units of stiffness: below it lies what differences leave of elements without
-// derivatives of their own (1e-8).
-constexpr double kNoStiffness = 1e-7;
+// Damping in parts of the largest: what differences leave of elements without derivatives of their own (1e-8).
+constexpr double kNoDampingForce = 1e-7;
+// In parts of its noise, beyond which an unsymmetric part of the stiffness is one.
+constexpr double kUnsymmetric = 10.0;
 // A damping ratio that the errors of A's differences (1e-9) do not make.
 constexpr double kNoDamping = 1e-6;
 // Two zero eigenvalues are found apart by the square root of these errors, times what the motion's own rate
 // makes of them.
 constexpr double kNoGrowth = 1e-4;
-
-// Columns span what G lets free, as lengths of `unit`.
-MatrixXd free_directions(const MatrixXd& G, const VectorXd& unit) {
-  const Eigen::Index n = unit.size();
-  if (G.rows() == 0) return MatrixXd::Identity(n, n);
-  MatrixXd rows = (G * unit.asDiagonal()).transpose();
-  for (Eigen::Index k = 0; k < rows.cols(); ++k)
-    if (const double norm = rows.col(k).norm(); norm > 0.0) rows.col(k) /= norm;
-  Eigen::ColPivHouseholderQR<MatrixXd> qr(rows);
-  qr.setThreshold(1e-10);
-  return (qr.householderQ() * MatrixXd::Identity(n, n)).rightCols(n - qr.rank());
-}
-
-// Each coordinate as stiff as the others; those without stiffness as 1e-10 of the stiffest for their mass.
-VectorXd stiffness_units(const MatrixXd& K, const MatrixXd& M) {
-  const VectorXd m = M.diagonal().cwiseMax(1e-300), k = K.diagonal().cwiseAbs();
-  const double stiffest = k.cwiseQuotient(m).maxCoeff();
-  return k.cwiseMax(std::max(1e-10 * stiffest, 1e-300) * m).cwiseSqrt().cwiseInverse();
-}
 
 int largest_of(const VectorXd& d) {
   Eigen::Index k = 0;
@@ -67,7 +48,7 @@ Stability stability_of(const Equations& eq, const LinearSystem& system, double r
       all_decay = false;
       continue;
     }
-    const double bound = kNoDamping * size;
+    const double bound = std::max(kNoDamping * size, mode.noise);
     if (real > bound && real > out.growth) {
       out.growth = real;
       VectorXd d = mode.shape.cwiseAbs();
@@ -91,44 +72,45 @@ Stability stability_at_rest(const Equations& eq, const State& s) {
   for (int k = 0; k < n.n_lambda; ++k)
     if (!eq.is_holonomic(k)) return stability_of(eq, linearise(eq, s), 0.0);
   if (n.n_dyn > 0 || n.n_alg > 0) return stability_of(eq, linearise(eq, s), 0.0);
-  Tangents tangents(eq);
-  tangents.evaluate(s, VectorXd::Zero(n.n_v));
-  KinematicBlocks kinematics(eq, s.p);
-  kinematics.update(s.p, s.v);
-  MatrixXd K;
-  kinematics.multiply_T(tangents.z_p.topRows(n.n_v), K);
-  const VectorXd unit = stiffness_units(K, tangents.M);
-  const MatrixXd N = unit.asDiagonal() * free_directions(tangents.G, unit);
-  if (N.cols() == 0) {
+  const StaticStiffness z = static_stiffness(eq, s);
+  const auto n_z = static_cast<Eigen::Index>(z.independent.size());
+  if (n_z == 0) {
     out.verdict = Verdict::stable;
     return out;
   }
-  const MatrixXd K_N = N.transpose() * K * N, D_N = N.transpose() * tangents.z_v.topRows(n.n_v) * N;
+  Tangents tangents(eq);
+  tangents.evaluate(s, VectorXd::Zero(n.n_v));
+  // Each coordinate as stiff as the others.
+  VectorXd unit(n_z);
+  for (Eigen::Index i = 0; i < n_z; ++i)
+    unit(i) = z.K(i, i) != 0.0 ? 1.0 / std::sqrt(std::abs(z.K(i, i))) : 1.0;
+  const auto scaled = [&](const MatrixXd& X) -> MatrixXd { return unit.asDiagonal() * X * unit.asDiagonal(); };
+  const MatrixXd K = scaled(z.K), E = scaled(z.error),
+                 D = scaled(z.N.transpose() * tangents.z_v.topRows(n.n_v) * z.N);
   const auto symmetric = [](const MatrixXd& X) { return MatrixXd(0.5 * (X + X.transpose())); };
-  const double size = K_N.cwiseAbs().maxCoeff();
-  if ((K_N - K_N.transpose()).cwiseAbs().maxCoeff() > kNoStiffness * size)
+  if (((K - K.transpose()).cwiseAbs() - kUnsymmetric * (E + E.transpose())).maxCoeff() > 0.0)
     return stability_of(eq, linearise(eq, s), 0.0);
-  const double damping = D_N.cwiseAbs().maxCoeff();
+  const double damping = D.cwiseAbs().maxCoeff();
   if (damping > 0.0) {
     const double least =
-        Eigen::SelfAdjointEigenSolver<MatrixXd>(symmetric(D_N), Eigen::EigenvaluesOnly).eigenvalues()(0);
-    if (least < -kNoStiffness * damping) return stability_of(eq, linearise(eq, s), 0.0);
+        Eigen::SelfAdjointEigenSolver<MatrixXd>(symmetric(D), Eigen::EigenvaluesOnly).eigenvalues()(0);
+    if (least < -kNoDampingForce * damping) return stability_of(eq, linearise(eq, s), 0.0);
   }
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> stiff(symmetric(K_N));
-  const double least = stiff.eigenvalues()(0),
-               bound = kNoStiffness * stiff.eigenvalues().cwiseAbs().maxCoeff();
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> stiff(symmetric(K));
+  const VectorXd softest = stiff.eigenvectors().col(0);
+  const double least = stiff.eigenvalues()(0), bound = kBeyondNoise * noise_of(softest, E, softest);
   if (least > bound) {
     out.verdict = Verdict::stable;
     return out;
   }
-  const VectorXd d = N * stiff.eigenvectors().col(0);
+  const VectorXd d = z.N * (unit.asDiagonal() * softest);
   VectorXd relative = d;
   for (int i = 0; i < n.n_v; ++i) relative(i) /= eq.velocity_scale(i);
   out.coordinate = largest_of(relative);
   if (!(least < -bound)) return out;
   out.verdict = Verdict::unstable;
   // Growth along this direction alone, whose damping slows it: m r^2 + c r + k = 0.
-  const double m = d.dot(tangents.M * d), c = d.dot(tangents.z_v.topRows(n.n_v) * d), k = d.dot(K * d);
+  const double m = d.dot(tangents.M * d), c = d.dot(tangents.z_v.topRows(n.n_v) * d), k = least;
   out.growth = m > 0.0 ? (-c + std::sqrt(std::max(c * c - 4.0 * m * k, 0.0))) / (2.0 * m) : 0.0;
   return out;
 }

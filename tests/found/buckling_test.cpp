@@ -27,7 +27,7 @@ class Buckling : public ::testing::Test {
     if (outcome.exit_code != 0) return {};
     return nlohmann::json::parse(outcome.out)["runs"][0];
   }
-  // K from central differences: 1e-9, times the factor.
+  // K is exact but for differences of users' elements: 1e-9, times the factor.
   void expect_ten(const nlohmann::json& run) {
     ASSERT_EQ(run["modes"].size(), 1u) << run;
     EXPECT_NEAR(run["modes"][0]["load_factor"].get<double>(), 10.0, 1e-6);

@@ -49,6 +49,7 @@ class Loops : public ::testing::Test {
   }
   static void TearDownTestSuite() { delete folder_; }
 
+  static void write(const std::string& name, const std::string& text) { folder_->write(name, text); }
   static Start start_of(const std::string& name, const std::vector<std::string>& more = {}) {
     std::vector<std::string> words{"simulate",
                                    *folder_ / (name + ".toml"),
@@ -92,6 +93,53 @@ TEST_F(Loops, TwoBarsTurnAndCarryTheirWeight) {
   EXPECT_THAT(s.outcome.err,
               AllOf(HasSubstr("do not close the loops and were moved: \"A.angle\" from 60 to 58.66"),
                     Not(HasSubstr("warning"))));
+}
+
+// An angle of 60 degrees that is off in its eighth digit: "moved from 60 to 60 deg" is no news.
+TEST_F(Loops, MovesThatRoundToNothingAreNotTold) {
+  write("square.toml", R"toml(gravity = [0, 0, 0]
+[ground.marker.a]
+axis = [0, 1, 0]
+[ground.marker.d]
+position = [0.4, 0, 0]
+axis = [0, 1, 0]
+[body.crank]
+mass = 1
+inertia = [0.01, 0.01, 0.01]
+[body.crank.marker.a]
+axis = [0, 1, 0]
+[body.crank.marker.b]
+position = [0.2, 0, 0]
+axis = [0, 1, 0]
+[body.rocker]
+mass = 1
+inertia = [0.01, 0.01, 0.01]
+[body.rocker.marker.d]
+axis = [0, 1, 0]
+[body.rocker.marker.c]
+position = [0.2, 0, 0]
+axis = [0, 1, 0]
+[joint.A]
+type = "revolute"
+from = "ground.a"
+to = "crank.a"
+angle = "60 deg"
+[joint.D]
+type = "revolute"
+from = "ground.d"
+to = "rocker.d"
+angle = "60.000004 deg"
+[constraint.link]
+type = "distance"
+from = "crank.b"
+to = "rocker.c"
+length = 0.4
+)toml");
+  const Start near = start_of("square");
+  EXPECT_EQ(near.outcome.exit_code, 0) << near.outcome.err;
+  EXPECT_THAT(near.outcome.err, Not(HasSubstr("moved")));
+  const Start off = start_of("square", {"--set", "joint.D.angle=60.01 deg"});
+  EXPECT_THAT(off.outcome.err, HasSubstr("were moved"));
 }
 
 // Whatever law the bars deform by.

@@ -12,6 +12,7 @@
 namespace flexura {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
 using test::Outcome;
@@ -105,6 +106,25 @@ TEST(RandomSamples, GearsThatLockStandStill) {
   EXPECT_LT(summary.at("relative_energy_error").get<double>(), 1e-3);
   const Eigen::Index last = run.time.size() - 1;
   EXPECT_NEAR(column(run, "j0.angle", last), column(run, "j0.angle", 0), 1e-9);
+}
+
+// With hinges in place of the cylinders nothing is free at all: that needs no integrator, whichever is asked for.
+TEST(RandomSamples, WhatNothingCanMoveStandsStillByEveryMethod) {
+  std::string text = test::read_text(kFolder + "gears_that_lock.toml");
+  for (std::size_t at; (at = text.find("\"cylindrical\"")) != std::string::npos;) text.replace(at, 13, "\"revolute\"");
+  const test::Folder folder;
+  folder.write("held.toml", text);
+  for (const std::string method : {"ida", "radau", "generalised_alpha"}) {
+    const Outcome outcome = test::run("flexura", {"simulate", folder / "held.toml", "-o", folder / "rows.h5",
+                                                  "--no-estimate", "--set", "solver.method=" + method});
+    EXPECT_EQ(outcome.exit_code, 0) << method << outcome.err;
+    const results::Run run = results::read(folder / "rows.h5").runs.at(0);
+    const nlohmann::json summary = nlohmann::json::parse(run.summary_json);
+    EXPECT_LT(summary.at("steps").get<int>(), 100) << method;
+    EXPECT_THAT(summary.at("method_changes").dump(), HasSubstr("nothing is free to move")) << method;
+    // Of an energy of round-off no part is told.
+    EXPECT_EQ(summary.at("relative_energy_error").get<double>(), 0.0) << method;
+  }
 }
 
 // The spring's angle is that of a joint of the tree, which counts its turns: k phi^2 / 2 at -180 deg and beyond.
@@ -241,6 +261,13 @@ TEST(RandomSamples, ADiscThatLiesFlatIsSaidTo) {
     EXPECT_NE(outcome.exit_code, 0) << outcome.out;
     EXPECT_THAT(outcome.err, HasSubstr("error: "));
     EXPECT_THAT(outcome.err, Not(HasSubstr("nan")));
+  }
+  // A fall in motion ends with what happened, by every method, not with Newton's or rank's words.
+  for (const std::string method : {"ida", "radau", "generalised_alpha", "runge_kutta"}) {
+    const Outcome outcome = test::run("flexura", {"simulate", "-q", file, "-o", folder / "falls.h5", "--no-estimate",
+                                                  "--set", "solver.method=" + method});
+    EXPECT_EQ(outcome.exit_code, 1) << method;
+    EXPECT_THAT(outcome.err, AllOf(HasSubstr("\"rolls\" lies flat"), HasSubstr("contact point is undefined"))) << method;
   }
 }
 

@@ -7,7 +7,6 @@
 
 #include "mbs/model/mechanism.hpp"
 #include "mbs/model/modal_basis.hpp"
-#include "mbs/solver/accelerations.hpp"
 #include "mbs/solver/statics.hpp"
 #include "tests/mbs/flexible/beam_superelement.hpp"
 
@@ -34,12 +33,10 @@ Mechanism column(const superelement::Superelement& se, double gravity, double we
   return Mechanism(d);
 }
 
-LinearSystem at_rest(const Mechanism& mechanism) {
+StaticStiffness at_rest(const Mechanism& mechanism) {
   State s = mechanism.initial_state();
-  Eigen::VectorXd v_dot;
   solve_statics(mechanism, s);
-  AccelerationSolver(mechanism).solve(s, v_dot);
-  return linearise(mechanism, s);
+  return static_stiffness(mechanism, s);
 }
 
 TEST(Buckling, OfColumnsUnderATipLoadAndTheirOwnWeight) {

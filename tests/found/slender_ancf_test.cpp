@@ -1,0 +1,119 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+
+// Columns of ANCF beams whose bending is 1e4 to 1e10 times softer than their stretching, clamped at the foot, in any
+// units. Their elements have constant curvature: with n of them Euler's load is high by (k l)^2 / 12, k l = pi / (2 n),
+// to first order.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <numbers>
+
+#include "tests/app/command.hpp"
+
+namespace flexura::test {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::Not;
+using std::numbers::pi;
+
+constexpr double kEI = 2.0, kOther = 3.0;  // about the section's two axes, in units of `stiffness` L^2
+constexpr int kElements = 4;
+
+// EA = stiffness, EI = stiffness L^2 `slender` times the two above, m = mass per length.
+std::string column(double L, double stiffness, double slender, double m, double load) {
+  const double EI = stiffness * slender * L * L, rho_I = m * slender * L * L;
+  return fmt::format(R"toml(name = "column"
+gravity = [0, 0, 0]
+[ground.marker.o]
+[body.b]
+fidelity = "ancf"
+[body.b.beam]
+to = [0, 0, {}]
+elements = {}
+EA = {}
+GA_y = {}
+GA_z = {}
+GI_t = {}
+EI_y = {}
+EI_z = {}
+mass_per_length = {}
+rho_I_y = {}
+rho_I_z = {}
+[joint.j]
+type = "fixed"
+from = "ground.o"
+to = "b.root"
+[force.F]
+type = "force"
+marker = "b.tip"
+z = {}
+)toml",
+                     L, kElements, stiffness, 0.4 * stiffness, 0.4 * stiffness, EI, kEI * EI, kOther * EI, m, rho_I,
+                     rho_I, -load);
+}
+
+class SlenderAncf : public ::testing::Test {
+ protected:
+  nlohmann::json eigen(const std::string& text, const std::string& how) {
+    const Outcome outcome = run("flexura", {"eigen", folder_.write("column.toml", text), how, "--json"});
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    return outcome.exit_code == 0 ? nlohmann::json::parse(outcome.out)["runs"][0] : nlohmann::json();
+  }
+  Folder folder_;
+};
+
+TEST_F(SlenderAncf, BucklesAtEulersLoad) {
+  struct Case {
+    double L, stiffness, slender;
+  };
+  for (const Case& c : {Case{1, 1e6, 1e-4}, Case{1, 1e6, 1e-6}, Case{1e-3, 1e2, 1e-6}, Case{1e3, 1e10, 1e-6},
+                        Case{1, 1e6, 1e-8}, Case{20, 1e7, 1e-10}}) {
+    SCOPED_TRACE(fmt::format("L {} EA {} EI/EA {}", c.L, c.stiffness, c.slender));
+    const double euler = pi * pi / 4.0 * c.stiffness * c.slender, load = 0.1 * euler;
+    const nlohmann::json found = eigen(column(c.L, c.stiffness, c.slender, 1.0, load), "--buckling");
+    ASSERT_GE(found["modes"].size(), 2u) << found;
+    const double kl = pi / (2 * kElements), high = 1.0 + kl * kl / 12.0;
+    // Beside that: (k l)^4, 4e-4 with its factors; shear EI / GA L^2 = 1e-3 in the thickest.
+    EXPECT_NEAR(found["modes"][0]["load_factor"].get<double>(), 10.0 * kEI * high, 10.0 * kEI * 2e-3);
+    EXPECT_NEAR(found["modes"][1]["load_factor"].get<double>(), 10.0 * kOther * high, 10.0 * kOther * 3e-3);
+  }
+}
+
+TEST_F(SlenderAncf, VibratesUndampedAndIsStable) {
+  for (const double slender : {1e-4, 1e-6, 1e-8}) {
+    SCOPED_TRACE(slender);
+    const nlohmann::json found = eigen(column(1.0, 1e6, slender, 1.0, 1e-6 * slender), "--equilibrium");
+    EXPECT_EQ(found["stability"], "stable");
+    const nlohmann::json first = found["modes"][0];
+    const double omega = 1.8751 * 1.8751 * std::sqrt(kEI * 1e6 * slender);
+    // At most (k l)^2 / 12 = 1.8 % high.
+    EXPECT_NEAR(first["imag_1_s"].get<double>(), 1.009 * omega, 0.009 * omega);
+    // Nothing damps it: what is left is round-off, of which no percentage is told.
+    EXPECT_EQ(first["real_1_s"].get<double>(), 0.0);
+    EXPECT_EQ(first["damping"].get<double>(), 0.0);
+  }
+}
+
+// No command ends well without a word of elements that nothing judged.
+TEST_F(SlenderAncf, SaysThatItsElementsAreNotJudged) {
+  const auto file = folder_.write("said.toml", column(1.0, 1e6, 1e-4, 1.0, 1.0));
+  for (const std::string command : {"statics", "eigen", "linearize"}) {
+    std::vector<std::string> words = {command, file};
+    if (command == "linearize") words.insert(words.end(), {"--equilibrium", "-o", folder_ / "A.m"});
+    const Outcome outcome = run("flexura", words);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_THAT(outcome.out, AllOf(HasSubstr("discretisation: unknown: elements of b"),
+                                   HasSubstr("--set body.b.beam.elements=8")))
+        << command;
+  }
+  const Outcome stiff = run("flexura", {"statics", file, "--set", "body.b.fidelity=rigid"});
+  EXPECT_THAT(stiff.out, Not(HasSubstr("discretisation")));
+}
+
+}  // namespace
+}  // namespace flexura::test
