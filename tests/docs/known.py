@@ -3,12 +3,16 @@
 """known.py ROOT PROGRAMS: what the documentation names is there.
 
 Every command of flexura and every option beside it in a Markdown file is in the program's --help; every link to a file
-leads to one.  (Commands in ```console blocks of docs/ are run and compared by consoles.py.)
+leads to one; every name of a source file in a chapter (`joint.hpp`) belongs to one file (docs/site/gather.py).  (Commands in ```console blocks of docs/ are run and compared by consoles.py.)
 """
 import pathlib
 import re
 import subprocess
 import sys
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "docs/site"))
+sys.dont_write_bytecode = True
+import gather  # noqa: E402
 
 LINK = re.compile(r"!?\[[^\]]*\]\(([^)\s#]+)(?:#[^)\s]*)?\)")
 # flexura COMMAND and what follows it on its line (also flexura-reduce), up to the end of the code span or a pipe
@@ -28,10 +32,14 @@ def main():
     listed = subprocess.run(["git", "-C", root, "ls-files", "-co", "--exclude-standard", "*.md"], capture_output=True,
                             text=True, check=True).stdout.split()
     failures = calls = links = 0
+    site = gather.Site(root, root, programs, None)
     for name in listed:
         if not (root / name).is_file():
             continue
         text = (root / name).read_text()
+        if name.startswith(gather.NAMED_IN):
+            for match in gather.SOURCE_NAME.finditer(text):
+                site.find_source(name, match[1])
         # What was found by trying, and what changed, names options that there no longer are.
         if name.startswith("tests/found/") or name == "CHANGELOG.md":
             text = ""
@@ -58,6 +66,9 @@ def main():
             if not (root / name).parent.joinpath(target).exists():
                 failures += 1
                 print(f"{name}: link to {target}, which is not there")
+    for error in site.errors:
+        failures += 1
+        print(f"{error}; name it with as much of its folder as tells it apart")
     print(f"{len(listed)} pages, {calls} commands, {links} links")
     return 1 if failures or calls < 20 else 0
 
