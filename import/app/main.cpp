@@ -79,7 +79,7 @@ void print_proposal(const import::cad::Built& built, const terminal::Talk& talk)
     table.add_row({e.name, type.substr(1, type.size() - 2), name_of(joint.confidence), fmt::format("{}", joint.redundant)});
   }
   if (i > 0) fmt::print("{}", table.text());
-  fmt::print("degrees of freedom: {}\n", built.proposal.freedom);
+  fmt::print("degrees of freedom: {}\n", built.proposal.freedom ? fmt::format("{}", *built.proposal.freedom) : "unknown, not counted for more than 400 bodies that move (flexura check)");
 }
 
 int import_robot(const Arguments& a, const std::filesystem::path& folder, const terminal::Talk& talk) {

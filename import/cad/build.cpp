@@ -53,7 +53,7 @@ class Builder {
         m.notes.push_back(doubt);
         m.comments.push_back("doubtful: " + doubt);
       }
-      m.comments.push_back(fmt::format("degrees of freedom: {}", built_.proposal.freedom));
+      if (built_.proposal.freedom) m.comments.push_back(fmt::format("degrees of freedom: {}", *built_.proposal.freedom));
     }
     add_part_files();
     return std::move(built_);

@@ -217,7 +217,58 @@ bool spheres_touch(const PlacedPart& a, const PlacedFace& fa, const PlacedPart& 
   return true;
 }
 
+// Ericson, Real-Time Collision Detection, section 5.1.5.
+double distance(const Vector3d& p, const Vector3d& a, const Vector3d& b, const Vector3d& c) {
+  const Vector3d ab = b - a, ac = c - a, ap = p - a;
+  const double d1 = ab.dot(ap), d2 = ac.dot(ap);
+  if (d1 <= 0.0 && d2 <= 0.0) return ap.norm();
+  const Vector3d bp = p - b;
+  const double d3 = ab.dot(bp), d4 = ac.dot(bp);
+  if (d3 >= 0.0 && d4 <= d3) return bp.norm();
+  const double vc = d1 * d4 - d3 * d2;
+  if (vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0) return (ap - ab * (d1 / (d1 - d3))).norm();
+  const Vector3d cp = p - c;
+  const double d5 = ab.dot(cp), d6 = ac.dot(cp);
+  if (d6 >= 0.0 && d5 <= d6) return cp.norm();
+  const double vb = d5 * d2 - d1 * d6;
+  if (vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0) return (ap - ac * (d2 / (d2 - d6))).norm();
+  const double va = d3 * d6 - d5 * d4;
+  if (va <= 0.0 && d4 - d3 >= 0.0 && d5 - d6 >= 0.0) {
+    const double w = (d4 - d3) / ((d4 - d3) + (d5 - d6));
+    return (p - (b + w * (c - b))).norm();
+  }
+  const double whole = va + vb + vc;
+  if (!(whole > 0.0)) return ap.norm();  // a triangle without area
+  return (ap - ab * (vb / whole) - ac * (vc / whole)).norm();
+}
+
+// Corners of `a` against triangles of `b`.
+double corners_to_triangles(const PlacedPart& a, const PlacedPart& b, double within) {
+  double least = within;
+  std::vector<const Vector3d*> corners;
+  for (const Vector3d& v : a.vertices)
+    if (boxes_meet(v, v, b.low, b.high, within)) corners.push_back(&v);
+  if (corners.empty()) return least;
+  for (const PlacedFace& face : b.faces) {
+    if (!boxes_meet(face.low, face.high, a.low, a.high, within)) continue;
+    for (const Eigen::Vector3i& t : face.face->triangles) {
+      const Vector3d &x = b.vertices[static_cast<std::size_t>(t[0])], &y = b.vertices[static_cast<std::size_t>(t[1])],
+                     &z = b.vertices[static_cast<std::size_t>(t[2])];
+      const Vector3d low = x.cwiseMin(y).cwiseMin(z), high = x.cwiseMax(y).cwiseMax(z);
+      if (!boxes_meet(low, high, a.low, a.high, within)) continue;
+      for (const Vector3d* v : corners)
+        if (boxes_meet(*v, *v, low, high, least)) least = std::min(least, distance(*v, x, y, z));
+    }
+  }
+  return least;
+}
+
 }  // namespace
+
+double nearest(const PlacedPart& a, const PlacedPart& b, double within) {
+  if (!boxes_meet(a.low, a.high, b.low, b.high, within)) return within;
+  return std::min(corners_to_triangles(a, b, within), corners_to_triangles(b, a, within));
+}
 
 PlacedPart place(const Part& part, const Pose& X) {
   PlacedPart placed;

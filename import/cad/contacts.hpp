@@ -45,4 +45,8 @@ std::vector<FacePair> find_pairs(const PlacedPart& a, const PlacedPart& b, doubl
 /// Pairs of holes of A and B with one axis along `normal`, as bolts leave them: how many distinct axes there are.
 std::vector<Vector3d> common_hole_axes(const PlacedPart& a, const PlacedPart& b, const Vector3d& normal, double clearance);
 
+/// How near the surfaces come to each other, by corners of one and triangles of the other; `within` where they stay
+/// farther away than that.  Right to the deviation of the triangles from the shape.
+double nearest(const PlacedPart& a, const PlacedPart& b, double within);
+
 }  // namespace flexura::import::cad

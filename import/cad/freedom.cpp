@@ -67,15 +67,26 @@ VectorXd nonnegative_least_squares(const MatrixXd& A, const VectorXd& b) {
   return x;
 }
 
-Freedom freedom_of(const std::vector<Contact>& contacts, const Vector3d& centre, double size) {
+namespace {
+
+MatrixXd rows_of(const std::vector<Contact>& contacts, const Vector3d& centre, double size) {
   MatrixXd rows(static_cast<Index>(contacts.size()), 6);
   for (Index i = 0; i < rows.rows(); ++i) {
     const Contact& c = contacts[static_cast<std::size_t>(i)];
     rows.row(i).head<3>() = ((c.p - centre) / size).cross(c.n).transpose();
     rows.row(i).tail<3>() = c.n.transpose();
   }
-  Freedom freedom;
-  freedom.kept = null_space(rows);
+  return rows;
+}
+
+}  // namespace
+
+MatrixXd kept_freedom(const std::vector<Contact>& contacts, const Vector3d& centre, double size) {
+  return null_space(rows_of(contacts, centre, size));
+}
+
+MatrixXd open_freedom(const std::vector<Contact>& contacts, const Vector3d& centre, double size) {
+  const MatrixXd rows = rows_of(contacts, centre, size);
   // Rows that every twist of the cone keeps: those with a place in some lambda >= 0 with rows^T lambda = 0.
   std::vector<char> held(contacts.size(), 0);
   for (Index i = 0; i < rows.rows(); ++i) {
@@ -90,8 +101,7 @@ Freedom freedom_of(const std::vector<Contact>& contacts, const Vector3d& centre,
   std::vector<Index> closed;
   for (Index i = 0; i < rows.rows(); ++i)
     if (held[static_cast<std::size_t>(i)]) closed.push_back(i);
-  freedom.open = null_space(rows(closed, Eigen::all));
-  return freedom;
+  return null_space(rows(closed, Eigen::all));
 }
 
 JointForm form_of(const MatrixXd& twists, const Vector3d& centre, double size) {

@@ -20,13 +20,11 @@ struct Contact {
   Eigen::Vector3d p, n;  ///< in the world
 };
 
-struct Freedom {
-  Eigen::MatrixXd kept;  ///< 6 x k, orthonormal in the scaled twists: every contact kept
-  Eigen::MatrixXd open;  ///< 6 x m, m >= k: what no form closure forbids
-};
-
-/// Twists are (omega, v) at `centre`, lengths over `size`: of one magnitude.
-Freedom freedom_of(const std::vector<Contact>& contacts, const Eigen::Vector3d& centre, double size);
+/// Twists are (omega, v) at `centre`, lengths over `size`: of one magnitude. Both give orthonormal columns.
+/// Those that keep every contact, 6 x k:
+Eigen::MatrixXd kept_freedom(const std::vector<Contact>& contacts, const Eigen::Vector3d& centre, double size);
+/// and those that no form closure forbids, 6 x m, m >= k (takes a least-squares problem for each contact):
+Eigen::MatrixXd open_freedom(const std::vector<Contact>& contacts, const Eigen::Vector3d& centre, double size);
 
 /// Least squares min |A x - b| with x >= 0 (Lawson and Hanson, Solving Least Squares Problems, ch. 23).
 Eigen::VectorXd nonnegative_least_squares(const Eigen::MatrixXd& A, const Eigen::VectorXd& b);
@@ -38,7 +36,7 @@ struct JointForm {
   Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();  ///< axis, direction of sliding, normal of the plane
 };
 
-/// `twists`: 6 x k as of freedom_of, about `centre` with `size`.
+/// `twists`: 6 x k as above, about `centre` with `size`.
 JointForm form_of(const Eigen::MatrixXd& twists, const Eigen::Vector3d& centre, double size);
 
 }  // namespace flexura::import::cad

@@ -77,19 +77,23 @@ class Proposer {
       high_ = high_.cwiseMax(part.high);
     }
     group_.resize(static_cast<std::size_t>(n_));
+    touching_.resize(static_cast<std::size_t>(n_));
     std::iota(group_.begin(), group_.end(), 0);
   }
 
   Proposal run() {
     find_ground();
-    for (int a = 0; a < n_; ++a)
-      for (int b = a + 1; b < n_; ++b)
-        if (auto pairs = find_pairs(at(a), at(b), options_.clearance); !pairs.empty()) pairs_[{a, b}] = std::move(pairs);
+    near_each_other(options_.clearance, [&](int a, int b) {
+      if (auto pairs = find_pairs(at(a), at(b), options_.clearance); !pairs.empty()) pairs_[{a, b}] = std::move(pairs);
+    });
+    for (const auto& entry : pairs_)
+      for (const int i : {entry.first.first, entry.first.second}) touching_[static_cast<std::size_t>(i)].push_back(&entry);
     fix_bolted();
     do {
       fix_what_is_held();
     } while (fix_a_fastener() || fix_a_pin());
     join_groups();
+    doubt_what_is_near();
     count();
     return std::move(result_);
   }
@@ -100,6 +104,17 @@ class Proposer {
   const PlacedPart& at(int i) const { return parts_[static_cast<std::size_t>(i)]; }
   const std::string& name(int i) const { return names_[static_cast<std::size_t>(i)]; }
   int group(int i) const { return group_[static_cast<std::size_t>(i)]; }
+
+  // Pairs a < b whose reaches along x come within `slack`.
+  template <class Visit>
+  void near_each_other(double slack, const Visit& visit) const {
+    std::vector<int> order(static_cast<std::size_t>(n_));
+    std::iota(order.begin(), order.end(), 0);
+    std::ranges::stable_sort(order, {}, [&](int i) { return at(i).low.x(); });
+    for (std::size_t i = 0; i < order.size(); ++i)
+      for (std::size_t j = i + 1; j < order.size() && at(order[j]).low.x() <= at(order[i]).high.x() + slack; ++j)
+        visit(std::min(order[i], order[j]), std::max(order[i], order[j]));
+  }
 
   void find_ground() {
     if (!options_.ground.empty()) {
@@ -167,35 +182,38 @@ class Proposer {
   }
 
   struct Joined {
-    Freedom freedom;
+    std::vector<Contact> contacts;  // of the first group with the second
+    MatrixXd kept;
     Vector3d centre;
     double size;
-    std::vector<std::string> evidence;
     bool overlap = false;
+    MatrixXd open() const { return open_freedom(contacts, centre, size); }
   };
 
   template <class Entries>
+  std::vector<std::string> evidence_for(const Entries& entries) const {
+    std::vector<std::string> lines;
+    for (const auto* entry : entries)
+      for (const FacePair& pair : entry->second) lines.push_back(evidence_of(pair, name(entry->first.first), name(entry->first.second)));
+    return lines;
+  }
+
+  template <class Entries>
   Joined joined(const Key& groups, const Entries& entries) const {
-    std::vector<Contact> contacts;
     Joined result;
+    std::vector<Contact>& contacts = result.contacts;
     for (const auto* entry : entries) {
-      const auto [a, b] = entry->first;
-      const double sign = group(a) == groups.first ? 1.0 : -1.0;
+      const double sign = group(entry->first.first) == groups.first ? 1.0 : -1.0;
       for (const FacePair& pair : entry->second) {
-        for (Contact c : pair.contacts) {
-          c.n *= sign;
-          contacts.push_back(c);
-        }
-        result.evidence.push_back(evidence_of(pair, name(a), name(b)));
+        for (const Contact& c : pair.contacts) contacts.push_back({c.p, sign * c.n});
         result.overlap = result.overlap || pair.gap < -kSameGap;
       }
     }
     result.centre.setZero();
     for (const Contact& c : contacts) result.centre += c.p / static_cast<double>(contacts.size());
-    result.size = 0.0;
+    result.size = 1e-9;
     for (const Contact& c : contacts) result.size = std::max(result.size, (c.p - result.centre).norm());
-    result.size = std::max(result.size, 1e-9);
-    result.freedom = freedom_of(contacts, result.centre, result.size);
+    result.kept = kept_freedom(contacts, result.centre, result.size);
     return result;
   }
 
@@ -204,10 +222,10 @@ class Proposer {
       again = false;
       for (const auto& [groups, entries] : between_groups()) {
         const Joined j = joined(groups, entries);
-        if (j.freedom.kept.cols() > 0) continue;
-        const bool closed = j.freedom.open.cols() == 0;
+        if (j.kept.cols() > 0) continue;
+        const bool closed = j.open().cols() == 0;
         const auto [a, b] = entries.front()->first;
-        fix(a, b, closed ? Confidence::high : Confidence::low, j.evidence,
+        fix(a, b, closed ? Confidence::high : Confidence::low, evidence_for(entries),
             closed ? "" : "nothing drawn presses them together: they could come apart", entries.front()->second);
         again = true;
         break;
@@ -243,8 +261,8 @@ class Proposer {
     std::vector<Seat> seats;
     const FacePair* first = nullptr;
     has_shoulder = false;
-    for (const auto& [key, pairs] : pairs_) {
-      if (key.first != i && key.second != i) continue;
+    for (const auto* entry : touching_[static_cast<std::size_t>(i)]) {
+      const auto& [key, pairs] = *entry;
       Seat seat{.other = key.first == i ? key.second : key.first, .pairs = &pairs};
       for (const FacePair& p : pairs) {
         if (p.kind == FaceKind::sphere) return {};
@@ -314,9 +332,10 @@ class Proposer {
     for (const auto& [groups, entries] : between_groups()) {
       const Joined j = joined(groups, entries);
       const auto [a, b] = entries.front()->first;
-      ProposedJoint joint{.a = a, .b = b, .evidence = j.evidence};
-      joint.form = form_of(j.freedom.kept, j.centre, j.size);
-      const auto more = j.freedom.open.cols() - j.freedom.kept.cols();
+      ProposedJoint joint{.a = a, .b = b, .evidence = evidence_for(entries)};
+      joint.form = form_of(j.kept, j.centre, j.size);
+      const MatrixXd open = j.open();
+      const auto more = open.cols() - j.kept.cols();
       joint.confidence = more == 0 ? Confidence::high : Confidence::medium;
       if (more > 0)
         joint.doubt = fmt::format("held from one side only: {} {} more if it lifts off", more, more == 1 ? "freedom" : "freedoms");
@@ -331,10 +350,10 @@ class Proposer {
         }
       if (twists_of(joint.form, j.centre, j.size).cols() == 0) {
         result_.doubts.push_back(fmt::format("{} and {} touch and keep {} freedoms that no joint has: none is proposed ({})", name(a), name(b),
-                                             j.freedom.kept.cols(), fmt::join(j.evidence, "; ")));
+                                             j.kept.cols(), fmt::join(joint.evidence, "; ")));
         continue;
       }
-      if (j.freedom.open.cols() == 6) {
+      if (open.cols() == 6) {
         loose.emplace_back(std::move(joint), groups);
         continue;
       }
@@ -362,6 +381,25 @@ class Proposer {
                                              mm(options_.clearance)));
   }
 
+  // Surfaces that meet without faces that make a contact here: teeth, cams, threads, cones.  The pictures' triangles
+  // deviate by 0.2 % of a part's size.
+  void doubt_what_is_near() {
+    std::set<Key> known;
+    for (const auto& [groups, entries] : between_groups()) known.insert(groups);
+    const double largest = 0.002 * (high_ - low_).norm();
+    near_each_other(options_.clearance + largest, [&](int a, int b) {
+      const Key groups{std::min(group(a), group(b)), std::max(group(a), group(b))};
+      if (groups.first == groups.second || known.contains(groups)) return;
+      const double smaller = std::min((at(a).high - at(a).low).norm(), (at(b).high - at(b).low).norm());
+      const double within = options_.clearance + 0.002 * smaller;
+      if (!(nearest(at(a), at(b), within) < within)) return;
+      known.insert(groups);
+      result_.doubts.push_back(fmt::format("{} and {} come within {} of each other and have no faces that make a joint (teeth, cams, "
+                                           "threads and cones are not judged): what binds them is missing",
+                                           name(a), name(b), mm(within)));
+    });
+  }
+
   // Rank of all joints' rows in the groups' twists, joint by joint.
   void count() {
     const Vector3d centre = 0.5 * (low_ + high_);
@@ -371,24 +409,28 @@ class Proposer {
       if (group(i) != group(result_.ground)) column.emplace(group(i), 0);
     int next = 0;
     for (auto& [g, c] : column) c = 6 * next++;
-    MatrixXd all(0, 6 * next);
-    int rank = 0;
+    constexpr int most = 400;  // the work grows with the third power
+    if (next > most) return;
+    std::vector<Eigen::VectorXd> basis;  // of the rows so far, orthonormal
     for (ProposedJoint& joint : result_.joints) {
       if (joint.form.type == Type::fixed) continue;
       const MatrixXd S = twists_of(joint.form, centre, size);
       const Eigen::HouseholderQR<MatrixXd> qr(S);
       const MatrixXd N = (qr.householderQ() * MatrixXd::Identity(6, 6)).rightCols(6 - S.cols()).transpose();
-      const Eigen::Index first = all.rows();
-      all.conservativeResize(first + N.rows(), Eigen::NoChange);
-      all.bottomRows(N.rows()).setZero();
-      if (const auto c = column.find(group(joint.b)); c != column.end()) all.block(first, c->second, N.rows(), 6) += N;
-      if (const auto c = column.find(group(joint.a)); c != column.end()) all.block(first, c->second, N.rows(), 6) -= N;
-      Eigen::ColPivHouseholderQR<MatrixXd> solver(all);
-      solver.setThreshold(1e-6);
-      const int now = all.cols() == 0 ? 0 : static_cast<int>(solver.rank());
-      joint.redundant = static_cast<int>(N.rows()) - (now - rank);
-      rank = now;
+      for (Eigen::Index r = 0; r < N.rows(); ++r) {
+        Eigen::VectorXd row = Eigen::VectorXd::Zero(6 * next);
+        if (const auto c = column.find(group(joint.b)); c != column.end()) row.segment<6>(c->second) += N.row(r).transpose();
+        if (const auto c = column.find(group(joint.a)); c != column.end()) row.segment<6>(c->second) -= N.row(r).transpose();
+        for (int round = 0; round < 2; ++round)  // twice is enough (Parlett)
+          for (const Eigen::VectorXd& q : basis) row -= q * q.dot(row);
+        // Unit rows; STEP's placements are right to 1e-7 of the size, what is independent is so at a part of it.
+        if (row.norm() > 1e-5)
+          basis.push_back(row.normalized());
+        else
+          ++joint.redundant;
+      }
     }
+    const int rank = static_cast<int>(basis.size());
     result_.freedom = 6 * next - rank;
   }
 
@@ -398,6 +440,7 @@ class Proposer {
   const int n_;
   std::vector<PlacedPart> parts_;
   std::map<Key, std::vector<FacePair>> pairs_;
+  std::vector<std::vector<const std::pair<const Key, std::vector<FacePair>>*>> touching_;  // pairs_ by instance
   std::vector<int> group_;
   Vector3d low_, high_;
   Proposal result_;

@@ -1,6 +1,7 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -35,7 +36,8 @@ struct Proposal {
   int ground = -1;  ///< instance
   std::vector<ProposedJoint> joints;
   std::vector<std::string> doubts;  ///< pairs that are no joint and are to be looked at
-  int freedom = 0;                  ///< degrees of freedom of the whole in this position
+  /// Degrees of freedom of the whole in this position; nothing where the groups are too many to be counted.
+  std::optional<int> freedom;
 };
 
 struct ProposeOptions {

@@ -37,10 +37,11 @@ std::string Names::add(const std::string& wanted) {
   if (name.empty() || name == "_") name = "unnamed";
   if (name[0] >= '0' && name[0] <= '9') name = "_" + name;
   if (std::ranges::find(reserved, name) != reserved.end()) name += "_";
-  const auto is_taken = [&](const std::string& n) { return std::ranges::find(taken_, n) != taken_.end(); };
   std::string free = name;
-  for (int i = 2; is_taken(free); ++i) free = fmt::format("{}_{}", name, i);
-  taken_.push_back(free);
+  if (const auto before = taken_.find(name); before != taken_.end())
+    do free = fmt::format("{}_{}", name, ++before->second);
+    while (taken_.contains(free));
+  taken_.emplace(free, 1);
   return free;
 }
 

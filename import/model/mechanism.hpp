@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <filesystem>
+#include <map>
 #include <string>
 #include <utility>
 #include <vector>
@@ -86,7 +87,7 @@ class Names {
   std::string add(const std::string& wanted);
 
  private:
-  std::vector<std::string> taken_;
+  std::map<std::string, int> taken_;  ///< names, and the number that was tried last behind each
 };
 
 /// A text of a foreign file as it may stand in a comment or on a terminal: one line, no control

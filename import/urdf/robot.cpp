@@ -27,6 +27,7 @@ class Reader {
     for (const Element& joint : root_.children("joint")) read_mimic(joint);
     for (const Element& transmission : root_.children("transmission")) read_transmission(transmission);
     find_tree();
+    require_size();
     note_passed_over();
     return robot_;
   }
@@ -52,7 +53,7 @@ class Reader {
         fmt::format("#{:02x}{:02x}{:02x}", int(255 * c[0] + 0.5), int(255 * c[1] + 0.5), int(255 * c[2] + 0.5));
   }
 
-  Inertial read_inertial(const Element& e, const std::string& link) const {
+  Inertial read_inertial(const Element& e, const std::string& link) {
     const auto mass = e.child("mass"), inertia = e.child("inertia");
     if (!mass) e.refuse(fmt::format("<inertial> of link \"{}\" has no <mass>; give it, or take <inertial> away", link));
     if (!inertia)
@@ -65,6 +66,8 @@ class Reader {
     result.center = X.p;
     const double xx = inertia->number("ixx"), yy = inertia->number("iyy"), zz = inertia->number("izz"),
                  xy = inertia->number("ixy", 0.0), xz = inertia->number("ixz", 0.0), yz = inertia->number("iyz", 0.0);
+    if (!inertia->has("ixy") || !inertia->has("ixz") || !inertia->has("iyz"))
+      robot_.notes.push_back(fmt::format("link \"{}\": products of inertia that are not given are taken as 0", link));
     Matrix3d I;
     I << xx, xy, xz, xy, yy, yz, xz, yz, zz;
     // The rule of the mechanism file, told here with the link's line.
@@ -300,6 +303,16 @@ class Reader {
           refuse(joint.line, fmt::format("joint \"{}\" belongs to a ring of joints that the root \"{}\" does not reach; take one of "
                                          "the ring's joints away",
                                          shown(joint.name), shown(robot_.links[static_cast<std::size_t>(robot_.root)].name)));
+  }
+
+  // The check of the mass matrix at the start takes the third power of the coordinates.
+  void require_size() const {
+    constexpr std::size_t most_links = 20'000, most_movable = 1000;
+    std::size_t movable = 0;
+    for (const Joint& joint : robot_.joints) movable += joint.kind == JointKind::fixed ? 0 : 1;
+    if (robot_.links.size() > most_links || movable > most_movable)
+      root_.refuse(fmt::format("<robot> has {} links and {} movable joints; {} and {} are taken", robot_.links.size(), movable, most_links,
+                               most_movable));
   }
 
   void note_passed_over() {

@@ -47,7 +47,7 @@ class Element {
 /// that was not expanded) and std::runtime_error (cannot be read).
 Element open_robot(const std::filesystem::path& file, tinyxml2::XMLDocument& document);
 
-/// A finite number of C's syntax in the "C" locale; nothing where the text is anything else.
+/// A number of C's syntax in the "C" locale, at most 1e40 in size; nothing where the text is anything else.
 std::optional<double> parse_number(std::string_view text);
 
 }  // namespace flexura::import::urdf

@@ -117,6 +117,22 @@ TEST(AssemblyImport, BallInASocketBarInAHole) {
   EXPECT_EQ(i.freedom, 1);
 }
 
+// Wheels that roll on one another have no faces that make a joint: the two freedoms may be one, and it is said.
+TEST(AssemblyImport, WheelsThatTouchAreDoubtful) {
+  const Folder folder;
+  Assembly a("wheels");
+  a.place(a.part("frame", box({-30, -30, 0}, {70, 30, 10}) - cylinder({0, 0, 0}, kZ, 5, 10) - cylinder({40, 0, 0}, kZ, 5, 10)), at({0, 0, 0}));
+  const auto wheel = [](double radius) {
+    return cylinder({0, 0, -8}, kZ, 8, 8) + cylinder({0, 0, 0}, kZ, 5, 10) + cylinder({0, 0, 10}, kZ, radius, 8);
+  };
+  a.place(a.part("small", wheel(15)), at({0, 0, 0}));
+  a.place(a.part("large", wheel(25)), at({40, 0, 0}));
+  const Import i = import(folder, a);
+  EXPECT_THAT(i.joints, UnorderedElementsAre(Pair("frame_small", "revolute"), Pair("frame_large", "revolute")));
+  EXPECT_EQ(i.freedom, 2);
+  EXPECT_THAT(i.outcome.err, HasSubstr("small and large come within"));
+}
+
 TEST(AssemblyImport, BoltedPlatesAreFixedWithTheirBolts) {
   const Folder folder;
   Assembly a("bolted");

@@ -41,8 +41,8 @@ Found found(std::vector<Contact> contacts) {
   const Eigen::AngleAxisd R(0.7, Vector3d(1, 2, -3).normalized());
   const Vector3d p(5, -7, 2);
   for (Contact& c : contacts) c = {R * c.p + p, R * c.n};
-  const Freedom freedom = freedom_of(contacts, p, 2.0);
-  Found result{freedom.kept.cols(), freedom.open.cols(), form_of(freedom.kept, p, 2.0)};
+  const Eigen::MatrixXd kept = kept_freedom(contacts, p, 2.0);
+  Found result{kept.cols(), open_freedom(contacts, p, 2.0).cols(), form_of(kept, p, 2.0)};
   result.form.point = R.inverse() * (result.form.point - p);
   result.form.axis = R.inverse() * result.form.axis;
   return result;

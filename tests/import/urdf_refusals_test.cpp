@@ -69,6 +69,8 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{"two_numbers", robot(kTwo + joint("j", "continuous", "a", "b", R"(<axis xyz="0 1"/>)")), "has 2 numbers, 3 are wanted"},
         Bad{"not_a_number", robot(kTwo + joint("j", "continuous", "a", "b", R"(<origin xyz="0 0,5 0"/>)")), "\"0,5\", a finite number is wanted"},
         Bad{"infinite", robot(kTwo + joint("j", "continuous", "a", "b", R"(<origin xyz="0 inf 0"/>)")), "a finite number is wanted"},
+        Bad{"beyond_all_bounds", robot(kTwo + joint("j", "continuous", "a", "b", R"(<origin xyz="0 1e300 0"/>)")), "a finite number is wanted"},
+        Bad{"too_many", [] { std::string s = link("l0"); for (int i = 1; i <= 1001; ++i) s += link("l" + std::to_string(i)) + joint("j" + std::to_string(i), "continuous", "l0", "l" + std::to_string(i)); return robot(s); }(), "1001 movable joints"},
         Bad{"negative_damping", robot(kTwo + joint("j", "continuous", "a", "b", R"(<dynamics damping="-1"/>)")), "cannot be negative"},
         Bad{"negative_mass", robot(link("a", R"(<inertial><mass value="-1"/><inertia ixx="1" iyy="1" izz="1"/></inertial>)")), "cannot be negative"},
         Bad{"impossible_inertia", robot(link("a", R"(<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="3"/></inertial>)")), "which no body has"},
