@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
 #include <nlohmann/json.hpp>
 #include <optional>
 
@@ -14,8 +15,11 @@
 #include "mbs/solver/equilibrium.hpp"
 #include "mbs/solver/linearise.hpp"
 #include "mbs/solver/static_stiffness.hpp"
+#include "mbs/solver/scales.hpp"
 #include "mbs/solver/whirl.hpp"
+#include "mbs/superelement/superelement.hpp"
 #include "mbs/terminal/terminal.hpp"
+#include "mbs/view/pages.hpp"
 
 /// eigen: natural modes of a mechanism, as a table and as pictures.
 namespace flexura::app {
@@ -93,33 +97,83 @@ nlohmann::json to_json(const NamedRun& run, const std::vector<mbs::BucklingMode>
   return out;
 }
 
+/// Where bodies, their interfaces and their surfaces stand, in W.
+std::vector<Eigen::Vector3d> places(const mbs::Mechanism& m, const mbs::State& s,
+                                    const view::Pictures& pictures) {
+  std::vector<mbs::Pose> poses;
+  m.body_poses(s, *m.make_scratch(), poses);
+  std::vector<Eigen::Vector3d> out;
+  for (std::size_t b = 0; b < poses.size(); ++b) {
+    const auto place = [&](const Eigen::Vector3d& p_B) { out.push_back(poses[b].p + poses[b].R * p_B); };
+    place(Eigen::Vector3d::Zero());
+    const mbs::FlexibleBody* const body = m.deforming(static_cast<int>(b));
+    const double* const modal = m.modal_coordinates(static_cast<int>(b), s);
+    for (std::size_t n = 0; body && modal && n < body->data().nodes.size(); ++n)
+      place(body->node_pose(static_cast<int>(n), modal).p);
+    const auto picture = pictures.find(m.description().bodies[b].name);
+    if (picture == pictures.end() || !picture->second) continue;
+    const auto& vertices = picture->second->surface.vertices;
+    Eigen::VectorXf u = Eigen::VectorXf::Zero(3 * vertices.rows());
+    if (body && modal && body->data().Y.rows() == picture->second->shapes.cols())
+      u = picture->second->shapes *
+          (body->data().Y * Eigen::Map<const Eigen::VectorXd>(modal, body->data().Y.cols())).cast<float>();
+    for (Eigen::Index v = 0; v < vertices.rows(); ++v)
+      place(vertices.row(v).transpose() + u.segment<3>(3 * v).cast<double>());
+  }
+  return out;
+}
+
+/// How much of the shape shows, at most a tenth of the mechanism's size: from a small step, as turns are no lines.
+double shown_amplitude(const PreparedMechanism& p, const Eigen::VectorXcd& shape,
+                       const view::Pictures& pictures) {
+  constexpr double kPart = 0.1, kSmall = 1e-3;
+  const double length = p.options.scales ? p.options.scales->length : 1.0;
+  const std::vector<Eigen::Vector3d> before = places(*p.mechanism, p.state, pictures);
+  double most = 0.0;
+  for (const std::complex<double> phase : {std::complex<double>(1.0, 0.0), std::complex<double>(0.0, 1.0)}) {
+    mbs::State s = p.state;
+    p.mechanism->retract(p.state.p, kSmall * (shape * phase).real(), s.p);
+    const std::vector<Eigen::Vector3d> after = places(*p.mechanism, s, pictures);
+    for (std::size_t i = 0; i < after.size(); ++i)
+      most = std::max(most, (after[i] - before[i]).norm() / kSmall);
+  }
+  return most > 0.0 ? kPart * length / most : 0.0;
+}
+
 // One run for each mode: the mechanism in 24 phases of it.
 void write_pictures(const NamedRun& run, const std::vector<mbs::NaturalMode>& modes,
                     const Arguments& arguments) {
   constexpr int kPhases = 24;
   const PreparedMechanism& p = run.prepared;
   const mbs::Mechanism& m = *p.mechanism;
-  results::Writer writer(arguments.pictures,
-                         model_header(std::span(&run, 1), arguments.file, arguments.pictures));
+  const results::ModelHeader header = model_header(std::span(&run, 1), arguments.file, arguments.pictures);
+  const view::Pictures pictures = view::read_pictures(header, arguments.pictures);
+  results::Writer writer(arguments.pictures, header);
   const Eigen::VectorXd rest = Eigen::VectorXd::Zero(m.sizes().n_v);
   for (std::size_t k = 0; k < modes.size() && static_cast<int>(k) < arguments.count; ++k) {
     const mbs::NaturalMode& mode = modes[k];
     Eigen::Index largest = 0;
     if (mode.shape.size() > 0) mode.shape.cwiseAbs().maxCoeff(&largest);
-    const double amplitude = std::isnan(arguments.amplitude) ? 0.1 : arguments.amplitude;
-    const double size = amplitude * m.velocity_scale(static_cast<int>(largest));
+    const double size = std::isnan(arguments.amplitude)
+                            ? shown_amplitude(p, mode.shape, pictures)
+                            : arguments.amplitude * m.velocity_scale(static_cast<int>(largest));
     Recorder recorder(p, writer, {"energy.potential"}, false);
     recorder.begin(fmt::format("mode {}, {} Hz", k + 1, number(mode.frequency_hz, 4)));
     for (int i = 0; i <= kPhases; ++i) {
       const double phase = static_cast<double>(i) / kPhases;
       mbs::State s = p.state;
-      s.t = mode.frequency_hz > 0.0 ? phase / mode.frequency_hz : phase;
+      s.t = p.state.t + phase;  // of one period, whatever it lasts
       const Eigen::VectorXd d = size * (mode.shape * std::polar(1.0, 2.0 * M_PI * phase)).real();
       m.retract(p.state.p, d, s.p);
       s.v = rest;
       recorder.append(s, rest, EnergyRow{});
     }
-    writer.end_run(true, "", "{}");
+    writer.end_run(true, "",
+                   nlohmann::json{{"mode",
+                                   {{"frequency_hz", mode.frequency_hz},
+                                    {"damping", mode.damping},
+                                    {"moves_most", largest_of(m, mode.shape.cwiseAbs())}}}}
+                       .dump());
   }
   writer.close();
 }
@@ -160,7 +214,8 @@ mbs::StaticStiffness unloaded_stiffness(const PreparedMechanism& p) {
 void add_buckling_notes(const mbs::Buckling& buckling, bool can_move, std::vector<std::string>& notes) {
   if (!can_move)
     notes.push_back(
-        "nothing of the mechanism moves or deforms: at no factor of the loads does it buckle; a body that is to "
+        "nothing of the mechanism moves or deforms: at no factor of the loads does it buckle; a body that is "
+        "to "
         "buckle by itself needs fidelity = \"modal-stiffened\"");
   else if (buckling.modes.empty())
     notes.push_back(buckling.has_complex_factors
@@ -280,9 +335,10 @@ std::optional<mbs::Stability> settle_near(PreparedMechanism& p) {
     for (int i = 0; i < m.sizes().n_p; ++i)
       way = std::max(way, std::abs(p.state.p(i) - before.p(i)) / m.position_scale(i));
     if (way < kNear) {
-      p.notes.insert(p.notes.begin() + static_cast<long>(notes.size()),
-                     "the initial state is no equilibrium: these are the modes about the one beside it, as with "
-                     "--equilibrium (--frozen takes the initial state)");
+      p.notes.insert(
+          p.notes.begin() + static_cast<long>(notes.size()),
+          "the initial state is no equilibrium: these are the modes about the one beside it, as with "
+          "--equilibrium (--frozen takes the initial state)");
       return stability;
     }
   } catch (const std::runtime_error&) {  // none found: the initial state is refused for what it is
@@ -365,7 +421,8 @@ terminal::Command eigen_command() {
       [](terminal::Options& options, const terminal::Talk& talk) -> std::function<int()> {
         auto a = std::make_shared<Arguments>();
         declare_mechanism(options, *a);
-        options.flag("--equilibrium", a->equilibrium,
+        options
+            .flag("--equilibrium", a->equilibrium,
                   "about the static equilibrium, also where the initial state moves or stands far from it")
             .flag("--buckling", a->buckling,
                   "instead: factors of weight and given forces at which the equilibrium loses its stiffness")
@@ -376,7 +433,9 @@ terminal::Command eigen_command() {
             .option("--pictures", a->pictures, "FILE",
                     "results file with the modes as runs, for flexura view")
             .flag("--json", a->json, "print JSON, with the mode shapes (SI units)")
-            .option("--amplitude", a->amplitude, "SIZE", "largest motion in the pictures, rad or m (0.1)")
+            .option("--amplitude", a->amplitude, "SIZE",
+                    "largest motion in the pictures, rad or m (otherwise a "
+                    "tenth of the mechanism's size)")
             .example("flexura eigen engine.toml --equilibrium", "eigenvalues, frequencies, damping")
             .example("flexura eigen engine.toml --json", "the same and the shapes, for scripts");
         return [a, &talk] {

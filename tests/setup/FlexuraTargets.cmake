@@ -75,6 +75,12 @@ function(flexura_library name)
   flexura_precompile(flexura_${name} flexura_precompiled_library)
 endfunction()
 
+# A program that says so in a sentence when memory runs out: mbs/math/eigen_memory.cpp.
+function(flexura_survives_no_memory name)
+  target_sources(${name} PRIVATE ${CMAKE_SOURCE_DIR}/mbs/math/eigen_memory.cpp)
+  target_link_options(${name} PRIVATE -Wl,--wrap=malloc,--wrap=free)
+endfunction()
+
 # Target built not with everything but with the target of this name: what only the slow words of tests/run need.
 function(flexura_only_with word name)
   set_target_properties(${name} PROPERTIES EXCLUDE_FROM_ALL ON)

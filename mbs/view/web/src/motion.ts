@@ -3,6 +3,7 @@
 import * as THREE from 'three';
 import { scaleTexture } from './colormap';
 import { Legend } from './legend';
+import { modeList, modeOf } from './mode_runs';
 import { Mechanism } from './mechanism';
 import { Run, type MotionHeader } from './motion_data';
 import { PlotDeck } from './plots';
@@ -47,13 +48,14 @@ export async function motionPage(app: HTMLElement, header: MotionHeader): Promis
   const t0 = Math.min(...runs.filter((r) => r.time.length).map((r) => r.time[0]));
   const t1 = Math.max(...runs.filter((r) => r.time.length).map((r) => r.time[r.time.length - 1]));
   const duration = Math.max(t1 - t0, 1e-12);
+  const isModes = header.runs.every((r) => modeOf(r) !== null);
   const state = {
     time: t0, playing: !matchMedia('(prefers-reduced-motion: reduce)').matches && t1 > t0,
     speed: round125(duration / 6), magnify: 1, field: 1, follow: '',
-    main: runs.length - 1, visible: runs.map(() => true),
+    main: isModes ? 0 : runs.length - 1, visible: runs.map((_, i) => !isModes || i === 0),
   };
   // Of several runs the one with the most to show is drawn solid.
-  runs.forEach((r, i) => {
+  if (!isModes) runs.forEach((r, i) => {
     const flexible = (k: Run) => k.header.bodies.reduce((s, b) => s + b.n_shapes, 0);
     if (flexible(r) > flexible(runs[state.main])) state.main = i;
   });
@@ -77,7 +79,8 @@ export async function motionPage(app: HTMLElement, header: MotionHeader): Promis
   let deflection = Math.max(0, ...mechanisms.map((m) => m.largestDeflection));
   const flexibleSize = Math.max(0, ...mechanisms[state.main].bodies.filter((b) => b.deformed)
     .map((b) => b.deformed!.surface.size));
-  const fullMagnify = deflection > 0 ? Math.max(1, round125((0.06 * flexibleSize) / deflection)) : 1;
+  // Modes are drawn as large as they are stored.
+  const fullMagnify = deflection > 0 && !isModes ? Math.max(1, round125((0.06 * flexibleSize) / deflection)) : 1;
   state.magnify = fullMagnify;
   if (deflection === 0) state.field = 0;
   const stressMost = Math.max(0, ...mechanisms.map((m) => m.largestStress));
@@ -89,7 +92,8 @@ export async function motionPage(app: HTMLElement, header: MotionHeader): Promis
   function setTime(t: number): void {
     state.time = Math.min(t1, Math.max(t0, t));
     mechanisms.forEach((m, i) => { if (state.visible[i]) m.setTime(state.time); });
-    clock.textContent = `${state.time.toFixed(digits)} s`;
+    // A mode's run is one period of it.
+    clock.textContent = isModes ? `${((360 * (state.time - t0)) / duration).toFixed(0)}°` : `${state.time.toFixed(digits)} s`;
     timeline.input.value = String(state.time);
     timeline.input.setAttribute('aria-valuetext', clock.textContent);
     timeline.input.style.setProperty('--part', `${(100 * (state.time - t0)) / duration}%`);
@@ -217,6 +221,13 @@ export async function motionPage(app: HTMLElement, header: MotionHeader): Promis
       } }, h('i', {}), r.header.name);
     return solid;
   });
+  const modes = isModes ? modeList(header.runs, (i) => setMode(i)) : null;
+  const setMode = (i: number) => {
+    state.main = i;
+    state.visible = runs.map((_, k) => k === i);
+    modes!.mark(i);
+    refresh();
+  };
   const views = h('div', { class: 'group views', role: 'group', 'aria-label': 'Views' },
     ...viewNames.map((name) => h('button', { class: 'toggle', type: 'button', 'data-view': name,
                                              onclick: () => view(name) }, name)));
@@ -277,6 +288,7 @@ export async function motionPage(app: HTMLElement, header: MotionHeader): Promis
     }
   }
   const pages: Record<string, HTMLElement> = {
+    ...(modes ? { modes: h('div', { class: 'tab-page', role: 'tabpanel', 'aria-label': 'Modes' }, modes.element) } : {}),
     plots: h('div', { class: 'tab-page', role: 'tabpanel', 'aria-label': 'Plots' }, deck.element),
     quantities: h('div', { class: 'tab-page', role: 'tabpanel', 'aria-label': 'Quantities', hidden: true },
       h('label', { class: 'search wide' }, icon('search'), filterBox),
@@ -287,11 +299,12 @@ export async function motionPage(app: HTMLElement, header: MotionHeader): Promis
     summary: h('div', { class: 'tab-page', role: 'tabpanel', 'aria-label': 'Summary', hidden: true }, summaryPanel(runs)),
   };
   const tabs: Record<string, HTMLButtonElement> = {};
-  for (const [name, title] of [['plots', 'Plots'], ['quantities', 'Quantities'], ['sections', 'Sections'], ['summary', 'Summary']]) {
+  for (const [name, title] of [...(modes ? [['modes', 'Modes']] : []), ['plots', 'Plots'], ['quantities', 'Quantities'], ['sections', 'Sections'], ['summary', 'Summary']]) {
     tabs[name] = h('button', { role: 'tab', type: 'button', id: `tab-${name}`, 'aria-selected': String(name === 'plots'),
                                onclick: () => tab(name) }, title);
   }
   tabs.sections.hidden = !sections.present;
+  tabs.plots.hidden = isModes;
   function tab(name: string): void {
     for (const [key, page] of Object.entries(pages)) {
       page.hidden = key !== name;
@@ -346,15 +359,15 @@ export async function motionPage(app: HTMLElement, header: MotionHeader): Promis
   const theme = themeButton(() => { refresh(); deck.redraw(); });
 
   app.replaceChildren(
-    topBar(header.title, [['Bodies', String(moving.length)], ['Runs', String(runs.length)],
-                          ['Time', `${figure(duration, 4)} s`],
+    topBar(header.title, [['Bodies', String(moving.length)], [isModes ? 'Modes' : 'Runs', String(runs.length)],
+                          ...(isModes ? [] : [['Time', `${figure(duration, 4)} s`] as [string, string]]),
                           ...(deflection > 0 ? [[`Largest |u| ${fromWhere()}`, lengthText(deflection)] as [string, string]] : []),
                           ...(energyError > 0 ? [['Energy error', `${figure(100 * energyError, 2)} %`] as [string, string]] : [])],
            keys, theme),
     h('main', { class: 'split motion' },
       h('section', { class: 'viewer', 'aria-label': 'Picture' },
         h('div', { class: 'canvas-box' }, stage.element,
-          h('div', { class: 'runs', role: 'group', 'aria-label': 'Runs' }, ...runButtons), legend.element, corner), strip),
+          h('div', { class: 'runs', role: 'group', 'aria-label': 'Runs' }, ...(isModes ? [] : runButtons)), legend.element, corner), strip),
       h('aside', { class: 'panel', 'aria-label': 'Plots and results' },
         h('div', { class: 'panel-head' }, h('div', { class: 'tabs', role: 'tablist' }, ...Object.values(tabs)),
           h('label', { class: 'search' }, icon('search'), add), names, saveCsv),
@@ -366,12 +379,15 @@ export async function motionPage(app: HTMLElement, header: MotionHeader): Promis
   state.playing = false;
   refresh();
   stage.view('iso', shown);
-  for (const plot of firstPlots(header)) await deck.add(plot);
+  if (modes) {
+    tab('modes');
+    modes.mark(state.main);
+  } else for (const plot of firstPlots(header)) await deck.add(plot);
   setTime(t0);
   setPlaying(playAtFirst);
 
   (window as unknown as { flexura: unknown }).flexura = motionScripts({
     header, runs, mechanisms, stage, deck, sections, quantities: all.map((q) => q.name), start: t0, end: t1,
-    largestDeflection: () => deflection, largestStress: stressMost, state, view, setField, setReference, setPlaying, setTime, refresh,
+    largestDeflection: () => deflection, largestStress: stressMost, state, view, setField, setReference, setMode, setPlaying, setTime, refresh,
   });
 }

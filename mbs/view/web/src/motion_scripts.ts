@@ -20,10 +20,11 @@ export interface MotionParts {
   end: number;
   largestDeflection: () => number;
   largestStress: number;
-  state: { time: number; magnify: number; visible: boolean[] };
+  state: { time: number; magnify: number; visible: boolean[]; main: number };
   view: (name: ViewName) => void;
   setField: (field: number) => void;
   setReference: (choice: string) => void;
+  setMode: (run: number) => void;
   setPlaying: (on: boolean) => void;
   setTime: (t: number) => void;
   refresh: () => void;
@@ -53,7 +54,7 @@ export function motionScripts(page: MotionParts): object {
     setMagnify: (v: number) => { state.magnify = v; refresh(); }, get magnify() { return state.magnify; },
     showRun: (name: string, on: boolean) => { state.visible[runNamed(name)] = on; refresh(); deck.redraw(); },
     view: page.view, get largestDeflection() { return page.largestDeflection(); },
-    setReference: page.setReference,
+    setReference: page.setReference, setMode: page.setMode, get mode() { return page.state.main; },
     quantity: async (run: string, name: string) => [...((await runs[runNamed(run)].quantity(name)) ?? [])],
     times: (run: string) => [...runs[runNamed(run)].time], frameTimes: (run: string) => [...runs[runNamed(run)].frameTime],
     plots: () => deck.cards.map((c) => c.names),

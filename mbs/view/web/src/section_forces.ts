@@ -20,6 +20,7 @@ export const resultants = [
 export class SectionForces {
   readonly n: number; // places
   private readonly shapes: (Float32Array | undefined)[] = [];
+  private readonly loading = new Map<number, Promise<Float32Array>>(); // several runs share the shapes
 
   constructor(readonly header: SectionsHeader, private readonly key: string) {
     this.n = header.member.length;
@@ -27,7 +28,9 @@ export class SectionForces {
 
   async load(first: number, count: number): Promise<void> {
     await Promise.all(Array.from({ length: count }, async (_, j) => {
-      this.shapes[first + j] ??= await readF4(`${this.key}/section/${first + j}`);
+      const shape = first + j;
+      if (!this.loading.has(shape)) this.loading.set(shape, readF4(`${this.key}/section/${shape}`));
+      this.shapes[shape] = await this.loading.get(shape)!;
     }));
   }
 
