@@ -30,7 +30,7 @@ const char* type_name(Type type) {
 class Builder {
  public:
   Builder(const Assembly& assembly, const BuildOptions& options) : assembly_(assembly), options_(options) {
-    Names parts, bodies;
+    Names parts;
     for (const Part& part : assembly.parts) part_names_.push_back(parts.add(part.name));
     for (const Instance& instance : assembly.instances) body_names_.push_back(names_.add(instance.name));
     faces_.resize(assembly.parts.size());

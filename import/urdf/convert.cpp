@@ -249,6 +249,10 @@ class Converter {
                                   {{"type", toml(std::string("joint_spring_damper"))}, of_joint, {"damping", toml(joint.damping)}}});
     // A joint that mimics is held by the one that it mimics.
     if (!choices_.stops || !joint.limit || joint.kind == JointKind::continuous || joint.mimic) return;
+    if (joint.limit->lower == joint.limit->upper)
+      result_.notes.push_back(fmt::format("joint \"{}\" has no travel, lower and upper are both {}: its stops hold it there; make it fixed, or "
+                                          "give its limits",
+                                          shown(joint.name), joint.limit->lower));
     const double travel = std::max(joint.limit->upper - joint.limit->lower, turns(joint) ? 0.01 : 0.001);
     const double omega = 2.0 * std::numbers::pi * kStopFrequency_hz, inertia = carried(j);
     const double k = std::max(inertia * omega * omega, joint.limit->effort / (kStopYield * travel));

@@ -3,6 +3,8 @@
 // Assemblies drawn here, whose joints and degrees of freedom are known, imported as a user does it.
 #include <gmock/gmock.h>
 
+#include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <map>

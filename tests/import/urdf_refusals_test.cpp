@@ -93,6 +93,12 @@ TEST(UrdfImport, TemplatesAndOtherFilesAreRefusedByName) {
   EXPECT_EQ(run("flexura", {"import", folder / "lost.urdf"}).exit_code, 2);
 }
 
+TEST(UrdfImport, JointWithoutTravelIsSaid) {
+  const Folder folder;
+  const auto file = folder.write("r.urdf", robot(kTwo + joint("j", "revolute", "a", "b", R"(<limit effort="1" velocity="1"/>)")));
+  EXPECT_THAT(run("flexura", {"import", file, "-o", folder / "out"}).err, HasSubstr("joint \"j\" has no travel"));
+}
+
 TEST(UrdfImport, MasslessLinkBetweenCrossedAxesIsFine) {
   const Folder folder;
   const auto file = folder.write("r.urdf", robot(link("a") + link("cross", "") + link("c") + joint("j", "continuous", "a", "cross", R"(<axis xyz="1 0 0"/>)") +
