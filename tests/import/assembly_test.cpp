@@ -155,6 +155,44 @@ TEST(AssemblyImport, BoltedPlatesAreFixedWithTheirBolts) {
   EXPECT_THAT(i.mechanism, HasSubstr("[body.bolt_2]"));
 }
 
+// Half a bearing in the frame and half in a cap, which is bolted to it: only together they hold the shaft.
+TEST(AssemblyImport, SplitBearingHoldsItsShaft) {
+  const Folder folder;
+  Assembly a("split");
+  const TopoDS_Shape bore = cylinder({0, -20, 0}, kY, 10.02, 40);
+  const auto drilled = [](TopoDS_Shape shape, double low, double high) {
+    for (const double x : {-20.0, 20.0}) shape = shape - cylinder({x, 0, low}, kZ, 3, high - low);
+    return shape;
+  };
+  a.place(a.part("frame", drilled(box({-30, -20, -40}, {30, 20, 0}) - bore, -25, 0)), at({0, 0, 0}));
+  a.place(a.part("cap", drilled(box({-30, -20, 0}, {30, 20, 20}) - bore, 0, 20)), at({0, 0, 0}));
+  a.place(a.part("shaft", cylinder({0, -60, 0}, kY, 10, 120)), at({0, 0, 0}));
+  const Import i = import(folder, a);
+  EXPECT_THAT(i.joints, UnorderedElementsAre(Pair("frame_cap", "fixed"), Pair("frame_shaft", "cylindrical")));
+  EXPECT_EQ(i.freedom, 2);
+  // Neither half alone would be sure of it.
+  EXPECT_THAT(i.mechanism, HasSubstr("# confidence high\n# shaft 10 mm of shaft"));
+  EXPECT_THAT(i.mechanism, Not(HasSubstr("confidence medium")));
+}
+
+// A cross between two forks: the fork on the ground, the cross and the other fork turn one on another.
+TEST(AssemblyImport, UniversalJointHasTwoFreedoms) {
+  const Folder folder;
+  Assembly a("cardan");
+  // Ears at x = +-(20 .. 28) with bores along x; the cross's arms end in them, its hub's shoulders touch the ears.
+  const TopoDS_Shape fork = box({-28, -10, 30}, {28, 10, 38}) + box({-28, -10, -10}, {-20, 10, 30}) + box({20, -10, -10}, {28, 10, 30});
+  const TopoDS_Shape drilled = fork - cylinder({-30, 0, 0}, kX, 5, 60);
+  const TopoDS_Shape cross = box({-20, -8, -8}, {20, 8, 8}) + box({-8, -20, -8}, {8, 20, 8}) + cylinder({-28, 0, 0}, kX, 5, 56) + cylinder({0, -28, 0}, kY, 5, 56);
+  a.place(a.part("cross", cross), at({0, 0, 0}));
+  const TDF_Label part = a.part("fork", drilled);
+  a.place(part, at({0, 0, 0}), "lower");
+  // Upside down and a quarter turned: its bores along y.
+  a.place(part, turned({0, 0, 0}, gp_Dir(1, 1, 0), std::numbers::pi), "upper");
+  const Import i = import(folder, a, {"--ground", "lower"});
+  EXPECT_THAT(i.joints, UnorderedElementsAre(Pair("cross_lower", "revolute"), Pair("cross_upper", "revolute")));
+  EXPECT_EQ(i.freedom, 2);
+}
+
 // Four bars with pins: a body of revolution that runs in two bars is fixed to one, the loop has one freedom and the
 // three rows too many of every plane loop of hinges.
 TEST(AssemblyImport, FourBarLinkageOfPlatesAndPinsHasOneFreedom) {
