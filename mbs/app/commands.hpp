@@ -17,6 +17,7 @@ terminal::Command export_command();
 terminal::Command import_command();
 terminal::Command linearize_command();
 terminal::Command modes_command();
+terminal::Command new_command();
 terminal::Command outputs_command();
 terminal::Command reduce_command();
 terminal::Command report_command();

@@ -165,10 +165,10 @@ terminal::Command modes_command() {
             options.argument("FILE", arguments->file, "superelement file")
                 .flag("--free", arguments->free, "the free body: six rigid modes, then the elastic ones")
                 .flag("--fixed", arguments->fixed, "all interfaces held: fixed-interface modes")
-                .option("--clamped", arguments->clamped, "NAME", "these interfaces held")
+                .option("--clamped,--held", arguments->clamped, "NAME", "these interfaces held")
                 .option("-n,--count", arguments->count, "N", "at most this many elastic modes of each kind")
                 .flag("--json", arguments->json, "print JSON, with effective masses in kg and kg m^2")
-                .option("--html", arguments->html, "PAGE", "write a page that shows the modes moving")
+                .option("--html,-o,--output", arguments->html, "PAGE", "write a page that shows the modes moving")
                 .example("flexura modes conrod.se.h5", "free and fixed-interface modes")
                 .example("flexura modes conrod.se.h5 --clamped big_end --count 5",
                          "the first five with one end held")

@@ -1,4 +1,5 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mbs/model/mechanism_document.hpp"
 #include "mbs/model/reader.hpp"
 
 #include <fmt/format.h>
@@ -59,6 +60,12 @@ Section read_file(const std::filesystem::path& file, const input::TableSchema& s
 }
 
 }  // namespace
+
+Section read_mechanism_document(const std::filesystem::path& file, const input::TableSchema& solver,
+                                const std::vector<std::string>& overrides) {
+  std::map<std::string, std::vector<std::string>> below;
+  return read_file(file, solver, take_overrides_below(overrides, below));
+}
 
 void add_free_joints(ReadModel& model) {
   MechanismDescription& d = model.description;

@@ -18,6 +18,7 @@
 #include "mbs/files/output.hpp"
 #include "mbs/input/content_hash.hpp"
 #include "mbs/input/shown_text.hpp"
+#include "mbs/model/mechanism_document.hpp"
 #include "mbs/model/read_mechanism.hpp"
 #include "mbs/results/results.hpp"
 #include "mbs/solver/options.hpp"
@@ -172,8 +173,7 @@ class Laboratory {
 
   // Before anything runs: does the mechanism have the run and the bodies that the study names?
   void check_mechanism() {
-    const input::Section root =
-        input::read_document(study_.mechanism, mbs::mechanism_schema(mbs::solver_schema()), study_.set);
+    const input::Section root = mbs::read_mechanism_document(study_.mechanism, mbs::solver_schema(), study_.set);
     std::vector<std::string> runs, bodies;
     for (const auto& [name, section] : root.table_map("run")) runs.push_back(name);
     for (const auto& [name, section] : root.table_map("body")) bodies.push_back(name);
@@ -197,7 +197,7 @@ class Laboratory {
     std::vector<std::string> set = study_.set;
     set.insert(set.end(), choice.set.begin(), choice.set.end());
     try {
-      input::read_document(study_.mechanism, mbs::mechanism_schema(mbs::solver_schema()), set);
+      mbs::read_mechanism_document(study_.mechanism, mbs::solver_schema(), set);
     } catch (const input::InputError& e) {
       throw input::InputError(
           fmt::format("{}: choice \"{}\": {}", study_.file.string(), choice.name, e.what()));

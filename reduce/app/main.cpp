@@ -172,10 +172,10 @@ std::function<int()> declare(terminal::Options& options, const terminal::Talk& t
   const auto arguments = std::make_shared<Arguments>();
   options.optional_argument("PART", arguments->input, "part file (.toml) or FlexData (.xml); with --list-faces also a CAD file")
       .option("-o,--output", arguments->output, "FILE", "superelement to write (default: PART.se.h5)")
-      .option("--mesh-size", arguments->mesh_size, "LENGTH", "element size, overrides mesh.size: \"2 mm\"")
+      .option("--mesh-size,--size", arguments->mesh_size, "LENGTH", "element size, overrides mesh.size: \"2 mm\"")
       .option("--accuracy", arguments->accuracy, "PERCENT",
               "choose mesh and modes for this accuracy, overrides modes.accuracy: \"1 %\"")
-      .option("--modes", arguments->modes, "N", "number of normal modes, overrides modes.count")
+      .option("-n,--modes,--count", arguments->modes, "N", "number of normal modes, overrides modes.count")
       .option("--beam-modes", arguments->beam_modes, "N",
               "beam parts: print N natural frequencies of the free structure, nothing reduced, then stop")
       .flag("--statics", arguments->statics,

@@ -68,7 +68,7 @@ terminal::Command section_command() {
                 .option("-o,--output", arguments->output, "FILE",
                         "section file for beam parts, `type = \"file\"` (default: FILE.section)")
                 .option("--svg", arguments->svg, "FILE", "the drawing (default: beside the section file)")
-                .option("--size", arguments->size, "LENGTH", "element size, overrides size: \"2 mm\"")
+                .option("--size,--mesh-size", arguments->size, "LENGTH", "element size, overrides size: \"2 mm\"")
                 .option("--set", arguments->overrides, "KEY=VALUE", "override an entry of the file")
                 .flag("--json", arguments->json, "print JSON instead of the table")
                 .flag("--schema", arguments->schema, "print the section file's reference page, then stop")

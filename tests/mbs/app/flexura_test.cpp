@@ -72,7 +72,7 @@ TEST_F(Flexura, HelpOfEveryCommandFitsEightyColumnsAndHasExamplesAndAVersion) {
   const std::string program = run_program(FLEXURA_BIN_DIR "/flexura --version").out;
   std::istringstream overview(flexura("--help").out);
   for (std::string line; std::getline(overview, line);) EXPECT_LE(terminal::display_width(line), 80) << line;
-  for (const char* command : {"reduce", "section", "modes", "simulate", "outputs", "statics", "eigen",
+  for (const char* command : {"new", "reduce", "section", "modes", "simulate", "outputs", "statics", "eigen",
                               "linearize", "study", "view", "check", "report", "export", "assemble"}) {
     const Outcome help = flexura(std::string(command) + " --help");
     EXPECT_EQ(help.code, 0) << command;

@@ -273,6 +273,20 @@ TEST(Reference, NamesEveryKeyWithUnitRangeAndDefault) {
   EXPECT_THAT(page, HasSubstr("`[body.NAME]`"));
 }
 
+// A variant under another name says in its schema which one it is: it stands once, its synonyms in its heading.
+TEST(Reference, ATypeStandsOnceWithItsSynonymsInItsHeading) {
+  TableSchema joint;
+  joint.name = "joint";
+  joint.selector = "type";
+  for (const char* name : {"hinge", "pin", "revolute"})
+    joint.variants[name] = {.name = "revolute", .doc = "Turns.", .keys = {quantity("angle", dim::angle, "at the start")}};
+  joint.variants["slider"] = {.name = "what slides", .doc = "Slides."};  // a title, no other variant's name
+  const std::string page = reference_page(joint);
+  EXPECT_THAT(page, HasSubstr("## `type = \"revolute\"`, `\"hinge\"`, `\"pin\"`\n"));
+  EXPECT_THAT(page, HasSubstr("## `type = \"slider\"`\n"));
+  EXPECT_EQ(page.find("Turns."), page.rfind("Turns."));
+}
+
 // 1500 damaged files and overrides: each is read or refused with a message that names the file,
 // nothing else.
 TEST_F(Document, DamagedFilesAreReadOrRefused) {
