@@ -66,6 +66,11 @@ def main():
             if not (root / name).parent.joinpath(target).exists():
                 failures += 1
                 print(f"{name}: link to {target}, which is not there")
+    cases = (root / "cases/README.md").read_text()
+    for run in sorted(root.glob("cases/*/run")):
+        if not re.search(rf"^\| \[?{run.parent.name}\b", cases, re.M):
+            failures += 1
+            print(f"cases/README.md: no row for the case {run.parent.name}: what it asks, what to look at, against what")
     for error in site.errors:
         failures += 1
         print(f"{error}; name it with as much of its folder as tells it apart")
