@@ -14,8 +14,8 @@
 #include "mbs/solver/buckling.hpp"
 #include "mbs/solver/equilibrium.hpp"
 #include "mbs/solver/linearise.hpp"
-#include "mbs/solver/static_stiffness.hpp"
 #include "mbs/solver/scales.hpp"
+#include "mbs/solver/static_stiffness.hpp"
 #include "mbs/solver/whirl.hpp"
 #include "mbs/superelement/superelement.hpp"
 #include "mbs/terminal/terminal.hpp"
@@ -97,8 +97,9 @@ nlohmann::json to_json(const NamedRun& run, const std::vector<mbs::BucklingMode>
   return out;
 }
 
-/// Where bodies, their interfaces and their surfaces stand, in W.
-std::vector<Eigen::Vector3d> places(const mbs::Mechanism& m, const mbs::State& s,
+/// Where bodies, their interfaces and their surfaces stand, in W; of each body three points `arm` [m] away from its
+/// origin as well, so that a turn about it is seen.
+std::vector<Eigen::Vector3d> places(const mbs::Mechanism& m, const mbs::State& s, double arm,
                                     const view::Pictures& pictures) {
   std::vector<mbs::Pose> poses;
   m.body_poses(s, *m.make_scratch(), poses);
@@ -106,6 +107,7 @@ std::vector<Eigen::Vector3d> places(const mbs::Mechanism& m, const mbs::State& s
   for (std::size_t b = 0; b < poses.size(); ++b) {
     const auto place = [&](const Eigen::Vector3d& p_B) { out.push_back(poses[b].p + poses[b].R * p_B); };
     place(Eigen::Vector3d::Zero());
+    for (int i = 0; i < 3; ++i) place(arm * Eigen::Vector3d::Unit(i));
     const mbs::FlexibleBody* const body = m.deforming(static_cast<int>(b));
     const double* const modal = m.modal_coordinates(static_cast<int>(b), s);
     for (std::size_t n = 0; body && modal && n < body->data().nodes.size(); ++n)
@@ -128,12 +130,12 @@ double shown_amplitude(const PreparedMechanism& p, const Eigen::VectorXcd& shape
                        const view::Pictures& pictures) {
   constexpr double kPart = 0.1, kSmall = 1e-3;
   const double length = p.options.scales ? p.options.scales->length : 1.0;
-  const std::vector<Eigen::Vector3d> before = places(*p.mechanism, p.state, pictures);
+  const std::vector<Eigen::Vector3d> before = places(*p.mechanism, p.state, 0.5 * length, pictures);
   double most = 0.0;
   for (const std::complex<double> phase : {std::complex<double>(1.0, 0.0), std::complex<double>(0.0, 1.0)}) {
     mbs::State s = p.state;
     p.mechanism->retract(p.state.p, kSmall * (shape * phase).real(), s.p);
-    const std::vector<Eigen::Vector3d> after = places(*p.mechanism, s, pictures);
+    const std::vector<Eigen::Vector3d> after = places(*p.mechanism, s, 0.5 * length, pictures);
     for (std::size_t i = 0; i < after.size(); ++i)
       most = std::max(most, (after[i] - before[i]).norm() / kSmall);
   }
@@ -228,15 +230,17 @@ void add_buckling_notes(const mbs::Buckling& buckling, bool can_move, std::vecto
   // Beside a factor that is seen, one a hundred times larger is of no interest.
   const double first = buckling.modes.empty() ? 1.0 : std::abs(buckling.modes.front().factor);
   if (buckling.seen_to < 1e2 * first)
-    notes.push_back(fmt::format(
-        "factors beyond {} are not told from none: the loads change the stiffness too little beside its round-off; "
-        "take larger loads",
-        number(buckling.seen_to, 2)));
+    notes.push_back(
+        fmt::format("factors beyond {} are not told from none: the loads change the stiffness too little "
+                    "beside its round-off; "
+                    "take larger loads",
+                    number(buckling.seen_to, 2)));
   for (const mbs::BucklingMode& mode : buckling.modes)
     if (mode.error > 1e-3) {
-      notes.push_back(fmt::format("load factor {} is right to {} of itself only: stiffnesses of very different size "
-                                  "leave no more digits",
-                                  number(mode.factor, 6), number(mode.error, 2)));
+      notes.push_back(
+          fmt::format("load factor {} is right to {} of itself only: stiffnesses of very different size "
+                      "leave no more digits",
+                      number(mode.factor, 6), number(mode.error, 2)));
       break;
     }
 }
@@ -249,9 +253,8 @@ int print_buckling(const Arguments& arguments, const terminal::Talk& talk) {
     const mbs::StaticStiffness unloaded = unloaded_stiffness(p);
     settle(p);
     give_warnings(run);
-    const mbs::Buckling buckling = mbs::buckling_modes(
-        unloaded,
-        mbs::static_stiffness(*p.mechanism, p.state, &unloaded.independent));
+    const mbs::Buckling buckling =
+        mbs::buckling_modes(unloaded, mbs::static_stiffness(*p.mechanism, p.state, &unloaded.independent));
     add_buckling_notes(buckling, !unloaded.independent.empty(), p.notes);
     for (const auto& body : p.mechanism->description().bodies)
       if (body.flexible && body.flexible->is_modal() && !body.flexible->data().second)

@@ -64,7 +64,7 @@ ImportedModel Placer::build(const std::filesystem::path& path) {
     model_.messages.push_back(fmt::format("{} element{} of type {}: {}", what.first,
                                           what.first == 1 ? "" : "s", type, what.second));
   for (const std::string& message : deck_.unused.messages("keyword")) model_.messages.push_back(message);
-  model_.warnings = deck_.left_out.messages("element");
+  for (const std::string& message : deck_.left_out.messages("element")) model_.warnings.push_back(message);
   for (const std::string& message : deck_.unbound.messages("keyword"))
     model_.warnings.push_back(message + ": what it binds stays apart");
   builder_.finish(model_);
@@ -83,8 +83,8 @@ void Placer::take_assembly_set(const AssemblySet& set) {
     return own != sets.end() ? own : sets.find(upper(name));
   };
   const auto unknown = [&](const std::string& name) {
-    return std::invalid_argument(fmt::format("{}: set \"{}\" names a set \"{}\" that is not defined", set.where.text(),
-                                             set.name, name));
+    return std::invalid_argument(fmt::format("{}: set \"{}\" names a set \"{}\" that is not defined",
+                                             set.where.text(), set.name, name));
   };
   std::vector<Index> nodes;
   if (set.of_nodes) {
@@ -152,8 +152,7 @@ void Placer::place(const Part& part, int scope, const Instance* instance, const 
 
 void Placer::place_other(const OtherElement& element, int scope) {
   std::vector<Index> nodes;
-  for (const std::int64_t label : element.nodes)
-    nodes.push_back(builder_.node(scope, label, element.where));
+  for (const std::int64_t label : element.nodes) nodes.push_back(builder_.node(scope, label, element.where));
   const std::pair<int, std::int64_t> key{scope, element.label};
   if (cell_of_.contains(key) || !other_labels_.insert(key).second)
     throw std::invalid_argument(fmt::format("{}: element {} is given twice; element numbers must be unique",
@@ -201,8 +200,8 @@ void Placer::drop_bare_shells() {
   const auto is_bare = [](const ModelBuilder::Cell& cell) {
     return dimension_of(cell.type) == 2 && cell.material < 0;
   };
-  const bool has_solids = std::ranges::any_of(
-      cells, [](const ModelBuilder::Cell& cell) { return dimension_of(cell.type) == 3; });
+  const bool has_solids =
+      std::ranges::any_of(cells, [](const ModelBuilder::Cell& cell) { return dimension_of(cell.type) == 3; });
   const auto count = std::ranges::count_if(cells, is_bare);
   if (!has_solids || count == 0) return;
   std::erase_if(cells, is_bare);

@@ -70,10 +70,11 @@ ImportedModel NastranReader::read(const std::filesystem::path& path) {
   Unused left_out;
   for (const Card& card : cards_)
     if (!used_.contains(card.name) && kElements.contains(card.name)) left_out.add(card.name, card.where);
-  model_.warnings = left_out.messages("element");
+  for (const std::string& message : left_out.messages("element")) model_.warnings.push_back(message);
   // Rigid elements and contacts that are not read.
-  static const std::set<std::string> kBinds = {"RBE1",   "RROD",  "RTRPLT", "RSPLINE", "RSSCON", "RJOINT", "MPCAX",
-                                               "BCTABLE", "BCTSET", "BGSET", "BCONP",   "BSURF",  "TIE",    "CGAP",  "SUPER"};
+  static const std::set<std::string> kBinds = {"RBE1",   "RROD",  "RTRPLT",  "RSPLINE", "RSSCON",
+                                               "RJOINT", "MPCAX", "BCTABLE", "BCTSET",  "BGSET",
+                                               "BCONP",  "BSURF", "TIE",     "CGAP",    "SUPER"};
   Unused unbound;
   for (const Card& card : cards_)
     if (!used_.contains(card.name) && kBinds.contains(card.name)) unbound.add(card.name, card.where);
@@ -135,10 +136,10 @@ void NastranReader::read_grids() {
     turned += card->integer(5, grdset ? grdset->integer(5, 0) : 0) > 0;
   }
   if (turned > 0)
-    model_.messages.push_back(
-        fmt::format("{} GRID have displacement axes of their own (CD): MPC, CBAR, CBEAM, CBUSH and CELAS follow them, "
-                    "directions of SPC and ASET are taken in the basic system",
-                    turned));
+    model_.messages.push_back(fmt::format(
+        "{} GRID have displacement axes of their own (CD): MPC, CBAR, CBEAM, CBUSH and CELAS follow them, "
+        "directions of SPC and ASET are taken in the basic system",
+        turned));
 }
 
 std::array<bool, 6> NastranReader::components(const std::string& digits, const Card& card) {
