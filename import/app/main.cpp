@@ -109,10 +109,10 @@ int import_assembly(const Arguments& a, const std::filesystem::path& folder, con
 int import_file(const Arguments& a, const terminal::Talk& talk) {
   const std::string ending = ending_of(a.input);
   if (ending == ".xacro")
-    throw std::invalid_argument(a.input + ": is a xacro template; expand it first: xacro robot.xacro > robot.urdf");
+    throw std::invalid_argument(a.input + ": is a xacro template; make the URDF of it first: xacro robot.xacro > robot.urdf");
   const bool is_robot = ending == ".urdf";
   if (!is_robot && ending != ".step" && ending != ".stp")
-    throw std::invalid_argument(a.input + ": is not of a kind that is imported; robots (.urdf) and assemblies (.step, .stp) are");
+    throw std::invalid_argument(a.input + ": is not of a kind that is imported; name a robot (.urdf) or an assembly (.step, .stp)");
   refuse_options_of_the_other_kind(a, is_robot);
   const std::filesystem::path folder = a.output.empty() ? std::filesystem::path(a.input).stem() : std::filesystem::path(a.output);
   return is_robot ? import_robot(a, folder, talk) : import_assembly(a, folder, talk);

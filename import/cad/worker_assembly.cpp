@@ -96,7 +96,7 @@ class Walker {
   void walk() {
     TDF_LabelSequence roots;
     shapes_->GetFreeShapes(roots);
-    if (roots.IsEmpty()) throw std::runtime_error("holds no shape");
+    if (roots.IsEmpty()) throw std::runtime_error("holds no shape; save it with its solids in the CAD program");
     if (roots.Length() > 1)
       answer_.notes.push_back("the file has " + std::to_string(roots.Length()) + " roots; all of them are taken, side by side");
     for (int i = 1; i <= roots.Length(); ++i) visit(roots.Value(i), TopLoc_Location(), "", "", 0);
@@ -218,14 +218,15 @@ void read_step(const AssemblyJob& job, AssemblyAnswer& answer) {
     reader.SetMatMode(Standard_True);
     Interface_Static::SetCVal("xstep.cascade.unit", "MM");
     if (reader.ReadFile(job.path.c_str()) != IFSelect_RetDone)
-      throw std::runtime_error("is no STEP file that OpenCASCADE can read; is it damaged?");
+      throw std::runtime_error("is no STEP file that OpenCASCADE can read; save it again in the CAD program");
     say(0.05, "building the shapes");
-    if (!reader.Transfer(document)) throw std::runtime_error("holds no product with a shape");
+    if (!reader.Transfer(document)) throw std::runtime_error("holds no product with a shape; save it with its solids in the CAD program");
     const double unit = density_unit(reader.Reader().WS()->Model(), answer);
     Walker(document, unit, job, answer).walk();
   } catch (const Standard_Failure& failure) {
     const char* const text = failure.GetMessageString();
-    throw std::runtime_error(std::string("made OpenCASCADE fail") + (text != nullptr && *text != '\0' ? std::string(": ") + text : ""));
+    throw std::runtime_error(std::string("made OpenCASCADE fail") + (text != nullptr && *text != '\0' ? std::string(" (") + text + ")" : "") +
+                             "; save the file again in the CAD program");
   }
 }
 

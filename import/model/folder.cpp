@@ -62,7 +62,7 @@ void require_folder(const fs::path& folder) {
 
 superelement::Superelement rigid_superelement(const Body& body, const std::string& source) {
   if (!(body.mass > 0.0))
-    throw std::invalid_argument(fmt::format("body \"{}\" has no mass and cannot carry a surface", body.name));
+    throw std::invalid_argument(fmt::format("body \"{}\" has no mass and cannot carry a surface; give it one", body.name));
   superelement::Superelement se;
   se.name = body.file();
   se.created_by = "flexura import";

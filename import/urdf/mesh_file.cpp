@@ -116,11 +116,11 @@ Surface read_surface(const fs::path& file) {
   std::string ending = file.extension().string();
   for (char& c : ending) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
   if (ending != ".stl" && ending != ".obj")
-    builder.refuse("is a mesh of a kind that is not read; STL and OBJ are");
+    builder.refuse("is a mesh of a kind that is not read; save it as STL or OBJ");
   files::note_input(file);
   std::ifstream in(file, std::ios::binary);
   const std::string bytes{std::istreambuf_iterator<char>(in), {}};
-  if (!in && bytes.empty()) builder.refuse("cannot be read");
+  if (!in && bytes.empty()) builder.refuse("cannot be read; check the name");
   std::uint32_t n = 0;
   if (bytes.size() >= 84) std::memcpy(&n, bytes.data() + 80, sizeof n);
   // A text that begins with "solid" can be binary: the length tells.
@@ -128,12 +128,12 @@ Surface read_surface(const fs::path& file) {
   if (is_binary)
     read_binary_stl(bytes, builder);
   else if (ending == ".stl" && !bytes.starts_with("solid"))
-    builder.refuse("is neither a text STL (which begins with \"solid\") nor a binary one of the length that it states; is it cut short?");
+    builder.refuse("is neither a text STL (which begins with \"solid\") nor a binary one of the length that it states; save it again");
   else if (ending == ".stl")
     read_text_stl(bytes, builder);
   else
     read_obj(bytes, builder);
-  if (builder.surface.triangles.empty()) builder.refuse("holds no triangle");
+  if (builder.surface.triangles.empty()) builder.refuse("holds no triangle; save it again, or take the picture away");
   return builder.surface;
 }
 

@@ -62,7 +62,7 @@ class Reader {
     Inertial result;
     result.mass = mass->number("value");
     if (result.mass < 0.0)
-      mass->refuse(fmt::format("the mass of link \"{}\" is {}, it cannot be negative", link, result.mass));
+      mass->refuse(fmt::format("the mass of link \"{}\" is {}, it cannot be negative; correct it", link, result.mass));
     result.center = X.p;
     const double xx = inertia->number("ixx"), yy = inertia->number("iyy"), zz = inertia->number("izz"),
                  xy = inertia->number("ixy", 0.0), xz = inertia->number("ixz", 0.0), yz = inertia->number("iyz", 0.0);
@@ -156,7 +156,7 @@ class Reader {
       e.refuse(fmt::format("a second joint \"{}\"; names must differ", name));
     const auto kind = kinds.find(e.text("type"));
     if (kind == kinds.end())
-      e.refuse(fmt::format("joint \"{}\" is of type \"{}\"; revolute, continuous, prismatic, fixed, floating and planar are known",
+      e.refuse(fmt::format("joint \"{}\" is of type \"{}\"; write revolute, continuous, prismatic, fixed, floating or planar",
                            name, shown(e.text("type"))));
     joint.kind = kind->second;
     joint.parent = link_of(e, "parent", name);
@@ -173,7 +173,7 @@ class Reader {
       joint.damping = dynamics->number("damping", 0.0);
       joint.friction = dynamics->number("friction", 0.0);
       if (joint.damping < 0.0 || joint.friction < 0.0)
-        dynamics->refuse(fmt::format("damping {} and friction {} of joint \"{}\" cannot be negative", joint.damping,
+        dynamics->refuse(fmt::format("damping {} and friction {} of joint \"{}\" cannot be negative; correct them", joint.damping,
                                      joint.friction, name));
       if (!one_way && (joint.damping > 0.0 || joint.friction > 0.0))
         robot_.notes.push_back(fmt::format("joint \"{}\": damping and friction are taken over for joints of one coordinate only; "
@@ -194,7 +194,7 @@ class Reader {
         limit->refuse(fmt::format("lower {} of joint \"{}\" is above upper {}; exchange them", joint.limit->lower, name,
                                   joint.limit->upper));
       if (joint.limit->effort < 0.0 || joint.limit->velocity < 0.0)
-        limit->refuse(fmt::format("effort and velocity of joint \"{}\" cannot be negative", name));
+        limit->refuse(fmt::format("effort and velocity of joint \"{}\" cannot be negative; correct them", name));
     }
     for (const char* other : {"safety_controller", "calibration"})
       if (!e.children(other).empty()) passed_over_.insert(fmt::format("<{}>", other));
@@ -245,7 +245,7 @@ class Reader {
                                         shown(name), shown(joint)));
     const JointKind kind = robot_.joints[static_cast<std::size_t>(found->second)].kind;
     if (kind == JointKind::fixed || kind == JointKind::floating || kind == JointKind::planar)
-      joints.front().refuse(fmt::format("transmission \"{}\" drives joint \"{}\", which has no single coordinate", shown(name),
+      joints.front().refuse(fmt::format("transmission \"{}\" drives joint \"{}\", which has no single coordinate; name a revolute, continuous or prismatic one", shown(name),
                                         shown(joint)));
     Transmission transmission{.name = name, .actuator = name, .joint = found->second};
     if (!actuators.empty() && actuators.front().has("name")) transmission.actuator = actuators.front().text("name");

@@ -31,7 +31,7 @@ void refuse_xacro(const std::filesystem::path& file, const tinyxml2::XMLElement&
               std::string_view(a->Value()).find("$(") != std::string_view::npos;
     if (macro)
       Element(file, *e).refuse(fmt::format(
-          "<{}> holds a xacro macro that has not been expanded; expand the file first: xacro robot.xacro > robot.urdf",
+          "<{}> holds a xacro macro that has not been expanded; make the URDF of it first: xacro robot.xacro > robot.urdf",
           shown(e->Name())));
     if (e->FirstChildElement() != nullptr) refuse_xacro(file, *e->FirstChildElement());
   }
@@ -53,7 +53,7 @@ std::optional<Element> Element::child(const char* tag) const {
   const tinyxml2::XMLElement* found = xml_->FirstChildElement(tag);
   if (found == nullptr) return {};
   if (const tinyxml2::XMLElement* second = found->NextSiblingElement(tag))
-    Element(*file_, *second).refuse(fmt::format("a second <{}> in <{}>; one is allowed", tag, xml_->Name()));
+    Element(*file_, *second).refuse(fmt::format("a second <{}> in <{}>; take one away", tag, xml_->Name()));
   return Element(*file_, *found);
 }
 
@@ -129,7 +129,7 @@ void Element::refuse(const std::string& what) const {
 Element open_robot(const std::filesystem::path& file, tinyxml2::XMLDocument& document) {
   files::note_input(file);
   std::ifstream in(file, std::ios::binary);
-  if (!in) throw std::invalid_argument(file.string() + ": cannot be read; is the name right?");
+  if (!in) throw std::invalid_argument(file.string() + ": cannot be read; check the name");
   const std::string text{std::istreambuf_iterator<char>(in), {}};
   if (text.find('\0') != std::string::npos)
     throw std::invalid_argument(file.string() + ": is no URDF: it holds zero bytes, XML text is wanted");

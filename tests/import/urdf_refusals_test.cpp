@@ -88,7 +88,7 @@ INSTANTIATE_TEST_SUITE_P(
 
 TEST(UrdfImport, TemplatesAndOtherFilesAreRefusedByName) {
   const Folder folder;
-  EXPECT_THAT(run("flexura", {"import", folder.write("r.xacro", robot(kTwo))}).err, HasSubstr("expand it first"));
+  EXPECT_THAT(run("flexura", {"import", folder.write("r.xacro", robot(kTwo))}).err, HasSubstr("make the URDF of it first"));
   EXPECT_THAT(run("flexura", {"import", folder.write("r.sdf", robot(kTwo))}).err, HasSubstr("is not of a kind that is imported"));
   EXPECT_EQ(run("flexura", {"import", folder / "lost.urdf"}).exit_code, 2);
 }
