@@ -40,6 +40,8 @@ std::string directions_text(const superelement::Interface& interface) {
   for (const auto direction : interface.directions) {
     text += (text.empty() ? "" : " ") + std::string(names[static_cast<int>(direction)]);
   }
+  for (const auto direction : interface.following)
+    text += (text.empty() ? "(" : " (") + std::string(names[static_cast<int>(direction)]) + " follows)";
   return text;
 }
 

@@ -47,10 +47,7 @@ double radius_of(const Superelement& se, const NodePlaces& places, const Vector3
 
 BodyNode interface_node(const Superelement& se, int interface) {
   const superelement::Interface& i = se.interfaces.at(interface);
-  BodyNode node{i.name, i.p_BoN_B, MatrixXd::Zero(6, se.n())};
-  for (std::size_t k = 0; k < i.directions.size(); ++k)
-    node.rows(static_cast<int>(i.directions[k]), i.first_dof + static_cast<int>(k)) = 1.0;
-  return node;
+  return {i.name, i.p_BoN_B, superelement::interface_motion(se, i)};
 }
 
 std::vector<BodyNode> interface_nodes(const Superelement& se) {
@@ -114,7 +111,10 @@ BodyNode rigidly_linked_node(const Superelement& se, const std::string& name,
   // Every direction that an interface keeps: motion of it, and for a rigid motion about the centre, rotations
   // times the radius.
   Index n = 0;
-  for (const int i : interfaces) n += static_cast<Index>(se.interfaces.at(i).directions.size());
+  for (const int i : interfaces) {
+    const superelement::Interface& at = se.interfaces.at(i);
+    n += static_cast<Index>(at.directions.size() + at.following.size());
+  }
   MatrixXd D(n, 6), L = MatrixXd::Zero(n, se.n());
   Vector6d scale = Vector6d::Ones();
   scale.tail<3>().setConstant(1.0 / radius);
@@ -122,12 +122,15 @@ BodyNode rigidly_linked_node(const Superelement& se, const std::string& name,
   for (const int i : interfaces) {
     const superelement::Interface& at = se.interfaces[i];
     const Matrix6d motion = rigid_motion(at.p_BoN_B - centre);
-    for (std::size_t k = 0; k < at.directions.size(); ++k, ++row) {
-      const int direction = static_cast<int>(at.directions[k]);
-      const double length = direction < 3 ? 1.0 : radius;
-      D.row(row) = length * (motion.row(direction) * scale.asDiagonal());
-      L(row, at.first_dof + static_cast<int>(k)) = length;
-    }
+    const MatrixXd own = superelement::interface_motion(se, at);
+    for (const auto* directions : {&at.directions, &at.following})
+      for (const superelement::Direction d : *directions) {
+        const int direction = static_cast<int>(d);
+        const double length = direction < 3 ? 1.0 : radius;
+        D.row(row) = length * (motion.row(direction) * scale.asDiagonal());
+        L.row(row) = length * own.row(direction);
+        ++row;
+      }
   }
   Eigen::ColPivHouseholderQR<MatrixXd> qr(D);
   qr.setThreshold(kLeastSpread);

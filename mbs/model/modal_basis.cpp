@@ -108,6 +108,8 @@ class Preparation {
     for (const superelement::Interface& i : se.interfaces) {
       add_to(hash, i.p_BoN_B).add(fmt::format("{}", i.first_dof));
       for (const superelement::Direction d : i.directions) hash.add(fmt::format("{}", static_cast<int>(d)));
+      add_to(hash, i.follow);
+      for (const superelement::Direction d : i.following) hash.add(fmt::format("{}", static_cast<int>(d)));
     }
     problem_key_ = hash.hex();
   }

@@ -124,14 +124,15 @@ void ModalProblem::to_held_frame(const MatrixXd& held, MatrixXd& S) const {
 
 void ModalProblem::to_fixed_interface(int interface, MatrixXd& S) const {
   const superelement::Interface& i = se_.interfaces.at(interface);
-  if (i.directions.size() != 6)
+  if (i.directions.size() + i.following.size() != 6)
     throw std::invalid_argument(fmt::format(
         "superelement \"{}\": interface \"{}\" keeps {} of six directions; a joint-fixed frame needs "
         "all six (or take frame = \"mean_axis\")",
         se_.name, i.name, i.directions.size()));
-  const Matrix6d R_i = R_.middleRows(i.first_dof, 6);
-  S -= R_ * R_i.fullPivLu().solve(S.middleRows(i.first_dof, 6));
-  S.middleRows(i.first_dof, 6).setZero();
+  const MatrixXd rows = superelement::interface_motion(se_, i);
+  const Matrix6d R_i = rows * R_;
+  S -= R_ * R_i.fullPivLu().solve(rows * S);
+  S.middleRows(i.first_dof, static_cast<Index>(i.directions.size())).setZero();
 }
 
 ModeSet ModalProblem::orthonormalised(MatrixXd S) const {

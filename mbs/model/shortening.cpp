@@ -46,12 +46,10 @@ VectorXd pair_of_forces(const superelement::Superelement& se, const superelement
                         const superelement::Interface& to, const Vector3d& e) {
   VectorXd d = VectorXd::Zero(se.n());
   const auto put = [&](const superelement::Interface& interface, double sign) {
+    const MatrixXd rows = superelement::interface_motion(se, interface);
     for (int axis = 0; axis < 3; ++axis) {
-      const auto at = std::ranges::find(interface.directions, static_cast<superelement::Direction>(axis));
-      if (at != interface.directions.end())
-        d(interface.first_dof + (at - interface.directions.begin())) = sign * e(axis);
-      else if (std::abs(e(axis)) > 1e-6)
-        return false;
+      if (rows.row(axis).isZero(0.0) && std::abs(e(axis)) > 1e-6) return false;
+      d += sign * e(axis) * rows.row(axis).transpose();
     }
     return true;
   };

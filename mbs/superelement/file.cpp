@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "mbs/files/json_depth.hpp"
@@ -20,7 +21,7 @@ using hdf5::Shape;
 using nlohmann::json;
 
 constexpr const char* format_name = "flexura superelement";
-constexpr int format_version = 1;
+constexpr int format_version = 2;  // 2 only where a direction follows: readers of 1 would hold it at rest
 constexpr const char* direction_names[] = {"u_x", "u_y", "u_z", "theta_x", "theta_y", "theta_z"};
 constexpr const char* u_se_unit =
     "by the dofs: force [N], moment [N m], modal [sqrt(kg) m/s^2] per [m], [rad], [sqrt(kg) m]";
@@ -46,6 +47,12 @@ std::string header_text(const Superelement& se) {
          {"p_BoN_B", {interface.p_BoN_B.x(), interface.p_BoN_B.y(), interface.p_BoN_B.z()}},
          {"directions", directions},
          {"first_dof", interface.first_dof}});
+    if (interface.following.empty()) continue;
+    json& follow = header["interfaces"].back()["follow"] = json::object();
+    for (std::size_t k = 0; k < interface.following.size(); ++k) {
+      const Eigen::VectorXd row = interface.follow.row(static_cast<Eigen::Index>(k));
+      follow[direction_names[static_cast<int>(interface.following[k])]] = std::vector<double>(row.begin(), row.end());
+    }
   }
   for (const LoadCase& load : se.load_cases) header["load_cases"].push_back(load.name);
   // Names may hold bytes that are no UTF-8; they come back as replacement characters instead of failing the
@@ -68,12 +75,26 @@ void read_header(const std::string& text, const std::string& label, Superelement
       for (std::size_t a = 0; a < 3; ++a)
         entry.at("p_BoN_B").at(a).get_to(interface.p_BoN_B[static_cast<int>(a)]);
       entry.at("first_dof").get_to(interface.first_dof);
-      for (const json& name : entry.at("directions")) {
-        const auto* found =
-            std::find(std::begin(direction_names), std::end(direction_names), name.get<std::string>());
+      const auto direction = [&](const std::string& name) {
+        const auto* found = std::find(std::begin(direction_names), std::end(direction_names), name);
         if (found == std::end(direction_names))
-          throw hdf5::BadFile(label + ": unknown direction " + name.dump());
-        interface.directions.push_back(static_cast<Direction>(found - std::begin(direction_names)));
+          throw hdf5::BadFile(label + ": unknown direction " + json(name).dump());
+        return static_cast<Direction>(found - std::begin(direction_names));
+      };
+      for (const json& name : entry.at("directions"))
+        interface.directions.push_back(direction(name.get<std::string>()));
+      if (entry.contains("follow")) {
+        const json& follow = entry.at("follow");
+        for (const auto& [name, row] : follow.items()) {
+          interface.following.push_back(direction(name));
+          const auto values = row.get<std::vector<double>>();
+          const auto k = static_cast<Eigen::Index>(interface.following.size());
+          if (k == 1) interface.follow.resize(1, static_cast<Eigen::Index>(values.size()));
+          if (interface.follow.cols() != static_cast<Eigen::Index>(values.size()))
+            throw hdf5::BadFile(label + ": rows of \"" + interface.name + "\" that follow differ in length");
+          interface.follow.conservativeResize(k, Eigen::NoChange);
+          interface.follow.row(k - 1) = Eigen::Map<const Eigen::RowVectorXd>(values.data(), interface.follow.cols());
+        }
       }
       se.interfaces.push_back(std::move(interface));
     }
@@ -265,7 +286,8 @@ void write_all(hdf5::File& file, const Superelement& se) {
   {
     Group root = file.root();
     root.set("format", format_name);
-    root.set("version", format_version);
+    const bool follows = std::ranges::any_of(se.interfaces, [](const Interface& i) { return !i.following.empty(); });
+    root.set("version", follows ? format_version : 1);
     root.set("units", "SI: m, kg, s, rad");
     root.set("frame", "B, the coordinate system of the part's CAD file or mesh");
     root.write_text("header", header_text(se),

@@ -37,6 +37,15 @@ std::vector<int> free_dofs(const Superelement& se, const std::vector<std::string
     }
   }
   for (int k = se.n_b; k < se.n(); ++k) dofs.push_back(k);
+  for (const Interface& interface : se.interfaces) {
+    if (interface.following.empty() || std::find(held.begin(), held.end(), interface.name) == held.end()) continue;
+    const Eigen::MatrixXd moved = interface.follow(Eigen::all, dofs);
+    if (dofs.empty() || moved.cwiseAbs().maxCoeff() < 1e-9 * interface.follow.cwiseAbs().maxCoeff()) continue;
+    throw std::invalid_argument(fmt::format(
+        "superelement \"{}\": interface \"{}\" cannot be held alone, as not all of its directions are coordinates of "
+        "their own (a body of few modes); hold the others with it",
+        se.name, interface.name));
+  }
   return dofs;
 }
 

@@ -30,6 +30,10 @@ struct Interface {
   std::vector<Direction>
       directions;     ///< retained directions, usually all six; displacement [m], rotation [rad]
   int first_dof = 0;  ///< column of directions[0] in the matrices
+  /// Directions that move but are no coordinates, as the shapes of a body of few modes do not move them independently of the
+  /// others: (u, theta)(following[k]) = follow.row(k) u_se.
+  std::vector<Direction> following = {};
+  Eigen::MatrixXd follow = {};  ///< following.size() x n
 };
 
 /// Integrals over the undeformed body of products of position x and shapes phi, taken from the consistent
@@ -136,6 +140,9 @@ struct Superelement {
   Surface surface;
   Eigen::MatrixXf shapes;  ///< 3 n_v x n: rows x, y, z of vertex 0, then vertex 1, ...
 };
+
+/// (u, theta) of an interface node by the coordinates u_se: 6 x n.  Rows of directions that it does not keep are zero.
+Eigen::MatrixXd interface_motion(const Superelement& se, const Interface& interface);
 
 /// The six rigid motions (translations along and rotations about the axes of B, at Bo) in the n coordinates:
 /// u_b = R_b z, eta = 0.  Returns n x 6.

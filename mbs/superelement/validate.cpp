@@ -83,6 +83,35 @@ class Check {
     }
   }
 
+  // Rows of directions that follow: of their size, and true to rigid motions.
+  void following() const {
+    const Eigen::MatrixXd R = rigid_motions_about(se_, middle());
+    for (const Interface& interface : se_.interfaces) {
+      const auto rows = static_cast<Eigen::Index>(interface.following.size());
+      if (rows == 0 && interface.follow.size() == 0) continue;
+      sized_and_finite(("follow of " + interface.name).c_str(), interface.follow, rows, se_.n());
+      std::set<Direction> seen(interface.directions.begin(), interface.directions.end());
+      Interface whole{.name = interface.name, .p_BoN_B = interface.p_BoN_B};
+      for (const Direction d : interface.following) {
+        if (static_cast<int>(d) > 5 || !seen.insert(d).second)
+          refuse(fmt::format("a direction of interface \"{}\" is given twice", interface.name));
+        whole.directions.push_back(d);
+      }
+      Superelement alone;
+      alone.n_b = static_cast<int>(rows);
+      alone.interfaces = {whole};
+      const Eigen::MatrixXd own = rigid_motions_about(alone, middle());
+      // Each term of the sum is known to mass_tolerance, as rigid motions are known to M_se.
+      const Eigen::MatrixXd apart = interface.follow * R - own,
+                            terms = interface.follow.cwiseAbs() * R.cwiseAbs() + own.cwiseAbs();
+      for (Eigen::Index k = 0; k < rows; ++k)
+        for (int c = 0; c < 6; ++c)
+          if (std::abs(apart(k, c)) > mass_tolerance * terms.row(k).maxCoeff())
+            refuse(fmt::format("a direction of interface \"{}\" that follows does not follow rigid motions: off by {:.2g}",
+                               interface.name, apart(k, c)));
+    }
+  }
+
   template <typename Matrix>
   void sized_and_finite(const char* name, const Matrix& matrix, Eigen::Index rows,
                         Eigen::Index columns) const {
@@ -290,6 +319,15 @@ class Check {
 
 }  // namespace
 
+Eigen::MatrixXd interface_motion(const Superelement& se, const Interface& interface) {
+  Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(6, se.n());
+  for (std::size_t k = 0; k < interface.directions.size(); ++k)
+    rows(static_cast<int>(interface.directions[k]), interface.first_dof + static_cast<int>(k)) = 1.0;
+  for (std::size_t k = 0; k < interface.following.size(); ++k)
+    rows.row(static_cast<int>(interface.following[k])) = interface.follow.row(static_cast<Eigen::Index>(k));
+  return rows;
+}
+
 Eigen::MatrixXd rigid_motions_about(const Superelement& se, const Eigen::Vector3d& p_BoP_B) {
   Eigen::MatrixXd R = Eigen::MatrixXd::Zero(se.n(), 6);
   for (const Interface& interface : se.interfaces) {
@@ -316,6 +354,7 @@ void validate_parts(const Superelement& se, const Parts& present) {
   const Check check(se);
   const Eigen::Index n = se.n();
   check.interfaces();
+  check.following();
   if (present.matrices) {
     check.sized_and_finite("K_se", se.K_se, n, n);
     check.sized_and_finite("M_se", se.M_se, n, n);

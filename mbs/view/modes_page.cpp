@@ -25,6 +25,8 @@ json interfaces_json(const superelement::Superelement& se) {
     json directions = json::array();
     for (const auto direction : item.directions)
       directions.push_back(direction_names[static_cast<int>(direction)]);
+    for (const auto direction : item.following)
+      directions.push_back(std::string(direction_names[static_cast<int>(direction)]) + " (follows)");
     list.push_back({{"name", item.name},
                     {"tie", item.tie},
                     {"position", {item.p_BoN_B.x(), item.p_BoN_B.y(), item.p_BoN_B.z()}},

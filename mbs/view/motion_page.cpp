@@ -60,15 +60,11 @@ std::vector<T> gather(const Matrix& m, const std::vector<Eigen::Index>& rows) {
 json frames_json(const Superelement& se, const Eigen::MatrixXd& basis) {
   json frames = json::array();
   for (const superelement::Interface& interface : se.interfaces) {
-    if (interface.directions.size() != 6) continue;
+    if (interface.directions.size() + interface.following.size() != 6) continue;
+    const Eigen::MatrixXd columns = superelement::interface_motion(se, interface) * basis;
     json motion = json::array();
-    for (Eigen::Index j = 0; j < basis.cols(); ++j) {
-      std::vector<double> column(6);
-      for (std::size_t k = 0; k < 6; ++k)
-        column[static_cast<std::size_t>(interface.directions[k])] =
-            basis(interface.first_dof + static_cast<Eigen::Index>(k), j);
-      motion.push_back(column);
-    }
+    for (Eigen::Index j = 0; j < columns.cols(); ++j)
+      motion.push_back(std::vector<double>(columns.col(j).begin(), columns.col(j).end()));
     const Eigen::Vector3d& p = interface.p_BoN_B;
     frames.push_back({{"name", interface.name}, {"point", {p.x(), p.y(), p.z()}}, {"motion", motion}});
   }

@@ -117,6 +117,8 @@ std::string directions_text(const superelement::Interface& item) {
   std::string text;
   for (const auto direction : item.directions)
     text += (text.empty() ? "" : " ") + std::string(names[static_cast<int>(direction)]);
+  for (const auto direction : item.following)
+    text += (text.empty() ? "(" : " (") + std::string(names[static_cast<int>(direction)]) + " follows)";
   return text;
 }
 

@@ -2,6 +2,7 @@
 #include "reduce/app/flexdata_part.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <Eigen/Cholesky>
 #include <cctype>
@@ -143,9 +144,8 @@ const input::TableSchema& flexdata_schema() {
         .doc =
             "The file and what it lacks. Written by `flexura export --format flexdata` it lacks nothing: "
             "`flexura reduce "
-            "arm.xml` needs no part file. Modes must be those of the free body, of unit modal mass, at least "
-            "as many as "
-            "move every interface in each direction by itself (six for each interface node, less six)."};
+            "arm.xml` needs no part file. Modes must be those of the free body, of unit modal mass. Of few modes (less than six "
+            "for each interface node, less six) some directions of the interfaces follow the others; the program says which."};
     s.keys = {
         input::text("file", "FlexData file (.xml)").required(),
         input::choice("unit", {"m", "mm", "cm", "inch", "ft"}, "its length unit").or_default("m"),
@@ -226,7 +226,11 @@ void reduce_flexdata(const FlexDataInput& input, const std::filesystem::path& ou
   if (data.nodes.empty())
     throw std::invalid_argument(input.file.string() +
                                 ": has no interface nodes to which anything could be joined; at least one is needed");
+  if (data.modes.empty())
+    throw std::invalid_argument(input.file.string() + ": has no modes; a body that does not deform needs no superelement, "
+                                                      "only its mass and inertia in the mechanism");
   std::vector<std::string> notes, warnings;
+  const bool is_foreign = !data.body;
   if (data.body) {
     if (input.mass || input.centre || input.inertia)
       throw input::InputError(input.where + ": " + input.file.string() +
@@ -281,17 +285,22 @@ void reduce_flexdata(const FlexDataInput& input, const std::filesystem::path& ou
   const double size = std::sqrt(r.K_se.maxCoeff());
   if (damping.cwiseAbs().maxCoeff() > 1e-9 * size) r.D_se = damping.asDiagonal();
   r.shapes = places.cast<float>();
+  // Other programs print eight digits: what differs in the last two is not known to move by itself.
+  const std::vector<int> own = independent_dofs(r.M_se, B, is_foreign ? 1e-6 : kSameMotion);
+  const std::vector<std::string> following = let_others_follow(r, B, own);
+  if (!following.empty())
+    notes.push_back(fmt::format(
+        "the modes and the rigid motions move {} of the {} interface dofs independently; {} {} these: the body gives way to "
+        "loads as far as its modes do, and what joints hold beyond that is held twice",
+        own.size(), B.rows(), fmt::join(following, ", "), following.size() == 1 ? "follows" : "follow"));
   CanonicalShapes shapes;
   try {
-    shapes = canonical_shapes(r.K_se, r.M_se, B);
+    shapes = canonical_shapes(r.K_se, r.M_se, B(own, Eigen::all));
   } catch (const std::invalid_argument& error) {
-    throw std::invalid_argument(
-        fmt::format("{}: {} (its {} modes with the six rigid motions; {} dofs need {} modes at least, those "
-                    "of the free body)",
-                    input.file.string(), error.what(), m, r.n_b, std::max(0, r.n_b - 6)));
+    throw std::invalid_argument(fmt::format("{}: {}", input.file.string(), error.what()));
   }
   change_shapes(r, shapes);
-  notes.push_back(fmt::format("{} modes of {} with the six rigid motions: {} interface dofs + {} modes", m,
+  notes.insert(notes.begin(), fmt::format("{} modes of {} with the six rigid motions: {} interface dofs + {} modes", m,
                               input.file.filename().string(), r.n_b, r.n_q));
   const nlohmann::json json = {
       {"flexdata", {{"file", input.file.filename().string()}, {"modes", m}}},
@@ -311,7 +320,7 @@ void reduce_flexdata(const FlexDataInput& input, const std::filesystem::path& ou
   if (!options.report.empty()) superelement::write_whole(options.report, json.dump(2) + "\n");
   for (const std::string& warning : warnings) fmt::print(stderr, "warning: {}\n", warning);
   if (!options.quiet)
-    fmt::print("  {}\n  mass {:.6g} kg, centre ({:.5g}, {:.5g}, {:.5g}) m\n  {}\nwrote {}\n", notes[0],
+    fmt::print("  {}\n  mass {:.6g} kg, centre ({:.5g}, {:.5g}, {:.5g}) m\n  {}\nwrote {}\n", fmt::join(notes, "\n  "),
                body.mass, centre.x(), centre.y(), centre.z(), json["verdict"].get<std::string>(),
                output.string());
 }

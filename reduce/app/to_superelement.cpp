@@ -18,10 +18,12 @@ superelement::Superelement to_superelement(const PartInput& input, Reduction&& r
   se.source = input.source;
   se.report_json = std::move(report_json);
   for (const ReducedInterface& from : reduction.interfaces) {
-    if (from.directions.empty()) continue;  // a rigid piece of the part
+    if (from.directions.empty() && from.following.empty()) continue;  // a rigid piece of the part
     superelement::Interface to{.name = from.name, .tie = name_of(from.tie), .p_BoN_B = from.point};
     for (const int d : from.directions) to.directions.push_back(static_cast<superelement::Direction>(d));
     to.first_dof = from.first_dof;
+    for (const int d : from.following) to.following.push_back(static_cast<superelement::Direction>(d));
+    to.follow = from.follow;
     se.interfaces.push_back(std::move(to));
   }
   se.n_b = reduction.n_b;

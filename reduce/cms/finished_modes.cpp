@@ -2,6 +2,7 @@
 #include "reduce/cms/finished_modes.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <Eigen/LU>
 #include <algorithm>
@@ -159,7 +160,16 @@ Reduction reduce_finished_modes(const Part& part, const FinishedModes& modes,
   }
   require_held(R_b, part.mesh.points);
   B.leftCols(6) = R_b;
-  r.n_b = static_cast<int>(B.rows());
+  const MatrixXd B_all = B;
+  const std::vector<int> own = independent_dofs(r.M_se, B_all);
+  const std::vector<std::string> following = let_others_follow(r, B_all, own);
+  B = B_all(own, Eigen::all);
+  R_b = R_b(own, Eigen::all).eval();
+  if (!following.empty())
+    r.report.notes.push_back(fmt::format(
+        "the vectors move only {} of the {} interface dofs independently; {} {} the others: loads there deform the body as "
+        "far as the vectors can",
+        r.n_b, B_all.rows(), fmt::join(following, ", "), following.size() == 1 ? "follows" : "follow"));
 
   for (const LoadField& load : options.loads) r.loads.push_back(reduced_load(load, W, m));
   r.shapes.resize(3 * static_cast<Index>(options.shape_nodes.size()), 6 + n_v);

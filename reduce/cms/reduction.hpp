@@ -30,6 +30,8 @@ struct ReducedInterface {
   Eigen::Vector3d point = Eigen::Vector3d::Zero();  ///< p_BoN_B [m]
   std::vector<int> directions;                      ///< 0-2 displacement, 3-5 rotation
   int first_dof = 0;
+  std::vector<int> following = {};  ///< directions that are no dofs: (u, theta)(following[k]) = follow.row(k) u_se
+  Eigen::MatrixXd follow = {};
 };
 
 /// A load case on the shapes.

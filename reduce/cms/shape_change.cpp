@@ -17,10 +17,11 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-CanonicalShapes canonical_shapes(const MatrixXd& K, const MatrixXd& M, const MatrixXd& B) {
-  const Index m = M.rows(), n_b = B.rows();
-  CanonicalShapes out;
-  // Q: mass-orthonormal combinations of the vectors, by Gram and Schmidt, twice.
+namespace {
+
+// Mass-orthonormal combinations of the vectors, by Gram and Schmidt, twice.
+MatrixXd mass_orthonormal(const MatrixXd& M, std::vector<int>& dropped) {
+  const Index m = M.rows();
   MatrixXd Q(m, m);
   Index rank = 0;
   for (Index j = 0; j < m; ++j) {
@@ -29,12 +30,63 @@ CanonicalShapes canonical_shapes(const MatrixXd& K, const MatrixXd& M, const Mat
     for (int pass = 0; pass < 2; ++pass) q -= Q.leftCols(rank) * (Q.leftCols(rank).transpose() * (M * q));
     const double rest = std::sqrt(std::max(q.dot(M * q), 0.0));
     if (!(rest > kDependent * length)) {
-      out.dropped.push_back(static_cast<int>(j));
+      dropped.push_back(static_cast<int>(j));
       continue;
     }
     Q.col(rank++) = q / rest;
   }
-  Q.conservativeResize(m, rank);
+  return Q.leftCols(rank);
+}
+
+}  // namespace
+
+std::vector<int> independent_dofs(const MatrixXd& M, const MatrixXd& B, double same) {
+  std::vector<int> dropped, own;
+  const MatrixXd B_Q = B * mass_orthonormal(M, dropped);
+  // The most independent first: a dof that hardly moves by itself would need huge shapes for a unit of it.
+  MatrixXd left = B_Q;
+  for (Index b = 0; b < left.rows(); ++b)
+    if (const double size = left.row(b).norm(); size > 0.0) left.row(b) /= size;
+  for (Index pivot = 0; left.rows() > 0 && left.rowwise().norm().maxCoeff(&pivot) > same;) {
+    own.push_back(static_cast<int>(pivot));
+    const VectorXd q = left.row(pivot).normalized();
+    for (int pass = 0; pass < 2; ++pass) left -= (left * q).eval() * q.transpose();
+    left.row(pivot).setZero();
+  }
+  std::ranges::sort(own);
+  return own;
+}
+
+std::vector<std::string> let_others_follow(Reduction& r, const MatrixXd& B, const std::vector<int>& own) {
+  static constexpr const char* kNames[] = {"u_x", "u_y", "u_z", "theta_x", "theta_y", "theta_z"};
+  std::vector<std::string> names;
+  int next = 0;
+  for (ReducedInterface& interface : r.interfaces) {
+    std::vector<int> kept, rows;
+    for (std::size_t k = 0; k < interface.directions.size(); ++k) {
+      const int row = interface.first_dof + static_cast<int>(k), d = interface.directions[k];
+      if (std::ranges::binary_search(own, row)) {
+        kept.push_back(d);
+        continue;
+      }
+      rows.push_back(row);
+      interface.following.push_back(d);
+      names.push_back(interface.name + " " + kNames[d]);
+    }
+    interface.directions = std::move(kept);
+    interface.follow = B(rows, Eigen::all);
+    interface.first_dof = next;
+    next += static_cast<int>(interface.directions.size());
+  }
+  r.n_b = next;
+  return names;
+}
+
+CanonicalShapes canonical_shapes(const MatrixXd& K, const MatrixXd& M, const MatrixXd& B) {
+  const Index n_b = B.rows();
+  CanonicalShapes out;
+  const MatrixXd Q = mass_orthonormal(M, out.dropped);
+  const Index rank = Q.cols();
   const MatrixXd K_Q = Q.transpose() * K * Q;
   MatrixXd B_Q = B * Q;
   // Displacements and rotations are brought to one size.
@@ -42,7 +94,7 @@ CanonicalShapes canonical_shapes(const MatrixXd& K, const MatrixXd& M, const Mat
   for (Index b = 0; b < n_b; ++b)
     if (size(b) > 0.0) B_Q.row(b) /= size(b);
   Eigen::ColPivHouseholderQR<MatrixXd> qr(B_Q.transpose());
-  qr.setThreshold(1e-8);  // half the digits: entries are of size one
+  qr.setThreshold(kSameMotion);  // entries are of size one
   if (qr.rank() < n_b)
     throw std::invalid_argument(
         fmt::format("the modes that are kept move only {} of the {} interface dofs independently; keep more",
@@ -56,7 +108,7 @@ CanonicalShapes canonical_shapes(const MatrixXd& K, const MatrixXd& M, const Mat
   MatrixXd P = inverse.transpose() * size.cwiseInverse().asDiagonal();
   P -= E * ritz.values.cwiseInverse().asDiagonal() * (E.transpose() * (K_Q * P));
   out.omega2 = ritz.values;
-  out.Y.resize(m, rank);
+  out.Y.resize(M.rows(), rank);
   out.Y << Q * P, Q * E;
   return out;
 }
@@ -73,6 +125,11 @@ void change_shapes(Reduction& r, const CanonicalShapes& shapes) {
   congruent(r.D_se);
   r.omega2 = shapes.omega2;
   r.n_q = static_cast<int>(shapes.omega2.size());
+  for (ReducedInterface& interface : r.interfaces) {
+    if (interface.following.empty()) continue;
+    interface.follow = (interface.follow * Y).eval();
+    interface.follow.rightCols(r.n_q).setZero();  // what moves no dof does not move what follows dofs
+  }
   r.K_se.topRightCorner(r.n_b, r.n_q).setZero();
   r.K_se.bottomLeftCorner(r.n_q, r.n_b).setZero();
   r.K_se.bottomRightCorner(r.n_q, r.n_q) = MatrixXd(shapes.omega2.asDiagonal());

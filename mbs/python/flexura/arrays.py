@@ -52,8 +52,9 @@ def open_file(path, kind):
     with _open(path) as file:
         if attribute(file, "format") != f"flexura {kind}":
             raise ValueError(f"{path} is no {kind} file (its format is {attribute(file, 'format', 'unknown')!r})")
-        if int(attribute(file, "version", 0)) > 1:
-            raise ValueError(f"{path} has version {attribute(file, 'version')}; this package reads version 1")
+        newest = 2 if kind == "superelement" else 1
+        if int(attribute(file, "version", 0)) > newest:
+            raise ValueError(f"{path} has version {attribute(file, 'version')}; this package reads up to {newest}")
         yield file
 
 

@@ -19,6 +19,7 @@ class Interface:
     position: Array  # p_BoN_B [m]
     directions: List[str]  # "u_x", ..., "theta_z"
     first_dof: int
+    follow: Dict[str, Array] = field(default_factory=dict)  # directions that are no dofs: direction -> row, n
 
     @property
     def dofs(self):
@@ -188,7 +189,7 @@ def read_superelement(path, surface=True):
             report=json.loads(report) if report else {}, n_b=header["n_b"], n_q=header["n_q"],
             modal_damping=header["modal_damping"],
             interfaces=[Interface(i["name"], i["tie"], Array(i["p_BoN_B"], i["name"], "m"), i["directions"],
-                                  i["first_dof"]) for i in header["interfaces"]],
+                                  i["first_dof"], {d: Array(row, d) for d, row in i.get("follow", {}).items()}) for i in header["interfaces"]],
             K_se=read["K_se"], M_se=read["M_se"], D_se=read.get("D_se"), omega2=read.get("omega2", Array([])),
             inertia={name: read_array(file["inertia"][name]) for name in file["inertia"]},
             load_cases={name: Array(p_se[i], name, "", "load vector p_se") for i, name in

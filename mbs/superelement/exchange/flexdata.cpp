@@ -248,10 +248,7 @@ FlexData make_flexdata(const Superelement& se, const ModeAnalysis& modes) {
   for (std::size_t k = 0; k < se.interfaces.size(); ++k) {
     const Interface& interface = se.interfaces[k];
     data.nodes.push_back({static_cast<int>(k) + 1, interface.p_BoN_B});
-    for (std::size_t i = 0; i < interface.directions.size(); ++i) {
-      data.shapes.row(6 * static_cast<Eigen::Index>(k) + static_cast<int>(interface.directions[i])) =
-          Y.row(interface.first_dof + static_cast<int>(i));
-    }
+    data.shapes.middleRows<6>(6 * static_cast<Eigen::Index>(k)) = interface_motion(se, interface) * Y;
   }
   data.num_nodes = static_cast<int>(se.surface.vertices.rows());
   FlexDataBody& body = data.body.emplace();
@@ -260,7 +257,9 @@ FlexData make_flexdata(const Superelement& se, const ModeAnalysis& modes) {
   body.modal_damping = se.modal_damping;
   for (const Interface& interface : se.interfaces) {
     body.names.push_back(interface.name);
-    body.directions.push_back(interface.directions);
+    std::vector<Direction>& directions = body.directions.emplace_back(interface.directions);
+    directions.insert(directions.end(), interface.following.begin(), interface.following.end());
+    std::ranges::sort(directions);
   }
   body.S_phi = I.S_phi * Y;
   body.S_xphi = I.S_xphi * Y;

@@ -1,5 +1,6 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "mbs/superelement/exchange/exchange.hpp"
 #include "mbs/superelement/exchange/names.hpp"
@@ -29,6 +30,13 @@ std::string dof_comments(const Superelement& se) {
     }
   }
   for (int j = 0; j < se.n_q; ++j) text += fmt::format("% dof {}: mode {}\n", se.n_b + j + 1, j + 1);
+  for (const Interface& interface : se.interfaces)
+    for (std::size_t k = 0; k < interface.following.size(); ++k) {
+      const Eigen::VectorXd row = interface.follow.row(static_cast<Eigen::Index>(k));
+      text += fmt::format("% {} {} is no dof; it follows by: {:.16e}\n", without_line_breaks(interface.name),
+                          direction_names[static_cast<int>(interface.following[k])],
+                          fmt::join(row.begin(), row.end(), " "));
+    }
   return text;
 }
 
@@ -105,6 +113,12 @@ std::vector<std::filesystem::path> write_matrix_market(const std::filesystem::pa
 }
 
 void write_dmig(const std::filesystem::path& path, const Superelement& se) {
+  for (const Interface& interface : se.interfaces)
+    if (!interface.following.empty())
+      throw std::invalid_argument(fmt::format(
+          "superelement \"{}\": {} of interface \"{}\" is no dof of its own, which DMIG matrices at grids cannot say; "
+          "keep more modes, or export flexdata, sid or matrix-market",
+          se.name, direction_names[static_cast<int>(interface.following[0])], interface.name));
   fmt::memory_buffer out;
   auto to = std::back_inserter(out);
   fmt::format_to(to, "$ Superelement {}, SI units. Use: K2GG=KFLEX, M2GG=MFLEX\n",

@@ -189,12 +189,13 @@ class SidText {
 void write_node(SidText& out, const Superelement& se, const Interface& interface, std::size_t number,
                 const Eigen::MatrixXd& Y) {
   const Eigen::Index m = Y.cols();
-  Eigen::MatrixXd phi = Eigen::MatrixXd::Zero(3, m), psi = Eigen::MatrixXd::Zero(3, m);
+  Eigen::MatrixXd phi, psi;
   std::vector<Eigen::MatrixXd> phi_1(static_cast<std::size_t>(m), Eigen::MatrixXd::Zero(3, m)), psi_1 = phi_1;
-  for (std::size_t i = 0; i < interface.directions.size(); ++i) {
+  const Eigen::MatrixXd motion = interface_motion(se, interface) * Y;
+  phi = motion.topRows<3>();
+  psi = motion.bottomRows<3>();
+  for (std::size_t i = 0; i < interface.directions.size() && se.stiffening; ++i) {
     const int d = static_cast<int>(interface.directions[i]), dof = interface.first_dof + static_cast<int>(i);
-    (d < 3 ? phi : psi).row(d % 3) = Y.row(dof);
-    if (!se.stiffening) continue;
     const Eigen::MatrixXd K_F = Y.transpose() * se.stiffening->K0F[static_cast<std::size_t>(dof)] * Y;
     for (std::size_t k = 0; k < static_cast<std::size_t>(m); ++k) {
       (d < 3 ? phi_1 : psi_1)[k].row(d % 3) = -K_F.col(static_cast<Eigen::Index>(k)).transpose();

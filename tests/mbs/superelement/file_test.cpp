@@ -260,7 +260,7 @@ TEST_F(SuperelementFile, WhatIsNoSuperelementIsRefused) {
               HasSubstr("is an HDF5 file but not a superelement; make one with \"flexura reduce\""));
   write_root("flexura superelement", 7, "{}");
   EXPECT_THAT(refusal(),
-              HasSubstr("is written in version 7 of the superelement format, this program reads up to 1; "
+              HasSubstr("is written in version 7 of the superelement format, this program reads up to 2; "
                         "update Flexura"));
   write_root("flexura superelement", 1, "{}");
   EXPECT_THAT(refusal(), HasSubstr("/header: cannot be understood"));
