@@ -84,14 +84,19 @@ std::string discretisation_line(const mbs::PreparedMechanism& prepared) {
       unknown.push_back(words + (e.note.empty() ? "" : fmt::format(" ({})", e.note)));
   }
   if (known.empty() && unknown.empty()) return {};
-  return fmt::format("discretisation: {}{}{}{}", fmt::join(known, ", "), !known.empty() && !unknown.empty() ? "; " : "",
+  return fmt::format("discretisation: {}{}{}{}", fmt::join(known, ", "),
+                     !known.empty() && !unknown.empty() ? "; " : "",
                      unknown.empty() ? "" : "unknown: ", fmt::join(unknown, ", "));
 }
 
 std::string estimated_error_text(const ErrorEstimate& estimate) {
   constexpr std::size_t kWidth = 80, kIndent = 13;
-  std::string out = fmt::format("estimated error {}{} of the rms of {}", estimate.is_whole ? "" : "at least ",
-                                percent(estimate.at_least), estimate.of);
+  // What nothing but unknown sources make is no figure, not even "at least 0".
+  std::string out =
+      !estimate.is_whole && estimate.at_least == 0.0
+          ? "estimated error unknown"
+          : fmt::format("estimated error {}{} of the rms of {}", estimate.is_whole ? "" : "at least ",
+                        percent(estimate.at_least), estimate.of);
   bool has_modes = false;
   for (const Entry& e : entries(estimate)) {
     has_modes = has_modes || e.kind == "modes";

@@ -7,6 +7,7 @@
 #include "mbs/solver/finite.hpp"
 #include "mbs/solver/runner.hpp"
 #include "mbs/solver/saddle.hpp"
+#include "mbs/solver/scales.hpp"
 
 /// Where an integrator does not come on, or another would come on faster: hops across positions in which constraints
 /// lose rank, and changes of the method.
@@ -53,8 +54,9 @@ bool Runner::change_after(const IntegrationError& reason) {
 // At rest, and every freedom is held by rows that do not move: there is nothing to integrate, and what an integrator
 // makes of the round-off of such rows has no smallest step (IDA: 1e-9 s, for minutes).
 bool Runner::stands_still() const {
-  constexpr double kHeld = 1e-6;  // of the rows' independence: what parts are made to
-  constexpr int kGlances = 100;   // at rows that begin to move later
+  constexpr double kHeld = 1e-6;    // of the rows' independence: what parts are made to
+  constexpr double kClosed = 1e-8;  // and so much of the length: how far from a closed position it may stand
+  constexpr int kGlances = 100;     // at rows that begin to move later
   const State& s = result_.state;
   if (n_.n_v == 0 || n_.n_lambda < n_.n_v || n_.n_dyn > 0 || n_.n_alg > 0 || !s.v.isZero(1e-12)) return false;
   for (int k = 0; k < n_.n_root; ++k)
@@ -73,7 +75,13 @@ bool Runner::stands_still() const {
   eq_.constraint_matrix(s.t, s.p, *scratch_, G);
   SaddleSolver rows;
   rows.factor(eq_, M, G);
-  return rows.rank() == n_.n_v && rows.independence() > kHeld;
+  if (rows.rank() < n_.n_v || !(rows.independence() > kHeld)) return false;
+  // Where positions are closed near a double root, what is left open is far from closed along what the rows hardly
+  // hold, and to close it once more would move it (a parallelogram whose third crank fits by 1e-10).
+  Eigen::VectorXd g(n_.n_lambda);
+  eq_.position_constraints(s.t, s.p, *scratch_, g);
+  const double length = options_.scales ? options_.scales->length : 1.0;
+  return g.lpNorm<Eigen::Infinity>() <= kClosed * length * rows.independence();
 }
 
 void Runner::change_method(const std::string& method, const std::string& why) {
@@ -95,8 +103,7 @@ bool Runner::hop(const IntegrationError& reason) {
   // Near a dead point, where constraints lose rank for an instant, round-off of g is amplified by 1 / sigma^2
   // and an implicit method cannot converge to a tight tolerance however short its step.  Accelerations are
   // finite there: a few explicit steps lead across.
-  if (!kind_of(options_).is_implicit || n_.n_lambda == 0 || result_.counts.hops >= kMostHops)
-    throw reason;
+  if (!kind_of(options_).is_implicit || n_.n_lambda == 0 || result_.counts.hops >= kMostHops) throw reason;
   // From where the run stands, or, where that is too near to the singular position for round-off to allow it,
   // from the beginnings of the last long steps: what lies before the present time is not taken again.
   const double t_failed = result_.state.t;
