@@ -2,9 +2,6 @@
 
 // flexura-assembly: the child process in which OpenCASCADE reads an assembly (see job.hpp). A file that crashes or hangs it
 // ends this process only.
-#include <signal.h>
-#include <sys/prctl.h>
-#include <sys/resource.h>
 #include <unistd.h>
 
 #include <iostream>
@@ -14,25 +11,15 @@
 #include "import/cad/job.hpp"
 #include "import/cad/worker_assembly.hpp"
 #include "mesh/gmsh/job.hpp"
+#include "mesh/gmsh/worker_start.hpp"
 
 namespace flexura::import::cad {
 namespace {
 
-// As flexura-mesh: what a damaged file asks for must end in a refusal.
-void limit_memory() {
-#ifndef __SANITIZE_ADDRESS__  // its shadow takes terabytes of addresses
-  const auto memory = static_cast<rlim_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<rlim_t>(sysconf(_SC_PAGESIZE));
-  const rlimit most{memory, memory};
-  setrlimit(RLIMIT_AS, &most);
-#endif
-}
-
 int work() {
   const std::string text{std::istreambuf_iterator<char>(std::cin), {}};
   const AssemblyJob job = nlohmann::json::parse(text).get<AssemblyJob>();
-  limit_memory();
-  prctl(PR_SET_PDEATHSIG, SIGKILL);
-  if (getppid() != job.parent) return 1;  // the parent went before the line above took hold
+  if (!mesh::start_worker(job.parent)) return 1;
   AssemblyAnswer answer;
   try {
     read_step(job, answer);

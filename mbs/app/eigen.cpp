@@ -3,23 +3,20 @@
 
 #include <algorithm>
 #include <cmath>
-#include <complex>
 #include <nlohmann/json.hpp>
 #include <optional>
 
 #include "mbs/app/commands.hpp"
-#include "mbs/app/recorder.hpp"
+#include "mbs/app/mechanism_runs.hpp"
+#include "mbs/app/mode_pictures.hpp"
 #include "mbs/files/output.hpp"
 #include "mbs/solver/accelerations.hpp"
 #include "mbs/solver/buckling.hpp"
 #include "mbs/solver/equilibrium.hpp"
 #include "mbs/solver/linearise.hpp"
-#include "mbs/solver/scales.hpp"
 #include "mbs/solver/static_stiffness.hpp"
 #include "mbs/solver/whirl.hpp"
-#include "mbs/superelement/superelement.hpp"
 #include "mbs/terminal/terminal.hpp"
-#include "mbs/view/pages.hpp"
 
 /// eigen: natural modes of a mechanism, as a table and as pictures.
 namespace flexura::app {
@@ -54,13 +51,6 @@ void check(const Arguments& a) {
         fmt::format("--amplitude is {:g}, it must be above 0 and at most 1e40", a.amplitude));
 }
 
-// The coordinate that moves most.
-std::string largest_of(const mbs::Mechanism& m, const Eigen::VectorXd& sizes) {
-  Eigen::Index largest = 0;
-  if (sizes.size() > 0) sizes.maxCoeff(&largest);
-  return m.name_of_velocity(static_cast<int>(largest));
-}
-
 // With the shapes, complex, in the coordinates that are named once.
 nlohmann::json to_json(const NamedRun& run, const std::vector<mbs::NaturalMode>& modes, int count) {
   using nlohmann::json;
@@ -76,7 +66,7 @@ nlohmann::json to_json(const NamedRun& run, const std::vector<mbs::NaturalMode>&
                     {"imag_1_s", mode.eigenvalue.imag()},
                     {"frequency_hz", mode.frequency_hz},
                     {"damping", mode.damping},
-                    {"moves_most", largest_of(m, mode.shape.cwiseAbs())},
+                    {"moves_most", moves_most(m, mode.shape.cwiseAbs())},
                     {"shape",
                      {{"real", std::vector(real.begin(), real.end())},
                       {"imag", std::vector(imag.begin(), imag.end())}}}});
@@ -92,92 +82,9 @@ nlohmann::json to_json(const NamedRun& run, const std::vector<mbs::BucklingMode>
     list.push_back({{"number", list.size() + 1},
                     {"load_factor", mode.factor},
                     {"relative_error", mode.error},
-                    {"moves_most", largest_of(*run.prepared.mechanism, mode.shape.cwiseAbs())}});
+                    {"moves_most", moves_most(*run.prepared.mechanism, mode.shape.cwiseAbs())}});
   }
   return out;
-}
-
-/// Where bodies, their interfaces and their surfaces stand, in W; of each body three points `arm` [m] away from its
-/// origin as well, so that a turn about it is seen.
-std::vector<Eigen::Vector3d> places(const mbs::Mechanism& m, const mbs::State& s, double arm,
-                                    const view::Pictures& pictures) {
-  std::vector<mbs::Pose> poses;
-  m.body_poses(s, *m.make_scratch(), poses);
-  std::vector<Eigen::Vector3d> out;
-  for (std::size_t b = 0; b < poses.size(); ++b) {
-    const auto place = [&](const Eigen::Vector3d& p_B) { out.push_back(poses[b].p + poses[b].R * p_B); };
-    place(Eigen::Vector3d::Zero());
-    for (int i = 0; i < 3; ++i) place(arm * Eigen::Vector3d::Unit(i));
-    const mbs::FlexibleBody* const body = m.deforming(static_cast<int>(b));
-    const double* const modal = m.modal_coordinates(static_cast<int>(b), s);
-    for (std::size_t n = 0; body && modal && n < body->data().nodes.size(); ++n)
-      place(body->node_pose(static_cast<int>(n), modal).p);
-    const auto picture = pictures.find(m.description().bodies[b].name);
-    if (picture == pictures.end() || !picture->second) continue;
-    const auto& vertices = picture->second->surface.vertices;
-    Eigen::VectorXf u = Eigen::VectorXf::Zero(3 * vertices.rows());
-    if (body && modal && body->data().Y.rows() == picture->second->shapes.cols())
-      u = picture->second->shapes *
-          (body->data().Y * Eigen::Map<const Eigen::VectorXd>(modal, body->data().Y.cols())).cast<float>();
-    for (Eigen::Index v = 0; v < vertices.rows(); ++v)
-      place(vertices.row(v).transpose() + u.segment<3>(3 * v).cast<double>());
-  }
-  return out;
-}
-
-/// How much of the shape shows, at most a tenth of the mechanism's size: from a small step, as turns are no lines.
-double shown_amplitude(const PreparedMechanism& p, const Eigen::VectorXcd& shape,
-                       const view::Pictures& pictures) {
-  constexpr double kPart = 0.1, kSmall = 1e-3;
-  const double length = p.options.scales ? p.options.scales->length : 1.0;
-  const std::vector<Eigen::Vector3d> before = places(*p.mechanism, p.state, 0.5 * length, pictures);
-  double most = 0.0;
-  for (const std::complex<double> phase : {std::complex<double>(1.0, 0.0), std::complex<double>(0.0, 1.0)}) {
-    mbs::State s = p.state;
-    p.mechanism->retract(p.state.p, kSmall * (shape * phase).real(), s.p);
-    const std::vector<Eigen::Vector3d> after = places(*p.mechanism, s, 0.5 * length, pictures);
-    for (std::size_t i = 0; i < after.size(); ++i)
-      most = std::max(most, (after[i] - before[i]).norm() / kSmall);
-  }
-  return most > 0.0 ? kPart * length / most : 0.0;
-}
-
-// One run for each mode: the mechanism in 24 phases of it.
-void write_pictures(const NamedRun& run, const std::vector<mbs::NaturalMode>& modes,
-                    const Arguments& arguments) {
-  constexpr int kPhases = 24;
-  const PreparedMechanism& p = run.prepared;
-  const mbs::Mechanism& m = *p.mechanism;
-  const results::ModelHeader header = model_header(std::span(&run, 1), arguments.file, arguments.pictures);
-  const view::Pictures pictures = view::read_pictures(header, arguments.pictures);
-  results::Writer writer(arguments.pictures, header);
-  const Eigen::VectorXd rest = Eigen::VectorXd::Zero(m.sizes().n_v);
-  for (std::size_t k = 0; k < modes.size() && static_cast<int>(k) < arguments.count; ++k) {
-    const mbs::NaturalMode& mode = modes[k];
-    Eigen::Index largest = 0;
-    if (mode.shape.size() > 0) mode.shape.cwiseAbs().maxCoeff(&largest);
-    const double size = std::isnan(arguments.amplitude)
-                            ? shown_amplitude(p, mode.shape, pictures)
-                            : arguments.amplitude * m.velocity_scale(static_cast<int>(largest));
-    Recorder recorder(p, writer, {"energy.potential"}, false);
-    recorder.begin(fmt::format("mode {}, {} Hz", k + 1, number(mode.frequency_hz, 4)));
-    for (int i = 0; i <= kPhases; ++i) {
-      const double phase = static_cast<double>(i) / kPhases;
-      mbs::State s = p.state;
-      s.t = p.state.t + phase;  // of one period, whatever it lasts
-      const Eigen::VectorXd d = size * (mode.shape * std::polar(1.0, 2.0 * M_PI * phase)).real();
-      m.retract(p.state.p, d, s.p);
-      s.v = rest;
-      recorder.append(s, rest, EnergyRow{});
-    }
-    writer.end_run(true, "",
-                   nlohmann::json{{"mode",
-                                   {{"frequency_hz", mode.frequency_hz},
-                                    {"damping", mode.damping},
-                                    {"moves_most", largest_of(m, mode.shape.cwiseAbs())}}}}
-                       .dump());
-  }
-  writer.close();
 }
 
 /// The stiffness of the mechanism without what loads it.
@@ -274,7 +181,7 @@ int print_buckling(const Arguments& arguments, const terminal::Talk& talk) {
     for (const mbs::BucklingMode& mode : buckling.modes) {
       if (++index > arguments.count) break;
       table.add_row({fmt::format("{}", index), number(mode.factor, 6),
-                     largest_of(*p.mechanism, mode.shape.cwiseAbs())});
+                     moves_most(*p.mechanism, mode.shape.cwiseAbs())});
     }
     if (index > 0) fmt::print("{}\n", table.text(terminal::width(stdout), terminal::takes_colour(stdout)));
     for (const std::string& note : p.notes) fmt::print("note: {}\n", note);
@@ -387,7 +294,7 @@ int print_modes(const Arguments& arguments, const terminal::Talk& talk) {
       std::vector<std::string> row = {
           fmt::format("{}", index),          number(mode.eigenvalue.real(), 6),
           number(mode.eigenvalue.imag(), 6), number(mode.frequency_hz, 6),
-          number(100.0 * mode.damping, 4),   largest_of(*p.mechanism, mode.shape.cwiseAbs())};
+          number(100.0 * mode.damping, 4),   moves_most(*p.mechanism, mode.shape.cwiseAbs())};
       if (arguments.fixed_axes) row.push_back(text_of(whirls[static_cast<std::size_t>(index - 1)]));
       table.add_row(std::move(row));
     }
@@ -407,7 +314,7 @@ int print_modes(const Arguments& arguments, const terminal::Talk& talk) {
       for (const std::string& note : p.notes) fmt::print("note: {}\n", note);
     }
     if (arguments.pictures.empty()) continue;
-    write_pictures(run, modes, arguments);
+    write_mode_pictures(arguments.pictures, run, arguments.file, modes, arguments.count, arguments.amplitude);
     if (talks)
       fmt::print("pictures {}: flexura view {} shows the modes moving\n", arguments.pictures,
                  arguments.pictures);

@@ -1,9 +1,6 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 // flexura-mesh: the child process in which gmsh and OpenCASCADE read and mesh a CAD file (see job.hpp).
 #include <gmsh.h>
-#include <signal.h>
-#include <sys/prctl.h>
-#include <sys/resource.h>
 #include <unistd.h>
 
 #include <iostream>
@@ -18,6 +15,7 @@
 #include "mesh/gmsh/worker_progress.hpp"
 #include "mesh/gmsh/worker_sheet.hpp"
 #include "mesh/gmsh/worker_solids.hpp"
+#include "mesh/gmsh/worker_start.hpp"
 #include "mesh/gmsh/worker_volume.hpp"
 
 namespace flexura::mesh {
@@ -84,21 +82,10 @@ void write_array(const std::vector<T>& values) {
   write_all(values.data(), values.size() * sizeof(T));
 }
 
-/// What a damaged file asks for must end in a refusal, not in the machine's other programs.
-void limit_memory() {
-#ifndef __SANITIZE_ADDRESS__  // its shadow takes terabytes of addresses
-  const auto memory = static_cast<rlim_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<rlim_t>(sysconf(_SC_PAGESIZE));
-  const rlimit most{memory, memory};
-  setrlimit(RLIMIT_AS, &most);
-#endif
-}
-
 int work() {
   const std::string text{std::istreambuf_iterator<char>(std::cin), {}};
   const Job job = nlohmann::json::parse(text).get<Job>();
-  limit_memory();
-  prctl(PR_SET_PDEATHSIG, SIGKILL);
-  if (getppid() != job.parent) return 1;  // the parent went before the line above took hold
+  if (!start_worker(job.parent)) return 1;
   ResultRecord result;
   Arrays arrays;
   try {
@@ -111,10 +98,11 @@ int work() {
   } catch (const std::exception& e) {
     result.error = e.what();
   } catch (const std::string& e) {  // gmsh throws strings
-    result.error = e.find("OpenCASCADE exception") == std::string::npos
-                       ? e
-                       : "is given up by OpenCASCADE; it is damaged, or holds what OpenCASCADE does not know: save it "
-                         "again from the CAD program";
+    result.error =
+        e.find("OpenCASCADE exception") == std::string::npos
+            ? e
+            : "is given up by OpenCASCADE; it is damaged, or holds what OpenCASCADE does not know: save it "
+              "again from the CAD program";
   } catch (...) {
     result.error = "OpenCASCADE or gmsh failed without a reason";
   }
