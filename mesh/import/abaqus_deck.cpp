@@ -8,6 +8,7 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "mesh/import/abaqus_bindings.hpp"
 #include "mesh/import/abaqus_keywords.hpp"
 #include "mesh/import/abaqus_types.hpp"
 
@@ -36,7 +37,8 @@ class Reader {
     }
     if (k.name != "DENSITY" && k.name != "ELASTIC" && k.name != "MATERIAL" && k.name != "DAMPING")
       in_material_ = false;
-    if (k.name == "PART" || k.name == "INSTANCE" || k.name == "END PART" || k.name == "END INSTANCE") system_ = Transform();
+    if (k.name == "PART" || k.name == "INSTANCE" || k.name == "END PART" || k.name == "END INSTANCE")
+      system_ = Transform();
     if (k.name == "STEP")
       in_step_ = true;
     else if (k.name == "PART") {
@@ -63,7 +65,8 @@ class Reader {
       Section section{known(k.get("ELSET")), known(k.get("MATERIAL")), k.where};
       if (const std::vector<double> area = numbers_of(k, 0); !area.empty()) section.area = area[0];
       section.oriented = k.has("ORIENTATION");
-      if (k.has("COMPOSITE")) throw std::invalid_argument(k.where.text() + ": *SOLID SECTION, COMPOSITE is not read");
+      if (k.has("COMPOSITE"))
+        throw std::invalid_argument(k.where.text() + ": *SOLID SECTION, COMPOSITE is not read");
       here().sections.push_back(section);
     } else if (k.name == "SHELL SECTION" || k.name == "SHELL GENERAL SECTION")
       take_shell_section(k);
@@ -72,28 +75,22 @@ class Reader {
     else if (k.name == "MASS" || k.name == "ROTARY INERTIA" || k.name == "SPRING") {
       std::vector<double> values = numbers_of(k, k.name == "SPRING" && k.data.size() > 1 ? 1 : 0);
       here().data.push_back({k.name, known(k.get("ELSET")), std::move(values), k.where});
-    } else if (k.name == "COUPLING" || k.name == "RIGID BODY")
-      take_coupling(k);
-    else if (k.name == "KINEMATIC" || k.name == "DISTRIBUTING")
-      take_coupled_dofs(k);
-    else if (k.name == "MPC")
-      take_mpc(k);
-    else if (k.name == "SURFACE")
+    } else if (take_binding(k, deck_)) {
+      // said in the deck
+    } else if (k.name == "SURFACE")
       take_surface(k);
-    else if (k.name == "TIE")
-      take_surface_tie(k);
-    else if (k.name == "EQUATION")
-      take_equations(k);
     else if (k.name == "TRANSFORM")
-      take_transform(k);
+      deck_.transforms.push_back(transform_of(k));
     else if (k.name == "SYSTEM")
-      take_system(k);
+      system_ = system_of(k);
     else if (makes_mesh(k.name))
-      throw std::invalid_argument(fmt::format(
-          "{}: *{} makes nodes or elements from others, which is not read: write the deck out with all its nodes and elements",
-          k.where.text(), k.name));
-    else if (k.name == "KINEMATIC COUPLING" || k.name == "DISTRIBUTING COUPLING" || k.name == "EMBEDDED ELEMENT" || k.name == "SHELL TO SOLID COUPLING" ||
-             k.name == "FASTENER" || k.name == "CONTACT PAIR" || k.name == "CONTACT")
+      throw std::invalid_argument(
+          fmt::format("{}: *{} makes nodes or elements from others, which is not read: write the deck out "
+                      "with all its nodes and elements",
+                      k.where.text(), k.name));
+    else if (k.name == "KINEMATIC COUPLING" || k.name == "DISTRIBUTING COUPLING" ||
+             k.name == "EMBEDDED ELEMENT" || k.name == "SHELL TO SOLID COUPLING" || k.name == "FASTENER" ||
+             k.name == "CONTACT PAIR" || k.name == "CONTACT")
       deck_.unbound.add("*" + k.name, k.where);
     else if (k.name == "MATERIAL") {
       deck_.materials.emplace_back();
@@ -105,13 +102,6 @@ class Reader {
       take_elastic(k);
     else if (k.name != "HEADING" && k.name != "PREPRINT" && k.name != "RESTART")
       deck_.unused.add("*" + k.name, k.where);
-  }
-
-  static const std::string& field(const Keyword& k, std::size_t line, std::size_t column) {
-    if (line >= k.data.size() || column >= k.data[line].fields.size())
-      throw std::invalid_argument(fmt::format("{}: *{} wants {} numbers on data line {}", k.where.text(),
-                                              k.name, column + 1, line + 1));
-    return k.data[line].fields[column];
   }
 
   void start_instance(const Keyword& k) {
@@ -142,87 +132,9 @@ class Reader {
   }
 
   static bool makes_mesh(const std::string& name) {
-    static const std::set<std::string> kNames = {"NGEN",   "NCOPY",  "NFILL",     "NMAP",
-                                                 "ELGEN",  "ELCOPY", "ASSEMBLED", "SUBSTRUCTURE PROPERTY"};
+    static const std::set<std::string> kNames = {"NGEN",  "NCOPY",  "NFILL",     "NMAP",
+                                                 "ELGEN", "ELCOPY", "ASSEMBLED", "SUBSTRUCTURE PROPERTY"};
     return kNames.contains(name);
-  }
-
-  // Six numbers, a and b: x along a, y in the plane of a and b; of cylinders and spheres the axis from a to b.
-  static Transform axes_of(const std::vector<double>& v, char kind, const Where& where) {
-    Transform to{.set = {}, .kind = kind, .where = where};
-    const Eigen::Vector3d a(v[0], v[1], v[2]), b(v[3], v[4], v[5]);
-    Eigen::Vector3d x = a, z = a.cross(b);
-    if (kind != 'R') {
-      to.origin = a;
-      z = b - a;
-      x = z.unitOrthogonal();
-    }
-    if (!(x.norm() > 0) || !(z.norm() > 0))
-      throw std::invalid_argument(fmt::format("{}: these points span no axes", where.text()));
-    to.R.col(2) = z.normalized();
-    to.R.col(1) = z.cross(x).normalized();
-    to.R.col(0) = to.R.col(1).cross(to.R.col(2));
-    return to;
-  }
-
-  void take_transform(const Keyword& k) {
-    const std::string type = upper(k.has("TYPE") ? k.get("TYPE") : "R");
-    std::vector<double> v = numbers_of(k, 0);
-    if (v.size() < 6 || (type != "R" && type != "C" && type != "S"))
-      throw std::invalid_argument(k.where.text() + ": *TRANSFORM wants TYPE=R, C or S and six numbers");
-    Transform to = axes_of(v, type[0], k.where);
-    to.set = upper(k.get("NSET"));
-    deck_.transforms.push_back(to);
-  }
-
-  // Origin, a point on x and one in the x-y plane; without a line the global system again.
-  void take_system(const Keyword& k) {
-    std::vector<double> v = numbers_of(k, 0), more = numbers_of(k, 1);
-    v.insert(v.end(), more.begin(), more.end());
-    system_ = Transform();
-    if (v.empty()) return;
-    const bool about_z = v.size() <= 6;  // two points alone
-    v.resize(9, 0.0);
-    const Eigen::Vector3d o(v[0], v[1], v[2]), x = Eigen::Vector3d(v[3], v[4], v[5]) - o;
-    Eigen::Vector3d y = Eigen::Vector3d(v[6], v[7], v[8]) - o;
-    if (about_z) y = Eigen::Vector3d::UnitZ().cross(x);
-    system_ = axes_of({x[0], x[1], x[2], y[0], y[1], y[2]}, 'R', k.where);
-    system_.origin = o;
-  }
-
-  void take_equations(const Keyword& k) {
-    if (k.has("INPUT")) {
-      deck_.unbound.add("*EQUATION, INPUT", k.where);
-      return;
-    }
-    for (std::size_t line = 0; line < k.data.size();) {
-      const DataLine& head = k.data[line];
-      if (head.fields.empty() || head.fields[0].empty()) {
-        ++line;
-        continue;
-      }
-      const std::int64_t n = to_integer(head.fields[0], head.where);
-      EquationLine equation{.terms = {}, .where = head.where};
-      std::vector<std::string> words(head.fields.begin() + 1, head.fields.end());
-      while (!words.empty() && words.back().empty()) words.pop_back();
-      for (++line; words.size() < static_cast<std::size_t>(3 * std::clamp<std::int64_t>(n, 0, 100000)) && line < k.data.size();
-           ++line) {
-        words.insert(words.end(), k.data[line].fields.begin(), k.data[line].fields.end());
-        while (!words.empty() && words.back().empty()) words.pop_back();
-      }
-      if (n < 1 || words.size() != static_cast<std::size_t>(3 * n))
-        throw std::invalid_argument(fmt::format("{}: *EQUATION of {} terms has {} entries instead of {} (node or set, dof, "
-                                                "coefficient for each)",
-                                                head.where.text(), n, words.size(), 3 * n));
-      for (std::size_t t = 0; t < words.size(); t += 3) {
-        const std::int64_t dof = to_integer(words[t + 1], head.where);
-        if (dof < 1 || dof > 6)
-          throw std::invalid_argument(
-              fmt::format("{}: *EQUATION names dof {}; 1 to 6 are displacements and rotations", head.where.text(), dof));
-        equation.terms.push_back({words[t], static_cast<int>(dof), to_real(words[t + 2], head.where)});
-      }
-      deck_.equations.push_back(std::move(equation));
-    }
   }
 
   void take_nodes(const Keyword& k) {
@@ -293,14 +205,6 @@ class Reader {
     }
   }
 
-  static std::vector<double> numbers_of(const Keyword& k, std::size_t line) {
-    std::vector<double> out;
-    if (line < k.data.size())
-      for (const std::string& text : k.data[line].fields)
-        out.push_back(text.empty() ? 0.0 : to_real(text, k.data[line].where));
-    return out;
-  }
-
   void take_beam_section(const Keyword& k) {
     Section section{known(k.get("ELSET")), known(k.get("MATERIAL")), k.where};
     const std::string type = upper(k.has("SECTION") ? k.get("SECTION") : "GENERAL");
@@ -330,70 +234,6 @@ class Reader {
     here().sections.push_back(section);
   }
 
-  void take_coupling(const Keyword& k) {
-    TieKeyword tie{.what = k.name, .reference = k.get("REF NODE"), .where = k.where};
-    if (k.name == "COUPLING") {
-      tie.set = upper(k.get("SURFACE"));
-      if (k.has("ORIENTATION")) deck_.unused.add("*COUPLING's ORIENTATION", k.where);
-    } else {
-      for (const char* word : {"TIE NSET", "PIN NSET", "ELSET"})
-        if (k.has(word)) {
-          tie.set = upper(k.get(word));
-          if (std::string(word) == "PIN NSET") tie.dofs = {true, true, true, false, false, false};
-        }
-      if (k.has("ANALYTICAL SURFACE") || tie.set.empty()) {
-        deck_.unbound.add("*RIGID BODY without TIE NSET, PIN NSET or ELSET", k.where);
-        return;
-      }
-    }
-    deck_.ties.push_back(std::move(tie));
-  }
-
-  // The lines "first dof, last dof" after *KINEMATIC and *DISTRIBUTING.
-  void take_coupled_dofs(const Keyword& k) {
-    if (deck_.ties.empty() || deck_.ties.back().what != "COUPLING")
-      throw std::invalid_argument(fmt::format("{}: *{} without *COUPLING before it", k.where.text(), k.name));
-    TieKeyword& tie = deck_.ties.back();
-    if (k.name == "DISTRIBUTING") tie.kind = ImportedTie::Kind::average;
-    if (k.has("WEIGHTING METHOD") && upper(k.get("WEIGHTING METHOD")) != "UNIFORM")
-      deck_.unused.add("*DISTRIBUTING's WEIGHTING METHOD", k.where);
-    if (k.data.empty()) return;
-    tie.dofs.fill(false);
-    for (const DataLine& line : k.data) {
-      if (line.fields.empty() || line.fields[0].empty()) continue;
-      const std::int64_t first = to_integer(line.fields[0], line.where),
-                         last = line.fields.size() > 1 && !line.fields[1].empty()
-                                    ? to_integer(line.fields[1], line.where)
-                                    : first;
-      for (std::int64_t d = std::max<std::int64_t>(first, 1); d <= std::min<std::int64_t>(last, 6); ++d)
-        tie.dofs[static_cast<std::size_t>(d - 1)] = true;
-    }
-  }
-
-  void take_mpc(const Keyword& k) {
-    for (const DataLine& line : k.data) {
-      if (line.fields.size() < 3) continue;
-      const std::string type = upper(line.fields[0]);
-      if (type != "BEAM" && type != "TIE" && type != "PIN") {
-        deck_.unbound.add("*MPC of type " + type, line.where);
-        continue;
-      }
-      TieKeyword tie{.what = "MPC", .reference = line.fields[2], .set = line.fields[1], .where = line.where};
-      if (type == "PIN") tie.dofs = {true, true, true, false, false, false};
-      deck_.ties.push_back(std::move(tie));
-    }
-  }
-
-  void take_surface_tie(const Keyword& k) {
-    const double tolerance = k.has("POSITION TOLERANCE") ? to_real(k.get("POSITION TOLERANCE"), k.where) : 0;
-    if (!(tolerance >= 0))
-      throw std::invalid_argument(fmt::format(
-          "{}: *TIE has the POSITION TOLERANCE {:g}; it must be at least 0", k.where.text(), tolerance));
-    for (const DataLine& line : k.data)
-      if (line.fields.size() > 1)
-        deck_.surface_ties.push_back({upper(line.fields[0]), upper(line.fields[1]), tolerance, line.where});
-  }
-
   void take_surface(const Keyword& k) {
     Surface surface;
     surface.where = k.where;
@@ -402,7 +242,8 @@ class Reader {
       if (!line.fields.empty() && !line.fields[0].empty())
         surface.entries.emplace_back(line.fields[0], line.fields.size() > 1 ? upper(line.fields[1]) : "");
     if (k.has("COMBINE") || k.has("CROP"))
-      throw std::invalid_argument(k.where.text() + ": *SURFACE that combines or crops others is not read; list its elements");
+      throw std::invalid_argument(k.where.text() +
+                                  ": *SURFACE that combines or crops others is not read; list its elements");
     const std::string part = part_ > 0 ? deck_.parts[static_cast<std::size_t>(part_)].name + "." : "";
     deck_.surfaces[part + upper(k.get("NAME"))] = std::move(surface);
   }
@@ -506,17 +347,6 @@ class Reader {
 };
 
 }  // namespace
-
-Eigen::Matrix3d Transform::axes_at(const Eigen::Vector3d& x) const {
-  if (kind == 'R') return R;
-  const Eigen::Vector3d from = x - origin, z = R.col(2);
-  const Eigen::Vector3d radial = kind == 'S' ? from : Eigen::Vector3d(from - z * z.dot(from)), around = z.cross(from);
-  if (!(around.norm() > 1e-12 * from.norm())) return R;  // on the axis
-  Eigen::Matrix3d axes;
-  const Eigen::Vector3d r = radial.normalized(), t = around.normalized();
-  axes << r, t, (kind == 'S' ? Eigen::Vector3d(r.cross(t)) : z);
-  return axes;
-}
 
 Deck read_deck(const std::filesystem::path& path) {
   return Reader().read(path);

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "mesh/import/abaqus_keywords.hpp"
 #include "mesh/import/bar_sections.hpp"
 #include "mesh/import/builder.hpp"
 #include "mesh/import/imported.hpp"
@@ -132,6 +133,12 @@ struct Deck {
   Unused unused, left_out, unbound;  ///< keywords; elements; keywords that bind what stays apart
   std::map<std::string, std::pair<std::size_t, std::string>> replaced;  ///< type: how many, what it becomes
 };
+
+/// *TRANSFORM: its axes, in the deck's unit of length; `set` in capitals.  Throws std::invalid_argument, naming file and
+/// line, as the next.
+Transform transform_of(const Keyword& k);
+/// *SYSTEM: origin, a point on x and one in the x-y plane; without a line the global system.
+Transform system_of(const Keyword& k);
 
 /// Throws std::invalid_argument, naming file and line.
 Deck read_deck(const std::filesystem::path& path);

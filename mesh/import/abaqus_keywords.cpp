@@ -141,4 +141,19 @@ std::vector<Keyword> read_keywords(const fs::path& path, std::set<std::string>& 
   return std::move(reader.keywords);
 }
 
+const std::string& field(const Keyword& k, std::size_t line, std::size_t column) {
+  if (line >= k.data.size() || column >= k.data[line].fields.size())
+    throw std::invalid_argument(fmt::format("{}: *{} wants {} numbers on data line {}", k.where.text(),
+                                            k.name, column + 1, line + 1));
+  return k.data[line].fields[column];
+}
+
+std::vector<double> numbers_of(const Keyword& k, std::size_t line) {
+  std::vector<double> out;
+  if (line < k.data.size())
+    for (const std::string& text : k.data[line].fields)
+      out.push_back(text.empty() ? 0.0 : to_real(text, k.data[line].where));
+  return out;
+}
+
 }  // namespace flexura::mesh

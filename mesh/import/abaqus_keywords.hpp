@@ -40,4 +40,9 @@ struct Keyword {
 /// Comments left out, continuation lines joined, *INCLUDE followed.  `names` keeps file names alive.
 std::vector<Keyword> read_keywords(const std::filesystem::path& path, std::set<std::string>& names);
 
+/// An entry of a data line, both counted from 0.  Throws std::invalid_argument where it is not there.
+const std::string& field(const Keyword& k, std::size_t line, std::size_t column);
+/// The numbers of a data line, 0 for empty entries; none where there is no such line.
+std::vector<double> numbers_of(const Keyword& k, std::size_t line);
+
 }  // namespace flexura::mesh
