@@ -65,7 +65,8 @@ TEST_F(LeftOver, OfSeveralIsRemovedButNotFilesOfOthers) {
   folder_.write("r.h5.part", "half of a download");
   for (int k = 0; k < 2; ++k) {
     Background run("flexura", {"simulate", mechanism_, "-q", "-o", output_});
-    ASSERT_TRUE(wait_for([&] { return fs::exists(output_ + "." + std::to_string(run.pid()) + ".part"); }));
+    // Before its first rows it has a copy beside its file.
+    ASSERT_TRUE(wait_for_rows(output_ + "." + std::to_string(run.pid()) + ".part"));
     run.send(SIGKILL);
     run.wait();
     EXPECT_EQ(names(folder_.path()).size(), 3u) << "the lock, the user's and one that was killed";
