@@ -1,7 +1,7 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include <cmath>
 
-#include "mbs/model/user_element.hpp"
+#include "mbs/mechanism/user_element.hpp"
 
 /// One force element, one constraint and one joint of a user's own: magnet, on_ellipsoid and parabola.
 namespace {

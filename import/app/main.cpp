@@ -9,9 +9,9 @@
 #include "import/cad/build.hpp"
 #include "import/model/folder.hpp"
 #include "import/urdf/convert.hpp"
-#include "mbs/input/units.hpp"
-#include "mbs/terminal/command_line.hpp"
-#include "mbs/terminal/terminal.hpp"
+#include "mbs/base/documents/units.hpp"
+#include "mbs/base/terminal/command_line.hpp"
+#include "mbs/base/terminal/terminal.hpp"
 
 namespace {
 

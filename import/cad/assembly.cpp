@@ -8,7 +8,7 @@
 #include <stdexcept>
 
 #include "import/cad/job.hpp"
-#include "mbs/files/inputs.hpp"
+#include "mbs/base/files/inputs.hpp"
 #include "mesh/gmsh/child.hpp"
 
 namespace flexura::import::cad {

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <set>
 
-#include "mbs/math/rotation.hpp"
+#include "mbs/base/math/rotation.hpp"
 
 namespace flexura::import::cad {
 namespace {

@@ -8,7 +8,7 @@
 #include <limits>
 #include <numbers>
 
-#include "mbs/math/rotation.hpp"
+#include "mbs/base/math/rotation.hpp"
 
 namespace flexura::import::cad {
 namespace {

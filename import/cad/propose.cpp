@@ -12,7 +12,7 @@
 #include <set>
 #include <stdexcept>
 
-#include "mbs/math/rotation.hpp"
+#include "mbs/base/math/rotation.hpp"
 
 namespace flexura::import::cad {
 namespace {

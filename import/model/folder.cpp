@@ -6,7 +6,7 @@
 #include <set>
 #include <stdexcept>
 
-#include "mbs/files/output.hpp"
+#include "mbs/base/files/output.hpp"
 #include "mbs/superelement/file.hpp"
 
 namespace flexura::import {

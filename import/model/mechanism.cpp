@@ -8,7 +8,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "mbs/math/rotation.hpp"
+#include "mbs/base/math/rotation.hpp"
 
 namespace flexura::import {
 

@@ -9,7 +9,7 @@
 #include <stdexcept>
 
 #include "import/urdf/mesh_file.hpp"
-#include "mbs/math/rotation.hpp"
+#include "mbs/base/math/rotation.hpp"
 
 namespace flexura::import::urdf {
 namespace {

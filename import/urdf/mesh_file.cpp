@@ -14,7 +14,7 @@
 #include <stdexcept>
 
 #include "import/urdf/xml.hpp"
-#include "mbs/files/inputs.hpp"
+#include "mbs/base/files/inputs.hpp"
 
 namespace flexura::import::urdf {
 namespace {

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "import/urdf/convert.hpp"
-#include "mbs/math/rotation.hpp"
+#include "mbs/base/math/rotation.hpp"
 
 namespace flexura::import::urdf {
 namespace {

@@ -9,7 +9,7 @@
 #include <iterator>
 #include <stdexcept>
 
-#include "mbs/files/inputs.hpp"
+#include "mbs/base/files/inputs.hpp"
 
 namespace flexura::import::urdf {
 namespace {

@@ -4,10 +4,10 @@
 #include <nlohmann/json.hpp>
 
 #include "mbs/app/commands.hpp"
-#include "mbs/app/mechanism_runs.hpp"
-#include "mbs/files/output.hpp"
-#include "mbs/solver/state_file.hpp"
-#include "mbs/terminal/terminal.hpp"
+#include "mbs/app/run/mechanism_runs.hpp"
+#include "mbs/base/files/output.hpp"
+#include "mbs/base/terminal/terminal.hpp"
+#include "mbs/solver/run/state_file.hpp"
 
 namespace flexura::app {
 namespace {

@@ -7,10 +7,10 @@
 #include <numbers>
 
 #include "mbs/app/commands.hpp"
-#include "mbs/app/mechanism_runs.hpp"
+#include "mbs/app/run/mechanism_runs.hpp"
+#include "mbs/base/terminal/terminal.hpp"
 #include "mbs/superelement/file.hpp"
 #include "mbs/superelement/modes.hpp"
-#include "mbs/terminal/terminal.hpp"
 
 namespace flexura::app {
 namespace {

@@ -4,9 +4,9 @@
 
 #include <nlohmann/json.hpp>
 
-#include "mbs/app/mechanism_runs.hpp"
-#include "mbs/app/quantity_list.hpp"
-#include "mbs/terminal/terminal.hpp"
+#include "mbs/app/run/mechanism_runs.hpp"
+#include "mbs/app/run/quantity_list.hpp"
+#include "mbs/base/terminal/terminal.hpp"
 
 namespace flexura::app {
 

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "mbs/terminal/command_line.hpp"
+#include "mbs/base/terminal/command_line.hpp"
 
 /// The commands of `flexura`, one .cpp for each.  To add one: write its file, name its function here and in
 /// the list of commands.cpp.

@@ -7,16 +7,16 @@
 #include <optional>
 
 #include "mbs/app/commands.hpp"
-#include "mbs/app/mechanism_runs.hpp"
 #include "mbs/app/mode_pictures.hpp"
-#include "mbs/files/output.hpp"
-#include "mbs/solver/accelerations.hpp"
-#include "mbs/solver/buckling.hpp"
-#include "mbs/solver/equilibrium.hpp"
-#include "mbs/solver/linearise.hpp"
-#include "mbs/solver/static_stiffness.hpp"
-#include "mbs/solver/whirl.hpp"
-#include "mbs/terminal/terminal.hpp"
+#include "mbs/app/run/mechanism_runs.hpp"
+#include "mbs/base/files/output.hpp"
+#include "mbs/base/terminal/terminal.hpp"
+#include "mbs/solver/algebra/accelerations.hpp"
+#include "mbs/solver/linear/buckling.hpp"
+#include "mbs/solver/linear/equilibrium.hpp"
+#include "mbs/solver/linear/linearise.hpp"
+#include "mbs/solver/linear/static_stiffness.hpp"
+#include "mbs/solver/linear/whirl.hpp"
 
 /// eigen: natural modes of a mechanism, as a table and as pictures.
 namespace flexura::app {
@@ -95,7 +95,7 @@ mbs::StaticStiffness unloaded_stiffness(const PreparedMechanism& p) {
         fmt::format("--buckling scales loads, and force \"{}\" does not say what of it is one: it acts where "
                     "the mechanism "
                     "starts, and changes with the state; let nature() and without_load() of its class say it "
-                    "(mbs/model/force.hpp)",
+                    "(mbs/forces/force.hpp)",
                     without.unknown.front()));
   if (without.loads.empty())
     throw std::invalid_argument(

@@ -4,8 +4,8 @@
 #include <map>
 
 #include "mbs/app/commands.hpp"
-#include "mbs/files/output.hpp"
-#include "mbs/files/place.hpp"
+#include "mbs/base/files/output.hpp"
+#include "mbs/base/files/place.hpp"
 #include "mbs/results/results.hpp"
 #include "mbs/superelement/exchange/exchange.hpp"
 #include "mbs/superelement/exchange/names.hpp"

@@ -9,14 +9,15 @@
 #include <nlohmann/json.hpp>
 
 #include "mbs/app/commands.hpp"
-#include "mbs/app/mechanism_runs.hpp"
+#include "mbs/app/run/mechanism_runs.hpp"
 #include "mbs/app/state_space.hpp"
-#include "mbs/files/output.hpp"
-#include "mbs/solver/descriptor.hpp"
-#include "mbs/solver/linearise.hpp"
+#include "mbs/base/files/output.hpp"
+#include "mbs/base/terminal/terminal.hpp"
+#include "mbs/mechanism/describe.hpp"
+#include "mbs/solver/linear/descriptor.hpp"
+#include "mbs/solver/linear/linearise.hpp"
 #include "mbs/superelement/exchange/exchange.hpp"
 #include "mbs/superelement/text_file.hpp"
-#include "mbs/terminal/terminal.hpp"
 
 /// linearize and statics: what a mechanism does near a state.
 namespace flexura::app {

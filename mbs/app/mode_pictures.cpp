@@ -9,10 +9,10 @@
 #include <nlohmann/json.hpp>
 #include <span>
 
-#include "mbs/app/recorder.hpp"
-#include "mbs/solver/scales.hpp"
+#include "mbs/app/run/recorder.hpp"
+#include "mbs/base/terminal/terminal.hpp"
+#include "mbs/solver/accuracy/scales.hpp"
 #include "mbs/superelement/superelement.hpp"
-#include "mbs/terminal/terminal.hpp"
 #include "mbs/view/pages.hpp"
 
 namespace flexura::app {

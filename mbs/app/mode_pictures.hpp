@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "mbs/app/mechanism_runs.hpp"
-#include "mbs/solver/linearise.hpp"
+#include "mbs/app/run/mechanism_runs.hpp"
+#include "mbs/solver/linear/linearise.hpp"
 
 /// Modes of a mechanism as a results file: what `flexura view` shows one at a time.
 namespace flexura::app {

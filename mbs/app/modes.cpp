@@ -6,9 +6,9 @@
 #include <nlohmann/json.hpp>
 
 #include "mbs/app/commands.hpp"
-#include "mbs/files/output.hpp"
+#include "mbs/base/files/output.hpp"
+#include "mbs/base/terminal/terminal.hpp"
 #include "mbs/superelement/file.hpp"
-#include "mbs/terminal/terminal.hpp"
 #include "mbs/view/pages.hpp"
 
 namespace flexura::app {

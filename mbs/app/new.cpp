@@ -6,7 +6,7 @@
 #include <stdexcept>
 
 #include "mbs/app/commands.hpp"
-#include "mbs/files/output.hpp"
+#include "mbs/base/files/output.hpp"
 
 namespace flexura::app {
 namespace {

@@ -5,12 +5,12 @@
 #include <nlohmann/json.hpp>
 
 #include "mbs/app/commands.hpp"
-#include "mbs/app/recorder.hpp"
-#include "mbs/app/results_summary.hpp"
-#include "mbs/files/output.hpp"
+#include "mbs/app/run/recorder.hpp"
+#include "mbs/app/run/results_summary.hpp"
+#include "mbs/base/files/output.hpp"
+#include "mbs/base/terminal/terminal.hpp"
 #include "mbs/results/csv_name.hpp"
-#include "mbs/solver/accelerations.hpp"
-#include "mbs/terminal/terminal.hpp"
+#include "mbs/solver/algebra/accelerations.hpp"
 
 /// outputs: quantities computed afterwards from the states that a run has stored.
 namespace flexura::app {

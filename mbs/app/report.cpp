@@ -5,9 +5,9 @@
 #include <nlohmann/json.hpp>
 
 #include "mbs/app/commands.hpp"
-#include "mbs/files/inputs.hpp"
-#include "mbs/files/json_depth.hpp"
-#include "mbs/files/output.hpp"
+#include "mbs/base/files/inputs.hpp"
+#include "mbs/base/files/json_depth.hpp"
+#include "mbs/base/files/output.hpp"
 #include "mbs/superelement/file.hpp"
 #include "mbs/view/reduction_report.hpp"
 

@@ -6,19 +6,20 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "mbs/app/checkpoint.hpp"
 #include "mbs/app/commands.hpp"
-#include "mbs/app/mechanism_runs.hpp"
-#include "mbs/app/one_run.hpp"
-#include "mbs/app/run_summary.hpp"
-#include "mbs/files/output.hpp"
-#include "mbs/files/signals.hpp"
+#include "mbs/app/run/checkpoint.hpp"
+#include "mbs/app/run/mechanism_runs.hpp"
+#include "mbs/app/run/one_run.hpp"
+#include "mbs/app/run/run_summary.hpp"
+#include "mbs/base/files/output.hpp"
+#include "mbs/base/files/signals.hpp"
+#include "mbs/base/terminal/terminal.hpp"
+#include "mbs/mechanism/describe.hpp"
 #include "mbs/results/csv_name.hpp"
-#include "mbs/solver/continuation_file.hpp"
-#include "mbs/solver/prepare.hpp"
-#include "mbs/solver/run.hpp"
-#include "mbs/study/choose.hpp"
-#include "mbs/terminal/terminal.hpp"
+#include "mbs/solver/run/continuation_file.hpp"
+#include "mbs/solver/run/prepare.hpp"
+#include "mbs/solver/run/run.hpp"
+#include "mbs/study/choice/choose.hpp"
 
 namespace flexura::app {
 namespace {

@@ -5,8 +5,8 @@
 
 #include <iterator>
 
-#include "mbs/files/output.hpp"
-#include "mbs/hdf5/file.hpp"
+#include "mbs/base/files/output.hpp"
+#include "mbs/base/hdf5/file.hpp"
 #include "mbs/superelement/exchange/exchange.hpp"
 #include "mbs/superelement/text_file.hpp"
 

@@ -8,16 +8,16 @@
 #include <nlohmann/json.hpp>
 
 #include "mbs/app/commands.hpp"
-#include "mbs/files/output.hpp"
-#include "mbs/files/place.hpp"
-#include "mbs/files/signals.hpp"
+#include "mbs/base/files/output.hpp"
+#include "mbs/base/files/place.hpp"
+#include "mbs/base/files/signals.hpp"
+#include "mbs/base/terminal/terminal.hpp"
 #include "mbs/study/child.hpp"
 #include "mbs/study/front_picture.hpp"
 #include "mbs/study/judge.hpp"
 #include "mbs/study/tables.hpp"
 #include "mbs/superelement/exchange/exchange.hpp"
 #include "mbs/superelement/text_file.hpp"
-#include "mbs/terminal/terminal.hpp"
 #include "mbs/view/report.hpp"
 
 /// `flexura study`: the measured trade of speed against accuracy, as table, page, CSV, JSON and picture.

@@ -5,9 +5,9 @@
 #include <nlohmann/json.hpp>
 
 #include "mbs/app/commands.hpp"
-#include "mbs/app/results_summary.hpp"
-#include "mbs/files/output.hpp"
-#include "mbs/terminal/terminal.hpp"
+#include "mbs/app/run/results_summary.hpp"
+#include "mbs/base/files/output.hpp"
+#include "mbs/base/terminal/terminal.hpp"
 #include "mbs/view/pages.hpp"
 
 namespace flexura::app {

@@ -3,7 +3,7 @@
 
 #include <fstream>
 
-#include "mbs/files/output.hpp"
+#include "mbs/base/files/output.hpp"
 #include "mbs/results/csv_name.hpp"
 #include "mbs/results/results.hpp"
 

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "mbs/files/json_depth.hpp"
-#include "mbs/hdf5/file.hpp"
+#include "mbs/base/files/json_depth.hpp"
+#include "mbs/base/hdf5/file.hpp"
 #include "mbs/results/results.hpp"
 
 namespace flexura::results {

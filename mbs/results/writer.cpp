@@ -7,9 +7,9 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "mbs/files/left_behind.hpp"
-#include "mbs/files/output.hpp"
-#include "mbs/hdf5/file.hpp"
+#include "mbs/base/files/left_behind.hpp"
+#include "mbs/base/files/output.hpp"
+#include "mbs/base/hdf5/file.hpp"
 #include "mbs/results/results.hpp"
 
 // How a killed run stays readable: between runs the file is closed.  While a run writes, the file is open for

@@ -22,7 +22,7 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "mbs/files/signals.hpp"
+#include "mbs/base/files/signals.hpp"
 
 namespace flexura::study {
 namespace {

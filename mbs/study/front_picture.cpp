@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "mbs/terminal/terminal.hpp"
+#include "mbs/base/terminal/terminal.hpp"
 
 namespace flexura::study {
 namespace {

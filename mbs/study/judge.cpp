@@ -8,11 +8,11 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
-#include "mbs/files/json_depth.hpp"
+#include "mbs/base/files/json_depth.hpp"
+#include "mbs/base/terminal/terminal.hpp"
 #include "mbs/results/results.hpp"
+#include "mbs/study/estimate/percent.hpp"
 #include "mbs/study/front.hpp"
-#include "mbs/study/percent.hpp"
-#include "mbs/terminal/terminal.hpp"
 
 namespace flexura::study {
 namespace {

@@ -13,17 +13,17 @@
 #include <system_error>
 #include <thread>
 
-#include "mbs/files/inputs.hpp"
-#include "mbs/files/json_depth.hpp"
-#include "mbs/files/output.hpp"
-#include "mbs/input/content_hash.hpp"
-#include "mbs/input/shown_text.hpp"
-#include "mbs/model/mechanism_document.hpp"
-#include "mbs/model/read_mechanism.hpp"
+#include "mbs/base/documents/content_hash.hpp"
+#include "mbs/base/documents/shown_text.hpp"
+#include "mbs/base/files/inputs.hpp"
+#include "mbs/base/files/json_depth.hpp"
+#include "mbs/base/files/output.hpp"
+#include "mbs/file/mechanism_document.hpp"
+#include "mbs/file/read_mechanism.hpp"
 #include "mbs/results/results.hpp"
-#include "mbs/solver/options.hpp"
-#include "mbs/study/cache_entry.hpp"
+#include "mbs/solver/accuracy/options.hpp"
 #include "mbs/study/child.hpp"
+#include "mbs/study/choice/cache_entry.hpp"
 
 namespace flexura::study {
 namespace {

@@ -7,8 +7,8 @@
 #include <cmath>
 #include <set>
 
-#include "mbs/input/units.hpp"
-#include "mbs/study/percent.hpp"
+#include "mbs/base/documents/units.hpp"
+#include "mbs/study/estimate/percent.hpp"
 
 namespace flexura::study {
 namespace {

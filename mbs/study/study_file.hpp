@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "mbs/input/document.hpp"
-#include "mbs/study/norms.hpp"
+#include "mbs/base/documents/document.hpp"
+#include "mbs/study/estimate/norms.hpp"
 
 /// The study file (TOML): which choices are tried on which mechanism, and what accuracy means.
 namespace flexura::study {

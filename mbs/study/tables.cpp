@@ -6,8 +6,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "mbs/study/percent.hpp"
-#include "mbs/terminal/terminal.hpp"
+#include "mbs/base/terminal/terminal.hpp"
+#include "mbs/study/estimate/percent.hpp"
 
 namespace flexura::study {
 namespace {

@@ -1,7 +1,7 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include "mbs/superelement/contents.hpp"
 
-#include "mbs/hdf5/file.hpp"
+#include "mbs/base/hdf5/file.hpp"
 #include "mbs/superelement/file.hpp"
 
 namespace flexura::superelement {

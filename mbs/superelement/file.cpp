@@ -6,9 +6,9 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "mbs/files/json_depth.hpp"
-#include "mbs/files/output.hpp"
-#include "mbs/hdf5/file.hpp"
+#include "mbs/base/files/json_depth.hpp"
+#include "mbs/base/files/output.hpp"
+#include "mbs/base/hdf5/file.hpp"
 #include "mbs/superelement/checks.hpp"
 #include "mbs/superelement/recovery_file.hpp"
 

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "mbs/hdf5/file.hpp"
+#include "mbs/base/hdf5/file.hpp"
 #include "mbs/superelement/superelement.hpp"
 
 /// The groups `stress` and `sections` of the file (FORMAT.md), and tables of any number of rows; for

@@ -1,7 +1,7 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include "mbs/superelement/text_file.hpp"
 
-#include "mbs/files/output.hpp"
+#include "mbs/base/files/output.hpp"
 
 namespace flexura::superelement {
 

@@ -8,7 +8,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "mbs/files/json_depth.hpp"
+#include "mbs/base/files/json_depth.hpp"
 
 namespace flexura::view {
 

@@ -5,7 +5,7 @@
 #include <fstream>
 #include <string_view>
 
-#include "mbs/files/output.hpp"
+#include "mbs/base/files/output.hpp"
 
 namespace flexura::view {
 

@@ -8,7 +8,7 @@
 #include <optional>
 #include <stdexcept>
 
-#include "mbs/files/json_depth.hpp"
+#include "mbs/base/files/json_depth.hpp"
 #include "mbs/superelement/file.hpp"
 #include "mbs/view/body_shapes.hpp"
 #include "mbs/view/page_file.hpp"

@@ -8,9 +8,9 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
-#include "mbs/files/inputs.hpp"
-#include "mbs/files/place.hpp"
-#include "mbs/files/signals.hpp"
+#include "mbs/base/files/inputs.hpp"
+#include "mbs/base/files/place.hpp"
+#include "mbs/base/files/signals.hpp"
 #include "mbs/superelement/exchange/exchange.hpp"
 #include "mbs/superelement/exchange/polydata.hpp"
 #include "mbs/superelement/text_file.hpp"

@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
-#include "mbs/files/json_depth.hpp"
+#include "mbs/base/files/json_depth.hpp"
 #include "mbs/view/html.hpp"
 
 namespace flexura::view {

@@ -9,7 +9,7 @@
 #include <map>
 #include <stdexcept>
 
-#include "mbs/files/inputs.hpp"
+#include "mbs/base/files/inputs.hpp"
 #include "mesh/import/builder.hpp"
 
 namespace flexura::mesh {

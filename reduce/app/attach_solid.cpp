@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include "mbs/files/output.hpp"
+#include "mbs/base/files/output.hpp"
 #include "mbs/superelement/file.hpp"
 
 namespace flexura::reduce {

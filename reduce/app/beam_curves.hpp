@@ -4,8 +4,8 @@
 #include <string>
 
 #include "beam/model/model.hpp"
-#include "mbs/input/document.hpp"
-#include "mbs/input/schema.hpp"
+#include "mbs/base/documents/document.hpp"
+#include "mbs/base/documents/schema.hpp"
 #include "reduce/app/names.hpp"
 
 /// Members from the curves of a CAD file or gmsh model: [curves.NAME] of a beam part file.

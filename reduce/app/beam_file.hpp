@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "beam/model/mesh.hpp"
-#include "mbs/input/document.hpp"
-#include "mbs/input/schema.hpp"
+#include "mbs/base/documents/document.hpp"
+#include "mbs/base/documents/schema.hpp"
 #include "reduce/app/part_file.hpp"
 #include "reduce/beams/beam_reduction.hpp"
 #include "reduce/beams/statics.hpp"

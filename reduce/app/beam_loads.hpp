@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "mbs/input/document.hpp"
-#include "mbs/input/schema.hpp"
+#include "mbs/base/documents/document.hpp"
+#include "mbs/base/documents/schema.hpp"
 #include "reduce/app/names.hpp"
 #include "reduce/beams/statics.hpp"
 

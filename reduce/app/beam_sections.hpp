@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "beam/model/model.hpp"
-#include "mbs/input/document.hpp"
+#include "mbs/base/documents/document.hpp"
 #include "reduce/app/names.hpp"
 
 /// Materials and cross-sections of a beam part file.

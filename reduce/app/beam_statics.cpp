@@ -9,8 +9,8 @@
 #include <ostream>
 
 #include "beam/model/section_stress.hpp"
+#include "mbs/base/terminal/terminal.hpp"
 #include "mbs/superelement/text_file.hpp"
-#include "mbs/terminal/terminal.hpp"
 #include "reduce/linalg/session.hpp"
 
 namespace flexura::reduce {

@@ -10,7 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "mbs/input/document.hpp"
+#include "mbs/base/documents/document.hpp"
 #include "mbs/superelement/exchange/exchange.hpp"
 #include "mbs/superelement/file.hpp"
 #include "mbs/superelement/text_file.hpp"

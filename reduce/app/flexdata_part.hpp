@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "mbs/input/schema.hpp"
+#include "mbs/base/documents/schema.hpp"
 #include "reduce/app/reduce_part.hpp"
 
 /// Superelements of FlexData files: frequencies and shapes of the free body's modes at its interface nodes, as MotionSolve's

@@ -7,8 +7,8 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "mbs/input/formula_text.hpp"
-#include "mbs/input/shown_text.hpp"
+#include "mbs/base/documents/formula_text.hpp"
+#include "mbs/base/documents/shown_text.hpp"
 
 namespace flexura::reduce {
 

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <ostream>
 
-#include "mbs/files/inputs.hpp"
+#include "mbs/base/files/inputs.hpp"
 #include "mesh/gmsh/sheet.hpp"
 #include "reduce/app/part_file.hpp"
 

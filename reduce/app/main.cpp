@@ -13,10 +13,10 @@
 #include <optional>
 #include <stdexcept>
 
-#include "mbs/files/inputs.hpp"
-#include "mbs/files/output.hpp"
-#include "mbs/input/document.hpp"
-#include "mbs/terminal/command_line.hpp"
+#include "mbs/base/documents/document.hpp"
+#include "mbs/base/files/inputs.hpp"
+#include "mbs/base/files/output.hpp"
+#include "mbs/base/terminal/command_line.hpp"
 #include "reduce/app/attach_solid.hpp"
 #include "reduce/app/beam_file.hpp"
 #include "reduce/app/beam_statics.hpp"

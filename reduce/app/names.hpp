@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "mbs/input/document.hpp"
+#include "mbs/base/documents/document.hpp"
 
 namespace flexura::reduce {
 

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "mbs/input/document.hpp"
-#include "mbs/input/schema.hpp"
+#include "mbs/base/documents/document.hpp"
+#include "mbs/base/documents/schema.hpp"
 #include "mesh/gmsh/cad.hpp"
 #include "mesh/model/select.hpp"
 #include "reduce/assembly/part.hpp"

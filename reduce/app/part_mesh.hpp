@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "mesh/import/imported.hpp"
 #include "mesh/gmsh/cad.hpp"
+#include "mesh/import/imported.hpp"
 #include "reduce/app/part_file.hpp"
 #include "reduce/assembly/part.hpp"
 

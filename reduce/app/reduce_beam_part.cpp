@@ -10,9 +10,9 @@
 #include <numbers>
 #include <ostream>
 
+#include "mbs/base/terminal/terminal.hpp"
 #include "mbs/superelement/file.hpp"
 #include "mbs/superelement/text_file.hpp"
-#include "mbs/terminal/terminal.hpp"
 #include "reduce/app/report.hpp"
 #include "reduce/app/section_forces.hpp"
 #include "reduce/app/to_superelement.hpp"

@@ -13,10 +13,10 @@
 #include <numbers>
 #include <set>
 
-#include "mbs/files/output.hpp"
+#include "mbs/base/files/output.hpp"
+#include "mbs/base/terminal/terminal.hpp"
 #include "mbs/superelement/file.hpp"
 #include "mbs/superelement/text_file.hpp"
-#include "mbs/terminal/terminal.hpp"
 #include "reduce/app/make_part.hpp"
 #include "reduce/app/mesh_hints.hpp"
 #include "reduce/app/reach_accuracy.hpp"

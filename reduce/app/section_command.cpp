@@ -5,8 +5,8 @@
 
 #include <iostream>
 
-#include "mbs/files/output.hpp"
-#include "mbs/input/document.hpp"
+#include "mbs/base/documents/document.hpp"
+#include "mbs/base/files/output.hpp"
 #include "mbs/superelement/text_file.hpp"
 #include "reduce/app/section_file.hpp"
 #include "reduce/app/section_report.hpp"

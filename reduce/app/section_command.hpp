@@ -1,7 +1,7 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "mbs/terminal/command_line.hpp"
+#include "mbs/base/terminal/command_line.hpp"
 
 namespace flexura::reduce {
 

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "mbs/input/document.hpp"
+#include "mbs/base/documents/document.hpp"
 
 namespace flexura::reduce {
 

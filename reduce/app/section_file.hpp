@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "beam/section/solver.hpp"
-#include "mbs/input/schema.hpp"
+#include "mbs/base/documents/schema.hpp"
 #include "mesh/gmsh/planar.hpp"
 
 /// The input of `flexura section`: any cross-section from polygons with holes, thin walls or a planar CAD

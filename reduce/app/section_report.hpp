@@ -6,7 +6,7 @@
 #include <string>
 
 #include "beam/section/solver.hpp"
-#include "mbs/input/schema.hpp"
+#include "mbs/base/documents/schema.hpp"
 
 /// What `flexura section` hands out: a table, a drawing, and a file that beam parts read.
 namespace flexura::reduce {

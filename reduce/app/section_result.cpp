@@ -2,7 +2,7 @@
 // The file that `flexura section` writes and a beam part reads.
 #include <fmt/format.h>
 
-#include "mbs/input/document.hpp"
+#include "mbs/base/documents/document.hpp"
 #include "reduce/app/section_report.hpp"
 
 namespace flexura::reduce {

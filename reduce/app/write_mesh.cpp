@@ -12,7 +12,7 @@
 #include <tuple>
 #include <vector>
 
-#include "mbs/files/output.hpp"
+#include "mbs/base/files/output.hpp"
 #include "mesh/model/geometry.hpp"
 
 namespace flexura::reduce {

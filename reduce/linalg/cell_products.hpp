@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "mbs/math/simd.hpp"
+#include "mbs/base/math/simd.hpp"
 
 /// Products with the small dense matrices of cells, in single precision on the machine's widest registers.
 namespace flexura::linalg {

@@ -3,7 +3,7 @@
 
 #include <cstddef>
 
-#include "mbs/math/simd.hpp"
+#include "mbs/base/math/simd.hpp"
 
 /// Products of a tall matrix stored by columns with a panel of W vectors stored by rows, the inner loops of
 /// solves and of orthogonalisation.  An entry of the tall matrix is read once and meets W numbers that lie

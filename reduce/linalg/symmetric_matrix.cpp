@@ -7,7 +7,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "mbs/math/simd.hpp"
+#include "mbs/base/math/simd.hpp"
 #include "reduce/linalg/column_panels.hpp"
 #include "reduce/linalg/petsc_check.hpp"
 

@@ -7,8 +7,8 @@
 #include <Eigen/Cholesky>
 #include <cmath>
 
-#include "mbs/model/modal_basis.hpp"
-#include "mbs/model/stress_field.hpp"
+#include "mbs/bodies/modal_basis.hpp"
+#include "mbs/bodies/stress_field.hpp"
 #include "mesh/gmsh/cad.hpp"
 #include "mesh/model/select.hpp"
 #include "reduce/cms/verification.hpp"

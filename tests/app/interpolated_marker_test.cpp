@@ -5,7 +5,7 @@
 
 #include <numeric>
 
-#include "mbs/model/body_node.hpp"
+#include "mbs/bodies/body_node.hpp"
 #include "reduce/cms/craig_bampton.hpp"
 #include "tests/reduce/parts.hpp"
 

@@ -10,7 +10,7 @@
 #include <fstream>
 #include <numbers>
 
-#include "mbs/input/document.hpp"
+#include "mbs/base/documents/document.hpp"
 #include "reduce/app/beam_file.hpp"
 #include "reduce/app/section_report.hpp"
 #include "tests/beam/input_texts.hpp"

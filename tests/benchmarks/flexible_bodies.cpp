@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <random>
 
-#include "mbs/model/modal_basis.hpp"
+#include "mbs/bodies/modal_basis.hpp"
 #include "mbs/superelement/file.hpp"
 
 /// Time of one evaluation of a flexible body (position and inverse dynamics) over its modes, with and without

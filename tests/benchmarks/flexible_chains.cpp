@@ -5,9 +5,9 @@
 #include <ctime>
 #include <functional>
 
-#include "mbs/model/mechanism.hpp"
-#include "mbs/model/modal_basis.hpp"
-#include "mbs/solver/run.hpp"
+#include "mbs/bodies/modal_basis.hpp"
+#include "mbs/mechanism/mechanism.hpp"
+#include "mbs/solver/run/run.hpp"
 #include "tests/mbs/flexible/beam_superelement.hpp"
 #include "tests/mbs/flexible/chain.hpp"
 #include "tests/mbs/started.hpp"

@@ -6,9 +6,9 @@
 #include <ctime>
 #include <functional>
 
-#include "mbs/model/mechanism.hpp"
-#include "mbs/solver/accelerations.hpp"
-#include "mbs/solver/run.hpp"
+#include "mbs/mechanism/mechanism.hpp"
+#include "mbs/solver/algebra/accelerations.hpp"
+#include "mbs/solver/run/run.hpp"
 #include "tests/mbs/started.hpp"
 
 /// Time for each evaluation and steps per second of chains and of closed loops, with the growth over their

@@ -12,7 +12,7 @@
 #include <set>
 #include <thread>
 
-#include "mbs/input/content_hash.hpp"
+#include "mbs/base/documents/content_hash.hpp"
 #include "mbs/results/results.hpp"
 #include "mbs/superelement/file.hpp"
 #include "tests/app/command.hpp"

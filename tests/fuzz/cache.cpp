@@ -2,8 +2,8 @@
 // What the cache of a study keeps of a run.
 #include <cmath>
 
-#include "mbs/files/json_depth.hpp"
-#include "mbs/study/cache_entry.hpp"
+#include "mbs/base/files/json_depth.hpp"
+#include "mbs/study/choice/cache_entry.hpp"
 #include "tests/fuzz/judge.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -2,8 +2,8 @@
 // Formulas, quantities with units.
 #include <cmath>
 
-#include "mbs/input/units.hpp"
-#include "mbs/model/expression.hpp"
+#include "mbs/base/documents/units.hpp"
+#include "mbs/formulas/expression.hpp"
 #include "tests/fuzz/judge.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

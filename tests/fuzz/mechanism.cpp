@@ -1,8 +1,8 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 // A mechanism file, and behind a zero byte the table t.csv that it may name.
-#include "mbs/model/mechanism.hpp"
+#include "mbs/mechanism/mechanism.hpp"
 
-#include "mbs/model/read_mechanism.hpp"
+#include "mbs/file/read_mechanism.hpp"
 #include "tests/fuzz/judge.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

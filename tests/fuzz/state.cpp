@@ -1,9 +1,9 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 // A state file, with and without a history, for a mechanism with a joint, a control and a switch.
-#include "mbs/model/mechanism.hpp"
-#include "mbs/model/read_mechanism.hpp"
-#include "mbs/solver/continuation_file.hpp"
-#include "mbs/solver/state_file.hpp"
+#include "mbs/file/read_mechanism.hpp"
+#include "mbs/mechanism/mechanism.hpp"
+#include "mbs/solver/run/continuation_file.hpp"
+#include "mbs/solver/run/state_file.hpp"
 #include "tests/fuzz/judge.hpp"
 
 namespace {

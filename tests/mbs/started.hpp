@@ -3,8 +3,8 @@
 
 #include <utility>
 
-#include "mbs/model/mechanism.hpp"
-#include "mbs/solver/assemble.hpp"
+#include "mbs/mechanism/mechanism.hpp"
+#include "mbs/solver/position/assemble.hpp"
 
 namespace flexura::mbs {
 

@@ -69,15 +69,15 @@ function(flexura_library name)
   cmake_parse_arguments(ARG "" "" "SOURCES;LINKS;PRIVATE_LINKS" ${ARGN})
   add_library(flexura_${name} STATIC ${ARG_SOURCES})
   add_library(flexura::${name} ALIAS flexura_${name})
-  target_include_directories(flexura_${name} PUBLIC ${CMAKE_SOURCE_DIR})
+  target_include_directories(flexura_${name} PUBLIC $<BUILD_INTERFACE:${CMAKE_SOURCE_DIR}> $<INSTALL_INTERFACE:include/flexura>)
   target_compile_options(flexura_${name} PRIVATE -Wall -Wextra)
   target_link_libraries(flexura_${name} PUBLIC Eigen3::Eigen ${ARG_LINKS} PRIVATE ${ARG_PRIVATE_LINKS})
   flexura_precompile(flexura_${name} flexura_precompiled_library)
 endfunction()
 
-# A program that says so in a sentence when memory runs out: mbs/math/eigen_memory.cpp.
+# A program that says so in a sentence when memory runs out: mbs/base/math/eigen_memory.cpp.
 function(flexura_survives_no_memory name)
-  target_sources(${name} PRIVATE ${CMAKE_SOURCE_DIR}/mbs/math/eigen_memory.cpp)
+  target_sources(${name} PRIVATE ${CMAKE_SOURCE_DIR}/mbs/base/math/eigen_memory.cpp)
   target_link_options(${name} PRIVATE -Wl,--wrap=malloc,--wrap=free)
 endfunction()
 

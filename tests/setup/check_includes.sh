@@ -2,36 +2,12 @@
 # check_includes.sh [FOLDER]: who may include whom (the table of CONTRIBUTING.md), and which single folder sees which
 # heavy library. Prints each breach as file:line and fails if there is one.
 set -euo pipefail
-cd "${1:-$(dirname "$0")/../..}"
+here=$(cd "$(dirname "$0")/../.." && pwd)
+cd "${1:-$here}"
 
-# folder | what of ours it may include besides itself (longest matching folder counts)
-own_rules='
-import/model    | mbs/files mbs/math mbs/superelement
-import/urdf     | import/model mbs/files mbs/math
-import/cad      | import/model mesh/model mesh/gmsh mbs/files mbs/math
-import/app      | import mbs/files mbs/input mbs/terminal
-mesh/model      |
-mesh/gmsh       | mesh/model
-mesh/import     | mesh/model mbs/files
-mesh/partition  | mesh/model
-mesh            | mesh
-beam/section    |
-beam            | beam
-reduce/linalg   | mbs/math
-reduce/elements | mesh/model beam
-reduce/assembly | mesh/model mesh/partition beam reduce/elements reduce/linalg
-reduce/app      | mesh beam reduce mbs/files mbs/superelement mbs/input mbs/terminal
-reduce          | mesh/model mesh/partition beam reduce
-mbs/files       |
-mbs/hdf5        | mbs/files
-mbs/input       | mbs/files
-mbs/math        |
-mbs/superelement| mbs/files mbs/hdf5
-mbs/results     | mbs/files mbs/hdf5
-mbs/terminal    | mbs/files mbs/hdf5 mbs/input
-mbs/view        | mbs/files mbs/superelement mbs/results mbs/terminal
-mbs             | mbs beam
-'
+# folder | what it says | what of ours it may include besides itself (longest matching folder counts)
+own_rules=$(sed -n '/^```rooms$/,/^```$/p' "$here/CONTRIBUTING.md" | grep -v '^```')
+[[ -n $own_rules ]] || { echo "CONTRIBUTING.md has no table of rooms"; exit 1; }
 
 # header of a library | the files that may see it
 library_rules='
@@ -41,15 +17,15 @@ petsc           | reduce/linalg/
 slepc           | reduce/linalg/
 cholmod         | reduce/linalg/
 mpi             | reduce/linalg/ reduce/app/
-hdf5            | mbs/hdf5/
-H5              | mbs/hdf5/
-CLI             | mbs/terminal/
-toml\+\+        | mbs/input/
-muParser        | mbs/model/ reduce/app/force_field.cpp
+hdf5            | mbs/base/hdf5/
+H5              | mbs/base/hdf5/
+CLI             | mbs/base/terminal/
+toml\+\+        | mbs/base/documents/
+muParser        | mbs/formulas/ reduce/app/force_field.cpp
 tinyxml2        | import/urdf/
 STEP            | import/cad/
 XCAF            | import/cad/
-xxhash          | mbs/input/
+xxhash          | mbs/base/documents/
 spdlog          | mbs/app/ reduce/app/
 '
 
@@ -57,20 +33,43 @@ breaches=0
 breach() { echo "$1"; breaches=$((breaches + 1)); }
 starts_with_any() { local path=$1; shift; local p; for p in "$@"; do [[ $path == "$p" || $path == "$p"/* || ($p == */ && $path == "$p"*) ]] && return 0; done; return 1; }
 
+# A room includes only rooms that stand above it: so there are no circles.
+above=
+while IFS='|' read -r folder _ may; do
+  folder=${folder// /}
+  for room in $may; do
+    [[ $folder == "$room" || $folder == "$room"/* ]] && continue  # a folder's own family
+    for other in $above; do [[ $other == "$room" || $other == "$room"/* ]] && continue 2; done
+    breach "CONTRIBUTING.md: $folder may not include $room, which does not stand above it"
+  done
+  above+=" $folder"
+done <<<"$own_rules"
+
 mapfile -t files < <(find import mesh beam reduce mbs \( -name '*.hpp' -o -name '*.cpp' -o -name '*.h' \) -not -path '*/node_modules/*' | sort)
 
 # Of ours: `#include "folder/..."`.
-while IFS=: read -r file line text; do
-  target=${text#*\"}; target=${target%%\"*}
-  own=${file%/*}; best= allowed=
-  while IFS='|' read -r folder may; do
-    folder=${folder// /}
-    [[ -n $folder ]] && starts_with_any "$file" "$folder" && ((${#folder} > ${#best})) && { best=$folder; allowed=$may; }
-  done <<<"$own_rules"
-  # shellcheck disable=SC2086
-  starts_with_any "$target" "$own" "$best" $allowed ||
-    breach "$file:$line: includes \"$target\"; $best may include itself${allowed:+ and}$allowed"
-done < <(grep -nHE '^[[:space:]]*#[[:space:]]*include[[:space:]]*"' "${files[@]}")
+while IFS= read -r line; do
+  [[ -n $line ]] && breach "$line"
+done < <({ echo "$own_rules"; echo "==="; grep -nHE '^[[:space:]]*#[[:space:]]*include[[:space:]]*"' "${files[@]}"; } | awk '
+  function within(path, folder) { return path == folder || index(path, folder "/") == 1 }
+  function room_of(path,   n, best) {
+    best = ""
+    for (n in may) if (within(path, n) && length(n) > length(best)) best = n
+    return best
+  }
+  /^===$/ { reading = 1; next }
+  !reading { split($0, cell, "|"); gsub(/ /, "", cell[1]); may[cell[1]] = cell[3]; next }
+  {
+    split($0, at, ":"); split($0, quoted, "\"")
+    file = at[1]; target = quoted[2]; from = room_of(file); to = room_of(target)
+    if (from == "") { print file ": stands in no room of the table"; next }
+    # Beside itself: what has no folder stands beside it.
+    if (index(target, "/") == 0 || (to == from && to != "")) next
+    n = split(may[from], allowed, " ")
+    for (i = 1; i <= n; ++i) if (within(target, allowed[i])) next
+    list = may[from]; gsub(/^ +| +$/, "", list)
+    print file ":" at[2] ": includes \"" target "\"; " from " may include itself" (list == "" ? "" : " and " list)
+  }')
 
 # Of others: `#include <header>`; a header of ours that shows a heavy library stays inside its folder.
 while IFS='|' read -r header where; do

@@ -1,5 +1,5 @@
 // check_messages.mjs ROOT [TABLE]: every text that the sources throw or refuse with, held against the rules of the house:
-// a sentence of at most 400 letters (what it echoes is bounded where it is printed: mbs/input/shown_text.hpp), without the
+// a sentence of at most 400 letters (what it echoes is bounded where it is printed: mbs/base/documents/shown_text.hpp), without the
 // words of a library and without "internal", without a line break in a refusal.  With TABLE the list goes there as Markdown:
 // place, kind (key: with file, line, key and value by Section::refuse), words, and what the user can do:
 //   remedy   an instruction, or the names that are known
@@ -58,14 +58,14 @@ const rule = new RegExp('\\bmust\\b|\\b(is|are) wanted\\b|\\bwants?\\b|\\bneeds?
   '\\bgoes? with\\b|\\bis for\\b|\\binstead of\\b|\\bare (allowed|tabulated)\\b|lies? (between|outside|beyond)|\\bhas \\{\\}|there (are|is) \\{\\}|\\bbetween\\b|' +
   '\\btwice\\b|\\bbelow\\b|\\babove\\b|\\bgreatest|\\blargest|\\bleast\\b|\\bnot (negative|allowed)\\b|\\bends? at\\b|\\bmore than\\b|\\bno more\\b|outside \\d|\\beach once\\b|\\bboth\\b|\\bascend|\\bnot finite\\b|not symmetric|not positive definite|the decimal sign is|\\bmay\\b|\\bjoins? two|goes on from there|shows it|\\bhas {} there|is needed|tetrahedra, hexahedra|no key of ours|the parts? of a whole');
 // Decks, meshes, matrices and CAD of others: what is wrong and where; superelements against their own contents.
-const places = /^(mesh\/(import|gmsh)\/|reduce\/app\/read_matrices|mbs\/superelement\/(validate|file)|mbs\/hdf5\/|mbs\/results\/reader)/;
+const places = /^(mesh\/(import|gmsh)\/|reduce\/app\/read_matrices|mbs\/superelement\/(validate|file)|mbs\/base\/hdf5\/|mbs\/results\/reader)/;
 const names = /\{\}|: | is | are | has | holds? |missing|cannot/;
 const passes = /^[\s|]*(("?\w*"?:?\s*)?["']?\{\}["']?[^a-z]*|(file|points|superelement|element|beam|member|section|run|body|interface|choice|line|solver|part|:|,|;|\.|\s|\||"|'|\{\})*)$/;
 
 // No input leads there, only a mistake of ours or a machine that is out of order, or it is a part of a sentence that has its
 // remedy elsewhere; each with its reason.
 const EXEMPT = [
-  ['beam/ancf/', 'the library of planar and spatial lines is called by programs and tests; mechanism files go through mbs/model'],
+  ['beam/ancf/', 'the library of planar and spatial lines is called by programs and tests; mechanism files go through mbs/bodies'],
   ['beam/model/mechanism.cpp', 'called with what model.cpp has checked'],
   ['mesh/model/', 'the library: numbers of cells and points that readers have checked'],
   ['reduce/elements/', 'cells that the readers do not make'],
@@ -75,31 +75,32 @@ const EXEMPT = [
   ['reduce/cms/', 'options and vectors that the readers have checked, and what would be wrong numbers'],
   ['mbs/view/', 'results and superelements that their readers have checked'],
   ['mbs/results/writer.cpp', 'rows that the recorder makes'],
-  ['mbs/solver/ida.cpp', 'what SUNDIALS says of itself; the steps where a force jumps are named with what to do in integrator.hpp'],
-  ['mbs/solver/integrator', 'names that options.cpp has checked'],
-  ['mbs/solver/sequence.cpp', 'the place before the sentence of an integrator'],
-  ['mbs/solver/assemble.cpp', 'the place before the sentence of what contradicts'],
-  ['mbs/model/flexible_body.cpp', 'superelements that are validated when read'],
-  ['mbs/model/modal_problem.cpp', 'superelements that are validated when read'],
-  ['mbs/model/stress_field.cpp', 'superelements that are validated when read'],
-  ['mbs/model/user_element.hpp', 'what a user library asks of its own keys: its words'],
-  ['mbs/app/checkpoint.cpp', 'parts of "there is no checkpoint to go on from (...); leave --continue out"'],
-  ['mbs/app/mechanism_runs.cpp', 'what is added to a sentence of the solver'],
+  ['mbs/solver/integrators/ida.cpp', 'what SUNDIALS says of itself; the steps where a force jumps are named with what to do in integrator.hpp'],
+  ['mbs/solver/run/make_integrator.cpp', 'names that options.cpp has checked'],
+  ['mbs/solver/accuracy/integrator_kind.cpp', 'names that options.cpp has checked'],
+  ['mbs/solver/integrators/sequence.cpp', 'the place before the sentence of an integrator'],
+  ['mbs/solver/position/assemble.cpp', 'the place before the sentence of what contradicts'],
+  ['mbs/bodies/flexible_body.cpp', 'superelements that are validated when read'],
+  ['mbs/bodies/modal_problem.cpp', 'superelements that are validated when read'],
+  ['mbs/bodies/stress_field.cpp', 'superelements that are validated when read'],
+  ['mbs/mechanism/user_element.hpp', 'what a user library asks of its own keys: its words'],
+  ['mbs/app/run/checkpoint.cpp', 'parts of "there is no checkpoint to go on from (...); leave --continue out"'],
+  ['mbs/app/run/mechanism_runs.cpp', 'what is added to a sentence of the solver'],
   ['mbs/app/simulate.cpp', 'what is added to the sentence of a run that stopped: where its rows are'],
   ['beam/element/releases.cpp', 'parts of "its releases let it ... by itself; release fewer directions"'],
-  ['mbs/input/check.cpp', 'the second argument is what is known or wanted'],
-  ['mbs/input/content_hash.cpp', 'files that a reader has read a moment before'],
-  ['mbs/input/units.cpp', 'a part of "is ... where ... is wanted"'],
+  ['mbs/base/documents/check.cpp', 'the second argument is what is known or wanted'],
+  ['mbs/base/documents/content_hash.cpp', 'files that a reader has read a moment before'],
+  ['mbs/base/documents/units.cpp', 'a part of "is ... where ... is wanted"'],
   ['mbs/study/child.cpp', 'programs of ours that are not there or may not be run: the words of the system'],
   ['mbs/study/study_file.cpp', 'the second argument is what is known'],
-  ['mbs/math/rotation.cpp', 'axes that readers have checked'],
-  ['mbs/model/joints/registry.cpp', 'types that the schema has checked'],
-  ['mbs/model/body_node.cpp', 'superelements of this program hold all six motions'],
-  ['mbs/solver/row_watch.cpp', 'what is added to the warning of a constraint that opens'],
-  ['mbs/solver/statics.cpp', 'nothing moves: there is nothing to search'],
-  ['mbs/study/integrator_check.cpp', 'the sentence of the second run, with what it was run with'],
-  ['mbs/solver/run', 'of a state file whose checksum fits: changed by hand'],
-  ['mbs/model/expression.cpp', 'what a formula is at a time; behind it stands where the rows before it are'],
+  ['mbs/base/math/rotation.cpp', 'axes that readers have checked'],
+  ['mbs/joints/make_joint.cpp', 'types that the schema has checked'],
+  ['mbs/bodies/body_node.cpp', 'superelements of this program hold all six motions'],
+  ['mbs/solver/position/row_watch.cpp', 'what is added to the warning of a constraint that opens'],
+  ['mbs/solver/linear/statics.cpp', 'nothing moves: there is nothing to search'],
+  ['mbs/study/estimate/integrator_check.cpp', 'the sentence of the second run, with what it was run with'],
+  ['mbs/solver/run/run', 'of a state file whose checksum fits: changed by hand'],
+  ['mbs/formulas/expression.cpp', 'what a formula is at a time; behind it stands where the rows before it are'],
   ['beam/section/section.cpp', 'the entry and what it is to be'],
   ['reduce/app/reduce_part.cpp', 'the key before the sentence of the modes that are struck'],
   ['mesh/gmsh/read_mesh.cpp', 'damaged meshes: the child\'s words, before which the file stands'],

@@ -10,7 +10,7 @@
 #include <numbers>
 #include <optional>
 
-#include "mbs/files/inputs.hpp"
+#include "mbs/base/files/inputs.hpp"
 #include "mbs/superelement/exchange/exchange.hpp"
 #include "mbs/superelement/text_file.hpp"
 

@@ -1,12 +1,12 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-#include "mbs/terminal/command_line.hpp"
+#include "mbs/base/terminal/command_line.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <stdexcept>
 
-#include "mbs/input/document.hpp"
+#include "mbs/base/documents/document.hpp"
 
 namespace flexura::terminal {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <chrono>
 
-#include "mbs/terminal/terminal.hpp"
+#include "mbs/base/terminal/terminal.hpp"
 #include "tests/mbs/app/flexura_fixture.hpp"
 
 namespace flexura {

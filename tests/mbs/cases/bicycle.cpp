@@ -3,7 +3,7 @@
 
 #include <functional>
 
-#include "mbs/solver/linearise.hpp"
+#include "mbs/solver/linear/linearise.hpp"
 #include "tests/mbs/cases/case_run.hpp"
 #include "tests/reference.hpp"
 

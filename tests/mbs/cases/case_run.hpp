@@ -3,8 +3,9 @@
 
 #include <gtest/gtest.h>
 
-#include "mbs/solver/prepare.hpp"
-#include "mbs/solver/run.hpp"
+#include "mbs/mechanism/describe.hpp"
+#include "mbs/solver/run/prepare.hpp"
+#include "mbs/solver/run/run.hpp"
 
 /// Runs of the mechanisms in cases/ and what they store.
 namespace flexura::mbs::cases {

@@ -3,8 +3,9 @@
 
 #include <cmath>
 
-#include "mbs/solver/descriptor.hpp"
-#include "mbs/solver/linearise.hpp"
+#include "mbs/mechanism/describe.hpp"
+#include "mbs/solver/linear/descriptor.hpp"
+#include "mbs/solver/linear/linearise.hpp"
 #include "tests/mbs/cases/text_case.hpp"
 
 /// Connections, inputs and actuators against exact answers.

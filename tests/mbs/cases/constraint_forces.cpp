@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mbs/mechanism/describe.hpp"
 #include "tests/mbs/cases/text_case.hpp"
 
 /// Forces of constraints and joints by name, against Newton's and Euler's equations of the bodies they act on.

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "mbs/model/curve.hpp"
+#include "mbs/formulas/curve.hpp"
 #include "tests/mbs/cases/text_case.hpp"
 
 /// Single elements with exact answers: tables, drives on every level, curves as force laws, controls that

@@ -3,7 +3,7 @@
 
 #include <Eigen/LU>
 
-#include "mbs/math/rotation.hpp"
+#include "mbs/base/math/rotation.hpp"
 #include "tests/mbs/cases/case_run.hpp"
 
 /// The suspension's kinematics against three scalar equations for the knuckle's rotation, solved here by

@@ -223,6 +223,15 @@ TEST_P(TimeEvents, ChatteringNamesTheFormula) {
       << r.stopped_because;
 }
 
+TEST_P(TimeEvents, EndlessOnesAreRefusedSoon) {
+  for (const char* formula : {"floor(1e6*t)", "mod(1e6*t, 1)"}) {
+    const PreparedMechanism p = prepared(pushed_by(formula) + GetParam().solver());
+    const RunResult r = run(*p.mechanism, p.state, p.v_dot, p.options);
+    EXPECT_FALSE(r.complete) << formula;
+    EXPECT_NE(r.stopped_because.find("times until the end"), std::string::npos) << formula << ": " << r.stopped_because;
+  }
+}
+
 TEST_P(TimeEvents, KinksKeepTheOrder) {
   // Straight pieces make cubic motions, which every method of order three and more follows exactly; of order
   // two by steps that end at the kinks: the error falls by four with half the step.

@@ -3,8 +3,9 @@
 
 #include <cmath>
 
-#include "mbs/solver/equilibrium.hpp"
-#include "mbs/solver/prepare.hpp"
+#include "mbs/mechanism/describe.hpp"
+#include "mbs/solver/linear/equilibrium.hpp"
+#include "mbs/solver/run/prepare.hpp"
 #include "mbs/superelement/file.hpp"
 #include "tests/mbs/flexible/beam_superelement.hpp"
 #include "tests/mbs/test_folder.hpp"

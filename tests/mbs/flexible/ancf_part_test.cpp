@@ -1,18 +1,18 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-#include "mbs/model/ancf_part.hpp"
+#include "mbs/bodies/ancf_part.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numbers>
 
-#include "mbs/model/beam_part.hpp"
-#include "mbs/model/mechanism.hpp"
-#include "mbs/solver/assemble.hpp"
-#include "mbs/solver/linearise.hpp"
-#include "mbs/solver/run.hpp"
-#include "mbs/solver/settle.hpp"
-#include "mbs/solver/statics.hpp"
+#include "mbs/mechanism/beam_part.hpp"
+#include "mbs/mechanism/mechanism.hpp"
+#include "mbs/solver/linear/linearise.hpp"
+#include "mbs/solver/linear/statics.hpp"
+#include "mbs/solver/position/assemble.hpp"
+#include "mbs/solver/position/settle.hpp"
+#include "mbs/solver/run/run.hpp"
 #include "tests/mbs/model/checks.hpp"
 
 /// ANCF beams as bodies of mechanisms.  Reference values: tests/mbs/flexible/data/README.md.

@@ -5,7 +5,7 @@
 #include <Eigen/LU>
 #include <numbers>
 
-#include "mbs/model/modal_basis.hpp"
+#include "mbs/bodies/modal_basis.hpp"
 #include "tests/mbs/flexible/beam_superelement.hpp"
 #include "tests/mbs/model/lattice.hpp"
 

@@ -1,13 +1,13 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-#include "mbs/solver/buckling.hpp"
+#include "mbs/solver/linear/buckling.hpp"
 
 #include <gtest/gtest.h>
 
 #include <numbers>
 
-#include "mbs/model/mechanism.hpp"
-#include "mbs/model/modal_basis.hpp"
-#include "mbs/solver/statics.hpp"
+#include "mbs/bodies/modal_basis.hpp"
+#include "mbs/mechanism/mechanism.hpp"
+#include "mbs/solver/linear/statics.hpp"
 #include "tests/mbs/flexible/beam_superelement.hpp"
 
 namespace flexura::mbs {

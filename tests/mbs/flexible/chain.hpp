@@ -6,7 +6,7 @@
 #include <memory>
 #include <numbers>
 
-#include "mbs/model/mechanism.hpp"
+#include "mbs/mechanism/mechanism.hpp"
 
 namespace flexura::mbs {
 

@@ -5,16 +5,16 @@
 #include <cmath>
 #include <numbers>
 
-#include "mbs/model/mechanism.hpp"
-#include "mbs/model/modal_basis.hpp"
-#include "mbs/solver/assemble.hpp"
-#include "mbs/solver/run.hpp"
-#include "mbs/solver/statics.hpp"
+#include "mbs/bodies/modal_basis.hpp"
+#include "mbs/mechanism/mechanism.hpp"
+#include "mbs/solver/linear/statics.hpp"
+#include "mbs/solver/position/assemble.hpp"
+#include "mbs/solver/run/run.hpp"
 #include "tests/mbs/flexible/beam_superelement.hpp"
 #include "tests/mbs/flexible/chain.hpp"
 
 /// Flexible bodies on flexible bodies, so many that the program closes the joints between them as constraints
-/// (mbs/model/split_branches.cpp).
+/// (mbs/mechanism/split_branches.cpp).
 namespace flexura::mbs {
 namespace {
 

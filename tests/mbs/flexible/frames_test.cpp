@@ -4,10 +4,10 @@
 #include <Eigen/LU>
 #include <algorithm>
 
-#include "mbs/model/mechanism.hpp"
-#include "mbs/model/modal_basis.hpp"
-#include "mbs/solver/assemble.hpp"
-#include "mbs/solver/run.hpp"
+#include "mbs/bodies/modal_basis.hpp"
+#include "mbs/mechanism/mechanism.hpp"
+#include "mbs/solver/position/assemble.hpp"
+#include "mbs/solver/run/run.hpp"
 #include "tests/mbs/flexible/beam_superelement.hpp"
 
 /// The choice of a body's reference frame: mean axes against a frame that is fixed to a joint.

@@ -1,9 +1,9 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-#include "mbs/model/linear_range.hpp"
+#include "mbs/mechanism/range/linear_range.hpp"
 
 #include <gmock/gmock.h>
 
-#include "mbs/model/modal_basis.hpp"
+#include "mbs/bodies/modal_basis.hpp"
 #include "tests/mbs/flexible/beam_superelement.hpp"
 
 namespace flexura::mbs {

@@ -4,11 +4,11 @@
 #include <cmath>
 #include <map>
 
-#include "mbs/model/beam_part.hpp"
-#include "mbs/model/mechanism.hpp"
-#include "mbs/model/modal_basis.hpp"
-#include "mbs/solver/assemble.hpp"
-#include "mbs/solver/run.hpp"
+#include "mbs/bodies/modal_basis.hpp"
+#include "mbs/mechanism/beam_part.hpp"
+#include "mbs/mechanism/mechanism.hpp"
+#include "mbs/solver/position/assemble.hpp"
+#include "mbs/solver/run/run.hpp"
 #include "tests/mbs/flexible/beam_superelement.hpp"
 
 /// Flexible bodies in free and in large motion.

@@ -4,8 +4,8 @@
 #include <Eigen/Eigenvalues>
 #include <numeric>
 
-#include "mbs/model/body_node.hpp"
-#include "mbs/model/modal_basis.hpp"
+#include "mbs/bodies/body_node.hpp"
+#include "mbs/bodies/modal_basis.hpp"
 #include "tests/mbs/model/checks.hpp"
 #include "tests/mbs/model/lattice.hpp"
 #include "tests/mbs/test_folder.hpp"

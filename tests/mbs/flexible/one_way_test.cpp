@@ -2,10 +2,10 @@
 #include <cmath>
 #include <numbers>
 
-#include "mbs/model/modal_basis.hpp"
-#include "mbs/solver/assemble.hpp"
-#include "mbs/solver/linearise.hpp"
-#include "mbs/solver/run.hpp"
+#include "mbs/bodies/modal_basis.hpp"
+#include "mbs/solver/linear/linearise.hpp"
+#include "mbs/solver/position/assemble.hpp"
+#include "mbs/solver/run/run.hpp"
 #include "tests/mbs/flexible/beam_superelement.hpp"
 #include "tests/mbs/model/checks.hpp"
 #include "tests/mbs/model/lattice.hpp"

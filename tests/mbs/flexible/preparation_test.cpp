@@ -3,9 +3,9 @@
 
 #include <fstream>
 
-#include "mbs/model/modal_basis.hpp"
-#include "mbs/model/preparation_cache.hpp"
-#include "mbs/solver/prepare.hpp"
+#include "mbs/bodies/modal_basis.hpp"
+#include "mbs/bodies/preparation_cache.hpp"
+#include "mbs/solver/run/prepare.hpp"
 #include "tests/mbs/model/checks.hpp"
 #include "tests/mbs/model/lattice.hpp"
 #include "tests/mbs/test_folder.hpp"

@@ -4,11 +4,11 @@
 #include <cmath>
 #include <numbers>
 
-#include "mbs/model/mechanism.hpp"
-#include "mbs/model/modal_basis.hpp"
-#include "mbs/solver/assemble.hpp"
-#include "mbs/solver/linearise.hpp"
-#include "mbs/solver/run.hpp"
+#include "mbs/bodies/modal_basis.hpp"
+#include "mbs/mechanism/mechanism.hpp"
+#include "mbs/solver/linear/linearise.hpp"
+#include "mbs/solver/position/assemble.hpp"
+#include "mbs/solver/run/run.hpp"
 #include "tests/mbs/flexible/beam_superelement.hpp"
 #include "tests/reference.hpp"
 

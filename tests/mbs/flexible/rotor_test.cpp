@@ -6,10 +6,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "mbs/model/mechanism.hpp"
-#include "mbs/model/modal_basis.hpp"
-#include "mbs/solver/assemble.hpp"
-#include "mbs/solver/linearise.hpp"
+#include "mbs/bodies/modal_basis.hpp"
+#include "mbs/mechanism/mechanism.hpp"
+#include "mbs/solver/linear/linearise.hpp"
+#include "mbs/solver/position/assemble.hpp"
 #include "tests/mbs/flexible/beam_superelement.hpp"
 
 /// Rotors: a light elastic shaft, clamped to a driven spindle, with a disc on its free end.

@@ -1,13 +1,13 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-#include "mbs/solver/settle.hpp"
+#include "mbs/solver/position/settle.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "mbs/model/mechanism.hpp"
-#include "mbs/model/modal_basis.hpp"
-#include "mbs/solver/run.hpp"
+#include "mbs/bodies/modal_basis.hpp"
+#include "mbs/mechanism/mechanism.hpp"
+#include "mbs/solver/run/run.hpp"
 #include "tests/mbs/flexible/beam_superelement.hpp"
 
 /// Starts without ringing.

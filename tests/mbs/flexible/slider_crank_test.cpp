@@ -4,11 +4,11 @@
 #include <Eigen/Eigenvalues>
 #include <cmath>
 
-#include "mbs/model/mechanism.hpp"
-#include "mbs/model/modal_basis.hpp"
-#include "mbs/solver/accelerations.hpp"
-#include "mbs/solver/assemble.hpp"
-#include "mbs/solver/run.hpp"
+#include "mbs/bodies/modal_basis.hpp"
+#include "mbs/mechanism/mechanism.hpp"
+#include "mbs/solver/algebra/accelerations.hpp"
+#include "mbs/solver/position/assemble.hpp"
+#include "mbs/solver/run/run.hpp"
 
 /// The flexible slider-crank of B. Simeon, Math. Modelling of Systems 2 (1996) 1, as the Test Set for IVP
 /// Solvers (W. M. Lioen, J. J. B. de Swart, CWI; F. Mazzia, Bari) states and solves it: a driven rigid crank,

@@ -3,8 +3,8 @@
 
 #include <cmath>
 
-#include "mbs/model/section_points.hpp"
-#include "mbs/model/stress_field.hpp"
+#include "mbs/bodies/section_points.hpp"
+#include "mbs/bodies/stress_field.hpp"
 
 namespace flexura::mbs {
 namespace {

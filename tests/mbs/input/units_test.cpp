@@ -1,12 +1,12 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-#include "mbs/input/units.hpp"
+#include "mbs/base/documents/units.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <numbers>
 
-#include "mbs/input/document.hpp"
+#include "mbs/base/documents/document.hpp"
 
 namespace flexura::input {
 namespace {

@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <random>
 
-#include "mbs/model/mechanism.hpp"
+#include "mbs/mechanism/mechanism.hpp"
 
 /// Identities that every mechanism must satisfy at every state, consistent or not.  Scales: coordinates,
 /// speeds, lengths and masses of the test mechanisms are of order one.

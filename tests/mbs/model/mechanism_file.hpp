@@ -1,7 +1,7 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "mbs/model/read_mechanism.hpp"
+#include "mbs/file/read_mechanism.hpp"
 #include "tests/mbs/test_folder.hpp"
 
 namespace flexura::mbs {

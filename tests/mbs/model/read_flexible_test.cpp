@@ -2,7 +2,7 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
-#include "mbs/model/modal_basis.hpp"
+#include "mbs/bodies/modal_basis.hpp"
 #include "mbs/superelement/file.hpp"
 #include "tests/mbs/model/checks.hpp"
 #include "tests/mbs/model/lattice.hpp"

@@ -1,6 +1,7 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include <gmock/gmock.h>
 
+#include "mbs/mechanism/describe.hpp"
 #include "tests/mbs/model/checks.hpp"
 #include "tests/mbs/model/mechanism_file.hpp"
 

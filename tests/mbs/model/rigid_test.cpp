@@ -1,7 +1,7 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include <Eigen/LU>
 
-#include "mbs/model/joints/types.hpp"
+#include "mbs/file/elements/element_types.hpp"
 #include "tests/mbs/model/checks.hpp"
 
 namespace flexura::mbs {

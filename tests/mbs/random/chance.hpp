@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <numbers>
 
-#include "mbs/math/rotation.hpp"
+#include "mbs/base/math/rotation.hpp"
 
 namespace flexura::mbs::chance {
 

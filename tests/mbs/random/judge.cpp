@@ -9,13 +9,14 @@
 #include <functional>
 #include <numbers>
 
-#include "mbs/math/rotation.hpp"
-#include "mbs/solver/accelerations.hpp"
-#include "mbs/solver/equilibrium.hpp"
-#include "mbs/solver/prepare.hpp"
-#include "mbs/solver/run.hpp"
-#include "mbs/solver/stability.hpp"
-#include "mbs/solver/steady_state.hpp"
+#include "mbs/base/math/rotation.hpp"
+#include "mbs/mechanism/describe.hpp"
+#include "mbs/solver/algebra/accelerations.hpp"
+#include "mbs/solver/linear/equilibrium.hpp"
+#include "mbs/solver/linear/stability.hpp"
+#include "mbs/solver/linear/steady_state.hpp"
+#include "mbs/solver/run/prepare.hpp"
+#include "mbs/solver/run/run.hpp"
 
 namespace flexura::mbs::chance {
 

@@ -11,7 +11,7 @@
 
 #include <Eigen/LU>
 
-#include "mbs/math/rotation.hpp"
+#include "mbs/base/math/rotation.hpp"
 
 namespace flexura::mbs::chance {
 

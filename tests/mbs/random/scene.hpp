@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "mbs/math/spatial.hpp"
+#include "mbs/base/math/spatial.hpp"
 
 /// A mechanism as the tests of random mechanisms know it: what is written into the file, and what scene_physics.hpp
 /// judges runs by without the code under test.

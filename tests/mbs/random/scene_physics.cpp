@@ -10,7 +10,7 @@
 #include <map>
 #include <numbers>
 
-#include "mbs/math/rotation.hpp"
+#include "mbs/base/math/rotation.hpp"
 
 namespace flexura::mbs::chance {
 

@@ -11,7 +11,7 @@
 #include <fstream>
 #include <thread>
 
-#include "mbs/hdf5/file.hpp"
+#include "mbs/base/hdf5/file.hpp"
 #include "tests/setup/scratch_place.hpp"
 
 namespace flexura::results {

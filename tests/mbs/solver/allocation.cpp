@@ -4,8 +4,9 @@
 #include <cmath>
 #include <ctime>
 
-#include "mbs/model/mechanism.hpp"
-#include "mbs/solver/integrator.hpp"
+#include "mbs/mechanism/mechanism.hpp"
+#include "mbs/solver/integrators/integrator.hpp"
+#include "mbs/solver/run/make_integrator.hpp"
 #include "tests/mbs/allocations.hpp"
 #include "tests/mbs/solver/flexible_engine.hpp"
 #include "tests/mbs/started.hpp"

@@ -1,10 +1,10 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-#include "mbs/solver/assemble.hpp"
+#include "mbs/solver/position/assemble.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "mbs/solver/accelerations.hpp"
+#include "mbs/solver/algebra/accelerations.hpp"
 #include "tests/mbs/solver/planar.hpp"
 
 namespace flexura::mbs::test {

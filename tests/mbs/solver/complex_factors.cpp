@@ -1,5 +1,5 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-#include "mbs/solver/complex_factors.hpp"
+#include "mbs/solver/algebra/complex_factors.hpp"
 
 #include <gtest/gtest.h>
 

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <limits>
 
-#include "mbs/solver/accelerations.hpp"
-#include "mbs/solver/assemble.hpp"
-#include "mbs/solver/run_memory.hpp"
+#include "mbs/solver/algebra/accelerations.hpp"
+#include "mbs/solver/position/assemble.hpp"
+#include "mbs/solver/run/run_memory.hpp"
 #include "tests/mbs/solver/planar.hpp"
 #include "tests/mbs/solver/rows.hpp"
 #include "tests/mbs/solver/simple.hpp"

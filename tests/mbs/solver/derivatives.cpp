@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "mbs/solver/tangents.hpp"
+#include "mbs/solver/algebra/tangents.hpp"
 #include "tests/mbs/model/checks.hpp"
 
 namespace flexura::mbs::checks {

@@ -1,7 +1,7 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "mbs/model/mechanism.hpp"
+#include "mbs/mechanism/mechanism.hpp"
 
 /// The derivatives that Newton's method and the linearisation use, against central differences of fourth
 /// order.

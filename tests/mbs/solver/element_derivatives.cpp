@@ -4,11 +4,8 @@
 #include <map>
 #include <set>
 
-#include "mbs/model/constraints/types.hpp"
-#include "mbs/model/controls/types.hpp"
-#include "mbs/model/forces/types.hpp"
-#include "mbs/model/joints/types.hpp"
-#include "mbs/model/modal_basis.hpp"
+#include "mbs/bodies/modal_basis.hpp"
+#include "mbs/file/elements/element_types.hpp"
 #include "tests/mbs/model/checks.hpp"
 #include "tests/mbs/model/lattice.hpp"
 #include "tests/mbs/model/mechanism_file.hpp"

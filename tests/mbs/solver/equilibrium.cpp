@@ -2,9 +2,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "mbs/solver/accelerations.hpp"
-#include "mbs/solver/linearise.hpp"
-#include "mbs/solver/statics.hpp"
+#include "mbs/solver/algebra/accelerations.hpp"
+#include "mbs/solver/linear/linearise.hpp"
+#include "mbs/solver/linear/statics.hpp"
 #include "tests/mbs/solver/planar.hpp"
 #include "tests/mbs/solver/simple.hpp"
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "mbs/solver/accelerations.hpp"
+#include "mbs/solver/algebra/accelerations.hpp"
 #include "tests/mbs/solver/method_runs.hpp"
 #include "tests/mbs/solver/planar.hpp"
 

@@ -1,8 +1,8 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include <gtest/gtest.h>
 
-#include "mbs/model/ancf_part.hpp"
-#include "mbs/model/modal_basis.hpp"
+#include "mbs/bodies/ancf_part.hpp"
+#include "mbs/bodies/modal_basis.hpp"
 #include "mbs/superelement/file.hpp"
 #include "tests/mbs/model/checks.hpp"
 #include "tests/mbs/model/lattice.hpp"

@@ -3,8 +3,8 @@
 
 #include <memory>
 
-#include "mbs/model/mechanism.hpp"
-#include "mbs/model/modal_basis.hpp"
+#include "mbs/bodies/modal_basis.hpp"
+#include "mbs/mechanism/mechanism.hpp"
 #include "tests/mbs/model/lattice.hpp"
 
 namespace flexura::mbs::test {

@@ -1,5 +1,5 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-#include "mbs/solver/growth.hpp"
+#include "mbs/solver/run/growth.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -6,10 +6,10 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "mbs/model/modal_basis.hpp"
+#include "mbs/bodies/modal_basis.hpp"
 #include "mbs/results/results.hpp"
-#include "mbs/solver/prepare.hpp"
-#include "mbs/solver/run.hpp"
+#include "mbs/solver/run/prepare.hpp"
+#include "mbs/solver/run/run.hpp"
 #include "mbs/superelement/file.hpp"
 #include "tests/mbs/model/lattice.hpp"
 #include "tests/mbs/solver/run_folder.hpp"

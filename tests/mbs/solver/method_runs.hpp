@@ -5,9 +5,9 @@
 
 #include <string>
 
-#include "mbs/solver/accelerations.hpp"
-#include "mbs/solver/assemble.hpp"
-#include "mbs/solver/run.hpp"
+#include "mbs/solver/algebra/accelerations.hpp"
+#include "mbs/solver/position/assemble.hpp"
+#include "mbs/solver/run/run.hpp"
 #include "tests/mbs/solver/simple.hpp"
 
 /// Runs of small systems that the tests of several integrators make.

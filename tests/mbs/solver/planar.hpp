@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "mbs/model/equations.hpp"
+#include "mbs/equations/equations.hpp"
 
 /// Planar mechanisms written out by hand: equations of motion that owe nothing to the program's own model
 /// code, for tests of the solvers.

@@ -5,7 +5,7 @@
 
 #include <vector>
 
-#include "mbs/solver/run.hpp"
+#include "mbs/solver/run/run.hpp"
 
 namespace flexura::mbs::test {
 

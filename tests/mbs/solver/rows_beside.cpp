@@ -4,10 +4,10 @@
 #include <numeric>
 #include <stdexcept>
 
-#include "mbs/solver/accelerations.hpp"
-#include "mbs/solver/assemble.hpp"
-#include "mbs/solver/conveyor.hpp"
-#include "mbs/solver/run.hpp"
+#include "mbs/solver/algebra/accelerations.hpp"
+#include "mbs/solver/integrators/conveyor.hpp"
+#include "mbs/solver/position/assemble.hpp"
+#include "mbs/solver/run/run.hpp"
 #include "tests/mbs/solver/flexible_engine.hpp"
 #include "tests/mbs/solver/rows.hpp"
 #include "tests/mbs/solver/simple.hpp"

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "mbs/model/equations.hpp"
+#include "mbs/equations/equations.hpp"
 
 /// Small systems with exact solutions, for tests of the solvers.
 namespace flexura::mbs::test {

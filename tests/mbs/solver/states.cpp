@@ -4,7 +4,7 @@
 #include <cmath>
 #include <sstream>
 
-#include "mbs/hdf5/file.hpp"
+#include "mbs/base/hdf5/file.hpp"
 #include "mbs/results/results.hpp"
 #include "tests/mbs/solver/run_folder.hpp"
 

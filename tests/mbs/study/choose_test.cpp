@@ -1,5 +1,5 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-#include "mbs/study/choose.hpp"
+#include "mbs/study/choice/choose.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,7 +7,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "mbs/study/spectrum.hpp"
+#include "mbs/mechanism/describe.hpp"
+#include "mbs/study/estimate/spectrum.hpp"
 #include "mbs/superelement/file.hpp"
 #include "tests/app/command.hpp"
 #include "tests/mbs/flexible/beam_superelement.hpp"

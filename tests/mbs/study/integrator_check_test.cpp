@@ -1,5 +1,5 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-#include "mbs/study/integrator_check.hpp"
+#include "mbs/study/estimate/integrator_check.hpp"
 
 #include <gtest/gtest.h>
 

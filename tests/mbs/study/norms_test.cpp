@@ -1,5 +1,5 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-#include "mbs/study/norms.hpp"
+#include "mbs/study/estimate/norms.hpp"
 
 #include <gtest/gtest.h>
 

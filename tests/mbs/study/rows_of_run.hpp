@@ -6,8 +6,9 @@
 #include <functional>
 #include <vector>
 
-#include "mbs/solver/prepare.hpp"
-#include "mbs/solver/run.hpp"
+#include "mbs/mechanism/describe.hpp"
+#include "mbs/solver/run/prepare.hpp"
+#include "mbs/solver/run/run.hpp"
 
 namespace flexura::study {
 

@@ -5,7 +5,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "mbs/input/content_hash.hpp"
+#include "mbs/base/documents/content_hash.hpp"
 #include "mbs/study/child.hpp"
 #include "mbs/study/study_file.hpp"
 #include "tests/app/command.hpp"

@@ -9,7 +9,7 @@
 #include <fstream>
 #include <thread>
 
-#include "mbs/hdf5/file.hpp"
+#include "mbs/base/hdf5/file.hpp"
 #include "tests/mbs/superelement/box_beam.hpp"
 #include "tests/setup/scratch_place.hpp"
 

@@ -1,0 +1,179 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mbs/app/run/estimated_error.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "mbs/base/files/json_depth.hpp"
+#include "mbs/solver/accuracy/integrator_kind.hpp"
+#include "mbs/study/estimate/full_model.hpp"
+#include "mbs/study/estimate/percent.hpp"
+#include "mbs/superelement/file.hpp"
+
+namespace flexura::app {
+
+using study::percent;
+
+namespace {
+
+// The shadows are linear in what they correct; from here on their figure is no more than a warning.
+constexpr double kTrusted = 0.2;
+
+// A number of a report, or nothing.
+std::optional<double> number_in(const nlohmann::json& table, const char* key) {
+  const auto found = table.is_object() ? table.find(key) : table.end();
+  if (found == table.end() || !found->is_number()) return {};
+  return found->get<double>();
+}
+
+// What the elements cost in deformation, by the report's estimates for the lowest frequency (f ~ k^(1/2)) and for the
+// compliance between interfaces; nothing where the mesh was not judged or does not resolve the part (null).
+std::optional<double> share_of_elements(const nlohmann::json& report) {
+  const auto estimate = report.find("mesh_error");
+  if (estimate == report.end() || !estimate->is_object()) return {};
+  double worst = -1.0;
+  const auto take = [&](const char* list, const char* key, double factor, bool only_first) {
+    const auto rows = estimate->find(list);
+    if (rows == estimate->end() || !rows->is_array()) return true;
+    for (const nlohmann::json& row : *rows) {
+      const std::optional<double> error = number_in(row, key);
+      if (!error) return false;
+      worst = std::max(worst, factor * *error);
+      if (only_first) break;
+    }
+    return true;
+  };
+  if (!take("modes", "frequency_error", 2.0, true) || !take("interfaces", "compliance_error", 1.0, false))
+    return {};
+  return worst >= 0.0 ? std::optional(worst) : std::nullopt;
+}
+
+ErrorSource mesh_of(const mbs::BodyDescription& body) {
+  ErrorSource out{"mesh", body.name, {}, 0.0, "its reduction reports no estimate"};
+  const auto report = nlohmann::json::parse(
+      files::shallow_json(
+          superelement::read(body.superelement, {.matrices = false, .inertia = false}).report_json),
+      nullptr, false);
+  if (!report.is_object()) return out;
+  double known = 0.0;
+  if (const auto mesh = report.find("mesh"); mesh != report.end())
+    known = std::abs(number_in(*mesh, "volume_error").value_or(0.0));
+  const auto estimate = report.find("estimate");
+  std::optional<double> dropped;
+  if (estimate != report.end() && estimate->is_array() && !estimate->empty())
+    dropped = number_in(estimate->front(), "frequency_error");
+  const std::optional<double> elements = share_of_elements(report);
+  known += 2.0 * dropped.value_or(0.0) + elements.value_or(0.0);
+  if (dropped && elements) {
+    out.error = known;
+    out.note = "of its deformation";
+  } else {
+    out.at_least = known;
+    if (dropped) out.note = "its elements were not judged, or do not resolve the part";
+  }
+  return out;
+}
+
+void add_bodies(const mbs::PreparedMechanism& prepared, std::vector<ErrorSource>& sources) {
+  for (const mbs::BodyDescription& body : prepared.mechanism->description().bodies) {
+    if (!study::can_deform(body)) continue;
+    if (body.flexible || body.ked) sources.push_back(mesh_of(body));
+    if (!study::has_stiffening_terms(body))
+      sources.push_back({"stiffening",
+                         body.name,
+                         {},
+                         0.0,
+                         body.follows_surface || body.is_loaded_by_case
+                             ? "its loads on the surface have no terms for it"
+                             : "reduce it with stiffening = true"});
+  }
+}
+
+// What switches takes another course with every change of the motion: a second run sees it, an estimate that is
+// linear about the run does not.
+void add_switches(const mbs::PreparedMechanism& prepared, bool is_judged, std::vector<ErrorSource>& sources) {
+  if (is_judged) return;
+  for (const auto& force : prepared.mechanism->description().forces)
+    if (force->n_switches() > 0)
+      sources.push_back({"switch", force->name(), {}, 0.0, "the estimate is linear about the run"});
+  for (int i = 0; i < prepared.mechanism->sizes().n_root; ++i)
+    if (prepared.mechanism->is_condition(i) && !prepared.mechanism->is_kink(i))
+      sources.push_back(
+          {"switch", prepared.mechanism->name_of_root(i), {}, 0.0, "the estimate is linear about the run"});
+}
+
+std::string basis(const study::OutputEstimate& output) {
+  return output.scale > output.size_rms ? output.name + "'s family, beside which it is nothing"
+                                        : output.name + ", the worst output";
+}
+
+}  // namespace
+
+ErrorEstimate estimate_error(const mbs::PreparedMechanism& prepared,
+                             const study::TruncationEstimate* truncation,
+                             const study::IntegratorEstimate* check, const mbs::RunResult& result) {
+  ErrorEstimate out;
+  if (check) {
+    out.sources.push_back({"integrator", "", check->error, 0.0,
+                           fmt::format("in {}; a second run at {:g} times the {}", check->output,
+                                       check->factor, check->by_step ? "step" : "tolerance")});
+  } else if (mbs::kind_of(prepared.options).integrates) {
+    const double balance = std::abs(result.energy.relative_error());
+    out.sources.push_back({"integrator",
+                           "",
+                           {},
+                           balance,
+                           fmt::format("energy balance {}; --check-integrator tells", percent(balance))});
+  }
+  out.of = check && !check->output.empty() ? check->output : "an output";
+  if (truncation && truncation->worst >= 0) {
+    out.of = basis(truncation->outputs[static_cast<std::size_t>(truncation->worst)]);
+    out.is_large = truncation->error > kTrusted;
+    for (const study::SourceEstimate& source : truncation->by_body)
+      if (truncation->missed > 0.0)
+        out.sources.push_back(
+            {"modes",
+             source.body,
+             {},
+             source.error,
+             fmt::format("forces change within {:.3g} s, the rows that judge it are {:.3g} s apart: "
+                         "give a smaller output_step",
+                         truncation->missed, truncation->rows_apart)});
+      else
+        // Alone a body may be worst for another output.
+        out.sources.push_back(
+            {"modes", source.body, source.error, 0.0,
+             truncation->by_body.size() > 1 && !source.output.empty() ? "in " + source.output : ""});
+  }
+  add_bodies(prepared, out.sources);
+  for (const mbs::BlindSpot& spot : prepared.file.blind_spots)
+    out.sources.push_back({spot.kind, spot.name, {}, 0.0, spot.remedy});
+  add_switches(prepared, check && !truncation, out.sources);
+  // Of all bodies together, where some of their errors may cancel.
+  if (truncation) out.at_least += truncation->error;
+  for (const ErrorSource& source : out.sources) {
+    if (source.kind != "modes") out.at_least += source.error.value_or(source.at_least);
+    out.is_whole = out.is_whole && source.error.has_value();
+  }
+  return out;
+}
+
+std::vector<ErrorSource> discretisation_of(const mbs::PreparedMechanism& prepared) {
+  std::vector<ErrorSource> sources;
+  for (const mbs::BodyDescription& body : prepared.mechanism->description().bodies) {
+    const mbs::FlexibleBody* deforms = body.flexible ? body.flexible.get() : body.ked.get();
+    // Shapes of a superelement, the six of rigid motion among them, that the basis does not span.
+    if (deforms && deforms->is_modal() && deforms->m() + 6 < deforms->data().Y.rows())
+      sources.push_back({"modes", body.name, {}, 0.0, "flexura simulate estimates them"});
+  }
+  add_bodies(prepared, sources);
+  for (const mbs::BlindSpot& spot : prepared.file.blind_spots)
+    sources.push_back({spot.kind, spot.name, {}, 0.0, spot.remedy});
+  return sources;
+}
+
+}  // namespace flexura::app

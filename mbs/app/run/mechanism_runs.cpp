@@ -1,0 +1,179 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mbs/app/run/mechanism_runs.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "mbs/app/run/estimated_error.hpp"
+#include "mbs/app/run/open_page.hpp"
+#include "mbs/base/terminal/terminal.hpp"
+#include "mbs/mechanism/range/linear_range.hpp"
+#include "mbs/solver/algebra/accelerations.hpp"
+#include "mbs/solver/linear/equilibrium.hpp"
+
+namespace flexura::app {
+
+void declare_mechanism(terminal::Options& options, MechanismArguments& arguments, bool needs_file) {
+  if (needs_file) {
+    options.argument("FILE", arguments.file, "mechanism file (.toml)");
+  } else {
+    options.optional_argument("FILE", arguments.file, "mechanism file (.toml)");
+  }
+  options
+      .option("--set", arguments.set, "KEY=VALUE",
+              "override a key of the file, as in body.rod.fidelity=rigid")
+      .option("--from-state", arguments.from_state, "FILE",
+              "start from the states in this file (see --save-state), or from those that it names")
+      .option("--run", arguments.runs, "NAME", "only these of the file's runs")
+      .option(
+          "--cache", arguments.cache, "FOLDER",
+          "keep the modes of flexible bodies there and take them from there, each by the content of what it "
+          "follows from");
+}
+
+std::vector<NamedRun> prepare_runs(const MechanismArguments& arguments) {
+  std::error_code failure;  // a link that leads back to itself
+  const std::filesystem::file_status cached = std::filesystem::status(arguments.cache, failure);
+  if (!std::filesystem::is_directory(cached) && cached.type() != std::filesystem::file_type::not_found)
+    throw std::invalid_argument(fmt::format("--cache {}: is no folder{}; name one", arguments.cache,
+                                            failure ? " (" + failure.message() + ")" : ""));
+  const auto cache = std::make_shared<mbs::PreparationCache>(arguments.cache);
+  const mbs::MechanismFile file =
+      mbs::read_mechanism(arguments.file, mbs::solver_schema(), arguments.set, cache.get());
+  std::vector<std::string> known;
+  for (const mbs::RunDescription& run : file.runs) known.push_back(run.name);
+  for (const std::string& wanted : arguments.runs)
+    if (std::ranges::find(known, wanted) == known.end())
+      throw std::invalid_argument(fmt::format("{}: there is no run \"{}\"{}", arguments.file, wanted,
+                                              input::suggestion(wanted, known)));
+  std::vector<NamedRun> runs;
+  for (const mbs::RunDescription& run : file.runs) {
+    if (!arguments.runs.empty() && std::ranges::find(arguments.runs, run.name) == arguments.runs.end())
+      continue;
+    // What stands on the command line has the last word.
+    std::vector<std::string> overrides = run.overrides;
+    overrides.insert(overrides.end(), arguments.set.begin(), arguments.set.end());
+    try {
+      runs.push_back(
+          {run.name, mbs::prepare(arguments.file, overrides, arguments.from_state, cache), overrides});
+    } catch (const mbs::NotAssembled& failure) {
+      const std::string page = std::filesystem::path(arguments.file).stem().string() + ".open.html";
+      try {
+        write_open_page(page, failure, arguments.file);
+      } catch (const std::exception&) {  // a folder that cannot be written to: the sentence is what counts
+        throw input::InputError(failure.what());
+      }
+      throw input::InputError(
+          fmt::format("{}; {} shows it as it stands, open joints in red", failure.what(), page));
+    }
+    give_warnings(runs.back());
+    if (!arguments.from_state.empty()) runs.back().prepared.options.start_time = runs.back().prepared.state.t;
+  }
+  return runs;
+}
+
+NamedRun& only_run(std::vector<NamedRun>& runs, const MechanismArguments& arguments,
+                   const std::string& option) {
+  if (runs.size() != 1)
+    throw std::invalid_argument(fmt::format("{} needs one run, and {} has {}; choose one with --run", option,
+                                            arguments.file, runs.size()));
+  return runs.front();
+}
+
+void give_warnings(NamedRun& run) {
+  std::vector<std::string>& notes = run.prepared.notes;
+  const auto is_warning = [](const std::string& note) { return note.starts_with(mbs::warning_mark); };
+  for (const std::string& note : notes)
+    if (is_warning(note)) {
+      run.warnings.push_back(note.substr(mbs::warning_mark.size()));
+      fmt::print(stderr, "warning: {}: {}\n", run.name, run.warnings.back());
+    }
+  std::erase_if(notes, is_warning);
+}
+
+void note_discretisation(mbs::PreparedMechanism& p) {
+  if (std::string line = discretisation_line(p); !line.empty()) p.notes.push_back(std::move(line));
+}
+
+mbs::Stability settle(mbs::PreparedMechanism& p) {
+  const mbs::StaticsReport report = mbs::find_equilibrium(*p.mechanism, p.state);
+  mbs::AccelerationSolver(*p.mechanism).solve(p.state, p.v_dot);
+  p.notes.push_back(fmt::format("equilibrium in {} steps, largest force left {} N", report.iterations,
+                                terminal::number(report.force_residual, 2)));
+  if (!report.stable)
+    p.notes.push_back(
+        "the equilibrium is where the loads led as they grew; a stable one was not found near by");
+  mbs::LinearRange range(*p.mechanism);
+  range.observe(p.state);
+  if (const std::string why = range.runaway(); !why.empty()) throw std::runtime_error(why);
+  for (const std::string& sentence : range.sentences()) p.notes.push_back(mbs::warning_mark + sentence);
+  mbs::Stability stability = mbs::stability_at_rest(*p.mechanism, p.state);
+  if (std::string said = mbs::sentence(*p.mechanism, stability, "the equilibrium"); !said.empty())
+    p.notes.push_back(std::move(said));
+  return stability;
+}
+
+const char* const kFrozenHelp =
+    "linearise at the instant even where the state does not last: about a point of a trajectory";
+
+bool lasts(const mbs::PreparedMechanism& p) {
+  const double span = p.options.end_time - p.state.t;
+  return mbs::linearise_steady(*p.mechanism, p.state, span > 0.0 ? span : 1.0, {}).verdict !=
+         mbs::SteadyLinearisation::Verdict::unsteady;
+}
+
+mbs::SteadyLinearisation linearise_about(mbs::PreparedMechanism& p, const mbs::LineariseOptions& options,
+                                         bool frozen) {
+  using Verdict = mbs::SteadyLinearisation::Verdict;
+  const double span = p.options.end_time - p.state.t;
+  mbs::SteadyLinearisation out =
+      mbs::linearise_steady(*p.mechanism, p.state, span > 0.0 ? span : 1.0, options);
+  if (out.verdict == Verdict::unsteady && !frozen)
+    throw std::invalid_argument(fmt::format(
+        "the state at t = {} s is neither an equilibrium nor a steady motion: {}; a linear system has no lasting "
+        "meaning there. Take --equilibrium, --from-state or initial_deformation = \"quasi_static\", or "
+        "--frozen for this instant",
+        terminal::number(p.state.t, 6), out.why));
+  if (out.verdict == Verdict::unsteady)
+    p.notes.push_back(
+        fmt::format("frozen at t = {} s: {}; what follows holds for times that are short against this change",
+                    terminal::number(p.state.t, 6), out.why));
+  if (!out.axes.empty())
+    p.notes.push_back("in " + out.axes +
+                      ": there the coefficients are constant, in the coordinates' own axes they are not");
+  p.notes.insert(p.notes.end(), out.notes.begin(), out.notes.end());
+  return out;
+}
+
+std::string name_of(mbs::SteadyLinearisation::Verdict verdict) {
+  using Verdict = mbs::SteadyLinearisation::Verdict;
+  return verdict == Verdict::equilibrium     ? "equilibrium"
+         : verdict == Verdict::steady_motion ? "steady motion"
+                                             : "frozen";
+}
+
+std::string heading(const NamedRun& run) {
+  const mbs::MechanismFile& file = run.prepared.file;
+  // The only run of a file that names none is called "run".
+  const std::string which = run.name == "run" ? "" : fmt::format(", run {}", run.name);
+  return terminal::bold(
+      fmt::format("{}{}, t = {} s", file.name, which, terminal::number(run.prepared.state.t, 6)),
+      terminal::takes_colour(stdout));
+}
+
+nlohmann::json run_json(const NamedRun& run) {
+  return {{"run", run.name},
+          {"time_s", run.prepared.state.t},
+          {"notes", run.prepared.notes},
+          {"warnings", run.warnings}};
+}
+
+void print_json(const std::string& kind, const std::vector<NamedRun>& runs, const nlohmann::json& list) {
+  fmt::print(
+      "{}\n",
+      nlohmann::json{{"kind", kind}, {"name", runs.front().prepared.file.name}, {"runs", list}}.dump(1));
+}
+
+}  // namespace flexura::app

@@ -1,0 +1,185 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mbs/app/run/one_run.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <optional>
+
+#include "mbs/app/run/estimated_error.hpp"
+#include "mbs/app/run/left_out.hpp"
+#include "mbs/app/run/recorder.hpp"
+#include "mbs/study/choice/choose.hpp"
+
+namespace flexura::app {
+namespace {
+
+using mbs::PreparedMechanism;
+using mbs::RunResult;
+
+// Made where the user wants it and the run comes from its beginning to its end.
+std::unique_ptr<study::IntegratorCheck> wanted_check(const PreparedMechanism& prepared,
+                                                     const SimulateArguments& arguments) {
+  return arguments.check_integrator ? study::IntegratorCheck::make(prepared) : nullptr;
+}
+
+void add_estimate(const PreparedMechanism& prepared, const study::TruncationEstimate* truncation,
+                  study::IntegratorCheck* check, const mbs::RunCallbacks& callbacks, RunOutcome& outcome) {
+  const LeftOut unneeded = left_out(prepared);
+  outcome.summary["left_out"] = left_out_json(unneeded);
+  if (std::string line = left_out_line(unneeded); !line.empty()) outcome.lines.push_back(std::move(line));
+  std::optional<study::IntegratorEstimate> integrator;
+  if (check && outcome.result.complete) integrator = check->estimate(callbacks);
+  const study::IntegratorEstimate* const by_check = integrator ? &*integrator : nullptr;
+  const ErrorEstimate estimate = estimate_error(prepared, truncation, by_check, outcome.result);
+  outcome.summary["estimate"] = estimated_error_json(estimate, truncation, by_check, outcome.result);
+  outcome.lines.push_back(estimated_error_text(estimate));
+  if (const double accuracy = prepared.file.solver.quantity("accuracy"); accuracy > 0.0)
+    if (std::string sentence = missed_accuracy(estimate, accuracy); !sentence.empty())
+      outcome.warnings.push_back(std::move(sentence));
+}
+
+RunResult run_with_memory(const PreparedMechanism& prepared, bool goes_on, const CheckpointMemory& memory,
+                          const mbs::RunCallbacks& callbacks) {
+  mbs::Remembering remembering;
+  remembering.wanted = [&] { return memory.to->due(); };
+  remembering.take = [&](const mbs::RunMemory& m) { memory.to->take(m); };
+  if (goes_on)
+    return mbs::run(*prepared.mechanism, memory.from->memory(*prepared.mechanism), prepared.options,
+                    callbacks, remembering);
+  return mbs::run(*prepared.mechanism, prepared.state, prepared.v_dot, prepared.options, callbacks,
+                  remembering);
+}
+
+RunResult result_from(const nlohmann::json& end) {
+  RunResult r;
+  r.complete = end.at("complete");
+  r.stopped_as_told = end.at("as_told");
+  r.stopped_because = end.at("stopped_because");
+  const nlohmann::json& f = end.at("figures");
+  r.state.t = f.at("t");
+  r.wall_time = f.at("wall");
+  const auto& c = f.at("counts");
+  r.counts = {.steps = c.at(0),
+              .evaluations = c.at(1),
+              .jacobians = c.at(2),
+              .error_failures = c.at(3),
+              .newton_failures = c.at(4)};
+  r.events.resize(f.at("switches").get<std::size_t>());
+  const auto& e = f.at("energy");
+  r.energy.now.kinetic = e.at(0);
+  r.energy.now.strain = e.at(1);
+  r.energy.now.potential = e.at(2);
+  r.energy.start = e.at(3);
+  r.energy.work_in = e.at(4);
+  r.energy.dissipated = e.at(5);
+  r.energy.gross_work = e.at(6);
+  r.energy.peak = e.at(7);
+  r.energy.round_off = e.at(8);
+  r.peak_position_drift = f.at("drift").at(0);
+  r.peak_velocity_drift = f.at("drift").at(1);
+  return r;
+}
+
+}  // namespace
+
+RunOutcome run_as_told(const NamedRun& run, const SimulateArguments& arguments, results::Writer& writer,
+                       mbs::RunCallbacks callbacks, const CheckpointMemory& memory) {
+  const PreparedMechanism& prepared = run.prepared;
+  Recorder recorder(prepared, writer);
+  recorder.begin(run.name);
+  const auto shadows =
+      arguments.no_estimate ? nullptr : study::Shadows::make(prepared, arguments.file, run.overrides);
+  const auto check = wanted_check(prepared, arguments);
+  const StoredRow observe = [&](const mbs::State& s, const Eigen::VectorXd& v_dot, const EnergyRow& energy) {
+    recorder.append(s, v_dot, energy);
+    if (shadows) shadows->take(s, v_dot);
+    if (check) check->take(s, v_dot);
+  };
+  const bool goes_on = memory.from && memory.from->run() == run.name;
+  if (goes_on) memory.from->replay(run.name, *prepared.mechanism, observe);
+  if (memory.to && !goes_on) memory.to->begin_run(run.name);
+  callbacks.row = [&](const mbs::State& s, const Eigen::VectorXd& v_dot, const mbs::EnergyAccount& account) {
+    const EnergyRow energy{account.work_in, account.dissipated, account.error()};
+    observe(s, v_dot, energy);
+    if (memory.to) memory.to->add(s, v_dot, energy);
+    recorder.watch(s, account.now.kinetic);
+  };
+  // What the shadows cost is taken off the run's time, so they must not run beside it.
+  callbacks.rows_beside = !shadows;
+  RunOutcome out;
+  out.result =
+      memory.to ? run_with_memory(prepared, goes_on, memory, callbacks)
+      : arguments.continue_from.empty()
+          ? mbs::run(*prepared.mechanism, prepared.state, prepared.v_dot, prepared.options, callbacks)
+          : mbs::run(*prepared.mechanism, *prepared.continuation, prepared.options, callbacks);
+  out.warnings = recorder.range().sentences();
+  if (arguments.no_estimate) return out;
+  study::TruncationEstimate truncation;
+  if (shadows) truncation = shadows->estimate();
+  out.result.wall_time -= truncation.wall;
+  add_estimate(prepared, shadows ? &truncation : nullptr, check.get(), callbacks, out);
+  return out;
+}
+
+nlohmann::json figures_of(const RunResult& r) {
+  const mbs::EnergyReport& e = r.energy.now;
+  return {{"t", r.state.t},
+          {"wall", r.wall_time},
+          {"counts",
+           {r.counts.steps, r.counts.evaluations, r.counts.jacobians, r.counts.error_failures,
+            r.counts.newton_failures}},
+          {"switches", r.events.size()},
+          {"energy",
+           {e.kinetic, e.strain, e.potential, r.energy.start, r.energy.work_in, r.energy.dissipated,
+            r.energy.gross_work, r.energy.peak, r.energy.round_off}},
+          {"drift", {r.peak_position_drift, r.peak_velocity_drift}}};
+}
+
+RunOutcome run_again_from(const nlohmann::json& end, const NamedRun& run, const Resumption& from,
+                          results::Writer& writer) {
+  Recorder recorder(run.prepared, writer);
+  recorder.begin(run.name);
+  from.replay(run.name, *run.prepared.mechanism,
+              [&](const mbs::State& s, const Eigen::VectorXd& v_dot, const EnergyRow& energy) {
+                recorder.append(s, v_dot, energy);
+              });
+  RunOutcome out;
+  out.result = result_from(end);
+  out.summary = end.at("summary");
+  out.lines = end.at("lines");
+  out.warnings = end.at("warnings");
+  return out;
+}
+
+RunOutcome run_within_accuracy(NamedRun& run, const SimulateArguments& arguments, results::Writer& writer,
+                               const mbs::RunCallbacks& callbacks) {
+  if (!arguments.from_state.empty() || !arguments.continue_from.empty())
+    throw std::invalid_argument(
+        "a run whose fidelity is chosen starts from the file's own state; take --from-state or --continue "
+        "away, or give fidelities in place of \"auto\" and solver.accuracy");
+  study::ChosenRun chosen = study::run_within(run.prepared, arguments.file, run.overrides, callbacks);
+  run.prepared = std::move(chosen.prepared);
+  run.overrides = std::move(chosen.overrides);
+  Recorder recorder(run.prepared, writer);
+  recorder.begin(run.name);
+  const auto check = wanted_check(run.prepared, arguments);
+  for (const study::RowOfRun& row : chosen.rows) {
+    recorder.append(row.state, row.v_dot, row.energy);
+    if (check) check->take(row.state, row.v_dot);
+  }
+  RunOutcome out;
+  out.warnings = recorder.range().sentences();
+  out.result = std::move(chosen.result);
+  out.summary["chosen"] = chosen.reasons;
+  out.summary["chosen_set"] = chosen.set;
+  out.summary["restarts"] = chosen.restarts;
+  out.summary["screening_wall_time"] = chosen.screening_wall;
+  out.lines = std::move(chosen.reasons);
+  out.lines.push_back(fmt::format("without the choice: --set {}", fmt::join(chosen.set, " --set ")));
+  if (!arguments.no_estimate)
+    add_estimate(run.prepared, chosen.has_estimate ? &chosen.estimate : nullptr, check.get(), callbacks, out);
+  return out;
+}
+
+}  // namespace flexura::app

@@ -1,0 +1,181 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mbs/app/run/recorder.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "mbs/base/documents/units.hpp"
+#include "mbs/mechanism/describe.hpp"
+
+namespace flexura::app {
+
+results::ModelHeader model_header(std::span<const NamedRun> runs, const std::filesystem::path& mechanism_file,
+                                  const std::filesystem::path& results_file) {
+  std::vector<const mbs::PreparedMechanism*> list;
+  for (const NamedRun& run : runs) list.push_back(&run.prepared);
+  return model_header(list, mechanism_file, results_file);
+}
+
+results::ModelHeader model_header(const std::vector<const mbs::PreparedMechanism*>& runs,
+                                  const std::filesystem::path&,
+                                  const std::filesystem::path& results_file) {
+  const mbs::Mechanism& first = *runs.front()->mechanism;
+  results::ModelHeader header;
+  header.name = runs.front()->file.name;
+  header.source = runs.front()->file.source;
+  header.created_by = std::string("flexura ") + FLEXURA_VERSION;
+  header.connections_json = mbs::connections_json(first);
+  const auto results_folder = std::filesystem::absolute(results_file).parent_path();
+  for (std::size_t b = 0; b < first.description().bodies.size(); ++b) {
+    const mbs::BodyDescription& body = first.description().bodies[b];
+    results::BodyHeader line;
+    line.name = body.name;
+    line.shape_json = body.shape_json;
+    bool flexible = false;
+    for (const mbs::PreparedMechanism* run : runs) {
+      const auto& bodies = run->mechanism->description().bodies;
+      if (b < bodies.size() && !bodies[b].superelement.empty())
+        flexible = flexible || bodies[b].flexible || bodies[b].ked;
+    }
+    line.kind = b == 0 ? "ground" : flexible ? "flexible" : "rigid";
+    if (!body.superelement.empty()) {
+      // The document's folder stands in it already.
+      const auto path = std::filesystem::absolute(body.superelement).lexically_normal();
+      line.superelement = path.lexically_relative(results_folder.lexically_normal()).generic_string();
+    }
+    header.bodies.push_back(std::move(line));
+  }
+  return header;
+}
+
+std::vector<std::string> state_names(const mbs::Mechanism& m) {
+  const mbs::Sizes n = m.sizes();
+  std::vector<std::string> names;
+  for (int i = 0; i < n.n_p; ++i) names.push_back(m.name_of_position(i));
+  for (int i = 0; i < n.n_v; ++i) names.push_back(m.name_of_velocity(i) + "'");
+  for (int i = 0; i < n.n_dyn; ++i) names.push_back(m.name_of_dynamic(i));
+  for (int i = 0; i < n.n_alg; ++i) names.push_back(m.name_of_algebraic(i));
+  for (int i = 0; i < n.n_lambda; ++i) names.push_back("lambda." + m.name_of_constraint(i));
+  for (int i = 0; i < n.n_root; ++i) names.push_back("switch." + m.name_of_root(i));
+  return names;
+}
+
+Eigen::VectorXd pack(const mbs::State& s) {
+  Eigen::VectorXd roots(static_cast<Eigen::Index>(s.root.size()));
+  for (std::size_t i = 0; i < s.root.size(); ++i) roots(static_cast<Eigen::Index>(i)) = s.root[i];
+  Eigen::VectorXd all(s.p.size() + s.v.size() + s.c.size() + s.a.size() + s.lambda.size() + roots.size());
+  all << s.p, s.v, s.c, s.a, s.lambda, roots;
+  return all;
+}
+
+mbs::State unpack(const mbs::Mechanism& m, double t, const Eigen::VectorXd& states) {
+  const mbs::Sizes n = m.sizes();
+  mbs::State s;
+  s.t = t;
+  Eigen::Index at = 0;
+  const auto take = [&](Eigen::VectorXd& part, int size) {
+    part = states.segment(at, size);
+    at += size;
+  };
+  take(s.p, n.n_p);
+  take(s.v, n.n_v);
+  take(s.c, n.n_dyn);
+  take(s.a, n.n_alg);
+  take(s.lambda, n.n_lambda);
+  for (int i = 0; i < n.n_root; ++i) s.root.push_back(static_cast<int>(states(at + i)));
+  return s;
+}
+
+Recorder::Recorder(const mbs::PreparedMechanism& prepared, results::Writer& writer,
+                   const std::vector<std::string>& patterns, bool store_states)
+    : mechanism_(*prepared.mechanism),
+      writer_(writer),
+      scratch_(mechanism_.make_scratch()),
+      range_(mechanism_, prepared.options.end_time - prepared.state.t),
+      turns_(mechanism_),
+      store_states_(store_states) {
+  which_ = mbs::select_quantities(mechanism_, patterns);
+  const auto infos = mechanism_.quantities();
+  for (const int i : which_)
+    quantities_.push_back({infos[i].name, input::si_unit(infos[i].dimension), infos[i].doc});
+  for (const mbs::OutputInfo& info : mbs::run_quantities()) quantities_.push_back({info.name, "J", info.doc});
+  const auto& bodies = mechanism_.description().bodies;
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    results::RunBody body;
+    body.name = bodies[b].name;
+    if (const mbs::FlexibleBody* deforms = mechanism_.deforming(static_cast<int>(b)))
+      body.basis = deforms->data().Y;
+    run_bodies_.push_back(std::move(body));
+  }
+  row_.quantities.resize(static_cast<Eigen::Index>(quantities_.size()));
+  row_.pose.assign(bodies.size(), Eigen::Matrix<double, 7, 1>::Zero());
+  for (auto& pose : row_.pose) pose(3) = 1.0;
+  row_.modal.resize(bodies.size());
+}
+
+void Recorder::begin(const std::string& name) {
+  writer_.begin_run(name, quantities_, run_bodies_,
+                    store_states_ ? state_names(mechanism_) : std::vector<std::string>{});
+}
+
+void Recorder::append(const mbs::State& s, const Eigen::VectorXd& v_dot, const mbs::EnergyAccount& energy) {
+  append(s, v_dot, EnergyRow{energy.work_in, energy.dissipated, energy.error()});
+  watch(s, energy.now.kinetic);
+}
+
+void Recorder::watch(const mbs::State& s, double kinetic_energy) {
+  double speed = 0.0;
+  const double travel =
+      s.p.size() > 0 ? (s.p - p_start_).cwiseQuotient(p_scale_).lpNorm<Eigen::Infinity>() : 0.0;
+  if (!poses_before_.empty() && s.t > t_before_)
+    for (std::size_t b = 0; b < poses_.size(); ++b)
+      speed = std::max(speed, (poses_[b].p - poses_before_[b].p).norm() / (s.t - t_before_));
+  growth_.observe(s.t, kinetic_energy, travel, speed);
+  // The row that shows it is kept, and the run ends there.
+  if (const std::string why = range_.runaway(); !why.empty()) throw std::runtime_error(why);
+  if (!turns_.reason().empty()) throw std::runtime_error(turns_.reason());
+  if (!growth_.reason().empty()) throw std::runtime_error(growth_.reason());
+}
+
+void Recorder::append(const mbs::State& s, const Eigen::VectorXd& v_dot, const EnergyRow& energy) {
+  if (p_start_.size() == 0) {
+    p_start_ = p_scale_ = s.p;
+    for (Eigen::Index i = 0; i < s.p.size(); ++i)
+      p_scale_(i) = mechanism_.position_scale(static_cast<int>(i));
+  }
+  poses_before_ = poses_;
+  t_before_ = row_.time;
+  row_.time = s.t;
+  const auto n = static_cast<Eigen::Index>(which_.size());
+  mechanism_.evaluate(which_, s, v_dot, *scratch_, row_.quantities.head(n));
+  row_.quantities(n) = energy.work_in;
+  row_.quantities(n + 1) = energy.dissipated;
+  row_.quantities(n + 2) = energy.balance;
+  // What the file would refuse, before any of the row is in it: those before are kept.
+  for (Eigen::Index i = 0; i < row_.quantities.size(); ++i)
+    if (const double value = row_.quantities(i); !std::isfinite(value))
+      throw std::runtime_error(fmt::format(
+          "{} is {} at t = {:.9g} s, beyond all numbers; give the drive, force or control that leads there a bound",
+          quantities_[static_cast<std::size_t>(i)].name, std::isnan(value) ? std::abs(value) : value, s.t));
+  range_.observe(s);
+  turns_.observe(s, v_dot);
+  mechanism_.body_poses(s, *scratch_, poses_);
+  for (std::size_t b = 0; b < poses_.size(); ++b) {
+    row_.pose[b].head<3>() = poses_[b].p;
+    const Eigen::Quaterniond q(poses_[b].R);
+    Eigen::Vector4d wxyz(q.w(), q.x(), q.y(), q.z());
+    // The sign that continues the last row: pictures interpolate.
+    if (wxyz.dot(row_.pose[b].tail<4>()) < 0.0) wxyz = -wxyz;
+    row_.pose[b].tail<4>() = wxyz;
+    if (const double* modal = mechanism_.modal_coordinates(static_cast<int>(b), s))
+      row_.modal[b] = Eigen::Map<const Eigen::VectorXd>(modal, run_bodies_[b].basis.cols());
+  }
+  if (store_states_) row_.states = pack(s);
+  writer_.append(row_);
+}
+
+}  // namespace flexura::app

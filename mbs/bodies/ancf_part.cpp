@@ -1,0 +1,278 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mbs/bodies/ancf_part.hpp"
+
+#include <Eigen/SparseCore>
+#include <algorithm>
+#include <stdexcept>
+
+#include "beam/ancf/kinematics.hpp"
+
+namespace flexura::mbs {
+namespace {
+
+using beam::ancf::AncfBody;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr int kFixed = 9;  // r, r_y and r_z of the first node
+constexpr int kNode = 12;
+
+MatrixXd free_mass(const AncfBody& body) {
+  if (body.vectors() != 4)
+    throw std::invalid_argument(
+        "a beam with r, r_x, r_y, r_z at its nodes is needed; a line has no sections to join to");
+  const MatrixXd M = body.mass().to_sparse();
+  const Eigen::Index m = M.rows() - kFixed;
+  MatrixXd out(m, m);
+  for (int i = 0; i < m; ++i)
+    for (int j = 0; j < m; ++j) out(i, j) = M(AncfPart::coordinate(i), AncfPart::coordinate(j));
+  return out;
+}
+
+Matrix3d section_frame(const AncfBody& body, const beam::ancf::MaterialPoint& at) {
+  return beam::ancf::evaluate_point(body, at, body.rest(), VectorXd::Zero(body.n_q())).R_WS;
+}
+
+std::vector<FlexibleNode> nodes_of(const AncfBody& body, const std::vector<AncfPart::Station>& stations) {
+  std::vector<FlexibleNode> nodes;
+  const VectorXd still = VectorXd::Zero(body.n_q());
+  for (const AncfPart::Station& station : stations) {
+    FlexibleNode node;
+    node.name = station.name;
+    node.p_BoN_B = beam::ancf::evaluate_point(body, station.at, body.rest(), still).p_WoP_W;
+    nodes.push_back(std::move(node));
+  }
+  return nodes;
+}
+
+// The nodal vectors as columns.
+auto vectors(const VectorXd& q) {
+  return Eigen::Map<const Eigen::Matrix3Xd>(q.data(), 3, q.size() / 3);
+}
+
+}  // namespace
+
+AncfPart::AncfPart(AncfBody body, std::vector<Station> stations)
+    : FlexibleBody(body.total_mass(), nodes_of(body, stations), free_mass(body)),
+      body_(std::move(body)),
+      stations_(std::move(stations)) {
+  for (const Station& station : stations_) R_rest_.push_back(section_frame(body_, station.at));
+  weight_.setZero(body_.n_q() / 3);
+  for (int k = 0; k < body_.n_elements(); ++k) weight_.segment(4 * k, 8) += body_.element(k).compact_weight();
+}
+
+void AncfPart::expand(const double* s, bool from_rest, VectorXd& q) const {
+  if (from_rest)
+    q = body_.rest();
+  else
+    q.setZero(body_.n_q());
+  for (int i = 0; i < 3; ++i) q(3 + i) += s[i];
+  for (int i = 3; i < m(); ++i) q(9 + i) += s[i];
+}
+
+void AncfPart::set_position(const double* s, Work& work) const {
+  expand(s, true, work.q);
+  work.f.setZero(work.q.size());
+  body_.mass().multiply_add(1.0, work.q, work.f);
+  const auto Q = vectors(work.q);
+  work.P = vectors(work.f);
+  work.d.noalias() = Q * weight_;
+  Matrix3d rho_rho;
+  rho_rho.noalias() = Q * work.P.transpose();
+  work.J = rho_rho.trace() * Matrix3d::Identity() - rho_rho;
+  work.C_t.setZero(3, m());
+  work.C_r.setZero(3, m());
+  for (int i = 0; i < m(); ++i) {
+    const int k = coordinate(i) / 3, c = coordinate(i) % 3;
+    work.C_t(c, i) = weight_(k);
+    work.C_r.col(i) = Vector3d(work.P.col(k)).cross(Vector3d::Unit(c));
+  }
+}
+
+// The coordinates' rates into work.v and P' into work.W.
+AncfPart::Rates AncfPart::take_rates(const double* s_dot, Work& work) const {
+  expand(s_dot, false, work.v);
+  work.W.setZero(work.v.size());
+  body_.mass().multiply_add(1.0, work.v, work.W);
+  Rates out;
+  out.d_dot.noalias() = vectors(work.v) * weight_;
+  out.G.noalias() = vectors(work.q) * vectors(work.W).transpose();
+  return out;
+}
+
+Spatial AncfPart::inverse_dynamics(const double* s, const double* s_dot, const double* s_ddot,
+                                   const Spatial& V, const Spatial& A, Work& work, double* modal) const {
+  const Vector3d &w = V.angular, &alpha = A.angular, &a = A.linear, &d = work.d;
+  (void)s;
+  // P'' in f, then the rest of the acceleration's share, then the internal force.
+  expand(s_ddot, false, work.v);
+  work.f.setZero(work.v.size());
+  body_.mass().multiply_add(1.0, work.v, work.f);
+  const auto Q = vectors(work.q);
+  const auto P_ddot = vectors(work.f);
+  Vector3d d_ddot, torque = Vector3d::Zero();
+  d_ddot.noalias() = vectors(work.v) * weight_;
+  for (Eigen::Index i = 0; i < Q.cols(); ++i) torque += Vector3d(Q.col(i)).cross(Vector3d(P_ddot.col(i)));
+
+  const int n = static_cast<int>(weight_.size());
+  const auto [d_dot, G] = take_rates(s_dot, work);
+  const auto P_dot = vectors(work.W);
+
+  Spatial need;
+  need.linear = mass() * a + alpha.cross(d) + w.cross(w.cross(d)) + 2.0 * w.cross(d_dot) + d_ddot;
+  need.angular =
+      d.cross(a) + work.J * alpha + w.cross(work.J * w) + 2.0 * (w * G.trace() - G.transpose() * w) + torque;
+  for (int i = 0; i < n; ++i) {
+    const Vector3d P = work.P.col(i), Pd = P_dot.col(i);
+    work.f.segment<3>(3 * i) += weight_(i) * a + alpha.cross(P) + w.cross(w.cross(P)) + 2.0 * w.cross(Pd);
+  }
+  body_.force(work.q, &work.v, work.W);
+  work.f += work.W;
+  for (int i = 0; i < m(); ++i) modal[i] = work.f(coordinate(i));
+  return need;
+}
+
+double AncfPart::strain_energy(const double* s) const {
+  VectorXd q;
+  expand(s, true, q);
+  return body_.strain_energy(q);
+}
+
+double AncfPart::dissipated_power(const double* s, const double* s_dot) const {
+  VectorXd q, v;
+  expand(s, true, q);
+  expand(s_dot, false, v);
+  return body_.dissipation(q, v);
+}
+
+Pose AncfPart::node_pose(int node, const double* s) const {
+  VectorXd q;
+  expand(s, true, q);
+  const beam::ancf::PointKinematics point =
+      beam::ancf::evaluate_point(body_, stations_[node].at, q, VectorXd::Zero(q.size()));
+  return {point.R_WS * R_rest_[node].transpose(), point.p_WoP_W};
+}
+
+void AncfPart::node_motion(int node, const double* s, const double* s_dot, const double* s_ddot,
+                           NodeMotion& out) const {
+  // Only the element's own coordinates matter; q is kept in the scratch.
+  VectorXd& q = out.second;
+  VectorXd& v = out.rates;
+  expand(s, true, q);
+  if (s_dot)
+    expand(s_dot, false, v);
+  else
+    v.setZero(q.size());
+  const beam::ancf::PointKinematics point = beam::ancf::evaluate_point(body_, stations_[node].at, q, v);
+  out.X_BN = {point.R_WS * R_rest_[node].transpose(), point.p_WoP_W};
+  out.map.setZero();
+  for (Eigen::Index j = 0; j < point.J_v.cols(); ++j) {
+    const int i = free_of(point.first + static_cast<int>(j));
+    if (i < 0) continue;
+    out.map.col(i).head<3>() = point.J_w.col(j);
+    out.map.col(i).tail<3>() = point.J_v.col(j);
+  }
+  if (!s_dot) return;
+  out.V = {point.w_WS_W, point.v_WP_W};
+  if (!s_ddot) return;
+  Vector6d A;
+  A.noalias() = out.map * Eigen::Map<const VectorXd>(s_ddot, m());
+  A.head<3>() += point.w_bias_W;
+  out.A = Spatial::from(A);
+}
+
+void AncfPart::turning_tangents(const double*, const double* s_dot, const Vector3d& w, Work& work,
+                                Eigen::Matrix<double, 6, 3>& need_w,
+                                Eigen::Matrix<double, Eigen::Dynamic, 3>& modal_w) const {
+  const auto [d_dot, G] = take_rates(s_dot, work);
+  const auto P_dot = vectors(work.W);
+  need_w.topRows<3>() =
+      skew(w) * work.J - skew(work.J * w) + 2.0 * (G.trace() * Matrix3d::Identity() - G.transpose());
+  need_w.bottomRows<3>() = -skew(w.cross(work.d) + 2.0 * d_dot) - skew(w) * skew(work.d);
+  for (int i = 0; i < m(); ++i) {
+    const int k = coordinate(i) / 3, c = coordinate(i) % 3;
+    const Vector3d P = work.P.col(k), Pd = P_dot.col(k);
+    const Matrix3d by_w = -skew(w.cross(P) + 2.0 * Pd) - skew(w) * skew(P);
+    modal_w.row(i) = by_w.row(c);
+  }
+}
+
+// Of the terms of inverse_dynamics(), s_l moving vector k along c: Q_k changes by e_c, and P_j by m_jk e_c; s'_l and
+// s''_l change P'_j and P''_j alike.
+void AncfPart::own_deformation_tangents(const double* s, const double* s_dot, const double* s_ddot,
+                                        const Spatial& V, const Spatial& A, Work& work,
+                                        DeformationTangents& out) const {
+  const Vector3d &w = V.angular, &alpha = A.angular, &a = A.linear;
+  out.modal_s.setZero();
+  out.modal_v.setZero();
+  add_tangents(s, s_dot, out.modal_s, out.modal_v);
+  const Matrix3d turning = skew(alpha) + skew(w) * skew(w);
+  if (!turning.isZero(0.0)) add_free(body_.mass_times(turning), out.modal_s);
+  if (!w.isZero(0.0)) add_free(body_.mass_times(2.0 * skew(w)), out.modal_v);
+
+  expand(s_ddot, false, work.v);
+  work.f.setZero(work.v.size());
+  body_.mass().multiply_add(1.0, work.v, work.f);
+  const auto P_ddot = vectors(work.f);
+  take_rates(s_dot, work);
+  const auto P_dot = vectors(work.W);
+  for (int l = 0; l < m(); ++l) {
+    const int k = coordinate(l) / 3, c = coordinate(l) % 3;
+    const Vector3d e = Vector3d::Unit(c), C_t = weight_(k) * e, P = work.P.col(k), Pd = P_dot.col(k),
+                   Pdd = P_ddot.col(k);
+    Spatial by_s, by_v;
+    by_s.linear = alpha.cross(C_t) + w.cross(w.cross(C_t));
+    by_v.linear = 2.0 * w.cross(C_t);
+    const auto turned = [&](const Vector3d& x) -> Vector3d {  // dJ x
+      return 2.0 * P(c) * x - e * P.dot(x) - P * x(c);
+    };
+    by_s.angular = C_t.cross(a) + turned(alpha) + w.cross(turned(w)) + 2.0 * (w * Pd(c) - Pd * w(c)) + e.cross(Pdd);
+    by_v.angular = 2.0 * (w * P(c) - e * P.dot(w));
+    out.need_s.col(l) = by_s.vector();
+    out.need_v.col(l) = by_v.vector();
+  }
+}
+
+std::pair<int, int> AncfPart::coordinates_of(int node) const {
+  const int first = stations_[node].at.element * kNode, end = first + 2 * kNode;
+  return {first == 0 ? 0 : first - kFixed, end - kFixed};
+}
+
+int AncfPart::free_of(int coordinate) {
+  return coordinate >= kNode ? coordinate - kFixed : coordinate >= 3 && coordinate < 6 ? coordinate - 3 : -1;
+}
+
+// Without the rows and columns that B fixes.
+void AncfPart::add_free(const beam::ancf::BlockTridiagonal& from, MatrixRef to) const {
+  for (int a = 0; a < body_.n_nodes(); ++a)
+    for (int b = std::max(a - 1, 0); b < std::min(a + 2, body_.n_nodes()); ++b) {
+      const auto block = from.block(a, b);
+      for (int k = 0; k < kNode; ++k)
+        for (int h = 0; h < kNode; ++h)
+          if (const int i = free_of(kNode * a + k), j = free_of(kNode * b + h); i >= 0 && j >= 0)
+            to(i, j) += block(k, h);
+    }
+}
+
+void AncfPart::add_tangents(const double* s, const double* s_dot, MatrixRef K, MatrixRef D) const {
+  VectorXd q, v, f(body_.n_q());
+  expand(s, true, q);
+  expand(s_dot, false, v);
+  beam::ancf::BlockTridiagonal dK(body_.n_nodes(), kNode), dD(body_.n_nodes(), kNode);
+  AncfBody::Scratch scratch = body_.make_scratch();
+  body_.force_and_tangents(q, &v, scratch, f, dK, dD);
+  add_free(dK, K);
+  add_free(dD, D);
+}
+
+std::shared_ptr<const FlexibleBody> straight_ancf_part(
+    const beam::ancf::BeamSection& section, const Vector3d& from_B, const Vector3d& to_B,
+    const Vector3d& y_axis_B, int elements, const std::vector<std::pair<std::string, double>>& stations) {
+  AncfBody body =
+      beam::ancf::spatial_beam(section, beam::ancf::straight_curve(from_B, to_B, elements, y_axis_B));
+  std::vector<AncfPart::Station> all = {{"root", body.locate(0.0)}, {"tip", body.locate(body.length())}};
+  for (const auto& [name, s] : stations) all.push_back({name, body.locate(s)});
+  return std::make_shared<AncfPart>(std::move(body), std::move(all));
+}
+
+}  // namespace flexura::mbs

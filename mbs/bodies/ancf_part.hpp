@@ -1,0 +1,81 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "beam/ancf/body.hpp"
+#include "mbs/bodies/own_tangents.hpp"
+
+/// A beam of the absolute nodal coordinate formulation as a body of a mechanism: it may bend as far as it
+/// likes.
+///
+/// The nodes' positions and slopes (beam/ancf/body.hpp) are taken in the body's frame B, which is fixed to
+/// the cross-section at the first node: r, r_y and r_z there are constant, and what is left of q - q_rest are
+/// the coordinates s.  So the beam hangs in the tree of joints as any body does, and joints, constraints and
+/// forces on its nodes are those of flexible bodies.  With rho = Q S(x) (one column of Q for each nodal
+/// vector, m and w the integrals of S_i S_j and S_i over the mass, P = Q m)
+///
+///     d = Q w,   int rho rho^T dm = Q P^T,   C_t,i = w_i 1,   C_r,i = [P_i]x
+///     modal_i = w_i a + alpha x P_i + w x (w x P_i) + 2 w x P'_i + P''_i + f_i(q, q')
+///
+/// M_e is constant; f is the beam's internal force, nonlinear and exact.  Where B is at rest these are the
+/// equations in absolute coordinates.
+namespace flexura::mbs {
+
+class AncfPart final : public FlexibleBody, public OwnTangents {
+ public:
+  /// A place that markers can sit on.
+  struct Station {
+    std::string name;
+    beam::ancf::MaterialPoint at;
+  };
+
+  /// `body` in its rest configuration, expressed in B.  Throws std::invalid_argument unless it is a spatial
+  /// or a solid beam (lines have no section frame to fix B to).
+  AncfPart(beam::ancf::AncfBody body, std::vector<Station> stations);
+
+  const beam::ancf::AncfBody& beam() const { return body_; }
+  /// The coordinate of the beam that s_i adds to.
+  static int coordinate(int i) { return i < 3 ? 3 + i : 9 + i; }
+  /// The s_i that adds to a coordinate of the beam; -1 where that is fixed to B.
+  static int free_of(int coordinate);
+
+  void set_position(const double* s, Work& work) const override;
+  Spatial inverse_dynamics(const double* s, const double* s_dot, const double* s_ddot, const Spatial& V,
+                           const Spatial& A, Work& work, double* modal) const override;
+  double strain_energy(const double* s) const override;
+  double dissipated_power(const double* s, const double* s_dot) const override;
+  Pose node_pose(int node, const double* s) const override;
+  void node_motion(int node, const double* s, const double* s_dot, const double* s_ddot,
+                   NodeMotion& out) const override;
+  bool is_modal() const override { return false; }
+  void turning_tangents(const double* s, const double* s_dot, const Vector3d& w, Work& work,
+                        Eigen::Matrix<double, 6, 3>& need_w,
+                        Eigen::Matrix<double, Eigen::Dynamic, 3>& modal_w) const override;
+  void own_deformation_tangents(const double* s, const double* s_dot, const double* s_ddot, const Spatial& V,
+                                const Spatial& A, Work& work, DeformationTangents& out) const override;
+  /// Those of its element.
+  std::pair<int, int> coordinates_of(int node) const override;
+  void add_tangents(const double* s, const double* s_dot, MatrixRef K, MatrixRef D) const override;
+  double amplitude(int) const override { return 1.0; }  // lengths and slopes as they are
+
+ private:
+  struct Rates {
+    Vector3d d_dot;
+    Matrix3d G;  ///< int rho_a rho'_b dm
+  };
+  Rates take_rates(const double* s_dot, Work& work) const;
+  void expand(const double* s, bool from_rest, Eigen::VectorXd& q) const;
+  void add_free(const beam::ancf::BlockTridiagonal& from, MatrixRef to) const;
+
+  beam::ancf::AncfBody body_;
+  std::vector<Station> stations_;
+  std::vector<Matrix3d> R_rest_;  ///< of the section at each station
+  Eigen::VectorXd weight_;        ///< w, for each nodal vector
+};
+
+/// A prismatic beam: the 6 x 6 section stiffness of a straight line in B, `elements` equal elements.
+/// Stations "root" and "tip", and those given by their distance from the root.
+std::shared_ptr<const FlexibleBody> straight_ancf_part(
+    const beam::ancf::BeamSection& section, const Vector3d& from_B, const Vector3d& to_B,
+    const Vector3d& y_axis_B, int elements, const std::vector<std::pair<std::string, double>>& stations = {});
+
+}  // namespace flexura::mbs

@@ -1,0 +1,174 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mbs/bodies/modal_problem.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <Eigen/QR>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <stdexcept>
+
+#include "mbs/base/math/spatial.hpp"
+
+namespace flexura::mbs {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+
+ModalProblem::ModalProblem(const superelement::Superelement& se, const MatrixXd& ties)
+    : se_(se), n_(se.n()), scale_(se.n()) {
+  for (int i = 0; i < n_; ++i) {
+    if (!(se.M_se(i, i) > 0.0))
+      throw std::invalid_argument(fmt::format(
+          "superelement \"{}\": M_se has the diagonal entry {} in row {}; every coordinate needs inertia",
+          se.name, se.M_se(i, i), i));
+    scale_(i) = 1.0 / std::sqrt(se.M_se(i, i));
+  }
+  M_ = scale_.asDiagonal() * se.M_se * scale_.asDiagonal();
+  K_ = scale_.asDiagonal() * se.K_se * scale_.asDiagonal();
+  R_ = scale_.cwiseInverse().asDiagonal() * superelement::rigid_motions(se);
+  MR_ = M_ * R_;
+  Eigen::ColPivHouseholderQR<MatrixXd> qr(MR_);
+  qr.setThreshold(1e-9);
+  if (n_ <= 6 || qr.rank() != 6)
+    throw std::invalid_argument(fmt::format(
+        "superelement \"{}\" has {} coordinates that carry {} of the six rigid motions; a flexible "
+        "body needs all six and at least one more coordinate (use fidelity = \"rigid\" or interfaces "
+        "with more directions)",
+        se.name, n_, qr.rank()));
+  if (ties.cols() == 0) {
+    // The complement of M R: the last n - 6 columns of its orthogonal factor.
+    free_ = qr.householderQ() * MatrixXd::Identity(n_, n_).rightCols(n_ - 6);
+    return;
+  }
+  ties_ = to_loads(ties);
+  ties_.colwise().normalize();
+  free_ = complement(MR_);
+  if (free_.cols() == 0)
+    throw std::invalid_argument(
+        fmt::format("superelement \"{}\": its rigid links leave no deformation; link fewer interfaces or use "
+                    "fidelity = \"rigid\"",
+                    se_.name));
+}
+
+// The held directions (scaled as loads) and mean axes for the rigid motions that they leave: what of a
+// deformation vanishes.
+MatrixXd ModalProblem::conditions_of(const MatrixXd& held) const {
+  const MatrixXd H = to_loads(held);
+  // The null space of H^T R.
+  Eigen::FullPivLU<MatrixXd> lu(H.transpose() * R_);
+  lu.setThreshold(1e-9);
+  MatrixXd conditions = H;
+  if (const Index left = lu.dimensionOfKernel(); left > 0) {
+    conditions.conservativeResize(Eigen::NoChange, H.cols() + left);
+    conditions.rightCols(left) = MR_ * lu.kernel();
+  }
+  return conditions;
+}
+
+// An orthonormal basis of what is orthogonal to the columns and to the ties.
+MatrixXd ModalProblem::complement(const MatrixXd& columns) const {
+  MatrixXd all(n_, columns.cols() + ties_.cols());
+  all.leftCols(columns.cols()) = columns;
+  if (ties_.cols() > 0) all.rightCols(ties_.cols()) = ties_;
+  for (Index k = 0; k < all.cols(); ++k)
+    if (const double length = all.col(k).norm(); length > 0.0) all.col(k) /= length;
+  Eigen::ColPivHouseholderQR<MatrixXd> qr(all);
+  qr.setThreshold(1e-9);
+  return qr.householderQ() * MatrixXd::Identity(n_, n_).rightCols(n_ - qr.rank());
+}
+
+ModeSet ModalProblem::eigenmodes(const MatrixXd& held) const {
+  if (held.cols() == 0) return eigenmodes_in(free_);
+  const MatrixXd N = complement(conditions_of(held));
+  return N.cols() == 0 ? ModeSet{MatrixXd(n_, 0), Eigen::VectorXd(0)} : eigenmodes_in(N);
+}
+
+MatrixXd ModalProblem::responses(const MatrixXd& loads, double omega) const {
+  const MatrixXd P = free_.transpose() * to_loads(loads);
+  MatrixXd A = free_.transpose() * (K_ - omega * omega * M_) * free_;
+  A = (0.5 * (A + A.transpose())).eval();
+  if (omega > 0.0) {
+    // So near to a resonance what the loads do beside its mode is a thousandth of it and gets lost.
+    constexpr double kNear = 1e-3;
+    const Eigen::VectorXd omega2 = eigenmodes_in(free_).omega2;
+    for (Index k = 0; k < omega2.size(); ++k)
+      if (std::abs(omega / std::sqrt(omega2(k)) - 1.0) < kNear)
+        throw BasisError("response_frequency",
+                         fmt::format("superelement \"{}\": {:.6g} Hz lies within 0.1 % of the free body's "
+                                     "natural frequency {:.6g} Hz, so that all response modes would be that "
+                                     "mode; choose another",
+                                     se_.name, omega / (2.0 * std::numbers::pi),
+                                     std::sqrt(omega2(k)) / (2.0 * std::numbers::pi)));
+  }
+  const Eigen::PartialPivLU<MatrixXd> lu(A);
+  return free_ * lu.solve(P);
+}
+
+void ModalProblem::to_mean_axes(MatrixXd& S) const {
+  S -= R_ * (R_.transpose() * MR_).ldlt().solve(MR_.transpose() * S);
+}
+
+void ModalProblem::to_held_frame(const MatrixXd& held, MatrixXd& S) const {
+  const MatrixXd H = conditions_of(held);
+  if (H.cols() != 6)
+    throw std::invalid_argument(fmt::format(
+        "superelement \"{}\": {} directions cannot hold a frame; at most six that are independent can",
+        se_.name, held.cols()));
+  S -= R_ * Matrix6d(H.transpose() * R_).fullPivLu().solve(H.transpose() * S);
+}
+
+void ModalProblem::to_fixed_interface(int interface, MatrixXd& S) const {
+  const superelement::Interface& i = se_.interfaces.at(interface);
+  if (i.directions.size() + i.following.size() != 6)
+    throw std::invalid_argument(fmt::format(
+        "superelement \"{}\": interface \"{}\" keeps {} of six directions; a joint-fixed frame needs "
+        "all six (or take frame = \"mean_axis\")",
+        se_.name, i.name, i.directions.size()));
+  const MatrixXd rows = superelement::interface_motion(se_, i);
+  const Matrix6d R_i = rows * R_;
+  S -= R_ * R_i.fullPivLu().solve(rows * S);
+  S.middleRows(i.first_dof, static_cast<Index>(i.directions.size())).setZero();
+}
+
+ModeSet ModalProblem::orthonormalised(MatrixXd S) const {
+  for (Index k = 0; k < S.cols(); ++k)
+    S.col(k) /= std::sqrt(std::max(S.col(k).dot(M_ * S.col(k)), std::numeric_limits<double>::min()));
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> gram(S.transpose() * M_ * S);
+  // Of unit vectors: entries of the Gram matrix are right to 1e-15 n, so what lies below is noise.
+  const double least = 1e-12 * gram.eigenvalues().maxCoeff();
+  Index dropped = 0;
+  while (gram.eigenvalues()(dropped) < least) ++dropped;
+  const Index m = S.cols() - dropped;
+  const MatrixXd Q = S * gram.eigenvectors().rightCols(m) *
+                     gram.eigenvalues().tail(m).cwiseSqrt().cwiseInverse().asDiagonal();
+  return eigenmodes_in(Q);
+}
+
+ModeSet ModalProblem::eigenmodes_in(const MatrixXd& N) const {
+  const MatrixXd K_c = N.transpose() * K_ * N, M_c = N.transpose() * M_ * N;
+  const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> solver(0.5 * (K_c + K_c.transpose()),
+                                                                  0.5 * (M_c + M_c.transpose()));
+  if (solver.info() != Eigen::Success)
+    throw std::invalid_argument(
+        fmt::format("superelement \"{}\": M_se is not positive definite beside its rigid motions", se_.name));
+  ModeSet modes{N * solver.eigenvectors(), solver.eigenvalues()};
+  if (!(modes.omega2(0) > 0.0))
+    throw std::invalid_argument(
+        fmt::format("superelement \"{}\": K_se has a mode without stiffness beside the six rigid motions "
+                    "(omega^2 = {})",
+                    se_.name, modes.omega2(0)));
+  // A sign that does not depend on the eigensolver: the largest entry is positive.
+  for (Index i = 0; i < modes.Y.cols(); ++i) {
+    Index k = 0;
+    modes.Y.col(i).cwiseAbs().maxCoeff(&k);
+    if (modes.Y(k, i) < 0.0) modes.Y.col(i) *= -1.0;
+  }
+  return modes;
+}
+
+}  // namespace flexura::mbs

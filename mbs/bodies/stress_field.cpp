@@ -1,0 +1,55 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mbs/bodies/stress_field.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+namespace flexura::mbs {
+
+double von_mises(const Stress& s) {
+  const double xy = s(0) - s(1), yz = s(1) - s(2), zx = s(2) - s(0);
+  return std::sqrt(0.5 * (xy * xy + yz * yz + zx * zx) + 3.0 * s.tail<3>().squaredNorm());
+}
+
+StressField::StressField(const Eigen::MatrixXd& S, Eigen::Matrix3Xd x, std::vector<int> vertices,
+                         const Eigen::MatrixXd& Y)
+    : x_(std::move(x)), vertices_(std::move(vertices)) {
+  if (S.cols() != Y.rows() || S.rows() != 6 * x_.cols() ||
+      x_.cols() != static_cast<Eigen::Index>(vertices_.size()) || x_.cols() == 0)
+    throw std::invalid_argument(fmt::format("stress modes of {} x {} do not fit {} places and {} shapes",
+                                            S.rows(), S.cols(), x_.cols(), Y.rows()));
+  S_ = S * Y;
+}
+
+void StressField::set_compliance(std::vector<Eigen::Matrix<double, 6, 6>> compliance,
+                                 std::vector<int> material) {
+  const auto n = static_cast<int>(compliance.size());
+  if (material.size() != vertices_.size() ||
+      std::ranges::any_of(material, [&](int k) { return k < 0 || k >= n; }))
+    throw std::invalid_argument("the materials of the stress modes do not fit their places");
+  compliance_ = std::move(compliance);
+  material_ = std::move(material);
+}
+
+void StressField::add_point(const std::string& name, const Eigen::Vector3d& wanted) {
+  Point point{name, wanted};
+  point.distance = std::sqrt((x_.colwise() - wanted).colwise().squaredNorm().minCoeff(&point.place));
+  points_.push_back(std::move(point));
+}
+
+Stress StressField::at(int place, const double* s) const {
+  return S_.middleRows(6 * place, 6) * Eigen::Map<const Eigen::VectorXd>(s, S_.cols());
+}
+
+StressField::Largest StressField::largest(const double* s) const {
+  const Eigen::VectorXd sigma = S_ * Eigen::Map<const Eigen::VectorXd>(s, S_.cols());
+  Largest out;
+  for (int k = 0; k < places(); ++k)
+    if (const double value = von_mises(sigma.segment<6>(6 * k)); value > out.von_mises) out = {value, k};
+  return out;
+}
+
+}  // namespace flexura::mbs

@@ -1,0 +1,75 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cmath>
+
+#include "mbs/constraints/constraint.hpp"
+#include "mbs/formulas/expression.hpp"
+
+/// Constraints between joint coordinates.
+namespace flexura::mbs {
+
+/// sum_i factor_i q_i = f(t): gears, belts, racks, differentials.
+class Coupler final : public Constraint {
+ public:
+  struct Term {
+    CoordinateRef coordinate;
+    double factor;
+    std::string label;    ///< of what it puts on the coordinate
+    CoordinateInfo info;  ///< of the coordinate
+  };
+  Coupler(std::string name, std::vector<Term> terms, std::shared_ptr<const Expression> value)
+      : Constraint(std::move(name)), terms_(std::move(terms)), value_(std::move(value)) {}
+  int n_rows() const override { return 1; }
+  std::string row_name(int) const override { return "ratio"; }
+  bool reads_time(int) const override { return value_->reads_time(); }
+  std::vector<CoordinateRef> coordinates() const override {
+    std::vector<CoordinateRef> list;
+    for (const Term& term : terms_) list.push_back(term.coordinate);
+    return list;
+  }
+
+  void position(const Kinematics& kin, double* g) const override {
+    g[0] = -value_->time_derivatives(kin.t).value;
+    for (const Term& term : terms_) g[0] += term.factor * kin.coordinate(term.coordinate);
+  }
+  void velocity(const Kinematics& kin, double* g_dot) const override {
+    g_dot[0] = -value_->time_derivatives(kin.t).first;
+    for (const Term& term : terms_) g_dot[0] += term.factor * kin.speed(term.coordinate);
+  }
+  void acceleration(const Kinematics& kin, double* g_ddot) const override {
+    g_ddot[0] = -value_->time_derivatives(kin.t).second;
+    for (const Term& term : terms_) g_ddot[0] += term.factor * kin.acceleration(term.coordinate);
+  }
+  void apply_GT(const Kinematics&, const double* x, Loads& loads) const override {
+    for (const Term& term : terms_) loads.apply(term.coordinate, term.factor * x[0]);
+  }
+  bool has_derivatives() const override { return true; }
+  void differentiate(const Kinematics&, const double* x, Derivatives& d) const override {
+    for (const Term& term : terms_) d.force(term.coordinate, term.factor * x[0]);
+    d.rows();
+    for (const Term& term : terms_) d.by_speed(term.coordinate, term.factor);
+  }
+  void rate(const Kinematics& kin, double* g_t) const override {
+    g_t[0] = -value_->time_derivatives(kin.t).first;
+  }
+  std::vector<OutputInfo> outputs() const override {
+    std::vector<OutputInfo> infos;
+    for (const Term& term : terms_) {
+      const bool turns = term.info.dimension == input::dim::angle;
+      infos.push_back({(turns ? "torque_" : "force_") + term.label,
+                       turns ? input::dim::torque : input::dim::force,
+                       "on the coordinate " + term.info.name});
+    }
+    return infos;
+  }
+  void evaluate_outputs(const Kinematics&, const double* x, double* values) const override {
+    for (const Term& term : terms_) *values++ = -term.factor * x[0];
+  }
+
+ private:
+  std::vector<Term> terms_;
+  std::shared_ptr<const Expression> value_;
+};
+
+}  // namespace flexura::mbs

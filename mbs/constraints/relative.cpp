@@ -1,0 +1,108 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include <array>
+
+#include "mbs/constraints/constraint.hpp"
+
+namespace flexura::mbs {
+
+RelativeConstraint::RelativeConstraint(std::string name, int marker_F, int marker_M,
+                                       std::shared_ptr<const RelativeRows> rows)
+    : Constraint(std::move(name)),
+      marker_F_(marker_F),
+      marker_M_(marker_M),
+      rows_(std::move(rows)),
+      exerts_(exerts()) {}
+
+void RelativeConstraint::position(const Kinematics& kin, double* g) const {
+  const Pose X = kin.relative_pose(marker_F_, marker_M_);
+  const Vector6d at_rest = Vector6d::Zero();
+  Rows rows(X, at_rest);
+  rows.contact = kin.own.contact;
+  rows_->constrain(rows);
+  for (int i = 0; i < rows.n; ++i) g[i] = rows.g(i);
+}
+
+void RelativeConstraint::velocity(const Kinematics& kin, double* g_dot) const {
+  const Relative rel = kin.relative_motion(marker_F_, marker_M_);
+  Rows rows(rel.X_FM, rel.V);
+  rows.contact = kin.own.contact;
+  rows_->constrain(rows);
+  for (int i = 0; i < rows.n; ++i) g_dot[i] = rows.G.row(i).dot(rel.V);
+}
+
+void RelativeConstraint::acceleration(const Kinematics& kin, double* g_ddot) const {
+  const Relative rel = kin.relative_acceleration(marker_F_, marker_M_);
+  Rows rows(rel.X_FM, rel.V);
+  rows.contact = kin.own.contact;
+  rows_->constrain(rows);
+  for (int i = 0; i < rows.n; ++i) g_ddot[i] = rows.G.row(i).dot(rel.A) + rows.gamma(i);
+}
+
+void RelativeConstraint::apply_GT(const Kinematics& kin, const double* x, Loads& loads) const {
+  loads.apply_between(kin, marker_F_, marker_M_, wrench_on_M(kin, x));
+}
+
+Vector6d RelativeConstraint::wrench_on_M(const Kinematics& kin, const double* x) const {
+  const Pose X = kin.relative_pose(marker_F_, marker_M_);
+  const Vector6d at_rest = Vector6d::Zero();
+  Rows rows(X, at_rest);
+  rows.contact = kin.own.contact;
+  rows_->constrain(rows);
+  Vector6d on_M = Vector6d::Zero();
+  for (int i = 0; i < rows.n; ++i) on_M += x[i] * rows.G.row(i).transpose();
+  return on_M;
+}
+
+// By X_FM along xi the rows of G change by H(xi, .).  gamma is H(V, V), so that its polarisation is the
+// symmetric part of H; the other is half of G (w x theta, 0), since turning about theta and about w do not
+// commute:  H(xi, V) - H(V, xi) = G (w x theta, 0).  (g depends on X_FM alone.)
+void RelativeConstraint::differentiate(const Kinematics& kin, const double* x, Derivatives& d) const {
+  const Relative rel = kin.relative_motion(marker_F_, marker_M_);
+  const auto rows_at = [&](const Vector6d& V) {
+    Rows rows(rel.X_FM, V);
+    rows.contact = kin.own.contact;
+    rows_->constrain(rows);
+    return rows;
+  };
+  // H[k](b, a) = H_k(e_a, e_b).
+  std::array<Matrix6d, 6> H;
+  int n = 0;
+  Eigen::Matrix<double, 6, 6, Eigen::RowMajor> G;
+  for (int a = 0; a < 6; ++a) {
+    const Vector6d e = Vector6d::Unit(a);
+    const Rows rows = rows_at(e);
+    n = rows.n;
+    G = rows.G;
+    for (int k = 0; k < n; ++k) H[k](a, a) = rows.gamma(k);
+  }
+  for (int a = 0; a < 6; ++a)
+    for (int b = 0; b < a; ++b) {
+      const Vector6d e = Vector6d::Unit(a) + Vector6d::Unit(b);
+      const Rows rows = rows_at(e);
+      for (int k = 0; k < n; ++k) H[k](a, b) = H[k](b, a) = 0.5 * (rows.gamma(k) - H[k](a, a) - H[k](b, b));
+    }
+  Vector6d on_M = Vector6d::Zero();
+  Eigen::Matrix<double, 6, 12> load = Eigen::Matrix<double, 6, 12>::Zero(), rates = load;
+  for (int k = 0; k < n; ++k) {
+    // e_b . [-G]x e_a / 2 = G . (e_b x e_a) / 2.
+    H[k].topLeftCorner<3, 3>() -= 0.5 * skew(G.row(k).head<3>().transpose());
+    on_M += x[k] * G.row(k).transpose();
+    load.leftCols<6>() += x[k] * H[k];
+    rates.row(k) << rel.V.transpose() * H[k], G.row(k);
+  }
+  d.between(marker_F_, marker_M_, on_M);
+  d.by_relative(marker_F_, marker_M_, load);
+  d.rows();
+  d.by_relative(marker_F_, marker_M_, rates.topRows(n));
+}
+
+void RelativeConstraint::differentiate_contact(const Kinematics& kin, double a, Derivatives& d) const {
+  const Eigen::Vector4d by = rows_->contact_derivatives(kin.relative_pose(marker_F_, marker_M_), a);
+  Eigen::Matrix<double, 1, 12> row = Eigen::Matrix<double, 1, 12>::Zero();
+  row.segment<3>(3) = by.head<3>().transpose();
+  d.rows();
+  d.by_relative(marker_F_, marker_M_, row);
+  d.by_algebraic(by(3));
+}
+
+}  // namespace flexura::mbs

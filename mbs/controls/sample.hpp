@@ -1,0 +1,52 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cmath>
+
+#include "mbs/controls/control.hpp"
+#include "mbs/formulas/expression.hpp"
+
+namespace flexura::mbs {
+
+/// Sample and hold, as a digital controller sees the world: every `period` the output takes the input's value
+/// and keeps it.  c = (value, time of the next sample), both constant between samples, at which the
+/// integrator stops.
+class Sample final : public Control {
+ public:
+  Sample(std::string name, std::shared_ptr<const Expression> in, double period, double start)
+      : Control(std::move(name)), input_(std::move(in)), period_(period), start_(start) {}
+  std::string_view type() const override { return "sample"; }
+  int n_states() const override { return 2; }
+  void start(double* c) const override {
+    c[0] = 0.0;
+    c[1] = start_;
+  }
+  void rates(const double*, const double*, double* c_rate) const override { c_rate[0] = c_rate[1] = 0.0; }
+  double output(const double*, const double* c) const override { return c[0]; }
+  void differentiate(const double*, const double*, Derivatives& d) const override {
+    d.rows();
+    d.by_state(0, 1.0);
+  }
+  std::vector<int> reads() const override { return input_->reads(); }
+
+  int n_switches() const override { return 1; }
+  std::string switch_name(int) const override { return "sample"; }
+  void switching(const double* signals, const double* c, double* values) const override {
+    values[0] = c[1] - signals[0];
+  }
+  void start_switches(const double* signals, double* c) const override {
+    if (signals[0] < c[1]) return;
+    c[0] = input_->evaluate(signals);
+    c[1] = start_ + (std::floor((signals[0] - start_) / period_ + 1e-9) + 1.0) * period_;
+  }
+  void change_switch(int, const double* signals, double* c) const override {
+    c[0] = input_->evaluate(signals);
+    c[1] += period_;
+  }
+
+ private:
+  std::shared_ptr<const Expression> input_;
+  double period_, start_;
+};
+
+}  // namespace flexura::mbs

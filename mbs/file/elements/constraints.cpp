@@ -1,0 +1,179 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include <cmath>
+#include <limits>
+
+#include "mbs/constraints/coupler.hpp"
+#include "mbs/constraints/geometric.hpp"
+#include "mbs/constraints/point_on_curve.hpp"
+#include "mbs/constraints/rolling_disc.hpp"
+#include "mbs/file/elements/element_types.hpp"
+#include "mbs/file/elements/read_curve.hpp"
+#include "mbs/file/elements/user_library.hpp"
+
+/// Constraints in a mechanism file.
+namespace flexura::mbs {
+namespace {
+
+/// What a key says of one coordinate.
+Coupler::Term term(const ReadContext& c, CoordinateRef coordinate, double factor, std::string label) {
+  return {coordinate, factor, std::move(label), c.coordinate_info(coordinate)};
+}
+
+input::Key offset() {
+  return input::expression("offset", "value of the sum: a formula of t and parameters").or_default("0");
+}
+
+std::vector<input::Key> ends() {
+  return {input::text("from", "marker F, \"body.marker\"").required(),
+          input::text("to", "marker M").required()};
+}
+
+template <class Row>
+ConstraintType geometric(const char* name, const char* doc) {
+  return {name, doc, ends(),
+          [](const std::string& own, const input::Section& s,
+             const ReadContext& c) -> std::shared_ptr<const Constraint> {
+            return std::make_shared<RelativeConstraint>(own, c.marker(s, "from"), c.marker(s, "to"),
+                                                        std::make_shared<Row>());
+          }};
+}
+
+ConstraintType point_on_line() {
+  return geometric<PointOnLine>("point_on_line", "The origin of M stays on the z axis of F.");
+}
+
+ConstraintType point_on_plane() {
+  return geometric<PointOnPlane>("point_on_plane", "The origin of M stays in the xy plane of F.");
+}
+
+ConstraintType point_on_curve() {
+  using namespace input;
+  ConstraintType type;
+  type.name = "point_on_curve";
+  type.doc =
+      "The origin of M stays on a curve fixed in F. How far along it stands, as the sum of the chords from "
+      "the first point, is an algebraic state; rounds on a closed curve count on.";
+  type.keys = {text("from", "marker F that carries the curve").required(), text("to", "marker M").required()};
+  for (Key& key : space_curve_keys()) type.keys.push_back(std::move(key));
+  type.keys.push_back(
+      quantity("near", dim::length, "where along the curve M starts, for one that crosses itself"));
+  type.read = [](const std::string& name, const Section& s,
+                 const ReadContext& c) -> std::shared_ptr<const Constraint> {
+    const double near = s.has("near") ? s.quantity("near") : std::numeric_limits<double>::quiet_NaN();
+    return std::make_shared<RelativeConstraint>(name, c.marker(s, "from"), c.marker(s, "to"),
+                                                std::make_shared<PointOnCurve>(read_space_curve(s), near));
+  };
+  return type;
+}
+
+ConstraintType orientation() {
+  return geometric<Orientation>("orientation", "M keeps the orientation of F; its origin is free.");
+}
+
+ConstraintType parallel() {
+  return geometric<Parallel>("parallel", "The z axes of F and M stay parallel.");
+}
+
+ConstraintType perpendicular() {
+  return geometric<Perpendicular>("perpendicular", "The z axes of F and M stay perpendicular.");
+}
+
+ConstraintType distance() {
+  ConstraintType type;
+  type.name = "distance";
+  type.doc = "The origins of F and M keep a distance: a massless link with ball joints.";
+  type.keys = ends();
+  type.keys.push_back(input::quantity("length", input::dim::length, "the distance").required().above(0.0));
+  type.read = [](const std::string& own, const input::Section& s,
+                 const ReadContext& c) -> std::shared_ptr<const Constraint> {
+    return std::make_shared<RelativeConstraint>(own, c.marker(s, "from"), c.marker(s, "to"),
+                                                std::make_shared<Distance>(s.quantity("length")));
+  };
+  return type;
+}
+
+ConstraintType coupler() {
+  using namespace input;
+  return {
+      "coupler",
+      "A weighted sum of joint coordinates has a value: sum of factors[i] * (coordinate of joints[i]) = "
+      "offset.",
+      {texts("joints", "joints with one coordinate, or \"joint.coordinate\"").required(),
+       quantities("factors", dim::none, "one for each, in SI units of the coordinates").required(), offset()},
+      [](const std::string& name, const Section& s,
+         const ReadContext& c) -> std::shared_ptr<const Constraint> {
+        const std::vector<std::string> joints = s.texts("joints");
+        const std::vector<double> factors = s.quantities("factors");
+        if (joints.size() != factors.size() || joints.empty())
+          s.refuse("factors", "does not have one entry for each of joints");
+        std::vector<Coupler::Term> terms;
+        for (std::size_t i = 0; i < joints.size(); ++i)
+          terms.push_back(term(c, c.coordinate(s, "joints", joints[i]), factors[i], std::to_string(i + 1)));
+        return std::make_shared<Coupler>(name, std::move(terms), c.time_expression(s, "offset"));
+      }};
+}
+
+ConstraintType gear() {
+  using namespace input;
+  return {"gear",
+          "Two toothed wheels in mesh: teeth_1 q_1 + teeth_2 q_2 = teeth_1 * offset; internal gears turn the "
+          "same way. Their joints must sit on one carrier (ground or a planet carrier).",
+          {text("joint_1", "joint of the first wheel, or \"joint.coordinate\"").required(),
+           text("joint_2", "joint of the second wheel").required(),
+           quantity("teeth_1", dim::none, "number of teeth, or pitch radius").required().above(0.0),
+           quantity("teeth_2", dim::none, "number of teeth, or pitch radius, of the second")
+               .required()
+               .above(0.0),
+           flag("internal", "one of the wheels has its teeth inside").or_default("false"), offset()},
+          [](const std::string& name, const Section& s,
+             const ReadContext& c) -> std::shared_ptr<const Constraint> {
+            const double ratio =
+                s.quantity("teeth_2") / s.quantity("teeth_1") * (s.flag("internal") ? -1.0 : 1.0);
+            std::vector<Coupler::Term> terms{
+                term(c, c.coordinate(s, "joint_1", s.text("joint_1")), 1.0, "1"),
+                term(c, c.coordinate(s, "joint_2", s.text("joint_2")), ratio, "2")};
+            return std::make_shared<Coupler>(name, std::move(terms), c.time_expression(s, "offset"));
+          }};
+}
+
+ConstraintType rack_and_pinion() {
+  using namespace input;
+  return {"rack_and_pinion",
+          "A rack driven by a pinion: position - radius * angle = offset; a negative radius turns the sense "
+          "round.",
+          {text("rack", "joint of the rack, or \"joint.coordinate\"").required(),
+           text("pinion", "joint of the pinion").required(),
+           quantity("radius", dim::length, "pitch radius of the pinion").required(), offset()},
+          [](const std::string& name, const Section& s,
+             const ReadContext& c) -> std::shared_ptr<const Constraint> {
+            std::vector<Coupler::Term> terms{
+                term(c, c.coordinate(s, "rack", s.text("rack")), 1.0, "rack"),
+                term(c, c.coordinate(s, "pinion", s.text("pinion")), -s.quantity("radius"), "pinion")};
+            return std::make_shared<Coupler>(name, std::move(terms), c.time_expression(s, "offset"));
+          }};
+}
+
+ConstraintType rolling_disc() {
+  using namespace input;
+  return {"rolling_disc",
+          "A thin disc about the z axis of M rolls without slip on the xy plane of F (nonholonomic).",
+          {text("from", "marker F on the body with the plane").required(),
+           text("to", "marker M at the disc's centre, z along its axis").required(),
+           quantity("radius", dim::length, "of the disc").required().above(0.0)},
+          [](const std::string& name, const Section& s,
+             const ReadContext& c) -> std::shared_ptr<const Constraint> {
+            return std::make_shared<RollingDisc>(name, c.marker(s, "from"), c.marker(s, "to"),
+                                                 s.quantity("radius"));
+          }};
+}
+
+}  // namespace
+
+const std::vector<ConstraintType>& constraint_types() {
+  static const std::vector<ConstraintType> types = {
+      point_on_line(), point_on_plane(), point_on_curve(), orientation(), parallel(), perpendicular(),
+      distance(), coupler(), gear(), rack_and_pinion(), rolling_disc(), user_constraint()};
+  return types;
+}
+
+}  // namespace flexura::mbs

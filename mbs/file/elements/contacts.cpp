@@ -1,0 +1,170 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mbs/file/elements/element_types.hpp"
+#include "mbs/file/elements/read_curve.hpp"
+#include "mbs/forces/clearance.hpp"
+#include "mbs/forces/contact.hpp"
+
+/// What touches and lets go, in a mechanism file.
+namespace flexura::mbs {
+namespace {
+
+/// Far enough to be no limit, near enough for differences.
+constexpr double nowhere = 1e12;
+
+/// The keys of contact_law.hpp, and their reader.
+std::vector<input::Key> contact_law_keys() {
+  using namespace input;
+  return {expression("stiffness", "N per m^exponent: force = stiffness * penetration^exponent").required(),
+          quantity("exponent", dim::none, "1 is linear, 1.5 Hertz's law").or_default("1").at_least(1.0),
+          expression("damping", "force per rate of penetration; it never pulls").or_default("0"),
+          quantity("restitution", dim::none,
+                   "instead of damping: rate after over rate before an impact, exact where nothing else acts")
+              .above(0.0)
+              .at_most(1.0),
+          expression("slowest_impact", "beside restitution: slower impacts count as if they had this rate, m/s")
+              .or_default("1e-6")};
+}
+
+ContactLaw read_contact_law(const input::Section& s, const ReadContext& context) {
+  const double k = context.number(s, "stiffness"), d = context.number(s, "damping");
+  if (!(k > 0.0)) s.refuse("stiffness", "must be above 0");
+  if (d < 0.0) s.refuse("damping", "must not be negative");
+  if (s.has("restitution") && d > 0.0) s.refuse("damping", "stands beside restitution", "keep one of them");
+  const double slowest = context.number(s, "slowest_impact");
+  if (!(slowest > 0.0)) s.refuse("slowest_impact", "must be above 0");
+  return ContactLaw(k, s.quantity("exponent"), d, s.has("restitution") ? s.quantity("restitution") : 1.0,
+                    slowest);
+}
+
+ForceType contact() {
+  using namespace input;
+  std::vector<Key> keys = {
+      text("from", "marker F that carries the surface").required(),
+      text("to", "marker M at the centre of the sphere").required(),
+      quantity("radius", dim::length, "of the sphere; 0: a point").required().at_least(0.0),
+      choice("surface", {"plane", "sphere", "cylinder", "curve"},
+             "what it touches: the xy plane of F from above, a sphere about F, a cylinder about the z axis "
+             "of F, or a curve in the xy plane of F drawn out along z, on its left side as one walks from "
+             "point to point")
+          .or_default("plane"),
+      quantity("surface_radius", dim::length, "of the sphere or cylinder").above(0.0),
+      vectors3("points", dim::length, "of the curve, z = 0; a cubic spline runs through them"),
+      flag("closed", "the curve runs from the last point back to the first").or_default("false"),
+      flag("inside", "the sphere rolls inside the surface; of a curve: on its right side")
+          .or_default("false")};
+  for (Key& key : contact_law_keys()) keys.push_back(std::move(key));
+  keys.push_back(
+      quantity("friction", dim::none, "coefficient of sliding friction").or_default("0").at_least(0.0));
+  keys.push_back(quantity("transition_speed", dim::velocity, "sliding speed over which friction sets in")
+                     .or_default("1 mm/s")
+                     .above(0.0));
+  return {"contact",
+          "A sphere touches a plane, a sphere, a cylinder or a curve and lets go of it: an elastic law with "
+          "damping or restitution, touch and release located by the integrator.",
+          std::move(keys),
+          [](const std::string& name, const Section& s,
+             const ReadContext& context) -> std::shared_ptr<const ForceElement> {
+            ContactSurface surface;
+            const std::string kind = s.text("surface");
+            surface.kind = kind == "plane"    ? ContactSurface::Kind::plane
+                           : kind == "sphere" ? ContactSurface::Kind::sphere
+                           : kind == "curve"  ? ContactSurface::Kind::curve
+                                              : ContactSurface::Kind::cylinder;
+            surface.inside = s.flag("inside");
+            const double radius = s.quantity("radius");
+            if (kind != "curve" && s.has("points"))
+              s.refuse("points", "a " + kind + " has none", "write surface = \"curve\"");
+            if (kind == "plane" || kind == "curve") {
+              if (s.has("surface_radius"))
+                s.refuse("surface_radius", "a " + kind + " has none", "take the key away");
+              if (kind == "curve") {
+                if (!s.has("points")) s.refuse("", "points is missing", "a curve needs it");
+                for (const Vector3d& point : s.vectors3("points"))
+                  if (point.z() != 0.0)
+                    s.refuse("points", "do not all have z = 0",
+                             "turn the marker so that its z axis stands on the curve");
+                surface.curve = std::make_shared<SpaceCurve>(read_space_curve(s));
+              } else if (surface.inside)
+                s.refuse("inside", "a plane has no inside", "turn its marker round");
+            } else {
+              if (!s.has("surface_radius"))
+                s.refuse("", "surface_radius is missing", "a " + kind + " needs it");
+              surface.radius = s.quantity("surface_radius");
+              if (surface.inside && radius >= surface.radius)
+                s.refuse("radius", "the sphere does not fit inside", "make it smaller than surface_radius");
+            }
+            return std::make_shared<Contact>(name, context.marker(s, "from"), context.marker(s, "to"), radius,
+                                             std::move(surface), read_contact_law(s, context),
+                                             Contact::Friction{s.quantity("friction"), s.quantity("transition_speed")});
+          }};
+}
+
+ForceType bump_stop() {
+  using namespace input;
+  std::vector<Key> keys = {
+      text("joint", "the joint").required(),
+      text("coordinate", "its coordinate, where it has more than one: \"angle\", \"position\", ..."),
+      expression("lower", "least coordinate that moves freely (m or rad); without it no limit"),
+      expression("upper", "greatest coordinate that moves freely; without it no limit")};
+  for (Key& key : contact_law_keys()) keys.push_back(std::move(key));
+  return {"bump_stop", "Elastic ends of a joint's travel, touched and left at switches.", std::move(keys),
+          [](const std::string& name, const Section& s,
+             const ReadContext& context) -> std::shared_ptr<const ForceElement> {
+            if (!s.has("lower") && !s.has("upper"))
+              s.refuse("", "has neither lower nor upper", "give at least one");
+            const double lower = s.has("lower") ? context.number(s, "lower") : -nowhere;
+            const double upper = s.has("upper") ? context.number(s, "upper") : nowhere;
+            if (!(lower < upper)) s.refuse("lower", "is not below upper");
+            return std::make_shared<Clearance>(
+                name, "bump_stop",
+                std::vector<Clearance::Term>{{context.speed(s, "joint", "coordinate"), 1.0}}, lower, upper,
+                read_contact_law(s, context), Clearance::Ripple{}, dim::none, dim::none);
+          }};
+}
+
+ForceType gear_mesh() {
+  using namespace input;
+  std::vector<Key> keys = {
+      text("joint_1", "joint of the first wheel, or \"joint.coordinate\"").required(),
+      text("joint_2", "joint of the second wheel, on the same carrier").required(),
+      quantity("radius_1", dim::length, "base radius of the first wheel; for a rack's joint write 1")
+          .required()
+          .above(0.0),
+      quantity("radius_2", dim::length, "base radius of the second wheel").required().above(0.0),
+      flag("internal", "one of the wheels has its teeth inside").or_default("false"),
+      quantity("backlash", dim::length, "play along the line of action").or_default("0 m").at_least(0.0),
+      quantity("teeth_1", dim::none, "teeth of the first wheel, for the stiffness' ripple").at_least(1.0),
+      quantity("ripple", dim::none, "part by which the stiffness changes as teeth come and go")
+          .or_default("0")
+          .at_least(0.0)
+          .below(1.0)};
+  for (Key& key : contact_law_keys()) keys.push_back(std::move(key));
+  return {
+      "gear_mesh",
+      "Teeth of two wheels in mesh with backlash and tooth stiffness: they touch on either flank and part at "
+      "switches. x = radius_1 q_1 + radius_2 q_2 is free within half the backlash on both sides.",
+      std::move(keys),
+      [](const std::string& name, const Section& s,
+         const ReadContext& context) -> std::shared_ptr<const ForceElement> {
+        Clearance::Ripple ripple{s.quantity("ripple"), 0.0};
+        if (ripple.amplitude > 0.0 && !s.has("teeth_1"))
+          s.refuse("ripple", "needs teeth_1", "say how often it comes");
+        if (s.has("teeth_1")) ripple.count = s.quantity("teeth_1");
+        const double half = 0.5 * s.quantity("backlash"), sign = s.flag("internal") ? -1.0 : 1.0;
+        return std::make_shared<Clearance>(
+            name, "gear_mesh",
+            std::vector<Clearance::Term>{
+                {context.coordinate(s, "joint_1", s.text("joint_1")), s.quantity("radius_1")},
+                {context.coordinate(s, "joint_2", s.text("joint_2")), sign * s.quantity("radius_2")}},
+            -half, half, read_contact_law(s, context), ripple, dim::length, dim::force);
+      }};
+}
+
+}  // namespace
+
+std::vector<ForceType> contact_types() {
+  return {
+      contact(), bump_stop(), gear_mesh()};
+}
+
+}  // namespace flexura::mbs

@@ -1,0 +1,56 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "mbs/base/documents/schema.hpp"
+#include "mbs/constraints/constraint.hpp"
+#include "mbs/controls/control.hpp"
+#include "mbs/file/elements/read_context.hpp"
+#include "mbs/forces/force.hpp"
+#include "mbs/joints/joint.hpp"
+#include "mbs/measures/measure.hpp"
+
+/// How the types of elements stand in a mechanism file: names, keys, words of the reference page, readers.  The
+/// elements themselves (mbs/joints, mbs/constraints, mbs/forces, mbs/measures, mbs/controls) know no file; what each
+/// is called and how its keys become an argument of its constructor stands in joints.cpp, constraints.cpp, forces.cpp,
+/// contacts.cpp, frictions.cpp, measures.cpp and controls.cpp, one function for each type.
+namespace flexura::mbs {
+
+struct JointType {
+  std::string name;
+  std::string doc;                    ///< for the reference page, with the names other codes use
+  std::vector<std::string> synonyms;  ///< accepted too
+  std::vector<input::Key> keys;       ///< beyond those every joint has and those of its coordinates
+  std::unique_ptr<Joint> (*make)(const input::Section*);  ///< nullptr: all keys at their defaults
+};
+
+/// `keys` beside type.
+template <class Element>
+struct ElementType {
+  std::string name;
+  std::string doc;
+  std::vector<input::Key> keys;
+  std::shared_ptr<const Element> (*read)(const std::string& name, const input::Section&, const ReadContext&);
+};
+using ForceType = ElementType<ForceElement>;
+using MeasureType = ElementType<Measure>;
+using ConstraintType = ElementType<Constraint>;
+struct ControlType : ElementType<Control> {
+  bool feeds_through = false;  ///< as the element says: its output can be read by later controls and forces only
+};
+
+/// All types, in the order of the reference page.
+const std::vector<JointType>& joint_types();
+const std::vector<ConstraintType>& constraint_types();
+const std::vector<ForceType>& force_types();
+const std::vector<MeasureType>& measure_types();
+const std::vector<ControlType>& control_types();
+
+/// Parts of force_types().
+std::vector<ForceType> contact_types();
+std::vector<ForceType> friction_types();
+
+}  // namespace flexura::mbs

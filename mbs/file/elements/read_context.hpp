@@ -1,0 +1,70 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <map>
+#include <memory>
+#include <string>
+
+#include "mbs/base/documents/document.hpp"
+#include "mbs/mechanism/mechanism.hpp"
+
+/// What the readers of joints, constraints, forces and measures need: names of the file become places in the
+/// model. Every refusal is an InputError that names file, line and key.
+namespace flexura::mbs {
+
+class ReadContext {
+ public:
+  /// `prefix` of a subsystem: names within it are found without.
+  ReadContext(MechanismDescription& description, std::map<std::string, double> parameters, Curves tables,
+              std::string prefix = {})
+      : d_(description),
+        parameters_(std::move(parameters)),
+        tables_(std::move(tables)),
+        prefix_(std::move(prefix)) {}
+
+  /// The marker "body.marker" (or "body" for the body's own frame) that a key names.
+  int marker(const input::Section& section, const std::string& key) const;
+  /// The same for one entry `name` of a list.
+  int marker_of(const input::Section& section, const std::string& key, const std::string& name) const;
+  /// The body that a key names.
+  int body(const input::Section& section, const std::string& key) const;
+  /// The joint that a key names.
+  int joint(const input::Section& section, const std::string& key) const;
+  /// The speed of a joint that two keys name; the second may be left out where the joint has one only.
+  CoordinateRef speed(const input::Section& section, const std::string& joint_key,
+                      const std::string& coordinate_key) const;
+  /// Name ("joint.coordinate") and kind of a coordinate.
+  CoordinateInfo coordinate_info(CoordinateRef c) const;
+  /// The coordinate that `name` = "joint" (with one coordinate) or "joint.coordinate" means; `key` held it.
+  CoordinateRef coordinate(const input::Section& section, const std::string& key,
+                           const std::string& name) const;
+  /// A formula of time, parameters, joint coordinates and measures.
+  std::shared_ptr<const Expression> expression(const input::Section& section, const std::string& key) const;
+  /// The same for one entry `formula` of a list.
+  std::shared_ptr<const Expression> expression_of(const input::Section& section, const std::string& key,
+                                                  const std::string& formula) const;
+  /// The value of a formula of parameters.
+  double number(const input::Section& section, const std::string& key) const;
+  double number_of(const input::Section& section, const std::string& key, const std::string& formula) const;
+  /// A formula of time and parameters that prescribes a motion.
+  std::shared_ptr<const Expression> time_expression(const input::Section& section,
+                                                    const std::string& key) const;
+  /// The same for an input, which moves nothing unless a formula reads it.
+  std::shared_ptr<const Expression> input_expression(const input::Section& section,
+                                                     const std::string& key) const;
+  std::shared_ptr<const Expression> time_expression_of(const input::Section& section, const std::string& key,
+                                                       const std::string& formula) const;
+
+  /// The table that a key names.
+  std::shared_ptr<const Curve> table(const input::Section& section, const std::string& key) const;
+
+  const MechanismDescription& description() const { return d_; }
+
+ private:
+  MechanismDescription& d_;
+  std::map<std::string, double> parameters_;
+  Curves tables_;
+  std::string prefix_;
+};
+
+}  // namespace flexura::mbs

@@ -1,0 +1,155 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mbs/file/elements/user_library.hpp"
+
+#include <dlfcn.h>
+#include <fmt/format.h>
+
+#include "mbs/base/documents/shown_text.hpp"
+#include "mbs/file/elements/library_file.hpp"
+#include "mbs/mechanism/user_element.hpp"
+
+namespace flexura::mbs {
+namespace {
+
+using input::Section;
+
+class Library {
+ public:
+  explicit Library(const Section& s) {
+    const std::filesystem::path path = s.file("library");
+    std::error_code ignored;
+    if (!std::filesystem::exists(path, ignored))
+      s.refuse("library", "there is no such file",
+               "paths start at the folder of this file; compile it first");
+    if (const std::string why = why_not_loadable(path); !why.empty())
+      s.refuse("library", why, "compile it again");
+    handle_.reset(dlopen(std::filesystem::absolute(path).c_str(), RTLD_NOW | RTLD_LOCAL), [](void* handle) {
+      if (handle != nullptr) dlclose(handle);
+    });
+    if (!handle_) s.refuse("library", "cannot be loaded: " + input::shown_text(dlerror(), 200));
+    const auto interface = reinterpret_cast<const char* (*)()>(dlsym(handle_.get(), "flexura_interface"));
+    const auto fill = reinterpret_cast<void (*)(UserElements&)>(dlsym(handle_.get(), "flexura_elements"));
+    if (interface == nullptr || fill == nullptr)
+      s.refuse("library", "has no FLEXURA_ELEMENTS", "mbs/mechanism/user_element.hpp says how it is written");
+    const char* const version = interface();
+    if (version == nullptr || std::string_view(version) != FLEXURA_INTERFACE)
+      s.refuse("library",
+               fmt::format("is compiled for the interface {}, this program has {}",
+                           version == nullptr ? "\"\"" : input::shown_text(version, 40), FLEXURA_INTERFACE),
+               "compile it again");
+    try {
+      fill(elements_);
+    } catch (...) {
+      s.refuse("library", "throws where it should name its elements", "mend its FLEXURA_ELEMENTS");
+    }
+  }
+
+  /// An element that keeps its library loaded.
+  template <class Element>
+  std::shared_ptr<const Element> make(const UserElements::Makers<Element>& makers, const std::string& kind,
+                                      const Section& s, const UserArguments& arguments) const {
+    const std::string wanted = s.text("element");
+    const auto maker = makers.find(wanted);
+    if (maker == makers.end()) {
+      std::vector<std::string> known;
+      for (const auto& [name, make] : makers) known.push_back(name);
+      s.refuse("element",
+               fmt::format("the library has no {} of this name{}", kind, input::suggestion(wanted, known)));
+    }
+    std::shared_ptr<const Element> made;
+    try {
+      if (maker->second == nullptr) s.refuse("element", "the library names it, but cannot make it");
+      made = maker->second(arguments);
+    } catch (const input::InputError&) {
+      throw;
+    } catch (const std::exception& error) {
+      s.refuse("element", error.what());
+    } catch (...) {
+      s.refuse("element", "the library throws something that has no words");
+    }
+    if (!made) s.refuse("element", "the library made nothing of it");
+    const Element* const element = made.get();
+    // The element goes before the code of its destructor does.
+    return std::shared_ptr<const Element>(element,
+                                          [made, handle = handle_](const Element*) mutable { made.reset(); });
+  }
+  const UserElements& elements() const { return elements_; }
+
+ private:
+  std::shared_ptr<void> handle_;
+  UserElements elements_;  // goes before the library
+};
+
+std::vector<input::Key> common_keys() {
+  using namespace input;
+  return {text("library", "shared library beside this file: mbs/mechanism/user_element.hpp says how to write one")
+              .required(),
+          text("element", "its name there").required(),
+          formulas("values", "numbers for it: each a number, a quantity or a formula of parameters")};
+}
+
+std::vector<input::Key> keys_on_markers() {
+  std::vector<input::Key> keys = common_keys();
+  keys.push_back(input::texts("markers", "markers that it sits on, in its order"));
+  keys.push_back(
+      input::texts("joints", "joint coordinates that it acts on, \"joint\" or \"joint.coordinate\""));
+  keys.push_back(input::texts("inputs", "formulas that it reads"));
+  return keys;
+}
+
+UserArguments common_arguments(const std::string& name, const Section& s, const ReadContext& c) {
+  UserArguments arguments;
+  arguments.name = name;
+  for (const auto& [key, formula] : s.formulas("values"))
+    arguments.values[key] = c.number_of(s, "values", formula);
+  return arguments;
+}
+
+UserArguments arguments_of(const std::string& name, const Section& s, const ReadContext& c) {
+  UserArguments arguments = common_arguments(name, s, c);
+  for (const std::string& marker : s.texts("markers"))
+    arguments.markers.push_back(c.marker_of(s, "markers", marker));
+  for (const std::string& joint : s.texts("joints"))
+    arguments.joints.push_back(c.coordinate(s, "joints", joint));
+  for (const std::string& formula : s.texts("inputs"))
+    arguments.inputs.push_back(c.expression_of(s, "inputs", formula));
+  return arguments;
+}
+
+}  // namespace
+
+ForceType user_force() {
+  return {"user", "A force element of your own, out of a shared library in C++.", keys_on_markers(),
+          [](const std::string& name, const Section& s,
+             const ReadContext& c) -> std::shared_ptr<const ForceElement> {
+            const Library library(s);
+            return library.make(library.elements().forces, "force", s, arguments_of(name, s, c));
+          }};
+}
+
+ConstraintType user_constraint() {
+  return {"user", "A constraint of your own, out of a shared library in C++.", keys_on_markers(),
+          [](const std::string& name, const Section& s,
+             const ReadContext& c) -> std::shared_ptr<const Constraint> {
+            const Library library(s);
+            return library.make(library.elements().constraints, "constraint", s, arguments_of(name, s, c));
+          }};
+}
+
+std::vector<input::Key> user_joint_keys() {
+  std::vector<input::Key> keys = common_keys();
+  keys.push_back(input::formulas("start", "its coordinates at the start, by name"));
+  keys.push_back(input::formulas("start_speed", "its speeds at the start, by name"));
+  keys.push_back(input::formulas("drive", "drives its coordinates, by name: formulas of t and parameters"));
+  keys.push_back(input::formulas("drive_speed", "drives its speeds instead, by name"));
+  keys.push_back(input::formulas("drive_acceleration", "drives its accelerations instead, by name"));
+  return keys;
+}
+
+std::shared_ptr<const Joint> make_user_joint(const std::string& name, const Section& s,
+                                             const ReadContext& c) {
+  const Library library(s);
+  return library.make(library.elements().joints, "joint", s, common_arguments(name, s, c));
+}
+
+}  // namespace flexura::mbs

@@ -1,0 +1,17 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "mbs/base/documents/document.hpp"
+
+namespace flexura::mbs {
+
+/// The keys of a mechanism file alone, as read_mechanism() reads them: numbers may be formulas of its parameters, and
+/// overrides of keys in a subsystem's file are left to it.  Nothing is built, no other file is read.  Throws InputError.
+input::Section read_mechanism_document(const std::filesystem::path& file, const input::TableSchema& solver,
+                                       const std::vector<std::string>& overrides);
+
+}  // namespace flexura::mbs

@@ -1,0 +1,21 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string>
+
+#include "mbs/base/documents/document.hpp"
+#include "mbs/base/math/spatial.hpp"
+
+/// Pieces of a body's table in the mechanism file.  All throw InputError.
+namespace flexura::mbs {
+
+/// position and axis, rotation or quaternion.
+Pose read_pose(const input::Section& s);
+
+/// mass, center and inertia.
+RigidInertia read_inertia(const input::Section& s);
+
+/// The body's [[shape]] tables as mbs/view takes them.
+std::string shapes_json(const input::Section& s);
+
+}  // namespace flexura::mbs

@@ -1,0 +1,384 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mbs/file/read_flexible_body.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "mbs/bodies/modal_basis.hpp"
+#include "mbs/bodies/modal_problem.hpp"
+#include "mbs/mechanism/acting_loads.hpp"
+
+namespace flexura::mbs {
+namespace {
+
+using Eigen::MatrixXd;
+using input::Section;
+namespace dim = input::dim;
+
+DampingLaw damping_law(const Section& s) {
+  DampingLaw law;
+  if (s.has("damping")) law.ratio = s.quantity("damping");
+  for (const char* key : {"damping_by_mode", "damping_ratios", "damping_frequencies"}) {
+    if (!s.has(key)) continue;
+    const std::vector<double> values = s.quantities(key);
+    if (values.empty()) s.refuse(key, "is empty", "give one entry at least, or take the key away");
+    for (const double value : values)
+      if (!(value >= 0.0))
+        s.refuse(key, fmt::format("holds {:.6g}, which is negative", value),
+                 "dampers take energy out: give ratios and frequencies of 0 or more");
+  }
+  if (s.has("damping_by_mode")) law.by_mode = s.quantities("damping_by_mode");
+  if (s.has("damping_frequencies") != s.has("damping_ratios"))
+    s.refuse(s.has("damping_ratios") ? "damping_ratios" : "damping_frequencies",
+             "damping_frequencies and damping_ratios make a table together", "give both");
+  if (s.has("damping_ratios")) {
+    law.table_hz = s.quantities("damping_frequencies");
+    law.table = s.quantities("damping_ratios");
+    if (law.table.size() != law.table_hz.size() || law.table.empty())
+      s.refuse("damping_ratios",
+               fmt::format("has {} entries for {} frequencies", law.table.size(), law.table_hz.size()),
+               "give one ratio for each frequency");
+    for (std::size_t k = 1; k < law.table_hz.size(); ++k)
+      if (!(law.table_hz[k] > law.table_hz[k - 1]))
+        s.refuse("damping_frequencies",
+                 fmt::format("{:.6g} Hz does not lie above the one before it, {:.6g} Hz", law.table_hz[k],
+                             law.table_hz[k - 1]),
+                 "sort the table");
+  }
+  if (s.has("rayleigh_alpha") || s.has("rayleigh_beta"))
+    law.rayleigh = Eigen::Vector2d(s.has("rayleigh_alpha") ? s.quantity("rayleigh_alpha") : 0.0,
+                                   s.has("rayleigh_beta") ? s.quantity("rayleigh_beta") : 0.0);
+  const int laws =
+      law.ratio.has_value() + !law.by_mode.empty() + !law.table.empty() + law.rayleigh.has_value();
+  if (laws > 1)
+    s.refuse("", "has more than one damping law",
+             "keep one of damping, damping_by_mode, damping_frequencies, rayleigh_*");
+  if (s.has("critical_above")) law.critical_above = s.quantity("critical_above");
+  return law;
+}
+
+/// Why the joint gives no boundary condition that holds at all times (SP's conditions: the node has the
+/// directions that the joint locks, and these stand still in the body); empty where it gives one.
+std::string cannot_hold(const MechanismDescription& d, const JointDescription& joint, int body,
+                        const BodyNode& node, const MatrixXd& held) {
+  if (!locks_the_same_wherever_it_is(d, joint, body))
+    return fmt::format("what joint \"{}\" locks does not stand still in the body as it moves", joint.name);
+  for (Eigen::Index k = 0; k < held.cols(); ++k)
+    if (held.col(k).isZero(0.0))
+      return fmt::format("joint \"{}\" locks a direction that \"{}\" does not keep", joint.name, node.name);
+  return "";
+}
+
+}  // namespace
+
+std::vector<input::Key> flexible_body_keys() {
+  using namespace input;
+  TableSchema point;
+  point.name = "stress_point";
+  point.doc = "A place whose stresses and strains are stored: the nearest one with stress modes.";
+  point.keys = {vector3("position", dim::length, "in the undeformed body").required()};
+  TableSchema surface_point = point, section_point = point;
+  surface_point.name = "surface_point";
+  surface_point.doc =
+      "A place whose displacement by deformation, in the body's axes, and position in the world are stored: "
+      "the "
+      "nearest node of the superelement's surface.";
+  section_point.name = "section_point";
+  section_point.doc =
+      "A place whose section forces are stored (N, V_y, V_z, T, M_y, M_z on the section that looks along the "
+      "member): the nearest one that the beam part's superelement knows.";
+  return {
+      text("superelement", "file made by flexura reduce, beside this one"),
+      choice(
+          "fidelity", {"modal", "modal-stiffened", "ked", "static", "rigid", "ancf", "segments", "auto"},
+          "of a superelement: modal, with geometric stiffening, one-way (the motion is that of the rigid "
+          "body), quasi-static, or without deformation; of a beam: absolute nodal coordinates for any "
+          "bending, rigid segments joined by its stiffness, or rigid; auto: flexura simulate chooses among "
+          "rigid, static, modal and modal-stiffened, and the number of modes, of a beam between rigid and "
+          "ancf, for the run's accuracy (see solver.accuracy; 1 % without it)")
+          .or_default("modal"),
+      integer("modes", "keep at most so many eigenmodes, lowest first; without it all").at_least(1),
+      quantity("max_frequency", dim::frequency, "keep no eigenmode above").above(0.0),
+      choice("coupling", {"full", "partial", "constant"},
+             "inertia coupling of deformation and motion: all terms; without second-order terms of the "
+             "deformation; mass matrix of the undeformed body, no centrifugal loads")
+          .or_default("full"),
+      choice("attachments", {"used", "all", "none"},
+             "response modes beside truncated eigenmodes: for the interfaces that joints, constraints and "
+             "forces act on, for all, or none; without it none, for fidelity static used"),
+      quantity("response_frequency", dim::frequency, "at which the response modes are taken; 0: static")
+          .or_default("0")
+          .at_least(0.0),
+      choice("frame", {"mean_axis", "joint_fixed", "joints"},
+             "the body's frame: without momentum of the deformation; fixed to the interface of the first "
+             "joint that leads to the body; or where its joints hold it (six of the directions that they "
+             "lock, displacements first: the line between two pins). Without it mean_axis, of a body with a "
+             "rigid link (a marker's link) fixed to that, for a one-way body joint_fixed on a single joint "
+             "and joints on several"),
+      choice(
+          "boundary", {"free", "joint"},
+          "eigenmodes of the free body, or held as that joint holds it; without it joint for a joint_fixed "
+          "frame (modes of a frame held by the joints are held there)"),
+      quantity(
+          "damping", dim::none,
+          "damping ratio of all modes of the body, free ones in the default frame: vibrations that a joint "
+          "slows down have less of it (frame = \"joint_fixed\" takes the modes that the joint leaves); "
+          "without any law the superelement's")
+          .at_least(0.0),
+      quantities("damping_by_mode", dim::none, "ratios of mode 1, 2, ...; the last one also of all above"),
+      quantities("damping_frequencies", dim::frequency, "of a table of damping ratios, linear between"),
+      quantities("damping_ratios", dim::none, "at these frequencies"),
+      quantity("rayleigh_alpha", dim::frequency, "Rayleigh damping alpha M + beta K: alpha [1/s]")
+          .at_least(0.0),
+      quantity("rayleigh_beta", dim::time, "beta [s]").at_least(0.0),
+      quantity(
+          "critical_above", dim::frequency,
+          "modes from here on are damped critically: they follow their loads without ringing; without it "
+          "the response modes above the eigenmodes")
+          .above(0.0),
+      flag("stress", "von Mises stress on the surface at every output step; needs stress modes")
+          .or_default("false"),
+      table_map("stress_point", point, "places whose stresses and strains are stored"),
+      table_map("surface_point", surface_point, "nodes of the surface whose displacements are stored"),
+      table_map("section_point", section_point, "places whose section forces are stored, of a beam part"),
+  };
+}
+
+std::string fidelity_of(const Section& s) {
+  const std::string word = s.text("fidelity");
+  if (word != "auto") return word;
+  return s.has("beam") && !s.has("superelement") ? "ancf" : "modal";
+}
+
+bool wants_sections(const Section& s) {
+  return !s.table_map("section_point").empty();
+}
+
+std::shared_ptr<const SectionPoints> read_section_points(const Section& s,
+                                                         const superelement::Superelement& se,
+                                                         const FlexibleBody& body) {
+  if (!se.sections)
+    s.refuse("section_point", "the superelement has no section forces",
+             "reduce a beam part (members with sections); solid parts have stress_point");
+  auto out = std::make_shared<SectionPoints>(*se.sections, body.data().Y);
+  for (const auto& [name, point] : s.table_map("section_point"))
+    out->add_point(name, point.vector3("position"));
+  return out;
+}
+
+bool wants_surface_points(const Section& s) {
+  return !s.table_map("surface_point").empty();
+}
+
+std::shared_ptr<const SurfacePoints> read_surface_points(const Section& s,
+                                                         const superelement::Superelement& se,
+                                                         const FlexibleBody* body) {
+  const auto n_v = se.surface.vertices.rows();
+  if (n_v == 0 || (body && se.shapes.rows() != 3 * n_v))
+    s.refuse("surface_point", "the superelement has no shapes on its surface",
+             "reduce the part from its CAD file, mesh or beams (foreign matrices bring none), or name an "
+             "interface");
+  auto out = std::make_shared<SurfacePoints>();
+  for (const auto& [name, point] : s.table_map("surface_point")) {
+    Eigen::Index v = 0;
+    (se.surface.vertices.rowwise() - point.vector3("position").transpose())
+        .rowwise()
+        .squaredNorm()
+        .minCoeff(&v);
+    MatrixXd Phi(3, 0);
+    if (body) Phi = se.shapes.middleRows(3 * v, 3).cast<double>() * body->data().Y;
+    out->add({name, se.surface.vertices.row(v).transpose(), std::move(Phi)});
+  }
+  return out;
+}
+
+bool wants_stress(const Section& s) {
+  return s.flag("stress") || !s.table_map("stress_point").empty();
+}
+
+std::shared_ptr<const StressField> read_stress_field(const Section& s, const superelement::Superelement& se,
+                                                     const FlexibleBody& body) {
+  if (!se.stress || se.surface.vertices.rows() == 0)
+    s.refuse(s.has("stress") ? "stress" : "stress_point", "the superelement has no stress modes",
+             "reduce the part again with [recovery] stress = true");
+  const std::vector<std::int32_t>& vertices = se.stress->vertices;
+  Eigen::Matrix3Xd x(3, vertices.size());
+  for (std::size_t k = 0; k < vertices.size(); ++k)
+    x.col(k) = se.surface.vertices.row(vertices[k]).transpose();
+  auto field = std::make_shared<StressField>(
+      se.stress->S, std::move(x), std::vector<int>(vertices.begin(), vertices.end()), body.data().Y);
+  if (!se.stress->compliance.empty())
+    field->set_compliance(se.stress->compliance, {se.stress->material.begin(), se.stress->material.end()});
+  for (const auto& [name, point] : s.table_map("stress_point"))
+    field->add_point(name, point.vector3("position"));
+  return field;
+}
+
+std::shared_ptr<const FlexibleBody> prepare_flexible_body(
+    const Section& s, const superelement::Superelement& se, const std::vector<BodyNode>& linked,
+    const MechanismDescription& d, int body, std::vector<std::string>& notes, PreparationCache& cache) {
+  BodyNodes nodes = interface_nodes(se);
+  nodes.insert(nodes.end(), linked.begin(), linked.end());
+  const std::string &name = d.bodies[body].name, fidelity = fidelity_of(s);
+  BasisOptions options;
+  options.nodes = linked;
+  options.damping_law = damping_law(s);
+  options.stiffening = fidelity == "modal-stiffened";
+  const std::string coupling = s.text("coupling");
+  options.coupling = coupling == "full"      ? Coupling::full
+                     : coupling == "partial" ? Coupling::partial
+                                             : Coupling::constant;
+  if (options.stiffening && options.coupling != Coupling::full)
+    s.refuse("coupling", "geometric stiffening needs all inertia coupling",
+             "write coupling = \"full\" or fidelity = \"modal\"");
+  if (options.stiffening)
+    for (const int node : loaded_nodes(d, body))
+      if (!nodes[node].is_on_interfaces)
+        s.refuse("fidelity",
+                 fmt::format("marker \"{}\" loads nodes of the surface, and a superelement has geometric "
+                             "stiffening by loads on its interfaces only: all of it or none",
+                             nodes[node].name),
+                 "make that place an interface when the part is reduced, or use fidelity = \"modal\"");
+  if (options.stiffening && d.bodies[body].is_loaded_by_case)
+    s.refuse("fidelity",
+             "a force puts a load case on the body, and a superelement has geometric stiffening by gravity, "
+             "motion and loads on its interfaces only: all of it or none",
+             "use fidelity = \"modal\", or let forces act on interfaces");
+  if (s.has("modes")) options.modes = s.integer("modes");
+  if (s.has("max_frequency")) options.max_frequency = s.quantity("max_frequency");
+  options.response_frequency = s.quantity("response_frequency");
+
+  // What a single joint holds vibrates as held there; the rigid motion cannot tell a one-way body so.
+  const auto joints = std::ranges::count_if(
+      d.joints, [&](const JointDescription& joint) { return marker_on(d, joint, body) >= 0; });
+  const bool held_by_one = fidelity == "ked" && joints == 1 && frame_joint(d, body) != nullptr;
+  const std::string frame = s.has("frame")                    ? s.text("frame")
+                            : held_by_one                     ? "joint_fixed"
+                            : fidelity == "ked" && joints > 1 ? "joints"
+                                                              : "mean_axis";
+  // What a rigid link joins moves as one piece however far it turns only where it is at rest in the frame:
+  // displacements that are linear in the modes leave a turned piece by second order.
+  const auto link = std::ranges::find_if(linked, [](const BodyNode& node) { return node.ties.cols() > 0; });
+  if (link != linked.end() && frame == "mean_axis" && !s.has("frame")) {
+    options.frame = node_loads(*link);
+    notes.push_back(
+        fmt::format("body \"{}\": the rigid link of marker \"{}\" gives the frame", name, link->name));
+  }
+  const bool joint_fixed = frame == "joint_fixed";
+  if (frame == "joints") {
+    if (s.has("boundary"))
+      s.refuse("boundary", "a frame held by the joints holds the eigenmodes too", "take this key away");
+    options.frame = options.held = held_by_joints(se, nodes, d, body);
+    const bool is_held = options.held.cols() > 0;
+    if (!is_held && s.has("frame"))
+      s.refuse("frame", "no joint of this body sits on an interface and locks a direction",
+               "let joints' markers stand on interfaces (on = \"INTERFACE\"), or take this key away");
+    if (is_held)
+      notes.push_back(
+          fmt::format("body \"{}\": its joints hold the frame and the eigenmodes in {} directions", name,
+                      options.held.cols()));
+  }
+  std::string boundary = s.has("boundary") ? s.text("boundary") : joint_fixed ? "joint" : "free";
+  if (joint_fixed || boundary == "joint") {
+    const JointDescription* joint = frame_joint(d, body);
+    const std::string key = joint_fixed ? "frame" : "boundary";
+    if (!joint)
+      s.refuse(key, "no joint sits on an interface of this body",
+               "let a joint's marker stand on an interface (on = \"INTERFACE\"), or take this key away");
+    const MarkerDescription& marker = d.markers[marker_on(d, *joint, body)];
+    const int node = node_of(marker);
+    if (boundary == "joint") {
+      options.held = held_directions(nodes, d, *joint, body);
+      if (const std::string reason = cannot_hold(d, *joint, body, nodes[node], options.held); !reason.empty()) {
+        if (s.has("boundary"))
+          s.refuse("boundary", reason, "write boundary = \"free\", or take the key away");
+        notes.push_back(
+            fmt::format("body \"{}\": {}: its eigenmodes are those of the free body", name, reason));
+        boundary = "free";
+        options.held.resize(se.n(), 0);
+      }
+    }
+    if (joint_fixed && node < static_cast<int>(se.interfaces.size()))
+      options.fixed_interface = node;
+    else if (joint_fixed)
+      options.frame = node_loads(nodes[node]);
+    notes.push_back(
+        fmt::format("body \"{}\": joint \"{}\" on {} \"{}\" gives {}", name, joint->name,
+                    node < static_cast<int>(se.interfaces.size()) ? "interface" : "marker", nodes[node].name,
+                    joint_fixed && boundary == "joint" ? "the frame and the eigenmodes' boundary condition"
+                    : joint_fixed                      ? "the frame"
+                                                       : "the eigenmodes' boundary condition"));
+  }
+
+  const std::string attachments = s.has("attachments")   ? s.text("attachments")
+                                  : fidelity == "static" ? "used"
+                                                         : "none";
+  std::vector<int> loaded;
+  if (attachments == "all")
+    for (std::size_t i = 0; i < nodes.size(); ++i) loaded.push_back(static_cast<int>(i));
+  if (attachments == "used") loaded = loaded_nodes(d, body);
+  options.loads.resize(se.n(), 0);
+  for (const int node : loaded) {
+    const MatrixXd more = attachments == "all" ? node_loads(nodes[node]) : loads_on(nodes, d, body, node);
+    options.loads.conservativeResize(Eigen::NoChange, options.loads.cols() + more.cols());
+    options.loads.rightCols(more.cols()) = more;
+  }
+  if (attachments == "used")
+    for (const auto& force : d.forces) {
+      const auto [on, load] = force->load_case();
+      if (on != body) continue;
+      options.loads.conservativeResize(Eigen::NoChange, options.loads.cols() + 1);
+      options.loads.rightCols<1>() = se.load_cases[static_cast<std::size_t>(load)].p_se;
+    }
+
+  if (fidelity == "static") {
+    for (const char* key : {"modes", "max_frequency"})
+      if (s.has(key))
+        notes.push_back(
+            fmt::format("body \"{}\" is static and takes no eigenmodes: {} is of no account", name, key));
+    if (options.loads.cols() == 0)
+      s.refuse(
+          "fidelity",
+          "nothing acts on an interface of this body and no force puts a load case on it, so nothing deforms "
+          "it statically",
+          "use fidelity = \"rigid\"");
+    options.modes = 0;
+    options.coupling = Coupling::constant;
+    options.damping_law.critical_above = std::min(options.damping_law.critical_above, 0.0);
+  }
+
+  BasisReport report;
+  std::shared_ptr<const FlexibleBody> flexible;
+  try {
+    ModalData data = modal_data(se, options, &report, &cache);
+    if (report.responses > 0 && !s.has("critical_above") && fidelity != "static") {
+      options.damping_law.critical_above = report.eigen_hz.back() * (1.0 + 1e-6);
+      data.damping = modal_damping(options.damping_law, data.stiffness, data.damping);
+    }
+    flexible = std::make_shared<FlexibleBody>(std::move(data));
+  } catch (const BasisError& error) {
+    throw input::InputError(s.where(s.has(error.key()) ? error.key() : "superelement") + ": " + error.what());
+  } catch (const std::invalid_argument& error) {
+    throw input::InputError(s.where("superelement") + ": " + error.what());
+  }
+  if (fidelity == "static") {
+    notes.push_back(
+        fmt::format("body \"{}\" follows its loads by {} static response modes", name, report.responses));
+  } else if (report.kept < report.available) {
+    std::string note =
+        fmt::format("body \"{}\" keeps {} of {} modes, up to {:.6g} Hz (the next has {:.6g} Hz)", name,
+                    report.kept, report.available, report.eigen_hz.back(), report.first_dropped_hz);
+    if (report.responses > 0)
+      note += fmt::format(", and {} response modes up to {:.6g} Hz for the interfaces in use",
+                          report.responses, report.highest_hz);
+    else
+      note +=
+          ": it is stiffer under loads at its interfaces than its superelement (attachments = \"used\" "
+          "mends that)";
+    notes.push_back(note);
+  }
+  return flexible;
+}
+
+}  // namespace flexura::mbs

@@ -1,0 +1,69 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "mbs/base/documents/document.hpp"
+#include "mbs/base/documents/schema.hpp"
+#include "mbs/bodies/body_node.hpp"
+#include "mbs/bodies/preparation_cache.hpp"
+#include "mbs/mechanism/mechanism.hpp"
+#include "mbs/superelement/superelement.hpp"
+
+/// The automatic preparation of a flexible body: from what its table says and what acts on it.
+///
+/// | fidelity         | deformation                                                        |
+/// |------------------|--------------------------------------------------------------------|
+/// | rigid            | none                                                               |
+/// | static           | response modes of what acts on the body alone, critically damped   |
+/// | ked              | one-way: the motion is that of the rigid body                      |
+/// | modal            | eigenmodes and response modes, coupling as `coupling` says         |
+/// | modal-stiffened  | the same with geometric stiffening                                 |
+///
+/// Where eigenmodes are dropped, `attachments` adds response modes for the interfaces that joints,
+/// constraints or forces act on.  Their own frequencies say nothing about the body, so they are damped
+/// critically unless the file gives `critical_above`.
+namespace flexura::mbs {
+
+/// Keys of a body that hold for superelements.
+std::vector<input::Key> flexible_body_keys();
+
+/// The word of fidelity that the body is built with: "auto" is built as "modal", of a beam as "ancf", until a
+/// run chooses.
+std::string fidelity_of(const input::Section& s);
+
+/// True where the body's table asks for stresses.
+bool wants_stress(const input::Section& s);
+
+/// True where it asks for section forces.
+bool wants_sections(const input::Section& s);
+
+/// The section forces its table asks for; `se` with those.  Throws InputError.
+std::shared_ptr<const SectionPoints> read_section_points(const input::Section& s,
+                                                         const superelement::Superelement& se,
+                                                         const FlexibleBody& body);
+
+/// True where it asks for nodes of the surface.
+bool wants_surface_points(const input::Section& s);
+
+/// Those; `se` with its surface, and with the shapes there of a body that deforms (else null).  Throws
+/// InputError.
+std::shared_ptr<const SurfacePoints> read_surface_points(const input::Section& s,
+                                                         const superelement::Superelement& se,
+                                                         const FlexibleBody* body);
+
+/// The stresses its table asks for; `se` with its stress modes and surface.  Throws InputError.
+std::shared_ptr<const StressField> read_stress_field(const input::Section& s,
+                                                     const superelement::Superelement& se,
+                                                     const FlexibleBody& body);
+
+/// Builds the body; joints and forces of `d` are already there and its markers on interfaces have the
+/// interface's index as node, those on the nodes of `linked` the numbers behind.  Notes for the user are
+/// appended.  Throws InputError.
+std::shared_ptr<const FlexibleBody> prepare_flexible_body(
+    const input::Section& s, const superelement::Superelement& se, const std::vector<BodyNode>& linked,
+    const MechanismDescription& d, int body, std::vector<std::string>& notes, PreparationCache& cache);
+
+}  // namespace flexura::mbs

@@ -1,0 +1,122 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mbs/file/read_joint.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+
+#include "mbs/file/elements/element_types.hpp"
+#include "mbs/file/elements/user_library.hpp"
+
+namespace flexura::mbs {
+
+using input::Section;
+
+namespace {
+
+void read_rate_drives(const Section& s, const ReadContext& context, JointDescription& joint) {
+  const auto speeds = joint.joint->speeds(), accelerations = joint.joint->accelerations();
+  for (std::size_t i = 0; i < speeds.size(); ++i) {
+    const int k = static_cast<int>(i);
+    const std::string by_speed = "drive_" + speeds[i].name,
+                      by_acceleration = "drive_" + accelerations[i].name;
+    if (s.has(by_speed)) joint.speed_drives[k] = context.time_expression(s, by_speed);
+    if (s.has(by_acceleration)) joint.acceleration_drives[k] = context.time_expression(s, by_acceleration);
+    if (joint.drives.contains(k) + s.has(by_speed) + s.has(by_acceleration) > 1)
+      s.refuse(s.has(by_acceleration) ? by_acceleration : by_speed, "the coordinate is driven twice",
+               "keep one of the drives");
+    if (s.has(by_speed) && s.has(speeds[i].name))
+      s.refuse(speeds[i].name, "the speed is driven", "take this key away");
+  }
+}
+
+/// Formulas of a user's joint, whose coordinates the schema does not know, by their places in `infos`.
+std::map<int, std::string> by_name(const Section& s, const char* key,
+                                   const std::vector<CoordinateInfo>& infos) {
+  std::map<int, std::string> formulas;
+  for (const auto& [name, formula] : s.formulas(key)) {
+    std::vector<std::string> known;
+    int index = -1;
+    for (std::size_t i = 0; i < infos.size(); ++i) {
+      known.push_back(infos[i].name);
+      if (infos[i].name == name) index = static_cast<int>(i);
+    }
+    if (index < 0)
+      s.refuse(key, fmt::format("the joint has no \"{}\"{}", name, input::suggestion(name, known)));
+    formulas[index] = formula;
+  }
+  return formulas;
+}
+
+void read_user_joint(const Section& s, const ReadContext& context, JointDescription& joint) {
+  const Joint& type = *joint.joint;
+  const auto coordinates = type.coordinates(), speeds = type.speeds(), accelerations = type.accelerations();
+  for (const auto& [k, formula] : by_name(s, "start", coordinates))
+    joint.initial_coordinates[k] = context.number_of(s, "start", formula);
+  for (const auto& [k, formula] : by_name(s, "start_speed", speeds))
+    joint.initial_speeds[k] = context.number_of(s, "start_speed", formula);
+  std::set<int> driven;
+  const auto drives = [&](const char* key, const std::vector<CoordinateInfo>& infos, auto& list) {
+    for (const auto& [k, formula] : by_name(s, key, infos)) {
+      if (type.n_p() != type.n_v())
+        s.refuse(key, "the joint has more coordinates than speeds", "drive it by a force or a constraint");
+      if (!driven.insert(k).second) s.refuse(key, "the coordinate is driven twice", "keep one of the drives");
+      list[k] = context.time_expression_of(s, key, formula);
+    }
+  };
+  drives("drive", coordinates, joint.drives);
+  drives("drive_speed", speeds, joint.speed_drives);
+  drives("drive_acceleration", accelerations, joint.acceleration_drives);
+  for (const int k : driven) {
+    const bool rate_only = !joint.drives.contains(k);
+    if (joint.initial_coordinates.contains(k) && !rate_only)
+      s.refuse("start", "the coordinate is driven", "take it away");
+    if (joint.initial_speeds.contains(k) && !joint.acceleration_drives.contains(k))
+      s.refuse("start_speed", "the speed is driven", "take it away");
+  }
+}
+
+}  // namespace
+
+JointDescription read_joint(const std::string& name, const Section& s, const ReadContext& context,
+                            bool is_connection) {
+  JointDescription joint;
+  joint.is_connection = is_connection;
+  joint.name = name;
+  const std::string type = s.text("type");
+  for (const JointType& t : joint_types())
+    if (t.name == type || std::ranges::find(t.synonyms, type) != t.synonyms.end()) joint.joint = t.make(&s);
+  if (type == "user") joint.joint = make_user_joint(name, s, context);
+  joint.marker_F = context.marker(s, "from");
+  joint.marker_M = context.marker(s, "to");
+  const auto& markers = context.description().markers;
+  if (markers[joint.marker_F].body == markers[joint.marker_M].body)
+    s.refuse("to", fmt::format("\"{}\" is a marker of the same body as \"{}\"", s.text("to"), s.text("from")),
+             "a joint joins two bodies");
+  if (!is_connection && s.has("cut")) {
+    joint.cut = s.flag("cut");
+    joint.keep_in_tree = !joint.cut;
+  }
+  const auto coordinates = joint.joint->coordinates(), speeds = joint.joint->speeds();
+  if (type == "user") {
+    read_user_joint(s, context, joint);
+    return joint;
+  }
+  for (std::size_t i = 0; i < coordinates.size(); ++i) {
+    const int k = static_cast<int>(i);
+    if (s.has(coordinates[i].name)) joint.initial_coordinates[k] = s.quantity(coordinates[i].name);
+    if (is_connection || joint.joint->n_p() != joint.joint->n_v()) continue;
+    const std::string drive = coordinates.size() == 1 ? "drive" : "drive_" + coordinates[i].name;
+    if (!s.has(drive)) continue;
+    joint.drives[k] = context.time_expression(s, drive);
+    for (const std::string& key : {coordinates[i].name, speeds[i].name})
+      if (s.has(key)) s.refuse(key, "the coordinate is driven", "take this key away");
+  }
+  if (!is_connection && joint.joint->n_p() == joint.joint->n_v()) read_rate_drives(s, context, joint);
+  for (std::size_t i = 0; i < speeds.size(); ++i)
+    if (s.has(speeds[i].name)) joint.initial_speeds[static_cast<int>(i)] = s.quantity(speeds[i].name);
+  return joint;
+}
+
+}  // namespace flexura::mbs

@@ -1,0 +1,419 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mbs/file/mechanism_document.hpp"
+#include "mbs/file/reader.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "mbs/bodies/modal_basis.hpp"
+#include "mbs/file/elements/element_types.hpp"
+#include "mbs/file/read_body.hpp"
+#include "mbs/file/read_flexible_body.hpp"
+#include "mbs/file/read_joint.hpp"
+#include "mbs/file/read_linked_marker.hpp"
+#include "mbs/file/read_tables.hpp"
+#include "mbs/formulas/parameters.hpp"
+
+namespace flexura::mbs {
+namespace {
+
+using input::Section;
+
+constexpr int deepest = 20;
+
+template <class Types>
+const auto& find_type(const Types& types, const std::string& name) {
+  return *std::ranges::find_if(types, [&](const auto& type) { return type.name == name; });
+}
+
+/// "subsystem.left.body.arm.mass=3" goes to the subsystem's own file as "body.arm.mass=3", unless it is about
+/// how the subsystem is placed.
+std::vector<std::string> take_overrides_below(const std::vector<std::string>& overrides,
+                                              std::map<std::string, std::vector<std::string>>& below) {
+  static const std::vector<std::string> placing = {"file", "parameters", "on",       "position",
+                                                   "axis", "x_axis",     "rotation", "quaternion"};
+  const std::string opening = "subsystem.";
+  std::vector<std::string> own;
+  for (const std::string& text : overrides) {
+    const auto dot = text.find('.', opening.size());
+    if (!text.starts_with(opening) || dot == std::string::npos || text.find('=') < dot) {
+      own.push_back(text);
+      continue;
+    }
+    const std::string rest = text.substr(dot + 1), key = rest.substr(0, rest.find_first_of(".=["));
+    if (std::ranges::find(placing, key) != placing.end())
+      own.push_back(text);
+    else
+      below[text.substr(opening.size(), dot - opening.size())].push_back(rest);
+  }
+  return own;
+}
+
+Section read_file(const std::filesystem::path& file, const input::TableSchema& solver,
+                  const std::vector<std::string>& overrides) {
+  const auto formulas = [](const Section& root) { return evaluate_with(read_parameters(root)); };
+  return input::read_document(file, mechanism_schema(solver), overrides, formulas);
+}
+
+}  // namespace
+
+Section read_mechanism_document(const std::filesystem::path& file, const input::TableSchema& solver,
+                                const std::vector<std::string>& overrides) {
+  std::map<std::string, std::vector<std::string>> below;
+  return read_file(file, solver, take_overrides_below(overrides, below));
+}
+
+void add_free_joints(ReadModel& model) {
+  MechanismDescription& d = model.description;
+  // A chain of segments is held where one of its pieces is.
+  for (const auto& [b, chain] : model.segments) {
+    const bool held =
+        std::ranges::any_of(chain.bodies, [&](int piece) { return model.joined.contains(piece); });
+    for (const int piece : chain.bodies)
+      if (piece != b || held) model.joined.insert(piece);
+  }
+  for (std::size_t i = 1; i < d.bodies.size(); ++i) {
+    const int b = static_cast<int>(i);
+    const Section& s = model.sections.at(b);
+    const bool moves = s.has("velocity") || s.has("angular_velocity");
+    if (model.joined.contains(b)) {
+      if (moves)
+        s.refuse(s.has("velocity") ? "velocity" : "angular_velocity", "the body has a joint",
+                 "give the joint's speed instead");
+      continue;
+    }
+    const int F = d.add_marker(0, "origin_of_" + d.bodies[i].name), M = d.add_marker(b, "frame");
+    const int j = d.add_joint(d.bodies[i].name, "six_dof", F, M);
+    for (int k = 0; k < 3; ++k) {
+      if (s.has("angular_velocity")) d.joints[j].initial_speeds[k] = s.vector3("angular_velocity")(k);
+      if (s.has("velocity")) d.joints[j].initial_speeds[3 + k] = s.vector3("velocity")(k);
+    }
+  }
+}
+
+void prepare_bodies(ReadModel& model) {
+  MechanismDescription& d = model.description;
+  for (const auto& [b, se] : model.to_prepare) {
+    const Section& s = model.sections.at(b);
+    const auto body = prepare_flexible_body(s, *se, model.linked[b], d, b, model.notes, model.cache);
+    if (wants_stress(s)) d.bodies[b].stress = read_stress_field(s, *se, *body);
+    if (wants_surface_points(s)) d.bodies[b].surface_points = read_surface_points(s, *se, body.get());
+    if (wants_sections(s)) d.bodies[b].sections = read_section_points(s, *se, *body);
+    (model.is_one_way(b) ? d.bodies[b].ked : d.bodies[b].flexible) = body;
+    d.bodies[b].loads = body_loads(*se, body->data().Y);
+  }
+}
+
+Reader::Reader(ReadModel& model, const std::filesystem::path& file, const input::TableSchema& solver,
+               const std::vector<std::string>& overrides)
+    : Reader(model, file, solver, overrides, "", Base{}, 0) {}
+
+Reader::Reader(ReadModel& model, const std::filesystem::path& file, const input::TableSchema& solver,
+               const std::vector<std::string>& overrides, std::string prefix, Base base, int depth)
+    : model_(model),
+      file_(file),
+      solver_(solver),
+      prefix_(std::move(prefix)),
+      base_(std::move(base)),
+      depth_(depth),
+      root_(read_file(file, solver, take_overrides_below(overrides, overrides_below_))),
+      parameters_(read_parameters(root_)),
+      tables_(read_tables(root_)) {
+  const auto subsystems = root_.table_map("subsystem");
+  for (const auto& [name, below] : overrides_below_)
+    if (std::ranges::none_of(subsystems, [&](const auto& entry) { return entry.first == name; })) {
+      std::vector<std::string> known;
+      for (const auto& [other, s] : subsystems) known.push_back(other);
+      throw input::InputError(fmt::format("command line: subsystem.{}.{}: there is no such subsystem{}", name,
+                                          below.front(), input::suggestion(name, known)));
+    }
+}
+
+void Reader::read_bodies() {
+  MechanismDescription& d = model_.description;
+  const Section ground = root_.table("ground");
+  if (prefix_.empty()) {
+    d.bodies[0].shape_json = shapes_json(ground);
+  } else {
+    d.markers.push_back({prefix_ + "ground", base_.body, base_.X_BG, -1});
+  }
+  read_markers(ground, base_.body, base_.X_BG, prefix_ + "ground", false);
+  for (const auto& [name, s] : root_.table_map("body")) read_body(name, s);
+  for (const auto& [name, s] : root_.table_map("subsystem")) read_subsystem(name, s);
+}
+
+void Reader::read_subsystem(const std::string& name, const Section& s) {
+  if (depth_ >= deepest)
+    s.refuse("file", fmt::format("is the {}th file inside another", deepest + 1),
+             "a file must not place itself");
+  if (name == "ground") s.refuse("", "is the name of the world", "choose another name");
+  for (const BodyDescription& body : model_.description.bodies)
+    if (body.name == prefix_ + name) s.refuse("", "has the name of a body", "choose another name");
+  Base base = base_;
+  if (s.has("on")) {
+    const MarkerDescription& marker = model_.description.markers[context().marker(s, "on")];
+    if (marker.node >= 0)
+      s.refuse("on", "is an interface of a flexible body, which deforms",
+               "place the subsystem on a rigid body and join the two");
+    base = {marker.body, marker.X_BP};
+  }
+  base.X_BG = base.X_BG * read_pose(s);
+
+  std::vector<std::string> overrides;
+  const auto given = s.formulas("parameters");
+  for (const auto& [parameter, formula] : given) {
+    double value;
+    try {
+      const double at_start = 0.0;
+      value = Expression(s.path() + ".parameters." + parameter, formula, SignalNames(), parameters_)
+                  .evaluate(&at_start);
+    } catch (const std::exception& error) {
+      throw input::InputError(s.document().string() + ": " + error.what());
+    }
+    overrides.push_back(fmt::format("parameters.{}={:.17g}", parameter, value));
+  }
+  if (const auto below = overrides_below_.find(name); below != overrides_below_.end())
+    overrides.insert(overrides.end(), below->second.begin(), below->second.end());
+  const std::filesystem::path file = s.file("file");
+  if (!given.empty()) {
+    // A misspelt parameter would be a new one that nothing reads.
+    const Section plain = read_file(file, solver_, {});
+    std::vector<std::string> known;
+    for (const auto& [parameter, formula] : plain.formulas("parameters")) known.push_back(parameter);
+    for (const auto& [parameter, formula] : given)
+      if (std::ranges::find(known, parameter) == known.end())
+        s.refuse("parameters", fmt::format("{} has no parameter \"{}\"{}", file.filename().string(),
+                                           parameter, input::suggestion(parameter, known)));
+  }
+  subsystems_.push_back(std::unique_ptr<Reader>(
+      new Reader(model_, file, solver_, overrides, prefix_ + name + ".", std::move(base), depth_ + 1)));
+  subsystems_.back()->read_bodies();
+}
+
+void Reader::add_marker(int body, const std::string& full_name, const Pose& X, int node) {
+  MechanismDescription& d = model_.description;
+  if (const auto found = model_.segments.find(body); found != model_.segments.end()) {
+    // On the piece that is there.
+    const int piece = found->second.piece_at(X.p);
+    d.markers.push_back(
+        {full_name, found->second.bodies[piece], {X.R, X.p - found->second.origins_B[piece]}, -1});
+    return;
+  }
+  const bool one_way = model_.is_one_way(body);
+  d.markers.push_back({full_name, body, X, one_way ? -1 : node});
+  if (one_way) d.markers.back().ked_node = node;
+}
+
+/// The node of the body that carries the marker, and where it is; -1 where none does.
+std::pair<int, Vector3d> Reader::carrying_node(const Section& m, int body, const std::string& name,
+                                               bool deforms, const superelement::Superelement* se) {
+  const auto& interfaces = model_.interfaces[body];
+  if (const char* key = linking_key(m)) {
+    if (!se) m.refuse(key, "only superelements have nodes to follow", "take the key away, or use on");
+    std::vector<BodyNode>& linked = model_.linked[body];
+    BodyNode node = read_linked_node(m, name, *se, deforms, model_.notes);
+    if (m.text("link") == "rigid") model_.blind_spots.push_back({"link", name, ""});
+    const Vector3d p = node.p_BoN_B;
+    if (!deforms) return {-1, p};
+    linked.push_back(std::move(node));
+    return {static_cast<int>(interfaces.size() + linked.size()) - 1, p};
+  }
+  const std::string interface = m.text("on");
+  const auto found =
+      std::ranges::find_if(interfaces, [&](const auto& entry) { return entry.first == interface; });
+  if (found == interfaces.end()) {
+    std::vector<std::string> known;
+    for (const auto& entry : interfaces) known.push_back(entry.first);
+    m.refuse(
+        "on",
+        fmt::format("the body has no interface \"{}\"{}", interface, input::suggestion(interface, known)),
+        interfaces.empty() ? "only superelements have interfaces" : "");
+  }
+  return {deforms ? static_cast<int>(found - interfaces.begin()) : -1, found->second};
+}
+
+void Reader::read_markers(const Section& s, int body, const Pose& X_B, const std::string& owner, bool deforms,
+                          const superelement::Superelement* se) {
+  const MechanismDescription& d = model_.description;
+  for (const auto& [own_name, m] : s.table_map("marker")) {
+    Pose X = read_pose(m);
+    const std::string name = owner + "." + own_name;
+    int node = -1;
+    for (const MarkerDescription& other : d.markers)
+      if (other.name == name)
+        m.refuse("", "has the name of an interface of the superelement", "choose another name");
+    for (const char* key : {"weights", "link"})
+      if (m.has(key) && !linking_key(m))
+        m.refuse(key, "is for a marker on several nodes", "say which by nodes, points or within");
+    if (m.has("on") || linking_key(m)) {
+      const auto [carries, p] = carrying_node(m, body, name, deforms, se);
+      node = carries;
+      if (!m.has("position")) X.p = p;
+      if (node >= 0 && !model_.is_one_way(body)) X.p -= p;  // relative to the node
+    } else if (deforms) {
+      model_.notes.push_back(
+          fmt::format("marker \"{}\" is fixed in the body's floating frame and sees no deformation; "
+                      "say on = \"INTERFACE\" (or nodes, points, within) to let the body carry it",
+                      name));
+    }
+    add_marker(body, name, X_B * X, node);
+  }
+}
+
+std::shared_ptr<const superelement::Superelement> Reader::load(const Section& s) {
+  const std::filesystem::path path = s.file("superelement");
+  superelement::Parts parts;
+  const std::string fidelity = fidelity_of(s);
+  parts.matrices = fidelity != "rigid";  // a rigid body needs none
+  parts.stiffening = fidelity == "modal-stiffened";
+  const bool by_surface = a_marker_follows_surface(s);
+  parts.stress = wants_stress(s);
+  parts.sections = parts.matrices && wants_sections(s);
+  parts.surface = parts.stress || by_surface || wants_surface_points(s);
+  parts.shapes = parts.matrices && (by_surface || wants_surface_points(s));
+  try {
+    return model_.cache.read(path, parts);
+  } catch (const std::runtime_error& error) {
+    throw input::InputError(s.where("superelement") + ": " + error.what());
+  }
+}
+
+void Reader::read_body(const std::string& own_name, const Section& s) {
+  if (own_name == "ground") s.refuse("", "is the name of the world", "choose another name");
+  MechanismDescription& d = model_.description;
+  BodyDescription body;
+  body.name = prefix_ + own_name;
+  std::vector<std::pair<std::string, Vector3d>> interfaces;
+  const std::string fidelity = fidelity_of(s);
+  const bool is_beam = s.has("beam") && (fidelity == "ancf" || fidelity == "segments" ||
+                                         (fidelity == "rigid" && !s.has("superelement")));
+  if ((fidelity == "ancf" || fidelity == "segments") && !is_beam)
+    s.refuse("fidelity", fmt::format("\"{}\" is for beams", fidelity),
+             fmt::format("describe the beam in [body.{}.beam]", own_name));
+  std::shared_ptr<const superelement::Superelement> se;
+  BeamPart beam;
+  if (is_beam) {
+    if (s.has("mass")) s.refuse("mass", "a beam brings its own mass", "take one of the two away");
+    beam = read_beam_part(s.table("beam"));
+    interfaces = beam.stations();
+    try {
+      if (fidelity == "ancf") body.flexible = ancf_body(beam);
+    } catch (const std::invalid_argument& error) {
+      s.refuse("beam", error.what());
+    }
+    body.inertia = rigid_inertia(beam);
+  } else if (s.has("superelement")) {
+    if (s.has("mass")) s.refuse("mass", "a superelement brings its own mass", "take one of the two away");
+    se = load(s);
+    body.superelement = s.file("superelement").string();
+    body.follows_surface = a_marker_follows_surface(s);
+    body.loads = body_loads(*se);
+    for (const superelement::Interface& i : se->interfaces) interfaces.emplace_back(i.name, i.p_BoN_B);
+    if (fidelity == "rigid" || fidelity == "ked") body.inertia = rigid_inertia(*se);
+    if (fidelity == "rigid" && wants_surface_points(s))
+      body.surface_points = read_surface_points(s, *se, nullptr);
+  } else if (s.has("beam")) {
+    s.refuse("fidelity", fmt::format("\"{}\" needs a superelement", fidelity),
+             "reduce the beam (flexura reduce), or use fidelity = \"ancf\", \"segments\" or \"rigid\"");
+  } else {
+    for (const char* key : {"modes", "max_frequency", "damping"})
+      if (s.has(key)) s.refuse(key, "a rigid body has no modes", "give a superelement or take the key away");
+    body.inertia = read_inertia(s);
+  }
+  if (!se && wants_surface_points(s))
+    s.refuse("surface_point", "the body has no superelement, whose surface has nodes",
+             "give it one, or measure at a marker");
+  const bool placed = s.has("position") || s.has("axis") || s.has("rotation") || s.has("quaternion");
+  if (placed || !prefix_.empty()) {
+    // Where the base itself starts is known if its own table says so.
+    const std::optional<Pose>& X_W_base = d.bodies[base_.body].X_WB;
+    body.X_WB = (X_W_base ? *X_W_base : Pose{}) * base_.X_BG * read_pose(s);
+  }
+  body.shape_json = shapes_json(s);
+  const std::string name = body.name;
+  const int b = d.add_body(std::move(body));
+  model_.sections.emplace(b, s);
+  if (is_beam && fidelity != "rigid")
+    model_.blind_spots.push_back(
+        {"elements", name,
+         prefix_.empty()
+             ? fmt::format("a run with --set body.{}.beam.elements={} tells", name, 2 * beam.elements)
+             : "a run with twice as many tells"});
+  if (se && fidelity != "rigid") model_.to_prepare.emplace(b, se);
+  if (is_beam && fidelity == "segments") {
+    model_.segments[b] = add_segments(d, b, beam);
+    for (const int piece : model_.segments[b].bodies) model_.sections.emplace(piece, s);
+  }
+  const bool deforms = model_.deforms(b);
+  for (std::size_t i = 0; i < interfaces.size(); ++i) {
+    // The nodes of a flexible body are its interfaces, in their order.
+    const bool moves = deforms && !model_.is_one_way(b);
+    add_marker(b, name + "." + interfaces[i].first,
+               {Matrix3d::Identity(), moves ? Vector3d::Zero() : interfaces[i].second},
+               deforms ? static_cast<int>(i) : -1);
+  }
+  model_.interfaces[b] = std::move(interfaces);
+  read_markers(s, b, Pose{}, name, deforms, se.get());
+}
+
+// What comes out of a library of the user's may hold anything.
+void Reader::note_user_element(const std::string& name, const Section& s) {
+  if (s.has("library")) model_.blind_spots.push_back({"user_element", name, ""});
+}
+
+void Reader::read_joints() {
+  const ReadContext names = context();
+  MechanismDescription& d = model_.description;
+  for (const char* kind : {"joint", "connection"})
+    for (const auto& [name, s] : root_.table_map(kind)) {
+      for (const JointDescription& other : d.joints)
+        if (other.name == prefix_ + name) s.refuse("", "has the name of a joint", "choose another name");
+      JointDescription joint = read_joint(prefix_ + name, s, names, std::string_view(kind) == "connection");
+      note_user_element(prefix_ + name, s);
+      model_.joined.insert({d.markers[joint.marker_F].body, d.markers[joint.marker_M].body});
+      d.joints.push_back(std::move(joint));
+    }
+  for (const auto& subsystem : subsystems_) subsystem->read_joints();
+}
+
+void Reader::read_elements() {
+  for (const auto& subsystem : subsystems_) subsystem->read_elements();
+  const ReadContext names = context();
+  MechanismDescription& d = model_.description;
+  for (const auto& [name, s] : root_.table_map("constraint")) {
+    d.constraints.push_back(find_type(constraint_types(), s.text("type")).read(prefix_ + name, s, names));
+    note_user_element(prefix_ + name, s);
+  }
+  const auto take_name = [&](const std::string& name, const Section& s) {
+    if (name == "t" || name == "pi" || parameters_.contains(name) || tables_.contains(name) ||
+        d.signals.find(prefix_ + name) >= 0)
+      s.refuse("", "the name is taken already in formulas", "choose another");
+    d.signals.add(prefix_ + name);
+  };
+  for (const auto& [name, s] : root_.table_map("input")) {
+    d.inputs.push_back({prefix_ + name, names.input_expression(s, "value")});
+    take_name(name, s);
+  }
+  // Outputs of states alone can be read by every formula, measures by those below, the rest by forces.
+  const auto controls = root_.table_map("control");
+  for (const auto& [name, s] : controls)
+    if (!find_type(control_types(), s.text("type")).feeds_through) take_name(name, s);
+  for (const auto& [name, s] : root_.table_map("measure")) {
+    d.measures.push_back(find_type(measure_types(), s.text("type")).read(prefix_ + name, s, names));
+    take_name(name, s);
+  }
+  for (const auto& [name, s] : controls) {
+    const ControlType& type = find_type(control_types(), s.text("type"));
+    d.controls.push_back(type.read(prefix_ + name, s, names));
+    if (type.feeds_through) take_name(name, s);
+  }
+  for (const auto& [name, s] : root_.table_map("force")) {
+    d.forces.push_back(find_type(force_types(), s.text("type")).read(prefix_ + name, s, names));
+    note_user_element(prefix_ + name, s);
+    if (const auto [body, load] = d.forces.back()->load_case(); body >= 0)
+      d.bodies[body].is_loaded_by_case = true;
+  }
+}
+
+}  // namespace flexura::mbs

@@ -1,0 +1,52 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "mbs/forces/force.hpp"
+#include "mbs/forces/friction.hpp"
+
+namespace flexura::mbs {
+
+/// Friction along a joint's coordinate by a smooth law of its speed v,
+///
+///     F = -(F_c + (F_s - F_c) exp(-(v / v_s)^2)) tanh(v / v_t) - d v
+///
+/// Coulomb friction F_c, static friction F_s that fades over the Stribeck speed v_s, and a transition speed
+/// v_t over which the sign is smoothed: below it the joint creeps where it would stick.
+class JointFriction final : public ForceElement {
+ public:
+  JointFriction(std::string name, CoordinateRef c, const FrictionLaw& law, double transition_speed)
+      : ForceElement(std::move(name)), c_(c), law_(law), transition_speed_(transition_speed) {}
+  std::string_view type() const override { return "joint_friction"; }
+  ForceNature nature() const override { return ForceNature::response; }
+  std::vector<CoordinateRef> coordinates() const override { return {c_}; }
+  void apply(const Kinematics& kin, const double*, Loads& loads) const override {
+    loads.apply(c_, force(kin.speed(c_)));
+  }
+  bool has_derivatives() const override { return true; }
+  void differentiate(const Kinematics& kin, const double*, Derivatives& d) const override {
+    const double v = kin.speed(c_), step = std::tanh(v / transition_speed_);
+    d.force(c_, force(v));
+    d.by_speed(c_, -law_.sliding_slope(v) * step - law_.sliding(v) * (1.0 - step * step) / transition_speed_ -
+                       law_.viscous);
+  }
+  void add_powers(const Kinematics& kin, const double*, Powers& powers) const override {
+    const double v = kin.speed(c_);
+    powers.dissipated -= force(v) * v;
+  }
+  std::vector<OutputInfo> outputs() const override {
+    return {{"force", input::dim::none, "along the coordinate: N, or N m for an angle"}};
+  }
+  void evaluate_outputs(const Kinematics& kin, const double*, double* values) const override {
+    values[0] = force(kin.speed(c_));
+  }
+
+ private:
+  double force(double v) const {
+    return -law_.sliding(v) * std::tanh(v / transition_speed_) - law_.viscous * v;
+  }
+  CoordinateRef c_;
+  FrictionLaw law_;
+  double transition_speed_;
+};
+
+}  // namespace flexura::mbs

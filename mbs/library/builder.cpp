@@ -1,0 +1,150 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mbs/library/builder.hpp"
+
+#include <fmt/format.h>
+
+#include <stdexcept>
+
+namespace flexura::mbs {
+
+MechanismBuilder::Marker MechanismBuilder::Body::marker(const Pose& X_BP) const {
+  MechanismDescription& d = builder_->d_;
+  return {d.add_marker(index_, fmt::format("marker_{}", d.markers.size() + 1), X_BP)};
+}
+
+MechanismBuilder::Marker MechanismBuilder::Body::marker(const std::string& interface, const Pose& X_NP) const {
+  MechanismDescription& d = builder_->d_;
+  const BodyDescription& body = d.bodies[index_];
+  const int node = body.flexible ? body.flexible->find_node(interface) : -1;
+  if (node < 0)
+    throw std::invalid_argument(
+        fmt::format("body \"{}\" has no interface \"{}\"; name one of its superelement's", body.name, interface));
+  return {d.add_marker(index_, fmt::format("{}_{}", interface, d.markers.size() + 1), X_NP, node)};
+}
+
+MechanismBuilder::JointHandle& MechanismBuilder::JointHandle::start(double q, int i) {
+  JointDescription& joint = builder_->d_.joints[index_];
+  if (i < 0 || i >= joint.joint->n_p())
+    throw std::invalid_argument(
+        fmt::format("joint \"{}\" has {} coordinates, there is none of index {}", joint.name, joint.joint->n_p(), i));
+  joint.initial_coordinates[i] = q;
+  return *this;
+}
+
+MechanismBuilder::JointHandle& MechanismBuilder::JointHandle::speed(double v, int i) {
+  JointDescription& joint = builder_->d_.joints[index_];
+  if (i < 0 || i >= joint.joint->n_v())
+    throw std::invalid_argument(
+        fmt::format("joint \"{}\" has {} speeds, there is none of index {}", joint.name, joint.joint->n_v(), i));
+  joint.initial_speeds[i] = v;
+  return *this;
+}
+
+MechanismBuilder::JointHandle& MechanismBuilder::JointHandle::drive(const std::string& formula, int i) {
+  JointDescription& joint = builder_->d_.joints[index_];
+  if (joint.joint->n_p() != joint.joint->n_v() || i < 0 || i >= joint.joint->n_p())
+    throw std::invalid_argument(fmt::format(
+        "coordinate {} of joint \"{}\" cannot be driven; drive a joint whose coordinates are its freedoms", i, joint.name));
+  joint.drives[i] = builder_->motion(formula);
+  return *this;
+}
+
+void MechanismBuilder::parameter(const std::string& name, double value) {
+  if (name == "t" || name == "pi" || d_.signals.find(name) >= 0)
+    throw std::invalid_argument(fmt::format("\"{}\" means something in formulas already; choose another name", name));
+  parameters_[name] = value;
+}
+
+void MechanismBuilder::input(const std::string& name, const std::string& text) {
+  require_new(name, "input");
+  d_.inputs.push_back({name, std::make_shared<Expression>("input " + name, text, SignalNames(), parameters_)});
+  take_signal(name);
+}
+
+MechanismBuilder::Body MechanismBuilder::add(const std::string& name, const RigidBody& body, std::optional<Pose> X_WB) {
+  return add_body({.name = name,
+                   .inertia = RigidInertia::from_center(body.mass, body.center, body.inertia),
+                   .X_WB = std::move(X_WB)});
+}
+
+MechanismBuilder::Body MechanismBuilder::add(const std::string& name, const ModalBody& body, std::optional<Pose> X_WB) {
+  return add(name, body.body(), std::move(X_WB));
+}
+
+MechanismBuilder::Body MechanismBuilder::add(const std::string& name, std::shared_ptr<const FlexibleBody> body,
+                                             std::optional<Pose> X_WB) {
+  if (!body) throw std::invalid_argument(fmt::format("body \"{}\" is nothing; make it before it is added", name));
+  return add_body({.name = name, .flexible = std::move(body), .X_WB = std::move(X_WB)});
+}
+
+MechanismBuilder::Body MechanismBuilder::add_body(BodyDescription body) {
+  require_new(body.name, "body");
+  return {*this, d_.add_body(std::move(body))};
+}
+
+std::shared_ptr<const Expression> MechanismBuilder::formula(const std::string& text) {
+  auto f = std::make_shared<Expression>("formula \"" + text + "\"", text, d_.signals, parameters_, Curves{}, &d_.signals);
+  d_.formulas.push_back({f, false});
+  return f;
+}
+
+std::shared_ptr<const Expression> MechanismBuilder::motion(const std::string& text) {
+  auto f = std::make_shared<Expression>("formula \"" + text + "\"", text, SignalNames(), parameters_);
+  d_.formulas.push_back({f, true});
+  return f;
+}
+
+MechanismBuilder::JointHandle MechanismBuilder::add_joint(const std::string& name, std::shared_ptr<const Joint> joint,
+                                                          Marker F, Marker M) {
+  require_new(name, "joint");
+  const auto n = static_cast<int>(d_.markers.size());
+  if (F.index < 0 || M.index < 0 || F.index >= n || M.index >= n)
+    throw std::invalid_argument(fmt::format("joint \"{}\" stands on a marker of another mechanism; make its markers by the bodies of this builder", name));
+  for (const CoordinateInfo& c : joint->coordinates()) d_.signals.add(name + "." + c.name);
+  for (const CoordinateInfo& c : joint->speeds()) d_.signals.add(name + "." + c.name);
+  JointDescription description;
+  description.name = name;
+  description.joint = std::move(joint);
+  description.marker_F = F.index;
+  description.marker_M = M.index;
+  d_.joints.push_back(std::move(description));
+  return {*this, static_cast<int>(d_.joints.size()) - 1};
+}
+
+void MechanismBuilder::add_element(std::shared_ptr<const Constraint> element) {
+  require_new(element->name(), "constraint");
+  d_.constraints.push_back(std::move(element));
+}
+
+void MechanismBuilder::add_element(std::shared_ptr<const ForceElement> element) {
+  require_new(element->name(), "force");
+  if (const auto [body, load] = element->load_case(); body >= 0) d_.bodies[body].is_loaded_by_case = true;
+  d_.forces.push_back(std::move(element));
+}
+
+void MechanismBuilder::add_element(std::shared_ptr<const Measure> element) {
+  require_new(element->name(), "measure");
+  take_signal(element->name());
+  d_.measures.push_back(std::move(element));
+}
+
+void MechanismBuilder::add_element(std::shared_ptr<const Control> element) {
+  require_new(element->name(), "control");
+  take_signal(element->name());
+  d_.controls.push_back(std::move(element));
+}
+
+void MechanismBuilder::take_signal(const std::string& name) {
+  if (name == "t" || name == "pi" || parameters_.contains(name) || d_.signals.find(name) >= 0)
+    throw std::invalid_argument(fmt::format("\"{}\" means something in formulas already; choose another name", name));
+  d_.signals.add(name);
+}
+
+void MechanismBuilder::require_new(const std::string& name, const char* what) {
+  if (name.empty()) throw std::invalid_argument(fmt::format("a {} needs a name", what));
+  if (const auto [known, is_new] = names_.emplace(name, what); !is_new)
+    throw std::invalid_argument(
+        fmt::format("a {} is called \"{}\" already; choose another name for this {}", known->second, name, what));
+}
+
+}  // namespace flexura::mbs

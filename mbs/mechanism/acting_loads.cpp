@@ -1,0 +1,210 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mbs/mechanism/acting_loads.hpp"
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <set>
+
+namespace flexura::mbs {
+namespace {
+
+using Eigen::MatrixXd;
+
+/// Unit wrenches (torque, force) about the marker in its own axes, as loads on the superelement.
+MatrixXd marker_loads(const BodyNodes& nodes, const MarkerDescription& marker) {
+  const Matrix3d& R = marker.X_BP.R;
+  Matrix6d axes = Matrix6d::Zero();
+  axes.topLeftCorner<3, 3>() = R;
+  axes.bottomRightCorner<3, 3>() = R;
+  const BodyNode& node = nodes[node_of(marker)];
+  const Vector3d offset = marker.node >= 0 ? marker.X_BP.p : Vector3d(marker.X_BP.p - node.p_BoN_B);
+  return node_loads(node, offset) * axes;
+}
+
+/// What a joint does with the six directions (rotations first, as in a twist) of one of its frames.
+struct Directions {
+  std::vector<int> locked;    ///< at q
+  std::vector<int> released;  ///< rotations that it lets free by themselves
+};
+
+Directions directions_at(const Joint& joint, const std::vector<double>& q, bool in_M) {
+  MotionMatrix S(6, joint.n_v());
+  joint.motion(q.data(), S);
+  if (in_M) {
+    const Matrix3d R = joint.pose(q.data()).R;
+    S.topRows<3>() = (R.transpose() * S.topRows<3>()).eval();
+    S.bottomRows<3>() = (R.transpose() * S.bottomRows<3>()).eval();
+  }
+  Directions out;
+  for (int k = 0; k < 6; ++k)
+    if (S.row(k).isZero(1e-12)) out.locked.push_back(k);
+  if (S.cols() == 0) return out;
+  const Eigen::CompleteOrthogonalDecomposition<MatrixXd> span(S);
+  for (int k = 0; k < 3; ++k) {
+    const Vector6d e = Vector6d::Unit(k);
+    if ((S * span.solve(e) - e).norm() < 1e-9) out.released.push_back(k);
+  }
+  return out;
+}
+
+/// Coordinates where the joint's frames coincide, and two others.
+std::vector<std::vector<double>> some_configurations(const Joint& joint) {
+  std::vector<double> q(std::max(joint.n_p(), 1)), d(std::max(joint.n_v(), 1));
+  joint.reference(q.data());
+  std::vector<std::vector<double>> out(3, q);
+  for (int k = 1; k < 3; ++k) {
+    for (std::size_t i = 0; i < d.size(); ++i) d[i] = 0.3 + 0.17 * static_cast<double>(i) - 0.9 * (k - 1);
+    if (joint.n_v() > 0) joint.retract(q.data(), d.data(), out[k].data());
+  }
+  return out;
+}
+
+/// Where its frames coincide.
+std::vector<int> locked_directions(const Joint& joint) {
+  return directions_at(joint, some_configurations(joint).front(), false).locked;
+}
+
+/// Rotations about axes that stand still in the frame and that it lets free wherever it is.
+std::vector<int> released_rotations(const Joint& joint, bool in_M) {
+  std::vector<int> out = {0, 1, 2};
+  for (const auto& q : some_configurations(joint)) {
+    const std::vector<int> here = directions_at(joint, q, in_M).released;
+    std::erase_if(out, [&](int k) { return std::ranges::find(here, k) == here.end(); });
+  }
+  return out;
+}
+
+}  // namespace
+
+int marker_on(const MechanismDescription& d, const JointDescription& joint, int body) {
+  for (const int marker : {joint.marker_F, joint.marker_M})
+    if (d.markers[marker].body == body) return marker;
+  return -1;
+}
+
+bool locks_the_same_wherever_it_is(const MechanismDescription& d, const JointDescription& joint, int body) {
+  const bool in_M = marker_on(d, joint, body) == joint.marker_M;
+  const std::vector<int> at_first = locked_directions(*joint.joint);
+  return std::ranges::all_of(some_configurations(*joint.joint), [&](const std::vector<double>& q) {
+    return directions_at(*joint.joint, q, in_M).locked == at_first;
+  });
+}
+
+int node_of(const MarkerDescription& marker) {
+  return std::max(marker.node, marker.ked_node);
+}
+
+const JointDescription* frame_joint(const MechanismDescription& d, int body) {
+  for (const bool cut : {false, true})
+    for (const JointDescription& joint : d.joints)
+      if (joint.cut == cut)
+        if (const int marker = marker_on(d, joint, body); marker >= 0 && node_of(d.markers[marker]) >= 0)
+          return &joint;
+  return nullptr;
+}
+
+MatrixXd held_directions(const BodyNodes& nodes, const MechanismDescription& d, const JointDescription& joint,
+                         int body) {
+  const MarkerDescription& marker = d.markers[marker_on(d, joint, body)];
+  const MatrixXd all = marker_loads(nodes, marker);
+  const std::vector<int> locked = locked_directions(*joint.joint);
+  MatrixXd held(all.rows(), locked.size());
+  for (std::size_t k = 0; k < locked.size(); ++k) held.col(k) = all.col(locked[k]);
+  return held;
+}
+
+MatrixXd held_by_joints(const superelement::Superelement& se, const BodyNodes& nodes,
+                        const MechanismDescription& d, int body) {
+  const MatrixXd R = superelement::rigid_motions(se);
+  // As a rigid body of about its own size sees them: lengths count like radians.
+  double size = 0.0;
+  for (const superelement::Interface& a : se.interfaces)
+    for (const superelement::Interface& b : se.interfaces)
+      size = std::max(size, (a.p_BoN_B - b.p_BoN_B).norm());
+  if (!(size > 0.0)) size = 1.0;
+  MatrixXd held(se.n(), 0);
+  std::vector<Vector6d> basis;
+  for (const bool displacements : {true, false})
+    for (const JointDescription& joint : d.joints) {
+      const int marker = marker_on(d, joint, body);
+      if (marker < 0 || node_of(d.markers[marker]) < 0) continue;
+      const MatrixXd all = marker_loads(nodes, d.markers[marker]);
+      for (const int k : locked_directions(*joint.joint)) {
+        if ((k >= 3) != displacements) continue;
+        Vector6d row = R.transpose() * all.col(k);
+        row.tail<3>() /= size;  // columns of R: translations, then rotations
+        row.normalize();
+        for (int pass = 0; pass < 2; ++pass)
+          for (const Vector6d& q : basis) row -= q.dot(row) * q;
+        if (row.norm() < 1e-3) continue;  // a frame must not hang on nearly parallel directions
+        basis.push_back(row.normalized());
+        held.conservativeResize(Eigen::NoChange, held.cols() + 1);
+        held.rightCols<1>() = all.col(k);
+      }
+    }
+  return held;
+}
+
+MatrixXd loads_on(const BodyNodes& nodes, const MechanismDescription& d, int body, int node) {
+  const auto is_here = [&](int marker) {
+    return marker >= 0 && d.markers[marker].body == body && node_of(d.markers[marker]) == node;
+  };
+  const JointDescription* only = nullptr;
+  int acting = 0;
+  std::vector<CoordinateRef> acted_on;  // joint coordinates: what acts there goes through the joint
+  bool may_act_anywhere = false;
+  for (const JointDescription& joint : d.joints) {
+    if (!is_here(marker_on(d, joint, body))) continue;
+    ++acting;
+    only = &joint;
+  }
+  const auto note = [&](const std::vector<int>& markers, const std::vector<CoordinateRef>& coordinates) {
+    acted_on.insert(acted_on.end(), coordinates.begin(), coordinates.end());
+    acting += 2 * static_cast<int>(std::ranges::count_if(markers, is_here));
+    may_act_anywhere = may_act_anywhere ||
+                       (coordinates.empty() && std::ranges::all_of(markers, [](int m) { return m < 0; }));
+  };
+  for (const auto& force : d.forces) {
+    const auto [from, to] = force->markers();
+    note({from, to}, force->coordinates());
+  }
+  for (const auto& constraint : d.constraints) note(constraint->markers(), constraint->coordinates());
+  const bool turns_freely =
+      acting == 1 && only && !only->is_driven() && !may_act_anywhere &&
+      std::ranges::none_of(acted_on, [&](const CoordinateRef& c) { return &d.joints[c.joint] == only; });
+  if (!turns_freely) return node_loads(nodes[node]);
+  const int marker = marker_on(d, *only, body);
+  const std::vector<int> released = released_rotations(*only->joint, marker == only->marker_M);
+  if (released.empty()) return node_loads(nodes[node]);
+  const MatrixXd all = marker_loads(nodes, d.markers[marker]);
+  MatrixXd loads(all.rows(), 0);
+  for (int k = 0; k < 6; ++k) {
+    if (std::ranges::find(released, k) != released.end()) continue;
+    loads.conservativeResize(Eigen::NoChange, loads.cols() + 1);
+    loads.rightCols<1>() = all.col(k);
+  }
+  return loads;
+}
+
+std::vector<int> loaded_nodes(const MechanismDescription& d, int body) {
+  std::set<int> found;
+  const auto take = [&](int marker) {
+    if (marker >= 0 && d.markers[marker].body == body && node_of(d.markers[marker]) >= 0)
+      found.insert(node_of(d.markers[marker]));
+  };
+  for (const JointDescription& joint : d.joints) {
+    if (joint.joint->n_rows() == 0) continue;  // carries no load
+    take(joint.marker_F);
+    take(joint.marker_M);
+  }
+  for (const auto& force : d.forces) {
+    const auto [from, to] = force->markers();
+    take(from);
+    take(to);
+  }
+  for (const auto& constraint : d.constraints)
+    for (const int marker : constraint->markers()) take(marker);
+  return {found.begin(), found.end()};
+}
+
+}  // namespace flexura::mbs

@@ -1,0 +1,176 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include <set>
+
+#include "mbs/mechanism/work.hpp"
+
+/// Everything that can be stored by name.
+namespace flexura::mbs {
+namespace {
+
+namespace dim = input::dim;
+
+constexpr const char* axis_names[] = {"x", "y", "z"};
+
+constexpr input::Dimension linear_momentum{{1, 1, -1, 0}}, angular_momentum{{2, 1, -1, 0}};
+
+}  // namespace
+
+void Mechanism::list_quantities() {
+  std::set<std::string> taken;
+  const auto add = [&](std::string name, input::Dimension dimension, std::string doc, QuantityKind kind,
+                       int index, int component = 0, bool usual = false) {
+    if (!taken.insert(name).second) return;  // a free body's joint bears its name: "stone.x" is one thing
+    quantities_.push_back({{std::move(name), dimension, std::move(doc)}, kind, index, component, usual});
+  };
+  using K = QuantityKind;
+  // Sizes and forces on coordinates are usual, components are not.
+  const auto add_outputs = [&](const std::string& name, const std::vector<OutputInfo>& outputs, K kind,
+                               int index) {
+    for (std::size_t i = 0; i < outputs.size(); ++i) {
+      const std::string& own = outputs[i].name;
+      const bool is_component = own.size() > 2 && own[own.size() - 2] == '_' && own.back() >= 'x';
+      add(name + "." + own, outputs[i].dimension, outputs[i].doc, kind, index, static_cast<int>(i),
+          !is_component);
+    }
+  };
+  for (std::size_t j = 0; j < d_.joints.size(); ++j) {
+    const JointDescription& joint = d_.joints[j];
+    const int k = static_cast<int>(j);
+    const bool narrow =
+        joint.joint->n_v() <= 2;  // coordinates of interest; not the quaternion of a free body
+    const auto coordinates = joint.joint->coordinates(), speeds = joint.joint->speeds(),
+               accelerations = joint.joint->accelerations();
+    for (std::size_t i = 0; i < coordinates.size(); ++i)
+      add(joint.name + "." + coordinates[i].name, coordinates[i].dimension, "coordinate of the joint",
+          K::coordinate, k, static_cast<int>(i), narrow);
+    for (std::size_t i = 0; i < speeds.size(); ++i)
+      add(joint.name + "." + speeds[i].name, speeds[i].dimension, "speed of the joint", K::speed, k,
+          static_cast<int>(i), narrow);
+    for (std::size_t i = 0; i < accelerations.size(); ++i)
+      add(joint.name + "." + accelerations[i].name, accelerations[i].dimension, "acceleration of the joint",
+          K::acceleration, k, static_cast<int>(i));
+    if (joint.joint->n_rows() > 0) add_outputs(joint.name, wrench_outputs(true, true), K::reaction, k);
+    const auto all_drives = {&joint.drives, &joint.speed_drives, &joint.acceleration_drives};
+    std::vector<int> driven;
+    for (const auto* drives : all_drives)
+      for (const auto& [index, motion] : *drives) driven.push_back(index);
+    for (const int index : driven) {
+      const bool is_angle = coordinates[index].dimension == dim::angle;
+      add(joint.name + (driven.size() > 1 ? ".drive_force_" + coordinates[index].name : ".drive_force"),
+          is_angle ? dim::torque : dim::force, "force or torque of the drive along the coordinate", K::drive,
+          k, index, true);
+    }
+  }
+  for (std::size_t b = 1; b < d_.bodies.size(); ++b) {
+    const std::string& name = d_.bodies[b].name;
+    const int k = static_cast<int>(b);
+    for (int i = 0; i < 3; ++i) {
+      const std::string axis = axis_names[i];
+      add(name + ".position_" + axis, dim::length, "of the body's origin in the world", K::body_position, k,
+          i);
+      add(name + ".velocity_" + axis, dim::velocity, "of the body's origin", K::body_velocity, k, i);
+      add(name + ".angular_velocity_" + axis, dim::angular_velocity, "of the body, in the world's axes",
+          K::body_velocity, k, 3 + i);
+      add(name + ".acceleration_" + axis, dim::acceleration, "of the body's origin", K::body_acceleration, k,
+          i);
+    }
+    const FlexibleBody* deforms = deforming(k);
+    for (int i = 0; deforms && i < deforms->m(); ++i)
+      add(fmt::format("{}.mode_{}", name, i + 1), dim::none, "modal coordinate", K::mode, k, i);
+    if (deforms)
+      add(name + ".strain_energy", dim::energy, "elastic energy of the body", K::strain_energy, k, 0, true);
+    if (const StressField* stress = d_.bodies[b].stress.get()) {
+      add(name + ".von_mises", dim::pressure, "largest von Mises stress on the body's surface",
+          K::largest_stress, k, 0, true);
+      for (int i = 0; i < 3; ++i)
+        add(fmt::format("{}.von_mises_{}", name, axis_names[i]), dim::length,
+            "where it is, in the undeformed body", K::largest_stress, k, 1 + i, true);
+      const char* components[] = {"xx", "yy", "zz", "xy", "yz", "zx"};
+      for (std::size_t p = 0; p < stress->points().size(); ++p) {
+        const std::string point = name + "." + stress->points()[p].name;
+        const int first = kOfPoint * static_cast<int>(p);
+        add(point + ".von_mises", dim::pressure, "von Mises stress at the point", K::point_stress, k,
+            first + 6, true);
+        for (int i = 0; i < 6; ++i)
+          add(fmt::format("{}.stress_{}", point, components[i]), dim::pressure,
+              "stress at the point, in the body's axes", K::point_stress, k, first + i);
+        for (int i = 0; stress->has_strain() && i < 6; ++i)
+          add(fmt::format("{}.strain_{}", point, components[i]), dim::none,
+              i < 3 ? "strain at the point, in the body's axes"
+                    : "shear strain at the point (an angle), in the body's axes",
+              K::point_stress, k, first + 7 + i);
+      }
+    }
+    if (const SurfacePoints* surface = d_.bodies[b].surface_points.get())
+      for (std::size_t p = 0; p < surface->points().size(); ++p) {
+        const std::string point = name + "." + surface->points()[p].name;
+        const int first = 7 * static_cast<int>(p);
+        add(point + ".displacement", dim::length, "size of the displacement by deformation", K::surface_point,
+            k, first + 6, true);
+        for (int i = 0; i < 3; ++i)
+          add(fmt::format("{}.displacement_{}", point, axis_names[i]), dim::length,
+              "of the node by deformation, from where the body's floating frame takes it, in the body's axes",
+              K::surface_point, k, first + i);
+        for (int i = 0; i < 3; ++i)
+          add(fmt::format("{}.position_{}", point, axis_names[i]), dim::length, "of the node, in the world",
+              K::surface_point, k, first + 3 + i);
+      }
+    if (const SectionPoints* sections = d_.bodies[b].sections.get()) {
+      const char* components[] = {"N", "V_y", "V_z", "T", "M_y", "M_z"};
+      for (std::size_t p = 0; p < sections->points().size(); ++p)
+        for (int i = 0; i < 6; ++i)
+          add(fmt::format("{}.{}.{}", name, sections->points()[p].name, components[i]),
+              i < 3 ? dim::force : dim::torque, "section force at the point, in the member's axes",
+              K::section_force, k, 6 * static_cast<int>(p) + i, true);
+    }
+  }
+  for (std::size_t i = 0; i < d_.measures.size(); ++i)
+    add(d_.measures[i]->name(), d_.measures[i]->dimension(), "measure", K::measure, static_cast<int>(i), 0,
+        true);
+  for (std::size_t k = 0; k < contacts_.size(); ++k)
+    add(constraints_[contacts_[k]]->name() + ".contact", dim::length,
+        "where along its curve the point stands", K::contact, static_cast<int>(algebraic_.size() + k), 0,
+        true);
+  for (std::size_t i = 0; i < d_.inputs.size(); ++i)
+    add(d_.inputs[i].name, dim::none, "input", K::input, static_cast<int>(i), 0, true);
+  for (std::size_t i = 0; i < d_.controls.size(); ++i)
+    add(d_.controls[i]->name(), dim::none, "output of the control", K::control, static_cast<int>(i), 0, true);
+  for (std::size_t f = 0; f < d_.forces.size(); ++f) {
+    const auto outputs = d_.forces[f]->outputs();
+    for (std::size_t i = 0; i < outputs.size(); ++i)
+      add(d_.forces[f]->name() + "." + outputs[i].name, outputs[i].dimension, outputs[i].doc, K::force,
+          static_cast<int>(f), static_cast<int>(i), true);
+  }
+  const std::size_t first_own = constraints_.size() - d_.constraints.size();
+  for (std::size_t k = first_own; k < constraints_.size(); ++k)
+    add_outputs(constraints_[k]->name(), constraints_[k]->outputs(), K::constraint, static_cast<int>(k));
+  for (int i = 0; i < 3; ++i)
+    add(fmt::format("momentum.linear_{}", axis_names[i]), linear_momentum,
+        "of all bodies, in the world's axes", K::momentum, 0, 3 + i);
+  for (int i = 0; i < 3; ++i)
+    add(fmt::format("momentum.angular_{}", axis_names[i]), angular_momentum,
+        "of all bodies, about the world's origin in its axes", K::momentum, 0, i);
+  const char* energies[] = {"energy.kinetic", "energy.strain", "energy.potential", "energy.total"};
+  const char* docs[] = {"kinetic energy", "elastic energy of flexible bodies",
+                        "energy of gravity and springs", "kinetic + strain + potential"};
+  for (int i = 0; i < 4; ++i) add(energies[i], dim::energy, docs[i], K::energy, 0, i, true);
+  add("power.input", dim::power, "power of applied forces and drives", K::energy, 0, 4, true);
+  add("power.dissipated", dim::power, "power taken out by dampers", K::energy, 0, 5, true);
+}
+
+std::vector<OutputInfo> Mechanism::quantities() const {
+  std::vector<OutputInfo> infos;
+  for (const QuantityPlace& q : quantities_) infos.push_back(q.info);
+  return infos;
+}
+
+std::vector<int> Mechanism::usual_quantities() const {
+  std::vector<int> which;
+  for (std::size_t i = 0; i < quantities_.size(); ++i)
+    if (quantities_[i].usual) which.push_back(static_cast<int>(i));
+  return which;
+}
+
+}  // namespace flexura::mbs

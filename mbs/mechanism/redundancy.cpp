@@ -1,0 +1,203 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "mbs/mechanism/work.hpp"
+
+/// Which constraint rows say nothing new.
+namespace flexura::mbs {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+/// A row is dependent when what is left of it beside the kept rows is below this part of its length: markers are
+/// written with nine digits, angles between the parts of a loop make ten or a hundred times as much of the rest,
+/// and what is left out is watched to a millionth (row_watch.hpp).
+constexpr double dependent = 1e-6;
+/// A row is nothing at all where no motion as large as the mechanism changes it by more than this part of its
+/// size (ConstraintSizes). Axes of a door written with nine digits leave 1e-9, which normalised would pass for a
+/// direction that the hinges hold; arms of lengths can be far smaller than the mechanism.
+constexpr double vanishing_angle = 1e-6, vanishing_length = 1e-8;
+
+/// Orthogonalises the rows in turn, the longest remainder first (pivoting keeps the choice well conditioned),
+/// those `of_positions` before the others, and returns the kept ones in ascending order.
+std::vector<int> independent_rows(const MatrixXd& G, const std::vector<bool>& of_positions) {
+  const int n = static_cast<int>(G.rows());
+  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> Q = G;
+  for (int i = 0; i < n; ++i) {
+    const double length = Q.row(i).norm();
+    if (length > 0.0) Q.row(i) /= length;
+  }
+  std::vector<int> kept;
+  std::vector<bool> done(n, false);
+  for (bool first = true;;) {
+    int best = -1;
+    double longest = dependent;
+    for (int i = 0; i < n; ++i) {
+      if (done[i] || (first && !of_positions[i])) continue;
+      const double length = Q.row(i).norm();
+      // Of rows that are about equally good the first in the file stays.
+      if (length > longest * (best < 0 ? 1.0 : 1.5)) best = i, longest = length;
+    }
+    if (best < 0 && !first) break;
+    if (best < 0) {
+      first = false;
+      continue;
+    }
+    done[best] = true;
+    kept.push_back(best);
+    const Eigen::RowVectorXd q = Q.row(best) / longest;
+    for (int i = 0; i < n; ++i) {
+      if (done[i]) continue;
+      for (int pass = 0; pass < 2; ++pass) {
+        const double along = Q.row(i).dot(q);
+        if (along == 0.0) break;  // joints far from each other
+        Q.row(i) -= along * q;
+      }
+    }
+  }
+  std::ranges::sort(kept);
+  return kept;
+}
+
+}  // namespace
+
+std::vector<RedundantRow> Mechanism::drop_redundant(double t, ConstVectorRef p) {
+  const int n_rows = first_row_.back();
+  kept_rows_.resize(n_rows);
+  for (int i = 0; i < n_rows; ++i) kept_rows_[i] = i;
+  left_out_.clear();
+  follows_from_.clear();
+  if (n_rows == 0) return {};
+  if (n_v_ == 0) {
+    left_out_ = std::exchange(kept_rows_, {});
+    follows_from_.resize(left_out_.size());
+    std::vector<RedundantRow> all;
+    for (const int i : left_out_) all.push_back({name_of_row(i), {}});
+    return all;
+  }
+
+  const auto scratch = make_scratch();
+  const ConstraintSizes sizes = constraint_sizes(t, p, *scratch);
+  // Coordinates are weighed by the mechanism's geometry, so that metres, radians and modal coordinates compare;
+  // what is dependent is no matter of masses.
+  const VectorXd scale = kinematic_scale(extent(work_of(*scratch)));
+  const auto scaled_G = [&](const VectorXd& at) {
+    MatrixXd G(n_rows, n_v_);
+    constraint_matrix(t, at, *scratch, G);
+    G = (G * scale.asDiagonal()).eval();
+    // What axes that are parallel but for round-off leave of a row would pass for a direction once
+    // normalised.
+    for (int i = 0; i < n_rows; ++i)
+      if (G.row(i).cwiseAbs().maxCoeff() < (sizes.is_length[i] ? vanishing_length : vanishing_angle) * sizes.size(i))
+        G.row(i).setZero();
+    return G;
+  };
+
+  // Where a drive of speeds says what follows from rows on positions these stay: from the others positions would
+  // drift as far as the integrator lets them.
+  std::vector<bool> of_positions(n_rows);
+  for (std::size_t k = 0; k < constraints_.size(); ++k)
+    for (int i = 0; i < constraints_[k]->n_rows(); ++i)
+      of_positions[first_row_[k] + i] = constraints_[k]->is_holonomic(i);
+
+  // The configuration itself and neighbours along its freedoms: the largest rank counts.
+  MatrixXd best_G = scaled_G(p);
+  std::vector<int> best = independent_rows(best_G, of_positions);
+  if (static_cast<int>(best.size()) == n_rows) return {};  // no neighbour can have a larger rank
+  const MatrixXd G_p = best_G;
+  // Rows that say where the mechanism is allowed to be at all times. A drive's does so now only: at its next
+  // value the others may be independent that are not here.
+  std::vector<int> lasting;
+  VectorXd rate(n_rows);
+  forward(Level::position, t, p.data(), nullptr, nullptr, work_of(*scratch));
+  for (std::size_t k = 0; k < constraints_.size(); ++k) {
+    own_contact(k, work_of(*scratch));
+    constraints_[k]->rate(work_of(*scratch).kin, rate.data() + first_row_[k]);
+    for (int i = 0; i < constraints_[k]->n_rows(); ++i)
+      if (constraints_[k]->is_holonomic(i) && !constraints_[k]->reads_time(i) && rate(first_row_[k] + i) == 0.0)
+        lasting.push_back(first_row_[k] + i);
+  }
+  const auto rows_of = [&](const MatrixXd& all) {
+    MatrixXd some(lasting.size(), all.cols());
+    for (std::size_t i = 0; i < lasting.size(); ++i) some.row(i) = all.row(lasting[i]);
+    return some;
+  };
+  const auto decompose = [](const MatrixXd& G) {
+    Eigen::CompleteOrthogonalDecomposition<MatrixXd> decomposition;
+    // At a dead point, where positions are known to the square root of round-off only, so is G.
+    decomposition.setThreshold(dependent);
+    decomposition.compute(G);
+    return decomposition;
+  };
+  std::uint64_t random = 88172645463325252u;  // a fixed xorshift: the same answer in every run
+  const auto uniform = [&random] {
+    random ^= random << 13;
+    random ^= random >> 7;
+    random ^= random << 17;
+    return 2.0 * static_cast<double>(random >> 11) / 9007199254740992.0 - 1.0;
+  };
+  VectorXd g(n_rows);
+  position_constraints(t, p, *scratch, g);
+  const double open_at_p = g.norm();
+  const MatrixXd held_p = rows_of(G_p);
+  Eigen::CompleteOrthogonalDecomposition<MatrixXd> decomposed;
+  if (!lasting.empty()) decomposed = decompose(held_p);
+  // Neighbours are drawn back onto the constraints by Newton's method with least-norm steps.
+  for (int sample = 0; sample < 4; ++sample) {
+    VectorXd z(n_v_);
+    for (int i = 0; i < n_v_; ++i) z(i) = 0.01 * uniform();  // 0.01 rad, or a hundredth of the extent
+    if (!lasting.empty()) z -= decomposed.solve(VectorXd(held_p * z));
+    VectorXd at = p, next(n_p_);
+    retract(at, VectorXd(scale.asDiagonal() * z), next);
+    at = next;
+    bool closed = lasting.empty();
+    for (int k = 0; k < 20 && !closed; ++k) {
+      position_constraints(t, at, *scratch, g);
+      VectorXd open(lasting.size());
+      closed = true;
+      for (std::size_t i = 0; i < lasting.size(); ++i) {
+        open(i) = g(lasting[i]);
+        closed = closed && std::abs(open(i)) <= std::max(1e-12 * sizes.size(lasting[i]), 10.0 * open_at_p);
+      }
+      if (closed) break;
+      const VectorXd step = decompose(rows_of(scaled_G(at))).solve(-open);
+      retract(at, VectorXd(scale.asDiagonal() * step), next);
+      at = next;
+    }
+    if (!closed || !at.allFinite()) continue;
+    MatrixXd G = scaled_G(at);
+    std::vector<int> kept = independent_rows(G, of_positions);
+    if (kept.size() > best.size()) {
+      best = std::move(kept);
+      best_G = std::move(G);
+    }
+  }
+
+  // What the rows left out follow from.
+  std::vector<RedundantRow> redundant;
+  MatrixXd G_kept(best.size(), n_v_);
+  for (std::size_t i = 0; i < best.size(); ++i) G_kept.row(i) = best_G.row(best[i]);
+  Eigen::CompleteOrthogonalDecomposition<MatrixXd> combine;
+  if (!best.empty()) combine.compute(G_kept.transpose());
+  for (int i = 0; i < n_rows; ++i) {
+    if (std::ranges::binary_search(best, i)) continue;
+    std::vector<int> from;
+    VectorXd x;
+    if (!best.empty()) x = combine.solve(best_G.row(i).transpose());
+    for (std::size_t k = 0; k < best.size(); ++k)
+      if (std::abs(x(k)) * G_kept.row(k).norm() > 1e-6 * best_G.row(i).norm()) from.push_back(best[k]);
+    RedundantRow row{name_of_row(i), {}};
+    for (const int k : from) row.follows_from.push_back(name_of_row(k));
+    redundant.push_back(std::move(row));
+    left_out_.push_back(i);
+    follows_from_.push_back(std::move(from));
+  }
+  kept_rows_ = std::move(best);
+  return redundant;
+}
+
+}  // namespace flexura::mbs

@@ -1,0 +1,54 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <Eigen/Core>
+
+#include "mbs/equations/equations.hpp"
+#include "mbs/solver/accuracy/options.hpp"
+#include "mbs/solver/algebra/history.hpp"
+
+/// What an error in each state is allowed to be, the same for all integrators:
+///
+///     positions        tolerance * (min(|p|, L, 100 D) + absolute_factor D)
+///     velocities       tolerance * (|v| + absolute_factor V)
+///     dynamic states   tolerance * (|c| + absolute_factor)
+///
+/// All in displacements: what a unit of a state moves stands in SolverOptions::scales, so that lengths, angles
+/// and modes are of the same worth.  L is the mechanism's length: a wheel's angle does not
+/// loosen the tolerance with its revolutions, nor does the way that a vehicle has gone.  D is the largest
+/// displacement since the run began, at most L, and V the largest speed, at most 1 rad/s and 1 m/s or L / 1 s: a micro
+/// mechanism, or a stiff one that moves by nanometres, is held to its own motion.  What round-off
+/// makes of L, or of a position itself, is not asked for.
+namespace flexura::mbs {
+
+class ErrorWeights {
+ public:
+  ErrorWeights(const Equations& eq, const SolverOptions& options);
+
+  /// A (re)start at s with accelerations v_dot (n_v): at the first one D and V are what these accelerations
+  /// make of the motion in a thousandth of the run, or in the shortest time in which they themselves change.
+  void start(const State& s, const Eigen::VectorXd& v_dot);
+  /// A step ended there.
+  void take(ConstVectorRef p, ConstVectorRef v);
+
+  /// w (n_p + n_v + n_dyn) = 1 / allowed error at these values.
+  void evaluate(ConstVectorRef p, ConstVectorRef v, ConstVectorRef c, VectorRef w) const;
+
+  double displacement() const { return displacement_; }  ///< D [m]
+  double speed() const { return speed_; }                ///< V [m/s]
+
+  void remember(History& history);
+
+ private:
+  void guess(const State& s, const Eigen::VectorXd& v_dot);
+
+  const Equations& eq_;
+  double tolerance_, floor_, duration_, length_ = 1.0, place_ = 0.0;
+  Eigen::VectorXd reach_p_, reach_v_;  // [m] for a unit
+  Eigen::VectorXd usual_speed_;        // [m/s], of one unit of a velocity, or one length in a second
+  bool has_start_ = false;
+  Eigen::VectorXd p_start_;
+  double displacement_ = 0.0, speed_ = 0.0;  // D, V without their upper bounds
+};
+
+}  // namespace flexura::mbs

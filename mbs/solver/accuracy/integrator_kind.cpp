@@ -1,0 +1,59 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mbs/solver/accuracy/integrator_kind.hpp"
+
+#include <fmt/format.h>
+
+#include <stdexcept>
+
+namespace flexura::mbs {
+
+const std::vector<IntegratorKind>& integrator_kinds() {
+  static const std::vector<IntegratorKind> kinds = {
+      {.name = "ida",
+       .is_implicit = true,
+       .is_for_all = true,
+       .power_of_tolerance = 5.0 / 6.0,
+       .power_of_step = 5.0 / 6.0},
+      {.name = "radau",
+       .is_implicit = true,
+       .is_for_all = true,
+       .power_of_tolerance = 5.0 / 6.0,
+       .power_of_step = 5.0 / 6.0,
+       .matrix = 5.0},  // a real and a complex one
+      {.name = "generalised_alpha",
+       .is_implicit = true,
+       .takes_fixed_steps = true,
+       .power_of_tolerance = 2.0 / 3.0,
+       .power_of_step = 2.0},
+      // An explicit stage solves for accelerations, by mass matrix and QR where there are constraints.
+      {.name = "runge_kutta",
+       .takes_fixed_steps = true,
+       .power_of_tolerance = 1.0,
+       .power_of_step = 5.0,
+       .matrix = 0.0,
+       .evaluation = 2.0,
+       .constrained_evaluation = 3.0,
+       .constrained_factor = 4.0},
+      {.name = "kinematics", .integrates = false},
+      {.name = "quasi_statics", .integrates = false, .is_motion = false},
+  };
+  return kinds;
+}
+
+const IntegratorKind& kind_of(const std::string& method) {
+  for (const IntegratorKind& kind : integrator_kinds())
+    if (method == kind.name) return kind;
+  throw std::invalid_argument(fmt::format("unknown integrator \"{}\"", method));
+}
+const IntegratorKind& kind_of(const SolverOptions& options) {
+  return kind_of(options.method);
+}
+
+std::string names_of_kinds(bool IntegratorKind::*is) {
+  std::string text;
+  for (const IntegratorKind& kind : integrator_kinds())
+    if (kind.*is) text += fmt::format("{}\"{}\"", text.empty() ? "" : " or ", kind.name);
+  return text;
+}
+
+}  // namespace flexura::mbs

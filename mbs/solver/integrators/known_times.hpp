@@ -1,0 +1,55 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <deque>
+#include <limits>
+#include <memory>
+#include <vector>
+
+#include "mbs/equations/equations.hpp"
+#include "mbs/solver/accuracy/options.hpp"
+
+/// Where a run has to stop because of what is known of it beforehand: times at which functions of time jump or
+/// have a kink, and how far a step may reach where one is at work.
+///
+/// The run's span is halved again and again, the earliest part first and only as far as the run looks ahead,
+/// until each part of a function (TimeFunction::over)
+///
+///   - holds a jump or a kink between two neighbouring numbers: an event; or
+///   - is quiet: whatever it does besides a straight line is worth less than 1e-9 of its range times the span
+///     (an impulse): steps may pass over it; or
+///   - is one with itself: its second derivative varies by no more than it is large.  Three such parts are as
+///     far as a step may reach: a quarter to three quarters of a period of a sine.
+///
+/// A fixed step that is longer than such a part gives way to quarters of it.
+///
+/// Nothing is stored but what lies ahead of the step, and where the parts are follows from the span alone: a
+/// continued run finds the same ones to the bit.
+namespace flexura::mbs {
+
+class KnownTimes {
+ public:
+  KnownTimes(const Equations& eq, const SolverOptions& options);
+  ~KnownTimes();
+
+  struct Stop {
+    double t = std::numeric_limits<double>::infinity();  ///< the last moment before it
+    bool is_event = false;                               ///< else only a step's bound
+    double after = 0.0;                                  ///< the first moment behind an event
+    bool is_due = false;                                 ///< the event is too close for a step
+  };
+  /// The next one from t on; one that is due is returned until it is passed.
+  Stop next(double t);
+  void pass(const Stop& stop) { passed_ = stop.after; }
+
+  /// The shortest time from one to the next that is below `limit` [s], 0 where there is none: what rows that
+  /// far apart do not show.
+  static double shortest(const Equations& eq, const SolverOptions& options, double limit);
+
+ private:
+  class Scan;
+  std::vector<std::unique_ptr<Scan>> scans_;
+  double begin_, end_, reach_, passed_, fixed_step_, last_bound_begin_ = 0.0;
+};
+
+}  // namespace flexura::mbs

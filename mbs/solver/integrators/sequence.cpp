@@ -1,0 +1,181 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mbs/solver/integrators/sequence.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+
+#include "mbs/solver/algebra/accelerations.hpp"
+#include "mbs/solver/algebra/remembered.hpp"
+#include "mbs/solver/linear/linearise.hpp"
+#include "mbs/solver/linear/statics.hpp"
+#include "mbs/solver/position/assemble.hpp"
+
+namespace flexura::mbs {
+
+namespace {
+
+// One state after the other, each from the one before; shorter strides where the next is not found.
+class Sequence : public Integrator {
+ public:
+  Sequence(const Equations& eq, const SolverOptions& options, const char* what)
+      : eq_(eq), options_(options), what_(what) {
+    for (int k = 0; k < eq.sizes().n_root; ++k)
+      if (!eq.is_condition(k))
+        throw std::invalid_argument(
+            fmt::format("{} does not locate switches, and \"{}\" is one: use method = \"ida\"", what,
+                        eq.name_of_root(k)));
+  }
+  void start(const State& s, const Eigen::VectorXd&) override {
+    now_ = s;
+    // Each state for itself: formulas are as they are there.
+    for (std::size_t k = 0; k < now_.root.size(); ++k) now_.root[k] = 0;
+    solve(now_, v_dot_);
+  }
+  StepEnd step(double t_stop) override {
+    StepEnd end;
+    end.t_begin = now_.t;
+    const double stride = std::min(options_.output_step, t_stop - now_.t);
+    const double least = options_.min_step > 0.0 ? options_.min_step : 1e-4 * options_.output_step;
+    double h = stride;
+    for (;;) {
+      State next = now_;
+      try {
+        move(next, h);
+        Eigen::VectorXd v_dot;
+        solve(next, v_dot);
+        now_ = next;
+        v_dot_ = v_dot;
+        break;
+      } catch (const std::runtime_error& e) {
+        ++counts_.newton_failures;
+        h *= 0.5;
+        if (h < least)
+          throw IntegrationError(
+              fmt::format("{} cannot go on beyond t = {:.9g} s: {}", what_, now_.t, e.what()));
+      }
+    }
+    ++counts_.steps;
+    ++counts_.evaluations;
+    // An output time is met to the bit.
+    if (h == stride && stride == t_stop - end.t_begin) now_.t = t_stop;
+    end.t_end = now_.t;
+    return end;
+  }
+  void interpolate(double t, State& s, Eigen::VectorXd& v_dot) override {
+    if (t == now_.t) {
+      s = now_;
+      v_dot = v_dot_;
+      return;
+    }
+    State at = now_;
+    move(at, t - now_.t);
+    at.t = t;
+    solve(at, v_dot);
+    s = at;
+  }
+  StepCounts counts() const override { return counts_; }
+  void remember(History& history) override {
+    const Sizes n = eq_.sizes();
+    mbs::remember(history, now_, n);
+    history(v_dot_);
+    if (history.reads() && v_dot_.size() != 0) require_size(v_dot_.size(), n.n_v);
+  }
+
+ protected:
+  virtual void move(State& s, double h) const = 0;  // a guess h later
+  virtual void solve(State& s, Eigen::VectorXd& v_dot) const = 0;
+
+  const Equations& eq_;
+  SolverOptions options_;
+  const char* what_;
+  State now_;
+  Eigen::VectorXd v_dot_;
+  StepCounts counts_;
+};
+
+class KinematicSequence final : public Sequence {
+ public:
+  KinematicSequence(const Equations& eq, const SolverOptions& options) : Sequence(eq, options, "kinematics") {
+    if (eq.sizes().n_dyn > 0)
+      throw std::invalid_argument(
+          fmt::format("kinematics alone does not integrate the dynamic state \"{}\": use method = \"ida\"",
+                      eq.name_of_dynamic(0)));
+  }
+  void start(const State& s, const Eigen::VectorXd& v_dot) override {
+    const LinearSystem system = linearise(eq_, s);
+    if (!system.independent.empty()) {
+      std::vector<std::string> names;
+      for (const int i : system.independent) names.push_back("\"" + eq_.name_of_velocity(i) + "\"");
+      throw std::invalid_argument(fmt::format(
+          "kinematics needs every freedom driven, and {} of them {} not ({} would determine the rest): drive "
+          "{}, or use method = \"ida\"",
+          names.size(), names.size() == 1 ? "is" : "are", fmt::join(names, ", "),
+          names.size() == 1 ? "it" : "them"));
+    }
+    Sequence::start(s, v_dot);
+  }
+
+ protected:
+  void move(State& s, double h) const override {
+    Eigen::VectorXd d = h * s.v + 0.5 * h * h * v_dot_, p(s.p.size());
+    eq_.retract(s.p, d, p);
+    s.p = p;
+    s.v += h * v_dot_;
+    s.t += h;
+  }
+  void solve(State& s, Eigen::VectorXd& v_dot) const override { assemble(eq_, s, v_dot); }
+};
+
+class StaticSequence final : public Sequence {
+ public:
+  StaticSequence(const Equations& eq, const SolverOptions& options)
+      : Sequence(eq, options, "quasi_statics") {}
+
+ protected:
+  void move(State& s, double h) const override { s.t += h; }
+  void solve(State& s, Eigen::VectorXd& v_dot) const override {
+    solve_statics(eq_, s);
+    v_dot = Eigen::VectorXd::Zero(s.v.size());
+  }
+};
+
+class Rest final : public Integrator {
+ public:
+  void start(const State& s, const Eigen::VectorXd&) override { now_ = s; }
+  StepEnd step(double t_stop) override {
+    StepEnd end;
+    end.t_begin = now_.t;
+    end.t_end = now_.t = t_stop;
+    ++counts_.steps;
+    return end;
+  }
+  void interpolate(double t, State& s, Eigen::VectorXd& v_dot) override {
+    s = now_;
+    s.t = t;
+    v_dot.resize(0);
+  }
+  StepCounts counts() const override { return counts_; }
+  void remember(History& history) override { history(now_); }
+
+ private:
+  State now_;
+  StepCounts counts_;
+};
+
+}  // namespace
+
+std::unique_ptr<Integrator> make_rest() {
+  return std::make_unique<Rest>();
+}
+
+std::unique_ptr<Integrator> make_kinematics(const Equations& eq, const SolverOptions& options) {
+  return std::make_unique<KinematicSequence>(eq, options);
+}
+
+std::unique_ptr<Integrator> make_quasi_statics(const Equations& eq, const SolverOptions& options) {
+  return std::make_unique<StaticSequence>(eq, options);
+}
+
+}  // namespace flexura::mbs

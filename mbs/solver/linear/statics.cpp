@@ -1,0 +1,251 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mbs/solver/linear/statics.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <Eigen/QR>
+#include <cmath>
+#include <stdexcept>
+
+#include "mbs/solver/algebra/finite.hpp"
+#include "mbs/solver/algebra/kinematic_blocks.hpp"
+#include "mbs/solver/algebra/tangents.hpp"
+#include "mbs/solver/position/assemble.hpp"
+
+namespace flexura::mbs {
+
+namespace {
+
+// K on the null space of G, in units of `unit` (rows of G in those of `row_unit`).
+Eigen::MatrixXd on_null_space(const Eigen::MatrixXd& K, const Eigen::MatrixXd& G, const Eigen::VectorXd& unit,
+                              const Eigen::VectorXd& row_unit) {
+  const Eigen::MatrixXd H = unit.asDiagonal() * K * unit.asDiagonal();
+  if (G.rows() == 0) return H;
+  const Eigen::MatrixXd rows = row_unit.asDiagonal() * G * unit.asDiagonal();
+  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(rows.transpose());
+  qr.setThreshold(1e-10);
+  Eigen::MatrixXd N = Eigen::MatrixXd::Identity(K.rows(), K.rows());
+  N = (qr.householderQ() * N).rightCols(K.rows() - qr.rank()).eval();
+  return N.transpose() * H * N;
+}
+
+// Units in which every coordinate is as stiff as the others, those that nothing holds by the masses; empty
+// where nothing is stiff.
+Eigen::VectorXd units_of_stiffness(const Eigen::MatrixXd& K, const Eigen::VectorXd& by_mass) {
+  const Eigen::VectorXd k = K.diagonal().cwiseAbs(), m = by_mass.cwiseAbs2();
+  const double stiffest = k.cwiseProduct(m).maxCoeff();
+  if (!(stiffest > 0.0)) return {};
+  return k.cwiseMax(1e-10 * stiffest * m.cwiseInverse()).cwiseSqrt().cwiseInverse();
+}
+
+// Eigenvalues of the symmetric part, ascending.
+Eigen::VectorXd symmetric_eigenvalues(const Eigen::MatrixXd& H) {
+  return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(0.5 * (H + H.transpose()), Eigen::EigenvaluesOnly)
+      .eigenvalues();
+}
+
+// In units of stiffness, where Cholesky's pivots are as exact as 1e-14 of the largest: a tenth of the work of
+// eigenvalues, and near an equilibrium all that is asked.
+bool is_definite(const Eigen::MatrixXd& H) {
+  constexpr double kRoundOff = 1e-14;
+  Eigen::MatrixXd S = 0.5 * (H + H.transpose());
+  S.diagonal().array() -= kRoundOff * S.diagonal().cwiseAbs().maxCoeff() * static_cast<double>(S.rows());
+  return Eigen::LLT<Eigen::MatrixXd>(S).info() == Eigen::Success;
+}
+
+// Shifts of K, the least shift being `floor` times the stiffest direction.
+struct Shifts {
+  const Eigen::MatrixXd &K, &G;
+  const Eigen::VectorXd &unit, &row_unit;  // by the masses
+  double floor;
+
+  // Makes K positive definite on the null space of G; 0 where it is so already.
+  double downhill() const {
+    if (K.rows() == 0) return 0.0;
+    // Definite or not is judged in units in which every coordinate is as stiff as the others: sections of
+    // thin beams are 1e12 times stiffer than their bending in the norm of the masses.
+    const Eigen::VectorXd by_stiffness = units_of_stiffness(K, unit);
+    if (by_stiffness.size() > 0) {
+      const Eigen::MatrixXd H = on_null_space(K, G, by_stiffness, row_unit);
+      if (H.cols() == 0) return 0.0;
+      if (is_definite(H)) return 0.0;
+    }
+    const Eigen::MatrixXd H = on_null_space(K, G, unit, row_unit);
+    if (H.cols() == 0) return 0.0;
+    const Eigen::VectorXd mu = symmetric_eigenvalues(H);
+    // As stiff as the softest direction is unstable, and never below a part of the rest.
+    return 2.0 * std::max(-mu(0), 0.0) + floor * mu.cwiseAbs().maxCoeff();
+  }
+
+  // Given moments turn K unsymmetric: its symmetric part may be indefinite where every motion returns.
+  bool returns() const {
+    const Eigen::MatrixXd H = on_null_space(K, G, unit, row_unit);
+    if (H.cols() == 0 || (H - H.transpose()).norm() < 1e-12 * H.norm()) return false;
+    const Eigen::VectorXcd mu = Eigen::EigenSolver<Eigen::MatrixXd>(H, false).eigenvalues();
+    return mu.real().minCoeff() > 1e-12 * mu.cwiseAbs().maxCoeff();
+  }
+};
+
+}  // namespace
+
+StaticsReport solve_statics(const Equations& eq, State& s, const StaticsOptions& options) {
+  const Sizes n = eq.sizes();
+  const int n_v = n.n_v, n_c = n.n_dyn, n_a = n.n_alg, n_l = n.n_lambda, n_z = n_v + n_c + n_a;
+  const bool open = options.opening.size() > 0;
+  if (!open) assemble_positions(eq, s);
+  s.v.setZero();
+  const Eigen::VectorXd rest = Eigen::VectorXd::Zero(n_v);
+  auto scratch = eq.make_scratch();
+  KinematicBlocks kinematics(eq, s.p);
+  Tangents tangents(eq), unloaded(options.unloaded ? *options.unloaded : eq);
+  const auto unloaded_scratch = options.unloaded ? options.unloaded->make_scratch() : nullptr;
+  Eigen::VectorXd without(n_z);
+  Eigen::MatrixXd K, J(n_z + n_l, n_z + n_l);
+  Eigen::VectorXd F(n_z + n_l), x, scale = Eigen::VectorXd::Ones(n_z + n_l), size_v(n_v), g(n_l);
+  for (int i = 0; i < n_v; ++i) size_v(i) = eq.velocity_scale(i);
+  StaticsReport report;
+
+  auto residual = [&](const State& state, Eigen::VectorXd& out) {
+    eq.momentum(state, rest, *scratch, out.head(n_v), out.segment(n_v, n_c), out.segment(n_v + n_c, n_a));
+    if (options.unloaded) {
+      options.unloaded->momentum(state, rest, *unloaded_scratch, without.head(n_v), without.segment(n_v, n_c),
+                                 without.segment(n_v + n_c, n_a));
+      out.head(n_z) = options.load * out.head(n_z) + (1.0 - options.load) * without;
+    }
+    if (n_l > 0) eq.position_constraints(state.t, state.p, *scratch, out.tail(n_l));
+    if (open) out.tail(n_l) -= options.opening;
+  };
+  // Contacts close and open on the way, like every switch whose function falls below 0.
+  Eigen::VectorXd switching = Eigen::VectorXd::Zero(n.n_root);
+  const auto take_switches = [&] {
+    if (n.n_root == 0) return;
+    eq.roots(s, *scratch, switching);
+    for (int k = 0; k < n.n_root; ++k)
+      if (switching(k) < 0.0) eq.on_root(k, s, *scratch);
+    s.v.setZero();  // an impact leaves nothing behind here
+  };
+  const auto scale_rows = [&] {
+    for (int k = 0; k < n_l; ++k) {
+      const double norm = (tangents.G.row(k).transpose().array() * scale.head(n_v).array()).matrix().norm();
+      scale(n_z + k) = norm > 0.0 ? 1.0 / norm : 1.0;
+    }
+  };
+  // Conditions in formulas are as they are at each step, and held again in the equilibrium.
+  bool holds_conditions = false;
+  for (std::size_t k = 0; k < s.root.size(); ++k)
+    if (eq.is_condition(static_cast<int>(k))) {
+      holds_conditions = holds_conditions || s.root[k] != 0;
+      s.root[k] = 0;
+    }
+  take_switches();
+  // Without the multipliers' part: forces that no reaction carries, in the norm of M^-1.
+  residual(s, F);
+  require_finite_forces(eq, s.t, F.head(n_v), F.segment(n_v, n_c), F.segment(n_v + n_c, n_a));
+
+  double extra = 0.0;   // more damping where the steps swing to and fro
+  double floor = 1e-6;  // of the shift, less and less where they do not
+  double last_step = 1.0;
+  Eigen::MatrixXd stiffness;
+  Eigen::VectorXd unit, row_unit;
+  Eigen::VectorXd step_before = rest;
+  for (int iteration = 0; iteration < options.max_iterations; ++iteration) {
+    tangents.evaluate(s, rest);
+    if (options.unloaded) {
+      unloaded.evaluate(s, rest);
+      const auto mix = [&](Eigen::MatrixXd& with, const Eigen::MatrixXd& less) {
+        with = options.load * with + (1.0 - options.load) * less;
+      };
+      mix(tangents.z_p, unloaded.z_p);
+      mix(tangents.z_c, unloaded.z_c);
+      mix(tangents.z_a, unloaded.z_a);
+    }
+    kinematics.update(s.p, s.v);
+    kinematics.multiply_T(tangents.z_p, K);
+    for (int i = 0; i < n_v; ++i) scale(i) = tangents.M(i, i) > 0.0 ? 1.0 / std::sqrt(tangents.M(i, i)) : 1.0;
+    scale_rows();
+    residual(s, F);
+    double sigma = 0.0;
+    if (options.stable) {
+      stiffness = K.topRows(n_v);
+      unit = scale.head(n_v);
+      row_unit = scale.tail(n_l);
+      const Shifts shifts{stiffness, tangents.G, unit, row_unit, floor};
+      sigma = shifts.downhill();
+      if (sigma > 0.0 && last_step < 1e-3 && shifts.returns()) sigma = 0.0;
+      // Where nothing is stiff: no step of more than a tenth of a typical size.
+      if (n_v > 0 && sigma == 0.0 && K.topRows(n_v).isZero() &&
+          on_null_space(stiffness, tangents.G, unit, row_unit).cols() > 0)
+        extra = std::max(extra, 1.0);
+      sigma += extra;
+    }
+    J.setZero();
+    J.topLeftCorner(n_z, n_v) = K;
+    J.topLeftCorner(n_v, n_v) += sigma * tangents.M;
+    J.block(0, n_v, n_z, n_c) = tangents.z_c;
+    J.block(0, n_v + n_c, n_z, n_a) = tangents.z_a;
+    J.block(0, n_z, n_v, n_l) = tangents.G.transpose();
+    if (tangents.c_lambda.size() > 0) J.block(n_v, n_z, n_c, n_l) = tangents.c_lambda;
+    J.block(n_z, 0, n_l, n_v) = tangents.G;
+    // The regularisation below is small beside the compliance of what the constraints hold only if that is 1.
+    if (n_v > 0) {
+      const Eigen::VectorXd by_stiffness = units_of_stiffness(K.topRows(n_v), scale.head(n_v));
+      if (by_stiffness.size() > 0) {
+        scale.head(n_v) = by_stiffness;
+        scale_rows();
+      }
+    }
+    J = scale.asDiagonal() * J * scale.asDiagonal();
+    J.bottomRightCorner(n_l, n_l).diagonal().array() -= 1e-13;
+    x = scale.cwiseProduct(J.partialPivLu().solve(-scale.cwiseProduct(F)));
+    ++report.iterations;
+    const double step = x.allFinite() ? x.head(n_v).cwiseQuotient(size_v).lpNorm<Eigen::Infinity>()
+                                      : std::numeric_limits<double>::infinity();
+    if (!(step < 1e6)) {
+      extra = std::max(4.0 * extra, 1.0);
+      continue;
+    }
+    // Half a typical size at a time, so that a swing does not turn into a somersault.
+    const double alpha = step > 0.5 ? 0.5 / step : 1.0;
+    State trial = s;
+    eq.retract(s.p, alpha * x.head(n_v), trial.p);
+    trial.c += alpha * x.segment(n_v, n_c);
+    trial.a += alpha * x.segment(n_v + n_c, n_a);
+    trial.lambda += alpha * x.tail(n_l);
+    s = trial;
+    take_switches();
+    residual(s, F);
+    require_finite_forces(eq, s.t, F.head(n_v), F.segment(n_v, n_c), F.segment(n_v + n_c, n_a));
+    report.force_residual = F.head(n_v).lpNorm<Eigen::Infinity>();
+    report.constraint_residual = n_l > 0 ? F.tail(n_l).cwiseAbs().maxCoeff() : 0.0;
+    // Where nothing is stiff and no force is left any position is an equilibrium.
+    const bool indifferent = step < 1e-6 * options.tolerance && K.topRows(n_v).isZero();
+    if (alpha == 1.0 && step < options.tolerance &&
+        (indifferent || extra < 1e-9 * (1.0 + K.lpNorm<Eigen::Infinity>()))) {
+      if (holds_conditions) eq.hold_conditions(s, *scratch);
+      return report;
+    }
+    if (options.stable) {
+      const bool swings = x.head(n_v).dot(step_before) < 0.0 && x.head(n_v).norm() > 0.5 * step_before.norm();
+      // Halves a step along this one.
+      const auto d = x.head(n_v);
+      const double along = std::abs(d.dot(K.topRows(n_v) * d)) / std::max(d.dot(tangents.M * d), 1e-300);
+      extra = swings ? std::max(4.0 * extra, along) : (step < 1e-3 ? 1e-3 : 0.5) * extra;
+      floor = swings ? std::min(4.0 * floor, 1e-6) : std::max(0.25 * floor, 1e-10);
+    }
+    step_before = x.head(n_v);
+    last_step = step;
+  }
+  if (n_v == 0) throw std::runtime_error("no equilibrium found of a mechanism that cannot move");
+  int worst = 0;
+  F.head(n_v).cwiseAbs().maxCoeff(&worst);
+  throw std::runtime_error(
+      fmt::format("no equilibrium found in {} steps at t = {:.6g} s: on \"{}\" {:.4g} N (or N m) are left "
+                  "unbalanced; something "
+                  "may be free to run away: hold it by a joint or a spring",
+                  report.iterations, s.t, eq.name_of_velocity(worst), F(worst)));
+}
+
+}  // namespace flexura::mbs

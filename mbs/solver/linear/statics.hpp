@@ -1,0 +1,47 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+
+#include "mbs/equations/equations.hpp"
+
+/// Equilibrium: the state at rest that needs no acceleration,
+///
+///     f(p, 0, c, a, t) = G^T lambda,  g = 0,  f_c = 0,  b = 0.
+///
+/// Each step solves
+///
+///     [ K + sigma M   G^T ] [ d      ]     [ r ]
+///     [ G             0   ] [ dlambda] = - [ g ],     p <- retract(p, d)
+///
+/// an implicit Euler step of length sigma^-1/2 from rest.  sigma is 0 (Newton's method) where K is positive
+/// definite on the null space of G, and otherwise large enough to make it so: the iteration then runs
+/// downhill and ends in a stable equilibrium.  Near by sigma is 0, too, where all eigenvalues of an
+/// unsymmetric K (of moments about axes that stand still) lie to the right.  Unstable ones are found with
+/// sigma = 0 throughout.
+namespace flexura::mbs {
+
+struct StaticsOptions {
+  double tolerance = 1e-10;  ///< last step relative to the typical sizes of the positions
+  int max_iterations = 500;
+  bool stable = true;  ///< false: pure Newton, to the equilibrium nearest by, stable or not
+  /// Empty, or what the constraints are held at in place of 0, near which s must begin then.
+  Eigen::VectorXd opening;
+  /// Null, or the same equations without given loads, which count with 1 - load, and eq with load.
+  const Equations* unloaded = nullptr;
+  double load = 1.0;
+};
+
+struct StaticsReport {
+  int iterations = 0;
+  double force_residual = 0.0;       ///< largest |r|, N or N m
+  double constraint_residual = 0.0;  ///< largest |g|
+  bool stable = true;                ///< false: where the loads led, and not known to be stable
+};
+
+/// Moves s.p, s.c, s.a, s.lambda into equilibrium at s.t with s.v = 0.  Throws std::runtime_error naming the
+/// coordinate with the largest unbalanced force, AssemblyError where the loops do not close.
+StaticsReport solve_statics(const Equations& eq, State& s, const StaticsOptions& options = {});
+
+}  // namespace flexura::mbs

@@ -1,0 +1,496 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mbs/solver/linear/steady_state.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "mbs/solver/algebra/accelerations.hpp"
+#include "mbs/solver/algebra/tangents.hpp"
+
+namespace flexura::mbs {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+using Verdict = SteadyLinearisation::Verdict;
+
+// Typical sizes (m, rad, modal amplitudes of a metre) within which a state counts as in equilibrium without a
+// word, and with one: statics ends at 1e-10, a run's end at its tolerance, 1e-6.
+constexpr double kExact = 1e-8, kNear = 1e-5;
+// Coefficients that differ by less of their own size are the same: central differences leave 1e-9, the
+// positions along the motion 1e-10.
+constexpr double kSame = 1e-5;
+// Of the accelerations that a step of the differences excites.
+constexpr double kNoise = 1e-9;
+
+// exp(A) of a small matrix, by its series after halving.
+MatrixXd exponential(const MatrixXd& A) {
+  const double size = A.cwiseAbs().rowwise().sum().maxCoeff();
+  const int halvings = size > 0.1 ? static_cast<int>(std::ceil(std::log2(size / 0.1))) : 0;
+  const MatrixXd B = std::ldexp(1.0, -halvings) * A;
+  MatrixXd term = MatrixXd::Identity(A.rows(), A.cols()), sum = term;
+  for (int k = 1; k <= 12; ++k) {
+    term = term * B / k;
+    sum += term;
+  }
+  for (int k = 0; k < halvings; ++k) sum = sum * sum;
+  return sum;
+}
+
+// exp(t W), where few rows of W hold anything.
+MatrixXd turned(const MatrixXd& W, double t) {
+  std::vector<int> some;
+  for (int i = 0; i < W.rows(); ++i)
+    if (!W.row(i).isZero(0.0) || !W.col(i).isZero(0.0)) some.push_back(i);
+  MatrixXd B = MatrixXd::Identity(W.rows(), W.cols());
+  if (!some.empty()) B(some, some) = exponential(t * W(some, some).eval());
+  return B;
+}
+
+/// What brings a state with accelerations away from where it is.
+struct Drift {
+  double offset = 0.0;  ///< to where its forces are in balance, in typical sizes
+  int offset_of = 0;    ///< index among (z, c)
+  double left = 0.0;    ///< accelerations and rates that no displacement balances, in typical sizes per s^2
+  int left_of = 0;
+};
+
+class Judge {
+ public:
+  Judge(const Mechanism& m, const State& s, double horizon, const LineariseOptions& options)
+      : m_(m),
+        n_(m.sizes()),
+        horizon_(horizon),
+        options_(options),
+        s_(s),
+        scratch_(m.make_scratch()),
+        accelerations_(m) {
+    accelerations_.solve(s_, v_dot_);
+    c_rate_ = accelerations_.c_rate();
+    own_ = linearise(m, s_, options);
+    size_.resize(n_.n_v);
+    for (int i = 0; i < n_.n_v; ++i) size_(i) = m.velocity_scale(i);
+    M_.setZero(n_.n_v, n_.n_v);
+    m.mass_matrix(s_.p, *scratch_, M_);
+  }
+
+  SteadyLinearisation judge();
+
+ private:
+  struct Axes {
+    MatrixXd W;
+    std::string name;
+    bool accelerated = false;  ///< v' is constant in place of v
+  };
+  struct Sample {
+    State s;
+    VectorXd v_dot, c_rate;
+    LinearSystem system;  ///< in own axes
+  };
+
+  /// Of the motion, in typical sizes [1/s].
+  double speed() const { return n_.n_v == 0 ? 0.0 : s_.v.cwiseQuotient(size_).lpNorm<Eigen::Infinity>(); }
+  bool rests() const { return speed() < 1e-9; }
+  std::string name_of(const LinearSystem& system, int k) const;
+  Drift drift(const LinearSystem& system, const VectorXd& v_dot, const VectorXd& c_rate) const;
+  SteadyLinearisation judge_rest();
+  SteadyLinearisation judge_motion(bool accelerated);
+  std::vector<Axes> candidates();
+  std::vector<double> times() const;
+  State along(const Axes& axes, double tau) const;
+  const Sample& sample(const State& s);
+  double opening(const State& s);
+  std::string change_along(const Axes& axes, double tau, double& change);
+  double difference(const LinearSystem& at_0, const LinearSystem& at_tau, const MatrixXd& B, int& where);
+  void describe_unsteady(const Drift& d, SteadyLinearisation& out) const;
+
+  const Mechanism& m_;
+  const Sizes n_;
+  const double horizon_;
+  const LineariseOptions& options_;
+  State s_;
+  std::unique_ptr<Equations::Scratch> scratch_;
+  AccelerationSolver accelerations_;
+  VectorXd v_dot_, c_rate_, size_;
+  LinearSystem own_;
+  MatrixXd M_;
+  std::vector<Sample> samples_;
+};
+
+std::string Judge::name_of(const LinearSystem& system, int k) const {
+  const int n_z = static_cast<int>(system.independent.size());
+  return k < n_z ? m_.name_of_velocity(system.independent[k]) : m_.name_of_dynamic(k - n_z);
+}
+
+// The displacement (z, c) after which v' and c' would vanish, and what it cannot take away, in the norm of the
+// masses: a body that falls accelerates all it carries, and no spring in it gives way for that.
+Drift Judge::drift(const LinearSystem& system, const VectorXd& v_dot, const VectorXd& c_rate) const {
+  const int n_z = static_cast<int>(system.independent.size()), n_c = n_.n_dyn, n = n_z + n_c;
+  Drift out;
+  if (n == 0) return out;
+  MatrixXd B(n, n);
+  B << system.A.block(n_z, 0, n_z, n_z), system.A.block(n_z, 2 * n_z, n_z, n_c),
+      system.A.block(2 * n_z, 0, n_c, n_z), system.A.block(2 * n_z, 2 * n_z, n_c, n_c);
+  VectorXd e(n), size(n);
+  for (int k = 0; k < n_z; ++k) {
+    e(k) = v_dot(system.independent[k]);
+    size(k) = size_(system.independent[k]);
+  }
+  for (int k = 0; k < n_c; ++k) {
+    e(n_z + k) = c_rate(k);
+    size(n_z + k) = std::max(1.0, std::abs(s_.c(k)));
+  }
+  // y = U z with U^T U = N^T M N.
+  MatrixXd U = size.cwiseInverse().asDiagonal();
+  if (n_z > 0) U.topLeftCorner(n_z, n_z) = (system.N.transpose() * M_ * system.N).llt().matrixU();
+  const MatrixXd U_inverse = U.partialPivLu().inverse(), weighted = U * B * U_inverse;
+  // Differences with steps of 1e-5 leave 1e-11 of the accelerations, and 1e-14 of the stiffest: what does not
+  // stand well above that is no stiffness.
+  const double rate = speed(), largest = weighted.cwiseAbs().maxCoeff(),
+               noise = 1e-7 * (1.0 + e.cwiseQuotient(size).lpNorm<Eigen::Infinity>() + rate * rate);
+  VectorXd d = VectorXd::Zero(n), left = e;
+  if (largest > noise) {
+    Eigen::CompleteOrthogonalDecomposition<MatrixXd> decomposition(n, n);
+    decomposition.setThreshold(std::max(1e-12, noise / largest));
+    decomposition.compute(weighted);
+    const VectorXd y = decomposition.solve(-(U * e));
+    d = U_inverse * y;
+    left = U_inverse * (weighted * y + U * e);
+  }
+  out.offset = d.cwiseQuotient(size).cwiseAbs().maxCoeff(&out.offset_of);
+  out.left = left.cwiseQuotient(size).cwiseAbs().maxCoeff(&out.left_of);
+  return out;
+}
+
+std::vector<double> Judge::times() const {
+  // Most of a radian, or of a typical size, and more than two: no multiples of each other.
+  double rate = speed();
+  if (n_.n_v > 0) rate = std::max(rate, std::sqrt(v_dot_.cwiseQuotient(size_).lpNorm<Eigen::Infinity>()));
+  if (n_.n_dyn > 0) rate = std::max(rate, c_rate_.lpNorm<Eigen::Infinity>() / 10.0);
+  return {0.7 / rate, 2.3 / rate};
+}
+
+// Commutator-free steps of order 4: S. Blanes, P. C. Moan, Appl. Numer. Math. 56 (2006) 1519-1537.
+State Judge::along(const Axes& axes, double tau) const {
+  constexpr int kSteps = 100;
+  State out = s_;
+  const double h = tau / kSteps, root = std::sqrt(3.0) / 6.0;
+  const auto v_at = [&](double t) -> VectorXd {
+    if (axes.accelerated) return s_.v + t * v_dot_;
+    return axes.W.isZero(0.0) ? s_.v : VectorXd(turned(axes.W, t) * s_.v);
+  };
+  VectorXd p(n_.n_p);
+  for (int k = 0; k < kSteps; ++k) {
+    const VectorXd v_1 = v_at((k + 0.5 - root) * h), v_2 = v_at((k + 0.5 + root) * h);
+    m_.retract(out.p, h * ((0.25 + root) * v_1 + (0.25 - root) * v_2), p);
+    m_.retract(p, h * ((0.25 - root) * v_1 + (0.25 + root) * v_2), out.p);
+  }
+  out.v = v_at(tau);
+  if (axes.accelerated && n_.n_dyn > 0) out.c += tau * c_rate_;
+  return out;
+}
+
+double Judge::opening(const State& s) {
+  if (n_.n_lambda == 0) return 0.0;
+  VectorXd g(n_.n_lambda), g_dot(n_.n_lambda);
+  m_.constraints(s.t, s.p, s.v, *scratch_, g, g_dot);
+  const double rate = std::max(1.0, speed());
+  return std::max(g.lpNorm<Eigen::Infinity>(), g_dot.lpNorm<Eigen::Infinity>() / rate);
+}
+
+const Judge::Sample& Judge::sample(const State& s) {
+  for (const Sample& one : samples_)
+    if (one.s.t == s.t && (one.s.p - s.p).lpNorm<Eigen::Infinity>() < 1e-9 &&
+        (one.s.v - s.v).cwiseQuotient(size_).lpNorm<Eigen::Infinity>() <
+            1e-9 * (1.0 + s.v.cwiseQuotient(size_).lpNorm<Eigen::Infinity>()) &&
+        (one.s.c - s.c).isZero(1e-9))
+      return one;
+  Sample made;
+  made.s = s;
+  accelerations_.solve(made.s, made.v_dot);
+  made.c_rate = accelerations_.c_rate();
+  made.system = linearise(m_, made.s, options_);
+  samples_.push_back(std::move(made));
+  return samples_.back();
+}
+
+// The largest difference of the two systems' matrices relative to what they couple, in balanced coordinates.
+double Judge::difference(const LinearSystem& at_0, const LinearSystem& at_tau, const MatrixXd& B,
+                         int& where) {
+  const auto n_z = static_cast<int>(at_0.independent.size()), n_c = n_.n_dyn, n_x = 2 * n_z + n_c;
+  if (n_x == 0) return 0.0;
+  const MatrixXd BN = B * at_0.N, BV = B * at_0.V;
+  const MatrixXd L = BN(at_tau.independent, Eigen::all);
+  // The constraints leave the same directions free.
+  if (n_z > 0) {
+    const MatrixXd gap = size_.cwiseInverse().asDiagonal() * (at_tau.N * L - BN);
+    Eigen::Index row = 0, column = 0;
+    const double open = gap.cwiseAbs().maxCoeff(&row, &column);
+    if (open > kSame * std::max(1.0, (size_.cwiseInverse().asDiagonal() * BN).cwiseAbs().maxCoeff())) {
+      where = static_cast<int>(column);
+      return open;
+    }
+  }
+  MatrixXd X = MatrixXd::Identity(n_x, n_x);
+  X.topLeftCorner(n_z, n_z) = L;
+  X.block(n_z, 0, n_z, n_z) = BV(at_tau.independent, Eigen::all);
+  X.block(n_z, n_z, n_z, n_z) = L;
+  const MatrixXd moved = X.partialPivLu().solve(at_tau.A * X);
+  // Balanced: each row as large as its column (E. E. Osborne, J. ACM 7 (1960) 338-345).
+  const MatrixXd sum = at_0.A.cwiseAbs().cwiseMax(moved.cwiseAbs());
+  VectorXd typical(n_x);
+  for (int k = 0; k < n_x; ++k)
+    typical(k) = k < 2 * n_z ? size_(at_0.independent[k % n_z]) : std::max(1.0, std::abs(s_.c(k - 2 * n_z)));
+  VectorXd f = typical;
+  for (int pass = 0; pass < 10; ++pass)
+    for (int i = 0; i < n_x; ++i) {
+      double row = 0.0, column = 0.0;
+      for (int j = 0; j < n_x; ++j)
+        if (j != i) {
+          row = std::max(row, sum(i, j) * f(j) / f(i));
+          column = std::max(column, sum(j, i) * f(i) / f(j));
+        }
+      if (row > 0.0 && column > 0.0) f(i) *= std::clamp(std::sqrt(row / column), 1e-3, 1e3);
+    }
+  const MatrixXd balanced = f.cwiseInverse().asDiagonal() * sum * f.asDiagonal();
+  const MatrixXd change = f.cwiseInverse().asDiagonal() * (moved - at_0.A) * f.asDiagonal();
+  const VectorXd row = balanced.rowwise().maxCoeff(), column = balanced.colwise().maxCoeff();
+  // What the differences leave: a part of the accelerations that the step excites, and of those at hand.
+  const double at_hand =
+      1.0 + speed() * speed() + (n_.n_v > 0 ? v_dot_.cwiseQuotient(size_).lpNorm<Eigen::Infinity>() : 0.0);
+  const VectorXd excited =
+      (typical.cwiseInverse().asDiagonal() * sum * typical.asDiagonal()).colwise().maxCoeff().transpose();
+  double largest = 0.0;
+  for (int i = 0; i < n_x; ++i)
+    for (int j = 0; j < n_x; ++j) {
+      const double absolute = std::abs(moved(i, j) - at_0.A(i, j)) * typical(j) / typical(i);
+      if (absolute <= kNoise * (at_hand + excited(j))) continue;
+      const double relative = std::abs(change(i, j)) / std::sqrt(row(i) * column(j));
+      if (relative > largest) {
+        largest = relative;
+        where = j < 2 * n_z ? j % n_z : j - n_z;
+      }
+    }
+  // Inputs and outputs, each of its own size.
+  const auto compare = [&](const MatrixXd& a, const MatrixXd& b, bool by_row) {
+    for (Eigen::Index k = 0; k < (by_row ? a.rows() : a.cols()); ++k) {
+      const VectorXd x = by_row ? VectorXd(a.row(k)) : VectorXd(a.col(k)),
+                     y = by_row ? VectorXd(b.row(k)) : VectorXd(b.col(k));
+      const double size = std::max(x.lpNorm<Eigen::Infinity>(), y.lpNorm<Eigen::Infinity>());
+      if (size > 0.0) largest = std::max(largest, (x - y).lpNorm<Eigen::Infinity>() / size);
+    }
+  };
+  if (at_0.B.cols() > 0) compare(at_0.B, X.partialPivLu().solve(at_tau.B), false);
+  if (at_0.C.rows() > 0) compare(at_0.C, at_tau.C * X, true);
+  return largest;
+}
+
+// Empty where tau later everything is the same in these axes; else why it is not.
+std::string Judge::change_along(const Axes& axes, double tau, double& change) {
+  State later = along(axes, tau);
+  if (!later.p.allFinite() || !later.v.allFinite()) {
+    // Of a body that hardly turns the precession is a quotient of small numbers.
+    change = 1.0;
+    return "the motion is not one of turning axes";
+  }
+  // Given functions of time are held where that is no contradiction: a load that swings is no part of the
+  // coefficients.  Drives go on.
+  const double at_0 = opening(s_), bound = 1e-7 + 10.0 * at_0;
+  if (!(opening(later) <= bound)) {
+    later.t = s_.t + tau;
+    if (!(opening(later) <= bound)) {
+      change = 1.0;
+      return fmt::format(
+          "going on with the present velocities opens the constraints by {:.3g} after {:.3g} s",
+          opening(later), tau);
+    }
+  }
+  const Sample& there = sample(later);
+  const MatrixXd B = turned(axes.W, tau);
+  const LinearSystem now = in_turning_axes(own_, axes.W), then = in_turning_axes(there.system, axes.W);
+  const VectorXd expected = axes.accelerated ? v_dot_ : VectorXd(axes.W * there.s.v);
+  const VectorXd c_expected = axes.accelerated ? c_rate_ : VectorXd(VectorXd::Zero(n_.n_dyn));
+  const Drift d = drift(then, there.v_dot - expected, there.c_rate - c_expected);
+  if (d.offset > kNear || d.left > kNear) {
+    change = 1.0;
+    return fmt::format("\"{}\" does not go on as it moves now",
+                       name_of(then, d.offset > kNear ? d.offset_of : d.left_of));
+  }
+  int where = 0;
+  change = difference(now, then, B, where);
+  if (change <= kSame) return {};
+  return fmt::format(
+      "the coefficients change along the motion, by {:.2g} % of their size after {:.3g} s, most those of "
+      "\"{}\"",
+      100.0 * std::min(change, 1.0), tau, name_of(now, where));
+}
+
+std::vector<Judge::Axes> Judge::candidates() {
+  std::vector<Axes> out = {{MatrixXd::Zero(n_.n_v, n_.n_v), "", false}};
+  const auto add = [&](MatrixXd W, const std::string& name) {
+    for (const Axes& known : out)
+      if ((known.W - W).isZero(1e-9 * (1.0 + W.cwiseAbs().maxCoeff()))) return;
+    out.push_back({std::move(W), name, false});
+  };
+  add(m_.turning_with_bodies(s_, *scratch_), "axes that turn with the bodies");
+  std::vector<MarkerState> bodies, soon;
+  m_.body_motions(s_, v_dot_, *scratch_, bodies);
+  // w'' from the accelerations a little later, where |w'| is a turning of w.
+  double rate = 0.0, quickest = 0.0;
+  for (const MarkerState& body : bodies) {
+    rate = std::max(rate, body.V.angular.norm());
+    quickest = std::max({quickest, rate, std::sqrt(body.A.angular.norm())});
+  }
+  for (std::size_t b = 1; b < bodies.size(); ++b) {
+    const std::string& name = m_.description().bodies[b].name;
+    const Vector3d w = bodies[b].V.angular, alpha = bodies[b].A.angular;
+    if (w.norm() > 1e-9 * rate)
+      add(m_.turning_axes(s_, w, *scratch_), fmt::format("axes that turn with \"{}\"", name));
+    // What does not turn has no precession, however it gathers speed.
+    if (!(w.norm() > 1e-9 * quickest) || !(alpha.norm() > 1e-9 * w.squaredNorm()) || out.size() > 8) continue;
+    const double h = 1e-4 / quickest;
+    Vector3d alpha_dot = Vector3d::Zero();
+    for (const double side : {1.0, -1.0}) {
+      State near = s_;
+      m_.retract(s_.p, side * h * s_.v + 0.5 * h * h * v_dot_, near.p);
+      near.v += side * h * v_dot_;
+      VectorXd v_dot;
+      accelerations_.solve(near, v_dot);
+      m_.body_motions(near, v_dot, *scratch_, soon);
+      alpha_dot += side / (2.0 * h) * soon[b].A.angular;
+    }
+    const Vector3d n = w.cross(alpha);
+    if (!(n.squaredNorm() > 1e-18 * std::pow(w.norm(), 6))) continue;
+    const Vector3d Omega = n / w.squaredNorm() + alpha_dot.dot(n) / n.squaredNorm() * w;
+    add(m_.turning_axes(s_, Omega, *scratch_),
+        fmt::format("axes that turn with the precession of \"{}\"", name));
+  }
+  return out;
+}
+
+void Judge::describe_unsteady(const Drift& d, SteadyLinearisation& out) const {
+  const bool by_offset = d.offset > kNear;
+  const int k = by_offset ? d.offset_of : d.left_of, n_z = static_cast<int>(own_.independent.size());
+  const double rate = k < n_z ? v_dot_(own_.independent[k]) : c_rate_(k - n_z);
+  out.why = fmt::format("\"{}\" changes by {:.3g} per second (SI units)", name_of(own_, k), rate);
+}
+
+SteadyLinearisation Judge::judge_rest() {
+  SteadyLinearisation out;
+  out.system = own_;
+  const Drift d = drift(own_, v_dot_, c_rate_);
+  if (d.offset > kNear || d.left > kNear) {
+    describe_unsteady(d, out);
+    return out;
+  }
+  out.verdict = Verdict::equilibrium;
+  if (d.offset > kExact)
+    out.notes.push_back(fmt::format("the equilibrium lies {:.2g} (m, rad) away, most in \"{}\"", d.offset,
+                                    name_of(own_, d.offset_of)));
+  // Coefficients that are functions of time; loads and drives that are count with their present values.
+  Tangents now(m_), then(m_);
+  const VectorXd rest = VectorXd::Zero(n_.n_v);
+  now.evaluate(s_, rest);
+  VectorXd z(n_.n_v), c(n_.n_dyn), b(n_.n_alg), z_then(n_.n_v), c_then(n_.n_dyn), b_then(n_.n_alg);
+  m_.momentum(s_, rest, *scratch_, z, c, b);
+  for (const double part : {1e-3, 1e-2}) {
+    State later = s_;
+    later.t += part * horizon_;
+    m_.momentum(later, rest, *scratch_, z_then, c_then, b_then);
+    const double before = opening(s_);
+    if (z_then != z || c_then != c || b_then != b || opening(later) > before + 1e-12) {
+      out.notes.push_back(
+          fmt::format("what is given as a function of time counts with its value at t = {:.6g} s", s_.t));
+      break;
+    }
+    then.evaluate(later, rest);
+    const auto differs = [](const MatrixXd& x, const MatrixXd& y) {
+      return (x - y).cwiseAbs().maxCoeff() > kSame * x.cwiseAbs().maxCoeff();
+    };
+    if (n_.n_v > 0 && (differs(now.z_p, then.z_p) || differs(now.z_v, then.z_v) ||
+                       (n_.n_dyn > 0 && differs(now.z_c, then.z_c)))) {
+      out.verdict = Verdict::unsteady;
+      out.why = fmt::format("the coefficients change with time, within {:.3g} s", later.t - s_.t);
+      break;
+    }
+  }
+  return out;
+}
+
+SteadyLinearisation Judge::judge_motion(bool accelerated) {
+  SteadyLinearisation out;
+  out.system = own_;
+  std::vector<Axes> all = candidates();
+  if (accelerated) all = {{MatrixXd::Zero(n_.n_v, n_.n_v), "", true}};
+  double least = 2.0;
+  for (const Axes& axes : all) {
+    if (!axes.accelerated) {
+      const Drift d = drift(in_turning_axes(own_, axes.W), v_dot_ - axes.W * s_.v, c_rate_);
+      if (d.offset > kNear || d.left > kNear) {
+        if (least > 1.0 && out.why.empty()) describe_unsteady(d, out);
+        continue;
+      }
+    }
+    std::string why;
+    double change = 0.0;
+    for (const double tau : times()) {
+      double one = 0.0;
+      try {
+        why = change_along(axes, tau, one);
+      } catch (const std::runtime_error& failure) {
+        why = failure.what();
+        one = 1.0;
+      }
+      change = std::max(change, one);
+      if (!why.empty()) break;
+    }
+    if (why.empty()) {
+      out.verdict = Verdict::steady_motion;
+      out.why.clear();
+      out.tau = times().back();
+      out.later = along(axes, out.tau);
+      out.moved = turned(axes.W, out.tau);
+      if (!axes.name.empty()) {
+        out.axes = axes.name;
+        out.W = axes.W;
+        out.system = in_turning_axes(own_, axes.W);
+      }
+      return out;
+    }
+    if (change < least) {
+      least = change;
+      out.why = why;
+    }
+  }
+  return out;
+}
+
+SteadyLinearisation Judge::judge() {
+  if (!rests()) return judge_motion(false);
+  SteadyLinearisation at_rest = judge_rest();
+  if (at_rest.verdict == Verdict::equilibrium) return at_rest;
+  // Free fall, and whatever else gathers speed where nothing depends on where it is and how fast.
+  const Drift d = drift(own_, v_dot_, c_rate_);
+  if (d.offset > kNear || d.left <= kNear) return at_rest;
+  SteadyLinearisation falls = judge_motion(true);
+  if (falls.verdict == Verdict::unsteady) return at_rest;
+  falls.notes.push_back(
+      fmt::format("\"{}\" gathers speed, {:.3g} per second, without a force that it would meet",
+                  name_of(own_, d.left_of), d.left));
+  return falls;
+}
+
+}  // namespace
+
+SteadyLinearisation linearise_steady(const Mechanism& mechanism, const State& s, double horizon,
+                                     const LineariseOptions& options) {
+  return Judge(mechanism, s, horizon, options).judge();
+}
+
+}  // namespace flexura::mbs

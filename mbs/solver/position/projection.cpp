@@ -1,0 +1,234 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mbs/solver/position/projection.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "mbs/solver/algebra/remembered.hpp"
+
+namespace flexura::mbs {
+
+Projector::Projector(const Equations& eq) : eq_(eq), n_(eq.sizes()), scratch_(eq.make_scratch()) {
+  if (n_.n_lambda > 0) M_.setZero(n_.n_v, n_.n_v);
+  G_.setZero(n_.n_lambda, n_.n_v);
+  g_.setZero(n_.n_lambda);
+  zero_.setZero(n_.n_v);
+  p_.setZero(n_.n_p);
+  scale_.resize(n_.n_v);
+  for (int i = 0; i < n_.n_v; ++i) scale_(i) = eq.velocity_scale(i);
+}
+
+bool Projector::project(State& s) {
+  // A zero move normalises quaternions.
+  eq_.retract(s.p, zero_, p_);
+  s.p = p_;
+  if (n_.n_lambda == 0) return s.p.allFinite() && s.v.allFinite();
+  eq_.mass_matrix(s.p, *scratch_, M_);
+  eq_.constraint_matrix(s.t, s.p, *scratch_, G_);
+  if (!M_.allFinite() || !G_.allFinite()) return false;
+  saddle_.factor(eq_, M_, G_);
+  double before = std::numeric_limits<double>::infinity();
+  for (int iteration = 0; iteration < 10; ++iteration) {
+    eq_.position_constraints(s.t, s.p, *scratch_, g_);
+    const double now = g_.cwiseProduct(saddle_.row_scale()).norm();
+    if (!std::isfinite(now)) return false;
+    if (now == 0.0) break;
+    if (iteration > 0 && now > 0.5 * before) {
+      // Either at round-off, or diverging from too far away.
+      for (int k = 0; k < n_.n_lambda; ++k)
+        if (std::abs(g_(k)) > 1e-11 * G_.row(k).cwiseAbs().dot(scale_) + 1e-300) return false;
+      break;
+    }
+    before = now;
+    g_ = -g_;
+    saddle_.solve(zero_, g_, d_, x_);
+    eq_.retract(s.p, d_, p_);
+    s.p = p_;
+  }
+  eq_.mass_matrix(s.p, *scratch_, M_);
+  eq_.constraint_matrix(s.t, s.p, *scratch_, G_);
+  saddle_.factor(eq_, M_, G_);
+  eq_.velocity_constraints(s.t, s.p, s.v, *scratch_, g_);
+  g_ = -g_;
+  saddle_.solve(zero_, g_, d_, x_);
+  s.v += d_;
+  return s.p.allFinite() && s.v.allFinite();
+}
+
+LoopCloser::LoopCloser(const Equations& eq, const SolverOptions& options)
+    : eq_(eq),
+      n_(eq.sizes()),
+      scratch_(eq.make_scratch()),
+      weights_(eq, options),
+      accelerations_(eq),
+      enough_(std::clamp(1e-4 * options.tolerance, AccelerationSolver::at_round_off, 1e-10)) {
+  if (n_.n_lambda == 0) return;
+  M_.setZero(n_.n_v, n_.n_v);
+  G_.setZero(n_.n_lambda, n_.n_v);
+  for (Eigen::VectorXd* x : {&g_, &g_dot_, &round_off_}) x->setZero(n_.n_lambda);
+  rest_.setZero(n_.n_v);
+  p_.setZero(n_.n_p);
+  p_factors_.setZero(n_.n_p);
+  w_.setZero(n_.n_p + n_.n_v + n_.n_dyn);
+  change_.setZero(n_.n_p);
+  scale_.resize(n_.n_v);
+  for (int i = 0; i < n_.n_v; ++i) scale_(i) = eq.velocity_scale(i);
+}
+
+void LoopCloser::factor(double t, const Eigen::VectorXd& p) {
+  has_factors_ = false;
+  t_factors_ = t;
+  p_factors_ = p;
+  eq_.mass_matrix(p, *scratch_, M_);
+  eq_.constraint_matrix(t, p, *scratch_, G_);
+  saddle_.factor(eq_, M_, G_);
+  for (int k = 0; k < n_.n_lambda; ++k) round_off_(k) = 1e-11 * G_.row(k).cwiseAbs().dot(scale_.transpose());
+  has_factors_ = true;
+  const double independence = saddle_.independence();
+  nearness_.largest = std::max(nearness_.largest, independence);
+  if (independence < nearness_.least) {
+    nearness_.least = independence;
+    nearness_.t = t;
+    nearness_.p = p;
+  }
+}
+
+// In units of round-off, which grows with the speeds for those on velocity level.
+LoopCloser::Residuals LoopCloser::residuals(const State& s) {
+  eq_.constraints(s.t, s.p, s.v, *scratch_, g_, g_dot_);
+  drift_ = {g_.cwiseAbs().maxCoeff(), g_dot_.cwiseAbs().maxCoeff()};
+  const double speed = std::max(1.0, s.v.cwiseQuotient(scale_).lpNorm<Eigen::Infinity>());
+  Residuals size;
+  for (int k = 0; k < n_.n_lambda; ++k)
+    if (round_off_(k) > 0.0) {
+      size.position = std::max(size.position, std::abs(g_(k)) / round_off_(k));
+      size.velocity = std::max(size.velocity, std::abs(g_dot_(k)) / (round_off_(k) * speed));
+    }
+  return size;
+}
+
+// By the residuals taken last.
+void LoopCloser::correct_position(State& s) {
+  g_ = -g_;
+  saddle_.solve(rest_, g_, d_, x_);
+  eq_.kinematic(s.p, d_, p_);  // unlike retract() it leaves the lengths of quaternions alone
+  s.p += p_;
+}
+void LoopCloser::correct_velocity(State& s) {
+  g_dot_ = -g_dot_;
+  saddle_.solve(rest_, g_dot_, d_, x_);
+  s.v += d_;
+}
+
+// Positions, then velocities where the positions are now: a step of fast mechanisms changes G v by more than
+// its residual.  False where Newton's method does not get there.
+bool LoopCloser::close_trial(const State& s, bool& is_near) {
+  bool fresh = !has_factors_;
+  if (fresh) factor(s.t, s.p);
+  trial_ = s;
+  Residuals size = residuals(trial_);
+  for (int iteration = 0; iteration < 20 && !size.closed() && std::isfinite(size.larger()); ++iteration) {
+    const bool of_position = size.position > 1.0;
+    correct_position(trial_);
+    // Where positions hardly move the residual of the velocities holds.
+    if (!of_position) correct_velocity(trial_);
+    const Residuals now = residuals(trial_);
+    const double was = of_position ? size.position : size.velocity,
+                 is = of_position ? now.position : now.velocity;
+    if (!fresh && is > 1.0 && !(is < 0.1 * was)) {
+      factor(s.t, s.p);
+      fresh = true;
+      trial_ = s;
+      size = residuals(trial_);
+      is_near = false;
+      continue;
+    }
+    if (of_position) is_near = is_near || is <= std::max(1.0, 0.1 * was);
+    if (is > 1.0 && !(is < 0.5 * was)) return false;
+    size = now;
+  }
+  return size.closed();
+}
+
+LoopCloser::Drift LoopCloser::drift(const State& s) {
+  if (n_.n_lambda > 0) residuals(s);
+  return drift_;
+}
+
+LoopCloser::Drift LoopCloser::close(State& s) {
+  if (n_.n_lambda == 0) return {};
+  // Newton's method takes nine tenths of g away at once: the nearest point on the constraints is this one.
+  bool is_near = false, is_closed = false;
+  try {
+    is_closed = close_trial(s, is_near);
+  } catch (const std::runtime_error&) {
+    // No mass matrix there: the integrator will say so.
+  }
+  if (is_closed && !is_near) {
+    weights_.evaluate(s.p, s.v, s.c, w_);
+    change_ = trial_.p - s.p;
+    is_closed = change_.cwiseProduct(w_.head(n_.n_p)).norm() <= 10.0 * std::sqrt(n_.n_p);
+  }
+  if (is_closed) {
+    s.p = trial_.p;
+    s.v = trial_.v;
+  } else {
+    residuals(s);
+  }
+  is_closed_ = is_closed;
+  return drift_;
+}
+
+void LoopCloser::accelerate(State& s, Eigen::VectorXd& v_dot) {
+  trial_ = s;
+  v_dot_0_ = v_dot;
+  bool is_solved = false;
+  try {
+    if (!is_closed_) {
+      // Near a dead point multipliers grow beyond bounds: those of the state are nearer than what stands at the ends of
+      // a long step.
+      accelerations_.solve(s, v_dot);
+      is_solved = true;
+    } else if (n_.n_lambda == 0) {
+      if (n_.n_v > 0)
+        accelerations_.solve(s, v_dot);
+      else
+        accelerations_.solve_algebraic(s);
+      is_solved = true;
+    } else {
+      accelerations_.solve_algebraic(s);
+      is_solved = has_factors_ && accelerations_.refine(saddle_, s, v_dot, enough_) <= enough_;
+    }
+    if (!is_solved) {
+      factor(s.t, s.p);
+      s.lambda = trial_.lambda;
+      v_dot = v_dot_0_;
+      // Round-off of a badly conditioned mechanism stands higher; what is far from it are forces that depend on
+      // the multipliers.
+      is_solved = accelerations_.refine(saddle_, s, v_dot, enough_) <=
+                  std::max(enough_, 1e3 * AccelerationSolver::at_round_off);
+    }
+    if (!is_solved) accelerations_.solve(s, v_dot);
+    is_solved = v_dot.allFinite() && s.lambda.allFinite();
+  } catch (const std::runtime_error&) {
+    is_solved = false;
+  }
+  if (is_solved) return;
+  s.lambda = trial_.lambda;
+  s.a = trial_.a;
+  v_dot = v_dot_0_;
+}
+
+void LoopCloser::remember(History& history) {
+  if (n_.n_lambda == 0) return;
+  history(has_factors_);
+  history(t_factors_);
+  mbs::remember(history, p_factors_, n_.n_p);
+  for (double* x : {&nearness_.least, &nearness_.largest, &nearness_.t}) history(*x);
+  history(nearness_.p);
+  if (history.reads() && nearness_.p.size() > 0) require_size(nearness_.p.size(), n_.n_p);
+  if (history.reads() && has_factors_) factor(t_factors_, p_factors_);
+}
+
+}  // namespace flexura::mbs

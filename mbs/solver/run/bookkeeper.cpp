@@ -1,0 +1,83 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mbs/solver/run/bookkeeper.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "mbs/solver/integrators/integrator.hpp"
+
+namespace flexura::mbs {
+
+Bookkeeper::Bookkeeper(const Equations& eq, const SolverOptions& options, Row row, bool beside)
+    : book_(eq, options.tolerance),
+      closer_(eq, options),
+      watch_(eq),
+      allowed_(RowWatch::allowed(options.tolerance)),
+      row_(std::move(row)),
+      entries_([this](BookEntry& entry) { work_off(entry); }, beside) {}
+
+BookEntry& Bookkeeper::next(BookEntry::Kind kind) {
+  BookEntry& entry = entries_.next();
+  entry.kind = kind;
+  return entry;
+}
+
+void Bookkeeper::work_off(BookEntry& entry) {
+  switch (entry.kind) {
+    case BookEntry::Kind::step:
+      enter_step(entry);
+      break;
+    case BookEntry::Kind::row:
+      if (const RowWatch::Opening& open = close(entry.row.state); open.left_out > 1.0 || open.kept > allowed_)
+        throw IntegrationError(watch_.complaint(entry.row.state.t, entry.row.state.t, allowed_));
+      closer_.accelerate(entry.row.state, entry.row.v_dot);
+      if (row_) row_(entry.row.state, entry.row.v_dot, book_.at_row(entry.row.state, entry.row.v_dot));
+      break;
+    case BookEntry::Kind::end:
+      book_.close_step();
+      peaks_.energy_error = std::max(peaks_.energy_error, std::abs(book_.account().error()));
+      break;
+  }
+}
+
+void Bookkeeper::enter_step(BookEntry& entry) {
+  if (!book_.asks_multipliers(entry.nodes[2].state)) {
+    book_.open_step(entry.t_end, entry.nodes);
+    return;
+  }
+  for (Instant& node : entry.nodes) {
+    closer_.close(node.state);
+    closer_.accelerate(node.state, node.v_dot);
+  }
+  // Two pointers: a std::function holds no more without memory of its own.
+  book_.open_step(entry.t_end, entry.nodes, [this, &entry](double x) -> const Instant& {
+    EnergyBook::interpolate(entry.begin, entry.nodes, x, between_);
+    closer_.close(between_.state);
+    closer_.accelerate(between_.state, between_.v_dot);
+    return between_;
+  });
+}
+
+const RowWatch::Opening& Bookkeeper::close(State& s) {
+  LoopCloser::Drift left = closer_.close(s);
+  const RowWatch::Opening& open = watch_.look(s);
+  left.position = std::max(left.position, open.drift);
+  left.velocity = std::max(left.velocity, open.drift_rate);
+  note(left);
+  return open;
+}
+
+void Bookkeeper::settle_what_can_be() noexcept {
+  try {
+    settle();
+  } catch (...) {
+    // The run has its first trouble to tell already.
+  }
+}
+
+void Bookkeeper::note(const LoopCloser::Drift& left) {
+  peaks_.drift.position = std::max(peaks_.drift.position, left.position);
+  peaks_.drift.velocity = std::max(peaks_.drift.velocity, left.velocity);
+}
+
+}  // namespace flexura::mbs

@@ -1,0 +1,72 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <functional>
+
+#include "mbs/solver/integrators/conveyor.hpp"
+#include "mbs/solver/position/projection.hpp"
+#include "mbs/solver/position/row_watch.hpp"
+#include "mbs/solver/run/energy.hpp"
+
+/// What a run makes of the steps that its integrator took: the energy book and the rows, on their constraints
+/// to round-off.  Nothing of it enters the next steps, so it may be done beside them.
+namespace flexura::mbs {
+
+/// What is entered in turn: a step that was taken, the rows within it, its end.
+struct BookEntry {
+  enum class Kind { step, row, end };
+  Kind kind = Kind::step;
+  double t_end = 0.0;            ///< of the step
+  std::array<Instant, 3> nodes;  ///< of the step, at EnergyBook::node_times()
+  Instant begin;                 ///< of the step, where there are constraints
+  Instant row;
+};
+
+class Bookkeeper {
+ public:
+  using Row = std::function<void(const State&, const Eigen::VectorXd& v_dot, const EnergyAccount&)>;
+  /// The largest of a run so far.
+  struct Peaks {
+    LoopCloser::Drift drift;  ///< left open in what the run gave away
+    double energy_error = 0.0;
+  };
+
+  /// `row` may be empty.  With `beside` entries are made by a second thread, in their order, which calls
+  /// `row`; the numbers are the same to the bit.
+  Bookkeeper(const Equations& eq, const SolverOptions& options, Row row, bool beside);
+
+  /// The state from which the run goes: what its loops are open by is how little their parts fit.
+  void begin(const State& s) { watch_.begin(s); }
+  /// To be filled, then entered.
+  BookEntry& next(BookEntry::Kind kind);
+  /// What an earlier entry threw may come from here: IntegrationError of a row that is off its constraints.
+  void enter() { entries_.push(); }
+  /// Waits until all is entered; only then the following may be asked for.
+  void settle() { entries_.settle(); }
+  /// The same when something else went wrong.
+  void settle_what_can_be() noexcept;
+
+  EnergyBook& book() { return book_; }
+  LoopCloser& closer() { return closer_; }
+  const Peaks& peaks() const { return peaks_; }
+  const RowWatch& watch() const { return watch_; }
+  void note(const LoopCloser::Drift& left);
+  /// Closes the loops of s, notes what is left open, of rows left out as redundant, too, and returns it.
+  const RowWatch::Opening& close(State& s);
+
+ private:
+  void work_off(BookEntry& entry);
+  void enter_step(BookEntry& entry);
+
+  EnergyBook book_;
+  LoopCloser closer_;
+  RowWatch watch_;
+  double allowed_;  // see RowWatch::Opening
+  Row row_;
+  Peaks peaks_;
+  Instant between_;
+  Conveyor<BookEntry> entries_;
+};
+
+}  // namespace flexura::mbs

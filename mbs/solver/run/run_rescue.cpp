@@ -1,0 +1,174 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "mbs/solver/accuracy/scales.hpp"
+#include "mbs/solver/algebra/finite.hpp"
+#include "mbs/solver/algebra/saddle.hpp"
+#include "mbs/solver/run/make_integrator.hpp"
+#include "mbs/solver/run/runner.hpp"
+
+/// Where an integrator does not come on, or another would come on faster: hops across positions in which constraints
+/// lose rank, and changes of the method.
+namespace flexura::mbs {
+
+namespace {
+
+constexpr int kMostHops = 1000;
+constexpr std::size_t kMostChanges = 20;
+
+}  // namespace
+
+// A state to start an integrator from, on the constraints; false where there is none.
+bool Runner::start_again(State& s, Eigen::VectorXd& v_dot) {
+  try {
+    if (!Projector(eq_).project(s)) return false;
+    accelerations_.solve(s, v_dot);
+  } catch (const std::runtime_error&) {
+    return false;
+  }
+  return true;
+}
+
+void Runner::watch_method() {
+  State s = result_.state;
+  Eigen::VectorXd v_dot = result_.v_dot;
+  if (!start_again(s, v_dot)) return;
+  const std::string method = method_watch_.look(options_.method, s, v_dot);
+  if (!method.empty())
+    change_method(method, fmt::format("it is about {:.0f} times as fast there", method_watch_.last_gain()));
+}
+
+bool Runner::change_after(const IntegrationError& reason) {
+  if (result_.method_changes.size() >= kMostChanges) return false;
+  State s = result_.state;
+  Eigen::VectorXd v_dot = result_.v_dot;
+  if (!start_again(s, v_dot)) return false;
+  const std::string method = method_watch_.after_failure(options_.method, s, v_dot);
+  if (method.empty()) return false;
+  change_method(method, reason.what());
+  return true;
+}
+
+// At rest, and every freedom is held by rows that do not move: there is nothing to integrate, and what an integrator
+// makes of the round-off of such rows has no smallest step (IDA: 1e-9 s, for minutes).
+bool Runner::stands_still() const {
+  constexpr double kHeld = 1e-6;    // of the rows' independence: what parts are made to
+  constexpr double kClosed = 1e-8;  // and so much of the length: how far from a closed position it may stand
+  constexpr int kGlances = 100;     // at rows that begin to move later
+  const State& s = result_.state;
+  if (n_.n_v == 0 || n_.n_lambda < n_.n_v || n_.n_dyn > 0 || n_.n_alg > 0 || !s.v.isZero(1e-12)) return false;
+  for (int k = 0; k < n_.n_root; ++k)
+    if (!eq_.is_condition(k)) return false;
+  for (int k = 0; k < n_.n_lambda; ++k)
+    if (!eq_.is_holonomic(k)) return false;
+  Eigen::VectorXd g_t(n_.n_lambda);
+  const Eigen::VectorXd rest = Eigen::VectorXd::Zero(n_.n_v);
+  for (int k = 0; k <= kGlances; ++k) {
+    const double t = options_.start_time + (options_.end_time - options_.start_time) * k / kGlances;
+    eq_.velocity_constraints(t, s.p, rest, *scratch_, g_t);
+    if (!g_t.isZero(0.0)) return false;
+  }
+  Eigen::MatrixXd M = Eigen::MatrixXd::Zero(n_.n_v, n_.n_v), G = Eigen::MatrixXd::Zero(n_.n_lambda, n_.n_v);
+  eq_.mass_matrix(s.p, *scratch_, M);
+  eq_.constraint_matrix(s.t, s.p, *scratch_, G);
+  SaddleSolver rows;
+  rows.factor(eq_, M, G);
+  if (rows.rank() < n_.n_v || !(rows.independence() > kHeld)) return false;
+  // Where positions are closed near a double root, what is left open is far from closed along what the rows hardly
+  // hold, and to close it once more would move it (a parallelogram whose third crank fits by 1e-10).
+  Eigen::VectorXd g(n_.n_lambda);
+  eq_.position_constraints(s.t, s.p, *scratch_, g);
+  const double length = options_.scales ? options_.scales->length : 1.0;
+  return g.lpNorm<Eigen::Infinity>() <= kClosed * length * rows.independence();
+}
+
+void Runner::change_method(const std::string& method, const std::string& why) {
+  result_.method_changes.push_back(
+      fmt::format("from {} to {} at t = {:.6g} s: {}", options_.method, method, result_.state.t, why));
+  before_.counts = counts();
+  counts_at_once_ = {};
+  options_.method = method;
+  integrator_ = make_integrator(eq_, options_);
+  is_watched_ = kind_of(options_).integrates;
+  method_watch_.change();
+  start_again(result_.state, result_.v_dot);
+  integrator_->set_horizon(times_.next(result_.state.t).t);
+  integrator_->start(result_.state, result_.v_dot);
+  has_history_ = false;
+}
+
+bool Runner::hop(const IntegrationError& reason) {
+  // Near a dead point, where constraints lose rank for an instant, round-off of g is amplified by 1 / sigma^2
+  // and an implicit method cannot converge to a tight tolerance however short its step.  Accelerations are
+  // finite there: a few explicit steps lead across.
+  if (!kind_of(options_).is_implicit || n_.n_lambda == 0 || result_.counts.hops >= kMostHops) throw reason;
+  // From where the run stands, or, where that is too near to the singular position for round-off to allow it,
+  // from the beginnings of the last long steps: what lies before the present time is not taken again.
+  const double t_failed = result_.state.t;
+  has_history_ = false;
+  for (std::size_t back = 0; back <= n_anchors_; ++back) {
+    const Instant from = back == 0 ? Instant{result_.state, result_.v_dot}
+                                   : anchors_[(next_anchor_ + kAnchors - back) % kAnchors];
+    bool goes_on = true;
+    try {
+      if (!leap(from, goes_on)) continue;
+    } catch (const NonFiniteError&) {
+      // Beyond where the mechanism locks there is nothing to land on: that it locks is what there is to say.
+      throw reason;
+    }
+    if (!goes_on) return false;
+    if (result_.state.t - t_failed < 1e-7 * (options_.end_time - options_.start_time)) continue;
+    ++result_.counts.hops;
+    n_anchors_ = 0;
+    integrator_->set_horizon(times_.next(result_.state.t).t);
+    integrator_->start(result_.state, result_.v_dot);
+    has_history_ = false;
+    return result_.state.t < options_.end_time;
+  }
+  throw reason;
+}
+
+// A few explicit steps; false where not even one of them came beyond the present time.
+bool Runner::leap(const Instant& from, bool& goes_on) {
+  SolverOptions explicit_options = options_;
+  explicit_options.method = "runge_kutta";
+  explicit_options.method_is_open = false;
+  // Steps that the implicit method took at order five or below are easy for this one; error control would
+  // creep into the singular position instead of over it.
+  explicit_options.fixed_step = std::max(0.5 * good_step_, 1.5 * (result_.state.t - from.state.t));
+  explicit_options.max_step = 0.0;
+  hopper_ = make_integrator(eq_, explicit_options);
+  State s = from.state;
+  Eigen::VectorXd v_dot = from.v_dot;
+  // What Newton left of G v would grow like 1 / sigma.
+  if (!start_again(s, v_dot)) return false;
+  // What rows and events have to say is said; only the steps themselves may fail.
+  const auto goes = [](const auto& what) {
+    try {
+      what();
+      return true;
+    } catch (const std::runtime_error&) {
+      return false;
+    }
+  };
+  if (!goes([&] { hopper_->start(s, v_dot); })) return false;
+  bool came_on = false;
+  for (int k = 0; k < 4 && result_.state.t < options_.end_time; ++k) {
+    const long passed = result_.time_events;
+    if (k > 0) look_ahead();
+    if (result_.time_events > passed) return true;
+    StepEnd end;
+    if (!goes([&] { end = hopper_->step(stop_.t); })) return came_on;
+    if (end.t_end <= result_.state.t) continue;
+    came_on = true;
+    goes_on = finish_step(end, *hopper_);
+    // Behind an event the implicit method has started anew.
+    if (!goes_on || !end.roots.empty() || result_.time_events > passed) return true;
+  }
+  return came_on;
+}
+
+}  // namespace flexura::mbs

@@ -1,0 +1,154 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mbs/solver/run/start.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+
+#include "mbs/solver/accuracy/mechanism_scales.hpp"
+#include "mbs/solver/algebra/accelerations.hpp"
+#include "mbs/solver/algebra/saddle.hpp"
+#include "mbs/solver/linear/close_loops.hpp"
+#include "mbs/solver/position/dead_point.hpp"
+#include "mbs/solver/position/row_watch.hpp"
+#include "mbs/solver/position/settle.hpp"
+#include "mbs/solver/run/warning_mark.hpp"
+
+namespace flexura::mbs {
+namespace {
+
+constexpr const char* kLocked =
+    "the constraints leave no degree of freedom and nothing drives it: the mechanism is a structure and stands "
+    "still (a loop whose axes are out of line by a little is one)";
+
+bool is_locked(const StartedMechanism& p) {
+  const Sizes n = p.mechanism->sizes();
+  return n.n_v > 0 && n.n_lambda > 0 && p.assembly.constraint_rank == n.n_v && p.state.v.isZero(1e-12) &&
+         p.v_dot.isZero(1e-9) &&
+         std::ranges::none_of(p.mechanism->description().joints, [](const JointDescription& j) { return j.is_driven(); });
+}
+
+constexpr const char* kRings =
+    "but for its deformation the mechanism is a structure, and its bodies start undeformed: it rings about the "
+    "shape that it rests in, and forces at the start are those of letting go, not of rest (solver.initial_deformation "
+    "= \"quasi_static\" starts at rest, flexura statics finds it)";
+
+// The constraints leave nothing to bodies that do not deform, and nothing drives or moves them; loads do.
+bool rings(const StartedMechanism& p, const std::vector<bool>& deforms) {
+  const Sizes n = p.mechanism->sizes();
+  if (n.n_lambda == 0 || std::ranges::find(deforms, true) == deforms.end() || p.options.settled_start ||
+      !p.state.v.isZero(1e-12) || p.v_dot.isZero(1e-9) ||
+      std::ranges::any_of(p.mechanism->description().joints, [](const JointDescription& j) { return j.is_driven(); }))
+    return false;
+  std::vector<bool> rigid = deforms;
+  rigid.flip();
+  Eigen::MatrixXd M = Eigen::MatrixXd::Zero(n.n_v, n.n_v), G = Eigen::MatrixXd::Zero(n.n_lambda, n.n_v);
+  const auto scratch = p.mechanism->make_scratch();
+  p.mechanism->mass_matrix(p.state.p, *scratch, M);
+  p.mechanism->constraint_matrix(p.state.t, p.state.p, *scratch, G);
+  SaddleSolver saddle;
+  saddle.factor(*p.mechanism, M, G, rigid);
+  return saddle.rank() == std::ranges::count(rigid, true);
+}
+
+std::vector<bool> either(std::vector<bool> a, const std::vector<bool>& b) {
+  for (std::size_t i = 0; i < a.size(); ++i) a[i] = a[i] || b[i];
+  return a;
+}
+
+// Strain energy far above what the loads ask for: the start is then mostly the misfit.  Ten times their
+// deformation.
+constexpr double kOutOfScale = 100.0;
+
+void tell_strain(const StrainedLoops& strained, const std::vector<bool>& deforms, StartedMechanism& out) {
+  std::string sentence = sentence_of(strained, *out.mechanism, out.state);
+  if (strained.are_parts_as_made) {
+    out.notes.push_back(std::move(sentence));
+    return;
+  }
+  const double asked = energy_of_loads(*out.mechanism, strained, deforms, out.state);
+  if (!(strained.energy > kOutOfScale * asked)) {
+    out.notes.push_back(std::move(sentence));
+    return;
+  }
+  double largest = 0.0;
+  int which = 0;
+  for (Eigen::Index i = 0; i < out.state.lambda.size(); ++i)
+    if (std::abs(out.state.lambda(i)) > largest) {
+      largest = std::abs(out.state.lambda(i));
+      which = static_cast<int>(i);
+    }
+  const std::string loads = asked > 1e-9 * strained.energy ? fmt::format("{:.3g} J", asked) : "none of it";
+  out.notes.push_back(fmt::format(
+      "{}{}; the loads at the start ask for {}. The run begins with the forces of this misfit, {:.4g} {} "
+      "in \"{}\": mend the markers, lengths or initial positions unless it is meant",
+      warning_mark, sentence, loads, largest, force_unit_of(*out.mechanism, which),
+      out.mechanism->name_of_constraint(which)));
+}
+
+}  // namespace
+
+// Vibration that nothing excites bounds the steps of a multistep method, not those of Radau IIA: on the
+// scenes of cases/trade the latter is 1.2 to 700 times faster with all modes, as fast without any.  One-way
+// bodies likewise: the undamped slider-crank at 100 rad/s takes it 1.1 times real time with 6 modes, 48 with
+// 34 (explicit Runge-Kutta 3.3 and 61, IDA 1.6 and more than 600).  ANCF beams, too: their sections are stiff
+// against all but bending; the first 0.02 s of a steel cantilever of 1 m x 10 mm x 10 mm under its weight
+// take it 1.1 s (IDA 37 s, generalised-alpha 60 s).
+bool has_deformation(const Mechanism& mechanism) {
+  return std::ranges::any_of(mechanism.description().bodies,
+                             [](const BodyDescription& body) { return body.ked || body.flexible; });
+}
+
+void assemble_start(StartedMechanism& out, const GivenState& given) {
+  AssembleOptions keep;
+  keep.keep_position = velocities_of(*out.mechanism, out.state, given.positions);
+  keep.keep_velocity = given.velocities;
+  const std::vector<bool> deforms = deformations_of(*out.mechanism, out.state);
+  const std::optional<StrainedLoops> strained =
+      close_loops(*out.mechanism, out.state, keep, out.assembly);
+  if (out.mechanism->sizes().n_alg > 0 && !given.whole)
+    out.mechanism->start_contacts(out.state, *out.mechanism->make_scratch());
+  out.redundant = out.mechanism->drop_redundant(out.state.t, out.state.p);
+  out.state.lambda = Eigen::VectorXd::Zero(out.mechanism->sizes().n_lambda);
+  const AssembleReport positions = std::move(out.assembly);
+  // Bodies start without vibration where the loops allow it.
+  AssembleOptions quiet = keep;
+  quiet.keep_velocity = either(keep.keep_velocity, deforms);
+  const State assembled = out.state;
+  out.assembly = assemble(*out.mechanism, out.state, out.v_dot, quiet);
+  if (!out.assembly.velocities_kept) {
+    out.state = assembled;
+    out.assembly = assemble(*out.mechanism, out.state, out.v_dot, keep);
+  }
+  if (out.mechanism->sizes().n_root > 0) {
+    const auto scratch = out.mechanism->make_scratch();
+    out.mechanism->start_switches(out.state, *scratch);
+    AccelerationSolver(*out.mechanism).solve(out.state, out.v_dot);
+  }
+  RowWatch(*out.mechanism).begin(out.state, out.v_dot);
+  if (is_locked(out)) out.assembly.notes.push_back(kLocked);
+  if (!given.whole && rings(out, deforms)) out.assembly.notes.push_back(kRings);
+  if (std::string note = require_one_branch(*out.mechanism, out.state, out.v_dot); !note.empty())
+    out.assembly.notes.push_back(std::move(note));
+  if (strained) tell_strain(*strained, deforms, out);
+  if (out.options.settled_start && !given.whole) settle(*out.mechanism, out.state, out.v_dot, keep);
+  // The second assembly finds the loops closed; what it took is in the first report.
+  out.assembly.iterations += positions.iterations;
+  out.assembly.position_change += positions.position_change;
+  out.assembly.positions_kept = positions.positions_kept;
+  out.assembly.notes.insert(out.assembly.notes.begin(), positions.notes.begin(), positions.notes.end());
+  // Of the description's own positions: a run that goes on from a state has the scales of the one that was cut.
+  out.options.scales = std::make_shared<Scales>(scales_of(*out.mechanism, out.mechanism->initial_state()));
+  if (!out.redundant.empty()) {
+    std::vector<std::string> names;
+    for (const RedundantRow& row : out.redundant) names.push_back("\"" + row.name + "\"");
+    out.notes.push_back(
+        fmt::format("{} redundant constraint{} left out: {}; reactions that they share are not unique "
+                    "(flexura check says which)",
+                    names.size(), names.size() == 1 ? "" : "s", fmt::join(names, ", ")));
+  }
+  out.notes.insert(out.notes.end(), out.assembly.notes.begin(), out.assembly.notes.end());
+}
+
+}  // namespace flexura::mbs

@@ -1,0 +1,55 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "mbs/bodies/ancf_part.hpp"
+#include "mbs/solver/run/prepare.hpp"
+
+/// What a run with rigid beams says about the beams ([body.NAME.beam]) whose fidelity is to be chosen.
+///
+/// A beam that no superelement describes is either rigid or a beam in absolute nodal coordinates (ANCF).  Its
+/// joints' forces balance all that acts on it, inertia included, so their sum F and that of their torques T,
+/// as end loads of a cantilever,
+///
+///     deflection = F L^3 / (3 EI) + T L^2 / (2 EI),
+///
+/// bound how far it would bend in the linear theory.  EI is that of the softer direction, from the strain
+/// energy EI kappa^2 L / 2 of the beam bent to an arc of curvature kappa.
+namespace flexura::study {
+
+struct ScreenedBeam {
+  std::string body;
+  double length = 0.0;             ///< [m]
+  double bending_stiffness = 0.0;  ///< EI of the softer direction [N m^2]
+  double force = 0.0;              ///< [N], largest sum of its joints' forces
+  double deflection = 0.0;         ///< over the length
+};
+
+class BeamScreening {
+ public:
+  /// `beams`: bodies of `as_ancf` (where they are ANCF beams) that are rigid in `run`.
+  BeamScreening(const mbs::Mechanism& as_ancf, const mbs::Mechanism& run,
+                const std::vector<std::string>& beams);
+
+  /// The next row of the run.
+  void take(const mbs::State& s, const Eigen::VectorXd& v_dot);
+
+  const std::vector<ScreenedBeam>& beams() const { return beams_; }
+
+ private:
+  const mbs::Mechanism& run_;
+  std::unique_ptr<mbs::Equations::Scratch> scratch_;
+  std::vector<ScreenedBeam> beams_;
+  std::vector<int> outputs_;
+  Eigen::MatrixXd from_force_, from_torque_;  ///< beams x outputs: 1 where the output is one of its joints'
+  Eigen::VectorXd y_;
+};
+
+/// EI of a beam's softer direction [N m^2].
+double softer_bending_stiffness(const beam::ancf::AncfBody& beam);
+
+}  // namespace flexura::study

@@ -1,0 +1,92 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mbs/study/choice/body_choice.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <numbers>
+
+#include "mbs/base/terminal/terminal.hpp"
+#include "mbs/study/estimate/percent.hpp"
+
+namespace flexura::study {
+
+using terminal::number;
+
+std::vector<std::string> BodyChoice::overrides(const std::string& body) const {
+  std::vector<std::string> words = {
+      "modes=", "max_frequency=", candidate.plain ? "attachments=none" : "attachments=used"};
+  if (rigid) {
+    words.push_back("fidelity=rigid");
+  } else if (candidate.modes == 0 && !stiffened) {
+    words.push_back("fidelity=static");
+  } else {
+    words.push_back(stiffened ? "fidelity=modal-stiffened" : "fidelity=modal");
+    // With stiffening one eigenmode at least: response modes alone are quasi-static.
+    if (!candidate.all) words.push_back(fmt::format("modes={}", std::max(candidate.modes, 1)));
+  }
+  for (std::string& word : words) word = fmt::format("body.{}.{}", body, word);
+  return words;
+}
+
+std::string BodyChoice::what(const std::string& body) const {
+  if (rigid) return body + ": rigid";
+  if (candidate.modes == 0 && !stiffened)
+    return fmt::format("{}: static, {} response modes", body, candidate.responses);
+  const char* const fidelity = stiffened ? "modal-stiffened" : "modal";
+  if (candidate.all) return fmt::format("{}: {}, all {} modes", body, fidelity, available);
+  return fmt::format("{}: {}, {} of {} modes", body, fidelity, std::max(candidate.modes, 1), available);
+}
+
+std::string BodyChoice::text(const std::string& body) const {
+  return what(body) + ": " + reason;
+}
+
+void BodyChoice::refine() {
+  if (!can_be_refined()) return;
+  if (rigid) {
+    rigid = false;
+    candidate.modes = 1;
+    return;
+  }
+  candidate.modes = std::max(2, 2 * candidate.modes);
+  if (candidate.modes + candidate.responses >= available) {
+    candidate.all = true;
+    candidate.modes = available;
+  }
+}
+
+void BodyChoice::explain(const Screened& s, double share) {
+  const double first = 2.0 * std::numbers::pi * s.first_hz;
+  const Candidate& c = candidate;
+  reason = fmt::format("rigid, {} would be off by {}; excitation reaches {} Hz", s.output,
+                       percent(s.rigid_error), number(s.excitation_hz, 2));
+  if (c.all)
+    reason += fmt::format("; no smaller number keeps outputs within {}", percent(share));
+  else if (c.modes == 0)
+    reason += fmt::format(", its first mode has {} Hz: it follows its loads statically (loss {})",
+                          number(s.first_hz, 2), percent(c.loss));
+  else if (c.plain)
+    reason += fmt::format(", modes above {} Hz are not needed, nor response modes (loss {})",
+                          number(c.highest_hz, 2), percent(c.loss));
+  else
+    reason += fmt::format(", modes above {} Hz respond statically, kept as {} response modes (loss {})",
+                          number(c.highest_hz, 2), c.responses, percent(c.loss));
+  if (s.spin > 0.1 * first)
+    reason += fmt::format("; spin {} rad/s is {} of its first frequency", number(s.spin, 2),
+                          percent(s.spin / first));
+  if (stiffened)
+    reason += fmt::format("; spin and loads change its stiffness by {}{}", percent(s.stiffness_change),
+                          s.most_negative_change < -0.3
+                              ? fmt::format(", {} of what buckles it", percent(-s.most_negative_change))
+                              : "");
+  else if (!s.has_stiffening_terms && s.spin * s.spin > share * first * first)
+    reason +=
+        "; its superelement has no stiffening terms (reduce it with stiffening = true to have that judged)";
+}
+
+std::string BeamChoice::text() const {
+  return fmt::format("{}: {}: {}", body, rigid ? "rigid" : "ancf", reason);
+}
+
+}  // namespace flexura::study

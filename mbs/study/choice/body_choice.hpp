@@ -1,0 +1,40 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "mbs/study/choice/screening.hpp"
+
+namespace flexura::study {
+
+/// What a superelement whose fidelity is chosen is to be, in the words of a mechanism file and in a user's.
+struct BodyChoice {
+  bool rigid = true, stiffened = false;
+  Candidate candidate;
+  int available = 0;   ///< deformations of its superelement
+  std::string reason;  ///< why
+
+  /// "body.rod.fidelity=modal" and the like.
+  std::vector<std::string> overrides(const std::string& body) const;
+  /// "rod: modal, 4 of 22 modes".
+  std::string what(const std::string& body) const;
+  /// The same with the reason.
+  std::string text(const std::string& body) const;
+  /// False where nothing is left to add.
+  bool can_be_refined() const { return rigid || !candidate.all; }
+  /// More of it, where it can be refined.
+  void refine();
+  /// Sets the reason: what the screening saw, with `share` [1] of the accuracy for this body.
+  void explain(const Screened& screened, double share);
+};
+
+/// The same of a beam without superelement.
+struct BeamChoice {
+  std::string body;
+  bool rigid = true;
+  std::string reason;
+  std::string text() const;
+};
+
+}  // namespace flexura::study

@@ -1,0 +1,61 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "mbs/solver/run/prepare.hpp"
+#include "mbs/solver/run/run.hpp"
+#include "mbs/study/estimate/shadows.hpp"
+
+/// Fidelity and tolerance for a wanted accuracy.
+///
+/// A run with the bodies rigid that are to be chosen is cheap, and says what their deformation would change
+/// (screening.hpp).  A body that changes nothing beyond its share of the wanted accuracy stays rigid; the
+/// others get their response modes ("static") and the fewest free modes that keep the rest within their
+/// share, and geometric stiffening where spin, acceleration and loads change their stiffness enough to
+/// matter.  Half of the accuracy is for what is left out (shared equally by the bodies), half for what the
+/// first-order screening does not see and for the integrator.
+///
+/// A beam with fidelity = "auto" and no superelement stays rigid where it would bend by less than its share
+/// of its length, and becomes an ANCF beam otherwise (beam_screening.hpp).
+///
+/// The chosen mechanism runs with its own shadows.  Where their error has used up the whole run's budget the
+/// run stops, the body that contributes most gets more, and the run goes on from the last row at which half
+/// of the budget was left, with the deformation that the shadows had there.
+///
+/// The tolerance follows from the accuracy by tol = accuracy / 1000 within [1e-9, 1e-4]: on the scenes of
+/// cases/trade that leaves the integrator a tenth of the error or less.  Its absolute part is a hundredth of
+/// it.
+namespace flexura::study {
+
+struct RowOfRun {
+  mbs::State state;
+  Eigen::VectorXd v_dot;
+  mbs::EnergyAccount energy;
+};
+
+struct ChosenRun {
+  mbs::PreparedMechanism prepared;
+  std::vector<std::string> overrides;  ///< it was prepared with
+  std::vector<std::string> set;        ///< keys that give the same run without a choice
+  mbs::RunResult result;
+  std::vector<RowOfRun> rows;  ///< what the callback `row` would have been given
+  bool has_estimate = false;
+  TruncationEstimate estimate;
+  std::vector<std::string> reasons;  ///< one line for each body, restart and tolerance
+  int restarts = 0;
+  double screening_wall = 0.0;  ///< [s] of the screening and of what restarts threw away
+};
+
+/// True where a superelement or a beam has fidelity = "auto", or where the run has a wanted accuracy
+/// (solver.accuracy) and a superelement has no fidelity of its own.
+bool is_to_be_chosen(const mbs::PreparedMechanism& run);
+
+/// Runs it: `given` is the mechanism as its file and the overrides describe it.  With solver.accuracy the
+/// tolerance is chosen, too; without it the accuracy is 1 %.  Throws what prepare() throws.
+ChosenRun run_within(const mbs::PreparedMechanism& given, const std::filesystem::path& file,
+                     const std::vector<std::string>& overrides, const mbs::RunCallbacks& callbacks);
+
+}  // namespace flexura::study

@@ -1,0 +1,292 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mbs/study/choice/screening.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "mbs/study/estimate/spectrum.hpp"
+
+namespace flexura::study {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr std::array kLadder = {0, 1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128};
+// A candidate is judged on about so many rows (on every second one a static arm seemed three times as wrong),
+// spin and stiffness on fewer.
+constexpr double kMostMemory = 256e6;  // [B] of linearised rows
+constexpr std::size_t kRowsForCandidates = 800, kRowsForSpin = 100, kRowsForStiffness = 8;
+
+double hz(double omega2) {
+  return std::sqrt(std::max(omega2, 0.0)) / (2.0 * std::numbers::pi);
+}
+
+const VectorXd& stiffness_of(const FullModel& full, const ModalBlock& block) {
+  return full.mechanism()
+      .description()
+      .bodies[static_cast<std::size_t>(block.body)]
+      .flexible->data()
+      .stiffness;
+}
+const VectorXd& damping_of(const FullModel& full, const ModalBlock& block) {
+  return full.mechanism().description().bodies[static_cast<std::size_t>(block.body)].flexible->data().damping;
+}
+
+// Response modes beside the lowest n free modes, as Ritz vectors of what is left of them; and their
+// frequencies squared.
+std::pair<MatrixXd, VectorXd> beside(Index n, const MatrixXd& responses, const VectorXd& omega2) {
+  MatrixXd A = responses;
+  A.topRows(std::min(n, A.rows())).setZero();
+  Index kept = 0;
+  for (Index k = 0; k < A.cols(); ++k)
+    if (const double length = A.col(k).norm(); length > 1e-9 * responses.col(k).norm())
+      A.col(kept++) = A.col(k) / length;
+  A.conservativeResize(Eigen::NoChange, kept);
+  if (kept == 0) return {A, VectorXd()};
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> gram(A.transpose() * A);
+  Index dropped = 0;
+  while (gram.eigenvalues()(dropped) < 1e-12 * gram.eigenvalues()(kept - 1)) ++dropped;
+  const MatrixXd Q = A * gram.eigenvectors().rightCols(kept - dropped) *
+                     gram.eigenvalues().tail(kept - dropped).cwiseSqrt().cwiseInverse().asDiagonal();
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> ritz(Q.transpose() * omega2.asDiagonal() * Q);
+  return {Q * ritz.eigenvectors(), ritz.eigenvalues()};
+}
+
+}  // namespace
+
+Screening::Screening(const mbs::PreparedMechanism& run, FullModel& full, const std::filesystem::path& file,
+                     std::vector<std::string> overrides)
+    : run_(run),
+      full_(full),
+      file_(file),
+      overrides_(std::move(overrides)),
+      shadows_(Shadows::make(run, full)) {}
+
+void Screening::take(const mbs::State& s, const VectorXd& v_dot) {
+  if (!shadows_ || !shadows_->take(s, v_dot)) return;
+  rows_.push_back({shadows_->embedded(), shadows_->embedded_v_dot(), shadows_->residual(),
+                   shadows_->linearised().G(), nullptr, shadows_->jumped()});
+  // What does not fit is taken anew where it is wanted.
+  const auto& row = shadows_->linearised().row();
+  if (row->number != last_number_)
+    memory_ += 8.0 * static_cast<double>(row->M.size() + row->D.size() + row->K.size() + row->G.size());
+  last_number_ = row->number;
+  if (memory_ < kMostMemory) rows_.back().linearised = row;
+}
+
+TruncationEstimate Screening::estimate() const {
+  return shadows_->estimate();
+}
+
+const ModalBlock& Screening::block_of(const std::string& body) const {
+  return *std::ranges::find(full_.blocks(), body, &ModalBlock::name);
+}
+
+MatrixXd Screening::responses_of(const std::string& body) const {
+  const ModalBlock& block = block_of(body);
+  std::vector<std::string> overrides = overrides_;
+  for (const char* const text : {"fidelity=static", "frame=mean_axis", "boundary=free", "coupling=full"})
+    overrides.push_back(fmt::format("body.{}.{}", body, text));
+  try {
+    mbs::MechanismFile file = mbs::read_mechanism(file_, mbs::solver_schema(), overrides, run_.cache.get());
+    const mbs::Mechanism mechanism(std::move(file.description));
+    const auto index = static_cast<std::size_t>(&block - full_.blocks().data());
+    return Embedding(mechanism, full_).deformations(index);
+  } catch (const input::InputError&) {
+    return MatrixXd(block.m, 0);  // nothing acts on its interfaces
+  }
+}
+
+// The outputs of the correction in the deformations S of one body (n_block x k), row by row.
+std::vector<VectorXd> Screening::outputs_with(const ModalBlock& block, const MatrixXd& S,
+                                              const VectorXd& extra_damping) {
+  const Index n_v = full_.mechanism().sizes().n_v;
+  // Joint coordinates, then the candidate's.
+  std::vector<bool> modal(static_cast<std::size_t>(n_v), false);
+  for (const ModalBlock& other : full_.blocks()) std::fill_n(modal.begin() + other.v, other.m, true);
+  const Index n_joint = std::ranges::count(modal, false);
+  MatrixXd T = MatrixXd::Zero(n_v, n_joint + S.cols());
+  for (Index i = 0, k = 0; i < n_v; ++i)
+    if (!modal[static_cast<std::size_t>(i)]) T(i, k++) = 1.0;
+  T.block(block.v, n_joint, block.m, S.cols()) = S;
+
+  LinearCorrection correction(T.cols(), 1);
+  Transients transients;
+  VectorXd own_damping = (S.transpose() * damping_of(full_, block).asDiagonal() * S).diagonal();
+  own_damping.tail(extra_damping.size()) += extra_damping;
+  transients.add((S.transpose() * stiffness_of(full_, block).asDiagonal() * S).diagonal(), own_damping);
+  LinearisedRow small, own;
+  VectorXd y;
+  mbs::State moved;
+  std::vector<VectorXd> outputs;
+  const std::size_t every = std::max<std::size_t>(1, rows_.size() / kRowsForCandidates);
+  for (std::size_t i = 0; i < rows_.size(); i += every) {
+    const Row& at = rows_[i];
+    if (!at.linearised) full_.linearise(at.s, at.v_dot, own);
+    const LinearisedRow& row = at.linearised ? *at.linearised : own;
+    if (row.number == 0 || row.number != small.number) {
+      small.number = row.number;
+      small.M.noalias() = T.transpose() * (row.M * T);
+      small.D.noalias() = T.transpose() * (row.D * T);
+      small.K.noalias() = T.transpose() * (row.K * T);
+      small.D.diagonal().tail(extra_damping.size()) += extra_damping;
+    }
+    VectorXd load = VectorXd::Zero(n_v);
+    load.segment(block.v, block.m) = -at.residual.segment(block.v, block.m);
+    // A jump in the rows that are passed over counts, too.
+    bool jumped = false;
+    for (std::size_t k = i; k > 0 && k + every > i; --k) jumped = jumped || rows_[k].jumped;
+    if (jumped) transients.begin();
+    correction.step(i == 0 ? 0.0 : at.s.t - rows_[i - every].s.t, small, at.G * T, T.transpose() * load,
+                    &transients, jumped);
+    full_.move(at.s, T * correction.delta().col(0), T * correction.rate().col(0),
+               correction.dlambda().rows() > 0 ? VectorXd(correction.dlambda().col(0)) : VectorXd(), moved);
+    full_.evaluate(shadows_->outputs(), moved, at.v_dot + T * correction.acceleration().col(0), y);
+    outputs.push_back(y);
+  }
+  return outputs;
+}
+
+Candidate Screening::judge(const ModalBlock& block, int modes, const MatrixXd& responses,
+                           const std::vector<VectorXd>& whole) {
+  const VectorXd& omega2 = stiffness_of(full_, block);
+  const auto [A, ritz] = beside(modes, responses, omega2);
+  Candidate out;
+  out.modes = modes;
+  out.responses = static_cast<int>(A.cols());
+  out.all = modes > 0 && modes + A.cols() >= block.m;
+  out.highest_hz = modes > 0 ? hz(omega2(modes - 1)) : 0.0;
+  if (out.all) {
+    out.modes = static_cast<int>(block.m);
+    out.responses = 0;
+    return out;
+  }
+  MatrixXd S(block.m, modes + A.cols());
+  S.leftCols(modes) = MatrixXd::Identity(block.m, modes);
+  S.rightCols(A.cols()) = A;
+  // Response modes are damped critically, see read_flexible_body.hpp.
+  const VectorXd own = (A.transpose() * damping_of(full_, block).asDiagonal() * A).diagonal();
+  const std::vector<VectorXd> y = outputs_with(block, S, 2.0 * ritz.cwiseSqrt() - own);
+  VectorXd sum = VectorXd::Zero(whole.front().size());
+  for (std::size_t i = 0; i < y.size(); ++i) sum += (y[i] - whole[i]).cwiseAbs2();
+  out.loss = worst_output(sum, static_cast<double>(y.size()), shadows_->estimate().outputs).first;
+  return out;
+}
+
+// The fewest of `ladder`, by bisection: more modes lose less.
+std::optional<Candidate> Screening::fewest(const ModalBlock& block, const std::vector<int>& ladder,
+                                           const MatrixXd& responses, const std::vector<VectorXd>& whole,
+                                           double share) {
+  std::optional<Candidate> found;
+  std::size_t low = 0, high = ladder.size();
+  while (low < high) {
+    const std::size_t middle = (low + high) / 2;
+    const Candidate candidate = judge(block, ladder[middle], responses, whole);
+    if (candidate.loss <= share) {
+      found = candidate;
+      high = middle;
+    } else {
+      low = middle + 1;
+    }
+  }
+  return found;
+}
+
+Candidate Screening::cheapest(const std::string& body, double share) {
+  const ModalBlock& block = block_of(body);
+  const MatrixXd responses = responses_of(body);
+  Candidate best;
+  best.modes = static_cast<int>(block.m);
+  best.all = true;
+  best.highest_hz = hz(stiffness_of(full_, block)(block.m - 1));
+  std::vector<int> ladder, plain;
+  for (const int modes : kLadder)
+    // Without eigenmodes as many responses as deformations are less work, too: nothing of them vibrates.
+    if (modes > 0 ? modes + responses.cols() < block.m : responses.cols() > 0) ladder.push_back(modes);
+  const std::vector<VectorXd> whole = outputs_with(block, MatrixXd::Identity(block.m, block.m), VectorXd(0));
+  if (const auto found = fewest(block, ladder, responses, whole, share)) best = *found;
+  // Eigenmodes alone where fewer coordinates do as well; nothing beats response modes alone.
+  if (best.modes == 0) return best;
+  for (const int modes : kLadder)
+    if (modes > 0 && modes < best.modes + best.responses) plain.push_back(modes);
+  if (auto found = fewest(block, plain, MatrixXd(block.m, 0), whole, share)) {
+    found->plain = true;
+    best = *found;
+  }
+  return best;
+}
+
+double Screening::excitation(const ModalBlock& block) {
+  const VectorXd& omega2 = stiffness_of(full_, block);
+  MatrixXd loads(static_cast<Index>(rows_.size()), block.m);
+  for (std::size_t i = 0; i < rows_.size(); ++i)
+    loads.row(static_cast<Index>(i)) =
+        rows_[i].residual.segment(block.v, block.m).cwiseQuotient(omega2.cwiseSqrt()).transpose();
+  return reach(loads, span() / static_cast<double>(rows_.size() - 1), 0.999);
+}
+
+void Screening::change_of_stiffness(const ModalBlock& block, Screened& out) {
+  const auto& body = full_.mechanism().description().bodies[static_cast<std::size_t>(block.body)];
+  out.has_stiffening_terms = has_stiffening_terms(body);
+  if (!out.has_stiffening_terms) return;
+  const auto stiffened = FullModel::make(run_, file_, overrides_, {block.name});
+  const VectorXd scale = stiffness_of(full_, block).cwiseSqrt().cwiseInverse();
+  LinearisedRow with, without;
+  const std::size_t every = std::max<std::size_t>(1, rows_.size() / kRowsForStiffness);
+  for (std::size_t i = every / 2; i < rows_.size(); i += every) {
+    stiffened->linearise(rows_[i].s, rows_[i].v_dot, with);
+    full_.linearise(rows_[i].s, rows_[i].v_dot, without);
+    const MatrixXd change = scale.asDiagonal() *
+                            (with.K - without.K).block(block.v, block.v, block.m, block.m) *
+                            scale.asDiagonal();
+    const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(0.5 * (change + change.transpose()),
+                                                         Eigen::EigenvaluesOnly);
+    out.stiffness_change = std::max(out.stiffness_change, solver.eigenvalues().cwiseAbs().maxCoeff());
+    out.most_negative_change = std::min(out.most_negative_change, solver.eigenvalues()(0));
+  }
+}
+
+std::vector<Screened> Screening::bodies(const std::vector<std::string>& for_bodies) {
+  std::vector<Screened> out;
+  if (!shadows_) return out;
+  const auto infos = full_.mechanism().quantities();
+  for (const SourceEstimate& source : shadows_->estimate().by_body) {
+    Screened screened;
+    screened.body = source.body;
+    screened.available = source.available;
+    screened.rigid_error = source.error;
+    screened.output = source.output;
+    if (std::ranges::find(for_bodies, source.body) == for_bodies.end() || rows_.size() < 2) {
+      out.push_back(std::move(screened));
+      continue;
+    }
+    const ModalBlock& block = block_of(source.body);
+    std::vector<int> spin;
+    for (std::size_t i = 0; i < infos.size(); ++i)
+      if (infos[i].name.starts_with(source.body + ".angular_velocity_")) spin.push_back(static_cast<int>(i));
+    VectorXd omega;
+    const std::size_t every = std::max<std::size_t>(1, rows_.size() / kRowsForSpin);
+    for (std::size_t i = 0; i < rows_.size(); i += every) {
+      full_.evaluate(spin, rows_[i].s, rows_[i].v_dot, omega);
+      screened.spin = std::max(screened.spin, omega.norm());
+    }
+    const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> held(
+        stiffness_of(full_, block).asDiagonal().toDenseMatrix(),
+        rows_.front().linearised->M.block(block.v, block.v, block.m, block.m),
+        Eigen::EigenvaluesOnly | Eigen::Ax_lBx);
+    screened.first_hz = hz(held.eigenvalues()(0));
+    screened.excitation_hz = excitation(block);
+    change_of_stiffness(block, screened);
+    out.push_back(std::move(screened));
+  }
+  return out;
+}
+
+}  // namespace flexura::study

@@ -1,0 +1,100 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "mbs/solver/run/prepare.hpp"
+#include "mbs/study/estimate/full_model.hpp"
+#include "mbs/study/estimate/shadows.hpp"
+
+/// What a run with rigid bodies says about the deformation that each body needs.
+///
+/// The shadows of that run (shadows.hpp) say what rigidity costs.  A candidate, that is the lowest n free
+/// modes of one body and the response modes of what acts on it, is judged by the same linear correction,
+/// solved in the candidate's deformations alone (other bodies rigid) and compared with the one in all of the
+/// body's: so joint forces and the motion of other bodies count as well as the body's own deflection.
+///
+/// Beside it, for the words that explain a choice: how far the load's spectrum reaches, what the spin is to
+/// the first frequency, and by how much spin, acceleration and interface loads change the body's stiffness
+/// (the largest eigenvalue of the geometric stiffness against the elastic one: at -1 the body buckles).
+namespace flexura::study {
+
+struct Screened {
+  std::string body;
+  int available = 0;              ///< free modes of its superelement
+  double rigid_error = 0.0;       ///< relative rms of the worst output
+  std::string output;             ///< that output
+  double excitation_hz = 0.0;     ///< 99.9 % of the strain energy of the loads' static response lies below
+  double first_hz = 0.0;          ///< first frequency as the body's joint holds it
+  double spin = 0.0;              ///< [rad/s], largest angular velocity
+  double stiffness_change = 0.0;  ///< largest |change| / elastic stiffness; 0 without stiffening terms
+  double most_negative_change = 0.0;
+  bool has_stiffening_terms = false;
+};
+
+/// n eigenmodes and the response modes or not; n = 0: response modes alone ("static").
+struct Candidate {
+  int modes = 0, responses = 0;
+  bool all = false;         ///< every deformation, without response modes
+  bool plain = false;       ///< eigenmodes alone
+  double loss = 0.0;        ///< relative rms of the worst output
+  double highest_hz = 0.0;  ///< of the eigenmodes kept; 0 without any
+};
+
+class Screening {
+ public:
+  /// `run` has every superelement of `bodies` rigid; `full` is its full model, `overrides` what it was
+  /// prepared with.
+  Screening(const mbs::PreparedMechanism& run, FullModel& full, const std::filesystem::path& file,
+            std::vector<std::string> overrides);
+
+  /// The next row of the run: state and v_dot (n_v), times ascending.
+  void take(const mbs::State& s, const Eigen::VectorXd& v_dot);
+
+  bool has_shadows() const { return shadows_ != nullptr; }
+  /// What rigidity costs over the rows so far; needs has_shadows().
+  TruncationEstimate estimate() const;
+  /// Time [s] between the first row and the last.
+  double span() const { return rows_.empty() ? 0.0 : rows_.back().s.t - rows_.front().s.t; }
+
+  /// What the run says about each body; `for_bodies` limits the more expensive part to these.
+  std::vector<Screened> bodies(const std::vector<std::string>& for_bodies);
+
+  /// The cheapest candidate for the body whose loss (relative rms of the worst output) stays within `share`;
+  /// the finest where none does.
+  Candidate cheapest(const std::string& body, double share);
+
+ private:
+  struct Row {
+    mbs::State s;
+    Eigen::VectorXd v_dot, residual;
+    Eigen::MatrixXd G;
+    std::shared_ptr<const LinearisedRow> linearised;
+    bool jumped = false;  ///< a load has, since the row before
+  };
+  const ModalBlock& block_of(const std::string& body) const;
+  Eigen::MatrixXd responses_of(const std::string& body) const;
+  std::vector<Eigen::VectorXd> outputs_with(const ModalBlock& block, const Eigen::MatrixXd& S,
+                                            const Eigen::VectorXd& extra_damping);
+  Candidate judge(const ModalBlock& block, int modes, const Eigen::MatrixXd& responses,
+                  const std::vector<Eigen::VectorXd>& whole);
+  std::optional<Candidate> fewest(const ModalBlock& block, const std::vector<int>& ladder,
+                                  const Eigen::MatrixXd& responses, const std::vector<Eigen::VectorXd>& whole,
+                                  double share);
+  double excitation(const ModalBlock& block);
+  void change_of_stiffness(const ModalBlock& block, Screened& out);
+
+  const mbs::PreparedMechanism& run_;
+  FullModel& full_;
+  std::filesystem::path file_;
+  std::vector<std::string> overrides_;
+  std::unique_ptr<Shadows> shadows_;
+  std::vector<Row> rows_;
+  long last_number_ = 0;  // of the linearised rows kept
+  double memory_ = 0.0;   // [B], of these
+};
+
+}  // namespace flexura::study

@@ -1,0 +1,275 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mbs/study/estimate/full_model.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/QR>
+#include <algorithm>
+
+#include "mbs/superelement/contents.hpp"
+#include "mbs/superelement/file.hpp"
+
+namespace flexura::study {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+std::map<std::string, int> by_name(int n, const auto& name_of) {
+  std::map<std::string, int> names;
+  for (int i = 0; i < n; ++i) names.emplace(name_of(i), i);
+  return names;
+}
+
+// Indices of the run's entries in the full model; -1 for entries that only the full one has.
+std::vector<int> find_all(int n, const auto& name_of, const std::map<std::string, int>& in_run) {
+  std::vector<int> from(static_cast<std::size_t>(n), -1);
+  for (int i = 0; i < n; ++i)
+    if (const auto found = in_run.find(name_of(i)); found != in_run.end())
+      from[static_cast<std::size_t>(i)] = found->second;
+  return from;
+}
+
+void gather(const std::vector<int>& from, const VectorXd& x, VectorXd& out) {
+  for (std::size_t i = 0; i < from.size(); ++i) out(static_cast<Index>(i)) = from[i] >= 0 ? x(from[i]) : 0.0;
+}
+
+void scatter(const std::vector<int>& from, const VectorXd& full, VectorXd& x) {
+  for (std::size_t i = 0; i < from.size(); ++i)
+    if (from[i] >= 0) x(from[i]) = full(static_cast<Index>(i));
+}
+
+MatrixXd deformations_of(const std::string& superelement, const MatrixXd& Y_full, const MatrixXd& Y_run) {
+  const superelement::Superelement se =
+      superelement::read(superelement, {.matrices = true, .inertia = false});
+  // Displacements and rotations weigh by their inertia.
+  const VectorXd scale = se.M_se.diagonal().cwiseSqrt();
+  MatrixXd basis(Y_full.rows(), Y_full.cols() + 6);
+  basis << Y_full, superelement::rigid_motions(se);
+  const Eigen::ColPivHouseholderQR<MatrixXd> qr(scale.asDiagonal() * basis);
+  const MatrixXd scaled = scale.asDiagonal() * Y_run;
+  return qr.solve(scaled).topRows(Y_full.cols());
+}
+
+}  // namespace
+
+bool can_deform(const mbs::BodyDescription& body) {
+  return !body.superelement.empty() && superelement::contents(body.superelement).header.n() > 6;
+}
+
+bool has_stiffening_terms(const mbs::BodyDescription& body) {
+  return !body.follows_surface && !body.is_loaded_by_case &&
+         superelement::contents(body.superelement).bytes.stiffening > 0.0;
+}
+
+FullModel::FullModel(std::unique_ptr<mbs::Mechanism> mechanism) : mechanism_(std::move(mechanism)) {
+  const auto& bodies = mechanism_->description().bodies;
+  const mbs::State zero = mechanism_->initial_state();
+  const auto v_names =
+      by_name(mechanism_->sizes().n_v, [&](int i) { return mechanism_->name_of_velocity(i); });
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    if (!bodies[b].flexible || bodies[b].superelement.empty()) continue;
+    ModalBlock block;
+    block.body = static_cast<int>(b);
+    block.name = bodies[b].name;
+    block.p = mechanism_->modal_coordinates(block.body, zero) - zero.p.data();
+    block.v = v_names.at(bodies[b].name + ".mode_1_rate");
+    block.m = bodies[b].flexible->m();
+    blocks_.push_back(std::move(block));
+  }
+}
+
+std::unique_ptr<FullModel> FullModel::make(const mbs::PreparedMechanism& run,
+                                           const std::filesystem::path& file,
+                                           const std::vector<std::string>& overrides,
+                                           const std::vector<std::string>& stiffened) {
+  std::vector<std::string> full = overrides;
+  bool any = false;
+  for (const mbs::BodyDescription& body : run.mechanism->description().bodies) {
+    // A subsystem's bodies are as its own file says.
+    if (body.name.find('.') != std::string::npos || !can_deform(body)) continue;
+    any = true;
+    const bool stiff = std::ranges::find(stiffened, body.name) != stiffened.end();
+    for (const char* const text : {stiff ? "fidelity=modal-stiffened" : "fidelity=modal", "coupling=full",
+                                   "frame=mean_axis", "boundary=free", "modes=", "max_frequency="})
+      full.push_back(fmt::format("body.{}.{}", body.name, text));
+  }
+  if (!any) return nullptr;
+  mbs::MechanismFile all = mbs::read_mechanism(file, mbs::solver_schema(), full, run.cache.get());
+  std::unique_ptr<FullModel> out(new FullModel(std::make_unique<mbs::Mechanism>(std::move(all.description))));
+  out->take_start(run);
+  return out;
+}
+
+void FullModel::take_start(const mbs::PreparedMechanism& run) {
+  // Only positions matter to redundancy.
+  mbs::State s = mechanism_->initial_state();
+  const auto p_run =
+      by_name(run.mechanism->sizes().n_p, [&](int i) { return run.mechanism->name_of_position(i); });
+  gather(find_all(
+             mechanism_->sizes().n_p, [&](int i) { return mechanism_->name_of_position(i); }, p_run),
+         run.state.p, s.p);
+  for (const ModalBlock& block : blocks_) s.p.segment(block.p, block.m).setZero();
+  mechanism_->drop_redundant(run.state.t, s.p);
+  scratch_ = mechanism_->make_scratch();
+  tangents_ = std::make_unique<mbs::Tangents>(*mechanism_);
+  kinematics_ = std::make_unique<mbs::KinematicBlocks>(*mechanism_, s.p);
+  const mbs::Sizes n = mechanism_->sizes();
+  c_rate_.resize(n.n_dyn);
+  b_.resize(n.n_alg);
+}
+
+void FullModel::residual(const mbs::State& s, const VectorXd& v_dot, VectorXd& r) {
+  r.resize(v_dot.size());
+  mechanism_->momentum(s, v_dot, *scratch_, r, c_rate_, b_);
+}
+
+void FullModel::constraint_matrix(const mbs::State& s, MatrixXd& G) {
+  const mbs::Sizes n = mechanism_->sizes();
+  G.setZero(n.n_lambda, n.n_v);
+  if (n.n_lambda > 0) mechanism_->constraint_matrix(s.t, s.p, *scratch_, G);
+}
+
+void FullModel::linearise(const mbs::State& s, const VectorXd& v_dot, LinearisedRow& row) {
+  tangents_->evaluate(s, v_dot);
+  kinematics_->update(s.p, s.v);
+  row.M = tangents_->M;
+  row.G = tangents_->G;
+  row.D = tangents_->z_v.topRows(mechanism_->sizes().n_v);
+  kinematics_->multiply_T(tangents_->z_p.topRows(mechanism_->sizes().n_v), row.K);
+}
+
+void FullModel::evaluate(const std::vector<int>& which, const mbs::State& s, const VectorXd& v_dot,
+                         VectorXd& y) {
+  y.resize(static_cast<Index>(which.size()));
+  mechanism_->evaluate(which, s, v_dot, *scratch_, y);
+}
+
+void FullModel::move(const mbs::State& s, const VectorXd& delta, const VectorXd& rate,
+                     const VectorXd& dlambda, mbs::State& moved) const {
+  moved = s;
+  mechanism_->retract(s.p, delta, moved.p);
+  moved.v += rate;
+  if (dlambda.size() > 0) moved.lambda += dlambda;
+}
+
+namespace {
+
+// Static bodies may have as many deformations as the full model, damped otherwise.
+bool is_the_same(const mbs::ModalData& whole, const mbs::ModalData& run, const MatrixXd& S) {
+  if (S.rows() != S.cols() || whole.coupling != run.coupling ||
+      whole.second.has_value() != run.second.has_value())
+    return false;
+  const VectorXd damping = (S.transpose() * whole.damping.asDiagonal() * S).diagonal();
+  // S is right to round-off times the condition of the basis.
+  return (damping - run.damping).norm() <= 1e-6 * run.damping.norm();
+}
+
+}  // namespace
+
+Embedding::Embedding(const mbs::Mechanism& run, const FullModel& full)
+    : run_(run), full_(full), scratch_(run.make_scratch()) {
+  const mbs::Mechanism& all = full.mechanism();
+  const mbs::Sizes n = all.sizes(), n_run = run.sizes();
+  const auto take = [](int size, int size_run, const auto& name, const auto& name_run) {
+    return find_all(size, name, by_name(size_run, name_run));
+  };
+  p_from_ = take(
+      n.n_p, n_run.n_p, [&](int i) { return all.name_of_position(i); },
+      [&](int i) { return run.name_of_position(i); });
+  v_from_ = take(
+      n.n_v, n_run.n_v, [&](int i) { return all.name_of_velocity(i); },
+      [&](int i) { return run.name_of_velocity(i); });
+  c_from_ = take(
+      n.n_dyn, n_run.n_dyn, [&](int i) { return all.name_of_dynamic(i); },
+      [&](int i) { return run.name_of_dynamic(i); });
+  lambda_from_ = take(
+      n.n_lambda, n_run.n_lambda, [&](int i) { return all.name_of_constraint(i); },
+      [&](int i) { return run.name_of_constraint(i); });
+  r_.resize(n_run.n_v);
+  c_rate_.resize(n_run.n_dyn);
+  b_.resize(n_run.n_alg);
+  const mbs::State zero = run.initial_state();
+  const auto v_run = by_name(n_run.n_v, [&](int i) { return run.name_of_velocity(i); });
+  for (const ModalBlock& block : full.blocks()) {
+    // Modal coordinates go by their shapes, not by their numbers.
+    std::fill_n(p_from_.begin() + block.p, block.m, -1);
+    std::fill_n(v_from_.begin() + block.v, block.m, -1);
+    Block mine;
+    mine.S.resize(block.m, 0);
+    if (const mbs::FlexibleBody* deforms = run.deforming(block.body)) {
+      const mbs::BodyDescription& body = run.description().bodies[static_cast<std::size_t>(block.body)];
+      mine.one_way = body.ked != nullptr;
+      const double* const at = run.modal_coordinates(block.body, zero);
+      mine.at = at - (mine.one_way ? zero.c.data() : zero.p.data());
+      mine.rate_at = mine.one_way ? mine.at + deforms->m() : v_run.at(block.name + ".mode_1_rate");
+      const auto& whole = all.description().bodies[static_cast<std::size_t>(block.body)];
+      mine.S = deformations_of(whole.superelement, whole.flexible->data().Y, deforms->data().Y);
+      mine.complete = !mine.one_way && is_the_same(whole.flexible->data(), deforms->data(), mine.S);
+    }
+    blocks_.push_back(std::move(mine));
+  }
+}
+
+void Embedding::embed(const mbs::State& run, const VectorXd& run_v_dot, mbs::State& full,
+                      VectorXd& full_v_dot) {
+  const mbs::Sizes n = full_.mechanism().sizes();
+  full.t = run.t;
+  full.p.resize(n.n_p);
+  full.v.resize(n.n_v);
+  full.c.resize(n.n_dyn);
+  full.lambda.resize(n.n_lambda);
+  full_v_dot.resize(n.n_v);
+  gather(p_from_, run.p, full.p);
+  gather(v_from_, run.v, full.v);
+  gather(v_from_, run_v_dot, full_v_dot);
+  gather(c_from_, run.c, full.c);
+  gather(lambda_from_, run.lambda, full.lambda);
+  full.a = run.a;
+  full.root = run.root;
+  bool rates_known = false;
+  for (std::size_t i = 0; i < blocks_.size(); ++i) {
+    const ModalBlock& block = full_.blocks()[i];
+    const Block& mine = blocks_[i];
+    const Index m = mine.S.cols();
+    if (m == 0) continue;
+    if (mine.one_way && !rates_known) {
+      run_.momentum(run, run_v_dot, *scratch_, r_, c_rate_, b_);
+      rates_known = true;
+    }
+    const VectorXd &position = mine.one_way ? run.c : run.p, &rate = mine.one_way ? run.c : run.v;
+    full.p.segment(block.p, block.m).noalias() = mine.S * position.segment(mine.at, m);
+    full.v.segment(block.v, block.m).noalias() = mine.S * rate.segment(mine.rate_at, m);
+    full_v_dot.segment(block.v, block.m).noalias() =
+        mine.S * (mine.one_way ? c_rate_ : run_v_dot).segment(mine.rate_at, m);
+  }
+}
+
+void Embedding::project(const mbs::State& full, const VectorXd& full_v_dot, mbs::State& run,
+                        VectorXd& run_v_dot) const {
+  run.t = full.t;
+  run_v_dot = VectorXd::Zero(run_.sizes().n_v);
+  scatter(p_from_, full.p, run.p);
+  scatter(v_from_, full.v, run.v);
+  scatter(v_from_, full_v_dot, run_v_dot);
+  scatter(c_from_, full.c, run.c);
+  scatter(lambda_from_, full.lambda, run.lambda);
+  run.a = full.a;
+  run.root = full.root;
+  for (std::size_t i = 0; i < blocks_.size(); ++i) {
+    const ModalBlock& block = full_.blocks()[i];
+    const Block& mine = blocks_[i];
+    const Index m = mine.S.cols();
+    if (m == 0) continue;
+    // Both bases are orthonormal in the body's mass, so that the columns of S are, too (but for the rigid
+    // part of a joint-fixed frame).
+    const Eigen::ColPivHouseholderQR<MatrixXd> qr(mine.S);
+    VectorXd &position = mine.one_way ? run.c : run.p, &rate = mine.one_way ? run.c : run.v;
+    position.segment(mine.at, m) = qr.solve(full.p.segment(block.p, block.m));
+    rate.segment(mine.rate_at, m) = qr.solve(full.v.segment(block.v, block.m));
+    if (!mine.one_way) run_v_dot.segment(mine.rate_at, m) = qr.solve(full_v_dot.segment(block.v, block.m));
+  }
+}
+
+}  // namespace flexura::study

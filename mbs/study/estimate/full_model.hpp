@@ -1,0 +1,109 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <Eigen/Core>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "mbs/solver/algebra/kinematic_blocks.hpp"
+#include "mbs/solver/algebra/tangents.hpp"
+#include "mbs/solver/run/prepare.hpp"
+#include "mbs/study/estimate/linear_correction.hpp"
+
+/// The mechanism of a run with every deformation of its superelements, and the way between its states and
+/// those of the run.
+namespace flexura::study {
+
+/// A body's modal coordinates in the full model: its free modes, lowest first.
+struct ModalBlock {
+  int body = 0;
+  std::string name;
+  Eigen::Index p = 0, v = 0, m = 0;  ///< first entry in p, in v; number
+};
+
+/// The body has a superelement with coordinates beside its six rigid motions; one without them (of an import) only
+/// carries a rigid body's inertia and picture.
+bool can_deform(const mbs::BodyDescription& body);
+
+/// The superelement's file holds geometric stiffening terms for what loads the body: no marker follows nodes
+/// of its surface, and no force puts a load case on it.
+bool has_stiffening_terms(const mbs::BodyDescription& body);
+
+class FullModel {
+ public:
+  /// `overrides` are those the run was prepared with, `stiffened` the bodies that are taken with geometric
+  /// stiffening.  Null where the mechanism has no superelement.  Throws what read_mechanism() throws.
+  static std::unique_ptr<FullModel> make(const mbs::PreparedMechanism& run, const std::filesystem::path& file,
+                                         const std::vector<std::string>& overrides,
+                                         const std::vector<std::string>& stiffened = {});
+
+  const mbs::Mechanism& mechanism() const { return *mechanism_; }
+  const std::vector<ModalBlock>& blocks() const { return blocks_; }
+
+  /// At the state: M (n_v x n_v), G (n_lambda x n_v), K and D (n_v x n_v), the derivatives of the momentum
+  /// balance along p (by tangent vectors, K = z_p T) and by v, of the bodies' own stiffness, springs,
+  /// geometric and gyroscopic terms alike.
+  void linearise(const mbs::State& s, const Eigen::VectorXd& v_dot, LinearisedRow& row);
+  /// G (n_lambda x n_v) alone.
+  void constraint_matrix(const mbs::State& s, Eigen::MatrixXd& G);
+  /// r (n_v) = M v_dot - f + G^T lambda, the momentum balance; forces along the velocity coordinates [N, Nm].
+  void residual(const mbs::State& s, const Eigen::VectorXd& v_dot, Eigen::VectorXd& r);
+  /// y: the quantities `which` (Mechanism's numbers) at the state, each in its SI unit.
+  void evaluate(const std::vector<int>& which, const mbs::State& s, const Eigen::VectorXd& v_dot,
+                Eigen::VectorXd& y);
+  /// s moved by a correction: the tangent vector delta (n_v), its rate (n_v) and dlambda (n_lambda).
+  void move(const mbs::State& s, const Eigen::VectorXd& delta, const Eigen::VectorXd& rate,
+            const Eigen::VectorXd& dlambda, mbs::State& moved) const;
+
+ private:
+  friend class Embedding;
+  explicit FullModel(std::unique_ptr<mbs::Mechanism> mechanism);
+  void take_start(const mbs::PreparedMechanism& run);
+
+  std::unique_ptr<mbs::Mechanism> mechanism_;
+  std::unique_ptr<mbs::Equations::Scratch> scratch_;
+  std::unique_ptr<mbs::Tangents> tangents_;
+  std::unique_ptr<mbs::KinematicBlocks> kinematics_;
+  std::vector<ModalBlock> blocks_;
+  Eigen::VectorXd c_rate_, b_;
+};
+
+/// Between the states of one mechanism and those of the full model: joint coordinates by their names, modal
+/// coordinates by the shapes they stand for, Y_run = Y_full S + R z (the rigid part z is another choice of
+/// the body's frame and no deformation).
+class Embedding {
+ public:
+  Embedding(const mbs::Mechanism& run, const FullModel& full);
+
+  /// The run's state and v_dot (n_v of the run) in the full model, dropped deformations at rest.
+  void embed(const mbs::State& run, const Eigen::VectorXd& run_v_dot, mbs::State& full,
+             Eigen::VectorXd& full_v_dot);
+  /// Back, by least squares of the deformation; `run` has its sizes and keeps what the full model lacks.
+  void project(const mbs::State& full, const Eigen::VectorXd& full_v_dot, mbs::State& run,
+               Eigen::VectorXd& run_v_dot) const;
+
+  /// Deformations of a block that the run has, m_full x m_run; no columns for a rigid body.
+  const Eigen::MatrixXd& deformations(std::size_t block) const { return blocks_[block].S; }
+  /// True where the run's body is that of the full model: all deformations, damped and coupled alike.
+  bool complete(std::size_t block) const { return blocks_[block].complete; }
+  /// True where the body deforms one-way, so that the run's joints do not feel it.
+  bool one_way(std::size_t block) const { return blocks_[block].one_way; }
+
+ private:
+  struct Block {
+    Eigen::MatrixXd S;
+    Eigen::Index at = -1, rate_at = -1;  ///< in p and v of the run, of a one-way body in c
+    bool one_way = false, complete = false;
+  };
+  const mbs::Mechanism& run_;
+  const FullModel& full_;
+  std::unique_ptr<mbs::Equations::Scratch> scratch_;
+  std::vector<Block> blocks_;
+  std::vector<int> p_from_, v_from_, c_from_, lambda_from_;
+  Eigen::VectorXd r_, c_rate_, b_;
+};
+
+}  // namespace flexura::study

@@ -1,0 +1,186 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mbs/study/estimate/judged_outputs.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "mbs/base/documents/units.hpp"
+#include "mbs/mechanism/describe.hpp"
+#include "mbs/solver/accuracy/scales.hpp"
+
+namespace flexura::study {
+namespace {
+
+// Rows beyond so many are thinned out.
+constexpr double kMostRows = 800.0;
+// What nobody asked for by name has to be larger than this part of the largest of its unit to matter.
+constexpr double kNothingUnasked = 1e-3;
+// Below these parts of its family an output is zero or noise (see the header).
+constexpr double kOfOwner = 1e-3, kOfForces = 1e-3, kOfRest = 1e-6, kOfTolerance = 10.0;
+// Nothing at all: round-off of sums of what the mechanism's forces, lengths and speeds make.
+constexpr double kRoundOff = 1e-12;
+
+// "j2" of "j2.force_x"; measures have none.
+std::string owner_of(const std::string& name) {
+  const auto dot = name.rfind('.');
+  return dot == std::string::npos ? std::string() : name.substr(0, dot);
+}
+
+bool is_motion(const std::string& unit) {
+  return unit == "m" || unit == "rad";
+}
+
+std::vector<std::string> usual_outputs(const mbs::Mechanism& mechanism) {
+  std::vector<std::string> out;
+  const auto infos = mechanism.quantities();
+  for (const int i : mechanism.usual_quantities()) out.push_back(infos[static_cast<std::size_t>(i)].name);
+  return out;
+}
+
+// What the patterns name in the run; a pattern that names nothing there what it names in the full model
+// (stress of a body that is rigid in the run).
+std::vector<std::string> asked_outputs(const mbs::PreparedMechanism& run, const mbs::Mechanism& full) {
+  std::set<std::string> in_run;
+  for (const mbs::OutputInfo& info : run.mechanism->quantities()) in_run.insert(info.name);
+  const auto infos = full.quantities();
+  std::vector<std::string> out;
+  for (const std::string& pattern : run.file.outputs) {
+    std::vector<std::string> all, there;
+    for (const int i : mbs::select_quantities(full, {pattern})) {
+      all.push_back(infos[static_cast<std::size_t>(i)].name);
+      if (in_run.contains(all.back())) there.push_back(all.back());
+    }
+    for (std::string& name : there.empty() ? all : there)
+      if (std::ranges::find(out, name) == out.end()) out.push_back(std::move(name));
+  }
+  return out;
+}
+
+}  // namespace
+
+std::vector<int> judged_outputs(const mbs::PreparedMechanism& run, const mbs::Mechanism& full,
+                                std::vector<OutputEstimate>& sums) {
+  const auto infos = full.quantities();
+  const bool asked = !run.file.outputs.empty();
+  std::vector<int> outputs;
+  for (const std::string& name : asked ? asked_outputs(run, full) : usual_outputs(*run.mechanism)) {
+    const auto found = std::ranges::find(infos, name, &mbs::OutputInfo::name);
+    if (found == infos.end() || name.find(".mode_") != std::string::npos) continue;
+    if (name.find(".von_mises_") != std::string::npos) continue;
+    // Energies are stored for the balance; strain energy is not what a rigid body is judged by.
+    if (!asked &&
+        (name.starts_with("energy.") || name.starts_with("power.") || name.ends_with(".strain_energy")))
+      continue;
+    outputs.push_back(static_cast<int>(found - infos.begin()));
+    OutputEstimate output;
+    output.name = name;
+    output.unit = input::si_unit(found->dimension);
+    sums.push_back(std::move(output));
+  }
+  return outputs;
+}
+
+long rows_between(const mbs::PreparedMechanism& run) {
+  const mbs::SolverOptions& o = run.options;
+  return std::max(1L, static_cast<long>((o.end_time - o.start_time) / o.output_step / kMostRows));
+}
+
+double length_of(const mbs::PreparedMechanism& run) {
+  return run.options.scales ? run.options.scales->length : 1.0;
+}
+
+Families::Families(const mbs::Mechanism& mechanism, double length)
+    : mechanism_(mechanism), length_(length), scratch_(mechanism.make_scratch()) {
+  const auto infos = mechanism.quantities();
+  for (std::size_t i = 0; i < infos.size(); ++i) {
+    // Stresses cost as much as all the rest; numbers without a unit have no family.
+    if (infos[i].dimension == input::dim::pressure || infos[i].dimension == input::dim::none ||
+        infos[i].name.find(".von_mises") != std::string::npos)
+      continue;
+    which_.push_back(static_cast<int>(i));
+    owner_.push_back(owner_of(infos[i].name));
+    unit_.push_back(input::si_unit(infos[i].dimension));
+  }
+  y_.setZero(static_cast<Eigen::Index>(which_.size()));
+  sum_ = squares_ = y_;
+}
+
+void Families::take(const mbs::State& s, const Eigen::VectorXd& v_dot) {
+  mechanism_.evaluate(which_, s, v_dot, *scratch_, y_);
+  sum_ += y_;
+  squares_ += y_.cwiseAbs2();
+  ++rows_;
+}
+
+void Families::judge(std::vector<OutputEstimate>& outputs, bool asked, double tolerance) const {
+  std::map<std::string, double> of_unit;
+  std::map<std::pair<std::string, std::string>, double> of_owner;
+  const double n = std::max(1.0, static_cast<double>(rows_));
+  for (std::size_t i = 0; i < which_.size(); ++i) {
+    const auto k = static_cast<Eigen::Index>(i);
+    const double mean = is_motion(unit_[i]) ? sum_(k) / n : 0.0;
+    double size = std::sqrt(std::max(0.0, squares_(k) / n - mean * mean));
+    // The difference of two squares is right to their round-off.
+    if (size < 1e-7 * std::abs(mean)) size = 0.0;
+    if (!std::isfinite(size)) continue;
+    double& most = of_unit[unit_[i]];
+    most = std::max(most, size);
+    if (owner_[i].empty()) continue;
+    double& most_of_owner = of_owner[{owner_[i], unit_[i]}];
+    most_of_owner = std::max(most_of_owner, size);
+  }
+  std::map<std::string, double> largest;
+  for (const OutputEstimate& o : outputs) {
+    double& most = largest[o.unit];
+    most = std::max(most, o.size_rms);
+  }
+  // What forces, lengths and speeds of the mechanism make of other units.
+  const double length = length_, force = std::max(of_unit["N"], of_unit["N*m"] / length),
+               speed = std::max(of_unit["m/s"], of_unit["rad/s"] * length),
+               acceleration = std::max(of_unit["m/s^2"], of_unit["rad/s^2"] * length);
+  const std::map<std::string, double> natural = {{"m", length},
+                                                 {"rad", 1.0},
+                                                 {"m/s", speed},
+                                                 {"rad/s", speed / length},
+                                                 {"m/s^2", acceleration},
+                                                 {"rad/s^2", acceleration / length},
+                                                 {"N", force},
+                                                 {"N*m", force * length},
+                                                 {"J", force * length},
+                                                 {"W", force * speed}};
+  for (OutputEstimate& o : outputs) {
+    o.scale = o.size_rms;
+    const bool is_force = o.unit == "N" || o.unit == "N*m" || o.unit == "m/s^2" || o.unit == "rad/s^2";
+    if (const auto own = of_owner.find({owner_of(o.name), o.unit}); own != of_owner.end())
+      if (o.scale < kOfOwner * own->second) o.scale = own->second;
+    const double noise = is_force ? kOfForces : std::max(kOfRest, kOfTolerance * tolerance);
+    if (const auto all = of_unit.find(o.unit); all != of_unit.end())
+      if (o.scale < noise * all->second) o.scale = all->second;
+    if (const auto made = natural.find(o.unit); made != natural.end())
+      if (o.scale < kRoundOff * made->second) o.scale = made->second;
+    o.counts = asked || o.size_rms > kNothingUnasked * largest[o.unit];
+  }
+}
+
+double OutputEstimate::relative_max() const {
+  return size_max > 0.0 ? max / size_max : 0.0;
+}
+double OutputEstimate::relative_rms() const {
+  return scale > 0.0 ? rms / scale : 0.0;
+}
+
+std::pair<double, int> worst_output(const Eigen::VectorXd& squares, double span,
+                                    const std::vector<OutputEstimate>& outputs) {
+  std::pair<double, int> worst{0.0, -1};
+  for (std::size_t i = 0; i < outputs.size(); ++i) {
+    const OutputEstimate& o = outputs[i];
+    if (!o.counts || !(o.scale > 0.0)) continue;
+    const double error = std::sqrt(squares(static_cast<Eigen::Index>(i)) / span) / o.scale;
+    if (error > worst.first) worst = {error, static_cast<int>(i)};
+  }
+  return worst;
+}
+
+}  // namespace flexura::study

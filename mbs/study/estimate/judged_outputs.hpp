@@ -1,0 +1,71 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "mbs/solver/run/prepare.hpp"
+
+/// By which outputs the error of a run is judged, and how.
+///
+/// An error is relative to the rms of its output.  Where that is zero or noise the error is judged against the
+/// output's family: what the same joint or body has of the same unit (the greatest force in that joint), what
+/// the whole mechanism has of it (a coordinate: the largest motion), and where that is nothing either, what its
+/// forces, lengths and speeds make of it.  Forces and accelerations are noise below 1e-3 of their family, which
+/// is what reactions are good for at usual tolerances; of one joint or body everything is; other quantities
+/// from 1e-6 on, or ten times the integrator's tolerance, count by themselves.
+namespace flexura::study {
+
+struct OutputEstimate {
+  std::string name, unit;
+  double max = 0.0, rms = 0.0, final = 0.0;  ///< of the error, in the output's unit
+  double size_max = 0.0, size_rms = 0.0;     ///< of the corrected output
+  double scale = 0.0;  ///< what an rms error is relative to: size_rms, or the rms of the family
+  bool counts = true;  ///< false where nobody asked for it and it is nothing beside others of its unit
+  double relative_max() const;
+  double relative_rms() const;
+};
+
+/// Relative rms, of the worst output that counts, of squared errors integrated over `span`; and which.
+std::pair<double, int> worst_output(const Eigen::VectorXd& squares, double span,
+                                    const std::vector<OutputEstimate>& outputs);
+
+/// The quantities of `full` by which a run is judged, each with its name and unit in `outputs`: outputs that
+/// both mechanisms have, and what is asked for by a name that only the full model knows (stress of a body that
+/// is rigid in the run, where it is zero); modal coordinates of a body, and places of the largest stress, are no outputs of an
+/// engineer's.
+std::vector<int> judged_outputs(const mbs::PreparedMechanism& run, const mbs::Mechanism& full,
+                                std::vector<OutputEstimate>& outputs);
+
+/// Of a run's rows one in so many is looked at, 400 to 800 in all.
+long rows_between(const mbs::PreparedMechanism& run);
+
+/// Across the mechanism [m].
+double length_of(const mbs::PreparedMechanism& run);
+
+/// How large motion, forces and energies of a mechanism are: their rms over the rows taken, of lengths and
+/// angles about their mean.
+class Families {
+ public:
+  /// `length` [m] across the mechanism.
+  Families(const mbs::Mechanism& mechanism, double length);
+
+  void take(const mbs::State& s, const Eigen::VectorXd& v_dot);
+
+  /// Sets `scale` and `counts` of the outputs from their size_rms; `asked`: the user named them.
+  void judge(std::vector<OutputEstimate>& outputs, bool asked, double tolerance) const;
+
+ private:
+  const mbs::Mechanism& mechanism_;
+  double length_;
+  std::unique_ptr<mbs::Equations::Scratch> scratch_;
+  std::vector<int> which_;
+  std::vector<std::string> owner_, unit_;
+  Eigen::VectorXd y_, sum_, squares_;
+  long rows_ = 0;
+};
+
+}  // namespace flexura::study

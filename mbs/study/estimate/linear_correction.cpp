@@ -1,0 +1,147 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mbs/study/estimate/linear_correction.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace flexura::study {
+namespace {
+
+using Eigen::MatrixXd;
+
+struct Alpha {
+  explicit Alpha(double rho) : m((2.0 * rho - 1.0) / (rho + 1.0)), f(rho / (rho + 1.0)) {
+    beta = 0.25 * (1.0 + f - m) * (1.0 + f - m);
+    gamma = 0.5 + f - m;
+  }
+  double m, f, beta, gamma;
+};
+
+// Steps that resolve nothing damp it out; those that follow a transient leave its damping alone.
+constexpr double kRhoOfRows = 0.4, kRhoOfTransients = 0.8;
+constexpr int kFinest = 30;  // a step of a row is halved so often at most
+
+}  // namespace
+
+void Transients::add(const Eigen::VectorXd& omega2, const Eigen::VectorXd& damping) {
+  for (Eigen::Index i = 0; i < omega2.size(); ++i) {
+    const double omega = std::sqrt(std::max(omega2(i), 0.0));
+    if (!(omega > 0.0)) continue;
+    const double decay = std::max(0.5 * damping(i), kLeastDampingRatio * omega);
+    modes_.emplace_back(kDecay / decay, 2.0 * std::numbers::pi / omega / kStepsPerPeriod);
+  }
+  std::ranges::sort(modes_, {}, [](const auto& mode) { return mode.second; });
+}
+
+double Transients::step() const {
+  if (steps_left_ > 0)
+    for (const auto& [until, step] : modes_)
+      if (since_ < until) return step;
+  return std::numeric_limits<double>::infinity();
+}
+
+void Transients::pass(double dt) {
+  since_ += dt;
+  --steps_left_;
+}
+
+LinearCorrection::LinearCorrection(Eigen::Index n, Eigen::Index columns) {
+  delta_ = rate_ = acceleration_ = auxiliary_ = MatrixXd::Zero(n, columns);
+}
+
+void LinearCorrection::factor(double h, double rho, const LinearisedRow& row) {
+  if (row.number != 0 && row.number == number_ && std::abs(h - h_) <= 1e-9 * h && rho == rho_) return;
+  const Alpha alpha(rho);
+  const double share = (1.0 - alpha.f) / (1.0 - alpha.m);
+  A_.compute(h > 0.0 ? MatrixXd(row.M + h * alpha.gamma * share * row.D + h * h * alpha.beta * share * row.K)
+                     : row.M);
+  number_ = row.number;
+  h_ = h;
+  rho_ = rho;
+}
+
+void LinearCorrection::step(double h, const LinearisedRow& row, const MatrixXd& G, const MatrixXd& load,
+                            Transients* transients, bool jumped) {
+  const auto whole = [&] {
+    factor(h, kRhoOfRows, row);
+    step_once(h, kRhoOfRows, row, G, G.rows() > 0 ? MatrixXd(A_.solve(G.transpose())) : MatrixXd(), load);
+    if (transients && h > 0.0) transients->pass(h);
+  };
+  if (!transients || !(transients->step() < h)) {
+    whole();
+  } else {
+    // Steps h / 2^k, longer ones where the place in the row allows it.
+    MatrixXd B_last, B;
+    int k_last = -1;
+    for (long place = 0, all = 1L << kFinest; place < all;) {
+      int k = 0;
+      while (k < kFinest && std::ldexp(h, -k) > transients->step()) ++k;
+      while (k < kFinest && place % (all >> k) != 0) ++k;
+      const double dt = std::ldexp(h, -k);
+      place += all >> k;
+      const double part = static_cast<double>(place) / static_cast<double>(all);
+      const double rho = dt > transients->step() ? kRhoOfRows : kRhoOfTransients;
+      if (k != k_last || rho != rho_) {
+        factor(dt, rho, row);
+        if (G.rows() > 0) {
+          B = A_.solve(G.transpose());
+          B_last = A_.solve(last_G_.transpose());
+        }
+        k_last = k;
+      }
+      const MatrixXd force = jumped ? load : MatrixXd(last_load_ + part * (load - last_load_));
+      if (G.rows() > 0)
+        step_once(dt, rho, row, last_G_ + part * (G - last_G_), B_last + part * (B - B_last), force);
+      else
+        step_once(dt, rho, row, G, B, force);
+      transients->pass(dt);
+    }
+  }
+  last_G_ = G;
+  last_load_ = load;
+}
+
+void LinearCorrection::step_once(double h, double rho, const LinearisedRow& row, const MatrixXd& G,
+                                 const MatrixXd& B, const MatrixXd& load) {
+  const Alpha alpha(rho);
+  MatrixXd rhs = load, predicted, predicted_rate;
+  double to_acceleration = 0.0, to_rate = 0.0;
+  if (h > 0.0) {
+    // auxiliary_new = ((1 - f) acceleration_new + f acceleration - m auxiliary) / (1 - m)
+    const MatrixXd carried = (alpha.f * acceleration_ - alpha.m * auxiliary_) / (1.0 - alpha.m);
+    predicted = delta_ + h * rate_ + h * h * ((0.5 - alpha.beta) * auxiliary_ + alpha.beta * carried);
+    predicted_rate = rate_ + h * ((1.0 - alpha.gamma) * auxiliary_ + alpha.gamma * carried);
+    const double share = (1.0 - alpha.f) / (1.0 - alpha.m);
+    to_acceleration = h * h * alpha.beta * share;  // delta_new = predicted + to_acceleration acceleration_new
+    to_rate = h * alpha.gamma * share;
+    rhs.noalias() -= row.D * predicted_rate;
+    rhs.noalias() -= row.K * predicted;
+  }
+  // [A G^T; G 0] (acceleration, dlambda) = (rhs, 0 or what closes the loops at position level), by the Schur
+  // complement; a part in 1e12 on its diagonal carries it over dead points and rows that others imply.
+  MatrixXd acceleration_new = A_.solve(rhs);
+  if (G.rows() > 0) {
+    MatrixXd schur = G * B;
+    const double mean = schur.trace() / static_cast<double>(schur.rows());
+    schur.diagonal().array() += 1e-12 * mean;
+    MatrixXd gap = G * acceleration_new;
+    if (h > 0.0) gap += G * predicted / to_acceleration;
+    dlambda_ = Eigen::PartialPivLU<MatrixXd>(schur).solve(gap);
+    acceleration_new.noalias() -= B * dlambda_;
+  } else {
+    dlambda_.resize(0, load.cols());
+  }
+  if (h > 0.0) {
+    delta_ = predicted + to_acceleration * acceleration_new;
+    rate_ = predicted_rate + to_rate * acceleration_new;
+    auxiliary_ = ((1.0 - alpha.f) * acceleration_new + alpha.f * acceleration_ - alpha.m * auxiliary_) /
+                 (1.0 - alpha.m);
+  } else {
+    auxiliary_ = acceleration_new;
+  }
+  acceleration_ = std::move(acceleration_new);
+}
+
+}  // namespace flexura::study

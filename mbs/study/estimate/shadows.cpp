@@ -1,0 +1,246 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mbs/study/estimate/shadows.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <tuple>
+
+#include "mbs/solver/integrators/known_times.hpp"
+
+namespace flexura::study {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+struct Shadows::Impl {
+  Impl(const mbs::PreparedMechanism& run, FullModel& full_model)
+      : full(full_model),
+        embedding(*run.mechanism, full_model),
+        asked(!run.file.outputs.empty()),
+        tolerance(run.options.tolerance),
+        families(full_model.mechanism(), length_of(run)),
+        every(rows_between(run)) {}
+
+  FullModel& full;
+  std::unique_ptr<FullModel> own;  // where the shadows made it themselves
+  Embedding embedding;
+  std::vector<std::size_t> sources;  // blocks with dropped deformations
+  std::unique_ptr<LinearCorrection> correction;
+  Transients transients;
+  std::unique_ptr<mbs::KnownTimes> known;  // while there are any
+  bool jumped = false;
+  std::vector<int> outputs;
+  std::vector<OutputEstimate> sums;
+  MatrixXd source_sums, last_source;  // outputs x sources: integral of the error squared
+  VectorXd square, square_size, last_square, last_size;
+  bool asked = false;  // the user named the outputs
+  double tolerance;
+  Families families;
+  bool joints_feel_nothing = false;
+  long every = 1, rows = 0, taken = 0;
+  double wall = 0.0, t = 0.0, span = 0.0;
+  double missed = 0.0, rows_apart = 0.0;
+
+  mbs::State s, moved;
+  VectorXd v_dot, r, y, y_moved;
+  HeldRows linearised{full};
+
+  MatrixXd loads() const;
+  bool jumps_before(double t);
+  void compare(double h);
+};
+
+// The residual, split by the body it acts on.
+MatrixXd Shadows::Impl::loads() const {
+  MatrixXd load = MatrixXd::Zero(r.size(), static_cast<Index>(sources.size()));
+  VectorXd rest = joints_feel_nothing ? VectorXd(-r) : VectorXd::Zero(r.size());
+  for (const ModalBlock& block : full.blocks()) rest.segment(block.v, block.m).setZero();
+  for (std::size_t k = 0; k < sources.size(); ++k) {
+    const ModalBlock& block = full.blocks()[sources[k]];
+    load.col(static_cast<Index>(k)).segment(block.v, block.m) = -r.segment(block.v, block.m);
+    // What the joints do not feel of one-way bodies cannot be told apart.
+    if (k == 0) load.col(0) += rest;
+  }
+  return load;
+}
+
+// Whether a load that is known beforehand jumps or has a kink between the last row and this one.
+bool Shadows::Impl::jumps_before(double now) {
+  bool any = false;
+  for (double at = t; known;) {
+    const mbs::KnownTimes::Stop stop = known->next(at);
+    if (!(stop.t < now)) break;
+    any = any || stop.is_event;
+    if (stop.is_event) known->pass(stop);
+    const double next = stop.is_event ? stop.after : stop.t;
+    if (!(next > at)) break;
+    at = next;
+  }
+  return any;
+}
+
+void Shadows::Impl::compare(double h) {
+  full.evaluate(outputs, s, v_dot, y);
+  const Index n = y.size(), n_sources = static_cast<Index>(sources.size());
+  VectorXd now_square(n), now_size(n);
+  MatrixXd now_source = MatrixXd::Zero(n, n_sources);
+  // Each source alone, then all together (which is the same where there is one).
+  for (Index k = n_sources > 1 ? 0 : n_sources; k <= n_sources; ++k) {
+    const bool all = k == n_sources;
+    const auto part = [&](const MatrixXd& columns) {
+      return all ? VectorXd(columns.rowwise().sum()) : VectorXd(columns.col(k));
+    };
+    full.move(s, part(correction->delta()), part(correction->rate()), part(correction->dlambda()), moved);
+    full.evaluate(outputs, moved, v_dot + part(correction->acceleration()), y_moved);
+    if (!all) now_source.col(k) = (y_moved - y).cwiseAbs2();
+  }
+  for (Index i = 0; i < n; ++i) {
+    OutputEstimate& sum = sums[static_cast<std::size_t>(i)];
+    const double error = std::abs(y_moved(i) - y(i));
+    sum.max = std::max(sum.max, error);
+    sum.size_max = std::max(sum.size_max, std::abs(y_moved(i)));
+    sum.final = error;
+    now_square(i) = error * error;
+    now_size(i) = y_moved(i) * y_moved(i);
+  }
+  if (n_sources == 1) now_source.col(0) = now_square;
+  if (h > 0.0) {
+    square += 0.5 * h * (now_square + last_square);
+    square_size += 0.5 * h * (now_size + last_size);
+    source_sums += 0.5 * h * (now_source + last_source);
+    span += h;
+  }
+  last_square = now_square;
+  last_size = now_size;
+  last_source = now_source;
+}
+
+Shadows::Shadows(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+Shadows::~Shadows() = default;
+
+std::unique_ptr<Shadows> Shadows::make(const mbs::PreparedMechanism& run, const std::filesystem::path& file,
+                                       const std::vector<std::string>& overrides) {
+  std::vector<std::string> stiffened;
+  for (const mbs::BodyDescription& body : run.mechanism->description().bodies)
+    if (!body.superelement.empty() && has_stiffening_terms(body)) stiffened.push_back(body.name);
+  std::unique_ptr<FullModel> full = FullModel::make(run, file, overrides, stiffened);
+  if (!full) return nullptr;
+  auto shadows = make(run, *full);
+  if (shadows) shadows->impl_->own = std::move(full);
+  return shadows;
+}
+
+std::unique_ptr<Shadows> Shadows::make(const mbs::PreparedMechanism& run, FullModel& full) {
+  auto impl = std::make_unique<Impl>(run, full);
+  Impl& in = *impl;
+  for (std::size_t i = 0; i < full.blocks().size(); ++i) {
+    in.joints_feel_nothing = in.joints_feel_nothing || in.embedding.one_way(i);
+    if (in.embedding.complete(i)) continue;
+    in.sources.push_back(i);
+    const auto& data = full.mechanism()
+                           .description()
+                           .bodies[static_cast<std::size_t>(full.blocks()[i].body)]
+                           .flexible->data();
+    in.transients.add(data.stiffness, data.damping);
+  }
+  if (in.sources.empty()) return nullptr;
+  in.outputs = judged_outputs(run, full.mechanism(), in.sums);
+  // A pulse is seen where two rows lie in it.
+  in.rows_apart = static_cast<double>(in.every) * run.options.output_step;
+  in.missed = mbs::KnownTimes::shortest(*run.mechanism, run.options, 2.0 * in.rows_apart);
+  const Index n_out = static_cast<Index>(in.outputs.size()),
+              n_sources = static_cast<Index>(in.sources.size());
+  in.square = in.square_size = in.last_square = in.last_size = VectorXd::Zero(n_out);
+  in.source_sums = in.last_source = MatrixXd::Zero(n_out, n_sources);
+  in.known = std::make_unique<mbs::KnownTimes>(*run.mechanism, run.options);
+  in.correction = std::make_unique<LinearCorrection>(full.mechanism().sizes().n_v, n_sources);
+  return std::unique_ptr<Shadows>(new Shadows(std::move(impl)));
+}
+
+bool Shadows::take(const mbs::State& s, const VectorXd& v_dot) {
+  Impl& in = *impl_;
+  if (in.rows++ % in.every != 0) return false;
+  const auto start = std::chrono::steady_clock::now();
+  const double h = in.taken > 0 ? s.t - in.t : 0.0;
+  if (in.taken > 0 && !(h > 0.0)) return false;
+  in.embedding.embed(s, v_dot, in.s, in.v_dot);
+  in.linearised.take(in.s, in.v_dot, h);
+  in.full.residual(in.s, in.v_dot, in.r);
+  in.jumped = in.taken > 0 && in.jumps_before(s.t);
+  if (in.jumped) in.transients.begin();
+  in.correction->step(h, *in.linearised.row(), in.linearised.G(), in.loads(), &in.transients, in.jumped);
+  in.compare(h);
+  in.families.take(in.s, in.v_dot);
+  in.t = s.t;
+  ++in.taken;
+  in.wall += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return true;
+}
+
+const std::vector<int>& Shadows::outputs() const {
+  return impl_->outputs;
+}
+const VectorXd& Shadows::squares() const {
+  return impl_->square;
+}
+const mbs::State& Shadows::embedded() const {
+  return impl_->s;
+}
+const VectorXd& Shadows::embedded_v_dot() const {
+  return impl_->v_dot;
+}
+const VectorXd& Shadows::residual() const {
+  return impl_->r;
+}
+bool Shadows::jumped() const {
+  return impl_->jumped;
+}
+const HeldRows& Shadows::linearised() const {
+  return impl_->linearised;
+}
+mbs::State Shadows::corrected(VectorXd& v_dot) const {
+  v_dot = impl_->v_dot + impl_->correction->acceleration().rowwise().sum();
+  mbs::State out;
+  impl_->full.move(impl_->s, impl_->correction->delta().rowwise().sum(),
+                   impl_->correction->rate().rowwise().sum(), impl_->correction->dlambda().rowwise().sum(),
+                   out);
+  return out;
+}
+const VectorXd& Shadows::corrected_outputs() const {
+  return impl_->y_moved;
+}
+
+TruncationEstimate Shadows::estimate() const {
+  const Impl& in = *impl_;
+  TruncationEstimate out;
+  out.wall = in.wall;
+  out.missed = in.missed;
+  out.rows_apart = in.missed > 0.0 ? in.rows_apart : 0.0;
+  out.outputs = in.sums;
+  const double span = std::max(in.span, 1e-300);
+  for (std::size_t i = 0; i < out.outputs.size(); ++i) {
+    OutputEstimate& o = out.outputs[i];
+    o.rms = std::sqrt(in.square(static_cast<Index>(i)) / span);
+    o.size_rms = std::sqrt(in.square_size(static_cast<Index>(i)) / span);
+  }
+  in.families.judge(out.outputs, in.asked, in.tolerance);
+  std::tie(out.error, out.worst) = worst_output(in.square, span, out.outputs);
+  for (std::size_t k = 0; k < in.sources.size(); ++k) {
+    const ModalBlock& block = in.full.blocks()[in.sources[k]];
+    SourceEstimate source;
+    source.body = block.name;
+    source.available = static_cast<int>(block.m);
+    source.kept = static_cast<int>(in.embedding.deformations(in.sources[k]).cols());
+    out.shadows += source.available - source.kept;
+    const auto [error, which] = worst_output(in.source_sums.col(static_cast<Index>(k)), span, out.outputs);
+    source.error = error;
+    if (which >= 0) source.output = out.outputs[static_cast<std::size_t>(which)].name;
+    out.by_body.push_back(std::move(source));
+  }
+  std::ranges::stable_sort(out.by_body, std::ranges::greater(), &SourceEstimate::error);
+  return out;
+}
+
+}  // namespace flexura::study

@@ -1,0 +1,91 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <Eigen/Core>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "mbs/solver/run/prepare.hpp"
+#include "mbs/study/estimate/held_rows.hpp"
+#include "mbs/study/estimate/judged_outputs.hpp"
+
+/// What a run loses by the deformations it leaves out, estimated while it runs: they follow as shadows,
+/// driven one-way by the loads of the run.
+///
+/// Beside the mechanism that runs stands the same one with every mode of every superelement
+/// (full_model.hpp).  The state of the run, put into it with the dropped deformations at rest, leaves a
+/// residual r in its momentum balance: the load that they would have felt (inertia of the large motion,
+/// reactions at the interfaces, gravity), of a one-way body also the load that its joints would have felt,
+/// and of a body without geometric stiffening whose superelement has its terms the loads of that.  The
+/// correction delta of all coordinates obeys, to first order,
+///
+///     M delta'' + D delta' + K delta + G^T dlambda = -r(t),      G delta = 0
+///
+/// with the derivatives of the full model about the run (linear_correction.hpp); where the run begins and where
+/// loads jump in time the vibrations that this starts are followed until they have died away.  r is split by the bodies it
+/// acts on; the equation is linear, so each body's share of the error is known.  It says little where the
+/// loss is of order one.
+///
+/// The error of an output y is y(p + delta, v + delta', v' + delta'', lambda + dlambda) - y(p, v, v',
+/// lambda), both in the full model.
+namespace flexura::study {
+
+struct SourceEstimate {
+  std::string body;
+  int available = 0;   ///< deformations of its superelement
+  int kept = 0;        ///< of them in the run
+  double error = 0.0;  ///< relative rms of the worst output, by this body alone
+  std::string output;  ///< that output
+};
+
+struct TruncationEstimate {
+  std::vector<OutputEstimate> outputs;
+  std::vector<SourceEstimate> by_body;  ///< the largest first
+  int shadows = 0;                      ///< dropped deformations that were followed
+  int worst = -1;      ///< the output of the largest relative rms error, -1 when there is none
+  double error = 0.0;  ///< that error
+  double wall = 0.0;   ///< [s] that the shadows took
+  /// Rows are so far apart [s] that they miss what forces do within `missed` [s]: the error is then unknown.
+  /// Both 0 where they miss nothing.
+  double missed = 0.0, rows_apart = 0.0;
+};
+
+class Shadows {
+ public:
+  /// Null where the run has every deformation of its superelements, damped, coupled and stiffened as the full
+  /// model, which takes all geometric stiffening that the superelements know.
+  static std::unique_ptr<Shadows> make(const mbs::PreparedMechanism& run, const std::filesystem::path& file,
+                                       const std::vector<std::string>& overrides);
+  /// The same with a full model that outlives it.
+  static std::unique_ptr<Shadows> make(const mbs::PreparedMechanism& run, FullModel& full);
+  ~Shadows();
+
+  /// The next row of the run.  Of long runs only every n-th row is taken, 400 to 800 in all: true where it
+  /// was.
+  bool take(const mbs::State& s, const Eigen::VectorXd& v_dot);
+
+  TruncationEstimate estimate() const;
+
+  /// The outputs that are compared: quantities of the full model.
+  const std::vector<int>& outputs() const;
+  /// At the last row taken: squared errors of the outputs, integrated until then.
+  const Eigen::VectorXd& squares() const;
+  /// At the last row taken: the run's state in the full model, and that state corrected.
+  const mbs::State& embedded() const;
+  const Eigen::VectorXd& embedded_v_dot() const;
+  /// There, in the full model: the momentum balance of that state (n_v), and its derivatives.
+  const Eigen::VectorXd& residual() const;
+  const HeldRows& linearised() const;
+  bool jumped() const;  ///< a load that is known beforehand has jumped since the row taken before
+  mbs::State corrected(Eigen::VectorXd& v_dot) const;
+  const Eigen::VectorXd& corrected_outputs() const;
+
+ private:
+  struct Impl;
+  explicit Shadows(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace flexura::study

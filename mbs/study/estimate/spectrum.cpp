@@ -1,0 +1,37 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mbs/study/estimate/spectrum.hpp"
+
+#include <cmath>
+#include <complex>
+#include <numbers>
+#include <unsupported/Eigen/FFT>
+#include <vector>
+
+namespace flexura::study {
+
+double reach(const Eigen::MatrixXd& y, double h, double share) {
+  const Eigen::Index n = y.rows();
+  if (n < 4 || !(h > 0.0)) return 0.0;
+  Eigen::VectorXd window(n);
+  for (Eigen::Index i = 0; i < n; ++i)
+    window(i) =
+        0.5 *
+        (1.0 - std::cos(2.0 * std::numbers::pi * (static_cast<double>(i) + 0.5) / static_cast<double>(n)));
+  Eigen::VectorXd power = Eigen::VectorXd::Zero(n / 2 + 1);
+  Eigen::FFT<double> fft;
+  for (Eigen::Index k = 0; k < y.cols(); ++k) {
+    const Eigen::VectorXd column = (y.col(k).array() - y.col(k).mean()) * window.array();
+    Eigen::VectorXcd line;
+    fft.fwd(line, column);
+    power += line.head(power.size()).cwiseAbs2();
+  }
+  const double whole = power.sum();
+  double sum = 0.0;
+  for (Eigen::Index i = 0; i < power.size(); ++i) {
+    sum += power(i);
+    if (sum >= share * whole) return static_cast<double>(i) / (static_cast<double>(n) * h);
+  }
+  return 0.5 / h;
+}
+
+}  // namespace flexura::study

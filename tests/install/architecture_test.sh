@@ -1,0 +1,23 @@
+#!/usr/bin/env bash
+# architecture_test.sh SOURCE COMPILER: does what docs/architecture.md says of a new force, to the letter, in a copy of the
+# few files it names, and compiles what it made.
+set -euo pipefail
+source=$1 compiler=$2
+work=$(mktemp -d); trap 'rm -rf "$work"' EXIT
+mkdir -p "$work/mbs/forces" "$work/mbs/file/elements"
+block() { awk -v n="$1" '/^```cpp$/ { ++k; next } /^```$/ { if (k == n) exit; next } k == n' "$source/docs/architecture.md"; }
+block 1 >"$work/mbs/forces/coulomb_charge.hpp"
+block 2 >"$work/entry.txt"
+grep -q 'class CoulombCharge' "$work/mbs/forces/coulomb_charge.hpp" && grep -q '^ForceType coulomb_charge' "$work/entry.txt" ||
+  { echo "docs/architecture.md does not hold the sample"; exit 1; }
+# The entry beside the others, its name in the list.
+awk -v entry="$work/entry.txt" '
+  /^}  \/\/ namespace$/ && !done { while ((getline line < entry) > 0) print line; print ""; done = 1 }
+  { print }' "$source/mbs/file/elements/forces.cpp" |
+  sed -e 's#^\#include "mbs/forces/bushing.hpp"#&\n\#include "mbs/forces/coulomb_charge.hpp"#' \
+      -e 's#= {spring_damper(), #= {spring_damper(), coulomb_charge(), #' >"$work/mbs/file/elements/forces.cpp"
+grep -q 'coulomb_charge(), ' "$work/mbs/file/elements/forces.cpp" || { echo "force_types() has no such list any more"; exit 1; }
+"$compiler" -std=c++20 -fsyntax-only -Wall -Wextra -I "$work" -I "$source" -isystem /usr/include/eigen3 "$work/mbs/file/elements/forces.cpp"
+# It may stand where it stands.
+cp -r "$source/CONTRIBUTING.md" "$work/"
+bash "$source/tests/setup/check_includes.sh" "$work"

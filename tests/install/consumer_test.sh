@@ -1,0 +1,16 @@
+#!/usr/bin/env bash
+# consumer_test.sh BUILD COMPILER: installs the library into a folder of its own, builds a project outside the tree
+# against it, runs its mechanism with its own force element.
+set -euo pipefail
+build=$1 compiler=$2
+here=$(cd "$(dirname "$0")" && pwd)
+work=$(mktemp -d); trap 'rm -rf "$work"' EXIT
+cmake --install "$build" --prefix "$work/usr" --component development >"$work/install.log" || { cat "$work/install.log"; exit 1; }
+cp -r "$here/consumer" "$work/consumer"
+cmake -S "$work/consumer" -B "$work/build" -DCMAKE_PREFIX_PATH="$work/usr" -DCMAKE_CXX_COMPILER="$compiler" -DCMAKE_BUILD_TYPE=Release >"$work/configure.log" ||
+  { cat "$work/configure.log"; exit 1; }
+cmake --build "$work/build" >"$work/build.log" || { cat "$work/build.log"; exit 1; }
+"$work/build/consumer"
+# Nothing in what was installed points back into the tree.
+if grep -rlF "$(cd "$here/../.." && pwd)" "$work/usr/lib" --include='*.cmake'; then echo "these name the source tree"; exit 1; fi
+if ldd "$work/build/consumer" | grep -E 'petsc|slepc|gmsh|libmpi'; then echo "the library brings heavy packages"; exit 1; fi
