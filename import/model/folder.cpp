@@ -1,6 +1,7 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include "import/model/folder.hpp"
 
+#include <Eigen/Geometry>
 #include <fmt/format.h>
 
 #include <set>
