@@ -27,6 +27,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 const std::string kMechanism = R"toml(
 [table.lift]
@@ -173,7 +174,8 @@ class EveryWriter : public Outputs, public ::testing::WithParamInterface<Writer>
     for (const auto& entry : fs::directory_iterator(folder_->path()))
       fs::copy(entry.path(), mine_ / entry.path().filename().string());
   }
-  Outcome write_to(const std::string& out) const {
+  Outcome write_to(const std::string& out) const { return run("flexura", words_for(out)); }
+  std::vector<std::string> words_for(const std::string& out) const {
     std::vector<std::string> words;
     for (const std::string& word : GetParam().words) {
       const std::string placed = word.starts_with("OUT") ? replaced(word, "OUT", out) : word;
@@ -182,7 +184,7 @@ class EveryWriter : public Outputs, public ::testing::WithParamInterface<Writer>
                           ? (mine_ / placed).string()
                           : placed);
     }
-    return run("flexura", words);
+    return words;
   }
   std::string out() const { return mine_ / GetParam().out; }
   /// The file that the command writes for this name.
@@ -249,6 +251,32 @@ TEST_P(EveryWriter, LeavesAFileThatAnotherProcessWrites) {
   for (const auto& [name, content] : contents(mine_.path())) {
     EXPECT_FALSE(name.ends_with(".part")) << name;
     EXPECT_FALSE(name.ends_with(".lock")) << name;
+  }
+}
+
+// Wherever the signal strikes: the old file, the whole new one, or the rows until then with a sentence.
+TEST_P(EveryWriter, EndsBySignalsWithoutAHalfFile) {
+  using Clock = std::chrono::steady_clock;
+  const auto begin = Clock::now();
+  ASSERT_EQ(write_to(out()).exit_code, 0);
+  const auto whole = Clock::now() - begin;
+  const fs::path file = written(out());
+  ASSERT_TRUE(fs::is_regular_file(file));
+  const auto files = contents(mine_.path());
+  int moment = 0;
+  for (const int signal : {SIGTERM, SIGHUP, SIGINT}) {
+    mine_.write(file.filename(), "kept");
+    Background program("flexura", words_for(out()));
+    std::this_thread::sleep_for(whole * ++moment / 4);
+    program.send(signal);
+    const Outcome outcome = program.wait();
+    const std::string now = read_text(file);
+    const bool is_partial = outcome.exit_code == 1 && outcome.err.find("until then") != std::string::npos;
+    EXPECT_TRUE(outcome.exit_code == 0 || is_partial ? now != "kept" : now == "kept")
+        << outcome.exit_code << ": " << outcome.err;
+    EXPECT_THAT(outcome.err, Not(HasSubstr("internal")));
+    for (const auto& [name, content] : contents(mine_.path()))
+      EXPECT_TRUE(files.contains(name)) << name << " is left behind";
   }
 }
 
