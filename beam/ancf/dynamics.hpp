@@ -9,8 +9,9 @@
 /// Arnold, O. Bruels, Multibody Syst. Dyn. 18 (2007) 185), second order in q, v and lambda, with fixed steps:
 ///
 ///     (1 - alpha_m) w_n+1 + alpha_m w_n = (1 - alpha_f) a_n+1 + alpha_f a_n
-///     q_n+1 = q_n + dt v_n + dt^2 ((1/2 - beta) w_n + beta w_n+1),  v_n+1 = v_n + dt ((1 - gamma) w_n +
-///     gamma w_n+1) alpha_m = (2 rho_inf - 1)/(rho_inf + 1),  alpha_f = rho_inf/(rho_inf + 1)
+///     q_n+1 = q_n + dt v_n + dt^2 ((1/2 - beta) w_n + beta w_n+1)
+///     v_n+1 = v_n + dt ((1 - gamma) w_n + gamma w_n+1)
+///     alpha_m = (2 rho_inf - 1)/(rho_inf + 1),  alpha_f = rho_inf/(rho_inf + 1)
 namespace flexura::beam::ancf {
 
 struct DynamicOptions {

@@ -15,8 +15,8 @@
 /// Frame: x along the axis, origin at node 1; section axes y and z as in beam/section.  xi = x - l/2.
 /// Statics and kinematics of the axis, with D_{M_y,V_z} = 1, D_{M_z,V_y} = -1 and all other entries zero:
 ///
-///     s' = D s - p            s(xi) = b(xi) s_m,  b = I + xi D          (s_m: resultants at mid-span, no
-///     load) d' = e - D^T d          d = (u, v, w, theta),  rigid transport R(xi) = I - xi D^T
+///     s' = D s - p            s(xi) = b(xi) s_m,  b = I + xi D        (s_m: resultants at mid-span, no load)
+///     d' = e - D^T d          d = (u, v, w, theta),  rigid transport R(xi) = I - xi D^T
 ///
 /// Flexibility and stiffness, H = [-R(l/2), R(-l/2)] takes the end displacements to the element's stretch:
 ///

@@ -22,9 +22,11 @@
 /// about O, and the product of inertia with the sign of an inertia tensor, **I_yz = -int y z dA**
 /// (SIMBEAM's):
 ///
-///     [N  ]     [ A    S_y   -S_z ] [eps    ]      V_y = G A_sy gamma_y,  V_z = G A_sz gamma_z of the shear
-///     centre, [M_y] = E [ S_y  I_y   I_yz ] [kappa_y]      T + V_y z_cs - V_z y_cs = G I_t kappa_x [M_z]
-///     [-S_z  I_yz  I_z  ] [kappa_z]
+///     [N  ]     [ A    S_y   -S_z ] [eps    ]
+///     [M_y] = E [ S_y  I_y   I_yz ] [kappa_y]
+///     [M_z]     [-S_z  I_yz  I_z  ] [kappa_z]
+///
+///     V_y = G A_sy gamma_y,   V_z = G A_sz gamma_z of the shear centre,   T + V_y z_cs - V_z y_cs = G I_t kappa_x
 namespace flexura::beam {
 
 using Vector6d = Eigen::Matrix<double, 6, 1>;

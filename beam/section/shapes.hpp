@@ -16,18 +16,15 @@
 /// thin walls.
 ///
 /// Shear areas A_s = kappa A, by choice of
-///   cowper      G. R. Cowper, The shear coefficient in Timoshenko's beam theory, J. Appl. Mech. 33 (1966)
-///   335-340.
-///               Circle, hollow circle, rectangle, thin-walled box, ellipse.
-///   hutchinson  J. R. Hutchinson, Shear coefficients for Timoshenko beam theory, J. Appl. Mech. 68 (2001)
-///   87-92, which
-///               agrees with N. G. Stephen, J. Appl. Mech. 47 (1980) 121-127.  Circle, hollow circle,
-///               rectangle, ellipse.
-///   zero_poisson   Saint-Venant's flexure without lateral contraction, where all definitions agree (Cowper
-///   at
-///               nu = 0): 5/6 for the rectangle, 6/7 for the circle; hollow ellipse by thin-wall shear flow.
-///               Every shape.
-///   rigid       no shear deformation: A_s infinite.
+///   cowper        G. R. Cowper, The shear coefficient in Timoshenko's beam theory, J. Appl. Mech. 33 (1966)
+///                 335-340.  Circle, hollow circle, rectangle, thin-walled box, ellipse.
+///   hutchinson    J. R. Hutchinson, Shear coefficients for Timoshenko beam theory, J. Appl. Mech. 68 (2001)
+///                 87-92, which agrees with N. G. Stephen, J. Appl. Mech. 47 (1980) 121-127.  Circle, hollow
+///                 circle, rectangle, ellipse.
+///   zero_poisson  Saint-Venant's flexure without lateral contraction, where all definitions agree (Cowper at
+///                 nu = 0): 5/6 for the rectangle, 6/7 for the circle; hollow ellipse by thin-wall shear flow.
+///                 Every shape.
+///   rigid         no shear deformation: A_s infinite.
 /// Without a choice: cowper, for the hollow ellipse zero_poisson.
 namespace flexura::beam {
 

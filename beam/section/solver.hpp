@@ -12,9 +12,10 @@
 ///
 /// The section's points move by its rigid motion and a warping g(x, y, z) in all three directions,
 ///
-///     strain = Phi e + B g + S g',   Phi e: the rigid section's strains, B and S: derivatives across and
-///     along E = int B^T Q B,  C = int B^T Q S,  M = int S^T Q S,  R = int B^T Q Phi,  L = int S^T Q Phi,  A
-///     = int Phi^T Q Phi
+///     strain = Phi e + B g + S g',   Phi e: the rigid section's strains, B and S: derivatives across and along
+///
+///     E = int B^T Q B,     C = int B^T Q S,     M = int S^T Q S,
+///     R = int B^T Q Phi,   L = int S^T Q Phi,   A = int Phi^T Q Phi
 ///
 /// Far from the ends resultants are s(x) = (1 + x D) s_0 (D as in beam/element), and e = (Y + x Y_1) s_0,
 /// g = (X + x X_1) s_0 solve, order by order in x,

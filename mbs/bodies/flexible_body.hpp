@@ -17,9 +17,9 @@
 /// Everything follows from the integrals over the undeformed body of products of x and Phi, brought from the
 /// superelement to the chosen basis (u_se = Y s).  With, for a, b in x, y, z,
 ///
-///     d = int rho dm                     B_ab,i(s) = int rho_a Phi_i,b dm = int x_a Phi_i,b + s_j Phi_j,a
-///     Phi_i,b dm J(s) = int |rho|^2 1 - rho rho^T dm
-///     P_ab = int rho_a (Phi s')_b dm = B_ab,i s'_i,          Q_ab = int rho_a (Phi s'')_b dm = B_ab,i s''_i
+///     d         = int rho dm,   J(s) = int |rho|^2 1 - rho rho^T dm
+///     B_ab,i(s) = int rho_a Phi_i,b dm = int x_a Phi_i,b + s_j Phi_j,a Phi_i,b dm
+///     P_ab      = int rho_a (Phi s')_b dm = B_ab,i s'_i,   Q_ab = int rho_a (Phi s'')_b dm = B_ab,i s''_i
 ///
 /// the virtual work of the inertia forces gives (a, alpha: acceleration of Bo and angular acceleration, in B)
 ///
@@ -34,8 +34,8 @@
 /// Geometric stiffening is the second-order displacement that deformation brings with it: a rod that bends
 /// gets shorter between its ends.  With rho = x + Phi s + u2, u2 quadratic in s,
 ///
-///     int u2_a dm = s^T K0t_a s / 2,   int x_a u2_b dm = s^T N_ab s / 2,   u2 at interface dof k = -s^T
-///     K0F_k s / 2
+///     int u2_a dm = s^T K0t_a s / 2,   int x_a u2_b dm = s^T N_ab s / 2,
+///     u2 at interface dof k = -s^T K0F_k s / 2
 ///
 /// (what the work of a unit load through u2 must be for the load's geometric stiffness to be K0; the nine N
 /// follow from K0r and K0omega, see modal_basis.hpp).  Put into the kinetic energy, to second order in s, it

@@ -58,8 +58,9 @@ struct ContactSurface {
 /// A sphere of radius r about Mo touches a surface fixed in F and lets go again (contact_law.hpp).
 ///
 ///     gap = distance(p_FoMo) - r,    N along the normal n at the point c = -r n from Mo
-///     friction: -mu N tanh(|v_t| / v_0) v_t / |v_t|,   v_t the sliding velocity of M's point there as seen
-///     from F
+///     friction: -mu N tanh(|v_t| / v_0) v_t / |v_t|
+///
+/// with v_t the sliding velocity of M's point there as seen from F.
 class Contact final : public ForceElement {
  public:
   struct Friction {

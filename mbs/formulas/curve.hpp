@@ -11,13 +11,13 @@
 /// Curves through tabulated points (x_i, y_i), x rising.
 ///
 ///     linear   straight between the points
-///     cubic    the natural spline, twice differentiable: what drives want (C. de Boor, A Practical Guide to
-///     Splines) akima    cubic pieces whose slopes follow the neighbouring points without overshoot, once
-///     differentiable
-///              (H. Akima, J. ACM 17 (1970) 589-602)
+///     cubic    the natural spline, twice differentiable: what drives want (C. de Boor, A Practical Guide
+///              to Splines)
+///     akima    cubic pieces whose slopes follow the neighbouring points without overshoot, once
+///              differentiable (H. Akima, J. ACM 17 (1970) 589-602)
 ///
-/// Outside the points a curve holds its end value, goes on with its end slope, or repeats with the period x_n
-/// - x_0.
+/// Outside the points a curve holds its end value, goes on with its end slope, or repeats with the period
+/// x_n - x_0.
 namespace flexura::mbs {
 
 class Curve {

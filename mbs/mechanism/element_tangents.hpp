@@ -15,8 +15,8 @@ namespace flexura::mbs {
 /// is, for a coordinate that turns these by phi_A, phi_X and moves the point by p_P - p_X more than the body
 /// does,
 ///
-///     ((phi_A - phi_X) x tau + (p_P - p_X) x f, (phi_A - phi_X) x f)  +  R_A times the change of its
-///     components
+///     ((phi_A - phi_X) x tau + (p_P - p_X) x f, (phi_A - phi_X) x f)
+///         + R_A times the change of its components
 class Mechanism::ElementDerivatives final : public Derivatives {
  public:
   ElementDerivatives(const Mechanism& mechanism, TangentScope scope, Work& work, TangentMatrices& out);

@@ -12,8 +12,8 @@
 ///
 /// and the modal force k of the body itself by
 ///
-///     (row k as for any inboard coordinate) + phi_k . G_l + sum_c eta_k . X_c,l + modal_s + (d map_k / ds_l)
-///     . f
+///     (row k as for any inboard coordinate)
+///         + phi_k . G_l + sum_c eta_k . X_c,l + modal_s + (d map_k / ds_l) . f
 ///
 /// with f all that acts on each node: what hangs there needs F_c, at the outer marker -F, less the loads.
 namespace flexura::mbs {

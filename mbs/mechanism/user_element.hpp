@@ -19,8 +19,9 @@
 ///     #include "mbs/mechanism/user_element.hpp"
 ///     class Magnet final : public flexura::mbs::ForceElement { ... };
 ///     FLEXURA_ELEMENTS(elements) {
-///       elements.forces["magnet"] = [](const flexura::mbs::UserArguments& a) { return
-///       std::make_shared<Magnet>(a); };
+///       elements.forces["magnet"] = [](const flexura::mbs::UserArguments& a) {
+///         return std::make_shared<Magnet>(a);
+///       };
 ///     }
 ///
 /// compiled by the compiler that built the program, with the project's root and Eigen on its path:

@@ -129,17 +129,16 @@ void write_report_page(const std::filesystem::path& html, const Report& report);
 /// The same structure as JSON, for programs and scripts that are not linked with this library
 /// (`flexura report FILE.json`):
 ///
-///     {"title", "summary", "created_by", "facts": [["name", "value"], ...], "sections": [{"title", "blocks":
-///     [
-///       {"text": "..."}, {"notice": "...", "tone": "good" | "warning" | "bad"}, {"facts": [[...]]},
-///       {"table": {"title", "note", "columns": ["name" | {"name", "unit", "digits"}], "rows": [[cell,
-///       ...]]}},
-///       {"code": {"title", "text"}},
-///       {"plot": {"title", "note", "x": axis, "y": axis, "curves": [{"name", "x", "y", "style",
-///       "labels"}]}}]}]}
+///     {"title", "summary", "created_by", "facts": [["name", "value"], ...],
+///      "sections": [{"title", "blocks": [
+///        {"text": "..."}, {"notice": "...", "tone": "good" | "warning" | "bad"}, {"facts": [[...]]},
+///        {"table": {"title", "note", "columns": ["name" | {"name", "unit", "digits"}],
+///                   "rows": [[cell, ...]]}},
+///        {"code": {"title", "text"}},
+///        {"plot": {"title", "note", "x": axis, "y": axis,
+///                  "curves": [{"name", "x", "y", "style", "labels"}]}}]}]}
 ///
-/// axis: {"name", "unit", "logarithmic"}; style: "line", "points", "line and points"; cell: text, number,
-/// null or
+/// axis: {"name", "unit", "logarithmic"}; style: "line", "points", "line and points"; cell: text, number, null or
 /// {"text" | "value", "tone"}.  Only title and sections must be there.  Throws std::invalid_argument, naming
 /// the place and what is expected there.
 Report report_from_json(const nlohmann::json& json);

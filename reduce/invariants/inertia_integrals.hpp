@@ -15,8 +15,8 @@
 ///
 ///     mass = 1^T m 1             S_x(a) = x_a^T m 1            S_xx(a, b) = x_a^T m x_b
 ///     S_phi(a, k) = 1^T m Phi_a,k                              S_xphi(3 a + b, k) = x_a^T m Phi_b,k
-///     S_phiphi(a, b)(k, l) = Phi_a,k^T m Phi_b,l               M_se = S_phiphi(xx) + S_phiphi(yy) +
-///     S_phiphi(zz)
+///     S_phiphi(a, b)(k, l) = Phi_a,k^T m Phi_b,l
+///     M_se = S_phiphi(xx) + S_phiphi(yy) + S_phiphi(zz)
 ///
 /// With lumped mass m is diagonal and the same products hold.  The standard input data (O. Wallrapp, Mech.
 /// Struct. Mach. 22 (1994), 283) follow: mdCM = S_x, Ct = S_phi^T, Cr from the antisymmetric part of S_xphi,

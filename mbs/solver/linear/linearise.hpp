@@ -16,10 +16,10 @@
 /// z are n_z = n_v - rank G coordinates out of the mechanism's own, chosen so that they determine the others
 /// best (independent.hpp); all names are given.  About an equilibrium
 ///
-///     A = [ 0  1 ]   K_z = N^T K N, M_z and D_z alike, with the derivatives of Equations::tangents(),
+///     A = [      0            1     ]
 ///         [ -M_z^-1 K_z  -M_z^-1 D_z ]
 ///
-/// exactly.  Else the columns of A come from central differences of the constrained motion itself: z and z' are
+/// exactly, with K_z = N^T K N, M_z and D_z alike, of the derivatives of Equations::tangents().  Else the columns of A come from central differences of the constrained motion itself: z and z' are
 /// moved, the other coordinates follow their constraints on position and velocity level, and the accelerations
 /// are those of index 1.  Errors are then those of the differences, about 1e-9 of A's scale.  About a motion (v != 0) the
 /// system is that of the perturbed motion in coordinates that move along; its coefficients are constant where

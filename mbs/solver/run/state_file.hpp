@@ -13,8 +13,8 @@
 ///     { "format": "flexura state", "version": 1, "mechanism": "...", "time": 0.25,
 ///       "positions":   { "shaft.angle": 0.61, ... },      "velocities": { "shaft.speed": 12.5, ... },
 ///       "dynamic":     { ... }, "algebraic": { ... },     "multipliers": { ... }, "switches": [ ... ],
-///       "continuation": { "method": "ida", "next_row": 26, "v_dot": [...], "energy": [...], "history": [...]
-///       } }
+///       "continuation": { "method": "ida", "next_row": 26, "v_dot": [...], "energy": [...],
+///                         "history": [...] } }
 ///
 /// All but the first two are optional: a file that names some states only is a state set, which changes these
 /// and leaves the others as they are.
