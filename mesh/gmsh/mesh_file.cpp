@@ -35,10 +35,10 @@ void inspect(const std::filesystem::path& path) {
 }  // namespace
 
 MeshFile read_mesh_file(const std::filesystem::path& path, const std::filesystem::path& worker,
-                        double time_limit_s) {
+                        double time_limit_s, MeshFileCells cells) {
   inspect(path);
   Job job;
-  job.task = "read";
+  job.task = cells == MeshFileCells::shells ? "read shells" : "read";
   job.path = std::filesystem::absolute(path).string();
   job.parent = getpid();
   Answer answer;
@@ -86,7 +86,7 @@ MeshFile read_mesh_file(const std::filesystem::path& path, const std::filesystem
     if (!std::all_of(from, from + block.nodes.size(), is_node)) throw incomplete();
     std::transform(from, from + block.nodes.size(), block.nodes.data(),
                    [](std::int64_t k) { return static_cast<Index>(k); });
-    mesh.solids.push_back(std::move(block));
+    (dimension_of(block.type) == 2 ? mesh.shells : mesh.solids).push_back(std::move(block));
   }
   for (const GroupRecord& group : answer.record.groups) {
     from = take(group.n);

@@ -22,8 +22,10 @@ struct TypeRow {
   std::vector<int> order;
 };
 
-const std::vector<TypeRow>& solid_types() {
+const std::vector<TypeRow>& cell_types() {
   static const std::vector<TypeRow> kRows = {
+      {2, CellType::tri3, {0, 1, 2}},
+      {3, CellType::quad4, {0, 1, 2, 3}},
       {4, CellType::tet4, {0, 1, 2, 3}},
       {5, CellType::hex8, {0, 1, 2, 3, 4, 5, 6, 7}},
       {6, CellType::wedge6, {0, 1, 2, 3, 4, 5}},
@@ -39,8 +41,9 @@ const std::vector<TypeRow>& solid_types() {
 
 }  // namespace
 
-void read_mesh(const std::string& path, ResultRecord& result, Arrays& arrays) {
+void read_mesh(const std::string& path, int dimension_wanted, ResultRecord& result, Arrays& arrays) {
   gmsh::open(path);
+  const bool shells = dimension_wanted == 2;
   std::vector<std::size_t> tags;
   std::vector<double> coordinates, parameters;
   gmsh::model::mesh::getNodes(tags, coordinates, parameters, -1, -1, false, false);
@@ -51,21 +54,27 @@ void read_mesh(const std::string& path, ResultRecord& result, Arrays& arrays) {
   std::vector<std::pair<std::vector<std::size_t>, std::vector<std::size_t>>> blocks;
   std::vector<int> types;
   gmsh::model::mesh::getElementTypes(types, 3, -1);
+  if (shells && !types.empty())
+    throw std::runtime_error("holds solid cells, where [shell] wants those of a sheet's middle surface alone: save these, or leave "
+                             "[shell] out");
+  if (shells) gmsh::model::mesh::getElementTypes(types, 2, -1);
   for (const int type : types) {
-    const auto row = std::find_if(solid_types().begin(), solid_types().end(),
+    const auto row = std::find_if(cell_types().begin(), cell_types().end(),
                                   [&](const TypeRow& r) { return r.gmsh == type; });
     std::vector<std::size_t> cells, nodes;
     gmsh::model::mesh::getElementsByType(type, cells, nodes, -1);
     if (cells.empty()) continue;
-    if (row == solid_types().end()) {
+    if (row == cell_types().end()) {
       std::string name;
       int dimension, order, n, n_primary;
       std::vector<double> local;
       gmsh::model::mesh::getElementProperties(type, name, dimension, order, n, local, n_primary);
       throw std::runtime_error(
           "holds " + std::to_string(cells.size()) + " cells of type \"" + name +
-          "\", which have no counterpart here; tetrahedra, hexahedra, wedges and pyramids of order 1 and "
-          "2 (15-node wedges, 13-node pyramids) do");
+          "\", which have no counterpart here; " +
+          (shells ? "triangles and quadrilaterals of three and four nodes do" :
+          "tetrahedra, hexahedra, wedges and pyramids of order 1 and "
+          "2 (15-node wedges, 13-node pyramids) do"));
     }
     for (const std::size_t node : nodes) index.emplace(node, 0);
     result.blocks.push_back({static_cast<int>(row->type), cells.size()});
@@ -76,7 +85,10 @@ void read_mesh(const std::string& path, ResultRecord& result, Arrays& arrays) {
         ordered[c * n + k] = nodes[c * n + static_cast<std::size_t>(row->order[k])];
     blocks.emplace_back(std::move(cells), std::move(ordered));
   }
-  if (blocks.empty()) throw std::runtime_error("holds no solid cells; save the volume elements too");
+  if (blocks.empty())
+    throw std::runtime_error(shells ? "holds no triangles or quadrilaterals"
+                                    : "holds no solid cells; save the volume elements too, or, where its surface cells are sheet "
+                                      "metal, give their thickness in a table [shell]");
 
   std::int64_t next = 0;
   for (auto& [tag, number] : index) {
@@ -90,7 +102,7 @@ void read_mesh(const std::string& path, ResultRecord& result, Arrays& arrays) {
                          coordinates.begin() + static_cast<std::ptrdiff_t>(3 * place + 3));
   }
   if (const std::size_t spare = at.size() - index.size(); spare > 0)
-    result.messages.push_back(std::to_string(spare) + " nodes belong to no solid cell and are left out");
+    result.messages.push_back(std::to_string(spare) + " nodes belong to no such cell and are left out");
   for (const auto& [cells, nodes] : blocks) {
     for (const std::size_t cell : cells) arrays.integers.push_back(static_cast<std::int64_t>(cell));
     for (const std::size_t node : nodes) arrays.integers.push_back(index.at(node));

@@ -7,7 +7,7 @@
 
 namespace flexura::mesh {
 
-/// Part of the child: opens a mesh file with gmsh and hands over its solid cells and physical groups.
-void read_mesh(const std::string& path, ResultRecord& result, Arrays& arrays);
+/// Part of the child: opens a mesh file with gmsh and hands over its cells (dimension 3: solids, 2: shells) and physical groups.
+void read_mesh(const std::string& path, int dimension_wanted, ResultRecord& result, Arrays& arrays);
 
 }  // namespace flexura::mesh

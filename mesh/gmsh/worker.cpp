@@ -29,9 +29,9 @@ void run(const Job& job, ResultRecord& result, Arrays& arrays) {
   // only.
   if (job.format == "step") gmsh::option::setString("Geometry.OCCTargetUnit", "MM");
   gmsh::option::setNumber("Geometry.OCCImportLabels", 1);
-  if (job.task == "read") {
+  if (job.task == "read" || job.task == "read shells") {
     say(0, "reading the mesh");
-    read_mesh(job.path, result, arrays);
+    read_mesh(job.path, job.task == "read" ? 3 : 2, result, arrays);
     return;
   }
   if (job.task == "curves") {

@@ -291,8 +291,8 @@ PartInput read_part(const std::filesystem::path& file, const std::vector<std::st
   if (in.has("shell")) {
     const Section shell = in.table("shell");
     part.sheet_thickness = shell.quantity("thickness");
-    if (part.format != PartFormat::cad)
-      throw InputError(shell.where() + ": is for CAD parts; shells of a mesh file or deck have their thickness there");
+    if (part.format != PartFormat::cad && part.format != PartFormat::gmsh)
+      throw InputError(shell.where() + ": is for CAD parts and .msh meshes; shells of a deck have their thickness there");
     if (meshing.has("order"))
       meshing.refuse("order", "is for solids; shells have three and four nodes", "leave the key out");
     if (in.flag("stiffening"))

@@ -35,7 +35,9 @@ mesh::ImportedModel read_foreign(const PartInput& input) {
     default:
       break;
   }
-  mesh::MeshFile file = mesh::read_mesh_file(path, input.cad.worker, input.cad.time_limit_s);
+  mesh::MeshFile file = mesh::read_mesh_file(path, input.cad.worker, input.cad.time_limit_s,
+                                             input.sheet_thickness > 0.0 ? mesh::MeshFileCells::shells
+                                                                         : mesh::MeshFileCells::solids);
   mesh::ImportedModel model;
   model.mesh = std::move(file.mesh);
   model.messages = std::move(file.messages);
@@ -189,6 +191,9 @@ PartMesh load_part_mesh(const PartInput& input, const mesh::Progress& progress) 
   mesh::ImportedModel model = read_foreign(input);
   mesh::scale_to_si(model, input.unit_length, input.unit_mass, 1.0);
   part.mesh = std::move(model.mesh);
+  if (input.sheet_thickness > 0.0)
+    for (mesh::CellBlock& block : part.mesh.shells)
+      block.thickness.assign(static_cast<std::size_t>(block.nodes.rows()), input.sheet_thickness);
   part.messages = std::move(model.messages);
   part.warnings = std::move(model.warnings);
   if (!input.finished.vectors.empty()) {

@@ -167,8 +167,8 @@ TableSchema shell_schema() {
   TableSchema s{
       .name = "shell",
       .doc =
-          "Sheet metal: the faces of a CAD file without solids are the middle surface of a sheet and meshed with shells of six "
-          "degrees of freedom a node (docs/shells.md). Faces that meet are joined. Interfaces are chosen as on solids; where no face "
+          "Sheet metal: the faces of a CAD file without solids, or the triangles and quadrilaterals of a .msh mesh, are the middle "
+          "surface of a sheet, of shells with six degrees of freedom a node (docs/shells.md). Faces that meet are joined. Interfaces are chosen as on solids; where no face "
           "fits, `by = \"plane\"` takes the free edges in the plane and `by = \"cylinder\"` with its radius the edge of a hole."};
   s.keys = {input::quantity("thickness", dim::length, "of the sheet, half of it on either side of the faces").required().above(0)};
   return s;
