@@ -75,6 +75,7 @@ nlohmann::json to_json(const Superelement& se, const superelement::ModeAnalysis&
             {"yz", J(1, 2)},
             {"zx", J(2, 0)}}},
           {"rigid_modes", modes.n_rigid},
+          {"mechanisms", modes.n_mechanisms},
           {"fixed_interface_frequencies_hz", frequencies},
           {"modal_damping", se.modal_damping},
           {"stiffening", se.stiffening.has_value()},
@@ -120,7 +121,9 @@ int check_superelement(const std::string& file, bool json, const terminal::Talk&
   facts.add_row({"inertia xx, yy, zz", vector_text(J.diagonal(), J.norm()) + " kg m^2"});
   facts.add_row({"inertia xy, yz, zx", vector_text({J(0, 1), J(1, 2), J(2, 0)}, J.norm()) + " kg m^2"});
   facts.add_row({"rigid modes", fmt::format("{}", modes.n_rigid)});
-  if (static_cast<int>(modes.modes.size()) > modes.n_rigid) {
+  if (modes.n_mechanisms > 0)
+    facts.add_row({"mechanisms", fmt::format("{}: motions within the body that nothing resists", modes.n_mechanisms)});
+  if (static_cast<int>(modes.modes.size()) > modes.n_rigid + modes.n_mechanisms) {
     facts.add_row({"first free frequency", number(modes.modes.back().frequency_hz, 6) + " Hz"});
   }
   if (se.n_q > 0) {

@@ -55,12 +55,12 @@ std::string table_text(const ModeAnalysis& analysis, int width, bool colour) {
   terminal::Table table(columns);
   int number = 0;
   for (const Mode& mode : analysis.modes) {
-    std::vector<std::string> row = {fmt::format("{}", ++number), mode.rigid ? "rigid" : "elastic",
-                                    mode.rigid ? "0" : terminal::number(mode.frequency_hz, 6)};
+    std::vector<std::string> row = {fmt::format("{}", ++number), superelement::kind_of(mode),
+                                    mode.omega2 == 0.0 ? "0" : terminal::number(mode.frequency_hz, 6)};
     for (int c = 0; c < 6; ++c) {
       row.push_back(percent(mode.effective_mass[c], c < 3 ? analysis.mass : analysis.inertia(c - 3, c - 3)));
     }
-    row.push_back(mode.rigid ? "" : fmt::format("{:.3g}", 100.0 * mode.damping));
+    row.push_back(mode.omega2 == 0.0 ? "" : fmt::format("{:.3g}", 100.0 * mode.damping));
     table.add_row(std::move(row));
   }
   return table.text(width, colour);
@@ -72,7 +72,7 @@ nlohmann::json to_json(const ModeAnalysis& analysis) {
   for (const Mode& mode : analysis.modes) {
     const auto& m = mode.effective_mass;
     modes.push_back({{"number", ++number},
-                     {"kind", mode.rigid ? "rigid" : "elastic"},
+                     {"kind", superelement::kind_of(mode)},
                      {"frequency_hz", mode.frequency_hz},
                      {"effective_mass_kg", {m[0], m[1], m[2]}},
                      {"effective_inertia_kg_m2", {m[3], m[4], m[5]}},
@@ -93,10 +93,10 @@ void write_page(const std::string& html, const std::string& file, const std::vec
     for (const Mode& mode : analysis.modes) {
       view::PageMode line{.set = set_name(analysis, se),
                           .number = ++number,
-                          .kind = mode.rigid ? "rigid" : "elastic",
+                          .kind = superelement::kind_of(mode),
                           .frequency_hz = mode.frequency_hz,
                           .damping = mode.damping,
-                          .can_strike = analysis.held.empty() && !mode.rigid};
+                          .can_strike = analysis.held.empty() && mode.omega2 > 0.0};
       for (std::size_t c = 0; c < 6; ++c) line.effective_mass[c] = mode.effective_mass[static_cast<int>(c)];
       page.columns.col(static_cast<Eigen::Index>(page.modes.size())) = mode.u_se;
       page.modes.push_back(line);

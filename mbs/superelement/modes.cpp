@@ -74,13 +74,33 @@ Eigen::MatrixXd free_rigid_motions(const Eigen::MatrixXd& R, const std::vector<i
 struct Elastic {
   Eigen::VectorXd omega2;
   Eigen::MatrixXd phi;  // in the free dofs, phi^T M phi = 1
+  Eigen::MatrixXd mechanisms = {};  // likewise
 };
+
+// Eigenvectors of K_c, whose diagonal was one, with eigenvalues that are round-off: of K_c itself and of the computation that
+// gave it (constraint modes by solves of some 1e-13).
+Eigen::MatrixXd without_strain(const Eigen::MatrixXd& K_c, const std::string& name) {
+  const auto n = K_c.rows();
+  const double nothing = 1000 * static_cast<double>(n) * epsilon;
+  // Most have none: no eigenvalue is much below the least pivot.
+  if (const Eigen::LLT<Eigen::MatrixXd> factor(K_c);
+      factor.info() == Eigen::Success && factor.matrixLLT().diagonal().cwiseAbs2().minCoeff() > 1000 * nothing)
+    return Eigen::MatrixXd(n, 0);
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(K_c);
+  const Eigen::VectorXd& values = solver.eigenvalues();
+  if (values(0) < -nothing)
+    throw std::invalid_argument(
+        fmt::format("superelement \"{}\": K_se is not positive definite beside its rigid motions; "
+                    "a piece of the body is loose or an interface is not tied to it; join them and reduce again",
+                    name));
+  return solver.eigenvectors().leftCols((values.array() <= nothing).count());
+}
 
 // Elastic modes in the complement {x : (M R)^T x = 0} of the rigid motions R.
 Elastic elastic_modes(const Eigen::MatrixXd& K, const Eigen::MatrixXd& M, const Eigen::MatrixXd& R,
                       const std::string& name) {
   const Eigen::Index n = K.rows(), n_r = R.cols();
-  if (n == n_r) return {Eigen::VectorXd(0), Eigen::MatrixXd(n, 0)};
+  if (n == n_r) return {Eigen::VectorXd(0), Eigen::MatrixXd(n, 0), Eigen::MatrixXd(n, 0)};
   // Dofs of different units are brought to comparable stiffness first.
   Eigen::VectorXd s(n);
   for (Eigen::Index i = 0; i < n; ++i) s[i] = K(i, i) > 0.0 ? 1.0 / std::sqrt(K(i, i)) : 1.0;
@@ -95,12 +115,23 @@ Elastic elastic_modes(const Eigen::MatrixXd& K, const Eigen::MatrixXd& M, const 
   }
   K_c = 0.5 * (K_c + K_c.transpose()).eval();
   M_c = 0.5 * (M_c + M_c.transpose()).eval();
-  const Eigen::LLT<Eigen::MatrixXd> factor(K_c);
-  if (factor.info() != Eigen::Success) {
-    throw std::invalid_argument(fmt::format(
-        "superelement \"{}\": K_se is not positive definite beside its rigid motions; "
-        "a piece of the body is loose or an interface is not tied to it; join them and reduce again",
-        name));
+  if (const Eigen::MatrixXd N = without_strain(K_c, name); N.cols() > 0) {
+    const Eigen::MatrixXd mass = N.transpose() * M_c * N;
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> own(mass);
+    if (!(own.eigenvalues()(0) > static_cast<double>(n) * epsilon * M_c.cwiseAbs().maxCoeff()))
+      throw std::invalid_argument(
+          fmt::format("superelement \"{}\": a motion of its interfaces has neither stiffness nor mass (a rotation behind a pin flag?); "
+                      "leave it out of the interface's directions and reduce again",
+                      name));
+    const Eigen::MatrixXd x = N * own.operatorInverseSqrt();
+    const Eigen::MatrixXd mechanisms = s.asDiagonal() * (n_r > 0 ? Eigen::MatrixXd(Z * x) : x);
+    Eigen::MatrixXd all(n, n_r + mechanisms.cols());
+    all << R, mechanisms;
+    Elastic rest = elastic_modes(K, M, all, name);
+    Eigen::MatrixXd joined(n, mechanisms.cols() + rest.mechanisms.cols());
+    joined << mechanisms, rest.mechanisms;
+    rest.mechanisms = std::move(joined);
+    return rest;
   }
   const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> solver(M_c, K_c);
   if (solver.info() != Eigen::Success) {
@@ -109,6 +140,7 @@ Elastic elastic_modes(const Eigen::MatrixXd& K, const Eigen::MatrixXd& M, const 
   }
   const Eigen::VectorXd& mu = solver.eigenvalues();  // ascending, so frequencies descend
   Elastic result;
+  result.mechanisms.resize(n, 0);
   Eigen::Index n_modes = 0;  // massless motions have mu = 0 to round-off and no frequency
   while (n_modes < mu.size() &&
          mu[mu.size() - 1 - n_modes] > static_cast<double>(n) * epsilon * mu[mu.size() - 1])
@@ -141,6 +173,10 @@ Eigen::MatrixXd mass_orthonormal(const Eigen::MatrixXd& R, const Eigen::MatrixXd
 
 }  // namespace
 
+const char* kind_of(const Mode& mode) {
+  return mode.rigid ? "rigid" : mode.mechanism ? "mechanism" : "elastic";
+}
+
 std::vector<std::string> interface_names(const Superelement& se) {
   std::vector<std::string> names;
   for (const Interface& interface : se.interfaces) names.push_back(interface.name);
@@ -171,21 +207,25 @@ ModeAnalysis natural_modes(const Superelement& se, const std::vector<std::string
   analysis.n_rigid = static_cast<int>(R_free.cols());
 
   const Eigen::MatrixXd M_R = se.M_se * R;
-  const auto add = [&](const Eigen::VectorXd& phi, double omega2, bool rigid) {
+  const auto add = [&](const Eigen::VectorXd& phi, double omega2, bool rigid, bool mechanism = false) {
     Mode mode;
     mode.rigid = rigid;
+    mode.mechanism = mechanism;
     mode.omega2 = omega2;
     mode.frequency_hz = std::sqrt(omega2) / (2 * pi);
     mode.u_se = Eigen::VectorXd::Zero(se.n());
     mode.u_se(dofs) = phi;
     mode.effective_mass = (M_R.transpose() * mode.u_se).cwiseAbs2();
-    mode.damping = rigid ? 0.0 : se.modal_damping;
-    if (!rigid && se.D_se.size() > 0) {
+    const bool strains = !rigid && !mechanism;
+    mode.damping = strains ? se.modal_damping : 0.0;
+    if (strains && se.D_se.size() > 0) {
       mode.damping += mode.u_se.dot(se.D_se * mode.u_se) / (2 * std::sqrt(omega2));
     }
     analysis.modes.push_back(std::move(mode));
   };
   for (Eigen::Index j = 0; j < R_free.cols(); ++j) add(R_free.col(j), 0.0, true);
+  analysis.n_mechanisms = static_cast<int>(elastic.mechanisms.cols());
+  for (Eigen::Index j = 0; j < elastic.mechanisms.cols(); ++j) add(elastic.mechanisms.col(j), 0.0, false, true);
   Eigen::Index n_wanted = elastic.omega2.size();
   if (n_elastic >= 0) n_wanted = std::min<Eigen::Index>(n_wanted, n_elastic);
   for (Eigen::Index j = 0; j < n_wanted; ++j) add(elastic.phi.col(j), elastic.omega2[j], false);

@@ -15,6 +15,10 @@
 /// with a Cholesky factor of K: exact count of rigid modes, no threshold on frequencies, massless dofs
 /// allowed.
 ///
+/// A body that hinges within itself has more motions without strain.  They are the eigenvectors of K in that complement whose
+/// eigenvalues, with K scaled to a unit diagonal, are round-off (1000 n epsilon): mechanisms, which come between the rigid and
+/// the elastic modes with omega = 0.
+///
 /// Effective mass of a mode for the rigid motion r_c of the body,
 ///
 ///     m_eff,c = (phi^T M_se r_c)^2 / (phi^T M_se phi),
@@ -27,7 +31,8 @@ namespace flexura::superelement {
 
 struct Mode {
   bool rigid = false;
-  double omega2 = 0.0;  ///< [rad^2/s^2]; 0 for a rigid mode
+  bool mechanism = false;  ///< strains nothing, and is no motion of the whole body
+  double omega2 = 0.0;     ///< [rad^2/s^2]; 0 for a rigid mode and a mechanism
   double frequency_hz = 0.0;
   double damping = 0.0;  ///< ratio to critical: modal_damping + phi^T D_se phi / (2 omega)
   Eigen::Matrix<double, 6, 1> effective_mass;  ///< [kg] along x, y, z, [kg m^2] about x, y, z
@@ -36,8 +41,8 @@ struct Mode {
 
 struct ModeAnalysis {
   std::vector<std::string> held;  ///< names of the interfaces held
-  std::vector<Mode> modes;        ///< rigid ones first, then by frequency
-  int n_rigid = 0;
+  std::vector<Mode> modes;        ///< rigid ones first, then mechanisms, then by frequency
+  int n_rigid = 0, n_mechanisms = 0;
   Eigen::Vector3d mass_centre = Eigen::Vector3d::Zero();  ///< in B [m]
   double mass = 0.0;                                      ///< [kg]
   Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();      ///< about the mass centre [kg m^2]
@@ -45,9 +50,11 @@ struct ModeAnalysis {
 
 /// Modes with the named interfaces held (none: the free body), at most n_elastic elastic ones (negative:
 /// all). Needs the matrices and the inertia integrals.  Throws std::invalid_argument for an unknown
-/// interface, and when K_se is not positive definite beside the rigid motions (a loose piece, an interface
-/// that tears).
+/// interface, when K_se has negative eigenvalues, and when a motion has neither stiffness nor mass.
 ModeAnalysis natural_modes(const Superelement& se, const std::vector<std::string>& held, int n_elastic = -1);
+
+/// "rigid", "mechanism", "elastic".
+const char* kind_of(const Mode& mode);
 
 /// The names of all interfaces: what natural_modes() holds for fixed-interface modes.
 std::vector<std::string> interface_names(const Superelement& se);
