@@ -2,9 +2,11 @@
 #include "reduce/assembly/whole_body.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <stdexcept>
 
 #include "reduce/assembly/rigid_motion.hpp"
+#include "reduce/assembly/tied_model.hpp"
 #include "reduce/elements/element.hpp"
 #include "reduce/elements/shell.hpp"
 
@@ -46,6 +48,19 @@ std::vector<double> nodal_volumes(const Part& part) {
   return volume;
 }
 
+// Whether the nodes' displacements tell all six rigid motions.
+bool spans_turns(const mesh::Mesh& mesh, const InterfaceSpec& body) {
+  if (body.set.nodes.size() < 3) return false;
+  Eigen::Matrix<double, Eigen::Dynamic, 6> H(3 * static_cast<Index>(body.set.nodes.size()), 6);
+  double reach = 0.0;
+  for (std::size_t a = 0; a < body.set.nodes.size(); ++a) {
+    const Eigen::Vector3d x = mesh.points.row(body.set.nodes[a]);
+    H.middleRows<3>(3 * static_cast<Index>(a)) = motion_at(x);
+    reach = std::max(reach, (x - body.point).norm());
+  }
+  return free_motions(H, body.point, std::max(reach, 1e-300)).cols() == 0;
+}
+
 }  // namespace
 
 int free_rigid_motions(const Part& part) {
@@ -85,10 +100,23 @@ std::string hold_whole_body(Part& part) {
     body.point += volume[node] * part.mesh.points.row(node).transpose();
     whole += volume[node];
   }
-  if (body.set.nodes.size() < 3)
-    throw std::invalid_argument(
-        "the interfaces leave the body free to move and have all its nodes but two: retain more directions");
-  body.point /= whole;
+  if (whole > 0.0) body.point /= whole;
+  if (!spans_turns(part.mesh, body)) {
+    // Nodes on a line do not say how the body turns about it; one that has rotations of its own does.
+    const std::vector<char> turns = nodes_with_rotations(part);
+    const auto nearest = std::ranges::min_element(body.set.nodes, {}, [&](mesh::Index node) {
+      return turns[node] ? (part.mesh.points.row(node).transpose() - body.point).norm()
+                         : std::numeric_limits<double>::infinity();
+    });
+    if (nearest == body.set.nodes.end() || !turns[*nearest])
+      throw std::invalid_argument(
+          "the interfaces leave the body free to move, and its other nodes lie on a line without rotations of their own: retain "
+          "more directions");
+    body.tie = Tie::rigid;
+    body.point = part.mesh.points.row(*nearest).transpose();
+    body.set.nodes = {*nearest};
+    body.weights.clear();
+  }
   part.interfaces.push_back(std::move(body));
   return name;
 }
