@@ -8,6 +8,7 @@
 
 #include "mesh/import/abaqus_keywords.hpp"
 #include "mesh/import/abaqus_placer.hpp"
+#include "mesh/import/abaqus_types.hpp"
 #include "mesh/model/cell.hpp"
 
 namespace flexura::mesh::abaqus {
@@ -65,6 +66,7 @@ ImportedModel Placer::build(const std::filesystem::path& path) {
                                           what.first == 1 ? "" : "s", type, what.second));
   for (const std::string& message : deck_.unused.messages("keyword")) model_.messages.push_back(message);
   for (const std::string& message : deck_.left_out.messages("element")) model_.warnings.push_back(message);
+  for (const std::string& message : deck_.otherwise.remarks()) model_.warnings.push_back(message);
   for (const std::string& message : deck_.unbound.messages("keyword"))
     model_.warnings.push_back(message + ": what it binds stays apart");
   builder_.finish(model_);
@@ -158,14 +160,20 @@ void Placer::place_other(const OtherElement& element, int scope) {
     throw std::invalid_argument(fmt::format("{}: element {} is given twice; element numbers must be unique",
                                             element.where.text(), element.label));
   if (element.type[0] == 'B' || element.type[0] == 'T') {
-    ImportedBar bar;
-    bar.label = element.label;
-    bar.nodes = {nodes[0], nodes[1]};
-    if (element.type[0] == 'B' && nodes.size() > 2)  // it gives n1 instead of the section
-      bar.orientation = builder_.place(nodes[2]) - builder_.place(nodes[0]);
-    bar_of_[key] = {model_.bars.size(), element.type};
-    model_.bars.push_back(bar);
-  } else if (element.type == "SPRINGA") {
+    const std::size_t own = other_elements().at(element.type);
+    for (std::size_t k = 0; k + 1 < own; ++k) {
+      ImportedBar bar;
+      bar.label = element.label;
+      bar.nodes = {nodes[k], nodes[k + 1]};
+      if (element.type[0] == 'B' && nodes.size() > own)  // it gives n1 instead of the section
+        bar.orientation = builder_.place(nodes[own]) - builder_.place(nodes[0]);
+      bar_of_.emplace(key, std::pair{model_.bars.size(), element.type});
+      model_.bars.push_back(bar);
+    }
+  } else if (element.type == "SPRING1") {
+    deck_.unused.add("SPRING1: to the ground (a superelement is a free body)", element.where);
+  } else if (element.type.rfind("SPRING", 0) == 0) {
+    if (element.type == "SPRINGA") along_.insert(model_.springs.size());
     spring_of_[key] = model_.springs.size();
     model_.springs.push_back({.label = element.label, .nodes = {nodes[0], nodes[1]}});
   } else {
@@ -187,9 +195,11 @@ std::vector<Index> Placer::nodes_of_elements(const std::vector<Label>& labels) {
     if (const auto found = cell_of_.find(label); found != cell_of_.end()) {
       const auto& cell = builder_.cells()[found->second].nodes;
       nodes.insert(nodes.end(), cell.begin(), cell.end());
-    } else if (const auto bar = bar_of_.find(label); bar != bar_of_.end()) {
-      const auto& ends = model_.bars[bar->second.first].nodes;
-      nodes.insert(nodes.end(), ends.begin(), ends.end());
+    } else {
+      for (auto [bar, end] = bar_of_.equal_range(label); bar != end; ++bar) {
+        const auto& ends = model_.bars[bar->second.first].nodes;
+        nodes.insert(nodes.end(), ends.begin(), ends.end());
+      }
     }
   std::erase(nodes, -1);
   return nodes;

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
+#include <numbers>
 #include <stdexcept>
 
 #include "mesh/import/abaqus_deck.hpp"
@@ -38,6 +39,32 @@ Transform transform_of(const Keyword& k) {
     throw std::invalid_argument(k.where.text() + ": *TRANSFORM wants TYPE=R, C or S and six numbers");
   Transform to = axes_of(v, type[0], k.where);
   to.set = upper(k.get("NSET"));
+  return to;
+}
+
+Orientation orientation_of(const Keyword& k) {
+  Orientation to{.where = k.where};
+  const std::string system = upper(k.has("SYSTEM") ? k.get("SYSTEM") : "RECTANGULAR"),
+                    definition = upper(k.has("DEFINITION") ? k.get("DEFINITION") : "COORDINATES");
+  std::vector<double> v = numbers_of(k, 0);
+  if (system.rfind("R", 0) != 0 || definition != "COORDINATES") {
+    to.not_read = system.rfind("R", 0) != 0 ? "SYSTEM=" + system : "DEFINITION=" + definition;
+    return to;
+  }
+  if (v.size() < 6) {
+    to.not_read = fmt::format("{} numbers instead of six", v.size());
+    return to;
+  }
+  v.resize(9, 0.0);  // a, b and the origin
+  for (std::size_t d = 0; d < 3; ++d) v[d] -= v[6 + d], v[3 + d] -= v[6 + d];
+  to.R = axes_of(v, 'R', k.where).R;
+  // One more turn, about one of the axes, in degrees.
+  if (const std::vector<double> turn = numbers_of(k, 1); turn.size() > 1 && turn[1] != 0) {
+    const auto axis = static_cast<int>(turn[0]);
+    if (axis < 1 || axis > 3)
+      throw std::invalid_argument(fmt::format("{}: *ORIENTATION turns about axis {:g}; 1 to 3 are known", k.where.text(), turn[0]));
+    to.R = (Eigen::AngleAxisd(turn[1] * std::numbers::pi / 180, to.R.col(axis - 1)).toRotationMatrix() * to.R).eval();
+  }
   return to;
 }
 

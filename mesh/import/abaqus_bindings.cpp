@@ -13,7 +13,7 @@ void take_coupling(const Keyword& k, Deck& deck) {
   TieKeyword tie{.what = k.name, .reference = k.get("REF NODE"), .where = k.where};
   if (k.name == "COUPLING") {
     tie.set = upper(k.get("SURFACE"));
-    if (k.has("ORIENTATION")) deck.unused.add("*COUPLING's ORIENTATION", k.where);
+    tie.orientation = upper(k.get("ORIENTATION"));
   } else {
     for (const char* word : {"TIE NSET", "PIN NSET", "ELSET"})
       if (k.has(word)) {
@@ -59,6 +59,7 @@ void take_mpc(const Keyword& k, Deck& deck) {
     }
     TieKeyword tie{.what = "MPC", .reference = line.fields[2], .set = line.fields[1], .where = line.where};
     if (type == "PIN") tie.dofs = {true, true, true, false, false, false};
+    if (type != "BEAM") tie.joins_places = type;
     deck.ties.push_back(std::move(tie));
   }
 }
@@ -68,9 +69,10 @@ void take_surface_tie(const Keyword& k, Deck& deck) {
   if (!(tolerance >= 0))
     throw std::invalid_argument(fmt::format("{}: *TIE has the POSITION TOLERANCE {:g}; it must be at least 0",
                                             k.where.text(), tolerance));
+  const bool adjust = upper(k.get("ADJUST")) != "NO";
   for (const DataLine& line : k.data)
     if (line.fields.size() > 1)
-      deck.surface_ties.push_back({upper(line.fields[0]), upper(line.fields[1]), tolerance, line.where});
+      deck.surface_ties.push_back({upper(line.fields[0]), upper(line.fields[1]), tolerance, line.where, adjust});
 }
 
 void take_equations(const Keyword& k, Deck& deck) {

@@ -64,7 +64,7 @@ class Reader {
     else if (k.name == "SOLID SECTION") {
       Section section{known(k.get("ELSET")), known(k.get("MATERIAL")), k.where};
       if (const std::vector<double> area = numbers_of(k, 0); !area.empty()) section.area = area[0];
-      section.oriented = k.has("ORIENTATION");
+      section.orientation = upper(k.get("ORIENTATION"));
       if (k.has("COMPOSITE"))
         throw std::invalid_argument(k.where.text() + ": *SOLID SECTION, COMPOSITE is not read");
       here().sections.push_back(section);
@@ -73,12 +73,17 @@ class Reader {
     else if (k.name == "BEAM SECTION" || k.name == "BEAM GENERAL SECTION")
       take_beam_section(k);
     else if (k.name == "MASS" || k.name == "ROTARY INERTIA" || k.name == "SPRING") {
-      std::vector<double> values = numbers_of(k, k.name == "SPRING" && k.data.size() > 1 ? 1 : 0);
-      here().data.push_back({k.name, known(k.get("ELSET")), std::move(values), k.where});
+      const bool two = k.name == "SPRING" && k.data.size() > 1;
+      here().data.push_back({.kind = k.name, .set = known(k.get("ELSET")), .values = numbers_of(k, two ? 1 : 0), .where = k.where,
+                             .orientation = upper(k.get("ORIENTATION")), .dofs = two ? numbers_of(k, 0) : std::vector<double>()});
     } else if (take_binding(k, deck_)) {
       // said in the deck
     } else if (k.name == "SURFACE")
       take_surface(k);
+    else if (k.name == "ORIENTATION")
+      deck_.orientations[part_name() + upper(k.get("NAME"))] = orientation_of(k);
+    else if (const std::string what = changes_the_body(k.name); !what.empty())
+      deck_.otherwise.add("*" + k.name + ": " + what, k.where);
     else if (k.name == "TRANSFORM")
       deck_.transforms.push_back(transform_of(k));
     else if (k.name == "SYSTEM")
@@ -131,6 +136,26 @@ class Reader {
     instance_ = deck_.instances.back().get();
   }
 
+  /// Before names of what belongs to a part.
+  std::string part_name() const { return part_ > 0 ? deck_.parts[static_cast<std::size_t>(part_)].name + "." : ""; }
+
+  /// Keywords that are not read and without which the body is another one: what they do.
+  static std::string changes_the_body(const std::string& name) {
+    static const std::map<std::string, std::string> kWhat = {
+        {"NODAL THICKNESS", "the sections' thicknesses are used"},
+        {"NONSTRUCTURAL MASS", "the mass that it adds is missing"},
+        {"BEAM ADDED INERTIA", "the mass that it adds is missing"},
+        {"ADDED MASS", "the mass that it adds is missing"},
+        {"TRANSVERSE SHEAR STIFFNESS", "shear deformation is that of the section and its material"},
+        {"TRANSVERSE SHEAR", "shear deformation is that of the section and its material"},
+        {"CENTROID", "the beams' centroids are taken at their nodes"},
+        {"SHEAR CENTER", "the beams' shear centres are taken at their nodes"},
+        {"MATRIX ASSEMBLE", "the stiffness or mass that it adds is missing"},
+        {"DISTRIBUTION", "what it distributes is taken as uniform"}};
+    const auto found = kWhat.find(name);
+    return found == kWhat.end() ? "" : found->second;
+  }
+
   static bool makes_mesh(const std::string& name) {
     static const std::set<std::string> kNames = {"NGEN",  "NCOPY",  "NFILL",     "NMAP",
                                                  "ELGEN", "ELCOPY", "ASSEMBLED", "SUBSTRUCTURE PROPERTY"};
@@ -163,7 +188,12 @@ class Reader {
       return;
     }
     if (!solid) {
-      for (const DataLine& line : k.data) deck_.left_out.add(k.get("TYPE"), line.where);
+      for (const DataLine& line : k.data) {
+        deck_.left_out.add(k.get("TYPE"), line.where);
+        // Sections and masses can name the set all the same.
+        if (k.has("ELSET") && !line.fields.empty() && as_integer(line.fields[0]))
+          here().element_sets[known(k.get("ELSET"))].push_back(*as_integer(line.fields[0]));
+      }
       return;
     }
     Part& part = here();
@@ -190,15 +220,20 @@ class Reader {
 
   void take_others(const Keyword& k, std::size_t n) {
     Part& part = here();
+    if (n == 3) {
+      auto& [count, effect] = deck_.replaced[upper(k.get("TYPE"))];
+      count += k.data.size();
+      effect = "each taken as two straight ones between its nodes";
+    }
     for (const DataLine& line : k.data) {
       if (line.fields.empty()) continue;
       OtherElement element{upper(k.get("TYPE")), to_integer(line.fields[0], line.where), {}, line.where};
-      // A third node of a beam gives its direction 1.
+      // One more node of a beam gives its direction 1.
       if (line.fields.size() < n + 1)
         throw std::invalid_argument(fmt::format("{}: element {} of type {} has {} nodes instead of {}",
                                                 line.where.text(), element.label, element.type,
                                                 line.fields.size() - 1, n));
-      for (std::size_t i = 1; i < line.fields.size() && i <= n + (n == 2 ? 1 : 0); ++i)
+      for (std::size_t i = 1; i < line.fields.size() && i <= n + (element.type[0] == 'B' ? 1 : 0); ++i)
         if (!line.fields[i].empty()) element.nodes.push_back(to_integer(line.fields[i], line.where));
       if (k.has("ELSET")) part.element_sets[known(k.get("ELSET"))].push_back(element.label);
       part.others.push_back(std::move(element));
@@ -244,8 +279,7 @@ class Reader {
     if (k.has("COMBINE") || k.has("CROP"))
       throw std::invalid_argument(k.where.text() +
                                   ": *SURFACE that combines or crops others is not read; list its elements");
-    const std::string part = part_ > 0 ? deck_.parts[static_cast<std::size_t>(part_)].name + "." : "";
-    deck_.surfaces[part + upper(k.get("NAME"))] = std::move(surface);
+    deck_.surfaces[part_name() + upper(k.get("NAME"))] = std::move(surface);
   }
 
   void take_set(const Keyword& k) {
@@ -314,9 +348,10 @@ class Reader {
       const double fraction = offset == "SPOS" ? 0.5 : offset == "SNEG" ? -0.5 : to_real(offset, k.where);
       section.offset = -fraction * section.thickness;
     }
-    section.oriented = k.has("ORIENTATION");  // no matter where the material has no directions
-    for (const char* word : {"NODAL THICKNESS", "SHELL THICKNESS", "STACK DIRECTION"})
-      if (k.has(word)) deck_.unused.add("*" + k.name + "'s " + word, k.where);
+    section.orientation = upper(k.get("ORIENTATION"));  // no matter where the material has no directions
+    for (const char* word : {"NODAL THICKNESS", "SHELL THICKNESS"})
+      if (k.has(word)) deck_.otherwise.add(fmt::format("*{}'s {}: the section's thickness is used", k.name, word), k.where);
+    if (k.has("STACK DIRECTION")) deck_.unused.add("*" + k.name + "'s STACK DIRECTION", k.where);
     here().sections.push_back(section);
   }
 

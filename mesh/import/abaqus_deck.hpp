@@ -35,11 +35,12 @@ struct Section {
   Where where;
   double thickness = 0, offset = 0;  // of shells
   double area = 0;                   // of trusses
-  bool oriented = false;             // has an ORIENTATION
+  std::string orientation = {};      // of solids
   std::optional<BarSection> bar = {};
   Eigen::Vector3d n1 = -Eigen::Vector3d::UnitZ();  // of beams: their direction 1
 };
-/// Elements that are no cells: beams, trusses, point masses, springs.
+/// Elements that are no cells: beams, trusses, point masses, springs; of three nodes the first, the middle, the last, and
+/// then the node that gives the direction 1.
 struct OtherElement {
   std::string type;
   std::int64_t label;
@@ -51,6 +52,14 @@ struct ElementData {
   std::string kind, set;
   std::vector<double> values;
   Where where;
+  std::string orientation = {};
+  std::vector<double> dofs = {};  ///< *SPRING of SPRING2
+};
+/// *ORIENTATION: rectangular axes, or why they are not read.
+struct Orientation {
+  Eigen::Matrix3d R = Eigen::Matrix3d::Identity();  ///< columns: the axes
+  std::string not_read = {};
+  Where where;
 };
 /// *COUPLING, *RIGID BODY, *MPC.
 struct TieKeyword {
@@ -59,12 +68,15 @@ struct TieKeyword {
   ImportedTie::Kind kind = ImportedTie::Kind::rigid;
   std::array<bool, 6> dofs{true, true, true, true, true, true};
   Where where = {};
+  std::string orientation = {};  ///< of `dofs`
+  std::optional<std::string> joins_places = {};  ///< *MPC TIE, PIN: what it says of nodes in one place alone
 };
 /// *TIE: a line of it.
 struct SurfaceTie {
   std::string slave, master;
   double tolerance = 0;  ///< 0: a twentieth of the master's cells
   Where where;
+  bool adjust = true;  ///< nodes are put onto the master; otherwise they follow it from where they stand
 };
 /// *EQUATION: sum of coefficient times dof (1 to 6) of a node or of each node of a set = 0.
 struct EquationLine {
@@ -129,14 +141,18 @@ struct Deck {
   std::vector<EquationLine> equations;
   std::vector<Transform> transforms;
   std::map<std::string, Surface> surfaces;
+  std::map<std::string, Orientation> orientations;  ///< by "PART.NAME", or "NAME" at the model level
   std::vector<ImportedMaterial> materials;
   Unused unused, left_out, unbound;  ///< keywords; elements; keywords that bind what stays apart
+  Unused otherwise;                  ///< what makes another body than the deck describes
   std::map<std::string, std::pair<std::size_t, std::string>> replaced;  ///< type: how many, what it becomes
 };
 
 /// *TRANSFORM: its axes, in the deck's unit of length; `set` in capitals.  Throws std::invalid_argument, naming file and
 /// line, as the next.
 Transform transform_of(const Keyword& k);
+/// *ORIENTATION: its axes; what is not read (other systems and definitions) is told by `not_read`.
+Orientation orientation_of(const Keyword& k);
 /// *SYSTEM: origin, a point on x and one in the x-y plane; without a line the global system.
 Transform system_of(const Keyword& k);
 

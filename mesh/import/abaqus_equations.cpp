@@ -1,6 +1,7 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <set>
@@ -11,6 +12,29 @@
 #include "mesh/import/projection.hpp"
 
 namespace flexura::mesh::abaqus {
+namespace {
+
+Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& r) {
+  Eigen::Matrix3d X;
+  X << 0, -r(2), r(1), r(2), 0, -r(0), -r(1), r(0), 0;
+  return X;
+}
+
+// What displacements of a face's nodes give to a point off it: theta x off with the mean rotation of the face, which for
+// r_k from the nodes' middle is theta = J^-1 sum r_k x u_k, J = sum |r_k|^2 1 - r_k r_k^T.
+std::vector<Eigen::Matrix3d> turned_with(const std::vector<Eigen::Vector3d>& nodes, const Eigen::Vector3d& off) {
+  std::vector<Eigen::Matrix3d> out(nodes.size(), Eigen::Matrix3d::Zero());
+  if (off.isZero(0.0)) return out;
+  Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+  for (const Eigen::Vector3d& x : nodes) middle += x / static_cast<double>(nodes.size());
+  Eigen::Matrix3d J = Eigen::Matrix3d::Zero();
+  for (const Eigen::Vector3d& x : nodes) J -= cross_matrix(x - middle) * cross_matrix(x - middle);
+  for (std::size_t k = 0; k < nodes.size(); ++k)
+    out[k] = -cross_matrix(off) * J.inverse() * cross_matrix(nodes[k] - middle);
+  return out;
+}
+
+}  // namespace
 
 Eigen::Matrix3d Placer::axes_at(Index node) const {
   const auto found = axes_of_.find(node);
@@ -52,6 +76,25 @@ void Placer::take_equations() {
                                           model_.equations.size() == 1 ? "" : "s"));
 }
 
+std::set<Index> Placer::turning_nodes() const {
+  std::set<Index> turns;
+  for (const ModelBuilder::Cell& cell : builder_.cells())
+    if (dimension_of(cell.type) == 2) turns.insert(cell.nodes.begin(), cell.nodes.end());
+  for (const ImportedBar& bar : model_.bars) turns.insert(bar.nodes.begin(), bar.nodes.end());
+  return turns;
+}
+
+void Placer::follow_with_arm(const SurfaceTie& tie, Index slave, Index master) {
+  const Eigen::Vector3d r = builder_.place(slave) - builder_.place(master);
+  for (int d = 0; d < 6; ++d) {
+    ImportedEquation equation{.terms = {{.node = slave}, {.node = master}}, .of = "*TIE in " + tie.where.text()};
+    equation.terms[0].row(d) = -1;
+    equation.terms[1].row(d) = 1;
+    if (d < 3) equation.terms[1].row.tail<3>() = r.cross(Eigen::Vector3d::Unit(d));  // (theta x r)_d
+    model_.equations.push_back(std::move(equation));
+  }
+}
+
 void Placer::tie_between_nodes(const SurfaceTie& tie, const std::vector<Index>& slaves, double tolerance) {
   const std::vector<SurfaceFace> faces = surface_faces(tie.master, tie.where);
   if (!(tolerance > 0)) {  // a twentieth of the master's edges
@@ -62,10 +105,7 @@ void Placer::tie_between_nodes(const SurfaceTie& tie, const std::vector<Index>& 
         sum += (builder_.place(face.nodes[k]) - builder_.place(face.nodes[k - 1])).norm();
     tolerance = count > 0 ? 0.05 * sum / static_cast<double>(count) : 0;
   }
-  std::set<Index> turns;
-  for (const ModelBuilder::Cell& cell : builder_.cells())
-    if (dimension_of(cell.type) == 2) turns.insert(cell.nodes.begin(), cell.nodes.end());
-  for (const ImportedBar& bar : model_.bars) turns.insert(bar.nodes.begin(), bar.nodes.end());
+  const std::set<Index> turns = turning_nodes();
   std::size_t bound = 0, turning = 0, apart = 0;
   double moved = 0;
   for (const Index slave : slaves) {
@@ -77,16 +117,22 @@ void Placer::tie_between_nodes(const SurfaceTie& tie, const std::vector<Index>& 
     }
     const std::vector<Index>& masters = faces[at->face].nodes;
     if (std::ranges::find(masters, slave) != masters.end()) continue;
-    // Off the face it would not follow its turns: it is put there, as Abaqus adjusts it.
     moved = std::max(moved, at->distance);
-    builder_.move(slave, at->place);
+    const Eigen::Vector3d off = tie.adjust ? Eigen::Vector3d::Zero() : Eigen::Vector3d(builder_.place(slave) - at->place);
+    // Off the face it would not follow its turns: it is put there, as Abaqus adjusts it, or hangs on a rigid arm.
+    if (tie.adjust) builder_.move(slave, at->place);
+    std::vector<Eigen::Vector3d> places;
+    for (const Index node : masters) places.push_back(builder_.place(node));
+    const std::vector<Eigen::Matrix3d> arms = turned_with(places, off);
     for (int d = 0; d < 3; ++d) {
       ImportedEquation equation{.terms = {{.node = slave}}, .of = "*TIE in " + tie.where.text()};
       equation.terms[0].row(d) = -1;
       for (std::size_t k = 0; k < masters.size(); ++k) {
-        if (std::abs(at->N(static_cast<Eigen::Index>(k))) < 1e-14) continue;
+        Eigen::Vector3d c = arms[k].row(d).transpose();
+        c(d) += at->N(static_cast<Eigen::Index>(k));
+        if (c.cwiseAbs().maxCoeff() < 1e-14) continue;
         equation.terms.push_back({.node = masters[k]});
-        equation.terms.back().row(d) = at->N(static_cast<Eigen::Index>(k));
+        equation.terms.back().row.head<3>() = c;
       }
       model_.equations.push_back(std::move(equation));
     }
@@ -96,7 +142,9 @@ void Placer::tie_between_nodes(const SurfaceTie& tie, const std::vector<Index>& 
   if (bound > 0)
     model_.messages.push_back(fmt::format(
         "*TIE in {}: {} nodes of {} follow the faces of {} between their nodes{}", tie.where.text(), bound, tie.slave,
-        tie.master, moved > 0 ? fmt::format(" (moved onto them by at most {:.2g})", moved) : ""));
+        tie.master,
+        moved > 0 ? fmt::format(" ({} them by at most {:.2g}{})", tie.adjust ? "moved onto" : "off", moved, tie.adjust ? "" : ": ADJUST=NO")
+                  : ""));
   if (turning > 0)
     model_.warnings.push_back(fmt::format(
         "*TIE in {}: {} of the nodes that follow between nodes have rotations, which stay free: a hinge; mesh both sides alike "

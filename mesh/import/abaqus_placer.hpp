@@ -59,7 +59,18 @@ class Placer {
   void merge_surface_ties();
   /// The displacements of these nodes are those of the master's faces where they stand.
   void tie_between_nodes(const SurfaceTie& tie, const std::vector<Index>& slaves, double tolerance);
+  /// Nodes of shells and beams.
+  std::set<Index> turning_nodes() const;
+  /// u = u_m + theta_m x r, theta = theta_m.
+  void follow_with_arm(const SurfaceTie& tie, Index slave, Index master);
+  /// Weights of *DISTRIBUTING.
+  std::vector<double> nodal_areas(const TieKeyword& tie, const std::vector<Index>& nodes);
   void take_equations();
+  /// Axes that a part, or the model level, defines; the global ones for no name.  Throws where there are none such.
+  Eigen::Matrix3d orientation(const std::string& name, const std::string& part, const Where& where) const;
+  /// The material along these axes: itself, or a copy.
+  Index material_along(Index material, const Eigen::Matrix3d& axes);
+  void assign_spring(const ElementData& data, ImportedSpring& to, const Eigen::Matrix3d& axes);
   /// Columns: the directions of a node's dofs (*TRANSFORM).
   Eigen::Matrix3d axes_at(Index node) const;
   void resolve_ties();
@@ -68,10 +79,11 @@ class Placer {
   ImportedModel model_;
   ModelBuilder builder_;
   std::map<std::pair<int, std::int64_t>, std::size_t> cell_of_, mass_of_, spring_of_;
-  std::map<std::pair<int, std::int64_t>, std::pair<std::size_t, std::string>>
+  std::multimap<std::pair<int, std::int64_t>, std::pair<std::size_t, std::string>>
       bar_of_;  // with the element's type
+  std::map<std::pair<std::string, std::string>, Index> turned_;  // materials by name and axes
   std::set<std::pair<int, std::int64_t>> other_labels_;
-  std::set<std::size_t> spring_set_;
+  std::set<std::size_t> spring_set_, along_;  // springs that have a stiffness; those along their line
   std::map<std::string, std::vector<Index>> set_nodes_;
   std::map<std::string, std::vector<Label>> set_cells_;
   std::map<std::string, int> scope_of_;

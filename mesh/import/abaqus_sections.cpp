@@ -7,6 +7,7 @@
 
 #include "mesh/import/abaqus_placer.hpp"
 #include "mesh/import/bar_sections.hpp"
+#include "mesh/model/cell.hpp"
 
 namespace flexura::mesh::abaqus {
 namespace {
@@ -37,7 +38,7 @@ void assign_bar(const Section& section, ImportedBar& bar, const std::string& typ
   const BarSection& s = *section.bar;
   bar.centroid << -s.node_y, -s.node_z;
   bar.A = s.A, bar.I_yy = s.I_yy, bar.I_zz = s.I_zz, bar.I_yz = s.I_yz, bar.J = s.J;
-  if (type.rfind("B31", 0) == 0) bar.kappa_y = s.kappa_y, bar.kappa_z = s.kappa_z;  // B33 knows no shear
+  if (type.rfind("B33", 0) != 0) bar.kappa_y = s.kappa_y, bar.kappa_z = s.kappa_z;  // B33 knows no shear
   require_section(bar, fmt::format("beam element {}", bar.label), section.where);
   if (bar.orientation.norm() > 0) return;
   bar.orientation = instance ? Eigen::Vector3d(instance->R * section.n1) : section.n1;
@@ -55,34 +56,89 @@ void Placer::assign(const Section& section, const Part& part, int scope, const I
   if (set == part.element_sets.end())
     throw std::invalid_argument(
         fmt::format("{}: element set \"{}\" is not defined", section.where.text(), section.set));
-  if (material->orthotropic && (section.oriented || (instance && !instance->R.isIdentity(1e-12))))
-    throw std::invalid_argument(fmt::format(
-        "{}: the material {} has directions, which {}: not read; those along the model's axes are",
-        section.where.text(), section.material, section.oriented ? "an ORIENTATION turns" : "the instance turns"));
-  for (const std::int64_t label : set->second)
-    if (const auto bar = bar_of_.find({scope, label}); bar != bar_of_.end())
-      assign_bar(section, model_.bars[bar->second.first], bar->second.second,
-                 static_cast<Index>(material - model_.materials.begin()), instance);
-    else if (const auto found = cell_of_.find({scope, label}); found != cell_of_.end()) {
+  auto index = static_cast<Index>(material - model_.materials.begin());
+  if (material->orthotropic) {
+    Eigen::Matrix3d axes = orientation(section.orientation, part.name, section.where);
+    if (instance) axes = (instance->R * axes).eval();
+    index = material_along(index, axes);
+  }
+  for (const std::int64_t label : set->second) {
+    for (auto [bar, end] = bar_of_.equal_range({scope, label}); bar != end; ++bar)
+      assign_bar(section, model_.bars[bar->second.first], bar->second.second, index, instance);
+    if (const auto found = cell_of_.find({scope, label}); found != cell_of_.end()) {
       ModelBuilder::Cell& cell = builder_.cells()[found->second];
-      cell.material = static_cast<Index>(material - model_.materials.begin());
+      if (index >= 0 && model_.materials[static_cast<std::size_t>(index)].orthotropic && dimension_of(cell.type) == 2 &&
+          !section.orientation.empty())
+        throw std::invalid_argument(fmt::format(
+            "{}: the material {} of shells has directions, which an ORIENTATION turns: not read; those along the model's axes are",
+            section.where.text(), section.material));
+      cell.material = index;
       cell.thickness = section.thickness;
       cell.offset = section.offset;
     }
+  }
+}
+
+Eigen::Matrix3d Placer::orientation(const std::string& name, const std::string& part, const Where& where) const {
+  if (name.empty()) return Eigen::Matrix3d::Identity();
+  auto found = deck_.orientations.find(part + "." + name);
+  if (found == deck_.orientations.end()) found = deck_.orientations.find(name);
+  if (found == deck_.orientations.end())
+    throw std::invalid_argument(fmt::format("{}: ORIENTATION=\"{}\" is not defined", where.text(), name));
+  if (!found->second.not_read.empty())
+    throw std::invalid_argument(
+        fmt::format("{}: *ORIENTATION {} has {}, which is not read; rectangular axes by coordinates are",
+                    found->second.where.text(), name, found->second.not_read));
+  return found->second.R;
+}
+
+Index Placer::material_along(Index material, const Eigen::Matrix3d& axes) {
+  if (axes.isIdentity(1e-14)) return material;
+  std::string key;
+  for (const double c : axes.reshaped()) key += fmt::format("{:.15g} ", c);
+  const std::string name = model_.materials[static_cast<std::size_t>(material)].name;
+  const auto [at, fresh] = turned_.emplace(std::pair{name, key}, static_cast<Index>(model_.materials.size()));
+  if (fresh) {
+    ImportedMaterial copy = model_.materials[static_cast<std::size_t>(material)];
+    copy.R = axes;
+    model_.materials.push_back(std::move(copy));
+  }
+  return at->second;
+}
+
+// SPRINGA along its line; SPRING2 in one direction of both nodes.
+void Placer::assign_spring(const ElementData& data, ImportedSpring& to, const Eigen::Matrix3d& axes) {
+  require_not_negative(data.values[0], "*" + data.kind, "stiffness", data.where);
+  const auto place = static_cast<std::size_t>(&to - model_.springs.data());
+  spring_set_.insert(place);
+  if (along_.contains(place)) {
+    to.stiffness[0] = data.values[0];
+    return;
+  }
+  const double dof = data.dofs.empty() ? 0 : data.dofs[0];
+  if (!(dof >= 1 && dof <= 6) || (data.dofs.size() > 1 && data.dofs[1] != dof))
+    throw std::invalid_argument(
+        fmt::format("{}: *SPRING of SPRING2 joins dof {:g} to dof {:g}; equal ones from 1 to 6 are read", data.where.text(), dof,
+                    data.dofs.size() > 1 ? data.dofs[1] : dof));
+  to.R = axes;
+  to.stiffness[static_cast<std::size_t>(dof) - 1] = data.values[0];
+  const Eigen::Vector3d line = builder_.place(to.nodes[1]) - builder_.place(to.nodes[0]);
+  if (dof < 4 && line.cross(axes.col(static_cast<Eigen::Index>(dof) - 1)).norm() > 1e-9 * line.norm())
+    throw std::invalid_argument(fmt::format(
+        "{}: spring element {} acts in direction {:g} between nodes that do not lie one behind the other in it, so that a turn of "
+        "the whole body would strain it; put both nodes in one place",
+        data.where.text(), to.label, dof));
 }
 
 void Placer::assign(const ElementData& data, const Part& part, int scope, const Instance* instance) {
-  const Eigen::Matrix3d R = instance ? instance->R : Eigen::Matrix3d::Identity();
+  const Eigen::Matrix3d turn = instance ? instance->R : Eigen::Matrix3d::Identity();
+  const Eigen::Matrix3d R = data.kind == "MASS" ? turn : Eigen::Matrix3d(turn * orientation(data.orientation, part.name, data.where));
   if (data.values.empty() || (data.kind == "ROTARY INERTIA" && data.values.size() < 3))
     throw std::invalid_argument(fmt::format("{}: *{} has no numbers", data.where.text(), data.kind));
   for (const std::int64_t label : labels_of(data.set, part, data.where)) {
     const std::pair<int, std::int64_t> key{scope, label};
-    if (const auto spring = spring_of_.find(key); data.kind == "SPRING" && spring != spring_of_.end()) {
-      ImportedSpring& to = model_.springs[spring->second];
-      require_not_negative(data.values[0], "*" + data.kind, "stiffness", data.where);
-      to.stiffness[0] = data.values[0];
-      spring_set_.insert(spring->second);
-    }
+    if (const auto spring = spring_of_.find(key); data.kind == "SPRING" && spring != spring_of_.end())
+      assign_spring(data, model_.springs[spring->second], R);
     const auto mass = mass_of_.find(key);
     if (mass == mass_of_.end()) continue;
     ImportedMass& to = model_.masses[mass->second];
@@ -119,7 +175,8 @@ void Placer::finish_others() {
     if (!spring_set_.contains(k))
       throw std::invalid_argument(
           fmt::format("spring element {} has no stiffness (*SPRING)", model_.springs[k].label));
-  for (ImportedSpring& spring : model_.springs) {  // along their line
+  for (const std::size_t k : along_) {
+    ImportedSpring& spring = model_.springs[k];
     const Eigen::Vector3d line = builder_.place(spring.nodes[1]) - builder_.place(spring.nodes[0]);
     if (!(line.norm() > 0))
       throw std::invalid_argument(

@@ -130,12 +130,18 @@ void Placer::merge_surface_ties() {
     }
     std::map<Index, Index> same;
     std::vector<Index> between;
+    const std::set<Index> turns = turning_nodes();
+    std::size_t with_arms = 0;
     for (const Index slave : slaves) {
       const auto nearest = std::ranges::min_element(
           masters, {}, [&](Index m) { return (builder_.place(m) - builder_.place(slave)).squaredNorm(); });
-      if (nearest != masters.end() &&
-          (builder_.place(*nearest) - builder_.place(slave)).norm() <= tolerance) {
+      const double apart = nearest == masters.end() ? HUGE_VAL : (builder_.place(*nearest) - builder_.place(slave)).norm();
+      constexpr double kSame = 1e-6;  // of the reach: digits of coordinates
+      if (apart <= tolerance && (tie.adjust || apart <= kSame * tolerance)) {
         if (*nearest != slave) same[slave] = *nearest;
+      } else if (apart <= tolerance && turns.contains(slave) && turns.contains(*nearest)) {
+        follow_with_arm(tie, slave, *nearest);
+        ++with_arms;
       } else {
         between.push_back(slave);
       }
@@ -147,11 +153,34 @@ void Placer::merge_surface_ties() {
     for (auto& [name, nodes] : set_nodes_)
       for (Index& node : nodes)
         if (const auto found = same.find(node); found != same.end()) node = found->second;
-    if (!same.empty() || between.empty())
+    if (with_arms > 0)
+      model_.messages.push_back(fmt::format("*TIE in {}: {} nodes of {} follow nodes of {} by rigid arms (ADJUST=NO)",
+                                            tie.where.text(), with_arms, tie.slave, tie.master));
+    if (!same.empty() || (between.empty() && with_arms == 0))
       model_.messages.push_back(fmt::format("*TIE in {}: {} nodes of {} are joined to nodes of {}",
                                             tie.where.text(), same.size(), tie.slave, tie.master));
     if (!between.empty()) tie_between_nodes(tie, between, tie.tolerance);
   }
+}
+
+// Shares of the surface's faces, each of a face's nodes alike; of a surface of nodes all alike.
+std::vector<double> Placer::nodal_areas(const TieKeyword& tie, const std::vector<Index>& nodes) {
+  std::map<Index, double> area;
+  if (tie.what == "COUPLING")
+    for (const SurfaceFace& face : surface_faces(tie.set, tie.where)) {
+      const auto corners = static_cast<std::size_t>(shape_of(face.type).corners);
+      const auto at = [&](std::size_t k) -> const Eigen::Vector3d& { return builder_.place(face.nodes[k]); };
+      const double twice =
+          corners == 3 ? (at(1) - at(0)).cross(at(2) - at(0)).norm() : (at(2) - at(0)).cross(at(3) - at(1)).norm();
+      for (const Index node : face.nodes) area[node] += 0.5 * twice / static_cast<double>(face.nodes.size());
+    }
+  std::vector<double> weights;
+  for (const Index node : nodes) {
+    const auto found = area.find(node);
+    if (found == area.end() || !(found->second > 0)) return std::vector<double>(nodes.size(), 1.0);
+    weights.push_back(found->second);
+  }
+  return weights;
 }
 
 void Placer::resolve_ties() {
@@ -167,6 +196,12 @@ void Placer::resolve_ties() {
     std::ranges::sort(nodes);
     nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
     std::erase(nodes, reference[0]);
+    if (from.joins_places)
+      for (const Index node : nodes)
+        if (const double apart = (builder_.place(node) - builder_.place(reference[0])).norm(); apart > 0)
+          deck_.otherwise.add(
+              fmt::format("*MPC {} of nodes that stand {:.3g} apart: they are joined by a rigid arm", *from.joins_places, apart),
+              from.where);
     if (nodes.empty())
       throw std::invalid_argument(fmt::format("{}: *{} ties no nodes", from.where.text(), from.what));
     // Pairs of one node make one rigid piece.
@@ -181,7 +216,13 @@ void Placer::resolve_ties() {
     tie.label = static_cast<std::int64_t>(model_.ties.size()) + 1;
     tie.reference = reference[0];
     tie.dofs = from.dofs;
-    if (tie.kind == ImportedTie::Kind::average) tie.weights.assign(nodes.size(), 1.0);
+    if (tie.kind == ImportedTie::Kind::average) {
+      tie.weights = nodal_areas(from, nodes);
+      if (!from.orientation.empty() && std::ranges::count(from.dofs, true) < 6)
+        deck_.otherwise.add("*COUPLING's ORIENTATION with *DISTRIBUTING of some directions: the model's axes are used", from.where);
+    } else if (!from.orientation.empty()) {
+      tie.axes.assign(nodes.size(), orientation(from.orientation, "", from.where));
+    }
     tie.nodes = std::move(nodes);
     model_.messages.push_back(fmt::format("*{} in {} is tie {}", from.what, from.where.text(), tie.label));
     model_.ties.push_back(std::move(tie));

@@ -25,7 +25,8 @@ std::optional<SolidType> solid_type(const std::string& name);
 /// "S4R" -> quad4.  Conventional shells of six dofs a node; reduced ones and those of five dofs are computed as the full.
 std::optional<SolidType> shell_type(const std::string& name);
 
-/// How many nodes the elements have that are no cells: beams, trusses, point masses, springs.
+/// How many nodes the elements have that are no cells: beams, trusses, point masses, springs.  Beams and trusses of three
+/// become two of two.
 const std::map<std::string, std::size_t>& other_elements();
 
 /// Abaqus' order of a cell's nodes -> that of Mesh.

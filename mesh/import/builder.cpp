@@ -37,6 +37,14 @@ std::vector<std::string> Unused::messages(const std::string& noun) const {
   return out;
 }
 
+std::vector<std::string> Unused::remarks() const {
+  std::vector<std::string> out;
+  for (const Entry& entry : entries_)
+    out.push_back(fmt::format("{}{} (first in {})", entry.count > 1 ? fmt::format("{} times ", entry.count) : "", entry.card,
+                              entry.first));
+  return out;
+}
+
 void require_file(const std::filesystem::path& path) {
   std::error_code ignored;
   const auto status = std::filesystem::status(path, ignored);

@@ -42,6 +42,8 @@ class Unused {
   void add(const std::string& card, const Where& where);
   /// "3 cards PLOAD4 are not used (first in deck.bdf, line 7)", in order of appearance.
   std::vector<std::string> messages(const std::string& noun) const;
+  /// "3 times PBEAM's taper: end A is used all along (first in deck.bdf, line 7)".
+  std::vector<std::string> remarks() const;
 
  private:
   struct Entry {
@@ -89,6 +91,7 @@ class ModelBuilder {
   std::size_t add_cell(int scope, CellType type, std::int64_t label, std::vector<Index> nodes,
                        const Where& where);
   std::vector<Cell>& cells() { return cells_; }
+  const std::vector<Cell>& cells() const { return cells_; }
   const Eigen::Vector3d& place(Index node) const { return points_[static_cast<std::size_t>(node)]; }
 
   void move(Index node, const Eigen::Vector3d& x) { points_[static_cast<std::size_t>(node)] = x; }

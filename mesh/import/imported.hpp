@@ -18,6 +18,7 @@ struct ImportedMaterial {
   bool orthotropic = false;
   Eigen::Matrix<double, 9, 1> engineering =
       Eigen::Matrix<double, 9, 1>::Zero();  ///< E1 E2 E3 nu12 nu13 nu23 G12 G13 G23
+  Eigen::Matrix3d R = Eigen::Matrix3d::Identity();  ///< columns: the axes 1, 2, 3 of an orthotropic one
 };
 
 /// A tie between nodes: RBE2 (dependent nodes follow the reference node) or RBE3 (the reference follows the
@@ -29,6 +30,8 @@ struct ImportedTie {
   std::array<bool, 6> dofs{true, true, true, true, true, true};  ///< of the dependent side
   std::vector<Index> nodes;
   std::vector<double> weights;  ///< RBE3 only, one for each node
+  /// Columns: the directions of each node's dofs where `dofs` names some of the three alone; none: the model's axes.
+  std::vector<Eigen::Matrix3d> axes = {};
 };
 
 struct ImportedMass {
@@ -57,12 +60,13 @@ struct ImportedBar {
       released{};  ///< at each end: u, v, w and rotations in the element's axes
 };
 
-/// Springs between two nodes (CBUSH, CELAS, SPRINGA), six of them along and about axes at the middle between them.
+/// Springs between two nodes (CBUSH, CELAS, SPRINGA, SPRING2), six of them along and about axes at a place between them.
 struct ImportedSpring {
   std::int64_t label = 0;
   std::array<Index, 2> nodes{-1, -1};
   Eigen::Matrix3d R = Eigen::Matrix3d::Identity();  ///< columns: the axes
   std::array<double, 6> stiffness{};                ///< of displacements, then rotations
+  double place = 0.5;                               ///< of the springs between the nodes, from the first
 };
 
 /// sum of row . (u, theta)(node) over the terms = 0: *EQUATION, MPC, one direction of a node that *TIE binds between others.

@@ -45,7 +45,9 @@ ImportedModel NastranReader::read(const std::filesystem::path& path) {
     by_name_[card.name].push_back(&card);
     systems_.add(card);
   }
+  refuse_repeated();
   used_ = {"GRDSET"};
+  read_parameters(path);
   read_materials();
   read_grids();
   read_solids();
@@ -80,13 +82,32 @@ ImportedModel NastranReader::read(const std::filesystem::path& path) {
     if (!used_.contains(card.name) && kBinds.contains(card.name)) unbound.add(card.name, card.where);
   for (const std::string& message : unbound.messages("card"))
     model_.warnings.push_back(message + ": what it binds stays apart");
-  for (const std::string& message : approximated_.messages("card")) model_.warnings.push_back(message);
+  static const std::set<std::string> kMass = {"NSM", "NSM1", "NSML", "NSML1", "DMIG"};
+  for (const Card& card : cards_)
+    if (kMass.contains(card.name) && !card.blank(1))
+      approximated_.add(card.name + ": the mass or stiffness that it adds is missing", card.where);
+  note_turning_weights();
+  for (const std::string& message : approximated_.remarks()) model_.warnings.push_back(message);
   if (builder_.cells().empty() && model_.bars.empty())
     throw std::invalid_argument(path.string() +
                                 ": holds no solid, shell or beam elements (CTETRA, CHEXA, CPENTA, CPYRAM, "
                                 "CQUAD4, CTRIA3, CQUAD8, CTRIA6, CBAR, CBEAM); not Nastran bulk data?");
   finish();
   return std::move(model_);
+}
+
+void NastranReader::refuse_repeated() const {
+  static const std::set<std::string> kNumbered = {"CBAR",  "CBEAM", "CROD", "CONROD", "CBUSH", "CELAS1", "CELAS2", "CONM2", "RBE2",
+                                                  "RBE3",  "RBAR",  "PBAR", "PBARL",  "PBEAM", "PBEAML", "PROD",   "PSHELL", "PSOLID"};
+  std::map<std::pair<std::string, std::int64_t>, const Card*> seen;
+  for (const Card& card : cards_) {
+    if (!kNumbered.contains(card.name)) continue;
+    const auto [at, fresh] = seen.emplace(std::pair{card.name, card.integer(0)}, &card);
+    const bool property = card.name[0] == 'P';  // the same one once more does no harm
+    if (!fresh && !(property && card.fields == at->second->fields))
+      throw std::invalid_argument(fmt::format("{}: {} {} is given twice, first in {}", card.where.text(), card.name,
+                                              card.integer(0), at->second->where.text()));
+  }
 }
 
 const std::vector<const Card*>& NastranReader::all(const std::string& name) {
@@ -114,14 +135,50 @@ void NastranReader::read_materials() {
       throw std::invalid_argument(fmt::format("{}: material {} is given twice", card->where.text(), id));
     model_.materials.push_back(material);
   }
-  for (const Card* card : all("PSOLID"))
+  for (const Card* card : all("PSOLID")) {
     property_[card->integer(0)] = material(card->integer(1), card->where);
+    if (card->text(6) == "PFLUID")
+      throw std::invalid_argument(fmt::format("{}: PSOLID {} is a fluid (PFLUID); structures are read", card->where.text(),
+                                              card->integer(0)));
+    // IN: bricks of eight nodes have bubble functions unless it asks for 2 or 3 points and nothing else.
+    static const std::set<std::string> kBubbles = {"", "0", "BUBBLE"};
+    if (!kBubbles.contains(card->text(3))) full_bricks_.insert(card->integer(0));
+  }
+}
+
+void NastranReader::read_parameters(const std::filesystem::path& path) {
+  const std::string file = path.string();
+  for (const std::string& line : case_control(path))
+    if (const std::string start = "PARAM,WTMASS,"; line.rfind(start, 0) == 0) {
+      const Card card{.name = "PARAM", .fields = {line.substr(start.size())}, .where = {&file, 1}};
+      mass_factor_ = card.real(0);
+      require_positive(mass_factor_, "PARAM", "WTMASS", card.where);
+    }
+  for (const Card* card : all("PARAM"))
+    if (card->text(0) == "WTMASS") {
+      mass_factor_ = card->real(1);
+      require_positive(mass_factor_, "PARAM", "WTMASS", card->where);
+    } else {
+      unused_.add("PARAM " + card->text(0), card->where);
+    }
+  if (mass_factor_ != 1)
+    model_.messages.push_back(
+        fmt::format("PARAM WTMASS: all densities and masses of the deck are multiplied by {:g}", mass_factor_));
 }
 
 Index NastranReader::material(std::int64_t id, const Where& where) const {
   const auto found = material_.find(id);
-  if (found == material_.end())
+  if (found == material_.end()) {
+    for (const char* name : {"MAT2", "MAT3", "MAT8", "MAT9", "MAT10", "MAT11", "MATORT"})
+      if (const auto cards = by_name_.find(name); cards != by_name_.end())
+        for (const Card* card : cards->second)
+          if (card->integer(0) == id)
+            throw std::invalid_argument(fmt::format(
+                "{}: material {} is a {}, which is not read: give it as MAT1, or a table [material.{}] of a mesh without "
+                "materials",
+                where.text(), id, name, id));
     throw std::invalid_argument(fmt::format("{}: material {} is not defined", where.text(), id));
+  }
   return found->second;
 }
 
@@ -137,7 +194,7 @@ void NastranReader::read_grids() {
   }
   if (turned > 0)
     model_.messages.push_back(fmt::format(
-        "{} GRID have displacement axes of their own (CD): MPC, CBAR, CBEAM, CBUSH and CELAS follow them, "
+        "{} GRID have displacement axes of their own (CD): RBE2, MPC, CBAR, CBEAM, CBUSH and CELAS follow them, "
         "directions of SPC and ASET are taken in the basic system",
         turned));
 }
@@ -156,6 +213,7 @@ std::array<bool, 6> NastranReader::components(const std::string& digits, const C
 }
 
 void NastranReader::read_solids() {
+  int plain_wedges = 0;
   for (const Card& card : cards_) {
     const auto found = solid_cards().find(card.name);
     if (found == solid_cards().end()) continue;
@@ -180,99 +238,18 @@ void NastranReader::read_solids() {
     builder_.add_to_set("property " + std::to_string(property), nodes);
     const std::size_t cell =
         builder_.add_cell(0, middle ? solid.quadratic : solid.linear, id, std::move(nodes), card.where);
+    if (!middle && solid.linear == CellType::hex8 && !full_bricks_.contains(property))
+      builder_.cells()[cell].variant = CellVariant::bubbles;
+    if (!middle && solid.linear == CellType::wedge6) ++plain_wedges;
     if (const auto p = property_.find(property); p != property_.end())
       builder_.cells()[cell].material = p->second;
     else if (!by_name_["PSOLID"].empty())
       throw std::invalid_argument(
           fmt::format("{}: PSOLID {} of {} {} is not defined", card.where.text(), property, card.name, id));
   }
-}
-
-NastranReader::ShellProperty NastranReader::shell_property(const Card& card) {
-  ShellProperty shell{material(card.integer(1), card.where), card.real(2, 0), card.real(7, 0)};
-  const std::int64_t mid = card.integer(1);
-  if (card.blank(3))
-    approximated_.add("PSHELL's missing MID2 (membrane alone; bending is computed as well)", card.where);
-  else if (card.integer(3) != mid)
-    approximated_.add("PSHELL's MID2 other than MID1 (MID1 is used for bending, too)", card.where);
-  if (std::abs(card.real(4, 1) - 1) > 1e-6)
-    approximated_.add("PSHELL's 12 I / T**3 other than 1", card.where);
-  if (std::abs(card.real(6, 5.0 / 6) - 5.0 / 6) > 1e-3)
-    approximated_.add("PSHELL's TS/T other than 5/6", card.where);
-  if (!card.blank(10)) approximated_.add("PSHELL's MID4", card.where);
-  return shell;
-}
-
-void NastranReader::read_shells() {
-  std::map<std::int64_t, ShellProperty> properties;
-  for (const Card* card : all("PSHELL")) properties.emplace(card->integer(0), shell_property(*card));
-  std::set<std::int64_t> layered;
-  for (const char* name : {"PCOMP", "PCOMPG"})
-    for (const Card* card : by_name_[name]) layered.insert(card->integer(0));
-  // Where the nodes end, there stand: THETA or MCID, ZOFFS; TFLAG and the corners' thicknesses.
-  struct ShellCard {
-    CellType type;
-    std::size_t offset, flag, thickness;
-  };
-  static const std::map<std::string, ShellCard> kCards = {
-      {"CQUAD4", {CellType::quad4, 7, 9, 10}},   {"CQUADR", {CellType::quad4, 7, 9, 10}},
-      {"CTRIA3", {CellType::tri3, 6, 9, 10}},    {"CTRIAR", {CellType::tri3, 6, 9, 10}},
-      {"CQUAD8", {CellType::quad8, 15, 16, 10}}, {"CTRIA6", {CellType::tri6, 9, 13, 10}}};
-  std::map<std::string, int> split;
-  for (const Card& card : cards_) {
-    const auto found = kCards.find(card.name);
-    if (found == kCards.end()) continue;
-    used_.insert(card.name);
-    const ShellCard& places = found->second;
-    const auto n_nodes = static_cast<std::size_t>(nodes_per_cell(places.type)),
-               n = static_cast<std::size_t>(shape_of(places.type).corners);
-    const std::int64_t id = card.integer(0), property = card.integer(1, id);
-    const auto section = properties.find(property);
-    if (section == properties.end())
-      throw std::invalid_argument(fmt::format(
-          "{}: property {} of {} {} is no PSHELL of this file{}", card.where.text(), property, card.name, id,
-          layered.contains(property)
-              ? "; layers (PCOMP) are not read: give a PSHELL with their effective material"
-              : ""));
-    std::vector<Index> nodes(n_nodes, -1);
-    for (std::size_t k = 0; k < n_nodes; ++k)  // mid-side nodes may be left out
-      if (k < n || (!card.blank(2 + k) && card.integer(2 + k) != 0))
-        nodes[k] = builder_.node(0, card.integer(2 + k), card.where);
-    std::vector<Index> present = nodes;
-    std::erase(present, -1);
-    builder_.add_to_set("property " + std::to_string(property), present);
-    if (n_nodes > n) ++split[card.name];
-    if (const double extra = section->second.extra_mass_per_area;
-        extra > 0) {  // an equal share for every corner
-      const auto at = [&](std::size_t k) { return builder_.place(nodes[k]); };
-      const Vector3d across =
-          n == 3 ? (at(1) - at(0)).cross(at(2) - at(0)) : (at(2) - at(0)).cross(at(3) - at(1));
-      for (std::size_t k = 0; k < n; ++k)
-        extra_mass_[nodes[k]] += extra * 0.5 * across.norm() / static_cast<double>(n);
-    }
-    ModelBuilder::Cell& cell =
-        builder_.cells()[builder_.add_cell(0, places.type, id, std::move(nodes), card.where)];
-    cell.material = section->second.material;
-    cell.thickness = section->second.thickness;
-    cell.offset = card.real(places.offset, 0);  // an isotropic material has no direction THETA
-    double sum = 0;
-    std::size_t given = 0;
-    for (std::size_t k = places.thickness; k < places.thickness + n; ++k)
-      if (!card.blank(k)) sum += card.real(k), ++given;
-    if (given == 0) continue;
-    const bool scaled = card.integer(places.flag, 0) == 1;  // TFLAG: T1 to T4 are fractions of T
-    const double others = static_cast<double>(n - given) * (scaled ? 1 : cell.thickness);
-    const double mean = (sum + others) / static_cast<double>(n);
-    cell.thickness = scaled ? mean * cell.thickness : mean;
-    for (std::size_t k = places.thickness; k < places.thickness + n; ++k)
-      if (!card.blank(k) && std::abs(card.real(k) * (scaled ? section->second.thickness : 1) -
-                                     cell.thickness) > 1e-6 * cell.thickness)
-        approximated_.add(card.name + "'s thicknesses that differ from corner to corner (their mean is used)",
-                          card.where);
-  }
-  for (const auto& [name, count] : split)
-    model_.messages.push_back(fmt::format("{} element{} of type {}: {}", count, count == 1 ? "" : "s", name,
-                                          ModelBuilder::split_shells()));
+  if (plain_wedges > 0)
+    model_.messages.push_back(fmt::format(
+        "{} CPENTA of six nodes: without the bubble functions that Nastran gives them: stiffer in bending", plain_wedges));
 }
 
 void NastranReader::read_masses() {
@@ -330,9 +307,22 @@ void NastranReader::read_dofs() {
       model_.kept.push_back({builder_.node(0, id, card->where), components(card->text(0), *card)});
 }
 
+void NastranReader::note_turning_weights() {
+  if (turning_weights_.empty()) return;
+  std::set<Index> turns;
+  for (const ModelBuilder::Cell& cell : builder_.cells())
+    if (dimension_of(cell.type) == 2) turns.insert(cell.nodes.begin(), cell.nodes.end());
+  for (const ImportedBar& bar : model_.bars) turns.insert(bar.nodes.begin(), bar.nodes.end());
+  for (const auto& [node, where] : turning_weights_)
+    if (turns.contains(node)) approximated_.add("RBE3's weights on rotations: the displacements' mean alone is taken", where);
+}
+
 void NastranReader::finish() {
   for (const auto& [node, mass] : extra_mass_)
     model_.masses.push_back({.label = 0, .node = node, .mass = mass});
+  for (ImportedMaterial& material : model_.materials) material.rho *= mass_factor_;
+  for (ImportedBar& bar : model_.bars) bar.extra_mass_per_length *= mass_factor_;
+  for (ImportedMass& mass : model_.masses) mass.mass *= mass_factor_, mass.inertia *= mass_factor_;
   builder_.finish(model_);
 }
 

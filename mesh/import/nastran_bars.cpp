@@ -38,7 +38,7 @@ ImportedBar NastranReader::shaped_section(const Card& card) {
       bool same = card.text(k).rfind("YES", 0) == 0;
       for (std::size_t d = 0; d < n; ++d)
         same = same && (card.blank(k + 2 + d) || card.real(k + 2 + d) == card.real(8 + d, 0));
-      if (!same) approximated_.add("PBEAML's stations (end A is used all along)", card.where);
+      if (!same) approximated_.add("PBEAML's stations: end A is used all along", card.where);
       break;
     }
   return bar;
@@ -101,11 +101,11 @@ void NastranReader::add_scalar_spring(const Card& card, double stiffness, std::s
   model_.springs.push_back(spring);
 }
 
-// Components are in the displacement axes of the element's first node.
-Vector3d NastranReader::orientation(const Card& card, const Vector3d& from) {
+// Components are in the displacement axes of the element's first node, or, where OFFT says so, in the basic system.
+Vector3d NastranReader::orientation(const Card& card, const Vector3d& from, const Eigen::Matrix3d& axes) {
   if (!card.blank(4) && card.blank(5) && card.blank(6) && !card.is_real(4))
     return systems_.grid_place(card.integer(4), card.where) - from;
-  return axes_at(card.integer(2), card.where) * Vector3d(card.real(4, 0), card.real(5, 0), card.real(6, 0));
+  return axes * Vector3d(card.real(4, 0), card.real(5, 0), card.real(6, 0));
 }
 
 void NastranReader::read_springs() {
@@ -162,7 +162,7 @@ void NastranReader::add_bush(const Card& card, const std::array<double, 6>& stif
                       card.where.text(), card.integer(0)));
     spring.R = s.R;
   } else if (line.norm() > 0) {  // x along the line, y in the plane of the orientation
-    Vector3d v = orientation(card, a);
+    Vector3d v = orientation(card, a, axes_at(card.integer(2), card.where));
     const bool along_alone = stiffness[1] == 0 && stiffness[2] == 0 && stiffness[4] == 0 && stiffness[5] == 0;
     if (along_alone && v.cross(line).norm() == 0) v = line.unitOrthogonal();
     if (!(v.cross(line).norm() > 1e-9 * v.norm() * line.norm()))
@@ -171,8 +171,9 @@ void NastranReader::add_bush(const Card& card, const std::array<double, 6>& stif
     const Vector3d x = line.normalized(), z = x.cross(v).normalized();
     spring.R << x, z.cross(x), z;
   }
-  if (!card.blank(8) && std::abs(card.real(8) - 0.5) > 1e-9)
-    approximated_.add("CBUSH's place S (the middle is used)", card.where);
+  spring.place = card.real(8, 0.5);
+  if (!card.blank(9) && card.integer(9) >= 0)
+    approximated_.add("CBUSH's place by OCID and S1 to S3: the one by S is used", card.where);
   model_.springs.push_back(spring);
 }
 
@@ -209,7 +210,9 @@ ImportedBar NastranReader::section(std::int64_t property, const Card& bar) {
     std::size_t at = is_station(8) ? 8 : 16;
     bool tapered = false;
     while (is_station(at)) {
-      tapered = tapered || (!card->blank(at + 2) && std::abs(card->real(at + 2) - s.A) > 1e-6 * s.A);
+      for (std::size_t d = 0; d < 6; ++d)  // A, I1, I2, I12, J, NSM; blank: as at end A
+        tapered = tapered || (!card->blank(at + 2 + d) && std::abs(card->real(at + 2 + d) - card->real(2 + d, 0)) >
+                                                              1e-6 * std::abs(card->real(at + 2 + d)));
       at += card->text(at) == "YES" ? 16 : 8;
     }
     s.kappa_y = card->real(at, 1);
@@ -218,7 +221,7 @@ ImportedBar NastranReader::section(std::int64_t property, const Card& bar) {
     s.centroid << card->real(at + 12, 0), card->real(at + 13, 0);
     for (const std::size_t k : {8u, 9u, 12u, 13u})
       tapered = tapered || (!card->blank(at + k + 2) && card->real(at + k + 2) != card->real(at + k, 0));
-    if (tapered) approximated_.add("PBEAM's taper (end A is used all along)", card->where);
+    if (tapered) approximated_.add("PBEAM's taper: end A is used all along", card->where);
     return s;
   }
   for (const char* name : {"PBARL", "PBEAML"})
@@ -229,21 +232,44 @@ ImportedBar NastranReader::section(std::int64_t property, const Card& bar) {
                   bar.where.text(), property, bar.name, bar.integer(0)));
 }
 
+// OFFT, three letters: of the orientation (G displacement axes, B basic system) and of the offset at each end (G, O: the
+// element's own axes, x from node to node and y in the plane of the orientation).
+std::string NastranReader::axes_of_vectors(const Card& card, const Card* defaults) {
+  std::string offt = card.text(7);
+  if (offt.empty() && defaults) offt = defaults->text(7);
+  if (offt.empty() || card.is_real(7)) return "GGG";  // CBEAM has BIT there, too
+  const bool known = offt.size() == 3 && (offt[0] == 'G' || offt[0] == 'B') && (offt[1] == 'G' || offt[1] == 'O') &&
+                     (offt[2] == 'G' || offt[2] == 'O');
+  if (!known)
+    throw std::invalid_argument(fmt::format("{}: OFFT of {} {} is \"{}\"; GGG, BGG, GGO, BGO, GOG, BOG, GOO and BOO are known",
+                                            card.where.text(), card.name, card.integer(0), offt.substr(0, 20)));
+  return offt;
+}
+
 void NastranReader::read_bars() {
-  for (const char* name : {"CBAR", "CBEAM"})
+  for (const char* name : {"CBAR", "CBEAM"}) {
+    const std::vector<const Card*>& given = all(std::string(name) == "CBAR" ? "BAROR" : "BEAMOR");
+    const Card* defaults = given.empty() ? nullptr : given.front();
     for (const Card* card : all(name)) {
       const std::int64_t id = card->integer(0);
-      ImportedBar bar = section(card->integer(1, id), *card);
+      ImportedBar bar = section(card->integer(1, defaults ? defaults->integer(1, id) : id), *card);
       bar.label = id;
       bar.nodes = {builder_.node(0, card->integer(2), card->where),
                    builder_.node(0, card->integer(3), card->where)};
-      const Vector3d a = systems_.grid_place(card->integer(2), card->where);
-      bar.orientation = orientation(*card, a);
-      for (std::size_t end = 0; end < 2; ++end)
-        bar.offset[end] = axes_at(card->integer(2 + end), card->where) *
-                          Vector3d(card->real(10 + 3 * end, 0), card->real(11 + 3 * end, 0), card->real(12 + 3 * end, 0));
-      if (!card->blank(7) && card->text(7) != "GGG" && !card->is_real(7))
-        approximated_.add(std::string(name) + "'s OFFT (vectors are taken in the displacement axes, GGG)", card->where);
+      const Vector3d a = systems_.grid_place(card->integer(2), card->where),
+                     x = systems_.grid_place(card->integer(3), card->where) - a;
+      const std::string offt = axes_of_vectors(*card, defaults);
+      const bool has_own = !(card->blank(4) && card->blank(5) && card->blank(6));
+      bar.orientation = orientation(has_own || !defaults ? *card : *defaults, a,
+                                    offt[0] == 'B' ? Eigen::Matrix3d::Identity() : axes_at(card->integer(2), card->where));
+      Eigen::Matrix3d own;  // of the element
+      const Vector3d z = x.cross(bar.orientation).normalized();
+      own << x.normalized(), z.cross(x.normalized()), z;
+      for (std::size_t end = 0; end < 2; ++end) {
+        const Vector3d offset(card->real(10 + 3 * end, 0), card->real(11 + 3 * end, 0), card->real(12 + 3 * end, 0));
+        if (!offset.isZero(0.0))
+          bar.offset[end] = (offt[1 + end] == 'O' ? own : axes_at(card->integer(2 + end), card->where)) * offset;
+      }
       bar.released = {components(card->text(8), *card), components(card->text(9), *card)};
       if (!(bar.orientation.norm() > 0))
         throw std::invalid_argument(
@@ -251,6 +277,7 @@ void NastranReader::read_bars() {
       require_section(bar, fmt::format("{} {}", name, id), card->where);
       model_.bars.push_back(bar);
     }
+  }
 }
 
 }  // namespace flexura::mesh

@@ -139,7 +139,8 @@ class Deck {
       read(path.parent_path() / file, false, depth + 1);
       return;
     }
-    const Line line = split_line(raw);
+    Line line = split_line(raw);
+    for (std::string& field : line.fields) field = upper(std::move(field));
     const bool continues = line.name.empty() || line.name[0] == '+' || line.name[0] == '*';
     if (!continues) {
       Card card;
@@ -198,6 +199,19 @@ double Card::real(std::size_t k, double otherwise) const {
 
 bool Card::is_real(std::size_t k) const {
   return text(k).find('.') != std::string::npos && parse_real(text(k)).has_value();
+}
+
+std::vector<std::string> case_control(const std::filesystem::path& path) {
+  std::ifstream file(path);
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(file, line);) {
+    std::string text;
+    for (const char c : line.substr(0, line.find('$')))
+      if (!std::isspace(static_cast<unsigned char>(c))) text += static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+    if (text.rfind("BEGIN", 0) == 0) return lines;
+    if (!text.empty()) lines.push_back(std::move(text));
+  }
+  return {};
 }
 
 std::vector<Card> read_cards(const std::filesystem::path& path, std::set<std::string>& names) {

@@ -33,4 +33,7 @@ struct Card {
 /// alive.
 std::vector<Card> read_cards(const std::filesystem::path& path, std::set<std::string>& names);
 
+/// The lines before BEGIN BULK in capitals, without blanks and comments; none where nothing begins.
+std::vector<std::string> case_control(const std::filesystem::path& path);
+
 }  // namespace flexura::mesh

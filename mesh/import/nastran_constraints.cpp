@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <fstream>
 #include <optional>
 #include <stdexcept>
 
@@ -11,19 +10,13 @@
 namespace flexura::mesh {
 namespace {
 
-// "MPC = 7" of the case control, which stands before BEGIN BULK.
+// "MPC = 7" of the case control.
 std::optional<std::int64_t> chosen_mpc(const std::filesystem::path& path) {
-  std::ifstream file(path);
   std::optional<std::int64_t> chosen;
-  for (std::string line; std::getline(file, line);) {
-    std::string text;
-    for (const char c : line.substr(0, line.find('$')))
-      if (!std::isspace(static_cast<unsigned char>(c))) text += static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
-    if (text.rfind("BEGIN", 0) == 0) return chosen;
+  for (const std::string& text : case_control(path))
     if (text.rfind("MPC=", 0) == 0 && text.size() > 4 && std::isdigit(static_cast<unsigned char>(text[4])))
       chosen = std::stoll(text.substr(4, 12));
-  }
-  return {};
+  return chosen;
 }
 
 }  // namespace
@@ -35,8 +28,10 @@ void NastranReader::read_ties() {
     tie.reference = builder_.node(0, card->integer(1), card->where);
     tie.dofs = components(card->text(2), *card);
     for (std::size_t k = 3; k < card->fields.size(); ++k)
-      if (!card->blank(k) && !card->is_real(k))
+      if (!card->blank(k) && !card->is_real(k)) {
         tie.nodes.push_back(builder_.node(0, card->integer(k), card->where));
+        tie.axes.push_back(axes_at(card->integer(k), card->where));
+      }
     model_.ties.push_back(std::move(tie));
   }
   for (const Card* card : all("RBE3")) {
@@ -46,6 +41,7 @@ void NastranReader::read_ties() {
     tie.reference = builder_.node(0, card->integer(2), card->where);
     tie.dofs = components(card->text(3), *card);
     double weight = 1;
+    bool turning = false;
     for (std::size_t k = 4; k < card->fields.size(); ++k) {
       if (card->blank(k)) continue;
       if (card->text(k) == "UM" || card->text(k) == "ALPHA") {
@@ -54,13 +50,15 @@ void NastranReader::read_ties() {
       }
       if (card->is_real(k)) {
         weight = card->real(k);
-        if (const auto dofs = components(card->text(++k), *card); !(dofs[0] && dofs[1] && dofs[2]))
-          approximated_.add("RBE3 weights that leave out directions 1 to 3 (all three are used)",
-                            card->where);
+        const auto dofs = components(card->text(++k), *card);
+        if (!(dofs[0] && dofs[1] && dofs[2]))
+          approximated_.add("RBE3's weights that leave out one of the directions 1 to 3: all three are used", card->where);
+        turning = dofs[3] || dofs[4] || dofs[5];
         continue;
       }
       tie.nodes.push_back(builder_.node(0, card->integer(k), card->where));
       tie.weights.push_back(weight);
+      if (turning) turning_weights_.emplace_back(tie.nodes.back(), card->where);
     }
     model_.ties.push_back(std::move(tie));
   }

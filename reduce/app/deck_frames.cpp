@@ -206,8 +206,8 @@ void add_bars(const std::vector<mesh::ImportedBar>& bars, Part& part) {
 void add_springs(const std::vector<mesh::ImportedSpring>& springs, Part& part) {
   for (const mesh::ImportedSpring& from : springs) {
     const Vector3d a = part.mesh.points.row(from.nodes[0]), b = part.mesh.points.row(from.nodes[1]);
-    const Vector3d middle = 0.5 * (a + b);
-    // The relative motion at the middle, carried there by rigid arms, in the axes.
+    const Vector3d middle = a + from.place * (b - a);
+    // The relative motion at the place of the springs, carried there by rigid arms, in the axes.
     Eigen::Matrix<double, 6, 12> relative;
     relative << -node_motion_at(middle - a), node_motion_at(middle - b);
     Eigen::Matrix<double, 6, 6> turn = Eigen::Matrix<double, 6, 6>::Zero();

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <functional>
 
+#include "reduce/app/deck_averages.hpp"
 #include "reduce/app/deck_frames.hpp"
 #include "reduce/app/force_field.hpp"
 #include "reduce/assembly/constraints.hpp"
@@ -61,11 +62,20 @@ const DeckTie& tie_of(const PartMesh& from, int label, const std::string& where)
   throw InputError(fmt::format("{}: there is no tie {}; there are {}", where, label, known));
 }
 
+// The reference node of a tie, chosen by its number, moves as the tie does.
+std::optional<int> tie_at(const PartMesh& from, const mesh::Rule& rule) {
+  const auto* nodes = std::get_if<mesh::NodesRule>(&rule);
+  if (!nodes || nodes->labels.size() != 1) return {};
+  const auto found = std::ranges::find(from.ties, static_cast<std::int64_t>(nodes->labels.front()), &DeckTie::node);
+  if (found == from.ties.end()) return {};
+  return static_cast<int>(found->label);
+}
+
 void add_interfaces(const PartInput& input, const PartMesh& from, ModelledPart& out) {
   std::vector<char> taken(from.ties.size(), 0);
   for (const InterfaceInput& wanted : input.interfaces) {
-    if (wanted.deck_tie) {
-      const DeckTie& tie = tie_of(from, *wanted.deck_tie, wanted.where);
+    if (const std::optional<int> label = wanted.deck_tie ? wanted.deck_tie : tie_at(from, wanted.rule)) {
+      const DeckTie& tie = tie_of(from, *label, wanted.where);
       taken[&tie - from.ties.data()] = 1;
       InterfaceSpec spec = tie.spec;
       spec.name = wanted.name;
@@ -114,7 +124,13 @@ void add_interfaces(const PartInput& input, const PartMesh& from, ModelledPart& 
     if (taken[t]) continue;
     InterfaceSpec spec = from.ties[t].spec;
     if (spec.tie == Tie::average) {
-      out.notes.push_back(fmt::format("{} (RBE3) is no interface and is left out", spec.name));
+      const mesh::Index node = spec.turning_node;
+      const auto hangs = [&](const auto& element) { return std::ranges::find(element.nodes, node) != element.nodes.end(); };
+      const bool carries = std::ranges::any_of(from.bars, hangs) || std::ranges::any_of(from.springs, hangs) ||
+                           std::ranges::any_of(from.tied_masses, [&](const PointMass& mass) {
+                             return static_cast<std::size_t>(mass.node) == t;
+                           });
+      if (!carries) out.notes.push_back(fmt::format("{} (RBE3) is no interface, carries nothing and is left out", spec.name));
       continue;
     }
     spec.directions.clear();
@@ -168,6 +184,11 @@ void add_masses(const PartInput& input, const PartMesh& from, ModelledPart& out)
   }
   for (const PointMass& mass : from.tied_masses) {
     const InterfaceSpec& tie = from.ties[mass.node].spec;
+    if (tie.tie == Tie::average) {
+      at(tie.name, [&] { add_mass_to_average(part, tie, mass); });
+      total += mass.mass;
+      continue;
+    }
     // A tie keeps its set under whatever name.
     const auto found =
         std::find_if(part.interfaces.begin(), part.interfaces.end(), [&](const InterfaceSpec& spec) {
@@ -268,6 +289,7 @@ ModelledPart make_part(const PartInput& input, PartMesh&& from) {
   add_shell_skins(out.part);
   add_bars(from.bars, out.part);
   add_springs(from.springs, out.part);
+  spread_averages(from.ties, out.part, out.notes);
   complete_interfaces(input, out);
   add_masses(input, from, out);
   add_links(input, out);

@@ -55,17 +55,18 @@ Material material_of(const mesh::ImportedMaterial& from, const std::string& deck
   if (from.orthotropic) {
     // E1 E2 E3 nu12 nu13 nu23 G12 G13 G23; nu31 = nu13 E3 / E1.
     const auto& c = from.engineering;
-    return orthotropic(from.name,
-                       {.E_x = c[0],
-                        .E_y = c[1],
-                        .E_z = c[2],
-                        .nu_xy = c[3],
-                        .nu_yz = c[5],
-                        .nu_zx = c[4] * c[2] / c[0],
-                        .G_xy = c[6],
-                        .G_yz = c[8],
-                        .G_zx = c[7]},
-                       from.rho);
+    return turned(orthotropic(from.name,
+                              {.E_x = c[0],
+                               .E_y = c[1],
+                               .E_z = c[2],
+                               .nu_xy = c[3],
+                               .nu_yz = c[5],
+                               .nu_zx = c[4] * c[2] / c[0],
+                               .G_xy = c[6],
+                               .G_yz = c[8],
+                               .G_zx = c[7]},
+                              from.rho),
+                  from.R);
   }
   if (!(from.E > 0.0)) lacks("Young's modulus", "*ELASTIC, or E of MAT1");
   return isotropic(from.name, from.E, from.nu, from.rho);
@@ -118,12 +119,50 @@ std::vector<char> nodes_in_cells(const mesh::Mesh& mesh, const PartMesh& part) {
   return inside;
 }
 
+// Some of the three displacements, or of the three rotations: a hinge, a slide.
+bool ties_some(const std::array<bool, 6>& dofs) {
+  const auto some = [&](std::size_t first) {
+    const int n = dofs[first] + dofs[first + 1] + dofs[first + 2];
+    return n != 0 && n != 3;
+  };
+  return some(0) || some(3) || !(dofs[0] || dofs[3]) || (dofs[3] && !dofs[0]);
+}
+
+// Each direction a that a node at r from the reference follows: a . u = a . (u_ref + theta_ref x r), a . theta = a . theta_ref.
+void bind_some(const mesh::ImportedTie& tie, PartMesh& part) {
+  for (std::size_t k = 0; k < tie.nodes.size(); ++k) {
+    const Eigen::Vector3d r = (part.mesh.points.row(tie.nodes[k]) - part.mesh.points.row(tie.reference)).transpose();
+    const Eigen::Matrix3d axes = tie.axes.empty() ? Eigen::Matrix3d::Identity() : tie.axes[k];
+    for (Eigen::Index d = 0; d < 6; ++d) {
+      if (!tie.dofs[static_cast<std::size_t>(d)]) continue;
+      const Eigen::Vector3d a = axes.col(d % 3);
+      mesh::ImportedEquation equation{.terms = {{.node = tie.nodes[k]}, {.node = tie.reference}},
+                                      .of = fmt::format("tie {} (RBE2)", tie.label)};
+      equation.terms[0].row.segment<3>(d < 3 ? 0 : 3) = a;
+      equation.terms[1].row.segment<3>(d < 3 ? 0 : 3) = -a;
+      if (d < 3) {
+        Eigen::Vector3d arm = -r.cross(a);
+        for (double& c : arm)  // round-off of places
+          if (std::abs(c) < 1e-12 * r.norm()) c = 0.0;
+        equation.terms[1].row.tail<3>() = arm;
+      }
+      part.equations.push_back(std::move(equation));
+    }
+  }
+}
+
 void take_ties(const mesh::ImportedModel& model, const std::vector<char>& in_cell, PartMesh& part) {
   for (const mesh::ImportedTie& from : model.ties) {
     const bool rigid = from.kind == mesh::ImportedTie::Kind::rigid;
+    if (rigid && ties_some(from.dofs) && in_cell[from.reference]) {
+      bind_some(from, part);
+      part.messages.push_back(fmt::format("tie {} binds only some directions of its nodes: equations between dofs", from.label));
+      continue;
+    }
     if (rigid && !(from.dofs[0] && from.dofs[1] && from.dofs[2]))
       throw std::invalid_argument(fmt::format(
-          "RBE2 {} ties only some of the three displacements of its nodes; tie all (CM = 123 or 123456)",
+          "RBE2 {} ties only some of the three displacements of its nodes to a node that belongs to no element; tie all (CM = 123 "
+          "or 123456)",
           from.label));
     DeckTie tie{
         .label = from.label,
@@ -142,6 +181,7 @@ void take_ties(const mesh::ImportedModel& model, const std::vector<char>& in_cel
     // A reference node that solid elements share moves with its own spider.
     if (rigid && in_cell[from.reference]) nodes.emplace_back(from.reference, 1.0);
     tie.spec.turning_node = from.reference;
+    tie.dofs = from.dofs;
     std::sort(nodes.begin(), nodes.end());
     nodes.erase(std::unique(nodes.begin(), nodes.end(), [](auto& a, auto& b) { return a.first == b.first; }),
                 nodes.end());
@@ -156,10 +196,10 @@ void take_ties(const mesh::ImportedModel& model, const std::vector<char>& in_cel
 void take_masses(const mesh::ImportedModel& model, const std::vector<char>& in_cell, PartMesh& part) {
   for (const mesh::ImportedMass& from : model.masses) {
     PointMass mass{.node = from.node, .mass = from.mass, .offset = from.offset, .inertia = from.inertia};
-    const auto tie = std::find_if(model.ties.begin(), model.ties.end(),
-                                  [&](const mesh::ImportedTie& t) { return t.reference == from.node; });
-    if (tie != model.ties.end()) {
-      mass.node = static_cast<mesh::Index>(tie - model.ties.begin());
+    const auto tie =
+        std::find_if(part.ties.begin(), part.ties.end(), [&](const DeckTie& t) { return t.spec.turning_node == from.node; });
+    if (tie != part.ties.end()) {
+      mass.node = static_cast<mesh::Index>(tie - part.ties.begin());
       part.tied_masses.push_back(mass);
     } else if (in_cell[from.node]) {
       part.masses.push_back(mass);

@@ -17,7 +17,8 @@ namespace flexura::reduce {
 struct DeckTie {
   std::int64_t label = 0;  ///< element number in the deck
   std::int64_t node = 0;   ///< number of its reference node
-  InterfaceSpec spec;      ///< named "tie LABEL"
+  InterfaceSpec spec;      ///< named "tie LABEL"; turning_node: the index of the reference node
+  std::array<bool, 6> dofs{true, true, true, true, true, true};  ///< of the reference node that an average gives
 };
 
 struct PartMesh {

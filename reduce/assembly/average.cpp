@@ -49,4 +49,15 @@ Eigen::Matrix<double, 6, Eigen::Dynamic> averaging_map(const mesh::Mesh& mesh,
          WD.transpose();
 }
 
+Follower follower_of(mesh::Index point, const Eigen::Matrix<double, 3, 6>& C, const InterfaceSpec& average,
+                     const Eigen::Matrix<double, 6, Eigen::Dynamic>& map) {
+  Follower follower{.point = point, .from = {}};
+  for (std::size_t a = 0; a < average.set.nodes.size(); ++a) {
+    Eigen::Matrix<double, 3, 6> of_node = Eigen::Matrix<double, 3, 6>::Zero();
+    of_node.leftCols<3>() = C * map.middleCols<3>(3 * static_cast<Eigen::Index>(a));
+    follower.from.emplace_back(average.set.nodes[a], of_node);
+  }
+  return follower;
+}
+
 }  // namespace flexura::reduce

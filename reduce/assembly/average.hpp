@@ -22,4 +22,8 @@ namespace flexura::reduce {
 Eigen::Matrix<double, 6, Eigen::Dynamic> averaging_map(const mesh::Mesh& mesh,
                                                        const InterfaceSpec& interface);
 
+/// A point that moves by C (u, theta) of the node that follows the set of `average`; `map` is its averaging_map.
+Follower follower_of(mesh::Index point, const Eigen::Matrix<double, 3, 6>& C, const InterfaceSpec& average,
+                     const Eigen::Matrix<double, 6, Eigen::Dynamic>& map);
+
 }  // namespace flexura::reduce

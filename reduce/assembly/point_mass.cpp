@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "reduce/assembly/average.hpp"
 #include "reduce/assembly/rigid_motion.hpp"
 #include "reduce/assembly/tied_model.hpp"
 #include "reduce/linalg/dense.hpp"
@@ -60,6 +61,23 @@ void add_mass_to_interface(Part& part, int interface, const PointMass& mass) {
   const Eigen::Vector3d node = part.interfaces[interface].point;
   for (const auto& [arm, share] : equal_points(mass, fmt::format("interface '{}'", name)))
     part.masses.push_back({add_tied_node(part, interface, node + arm), share});
+}
+
+void add_mass_to_average(Part& part, const InterfaceSpec& average, const PointMass& mass) {
+  if (!(mass.mass > 0.0))
+    throw std::invalid_argument(
+        fmt::format("the mass on {} is {} kg, it must be above 0", average.name, mass.mass));
+  const Eigen::Matrix<double, 6, Eigen::Dynamic> map = averaging_map(part.mesh, average);
+  for (const auto& [arm, share] : equal_points(mass, average.name)) {
+    mesh::Mesh& mesh = part.mesh;
+    const mesh::Index point = mesh.n_nodes();
+    const Eigen::Vector3d x = average.point + arm;
+    mesh.points.conservativeResize(point + 1, 3);
+    mesh.points.row(point) = x.transpose();
+    if (!mesh.node_label.empty()) mesh.node_label.push_back(-1);
+    part.followers.push_back(follower_of(point, motion_at(arm), average, map));
+    part.masses.push_back({point, share});
+  }
 }
 
 void add_mass_to_node(Part& part, const PointMass& mass) {

@@ -18,6 +18,10 @@ mesh::Index add_tied_node(Part& part, int interface, const Eigen::Vector3d& x);
 /// rigid and for moments of inertia that no body has (the greatest exceeds the sum of the others).
 void add_mass_to_interface(Part& part, int interface, const PointMass& mass);
 
+/// A mass on the reference node of an average (RBE3), interface or not: its points follow the mean motion of the set.  Throws
+/// std::invalid_argument for masses that are not above zero and moments of inertia that no body has.
+void add_mass_to_average(Part& part, const InterfaceSpec& average, const PointMass& mass);
+
 /// A mass on a node of solid elements.  These have no rotations: offset and inertia must be zero
 /// (std::invalid_argument).
 void add_mass_to_node(Part& part, const PointMass& mass);

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "mbs/superelement/modes.hpp"
 #include "tests/found/parts.hpp"
 #include "tests/found/plate_deck.hpp"
 
@@ -180,6 +181,54 @@ TEST_F(DeckBeams, DirectionsAreTakenInTheirAxes) {
     EXPECT_EQ(made.outcome.exit_code, 2) << keyword;
     EXPECT_THAT(made.outcome.err, HasSubstr("write the deck out with all its nodes and elements"));
   }
+}
+
+// A bar hinged in its middle (pin flag 6) is two bodies about z: it folds without strain, and bends in z as one piece,
+// 4.730^2 / 2 pi l^2 sqrt(E I / rho A) (0.2 % less by shear and rotary inertia).
+TEST_F(DeckBeams, ABodyThatHingesWithinItselfHasAMechanism) {
+  std::string text = "BEGIN BULK\nMAT1,1,2.1+11,,0.3,7850.\nPBAR,1,1,1.5-3,3.125-7,1.125-7,1.-7\n";
+  for (int k = 0; k <= 8; ++k) text += fmt::format("GRID,{},,{},0.,0.\n", k + 1, k / 8.0);
+  for (int k = 0; k < 8; ++k) text += fmt::format("CBAR,{},1,{},{},0.,1.,0.{}\n", k + 1, k + 1, k + 2, k == 4 ? ",,6" : "");
+  const Reduced r = reduce_deck(text + "ENDDATA\n",
+                                "[interface.a]\nby = \"nodes\"\nnodes = [1]\n[interface.b]\nby = \"nodes\"\nnodes = [9]\n[modes]\ncount = 8\n");
+  ASSERT_EQ(r.outcome.exit_code, 0) << r.outcome.err;
+  const Outcome shown = run("flexura", {"modes", output(), "--json"});
+  ASSERT_EQ(shown.exit_code, 0) << shown.err;
+  const superelement::ModeAnalysis modes = superelement::natural_modes(r.se, {});
+  ASSERT_EQ(modes.n_rigid, 6);
+  ASSERT_EQ(modes.n_mechanisms, 1);
+  const superelement::Mode& fold = modes.modes[6];
+  EXPECT_STREQ(superelement::kind_of(fold), "mechanism");
+  EXPECT_EQ(fold.frequency_hz, 0.0);
+  EXPECT_NEAR(fold.u_se.dot(r.se.M_se * fold.u_se), 1.0, 1e-9);
+  // Both ends turn by opposite angles.
+  EXPECT_NEAR(fold.u_se(5) / fold.u_se(11), -1.0, 1e-6);
+  EXPECT_NEAR(modes.modes[7].frequency_hz / (22.373 / (2 * kPi) * std::sqrt(2.1e11 * 1.125e-7 / (7850 * 1.5e-3))), 1.0, 5e-3);
+  EXPECT_THAT(run("flexura", {"check", output()}).out, HasSubstr("mechanisms"));
+  // Whichever way round-off leaves its stiffness.
+  for (const double way : {-1.0, 1.0}) {
+    superelement::Superelement se = r.se;
+    const VectorXd f = se.M_se * fold.u_se;  // 1e-14 of the stiffness of the first bending mode
+    se.K_se += way * 1e-14 * modes.modes[7].omega2 * f * f.transpose();
+    EXPECT_EQ(superelement::natural_modes(se, {}).n_mechanisms, 1) << way;
+  }
+}
+
+// Without interfaces the nodes of a straight bar do not say how it turns about itself; their rotations do.
+TEST_F(DeckBeams, AFreeStraightBarIsReduced) {
+  const Reduced r = reduce_deck(cantilever(12), "[modes]\ncount = 12\n");
+  ASSERT_EQ(r.outcome.exit_code, 0) << r.outcome.err;
+  const superelement::ModeAnalysis modes = superelement::natural_modes(r.se, {});
+  EXPECT_EQ(modes.n_rigid, 6);
+  // 30 mm thick, 1 m long: shear and rotary inertia take 0.4 %.
+  EXPECT_NEAR(modes.modes[6].frequency_hz / (22.373 / (2 * kPi) * std::sqrt(2.1e11 * 1.125e-7 / (7850 * 1.5e-3))), 1.0, 8e-3);
+}
+
+// Numbers of elements are theirs alone: what is given twice would count twice.
+TEST_F(DeckBeams, ElementsGivenTwiceAreRefused) {
+  const Reduced r = reduce_deck(cantilever(2, "CBAR,2,1,2,3,0.,1.,0.\n"), "[modes]\ncount = 1\n");
+  EXPECT_EQ(r.outcome.exit_code, 2);
+  EXPECT_THAT(r.outcome.err, AllOf(HasSubstr("CBAR 2 is given twice"), HasSubstr("line ")));
 }
 
 }  // namespace

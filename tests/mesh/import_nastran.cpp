@@ -231,7 +231,7 @@ TEST(NastranDeck, RefusalsNameFileLineAndRemedy) {
   EXPECT_THAT(refusal(grids + "MAT1,7,2.+11,,.3\nPSOLID,2,7\nCTETRA,1,1,1,2,3,4\n"),
               HasSubstr("PSOLID 1 of CTETRA 1 is not defined"));
   EXPECT_THAT(refusal(grids + "CTETRA,1,1,1,2,3,x\n"),
-              HasSubstr("field 7 of CTETRA is \"x\" where a whole number is wanted"));
+              HasSubstr("field 7 of CTETRA is \"X\" where a whole number is wanted"));
   EXPECT_THAT(refusal("GRID,1,3,0.,0.,0.\nCTETRA,1,1,1,2,3,4\n"),
               HasSubstr("coordinate system 3 is not defined"));
   EXPECT_THAT(refusal(grids), HasSubstr("not Nastran bulk data?"));
