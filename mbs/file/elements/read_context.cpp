@@ -12,7 +12,15 @@ std::shared_ptr<const Expression> compile(const input::Section& section, const s
                                           const Curves& tables, SignalNames* held = nullptr) {
   const std::string path = section.path() + "." + key;
   try {
-    return std::make_shared<Expression>(path, formula, signals, constants, tables, held);
+    auto f = std::make_shared<Expression>(path, formula, signals, constants, tables, held);
+    // What depends on nothing has its value, or none, before any motion.
+    if (f->reads().empty() && !f->reads_time() && f->conditions().empty()) {
+      const std::vector<double> none(static_cast<std::size_t>(signals.size()), 0.0);
+      f->evaluate(none.data());
+    }
+    return f;
+  } catch (const std::runtime_error& error) {
+    throw input::InputError(section.where(key) + ": " + error.what());
   } catch (const std::invalid_argument& error) {
     // The message opens with the path; in the file it also has a line.
     const std::string where = section.where(key);

@@ -273,6 +273,16 @@ TEST_P(TimeEvents, AreNotStored) {
   EXPECT_EQ(s.result.events.size(), 0u);
 }
 
+class ConstantFormula : public TextCase {};
+
+TEST_F(ConstantFormula, WithoutAValueIsRefusedBeforeAnyMotion) {
+  for (const char* formula : {"0/0", "log(-1)", "1e308*10", "sqrt(size - 200)"}) {
+    const std::string why = refusal(pushed_by(formula));
+    EXPECT_NE(why.find(std::string("force.f.z = \"") + formula + "\" is "), std::string::npos) << why;
+    EXPECT_NE(why.find("a finite number is wanted"), std::string::npos) << why;
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Methods, TimeEvents, ::testing::ValuesIn(methods), name_of);
 
 }  // namespace
