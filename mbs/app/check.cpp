@@ -96,7 +96,8 @@ int check_superelement(const std::string& file, bool json, const terminal::Talk&
                                                     .surface = true,
                                                     .shapes = true,
                                                     .stress = true,
-                                                    .sections = true});
+                                                    .sections = true,
+                                                    .mesh_error = true});
   const auto modes = superelement::natural_modes(se, {}, 1);
   if (json) fmt::print("{}\n", to_json(se, modes).dump(1));
   if (talk.quiet || json) return 0;

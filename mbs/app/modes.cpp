@@ -83,7 +83,7 @@ nlohmann::json to_json(const ModeAnalysis& analysis) {
 
 void write_page(const std::string& html, const std::string& file, const std::vector<ModeAnalysis>& analyses) {
   const Superelement se = superelement::read(
-      file, {.matrices = true, .inertia = true, .surface = true, .shapes = true, .stress = true});
+      file, {.matrices = true, .inertia = true, .surface = true, .shapes = true, .stress = true, .mesh_error = true});
   std::size_t n_modes = 0;
   for (const ModeAnalysis& analysis : analyses) n_modes += analysis.modes.size();
   view::ModesPage page;

@@ -10,6 +10,7 @@
 #include "mbs/base/files/output.hpp"
 #include "mbs/base/hdf5/file.hpp"
 #include "mbs/superelement/checks.hpp"
+#include "mbs/superelement/mesh_error_file.hpp"
 #include "mbs/superelement/recovery_file.hpp"
 
 // The layout is described in FORMAT.md; change both together, and the version with them.
@@ -301,6 +302,7 @@ void write_all(hdf5::File& file, const Superelement& se) {
     if (se.shapes.size() > 0) write_shapes(file.root(), se);
     if (se.stress) write_stress(file.root(), *se.stress);
     if (se.sections) write_sections(file.root(), *se.sections);
+    if (se.mesh_error) write_mesh_error(file.root(), *se.mesh_error);
   }
   file.close();
 }
@@ -356,6 +358,7 @@ Superelement read(const std::filesystem::path& path, const Parts& parts) {
   if (parts.shapes) read_shapes(root, se);
   if (parts.stress) read_stress(root, se);
   if (parts.sections) read_sections(root, se);
+  if (parts.mesh_error) read_mesh_error(root, se);
   try {
     validate_parts(se, parts);
   } catch (const std::invalid_argument& failure) {

@@ -16,6 +16,7 @@ struct Parts {
   bool shapes = false;
   bool stress = false;
   bool sections = false;  ///< section forces of beams
+  bool mesh_error = false;
 };
 
 /// Validates and writes beside, then renames: a file of this name is whole or not there.

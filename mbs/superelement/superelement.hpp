@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "mbs/superelement/mesh_error.hpp"
+
 /// The superelement: the one thing that passes from the reduction program to the runtime.
 ///
 /// A body is described by n = n_b + n_q shape functions phi_k (the columns of the recovery matrix T): n_b
@@ -135,6 +137,7 @@ struct Superelement {
   std::vector<LoadCase> load_cases;
   std::optional<StressModes> stress;      ///< read on demand
   std::optional<SectionForces> sections;  ///< of beam parts, read on demand
+  std::optional<MeshError> mesh_error;    ///< absent where it was not judged; read on demand
 
   // Only for pictures; read on demand.
   Surface surface;

@@ -15,6 +15,7 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
+#include <limits>
 #include <set>
 
 #include "mbs/superelement/checks.hpp"
@@ -252,6 +253,32 @@ class Check {
     }
   }
 
+  void mesh_error(const MeshError& error, bool with_surface) const {
+    const Eigen::Index n_v = with_surface ? se_.surface.vertices.rows() : std::numeric_limits<int>::max();
+    const auto relative = [&](double value) {
+      if (value != -1.0 && !(value >= 0.0 && value <= 1.0))
+        refuse(fmt::format("an estimate of the mesh's error is {}, neither -1 (not known) nor from 0 to 1", value));
+    };
+    const auto stress = [&](const MeshError::Stress& of) {
+      relative(of.mean);
+      relative(of.peak);
+      if (of.vertex < -1 || of.vertex >= n_v)
+        refuse(fmt::format("the estimate of the mesh's error names vertex {}, the surface has {}", of.vertex, n_v));
+    };
+    for (const MeshError::Mode& mode : error.modes) {
+      if (!std::isfinite(mode.frequency_hz)) refuse("a frequency whose error is estimated is not finite");
+      relative(mode.error);
+      stress(mode.stress);
+    }
+    for (const MeshError::Interface& interface : error.interfaces) {
+      relative(interface.compliance_error);
+      stress(interface.stress);
+    }
+    if (!error.at_vertices.allFinite() || (with_surface && error.at_vertices.size() > 0 && error.at_vertices.size() != n_v))
+      refuse(fmt::format("the mesh's error has {} values on the surface's {} vertices, or one that is not finite",
+                         error.at_vertices.size(), n_v));
+  }
+
   void stress(const StressModes& stress, bool with_surface) const {
     const auto n_s = static_cast<Eigen::Index>(stress.vertices.size());
     sized_and_finite("the stress modes", stress.S, 6 * n_s, se_.n());
@@ -392,6 +419,7 @@ void validate_parts(const Superelement& se, const Parts& present) {
   }
   if (present.stress && se.stress) check.stress(*se.stress, present.surface);
   if (present.sections && se.sections) check.sections(*se.sections);
+  if (present.mesh_error && se.mesh_error) check.mesh_error(*se.mesh_error, present.surface);
 }
 
 void validate(const Superelement& se) {
@@ -401,7 +429,8 @@ void validate(const Superelement& se) {
                       .surface = true,
                       .shapes = true,
                       .stress = true,
-                      .sections = true});
+                      .sections = true,
+                      .mesh_error = true});
 }
 
 }  // namespace flexura::superelement

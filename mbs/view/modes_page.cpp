@@ -97,6 +97,9 @@ void write_modes_page(const std::filesystem::path& html, const superelement::Sup
                      {"effective_mass", mode.effective_mass},
                      {"can_strike", mode.can_strike}});
   }
+  const bool has_error = se.mesh_error && se.mesh_error->at_vertices.size() == se.surface.vertices.rows();
+  if (has_error)
+    file.add<float>("mesh_error", {se.mesh_error->at_vertices.data(), static_cast<std::size_t>(se.mesh_error->at_vertices.size())});
   const double mass = se.inertia.mass;
   const Eigen::Vector3d centre =
       mass > 0.0 ? Eigen::Vector3d(se.inertia.S_x / mass) : Eigen::Vector3d::Zero();
@@ -116,6 +119,7 @@ void write_modes_page(const std::filesystem::path& html, const superelement::Sup
                {"interfaces", interfaces_json(se)},
                {"surface", surface.header()},
                {"modes", modes},
+               {"mesh_error", has_error},
                {"mac", mac_json(se, page.columns)}});
 }
 

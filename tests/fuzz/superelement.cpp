@@ -11,6 +11,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
                                                                              .surface = true,
                                                                              .shapes = true,
                                                                              .stress = true,
-                                                                             .sections = true});
+                                                                             .sections = true,
+                           .mesh_error = true});
   });
 }

@@ -73,6 +73,20 @@ TEST(ModesPage, HoldsTheSurfaceItWasGiven) {
   EXPECT_EQ(written, given);
 }
 
+// The error of the mesh at the vertices, as it came; a superelement without one has no field for it.
+TEST(ModesPage, HoldsTheErrorOfTheMesh) {
+  auto se = synthetic::tube(16, 10, 2);
+  const fs::path html = scratch("mesh_error.html");
+  write_modes_page(html, se, synthetic::tube_modes(se));
+  EXPECT_FALSE(PageReader(slurp(html)).header["mesh_error"].get<bool>());
+  const Eigen::VectorXf given = Eigen::VectorXf::LinSpaced(se.surface.vertices.rows(), 0.0f, 0.7f);
+  se.mesh_error.emplace().at_vertices = given;
+  write_modes_page(html, se, synthetic::tube_modes(se));
+  const PageReader page(slurp(html));
+  EXPECT_TRUE(page.header["mesh_error"].get<bool>());
+  EXPECT_EQ(page.block<float>("mesh_error"), std::vector<float>(given.begin(), given.end()));
+}
+
 TEST(ModesPage, ListsFrequenciesEffectiveMassesAndInterfaces) {
   const auto se = synthetic::tube(16, 10, 4);
   const fs::path html = scratch("list.html");

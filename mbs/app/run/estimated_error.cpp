@@ -30,34 +30,27 @@ std::optional<double> number_in(const nlohmann::json& table, const char* key) {
   return found->get<double>();
 }
 
-// What the elements cost in deformation, by the report's estimates for the lowest frequency (f ~ k^(1/2)) and for the
-// compliance between interfaces; nothing where the mesh was not judged or does not resolve the part (null).
-std::optional<double> share_of_elements(const nlohmann::json& report) {
-  const auto estimate = report.find("mesh_error");
-  if (estimate == report.end() || !estimate->is_object()) return {};
+// What the elements cost in deformation, by the estimates for the lowest frequency (f ~ k^(1/2)) and for the compliance
+// between interfaces; nothing where the mesh was not judged or does not resolve the part.
+std::optional<double> share_of_elements(const std::optional<superelement::MeshError>& mesh) {
+  if (!mesh) return {};
   double worst = -1.0;
-  const auto take = [&](const char* list, const char* key, double factor, bool only_first) {
-    const auto rows = estimate->find(list);
-    if (rows == estimate->end() || !rows->is_array()) return true;
-    for (const nlohmann::json& row : *rows) {
-      const std::optional<double> error = number_in(row, key);
-      if (!error) return false;
-      worst = std::max(worst, factor * *error);
-      if (only_first) break;
-    }
+  const auto take = [&](double error, double factor) {
+    if (error < 0.0 || error >= 1.0) return false;
+    worst = std::max(worst, factor * error);
     return true;
   };
-  if (!take("modes", "frequency_error", 2.0, true) || !take("interfaces", "compliance_error", 1.0, false))
-    return {};
+  if (!mesh->modes.empty() && !take(mesh->modes.front().error, 2.0)) return {};
+  for (const superelement::MeshError::Interface& interface : mesh->interfaces)
+    if (!take(interface.compliance_error, 1.0)) return {};
   return worst >= 0.0 ? std::optional(worst) : std::nullopt;
 }
 
 ErrorSource mesh_of(const mbs::BodyDescription& body) {
   ErrorSource out{"mesh", body.name, {}, 0.0, "its reduction reports no estimate"};
-  const auto report = nlohmann::json::parse(
-      files::shallow_json(
-          superelement::read(body.superelement, {.matrices = false, .inertia = false}).report_json),
-      nullptr, false);
+  const superelement::Superelement se =
+      superelement::read(body.superelement, {.matrices = false, .inertia = false, .mesh_error = true});
+  const auto report = nlohmann::json::parse(files::shallow_json(se.report_json), nullptr, false);
   if (!report.is_object()) return out;
   double known = 0.0;
   if (const auto mesh = report.find("mesh"); mesh != report.end())
@@ -66,7 +59,7 @@ ErrorSource mesh_of(const mbs::BodyDescription& body) {
   std::optional<double> dropped;
   if (estimate != report.end() && estimate->is_array() && !estimate->empty())
     dropped = number_in(estimate->front(), "frequency_error");
-  const std::optional<double> elements = share_of_elements(report);
+  const std::optional<double> elements = share_of_elements(se.mesh_error);
   known += 2.0 * dropped.value_or(0.0) + elements.value_or(0.0);
   if (dropped && elements) {
     out.error = known;

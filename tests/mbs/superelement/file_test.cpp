@@ -7,6 +7,7 @@
 
 #include <chrono>
 #include <fstream>
+#include <limits>
 #include <thread>
 
 #include "mbs/base/hdf5/file.hpp"
@@ -25,7 +26,8 @@ constexpr Parts everything{.matrices = true,
                            .surface = true,
                            .shapes = true,
                            .stress = true,
-                           .sections = true};
+                           .sections = true,
+                           .mesh_error = true};
 
 Superelement complete_beam() {
   Superelement se = make_box_beam();
@@ -55,6 +57,11 @@ Superelement complete_beam() {
   stress.compliance = {Eigen::Matrix<double, 6, 6>::Constant(1e-12),
                        Eigen::Matrix<double, 6, 6>::Constant(3e-12)};
   stress.material = {1, 0, 1};
+  MeshError& error = se.mesh_error.emplace();
+  error.modes = {{.frequency_hz = 812.5, .error = 0.01, .stress = {.mean = 0.1, .peak = 0.25, .vertex = 3}},
+                 {.frequency_hz = 900.0, .error = 1.0, .stress = {.singular = true}}};
+  error.interfaces = {{.name = "big \"end\"", .compliance_error = 0.03, .stress = {.mean = 0.2}}};
+  error.at_vertices = Eigen::VectorXf::LinSpaced(se.surface.vertices.rows(), 0.0f, 1.5f);
   SectionForces& sections = se.sections.emplace();
   sections.members = {"jib", "tie \"b\""};
   sections.member = {0, 0, 1};
@@ -116,6 +123,13 @@ void expect_same(const Superelement& a, const Superelement& b) {
     EXPECT_EQ(a.stress->compliance, b.stress->compliance);
     EXPECT_EQ(a.stress->material, b.stress->material);
     EXPECT_EQ(a.stress->double_precision, b.stress->double_precision);
+  }
+  ASSERT_EQ(a.mesh_error.has_value(), b.mesh_error.has_value());
+  if (a.mesh_error) {
+    EXPECT_EQ(a.mesh_error->rough, b.mesh_error->rough);
+    EXPECT_EQ(a.mesh_error->modes, b.mesh_error->modes);
+    EXPECT_EQ(a.mesh_error->interfaces, b.mesh_error->interfaces);
+    EXPECT_EQ(a.mesh_error->at_vertices, b.mesh_error->at_vertices);
   }
   ASSERT_EQ(a.sections.has_value(), b.sections.has_value());
   if (a.sections) {
@@ -290,6 +304,7 @@ TEST_F(SuperelementFile, PartsThatAreNotWantedAreNotRead) {
   const int n_v = 20'000;  // a surface of 20,000 vertices, whose shapes do not compress
   se.surface.vertices.setRandom(n_v, 3);
   se.shapes.setRandom(3 * n_v, se.n());
+  se.mesh_error->at_vertices.setRandom(n_v);
   write(file_, se);
   const long size = static_cast<long>(std::filesystem::file_size(file_));
   ASSERT_GT(size, 2'000'000);
@@ -309,6 +324,21 @@ TEST_F(SuperelementFile, PartsThatAreNotWantedAreNotRead) {
   put(bad);
   EXPECT_EQ(refusal({}), "accepted");
   EXPECT_THAT(refusal(everything), HasSubstr("/shapes/surface: its checksum does not match"));
+}
+
+// Errors are relative, -1 or from 0 to 1; places are vertices of the surface.
+TEST_F(SuperelementFile, AnEstimateOfTheMeshThatCannotBeIsRefused) {
+  const auto refused = [&](const auto& spoil) {
+    Superelement se = complete_beam();
+    spoil(*se.mesh_error);
+    EXPECT_THROW(write(file_, se), std::invalid_argument);
+  };
+  refused([](MeshError& e) { e.modes[0].error = std::numeric_limits<double>::quiet_NaN(); });
+  refused([](MeshError& e) { e.modes[0].error = -0.5; });
+  refused([](MeshError& e) { e.modes[0].frequency_hz = std::numeric_limits<double>::infinity(); });
+  refused([](MeshError& e) { e.modes[0].stress.vertex = 100000; });
+  refused([](MeshError& e) { e.interfaces[0].stress.peak = 2.0; });
+  refused([](MeshError& e) { e.at_vertices.conservativeResize(2); });
 }
 
 TEST_F(SuperelementFile, ARefusedWriteLeavesNothingBehind) {

@@ -31,7 +31,8 @@ export class DeformedBody {
   private seen: { now: THREE.Matrix4; then: THREE.Matrix4 } | null = null;
   private readonly shared: Record<string, THREE.IUniform>;
 
-  constructor(readonly surface: Surface, scale: THREE.Texture) {
+  /** `given`: a number for each vertex of the surface, coloured as field 6. */
+  constructor(readonly surface: Surface, scale: THREE.Texture, given: Float32Array | null = null) {
     const n = Math.max(1, surface.header.shapes.length);
     this.weights = new Float32Array(surface.header.shapes.length);
     this.table = new THREE.DataTexture(new Float32Array(4 * n), n, 1, THREE.RGBAFormat, THREE.FloatType);
@@ -58,6 +59,9 @@ export class DeformedBody {
     faces.setAttribute('normal', new THREE.BufferAttribute(surface.normals, 3));
     faces.setAttribute('vertex', new THREE.BufferAttribute(surface.source, 1));
     faces.setAttribute('paint', new THREE.BufferAttribute(surface.paint, 1));
+    const number = new Float32Array(drawn);
+    if (given) for (let i = 0; i < drawn; ++i) number[i] = given[surface.source[i]];
+    faces.setAttribute('given', new THREE.BufferAttribute(number, 1));
     faces.setIndex(new THREE.BufferAttribute(surface.index, 1));
     this.mesh = new THREE.Mesh(faces, new THREE.ShaderMaterial({
       glslVersion: THREE.GLSL3, vertexShader: surfaceVertex, fragmentShader: surfaceFragment,
@@ -180,12 +184,13 @@ export class DeformedBody {
     (this.shared.uCut.value as THREE.Vector4).copy(plane);
   }
 
-  /** What is coloured: 0 nothing, 1 magnitude, 2..4 a component [m], 5 von Mises stress [Pa]; between the two values. */
+  /** What is coloured: 0 nothing, 1 magnitude, 2..4 a component [m], 5 von Mises stress [Pa], 6 what was given; between the
+   *  two values. */
   setField(field: number, low: number, high: number): void {
     this.uniform(this.mesh, 'uField').value = field;
     (this.shared.uRange.value as THREE.Vector2).set(low, high);
     // A body without faces (a beam) shows the colours on its lines.
-    if (this.surface.index.length === 0) this.uniform(this.edges, 'uField').value = field;
+    if (this.surface.index.length === 0) this.uniform(this.edges, 'uField').value = field === 6 ? 0 : field;
   }
 
   setLook(look: Look): void {

@@ -2,6 +2,7 @@
 // The modes page: the part with its interfaces, a list of modes, and the chosen shape moving.
 import * as THREE from 'three';
 import { scaleTexture } from './colormap';
+import { readF4 } from './data';
 import { DeformedBody } from './deformed_body';
 import { Legend } from './legend';
 import { ModeTable, type ModeRow } from './mode_table';
@@ -23,9 +24,10 @@ export interface ModesHeader {
   surface: SurfaceHeader;
   modes: ModeRow[];
   mac: number[][];
+  mesh_error?: boolean; // block mesh_error: a number for each vertex
 }
 
-const fieldNames = ['Part', '|u|', 'along x', 'along y', 'along z', 'von Mises'];
+const fieldNames = ['Part', '|u|', 'along x', 'along y', 'along z', 'von Mises', 'Error of the mesh'];
 
 export async function modesPage(app: HTMLElement, header: ModesHeader): Promise<void> {
   const surface = await Surface.read(header.surface);
@@ -38,7 +40,10 @@ export async function modesPage(app: HTMLElement, header: ModesHeader): Promise<
   const stage = new Stage(`Mode shapes of ${header.title}`);
   const magnitude = scaleTexture('magnitude');
   const signed = scaleTexture('signed');
-  const body = new DeformedBody(surface, magnitude);
+  const meshError = header.mesh_error ? await readF4('mesh_error') : null;
+  // What lies along sharp edges would leave all the rest dark: the last hundredth shares the end of the scale.
+  const meshErrorTop = meshError ? Float32Array.from(meshError).sort()[Math.floor(0.99 * (meshError.length - 1))] : 0;
+  const body = new DeformedBody(surface, magnitude, meshError);
   stage.scene.add(body.group);
 
   // --- what is drawn ---------------------------------------------------------------------------------------------
@@ -73,12 +78,12 @@ export async function modesPage(app: HTMLElement, header: ModesHeader): Promise<
     h('span', { class: 'kind' }, [modes[mode].kind, modes[mode].set].filter((s) => s).join(', '))];
 
   function refresh(): void {
-    const field = state.mode < 0 ? 0 : state.field;
+    const field = state.mode < 0 && state.field !== 6 ? 0 : state.field;
     const isSigned = field > 1 && field < 5;
     (body.mesh.material as THREE.ShaderMaterial).uniforms.uScale.value = isSigned ? signed : magnitude;
     (body.edges.material as THREE.ShaderMaterial).uniforms.uScale.value = isSigned ? signed : magnitude;
     const stress = (largestStress.get(state.mode) ?? 0) * weight(state.mode);
-    const top = field === 5 ? stress : reach();
+    const top = field === 6 ? meshErrorTop : field === 5 ? stress : reach();
     body.setField(field, isSigned ? -top : 0, top);
     const plane = new THREE.Vector4(0, 0, 0, 0);
     if (state.cutAxis >= 0) {
@@ -88,11 +93,11 @@ export async function modesPage(app: HTMLElement, header: ModesHeader): Promise<
       plane.w = low + state.cutAt * (high - low);
     }
     body.cut = plane;
-    const { factor, unit } = field === 5 ? stressUnit(top) : lengthUnit(top);
+    const { factor, unit } = field === 6 ? { factor: 100, unit: '%' } : field === 5 ? stressUnit(top) : lengthUnit(top);
     legend.show(field === 0 ? null : {
       title: `${fieldNames[field]} [${unit}]`, scale: isSigned ? 'signed' : 'magnitude',
       low: isSigned ? -top * factor : 0, high: top * factor,
-      note: field === 5 ? `for |u| up to ${lengthText(reach())}` : `scaled to ${lengthText(reach())}`,
+      note: field === 6 ? 'of stress in the elements, over its root mean square in the part; the worst of all modes and loads' : field === 5 ? `for |u| up to ${lengthText(reach())}` : `scaled to ${lengthText(reach())}`,
     });
     captions[0].replaceChildren(...describe(stage.panes > 1 ? state.pinned : state.mode));
     captions[1].hidden = stage.panes === 1;
@@ -106,7 +111,8 @@ export async function modesPage(app: HTMLElement, header: ModesHeader): Promise<
       const sigma = surface.vonMises(state.marked, body.weights);
       const stress = stressUnit(sigma);
       probe.textContent = `vertex ${state.marked}   |u| ${c(u.length())}   u (${c(u.x)}, ${c(u.y)}, ${c(u.z)}) ${unit}`
-        + (hasStress ? `   von Mises ${figure(sigma * stress.factor, 3)} ${stress.unit}` : '');
+        + (hasStress ? `   von Mises ${figure(sigma * stress.factor, 3)} ${stress.unit}` : '')
+        + (meshError ? `   error of the mesh ${figure(100 * meshError[state.marked], 3)} %` : '');
     } else probe.hidden = true;
     stage.draw();
   }
@@ -170,7 +176,7 @@ export async function modesPage(app: HTMLElement, header: ModesHeader): Promise<
   });
   const color = h('select', { id: 'color', 'aria-label': 'Colour', onchange: () => setField(Number(color.value)) },
                   ...[['Displacement', 1], ...(hasStress ? [['Von Mises stress', 5]] : []), ['Along x', 2], ['Along y', 3], ['Along z', 4],
-                      ['Part and interfaces', 0]]
+                      ...(meshError ? [['Error of the mesh', 6]] : []), ['Part and interfaces', 0]]
                     .map(([text, value]) => h('option', { value }, String(text))));
   function setField(field: number): void {
     state.field = field;
@@ -260,7 +266,10 @@ export async function modesPage(app: HTMLElement, header: ModesHeader): Promise<
     { keys: [']'], text: 'faster', run: () => speed.set(speed.get() + 0.1) },
     ...[0, 1, 2, 3, 4, 5].map(axis).map(([k, text, run]) => ({ keys: k, text, run })),
     { keys: ['0', 'i'], text: 'view from a corner', run: () => view('iso') },
-    { keys: ['c'], text: 'next colouring', run: () => setField((state.field + 1) % (hasStress ? 6 : 5)) },
+    { keys: ['c'], text: 'next colouring', run: () => {
+      const fields = Array.from(color.options, (option) => Number(option.value)).sort();
+      setField(fields[(fields.indexOf(state.field) + 1) % fields.length]);
+    } },
     { keys: ['o'], text: 'undeformed outline', run: () => outline.click() },
     { keys: ['e'], text: 'feature edges', run: () => edges.click() },
     { keys: ['n'], text: 'names of the interfaces', run: () => marks.click() },
@@ -339,6 +348,7 @@ export async function modesPage(app: HTMLElement, header: ModesHeader): Promise<
       return surface.displacement(v, body.weights).multiplyScalar(body.magnify).toArray();
     },
     vonMises: (v: number) => { showMode(state.mode); return surface.vonMises(v, body.weights); },
+    meshError: (v: number) => (meshError ? meshError[v] : null),
     deformed: (v: number) => { showMode(state.mode); return body.drawn(v).toArray(); },
     project: (p: number[]) => { const { x, y } = stage.project(new THREE.Vector3().fromArray(p)); return [x, y]; },
     camera: () => stage.matrix(),

@@ -16,7 +16,7 @@ const deform = /* glsl */ `
   uniform vec3 uShift, uTurn, uPivot;  // motion of the frame from which the deformation counts: at uPivot
   uniform int uSeen;            // 1: coloured by the way from uThen * place to uNow * moved place
   uniform mat4 uNow, uThen;
-  uniform int uField;           // 0 none, 1 magnitude, 2, 3, 4 along x, y, z, 5 von Mises stress
+  uniform int uField;           // 0 none, 1 magnitude, 2, 3, 4 along x, y, z, 5 von Mises stress, 6 given (of faces)
   uniform vec2 uRange;          // of the colour scale
   in float vertex;
   vec3 displacement() {
@@ -56,12 +56,12 @@ const deform = /* glsl */ `
 
 export const surfaceVertex = /* glsl */ `${deform}
   uniform float uPush;          // a ghost's: farther from the eye, at the same place of the screen
-  in float paint;
+  in float paint, given;
   out vec3 vNormal0, vPlace0, vPlace, vBody;
   out float vField, vPaint;
   void main() {
     vec3 u = displacement();
-    vField = uField > 0 ? field(shown(position, u)) : 0.0;
+    vField = uField == 6 ? (given - uRange.x) / max(uRange.y - uRange.x, 1e-30) : uField > 0 ? field(shown(position, u)) : 0.0;
     vPaint = paint;
     vBody = position;
     vNormal0 = normalMatrix * normal;
