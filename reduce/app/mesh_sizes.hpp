@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "reduce/assembly/part.hpp"
+#include "reduce/estimate/sharp_edges.hpp"
 
 /// Sizes of the next mesh from the errors of the cells of one.
 ///
@@ -14,10 +15,6 @@
 /// R. B. Kellogg, J. Pitkaranta, Numer. Math. 33 (1979) 447; T. Apel, Anisotropic Finite Elements, 1999).  The fewest cells for
 /// a given sum of errors:  minimise sum f^-d with sum e f^a given, so that  a e f^(a+d) / d  is the same for all cells.
 namespace flexura::reduce {
-
-/// Nodes on edges where stresses are unbounded: between faces of the surface that meet at more than 180 degrees, and
-/// around rigid interfaces.
-std::vector<char> nodes_at_sharp_edges(const Part& part);
 
 /// Factor f of each cell (order of the blocks of solids) so that the sum of the errors becomes `aim`; 1/16 to 1.5.
 /// `share`: the errors today; `sharp`: of the nodes.

@@ -19,6 +19,7 @@
 #include "mbs/superelement/text_file.hpp"
 #include "reduce/app/make_part.hpp"
 #include "reduce/app/mesh_hints.hpp"
+#include "reduce/app/mesh_report.hpp"
 #include "reduce/app/reach_accuracy.hpp"
 #include "reduce/app/read_matrices.hpp"
 #include "reduce/app/report.hpp"
@@ -132,10 +133,8 @@ bool is_better(const std::filesystem::path& output) {
   const std::unique_ptr<const std::filesystem::path, decltype(remove)> removed(&copy, remove);
   try {
     std::filesystem::copy_file(output, copy);
-    const auto report = nlohmann::json::parse(
-        superelement::read(copy, {.matrices = false, .inertia = false}).report_json, nullptr, false);
-    const nlohmann::json& first = report.at("mesh_error").at("modes").at(0).at("frequency_error");
-    return first.is_number() && first.get<double>() < 0.2;
+    const auto mesh = superelement::read(copy, {.matrices = false, .inertia = false, .mesh_error = true}).mesh_error;
+    return mesh && !mesh->modes.empty() && mesh->modes.front().error >= 0.0 && mesh->modes.front().error < 0.2;
   } catch (const std::exception&) {
     return false;  // no superelement, or one without an estimate
   }
@@ -377,8 +376,11 @@ void reduce_part(const PartInput& input, const std::filesystem::path& output, co
   progress("write", 0.0);
   std::vector<mesh::Index> stress_nodes;
   for (const std::int32_t vertex : vertices) stress_nodes.push_back(picture.nodes[vertex]);
+  std::optional<superelement::MeshError> mesh_error;
+  if (reduction.mesh) mesh_error = to_mesh_error(*reduction.mesh, part, picture.nodes);
   superelement::Superelement se = to_superelement(input, std::move(reduction), std::move(picture.surface),
                                                   report.json.dump(1), std::move(vertices));
+  se.mesh_error = std::move(mesh_error);
   if (input.has_damping) se.modal_damping = 0.0;
   if (se.stress && !finished) add_compliance(part, stress_nodes, *se.stress);
   superelement::write(output, se);

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <limits>
 
+#include "reduce/app/mesh_report.hpp"
+
 namespace flexura::reduce {
 
 namespace {
@@ -108,9 +110,6 @@ nlohmann::json certificate_json(const ReductionReport& r) {
   return {{"modes", r.certified_modes}, {"below_hz", frequency_hz(r.certified_omega2)}};
 }
 
-/// The mesh's estimate is worth half to twice the truth (docs/mesh_error.md); what is promised has this margin.
-constexpr double kMeshMargin = 1.5;
-
 /// The frequency to which the reduced frequencies are within a per cent, by the safe estimate of the dropped modes
 /// and the mesh's share.
 double good_to(const std::vector<ModeError>& errors, const MeshShare& mesh) {
@@ -122,50 +121,8 @@ double good_to(const std::vector<ModeError>& errors, const MeshShare& mesh) {
   return last;
 }
 
-/// A number that JSON can hold: null where the mesh does not resolve what is asked.
-nlohmann::json number(double value) {
-  return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json(nullptr);
-}
-
-nlohmann::json mesh_error_json(const std::optional<MeshShare>& share) {
-  if (!share) return nullptr;
-  nlohmann::json out = {{"modes", nlohmann::json::array()},
-                        {"interfaces", nlohmann::json::array()},
-                        {"by", share->rough ? "recovered stresses" : "enrichment"}};
-  for (const MeshShare::Mode& mode : share->modes)
-    out["modes"].push_back({{"hz", frequency_hz(mode.omega2)}, {"frequency_error", number(mode.error)}});
-  for (const MeshShare::Interface& interface : share->interfaces)
-    out["interfaces"].push_back({{"name", interface.name}, {"compliance_error", number(interface.error)}});
-  return out;
-}
-
-std::string percent_or_more(double error) {
-  return error < 0.5 ? fmt::format("{:.2g} %", 100.0 * error) : std::string("50 % or more");
-}
-
-/// "mesh, estimated: first frequency 0.3 %, ..."
-std::string mesh_error_text(const std::optional<MeshShare>& share, bool stresses) {
-  if (!share) return "  mesh error: unknown (no estimate for such elements or matrices); compare with a finer mesh\n";
-  std::string text;
-  if (!share->modes.empty()) {
-    text += fmt::format("  mesh error, estimated: first free frequency {}",
-                        percent_or_more(share->modes[0].error));
-    const std::size_t last = std::min<std::size_t>(share->modes.size(), 6) - 1;
-    if (last > 0) text += fmt::format(", number {} {}", last + 1, percent_or_more(share->modes[last].error));
-  }
-  double worst = -1.0;
-  std::string where;
-  for (const MeshShare::Interface& interface : share->interfaces)
-    if (interface.error > worst) worst = interface.error, where = interface.name;
-  if (worst >= 0.0)
-    text += fmt::format("{}static compliance at {} {}", text.empty() ? "  mesh error, estimated: " : "; ",
-                        where, percent_or_more(worst));
-  if (stresses) text += "; of stress: unknown";
-  return text + "\n";
-}
-
 /// What can be promised of a superelement that passed its checks.
-std::string verdict_of(const ReportData& data) {
+std::string verdict_of(const ReportData& data, bool stresses) {
   if (!data.mesh_error || data.mesh_error->modes.empty())
     return "checks passed; the mesh's error is unknown, so no accuracy is promised";
   const MeshShare& mesh = *data.mesh_error;
@@ -177,9 +134,7 @@ std::string verdict_of(const ReportData& data) {
         "mesh too coarse: {} off in {} by its estimate; choose a smaller mesh size or elements of order 2",
         percent_or_more(std::max(first, statics)),
         first > statics ? "the first frequency" : "static compliance");
-  const std::string compliance =
-      mesh.interfaces.empty() ? ""
-                              : fmt::format("; static compliance within {}", percent_or_more(kMeshMargin * statics));
+  const std::string compliance = promised_statics(mesh, stresses);
   if (mesh.rough)
     return fmt::format(
         "checks passed; the mesh's error is known only roughly, from recovered stresses (to a factor of five): {} in "
@@ -199,17 +154,6 @@ std::string verdict_of(const ReportData& data) {
 }
 
 }  // namespace
-
-std::string too_coarse(const std::optional<MeshShare>& mesh) {
-  if (!mesh) return "";
-  double worst = mesh->modes.empty() ? 0.0 : mesh->modes.front().error;
-  for (const MeshShare::Interface& interface : mesh->interfaces) worst = std::max(worst, interface.error);
-  if (worst < 0.2) return "";
-  return fmt::format(
-      "the mesh does not resolve the part: its error is estimated at {}; choose a smaller mesh size, or elements of "
-      "order 2",
-      percent_or_more(worst));
-}
 
 nlohmann::json reduction_json(const Reduction& reduction) {
   const ReductionReport& r = reduction.report;
@@ -262,7 +206,7 @@ Report make_report(const PartInput& input, const Reduction& reduction, ReportDat
 
   std::string verdict;
   if (failed == checks.end()) {
-    verdict = verdict_of(data);
+    verdict = verdict_of(data, reduction.stress_modes.size() > 0);
   } else {
     verdict = "with care: " + failed->check;
     if (!failed->value.empty()) verdict += fmt::format(": {}, bound {}", failed->value, failed->bound);

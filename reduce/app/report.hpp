@@ -34,9 +34,6 @@ struct ReportData {
   double seconds = 0.0;
 };
 
-/// What to say of a mesh whose estimated error is beyond 20 % in the first frequency or in statics; else empty.
-std::string too_coarse(const std::optional<MeshShare>& mesh);
-
 /// Sizes, residuals, memory and time by stage.
 nlohmann::json reduction_json(const Reduction& reduction);
 

@@ -2,12 +2,79 @@
 #include "reduce/app/to_superelement.hpp"
 
 #include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
 #include <map>
 #include <stdexcept>
 
+#include "reduce/estimate/cell_data.hpp"
 #include "reduce/recovery/stress.hpp"
 
 namespace flexura::reduce {
+
+namespace {
+
+// Values of cells at the nodes of the surface, the mean over those that have the node.
+Eigen::VectorXf at_vertices(const Part& part, const Eigen::VectorXd& of_cells, const std::vector<mesh::Index>& nodes) {
+  std::vector<double> sum(static_cast<std::size_t>(part.mesh.n_nodes()), 0.0), count = sum;
+  Eigen::Index cell = 0;
+  for (const mesh::CellBlock& block : part.mesh.solids)
+    for (Eigen::Index row = 0; row < block.nodes.rows(); ++row, ++cell)
+      for (const mesh::Index node : block.nodes.row(row)) {
+        sum[static_cast<std::size_t>(node)] += of_cells(cell);
+        count[static_cast<std::size_t>(node)] += 1.0;
+      }
+  Eigen::VectorXf out(static_cast<Eigen::Index>(nodes.size()));
+  for (std::size_t v = 0; v < nodes.size(); ++v) {
+    const auto node = static_cast<std::size_t>(nodes[v]);
+    out(static_cast<Eigen::Index>(v)) = static_cast<float>(count[node] > 0.0 ? sum[node] / count[node] : 0.0);
+  }
+  return out;
+}
+
+// Of each cell the greatest error of stress of a state over the root mean square of its stress, both by energy per volume.
+Eigen::VectorXd stress_error_of_cells(const Part& part, const Eigen::MatrixXf& share) {
+  Eigen::VectorXd volume(share.rows());
+  Eigen::Index cell = 0;
+  for (const mesh::CellBlock& block : part.mesh.solids) {
+    const TabulatedRule& rule = solid_element(block.type).mass;
+    for (Eigen::Index row = 0; row < block.nodes.rows(); ++row, ++cell) {
+      const NodePositions x = positions(part.mesh, block, row);
+      volume(cell) = 0.0;
+      for (const TabulatedRule::Point& point : rule.points) {
+        const double det = (point.dN.transpose() * x).determinant();
+        volume(cell) += point.weight * std::max(det, 0.0);
+      }
+    }
+  }
+  const double whole = volume.sum();
+  Eigen::VectorXd out = share.rowwise().maxCoeff().cast<double>();
+  for (Eigen::Index k = 0; k < out.size(); ++k)
+    out(k) = volume(k) > 0.0 ? std::sqrt(std::max(out(k), 0.0) * whole / volume(k)) : 0.0;
+  return out;
+}
+
+}  // namespace
+
+superelement::MeshError to_mesh_error(const MeshShare& share, const Part& part, const std::vector<mesh::Index>& nodes) {
+  superelement::MeshError out{.rough = share.rough};
+  const auto relative = [](double error) { return std::min(error, 1.0); };
+  const auto stress = [&](const MeshShare::Stress& from) {
+    superelement::MeshError::Stress to{.mean = relative(from.mean), .singular = from.peak.singular};
+    const auto at = std::lower_bound(nodes.begin(), nodes.end(), from.peak.node);
+    if (from.peak.node < 0 || at == nodes.end() || *at != from.peak.node) return to;
+    to.vertex = static_cast<int>(at - nodes.begin());
+    if (from.peak.error >= 0.0) to.peak = relative(from.peak.error);
+    return to;
+  };
+  for (const MeshShare::Mode& mode : share.modes)
+    out.modes.push_back({.frequency_hz = frequency_hz(mode.omega2), .error = relative(mode.error), .stress = stress(mode.stress)});
+  for (const MeshShare::Interface& from : share.interfaces)
+    out.interfaces.push_back({.name = from.name, .compliance_error = relative(from.error), .stress = stress(from.stress)});
+  if (share.by_cell.rows() == part.mesh.n_solid_cells() && share.by_cell.cols() > 0)
+    out.at_vertices = at_vertices(part, stress_error_of_cells(part, share.by_cell), nodes);
+  return out;
+}
 
 superelement::Superelement to_superelement(const PartInput& input, Reduction&& reduction,
                                            superelement::Surface&& surface, std::string report_json,

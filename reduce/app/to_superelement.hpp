@@ -15,6 +15,9 @@ superelement::Superelement to_superelement(const PartInput& input, Reduction&& r
                                            superelement::Surface&& surface, std::string report_json,
                                            std::vector<std::int32_t> stress_vertices = {});
 
+/// What is estimated of the mesh, as the file keeps it; `nodes` of the surface's vertices, ascending.
+superelement::MeshError to_mesh_error(const MeshShare& share, const Part& part, const std::vector<mesh::Index>& nodes);
+
 /// The materials' compliances at the stress modes' places, which are these nodes.
 void add_compliance(const Part& part, const std::vector<mesh::Index>& nodes,
                     superelement::StressModes& stress);

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "reduce/cms/reduction.hpp"
+#include "reduce/estimate/sharp_edges.hpp"
 #include "reduce/linalg/dense.hpp"
 
 namespace flexura::reduce {
@@ -73,19 +74,51 @@ MeshShare mesh_share(const JudgedMotions& motions, const MeshEnergy& left) {
   constexpr double kUnresolved = std::numeric_limits<double>::infinity();
   MeshShare out;
   const VectorXd x = left.energy.cwiseQuotient(motions.energy);
-  Index at = 0;
-  for (; at < motions.n_modes; ++at)
-    out.modes.push_back(
-        {motions.states.lambda(at), x(at) < 1.0 ? 1.0 / std::sqrt(1.0 - x(at)) - 1.0 : kUnresolved});
+  const auto stress = [&](double share) { return MeshShare::Stress{.mean = std::sqrt(std::clamp(share, 0.0, 1.0))}; };
+  for (Index at = 0; at < motions.n_modes; ++at)
+    out.modes.push_back({motions.states.lambda(at), x(at) < 1.0 ? 1.0 / std::sqrt(1.0 - x(at)) - 1.0 : kUnresolved, stress(x(at))});
   for (std::size_t k = 0; k < motions.names.size(); ++k) {
-    const bool as_the_first = motions.n_directions[k] == 0;
-    const double worst = x.segment(as_the_first ? motions.n_modes : at,
-                                   motions.n_directions[as_the_first ? 0 : k]).maxCoeff();
-    at += motions.n_directions[k];
-    out.interfaces.push_back({motions.names[k], worst < 1.0 ? worst : kUnresolved});
+    const auto [first, n] = motions.states_of(k);
+    const double worst = x.segment(first, n).maxCoeff();
+    out.interfaces.push_back({motions.names[k], worst < 1.0 ? worst : kUnresolved, stress(worst)});
   }
   out.by_cell = left.by_cell * motions.energy.cwiseInverse().cast<float>().asDiagonal();
   return out;
+}
+
+std::pair<Index, Index> JudgedMotions::states_of(std::size_t interface) const {
+  if (n_directions[interface] == 0) return states_of(0);
+  Index first = n_modes;
+  for (std::size_t k = 0; k < interface; ++k) first += n_directions[k];
+  return {first, n_directions[interface]};
+}
+
+void leave_out_concentrated(const Part& part, const JudgedMotions& motions, MeshShare& share) {
+  const bool any = std::any_of(part.interfaces.begin(), part.interfaces.end(),
+                               [&](const InterfaceSpec& interface) { return is_concentrated(part, interface); });
+  if (!any) return;
+  for (std::size_t k = 0; k < share.interfaces.size(); ++k) {
+    share.interfaces[k].error = -1.0;
+    share.interfaces[k].stress.mean = -1.0;
+    const auto [first, n] = motions.states_of(k);
+    share.by_cell.middleCols(first, n).setZero();  // no finer mesh asked for there
+  }
+}
+
+void add_peaks(const JudgedMotions& motions, const std::vector<PeakStress>& peaks, MeshShare& share) {
+  for (std::size_t k = 0; k < share.modes.size(); ++k) share.modes[k].stress.peak = peaks[k];
+  for (std::size_t k = 0; k < share.interfaces.size(); ++k) {
+    const auto [first, n] = motions.states_of(k);
+    PeakStress& worst = share.interfaces[k].stress.peak;
+    for (Index state = first; state < first + n; ++state) {
+      const PeakStress& peak = peaks[static_cast<std::size_t>(state)];
+      const PeakStress before = worst;
+      if (peak.error > worst.error) worst = peak;
+      if (!peak.singular && before.singular) worst.singular_at = before.singular_at;
+      if (peak.singular) worst.singular_at = peak.singular_at;
+      worst.singular = before.singular || peak.singular;
+    }
+  }
 }
 
 }  // namespace flexura::reduce

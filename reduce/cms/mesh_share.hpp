@@ -7,6 +7,7 @@
 
 #include "reduce/assembly/part.hpp"
 #include "reduce/estimate/mesh_error.hpp"
+#include "reduce/recovery/peak_stress.hpp"
 
 /// What the mesh costs in accuracy, by frequency and by interface, from the energies it leaves
 /// (reduce/estimate/enriched_error.hpp, mesh_error.hpp).
@@ -21,14 +22,22 @@ namespace flexura::reduce {
 
 struct Reduction;
 
+/// And of the stresses of the elements themselves, root mean square over the part in the measure of energy: x^(1/2).
 struct MeshShare {
+  struct Stress {
+    double mean = 0.0;   ///< relative
+    PeakStress peak = {};  ///< of the greatest nodal stress; not known without stress modes
+  };
   struct Mode {
     double omega2;  ///< of the reduced free body [rad^2/s^2]
     double error;   ///< relative, of the frequency; infinite where the mesh does not resolve it
+    Stress stress = {};
   };
   struct Interface {
     std::string name;
-    double error;  ///< relative, of the static compliance in the worst direction; infinite likewise
+    double error;  ///< relative, of the static compliance in the worst direction; infinite likewise; -1: not known, as
+                   ///< it or another is concentrated (is_concentrated)
+    Stress stress = {};  ///< under its unit loads: the worst mean and the worst peak
   };
   std::vector<Mode> modes;            ///< the lowest elastic ones, ascending
   std::vector<Interface> interfaces;  ///< where there are two or more
@@ -45,6 +54,8 @@ struct JudgedMotions {
   int n_modes = 0;         ///< the first ones; after them the static answers, interface by interface
   std::vector<std::string> names;  ///< of those interfaces
   std::vector<int> n_directions;  ///< 0: as the first
+  /// The first of an interface's states, and how many.
+  std::pair<Eigen::Index, Eigen::Index> states_of(std::size_t interface) const;
 };
 
 /// The elastic modes up to `omega_max` [rad/s], at least the first 10 and at most 60, and the answers to unit loads in
@@ -52,5 +63,11 @@ struct JudgedMotions {
 JudgedMotions judged_motions(const Reduction& reduction, double omega_max);
 
 MeshShare mesh_share(const JudgedMotions& motions, const MeshEnergy& left);
+
+/// Takes out the compliance of interfaces that load, or are held by, a point or a line of elastic solids, where it has no limit.
+void leave_out_concentrated(const Part& part, const JudgedMotions& motions, MeshShare& share);
+
+/// Puts in what is known of the greatest stresses of the judged motions.
+void add_peaks(const JudgedMotions& motions, const std::vector<PeakStress>& peaks, MeshShare& share);
 
 }  // namespace flexura::reduce

@@ -39,11 +39,15 @@ void bisect(const Eigen::Matrix3Xd& centres, std::vector<std::size_t>& order, st
 }  // namespace
 
 CellSample choose_cells(const Part& part, const Eigen::MatrixXf& indicator) {
-  // Large pieces have few cells at their border, where their neighbours are missed; several tell how much ratios vary.
-  constexpr std::size_t kPiece = 512, kTop = 3, kRandom = 5;
+  // Large pieces have few cells at their border, where their neighbours are missed (those of four nodes need most); several tell
+  // how much ratios vary.  A small mesh's factorisation is cheap: the estimate makes do with less there.
   const auto n_cells = static_cast<std::size_t>(indicator.rows());
+  const bool four_nodes = std::all_of(part.mesh.solids.begin(), part.mesh.solids.end(),
+                                      [](const mesh::CellBlock& block) { return block.type == mesh::CellType::tet4; });
+  const bool large = n_cells > 20'000 || four_nodes;
+  const std::size_t piece = large ? 512 : 256, n_top = large ? 3 : 2, n_random = large ? 5 : 3;
   CellSample out;
-  if (n_cells <= (kTop + kRandom + 1) * kPiece) {
+  if (n_cells <= (n_top + n_random + 1) * piece) {
     out.cells.resize(n_cells);
     std::iota(out.cells.begin(), out.cells.end(), std::size_t{0});
     out.random.assign(n_cells, 1);
@@ -60,7 +64,7 @@ CellSample choose_cells(const Part& part, const Eigen::MatrixXf& indicator) {
     }
   std::vector<std::size_t> order(n_cells), ends;
   std::iota(order.begin(), order.end(), std::size_t{0});
-  bisect(centres, order, 0, n_cells, kPiece, ends);
+  bisect(centres, order, 0, n_cells, piece, ends);
 
   // Of each piece the greatest share of a state's indicator.
   const std::size_t n_pieces = ends.size();
@@ -75,13 +79,13 @@ CellSample choose_cells(const Part& part, const Eigen::MatrixXf& indicator) {
   std::iota(by_share.begin(), by_share.end(), std::size_t{0});
   std::stable_sort(by_share.begin(), by_share.end(), [&](std::size_t a, std::size_t b) { return share[a] > share[b]; });
   std::vector<char> top(n_pieces, 0);
-  for (std::size_t k = 0; k < kTop; ++k) top[by_share[k]] = 1;
-  const std::size_t n_others = n_pieces - kTop;
+  for (std::size_t k = 0; k < n_top; ++k) top[by_share[k]] = 1;
+  const std::size_t n_others = n_pieces - n_top;
   std::size_t other = 0, taken = 0;
   for (std::size_t p = 0, first = 0; p < n_pieces; first = ends[p++]) {
     bool random = false;
     if (!top[p]) {
-      random = taken < kRandom && other == (2 * taken + 1) * n_others / (2 * kRandom);
+      random = taken < n_random && other == (2 * taken + 1) * n_others / (2 * n_random);
       taken += random;
       ++other;
     }

@@ -21,7 +21,8 @@
 /// (the shape is in equilibrium there), but without them thin elements could not bend.  A few steps of conjugate
 /// gradients, preconditioned by the cells' own inverses with shared functions weighted by their stiffness, come from
 /// below to within a few per cent: r is rough, so that no coarse problem is needed.  The degrees after the next add
-/// about a fifth more to cells of second degree (measured, docs/mesh_error.md).  Functions on faces of rigid ties are
+/// about a fifth more to cells of second degree (measured, docs/mesh_error.md), and along sharp edges what theory says of the
+/// rate there.  Functions on faces of rigid ties are
 /// left out.
 namespace flexura::reduce {
 

@@ -152,6 +152,64 @@ TEST_F(MeshVerdict, AShaftWithSharpShouldersIsJudgedByItsMesh) {
   }
 }
 
+// What is said of stress: bounded at ends that hold their mean motion, unbounded around one that is rigid; unknown where no
+// stress modes are kept.  All of it stands in the superelement, with a picture of the error on its surface.
+TEST_F(MeshVerdict, StressIsJudgedOrCalledUnboundedOrUnknown) {
+  const std::string ends = "tie = \"average\"\n[interface.end]\nby = \"plane\"\npoint = [4, 0, 0]\nnormal = [1, 0, 0]\ntie = \"average\"\n"
+                           "[modes]\ncount = 8\n",
+                    stress = "[recovery]\nstress = true\n";
+  const Reduced mean = reduce(block(kHeld + ends + stress));
+  ASSERT_EQ(mean.outcome.exit_code, 0) << mean.outcome.err;
+  EXPECT_THAT(mean.outcome.out, AllOf(HasSubstr("stress, estimated: of the elements"), HasSubstr("greatest stress within"),
+                                      Not(HasSubstr("no finite stress"))));
+  const superelement::Superelement se = superelement::read(output(), {.surface = true, .stress = true, .mesh_error = true});
+  ASSERT_TRUE(se.mesh_error);
+  EXPECT_EQ(se.mesh_error->at_vertices.size(), se.surface.vertices.rows());
+  ASSERT_EQ(se.mesh_error->modes.size(), mean.report["mesh_error"]["modes"].size());
+  for (std::size_t k = 0; k < se.mesh_error->modes.size(); ++k) {
+    const superelement::MeshError::Mode& mode = se.mesh_error->modes[k];
+    EXPECT_NEAR(mode.frequency_hz, hz(mean, k), 1e-6 * hz(mean, k));
+    EXPECT_NEAR(mode.error, std::min(error(mean, k), 1.0), 1e-9);
+    EXPECT_FALSE(mode.stress.singular);
+    // By energy: f_h / f = (1 - x)^(-1/2), stress x^(1/2).
+    EXPECT_NEAR(mode.stress.mean, std::sqrt(1.0 - std::pow(1.0 + mode.error, -2.0)), 1e-6);
+  }
+  ASSERT_EQ(se.mesh_error->interfaces.size(), 2u);
+  EXPECT_GE(se.mesh_error->interfaces[0].stress.peak, 0.0);
+  const Outcome page = run("flexura", {"modes", output(), "--html", folder_ / "modes.html"});
+  EXPECT_EQ(page.exit_code, 0) << page.err;
+  EXPECT_THAT(read_text(folder_ / "modes.html"), HasSubstr("\"mesh_error\":true"));
+
+  std::filesystem::remove(output());
+  const Reduced rigid = reduce(block(replaced(kHeld + ends + stress, "tie = \"average\"\n[modes]", "[modes]")));
+  ASSERT_EQ(rigid.outcome.exit_code, 0) << rigid.outcome.err;
+  EXPECT_THAT(rigid.outcome.out, AllOf(HasSubstr("no finite stress exists"), HasSubstr("unbounded at (")));
+
+  std::filesystem::remove(output());
+  const Reduced none = reduce(block(kHeld + ends));
+  EXPECT_THAT(none.outcome.out, Not(HasSubstr("greatest stress")));
+  const auto unknown = superelement::read(output(), {.mesh_error = true}).mesh_error;
+  ASSERT_TRUE(unknown);
+  EXPECT_EQ(unknown->modes.front().stress.peak, -1.0);
+  EXPECT_GT(unknown->modes.front().stress.mean, 0.0);
+}
+
+// A force on a point or along a line of an elastic body moves it without bound: its compliance is that of the mesh alone, and
+// no accuracy is promised of it.
+TEST_F(MeshVerdict, ComplianceOfAPointOrALineIsUnknown) {
+  const std::string end = "[interface.end]\nby = \"plane\"\npoint = [4, 0, 0]\nnormal = [1, 0, 0]\n[modes]\ncount = 8\n",
+                    point = "[interface.tip]\nby = \"nodes\"\nnodes = [54]\ntie = \"node\"\ndirections = [\"x\", \"y\", \"z\"]\n",
+                    line = "[interface.tip]\nby = \"nodes\"\nnodes = [54, 36, 18]\ntie = \"average\"\ndirections = [\"x\", \"y\", \"z\"]\n";
+  for (const std::string& tip : {point, line}) {
+    std::filesystem::remove(output());  // a good file would be kept
+    const Reduced r = reduce(block(tip + end));
+    ASSERT_EQ(r.outcome.exit_code, 0) << r.outcome.err;
+    EXPECT_THAT(r.outcome.out, AllOf(HasSubstr("static compliance: unknown"), Not(HasSubstr("static compliance within"))));
+    for (const nlohmann::json& interface : r.report["mesh_error"]["interfaces"]) EXPECT_TRUE(interface["compliance_error"].is_null());
+    EXPECT_EQ(superelement::read(output(), {.mesh_error = true}).mesh_error->interfaces.at(0).compliance_error, -1.0);
+  }
+}
+
 TEST_F(MeshVerdict, AccuracyOfAGivenMeshIsReported) {
   const Reduced r = reduce(block(kHeld), {"--accuracy", "1 %"});
   // A deck's mesh stays as it is: its share is said.
