@@ -1,0 +1,34 @@
+# What `cmake --install` and `cpack` make of a build: four components, four Debian packages.  The development files are
+# those of mbs/library.
+install(TARGETS flexura RUNTIME DESTINATION bin COMPONENT runtime)
+install(FILES LICENSE README.md CHANGELOG.md DESTINATION share/doc/flexura COMPONENT runtime)
+install(TARGETS flexura-reduce flexura-mesh flexura-import flexura-assembly RUNTIME DESTINATION bin COMPONENT reduction)
+install(DIRECTORY mbs/python/flexura DESTINATION lib/python3/dist-packages COMPONENT python FILES_MATCHING PATTERN "*.py")
+
+set(CPACK_GENERATOR DEB)
+set(CPACK_PACKAGE_NAME flexura)
+set(CPACK_PACKAGE_VERSION ${PROJECT_VERSION})
+set(CPACK_PACKAGE_CONTACT "the Flexura developers")
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "flexible bodies from CAD in multibody simulation")
+set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+set(CPACK_COMPONENTS_ALL runtime reduction development python)
+set(CPACK_COMPONENTS_GROUPING IGNORE)
+set(CPACK_DEB_COMPONENT_INSTALL ON)
+set(CPACK_STRIP_FILES ON)
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PACKAGE_SECTION science)
+# What the programs link is found by dpkg-shlibdeps; headers and modules are named.
+set(CPACK_DEBIAN_RUNTIME_PACKAGE_NAME flexura)
+set(CPACK_DEBIAN_RUNTIME_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_RUNTIME_PACKAGE_RECOMMENDS flexura-reduce)
+set(CPACK_DEBIAN_REDUCTION_PACKAGE_NAME flexura-reduce)
+set(CPACK_DEBIAN_REDUCTION_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_REDUCTION_PACKAGE_DEPENDS "flexura (= ${PROJECT_VERSION})")
+set(CPACK_DEBIAN_REDUCTION_PACKAGE_RECOMMENDS libopenblas0-pthread)  # the default BLAS is five times slower
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME libflexura-dev)
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS
+    "cmake, pkg-config, libeigen3-dev, libfmt-dev, libtomlplusplus-dev, nlohmann-json3-dev, libmuparser-dev, libsundials-dev, libsuitesparse-dev, libhdf5-dev, libxxhash-dev")
+set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-flexura)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_ARCHITECTURE all)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "python3, python3-numpy, python3-h5py, flexura")
+include(CPack)
