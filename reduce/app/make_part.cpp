@@ -12,6 +12,7 @@
 #include "reduce/app/deck_averages.hpp"
 #include "reduce/app/deck_frames.hpp"
 #include "reduce/app/force_field.hpp"
+#include "reduce/app/idle_turns.hpp"
 #include "reduce/assembly/constraints.hpp"
 #include "reduce/assembly/point_mass.hpp"
 #include "reduce/assembly/shell_skins.hpp"
@@ -293,6 +294,7 @@ ModelledPart make_part(const PartInput& input, PartMesh&& from) {
   complete_interfaces(input, out);
   add_masses(input, from, out);
   add_links(input, out);
+  hold_idle_turns(out.part);
   add_loads(input, from, has_points ? middle : out.part.mesh, out);
   return out;
 }

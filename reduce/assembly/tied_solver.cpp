@@ -23,7 +23,8 @@ ModelFactor factorise(const TiedModel& model, const linalg::Progress& progress,
     throw std::invalid_argument(
         fmt::format("the stiffness matrix is singular although the interfaces hold the body: a part of it "
                     "can move without strain, "
-                    "noticed at {}; look for solids that touch in a single node or edge",
+                    "noticed at {}; look for solids that touch in a single node or edge, and for hinges (pin flags, ties of "
+                    "displacements) with an interface on one side alone: add one beyond them",
                     singular.dof >= 0 ? model.describe_dof(singular.dof)
                                       : "a place that one process alone (without mpirun) would name"));
   }

@@ -214,6 +214,26 @@ TEST_F(DeckBeams, ABodyThatHingesWithinItselfHasAMechanism) {
   }
 }
 
+// A bar pinned at its end: the node's rotations there hold nothing.  3 E I / l^3 with the end's displacements retained; a
+// rotation that is retained has nothing to it, and is named.
+TEST_F(DeckBeams, RotationsThatNothingHoldsAreNoObstacle) {
+  const std::string pinned =
+      "BEGIN BULK\nMAT1,1,2.1+11,,0.3,7850.\nPBAR,1,1,1.5-3,3.125-7,1.125-7,1.-7\nGRID,1,,0.,0.,0.\nGRID,2,,.6,.8,0.\nGRID,3,,.3,.4,0.\n"
+      "CBAR,1,1,1,3,0.,0.,1.\nCBAR,2,1,3,2,0.,0.,1.,,,56\nENDDATA\n";
+  const std::string a = "[interface.a]\nby = \"nodes\"\nnodes = [1]\n", b = "[interface.b]\nby = \"nodes\"\nnodes = [2]\n",
+                    count = "[modes]\ncount = 2\n";
+  const Reduced r = reduce_deck(pinned, a + b + "directions = [\"x\", \"y\", \"z\"]\n" + count);
+  ASSERT_EQ(r.outcome.exit_code, 0) << r.outcome.err;
+  // y of the element is z: I_1 resists there.  Along (-0.8, 0.6) it is I_2.
+  const int first = r.se.interfaces[1].first_dof;
+  EXPECT_NEAR(r.se.K_se(first + 2, first + 2) / (3 * 2.1e11 * 3.125e-7), 1.0, 1e-9);
+  const Eigen::Vector2d across(-0.8, 0.6);
+  EXPECT_NEAR(across.dot(r.se.K_se.block<2, 2>(first, first) * across) / (3 * 2.1e11 * 1.125e-7), 1.0, 1e-9);
+  const Reduced turned = reduce_deck(pinned, a + b + count);
+  EXPECT_EQ(turned.outcome.exit_code, 2);
+  EXPECT_THAT(turned.outcome.err, testing::ContainsRegex("interface 'b': its rotation about [yz] has neither stiffness nor mass"));
+}
+
 // Without interfaces the nodes of a straight bar do not say how it turns about itself; their rotations do.
 TEST_F(DeckBeams, AFreeStraightBarIsReduced) {
   const Reduced r = reduce_deck(cantilever(12), "[modes]\ncount = 12\n");
