@@ -140,9 +140,8 @@ void NastranReader::read_materials() {
     if (card->text(6) == "PFLUID")
       throw std::invalid_argument(fmt::format("{}: PSOLID {} is a fluid (PFLUID); structures are read", card->where.text(),
                                               card->integer(0)));
-    // IN: bricks of eight nodes have bubble functions unless it asks for 2 or 3 points and nothing else.
-    static const std::set<std::string> kBubbles = {"", "0", "BUBBLE"};
-    if (!kBubbles.contains(card->text(3))) full_bricks_.insert(card->integer(0));
+    if (card->text(3) == "BUBBLE" || card->text(3) == "0") bubbles_.insert(card->integer(0));
+    if (card->text(3).empty()) no_scheme_.insert(card->integer(0));
   }
 }
 
@@ -213,7 +212,7 @@ std::array<bool, 6> NastranReader::components(const std::string& digits, const C
 }
 
 void NastranReader::read_solids() {
-  int plain_wedges = 0;
+  int plain_wedges = 0, plain_bricks = 0;
   for (const Card& card : cards_) {
     const auto found = solid_cards().find(card.name);
     if (found == solid_cards().end()) continue;
@@ -238,18 +237,25 @@ void NastranReader::read_solids() {
     builder_.add_to_set("property " + std::to_string(property), nodes);
     const std::size_t cell =
         builder_.add_cell(0, middle ? solid.quadratic : solid.linear, id, std::move(nodes), card.where);
-    if (!middle && solid.linear == CellType::hex8 && !full_bricks_.contains(property))
-      builder_.cells()[cell].variant = CellVariant::bubbles;
-    if (!middle && solid.linear == CellType::wedge6) ++plain_wedges;
+    if (!middle && solid.linear == CellType::hex8) {
+      if (bubbles_.contains(property)) builder_.cells()[cell].variant = CellVariant::bubbles;
+      plain_bricks += no_scheme_.contains(property);
+    }
+    plain_wedges += !middle && solid.linear == CellType::wedge6;
     if (const auto p = property_.find(property); p != property_.end())
       builder_.cells()[cell].material = p->second;
     else if (!by_name_["PSOLID"].empty())
       throw std::invalid_argument(
           fmt::format("{}: PSOLID {} of {} {} is not defined", card.where.text(), property, card.name, id));
   }
+  if (plain_bricks > 0)  // programs that read these decks differ in what a blank IN means
+    model_.messages.push_back(fmt::format(
+        "{} CHEXA of eight nodes, whose PSOLID leaves IN blank: integrated in full, stiffer in bending by far than with the bubble "
+        "functions that MSC Nastran gives them; mesh.formulation = \"enhanced\" does so here",
+        plain_bricks));
   if (plain_wedges > 0)
     model_.messages.push_back(fmt::format(
-        "{} CPENTA of six nodes: without the bubble functions that Nastran gives them: stiffer in bending", plain_wedges));
+        "{} CPENTA of six nodes: without the bubble functions that MSC Nastran gives them: stiffer in bending", plain_wedges));
 }
 
 void NastranReader::read_masses() {

@@ -74,7 +74,7 @@ class NastranReader {
   std::vector<Card> cards_;
   std::map<std::string, std::vector<const Card*>> by_name_;
   std::map<std::int64_t, Index> material_, property_;
-  std::set<std::int64_t> full_bricks_;  // PSOLID that ask for bricks without bubbles
+  std::set<std::int64_t> bubbles_, no_scheme_;  // PSOLID whose IN is BUBBLE, blank
   double mass_factor_ = 1;              // WTMASS
   NastranSystems systems_;
   std::map<Index, double> extra_mass_;  // of shells' NSM

@@ -47,8 +47,8 @@ TEST_F(Decks, MeshesAreWrittenForOtherPrograms) {
       material = "[material.steel]\nyoung = \"210 GPa\"\npoisson = 0.3\ndensity = 7850\n",
       foot = "[interface.foot]\nby = \"plane\"\npoint = [0, 0, 0]\nnormal = [1, 0, 0]\n[modes]\ncount = 3\n";
   // Two wedges and a brick.
-  const std::string deck =  // bricks without bubbles, of which a .msh knows nothing
-      "BEGIN BULK\nMAT1,1,2.1+11,,0.3,7850.\nPSOLID,1,1,,3\n"
+  const std::string deck =
+      "BEGIN BULK\nMAT1,1,2.1+11,,0.3,7850.\nPSOLID,1,1\n"
       "GRID,1,,0.,0.,0.\nGRID,2,,.1,0.,0.\nGRID,3,,.1,.1,0.\nGRID,4,,0.,.1,0.\nGRID,5,,0.,0.,.1\nGRID,6,,.1,"
       "0.,.1\n"
       "GRID,7,,.1,.1,.1\nGRID,8,,0.,.1,.1\nGRID,9,,.25,0.,0.\nGRID,10,,.25,.1,0.\nGRID,11,,.25,0.,.1\nGRID,"
