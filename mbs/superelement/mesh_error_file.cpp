@@ -3,7 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "mbs/files/json_depth.hpp"
+#include "mbs/base/files/json_depth.hpp"
 #include "mbs/superelement/recovery_file.hpp"
 
 namespace flexura::superelement {

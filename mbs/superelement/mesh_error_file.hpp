@@ -1,7 +1,7 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "mbs/hdf5/file.hpp"
+#include "mbs/base/hdf5/file.hpp"
 #include "mbs/superelement/superelement.hpp"
 
 /// The group `mesh_error` of the file (FORMAT.md); for file.cpp.
