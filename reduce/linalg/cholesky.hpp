@@ -20,7 +20,8 @@ struct SingularMatrix : std::runtime_error {
   int dof;  ///< the row at which it was noticed
 };
 
-/// A sparse Cholesky factorisation P A P^T = L L^T (supernodal_factor.hpp; nested dissection by METIS).
+/// A sparse Cholesky factorisation P A P^T = L L^T by PETSc's KSP and PC, which read the user's options; the
+/// default is the solver package fronts (fronts_package.hpp; nested dissection by METIS).
 class CholeskyFactor {
  public:
   /// `group_begin` cuts the rows into groups of consecutive rows with the same pattern (the directions of one
@@ -37,7 +38,7 @@ class CholeskyFactor {
   Eigen::MatrixXd solve(const Eigen::Ref<const Eigen::MatrixXd>& B) const;
 
   int size() const;
-  /// Row order()[k] is eliminated as number k.
+  /// Row order()[k] is eliminated as number k; empty where the user's options name another package.
   const std::vector<int>& order() const;
   const FactorFigures& figures() const;
 

@@ -1,42 +1,38 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include "reduce/linalg/inertia.hpp"
 
-#include <random>
 #include <stdexcept>
 
+#include "reduce/linalg/direct_solver.hpp"
+
 namespace flexura::linalg {
-namespace {
 
-SupernodalFactor analysed(const UpperCsr& A, std::vector<int> order) {
-  if (order.empty() && A.n > 0) order = nested_dissection(A);
-  return {A, std::move(order)};
-}
-
-}  // namespace
+struct IndefiniteFactor::Impl {
+  DirectSolver solver;
+};
 
 IndefiniteFactor::IndefiniteFactor(const SymmetricMatrix& A, std::vector<int> order,
                                    const FactorStorage& storage)
-    : factor_(analysed(A.csr(), std::move(order))) {
-  const bool failed = factor_.factorise(A.csr(), false, storage) >= 0;
-  // Round-off E that takes an eigenvalue mu of A past zero is greater than mu, and greater than mu + e, what
-  // the factor has in its place.  So the residual E x of x = (A + E)^-1 b is no smaller than b's part along
-  // the eigenvector, which is normally distributed: in one of eight draws it is above 0.1, but for once in
-  // 1e9.
-  constexpr double kResidual = 0.1;
-  Eigen::MatrixXd B(A.size(), 8), AX;
-  std::mt19937_64 random(19781105);
-  std::normal_distribution<double> normal;
-  for (double& b : B.reshaped()) b = normal(random);
-  if (!failed) A.multiply(solve(B), AX);
-  if (failed || !((AX - B).colwise().norm().maxCoeff() < kResidual))
+    : impl_(new Impl{DirectSolver(A, {.definite = false,
+                                      .count_negative = true,
+                                      .hints = {.order = std::move(order), .storage = storage}})}) {
+  if (impl_->solver.failure().failed)
     throw std::runtime_error(
         "counting eigenvalues: the limit is too close to an eigenvalue of the structure or of a piece of it; "
         "move it a little");
 }
 
+IndefiniteFactor::~IndefiniteFactor() = default;
+IndefiniteFactor::IndefiniteFactor(IndefiniteFactor&&) noexcept = default;
+IndefiniteFactor& IndefiniteFactor::operator=(IndefiniteFactor&&) noexcept = default;
+
+int IndefiniteFactor::n_negative() const {
+  return impl_->solver.n_negative();
+}
+
 Eigen::MatrixXd IndefiniteFactor::solve(const Eigen::Ref<const Eigen::MatrixXd>& B) const {
-  Eigen::MatrixXd X;
-  factor_.solve(B, X);
+  Eigen::MatrixXd X(B.rows(), B.cols());
+  impl_->solver.solve(B, X);
   return X;
 }
 

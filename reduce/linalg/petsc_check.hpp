@@ -4,9 +4,28 @@
 // Only for the .cpp files of this folder that see PETSc.
 #include <petscsys.h>
 
+#include <exception>
+
 namespace flexura::linalg {
 
-/// Throws std::runtime_error("PETSc failed while `doing`: `its message`") unless the code is zero.
+/// C++ exceptions do not travel through PETSc's C: what is thrown within one of its callbacks waits for the
+/// petsc_check of the call that led there.  The first one counts.
+void keep_exception(std::exception_ptr error);
+
+/// The body of a callback.
+template <class Work>
+PetscErrorCode guarded(const Work& work) {
+  try {
+    work();
+    return 0;
+  } catch (...) {
+    keep_exception(std::current_exception());
+    return PETSC_ERR_LIB;
+  }
+}
+
+/// Unless the code is zero: throws what a callback has thrown, or else std::runtime_error("PETSc failed while
+/// `doing`: `its message`").
 void petsc_check(PetscErrorCode code, const char* doing);
 
 /// Throws std::logic_error unless a Session is alive.

@@ -5,11 +5,13 @@
 #include <slepcsys.h>
 
 #include <cstdlib>
+#include <exception>
 #include <stdexcept>
 #include <string>
 #include <utility>
 
 #include "reduce/linalg/blas_threads.hpp"
+#include "reduce/linalg/fronts_package.hpp"
 #include "reduce/linalg/petsc_check.hpp"
 
 namespace flexura::linalg {
@@ -18,6 +20,7 @@ namespace {
 int open_sessions = 0;  // of this process: MPI itself is a process-wide thing
 bool ended = false;
 std::string first_message;  // of the error on its way up through PETSc's call stack
+std::exception_ptr thrown;  // in a callback, likewise
 
 PetscErrorCode remember_error(MPI_Comm, int, const char*, const char*, PetscErrorCode code,
                               PetscErrorType type, const char* message, void*) {
@@ -36,10 +39,15 @@ PetscErrorCode say_nothing(const char*, ...) {
 
 }  // namespace
 
+void keep_exception(std::exception_ptr error) {
+  if (!thrown) thrown = std::move(error);
+}
+
 void petsc_check(PetscErrorCode code, const char* doing) {
   if (code == 0) return;
   std::string text = first_message;
   first_message.clear();
+  if (thrown) std::rethrow_exception(std::exchange(thrown, nullptr));
   if (text.empty()) {
     const char* general = nullptr;
     PetscErrorMessage(code, &general, nullptr);
@@ -82,6 +90,7 @@ Session::Session() {
     PetscErrorPrintf = say_nothing;
     if (SlepcInitializeNoArguments() != 0) throw std::runtime_error("PETSc and SLEPc could not be started");
     PetscPushErrorHandler(remember_error, nullptr);
+    register_fronts();
     require_blas_memory(1);
     // MPI has told the allocator to keep all it ever had, for the sake of network cards.  Arrays from 4 MB on
     // are mapped one by one again and given back when they are freed: a fifth of the memory of large parts

@@ -47,6 +47,8 @@ class SupernodalFactor {
 
   /// X = A^-1 B for n x k right-hand sides, by panels of eight columns, one panel per core at a time.
   void solve(const Eigen::Ref<const Eigen::MatrixXd>& B, Eigen::MatrixXd& X) const;
+  /// Likewise where X has its size; X may be B.
+  void solve_into(const Eigen::Ref<const Eigen::MatrixXd>& B, Eigen::Ref<Eigen::MatrixXd> X) const;
 
   /// The smallest L_jj^2 / |A_jj| and its row.
   struct Pivot {

@@ -125,7 +125,7 @@ FLEXURA_INLINE void solve_panel(const Arrays& L, double* panel, double* scratch)
 
 template <int W>
 void solve_columns(const Arrays& L, const Eigen::Ref<const Eigen::MatrixXd>& B, Eigen::Index first,
-                   Eigen::Index count, Eigen::MatrixXd& X) {
+                   Eigen::Index count, Eigen::Ref<Eigen::MatrixXd>& X) {
   std::ptrdiff_t longest = 0;
   for (int s = 0; s < L.n_supernodes; ++s)
     longest = std::max<std::ptrdiff_t>(longest, L.first_row[s + 1] - L.first_row[s]);
@@ -143,10 +143,15 @@ void solve_columns(const Arrays& L, const Eigen::Ref<const Eigen::MatrixXd>& B, 
 }  // namespace
 
 void SupernodalFactor::solve(const Eigen::Ref<const Eigen::MatrixXd>& B, Eigen::MatrixXd& X) const {
+  X.resize(B.rows(), B.cols());
+  solve_into(B, X);
+}
+
+void SupernodalFactor::solve_into(const Eigen::Ref<const Eigen::MatrixXd>& B,
+                                  Eigen::Ref<Eigen::MatrixXd> X) const {
   const Arrays L{n_,           n_supernodes(), first_column_.data(), first_row_.data(),
                  rows_.data(), order_.data(),  first_value_.data(),  signs_.data(),
                  &values_};
-  X.resize(B.rows(), B.cols());
   for_each_panel(B.cols(), [&](auto width, Eigen::Index first, Eigen::Index count) {
     solve_columns<width>(L, B, first, count, X);
   });

@@ -60,8 +60,8 @@ void multiply_columns(const UpperCsr& A, int directions, const Eigen::Ref<const 
     for (Eigen::Index c = 0; c < count; ++c) Y(static_cast<Eigen::Index>(r), first + c) = y[r * W + c];
 }
 
-void multiply(const UpperCsr& A, int directions, const Eigen::Ref<const Eigen::MatrixXd>& X,
-              Eigen::MatrixXd& Y) {
+void multiply_panels(const UpperCsr& A, int directions, const Eigen::Ref<const Eigen::MatrixXd>& X,
+                     Eigen::MatrixXd& Y) {
   if (X.rows() != static_cast<Eigen::Index>(A.n) * directions)
     throw std::logic_error("multiply: the vectors do not have the length of the matrix");
   Y.resize(X.rows(), X.cols());
@@ -71,6 +71,10 @@ void multiply(const UpperCsr& A, int directions, const Eigen::Ref<const Eigen::M
 }
 
 }  // namespace
+
+void multiply(const UpperCsr& A, const Eigen::Ref<const Eigen::MatrixXd>& X, Eigen::MatrixXd& Y) {
+  multiply_panels(A, 1, X, Y);
+}
 
 struct SymmetricMatrix::Impl {
   std::vector<int> row_begin, columns;
@@ -83,7 +87,7 @@ struct SymmetricMatrix::Impl {
 };
 
 SymmetricMatrix::SymmetricMatrix(std::vector<int> row_begin, std::vector<int> columns)
-    : impl_(std::make_unique<Impl>()) {
+    : impl_(std::make_shared<Impl>()) {
   require_session();
   static_assert(sizeof(PetscInt) == sizeof(int), "PETSc with 32-bit indices is expected");
   impl_->row_begin = std::move(row_begin);
@@ -161,7 +165,7 @@ double SymmetricMatrix::diagonal(int dof) const {
 }
 
 void SymmetricMatrix::multiply(const Eigen::Ref<const Eigen::MatrixXd>& X, Eigen::MatrixXd& Y) const {
-  linalg::multiply(csr(), 1, X, Y);
+  multiply_panels(csr(), 1, X, Y);
 }
 
 void SymmetricMatrix::multiply_magnitudes(const Eigen::Ref<const Eigen::MatrixXd>& X,
@@ -169,11 +173,11 @@ void SymmetricMatrix::multiply_magnitudes(const Eigen::Ref<const Eigen::MatrixXd
   std::vector<double> magnitudes(impl_->values.size());
   std::transform(impl_->values.begin(), impl_->values.end(), magnitudes.begin(),
                  [](double a) { return std::abs(a); });
-  linalg::multiply({size(), impl_->row_begin, impl_->columns, magnitudes}, 1, X.cwiseAbs(), Y);
+  multiply_panels({size(), impl_->row_begin, impl_->columns, magnitudes}, 1, X.cwiseAbs(), Y);
 }
 
 void SymmetricMatrix::multiply_kron3(const Eigen::Ref<const Eigen::MatrixXd>& X, Eigen::MatrixXd& Y) const {
-  linalg::multiply(csr(), 3, X, Y);
+  multiply_panels(csr(), 3, X, Y);
 }
 
 void SymmetricMatrix::multiply_kron3(const RowPanel& X, RowPanel& Y) const {

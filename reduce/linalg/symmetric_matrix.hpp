@@ -17,6 +17,9 @@ struct UpperCsr {
   std::span<const double> values;
 };
 
+/// Y = A X for n x k dense X; columns are spread over the processor's cores.
+void multiply(const UpperCsr& A, const Eigen::Ref<const Eigen::MatrixXd>& X, Eigen::MatrixXd& Y);
+
 /// Eight vectors stored by rows, as products with sparse matrices want them.
 using RowPanel = Eigen::Matrix<double, Eigen::Dynamic, 8, Eigen::RowMajor>;
 
@@ -54,9 +57,12 @@ class SymmetricMatrix {
   void multiply_kron3(const Eigen::Ref<const Eigen::MatrixXd>& X, Eigen::MatrixXd& Y) const;
   void multiply_kron3(const RowPanel& X, RowPanel& Y) const;
 
+  /// The numbers live as long as this or the matrix.
+  std::shared_ptr<const void> share() const { return impl_; }
+
  private:
   struct Impl;
-  std::unique_ptr<Impl> impl_;
+  std::shared_ptr<Impl> impl_;
 };
 
 }  // namespace flexura::linalg

@@ -11,6 +11,7 @@
 #include "reduce/linalg/dense.hpp"
 #include "reduce/linalg/inertia.hpp"
 #include "reduce/linalg/krylov_schur.hpp"
+#include "reduce/linalg/supernodal_factor.hpp"
 #include "tests/reduce/parts.hpp"
 
 namespace flexura::linalg {
