@@ -19,6 +19,7 @@ using Task = linalg::Team::Task;
 struct ModelFactor::Impl {
   virtual ~Impl() = default;
   virtual MatrixXd solve(const Ref<const MatrixXd>& B) const = 0;
+  virtual void view(_p_PetscViewer*) const {}
   virtual int n_negative() const = 0;
   virtual const std::vector<int>& order() const = 0;
   virtual const linalg::FactorFigures& figures() const = 0;
@@ -30,6 +31,7 @@ struct Definite : ModelFactor::Impl {
   linalg::CholeskyFactor L;
   explicit Definite(linalg::CholeskyFactor factor) : L(std::move(factor)) {}
   MatrixXd solve(const Ref<const MatrixXd>& B) const override { return L.solve(B); }
+  void view(_p_PetscViewer* viewer) const override { L.view(viewer); }
   int n_negative() const override { return 0; }
   const std::vector<int>& order() const override { return L.order(); }
   const linalg::FactorFigures& figures() const override { return L.figures(); }
@@ -118,6 +120,9 @@ ModelFactor& ModelFactor::operator=(ModelFactor&&) noexcept = default;
 
 MatrixXd ModelFactor::solve(const Ref<const MatrixXd>& B) const {
   return impl_->solve(B);
+}
+void ModelFactor::view(_p_PetscViewer* viewer) const {
+  impl_->view(viewer);
 }
 int ModelFactor::n_negative() const {
   return impl_->n_negative();

@@ -7,6 +7,8 @@
 #include "reduce/linalg/factor_figures.hpp"
 #include "reduce/linalg/factor_store.hpp"
 
+struct _p_PetscViewer;  // PETSc's, which only reduce/linalg sees
+
 /// The stiffness matrix of a tied model, factorised: the one place that knows whether a process works alone
 /// (its own multifrontal method on all its cores) or leads a team (MUMPS over all ranks).
 namespace flexura::reduce {
@@ -26,6 +28,8 @@ class ModelFactor {
   ModelFactor& operator=(ModelFactor&&) noexcept;
 
   Eigen::MatrixXd solve(const Eigen::Ref<const Eigen::MatrixXd>& B) const;
+  /// Writes PETSc's report of the solver to its viewer; nothing where a team has factorised.
+  void view(_p_PetscViewer* viewer) const;
   int n_negative() const;                 ///< pivots
   const std::vector<int>& order() const;  ///< empty where a team has factorised
   const linalg::FactorFigures& figures() const;

@@ -26,7 +26,7 @@ ModelFactor factorise(const TiedModel& model, const linalg::Progress& progress,
                     "noticed at {}; look for solids that touch in a single node or edge, and for hinges (pin flags, ties of "
                     "displacements) with an interface on one side alone: add one beyond them",
                     singular.dof >= 0 ? model.describe_dof(singular.dof)
-                                      : "a place that one process alone (without mpirun) would name"));
+                                      : "a place that one process alone (without mpirun) with the solver package fronts would name"));
   }
 }
 

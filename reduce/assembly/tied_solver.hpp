@@ -41,6 +41,9 @@ class TiedSolver {
   /// Takes away from R (n_i x k) what is a combination of the rows of A: the reactions of fixed averages.
   void remove_reactions(Eigen::MatrixXd& R) const;
 
+  /// Writes PETSc's report of the solver of K' to its viewer.
+  void view(_p_PetscViewer* viewer) const { factor_.view(viewer); }
+
   const TiedModel& model() const { return model_; }
   const std::vector<int>& order() const { return factor_.order(); }
   const linalg::FactorFigures& figures() const { return factor_.figures(); }

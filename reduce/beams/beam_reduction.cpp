@@ -8,10 +8,9 @@
 #include "reduce/assembly/rigid_projection.hpp"
 #include "reduce/beams/beam_stiffening.hpp"
 #include "reduce/cms/mode_choice.hpp"
-#include "reduce/linalg/block_lanczos.hpp"
 #include "reduce/linalg/cholesky.hpp"
 #include "reduce/linalg/dense.hpp"
-#include "reduce/linalg/krylov_schur.hpp"
+#include "reduce/linalg/eigensolver.hpp"
 #include "reduce/linalg/symmetric_matrix.hpp"
 
 namespace flexura::reduce {

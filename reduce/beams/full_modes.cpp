@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "reduce/beams/numbering.hpp"
-#include "reduce/linalg/block_lanczos.hpp"
+#include "reduce/linalg/eigensolver.hpp"
 #include "reduce/linalg/cholesky.hpp"
 #include "reduce/linalg/symmetric_matrix.hpp"
 

@@ -21,7 +21,8 @@
 #include "reduce/estimate/enriched_error.hpp"
 #include "reduce/linalg/block_lanczos.hpp"
 #include "reduce/linalg/dense.hpp"
-#include "reduce/linalg/krylov_schur.hpp"
+#include "reduce/linalg/eigensolver.hpp"
+#include "reduce/linalg/log_stage.hpp"
 #include "reduce/recovery/stress.hpp"
 
 namespace flexura::reduce {
@@ -87,6 +88,7 @@ void add_shapes(const Part& part, const TiedModel& model, const TiedSolver& solv
     for (const double omega : options.response_omegas)
       add(response_shapes(problem, pairs, Mhat, omega, names));
   }
+  stage.next("Projection");
   for (const LoadField& load : options.loads) {
     if (!load.keep_shape) continue;
     MatrixXd f_i, f_b;
@@ -180,10 +182,12 @@ Cut reduce(const Part& whole, const Part& part, const TiedModel& model, const Re
            Reduction& reduction) {
   ReductionReport& report = reduction.report;
   linalg::Stopwatch watch;
+  linalg::LogStage stage("Factorisation");
   const TiedSolver solver(model, options.progress, storage_for(model, options));
   watch.lap();
   report.factor = solver.figures();
 
+  stage.next("Constraint modes");
   linalg::report(options.progress, "constraint modes", 0.0);
   const ConstraintModes constraint = constraint_modes(model, solver);
   require_finite(constraint.Psi, "the constraint modes");
@@ -213,6 +217,7 @@ Cut reduce(const Part& whole, const Part& part, const TiedModel& model, const Re
     report.seconds_estimate = watch.lap();
   }
 
+  stage.next("Normal modes");
   const linalg::EigenProblem problem = fixed_interface_problem(model, solver);
   linalg::EigenPairs pairs;
   pairs.Phi.resize(model.n_i(), 0);
@@ -259,12 +264,14 @@ Cut reduce(const Part& whole, const Part& part, const TiedModel& model, const Re
   }
 
   InterfaceModes faces;
+  stage.next("Interface modes");
   if (&whole != &part) {
     faces = faces_of(whole, solver, constraint, options, report);
     watch.lap();
   }
 
   // T on all nodes, n_nodes * 3 * n: the one dense array of that size.
+  stage.next("Projection");
   linalg::report(options.progress, "projection", 0.0);
   const Index n_w = faces.omega2.size(), n_phi = basis.Phi.cols(), n_q = n_phi + n_w, n = n_b + n_q;
   MatrixXd T(3 * static_cast<Index>(model.n_nodes()), n);
@@ -322,6 +329,7 @@ Cut reduce(const Part& whole, const Part& part, const TiedModel& model, const Re
   // The estimate knows solids only: with shells or beams the mesh's share is unknown.
   JudgedMotions motions;
   if (options.estimate_mesh && part.mesh.shells.empty() && part.frames.empty() && part.dependent.empty()) {
+    stage.next("Error of the mesh");
     const double before = linalg::processor_seconds();
     motions = judged_motions(reduction, options.omega_max);
     MeshEnergy left;
@@ -342,6 +350,7 @@ Cut reduce(const Part& whole, const Part& part, const TiedModel& model, const Re
     report.seconds_mesh_error = watch.lap();
     report.processor_seconds_mesh_error = linalg::processor_seconds() - before;
   }
+  stage.next("Projection");
   for (const LoadField& load : options.loads) {
     reduction.loads.push_back(reduced_load(load, T, model.m()));
   }
@@ -406,6 +415,7 @@ linalg::EigenProblem fixed_interface_problem(const TiedModel& model, const TiedS
     model.multiply_M_ii(X, Y);
   };
   problem.project = [&solver](MatrixXd& R) { solver.remove_reactions(R); };
+  problem.view = [&solver](_p_PetscViewer* viewer) { solver.view(viewer); };
   return problem;
 }
 
@@ -427,7 +437,10 @@ Reduction craig_bampton(const Part& whole, const ReductionOptions& options) {
   AssemblyOptions assembly;
   assembly.progress = options.progress;
   assembly.team = options.team;
-  const TiedModel model(part, assembly);
+  const TiedModel model = [&] {
+    const linalg::LogStage stage("Assembly");
+    return TiedModel(part, assembly);
+  }();
   reduction.report.seconds_assembly = watch.lap();
   if (options.team)
     reduction.report.notes.push_back(fmt::format(
@@ -435,6 +448,7 @@ Reduction craig_bampton(const Part& whole, const ReductionOptions& options) {
   const Cut cut = reduce(whole, part, model, options, reduction);
   if (options.certify && cut.n_modes > 0) {
     linalg::report(options.progress, "certificate", 0.0);
+    const linalg::LogStage stage("Certificate");
     watch.lap();
     certify(model, cut.order, cut.omega2_last, cut.omega2_next, cut.n_modes, reduction.report,
             options.storage);

@@ -4,7 +4,7 @@
 #include <Eigen/Cholesky>
 
 #include "reduce/cms/verification.hpp"
-#include "reduce/linalg/block_lanczos.hpp"
+#include "reduce/linalg/eigensolver.hpp"
 #include "reduce/linalg/dense.hpp"
 
 namespace flexura::reduce {

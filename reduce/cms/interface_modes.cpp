@@ -8,7 +8,7 @@
 #include <stdexcept>
 
 #include "reduce/cms/constraint_modes.hpp"
-#include "reduce/linalg/block_lanczos.hpp"
+#include "reduce/linalg/eigensolver.hpp"
 #include "reduce/linalg/dense.hpp"
 
 namespace flexura::reduce {

@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "reduce/linalg/block_lanczos.hpp"
+#include "reduce/linalg/eigensolver.hpp"
 #include "reduce/linalg/dense.hpp"
 
 namespace flexura::reduce {

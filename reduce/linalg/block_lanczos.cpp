@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -22,7 +21,10 @@ using Eigen::VectorXd;
 // The M-orthonormal basis V and the projected operator H = V^T M S V of all but the last block.
 class Basis {
  public:
-  Basis(const EigenProblem& problem, Index capacity) : problem_(problem), V_(problem.n, capacity) {}
+  Basis(const EigenProblem& problem, const BlockLanczosSettings& settings, Index capacity)
+      : problem_(problem), settings_(settings), V_(nullptr, problem.n, 0) {
+    reserve(capacity);
+  }
 
   Index size() const { return size_; }
   auto vectors() const { return V_.leftCols(size_); }
@@ -42,7 +44,11 @@ class Basis {
     C.setZero(old, W.cols());
     MatrixXd MW;
     problem_.multiply_M(W, MW);
-    const auto columns_squared = [&] { return W.cwiseProduct(MW).colwise().sum().cwiseMax(0.0).eval(); };
+    const auto columns_squared = [&] {
+      Eigen::RowVectorXd squares = W.cwiseProduct(MW).colwise().sum();
+      if (problem_.sum) problem_.sum(squares.data(), squares.size());
+      return squares.cwiseMax(0.0).eval();
+    };
     const double scale = std::sqrt(columns_squared().maxCoeff());
     // In exact arithmetic S V_newest meets only the two newest blocks.  They are taken out first, so that
     // what is taken out along the whole basis, which costs two passes over it, is small.
@@ -51,7 +57,7 @@ class Basis {
       const Index width = M_V->cols();
       if (width == 0 || width > end) break;
       end -= width;
-      const MatrixXd c = transpose_times(*M_V, W);
+      const MatrixXd c = problem_.inner(*M_V, W);
       add_product(-1.0, V_.middleCols(end, width), c, W);
       add_product(-1.0, *M_V, c, MW);
       C.middleRows(end, width) += c;
@@ -60,7 +66,7 @@ class Basis {
     // pass: V^T M W = 0 makes of this an error of second order in W^T M W.
     constexpr double kSmall = 1e-7;
     for (int pass = 0; pass < 3 && old > 0; ++pass) {
-      const MatrixXd c = transpose_times(V_.leftCols(old), MW);
+      const MatrixXd c = problem_.inner(V_.leftCols(old), MW);
       add_product(-1.0, V_.leftCols(old), c, W);
       C += c;
       if ((c.colwise().squaredNorm().array() <= kSmall * kSmall * columns_squared().array()).all()) break;
@@ -70,7 +76,10 @@ class Basis {
   }
 
   void reserve(Index capacity) {
-    if (capacity > V_.cols()) V_.conservativeResize(Eigen::NoChange, capacity);
+    if (capacity <= V_.cols()) return;
+    if (!settings_.storage) own_.conservativeResize(problem_.n, capacity);
+    double* data = settings_.storage ? settings_.storage(capacity) : own_.data();
+    new (&V_) Eigen::Map<MatrixXd>(data, problem_.n, capacity);
   }
 
   // Replaces the basis by V Y and the last block.
@@ -94,7 +103,7 @@ class Basis {
         MatrixXd::Identity(W.cols(), W.cols());  // W_now = (rest) in terms of the input's columns
     const Index first = size_;
     while (W.cols() > 0) {
-      const DenseEigen gram = symmetric_eigen(0.5 * (transpose_times(W, MW) + transpose_times(MW, W)));
+      const DenseEigen gram = symmetric_eigen(0.5 * (problem_.inner(W, MW) + problem_.inner(MW, W)));
       const double largest = gram.values.maxCoeff();
       const double smallest_kept = 1e-13 * scale;  // a few hundred ulps of what W was made from
       if (!(largest > smallest_kept * smallest_kept)) break;
@@ -110,10 +119,10 @@ class Basis {
       const bool delicate = root(0) < 1e-2 * root(n_large - 1) || root(0) < 1e-4 * scale;
       for (int pass = 0; pass < (delicate ? 2 : 0); ++pass) {
         problem_.multiply_M(Q, MW);
-        const MatrixXd c = transpose_times(V_.leftCols(size_), MW);
+        const MatrixXd c = problem_.inner(V_.leftCols(size_), MW);
         add_product(-1.0, V_.leftCols(size_), c, Q);
         problem_.multiply_M(Q, MW);
-        const DenseEigen g = symmetric_eigen(0.5 * (transpose_times(Q, MW) + transpose_times(MW, Q)));
+        const DenseEigen g = symmetric_eigen(0.5 * (problem_.inner(Q, MW) + problem_.inner(MW, Q)));
         const VectorXd s = g.values.cwiseMax(1e-300).cwiseSqrt();
         Q = times(Q, g.vectors * s.cwiseInverse().asDiagonal() * g.vectors.transpose());
         correction = (g.vectors * s.asDiagonal() * g.vectors.transpose() * correction).eval();
@@ -128,7 +137,7 @@ class Basis {
         from_input = (U_small.transpose() * from_input).eval();
         for (int pass = 0; pass < 2; ++pass) {
           problem_.multiply_M(rest, MW);
-          const MatrixXd c = transpose_times(V_.leftCols(size_), MW);
+          const MatrixXd c = problem_.inner(V_.leftCols(size_), MW);
           add_product(-1.0, V_.leftCols(size_), c, rest);
           grown += c.middleRows(first, size_ - first) * from_input;
         }
@@ -143,7 +152,9 @@ class Basis {
   }
 
   const EigenProblem& problem_;
-  MatrixXd V_;
+  const BlockLanczosSettings& settings_;
+  MatrixXd own_;
+  Eigen::Map<MatrixXd> V_;
   MatrixXd M_newest_, M_before_;  // M times the newest block and the one before; empty where not known
   Index size_ = 0;
 };
@@ -153,12 +164,13 @@ struct Ritz {
   VectorXd omega2;    // ascending
   MatrixXd Y;         // columns for `omega2`, rows of the projected basis
   VectorXd estimate;  // relative residual of S
+  double smallest, largest;  // eigenvalues of H
 };
 
 Ritz ritz_pairs(const MatrixXd& H, const MatrixXd& R, Index last_block, double shift) {
   const DenseEigen eigen = symmetric_eigen(0.5 * (H + H.transpose()));
   const Index n = H.rows();
-  Ritz ritz{VectorXd(n), eigen.vectors.rowwise().reverse(), VectorXd::Zero(n)};
+  Ritz ritz{VectorXd(n), eigen.vectors.rowwise().reverse(), VectorXd::Zero(n), eigen.values(0), eigen.values(n - 1)};
   for (Index k = 0; k < n; ++k) {
     const double theta = eigen.values(n - 1 - k);
     ritz.omega2(k) = theta > 0.0 ? 1.0 / theta - shift : std::numeric_limits<double>::infinity();
@@ -180,32 +192,6 @@ Index wanted(const Ritz& ritz, const EigenRequest& request, double accurate) {
   return count == 0 || ritz.estimate.head(count).maxCoeff() < accurate ? count : -1;
 }
 
-// Makes M-orthonormal to round-off what nearly is, from the lowest mode up: a trace of a low mode in a high
-// one is harmless, a trace of a high one in a low one would show in K phi a thousand times enlarged.
-void orthonormalise(const EigenProblem& problem, MatrixXd& Phi) {
-  MatrixXd M_Phi;
-  problem.multiply_M(Phi, M_Phi);
-  const Eigen::LLT<MatrixXd> gram(transpose_times(Phi, M_Phi));
-  const MatrixXd identity = MatrixXd::Identity(Phi.cols(), Phi.cols());
-  Phi = times(Phi, MatrixXd(gram.matrixU().solve(identity)));
-}
-
-// One inverse iteration, (omega^2 + shift) S phi = phi - (K + shift M)^-1 (K - omega^2 M) phi: solved for the
-// small difference, it is free of what the solve loses where averages hold a body that is much softer without
-// them.
-void polish(const EigenProblem& problem, EigenPairs& pairs) {
-  MatrixXd R, M_Phi, difference;
-  if (problem.project) problem.project(pairs.Phi);
-  problem.multiply_K(pairs.Phi, R);
-  problem.multiply_M(pairs.Phi, M_Phi);
-  R -= M_Phi * pairs.omega2.asDiagonal();
-  problem.project_residual(R);
-  problem.solve(R, difference);
-  pairs.Phi -= difference;
-  orthonormalise(problem, pairs.Phi);
-  measure_residuals(problem, pairs);
-}
-
 }  // namespace
 
 // Room for a Krylov space without a restart in the usual case; a search up to a frequency may need to grow.
@@ -213,15 +199,19 @@ int block_lanczos_vectors(int count, int block) {
   return 4 * std::max(count, 1) + 17 * block;
 }
 
-EigenPairs block_lanczos(const EigenProblem& problem, const EigenRequest& request, const Progress& progress,
-                         int block) {
+EigenPairs iterate_block_lanczos(const EigenProblem& problem, const EigenRequest& request,
+                                 const BlockLanczosSettings& settings, const Progress& progress) {
   constexpr const char* kStage = "modes (block Lanczos)";
+  const int block = std::max(1, settings.block);
   const Index b = std::min<Index>(block, problem.n_free);
   const Index target = std::max(request.count, 1);
-  Index capacity = std::min<Index>(problem.n_free + 2 * b, block_lanczos_vectors(request.count, block));
+  // Restarts keep the pairs wanted and two blocks, and need some room beside them.
+  const Index suggested = settings.most_vectors > 0 ? std::max<Index>(settings.most_vectors, target + 5 * b)
+                                                    : block_lanczos_vectors(request.count, block);
+  Index capacity = std::min<Index>(problem.n_free + 2 * b, suggested);
   EigenPairs pairs;
-  Basis basis(problem, capacity);
-  std::mt19937_64 random(20240229);
+  Basis basis(problem, settings, capacity);
+  std::mt19937_64 random(20240229 + static_cast<unsigned>(problem.rank));
   std::normal_distribution<double> normal;
 
   MatrixXd X(problem.n, b), MX, W, C, R;
@@ -253,7 +243,27 @@ EigenPairs block_lanczos(const EigenProblem& problem, const EigenRequest& reques
     const bool exhausted = last == 0;
     if (!exhausted && old < next_look && step > 0 && basis.size() + b <= capacity) continue;
     const Ritz ritz = ritz_pairs(H, R, applied, problem.shift);
+    if (settings.none_below && ritz.smallest < -1e-6 * ritz.largest)
+      throw std::invalid_argument(
+          "block Lanczos: there are eigenvalues below the shift, which it does not look for; put the shift (target) "
+          "below the spectrum");
     Index count = wanted(ritz, request, accurate);
+    if (exhausted && count < 0 && basis.size() < problem.n_free) {
+      // No more than `b` vectors of a multiple eigenvalue are in the space of powers of S on `b` vectors: it goes on
+      // with others beside it.
+      if (basis.size() + 2 * b > capacity) basis.reserve(capacity = basis.size() + 4 * b);
+      for (double& x : X.reshaped()) x = normal(random);
+      problem.multiply_M(X, MX);
+      problem.solve(MX, W);
+      basis.append(std::move(W), C, R);
+      pairs.n_solves += static_cast<int>(b);
+      ++pairs.n_blocks;
+      last = basis.size() - old;
+      if (last > 0) {
+        next_look = basis.size();
+        continue;
+      }
+    }
     if (exhausted && count < 0) {
       // The whole space is spanned: everything there is has been found.
       count = std::min<Index>(request.count, ritz.omega2.size());
@@ -274,6 +284,7 @@ EigenPairs block_lanczos(const EigenProblem& problem, const EigenRequest& reques
       looked_at = old;
       known_then = known;
     }
+    if (settings.look) settings.look(ritz.omega2, ritz.estimate, known, pairs.n_blocks);
     report(progress, kStage, std::min(0.99, static_cast<double>(known) / static_cast<double>(target)));
     if (count >= 0) {
       MatrixXd Y = ritz.Y.leftCols(count);
@@ -316,7 +327,8 @@ EigenPairs block_lanczos(const EigenProblem& problem, const EigenRequest& reques
       H = MatrixXd::Zero(keep, keep);
       for (Index k = 0; k < keep; ++k) H(k, k) = 1.0 / (ritz.omega2(k) + problem.shift);
     }
-    if (step > 2000) throw std::runtime_error("block Lanczos: no convergence in 2000 blocks");
+    if (step > settings.most_blocks)
+      throw std::runtime_error(fmt::format("block Lanczos: no convergence in {} blocks", settings.most_blocks));
   }
 }
 

@@ -27,6 +27,10 @@ Eigen::MatrixXd CholeskyFactor::solve(const Eigen::Ref<const Eigen::MatrixXd>& B
   return X;
 }
 
+void CholeskyFactor::view(_p_PetscViewer* viewer) const {
+  impl_->solver.view(viewer);
+}
+
 int CholeskyFactor::size() const {
   return impl_->solver.size();
 }

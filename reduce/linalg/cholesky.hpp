@@ -11,6 +11,8 @@
 #include "reduce/linalg/factor_store.hpp"
 #include "reduce/linalg/symmetric_matrix.hpp"
 
+struct _p_PetscViewer;  // PETSc's, which only .cpp files see
+
 namespace flexura::linalg {
 
 /// The matrix has no Cholesky factor, or a pivot that is zero to round-off: the structure can move without
@@ -36,6 +38,9 @@ class CholeskyFactor {
 
   /// X = A^-1 B for n x k right-hand sides, all columns together.
   Eigen::MatrixXd solve(const Eigen::Ref<const Eigen::MatrixXd>& B) const;
+
+  /// Writes PETSc's report of the solver to its viewer.
+  void view(_p_PetscViewer* viewer) const;
 
   int size() const;
   /// Row order()[k] is eliminated as number k; empty where the user's options name another package.

@@ -180,6 +180,10 @@ void DirectSolver::solve(const Eigen::Ref<const Eigen::MatrixXd>& B, Eigen::Ref<
   petsc_check(KSPMatSolve(ksp_, b.mat, x.mat), "solving with a factorised matrix");
 }
 
+void DirectSolver::view(PetscViewer viewer) const {
+  if (ksp_) petsc_check(KSPView(ksp_, viewer), "showing a solver");
+}
+
 int DirectSolver::n_negative() const {
   if (n_ == 0) return 0;
   PetscInt negative = 0, zero = 0, positive = 0;

@@ -44,6 +44,8 @@ class DirectSolver {
   /// converge.
   void solve(const Eigen::Ref<const Eigen::MatrixXd>& B, Eigen::Ref<Eigen::MatrixXd> X) const;
 
+  void view(PetscViewer viewer) const;
+
   int size() const { return n_; }
   int n_negative() const;
   const std::vector<int>& order() const;  ///< empty where another package than fronts has factorised

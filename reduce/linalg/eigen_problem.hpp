@@ -4,6 +4,8 @@
 #include <Eigen/Core>
 #include <functional>
 
+struct _p_PetscViewer;  // PETSc's, which only .cpp files see
+
 namespace flexura::linalg {
 
 /// K phi = omega^2 M phi by what the operators do to blocks of vectors (n x k).  `solve` is (K + shift M)^-1
@@ -23,7 +25,15 @@ struct EigenProblem {
   /// Likewise for residuals alone, where the space is no coordinate plane with reactions across it (interface
   /// modes); in place of `project` there.  May be empty.
   std::function<void(Eigen::MatrixXd&)> condense;
+  /// Sums numbers over the processes that hold rows of the vectors each (n is this one's); empty: one has all.
+  std::function<void(double* numbers, Eigen::Index count)> sum;
+  int rank = 0;  ///< of this process among them
+  /// Writes what `solve` consists of to a viewer of PETSc; may be empty.
+  std::function<void(_p_PetscViewer* viewer)> view;
 
+  /// A^T B over all rows.
+  Eigen::MatrixXd inner(const Eigen::Ref<const Eigen::MatrixXd>& A,
+                        const Eigen::Ref<const Eigen::MatrixXd>& B) const;
   void project_residual(Eigen::MatrixXd& R) const {
     if (condense)
       condense(R);
@@ -64,5 +74,14 @@ bool is_accurate(const EigenPairs& pairs, double tolerance);
 
 /// Computes Rayleigh quotients and residuals of M-orthonormal vectors anew, from K and M themselves.
 void measure_residuals(const EigenProblem& problem, EigenPairs& pairs);
+
+/// Makes M-orthonormal to round-off what nearly is, from the lowest mode up: a trace of a low mode in a high
+/// one is harmless, a trace of a high one in a low one would show in K phi a thousand times enlarged.
+void orthonormalise(const EigenProblem& problem, Eigen::MatrixXd& Phi);
+
+/// One inverse iteration, (omega^2 + shift) S phi = phi - (K + shift M)^-1 (K - omega^2 M) phi: solved for the
+/// small difference, it is free of what the solve loses where averages hold a body that is much softer without
+/// them.  Residuals are measured anew.
+void polish(const EigenProblem& problem, EigenPairs& pairs);
 
 }  // namespace flexura::linalg

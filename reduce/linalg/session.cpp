@@ -4,6 +4,7 @@
 #include <malloc.h>
 #include <slepcsys.h>
 
+#include <cctype>
 #include <cstdlib>
 #include <exception>
 #include <stdexcept>
@@ -11,6 +12,7 @@
 #include <utility>
 
 #include "reduce/linalg/blas_threads.hpp"
+#include "reduce/linalg/block_lanczos_type.hpp"
 #include "reduce/linalg/fronts_package.hpp"
 #include "reduce/linalg/petsc_check.hpp"
 
@@ -26,7 +28,15 @@ PetscErrorCode remember_error(MPI_Comm, int, const char*, const char*, PetscErro
                               PetscErrorType type, const char* message, void*) {
   if (type == PETSC_ERROR_INITIAL || first_message.empty()) {
     first_message = message && *message ? message : "no message";
-    while (!first_message.empty() && (first_message.back() == '\n' || first_message.back() == '.'))
+    // Some of its messages are of several lines.
+    std::string line;
+    for (const char c : first_message)
+      if (!std::isspace(static_cast<unsigned char>(c)))
+        line += c;
+      else if (!line.empty() && line.back() != ' ')
+        line += ' ';
+    first_message = line;
+    while (!first_message.empty() && (first_message.back() == ' ' || first_message.back() == '.'))
       first_message.pop_back();
   }
   return code;
@@ -91,6 +101,7 @@ Session::Session() {
     if (SlepcInitializeNoArguments() != 0) throw std::runtime_error("PETSc and SLEPc could not be started");
     PetscPushErrorHandler(remember_error, nullptr);
     register_fronts();
+    register_block_lanczos();
     require_blas_memory(1);
     // MPI has told the allocator to keep all it ever had, for the sake of network cards.  Arrays from 4 MB on
     // are mapped one by one again and given back when they are freed: a fifth of the memory of large parts

@@ -6,11 +6,10 @@
 #include <cmath>
 #include <numbers>
 
-#include "reduce/linalg/block_lanczos.hpp"
 #include "reduce/linalg/cholesky.hpp"
 #include "reduce/linalg/dense.hpp"
 #include "reduce/linalg/inertia.hpp"
-#include "reduce/linalg/krylov_schur.hpp"
+#include "reduce/linalg/eigensolver.hpp"
 #include "reduce/linalg/supernodal_factor.hpp"
 #include "tests/reduce/parts.hpp"
 

@@ -8,7 +8,7 @@
 #include <numbers>
 
 #include "reduce/cms/craig_bampton.hpp"
-#include "reduce/linalg/block_lanczos.hpp"
+#include "reduce/linalg/eigensolver.hpp"
 #include "tests/reduce/parts.hpp"
 #include "tests/reference.hpp"
 

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "reduce/linalg/petsc_check.hpp"
+#include "tests/reduce/petsc_options.hpp"
 
 // The solver package "fronts" through PETSc's own functions, beside CHOLMOD and MUMPS.
 namespace flexura::linalg {
@@ -17,9 +17,8 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-void ok(PetscErrorCode code) {
-  petsc_check(code, "testing");
-}
+using testing::ok;
+using testing::Options;
 
 // A graph of `n` nodes of three rows each, some 8 neighbours a node: strictly diagonally dominant by
 // `dominance`, less `shift`, rows scaled over four decades.
@@ -75,19 +74,6 @@ class PetscMatrix {
   std::vector<PetscInt> begin_, columns_;
   std::vector<PetscScalar> values_;
   Mat mat_ = nullptr;
-};
-
-struct Options {
-  std::vector<std::string> names;
-  explicit Options(const std::vector<std::pair<std::string, std::string>>& options) {
-    for (const auto& [name, value] : options) {
-      names.push_back(name);
-      ok(PetscOptionsSetValue(nullptr, name.c_str(), value.c_str()));
-    }
-  }
-  ~Options() {
-    for (const std::string& name : names) PetscOptionsClearValue(nullptr, name.c_str());
-  }
 };
 
 struct Solver {
