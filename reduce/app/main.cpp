@@ -31,6 +31,7 @@
 #include "reduce/linalg/blas_threads.hpp"
 #include "reduce/linalg/session.hpp"
 #include "reduce/linalg/team.hpp"
+#include "reduce/linalg/user_options.hpp"
 
 namespace {
 
@@ -39,7 +40,7 @@ using namespace flexura;
 constexpr int kNotGiven = std::numeric_limits<int>::min();
 
 struct Arguments {
-  std::string input, output, report, mesh, mesh_size, accuracy;
+  std::string input, output, report, mesh, mesh_size, accuracy, petsc;
   std::vector<std::string> overrides, held;
   int modes = -1, beam_modes = 0, compare = 0;
   int places = kNotGiven;
@@ -59,6 +60,7 @@ void refuse_options_of_the_other_kind(const Arguments& a, bool is_beam) {
     refuse(!a.accuracy.empty(), "--accuracy", "parts of solid elements");
     refuse(!a.mesh.empty(), "--mesh", "parts of solid elements");
     refuse(a.factor_in_file, "--factor-in-file", "parts of solid elements");
+    refuse(!a.petsc.empty(), "--petsc", "parts of solid elements");
     if (!a.statics && (!a.held.empty() || a.places != kNotGiven))
       throw input::InputError("--held and --places are for --statics: give it, or leave them out");
     if (a.statics && a.beam_modes > 0)
@@ -75,7 +77,8 @@ void refuse_options_of_the_other_kind(const Arguments& a, bool is_beam) {
 void refuse_options_of_reductions(const Arguments& a) {
   const std::pair<bool, const char*> given[] = {{!a.mesh_size.empty(), "--mesh-size"}, {!a.accuracy.empty(), "--accuracy"},
                                                 {a.modes >= 0, "--modes"},             {!a.mesh.empty(), "--mesh"},
-                                                {a.compare > 0, "--compare"},          {a.factor_in_file, "--factor-in-file"}};
+                                                {a.compare > 0, "--compare"},          {a.factor_in_file, "--factor-in-file"},
+                                                {!a.petsc.empty(), "--petsc"}};
   for (const auto& [is_given, option] : given)
     if (is_given)
       throw input::InputError(fmt::format("{}: {} is for parts that are reduced here; these modes are finished: leave it out",
@@ -156,12 +159,19 @@ int reduce_with(const Arguments& arguments, const terminal::Talk& talk, const li
     return 0;
   }
   const reduce::PartInput part = reduce::read_part(arguments.input, overrides);
+  std::vector<linalg::UserOption> petsc;
+  try {
+    petsc = linalg::parse_options(arguments.petsc);
+  } catch (const std::invalid_argument& error) {
+    throw input::InputError(fmt::format("--petsc: {}", error.what()));
+  }
 
   reduce::reduce_part(part, output,
                       {.report = arguments.report,
                        .mesh = arguments.mesh,
                        .compare = arguments.compare,
                        .team = team,
+                       .petsc = std::move(petsc),
                        .factor_in_file = arguments.factor_in_file,
                        .quiet = talk.quiet});
   return 0;
@@ -193,6 +203,9 @@ std::function<int()> declare(terminal::Options& options, const terminal::Talk& t
       .flag("--factor-in-file", arguments->factor_in_file,
             "keep the factor in a temporary file (in TMPDIR or beside the output), as is done by itself "
             "where it does not fit into memory")
+      .option("--petsc", arguments->petsc, "OPTIONS",
+              "options of PETSc and SLEPc as one text, after those of the part file's [solver]: \"-eps_view -log_view\" "
+              "shows their reports")
       .flag("--list-faces", arguments->list_faces, "list the solids and faces of the part, then stop")
       .flag("--schema", arguments->schema, "print the part file's reference page, then stop")
       .flag("--schema-flexdata", arguments->schema_flexdata,

@@ -332,6 +332,13 @@ PartInput read_part(const std::filesystem::path& file, const std::vector<std::st
       l.refuse("keep_shape", "computes a shape, but the vectors are finished", "leave the key out");
   }
 
+  if (const Section solver = in.table("solver"); solver.has("petsc")) {
+    try {
+      part.petsc = linalg::parse_options(solver.text("petsc"));
+    } catch (const std::invalid_argument& error) {
+      throw InputError(solver.where("petsc") + ": " + error.what());
+    }
+  }
   part.modes = read_modes(in.table("modes"));
   read_solid_modes(in.table("modes"), part.modes);
   check_elastic_ties(in.table("modes"), part);

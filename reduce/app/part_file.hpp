@@ -15,6 +15,7 @@
 #include "reduce/assembly/part.hpp"
 #include "reduce/cms/craig_bampton.hpp"
 #include "reduce/cms/damping.hpp"
+#include "reduce/linalg/user_options.hpp"
 
 /// The part file: what `flexura reduce PART.toml` takes.  Its reference page is cases/PART_FILE.md, printed
 /// from the schema below by `flexura reduce --schema`.
@@ -113,6 +114,7 @@ struct PartInput {
   bool has_damping = false;
   RecoveryInput recovery;
   bool stiffening = false;  ///< geometric stiffening terms
+  std::vector<linalg::UserOption> petsc;  ///< options of PETSc and SLEPc
 };
 
 const input::TableSchema& part_schema();

@@ -370,6 +370,17 @@ TableSchema solid_modes_schema() {
   return s;
 }
 
+TableSchema solver_schema() {
+  TableSchema s{.name = "solver",
+                .doc = "How PETSc and SLEPc compute. May be left out: the defaults are the fast ones."};
+  s.keys = {
+      input::text("petsc",
+                  "options of PETSc and SLEPc as one text, `\"-eps_type krylovschur -pc_factor_mat_solver_type mumps\"`; "
+                  "those of `--petsc` are added. docs/petsc.md says which make sense"),
+  };
+  return s;
+}
+
 }  // namespace
 
 const TableSchema& part_schema() {
@@ -401,6 +412,7 @@ const TableSchema& part_schema() {
         input::table("modes", solid_modes_schema(), "modes"),
         input::table("damping", damping_schema(), "damping"),
         input::table("recovery", recovery_schema(), "stresses"),
+        input::table("solver", solver_schema(), "solvers"),
     };
     return s;
   }();

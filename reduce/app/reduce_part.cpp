@@ -310,6 +310,12 @@ void reduce_part(const PartInput& input, const std::filesystem::path& output, co
     log(stage, fraction);
   };
   const linalg::Session session;
+  std::vector<linalg::UserOption> petsc = input.petsc;
+  petsc.insert(petsc.end(), options.petsc.begin(), options.petsc.end());
+  if (options.team && !petsc.empty())
+    throw input::InputError(
+        "options of PETSc are for one process; the processes of mpirun factorise by MUMPS: leave them out, or mpirun");
+  const linalg::UserOptions user(std::move(petsc));
   const bool finished = !input.finished.vectors.empty();
   std::vector<std::string> warnings;
   Attempt done = reach(
@@ -387,6 +393,10 @@ void reduce_part(const PartInput& input, const std::filesystem::path& output, co
   if (!options.report.empty()) superelement::write_whole(options.report, report.json.dump(2) + "\n");
   line.finish();
   log.finish();
+  user.print_log();
+  for (const std::string& name : user.unused())
+    data.warnings.push_back(
+        fmt::format("PETSc option {}: nothing in this reduction has given such a report; is it misspelt?", name));
   for (const std::string& warning : data.warnings) fmt::print(stderr, "warning: {}\n", warning);
   if (!options.quiet) fmt::print("{}wrote {}\n", report.text, output.string());
 }

@@ -13,6 +13,7 @@ struct OutputOptions {
   std::filesystem::path mesh;    ///< the mesh for other programs (write_mesh.hpp); empty = not written
   int compare = 0;  ///< free frequencies to compare with the full model, which is solved, too; 0: none
   const linalg::Team* team = nullptr;  ///< of processes that share the work; null: this one alone
+  std::vector<linalg::UserOption> petsc = {};  ///< options of PETSc and SLEPc, after those of the part file
   bool factor_in_file = false;         ///< the factor goes to a temporary file even where memory has room
   bool quiet = false;
 };
