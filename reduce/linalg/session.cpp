@@ -95,10 +95,13 @@ Session::Session() {
     }
     setenv("PETSC_OPTIONS", "", 1);
     setenv("HWLOC_HIDE_ERRORS", "2", 0);  // no remarks on machines without /sys: they are not ours to mend
-    PetscOptionsSetValue(nullptr, "-no_signal_handler", "true");
-    PetscOptionsSetValue(nullptr, "-skip_petscrc", "true");
     PetscErrorPrintf = say_nothing;
-    if (SlepcInitializeNoArguments() != 0) throw std::runtime_error("PETSc and SLEPc could not be started");
+    // Whether files of options (.petscrc) are read is asked of the command line only, before all else.
+    static char words[][24] = {"flexura-reduce", "-skip_petscrc", "-no_signal_handler"};
+    static char* pointers[] = {words[0], words[1], words[2], nullptr};
+    static char** arguments = pointers;
+    static int n_arguments = 3;
+    if (SlepcInitialize(&n_arguments, &arguments, nullptr, nullptr) != 0) throw std::runtime_error("PETSc and SLEPc could not be started");
     PetscPushErrorHandler(remember_error, nullptr);
     register_fronts();
     register_block_lanczos();
