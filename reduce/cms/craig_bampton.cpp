@@ -88,7 +88,6 @@ void add_shapes(const Part& part, const TiedModel& model, const TiedSolver& solv
     for (const double omega : options.response_omegas)
       add(response_shapes(problem, pairs, Mhat, omega, names));
   }
-  stage.next("Projection");
   for (const LoadField& load : options.loads) {
     if (!load.keep_shape) continue;
     MatrixXd f_i, f_b;

@@ -97,17 +97,13 @@ void DirectSolver::create_solver(const Settings& settings) {
   PC pc = nullptr;
   ok(KSPGetPC(ksp_, &pc));
   ok(PCSetType(pc, PCCHOLESKY));
-  ok(PCFactorSetMatSolverType(pc, kFronts));
-  ok(KSPSetFromOptions(ksp_));
-  MatSolverType package = nullptr;
-  const auto is_package = [&](const char* name) { return package && std::string_view(package) == name; };
-  if (factorises(pc)) ok(PCFactorGetMatSolverType(pc, &package));
-  if (settings.count_negative) {
-    ok(KSPSetType(ksp_, KSPPREONLY));
-    ok(PCSetType(pc, PCCHOLESKY));
-    if (!is_package(MATSOLVERMUMPS)) ok(PCFactorSetMatSolverType(pc, package = kFronts));
-  }
-  if (is_type(pc, PCCHOLESKY) && is_package(MATSOLVERMUMPS)) {
+  // Of all that options may name, MUMPS and fronts count pivots.
+  char named[64] = "";
+  ok(PetscOptionsGetString(nullptr, nullptr, "-pc_factor_mat_solver_type", named, sizeof(named), nullptr));
+  const bool mumps = std::string_view(named) == MATSOLVERMUMPS;
+  ok(PCFactorSetMatSolverType(pc, settings.count_negative && mumps ? MATSOLVERMUMPS : kFronts));
+  if (!settings.count_negative) ok(KSPSetFromOptions(ksp_));
+  if (is_type(pc, PCCHOLESKY) && mumps) {
     ok(PCFactorSetUpMatSolverType(pc));
     Mat factor = nullptr;
     ok(PCFactorGetMatrix(pc, &factor));
