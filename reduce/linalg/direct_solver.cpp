@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <string_view>
 
+#include "reduce/linalg/fronts_package.hpp"
 #include "reduce/linalg/petsc_check.hpp"
 #include "reduce/linalg/progress.hpp"
 

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "reduce/linalg/factor_figures.hpp"
-#include "reduce/linalg/fronts_package.hpp"
+#include "reduce/linalg/fronts_hints.hpp"
 #include "reduce/linalg/symmetric_matrix.hpp"
 
 namespace flexura::linalg {

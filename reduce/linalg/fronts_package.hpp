@@ -4,10 +4,8 @@
 // Only for the .cpp files of this folder that see PETSc.
 #include <petscmat.h>
 
-#include <vector>
-
 #include "reduce/linalg/factor_figures.hpp"
-#include "reduce/linalg/factor_store.hpp"
+#include "reduce/linalg/fronts_hints.hpp"
 #include "reduce/linalg/supernodal_factor.hpp"
 
 /// The multifrontal factorisation (supernodal_factor.hpp) as a solver package of PETSc, beside its own,
@@ -31,11 +29,7 @@ inline constexpr const char* kFronts = "fronts";
 /// Tells PETSc of it; once, after PETSc has started.
 void register_fronts();
 
-/// What PETSc's interface has no words for, given to A before its factor is asked for.
-struct FrontsHints {
-  std::vector<int> order;  ///< row order[k] is eliminated as number k; empty: nested dissection
-  FactorStorage storage;
-};
+/// Given to A before its factor is asked for.
 void set_hints(Mat A, FrontsHints hints);
 
 /// What stands behind a factor of this package.
