@@ -122,9 +122,11 @@ std::string promised_statics(const MeshShare& share, bool stresses) {
       : share.interfaces.empty() ? "" : fmt::format("; static compliance within {}", percent_or_more(kMeshMargin * statics));
   if (!stresses) return text;
   const Worst worst = worst_stress(share);
-  if (worst.peak)
-    text += fmt::format("; greatest stress{} within {}", worst.singular ? " where it is finite" : "",
-                        percent_or_more(kStressMargin * worst.peak->peak.error));
+  const std::string where = worst.singular ? " where it is finite" : "";
+  if (worst.peak && kStressMargin * worst.peak->peak.error < 0.5)
+    text += fmt::format("; greatest stress{} within {}", where, percent_or_more(kStressMargin * worst.peak->peak.error));
+  else if (worst.peak)
+    text += fmt::format("; greatest stress{} not resolved by this mesh", where);
   else
     text += "; greatest stress unknown";
   if (worst.singular) text += fmt::format(", unbounded at {}", place(worst.singular->peak.singular_at));

@@ -39,13 +39,10 @@ void bisect(const Eigen::Matrix3Xd& centres, std::vector<std::size_t>& order, st
 }  // namespace
 
 CellSample choose_cells(const Part& part, const Eigen::MatrixXf& indicator) {
-  // Large pieces have few cells at their border, where their neighbours are missed (those of four nodes need most); several tell
-  // how much ratios vary.  A small mesh's factorisation is cheap: the estimate makes do with less there.
+  // Large pieces have few cells at their border, where their neighbours are missed (pieces of 256 cells told twice the truth, of
+  // 64 ten times); several tell how much ratios vary.
+  constexpr std::size_t piece = 512, n_top = 3, n_random = 5;
   const auto n_cells = static_cast<std::size_t>(indicator.rows());
-  const bool four_nodes = std::all_of(part.mesh.solids.begin(), part.mesh.solids.end(),
-                                      [](const mesh::CellBlock& block) { return block.type == mesh::CellType::tet4; });
-  const bool large = n_cells > 20'000 || four_nodes;
-  const std::size_t piece = large ? 512 : 256, n_top = large ? 3 : 2, n_random = large ? 5 : 3;
   CellSample out;
   if (n_cells <= (n_top + n_random + 1) * piece) {
     out.cells.resize(n_cells);

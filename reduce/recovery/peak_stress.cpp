@@ -43,6 +43,16 @@ std::vector<char> with_neighbours(const mesh::Mesh& mesh, const std::vector<char
   return out;
 }
 
+/// The place of the marked node that is nearest to another.
+Eigen::Vector3d nearest(const mesh::Mesh& mesh, const std::vector<char>& marked, mesh::Index node) {
+  Index best = node;
+  double least = HUGE_VAL;
+  for (Index n = 0; n < mesh.points.rows(); ++n)
+    if (marked[static_cast<std::size_t>(n)])
+      if (const double d = (mesh.points.row(n) - mesh.points.row(node)).squaredNorm(); d < least) least = d, best = n;
+  return mesh.points.row(best).transpose();
+}
+
 /// Which cells have a node.
 class CellsOfNodes {
  public:
@@ -145,7 +155,7 @@ std::vector<PeakStress> peak_stresses(const Part& part, const MatrixXd& T, const
                                       const std::vector<mesh::Index>& nodes, const MatrixXd& Y) {
   std::vector<PeakStress> out(static_cast<std::size_t>(Y.cols()));
   if (part.mesh.solids.empty() || stress.size() == 0) return out;
-  const std::vector<char> unbounded = with_neighbours(part.mesh, nodes_at_sharp_edges(part));
+  const std::vector<char> sharp = nodes_at_sharp_edges(part), unbounded = with_neighbours(part.mesh, sharp);
   const MatrixXd sigma = stress * Y;
   const std::vector<std::pair<int, int>> materials = nodal_materials(part, nodes);
   std::vector<double> size(static_cast<std::size_t>(part.mesh.n_nodes()));
@@ -169,7 +179,7 @@ std::vector<PeakStress> peak_stresses(const Part& part, const MatrixXd& T, const
       if (greatest[n] && !unbounded[n] && (at == nodes.size() || size[n] > size[static_cast<std::size_t>(nodes[at])])) at = v;
     }
     out[k].singular = unbounded[static_cast<std::size_t>(nodes[top])] != 0;
-    out[k].singular_at = part.mesh.points.row(nodes[top]).transpose();
+    if (out[k].singular) out[k].singular_at = nearest(part.mesh, sharp, nodes[top]);
     if (at == nodes.size() || !(size[static_cast<std::size_t>(nodes[at])] > 0.0)) continue;
     out[k].node = nodes[at];
     out[k].at = part.mesh.points.row(nodes[at]).transpose();

@@ -230,7 +230,7 @@ Part graded_cad(const std::string& file, double size, double scale) {
 
 Sequence graded_cad_sequence(const std::string& kind, const std::string& file, double size) {
   Sequence out{kind, 1.4, 1.09, {}};  // the tenth along the edges stays: there energies converge like h^1.09
-  for (const double scale : {1.0, 1.0 / 1.4, 1.0 / 1.96})
+  for (const double scale : {1.4, 1.0, 1.0 / 1.4})
     out.meshes.push_back([=] { return graded_cad(file, size, scale); });
   return out;
 }

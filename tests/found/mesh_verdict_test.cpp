@@ -160,7 +160,7 @@ TEST_F(MeshVerdict, StressIsJudgedOrCalledUnboundedOrUnknown) {
                     stress = "[recovery]\nstress = true\n";
   const Reduced mean = reduce(block(kHeld + ends + stress));
   ASSERT_EQ(mean.outcome.exit_code, 0) << mean.outcome.err;
-  EXPECT_THAT(mean.outcome.out, AllOf(HasSubstr("stress, estimated: of the elements"), HasSubstr("greatest stress within"),
+  EXPECT_THAT(mean.outcome.out, AllOf(HasSubstr("stress, estimated: of the elements"), HasSubstr("; greatest stress"),
                                       Not(HasSubstr("no finite stress"))));
   const superelement::Superelement se = superelement::read(output(), {.surface = true, .stress = true, .mesh_error = true});
   ASSERT_TRUE(se.mesh_error);
@@ -183,7 +183,7 @@ TEST_F(MeshVerdict, StressIsJudgedOrCalledUnboundedOrUnknown) {
   std::filesystem::remove(output());
   const Reduced rigid = reduce(block(replaced(kHeld + ends + stress, "tie = \"average\"\n[modes]", "[modes]")));
   ASSERT_EQ(rigid.outcome.exit_code, 0) << rigid.outcome.err;
-  EXPECT_THAT(rigid.outcome.out, AllOf(HasSubstr("no finite stress exists"), HasSubstr("unbounded at (")));
+  EXPECT_THAT(rigid.outcome.out, AllOf(HasSubstr("no finite stress exists"), HasSubstr("unbounded at (4000, ")));
 
   std::filesystem::remove(output());
   const Reduced none = reduce(block(kHeld + ends));
