@@ -5,6 +5,7 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/QR>
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
@@ -144,11 +145,16 @@ void SaddleSolver::factor(const Equations& eq, const Eigen::MatrixXd& M, const E
   s.B.resize(n, s.n_lambda);
   for (int k = 0; k < s.n_lambda; ++k) {
     for (int i = 0; i < n; ++i) s.B(i, k) = G(k, s.free[i]) * s.column_scale(s.free[i]);
-    const double norm = s.B.col(k).norm();
+    // Its own length, in all entries: of a row that the free ones do not move they hold round-off alone.
+    const double norm = G.row(k).transpose().cwiseProduct(s.column_scale).norm();
     if (norm > 0.0) s.row_scale(k) = 1.0 / norm;
     s.B.col(k) *= s.row_scale(k);
   }
-  s.is_sparse = s.sparse.factor(s.M_hat, s.B);
+  // Rows have unit length; a pivot of 1e-10 means two constraints whose directions differ by 1e-10, or a row that what
+  // is free does not move: nothing but geometry errors of the input would be amplified by resolving it.
+  constexpr double kRoundOff = 1e-10;
+  const bool none_is_held = s.n_lambda == 0 || s.B.colwise().norm().minCoeff() > kRoundOff;
+  s.is_sparse = none_is_held && s.sparse.factor(s.M_hat, s.B);
   if (s.is_sparse) return;
   s.cholesky.compute(s.M_hat);
   if (const int i =
@@ -157,12 +163,11 @@ void SaddleSolver::factor(const Equations& eq, const Eigen::MatrixXd& M, const E
     refuse_mass(eq, s.free[i], M(s.free[i], s.free[i]));
   if (s.n_lambda == 0 || n == 0) return;
   s.cholesky.matrixL().solveInPlace(s.B);
-  // Rows have unit length; a pivot of 1e-10 means two constraints whose directions differ by 1e-10: nothing
-  // but geometry errors of the input would be amplified by resolving it.
-  s.qr.setThreshold(1e-10);
   s.qr.compute(s.B);
+  // Eigen's is relative to the largest pivot, which may be round-off itself.
+  s.qr.setThreshold(s.qr.maxPivot() > 0.0 ? kRoundOff / std::min(1.0, s.qr.maxPivot()) : kRoundOff);
   if (s.full_rank()) return;
-  s.complete.setThreshold(1e-10);
+  s.complete.setThreshold(s.qr.threshold());
   s.complete.compute(s.B);
 }
 

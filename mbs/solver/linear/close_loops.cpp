@@ -141,6 +141,20 @@ VectorXd large_steps(const Mechanism& mechanism, const State& s) {
   return scales.length * scales.reach_v.cwiseInverse();
 }
 
+// Whether a coordinate that is no deformation is further from where it was than a thousandth of a large step.
+bool has_wandered(const Mechanism& mechanism, const VectorXd& before, const VectorXd& after,
+                  const std::vector<bool>& deforms, const VectorXd& large) {
+  constexpr double kFar = 1e-3;
+  const KinematicBlocks kinematics(mechanism, before);
+  return std::ranges::any_of(kinematics.blocks(), [&](const KinematicBlocks::Block& block) {
+    double most = 0.0, step = 0.0;
+    for (const int j : block.v)
+      if (!deforms[j]) step = std::max(step, large(j));
+    for (const int i : block.p) most = std::max(most, std::abs(after(i) - before(i)));
+    return step > 0.0 && most > kFar * step;
+  });
+}
+
 }  // namespace
 
 std::vector<bool> velocities_of(const Mechanism& mechanism, const State& s, const std::vector<bool>& marked) {
@@ -235,6 +249,11 @@ std::optional<StrainedLoops> close_loops(const Mechanism& mechanism, State& s,
     elastic.emplace(mechanism);
     out.stiffness = elastic->stiffness(s.t, s.p, deforms);
     elastic->relax(out.undeformed, s.p);
+    // What parts as made are strained by is no reason to turn a door to where it is a little less.
+    if (out.are_parts_as_made && has_wandered(mechanism, out.undeformed.p, s.p, deforms, large)) {
+      s.p = out.undeformed.p;
+      out.is_least = false;
+    }
   } catch (const std::exception&) {
     s.p = out.undeformed.p;
     out.is_least = false;

@@ -10,7 +10,8 @@
 namespace flexura::mbs::chance {
 
 /// Numbers from a seed, the same on every machine: splitmix64 (Steele, Lea, Flood, OOPSLA 2014). The standard's
-/// distributions differ between libraries.
+/// distributions differ between libraries.  Compilers order the arguments of a call as they like: two numbers of one
+/// statement are drawn within braces.
 class Chance {
  public:
   explicit Chance(std::uint64_t seed) : state_(seed) {
@@ -23,8 +24,11 @@ class Chance {
     z = (z ^ (z >> 27)) * 0x94D049BB133111EBu;
     return z ^ (z >> 31);
   }
-  double between(double a, double b) {
-    return a + (b - a) * static_cast<double>(bits() >> 11) * 0x1.0p-53;
+  double between(double a, double b) { return a + (b - a) * static_cast<double>(bits() >> 11) * 0x1.0p-53; }
+  /// Of either sign, the size between a and b.
+  double either_sign(double a, double b) {
+    const double size = between(a, b);
+    return flip(0.5) ? size : -size;
   }
   /// 0 .. n - 1.
   int below(int n) { return static_cast<int>(bits() % static_cast<std::uint64_t>(n)); }

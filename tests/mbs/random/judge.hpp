@@ -11,7 +11,7 @@
 namespace flexura::mbs::chance {
 
 struct JudgeOptions {
-  std::string file;            ///< where the mechanism is written, without ".toml" and what tells its writings apart
+  std::string file;  ///< where the mechanism is written, without ".toml" and what tells its writings apart
   bool other_files = true;     ///< the same mechanism in other units and orders
   bool other_commands = true;  ///< statics, modes, linearisation
 };
@@ -22,8 +22,8 @@ struct Judgement {
   std::vector<std::string> complaints;  ///< each one sentence: what was wrong
   /// Largest of the run: rows, rates and accelerations against scene_physics.hpp, energy that is not conserved,
   /// momentum, difference of two integrators.
-  double rows = 0.0, rates = 0.0, accelerations = 0.0, energy = 0.0, balance = 0.0, momentum = 0.0, integrators = 0.0,
-         files = 0.0;
+  double rows = 0.0, rates = 0.0, accelerations = 0.0, energy = 0.0, balance = 0.0, momentum = 0.0,
+         integrators = 0.0, files = 0.0;
   int warnings = 0;  ///< runs that warned of rows near rank loss
 };
 

@@ -22,8 +22,9 @@ namespace flexura::mbs::chance {
 namespace {
 
 std::string as_text(const Judgement& j) {
-  std::string text = fmt::format("{}\n{}\n{} warned; {:.1e} {:.1e} {:.1e} {:.1e} {:.1e} {:.1e} {:.1e} {:.1e}\n", j.end, j.nature, j.warnings, j.rows, j.rates, j.accelerations,
-                                 j.energy, j.balance, j.momentum, j.integrators, j.files);
+  std::string text = fmt::format(
+      "{}\n{}\n{} warned; {:.1e} {:.1e} {:.1e} {:.1e} {:.1e} {:.1e} {:.1e} {:.1e}\n", j.end, j.nature,
+      j.warnings, j.rows, j.rates, j.accelerations, j.energy, j.balance, j.momentum, j.integrators, j.files);
   for (const std::string& complaint : j.complaints) text += complaint + "\n";
   return text;
 }
@@ -51,22 +52,26 @@ std::string judged_apart(std::uint64_t seed, const JudgeOptions& options) {
   close(ends[1]);
   std::string text;
   char buffer[4096];
-  for (ssize_t n; (n = read(ends[0], buffer, sizeof buffer)) > 0;) text.append(buffer, static_cast<std::size_t>(n));
+  for (ssize_t n; (n = read(ends[0], buffer, sizeof buffer)) > 0;)
+    text.append(buffer, static_cast<std::size_t>(n));
   close(ends[0]);
   int status = 0;
   waitpid(child, &status, 0);
   if (WIFSIGNALED(status))
-    return fmt::format("?\n?\n?\n{}\n", WTERMSIG(status) == SIGXCPU
-                                            ? fmt::format("hangs: not done after {} s of processor time", kSeconds)
-                                            : fmt::format("crashes: {}", strsignal(WTERMSIG(status))));
+    return fmt::format("?\n?\n?\n{}\n",
+                       WTERMSIG(status) == SIGXCPU
+                           ? fmt::format("hangs: not done after {} s of processor time", kSeconds)
+                           : fmt::format("crashes: {}", strsignal(WTERMSIG(status))));
   return text;
 }
 
 /// What is wrong with how the program ends on the same file; `judged` is the text of the judge, who ran it, too.
 std::string told_by_the_program(std::uint64_t seed, const JudgeOptions& options, const std::string& judged) {
-  std::ofstream(options.file + "_told.toml") << to_toml(random_scene(seed), {.solver = "tolerance = 1e-7\n"});
-  const test::Outcome outcome = test::run(
-      "flexura", {"simulate", "-q", options.file + "_told.toml", "-o", options.file + ".h5", "--no-estimate"});
+  std::ofstream(options.file + "_told.toml")
+      << to_toml(random_scene(seed), std::filesystem::path(options.file).parent_path(),
+                 {.solver = "tolerance = 1e-7\n"});
+  const test::Outcome outcome = test::run("flexura", {"simulate", "-q", options.file + "_told.toml", "-o",
+                                                      options.file + ".h5", "--no-estimate"});
   std::filesystem::remove(options.file + ".h5");
   const int expected = judged.starts_with("complete") ? 0 : judged.starts_with("stopped") ? 1 : 2;
   std::string complaints;
@@ -75,7 +80,8 @@ std::string told_by_the_program(std::uint64_t seed, const JudgeOptions& options,
     complaints += fmt::format("the program ends with exit code {}, not {}\n", outcome.exit_code, expected);
   const bool speaks_of_error = ("\n" + outcome.err).find("\nerror: ") != std::string::npos;
   if (speaks_of_error != (outcome.exit_code != 0))
-    complaints += fmt::format("the program ends with exit code {} and says: {}\n", outcome.exit_code, outcome.err);
+    complaints +=
+        fmt::format("the program ends with exit code {} and says: {}\n", outcome.exit_code, outcome.err);
   return complaints;
 }
 
@@ -103,16 +109,17 @@ void run_range(Range range, bool talks) {
     std::string complaints;
     for (std::size_t i = 3; i < lines.size(); ++i) complaints += "\n    " + lines[i];
     if (talks)
-      std::printf("seed %lu (%s): %s\n    %s\n    %s%s\n", static_cast<unsigned long>(seed), random_scene(seed).what.c_str(),
-                  lines[0].c_str(), lines[1].c_str(), lines[2].c_str(), complaints.c_str());
+      std::printf("seed %lu (%s): %s\n    %s\n    %s%s\n", static_cast<unsigned long>(seed),
+                  random_scene(seed).what.c_str(), lines[0].c_str(), lines[1].c_str(), lines[2].c_str(),
+                  complaints.c_str());
     if (complaints.empty() && talks) continue;
     if (complaints.empty())
       for (const char* suffix : {"", "_backwards", "_mm", "_fine", "_told"})
         std::filesystem::remove(options.file + suffix + ".toml");
     else
-      ADD_FAILURE() << "seed " << seed << " (" << random_scene(seed).what << "), file " << options.file << ".toml, "
-                    << lines[0] << " (" << lines[1] << ")" << complaints << "\nagain: FLEXURA_SEED=" << seed
-                    << " with this test";
+      ADD_FAILURE() << "seed " << seed << " (" << random_scene(seed).what << "), file " << options.file
+                    << ".toml, " << lines[0] << " (" << lines[1] << ")" << complaints
+                    << "\nagain: FLEXURA_SEED=" << seed << " with this test";
   }
   std::printf("%d complete, %d with a message, %d warned of rank loss\n", complete, ended, warned);
   // A warning that is always given says nothing.

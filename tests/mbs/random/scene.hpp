@@ -1,11 +1,14 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <filesystem>
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "mbs/base/math/spatial.hpp"
+#include "tests/mbs/random/flexible_part.hpp"
 
 /// A mechanism as the tests of random mechanisms know it: what is written into the file, and what scene_physics.hpp
 /// judges runs by without the code under test.
@@ -21,8 +24,9 @@ struct Law {
 };
 
 struct SceneMarker {
-  int body = 0;  ///< 0 is ground
-  Pose X_BP;
+  int body = 0;       ///< 0 is ground
+  Pose X_BP;          ///< in the undeformed body
+  int interface = 0;  ///< of a flexible body, carries the marker
 };
 
 struct SceneBody {
@@ -31,7 +35,19 @@ struct SceneBody {
   Matrix3d inertia = Matrix3d::Identity();  ///< about the centre of mass, in the body's axes
   Pose X_WB;                                ///< where it starts
   Vector3d velocity = Vector3d::Zero(), angular_velocity = Vector3d::Zero();  ///< of a body without a joint
+  /// Of a flexible body, in place of mass, centre and inertia; modes of it that are kept, the lowest.
+  std::shared_ptr<const FlexiblePart> part = {};
+  int modes = 0;
+  double damping = 0.0;  ///< ratio of each mode
+  int n_dofs() const { return 6 + modes; }
 };
+
+/// Where a body stands, and how it is deformed.
+struct Place {
+  Pose X_WB;
+  Eigen::VectorXd q = {};  ///< modal coordinates
+};
+using Places = std::vector<Place>;
 
 /// Of a joint, with how it is taken from X_FM.
 enum class Coordinate { turn_z, slide_x, slide_y, slide_z, screw, universal_1, universal_2 };
@@ -53,9 +69,9 @@ struct SceneJoint {
   int F = 0, M = 0;
   double pitch = 0.0;  ///< of a screw
   bool is_connection = false;
-  bool closes = false;                            ///< a loop, as the scene was made
-  bool cut = false;                               ///< the file says so
-  std::vector<std::pair<int, double>> speeds;     ///< initial ones, by coordinate
+  bool closes = false;                         ///< a loop, as the scene was made
+  bool cut = false;                            ///< the file says so
+  std::vector<std::pair<int, double>> speeds;  ///< initial ones, by coordinate
   std::vector<SceneDrive> drives;
 };
 
@@ -90,7 +106,8 @@ class SceneCurve {
 };
 
 struct SceneForce {
-  std::string type;  ///< spring_damper, joint_spring_damper, force, torque, bushing, joint_friction, actuator, ...
+  std::string
+      type;  ///< spring_damper, joint_spring_damper, force, torque, bushing, joint_friction, actuator, ...
   int F = 0, M = 0;
   int joint = 0, coordinate = 0;
   double stiffness = 0.0, damping = 0.0, rest = 0.0;
@@ -101,9 +118,12 @@ struct SceneForce {
   /// Of actuators (by time) and forces along a joint (by its coordinate): level[1] beyond `at`, else level[0].
   double at = 0.0, level[2] = {0.0, 0.0}, time_constant = 0.0, start = 0.0;
   bool is_along_joint() const {
-    return type == "joint_spring_damper" || type == "joint_friction" || type == "actuator" || type == "joint_force";
+    return type == "joint_spring_damper" || type == "joint_friction" || type == "actuator" ||
+           type == "joint_force";
   }
-  bool is_between_markers() const { return type == "spring_damper" || type == "bushing" || type == "contact"; }
+  bool is_between_markers() const {
+    return type == "spring_damper" || type == "bushing" || type == "contact";
+  }
   double actuator_force(double t) const;
 };
 
@@ -123,16 +143,17 @@ struct Scene {
   std::vector<SceneConstraint> constraints;
   std::vector<SceneForce> forces;
   Start start = Start::joints;
-  std::vector<Pose> guess;   ///< poses of the bodies for Start::guess
-  int digits = 17;           ///< that markers were rounded to
+  std::vector<Pose> guess;     ///< poses of the bodies for Start::guess
+  int digits = 17;             ///< that markers were rounded to
   bool order_matters = false;  ///< another order of the bodies is another mechanism
   double end_time = 0.3, output_step = 0.01;
 
-  Pose marker(int i, const std::vector<Pose>& X_WB) const { return X_WB[markers[i].body] * markers[i].X_BP; }
-  std::vector<Pose> poses() const;
+  Pose marker(int i, const Places& places) const;
+  Places places() const;  ///< at the start, undeformed
   int add_marker(int body, const Pose& X_BP);
   bool has_loops() const;
-  bool is_grounded() const;     ///< something other than gravity acts from ground
+  bool is_grounded() const;  ///< something other than gravity acts from ground
+  bool is_flexible() const;
   bool is_conservative() const;
 };
 
@@ -150,6 +171,7 @@ struct Writing {
   std::string solver;  ///< lines of [solver] beside the times
   std::string suffix;  ///< of the file's name
 };
-std::string to_toml(const Scene& scene, const Writing& writing = {});
+/// The files of flexible bodies are written into the folder.
+std::string to_toml(const Scene& scene, const std::filesystem::path& folder, const Writing& writing = {});
 
 }  // namespace flexura::mbs::chance
