@@ -115,5 +115,49 @@ TEST_F(SlenderAncf, SaysThatItsElementsAreNotJudged) {
   EXPECT_THAT(stiff.out, Not(HasSubstr("discretisation")));
 }
 
+// A strip with EI = 1e-6 EA L^2, rolled up to a circle by a moment of 2 pi EI / L at its end: no equilibrium was found in
+// 500 iterations, whatever its elements.
+TEST(SlenderStrip, RollsUpToACircleOrSaysHowFar) {
+  const auto strip = [](int elements, double part) {
+    return fmt::format(R"toml(gravity = [0, 0, 0]
+[ground.marker.wall]
+[body.strip]
+fidelity = "ancf"
+[body.strip.beam]
+to = [1, 0, 0]
+elements = {}
+EA = 1e6
+GA_y = 4e5
+GA_z = 4e5
+GI_t = 1
+EI_y = 1
+EI_z = 1
+mass_per_length = 1
+rho_I_y = 1e-6
+rho_I_z = 1e-6
+[joint.clamp]
+type = "fixed"
+from = "ground.wall"
+to = "strip.root"
+[force.moment]
+type = "torque"
+marker = "strip.tip"
+z = "{} * 2 * pi"
+)toml",
+                       elements, part);
+  };
+  const Folder folder;
+  folder.write("strip.toml", strip(12, 1.0));
+  const Outcome found = run("flexura", {"statics", folder / "strip.toml"});
+  EXPECT_EQ(found.exit_code, 0) << found.err;
+  // The clamp carries the moment, whatever the shape.
+  EXPECT_THAT(found.out, HasSubstr("clamp.torque             6.28318531"));
+  // Six elements would have to bend by 60 degrees each.
+  folder.write("coarse.toml", strip(6, 1.0));
+  const Outcome coarse = run("flexura", {"statics", folder / "coarse.toml"});
+  EXPECT_EQ(coarse.exit_code, 1);
+  EXPECT_THAT(coarse.err, AllOf(HasSubstr("carried up to 70"), HasSubstr("too coarse to bend so far")));
+}
+
 }  // namespace
 }  // namespace flexura::test

@@ -7,6 +7,7 @@
 #include <optional>
 #include <stdexcept>
 
+#include "mbs/solver/position/assemble.hpp"
 #include "mbs/solver/position/row_watch.hpp"
 
 namespace flexura::mbs {
@@ -26,10 +27,11 @@ bool straighten(const Mechanism& mechanism, State& s) {
 }
 
 // Equilibria from `now` to that of the whole by steps of a tenth at most, halved where one is not found;
-// set(options, part) brings in the part, from 0 to 1.  Empty where a step gets too short.
+// set(options, part) brings in the part, from 0 to 1.  Empty where a step gets too short: `reached` tells how far they
+// were followed.
 template <class Set>
-std::optional<StaticsReport> by_steps(const Mechanism& mechanism, State& now, StaticsOptions options,
-                                      const Set& set) {
+std::optional<StaticsReport> by_steps(const Mechanism& mechanism, State& now, StaticsOptions options, const Set& set,
+                                      double* reached = nullptr) {
   constexpr double kLargest = 0.1, kLeast = 1e-3;
   StaticsReport report;
   const auto solve = [&](double part) {
@@ -52,6 +54,7 @@ std::optional<StaticsReport> by_steps(const Mechanism& mechanism, State& now, St
     const double next = std::min(done + step, 1.0);
     if (solve(next)) {
       done = next;
+      if (reached) *reached = done;
       step = std::min(2.0 * step, kLargest);
     } else if ((step *= 0.5) < kLeast) {
       return {};
@@ -76,7 +79,7 @@ std::optional<StaticsReport> close_by_steps(const Mechanism& mechanism, State& s
   return report;
 }
 
-std::optional<StaticsReport> load_by_steps(const Mechanism& mechanism, State& s) {
+std::optional<StaticsReport> load_by_steps(const Mechanism& mechanism, State& s, double& reached) {
   State now = s;
   straighten(mechanism, now);
   Mechanism unloaded(mechanism.without_loads(now, *mechanism.make_scratch()).description);
@@ -87,9 +90,9 @@ std::optional<StaticsReport> load_by_steps(const Mechanism& mechanism, State& s)
   now = s;
   StaticsOptions options;
   options.unloaded = &unloaded;
-  options.max_iterations = 15;
+  options.max_iterations = 30;  // thin beams take 15 to 30 for a turn by 36 degrees
   options.stable = false;
-  auto report = by_steps(mechanism, now, options, [](StaticsOptions& o, double part) { o.load = part; });
+  auto report = by_steps(mechanism, now, options, [](StaticsOptions& o, double part) { o.load = part; }, &reached);
   if (!report) return {};
   s = now;
   try {
@@ -107,6 +110,7 @@ std::optional<StaticsReport> load_by_steps(const Mechanism& mechanism, State& s)
 StaticsReport search(const Mechanism& mechanism, State& s) {
   if (const auto report = close_by_steps(mechanism, s)) return *report;
   State now = s;
+  double reached = 0.0;
   if (straighten(mechanism, now)) {
     // Many steps downhill take longer than loads that grow.
     StaticsOptions few;
@@ -117,10 +121,22 @@ StaticsReport search(const Mechanism& mechanism, State& s) {
       s = std::move(now);
       return report;
     } catch (const std::runtime_error&) {
-      if (const auto report = load_by_steps(mechanism, s)) return *report;
+      if (const auto report = load_by_steps(mechanism, s, reached)) return *report;
     }
   }
-  return solve_statics(mechanism, s);
+  try {
+    return solve_statics(mechanism, s);
+  } catch (const AssemblyError&) {
+    throw;
+  } catch (const std::runtime_error&) {
+    if (reached == 0.0) throw;
+    // A cubic element that bends by more than some 40 degrees wrinkles, and its equilibria turn back.
+    throw std::runtime_error(fmt::format(
+        "no equilibrium found at t = {:.6g} s: brought in by steps, the loads are carried up to {:.3g} % of them and no "
+        "further; the mechanism gives way there, or its beams are too coarse to bend so far: give them elements that bend "
+        "by less than 20 degrees each",
+        s.t, 100.0 * reached));
+  }
 }
 
 }  // namespace
