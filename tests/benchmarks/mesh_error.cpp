@@ -116,7 +116,9 @@ A mesh makes a part too stiff. By how much, in each frequency and in the static 
 what elements of the next higher degree would add (reduce/estimate/enriched_error.hpp): the residual of the shape is answered by
 their functions, in a few steps of conjugate gradients; on a large mesh only on pieces of it, some where most of the error is,
 some at random places, from which the rest is told by an indicator that is cheap everywhere. Cells of second degree get a fifth
-more for the degrees after that, which was measured on the parts of this table except those that are held out.
+more for the degrees after that, which was measured on the parts of this table except those that are held out; cells at re-entrant
+edges and at edges of rigid interfaces get what theory says that all higher degrees gain there. A mode is judged with the static
+answer of the modes that the reduction drops, so that what the reduction lacks is not taken for the mesh's.
 Meshes of pyramids, hex27, elements with reduced integration or incompatible modes and parts with elastic ties are judged by
 recovered stresses instead (reduce/estimate/mesh_error.hpp), which where few cells lie across are off by up to five; the report
 says so.
