@@ -97,7 +97,7 @@ export async function modesPage(app: HTMLElement, header: ModesHeader): Promise<
     legend.show(field === 0 ? null : {
       title: `${fieldNames[field]} [${unit}]`, scale: isSigned ? 'signed' : 'magnitude',
       low: isSigned ? -top * factor : 0, high: top * factor,
-      note: field === 6 ? 'of stress in the elements, over its root mean square in the part; the worst of all modes and loads' : field === 5 ? `for |u| up to ${lengthText(reach())}` : `scaled to ${lengthText(reach())}`,
+      note: field === 6 ? 'of the root mean square stress' : field === 5 ? `for |u| up to ${lengthText(reach())}` : `scaled to ${lengthText(reach())}`,
     });
     captions[0].replaceChildren(...describe(stage.panes > 1 ? state.pinned : state.mode));
     captions[1].hidden = stage.panes === 1;
