@@ -128,6 +128,8 @@ void NastranReader::read_springs() {
       if (card->text(k) == "K") {
         auto& stiffness = bush[card->integer(0)];
         for (std::size_t d = 0; d < 6; ++d) stiffness[d] = card->real(k + 1 + d, 0);
+      } else if (card->text(k) == "M") {
+        approximated_.add("PBUSH's M: the mass that it adds is missing", card->where);
       } else if (!card->blank(k)) {
         unused_.add("PBUSH's " + card->text(k), card->where);
       }

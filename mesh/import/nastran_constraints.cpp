@@ -27,6 +27,9 @@ void NastranReader::read_ties() {
     tie.label = card->integer(0);
     tie.reference = builder_.node(0, card->integer(1), card->where);
     tie.dofs = components(card->text(2), *card);
+    if (std::ranges::count(tie.dofs, true) == 0)
+      throw std::invalid_argument(fmt::format("{}: RBE2 {} names no directions; give them in CM, 123456 for all",
+                                              card->where.text(), tie.label));
     for (std::size_t k = 3; k < card->fields.size(); ++k)
       if (!card->blank(k) && !card->is_real(k)) {
         tie.nodes.push_back(builder_.node(0, card->integer(k), card->where));
