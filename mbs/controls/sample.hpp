@@ -37,14 +37,17 @@ class Sample final : public Control {
   void start_switches(const double* signals, double* c) const override {
     if (signals[0] < c[1]) return;
     c[0] = input_->evaluate(signals);
-    c[1] = start_ + (std::floor((signals[0] - start_) / period_ + 1e-9) + 1.0) * period_;
+    c[1] = at(std::floor((signals[0] - start_) / period_ + 1e-9) + 1.0);
   }
   void change_switch(int, const double* signals, double* c) const override {
     c[0] = input_->evaluate(signals);
-    c[1] += period_;
+    c[1] = at(std::rint((c[1] - start_) / period_) + 1.0);
   }
 
  private:
+  /// Times of samples do not add up the round-off of those before.
+  double at(double number) const { return start_ + number * period_; }
+
   std::shared_ptr<const Expression> input_;
   double period_, start_;
 };

@@ -149,6 +149,34 @@ INSTANTIATE_TEST_SUITE_P(Methods, Events,
                          ::testing::Values("ida", "radau", "runge_kutta", "generalised_alpha"));
 
 
+// Pulses of 0.05 s every half second, seen every 0.02 s: three samples each, on 2 kg. Their times were added up, and what
+// that left of round-off decided which side of a jump a sample saw: 26 or 27 of the 30, by the method.
+TEST_P(Events, SamplesSeeWhatJumpsWithThem) {
+  const Folder folder;
+  folder.write("sampled.toml", R"(gravity = [0, 0, 0]
+[ground.marker.A]
+axis = [1, 0, 0]
+[body.m]
+mass = 2
+inertia = [1, 1, 1]
+marker.a = {axis = [1, 0, 0]}
+[joint.s]
+type = "prismatic"
+from = "ground.A"
+to = "m.a"
+[control.h]
+type = "sample"
+input = "mod(t, 0.5) < 0.05 ? 10 : 0"
+period = "0.02 s"
+[force.f]
+type = "force"
+marker = "m.a"
+x = "h"
+)");
+  const Eigen::VectorXd speed = values(simulated(folder, folder / "sampled.toml", GetParam(), "5"), "s.speed");
+  EXPECT_NEAR(speed(speed.size() - 1), 30 * 0.02 * 10.0 / 2.0, 1e-9);
+}
+
 // Equilibria see events, too: x = F(t) / k, of a force that begins at 0.5 s (the row there is that before), and one that
 // is there for 1e-9 s only, on a row of its own.
 // asin has no value beyond 1, which 1e6 sin(10 t) reaches after 1e-7 s; the search for its jumps never ended.
