@@ -241,6 +241,7 @@ Attempt attempt(const PartInput& input, const std::filesystem::path& output, Red
 std::string why_unjudged(const Part& part) {
   if (part.matrices) return "its matrices come from another program, without elements";
   if (!part.mesh.shells.empty() || !part.frames.empty()) return "it has shells or beams, of which no estimate is known";
+  if (is_nearly_incompressible(part)) return "a material is nearly incompressible, where its elements lock and no estimate sees it";
   if (!part.dependent.empty()) return "constraints (*EQUATION, MPC, *TIE between nodes) bind its mesh, whose error is not known";
   if (part.mesh.solids.empty()) return "it has no solid elements";
   return "the part has no elastic mode";
@@ -365,6 +366,7 @@ void reduce_part(const PartInput& input, const std::filesystem::path& output, co
     data.notes.push_back(
         "--compare: statics not compared, which needs two interfaces with all six directions and no other");
   data.mesh_error = reduction.mesh;
+  for (const Material& material : part.materials) data.bulk_over_shear = std::max(data.bulk_over_shear, bulk_over_shear(material));
   if (const std::string coarse = too_coarse(data.mesh_error); !coarse.empty()) data.warnings.push_back(coarse);
   const MeshHints hints = mesh_hints(part, input.format == PartFormat::cad ? done.mesh.size : 0.0, data.mesh_error);
   data.warnings.insert(data.warnings.end(), hints.warnings.begin(), hints.warnings.end());

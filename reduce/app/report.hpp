@@ -30,6 +30,7 @@ struct ReportData {
   std::vector<std::string> warnings = {};
   std::vector<ModeError> errors = {};  ///< of the free body's frequencies; empty: not estimated
   std::optional<MeshShare> mesh_error = {};  ///< what the mesh costs; none: not known
+  double bulk_over_shear = 1.0;  ///< greatest of the materials
   Comparison comparison = {};
   double seconds = 0.0;
 };

@@ -325,9 +325,11 @@ Cut reduce(const Part& whole, const Part& part, const TiedModel& model, const Re
     }
     report.seconds_estimate += watch.lap();
   }
-  // The estimate knows solids only: with shells or beams the mesh's share is unknown.
+  // The estimate knows solids only: with shells or beams the mesh's share is unknown.  What it adds to nearly incompressible
+  // elements is held by the bulk modulus as they are themselves.
   JudgedMotions motions;
-  if (options.estimate_mesh && part.mesh.shells.empty() && part.frames.empty() && part.dependent.empty()) {
+  if (options.estimate_mesh && part.mesh.shells.empty() && part.frames.empty() && part.dependent.empty() &&
+      !is_nearly_incompressible(part)) {
     stage.next("Error of the mesh");
     const double before = linalg::processor_seconds();
     motions = judged_motions(reduction, options.omega_max);

@@ -30,6 +30,18 @@ constexpr Index kColumns = 12;
 
 }  // namespace
 
+double bulk_over_shear(const Material& material) {
+  return (material.D(0, 0) + 2.0 * material.D(0, 1)) / (3.0 * material.D(3, 3));
+}
+
+bool is_nearly_incompressible(const Part& part) {
+  return std::any_of(part.materials.begin(), part.materials.end(), [](const Material& material) {
+    // Of an isotropic material; others have no single ratio.
+    const bool isotropic = std::abs(material.D(0, 0) - material.D(0, 1) - 2.0 * material.D(3, 3)) < 1e-6 * material.D(0, 0);
+    return isotropic && bulk_over_shear(material) > 100.0;
+  });
+}
+
 MeshEnergy recovered_energy(const Part& part, const MatrixXd& U, const linalg::Progress& progress) {
   if (part.matrices || part.mesh.solids.empty() || U.cols() == 0) return {};
   linalg::report(progress, "mesh error", 0.0);

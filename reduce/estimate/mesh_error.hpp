@@ -21,6 +21,12 @@
 /// Rigid motions have no part in it.  Where the elements' enrichments are known, enriched_error.hpp is better.
 namespace flexura::reduce {
 
+/// Whether a material's bulk modulus is more than a hundred times its shear modulus (Poisson's ratio above 0.495): elements of
+/// displacements lock there, and no estimate sees it.
+bool is_nearly_incompressible(const Part& part);
+/// Bulk over shear modulus, of an isotropic material.
+double bulk_over_shear(const Material& material);
+
 /// Displacements that are judged.
 struct JudgedStates {
   Eigen::MatrixXd Y;       ///< n x k: combinations of the shapes
