@@ -16,7 +16,7 @@
 /// allowed.
 ///
 /// A body that hinges within itself has more motions without strain.  They are the eigenvectors of K in that complement whose
-/// eigenvalues, with K scaled to a unit diagonal, are round-off (1000 n epsilon): mechanisms, which come between the rigid and
+/// eigenvalues, with K scaled to a unit diagonal, are round-off (below 1e-10, and 1e4 below the next): mechanisms, which come between the rigid and
 /// the elastic modes with omega = 0.
 ///
 /// Effective mass of a mode for the rigid motion r_c of the body,
