@@ -103,6 +103,7 @@ const EXEMPT = [
   ['mbs/formulas/expression.cpp', 'what a formula is at a time; behind it stands where the rows before it are'],
   ['beam/section/section.cpp', 'the entry and what it is to be'],
   ['reduce/app/reduce_part.cpp', 'the key before the sentence of the modes that are struck'],
+  ['reduce/app/part_file.cpp', 'the key before the sentence of PETSc\'s options'],
   ['mesh/gmsh/read_mesh.cpp', 'damaged meshes: the child\'s words, before which the file stands'],
   ['mbs/superelement/validate.cpp', 'damaged superelements, held against themselves'],
   ['mesh/partition/', 'METIS on a mesh that is one piece'],
