@@ -52,6 +52,7 @@ bool rings(const StartedMechanism& p, const std::vector<bool>& deforms) {
   const Eigen::VectorXd unit = M.diagonal().cwiseSqrt().cwiseInverse();
   const Eigen::MatrixXd rows = (G * unit.asDiagonal()).rowwise().normalized();
   const auto n_rigid = std::ranges::count(rigid, true);
+  if (n_rigid == 0) return true;  // bodies clamped all round
   Eigen::MatrixXd of_rigid(n.n_lambda, n_rigid);
   for (Eigen::Index i = 0, k = 0; i < n.n_v; ++i)
     if (rigid[i]) of_rigid.col(k++) = rows.col(i);
