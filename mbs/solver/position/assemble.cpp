@@ -234,9 +234,11 @@ void assemble_velocities(const Equations& eq, State& s, const AssembleOptions& o
     }
     eq.velocity_constraints(s.t, s.p, s.v, *scratch, g_dot);
     report.velocity_residual = g_dot.cwiseAbs().maxCoeff();
-    // What velocities of this size may leave by round-off of a matrix with condition 1e6 or better.
+    // What velocities of this size may leave by round-off of a matrix with condition 1e6 or better; of a row that only
+    // deformations move, which stay at rest, those of the rows beside it.
+    const double beside = g_t.cwiseQuotient(sizes.size).lpNorm<Eigen::Infinity>();
     const Eigen::VectorXd allowed =
-        1e-9 * (G.cwiseAbs() * (start.cwiseAbs() + s.v.cwiseAbs()) + g_t.cwiseAbs()).array() + 1e-12;
+        1e-9 * (G.cwiseAbs() * (start.cwiseAbs() + s.v.cwiseAbs()) + g_t.cwiseAbs() + beside * sizes.size).array() + 1e-12;
     // Where kept velocities leave only coordinates that the rows do not see (but for round-off of G) these would
     // have to run without bound.
     constexpr double kRunaway = 1e8;
