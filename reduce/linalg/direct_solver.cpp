@@ -38,7 +38,9 @@ struct DenseView {
     ok(MatCreateSeqDense(PETSC_COMM_SELF, n, k, data, &mat));
     ok(MatDenseSetLDA(mat, std::max(n, static_cast<PetscInt>(stride))));
   }
-  ~DenseView() { MatDestroy(&mat); }
+  ~DenseView() {
+    if (petsc_is_sound()) MatDestroy(&mat);
+  }
   DenseView(const DenseView&) = delete;
   DenseView& operator=(const DenseView&) = delete;
 };
@@ -59,13 +61,17 @@ DirectSolver::DirectSolver(const SymmetricMatrix& A, Settings settings) : n_(A.s
       test(csr, settings.definite);
     }
   } catch (...) {
-    KSPDestroy(&ksp_);
-    MatDestroy(&mat_);
+    destroy();
     throw;
   }
 }
 
 DirectSolver::~DirectSolver() {
+  destroy();
+}
+
+void DirectSolver::destroy() {
+  if (!petsc_is_sound()) return;
   KSPDestroy(&ksp_);
   MatDestroy(&mat_);
 }

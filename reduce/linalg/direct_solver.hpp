@@ -52,6 +52,7 @@ class DirectSolver {
   const FactorFigures& figures() const { return figures_; }
 
  private:
+  void destroy();
   void create_matrix(const SymmetricMatrix& A, const Settings& settings);
   void create_solver(const Settings& settings);
   void set_up();

@@ -28,6 +28,9 @@ PetscErrorCode guarded(const Work& work) {
 /// `doing`: `its message`").
 void petsc_check(PetscErrorCode code, const char* doing);
 
+/// False once memory has run out within PETSc: its objects may be half built, and destroying them may crash.
+bool petsc_is_sound();
+
 /// Throws std::logic_error unless a Session is alive.
 void require_session();
 

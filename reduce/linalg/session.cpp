@@ -23,9 +23,11 @@ int open_sessions = 0;  // of this process: MPI itself is a process-wide thing
 bool ended = false;
 std::string first_message;  // of the error on its way up through PETSc's call stack
 std::exception_ptr thrown;  // in a callback, likewise
+bool is_sound = true;
 
 PetscErrorCode remember_error(MPI_Comm, int, const char*, const char*, PetscErrorCode code,
                               PetscErrorType type, const char* message, void*) {
+  if (code == PETSC_ERR_MEM) is_sound = false;
   if (type == PETSC_ERROR_INITIAL || first_message.empty()) {
     first_message = message && *message ? message : "no message";
     // Some of its messages are of several lines.
@@ -48,6 +50,10 @@ PetscErrorCode say_nothing(const char*, ...) {
 }
 
 }  // namespace
+
+bool petsc_is_sound() {
+  return is_sound;
+}
 
 void keep_exception(std::exception_ptr error) {
   if (!thrown) thrown = std::move(error);
@@ -97,6 +103,9 @@ Session::Session() {
     setenv("HWLOC_HIDE_ERRORS", "2", 0);  // no remarks on machines without /sys: they are not ours to mend
     PetscErrorPrintf = say_nothing;
     // Whether files of options (.petscrc) are read is asked of the command line only, before all else.
+    // Its options come first: without memory for them its own messages fall over.
+    if (PetscOptionsSetValue(nullptr, "-no_signal_handler", "true") != 0)
+      throw std::runtime_error("PETSc and SLEPc could not be started");
     static char words[][24] = {"flexura-reduce", "-skip_petscrc", "-no_signal_handler"};
     static char* pointers[] = {words[0], words[1], words[2], nullptr};
     static char** arguments = pointers;
