@@ -27,6 +27,8 @@ MechanismBuilder::JointHandle& MechanismBuilder::JointHandle::start(double q, in
   if (i < 0 || i >= joint.joint->n_p())
     throw std::invalid_argument(
         fmt::format("joint \"{}\" has {} coordinates, there is none of index {}", joint.name, joint.joint->n_p(), i));
+  if (joint.drives.contains(i))
+    throw std::invalid_argument(fmt::format("coordinate {} of joint \"{}\" is driven; leave its start out", i, joint.name));
   joint.initial_coordinates[i] = q;
   return *this;
 }
@@ -36,6 +38,8 @@ MechanismBuilder::JointHandle& MechanismBuilder::JointHandle::speed(double v, in
   if (i < 0 || i >= joint.joint->n_v())
     throw std::invalid_argument(
         fmt::format("joint \"{}\" has {} speeds, there is none of index {}", joint.name, joint.joint->n_v(), i));
+  if (joint.drives.contains(i))
+    throw std::invalid_argument(fmt::format("coordinate {} of joint \"{}\" is driven; leave its speed out", i, joint.name));
   joint.initial_speeds[i] = v;
   return *this;
 }
@@ -45,6 +49,9 @@ MechanismBuilder::JointHandle& MechanismBuilder::JointHandle::drive(const std::s
   if (joint.joint->n_p() != joint.joint->n_v() || i < 0 || i >= joint.joint->n_p())
     throw std::invalid_argument(fmt::format(
         "coordinate {} of joint \"{}\" cannot be driven; drive a joint whose coordinates are its freedoms", i, joint.name));
+  if (joint.drives.contains(i) || joint.initial_coordinates.contains(i) || joint.initial_speeds.contains(i))
+    throw std::invalid_argument(fmt::format(
+        "coordinate {} of joint \"{}\" has a drive or a start already; keep one of them", i, joint.name));
   joint.drives[i] = builder_->motion(formula);
   return *this;
 }
@@ -97,16 +104,13 @@ std::shared_ptr<const Expression> MechanismBuilder::motion(const std::string& te
 MechanismBuilder::JointHandle MechanismBuilder::add_joint(const std::string& name, std::shared_ptr<const Joint> joint,
                                                           Marker F, Marker M) {
   require_new(name, "joint");
-  const auto n = static_cast<int>(d_.markers.size());
-  if (F.index < 0 || M.index < 0 || F.index >= n || M.index >= n)
-    throw std::invalid_argument(fmt::format("joint \"{}\" stands on a marker of another mechanism; make its markers by the bodies of this builder", name));
   for (const CoordinateInfo& c : joint->coordinates()) d_.signals.add(name + "." + c.name);
   for (const CoordinateInfo& c : joint->speeds()) d_.signals.add(name + "." + c.name);
   JointDescription description;
   description.name = name;
   description.joint = std::move(joint);
-  description.marker_F = F.index;
-  description.marker_M = M.index;
+  description.marker_F = plain(F);
+  description.marker_M = plain(M);
   d_.joints.push_back(std::move(description));
   return {*this, static_cast<int>(d_.joints.size()) - 1};
 }
@@ -132,6 +136,29 @@ void MechanismBuilder::add_element(std::shared_ptr<const Control> element) {
   require_new(element->name(), "control");
   take_signal(element->name());
   d_.controls.push_back(std::move(element));
+}
+
+int MechanismBuilder::plain(Marker m) const {
+  if (m.index < 0 || m.index >= static_cast<int>(d_.markers.size()))
+    throw std::invalid_argument(fmt::format(
+        "the marker {} is none of mechanism \"{}\"; make markers by the bodies of the builder that they are for", m.index, d_.name));
+  return m.index;
+}
+
+int MechanismBuilder::plain(const Body& b) const {
+  if (b.builder_ != this)
+    throw std::invalid_argument(
+        fmt::format("a body is none of mechanism \"{}\"; add it to the builder that it is for", d_.name));
+  return b.index_;
+}
+
+CoordinateRef MechanismBuilder::plain(CoordinateRef c) const {
+  if (c.joint < 0 || c.joint >= static_cast<int>(d_.joints.size()) || c.index < 0 ||
+      c.index >= d_.joints[static_cast<std::size_t>(c.joint)].joint->n_v())
+    throw std::invalid_argument(fmt::format(
+        "the coordinate {} of joint {} is none of mechanism \"{}\"; take it of a joint of the builder that it is for", c.index, c.joint,
+        d_.name));
+  return c;
 }
 
 void MechanismBuilder::take_signal(const std::string& name) {

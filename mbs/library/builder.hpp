@@ -4,6 +4,7 @@
 #include <concepts>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -23,7 +24,8 @@
 ///     Mechanism m = b.build();
 ///
 /// Elements are the public classes of mbs/joints, mbs/constraints, mbs/forces, mbs/measures and mbs/controls: add()
-/// hands its arguments to their constructors behind the name.  All numbers are SI.
+/// hands its arguments to their constructors behind the name.  All numbers are SI.  Handles of bodies and joints are good
+/// as long as the builder stays where it is.
 namespace flexura::mbs {
 
 /// In the body's own axes.
@@ -97,7 +99,7 @@ class MechanismBuilder {
   template <std::derived_from<RelativeRows> Rows, class... Args>
     requires(!std::derived_from<Rows, Joint>)
   void add(const std::string& name, Marker F, Marker M, Args&&... args) {
-    add_element(std::make_shared<RelativeConstraint>(name, F.index, M.index,
+    add_element(std::make_shared<RelativeConstraint>(name, plain(F), plain(M),
                                                      std::make_shared<Rows>(std::forward<Args>(args)...)));
   }
   /// Any other element: Element(name, args...) with markers and coordinates in their places.
@@ -109,11 +111,11 @@ class MechanismBuilder {
   /// The same of an element whose law has names: {.stiffness = 1e4}.
   template <class Element>
   void add(const std::string& name, Marker P, Marker Q, typename Element::Law law) {
-    add_element(std::make_shared<Element>(name, P.index, Q.index, std::move(law)));
+    add_element(std::make_shared<Element>(name, plain(P), plain(Q), std::move(law)));
   }
   template <class Element>
   void add(const std::string& name, CoordinateRef c, typename Element::Law law) {
-    add_element(std::make_shared<Element>(name, c, std::move(law)));
+    add_element(std::make_shared<Element>(name, plain(c), std::move(law)));
   }
 
   /// A formula of t, parameters, and of coordinates ("main.angle", "main.speed"), measures, controls and inputs that
@@ -127,8 +129,10 @@ class MechanismBuilder {
   Mechanism build() const { return Mechanism(d_); }
 
  private:
-  static int plain(Marker m) { return m.index; }
-  static int plain(const Body& b) { return b.index(); }
+  // What handles stand for.  Throw std::invalid_argument for one of another mechanism, as far as that shows.
+  int plain(Marker m) const;
+  int plain(const Body& b) const;
+  CoordinateRef plain(CoordinateRef c) const;
   template <class T>
   static T&& plain(T&& x) {
     return std::forward<T>(x);

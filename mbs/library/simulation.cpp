@@ -6,6 +6,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "mbs/solver/accuracy/integrator_kind.hpp"
+
 namespace flexura::mbs {
 namespace {
 
@@ -37,6 +39,12 @@ Simulation::Simulation(const Mechanism& m, const SimulationOptions& options) {
   for (const auto& [name, value] : {std::pair("tolerance", o.tolerance), std::pair("end_time", o.end_time)})
     if (!(value > 0.0) || !std::isfinite(value))
       throw std::invalid_argument(fmt::format("the {} of a simulation is {}; give a number above 0", name, value));
+  for (const auto& [name, value] : {std::pair("max_step", o.max_step), std::pair("fixed_step", o.fixed_step)})
+    if (!(value >= 0.0) || !std::isfinite(value))
+      throw std::invalid_argument(fmt::format("the {} of a simulation is {}; give a time, or 0 for none", name, value));
+  if (o.fixed_step > 0.0 && (o.method_is_open || !kind_of(o).takes_fixed_steps))
+    throw std::invalid_argument(fmt::format("a fixed step goes with {}; name one of them, or leave it out",
+                                            names_of_kinds(&IntegratorKind::takes_fixed_steps)));
   started_.state = started_.mechanism->initial_state();
   assemble_start(started_, {started_.mechanism->given_positions(), started_.mechanism->given_velocities()});
   scratch_ = started_.mechanism->make_scratch();

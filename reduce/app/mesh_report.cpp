@@ -100,8 +100,12 @@ std::string mesh_error_text(const std::optional<MeshShare>& share, bool stresses
   std::string text;
   if (!share->modes.empty()) {
     text += fmt::format("  mesh error, estimated: first free frequency {}", percent_or_more(share->modes[0].error));
-    const std::size_t last = std::min<std::size_t>(share->modes.size(), 6) - 1;
-    if (last > 0) text += fmt::format(", number {} {}", last + 1, percent_or_more(share->modes[last].error));
+    // The worst of the first six, which need not be the last of them.
+    const auto end = share->modes.begin() + std::min<std::ptrdiff_t>(std::ssize(share->modes), 6);
+    const auto worst = std::max_element(share->modes.begin(), end,
+                                        [](const auto& a, const auto& b) { return a.error < b.error; });
+    if (worst != share->modes.begin())
+      text += fmt::format(", number {} {}", worst - share->modes.begin() + 1, percent_or_more(worst->error));
   }
   double worst = -1.0;
   std::string where;

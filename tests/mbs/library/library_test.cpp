@@ -193,7 +193,11 @@ TEST(Library, RefusesWhatHasNoMeaning) {
   const auto is = [](const char* words) { return ThrowsMessage<std::invalid_argument>(HasSubstr(words)); };
   EXPECT_THAT([&] { b.add("rod", RigidBody{.mass = 1.0}); }, is("a body is called \"rod\" already"));
   EXPECT_THAT([&] { b.add("", RigidBody{.mass = 1.0}); }, is("needs a name"));
-  EXPECT_THAT([&] { b.add<Revolute>("other", b.ground().marker(), MechanismBuilder::Marker{99}); }, is("another mechanism"));
+  EXPECT_THAT([&] { b.add<Revolute>("other", b.ground().marker(), MechanismBuilder::Marker{99}); }, is("is none of mechanism"));
+  EXPECT_THAT([&] { b.add<SpringDamper>("far", MechanismBuilder::Marker{99}, b.ground().marker(), {.stiffness = 1.0}); },
+              is("is none of mechanism"));
+  EXPECT_THAT([&] { b.add<JointForce>("push", CoordinateRef{0, 3}, b.formula("1")); }, is("is none of mechanism"));
+  EXPECT_THAT([&] { b.add<JointForce>("pull", CoordinateRef{7, 0}, b.formula("1")); }, is("is none of mechanism"));
   EXPECT_THAT([&] { b.formula("hinge.angel"); }, is("hinge.angle"));
   EXPECT_THAT([&] { b.parameter("t", 1.0); }, is("means something"));
   Simulation s(b.build());
@@ -202,6 +206,13 @@ TEST(Library, RefusesWhatHasNoMeaning) {
   s.advance(0.02);
   EXPECT_THAT([&] { s.advance(0.03); }, is("no multiple"));
   EXPECT_THAT([&] { Simulation(b.build(), {.tolerance = -1.0}); }, is("tolerance"));
+  EXPECT_THAT([&] { Simulation(b.build(), {.method = Method::ida, .fixed_step = 1e-3}); }, is("a fixed step goes with"));
+  EXPECT_THAT([&] { Simulation(b.build(), {.fixed_step = 1e-3}); }, is("a fixed step goes with"));
+  EXPECT_THAT([&] { Simulation(b.build(), {.method = Method::radau, .max_step = NAN}); }, is("max_step"));
+  const auto other = b.add("wheel", RigidBody{.mass = 1.0, .inertia = Matrix3d::Identity()});
+  auto axle = b.add<Revolute>("axle", b.ground().marker(), other.marker()).drive("2 * t");
+  EXPECT_THAT([&] { axle.start(1.0); }, is("is driven"));
+  EXPECT_THAT([&] { axle.drive("t"); }, is("keep one of them"));
 }
 
 }  // namespace
