@@ -204,6 +204,16 @@ class Package(unittest.TestCase):
         plot.mode_shape(self.link, self.link.natural_modes().shapes[:, 0]).figure.savefig(picture)
         self.assertGreater(picture.stat().st_size, 1000)
 
+    def test_one_run_of_a_plot_goes_by_its_name(self):
+        from flexura import plot
+        name = next(iter(self.results["rigid"]))
+        for runs in ("rigid", ["rigid"]):
+            axes = plot.quantities(self.results, name, runs=runs)
+            self.assertEqual([line.get_label() for line in axes.lines], ["rigid"])
+            self.assertEqual(len(plot.spectra(self.results, name, runs=runs).lines), 1)
+        with self.assertRaisesRegex(KeyError, "no run is called 'rigdi'"):
+            plot.quantities(self.results, name, runs="rigdi")
+
     def test_a_notebook_shows_pages(self):
         shown = flexura.page(self.here / "link.se.h5")
         self.assertEqual(shown.path, self.here / "link.html")

@@ -21,14 +21,27 @@ install_packages() {
     as_root=(sudo)
   fi
   say "installing ${#missing[@]} Debian packages: ${missing[*]}"
-  # Another package manager may be at work (unattended upgrades): wait for it instead of failing.
-  "${as_root[@]}" apt-get -o DPkg::Lock::Timeout=600 update -qq || return 1
-  "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -o DPkg::Lock::Timeout=600 install -y -qq --no-install-recommends \
-    "${missing[@]}" >"${TMPDIR:-/tmp}/flexura-apt.log" 2>&1 || {
-    tail -n 20 "${TMPDIR:-/tmp}/flexura-apt.log" >&2
+  when_free "${as_root[@]}" apt-get update -qq &&
+    when_free "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -o DPkg::Lock::Timeout=600 install -y -qq --no-install-recommends \
+      "${missing[@]}" || {
     say "error: apt-get could not install these packages; the lines above are its last words" >&2
     return 1
   }
+}
+
+# when_free COMMAND...: a command of apt-get, again every few seconds for ten minutes while another package manager (unattended
+# upgrades) holds one of its locks; DPkg::Lock::Timeout waits for dpkg's only, not for that of the lists.
+when_free() {
+  local log="${TMPDIR:-/tmp}/flexura-apt.log" start=$SECONDS told=
+  until "$@" >"$log" 2>&1; do
+    if ! grep -q 'Could not get lock\|Unable to acquire the dpkg\|Unable to lock' "$log" || ((SECONDS - start > ${FLEXURA_APT_WAIT:-600})); then
+      tail -n 20 "$log" >&2
+      return 1
+    fi
+    [ -n "$told" ] || say "another package manager is at work; waiting for it (at most ten minutes) ..."
+    told=yes
+    sleep "${FLEXURA_APT_PAUSE:-5}"
+  done
 }
 
 # build PRESET [TARGET...]: configures when needed and builds with all cores.
@@ -43,8 +56,17 @@ build() {
       return 1
     }
   fi
-  [ -d "build/$preset/bin" ] || say "the first build compiles some 600 files: about a quarter of an hour on two cores"
-  local quiet=--quiet
-  [ -t 1 ] && quiet=  # on a terminal ninja's own line shows how far it is
-  cmake --build "build/$preset" -- $quiet "$@" || return 1
+  local steps minutes
+  steps=$(ninja -C "build/$preset" -n "$@" 2>/dev/null | sed -n 's|^\[1/\([0-9]*\)\].*|\1|p' | head -1)
+  # About three seconds of one core a step, measured on two cores of 2.5 GHz without a compiler cache.
+  minutes=$((${steps:-0} * 3 / 60 / $(nproc)))
+  [ "$minutes" -lt 1 ] || say "$steps steps: about $minutes minutes on $(nproc) cores (less where ccache knows them)"
+  if [ -t 1 ]; then # on a terminal ninja's own line shows how far it is
+    cmake --build "build/$preset" -- "$@"
+  else # elsewhere a line for each tenth, and what is not a step: warnings, errors
+    cmake --build "build/$preset" -- "$@" | awk '
+      match($0, /^\[[0-9]+\/[0-9]+\]/) { split(substr($0, 2, RLENGTH - 2), n, "/"); tenth = int(10 * n[1] / n[2])
+        if (n[2] > 20 && tenth > last) { print "  " n[1] " of " n[2]; last = tenth; fflush() } ; next }
+      /^ninja: (no work to do|Entering)/ { next } { print; fflush() }'
+  fi
 }

@@ -18,4 +18,4 @@ __all__ = [
     "Array", "Body", "FlexuraError", "Interface", "Modes", "Page", "Results", "Run", "SectionForces", "Superelement",
     "modes", "page", "program", "read_results", "read_superelement", "reduce", "simulate",
 ]
-__version__ = "0.1.0"
+__version__ = "0.2.0"

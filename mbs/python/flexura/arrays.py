@@ -2,12 +2,17 @@
 """Arrays that know what they are, and how Flexura's files give them."""
 
 from contextlib import contextmanager
+from os import PathLike
+from typing import Any, Iterator, Optional, Union
 
 import h5py
 import numpy as np
+import numpy.typing as npt
+
+FilePath = Union[str, "PathLike[str]"]
 
 
-class Array(np.ndarray):
+class Array(np.ndarray):  # type: ignore[type-arg]  # of any shape and kind of number
     """A numpy array with a name, a unit (SI, "rad/s") and a sentence that says what it is.
 
     Slices keep all three.  What arithmetic gives is an array whose name and unit are empty: nobody has said what
@@ -18,33 +23,33 @@ class Array(np.ndarray):
     unit = ""
     doc = ""
 
-    def __new__(cls, values, name="", unit="", doc=""):
+    def __new__(cls, values: npt.ArrayLike, name: str = "", unit: str = "", doc: str = "") -> "Array":
         array = np.asarray(values).view(cls)
         array.name, array.unit, array.doc = name, unit, doc
         return array
 
-    def __array_finalize__(self, source):
+    def __array_finalize__(self, source: Any) -> None:
         # Views of an Array are its slices and transposes.
         if isinstance(source, Array) and self.base is not None:
             self.name, self.unit, self.doc = source.name, source.unit, source.doc
 
-    def __array_wrap__(self, values, context=None, return_scalar=False):
+    def __array_wrap__(self, values: Any, context: Any = None, return_scalar: bool = False) -> Any:
         # Results of ufuncs and of functions like mean().
         plain = np.asarray(values)
         return plain[()] if plain.ndim == 0 else plain.view(Array)._anonymous()
 
-    def _anonymous(self):
+    def _anonymous(self) -> "Array":
         self.name = self.unit = self.doc = ""
         return self
 
     @property
-    def label(self):
+    def label(self) -> str:
         """For an axis: "main.speed [rad/s]"."""
         return f"{self.name} [{self.unit}]" if self.unit else self.name
 
 
 @contextmanager
-def open_file(path, kind):
+def open_file(path: FilePath, kind: str) -> Iterator[h5py.File]:
     """One of Flexura's HDF5 files, `kind` "superelement" or "results"; HDF5 checks its checksums.
 
     Raises OSError for a file that is damaged and ValueError for one of another kind or of a later version.
@@ -58,7 +63,7 @@ def open_file(path, kind):
         yield file
 
 
-def _open(path):
+def _open(path: FilePath) -> h5py.File:
     try:
         return h5py.File(path, "r")
     except OSError as refused:
@@ -69,23 +74,23 @@ def _open(path):
             raise refused from None
 
 
-def read_array(dataset, name=None):
+def read_array(dataset: h5py.Dataset, name: Optional[str] = None) -> Array:
     """A dataset of a Flexura file with its unit and doc; a row-major array as it is stored."""
     return Array(dataset[()], name or dataset.name.rsplit("/", 1)[-1], _text(dataset.attrs.get("unit", "")),
                  _text(dataset.attrs.get("doc", "")))
 
 
-def read_text(dataset):
+def read_text(dataset: h5py.Dataset) -> str:
     """Texts are stored as bytes in UTF-8."""
     return bytes(dataset[()]).decode("utf-8")
 
 
-def _text(value):
+def _text(value: Union[bytes, str]) -> str:
     text = value.decode("utf-8") if isinstance(value, bytes) else str(value)
     return text.rstrip("\0")
 
 
-def attribute(group, name, fallback=""):
+def attribute(group: h5py.Group, name: str, fallback: Any = "") -> Any:
     """An attribute as text or number."""
     value = group.attrs.get(name, fallback)
     return _text(value) if isinstance(value, (bytes, str)) else value

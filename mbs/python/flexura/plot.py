@@ -1,15 +1,30 @@
 # Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 """Plots with matplotlib (an optional dependency, imported only here)."""
 
+from typing import Any, List, Sequence, Union
+
 import numpy as np
+import numpy.typing as npt
+
+from .results import Results, Run
+from .superelement import Superelement
+
+Names = Union[str, Sequence[str], None]
 
 
-def quantities(results, *names, runs=None, axes=None):
-    """Quantities over time, all runs in one picture; names share an axis.  Returns the matplotlib axes."""
+def _chosen(results: Results, runs: Names) -> List[Run]:
+    """The named runs (one name or several), or all."""
+    if runs is None:
+        return list(results.values())
+    return [results[name] for name in ([runs] if isinstance(runs, str) else runs)]
+
+
+def quantities(results: Results, *names: str, runs: Names = None, axes: Any = None) -> Any:
+    """Quantities over time, all runs (or those named) in one picture; names share an axis.  Returns the matplotlib axes."""
     import matplotlib.pyplot as plt
 
     axes = axes or plt.subplots(figsize=(8, 3.6), layout="constrained")[1]
-    chosen = [results[r] for r in runs] if runs else list(results.runs.values())
+    chosen = _chosen(results, runs)
     for i, run in enumerate(chosen):
         for j, name in enumerate(names):
             if name in run:
@@ -25,12 +40,12 @@ def quantities(results, *names, runs=None, axes=None):
     return axes
 
 
-def spectra(results, name, runs=None, axes=None):
+def spectra(results: Results, name: str, runs: Names = None, axes: Any = None) -> Any:
     """Amplitude spectra of a quantity on a logarithmic axis.  Returns the matplotlib axes."""
     import matplotlib.pyplot as plt
 
     axes = axes or plt.subplots(figsize=(8, 3.6), layout="constrained")[1]
-    for run in [results[r] for r in runs] if runs else results.runs.values():
+    for run in _chosen(results, runs):
         frequency, amplitude = run.spectrum(name)
         axes.semilogy(frequency[1:], amplitude[1:], label=run.name)
     axes.set_xlabel("frequency [Hz]")
@@ -40,7 +55,8 @@ def spectra(results, name, runs=None, axes=None):
     return axes
 
 
-def mode_shape(superelement, u_se, amplitude=0.08, stress=False, axes=None):
+def mode_shape(superelement: Superelement, u_se: npt.ArrayLike, amplitude: float = 0.08, stress: bool = False,
+               axes: Any = None) -> Any:
     """The surface deformed by superelement coordinates, its largest displacement drawn as a part of its size.
 
     Coloured by displacement, or by the von Mises stress where the superelement has stress modes at all vertices.

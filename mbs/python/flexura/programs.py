@@ -12,20 +12,24 @@ import shutil
 import subprocess
 import webbrowser
 from pathlib import Path
+from typing import Any, Dict, Iterable, Iterator, Mapping, Optional, Sequence, Union, cast
 
-from .results import read_results
-from .superelement import read_superelement
+from .arrays import FilePath
+from .results import Results, read_results
+from .superelement import Superelement, read_superelement
+
+Settings = Optional[Mapping[str, Any]]
 
 
 class FlexuraError(RuntimeError):
     """A program refused its input (code 2) or failed (code 1)."""
 
-    def __init__(self, message, code):
+    def __init__(self, message: str, code: int) -> None:
         super().__init__(message)
         self.code = code
 
 
-def program(name="flexura"):
+def program(name: str = "flexura") -> str:
     """The path of a program of Flexura."""
     folder = os.environ.get("FLEXURA_BIN")
     found = shutil.which(name, path=folder) if folder else shutil.which(name)
@@ -35,7 +39,7 @@ def program(name="flexura"):
     return found
 
 
-def run(arguments, name="flexura"):
+def run(arguments: Iterable[object], name: str = "flexura") -> str:
     """Runs a program and returns what it printed."""
     done = subprocess.run([program(name), *map(str, arguments)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     if done.returncode != 0:
@@ -44,12 +48,12 @@ def run(arguments, name="flexura"):
     return done.stdout
 
 
-def _settings(settings):
+def _settings(settings: Settings) -> Iterator[str]:
     for key, value in (settings or {}).items():
         yield from ("--set", f"{key}={value if isinstance(value, str) else json.dumps(value)}")
 
 
-def reduce(part, output=None, settings=None):
+def reduce(part: FilePath, output: Optional[FilePath] = None, settings: Settings = None) -> Superelement:
     """Makes a superelement of a part file (or beam model) and reads it.
 
     settings: keys of the part file to change, {"modes.count": 30}.  The default output stands beside the part file.
@@ -60,7 +64,8 @@ def reduce(part, output=None, settings=None):
     return read_superelement(output)
 
 
-def simulate(mechanism, output=None, settings=None, runs=None):
+def simulate(mechanism: FilePath, output: Optional[FilePath] = None, settings: Settings = None,
+             runs: Union[str, Sequence[str], None] = None) -> Results:
     """Simulates a mechanism file and reads the results.
 
     settings: keys of the mechanism file to change, {"solver.end_time": "1 s"}; runs: names, or one name; default all of the file.
@@ -73,30 +78,30 @@ def simulate(mechanism, output=None, settings=None, runs=None):
     return read_results(output)
 
 
-def modes(superelement, *options):
+def modes(superelement: FilePath, *options: str) -> Dict[str, Any]:
     """What `flexura modes FILE --json OPTIONS` prints, as a dictionary."""
-    return json.loads(run(["modes", superelement, "--json", *options]))
+    return cast(Dict[str, Any], json.loads(run(["modes", superelement, "--json", *options])))
 
 
 class Page:
     """A page for the browser (mbs/view/README.md). A notebook shows it in place."""
 
-    def __init__(self, path):
+    def __init__(self, path: FilePath) -> None:
         self.path = Path(path)
 
-    def open(self):
+    def open(self) -> bool:
         """In the system's browser."""
         return webbrowser.open(self.path.resolve().as_uri())
 
-    def _repr_html_(self):
+    def _repr_html_(self) -> str:
         text = html.escape(self.path.read_text(encoding="utf-8"))
         return f'<iframe title="{html.escape(self.path.stem)}" style="width:100%;height:640px;border:0" srcdoc="{text}"></iframe>'
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         return f"<page {str(self.path)!r}>"
 
 
-def page(file, output=None, *options):
+def page(file: FilePath, output: Optional[FilePath] = None, *options: str) -> Page:
     """The page of a superelement (its modes) or of results (the motion).
 
     options: of `flexura modes` or `flexura view`.  The default output stands beside the file.

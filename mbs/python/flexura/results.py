@@ -3,11 +3,13 @@
 
 import json
 from dataclasses import dataclass
-from typing import Dict, List, Mapping, Optional
+from typing import Any, Dict, Iterator, List, Mapping, Optional, Tuple
 
+import h5py
 import numpy as np
+import numpy.typing as npt
 
-from .arrays import Array, attribute, open_file, read_array, read_text
+from .arrays import Array, FilePath, attribute, open_file, read_array, read_text
 
 
 @dataclass
@@ -20,13 +22,13 @@ class Body:
     modal: Optional[Array]  # n_t x m modal coordinates, None for a rigid body
     basis: Optional[Array]  # n_se x m: u_se = basis @ s
 
-    def superelement_coordinates(self):
+    def superelement_coordinates(self) -> Array:
         """u_se over time: n_t x n_se."""
         if self.modal is None:
             raise ValueError(f"body {self.name!r} is rigid in this run")
         return Array(np.asarray(self.modal) @ np.asarray(self.basis).T, "u_se")
 
-    def place(self, point):
+    def place(self, point: npt.ArrayLike) -> Array:
         """Where a point of the undeformed body, given in its frame, is in the world: n_t x 3 [m]."""
         w, v = np.asarray(self.quaternion)[:, :1], np.asarray(self.quaternion)[:, 1:]
         p = np.broadcast_to(np.asarray(point, dtype=float), v.shape)
@@ -35,10 +37,10 @@ class Body:
         return Array(np.asarray(self.position) + turned, f"{self.name}: point", "m")
 
 
-class Run(Mapping):
+class Run(Mapping[str, Array]):
     """A run: a mapping from the names of its quantities to arrays, beside its time, bodies and summary."""
 
-    def __init__(self, name, group):
+    def __init__(self, name: str, group: h5py.Group) -> None:
         header = json.loads(read_text(group["header"]))
         self.name = name
         self.complete = bool(attribute(group, "complete", 0))
@@ -59,7 +61,7 @@ class Run(Mapping):
         self.state_names: List[str] = header.get("states", [])
         self.states = read_array(group["states"]) if "states" in group else None
 
-    def __getitem__(self, name):
+    def __getitem__(self, name: str) -> Array:
         try:
             return self._quantities[name]
         except KeyError:
@@ -67,13 +69,13 @@ class Run(Mapping):
             hint = f"; there are {', '.join(near)}" if near else "; list(run) names them all"
             raise KeyError(f"run {self.name!r} stored no quantity {name!r}{hint}") from None
 
-    def __iter__(self):
+    def __iter__(self) -> Iterator[str]:
         return iter(self._quantities)
 
-    def __len__(self):
+    def __len__(self) -> int:
         return len(self._quantities)
 
-    def spectrum(self, name):
+    def spectrum(self, name: str) -> Tuple[Array, Array]:
         """One-sided amplitude spectrum of a quantity: frequency [Hz] and amplitude, mean taken off, Hann window."""
         t, y = np.asarray(self.time), np.asarray(self[name])
         even = np.linspace(t[0], t[-1], len(t))
@@ -83,39 +85,39 @@ class Run(Mapping):
         return (Array(np.fft.rfftfreq(len(t), even[1] - even[0]), "frequency", "Hz"),
                 Array(amplitude, f"amplitude of {name}", self[name].unit))
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         end = f" to {self.time[-1]:.6g} s" if len(self.time) else ""
         return f"<run {self.name!r}: {len(self.time)} rows{end}, {len(self)} quantities>"
 
 
 @dataclass(repr=False, eq=False)
-class Results(Mapping):
+class Results(Mapping[str, Run]):
     """A results file, a mapping from the names of its runs to them: results["flexible"]["main.speed"]."""
 
     name: str
     created_by: str
     source: str
-    bodies: List[dict]  # name, kind, superelement
-    connections: List[dict]  # joints and forces with the bodies they join
+    bodies: List[Dict[str, Any]]  # name, kind, superelement
+    connections: List[Dict[str, Any]]  # joints and forces with the bodies they join
     runs: Dict[str, Run]
 
-    def __getitem__(self, run):
+    def __getitem__(self, run: str) -> Run:
         try:
             return self.runs[run]
         except KeyError:
             raise KeyError(f"no run is called {run!r}; there are {', '.join(self.runs)}") from None
 
-    def __iter__(self):
+    def __iter__(self) -> Iterator[str]:
         return iter(self.runs)
 
-    def __len__(self):
+    def __len__(self) -> int:
         return len(self.runs)
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         return f"<results {self.name!r}: runs {', '.join(self.runs)}>"
 
 
-def read_results(path):
+def read_results(path: FilePath) -> Results:
     """Reads a results file whole; also a FILE.part of a run that goes on or was killed.
 
     Raises OSError for a damaged file and ValueError for one that holds no results or is of a later version.

@@ -3,11 +3,12 @@
 
 import json
 from dataclasses import dataclass, field
-from typing import Dict, List, Optional
+from typing import Any, Dict, List, Optional, Sequence
 
 import numpy as np
+import numpy.typing as npt
 
-from .arrays import Array, open_file, read_array, read_text
+from .arrays import Array, FilePath, open_file, read_array, read_text
 
 
 @dataclass
@@ -22,7 +23,7 @@ class Interface:
     follow: Dict[str, Array] = field(default_factory=dict)  # directions that are no dofs: direction -> row, n
 
     @property
-    def dofs(self):
+    def dofs(self) -> slice:
         """Its rows and columns in the matrices."""
         return slice(self.first_dof, self.first_dof + len(self.directions))
 
@@ -46,7 +47,7 @@ class SectionForces:
     axes: Array  # n_p x 3 x 3: columns are the member's axes in B
     modes: Array  # n x 6 n_p [N, N m per dof]
 
-    def at(self, u_se):
+    def at(self, u_se: npt.ArrayLike) -> Array:
         """For superelement coordinates, also many rows of them: ... x n_p x 6 [N, N m]."""
         forces = np.asarray(u_se) @ np.asarray(self.modes)
         return Array(forces.reshape(*forces.shape[:-1], -1, 6), "section forces", "N, N m")
@@ -62,7 +63,7 @@ class Superelement:
     name: str
     created_by: str
     source: str
-    report: dict
+    report: Dict[str, Any]
     n_b: int
     n_q: int
     modal_damping: float
@@ -83,20 +84,20 @@ class Superelement:
     section_forces: Optional[SectionForces] = None  # of a beam part
 
     @property
-    def n(self):
+    def n(self) -> int:
         return self.n_b + self.n_q
 
     @property
-    def mass(self):
+    def mass(self) -> float:
         """[kg]"""
         return float(self.inertia["mass"].ravel()[0])
 
     @property
-    def mass_centre(self):
+    def mass_centre(self) -> Array:
         """From Bo [m]."""
         return Array(np.asarray(self.inertia["S_x"]) / self.mass, "mass centre", "m")
 
-    def interface(self, name):
+    def interface(self, name: str) -> Interface:
         """An interface by its name; KeyError lists the names."""
         for item in self.interfaces:
             if item.name == name:
@@ -104,12 +105,12 @@ class Superelement:
         raise KeyError(f"no interface is called {name!r}; there are {', '.join(i.name for i in self.interfaces)}")
 
     @property
-    def fixed_interface_frequencies(self):
+    def fixed_interface_frequencies(self) -> Array:
         """With all interfaces held [Hz]."""
         return Array(np.sqrt(np.asarray(self.omega2)) / (2 * np.pi), "frequency", "Hz",
                      "natural frequencies with all interfaces held")
 
-    def rigid_motions(self):
+    def rigid_motions(self) -> "np.ndarray[Any, np.dtype[np.float64]]":
         """Translations along and rotations about the axes of B at Bo in the n coordinates: n x 6."""
         R = np.zeros((self.n, 6))
         for item in self.interfaces:
@@ -121,7 +122,7 @@ class Superelement:
                 R[item.first_dof + i] = rows[direction]
         return R
 
-    def natural_modes(self, held=(), count=None):
+    def natural_modes(self, held: Sequence[str] = (), count: Optional[int] = None) -> Modes:
         """Elastic modes (K_se - omega^2 M_se) phi = 0 with the named interfaces held, phi^T M_se phi = 1.
 
         Of a free body the rigid motions that the held interfaces leave are projected out, not searched for.
@@ -150,29 +151,29 @@ class Superelement:
         return Modes(Array(1 / np.sqrt(mu[order]) / (2 * np.pi), "frequency", "Hz"),
                      Array(shapes, "mode shapes", "", "superelement coordinates, mass-normalised"), list(held))
 
-    def displacement(self, u_se):
+    def displacement(self, u_se: npt.ArrayLike) -> Array:
         """Of the surface's vertices for superelement coordinates u_se: n_v x 3 [m]."""
         self._require(self.surface_shapes, "shapes on its surface")
         return Array((np.asarray(u_se) @ np.asarray(self.surface_shapes)).reshape(-1, 3), "displacement", "m")
 
-    def stress(self, u_se):
+    def stress(self, u_se: npt.ArrayLike) -> Array:
         """Nodal stresses xx, yy, zz, xy, yz, zx at the places stress_vertices: n_s x 6 [Pa]."""
         self._require(self.stress_modes, "stress modes")
         return Array((np.asarray(u_se) @ np.asarray(self.stress_modes)).reshape(-1, 6), "stress", "Pa")
 
     @staticmethod
-    def von_mises(stress):
+    def von_mises(stress: npt.ArrayLike) -> Array:
         """Of an n x 6 array as stress() gives it [Pa]."""
         xx, yy, zz, xy, yz, zx = np.asarray(stress).T
         return Array(np.sqrt(((xx - yy)**2 + (yy - zz)**2 + (zz - xx)**2) / 2 + 3 * (xy**2 + yz**2 + zx**2)),
                      "von Mises stress", "Pa")
 
-    def _require(self, array, what):
+    def _require(self, array: Optional[Array], what: str) -> None:
         if array is None:
             raise ValueError(f"superelement {self.name!r} was read or made without {what}")
 
 
-def read_superelement(path, surface=True):
+def read_superelement(path: FilePath, surface: bool = True) -> Superelement:
     """Reads FILE.se.h5; without `surface` only matrices and inertia, a few kilobytes.
 
     Checksums are checked by HDF5.  Raises OSError for a file that is damaged and ValueError for one that is no
@@ -199,7 +200,7 @@ def read_superelement(path, surface=True):
             part = file["sections"]
             axes = read_array(part["axes"])
             se.section_forces = SectionForces(json.loads(read_text(part["members"])), read_array(part["member"]),
-                                              read_array(part["positions"]), axes.reshape(-1, 3, 3),
+                                              read_array(part["positions"]), Array(axes.reshape(-1, 3, 3), axes.name, axes.unit, axes.doc),
                                               read_array(part["forces"]))
         if surface and "surface" in file:
             se.vertices = read_array(file["surface/vertices"])
