@@ -111,6 +111,18 @@ TEST(RandomSamples, GearsThatLockStandStill) {
   EXPECT_NEAR(column(run, "j0.angle", last), column(run, "j0.angle", 0), 1e-9);
 }
 
+// By a method that was asked for by name its steps were 2e-11 s, and the run would have ended after a day.
+TEST(RandomSamples, GearsThatLockStopAMethodThatCreeps) {
+  const test::Folder folder;
+  const Outcome outcome = test::run("flexura", {"simulate", kFolder + "gears_that_lock.toml", "-o", folder / "rows.h5",
+                                                "--no-estimate", "--set", "solver.method=ida"});
+  EXPECT_EQ(outcome.exit_code, 1) << outcome.err;
+  EXPECT_THAT(outcome.err, AllOf(HasSubstr("locks"), HasSubstr("c0.ratio"), HasSubstr("(ida creeps)")));
+  EXPECT_THAT(outcome.out, HasSubstr("hint: radau"));
+  // Rows until there are kept.
+  EXPECT_GE(results::read(folder / "rows.h5").runs.at(0).time.size(), 1);
+}
+
 // With hinges in place of the cylinders nothing is free at all: that needs no integrator, whichever is asked for.
 TEST(RandomSamples, WhatNothingCanMoveStandsStillByEveryMethod) {
   std::string text = test::read_text(kFolder + "gears_that_lock.toml");

@@ -20,6 +20,8 @@ constexpr double kOfMotion = 100.0;
 // goes down, is then fifty times the round-off of the positions that loops are closed by.  Of velocities they
 // end where this error comes about within the glance: a short step turns the round-off of loops into speeds.
 constexpr double kLeast = 1e-12;
+// A range of speeds is resolved to this part of it.
+constexpr double kOfRange = 1e-3, kNoRange = 1e300;
 
 }  // namespace
 
@@ -45,9 +47,52 @@ ErrorWeights::ErrorWeights(const Equations& eq, const SolverOptions& options)
   place_ = std::max(place_, length_);
   displacement_ = length_;
   speed_ = HUGE_VAL;
+  narrow_ = kNoRange;
+}
+
+// At rest, disturbed by speeds of some size along all coordinates at once: a force that is hardly larger for speeds a
+// thousand times as large has its range within them.
+void ErrorWeights::look_for_narrow_ranges(const State& s) {
+  constexpr double kFactor = 1e3, kSaturated = 10.0, kSmallest = 1e-15, kMaterial = 1e-9;
+  const Sizes n = eq_.sizes();
+  if (n.n_v == 0) return;
+  const auto scratch = eq_.make_scratch();
+  State at = s;
+  const Eigen::VectorXd still = Eigen::VectorXd::Zero(n.n_v);
+  Eigen::VectorXd rest(n.n_v), r(n.n_v), c_rate(n.n_dyn), b(n.n_alg);
+  const auto force = [&](double size, Eigen::VectorXd& out) {
+    for (int i = 0; i < n.n_v; ++i) at.v(i) = size * (i % 2 == 0 ? 1.0 : 0.7) / reach_v_(i);
+    eq_.momentum(at, still, *scratch, out, c_rate, b);
+  };
+  // Errors this large would matter; a range that they resolve is none.
+  const double coarse = tolerance_ * floor_ / kOfRange * std::max(length_, usual_speed_.maxCoeff());
+  Eigen::VectorXd large(n.n_v), small(n.n_v);
+  try {
+    force(0.0, rest);
+    force(kFactor * coarse, large);
+    large -= rest;
+    const double matters = kMaterial * (rest.cwiseAbs().maxCoeff() + large.cwiseAbs().maxCoeff());
+    double narrowest = kNoRange;
+    for (double size = coarse; size > kSmallest * length_; size *= 0.1) {
+      force(size, small);
+      small -= rest;
+      bool any = false;
+      for (int i = 0; i < n.n_v; ++i)
+        any = any || (std::abs(small(i)) > matters && std::abs(large(i)) < kSaturated * std::abs(small(i)));
+      if (!any) {
+        narrow_ = std::min(narrow_, narrowest);
+        return;
+      }
+      narrowest = size;
+    }
+    // A jump, which has no range.
+  } catch (const std::runtime_error&) {
+    // Not to be evaluated at rest: nothing is known.
+  }
 }
 
 void ErrorWeights::start(const State& s, const Eigen::VectorXd& v_dot) {
+  look_for_narrow_ranges(s);
   if (has_start_) {
     take(s.p, s.v);
     return;
@@ -107,9 +152,14 @@ void ErrorWeights::evaluate(ConstVectorRef p, ConstVectorRef v, ConstVectorRef c
   for (Eigen::Index i = 0; i < v.size(); ++i) {
     const double reach = reach_v_(i);
     const double allowed = tolerance_ * (std::abs(v(i)) * reach + floor_ * std::min(speed_, usual_speed_(i)));
-    w(p.size() + i) = reach / std::max(allowed, std::min(least_v, tolerance_ * floor_ * usual_speed_(i)));
+    const double resolved = std::max(allowed, std::min(least_v, tolerance_ * floor_ * usual_speed_(i)));
+    w(p.size() + i) = reach / std::min(resolved, kOfRange * narrow_ + tolerance_ * std::abs(v(i)) * reach);
   }
   w.tail(c.size()).array() = 1.0 / (tolerance_ * (c.array().abs() + floor_));
+}
+
+bool ErrorWeights::has_narrow_range() const {
+  return narrow_ < kNoRange;
 }
 
 void ErrorWeights::remember(History& history) {
@@ -118,6 +168,7 @@ void ErrorWeights::remember(History& history) {
   if (history.reads() && has_start_) require_size(p_start_.size(), reach_p_.size());
   history(displacement_);
   history(speed_);
+  history(narrow_);
 }
 
 }  // namespace flexura::mbs

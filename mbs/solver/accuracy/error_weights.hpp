@@ -19,6 +19,12 @@
 /// displacement since the run began, at most L, and V the largest speed, at most 1 rad/s and 1 m/s or L / 1 s: a micro
 /// mechanism, or a stiff one that moves by nanometres, is held to its own motion.  What round-off
 /// makes of L, or of a position itself, is not asked for.
+///
+/// Forces that change by their own size within a narrow range of speeds about rest (a friction's transition speed) are
+/// not resolved by errors of that range: Newton's method takes the stiffness it finds within for that beyond, and a
+/// joint that should slip sticks, or creeps through.  They show where the mechanism at rest is disturbed: a force that
+/// grows with the disturbance is a damper, one that does not has a range below.  All speeds are then held to a
+/// thousandth of it.
 namespace flexura::mbs {
 
 class ErrorWeights {
@@ -36,11 +42,15 @@ class ErrorWeights {
 
   double displacement() const { return displacement_; }  ///< D [m]
   double speed() const { return speed_; }                ///< V [m/s]
+  /// Some force changes by its own size within a range of speeds finer than errors usually are: the stiffness that a
+  /// matrix found within it says nothing of what is beyond.
+  bool has_narrow_range() const;
 
   void remember(History& history);
 
  private:
   void guess(const State& s, const Eigen::VectorXd& v_dot);
+  void look_for_narrow_ranges(const State& s);
 
   const Equations& eq_;
   double tolerance_, floor_, duration_, length_ = 1.0, place_ = 0.0;
@@ -49,6 +59,7 @@ class ErrorWeights {
   bool has_start_ = false;
   Eigen::VectorXd p_start_;
   double displacement_ = 0.0, speed_ = 0.0;  // D, V without their upper bounds
+  double narrow_;                            // range of speeds [m/s], no bound where there is none
 };
 
 }  // namespace flexura::mbs

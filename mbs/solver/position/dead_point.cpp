@@ -167,11 +167,12 @@ std::string with_rank_loss(const Equations& eq, const State& s, const std::strin
   const VectorXd& sigma = svd.singularValues();
   const double least = n.n_lambda > n.n_v ? 0.0 : sigma(sigma.size() - 1);
   if (least > kNearlyLost * sigma(0)) return trouble;
-  // One sentence: of the integrator's own only what it could not do.
+  // One sentence: of the integrator's own only what it could not do, not when.
+  const std::size_t end = std::min(trouble.find_first_of(":;,"), trouble.find(" at t = "));
   return fmt::format(
       "the mechanism locks or stands at a dead point at t = {:.9g} s: the constraints {} lose rank there (smallest "
       "singular value {:.1e}); change the lengths, end the drive before it, or drive another joint ({})",
-      s.t, list(rows.rows(svd.matrixU().rightCols(1))), least / sigma(0), trouble.substr(0, trouble.find(':')));
+      s.t, list(rows.rows(svd.matrixU().rightCols(1))), least / sigma(0), trouble.substr(0, end));
 }
 
 std::string near_rank_loss(const Equations& eq, const LoopCloser::Nearness& nearness, double misfit,

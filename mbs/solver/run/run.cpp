@@ -188,6 +188,7 @@ bool Runner::step_once() {
   if (is_watched_ && method_watch_.step(options_.method, end.t_end, integrator_->counts()) &&
       (goes_on || result_.stopped_as_told))
     watch_method();
+  if (is_watched_ && goes_on && pace_watch_.step(end.t_end)) refuse_creeping();
   return goes_on;
 }
 
@@ -311,6 +312,7 @@ RunResult Runner::run() {
         integrator_->set_horizon(times_.next(result_.state.t).t);
         integrator_->start(result_.state, result_.v_dot);
       }
+      pace_watch_.change(result_.state.t);
       while (step_once())
         if (has_history_ && remembering_.wanted && remembering_.wanted()) hand_out_memory();
       if (has_history_ && !result_.stopped_because.empty() && remembering_.take && remembering_.at_the_end)

@@ -2,11 +2,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 
 #include "mbs/solver/accuracy/scales.hpp"
 #include "mbs/solver/algebra/finite.hpp"
 #include "mbs/solver/algebra/saddle.hpp"
+#include "mbs/solver/position/dead_point.hpp"
 #include "mbs/solver/run/make_integrator.hpp"
 #include "mbs/solver/run/runner.hpp"
 
@@ -39,6 +41,35 @@ void Runner::watch_method() {
   const std::string method = method_watch_.look(options_.method, s, v_dot);
   if (!method.empty())
     change_method(method, fmt::format("it is about {:.0f} times as fast there", method_watch_.last_gain()));
+}
+
+// The windows of steps that just crept: soon where rows lose rank there, else when nothing has changed for a while.
+void Runner::refuse_creeping() const {
+  constexpr int kEnough = 16;
+  const State& s = result_.state;
+  const int windows = pace_watch_.windows();
+  const std::string creeps =
+      fmt::format("{} creeps at t = {:.9g} s with steps of {:.2g} s, and would need {:.1g} more of them", options_.method,
+                  s.t, pace_watch_.mean_step(), pace_watch_.steps_left(s.t));
+  const bool looks = (windows & (windows - 1)) == 0;
+  const bool is_lock = looks && with_rank_loss(eq_, s, creeps) != creeps;
+  if (!is_lock && windows < kEnough) return;
+  throw IntegrationError(
+      fmt::format("{}: something there is stiffer or faster by far than the run is long ({} changes fastest); give it "
+                  "a more compliant law or more damping, loosen the tolerance, or take another method",
+                  creeps, fastest()));
+}
+
+// The velocity that changes most, in its usual size.
+std::string Runner::fastest() const {
+  int which = -1;
+  double most = 0.0;
+  for (int i = 0; i < n_.n_v; ++i)
+    if (const double rate = std::abs(result_.v_dot(i)) / eq_.velocity_scale(i); rate > most) {
+      most = rate;
+      which = i;
+    }
+  return which < 0 ? "a state of an element" : "\"" + eq_.name_of_velocity(which) + "\"";
 }
 
 bool Runner::change_after(const IntegrationError& reason) {
@@ -94,6 +125,7 @@ void Runner::change_method(const std::string& method, const std::string& why) {
   integrator_ = make_integrator(eq_, options_);
   is_watched_ = kind_of(options_).integrates;
   method_watch_.change();
+  pace_watch_.change(result_.state.t);
   start_again(result_.state, result_.v_dot);
   integrator_->set_horizon(times_.next(result_.state.t).t);
   integrator_->start(result_.state, result_.v_dot);

@@ -15,6 +15,7 @@
 #include "mbs/solver/run/bookkeeper.hpp"
 #include "mbs/solver/run/make_integrator.hpp"
 #include "mbs/solver/run/method_watch.hpp"
+#include "mbs/solver/run/pace_watch.hpp"
 #include "mbs/solver/run/run_memory.hpp"
 
 namespace flexura::mbs {
@@ -33,6 +34,7 @@ class Runner {
         scratch_(eq.make_scratch()),
         integrator_(make_integrator(eq, options)),
         method_watch_(eq, options),
+        pace_watch_(options),
         is_watched_(kind_of(options).integrates),
         accelerations_(eq),
         watch_(eq),
@@ -90,6 +92,8 @@ class Runner {
   bool leap(const Instant& from, bool& goes_on);
   bool start_again(State& s, Eigen::VectorXd& v_dot);
   void watch_method();
+  void refuse_creeping() const;
+  std::string fastest() const;
   bool stands_still() const;
   bool change_after(const IntegrationError& reason);
   void change_method(const std::string& method, const std::string& why);
@@ -103,6 +107,7 @@ class Runner {
   std::unique_ptr<Equations::Scratch> scratch_;
   std::unique_ptr<Integrator> integrator_, hopper_;
   MethodWatch method_watch_;
+  PaceWatch pace_watch_;
   bool is_watched_;
   AccelerationSolver accelerations_;
   RowWatch watch_;
