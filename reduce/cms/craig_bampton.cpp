@@ -338,9 +338,7 @@ Cut reduce(const Part& whole, const Part& part, const TiedModel& model, const Re
     if (enriched) {
       MatrixXd U = linalg::times(T, motions.states.Y);
       if (answer.size() > 0 && n_w == 0) add_dropped(model, basis, Mhat, answer, motions, U);
-      JudgedStates states = motions.states;
-      states.Y = MatrixXd::Identity(U.cols(), U.cols());
-      left = enriched_energy(part, U, states, options.progress);
+      left = enriched_energy(part, U, motions.states.lambda, motions.states.force, options.progress);
     } else
       left = recovered_energy(part, T * motions.states.Y, options.progress);
     if (left.known()) {

@@ -16,7 +16,7 @@ struct CellSample {
   std::vector<char> random;        ///< of the cells: from a piece at a random place
 };
 
-/// All cells of a mesh of a few thousand.  indicator: n_cells x k, of k states.
+/// All cells of a mesh of less than eight hundred.  indicator: n_cells x k, of k states.
 CellSample choose_cells(const Part& part, const Eigen::MatrixXf& indicator);
 
 /// Puts what is known of the sample (n_sample x k) in the place of the indicator, and on the other cells the indicator

@@ -1,7 +1,6 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include "reduce/estimate/enriched_cells.hpp"
 
-#include <Eigen/LU>
 #include <algorithm>
 
 #include "reduce/estimate/enrichment.hpp"
@@ -15,11 +14,34 @@ namespace {
 
 // Of the diagonal; what this adds to a cell's stiffness is taken away again by conjugate gradients.
 constexpr float kFooting = 0.1f;
+// Of the cells that gain functions.
+constexpr int kMostNodes = 20;
 // Strains (xx, yy, zz, xy, yz, zx) of displacement a by direction c.
 constexpr int kStrain[3][3] = {{0, 3, 5}, {3, 1, 4}, {5, 4, 2}};
 
 FLEXURA_INLINE Eight* eights(std::vector<float>& v) {
   return reinterpret_cast<Eight*>(v.data());
+}
+
+// By the derivatives dN (m x 3) of a cell's functions and the places X (m x 3) of its nodes: J^-T (3 x 3), then det J; both are
+// zero where it is not positive.
+FLEXURA_INLINE void map_to_space(const float* dN, const Eight* X, int m, Eight* out) {
+  Eight J[9] = {};
+  for (int a = 0; a < m; ++a)
+    for (int d = 0; d < 3; ++d)
+      for (int c = 0; c < 3; ++c) J[3 * d + c] += dN[3 * a + d] * X[3 * a + c];
+  for (int d = 0; d < 3; ++d)
+    for (int c = 0; c < 3; ++c) {
+      const int e = (d + 1) % 3, f = (d + 2) % 3, g = (c + 1) % 3, h = (c + 2) % 3;
+      out[3 * d + c] = J[3 * e + g] * J[3 * f + h] - J[3 * e + h] * J[3 * f + g];
+    }
+  Eight det = J[0] * out[0] + J[1] * out[1] + J[2] * out[2], over{};
+  for (int lane = 0; lane < EnrichedCells::kLanes; ++lane) {
+    over[lane] = det[lane] > 0.0f ? 1.0f / det[lane] : 0.0f;
+    det[lane] = std::max(det[lane], 0.0f);
+  }
+  for (int k = 0; k < 9; ++k) out[k] *= over;
+  out[9] = det;
 }
 
 // integral g_i g_j^T dV (3 x 3) of functions i and j; g is n_points x n x 3, the weights are the last of ten in `map`.
@@ -89,6 +111,11 @@ EnrichedCells::EnrichedCells(mesh::CellType type, const std::vector<Material>& m
         }
   const auto lanes = [](std::size_t count) { return std::vector<float>(count * kLanes, 0.0f); };
   const auto N = static_cast<std::size_t>(3 * n()), n_points = rule_.points.size();
+  const auto& centre = solid_element(type).centre.points.front();
+  for (int i = 0; i < m_; ++i)
+    for (int d = 0; d < 3; ++d) centre_.push_back(static_cast<float>(centre.dN(i, d)));
+  place_ = lanes(static_cast<std::size_t>(3 * m_));
+  turn_ = lanes(static_cast<std::size_t>(3 * m_));
   map_ = lanes(10 * n_points);
   D_ = lanes(36);
   density_ = lanes(1);
@@ -108,22 +135,25 @@ void EnrichedCells::take(const Cell (&cells)[kLanes]) {
     const Cell& cell = cells[lane].x.rows() == 0 ? cells[0] : cells[lane];
     const Material& material = materials_[cell.material];
     put(density_, 0, material.density);
-    for (int q = 0; q < n_points; ++q) {
-      const TabulatedRule::Point& point = rule_.points[static_cast<std::size_t>(q)];
-      const Eigen::Matrix3d J = point.dN.transpose() * cell.x;
-      const double det = J.determinant();
-      const Eigen::Matrix3d to_space = det > 0.0 ? Eigen::Matrix3d(J.inverse().transpose()) : Eigen::Matrix3d::Zero();
-      for (int k = 0; k < 9; ++k) put(map_, 10 * q + k, to_space(k / 3, k % 3));
-      put(map_, 10 * q + 9, point.weight * std::max(det, 0.0));
-    }
+    const Eigen::RowVector3d middle = cell.x.colwise().mean();
+    for (int a = 0; a < m_; ++a)
+      for (int c = 0; c < 3; ++c) put(place_, 3 * a + c, cell.x(a, c) - middle(c));
     for (int k = 0; k < 36; ++k) put(D_, k, material.D(k / 6, k % 6));
     for (int i = 0; i < n(); ++i) put(sign_, i, cell.sign[static_cast<std::size_t>(i)]);
   }
   on_this_machine([&]() __attribute__((always_inline)) {
-    const Eight *map = eights(map_), *sign = eights(sign_);
-    Eight* g = eights(gradients_);
+    const Eight *place = eights(place_), *sign = eights(sign_);
+    Eight *map = eights(map_), *g = eights(gradients_), *turn = eights(turn_);
+    Eight at_centre[10];
+    map_to_space(centre_.data(), place, m_, at_centre);
+    for (int a = 0; a < m_; ++a)
+      for (int c = 0; c < 3; ++c)
+        turn[3 * a + c] = 0.5f * (centre_[static_cast<std::size_t>(3 * a)] * at_centre[c] + centre_[static_cast<std::size_t>(3 * a + 1)] * at_centre[3 + c] +
+                                  centre_[static_cast<std::size_t>(3 * a + 2)] * at_centre[6 + c]);
     for (int q = 0; q < n_points; ++q, map += 10) {
       const float* dw = functions_.data() + n() * (4 * q + 1);
+      map_to_space(dw + 3 * g_, place, m_, map);
+      map[9] *= static_cast<float>(rule_.points[static_cast<std::size_t>(q)].weight);
       for (int i = 0; i < n(); ++i, g += 3) {
         // All of a cell's own functions load the gained ones.
         const Eight s = i < g_ ? sign[i] : Eight{} + 1.0f;
@@ -193,11 +223,55 @@ void EnrichedCells::compute_stiffness() {
   });
 }
 
-void EnrichedCells::copy_coupling(int lane, float* K_wv) const {
-  copy_lane(coupling_, lane, 9L * g_ * m_, K_wv);
-}
-void EnrichedCells::copy_mass(int lane, float* m_wv) const {
-  copy_lane(mass_, lane, static_cast<long>(g_) * m_, m_wv);
+void EnrichedCells::residual(int lane, const double* u, const double* lambda, float* r) const {
+  using Half = Lanes<kLanes>::Row;  // of 16 states
+  on_this_machine([&]() __attribute__((always_inline)) {
+    alignas(32) float strains[3 * kMostNodes * 16], inertia[3 * kMostNodes * 16];
+    const float *place = place_.data() + lane, *turn = turn_.data() + lane;
+    for (int half = 0; half < 16; half += kLanes) {
+      const Half *U = reinterpret_cast<const Half*>(u + half), *lambdas = reinterpret_cast<const Half*>(lambda + half);
+      Half mean[3] = {}, c[3] = {};
+      for (int a = 0; a < m_; ++a)
+        for (int d = 0; d < 3; ++d) mean[d] += U[2 * (3 * a + d)];
+      for (int d = 0; d < 3; ++d) mean[d] *= 1.0 / m_;
+      for (int a = 0; a < m_; ++a) {  // half the curl at the centre
+        const double g[3] = {turn[8 * (3 * a)], turn[8 * (3 * a + 1)], turn[8 * (3 * a + 2)]};
+        const Half v[3] = {U[6 * a] - mean[0], U[6 * a + 2] - mean[1], U[6 * a + 4] - mean[2]};
+        c[0] += g[1] * v[2] - g[2] * v[1];
+        c[1] += g[2] * v[0] - g[0] * v[2];
+        c[2] += g[0] * v[1] - g[1] * v[0];
+      }
+      for (int a = 0; a < m_; ++a) {
+        const double x[3] = {place[8 * (3 * a)], place[8 * (3 * a + 1)], place[8 * (3 * a + 2)]};
+        for (int d = 0; d < 3; ++d) {
+          const int e = (d + 1) % 3, f = (d + 2) % 3;
+          const Half all = U[2 * (3 * a + d)], left = all - mean[d] - (c[e] * x[f] - c[f] * x[e]);
+          *reinterpret_cast<Eight*>(strains + 16 * (3 * a + d) + half) = __builtin_convertvector(left, Eight);
+          *reinterpret_cast<Eight*>(inertia + 16 * (3 * a + d) + half) = __builtin_convertvector(*lambdas * all, Eight);
+        }
+      }
+    }
+    const float *K = coupling_.data() + lane, *mass = mass_.data() + lane;
+    for (int i = 0; i < g_; ++i) {
+      Eight y[6] = {};
+      const float *k0 = K + 8L * 9 * i * m_, *k1 = k0 + 8L * 3 * m_, *k2 = k1 + 8L * 3 * m_;
+      for (int j = 0; j < 3 * m_; ++j) {
+        const Eight* x = reinterpret_cast<const Eight*>(strains + 16 * j);
+        y[0] -= k0[8 * j] * x[0];
+        y[1] -= k0[8 * j] * x[1];
+        y[2] -= k1[8 * j] * x[0];
+        y[3] -= k1[8 * j] * x[1];
+        y[4] -= k2[8 * j] * x[0];
+        y[5] -= k2[8 * j] * x[1];
+      }
+      for (int a = 0; a < m_; ++a) {
+        const Eight* x = reinterpret_cast<const Eight*>(inertia + 16 * 3 * a);
+        const float density = mass[8L * (i * m_ + a)];
+        for (int k = 0; k < 6; ++k) y[k] += density * x[k];
+      }
+      for (int k = 0; k < 6; ++k) *reinterpret_cast<Eight*>(r + 16 * 3 * i + 8 * k) = y[k];
+    }
+  });
 }
 void EnrichedCells::copy_diagonal(int lane, float* K_ww) const {
   copy_lane(diagonal_, lane, 3L * g_, K_ww);

@@ -36,9 +36,12 @@ class EnrichedCells {
   /// is that of a cell with a footing.
   void compute_stiffness();
 
+  /// r = lambda m(u, w) - a(u, w) of a lane for 16 states, after compute_coupling.  u: 3 m x 16 displacements of its nodes by
+  /// rows, with the rigid motion of the cell's middle, which is taken out before strains are made in single precision.
+  /// r: 3 g x 16.
+  void residual(int lane, const double* u, const double* lambda, float* r) const;
+
   /// Matrices of a lane, by rows.  Functions that are left out stand alone and have no load.
-  void copy_coupling(int lane, float* K_wv) const;  ///< 3 g x 3 m
-  void copy_mass(int lane, float* m_wv) const;      ///< g x m, integral rho w v dV
   void copy_diagonal(int lane, float* K_ww) const;  ///< 3 g
   void copy_stiffness(int lane, float* K) const;    ///< 3 n x 3 n
   void copy_inverse(int lane, float* B) const;      ///< 3 n x 3 n
@@ -52,8 +55,9 @@ class EnrichedCells {
   const std::vector<Material>& materials_;
   std::vector<Term> terms_;
   std::vector<float> functions_;  ///< of each point: values, then derivatives (n x 3)
+  std::vector<float> centre_;     // derivatives of a cell's own functions there (m x 3)
   // Eight lanes each.
-  std::vector<float> map_, D_, density_, sign_, gradients_, coupling_, mass_, diagonal_, K_, inverse_;
+  std::vector<float> place_, turn_, map_, D_, density_, sign_, gradients_, coupling_, mass_, diagonal_, K_, inverse_;
 };
 
 }  // namespace flexura::reduce

@@ -3,18 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
 #include <numeric>
 
-#include "reduce/assembly/rigid_motion.hpp"
 #include "reduce/estimate/cell_data.hpp"
 #include "reduce/estimate/cell_sample.hpp"
-#include "reduce/estimate/enriched_cells.hpp"
+#include "reduce/estimate/enriched_residual.hpp"
 #include "reduce/estimate/enriched_solve.hpp"
 #include "reduce/estimate/enrichment.hpp"
 #include "reduce/estimate/sharp_edges.hpp"
-#include "reduce/linalg/cell_products.hpp"
-#include "reduce/linalg/dense.hpp"
 #include "reduce/linalg/parallel.hpp"
 
 namespace flexura::reduce {
@@ -24,159 +20,9 @@ using Eigen::MatrixXd;
 
 namespace {
 
-constexpr int kTogether = EnrichedCells::kLanes;
-
-// Takes the rigid motion of a cell's middle out of displacements of its nodes, so that single precision keeps the strains.
-class Strains {
- public:
-  Strains(const Element& element, const NodePositions& x) {
-    const Index m = x.rows();
-    const Eigen::RowVector3d middle = x.colwise().mean();
-    NodePositions gradients(m, 3);
-    const double det = spatial_gradients(element.centre.points.front(), x, gradients);
-    if (!(det > 0.0)) gradients.setZero();
-    motion_.setZero(6, 3 * m);
-    shape_.resize(3 * m, 6);
-    for (Index a = 0; a < m; ++a) {
-      const Eigen::RowVector3d g = 0.5 * gradients.row(a);
-      motion_.block<3, 3>(0, 3 * a) = Eigen::Matrix3d::Identity() / static_cast<double>(m);
-      motion_.block<3, 3>(3, 3 * a) << 0, -g(2), g(1), g(2), 0, -g(0), -g(1), g(0), 0;  // half the curl
-      shape_.middleRows<3>(3 * a) = motion_at((x.row(a) - middle).transpose());
-    }
-  }
-  template <class Displacements>
-  void reduce(Displacements& u) const {
-    const Eigen::Matrix<double, 6, Eigen::Dynamic, Eigen::RowMajor> motion = motion_ * u;
-    u.noalias() -= shape_ * motion;
-  }
-
- private:
-  Eigen::Matrix<double, 6, Eigen::Dynamic> motion_;
-  Eigen::Matrix<double, Eigen::Dynamic, 6> shape_;
-};
-
-// r of all gained functions, and how stiff they are.
-struct Residual {
-  std::vector<StatePanel> r;     // 3 n_functions x 16 each
-  std::vector<float> stiffness;  // 3 n_functions
-};
-
-// What a thread needs for the residuals of cells of one type.
-class CellResiduals {
- public:
-  using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-  CellResiduals(const mesh::CellBlock& block, const std::vector<Material>& materials)
-      : block_(block), cells_(block.type, materials), element_(solid_element(block.type)) {}
-
-  EnrichedCells& cells() { return cells_; }
-  // lambda m(u, w) - a(u, w) of a lane: out gets n_panels blocks of 3 g x 16.
-  void compute(int lane, Index row, const NodePositions& x, const Rows& U, const Eigen::VectorXd& lambda, StatePanel& out) {
-    const Index m = cells_.n_own(), g = cells_.n_gained(), n = U.cols(), n_panels = (n + kStatesTogether - 1) / kStatesTogether;
-    coupling_.resize(static_cast<std::size_t>(9 * g * m));
-    mass_.resize(static_cast<std::size_t>(g * m));
-    cells_.copy_coupling(lane, coupling_.data());
-    cells_.copy_mass(lane, mass_.data());
-    u_.resize(3 * m, n);
-    for (Index a = 0; a < m; ++a) u_.middleRows<3>(3 * a) = U.middleRows<3>(3 * static_cast<Index>(block_.nodes(row, a)));
-    inertia_ = (u_ * lambda.asDiagonal()).cast<float>();
-    Strains(element_, x).reduce(u_);
-    out.resize(3 * g * n_panels, kStatesTogether);
-    strains_.setZero(3 * m, kStatesTogether);
-    for (Index panel = 0; panel < n_panels; ++panel) {
-      const Index width = std::min<Index>(kStatesTogether, n - panel * kStatesTogether);
-      strains_.leftCols(width) = u_.middleCols(panel * kStatesTogether, width).cast<float>();
-      auto r = out.middleRows(3 * g * panel, 3 * g);
-      linalg::multiply_sixteen(coupling_.data(), static_cast<int>(3 * g), static_cast<int>(3 * m), strains_.data(), r.data());
-      r = -r;
-      for (Index f = 0; f < g; ++f)
-        for (Index a = 0; a < m; ++a)
-          r.block(3 * f, 0, 3, width) +=
-              mass_[static_cast<std::size_t>(f * m + a)] * inertia_.block(3 * a, panel * kStatesTogether, 3, width);
-    }
-  }
-
- private:
-  const mesh::CellBlock& block_;
-  EnrichedCells cells_;
-  const Element& element_;
-  std::vector<float> coupling_, mass_;
-  Rows u_;
-  Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> inertia_;
-  StatePanel strains_;
-};
-
-Residual residual_of(const Part& part, const EnrichedMesh& mesh, const MatrixXd& displacements,
-                     const Eigen::VectorXd& lambda, const linalg::Progress& progress) {
-  const CellResiduals::Rows U = displacements;
-  const std::vector<EnrichedMesh::Cell>& cells = mesh.cells();
-  const Index n_panels = (U.cols() + kStatesTogether - 1) / kStatesTogether, n_rows = 3 * static_cast<Index>(mesh.n_functions());
-  Residual out{std::vector<StatePanel>(static_cast<std::size_t>(n_panels), StatePanel::Zero(n_rows, kStatesTogether)),
-               std::vector<float>(static_cast<std::size_t>(n_rows), 0.0f)};
-  std::vector<std::pair<std::size_t, int>> groups;  // of up to eight cells of a block
-  for (std::size_t k = 0; k < cells.size(); ++k) {
-    if (groups.empty() || groups.back().second == kTogether || cells[groups.back().first].block != cells[k].block)
-      groups.emplace_back(k, 0);
-    ++groups.back().second;
-  }
-  // Batches of groups on all cores, added up in the order of the cells: the same to the bit with any number of threads.
-  constexpr int kBatch = 128, kChunks = 16;
-  const auto n_groups = static_cast<int>(groups.size());
-  std::vector<StatePanel> residual(static_cast<std::size_t>(kBatch * kTogether));
-  std::vector<std::vector<float>> stiffness(residual.size());
-  std::vector<std::vector<std::unique_ptr<CellResiduals>>> of_chunks(kChunks);
-  for (auto& of_blocks : of_chunks) of_blocks.resize(part.mesh.solids.size());
-  for (int first = 0; first < n_groups; first += kBatch) {
-    const int count = std::min(kBatch, n_groups - first), chunks = std::min(kChunks, count);
-    linalg::parallel_for(chunks, [&](int chunk) {
-      for (int k = chunk * count / chunks; k < (chunk + 1) * count / chunks; ++k) {
-        const auto [first_cell, n_cells] = groups[static_cast<std::size_t>(first + k)];
-        const auto b = static_cast<std::size_t>(cells[first_cell].block);
-        const mesh::CellBlock& block = part.mesh.solids[b];
-        std::unique_ptr<CellResiduals>& work = of_chunks[static_cast<std::size_t>(chunk)][b];
-        if (!work) work = std::make_unique<CellResiduals>(block, part.materials);
-        EnrichedCells::Cell lanes[kTogether];
-        for (int lane = 0; lane < n_cells; ++lane) {
-          const EnrichedMesh::Cell& cell = cells[first_cell + static_cast<std::size_t>(lane)];
-          std::vector<float> sign(static_cast<std::size_t>(work->cells().n()), 1.0f);
-          for (std::size_t f = 0; f < static_cast<std::size_t>(cell.n_functions); ++f)
-            sign[f] = mesh.numbers()[cell.first_function + f] < 0 ? 0.0f : mesh.signs()[cell.first_function + f];
-          lanes[lane] = {positions(part.mesh, block, cell.row), material_of(block, cell.row), std::move(sign)};
-        }
-        work->cells().take(lanes);
-        work->cells().compute_coupling();
-        for (int lane = 0; lane < n_cells; ++lane) {
-          const auto at = static_cast<std::size_t>(k * kTogether + lane);
-          work->compute(lane, cells[first_cell + static_cast<std::size_t>(lane)].row, lanes[lane].x, U, lambda, residual[at]);
-          stiffness[at].resize(static_cast<std::size_t>(3 * work->cells().n_gained()));
-          work->cells().copy_diagonal(lane, stiffness[at].data());
-        }
-      }
-    });
-    for (int k = 0; k < count; ++k) {
-      const auto [first_cell, n_cells] = groups[static_cast<std::size_t>(first + k)];
-      for (int lane = 0; lane < n_cells; ++lane) {
-        const EnrichedMesh::Cell& cell = cells[first_cell + static_cast<std::size_t>(lane)];
-        const auto at = static_cast<std::size_t>(k * kTogether + lane);
-        for (int f = 0; f < cell.n_functions; ++f) {
-          const int number = mesh.numbers()[cell.first_function + static_cast<std::size_t>(f)];
-          if (number < 0) continue;
-          const Index row = 3 * static_cast<Index>(number);
-          for (Index panel = 0; panel < n_panels; ++panel)
-            out.r[static_cast<std::size_t>(panel)].middleRows<3>(row) +=
-                residual[at].middleRows<3>(3 * (panel * cell.n_functions + f));
-          for (Index d = 0; d < 3; ++d)
-            out.stiffness[static_cast<std::size_t>(row + d)] += stiffness[at][static_cast<std::size_t>(3 * f + d)];
-        }
-      }
-    }
-    linalg::report(progress, "mesh error", 0.5 * (first + count) / n_groups);
-  }
-  return out;
-}
-
 // The energy of each function by itself, r^2 / k, in equal parts on the cells that have it: n_cells x k.  To within a
 // factor that varies little from cell to cell this is where the energy is.
-Eigen::MatrixXf energy_of_functions(const EnrichedMesh& mesh, const Residual& residual, Index n_states) {
+Eigen::MatrixXf energy_of_functions(const EnrichedMesh& mesh, const EnrichedResidual& residual, Index n_states) {
   std::vector<float> weight(residual.stiffness.size(), 0.0f);
   for (const int number : mesh.numbers())
     if (number >= 0) weight[3 * static_cast<std::size_t>(number)] += 1.0f;
@@ -245,14 +91,14 @@ bool enrichment_suits(const Part& part) {
   return true;
 }
 
-MeshEnergy enriched_energy(const Part& part, const MatrixXd& T, const JudgedStates& states,
+MeshEnergy enriched_energy(const Part& part, const MatrixXd& U, const Eigen::VectorXd& lambda, const MatrixXd& force,
                            const linalg::Progress& progress) {
   linalg::report(progress, "mesh error", 0.0);
   const EnrichedMesh mesh(part);
-  const Index n_states = states.Y.cols();
-  Residual residual = residual_of(part, mesh, linalg::times(T, states.Y), states.lambda, progress);
-  if (states.force.size() > 0)
-    for (const EnrichedMesh::Load& load : mesh.tractions(states.force))
+  const Index n_states = U.cols();
+  EnrichedResidual residual = enriched_residual(part, mesh, U, lambda, progress);
+  if (force.size() > 0)
+    for (const EnrichedMesh::Load& load : mesh.tractions(force))
       for (Index c = 0; c < n_states; ++c)
         residual.r[static_cast<std::size_t>(c / kStatesTogether)].block<3, 1>(3 * static_cast<Index>(load.function),
                                                                               c % kStatesTogether) +=

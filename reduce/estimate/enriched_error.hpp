@@ -29,8 +29,9 @@ namespace flexura::reduce {
 /// Whether the cells' enrichments are known and the elements are displacement elements with full integration.
 bool enrichment_suits(const Part& part);
 
-/// a(e, e) of each state; shapes T: 3 n_nodes x n.
-MeshEnergy enriched_energy(const Part& part, const Eigen::MatrixXd& T, const JudgedStates& states,
-                           const linalg::Progress& progress);
+/// a(e, e) of each of k states: displacements U (3 n_nodes x k), lambda [rad^2/s^2] (k, 0 for statics), forces on the interface
+/// dofs (n_b x k, or empty).
+MeshEnergy enriched_energy(const Part& part, const Eigen::MatrixXd& U, const Eigen::VectorXd& lambda,
+                           const Eigen::MatrixXd& force, const linalg::Progress& progress);
 
 }  // namespace flexura::reduce

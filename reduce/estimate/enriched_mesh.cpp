@@ -38,32 +38,34 @@ float sign_of(const EnrichmentFunction& f, const mesh::CellBlock& block, Index r
 }  // namespace
 
 EnrichedMesh::EnrichedMesh(const Part& part) : part_(part) {
-  std::vector<std::pair<Key, std::size_t>> keys;
+  std::vector<Key> keys;
   for (std::size_t b = 0; b < part.mesh.solids.size(); ++b) {
     const mesh::CellBlock& block = part.mesh.solids[b];
     const std::vector<EnrichmentFunction>& functions = enrichment_of(block.type);
     for (Index row = 0; row < block.nodes.rows(); ++row) {
       cells_.push_back({static_cast<int>(b), row, keys.size(), static_cast<int>(functions.size())});
       for (const EnrichmentFunction& f : functions) {
-        keys.emplace_back(key_of(f, block, row), keys.size());
+        keys.push_back(key_of(f, block, row));
         sign_.push_back(sign_of(f, block, row));
       }
     }
   }
+  // Keys by their lowest node, the few of a node by the others.
+  std::vector<std::size_t> first_of(static_cast<std::size_t>(part.mesh.n_nodes()) + 1, 0), order(keys.size());
+  const auto node_of = [&](std::size_t k) { return static_cast<std::size_t>(keys[k][0]); };
+  for (std::size_t k = 0; k < keys.size(); ++k) ++first_of[node_of(k) + 1];
+  for (std::size_t node = 1; node < first_of.size(); ++node) first_of[node] += first_of[node - 1];
+  std::vector<std::size_t> next = first_of;
+  for (std::size_t k = 0; k < keys.size(); ++k) order[next[node_of(k)]++] = k;
+  // The first of those that share a key, in the order of the cells.
+  std::vector<std::size_t> first_alike(keys.size());
+  for (std::size_t node = 0; node + 1 < first_of.size(); ++node) {
+    const auto begin = order.begin() + static_cast<std::ptrdiff_t>(first_of[node]), end = order.begin() + static_cast<std::ptrdiff_t>(first_of[node + 1]);
+    std::sort(begin, end, [&](std::size_t a, std::size_t b) { return keys[a] < keys[b] || (keys[a] == keys[b] && a < b); });
+    for (auto k = begin; k != end; ++k) first_alike[*k] = k != begin && keys[*k] == keys[*(k - 1)] ? first_alike[*(k - 1)] : *k;
+  }
   numbers_.resize(keys.size());
-  std::sort(keys.begin(), keys.end());
-  std::vector<int> group(keys.size());
-  int n_groups = 0;
-  for (std::size_t k = 0; k < keys.size(); ++k) {
-    if (k > 0 && keys[k].first != keys[k - 1].first) ++n_groups;
-    group[keys[k].second] = n_groups;
-  }
-  std::vector<int> number(static_cast<std::size_t>(n_groups) + 1, -1);
-  for (std::size_t k = 0; k < group.size(); ++k) {
-    int& of_group = number[static_cast<std::size_t>(group[k])];
-    if (of_group < 0) of_group = n_functions_++;
-    numbers_[k] = of_group;
-  }
+  for (std::size_t k = 0; k < keys.size(); ++k) numbers_[k] = first_alike[k] == k ? n_functions_++ : numbers_[first_alike[k]];
   leave_out_rigid_faces();
 }
 

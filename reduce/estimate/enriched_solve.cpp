@@ -41,6 +41,14 @@ void EnrichedSolve::number(const EnrichedMesh& mesh, const Part& part, const std
   std::vector<float> all(gained.size(), 0.0f);
   for (const int number : mesh.numbers())
     if (number >= 0) all[static_cast<std::size_t>(number)] += 1.0f;
+  // Nodes between cells that are chosen and others.
+  std::vector<char> at_border(own.size(), 0), is_chosen(mesh.cells().size(), 0);
+  for (const std::size_t k : chosen) is_chosen[k] = 1;
+  for (std::size_t k = 0; k < is_chosen.size() && chosen.size() < is_chosen.size(); ++k) {
+    const EnrichedMesh::Cell& cell = mesh.cells()[k];
+    const mesh::CellBlock& block = part.mesh.solids[static_cast<std::size_t>(cell.block)];
+    for (Index a = 0; a < block.nodes.cols() && !is_chosen[k]; ++a) at_border[static_cast<std::size_t>(block.nodes(cell.row, a))] = 1;
+  }
   std::vector<float> here;
   std::size_t entries = 0;
   const auto take = [&](int& number, float sign, int from) {
@@ -73,7 +81,7 @@ void EnrichedSolve::number(const EnrichedMesh& mesh, const Part& part, const std
     }
     for (Index a = 0; a < block.nodes.cols(); ++a) {
       const mesh::Index node = block.nodes(cell.row, a);
-      if (mesh.held(node))
+      if (mesh.held(node) || at_border[static_cast<std::size_t>(node)])
         leave_out();
       else
         take(own[static_cast<std::size_t>(node)], 1.0f, -1);
@@ -216,7 +224,7 @@ EnrichedSolve::Numbers EnrichedSolve::dots(const StatePanel& a, const StatePanel
 
 StatePanel EnrichedSolve::energies(const StatePanel& load) {
   constexpr int kMostSteps = 12;
-  constexpr double kEnough = 0.04, kSlowest = 0.6;
+  constexpr double kEnough = 0.05, kSlowest = 0.6;
   const Index n = row_of(n_functions_);
   StatePanel r(n, kStatesTogether), z(n, kStatesTogether), A_d(n, kStatesTogether), e = StatePanel::Zero(n, kStatesTogether);
   for (std::size_t k = 0; k < from_.size(); ++k)
@@ -232,7 +240,7 @@ StatePanel EnrichedSolve::energies(const StatePanel& load) {
   for (Index row = 0; row < n; ++row) r.row(row).array() /= scale;
   multiply(B_, r, z);
   StatePanel d = z;
-  Numbers rz = dots(r, z), energy = Numbers::Zero(), gain = Numbers::Zero(), before = gain, earlier = gain;
+  Numbers rz = dots(r, z), energy = Numbers::Zero(), gain = energy, before = energy, earlier = energy, factor = energy, more = energy;
   for (int step = 0; step < kMostSteps; ++step) {
     multiply(K_, d, A_d);
     const Numbers dAd = dots(d, A_d), alpha = (dAd > 0.0).select(rz / dAd, 0.0);
@@ -241,7 +249,10 @@ StatePanel EnrichedSolve::energies(const StatePanel& load) {
     gain = alpha * rz;
     energy += gain;
     const States a = alpha.cast<float>();
-    const bool last = step >= 2 && (gain <= kEnough * energy).all();
+    // Gains fall off by about the same factor from step to step: what further ones would add.
+    factor = (earlier > 0.0).select((gain / earlier).sqrt().min(kSlowest), kSlowest);
+    more = gain * factor / (1.0 - factor);
+    const bool last = step >= 2 && (more <= kEnough * energy).all();
     over_ranges([&](std::size_t p) {
       for (Index row = row_of(ranges_[p].first_function); row < row_of(ranges_[p].last_function); ++row) {
         e.row(row).array() += a * d.row(row).array();
@@ -258,10 +269,8 @@ StatePanel EnrichedSolve::energies(const StatePanel& load) {
         d.row(row).array() = z.row(row).array() + b * d.row(row).array();
     });
   }
-  // Gains fall off by about the same factor from step to step: at most 1.5 of the last, 6 % of the energy.
-  const Numbers factor = (earlier > 0.0).select((gain / earlier).sqrt().min(kSlowest), 0.0);
-  const Numbers more = (energy > 0.0).select(1.0 + gain * factor / ((1.0 - factor) * energy), 1.0);
-  const States to_energy = (more * scale.cast<double>().square()).cast<float>();
+  const Numbers whole = (energy > 0.0).select(1.0 + more / energy, 1.0);
+  const States to_energy = (whole * scale.cast<double>().square()).cast<float>();
 
   StatePanel out(static_cast<Index>(cells_.size()), kStatesTogether);
   over_ranges([&](std::size_t p) {

@@ -5,18 +5,16 @@
 #include <vector>
 
 #include "reduce/estimate/enriched_mesh.hpp"
+#include "reduce/estimate/enriched_residual.hpp"
 
 /// a(e, w) = r(w) on some of a mesh's cells, for all functions w of theirs, gained and own.
 ///
 /// A few steps of conjugate gradients (M. R. Hestenes, E. Stiefel 1952), preconditioned by the cells' own inverses with
 /// shared functions weighted by their stiffness, come from below to within a few per cent: r is rough, so that no coarse
-/// problem is needed.  What further steps would gain is added as the last ones fall off.  A function that is shared with
-/// cells that are not chosen has the chosen ones' share of its load, and is free there.
+/// problem is needed.  What further steps would gain is added as the last ones fall off.  A gained function that is shared
+/// with cells that are not chosen has the chosen ones' share of its load, and is free there; the nodes there are held: they bear no
+/// load, and free ones would let a piece bend where the part cannot.
 namespace flexura::reduce {
-
-/// States together: those of a part with two interfaces.  Cells' matrices come from memory once for all of them.
-inline constexpr int kStatesTogether = 16;
-using StatePanel = Eigen::Matrix<float, Eigen::Dynamic, kStatesTogether, Eigen::RowMajor>;
 
 class EnrichedSolve {
  public:
