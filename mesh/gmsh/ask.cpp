@@ -4,7 +4,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <cstring>
+#include <sstream>
 #include <stdexcept>
 
 #include "mesh/gmsh/child.hpp"
@@ -14,10 +16,21 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// Where the shell would find the program; as given where it would not.
+fs::path in_path(const fs::path& program) {
+  const char* const path = std::getenv("PATH");
+  std::istringstream folders(path ? path : "");
+  std::error_code error;
+  for (std::string folder; std::getline(folders, folder, ':');)
+    if (const fs::path found = fs::path(folder) / program.filename(); !folder.empty() && fs::exists(found, error)) return found;
+  return program;
+}
+
 fs::path find_worker(fs::path worker) {
   if (worker.empty()) {
     std::error_code error;
     worker = fs::read_symlink("/proc/self/exe", error).parent_path() / "flexura-mesh";
+    if (!fs::exists(worker, error)) worker = in_path(worker);  // a program of others that uses the library
   }
   if (!fs::exists(worker))
     throw std::runtime_error("the meshing program " + worker.string() + " is missing; build it, or name it");

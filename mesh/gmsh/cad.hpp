@@ -38,7 +38,7 @@ struct CadOptions {
   double size_min = 0;        ///< least edge length [m]; 0 = size / 3
   bool heal = false;          ///< OpenCASCADE's shape healing first; changes volumes slightly
   double time_limit_s = 600;  ///< for all tries together
-  std::filesystem::path worker;  ///< the child program; empty = flexura-mesh beside this program
+  std::filesystem::path worker;  ///< the child program; empty = flexura-mesh beside this program or in PATH
 };
 
 struct CadSolid {

@@ -14,7 +14,7 @@ struct CurveOptions {
   std::string unit;            ///< overrides what the file says; gmsh files have none: m
   double turn = 0.0873;        ///< greatest angle between neighbouring pieces of a curve [rad]
   double time_limit_s = 120;
-  std::filesystem::path worker;  ///< the child program; empty = flexura-mesh beside this program
+  std::filesystem::path worker;  ///< the child program; empty = flexura-mesh beside this program or in PATH
 };
 
 struct CurvePiece {

@@ -24,7 +24,7 @@ struct PlanarOptions {
   std::filesystem::path cad;         ///< a STEP, IGES or BREP file of faces in one coordinate plane
   double size = 0;                   ///< greatest edge length [m]; 0 = half of area over outline
   double time_limit_s = 120;
-  std::filesystem::path worker;  ///< the child program; empty = flexura-mesh beside this program
+  std::filesystem::path worker;  ///< the child program; empty = flexura-mesh beside this program or in PATH
 };
 
 struct PlanarMesh {

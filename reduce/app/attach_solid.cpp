@@ -5,6 +5,7 @@
 
 #include "mbs/base/files/output.hpp"
 #include "mbs/superelement/file.hpp"
+#include "reduce/file/part_file.hpp"
 
 namespace flexura::reduce {
 
@@ -19,7 +20,7 @@ AttachedSolid attach_solid(const SolidInput& solid, const std::filesystem::path&
     file = output.parent_path() / fmt::format("{}.{}.se.h5", stem, solid.name);
     files::Claims claims;
     claims.add(file);
-    reduce_part(read_part(solid.part, overrides), file, {.report = {}, .quiet = options.quiet});
+    reduce_to_file(read_part(solid.part, overrides), file, {.report = {}, .quiet = options.quiet});
   }
   superelement::Superelement se = superelement::read(file, {.surface = true, .shapes = true});
 

@@ -1,8 +1,7 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "reduce/app/beam_file.hpp"
-#include "reduce/app/reduce_part.hpp"
+#include "reduce/app/write_reduced.hpp"
 
 namespace flexura::reduce {
 

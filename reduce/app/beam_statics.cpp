@@ -11,7 +11,7 @@
 #include "beam/model/section_stress.hpp"
 #include "mbs/base/terminal/terminal.hpp"
 #include "mbs/superelement/text_file.hpp"
-#include "reduce/linalg/session.hpp"
+#include "reduce/linalg/session/session.hpp"
 
 namespace flexura::reduce {
 namespace {

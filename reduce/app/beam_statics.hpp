@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "reduce/app/beam_file.hpp"
+#include "reduce/part/beam_part_input.hpp"
 
 namespace flexura::reduce {
 

@@ -8,7 +8,7 @@
 
 #include "mbs/base/files/inputs.hpp"
 #include "mesh/gmsh/sheet.hpp"
-#include "reduce/app/part_file.hpp"
+#include "reduce/file/part_file.hpp"
 
 namespace flexura::reduce {
 

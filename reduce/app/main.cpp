@@ -18,20 +18,20 @@
 #include "mbs/base/files/output.hpp"
 #include "mbs/base/terminal/command_line.hpp"
 #include "reduce/app/attach_solid.hpp"
-#include "reduce/app/beam_file.hpp"
+#include "reduce/file/beam_file.hpp"
 #include "reduce/app/beam_statics.hpp"
-#include "reduce/app/flexdata_part.hpp"
+#include "reduce/file/flexdata_file.hpp"
 #include "reduce/app/list_faces.hpp"
-#include "reduce/app/part_file.hpp"
-#include "reduce/app/reduce_beam_part.hpp"
-#include "reduce/app/reduce_part.hpp"
+#include "reduce/file/part_file.hpp"
+#include "reduce/app/beam_modes.hpp"
 #include "reduce/app/section_command.hpp"
-#include "reduce/app/write_mesh.hpp"
+#include "reduce/app/write_reduced.hpp"
+#include "reduce/part/write_mesh.hpp"
 #include "reduce/assembly/model_factor.hpp"
-#include "reduce/linalg/blas_threads.hpp"
-#include "reduce/linalg/session.hpp"
-#include "reduce/linalg/team.hpp"
-#include "reduce/linalg/user_options.hpp"
+#include "reduce/linalg/dense/blas_threads.hpp"
+#include "reduce/linalg/session/session.hpp"
+#include "reduce/linalg/petsc/team.hpp"
+#include "reduce/linalg/session/user_options.hpp"
 
 namespace {
 
@@ -136,7 +136,7 @@ int reduce_with(const Arguments& arguments, const terminal::Talk& talk, const li
         fmt::format("--mesh {}: must end in .inp (Abaqus), .vtu (ParaView) or .msh (gmsh)", arguments.mesh));
   claims.add(arguments.mesh);
   if (is_flexdata) {
-    reduce::reduce_flexdata(reduce::read_flexdata_part(arguments.input, arguments.overrides), output,
+    reduce::reduce_to_file(reduce::read_flexdata_part(arguments.input, arguments.overrides), output,
                             {.report = arguments.report, .quiet = talk.quiet});
     return 0;
   }
@@ -155,7 +155,7 @@ int reduce_with(const Arguments& arguments, const terminal::Talk& talk, const li
                             arguments.report);
       return 0;
     }
-    reduce::reduce_beam_part(beams, output, {.report = arguments.report, .quiet = talk.quiet});
+    reduce::reduce_to_file(beams, output, {.report = arguments.report, .quiet = talk.quiet});
     return 0;
   }
   const reduce::PartInput part = reduce::read_part(arguments.input, overrides);
@@ -166,7 +166,7 @@ int reduce_with(const Arguments& arguments, const terminal::Talk& talk, const li
     throw input::InputError(fmt::format("--petsc: {}", error.what()));
   }
 
-  reduce::reduce_part(part, output,
+  reduce::reduce_to_file(part, output,
                       {.report = arguments.report,
                        .mesh = arguments.mesh,
                        .compare = arguments.compare,

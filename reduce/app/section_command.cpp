@@ -8,7 +8,8 @@
 #include "mbs/base/documents/document.hpp"
 #include "mbs/base/files/output.hpp"
 #include "mbs/superelement/text_file.hpp"
-#include "reduce/app/section_file.hpp"
+#include "reduce/file/section_file.hpp"
+#include "reduce/file/section_result.hpp"
 #include "reduce/app/section_report.hpp"
 
 namespace flexura::reduce {

@@ -3,8 +3,8 @@
 
 #include <stdexcept>
 
-#include "reduce/linalg/cholesky.hpp"
-#include "reduce/linalg/inertia.hpp"
+#include "reduce/linalg/factor/cholesky.hpp"
+#include "reduce/linalg/factor/inertia.hpp"
 
 namespace flexura::reduce {
 namespace {

@@ -4,8 +4,8 @@
 #include <memory>
 
 #include "reduce/assembly/tied_model.hpp"
-#include "reduce/linalg/factor_figures.hpp"
-#include "reduce/linalg/factor_store.hpp"
+#include "reduce/linalg/dense/factor_figures.hpp"
+#include "reduce/linalg/factor/factor_store.hpp"
 
 struct _p_PetscViewer;  // PETSc's, which only reduce/linalg sees
 

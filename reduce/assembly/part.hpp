@@ -21,7 +21,7 @@ enum class Tie {
   average,  ///< RBE3: the interface node follows the set, as its least-squares (area-weighted) mean motion
   node,     ///< the interface node is one node of the mesh, translations only
   elastic,  ///< like `average`, but the set's own deformation is reduced to interface modes
-            ///< (reduce/cms/interface_modes.hpp)
+            ///< (reduce/cms/shapes/interface_modes.hpp)
 };
 
 /// "rigid", "average", "node", "elastic".

@@ -11,7 +11,7 @@
 #include "reduce/assembly/average.hpp"
 #include "reduce/assembly/rigid_motion.hpp"
 #include "reduce/assembly/tied_model.hpp"
-#include "reduce/linalg/dense.hpp"
+#include "reduce/linalg/dense/dense.hpp"
 
 namespace flexura::reduce {
 

@@ -10,7 +10,7 @@
 #include "reduce/assembly/tied_codes.hpp"
 #include "reduce/assembly/tied_model.hpp"
 #include "reduce/elements/shell.hpp"
-#include "reduce/linalg/parallel.hpp"
+#include "reduce/linalg/dense/parallel.hpp"
 
 namespace flexura::reduce {
 namespace {

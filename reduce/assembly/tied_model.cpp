@@ -9,7 +9,7 @@
 #include "reduce/assembly/average.hpp"
 #include "reduce/assembly/rigid_motion.hpp"
 #include "reduce/assembly/tied_codes.hpp"
-#include "reduce/linalg/parallel.hpp"
+#include "reduce/linalg/dense/parallel.hpp"
 
 namespace flexura::reduce {
 

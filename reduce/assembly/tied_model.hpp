@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "reduce/assembly/part.hpp"
-#include "reduce/linalg/distributed_factor.hpp"
-#include "reduce/linalg/progress.hpp"
-#include "reduce/linalg/symmetric_matrix.hpp"
+#include "reduce/linalg/factor/distributed_factor.hpp"
+#include "reduce/linalg/dense/progress.hpp"
+#include "reduce/linalg/dense/symmetric_matrix.hpp"
 
 /// The finite-element model of a part with its interface ties.
 ///

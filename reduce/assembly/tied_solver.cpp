@@ -5,7 +5,7 @@
 
 #include <stdexcept>
 
-#include "reduce/linalg/cholesky.hpp"
+#include "reduce/linalg/factor/cholesky.hpp"
 
 namespace flexura::reduce {
 namespace {

@@ -7,11 +7,11 @@
 #include "reduce/assembly/rigid_motion.hpp"
 #include "reduce/assembly/rigid_projection.hpp"
 #include "reduce/beams/beam_stiffening.hpp"
-#include "reduce/cms/mode_choice.hpp"
-#include "reduce/linalg/cholesky.hpp"
-#include "reduce/linalg/dense.hpp"
-#include "reduce/linalg/eigensolver.hpp"
-#include "reduce/linalg/symmetric_matrix.hpp"
+#include "reduce/cms/errors/mode_choice.hpp"
+#include "reduce/linalg/factor/cholesky.hpp"
+#include "reduce/linalg/dense/dense.hpp"
+#include "reduce/linalg/eigen/eigensolver.hpp"
+#include "reduce/linalg/dense/symmetric_matrix.hpp"
 
 namespace flexura::reduce {
 namespace {
@@ -219,7 +219,7 @@ BeamReduction reduce_beams(const Structure& structure, const std::vector<BeamInt
   report.n_i = n_i;
   report.n_b = n_b;
   report.n_q = static_cast<int>(n_q);
-  report.peak_memory_bytes = peak_memory();
+  report.peak_memory_bytes = linalg::peak_memory();
   linalg::report(options.progress, "projection", 1.0);
   return result;
 }

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "reduce/beams/structure.hpp"
-#include "reduce/linalg/progress.hpp"
+#include "reduce/linalg/dense/progress.hpp"
 
 namespace flexura::reduce {
 

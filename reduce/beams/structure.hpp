@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "beam/model/mesh.hpp"
-#include "reduce/cms/reduction.hpp"
+#include "reduce/cms/result/reduction.hpp"
 
 /// A structure of beams, and of solids that hang on its nodes.
 ///

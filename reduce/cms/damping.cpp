@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "reduce/linalg/dense.hpp"
+#include "reduce/linalg/dense/dense.hpp"
 
 namespace flexura::reduce {
 

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "reduce/cms/reduction.hpp"
+#include "reduce/cms/result/reduction.hpp"
 
 /// Damping by what a measurement gives: ratios to critical over frequency.
 ///

@@ -11,8 +11,8 @@
 
 #include "reduce/assembly/average.hpp"
 #include "reduce/assembly/rigid_motion.hpp"
-#include "reduce/cms/shape_change.hpp"
-#include "reduce/linalg/dense.hpp"
+#include "reduce/cms/shapes/shape_change.hpp"
+#include "reduce/linalg/dense/dense.hpp"
 
 namespace flexura::reduce {
 namespace {
@@ -197,7 +197,7 @@ Reduction reduce_finished_modes(const Part& part, const FinishedModes& modes,
   r.report.n_q = r.n_q;
   r.report.rigid_strain = (r.K_se.topLeftCorner(r.n_b, r.n_b) * R_b).norm() / (r.K_se.norm() * R_b.norm());
   r.report.seconds_projection = watch.lap();
-  r.report.peak_memory_bytes = peak_memory();
+  r.report.peak_memory_bytes = linalg::peak_memory();
   return r;
 }
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "reduce/estimate/enrichment.hpp"
-#include "reduce/linalg/cell_products.hpp"
+#include "reduce/linalg/dense/cell_products.hpp"
 
 namespace flexura::reduce {
 

@@ -11,7 +11,7 @@
 #include "reduce/estimate/enriched_solve.hpp"
 #include "reduce/estimate/enrichment.hpp"
 #include "reduce/estimate/sharp_edges.hpp"
-#include "reduce/linalg/parallel.hpp"
+#include "reduce/linalg/dense/parallel.hpp"
 
 namespace flexura::reduce {
 

@@ -5,7 +5,7 @@
 
 #include "reduce/assembly/part.hpp"
 #include "reduce/estimate/mesh_error.hpp"
-#include "reduce/linalg/progress.hpp"
+#include "reduce/linalg/dense/progress.hpp"
 
 /// The mesh's error by what the next degree would add.
 ///

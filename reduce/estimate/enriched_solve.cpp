@@ -6,8 +6,8 @@
 
 #include "reduce/estimate/cell_data.hpp"
 #include "reduce/estimate/enriched_cells.hpp"
-#include "reduce/linalg/cell_products.hpp"
-#include "reduce/linalg/parallel.hpp"
+#include "reduce/linalg/dense/cell_products.hpp"
+#include "reduce/linalg/dense/parallel.hpp"
 
 namespace flexura::reduce {
 

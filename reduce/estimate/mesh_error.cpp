@@ -7,7 +7,7 @@
 
 #include "reduce/estimate/cell_data.hpp"
 #include "reduce/estimate/stress_recovery.hpp"
-#include "reduce/linalg/parallel.hpp"
+#include "reduce/linalg/dense/parallel.hpp"
 
 namespace flexura::reduce {
 

@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 
 #include "reduce/assembly/part.hpp"
-#include "reduce/linalg/progress.hpp"
+#include "reduce/linalg/dense/progress.hpp"
 
 /// What the mesh leaves of the energy, by recovered stresses.
 ///

@@ -7,7 +7,7 @@
 #include <mutex>
 
 #include "reduce/estimate/cell_data.hpp"
-#include "reduce/linalg/parallel.hpp"
+#include "reduce/linalg/dense/parallel.hpp"
 
 namespace flexura::reduce {
 

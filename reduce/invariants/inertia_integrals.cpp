@@ -1,7 +1,7 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include "reduce/invariants/inertia_integrals.hpp"
 
-#include "reduce/linalg/dense.hpp"
+#include "reduce/linalg/dense/dense.hpp"
 
 namespace flexura::reduce {
 

@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <array>
 
-#include "reduce/linalg/symmetric_matrix.hpp"
+#include "reduce/linalg/dense/symmetric_matrix.hpp"
 
 /// Inertia integrals of a body whose displacement is u(x) = sum_k phi_k(x) q_k.
 ///

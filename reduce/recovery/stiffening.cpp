@@ -7,8 +7,8 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "reduce/linalg/dense.hpp"
-#include "reduce/linalg/parallel.hpp"
+#include "reduce/linalg/dense/dense.hpp"
+#include "reduce/linalg/dense/parallel.hpp"
 
 namespace flexura::reduce {
 namespace {

@@ -11,7 +11,8 @@
 #include "mbs/bodies/stress_field.hpp"
 #include "mesh/gmsh/cad.hpp"
 #include "mesh/model/select.hpp"
-#include "reduce/cms/verification.hpp"
+#include "reduce/cms/craig_bampton.hpp"
+#include "reduce/cms/shapes/full_model.hpp"
 #include "reduce/recovery/stress.hpp"
 
 namespace flexura::test {

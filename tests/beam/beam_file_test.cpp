@@ -1,5 +1,5 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-#include "reduce/app/beam_file.hpp"
+#include "reduce/file/beam_file.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,7 +10,7 @@
 #include <numbers>
 
 #include "beam/model/section_stress.hpp"
-#include "reduce/linalg/session.hpp"
+#include "reduce/linalg/session/session.hpp"
 #include "tests/beam/input_texts.hpp"
 
 namespace flexura::reduce {

@@ -10,7 +10,7 @@
 
 #include "beam/section/solver.hpp"
 #include "reduce/beams/full_modes.hpp"
-#include "reduce/cms/verification.hpp"
+#include "reduce/cms/shapes/full_model.hpp"
 #include "tests/beam/models.hpp"
 #include "tests/beam/reduction_session.hpp"
 #include "tests/beam/section_meshes.hpp"

@@ -8,7 +8,7 @@
 
 #include "reduce/beams/beam_reduction.hpp"
 #include "reduce/beams/full_modes.hpp"
-#include "reduce/cms/verification.hpp"
+#include "reduce/cms/shapes/full_model.hpp"
 #include "tests/beam/models.hpp"
 #include "tests/beam/reduction_session.hpp"
 #include "tests/reduce/parts.hpp"

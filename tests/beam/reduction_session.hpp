@@ -5,7 +5,7 @@
 
 #include <memory>
 
-#include "reduce/linalg/session.hpp"
+#include "reduce/linalg/session/session.hpp"
 
 namespace flexura::beam::testing {
 

@@ -9,7 +9,7 @@
 #include <numbers>
 
 #include "reduce/beams/beam_reduction.hpp"
-#include "reduce/cms/verification.hpp"
+#include "reduce/cms/shapes/full_model.hpp"
 #include "tests/beam/common.hpp"
 #include "tests/beam/exact/timoshenko.hpp"
 #include "tests/beam/models.hpp"

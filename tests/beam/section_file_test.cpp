@@ -1,6 +1,6 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 // Sections from files: meshed by the child process, solved, written and used by a beam part.
-#include "reduce/app/section_file.hpp"
+#include "reduce/file/section_file.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -11,8 +11,9 @@
 #include <numbers>
 
 #include "mbs/base/documents/document.hpp"
-#include "reduce/app/beam_file.hpp"
+#include "reduce/file/beam_file.hpp"
 #include "reduce/app/section_report.hpp"
+#include "reduce/file/section_result.hpp"
 #include "tests/beam/input_texts.hpp"
 
 namespace flexura::reduce {

@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "reduce/beams/beam_reduction.hpp"
-#include "reduce/linalg/dense.hpp"
+#include "reduce/linalg/dense/dense.hpp"
 #include "tests/beam/common.hpp"
 #include "tests/beam/models.hpp"
 #include "tests/beam/reduction_session.hpp"

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "reduce/cms/craig_bampton.hpp"
-#include "reduce/cms/mesh_share.hpp"
-#include "reduce/linalg/session.hpp"
+#include "reduce/cms/result/mesh_share.hpp"
+#include "reduce/linalg/session/session.hpp"
 #include "tests/benchmarks/mesh_error_parts.hpp"
 #include "tests/benchmarks/mesh_truth.hpp"
 

@@ -9,8 +9,8 @@
 #include <numbers>
 
 #include "mesh/model/geometry.hpp"
-#include "reduce/app/make_part.hpp"
-#include "reduce/app/mesh_sizes.hpp"
+#include "reduce/part/make_part.hpp"
+#include "reduce/library/mesh_sizes.hpp"
 #include "tests/reduce/parts.hpp"
 
 namespace flexura::reduce {

@@ -13,7 +13,8 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "reduce/cms/verification.hpp"
+#include "reduce/cms/craig_bampton.hpp"
+#include "reduce/cms/shapes/full_model.hpp"
 
 namespace flexura::reduce {
 

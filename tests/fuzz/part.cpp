@@ -1,7 +1,7 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 // Part files of solids and of beams.
-#include "reduce/app/beam_file.hpp"
-#include "reduce/app/part_file.hpp"
+#include "reduce/file/beam_file.hpp"
+#include "reduce/file/part_file.hpp"
 #include "tests/fuzz/judge.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -11,6 +11,10 @@ cmake -S "$work/consumer" -B "$work/build" -DCMAKE_PREFIX_PATH="$work/usr" -DCMA
   { cat "$work/configure.log"; exit 1; }
 cmake --build "$work/build" >"$work/build.log" || { cat "$work/build.log"; exit 1; }
 "$work/build/consumer"
+cmake -S "$work/consumer" -B "$work/reduction" -DWITH_REDUCTION=ON -DCMAKE_PREFIX_PATH="$work/usr" -DCMAKE_CXX_COMPILER="$compiler" -DCMAKE_BUILD_TYPE=Release >"$work/configure.log" ||
+  { cat "$work/configure.log"; exit 1; }
+cmake --build "$work/reduction" >"$work/build.log" || { cat "$work/build.log"; exit 1; }
+"$work/reduction/reduced_rod"
 # Nothing in what was installed points back into the tree.
 if grep -rlF "$(cd "$here/../.." && pwd)" "$work/usr/lib" --include='*.cmake'; then echo "these name the source tree"; exit 1; fi
 if ldd "$work/build/consumer" | grep -E 'petsc|slepc|gmsh|libmpi'; then echo "the library brings heavy packages"; exit 1; fi

@@ -8,8 +8,8 @@
 
 #include "reduce/assembly/tied_model.hpp"
 #include "reduce/cms/craig_bampton.hpp"
-#include "reduce/cms/verification.hpp"
-#include "reduce/linalg/dense.hpp"
+#include "reduce/cms/shapes/full_model.hpp"
+#include "reduce/linalg/dense/dense.hpp"
 #include "tests/reduce/parts.hpp"
 #include "tests/reference.hpp"
 

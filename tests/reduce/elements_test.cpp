@@ -7,10 +7,10 @@
 #include "mesh/model/geometry.hpp"
 #include "reduce/assembly/rigid_motion.hpp"
 #include "reduce/assembly/tied_model.hpp"
-#include "reduce/cms/verification.hpp"
+#include "reduce/cms/shapes/full_model.hpp"
 #include "reduce/elements/solid.hpp"
 #include "reduce/elements/surface.hpp"
-#include "reduce/linalg/dense.hpp"
+#include "reduce/linalg/dense/dense.hpp"
 #include "tests/reduce/parts.hpp"
 
 namespace flexura::reduce {

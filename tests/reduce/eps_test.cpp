@@ -10,9 +10,9 @@
 #include <string>
 #include <vector>
 
-#include "reduce/linalg/cholesky.hpp"
-#include "reduce/linalg/eigensolver.hpp"
-#include "reduce/linalg/petsc_check.hpp"
+#include "reduce/linalg/factor/cholesky.hpp"
+#include "reduce/linalg/eigen/eigensolver.hpp"
+#include "reduce/linalg/petsc/petsc_check.hpp"
 #include "tests/app/command.hpp"
 #include "tests/reduce/petsc_options.hpp"
 
@@ -154,7 +154,7 @@ TEST(BlockLanczosType, WorksWithAShiftBelowAnIndefiniteMatrix) {
 
 // Eigenvalue 4 is fourfold, blocks of three meet three of its vectors.
 TEST(BlockLanczosType, FindsEverythingInASmallSpaceAndWithSmallBlocks) {
-  const Options options({{"-eps_blocklanczos_block", "3"}});
+  const Options options("-eps_blocklanczos_block", "3");
   const Grid grid(4);
   Eps eps(grid.K, grid.M, 16, 0.0);
   EXPECT_EQ(eps.expect(Grid::eigenvalues(4), 0.0), 16);
@@ -190,7 +190,7 @@ TEST(BlockLanczosType, WhatItDoesNotFindIsRefused) {
     expect_refusal(eps, "lowest eigenvalues");
   }
   {
-    const Options options({{"-st_type", "shift"}});
+    const Options options("-st_type", "shift");
     Eps eps(grid.K, grid.M, 4, 0.0);
     expect_refusal(eps, "shift-and-invert");
   }

@@ -1,11 +1,11 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-#include "reduce/cms/error_estimate.hpp"
+#include "reduce/cms/errors/error_estimate.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "reduce/cms/verification.hpp"
+#include "reduce/cms/shapes/full_model.hpp"
 #include "tests/reduce/parts.hpp"
 
 namespace flexura::reduce {

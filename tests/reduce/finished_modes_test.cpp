@@ -13,10 +13,10 @@
 #include <iomanip>
 
 #include "mbs/superelement/file.hpp"
-#include "reduce/app/part_file.hpp"
-#include "reduce/app/reduce_part.hpp"
+#include "reduce/file/part_file.hpp"
+#include "reduce/app/write_reduced.hpp"
 #include "reduce/assembly/average.hpp"
-#include "reduce/linalg/dense.hpp"
+#include "reduce/linalg/dense/dense.hpp"
 #include "reduce/recovery/stress.hpp"
 #include "tests/app/command.hpp"
 #include "tests/reduce/parts.hpp"
@@ -203,7 +203,7 @@ TEST(FinishedModes, ComeFromFilesWithTheirStresses) {
     text += "]\n";
   }
   const auto file = folder.write("part.toml", text);
-  reduce_part(read_part(file), folder / "part.se.h5", {.report = {}, .quiet = true});
+  reduce_to_file(read_part(file), folder / "part.se.h5", {.report = {}, .quiet = true});
   const superelement::Superelement se =
       superelement::read(folder / "part.se.h5", {.surface = true, .shapes = true, .stress = true});
   // A table of nodes has no faces, so that the mean is taken over nodes and not over areas: another interface

@@ -14,11 +14,12 @@
 #include <numbers>
 
 #include "mbs/superelement/file.hpp"
-#include "reduce/app/make_part.hpp"
-#include "reduce/app/reduce_part.hpp"
+#include "reduce/part/make_part.hpp"
+#include "reduce/app/write_reduced.hpp"
+#include "reduce/file/part_file.hpp"
 #include "reduce/assembly/point_mass.hpp"
 #include "reduce/cms/craig_bampton.hpp"
-#include "reduce/cms/verification.hpp"
+#include "reduce/cms/shapes/full_model.hpp"
 #include "tests/reduce/parts.hpp"
 
 namespace flexura::reduce {
@@ -191,7 +192,7 @@ class GmshBar : public ForeignPart {
     const auto output = folder_ / (mesh + ".se.h5");
     PartInput input = read_part(put("bar.toml", text));
     input.cad.worker = std::filesystem::path(FLEXURA_BIN_DIR) / "flexura-mesh";
-    reduce_part(input, output, {.report = {}, .quiet = true});
+    reduce_to_file(input, output, {.report = {}, .quiet = true});
     return superelement::read(output);
   }
 };

@@ -1,7 +1,7 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 
 // Interface reduction against the interface whose every node is a boundary node.
-#include "reduce/cms/interface_modes.hpp"
+#include "reduce/cms/shapes/interface_modes.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,10 +9,10 @@
 
 #include "reduce/assembly/average.hpp"
 #include "reduce/assembly/rigid_motion.hpp"
-#include "reduce/cms/constraint_modes.hpp"
+#include "reduce/cms/shapes/constraint_modes.hpp"
 #include "reduce/cms/craig_bampton.hpp"
-#include "reduce/cms/verification.hpp"
-#include "reduce/linalg/dense.hpp"
+#include "reduce/cms/shapes/full_model.hpp"
+#include "reduce/linalg/dense/dense.hpp"
 #include "tests/reduce/parts.hpp"
 
 namespace flexura::reduce {

@@ -6,11 +6,11 @@
 #include <cmath>
 #include <numbers>
 
-#include "reduce/linalg/cholesky.hpp"
-#include "reduce/linalg/dense.hpp"
-#include "reduce/linalg/inertia.hpp"
-#include "reduce/linalg/eigensolver.hpp"
-#include "reduce/linalg/supernodal_factor.hpp"
+#include "reduce/linalg/factor/cholesky.hpp"
+#include "reduce/linalg/dense/dense.hpp"
+#include "reduce/linalg/factor/inertia.hpp"
+#include "reduce/linalg/eigen/eigensolver.hpp"
+#include "reduce/linalg/factor/supernodal_factor.hpp"
 #include "tests/reduce/parts.hpp"
 
 namespace flexura::linalg {

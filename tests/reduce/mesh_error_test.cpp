@@ -6,8 +6,8 @@
 #include <Eigen/LU>
 
 #include "reduce/cms/craig_bampton.hpp"
-#include "reduce/cms/mesh_share.hpp"
-#include "reduce/cms/verification.hpp"
+#include "reduce/cms/result/mesh_share.hpp"
+#include "reduce/cms/shapes/full_model.hpp"
 #include "reduce/estimate/enriched_error.hpp"
 #include "reduce/estimate/enrichment.hpp"
 #include "tests/reduce/parts.hpp"

@@ -1,5 +1,5 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-#include "reduce/app/mesh_sizes.hpp"
+#include "reduce/library/mesh_sizes.hpp"
 
 #include <gtest/gtest.h>
 

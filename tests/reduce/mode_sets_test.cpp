@@ -10,10 +10,10 @@
 #include <numbers>
 
 #include "reduce/cms/damping.hpp"
-#include "reduce/cms/mode_choice.hpp"
-#include "reduce/cms/shape_change.hpp"
-#include "reduce/cms/verification.hpp"
-#include "reduce/linalg/dense.hpp"
+#include "reduce/cms/errors/mode_choice.hpp"
+#include "reduce/cms/shapes/shape_change.hpp"
+#include "reduce/cms/shapes/full_model.hpp"
+#include "reduce/linalg/dense/dense.hpp"
 #include "tests/reduce/parts.hpp"
 
 namespace flexura::reduce {

@@ -8,7 +8,8 @@
 #include <numbers>
 
 #include "reduce/cms/craig_bampton.hpp"
-#include "reduce/linalg/eigensolver.hpp"
+#include "reduce/cms/shapes/fixed_interface.hpp"
+#include "reduce/linalg/eigen/eigensolver.hpp"
 #include "tests/reduce/parts.hpp"
 #include "tests/reference.hpp"
 

@@ -13,7 +13,7 @@
 
 #include "mesh/model/cell.hpp"
 #include "mesh/model/geometry.hpp"
-#include "reduce/linalg/symmetric_matrix.hpp"
+#include "reduce/linalg/dense/symmetric_matrix.hpp"
 
 namespace flexura::reduce::testing {
 namespace {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "reduce/assembly/part.hpp"
-#include "reduce/linalg/symmetric_matrix.hpp"
+#include "reduce/linalg/dense/symmetric_matrix.hpp"
 
 /// Small parts for the tests of reduce/.
 namespace flexura::reduce::testing {

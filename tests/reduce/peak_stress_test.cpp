@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "mesh/model/geometry.hpp"
-#include "reduce/app/mesh_report.hpp"
+#include "reduce/superelement/mesh_report.hpp"
 #include "reduce/recovery/stress.hpp"
 #include "tests/reduce/parts.hpp"
 

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "reduce/linalg/petsc_check.hpp"
+#include "reduce/linalg/petsc/petsc_check.hpp"
 
 namespace flexura::linalg::testing {
 
@@ -24,6 +24,7 @@ class Options {
       ok(PetscOptionsSetValue(nullptr, name.c_str(), value.c_str()));
     }
   }
+  Options(const char* name, const char* value) : Options(std::vector{std::pair<std::string, std::string>{name, value}}) {}
   ~Options() {
     for (const std::string& name : names_) PetscOptionsClearValue(nullptr, name.c_str());
   }

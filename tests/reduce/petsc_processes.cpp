@@ -10,8 +10,8 @@
 #include <numbers>
 #include <vector>
 
-#include "reduce/linalg/petsc_check.hpp"
-#include "reduce/linalg/session.hpp"
+#include "reduce/linalg/petsc/petsc_check.hpp"
+#include "reduce/linalg/session/session.hpp"
 
 namespace {
 

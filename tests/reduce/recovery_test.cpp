@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "reduce/cms/craig_bampton.hpp"
-#include "reduce/linalg/dense.hpp"
+#include "reduce/linalg/dense/dense.hpp"
 #include "reduce/recovery/stress.hpp"
 #include "tests/reduce/parts.hpp"
 

@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include "reduce/linalg/session.hpp"
+#include "reduce/linalg/session/session.hpp"
 
 // PETSc starts once for the whole program.
 namespace {

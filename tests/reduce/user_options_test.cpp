@@ -1,5 +1,5 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-#include "reduce/linalg/user_options.hpp"
+#include "reduce/linalg/session/user_options.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

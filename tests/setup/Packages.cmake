@@ -28,6 +28,9 @@ set(CPACK_DEBIAN_REDUCTION_PACKAGE_RECOMMENDS libopenblas0-pthread)  # the defau
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME libflexura-dev)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS
     "cmake, pkg-config, libeigen3-dev, libfmt-dev, libtomlplusplus-dev, nlohmann-json3-dev, libmuparser-dev, libsundials-dev, libsuitesparse-dev, libhdf5-dev, libxxhash-dev")
+# What find_package(Flexura COMPONENTS reduce) needs beside.
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_RECOMMENDS
+    "flexura-reduce, libpetsc-real-dev, slepc-dev, libopenmpi-dev, libmetis-dev, libopenblas-dev, zlib1g-dev")
 set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-flexura)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_ARCHITECTURE all)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "python3, python3-numpy, python3-h5py, flexura")

@@ -3,11 +3,11 @@
 set -euo pipefail
 check=$(cd "$(dirname "$0")" && pwd)/check_includes.sh
 tree=$(mktemp -d); trap 'rm -rf "$tree"' EXIT
-mkdir -p "$tree"/{import/model,mesh/model,mesh/gmsh,beam/section,beam/ancf,reduce/linalg,reduce/cms,mbs/mechanism/range,mbs/forces,mbs/superelement,mbs/solver/run}
+mkdir -p "$tree"/{import/model,mesh/model,mesh/gmsh,beam/section,beam/ancf,reduce/linalg/petsc,reduce/linalg/eigen,reduce/cms,mbs/mechanism/range,mbs/forces,mbs/superelement,mbs/solver/run}
 good() { printf '#include "mesh/model/mesh.hpp"\n' >"$tree/mesh/gmsh/worker.cpp"
-         printf '#include <petsc.h>\n' >"$tree/reduce/linalg/petsc_check.hpp"
-         printf '#include "reduce/linalg/petsc_check.hpp"\n' >"$tree/reduce/linalg/solve.cpp"
-         rm -f "$tree"/*/*/bad.*; }
+         printf '#include <petsc.h>\n' >"$tree/reduce/linalg/petsc/petsc_check.hpp"
+         printf '#include "reduce/linalg/petsc/petsc_check.hpp"\n' >"$tree/reduce/linalg/eigen/solve.cpp"
+         find "$tree" -name "bad.*" -delete; }
 good
 bash "$check" "$tree" >/dev/null || { echo "a tidy tree is refused"; exit 1; }
 expect() { # file, line, words
@@ -26,12 +26,13 @@ expect mbs/solver/run/bad.cpp '#include "mbs/view/pages.hpp"' 'mbs/solver/run ma
 expect beam/section/bad.cpp '#include "mbs/superelement/file.hpp"' 'beam/section may include itself'
 expect beam/ancf/bad.cpp '#include "mbs/mechanism/mechanism.hpp"' 'beam/ancf may include itself'
 expect reduce/cms/bad.cpp '#include "mbs/superelement/file.hpp"' 'reduce/cms may include itself'
-expect reduce/cms/bad.cpp '#include "reduce/app/part_file.hpp"' 'reduce/cms may include itself'
+expect reduce/cms/bad.cpp '#include "reduce/file/part_file.hpp"' 'reduce/cms may include itself'
 expect mesh/model/bad.cpp '#include "mesh/gmsh/cad.hpp"' 'mesh/model may include itself'
 expect mbs/mechanism/bad.cpp '#include <petscmat.h>' 'includes a header of petsc'
 expect reduce/cms/bad.cpp '#include <slepceps.h>' 'includes a header of slepc'
 expect import/model/bad.cpp '#include <tinyxml2.h>' 'includes a header of tinyxml2'
 expect mesh/model/bad.cpp '#include <gmsh.h>' 'includes a header of gmsh'
-expect reduce/linalg/bad.hpp '#include "reduce/linalg/petsc_check.hpp"' 'which shows petsc'
+expect reduce/linalg/eigen/bad.hpp '#include "reduce/linalg/petsc/petsc_check.hpp"' 'which shows petsc'
 expect mbs/superelement/bad.cpp '#include <hdf5.h>' 'only mbs/base/hdf5/ may'
+expect mesh/model/bad.cpp 'auto n = a.cross(b);' 'without <Eigen/Geometry>'
 echo "each breach is noticed"

@@ -58,7 +58,7 @@ const rule = new RegExp('\\bmust\\b|\\b(is|are) wanted\\b|\\bwants?\\b|\\bneeds?
   '\\bgoes? with\\b|\\bis for\\b|\\binstead of\\b|\\bare (allowed|tabulated)\\b|lies? (between|outside|beyond)|\\bhas \\{\\}|there (are|is) \\{\\}|\\bbetween\\b|' +
   '\\btwice\\b|\\bbelow\\b|\\babove\\b|\\bgreatest|\\blargest|\\bleast\\b|\\bnot (negative|allowed)\\b|\\bends? at\\b|\\bmore than\\b|\\bno more\\b|outside \\d|\\beach once\\b|\\bboth\\b|\\bascend|\\bnot finite\\b|not symmetric|not positive definite|the decimal sign is|\\bmay\\b|\\bjoins? two|goes on from there|shows it|\\bhas {} there|is needed|tetrahedra, hexahedra|no key of ours|the parts? of a whole');
 // Decks, meshes, matrices and CAD of others: what is wrong and where; superelements against their own contents.
-const places = /^(mesh\/(import|gmsh)\/|reduce\/app\/read_matrices|mbs\/superelement\/(validate|file)|mbs\/base\/hdf5\/|mbs\/results\/reader)/;
+const places = /^(mesh\/(import|gmsh)\/|reduce\/part\/read_matrices|mbs\/superelement\/(validate|file)|mbs\/base\/hdf5\/|mbs\/results\/reader)/;
 const names = /\{\}|: | is | are | has | holds? |missing|cannot/;
 const passes = /^[\s|]*(("?\w*"?:?\s*)?["']?\{\}["']?[^a-z]*|(file|points|superelement|element|beam|member|section|run|body|interface|choice|line|solver|part|:|,|;|\.|\s|\||"|'|\{\})*)$/;
 
@@ -102,8 +102,8 @@ const EXEMPT = [
   ['mbs/solver/run/run', 'of a state file whose checksum fits: changed by hand'],
   ['mbs/formulas/expression.cpp', 'what a formula is at a time; behind it stands where the rows before it are'],
   ['beam/section/section.cpp', 'the entry and what it is to be'],
-  ['reduce/app/reduce_part.cpp', 'the key before the sentence of the modes that are struck'],
-  ['reduce/app/part_file.cpp', 'the key before the sentence of PETSc\'s options'],
+  ['reduce/library/reduce_part.cpp', 'the key before the sentence of the modes that are struck'],
+  ['reduce/file/part_file.cpp', 'the key before the sentence of PETSc\'s options'],
   ['mesh/gmsh/read_mesh.cpp', 'damaged meshes: the child\'s words, before which the file stands'],
   ['mbs/superelement/validate.cpp', 'damaged superelements, held against themselves'],
   ['mesh/partition/', 'METIS on a mesh that is one piece'],

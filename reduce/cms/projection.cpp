@@ -1,0 +1,91 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "reduce/cms/projection.hpp"
+
+#include "reduce/linalg/dense/dense.hpp"
+#include "reduce/recovery/stress.hpp"
+
+namespace flexura::reduce {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+
+namespace {
+
+// T^T D T of the dampers; empty where there are none.
+MatrixXd damper_matrix(const Part& part, const TiedModel& model, const MatrixXd& T) {
+  MatrixXd D;
+  for (const Link& link : part.links) {
+    if (link.damping == 0.0) continue;
+    if (D.size() == 0) D.setZero(T.cols(), T.cols());
+    const MatrixXd rate =
+        T.middleRows<3>(3 * static_cast<Index>(link.to)) - T.middleRows<3>(3 * static_cast<Index>(link.from));
+    D += link.damping * rate.transpose() * model.direction_projector(link) * rate;
+  }
+  return 0.5 * (D + D.transpose());
+}
+
+}  // namespace
+
+MatrixXd shapes_on_nodes(const TiedModel& model, const Basis& basis, const InterfaceModes& faces) {
+  const Index n_b = model.n_b(), n_phi = basis.Phi.cols(), n_w = faces.omega2.size();
+  MatrixXd T(3 * static_cast<Index>(model.n_nodes()), n_b + n_phi + n_w), U;
+  model.expand(basis.U_b, MatrixXd::Identity(n_b, n_b), U);
+  T.leftCols(n_b) = U;
+  for (Index q = 0; q < n_phi; q += 16) {
+    const Index width = std::min<Index>(16, n_phi - q);
+    model.expand(basis.Phi.middleCols(q, width), MatrixXd::Zero(n_b, width), U);
+    T.middleCols(n_b + q, width) = U;
+  }
+  if (n_w > 0) T.rightCols(n_w) = faces.U;
+  return T;
+}
+
+void project(const Part& whole, const Part& part, const TiedModel& model, const Basis& basis, const InterfaceModes& faces,
+             const MatrixXd& T, const ReductionOptions& options, Reduction& reduction) {
+  const Index n_b = model.n_b(), n_phi = basis.Phi.cols(), n_w = faces.omega2.size(), n = T.cols();
+  reduction.inertia = inertia_integrals(model.m(), part.mesh.points, T);
+  const auto& S = reduction.inertia.S_phiphi;
+  reduction.M_se = S[0] + S[1] + S[2];
+  reduction.K_se = MatrixXd::Zero(n, n);
+  reduction.K_se.topLeftCorner(n_b, n_b) = basis.K_bb;
+  reduction.K_se.diagonal().segment(n_b, n_phi) = basis.omega2;
+  if (n_w > 0) {
+    reduction.K_se.topRightCorner(n_b, n_w) = faces.K_bw;
+    reduction.K_se.bottomLeftCorner(n_w, n_b) = faces.K_bw.transpose();
+    reduction.K_se.bottomRightCorner(n_w, n_w) = faces.K_ww;
+  }
+  reduction.omega2 = basis.omega2;
+  reduction.n_b = static_cast<int>(n_b);
+  reduction.n_q = static_cast<int>(n_phi + n_w);
+  for (int k = 0; k < model.n_interfaces(); ++k)
+    reduction.interfaces.push_back({part.interfaces[k].name, whole.interfaces[k].tie, model.point(k),
+                                    model.directions(k), model.first_dof(k)});
+  reduction.shapes.resize(3 * static_cast<Index>(options.shape_nodes.size()), n);
+  for (std::size_t v = 0; v < options.shape_nodes.size(); ++v)
+    reduction.shapes.middleRows<3>(3 * static_cast<Index>(v)) =
+        T.middleRows<3>(3 * static_cast<Index>(options.shape_nodes[v])).cast<float>();
+}
+
+void project_loads(const Part& part, const TiedModel& model, const MatrixXd& T, const ReductionOptions& options,
+                   Reduction& reduction) {
+  for (const LoadField& load : options.loads) reduction.loads.push_back(reduced_load(load, T, model.m()));
+  reduction.D_se = damper_matrix(part, model, T);
+}
+
+MatrixXd stress_modes(const Part& part, const TiedModel& model, const Basis& basis, const MatrixXd& T,
+                      const ReductionOptions& options) {
+  MatrixXd rotations;
+  std::vector<int> rotation_of;
+  if (!part.mesh.shells.empty()) {
+    const Index n = T.cols(), n_b = model.n_b();
+    MatrixXd shapes_i = MatrixXd::Zero(model.n_i(), n), shapes_b = MatrixXd::Zero(n_b, n);
+    shapes_i.leftCols(n_b) = basis.U_b;
+    shapes_i.middleCols(n_b, basis.Phi.cols()) = basis.Phi;
+    shapes_b.leftCols(n_b).setIdentity();
+    rotations = model.expand_rotations(shapes_i, shapes_b);
+    for (mesh::Index node = 0; node < part.mesh.n_nodes(); ++node) rotation_of.push_back(model.rotation_of(node));
+  }
+  return nodal_stress_modes(part, T, options.stress_nodes, rotations, rotation_of);
+}
+
+}  // namespace flexura::reduce

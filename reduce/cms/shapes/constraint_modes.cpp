@@ -1,0 +1,61 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "reduce/cms/shapes/constraint_modes.hpp"
+
+#include <algorithm>
+#include <limits>
+
+#include "reduce/assembly/rigid_projection.hpp"
+#include "reduce/linalg/dense/dense.hpp"
+
+namespace flexura::reduce {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+
+namespace {
+
+constexpr double kWorthAsking = 1e-8;  // a residual below needs no excuse
+
+}  // namespace
+
+ConstraintModes constraint_modes(const TiedModel& model, const TiedSolver& solver) {
+  const auto& averaged = model.averaged_dofs();
+  const Index n_a = static_cast<Index>(averaged.size());
+  const MatrixXd K_ib = model.K_ib();
+  MatrixXd g = MatrixXd::Zero(n_a, model.n_b());
+  for (Index r = 0; r < n_a; ++r) g(r, averaged[r]) = 1.0;
+  TiedSolver::Solution solution = solver.solve_refined(-K_ib, g);
+  ConstraintModes modes{std::move(solution.U), model.K_bb(), 0.0};
+  MatrixXd K_Psi;
+  model.K_ii().multiply(modes.Psi, K_Psi);
+  MatrixXd reaction = MatrixXd::Zero(model.n_i(), model.n_b());
+  if (n_a > 0) reaction = model.A().transpose() * solution.mu;
+  const double scale = K_ib.norm() + reaction.norm();
+  const double open = (K_Psi + K_ib + reaction).norm();
+  if (scale > 0.0) modes.residual = open / scale;
+  if (modes.residual > kWorthAsking) {
+    // Where all static shapes are rigid motions, of averages for one, K_ib and the reactions are round-off themselves:
+    // eps |K| |Psi| is what rounding the shapes' entries does, and nothing below a few of it can be judged.
+    MatrixXd magnitudes;
+    model.K_ii().multiply_magnitudes(modes.Psi, magnitudes);
+    const double rounding = 4.0 * std::numeric_limits<double>::epsilon() * magnitudes.norm();
+    modes.residual = open <= rounding ? 0.0 : open / std::max(scale, rounding);
+  }
+  modes.K_bb += linalg::transpose_times(K_ib, modes.Psi);
+  for (Index r = 0; r < n_a; ++r) modes.K_bb.row(averaged[r]) -= solution.mu.row(r);
+  modes.K_bb = (0.5 * (modes.K_bb + modes.K_bb.transpose())).eval();
+  const MatrixXd R_b = model.rigid_b(), R_i = model.rigid_i();
+  std::vector<char> is_rotation;
+  for (int k = 0; k < model.n_interfaces(); ++k)
+    for (const int direction : model.directions(k)) is_rotation.push_back(direction >= 3);
+  const RigidProjection rigid(R_b, is_rotation);
+  modes.rigid_error = rigid.error(modes.Psi, R_i);
+  if (model.n_b() > 6) modes.rigid_strain = (modes.K_bb * R_b).norm() / (modes.K_bb.norm() * R_b.norm());
+  modes.Psi = rigid.corrected(modes.Psi, R_i);
+  modes.K_bb = rigid.strain_free(modes.K_bb);
+  // Six motions that hold the body are its rigid motions: what stands there is round-off.
+  if (model.n_b() == 6) modes.K_bb.setZero();
+  return modes;
+}
+
+}  // namespace flexura::reduce

@@ -1,0 +1,12 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "reduce/assembly/tied_solver.hpp"
+#include "reduce/linalg/eigen/eigen_problem.hpp"
+
+namespace flexura::reduce {
+
+/// The fixed-interface eigenproblem K_ii phi = omega^2 M_ii phi of a model and its solver, which must outlive it.
+linalg::EigenProblem fixed_interface_problem(const TiedModel& model, const TiedSolver& solver);
+
+}  // namespace flexura::reduce

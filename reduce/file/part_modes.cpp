@@ -1,0 +1,99 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "reduce/file/part_modes.hpp"
+
+#include <algorithm>
+#include <numbers>
+
+namespace flexura::reduce {
+
+using input::InputError;
+using input::Section;
+
+void read_solid_modes(const Section& in, ModesInput& modes) {
+  const std::string set = in.text("set");
+  modes.set = set == "guyan"         ? ModeSet::guyan
+              : set == "craig_chang" ? ModeSet::craig_chang
+                                     : ModeSet::craig_bampton;
+  if (in.has("accuracy")) modes.accuracy = in.quantity("accuracy");
+  modes.compliance_accuracy =
+      in.has("compliance_accuracy") ? in.quantity("compliance_accuracy") : modes.accuracy;
+  if (modes.compliance_accuracy > 0.0 && !(modes.accuracy > 0.0))
+    in.refuse("compliance_accuracy", "goes with the accuracy of frequencies", "add e.g. accuracy = \"1 %\"");
+  if (in.has("effective_mass")) modes.effective_mass = in.quantity("effective_mass");
+  if (in.has("response_at"))
+    for (const double f : in.quantities("response_at")) {
+      if (!(f >= 0.0)) in.refuse("response_at", "must be at least 0 Hz");
+      modes.response_omegas.push_back(2.0 * std::numbers::pi * f);
+    }
+  if (in.has("strike_modes")) modes.struck = in.integers("strike_modes");
+  modes.certify = in.flag("certify");
+  modes.where = in.where();
+  if (modes.accuracy > 0.0 && modes.effective_mass > 0.0)
+    in.refuse("effective_mass", "modes are kept by accuracy or by effective mass, one of the two");
+  const char* const fixed_only[] = {"accuracy", "effective_mass", "response_at"};
+  for (const char* key : fixed_only)
+    if (in.has(key) && modes.set != ModeSet::craig_bampton)
+      in.refuse(key, "goes with fixed-interface modes", "take set = \"craig_bampton\"");
+  if (modes.set == ModeSet::guyan) modes.count = 0, modes.up_to = 0.0;
+  InterfaceModesRequest& faces = modes.interface_modes;
+  faces.count = in.integer("interface_count");
+  if (in.has("interface_up_to")) {
+    faces.omega_max = 2.0 * std::numbers::pi * in.quantity("interface_up_to");
+    faces.count = 0;
+  }
+  if (in.has("interface_accuracy")) faces.accuracy = in.quantity("interface_accuracy");
+  if (in.has("interface_accuracy") + in.has("interface_up_to") + in.has("interface_count") > 1)
+    throw InputError(in.where() +
+                     ": interface modes are kept by interface_count, interface_up_to or interface_accuracy, "
+                     "one of them");
+}
+
+void read_finished_modes(const Section& in, PartInput& part) {
+  const Section modes = in.table("mode_vectors");
+  part.finished.vectors = modes.file("vectors");
+  part.finished.stiffness = modes.file("stiffness");
+  part.finished.mass = modes.file("mass");
+  if (modes.has("reduced_mass")) part.finished.reduced_mass = modes.file("reduced_mass");
+  if (modes.has("stress")) part.finished.stress = modes.file("stress");
+  if (part.format == PartFormat::cad)
+    in.table("geometry").refuse("file", "mode vectors go with the nodes of a mesh file or of a table (.csv)");
+  if (in.table("recovery").flag("stress") && part.finished.stress.empty())
+    modes.refuse("stress", "is wanted by recovery.stress: the vectors alone do not tell stresses");
+  if (in.flag("stiffening"))
+    in.refuse("stiffening", "needs the elements, mode vectors do not have them", "take it away");
+  const Section choice = in.table("modes");
+  for (const char* key : {"set", "count", "up_to", "accuracy", "effective_mass", "response_at"})
+    if (choice.has(key))
+      choice.refuse(key, "chooses modes to compute, but the vectors are finished", "leave the key out");
+  for (const char* table : {"mass_point", "link"})
+    if (!in.table_map(table).empty())
+      in.refuse(table, "cannot change finished modes", "have it in the model that the vectors come from");
+}
+
+void check_elastic_ties(const Section& modes, const PartInput& part) {
+  const bool elastic = std::any_of(part.interfaces.begin(), part.interfaces.end(),
+                                   [](const InterfaceInput& f) { return f.tie == Tie::elastic; });
+  if (elastic && !part.finished.vectors.empty())
+    modes.refuse("interface_count", "goes with a reduction here, not with finished vectors",
+                 "tie the interfaces as an average");
+  if (!elastic) {
+    for (const char* key : {"interface_count", "interface_up_to", "interface_accuracy"})
+      if (modes.has(key)) modes.refuse(key, "is about elastic ties", "give an interface tie = \"elastic\"");
+    return;
+  }
+  if (part.modes.accuracy > 0.0)
+    modes.refuse("accuracy", "is not estimated with elastic ties",
+                 "keep modes by count, up_to or effective_mass");
+  if (part.modes.set == ModeSet::craig_chang)
+    modes.refuse("set", "does not go with elastic ties", "take craig_bampton or guyan");
+}
+
+ModesInput read_modes(const Section& in) {
+  ModesInput modes;
+  modes.count = in.integer("count");
+  if (in.has("up_to")) modes.up_to = in.quantity("up_to");
+  modes.damping = in.quantity("damping");
+  return modes;
+}
+
+}  // namespace flexura::reduce

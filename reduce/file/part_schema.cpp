@@ -1,0 +1,422 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "reduce/file/part_file.hpp"
+
+namespace flexura::reduce {
+
+using input::Key;
+using input::TableSchema;
+namespace dim = input::dim;
+
+TableSchema modes_schema() {
+  TableSchema s{.name = "modes", .doc = "Fixed-interface normal modes to keep beside the constraint modes."};
+  s.keys = {
+      input::integer("count", "number of modes").or_default("20").at_least(0).at_most(20000),
+      input::quantity("up_to", dim::frequency, "keep all modes up to this frequency instead of a fixed count")
+          .above(0),
+      input::quantity("damping", dim::none,
+                      "modal damping ratio proposed to the runtime (diagonal in modal space)")
+          .or_default("0.01")
+          .at_least(0),
+  };
+  return s;
+}
+
+namespace {
+
+TableSchema geometry_schema() {
+  TableSchema s{
+      .name = "geometry",
+      .doc =
+          "The part, relative to the part file: a CAD file (STEP, IGES, BREP), which is meshed, or a "
+          "mesh: gmsh (.msh), Abaqus or CalculiX (.inp), Nastran (.bdf, .dat, .nas), I-DEAS "
+          "(.unv), with its solids, shells, beams, springs, materials, sets, ties and point masses."};
+  s.keys = {
+      input::text("file", "CAD file or mesh").required(),
+      input::choice(
+          "unit", {"m", "mm", "cm", "um", "inch", "ft"},
+          "length unit of the file. CAD: overrides what the file says (BREP files say nothing: mm). "
+          "Meshes say nothing: m"),
+      input::choice("mass_unit", {"kg", "t", "g", "lbf s^2/in", "slug"},
+                    "mass unit of a deck with materials or masses, the time being s; default: what goes with "
+                    "the length unit (m: kg, mm: t, inch: lbf s^2/in, ft: slug)"),
+      input::integer("solid", "which solid of the file, counted from 1 as `--list-faces` prints them")
+          .at_least(1),
+      input::flag("fuse", "join all solids of the file into one").or_default("false"),
+      input::flag("heal",
+                  "let the CAD kernel repair the shape before meshing; may change its volume slightly")
+          .or_default("false"),
+  };
+  return s;
+}
+
+TableSchema mesh_schema() {
+  TableSchema s{.name = "mesh", .doc = "How the geometry is meshed. May be left out."};
+  s.keys = {
+      input::choice(
+          "formulation", {"standard", "enhanced"},
+          "`enhanced`: eight-node hexahedra of a mesh file with modes that keep them from locking in "
+          "bending")
+          .or_default("standard"),
+      input::integer("order", "1: four-node, 2: ten-node tetrahedra").or_default("2").at_least(1).at_most(2),
+      input::quantity("size", dim::length, "element size; chosen from the part's dimensions when left out")
+          .above(0),
+      input::quantity("elements_per_circle", dim::none,
+                      "refine curved faces so that a full circle takes this many elements; 0: no refinement")
+          .or_default("8")
+          .at_least(0),
+      input::quantity("time_limit", dim::time, "give the mesher up after this time")
+          .or_default("600 s")
+          .above(0),
+  };
+  return s;
+}
+
+TableSchema material_schema() {
+  TableSchema s{
+      .name = "material",
+      .doc =
+          "A linear elastic material: isotropic (`young`, `poisson`) or orthotropic (`moduli`, `ratios`, "
+          "`shear`)."};
+  s.keys = {
+      input::quantity("young", dim::pressure, "Young's modulus").above(0),
+      input::quantity("poisson", dim::none, "Poisson's ratio").above(-1).below(0.5),
+      input::quantities("moduli", dim::pressure, "orthotropic: E_x, E_y, E_z").sized(3),
+      input::quantities(
+          "ratios", dim::none,
+          "orthotropic: nu_xy, nu_yz, nu_zx; nu_xy is the contraction along y when pulled along x, "
+          "nu_xy / E_x = nu_yx / E_y")
+          .sized(3),
+      input::quantities("shear", dim::pressure, "orthotropic: G_xy, G_yz, G_zx").sized(3),
+      input::vector3("axis_x", dim::none,
+                     "orthotropic: direction of the material's x in the part; default [1, 0, 0]"),
+      input::vector3(
+          "axis_y", dim::none,
+          "orthotropic: a direction in the material's x-y plane, on the side of y; default [0, 1, 0]"),
+      input::quantity("density", dim::density, "mass per volume").required().above(0),
+  };
+  return s;
+}
+
+TableSchema interface_schema() {
+  TableSchema s{
+      .name = "interface",
+      .doc =
+          "Where other bodies, joints and forces take hold. Each becomes one node of six degrees of "
+          "freedom, tied to the chosen faces. A deck with ties (RBE2, RBE3) needs no such table: without "
+          "any, each tie becomes an interface called \"tie NUMBER\"."};
+  s.selector = "by";
+  s.keys = {
+      input::choice("by", {"cylinder", "plane", "near", "faces", "group", "nodes", "tie"},
+                    "how the faces are chosen")
+          .required(),
+      input::choice(
+          "tie", {"rigid", "average", "node", "elastic"},
+          "`rigid`: the faces follow the node as one rigid piece (RBE2). `average`: the node follows the "
+          "area-weighted mean motion of the faces and does not stiffen them (RBE3). `node`: a single node of "
+          "the mesh, displacements only. `elastic`: every node of the faces moves on its own; the node has "
+          "their mean motion, as with `average`, their deformation is reduced to interface modes "
+          "(`interface_count` and the like in [modes]), which stand beside the others. Without such modes it "
+          "is `rigid`, with all of them `average`")
+          .or_default("rigid"),
+      input::choice(
+          "weights", {"area", "equal"},
+          "whose mean an `average` or `elastic` tie takes: every face counts by its area, or every node "
+          "alike. Default: `area`, with `by = \"nodes\"` `equal`; nodes that form no faces count alike. "
+          "The ties of a deck have weights of their own"),
+      input::vector3(
+          "reference", dim::length,
+          "position of the interface node; default: centre of the chosen faces, for a cylinder the middle "
+          "of its axis"),
+      input::texts(
+          "directions",
+          "directions that joints and forces may use, of x, y, z, rx, ry, rz; default: all. The others "
+          "stay free inside the part"),
+  };
+  const auto point = [](const char* doc) { return input::vector3("point", dim::length, doc).required(); };
+  s.variants["cylinder"] = {
+      .name = "interface by cylinder",
+      .keys = {
+          point("a point on the axis"), input::vector3("axis", dim::none, "direction of the axis").required(),
+          input::quantity("radius", dim::length,
+                          "radius; may be left out where only one cylinder has this axis")
+              .above(0),
+          input::quantities("extent", dim::length,
+                            "only faces between these two distances along the axis, counted from `point`")
+              .sized(2)}};
+  s.variants["plane"] = {.name = "interface by plane",
+                         .keys = {point("a point in the plane"),
+                                  input::vector3("normal", dim::none, "normal of the plane").required()}};
+  s.variants["near"] = {
+      .name = "interface by nearness",
+      .keys = {
+          point("the nearest face is taken"),
+          input::quantity("radius", dim::length, "take every face within this distance instead").above(0)}};
+  s.variants["faces"] = {
+      .name = "interface by face numbers",
+      .keys = {input::integers("faces", "face numbers as `--list-faces` prints them").required()}};
+  s.variants["group"] = {.name = "interface by group",
+                         .keys = {input::text("group", "name of a physical group or named set").required()}};
+  s.variants["nodes"] = {.name = "interface by nodes",
+                         .keys = {input::integers("nodes", "node numbers of the mesh file").required()}};
+  s.variants["tie"] = {.name = "interface by tie of the deck",
+                       .keys = {input::integer("element", "number of the RBE2 or RBE3").required()}};
+  return s;
+}
+
+TableSchema shell_schema() {
+  TableSchema s{
+      .name = "shell",
+      .doc =
+          "Sheet metal: the faces of a CAD file without solids, or the triangles and quadrilaterals of a .msh mesh, are the middle "
+          "surface of a sheet, of shells with six degrees of freedom a node (docs/shells.md). Faces that meet are joined. Interfaces are chosen as on solids; where no face "
+          "fits, `by = \"plane\"` takes the free edges in the plane and `by = \"cylinder\"` with its radius the edge of a hole."};
+  s.keys = {input::quantity("thickness", dim::length, "of the sheet, half of it on either side of the faces").required().above(0)};
+  return s;
+}
+
+TableSchema matrices_schema() {
+  TableSchema s{
+      .name = "matrices",
+      .doc =
+          "Stiffness and mass as another program assembled them, instead of the elements': Matrix "
+          "Market, Abaqus' coordinate format or matrix input, also gzipped. The geometry file gives "
+          "the nodes: a mesh, or a table of node number, x, y, z (.csv, .txt). Rows go by "
+          "ascending node number, three directions each."};
+  s.keys = {
+      input::text("stiffness", "file of K").required(),
+      input::text("mass", "file of M; alike in the three directions, as solid elements have it").required(),
+  };
+  return s;
+}
+
+TableSchema mode_vectors_schema() {
+  TableSchema s{
+      .name = "mode_vectors",
+      .doc =
+          "Finished modes: vectors that another FE program has computed (free modes, constraint or "
+          "attachment modes, in any mixture), with their reduced matrices, instead of a reduction here. They "
+          "are orthonormalised together with the six rigid motions; the interfaces' dofs become coordinates "
+          "as usual. The geometry file gives the nodes: a mesh, or a table (.csv, .txt). Dense matrices: "
+          "Matrix Market, or text with a row in each line, also gzipped. Of [modes] only `damping` and "
+          "`strike_modes` apply."};
+  s.keys = {
+      input::text("vectors",
+                  "file of the displacements: a column for each vector, rows by ascending node number, three "
+                  "directions each; free of unit, or all in the length unit of the file")
+          .required(),
+      input::text("stiffness", "file of the reduced stiffness, V^T K V").required(),
+      input::text("mass",
+                  "file of the part's mass matrix by nodes, as in [matrices], which the inertia integrals "
+                  "need; a lumped (diagonal) one will do")
+          .required(),
+      input::text("reduced_mass", "file of V^T M V as the FE program has it, for comparison"),
+      input::text(
+          "stress",
+          "file of stress modes: a column for each vector, rows by ascending node number, xx, yy, zz, "
+          "xy, yz, zx each"),
+  };
+  return s;
+}
+
+TableSchema mass_schema() {
+  TableSchema s{.name = "mass_point",
+                .doc = "A rigid piece of mass on an interface (rigid tie) or on a node of the mesh."};
+  s.keys = {
+      input::quantity("mass", dim::mass, "its mass").required().above(0),
+      input::text("interface", "interface that carries it"),
+      input::integer("node", "or the number of a node of the mesh file"),
+      input::vector3("offset", dim::length, "from the interface node to its mass centre; default: none"),
+      input::quantities("inertia", dim::inertia, "moments of inertia xx, yy, zz about its mass centre")
+          .sized(3),
+  };
+  return s;
+}
+
+TableSchema link_schema() {
+  TableSchema s{
+      .name = "link",
+      .doc =
+          "A spring, a damper or both between two places of the part, along the line that joins "
+          "them; alike in all directions where they coincide. There is none to the ground: it would "
+          "resist rigid motion, which belongs to the mechanism and knows no bounds there. Give the "
+          "place an interface and the mechanism a force element between it and the ground: "
+          "`spring_damper` along a line, `bushing` in all six directions."};
+  s.keys = {
+      input::texts("interfaces", "two interfaces (rigid ties)").sized(2),
+      input::integers("nodes", "or two node numbers of the mesh file").sized(2),
+      input::quantity("stiffness", dim::stiffness, "of the spring").or_default("0").at_least(0),
+      input::quantity("damping", dim::damping, "of the damper; goes into D_se").or_default("0").at_least(0),
+  };
+  return s;
+}
+
+TableSchema load_schema() {
+  TableSchema s{.name = "load",
+                .doc =
+                    "A distributed load that is kept for run time under its name: forces of the type "
+                    "`distributed_load` put it on the body, times a formula."};
+  s.selector = "type";
+  s.keys = {
+      input::choice("type", {"gravity", "rotation", "pressure", "field"}, "what acts").required(),
+      input::flag("keep_shape",
+                  "keep the part's static answer to it as a shape, so that this load is exact in statics")
+          .or_default("false"),
+  };
+  s.variants["gravity"] = {
+      .name = "load by gravity",
+      .keys = {input::vector3("acceleration", dim::acceleration, "that pulls on every mass").required()}};
+  s.variants["rotation"] = {
+      .name = "load by rotation",
+      .keys = {input::vector3("point", dim::length, "a point on the axis").required(),
+               input::vector3("axis", dim::none, "direction of the axis").required(),
+               input::quantity("speed", dim::angular_velocity, "centrifugal load of this speed").required()}};
+  s.variants["pressure"] = {
+      .name = "load by pressure",
+      .keys = {input::text("group", "named set whose faces it pushes on"),
+               input::integers("faces", "or face numbers as `--list-faces` prints them"),
+               input::quantity("pressure", dim::pressure, "pushes against the faces").required()}};
+  s.variants["field"] = {
+      .name = "load by formulas",
+      .keys = {input::text("x", "force per mass along x [m/s^2], a formula of x, y, z [m]").or_default("0"),
+               input::text("y", "along y").or_default("0"), input::text("z", "along z").or_default("0")}};
+  return s;
+}
+
+TableSchema damping_schema() {
+  TableSchema s{.name = "damping",
+                .doc =
+                    "Damping beyond the one ratio of [modes]: it becomes the matrix D_se, and the ratio of "
+                    "[modes] is not used."};
+  s.keys = {
+      input::quantities("frequencies", dim::frequency, "frequencies of a table, ascending"),
+      input::quantities("ratios", dim::none, "ratio to critical at each; linear between, constant beyond"),
+      input::quantity("critical_above", dim::frequency,
+                      "modes from this frequency are damped critically: they follow without ringing")
+          .above(0),
+      input::quantity("alpha", dim::frequency, "Rayleigh: times the mass matrix [1/s]")
+          .or_default("0")
+          .at_least(0),
+      input::quantity("beta", dim::time, "Rayleigh: times the stiffness matrix").or_default("0").at_least(0),
+  };
+  return s;
+}
+
+TableSchema recovery_schema() {
+  TableSchema s{.name = "recovery",
+                .doc = "What the superelement keeps besides the displacements of its surface."};
+  s.keys = {
+      input::flag("stress",
+                  "stress modes: nodal stresses of every shape on the surface, for von Mises stress and the "
+                  "like at run time")
+          .or_default("false"),
+      input::texts("groups",
+                   "stress modes only at the nodes of these named sets; default: the whole surface"),
+      input::choice("precision", {"single", "double"}, "how stress modes are stored").or_default("single"),
+  };
+  return s;
+}
+
+TableSchema solid_modes_schema() {
+  TableSchema s = modes_schema();
+  s.doc = "Which shapes stand beside the interface's own. May be left out.";
+  s.keys.insert(
+      s.keys.begin(),
+      input::choice(
+          "set", {"craig_bampton", "craig_chang", "guyan"},
+          "`craig_bampton`: fixed-interface modes. `craig_chang`: free-free modes and inertia-relief "
+          "attachment modes. `guyan`: none; MotionSolve takes `mass = \"lumped\"` with it")
+          .or_default("craig_bampton"));
+  const std::vector<Key> more = {
+      input::quantity("accuracy", dim::none,
+                      "choose mesh and modes so that the body's frequencies below `up_to` (without it the first "
+                      "six of the free body) and the static compliance between the interfaces are within this "
+                      "(\"1 %\") by their estimates; CAD parts are meshed anew, finer where the error is, until "
+                      "they are. A mesh that comes with the part stays: its share is reported")
+          .above(0)
+          .below(1),
+      input::quantity("compliance_accuracy", dim::none,
+                      "accuracy of the static compliance between the interfaces where another one than that of the "
+                      "frequencies is wanted (default: `accuracy`)")
+          .above(0)
+          .below(1),
+      input::quantity("effective_mass", dim::none,
+                      "keep modes until they hold this fraction of the interior's mass and inertia in every "
+                      "direction")
+          .above(0)
+          .below(1),
+      input::quantities("response_at", dim::frequency,
+                        "add frequency response modes: the part's exact answer to loads at its interfaces at "
+                        "these frequencies (0: slow acceleration)"),
+      input::integer("interface_count",
+                     "elastic ties: number of interface modes (characteristic constraint modes)")
+          .or_default("20")
+          .at_least(0)
+          .at_most(20000),
+      input::quantity("interface_up_to", dim::frequency,
+                      "elastic ties: keep all interface modes up to this frequency instead")
+          .above(0),
+      input::quantity("interface_accuracy", dim::none,
+                      "elastic ties: or as many as bring the static stiffness between the interfaces to this "
+                      "accuracy (\"1 %\") of the averaging tie's")
+          .above(0)
+          .below(1),
+      input::integers("strike_modes",
+                      "natural modes of the free body to strike out, by number as `flexura modes --free` "
+                      "prints them"),
+      input::flag("certify", "prove by Sylvester's law that no mode was missed; takes another factorisation")
+          .or_default("true"),
+  };
+  s.keys.insert(s.keys.end(), more.begin(), more.end());
+  return s;
+}
+
+TableSchema solver_schema() {
+  TableSchema s{.name = "solver",
+                .doc = "How PETSc and SLEPc compute. May be left out: the defaults are the fast ones."};
+  s.keys = {
+      input::text("petsc",
+                  "options of PETSc and SLEPc as one text, `\"-eps_type krylovschur -pc_factor_mat_solver_type mumps\"`; "
+                  "those of `--petsc` are added. docs/petsc.md says which make sense"),
+  };
+  return s;
+}
+
+}  // namespace
+
+const TableSchema& part_schema() {
+  static const TableSchema schema = [] {
+    TableSchema s{.name = "part file",
+                  .doc =
+                      "What `flexura reduce` takes. Lengths, moduli and the like are written with their unit "
+                      "(\"210 GPa\", \"12 mm\"); plain numbers are SI."};
+    s.keys = {
+        input::text("name", "name of the part; default: the file's name"),
+        input::choice("mass", {"consistent", "lumped", "reduced"},
+                      "mass matrix of the elements; `reduced`: consistent, but integrated at the stiffness's "
+                      "points, as CalculiX does with ten-node tetrahedra")
+            .or_default("consistent"),
+        input::flag("stiffening",
+                    "keep the geometric stiffening terms: what loads and rotation add to the stiffness")
+            .or_default("false"),
+        input::table("geometry", geometry_schema(), "CAD part").required(),
+        input::table("mesh", mesh_schema(), "meshing"),
+        input::table_map("material", material_schema(),
+                         "material by name: exactly one for a CAD part; for a deck, in place of its own"),
+        input::table_map("interface", interface_schema(), "interfaces by name"),
+        input::table("shell", shell_schema(), "sheet metal"),
+        input::table("matrices", matrices_schema(), "finished matrices"),
+        input::table("mode_vectors", mode_vectors_schema(), "finished modes"),
+        input::table_map("mass_point", mass_schema(), "point masses by name"),
+        input::table_map("link", link_schema(), "springs and dampers by name"),
+        input::table_map("load", load_schema(), "load cases by name"),
+        input::table("modes", solid_modes_schema(), "modes"),
+        input::table("damping", damping_schema(), "damping"),
+        input::table("recovery", recovery_schema(), "stresses"),
+        input::table("solver", solver_schema(), "solvers"),
+    };
+    return s;
+  }();
+  return schema;
+}
+
+}  // namespace flexura::reduce

@@ -1,0 +1,50 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "reduce/part/part_input.hpp"
+#include "reduce/cms/result/reduction.hpp"
+
+/// [modes] accuracy: solve, estimate, mesh anew where the error is, until mesh and modes are within.
+namespace flexura::reduce {
+
+/// What one mesh gives, by the estimates.
+struct Judgement {
+  bool known = false;        ///< the mesh could be judged
+  double frequencies = 0.0;  ///< greatest relative error by the mesh of those asked for
+  double compliance = 0.0;   ///< likewise of the static compliance
+  double modes = 0.0;        ///< of those frequencies by the modes left out, safe estimate
+  std::string interface;     ///< with the greatest error of compliance
+};
+
+class AccuracyGoal {
+ public:
+  explicit AccuracyGoal(const ModesInput& modes);
+
+  bool asked() const { return frequencies_ > 0.0; }
+  /// Judges a reduction.  Where a finer mesh moved a frequency by more than the coarser mesh's estimate had said, the
+  /// estimate is raised by as much.
+  Judgement judge(const Reduction& reduction);
+  bool mesh_reached(const Judgement& j) const;
+  bool modes_reached(const Judgement& j) const;
+
+  /// Sizes of the next mesh (mesh::CadOptions::sizes) for the last reduction judged: those of
+  /// the fewest cells (P. Ladeveze, G. Coffignal, P. Marin 1986; mesh_sizes.hpp).
+  /// `dofs`: of the mesh that was judged; std::runtime_error where the next one would be beyond all bounds.
+  std::vector<double> next_sizes(const Part& part, int dofs, const Judgement& j) const;
+
+  /// "asked 1 % ..., estimated ..."
+  std::string describe(const Judgement& j) const;
+
+ private:
+  double frequencies_, compliance_, up_to_;
+  MeshShare share_;  ///< of the last reduction
+  std::vector<MeshShare::Mode> before_;
+  double raised_ = 1.0;
+  std::size_t n_judged_ = 0;
+  int n_shapes_ = 0;
+};
+
+}  // namespace flexura::reduce

@@ -1,0 +1,158 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "reduce/library/attempt.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "mbs/base/documents/document.hpp"
+#include "mbs/base/files/output.hpp"
+#include "reduce/cms/finished_modes.hpp"
+#include "reduce/library/accuracy_goal.hpp"
+#include "reduce/part/read_matrices.hpp"
+#include "reduce/recovery/stress.hpp"
+
+namespace flexura::reduce {
+
+namespace {
+
+/// The surface vertices at which stress modes are wanted.
+std::vector<std::int32_t> stress_vertices(const RecoveryInput& wanted, const mesh::Mesh& mesh,
+                                          const std::vector<mesh::Index>& surface_nodes,
+                                          const Part& part) {
+  std::vector<std::int32_t> vertices;
+  if (!wanted.stress) return vertices;
+  std::vector<char> inside(mesh.n_nodes(), wanted.groups.empty());
+  for (const std::string& name : wanted.groups) {
+    const auto set = mesh.sets.find(name);
+    if (set == mesh.sets.end()) {
+      std::vector<std::string> names;
+      for (const auto& [known, nodes] : mesh.sets) names.push_back(known);
+      throw input::InputError(fmt::format("{}: the mesh has no set \"{}\"{}", wanted.where, name,
+                                          input::suggestion(name, names)));
+    }
+    for (const mesh::Index node : set->second.nodes) inside[node] = 1;
+  }
+  for (const Follower& follower : part.followers)  // the skins of shells
+    if (follower.from.size() == 1 && inside[follower.from.front().first]) inside[follower.point] = 1;
+  // What is seen of beams has no stress modes.
+  const auto of_cells = part.frames.empty() ? std::vector<std::pair<int, int>>(surface_nodes.size(), {0, 1})
+                                            : nodal_materials(part, surface_nodes);
+  for (std::size_t v = 0; v < surface_nodes.size(); ++v)
+    if (inside[surface_nodes[v]] && of_cells[v].first >= 0) vertices.push_back(static_cast<std::int32_t>(v));
+  if (vertices.empty())
+    throw input::InputError(wanted.where +
+                            ": none of the sets' nodes lies on the part's surface, where "
+                            "stresses are kept; name other sets");
+  return vertices;
+}
+
+/// The vectors and matrices of the part file in SI: V has no unit or that of the file's lengths, in which
+/// V^T K V and V^T M V were computed, so that forces per length and masses count as those of the file.
+FinishedModes load_finished_modes(const PartInput& input) {
+  FinishedModes modes{.V = read_dense(input.finished.vectors), .K = read_dense(input.finished.stiffness)};
+  modes.K *= input.unit_mass;
+  if (!input.finished.reduced_mass.empty())
+    modes.M = input.unit_mass * read_dense(input.finished.reduced_mass);
+  // Stress per displacement: (M L^-1 T^-2) / L.
+  if (!input.finished.stress.empty())
+    modes.stress =
+        input.unit_mass / (input.unit_length * input.unit_length) * read_dense(input.finished.stress);
+  return modes;
+}
+
+std::string why_unjudged(const Part& part) {
+  if (part.matrices) return "its matrices come from another program, without elements";
+  if (!part.mesh.shells.empty() || !part.frames.empty()) return "it has shells or beams, of which no estimate is known";
+  if (is_nearly_incompressible(part)) return "a material is nearly incompressible, where its elements lock and no estimate sees it";
+  if (!part.dependent.empty()) return "constraints (*EQUATION, MPC, *TIE between nodes) bind its mesh, whose error is not known";
+  if (part.mesh.solids.empty()) return "it has no solid elements";
+  return "the part has no elastic mode";
+}
+
+}  // namespace
+
+Attempt attempt(const PartInput& input, const std::filesystem::path& output, ReductionOptions how) {
+  PartMesh from = load_part_mesh(input, how.progress);
+  Attempt out;
+  out.mesh = from.report;
+  out.modelled = make_part(input, std::move(from));
+  const Part& part = out.modelled.part;
+  std::vector<std::vector<mesh::Index>> interface_nodes;
+  for (int k = 0; k < out.modelled.n_interfaces; ++k) interface_nodes.push_back(part.interfaces[k].set.nodes);
+  for (std::vector<mesh::Index>& nodes : interface_nodes) {  // and the skins of shells at them
+    const auto n = static_cast<std::ptrdiff_t>(nodes.size());
+    for (const Follower& follower : part.followers)
+      if (follower.from.size() == 1 && std::binary_search(nodes.begin(), nodes.begin() + n, follower.from.front().first))
+        nodes.push_back(follower.point);
+  }
+  out.picture = make_surface(part.mesh, interface_nodes);
+  if (!input.finished.vectors.empty() && part.mesh.boundary.empty()) {
+    // A table of nodes has no surface: all nodes are kept, as points.
+    for (mesh::Index node = 0; node < part.mesh.n_nodes(); ++node) out.picture.nodes.push_back(node);
+    out.picture.surface.vertices = part.mesh.points;
+  }
+  // Shapes of the surface at four bytes a number, which shrink to a half or so: a tenth is the least.
+  const double n_shapes = 6.0 * out.modelled.n_interfaces + std::max(0, input.modes.count);
+  if (!output.empty())
+    files::expect_size(output, 0.1 * 4.0 * 3.0 * static_cast<double>(out.picture.nodes.size()) * n_shapes);
+  how.loads = out.modelled.loads;
+  how.shape_nodes = out.picture.nodes;
+  out.vertices = stress_vertices(input.recovery, part.mesh, out.picture.nodes, part);
+  for (const std::int32_t vertex : out.vertices) how.stress_nodes.push_back(out.picture.nodes[vertex]);
+  out.reduction = input.finished.vectors.empty() ? craig_bampton(part, how)
+                                                 : reduce_finished_modes(part, load_finished_modes(input), how);
+  return out;
+}
+
+Attempt reach(PartInput input, const std::filesystem::path& output, ReductionOptions how,
+              const std::function<void(const std::string&)>& say, std::vector<std::string>& warnings) {
+  constexpr int kMostMeshes = 7, kMostModes = 200;
+  AccuracyGoal goal(input.modes);
+  const bool own_mesh = input.format != PartFormat::cad;
+  for (int cycle = 1;;) {
+    linalg::Stopwatch watch;
+    Attempt out = attempt(input, output, how);
+    if (!goal.asked()) return out;
+    Judgement judged = goal.judge(out.reduction);
+    const int dofs = out.reduction.report.n_i + out.reduction.report.n_b;
+    if (!judged.known)
+      throw std::runtime_error(fmt::format(
+          "an accuracy of {:.3g} % is asked, but the mesh cannot be judged: {}; leave the accuracy out and choose the modes "
+          "by modes.count, then nothing is promised of the mesh",
+          100.0 * input.modes.accuracy, why_unjudged(out.modelled.part)));
+    if (out.reduction.mesh->rough && warnings.empty())
+      warnings.push_back(fmt::format(
+          "the accuracy of {:.3g} % asked for is judged only roughly, from recovered stresses (to a factor of five): compare "
+          "with a finer mesh",
+          100.0 * input.modes.accuracy));
+    if (say) say(fmt::format("mesh {}: {} dofs, {} modes; estimated error of the mesh: frequencies {:.2g} %, static compliance "
+                    "{:.2g} %; of the modes left out {:.2g} %; {:.1f} s",
+                    cycle, dofs, out.reduction.n_q, 100.0 * judged.frequencies, 100.0 * judged.compliance,
+                    100.0 * judged.modes, watch.lap()));
+    const bool more_modes = !goal.modes_reached(judged) && how.accuracy == 0.0 && how.n_modes < kMostModes;
+    if (more_modes) how.n_modes = std::min(kMostModes, how.n_modes + std::max(8, how.n_modes / 2));
+    const bool mesh_done = goal.mesh_reached(judged) || own_mesh;
+    if (mesh_done && !more_modes) {
+      if (!goal.mesh_reached(judged))
+        warnings.push_back("the mesh comes with the part and cannot be made finer here; " + goal.describe(judged));
+      else if (!goal.modes_reached(judged) && how.accuracy == 0.0)
+        warnings.push_back("more modes are not tried; " + goal.describe(judged));
+      return out;
+    }
+    if (more_modes) continue;
+    if (cycle == kMostMeshes)
+      throw std::runtime_error(fmt::format(
+          "the accuracy is out of reach with {} meshes: {}; ask for less, for compliance separately "
+          "(modes.compliance_accuracy), or start with a smaller mesh.size",
+          cycle, goal.describe(judged)));
+    try {
+      input.cad.sizes = goal.next_sizes(out.modelled.part, dofs, judged);
+    } catch (const std::runtime_error& error) {
+      throw std::runtime_error(std::string("the accuracy is out of reach: ") + error.what());
+    }
+    ++cycle;
+  }
+}
+
+}  // namespace flexura::reduce

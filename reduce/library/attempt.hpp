@@ -1,0 +1,35 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "reduce/cms/craig_bampton.hpp"
+#include "reduce/part/make_part.hpp"
+#include "reduce/superelement/surface.hpp"
+
+namespace flexura::reduce {
+
+/// One mesh and its reduction.
+struct Attempt {
+  ModelledPart modelled;
+  mesh::MeshReport mesh;
+  SurfacePicture picture;
+  std::vector<std::int32_t> vertices;  ///< of the picture, with stress modes
+  Reduction reduction;
+};
+
+/// Meshes, chooses interfaces, ties and reduces once.  Room for the superelement is asked for at `output`, where that is
+/// given.  Throws input::InputError, std::invalid_argument for what the user can mend, std::runtime_error otherwise.
+Attempt attempt(const PartInput& input, const std::filesystem::path& output, ReductionOptions how);
+
+/// Meshes and reduces until both are within what is asked; without a goal once.  Modes are chosen on the first mesh, where
+/// they cost least.  `say` gets a line for each reduction.
+/// std::runtime_error where the goal is out of reach.
+Attempt reach(PartInput input, const std::filesystem::path& output, ReductionOptions how,
+              const std::function<void(const std::string&)>& say, std::vector<std::string>& warnings);
+
+}  // namespace flexura::reduce

@@ -1,0 +1,148 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "reduce/library/mesh_sizes.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+namespace flexura::reduce {
+
+using Eigen::Index;
+using Eigen::Vector3d;
+using Eigen::VectorXd;
+
+namespace {
+
+/// Calls use(cell, corner nodes' block, row) for the solids in their order.
+template <class Use>
+void for_each_solid(const mesh::Mesh& mesh, const Use& use) {
+  Index cell = 0;
+  for (const mesh::CellBlock& block : mesh.solids)
+    for (Index row = 0; row < block.nodes.rows(); ++row, ++cell) use(cell, block, row);
+}
+
+bool touches(const mesh::CellBlock& block, Index row, const std::vector<char>& sharp) {
+  for (int a = 0; a < mesh::shape_of(block.type).corners; ++a)
+    if (sharp[static_cast<std::size_t>(block.nodes(row, a))]) return true;
+  return false;
+}
+
+struct Exponents {
+  double a, d;  ///< of the error and of the cells, by the size
+};
+
+// Of an edge of 270 degrees 2 lambda = 1.09, around what is clamped 1 to 1.4.  In the interior a little less than 2p, as
+// sizes vary.
+std::vector<Exponents> exponents_of(const mesh::Mesh& mesh, const std::vector<char>& sharp) {
+  std::vector<Exponents> out;
+  for_each_solid(mesh, [&](Index, const mesh::CellBlock& block, Index row) {
+    const bool linear = block.nodes.cols() == mesh::shape_of(block.type).corners;
+    out.push_back(touches(block, row, sharp) ? Exponents{1.1, 1.0} : Exponents{linear ? 2.0 : 3.0, 3.0});
+  });
+  return out;
+}
+
+}  // namespace
+
+VectorXd cell_factors(const mesh::Mesh& mesh, const VectorXd& share, const std::vector<char>& sharp, double aim) {
+  constexpr double kFinest = 1.0 / 16.0, kCoarsest = 1.5;  // finer is a guess
+  const std::vector<Exponents> by = exponents_of(mesh, sharp);
+  const double least = 1e-6 * share.maxCoeff();
+  VectorXd factor = VectorXd::Ones(share.size());
+  const auto left = [&](double level) {  // the sum of errors where all cells are at a level
+    double sum = 0.0;
+    for (Index k = 0; k < share.size(); ++k) {
+      const auto [a, d] = by[static_cast<std::size_t>(k)];
+      const double e = std::max(share(k), least);
+      factor(k) = std::clamp(std::pow(level * d / (a * e), 1.0 / (a + d)), kFinest, kCoarsest);
+      sum += e * std::pow(factor(k), a);
+    }
+    return sum;
+  };
+  if (!(share.maxCoeff() > 0.0)) return factor;
+  double low = std::log(1e-12 * share.maxCoeff()), high = std::log(1e3 * share.maxCoeff());
+  for (int k = 0; k < 60; ++k) {
+    const double middle = 0.5 * (low + high);
+    (left(std::exp(middle)) > aim ? high : low) = middle;
+  }
+  left(std::exp(low));
+  return factor;
+}
+
+double cells_for(const mesh::Mesh& mesh, const VectorXd& factor, const std::vector<char>& sharp) {
+  const std::vector<Exponents> by = exponents_of(mesh, sharp);
+  double sum = 0.0;
+  for (Index k = 0; k < factor.size(); ++k) {
+    const double f = factor(k);
+    // Between the edge and the cell's old size: the layers, each twice as large as the last.
+    const double layers = by[static_cast<std::size_t>(k)].d == 1.0 && f < 1.0 ? 1.0 - std::log2(f) : 1.0;
+    sum += layers * std::pow(f, -by[static_cast<std::size_t>(k)].d);
+  }
+  return sum / static_cast<double>(std::max<Index>(factor.size(), 1));
+}
+
+std::vector<double> size_points(const mesh::Mesh& mesh, const VectorXd& factor, const std::vector<char>& sharp) {
+  const auto n = static_cast<std::size_t>(mesh.n_nodes());
+  const auto length = [&](mesh::Index a, mesh::Index b) { return (mesh.points.row(a) - mesh.points.row(b)).norm(); };
+  std::vector<double> size(n, 0.0), count(n, 0.0);
+  for_each_solid(mesh, [&](Index cell, const mesh::CellBlock& block, Index row) {
+    const mesh::CellShape& shape = mesh::shape_of(block.type);
+    double mean = 0.0;
+    for (const auto& edge : shape.edges)
+      mean += length(block.nodes(row, edge[0]), block.nodes(row, edge[1])) / static_cast<double>(shape.edges.size());
+    const bool at_edge = touches(block, row, sharp);
+    for (int a = 0; a < shape.corners; ++a) {
+      const auto node = static_cast<std::size_t>(block.nodes(row, a));
+      // What a cell at the edge wants it wants there.
+      const double f = at_edge && !sharp[node] ? std::max(factor(cell), 1.0) : factor(cell);
+      size[node] += std::log(f * mean);
+      count[node] += 1.0;
+    }
+  });
+  for (std::size_t node = 0; node < n; ++node)
+    if (count[node] > 0.0) size[node] = std::exp(size[node] / count[node]);
+  constexpr double kGrowth = 0.5;
+  for (int sweep = 0; sweep < 3; ++sweep)
+    for_each_solid(mesh, [&](Index, const mesh::CellBlock& block, Index row) {
+      for (const auto& edge : mesh::shape_of(block.type).edges) {
+        const mesh::Index a = block.nodes(row, edge[0]), b = block.nodes(row, edge[1]);
+        double &at_a = size[static_cast<std::size_t>(a)], &at_b = size[static_cast<std::size_t>(b)];
+        at_a = std::min(at_a, at_b + kGrowth * length(a, b));
+        at_b = std::min(at_b, at_a + kGrowth * length(a, b));
+      }
+    });
+  std::vector<double> out;
+  const auto put = [&out](const Vector3d& x, double h) { out.insert(out.end(), {x.x(), x.y(), x.z(), h}); };
+  for (mesh::Index node = 0; node < mesh.n_nodes(); ++node)
+    if (count[static_cast<std::size_t>(node)] > 0.0)
+      put(mesh.points.row(node).transpose(), size[static_cast<std::size_t>(node)]);
+  // The mesher takes the size of the nearest point: between the ends of an edge that differ, more of them.
+  std::map<std::array<mesh::Index, 2>, char> done;
+  for_each_solid(mesh, [&](Index, const mesh::CellBlock& block, Index row) {
+    const mesh::CellShape& shape = mesh::shape_of(block.type);
+    Vector3d centre = Vector3d::Zero();
+    double at_centre = 0.0, smallest = HUGE_VAL;
+    for (int c = 0; c < shape.corners; ++c) {
+      const mesh::Index node = block.nodes(row, c);
+      centre += mesh.points.row(node).transpose() / shape.corners;
+      at_centre += size[static_cast<std::size_t>(node)] / shape.corners;
+      smallest = std::min(smallest, size[static_cast<std::size_t>(node)]);
+    }
+    if (at_centre > 1.2 * smallest) put(centre, at_centre);
+    for (const auto& edge : shape.edges) {
+      std::array<mesh::Index, 2> ends{block.nodes(row, edge[0]), block.nodes(row, edge[1])};
+      std::sort(ends.begin(), ends.end());
+      const double a = size[static_cast<std::size_t>(ends[0])], b = size[static_cast<std::size_t>(ends[1])];
+      if (std::max(a, b) < 1.2 * std::min(a, b) || !done.emplace(ends, 1).second) continue;
+      const Vector3d from = mesh.points.row(ends[0]), to = mesh.points.row(ends[1]);
+      const int pieces = std::clamp(static_cast<int>(std::lround(length(ends[0], ends[1]) / std::min(a, b))), 2, 8);
+      for (int k = 1; k < pieces; ++k) {
+        const double t = static_cast<double>(k) / pieces;
+        put((1.0 - t) * from + t * to, (1.0 - t) * a + t * b);
+      }
+    }
+  });
+  return out;
+}
+
+}  // namespace flexura::reduce

@@ -1,0 +1,43 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "reduce/library/plausibility.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+namespace flexura::reduce {
+
+std::string odd_material(const Material& material) {
+  constexpr double kSoftest = 1e3, kStiffest = 2e12;  // [Pa]: gels, diamond
+  constexpr double kLightest = 1.0, kHeaviest = 25e3;  // [kg/m^3]: aerogels, osmium
+  // In shear: what does not depend on how compressible the material is.
+  const double stiffness = 3.0 * material.D(3, 3);
+  if (!(stiffness > kSoftest && stiffness < kStiffest))
+    return fmt::format("material \"{}\" has a stiffness of about {:.3g} Pa, as no material has; is the unit of its Young's "
+                       "modulus missing (young = \"210 GPa\")?",
+                       material.name, stiffness);
+  if (!(material.density > kLightest && material.density < kHeaviest))
+    return fmt::format("material \"{}\" has a density of {:.3g} kg/m^3, as no material has; is its unit missing "
+                       "(density = \"7850 kg/m^3\")?",
+                       material.name, material.density);
+  return "";
+}
+
+std::string odd_thickness(const mesh::Mesh& mesh) {
+  Eigen::RowVector3d low = Eigen::RowVector3d::Constant(HUGE_VAL), high = -low;
+  double thickest = 0.0;
+  for (const mesh::CellBlock& block : mesh.shells) {
+    for (const mesh::Index node : block.nodes.reshaped()) {
+      low = low.cwiseMin(mesh.points.row(node));
+      high = high.cwiseMax(mesh.points.row(node));
+    }
+    for (const double thickness : block.thickness) thickest = std::max(thickest, thickness);
+  }
+  const double length = (high - low).norm();
+  if (mesh.shells.empty() || !(thickest > length / 3.0)) return "";
+  return fmt::format("a shell is {:.3g} m thick where all shells together are {:.3g} m long; is its thickness in the "
+                     "deck's unit of length?",
+                     thickest, length);
+}
+
+}  // namespace flexura::reduce

@@ -1,0 +1,18 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string>
+
+#include "mesh/model/mesh.hpp"
+#include "reduce/elements/material.hpp"
+
+/// What is no contradiction but most often a slip: a sentence for the user, or empty.
+namespace flexura::reduce {
+
+/// What no solid material has: most often a value without its unit.
+std::string odd_material(const Material& material);
+
+/// A shell that is thicker than a third of all shells are long: most often a thickness in another unit.
+std::string odd_thickness(const mesh::Mesh& mesh);
+
+}  // namespace flexura::reduce

@@ -1,0 +1,128 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <numbers>
+
+#include "reduce/library/reduce.hpp"
+#include "reduce/linalg/session/session.hpp"
+#include "reduce/superelement/report.hpp"
+#include "reduce/superelement/section_forces.hpp"
+#include "reduce/superelement/to_superelement.hpp"
+
+namespace flexura::reduce {
+namespace {
+
+superelement::Surface surface_of(const Picture& from) {
+  superelement::Surface surface;
+  surface.vertices = from.vertices;
+  surface.triangles = from.triangles;
+  surface.edges = from.edges;
+  surface.triangle_interface.assign(from.triangles.rows(), -1);
+  return surface;
+}
+
+// Section forces of more members than this would be most of the file.
+constexpr std::size_t most_members = 1000;
+
+// A solid whose own modes end below the structure's makes those too stiff.
+std::vector<std::string> short_solids(const BeamPartInput& input, double highest_hz) {
+  std::vector<std::string> texts;
+  for (const AttachedSolid& solid : input.solids) {
+    const double reach = solid.reduction.n_q > 0 ? frequency_hz(solid.reduction.omega2.maxCoeff()) : 0.0;
+    if (reach < 1.5 * highest_hz)
+      texts.push_back(
+          fmt::format("solid \"{}\" has {} modes, up to {:.4g} Hz; modes of the structure above {:.4g} Hz "
+                      "lack some of its "
+                      "vibration: raise `modes` of [solid.{}]",
+                      solid.name, solid.reduction.n_q, reach, reach / 1.5, solid.name));
+  }
+  return texts;
+}
+
+}  // namespace
+
+Reduced reduce(const BeamPartInput& input, const ReduceOptions& options) {
+  const auto start = std::chrono::steady_clock::now();
+  const beam::BeamMesh mesh(input.model, input.subdivision);
+  std::vector<int> held;
+  for (const BeamInterface& interface : input.interfaces) held.push_back(interface.node);
+  std::vector<std::string> notes;
+  for (const std::string& text : beam::warnings(input.model, held)) notes.push_back("warning: " + text);
+  for (const std::string& text : beam::accuracy_warnings(mesh)) notes.push_back("warning: " + text);
+
+  const linalg::Session session;
+  ReductionOptions how;
+  how.n_modes = input.modes.up_to > 0.0 ? 0 : input.modes.count;
+  how.stiffening = input.stiffening;
+  how.omega_max = 2.0 * std::numbers::pi * input.modes.up_to;
+  how.progress = options.progress;
+  const Structure structure(mesh, input.solids);
+  std::vector<BeamInterface> interfaces = input.interfaces;
+  if (const auto body = body_interface(structure, interfaces)) {
+    notes.push_back(
+        fmt::format("the interfaces leave rigid motions free; interface \"{}\", node \"{}\", takes them",
+                    body->name, input.model.nodes[body->node].name));
+    interfaces.push_back(*body);
+  }
+  BeamReduction beams = reduce_beams(structure, interfaces, how);
+  Reduction& reduction = beams.reduction;
+  const ReductionReport& r = reduction.report;
+
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const Eigen::Vector3d centre = reduction.inertia.S_x / reduction.inertia.mass;
+  std::vector<double> frequencies;
+  for (int k = 0; k < reduction.n_q; ++k) frequencies.push_back(frequency_hz(reduction.omega2[k]));
+  if (reduction.n_q > 0)
+    for (const std::string& text : short_solids(input, frequencies.back()))
+      notes.push_back("warning: " + text);
+  if (input.model.members.size() > most_members)
+    notes.push_back(
+        fmt::format("section forces for run time are kept of up to {} members, not of these", most_members));
+  const nlohmann::json json = {{"part", input.name},
+                               {"mass", reduction.inertia.mass},
+                               {"centre", {centre.x(), centre.y(), centre.z()}},
+                               {"mesh",
+                                {{"nodes", r.n_nodes},
+                                 {"elements", r.n_cells},
+                                 {"members", input.model.members.size()},
+                                 {"solids", input.solids.size()}}},
+                               {"reduction", reduction_json(reduction)},
+                               {"notes", notes},
+                               {"seconds", seconds}};
+  std::string text;
+  for (const std::string& note : notes) text += "  " + note + '\n';
+  for (const AttachedSolid& solid : input.solids)
+    text += fmt::format("  solid {}: {:.6g} kg, {} interfaces, {} modes\n", solid.name,
+                        solid.reduction.inertia.mass, solid.reduction.interfaces.size(), solid.reduction.n_q);
+  text +=
+      fmt::format("  {} members, {} elements, {} nodes; mass {:.6g} kg, centre ({:.5g}, {:.5g}, {:.5g}) m\n",
+                  input.model.members.size(), r.n_cells, r.n_nodes, reduction.inertia.mass, centre.x(),
+                  centre.y(), centre.z());
+  text += fmt::format("  {} dofs -> {} interface dofs + {} modes, {:.1f} s, peak memory {:.2f} GB\n",
+                      r.n_i + r.n_b, r.n_b, r.n_q, seconds, r.peak_memory_bytes / 1e9);
+  if (reduction.n_q > 0)
+    text += fmt::format("  fixed-interface modes {:.5g} to {:.5g} Hz, greatest residual {:.1e}\n",
+                        frequencies.front(), frequencies.back(), r.mode_residual.maxCoeff());
+
+  PartInput named;  // what the superelement takes of a part's input
+  named.name = input.name;
+  named.source = input.source;
+  named.modes = input.modes;
+  std::vector<superelement::LoadCase> cases;
+  for (const LoadCase& load : input.cases)
+    cases.push_back({load.name, beams.T.transpose() * load_vector(structure, load)});
+  superelement::Superelement se =
+      to_superelement(named, std::move(reduction), surface_of(structure.picture()), json.dump(1));
+  se.load_cases = std::move(cases);
+  // Nine places show how bending runs along a member; large structures make do with fewer.
+  if (input.model.members.size() <= most_members)
+    se.sections = section_forces(
+        mesh, beams.T, std::clamp(static_cast<int>(2 * most_members / input.model.members.size()), 2, 9));
+  return {.superelement = std::move(se), .text = std::move(text), .json = json};
+}
+
+}  // namespace flexura::reduce

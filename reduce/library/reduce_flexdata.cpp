@@ -1,0 +1,225 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <Eigen/Cholesky>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "mbs/base/documents/document.hpp"
+#include "mbs/superelement/exchange/exchange.hpp"
+#include "reduce/assembly/rigid_motion.hpp"
+#include "reduce/cms/shapes/shape_change.hpp"
+#include "reduce/library/reduce.hpp"
+#include "reduce/superelement/to_superelement.hpp"
+
+namespace flexura::reduce {
+namespace {
+
+using Eigen::Index;
+using Eigen::Matrix3d;
+using Eigen::MatrixXd;
+using Eigen::Vector3d;
+using superelement::Direction;
+using superelement::FlexData;
+using superelement::FlexDataBody;
+
+// The file's numbers in SI.  Modes are of unit modal mass in the file's units: displacements per sqrt(mass) * length.
+void to_si(FlexData& data, double length, double mass) {
+  for (FlexData::NodeLine& node : data.nodes) node.position *= length;
+  const double scale = 1.0 / std::sqrt(mass);
+  for (Index row = 0; row < data.shapes.rows(); ++row)
+    data.shapes.row(row) *= row % 6 < 3 ? scale : scale / length;
+}
+
+// The body as the part file gives it, for a file without integrals.
+FlexDataBody rigid_body(const FlexDataInput& input, const FlexData& data) {
+  if (!input.mass || !input.centre || !input.inertia)
+    throw input::InputError(fmt::format(
+        "{}: {} holds modes at the interface nodes, but no mass; give the body's mass, centre and inertia in "
+        "a table [flexdata] of "
+        "a part file (flexura reduce --schema-flexdata), as the program prints them that made the file",
+        input.where, input.file.string()));
+  const auto m = static_cast<Index>(data.modes.size());
+  FlexDataBody body;
+  body.mass = *input.mass;
+  body.S_x = body.mass * *input.centre;
+  body.S_xx = 0.5 * input.inertia->trace() * Matrix3d::Identity() - *input.inertia +
+              body.mass * *input.centre * input.centre->transpose();
+  for (const FlexData::NodeLine& node : data.nodes) {
+    body.names.push_back(fmt::format("node {}", node.id));
+    body.directions.push_back({Direction::u_x, Direction::u_y, Direction::u_z, Direction::theta_x,
+                               Direction::theta_y, Direction::theta_z});
+  }
+  body.S_phi.setZero(3, m);
+  body.S_xphi.setZero(9, m);
+  for (std::size_t k = 0; k < 6; ++k)
+    body.S_phiphi[k] = k < 3 ? MatrixXd(MatrixXd::Identity(m, m) / 3.0) : MatrixXd(MatrixXd::Zero(m, m));
+  return body;
+}
+
+// All integrals of [R Phi]: a rigid motion k is t_k + A_k x.
+InertiaIntegrals integrals_of(const FlexDataBody& body) {
+  const Index m = body.S_phi.cols(), n = 6 + m;
+  InertiaIntegrals I{.mass = body.mass, .S_x = body.S_x, .S_xx = body.S_xx};
+  std::array<Vector3d, 6> t;
+  std::array<Matrix3d, 6> A;
+  for (int k = 0; k < 6; ++k) {
+    t[k] = k < 3 ? Vector3d(Vector3d::Unit(k)) : Vector3d(Vector3d::Zero());
+    A[k].setZero();
+    if (k < 3) continue;
+    const int c = k - 3, a = (c + 1) % 3, b = (c + 2) % 3;  // e_c x x: -x_b along a, x_a along b
+    A[k](a, b) = -1.0, A[k](b, a) = 1.0;
+  }
+  I.S_phi.resize(3, n);
+  I.S_xphi.resize(9, n);
+  for (int k = 0; k < 6; ++k) {
+    I.S_phi.col(k) = body.mass * t[k] + A[k] * body.S_x;
+    for (int a = 0; a < 3; ++a)
+      for (int b = 0; b < 3; ++b)
+        I.S_xphi(3 * a + b, k) = body.S_x(a) * t[k](b) + A[k].row(b).dot(body.S_xx.row(a));
+  }
+  I.S_phi.rightCols(m) = body.S_phi;
+  I.S_xphi.rightCols(m) = body.S_xphi;
+  constexpr int kPairs[6][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {1, 2}, {2, 0}};
+  for (std::size_t p = 0; p < 6; ++p) {
+    const int a = kPairs[p][0], b = kPairs[p][1];
+    MatrixXd& S = I.S_phiphi[p];
+    S.resize(n, n);
+    S.bottomRightCorner(m, m) = body.S_phiphi[p];
+    for (int k = 0; k < 6; ++k) {
+      for (int l = 0; l < 6; ++l)
+        S(k, l) = body.mass * t[k](a) * t[l](b) + t[k](a) * A[l].row(b).dot(body.S_x) +
+                  A[k].row(a).dot(body.S_x) * t[l](b) + A[k].row(a) * body.S_xx * A[l].row(b).transpose();
+      for (Index l = 0; l < m; ++l) {
+        S(k, 6 + l) = t[k](a) * body.S_phi(b, l);
+        S(6 + l, k) = body.S_phi(a, l) * t[k](b);
+        for (int d = 0; d < 3; ++d) {
+          S(k, 6 + l) += A[k](a, d) * body.S_xphi(3 * d + b, l);
+          S(6 + l, k) += A[k](b, d) * body.S_xphi(3 * d + a, l);
+        }
+      }
+    }
+  }
+  return I;
+}
+
+void check_body(const FlexDataBody& body, const std::string& file) {
+  const Vector3d centre = body.S_x / body.mass;
+  const Matrix3d second = body.S_xx - body.mass * centre * centre.transpose();
+  const Matrix3d J = second.trace() * Matrix3d::Identity() - second;
+  if (!(body.mass > 0.0) || Eigen::LLT<Matrix3d>(J).info() != Eigen::Success)
+    throw std::invalid_argument(
+        fmt::format("{}: no body has the mass {:g} kg and the moments of inertia {:g}, {:g}, {:g} kg m^2 "
+                    "about its centre: all must be above 0 and none greater than the others together; check them and "
+                    "the units",
+                    file, body.mass, J(0, 0), J(1, 1), J(2, 2)));
+}
+
+}  // namespace
+
+Reduced reduce(const FlexDataInput& input, const ReduceOptions&) {
+  FlexData data = superelement::read_flexdata(input.file);
+  if (data.nodes.empty())
+    throw std::invalid_argument(input.file.string() +
+                                ": has no interface nodes to which anything could be joined; at least one is needed");
+  if (data.modes.empty())
+    throw std::invalid_argument(input.file.string() + ": has no modes; a body that does not deform needs no superelement, "
+                                                      "only its mass and inertia in the mechanism");
+  std::vector<std::string> notes, warnings;
+  const bool is_foreign = !data.body;
+  if (data.body) {
+    if (input.mass || input.centre || input.inertia)
+      throw input::InputError(input.where + ": " + input.file.string() +
+                              " brings its mass and inertia along; leave mass, centre and inertia out");
+  } else {
+    to_si(data, input.unit_length, input.unit_mass);
+    data.body = rigid_body(input, data);
+    warnings.push_back(
+        "the file has no inertia integrals: that centrifugal and Coriolis forces deform the body is left "
+        "out, so that results "
+        "hold while it turns slowly against its lowest frequency");
+  }
+  FlexDataBody& body = *data.body;
+  check_body(body, input.file.string());
+  if (!input.names.empty()) {
+    if (input.names.size() != data.nodes.size())
+      throw input::InputError(fmt::format("{}.names: {} names for {} interface nodes; give each node one", input.where,
+                                          input.names.size(), data.nodes.size()));
+    body.names = input.names;
+  }
+  const auto m = static_cast<Index>(data.modes.size());
+
+  Reduction r;
+  r.inertia = integrals_of(body);
+  r.M_se = r.inertia.S_phiphi[0] + r.inertia.S_phiphi[1] + r.inertia.S_phiphi[2];
+  r.K_se = MatrixXd::Zero(6 + m, 6 + m);
+  MatrixXd B(0, 6 + m), places(3 * static_cast<Index>(data.nodes.size()), 6 + m);
+  for (std::size_t k = 0; k < data.nodes.size(); ++k) {
+    const auto first = static_cast<Index>(6 * k);
+    MatrixXd motion(6, 6 + m);
+    motion << node_motion_at(data.nodes[k].position), data.shapes.middleRows<6>(first);
+    places.middleRows<3>(3 * static_cast<Index>(k)) = motion.topRows<3>();
+    ReducedInterface interface { .name = body.names[k], .tie = Tie::rigid, .point = data.nodes[k].position };
+    interface.first_dof = static_cast<int>(B.rows());
+    for (const Direction d : body.directions[k]) interface.directions.push_back(static_cast<int>(d));
+    B.conservativeResize(B.rows() + static_cast<Index>(interface.directions.size()), Eigen::NoChange);
+    B.bottomRows(static_cast<Index>(interface.directions.size())) = motion(interface.directions, Eigen::all);
+    r.interfaces.push_back(std::move(interface));
+  }
+  r.n_b = static_cast<int>(B.rows());
+  Eigen::VectorXd damping = Eigen::VectorXd::Zero(6 + m);
+  for (Index j = 0; j < m; ++j) {
+    const FlexData::ModeLine& mode = data.modes[static_cast<std::size_t>(j)];
+    r.K_se(6 + j, 6 + j) = mode.eigenvalue;
+    damping(6 + j) = 2.0 * (mode.damping - body.modal_damping) * std::sqrt(mode.eigenvalue);
+    // Printed digits of the shapes.
+    if (std::abs(r.M_se(6 + j, 6 + j) - 1.0) > 1e-6)
+      throw std::invalid_argument(fmt::format("{}: mode {} has the modal mass {:g}, 1 is wanted",
+                                              input.file.string(), mode.id, r.M_se(6 + j, 6 + j)));
+  }
+  // Alike but for printed digits, it is the body's default.
+  const double size = std::sqrt(r.K_se.maxCoeff());
+  if (damping.cwiseAbs().maxCoeff() > 1e-9 * size) r.D_se = damping.asDiagonal();
+  r.shapes = places.cast<float>();
+  // Other programs print eight digits: what differs in the last two is not known to move by itself.
+  const std::vector<int> own = independent_dofs(r.M_se, B, is_foreign ? 1e-6 : kSameMotion);
+  const std::vector<std::string> following = let_others_follow(r, B, own);
+  if (!following.empty())
+    notes.push_back(fmt::format(
+        "the modes and the rigid motions move {} of the {} interface dofs independently; {} {} these: the body gives way to "
+        "loads as far as its modes do, and what joints hold beyond that is held twice",
+        own.size(), B.rows(), fmt::join(following, ", "), following.size() == 1 ? "follows" : "follow"));
+  CanonicalShapes shapes;
+  try {
+    shapes = canonical_shapes(r.K_se, r.M_se, B(own, Eigen::all));
+  } catch (const std::invalid_argument& error) {
+    throw std::invalid_argument(fmt::format("{}: {}", input.file.string(), error.what()));
+  }
+  change_shapes(r, shapes);
+  notes.insert(notes.begin(), fmt::format("{} modes of {} with the six rigid motions: {} interface dofs + {} modes", m,
+                              input.file.filename().string(), r.n_b, r.n_q));
+  const nlohmann::json json = {
+      {"flexdata", {{"file", input.file.filename().string()}, {"modes", m}}},
+      {"notes", notes},
+      {"warnings", warnings},
+      {"verdict", "as good as the modes of the file; what its mesh and its choice of modes cost is unknown"}};
+  PartInput named;  // what the superelement takes of a part's input
+  named.name = input.name;
+  named.source = input.source;
+  named.modes.damping = body.modal_damping;
+  superelement::Surface surface;  // its interface nodes, as points
+  surface.vertices.resize(static_cast<Index>(data.nodes.size()), 3);
+  for (std::size_t k = 0; k < data.nodes.size(); ++k)
+    surface.vertices.row(static_cast<Index>(k)) = data.nodes[k].position;
+  const Vector3d centre = body.S_x / body.mass;
+  Reduced out;
+  out.text = fmt::format("  {}\n  mass {:.6g} kg, centre ({:.5g}, {:.5g}, {:.5g}) m\n  {}\n", fmt::join(notes, "\n  "),
+                         body.mass, centre.x(), centre.y(), centre.z(), json["verdict"].get<std::string>());
+  out.superelement = to_superelement(named, std::move(r), std::move(surface), json.dump(1));
+  out.json = json;
+  out.warnings = std::move(warnings);
+  return out;
+}
+
+}  // namespace flexura::reduce

@@ -1,0 +1,166 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cstdlib>
+#include <numbers>
+#include <optional>
+
+#include "mbs/base/documents/document.hpp"
+#include "reduce/cms/shapes/shape_change.hpp"
+#include "reduce/library/attempt.hpp"
+#include "reduce/library/comparison.hpp"
+#include "reduce/library/plausibility.hpp"
+#include "reduce/library/reduce.hpp"
+#include "reduce/linalg/session/session.hpp"
+#include "reduce/superelement/mesh_hints.hpp"
+#include "reduce/superelement/mesh_report.hpp"
+#include "reduce/superelement/report.hpp"
+#include "reduce/superelement/to_superelement.hpp"
+
+namespace flexura::reduce {
+
+namespace {
+
+ReductionOptions options_of(const PartInput& input, const ReduceOptions& options) {
+  ReductionOptions how;
+  how.set = input.modes.set;
+  how.n_modes = input.modes.up_to > 0.0 ? 0 : input.modes.count;
+  how.omega_max = 2.0 * std::numbers::pi * input.modes.up_to;
+  if (input.modes.up_to > 0.0) how.accuracy = 0.5 * input.modes.accuracy;
+  how.effective_mass = input.modes.effective_mass;
+  how.interface_modes = input.modes.interface_modes;
+  how.response_omegas = input.modes.response_omegas;
+  how.certify = input.modes.certify;
+  how.estimate_mesh = true;
+  how.stiffening = input.stiffening;
+  how.team = options.team;
+  how.storage.place =
+      options.factor_in_file ? linalg::FactorStorage::Place::file : linalg::FactorStorage::Place::automatic;
+  if (!std::getenv("TMPDIR") && !options.output.empty())
+    how.storage.folder = std::filesystem::absolute(options.output).parent_path();
+  how.progress = options.progress;
+  return how;
+}
+
+std::vector<linalg::UserOption> petsc_of(const PartInput& input, const ReduceOptions& options) {
+  std::vector<linalg::UserOption> petsc = input.petsc;
+  petsc.insert(petsc.end(), options.petsc.begin(), options.petsc.end());
+  if (options.team && !petsc.empty())
+    throw input::InputError(
+        "options of PETSc are for one process; the processes of mpirun factorise by MUMPS: leave them out, or mpirun");
+  return petsc;
+}
+
+void strike(const PartInput& input, Reduction& reduction, ReportData& data) {
+  if (input.modes.struck.empty()) return;
+  StruckModes struck;
+  try {
+    struck = strike_modes(reduction, input.modes.struck);
+  } catch (const std::invalid_argument& error) {
+    throw input::InputError(input.modes.where + ".strike_modes: " + error.what());
+  }
+  for (std::size_t k = 0; k < struck.frequencies.size(); ++k)
+    data.notes.push_back(fmt::format("mode {} ({:.5g} Hz) is struck out", input.modes.struck[k], struck.frequencies[k]));
+  // Constraint modes are exact in statics; without all of them the interface is stiffer than it is.
+  if (struck.interface_stiffer > 1e-6)
+    data.warnings.push_back(
+        fmt::format("striking these modes out takes part of the constraint modes: the interfaces are up to "
+                    "{:.3g} % stiffer than the part is",
+                    100.0 * struck.interface_stiffer));
+}
+
+void add_comparison(const PartInput& input, const Part& part, const Reduction& reduction, const ReduceOptions& options,
+                    ReportData& data) {
+  if (options.compare <= 0) return;
+  data.comparison = compare(part, reduction, options.compare, input.modes.struck, options.progress);
+  if (data.comparison.full_hz.empty())
+    data.warnings.push_back(
+        "--compare has nothing to compare: the superelement has no elastic frequency of the free body");
+  if (data.comparison.static_error < 0.0)
+    data.notes.push_back(
+        "--compare: statics not compared, which needs two interfaces with all six directions and no other");
+}
+
+// What the mesh and the materials give to say.
+void add_hints(const PartInput& input, const Attempt& done, ReportData& data) {
+  const Part& part = done.modelled.part;
+  if (const std::string coarse = too_coarse(data.mesh_error); !coarse.empty()) data.warnings.push_back(coarse);
+  const MeshHints hints = mesh_hints(part, input.format == PartFormat::cad ? done.mesh.size : 0.0, data.mesh_error);
+  data.warnings.insert(data.warnings.end(), hints.warnings.begin(), hints.warnings.end());
+  data.notes.insert(data.notes.end(), hints.notes.begin(), hints.notes.end());
+  data.warnings.insert(data.warnings.end(), done.modelled.warnings.begin(), done.modelled.warnings.end());
+  for (const Material& material : part.materials)
+    if (const std::string odd = odd_material(material); !odd.empty()) data.warnings.push_back(odd);
+  if (const std::string odd = odd_thickness(part.mesh); !odd.empty()) data.warnings.push_back(odd);
+}
+
+}  // namespace
+
+Reduced reduce(const PartInput& input, const ReduceOptions& options) {
+  const auto start = std::chrono::steady_clock::now();
+  const linalg::Session session;
+  const linalg::UserOptions user(petsc_of(input, options));
+  const bool finished = !input.finished.vectors.empty();
+  if (options.compare > 0 && finished)
+    throw input::InputError(
+        "--compare solves the full model, which finished modes do not bring along; leave it out");
+  std::vector<std::string> warnings;
+  Attempt done = reach(input, options.output, options_of(input, options), options.say, warnings);
+  const Part& part = done.modelled.part;
+  Reduction& reduction = done.reduction;
+
+  ReportData data{.mesh = done.mesh, .notes = done.modelled.notes};
+  data.warnings = warnings;
+  if (reduction.dropped.size() > 0) data.errors = mode_errors(reduction);
+  strike(input, reduction, data);
+  add_comparison(input, part, reduction, options, data);
+  data.mesh_error = reduction.mesh;
+  for (const Material& material : part.materials)
+    data.bulk_over_shear = std::max(data.bulk_over_shear, bulk_over_shear(material));
+  add_hints(input, done, data);
+  if (input.has_damping) add_damping(reduction, input.damping);
+  data.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  Report report = make_report(input, reduction, data);
+
+  Reduced out;
+  out.too_coarse = too_coarse(data.mesh_error);
+  std::vector<mesh::Index> stress_nodes;
+  for (const std::int32_t vertex : done.vertices) stress_nodes.push_back(done.picture.nodes[static_cast<std::size_t>(vertex)]);
+  std::optional<superelement::MeshError> mesh_error;
+  if (reduction.mesh) mesh_error = to_mesh_error(*reduction.mesh, part, done.picture.nodes);
+  superelement::Superelement& se = out.superelement;
+  se = to_superelement(input, std::move(reduction), std::move(done.picture.surface), report.json.dump(1), std::move(done.vertices));
+  se.mesh_error = std::move(mesh_error);
+  if (input.has_damping) se.modal_damping = 0.0;
+  if (se.stress && !finished) add_compliance(part, stress_nodes, *se.stress);
+  if (user.has_log() && options.say) options.say("where time went, by PETSc:");
+  user.print_log();
+  for (const std::string& name : user.unused())
+    data.warnings.push_back(
+        fmt::format("PETSc option {}: nothing in this reduction has given such a report; is it misspelt?", name));
+  out.text = std::move(report.text);
+  out.json = std::move(report.json);
+  out.warnings = std::move(data.warnings);
+  out.mesh = std::move(done.modelled.part.mesh);
+  out.materials = std::move(done.modelled.part.materials);
+  return out;
+}
+
+superelement::Superelement reduce(const Part& part, const std::string& name, ReductionOptions options) {
+  const linalg::Session session;
+  std::vector<std::vector<mesh::Index>> nodes;
+  for (const InterfaceSpec& interface : part.interfaces) nodes.push_back(interface.set.nodes);
+  SurfacePicture picture = make_surface(part.mesh, nodes);
+  options.shape_nodes = picture.nodes;
+  Reduction reduction = craig_bampton(part, options);
+  std::optional<superelement::MeshError> mesh_error;
+  if (reduction.mesh) mesh_error = to_mesh_error(*reduction.mesh, part, picture.nodes);
+  PartInput named;  // what the superelement takes of a part's input
+  named.name = name;
+  superelement::Superelement se = to_superelement(named, std::move(reduction), std::move(picture.surface), "{}");
+  se.mesh_error = std::move(mesh_error);
+  return se;
+}
+
+}  // namespace flexura::reduce

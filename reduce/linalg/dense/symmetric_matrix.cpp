@@ -1,0 +1,192 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "reduce/linalg/dense/symmetric_matrix.hpp"
+
+#include <petscmat.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "mbs/base/math/simd.hpp"
+#include "reduce/linalg/dense/column_panels.hpp"
+#include "reduce/linalg/petsc/petsc_check.hpp"
+
+namespace flexura::linalg {
+namespace {
+
+// y = A x for W interleaved columns of `Directions` interleaved directions: row 3 i + a of column c is at
+// place (i, a, c), so that what one entry of A multiplies lies together.
+template <int W, int Directions>
+FLEXURA_INLINE void multiply_rows(const UpperCsr& A, const double* x_values, double* y_values) {
+  using Row = typename Lanes<W>::Row;
+  const Row* x = reinterpret_cast<const Row*>(x_values);
+  Row* y = reinterpret_cast<Row*>(y_values);
+  std::fill_n(y_values, static_cast<std::ptrdiff_t>(A.n) * Directions * W, 0.0);
+  for (int i = 0; i < A.n; ++i) {
+    const int begin = A.row_begin[i], end = A.row_begin[i + 1];
+    const std::ptrdiff_t row = static_cast<std::ptrdiff_t>(i) * Directions;
+    Row x_i[Directions], sum[Directions];
+    for (int d = 0; d < Directions; ++d) {
+      x_i[d] = x[row + d];
+      sum[d] = A.values[begin] * x_i[d];  // the diagonal comes first
+    }
+    for (int k = begin + 1; k < end; ++k) {
+      const double a = A.values[k];
+      const std::ptrdiff_t j = static_cast<std::ptrdiff_t>(A.columns[k]) * Directions;
+      for (int d = 0; d < Directions; ++d) {
+        sum[d] += a * x[j + d];
+        y[j + d] += a * x_i[d];
+      }
+    }
+    for (int d = 0; d < Directions; ++d) y[row + d] += sum[d];
+  }
+}
+
+template <int W>
+void multiply_columns(const UpperCsr& A, int directions, const Eigen::Ref<const Eigen::MatrixXd>& X,
+                      Eigen::Index first, Eigen::Index count, Eigen::MatrixXd& Y) {
+  const std::size_t n_rows = static_cast<std::size_t>(X.rows());
+  const std::unique_ptr<double[]> x(new double[n_rows * W]), y(new double[n_rows * W]);
+  for (std::size_t r = 0; r < n_rows; ++r)
+    for (Eigen::Index c = 0; c < W; ++c)
+      x[r * W + c] = c < count ? X(static_cast<Eigen::Index>(r), first + c) : 0.0;
+  on_this_machine([&]() __attribute__((always_inline)) {
+    if (directions == 3)
+      multiply_rows<W, 3>(A, x.get(), y.get());
+    else
+      multiply_rows<W, 1>(A, x.get(), y.get());
+  });
+  for (std::size_t r = 0; r < n_rows; ++r)
+    for (Eigen::Index c = 0; c < count; ++c) Y(static_cast<Eigen::Index>(r), first + c) = y[r * W + c];
+}
+
+void multiply_panels(const UpperCsr& A, int directions, const Eigen::Ref<const Eigen::MatrixXd>& X,
+                     Eigen::MatrixXd& Y) {
+  if (X.rows() != static_cast<Eigen::Index>(A.n) * directions)
+    throw std::logic_error("multiply: the vectors do not have the length of the matrix");
+  Y.resize(X.rows(), X.cols());
+  for_each_panel(X.cols(), [&](auto width, Eigen::Index first, Eigen::Index count) {
+    multiply_columns<width>(A, directions, X, first, count, Y);
+  });
+}
+
+}  // namespace
+
+void multiply(const UpperCsr& A, const Eigen::Ref<const Eigen::MatrixXd>& X, Eigen::MatrixXd& Y) {
+  multiply_panels(A, 1, X, Y);
+}
+
+struct SymmetricMatrix::Impl {
+  std::vector<int> row_begin, columns;
+  std::vector<double> values;
+  Mat mat = nullptr;  // a view of the arrays above
+
+  ~Impl() {
+    if (mat) MatDestroy(&mat);
+  }
+};
+
+SymmetricMatrix::SymmetricMatrix(std::vector<int> row_begin, std::vector<int> columns)
+    : impl_(std::make_shared<Impl>()) {
+  require_session();
+  static_assert(sizeof(PetscInt) == sizeof(int), "PETSc with 32-bit indices is expected");
+  impl_->row_begin = std::move(row_begin);
+  impl_->columns = std::move(columns);
+  impl_->values.assign(impl_->columns.size(), 0.0);
+  const int n = size();
+  petsc_check(MatCreateSeqSBAIJWithArrays(PETSC_COMM_SELF, 1, n, n, impl_->row_begin.data(),
+                                          impl_->columns.data(), impl_->values.data(), &impl_->mat),
+              "creating a matrix");
+  petsc_check(MatSetOption(impl_->mat, MAT_IGNORE_LOWER_TRIANGULAR, PETSC_TRUE), "creating a matrix");
+  petsc_check(MatSetOption(impl_->mat, MAT_NEW_NONZERO_LOCATION_ERR, PETSC_TRUE), "creating a matrix");
+}
+
+SymmetricMatrix::~SymmetricMatrix() = default;
+SymmetricMatrix::SymmetricMatrix(SymmetricMatrix&&) noexcept = default;
+SymmetricMatrix& SymmetricMatrix::operator=(SymmetricMatrix&&) noexcept = default;
+
+void SymmetricMatrix::add(std::span<const int> dofs, const Eigen::MatrixXd& block) {
+  const int n = static_cast<int>(dofs.size());
+  // PETSc reads by rows, Eigen stores by columns: the block is symmetric, so both are the same.
+  petsc_check(MatSetValues(impl_->mat, n, dofs.data(), n, dofs.data(), block.data(), ADD_VALUES),
+              "adding to a matrix");
+}
+
+void SymmetricMatrix::add_to_diagonal(int dof, double value) {
+  impl_->values[impl_->row_begin[dof]] += value;
+}
+
+void SymmetricMatrix::add_to_entry(int i, int j, double value) {
+  const auto begin = impl_->columns.begin();
+  const int row = std::min(i, j), column = std::max(i, j);
+  const auto end = begin + impl_->row_begin[row + 1];
+  const auto place = std::lower_bound(begin + impl_->row_begin[row], end, column);
+  if (place == end || *place != column)
+    throw std::runtime_error("adding to a matrix: the entry is outside its pattern");
+  impl_->values[static_cast<std::size_t>(place - begin)] += value;
+}
+
+void SymmetricMatrix::add(const UpperCsr& other) {
+  if (other.n != size()) throw std::logic_error("adding matrices: their sizes differ");
+  for (int i = 0; i < other.n; ++i) {
+    int at = impl_->row_begin[i];
+    const int end = impl_->row_begin[i + 1];
+    for (int k = other.row_begin[i]; k < other.row_begin[i + 1]; ++k) {
+      while (at < end && impl_->columns[at] < other.columns[k]) ++at;
+      if (at == end || impl_->columns[at] != other.columns[k])
+        throw std::runtime_error("adding matrices: an entry is outside the pattern");
+      impl_->values[at] += other.values[k];
+    }
+  }
+}
+
+SymmetricMatrix SymmetricMatrix::copy() const {
+  SymmetricMatrix A(impl_->row_begin, impl_->columns);
+  A.impl_->values = impl_->values;  // of the same size: PETSc's view of the array stays valid
+  A.finish();
+  return A;
+}
+
+void SymmetricMatrix::finish() {
+  petsc_check(MatAssemblyBegin(impl_->mat, MAT_FINAL_ASSEMBLY), "assembling a matrix");
+  petsc_check(MatAssemblyEnd(impl_->mat, MAT_FINAL_ASSEMBLY), "assembling a matrix");
+}
+
+int SymmetricMatrix::size() const {
+  return static_cast<int>(impl_->row_begin.size()) - 1;
+}
+
+UpperCsr SymmetricMatrix::csr() const {
+  return {size(), impl_->row_begin, impl_->columns, impl_->values};
+}
+
+double SymmetricMatrix::diagonal(int dof) const {
+  return impl_->values[impl_->row_begin[dof]];
+}
+
+void SymmetricMatrix::multiply(const Eigen::Ref<const Eigen::MatrixXd>& X, Eigen::MatrixXd& Y) const {
+  multiply_panels(csr(), 1, X, Y);
+}
+
+void SymmetricMatrix::multiply_magnitudes(const Eigen::Ref<const Eigen::MatrixXd>& X,
+                                          Eigen::MatrixXd& Y) const {
+  std::vector<double> magnitudes(impl_->values.size());
+  std::transform(impl_->values.begin(), impl_->values.end(), magnitudes.begin(),
+                 [](double a) { return std::abs(a); });
+  multiply_panels({size(), impl_->row_begin, impl_->columns, magnitudes}, 1, X.cwiseAbs(), Y);
+}
+
+void SymmetricMatrix::multiply_kron3(const Eigen::Ref<const Eigen::MatrixXd>& X, Eigen::MatrixXd& Y) const {
+  multiply_panels(csr(), 3, X, Y);
+}
+
+void SymmetricMatrix::multiply_kron3(const RowPanel& X, RowPanel& Y) const {
+  if (X.rows() != 3 * static_cast<Eigen::Index>(size()))
+    throw std::logic_error("multiply: the panel does not have the length of the matrix");
+  Y.resize(X.rows(), X.cols());
+  on_this_machine([&]() __attribute__((always_inline)) {
+    multiply_rows<RowPanel::ColsAtCompileTime, 3>(csr(), X.data(), Y.data());
+  });
+}
+
+}  // namespace flexura::linalg

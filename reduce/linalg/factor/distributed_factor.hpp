@@ -1,0 +1,47 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "reduce/linalg/dense/factor_figures.hpp"
+#include "reduce/linalg/dense/symmetric_matrix.hpp"
+#include "reduce/linalg/petsc/team.hpp"
+
+namespace flexura::linalg {
+
+/// Who owns which rows of a matrix that a team shares.
+struct RowShares {
+  std::vector<int> number;  ///< n: where a row is among the rows of all ranks, those of rank 0 first
+  std::vector<int> begin;   ///< size + 1: rank r owns numbers begin[r] ... begin[r + 1] - 1
+};
+
+/// A symmetric matrix A = sum of what each rank of a team holds, factorised by MUMPS over all ranks (L D L^T
+/// with pivoting; P. R. Amestoy et al., SIAM J. Matrix Anal. Appl. 23 (2001), 15): a row of A lies on the
+/// rank that owns it, L on all.  Every function is collective.
+class DistributedFactor {
+ public:
+  /// `part`: this rank's terms; `diagonal`: (row, value) to be added to the diagonal.
+  DistributedFactor(const Team& team, const UpperCsr& part, const RowShares& rows,
+                    const std::vector<std::pair<int, double>>& diagonal = {});
+  ~DistributedFactor();
+  DistributedFactor(const DistributedFactor&) = delete;
+  DistributedFactor& operator=(const DistributedFactor&) = delete;
+
+  /// Rank 0 gives B (n x k) and gets A^-1 B; others give nothing and get nothing.
+  Eigen::MatrixXd solve(const Eigen::Ref<const Eigen::MatrixXd>& B) const;
+
+  /// Pivots; a zero one is below 1e-13 of what the matrix has there (rank-revealing ones of MUMPS).  The same
+  /// on all ranks.
+  int n_negative() const;
+  int n_zero() const;
+  const FactorFigures& figures() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace flexura::linalg

@@ -1,0 +1,111 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "reduce/linalg/petsc/team.hpp"
+
+#include <mpi.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <thread>
+#include <vector>
+
+#include "reduce/linalg/petsc/petsc_check.hpp"
+
+namespace flexura::linalg {
+namespace {
+
+constexpr int kTag = 1;
+constexpr std::size_t kPiece = std::size_t{1} << 30;  // MPI counts with 32 bits
+
+// MPI waits by spinning, which takes a core from those that work.
+void sleep_until_done(MPI_Request request) {
+  for (int done = 0; !done;) {
+    MPI_Test(&request, &done, MPI_STATUS_IGNORE);
+    if (!done) std::this_thread::sleep_for(std::chrono::microseconds(200));
+  }
+}
+
+std::vector<int> places(std::span<const int> counts) {
+  std::vector<int> begin(counts.size(), 0);
+  for (std::size_t r = 1; r < counts.size(); ++r) begin[r] = begin[r - 1] + counts[r - 1];
+  return begin;
+}
+
+}  // namespace
+
+Team::Team() {
+  require_session();
+  MPI_Comm_rank(MPI_COMM_WORLD, &rank_);
+  MPI_Comm_size(MPI_COMM_WORLD, &size_);
+}
+
+Team::~Team() {
+  if (rank_ == 0) call(Task::stop);
+}
+
+void Team::call(Task task) const {
+  int number = static_cast<int>(task);
+  MPI_Request request = MPI_REQUEST_NULL;
+  MPI_Ibcast(&number, 1, MPI_INT, 0, MPI_COMM_WORLD, &request);
+  sleep_until_done(request);
+}
+
+Team::Task Team::wait() const {
+  int number = 0;
+  MPI_Request request = MPI_REQUEST_NULL;
+  MPI_Ibcast(&number, 1, MPI_INT, 0, MPI_COMM_WORLD, &request);
+  sleep_until_done(request);
+  return static_cast<Task>(number);
+}
+
+void Team::send(const Message& message, int to) const {
+  const std::size_t size = message.bytes().size();
+  MPI_Send(&size, sizeof(size), MPI_BYTE, to, kTag, MPI_COMM_WORLD);
+  for (std::size_t at = 0; at < size; at += kPiece)
+    MPI_Send(message.bytes().data() + at, static_cast<int>(std::min(kPiece, size - at)), MPI_BYTE, to, kTag,
+             MPI_COMM_WORLD);
+}
+
+Message Team::receive(int from) const {
+  std::size_t size = 0;
+  MPI_Request request = MPI_REQUEST_NULL;
+  MPI_Irecv(&size, sizeof(size), MPI_BYTE, from, kTag, MPI_COMM_WORLD, &request);
+  sleep_until_done(request);
+  std::vector<std::byte> bytes(size);
+  for (std::size_t at = 0; at < size; at += kPiece)
+    MPI_Recv(bytes.data() + at, static_cast<int>(std::min(kPiece, size - at)), MPI_BYTE, from, kTag,
+             MPI_COMM_WORLD, MPI_STATUS_IGNORE);
+  return Message(std::move(bytes));
+}
+
+void Team::together(const std::function<void()>& work) const {
+  try {
+    work();
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "error: process %d of %d: %s\n", rank_ + 1, size_, error.what());
+    std::fflush(stderr);
+    MPI_Abort(MPI_COMM_WORLD, 1);
+  }
+}
+
+void Team::share(int& number) const {
+  MPI_Bcast(&number, 1, MPI_INT, 0, MPI_COMM_WORLD);
+}
+
+void Team::share(double& number) const {
+  MPI_Bcast(&number, 1, MPI_DOUBLE, 0, MPI_COMM_WORLD);
+}
+
+void Team::scatter(const double* all, std::span<const int> counts, double* own) const {
+  const std::vector<int> begin = places(counts);
+  MPI_Scatterv(all, counts.data(), begin.data(), MPI_DOUBLE, own, counts[rank_], MPI_DOUBLE, 0,
+               MPI_COMM_WORLD);
+}
+
+void Team::gather(const double* own, std::span<const int> counts, double* all) const {
+  const std::vector<int> begin = places(counts);
+  MPI_Gatherv(own, counts[rank_], MPI_DOUBLE, all, counts.data(), begin.data(), MPI_DOUBLE, 0,
+              MPI_COMM_WORLD);
+}
+
+}  // namespace flexura::linalg

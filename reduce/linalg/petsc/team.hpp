@@ -1,0 +1,49 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <functional>
+#include <span>
+
+#include "reduce/linalg/petsc/message.hpp"
+
+namespace flexura::linalg {
+
+/// The processes that MPI's launcher has started together: rank 0 leads, the others wait for what it calls
+/// and do their share of it.  All of them must call the functions marked collective in the same order.  Needs
+/// a Session on every rank for as long as it lives.
+class Team {
+ public:
+  Team();
+  /// On rank 0: sends the others home.
+  ~Team();
+  Team(const Team&) = delete;
+  Team& operator=(const Team&) = delete;
+
+  int rank() const { return rank_; }
+  int size() const { return size_; }
+
+  /// What rank 0 calls the others to.
+  enum class Task : int { stop, take_share, factorise, solve, forget };
+  void call(Task task) const;  ///< on rank 0
+  Task wait() const;           ///< on the others; sleeps meanwhile
+
+  void send(const Message& message, int to) const;
+  Message receive(int from) const;  ///< sleeps until it comes
+
+  /// Does work in which the ranks wait for one another.  What goes wrong on one of them only would leave the
+  /// others waiting for ever: it is printed, and all processes end with exit code 1.
+  void together(const std::function<void()>& work) const;
+
+  /// Collective, within together(): a number of rank 0's to all.
+  void share(int& number) const;
+  void share(double& number) const;
+  /// Collective, within together(): numbers (counts[r] of them for rank r, one after the other) from rank 0
+  /// to all, and from all to rank 0.
+  void scatter(const double* all, std::span<const int> counts, double* own) const;
+  void gather(const double* own, std::span<const int> counts, double* all) const;
+
+ private:
+  int rank_ = 0, size_ = 1;
+};
+
+}  // namespace flexura::linalg

@@ -1,0 +1,238 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "reduce/part/deck_frames.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <stdexcept>
+
+#include "beam/element/element.hpp"
+#include "reduce/assembly/rigid_motion.hpp"
+
+namespace flexura::reduce {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+using Motion = Eigen::Matrix<double, 3, 12>;  // of a point by (u, theta) of both nodes
+
+// Collects points and gives them to the mesh at once.
+class Points {
+ public:
+  explicit Points(Part& part) : part_(part), next_(part.mesh.n_nodes()) {}
+  mesh::Index add(const Vector3d& x, const std::array<mesh::Index, 2>& nodes, const Motion& C) {
+    Follower follower{.point = next_++, .from = {}};
+    for (int end = 0; end < 2; ++end)
+      if (const Eigen::Matrix<double, 3, 6> of_end = C.middleCols<6>(6 * end); !of_end.isZero(0.0))
+        follower.from.emplace_back(nodes[end], of_end);
+    part_.followers.push_back(std::move(follower));
+    points_.push_back(x);
+    return part_.followers.back().point;
+  }
+  void finish() {
+    mesh::Mesh& mesh = part_.mesh;
+    const Eigen::Index before = mesh.points.rows();
+    mesh.points.conservativeResize(next_, 3);
+    for (std::size_t k = 0; k < points_.size(); ++k)
+      mesh.points.row(before + static_cast<Eigen::Index>(k)) = points_[k].transpose();
+    if (!mesh.node_label.empty()) mesh.node_label.resize(static_cast<std::size_t>(next_), -1);
+  }
+
+ private:
+  Part& part_;
+  mesh::Index next_;
+  std::vector<Vector3d> points_;
+};
+
+Matrix3d cross_matrix(const Vector3d& r) {
+  Matrix3d X;
+  X << 0, -r(2), r(1), r(2), 0, -r(0), -r(1), r(0), 0;
+  return X;
+}
+
+// A beam, or a rod as a beam whose bending is struck out.
+struct Bar {
+  beam::Placement place;
+  beam::Matrix12d K;                              // of the nodes, axes of B
+  std::function<beam::Matrix6x12d(double)> move;  // axes of B, at x along it
+};
+
+Bar make_bar(const mesh::ImportedBar& from, const Part& part, const std::string& name) {
+  const Eigen::Matrix<double, 6, 6> S = part.materials.at(from.material).D.inverse();
+  const double E = 1.0 / S(0, 0), G = 1.0 / S(3, 3);
+  const Vector3d a = part.mesh.points.row(from.nodes[0]), b = part.mesh.points.row(from.nodes[1]);
+  const bool is_rod = from.I_yy == 0.0 && from.I_zz == 0.0;
+  const Vector3d side = is_rod ? Vector3d((b - a).unitOrthogonal()) : from.orientation;
+  Bar bar{.place = beam::place(name, a, b, side, from.offset[0], from.offset[1]), .K = {}, .move = {}};
+  const double l = bar.place.length;
+  const beam::Matrix12d T = bar.place.transform();
+  Eigen::Matrix<double, 6, 6> R = Eigen::Matrix<double, 6, 6>::Zero();
+  R.topLeftCorner<3, 3>() = R.bottomRightCorner<3, 3>() = bar.place.R_BE;
+  if (!(from.A > 0.0))
+    throw std::invalid_argument(fmt::format("{} has the area {:g}; it must be above 0", name, from.A));
+  // Torsion alone is struck out where the section has none: what holds the node elsewhere does.
+  const auto spring = [&](int d, double k) {
+    beam::Vector12d q = beam::Vector12d::Zero();
+    q(d) = -1.0, q(6 + d) = 1.0;
+    return beam::Matrix12d(k / l * q * q.transpose());
+  };
+  if (is_rod) {
+    const beam::Matrix12d K = spring(0, E * from.A) + spring(3, G * from.J);
+    bar.K = T.transpose() * K * T;
+    // It turns with its ends' displacements, theta = e_x x (u_2 - u_1) / l.
+    bar.move = [T, R, l](double x) {
+      beam::Matrix6x12d shape = beam::Matrix6x12d::Zero();
+      shape.leftCols<6>().diagonal().head<3>().setConstant(1.0 - x / l);
+      shape.rightCols<6>().diagonal().head<3>().setConstant(x / l);
+      shape(4, 2) = 1.0 / l, shape(4, 8) = -1.0 / l;
+      shape(5, 1) = -1.0 / l, shape(5, 7) = 1.0 / l;
+      return beam::Matrix6x12d(R * shape * T);
+    };
+    return bar;
+  }
+  const double y = from.centroid(0), z = from.centroid(1);  // moments are about the axis
+  beam::Constants constants{
+      .A = from.A, .I_y = from.I_yy + from.A * z * z, .I_z = from.I_zz + from.A * y * y};
+  constants.S_y = from.A * z, constants.S_z = from.A * y;
+  constants.y_cg = y, constants.z_cg = z;
+  constants.I_t = from.J > 0.0 ? from.J : from.I_yy + from.I_zz;
+  if (from.kappa_y > 0.0) constants.A_sy = from.kappa_y * from.A;
+  if (from.kappa_z > 0.0) constants.A_sz = from.kappa_z * from.A;
+  constants.I_yz = -(from.I_yz + from.A * y * z);  // the sign of an inertia tensor
+  const beam::Section section = beam::make_section(
+      name, constants, {.name = name, .E = E, .G = G, .rho = part.materials.at(from.material).density});
+  beam::Releases releases;
+  for (std::size_t end = 0; end < 2; ++end)
+    for (std::size_t d = 0; d < 6; ++d) releases[6 * end + d] = from.released[end][d];
+  const beam::Element element(l, beam::matrices_of(section, beam::Theory::timoshenko), releases);
+  beam::Matrix12d K = element.stiffness();
+  if (!(from.J > 0.0)) K -= spring(3, G * constants.I_t);
+  bar.K = T.transpose() * K * T;
+  bar.move = [element, T, R](double x) { return beam::Matrix6x12d(R * element.shape(x) * T); };
+  return bar;
+}
+
+}  // namespace
+
+void add_bars(const std::vector<mesh::ImportedBar>& bars, Part& part) {
+  constexpr double kGauss[4] = {-0.8611363115940526, -0.3399810435848563, 0.3399810435848563,
+                                0.8611363115940526};
+  constexpr double kWeight[4] = {0.3478548451374538, 0.6521451548625461, 0.6521451548625461,
+                                 0.3478548451374538};
+  Points points(part);
+  std::vector<std::array<mesh::Index, 4>> seen;
+  for (const mesh::ImportedBar& from : bars) {
+    const Bar bar = make_bar(from, part, fmt::format("beam element {}", from.label));
+    const double l = bar.place.length, density = part.materials.at(from.material).density;
+    FrameElement element{.nodes = {from.nodes[0], from.nodes[1]}, .K = 0.5 * (bar.K + bar.K.transpose())};
+    const double size = element.K.cwiseAbs().maxCoeff();
+    for (int end = 0; end < 2; ++end)  // a rod's rotations are round-off: none
+      if (element.K.middleRows<3>(6 * end + 3).cwiseAbs().maxCoeff() < 1e-13 * size * l) {
+        element.K.middleRows<3>(6 * end + 3).setZero();
+        element.K.middleCols<3>(6 * end + 3).setZero();
+      }
+    part.frames.push_back(std::move(element));
+
+    // Mass, and the section's moments about its principal axes.
+    const bool apart = from.extra_mass_at != from.centroid && from.extra_mass_per_length > 0.0;
+    const double mass = density * from.A + (apart ? 0.0 : from.extra_mass_per_length);
+    const auto across = [&](const Eigen::Vector2d& at) -> Vector3d {
+      return bar.place.R_BE.rightCols<2>() * at;
+    };
+    const Vector3d centroid = across(from.centroid), extra_at = across(from.extra_mass_at);
+    Eigen::Matrix2d moments;
+    moments << from.I_zz, from.I_yz, from.I_yz, from.I_yy;
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(density * moments);
+    for (int g = 0; g < 4; ++g) {
+      const double x = 0.5 * l * (1.0 + kGauss[g]), share = 0.5 * l * kWeight[g];
+      const beam::Matrix6x12d move = bar.move(x);
+      const Vector3d on_axis = bar.place.p_Bo1_B + x * bar.place.R_BE.col(0);
+      const auto add = [&](const Vector3d& arm) {
+        return points.add(on_axis + arm, from.nodes,
+                          move.topRows<3>() - cross_matrix(arm) * move.bottomRows<3>());
+      };
+      const mesh::Index middle = add(centroid);
+      if (apart) part.masses.push_back({add(extra_at), from.extra_mass_per_length * share});
+      double left = mass;
+      for (int k = 0; k < 2; ++k) {
+        const double moment = axes.eigenvalues()(k);
+        if (!(moment > 0.0) || !(mass > 0.0)) continue;
+        // 2 w r^2 = moment with w = mass/6, so that a third stays on the axis.
+        const double w = mass / 6.0, reach = std::sqrt(moment / (2.0 * w));
+        const Vector3d r = reach * bar.place.R_BE.rightCols<2>() * axes.eigenvectors().col(k);
+        for (const double way : {-1.0, 1.0}) {
+          part.masses.push_back({add(centroid + way * r), w * share});
+        }
+        left -= 2.0 * w;
+      }
+      if (left > 0.0) part.masses.push_back({middle, left * share});
+    }
+
+    // What is seen of it.
+    const bool is_rod = from.I_yy == 0.0 && from.I_zz == 0.0;
+    const double half_y = is_rod ? 0.5 * std::sqrt(from.A) : std::sqrt(3.0 * from.I_zz / from.A),
+                 half_z = is_rod ? 0.5 * std::sqrt(from.A) : std::sqrt(3.0 * from.I_yy / from.A);
+    std::array<std::array<mesh::Index, 4>, 2> ring;
+    for (int end = 0; end < 2; ++end) {
+      beam::Matrix6x12d move = bar.move(end * l);
+      if (!is_rod) move.middleCols<6>(6 - 6 * end).setZero();  // round-off of the other end
+      for (int c = 0; c < 4; ++c) {
+        const double y = c == 0 || c == 3 ? -half_y : half_y, z = c < 2 ? -half_z : half_z;
+        const Vector3d arm = centroid + bar.place.R_BE * Vector3d(0.0, y, z);
+        ring[end][c] = points.add(bar.place.p_Bo1_B + end * l * bar.place.R_BE.col(0) + arm, from.nodes,
+                                  move.topRows<3>() - cross_matrix(arm) * move.bottomRows<3>());
+      }
+    }
+    for (int c = 0; c < 4; ++c)
+      seen.push_back({ring[0][c], ring[0][(c + 1) % 4], ring[1][(c + 1) % 4], ring[1][c]});
+    seen.push_back({ring[0][3], ring[0][2], ring[0][1], ring[0][0]});
+    seen.push_back(ring[1]);
+  }
+  points.finish();
+  if (seen.empty()) return;
+  mesh::CellBlock block{.type = mesh::CellType::quad4};
+  block.nodes.resize(static_cast<Eigen::Index>(seen.size()), 4);
+  for (std::size_t k = 0; k < seen.size(); ++k)
+    for (int c = 0; c < 4; ++c) block.nodes(static_cast<Eigen::Index>(k), c) = seen[k][c];
+  part.mesh.boundary.push_back(std::move(block));
+  part.mesh.boundary_face.clear();
+}
+
+void add_springs(const std::vector<mesh::ImportedSpring>& springs, Part& part) {
+  for (const mesh::ImportedSpring& from : springs) {
+    const Vector3d a = part.mesh.points.row(from.nodes[0]), b = part.mesh.points.row(from.nodes[1]);
+    const Vector3d middle = a + from.place * (b - a);
+    // The relative motion at the place of the springs, carried there by rigid arms, in the axes.
+    Eigen::Matrix<double, 6, 12> relative;
+    relative << -node_motion_at(middle - a), node_motion_at(middle - b);
+    Eigen::Matrix<double, 6, 6> turn = Eigen::Matrix<double, 6, 6>::Zero();
+    turn.topLeftCorner<3, 3>() = turn.bottomRightCorner<3, 3>() = from.R.transpose();
+    const Eigen::Matrix<double, 6, 12> strain = turn * relative;
+    Eigen::Matrix<double, 6, 1> k;
+    for (int d = 0; d < 6; ++d) {
+      k(d) = from.stiffness[static_cast<std::size_t>(d)];
+      if (!(k(d) >= 0.0 && std::isfinite(k(d))))
+        throw std::invalid_argument(fmt::format(
+            "spring element {} has the stiffness {:g}; it must be at least 0 and finite", from.label, k(d)));
+    }
+    if (k.isZero(0.0)) continue;
+    FrameElement element{.nodes = {from.nodes[0], from.nodes[1]},
+                         .K = strain.transpose() * k.asDiagonal() * strain};
+    // A spring along the line of its nodes turns nothing: what round-off leaves of the arms is none.
+    const double size = element.K.cwiseAbs().maxCoeff(), arm = (b - a).norm();
+    for (int end = 0; end < 2; ++end)
+      if (k.tail<3>().isZero(0.0) && element.K.middleRows<3>(6 * end + 3).cwiseAbs().maxCoeff() <=
+                                         1e-12 * size * std::max(arm, 1e-300)) {
+        element.K.middleRows<3>(6 * end + 3).setZero();
+        element.K.middleCols<3>(6 * end + 3).setZero();
+      }
+    part.frames.push_back(std::move(element));
+  }
+}
+
+}  // namespace flexura::reduce

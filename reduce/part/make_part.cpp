@@ -1,0 +1,303 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "reduce/part/make_part.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
+
+#include "mbs/base/documents/document.hpp"
+#include "reduce/part/deck_averages.hpp"
+#include "reduce/part/deck_frames.hpp"
+#include "reduce/part/force_field.hpp"
+#include "reduce/part/idle_turns.hpp"
+#include "reduce/assembly/constraints.hpp"
+#include "reduce/assembly/point_mass.hpp"
+#include "reduce/assembly/shell_skins.hpp"
+#include "reduce/assembly/whole_body.hpp"
+#include "reduce/elements/surface.hpp"
+
+namespace flexura::reduce {
+namespace {
+
+using input::InputError;
+
+/// Calls and puts the table's place before what a library refuses.
+template <class Work>
+auto at(const std::string& where, const Work& work) {
+  try {
+    return work();
+  } catch (const InputError&) {
+    throw;
+  } catch (const std::invalid_argument& error) {
+    throw InputError(where + ": " + error.what());
+  }
+}
+
+int interface_number(const Part& part, const std::string& name, const std::string& where) {
+  std::vector<std::string> names;
+  for (std::size_t k = 0; k < part.interfaces.size(); ++k) {
+    if (part.interfaces[k].name == name) return static_cast<int>(k);
+    names.push_back(part.interfaces[k].name);
+  }
+  throw InputError(
+      fmt::format("{}: there is no interface \"{}\"{}", where, name, input::suggestion(name, names)));
+}
+
+mesh::Index node_number(const mesh::Mesh& mesh, int label, const std::string& where) {
+  const mesh::Rule rule = mesh::NodesRule{.labels = {label}};
+  return at(where, [&] { return mesh::select_nodes(mesh, {}, rule).set.nodes.front(); });
+}
+
+const DeckTie& tie_of(const PartMesh& from, int label, const std::string& where) {
+  const auto found =
+      std::find_if(from.ties.begin(), from.ties.end(), [&](const DeckTie& t) { return t.label == label; });
+  if (found != from.ties.end()) return *found;
+  if (from.ties.empty())
+    throw InputError(where +
+                     ": the file has no ties (RBE2, RBE3); choose the interface by its nodes or faces");
+  std::string known;
+  for (const DeckTie& tie : from.ties) known += fmt::format("{}{}", known.empty() ? "" : ", ", tie.label);
+  throw InputError(fmt::format("{}: there is no tie {}; there are {}", where, label, known));
+}
+
+// The reference node of a tie, chosen by its number, moves as the tie does.
+std::optional<int> tie_at(const PartMesh& from, const mesh::Rule& rule) {
+  const auto* nodes = std::get_if<mesh::NodesRule>(&rule);
+  if (!nodes || nodes->labels.size() != 1) return {};
+  const auto found = std::ranges::find(from.ties, static_cast<std::int64_t>(nodes->labels.front()), &DeckTie::node);
+  if (found == from.ties.end()) return {};
+  return static_cast<int>(found->label);
+}
+
+void add_interfaces(const PartInput& input, const PartMesh& from, ModelledPart& out) {
+  std::vector<char> taken(from.ties.size(), 0);
+  for (const InterfaceInput& wanted : input.interfaces) {
+    if (const std::optional<int> label = wanted.deck_tie ? wanted.deck_tie : tie_at(from, wanted.rule)) {
+      const DeckTie& tie = tie_of(from, *label, wanted.where);
+      taken[&tie - from.ties.data()] = 1;
+      InterfaceSpec spec = tie.spec;
+      spec.name = wanted.name;
+      spec.directions = wanted.directions;
+      out.notes.push_back(fmt::format("interface {}: tie {} of the deck at node {}, {} nodes, {}",
+                                      wanted.name, tie.label, tie.node, spec.set.nodes.size(),
+                                      name_of(spec.tie)));
+      out.part.interfaces.push_back(std::move(spec));
+      continue;
+    }
+    mesh::Selection chosen =
+        at(wanted.where, [&] { return mesh::select_nodes(out.part.mesh, from.faces, wanted.rule); });
+    InterfaceSpec spec{.name = wanted.name,
+                       .tie = wanted.tie,
+                       .point = wanted.reference.value_or(chosen.reference),
+                       .directions = wanted.directions};
+    spec.set = std::move(chosen.set);
+    // One node has no rotation to follow rigidly; asked for displacements alone it is tied as what it is.
+    const bool no_rotation = wanted.directions.empty() || wanted.directions.back() < 3;
+    if (wanted.tie == Tie::rigid && spec.set.nodes.size() == 1 && no_rotation) spec.tie = Tie::node;
+    std::string tie = name_of(spec.tie);
+    if (wanted.tie == Tie::average || wanted.tie == Tie::elastic) {
+      const bool equal = wanted.equal_weights || spec.set.faces.empty();
+      if (equal) spec.weights.assign(spec.set.nodes.size(), 1.0);
+      tie += equal ? " (every node alike)" : " (weighted by area)";
+    }
+    // A set chosen by its nodes says how many.
+    const std::string count = fmt::format("{} node{}", spec.set.nodes.size(), spec.set.nodes.size() == 1 ? "" : "s");
+    out.notes.push_back(fmt::format("interface {}: {}{}, {}", wanted.name, chosen.description,
+                                    chosen.description.ends_with(count) ? "" : ", " + count, tie));
+    out.part.interfaces.push_back(std::move(spec));
+  }
+  if (input.interfaces.empty()) {
+    for (std::size_t t = 0; t < from.ties.size(); ++t) {
+      taken[t] = 1;
+      out.part.interfaces.push_back(from.ties[t].spec);
+      out.notes.push_back(fmt::format("interface {}: at node {}, {} nodes, {}", from.ties[t].spec.name,
+                                      from.ties[t].node, from.ties[t].spec.set.nodes.size(),
+                                      name_of(from.ties[t].spec.tie)));
+    }
+  }
+  out.n_interfaces = static_cast<int>(out.part.interfaces.size());
+  // The deck's other rigid ties still are rigid pieces of the part; a mean of nodes that nobody asks for is
+  // not.
+  for (std::size_t t = 0; t < from.ties.size(); ++t) {
+    if (taken[t]) continue;
+    InterfaceSpec spec = from.ties[t].spec;
+    if (spec.tie == Tie::average) {
+      const mesh::Index node = spec.turning_node;
+      const auto hangs = [&](const auto& element) { return std::ranges::find(element.nodes, node) != element.nodes.end(); };
+      const bool carries = std::ranges::any_of(from.bars, hangs) || std::ranges::any_of(from.springs, hangs) ||
+                           std::ranges::any_of(from.tied_masses, [&](const PointMass& mass) {
+                             return static_cast<std::size_t>(mass.node) == t;
+                           });
+      if (!carries) out.notes.push_back(fmt::format("{} (RBE3) is no interface, carries nothing and is left out", spec.name));
+      continue;
+    }
+    spec.directions.clear();
+    out.notes.push_back(fmt::format("{} (RBE2) is a rigid piece of the part, no interface", spec.name));
+    out.part.interfaces.push_back(std::move(spec));
+  }
+}
+
+// The deck's constraints between nodes: nodes that follow an interface or a spider cannot follow others.
+void add_equations(const PartMesh& from, Part& part) {
+  if (from.equations.empty()) return;
+  std::vector<char> follows(part.mesh.n_nodes(), 0);
+  for (const InterfaceSpec& spec : part.interfaces)
+    if (spec.tie == Tie::rigid || spec.tie == Tie::node)
+      for (const mesh::Index node : spec.set.nodes) follows[node] = 1;
+  std::vector<LinearEquation> equations;
+  for (const mesh::ImportedEquation& equation : from.equations) {
+    LinearEquation& to = equations.emplace_back();
+    to.of = equation.of;
+    for (const mesh::ImportedEquation::Term& term : equation.terms) {
+      std::array<int, 6> order{0, 1, 2, 3, 4, 5};  // an oblique direction by its largest component
+      std::ranges::stable_sort(order, std::ranges::greater(), [&](int d) { return std::abs(term.row(d)); });
+      for (const int d : order)
+        if (term.row(d) != 0.0) to.terms.emplace_back(NodalDof{term.node, d}, term.row(d));
+    }
+    if (to.terms.empty()) equations.pop_back();
+  }
+  part.dependent = eliminate(equations, part.mesh.points, [&](const NodalDof& dof) { return !follows[dof.node]; });
+}
+
+// What the interfaces do not hold (all of it where there are none) is held by the body's own mean motion.
+void complete_interfaces(const PartInput& input, ModelledPart& out) {
+  const int n_free = free_rigid_motions(out.part);
+  if (n_free == 0 || !input.finished.vectors.empty()) return;
+  const std::string name = at(input.where, [&] { return hold_whole_body(out.part); });
+  out.notes.push_back(
+      fmt::format("{} {} of the six rigid motions free; interface \"{}\", the mean motion of the body, takes "
+                  "them: add an "
+                  "[interface.NAME] for each place where joints or forces act (flexura reduce --list-faces shows what can be "
+      "chosen)",
+                  out.n_interfaces == 0 ? "the part has no interface, which leaves" : "the interfaces leave",
+                  n_free, name));
+}
+
+void add_masses(const PartInput& input, const PartMesh& from, ModelledPart& out) {
+  Part& part = out.part;
+  double total = 0.0;
+  for (const PointMass& mass : from.masses) {
+    add_mass_to_node(part, mass);
+    total += mass.mass;
+  }
+  for (const PointMass& mass : from.tied_masses) {
+    const InterfaceSpec& tie = from.ties[mass.node].spec;
+    if (tie.tie == Tie::average) {
+      at(tie.name, [&] { add_mass_to_average(part, tie, mass); });
+      total += mass.mass;
+      continue;
+    }
+    // A tie keeps its set under whatever name.
+    const auto found =
+        std::find_if(part.interfaces.begin(), part.interfaces.end(), [&](const InterfaceSpec& spec) {
+          return spec.point == tie.point && !spec.set.nodes.empty() &&
+                 spec.set.nodes.front() == tie.set.nodes.front();
+        });
+    if (found == part.interfaces.end())
+      throw std::invalid_argument(fmt::format(
+          "{} carries a point mass but is left out; take it as an interface (by = \"tie\")", tie.name));
+    add_mass_to_interface(part, static_cast<int>(found - part.interfaces.begin()), mass);
+    total += mass.mass;
+  }
+  for (const MassInput& wanted : input.masses) {
+    at(wanted.where, [&] {
+      if (wanted.node) {
+        PointMass mass = wanted.mass;
+        mass.node = node_number(part.mesh, *wanted.node, wanted.where);
+        add_mass_to_node(part, mass);
+      } else {
+        add_mass_to_interface(part, interface_number(part, wanted.interface, wanted.where), wanted.mass);
+      }
+    });
+    total += wanted.mass.mass;
+  }
+  const std::size_t count = from.masses.size() + from.tied_masses.size() + input.masses.size();
+  if (count > 0)
+    out.notes.push_back(fmt::format("{} point mass{}, {:.6g} kg", count, count == 1 ? "" : "es", total));
+}
+
+void add_links(const PartInput& input, ModelledPart& out) {
+  for (const LinkInput& wanted : input.links) {
+    const auto end = [&](int k) {
+      if (!wanted.nodes.empty()) return node_number(out.part.mesh, wanted.nodes[k], wanted.where);
+      const int interface = interface_number(out.part, wanted.interfaces[k], wanted.where);
+      return at(wanted.where,
+                [&] { return add_tied_node(out.part, interface, out.part.interfaces[interface].point); });
+    };
+    const mesh::Index from = end(0), to = end(1);
+    out.part.links.push_back({wanted.name, from, to, wanted.stiffness, wanted.damping});
+    out.notes.push_back(fmt::format("link {}: stiffness {:.5g} N/m, damping {:.5g} N s/m", wanted.name,
+                                    wanted.stiffness, wanted.damping));
+  }
+}
+
+/// `surface` is the mesh in which faces are chosen: before shells have got their skins.
+void add_loads(const PartInput& input, const PartMesh& from, const mesh::Mesh& surface, ModelledPart& out) {
+  const mesh::Mesh& mesh = out.part.mesh;
+  for (const LoadInput& wanted : input.loads) {
+    LoadField load{.name = wanted.name, .keep_shape = wanted.keep_shape};
+    at(wanted.where, [&] {
+      if (wanted.type == "gravity") {
+        load.acceleration = wanted.vector.transpose().replicate(mesh.n_nodes(), 1);
+      } else if (wanted.type == "rotation") {
+        load.acceleration.resize(mesh.n_nodes(), 3);
+        for (mesh::Index node = 0; node < mesh.n_nodes(); ++node) {
+          const Eigen::Vector3d r = mesh.points.row(node).transpose() - wanted.point;
+          load.acceleration.row(node) =
+              wanted.value * wanted.value * (r - wanted.vector * wanted.vector.dot(r)).transpose();
+        }
+      } else if (wanted.type == "pressure") {
+        const mesh::Selection chosen = mesh::select_nodes(surface, from.faces, wanted.faces);
+        if (chosen.set.faces.empty())
+          throw std::invalid_argument(
+              "the set has no faces of the part's surface to push on; name a set of whole faces");
+        load.forces = Eigen::MatrixX3d::Zero(mesh.n_nodes(), 3);
+        load.forces.topRows(surface.n_nodes()) = -wanted.value * pressure_load(surface, chosen.set.faces);
+      } else {
+        load.acceleration = evaluate_field(wanted.formulas, mesh);
+      }
+    });
+    out.loads.push_back(std::move(load));
+  }
+}
+
+}  // namespace
+
+ModelledPart make_part(const PartInput& input, PartMesh&& from) {
+  ModelledPart out;
+  out.notes = from.messages;
+  out.warnings = from.warnings;
+  out.part.mesh = std::move(from.mesh);
+  out.part.materials = from.materials;
+  out.part.matrices = std::move(from.matrices);
+  out.part.mass = input.mass;
+  out.part.formulation = input.formulation;
+  add_interfaces(input, from, out);
+  add_equations(from, out.part);
+  // Faces are chosen in the mesh as it came: before shells and beams get the points around them.
+  const bool has_points = !out.part.mesh.shells.empty() || !from.bars.empty();
+  const mesh::Mesh middle = has_points ? out.part.mesh : mesh::Mesh();
+  if (input.recovery.stress && !from.bars.empty()) {
+    if (out.part.mesh.solids.empty() && out.part.mesh.shells.empty())
+      throw InputError(input.where +
+                       ": recovery.stress: stresses of beams are not known, and the part has nothing else; leave the key out");
+    out.warnings.push_back(fmt::format("the stresses of {} beam{} are not known: stress modes are those of solids and shells",
+                                       from.bars.size(), from.bars.size() == 1 ? "" : "s"));
+  }
+  add_shell_skins(out.part);
+  add_bars(from.bars, out.part);
+  add_springs(from.springs, out.part);
+  spread_averages(from.ties, out.part, out.notes);
+  complete_interfaces(input, out);
+  add_masses(input, from, out);
+  add_links(input, out);
+  hold_idle_turns(out.part);
+  add_loads(input, from, has_points ? middle : out.part.mesh, out);
+  return out;
+}
+
+}  // namespace flexura::reduce

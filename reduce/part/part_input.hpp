@@ -1,0 +1,113 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "mesh/gmsh/cad.hpp"
+#include "mesh/model/select.hpp"
+#include "reduce/assembly/part.hpp"
+#include "reduce/cms/damping.hpp"
+#include "reduce/cms/result/options.hpp"
+#include "reduce/linalg/session/user_options.hpp"
+
+/// What is asked of a part, SI units, whoever asks: a part file (reduce/file) or a program (reduce/library).
+namespace flexura::reduce {
+
+/// Where the mesh comes from.
+enum class PartFormat { cad, gmsh, abaqus, nastran, unv, nodes };
+
+/// An interface: which faces or nodes, tied how.
+struct InterfaceInput {
+  std::string name;
+  mesh::Rule rule = {};              ///< which faces
+  std::optional<int> deck_tie = {};  ///< or which tie of the deck
+  Tie tie = Tie::rigid;
+  bool equal_weights = false;  ///< of averages: nodes count alike, not by the faces' area
+  std::vector<int> directions = {0, 1, 2, 3, 4, 5};
+  std::optional<Eigen::Vector3d> reference;  ///< [m], none = the centre of the chosen faces
+  std::string where;                         ///< "part.toml:12: interface.bore", for messages
+};
+
+struct ModesInput {
+  int count = 0;
+  double up_to = 0.0;  ///< [Hz], 0 = by count
+  double damping = 0.0;
+  // Solid parts only.
+  ModeSet set = ModeSet::craig_bampton;
+  double accuracy = 0.0, compliance_accuracy = 0.0, effective_mass = 0.0;  ///< 0: not asked for
+  std::vector<double> response_omegas = {};     ///< [rad/s]
+  InterfaceModesRequest interface_modes = {};
+  std::vector<int> struck = {};
+  bool certify = true;
+  std::string where = {};
+};
+
+struct MassInput {
+  std::string name;
+  std::string interface = {};    ///< or
+  std::optional<int> node = {};  ///< number in the mesh file
+  PointMass mass = {};
+  std::string where;
+};
+
+struct LinkInput {
+  std::string name;
+  std::vector<std::string> interfaces = {};  ///< two, or
+  std::vector<int> nodes = {};               ///< two numbers of the mesh file
+  double stiffness = 0.0, damping = 0.0;
+  std::string where;
+};
+
+struct LoadInput {
+  std::string name, type;
+  bool keep_shape = false;
+  Eigen::Vector3d vector = Eigen::Vector3d::Zero();  ///< gravity: acceleration; rotation: axis
+  Eigen::Vector3d point = Eigen::Vector3d::Zero();
+  double value = 0.0;  ///< speed or pressure
+  mesh::Rule faces = {};
+  std::array<std::string, 3> formulas = {};
+  std::string where;
+};
+
+/// The table [recovery].
+struct RecoveryInput {
+  bool stress = false;
+  std::vector<std::string> groups;  ///< only at the nodes of these sets; empty: the whole surface
+  bool double_precision = false;
+  std::string where;  ///< for messages
+};
+
+struct PartInput {
+  std::string name;
+  std::string source;  ///< the file's text
+  std::string where;   ///< the file, for messages
+  PartFormat format = PartFormat::cad;
+  mesh::CadOptions cad;                       ///< path of any format; geometry and meshing of CAD parts
+  double unit_length = 1.0, unit_mass = 1.0;  ///< of a mesh file, in SI
+  bool mass_unit_known = true;                ///< given, or going with the length unit
+  double sheet_thickness = 0.0;                  ///< [m] of a CAD part of faces; 0: solids
+  Formulation formulation = Formulation::standard;
+  std::filesystem::path stiffness, mass_matrix;  ///< finished matrices; empty: none
+  struct {
+    std::filesystem::path vectors, stiffness, mass, reduced_mass, stress;  ///< empty: not given
+  } finished;  ///< finished modes of another program
+  std::vector<Material> materials;
+  MassKind mass = MassKind::consistent;
+  std::vector<InterfaceInput> interfaces;
+  std::vector<MassInput> masses;
+  std::vector<LinkInput> links;
+  std::vector<LoadInput> loads;
+  ModesInput modes;
+  DampingRule damping;
+  bool has_damping = false;
+  RecoveryInput recovery;
+  bool stiffening = false;  ///< geometric stiffening terms
+  std::vector<linalg::UserOption> petsc;  ///< options of PETSc and SLEPc
+};
+
+}  // namespace flexura::reduce

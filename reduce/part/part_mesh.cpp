@@ -1,0 +1,285 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "reduce/part/part_mesh.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <chrono>
+
+#include "mbs/base/documents/document.hpp"
+#include "mesh/gmsh/mesh_file.hpp"
+#include "mesh/gmsh/sheet.hpp"
+#include "mesh/import/abaqus.hpp"
+#include "mesh/import/nastran.hpp"
+#include "mesh/import/unv.hpp"
+#include "reduce/part/read_matrices.hpp"
+
+namespace flexura::reduce {
+namespace {
+
+using input::InputError;
+
+mesh::ImportedModel read_foreign(const PartInput& input) {
+  const std::filesystem::path& path = input.cad.path;
+  switch (input.format) {
+    case PartFormat::abaqus:
+      return mesh::read_abaqus(path);
+    case PartFormat::nastran:
+      return mesh::read_nastran(path);
+    case PartFormat::unv:
+      return mesh::read_unv(path);
+    case PartFormat::nodes: {
+      mesh::ImportedModel model;
+      model.mesh = read_nodes(path);
+      return model;
+    }
+    default:
+      break;
+  }
+  mesh::MeshFile file = mesh::read_mesh_file(path, input.cad.worker, input.cad.time_limit_s,
+                                             input.sheet_thickness > 0.0 ? mesh::MeshFileCells::shells
+                                                                         : mesh::MeshFileCells::solids);
+  mesh::ImportedModel model;
+  model.mesh = std::move(file.mesh);
+  model.messages = std::move(file.messages);
+  return model;
+}
+
+/// The deck's material as ours; what it lacks is refused with the way out.
+Material material_of(const mesh::ImportedMaterial& from, const std::string& deck) {
+  const auto lacks = [&](const char* what, const char* card) {
+    throw std::invalid_argument(
+        fmt::format("{}: material \"{}\" has no {} ({}); give it a table [material.\"{}\"] in the part file",
+                    deck, from.name, what, card, from.name));
+  };
+  if (!(from.rho > 0.0)) lacks("density", "*DENSITY, or RHO of MAT1");
+  if (from.orthotropic) {
+    // E1 E2 E3 nu12 nu13 nu23 G12 G13 G23; nu31 = nu13 E3 / E1.
+    const auto& c = from.engineering;
+    return turned(orthotropic(from.name,
+                              {.E_x = c[0],
+                               .E_y = c[1],
+                               .E_z = c[2],
+                               .nu_xy = c[3],
+                               .nu_yz = c[5],
+                               .nu_zx = c[4] * c[2] / c[0],
+                               .G_xy = c[6],
+                               .G_yz = c[8],
+                               .G_zx = c[7]},
+                              from.rho),
+                  from.R);
+  }
+  if (!(from.E > 0.0)) lacks("Young's modulus", "*ELASTIC, or E of MAT1");
+  return isotropic(from.name, from.E, from.nu, from.rho);
+}
+
+void choose_materials(const PartInput& input, const mesh::ImportedModel& model, PartMesh& part) {
+  const std::string deck = input.cad.path.filename().string();
+  if (model.materials.empty()) {
+    if (input.materials.size() != 1)
+      throw InputError(fmt::format(
+          "{}: {} names no material; give exactly one table [material.NAME] for all of it ({} {} there)",
+          input.where, deck, input.materials.size(), input.materials.size() == 1 ? "is" : "are"));
+    part.materials = input.materials;
+    return;
+  }
+  if (!input.mass_unit_known)
+    throw InputError(fmt::format(
+        "{}: {} has materials in a system of units whose mass unit is not clear; add geometry.mass_unit",
+        input.where, deck));
+  std::vector<std::string> known;
+  for (const mesh::ImportedMaterial& from : model.materials) {
+    known.push_back(from.name);
+    const auto ours = std::find_if(input.materials.begin(), input.materials.end(),
+                                   [&](const Material& m) { return m.name == from.name; });
+    part.materials.push_back(ours != input.materials.end() ? *ours : material_of(from, deck));
+  }
+  for (const Material& ours : input.materials)
+    if (std::find(known.begin(), known.end(), ours.name) == known.end())
+      throw InputError(fmt::format("{}: {} has no material \"{}\"{}", input.where, deck, ours.name,
+                                   input::suggestion(ours.name, known)));
+  const bool assigned = std::all_of(part.mesh.solids.begin(), part.mesh.solids.end(),
+                                    [](const mesh::CellBlock& block) { return !block.material.empty(); });
+  if (!assigned && part.materials.size() > 1)
+    throw std::invalid_argument(
+        fmt::format("{}: {} materials are defined, but no section assigns them to the elements; add one to "
+                    "the deck, or [material.NAME] here",
+                    deck, part.materials.size()));
+}
+
+/// Which nodes belong to elements.
+std::vector<char> nodes_in_cells(const mesh::Mesh& mesh, const PartMesh& part) {
+  std::vector<char> inside(mesh.n_nodes(), 0);
+  for (const mesh::ImportedBar& bar : part.bars)
+    for (const mesh::Index node : bar.nodes) inside[node] = 1;
+  for (const mesh::ImportedSpring& spring : part.springs)
+    for (const mesh::Index node : spring.nodes) inside[node] = 1;
+  for (const auto* blocks : {&mesh.solids, &mesh.shells})
+   for (const mesh::CellBlock& block : *blocks)
+    for (Eigen::Index k = 0; k < block.nodes.size(); ++k) inside[block.nodes.data()[k]] = 1;
+  return inside;
+}
+
+// Some of the three displacements, or of the three rotations: a hinge, a slide.
+bool ties_some(const std::array<bool, 6>& dofs) {
+  const auto some = [&](std::size_t first) {
+    const int n = dofs[first] + dofs[first + 1] + dofs[first + 2];
+    return n != 0 && n != 3;
+  };
+  return some(0) || some(3) || !(dofs[0] || dofs[3]) || (dofs[3] && !dofs[0]);
+}
+
+// Each direction a that a node at r from the reference follows: a . u = a . (u_ref + theta_ref x r), a . theta = a . theta_ref.
+void bind_some(const mesh::ImportedTie& tie, PartMesh& part) {
+  for (std::size_t k = 0; k < tie.nodes.size(); ++k) {
+    const Eigen::Vector3d r = (part.mesh.points.row(tie.nodes[k]) - part.mesh.points.row(tie.reference)).transpose();
+    const Eigen::Matrix3d axes = tie.axes.empty() ? Eigen::Matrix3d::Identity() : tie.axes[k];
+    for (Eigen::Index d = 0; d < 6; ++d) {
+      if (!tie.dofs[static_cast<std::size_t>(d)]) continue;
+      const Eigen::Vector3d a = axes.col(d % 3);
+      mesh::ImportedEquation equation{.terms = {{.node = tie.nodes[k]}, {.node = tie.reference}},
+                                      .of = fmt::format("tie {} (RBE2)", tie.label)};
+      equation.terms[0].row.segment<3>(d < 3 ? 0 : 3) = a;
+      equation.terms[1].row.segment<3>(d < 3 ? 0 : 3) = -a;
+      if (d < 3) {
+        Eigen::Vector3d arm = -r.cross(a);
+        for (double& c : arm)  // round-off of places
+          if (std::abs(c) < 1e-12 * r.norm()) c = 0.0;
+        equation.terms[1].row.tail<3>() = arm;
+      }
+      part.equations.push_back(std::move(equation));
+    }
+  }
+}
+
+void take_ties(const mesh::ImportedModel& model, const std::vector<char>& in_cell, PartMesh& part) {
+  for (const mesh::ImportedTie& from : model.ties) {
+    const bool rigid = from.kind == mesh::ImportedTie::Kind::rigid;
+    if (rigid && ties_some(from.dofs) && in_cell[from.reference]) {
+      bind_some(from, part);
+      part.messages.push_back(fmt::format("tie {} binds only some directions of its nodes: equations between dofs", from.label));
+      continue;
+    }
+    if (rigid && !(from.dofs[0] && from.dofs[1] && from.dofs[2]))
+      throw std::invalid_argument(fmt::format(
+          "RBE2 {} ties only some of the three displacements of its nodes to a node that belongs to no element; tie all (CM = 123 "
+          "or 123456)",
+          from.label));
+    DeckTie tie{
+        .label = from.label,
+        .node = part.mesh.node_label.empty() ? from.reference + 1 : part.mesh.node_label[from.reference]};
+    tie.spec.name = fmt::format("tie {}", from.label);
+    tie.spec.tie = rigid ? Tie::rigid : Tie::average;
+    tie.spec.rotations = from.dofs[3] && from.dofs[4] && from.dofs[5];
+    if (rigid && !tie.spec.rotations && (from.dofs[3] || from.dofs[4] || from.dofs[5]))
+      throw std::invalid_argument(fmt::format(
+          "RBE2 {} ties only some of the three rotations of its nodes; tie all or none (CM = 123456 or 123)",
+          from.label));
+    tie.spec.point = part.mesh.points.row(from.reference);
+    std::vector<std::pair<mesh::Index, double>> nodes;
+    for (std::size_t k = 0; k < from.nodes.size(); ++k)
+      nodes.emplace_back(from.nodes[k], rigid || from.weights.empty() ? 1.0 : from.weights[k]);
+    // A reference node that solid elements share moves with its own spider.
+    if (rigid && in_cell[from.reference]) nodes.emplace_back(from.reference, 1.0);
+    tie.spec.turning_node = from.reference;
+    tie.dofs = from.dofs;
+    std::sort(nodes.begin(), nodes.end());
+    nodes.erase(std::unique(nodes.begin(), nodes.end(), [](auto& a, auto& b) { return a.first == b.first; }),
+                nodes.end());
+    for (const auto& [node, weight] : nodes) {
+      tie.spec.set.nodes.push_back(node);
+      if (!rigid) tie.spec.weights.push_back(weight);
+    }
+    part.ties.push_back(std::move(tie));
+  }
+}
+
+void take_masses(const mesh::ImportedModel& model, const std::vector<char>& in_cell, PartMesh& part) {
+  for (const mesh::ImportedMass& from : model.masses) {
+    PointMass mass{.node = from.node, .mass = from.mass, .offset = from.offset, .inertia = from.inertia};
+    const auto tie =
+        std::find_if(part.ties.begin(), part.ties.end(), [&](const DeckTie& t) { return t.spec.turning_node == from.node; });
+    if (tie != part.ties.end()) {
+      mass.node = static_cast<mesh::Index>(tie - part.ties.begin());
+      part.tied_masses.push_back(mass);
+    } else if (in_cell[from.node]) {
+      part.masses.push_back(mass);
+    } else {
+      throw std::invalid_argument(
+          fmt::format("point mass {} hangs on a node that belongs to no element and to no tie; tie it "
+                      "or take it out of the deck",
+                      from.label));
+    }
+  }
+}
+
+}  // namespace
+
+PartMesh load_part_mesh(const PartInput& input, const mesh::Progress& progress) {
+  PartMesh part;
+  if (input.format == PartFormat::cad) {
+    mesh::CadMesh cad = input.sheet_thickness > 0.0 ? mesh::mesh_sheet(input.cad, input.sheet_thickness, progress)
+                                                     : mesh::mesh_cad(input.cad, progress);
+    part.mesh = std::move(cad.mesh);
+    part.faces = std::move(cad.cad.faces);
+    part.report = std::move(cad.report);
+    part.messages = part.report.messages;
+    part.materials = input.materials;
+    return part;
+  }
+  const auto start = std::chrono::steady_clock::now();
+  if (progress) progress("read", 0.0);
+  mesh::ImportedModel model = read_foreign(input);
+  mesh::scale_to_si(model, input.unit_length, input.unit_mass, 1.0);
+  part.mesh = std::move(model.mesh);
+  if (input.sheet_thickness > 0.0)
+    for (mesh::CellBlock& block : part.mesh.shells)
+      block.thickness.assign(static_cast<std::size_t>(block.nodes.rows()), input.sheet_thickness);
+  part.messages = std::move(model.messages);
+  part.warnings = std::move(model.warnings);
+  if (!input.finished.vectors.empty()) {
+    NodalMatrices& matrices = part.matrices.emplace(read_mass_matrix(input.finished.mass, part.mesh));
+    for (double& m : matrices.m) m *= input.unit_mass;
+  } else if (input.stiffness.empty()) {
+    choose_materials(input, model, part);
+  } else {
+    NodalMatrices& matrices =
+        part.matrices.emplace(read_matrices(input.stiffness, input.mass_matrix, part.mesh));
+    for (Eigen::Matrix3d& k : matrices.K) k *= input.unit_mass;  // force per length: M T^-2
+    for (double& m : matrices.m) m *= input.unit_mass;
+    part.messages.push_back(fmt::format("stiffness and mass are those of {} and {}",
+                                        input.stiffness.filename().string(),
+                                        input.mass_matrix.filename().string()));
+  }
+  if (part.matrices) {
+    part.mesh.shells.clear();  // their stiffness is in the matrices
+  } else {
+    part.bars = std::move(model.bars);
+    part.springs = std::move(model.springs);
+    part.equations = std::move(model.equations);
+  }
+  const std::vector<char> in_cell = nodes_in_cells(part.mesh, part);
+  take_ties(model, in_cell, part);
+  take_masses(model, in_cell, part);
+  if (!part.bars.empty() || !part.springs.empty())
+    part.messages.push_back(fmt::format("{} beams and rods, {} springs", part.bars.size(), part.springs.size()));
+  if (!model.fixed.empty())
+    part.messages.push_back(fmt::format(
+        "the supports at {} node{} (SPC) are left out: a superelement is a free body, joints hold it at run "
+        "time",
+        model.fixed.size(), model.fixed.size() == 1 ? "" : "s"));
+  part.report.n_nodes = part.mesh.n_nodes();
+  if (part.mesh.solids.empty() && part.mesh.shells.empty()) return part;
+  const mesh::Volumes volumes = mesh::measure_volume(part.mesh);
+  part.report.n_cells = part.mesh.n_solid_cells();
+  for (const mesh::CellBlock& block : part.mesh.shells)
+    part.report.n_cells += static_cast<mesh::Index>(block.nodes.rows());
+  part.report.quality = mesh::measure_quality(part.mesh);
+  part.report.volume = volumes.volume;
+  part.report.centroid = volumes.centroid;
+  part.report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return part;
+}
+
+}  // namespace flexura::reduce

@@ -1,0 +1,105 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "reduce/superelement/mesh_hints.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+
+namespace flexura::reduce {
+
+using Eigen::Index;
+using Eigen::Vector3d;
+
+namespace {
+
+// Twice the volume over the surface, of the straight faces: the thickness of a plate, half the width of a square bar.
+double mean_thickness(const mesh::Mesh& mesh) {
+  double volume = 0.0, area = 0.0;
+  if (mesh.n_nodes() == 0) return 0.0;
+  const Vector3d origin = mesh.points.row(0);
+  for (const mesh::CellBlock& block : mesh.boundary) {
+    const int corners = mesh::shape_of(block.type).corners;
+    for (Index row = 0; row < block.nodes.rows(); ++row)
+      for (int c = 1; c + 1 < corners; ++c) {
+        const auto at = [&](int a) -> Vector3d { return mesh.points.row(block.nodes(row, a)).transpose() - origin; };
+        const Vector3d twice = (at(c) - at(0)).cross(at(c + 1) - at(0));
+        area += 0.5 * twice.norm();
+        volume += at(0).dot(twice) / 6.0;
+      }
+  }
+  return area > 0.0 ? std::max(2.0 * volume / area, 0.0) : 0.0;
+}
+
+bool is_linear(const mesh::CellBlock& block) {
+  return block.nodes.cols() == mesh::shape_of(block.type).corners;
+}
+
+// Bricks with bubbles bend as those of order 2 do.
+bool locks_in_bending(const mesh::CellBlock& block, Formulation of_part) {
+  const Formulation formulation = formulation_of(block, of_part);
+  return is_linear(block) && !(block.type == mesh::CellType::hex8 && formulation == Formulation::enhanced);
+}
+
+// Cells all of whose corners lie on the surface, as a share.
+double share_of_single_layers(const mesh::Mesh& mesh) {
+  std::vector<char> outside(static_cast<std::size_t>(mesh.n_nodes()), 0);
+  for (const mesh::CellBlock& block : mesh.boundary)
+    for (const mesh::Index node : block.nodes.reshaped()) outside[static_cast<std::size_t>(node)] = 1;
+  double single = 0.0, all = 0.0;
+  for (const mesh::CellBlock& block : mesh.solids)
+    for (Index row = 0; row < block.nodes.rows(); ++row) {
+      bool on_surface = true;
+      for (int a = 0; a < mesh::shape_of(block.type).corners; ++a)
+        on_surface = on_surface && outside[static_cast<std::size_t>(block.nodes(row, a))];
+      single += on_surface;
+      all += 1.0;
+    }
+  return all > 0.0 ? single / all : 0.0;
+}
+
+double worst_of(const MeshShare& share) {
+  double worst = share.modes.empty() ? 0.0 : share.modes.front().error;
+  for (const MeshShare::Interface& interface : share.interfaces) worst = std::max(worst, interface.error);
+  return worst;
+}
+
+}  // namespace
+
+MeshHints mesh_hints(const Part& part, double size, const std::optional<MeshShare>& share) {
+  constexpr double kWarn = 0.05, kNote = 0.01;
+  MeshHints out;
+  if (part.matrices || part.mesh.solids.empty()) return out;
+  const bool known = share && !(share->modes.empty() && share->interfaces.empty());
+  const double worst = known ? worst_of(*share) : 0.0;
+  // Whatever the estimate says: what it adds to the elements is held by the bulk modulus as they are.
+  for (const Material& material : part.materials) {
+    // nu of an isotropic material; beyond 0.495 the bulk modulus is a hundred times the shear modulus.
+    const double poisson = material.D(0, 1) / (material.D(0, 0) + material.D(0, 1));
+    if (poisson > 0.495)
+      out.warnings.push_back(fmt::format(
+          "material \"{}\" is nearly incompressible (Poisson's ratio {:.7g}), where elements of displacements are far too "
+          "stiff: take 0.49 unless its compressibility itself matters, and a finer mesh",
+          material.name, poisson));
+  }
+  if (known && !(worst > kNote)) return out;
+  std::vector<std::string>& to = !known || !(worst <= kWarn) ? out.warnings : out.notes;
+
+  if (const double thickness = mean_thickness(part.mesh); thickness > 0.0 && size > 2.0 * thickness)
+    to.push_back(fmt::format(
+        "the elements asked for (mesh.size {:.3g} m) are larger than the part is thick (about {:.3g} m, twice its volume over "
+        "its surface): choose a smaller mesh.size",
+        size, thickness));
+  double n_linear = 0.0, n_all = 0.0;
+  for (const mesh::CellBlock& block : part.mesh.solids) {
+    n_all += static_cast<double>(block.nodes.rows());
+    if (locks_in_bending(block, part.formulation)) n_linear += static_cast<double>(block.nodes.rows());
+  }
+  if (n_linear > 0.1 * n_all)
+    to.push_back(fmt::format("{:.0f} of {:.0f} elements are of order 1, far too stiff in bending: use order 2", n_linear, n_all));
+  if (share_of_single_layers(part.mesh) > 0.5)
+    to.push_back("most of the part has a single element through its thickness: two or more bend as they should");
+  return out;
+}
+
+}  // namespace flexura::reduce
