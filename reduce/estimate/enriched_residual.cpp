@@ -6,7 +6,7 @@
 
 #include "reduce/estimate/cell_data.hpp"
 #include "reduce/estimate/enriched_cells.hpp"
-#include "reduce/linalg/parallel.hpp"
+#include "reduce/linalg/dense/parallel.hpp"
 
 namespace flexura::reduce {
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "reduce/estimate/enriched_mesh.hpp"
-#include "reduce/linalg/progress.hpp"
+#include "reduce/linalg/dense/progress.hpp"
 
 /// r(w) = lambda m(u, w) - a(u, w) of all functions that a mesh gains (enriched_error.hpp), in one pass over its cells: eight
 /// of a type have their matrices computed together, which then meet all states.

@@ -71,6 +71,12 @@ done < <({ echo "$own_rules"; echo "==="; grep -nHE '^[[:space:]]*#[[:space:]]*i
     print file ":" at[2] ": includes \"" target "\"; " from " may include itself" (list == "" ? "" : " and " list)
   }')
 
+# Each header is there: one that is not shows only where its file is compiled.
+while IFS=: read -r file line rest; do
+  target=${rest#*\"}; target=${target%%\"*}
+  [[ $target != */* || -e $target ]] || breach "$file:$line: includes \"$target\", which does not exist"
+done < <(if [[ $PWD == "$here" ]]; then grep -nHE '^[[:space:]]*#[[:space:]]*include[[:space:]]*"' "${files[@]}"; fi)
+
 # Of others: `#include <header>`; a header of ours that shows a heavy library stays inside that folder.
 while IFS='|' read -r header where; do
   header=${header// /}
