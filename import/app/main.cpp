@@ -33,7 +33,7 @@ void report(const import::Mechanism& mechanism, const std::filesystem::path& fol
   if (talk.quiet) return;
   std::size_t joints = 0;
   for (const import::Element& e : mechanism.elements) joints += e.table == "joint" ? 1 : 0;
-  for (const std::string& note : mechanism.notes) fmt::print(stderr, "note: {}\n", note);
+  for (const std::string& note : mechanism.notes) terminal::say(stderr, "note: " + note);
   fmt::print("{} bodies, {} joints, {} other elements\n", mechanism.bodies.size(), joints, mechanism.elements.size() - joints);
   fmt::print("mechanism {}\n", (folder / "mechanism.toml").string());
 }

@@ -5,6 +5,7 @@
 
 #include "mbs/app/commands.hpp"
 #include "mbs/app/run/mechanism_runs.hpp"
+#include "mbs/app/run/state_table.hpp"
 #include "mbs/base/files/output.hpp"
 #include "mbs/base/terminal/terminal.hpp"
 #include "mbs/solver/run/state_file.hpp"
@@ -58,26 +59,26 @@ int print_assembled(const Arguments& arguments, const terminal::Talk& talk) {
   if (talk.quiet) return 0;
   for (const NamedRun& run : runs) {
     const mbs::PreparedMechanism& p = run.prepared;
-    const mbs::Mechanism& m = *p.mechanism;
-    const mbs::Sizes n = m.sizes();
+    const mbs::Sizes n = p.mechanism->sizes();
     const bool colour = terminal::takes_colour(stdout);
     fmt::print("{}\n\n", heading(run));
     terminal::Table positions({{"position", Align::left}, {"value"}});
-    for (int i = 0; i < n.n_p; ++i) positions.add_row({m.name_of_position(i), number(p.state.p(i), 9)});
-    terminal::Table velocities({{"velocity", Align::left}, {"value"}, {"acceleration"}});
+    const StateText text(p);
+    for (int i = 0; i < n.n_p; ++i) positions.add_row({text.position_name(i), text.position(i, 9)});
+    terminal::Table velocities({{"velocity", Align::left}, {"value"}, {"derivative, per s"}});
     for (int i = 0; i < n.n_v; ++i)
-      velocities.add_row({m.name_of_velocity(i), number(p.state.v(i), 9), number(p.v_dot(i), 9)});
+      velocities.add_row({text.velocity_name(i), text.velocity(i, 9), text.acceleration(i, 9)});
     fmt::print("{}\n{}\n", positions.text(terminal::width(stdout), colour),
                velocities.text(terminal::width(stdout), colour));
     if (n.n_lambda > 0) {
       terminal::Table multipliers({{"constraint", Align::left}, {"multiplier"}});
       for (int i = 0; i < n.n_lambda; ++i)
-        multipliers.add_row({m.name_of_constraint(i), number(p.state.lambda(i), 9)});
+        multipliers.add_row({text.multiplier_name(i), text.multiplier(i, 9)});
       fmt::print("{}\n", multipliers.text(terminal::width(stdout), colour));
     }
     fmt::print("assembled in {} steps; residuals {} (position), {} (velocity)\n", p.assembly.iterations,
                number(p.assembly.position_residual, 2), number(p.assembly.velocity_residual, 2));
-    for (const std::string& note : p.notes) fmt::print("note: {}\n", note);
+    for (const std::string& note : p.notes) terminal::say(stdout, "note: " + note);
   }
   return 0;
 }

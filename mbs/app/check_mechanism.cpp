@@ -6,6 +6,7 @@
 
 #include "mbs/app/run/mechanism_runs.hpp"
 #include "mbs/app/run/quantity_list.hpp"
+#include "mbs/app/run/state_table.hpp"
 #include "mbs/base/terminal/terminal.hpp"
 
 namespace flexura::app {
@@ -55,9 +56,8 @@ nlohmann::json to_json(const NamedRun& run) {
 
 }  // namespace
 
-int check_mechanism(const std::string& file, bool json, const terminal::Talk& talk) {
-  const std::vector<NamedRun> runs =
-      prepare_runs({.file = file, .set = {}, .runs = {}, .from_state = {}, .cache = {}});
+int check_mechanism(const MechanismArguments& arguments, bool json, const terminal::Talk& talk) {
+  const std::vector<NamedRun> runs = prepare_runs(arguments);
   if (json) {
     nlohmann::json list = nlohmann::json::array();
     for (const NamedRun& run : runs) list.push_back(to_json(run));
@@ -111,17 +111,17 @@ int check_mechanism(const std::string& file, bool json, const terminal::Talk& ta
       fmt::print("\n");
     }
     terminal::Table states({{"state", terminal::Align::left}, {"position"}, {"velocity"}});
+    const StateText text(p);
     for (int i = 0; i < n.n_v; ++i)
-      states.add_row({m.name_of_velocity(i),
-                      n.n_p == n.n_v ? terminal::number(p.state.p(i), 7) : std::string("see assemble"),
-                      terminal::number(p.state.v(i), 7)});
+      states.add_row({text.velocity_name(i), n.n_p == n.n_v ? text.position(i, 7) : std::string("see assemble"),
+                      text.velocity(i, 7)});
     fmt::print("{}\n", states.text(terminal::width(stdout), colour));
     if (n.n_dyn + n.n_lambda + n.n_alg + n.n_root > 0) {
       terminal::Table others({{"state", terminal::Align::left}, {"kind", terminal::Align::left}, {"value"}});
       for (int i = 0; i < n.n_dyn; ++i)
         others.add_row({m.name_of_dynamic(i), "dynamic", terminal::number(p.state.c(i), 7)});
       for (int i = 0; i < n.n_lambda; ++i)
-        others.add_row({m.name_of_constraint(i), "constraint force", terminal::number(p.state.lambda(i), 7)});
+        others.add_row({text.multiplier_name(i), "constraint force", text.multiplier(i, 7)});
       for (int i = 0; i < n.n_alg; ++i)
         others.add_row({m.name_of_algebraic(i), "algebraic", terminal::number(p.state.a(i), 7)});
       for (int i = 0; i < n.n_root; ++i)
@@ -133,7 +133,7 @@ int check_mechanism(const std::string& file, bool json, const terminal::Talk& ta
     fmt::print("Quantities (* stored when the file does not say which{}):\n{}\n",
                p.redundant.empty() ? "" : ", ? not unique: without the redundant constraints left out",
                quantity_list(p, terminal::width(stdout)));
-    for (const std::string& note : p.notes) fmt::print("note: {}\n", note);
+    for (const std::string& note : p.notes) terminal::say(stdout, "note: " + note);
   }
   return 0;
 }

@@ -13,6 +13,7 @@ namespace flexura::app {
 terminal::Command assemble_command();
 terminal::Command check_command();
 terminal::Command eigen_command();
+terminal::Command examples_command();
 terminal::Command export_command();
 terminal::Command import_command();
 terminal::Command linearize_command();
@@ -28,6 +29,9 @@ terminal::Command study_command();
 terminal::Command view_command();
 
 std::vector<terminal::Command> all_commands();
+
+/// Lines below the version: compiler, libraries with their versions, what is there and what is missing.
+std::string version_details();
 
 /// The folder of the running program: its companions lie beside it.
 std::filesystem::path program_folder();

@@ -184,7 +184,7 @@ int print_buckling(const Arguments& arguments, const terminal::Talk& talk) {
                      moves_most(*p.mechanism, mode.shape.cwiseAbs())});
     }
     if (index > 0) fmt::print("{}\n", table.text(terminal::width(stdout), terminal::takes_colour(stdout)));
-    for (const std::string& note : p.notes) fmt::print("note: {}\n", note);
+    for (const std::string& note : p.notes) terminal::say(stdout, "note: " + note);
   }
   if (arguments.json) print_json("buckling", runs, list);
   return 0;
@@ -311,7 +311,7 @@ int print_modes(const Arguments& arguments, const terminal::Talk& talk) {
       fmt::print("{}\n\n", heading(run));
       if (!modes.empty())
         fmt::print("{}\n", table.text(terminal::width(stdout), terminal::takes_colour(stdout)));
-      for (const std::string& note : p.notes) fmt::print("note: {}\n", note);
+      for (const std::string& note : p.notes) terminal::say(stdout, "note: " + note);
     }
     if (arguments.pictures.empty()) continue;
     write_mode_pictures(arguments.pictures, run, arguments.file, modes, arguments.count, arguments.amplitude);

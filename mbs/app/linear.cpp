@@ -58,8 +58,8 @@ int print_statics(const Arguments& arguments, const terminal::Talk& talk) {
     for (std::size_t i = 0; i < which.size(); ++i) {
       const auto& info = infos[which[i]];
       const double value = values(static_cast<Eigen::Index>(i));
-      table.add_row({info.name, number(value, 9), input::si_unit(info.dimension)});
-      quantities.push_back({{"name", info.name}, {"value", value}, {"unit", input::si_unit(info.dimension)}});
+      table.add_row({info.name, number(value, 9), mbs::unit_of(info)});
+      quantities.push_back({{"name", info.name}, {"value", value}, {"unit", mbs::unit_of(info)}});
     }
     if (arguments.json) {
       list.push_back(run_json(run));
@@ -69,7 +69,7 @@ int print_statics(const Arguments& arguments, const terminal::Talk& talk) {
     }
     fmt::print("{}\n\n{}\n", heading(run),
                table.text(terminal::width(stdout), terminal::takes_colour(stdout)));
-    for (const std::string& note : p.notes) fmt::print("note: {}\n", note);
+    for (const std::string& note : p.notes) terminal::say(stdout, "note: " + note);
   }
   if (arguments.json) print_json("equilibrium", runs, list);
   return 0;
@@ -220,7 +220,7 @@ int write_linear_system(const Arguments& arguments, const terminal::Talk& talk) 
     for (const auto& one : written)
       fmt::print("{} states, {} inputs, {} outputs: {}\n", file.names[0].second.size(),
                  file.names[1].second.size(), file.names[2].second.size(), one.string());
-    for (const std::string& note : p.notes) fmt::print("note: {}\n", note);
+    for (const std::string& note : p.notes) terminal::say(stdout, "note: " + note);
   }
   return 0;
 }

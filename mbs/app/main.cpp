@@ -17,6 +17,7 @@ int main(int argc, char** argv) {
       .examples = {{"flexura reduce conrod.toml -o conrod.se.h5", "make a superelement of a CAD part"},
                    {"flexura modes conrod.se.h5", "list its modes"},
                    {"flexura simulate engine.toml -o engine.h5", "simulate a mechanism with it"},
-                   {"flexura view engine.h5 -o engine.html", "write a page that shows it move"}}};
+                   {"flexura view engine.h5 -o engine.html", "write a page that shows it move"}},
+      .details = app::version_details};
   return terminal::run(program, argc, argv);
 }

@@ -35,7 +35,7 @@ view::Report read_report(const std::string& file) {
         fmt::format("'{}' is not JSON: {}; correct it there", file, what.substr(what.find("] ") + 2)));
   }
   try {
-    return view::report_from_json(json);
+    return view::is_told_by_reduction(json) ? view::reduction_report(json) : view::report_from_json(json);
   } catch (const std::invalid_argument& failure) {
     throw std::invalid_argument(fmt::format("'{}': {}", file, failure.what()));
   }
@@ -50,7 +50,7 @@ int run(const Arguments& arguments, const terminal::Talk& talk) {
   const view::Report report =
       is_json
           ? read_report(arguments.file)
-          : view::reduction_report(superelement::read(arguments.file, {.matrices = true, .inertia = true}));
+          : view::reduction_report(superelement::read(arguments.file, {.matrices = true, .inertia = true, .surface = true}));
   view::write_report_page(html, report);
   if (!talk.quiet) fmt::print("wrote {}\n", html.string());
   return 0;
@@ -62,10 +62,11 @@ terminal::Command report_command() {
   return {"report", "write a page that reports on a reduction, or on tables and plots given as JSON",
           [](terminal::Options& options, const terminal::Talk& talk) -> std::function<int()> {
             auto arguments = std::make_shared<Arguments>();
-            options.argument("FILE", arguments->file, "superelement file (.h5) or report (.json)")
+            options.argument("FILE", arguments->file, "superelement file (.h5), what reduce --report wrote, or a report (.json)")
                 .option("-o,--output", arguments->html, "PAGE", "the page (otherwise FILE with .html)")
                 .example("flexura report conrod.se.h5 -o conrod.report.html",
                          "mesh, modes, checks and times of the reduction")
+                .example("flexura report conrod.report.json", "the same of what flexura reduce --report conrod.report.json wrote")
                 .example("flexura report extremes.json", "tables and plots of a program of your own");
             return [arguments, &talk] { return run(*arguments, talk); };
           }};

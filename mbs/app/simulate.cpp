@@ -143,7 +143,7 @@ int simulate(SimulateArguments arguments, const terminal::Talk& talk) {
     memory.to = std::make_unique<Checkpoints>(
         arguments.output, interval > 0.0 ? interval : memory.from->interval(), identity, memory.from.get());
     if (memory.from && !memory.from->note().empty() && !talk.quiet)
-      fmt::print(stderr, "note: {}\n", memory.from->note());
+      terminal::say(stderr, "note: " + memory.from->note());
     if (!memory.from && std::filesystem::exists(checkpoint_files.newest) && !talk.quiet)
       fmt::print(
           stderr,
@@ -207,7 +207,7 @@ int simulate(SimulateArguments arguments, const terminal::Talk& talk) {
     const PreparedMechanism& prepared = run.prepared;
     if (!talk.quiet) {
       progress.clear();
-      for (const std::string& note : prepared.notes) fmt::print(stderr, "note: {}: {}\n", run.name, note);
+      for (const std::string& note : prepared.notes) terminal::say(stderr, fmt::format("note: {}: {}", run.name, note));
     }
     if (!arguments.save_state.empty())
       mbs::write_state(arguments.save_state, *prepared.mechanism, prepared.file.name, r.state,
@@ -241,7 +241,7 @@ int simulate(SimulateArguments arguments, const terminal::Talk& talk) {
     }
     for (const std::string& sentence : outcome.warnings) {
       progress.clear();
-      fmt::print(stderr, "warning: {}: {}\n", run.name, sentence);
+      terminal::say(stderr, fmt::format("warning: {}: {}", run.name, sentence));
     }
     const bool complete = r.complete, as_told = r.stopped_as_told;
     const std::string why = r.stopped_because;
@@ -249,7 +249,7 @@ int simulate(SimulateArguments arguments, const terminal::Talk& talk) {
     if (as_told) {
       if (!talk.quiet) {
         progress.clear();
-        fmt::print(stderr, "note: run \"{}\": {}\n", run.name, why);
+        terminal::say(stderr, fmt::format("note: run \"{}\": {}", run.name, why));
       }
     } else if (!complete) {
       stopped = fmt::format("run \"{}\" stopped: {}", run.name, why);
@@ -269,7 +269,7 @@ int simulate(SimulateArguments arguments, const terminal::Talk& talk) {
     print_json("results", runs, list);
   } else if (!talk.quiet) {
     print_summary(done, talk.verbose);
-    for (const std::string& line : remarks) fmt::print("{}\n", line);
+    for (const std::string& line : remarks) terminal::say(stdout, line);
     fmt::print("results {}\n", arguments.output);
   }
   if (!stopped.empty())

@@ -87,7 +87,7 @@ void print_table(const StudyFile& study, const Judgement& judgement) {
   fmt::print("* = nothing else is both faster and more accurate; the reference is known within {} %\n\n",
              percent(judgement.largest_uncertainty));
   for (const std::string& text : judgement.answers) fmt::print("{}\n", text);
-  for (const std::string& text : judgement.notes) fmt::print("note: {}\n", text);
+  for (const std::string& text : judgement.notes) terminal::say(stdout, "note: " + text);
 }
 
 view::ReportPlot front_plot(const StudyFile& study, const Judgement& judgement) {
@@ -184,7 +184,7 @@ int run(const Arguments& arguments, const terminal::Talk& talk) {
   options.note = [&](std::string_view words) {
     if (talk.quiet) return;
     progress.clear();
-    fmt::print(stderr, "note: {}\n", words);
+    terminal::say(stderr, fmt::format("note: {}", words));
   };
   read_share(arguments.share, options);
   const study::Measurements measured = [&] {

@@ -8,7 +8,6 @@
 
 #include "mbs/base/documents/document.hpp"
 
-
 namespace flexura::mbs {
 namespace {
 
@@ -29,6 +28,13 @@ const std::vector<OutputInfo>& run_quantities() {
        "error "
        "of the run"}};
   return infos;
+}
+
+// Dimensions do not tell a joule from a newton metre; list_quantities() and run_quantities() give energies these names.
+std::string unit_of(const OutputInfo& quantity) {
+  const bool is_energy = quantity.dimension == input::dim::energy &&
+                         (quantity.name.starts_with("energy.") || quantity.name.ends_with(".strain_energy"));
+  return is_energy ? "J" : input::si_unit(quantity.dimension);
 }
 
 std::vector<int> select_quantities(const Mechanism& mechanism, const std::vector<std::string>& patterns) {

@@ -13,6 +13,9 @@ namespace flexura::mbs {
 /// They are stored with every run, whatever is asked for.
 const std::vector<OutputInfo>& run_quantities();
 
+/// The SI unit of a quantity: joules of an energy, which has the dimension of a torque; "" of a plain number.
+std::string unit_of(const OutputInfo& quantity);
+
 /// Indices of the wanted quantities, in the order of the patterns; the usual ones for no patterns.
 /// Patterns may also fit run_quantities(), which are not among them.
 /// Throws std::invalid_argument for a pattern that fits nothing ("did you mean ...?").

@@ -16,6 +16,14 @@ namespace flexura::view {
 
 namespace {
 
+/// The edges of all triangles, sorted, so that equal edges are neighbours.
+struct EdgeUse {
+  std::int32_t low, high, triangle;
+  auto operator<=>(const EdgeUse&) const = default;
+};
+
+}  // namespace
+
 std::string base64(std::span<const unsigned char> data) {
   static constexpr char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
   std::string text;
@@ -28,14 +36,6 @@ std::string base64(std::span<const unsigned char> data) {
   }
   return text;
 }
-
-/// The edges of all triangles, sorted, so that equal edges are neighbours.
-struct EdgeUse {
-  std::int32_t low, high, triangle;
-  auto operator<=>(const EdgeUse&) const = default;
-};
-
-}  // namespace
 
 std::string encode_block(std::span<const std::byte> data, std::size_t item_size) {
   const std::size_t items = data.size() / item_size;

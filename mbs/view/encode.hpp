@@ -27,6 +27,9 @@
 /// and only the difference is kept.  It is of second order in the mesh size: few bits are left for deflate.
 namespace flexura::view {
 
+/// Bytes as base64 text.
+std::string base64(std::span<const unsigned char> data);
+
 /// Base64 text of a deflated block; item_size is the size of one number in bytes.
 std::string encode_block(std::span<const std::byte> data, std::size_t item_size);
 

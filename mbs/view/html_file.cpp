@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "mbs/view/html.hpp"
+#include "mbs/view/resources.hpp"
 
 namespace flexura::view {
 
@@ -26,7 +27,7 @@ constexpr std::string_view head = R"(<!doctype html>
 }  // namespace
 
 HtmlFile::HtmlFile(const std::filesystem::path& path, std::string_view title, std::string_view style)
-    : path_(path), file_(path), out_(file_.part(), std::ios::binary | std::ios::trunc) {
+    : path_((require_pages(), path)), file_(path), out_(file_.part(), std::ios::binary | std::ios::trunc) {
   if (!out_) fail(std::strerror(errno));
   put(head);
   put(escape_html(title));

@@ -95,7 +95,12 @@ struct ReportCode {
   std::string title, text;
 };
 
-using ReportBlock = std::variant<ReportText, ReportNotice, ReportFacts, ReportTable, ReportPlot, ReportCode>;
+/// A drawing, an SVG element that the program made (part_drawing.hpp), never a user's text.
+struct ReportDrawing {
+  std::string title, svg, note{};
+};
+
+using ReportBlock = std::variant<ReportText, ReportNotice, ReportFacts, ReportTable, ReportPlot, ReportCode, ReportDrawing>;
 
 struct ReportSection {
   std::string title;

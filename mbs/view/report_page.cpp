@@ -138,6 +138,13 @@ class ReportWriter {
     file_.put("</dl>");
   }
 
+  void put(const ReportDrawing& block) {
+    file_.put(fmt::format("<figure class=\"card drawing\"><h3>{}</h3>", escape_html(block.title)));
+    file_.put(block.svg);
+    put_note(block.note);
+    file_.put("</figure>\n");
+  }
+
   void put(const ReportCode& block) {
     file_.put(fmt::format(
         "<details class=\"card code\"><summary>{}</summary><pre tabindex=\"0\">{}</pre></details>\n",

@@ -1,6 +1,8 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include "mbs/view/resources.hpp"
 
+#include <stdexcept>
+
 // The assembler copies the files in: no generated source, no megabyte of hexadecimal for the compiler.
 // clang-format off
 #define FLEXURA_EMBED(symbol, file)                \
@@ -30,6 +32,19 @@ std::string_view between(const char* begin, const char* end) {
 }
 
 }  // namespace
+
+bool has_pages() {
+  return !page_script().empty() && !report_script().empty();
+}
+
+const char* const kNoPages =
+    "no; Node and npm (Debian: nodejs, npm) or their registry were missing when it was built: build again with them";
+
+void require_pages() {
+  if (!has_pages())
+    throw std::runtime_error("this program was built without its pages: Node and npm (Debian: nodejs, npm) or their registry were "
+                             "missing; build it again with them, or take --json, --csv or flexura export");
+}
 
 std::string_view page_script() {
   return between(flexura_page_js_begin, flexura_page_js_end);

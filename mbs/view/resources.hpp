@@ -5,6 +5,13 @@
 
 namespace flexura::view {
 
+/// The bundle was there when the program was built; without it the texts below are empty.
+bool has_pages();
+/// What is missing without it, and what to do.
+extern const char* const kNoPages;
+/// Throws std::runtime_error where a page cannot be written for want of it.
+void require_pages();
+
 /// The bundled script of the pages that draw (web/src with three.js and uPlot), and their style sheet.
 std::string_view page_script();
 std::string_view page_style();

@@ -4,6 +4,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 #include <ostream>
 
 #include "mbs/base/files/inputs.hpp"
@@ -20,21 +22,38 @@ mesh::CadReport faces_of(const std::filesystem::path& file) {
   return part.sheet_thickness > 0.0 ? mesh::list_sheet(part.cad) : mesh::list_faces(part.cad);
 }
 
-/// An interface table for the largest bore, else the largest plane: something to copy and change.
+bool is_whole(const mesh::Face& face) {
+  return face.sweep > 1.5 * std::numbers::pi;
+}
+
+bool is_bore(const mesh::Face& face) {
+  return face.kind == mesh::FaceKind::cylinder && face.hole && is_whole(face);
+}
+
+/// An interface table for the largest bore, else the largest shaft, else the largest plane: something to copy and change.
 void print_example(const std::vector<mesh::Face>& faces, std::ostream& out) {
   const auto rank = [](const mesh::Face& f) {
-    return f.area * (f.kind == mesh::FaceKind::cylinder ? 1e3 : f.kind == mesh::FaceKind::plane ? 1.0 : 1e-3);
+    // A bore is what pins go through; then shafts, then planes.
+    return f.area * (is_bore(f) ? 1e6 : f.kind == mesh::FaceKind::cylinder && is_whole(f) ? 1e3
+                     : f.kind == mesh::FaceKind::plane                                    ? 1.0
+                                                                                          : 1e-3);
   };
   const auto best = std::max_element(faces.begin(), faces.end(),
                                      [&](const auto& a, const auto& b) { return rank(a) < rank(b); });
   if (best == faces.end()) return;
   out << "\nIn the part file, for example:\n\n";
-  if (best->kind == mesh::FaceKind::cylinder) {
-    const Eigen::Vector3d p = best->axis_point * 1e3, a = best->axis;
+  if (best->kind == mesh::FaceKind::cylinder && is_whole(*best)) {
+    // Coordinates that are round-off of the file's are zero.
+    double size = 0.0;
+    for (const mesh::Face& face : faces) size = std::max(size, face.box.cwiseAbs().maxCoeff());
+    const auto rounded = [](Eigen::Vector3d v, double scale) -> Eigen::Vector3d {
+      return (v.array().abs() < 1e-9 * scale).select(0.0, v);
+    };
+    const Eigen::Vector3d p = rounded(best->axis_point, size) * 1e3, a = rounded(best->axis, 1.0);
     out << fmt::format(
-        "[interface.bore]\nby = \"cylinder\"\npoint = [\"{:.6g} mm\", \"{:.6g} mm\", \"{:.6g} mm\"]\n"
+        "[interface.{}]\nby = \"cylinder\"\npoint = [\"{:.6g} mm\", \"{:.6g} mm\", \"{:.6g} mm\"]\n"
         "axis = [{:.6g}, {:.6g}, {:.6g}]\nradius = \"{:.6g} mm\"\n",
-        p.x(), p.y(), p.z(), a.x(), a.y(), a.z(), best->radius * 1e3);
+        is_bore(*best) ? "bore" : "shaft", p.x(), p.y(), p.z(), a.x(), a.y(), a.z(), best->radius * 1e3);
   } else {
     out << fmt::format("[interface.face]\nby = \"faces\"\nfaces = [{}]\n", best->number);
   }

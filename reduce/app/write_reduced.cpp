@@ -68,7 +68,7 @@ void reduce_and_write(const Input& input, const std::filesystem::path& output, c
   if (!options.report.empty()) superelement::write_whole(options.report, reduced.json.dump(2) + "\n");
   line.finish();
   log.finish();
-  for (const std::string& warning : reduced.warnings) fmt::print(stderr, "warning: {}\n", warning);
+  for (const std::string& warning : reduced.warnings) terminal::say(stderr, "warning: " + warning);
   if (!options.quiet) fmt::print("{}wrote {}\n", reduced.text, output.string());
 }
 

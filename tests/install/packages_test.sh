@@ -21,6 +21,12 @@ dpkg-deb -f "$(ls "$work"/debs/flexura_*.deb)" Depends | grep -qE 'petsc|slepc|g
 export PATH="$work/root/usr/bin:$PATH"
 cd "$work"
 flexura --version
+for page in flexura flexura-modes flexura-reduce; do [ -s "$work/root/usr/share/man/man1/$page.1.gz" ] || fail "no manual page $page"; done
+for file in bash-completion/completions/flexura zsh/vendor-completions/_flexura fish/vendor_completions.d/flexura.fish; do
+  [ -s "$work/root/usr/share/$file" ] || fail "no completion $file"
+done
+flexura examples switches -q
+flexura simulate switches/bouncing_ball.toml -o ball.h5 -q
 flexura new mechanism -o start.toml -q
 flexura simulate start.toml -o start.h5 -q
 flexura new beams -o beams.toml -q

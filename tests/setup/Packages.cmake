@@ -2,8 +2,13 @@
 # those of mbs/library.
 install(TARGETS flexura RUNTIME DESTINATION bin COMPONENT runtime)
 install(FILES LICENSE README.md CHANGELOG.md DESTINATION share/doc/flexura COMPONENT runtime)
+# Manual pages (of each command), completion and the examples; the programs themselves tell the first two.
+install(CODE "execute_process(COMMAND bash ${CMAKE_SOURCE_DIR}/tests/setup/shell_files.sh ${CMAKE_BINARY_DIR}/bin/flexura ${CMAKE_BINARY_DIR}/share COMMAND_ERROR_IS_FATAL ANY)"
+        COMPONENT runtime)
+install(DIRECTORY ${CMAKE_BINARY_DIR}/share/ DESTINATION share COMPONENT runtime)
+install(DIRECTORY cases DESTINATION share/flexura COMPONENT runtime USE_SOURCE_PERMISSIONS)
 install(TARGETS flexura-reduce flexura-mesh flexura-import flexura-assembly RUNTIME DESTINATION bin COMPONENT reduction)
-install(DIRECTORY mbs/python/flexura DESTINATION lib/python3/dist-packages COMPONENT python FILES_MATCHING PATTERN "*.py")
+install(DIRECTORY mbs/python/flexura DESTINATION lib/python3/dist-packages COMPONENT python FILES_MATCHING PATTERN "*.py" PATTERN "py.typed")
 
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME flexura)

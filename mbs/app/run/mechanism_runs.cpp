@@ -21,6 +21,10 @@ void declare_mechanism(terminal::Options& options, MechanismArguments& arguments
   } else {
     options.optional_argument("FILE", arguments.file, "mechanism file (.toml)");
   }
+  declare_choices(options, arguments);
+}
+
+void declare_choices(terminal::Options& options, MechanismArguments& arguments) {
   options
       .option("--set", arguments.set, "KEY=VALUE",
               "override a key of the file, as in body.rod.fidelity=rigid")
@@ -88,7 +92,7 @@ void give_warnings(NamedRun& run) {
   for (const std::string& note : notes)
     if (is_warning(note)) {
       run.warnings.push_back(note.substr(mbs::warning_mark.size()));
-      fmt::print(stderr, "warning: {}: {}\n", run.name, run.warnings.back());
+      terminal::say(stderr, fmt::format("warning: {}: {}", run.name, run.warnings.back()));
     }
   std::erase_if(notes, is_warning);
 }

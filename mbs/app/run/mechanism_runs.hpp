@@ -22,6 +22,9 @@ struct MechanismArguments {
 
 void declare_mechanism(terminal::Options& options, MechanismArguments& arguments, bool needs_file = true);
 
+/// What declare_mechanism() declares beside FILE: --set, --from-state, --run, --cache.
+void declare_choices(terminal::Options& options, MechanismArguments& arguments);
+
 struct NamedRun {
   std::string name;
   mbs::PreparedMechanism prepared;
@@ -69,6 +72,6 @@ nlohmann::json run_json(const NamedRun& run);
 void print_json(const std::string& kind, const std::vector<NamedRun>& runs, const nlohmann::json& list);
 
 /// `flexura check` of a mechanism file, as tables or as JSON.
-int check_mechanism(const std::string& file, bool json, const terminal::Talk& talk);
+int check_mechanism(const MechanismArguments& arguments, bool json, const terminal::Talk& talk);
 
 }  // namespace flexura::app

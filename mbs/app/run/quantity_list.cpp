@@ -20,7 +20,7 @@ std::vector<Listed> listed(const mbs::PreparedMechanism& p) {
   const mbs::Mechanism& m = *p.mechanism;
   std::vector<Listed> list;
   for (const mbs::OutputInfo& info : m.quantities())
-    list.push_back({info.name, input::si_unit(info.dimension), info.doc});
+    list.push_back({info.name, mbs::unit_of(info), info.doc});
   for (const int i : m.usual_quantities()) list[i].is_usual = true;
   const std::vector<bool> open = m.not_unique(p.state.t, p.state.p);
   for (std::size_t i = 0; i < open.size(); ++i) list[i].is_unique = !open[i];
@@ -77,10 +77,15 @@ std::string quantity_list(const mbs::PreparedMechanism& prepared, std::size_t wi
       word += own[i].is_usual ? "*" : "";
       word += own[i].is_unique ? "" : "?";
       // The unit once for all of it that follow each other.
-      if (last + 1 == own.size() || own[last + 1].unit != own[i].unit) word += " [" + own[i].unit + "]";
+      if (last + 1 == own.size() || own[last + 1].unit != own[i].unit) word += " [" + (own[i].unit.empty() ? "-" : own[i].unit) + "]";
       if (last + 1 < own.size()) word += ",";
       words.push_back(std::move(word));
       i = last;
+    }
+    // A measure is a quantity itself.
+    if (own.size() == 1 && own[0].name.empty()) {
+      text += fmt::format("  {}{}\n", owner, words[0]);
+      continue;
     }
     std::string line = fmt::format("  {}:", owner);
     for (const std::string& word : words) {

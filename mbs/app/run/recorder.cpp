@@ -101,7 +101,7 @@ Recorder::Recorder(const mbs::PreparedMechanism& prepared, results::Writer& writ
   which_ = mbs::select_quantities(mechanism_, patterns);
   const auto infos = mechanism_.quantities();
   for (const int i : which_)
-    quantities_.push_back({infos[i].name, input::si_unit(infos[i].dimension), infos[i].doc});
+    quantities_.push_back({infos[i].name, mbs::unit_of(infos[i]), infos[i].doc});
   for (const mbs::OutputInfo& info : mbs::run_quantities()) quantities_.push_back({info.name, "J", info.doc});
   const auto& bodies = mechanism_.description().bodies;
   for (std::size_t b = 0; b < bodies.size(); ++b) {

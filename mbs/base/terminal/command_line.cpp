@@ -15,6 +15,7 @@
 #include "mbs/base/files/signals.hpp"
 #include "mbs/base/hdf5/file.hpp"
 #include "mbs/base/terminal/description.hpp"
+#include "mbs/base/terminal/libraries.hpp"
 #include "mbs/base/terminal/terminal.hpp"
 
 namespace flexura::terminal {
@@ -38,8 +39,9 @@ constexpr int bad_input = 2;
 
 void print_error(const std::string& message) {
   // Nothing more can be done where this cannot be written either.
-  std::fputs(
-      fmt::format("{} {}\n", red("error:", takes_colour(stderr)), input::shown_message(message)).c_str(), stderr);
+  std::string line = folded("error: " + input::shown_message(message), takes_columns(stderr));
+  if (takes_colour(stderr)) line.replace(0, 6, red("error:", true));
+  std::fputs((line + "\n").c_str(), stderr);
 }
 
 std::string examples_text(const std::vector<std::pair<std::string, std::string>>& examples) {
@@ -137,10 +139,27 @@ int run_command(const Command& command, const std::string& full_name, const std:
   return work();
 }
 
+std::string completion(const Program& program, const std::string& shell) {
+  if (shell == "bash") return bash_completion(program);
+  if (shell == "zsh") return zsh_completion(program);
+  if (shell == "fish") return fish_completion(program);
+  throw std::invalid_argument(fmt::format("there is no completion for \"{}\"; write bash, zsh or fish", shell));
+}
+
+const Command& named_command(const Program& program, const std::string& name) {
+  std::vector<std::string> names;
+  for (const Command& command : program.commands) {
+    if (command.name == name) return command;
+    names.push_back(command.name);
+  }
+  throw std::invalid_argument(fmt::format("unknown command \"{}\"{}", name, input::suggestion(name, names)));
+}
+
 // How many words a request to the program itself has at most; 0 for a command, which counts its own.
 std::size_t words_of_its_own(const std::string& word) {
-  if (word == "help") return 2;
-  for (const char* const one : {"--help", "-h", "--version", "version", "completion", "man"})
+  for (const char* const two : {"help", "completion", "man"})
+    if (word == two) return 2;
+  for (const char* const one : {"--help", "-h", "--version", "version"})
     if (word == one) return 1;
   return 0;
 }
@@ -155,7 +174,8 @@ std::string program_help(const Program& program) {
   }
   text += fmt::format(
       "\n\"{0} COMMAND --help\" describes one command, \"{0} --version\" says which version this is.\n"
-      "\"{0} man | man -l -\" is the manual, eval \"$({0} completion)\" completes in bash.\n"
+      "\"{0} man | man -l -\" is the manual (\"{0} man COMMAND\" of one), eval \"$({0} completion)\" completes in bash, "
+      "\"{0} completion zsh\" and \"fish\" print theirs.\n"
       "Exit codes: 0 done, 1 failed or interrupted (what was computed is kept), 2 bad input.\n",
       program.name);
   if (!program.examples.empty()) text += "\n" + examples_text(program.examples);
@@ -321,7 +341,8 @@ int run(const Command& command, const std::string& version, int argc, const char
                  only == "--list-options" ? option_list(command) : manual_section(command.name, command));
       return 0;
     }
-    return run_command(command, command.name, version, std::vector<std::string>(argv + 1, argv + argc));
+    return run_command(command, command.name, version + "\nlibraries: " + loaded_libraries(),
+                       std::vector<std::string>(argv + 1, argv + argc));
   });
 }
 
@@ -342,11 +363,15 @@ int run(const Program& program, int argc, const char* const* argv) {
       return 0;
     }
     if (words[0] == "--version" || words[0] == "version") {
-      fmt::print("{} {}\n", program.name, program.version);
+      fmt::print("{} {}\n{}", program.name, program.version, program.details ? program.details() : "");
       return 0;
     }
-    if (words[0] == "completion" || words[0] == "man") {
-      fmt::print("{}", words[0] == "man" ? manual_page(program) : bash_completion(program));
+    if (words[0] == "completion") {
+      fmt::print("{}", completion(program, words.size() > 1 ? words[1] : "bash"));
+      return 0;
+    }
+    if (words[0] == "man") {
+      fmt::print("{}", words.size() > 1 ? manual_page(program, named_command(program, words[1])) : manual_page(program));
       return 0;
     }
     if (words[0] == "help") words = {words[1], "--help"};

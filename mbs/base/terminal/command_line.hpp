@@ -69,12 +69,13 @@ struct Program {
   std::string summary;
   std::vector<Command> commands;
   std::vector<std::pair<std::string, std::string>> examples;  ///< command and what it does
+  std::function<std::string()> details{};                      ///< lines below the version: libraries, features
 };
 
 /// Reads the command line, runs the command and turns whatever is thrown into "error: ..." and an exit code.
 /// Prepares the process for it: unfinished files go with every end (mbs/files), and standard output that
-/// cannot be written is a failure. Every program also knows "completion" (a bash script) and "man" (its
-/// manual page), made of the same declarations.
+/// cannot be written is a failure. Every program also knows "completion" (a script for bash, zsh or fish) and
+/// "man" (its manual page, or a command's), made of the same declarations.
 int run(const Program& program, int argc, const char* const* argv);
 
 /// The same for a program with a single purpose; "--list-options" prints its options for completion

@@ -22,11 +22,15 @@ struct Description {
 
 Description describe(const Command& command);
 
-/// A bash script that completes commands, options and the values of choices.
+/// Scripts that complete commands, options and the values of choices.
 std::string bash_completion(const Program& program);
+std::string zsh_completion(const Program& program);
+std::string fish_completion(const Program& program);
 
 /// The manual page in roff, for man(1).
 std::string manual_page(const Program& program);
+/// The page of one of its commands: flexura-modes(1).
+std::string manual_page(const Program& program, const Command& command);
 /// One command's part of the page, under its full name.
 std::string manual_section(const std::string& full_name, const Command& command);
 /// Its options in one line, for completion.

@@ -10,16 +10,6 @@
 namespace flexura::terminal {
 namespace {
 
-std::vector<std::string> split_names(const std::string& names) {
-  std::vector<std::string> all;
-  std::size_t start = 0;
-  for (std::size_t comma; (comma = names.find(',', start)) != std::string::npos; start = comma + 1) {
-    all.push_back(names.substr(start, comma - start));
-  }
-  all.push_back(names.substr(start));
-  return all;
-}
-
 // roff takes a leading dot or quote for a request and a backslash for an escape; a bare "-" would become a
 // hyphen.
 std::string roff(const std::string& text) {
@@ -62,60 +52,6 @@ std::string helper_says(const std::string& program_and_words) {
 
 }  // namespace
 
-std::string bash_completion(const Program& program) {
-  std::string commands, cases;
-  for (const Command& command : program.commands) {
-    commands += (commands.empty() ? "" : " ") + command.name;
-    if (!command.helper.empty()) {
-      cases += fmt::format(
-          "    {0}) options=$(\"$(dirname -- \"$(command -v -- \"${{COMP_WORDS[0]}}\")\")\"/{1} "
-          "--list-options 2>/dev/null) ;;\n",
-          command.name, command.helper);
-      continue;
-    }
-    std::string options, values;
-    for (const Entry& entry : describe(command).entries) {
-      if (entry.is_argument) continue;
-      const std::vector<std::string> names = split_names(entry.names);
-      for (const std::string& name : names) options += " " + name;
-      if (!entry.choices.empty()) {
-        values += fmt::format("        {}) COMPREPLY=($(compgen -W \"{}\" -- \"$cur\")); return ;;\n",
-                              fmt::join(names, "|"), fmt::join(entry.choices, " "));
-      }
-    }
-    cases += fmt::format("    {})\n      options=\"{} --help\"\n", command.name,
-                         options.substr(options.empty() ? 0 : 1));
-    if (!values.empty()) cases += "      case $prev in\n" + values + "      esac\n";
-    cases += "      ;;\n";
-  }
-  return fmt::format(
-      "# Completion of {0} for bash: eval \"$({0} completion)\"\n"
-      "_{0}_complete() {{\n"
-      "  local cur=${{COMP_WORDS[COMP_CWORD]}} prev=${{COMP_WORDS[COMP_CWORD-1]}} options=\n"
-      "  COMPREPLY=()\n"
-      "  if ((COMP_CWORD == 1)); then\n"
-      "    COMPREPLY=($(compgen -W \"{1} help completion man --help --version\" -- \"$cur\"))\n"
-      "    return\n"
-      "  fi\n"
-      "  case ${{COMP_WORDS[1]}} in\n"
-      "{2}"
-      "    help) COMPREPLY=($(compgen -W \"{1}\" -- \"$cur\")); return ;;\n"
-      "  esac\n"
-      "  [[ $cur != -* ]] || COMPREPLY=($(compgen -W \"$options\" -- \"$cur\"))\n"
-      "}}\n"
-      "complete -o bashdefault -o default -F _{0}_complete {0}\n",
-      program.name, commands, cases);
-}
-
-std::string option_list(const Command& command) {
-  std::string text;
-  for (const Entry& entry : describe(command).entries) {
-    if (entry.is_argument) continue;
-    for (const std::string& name : split_names(entry.names)) text += name + " ";
-  }
-  return text + "--help --version\n";
-}
-
 std::string manual_section(const std::string& full_name, const Command& command) {
   std::string out = fmt::format(".SH {}\n{}\n", roff(upper(full_name)), roff(command.summary));
   const Description description = describe(command);
@@ -135,26 +71,44 @@ std::string manual_section(const std::string& full_name, const Command& command)
   return out;
 }
 
+namespace {
+
+// One command's part of the page; the program beside this one tells its own.
+std::string section_of(const Program& program, const Command& command) {
+  const std::string full_name = program.name + " " + command.name;
+  if (command.helper.empty()) return manual_section(full_name, command);
+  if (std::string told = helper_says(command.helper + " --manual-section"); !told.empty()) return told;
+  return fmt::format(".SH {}\n{}\n.PP\nRun by {}; see {} \\-\\-help.\n", roff(upper(full_name)), roff(command.summary),
+                     roff(command.helper), roff(full_name));
+}
+
+const char* const kLastSections =
+    ".SH EXIT STATUS\n0 done, 1 failed or interrupted (what was computed is kept), 2 bad input (command line or files).\n"
+    ".SH ENVIRONMENT\n.TP\n\\fBNO_COLOR\\fR\nplain text on terminals too\n.TP\n\\fBCOLUMNS\\fR\n"
+    "width of tables where the output is no terminal; default 80\n";
+
+}  // namespace
+
 std::string manual_page(const Program& program) {
   std::string out = fmt::format(
       ".TH {} 1 \"\" \"{} {}\"\n.SH NAME\n{} \\- {}\n.SH SYNOPSIS\n.B {}\n.I COMMAND\n[OPTIONS]\n",
       upper(program.name), program.name, program.version, program.name, roff(program.summary), program.name);
-  for (const Command& command : program.commands) {
-    const std::string full_name = program.name + " " + command.name;
-    if (command.helper.empty()) {
-      out += manual_section(full_name, command);
-    } else if (const std::string told = helper_says(command.helper + " --manual-section"); !told.empty()) {
-      out += told;
-    } else {
-      out += fmt::format(".SH {}\n{}\n.PP\nRun by {}; see {} \\-\\-help.\n", roff(upper(full_name)),
-                         roff(command.summary), roff(command.helper), roff(full_name));
-    }
-  }
-  return out +
-         ".SH EXIT STATUS\n0 done, 1 failed or interrupted (what was computed is kept), 2 bad input (command "
-         "line or files).\n" +
-         ".SH ENVIRONMENT\n.TP\n\\fBNO_COLOR\\fR\nplain text on terminals too\n.TP\n\\fBCOLUMNS\\fR\n" +
-         "width of tables where the output is no terminal; default 80\n";
+  for (const Command& command : program.commands) out += section_of(program, command);
+  return out + kLastSections;
+}
+
+std::string manual_page(const Program& program, const Command& command) {
+  const std::string name = program.name + "-" + command.name;
+  std::string arguments;
+  if (command.helper.empty())
+    for (const Entry& entry : describe(command).entries)
+      if (entry.is_argument) arguments += entry.is_required ? " " + entry.names : " [" + entry.names + "]";
+  std::string body = section_of(program, command);
+  body.replace(0, body.find('\n'), ".SH DESCRIPTION");
+  return fmt::format(".TH {} 1 \"\" \"{} {}\"\n.SH NAME\n{} \\- {}\n.SH SYNOPSIS\n.B {} {}\n[OPTIONS]{}\n", roff(upper(name)),
+                     program.name, program.version, roff(name), roff(command.summary), roff(program.name), roff(command.name),
+                     roff(arguments)) +
+         body + kLastSections + fmt::format(".SH SEE ALSO\n.BR {} (1)\n", roff(program.name));
 }
 
 }  // namespace flexura::terminal

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
+#include <limits>
 
 namespace flexura::terminal {
 namespace {
@@ -40,7 +41,7 @@ bool is_terminal(std::FILE* stream) {
 }
 
 // A terminal that has gone (SIGHUP) is no reason to lose a run.
-void say(std::FILE* stream, const std::string& text) {
+void put(std::FILE* stream, const std::string& text) {
   std::fputs(text.c_str(), stream);
 }
 
@@ -57,6 +58,31 @@ int width(std::FILE* stream) {
   const char* columns = std::getenv("COLUMNS");
   const int given = columns ? std::atoi(columns) : 0;
   return given > 0 ? given : 80;
+}
+
+std::string folded(const std::string& sentence, int width, int indent) {
+  std::string out, line;
+  for (std::size_t at = 0; at < sentence.size();) {
+    std::size_t end = sentence.find(' ', at + 1);
+    if (end == std::string::npos) end = sentence.size();
+    std::string word = sentence.substr(at, end - at);  // with the blank before it
+    if (!line.empty() && display_width(line) + display_width(word) > width) {
+      out += line + "\n";
+      line = std::string(static_cast<std::size_t>(indent), ' ');
+      word.erase(0, word.find_first_not_of(' '));
+    }
+    line += word;
+    at = end;
+  }
+  return out + line;
+}
+
+int takes_columns(std::FILE* stream) {
+  return ::isatty(::fileno(stream)) == 1 || std::getenv("COLUMNS") ? width(stream) : std::numeric_limits<int>::max();
+}
+
+void say(std::FILE* stream, const std::string& sentence) {
+  put(stream, folded(sentence, takes_columns(stream)) + "\n");
 }
 
 int display_width(std::string_view text) {
@@ -230,7 +256,7 @@ void Progress::draw(double fraction, double now) {
   } else {
     line += "  " + duration(elapsed);
   }
-  say(stream_, "\r\033[K" + shortened(line, 79));
+  put(stream_, "\r\033[K" + shortened(line, 79));
   std::fflush(stream_);
   drawn_ = true;
   last_drawn_ = now;
@@ -238,7 +264,7 @@ void Progress::draw(double fraction, double now) {
 
 void Progress::clear() {
   if (!drawn_) return;
-  say(stream_, "\r\033[K");
+  put(stream_, "\r\033[K");
   std::fflush(stream_);
   drawn_ = false;
 }
@@ -246,7 +272,7 @@ void Progress::clear() {
 void Progress::end_stage() {
   if (stage_.empty()) return;
   clear();
-  say(stream_, fmt::format("{}: {}\n", stage_, duration(clock_() - start_)));
+  put(stream_, fmt::format("{}: {}\n", stage_, duration(clock_() - start_)));
   std::fflush(stream_);
   stage_.clear();
 }

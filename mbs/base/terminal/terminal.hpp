@@ -17,6 +17,16 @@ bool takes_colour(std::FILE* stream);
 /// Columns of the terminal behind the stream; $COLUMNS, or 80, when there is none.
 int width(std::FILE* stream);
 
+/// A sentence on lines of at most `width` columns, cut at blanks; lines after the first begin with `indent` of them.
+std::string folded(const std::string& sentence, int width, int indent = 4);
+
+/// Columns for sentences: those of a terminal, or $COLUMNS; without either (a pipe, a file) no bound, so that scripts find a
+/// sentence on one line.
+int takes_columns(std::FILE* stream);
+
+/// Prints a note, a warning or an error with a line's end, folded to takes_columns().
+void say(std::FILE* stream, const std::string& sentence);
+
 /// The number of columns a UTF-8 text takes (one for each code point).
 int display_width(std::string_view text);
 

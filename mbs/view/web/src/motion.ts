@@ -80,7 +80,8 @@ export async function motionPage(app: HTMLElement, header: MotionHeader): Promis
   const flexibleSize = Math.max(0, ...mechanisms[state.main].bodies.filter((b) => b.deformed)
     .map((b) => b.deformed!.surface.size));
   // Modes are drawn as large as they are stored.
-  const fullMagnify = deflection > 0 && !isModes ? Math.max(1, round125((0.06 * flexibleSize) / deflection)) : 1;
+  // A thousand times at most by itself: what is smaller still does not deform for the eye, and is said in numbers.
+  const fullMagnify = deflection > 0 && !isModes ? Math.min(1000, Math.max(1, round125((0.06 * flexibleSize) / deflection))) : 1;
   state.magnify = fullMagnify;
   if (deflection === 0) state.field = 0;
   const stressMost = Math.max(0, ...mechanisms.map((m) => m.largestStress));

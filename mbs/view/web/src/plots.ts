@@ -5,10 +5,22 @@ import type { Run } from './motion_data';
 import { spectrum } from './spectrum';
 import { cssColor, figure, h, tick, unitText } from './ui';
 
-interface Curve { run: Run; name: string; unit: string; dash: number[] }
+interface Curve { run: Run; name: string; unit: string; dash: number[]; width: number }
 
 const plotHeight = 172; // [px]
 const dashes = [[], [7, 4], [2, 3], [9, 3, 2, 3]];
+
+/** What is smaller than this part of the largest value in a plot is round-off or left by the solver, and written as 0. */
+const roundOff = 1e-9;
+
+/** A run's values less those of the first run at the same times, linear between its rows; only where both have values. */
+export function differences(time: ArrayLike<number>, values: ArrayLike<number>, first: Run, name: string): Float64Array {
+  return Float64Array.from({ length: time.length }, (_, i) => {
+    const t = time[i];
+    if (t < first.time[0] || t > first.time[first.time.length - 1]) return NaN;
+    return values[i] - (first.valueAt(name, t) ?? NaN);
+  });
+}
 
 /** The range of an axis: a little room, and for what is constant up to round-off a range of its own size. */
 function roomy(_: uPlot, low: number, high: number): [number, number] {
@@ -26,18 +38,21 @@ export class PlotCard {
   private readonly values = h('dl', { class: 'plot-values' });
   private readonly playhead = h('i', { class: 'playhead' });
   private spectral = false;
+  private differing = false;
+  private largest = 0;
   private time = 0;
   private cursor: number | null = null;
 
   constructor(readonly names: string[], runs: Run[], private readonly deck: PlotDeck) {
-    for (const run of runs) {
+    // Runs that agree would hide each other: later ones are thinner, and dashed where dashes do not tell names apart.
+    runs.forEach((run, r) => {
       names.forEach((name, i) => {
         const j = run.quantityNumber(name);
-        if (j >= 0) {
-          this.curves.push({ run, name, unit: run.header.quantities[j].unit, dash: dashes[i % dashes.length] });
-        }
+        const dash = dashes[(names.length > 1 ? i : Math.min(r, 1)) % dashes.length];
+        const width = 1.6 + 1.8 * Math.max(0, Math.min(3, runs.length - 1) - r);
+        if (j >= 0) this.curves.push({ run, name, unit: run.header.quantities[j].unit, dash, width });
       });
-    }
+    });
     const units = [...new Set(this.curves.map((c) => c.unit))];
     const unit = units.map((u) => `[${unitText(u) || '–'}]`).join(' ');
     const doc = this.curves.map((c) => c.run.header.quantities[c.run.quantityNumber(c.name)].doc).find((d) => d) ?? '';
@@ -47,25 +62,44 @@ export class PlotCard {
         spectrumButton.setAttribute('aria-pressed', String(this.spectral));
         void this.draw();
       } }, 'Spectrum');
+    const differenceButton = h('button', { class: 'toggle small', type: 'button', 'aria-pressed': 'false',
+      title: `Less the run ${runs[0]?.header.name ?? ''}`, onclick: () => {
+        this.differing = !this.differing;
+        differenceButton.setAttribute('aria-pressed', String(this.differing));
+        void this.draw();
+      } }, 'Difference');
     this.element = h('article', { class: 'card', 'aria-label': `Plot of ${names.join(', ')}` },
-      h('header', {}, h('h3', { title: doc }, names.join(', ')), h('span', { class: 'unit' }, unit), spectrumButton,
+      h('header', {}, h('h2', { title: doc }, names.join(', ')), h('span', { class: 'unit' }, unit),
+        ...(new Set(this.curves.map((c) => c.run)).size > 1 ? [differenceButton] : []), spectrumButton,
         h('button', { class: 'icon small', type: 'button', 'aria-label': `Remove ${names.join(', ')}`, title: 'Remove',
                       onclick: () => this.deck.remove(this) }, '×')),
       this.place, this.values);
   }
 
   visible(): Curve[] {
-    return this.curves.filter((c) => this.deck.shown(c.run));
+    const first = this.curves[0]?.run;
+    return this.curves.filter((c) => this.deck.shown(c.run) && !(this.differing && c.run === first));
+  }
+
+  /** What is plotted of a curve over time: its values, or those less the first run's. */
+  private async plottedValues(c: Curve): Promise<Float64Array> {
+    const values = (await c.run.quantity(c.name))!;
+    if (!this.differing) return values;
+    const first = this.curves.find((other) => other.name === c.name)!.run;
+    if (!(await first.quantity(c.name))) return values.map(() => NaN);
+    return differences(c.run.time, values, first, c.name);
   }
 
   async draw(): Promise<void> {
     const curves = this.visible();
     const tables = await Promise.all(curves.map(async (c): Promise<uPlot.AlignedData> => {
-      const v = await c.run.quantity(c.name)!;
+      const v = await this.plottedValues(c);
       if (!this.spectral) return [c.run.time as unknown as number[], v as unknown as number[]];
       const s = spectrum(c.run.time, v);
       return [s.frequency, s.amplitude];
     }));
+    this.largest = 0;
+    if (!this.spectral) for (const t of tables) for (const v of t[1]) if (Math.abs(v ?? 0) > this.largest) this.largest = Math.abs(v!);
     // Six decades below the highest line; what is lower, or zero, has no place on the logarithmic axis.
     let top = 0;
     if (this.spectral) for (const t of tables) for (const v of t[1]) top = Math.max(top, v ?? 0);
@@ -91,7 +125,7 @@ export class PlotCard {
       cursor: { sync: this.spectral ? undefined : { key: 'time', setSeries: false, scales: ['x', null] },
                 drag: { x: true, y: false }, points: { size: 6 } },
       series: [{}, ...curves.map((c) => ({
-        label: `${c.run.header.name}: ${c.name}`, stroke: cssColor(`--run${c.run.number % 6}`), width: 1.6,
+        label: `${c.run.header.name}: ${c.name}`, stroke: cssColor(`--run${c.run.number % 6}`), width: c.width,
         dash: c.dash, spanGaps: true, points: { show: false },
       }))],
       hooks: {
@@ -139,10 +173,13 @@ export class PlotCard {
   private showValues(): void {
     const t = this.cursor ?? this.time;
     const rows = this.visible().map((c) => {
-      const v = c.run.valueAt(c.name, t);
+      const value = c.run.valueAt(c.name, t);
+      const base = this.differing ? this.curves.find((other) => other.name === c.name)!.run.valueAt(c.name, t) : 0;
+      const v = value === null || base === null ? null : value - base;
       const mark = h('i', { style: `--color: var(--run${c.run.number % 6})`, class: c.dash.length ? 'dashed' : '' });
-      const label = this.names.length > 1 ? `${c.run.header.name}: ${c.name}` : c.run.header.name;
-      return h('div', {}, h('dt', {}, mark, label), h('dd', {}, v === null ? '…' : figure(v, 5)));
+      const several = new Set(this.curves.map((other) => other.run)).size > 1;
+      const label = this.names.length === 1 ? c.run.header.name : several ? `${c.run.header.name}: ${c.name}` : c.name;
+      return h('div', {}, h('dt', {}, mark, label), h('dd', {}, v === null ? '…' : figure(Math.abs(v) < roundOff * this.largest ? 0 : v, 5)));
     });
     this.values.replaceChildren(...rows);
   }
@@ -151,11 +188,11 @@ export class PlotCard {
   async shown(): Promise<{ run: string; x: string; head: string; abscissa: number[]; values: number[] }[]> {
     const { min, max } = this.plot?.scales.x ?? {};
     return Promise.all(this.visible().map(async (c) => {
-      const v = await c.run.quantity(c.name)!;
+      const v = await this.plottedValues(c);
       const s = this.spectral ? spectrum(c.run.time, v) : { frequency: [...c.run.time], amplitude: [...v] };
       const inside = s.frequency.flatMap((x, i) => (x >= (min ?? -Infinity) && x <= (max ?? Infinity) ? [i] : []));
       return { run: c.run.header.name, x: this.spectral ? 'frequency [Hz]' : 'time [s]',
-               head: `${this.spectral ? 'amplitude of ' : ''}${c.name} [${c.unit}]`,
+               head: `${this.spectral ? 'amplitude of ' : ''}${this.differing ? 'difference of ' : ''}${c.name} [${c.unit}]`,
                abscissa: inside.map((i) => s.frequency[i]), values: inside.map((i) => s.amplitude[i]) };
     }));
   }
@@ -163,7 +200,7 @@ export class PlotCard {
   /** What is plotted, for scripts. */
   async plotted(): Promise<{ run: string; name: string; unit: string; time: Float64Array; values: Float64Array }[]> {
     return Promise.all(this.visible().map(async (c) => ({
-      run: c.run.header.name, name: c.name, unit: c.unit, time: c.run.time, values: (await c.run.quantity(c.name))!,
+      run: c.run.header.name, name: c.name, unit: c.unit, time: c.run.time, values: await this.plottedValues(c),
     })));
   }
 }

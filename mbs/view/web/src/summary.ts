@@ -82,7 +82,7 @@ export function summaryPanel(runs: Run[]): HTMLElement {
     const { first, more } = told(list);
     if (t.length) first.unshift(['time', `${figure(t[0], 4)} – ${figure(t[t.length - 1], 4)} s, ${run.header.rows_stored} times stored`]);
     return h('section', { class: 'card' },
-      h('header', {}, h('h3', {}, run.header.name),
+      h('header', {}, h('h2', {}, run.header.name),
         h('span', { class: run.header.complete ? 'chip good' : 'chip bad' },
           icon(run.header.complete ? 'check' : 'warning'), run.header.complete ? 'complete' : 'stopped early')),
       ...warningsOf(run).map((w) => h('p', { class: 'warning' }, icon('warning'), w)),
