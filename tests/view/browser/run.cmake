@@ -1,6 +1,7 @@
 # Run by ctest: installs the pinned driver in the build tree, writes the pages, opens them in chromium.
 # Variables: SOURCE (this folder), WORK (build tree), NPM, NODE, TEST (file), and WRITE_PAGES, the program that writes the
-# synthetic pages, or ROOT, BIN, PYTHON: then the shipped cases write theirs, and expected.py what they must show.
+# synthetic pages, or ROOT, BIN, PYTHON: then the shipped cases write theirs, and expected.py what they must show; or EVERY_PAGE,
+# ROOT, BIN: then every_page.sh writes one of each kind.
 file(MAKE_DIRECTORY ${WORK})
 file(SHA256 ${SOURCE}/package-lock.json wanted)
 set(installed "")
@@ -23,6 +24,15 @@ if(WRITE_PAGES)
   if(status)
     message(FATAL_ERROR "the pages could not be written")
   endif()
+elseif(EVERY_PAGE)
+  set(pages ${WORK}/every_page)
+  file(REMOVE_RECURSE ${pages})
+  set(ENV{PATH} "${BIN}:$ENV{PATH}")
+  execute_process(COMMAND bash ${SOURCE}/every_page.sh ${ROOT} ${pages} RESULT_VARIABLE status OUTPUT_VARIABLE text ERROR_VARIABLE text)
+  if(status)
+    message(FATAL_ERROR "the pages could not be written:\n${text}")
+  endif()
+  set(ENV{FLEXURA_SITE} ${ROOT}/out/site)
 else()
   set(pages ${WORK}/cases)
   file(REMOVE_RECURSE ${pages})
