@@ -71,6 +71,23 @@ def main():
         if not re.search(rf"^\| \[?{run.parent.name}\b", cases, re.M):
             failures += 1
             print(f"cases/README.md: no row for the case {run.parent.name}: what it asks, what to look at, against what")
+        readme = run.parent / "README.md"
+        text = readme.read_text() if readme.is_file() else ""
+        lacking = [what for what, pattern in (("a question in its first paragraph", r"\A# [^\n]+\n\n[^\n#]+"),
+                                              ("a picture", r"!\[[^\]]+\]\([^)]+\.(png|svg)\)"),
+                                              ("what to look at", r"\*\*What to look at\.\*\*"),
+                                              ("what it costs", r"\*\*What it costs\.\*\* [A-Z]"))
+                   if not re.search(pattern, text)]
+        if lacking:
+            failures += 1
+            print(f"cases/{run.parent.name}/README.md: lacks {', '.join(lacking)}")
+    # One version: of the programs, of the Python package, and the newest of the changelog.
+    versions = {name: re.search(pattern, (root / name).read_text(), re.M)[1] for name, pattern in (
+        ("CMakeLists.txt", r"^project\(flexura VERSION ([\d.]+)"), ("mbs/python/pyproject.toml", r'^version = "([\d.]+)"'),
+        ("mbs/python/flexura/__init__.py", r'^__version__ = "([\d.]+)"'), ("CHANGELOG.md", r"^## \[(\d[\d.]*)\]"))}
+    if len(set(versions.values())) != 1:
+        failures += 1
+        print(f"versions differ: {versions}")
     for error in site.errors:
         failures += 1
         print(f"{error}; name it with as much of its folder as tells it apart")
