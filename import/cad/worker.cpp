@@ -11,7 +11,7 @@
 #include "import/cad/job.hpp"
 #include "import/cad/worker_assembly.hpp"
 #include "mesh/gmsh/job.hpp"
-#include "mesh/gmsh/worker_start.hpp"
+#include "mesh/gmsh/worker/worker_start.hpp"
 
 namespace flexura::import::cad {
 namespace {

@@ -20,7 +20,7 @@
 #include <sstream>
 
 #include "import/cad/worker_assembly.hpp"
-#include "mesh/gmsh/recognise.hpp"
+#include "mesh/gmsh/worker/recognise.hpp"
 
 namespace flexura::import::cad {
 namespace {

@@ -2,10 +2,8 @@
 #include "mbs/formulas/expression.hpp"
 
 #include <fmt/format.h>
-#include <muParser.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
@@ -13,141 +11,16 @@
 #include "mbs/base/documents/document.hpp"
 #include "mbs/base/documents/formula_text.hpp"
 #include "mbs/base/documents/shown_text.hpp"
+#include "mbs/formulas/formula_parser.hpp"
 #include "mbs/formulas/operations.hpp"
 
 namespace flexura::mbs {
-namespace {
 
 using namespace operations;
 
-// The functions muparser shall know; their addresses tell them apart in its byte code.
-
-template <int code>
-double f1(double x) {
-  return apply_unary(code, x);
-}
-double f_atan2(double y, double x) {
-  return std::atan2(y, x);
-}
-double f_pow(double x, double y) {
-  return std::pow(x, y);
-}
-double f_mod(double x, double y) {
-  return modulo_of(x, y);
-}
-double f_min(const double* x, int n) {
-  return *std::min_element(x, x + n);
-}
-double f_max(const double* x, int n) {
-  return *std::max_element(x, x + n);
-}
-double f_table(void* curve, double x) {
-  return (*static_cast<const Curve*>(curve))(x);
-}
-double f_step(double x, double x0, double y0, double x1, double y1) {
-  return smooth_step_of(x, x0, y0, x1, y1);
-}
-
-struct NamedFunction {
-  const char* name;
-  int code;
-  mu::fun_type1 f;
-};
-constexpr NamedFunction functions_1[] = {{"sin", sine, f1<sine>},
-                                         {"cos", cosine, f1<cosine>},
-                                         {"tan", tangent, f1<tangent>},
-                                         {"asin", arc_sine, f1<arc_sine>},
-                                         {"acos", arc_cosine, f1<arc_cosine>},
-                                         {"atan", arc_tangent, f1<arc_tangent>},
-                                         {"sinh", sinh, f1<sinh>},
-                                         {"cosh", cosh, f1<cosh>},
-                                         {"tanh", tanh, f1<tanh>},
-                                         {"asinh", asinh, f1<asinh>},
-                                         {"acosh", acosh, f1<acosh>},
-                                         {"atanh", atanh, f1<atanh>},
-                                         {"exp", exponential, f1<exponential>},
-                                         {"ln", logarithm, f1<logarithm>},
-                                         {"log", logarithm, f1<logarithm>},
-                                         {"log10", logarithm_10, f1<logarithm_10>},
-                                         {"log2", logarithm_2, f1<logarithm_2>},
-                                         {"sqrt", square_root, f1<square_root>},
-                                         {"abs", absolute, f1<absolute>},
-                                         {"sign", signum, f1<signum>},
-                                         {"rint", round_to_integer, f1<round_to_integer>},
-                                         {"floor", round_down, f1<round_down>},
-                                         {"ceil", round_up, f1<round_up>}};
-
-template <class F>
-bool is(const mu::generic_callable_type& called, F* f) {
-  return called._pRawFun == reinterpret_cast<mu::erased_fun_type>(f);
-}
-
-int function_code(const mu::generic_callable_type& called) {
-  for (const NamedFunction& f : functions_1)
-    if (is(called, f.f)) return f.code;
-  if (is(called, f1<minus>)) return minus;
-  if (is(called, f1<plus>)) return plus;
-  if (is(called, f_atan2)) return arc_tangent_2;
-  if (is(called, f_pow)) return power;
-  if (is(called, f_mod)) return modulo;
-  if (is(called, f_min)) return minimum;
-  if (is(called, f_max)) return maximum;
-  if (is(called, f_step)) return smooth_step;
-  throw std::logic_error("an expression called a function without a translation");
-}
-
-int operator_code(mu::ECmdCode code) {
-  switch (code) {
-    case mu::cmLE:
-      return less_equal;
-    case mu::cmGE:
-      return greater_equal;
-    case mu::cmNEQ:
-      return not_equal;
-    case mu::cmEQ:
-      return equal;
-    case mu::cmLT:
-      return less;
-    case mu::cmGT:
-      return greater;
-    case mu::cmADD:
-      return add;
-    case mu::cmSUB:
-      return subtract;
-    case mu::cmMUL:
-      return multiply;
-    case mu::cmDIV:
-      return divide;
-    case mu::cmPOW:
-      return power;
-    case mu::cmLAND:
-      return logical_and;
-    case mu::cmLOR:
-      return logical_or;
-    default:
-      throw std::logic_error("an expression holds an operation without a translation");
-  }
-}
+namespace {
 
 constexpr std::size_t stack_size = 64;
-
-/// The names in a formula, each once.  The parser is told of these alone: all that a file knows, for each of
-/// its formulas, took a time that grew with the square of its length.
-std::vector<std::string> names_in(const std::string& text) {
-  std::vector<std::string> names;
-  for (std::size_t i = 0; i < text.size();) {
-    const std::size_t start = text.find_first_not_of("0123456789.", i);  // "2load": the parser will object
-    if (start == std::string::npos) break;
-    std::size_t end = start;
-    while (end < text.size() && input::is_name_character(text[end])) ++end;
-    if (end > start) names.push_back(text.substr(start, end - start));
-    i = std::max(end, start + 1);
-  }
-  std::ranges::sort(names);
-  const auto again = std::ranges::unique(names);
-  names.erase(again.begin(), again.end());
-  return names;
-}
 
 }  // namespace
 
@@ -180,23 +53,6 @@ Expression::Expression(std::string where, std::string text, const SignalNames& s
   const auto refuse = [&](const std::string& why) {
     throw std::invalid_argument(fmt::format("{} = \"{}\": {}", where_, input::shown_text(text_), why));
   };
-  double plain = 0.0;
-  if (const auto [end, failure] = std::from_chars(text_.data(), text_.data() + text_.size(), plain);
-      failure == std::errc() && end == text_.data() + text_.size() && std::isfinite(plain)) {
-    program_.push_back({.code = constant, .value = plain});
-    FormulaNode number;
-    number.code = constant;
-    number.value = plain;
-    tree_.root = tree_.add(std::move(number));
-    return;
-  }
-  if (const std::string why = input::wrong_with_formula(text_); !why.empty()) refuse(why);
-
-  const std::vector<std::string> names = names_in(text_);
-  std::vector<int> places;  // of the signals that it reads
-  for (const std::string& name : names)
-    if (const int place = signals.find(name); place >= 0) places.push_back(place);
-  std::vector<double> values(places.size(), 1.0);
   const auto refuse_unknown = [&](const std::string& token) {
     // What the file gives its names to comes first.
     std::vector<std::string> known;
@@ -209,90 +65,84 @@ Expression::Expression(std::string where, std::string text, const SignalNames& s
           text_.find(name) != std::string::npos)
         refuse(fmt::format("the name \"{}\" cannot stand in a formula; take one of letters, digits and _",
                            input::shown_text(name)));
-    for (const NamedFunction& f : functions_1) known.push_back(f.name);
-    known.insert(known.end(), {"atan2", "pow", "mod", "min", "max", "step", "pi", "e"});
+    const std::vector<std::string> functions = function_names();
+    known.insert(known.end(), functions.begin(), functions.end());
+    known.insert(known.end(), {"pi", "e"});
     refuse(
         fmt::format("\"{}\" is not known here{}", input::shown_text(token), input::suggestion(token, known)));
   };
-  mu::Parser parser;
-  parser.EnableOptimizer(false);
-  parser.ClearConst();
-  parser.ClearFun();
-  parser.ClearInfixOprt();
-  parser.DefineNameChars(input::name_characters);
+  FormulaNames names;
+  names.value = [&](const std::string& name) -> std::optional<FormulaNode> {
+    FormulaNode node;
+    node.code = constant;
+    if (const auto found = constants.find(name); found != constants.end())
+      node.value = found->second;
+    else if (const int place = signals.find(name); place >= 0)
+      node.code = signal, node.place = place;
+    else if (name == "pi")
+      node.value = std::numbers::pi;
+    else if (name == "e")
+      node.value = std::numbers::e;
+    else
+      return {};
+    return node;
+  };
+  names.table = [&](const std::string& name) -> std::shared_ptr<const Curve> {
+    const auto found = tables.find(name);
+    return found == tables.end() ? nullptr : found->second;
+  };
   try {
-    for (const NamedFunction& f : functions_1) parser.DefineFun(f.name, f.f);
-    parser.DefineFun("atan2", f_atan2);
-    parser.DefineFun("pow", f_pow);
-    parser.DefineFun("mod", f_mod);
-    parser.DefineFun("min", f_min);
-    parser.DefineFun("max", f_max);
-    parser.DefineFun("step", f_step);
-    for (const std::string& name : names)
-      if (const auto found = tables.find(name); found != tables.end())
-        parser.DefineFunUserData(name, f_table, const_cast<Curve*>(found->second.get()));
-    parser.DefineInfixOprt("-", f1<minus>);
-    parser.DefineInfixOprt("+", f1<plus>);
-    if (!constants.contains("pi")) parser.DefineConst("pi", std::numbers::pi);
-    if (!constants.contains("e")) parser.DefineConst("e", std::numbers::e);
-    for (const std::string& name : names)
-      if (const auto found = constants.find(name); found != constants.end())
-        parser.DefineConst(name, found->second);
-    for (std::size_t i = 0; i < places.size(); ++i) parser.DefineVar(signals.names()[places[i]], &values[i]);
-    parser.SetExpr(text_);
-    parser.Eval();
-  } catch (const mu::Parser::exception_type& error) {
-    if (error.GetCode() == mu::ecUNASSIGNABLE_TOKEN) refuse_unknown(error.GetToken());
-    refuse(input::shown_text(error.GetMsg(), 160));
+    tree_ = parse_formula(text_, names);
+  } catch (const UnknownName& unknown) {
+    refuse_unknown(unknown.name);
+  } catch (const std::invalid_argument& error) {
+    refuse(error.what());
   }
-
-  const mu::ParserByteCode& code = parser.GetByteCode();
-  if (code.GetMaxStackSize() > stack_size)
-    refuse("the formula is nested too deeply; take a part into a measure");
-  const mu::SToken* token = code.GetBase();
-  const int n = static_cast<int>(code.GetSize());
-  // One instruction for each token, so that the offsets of jumps stay what they are.
-  for (int i = 0; i < n && token[i].Cmd != mu::cmEND; ++i) {
-    Instruction instruction{constant};
-    switch (token[i].Cmd) {
-      case mu::cmVAL:
-        instruction.value = token[i].Val.data2;
-        break;
-      case mu::cmVAR: {
-        instruction.code = signal;
-        instruction.place = places[static_cast<std::size_t>(token[i].Val.ptr - values.data())];
-        reads_time_ = reads_time_ || instruction.place == 0;
-        if (instruction.place > 0 && std::ranges::find(reads_, instruction.place) == reads_.end())
-          reads_.push_back(instruction.place);
-        break;
-      }
-      case mu::cmIF:
-        instruction = {jump_if_zero, i + token[i].Oprt.offset};
-        break;
-      case mu::cmELSE:
-        instruction = {jump, i + token[i].Oprt.offset};
-        break;
-      case mu::cmENDIF:
-        instruction = {jump, i};
-        break;
-      case mu::cmFUNC:
-        if (is(token[i].Fun.cb, f_table)) {
-          instruction = {table, static_cast<int>(tables_.size())};
-          for (const auto& [name, curve] : tables)
-            if (curve.get() == token[i].Fun.cb._pUserData) tables_.push_back(curve);
-          break;
-        }
-        instruction = {function_code(token[i].Fun.cb), std::abs(token[i].Fun.argc)};
-        break;
-      default:
-        instruction.code = operator_code(token[i].Cmd);
-    }
-    program_.push_back(instruction);
-  }
-  std::vector<int> stack, node_of(program_.size(), -1);
-  build_tree(0, program_.size(), stack, node_of);
-  tree_.root = stack.back();
+  std::vector<int> node_of;
+  const std::size_t most = compile(tree_.root, 0, node_of);
+  if (most > stack_size) refuse("the formula is nested too deeply; take a part into a measure");
   if (held) find_conditions(*held, node_of);
+}
+
+// Appends what computes a node, `top` values being on the stack; returns how many there are at most meanwhile.
+std::size_t Expression::compile(int k, std::size_t top, std::vector<int>& node_of) {
+  const auto emit = [&](Instruction instruction, int node = -1) {
+    program_.push_back(instruction);
+    node_of.push_back(node);
+    return program_.size() - 1;
+  };
+  const FormulaNode& node = tree_[k];
+  std::size_t most = top + 1;
+  if (node.code == choice) {
+    most = std::max(most, compile(node.args[0], top, node_of));
+    const std::size_t condition = emit({jump_if_zero});
+    most = std::max(most, compile(node.args[1], top, node_of));
+    const std::size_t yes = emit({jump});
+    most = std::max(most, compile(node.args[2], top, node_of));
+    program_[condition].count = static_cast<int>(yes);
+    program_[yes].count = static_cast<int>(program_.size()) - 1;
+    return most;
+  }
+  for (std::size_t i = 0; i < node.args.size(); ++i) most = std::max(most, compile(node.args[i], top + i, node_of));
+  Instruction instruction{node.code};
+  switch (node.code) {
+    case constant:
+      instruction.value = node.value;
+      break;
+    case signal:
+      instruction.place = node.place;
+      reads_time_ = reads_time_ || node.place == 0;
+      if (node.place > 0 && std::ranges::find(reads_, node.place) == reads_.end()) reads_.push_back(node.place);
+      break;
+    case table:
+      instruction.count = static_cast<int>(tables_.size());
+      tables_.push_back(node.curve);
+      break;
+    default:
+      instruction.count = static_cast<int>(node.args.size());
+  }
+  emit(instruction, k);
+  return most;
 }
 
 // ~moving in place of moving: kinks are not held.

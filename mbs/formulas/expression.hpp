@@ -11,7 +11,7 @@
 
 /// Formulas of time, parameters and measured quantities.
 ///
-/// muparser reads the text; its byte code is translated once into a small program that is constant, allocates
+/// The text (formula_parser.hpp) becomes a tree and, once, a small program that is constant, allocates
 /// nothing and runs on plain numbers or on jets (value, d/dt, d^2/dt^2), so that a drive's velocity and
 /// acceleration are exact and not differences.  Known are + - * / ^, comparisons, && || and ? :, the
 /// constants pi and e, and sin cos tan asin acos atan atan2 sinh cosh tanh asinh acosh atanh exp ln log log10
@@ -97,7 +97,7 @@ class Expression {
   template <class T>
   T run(const double* signals, const T& time, int moving = 0) const;
   [[noreturn]] void refuse_value(double value, double t) const;
-  void build_tree(std::size_t begin, std::size_t end, std::vector<int>& stack, std::vector<int>& node_of);
+  std::size_t compile(int node, std::size_t top, std::vector<int>& node_of);
   void find_conditions(SignalNames& held, const std::vector<int>& node_of);
 
   std::string where_, text_;

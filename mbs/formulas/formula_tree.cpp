@@ -19,58 +19,6 @@ constexpr int kMostKinks = 1000;
 
 }  // namespace
 
-// The program from `begin` on, as it would run, with nodes on the stack in place of values.
-void Expression::build_tree(std::size_t begin, std::size_t end, std::vector<int>& stack,
-                            std::vector<int>& node_of) {
-  const auto branch = [&](std::size_t from, std::size_t to) {
-    std::vector<int> own;
-    build_tree(from, to, own, node_of);
-    return own.back();
-  };
-  for (std::size_t i = begin; i < end; ++i) {
-    const Instruction& in = program_[i];
-    FormulaNode node;
-    node.code = in.code;
-    std::size_t n_args = 1;
-    switch (in.code) {
-      case constant:
-        node.value = in.value;
-        n_args = 0;
-        break;
-      case signal:
-        node.place = in.place;
-        n_args = 0;
-        break;
-      case jump_if_zero: {
-        const auto otherwise = static_cast<std::size_t>(in.count);
-        const auto after = static_cast<std::size_t>(program_[otherwise].count);
-        node.code = choice;
-        const int yes = branch(i + 1, otherwise), no = branch(otherwise + 1, after);
-        stack.push_back(yes);
-        stack.push_back(no);
-        n_args = 3;
-        i = after;
-        break;
-      }
-      case table:
-        node.curve = tables_[in.count];
-        break;
-      case minimum:
-      case maximum:
-        n_args = static_cast<std::size_t>(in.count);
-        break;
-      case smooth_step:
-        n_args = 5;
-        break;
-      default:
-        if (in.code <= logical_or || in.code == arc_tangent_2 || in.code == modulo) n_args = 2;
-    }
-    node.args.assign(stack.end() - static_cast<long>(n_args), stack.end());
-    stack.resize(stack.size() - n_args);
-    stack.push_back(node_of[i] = tree_.add(std::move(node)));
-  }
-}
-
 void Expression::find_conditions(SignalNames& held, const std::vector<int>& node_of) {
   for (std::size_t i = 0; i < program_.size(); ++i) {
     const int k = node_of[i];

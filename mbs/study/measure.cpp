@@ -10,14 +10,13 @@
 #include <fstream>
 #include <mutex>
 #include <nlohmann/json.hpp>
-#include <system_error>
-#include <thread>
 
 #include "mbs/base/documents/content_hash.hpp"
 #include "mbs/base/documents/shown_text.hpp"
 #include "mbs/base/files/inputs.hpp"
 #include "mbs/base/files/json_depth.hpp"
 #include "mbs/base/files/output.hpp"
+#include "mbs/base/threads/pool.hpp"
 #include "mbs/file/mechanism_document.hpp"
 #include "mbs/file/read_mechanism.hpp"
 #include "mbs/results/results.hpp"
@@ -74,33 +73,6 @@ std::string refusal(const ChildOutcome& outcome) {
   return text;
 }
 
-// Runs work(i) for i < n on so many threads; the first exception ends all and is thrown here.
-void spread(std::size_t n, int jobs, const std::function<void(std::size_t)>& work) {
-  std::atomic<std::size_t> next{0};
-  std::mutex guard;
-  std::exception_ptr failure;
-  const auto worker = [&] {
-    for (std::size_t i; (i = next++) < n;) {
-      try {
-        work(i);
-      } catch (...) {
-        const std::lock_guard lock(guard);
-        if (!failure) failure = std::current_exception();
-        next = n;
-      }
-    }
-  };
-  std::vector<std::thread> threads;
-  const std::size_t most = std::min(n, static_cast<std::size_t>(jobs));
-  try {
-    for (std::size_t k = 1; k < most; ++k) threads.emplace_back(worker);
-  } catch (const std::system_error&) {  // no more threads here: those that there are do the work
-  }
-  worker();
-  for (std::thread& thread : threads) thread.join();
-  if (failure) std::rethrow_exception(failure);
-}
-
 class Laboratory {
  public:
   Laboratory(const StudyFile& study, const Programs& programs, const MeasureOptions& options)
@@ -147,10 +119,11 @@ class Laboratory {
     std::ranges::sort(unique);
     say("runs", 0.0);
     std::atomic<std::size_t> done{0};
-    spread(unique.size(), options_.jobs, [&](std::size_t k) {
+    threads::parallel_for(static_cast<int>(unique.size()), [&](int at) {
+      const auto k = static_cast<std::size_t>(at);
       first_run(tasks[unique[k]]);
       say("runs", static_cast<double>(++done) / static_cast<double>(unique.size()));
-    });
+    }, options_.jobs);
     repeat_runs(tasks, unique);
 
     Measurements out;
@@ -254,10 +227,11 @@ class Laboratory {
     for (auto& [key, task] : tasks) list.push_back(std::move(task));
     std::atomic<std::size_t> done{0};
     if (!list.empty()) say("reductions", 0.0);
-    spread(list.size(), options_.jobs, [&](std::size_t k) {
+    threads::parallel_for(static_cast<int>(list.size()), [&](int at) {
+      const auto k = static_cast<std::size_t>(at);
       reduce(list[k]);
       say("reductions", static_cast<double>(++done) / static_cast<double>(list.size()));
-    });
+    }, options_.jobs);
   }
 
   void reduce(const Task& task) const {

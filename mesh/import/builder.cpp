@@ -8,7 +8,7 @@
 #include <stdexcept>
 #include <tuple>
 
-#include "mesh/model/cell.hpp"
+#include "mesh/model/cells/cell.hpp"
 #include "mesh/model/geometry.hpp"
 #include "mesh/model/patches.hpp"
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "mesh/model/cell.hpp"
+#include "mesh/model/cells/cell.hpp"
 
 namespace flexura::mesh {
 namespace {

@@ -11,26 +11,14 @@
 
 #include "mbs/base/files/inputs.hpp"
 #include "mesh/import/builder.hpp"
+#include "mesh/model/cells/record.hpp"
 
 namespace flexura::mesh {
 namespace {
 
-/// Place of our nodes in the file's order: parabolic cells go around each ring with their mid-edge nodes
-/// (lower ring, edges that rise, upper ring).
-struct SolidRow {
-  CellType type;
-  std::vector<int> order;
-};
-
-const std::map<int, SolidRow>& solid_rows() {
-  static const std::map<int, SolidRow> kRows = {
-      {111, {CellType::tet4, {0, 1, 2, 3}}},
-      {118, {CellType::tet10, {0, 2, 4, 9, 1, 3, 5, 6, 7, 8}}},
-      {112, {CellType::wedge6, {0, 1, 2, 3, 4, 5}}},
-      {113, {CellType::wedge15, {0, 2, 4, 9, 11, 13, 1, 3, 5, 10, 12, 14, 6, 7, 8}}},
-      {115, {CellType::hex8, {0, 1, 2, 3, 4, 5, 6, 7}}},
-      {116, {CellType::hex20, {0, 2, 4, 6, 12, 14, 16, 18, 1, 3, 5, 7, 13, 15, 17, 19, 8, 9, 10, 11}}}};
-  return kRows;
+const CellRecord* solid_of(int descriptor) {
+  const auto found = std::ranges::find_if(cell_records(), [&](const CellRecord& record) { return record.foreign.unv == descriptor; });
+  return found == cell_records().end() ? nullptr : &*found;
 }
 
 bool is_surface(int descriptor) {
@@ -147,19 +135,21 @@ class Reader {
           nodes.push_back(builder_.node(0, integer(k), here()));
       }
       element_nodes_[label] = nodes;
-      const auto row = solid_rows().find(descriptor);
-      if (row == solid_rows().end()) {
+      const CellRecord* const solid = solid_of(descriptor);
+      if (!solid) {
         if (!is_surface(descriptor))
           unused_.add(fmt::format("2412 elements of descriptor {}", descriptor), where);
         continue;
       }
-      if (row->second.order.size() != n)
+      const std::vector<int>& order = solid->foreign.unv_order;
+      const auto n_wanted = static_cast<std::size_t>(solid->nodes.rows());
+      if (n_wanted != n)
         throw std::invalid_argument(fmt::format("{}: element {} of descriptor {} has {} nodes instead of {}",
                                                 where.text(), label, descriptor, n,
-                                                row->second.order.size()));
+                                                n_wanted));
       std::vector<Index> ordered;
-      for (const int k : row->second.order) ordered.push_back(nodes[static_cast<std::size_t>(k)]);
-      builder_.add_cell(0, row->second.type, label, std::move(ordered), where);
+      for (std::size_t k = 0; k < n; ++k) ordered.push_back(nodes[order.empty() ? k : static_cast<std::size_t>(order[k])]);
+      builder_.add_cell(0, solid->type, label, std::move(ordered), where);
     }
   }
 

@@ -10,7 +10,7 @@
 #include <stdexcept>
 #include <tuple>
 
-#include "mesh/model/cell.hpp"
+#include "mesh/model/cells/cell.hpp"
 
 namespace flexura::mesh {
 namespace {

@@ -7,7 +7,7 @@
 #include <map>
 #include <numeric>
 
-#include "mesh/model/cell.hpp"
+#include "mesh/model/cells/cell.hpp"
 
 namespace flexura::mesh {
 namespace {

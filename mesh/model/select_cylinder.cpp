@@ -7,7 +7,7 @@
 #include <limits>
 #include <stdexcept>
 
-#include "mesh/model/cell.hpp"
+#include "mesh/model/cells/cell.hpp"
 #include "mesh/model/geometry.hpp"
 #include "mesh/model/patches.hpp"
 #include "mesh/model/selecting.hpp"

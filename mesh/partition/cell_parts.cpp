@@ -5,7 +5,7 @@
 
 #include <stdexcept>
 
-#include "mesh/model/cell.hpp"
+#include "mesh/model/cells/cell.hpp"
 
 namespace flexura::mesh {
 

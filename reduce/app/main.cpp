@@ -17,6 +17,7 @@
 #include "mbs/base/files/inputs.hpp"
 #include "mbs/base/files/output.hpp"
 #include "mbs/base/terminal/command_line.hpp"
+#include "mbs/base/threads/pool.hpp"
 #include "reduce/app/attach_solid.hpp"
 #include "reduce/file/beam_file.hpp"
 #include "reduce/app/beam_statics.hpp"
@@ -43,7 +44,7 @@ struct Arguments {
   std::string input, output, report, mesh, mesh_size, accuracy, petsc;
   std::vector<std::string> overrides, held;
   int modes = -1, beam_modes = 0, compare = 0;
-  int places = kNotGiven;
+  int places = kNotGiven, threads = kNotGiven;
   int places_or_default() const { return places == kNotGiven ? 5 : places; }
   bool factor_in_file = false, list_faces = false, schema = false, schema_beams = false, schema_flexdata = false, statics = false;
 };
@@ -99,6 +100,13 @@ int reduce_with(const Arguments& arguments, const terminal::Talk& talk, const li
     return 0;
   }
   if (arguments.input.empty()) throw input::InputError("no part file given; see flexura reduce --help");
+  if (arguments.threads != kNotGiven) {
+    constexpr int most = 1024;
+    if (arguments.threads < 1 || arguments.threads > most)
+      throw input::InputError(fmt::format("--threads {}: must be at least 1 and at most {}", arguments.threads, most));
+    threads::set_count(arguments.threads);
+    linalg::set_blas_threads(arguments.threads);
+  }
   if (arguments.list_faces) {
     reduce::print_faces(arguments.input, std::cout);
     return 0;
@@ -203,6 +211,7 @@ std::function<int()> declare(terminal::Options& options, const terminal::Talk& t
       .flag("--factor-in-file", arguments->factor_in_file,
             "keep the factor in a temporary file (in TMPDIR or beside the output), as is done by itself "
             "where it does not fit into memory")
+      .option("--threads", arguments->threads, "N", "threads that share the work (default: one for each core)")
       .option("--petsc", arguments->petsc, "OPTIONS",
               "options of PETSc and SLEPc as one text, after those of the part file's [solver]: \"-eps_view -log_view\" "
               "shows their reports")

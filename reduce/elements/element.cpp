@@ -1,5 +1,6 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include "reduce/elements/element.hpp"
+#include "mesh/model/cells/record.hpp"
 
 #include <map>
 #include <stdexcept>
@@ -37,22 +38,16 @@ Registry make_registry() {
   const auto add = [&registry](Formulation formulation, Element element) {
     registry.emplace(std::pair{element.type, formulation}, std::move(element));
   };
-  add(Formulation::standard, make(CellType::tet4, Lumping::row_sum));
-  add(Formulation::standard, make(CellType::tet10, Lumping::scaled));
-  add(Formulation::standard, make(CellType::hex8, Lumping::row_sum));
+  for (const mesh::CellRecord& record : mesh::cell_records())
+    if (record.is_solid())
+      add(Formulation::standard, make(record.type, record.is_linear() ? Lumping::row_sum : Lumping::scaled));
   add(Formulation::enhanced, make(CellType::hex8, Lumping::row_sum, Enhancement::bubbles));
-  add(Formulation::standard, make(CellType::hex20, Lumping::scaled));
   // Eight points leave six modes of a single element without energy beside its rigid motions; those of neighbours
   // do not fit to one another, so that a mesh of two has none (Zienkiewicz, Taylor, vol. 1, 12.5).  The mass stays
   // whole.
   Element reduced = make(CellType::hex20, Lumping::scaled);
   reduced.stiffness = tabulate(CellType::hex20, mesh::stiffness_quadrature(CellType::hex8));
   add(Formulation::reduced, std::move(reduced));
-  add(Formulation::standard, make(CellType::hex27, Lumping::scaled));
-  add(Formulation::standard, make(CellType::wedge6, Lumping::row_sum));
-  add(Formulation::standard, make(CellType::wedge15, Lumping::scaled));
-  add(Formulation::standard, make(CellType::pyramid5, Lumping::row_sum));
-  add(Formulation::standard, make(CellType::pyramid13, Lumping::scaled));
   return registry;
 }
 

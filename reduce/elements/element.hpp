@@ -4,16 +4,16 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "mesh/model/cell.hpp"
+#include "mesh/model/cells/cell.hpp"
 #include "mesh/model/mesh.hpp"
 
 /// Isoparametric solid elements.  An element is a cell shape (its functions N_a(xi) are those of
-/// mesh/model/cell.hpp) and two quadrature rules; the matrices (solid.hpp) are shared:
+/// mesh/model/cells/cell.hpp) and two quadrature rules; the matrices (solid.hpp) are shared:
 ///
 ///     x = sum_a N_a(xi) x_a,   u = sum_a N_a(xi) u_a,   J = dx/dxi,   dN_a/dx = J^-T dN_a/dxi
 ///
-/// A new solid element is one entry of the table in element.cpp (and, if it has a formulation of its own, an
-/// Enhancement).
+/// Each solid cell type has one (mesh/model/cells/record.hpp says what a new one takes); another formulation of a type is an
+/// entry in element.cpp and, if it has displacements of its own, an Enhancement.
 /// O. C. Zienkiewicz, R. L. Taylor, The Finite Element Method, vol. 1, chapters 5 and 6.
 namespace flexura::reduce {
 

@@ -5,7 +5,7 @@
 #include <array>
 #include <vector>
 
-#include "mesh/model/cell.hpp"
+#include "mesh/model/cells/cell.hpp"
 
 /// The functions that the next higher degree adds to a cell.
 ///

@@ -8,6 +8,7 @@
 
 #include "reduce/estimate/cell_data.hpp"
 #include "reduce/linalg/dense/parallel.hpp"
+#include "mesh/model/cells/record.hpp"
 
 namespace flexura::reduce {
 
@@ -19,21 +20,9 @@ namespace {
 
 // Where the stresses of a cell are best: the points of the next lower Gauss rule.
 mesh::Quadrature superconvergent_points(CellType type) {
-  switch (type) {
-    case CellType::hex20:
-    case CellType::hex27:
-      return mesh::stiffness_quadrature(CellType::hex8);
-    case CellType::wedge15:
-      return mesh::stiffness_quadrature(CellType::wedge6);
-    case CellType::pyramid13:
-      return mesh::stiffness_quadrature(CellType::pyramid5);
-    case CellType::tet10:
-      return mesh::stiffness_quadrature(CellType::tet10);
-    default: {
-      const Eigen::Matrix<double, 1, 3> centre = mesh::reference_nodes(type).colwise().mean();
-      return {centre, Eigen::VectorXd::Ones(1)};
-    }
-  }
+  if (const auto as = mesh::record_of(type).stress_points) return mesh::stiffness_quadrature(*as);
+  const Eigen::Matrix<double, 1, 3> centre = mesh::reference_nodes(type).colwise().mean();
+  return {centre, Eigen::VectorXd::Ones(1)};
 }
 
 int n_terms(int degree) {

@@ -14,6 +14,7 @@
 
 #include "mbs/base/files/output.hpp"
 #include "mesh/model/geometry.hpp"
+#include "mesh/model/cells/record.hpp"
 
 namespace flexura::reduce {
 namespace {
@@ -21,34 +22,8 @@ namespace {
 using mesh::CellBlock;
 using mesh::CellType;
 
-struct Names {
-  const char* abaqus;
-  int vtk, gmsh;
-  std::vector<int> gmsh_order;    ///< place in gmsh's order of each of our nodes; empty: the same
-  std::vector<int> abaqus_order;  ///< our node at each place of Abaqus' order; empty: the same
-};
-
-// Cell types of the VTK file format and of gmsh's reference manual ("Node ordering"); Mesh has VTK's order.
-const Names& names_of(CellType type) {
-  static const std::map<CellType, Names> kNames = {
-      {CellType::tri3, {"S3", 5, 2, {}, {}}},
-      {CellType::quad4, {"S4", 9, 3, {}, {}}},
-      {CellType::tet4, {"C3D4", 10, 4, {}, {}}},
-      {CellType::hex8, {"C3D8", 12, 5, {}, {}}},
-      {CellType::wedge6, {"C3D6", 13, 6, {}, {}}},
-      {CellType::pyramid5, {"C3D5", 14, 7, {}, {}}},
-      {CellType::tet10, {"C3D10", 24, 11, {0, 1, 2, 3, 4, 5, 6, 7, 9, 8}, {}}},
-      {CellType::hex20,
-       {"C3D20", 25, 17, {0, 1, 2, 3, 4, 5, 6, 7, 8, 11, 13, 9, 16, 18, 19, 17, 10, 12, 14, 15}, {}}},
-      {CellType::wedge15, {"C3D15", 26, 18, {0, 1, 2, 3, 4, 5, 6, 9, 7, 12, 14, 13, 8, 10, 11}, {}}},
-      {CellType::pyramid13, {"C3D13", 27, 19, {0, 1, 2, 3, 4, 5, 8, 10, 6, 7, 9, 11, 12}, {}}},
-      {CellType::hex27,
-       {"C3D27",
-        29,
-        12,
-        {0, 1, 2, 3, 4, 5, 6, 7, 8, 11, 13, 9, 16, 18, 19, 17, 10, 12, 14, 15, 22, 23, 21, 24, 20, 25, 26},
-        {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 18, 19, 26, 24, 25, 22, 21, 23, 20}}}};
-  return kNames.at(type);
+const mesh::ForeignCell& names_of(CellType type) {
+  return mesh::record_of(type).foreign;
 }
 
 std::string ending_of(const std::filesystem::path& path) {
@@ -106,7 +81,7 @@ bool abaqus_material(const Material& material, fmt::memory_buffer& out) {
   return true;
 }
 
-const char* abaqus_name(const CellBlock& block) {
+std::string abaqus_name(const CellBlock& block) {
   if (block.type == CellType::hex20 && block.variant == mesh::CellVariant::reduced) return "C3D20R";
   if (block.type == CellType::hex8 && block.variant == mesh::CellVariant::bubbles) return "C3D8I";
   return names_of(block.type).abaqus;
@@ -132,7 +107,7 @@ std::string abaqus(const mesh::Mesh& mesh, const std::vector<Material>& material
                 block.offset.empty() ? 0.0 : block.offset[k]};
   };
   const auto write_cells = [&](const CellBlock* block, const Kind& kind) {
-    const Names& names = names_of(block->type);
+    const mesh::ForeignCell& names = names_of(block->type);
     fmt::format_to(to, "*ELEMENT, TYPE={}, ELSET=CELLS_{}\n", abaqus_name(*block), ++number);
     const auto& [material, thickness, offset] = kind;
     if (static_cast<std::size_t>(material) < materials.size()) {
@@ -156,8 +131,8 @@ std::string abaqus(const mesh::Mesh& mesh, const std::vector<Material>& material
     }
   };
   for (const CellBlock* block : blocks_of(mesh)) {
-    if (block->type == CellType::pyramid13)
-      throw std::invalid_argument("Abaqus knows no pyramids of 13 nodes; write .vtu or .msh");
+    if (names_of(block->type).abaqus.empty())
+      throw std::invalid_argument(fmt::format("Abaqus knows no cells of type {}; write .vtu or .msh", mesh::name_of(block->type)));
     std::vector<Kind> kinds;
     for (Eigen::Index cell = 0; cell < block->nodes.rows(); ++cell)
       if (const Kind kind = kind_of(*block, cell); std::ranges::find(kinds, kind) == kinds.end())
@@ -188,7 +163,7 @@ std::string gmsh(const mesh::Mesh& mesh) {
   for (const CellBlock* block : blocks) n += block->nodes.rows();
   fmt::format_to(to, "$EndNodes\n$Elements\n{}\n", n);
   for (const CellBlock* block : blocks) {
-    const Names& names = names_of(block->type);
+    const mesh::ForeignCell& names = names_of(block->type);
     std::vector<mesh::Index> nodes(static_cast<std::size_t>(block->nodes.cols()));
     for (Eigen::Index cell = 0; cell < block->nodes.rows(); ++cell) {
       for (std::size_t a = 0; a < nodes.size(); ++a)

@@ -4,7 +4,7 @@
 
 #include <numbers>
 
-#include "mesh/model/cell.hpp"
+#include "mesh/model/cells/cell.hpp"
 #include "mesh/model/select.hpp"
 #include "tests/mesh/cad_parts.hpp"
 

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "mesh/import/nastran.hpp"
-#include "mesh/model/cell.hpp"
+#include "mesh/model/cells/cell.hpp"
 #include "mesh/model/geometry.hpp"
 #include "tests/mesh/scratch.hpp"
 

@@ -4,7 +4,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
-#include "mesh/model/cell.hpp"
+#include "mesh/model/cells/cell.hpp"
 
 namespace flexura::mesh {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "mesh/model/cell.hpp"
+#include "mesh/model/cells/cell.hpp"
 #include "mesh/model/geometry.hpp"
 
 namespace flexura::mesh {

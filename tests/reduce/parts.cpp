@@ -11,7 +11,7 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "mesh/model/cell.hpp"
+#include "mesh/model/cells/cell.hpp"
 #include "mesh/model/geometry.hpp"
 #include "reduce/linalg/dense/symmetric_matrix.hpp"
 

@@ -4,7 +4,7 @@
 #include <Eigen/LU>
 #include <cmath>
 
-#include "mesh/model/cell.hpp"
+#include "mesh/model/cells/cell.hpp"
 #include "mesh/model/geometry.hpp"
 #include "reduce/assembly/rigid_motion.hpp"
 #include "reduce/cms/craig_bampton.hpp"

@@ -32,7 +32,7 @@ set(CPACK_DEBIAN_REDUCTION_PACKAGE_DEPENDS "flexura (= ${PROJECT_VERSION})")
 set(CPACK_DEBIAN_REDUCTION_PACKAGE_RECOMMENDS libopenblas0-pthread)  # the default BLAS is five times slower
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME libflexura-dev)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS
-    "cmake, pkg-config, libeigen3-dev, libfmt-dev, libtomlplusplus-dev, nlohmann-json3-dev, libmuparser-dev, libsundials-dev, libsuitesparse-dev, libhdf5-dev, libxxhash-dev")
+    "cmake, pkg-config, libeigen3-dev, libfmt-dev, libtomlplusplus-dev, nlohmann-json3-dev, libsundials-dev, libsuitesparse-dev, libhdf5-dev, libxxhash-dev")
 # What find_package(Flexura COMPONENTS reduce) needs beside.
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_RECOMMENDS
     "flexura-reduce, libpetsc-real-dev, slepc-dev, libopenmpi-dev, libmetis-dev, libopenblas-dev, zlib1g-dev")

@@ -21,7 +21,6 @@ hdf5            | mbs/base/hdf5/
 H5              | mbs/base/hdf5/
 CLI             | mbs/base/terminal/
 toml\+\+        | mbs/base/documents/
-muParser        | mbs/formulas/ reduce/part/force_field.cpp
 tinyxml2        | import/urdf/
 STEP            | import/cad/
 XCAF            | import/cad/

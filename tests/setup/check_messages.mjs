@@ -105,7 +105,7 @@ const EXEMPT = [
   ['reduce/library/reduce_part.cpp', 'the key before the sentence of the modes that are struck'],
   ['reduce/library/attempt.cpp', 'before the sentence of the sizes that were out of reach'],
   ['reduce/file/part_file.cpp', 'the key before the sentence of PETSc\'s options'],
-  ['mesh/gmsh/read_mesh.cpp', 'damaged meshes: the child\'s words, before which the file stands'],
+  ['mesh/gmsh/worker/read_mesh.cpp', 'damaged meshes: the child\'s words, before which the file stands'],
   ['mbs/superelement/validate.cpp', 'damaged superelements, held against themselves'],
   ['mesh/partition/', 'METIS on a mesh that is one piece'],
   ['mesh/gmsh/worker', 'the child\'s words, before which ask.cpp puts the file and behind which what to do'],

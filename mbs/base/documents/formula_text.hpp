@@ -5,8 +5,7 @@
 
 namespace flexura::input {
 
-/// What must not reach muparser, which ends at a zero character, knows texts in quotes, assigns, and of "0,5"
-/// takes one of two values: what is wrong with the formula, or nothing.
+/// Characters that no formula has, assignments, decimal commas: what is wrong with the formula, or nothing.
 std::string wrong_with_formula(const std::string& formula);
 
 /// Letters, digits, _ and the point: what names in formulas are made of.

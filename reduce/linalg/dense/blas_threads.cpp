@@ -25,6 +25,10 @@ OneBlasThread::~OneBlasThread() {
   if (before_ > 1) set_threads(before_);
 }
 
+void set_blas_threads(int n) {
+  if (set_threads) set_threads(n);
+}
+
 void require_blas_memory(int n_threads) {
   if (!get_threads) return;
   constexpr std::size_t kEach = std::size_t{129} << 20;

@@ -16,6 +16,9 @@ class OneBlasThread {
   int before_;
 };
 
+/// So many threads from now on.
+void set_blas_threads(int n);
+
 /// Refuses (std::runtime_error) where the system would not give BLAS its work space for so many threads: OpenBLAS asks
 /// again for ever then (its blas_memory_alloc, 128 MB of address space for each thread that is in BLAS at a time).
 void require_blas_memory(int n_threads);

@@ -50,6 +50,51 @@ TEST(Expression, EvaluatesArithmeticAndFunctions) {
   EXPECT_DOUBLE_EQ(value("mod(7, 3) + 10*mod(-1, 3) + 100*mod(1, -3)"), -179.0);
 }
 
+// The grammar of formula_parser.hpp: which signs bind tighter, and from which side they group.
+TEST(Expression, GroupsAsTheGrammarSays) {
+  EXPECT_DOUBLE_EQ(value("10 - 4 - 3"), 3.0);
+  EXPECT_DOUBLE_EQ(value("64/4/2"), 8.0);
+  EXPECT_DOUBLE_EQ(value("2 + 3*4^2/8"), 8.0);
+  EXPECT_DOUBLE_EQ(value("-2*-3"), 6.0);
+  EXPECT_DOUBLE_EQ(value("2*-3^2"), -18.0);
+  EXPECT_DOUBLE_EQ(value("2^-2^2"), 0.0625);
+  EXPECT_DOUBLE_EQ(value("- -2 - +1"), 1.0);
+  EXPECT_DOUBLE_EQ(value("1 + 1 < 3"), 1.0);
+  EXPECT_DOUBLE_EQ(value("3 > 2 > 1"), 0.0);  // (3 > 2) > 1
+  EXPECT_DOUBLE_EQ(value("0 && 0 || 1"), 1.0);
+  EXPECT_DOUBLE_EQ(value("1 || 0 && 0"), 1.0);
+  EXPECT_DOUBLE_EQ(value("0 ? 1 : 1 ? 2 : 3"), 2.0);
+  EXPECT_DOUBLE_EQ(value("1 ? 0 ? 1 : 2 : 3"), 2.0);
+  EXPECT_DOUBLE_EQ(value("1 < 2 ? 5 + 1 : 7"), 6.0);
+  EXPECT_DOUBLE_EQ(value("max(1, 2 ? 3 : 4)"), 3.0);
+  EXPECT_DOUBLE_EQ(value(" ( ( 1.5e1 ) ) \t* .5\n"), 7.5);
+  EXPECT_DOUBLE_EQ(value("1e3 + 2.e-1"), 1000.2);
+}
+
+TEST(Expression, SaysWhereAFormulaIsWrong) {
+  const std::pair<const char*, const char*> wrong[] = {
+      {"2 *", "at its end: a number, a name or a \"(\" is missing"},
+      {"2 * * 3", "at character 5, \"*\": a number, a name or a \"(\" is missing before it"},
+      {"2 3", "at character 3, \"3\": an operator is missing before it"},
+      {"(1 + 2)) + 1", "at character 8, \")\": there is no \"(\" to it"},
+      {"sin(1", "at its end: the \")\" of sin is missing"},
+      {"sin + 1", "the function sin needs its arguments in parentheses"},
+      {"sin(1, 2)", "sin takes 1 argument, not 2"},
+      {"step(t, 1)", "step takes 5 arguments, not 2"},
+      {"min()", "min takes one argument or more, not 0"},
+      {"t ? 1", "at its end: a \":\" and what holds otherwise are missing"},
+      {"2load", "at character 1, \"2load\": a name begins with a letter, a product needs a \"*\""},
+      {"load(2)", "load is no function; a product needs a \"*\""},
+      {"1e999", "is no number that can be computed with"},
+      {"1 & 2", "at character 3, \"&\": an operator is missing before it"}};
+  for (const auto& [text, why] : wrong) EXPECT_THAT(refusal(text), ::testing::HasSubstr(why)) << text;
+  EXPECT_THAT(refusal(std::string(5000, '(')), ::testing::HasSubstr("nested too deeply"));
+  EXPECT_THAT(refusal(std::string(5000, '-')), ::testing::HasSubstr("nested too deeply"));
+  std::string nested = "1";
+  for (int k = 0; k < 100; ++k) nested = "1 + (" + nested + ")";
+  EXPECT_THAT(refusal(nested), ::testing::HasSubstr("nested too deeply"));
+}
+
 TEST(Expression, ReadsMeasuredQuantitiesByDottedName) {
   SignalNames names;
   names.add("crank.angle");

@@ -1,0 +1,159 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mesh/import/abaqus/abaqus_keywords.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <fstream>
+#include <stdexcept>
+
+#include "mbs/base/files/inputs.hpp"
+
+namespace flexura::mesh {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string trimmed(std::string_view text) {
+  const auto first = text.find_first_not_of(" \t\r\""), last = text.find_last_not_of(" \t\r\"");
+  return first == std::string_view::npos ? "" : std::string(text.substr(first, last - first + 1));
+}
+
+std::vector<std::string> split(std::string_view line) {
+  std::vector<std::string> fields;
+  for (std::size_t begin = 0;;) {
+    const std::size_t comma = line.find(',', begin);
+    fields.push_back(trimmed(line.substr(begin, comma - begin)));
+    if (comma == std::string_view::npos) break;
+    begin = comma + 1;
+  }
+  while (!fields.empty() && fields.back().empty()) fields.pop_back();
+  return fields;
+}
+
+class KeywordReader {
+ public:
+  explicit KeywordReader(std::set<std::string>& file_names) : file_names_(file_names) {}
+
+  void read(const fs::path& path, int depth = 0) {
+    require_file(path);
+    files::note_input(path);
+    std::ifstream file(path);
+    if (!file) throw std::invalid_argument(path.string() + ": no such file, or it cannot be read");
+    constexpr int most_files = 1000;
+    if (++n_files_ > most_files)
+      throw std::invalid_argument(path.string() +
+                                  ": *INCLUDE reads more than 1000 files; files that include "
+                                  "one another?");
+    if (depth > 10)
+      throw std::invalid_argument(path.string() +
+                                  ": *INCLUDE goes deeper than 10 files; a file that includes itself?");
+    const std::string* name = &*file_names_.insert(path.string()).first;
+    std::string line;
+    for (int number = 1; std::getline(file, line); ++number) {
+      const Where where{name, number};
+      require_text(line, where);
+      if (line.rfind("**", 0) == 0 || trimmed(line).empty()) continue;
+      if (line[0] != '*') {
+        std::vector<std::string> fields = split(line);
+        const bool goes_on = !trimmed(line).empty() && trimmed(line).back() == ',';
+        if (keywords.empty())
+          throw std::invalid_argument(where.text() +
+                                      ": data before the first keyword; not an Abaqus input file?");
+        if (continued_data_)
+          keywords.back().data.back().fields.insert(keywords.back().data.back().fields.end(), fields.begin(),
+                                                    fields.end());
+        else
+          keywords.back().data.push_back({where, std::move(fields)});
+        // Only element definitions run over several lines.
+        continued_data_ = goes_on && keywords.back().name == "ELEMENT";
+        continue;
+      }
+      continued_data_ = false;
+      while (!trimmed(line).empty() && trimmed(line).back() == ',') {  // keyword lines go on after a comma
+        std::string more;
+        if (!std::getline(file, more)) break;
+        ++number;
+        line = trimmed(line) + more;
+      }
+      Keyword keyword{where, "", {}, {}};
+      const std::vector<std::string> fields = split(std::string_view(line).substr(1));
+      if (fields.empty())
+        throw std::invalid_argument(where.text() + ": a keyword line without a keyword behind its *");
+      keyword.name = upper(fields[0]);
+      for (std::size_t k = 1; k < fields.size(); ++k) {
+        const std::size_t equals = fields[k].find('=');
+        keyword.parameters[upper(trimmed(fields[k].substr(0, equals)))] =
+            equals == std::string::npos ? "" : trimmed(std::string_view(fields[k]).substr(equals + 1));
+      }
+      if (keyword.name == "INCLUDE")
+        read(path.parent_path() / keyword.get("INPUT"), depth + 1);
+      else
+        keywords.push_back(std::move(keyword));
+    }
+  }
+  std::vector<Keyword> keywords;
+
+ private:
+  std::set<std::string>& file_names_;
+  bool continued_data_ = false;
+  int n_files_ = 0;
+};
+
+}  // namespace
+
+std::string upper(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::toupper(c); });
+  return text;
+}
+
+double to_real(std::string text, const Where& where) {
+  std::replace_if(
+      text.begin(), text.end(), [](char c) { return c == 'd' || c == 'D'; }, 'e');
+  const char* begin = text.c_str() + (text.size() > 1 && text[0] == '+' ? 1 : 0);
+  double value = 0;
+  const auto [end, error] = std::from_chars(begin, text.c_str() + text.size(), value);
+  if (error != std::errc() || end != text.c_str() + text.size() || !std::isfinite(value))
+    throw std::invalid_argument(fmt::format("{}: \"{}\" is not a number", where.text(), text.substr(0, 40)));
+  return value;
+}
+
+std::optional<std::int64_t> as_integer(const std::string& text) {
+  std::int64_t value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (text.empty() || error != std::errc() || end != text.data() + text.size()) return {};
+  return value;
+}
+
+std::int64_t to_integer(const std::string& text, const Where& where) {
+  const auto value = as_integer(text);
+  if (!value)
+    throw std::invalid_argument(
+        fmt::format("{}: \"{}\" is not a whole number", where.text(), text.substr(0, 40)));
+  return *value;
+}
+
+std::vector<Keyword> read_keywords(const fs::path& path, std::set<std::string>& names) {
+  KeywordReader reader(names);
+  reader.read(path);
+  return std::move(reader.keywords);
+}
+
+const std::string& field(const Keyword& k, std::size_t line, std::size_t column) {
+  if (line >= k.data.size() || column >= k.data[line].fields.size())
+    throw std::invalid_argument(fmt::format("{}: *{} wants {} numbers on data line {}", k.where.text(),
+                                            k.name, column + 1, line + 1));
+  return k.data[line].fields[column];
+}
+
+std::vector<double> numbers_of(const Keyword& k, std::size_t line) {
+  std::vector<double> out;
+  if (line < k.data.size())
+    for (const std::string& text : k.data[line].fields)
+      out.push_back(text.empty() ? 0.0 : to_real(text, k.data[line].where));
+  return out;
+}
+
+}  // namespace flexura::mesh

@@ -1,0 +1,189 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <stdexcept>
+
+#include "mesh/import/abaqus/abaqus_placer.hpp"
+#include "mesh/import/bar_sections.hpp"
+#include "mesh/model/cells/cell.hpp"
+
+namespace flexura::mesh::abaqus {
+namespace {
+
+const std::vector<std::int64_t>& labels_of(const std::string& name, const Part& part, const Where& where) {
+  const auto set = part.element_sets.find(name);
+  if (set == part.element_sets.end())
+    throw std::invalid_argument(fmt::format("{}: element set \"{}\" is not defined", where.text(), name));
+  return set->second;
+}
+
+void assign_bar(const Section& section, ImportedBar& bar, const std::string& type, Index material,
+                       const Instance* instance) {
+  bar.material = material;
+  if (type[0] == 'T') {
+    bar.A = section.area;
+    if (section.bar)
+      throw std::invalid_argument(
+          fmt::format("{}: truss element {} has a section of beams; *SOLID SECTION with an area "
+                      "is wanted",
+                      section.where.text(), bar.label));
+    require_positive(bar.A, fmt::format("truss element {}", bar.label), "area", section.where);
+    return;
+  }
+  if (!section.bar)
+    throw std::invalid_argument(fmt::format("{}: beam element {} has a section that is none of beams",
+                                            section.where.text(), bar.label));
+  const BarSection& s = *section.bar;
+  bar.centroid << -s.node_y, -s.node_z;
+  bar.A = s.A, bar.I_yy = s.I_yy, bar.I_zz = s.I_zz, bar.I_yz = s.I_yz, bar.J = s.J;
+  if (type.rfind("B33", 0) != 0) bar.kappa_y = s.kappa_y, bar.kappa_z = s.kappa_z;  // B33 knows no shear
+  require_section(bar, fmt::format("beam element {}", bar.label), section.where);
+  if (bar.orientation.norm() > 0) return;
+  bar.orientation = instance ? Eigen::Vector3d(instance->R * section.n1) : section.n1;
+}
+
+}  // namespace
+
+void Placer::assign(const Section& section, const Part& part, int scope, const Instance* instance) {
+  const auto material = std::find_if(model_.materials.begin(), model_.materials.end(),
+                                     [&](const ImportedMaterial& m) { return m.name == section.material; });
+  if (material == model_.materials.end())
+    throw std::invalid_argument(
+        fmt::format("{}: material \"{}\" is not defined", section.where.text(), section.material));
+  const auto set = part.element_sets.find(section.set);
+  if (set == part.element_sets.end())
+    throw std::invalid_argument(
+        fmt::format("{}: element set \"{}\" is not defined", section.where.text(), section.set));
+  auto index = static_cast<Index>(material - model_.materials.begin());
+  if (material->orthotropic) {
+    Eigen::Matrix3d axes = orientation(section.orientation, part.name, section.where);
+    if (instance) axes = (instance->R * axes).eval();
+    index = material_along(index, axes);
+  }
+  for (const std::int64_t label : set->second) {
+    for (auto [bar, end] = bar_of_.equal_range({scope, label}); bar != end; ++bar)
+      assign_bar(section, model_.bars[bar->second.first], bar->second.second, index, instance);
+    if (const auto found = cell_of_.find({scope, label}); found != cell_of_.end()) {
+      ModelBuilder::Cell& cell = builder_.cells()[found->second];
+      if (index >= 0 && model_.materials[static_cast<std::size_t>(index)].orthotropic && dimension_of(cell.type) == 2 &&
+          !section.orientation.empty())
+        throw std::invalid_argument(fmt::format(
+            "{}: the material {} of shells has directions, which an ORIENTATION turns: not read; those along the model's axes are",
+            section.where.text(), section.material));
+      cell.material = index;
+      cell.thickness = section.thickness;
+      cell.offset = section.offset;
+    }
+  }
+}
+
+Eigen::Matrix3d Placer::orientation(const std::string& name, const std::string& part, const Where& where) const {
+  if (name.empty()) return Eigen::Matrix3d::Identity();
+  auto found = deck_.orientations.find(part + "." + name);
+  if (found == deck_.orientations.end()) found = deck_.orientations.find(name);
+  if (found == deck_.orientations.end())
+    throw std::invalid_argument(fmt::format("{}: ORIENTATION=\"{}\" is not defined", where.text(), name));
+  if (!found->second.not_read.empty())
+    throw std::invalid_argument(
+        fmt::format("{}: *ORIENTATION {} has {}, which is not read; rectangular axes by coordinates are",
+                    found->second.where.text(), name, found->second.not_read));
+  return found->second.R;
+}
+
+Index Placer::material_along(Index material, const Eigen::Matrix3d& axes) {
+  if (axes.isIdentity(1e-14)) return material;
+  std::string key;
+  for (const double c : axes.reshaped()) key += fmt::format("{:.15g} ", c);
+  const std::string name = model_.materials[static_cast<std::size_t>(material)].name;
+  const auto [at, fresh] = turned_.emplace(std::pair{name, key}, static_cast<Index>(model_.materials.size()));
+  if (fresh) {
+    ImportedMaterial copy = model_.materials[static_cast<std::size_t>(material)];
+    copy.R = axes;
+    model_.materials.push_back(std::move(copy));
+  }
+  return at->second;
+}
+
+// SPRINGA along its line; SPRING2 in one direction of both nodes.
+void Placer::assign_spring(const ElementData& data, ImportedSpring& to, const Eigen::Matrix3d& axes) {
+  require_not_negative(data.values[0], "*" + data.kind, "stiffness", data.where);
+  const auto place = static_cast<std::size_t>(&to - model_.springs.data());
+  spring_set_.insert(place);
+  if (along_.contains(place)) {
+    to.stiffness[0] = data.values[0];
+    return;
+  }
+  const double dof = data.dofs.empty() ? 0 : data.dofs[0];
+  if (!(dof >= 1 && dof <= 6) || (data.dofs.size() > 1 && data.dofs[1] != dof))
+    throw std::invalid_argument(
+        fmt::format("{}: *SPRING of SPRING2 joins dof {:g} to dof {:g}; equal ones from 1 to 6 are read", data.where.text(), dof,
+                    data.dofs.size() > 1 ? data.dofs[1] : dof));
+  to.R = axes;
+  to.stiffness[static_cast<std::size_t>(dof) - 1] = data.values[0];
+  const Eigen::Vector3d line = builder_.place(to.nodes[1]) - builder_.place(to.nodes[0]);
+  if (dof < 4 && line.cross(axes.col(static_cast<Eigen::Index>(dof) - 1)).norm() > 1e-9 * line.norm())
+    throw std::invalid_argument(fmt::format(
+        "{}: spring element {} acts in direction {:g} between nodes that do not lie one behind the other in it, so that a turn of "
+        "the whole body would strain it; put both nodes in one place",
+        data.where.text(), to.label, dof));
+}
+
+void Placer::assign(const ElementData& data, const Part& part, int scope, const Instance* instance) {
+  const Eigen::Matrix3d turn = instance ? instance->R : Eigen::Matrix3d::Identity();
+  const Eigen::Matrix3d R = data.kind == "MASS" ? turn : Eigen::Matrix3d(turn * orientation(data.orientation, part.name, data.where));
+  if (data.values.empty() || (data.kind == "ROTARY INERTIA" && data.values.size() < 3))
+    throw std::invalid_argument(fmt::format("{}: *{} has no numbers", data.where.text(), data.kind));
+  for (const std::int64_t label : labels_of(data.set, part, data.where)) {
+    const std::pair<int, std::int64_t> key{scope, label};
+    if (const auto spring = spring_of_.find(key); data.kind == "SPRING" && spring != spring_of_.end())
+      assign_spring(data, model_.springs[spring->second], R);
+    const auto mass = mass_of_.find(key);
+    if (mass == mass_of_.end()) continue;
+    ImportedMass& to = model_.masses[mass->second];
+    if (data.kind == "MASS") to.mass = data.values[0];
+    if (data.kind != "ROTARY INERTIA") continue;
+    std::vector<double> I = data.values;  // I11, I22, I33, I12, I13, I23: of the inertia tensor
+    I.resize(6, 0.0);
+    Eigen::Matrix3d J;
+    J << I[0], I[3], I[4], I[3], I[1], I[5], I[4], I[5], I[2];
+    to.inertia = R * J * R.transpose();
+  }
+}
+
+void Placer::finish_others() {
+  std::map<Index, std::size_t> at;
+  std::vector<ImportedMass> merged;
+  for (const ImportedMass& mass : model_.masses) {
+    const auto [place, fresh] = at.emplace(mass.node, merged.size());
+    if (fresh) {
+      merged.push_back(mass);
+    } else {
+      merged[place->second].mass += mass.mass;
+      merged[place->second].inertia += mass.inertia;
+    }
+  }
+  model_.masses = std::move(merged);
+  for (const ImportedBar& bar : model_.bars)
+    if (!(bar.A > 0))
+      throw std::invalid_argument(
+          fmt::format("beam element {} has no section (*BEAM SECTION, *BEAM GENERAL SECTION; trusses: "
+                      "*SOLID SECTION with an area)",
+                      bar.label));
+  for (std::size_t k = 0; k < model_.springs.size(); ++k)
+    if (!spring_set_.contains(k))
+      throw std::invalid_argument(
+          fmt::format("spring element {} has no stiffness (*SPRING)", model_.springs[k].label));
+  for (const std::size_t k : along_) {
+    ImportedSpring& spring = model_.springs[k];
+    const Eigen::Vector3d line = builder_.place(spring.nodes[1]) - builder_.place(spring.nodes[0]);
+    if (!(line.norm() > 0))
+      throw std::invalid_argument(
+          fmt::format("spring element {} (SPRINGA) has no length, hence no direction", spring.label));
+    const Eigen::Vector3d x = line.normalized(), y = x.unitOrthogonal();
+    spring.R << x, y, x.cross(y);
+  }
+}
+
+}  // namespace flexura::mesh::abaqus

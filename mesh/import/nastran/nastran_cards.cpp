@@ -1,0 +1,223 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mesh/import/nastran/nastran_cards.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <fstream>
+#include <stdexcept>
+
+#include "mbs/base/files/inputs.hpp"
+
+namespace flexura::mesh {
+namespace {
+
+std::string upper(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::toupper(c); });
+  return text;
+}
+
+std::string trimmed(std::string_view text) {
+  const auto first = text.find_first_not_of(" \t\r"), last = text.find_last_not_of(" \t\r");
+  return first == std::string_view::npos ? "" : std::string(text.substr(first, last - first + 1));
+}
+
+std::string expand_tabs(const std::string& line) {
+  std::string out;
+  for (const char c : line) {
+    if (c != '\t')
+      out += c;
+    else
+      out.append(8 - out.size() % 8, ' ');
+  }
+  return out;
+}
+
+std::optional<double> parse_real(const std::string& field) {
+  std::string text;
+  for (std::size_t k = 0; k < field.size(); ++k) {
+    const char c = field[k];
+    const bool sign = c == '+' || c == '-';
+    const bool after_exponent = !text.empty() && text.back() == 'e';
+    if (sign && k > 0 && !after_exponent) text += 'e';  // "1.5+5" means 1.5e5
+    if (c == 'd' || c == 'D' || c == 'e' || c == 'E')
+      text += 'e';
+    else if (c != '+')
+      text += c;
+  }
+  double value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (text.empty() || error != std::errc() || end != text.data() + text.size()) return {};
+  return value;
+}
+
+/// One physical line: the name field and 8 (small, free) or 4 (large) data fields.
+struct Line {
+  std::string name;
+  std::vector<std::string> fields;
+};
+
+Line split_line(const std::string& raw) {
+  Line line;
+  if (raw.find(',') != std::string::npos) {
+    std::vector<std::string> parts;
+    for (std::size_t begin = 0;;) {
+      const std::size_t comma = raw.find(',', begin);
+      parts.push_back(trimmed(std::string_view(raw).substr(begin, comma - begin)));
+      if (comma == std::string::npos) break;
+      begin = comma + 1;
+    }
+    line.name = parts[0];
+    const std::size_t width = !line.name.empty() && line.name.back() == '*' ? 4 : 8;
+    // After the last field of a line stands the name of its continuation.  What stands there and is none (a number, or
+    // anything with more behind it) goes on with the card: some programs write it all on one line.
+    std::size_t n = parts.size();
+    while (n > 1 && parts[n - 1].empty()) --n;
+    const auto is_name = [](const std::string& text) {
+      return text.empty() || text[0] == '*' || std::isalpha(static_cast<unsigned char>(text[0])) ||
+             text[0] == '+';
+    };
+    if (n <= width + 1 || (n == width + 2 && is_name(parts[width + 1]))) n = width + 1;
+    parts.resize(std::max(n, width + 1));
+    line.fields.assign(parts.begin() + 1, parts.end());
+    return line;
+  }
+  const std::string text = expand_tabs(raw);
+  line.name = trimmed(std::string_view(text).substr(0, 8));
+  const bool large = line.name.find('*') != std::string::npos;
+  const std::size_t width = large ? 16 : 8;
+  for (std::size_t k = 0; k < (large ? 4 : 8); ++k) {
+    const std::size_t begin = 8 + k * width;
+    line.fields.push_back(begin < text.size() ? trimmed(std::string_view(text).substr(begin, width)) : "");
+  }
+  return line;
+}
+
+class Deck {
+ public:
+  explicit Deck(std::set<std::string>& names) : names_(names) {}
+
+  void read(const std::filesystem::path& path, bool skip_case_control, int depth) {
+    require_file(path);
+    files::note_input(path);
+    std::ifstream file(path);
+    if (!file) throw std::invalid_argument(path.string() + ": no such file, or it cannot be read");
+    constexpr int most_files = 1000;
+    if (++n_files_ > most_files)
+      throw std::invalid_argument(path.string() +
+                                  ": INCLUDE reads more than 1000 files; files that include "
+                                  "one another?");
+    if (depth > 10)
+      throw std::invalid_argument(path.string() +
+                                  ": INCLUDE goes deeper than 10 files; a file that includes itself?");
+    std::vector<std::string> lines;
+    for (std::string line; std::getline(file, line);) lines.push_back(line.substr(0, line.find('$')));
+    std::size_t first = 0;
+    if (skip_case_control)
+      for (std::size_t k = 0; k < lines.size(); ++k)
+        if (upper(trimmed(lines[k])).rfind("BEGIN", 0) == 0) first = k + 1;
+    const std::string* name = &*names_.insert(path.string()).first;
+    for (std::size_t k = first; k < lines.size() && !ended_; ++k)
+      take(lines[k], {name, static_cast<int>(k) + 1}, path, depth);
+  }
+  std::vector<Card> cards;
+
+ private:
+  void take(const std::string& raw, const Where& where, const std::filesystem::path& path, int depth) {
+    require_text(raw, where);
+    if (trimmed(raw).empty()) return;
+    if (upper(trimmed(raw)).rfind("ENDDATA", 0) == 0) {
+      ended_ = true;
+      return;
+    }
+    if (upper(trimmed(raw)).rfind("INCLUDE", 0) == 0) {
+      std::string file = trimmed(trimmed(raw).substr(7));
+      file.erase(std::remove_if(file.begin(), file.end(), [](char c) { return c == '\'' || c == '"'; }),
+                 file.end());
+      read(path.parent_path() / file, false, depth + 1);
+      return;
+    }
+    Line line = split_line(raw);
+    for (std::string& field : line.fields) field = upper(std::move(field));
+    const bool continues = line.name.empty() || line.name[0] == '+' || line.name[0] == '*';
+    if (!continues) {
+      Card card;
+      card.name = upper(line.name);
+      card.name.erase(std::remove(card.name.begin(), card.name.end(), '*'), card.name.end());
+      card.fields = line.fields;
+      card.where = where;
+      cards.push_back(std::move(card));
+      return;
+    }
+    if (cards.empty())
+      throw std::invalid_argument(where.text() + ": a continuation line without a card before it");
+    std::vector<std::string>& fields = cards.back().fields;
+    if (line.fields.size() >= 8 && fields.size() % 8 != 0) fields.resize((fields.size() / 8 + 1) * 8);
+    fields.insert(fields.end(), line.fields.begin(), line.fields.end());
+  }
+
+  std::set<std::string>& names_;
+  bool ended_ = false;
+  int n_files_ = 0;
+};
+
+}  // namespace
+
+const std::string& Card::text(std::size_t k) const {
+  static const std::string none;
+  return k < fields.size() ? fields[k] : none;
+}
+
+std::int64_t Card::integer(std::size_t k) const {
+  const std::string& field = text(k);
+  std::int64_t value = 0;
+  const char* begin = field.data() + (!field.empty() && field[0] == '+' ? 1 : 0);
+  const auto [end, error] = std::from_chars(begin, field.data() + field.size(), value);
+  if (field.empty() || error != std::errc() || end != field.data() + field.size())
+    throw std::invalid_argument(fmt::format("{}: field {} of {} is \"{}\" where a whole number is wanted",
+                                            where.text(), k + 2, name.substr(0, 20), field.substr(0, 40)));
+  return value;
+}
+
+std::int64_t Card::integer(std::size_t k, std::int64_t otherwise) const {
+  return blank(k) ? otherwise : integer(k);
+}
+
+double Card::real(std::size_t k) const {
+  const auto value = parse_real(text(k));
+  if (!value || !std::isfinite(*value))
+    throw std::invalid_argument(fmt::format("{}: field {} of {} is \"{}\" where a number is wanted",
+                                            where.text(), k + 2, name.substr(0, 20), text(k).substr(0, 40)));
+  return *value;
+}
+
+double Card::real(std::size_t k, double otherwise) const {
+  return blank(k) ? otherwise : real(k);
+}
+
+bool Card::is_real(std::size_t k) const {
+  return text(k).find('.') != std::string::npos && parse_real(text(k)).has_value();
+}
+
+std::vector<std::string> case_control(const std::filesystem::path& path) {
+  std::ifstream file(path);
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(file, line);) {
+    std::string text;
+    for (const char c : line.substr(0, line.find('$')))
+      if (!std::isspace(static_cast<unsigned char>(c))) text += static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+    if (text.rfind("BEGIN", 0) == 0) return lines;
+    if (!text.empty()) lines.push_back(std::move(text));
+  }
+  return {};
+}
+
+std::vector<Card> read_cards(const std::filesystem::path& path, std::set<std::string>& names) {
+  Deck deck(names);
+  deck.read(path, true, 0);
+  return std::move(deck.cards);
+}
+
+}  // namespace flexura::mesh

@@ -1,0 +1,152 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <optional>
+#include <stdexcept>
+
+#include "mesh/import/nastran/nastran_reader.hpp"
+
+namespace flexura::mesh {
+namespace {
+
+// "MPC = 7" of the case control.
+std::optional<std::int64_t> chosen_mpc(const std::filesystem::path& path) {
+  std::optional<std::int64_t> chosen;
+  for (const std::string& text : case_control(path))
+    if (text.rfind("MPC=", 0) == 0 && text.size() > 4 && std::isdigit(static_cast<unsigned char>(text[4])))
+      chosen = std::stoll(text.substr(4, 12));
+  return chosen;
+}
+
+}  // namespace
+
+void NastranReader::read_ties() {
+  for (const Card* card : all("RBE2")) {
+    ImportedTie tie;
+    tie.label = card->integer(0);
+    tie.reference = builder_.node(0, card->integer(1), card->where);
+    tie.dofs = components(card->text(2), *card);
+    if (std::ranges::count(tie.dofs, true) == 0)
+      throw std::invalid_argument(fmt::format("{}: RBE2 {} names no directions; give them in CM, 123456 for all",
+                                              card->where.text(), tie.label));
+    for (std::size_t k = 3; k < card->fields.size(); ++k)
+      if (!card->blank(k) && !card->is_real(k)) {
+        tie.nodes.push_back(builder_.node(0, card->integer(k), card->where));
+        tie.axes.push_back(axes_at(card->integer(k), card->where));
+      }
+    model_.ties.push_back(std::move(tie));
+  }
+  for (const Card* card : all("RBE3")) {
+    ImportedTie tie;
+    tie.kind = ImportedTie::Kind::average;
+    tie.label = card->integer(0);
+    tie.reference = builder_.node(0, card->integer(2), card->where);
+    tie.dofs = components(card->text(3), *card);
+    double weight = 1;
+    bool turning = false;
+    for (std::size_t k = 4; k < card->fields.size(); ++k) {
+      if (card->blank(k)) continue;
+      if (card->text(k) == "UM" || card->text(k) == "ALPHA") {
+        unused_.add("RBE3's " + card->text(k), card->where);
+        break;
+      }
+      if (card->is_real(k)) {
+        weight = card->real(k);
+        const auto dofs = components(card->text(++k), *card);
+        if (!(dofs[0] && dofs[1] && dofs[2]))
+          approximated_.add("RBE3's weights that leave out one of the directions 1 to 3: all three are used", card->where);
+        turning = dofs[3] || dofs[4] || dofs[5];
+        continue;
+      }
+      tie.nodes.push_back(builder_.node(0, card->integer(k), card->where));
+      tie.weights.push_back(weight);
+      if (turning) turning_weights_.emplace_back(tie.nodes.back(), card->where);
+    }
+    model_.ties.push_back(std::move(tie));
+  }
+  for (const ImportedTie& tie : model_.ties)
+    if (tie.nodes.empty())
+      throw std::invalid_argument(fmt::format("RBE2 or RBE3 {} ties no nodes", tie.label));
+}
+
+Eigen::Matrix3d NastranReader::axes_at(std::int64_t grid, const Where& where) {
+  const auto found = systems_.grids().find(grid);
+  if (found == systems_.grids().end()) return Eigen::Matrix3d::Identity();
+  const Card* grdset = systems_.grdset();
+  const std::int64_t cd = found->second->integer(5, grdset ? grdset->integer(5, 0) : 0);
+  if (cd <= 0) return Eigen::Matrix3d::Identity();
+  return systems_.system(cd, where).axes_at(systems_.grid_place(grid, where));
+}
+
+void NastranReader::read_constraints(const std::filesystem::path& path) {
+  read_rigid_bars();
+  const std::vector<const Card*>& cards = all("MPC");
+  const std::vector<const Card*>& sums = all("MPCADD");
+  if (cards.empty()) return;
+  std::set<std::int64_t> chosen, known;
+  for (const Card* card : cards) known.insert(card->integer(0));
+  if (const auto number = chosen_mpc(path)) {
+    chosen = {*number};
+  } else if (sums.size() == 1) {
+    chosen = {sums[0]->integer(0)};
+  } else if (known.size() == 1) {
+    chosen = known;
+  } else {
+    throw std::invalid_argument(fmt::format(
+        "{}: MPC of {} sets, and no case control says which holds; write \"MPC = {}\" before BEGIN BULK",
+        cards[0]->where.text(), known.size(), *known.begin()));
+  }
+  for (const Card* sum : sums)
+    if (chosen.contains(sum->integer(0)))
+      for (std::size_t k = 1; k < sum->fields.size(); ++k)
+        if (!sum->blank(k)) chosen.insert(sum->integer(k));
+  int count = 0;
+  for (const Card* card : cards) {
+    if (!chosen.contains(card->integer(0))) {
+      unused_.add("MPC of a set that is not chosen", card->where);
+      continue;
+    }
+    ++count;
+    ImportedEquation equation{.terms = {}, .of = fmt::format("MPC {} in {}", card->integer(0), card->where.text())};
+    // G, C, A twice on each line of eight fields, the first line with the set before them, others with a blank.
+    for (std::size_t line = 0; line < card->fields.size(); line += 8)
+      for (const std::size_t k : {line + 1, line + 4}) {
+        if (card->blank(k)) continue;
+        const std::int64_t grid = card->integer(k), c = card->integer(k + 1, 0);
+        if (c < 1 || c > 6)
+          throw std::invalid_argument(fmt::format("{}: MPC names component {} of grid {}; 1 to 6 are read (no scalar points)",
+                                                  card->where.text(), c, grid));
+        ImportedEquation::Term term{.node = builder_.node(0, grid, card->where)};
+        const Eigen::Index d = c - 1;
+        term.row.segment<3>(d < 3 ? 0 : 3) = card->real(k + 2, 0) * axes_at(grid, card->where).col(d % 3);
+        equation.terms.push_back(term);
+      }
+    if (equation.terms.empty())
+      throw std::invalid_argument(fmt::format("{}: MPC {} names no grid", card->where.text(), card->integer(0)));
+    model_.equations.push_back(std::move(equation));
+  }
+  model_.messages.push_back(fmt::format("{} equation{} between dofs (MPC)", count, count == 1 ? "" : "s"));
+}
+
+// RBAR: two nodes that move as one piece.
+void NastranReader::read_rigid_bars() {
+  for (const Card* card : all("RBAR")) {
+    const auto of_a = components(card->text(3), *card), of_b = components(card->text(4), *card);
+    const auto count = [](const std::array<bool, 6>& dofs) { return std::ranges::count(dofs, true); };
+    const bool a_leads = count(of_a) == 6 && count(of_b) == 0, b_leads = count(of_b) == 6 && count(of_a) == 0;
+    const auto bound = components(card->text(a_leads ? 6 : 5), *card);
+    if (!(a_leads || b_leads) || (count(bound) != 0 && count(bound) != 6)) {
+      approximated_.add("RBAR that does not join all six dofs of a node to those of the other: what it binds stays apart",
+                        card->where);
+      continue;
+    }
+    ImportedTie tie;
+    tie.label = card->integer(0);
+    tie.reference = builder_.node(0, card->integer(a_leads ? 1 : 2), card->where);
+    tie.nodes = {builder_.node(0, card->integer(a_leads ? 2 : 1), card->where)};
+    model_.ties.push_back(std::move(tie));
+  }
+}
+
+}  // namespace flexura::mesh
