@@ -164,7 +164,7 @@ int print_buckling(const Arguments& arguments, const terminal::Talk& talk) {
         mbs::buckling_modes(unloaded, mbs::static_stiffness(*p.mechanism, p.state, &unloaded.independent));
     add_buckling_notes(buckling, !unloaded.independent.empty(), p.notes);
     for (const auto& body : p.mechanism->description().bodies)
-      if (body.flexible && body.flexible->is_modal() && !body.flexible->data().second)
+      if (body.flexible && body.flexible->acts_back() && !body.flexible->has_geometric_stiffness())
         p.notes.push_back(
             fmt::format("body \"{}\" has no geometric stiffening; with fidelity = \"modal-stiffened\" "
                         "its own buckling is seen",

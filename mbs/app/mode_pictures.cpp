@@ -31,15 +31,16 @@ std::vector<Eigen::Vector3d> places(const mbs::Mechanism& m, const mbs::State& s
     for (int i = 0; i < 3; ++i) place(arm * Eigen::Vector3d::Unit(i));
     const mbs::FlexibleBody* const body = m.deforming(static_cast<int>(b));
     const double* const modal = m.modal_coordinates(static_cast<int>(b), s);
-    for (std::size_t n = 0; body && modal && n < body->data().nodes.size(); ++n)
+    for (std::size_t n = 0; body && modal && n < body->nodes().size(); ++n)
       place(body->node_pose(static_cast<int>(n), modal).p);
     const auto picture = pictures.find(m.description().bodies[b].name);
     if (picture == pictures.end() || !picture->second) continue;
     const auto& vertices = picture->second->surface.vertices;
     Eigen::VectorXf u = Eigen::VectorXf::Zero(3 * vertices.rows());
-    if (body && modal && body->data().Y.rows() == picture->second->shapes.cols())
+    const mbs::ModalData* const data = body && modal ? body->modal() : nullptr;
+    if (data && data->Y.rows() == picture->second->shapes.cols())
       u = picture->second->shapes *
-          (body->data().Y * Eigen::Map<const Eigen::VectorXd>(modal, body->data().Y.cols())).cast<float>();
+          (data->Y * Eigen::Map<const Eigen::VectorXd>(modal, data->Y.cols())).cast<float>();
     for (Eigen::Index v = 0; v < vertices.rows(); ++v)
       place(vertices.row(v).transpose() + u.segment<3>(3 * v).cast<double>());
   }

@@ -33,11 +33,11 @@ Matrix3d section_frame(const AncfBody& body, const beam::ancf::MaterialPoint& at
   return beam::ancf::evaluate_point(body, at, body.rest(), VectorXd::Zero(body.n_q())).R_WS;
 }
 
-std::vector<FlexibleNode> nodes_of(const AncfBody& body, const std::vector<AncfPart::Station>& stations) {
-  std::vector<FlexibleNode> nodes;
+std::vector<NodePlace> nodes_of(const AncfBody& body, const std::vector<AncfPart::Station>& stations) {
+  std::vector<NodePlace> nodes;
   const VectorXd still = VectorXd::Zero(body.n_q());
   for (const AncfPart::Station& station : stations) {
-    FlexibleNode node;
+    NodePlace node;
     node.name = station.name;
     node.p_BoN_B = beam::ancf::evaluate_point(body, station.at, body.rest(), still).p_WoP_W;
     nodes.push_back(std::move(node));
@@ -70,7 +70,12 @@ void AncfPart::expand(const double* s, bool from_rest, VectorXd& q) const {
   for (int i = 3; i < m(); ++i) q(9 + i) += s[i];
 }
 
-void AncfPart::set_position(const double* s, Work& work) const {
+std::unique_ptr<FlexibleBody::Scratch> AncfPart::make_scratch() const {
+  return std::make_unique<Work>();
+}
+
+void AncfPart::set_position(const double* s, Scratch& scratch) const {
+  Work& work = static_cast<Work&>(scratch);
   expand(s, true, work.q);
   work.f.setZero(work.q.size());
   body_.mass().multiply_add(1.0, work.q, work.f);
@@ -89,19 +94,20 @@ void AncfPart::set_position(const double* s, Work& work) const {
   }
 }
 
-// The coordinates' rates into work.v and P' into work.W.
+// The coordinates' rates into work.v and P' into work.P_dot.
 AncfPart::Rates AncfPart::take_rates(const double* s_dot, Work& work) const {
   expand(s_dot, false, work.v);
-  work.W.setZero(work.v.size());
-  body_.mass().multiply_add(1.0, work.v, work.W);
+  work.P_dot.setZero(work.v.size());
+  body_.mass().multiply_add(1.0, work.v, work.P_dot);
   Rates out;
   out.d_dot.noalias() = vectors(work.v) * weight_;
-  out.G.noalias() = vectors(work.q) * vectors(work.W).transpose();
+  out.G.noalias() = vectors(work.q) * vectors(work.P_dot).transpose();
   return out;
 }
 
-Spatial AncfPart::inverse_dynamics(const double* s, const double* s_dot, const double* s_ddot,
-                                   const Spatial& V, const Spatial& A, Work& work, double* modal) const {
+Spatial AncfPart::inverse_dynamics(const double* s, const double* s_dot, const double* s_ddot, const Spatial& V,
+                                   const Spatial& A, Scratch& scratch, double* modal) const {
+  Work& work = static_cast<Work&>(scratch);
   const Vector3d &w = V.angular, &alpha = A.angular, &a = A.linear, &d = work.d;
   (void)s;
   // P'' in f, then the rest of the acceleration's share, then the internal force.
@@ -116,7 +122,7 @@ Spatial AncfPart::inverse_dynamics(const double* s, const double* s_dot, const d
 
   const int n = static_cast<int>(weight_.size());
   const auto [d_dot, G] = take_rates(s_dot, work);
-  const auto P_dot = vectors(work.W);
+  const auto P_dot = vectors(work.P_dot);
 
   Spatial need;
   need.linear = mass() * a + alpha.cross(d) + w.cross(w.cross(d)) + 2.0 * w.cross(d_dot) + d_ddot;
@@ -126,8 +132,8 @@ Spatial AncfPart::inverse_dynamics(const double* s, const double* s_dot, const d
     const Vector3d P = work.P.col(i), Pd = P_dot.col(i);
     work.f.segment<3>(3 * i) += weight_(i) * a + alpha.cross(P) + w.cross(w.cross(P)) + 2.0 * w.cross(Pd);
   }
-  body_.force(work.q, &work.v, work.W);
-  work.f += work.W;
+  body_.force(work.q, &work.v, work.P_dot);
+  work.f += work.P_dot;
   for (int i = 0; i < m(); ++i) modal[i] = work.f(coordinate(i));
   return need;
 }
@@ -181,11 +187,11 @@ void AncfPart::node_motion(int node, const double* s, const double* s_dot, const
   out.A = Spatial::from(A);
 }
 
-void AncfPart::turning_tangents(const double*, const double* s_dot, const Vector3d& w, Work& work,
-                                Eigen::Matrix<double, 6, 3>& need_w,
-                                Eigen::Matrix<double, Eigen::Dynamic, 3>& modal_w) const {
+void AncfPart::turning_tangents(const double*, const double* s_dot, const Vector3d& w, Scratch& scratch,
+                                Eigen::Matrix<double, 6, 3>& need_w, Modal3& modal_w) const {
+  Work& work = static_cast<Work&>(scratch);
   const auto [d_dot, G] = take_rates(s_dot, work);
-  const auto P_dot = vectors(work.W);
+  const auto P_dot = vectors(work.P_dot);
   need_w.topRows<3>() =
       skew(w) * work.J - skew(work.J * w) + 2.0 * (G.trace() * Matrix3d::Identity() - G.transpose());
   need_w.bottomRows<3>() = -skew(w.cross(work.d) + 2.0 * d_dot) - skew(w) * skew(work.d);
@@ -199,9 +205,9 @@ void AncfPart::turning_tangents(const double*, const double* s_dot, const Vector
 
 // Of the terms of inverse_dynamics(), s_l moving vector k along c: Q_k changes by e_c, and P_j by m_jk e_c; s'_l and
 // s''_l change P'_j and P''_j alike.
-void AncfPart::own_deformation_tangents(const double* s, const double* s_dot, const double* s_ddot,
-                                        const Spatial& V, const Spatial& A, Work& work,
-                                        DeformationTangents& out) const {
+void AncfPart::deformation_tangents(const double* s, const double* s_dot, const double* s_ddot, const Spatial& V,
+                                    const Spatial& A, Scratch& scratch, DeformationTangents& out) const {
+  Work& work = static_cast<Work&>(scratch);
   const Vector3d &w = V.angular, &alpha = A.angular, &a = A.linear;
   out.modal_s.setZero();
   out.modal_v.setZero();
@@ -215,7 +221,7 @@ void AncfPart::own_deformation_tangents(const double* s, const double* s_dot, co
   body_.mass().multiply_add(1.0, work.v, work.f);
   const auto P_ddot = vectors(work.f);
   take_rates(s_dot, work);
-  const auto P_dot = vectors(work.W);
+  const auto P_dot = vectors(work.P_dot);
   for (int l = 0; l < m(); ++l) {
     const int k = coordinate(l) / 3, c = coordinate(l) % 3;
     const Vector3d e = Vector3d::Unit(c), C_t = weight_(k) * e, P = work.P.col(k), Pd = P_dot.col(k),
@@ -265,7 +271,7 @@ void AncfPart::add_tangents(const double* s, const double* s_dot, MatrixRef K, M
   add_free(dD, D);
 }
 
-std::shared_ptr<const FlexibleBody> straight_ancf_part(
+std::shared_ptr<const AncfPart> straight_ancf_part(
     const beam::ancf::BeamSection& section, const Vector3d& from_B, const Vector3d& to_B,
     const Vector3d& y_axis_B, int elements, const std::vector<std::pair<std::string, double>>& stations) {
   AncfBody body =

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "beam/ancf/body.hpp"
-#include "mbs/bodies/own_tangents.hpp"
+#include "mbs/bodies/flexible_body.hpp"
 
 /// A beam of the absolute nodal coordinate formulation as a body of a mechanism: it may bend as far as it
 /// likes.
@@ -20,7 +20,7 @@
 /// equations in absolute coordinates.
 namespace flexura::mbs {
 
-class AncfPart final : public FlexibleBody, public OwnTangents {
+class AncfPart final : public FlexibleBody {
  public:
   /// A place that markers can sit on.
   struct Station {
@@ -38,26 +38,29 @@ class AncfPart final : public FlexibleBody, public OwnTangents {
   /// The s_i that adds to a coordinate of the beam; -1 where that is fixed to B.
   static int free_of(int coordinate);
 
-  void set_position(const double* s, Work& work) const override;
+  std::unique_ptr<Scratch> make_scratch() const override;
+  void set_position(const double* s, Scratch& scratch) const override;
   Spatial inverse_dynamics(const double* s, const double* s_dot, const double* s_ddot, const Spatial& V,
-                           const Spatial& A, Work& work, double* modal) const override;
+                           const Spatial& A, Scratch& scratch, double* need) const override;
   double strain_energy(const double* s) const override;
   double dissipated_power(const double* s, const double* s_dot) const override;
   Pose node_pose(int node, const double* s) const override;
   void node_motion(int node, const double* s, const double* s_dot, const double* s_ddot,
                    NodeMotion& out) const override;
-  bool is_modal() const override { return false; }
-  void turning_tangents(const double* s, const double* s_dot, const Vector3d& w, Work& work,
-                        Eigen::Matrix<double, 6, 3>& need_w,
-                        Eigen::Matrix<double, Eigen::Dynamic, 3>& modal_w) const override;
-  void own_deformation_tangents(const double* s, const double* s_dot, const double* s_ddot, const Spatial& V,
-                                const Spatial& A, Work& work, DeformationTangents& out) const override;
   /// Those of its element.
   std::pair<int, int> coordinates_of(int node) const override;
+  void turning_tangents(const double* s, const double* s_dot, const Vector3d& w, Scratch& scratch,
+                        Eigen::Matrix<double, 6, 3>& need_w, Modal3& modal_w) const override;
+  void deformation_tangents(const double* s, const double* s_dot, const double* s_ddot, const Spatial& V,
+                            const Spatial& A, Scratch& scratch, DeformationTangents& out) const override;
   void add_tangents(const double* s, const double* s_dot, MatrixRef K, MatrixRef D) const override;
   double amplitude(int) const override { return 1.0; }  // lengths and slopes as they are
 
  private:
+  struct Work final : Scratch {
+    Eigen::VectorXd q, v, f, P_dot;  ///< n_q
+    Eigen::Matrix3Xd P;
+  };
   struct Rates {
     Vector3d d_dot;
     Matrix3d G;  ///< int rho_a rho'_b dm
@@ -74,7 +77,7 @@ class AncfPart final : public FlexibleBody, public OwnTangents {
 
 /// A prismatic beam: the 6 x 6 section stiffness of a straight line in B, `elements` equal elements.
 /// Stations "root" and "tip", and those given by their distance from the root.
-std::shared_ptr<const FlexibleBody> straight_ancf_part(
+std::shared_ptr<const AncfPart> straight_ancf_part(
     const beam::ancf::BeamSection& section, const Vector3d& from_B, const Vector3d& to_B,
     const Vector3d& y_axis_B, int elements, const std::vector<std::pair<std::string, double>>& stations = {});
 

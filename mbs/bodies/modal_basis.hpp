@@ -8,8 +8,8 @@
 
 #include "mbs/bodies/body_load.hpp"
 #include "mbs/bodies/body_node.hpp"
-#include "mbs/bodies/flexible_body.hpp"
 #include "mbs/bodies/modal_damping.hpp"
+#include "mbs/bodies/modal_data.hpp"
 #include "mbs/superelement/superelement.hpp"
 
 /// From a superelement to a body's modal coordinates (theory: UM eq. 11.4, 11.5; Simpack's modal approach).

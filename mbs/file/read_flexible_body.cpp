@@ -7,6 +7,7 @@
 
 #include "mbs/bodies/modal_basis.hpp"
 #include "mbs/bodies/modal_problem.hpp"
+#include "mbs/file/fidelities.hpp"
 #include "mbs/mechanism/acting_loads.hpp"
 
 namespace flexura::mbs {
@@ -90,14 +91,7 @@ std::vector<input::Key> flexible_body_keys() {
       "member): the nearest one that the beam part's superelement knows.";
   return {
       text("superelement", "file made by flexura reduce, beside this one"),
-      choice(
-          "fidelity", {"modal", "modal-stiffened", "ked", "static", "rigid", "ancf", "segments", "auto"},
-          "of a superelement: modal, with geometric stiffening, one-way (the motion is that of the rigid "
-          "body), quasi-static, or without deformation; of a beam: absolute nodal coordinates for any "
-          "bending, rigid segments joined by its stiffness, or rigid; auto: flexura simulate chooses among "
-          "rigid, static, modal and modal-stiffened, and the number of modes, of a beam between rigid and "
-          "ancf, for the run's accuracy (see solver.accuracy; 1 % without it)")
-          .or_default("modal"),
+      fidelity_key(),
       integer("modes", "keep at most so many eigenmodes, lowest first; without it all").at_least(1),
       quantity("max_frequency", dim::frequency, "keep no eigenmode above").above(0.0),
       choice("coupling", {"full", "partial", "constant"},
@@ -145,23 +139,17 @@ std::vector<input::Key> flexible_body_keys() {
   };
 }
 
-std::string fidelity_of(const Section& s) {
-  const std::string word = s.text("fidelity");
-  if (word != "auto") return word;
-  return s.has("beam") && !s.has("superelement") ? "ancf" : "modal";
-}
-
 bool wants_sections(const Section& s) {
   return !s.table_map("section_point").empty();
 }
 
 std::shared_ptr<const SectionPoints> read_section_points(const Section& s,
                                                          const superelement::Superelement& se,
-                                                         const FlexibleBody& body) {
+                                                         const ModalData& body) {
   if (!se.sections)
     s.refuse("section_point", "the superelement has no section forces",
              "reduce a beam part (members with sections); solid parts have stress_point");
-  auto out = std::make_shared<SectionPoints>(*se.sections, body.data().Y);
+  auto out = std::make_shared<SectionPoints>(*se.sections, body.Y);
   for (const auto& [name, point] : s.table_map("section_point"))
     out->add_point(name, point.vector3("position"));
   return out;
@@ -173,7 +161,7 @@ bool wants_surface_points(const Section& s) {
 
 std::shared_ptr<const SurfacePoints> read_surface_points(const Section& s,
                                                          const superelement::Superelement& se,
-                                                         const FlexibleBody* body) {
+                                                         const ModalData* body) {
   const auto n_v = se.surface.vertices.rows();
   if (n_v == 0 || (body && se.shapes.rows() != 3 * n_v))
     s.refuse("surface_point", "the superelement has no shapes on its surface",
@@ -187,7 +175,7 @@ std::shared_ptr<const SurfacePoints> read_surface_points(const Section& s,
         .squaredNorm()
         .minCoeff(&v);
     MatrixXd Phi(3, 0);
-    if (body) Phi = se.shapes.middleRows(3 * v, 3).cast<double>() * body->data().Y;
+    if (body) Phi = se.shapes.middleRows(3 * v, 3).cast<double>() * body->Y;
     out->add({name, se.surface.vertices.row(v).transpose(), std::move(Phi)});
   }
   return out;
@@ -198,7 +186,7 @@ bool wants_stress(const Section& s) {
 }
 
 std::shared_ptr<const StressField> read_stress_field(const Section& s, const superelement::Superelement& se,
-                                                     const FlexibleBody& body) {
+                                                     const ModalData& body) {
   if (!se.stress || se.surface.vertices.rows() == 0)
     s.refuse(s.has("stress") ? "stress" : "stress_point", "the superelement has no stress modes",
              "reduce the part again with [recovery] stress = true");
@@ -207,7 +195,7 @@ std::shared_ptr<const StressField> read_stress_field(const Section& s, const sup
   for (std::size_t k = 0; k < vertices.size(); ++k)
     x.col(k) = se.surface.vertices.row(vertices[k]).transpose();
   auto field = std::make_shared<StressField>(
-      se.stress->S, std::move(x), std::vector<int>(vertices.begin(), vertices.end()), body.data().Y);
+      se.stress->S, std::move(x), std::vector<int>(vertices.begin(), vertices.end()), body.Y);
   if (!se.stress->compliance.empty())
     field->set_compliance(se.stress->compliance, {se.stress->material.begin(), se.stress->material.end()});
   for (const auto& [name, point] : s.table_map("stress_point"))
@@ -220,11 +208,12 @@ std::shared_ptr<const FlexibleBody> prepare_flexible_body(
     const MechanismDescription& d, int body, std::vector<std::string>& notes, PreparationCache& cache) {
   BodyNodes nodes = interface_nodes(se);
   nodes.insert(nodes.end(), linked.begin(), linked.end());
-  const std::string &name = d.bodies[body].name, fidelity = fidelity_of(s);
+  const std::string& name = d.bodies[body].name;
+  const Fidelity::OfSuperelement& fidelity = *fidelity_of(s).of_superelement;
   BasisOptions options;
   options.nodes = linked;
   options.damping_law = damping_law(s);
-  options.stiffening = fidelity == "modal-stiffened";
+  options.stiffening = fidelity.is_stiffened;
   const std::string coupling = s.text("coupling");
   options.coupling = coupling == "full"      ? Coupling::full
                      : coupling == "partial" ? Coupling::partial
@@ -249,13 +238,13 @@ std::shared_ptr<const FlexibleBody> prepare_flexible_body(
   if (s.has("max_frequency")) options.max_frequency = s.quantity("max_frequency");
   options.response_frequency = s.quantity("response_frequency");
 
-  // What a single joint holds vibrates as held there; the rigid motion cannot tell a one-way body so.
+  // What a single joint holds vibrates as held there; the motion cannot tell a deformation so that does not act back.
   const auto joints = std::ranges::count_if(
       d.joints, [&](const JointDescription& joint) { return marker_on(d, joint, body) >= 0; });
-  const bool held_by_one = fidelity == "ked" && joints == 1 && frame_joint(d, body) != nullptr;
+  const bool held_by_one = fidelity.held_by_joints && joints == 1 && frame_joint(d, body) != nullptr;
   const std::string frame = s.has("frame")                    ? s.text("frame")
                             : held_by_one                     ? "joint_fixed"
-                            : fidelity == "ked" && joints > 1 ? "joints"
+                            : fidelity.held_by_joints && joints > 1 ? "joints"
                                                               : "mean_axis";
   // What a rigid link joins moves as one piece however far it turns only where it is at rest in the frame:
   // displacements that are linear in the modes leave a turned piece by second order.
@@ -287,7 +276,7 @@ std::shared_ptr<const FlexibleBody> prepare_flexible_body(
       s.refuse(key, "no joint sits on an interface of this body",
                "let a joint's marker stand on an interface (on = \"INTERFACE\"), or take this key away");
     const MarkerDescription& marker = d.markers[marker_on(d, *joint, body)];
-    const int node = node_of(marker);
+    const int node = marker.node;
     if (boundary == "joint") {
       options.held = held_directions(nodes, d, *joint, body);
       if (const std::string reason = cannot_hold(d, *joint, body, nodes[node], options.held); !reason.empty()) {
@@ -312,7 +301,7 @@ std::shared_ptr<const FlexibleBody> prepare_flexible_body(
   }
 
   const std::string attachments = s.has("attachments")   ? s.text("attachments")
-                                  : fidelity == "static" ? "used"
+                                  : fidelity.by_loads_alone ? "used"
                                                          : "none";
   std::vector<int> loaded;
   if (attachments == "all")
@@ -332,7 +321,7 @@ std::shared_ptr<const FlexibleBody> prepare_flexible_body(
       options.loads.rightCols<1>() = se.load_cases[static_cast<std::size_t>(load)].p_se;
     }
 
-  if (fidelity == "static") {
+  if (fidelity.by_loads_alone) {
     for (const char* key : {"modes", "max_frequency"})
       if (s.has(key))
         notes.push_back(
@@ -352,17 +341,17 @@ std::shared_ptr<const FlexibleBody> prepare_flexible_body(
   std::shared_ptr<const FlexibleBody> flexible;
   try {
     ModalData data = modal_data(se, options, &report, &cache);
-    if (report.responses > 0 && !s.has("critical_above") && fidelity != "static") {
+    if (report.responses > 0 && !s.has("critical_above") && !fidelity.by_loads_alone) {
       options.damping_law.critical_above = report.eigen_hz.back() * (1.0 + 1e-6);
       data.damping = modal_damping(options.damping_law, data.stiffness, data.damping);
     }
-    flexible = std::make_shared<FlexibleBody>(std::move(data));
+    flexible = fidelity.make(std::move(data));
   } catch (const BasisError& error) {
     throw input::InputError(s.where(s.has(error.key()) ? error.key() : "superelement") + ": " + error.what());
   } catch (const std::invalid_argument& error) {
     throw input::InputError(s.where("superelement") + ": " + error.what());
   }
-  if (fidelity == "static") {
+  if (fidelity.by_loads_alone) {
     notes.push_back(
         fmt::format("body \"{}\" follows its loads by {} static response modes", name, report.responses));
   } else if (report.kept < report.available) {

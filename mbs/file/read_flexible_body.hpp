@@ -14,13 +14,7 @@
 
 /// The automatic preparation of a flexible body: from what its table says and what acts on it.
 ///
-/// | fidelity         | deformation                                                        |
-/// |------------------|--------------------------------------------------------------------|
-/// | rigid            | none                                                               |
-/// | static           | response modes of what acts on the body alone, critically damped   |
-/// | ked              | one-way: the motion is that of the rigid body                      |
-/// | modal            | eigenmodes and response modes, coupling as `coupling` says         |
-/// | modal-stiffened  | the same with geometric stiffening                                 |
+/// Fidelities: fidelities.cpp.
 ///
 /// Where eigenmodes are dropped, `attachments` adds response modes for the interfaces that joints,
 /// constraints or forces act on.  Their own frequencies say nothing about the body, so they are damped
@@ -29,10 +23,6 @@ namespace flexura::mbs {
 
 /// Keys of a body that hold for superelements.
 std::vector<input::Key> flexible_body_keys();
-
-/// The word of fidelity that the body is built with: "auto" is built as "modal", of a beam as "ancf", until a
-/// run chooses.
-std::string fidelity_of(const input::Section& s);
 
 /// True where the body's table asks for stresses.
 bool wants_stress(const input::Section& s);
@@ -43,7 +33,7 @@ bool wants_sections(const input::Section& s);
 /// The section forces its table asks for; `se` with those.  Throws InputError.
 std::shared_ptr<const SectionPoints> read_section_points(const input::Section& s,
                                                          const superelement::Superelement& se,
-                                                         const FlexibleBody& body);
+                                                         const ModalData& body);
 
 /// True where it asks for nodes of the surface.
 bool wants_surface_points(const input::Section& s);
@@ -52,12 +42,12 @@ bool wants_surface_points(const input::Section& s);
 /// InputError.
 std::shared_ptr<const SurfacePoints> read_surface_points(const input::Section& s,
                                                          const superelement::Superelement& se,
-                                                         const FlexibleBody* body);
+                                                         const ModalData* body);
 
 /// The stresses its table asks for; `se` with its stress modes and surface.  Throws InputError.
 std::shared_ptr<const StressField> read_stress_field(const input::Section& s,
                                                      const superelement::Superelement& se,
-                                                     const FlexibleBody& body);
+                                                     const ModalData& body);
 
 /// Builds the body; joints and forces of `d` are already there and its markers on interfaces have the
 /// interface's index as node, those on the nodes of `linked` the numbers behind.  Notes for the user are

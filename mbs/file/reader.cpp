@@ -97,11 +97,12 @@ void prepare_bodies(ReadModel& model) {
   for (const auto& [b, se] : model.to_prepare) {
     const Section& s = model.sections.at(b);
     const auto body = prepare_flexible_body(s, *se, model.linked[b], d, b, model.notes, model.cache);
-    if (wants_stress(s)) d.bodies[b].stress = read_stress_field(s, *se, *body);
-    if (wants_surface_points(s)) d.bodies[b].surface_points = read_surface_points(s, *se, body.get());
-    if (wants_sections(s)) d.bodies[b].sections = read_section_points(s, *se, *body);
-    (model.is_one_way(b) ? d.bodies[b].ked : d.bodies[b].flexible) = body;
-    d.bodies[b].loads = body_loads(*se, body->data().Y);
+    const ModalData& data = *body->modal();
+    if (wants_stress(s)) d.bodies[b].stress = read_stress_field(s, *se, data);
+    if (wants_surface_points(s)) d.bodies[b].surface_points = read_surface_points(s, *se, &data);
+    if (wants_sections(s)) d.bodies[b].sections = read_section_points(s, *se, data);
+    d.bodies[b].flexible = body;
+    d.bodies[b].loads = body_loads(*se, data.Y);
   }
 }
 
@@ -153,10 +154,18 @@ void Reader::read_subsystem(const std::string& name, const Section& s) {
   Base base = base_;
   if (s.has("on")) {
     const MarkerDescription& marker = model_.description.markers[context().marker(s, "on")];
-    if (marker.node >= 0)
-      s.refuse("on", "is an interface of a flexible body, which deforms",
-               "place the subsystem on a rigid body and join the two");
-    base = {marker.body, marker.X_BP};
+    Pose X = marker.X_BP;
+    if (marker.node >= 0) {
+      const auto to_prepare = model_.to_prepare.find(marker.body);
+      if (to_prepare == model_.to_prepare.end() || fidelity_of(model_.sections.at(marker.body)).of_superelement->acts_back)
+        s.refuse("on", "is an interface of a flexible body, which deforms",
+                 "place the subsystem on a rigid body and join the two");
+      const auto& interfaces = model_.interfaces[marker.body];
+      const auto node = static_cast<std::size_t>(marker.node);
+      X.p += node < interfaces.size() ? interfaces[node].second
+                                      : model_.linked[marker.body][node - interfaces.size()].p_BoN_B;
+    }
+    base = {marker.body, X};
   }
   base.X_BG = base.X_BG * read_pose(s);
 
@@ -200,9 +209,7 @@ void Reader::add_marker(int body, const std::string& full_name, const Pose& X, i
         {full_name, found->second.bodies[piece], {X.R, X.p - found->second.origins_B[piece]}, -1});
     return;
   }
-  const bool one_way = model_.is_one_way(body);
-  d.markers.push_back({full_name, body, X, one_way ? -1 : node});
-  if (one_way) d.markers.back().ked_node = node;
+  d.markers.push_back({full_name, body, X, node});
 }
 
 /// The node of the body that carries the marker, and where it is; -1 where none does.
@@ -250,7 +257,7 @@ void Reader::read_markers(const Section& s, int body, const Pose& X_B, const std
       const auto [carries, p] = carrying_node(m, body, name, deforms, se);
       node = carries;
       if (!m.has("position")) X.p = p;
-      if (node >= 0 && !model_.is_one_way(body)) X.p -= p;  // relative to the node
+      if (node >= 0) X.p -= p;  // relative to the node
     } else if (deforms) {
       model_.notes.push_back(
           fmt::format("marker \"{}\" is fixed in the body's floating frame and sees no deformation; "
@@ -264,9 +271,9 @@ void Reader::read_markers(const Section& s, int body, const Pose& X_B, const std
 std::shared_ptr<const superelement::Superelement> Reader::load(const Section& s) {
   const std::filesystem::path path = s.file("superelement");
   superelement::Parts parts;
-  const std::string fidelity = fidelity_of(s);
-  parts.matrices = fidelity != "rigid";  // a rigid body needs none
-  parts.stiffening = fidelity == "modal-stiffened";
+  const Fidelity::OfSuperelement& fidelity = *fidelity_of(s).of_superelement;
+  parts.matrices = fidelity.deforms();
+  parts.stiffening = fidelity.is_stiffened;
   const bool by_surface = a_marker_follows_surface(s);
   parts.stress = wants_stress(s);
   parts.sections = parts.matrices && wants_sections(s);
@@ -285,11 +292,11 @@ void Reader::read_body(const std::string& own_name, const Section& s) {
   BodyDescription body;
   body.name = prefix_ + own_name;
   std::vector<std::pair<std::string, Vector3d>> interfaces;
-  const std::string fidelity = fidelity_of(s);
-  const bool is_beam = s.has("beam") && (fidelity == "ancf" || fidelity == "segments" ||
-                                         (fidelity == "rigid" && !s.has("superelement")));
-  if ((fidelity == "ancf" || fidelity == "segments") && !is_beam)
-    s.refuse("fidelity", fmt::format("\"{}\" is for beams", fidelity),
+  const Fidelity& fidelity = fidelity_of(s);
+  const bool is_beam =
+      s.has("beam") && fidelity.of_beam && !(fidelity.of_superelement && s.has("superelement"));
+  if (!fidelity.of_superelement && !is_beam)
+    s.refuse("fidelity", fmt::format("\"{}\" is for beams", fidelity.name),
              fmt::format("describe the beam in [body.{}.beam]", own_name));
   std::shared_ptr<const superelement::Superelement> se;
   BeamPart beam;
@@ -297,12 +304,6 @@ void Reader::read_body(const std::string& own_name, const Section& s) {
     if (s.has("mass")) s.refuse("mass", "a beam brings its own mass", "take one of the two away");
     beam = read_beam_part(s.table("beam"));
     interfaces = beam.stations();
-    try {
-      if (fidelity == "ancf") body.flexible = ancf_body(beam);
-    } catch (const std::invalid_argument& error) {
-      s.refuse("beam", error.what());
-    }
-    body.inertia = rigid_inertia(beam);
   } else if (s.has("superelement")) {
     if (s.has("mass")) s.refuse("mass", "a superelement brings its own mass", "take one of the two away");
     se = load(s);
@@ -310,11 +311,12 @@ void Reader::read_body(const std::string& own_name, const Section& s) {
     body.follows_surface = a_marker_follows_surface(s);
     body.loads = body_loads(*se);
     for (const superelement::Interface& i : se->interfaces) interfaces.emplace_back(i.name, i.p_BoN_B);
-    if (fidelity == "rigid" || fidelity == "ked") body.inertia = rigid_inertia(*se);
-    if (fidelity == "rigid" && wants_surface_points(s))
-      body.surface_points = read_surface_points(s, *se, nullptr);
+    if (!fidelity.of_superelement->deforms()) {
+      body.inertia = rigid_inertia(*se);
+      if (wants_surface_points(s)) body.surface_points = read_surface_points(s, *se, nullptr);
+    }
   } else if (s.has("beam")) {
-    s.refuse("fidelity", fmt::format("\"{}\" needs a superelement", fidelity),
+    s.refuse("fidelity", fmt::format("\"{}\" needs a superelement", fidelity.name),
              "reduce the beam (flexura reduce), or use fidelity = \"ancf\", \"segments\" or \"rigid\"");
   } else {
     for (const char* key : {"modes", "max_frequency", "damping"})
@@ -334,23 +336,27 @@ void Reader::read_body(const std::string& own_name, const Section& s) {
   const std::string name = body.name;
   const int b = d.add_body(std::move(body));
   model_.sections.emplace(b, s);
-  if (is_beam && fidelity != "rigid")
+  if (is_beam && fidelity.of_beam->has_elements)
     model_.blind_spots.push_back(
         {"elements", name,
          prefix_.empty()
              ? fmt::format("a run with --set body.{}.beam.elements={} tells", name, 2 * beam.elements)
              : "a run with twice as many tells"});
-  if (se && fidelity != "rigid") model_.to_prepare.emplace(b, se);
-  if (is_beam && fidelity == "segments") {
-    model_.segments[b] = add_segments(d, b, beam);
-    for (const int piece : model_.segments[b].bodies) model_.sections.emplace(piece, s);
+  if (se && fidelity.of_superelement->deforms()) model_.to_prepare.emplace(b, se);
+  if (is_beam) {
+    try {
+      Segments chain = fidelity.of_beam->make(d, b, beam);
+      for (const int piece : chain.bodies) model_.sections.emplace(piece, s);
+      if (!chain.bodies.empty()) model_.segments[b] = std::move(chain);
+    } catch (const std::invalid_argument& error) {
+      s.refuse("beam", error.what());
+    }
   }
   const bool deforms = model_.deforms(b);
   for (std::size_t i = 0; i < interfaces.size(); ++i) {
     // The nodes of a flexible body are its interfaces, in their order.
-    const bool moves = deforms && !model_.is_one_way(b);
     add_marker(b, name + "." + interfaces[i].first,
-               {Matrix3d::Identity(), moves ? Vector3d::Zero() : interfaces[i].second},
+               {Matrix3d::Identity(), deforms ? Vector3d::Zero() : interfaces[i].second},
                deforms ? static_cast<int>(i) : -1);
   }
   model_.interfaces[b] = std::move(interfaces);

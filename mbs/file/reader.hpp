@@ -11,6 +11,7 @@
 
 #include "mbs/bodies/preparation_cache.hpp"
 #include "mbs/file/elements/read_context.hpp"
+#include "mbs/file/fidelities.hpp"
 #include "mbs/file/read_flexible_body.hpp"
 #include "mbs/file/read_mechanism.hpp"
 #include "mbs/mechanism/beam_part.hpp"
@@ -38,9 +39,6 @@ struct ReadModel {
   std::vector<BlindSpot> blind_spots = {};
 
   bool deforms(int body) const { return to_prepare.contains(body) || description.bodies[body].flexible; }
-  bool is_one_way(int body) const {
-    return to_prepare.contains(body) && fidelity_of(sections.at(body)) == "ked";
-  }
 };
 
 /// Bodies that nothing holds get six freedoms to ground.

@@ -75,7 +75,7 @@ MechanismBuilder::Body MechanismBuilder::add(const std::string& name, const Rigi
 }
 
 MechanismBuilder::Body MechanismBuilder::add(const std::string& name, const ModalBody& body, std::optional<Pose> X_WB) {
-  return add(name, body.body(), std::move(X_WB));
+  return add(name, std::make_shared<const ModalBody>(body), std::move(X_WB));
 }
 
 MechanismBuilder::Body MechanismBuilder::add(const std::string& name, std::shared_ptr<const FlexibleBody> body,

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "mbs/formulas/expression.hpp"
-#include "mbs/library/modal_body.hpp"
+#include "mbs/bodies/modal_body.hpp"
 #include "mbs/mechanism/mechanism.hpp"
 
 /// Mechanisms in C++, without a file:

@@ -16,9 +16,8 @@ MatrixXd marker_loads(const BodyNodes& nodes, const MarkerDescription& marker) {
   Matrix6d axes = Matrix6d::Zero();
   axes.topLeftCorner<3, 3>() = R;
   axes.bottomRightCorner<3, 3>() = R;
-  const BodyNode& node = nodes[node_of(marker)];
-  const Vector3d offset = marker.node >= 0 ? marker.X_BP.p : Vector3d(marker.X_BP.p - node.p_BoN_B);
-  return node_loads(node, offset) * axes;
+  const BodyNode& node = nodes[marker.node];
+  return node_loads(node, marker.X_BP.p) * axes;
 }
 
 /// What a joint does with the six directions (rotations first, as in a twist) of one of its frames.
@@ -90,15 +89,11 @@ bool locks_the_same_wherever_it_is(const MechanismDescription& d, const JointDes
   });
 }
 
-int node_of(const MarkerDescription& marker) {
-  return std::max(marker.node, marker.ked_node);
-}
-
 const JointDescription* frame_joint(const MechanismDescription& d, int body) {
   for (const bool cut : {false, true})
     for (const JointDescription& joint : d.joints)
       if (joint.cut == cut)
-        if (const int marker = marker_on(d, joint, body); marker >= 0 && node_of(d.markers[marker]) >= 0)
+        if (const int marker = marker_on(d, joint, body); marker >= 0 && d.markers[marker].node >= 0)
           return &joint;
   return nullptr;
 }
@@ -127,7 +122,7 @@ MatrixXd held_by_joints(const superelement::Superelement& se, const BodyNodes& n
   for (const bool displacements : {true, false})
     for (const JointDescription& joint : d.joints) {
       const int marker = marker_on(d, joint, body);
-      if (marker < 0 || node_of(d.markers[marker]) < 0) continue;
+      if (marker < 0 || d.markers[marker].node < 0) continue;
       const MatrixXd all = marker_loads(nodes, d.markers[marker]);
       for (const int k : locked_directions(*joint.joint)) {
         if ((k >= 3) != displacements) continue;
@@ -147,7 +142,7 @@ MatrixXd held_by_joints(const superelement::Superelement& se, const BodyNodes& n
 
 MatrixXd loads_on(const BodyNodes& nodes, const MechanismDescription& d, int body, int node) {
   const auto is_here = [&](int marker) {
-    return marker >= 0 && d.markers[marker].body == body && node_of(d.markers[marker]) == node;
+    return marker >= 0 && d.markers[marker].body == body && d.markers[marker].node == node;
   };
   const JointDescription* only = nullptr;
   int acting = 0;
@@ -189,8 +184,8 @@ MatrixXd loads_on(const BodyNodes& nodes, const MechanismDescription& d, int bod
 std::vector<int> loaded_nodes(const MechanismDescription& d, int body) {
   std::set<int> found;
   const auto take = [&](int marker) {
-    if (marker >= 0 && d.markers[marker].body == body && node_of(d.markers[marker]) >= 0)
-      found.insert(node_of(d.markers[marker]));
+    if (marker >= 0 && d.markers[marker].body == body && d.markers[marker].node >= 0)
+      found.insert(d.markers[marker].node);
   };
   for (const JointDescription& joint : d.joints) {
     if (joint.joint->n_rows() == 0) continue;  // carries no load

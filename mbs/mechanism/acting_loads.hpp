@@ -20,9 +20,6 @@ int marker_on(const MechanismDescription& d, const JointDescription& joint, int 
 /// do they give the body a boundary condition.
 bool locks_the_same_wherever_it_is(const MechanismDescription& d, const JointDescription& joint, int body);
 
-/// The node of its body that a marker stands on, or -1; on a one-way body markers do not move with it.
-int node_of(const MarkerDescription& marker);
-
 /// The joint that a joint-fixed frame sits on: the first one (not cut) that leads to the body.
 const JointDescription* frame_joint(const MechanismDescription& d, int body);
 

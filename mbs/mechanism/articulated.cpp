@@ -81,7 +81,7 @@ bool Mechanism::factor_mass(ConstVectorRef p, Scratch& scratch) const {
     a.r = body.X_WB.p - parent.X_WB.p;
     const Matrix6d X = transport_twist(a.r), IX = body.I_c * X;
     parent.I_c.noalias() += X.transpose() * IX;
-    if (d_.markers[t.marker_in].node < 0) continue;  // N stays zero
+    if (!is_carried_[t.marker_in]) continue;  // N stays zero
     const auto& map = work.local[t.marker_in].motion.map;
     a.N.topRows<3>().noalias() = parent.X_WB.R * map.topRows<3>();
     a.N.bottomRows<3>().noalias() = parent.X_WB.R * map.bottomRows<3>();

@@ -66,11 +66,7 @@ std::vector<int> select_quantities(const Mechanism& mechanism, const std::vector
 std::string connections_json(const Mechanism& mechanism) {
   const MechanismDescription& d = mechanism.description();
   nlohmann::json list = nlohmann::json::array();
-  const auto pose = [&](int marker) {
-    const MarkerDescription& m = d.markers[marker];
-    if (m.node < 0) return m.X_BP;
-    return Pose{m.X_BP.R, d.bodies[m.body].flexible->data().nodes[m.node].p_BoN_B + m.X_BP.p};
-  };
+  const auto pose = [&](int marker) { return d.undeformed(marker); };
   const auto add = [&](const std::string& name, const std::string& kind, int marker_1, int marker_2,
                        int axes) {
     nlohmann::json j{{"name", name}, {"kind", kind}};

@@ -99,7 +99,7 @@ void Mechanism::ElementDerivatives::reach(int marker, const Vector3d& point, int
     const int through = child < 0 ? marker : m_.bodies_[child].marker_in;
     for (int l = 0; l < t.m; ++l) {
       const int j = t.i_v + l;
-      if (m_.d_.markers[through].node >= 0) {
+      if (m_.is_carried_[through]) {
         const Work::MovedNode& node = T.markers[through];
         out.twist.col(j) = shift_twist(Spatial::from(node.eta.col(l)), from_origin).vector();
         out.D.col(j) = shift_twist(Spatial::from(node.D.col(l)), from_origin).vector();
@@ -254,7 +254,7 @@ void Mechanism::ElementDerivatives::force(CoordinateRef c, double value) {
 
 void Mechanism::ElementDerivatives::modal(int body, const Eigen::VectorXd& f) {
   start(Target::z);
-  const TreeBody& t = m_.bodies_[body];  // t.m = 0 where it is rigid or one-way
+  const TreeBody& t = m_.bodies_[body];  // t.m = 0 where it is rigid or the deformation does not act back
   for (int l = 0; l < t.m; ++l) add_row(t.i_v + l, -factor_ * f(l) * Vector6d::Unit(0));
 }
 

@@ -45,8 +45,8 @@ Vector6d Mechanism::total_momentum(const Work& work) const {
     const Work::Body& body = work.bodies[b];
     const Spatial V = body.X_WB.R.transpose() * body.V;
     Spatial of_body;  // about Bo, in B
-    if (description.flexible) {
-      const FlexibleBody::Work& f = body.flexible;
+    if (bodies_[b].m > 0) {
+      const FlexibleBody::Scratch& f = *body.flexible;
       const Eigen::Map<const Eigen::VectorXd> s_dot(work.kin.v + bodies_[b].i_v, bodies_[b].m);
       of_body.linear = description.flexible->mass() * V.linear + V.angular.cross(f.d) + f.C_t * s_dot;
       of_body.angular = f.d.cross(V.linear) + f.J * V.angular + f.C_r * s_dot;
@@ -105,9 +105,9 @@ void Mechanism::evaluate(const std::vector<int>& which, const State& s, ConstVec
                               e.input_power, e.dissipated_power};
 
   if (n_dyn_ > first_force_state_.back()) {
-    // What is measured on a one-way body shows its deformation; the forces above did not see it.
+    // What is measured on a body shows its deformation where the forces above did not see it, too.
     const std::vector<MarkerState> rigid = work.kin.markers;
-    deform_one_way_markers(work);
+    deform_following_markers(work);
     for (std::size_t i = 0; i < d_.measures.size(); ++i) {
       measured[i] = d_.measures[i]->value(work.kin, work.signals.data());
       if (const int k = d_.signals.find(d_.measures[i]->name()); k >= 0) work.signals(k) = measured[i];

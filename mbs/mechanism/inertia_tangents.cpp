@@ -112,9 +112,9 @@ void Mechanism::vary_inertia(Work& work) const {
     branch.F = shift_wrench(body.F, to_body);
 
     Eigen::Matrix<double, 6, 3> F_w, turn;
-    if (const auto& flexible = d_.bodies[b].flexible) {
-      flexible->turning_tangents(work.kin.p + t.i_p, work.kin.v + t.i_v, R.transpose() * w,
-                                 work.bodies[b].flexible, F_w, branch.modal_w);
+    if (t.m > 0) {
+      d_.bodies[b].flexible->turning_tangents(work.kin.p + t.i_p, work.kin.v + t.i_v, R.transpose() * w,
+                                              *work.bodies[b].flexible, F_w, branch.modal_w);
       F_w.topRows<3>() = (R * F_w.topRows<3>() * R.transpose()).eval();
       F_w.bottomRows<3>() = (R * F_w.bottomRows<3>() * R.transpose()).eval();
     } else {
@@ -129,7 +129,7 @@ void Mechanism::vary_inertia(Work& work) const {
 
     if (t.m == 0) continue;
     for (const int i : markers_of_body_[b])
-      if (d_.markers[i].node >= 0)
+      if (is_carried_[i])
         for (int l = 0; l < t.m; ++l)
           T.markers[i].eta.col(l) = shift_twist(R * Spatial::from(work.local[i].motion.map.col(l)),
                                                 branch.origin - work.kin.markers[i].X_WP.p)
@@ -154,7 +154,7 @@ void Mechanism::vary_inertia(Work& work) const {
                      cross_force(Spatial::from(T.phi.col(i)), branch.F).vector();
       T.H_v.col(i) = branch.I * T.E_v.col(i) + branch.B * T.phi.col(i).head<3>();
     }
-    if (d_.markers[t.marker_out].node >= 0)
+    if (is_carried_[t.marker_out])
       for (int l = t.i_v; l < t.i_v + t.m; ++l) {
         T.row_E.col(l) += branch.I * T.phi.col(l);
         T.row_w.col(l) += branch.B.transpose() * T.phi.col(l);
@@ -163,7 +163,7 @@ void Mechanism::vary_inertia(Work& work) const {
     Work::BranchOfBody& parent = T.bodies[t.parent];
     parent.I += branch.I;
     parent.B += branch.B;
-    if (d_.markers[t.marker_in].node < 0) continue;
+    if (!is_carried_[t.marker_in]) continue;
     const TreeBody& tp = bodies_[t.parent];
     const auto& eta = T.markers[t.marker_in].eta;
     for (int l = 0; l < tp.m; ++l) {
@@ -198,7 +198,7 @@ void Mechanism::inertia_tangents(bool with_modes, Work& work, MatrixXd& z_q, Mat
     for (int child = b; bodies_[child].parent != 0; child = bodies_[child].parent) {
       const TreeBody& ta = bodies_[bodies_[child].parent];
       const int marker = bodies_[child].marker_in, first_a = places_[ta.joint].i_v;
-      const bool on_node = d_.markers[marker].node >= 0;
+      const bool on_node = is_carried_[marker];
       const Work::MovedNode& node = T.markers[marker];
       for (int j = first_a; j < (with_modes ? ta.i_v + ta.m : ta.i_v); ++j) {
         Vector6d E = T.E.col(j), E_v = T.E_v.col(j);

@@ -13,13 +13,13 @@ void Mechanism::own_inertia(Work& work) const {
     const Matrix3d& R = body.X_WB.R;
     Vector3d d;
     double mass;
-    if (d_.bodies[b].flexible) {
+    if (bodies_[b].m > 0) {
       const FlexibleBody& flexible = *d_.bodies[b].flexible;
       mass = flexible.mass();
-      d = R * body.flexible.d;
-      body.I_c.topLeftCorner<3, 3>() = R * body.flexible.J * R.transpose();
-      body.C_c.topRows<3>().noalias() = R * body.flexible.C_r;
-      body.C_c.bottomRows<3>().noalias() = R * body.flexible.C_t;
+      d = R * body.flexible->d;
+      body.I_c.topLeftCorner<3, 3>() = R * body.flexible->J * R.transpose();
+      body.C_c.topRows<3>().noalias() = R * body.flexible->C_r;
+      body.C_c.bottomRows<3>().noalias() = R * body.flexible->C_t;
       body.M_c = flexible.M_e();
     } else {
       const RigidInertia& I = d_.bodies[b].inertia;
@@ -42,7 +42,7 @@ void Mechanism::own_inertia(Work& work) const {
     const Vector3d to_body = body.X_WB.p - work.kin.markers[t.marker_out].X_WP.p;
     for (int j = 0; j < n_j; ++j)
       K.col(j) = shift_twist(R_in * Spatial::from(body.S.col(j)), to_body).vector();
-    if (d_.markers[t.marker_out].node < 0) continue;  // the modal columns stay zero
+    if (!is_carried_[t.marker_out]) continue;  // the modal columns stay zero
     for (int j = 0; j < t.m; ++j) {
       const Spatial own = body.X_WB.R * Spatial::from(work.local[t.marker_out].motion.map.col(j));
       K.col(n_j + j) = -shift_twist(own, to_body).vector();
@@ -81,7 +81,7 @@ void Mechanism::mass_matrix(ConstVectorRef p, Scratch& scratch, MatrixRef M) con
       const int first_a = places_[ta.joint].i_v, n_a = static_cast<int>(work.K[tc.parent].cols());
       const Vector3d& p_in = work.kin.markers[tc.marker_in].X_WP.p;
       const Vector3d to_marker = work.bodies[child].X_WB.p - p_in, to_origin = p_in - parent.X_WB.p;
-      const bool deforms = d_.markers[tc.marker_in].node >= 0;
+      const bool deforms = is_carried_[tc.marker_in];
       for (int j = 0; j < n; ++j) {
         const Spatial at_marker = shift_wrench(Spatial::from(H.col(j)), to_marker);
         H.col(j) = shift_wrench(at_marker, to_origin).vector();
@@ -100,7 +100,7 @@ void Mechanism::mass_matrix(ConstVectorRef p, Scratch& scratch, MatrixRef M) con
     const Vector3d& p_in = work.kin.markers[t.marker_in].X_WP.p;
     const Matrix6d X = transport_twist(body.X_WB.p - parent.X_WB.p);
     parent.I_c += X.transpose() * body.I_c * X;
-    if (d_.markers[t.marker_in].node >= 0) {
+    if (is_carried_[t.marker_in]) {
       Eigen::Matrix<double, 6, Eigen::Dynamic> N = work.local[t.marker_in].motion.map;
       N.topRows<3>() = parent.X_WB.R * N.topRows<3>();
       N.bottomRows<3>() = parent.X_WB.R * N.bottomRows<3>();

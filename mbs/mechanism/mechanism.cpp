@@ -88,7 +88,7 @@ void Mechanism::momentum(const State& s, ConstVectorRef v_dot, Scratch& scratch,
   forward(Level::acceleration, s.t, s.p.data(), s.v.data(), v_dot.data(), work);
   applied_forces(s, c_rate, b, work);
   backward(work, r.data());
-  one_way_rates(work, c_rate.data());
+  following_rates(work, c_rate.data());
 }
 
 void Mechanism::constraint_rows(VectorRef g, VectorRef g_dot, Work& work) const {
@@ -124,17 +124,17 @@ void Mechanism::residuals(const State& s, ConstVectorRef v_dot, ConstVectorRef m
   }
   applied_forces(s, c_rate, b, work);
   backward(work, r.data());
-  one_way_rates(work, c_rate.data());
+  following_rates(work, c_rate.data());
 }
 
 bool Mechanism::elastic_coordinate(int i_v, int& i_p, double& k, double& d) const {
   for (int b : order_) {
     const TreeBody& body = bodies_[b];
     if (i_v < body.i_v || i_v >= body.i_v + body.m) continue;
-    const ModalData& data = d_.bodies[b].flexible->data();
+    const FlexibleBody::Spring own = d_.bodies[b].flexible->spring(i_v - body.i_v);
     i_p = body.i_p + i_v - body.i_v;
-    k = data.stiffness(i_v - body.i_v);
-    d = data.damping(i_v - body.i_v);
+    k = own.stiffness;
+    d = own.damping;
     return true;
   }
   return false;
@@ -143,7 +143,7 @@ bool Mechanism::elastic_coordinate(int i_v, int& i_p, double& k, double& d) cons
 void Mechanism::add_elastic_tangents(const State& s, MatrixRef r_p, MatrixRef r_v) const {
   for (int b : order_) {
     const TreeBody& body = bodies_[b];
-    if (body.m == 0 || d_.bodies[b].flexible->is_modal()) continue;
+    if (body.m == 0) continue;
     d_.bodies[b].flexible->add_tangents(s.p.data() + body.i_p, s.v.data() + body.i_v,
                                         r_p.block(body.i_v, body.i_p, body.m, body.m),
                                         r_v.block(body.i_v, body.i_v, body.m, body.m));
@@ -205,7 +205,7 @@ void Mechanism::constraint_matrix(double t, ConstVectorRef p, Scratch& scratch, 
       work.rows_x(kept_rows_[i]) = 1.0;
       constraints_[k]->apply_GT(work.kin, work.rows_x.data() + first_row_[k], loads);
       backward(work, work.r.data());
-      G.row(i) = work.r.transpose();
+      G.row(i) = work.r.head(n_v_).transpose();
     }
   }
 }
@@ -218,12 +218,11 @@ EnergyReport Mechanism::energies(const double* lambda, Work& work) const {
     const Spatial V = body.X_WB.R.transpose() * body.V;
     double mass;
     Vector3d first_moment;
-    if (description.flexible) {
-      const TreeBody& t = bodies_[b];
+    if (const TreeBody& t = bodies_[b]; t.m > 0) {
       const FlexibleBody& flexible = *description.flexible;
       mass = flexible.mass();
-      first_moment = body.flexible.d;
-      report.kinetic += flexible.kinetic_energy(work.kin.v + t.i_v, V, body.flexible);
+      first_moment = body.flexible->d;
+      report.kinetic += flexible.kinetic_energy(work.kin.v + t.i_v, V, *body.flexible);
       report.strain += flexible.strain_energy(work.kin.p + t.i_p);
       report.dissipated_power += flexible.dissipated_power(work.kin.p + t.i_p, work.kin.v + t.i_v);
     } else {
@@ -296,10 +295,10 @@ double Mechanism::rate_scale(int i) const {
   for (int b : order_) {
     const TreeBody& body = bodies_[b];
     if (body.m == 0) continue;
-    const ModalData& data = d_.bodies[b].flexible->data();
+    const FlexibleBody& flexible = *d_.bodies[b].flexible;
     if (i >= body.i_v && i < body.i_v + body.m)
-      return std::max(1.0, std::sqrt(data.stiffness(i - body.i_v))) * velocity_scale(i);
-    omega = std::max(omega, std::sqrt(data.stiffness.maxCoeff()));
+      return std::max(1.0, std::sqrt(flexible.spring(i - body.i_v).stiffness)) * velocity_scale(i);
+    for (int k = 0; k < body.m; ++k) omega = std::max(omega, std::sqrt(flexible.spring(k).stiffness));
   }
   return omega * velocity_scale(i);
 }
@@ -327,7 +326,7 @@ std::string Mechanism::name_of_velocity(int i) const {
 
 std::string Mechanism::name_of_dynamic(int i) const {
   for (int b : order_) {
-    const int k = i - bodies_[b].i_c, m = d_.bodies[b].ked ? d_.bodies[b].ked->m() : 0;
+    const int k = i - bodies_[b].i_c, m = bodies_[b].i_c >= 0 ? bodies_[b].n_need : 0;
     if (k >= 0 && k < m) return fmt::format("{}.mode_{}", d_.bodies[b].name, k + 1);
     if (k >= m && k < 2 * m) return fmt::format("{}.mode_{}_rate", d_.bodies[b].name, k - m + 1);
   }
@@ -348,8 +347,8 @@ std::string Mechanism::name_of_constraint(int i) const {
 }
 
 const double* Mechanism::modal_coordinates(int body, const State& s) const {
-  if (d_.bodies[body].flexible) return s.p.data() + bodies_[body].i_p;
-  return d_.bodies[body].ked ? s.c.data() + bodies_[body].i_c : nullptr;
+  if (bodies_[body].i_c >= 0) return s.c.data() + bodies_[body].i_c;
+  return d_.bodies[body].flexible ? s.p.data() + bodies_[body].i_p : nullptr;
 }
 
 void Mechanism::body_poses(const State& s, Scratch& scratch, std::vector<Pose>& poses) const {

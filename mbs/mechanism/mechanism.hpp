@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "mbs/bodies/flexible_body.hpp"
+#include "mbs/bodies/modal_data.hpp"
 #include "mbs/bodies/section_points.hpp"
 #include "mbs/bodies/stress_field.hpp"
 #include "mbs/bodies/surface_points.hpp"
@@ -32,18 +33,13 @@ struct MarkerDescription {
   std::string name;   ///< "crank.pin"
   int body = 0;       ///< 0 is ground
   Pose X_BP;          ///< in the undeformed body; on a node: relative to the node
-  int node = -1;      ///< of a flexible body, moves with the deformation
-  int ked_node = -1;  ///< of a one-way body: loads here deform it, the marker stays where it is
+  int node = -1;      ///< of a flexible body: loads here deform it, and where the deformation acts back it moves the marker
 };
 
 struct BodyDescription {
   std::string name;
-  RigidInertia inertia = {};                          ///< of a rigid body
-  std::shared_ptr<const FlexibleBody> flexible = {};  ///< or this
-  /// Beside `inertia`, fidelity "ked" (kineto-elastodynamics): the body moves as a rigid one and deforms
-  /// one-way under the loads of that motion, M_e s'' + ... = what its inertia and its loads ask for, with
-  /// (s, s') among the dynamic states.
-  std::shared_ptr<const FlexibleBody> ked = {};
+  RigidInertia inertia = {};                           ///< of a rigid body
+  std::shared_ptr<const FlexibleBody> flexible = {};   ///< or this
   std::shared_ptr<const StressField> stress = {};      ///< of a deforming body
   std::shared_ptr<const SectionPoints> sections = {};  ///< of a deforming beam part
   std::shared_ptr<const SurfacePoints> surface_points = {};
@@ -105,6 +101,11 @@ struct MechanismDescription {
   int add_body(BodyDescription body);
   int add_marker(int body, const std::string& name, const Pose& X_BP = {}, int node = -1);
   int add_joint(const std::string& name, const std::string& type, int marker_F, int marker_M);
+
+  /// Where a marker stands in its undeformed body.
+  Pose undeformed(int marker) const;
+  /// Takes a body's deformation away: what is left moves as a rigid body.
+  void make_rigid(int body);
 };
 
 /// A redundant constraint row that was left out.
@@ -219,13 +220,11 @@ class Mechanism final : public Equations {
   Eigen::MatrixXd turning_axes(const State& s, const Vector3d& Omega_W, Scratch& scratch) const;
   /// The same with every joint's coordinates in axes of the body that it moves.
   Eigen::MatrixXd turning_with_bodies(const State& s, Scratch& scratch) const;
-  /// First entry of the modal coordinates of a body in p, -1 for a rigid or one-way one.
+  /// First entry of a body's deformation in p, -1 where it has none or one that does not act back.
   int modal_position(int body) const { return bodies_[body].m > 0 ? bodies_[body].i_p : -1; }
-  /// What deforms: the flexible or the one-way body, or nullptr.
-  const FlexibleBody* deforming(int body) const {
-    return d_.bodies[body].flexible ? d_.bodies[body].flexible.get() : d_.bodies[body].ked.get();
-  }
-  /// Its modal coordinates and their rates; nullptr for a rigid body.
+  /// nullptr for a rigid body.
+  const FlexibleBody* deforming(int body) const { return d_.bodies[body].flexible.get(); }
+  /// The coordinates of its deformation; nullptr for a rigid body.
   const double* modal_coordinates(int body, const State& s) const;
 
   bool in_tree(int joint) const { return places_[joint].in_tree(); }
@@ -256,9 +255,12 @@ class Mechanism final : public Equations {
     bool reversed = false;  ///< the parent carries the joint's M
     int marker_in = -1;     ///< the joint's marker on the parent
     int marker_out = -1;    ///< the joint's marker on this body
-    int i_p = 0, i_v = 0;   ///< modal coordinates (after those of the joint)
-    int m = 0;
-    int i_c = -1;  ///< of a one-way body: its modal coordinates, then their rates, in c
+    int i_p = 0, i_v = 0;   ///< coordinates of its deformation (after those of the joint)
+    int m = 0;              ///< their number; 0 where it is rigid or the deformation does not act back
+    int i_c = -1;           ///< of a deformation that does not act back: its coordinates, then their rates, in c
+    /// What the deformation needs in Work::r: m numbers at i_v, or of one that does not act back behind those of all
+    /// velocities.
+    int i_need = 0, n_need = 0;
   };
 
   enum class Level { position, velocity, acceleration };
@@ -281,7 +283,7 @@ class Mechanism final : public Equations {
                Work& work) const;
   void place_markers(int body, Level level, Work& work) const;
   void move_through_joint(int body, Level level, Work& work) const;
-  void local_marker(int marker, Level level, Work& work) const;
+  void place_on_node(int marker, const double* s, const double* s_dot, const double* s_ddot, Work& work) const;
   void deform_inertia(Work& work) const;
   void body_forces(bool with_gravity, Work& work) const;
   void evaluate_signals(Work& work) const;
@@ -313,12 +315,11 @@ class Mechanism final : public Equations {
   void own_contact(std::size_t constraint, Work& work) const;
   std::string name_of_force_state(int i) const;
   void clear_loads(Work& work) const;
-  void one_way_loads(int body, const Spatial& V, const Spatial& A, Work& work) const;
-  void load_one_way(int marker, const Spatial& wrench_W, double factor, Work& work) const;
-  void one_way_rates(const Work& work, double* c_rate) const;
-  void one_way_tangents(Work& work, Eigen::MatrixXd& z_c) const;
-  void difference_one_way(const State& s, ConstVectorRef v_dot, Work& work, TangentMatrices& out) const;
-  void deform_one_way_markers(Work& work) const;
+  void following_need(int body, const Spatial& V, const Spatial& A, Work& work) const;
+  void following_rates(const Work& work, double* c_rate) const;
+  void following_tangents(Work& work, Eigen::MatrixXd& z_c) const;
+  void difference_following(const State& s, ConstVectorRef v_dot, Work& work, TangentMatrices& out) const;
+  void deform_following_markers(Work& work) const;
   void backward(Work& work, double* r) const;
   void add_constraint_loads(const double* lambda, double factor, Work& work, Which which = Which::all) const;
   EnergyReport energies(const double* lambda, Work& work) const;
@@ -334,6 +335,8 @@ class Mechanism final : public Equations {
   std::vector<int> split_joint_;  ///< of a body whose branch begins there: the joint that led to it, or -1
   std::vector<JointPlace> places_;
   std::vector<std::vector<int>> markers_of_body_;
+  std::vector<char> on_node_;      ///< of each marker: it stands on a node of a deformation,
+  std::vector<char> is_carried_;   ///< which moves it
   std::vector<std::shared_ptr<const Constraint>> constraints_;  ///< closures, drives, then the description's
   std::vector<int> first_row_;     ///< of each constraint among all rows, and their number at the end
   std::vector<int> kept_rows_;     ///< all rows -> without redundant ones
@@ -391,7 +394,7 @@ class Mechanism final : public Equations {
     bool usual;
   };
   std::vector<QuantityPlace> quantities_;
-  int n_p_ = 0, n_v_ = 0, n_flx_ = 0, n_dyn_ = 0;
+  int n_p_ = 0, n_v_ = 0, n_flx_ = 0, n_dyn_ = 0, n_need_ = 0;
   Eigen::VectorXd p_0_, v_0_;
   std::vector<bool> given_p_, given_v_;
 };

@@ -29,7 +29,7 @@ void Mechanism::vary_nodes(int b, Work& work, MatrixXd& z_q) const {
   const Vector3d& origin = T.bodies[b].origin;
   DeformationTangents& d = T.deformations[b];
   for (const int i : markers_of_body_[b]) {
-    if (d_.markers[i].node < 0) continue;
+    if (!is_carried_[i]) continue;
     const Work::LocalMarker& local = work.local[i];
     // The node's own frame, a rigid piece with the marker's.
     const Vector3d to_node = R * (local.motion.X_BN.p - local.X_BP.p);
@@ -85,7 +85,7 @@ void Mechanism::mode_tangents(Work& work, MatrixXd& z_q, MatrixXd& z_v) const {
     const Spatial V = R.transpose() * body.V;
     const Spatial A = R.transpose() * Spatial{body.A.angular, body.A.linear - d_.gravity};
     d_.bodies[b].flexible->deformation_tangents(work.kin.p + t.i_p, work.kin.v + t.i_v,
-                                                work.kin.v_dot + t.i_v, V, A, body.flexible, d);
+                                                work.kin.v_dot + t.i_v, V, A, *body.flexible, d);
     z_q.block(first, first, m, m) = d.modal_s;
     z_v.block(first, first, m, m) = d.modal_v;
     vary_nodes(b, work, z_q);
@@ -94,14 +94,14 @@ void Mechanism::mode_tangents(Work& work, MatrixXd& z_q, MatrixXd& z_v) const {
     for (int l = 0; l < m; ++l) {
       T.G_p.col(l) = shift_wrench(R * Spatial::from(d.need_s.col(l)), to_body).vector();
       T.G_v.col(l) = shift_wrench(R * Spatial::from(d.need_v.col(l)), to_body).vector();
-      if (d_.markers[t.marker_out].node < 0) continue;
+      if (!is_carried_[t.marker_out]) continue;
       const Work::MovedNode& out = T.markers[t.marker_out];
       T.D.col(first + l) = -out.D.col(l);
       T.E.col(first + l) = -out.E.col(l);
       T.E_v.col(first + l) = -out.E_v.col(l);
     }
     for (const int c : order_) {
-      if (bodies_[c].parent != b || d_.markers[bodies_[c].marker_in].node < 0) continue;
+      if (bodies_[c].parent != b || !is_carried_[bodies_[c].marker_in]) continue;
       const Work::MovedNode& node = T.markers[bodies_[c].marker_in];
       const Work::BranchOfBody& outboard = T.bodies[c];
       for (int l = 0; l < m; ++l) {

@@ -20,7 +20,11 @@ constexpr int kMostModes = 100;
 /// Marks joints that are to stand as constraints; true where there is one.  Joints whose coordinates anything
 /// sets, drives, loads or reads keep them: as constraints these would not count turns.
 bool Mechanism::split_branches() {
-  const auto is_modal = [&](int b) { return d_.bodies[b].flexible && d_.bodies[b].flexible->is_modal(); };
+  // Coordinates of small deformations: dense matrices are all that couples them.
+  const auto is_modal = [&](int b) {
+    const FlexibleBody* const flexible = d_.bodies[b].flexible.get();
+    return flexible && flexible->acts_back() && flexible->is_linear();
+  };
   std::vector<int> bodies_before(bodies_.size(), 0), modes_before(bodies_.size(), 0);
   bool is_long = false;
   for (const int b : order_) {

@@ -21,8 +21,8 @@ std::unique_ptr<Equations::Scratch> Mechanism::make_scratch() const {
     const TreeBody& t = bodies_[b];
     const int n_v = places_[t.joint].joint->n_v();
     body.S.setZero(6, n_v);
-    if (const FlexibleBody* deforms = deforming(static_cast<int>(b))) body.flexible = deforms->make_work();
-    if (d_.bodies[b].ked) body.one_way.setZero(d_.bodies[b].ked->m());
+    if (const auto& flexible = d_.bodies[b].flexible) body.flexible = flexible->make_scratch();
+    if (t.i_c >= 0) body.no_acceleration.setZero(t.n_need);
     body.C_c.setZero(6, t.m);
     body.M_c.setZero(t.m, t.m);
     work->K[b].setZero(6, n_v + t.m);
@@ -43,10 +43,13 @@ std::unique_ptr<Equations::Scratch> Mechanism::make_scratch() const {
   for (std::size_t i = 0; i < d_.markers.size(); ++i) {
     const MarkerDescription& marker = d_.markers[i];
     work->local[i].X_BP = marker.X_BP;
-    if (marker.node >= 0) work->local[i].motion = d_.bodies[marker.body].flexible->make_node_motion();
+    if (on_node_[i]) work->local[i].motion = d_.bodies[marker.body].flexible->make_node_motion();
+    // Where the deformation does not act back the marker stays, and loads see the undeformed body.
+    if (on_node_[i] && !is_carried_[i])
+      place_on_node(static_cast<int>(i), work->bodies[marker.body].no_acceleration.data(), nullptr, nullptr, *work);
     if (marker.body == 0) work->kin.markers[i].X_WP = marker.X_BP;
   }
-  work->r.setZero(n_v_);
+  work->r.setZero(n_need_);
   work->zero_v.setZero(n_v_);
   work->rows_x.setZero(first_row_.back());
   work->rows_g.setZero(first_row_.back());
@@ -75,7 +78,9 @@ void Mechanism::forward(Level level, double t, const double* p, const double* v,
       work.kin.bodies[b].s_dot = v ? v + body.i_v : nullptr;
     }
     for (int i : markers_of_body_[b])
-      if (d_.markers[i].node >= 0) local_marker(i, level, work);
+      if (is_carried_[i])
+        place_on_node(i, p + body.i_p, level == Level::position ? nullptr : v + body.i_v,
+                      level == Level::acceleration ? v_dot + body.i_v : nullptr, work);
     move_through_joint(b, level, work);
     place_markers(b, level, work);
   }
@@ -84,27 +89,25 @@ void Mechanism::forward(Level level, double t, const double* p, const double* v,
 // The inertia of deformed bodies, after forward(); what asks for positions and velocities alone does without.
 void Mechanism::deform_inertia(Work& work) const {
   for (int b : order_)
-    if (const auto& flexible = d_.bodies[b].flexible)
-      flexible->set_position(work.kin.p + bodies_[b].i_p, work.bodies[b].flexible);
+    if (bodies_[b].m > 0)
+      d_.bodies[b].flexible->set_position(work.kin.p + bodies_[b].i_p, *work.bodies[b].flexible);
 }
 
-void Mechanism::local_marker(int marker, Level level, Work& work) const {
+void Mechanism::place_on_node(int marker, const double* s, const double* s_dot, const double* s_ddot,
+                              Work& work) const {
   const MarkerDescription& description = d_.markers[marker];
-  const TreeBody& body = bodies_[description.body];
   Work::LocalMarker& local = work.local[marker];
   NodeMotion& motion = local.motion;
-  d_.bodies[description.body].flexible->node_motion(
-      description.node, work.kin.p + body.i_p, level == Level::position ? nullptr : work.kin.v + body.i_v,
-      level == Level::acceleration ? work.kin.v_dot + body.i_v : nullptr, motion);
+  d_.bodies[description.body].flexible->node_motion(description.node, s, s_dot, s_ddot, motion);
   // The marker stands r from the node: v += w x r, a += alpha x r + w x (w x r).
   const Vector3d r = motion.X_BN.R * description.X_BP.p;
   local.X_BP = {motion.X_BN.R * description.X_BP.R, motion.X_BN.p + r};
   if (r.isZero(0.0)) return;
   motion.map.bottomRows<3>().noalias() -= skew(r) * motion.map.topRows<3>();
-  if (level == Level::position) return;
+  if (!s_dot) return;
   const Vector3d w_x_r = motion.V.angular.cross(r);
   motion.V.linear += w_x_r;
-  if (level == Level::acceleration)
+  if (s_ddot)
     motion.A.linear += motion.A.angular.cross(r) + motion.V.angular.cross(w_x_r);
 }
 
@@ -115,7 +118,7 @@ void Mechanism::move_through_joint(int b, Level level, Work& work) const {
   Work::Body& out = work.bodies[b];
   const MarkerState& in = work.kin.markers[body.marker_in];
   const Work::LocalMarker& local = work.local[body.marker_out];
-  const bool deforms = d_.markers[body.marker_out].node >= 0;
+  const bool deforms = is_carried_[body.marker_out];
 
   const double* q = work.kin.p + place.i_p;
   out.X_in_out = joint.pose(q);
@@ -191,7 +194,7 @@ void Mechanism::place_markers(int b, Level level, Work& work) const {
     marker.V = {w, body.V.linear + w.cross(r)};
     if (level == Level::acceleration)
       marker.A = {body.A.angular, body.A.linear + body.A.angular.cross(r) + w.cross(w.cross(r))};
-    if (d_.markers[i].node < 0) continue;
+    if (!is_carried_[i]) continue;
     const Spatial rel = body.X_WB.R * local.motion.V;
     marker.V += rel;
     if (level == Level::acceleration) {
@@ -203,10 +206,7 @@ void Mechanism::place_markers(int b, Level level, Work& work) const {
 }
 
 void Mechanism::clear_loads(Work& work) const {
-  for (Work::Body& body : work.bodies) {
-    body.F = {};
-    body.one_way.setZero();
-  }
+  for (Work::Body& body : work.bodies) body.F = {};
   work.r.setZero();
 }
 
@@ -222,17 +222,17 @@ void Mechanism::body_forces(bool with_gravity, Work& work) const {
     const Spatial V = R.transpose() * body.V;
     const Spatial A = R.transpose() * Spatial{body.A.angular, body.A.linear - g};
     Spatial need;
-    if (description.flexible) {
-      const TreeBody& t = bodies_[b];
+    const TreeBody& t = bodies_[b];
+    if (t.m > 0) {
       need = description.flexible->inverse_dynamics(work.kin.p + t.i_p, work.kin.v + t.i_v,
-                                                    work.kin.v_dot + t.i_v, V, A, body.flexible,
+                                                    work.kin.v_dot + t.i_v, V, A, *body.flexible,
                                                     work.r.data() + t.i_v);
     } else {
       const RigidInertia& I = description.inertia;
       const Vector3d &w = V.angular, &d = I.mass_center;
       need.linear = I.mass * A.linear + A.angular.cross(d) + w.cross(w.cross(d));
       need.angular = d.cross(A.linear) + I.inertia * A.angular + w.cross(I.inertia * w);
-      if (description.ked) one_way_loads(b, V, A, work);
+      if (t.i_c >= 0) following_need(b, V, A, work);
     }
     body.F = R * need;
   }
@@ -246,10 +246,9 @@ void Mechanism::backward(Work& work, double* r_out) const {
     const Pose& in = work.kin.markers[t.marker_in].X_WP;
     const Pose& out = work.kin.markers[t.marker_out].X_WP;
     body.through_joint = shift_wrench(body.F, body.X_WB.p - out.p);
-    if (d_.markers[t.marker_out].ked_node >= 0) load_one_way(t.marker_out, body.through_joint, 1.0, work);
-    if (d_.markers[t.marker_out].node >= 0) {
+    if (on_node_[t.marker_out]) {
       const Vector6d f = (body.X_WB.R.transpose() * body.through_joint).vector();
-      work.r.segment(t.i_v, t.m).noalias() -= work.local[t.marker_out].motion.map.transpose() * f;
+      work.r.segment(t.i_need, t.n_need).noalias() -= work.local[t.marker_out].motion.map.transpose() * f;
     }
     const Vector6d along = (in.R.transpose() * body.through_joint).vector();
     const int i_v = places_[t.joint].i_v;
@@ -257,15 +256,14 @@ void Mechanism::backward(Work& work, double* r_out) const {
 
     const Spatial at_in = shift_wrench(body.through_joint, out.p - in.p);
     Work::Body& parent = work.bodies[t.parent];
-    if (d_.markers[t.marker_in].ked_node >= 0) load_one_way(t.marker_in, at_in, -1.0, work);
-    if (d_.markers[t.marker_in].node >= 0) {
+    if (on_node_[t.marker_in]) {
       const TreeBody& tp = bodies_[t.parent];
       const Vector6d f = (parent.X_WB.R.transpose() * at_in).vector();
-      work.r.segment(tp.i_v, tp.m).noalias() += work.local[t.marker_in].motion.map.transpose() * f;
+      work.r.segment(tp.i_need, tp.n_need).noalias() += work.local[t.marker_in].motion.map.transpose() * f;
     }
     parent.F += shift_wrench(at_in, in.p - parent.X_WB.p);
   }
-  r = work.r;
+  r = work.r.head(n_v_);
 }
 
 void Mechanism::BodyLoads::apply(int marker, const Spatial& wrench_W) {
@@ -275,11 +273,10 @@ void Mechanism::BodyLoads::apply(int marker, const Spatial& wrench_W) {
   const Spatial about_Bo = shift_wrench(wrench_W, work_.kin.markers[marker].X_WP.p - body.X_WB.p);
   body.F.angular -= factor_ * about_Bo.angular;
   body.F.linear -= factor_ * about_Bo.linear;
-  if (description.ked_node >= 0) mechanism_.load_one_way(marker, wrench_W, factor_, work_);
-  if (description.node >= 0) {
+  if (mechanism_.on_node_[marker]) {
     const TreeBody& t = mechanism_.bodies_[description.body];
     const Vector6d f = factor_ * (body.X_WB.R.transpose() * wrench_W).vector();
-    work_.r.segment(t.i_v, t.m).noalias() -= work_.local[marker].motion.map.transpose() * f;
+    work_.r.segment(t.i_need, t.n_need).noalias() -= work_.local[marker].motion.map.transpose() * f;
     Spatial& load = work_.local[marker].load;
     load.angular += factor_ * wrench_W.angular;
     load.linear += factor_ * wrench_W.linear;
@@ -305,10 +302,7 @@ void Mechanism::BodyLoads::apply(CoordinateRef c, double force) {
 
 void Mechanism::BodyLoads::apply_modal(int body, const VectorXd& f, double factor) {
   const TreeBody& t = mechanism_.bodies_[body];
-  if (mechanism_.d_.bodies[body].ked)
-    work_.bodies[body].one_way.noalias() -= factor_ * factor * f;
-  else
-    work_.r.segment(t.i_v, t.m).noalias() -= factor_ * factor * f;
+  work_.r.segment(t.i_need, t.n_need).noalias() -= factor_ * factor * f;
 }
 
 void Mechanism::evaluate_signals(Work& work) const {

@@ -31,12 +31,12 @@ bool Mechanism::tangents(const State& s, ConstVectorRef v_dot, TangentScope scop
   for (MatrixXd* m : {&out.z_v, &out.z_c, &out.z_a}) m->setZero();
   if (with_modes) mode_tangents(work, T.z_q, out.z_v);
   inertia_tangents(with_modes, work, T.z_q, out.z_v);
-  one_way_tangents(work, out.z_c);
+  following_tangents(work, out.z_c);
   ElementDerivatives elements(*this, scope, work, out);
   elements.all_signals();
   elements.all_elements();
   difference_elements(s, scope, work, out);
-  difference_one_way(s, v_dot, work, out);
+  difference_following(s, v_dot, work, out);
   take_to_coordinates(s.p.data(), T.z_q, out.z_p);
   take_to_coordinates(s.p.data(), T.h_q, out.h_p);
   return true;
@@ -51,12 +51,11 @@ void Mechanism::size_tangents(Work& work) const {
   T.markers.resize(d_.markers.size());
   int widest = 0;
   for (int b : order_) {
-    if (d_.bodies[b].ked) T.deformations[b] = d_.bodies[b].ked->make_deformation_tangents();
+    if (const auto& flexible = d_.bodies[b].flexible) T.deformations[b] = flexible->make_deformation_tangents();
     if (bodies_[b].m == 0) continue;
     widest = std::max(widest, bodies_[b].m);
-    T.deformations[b] = d_.bodies[b].flexible->make_deformation_tangents();
     for (const int i : markers_of_body_[b])
-      if (d_.markers[i].node >= 0)
+      if (is_carried_[i])
         for (Work::Columns6* x : {&T.markers[i].eta, &T.markers[i].D, &T.markers[i].E, &T.markers[i].E_v})
           x->setZero(6, bodies_[b].m);
   }

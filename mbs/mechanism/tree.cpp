@@ -32,6 +32,27 @@ int MechanismDescription::add_joint(const std::string& joint_name, const std::st
   return static_cast<int>(joints.size()) - 1;
 }
 
+Pose MechanismDescription::undeformed(int marker) const {
+  const MarkerDescription& m = markers[static_cast<std::size_t>(marker)];
+  const FlexibleBody* const flexible = bodies[static_cast<std::size_t>(m.body)].flexible.get();
+  if (m.node < 0 || !flexible) return m.X_BP;
+  return {m.X_BP.R, flexible->nodes()[static_cast<std::size_t>(m.node)].p_BoN_B + m.X_BP.p};
+}
+
+void MechanismDescription::make_rigid(int body) {
+  BodyDescription& b = bodies[static_cast<std::size_t>(body)];
+  if (!b.flexible) return;
+  for (std::size_t i = 0; i < markers.size(); ++i)
+    if (markers[i].body == body) {
+      markers[i].X_BP = undeformed(static_cast<int>(i));
+      markers[i].node = -1;
+    }
+  b.inertia = b.flexible->undeformed_inertia();
+  b.flexible = nullptr;
+  b.stress = nullptr;
+  b.sections = nullptr;
+}
+
 Mechanism::~Mechanism() = default;
 
 Mechanism::Mechanism(MechanismDescription description) : d_(std::move(description)) {
@@ -75,7 +96,9 @@ void Mechanism::check_inertia() const {
 void Mechanism::build_tree() {
   const int n_bodies = static_cast<int>(d_.bodies.size());
   for (int b = 1; b < n_bodies; ++b) {
-    const BodyDescription& body = d_.bodies[b];
+    BodyDescription& body = d_.bodies[b];
+    if (body.flexible && (!body.flexible->acts_back() || body.flexible->m() == 0))
+      body.inertia = body.flexible->undeformed_inertia();  // as it moves
     const double mass = body.flexible ? body.flexible->mass() : body.inertia.mass;
     if (mass < 0.0)
       throw std::invalid_argument(
@@ -90,6 +113,13 @@ void Mechanism::build_tree() {
   }
   grow_tree();
   if (split_branches()) grow_tree();
+  on_node_.assign(d_.markers.size(), false);
+  is_carried_ = on_node_;
+  for (std::size_t i = 0; i < d_.markers.size(); ++i) {
+    const FlexibleBody* const flexible = d_.bodies[d_.markers[i].body].flexible.get();
+    on_node_[i] = d_.markers[i].node >= 0 && flexible;
+    is_carried_[i] = on_node_[i] && flexible->acts_back();
+  }
   markers_of_body_.assign(n_bodies, {});
   for (std::size_t i = 0; i < d_.markers.size(); ++i)
     markers_of_body_[d_.markers[i].body].push_back(static_cast<int>(i));
@@ -239,11 +269,20 @@ void Mechanism::number_states() {
     n_v_ += place.joint->n_v();
     body.i_p = n_p_;
     body.i_v = n_v_;
-    body.m = d_.bodies[b].flexible ? d_.bodies[b].flexible->m() : 0;
+    const FlexibleBody* const flexible = d_.bodies[b].flexible.get();
+    body.n_need = flexible ? flexible->m() : 0;
+    body.m = flexible && flexible->acts_back() ? body.n_need : 0;
+    body.i_need = body.i_v;
     n_p_ += body.m;
     n_v_ += body.m;
     n_flx_ += body.m;
   }
+  n_need_ = n_v_;
+  for (int b : order_)
+    if (TreeBody& body = bodies_[b]; body.n_need > body.m) {
+      body.i_need = n_need_;
+      n_need_ += body.n_need;
+    }
 }
 
 void Mechanism::build_constraints() {
@@ -311,12 +350,12 @@ void Mechanism::build_constraints() {
     first_force_state_.push_back(first_force_state_.back() + force->n_states());
     first_switch_.push_back(first_switch_.back() + force->n_switches());
   }
-  // One-way bodies come last among the dynamic states.
+  // Deformations that do not act back come last among the dynamic states.
   n_dyn_ = first_force_state_.back();
   for (int b : order_)
-    if (d_.bodies[b].ked) {
-      bodies_[b].i_c = n_dyn_;
-      n_dyn_ += 2 * d_.bodies[b].ked->m();
+    if (TreeBody& body = bodies_[b]; body.n_need > body.m) {
+      body.i_c = n_dyn_;
+      n_dyn_ += 2 * body.n_need;
     }
   const auto mark = [&](const std::vector<int>& reads) {
     for (int k : reads) is_used[k] = true;

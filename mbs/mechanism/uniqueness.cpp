@@ -45,7 +45,7 @@ std::vector<bool> Mechanism::not_unique(double t, ConstVectorRef p) const {
   MatrixXd G(n_rows, n_v_);
   for (int i = 0; i < n_rows; ++i) {
     load(VectorXd::Unit(n_rows, i));
-    G.row(i) = work.r.transpose();
+    G.row(i) = work.r.head(n_v_).transpose();
   }
   // Rows of unit length: metres and radians meet.
   VectorXd length = G.rowwise().norm();

@@ -21,9 +21,8 @@ struct Mechanism::Work final : public Equations::Scratch {
     Pose X_WB;
     Spatial V, A;  ///< twist and acceleration of B, in W
     Spatial F;     ///< wrench on the body about Bo that its motion needs, in W, less what is applied
-    FlexibleBody::Work flexible;
-    Eigen::VectorXd no_acceleration;
-    Eigen::VectorXd one_way;  ///< m modal forces that a one-way body's motion needs, less what is applied
+    std::unique_ptr<FlexibleBody::Scratch> flexible;
+    Eigen::VectorXd no_acceleration;  ///< of a deformation that does not act back
 
     // The tree joint, from the parent's marker frame (in) to this body's (out), expressed in the former.
     Pose X_in_out;
@@ -110,7 +109,7 @@ struct Mechanism::Work final : public Equations::Scratch {
   std::vector<Body> bodies;
   std::vector<Articulated> articulated;
   std::vector<LocalMarker> local;  ///< of every marker; map is empty on rigid bodies
-  Eigen::VectorXd r;               ///< n_v: forces along the velocity coordinates
+  Eigen::VectorXd r;  ///< n_v forces along the velocity coordinates, then those of deformations that do not act back
   /// What force elements put on the coordinate of a joint that closes a loop, on M about Mo in F: kept for
   /// each joint by evaluate(), empty elsewhere.
   std::vector<Vector6d> on_closure;

@@ -7,7 +7,7 @@
 #include <Eigen/Cholesky>
 #include <cmath>
 
-#include "mbs/bodies/modal_basis.hpp"
+#include "mbs/bodies/modal_body.hpp"
 #include "mbs/bodies/stress_field.hpp"
 #include "mesh/gmsh/cad.hpp"
 #include "mesh/model/select.hpp"
@@ -165,12 +165,13 @@ TEST(ConrodFromStep, StressAtDeadCentreIsThatOfTheFullStaticSolution) {
       options.loads.resize(se.n(), 12);
       options.loads << mbs::interface_loads(se, 0), mbs::interface_loads(se, 1);
     }
-    const mbs::FlexibleBody body(mbs::modal_data(se, options));
+    const mbs::ModalBody body(mbs::modal_data(se, options));
     const int m = body.m();
     // Statics of the deformation in the given motion: modal forces vanish.
     const Eigen::VectorXd zero = Eigen::VectorXd::Zero(m);
     Eigen::VectorXd need(m);
-    mbs::FlexibleBody::Work work = body.make_work();
+    const auto scratch = body.make_scratch();
+    auto& work = *scratch;
     body.set_position(zero.data(), work);
     const mbs::Spatial wrench =
         body.inverse_dynamics(zero.data(), zero.data(), zero.data(), {{0, 0, phi_dot}, {0, 0, 0}},

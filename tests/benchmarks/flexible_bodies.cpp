@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <random>
 
-#include "mbs/bodies/modal_basis.hpp"
+#include "mbs/bodies/modal_body.hpp"
 #include "mbs/superelement/file.hpp"
 
 /// Time of one evaluation of a flexible body (position and inverse dynamics) over its modes, with and without
@@ -92,7 +92,8 @@ double evaluation_time(const FlexibleBody& body) {
   const int m = body.m();
   const Eigen::VectorXd s = 1e-3 * random(m, 1, 1.0), v = random(m, 1, 1.0), a = random(m, 1, 1.0);
   Eigen::VectorXd modal(m);
-  FlexibleBody::Work work = body.make_work();
+  const auto scratch = body.make_scratch();
+    auto& work = *scratch;
   const Spatial V{{1, 2, 3}, {1, 0, 0}}, A{{3, 2, 1}, {0, 1, 0}};
   double best = 1e9;
   for (int repeat = 0; repeat < 5; ++repeat) {
@@ -117,9 +118,9 @@ int main() {
     const superelement::Superelement se = part(std::max(m - 6, 0) + 6, 0);
     BasisOptions options;
     options.modes = m;
-    const double plain = evaluation_time(FlexibleBody(modal_data(se, options)));
+    const double plain = evaluation_time(ModalBody(modal_data(se, options)));
     options.stiffening = true;
-    const double stiffened = evaluation_time(FlexibleBody(modal_data(se, options)));
+    const double stiffened = evaluation_time(ModalBody(modal_data(se, options)));
     fmt::print("flexible_evaluation_{}_modes = {:.3g} us\n", m, 1e6 * plain);
     fmt::print("flexible_evaluation_{}_modes_stiffened = {:.3g} us\n", m, 1e6 * stiffened);
   }
@@ -132,7 +133,7 @@ int main() {
     double best = 1e9, evaluation = 0.0;
     for (int repeat = 0; repeat < 5; ++repeat) {
       const auto start = Clock::now();
-      const FlexibleBody body(modal_data(superelement::read(path)));
+      const ModalBody body(modal_data(superelement::read(path)));
       best = std::min(best, seconds(start));
       evaluation = evaluation_time(body);
     }

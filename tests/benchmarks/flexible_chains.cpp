@@ -5,7 +5,7 @@
 #include <ctime>
 #include <functional>
 
-#include "mbs/bodies/modal_basis.hpp"
+#include "mbs/bodies/modal_body.hpp"
 #include "mbs/mechanism/mechanism.hpp"
 #include "mbs/solver/run/run.hpp"
 #include "tests/mbs/flexible/beam_superelement.hpp"
@@ -32,7 +32,7 @@ std::shared_ptr<const FlexibleBody> link_body() {
   BasisOptions options;
   options.modes = 20;
   options.damping = 0.01;
-  return std::make_shared<FlexibleBody>(modal_data(beams::beam_superelement(b), options));
+  return std::make_shared<ModalBody>(modal_data(beams::beam_superelement(b), options));
 }
 
 struct Times {

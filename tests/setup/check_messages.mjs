@@ -80,7 +80,7 @@ const EXEMPT = [
   ['mbs/solver/accuracy/integrator_kind.cpp', 'names that options.cpp has checked'],
   ['mbs/solver/integrators/sequence.cpp', 'the place before the sentence of an integrator'],
   ['mbs/solver/position/assemble.cpp', 'the place before the sentence of what contradicts'],
-  ['mbs/bodies/flexible_body.cpp', 'superelements that are validated when read'],
+  ['mbs/bodies/modal_body.cpp', 'superelements that are validated when read'],
   ['mbs/bodies/modal_problem.cpp', 'superelements that are validated when read'],
   ['mbs/bodies/stress_field.cpp', 'superelements that are validated when read'],
   ['mbs/mechanism/user_element.hpp', 'what a user library asks of its own keys: its words'],

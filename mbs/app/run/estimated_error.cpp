@@ -74,7 +74,7 @@ ErrorSource mesh_of(const mbs::BodyDescription& body) {
 void add_bodies(const mbs::PreparedMechanism& prepared, std::vector<ErrorSource>& sources) {
   for (const mbs::BodyDescription& body : prepared.mechanism->description().bodies) {
     if (!study::can_deform(body)) continue;
-    if (body.flexible || body.ked) sources.push_back(mesh_of(body));
+    if (body.flexible) sources.push_back(mesh_of(body));
     if (!study::has_stiffening_terms(body))
       sources.push_back({"stiffening",
                          body.name,
@@ -158,9 +158,9 @@ ErrorEstimate estimate_error(const mbs::PreparedMechanism& prepared,
 std::vector<ErrorSource> discretisation_of(const mbs::PreparedMechanism& prepared) {
   std::vector<ErrorSource> sources;
   for (const mbs::BodyDescription& body : prepared.mechanism->description().bodies) {
-    const mbs::FlexibleBody* deforms = body.flexible ? body.flexible.get() : body.ked.get();
+    const mbs::ModalData* const data = body.flexible ? body.flexible->modal() : nullptr;
     // Shapes of a superelement, the six of rigid motion among them, that the basis does not span.
-    if (deforms && deforms->is_modal() && deforms->m() + 6 < deforms->data().Y.rows())
+    if (data && data->Y.cols() + 6 < data->Y.rows())
       sources.push_back({"modes", body.name, {}, 0.0, "flexura simulate estimates them"});
   }
   add_bodies(prepared, sources);

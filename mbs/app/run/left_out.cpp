@@ -37,7 +37,7 @@ LeftOut left_out(const mbs::PreparedMechanism& prepared) {
       body.bytes += size;
     };
     part(deforms != nullptr, bytes.matrices, "matrices");
-    part(deforms && deforms->data().second, bytes.stiffening, "stiffening terms");
+    part(deforms && deforms->modal() && deforms->modal()->second, bytes.stiffening, "stiffening terms");
     part(description.stress != nullptr, bytes.stress, "stress modes");
     part(description.stress || description.follows_surface, bytes.surface, "surface");
     part(deforms && description.follows_surface, bytes.shapes, "shapes of the surface");

@@ -43,10 +43,9 @@ class Places {
   Pose marker(int i) const {
     const mbs::MarkerDescription& m = mechanism_.description().markers[i];
     const mbs::FlexibleBody* flexible = mechanism_.description().bodies[m.body].flexible.get();
-    const Pose X_BN = m.node >= 0 && flexible
-                          ? flexible->node_pose(m.node, mechanism_.modal_coordinates(m.body, s_))
-                          : Pose{};
-    return bodies[m.body] * X_BN * m.X_BP;
+    if (m.node < 0 || !flexible || !flexible->acts_back())
+      return bodies[m.body] * mechanism_.description().undeformed(i);
+    return bodies[m.body] * flexible->node_pose(m.node, mechanism_.modal_coordinates(m.body, s_)) * m.X_BP;
   }
 
   std::vector<Pose> bodies;
@@ -102,8 +101,8 @@ void write_open_page(const std::filesystem::path& html, const mbs::NotAssembled&
     add_body(mechanism.description().bodies[b].name, places.bodies[b]);
     const int body = static_cast<int>(b);
     const mbs::FlexibleBody* deforms = mechanism.deforming(body);
-    if (!deforms || !deforms->is_modal()) continue;
-    run.bodies.back().basis = deforms->data().Y;
+    if (!deforms || !deforms->modal()) continue;
+    run.bodies.back().basis = deforms->modal()->Y;
     run.bodies.back().modal =
         Eigen::Map<const Eigen::RowVectorXd>(mechanism.modal_coordinates(body, prepared.state), deforms->m());
   }

@@ -39,7 +39,7 @@ results::ModelHeader model_header(const std::vector<const mbs::PreparedMechanism
     for (const mbs::PreparedMechanism* run : runs) {
       const auto& bodies = run->mechanism->description().bodies;
       if (b < bodies.size() && !bodies[b].superelement.empty())
-        flexible = flexible || bodies[b].flexible || bodies[b].ked;
+        flexible = flexible || bodies[b].flexible;
     }
     line.kind = b == 0 ? "ground" : flexible ? "flexible" : "rigid";
     if (!body.superelement.empty()) {
@@ -107,8 +107,8 @@ Recorder::Recorder(const mbs::PreparedMechanism& prepared, results::Writer& writ
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     results::RunBody body;
     body.name = bodies[b].name;
-    if (const mbs::FlexibleBody* deforms = mechanism_.deforming(static_cast<int>(b)))
-      body.basis = deforms->data().Y;
+    if (const mbs::FlexibleBody* deforms = mechanism_.deforming(static_cast<int>(b)); deforms && deforms->modal())
+      body.basis = deforms->modal()->Y;
     run_bodies_.push_back(std::move(body));
   }
   row_.quantities.resize(static_cast<Eigen::Index>(quantities_.size()));

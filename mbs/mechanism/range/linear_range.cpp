@@ -22,13 +22,13 @@ constexpr double kAskAgain = 1.5;
 
 // A rod of this radius of gyration about its middle is as long.
 double length_of(const FlexibleBody& body) {
-  const superelement::InertiaIntegrals& in = body.data().inertia;
   double size = 0.0;
-  if (in.mass > 0.0 && in.S_x.size() > 0) {
+  if (const ModalData* const data = body.modal(); data && data->inertia.mass > 0.0) {
+    const superelement::InertiaIntegrals& in = data->inertia;
     const Vector3d c = in.S_x / in.mass;
     size = std::sqrt(std::max(0.0, 12.0 * ((in.S_xx.trace()) / in.mass - c.squaredNorm())));
   }
-  const auto& nodes = body.data().nodes;
+  const auto& nodes = body.nodes();
   for (std::size_t i = 0; i < nodes.size(); ++i)
     for (std::size_t j = 0; j < i; ++j) size = std::max(size, (nodes[i].p_BoN_B - nodes[j].p_BoN_B).norm());
   return size;
@@ -52,13 +52,13 @@ void LinearRange::observe(const State& s) {
     const FlexibleBody* body = mechanism_.deforming(static_cast<int>(b));
     if (!body) continue;
     const double* modal = mechanism_.modal_coordinates(static_cast<int>(b), s);
-    if (body->is_modal()) {
-      observe_modal(static_cast<int>(b), s, modal);
+    if (body->is_linear()) {
+      observe_linear(static_cast<int>(b), s, modal);
       continue;
     }
     // Any bending is fine; what it is made of stretches linearly.
     Watched& watched = watched_[b];
-    const auto& nodes = body->data().nodes;
+    const auto& nodes = body->nodes();
     for (std::size_t i = 0; i < nodes.size(); ++i)
       for (std::size_t j = 0; j < i; ++j) {
         const double l = (nodes[i].p_BoN_B - nodes[j].p_BoN_B).norm();
@@ -85,8 +85,10 @@ void LinearRange::ask_surface(int b, const double* modal) {
   const FlexibleBody& body = *mechanism_.deforming(b);
   Watched& watched = watched_[b];
   const std::string& file = mechanism_.description().bodies[b].superelement;
-  // Second-order displacements know of the shortening, and one-way deformation holds nothing.
-  const bool has_lines = body.data().nodes.size() > 1 && !body.data().second && mechanism_.modal_position(b) >= 0;
+  const ModalData* const data = body.modal();
+  if (!data) return;
+  // Second-order displacements know of the shortening, and a deformation that does not act back holds nothing.
+  const bool has_lines = data->nodes.size() > 1 && !data->second && body.acts_back();
   const double moved = Eigen::Map<const Eigen::VectorXd>(modal, body.m()).norm() / std::sqrt(body.mass());
   if (watched.asked || file.empty() || !(moved > (has_lines ? kAskLines : kAskProbes) * watched.size)) return;
   watched.asked = true;
@@ -96,8 +98,8 @@ void LinearRange::ask_surface(int b, const double* modal) {
   parts.surface = parts.shapes = true;
   try {
     const superelement::Superelement se = superelement::read(file, parts);
-    auto probes = std::make_shared<DeformationProbes>(probes_of(se, body.data().Y));
-    if (has_lines) watched.lines = bending_lines(se, body.data());
+    auto probes = std::make_shared<DeformationProbes>(probes_of(se, data->Y));
+    if (has_lines) watched.lines = bending_lines(se, *data);
     watched.size = std::max(watched.size, probes->size);
     watched.probes = std::move(probes);
   } catch (const std::exception&) {  // the file was moved: interfaces are judged alone
@@ -108,7 +110,7 @@ void LinearRange::observe_lines(int b, const State& state, const Eigen::VectorXd
   Watched& watched = watched_[b];
   if (watched.lines.empty()) return;
   const FlexibleBody& body = *mechanism_.deforming(b);
-  const double strain_energy = 0.5 * s.cwiseAbs2().dot(body.data().stiffness);
+  const double strain_energy = 0.5 * s.cwiseAbs2().dot(body.modal()->stiffness);
   for (const BendingLine& line : watched.lines) {
     const double closer = s.dot(line.Q * s), tension = closer / line.compliance;
     const double missed = tension * closer / strain_energy;
@@ -116,17 +118,17 @@ void LinearRange::observe_lines(int b, const State& state, const Eigen::VectorXd
     watched.line_asked = missed;
     const double held = how_held(mechanism_, b, line, state, span_);
     if (!(held * missed > watched.held.value)) continue;
-    const auto& nodes = body.data().nodes;
+    const auto& nodes = body.nodes();
     watched.held = {held * missed, state.t, closer, nodes[line.to].name, nodes[line.from].name};
     watched.tension = held * tension;
   }
 }
 
-void LinearRange::observe_modal(int b, const State& state, const double* modal) {
+void LinearRange::observe_linear(int b, const State& state, const double* modal) {
   const double t = state.t;
   const FlexibleBody& body = *mechanism_.deforming(b);
   Watched& watched = watched_[b];
-  const auto& nodes = body.data().nodes;
+  const auto& nodes = body.nodes();
   const int n = static_cast<int>(nodes.size()), m = body.m();
   poses_.resize(n);
   for (int i = 0; i < n; ++i) poses_[i] = body.node_pose(i, modal);
@@ -176,7 +178,7 @@ std::vector<std::string> LinearRange::sentences() const {
     const std::string& name = mechanism_.description().bodies[b].name;
     const FlexibleBody* body = mechanism_.deforming(static_cast<int>(b));
     if (!body) continue;
-    if (body->is_modal() && w.of_size.value > limits_.of_size) {
+    if (body->is_linear() && w.of_size.value > limits_.of_size) {
       out.push_back(fmt::format(
           "body \"{}\" is deformed by more than its own size: at t = {:.6g} s {} is displaced by {:.3g} m "
           "against "

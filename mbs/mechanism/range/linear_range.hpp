@@ -66,7 +66,7 @@ class LinearRange {
     double tension = 0.0;     ///< there [N]
     bool asked = false;
   };
-  void observe_modal(int body, const State& state, const double* s);
+  void observe_linear(int body, const State& state, const double* s);
   void ask_surface(int body, const double* s);
   void observe_lines(int body, const State& state, const Eigen::VectorXd& s);
   void observe_displacement(Watched& watched, double t, double moved, double distance,

@@ -114,7 +114,7 @@ std::vector<BendingLine> bending_lines(const superelement::Superelement& se, con
 }
 
 double how_held(const Mechanism& mechanism, int body, const BendingLine& line, const State& s, double span) {
-  const ModalData& data = mechanism.deforming(body)->data();
+  const ModalData& data = *mechanism.deforming(body)->modal();
   const double c = line.pull.cwiseAbs2().cwiseQuotient(data.stiffness).sum();
   const int at = mechanism.modal_position(body);
   if (at < 0 || !(c > 1e-3 * line.compliance)) return 0.0;

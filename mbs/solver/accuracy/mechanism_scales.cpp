@@ -26,10 +26,11 @@ double length_of(const Mechanism& mechanism, const State& s, double& farthest) {
     for (std::size_t b = 1; b < d.bodies.size(); ++b) {
       take(static_cast<int>(b), Vector3d::Zero());
       if (const FlexibleBody* deforms = mechanism.deforming(static_cast<int>(b)))
-        for (const FlexibleNode& node : deforms->data().nodes) take(static_cast<int>(b), node.p_BoN_B);
+        for (const NodePlace& node : deforms->nodes()) take(static_cast<int>(b), node.p_BoN_B);
     }
-    for (const MarkerDescription& marker : d.markers)
-      if (marker.node < 0) take(marker.body, marker.X_BP.p);
+    for (std::size_t i = 0; i < d.markers.size(); ++i)
+      if (mechanism.modal_position(d.markers[i].body) < 0 || d.markers[i].node < 0)
+        take(d.markers[i].body, d.undeformed(static_cast<int>(i)).p);
     if (!(low.x() <= high.x())) continue;
     farthest = std::max(high.cwiseAbs().maxCoeff(), low.cwiseAbs().maxCoeff());
     const double diagonal = (high - low).norm();

@@ -88,9 +88,9 @@ class Elastic {
     std::erase_if(d.forces, [&](const auto& force) { return !springs.contains(force->markers()); });
     d.controls.clear();
     d.measures.clear();
-    for (BodyDescription& body : d.bodies)
-      if (body.ked) body.ked = nullptr, body.stress = nullptr, body.sections = nullptr;
-    for (MarkerDescription& marker : d.markers) marker.ked_node = -1;
+    for (std::size_t b = 1; b < d.bodies.size(); ++b)
+      if (const auto& flexible = d.bodies[b].flexible; flexible && !flexible->acts_back())
+        d.make_rigid(static_cast<int>(b));
     return d;
   }
 
@@ -306,9 +306,9 @@ std::string sentence_of(const StrainedLoops& strained, const Mechanism& mechanis
   for (std::size_t b = 0; b < d.bodies.size(); ++b) {
     const FlexibleBody* flexible = d.bodies[b].flexible.get();
     const double* modal = mechanism.modal_coordinates(static_cast<int>(b), s);
-    if (!flexible || !modal) continue;
+    if (!flexible || !modal || !flexible->acts_back()) continue;
     const double* before = mechanism.modal_coordinates(static_cast<int>(b), strained.undeformed);
-    const auto n = static_cast<int>(flexible->data().nodes.size());
+    const auto n = static_cast<int>(flexible->nodes().size());
     for (int i = 0; i < n; ++i) {
       const Pose X_0 = flexible->node_pose(i, before), X = flexible->node_pose(i, modal);
       for (int j = 0; j < n; ++j) {
@@ -319,8 +319,8 @@ std::string sentence_of(const StrainedLoops& strained, const Mechanism& mechanis
         if (moved <= furthest) continue;
         furthest = moved;
         where = fmt::format(", which moves \"{}\" of body \"{}\" by {:.3g} mm against \"{}\"",
-                            flexible->data().nodes[i].name, d.bodies[b].name, 1e3 * moved,
-                            flexible->data().nodes[j].name);
+                            flexible->nodes()[i].name, d.bodies[b].name, 1e3 * moved,
+                            flexible->nodes()[j].name);
       }
     }
   }

@@ -13,13 +13,13 @@
 namespace flexura::mbs {
 namespace {
 
-// Undeforms all ANCF beams; false where there are none.
+// Undeforms all bodies whose law is not linear (ANCF beams); false where there are none.
 bool straighten(const Mechanism& mechanism, State& s) {
   const std::vector<BodyDescription>& bodies = mechanism.description().bodies;
   bool any = false;
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     const int first = mechanism.modal_position(static_cast<int>(b));
-    if (first < 0 || !bodies[b].flexible || bodies[b].flexible->is_modal()) continue;
+    if (first < 0 || bodies[b].flexible->is_linear()) continue;
     s.p.segment(first, bodies[b].flexible->m()).setZero();
     any = true;
   }

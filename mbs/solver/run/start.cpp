@@ -106,7 +106,7 @@ void tell_strain(const StrainedLoops& strained, const std::vector<bool>& deforms
 // take it 1.1 s (IDA 37 s, generalised-alpha 60 s).
 bool has_deformation(const Mechanism& mechanism) {
   return std::ranges::any_of(mechanism.description().bodies,
-                             [](const BodyDescription& body) { return body.ked || body.flexible; });
+                             [](const BodyDescription& body) { return body.flexible != nullptr; });
 }
 
 void assemble_start(StartedMechanism& out, const GivenState& given) {

@@ -32,11 +32,11 @@ const VectorXd& stiffness_of(const FullModel& full, const ModalBlock& block) {
   return full.mechanism()
       .description()
       .bodies[static_cast<std::size_t>(block.body)]
-      .flexible->data()
-      .stiffness;
+      .flexible->modal()
+      ->stiffness;
 }
 const VectorXd& damping_of(const FullModel& full, const ModalBlock& block) {
-  return full.mechanism().description().bodies[static_cast<std::size_t>(block.body)].flexible->data().damping;
+  return full.mechanism().description().bodies[static_cast<std::size_t>(block.body)].flexible->modal()->damping;
 }
 
 // Response modes beside the lowest n free modes, as Ritz vectors of what is left of them; and their

@@ -69,7 +69,7 @@ FullModel::FullModel(std::unique_ptr<mbs::Mechanism> mechanism) : mechanism_(std
   const auto v_names =
       by_name(mechanism_->sizes().n_v, [&](int i) { return mechanism_->name_of_velocity(i); });
   for (std::size_t b = 0; b < bodies.size(); ++b) {
-    if (!bodies[b].flexible || bodies[b].superelement.empty()) continue;
+    if (mechanism_->modal_position(static_cast<int>(b)) < 0 || bodies[b].superelement.empty()) continue;
     ModalBlock block;
     block.body = static_cast<int>(b);
     block.name = bodies[b].name;
@@ -199,14 +199,13 @@ Embedding::Embedding(const mbs::Mechanism& run, const FullModel& full)
     Block mine;
     mine.S.resize(block.m, 0);
     if (const mbs::FlexibleBody* deforms = run.deforming(block.body)) {
-      const mbs::BodyDescription& body = run.description().bodies[static_cast<std::size_t>(block.body)];
-      mine.one_way = body.ked != nullptr;
+      mine.one_way = !deforms->acts_back();
       const double* const at = run.modal_coordinates(block.body, zero);
       mine.at = at - (mine.one_way ? zero.c.data() : zero.p.data());
       mine.rate_at = mine.one_way ? mine.at + deforms->m() : v_run.at(block.name + ".mode_1_rate");
       const auto& whole = all.description().bodies[static_cast<std::size_t>(block.body)];
-      mine.S = deformations_of(whole.superelement, whole.flexible->data().Y, deforms->data().Y);
-      mine.complete = !mine.one_way && is_the_same(whole.flexible->data(), deforms->data(), mine.S);
+      mine.S = deformations_of(whole.superelement, whole.flexible->modal()->Y, deforms->modal()->Y);
+      mine.complete = !mine.one_way && is_the_same(*whole.flexible->modal(), *deforms->modal(), mine.S);
     }
     blocks_.push_back(std::move(mine));
   }

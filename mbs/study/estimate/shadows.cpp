@@ -139,10 +139,10 @@ std::unique_ptr<Shadows> Shadows::make(const mbs::PreparedMechanism& run, FullMo
     in.joints_feel_nothing = in.joints_feel_nothing || in.embedding.one_way(i);
     if (in.embedding.complete(i)) continue;
     in.sources.push_back(i);
-    const auto& data = full.mechanism()
-                           .description()
-                           .bodies[static_cast<std::size_t>(full.blocks()[i].body)]
-                           .flexible->data();
+    const mbs::ModalData& data = *full.mechanism()
+                                      .description()
+                                      .bodies[static_cast<std::size_t>(full.blocks()[i].body)]
+                                      .flexible->modal();
     in.transients.add(data.stiffness, data.damping);
   }
   if (in.sources.empty()) return nullptr;

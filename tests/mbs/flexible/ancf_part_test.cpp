@@ -34,7 +34,7 @@ MechanismDescription on_driven_shaft(std::shared_ptr<const FlexibleBody> beam, c
 
 Vector3d tip_displacement(const Mechanism& mechanism, const State& s) {
   const FlexibleBody& body = *mechanism.description().bodies[1].flexible;
-  return body.node_pose(1, s.p.data() + mechanism.modal_position(1)).p - body.data().nodes[1].p_BoN_B;
+  return body.node_pose(1, s.p.data() + mechanism.modal_position(1)).p - body.nodes()[1].p_BoN_B;
 }
 
 TEST(AncfPart, SpunUpBeamBendsBackAndStretches) {

@@ -5,7 +5,7 @@
 
 #include <numbers>
 
-#include "mbs/bodies/modal_basis.hpp"
+#include "mbs/bodies/modal_body.hpp"
 #include "mbs/mechanism/mechanism.hpp"
 #include "mbs/solver/linear/statics.hpp"
 #include "tests/mbs/flexible/beam_superelement.hpp"
@@ -24,7 +24,7 @@ Mechanism column(const superelement::Superelement& se, double gravity, double we
   options.modes = 12;
   options.loads = interface_loads(se, std::vector<int>{0, 1});
   const int beam =
-      d.add_body({.name = "column", .flexible = std::make_shared<FlexibleBody>(modal_data(se, options))});
+      d.add_body({.name = "column", .flexible = std::make_shared<ModalBody>(modal_data(se, options))});
   d.add_joint("foot", "fixed", d.add_marker(0, "ground"), d.add_marker(beam, "foot", {}, 0));
   const int load =
       d.add_body({.name = "weight",

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "mbs/bodies/modal_basis.hpp"
+#include "mbs/bodies/modal_body.hpp"
 #include "mbs/mechanism/mechanism.hpp"
 #include "mbs/solver/linear/statics.hpp"
 #include "mbs/solver/position/assemble.hpp"
@@ -34,7 +34,7 @@ beams::StraightBeam rope() {
 std::shared_ptr<const FlexibleBody> link_body(double damping = 0.0) {
   BasisOptions options;  // all twelve deformations
   options.damping = damping;
-  return std::make_shared<FlexibleBody>(modal_data(beams::beam_superelement(rope()), options));
+  return std::make_shared<ModalBody>(modal_data(beams::beam_superelement(rope()), options));
 }
 
 Mechanism make_chain(const std::shared_ptr<const FlexibleBody>& link, const Chain& chain) {
@@ -144,7 +144,8 @@ TEST(ChainOfFlexibleBodies, FallsFreelyWithItsCentreOfMass) {
   const auto centre = [&](const State& s) {
     std::vector<Pose> poses;
     m.body_poses(s, *m.make_scratch(), poses);
-    FlexibleBody::Work work = link->make_work();
+    const auto scratch = link->make_scratch();
+    auto& work = *scratch;
     Vector3d sum = Vector3d::Zero();
     for (int b = 1; b <= kLinks; ++b) {
       link->set_position(s.p.data() + m.modal_position(b), work);

@@ -4,7 +4,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 
-#include "mbs/bodies/modal_basis.hpp"
+#include "mbs/bodies/modal_body.hpp"
 #include "mbs/mechanism/mechanism.hpp"
 #include "mbs/solver/position/assemble.hpp"
 #include "mbs/solver/run/run.hpp"
@@ -36,7 +36,7 @@ BasisOptions basis(bool mean_axes) {
 /// The free limb's mass matrix, of its frame's six motions and all deformations, undeformed.
 MatrixXd mass_matrix(const ModalData& data) {
   MechanismDescription d;
-  d.add_body({.name = "limb", .flexible = std::make_shared<FlexibleBody>(data)});
+  d.add_body({.name = "limb", .flexible = std::make_shared<ModalBody>(data)});
   const Mechanism m(d);
   MatrixXd M = MatrixXd::Zero(m.sizes().n_v, m.sizes().n_v);
   m.mass_matrix(m.initial_state().p, *m.make_scratch(), M);
@@ -75,7 +75,7 @@ TEST(ReferenceFrame, DoesNotMatterToLinearResults) {
 std::vector<Vector3d> swing(const superelement::Superelement& se, const BasisOptions& options) {
   MechanismDescription d;
   const int beam =
-      d.add_body({.name = "limb", .flexible = std::make_shared<FlexibleBody>(modal_data(se, options))});
+      d.add_body({.name = "limb", .flexible = std::make_shared<ModalBody>(modal_data(se, options))});
   const int hub = d.add_joint("hub", "revolute", d.add_marker(0, "shaft"), d.add_marker(beam, "root", {}, 0));
   d.joints[hub].drives[0] = std::make_shared<Expression>("hub", "1.5 * t^3 * (10 - 15*t + 6*t^2)",
                                                          SignalNames(), std::map<std::string, double>{});

@@ -3,7 +3,7 @@
 
 #include <gmock/gmock.h>
 
-#include "mbs/bodies/modal_basis.hpp"
+#include "mbs/bodies/modal_body.hpp"
 #include "tests/mbs/flexible/beam_superelement.hpp"
 
 namespace flexura::mbs {
@@ -26,7 +26,7 @@ TEST(LinearRange, TellsTheSlopeOfACantileverAndWhatItCosts) {
   MechanismDescription d;
   d.gravity.setZero();
   const int body =
-      d.add_body({.name = "beam", .flexible = std::make_shared<FlexibleBody>(modal_data(se, options))});
+      d.add_body({.name = "beam", .flexible = std::make_shared<ModalBody>(modal_data(se, options))});
   d.add_joint("clamp", "fixed", d.add_marker(0, "wall"), d.add_marker(body, "root", {}, 0));
   const Mechanism m(d);
   const FlexibleBody& beam = *m.description().bodies[body].flexible;
@@ -34,7 +34,7 @@ TEST(LinearRange, TellsTheSlopeOfACantileverAndWhatItCosts) {
     State s = m.initial_state();
     // All modes are there, so the static answer is the beam's.
     s.p.segment(m.modal_position(body), beam.m()) =
-        force * beam.data().nodes[1].Phi_t.row(1).transpose().cwiseQuotient(beam.data().stiffness);
+        force * beam.modal()->nodes[1].Phi_t.row(1).transpose().cwiseQuotient(beam.modal()->stiffness);
     LinearRange range(m);
     range.observe(m.initial_state());
     range.observe(s);

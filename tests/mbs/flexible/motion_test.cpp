@@ -4,7 +4,7 @@
 #include <cmath>
 #include <map>
 
-#include "mbs/bodies/modal_basis.hpp"
+#include "mbs/bodies/modal_body.hpp"
 #include "mbs/mechanism/beam_part.hpp"
 #include "mbs/mechanism/mechanism.hpp"
 #include "mbs/solver/position/assemble.hpp"
@@ -50,7 +50,8 @@ Momenta momenta(const Mechanism& m, int body, const State& s) {
   const BodyMotion motion = motion_of(m, body, s);
   const Matrix3d& R = motion.X_WB.R;
   const Vector3d w = R.transpose() * motion.w_W, v = R.transpose() * motion.v_W;
-  FlexibleBody::Work work = flexible.make_work();
+  const auto scratch = flexible.make_scratch();
+    auto& work = *scratch;
   const int at = m.modal_position(body);
   flexible.set_position(s.p.data() + at, work);
   const VectorXd s_dot = s.v.tail(flexible.m());
@@ -75,7 +76,7 @@ TEST(FreeFlexibleBody, KeepsItsMomenta) {
     options.damping = 0.02;
     options.stiffening = stiffened;
     MechanismDescription d;
-    d.add_body({.name = "beam", .flexible = std::make_shared<FlexibleBody>(modal_data(se, options))});
+    d.add_body({.name = "beam", .flexible = std::make_shared<ModalBody>(modal_data(se, options))});
     const Mechanism m(d);
     State s = m.initial_state();
     // Tumbles, and rings in all its modes.
@@ -143,7 +144,7 @@ TEST(FlexibleDoublePendulum, AncfAndModalAgreeAtSmallDeflectionAndPartAtLarge) {
     options.loads = interface_loads(se, {0, 1});
     options.damping_law.rayleigh = Eigen::Vector2d(0.0, 1e-3);
     const Vector3d modal =
-        double_pendulum([&] { return std::make_shared<FlexibleBody>(modal_data(se, options)); }, 0.7);
+        double_pendulum([&] { return std::make_shared<ModalBody>(modal_data(se, options)); }, 0.7);
     const Vector3d ancf = double_pendulum([&] { return ancf_body(part); }, 0.7);
     return (modal - ancf).norm();
   };

@@ -2,7 +2,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "mbs/bodies/modal_basis.hpp"
+#include "mbs/bodies/one_way_body.hpp"
 #include "mbs/solver/linear/linearise.hpp"
 #include "mbs/solver/position/assemble.hpp"
 #include "mbs/solver/run/run.hpp"
@@ -20,10 +20,9 @@ enum class Fidelity { rigid, ked, modal };
 BodyDescription body_of(const superelement::Superelement& se, const BasisOptions& options,
                         Fidelity fidelity) {
   BodyDescription body{.name = "beam"};
-  if (fidelity != Fidelity::modal) body.inertia = rigid_inertia(se);
-  if (fidelity == Fidelity::rigid) return body;
-  auto deforms = std::make_shared<FlexibleBody>(modal_data(se, options));
-  (fidelity == Fidelity::ked ? body.ked : body.flexible) = deforms;
+  if (fidelity == Fidelity::rigid) body.inertia = rigid_inertia(se);
+  if (fidelity == Fidelity::ked) body.flexible = std::make_shared<OneWayBody>(modal_data(se, options));
+  if (fidelity == Fidelity::modal) body.flexible = std::make_shared<ModalBody>(modal_data(se, options));
   return body;
 }
 
@@ -31,10 +30,8 @@ BodyDescription body_of(const superelement::Superelement& se, const BasisOptions
 int interface_marker(MechanismDescription& d, int body, const superelement::Superelement& se, int interface,
                      Fidelity fidelity) {
   const superelement::Interface& i = se.interfaces[interface];
-  if (fidelity == Fidelity::modal) return d.add_marker(body, i.name, {}, interface);
-  const int marker = d.add_marker(body, i.name, {Matrix3d::Identity(), i.p_BoN_B});
-  if (fidelity == Fidelity::ked) d.markers[marker].ked_node = interface;
-  return marker;
+  if (fidelity != Fidelity::rigid) return d.add_marker(body, i.name, {}, interface);
+  return d.add_marker(body, i.name, {Matrix3d::Identity(), i.p_BoN_B});
 }
 
 TEST(OneWayDeformation, LeavesTheRigidMotionAlone) {

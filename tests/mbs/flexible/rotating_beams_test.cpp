@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "mbs/bodies/modal_basis.hpp"
+#include "mbs/bodies/modal_body.hpp"
 #include "mbs/mechanism/mechanism.hpp"
 #include "mbs/solver/linear/linearise.hpp"
 #include "mbs/solver/position/assemble.hpp"
@@ -28,7 +28,7 @@ MechanismDescription on_driven_shaft(const superelement::Superelement& se, const
                                      const std::map<std::string, double>& parameters) {
   MechanismDescription d;
   const int beam =
-      d.add_body({.name = "beam", .flexible = std::make_shared<FlexibleBody>(modal_data(se, options))});
+      d.add_body({.name = "beam", .flexible = std::make_shared<ModalBody>(modal_data(se, options))});
   const int hub = d.add_joint("hub", "revolute", d.add_marker(0, "shaft"), d.add_marker(beam, "root", {}, 0));
   d.joints[hub].drives[0] = std::make_shared<Expression>("hub.drive", angle, SignalNames(), parameters);
   return d;
@@ -39,7 +39,7 @@ Vector3d tip_displacement(const Mechanism& mechanism, const State& s) {
   const FlexibleBody& body = *mechanism.description().bodies[1].flexible;
   const double* modal = s.p.data() + mechanism.modal_position(1);
   const Pose root = body.node_pose(0, modal), tip = body.node_pose(1, modal);
-  return (root.inverse() * tip).p - (body.data().nodes[1].p_BoN_B - body.data().nodes[0].p_BoN_B);
+  return (root.inverse() * tip).p - (body.nodes()[1].p_BoN_B - body.nodes()[0].p_BoN_B);
 }
 
 // ---- spin-up --------------------------------------------------------------------------------------------
@@ -155,7 +155,7 @@ Frequencies rotating_frequencies(const superelement::Superelement& se, const Bas
   Frequencies out;
   const FlexibleBody& body = *mechanism.description().bodies[1].flexible;
   for (const NaturalMode& mode : natural_modes(linearise(mechanism, s))) {
-    const Eigen::VectorXcd tip = body.data().nodes[1].Phi_t * mode.shape.tail(body.m());
+    const Eigen::VectorXcd tip = body.modal()->nodes[1].Phi_t * mode.shape.tail(body.m());
     const bool flaps = std::abs(tip(2)) > std::abs(tip(1));
     double& frequency = flaps ? out.flap : out.chord;
     if (frequency == 0.0 && tip.tail<2>().norm() > std::abs(tip(0))) frequency = 2 * pi * mode.frequency_hz;

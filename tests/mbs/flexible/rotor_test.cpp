@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "mbs/bodies/modal_basis.hpp"
+#include "mbs/bodies/modal_body.hpp"
 #include "mbs/mechanism/mechanism.hpp"
 #include "mbs/solver/linear/linearise.hpp"
 #include "mbs/solver/position/assemble.hpp"
@@ -38,7 +38,7 @@ Mechanism overhung_rotor(double Omega, double eccentricity = 0.0) {
   options.damping = 0.0;
   MechanismDescription d;
   const int beam =
-      d.add_body({.name = "shaft", .flexible = std::make_shared<FlexibleBody>(modal_data(se, options))});
+      d.add_body({.name = "shaft", .flexible = std::make_shared<ModalBody>(modal_data(se, options))});
   const Pose along_x{frame_along(Vector3d::UnitX()), Vector3d::Zero()};
   const int spindle = d.add_joint("spindle", "revolute", d.add_marker(0, "bearing", along_x),
                                   d.add_marker(beam, "root", along_x, 0));

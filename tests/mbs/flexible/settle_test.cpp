@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "mbs/bodies/modal_basis.hpp"
+#include "mbs/bodies/modal_body.hpp"
 #include "mbs/mechanism/mechanism.hpp"
 #include "mbs/solver/run/run.hpp"
 #include "tests/mbs/flexible/beam_superelement.hpp"
@@ -55,7 +55,7 @@ TEST(Settle, CantileverUnderItsWeightHangsStill) {
   MechanismDescription d;
   d.gravity = {0.0, -0.1, 0.0};
   const int body =
-      d.add_body({.name = "beam", .flexible = std::make_shared<FlexibleBody>(modal_data(se, clamped(se)))});
+      d.add_body({.name = "beam", .flexible = std::make_shared<ModalBody>(modal_data(se, clamped(se)))});
   d.add_joint("clamp", "fixed", d.add_marker(0, "wall"), d.add_marker(body, "root", {}, 0));
   const Mechanism m(d);
   State s = m.initial_state();
@@ -78,7 +78,7 @@ TEST(Settle, SwingingBeamStartsAlongItsMotion) {
   MechanismDescription d;
   d.gravity = {0.0, -0.1, 0.0};
   const int body =
-      d.add_body({.name = "beam", .flexible = std::make_shared<FlexibleBody>(modal_data(se, options))});
+      d.add_body({.name = "beam", .flexible = std::make_shared<ModalBody>(modal_data(se, options))});
   const int hinge =
       d.add_joint("hinge", "revolute", d.add_marker(0, "wall"), d.add_marker(body, "root", {}, 0));
   d.joints[hinge].initial_speeds[0] = 0.3;
@@ -112,7 +112,7 @@ TEST(Settle, FastTurningBeamStretches) {
   options.stiffening = true;
   MechanismDescription d;
   const int body =
-      d.add_body({.name = "beam", .flexible = std::make_shared<FlexibleBody>(modal_data(se, options))});
+      d.add_body({.name = "beam", .flexible = std::make_shared<ModalBody>(modal_data(se, options))});
   const int hub = d.add_joint("hub", "revolute", d.add_marker(0, "shaft"), d.add_marker(body, "root", {}, 0));
   d.joints[hub].drives[0] =
       std::make_shared<Expression>("hub.drive", "8 * t", SignalNames(), std::map<std::string, double>());
@@ -138,7 +138,7 @@ TEST(Settle, BeamBetweenWallsHangsStill) {
   BasisOptions options;
   options.damping = 0.0;
   const int body =
-      d.add_body({.name = "beam", .flexible = std::make_shared<FlexibleBody>(modal_data(se, options))});
+      d.add_body({.name = "beam", .flexible = std::make_shared<ModalBody>(modal_data(se, options))});
   d.add_joint("left", "fixed", d.add_marker(0, "left"), d.add_marker(body, "root", {}, 0));
   d.add_joint("right", "fixed", d.add_marker(0, "right", {Matrix3d::Identity(), {1, 0, 0}}),
               d.add_marker(body, "tip", {}, 1));
@@ -170,7 +170,7 @@ TEST(Settle, PlanarLoopWithRowsOutOfItsPlane) {
   const int crank = d.add_body({.name = "crank", .inertia = rigid});
   const int slide = d.add_body({.name = "slide", .inertia = rigid});
   const int rod =
-      d.add_body({.name = "rod", .flexible = std::make_shared<FlexibleBody>(modal_data(se, options))});
+      d.add_body({.name = "rod", .flexible = std::make_shared<ModalBody>(modal_data(se, options))});
   const int main = d.add_joint("main", "revolute", d.add_marker(0, "shaft"), d.add_marker(crank, "shaft"));
   d.joints[main].initial_coordinates[0] = 1.0;
   d.joints[main].initial_speeds[0] = 0.3;

@@ -4,7 +4,7 @@
 #include <Eigen/Eigenvalues>
 #include <cmath>
 
-#include "mbs/bodies/modal_basis.hpp"
+#include "mbs/bodies/modal_body.hpp"
 #include "mbs/mechanism/mechanism.hpp"
 #include "mbs/solver/algebra/accelerations.hpp"
 #include "mbs/solver/position/assemble.hpp"
@@ -166,7 +166,7 @@ class SliderCrank {
       return inertia;
     };
     const int crank_body = d.add_body({.name = "crank", .inertia = body(0.36, 0.002727)});
-    const int rod_body = d.add_body({.name = "rod", .flexible = std::make_shared<FlexibleBody>(rod_.data)});
+    const int rod_body = d.add_body({.name = "rod", .flexible = std::make_shared<ModalBody>(rod_.data)});
     const int slider_body = d.add_body({.name = "slider", .inertia = body(0.075552, 1e-5)});
     const Matrix3d z_to_x = rotation_exp({0.0, 0.5 * M_PI, 0.0});
     d.add_joint("shaft", "revolute", d.add_marker(0, "shaft"), d.add_marker(crank_body, "shaft"));

@@ -1,5 +1,5 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-#include "mbs/bodies/modal_basis.hpp"
+#include "mbs/bodies/modal_body.hpp"
 #include "tests/mbs/model/checks.hpp"
 #include "tests/mbs/model/lattice.hpp"
 
@@ -37,7 +37,7 @@ std::shared_ptr<const FlexibleBody> body(const Lattice& l, Coupling coupling, bo
   options.modes = 8;
   options.loads = interface_loads(l.se, 1);
   if (!damped) options.damping = 0.0;
-  return std::make_shared<FlexibleBody>(
+  return std::make_shared<ModalBody>(
       modal_data(stiffened ? with_random_stiffening(l.se, 4) : l.se, options));
 }
 
@@ -87,22 +87,24 @@ TEST(GeometricStiffening, IsThatOfItsLoads) {
   const superelement::Superelement se = with_random_stiffening(l.se, 4);
   BasisOptions options;
   options.stiffening = true;
-  const FlexibleBody flexible(modal_data(se, options));
+  const ModalBody flexible(modal_data(se, options));
   const MatrixXd& Y = flexible.data().Y;
   const int m = flexible.m();
   Random random(2);
   const Spatial V{random.vector3(), {}}, A{random.vector3(), random.vector3()};
   const auto modal_force = [&](const VectorXd& s) {
-    FlexibleBody::Work work = flexible.make_work();
+    const auto scratch = flexible.make_scratch();
+    auto& work = *scratch;
     flexible.set_position(s.data(), work);
     VectorXd zero = VectorXd::Zero(m), out(m);
     flexible.inverse_dynamics(s.data(), zero.data(), zero.data(), V, A, work, out.data());
     return out;
   };
   BasisOptions linear;
-  const FlexibleBody without(modal_data(se, linear));
+  const ModalBody without(modal_data(se, linear));
   const auto modal_force_without = [&](const VectorXd& s) {
-    FlexibleBody::Work work = without.make_work();
+    const auto scratch = without.make_scratch();
+    auto& work = *scratch;
     without.set_position(s.data(), work);
     VectorXd zero = VectorXd::Zero(m), out(m);
     without.inverse_dynamics(s.data(), zero.data(), zero.data(), V, A, work, out.data());

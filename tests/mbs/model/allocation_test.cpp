@@ -1,6 +1,6 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 
-#include "mbs/bodies/modal_basis.hpp"
+#include "mbs/bodies/modal_body.hpp"
 #include "mbs/file/elements/element_types.hpp"
 #include "tests/mbs/allocations.hpp"
 #include "tests/mbs/model/checks.hpp"
@@ -26,7 +26,7 @@ TEST(Evaluation, AllocatesNothing) {
                 d.add_marker(body, "in"));
     previous = body;
   }
-  const int beam = d.add_body({.name = "beam", .flexible = std::make_shared<FlexibleBody>(modal_data(l.se))});
+  const int beam = d.add_body({.name = "beam", .flexible = std::make_shared<ModalBody>(modal_data(l.se))});
   const int joint = d.add_joint("hinge", "revolute", d.add_marker(previous, "hinge"),
                                 d.add_marker(beam, "left", random.pose(), 0));
   d.joints[joint].drives[0] = std::make_shared<Expression>("joint.hinge.drive", "sin(3*t)^2", d.signals,

@@ -1,7 +1,7 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include <Eigen/Eigenvalues>
 
-#include "mbs/bodies/modal_basis.hpp"
+#include "mbs/bodies/modal_body.hpp"
 #include "mbs/file/elements/element_types.hpp"
 #include "tests/mbs/model/checks.hpp"
 #include "tests/mbs/model/lattice.hpp"
@@ -21,7 +21,7 @@ BasisOptions options(int modes, double max_frequency = std::numeric_limits<doubl
 }
 
 std::shared_ptr<const FlexibleBody> flexible(const Lattice& l, int modes = 1000) {
-  return std::make_shared<FlexibleBody>(modal_data(l.se, options(modes)));
+  return std::make_shared<ModalBody>(modal_data(l.se, options(modes)));
 }
 
 TEST(Lattice, IsAValidSuperelement) {
@@ -72,14 +72,15 @@ TEST(ModalBasis, TruncatesByCountAndFrequency) {
 
 TEST(FlexibleBody, InverseDynamicsIsSumOverPointMasses) {
   const Lattice l = make_lattice(5);
-  const FlexibleBody body(modal_data(l.se));
+  const ModalBody body(modal_data(l.se));
   const MatrixXd Phi = l.T * body.data().Y;
   Random random(11);
   const int m = body.m();
   for (int trial = 0; trial < 3; ++trial) {
     const VectorXd s = random.vector(m, 0.3), s_dot = random.vector(m), s_ddot = random.vector(m, 5.0);
     const Spatial V{random.vector3(2.0), random.vector3(2.0)}, A{random.vector3(5.0), random.vector3(9.0)};
-    FlexibleBody::Work work = body.make_work();
+    const auto scratch = body.make_scratch();
+    auto& work = *scratch;
     body.set_position(s.data(), work);
     VectorXd modal(m);
     const Spatial need =
@@ -122,9 +123,9 @@ TEST(FlexibleTree, SatisfiesLagrangesEquations) {
   // Damping has no Lagrangian.
   for (BodyDescription& body : d.bodies) {
     if (!body.flexible) continue;
-    ModalData data = body.flexible->data();
+    ModalData data = *body.flexible->modal();
     data.damping.setZero();
-    body.flexible = std::make_shared<FlexibleBody>(std::move(data));
+    body.flexible = std::make_shared<ModalBody>(std::move(data));
   }
   const Mechanism mechanism(d);
   lagrange_equations_hold(mechanism, random_state(mechanism, 3, 0.3), 4);

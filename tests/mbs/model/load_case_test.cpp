@@ -39,7 +39,7 @@ class LoadCases : public MechanismFileTest {
     Eigen::Matrix3Xd rho = l_.x;
     if (const auto& flexible = m.description().bodies[b].flexible) {
       const Eigen::Map<const VectorXd> modal(m.modal_coordinates(b, s), flexible->m());
-      rho += (l_.T * (flexible->data().Y * modal)).reshaped(3, rho.cols());
+      rho += (l_.T * (flexible->modal()->Y * modal)).reshaped(3, rho.cols());
     }
     return (poses[b].R * rho).colwise() + poses[b].p;
   }
@@ -84,7 +84,7 @@ TEST_F(LoadCases, HaveThePowerOfTheirForces) {
 TEST_F(LoadCases, DeformOneWayBodies) {
   const Mechanism m(read(kBlown, {"body.beam.fidelity=ked"}).description),
       calm(read(kBlown, {"body.beam.fidelity=ked", "force.gale.factor=0"}).description);
-  const FlexibleBody& ked = *m.description().bodies[2].ked;
+  const FlexibleBody& ked = *m.description().bodies[2].flexible;
   const Sizes n = m.sizes();
   State s = random_state(m, 4, 0.3);
   const VectorXd v_dot = Random(5).vector(n.n_v);
@@ -96,7 +96,7 @@ TEST_F(LoadCases, DeformOneWayBodies) {
   };
   // The elbow holds the frame, where its reaction finds no displacement: the load alone is left.
   const VectorXd change = (rates(m) - rates(calm)).tail(ked.m());
-  const VectorXd own = 2.0 * ked.data().Y.transpose() * l_.T.transpose() * f_.reshaped();
+  const VectorXd own = 2.0 * ked.modal()->Y.transpose() * l_.T.transpose() * f_.reshaped();
   EXPECT_LT((change - own).norm(), 1e-11 * own.norm());
   EXPECT_GT(own.norm(), 0.1);
 }

@@ -85,7 +85,7 @@ TEST_F(MechanismFileTest, BodiesArePreparedForWhatActsOnThem) {
               HasSubstr("joint \"pivot\" on interface \"left\" gives the frame and the eigenmodes'"));
   EXPECT_THAT(held.notes[1], HasSubstr("and 11 response modes up to"));
   // Response modes above the eigenmodes follow their loads: critical damping, d = 2 omega.
-  const auto& data = held.description.bodies[1].flexible->data();
+  const ModalData& data = *held.description.bodies[1].flexible->modal();
   EXPECT_DOUBLE_EQ(data.damping(data.damping.size() - 1),
                    2.0 * std::sqrt(data.stiffness(data.stiffness.size() - 1)));
   EXPECT_LT(data.damping(0), std::sqrt(data.stiffness(0)));
@@ -225,7 +225,7 @@ TEST_F(MechanismFileTest, MarkersFollowSeveralNodes) {
   EXPECT_THAT(file.notes[1], HasSubstr("marker \"beam.around\" follows"));
   // Joints, forces and measures there: kinematics, powers and Lagrange's equations are those of the marker.
   all_identities_hold(Mechanism(file.description), 11);
-  const auto& nodes = file.description.bodies[1].flexible->data().nodes;
+  const auto& nodes = file.description.bodies[1].flexible->nodes();
   ASSERT_EQ(nodes.size(), 4u);
   EXPECT_EQ(nodes[2].name, "beam.middle");
   // The marker stands where it is told to, its node in the centre of those around.
@@ -233,7 +233,7 @@ TEST_F(MechanismFileTest, MarkersFollowSeveralNodes) {
     for (const MarkerDescription& m : d.markers)
       if (m.name == name)
         return m.node < 0 ? m.X_BP.p
-                          : Vector3d(d.bodies[m.body].flexible->data().nodes[m.node].p_BoN_B + m.X_BP.p);
+                          : Vector3d(d.bodies[m.body].flexible->nodes()[m.node].p_BoN_B + m.X_BP.p);
     return Vector3d(Vector3d::Zero());
   };
   EXPECT_LT((place(file.description, "beam.around") - Vector3d(0.45, 0.2, 0.15)).norm(), 1e-15);

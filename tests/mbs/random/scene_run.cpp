@@ -81,7 +81,7 @@ void RowReader::read_body(int b, const MarkerState& x, const State& s, const Eig
 // The program's coordinates are others than the scene's: u_se is what they have in common.
 Eigen::VectorXd RowReader::modal(int b, const double* values) const {
   const BodyDescription& body = m_.description().bodies[b];
-  const Eigen::MatrixXd& Y = body.flexible->data().Y;
+  const Eigen::MatrixXd& Y = body.flexible->modal()->Y;
   const SceneBody& of_scene = scene_.bodies[std::stoul(body.name.substr(1))];
   const Eigen::VectorXd u_se = Y * Eigen::Map<const Eigen::VectorXd>(values, Y.cols());
   return of_scene.part->modal(of_scene.part->from_units(u_se, how_.length, how_.mass)).head(of_scene.modes);

@@ -4,7 +4,7 @@
 #include <map>
 #include <set>
 
-#include "mbs/bodies/modal_basis.hpp"
+#include "mbs/bodies/modal_body.hpp"
 #include "mbs/file/elements/element_types.hpp"
 #include "tests/mbs/model/checks.hpp"
 #include "tests/mbs/model/lattice.hpp"
@@ -25,7 +25,7 @@ void make_flexible(MechanismDescription& d, const std::string& body, const std::
   static const auto flexible = [] {
     BasisOptions options;
     options.modes = 3;
-    return std::make_shared<FlexibleBody>(modal_data(lattice::make_lattice(4, 40.0).se, options));
+    return std::make_shared<ModalBody>(modal_data(lattice::make_lattice(4, 40.0).se, options));
   }();
   for (std::size_t b = 0; b < d.bodies.size(); ++b) {
     if (d.bodies[b].name != body) continue;

@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "mbs/bodies/ancf_part.hpp"
-#include "mbs/bodies/modal_basis.hpp"
+#include "mbs/bodies/modal_body.hpp"
 #include "mbs/superelement/file.hpp"
 #include "tests/mbs/model/checks.hpp"
 #include "tests/mbs/model/lattice.hpp"
@@ -34,7 +34,7 @@ TEST(FlexibleDerivatives, OfEveryLevelOfCoupling) {
   for (const Coupling coupling : {Coupling::constant, Coupling::partial, Coupling::full}) {
     SCOPED_TRACE(static_cast<int>(coupling));
     data.coupling = coupling;
-    derivatives_agree_on(std::make_shared<FlexibleBody>(data));
+    derivatives_agree_on(std::make_shared<ModalBody>(data));
   }
 }
 
@@ -47,7 +47,7 @@ TEST(FlexibleDerivatives, AtAnInterpolatedNode) {
                    interpolated_node(se, "b", {{1}, {16, 20, 23}, {1, 2, 3, 4}})};
   ModalData data = modal_data(se, options);
   data.nodes.erase(data.nodes.begin(), data.nodes.begin() + 2);  // the chain sits on the first two
-  derivatives_agree_on(std::make_shared<FlexibleBody>(data));
+  derivatives_agree_on(std::make_shared<ModalBody>(data));
 }
 
 using FlexibleDerivativesOfAFile = MechanismFileTest;
@@ -131,7 +131,7 @@ TEST(FlexibleDerivatives, OfAStiffenedBody) {
   };
   data.second = SecondOrderIntegrals{blocks(3), blocks(9)};
   for (FlexibleNode& node : data.nodes) node.second = blocks(6);
-  derivatives_agree_on(std::make_shared<FlexibleBody>(data));
+  derivatives_agree_on(std::make_shared<ModalBody>(data));
 }
 
 TEST(FlexibleDerivatives, OfAnAncfBeam) {

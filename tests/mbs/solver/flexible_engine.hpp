@@ -3,7 +3,7 @@
 
 #include <memory>
 
-#include "mbs/bodies/modal_basis.hpp"
+#include "mbs/bodies/modal_body.hpp"
 #include "mbs/mechanism/mechanism.hpp"
 #include "tests/mbs/model/lattice.hpp"
 
@@ -19,7 +19,7 @@ inline MechanismDescription flexible_engine(bool closed) {
   const int crank = d.add_body(
       {.name = "crank",
        .inertia = RigidInertia::from_center(1.0, {0.1 * length, 0, 0}, Matrix3d::Identity() * 0.1)});
-  const int rod = d.add_body({.name = "rod", .flexible = std::make_shared<FlexibleBody>(modal_data(l.se))});
+  const int rod = d.add_body({.name = "rod", .flexible = std::make_shared<ModalBody>(modal_data(l.se))});
   const int slider =
       d.add_body({.name = "slider",
                   .inertia = RigidInertia::from_center(1.0, Vector3d::Zero(), Matrix3d::Identity() * 0.1)});

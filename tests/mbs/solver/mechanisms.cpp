@@ -6,7 +6,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "mbs/bodies/modal_basis.hpp"
+#include "mbs/bodies/modal_body.hpp"
 #include "mbs/results/results.hpp"
 #include "mbs/solver/run/prepare.hpp"
 #include "mbs/solver/run/run.hpp"
@@ -247,7 +247,7 @@ TEST_F(MechanismRun, CommandsCountFreedomsAndLineariseAboutTheEquilibrium) {
 }
 
 std::shared_ptr<const FlexibleBody> flexible(const lattice::Lattice& l) {
-  return std::make_shared<FlexibleBody>(modal_data(l.se));
+  return std::make_shared<ModalBody>(modal_data(l.se));
 }
 
 // A body on a hinge at its left interface, swinging about z, gravity along -y.
@@ -319,7 +319,7 @@ std::pair<Eigen::Vector3d, Eigen::Vector3d> momenta(const Mechanism& m, const la
   m.body_poses(moved, *scratch, behind);
   const Eigen::Vector3d v_Bo = (there[1].p - behind[1].p) / (2 * dt);
   const Eigen::Matrix3d R_dot = (there[1].R - behind[1].R) / (2 * dt);
-  const Eigen::MatrixXd& Y = m.description().bodies[1].flexible->data().Y;
+  const Eigen::MatrixXd& Y = m.description().bodies[1].flexible->modal()->Y;
   const int at = m.modal_position(1);
   const Eigen::VectorXd u = l.T * (Y * s.p.segment(at, Y.cols()));
   const Eigen::VectorXd u_dot = l.T * (Y * p_dot.segment(at, Y.cols()));

@@ -176,7 +176,7 @@ TEST_F(Choosing, ACableComesOutAsAncfAndABarRigid) {
                                  HasSubstr("rope: ancf: rigid, its joints would load it with up to"),
                                  HasSubstr("EI 0.0098 N m^2"), HasSubstr("far beyond what modes describe"))));
   ASSERT_TRUE(cable.prepared.mechanism->description().bodies.back().flexible);
-  EXPECT_FALSE(cable.prepared.mechanism->description().bodies.back().flexible->is_modal());
+  EXPECT_FALSE(cable.prepared.mechanism->description().bodies.back().flexible->is_linear());
   EXPECT_EQ(cable.rows.size(), 11u);
   // 20 mm and 0.1 m: weight 2.4 N, 2.4 L^2 / (3 EI) = 5e-6 of its length.
   const ChosenRun bar = run(file, {"parameters.L=0.1", "parameters.d=0.02"});

@@ -4,61 +4,45 @@
 #include "mbs/base/math/differences.hpp"
 #include "mbs/mechanism/work.hpp"
 
-/// One-way deformation (kineto-elastodynamics): the mechanism moves with the body rigid, and the deformation
-/// answers to that motion,
-///
-///     s'' = -( D s' + K s + C_t^T (a - g) + C_r^T alpha + centrifugal and Coriolis terms - Phi^T F ),
-///
-/// F all loads on the body's interfaces, joint reactions of the rigid motion included.  It is right as long
-/// as the deformation does not change the motion, and its states lie behind those of the mechanism (p, v,
-/// lambda do not depend on them).
+/// Deformations that follow the motion without acting back on it (FlexibleBody::acts_back): the mechanism moves with the
+/// body rigid, and of what inverse_dynamics() asks for and of all loads on the body's nodes, joint reactions included,
+/// follows s''.  Their states (s, s') lie behind those of the elements (p, v, lambda do not depend on them).
 namespace flexura::mbs {
 
-void Mechanism::one_way_loads(int b, const Spatial& V, const Spatial& A, Work& work) const {
-  const FlexibleBody& body = *d_.bodies[b].ked;
-  Work::Body& at = work.bodies[b];
-  const double* s = work.kin.c + bodies_[b].i_c;
-  const double* s_dot = s + body.m();
-  body.set_position(s, at.flexible);
-  // Without modal accelerations: the modes are mass-normalised, so that what is needed is -s''.
-  at.no_acceleration.setZero(body.m());
-  body.inverse_dynamics(s, s_dot, at.no_acceleration.data(), V, A, at.flexible, at.one_way.data());
+void Mechanism::following_need(int b, const Spatial& V, const Spatial& A, Work& work) const {
+  const FlexibleBody& flexible = *d_.bodies[b].flexible;
+  const TreeBody& t = bodies_[b];
+  Work::Body& body = work.bodies[b];
+  const double* s = work.kin.c + t.i_c;
+  flexible.set_position(s, *body.flexible);
+  flexible.inverse_dynamics(s, s + t.n_need, body.no_acceleration.data(), V, A, *body.flexible,
+                            work.r.data() + t.i_need);
 }
 
-void Mechanism::load_one_way(int marker, const Spatial& wrench_W, double factor, Work& work) const {
-  const MarkerDescription& description = d_.markers[marker];
-  Work::Body& body = work.bodies[description.body];
-  const FlexibleNode& node = d_.bodies[description.body].ked->data().nodes[description.ked_node];
-  const Spatial in_B = body.X_WB.R.transpose() * wrench_W;
-  const Spatial at_node = shift_wrench(in_B, description.X_BP.p - node.p_BoN_B);
-  body.one_way.noalias() -= factor * (node.Phi_r.transpose() * at_node.angular);
-  body.one_way.noalias() -= factor * (node.Phi_t.transpose() * at_node.linear);
-}
-
-void Mechanism::one_way_rates(const Work& work, double* c_rate) const {
+void Mechanism::following_rates(const Work& work, double* c_rate) const {
   for (int b : order_) {
-    if (!d_.bodies[b].ked) continue;
-    const int m = d_.bodies[b].ked->m(), i = bodies_[b].i_c;
+    const TreeBody& t = bodies_[b];
+    if (t.i_c < 0) continue;
+    const int m = t.n_need, i = t.i_c;
     for (int k = 0; k < m; ++k) {
       c_rate[i + k] = work.kin.c[i + m + k];
-      c_rate[i + m + k] = -work.bodies[b].one_way(k);
+      c_rate[i + m + k] = -work.r(t.i_need + k);
     }
   }
 }
 
 // By the deformation itself, after body_forces().
-void Mechanism::one_way_tangents(Work& work, Eigen::MatrixXd& z_c) const {
+void Mechanism::following_tangents(Work& work, Eigen::MatrixXd& z_c) const {
   for (int b : order_) {
-    if (!d_.bodies[b].ked) continue;
-    const FlexibleBody& ked = *d_.bodies[b].ked;
-    const int m = ked.m(), i = bodies_[b].i_c;
+    if (bodies_[b].i_c < 0) continue;
+    const int m = bodies_[b].n_need, i = bodies_[b].i_c;
     Work::Body& body = work.bodies[b];
     DeformationTangents& d = work.tangent.deformations[b];
     const Matrix3d& R = body.X_WB.R;
     const double* s = work.kin.c + i;
-    ked.deformation_tangents(s, s + m, body.no_acceleration.data(), R.transpose() * body.V,
-                             R.transpose() * Spatial{body.A.angular, body.A.linear - d_.gravity},
-                             body.flexible, d);
+    d_.bodies[b].flexible->deformation_tangents(s, s + m, body.no_acceleration.data(), R.transpose() * body.V,
+                                                R.transpose() * Spatial{body.A.angular, body.A.linear - d_.gravity},
+                                                *body.flexible, d);
     z_c.block(n_v_ + i, i + m, m, m).setIdentity();
     z_c.block(n_v_ + i + m, i, m, m) = -d.modal_s;
     z_c.block(n_v_ + i + m, i + m, m, m) = -d.modal_v;
@@ -67,7 +51,7 @@ void Mechanism::one_way_tangents(Work& work, Eigen::MatrixXd& z_c) const {
 
 // By the motion and by the states of others: central differences, of which rigid bodies have few.  By
 // accelerations and reactions, which act linearly, unit steps are exact.
-void Mechanism::difference_one_way(const State& s, ConstVectorRef v_dot, Work& work,
+void Mechanism::difference_following(const State& s, ConstVectorRef v_dot, Work& work,
                                    TangentMatrices& out) const {
   const int first = first_force_state_.back(), n = n_dyn_ - first;
   if (n == 0) return;
@@ -121,20 +105,19 @@ void Mechanism::difference_one_way(const State& s, ConstVectorRef v_dot, Work& w
   }
 }
 
-void Mechanism::deform_one_way_markers(Work& work) const {
+void Mechanism::deform_following_markers(Work& work) const {
   for (std::size_t i = 0; i < d_.markers.size(); ++i) {
+    if (!on_node_[i] || is_carried_[i]) continue;
     const MarkerDescription& description = d_.markers[i];
-    if (description.ked_node < 0) continue;
     const Work::Body& body = work.bodies[description.body];
-    const FlexibleBody& ked = *d_.bodies[description.body].ked;
-    const FlexibleNode& node = ked.data().nodes[description.ked_node];
+    const FlexibleBody& flexible = *d_.bodies[description.body].flexible;
     const double* s = work.kin.c + bodies_[description.body].i_c;
-    const Eigen::Map<const Eigen::VectorXd> s_dot(s + ked.m(), ked.m());
-    const Pose X_BP =
-        ked.node_pose(description.ked_node, s) * Pose{description.X_BP.R, description.X_BP.p - node.p_BoN_B};
-    const Vector3d w_B = node.Phi_r * s_dot, v_B = node.Phi_t * s_dot + w_B.cross(X_BP.p - node.p_BoN_B);
+    NodeMotion motion = flexible.make_node_motion();
+    flexible.node_motion(description.node, s, s + flexible.m(), nullptr, motion);
+    const Vector3d from_node = motion.X_BN.R * description.X_BP.p;
+    const Vector3d w_B = motion.V.angular, v_B = motion.V.linear + w_B.cross(from_node);
     MarkerState& marker = work.kin.markers[i];
-    marker.X_WP = body.X_WB * X_BP;
+    marker.X_WP = body.X_WB * (motion.X_BN * description.X_BP);
     const Vector3d r = marker.X_WP.p - body.X_WB.p;
     marker.V.angular = body.V.angular + body.X_WB.R * w_B;
     marker.V.linear = body.V.linear + body.V.angular.cross(r) + body.X_WB.R * v_B;

@@ -1,13 +1,10 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-#include <cmath>
-
-#include "mbs/base/math/differences.hpp"
 #include "mbs/base/math/rotation.hpp"
-#include "mbs/bodies/own_tangents.hpp"
+#include "mbs/bodies/modal_body.hpp"
 
-/// Derivatives of what a flexible body needs and of how its nodes move, by its coordinates s and s'.
+/// Derivatives of what a modal body needs and of how its nodes move, by its coordinates s and s'.
 ///
-/// With Phi_l a mode and B_ab,l = int rho_a Phi_l,b (flexible_body.hpp), T_ba = T_ab^T and N_ab symmetric
+/// With Phi_l a mode and B_ab,l = int rho_a Phi_l,b (modal_body.hpp), T_ba = T_ab^T and N_ab symmetric
 /// give
 ///
 ///     d(int rho_a rho_b)/ds_l = B_ba,l + B_ab,l      dP_ab/ds_l = (T_ba s' + N_ab s')_l      dd/ds_l = C_t,l
@@ -18,32 +15,10 @@ using ConstMap = Eigen::Map<const Eigen::VectorXd>;
 
 }  // namespace
 
-DeformationTangents FlexibleBody::make_deformation_tangents() const {
-  DeformationTangents out;
-  for (auto* x : {&out.need_s, &out.need_v, &out.motion_s, &out.acceleration_s, &out.acceleration_v})
-    x->setZero(6, m_);
-  for (auto* x : {&out.modal_s, &out.modal_v, &out.map_s}) x->setZero(m_, m_);
-  out.moved_s.setZero(m_);
-  out.moved_v.setZero(m_);
-  out.modal.setZero(m_);
-  out.work = make_work();
-  out.node = make_node_motion();
-  out.T_v.setZero(9 * m_);
-  out.turn.setZero(3 * m_);
-  return out;
-}
-
-void FlexibleBody::deformation_tangents(const double* s_values, const double* s_dot_values,
-                                        const double* s_ddot_values, const Spatial& V, const Spatial& A,
-                                        Work& work, DeformationTangents& out) const {
-  if (const auto* own = dynamic_cast<const OwnTangents*>(this)) {
-    own->own_deformation_tangents(s_values, s_dot_values, s_ddot_values, V, A, work, out);
-    return;
-  }
-  if (!is_modal()) {
-    difference_deformation(s_values, s_dot_values, s_ddot_values, V, A, out);
-    return;
-  }
+void ModalBody::deformation_tangents(const double*, const double* s_dot_values, const double* s_ddot_values,
+                                     const Spatial& V, const Spatial& A, Scratch& scratch,
+                                     DeformationTangents& out) const {
+  const Work& work = static_cast<const Work&>(scratch);
   const ConstMap s_dot(s_dot_values, m_), s_ddot(s_ddot_values, m_);
   const Vector3d &w = V.angular, &alpha = A.angular, &a = A.linear;
   const bool full = data_.coupling == Coupling::full, varies = data_.coupling != Coupling::constant;
@@ -117,39 +92,8 @@ void FlexibleBody::deformation_tangents(const double* s_values, const double* s_
   }
 }
 
-void FlexibleBody::difference_deformation(const double* s, const double* s_dot, const double* s_ddot,
-                                          const Spatial& V, const Spatial& A,
-                                          DeformationTangents& out) const {
-  out.moved_s = ConstMap(s, m_);
-  out.moved_v = ConstMap(s_dot, m_);
-  const auto along = [&](Eigen::VectorXd& x, int l, DeformationTangents::Columns& need,
-                         Eigen::MatrixXd& modal) {
-    const double x_l = x(l);
-    need.col(l).setZero();
-    modal.col(l).setZero();
-    for (const double sign : {1.0, -1.0}) {
-      x(l) = x_l + sign * kCentralStep;
-      set_position(out.moved_s.data(), out.work);
-      const Spatial f =
-          inverse_dynamics(out.moved_s.data(), out.moved_v.data(), s_ddot, V, A, out.work, out.modal.data());
-      need.col(l) += sign / (2.0 * kCentralStep) * f.vector();
-      modal.col(l) += sign / (2.0 * kCentralStep) * out.modal;
-    }
-    x(l) = x_l;
-  };
-  for (int l = 0; l < m_; ++l) {
-    along(out.moved_s, l, out.need_s, out.modal_s);
-    along(out.moved_v, l, out.need_v, out.modal_v);
-  }
-}
-
-void FlexibleBody::node_tangents(int index, const double* s_values, const double* s_dot_values,
-                                 const double* s_ddot_values, const Vector6d& wrench,
-                                 DeformationTangents& out) const {
-  if (!is_modal()) {
-    difference_node(index, s_values, s_dot_values, s_ddot_values, wrench, out);
-    return;
-  }
+void ModalBody::node_tangents(int index, const double* s_values, const double* s_dot_values,
+                              const double* s_ddot_values, const Vector6d& wrench, DeformationTangents& out) const {
   // u' = map_t s', theta' = theta_map s', w = J theta'; theta and u are quadratic in s at most.
   const FlexibleNode& node = data_.nodes[index];
   const ConstMap s(s_values, m_), s_dot(s_dot_values, m_), s_ddot(s_ddot_values, m_);
@@ -200,31 +144,6 @@ void FlexibleBody::node_tangents(int index, const double* s_values, const double
         for (int k = 0; k < 3; ++k)
           sum += node.second(k * m_ + i, l) * f(k) + node.second((3 + k) * m_ + i, l) * J_torque(k);
       out.map_s(i, l) = sum;
-    }
-  }
-}
-
-void FlexibleBody::difference_node(int index, const double* s, const double* s_dot, const double* s_ddot,
-                                   const Vector6d& wrench, DeformationTangents& out) const {
-  out.moved_s = ConstMap(s, m_);
-  out.moved_v = ConstMap(s_dot, m_);
-  for (auto* x : {&out.motion_s, &out.acceleration_s, &out.acceleration_v}) x->setZero();
-  out.map_s.setZero();
-  const auto* own = dynamic_cast<const OwnTangents*>(this);
-  const auto [first, end] = own ? own->coordinates_of(index) : std::pair(0, m_);
-  for (int l = first; l < end; ++l) {
-    for (const double sign : {1.0, -1.0}) {
-      const double factor = sign / (2.0 * kCentralStep);
-      out.moved_s(l) = s[l] + sign * kCentralStep;
-      node_motion(index, out.moved_s.data(), s_dot, s_ddot, out.node);
-      out.motion_s.col(l) += factor * out.node.V.vector();
-      out.acceleration_s.col(l) += factor * out.node.A.vector();
-      out.map_s.col(l).noalias() += factor * out.node.map.transpose() * wrench;
-      out.moved_s(l) = s[l];
-      out.moved_v(l) = s_dot[l] + sign * kCentralStep;
-      node_motion(index, s, out.moved_v.data(), s_ddot, out.node);
-      out.acceleration_v.col(l) += factor * out.node.A.vector();
-      out.moved_v(l) = s_dot[l];
     }
   }
 }
