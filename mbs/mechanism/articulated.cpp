@@ -1,7 +1,7 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include <cmath>
 
-#include "mbs/mechanism/work.hpp"
+#include "mbs/mechanism/mass_matrix.hpp"
 
 /// M^-1 in O(n) by articulated bodies (Featherstone, Rigid Body Dynamics Algorithms, ch. 7), extended to
 /// modal coordinates.  With V_b the twist of body b about Bo in W, x_b its own velocity coordinates (of its
@@ -56,16 +56,14 @@ void solve_upper(const RowMajor& L, Vector&& x) {
 
 }  // namespace
 
-bool Mechanism::factor_mass(ConstVectorRef p, Scratch& scratch) const {
-  Work& work = work_of(scratch);
-  forward(Level::position, 0.0, p.data(), nullptr, nullptr, work);
-  own_inertia(work);
-  for (auto it = order_.rbegin(); it != order_.rend(); ++it) {
+bool MassMatrix::factor(const Motion& motion, Inertias& inertias) const {
+  for (auto it = tree_.order.rbegin(); it != tree_.order.rend(); ++it) {
     const int b = *it;
-    const TreeBody& t = bodies_[b];
-    Work::Body& body = work.bodies[b];
-    Work::Articulated& a = work.articulated[b];
-    a.K = work.K[b];
+    const TreeBody& t = tree_.bodies[b];
+    const Motion::Body& moves = motion.bodies[b];
+    Inertias::Body& body = inertias.bodies[b];
+    Inertias::Articulated& a = inertias.articulated[b];
+    a.K = inertias.K[b];
     a.U.noalias() = body.I_c * a.K;
     a.U.rightCols(t.m) += body.C_c;
     a.L.noalias() = a.K.transpose() * a.U;
@@ -76,57 +74,57 @@ bool Mechanism::factor_mass(ConstVectorRef p, Scratch& scratch) const {
     for (int i = 0; i < 6; ++i) solve_lower(a.L, a.U.row(i));
     if (t.parent == 0) continue;
     body.I_c.noalias() -= a.U * a.U.transpose();
-    Work::Body& parent = work.bodies[t.parent];
-    const Vector3d& p_in = work.kin.markers[t.marker_in].X_WP.p;
-    a.r = body.X_WB.p - parent.X_WB.p;
+    const Pose& X_W_parent = motion.bodies[t.parent].X_WB;
+    Inertias::Body& parent = inertias.bodies[t.parent];
+    const Vector3d& p_in = motion.kin.markers[t.marker_in].X_WP.p;
+    a.r = moves.X_WB.p - X_W_parent.p;
     const Matrix6d X = transport_twist(a.r), IX = body.I_c * X;
     parent.I_c.noalias() += X.transpose() * IX;
-    if (!is_carried_[t.marker_in]) continue;  // N stays zero
-    const auto& map = work.local[t.marker_in].motion.map;
-    a.N.topRows<3>().noalias() = parent.X_WB.R * map.topRows<3>();
-    a.N.bottomRows<3>().noalias() = parent.X_WB.R * map.bottomRows<3>();
-    a.N.bottomRows<3>().noalias() -= skew(body.X_WB.p - p_in) * a.N.topRows<3>();
+    if (!tree_.is_carried[t.marker_in]) continue;  // N stays zero
+    const auto& map = motion.local[t.marker_in].node.map;
+    a.N.topRows<3>().noalias() = X_W_parent.R * map.topRows<3>();
+    a.N.bottomRows<3>().noalias() = X_W_parent.R * map.bottomRows<3>();
+    a.N.bottomRows<3>().noalias() -= skew(moves.X_WB.p - p_in) * a.N.topRows<3>();
     parent.C_c.noalias() += IX.transpose() * a.N;
-    auto IN = work.H.leftCols(a.N.cols());
+    auto IN = inertias.H.leftCols(a.N.cols());
     IN.noalias() = body.I_c * a.N;
     parent.M_c.noalias() += a.N.transpose() * IN;
   }
   return true;
 }
 
-void Mechanism::solve_mass(Scratch& scratch, VectorRef x) const {
-  Work& work = work_of(scratch);
-  for (int b : order_) {
-    work.articulated[b].p.setZero();
-    work.articulated[b].q.setZero();
+void MassMatrix::solve(Inertias& inertias, VectorRef x) const {
+  for (int b : tree_.order) {
+    inertias.articulated[b].p.setZero();
+    inertias.articulated[b].q.setZero();
   }
-  for (auto it = order_.rbegin(); it != order_.rend(); ++it) {
-    const TreeBody& t = bodies_[*it];
-    Work::Articulated& a = work.articulated[*it];
-    auto u = x.segment(places_[t.joint].i_v, a.K.cols());
+  for (auto it = tree_.order.rbegin(); it != tree_.order.rend(); ++it) {
+    const TreeBody& t = tree_.bodies[*it];
+    Inertias::Articulated& a = inertias.articulated[*it];
+    auto u = x.segment(tree_.places[t.joint].i_v, a.K.cols());
     u.noalias() -= a.K.transpose() * a.p;
     u.tail(t.m) -= a.q;
     solve_lower(a.L, u);
     if (t.parent == 0) continue;
     a.p.noalias() += a.U * u;
-    Work::Articulated& parent = work.articulated[t.parent];
+    Inertias::Articulated& parent = inertias.articulated[t.parent];
     const Vector3d f = a.p.tail<3>();
     parent.p.head<3>() += a.p.head<3>() + a.r.cross(f);
     parent.p.tail<3>() += f;
     if (a.N.cols() > 0) parent.q.noalias() += a.N.transpose() * a.p;
   }
-  for (int b : order_) {
-    const TreeBody& t = bodies_[b];
-    Work::Articulated& a = work.articulated[b];
+  for (int b : tree_.order) {
+    const TreeBody& t = tree_.bodies[b];
+    Inertias::Articulated& a = inertias.articulated[b];
     a.V.setZero();
     if (t.parent != 0) {
-      const Work::Articulated& parent = work.articulated[t.parent];
+      const Inertias::Articulated& parent = inertias.articulated[t.parent];
       const Vector3d w = parent.V.head<3>();
       a.V = parent.V;
       a.V.tail<3>() += w.cross(a.r);
-      if (a.N.cols() > 0) a.V.noalias() += a.N * x.segment(bodies_[t.parent].i_v, bodies_[t.parent].m);
+      if (a.N.cols() > 0) a.V.noalias() += a.N * x.segment(tree_.bodies[t.parent].i_v, tree_.bodies[t.parent].m);
     }
-    auto u = x.segment(places_[t.joint].i_v, a.K.cols());
+    auto u = x.segment(tree_.places[t.joint].i_v, a.K.cols());
     u.noalias() -= a.U.transpose() * a.V;
     solve_upper(a.L, u);
     a.V.noalias() += a.K * u;

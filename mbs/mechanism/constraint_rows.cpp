@@ -1,19 +1,19 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mbs/mechanism/constraint_rows.hpp"
+
 #include <algorithm>
 #include <limits>
 
-#include "mbs/mechanism/work.hpp"
-
-/// What is asked of single constraint rows: names, sizes, and those that were left out.
 namespace flexura::mbs {
+namespace {
 
 /// Takes up the largest that a row applies, a force by the length along which its marker may move.
-class Mechanism::RowLoads final : public Loads {
+class RowLoads final : public Loads {
  public:
-  RowLoads(const Mechanism& mechanism, const Work& work, double length)
-      : mechanism_(mechanism), work_(work), length_(length) {
-    for (std::size_t i = 0; i < mechanism_.d_.markers.size(); ++i)
-      farthest_ = std::max({farthest_, work.kin.markers[i].X_WP.p.norm(), work.local[i].X_BP.p.norm()});
+  RowLoads(const Topology& tree, const Motion& motion, double length)
+      : tree_(tree), motion_(motion), length_(length) {
+    for (std::size_t i = 0; i < tree_.d.markers.size(); ++i)
+      farthest_ = std::max({farthest_, motion.kin.markers[i].X_WP.p.norm(), motion.local[i].X_BP.p.norm()});
   }
   using Loads::apply;
   void apply(int /*marker*/, const Spatial& wrench_W) override {
@@ -21,12 +21,12 @@ class Mechanism::RowLoads final : public Loads {
     add(force, torque, force * length_ + torque, force * farthest_ + torque);
   }
   void apply(CoordinateRef c, double force) override {
-    const JointPlace& place = mechanism_.places_[c.joint];
+    const JointPlace& place = tree_.places[c.joint];
     const bool is_angle = place.joint->speeds()[c.index].dimension == input::dim::angular_velocity;
     const double f = std::abs(force);
     // A coordinate's own value, where it turns on and on.
     const double value = place.in_tree() && place.joint->n_p() == place.joint->n_v()
-                             ? std::abs(work_.kin.p[place.i_p + c.index])
+                             ? std::abs(motion_.kin.p[place.i_p + c.index])
                              : 0.0;
     const double reach = is_angle ? 1.0 : length_;
     add(is_angle ? 0.0 : f, is_angle ? f : 0.0, f * reach,
@@ -49,78 +49,184 @@ class Mechanism::RowLoads final : public Loads {
     numbers_ = std::max(numbers_, numbers);
   }
 
-  const Mechanism& mechanism_;
-  const Work& work_;
+  const Topology& tree_;
+  const Motion& motion_;
   double length_, farthest_ = 0.0;
   double force_ = 0.0, torque_ = 0.0, size_ = 0.0, numbers_ = 0.0;
 };
 
-std::size_t Mechanism::constraint_of_row(int row) const {
-  std::size_t k = 0;
-  while (first_row_[k + 1] <= row) ++k;
-  return k;
-}
+}  // namespace
 
-std::string Mechanism::name_of_row(int row) const {
-  const std::size_t k = constraint_of_row(row);
-  const std::string name = constraints_[k]->name() + "." + constraints_[k]->row_name(row - first_row_[k]);
-  const auto* const drive = dynamic_cast<const DriveConstraint*>(constraints_[k].get());
-  if (!drive) return name;
-  // Of several driven coordinates of a joint it says which, as the drives' forces do.
-  const JointDescription& joint = d_.joints[drive->coordinate().joint];
-  if (joint.drives.size() + joint.speed_drives.size() + joint.acceleration_drives.size() < 2) return name;
-  return name + "_" + joint.joint->coordinates()[drive->coordinate().index].name;
-}
-
-std::vector<std::string> Mechanism::names_of_left_out(int i) const {
-  std::vector<std::string> names{name_of_row(left_out_[i])};
-  for (const int row : follows_from_[i]) names.push_back(name_of_row(row));
-  return names;
-}
-
-/// The box around all markers and centres of mass, after forward(): corner to corner, at least a micrometre.
-double Mechanism::extent(const Work& work) const {
-  const double none = std::numeric_limits<double>::infinity();
-  Vector3d low = Vector3d::Constant(none), high = -low;
-  const auto take = [&](const Vector3d& p) {
-    low = low.cwiseMin(p);
-    high = high.cwiseMax(p);
-  };
-  for (std::size_t i = 0; i < d_.markers.size(); ++i) take(work.kin.markers[i].X_WP.p);
-  for (const int b : order_)
-    if (const RigidInertia& I = d_.bodies[b].inertia; I.mass > 0.0)
-      take(work.bodies[b].X_WB * Vector3d(I.mass_center / I.mass));
-  return d_.markers.empty() ? 1e-6 : std::max(1e-6, (high - low).norm());
-}
-
-/// What a coordinate changes by in a motion about as large as the mechanism: 1 rad, its extent, a mode's
-/// amplitude of that size.
-Eigen::VectorXd Mechanism::kinematic_scale(double extent) const {
-  Eigen::VectorXd scale(n_v_);
-  for (int i = 0; i < n_v_; ++i) scale(i) = extent * velocity_scale(i);
-  for (const int b : order_) {
-    const JointPlace& place = places_[bodies_[b].joint];
-    const std::vector<CoordinateInfo> speeds = place.joint->speeds();
-    for (int i = 0; i < place.joint->n_v(); ++i)
-      if (speeds[i].dimension == input::dim::angular_velocity) scale(place.i_v + i) = 1.0;
+ConstraintRows::ConstraintRows(const Topology& tree) : tree_(tree), closures_(tree.d.joints.size()) {
+  for (std::size_t j = 0; j < tree_.d.joints.size(); ++j) {
+    const JointDescription& joint = tree_.d.joints[j];
+    if (!tree_.places[j].in_tree() && joint.joint->n_rows() > 0) {
+      const auto closure =
+          std::make_shared<RelativeConstraint>(joint.name, joint.marker_F, joint.marker_M, joint.joint);
+      closures_[j] = {closure.get(), constraints_.size()};
+      constraints_.push_back(closure);
+    }
+    const auto drive = [&](int index, const std::shared_ptr<const Expression>& motion, DriveLevel level,
+                           double start_speed = 0.0) {
+      const CoordinateRef c{static_cast<int>(j), index};
+      driven_.resize(constraints_.size() + 1);
+      driven_.back() = c;
+      constraints_.push_back(std::make_shared<DriveConstraint>(joint.name, c, motion, level, start_speed));
+    };
+    for (const auto& [index, motion] : joint.drives) drive(index, motion, DriveLevel::position);
+    for (const auto& [index, motion] : joint.speed_drives) drive(index, motion, DriveLevel::speed);
+    for (const auto& [index, motion] : joint.acceleration_drives) {
+      const auto given = joint.initial_speeds.find(index);
+      drive(index, motion, DriveLevel::acceleration, given == joint.initial_speeds.end() ? 0.0 : given->second);
+    }
   }
-  return scale;
+  constraints_.insert(constraints_.end(), tree_.d.constraints.begin(), tree_.d.constraints.end());
+  driven_.resize(constraints_.size());
+  int row = 0;
+  for (const auto& constraint : constraints_) {
+    if (constraint->has_contact()) contacts_.push_back(static_cast<int>(first_row_.size()));
+    first_row_.push_back(row);
+    row += constraint->n_rows();
+  }
+  first_row_.push_back(row);
+  for (int i = 0; i < row; ++i) kept_rows_.push_back(i);
 }
 
-ConstraintSizes Mechanism::sizes_of_rows(const std::vector<int>& rows, double t, ConstVectorRef p,
-                                         Work& work) const {
-  forward(Level::position, t, p.data(), nullptr, nullptr, work);
-  const auto n = static_cast<Eigen::Index>(rows.size());
-  ConstraintSizes out{Eigen::VectorXd(n), Eigen::VectorXd(n), std::vector<bool>(rows.size())};
-  RowLoads loads(*this, work, extent(work));
-  work.rows_x.setZero();
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    const std::size_t k = constraint_of_row(rows[i]);
-    own_contact(k, work);
+void ConstraintRows::size(RowValues& rows) const {
+  rows.x.setZero(n_all());
+  rows.g.setZero(n_all());
+  rows.contacts.assign(constraints_.size(), std::numeric_limits<double>::quiet_NaN());
+}
+
+void ConstraintRows::keep_all() {
+  kept_rows_.resize(n_all());
+  for (int i = 0; i < n_all(); ++i) kept_rows_[i] = i;
+  left_out_.clear();
+  follows_from_.clear();
+}
+
+void ConstraintRows::list_kinds(Motion& motion, RowValues& rows, std::vector<bool>& of_positions,
+                                std::vector<bool>& lasts) const {
+  of_positions.assign(static_cast<std::size_t>(n_all()), false);
+  lasts = of_positions;
+  for (std::size_t k = 0; k < constraints_.size(); ++k) {
+    const Constraint& constraint = *constraints_[k];
+    own_contact(k, motion, rows);
+    constraint.rate(motion.kin, rows.g.data() + first_row_[k]);
+    for (int i = 0; i < constraint.n_rows(); ++i) {
+      const auto row = static_cast<std::size_t>(first_row_[k] + i);
+      of_positions[row] = constraint.is_holonomic(i);
+      lasts[row] = of_positions[row] && !constraint.reads_time(i) && rows.g(first_row_[k] + i) == 0.0;
+    }
+  }
+}
+
+void ConstraintRows::leave_out(std::vector<int> kept, std::vector<int> left_out,
+                               std::vector<std::vector<int>> follows_from) {
+  kept_rows_ = std::move(kept);
+  left_out_ = std::move(left_out);
+  follows_from_ = std::move(follows_from);
+}
+
+void ConstraintRows::own_contact(std::size_t constraint, Motion& motion, RowValues& rows) const {
+  motion.kin.own.contact = &rows.contacts[constraint];
+}
+
+void ConstraintRows::take_contacts(const Eigen::VectorXd& algebraic, int n_before, RowValues& rows) const {
+  for (std::size_t k = 0; k < contacts_.size(); ++k)
+    rows.contacts[contacts_[k]] = algebraic(n_before + static_cast<Eigen::Index>(k));
+}
+
+void ConstraintRows::contact_equations(const Eigen::VectorXd& algebraic, int n_before, const Motion& motion,
+                                       VectorRef b) const {
+  for (std::size_t k = 0; k < contacts_.size(); ++k) {
+    const auto i = static_cast<Eigen::Index>(n_before + k);
+    b(i) = constraints_[contacts_[k]]->contact_residual(motion.kin, algebraic(i));
+  }
+}
+
+void ConstraintRows::start_contacts(const Motion& motion, int n_before, State& s) const {
+  for (std::size_t k = 0; k < contacts_.size(); ++k)
+    s.a(static_cast<Eigen::Index>(n_before + k)) = constraints_[contacts_[k]]->start_contact(motion.kin);
+}
+
+template <class Evaluate>
+void ConstraintRows::evaluate(const Evaluate& one, Motion& motion, RowValues& rows, VectorRef out) const {
+  for (std::size_t k = 0; k < constraints_.size(); ++k) {
+    own_contact(k, motion, rows);
+    one(*constraints_[k], rows.g.data() + first_row_[k]);
+  }
+  for (std::size_t i = 0; i < kept_rows_.size(); ++i) out(i) = rows.g(kept_rows_[i]);
+}
+
+void ConstraintRows::position(Motion& motion, RowValues& rows, VectorRef g) const {
+  evaluate([&](const Constraint& c, double* out) { c.position(motion.kin, out); }, motion, rows, g);
+}
+
+void ConstraintRows::velocity(Motion& motion, RowValues& rows, VectorRef g_dot) const {
+  evaluate([&](const Constraint& c, double* out) { c.velocity(motion.kin, out); }, motion, rows, g_dot);
+}
+
+void ConstraintRows::acceleration(Motion& motion, RowValues& rows, VectorRef g_ddot) const {
+  evaluate([&](const Constraint& c, double* out) { c.acceleration(motion.kin, out); }, motion, rows, g_ddot);
+}
+
+double ConstraintRows::power(const double* lambda, const Motion& motion, RowValues& rows) const {
+  for (std::size_t k = 0; k < constraints_.size(); ++k)
+    constraints_[k]->rate(motion.kin, rows.g.data() + first_row_[k]);
+  double power = 0.0;
+  for (std::size_t i = 0; i < kept_rows_.size(); ++i) power += lambda[i] * rows.g(kept_rows_[i]);
+  return power;
+}
+
+void ConstraintRows::add_constraint_loads(const double* lambda, Which which, Motion& motion, RowValues& rows, Loads& loads) const {
+  if (kept_rows_.empty()) return;
+  rows.x.setZero();
+  for (std::size_t i = 0; i < kept_rows_.size(); ++i) rows.x(kept_rows_[i]) = lambda[i];
+  for (std::size_t k = 0; k < constraints_.size(); ++k) {
+    if (which != Which::all && constraints_[k]->has_derivatives() != (which == Which::with_derivatives))
+      continue;
+    own_contact(k, motion, rows);
+    constraints_[k]->apply_GT(motion.kin, rows.x.data() + first_row_[k], loads);
+  }
+}
+
+void ConstraintRows::apply_all(Motion& motion, RowValues& rows, Loads& loads) const {
+  for (std::size_t k = 0; k < constraints_.size(); ++k) {
+    own_contact(k, motion, rows);
+    constraints_[k]->apply_GT(motion.kin, rows.x.data() + first_row_[k], loads);
+  }
+}
+
+void ConstraintRows::left_out_constraints(bool to_acceleration, Motion& motion, RowValues& rows, VectorRef g,
+                                          VectorRef g_dot, VectorRef g_ddot) const {
+  const auto evaluate = [&](auto&& level, VectorRef out) {
+    std::size_t i = 0;
+    for (std::size_t k = 0; k < constraints_.size() && i < left_out_.size(); ++k) {
+      if (left_out_[i] >= first_row_[k + 1]) continue;
+      own_contact(k, motion, rows);
+      level(*constraints_[k], rows.g.data() + first_row_[k]);
+      for (; i < left_out_.size() && left_out_[i] < first_row_[k + 1]; ++i)
+        out(static_cast<Eigen::Index>(i)) = rows.g(left_out_[i]);
+    }
+  };
+  evaluate([&](const Constraint& c, double* out) { c.position(motion.kin, out); }, g);
+  evaluate([&](const Constraint& c, double* out) { c.velocity(motion.kin, out); }, g_dot);
+  if (to_acceleration) evaluate([&](const Constraint& c, double* out) { c.acceleration(motion.kin, out); }, g_ddot);
+}
+
+ConstraintSizes ConstraintRows::sizes(const std::vector<int>& which, double length, Motion& motion, RowValues& rows) const {
+  const auto n = static_cast<Eigen::Index>(which.size());
+  ConstraintSizes out{Eigen::VectorXd(n), Eigen::VectorXd(n), std::vector<bool>(which.size())};
+  RowLoads loads(tree_, motion, length);
+  rows.x.setZero();
+  for (std::size_t i = 0; i < which.size(); ++i) {
+    const std::size_t k = constraint_of_row(which[i]);
+    own_contact(k, motion, rows);
     loads.clear();
-    work.rows_x(rows[i]) = 1.0;
-    constraints_[k]->apply_GT(work.kin, work.rows_x.data() + first_row_[k], loads);
-    work.rows_x(rows[i]) = 0.0;
+    rows.x(which[i]) = 1.0;
+    constraints_[k]->apply_GT(motion.kin, rows.x.data() + first_row_[k], loads);
+    rows.x(which[i]) = 0.0;
     out.size(static_cast<Eigen::Index>(i)) = loads.size();
     out.round_off(static_cast<Eigen::Index>(i)) = loads.round_off();
     out.is_length[i] = loads.is_length();
@@ -128,34 +234,39 @@ ConstraintSizes Mechanism::sizes_of_rows(const std::vector<int>& rows, double t,
   return out;
 }
 
-ConstraintSizes Mechanism::constraint_sizes(double t, ConstVectorRef p, Scratch& scratch) const {
-  return sizes_of_rows(kept_rows_, t, p, work_of(scratch));
+bool ConstraintRows::is_holonomic(int row) const {
+  const int full = kept_rows_[row];
+  const std::size_t k = constraint_of_row(full);
+  return constraints_[k]->is_holonomic(full - first_row_[k]);
 }
 
-ConstraintSizes Mechanism::left_out_sizes(double t, ConstVectorRef p, Scratch& scratch) const {
-  return sizes_of_rows(left_out_, t, p, work_of(scratch));
+std::size_t ConstraintRows::constraint_of_row(int row) const {
+  std::size_t k = 0;
+  while (first_row_[k + 1] <= row) ++k;
+  return k;
 }
 
-void Mechanism::left_out_constraints(double t, ConstVectorRef p, ConstVectorRef v, ConstVectorRef v_dot,
-                                     Scratch& scratch, VectorRef g, VectorRef g_dot,
-                                     VectorRef g_ddot) const {
-  if (left_out_.empty()) return;
-  Work& work = work_of(scratch);
-  const bool to_acceleration = v_dot.size() > 0;
-  forward(to_acceleration ? Level::acceleration : Level::velocity, t, p.data(), v.data(), v_dot.data(), work);
-  const auto evaluate = [&](auto&& level, VectorRef out) {
-    std::size_t i = 0;
-    for (std::size_t k = 0; k < constraints_.size() && i < left_out_.size(); ++k) {
-      if (left_out_[i] >= first_row_[k + 1]) continue;
-      own_contact(k, work);
-      level(*constraints_[k], work.rows_g.data() + first_row_[k]);
-      for (; i < left_out_.size() && left_out_[i] < first_row_[k + 1]; ++i)
-        out(static_cast<Eigen::Index>(i)) = work.rows_g(left_out_[i]);
-    }
-  };
-  evaluate([&](const Constraint& c, double* out) { c.position(work.kin, out); }, g);
-  evaluate([&](const Constraint& c, double* out) { c.velocity(work.kin, out); }, g_dot);
-  if (to_acceleration) evaluate([&](const Constraint& c, double* out) { c.acceleration(work.kin, out); }, g_ddot);
+int ConstraintRows::drive_of(CoordinateRef c) const {
+  const auto found = std::ranges::find_if(
+      driven_, [&](const CoordinateRef& driven) { return driven.joint == c.joint && driven.index == c.index; });
+  return found == driven_.end() ? -1 : static_cast<int>(found - driven_.begin());
+}
+
+std::string ConstraintRows::name_of_row(int row) const {
+  const std::size_t k = constraint_of_row(row);
+  const std::string name = constraints_[k]->name() + "." + constraints_[k]->row_name(row - first_row_[k]);
+  const CoordinateRef driven = driven_[k];
+  if (driven.joint < 0) return name;
+  // Of several driven coordinates of a joint it says which, as the drives' forces do.
+  const JointDescription& joint = tree_.d.joints[driven.joint];
+  if (joint.drives.size() + joint.speed_drives.size() + joint.acceleration_drives.size() < 2) return name;
+  return name + "_" + joint.joint->coordinates()[driven.index].name;
+}
+
+std::vector<std::string> ConstraintRows::names_of_left_out(int i) const {
+  std::vector<std::string> names{name_of_row(left_out_[i])};
+  for (const int row : follows_from_[i]) names.push_back(name_of_row(row));
+  return names;
 }
 
 }  // namespace flexura::mbs

@@ -1,4 +1,6 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mbs/mechanism/element_states.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -6,91 +8,173 @@
 #include <set>
 
 #include "mbs/formulas/operations.hpp"
-#include "mbs/formulas/time_function.hpp"
-#include "mbs/mechanism/work.hpp"
 
-/// Dynamic states and switches that belong to single elements.
 namespace flexura::mbs {
 
-void Mechanism::take_states(const State& s, Work& work) const {
-  work.kin.c = s.c.data();
-  // A caller that knows nothing of switches has them all off.
-  for (std::size_t i = 0; i < work.switches.size(); ++i) work.switches[i] = i < s.root.size() ? s.root[i] : 0;
-  for (std::size_t i = 0; i < conditions_.size(); ++i)
-    work.signals(conditions_[i].place) = work.switches[static_cast<std::size_t>(first_switch_.back()) + i];
-  if (s.u.size() == work.inputs.size())
-    work.inputs = s.u;
-  else
-    work.inputs.setZero();
-  if (s.a.size() != work.algebraic.size()) return;
-  work.algebraic = s.a;
-  for (std::size_t k = 0; k < contacts_.size(); ++k)
-    work.contacts[contacts_[k]] = s.a(static_cast<Eigen::Index>(algebraic_.size() + k));
+ElementStates::ElementStates(const Topology& tree) : tree_(tree) {
+  // Where the signals come from, and which of them anything reads.
+  sources_.resize(tree_.d.signals.size());
+  std::vector<bool> is_used(tree_.d.signals.size(), false);
+  for (std::size_t j = 0; j < tree_.d.joints.size(); ++j) {
+    const std::string prefix = tree_.d.joints[j].name + ".";
+    const auto link = [&](const std::vector<CoordinateInfo>& infos, SignalSource::Kind kind) {
+      for (std::size_t i = 0; i < infos.size(); ++i)
+        if (const int k = tree_.d.signals.find(prefix + infos[i].name); k >= 0)
+          sources_[k] = {kind, {static_cast<int>(j), static_cast<int>(i)}, -1};
+    };
+    link(tree_.d.joints[j].joint->coordinates(), SignalSource::Kind::coordinate);
+    link(tree_.d.joints[j].joint->speeds(), SignalSource::Kind::speed);
+  }
+  for (std::size_t i = 0; i < tree_.d.measures.size(); ++i)
+    if (const int k = tree_.d.signals.find(tree_.d.measures[i]->name()); k >= 0)
+      sources_[k] = {SignalSource::Kind::measure, {}, static_cast<int>(i)};
+  for (std::size_t i = 0; i < tree_.d.inputs.size(); ++i)
+    if (const int k = tree_.d.signals.find(tree_.d.inputs[i].name); k >= 0)
+      sources_[k] = {SignalSource::Kind::input, {}, static_cast<int>(i)};
+  first_state_ = {0};
+  for (std::size_t i = 0; i < tree_.d.controls.size(); ++i) {
+    first_state_.push_back(first_state_.back() + tree_.d.controls[i]->n_states());
+    if (const int k = tree_.d.signals.find(tree_.d.controls[i]->name()); k >= 0)
+      sources_[k] = {SignalSource::Kind::control, {}, static_cast<int>(i)};
+  }
+  first_force_state_ = {first_state_.back()};
+  first_control_switch_ = {0};
+  for (std::size_t i = 0; i < tree_.d.controls.size(); ++i) {
+    first_control_switch_.push_back(first_control_switch_.back() + tree_.d.controls[i]->n_switches());
+    if (tree_.d.controls[i]->is_algebraic()) algebraic_.push_back(static_cast<int>(i));
+  }
+  first_switch_ = {first_control_switch_.back()};
+  for (const auto& force : tree_.d.forces) {
+    first_force_state_.push_back(first_force_state_.back() + force->n_states());
+    first_switch_.push_back(first_switch_.back() + force->n_switches());
+  }
+  const auto mark = [&](const std::vector<int>& reads) {
+    for (int k : reads) is_used[k] = true;
+  };
+  for (const auto& force : tree_.d.forces) mark(force->reads());
+  for (const auto& control : tree_.d.controls) mark(control->reads());
+  // A measure reads only measures before it: backwards, so that what a used one needs is used too.
+  for (std::size_t i = tree_.d.measures.size(); i-- > 0;)
+    if (const int k = tree_.d.signals.find(tree_.d.measures[i]->name()); k >= 0 && is_used[k])
+      mark(tree_.d.measures[i]->reads());
+  list_conditions(is_used);
+  // Coordinates, outputs that depend on states alone, measures in their order, then what feeds through.
+  const auto append = [&](auto&& wanted) {
+    for (int k = 1; k < tree_.d.signals.size(); ++k)
+      if (is_used[k] && wanted(sources_[k])) used_signals_.push_back(k);
+  };
+  using Kind = SignalSource::Kind;
+  append([](const SignalSource& s) {
+    return s.kind == Kind::coordinate || s.kind == Kind::speed || s.kind == Kind::input;
+  });
+  append([&](const SignalSource& s) {
+    return s.kind == Kind::control && !tree_.d.controls[s.element]->feeds_through();
+  });
+  append([](const SignalSource& s) { return s.kind == Kind::measure; });
+  append([&](const SignalSource& s) {
+    return s.kind == Kind::control && tree_.d.controls[s.element]->feeds_through();
+  });
 }
 
-void Mechanism::own_contact(std::size_t constraint, Work& work) const {
-  work.kin.own.contact = &work.contacts[constraint];
+void ElementStates::size(int n_contacts, Signals& signals) const {
+  signals.values.setZero(tree_.d.signals.size());
+  signals.switches.assign(n_switches(), 0);
+  signals.algebraic.setZero(static_cast<Eigen::Index>(algebraic_.size()) + n_contacts);
+  signals.inputs.setZero(static_cast<Eigen::Index>(tree_.d.inputs.size()));
 }
 
-void Mechanism::start_contacts(State& s, Scratch& scratch) const {
-  Work& work = work_of(scratch);
-  forward(Level::position, s.t, s.p.data(), nullptr, nullptr, work);
-  for (std::size_t k = 0; k < contacts_.size(); ++k)
-    s.a(static_cast<Eigen::Index>(algebraic_.size() + k)) =
-        constraints_[contacts_[k]]->start_contact(work.kin);
-}
-
-double Mechanism::control_output(int control, const Work& work) const {
-  const Control& c = *d_.controls[control];
-  if (!c.is_algebraic()) return c.output(work.signals.data(), work.kin.c + first_state_[control]);
-  return work.algebraic(std::ranges::find(algebraic_, control) - algebraic_.begin());
-}
-
-double Mechanism::input_now(int input, const Work& work) const {
-  return input_value(input, work.kin.t) + work.inputs(input);
-}
-
-void Mechanism::algebraic_equations(const Work& work, VectorRef b) const {
+void ElementStates::start(State& s, int n_contacts) const {
+  s.c.setZero(tree_.n_dyn);
+  for (std::size_t i = 0; i < tree_.d.controls.size(); ++i) tree_.d.controls[i]->start(s.c.data() + first_state_[i]);
+  for (std::size_t i = 0; i < tree_.d.forces.size(); ++i) tree_.d.forces[i]->start(s.c.data() + first_force_state_[i]);
+  s.a.resize(static_cast<Eigen::Index>(algebraic_.size()) + n_contacts);
   for (std::size_t k = 0; k < algebraic_.size(); ++k)
-    b(static_cast<Eigen::Index>(k)) = d_.controls[algebraic_[k]]->residual(work.signals.data());
-  for (std::size_t k = 0; k < contacts_.size(); ++k) {
-    const auto i = static_cast<Eigen::Index>(algebraic_.size() + k);
-    b(i) = constraints_[contacts_[k]]->contact_residual(work.kin, work.algebraic(i));
+    s.a(static_cast<Eigen::Index>(k)) = tree_.d.controls[algebraic_[k]]->start_algebraic();
+  s.root.assign(n_switches(), 0);
+}
+
+void ElementStates::take_states(const State& s, Motion& motion, Signals& signals) const {
+  motion.kin.c = s.c.data();
+  // A caller that knows nothing of switches has them all off.
+  for (std::size_t i = 0; i < signals.switches.size(); ++i) signals.switches[i] = i < s.root.size() ? s.root[i] : 0;
+  for (std::size_t i = 0; i < conditions_.size(); ++i)
+    signals.values(conditions_[i].place) = signals.switches[static_cast<std::size_t>(first_switch_.back()) + i];
+  if (s.u.size() == signals.inputs.size())
+    signals.inputs = s.u;
+  else
+    signals.inputs.setZero();
+  if (s.a.size() == signals.algebraic.size()) signals.algebraic = s.a;
+}
+
+double ElementStates::control_output(int control, const Motion& motion, const Signals& signals) const {
+  const Control& c = *tree_.d.controls[control];
+  if (!c.is_algebraic()) return c.output(signals.values.data(), motion.kin.c + first_state_[control]);
+  return signals.algebraic(std::ranges::find(algebraic_, control) - algebraic_.begin());
+}
+
+double ElementStates::input_now(int input, const Motion& motion, const Signals& signals) const {
+  return tree_.d.inputs[input].value->evaluate(&motion.kin.t) + signals.inputs(input);
+}
+
+void ElementStates::algebraic_equations(const Signals& signals, VectorRef b) const {
+  for (std::size_t k = 0; k < algebraic_.size(); ++k)
+    b(static_cast<Eigen::Index>(k)) = tree_.d.controls[algebraic_[k]]->residual(signals.values.data());
+}
+
+void ElementStates::own_states(std::size_t force, Motion& motion, const Signals& signals) const {
+  motion.kin.own.c = motion.kin.c + first_force_state_[force];
+  motion.kin.own.root = signals.switches.data() + first_switch_[force];
+}
+
+void ElementStates::evaluate_signals(Motion& motion, Signals& signals) const {
+  signals.values(0) = motion.kin.t;
+  for (int k : used_signals_) {
+    const SignalSource& source = sources_[k];
+    switch (source.kind) {
+      case SignalSource::Kind::time:
+        break;
+      case SignalSource::Kind::coordinate:
+        signals.values(k) = motion.kin.coordinate(source.coordinate);
+        break;
+      case SignalSource::Kind::speed:
+        signals.values(k) = motion.kin.speed(source.coordinate);
+        break;
+      case SignalSource::Kind::input:
+        signals.values(k) = input_now(source.element, motion, signals);
+        break;
+      case SignalSource::Kind::control:
+        signals.values(k) = control_output(source.element, motion, signals);
+        break;
+      case SignalSource::Kind::measure:
+        signals.values(k) = tree_.d.measures[source.element]->value(motion.kin, signals.values.data());
+        break;
+    }
   }
 }
 
-void Mechanism::own_states(std::size_t force, Work& work) const {
-  work.kin.own.c = work.kin.c + first_force_state_[force];
-  work.kin.own.root = work.switches.data() + first_switch_[force];
-}
-
-void Mechanism::roots(const State& s, Scratch& scratch, VectorRef values) const {
-  Work& work = work_of(scratch);
-  forward(Level::velocity, s.t, s.p.data(), s.v.data(), nullptr, work);
-  take_states(s, work);
-  evaluate_signals(work);
-  for (std::size_t i = 0; i < d_.controls.size(); ++i)
-    if (d_.controls[i]->n_switches() > 0)
-      d_.controls[i]->switching(work.signals.data(), work.kin.c + first_state_[i],
+void ElementStates::roots(Motion& motion, const Signals& signals, VectorRef values) const {
+  for (std::size_t i = 0; i < tree_.d.controls.size(); ++i)
+    if (tree_.d.controls[i]->n_switches() > 0)
+      tree_.d.controls[i]->switching(signals.values.data(), motion.kin.c + first_state_[i],
                                 values.data() + first_control_switch_[i]);
-  for (std::size_t i = 0; i < d_.forces.size(); ++i) {
-    if (d_.forces[i]->n_switches() == 0) continue;
-    own_states(i, work);
-    d_.forces[i]->switching(work.kin, work.signals.data(), values.data() + first_switch_[i]);
+  for (std::size_t i = 0; i < tree_.d.forces.size(); ++i) {
+    if (tree_.d.forces[i]->n_switches() == 0) continue;
+    own_states(i, motion, signals);
+    tree_.d.forces[i]->switching(motion.kin, signals.values.data(), values.data() + first_switch_[i]);
   }
   for (std::size_t i = 0; i < conditions_.size(); ++i)
     values(first_switch_.back() + static_cast<int>(i)) =
-        conditions_[i].formula->switching(conditions_[i].node, work.signals.data());
+        conditions_[i].formula->switching(conditions_[i].node, signals.values.data());
 }
 
-void Mechanism::list_conditions(const std::vector<bool>& is_used) {
+void ElementStates::list_conditions(const std::vector<bool>& is_used) {
   // Inputs, and measures that are formulas of time, inputs and each other.
   std::map<int, const FormulaTree*> of_time;
   std::vector<const Expression*> idle;
-  for (const InputDescription& input : d_.inputs)
-    if (const int k = d_.signals.find(input.name); k >= 0) of_time[k] = &input.value->tree();
-  for (const auto& measure : d_.measures) {
-    const int k = d_.signals.find(measure->name());
+  for (const InputDescription& input : tree_.d.inputs)
+    if (const int k = tree_.d.signals.find(input.name); k >= 0) of_time[k] = &input.value->tree();
+  for (const auto& measure : tree_.d.measures) {
+    const int k = tree_.d.signals.find(measure->name());
     const Expression* formula = measure->formula();
     if (!formula || k < 0) continue;
     if (!is_used[static_cast<std::size_t>(k)]) idle.push_back(formula);
@@ -102,7 +186,7 @@ void Mechanism::list_conditions(const std::vector<bool>& is_used) {
     return found == of_time.end() ? nullptr : found->second;
   };
   std::set<std::string> known;
-  for (const FormulaDescription& f : d_.formulas) {
+  for (const FormulaDescription& f : tree_.d.formulas) {
     // What only the results show moves nothing.
     if (std::ranges::find(idle, f.expression.get()) != idle.end()) continue;
     const FormulaTree& tree = f.expression->tree();
@@ -123,77 +207,64 @@ void Mechanism::list_conditions(const std::vector<bool>& is_used) {
   }
 }
 
-void Mechanism::hold_conditions(State& s, Scratch& scratch) const {
-  if (conditions_.empty()) return;
+void ElementStates::release_conditions(State& s) const {
   s.root.resize(static_cast<std::size_t>(n_switches()), 0);
-  const auto first = s.root.begin() + first_switch_.back();
-  std::fill(first, s.root.end(), 0);
-  Work& work = work_of(scratch);
-  forward(Level::velocity, s.t, s.p.data(), s.v.data(), nullptr, work);
-  take_states(s, work);
-  evaluate_signals(work);
-  for (std::size_t i = 0; i < conditions_.size(); ++i)
-    first[static_cast<long>(i)] =
-        conditions_[i].formula->condition_now(conditions_[i].node, work.signals.data());
+  std::fill(s.root.begin() + first_switch_.back(), s.root.end(), 0);
 }
 
-bool Mechanism::on_root(int which, State& s, Scratch& scratch) const {
-  Work& work = work_of(scratch);
-  forward(Level::velocity, s.t, s.p.data(), s.v.data(), nullptr, work);
-  take_states(s, work);
-  evaluate_signals(work);
+void ElementStates::hold_conditions(State& s, const Signals& signals) const {
+  const auto first = s.root.begin() + first_switch_.back();
+  for (std::size_t i = 0; i < conditions_.size(); ++i)
+    first[static_cast<long>(i)] = conditions_[i].formula->condition_now(conditions_[i].node, signals.values.data());
+}
+
+void ElementStates::change_switch(int which, State& s, Motion& motion, const Signals& signals) const {
   s.root.resize(n_switches(), 0);
   if (is_condition(which)) {
     const Condition& condition = conditions_[static_cast<std::size_t>(which - first_switch_.back())];
     s.root[static_cast<std::size_t>(which)] =
-        condition.formula->condition_next(condition.node, work.signals.data());
-    return false;
+        condition.formula->condition_next(condition.node, signals.values.data());
+    return;
   }
   std::size_t i = 0;
   if (which < first_control_switch_.back()) {
     while (first_control_switch_[i + 1] <= which) ++i;
-    d_.controls[i]->change_switch(which - first_control_switch_[i], work.signals.data(),
+    tree_.d.controls[i]->change_switch(which - first_control_switch_[i], signals.values.data(),
                                   s.c.data() + first_state_[i]);
-    return false;
+    return;
   }
   while (first_switch_[i + 1] <= which) ++i;
-  own_states(i, work);
-  d_.forces[i]->change_switch(which - first_switch_[i], work.kin, work.signals.data(),
+  own_states(i, motion, signals);
+  tree_.d.forces[i]->change_switch(which - first_switch_[i], motion.kin, signals.values.data(),
                               s.root.data() + first_switch_[i], s.c.data() + first_force_state_[i]);
-  return false;
+  return;
 }
 
-void Mechanism::start_switches(State& s, Scratch& scratch) const {
-  Work& work = work_of(scratch);
-  forward(Level::velocity, s.t, s.p.data(), s.v.data(), nullptr, work);
-  take_states(s, work);
-  evaluate_signals(work);
+void ElementStates::start_switches(State& s, Motion& motion, const Signals& signals) const {
   s.root.assign(n_switches(), 0);
-  for (std::size_t i = 0; i < d_.controls.size(); ++i)
-    if (d_.controls[i]->n_switches() > 0)
-      d_.controls[i]->start_switches(work.signals.data(), s.c.data() + first_state_[i]);
-  for (std::size_t i = 0; i < d_.forces.size(); ++i) {
-    if (d_.forces[i]->n_switches() == 0) continue;
-    own_states(i, work);
-    d_.forces[i]->start_switches(work.kin, work.signals.data(), s.root.data() + first_switch_[i],
+  for (std::size_t i = 0; i < tree_.d.controls.size(); ++i)
+    if (tree_.d.controls[i]->n_switches() > 0)
+      tree_.d.controls[i]->start_switches(signals.values.data(), s.c.data() + first_state_[i]);
+  for (std::size_t i = 0; i < tree_.d.forces.size(); ++i) {
+    if (tree_.d.forces[i]->n_switches() == 0) continue;
+    own_states(i, motion, signals);
+    tree_.d.forces[i]->start_switches(motion.kin, signals.values.data(), s.root.data() + first_switch_[i],
                                  s.c.data() + first_force_state_[i]);
   }
-  hold_conditions(s, scratch);
 }
 
-bool Mechanism::is_kink(int root) const {
+bool ElementStates::is_kink(int root) const {
   if (!is_condition(root)) return false;
   const Condition& condition = conditions_[static_cast<std::size_t>(root - first_switch_.back())];
   return condition.formula->is_kink(condition.node);
 }
 
-std::string Mechanism::describe_root(int i) const {
-  if (!is_condition(i)) return Equations::describe_root(i);
+std::string ElementStates::describe_root(int i) const {
   const Expression& formula = *conditions_[static_cast<std::size_t>(i - first_switch_.back())].formula;
   return fmt::format("a condition of {} = \"{}\"", formula.where(), formula.text());
 }
 
-std::string Mechanism::name_of_root(int i) const {
+std::string ElementStates::name_of_root(int i) const {
   if (is_condition(i)) {
     const Condition& condition = conditions_[static_cast<std::size_t>(i - first_switch_.back())];
     return fmt::format("{}.condition_{}", condition.formula->where(), condition.number);
@@ -201,16 +272,25 @@ std::string Mechanism::name_of_root(int i) const {
   std::size_t k = 0;
   if (i < first_control_switch_.back()) {
     while (first_control_switch_[k + 1] <= i) ++k;
-    return d_.controls[k]->name() + "." + d_.controls[k]->switch_name(i - first_control_switch_[k]);
+    return tree_.d.controls[k]->name() + "." + tree_.d.controls[k]->switch_name(i - first_control_switch_[k]);
   }
   while (first_switch_[k + 1] <= i) ++k;
-  return d_.forces[k]->name() + "." + d_.forces[k]->switch_name(i - first_switch_[k]);
+  return tree_.d.forces[k]->name() + "." + tree_.d.forces[k]->switch_name(i - first_switch_[k]);
 }
 
-std::string Mechanism::name_of_force_state(int i) const {
+std::string ElementStates::name_of_state(int i) const {
+  if (i >= first_state_.back()) return name_of_force_state(i);
+  std::size_t k = 0;
+  while (first_state_[k + 1] <= i) ++k;
+  const Control& control = *tree_.d.controls[k];
+  if (control.n_states() == 1) return control.name();
+  return fmt::format("{}.state_{}", control.name(), i - first_state_[k] + 1);
+}
+
+std::string ElementStates::name_of_force_state(int i) const {
   std::size_t k = 0;
   while (first_force_state_[k + 1] <= i) ++k;
-  const ForceElement& force = *d_.forces[k];
+  const ForceElement& force = *tree_.d.forces[k];
   if (force.n_states() == 1) return force.name();
   return fmt::format("{}.state_{}", force.name(), i - first_force_state_[k] + 1);
 }

@@ -52,30 +52,55 @@ Vector6d closure_wrench(const Joint& joint, const Pose& X_FM, int index) {
 
 }  // namespace
 
-Mechanism::ElementDerivatives::ElementDerivatives(const Mechanism& mechanism, TangentScope scope, Work& work,
-                                                  TangentMatrices& out)
-    : m_(mechanism), scope_(scope), work_(work), out_(out), e_(work.element) {
+void ElementVariations::size(const Topology& tree, const ElementStates& states, const ConstraintRows& rows_of,
+                             int n_algebraic) {
+  const int n_v = tree.n_v;
+  for (Reach* reach : {&at, &axes, &reaction, &seen_F, &seen_M}) {
+    reach->twist.setZero(6, n_v);
+    reach->D.setZero(6, n_v);
+    reach->rigid.setZero(6, n_v);
+    reach->list.reserve(n_v);
+  }
+  mark.assign(n_v, 0);
+  columns.reserve(n_v);
+  seen_columns.reserve(n_v);
+  rows.reserve(n_v + 6);
+  by_row.setZero(6, n_v + 6);
+  motion.setZero(12, n_v);
+  if (!states.used_signals().empty()) signals.setZero(tree.d.signals.size(), 2 * n_v + tree.n_dyn + n_algebraic);
+  is_elastic.assign(n_v, false);
+  for (int b : tree.order)
+    for (int l = 0; l < tree.bodies[b].m; ++l) is_elastic[tree.bodies[b].i_v + l] = true;
+  kept.assign(rows_of.n_all(), -1);
+  for (std::size_t i = 0; i < rows_of.kept().size(); ++i) kept[rows_of.kept()[i]] = static_cast<int>(i);
+  z_q.setZero(n_v + tree.n_dyn + n_algebraic, n_v);
+  h_q.setZero(static_cast<Eigen::Index>(rows_of.kept().size()), n_v);
+}
+
+ElementTangents::ElementTangents(const Topology& tree, const ElementStates& states, const ConstraintRows& rows_of,
+                                 TangentScope scope, const Instant& at, TangentMatrices& out)
+    : tree_(tree), states_(states), rows_of_(rows_of), scope_(scope), at_(at), out_(out), e_(at.elements) {
   e_.seen = {-2, -2};
   e_.signals.setZero();
 }
 
 // The body nearest to all markers on the way to ground; ground where one of them is the world (-1).
-int Mechanism::ElementDerivatives::base_of(std::initializer_list<int> markers) const {
-  const auto depth = [&](int body) { return work_.tangent.bodies[body].depth; };
+int ElementTangents::base_of(std::initializer_list<int> markers) const {
+  const auto depth = [&](int body) { return at_.inertia.bodies[body].depth; };
   int base = -1;
   for (const int marker : markers) {
     if (marker < 0) return 0;
-    int b = m_.d_.markers[marker].body;
+    int b = tree_.d.markers[marker].body;
     if (base < 0) base = b;
     while (base != b) {
       int& outer = depth(base) > depth(b) ? base : b;
-      outer = m_.bodies_[outer].parent;
+      outer = tree_.bodies[outer].parent;
     }
   }
   return base;
 }
 
-void Mechanism::ElementDerivatives::reach(int marker, const Vector3d& point, int base, Reach& out) const {
+void ElementTangents::reach(int marker, const Vector3d& point, int base, Reach& out) const {
   for (const int j : out.list) {
     out.twist.col(j).setZero();
     out.D.col(j).setZero();
@@ -84,10 +109,10 @@ void Mechanism::ElementDerivatives::reach(int marker, const Vector3d& point, int
   out.list.clear();
   out.n_own = 0;
   if (marker < 0) return;
-  const Work::Tangent& T = work_.tangent;
+  const InertiaVariations& T = at_.inertia;
   bool own = true;
-  for (int b = m_.d_.markers[marker].body, child = -1; b != 0; child = b, b = m_.bodies_[b].parent) {
-    const TreeBody& t = m_.bodies_[b];
+  for (int b = tree_.d.markers[marker].body, child = -1; b != 0; child = b, b = tree_.bodies[b].parent) {
+    const TreeBody& t = tree_.bodies[b];
     const Vector3d from_origin = point - T.bodies[b].origin;
     const auto take = [&](int j) {
       const Vector6d phi = shift_twist(Spatial::from(T.phi.col(j)), from_origin).vector();
@@ -96,11 +121,11 @@ void Mechanism::ElementDerivatives::reach(int marker, const Vector3d& point, int
       out.D.col(j) += shift_twist(Spatial::from(T.D.col(j)), from_origin).vector();
       out.list.push_back(j);
     };
-    const int through = child < 0 ? marker : m_.bodies_[child].marker_in;
+    const int through = child < 0 ? marker : tree_.bodies[child].marker_in;
     for (int l = 0; l < t.m; ++l) {
       const int j = t.i_v + l;
-      if (m_.is_carried_[through]) {
-        const Work::MovedNode& node = T.markers[through];
+      if (tree_.is_carried[through]) {
+        const InertiaVariations::MovedNode& node = T.markers[through];
         out.twist.col(j) = shift_twist(Spatial::from(node.eta.col(l)), from_origin).vector();
         out.D.col(j) = shift_twist(Spatial::from(node.D.col(l)), from_origin).vector();
         if (child >= 0) out.rigid.col(j) = out.twist.col(j);
@@ -111,23 +136,23 @@ void Mechanism::ElementDerivatives::reach(int marker, const Vector3d& point, int
       own = false;
       out.n_own = out.list.size();
     }
-    for (int j = m_.places_[t.joint].i_v; j < t.i_v; ++j) take(j);
+    for (int j = tree_.places[t.joint].i_v; j < t.i_v; ++j) take(j);
   }
   if (own) out.n_own = out.list.size();
 }
 
-void Mechanism::ElementDerivatives::add(int row, int column, double value) {
-  const int n_v = m_.n_v_, n_c = m_.n_dyn_;
+void ElementTangents::add(int row, int column, double value) {
+  const int n_v = tree_.n_v, n_c = tree_.n_dyn;
   switch (target_) {
     case Target::signal:
       e_.signals(row, column) += value;
       break;
     case Target::h:
-      if (column < n_v) work_.tangent.h_q(row, column) += value;
+      if (column < n_v) e_.h_q(row, column) += value;
       break;
     case Target::z:
       if (column < n_v)
-        work_.tangent.z_q(row, column) += value;
+        e_.z_q(row, column) += value;
       else if (column < 2 * n_v)
         out_.z_v(row, column - n_v) += value;
       else if (column < 2 * n_v + n_c)
@@ -138,36 +163,36 @@ void Mechanism::ElementDerivatives::add(int row, int column, double value) {
 }
 
 // The change of what is done along one column.
-void Mechanism::ElementDerivatives::add_column(int column, const Vector6d& change) {
+void ElementTangents::add_column(int column, const Vector6d& change) {
   for (std::size_t i = 0; i < e_.rows.size(); ++i)
     add(e_.rows[i], column, e_.by_row.col(static_cast<Eigen::Index>(i)).dot(change));
 }
 
-void Mechanism::ElementDerivatives::start(Target target) {
+void ElementTangents::start(Target target) {
   target_ = target;
   is_lifted_ = false;
   e_.rows.clear();
 }
 
-void Mechanism::ElementDerivatives::add_row(int row, const Vector6d& by) {
+void ElementTangents::add_row(int row, const Vector6d& by) {
   e_.by_row.col(static_cast<Eigen::Index>(e_.rows.size())) = by;
   e_.rows.push_back(row);
 }
 
 // d, brought to six rows: with zeros, or along the wrench that a force on a closure is.
-Vector6d Mechanism::ElementDerivatives::six(const Eigen::Ref<const Eigen::VectorXd>& d) const {
+Vector6d ElementTangents::six(const Eigen::Ref<const Eigen::VectorXd>& d) const {
   if (is_lifted_) return d(0) * lift_;
   Vector6d x = Vector6d::Zero();
   x.head(d.size()) = d;
   return x;
 }
 
-bool Mechanism::ElementDerivatives::skips(int j) const {
-  return scope_ == TangentScope::newton && work_.tangent.is_elastic[j];
+bool ElementTangents::skips(int j) const {
+  return scope_ == TangentScope::newton && e_.is_elastic[j];
 }
 
 // What is left of a load on the marker `at`, see the header, and of its reaction.
-void Mechanism::ElementDerivatives::turn_load(const Reach* reaction, const Matrix3d& R,
+void ElementTangents::turn_load(const Reach* reaction, const Matrix3d& R,
                                               const Vector6d& wrench) {
   const Spatial w = R * Spatial::from(wrench);
   collect({&e_.at, &e_.axes, reaction}, e_.columns);
@@ -193,7 +218,7 @@ void Mechanism::ElementDerivatives::turn_load(const Reach* reaction, const Matri
 }
 
 // The coordinates that not all of them have in common, each once.
-void Mechanism::ElementDerivatives::collect(std::initializer_list<const Reach*> reaches,
+void ElementTangents::collect(std::initializer_list<const Reach*> reaches,
                                             std::vector<int>& out) {
   out.clear();
   ++e_.marks;
@@ -206,35 +231,35 @@ void Mechanism::ElementDerivatives::collect(std::initializer_list<const Reach*> 
     }
 }
 
-void Mechanism::ElementDerivatives::between(int marker_F, int marker_M, const Vector6d& on_M_F) {
+void ElementTangents::between(int marker_F, int marker_M, const Vector6d& on_M_F) {
   start(Target::z);
   const int base = base_of({marker_F, marker_M});
-  const Vector3d& point = work_.kin.markers[marker_M].X_WP.p;
+  const Vector3d& point = at_.motion.kin.markers[marker_M].X_WP.p;
   reach(marker_M, point, base, e_.at);
   reach(marker_F, point, base, e_.axes);
-  turn_load(&e_.axes, work_.kin.markers[marker_F].X_WP.R, on_M_F);
+  turn_load(&e_.axes, at_.motion.kin.markers[marker_F].X_WP.R, on_M_F);
 }
 
-void Mechanism::ElementDerivatives::wrench(int at, int axes, int reaction, const Vector6d& wrench) {
+void ElementTangents::wrench(int at, int axes, int reaction, const Vector6d& wrench) {
   start(Target::z);
   const int base = base_of({at, axes, reaction});
-  const Vector3d& point = work_.kin.markers[at].X_WP.p;
+  const Vector3d& point = at_.motion.kin.markers[at].X_WP.p;
   reach(at, point, base, e_.at);
   reach(axes, point, base, e_.axes);
   reach(reaction, point, base, e_.reaction);
   turn_load(reaction < 0 ? nullptr : &e_.reaction,
-            axes < 0 ? Matrix3d(Matrix3d::Identity()) : work_.kin.markers[axes].X_WP.R, wrench);
+            axes < 0 ? Matrix3d(Matrix3d::Identity()) : at_.motion.kin.markers[axes].X_WP.R, wrench);
 }
 
-void Mechanism::ElementDerivatives::force(CoordinateRef c, double value) {
-  const JointPlace& place = m_.places_[c.joint];
+void ElementTangents::force(CoordinateRef c, double value) {
+  const JointPlace& place = tree_.places[c.joint];
   if (place.in_tree()) {
     start(Target::z);
     add_row(place.i_v + c.index, -factor_ * Vector6d::Unit(0));
     return;
   }
   constexpr double h = kCentralStep;
-  const Pose X = work_.kin.relative_pose(place.marker_F, place.marker_M);
+  const Pose X = at_.motion.kin.relative_pose(place.marker_F, place.marker_M);
   const Vector6d unit = closure_wrench(*place.joint, X, c.index);
   Eigen::Matrix<double, 6, 12> turned = Eigen::Matrix<double, 6, 12>::Zero();
   for (int j = 0; j < 6; ++j)
@@ -252,35 +277,35 @@ void Mechanism::ElementDerivatives::force(CoordinateRef c, double value) {
   lift_ = unit;
 }
 
-void Mechanism::ElementDerivatives::modal(int body, const Eigen::VectorXd& f) {
+void ElementTangents::modal(int body, const Eigen::VectorXd& f) {
   start(Target::z);
-  const TreeBody& t = m_.bodies_[body];  // t.m = 0 where it is rigid or the deformation does not act back
+  const TreeBody& t = tree_.bodies[body];  // t.m = 0 where it is rigid or the deformation does not act back
   for (int l = 0; l < t.m; ++l) add_row(t.i_v + l, -factor_ * f(l) * Vector6d::Unit(0));
 }
 
-void Mechanism::ElementDerivatives::rate(int i) {
+void ElementTangents::rate(int i) {
   start(Target::z);
-  add_row(m_.n_v_ + first_state_ + i, Vector6d::Unit(0));
+  add_row(tree_.n_v + first_state_ + i, Vector6d::Unit(0));
 }
 
-void Mechanism::ElementDerivatives::rows() {
+void ElementTangents::rows() {
   start(Target::z);
   if (signal_ >= 0) {
     target_ = Target::signal;
     add_row(signal_, Vector6d::Unit(0));
   } else if (algebraic_ >= 0) {
-    add_row(m_.n_v_ + m_.n_dyn_ + algebraic_, Vector6d::Unit(0));
+    add_row(tree_.n_v + tree_.n_dyn + algebraic_, Vector6d::Unit(0));
   } else {
     target_ = Target::h;
     for (int i = 0; i < n_rows_; ++i)
-      if (const int kept = work_.tangent.kept[first_row_ + i]; kept >= 0) add_row(kept, Vector6d::Unit(i));
+      if (const int kept = e_.kept[first_row_ + i]; kept >= 0) add_row(kept, Vector6d::Unit(i));
   }
 }
 
-void Mechanism::ElementDerivatives::see(int marker_F, int marker_M) {
+void ElementTangents::see(int marker_F, int marker_M) {
   if (e_.seen == std::pair(marker_F, marker_M)) return;
   e_.seen = {marker_F, marker_M};
-  const MarkerState &F = work_.kin.markers[marker_F], &M = work_.kin.markers[marker_M];
+  const MarkerState &F = at_.motion.kin.markers[marker_F], &M = at_.motion.kin.markers[marker_M];
   const int base = base_of({marker_F, marker_M});
   reach(marker_M, M.X_WP.p, base, e_.seen_M);
   reach(marker_F, M.X_WP.p, base, e_.seen_F);
@@ -299,57 +324,128 @@ void Mechanism::ElementDerivatives::see(int marker_F, int marker_M) {
   }
 }
 
-void Mechanism::ElementDerivatives::by_relative(int marker_F, int marker_M, const Matrix& d) {
+void ElementTangents::by_relative(int marker_F, int marker_M, const Matrix& d) {
   see(marker_F, marker_M);
   Eigen::Matrix<double, 6, 12> six_rows;
   for (int j = 0; j < 12; ++j) six_rows.col(j) = six(d.col(j));
   for (std::size_t k = 0; k < e_.seen_columns.size(); ++k) {
     const auto motion = e_.motion.col(static_cast<Eigen::Index>(k));
     add_column(e_.seen_columns[k], six_rows * motion);
-    add_column(m_.n_v_ + e_.seen_columns[k], six_rows.rightCols<6>() * motion.head<6>());
+    add_column(tree_.n_v + e_.seen_columns[k], six_rows.rightCols<6>() * motion.head<6>());
   }
 }
 
-void Mechanism::ElementDerivatives::by_coordinate(CoordinateRef c, const Matrix& d) {
-  const JointPlace& place = m_.places_[c.joint];
+void ElementTangents::by_coordinate(CoordinateRef c, const Matrix& d) {
+  const JointPlace& place = tree_.places[c.joint];
   if (!place.in_tree()) {
-    by_relative(place.marker_F, place.marker_M, d * closure_gradient(work_.kin, place, c.index, false));
+    by_relative(place.marker_F, place.marker_M, d * closure_gradient(at_.motion.kin, place, c.index, false));
     return;
   }
   double q_dot[7], w[6] = {};
   for (int j = 0; j < place.joint->n_v(); ++j) {
     w[j] = 1.0;
-    place.joint->kinematic(work_.kin.p + place.i_p, w, q_dot);
+    place.joint->kinematic(at_.motion.kin.p + place.i_p, w, q_dot);
     w[j] = 0.0;
     if (q_dot[c.index] != 0.0) add_column(place.i_v + j, q_dot[c.index] * six(d.col(0)));
   }
 }
 
-void Mechanism::ElementDerivatives::by_speed(CoordinateRef c, const Matrix& d) {
-  const JointPlace& place = m_.places_[c.joint];
+void ElementTangents::by_speed(CoordinateRef c, const Matrix& d) {
+  const JointPlace& place = tree_.places[c.joint];
   if (place.in_tree())
-    add_column(m_.n_v_ + place.i_v + c.index, six(d.col(0)));
+    add_column(tree_.n_v + place.i_v + c.index, six(d.col(0)));
   else
-    by_relative(place.marker_F, place.marker_M, d * closure_gradient(work_.kin, place, c.index, true));
+    by_relative(place.marker_F, place.marker_M, d * closure_gradient(at_.motion.kin, place, c.index, true));
 }
 
-void Mechanism::ElementDerivatives::by_signal(int signal, const Matrix& d) {
+void ElementTangents::by_signal(int signal, const Matrix& d) {
   const Vector6d change = six(d.col(0));
   for (Eigen::Index j = 0; j < e_.signals.cols(); ++j)
     if (const double by = e_.signals(signal, j); by != 0.0) add_column(static_cast<int>(j), by * change);
 }
 
-void Mechanism::ElementDerivatives::by_deformation(int body, int i, const Vector6d& d) {
-  const int column = m_.bodies_[body].i_v + i;
+void ElementTangents::by_deformation(int body, int i, const Vector6d& d) {
+  const int column = tree_.bodies[body].i_v + i;
   if (!skips(column)) add_column(column, d);
 }
 
-void Mechanism::ElementDerivatives::by_state(int i, const Matrix& d) {
-  add_column(2 * m_.n_v_ + first_state_ + i, six(d.col(0)));
+void ElementTangents::by_state(int i, const Matrix& d) {
+  add_column(2 * tree_.n_v + first_state_ + i, six(d.col(0)));
 }
 
-void Mechanism::ElementDerivatives::by_algebraic(double d) {
-  add_column(2 * m_.n_v_ + m_.n_dyn_ + algebraic_, d * Vector6d::Unit(0));
+void ElementTangents::by_algebraic(double d) {
+  add_column(2 * tree_.n_v + tree_.n_dyn + algebraic_, d * Vector6d::Unit(0));
+}
+
+// What each signal depends on, in the order in which they are evaluated.
+void ElementTangents::all_signals() {
+  const double* signals = at_.signals.values.data();
+  for (const int k : states_.used_signals()) {
+    const ElementStates::SignalSource& source = states_.sources()[k];
+    signal_ = k;
+    switch (source.kind) {
+      case ElementStates::SignalSource::Kind::time:
+      case ElementStates::SignalSource::Kind::input:
+        break;
+      case ElementStates::SignalSource::Kind::coordinate:
+        rows();
+        Derivatives::by_coordinate(source.coordinate, 1.0);
+        break;
+      case ElementStates::SignalSource::Kind::speed:
+        rows();
+        Derivatives::by_speed(source.coordinate, 1.0);
+        break;
+      case ElementStates::SignalSource::Kind::measure:
+        tree_.d.measures[source.element]->differentiate(at_.motion.kin, signals, *this);
+        break;
+      case ElementStates::SignalSource::Kind::control: {
+        const Control& control = *tree_.d.controls[source.element];
+        first_state_ = states_.first_state_of_control(source.element);
+        if (!control.is_algebraic()) {
+          control.differentiate(signals, at_.motion.kin.c + first_state_, *this);
+          break;
+        }
+        rows();
+        algebraic_ =
+            static_cast<int>(std::ranges::find(states_.algebraic(), source.element) - states_.algebraic().begin());
+        by_algebraic(1.0);
+        algebraic_ = -1;
+      }
+    }
+  }
+  signal_ = -1;
+}
+
+void ElementTangents::all_elements() {
+  const double* signals = at_.signals.values.data();
+  for (std::size_t i = 0; i < tree_.d.controls.size(); ++i) {
+    first_state_ = states_.first_state_of_control(i);
+    tree_.d.controls[i]->differentiate_rates(signals, at_.motion.kin.c + first_state_, *this);
+  }
+  for (std::size_t i = 0; i < tree_.d.forces.size(); ++i) {
+    if (!tree_.d.forces[i]->has_derivatives()) continue;
+    states_.own_states(i, at_.motion, at_.signals);
+    first_state_ = states_.first_state_of_force(i);
+    tree_.d.forces[i]->differentiate(at_.motion.kin, signals, *this);
+  }
+  for (std::size_t k = 0; k < states_.algebraic().size(); ++k) {
+    algebraic_ = static_cast<int>(k);
+    tree_.d.controls[states_.algebraic()[k]]->differentiate(signals, nullptr, *this);
+  }
+  for (std::size_t k = 0; k < rows_of_.contacts().size(); ++k) {
+    algebraic_ = static_cast<int>(states_.algebraic().size() + k);
+    rows_of_.constraints()[rows_of_.contacts()[k]]->differentiate_contact(at_.motion.kin, at_.signals.algebraic(algebraic_), *this);
+  }
+  algebraic_ = -1;
+  factor_ = -1.0;
+  for (std::size_t k = 0; k < rows_of_.constraints().size(); ++k) {
+    const Constraint& constraint = *rows_of_.constraints()[k];
+    if (!constraint.has_derivatives()) continue;
+    rows_of_.own_contact(k, at_.motion, at_.rows);
+    first_row_ = rows_of_.first_row(k);
+    n_rows_ = constraint.n_rows();
+    constraint.differentiate(at_.motion.kin, at_.rows.x.data() + first_row_, *this);
+  }
 }
 
 }  // namespace flexura::mbs

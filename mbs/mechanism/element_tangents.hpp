@@ -1,11 +1,44 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "mbs/kinematics/derivatives.hpp"
-#include "mbs/mechanism/work.hpp"
+#include <utility>
+#include <vector>
 
-/// Private to the sources of Mechanism: the chain rule from what elements see and do to the coordinates.
+#include "mbs/kinematics/derivatives.hpp"
+#include "mbs/mechanism/constraint_rows.hpp"
+#include "mbs/mechanism/element_states.hpp"
+#include "mbs/mechanism/inertia_tangents.hpp"
+
+/// The chain rule from what elements see and do to the coordinates.
 namespace flexura::mbs {
+
+/// What ElementTangents leaves of one state.
+struct ElementVariations {
+  using Columns6 = Eigen::Matrix<double, 6, Eigen::Dynamic>;
+  /// How a marker moves with the coordinates that it depends on: twists of a point of its body (or node),
+  /// and D of (1) in inertia_tangents.cpp about that point; zero for all others.
+  struct Reach {
+    Columns6 twist, D;
+    Columns6 rigid;         ///< twists without what the marker moves in its own body
+    std::vector<int> list;  ///< from the body inwards
+    std::size_t n_own = 0;  ///< those that not all markers of a load have in common come first
+  };
+  Reach at, axes, reaction, seen_F, seen_M;
+  std::pair<int, int> seen;  ///< markers of seen_F and seen_M
+  std::vector<int> columns, seen_columns;
+  std::vector<long> mark;
+  long marks = 0;
+  Eigen::Matrix<double, 12, Eigen::Dynamic> motion;  ///< of seen_M in seen_F, pose and twist by q
+  // What the element does: rows of the target and their derivatives by its numbers (6 at most).
+  std::vector<int> rows;
+  Columns6 by_row;
+  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> signals;  ///< by (q, v, c, a)
+  std::vector<bool> is_elastic;  ///< of each velocity coordinate
+  std::vector<int> kept;         ///< of all constraint rows, -1 for redundant ones
+  Eigen::MatrixXd z_q, h_q;      ///< of TangentMatrices, by the tangent coordinates of p
+
+  void size(const Topology& tree, const ElementStates& states, const ConstraintRows& rows_of, int n_algebraic);
+};
 
 /// The partial derivatives of elements times how markers, coordinates and signals depend on the columns
 /// (q, v, c, a), and times how loads act on the rows.
@@ -17,9 +50,18 @@ namespace flexura::mbs {
 ///
 ///     ((phi_A - phi_X) x tau + (p_P - p_X) x f, (phi_A - phi_X) x f)
 ///         + R_A times the change of its components
-class Mechanism::ElementDerivatives final : public Derivatives {
+class ElementTangents final : public Derivatives {
  public:
-  ElementDerivatives(const Mechanism& mechanism, TangentScope scope, Work& work, TangentMatrices& out);
+  /// The state at which all is taken.
+  struct Instant {
+    Motion& motion;
+    const Signals& signals;
+    RowValues& rows;
+    const InertiaVariations& inertia;
+    ElementVariations& elements;
+  };
+  ElementTangents(const Topology& tree, const ElementStates& states, const ConstraintRows& rows_of, TangentScope scope,
+                  const Instant& at, TangentMatrices& out);
 
   void all_signals();
   void all_elements();
@@ -42,8 +84,8 @@ class Mechanism::ElementDerivatives final : public Derivatives {
   void by_algebraic(double d) override;
 
  private:
-  using Columns6 = Work::Columns6;
-  using Reach = Work::Reach;
+  using Columns6 = ElementVariations::Columns6;
+  using Reach = ElementVariations::Reach;
   enum class Target { z, h, signal };
 
   int base_of(std::initializer_list<int> markers) const;
@@ -58,11 +100,13 @@ class Mechanism::ElementDerivatives final : public Derivatives {
   Vector6d six(const Eigen::Ref<const Eigen::VectorXd>& d) const;
   bool skips(int j) const;
 
-  const Mechanism& m_;
+  const Topology& tree_;
+  const ElementStates& states_;
+  const ConstraintRows& rows_of_;
   TangentScope scope_;
-  Work& work_;
+  Instant at_;
   TangentMatrices& out_;
-  Work::ElementTangent& e_;
+  ElementVariations& e_;
   double factor_ = 1.0;  // of loads in r
   // Of the element at work: its places in c, in a, among all constraint rows, among the signals.
   int first_state_ = 0, algebraic_ = -1, first_row_ = 0, n_rows_ = 0, signal_ = -1;

@@ -1,6 +1,9 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mbs/mechanism/inertia_tangents.hpp"
+
+#include <algorithm>
+
 #include "mbs/mechanism/variation.hpp"
-#include "mbs/mechanism/work.hpp"
 
 /// Derivatives of the inverse dynamics in closed form, after J. Carpentier, N. Mansard, Analytical
 /// Derivatives of Rigid Body Dynamics Algorithms, RSS 2018, and S. Singh, R. P. Russo, P. M. Wensing, IEEE
@@ -37,20 +40,43 @@ namespace flexura::mbs {
 
 using Eigen::MatrixXd;
 
-// phi, D, E of every joint coordinate, of the motion that the last forward() left.
-void Mechanism::vary_joints(Work& work) const {
-  Work::Tangent& T = work.tangent;
-  for (int b : order_) {
-    const TreeBody& t = bodies_[b];
-    const JointPlace& place = places_[t.joint];
+void InertiaTangents::size(InertiaVariations& T) const {
+  T.bodies.resize(tree_.d.bodies.size());
+  T.deformations.resize(tree_.d.bodies.size());
+  T.markers.resize(tree_.d.markers.size());
+  int widest = 0;
+  for (int b : tree_.order) {
+    const TreeBody& t = tree_.bodies[b];
+    T.bodies[b].modal_w.setZero(t.m, 3);
+    T.bodies[b].depth = T.bodies[t.parent].depth + 1;
+    if (const FlexibleBody* flexible = tree_.flexible(b)) T.deformations[b] = flexible->make_deformation_tangents();
+    if (t.m == 0) continue;
+    widest = std::max(widest, t.m);
+    for (const int i : tree_.markers_of_body[b])
+      if (tree_.is_carried[i])
+        for (InertiaVariations::Columns6* x : {&T.markers[i].eta, &T.markers[i].D, &T.markers[i].E, &T.markers[i].E_v})
+          x->setZero(6, t.m);
+  }
+  T.G_p.setZero(6, widest);
+  T.G_v.setZero(6, widest);
+  for (InertiaVariations::Columns6* m : {&T.phi, &T.D, &T.E, &T.E_v, &T.row_E, &T.H_p, &T.H_v})
+    m->setZero(6, tree_.n_v);
+  T.row_w.setZero(3, tree_.n_v);
+}
+
+void InertiaTangents::vary_joints(const Motion& motion, InertiaVariations& variations) const {
+  InertiaVariations& T = variations;
+  for (int b : tree_.order) {
+    const TreeBody& t = tree_.bodies[b];
+    const JointPlace& place = tree_.places[t.joint];
     const Joint& joint = *place.joint;
-    Work::BranchOfBody& branch = T.bodies[b];
-    branch.origin = t.parent == 0 ? work.bodies[b].X_WB.p : T.bodies[t.parent].origin;
+    InertiaVariations::BranchOfBody& branch = T.bodies[b];
+    branch.origin = t.parent == 0 ? motion.bodies[b].X_WB.p : T.bodies[t.parent].origin;
 
     const int n = joint.n_v();
-    const double *q = work.kin.p + place.i_p, *v = work.kin.v + place.i_v,
-                 *v_dot = work.kin.v_dot + place.i_v;
-    const MarkerState &F = work.kin.markers[place.marker_F], &M = work.kin.markers[place.marker_M];
+    const double *q = motion.kin.p + place.i_p, *v = motion.kin.v + place.i_v,
+                 *v_dot = motion.kin.v_dot + place.i_v;
+    const MarkerState &F = motion.kin.markers[place.marker_F], &M = motion.kin.markers[place.marker_M];
     const Matrix3d& R = F.X_WP.R;
     MotionMatrix S = MotionMatrix::Zero(6, n);
     joint.motion(q, S);
@@ -78,7 +104,7 @@ void Mechanism::vary_joints(Work& work) const {
       T.D.col(k) = sign * x.D.vector();
       T.E.col(k) = sign * x.E.vector();
       T.E_v.col(k) = sign * y.E.vector();
-      T.E.col(k).tail<3>() += sign * x.phi.angular.cross(d_.gravity);
+      T.E.col(k).tail<3>() += sign * x.phi.angular.cross(tree_.d.gravity);
     }
     // d phi_i / dq_j: M moves by S_j; what is inboard of a reversed joint is M, which then stays.
     for (int j = 0; j < n; ++j)
@@ -96,75 +122,74 @@ void Mechanism::vary_joints(Work& work) const {
   }
 }
 
-// F, I and B of each body with all that is outboard, and of every coordinate the rows of (2); after
-// vary_joints() and a backward() without loads.
-void Mechanism::vary_inertia(Work& work) const {
-  Work::Tangent& T = work.tangent;
-  own_inertia(work);
-  for (int b : order_) {
-    const TreeBody& t = bodies_[b];
-    const Work::Body& body = work.bodies[b];
-    Work::BranchOfBody& branch = T.bodies[b];
+void InertiaTangents::vary_inertia(const Motion& motion, Wrenches& wrenches, const Inertias& inertias,
+                                   InertiaVariations& variations) const {
+  InertiaVariations& T = variations;
+  for (int b : tree_.order) {
+    const TreeBody& t = tree_.bodies[b];
+    const Motion::Body& body = motion.bodies[b];
+    const Inertias::Body& inertia = inertias.bodies[b];
+    InertiaVariations::BranchOfBody& branch = T.bodies[b];
     const Matrix3d& R = body.X_WB.R;
     const Vector3d &w = body.V.angular, &v = body.V.linear;
     const Vector3d to_body = body.X_WB.p - branch.origin;
     const Matrix6d X = transport_twist(to_body);
-    branch.F = shift_wrench(body.F, to_body);
+    branch.F = shift_wrench(wrenches.bodies[b].F, to_body);
 
     Eigen::Matrix<double, 6, 3> F_w, turn;
     if (t.m > 0) {
-      d_.bodies[b].flexible->turning_tangents(work.kin.p + t.i_p, work.kin.v + t.i_v, R.transpose() * w,
-                                              *work.bodies[b].flexible, F_w, branch.modal_w);
+      tree_.d.bodies[b].flexible->turning_tangents(motion.kin.p + t.i_p, motion.kin.v + t.i_v, R.transpose() * w,
+                                              *wrenches.bodies[b].flexible, F_w, branch.modal_w);
       F_w.topRows<3>() = (R * F_w.topRows<3>() * R.transpose()).eval();
       F_w.bottomRows<3>() = (R * F_w.bottomRows<3>() * R.transpose()).eval();
     } else {
-      const Matrix3d J = body.I_c.topLeftCorner<3, 3>();
-      const Vector3d d = R * d_.bodies[b].inertia.mass_center;
+      const Matrix3d J = inertia.I_c.topLeftCorner<3, 3>();
+      const Vector3d d = R * tree_.d.bodies[b].inertia.mass_center;
       F_w.topRows<3>() = skew(w) * J - skew(J * w);
       F_w.bottomRows<3>() = -skew(w.cross(d)) - skew(w) * skew(d);
     }
     turn << -skew(w), -2.0 * skew(v);
-    branch.I = X.transpose() * body.I_c * X;
-    branch.B = X.transpose() * (body.I_c * turn + F_w);
+    branch.I = X.transpose() * inertia.I_c * X;
+    branch.B = X.transpose() * (inertia.I_c * turn + F_w);
 
     if (t.m == 0) continue;
-    for (const int i : markers_of_body_[b])
-      if (is_carried_[i])
+    for (const int i : tree_.markers_of_body[b])
+      if (tree_.is_carried[i])
         for (int l = 0; l < t.m; ++l)
-          T.markers[i].eta.col(l) = shift_twist(R * Spatial::from(work.local[i].motion.map.col(l)),
-                                                branch.origin - work.kin.markers[i].X_WP.p)
+          T.markers[i].eta.col(l) = shift_twist(R * Spatial::from(motion.local[i].node.map.col(l)),
+                                                branch.origin - motion.kin.markers[i].X_WP.p)
                                         .vector();
     for (int l = 0; l < t.m; ++l) {
-      const Spatial C = Spatial::from(body.C_c.col(l));
+      const Spatial C = Spatial::from(inertia.C_c.col(l));
       T.phi.col(t.i_v + l) =
-          shift_twist(Spatial::from(work.K[b].col(work.K[b].cols() - t.m + l)), -to_body).vector();
+          shift_twist(Spatial::from(inertias.K[b].col(inertias.K[b].cols() - t.m + l)), -to_body).vector();
       T.row_E.col(t.i_v + l) = shift_wrench(C, to_body).vector();
       T.row_w.col(t.i_v + l) =
           w.cross(C.angular) + 2.0 * v.cross(C.linear) + R * branch.modal_w.row(l).transpose();
     }
   }
-  for (auto it = order_.rbegin(); it != order_.rend(); ++it) {
+  for (auto it = tree_.order.rbegin(); it != tree_.order.rend(); ++it) {
     const int b = *it;
-    const TreeBody& t = bodies_[b];
-    Work::BranchOfBody& branch = T.bodies[b];
-    for (int i = places_[t.joint].i_v; i < t.i_v; ++i) {
+    const TreeBody& t = tree_.bodies[b];
+    InertiaVariations::BranchOfBody& branch = T.bodies[b];
+    for (int i = tree_.places[t.joint].i_v; i < t.i_v; ++i) {
       T.row_E.col(i) = branch.I * T.phi.col(i);
       T.row_w.col(i) = branch.B.transpose() * T.phi.col(i);
       T.H_p.col(i) = branch.I * T.E.col(i) + branch.B * T.D.col(i).head<3>() +
                      cross_force(Spatial::from(T.phi.col(i)), branch.F).vector();
       T.H_v.col(i) = branch.I * T.E_v.col(i) + branch.B * T.phi.col(i).head<3>();
     }
-    if (is_carried_[t.marker_out])
+    if (tree_.is_carried[t.marker_out])
       for (int l = t.i_v; l < t.i_v + t.m; ++l) {
         T.row_E.col(l) += branch.I * T.phi.col(l);
         T.row_w.col(l) += branch.B.transpose() * T.phi.col(l);
       }
     if (t.parent == 0) continue;
-    Work::BranchOfBody& parent = T.bodies[t.parent];
+    InertiaVariations::BranchOfBody& parent = T.bodies[t.parent];
     parent.I += branch.I;
     parent.B += branch.B;
-    if (!is_carried_[t.marker_in]) continue;
-    const TreeBody& tp = bodies_[t.parent];
+    if (!tree_.is_carried[t.marker_in]) continue;
+    const TreeBody& tp = tree_.bodies[t.parent];
     const auto& eta = T.markers[t.marker_in].eta;
     for (int l = 0; l < tp.m; ++l) {
       T.row_E.col(tp.i_v + l) += branch.I * eta.col(l);
@@ -173,13 +198,13 @@ void Mechanism::vary_inertia(Work& work) const {
   }
 }
 
-// All but the modal blocks of bodies themselves; the elastic coordinates' columns where `with_modes`.
-void Mechanism::inertia_tangents(bool with_modes, Work& work, MatrixXd& z_q, MatrixXd& z_v) const {
-  const Work::Tangent& T = work.tangent;
-  for (int b : order_) {
-    const TreeBody& t = bodies_[b];
-    const Work::BranchOfBody& branch = T.bodies[b];
-    const int first = places_[t.joint].i_v, end = t.i_v + t.m, end_columns = with_modes ? end : t.i_v;
+void InertiaTangents::joint_columns(bool with_modes, const InertiaVariations& variations, MatrixXd& z_q,
+                                    MatrixXd& z_v) const {
+  const InertiaVariations& T = variations;
+  for (int b : tree_.order) {
+    const TreeBody& t = tree_.bodies[b];
+    const InertiaVariations::BranchOfBody& branch = T.bodies[b];
+    const int first = tree_.places[t.joint].i_v, end = t.i_v + t.m, end_columns = with_modes ? end : t.i_v;
     for (int j = first; j < t.i_v; ++j) {
       for (int i = first; i < t.i_v; ++i) {
         z_q(i, j) = T.phi.col(i).dot(T.H_p.col(j)) + branch.own_turns[j - first][i - first].dot(branch.F);
@@ -195,11 +220,11 @@ void Mechanism::inertia_tangents(bool with_modes, Work& work, MatrixXd& z_q, Mat
         z_q(i, j) = T.phi.col(i).dot(T.H_p.col(j));
         z_v(i, j) = T.phi.col(i).dot(T.H_v.col(j));
       }
-    for (int child = b; bodies_[child].parent != 0; child = bodies_[child].parent) {
-      const TreeBody& ta = bodies_[bodies_[child].parent];
-      const int marker = bodies_[child].marker_in, first_a = places_[ta.joint].i_v;
-      const bool on_node = is_carried_[marker];
-      const Work::MovedNode& node = T.markers[marker];
+    for (int child = b; tree_.bodies[child].parent != 0; child = tree_.bodies[child].parent) {
+      const TreeBody& ta = tree_.bodies[tree_.bodies[child].parent];
+      const int marker = tree_.bodies[child].marker_in, first_a = tree_.places[ta.joint].i_v;
+      const bool on_node = tree_.is_carried[marker];
+      const InertiaVariations::MovedNode& node = T.markers[marker];
       for (int j = first_a; j < (with_modes ? ta.i_v + ta.m : ta.i_v); ++j) {
         Vector6d E = T.E.col(j), E_v = T.E_v.col(j);
         Vector3d D_w = T.D.col(j).head<3>(), phi_w = T.phi.col(j).head<3>();

@@ -1,6 +1,6 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mbs/mechanism/inertia_tangents.hpp"
 #include "mbs/mechanism/variation.hpp"
-#include "mbs/mechanism/work.hpp"
 
 /// Derivatives by a body's own elastic coordinates s, in the terms of inertia_tangents.cpp.
 ///
@@ -21,44 +21,45 @@ namespace flexura::mbs {
 using Eigen::MatrixXd;
 
 // (eta, D, E) of the nodes, and what the turning of their maps adds to the body's own block.
-void Mechanism::vary_nodes(int b, Work& work, MatrixXd& z_q) const {
-  Work::Tangent& T = work.tangent;
-  const TreeBody& t = bodies_[b];
-  const Work::Body& body = work.bodies[b];
+void InertiaTangents::vary_nodes(int b, const Motion& motion, const Wrenches& wrenches,
+                                 InertiaVariations& variations, MatrixXd& z_q) const {
+  InertiaVariations& T = variations;
+  const TreeBody& t = tree_.bodies[b];
+  const Motion::Body& body = motion.bodies[b];
   const Matrix3d& R = body.X_WB.R;
   const Vector3d& origin = T.bodies[b].origin;
   DeformationTangents& d = T.deformations[b];
-  for (const int i : markers_of_body_[b]) {
-    if (!is_carried_[i]) continue;
-    const Work::LocalMarker& local = work.local[i];
+  for (const int i : tree_.markers_of_body[b]) {
+    if (!tree_.is_carried[i]) continue;
+    const Motion::LocalMarker& local = motion.local[i];
     // The node's own frame, a rigid piece with the marker's.
-    const Vector3d to_node = R * (local.motion.X_BN.p - local.X_BP.p);
-    MarkerState N = work.kin.markers[i];
+    const Vector3d to_node = R * (local.node.X_BN.p - local.X_BP.p);
+    MarkerState N = motion.kin.markers[i];
     N.X_WP.p += to_node;
     N.V = shift_twist(N.V, to_node);
     N.A = shift_twist(N.A, to_node);
     N.A.linear += N.V.angular.cross(N.V.angular.cross(to_node));
 
-    Spatial f = shift_wrench(-local.load, -to_node);
+    Spatial f = shift_wrench(-wrenches.on_marker[i], -to_node);
     const auto add = [&](const Spatial& F, double sign) {
       const Spatial at_node = shift_wrench(F, origin - N.X_WP.p);
       f.angular += sign * at_node.angular;
       f.linear += sign * at_node.linear;
     };
     if (t.marker_out == i) add(T.bodies[b].F, -1.0);
-    for (const int c : order_)
-      if (bodies_[c].marker_in == i) add(T.bodies[c].F, 1.0);
-    d_.bodies[b].flexible->node_tangents(d_.markers[i].node, work.kin.p + t.i_p, work.kin.v + t.i_v,
-                                         work.kin.v_dot + t.i_v, (R.transpose() * f).vector(), d);
+    for (const int c : tree_.order)
+      if (tree_.bodies[c].marker_in == i) add(T.bodies[c].F, 1.0);
+    tree_.d.bodies[b].flexible->node_tangents(tree_.d.markers[i].node, motion.kin.p + t.i_p, motion.kin.v + t.i_v,
+                                         motion.kin.v_dot + t.i_v, (R.transpose() * f).vector(), d);
     z_q.block(t.i_v, t.i_v, t.m, t.m) += d.map_s;
 
-    Work::MovedNode& moved = T.markers[i];
+    InertiaVariations::MovedNode& moved = T.markers[i];
     for (int l = 0; l < t.m; ++l) {
-      const Spatial column = shift_twist(R * Spatial::from(local.motion.map.col(l)), to_node);
+      const Spatial column = shift_twist(R * Spatial::from(local.node.map.col(l)), to_node);
       const Vector3d &w = column.angular, &u = column.linear;
       // f stays in its place in the body while its map's origin, the node, moves by u.
       const Vector3d u_x_f = R.transpose() * u.cross(f.linear);
-      z_q.col(t.i_v + l).segment(t.i_v, t.m).noalias() -= local.motion.map.topRows<3>().transpose() * u_x_f;
+      z_q.col(t.i_v + l).segment(t.i_v, t.m).noalias() -= local.node.map.topRows<3>().transpose() * u_x_f;
       const Spatial V_s = R * Spatial::from(d.motion_s.col(l)),
                     A_s = R * Spatial::from(d.acceleration_s.col(l)),
                     A_v = R * Spatial::from(d.acceleration_v.col(l));
@@ -66,44 +67,45 @@ void Mechanism::vary_nodes(int b, Work& work, MatrixXd& z_q) const {
       const Variation x = variation(N, origin, d_N.by_q), y = variation(N, origin, d_N.by_v);
       moved.D.col(l) = x.D.vector();
       moved.E.col(l) = x.E.vector();
-      moved.E.col(l).tail<3>() += x.phi.angular.cross(d_.gravity);
+      moved.E.col(l).tail<3>() += x.phi.angular.cross(tree_.d.gravity);
       moved.E_v.col(l) = y.E.vector();
     }
   }
 }
 
-void Mechanism::mode_tangents(Work& work, MatrixXd& z_q, MatrixXd& z_v) const {
-  Work::Tangent& T = work.tangent;
-  for (int b : order_) {
-    const TreeBody& t = bodies_[b];
+void InertiaTangents::mode_columns(const Motion& motion, Wrenches& wrenches, InertiaVariations& variations,
+                                   MatrixXd& z_q, MatrixXd& z_v) const {
+  InertiaVariations& T = variations;
+  for (int b : tree_.order) {
+    const TreeBody& t = tree_.bodies[b];
     if (t.m == 0) continue;
     const int m = t.m, first = t.i_v;
-    Work::Body& body = work.bodies[b];
-    const Work::BranchOfBody& branch = T.bodies[b];
+    const Motion::Body& body = motion.bodies[b];
+    const InertiaVariations::BranchOfBody& branch = T.bodies[b];
     const Matrix3d& R = body.X_WB.R;
     DeformationTangents& d = T.deformations[b];
     const Spatial V = R.transpose() * body.V;
-    const Spatial A = R.transpose() * Spatial{body.A.angular, body.A.linear - d_.gravity};
-    d_.bodies[b].flexible->deformation_tangents(work.kin.p + t.i_p, work.kin.v + t.i_v,
-                                                work.kin.v_dot + t.i_v, V, A, *body.flexible, d);
+    const Spatial A = R.transpose() * Spatial{body.A.angular, body.A.linear - tree_.d.gravity};
+    tree_.d.bodies[b].flexible->deformation_tangents(motion.kin.p + t.i_p, motion.kin.v + t.i_v,
+                                                motion.kin.v_dot + t.i_v, V, A, *wrenches.bodies[b].flexible, d);
     z_q.block(first, first, m, m) = d.modal_s;
     z_v.block(first, first, m, m) = d.modal_v;
-    vary_nodes(b, work, z_q);
+    vary_nodes(b, motion, wrenches, variations, z_q);
 
     const Vector3d to_body = body.X_WB.p - branch.origin;
     for (int l = 0; l < m; ++l) {
       T.G_p.col(l) = shift_wrench(R * Spatial::from(d.need_s.col(l)), to_body).vector();
       T.G_v.col(l) = shift_wrench(R * Spatial::from(d.need_v.col(l)), to_body).vector();
-      if (!is_carried_[t.marker_out]) continue;
-      const Work::MovedNode& out = T.markers[t.marker_out];
+      if (!tree_.is_carried[t.marker_out]) continue;
+      const InertiaVariations::MovedNode& out = T.markers[t.marker_out];
       T.D.col(first + l) = -out.D.col(l);
       T.E.col(first + l) = -out.E.col(l);
       T.E_v.col(first + l) = -out.E_v.col(l);
     }
-    for (const int c : order_) {
-      if (bodies_[c].parent != b || !is_carried_[bodies_[c].marker_in]) continue;
-      const Work::MovedNode& node = T.markers[bodies_[c].marker_in];
-      const Work::BranchOfBody& outboard = T.bodies[c];
+    for (const int c : tree_.order) {
+      if (tree_.bodies[c].parent != b || !tree_.is_carried[tree_.bodies[c].marker_in]) continue;
+      const InertiaVariations::MovedNode& node = T.markers[tree_.bodies[c].marker_in];
+      const InertiaVariations::BranchOfBody& outboard = T.bodies[c];
       for (int l = 0; l < m; ++l) {
         const Vector6d X_p = cross_force(Spatial::from(node.eta.col(l)), outboard.F).vector() +
                              outboard.I * node.E.col(l) + outboard.B * node.D.col(l).head<3>();
@@ -127,6 +129,24 @@ void Mechanism::mode_tangents(Work& work, MatrixXd& z_q, MatrixXd& z_v) const {
         z_v(i, j) += T.row_E.col(i).dot(E_v) + T.row_w.col(i).dot(phi.head<3>()) + T.phi.col(i).dot(G_v);
       }
     }
+  }
+}
+
+void InertiaTangents::following_columns(const Motion& motion, Wrenches& wrenches, InertiaVariations& variations,
+                                        MatrixXd& z_c) const {
+  for (int b : tree_.order) {
+    if (tree_.bodies[b].i_c < 0) continue;
+    const int m = tree_.bodies[b].n_need, i = tree_.bodies[b].i_c;
+    const Motion::Body& body = motion.bodies[b];
+    DeformationTangents& d = variations.deformations[b];
+    const Matrix3d& R = body.X_WB.R;
+    const double* s = motion.kin.c + i;
+    tree_.d.bodies[b].flexible->deformation_tangents(s, s + m, wrenches.bodies[b].no_acceleration.data(), R.transpose() * body.V,
+                                                R.transpose() * Spatial{body.A.angular, body.A.linear - tree_.d.gravity},
+                                                *wrenches.bodies[b].flexible, d);
+    z_c.block(tree_.n_v + i, i + m, m, m).setIdentity();
+    z_c.block(tree_.n_v + i + m, i, m, m) = -d.modal_s;
+    z_c.block(tree_.n_v + i + m, i + m, m, m) = -d.modal_v;
   }
 }
 

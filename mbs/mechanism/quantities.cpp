@@ -1,11 +1,10 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mbs/mechanism/quantities.hpp"
+
 #include <fmt/format.h>
 
 #include <set>
 
-#include "mbs/mechanism/work.hpp"
-
-/// Everything that can be stored by name.
 namespace flexura::mbs {
 namespace {
 
@@ -17,14 +16,14 @@ constexpr input::Dimension linear_momentum{{1, 1, -1, 0}}, angular_momentum{{2, 
 
 }  // namespace
 
-void Mechanism::list_quantities() {
+Quantities::Quantities(const Topology& tree, const ConstraintRows& rows, int n_algebraic) : tree_(tree), rows_(rows) {
   std::set<std::string> taken;
-  const auto add = [&](std::string name, input::Dimension dimension, std::string doc, QuantityKind kind,
+  const auto add = [&](std::string name, input::Dimension dimension, std::string doc, Kind kind,
                        int index, int component = 0, bool usual = false) {
     if (!taken.insert(name).second) return;  // a free body's joint bears its name: "stone.x" is one thing
-    quantities_.push_back({{std::move(name), dimension, std::move(doc)}, kind, index, component, usual});
+    all_.push_back({{std::move(name), dimension, std::move(doc)}, kind, index, component, usual});
   };
-  using K = QuantityKind;
+  using K = Kind;
   // Sizes and forces on coordinates are usual, components are not.
   const auto add_outputs = [&](const std::string& name, const std::vector<OutputInfo>& outputs, K kind,
                                int index) {
@@ -35,8 +34,8 @@ void Mechanism::list_quantities() {
           !is_component);
     }
   };
-  for (std::size_t j = 0; j < d_.joints.size(); ++j) {
-    const JointDescription& joint = d_.joints[j];
+  for (std::size_t j = 0; j < tree_.d.joints.size(); ++j) {
+    const JointDescription& joint = tree_.d.joints[j];
     const int k = static_cast<int>(j);
     const bool narrow =
         joint.joint->n_v() <= 2;  // coordinates of interest; not the quaternion of a free body
@@ -63,8 +62,8 @@ void Mechanism::list_quantities() {
           k, index, true);
     }
   }
-  for (std::size_t b = 1; b < d_.bodies.size(); ++b) {
-    const std::string& name = d_.bodies[b].name;
+  for (std::size_t b = 1; b < tree_.d.bodies.size(); ++b) {
+    const std::string& name = tree_.d.bodies[b].name;
     const int k = static_cast<int>(b);
     for (int i = 0; i < 3; ++i) {
       const std::string axis = axis_names[i];
@@ -76,12 +75,12 @@ void Mechanism::list_quantities() {
       add(name + ".acceleration_" + axis, dim::acceleration, "of the body's origin", K::body_acceleration, k,
           i);
     }
-    const FlexibleBody* deforms = deforming(k);
+    const FlexibleBody* deforms = tree_.flexible(k);
     for (int i = 0; deforms && i < deforms->m(); ++i)
       add(fmt::format("{}.mode_{}", name, i + 1), dim::none, "modal coordinate", K::mode, k, i);
     if (deforms)
       add(name + ".strain_energy", dim::energy, "elastic energy of the body", K::strain_energy, k, 0, true);
-    if (const StressField* stress = d_.bodies[b].stress.get()) {
+    if (const StressField* stress = tree_.d.bodies[b].stress.get()) {
       add(name + ".von_mises", dim::pressure, "largest von Mises stress on the body's surface",
           K::largest_stress, k, 0, true);
       for (int i = 0; i < 3; ++i)
@@ -103,7 +102,7 @@ void Mechanism::list_quantities() {
               K::point_stress, k, first + 7 + i);
       }
     }
-    if (const SurfacePoints* surface = d_.bodies[b].surface_points.get())
+    if (const SurfacePoints* surface = tree_.d.bodies[b].surface_points.get())
       for (std::size_t p = 0; p < surface->points().size(); ++p) {
         const std::string point = name + "." + surface->points()[p].name;
         const int first = 7 * static_cast<int>(p);
@@ -117,7 +116,7 @@ void Mechanism::list_quantities() {
           add(fmt::format("{}.position_{}", point, axis_names[i]), dim::length, "of the node, in the world",
               K::surface_point, k, first + 3 + i);
       }
-    if (const SectionPoints* sections = d_.bodies[b].sections.get()) {
+    if (const SectionPoints* sections = tree_.d.bodies[b].sections.get()) {
       const char* components[] = {"N", "V_y", "V_z", "T", "M_y", "M_z"};
       for (std::size_t p = 0; p < sections->points().size(); ++p)
         for (int i = 0; i < 6; ++i)
@@ -126,26 +125,25 @@ void Mechanism::list_quantities() {
               K::section_force, k, 6 * static_cast<int>(p) + i, true);
     }
   }
-  for (std::size_t i = 0; i < d_.measures.size(); ++i)
-    add(d_.measures[i]->name(), d_.measures[i]->dimension(), "measure", K::measure, static_cast<int>(i), 0,
+  for (std::size_t i = 0; i < tree_.d.measures.size(); ++i)
+    add(tree_.d.measures[i]->name(), tree_.d.measures[i]->dimension(), "measure", K::measure, static_cast<int>(i), 0,
         true);
-  for (std::size_t k = 0; k < contacts_.size(); ++k)
-    add(constraints_[contacts_[k]]->name() + ".contact", dim::length,
-        "where along its curve the point stands", K::contact, static_cast<int>(algebraic_.size() + k), 0,
+  for (std::size_t k = 0; k < rows.contacts().size(); ++k)
+    add(rows.constraints()[rows.contacts()[k]]->name() + ".contact", dim::length,
+        "where along its curve the point stands", K::contact, n_algebraic + static_cast<int>(k), 0,
         true);
-  for (std::size_t i = 0; i < d_.inputs.size(); ++i)
-    add(d_.inputs[i].name, dim::none, "input", K::input, static_cast<int>(i), 0, true);
-  for (std::size_t i = 0; i < d_.controls.size(); ++i)
-    add(d_.controls[i]->name(), dim::none, "output of the control", K::control, static_cast<int>(i), 0, true);
-  for (std::size_t f = 0; f < d_.forces.size(); ++f) {
-    const auto outputs = d_.forces[f]->outputs();
+  for (std::size_t i = 0; i < tree_.d.inputs.size(); ++i)
+    add(tree_.d.inputs[i].name, dim::none, "input", K::input, static_cast<int>(i), 0, true);
+  for (std::size_t i = 0; i < tree_.d.controls.size(); ++i)
+    add(tree_.d.controls[i]->name(), dim::none, "output of the control", K::control, static_cast<int>(i), 0, true);
+  for (std::size_t f = 0; f < tree_.d.forces.size(); ++f) {
+    const auto outputs = tree_.d.forces[f]->outputs();
     for (std::size_t i = 0; i < outputs.size(); ++i)
-      add(d_.forces[f]->name() + "." + outputs[i].name, outputs[i].dimension, outputs[i].doc, K::force,
+      add(tree_.d.forces[f]->name() + "." + outputs[i].name, outputs[i].dimension, outputs[i].doc, K::force,
           static_cast<int>(f), static_cast<int>(i), true);
   }
-  const std::size_t first_own = constraints_.size() - d_.constraints.size();
-  for (std::size_t k = first_own; k < constraints_.size(); ++k)
-    add_outputs(constraints_[k]->name(), constraints_[k]->outputs(), K::constraint, static_cast<int>(k));
+  for (std::size_t k = rows.first_own(); k < rows.constraints().size(); ++k)
+    add_outputs(rows.constraints()[k]->name(), rows.constraints()[k]->outputs(), K::constraint, static_cast<int>(k));
   for (int i = 0; i < 3; ++i)
     add(fmt::format("momentum.linear_{}", axis_names[i]), linear_momentum,
         "of all bodies, in the world's axes", K::momentum, 0, 3 + i);
@@ -160,16 +158,16 @@ void Mechanism::list_quantities() {
   add("power.dissipated", dim::power, "power taken out by dampers", K::energy, 0, 5, true);
 }
 
-std::vector<OutputInfo> Mechanism::quantities() const {
+std::vector<OutputInfo> Quantities::infos() const {
   std::vector<OutputInfo> infos;
-  for (const QuantityPlace& q : quantities_) infos.push_back(q.info);
+  for (const Place& q : all_) infos.push_back(q.info);
   return infos;
 }
 
-std::vector<int> Mechanism::usual_quantities() const {
+std::vector<int> Quantities::usual() const {
   std::vector<int> which;
-  for (std::size_t i = 0; i < quantities_.size(); ++i)
-    if (quantities_[i].usual) which.push_back(static_cast<int>(i));
+  for (std::size_t i = 0; i < all_.size(); ++i)
+    if (all_[i].usual) which.push_back(static_cast<int>(i));
   return which;
 }
 

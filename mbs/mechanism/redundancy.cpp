@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "mbs/mechanism/work.hpp"
+#include "mbs/mechanism/redundancy.hpp"
 
 /// Which constraint rows say nothing new.
 namespace flexura::mbs {
@@ -65,29 +65,18 @@ std::vector<int> independent_rows(const MatrixXd& G, const std::vector<bool>& of
 
 }  // namespace
 
-std::vector<RedundantRow> Mechanism::drop_redundant(double t, ConstVectorRef p) {
-  const int n_rows = first_row_.back();
-  kept_rows_.resize(n_rows);
-  for (int i = 0; i < n_rows; ++i) kept_rows_[i] = i;
-  left_out_.clear();
-  follows_from_.clear();
-  if (n_rows == 0) return {};
-  if (n_v_ == 0) {
-    left_out_ = std::exchange(kept_rows_, {});
-    follows_from_.resize(left_out_.size());
-    std::vector<RedundantRow> all;
-    for (const int i : left_out_) all.push_back({name_of_row(i), {}});
-    return all;
-  }
-
-  const auto scratch = make_scratch();
-  const ConstraintSizes sizes = constraint_sizes(t, p, *scratch);
+Redundancy find_redundancy(const Equations& mechanism, double t, ConstVectorRef p, const VectorXd& scale,
+                           const std::vector<bool>& of_positions, const std::vector<bool>& lasts) {
+  const auto scratch = mechanism.make_scratch();
+  const ConstraintSizes sizes = mechanism.constraint_sizes(t, p, *scratch);
+  const int n_rows = static_cast<int>(sizes.is_length.size()), n_v = static_cast<int>(scale.size());
+  Redundancy out;
+  for (int i = 0; i < n_rows; ++i) out.kept.push_back(i);
   // Coordinates are weighed by the mechanism's geometry, so that metres, radians and modal coordinates compare;
   // what is dependent is no matter of masses.
-  const VectorXd scale = kinematic_scale(extent(work_of(*scratch)));
   const auto scaled_G = [&](const VectorXd& at) {
-    MatrixXd G(n_rows, n_v_);
-    constraint_matrix(t, at, *scratch, G);
+    MatrixXd G(n_rows, n_v);
+    mechanism.constraint_matrix(t, at, *scratch, G);
     G = (G * scale.asDiagonal()).eval();
     // What axes that are parallel but for round-off leave of a row would pass for a direction once
     // normalised.
@@ -97,30 +86,15 @@ std::vector<RedundantRow> Mechanism::drop_redundant(double t, ConstVectorRef p) 
     return G;
   };
 
-  // Where a drive of speeds says what follows from rows on positions these stay: from the others positions would
-  // drift as far as the integrator lets them.
-  std::vector<bool> of_positions(n_rows);
-  for (std::size_t k = 0; k < constraints_.size(); ++k)
-    for (int i = 0; i < constraints_[k]->n_rows(); ++i)
-      of_positions[first_row_[k] + i] = constraints_[k]->is_holonomic(i);
-
   // The configuration itself and neighbours along its freedoms: the largest rank counts.
   MatrixXd best_G = scaled_G(p);
   std::vector<int> best = independent_rows(best_G, of_positions);
-  if (static_cast<int>(best.size()) == n_rows) return {};  // no neighbour can have a larger rank
+  if (static_cast<int>(best.size()) == n_rows) return out;  // no neighbour can have a larger rank
   const MatrixXd G_p = best_G;
-  // Rows that say where the mechanism is allowed to be at all times. A drive's does so now only: at its next
-  // value the others may be independent that are not here.
+  // A drive does not last: at its next value the others may be independent that are not here.
   std::vector<int> lasting;
-  VectorXd rate(n_rows);
-  forward(Level::position, t, p.data(), nullptr, nullptr, work_of(*scratch));
-  for (std::size_t k = 0; k < constraints_.size(); ++k) {
-    own_contact(k, work_of(*scratch));
-    constraints_[k]->rate(work_of(*scratch).kin, rate.data() + first_row_[k]);
-    for (int i = 0; i < constraints_[k]->n_rows(); ++i)
-      if (constraints_[k]->is_holonomic(i) && !constraints_[k]->reads_time(i) && rate(first_row_[k] + i) == 0.0)
-        lasting.push_back(first_row_[k] + i);
-  }
+  for (int i = 0; i < n_rows; ++i)
+    if (lasts[static_cast<std::size_t>(i)]) lasting.push_back(i);
   const auto rows_of = [&](const MatrixXd& all) {
     MatrixXd some(lasting.size(), all.cols());
     for (std::size_t i = 0; i < lasting.size(); ++i) some.row(i) = all.row(lasting[i]);
@@ -141,22 +115,22 @@ std::vector<RedundantRow> Mechanism::drop_redundant(double t, ConstVectorRef p) 
     return 2.0 * static_cast<double>(random >> 11) / 9007199254740992.0 - 1.0;
   };
   VectorXd g(n_rows);
-  position_constraints(t, p, *scratch, g);
+  mechanism.position_constraints(t, p, *scratch, g);
   const double open_at_p = g.norm();
   const MatrixXd held_p = rows_of(G_p);
   Eigen::CompleteOrthogonalDecomposition<MatrixXd> decomposed;
   if (!lasting.empty()) decomposed = decompose(held_p);
   // Neighbours are drawn back onto the constraints by Newton's method with least-norm steps.
   for (int sample = 0; sample < 4; ++sample) {
-    VectorXd z(n_v_);
-    for (int i = 0; i < n_v_; ++i) z(i) = 0.01 * uniform();  // 0.01 rad, or a hundredth of the extent
+    VectorXd z(n_v);
+    for (int i = 0; i < n_v; ++i) z(i) = 0.01 * uniform();  // 0.01 rad, or a hundredth of the extent
     if (!lasting.empty()) z -= decomposed.solve(VectorXd(held_p * z));
-    VectorXd at = p, next(n_p_);
-    retract(at, VectorXd(scale.asDiagonal() * z), next);
+    VectorXd at = p, next(static_cast<int>(p.size()));
+    mechanism.retract(at, VectorXd(scale.asDiagonal() * z), next);
     at = next;
     bool closed = lasting.empty();
     for (int k = 0; k < 20 && !closed; ++k) {
-      position_constraints(t, at, *scratch, g);
+      mechanism.position_constraints(t, at, *scratch, g);
       VectorXd open(lasting.size());
       closed = true;
       for (std::size_t i = 0; i < lasting.size(); ++i) {
@@ -165,7 +139,7 @@ std::vector<RedundantRow> Mechanism::drop_redundant(double t, ConstVectorRef p) 
       }
       if (closed) break;
       const VectorXd step = decompose(rows_of(scaled_G(at))).solve(-open);
-      retract(at, VectorXd(scale.asDiagonal() * step), next);
+      mechanism.retract(at, VectorXd(scale.asDiagonal() * step), next);
       at = next;
     }
     if (!closed || !at.allFinite()) continue;
@@ -178,8 +152,7 @@ std::vector<RedundantRow> Mechanism::drop_redundant(double t, ConstVectorRef p) 
   }
 
   // What the rows left out follow from.
-  std::vector<RedundantRow> redundant;
-  MatrixXd G_kept(best.size(), n_v_);
+  MatrixXd G_kept(best.size(), n_v);
   for (std::size_t i = 0; i < best.size(); ++i) G_kept.row(i) = best_G.row(best[i]);
   Eigen::CompleteOrthogonalDecomposition<MatrixXd> combine;
   if (!best.empty()) combine.compute(G_kept.transpose());
@@ -190,14 +163,11 @@ std::vector<RedundantRow> Mechanism::drop_redundant(double t, ConstVectorRef p) 
     if (!best.empty()) x = combine.solve(best_G.row(i).transpose());
     for (std::size_t k = 0; k < best.size(); ++k)
       if (std::abs(x(k)) * G_kept.row(k).norm() > 1e-6 * best_G.row(i).norm()) from.push_back(best[k]);
-    RedundantRow row{name_of_row(i), {}};
-    for (const int k : from) row.follows_from.push_back(name_of_row(k));
-    redundant.push_back(std::move(row));
-    left_out_.push_back(i);
-    follows_from_.push_back(std::move(from));
+    out.left_out.push_back(i);
+    out.follows_from.push_back(std::move(from));
   }
-  kept_rows_ = std::move(best);
-  return redundant;
+  out.kept = std::move(best);
+  return out;
 }
 
 }  // namespace flexura::mbs

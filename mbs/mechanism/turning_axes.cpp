@@ -1,7 +1,7 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include <Eigen/LU>
 
-#include "mbs/mechanism/work.hpp"
+#include "mbs/mechanism/joined.hpp"
 
 /// Axes that turn: the same motion through a tree joint, its components in axes K that turn with Omega
 /// relative to the joint's frame F and coincide with F's now.
@@ -31,35 +31,26 @@ void turn(const JointPlace& place, const double* q, const Vector3d& Omega_F, Eig
 }  // namespace
 
 Eigen::MatrixXd Mechanism::turning_axes(const State& s, const Vector3d& Omega_W, Scratch& scratch) const {
-  Work& work = work_of(scratch);
-  forward(Level::velocity, s.t, s.p.data(), s.v.data(), nullptr, work);
-  Eigen::MatrixXd W = Eigen::MatrixXd::Zero(n_v_, n_v_);
-  for (const JointPlace& place : places_) {
+  MechanismScratch& work = scratch_of(scratch);
+  m_->residual.move(TreeMotion::Level::velocity, s, nullptr, work);
+  Eigen::MatrixXd W = Eigen::MatrixXd::Zero(m_->tree.n_v, m_->tree.n_v);
+  for (const JointPlace& place : m_->tree.places) {
     if (!place.in_tree()) continue;
-    const MarkerState& F = work.kin.markers[place.marker_F];
+    const MarkerState& F = work.motion.kin.markers[place.marker_F];
     turn(place, s.p.data() + place.i_p, F.X_WP.R.transpose() * (Omega_W - F.V.angular), W);
   }
   return W;
 }
 
 Eigen::MatrixXd Mechanism::turning_with_bodies(const State& s, Scratch& scratch) const {
-  Work& work = work_of(scratch);
-  forward(Level::velocity, s.t, s.p.data(), s.v.data(), nullptr, work);
-  Eigen::MatrixXd W = Eigen::MatrixXd::Zero(n_v_, n_v_);
-  for (const JointPlace& place : places_)
+  MechanismScratch& work = scratch_of(scratch);
+  m_->residual.move(TreeMotion::Level::velocity, s, nullptr, work);
+  Eigen::MatrixXd W = Eigen::MatrixXd::Zero(m_->tree.n_v, m_->tree.n_v);
+  for (const JointPlace& place : m_->tree.places)
     if (place.in_tree())
       turn(place, s.p.data() + place.i_p,
-           work.kin.relative_motion(place.marker_F, place.marker_M).V.head<3>(), W);
+           work.motion.kin.relative_motion(place.marker_F, place.marker_M).V.head<3>(), W);
   return W;
-}
-
-void Mechanism::body_motions(const State& s, ConstVectorRef v_dot, Scratch& scratch,
-                             std::vector<MarkerState>& bodies) const {
-  Work& work = work_of(scratch);
-  forward(Level::acceleration, s.t, s.p.data(), s.v.data(), v_dot.data(), work);
-  bodies.resize(d_.bodies.size());
-  for (std::size_t b = 0; b < d_.bodies.size(); ++b)
-    bodies[b] = {work.bodies[b].X_WB, work.bodies[b].V, work.bodies[b].A};
 }
 
 }  // namespace flexura::mbs

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <map>
 
-#include "mbs/mechanism/work.hpp"
+#include "mbs/mechanism/joined.hpp"
 
 /// A mechanism without what it carries: weight, given forces, the given part of elements that also respond.
 namespace flexura::mbs {
@@ -61,14 +61,11 @@ bool same(const std::vector<double>& x, const std::vector<double>& y) {
 /// speed and dynamic state: a force that is the same there, in the world's axes or in those of its markers,
 /// is a load; one that does not act is a response.
 ForceNature Mechanism::nature_by_trial(std::size_t force, const State& s, Scratch& scratch) const {
-  Work& work = work_of(scratch);
   const auto act = [&](const State& at) {
-    forward(Level::velocity, at.t, at.p.data(), at.v.data(), nullptr, work);
-    take_states(at, work);
-    evaluate_signals(work);
-    Recorded loads(work.kin);
-    own_states(force, work);
-    d_.forces[force]->apply(work.kin, work.signals.data(), loads);
+    MechanismScratch& work = observe(at, scratch);
+    Recorded loads(work.motion.kin);
+    m_->states.own_states(force, work.motion, work.signals);
+    description().forces[force]->apply(work.motion.kin, work.signals.values.data(), loads);
     return std::pair(loads.in_W, loads.in_P);
   };
   const auto here = act(s);
@@ -82,8 +79,8 @@ ForceNature Mechanism::nature_by_trial(std::size_t force, const State& s, Scratc
       return 1e-3 * (x - std::floor(x) - 0.5);
     };
     State moved = s;
-    Eigen::VectorXd d(n_v_);
-    for (int i = 0; i < n_v_; ++i) {
+    Eigen::VectorXd d(m_->tree.n_v);
+    for (int i = 0; i < m_->tree.n_v; ++i) {
       d(i) = next() * velocity_scale(i);
       moved.v(i) += next() * velocity_scale(i);
     }
@@ -99,28 +96,26 @@ ForceNature Mechanism::nature_by_trial(std::size_t force, const State& s, Scratc
 }
 
 Mechanism::Unloaded Mechanism::without_loads(const State& s, Scratch& scratch) const {
-  Unloaded out{d_, {}, {}};
-  if (!d_.gravity.isZero(0.0)) out.loads.push_back("weight");
+  const MechanismDescription& d = description();
+  Unloaded out{d, {}, {}};
+  if (!d.gravity.isZero(0.0)) out.loads.push_back("weight");
   out.description.gravity.setZero();
   out.description.forces.clear();
-  Work& work = work_of(scratch);
-  for (std::size_t i = 0; i < d_.forces.size(); ++i) {
-    const ForceElement& force = *d_.forces[i];
+  for (std::size_t i = 0; i < d.forces.size(); ++i) {
+    const ForceElement& force = *d.forces[i];
     ForceNature nature = force.nature();
     const bool says = nature != ForceNature::unknown;
     if (!says) nature = nature_by_trial(i, s, scratch);
     if (nature == ForceNature::unknown) out.unknown.push_back(force.name());
     if (nature != ForceNature::load) {
-      out.description.forces.push_back(d_.forces[i]);
+      out.description.forces.push_back(d.forces[i]);
       continue;
     }
     out.loads.push_back(force.name());
     if (!says) continue;  // the whole of it is a load
-    forward(Level::velocity, s.t, s.p.data(), s.v.data(), nullptr, work);
-    take_states(s, work);
-    evaluate_signals(work);
-    own_states(i, work);
-    if (auto rest = force.without_load(work.kin, work.signals.data()))
+    MechanismScratch& work = observe(s, scratch);
+    m_->states.own_states(i, work.motion, work.signals);
+    if (auto rest = force.without_load(work.motion.kin, work.signals.values.data()))
       out.description.forces.push_back(std::move(rest));
   }
   return out;

@@ -1,0 +1,64 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "mbs/mechanism/constraint_rows.hpp"
+#include "mbs/mechanism/coordinates.hpp"
+#include "mbs/mechanism/element_states.hpp"
+#include "mbs/mechanism/element_tangents.hpp"
+#include "mbs/mechanism/inertia_tangents.hpp"
+#include "mbs/mechanism/inverse_dynamics.hpp"
+#include "mbs/mechanism/mass_matrix.hpp"
+#include "mbs/mechanism/topology.hpp"
+#include "mbs/mechanism/tree_motion.hpp"
+
+/// What a mechanism is joined of, and the scratch of them all.
+namespace flexura::mbs {
+
+struct MechanismParts {
+  explicit MechanismParts(MechanismDescription description)
+      : tree(std::move(description)),
+        coordinates(tree),
+        kinematics(tree),
+        dynamics(tree),
+        mass(tree),
+        states(tree),
+        rows(tree),
+        inertia(tree) {}
+
+  Topology tree;
+  Coordinates coordinates;
+  TreeMotion kinematics;
+  InverseDynamics dynamics;
+  MassMatrix mass;
+  ElementStates states;
+  ConstraintRows rows;
+  InertiaTangents inertia;
+
+  int n_algebraic() const { return static_cast<int>(states.algebraic().size() + rows.contacts().size()); }
+};
+
+struct MechanismScratch final : Equations::Scratch {
+  explicit MechanismScratch(const MechanismParts& parts) {
+    parts.kinematics.size(motion);
+    parts.dynamics.size(wrenches);
+    parts.mass.size(inertias);
+    parts.states.size(static_cast<int>(parts.rows.contacts().size()), signals);
+    parts.rows.size(rows);
+  }
+
+  Motion motion;
+  Wrenches wrenches;
+  Inertias inertias;
+  Signals signals;
+  RowValues rows;
+  /// At the first tangents(): most scratches never see one.
+  struct Tangents {
+    InertiaVariations inertia;
+    ElementVariations elements;
+    State moved;
+    Eigen::VectorXd z, z_plus, h, h_plus, step;  ///< z as in TangentMatrices
+  };
+  std::unique_ptr<Tangents> tangents;
+};
+
+}  // namespace flexura::mbs

@@ -1,0 +1,28 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <vector>
+
+#include "mbs/mechanism/coordinates.hpp"
+#include "mbs/mechanism/tree_motion.hpp"
+
+namespace flexura::mbs {
+
+/// Positions and velocities as a description gives them: a guess, to be assembled.
+class StartValues {
+ public:
+  StartValues(const Topology& tree, const TreeMotion& kinematics, const Coordinates& coordinates);
+
+  Eigen::VectorXd p, v;
+  std::vector<bool> given_p, given_v;  ///< entries that the user gave
+
+ private:
+  void follow_split_joints();
+  /// Sets the coordinates of b's joint so that the body stands at X_WB; `motion` knows the markers of the body before it.
+  void stand_at(int b, const Pose& X_WB, const Motion& motion);
+
+  const Topology& tree_;
+  const TreeMotion& kinematics_;
+};
+
+}  // namespace flexura::mbs
