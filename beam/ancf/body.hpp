@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "beam/ancf/block_tridiagonal.hpp"
-#include "beam/ancf/element.hpp"
+#include "beam/ancf/ancf_element.hpp"
 
 /// A chain of ANCF elements as one body:
 ///

@@ -7,7 +7,7 @@
 #include <tuple>
 #include <type_traits>
 
-#include "beam/ancf/element.hpp"
+#include "beam/ancf/ancf_element.hpp"
 #include "beam/ancf/hermite.hpp"
 #include "beam/ancf/point_set.hpp"
 

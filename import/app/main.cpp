@@ -29,8 +29,8 @@ std::string ending_of(const std::string& file) {
   return ending;
 }
 
-void report(const import::Mechanism& mechanism, const std::filesystem::path& folder, const terminal::Talk& talk) {
-  if (talk.quiet) return;
+void report(const import::Mechanism& mechanism, const std::filesystem::path& folder, const terminal::Verbosity& verbosity) {
+  if (verbosity.quiet) return;
   std::size_t joints = 0;
   for (const import::Element& e : mechanism.elements) joints += e.table == "joint" ? 1 : 0;
   for (const std::string& note : mechanism.notes) terminal::say(stderr, "note: " + note);
@@ -68,8 +68,8 @@ double quantity(const std::string& text, const char* option, const input::Dimens
   return value;
 }
 
-void print_proposal(const import::cad::Built& built, const terminal::Talk& talk) {
-  if (talk.quiet) return;
+void print_proposal(const import::cad::Built& built, const terminal::Verbosity& verbosity) {
+  if (verbosity.quiet) return;
   terminal::Table table({{"joint", terminal::Align::left}, {"type", terminal::Align::left}, {"confidence", terminal::Align::left}, {"redundant"}});
   std::size_t i = 0;
   for (const import::Element& e : built.mechanism.elements) {
@@ -82,17 +82,17 @@ void print_proposal(const import::cad::Built& built, const terminal::Talk& talk)
   fmt::print("degrees of freedom: {}\n", built.proposal.freedom ? fmt::format("{}", *built.proposal.freedom) : "unknown, not counted for more than 400 bodies that move (flexura check)");
 }
 
-int import_robot(const Arguments& a, const std::filesystem::path& folder, const terminal::Talk& talk) {
+int import_robot(const Arguments& a, const std::filesystem::path& folder, const terminal::Verbosity& verbosity) {
   const import::Mechanism mechanism =
       import::urdf::to_mechanism(import::urdf::read_robot(a.input), {.floating_base = a.base == "floating",
                                                                     .stops = !a.no_stops,
                                                                     .packages = a.packages});
   import::write_folder(folder, mechanism, {}, a.force);
-  report(mechanism, folder, talk);
+  report(mechanism, folder, verbosity);
   return 0;
 }
 
-int import_assembly(const Arguments& a, const std::filesystem::path& folder, const terminal::Talk& talk) {
+int import_assembly(const Arguments& a, const std::filesystem::path& folder, const terminal::Verbosity& verbosity) {
   const import::cad::BuildOptions options{
       .propose = {.clearance = quantity(a.clearance, "--clearance", input::dim::length, 2e-4), .ground = a.ground},
       .joints = a.joints != "none",
@@ -101,12 +101,12 @@ int import_assembly(const Arguments& a, const std::filesystem::path& folder, con
   const import::cad::Assembly assembly = import::cad::read_assembly(a.input, limit);
   const import::cad::Built built = import::cad::build(assembly, std::filesystem::path(a.input).stem().string(), options);
   import::write_folder(folder, built.mechanism, built.texts, a.force);
-  if (options.joints) print_proposal(built, talk);
-  report(built.mechanism, folder, talk);
+  if (options.joints) print_proposal(built, verbosity);
+  report(built.mechanism, folder, verbosity);
   return 0;
 }
 
-int import_file(const Arguments& a, const terminal::Talk& talk) {
+int import_file(const Arguments& a, const terminal::Verbosity& verbosity) {
   const std::string ending = ending_of(a.input);
   if (ending == ".xacro")
     throw std::invalid_argument(a.input + ": is a xacro template; make the URDF of it first: xacro robot.xacro > robot.urdf");
@@ -115,10 +115,10 @@ int import_file(const Arguments& a, const terminal::Talk& talk) {
     throw std::invalid_argument(a.input + ": is not of a kind that is imported; name a robot (.urdf) or an assembly (.step, .stp)");
   refuse_options_of_the_other_kind(a, is_robot);
   const std::filesystem::path folder = a.output.empty() ? std::filesystem::path(a.input).stem() : std::filesystem::path(a.output);
-  return is_robot ? import_robot(a, folder, talk) : import_assembly(a, folder, talk);
+  return is_robot ? import_robot(a, folder, verbosity) : import_assembly(a, folder, verbosity);
 }
 
-std::function<int()> declare(terminal::Options& options, const terminal::Talk& talk) {
+std::function<int()> declare(terminal::Options& options, const terminal::Verbosity& verbosity) {
   const auto a = std::make_shared<Arguments>();
   options.argument("FILE", a->input, "robot (.urdf) or assembly (.step, .stp)")
       .option("-o,--output", a->output, "FOLDER", "folder to write, made where it is not there (default: the file's name)")
@@ -133,7 +133,7 @@ std::function<int()> declare(terminal::Options& options, const terminal::Talk& t
       .option("--time-limit", a->time_limit, "TIME", "assemblies: give the reading up after this time (default: 600 s)")
       .example("flexura import robot.urdf -o robot", "then: flexura simulate robot/mechanism.toml")
       .example("flexura import engine.step -o engine", "bodies, joints from their geometry, part files for flexura reduce");
-  return [a, &talk] { return import_file(*a, talk); };
+  return [a, &verbosity] { return import_file(*a, verbosity); };
 }
 
 }  // namespace

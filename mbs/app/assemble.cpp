@@ -42,7 +42,7 @@ nlohmann::json to_json(const NamedRun& run) {
   return out;
 }
 
-int print_assembled(const Arguments& arguments, const terminal::Talk& talk) {
+int print_assembled(const Arguments& arguments, const terminal::Verbosity& verbosity) {
   files::Claims claims;
   claims.add(arguments.save_state);
   std::vector<NamedRun> runs = prepare_runs(arguments);
@@ -56,7 +56,7 @@ int print_assembled(const Arguments& arguments, const terminal::Talk& talk) {
     print_json("assembled", runs, list);
     return 0;
   }
-  if (talk.quiet) return 0;
+  if (verbosity.quiet) return 0;
   for (const NamedRun& run : runs) {
     const mbs::PreparedMechanism& p = run.prepared;
     const mbs::Sizes n = p.mechanism->sizes();
@@ -87,13 +87,13 @@ int print_assembled(const Arguments& arguments, const terminal::Talk& talk) {
 
 terminal::Command assemble_command() {
   return {"assemble", "close a mechanism's loops and print where it stands",
-          [](terminal::Options& options, const terminal::Talk& talk) -> std::function<int()> {
+          [](terminal::Options& options, const terminal::Verbosity& verbosity) -> std::function<int()> {
             auto a = std::make_shared<Arguments>();
             declare_mechanism(options, *a);
             options.option("--save-state", a->save_state, "FILE", "write the assembled states there")
                 .flag("--json", a->json, "print JSON (SI units)")
                 .example("flexura assemble engine.toml", "positions, velocities, accelerations, multipliers");
-            return [a, &talk] { return print_assembled(*a, talk); };
+            return [a, &verbosity] { return print_assembled(*a, verbosity); };
           }};
 }
 

@@ -88,7 +88,7 @@ nlohmann::json to_json(const Superelement& se, const superelement::ModeAnalysis&
           {"valid", true}};
 }
 
-int check_superelement(const std::string& file, bool json, const terminal::Talk& talk) {
+int check_superelement(const std::string& file, bool json, const terminal::Verbosity& verbosity) {
   // Everything is read, so every checksum and every relation is checked.
   const Superelement se = superelement::read(file, {.matrices = true,
                                                     .inertia = true,
@@ -100,7 +100,7 @@ int check_superelement(const std::string& file, bool json, const terminal::Talk&
                                                     .mesh_error = true});
   const auto modes = superelement::natural_modes(se, {}, 1);
   if (json) fmt::print("{}\n", to_json(se, modes).dump(1));
-  if (talk.quiet || json) return 0;
+  if (verbosity.quiet || json) return 0;
   const bool colour = terminal::takes_colour(stdout);
   const double size = reach(se);
   fmt::print("{}: superelement, made by {}\n\n", terminal::bold(se.name, colour), se.created_by);
@@ -151,7 +151,7 @@ int check_superelement(const std::string& file, bool json, const terminal::Talk&
 
 terminal::Command check_command() {
   return {"check", "validate a superelement or a mechanism and say what it holds",
-          [](terminal::Options& options, const terminal::Talk& talk) -> std::function<int()> {
+          [](terminal::Options& options, const terminal::Verbosity& verbosity) -> std::function<int()> {
             struct Arguments : MechanismArguments {
               bool json = false;
             };
@@ -165,12 +165,12 @@ terminal::Command check_command() {
                          "one run, with a key of the file replaced")
                 .example("flexura check engine.toml --json",
                          "counts, joints and states of each run, for scripts");
-            return [a, &talk] {
-              if (a->file.ends_with(".toml")) return check_mechanism(*a, a->json, talk);
+            return [a, &verbosity] {
+              if (a->file.ends_with(".toml")) return check_mechanism(*a, a->json, verbosity);
               if (!a->set.empty() || !a->runs.empty() || !a->from_state.empty() || !a->cache.empty())
                 throw std::invalid_argument(fmt::format(
                     "{}: --set, --run, --from-state and --cache are for mechanism files (.toml); leave them out", a->file));
-              return check_superelement(a->file, a->json, talk);
+              return check_superelement(a->file, a->json, verbosity);
             };
           }};
 }

@@ -56,14 +56,14 @@ nlohmann::json to_json(const NamedRun& run) {
 
 }  // namespace
 
-int check_mechanism(const MechanismArguments& arguments, bool json, const terminal::Talk& talk) {
+int check_mechanism(const MechanismArguments& arguments, bool json, const terminal::Verbosity& verbosity) {
   const std::vector<NamedRun> runs = prepare_runs(arguments);
   if (json) {
     nlohmann::json list = nlohmann::json::array();
     for (const NamedRun& run : runs) list.push_back(to_json(run));
     print_json("mechanism", runs, list);
   }
-  if (talk.quiet || json) return 0;
+  if (verbosity.quiet || json) return 0;
   const bool colour = terminal::takes_colour(stdout);
   for (const NamedRun& run : runs) {
     const mbs::PreparedMechanism& p = run.prepared;

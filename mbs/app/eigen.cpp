@@ -152,13 +152,13 @@ void add_buckling_notes(const mbs::Buckling& buckling, bool can_move, std::vecto
     }
 }
 
-int print_buckling(const Arguments& arguments, const terminal::Talk& talk) {
+int print_buckling(const Arguments& arguments, const terminal::Verbosity& verbosity) {
   std::vector<NamedRun> runs = prepare_runs(arguments);
   nlohmann::json list = nlohmann::json::array();
   for (NamedRun& run : runs) {
     PreparedMechanism& p = run.prepared;
     const mbs::StaticStiffness unloaded = unloaded_stiffness(p);
-    settle(p);
+    move_to_equilibrium(p);
     give_warnings(run);
     const mbs::Buckling buckling =
         mbs::buckling_modes(unloaded, mbs::static_stiffness(*p.mechanism, p.state, &unloaded.independent));
@@ -174,7 +174,7 @@ int print_buckling(const Arguments& arguments, const terminal::Talk& talk) {
       list.push_back(to_json(run, buckling.modes, arguments.count));
       continue;
     }
-    if (talk.quiet) continue;
+    if (verbosity.quiet) continue;
     fmt::print("{}\n\n", heading(run));
     terminal::Table table({{"no"}, {"load factor"}, {"moves most", Align::left}});
     int index = 0;
@@ -232,7 +232,7 @@ mbs::Stability judge_stability(PreparedMechanism& p, const mbs::SteadyLinearisat
 
 // A mechanism at rest beside an equilibrium, as one that is drawn without the sag of its springs, is meant to stand in
 // it.  Where anything is driven or moves, or falls far, only its user knows.
-std::optional<mbs::Stability> settle_near(PreparedMechanism& p) {
+std::optional<mbs::Stability> move_to_equilibrium_near(PreparedMechanism& p) {
   constexpr double kNear = 0.35;  // rad or typical sizes: 20 degrees
   const mbs::Mechanism& m = *p.mechanism;
   if (!p.state.v.isZero(0.0) || !m.functions_of_time().empty() || lasts(p)) return {};
@@ -240,7 +240,7 @@ std::optional<mbs::Stability> settle_near(PreparedMechanism& p) {
   const Eigen::VectorXd v_dot = p.v_dot;
   const std::vector<std::string> notes = p.notes;
   try {
-    const mbs::Stability stability = settle(p);
+    const mbs::Stability stability = move_to_equilibrium(p);
     double way = 0.0;
     for (int i = 0; i < m.sizes().n_p; ++i)
       way = std::max(way, std::abs(p.state.p(i) - before.p(i)) / m.position_scale(i));
@@ -259,7 +259,7 @@ std::optional<mbs::Stability> settle_near(PreparedMechanism& p) {
   return {};
 }
 
-int print_modes(const Arguments& arguments, const terminal::Talk& talk) {
+int print_modes(const Arguments& arguments, const terminal::Verbosity& verbosity) {
   files::Claims claims;
   claims.add(arguments.pictures);
   std::vector<NamedRun> runs = prepare_runs(arguments);
@@ -267,15 +267,15 @@ int print_modes(const Arguments& arguments, const terminal::Talk& talk) {
   nlohmann::json list = nlohmann::json::array();
   for (NamedRun& run : runs) {
     PreparedMechanism& p = run.prepared;
-    std::optional<mbs::Stability> settled;
+    std::optional<mbs::Stability> at_equilibrium;
     if (arguments.equilibrium)
-      settled = settle(p);
+      at_equilibrium = move_to_equilibrium(p);
     else if (!arguments.frozen && !arguments.fixed_axes && arguments.from_state.empty())
-      settled = settle_near(p);
+      at_equilibrium = move_to_equilibrium_near(p);
     give_warnings(run);
     const mbs::SteadyLinearisation about = linearise_about(p, {}, arguments.frozen);
     const auto modes = mbs::natural_modes(about.system);
-    const mbs::Stability stability = settled ? *settled : judge_stability(p, about);
+    const mbs::Stability stability = at_equilibrium ? *at_equilibrium : judge_stability(p, about);
     if (modes.empty())
       p.notes.push_back("nothing of the mechanism moves or deforms: it has no natural modes");
     note_discretisation(p);
@@ -298,7 +298,7 @@ int print_modes(const Arguments& arguments, const terminal::Talk& talk) {
       if (arguments.fixed_axes) row.push_back(text_of(whirls[static_cast<std::size_t>(index - 1)]));
       table.add_row(std::move(row));
     }
-    const bool talks = !talk.quiet && !arguments.json;
+    const bool talks = !verbosity.quiet && !arguments.json;
     if (arguments.json) {
       list.push_back(to_json(run, modes, arguments.count));
       list.back()["about"] = name_of(about.verdict);
@@ -328,7 +328,7 @@ int print_modes(const Arguments& arguments, const terminal::Talk& talk) {
 terminal::Command eigen_command() {
   return {
       "eigen", "natural frequencies and damping of a mechanism",
-      [](terminal::Options& options, const terminal::Talk& talk) -> std::function<int()> {
+      [](terminal::Options& options, const terminal::Verbosity& verbosity) -> std::function<int()> {
         auto a = std::make_shared<Arguments>();
         declare_mechanism(options, *a);
         options
@@ -348,9 +348,9 @@ terminal::Command eigen_command() {
                     "tenth of the mechanism's size)")
             .example("flexura eigen engine.toml --equilibrium", "eigenvalues, frequencies, damping")
             .example("flexura eigen engine.toml --json", "the same and the shapes, for scripts");
-        return [a, &talk] {
+        return [a, &verbosity] {
           check(*a);
-          return a->buckling ? print_buckling(*a, talk) : print_modes(*a, talk);
+          return a->buckling ? print_buckling(*a, verbosity) : print_modes(*a, verbosity);
         };
       }};
 }

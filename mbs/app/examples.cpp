@@ -61,7 +61,7 @@ int list(const fs::path& cases) {
   return 0;
 }
 
-int run(const Arguments& arguments, const terminal::Talk& talk) {
+int run(const Arguments& arguments, const terminal::Verbosity& verbosity) {
   const fs::path cases = cases_folder();
   if (arguments.name.empty()) {
     if (!arguments.output.empty())
@@ -80,7 +80,7 @@ int run(const Arguments& arguments, const terminal::Talk& talk) {
   fs::remove_all(part);
   fs::copy(cases / arguments.name, part, fs::copy_options::recursive);
   fs::rename(part, output);
-  if (!talk.quiet)
+  if (!verbosity.quiet)
     fmt::print("wrote {}/\nnext: read {}/README.md; the commands are in {}/run, and all of them at once:\n"
                "  (cd {} && CASE=$PWD OUT=$PWD ./run)\n",
                output.string(), output.string(), output.string(), output.string());
@@ -91,13 +91,13 @@ int run(const Arguments& arguments, const terminal::Talk& talk) {
 
 terminal::Command examples_command() {
   return {"examples", "list the examples that come with the programs, or copy one",
-          [](terminal::Options& options, const terminal::Talk& talk) -> std::function<int()> {
+          [](terminal::Options& options, const terminal::Verbosity& verbosity) -> std::function<int()> {
             auto arguments = std::make_shared<Arguments>();
             options.optional_argument("NAME", arguments->name, "the example to copy (otherwise they are listed)")
                 .option("-o,--output", arguments->output, "FOLDER", "where to (otherwise ./NAME)")
                 .example("flexura examples", "what there is, and what each asks")
                 .example("flexura examples steam_engine", "a copy in ./steam_engine");
-            return [arguments, &talk] { return run(*arguments, talk); };
+            return [arguments, &verbosity] { return run(*arguments, verbosity); };
           }};
 }
 

@@ -35,7 +35,7 @@ std::filesystem::path stem_of(std::filesystem::path file) {
   return file;
 }
 
-int export_results(const Arguments& arguments, const terminal::Talk& talk) {
+int export_results(const Arguments& arguments, const terminal::Verbosity& verbosity) {
   if (arguments.frames < 2)
     throw std::invalid_argument(fmt::format("--frames is {}, it must be at least 2", arguments.frames));
   std::filesystem::path stem = arguments.output.empty() ? arguments.file : arguments.output;
@@ -50,14 +50,14 @@ int export_results(const Arguments& arguments, const terminal::Talk& talk) {
           ? results::write_csv(results, stem.string() + ".csv")
           : view::write_motion_vtk(stem, results, view::read_pictures(results.model, arguments.file),
                                    arguments.frames);
-  if (!talk.quiet) {
+  if (!verbosity.quiet) {
     for (const auto& path : written) fmt::print("wrote {}\n", path.string());
   }
   return 0;
 }
 
-int run(const Arguments& arguments, const terminal::Talk& talk) {
-  if (is_of_results(arguments.format)) return export_results(arguments, talk);
+int run(const Arguments& arguments, const terminal::Verbosity& verbosity) {
+  if (is_of_results(arguments.format)) return export_results(arguments, verbosity);
   if (arguments.count < 1)
     throw std::invalid_argument(fmt::format("--count is {}, it must be at least 1", arguments.count));
   const bool pictures = arguments.format == "vtk" || arguments.format == "gmsh" || arguments.format == "gltf";
@@ -105,7 +105,7 @@ int run(const Arguments& arguments, const terminal::Talk& talk) {
   } else if (arguments.format == "flexdata") {
     written = {output};
     superelement::write_flexdata(written[0], superelement::make_flexdata(se, modes));
-    if (!talk.quiet && !se.load_cases.empty()) {
+    if (!verbosity.quiet && !se.load_cases.empty()) {
       fmt::print(stderr,
                  "note: the {} load cases are not written (Reference_FlexData holds no load vectors)\n",
                  se.load_cases.size());
@@ -120,7 +120,7 @@ int run(const Arguments& arguments, const terminal::Talk& talk) {
     written = {output};
     superelement::write_gmsh_views(written[0], se, modes);
   }
-  if (!talk.quiet) {
+  if (!verbosity.quiet) {
     for (const auto& path : written) fmt::print("wrote {}\n", path.string());
   }
   return 0;
@@ -131,7 +131,7 @@ int run(const Arguments& arguments, const terminal::Talk& talk) {
 terminal::Command export_command() {
   return {
       "export", "write a superelement or results in another program's format",
-      [](terminal::Options& options, const terminal::Talk& talk) -> std::function<int()> {
+      [](terminal::Options& options, const terminal::Verbosity& verbosity) -> std::function<int()> {
         auto arguments = std::make_shared<Arguments>();
         options.argument("FILE", arguments->file, "superelement or results file")
             .choice("-f,--format", arguments->format,
@@ -152,7 +152,7 @@ terminal::Command export_command() {
                      "six mode shapes that move in any viewer of .glb files")
             .example("flexura export engine.h5 --format pvd", "each run moving in ParaView: engine.RUN.pvd")
             .example("flexura export engine.h5 --format csv", "each run as a table: engine.RUN.csv");
-        return [arguments, &talk] { return run(*arguments, talk); };
+        return [arguments, &verbosity] { return run(*arguments, verbosity); };
       }};
 }
 

@@ -34,7 +34,7 @@ struct Arguments : MechanismArguments {
   std::vector<std::string> inputs, outputs;
 };
 
-int print_statics(const Arguments& arguments, const terminal::Talk& talk) {
+int print_statics(const Arguments& arguments, const terminal::Verbosity& verbosity) {
   files::Claims claims;
   claims.add(arguments.save_state);
   std::vector<NamedRun> runs = prepare_runs(arguments);
@@ -42,12 +42,12 @@ int print_statics(const Arguments& arguments, const terminal::Talk& talk) {
   nlohmann::json list = nlohmann::json::array();
   for (NamedRun& run : runs) {
     PreparedMechanism& p = run.prepared;
-    const mbs::Stability stability = settle(p);
+    const mbs::Stability stability = move_to_equilibrium(p);
     give_warnings(run);
     note_discretisation(p);
     const mbs::Mechanism& m = *p.mechanism;
     if (!arguments.save_state.empty()) mbs::write_state(arguments.save_state, m, p.file.name, p.state);
-    if (talk.quiet && !arguments.json) continue;
+    if (verbosity.quiet && !arguments.json) continue;
     const auto which = mbs::select_quantities(m, p.file.outputs);
     const auto infos = m.quantities();
     Eigen::VectorXd values(static_cast<Eigen::Index>(which.size()));
@@ -111,7 +111,7 @@ std::filesystem::path write_response(const LinearSystem& system, const Eigen::Ve
   return path;
 }
 
-int write_linear_system(const Arguments& arguments, const terminal::Talk& talk) {
+int write_linear_system(const Arguments& arguments, const terminal::Verbosity& verbosity) {
   std::filesystem::path path = arguments.output, table;
   if (path.empty()) path = std::filesystem::path(arguments.file).stem().string() + "_linear.m";
   files::Claims claims;
@@ -123,7 +123,7 @@ int write_linear_system(const Arguments& arguments, const terminal::Talk& talk) 
   std::vector<NamedRun> runs = prepare_runs(arguments);
   NamedRun& run = only_run(runs, arguments, "linearize");
   PreparedMechanism& p = run.prepared;
-  if (arguments.equilibrium) settle(p);
+  if (arguments.equilibrium) move_to_equilibrium(p);
   give_warnings(run);
   const mbs::Mechanism& m = *p.mechanism;
   mbs::LineariseOptions options;
@@ -216,7 +216,7 @@ int write_linear_system(const Arguments& arguments, const terminal::Talk& talk) 
     out["about"] = name_of(about.verdict);
     out["axes"] = about.axes;
     print_json("linear system", runs, nlohmann::json::array({out}));
-  } else if (!talk.quiet) {
+  } else if (!verbosity.quiet) {
     for (const auto& one : written)
       fmt::print("{} states, {} inputs, {} outputs: {}\n", file.names[0].second.size(),
                  file.names[1].second.size(), file.names[2].second.size(), one.string());
@@ -230,7 +230,7 @@ int write_linear_system(const Arguments& arguments, const terminal::Talk& talk) 
 terminal::Command linearize_command() {
   return {
       "linearize", "write the linear state-space system about a state",
-      [](terminal::Options& options, const terminal::Talk& talk) -> std::function<int()> {
+      [](terminal::Options& options, const terminal::Verbosity& verbosity) -> std::function<int()> {
         auto a = std::make_shared<Arguments>();
         declare_mechanism(options, *a);
         options.flag("--equilibrium", a->equilibrium, "about the static equilibrium, not the initial state")
@@ -249,13 +249,13 @@ terminal::Command linearize_command() {
             .flag("--json", a->json, "print the names of states, inputs and outputs and the files as JSON")
             .example("flexura linearize engine.toml --input shaft.angle --measure guide.position -o engine.m",
                      "A, B, C, D with the names of all states");
-        return [a, &talk] { return write_linear_system(*a, talk); };
+        return [a, &verbosity] { return write_linear_system(*a, verbosity); };
       }};
 }
 
 terminal::Command statics_command() {
   return {"statics", "find the static equilibrium of a mechanism",
-          [](terminal::Options& options, const terminal::Talk& talk) -> std::function<int()> {
+          [](terminal::Options& options, const terminal::Verbosity& verbosity) -> std::function<int()> {
             auto a = std::make_shared<Arguments>();
             declare_mechanism(options, *a);
             options
@@ -263,7 +263,7 @@ terminal::Command statics_command() {
                         "write the equilibrium there, to start runs from it")
                 .flag("--json", a->json, "print JSON (SI units)")
                 .example("flexura statics suspension.toml", "the state at rest and the forces in it");
-            return [a, &talk] { return print_statics(*a, talk); };
+            return [a, &verbosity] { return print_statics(*a, verbosity); };
           }};
 }
 

@@ -105,7 +105,7 @@ void write_page(const std::string& html, const std::string& file, const std::vec
   view::write_modes_page(html, se, page);
 }
 
-int run(const Arguments& arguments, const terminal::Talk& talk) {
+int run(const Arguments& arguments, const terminal::Verbosity& verbosity) {
   if (arguments.free + arguments.fixed + !arguments.clamped.empty() > 1) {
     throw std::invalid_argument("--free, --fixed and --clamped exclude each other; give one of them");
   }
@@ -137,7 +137,7 @@ int run(const Arguments& arguments, const terminal::Talk& talk) {
         {"analyses", nlohmann::json::array()}};
     for (const ModeAnalysis& analysis : analyses) out["analyses"].push_back(to_json(analysis));
     fmt::print("{}\n", out.dump(1));
-  } else if (!talk.quiet) {
+  } else if (!verbosity.quiet) {
     const bool colour = terminal::takes_colour(stdout);
     const int width = terminal::width(stdout);
     fmt::print("{}: {} kg, {} interface dofs, {} modes\n", terminal::bold(se.name, colour),
@@ -151,7 +151,7 @@ int run(const Arguments& arguments, const terminal::Talk& talk) {
   }
   if (!arguments.html.empty()) {
     write_page(arguments.html, arguments.file, analyses);
-    if (!talk.quiet && !arguments.json) fmt::print("wrote {}\n", arguments.html);
+    if (!verbosity.quiet && !arguments.json) fmt::print("wrote {}\n", arguments.html);
   }
   return 0;
 }
@@ -160,7 +160,7 @@ int run(const Arguments& arguments, const terminal::Talk& talk) {
 
 terminal::Command modes_command() {
   return {"modes", "list the natural modes of a superelement, or write a page on which they move",
-          [](terminal::Options& options, const terminal::Talk& talk) -> std::function<int()> {
+          [](terminal::Options& options, const terminal::Verbosity& verbosity) -> std::function<int()> {
             auto arguments = std::make_shared<Arguments>();
             options.argument("FILE", arguments->file, "superelement file")
                 .flag("--free", arguments->free, "the free body: six rigid modes, then the elastic ones")
@@ -173,7 +173,7 @@ terminal::Command modes_command() {
                 .example("flexura modes conrod.se.h5 --clamped big_end --count 5",
                          "the first five with one end held")
                 .example("flexura modes conrod.se.h5 --html conrod.html", "look at them in a browser");
-            return [arguments, &talk] { return run(*arguments, talk); };
+            return [arguments, &verbosity] { return run(*arguments, verbosity); };
           }};
 }
 

@@ -151,7 +151,7 @@ struct Arguments {
   std::string kind, output;
 };
 
-int run(const Arguments& arguments, const terminal::Talk& talk) {
+int run(const Arguments& arguments, const terminal::Verbosity& verbosity) {
   for (const Start& start : starts) {
     if (arguments.kind != start.kind) continue;
     const std::filesystem::path output = arguments.output.empty() ? start.file : arguments.output;
@@ -161,7 +161,7 @@ int run(const Arguments& arguments, const terminal::Talk& talk) {
     files::Claims claims;
     claims.add(output);
     files::write_whole(output, start.text);
-    if (!talk.quiet) fmt::print("wrote {}\nnext: {}\n", output.string(), start.next);
+    if (!verbosity.quiet) fmt::print("wrote {}\nnext: {}\n", output.string(), start.next);
     return 0;
   }
   throw std::invalid_argument(
@@ -172,13 +172,13 @@ int run(const Arguments& arguments, const terminal::Talk& talk) {
 
 terminal::Command new_command() {
   return {"new", "write a commented file to start from: a part, a mechanism, a study",
-          [](terminal::Options& options, const terminal::Talk& talk) -> std::function<int()> {
+          [](terminal::Options& options, const terminal::Verbosity& verbosity) -> std::function<int()> {
             auto arguments = std::make_shared<Arguments>();
             options.argument("KIND", arguments->kind, "part (CAD), beams, mechanism or study")
                 .option("-o,--output", arguments->output, "FILE", "the file (otherwise KIND.toml, here)")
                 .example("flexura new mechanism", "a pendulum with comments, which runs as it stands")
                 .example("flexura new part -o bracket.toml", "a part file to fill in");
-            return [arguments, &talk] { return run(*arguments, talk); };
+            return [arguments, &verbosity] { return run(*arguments, verbosity); };
           }};
 }
 

@@ -44,7 +44,7 @@ void require_states_of(const mbs::Mechanism& mechanism, const results::Run& run,
   }
 }
 
-int compute(const Arguments& arguments, const terminal::Talk& talk) {
+int compute(const Arguments& arguments, const terminal::Verbosity& verbosity) {
   std::filesystem::path path = arguments.output;
   if (path.empty()) {
     path = arguments.results;
@@ -95,7 +95,7 @@ int compute(const Arguments& arguments, const terminal::Talk& talk) {
     nlohmann::json told = summary_json("outputs", results::read(path));
     told["files"] = files;
     fmt::print("{}\n", told.dump(1));
-  } else if (!talk.quiet) {
+  } else if (!verbosity.quiet) {
     for (std::size_t i = 1; i < files.size(); ++i) fmt::print("table   {}\n", files[i]);
     fmt::print("results {}\n", files[0]);
   }
@@ -106,7 +106,7 @@ int compute(const Arguments& arguments, const terminal::Talk& talk) {
 
 terminal::Command outputs_command() {
   return {"outputs", "compute quantities afterwards from stored states",
-          [](terminal::Options& options, const terminal::Talk& talk) -> std::function<int()> {
+          [](terminal::Options& options, const terminal::Verbosity& verbosity) -> std::function<int()> {
             auto a = std::make_shared<Arguments>();
             declare_mechanism(options, *a);
             options.argument("RESULTS", a->results, "results with states (solver.store_states = true)")
@@ -118,7 +118,7 @@ terminal::Command outputs_command() {
                       "print names, units and ranges of what was computed, and the files, as JSON")
                 .example("flexura outputs engine.toml engine.h5 --quantity \"pin.force_*\" --csv",
                          "reactions that the run did not store");
-            return [a, &talk] { return compute(*a, talk); };
+            return [a, &verbosity] { return compute(*a, verbosity); };
           }};
 }
 

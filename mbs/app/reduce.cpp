@@ -34,7 +34,7 @@ void hand_over(const std::string& companion, const std::vector<std::string>& arg
 // "flexura help reduce".
 terminal::Command reduce_command() {
   return {"reduce", "make a superelement of a CAD part, a mesh or a beam model (by flexura-reduce)",
-          [](terminal::Options&, const terminal::Talk&) -> std::function<int()> {
+          [](terminal::Options&, const terminal::Verbosity&) -> std::function<int()> {
             hand_over("flexura-reduce", {"--help"});
           },
           "flexura-reduce"};
@@ -42,7 +42,7 @@ terminal::Command reduce_command() {
 
 terminal::Command section_command() {
   return {"section", "constants of any cross-section, for beams (by flexura-reduce)",
-          [](terminal::Options&, const terminal::Talk&) -> std::function<int()> {
+          [](terminal::Options&, const terminal::Verbosity&) -> std::function<int()> {
             hand_over("flexura-reduce", {"section", "--help"});
           },
           "flexura-reduce section"};
@@ -50,7 +50,7 @@ terminal::Command section_command() {
 
 terminal::Command import_command() {
   return {"import", "make a mechanism of a robot (URDF) or a CAD assembly (by flexura-import)",
-          [](terminal::Options&, const terminal::Talk&) -> std::function<int()> {
+          [](terminal::Options&, const terminal::Verbosity&) -> std::function<int()> {
             hand_over("flexura-import", {"--help"});
           },
           "flexura-import"};

@@ -41,7 +41,7 @@ view::Report read_report(const std::string& file) {
   }
 }
 
-int run(const Arguments& arguments, const terminal::Talk& talk) {
+int run(const Arguments& arguments, const terminal::Verbosity& verbosity) {
   std::filesystem::path html = arguments.html;
   if (html.empty()) html = std::filesystem::path(arguments.file).replace_extension(".html");
   files::Claims claims;
@@ -52,7 +52,7 @@ int run(const Arguments& arguments, const terminal::Talk& talk) {
           ? read_report(arguments.file)
           : view::reduction_report(superelement::read(arguments.file, {.matrices = true, .inertia = true, .surface = true}));
   view::write_report_page(html, report);
-  if (!talk.quiet) fmt::print("wrote {}\n", html.string());
+  if (!verbosity.quiet) fmt::print("wrote {}\n", html.string());
   return 0;
 }
 
@@ -60,7 +60,7 @@ int run(const Arguments& arguments, const terminal::Talk& talk) {
 
 terminal::Command report_command() {
   return {"report", "write a page that reports on a reduction, or on tables and plots given as JSON",
-          [](terminal::Options& options, const terminal::Talk& talk) -> std::function<int()> {
+          [](terminal::Options& options, const terminal::Verbosity& verbosity) -> std::function<int()> {
             auto arguments = std::make_shared<Arguments>();
             options.argument("FILE", arguments->file, "superelement file (.h5), what reduce --report wrote, or a report (.json)")
                 .option("-o,--output", arguments->html, "PAGE", "the page (otherwise FILE with .html)")
@@ -68,7 +68,7 @@ terminal::Command report_command() {
                          "mesh, modes, checks and times of the reduction")
                 .example("flexura report conrod.report.json", "the same of what flexura reduce --report conrod.report.json wrote")
                 .example("flexura report extremes.json", "tables and plots of a program of your own");
-            return [arguments, &talk] { return run(*arguments, talk); };
+            return [arguments, &verbosity] { return run(*arguments, verbosity); };
           }};
 }
 

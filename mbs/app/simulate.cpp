@@ -93,7 +93,7 @@ double least_size(const std::vector<NamedRun>& runs) {
   return 0.1 * sizeof(double) * numbers;
 }
 
-int simulate(SimulateArguments arguments, const terminal::Talk& talk) {
+int simulate(SimulateArguments arguments, const terminal::Verbosity& verbosity) {
   if (arguments.schema) {
     fmt::print("{}", input::reference_page(mbs::mechanism_schema(mbs::solver_schema())));
     return 0;
@@ -142,9 +142,9 @@ int simulate(SimulateArguments arguments, const terminal::Talk& talk) {
           "solver.accuracy, or leave --checkpoint out");
     memory.to = std::make_unique<Checkpoints>(
         arguments.output, interval > 0.0 ? interval : memory.from->interval(), identity, memory.from.get());
-    if (memory.from && !memory.from->note().empty() && !talk.quiet)
+    if (memory.from && !memory.from->note().empty() && !verbosity.quiet)
       terminal::say(stderr, "note: " + memory.from->note());
-    if (!memory.from && std::filesystem::exists(checkpoint_files.newest) && !talk.quiet)
+    if (!memory.from && std::filesystem::exists(checkpoint_files.newest) && !verbosity.quiet)
       fmt::print(
           stderr,
           "note: {} is of an earlier run, which --continue goes on with; the first checkpoint of this run "
@@ -172,7 +172,7 @@ int simulate(SimulateArguments arguments, const terminal::Talk& talk) {
   files::expect_size(arguments.output, least_size(runs));
   results::Writer writer(arguments.output, model_header(runs, arguments.file, arguments.output));
   const files::StopRequests signals;
-  terminal::Progress progress(stderr, talk.quiet, talk.verbose);
+  terminal::Progress progress(stderr, verbosity.quiet, verbosity.verbose);
   std::vector<std::pair<std::string, std::pair<const PreparedMechanism*, RunResult>>> done;
   std::vector<std::string> remarks;
   nlohmann::json list = nlohmann::json::array();
@@ -205,7 +205,7 @@ int simulate(SimulateArguments arguments, const terminal::Talk& talk) {
     }
     RunResult& r = outcome.result;
     const PreparedMechanism& prepared = run.prepared;
-    if (!talk.quiet) {
+    if (!verbosity.quiet) {
       progress.clear();
       for (const std::string& note : prepared.notes) terminal::say(stderr, fmt::format("note: {}: {}", run.name, note));
     }
@@ -247,7 +247,7 @@ int simulate(SimulateArguments arguments, const terminal::Talk& talk) {
     const std::string why = r.stopped_because;
     done.emplace_back(run.name, std::make_pair(&prepared, std::move(r)));
     if (as_told) {
-      if (!talk.quiet) {
+      if (!verbosity.quiet) {
         progress.clear();
         terminal::say(stderr, fmt::format("note: run \"{}\": {}", run.name, why));
       }
@@ -259,16 +259,16 @@ int simulate(SimulateArguments arguments, const terminal::Talk& talk) {
   progress.finish();
   writer.close();
   if (memory.to && stopped.empty()) memory.to->remove();
-  if (memory.to && !stopped.empty() && memory.to->any() && !talk.quiet)
+  if (memory.to && !stopped.empty() && memory.to->any() && !verbosity.quiet)
     fmt::print(stderr, "note: flexura simulate ... --continue goes on from {}\n",
                checkpoint_files.newest.string());
   if (arguments.csv)
     for (const auto& path : results::write_csv(results::read(arguments.output), arguments.output))
-      if (!talk.quiet && !arguments.json) fmt::print("table   {}\n", path.string());
+      if (!verbosity.quiet && !arguments.json) fmt::print("table   {}\n", path.string());
   if (arguments.json) {
     print_json("results", runs, list);
-  } else if (!talk.quiet) {
-    print_summary(done, talk.verbose);
+  } else if (!verbosity.quiet) {
+    print_summary(done, verbosity.verbose);
     for (const std::string& line : remarks) terminal::say(stdout, line);
     fmt::print("results {}\n", arguments.output);
   }
@@ -284,7 +284,7 @@ int simulate(SimulateArguments arguments, const terminal::Talk& talk) {
 terminal::Command simulate_command() {
   return {
       "simulate", "simulate a mechanism",
-      [](terminal::Options& options, const terminal::Talk& talk) -> std::function<int()> {
+      [](terminal::Options& options, const terminal::Verbosity& verbosity) -> std::function<int()> {
         auto a = std::make_shared<SimulateArguments>();
         declare_mechanism(options, *a, false);
         options
@@ -316,7 +316,7 @@ terminal::Command simulate_command() {
                      "go on with: flexura simulate engine.toml --continue")
             .example("flexura simulate engine.toml --run rigid --set solver.tolerance=1e-8 --csv",
                      "one run, more accurate, with a table");
-        return [a, &talk] { return simulate(*a, talk); };
+        return [a, &verbosity] { return simulate(*a, verbosity); };
       }};
 }
 

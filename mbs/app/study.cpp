@@ -12,7 +12,7 @@
 #include "mbs/base/files/place.hpp"
 #include "mbs/base/files/signals.hpp"
 #include "mbs/base/terminal/terminal.hpp"
-#include "mbs/study/child.hpp"
+#include "mbs/study/child_process.hpp"
 #include "mbs/study/front_picture.hpp"
 #include "mbs/study/judge.hpp"
 #include "mbs/study/tables.hpp"
@@ -160,7 +160,7 @@ view::Report report_of(const StudyFile& study, const Judgement& judgement) {
   return report;
 }
 
-int run(const Arguments& arguments, const terminal::Talk& talk) {
+int run(const Arguments& arguments, const terminal::Verbosity& verbosity) {
   if (arguments.schema) {
     fmt::print("{}", input::reference_page(study::study_schema()));
     return 0;
@@ -176,13 +176,13 @@ int run(const Arguments& arguments, const terminal::Talk& talk) {
     for (const char* const ending : {".html", ".csv", ".json", ".md", ".svg"}) claims.add(stem + ending);
   const StudyFile study = study::read_study(arguments.file, arguments.set);
   const std::filesystem::path bin = program_folder();
-  terminal::Progress progress(stderr, talk.quiet);
+  terminal::Progress progress(stderr, verbosity.quiet);
   study::MeasureOptions options;
   options.jobs = arguments.jobs;
   options.fresh = arguments.fresh;
   options.progress = [&](std::string_view stage, double fraction) { progress(stage, fraction); };
   options.note = [&](std::string_view words) {
-    if (talk.quiet) return;
+    if (verbosity.quiet) return;
     progress.clear();
     terminal::say(stderr, fmt::format("note: {}", words));
   };
@@ -199,7 +199,7 @@ int run(const Arguments& arguments, const terminal::Talk& talk) {
   }();
   progress.finish();
   if (!measured.whole) {
-    if (!talk.quiet && !arguments.json)
+    if (!verbosity.quiet && !arguments.json)
       fmt::print("share {} is in {}; run the study without --share to gather all\n", arguments.share,
                  study.cache.string());
     return 0;
@@ -221,7 +221,7 @@ int run(const Arguments& arguments, const terminal::Talk& talk) {
   view::write_report_page(stem + ".html", report_of(study, judgement));
   if (arguments.json) {
     fmt::print("{}", json);
-  } else if (!talk.quiet) {
+  } else if (!verbosity.quiet) {
     print_table(study, judgement);
     fmt::print("written: {0}.html, .csv, .json, .md and .svg\n", stem);
   }
@@ -233,7 +233,7 @@ int run(const Arguments& arguments, const terminal::Talk& talk) {
 terminal::Command study_command() {
   return {
       "study", "measure the trade of speed against accuracy over a ladder of choices",
-      [](terminal::Options& options, const terminal::Talk& talk) -> std::function<int()> {
+      [](terminal::Options& options, const terminal::Verbosity& verbosity) -> std::function<int()> {
         auto a = std::make_shared<Arguments>();
         options.optional_argument("FILE", a->file, "study file (.toml)")
             .option("-o,--output", a->output, "STEM",
@@ -249,7 +249,7 @@ terminal::Command study_command() {
             .flag("--schema", a->schema, "print the study file's reference page, then stop")
             .example("flexura study engine_study.toml -o out/engine", "table, front, answers")
             .example("flexura study engine_study.toml --share 2/8", "the second job of an array of eight");
-        return [a, &talk] { return run(*a, talk); };
+        return [a, &verbosity] { return run(*a, verbosity); };
       }};
 }
 

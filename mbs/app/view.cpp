@@ -20,7 +20,7 @@ struct Arguments {
   bool summary = false, json = false;
 };
 
-int run(const Arguments& arguments, const terminal::Talk& talk) {
+int run(const Arguments& arguments, const terminal::Verbosity& verbosity) {
   if (arguments.frames < 2)
     throw std::invalid_argument(fmt::format("--frames is {}, it must be at least 2", arguments.frames));
   std::filesystem::path html = arguments.html;
@@ -40,7 +40,7 @@ int run(const Arguments& arguments, const terminal::Talk& talk) {
   page.plots = arguments.plots;
   page.most_frames = arguments.frames;
   view::write_motion_page(html, results, pictures, page);
-  if (!talk.quiet && !arguments.json) {
+  if (!verbosity.quiet && !arguments.json) {
     fmt::print("wrote {} ({:.1f} MB): open it in a browser\n", html.string(),
                static_cast<double>(std::filesystem::file_size(html)) / 1e6);
   }
@@ -51,7 +51,7 @@ int run(const Arguments& arguments, const terminal::Talk& talk) {
 
 terminal::Command view_command() {
   return {"view", "write a page on which a simulated mechanism moves, with plots of its quantities",
-          [](terminal::Options& options, const terminal::Talk& talk) -> std::function<int()> {
+          [](terminal::Options& options, const terminal::Verbosity& verbosity) -> std::function<int()> {
             auto arguments = std::make_shared<Arguments>();
             options.argument("RESULTS", arguments->file, "results file; superelements lie where it says")
                 .option("-o,--output", arguments->html, "PAGE", "the page (otherwise RESULTS with .html)")
@@ -65,7 +65,7 @@ terminal::Command view_command() {
                 .example("flexura view engine.h5 --summary", "how it went, in the terminal")
                 .example("flexura view engine.h5 --plot crank.speed energy.kinetic,energy.strain",
                          "two plots, the second with two curves for each run");
-            return [arguments, &talk] { return run(*arguments, talk); };
+            return [arguments, &verbosity] { return run(*arguments, verbosity); };
           }};
 }
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "beam/ancf/kinematics.hpp"
+#include "beam/ancf/ancf_kinematics.hpp"
 
 namespace flexura::mbs {
 namespace {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "mbs/study/measure.hpp"
+#include "mbs/study/measurement.hpp"
 #include "mbs/study/study_file.hpp"
 
 /// From measured runs to the trade: errors, front, answers.

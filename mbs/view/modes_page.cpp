@@ -8,7 +8,7 @@
 
 #include "mbs/view/page_file.hpp"
 #include "mbs/view/pages.hpp"
-#include "mbs/view/stress_field.hpp"
+#include "mbs/view/stress_picture.hpp"
 #include "mbs/view/surface_blocks.hpp"
 
 namespace flexura::view {

@@ -13,7 +13,7 @@
 #include "mbs/view/body_shapes.hpp"
 #include "mbs/view/page_file.hpp"
 #include "mbs/view/pages.hpp"
-#include "mbs/view/stress_field.hpp"
+#include "mbs/view/stress_picture.hpp"
 #include "mbs/view/surface_blocks.hpp"
 #include "mbs/view/thin.hpp"
 

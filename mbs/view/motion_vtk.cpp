@@ -15,7 +15,7 @@
 #include "mbs/superelement/exchange/polydata.hpp"
 #include "mbs/superelement/text_file.hpp"
 #include "mbs/view/body_shapes.hpp"
-#include "mbs/view/stress_field.hpp"
+#include "mbs/view/stress_picture.hpp"
 #include "mbs/view/surface_blocks.hpp"
 #include "mbs/view/tessellate.hpp"
 #include "mbs/view/thin.hpp"

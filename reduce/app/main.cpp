@@ -86,7 +86,7 @@ void refuse_options_of_reductions(const Arguments& a) {
                                           a.input, option));
 }
 
-int reduce_with(const Arguments& arguments, const terminal::Talk& talk, const linalg::Team* team) {
+int reduce_with(const Arguments& arguments, const terminal::Verbosity& verbosity, const linalg::Team* team) {
   if (arguments.schema) {
     std::cout << input::reference_page(reduce::part_schema());
     return 0;
@@ -145,14 +145,14 @@ int reduce_with(const Arguments& arguments, const terminal::Talk& talk, const li
   claims.add(arguments.mesh);
   if (is_flexdata) {
     reduce::reduce_to_file(reduce::read_flexdata_part(arguments.input, arguments.overrides), output,
-                            {.report = arguments.report, .quiet = talk.quiet});
+                            {.report = arguments.report, .quiet = verbosity.quiet});
     return 0;
   }
   if (is_beam) {
     const linalg::Session session;  // one for the structure and its solids
     const reduce::BeamPartInput beams =
         reduce::read_beam_part(arguments.input, overrides, [&](const reduce::SolidInput& solid) {
-          return reduce::attach_solid(solid, output, {.report = {}, .quiet = talk.quiet});
+          return reduce::attach_solid(solid, output, {.report = {}, .quiet = verbosity.quiet});
         });
     if (arguments.beam_modes > 0) {
       reduce::print_beam_modes(beams, arguments.beam_modes, std::cout);
@@ -163,7 +163,7 @@ int reduce_with(const Arguments& arguments, const terminal::Talk& talk, const li
                             arguments.report);
       return 0;
     }
-    reduce::reduce_to_file(beams, output, {.report = arguments.report, .quiet = talk.quiet});
+    reduce::reduce_to_file(beams, output, {.report = arguments.report, .quiet = verbosity.quiet});
     return 0;
   }
   const reduce::PartInput part = reduce::read_part(arguments.input, overrides);
@@ -181,11 +181,11 @@ int reduce_with(const Arguments& arguments, const terminal::Talk& talk, const li
                        .team = team,
                        .petsc = std::move(petsc),
                        .factor_in_file = arguments.factor_in_file,
-                       .quiet = talk.quiet});
+                       .quiet = verbosity.quiet});
   return 0;
 }
 
-std::function<int()> declare(terminal::Options& options, const terminal::Talk& talk,
+std::function<int()> declare(terminal::Options& options, const terminal::Verbosity& verbosity,
                              const linalg::Team* team) {
   const auto arguments = std::make_shared<Arguments>();
   options.optional_argument("PART", arguments->input, "part file (.toml) or FlexData (.xml); with --list-faces also a CAD file")
@@ -226,7 +226,7 @@ std::function<int()> declare(terminal::Options& options, const terminal::Talk& t
                "mesh anew until frequencies and static compliance are within 1 %")
       .example("flexura reduce conrod.toml -o fine.se.h5 --mesh-size \"2 mm\" --set modes.count=40",
                "finer, with more modes");
-  return [arguments, &talk, team] { return reduce_with(*arguments, talk, team); };
+  return [arguments, &verbosity, team] { return reduce_with(*arguments, verbosity, team); };
 }
 
 // Where memory is short a thread of OpenBLAS may ask for it for ever, from the program's start on, and the end of
@@ -263,8 +263,8 @@ int main(int argc, char** argv) {
   const int code = terminal::run({.name = "flexura reduce",
                         .summary = "make a superelement of a CAD part",
                         .declare =
-                            [&](terminal::Options& options, const terminal::Talk& talk) {
-                              return declare(options, talk, team ? &*team : nullptr);
+                            [&](terminal::Options& options, const terminal::Verbosity& verbosity) {
+                              return declare(options, verbosity, team ? &*team : nullptr);
                             }},
                        FLEXURA_VERSION, argc, argv);
   return session ? code : end(code);  // others wait for the first process

@@ -21,7 +21,7 @@ struct Arguments {
   bool json = false, schema = false;
 };
 
-int solve_section(const Arguments& arguments, const terminal::Talk& talk) {
+int solve_section(const Arguments& arguments, const terminal::Verbosity& verbosity) {
   if (arguments.schema) {
     std::cout << input::reference_page(section_file_schema());
     return 0;
@@ -50,7 +50,7 @@ int solve_section(const Arguments& arguments, const terminal::Talk& talk) {
   superelement::write_whole(drawing, section_svg(section));
   if (arguments.json) {
     std::cout << section_json(section) << '\n';
-  } else if (!talk.quiet) {
+  } else if (!verbosity.quiet) {
     print_section(section, std::cout);
     fmt::print("wrote {} and {}\n", output.string(), drawing.string());
   }
@@ -61,7 +61,7 @@ int solve_section(const Arguments& arguments, const terminal::Talk& talk) {
 
 terminal::Command section_command() {
   return {"flexura section", "constants of any cross-section, for beams",
-          [](terminal::Options& options, const terminal::Talk& talk) -> std::function<int()> {
+          [](terminal::Options& options, const terminal::Verbosity& verbosity) -> std::function<int()> {
             const auto arguments = std::make_shared<Arguments>();
             options
                 .optional_argument("FILE", arguments->input,
@@ -75,7 +75,7 @@ terminal::Command section_command() {
                 .flag("--schema", arguments->schema, "print the section file's reference page, then stop")
                 .example("flexura section channel.toml", "table; channel.section and channel.svg")
                 .example("flexura section channel.toml --size \"1 mm\"", "the same on a finer mesh");
-            return [arguments, &talk] { return solve_section(*arguments, talk); };
+            return [arguments, &verbosity] { return solve_section(*arguments, verbosity); };
           }};
 }
 

@@ -8,7 +8,7 @@ trap 'rm -rf "$work"' EXIT
 # BLAS by itself: its threads are not ours.
 export OPENBLAS_NUM_THREADS=1
 watched() { valgrind --tool=helgrind --error-exitcode=9 -q --suppressions="$root/tests/setup/helgrind.supp" "$@"; }
-watched "$build/tests/bin/test_mechanism_runs" --gtest_filter='Conveyor*:*Beside*'
+watched "$build/tests/bin/test_mechanism_runs" --gtest_filter='BackgroundQueue*:*Beside*'
 printf '%s\n' "mechanism = \"$root/tests/fuzz/ball.toml\"" "cache = \"$work/cache\"" \
   '[choice.a]' 'set = ["solver.tolerance=1e-5"]' '[choice.b]' 'set = ["solver.tolerance=1e-6"]' \
   '[quantity.x]' 'of = "guide.position"' >"$work/study.toml"

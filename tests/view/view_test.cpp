@@ -10,7 +10,7 @@
 
 #include "mbs/view/encode.hpp"
 #include "mbs/view/pages.hpp"
-#include "mbs/view/stress_field.hpp"
+#include "mbs/view/stress_picture.hpp"
 #include "tests/view/page_reader.hpp"
 #include "tests/view/synthetic.hpp"
 

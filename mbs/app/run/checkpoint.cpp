@@ -55,7 +55,7 @@ Energies numbers(mbs::EnergyAccount& e) {
 }
 std::array<long*, 7> numbers(mbs::StepCounts& c) {
   return {&c.steps,           &c.evaluations, &c.jacobians, &c.error_failures,
-          &c.newton_failures, &c.restarts,    &c.hops};
+          &c.newton_failures, &c.restarts,    &c.singular_crossings};
 }
 std::array<double*, 5> numbers(mbs::RunMemory& m) {
   return {&m.largest_energy_error, &m.peak_position_drift, &m.peak_velocity_drift, &m.good_step,

@@ -101,7 +101,7 @@ void note_discretisation(mbs::PreparedMechanism& p) {
   if (std::string line = discretisation_line(p); !line.empty()) p.notes.push_back(std::move(line));
 }
 
-mbs::Stability settle(mbs::PreparedMechanism& p) {
+mbs::Stability move_to_equilibrium(mbs::PreparedMechanism& p) {
   const mbs::StaticsReport report = mbs::find_equilibrium(*p.mechanism, p.state);
   mbs::AccelerationSolver(*p.mechanism).solve(p.state, p.v_dot);
   p.notes.push_back(fmt::format("equilibrium in {} steps, largest force left {} N", report.iterations,

@@ -41,7 +41,7 @@ NamedRun& only_run(std::vector<NamedRun>& runs, const MechanismArguments& argume
                    const std::string& option);
 
 /// Moves the state into static equilibrium and judges it, with notes; those that are warnings bear their mark.
-mbs::Stability settle(mbs::PreparedMechanism& prepared);
+mbs::Stability move_to_equilibrium(mbs::PreparedMechanism& prepared);
 
 /// Notes that bear the mark of warnings (not_assembled.hpp) become the run's warnings, printed on stderr.
 void give_warnings(NamedRun& run);
@@ -72,6 +72,6 @@ nlohmann::json run_json(const NamedRun& run);
 void print_json(const std::string& kind, const std::vector<NamedRun>& runs, const nlohmann::json& list);
 
 /// `flexura check` of a mechanism file, as tables or as JSON.
-int check_mechanism(const MechanismArguments& arguments, bool json, const terminal::Talk& talk);
+int check_mechanism(const MechanismArguments& arguments, bool json, const terminal::Verbosity& verbosity);
 
 }  // namespace flexura::app

@@ -103,22 +103,22 @@ void set_up(CLI::App& app, const Options::Impl& impl) {
 }
 
 // Every command's own.
-void add_talk(Options& options, Talk& talk) {
-  options.flag("-q,--quiet", talk.quiet, "print errors only")
-      .flag("-v,--verbose", talk.verbose, "print every detail");
+void add_verbosity(Options& options, Verbosity& verbosity) {
+  options.flag("-q,--quiet", verbosity.quiet, "print errors only")
+      .flag("-v,--verbose", verbosity.verbose, "print every detail");
 }
 
 // One command behind its own parser: `words` are what follows its name.
 int run_command(const Command& command, const std::string& full_name, const std::string& version,
                 std::vector<std::string> words) {
   CLI::App app(command.summary, full_name);
-  Talk talk;
+  Verbosity verbosity;
   auto impl = std::make_shared<Options::Impl>();
   impl->app = &app;
   if (!version.empty()) app.set_version_flag("--version", full_name + " " + version);
   Options options(impl);
-  const std::function<int()> work = command.declare(options, talk);
-  add_talk(options, talk);
+  const std::function<int()> work = command.declare(options, verbosity);
+  add_verbosity(options, verbosity);
   set_up(app, *impl);
   std::reverse(words.begin(), words.end());  // CLI11 takes them off the end
   try {
@@ -132,7 +132,7 @@ int run_command(const Command& command, const std::string& full_name, const std:
     print_error(refusal(app, failure));
     return bad_input;
   }
-  if (talk.quiet && talk.verbose) {
+  if (verbosity.quiet && verbosity.verbose) {
     print_error("--quiet and --verbose exclude each other; give one of them");
     return bad_input;
   }
@@ -186,12 +186,12 @@ std::string program_help(const Program& program) {
 
 Description describe(const Command& command) {
   CLI::App app;
-  Talk talk;
+  Verbosity verbosity;
   auto impl = std::make_shared<Options::Impl>();
   impl->app = &app;
   Options options(impl);
-  command.declare(options, talk);
-  add_talk(options, talk);
+  command.declare(options, verbosity);
+  add_verbosity(options, verbosity);
   return impl->description;
 }
 

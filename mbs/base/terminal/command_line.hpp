@@ -15,10 +15,11 @@
 namespace flexura::terminal {
 
 /// How much a program says.
-struct Talk {
+struct Verbosity {
   bool quiet = false;    ///< errors only
   bool verbose = false;  ///< every detail
 };
+using Talk = Verbosity;  // as reduce/app still says
 
 /// Declares the options of one command.  The variables must live until the command has run.
 class Options {
@@ -57,7 +58,7 @@ struct Command {
   std::string name;
   std::string summary;
   /// Declares the options and returns what runs once they are read; its result is the exit code.
-  std::function<std::function<int()>(Options&, const Talk&)> declare;
+  std::function<std::function<int()>(Options&, const Verbosity&)> declare;
   /// A program beside this one (with its first word, if any) that reads the command's options itself; it is
   /// not asked to declare any here.
   std::string helper{};

@@ -131,7 +131,7 @@ SolverOptions read_solver_options(const input::Section& section) {
   o.max_step = section.quantity("max_step");
   o.fixed_step = section.quantity("fixed_step");
   o.max_steps = section.integer("max_steps");
-  o.settled_start = section.text("initial_deformation") == "quasi_static";
+  o.quasi_static_start = section.text("initial_deformation") == "quasi_static";
   o.store_states = section.flag("store_states");
   if (o.end_time < o.start_time)
     section.refuse("end_time", "must not be before start_time", "give a later end_time");

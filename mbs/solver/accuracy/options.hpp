@@ -29,7 +29,7 @@ struct SolverOptions {
   double max_step = 0.0;       ///< s; 0: a tenth of the run, of fixed steps none
   double fixed_step = 0.0;     ///< s; 0: variable. Not for ida
   int max_steps = 0;           ///< steps allowed in a run; 0: no bound
-  bool settled_start = false;  ///< elastic coordinates start where their loads hold them (settle.hpp)
+  bool quasi_static_start = false;  ///< elastic coordinates start where their loads hold them (quasi_static_start.hpp)
   bool store_states = false;   ///< write all states into the results file
   /// Nobody said `method`: the run may change between ida and radau where steps collapse (method_watch.hpp).
   bool method_is_open = false;

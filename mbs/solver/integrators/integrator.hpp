@@ -28,7 +28,7 @@ struct StepCounts {
   long error_failures = 0;   ///< steps repeated because of their error
   long newton_failures = 0;  ///< steps repeated because Newton did not converge
   long restarts = 0;         ///< at switches
-  long hops = 0;             ///< explicit steps across positions where constraints lose rank, see run.cpp
+  long singular_crossings = 0;             ///< explicit steps across positions where constraints lose rank, see run.cpp
 };
 
 struct StepEnd {

@@ -67,9 +67,9 @@ const RowWatch::Opening& Bookkeeper::close(State& s) {
   return open;
 }
 
-void Bookkeeper::settle_what_can_be() noexcept {
+void Bookkeeper::drain_what_can_be() noexcept {
   try {
-    settle();
+    drain();
   } catch (...) {
     // The run has its first trouble to tell already.
   }

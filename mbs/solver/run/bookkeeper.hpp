@@ -4,7 +4,7 @@
 #include <array>
 #include <functional>
 
-#include "mbs/solver/integrators/conveyor.hpp"
+#include "mbs/solver/integrators/background_queue.hpp"
 #include "mbs/solver/position/projection.hpp"
 #include "mbs/solver/position/row_watch.hpp"
 #include "mbs/solver/run/energy.hpp"
@@ -43,9 +43,9 @@ class Bookkeeper {
   /// What an earlier entry threw may come from here: IntegrationError of a row that is off its constraints.
   void enter() { entries_.push(); }
   /// Waits until all is entered; only then the following may be asked for.
-  void settle() { entries_.settle(); }
+  void drain() { entries_.drain(); }
   /// The same when something else went wrong.
-  void settle_what_can_be() noexcept;
+  void drain_what_can_be() noexcept;
 
   EnergyBook& book() { return book_; }
   LoopCloser& closer() { return closer_; }
@@ -66,7 +66,7 @@ class Bookkeeper {
   Row row_;
   Peaks peaks_;
   Instant between_;
-  Conveyor<BookEntry> entries_;
+  BackgroundQueue<BookEntry> entries_;
 };
 
 }  // namespace flexura::mbs

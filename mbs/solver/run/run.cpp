@@ -131,7 +131,7 @@ void Runner::look_ahead() {
 // a drive makes jump excepted.
 void Runner::pass_event() {
   times_.pass(stop_);
-  books_.settle();
+  books_.drain();
   State& s = result_.state;
   if (keeps_book_) books_.close(s);
   Eigen::VectorXd before(n_.n_root), after(n_.n_root), g_before(n_.n_lambda), g_after(n_.n_lambda);
@@ -166,9 +166,9 @@ bool Runner::step_once() {
   try {
     end = integrator_->step(stop_.t);
   } catch (const IntegrationError& reason) {
-    if (!options_.method_is_open) return hop(reason);
+    if (!options_.method_is_open) return cross_singularity(reason);
     try {
-      return hop(reason);
+      return cross_singularity(reason);
     } catch (const IntegrationError&) {
       if (!change_after(reason)) throw;
       return true;
@@ -234,7 +234,7 @@ bool Runner::grows_at_once(const StepEnd& end) {
 }
 
 void Runner::leave_short_steps() {
-  books_.settle();
+  books_.drain();
   if (keeps_book_) books_.close(result_.state);
   start_anew();
 }
@@ -258,7 +258,7 @@ bool Runner::finish_step(const StepEnd& end, Integrator& integrator) {
     callbacks_.progress(end.t_end,
                         (end.t_end - options_.start_time) / (options_.end_time - options_.start_time));
   if (!end.roots.empty()) {
-    books_.settle();
+    books_.drain();
     if (keeps_book_) books_.close(result_.state);
     take_switches(end.roots);
   }
@@ -325,7 +325,7 @@ RunResult Runner::run() {
   } catch (const AssemblyError& e) {
     result_.stopped_because = e.what();
   } catch (...) {
-    books_.settle_what_can_be();  // rows before the trouble are worth keeping
+    books_.drain_what_can_be();  // rows before the trouble are worth keeping
     throw;
   }
   remember();

@@ -82,7 +82,7 @@ void Runner::resume(const RunMemory& from) {
   resume(from.continuation);
   before_ = from;
   counts_at_once_ = integrator_->counts();
-  result_.counts.hops = from.counts.hops;
+  result_.counts.singular_crossings = from.counts.singular_crossings;
   result_.events = from.events;
   good_step_ = from.good_step;
 }
@@ -112,7 +112,7 @@ StepCounts Runner::counts() const {
        {&StepCounts::steps, &StepCounts::evaluations, &StepCounts::jacobians, &StepCounts::error_failures,
         &StepCounts::newton_failures, &StepCounts::restarts})
     c.*of += now.*of - counts_at_once_.*of;
-  c.hops = result_.counts.hops;
+  c.singular_crossings = result_.counts.singular_crossings;
   return c;
 }
 
@@ -140,7 +140,7 @@ void Runner::remember_own(History& history) {
 
 // Nothing of the run changes by this: what the run gives away is closed in other places.
 void Runner::hand_out_memory() {
-  books_.settle();
+  books_.drain();
   RunMemory m;
   History history;
   books_.closer().remember(history);
@@ -162,7 +162,7 @@ void Runner::hand_out_memory() {
 
 // What a run gives away stands on its constraints; the histories are those of a run that goes on.
 void Runner::remember() {
-  books_.settle();
+  books_.drain();
   Continuation& c = result_.continuation;
   History history;
   books_.closer().remember(history);

@@ -12,13 +12,13 @@
 #include "mbs/solver/run/make_integrator.hpp"
 #include "mbs/solver/run/runner.hpp"
 
-/// Where an integrator does not come on, or another would come on faster: hops across positions in which constraints
+/// Where an integrator does not come on, or another would come on faster: steps across singular positions, where constraints
 /// lose rank, and changes of the method.
 namespace flexura::mbs {
 
 namespace {
 
-constexpr int kMostHops = 1000;
+constexpr int kMostCrossings = 1000;
 constexpr std::size_t kMostChanges = 20;
 
 }  // namespace
@@ -132,11 +132,11 @@ void Runner::change_method(const std::string& method, const std::string& why) {
   has_history_ = false;
 }
 
-bool Runner::hop(const IntegrationError& reason) {
+bool Runner::cross_singularity(const IntegrationError& reason) {
   // Near a dead point, where constraints lose rank for an instant, round-off of g is amplified by 1 / sigma^2
   // and an implicit method cannot converge to a tight tolerance however short its step.  Accelerations are
   // finite there: a few explicit steps lead across.
-  if (!kind_of(options_).is_implicit || n_.n_lambda == 0 || result_.counts.hops >= kMostHops) throw reason;
+  if (!kind_of(options_).is_implicit || n_.n_lambda == 0 || result_.counts.singular_crossings >= kMostCrossings) throw reason;
   // From where the run stands, or, where that is too near to the singular position for round-off to allow it,
   // from the beginnings of the last long steps: what lies before the present time is not taken again.
   const double t_failed = result_.state.t;
@@ -153,7 +153,7 @@ bool Runner::hop(const IntegrationError& reason) {
     }
     if (!goes_on) return false;
     if (result_.state.t - t_failed < 1e-7 * (options_.end_time - options_.start_time)) continue;
-    ++result_.counts.hops;
+    ++result_.counts.singular_crossings;
     n_anchors_ = 0;
     integrator_->set_horizon(times_.next(result_.state.t).t);
     integrator_->start(result_.state, result_.v_dot);

@@ -86,7 +86,7 @@ class Runner {
   void end_endless(int which);
   bool step_once();  // false ends the run
   bool finish_step(const StepEnd& end, Integrator& integrator);
-  bool hop(const IntegrationError& reason);
+  bool cross_singularity(const IntegrationError& reason);
   bool contradicts(double t, Integrator& integrator);
   bool stop_at_contradiction(const StepEnd& end, Integrator& integrator);
   bool leap(const Instant& from, bool& goes_on);

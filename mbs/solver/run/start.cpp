@@ -12,7 +12,7 @@
 #include "mbs/solver/linear/close_loops.hpp"
 #include "mbs/solver/position/dead_point.hpp"
 #include "mbs/solver/position/row_watch.hpp"
-#include "mbs/solver/position/settle.hpp"
+#include "mbs/solver/position/quasi_static_start.hpp"
 #include "mbs/solver/run/warning_mark.hpp"
 
 namespace flexura::mbs {
@@ -38,7 +38,7 @@ constexpr const char* kRings =
 // by less than parts are made to is not held: hinges of a drawing, parallel to nine digits.
 bool rings(const StartedMechanism& p, const std::vector<bool>& deforms) {
   const Sizes n = p.mechanism->sizes();
-  if (n.n_lambda == 0 || std::ranges::find(deforms, true) == deforms.end() || p.options.settled_start ||
+  if (n.n_lambda == 0 || std::ranges::find(deforms, true) == deforms.end() || p.options.quasi_static_start ||
       !p.state.v.isZero(1e-12) || p.v_dot.isZero(1e-9) ||
       std::ranges::any_of(p.mechanism->description().joints, [](const JointDescription& j) { return j.is_driven(); }))
     return false;
@@ -141,7 +141,7 @@ void assemble_start(StartedMechanism& out, const GivenState& given) {
   if (std::string note = require_one_branch(*out.mechanism, out.state, out.v_dot); !note.empty())
     out.assembly.notes.push_back(std::move(note));
   if (strained) tell_strain(*strained, deforms, out);
-  if (out.options.settled_start && !given.whole) settle(*out.mechanism, out.state, out.v_dot, keep);
+  if (out.options.quasi_static_start && !given.whole) start_quasi_static(*out.mechanism, out.state, out.v_dot, keep);
   // The second assembly finds the loops closed; what it took is in the first report.
   out.assembly.iterations += positions.iterations;
   out.assembly.position_change += positions.position_change;

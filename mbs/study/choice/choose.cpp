@@ -356,7 +356,7 @@ class Chooser {
     counts.error_failures += more.error_failures;
     counts.newton_failures += more.newton_failures;
     counts.restarts += more.restarts;
-    counts.hops += more.hops;
+    counts.singular_crossings += more.singular_crossings;
   }
 
   // The first rows of a run, told by another mechanism.

@@ -8,7 +8,7 @@
 #include <Eigen/LU>
 #include <random>
 
-#include "beam/ancf/kinematics.hpp"
+#include "beam/ancf/ancf_kinematics.hpp"
 #include "tests/beam/ancf/samples.hpp"
 
 namespace flexura::beam::ancf {

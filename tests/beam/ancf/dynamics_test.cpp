@@ -7,7 +7,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
-#include "beam/ancf/kinematics.hpp"
+#include "beam/ancf/ancf_kinematics.hpp"
 #include "tests/beam/ancf/samples.hpp"
 
 namespace flexura::beam::ancf {

@@ -1,5 +1,5 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-#include "beam/ancf/element.hpp"
+#include "beam/ancf/ancf_element.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

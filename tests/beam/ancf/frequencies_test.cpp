@@ -6,7 +6,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
-#include "beam/ancf/statics.hpp"
+#include "beam/ancf/ancf_statics.hpp"
 #include "tests/beam/ancf/samples.hpp"
 
 namespace flexura::beam::ancf {

@@ -1,5 +1,5 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-#include "beam/ancf/statics.hpp"
+#include "beam/ancf/ancf_statics.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,7 +9,7 @@
 #include <fstream>
 #include <map>
 
-#include "beam/ancf/kinematics.hpp"
+#include "beam/ancf/ancf_kinematics.hpp"
 #include "beam/ancf/section_link.hpp"
 #include "beam/section/shapes.hpp"
 #include "tests/beam/ancf/exact/catenary.hpp"

@@ -30,7 +30,7 @@ struct Given {
 Given given;
 
 Program program(std::function<int()> work) {
-  Command mesh{"mesh", "mesh a part", [work](Options& options, const Talk& talk) -> std::function<int()> {
+  Command mesh{"mesh", "mesh a part", [work](Options& options, const Verbosity& verbosity) -> std::function<int()> {
                  options.argument("FILE", given.file, "part")
                      .choice("--kind", given.kind, {"tet4", "tet10"}, "elements")
                      .option("--name", given.names, "NAME", "names")
@@ -38,8 +38,8 @@ Program program(std::function<int()> work) {
                      .option("--size", given.size, "M", "size")
                      .flag("--loud", given.loud, "loud")
                      .example("prog mesh part.toml", "mesh it");
-                 return [work, &talk] {
-                   given.quiet = talk.quiet;
+                 return [work, &verbosity] {
+                   given.quiet = verbosity.quiet;
                    return work();
                  };
                }};

@@ -11,7 +11,7 @@
 #include "mbs/solver/linear/linearise.hpp"
 #include "mbs/solver/linear/statics.hpp"
 #include "mbs/solver/position/assemble.hpp"
-#include "mbs/solver/position/settle.hpp"
+#include "mbs/solver/position/quasi_static_start.hpp"
 #include "mbs/solver/run/run.hpp"
 #include "tests/mbs/model/checks.hpp"
 
@@ -90,7 +90,7 @@ TEST(AncfPart, RotatingCantileverStiffens) {
     State s = mechanism.initial_state();
     VectorXd v_dot;
     assemble(mechanism, s, v_dot);
-    settle(mechanism, s, v_dot);
+    start_quasi_static(mechanism, s, v_dot);
     double found_flap = 0.0, found_chord = 0.0;
     const int m = beam->m();
     NodeMotion tip = beam->make_node_motion();

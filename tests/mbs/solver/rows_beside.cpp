@@ -5,7 +5,7 @@
 #include <stdexcept>
 
 #include "mbs/solver/algebra/accelerations.hpp"
-#include "mbs/solver/integrators/conveyor.hpp"
+#include "mbs/solver/integrators/background_queue.hpp"
 #include "mbs/solver/position/assemble.hpp"
 #include "mbs/solver/run/run.hpp"
 #include "tests/mbs/solver/flexible_engine.hpp"
@@ -17,10 +17,10 @@
 namespace flexura::mbs::test {
 namespace {
 
-TEST(Conveyor, WorksOffEverythingInOrder) {
+TEST(BackgroundQueue, WorksOffEverythingInOrder) {
   std::vector<int> seen;
   std::thread::id by;
-  Conveyor<int> items(
+  BackgroundQueue<int> items(
       [&](int& i) {
         seen.push_back(i);
         if (i == 0) by = std::this_thread::get_id();
@@ -30,37 +30,37 @@ TEST(Conveyor, WorksOffEverythingInOrder) {
   for (int i = 0; i < 1003; ++i) {
     items.next() = i;
     items.push();
-    if (i == 500) items.settle();
+    if (i == 500) items.drain();
     if (i == 500) {
       EXPECT_EQ(seen.size(), 501u);
     }
   }
-  items.settle();
+  items.drain();
   std::vector<int> all(1003);
   std::iota(all.begin(), all.end(), 0);
   EXPECT_EQ(seen, all);
   EXPECT_NE(by, std::this_thread::get_id());
 }
 
-TEST(Conveyor, FinishesWhatWasHandedOver) {
+TEST(BackgroundQueue, FinishesWhatWasHandedOver) {
   std::vector<int> seen;
   {
-    Conveyor<int> items([&](int& i) { seen.push_back(i); }, true);
+    BackgroundQueue<int> items([&](int& i) { seen.push_back(i); }, true);
     for (int i = 0; i < 400; ++i) {
       items.next() = i;
       items.push();
     }
   }
-  // At most 127 wait for the second thread; whoever wants those settles.
+  // At most 127 wait for the second thread; whoever wants those drains.
   EXPECT_GE(seen.size(), 400u - 127u);
   for (std::size_t i = 0; i < seen.size(); ++i) EXPECT_EQ(seen[i], static_cast<int>(i));
 }
 
-TEST(Conveyor, ThrowsWhereTheFirstThreadIs) {
+TEST(BackgroundQueue, ThrowsWhereTheFirstThreadIs) {
   for (const bool beside : {false, true}) {
     SCOPED_TRACE(beside);
     std::vector<int> seen;
-    Conveyor<int> items(
+    BackgroundQueue<int> items(
         [&](int& i) {
           if (i == 70) throw std::runtime_error("70 is too many");
           seen.push_back(i);
@@ -72,14 +72,14 @@ TEST(Conveyor, ThrowsWhereTheFirstThreadIs) {
         items.next() = pushed;
         items.push();
       }
-      items.settle();
+      items.drain();
     };
     EXPECT_THROW(push_all(), std::runtime_error);
     EXPECT_EQ(seen.size(), 70u);
     EXPECT_LE(pushed, 70 + 2 * 128);  // soon
     items.next() = 2000;
     items.push();
-    items.settle();
+    items.drain();
     EXPECT_EQ(seen.back(), 2000);
   }
 }

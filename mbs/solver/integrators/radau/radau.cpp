@@ -364,7 +364,7 @@ void Radau::accept(double h, double t_stop, double wanted, double error, double 
   if (stage_wait_ > 0) --stage_wait_;
   plain_steps_ = stage_steps_ > 0 ? 0 : std::min(plain_steps_ + 1, kSoonAgain);
   if (stage_steps_ > 0 && --stage_steps_ == 0) stage_span_ = 8;
-  matrices_->praise();
+  matrices_->count_accepted_step();
   if (h_accepted_ > 0.0)
     quotient = std::max(quotient, std::pow(error * error_accepted_ / (kAim * kAim), 0.25 / kFilter) *
                                       std::pow(h / h_accepted_, 1.0 / kFilter));

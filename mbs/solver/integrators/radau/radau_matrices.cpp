@@ -54,7 +54,7 @@ bool RadauMatrices::ask_for_more() {
   return true;
 }
 
-void RadauMatrices::praise() {
+void RadauMatrices::count_accepted_step() {
   if (is_cheap_ && ++cheap_steps_ % kLongestFullSpan == 0) full_span_ = std::max(1, full_span_ / 2);
 }
 

@@ -39,7 +39,7 @@ class RadauMatrices {
   /// Newton's method failed with fresh derivatives.  True when fuller ones may help.
   bool ask_for_more();
   /// A step went well.
-  void praise();
+  void count_accepted_step();
 
   /// x = (dF/dy + cj dF/dy')^-1 rhs, both of the size of y, for the real or the complex cj.
   void solve(const Eigen::VectorXd& rhs, Eigen::VectorXd& x) { real_.solve(rhs, x); }

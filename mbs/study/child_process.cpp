@@ -1,5 +1,5 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-#include "mbs/study/child.hpp"
+#include "mbs/study/child_process.hpp"
 
 #include <fcntl.h>
 #include <poll.h>

@@ -1,5 +1,5 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-#include "beam/ancf/statics.hpp"
+#include "beam/ancf/ancf_statics.hpp"
 
 #include <fmt/format.h>
 

@@ -1,5 +1,5 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-#include "mbs/solver/position/settle.hpp"
+#include "mbs/solver/position/quasi_static_start.hpp"
 
 #include <gtest/gtest.h>
 
@@ -50,7 +50,7 @@ double largest_ripple(const Mechanism& m, const State& s, const VectorXd& v_dot,
   return high - low;
 }
 
-TEST(Settle, CantileverUnderItsWeightHangsStill) {
+TEST(QuasiStaticStart, CantileverUnderItsWeightHangsStill) {
   const superelement::Superelement se = unit_beam();
   MechanismDescription d;
   d.gravity = {0.0, -0.1, 0.0};
@@ -62,7 +62,7 @@ TEST(Settle, CantileverUnderItsWeightHangsStill) {
   VectorXd v_dot;
   assemble(m, s, v_dot);
   const double undeformed = largest_ripple(m, s, v_dot, 4.0);
-  settle(m, s, v_dot);
+  start_quasi_static(m, s, v_dot);
   const double tip = d.bodies[1].flexible->node_pose(1, s.p.data() + m.modal_position(1)).p.y();
   // g m L^4 / (8 EI); cubic elements with consistent loads are exact at their nodes.
   EXPECT_NEAR(tip, -0.0125, 1e-8);
@@ -70,7 +70,7 @@ TEST(Settle, CantileverUnderItsWeightHangsStill) {
   EXPECT_NEAR(undeformed, 2 * 0.0125, 0.1 * 2 * 0.0125);  // rings between zero and twice the sag
 }
 
-TEST(Settle, SwingingBeamStartsAlongItsMotion) {
+TEST(QuasiStaticStart, SwingingBeamStartsAlongItsMotion) {
   // A beam on a hinge in a gravity field, released with a speed: forces and rates of the deformation change
   // with the angle, slowly against its vibration.
   const superelement::Superelement se = unit_beam();
@@ -83,13 +83,13 @@ TEST(Settle, SwingingBeamStartsAlongItsMotion) {
       d.add_joint("hinge", "revolute", d.add_marker(0, "wall"), d.add_marker(body, "root", {}, 0));
   d.joints[hinge].initial_speeds[0] = 0.3;
   const Mechanism m(d);
-  const auto ripple = [&](bool settled) {
+  const auto ripple = [&](bool quasi_static) {
     State s = m.initial_state();
     VectorXd v_dot;
     assemble(m, s, v_dot);
     AssembleOptions keep;
     keep.keep_velocity = m.given_velocities();
-    if (settled) settle(m, s, v_dot, keep);
+    if (quasi_static) start_quasi_static(m, s, v_dot, keep);
     EXPECT_NEAR(s.v(0), 0.3, 1e-12);
     // Acceleration of the lowest mode against omega^2 times its size.
     const FlexibleBody& beam = *d.bodies[1].flexible;
@@ -106,7 +106,7 @@ TEST(Settle, SwingingBeamStartsAlongItsMotion) {
 
 // Faster than its first clamped frequency the pull resists more than bending does: the body's own stiffness
 // alone would let a rounding error grow fourfold in each iteration.
-TEST(Settle, FastTurningBeamStretches) {
+TEST(QuasiStaticStart, FastTurningBeamStretches) {
   const superelement::Superelement se = unit_beam();
   BasisOptions options = clamped(se);
   options.stiffening = true;
@@ -120,7 +120,7 @@ TEST(Settle, FastTurningBeamStretches) {
   State s = m.initial_state();
   VectorXd v_dot;
   assemble(m, s, v_dot);
-  settle(m, s, v_dot);
+  start_quasi_static(m, s, v_dot);
   const Vector3d tip = d.bodies[1].flexible->node_pose(1, s.p.data() + m.modal_position(1)).p;
   // u'' + k^2 (x + u) = 0, u(0) = u'(1) = 0, k^2 = W^2 m / EA: u(1) = tan k / k - 1.  Eight linear elements:
   // (k/8)^2 / 12 of k^2 / 3.
@@ -131,7 +131,7 @@ TEST(Settle, FastTurningBeamStretches) {
 }
 
 // A beam between two walls, sagging under its weight: no rigid motion closes that loop.
-TEST(Settle, BeamBetweenWallsHangsStill) {
+TEST(QuasiStaticStart, BeamBetweenWallsHangsStill) {
   const superelement::Superelement se = unit_beam();
   MechanismDescription d;
   d.gravity = {0.0, -0.1, 0.0};
@@ -147,7 +147,7 @@ TEST(Settle, BeamBetweenWallsHangsStill) {
   VectorXd v_dot;
   assemble(m, s, v_dot);
   const double before = v_dot.cwiseAbs().maxCoeff();
-  settle(m, s, v_dot);
+  start_quasi_static(m, s, v_dot);
   EXPECT_LT(v_dot.cwiseAbs().maxCoeff(), 1e-9 * before);
   // The work of the load 0.1 on the deflection q x^2 (L - x)^2 / (24 EI): q^2 L^5 / (1440 EI), exact at the
   // nodes of cubic elements; between n of them the energy of each clamped piece, 1 / n^4 of the whole, is
@@ -160,7 +160,7 @@ TEST(Settle, BeamBetweenWallsHangsStill) {
 
 // A crank that turns a rod in its plane, the rod's other end on a slide: three of the loop's five rows lie
 // out of the plane, where only the rod's modes move.
-TEST(Settle, PlanarLoopWithRowsOutOfItsPlane) {
+TEST(QuasiStaticStart, PlanarLoopWithRowsOutOfItsPlane) {
   const superelement::Superelement se = unit_beam();
   BasisOptions options;
   options.damping = 0.0;
@@ -184,7 +184,7 @@ TEST(Settle, PlanarLoopWithRowsOutOfItsPlane) {
       d.add_joint("small_end", "revolute", d.add_marker(rod, "small_end", {}, 1), d.add_marker(slide, "pin"));
   d.joints[pin].cut = true;
   const Mechanism m(d);
-  const auto start = [&](bool settled) {
+  const auto start = [&](bool quasi_static) {
     State s = m.initial_state();
     VectorXd v_dot;
     AssembleOptions keep;
@@ -192,7 +192,7 @@ TEST(Settle, PlanarLoopWithRowsOutOfItsPlane) {
     keep.keep_position.assign(m.sizes().n_v, false);
     keep.keep_position[0] = true;
     assemble(m, s, v_dot, keep);
-    if (settled) settle(m, s, v_dot, keep);
+    if (quasi_static) start_quasi_static(m, s, v_dot, keep);
     EXPECT_NEAR(s.p(0), 1.0, 1e-12);
     EXPECT_NEAR(s.v(0), 0.3, 1e-9);
     VectorXd g(m.sizes().n_lambda), g_dot(m.sizes().n_lambda);

@@ -13,18 +13,18 @@
 
 /// Work on a sequence of items by a second thread, in their order, while the first one makes the next items.
 /// Items are used again and again, so that their memory is.  What the work throws is thrown by the first
-/// thread, at its next push() or settle(); the items behind it are left out.
+/// thread, at its next push() or drain(); the items behind it are left out.
 namespace flexura::mbs {
 
 template <class Item>
-class Conveyor {
+class BackgroundQueue {
  public:
   /// `beside` false: the work is done by push() itself.
-  Conveyor(std::function<void(Item&)> work, bool beside) : work_(std::move(work)), beside_(beside) {}
-  Conveyor(const Conveyor&) = delete;
-  Conveyor& operator=(const Conveyor&) = delete;
+  BackgroundQueue(std::function<void(Item&)> work, bool beside) : work_(std::move(work)), beside_(beside) {}
+  BackgroundQueue(const BackgroundQueue&) = delete;
+  BackgroundQueue& operator=(const BackgroundQueue&) = delete;
   /// What was handed over is finished; what it throws now is lost.
-  ~Conveyor() {
+  ~BackgroundQueue() {
     if (!thread_.joinable()) return;
     {
       const std::lock_guard lock(guard_);
@@ -54,7 +54,7 @@ class Conveyor {
   }
 
   /// Waits until all that was pushed is worked off.
-  void settle() {
+  void drain() {
     if (thread_.joinable()) {
       std::unique_lock lock(guard_);
       wait(lock);

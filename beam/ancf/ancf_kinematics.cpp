@@ -1,5 +1,5 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-#include "beam/ancf/kinematics.hpp"
+#include "beam/ancf/ancf_kinematics.hpp"
 
 #include <Eigen/Geometry>
 #include <stdexcept>

@@ -1,5 +1,5 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-#include "mbs/view/stress_field.hpp"
+#include "mbs/view/stress_picture.hpp"
 
 #include <fmt/format.h>
 

@@ -1,5 +1,5 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-#include "mbs/study/measure.hpp"
+#include "mbs/study/measurement.hpp"
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -21,7 +21,7 @@
 #include "mbs/file/read_mechanism.hpp"
 #include "mbs/results/results.hpp"
 #include "mbs/solver/accuracy/options.hpp"
-#include "mbs/study/child.hpp"
+#include "mbs/study/child_process.hpp"
 #include "mbs/study/choice/cache_entry.hpp"
 
 namespace flexura::study {

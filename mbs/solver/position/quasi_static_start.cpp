@@ -1,5 +1,5 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-#include "mbs/solver/position/settle.hpp"
+#include "mbs/solver/position/quasi_static_start.hpp"
 
 #include <Eigen/LU>
 #include <Eigen/QR>
@@ -19,10 +19,10 @@ using Eigen::VectorXd;
 
 constexpr int kMostIterations = 50;
 
-class Settler {
+class QuasiStaticStart {
  public:
   /// Begins at the undeformed mechanism where its loops close without deformation.
-  Settler(const Equations& eq, const AssembleOptions& keep, State& start)
+  QuasiStaticStart(const Equations& eq, const AssembleOptions& keep, State& start)
       : eq_(eq), n_(eq.sizes()), scratch_(eq.make_scratch()), given_(keep), is_rigid_(n_.n_v, true) {
     given_.keep_position.resize(n_.n_v, false);
     given_.keep_velocity.resize(n_.n_v, false);
@@ -75,7 +75,7 @@ class Settler {
   }
 
   /// Moves s to where the elastic rows balance.  Returns the number of iterations.
-  int settle(State& s) {
+  int find(State& s) {
     const State start = s;
     for (;;) {
       if (const int iterations = iterate(s)) return iterations;
@@ -306,17 +306,17 @@ class Settler {
 
 }  // namespace
 
-int settle(const Equations& eq, State& s, VectorXd& v_dot, const AssembleOptions& keep) {
-  Settler settler(eq, keep, s);
-  if (!settler.has_elastic()) return 0;
+int start_quasi_static(const Equations& eq, State& s, VectorXd& v_dot, const AssembleOptions& keep) {
+  QuasiStaticStart start(eq, keep, s);
+  if (!start.has_elastic()) return 0;
   AccelerationSolver accelerations(eq);
   // Twice: the loads depend on the rates too, and these on the loads.
   int iterations = 0;
   for (int round = 0; round < 2; ++round) {
-    iterations += settler.settle(s);
-    const VectorXd a = settler.v_dot();
+    iterations += start.find(s);
+    const VectorXd a = start.v_dot();
     // Along the motion, a hundredth of a radian of the slowest vibration to either side.
-    const double tau = 0.01 / settler.lowest_frequency();
+    const double tau = 0.01 / start.lowest_frequency();
     VectorXd ends[2];
     for (int k = 0; k < 2; ++k) {
       State there = s;
@@ -325,10 +325,10 @@ int settle(const Equations& eq, State& s, VectorXd& v_dot, const AssembleOptions
       eq.retract(s.p, d, there.p);
       there.v += h * a;
       there.t += h;
-      iterations += settler.settle(there);
-      ends[k] = settler.deformation(there);
+      iterations += start.find(there);
+      ends[k] = start.deformation(there);
     }
-    settler.set_rates(s, (ends[1] - ends[0]) / (2.0 * tau));
+    start.set_rates(s, (ends[1] - ends[0]) / (2.0 * tau));
   }
   accelerations.solve(s, v_dot);
   return iterations;
