@@ -68,8 +68,8 @@ std::string describe_free_edges(const gmsh::vectorpair& faces, double to_m) {
 
 [[noreturn]] void refuse_open(const std::string& free_edges) {
   throw std::runtime_error("is not closed, so that it has no inside: " + free_edges +
-                           " (coordinates in mm); close or stitch the surface in the CAD program and export a solid body, or, where it is sheet metal, give "
-                           "its thickness in a table [shell]");
+                           " (coordinates in mm); stitch it in the CAD program and export a solid body; of sheet metal give the "
+                           "thickness in a table [shell]");  // longer ones are cut where the edges stand
 }
 
 /// Takes `old` shapes away that healing made `kept` ones of: they would stay beside them and be meshed as well.
