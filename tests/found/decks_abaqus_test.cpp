@@ -107,10 +107,10 @@ TEST_F(DeckAbaqus, OrientationsTurn) {
   ASSERT_EQ(a.outcome.exit_code, 0) << a.outcome.err;
   ASSERT_EQ(b.outcome.exit_code, 0) << b.outcome.err;
   EXPECT_LT((a.se.omega2 - b.se.omega2).norm(), 1e-9 * b.se.omega2.norm());
-  const Reduced cylindrical = reduce_inp(replaced(wood("1.E10, 1.E9, 2.E9, .3, .2, .1, 5.E8, 7.E8\n9.E8", ", ORIENTATION=O"), "NAME=O\n",
-                                                  "NAME=O, SYSTEM=CYLINDRICAL\n"), foot);
-  EXPECT_EQ(cylindrical.outcome.exit_code, 2);
-  EXPECT_THAT(cylindrical.outcome.err, HasSubstr("SYSTEM=CYLINDRICAL, which is not read"));
+  const Reduced by_nodes = reduce_inp(replaced(wood("1.E10, 1.E9, 2.E9, .3, .2, .1, 5.E8, 7.E8\n9.E8", ", ORIENTATION=O"), "NAME=O\n",
+                                                  "NAME=O, DEFINITION=NODES\n"), foot);
+  EXPECT_EQ(by_nodes.outcome.exit_code, 2);
+  EXPECT_THAT(by_nodes.outcome.err, HasSubstr("DEFINITION=NODES, which is not read"));
 }
 
 // *TIE with ADJUST=NO: nodes follow from where they stand, by rigid arms.

@@ -166,8 +166,8 @@ TEST_F(DeckNastran, WhatIsOtherwiseIsSaid) {
   EXPECT_THAT(said("NSM,1,PBAR,1,.5\n").err, HasSubstr("warning: NSM: the mass or stiffness that it adds is missing"));
   EXPECT_THAT(said("PBEAM,2,1,1.-3,1.-7,1.-7,0.,1.-7\n,,,,,,,,\n,YES,1.,1.-3,.5-7\nGRID,3,,2.,0.,0.\nCBEAM,2,2,2,3,0.,1.,0.\n").err,
               HasSubstr("warning: PBEAM's taper: end A is used all along"));
-  EXPECT_THAT(said("MAT8,5,1.+10,1.+9,.3,1.+9\nPSHELL,5,5,.01\nGRID,3,,1.,1.,0.\nCTRIA3,9,5,1,2,3\n").err,
-              HasSubstr("material 5 is a MAT8, which is not read"));
+  EXPECT_THAT(said("MAT2,5,1.+10,1.+9,0.,1.+10,0.,1.+9\nPSHELL,5,5,.01\nGRID,3,,1.,1.,0.\nCTRIA3,9,5,1,2,3\n").err,
+              HasSubstr("material 5 is a MAT2, which is not read"));
   EXPECT_THAT(said("PBUSH,7,K,1.+6,1.+6,1.+6,1.+6,1.+6,1.+6\n,,M,3.\nGRID,4,,1.,0.,0.\nGRID,5,,2.,0.,0.\nCBAR,3,1,4,5,0.,1.,0.\nCBUSH,8,7,2,4,,,,0\n").err,
               HasSubstr("PBUSH's M: the mass that it adds is missing"));
   EXPECT_THAT(said("GRID,4,,1.,0.,0.\nRBE2,8,2,,4\n").err, HasSubstr("RBE2 8 names no directions"));

@@ -46,26 +46,52 @@ Orientation orientation_of(const Keyword& k) {
   Orientation to{.where = k.where};
   const std::string system = upper(k.has("SYSTEM") ? k.get("SYSTEM") : "RECTANGULAR"),
                     definition = upper(k.has("DEFINITION") ? k.get("DEFINITION") : "COORDINATES");
-  std::vector<double> v = numbers_of(k, 0);
-  if (system.rfind("R", 0) != 0 || definition != "COORDINATES") {
-    to.not_read = system.rfind("R", 0) != 0 ? "SYSTEM=" + system : "DEFINITION=" + definition;
+  const char kind = system.empty() ? 'R' : system[0];
+  if ((kind != 'R' && kind != 'C' && kind != 'S') || definition != "COORDINATES") {
+    to.not_read = definition != "COORDINATES" ? "DEFINITION=" + definition : "SYSTEM=" + system;
     return to;
   }
+  std::vector<double> v = numbers_of(k, 0);
   if (v.size() < 6) {
     to.not_read = fmt::format("{} numbers instead of six", v.size());
     return to;
   }
-  v.resize(9, 0.0);  // a, b and the origin
-  for (std::size_t d = 0; d < 3; ++d) v[d] -= v[6 + d], v[3 + d] -= v[6 + d];
-  to.R = axes_of(v, 'R', k.where).R;
+  if (kind == 'R') {
+    v.resize(9, 0.0);  // a, b and the origin
+    for (std::size_t d = 0; d < 3; ++d) v[d] -= v[6 + d], v[3 + d] -= v[6 + d];
+  }
+  to.system = axes_of(v, kind, k.where);
   // One more turn, about one of the axes, in degrees.
-  if (const std::vector<double> turn = numbers_of(k, 1); turn.size() > 1 && turn[1] != 0) {
-    const auto axis = static_cast<int>(turn[0]);
-    if (axis < 1 || axis > 3)
+  if (const std::vector<double> turn = numbers_of(k, 1); !turn.empty()) {
+    to.about = static_cast<int>(turn[0]);
+    if (to.about < 1 || to.about > 3)
       throw std::invalid_argument(fmt::format("{}: *ORIENTATION turns about axis {:g}; 1 to 3 are known", k.where.text(), turn[0]));
-    to.R = (Eigen::AngleAxisd(turn[1] * std::numbers::pi / 180, to.R.col(axis - 1)).toRotationMatrix() * to.R).eval();
+    if (turn.size() > 1) to.angle = turn[1] * std::numbers::pi / 180;
   }
   return to;
+}
+
+Eigen::Matrix3d Orientation::axes_at(const Eigen::Vector3d& x) const {
+  const Eigen::Matrix3d axes = system.axes_at(x);
+  return angle == 0 ? axes : Eigen::Matrix3d(Eigen::AngleAxisd(angle, axes.col(about - 1)).toRotationMatrix() * axes);
+}
+
+Eigen::Matrix3d Orientation::shell_axes_at(const Eigen::Vector3d& x, const Eigen::Vector3d& normal) const {
+  const Eigen::Matrix3d axes = system.axes_at(x);
+  const Eigen::Matrix3d laid = laid_on(normal, axes.col(about % 3), axes.col((about + 1) % 3));
+  return angle == 0 ? laid : Eigen::Matrix3d(Eigen::AngleAxisd(angle, laid.col(2)).toRotationMatrix() * laid);
+}
+
+Eigen::Matrix3d laid_on(const Eigen::Vector3d& normal, const Eigen::Vector3d& along, const Eigen::Vector3d& otherwise) {
+  constexpr double kUpright = 1.7e-3;  // sine of a tenth of a degree
+  const Eigen::Vector3d n = normal.normalized();
+  const bool upright = along.cross(n).norm() < kUpright * along.norm();
+  const Eigen::Vector3d& from = upright ? otherwise : along;
+  Eigen::Matrix3d out;
+  out.col(0) = (from - n * n.dot(from)).normalized();
+  out.col(2) = n;
+  out.col(1) = n.cross(out.col(0));
+  return out;
 }
 
 Transform system_of(const Keyword& k) {

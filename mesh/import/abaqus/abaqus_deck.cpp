@@ -366,9 +366,15 @@ class Reader {
       for (int i = 0; i < 9; ++i)
         material.engineering[i] =
             to_real(field(k, static_cast<std::size_t>(i / 8), static_cast<std::size_t>(i % 8)), k.where);
+    } else if (type == "LAMINA") {  // plane stress: what a shell has across its plane plays no part
+      std::vector<double> c;
+      for (int i = 0; i < 6; ++i) c.push_back(to_real(field(k, 0, static_cast<std::size_t>(i)), k.where));
+      material.orthotropic = true;
+      material.engineering << c[0], c[1], c[1], c[2], 0, 0, c[3], c[4], c[5];
+      deck_.laminae.insert(material.name);
     } else {
       throw std::invalid_argument(
-          fmt::format("{}: *ELASTIC, TYPE={} is not read; isotropic and engineering constants are",
+          fmt::format("{}: *ELASTIC, TYPE={} is not read; isotropic, engineering constants and LAMINA are",
                       k.where.text(), type));
     }
   }

@@ -55,12 +55,6 @@ struct ElementData {
   std::string orientation = {};
   std::vector<double> dofs = {};  ///< *SPRING of SPRING2
 };
-/// *ORIENTATION: rectangular axes, or why they are not read.
-struct Orientation {
-  Eigen::Matrix3d R = Eigen::Matrix3d::Identity();  ///< columns: the axes
-  std::string not_read = {};
-  Where where;
-};
 /// *COUPLING, *RIGID BODY, *MPC.
 struct TieKeyword {
   std::string what, reference,
@@ -98,6 +92,21 @@ struct Transform {
   /// Columns: the directions 1, 2, 3 at a place.
   Eigen::Matrix3d axes_at(const Eigen::Vector3d& x) const;
 };
+/// *ORIENTATION: axes, turned about one of them, or why they are not read.
+struct Orientation {
+  Transform system = {};  ///< rectangular, cylindrical or spherical
+  int about = 1;          ///< 1 to 3
+  double angle = 0;       ///< about it
+  std::string not_read = {};
+  Where where;
+  /// Columns: the axes at a place.
+  Eigen::Matrix3d axes_at(const Eigen::Vector3d& x) const;
+  /// Columns: those of a shell there, the third along its normal: the first is the axis after `about`, laid into the shell,
+  /// turned by the angle.
+  Eigen::Matrix3d shell_axes_at(const Eigen::Vector3d& x, const Eigen::Vector3d& normal) const;
+};
+/// Columns: `along` laid into the plane of a normal, the third axis; where it stands upright, `otherwise` is laid there.
+Eigen::Matrix3d laid_on(const Eigen::Vector3d& normal, const Eigen::Vector3d& along, const Eigen::Vector3d& otherwise);
 struct Surface {
   Where where;
   bool of_nodes = false, used = false;
@@ -143,6 +152,7 @@ struct Deck {
   std::map<std::string, Surface> surfaces;
   std::map<std::string, Orientation> orientations;  ///< by "PART.NAME", or "NAME" at the model level
   std::vector<ImportedMaterial> materials;
+  std::set<std::string> laminae;  ///< those of *ELASTIC, TYPE=LAMINA, which shells alone have
   Unused unused, left_out, unbound;  ///< keywords; elements; keywords that bind what stays apart
   Unused otherwise;                  ///< what makes another body than the deck describes
   std::map<std::string, std::pair<std::size_t, std::string>> replaced;  ///< type: how many, what it becomes
@@ -151,7 +161,7 @@ struct Deck {
 /// *TRANSFORM: its axes, in the deck's unit of length; `set` in capitals.  Throws std::invalid_argument, naming file and
 /// line, as the next.
 Transform transform_of(const Keyword& k);
-/// *ORIENTATION: its axes; what is not read (other systems and definitions) is told by `not_read`.
+/// *ORIENTATION: its axes; what is not read (other definitions) is told by `not_read`.
 Orientation orientation_of(const Keyword& k);
 /// *SYSTEM: origin, a point on x and one in the x-y plane; without a line the global system.
 Transform system_of(const Keyword& k);

@@ -67,7 +67,11 @@ class Placer {
   std::vector<double> nodal_areas(const TieKeyword& tie, const std::vector<Index>& nodes);
   void take_equations();
   /// Axes that a part, or the model level, defines; the global ones for no name.  Throws where there are none such.
+  const Orientation& found_orientation(const std::string& name, const std::string& part, const Where& where) const;
+  /// The same where they are those of no place (rectangular).
   Eigen::Matrix3d orientation(const std::string& name, const std::string& part, const Where& where) const;
+  /// Columns: the axes of a cell's material.
+  Eigen::Matrix3d material_axes(const ModelBuilder::Cell& cell, const Orientation* orientation, const Instance* instance) const;
   /// The material along these axes: itself, or a copy.
   Index material_along(Index material, const Eigen::Matrix3d& axes);
   void assign_spring(const ElementData& data, ImportedSpring& to, const Eigen::Matrix3d& axes);

@@ -3,6 +3,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 
 #include "mesh/import/abaqus/abaqus_placer.hpp"
@@ -56,46 +57,63 @@ void Placer::assign(const Section& section, const Part& part, int scope, const I
   if (set == part.element_sets.end())
     throw std::invalid_argument(
         fmt::format("{}: element set \"{}\" is not defined", section.where.text(), section.set));
-  auto index = static_cast<Index>(material - model_.materials.begin());
-  if (material->orthotropic) {
-    Eigen::Matrix3d axes = orientation(section.orientation, part.name, section.where);
-    if (instance) axes = (instance->R * axes).eval();
-    index = material_along(index, axes);
-  }
+  const auto index = static_cast<Index>(material - model_.materials.begin());
+  const bool orthotropic = material->orthotropic, lamina = deck_.laminae.contains(section.material);
+  const Orientation* axes = orthotropic && !section.orientation.empty() ? &found_orientation(section.orientation, part.name, section.where) : nullptr;
   for (const std::int64_t label : set->second) {
     for (auto [bar, end] = bar_of_.equal_range({scope, label}); bar != end; ++bar)
       assign_bar(section, model_.bars[bar->second.first], bar->second.second, index, instance);
     if (const auto found = cell_of_.find({scope, label}); found != cell_of_.end()) {
       ModelBuilder::Cell& cell = builder_.cells()[found->second];
-      if (index >= 0 && model_.materials[static_cast<std::size_t>(index)].orthotropic && dimension_of(cell.type) == 2 &&
-          !section.orientation.empty())
+      if (lamina && dimension_of(cell.type) == 3)
         throw std::invalid_argument(fmt::format(
-            "{}: the material {} of shells has directions, which an ORIENTATION turns: not read; those along the model's axes are",
+            "{}: the material {} of solids is a LAMINA, which tells nothing across its plane; give ENGINEERING CONSTANTS",
             section.where.text(), section.material));
-      cell.material = index;
+      cell.material = orthotropic ? material_along(index, material_axes(cell, axes, instance)) : index;
       cell.thickness = section.thickness;
       cell.offset = section.offset;
     }
   }
 }
 
-Eigen::Matrix3d Placer::orientation(const std::string& name, const std::string& part, const Where& where) const {
-  if (name.empty()) return Eigen::Matrix3d::Identity();
+Eigen::Matrix3d Placer::material_axes(const ModelBuilder::Cell& cell, const Orientation* orientation, const Instance* instance) const {
+  const int corners = shape_of(cell.type).corners;
+  const auto at = [&](int a) { return builder_.place(cell.nodes[static_cast<std::size_t>(a)]); };
+  Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+  for (int a = 0; a < corners; ++a) middle += at(a) / corners;
+  const Eigen::Matrix3d turn = instance ? instance->R : Eigen::Matrix3d::Identity();
+  if (instance) middle = turn.transpose() * (middle - instance->t);  // the part's own place
+  if (dimension_of(cell.type) == 3) return orientation ? Eigen::Matrix3d(turn * orientation->axes_at(middle)) : turn;
+  const Eigen::Vector3d normal = corners == 3 ? (at(1) - at(0)).cross(at(2) - at(0)) : (at(2) - at(0)).cross(at(3) - at(1));
+  if (!orientation) return laid_on(normal, Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitZ());
+  return turn * orientation->shell_axes_at(middle, turn.transpose() * normal);
+}
+
+const Orientation& Placer::found_orientation(const std::string& name, const std::string& part, const Where& where) const {
   auto found = deck_.orientations.find(part + "." + name);
   if (found == deck_.orientations.end()) found = deck_.orientations.find(name);
   if (found == deck_.orientations.end())
     throw std::invalid_argument(fmt::format("{}: ORIENTATION=\"{}\" is not defined", where.text(), name));
   if (!found->second.not_read.empty())
-    throw std::invalid_argument(
-        fmt::format("{}: *ORIENTATION {} has {}, which is not read; rectangular axes by coordinates are",
-                    found->second.where.text(), name, found->second.not_read));
-  return found->second.R;
+    throw std::invalid_argument(fmt::format("{}: *ORIENTATION {} has {}, which is not read; axes by coordinates are",
+                                            found->second.where.text(), name, found->second.not_read));
+  return found->second;
+}
+
+Eigen::Matrix3d Placer::orientation(const std::string& name, const std::string& part, const Where& where) const {
+  if (name.empty()) return Eigen::Matrix3d::Identity();
+  const Orientation& found = found_orientation(name, part, where);
+  if (found.system.kind != 'R')
+    throw std::invalid_argument(fmt::format("{}: *ORIENTATION {} is a cylindrical or spherical system, which springs, masses and "
+                                            "couplings do not read; rectangular axes are",
+                                            found.where.text(), name));
+  return found.axes_at(Eigen::Vector3d::Zero());
 }
 
 Index Placer::material_along(Index material, const Eigen::Matrix3d& axes) {
   if (axes.isIdentity(1e-14)) return material;
   std::string key;
-  for (const double c : axes.reshaped()) key += fmt::format("{:.15g} ", c);
+  for (const double c : axes.reshaped()) key += fmt::format("{:.0f} ", std::round(1e12 * c) + 0.0);
   const std::string name = model_.materials[static_cast<std::size_t>(material)].name;
   const auto [at, fresh] = turned_.emplace(std::pair{name, key}, static_cast<Index>(model_.materials.size()));
   if (fresh) {

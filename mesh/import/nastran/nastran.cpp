@@ -68,7 +68,7 @@ ImportedModel NastranReader::read(const std::filesystem::path& path) {
   read_masses();
   read_dofs();
   static const std::set<std::string> kSilent = {"CORD2R", "CORD2C", "CORD2S", "CORD1R", "CORD1C", "CORD1S",
-                                                "PSOLID", "PSHELL", "PBAR",   "PBEAM",  "PBARL",  "PBEAML"};
+                                                "PSOLID", "PSHELL", "PCOMP", "PBAR",   "PBEAM",  "PBARL",  "PBEAML"};
   for (const Card& card : cards_)
     if (!used_.contains(card.name) && !kSilent.contains(card.name)) unused_.add(card.name, card.where);
   for (const std::string& message : unused_.messages("card")) model_.messages.push_back(message);
@@ -106,7 +106,7 @@ ImportedModel NastranReader::read(const std::filesystem::path& path) {
 
 void NastranReader::refuse_repeated() const {
   static const std::set<std::string> kNumbered = {"CBAR",  "CBEAM", "CROD", "CONROD", "CBUSH", "CELAS1", "CELAS2", "CONM2", "RBE2",
-                                                  "RBE3",  "RBAR",  "PBAR", "PBARL",  "PBEAM", "PBEAML", "PROD",   "PSHELL", "PSOLID"};
+                                                  "RBE3",  "RBAR",  "PBAR", "PBARL",  "PBEAM", "PBEAML", "PROD",   "PSHELL", "PCOMP", "PSOLID"};
   std::map<std::pair<std::string, std::int64_t>, const Card*> seen;
   for (const Card& card : cards_) {
     if (!kNumbered.contains(card.name)) continue;
@@ -140,6 +140,17 @@ void NastranReader::read_materials() {
       model_.messages.push_back(fmt::format(
           "{}: MAT1 {} has a G that is not E / (2 (1 + NU)); E and NU are used", card->where.text(), id));
     if (!material_.emplace(id, static_cast<Index>(model_.materials.size())).second)
+      throw std::invalid_argument(fmt::format("{}: material {} is given twice", card->where.text(), id));
+    model_.materials.push_back(material);
+  }
+  for (const Card* card : all("MAT8")) {  // plane stress: what a shell has across its plane plays no part
+    const std::int64_t id = card->integer(0);
+    ImportedMaterial material{.name = std::to_string(id), .rho = card->real(7, 0), .orthotropic = true};
+    const double G12 = card->real(4);
+    for (const std::size_t k : {5u, 6u})
+      if (card->blank(k)) approximated_.add("MAT8 without G1Z or G2Z (no shear deformation): G12 is used", card->where);
+    material.engineering << card->real(1), card->real(2), card->real(2), card->real(3), 0, 0, G12, card->real(5, G12), card->real(6, G12);
+    if (material_.contains(id) || !lamina_.emplace(id, static_cast<Index>(model_.materials.size())).second)
       throw std::invalid_argument(fmt::format("{}: material {} is given twice", card->where.text(), id));
     model_.materials.push_back(material);
   }
@@ -181,9 +192,9 @@ Index NastranReader::material(std::int64_t id, const Where& where) const {
         for (const Card* card : cards->second)
           if (card->integer(0) == id)
             throw std::invalid_argument(fmt::format(
-                "{}: material {} is a {}, which is not read: give it as MAT1, or a table [material.{}] of a mesh without "
+                "{}: material {} is a {}, which is {}: give it as MAT1, or a table [material.{}] of a mesh without "
                 "materials",
-                where.text(), id, name, id));
+                where.text(), id, name, std::string(name) == "MAT8" ? "of shells (PSHELL, PCOMP) alone" : "not read", id));
     throw std::invalid_argument(fmt::format("{}: material {} is not defined", where.text(), id));
   }
   return found->second;

@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <set>
 #include <stdexcept>
 
@@ -14,9 +15,40 @@ namespace flexura::mesh {
 
 using Eigen::Vector3d;
 
+Index NastranReader::shell_material(std::int64_t id, const Where& where) const {
+  const auto lamina = lamina_.find(id);
+  return lamina != lamina_.end() ? lamina->second : material(id, where);
+}
+
+NastranReader::ShellProperty NastranReader::layered_property(const Card& card) {
+  const std::string of = fmt::format("PCOMP {}", card.integer(0)), option = card.text(7);
+  if (!option.empty() && option != "SYM")
+    throw std::invalid_argument(fmt::format("{}: {} has LAM {}, which is not read; SYM and blank are", card.where.text(), of, option));
+  std::int64_t mid = 0, first_mid = 0;
+  double thickness = 0, whole = 0, first_angle = 0;
+  for (std::size_t k = 8; k < card.fields.size(); k += 4) {
+    if (card.blank(k) && card.blank(k + 1) && card.blank(k + 2)) continue;
+    if (!card.blank(k)) mid = card.integer(k);  // blank: as the layer below
+    if (!card.blank(k + 1)) thickness = card.real(k + 1);
+    require_positive(thickness, of, "layer thickness", card.where);
+    const double angle = card.real(k + 2, 0);
+    if (whole == 0) first_mid = mid, first_angle = angle;
+    const Index own = shell_material(mid, card.where);
+    if (mid != first_mid || (angle != first_angle && model_.materials[static_cast<std::size_t>(own)].orthotropic))
+      throw std::invalid_argument(fmt::format(
+          "{}: {} has layers of different materials or directions, which are not read: give a PSHELL with their effective material",
+          card.where.text(), of));
+    whole += thickness;
+  }
+  if (!(whole > 0)) throw std::invalid_argument(fmt::format("{}: {} has no layers", card.where.text(), of));
+  if (option == "SYM") whole *= 2;
+  return {shell_material(first_mid, card.where), whole, card.real(2, 0), first_angle * std::numbers::pi / 180,
+          card.real(1, -0.5 * whole) + 0.5 * whole};
+}
+
 NastranReader::ShellProperty NastranReader::shell_property(const Card& card) {
-  ShellProperty shell{material(card.integer(1), card.where), card.real(2, 0), card.real(7, 0)};
   const std::int64_t mid = card.integer(1);
+  ShellProperty shell{shell_material(mid, card.where), card.real(2, 0), card.real(7, 0)};
   if (card.blank(3))
     approximated_.add("PSHELL's missing MID2 (membrane alone): bending is computed as well", card.where);
   else if (card.integer(3) != mid)
@@ -31,12 +63,47 @@ NastranReader::ShellProperty NastranReader::shell_property(const Card& card) {
   return shell;
 }
 
+Index NastranReader::material_of_shell(const Card& card, Index material, const std::vector<Index>& nodes, std::size_t n_corners,
+                                       std::size_t place, double more) {
+  if (!model_.materials[static_cast<std::size_t>(material)].orthotropic) return material;
+  const auto at = [&](std::size_t k) { return builder_.place(nodes[k]); };
+  const Vector3d normal = (n_corners == 3 ? (at(1) - at(0)).cross(at(2) - at(0)) : (at(2) - at(0)).cross(at(3) - at(1))).normalized();
+  Vector3d along = at(1) - at(0);
+  double angle = more;
+  if (!card.blank(place) && !card.is_real(place)) {
+    const NastranSystem& system = systems_.system(card.integer(place), card.where);
+    if (system.kind != 'R')
+      throw std::invalid_argument(fmt::format("{}: MCID {} of {} {} is a cylindrical or spherical system; rectangular ones are read",
+                                              card.where.text(), card.integer(place), card.name, card.integer(0)));
+    along = system.R.col(0);
+  } else {
+    angle += card.real(place, 0) * std::numbers::pi / 180;
+  }
+  const Vector3d in_plane = along - normal * normal.dot(along);
+  if (!(in_plane.norm() > 1e-6 * along.norm()))
+    throw std::invalid_argument(fmt::format("{}: the first axis of MCID {} stands upright on {} {}", card.where.text(), card.text(place),
+                                            card.name, card.integer(0)));
+  Eigen::Matrix3d axes;
+  axes.col(0) = Eigen::AngleAxisd(angle, normal) * in_plane.normalized();
+  axes.col(2) = normal;
+  axes.col(1) = normal.cross(axes.col(0));
+  std::string key;
+  for (const double c : axes.reshaped()) key += fmt::format("{:.0f} ", std::round(1e12 * c) + 0.0);
+  const auto [turned, fresh] = turned_.emplace(std::pair{material, key}, static_cast<Index>(model_.materials.size()));
+  if (fresh) {
+    ImportedMaterial copy = model_.materials[static_cast<std::size_t>(material)];
+    copy.R = axes;
+    model_.materials.push_back(std::move(copy));
+  }
+  return turned->second;
+}
+
 void NastranReader::read_shells() {
   std::map<std::int64_t, ShellProperty> properties;
   for (const Card* card : all("PSHELL")) properties.emplace(card->integer(0), shell_property(*card));
+  for (const Card* card : all("PCOMP")) properties.emplace(card->integer(0), layered_property(*card));
   std::set<std::int64_t> layered;
-  for (const char* name : {"PCOMP", "PCOMPG"})
-    for (const Card* card : by_name_[name]) layered.insert(card->integer(0));
+  for (const Card* card : by_name_["PCOMPG"]) layered.insert(card->integer(0));
   // Where the nodes end, there stand: THETA or MCID, ZOFFS; TFLAG and the corners' thicknesses.
   struct ShellCard {
     CellType type;
@@ -58,9 +125,9 @@ void NastranReader::read_shells() {
     const auto section = properties.find(property);
     if (section == properties.end())
       throw std::invalid_argument(fmt::format(
-          "{}: property {} of {} {} is no PSHELL of this file{}", card.where.text(), property, card.name, id,
+          "{}: property {} of {} {} is no PSHELL or PCOMP of this file{}", card.where.text(), property, card.name, id,
           layered.contains(property)
-              ? "; layers (PCOMP) are not read: give a PSHELL with their effective material"
+              ? "; PCOMPG is not read: give a PCOMP"
               : ""));
     std::vector<Index> nodes(n_nodes, -1);
     for (std::size_t k = 0; k < n_nodes; ++k)  // mid-side nodes may be left out
@@ -78,11 +145,12 @@ void NastranReader::read_shells() {
       for (std::size_t k = 0; k < n; ++k)
         extra_mass_[nodes[k]] += extra * 0.5 * across.norm() / static_cast<double>(n);
     }
+    const Index along = material_of_shell(card, section->second.material, nodes, n, places.offset - 1, section->second.angle);
     ModelBuilder::Cell& cell =
         builder_.cells()[builder_.add_cell(0, places.type, id, std::move(nodes), card.where)];
-    cell.material = section->second.material;
+    cell.material = along;
     cell.thickness = section->second.thickness;
-    cell.offset = card.real(places.offset, 0);  // an isotropic material has no direction THETA
+    cell.offset = card.real(places.offset, 0) + section->second.height;
     double sum = 0;
     std::size_t given = 0;
     for (std::size_t k = places.thickness; k < places.thickness + n; ++k)
