@@ -182,6 +182,44 @@ Part window(const std::vector<int>& n, CellType type, bool graded) {
                  kX, 0.0, kX, 0.24);
 }
 
+/// A quarter of a ring: mean radius 0.17 m, 0.04 m by 0.03 m.
+Part arch(const std::vector<int>& n, CellType type, bool graded) {
+  Part part = whole_box({0.3, 0.04, 0.03}, n, type, graded);
+  testing::deform(part.mesh, [](const Vector3d& x) {
+    const double angle = std::numbers::pi / 2 * x(0) / 0.3, r = 0.15 + x(1);
+    return Vector3d(r * std::sin(angle), r * std::cos(angle), x(2));
+  });
+  return part_of(std::move(part.mesh), kX, 0.0, kY, 0.0);
+}
+
+/// A bar of 0.3 m that tapers from 0.06 x 0.04 m to two fifths of it.
+Part taper(const std::vector<int>& n, CellType type, bool graded) {
+  Part part = whole_box({0.3, 0.06, 0.04}, n, type, graded);
+  testing::deform(part.mesh, [](const Vector3d& x) {
+    const double f = 1.0 - 0.6 * x(0) / 0.3;
+    return Vector3d(x(0), f * (x(1) - 0.03), f * (x(2) - 0.02));
+  });
+  return part_of(std::move(part.mesh), kX, 0.0, kX, 0.3);
+}
+
+/// A beam of T section: 0.3 m, flange 0.1 x 0.02 m, web 0.02 x 0.06 m.
+Part tee(const std::vector<int>& n, CellType type, bool graded) {
+  mesh::Mesh mesh = bricks({Row{{0.3}, {n[0]}}, Row{{0.04, 0.02, 0.04}, {n[1], n[2], n[1]}, {1, 2}}, Row{{0.02, 0.06}, {n[2], n[1]}, {1}}}, type, graded);
+  return part_of(carved(std::move(mesh), [](const Vector3d& x) { return x(2) < 0.02 || std::abs(x(1) - 0.05) < 0.01; }), kX, 0.0,
+                 kX, 0.3);
+}
+
+/// A crank like a Z: arms of 0.16 m, 0.08 m apart, 0.04 x 0.03 m.
+Part zed(const std::vector<int>& n, CellType type, bool graded) {
+  mesh::Mesh mesh = bricks({Row{{0.12, 0.04, 0.12}, {n[1], n[0], n[1]}, {1, 2}}, Row{{0.04, 0.08, 0.04}, {n[0], n[1], n[0]}, {1, 2}}, Row{{0.03}, {n[0]}}}, type, graded);
+  return part_of(carved(std::move(mesh),
+                        [](const Vector3d& x) {
+                          const bool low = x(1) < 0.04 && x(0) < 0.16, high = x(1) > 0.12 && x(0) > 0.12;
+                          return low || high || std::abs(x(0) - 0.14) < 0.02;
+                        }),
+                 kX, 0.0, kX, 0.28);
+}
+
 Sequence graded(const std::string& kind, const Made& make, const std::vector<double>& cells, const std::vector<int>& levels = {4, 6, 9}) {
   // Graded by 3 energies along re-entrant edges converge like h^3.3; what a row's middle leaves is left to doubt.
   Sequence out{kind, static_cast<double>(levels[2]) / levels[1], 2.0, {}};
@@ -255,7 +293,9 @@ std::vector<Subject> subjects() {
                  fine_rigid = graded("angle rigid", angle_rigid, {1, 1}),
                  fine_shaft = graded("shaft", shaft, {4, 1}, {1, 2, 4}), fine_fork = graded("fork", fork, {1, 1, 1}),
                  fine_twisted = graded("twisted", twisted, {2, 1, 1}), fine_tube = graded("tube", tube, {1, 1, 1}),
-                 fine_window = graded("window", window, {1, 1, 0.5});
+                 fine_window = graded("window", window, {1, 1, 0.5}), fine_arch = graded("arch", arch, {2, 1, 1}),
+                 fine_taper = graded("taper", taper, {2, 1, 1}), fine_tee = graded("tee", tee, {1.5, 1, 0.75}),
+                 fine_zed = graded("zed", zed, {1, 1.5});
   add("block tet10 6x2x2", block, {6, 2, 2}, CellType::tet10, fine_block);
   add("block tet10 4x1x1", block, {4, 1, 1}, CellType::tet10, fine_block);
   add("block hex20 8x2x2", block, {8, 2, 2}, CellType::hex20, fine_block);
@@ -294,6 +334,14 @@ std::vector<Subject> subjects() {
   add("square tube wedge15", tube, {3, 1, 3}, CellType::wedge15, fine_tube);
   add("plate with a square hole tet10", window, {3, 2, 1}, CellType::tet10, fine_window);
   add("plate with a square hole hex20", window, {3, 2, 1}, CellType::hex20, fine_window);
+  add("quarter ring tet10", arch, {5, 1, 1}, CellType::tet10, fine_arch);
+  add("quarter ring hex8", arch, {16, 4, 3}, CellType::hex8, fine_arch);
+  add("tapered bar tet10", taper, {5, 1, 1}, CellType::tet10, fine_taper);
+  add("tapered bar wedge15", taper, {6, 1, 1}, CellType::wedge15, fine_taper);
+  add("T beam tet10", tee, {6, 2, 1}, CellType::tet10, fine_tee);
+  add("T beam hex20", tee, {5, 1, 1}, CellType::hex20, fine_tee);
+  add("Z crank tet10", zed, {1, 3}, CellType::tet10, fine_zed);
+  add("Z crank tet4", zed, {3, 9}, CellType::tet4, fine_zed);
   add_cad("shaft with shoulders, held at its seats", "tests/found/reduce/shaft_seats.toml", 0.02, 0.010);
   add_cad("shaft with shoulders, mean of its ends", "tests/found/reduce/av.toml", 0.02, 0.010);
   add_cad("connecting rod", "cases/steam_engine/conrod.toml", 0.015, 0.012);
