@@ -21,7 +21,7 @@ constexpr int kMostModes = 100;
 /// sets, drives, loads or reads keep them: as constraints these would not count turns.
 bool Topology::split_branches() {
   // Coordinates of small deformations: dense matrices are all that couples them.
-  const auto is_modal = [&](int b) {
+  const auto is_linear = [&](int b) {
     const FlexibleBody* const flexible = d.bodies[b].flexible.get();
     return flexible && flexible->acts_back() && flexible->is_linear();
   };
@@ -29,8 +29,8 @@ bool Topology::split_branches() {
   bool is_long = false;
   for (const int b : order) {
     const int parent = bodies[b].parent;
-    bodies_before[b] = bodies_before[parent] + is_modal(b);
-    modes_before[b] = modes_before[parent] + (is_modal(b) ? d.bodies[b].flexible->m() : 0);
+    bodies_before[b] = bodies_before[parent] + is_linear(b);
+    modes_before[b] = modes_before[parent] + (is_linear(b) ? d.bodies[b].flexible->m() : 0);
     is_long = is_long || (bodies_before[b] > kMostBodies && modes_before[b] > kMostModes);
   }
   if (!is_long) return false;
@@ -62,10 +62,10 @@ bool Topology::split_branches() {
   split_joint.assign(bodies.size(), -1);
   bool any = false;
   for (const int b : order) {
-    if (!is_modal(b)) continue;
+    if (!is_linear(b)) continue;
     int begins = -1;  // the branch, with this body
     for (int k = b; k != 0; k = bodies[k].parent) {
-      if (k != b && is_modal(k)) break;
+      if (k != b && is_linear(k)) break;
       if (split_joint[k] >= 0) {
         begins = -1;
         break;

@@ -19,7 +19,6 @@ struct Verbosity {
   bool quiet = false;    ///< errors only
   bool verbose = false;  ///< every detail
 };
-using Talk = Verbosity;  // as reduce/app still says
 
 /// Declares the options of one command.  The variables must live until the command has run.
 class Options {
