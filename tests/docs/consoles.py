@@ -91,8 +91,9 @@ def run_page(page, folder, environment):
 
 def main():
     root, programs = (pathlib.Path(p).resolve() for p in sys.argv[1:3])
-    environment = {**os.environ, "PATH": f"{programs}:{os.environ['PATH']}", "PYTHONPATH": str(root / "mbs/python"), "COLUMNS": "80",
+    environment = {**os.environ, "PATH": f"{programs}:{os.environ['PATH']}", "PYTHONPATH": str(root / "mbs/python"),
                    "MPLBACKEND": "Agg"}
+    environment.pop("COLUMNS", None)  # tables of 80 columns, sentences on one line
     failures = 0
     with tempfile.TemporaryDirectory() as scratch, tempfile.TemporaryFile() as place:
         os.dup2(place.fileno(), 9)
