@@ -63,8 +63,8 @@ ReportTable table_of(const std::string& title, const json& rows) {
   return table;
 }
 
-std::string vector_text(const Eigen::Vector3d& v) {
-  const double size = v.cwiseAbs().maxCoeff();
+std::string vector_text(const Eigen::Vector3d& v, double scale = 0.0) {
+  const double size = std::max(scale, v.cwiseAbs().maxCoeff());
   // Round-off beside a component that is there is zero, and so is what a mesh of a symmetric part is asymmetric by.
   const auto part = [&](double x) { return figure_text(std::abs(x) < 1e-5 * size ? 0.0 : x, 6); };
   return fmt::format("({}, {}, {})", part(v.x()), part(v.y()), part(v.z()));
@@ -94,7 +94,7 @@ void add_body(Report& report, const Superelement& se, const json& told) {
   ReportFacts facts{{{"mass", figure_text(mass, 7) + " kg"},
                      {"mass centre", vector_text(1e3 * centre) + " mm"},
                      {"inertia xx, yy, zz", vector_text(J.diagonal()) + " kg·m²"},
-                     {"inertia xy, yz, zx", vector_text({J(0, 1), J(1, 2), J(2, 0)}) + " kg·m²"},
+                     {"inertia xy, yz, zx", vector_text({J(0, 1), J(1, 2), J(2, 0)}, J.norm()) + " kg·m²"},
                      {"modal damping", figure_text(100.0 * se.modal_damping, 3) + " %"},
                      {"geometric stiffening", se.stiffening ? "yes" : "no"}}};
   if (told.is_object()) {
@@ -119,9 +119,9 @@ void add_body(Report& report, const Superelement& se, const json& told) {
   section.add(std::move(table));
 }
 
-void add_times(ReportSection& section, const json& seconds) {
+void add_times(ReportSection& section, const std::string& title, const json& seconds) {
   ReportTable table{
-      .title = "Time", .note = {}, .columns = {{"step"}, {"time", "s", 3}, {"share", "%", 3}}, .rows = {}};
+      .title = title, .note = {}, .columns = {{"step"}, {"time", "s", 3}, {"share", "%", 3}}, .rows = {}};
   double total = 0.0;
   for (const auto& [key, value] : seconds.items()) total += value.is_number() ? value.get<double>() : 0.0;
   for (const auto& [key, value] : seconds.items()) {
@@ -149,8 +149,9 @@ void add_json(ReportSection& section, const std::string& title, const json& valu
     }
     if (!facts.facts.empty()) section.add(std::move(facts));
     for (const auto& [key, item] : value.items()) {
-      if (item.is_object() && key == "seconds") {
-        add_times(section, item);
+      // Whatever their steps are called, these are times.
+      if (item.is_object() && (key == "seconds" || key.ends_with("_seconds"))) {
+        add_times(section, key == "seconds" ? "Time" : capital(words_of(key).name) + " time", item);
       } else if (item.is_object() && std::all_of(item.begin(), item.end(), is_plain)) {
         ReportTable table{.title = words_of(key).name, .note = {}, .columns = {{"quantity"}, {"value"}}, .rows = {}};
         for (const auto& [name, inner] : item.items()) table.rows.push_back({words_of(name).name, told_text(name, inner)});
