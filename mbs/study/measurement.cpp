@@ -10,6 +10,7 @@
 #include <fstream>
 #include <mutex>
 #include <nlohmann/json.hpp>
+#include <thread>
 
 #include "mbs/base/documents/content_hash.hpp"
 #include "mbs/base/documents/shown_text.hpp"
