@@ -200,11 +200,10 @@ void Reader::read_subsystem(const std::string& name, const Section& s) {
   subsystems_.back()->read_bodies();
 }
 
-void Reader::add_marker(int body, const std::string& full_name, const Pose& X, int node) {
+void Reader::add_marker(int body, const std::string& full_name, const Pose& X, int node, const Vector3d& carried_at) {
   MechanismDescription& d = model_.description;
   if (const auto found = model_.segments.find(body); found != model_.segments.end()) {
-    // On the piece that is there.
-    const int piece = found->second.piece_at(X.p);
+    const int piece = found->second.piece_at(carried_at);
     d.markers.push_back(
         {full_name, found->second.bodies[piece], {X.R, X.p - found->second.origins_B[piece]}, -1});
     return;
@@ -247,6 +246,7 @@ void Reader::read_markers(const Section& s, int body, const Pose& X_B, const std
     Pose X = read_pose(m);
     const std::string name = owner + "." + own_name;
     int node = -1;
+    Vector3d carried_at = X.p;  // of the undeformed body
     for (const MarkerDescription& other : d.markers)
       if (other.name == name)
         m.refuse("", "has the name of an interface of the superelement", "choose another name");
@@ -257,6 +257,7 @@ void Reader::read_markers(const Section& s, int body, const Pose& X_B, const std
       const auto [carries, p] = carrying_node(m, body, name, deforms, se);
       node = carries;
       if (!m.has("position")) X.p = p;
+      carried_at = p;
       if (node >= 0) X.p -= p;  // relative to the node
     } else if (deforms) {
       model_.notes.push_back(
@@ -264,7 +265,7 @@ void Reader::read_markers(const Section& s, int body, const Pose& X_B, const std
                       "say on = \"INTERFACE\" (or nodes, points, within) to let the body carry it",
                       name));
     }
-    add_marker(body, name, X_B * X, node);
+    add_marker(body, name, X_B * X, node, X_B * carried_at);
   }
 }
 
@@ -357,7 +358,7 @@ void Reader::read_body(const std::string& own_name, const Section& s) {
     // The nodes of a flexible body are its interfaces, in their order.
     add_marker(b, name + "." + interfaces[i].first,
                {Matrix3d::Identity(), deforms ? Vector3d::Zero() : interfaces[i].second},
-               deforms ? static_cast<int>(i) : -1);
+               deforms ? static_cast<int>(i) : -1, interfaces[i].second);
   }
   model_.interfaces[b] = std::move(interfaces);
   read_markers(s, b, Pose{}, name, deforms, se.get());

@@ -53,7 +53,7 @@ ErrorEstimate estimate_error(const mbs::PreparedMechanism& prepared,
 std::string estimated_error_text(const ErrorEstimate& estimate);
 
 /// A sentence where the accuracy asked for is not met, or where something that may well exceed it is unknown
-/// (modes that no row judges, switching); empty else.
+/// (modes that no row judges, elements of beams, switching); empty else.
 std::string missed_accuracy(const ErrorEstimate& estimate, double accuracy);
 
 /// What the bodies' modes, meshes and elements cost, as far as it is known before a run.

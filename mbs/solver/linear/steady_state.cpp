@@ -378,7 +378,13 @@ void Judge::describe_unsteady(const Drift& d, SteadyLinearisation& out) const {
   const bool by_offset = d.offset > kNear;
   const int k = by_offset ? d.offset_of : d.left_of, n_z = static_cast<int>(own_.independent.size());
   const double rate = k < n_z ? v_dot_(own_.independent[k]) : c_rate_(k - n_z);
-  out.why = fmt::format("\"{}\" changes by {:.3g} per second (SI units)", name_of(own_, k), rate);
+  // Where the state itself is at rest in what lies farthest from the equilibrium.
+  double largest = 0.0;
+  for (const int i : own_.independent) largest = std::max(largest, std::abs(v_dot_(i)));
+  if (by_offset && std::abs(rate) <= 1e-9 * largest)
+    out.why = fmt::format("the equilibrium beside it lies {:.2g} (m, rad) away, most in \"{}\"", d.offset, name_of(own_, k));
+  else
+    out.why = fmt::format("\"{}\" changes by {:.3g} per second (SI units)", name_of(own_, k), rate);
 }
 
 SteadyLinearisation Judge::judge_rest() {

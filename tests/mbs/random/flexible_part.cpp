@@ -23,6 +23,30 @@ FlexiblePart::FlexiblePart(std::string name, int n_q, double bar_stiffness)
   shapes_ = lattice_.T * modes_;
 }
 
+FlexiblePart::FlexiblePart(double length, double mass) {
+  const double r = 0.1 * length;
+  lattice_.x.resize(3, 12);
+  lattice_.mass = Eigen::VectorXd::Constant(12, mass / 12.0);
+  shapes_.setZero(36, 6);
+  for (int end = 0; end < 2; ++end) {
+    superelement::Interface interface;
+    interface.name = end == 0 ? "root" : "tip";
+    interface.p_BoN_B = {end * length, 0.0, 0.0};
+    interface.first_dof = 6 * end;
+    lattice_.se.interfaces.push_back(interface);
+    for (int k = 0; k < 6; ++k) {
+      const Vector3d arm = (k % 2 == 0 ? r : -r) * Vector3d::Unit(k / 2);
+      lattice_.x.col(6 * end + k) = interface.p_BoN_B + arm;
+      if (end == 0) continue;
+      shapes_.block<3, 3>(3 * (6 + k), 0).setIdentity();
+      for (int i = 0; i < 3; ++i) shapes_.block<3, 1>(3 * (6 + k), 3 + i) = Vector3d::Unit(i).cross(arm);
+    }
+  }
+  modes_.setZero(12, 6);
+  modes_.bottomRows<6>().setIdentity();
+  omega2_.setZero(6);
+}
+
 Eigen::VectorXd FlexiblePart::modal(const Eigen::VectorXd& u_se) const {
   return modes_.transpose() * (lattice_.se.M_se * u_se);
 }

@@ -17,6 +17,9 @@ class FlexiblePart {
  public:
   /// With n_q fixed-interface modes beside the 12 of its two interfaces; its bars have this E A [N].
   FlexiblePart(std::string name, int n_q, double bar_stiffness);
+  /// What is known of a beam without its equations: its frame is the section at the root, its six coordinates are the way
+  /// and the turn of its tip, and half of its mass is about either end.  Rows and their ranks follow from that.
+  FlexiblePart(double length, double mass);
 
   const std::string& name() const { return name_; }
   const Eigen::Matrix3Xd& points() const { return lattice_.x; }  ///< undeformed, from Bo

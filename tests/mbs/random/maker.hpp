@@ -28,7 +28,7 @@ struct Crank {
 };
 
 /// Makes a scene of random numbers.  What has been added since draws from numbers of its own, so that mechanisms that were
-/// known stay what they were: `second` from every third seed, `third` from every eighth.
+/// known stay what they were: `second` from every third seed, `third` from every eighth, `fourth` from every twenty-fifth.
 class Maker {
  public:
   explicit Maker(std::uint64_t seed);
@@ -105,9 +105,11 @@ class Maker {
   void round_markers();
   void guess();
   void make_flexible();
+  void make_beams();
+  void keep_a_joint_undriven();
 
-  Chance chance_, second_, third_;
-  bool has_second_, has_third_;
+  Chance chance_, second_, third_, fourth_;
+  bool has_second_, has_third_, has_fourth_;
   Scene s_;
 };
 

@@ -4,6 +4,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <memory>
 #include <string>
 
 #include "mbs/base/math/rotation.hpp"
@@ -15,8 +17,10 @@ Maker::Maker(std::uint64_t seed)
     : chance_(seed),
       second_(~seed),
       third_(seed ^ 0x5555555555555555u),
+      fourth_(seed ^ 0x3333333333333333u),
       has_second_(seed % 3 == 0),
-      has_third_(seed % 8 == 3) {
+      has_third_(seed % 8 == 3),
+      has_fourth_(seed % 25 == 7 && !has_third_) {
   s_.bodies.resize(1);
 }
 
@@ -34,8 +38,9 @@ Scene Maker::make() {
   if (s_.digits < 17) round_markers();
   if (s_.start == Start::guess) guess();
   if (has_third_) make_flexible();
+  if (has_fourth_) make_beams();
   // Deformations vibrate many times in a tenth of that.
-  s_.end_time = chance_.between(0.15, 0.4) * (s_.is_flexible() ? 0.2 : 1.0);
+  s_.end_time = chance_.between(0.15, 0.4) * (s_.has_beams() ? 0.05 : s_.is_flexible() ? 0.2 : 1.0);
   s_.output_step = s_.end_time / 20.0;
   return std::move(s_);
 }
@@ -78,11 +83,41 @@ void Maker::make_flexible() {
     for (SceneMarker& marker : s_.markers)
       if (marker.body == b) marker.interface = on_one ? 0 : third_.below(2);
   }
+  keep_a_joint_undriven();
+  s_.what += ", flexible";
+}
+
+// Some become beams, of absolute nodal coordinates or of segments, whose tip goes as far as it likes.
+void Maker::make_beams() {
+  const int n = static_cast<int>(s_.bodies.size()) - 1, surely = 1 + fourth_.below(n);
+  for (int b = 1; b <= n; ++b) {
+    if (b != surely && !fourth_.flip(0.25)) continue;
+    SceneBody& body = s_.bodies[b];
+    SceneBeam beam;
+    beam.fidelity = fourth_.flip(0.5) ? "ancf" : "segments";
+    beam.elements = 1 + fourth_.below(2);
+    beam.length = fourth_.between(0.2, 0.5);
+    beam.mass = fourth_.between(0.1, 1.0);
+    beam.side = beam.length / fourth_.between(8.0, 20.0);
+    beam.bending = std::pow(10.0, fourth_.between(-0.5, 1.0));
+    if (fourth_.flip(0.85)) beam.damping_time = std::pow(10.0, fourth_.between(-3.5, -2.5));
+    body.beam = beam;
+    body.part = std::make_shared<FlexiblePart>(beam.length, beam.mass);
+    body.center.setZero();
+    body.modes = 6;
+    const bool on_one = fourth_.flip(0.3);
+    for (SceneMarker& marker : s_.markers)
+      if (marker.body == b) marker.interface = on_one ? 0 : fourth_.below(2);
+  }
+  keep_a_joint_undriven();
+  s_.what += ", beams";
+}
+
+void Maker::keep_a_joint_undriven() {
   // Bodies that bend let every joint of a loop be driven, but one has to close it and has no start of its own then.
   if (std::ranges::all_of(s_.joints, [](const SceneJoint& joint) { return !joint.drives.empty(); }) &&
       !s_.joints.empty())
     s_.joints.back().drives.clear();
-  s_.what += ", flexible";
 }
 
 // The program's tree takes driven and coupled joints first; the others that close a loop here are cut, so that

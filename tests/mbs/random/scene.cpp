@@ -123,9 +123,15 @@ bool Scene::is_flexible() const {
   return std::ranges::any_of(bodies, [](const SceneBody& body) { return body.part != nullptr; });
 }
 
+bool Scene::has_beams() const {
+  return std::ranges::any_of(bodies, [](const SceneBody& body) { return body.beam.has_value(); });
+}
+
 bool Scene::is_conservative() const {
   return std::ranges::none_of(bodies,
-                              [](const SceneBody& body) { return body.part && body.damping > 0.0; }) &&
+                              [](const SceneBody& body) {
+                                return (body.part && body.damping > 0.0) || (body.beam && body.beam->damping_time > 0.0);
+                              }) &&
          std::ranges::none_of(joints, [](const SceneJoint& j) { return !j.drives.empty(); }) &&
          std::ranges::none_of(forces, [](const SceneForce& f) {
            return f.damping != 0.0 || f.turn_damping != 0.0 || f.type == "force" || f.type == "torque" ||

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -29,6 +30,15 @@ struct SceneMarker {
   int interface = 0;  ///< of a flexible body, carries the marker
 };
 
+/// A beam along x of its body, of a square section of one material.
+struct SceneBeam {
+  std::string fidelity;  ///< "ancf" or "segments"
+  int elements = 2;
+  double length = 0.3, mass = 0.2, side = 0.02;  ///< [m], [kg], [m]
+  double bending = 1.0;                          ///< E I [N m^2]
+  double damping_time = 0.0;                     ///< [s]
+};
+
 struct SceneBody {
   double mass = 1.0;
   Vector3d center = Vector3d::Zero();
@@ -39,6 +49,7 @@ struct SceneBody {
   std::shared_ptr<const FlexiblePart> part = {};
   int modes = 0;
   double damping = 0.0;  ///< ratio of each mode
+  std::optional<SceneBeam> beam = {};  ///< beside its part, which knows of its ends alone
   int n_dofs() const { return 6 + modes; }
 };
 
@@ -154,6 +165,7 @@ struct Scene {
   bool has_loops() const;
   bool is_grounded() const;  ///< something other than gravity acts from ground
   bool is_flexible() const;
+  bool has_beams() const;  ///< bodies of which no equations are known here
   bool is_conservative() const;
 };
 

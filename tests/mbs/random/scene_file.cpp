@@ -73,6 +73,18 @@ class Writer {
         J * I(2, 2), J * I(0, 1), J * I(1, 2), J * I(2, 0));
   }
 
+  void write_beam(const SceneBeam& beam) {
+    const double N = how_.mass * how_.length, EI = beam.bending, EA = 12.0 * EI / (beam.side * beam.side), GA = EA / 3.0;
+    const double J = beam.mass / beam.length * beam.side * beam.side / 12.0 * how_.mass * how_.length;
+    say("fidelity = \"{}\"\nbeam = {{to = {}, elements = {}, damping_time = {:.17g}, ", beam.fidelity,
+        list({how_.length * beam.length, 0, 0}, 17), beam.elements, beam.damping_time);
+    say("EA = {:.17g}, GA_y = {:.17g}, GA_z = {:.17g}, ", N * EA, N * GA, N * GA);
+    const double NL2 = N * how_.length * how_.length;
+    say("GI_t = {:.17g}, EI_y = {:.17g}, EI_z = {:.17g}, ", 0.7 * NL2 * EI, NL2 * EI, NL2 * EI);
+    say("mass_per_length = {:.17g}, rho_I_y = {:.17g}, rho_I_z = {:.17g}}}\n",
+        beam.mass / beam.length * how_.mass / how_.length, J, J);
+  }
+
   void write_part(const SceneBody& body) {
     say("superelement = \"{}\"\n", body.part->file(folder_, how_.length, how_.mass));
     if (body.modes < body.part->n_modes()) say("modes = {}\n", body.modes);
@@ -84,7 +96,9 @@ class Writer {
     say("[{}]\n", table);
     if (b > 0) {
       const SceneBody& body = s_.bodies[b];
-      if (body.part)
+      if (body.beam)
+        write_beam(*body.beam);
+      else if (body.part)
         write_part(body);
       else
         write_inertia(body);

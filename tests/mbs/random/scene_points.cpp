@@ -138,7 +138,7 @@ Vector3d ScenePhysics::centre(const std::vector<BodyMotion>& motion) const {
 double ScenePhysics::deformation(const Places& places) const {
   double largest = 0.0;
   for (int b = 1; b < n_bodies(); ++b) {
-    if (!scene_.bodies[b].part) continue;
+    if (!scene_.bodies[b].part || scene_.bodies[b].beam) continue;
     const Eigen::Matrix3Xd& x = points_[b].x;
     const double across = (x.rowwise().maxCoeff() - x.rowwise().minCoeff()).norm();
     const Eigen::VectorXd u = points_[b].Phi * places[b].q;

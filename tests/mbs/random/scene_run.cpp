@@ -56,8 +56,12 @@ RanRow RowReader::read(const State& s, const Eigen::VectorXd& v_dot) {
   RanRow row;
   row.t = s.t;
   row.motion.resize(scene_.bodies.size());
-  for (int i = 1; i < static_cast<int>(bodies.size()); ++i)
-    read_body(i, bodies[i], s, v_dot, row.motion[std::stoul(m_.description().bodies[i].name.substr(1))]);
+  for (int i = 1; i < static_cast<int>(bodies.size()); ++i) {
+    const std::string& name = m_.description().bodies[i].name;
+    if (name.find('.') != std::string::npos) continue;  // a piece of a beam
+    read_body(i, bodies[i], s, v_dot, row.motion[std::stoul(name.substr(1))]);
+  }
+  read_ends(s, bodies, row);
   const EnergyReport energy = m_.energy(s, v_dot, *scratch_);
   const double joule = 1.0 / (how_.mass * how_.length * how_.length);
   row.kinetic = joule * energy.kinetic;
@@ -72,10 +76,55 @@ void RowReader::read_body(int b, const MarkerState& x, const State& s, const Eig
   out.place.X_WB = {x.X_WP.R, unit * x.X_WP.p};
   out.V = {x.V.angular, unit * x.V.linear};
   out.A = {x.A.angular, unit * x.A.linear};
-  if (modal_speed_[b] < 0) return;
+  if (modal_speed_[b] < 0 || scene_.bodies[std::stoul(m_.description().bodies[b].name.substr(1))].beam) return;
   out.place.q = modal(b, m_.modal_coordinates(b, s));
   out.q_dot = modal(b, s.v.data() + modal_speed_[b]);
   out.q_ddot = modal(b, v_dot.data() + modal_speed_[b]);
+}
+
+// A marker's motion in W.
+MarkerState RowReader::marker(const std::string& name, const State& s, const std::vector<MarkerState>& bodies) const {
+  const MechanismDescription& d = m_.description();
+  const auto marker = std::ranges::find(d.markers, name, &MarkerDescription::name);
+  const MarkerState& B = bodies[marker->body];
+  Pose X_BP = marker->X_BP;
+  Spatial V;  // relative to B, expressed in B
+  if (marker->node >= 0) {
+    NodeMotion motion;
+    const FlexibleBody& body = *d.bodies[marker->body].flexible;
+    motion.map.resize(6, body.m());
+    body.node_motion(marker->node, m_.modal_coordinates(marker->body, s), s.v.data() + modal_speed_[marker->body], nullptr,
+                     motion);
+    X_BP = motion.X_BN;
+    V = motion.V;
+  }
+  MarkerState out;
+  out.X_WP = B.X_WP * X_BP;
+  out.V.angular = B.V.angular + B.X_WP.R * V.angular;
+  out.V.linear = B.V.linear + B.V.angular.cross(Vector3d(out.X_WP.p - B.X_WP.p)) + B.X_WP.R * V.linear;
+  return out;
+}
+
+// The frame of a scene's beam is that of its root, its coordinates are where the tip stands: u and theta with
+// X_RT = (exp(theta), l + u).
+void RowReader::read_ends(const State& s, const std::vector<MarkerState>& bodies, RanRow& row) const {
+  const double unit = 1.0 / how_.length;
+  for (std::size_t b = 1; b < scene_.bodies.size(); ++b) {
+    if (!scene_.bodies[b].beam) continue;
+    const MarkerState root = marker(fmt::format("b{}.root", b), s, bodies), tip = marker(fmt::format("b{}.tip", b), s, bodies);
+    const Pose X_RT = root.X_WP.inverse() * tip.X_WP;
+    const Matrix3d to_root = root.X_WP.R.transpose();
+    const Vector3d theta = rotation_log(X_RT.R), w = to_root * (tip.V.angular - root.V.angular),
+                   v = to_root * (tip.V.linear - root.V.linear - root.V.angular.cross(Vector3d(tip.X_WP.p - root.X_WP.p)));
+    BodyMotion& out = row.motion[b];
+    out.place.X_WB = {root.X_WP.R, unit * root.X_WP.p};
+    out.V = {root.V.angular, unit * root.V.linear};
+    out.place.q.resize(6);
+    out.place.q << unit * X_RT.p - scene_.bodies[b].part->interface_at(1), theta;
+    out.q_dot.resize(6);
+    out.q_dot << unit * v, left_jacobian(theta).inverse() * w;
+    out.q_ddot = Eigen::VectorXd::Zero(6);
+  }
 }
 
 // The program's coordinates are others than the scene's: u_se is what they have in common.

@@ -47,6 +47,8 @@ class RowReader {
   void read_body(int body, const MarkerState& x, const State& s, const Eigen::VectorXd& v_dot,
                  BodyMotion& out) const;
   Eigen::VectorXd modal(int body, const double* values) const;
+  MarkerState marker(const std::string& name, const State& s, const std::vector<MarkerState>& bodies) const;
+  void read_ends(const State& s, const std::vector<MarkerState>& bodies, RanRow& row) const;
   void read_coordinates(const State& s, const Eigen::VectorXd& v_dot, RanRow& row);
 
   const Scene& scene_;
