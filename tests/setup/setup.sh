@@ -58,7 +58,7 @@ build() {
   fi
   local steps minutes
   steps=$(ninja -C "build/$preset" -n "$@" 2>/dev/null | sed -n 's|^\[1/\([0-9]*\)\].*|\1|p' | head -1)
-  # About three seconds of one core a step, measured on two cores of 2.5 GHz without a compiler cache.
+  # About three seconds of one core a step: an estimate for cores of 2.5 GHz without a compiler cache.
   minutes=$((${steps:-0} * 3 / 60 / $(nproc)))
   [ "$minutes" -lt 1 ] || say "$steps steps: about $minutes minutes on $(nproc) cores (less where ccache knows them)"
   if [ -t 1 ]; then # on a terminal ninja's own line shows how far it is
