@@ -58,7 +58,7 @@ const rule = new RegExp('\\bmust\\b|\\b(is|are) wanted\\b|\\bwants?\\b|\\bneeds?
   '\\bgoes? with\\b|\\bis for\\b|\\binstead of\\b|\\bare (allowed|tabulated)\\b|lies? (between|outside|beyond)|\\bhas \\{\\}|there (are|is) \\{\\}|\\bbetween\\b|' +
   '\\btwice\\b|\\bbelow\\b|\\babove\\b|\\bgreatest|\\blargest|\\bleast\\b|\\bnot (negative|allowed)\\b|\\bends? at\\b|\\bmore than\\b|\\bno more\\b|outside \\d|\\beach once\\b|\\bboth\\b|\\bascend|\\bnot finite\\b|not symmetric|not positive definite|the decimal sign is|\\bmay\\b|\\bjoins? two|goes on from there|shows it|\\bhas {} there|is needed|tetrahedra, hexahedra|no key of ours|the parts? of a whole');
 // Decks, meshes, matrices and CAD of others: what is wrong and where; superelements against their own contents.
-const places = /^(mesh\/(import|gmsh)\/|reduce\/part\/read_matrices|mbs\/superelement\/(validate|file)|mbs\/base\/hdf5\/|mbs\/results\/reader)/;
+const places = /^(mesh\/(import|gmsh)\/|reduce\/part\/read_matrices|mbs\/superelement\/(validate|file)|mbs\/base\/hdf5\/|mbs\/results\/read_results)/;
 const names = /\{\}|: | is | are | has | holds? |missing|cannot/;
 const passes = /^[\s|]*(("?\w*"?:?\s*)?["']?\{\}["']?[^a-z]*|(file|points|superelement|element|beam|member|section|run|body|interface|choice|line|solver|part|:|,|;|\.|\s|\||"|'|\{\})*)$/;
 
@@ -91,7 +91,7 @@ const EXEMPT = [
   ['mbs/base/documents/check.cpp', 'the second argument is what is known or wanted'],
   ['mbs/base/documents/content_hash.cpp', 'files that a reader has read a moment before'],
   ['mbs/base/documents/units.cpp', 'a part of "is ... where ... is wanted"'],
-  ['mbs/study/child.cpp', 'programs of ours that are not there or may not be run: the words of the system'],
+  ['mbs/study/child_process.cpp', 'programs of ours that are not there or may not be run: the words of the system'],
   ['mbs/study/study_file.cpp', 'the second argument is what is known'],
   ['mbs/base/math/rotation.cpp', 'axes that readers have checked'],
   ['mbs/joints/make_joint.cpp', 'types that the schema has checked'],

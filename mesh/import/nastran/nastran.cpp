@@ -149,7 +149,8 @@ void NastranReader::read_materials() {
     const double G12 = card->real(4);
     for (const std::size_t k : {5u, 6u})
       if (card->blank(k)) approximated_.add("MAT8 without G1Z or G2Z (no shear deformation): G12 is used", card->where);
-    material.engineering << card->real(1), card->real(2), card->real(2), card->real(3), 0, 0, G12, card->real(5, G12), card->real(6, G12);
+    material.engineering = Eigen::Vector<double, 9>{
+        {card->real(1), card->real(2), card->real(2), card->real(3), 0, 0, G12, card->real(5, G12), card->real(6, G12)}};
     if (material_.contains(id) || !lamina_.emplace(id, static_cast<Index>(model_.materials.size())).second)
       throw std::invalid_argument(fmt::format("{}: material {} is given twice", card->where.text(), id));
     model_.materials.push_back(material);
@@ -288,10 +289,10 @@ void NastranReader::read_masses() {
     const NastranSystem& s = systems_.system(std::max<std::int64_t>(cid, 0), card->where);
     mass.offset = cid == -1 ? Vector3d(x - systems_.grid_place(card->integer(1), card->where))
                             : Vector3d(s.R * s.rectangular(x));
-    Eigen::Matrix3d I;
-    I << card->real(8, 0), -card->real(9, 0), -card->real(11, 0),  // the card holds the products of
-        -card->real(9, 0), card->real(10, 0), -card->real(12, 0),  // inertia with a plus sign
-        -card->real(11, 0), -card->real(12, 0), card->real(13, 0);
+    // The card holds the products of inertia with a plus sign.
+    const Eigen::Matrix3d I{{card->real(8, 0), -card->real(9, 0), -card->real(11, 0)},
+                            {-card->real(9, 0), card->real(10, 0), -card->real(12, 0)},
+                            {-card->real(11, 0), -card->real(12, 0), card->real(13, 0)}};
     mass.inertia = s.R * I * s.R.transpose();
     model_.masses.push_back(mass);
   }

@@ -219,8 +219,8 @@ ImportedBar NastranReader::section(std::int64_t property, const Card& bar) {
     }
     s.kappa_y = card->real(at, 1);
     s.kappa_z = card->real(at + 1, 1);
-    s.extra_mass_at << card->real(at + 8, 0), card->real(at + 9, 0);
-    s.centroid << card->real(at + 12, 0), card->real(at + 13, 0);
+    s.extra_mass_at = {card->real(at + 8, 0), card->real(at + 9, 0)};
+    s.centroid = {card->real(at + 12, 0), card->real(at + 13, 0)};
     for (const std::size_t k : {8u, 9u, 12u, 13u})
       tapered = tapered || (!card->blank(at + k + 2) && card->real(at + k + 2) != card->real(at + k, 0));
     if (tapered) approximated_.add("PBEAM's taper: end A is used all along", card->where);

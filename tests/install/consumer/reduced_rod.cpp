@@ -4,7 +4,7 @@
 
 #include "mbs/joints/revolute.hpp"
 #include "mbs/library/builder.hpp"
-#include "mbs/library/modal_body.hpp"
+#include "mbs/bodies/modal_body.hpp"
 #include "mbs/library/simulation.hpp"
 #include "mesh/model/geometry.hpp"
 #include "reduce/library/reduce.hpp"

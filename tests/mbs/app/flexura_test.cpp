@@ -265,7 +265,7 @@ type = "joint_spring_damper"
 joint = "slide"
 stiffness = 1000
 [solver]
-end_time = 1e7
+end_time = 1e6
 output_step = 0.1
 )toml";
   // Rows are there before the signal comes.
