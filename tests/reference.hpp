@@ -19,8 +19,9 @@ struct Reference {
 };
 
 /// |ours - reference| <= tolerance, all in `unit` ("" where it has none).
-inline void expect_reference(const std::string& what, const char* unit, double ours, double reference, double tolerance,
-                             const Reference& from, std::source_location where = std::source_location::current()) {
+inline void expect_reference(const std::string& what, const char* unit, double ours, double reference,
+                             double tolerance, const Reference& from,
+                             std::source_location where = std::source_location::current()) {
   static int count = 0;  // a property of the same name would take the other's place
   char numbers[100];
   std::snprintf(numbers, sizeof numbers, "%.10g\t%.10g\t%.3g", ours, reference, tolerance);

@@ -44,15 +44,25 @@ TopLoc_Location location(const gp_Trsf& turn, const gp_Pnt& p) {
 
 }  // namespace
 
-TopoDS_Shape box(const gp_Pnt& low, const gp_Pnt& high) { return BRepPrimAPI_MakeBox(low, high).Solid(); }
+TopoDS_Shape box(const gp_Pnt& low, const gp_Pnt& high) {
+  return BRepPrimAPI_MakeBox(low, high).Solid();
+}
 TopoDS_Shape cylinder(const gp_Pnt& foot, const gp_Dir& axis, double radius, double length) {
   return BRepPrimAPI_MakeCylinder(gp_Ax2(foot, axis), radius, length).Solid();
 }
-TopoDS_Shape sphere(const gp_Pnt& centre, double radius) { return BRepPrimAPI_MakeSphere(centre, radius).Solid(); }
-TopoDS_Shape operator+(const TopoDS_Shape& a, const TopoDS_Shape& b) { return tidied(BRepAlgoAPI_Fuse(a, b).Shape()); }
-TopoDS_Shape operator-(const TopoDS_Shape& a, const TopoDS_Shape& b) { return tidied(BRepAlgoAPI_Cut(a, b).Shape()); }
+TopoDS_Shape sphere(const gp_Pnt& centre, double radius) {
+  return BRepPrimAPI_MakeSphere(centre, radius).Solid();
+}
+TopoDS_Shape operator+(const TopoDS_Shape& a, const TopoDS_Shape& b) {
+  return tidied(BRepAlgoAPI_Fuse(a, b).Shape());
+}
+TopoDS_Shape operator-(const TopoDS_Shape& a, const TopoDS_Shape& b) {
+  return tidied(BRepAlgoAPI_Cut(a, b).Shape());
+}
 
-TopLoc_Location at(const gp_Pnt& p) { return location(gp_Trsf(), p); }
+TopLoc_Location at(const gp_Pnt& p) {
+  return location(gp_Trsf(), p);
+}
 TopLoc_Location turned(const gp_Pnt& p, const gp_Dir& axis, double angle) {
   gp_Trsf turn;
   turn.SetRotation(gp_Ax1(gp_Pnt(0, 0, 0), axis), angle);
@@ -70,13 +80,15 @@ TDF_Label Assembly::group(const std::string& name) {
   return label;
 }
 
-TDF_Label Assembly::part(const std::string& name, const TopoDS_Shape& shape, double density, const std::string& color) {
+TDF_Label Assembly::part(const std::string& name, const TopoDS_Shape& shape, double density,
+                         const std::string& color) {
   const TDF_Label label = XCAFDoc_DocumentTool::ShapeTool(document_->Main())->AddShape(shape, Standard_False);
   TDataStd_Name::Set(label, name.c_str());
   const auto text = [](const char* words) { return new TCollection_HAsciiString(words); };
   if (density > 0.0)
     XCAFDoc_DocumentTool::MaterialTool(document_->Main())
-        ->SetMaterial(label, text("material"), text(""), 1e-3 * density, text("density measure"), text("POSITIVE_RATIO_MEASURE"));
+        ->SetMaterial(label, text("material"), text(""), 1e-3 * density, text("density measure"),
+                      text("POSITIVE_RATIO_MEASURE"));
   Quantity_Color value;
   if (!color.empty() && Quantity_Color::ColorFromHex(color.c_str(), value))
     XCAFDoc_DocumentTool::ColorTool(document_->Main())->SetColor(label, value, XCAFDoc_ColorGen);
@@ -87,8 +99,10 @@ void Assembly::place(const TDF_Label& what, const TopLoc_Location& location, con
   place(whole_, what, location, name);
 }
 
-void Assembly::place(const TDF_Label& group, const TDF_Label& what, const TopLoc_Location& location, const std::string& name) {
-  const TDF_Label component = XCAFDoc_DocumentTool::ShapeTool(document_->Main())->AddComponent(group, what, location);
+void Assembly::place(const TDF_Label& group, const TDF_Label& what, const TopLoc_Location& location,
+                     const std::string& name) {
+  const TDF_Label component =
+      XCAFDoc_DocumentTool::ShapeTool(document_->Main())->AddComponent(group, what, location);
   if (!name.empty()) TDataStd_Name::Set(component, name.c_str());
 }
 

@@ -16,7 +16,8 @@ TopoDS_Shape box(const gp_Pnt& low, const gp_Pnt& high);
 /// From `foot` along `axis`.
 TopoDS_Shape cylinder(const gp_Pnt& foot, const gp_Dir& axis, double radius, double length);
 TopoDS_Shape sphere(const gp_Pnt& centre, double radius);
-TopoDS_Shape operator+(const TopoDS_Shape& a, const TopoDS_Shape& b);  ///< joined, faces in one surface made one
+TopoDS_Shape operator+(const TopoDS_Shape& a,
+                       const TopoDS_Shape& b);  ///< joined, faces in one surface made one
 TopoDS_Shape operator-(const TopoDS_Shape& a, const TopoDS_Shape& b);
 
 TopLoc_Location at(const gp_Pnt& p);
@@ -27,11 +28,13 @@ class Assembly {
  public:
   explicit Assembly(const std::string& name);
   /// A part that can be placed; density in kg/m^3, 0: none.
-  TDF_Label part(const std::string& name, const TopoDS_Shape& shape, double density = 0.0, const std::string& color = "");
+  TDF_Label part(const std::string& name, const TopoDS_Shape& shape, double density = 0.0,
+                 const std::string& color = "");
   TDF_Label group(const std::string& name);
   /// Places a part or a group in a group, or in the whole.
   void place(const TDF_Label& what, const TopLoc_Location& location, const std::string& name = "");
-  void place(const TDF_Label& group, const TDF_Label& what, const TopLoc_Location& location, const std::string& name = "");
+  void place(const TDF_Label& group, const TDF_Label& what, const TopLoc_Location& location,
+             const std::string& name = "");
   /// Throws std::runtime_error where it cannot be written.  `unit`: "MM", "INCH", "M".
   void write(const std::string& file, const std::string& unit = "MM");
 

@@ -22,8 +22,8 @@ TopoDS_Shape bolt(double radius, double length) {
 
 TopoDS_Shape block() {
   TopoDS_Shape shape = box({-45, -45, 60}, {45, 45, 200}) + box({-45, -75, -45}, {45, -45, 200});
-  shape = shape - cylinder({0, 0, 60}, kZ, 30.0, 140.0);          // the bore
-  shape = shape - cylinder({0, -75, 0}, kY, 15.02, 30.0);       // the main bearing
+  shape = shape - cylinder({0, 0, 60}, kZ, 30.0, 140.0);   // the bore
+  shape = shape - cylinder({0, -75, 0}, kY, 15.02, 30.0);  // the main bearing
   for (const double x : {-37.0, 37.0})
     for (const double y : {-37.0, 37.0}) shape = shape - cylinder({x, y, 170}, kZ, 4.0, 30.0);
   return shape;
@@ -97,15 +97,18 @@ int main(int argc, char** argv) {
   engine.place(crank_unit, engine.part("flywheel", flywheel(), 7200.0, "#444444"), TopLoc_Location());
   for (int k = 0; k < 3; ++k) {
     const double angle = 2.0 * std::numbers::pi * k / 3.0;  // heads towards -y
-    engine.place(crank_unit, m5, turned({9 * std::sin(angle), -95, 9 * std::cos(angle)}, kX, std::numbers::pi / 2));
+    engine.place(crank_unit, m5,
+                 turned({9 * std::sin(angle), -95, 9 * std::cos(angle)}, kX, std::numbers::pi / 2));
   }
   engine.place(crank_unit, engine.part("retainer", retainer(), 7850.0), at({0, 0, kCrank}));
-  for (const double x : {-6.0, 6.0}) engine.place(crank_unit, m3, turned({x, 14, kCrank}, kX, -std::numbers::pi / 2));
+  for (const double x : {-6.0, 6.0})
+    engine.place(crank_unit, m3, turned({x, 14, kCrank}, kX, -std::numbers::pi / 2));
   engine.place(crank_unit, turned({0, 0, 0}, kY, kAngle));
   const double x = kCrank * std::sin(kAngle), z = kCrank * std::cos(kAngle), lean = -std::asin(x / kRod);
   engine.place(engine.part("connecting rod", rod(), 7850.0, "#33AA55"), turned({x, 0, z}, kY, lean));
   engine.place(piston_unit, engine.part("piston", piston(), 2700.0, "#DDDDDD"), TopLoc_Location());
-  engine.place(piston_unit, engine.part("piston pin", cylinder({0, -25, 0}, kY, 8.0, 50.0), 7850.0), TopLoc_Location());
+  engine.place(piston_unit, engine.part("piston pin", cylinder({0, -25, 0}, kY, 8.0, 50.0), 7850.0),
+               TopLoc_Location());
   engine.place(piston_unit, at({0, 0, z + std::sqrt(kRod * kRod - x * x)}));
   engine.write(argv[1]);
   return 0;

@@ -29,19 +29,23 @@ std::string ending_of(const std::string& file) {
   return ending;
 }
 
-void report(const import::Mechanism& mechanism, const std::filesystem::path& folder, const terminal::Verbosity& verbosity) {
+void report(const import::Mechanism& mechanism, const std::filesystem::path& folder,
+            const terminal::Verbosity& verbosity) {
   if (verbosity.quiet) return;
   std::size_t joints = 0;
   for (const import::Element& e : mechanism.elements) joints += e.table == "joint" ? 1 : 0;
   for (const std::string& note : mechanism.notes) terminal::say(stderr, "note: " + note);
-  fmt::print("{} bodies, {} joints, {} other elements\n", mechanism.bodies.size(), joints, mechanism.elements.size() - joints);
+  fmt::print("{} bodies, {} joints, {} other elements\n", mechanism.bodies.size(), joints,
+             mechanism.elements.size() - joints);
   fmt::print("mechanism {}\n", (folder / "mechanism.toml").string());
 }
 
 // What one kind of file knows and the other does not is refused, not passed over.
 void refuse_options_of_the_other_kind(const Arguments& a, bool is_robot) {
   const auto refuse = [&](bool given, const char* option, const char* whose) {
-    if (given) throw std::invalid_argument(fmt::format("{}: {} is for {}, which this is not: leave it out", a.input, option, whose));
+    if (given)
+      throw std::invalid_argument(
+          fmt::format("{}: {} is for {}, which this is not: leave it out", a.input, option, whose));
   };
   if (is_robot) {
     refuse(!a.joints.empty(), "--joints", "assemblies");
@@ -56,7 +60,8 @@ void refuse_options_of_the_other_kind(const Arguments& a, bool is_robot) {
   }
 }
 
-double quantity(const std::string& text, const char* option, const input::Dimension& dimension, double otherwise) {
+double quantity(const std::string& text, const char* option, const input::Dimension& dimension,
+                double otherwise) {
   if (text.empty()) return otherwise;
   double value = 0.0;
   try {
@@ -70,36 +75,46 @@ double quantity(const std::string& text, const char* option, const input::Dimens
 
 void print_proposal(const import::cad::Built& built, const terminal::Verbosity& verbosity) {
   if (verbosity.quiet) return;
-  terminal::Table table({{"joint", terminal::Align::left}, {"type", terminal::Align::left}, {"confidence", terminal::Align::left}, {"redundant"}});
+  terminal::Table table({{"joint", terminal::Align::left},
+                         {"type", terminal::Align::left},
+                         {"confidence", terminal::Align::left},
+                         {"redundant"}});
   std::size_t i = 0;
   for (const import::Element& e : built.mechanism.elements) {
     if (e.table != "joint" || e.name == built.mechanism.elements.front().name) continue;
     const import::cad::ProposedJoint& joint = built.proposal.joints[i++];
     const std::string& type = e.lines.front().second;
-    table.add_row({e.name, type.substr(1, type.size() - 2), name_of(joint.confidence), fmt::format("{}", joint.redundant)});
+    table.add_row({e.name, type.substr(1, type.size() - 2), name_of(joint.confidence),
+                   fmt::format("{}", joint.redundant)});
   }
   if (i > 0) fmt::print("{}", table.text());
-  fmt::print("degrees of freedom: {}\n", built.proposal.freedom ? fmt::format("{}", *built.proposal.freedom) : "unknown, not counted for more than 400 bodies that move (flexura check)");
+  fmt::print("degrees of freedom: {}\n",
+             built.proposal.freedom
+                 ? fmt::format("{}", *built.proposal.freedom)
+                 : "unknown, not counted for more than 400 bodies that move (flexura check)");
 }
 
-int import_robot(const Arguments& a, const std::filesystem::path& folder, const terminal::Verbosity& verbosity) {
-  const import::Mechanism mechanism =
-      import::urdf::to_mechanism(import::urdf::read_robot(a.input), {.floating_base = a.base == "floating",
-                                                                    .stops = !a.no_stops,
-                                                                    .packages = a.packages});
+int import_robot(const Arguments& a, const std::filesystem::path& folder,
+                 const terminal::Verbosity& verbosity) {
+  const import::Mechanism mechanism = import::urdf::to_mechanism(
+      import::urdf::read_robot(a.input),
+      {.floating_base = a.base == "floating", .stops = !a.no_stops, .packages = a.packages});
   import::write_folder(folder, mechanism, {}, a.force);
   report(mechanism, folder, verbosity);
   return 0;
 }
 
-int import_assembly(const Arguments& a, const std::filesystem::path& folder, const terminal::Verbosity& verbosity) {
+int import_assembly(const Arguments& a, const std::filesystem::path& folder,
+                    const terminal::Verbosity& verbosity) {
   const import::cad::BuildOptions options{
-      .propose = {.clearance = quantity(a.clearance, "--clearance", input::dim::length, 2e-4), .ground = a.ground},
+      .propose = {.clearance = quantity(a.clearance, "--clearance", input::dim::length, 2e-4),
+                  .ground = a.ground},
       .joints = a.joints != "none",
       .density = quantity(a.density, "--density", input::dim::density, 7850.0)};
   const double limit = quantity(a.time_limit, "--time-limit", input::dim::time, 600.0);
   const import::cad::Assembly assembly = import::cad::read_assembly(a.input, limit);
-  const import::cad::Built built = import::cad::build(assembly, std::filesystem::path(a.input).stem().string(), options);
+  const import::cad::Built built =
+      import::cad::build(assembly, std::filesystem::path(a.input).stem().string(), options);
   import::write_folder(folder, built.mechanism, built.texts, a.force);
   if (options.joints) print_proposal(built, verbosity);
   report(built.mechanism, folder, verbosity);
@@ -109,36 +124,49 @@ int import_assembly(const Arguments& a, const std::filesystem::path& folder, con
 int import_file(const Arguments& a, const terminal::Verbosity& verbosity) {
   const std::string ending = ending_of(a.input);
   if (ending == ".xacro")
-    throw std::invalid_argument(a.input + ": is a xacro template; make the URDF of it first: xacro robot.xacro > robot.urdf");
+    throw std::invalid_argument(
+        a.input + ": is a xacro template; make the URDF of it first: xacro robot.xacro > robot.urdf");
   const bool is_robot = ending == ".urdf";
   if (!is_robot && ending != ".step" && ending != ".stp")
-    throw std::invalid_argument(a.input + ": is not of a kind that is imported; name a robot (.urdf) or an assembly (.step, .stp)");
+    throw std::invalid_argument(
+        a.input + ": is not of a kind that is imported; name a robot (.urdf) or an assembly (.step, .stp)");
   refuse_options_of_the_other_kind(a, is_robot);
-  const std::filesystem::path folder = a.output.empty() ? std::filesystem::path(a.input).stem() : std::filesystem::path(a.output);
+  const std::filesystem::path folder =
+      a.output.empty() ? std::filesystem::path(a.input).stem() : std::filesystem::path(a.output);
   return is_robot ? import_robot(a, folder, verbosity) : import_assembly(a, folder, verbosity);
 }
 
 std::function<int()> declare(terminal::Options& options, const terminal::Verbosity& verbosity) {
   const auto a = std::make_shared<Arguments>();
   options.argument("FILE", a->input, "robot (.urdf) or assembly (.step, .stp)")
-      .option("-o,--output", a->output, "FOLDER", "folder to write, made where it is not there (default: the file's name)")
+      .option("-o,--output", a->output, "FOLDER",
+              "folder to write, made where it is not there (default: the file's name)")
       .flag("--force", a->force, "replace files of the folder that are there already")
-      .choice("--base", a->base, {"fixed", "floating"}, "robots: whether the root link stands on the ground or floats free (default: fixed)")
+      .choice("--base", a->base, {"fixed", "floating"},
+              "robots: whether the root link stands on the ground or floats free (default: fixed)")
       .flag("--no-stops", a->no_stops, "robots: leave the limits of the joints' travel out")
       .option("--package", a->packages, "NAME=FOLDER", "robots: where package://NAME/ of the meshes lies")
-      .choice("--joints", a->joints, {"propose", "none"}, "assemblies: propose joints from the geometry, or leave the bodies free (default: propose)")
-      .option("--ground", a->ground, "BODY", "assemblies: the body that stands still (default: the one with the largest box)")
-      .option("--clearance", a->clearance, "LENGTH", "assemblies: greatest gap between faces that touch (default: 0.2 mm)")
-      .option("--density", a->density, "DENSITY", "assemblies: of parts that have none in the file (default: 7850 kg/m^3)")
-      .option("--time-limit", a->time_limit, "TIME", "assemblies: give the reading up after this time (default: 600 s)")
+      .choice("--joints", a->joints, {"propose", "none"},
+              "assemblies: propose joints from the geometry, or leave the bodies free (default: propose)")
+      .option("--ground", a->ground, "BODY",
+              "assemblies: the body that stands still (default: the one with the largest box)")
+      .option("--clearance", a->clearance, "LENGTH",
+              "assemblies: greatest gap between faces that touch (default: 0.2 mm)")
+      .option("--density", a->density, "DENSITY",
+              "assemblies: of parts that have none in the file (default: 7850 kg/m^3)")
+      .option("--time-limit", a->time_limit, "TIME",
+              "assemblies: give the reading up after this time (default: 600 s)")
       .example("flexura import robot.urdf -o robot", "then: flexura simulate robot/mechanism.toml")
-      .example("flexura import engine.step -o engine", "bodies, joints from their geometry, part files for flexura reduce");
+      .example("flexura import engine.step -o engine",
+               "bodies, joints from their geometry, part files for flexura reduce");
   return [a, &verbosity] { return import_file(*a, verbosity); };
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  return terminal::run({.name = "flexura import", .summary = "make a mechanism of a robot or a CAD assembly", .declare = declare},
+  return terminal::run({.name = "flexura import",
+                        .summary = "make a mechanism of a robot or a CAD assembly",
+                        .declare = declare},
                        FLEXURA_VERSION, argc, argv);
 }

@@ -44,18 +44,27 @@ class Unpacker {
 
  private:
   void require(bool holds) const {
-    if (!holds) throw std::invalid_argument(file_.string() + ": was answered with nonsense by flexura-assembly: it is damaged; save it again in the CAD program");
+    if (!holds)
+      throw std::invalid_argument(file_.string() +
+                                  ": was answered with nonsense by flexura-assembly: it is damaged; save it "
+                                  "again in the CAD program");
   }
 
   Part part_of(const PartAnswer& from) const {
-    Part part{.name = from.name, .color = from.color, .density = from.density, .solids = from.solids, .volume = from.volume};
+    Part part{.name = from.name,
+              .color = from.color,
+              .density = from.density,
+              .solids = from.solids,
+              .volume = from.volume};
     part.center = vector_of(from.center);
     part.moments = matrix_of(from.moments);
     part.brep = from.brep;
-    require(part.volume > 0.0 && part.center.allFinite() && part.moments.allFinite() && from.vertices.size() % 3 == 0);
+    require(part.volume > 0.0 && part.center.allFinite() && part.moments.allFinite() &&
+            from.vertices.size() % 3 == 0);
     const auto n = static_cast<int>(from.vertices.size() / 3);
     for (int v = 0; v < n; ++v) {
-      part.surface.vertices.emplace_back(from.vertices[3 * v], from.vertices[3 * v + 1], from.vertices[3 * v + 2]);
+      part.surface.vertices.emplace_back(from.vertices[3 * v], from.vertices[3 * v + 1],
+                                         from.vertices[3 * v + 2]);
       require(part.surface.vertices.back().allFinite());
     }
     const auto inside = [&](std::int32_t i) { return i >= 0 && i < n; };
@@ -95,28 +104,39 @@ Assembly read_assembly(const fs::path& file, double time_limit_s) {
   files::note_input(file);
   std::string head(64, '\0');
   std::ifstream in(file, std::ios::binary);
-  if (!in || fs::is_directory(file)) throw std::invalid_argument(file.string() + ": cannot be read; check the name");
+  if (!in || fs::is_directory(file))
+    throw std::invalid_argument(file.string() + ": cannot be read; check the name");
   in.read(head.data(), static_cast<std::streamsize>(head.size()));
   if (head.find("ISO-10303-21") == std::string::npos)
-    throw std::invalid_argument(file.string() + ": is no STEP file, which begins with ISO-10303-21; save it as STEP in the CAD program");
+    throw std::invalid_argument(
+        file.string() +
+        ": is no STEP file, which begins with ISO-10303-21; save it as STEP in the CAD program");
   std::error_code failure;
   const fs::path worker = fs::read_symlink("/proc/self/exe", failure).parent_path() / "flexura-assembly";
   if (!fs::exists(worker))
-    throw std::runtime_error("the program " + worker.string() + " is missing; build it, or copy it beside flexura");
+    throw std::runtime_error("the program " + worker.string() +
+                             " is missing; build it, or copy it beside flexura");
   const AssemblyJob job{.path = fs::absolute(file).string(), .parent = getpid()};
   const mesh::ChildOutcome outcome = mesh::run_child(worker, nlohmann::json(job).dump(), time_limit_s, {});
   const std::string stage = outcome.stage.empty() ? "" : " while " + outcome.stage;
   if (outcome.end == mesh::ChildEnd::out_of_time)
-    throw std::invalid_argument(fmt::format("{}: was not read within {:.3g} s{}; give it more by --time-limit", file.string(), time_limit_s, stage));
+    throw std::invalid_argument(
+        fmt::format("{}: was not read within {:.3g} s{}; give it more by --time-limit", file.string(),
+                    time_limit_s, stage));
   if (outcome.end == mesh::ChildEnd::crashed)
-    throw std::invalid_argument(fmt::format("{}: made OpenCASCADE fail{}: it {}; save the file again in the CAD program", file.string(), stage, outcome.reason));
+    throw std::invalid_argument(
+        fmt::format("{}: made OpenCASCADE fail{}: it {}; save the file again in the CAD program",
+                    file.string(), stage, outcome.reason));
   AssemblyAnswer answer;
   try {
     answer = nlohmann::json::from_cbor(outcome.result).get<AssemblyAnswer>();
   } catch (const nlohmann::json::exception&) {
-    throw std::invalid_argument(file.string() + ": was answered incompletely by flexura-assembly: it is damaged; save it again in the CAD program");
+    throw std::invalid_argument(
+        file.string() +
+        ": was answered incompletely by flexura-assembly: it is damaged; save it again in the CAD program");
   }
-  if (!answer.error.empty()) throw std::invalid_argument(fmt::format("{}: {}", file.string(), shown(answer.error)));
+  if (!answer.error.empty())
+    throw std::invalid_argument(fmt::format("{}: {}", file.string(), shown(answer.error)));
   return Unpacker(file).unpack(answer);
 }
 

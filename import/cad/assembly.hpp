@@ -23,9 +23,9 @@ struct Part {
   std::string name, color;  ///< as the file has them; "#rrggbb" or empty
   double density = 0.0;     ///< [kg/m^3]; 0 where the file gives none
   int solids = 0;
-  double volume = 0.0;                            ///< [m^3]
-  Vector3d center = Vector3d::Zero();             ///< of the volume
-  Matrix3d moments = Matrix3d::Zero();            ///< of inertia of the volume about its centre, density 1 [m^5]
+  double volume = 0.0;                  ///< [m^3]
+  Vector3d center = Vector3d::Zero();   ///< of the volume
+  Matrix3d moments = Matrix3d::Zero();  ///< of inertia of the volume about its centre, density 1 [m^5]
   std::vector<Face> faces;
   Surface surface;
   std::string brep;  ///< the exact shape as OpenCASCADE's text, in mm

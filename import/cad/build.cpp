@@ -14,17 +14,26 @@ namespace {
 
 using Type = JointForm::Type;
 
-std::string text(const char* word) { return toml(std::string(word)); }
+std::string text(const char* word) {
+  return toml(std::string(word));
+}
 
 const char* type_name(Type type) {
   switch (type) {
-    case Type::fixed: return "fixed";
-    case Type::revolute: return "revolute";
-    case Type::prismatic: return "prismatic";
-    case Type::cylindrical: return "cylindrical";
-    case Type::planar: return "planar";
-    case Type::spherical: return "spherical";
-    default: return "";
+    case Type::fixed:
+      return "fixed";
+    case Type::revolute:
+      return "revolute";
+    case Type::prismatic:
+      return "prismatic";
+    case Type::cylindrical:
+      return "cylindrical";
+    case Type::planar:
+      return "planar";
+    case Type::spherical:
+      return "spherical";
+    default:
+      return "";
   }
 }
 
@@ -54,7 +63,8 @@ class Builder {
         m.notes.push_back(doubt);
         m.comments.push_back("doubtful: " + doubt);
       }
-      if (built_.proposal.freedom) m.comments.push_back(fmt::format("degrees of freedom: {}", *built_.proposal.freedom));
+      if (built_.proposal.freedom)
+        m.comments.push_back(fmt::format("degrees of freedom: {}", *built_.proposal.freedom));
     }
     add_part_files();
     return std::move(built_);
@@ -81,33 +91,40 @@ class Builder {
       body.inertia = rho * part.moments;
       body.surface = part.surface;
       body.X_WB = instance.X_WP;
-      body.comments.push_back(fmt::format("{:.6g} kg, {:.6g} cm^3 of {:.6g} kg/m^3{}", body.mass, 1e6 * part.volume, rho,
+      body.comments.push_back(fmt::format("{:.6g} kg, {:.6g} cm^3 of {:.6g} kg/m^3{}", body.mass,
+                                          1e6 * part.volume, rho,
                                           part.density > 0.0 ? "" : " (assumed: the file gives no density)"));
       if (part.density <= 0.0) assumed.insert(part_names_[p]);
       built_.mechanism.bodies.push_back(std::move(body));
     }
     if (!assumed.empty())
-      built_.mechanism.notes.push_back(fmt::format("{} of {} parts have no density in the file: {:.6g} kg/m^3 is taken (--density)",
-                                                   assumed.size(), assembly_.parts.size(), options_.density));
+      built_.mechanism.notes.push_back(
+          fmt::format("{} of {} parts have no density in the file: {:.6g} kg/m^3 is taken (--density)",
+                      assumed.size(), assembly_.parts.size(), options_.density));
   }
 
   Element fixed_to_ground(int ground) {
     Body& body = built_.mechanism.bodies[static_cast<std::size_t>(ground)];
     built_.mechanism.ground.push_back({"frame", body.X_WB});
     body.markers.push_back({"ground", {}});
-    return {"joint",
-            names_.add("to_ground"),
-            {options_.propose.ground.empty() ? "the largest body stands on the ground (--ground names another)" : "as --ground says"},
-            {{"type", text("fixed")}, {"from", text("ground.frame")}, {"to", toml(body.name + ".ground")}}};
+    return {
+        "joint",
+        names_.add("to_ground"),
+        {options_.propose.ground.empty() ? "the largest body stands on the ground (--ground names another)"
+                                         : "as --ground says"},
+        {{"type", text("fixed")}, {"from", text("ground.frame")}, {"to", toml(body.name + ".ground")}}};
   }
 
   void add_joint(const ProposedJoint& joint) {
-    const std::string &a = body_names_[static_cast<std::size_t>(joint.a)], &b = body_names_[static_cast<std::size_t>(joint.b)];
+    const std::string &a = body_names_[static_cast<std::size_t>(joint.a)],
+                      &b = body_names_[static_cast<std::size_t>(joint.b)];
     Element element{"joint", names_.add(a + "_" + b)};
-    element.comments.push_back(fmt::format("confidence {}{}", name_of(joint.confidence), joint.doubt.empty() ? "" : ": " + joint.doubt));
+    element.comments.push_back(fmt::format("confidence {}{}", name_of(joint.confidence),
+                                           joint.doubt.empty() ? "" : ": " + joint.doubt));
     for (const std::string& line : joint.evidence) element.comments.push_back(line);
     if (joint.redundant > 0)
-      element.comments.push_back(fmt::format("{} of its rows follow from those of the joints before it", joint.redundant));
+      element.comments.push_back(
+          fmt::format("{} of its rows follow from those of the joints before it", joint.redundant));
     const Pose X_WJ{mbs::frame_along(joint.form.axis), joint.form.point};
     element.lines = {{"type", text(type_name(joint.form.type))}};
     for (const auto& [key, i] : {std::pair{"from", joint.a}, {"to", joint.b}}) {
@@ -116,7 +133,8 @@ class Builder {
       element.lines.emplace_back(key, toml(body.name + "." + element.name));
     }
     if (joint.confidence == Confidence::low)
-      built_.mechanism.notes.push_back(fmt::format("joint {} ({}) is doubtful: {}", element.name, type_name(joint.form.type), joint.doubt));
+      built_.mechanism.notes.push_back(fmt::format("joint {} ({}) is doubtful: {}", element.name,
+                                                   type_name(joint.form.type), joint.doubt));
     built_.mechanism.elements.push_back(std::move(element));
   }
 
@@ -128,8 +146,10 @@ class Builder {
     const Vector3d off = f.axis_point - g.axis_point;
     if (g.kind != f.kind) return false;
     if (f.kind == mesh::FaceKind::cylinder)
-      return std::abs(g.radius - f.radius) < 1e-7 && g.axis.cross(f.axis).norm() < 1e-6 && (off - f.axis * f.axis.dot(off)).norm() < 1e-7;
-    return f.kind == mesh::FaceKind::plane && (g.normal - f.normal).norm() < 1e-6 && std::abs(f.normal.dot(f.centroid - g.centroid)) < 1e-7;
+      return std::abs(g.radius - f.radius) < 1e-7 && g.axis.cross(f.axis).norm() < 1e-6 &&
+             (off - f.axis * f.axis.dot(off)).norm() < 1e-7;
+    return f.kind == mesh::FaceKind::plane && (g.normal - f.normal).norm() < 1e-6 &&
+           std::abs(f.normal.dot(f.centroid - g.centroid)) < 1e-7;
   }
 
   // The interface of the body's part that carries the joint: a cylinder before a plane, one for all faces of one surface.
@@ -138,7 +158,8 @@ class Builder {
     const auto p = static_cast<std::size_t>(assembly_.instances[static_cast<std::size_t>(instance)].part);
     int best = 0;
     for (const auto& [i, face] : joint.faces)
-      if (i == instance && (best == 0 || (face_of(p, best).kind == mesh::FaceKind::plane && face_of(p, face).kind != mesh::FaceKind::plane)))
+      if (i == instance && (best == 0 || (face_of(p, best).kind == mesh::FaceKind::plane &&
+                                          face_of(p, face).kind != mesh::FaceKind::plane)))
         best = face;
     if (best == 0) return "";
     for (const int known : faces_[p])
@@ -148,7 +169,9 @@ class Builder {
   }
 
   // Where `flexura reduce` puts the node: the middle of a cylinder's axis, the centre of others.
-  static Vector3d place_of(const mesh::Face& f) { return f.kind == mesh::FaceKind::cylinder ? f.axis_point : f.centroid; }
+  static Vector3d place_of(const mesh::Face& f) {
+    return f.kind == mesh::FaceKind::cylinder ? f.axis_point : f.centroid;
+  }
 
   std::string interfaces_of(std::size_t p) const {
     std::string out;
@@ -156,7 +179,8 @@ class Builder {
       const mesh::Face& f = face_of(p, number);
       out += fmt::format("\n[interface.face{}]\n", number);
       if (f.kind == mesh::FaceKind::cylinder)
-        out += fmt::format("by = \"cylinder\"\npoint = {}\naxis = {}\nradius = {}\n", toml(f.axis_point), toml(f.axis), toml(f.radius));
+        out += fmt::format("by = \"cylinder\"\npoint = {}\naxis = {}\nradius = {}\n", toml(f.axis_point),
+                           toml(f.axis), toml(f.radius));
       else if (f.kind == mesh::FaceKind::plane)
         out += fmt::format("by = \"plane\"\npoint = {}\nnormal = {}\n", toml(f.centroid), toml(f.normal));
       else
@@ -169,7 +193,8 @@ class Builder {
     for (std::size_t i = 0; i < assembly_.instances.size(); ++i) {
       const auto p = static_cast<std::size_t>(assembly_.instances[i].part);
       for (const int number : faces_[p])
-        built_.mechanism.bodies[i].interfaces.emplace_back(fmt::format("face{}", number), place_of(face_of(p, number)));
+        built_.mechanism.bodies[i].interfaces.emplace_back(fmt::format("face{}", number),
+                                                           place_of(face_of(p, number)));
     }
     for (std::size_t p = 0; p < assembly_.parts.size(); ++p) {
       const Part& part = assembly_.parts[p];
@@ -180,8 +205,9 @@ class Builder {
           "name = {}\n\n[geometry]\nfile = {}\nunit = \"mm\"\n{}\n"
           "# Young's modulus and Poisson's ratio are those of steel, the file gives none{}\n"
           "[material.steel]\nyoung = \"210 GPa\"\npoisson = 0.3\ndensity = {}\n",
-          shown(part.name), toml(part_names_[p]), toml(part_names_[p] + ".brep"), part.solids > 1 ? "fuse = true\n" : "",
-          part.density > 0.0 ? "" : ", nor a density", toml(density_of(part)));
+          shown(part.name), toml(part_names_[p]), toml(part_names_[p] + ".brep"),
+          part.solids > 1 ? "fuse = true\n" : "", part.density > 0.0 ? "" : ", nor a density",
+          toml(density_of(part)));
       file += interfaces_of(p);
       built_.texts.push_back({stem.string() + ".toml", file});
     }

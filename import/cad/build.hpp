@@ -8,7 +8,7 @@ namespace flexura::import::cad {
 
 struct BuildOptions {
   ProposeOptions propose;
-  bool joints = true;        ///< propose them; otherwise every body but ground floats free
+  bool joints = true;       ///< propose them; otherwise every body but ground floats free
   double density = 7850.0;  ///< of parts for which the file gives none [kg/m^3]
 };
 

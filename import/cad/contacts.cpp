@@ -20,8 +20,10 @@ using Vector2d = Eigen::Vector2d;
 constexpr double kAngle = 1e-3;
 constexpr int kBins = 72;  // of the circle, 5 degrees each
 
-bool boxes_meet(const Vector3d& low_a, const Vector3d& high_a, const Vector3d& low_b, const Vector3d& high_b, double slack) {
-  return ((low_a.array() - slack) <= high_b.array()).all() && ((low_b.array() - slack) <= high_a.array()).all();
+bool boxes_meet(const Vector3d& low_a, const Vector3d& high_a, const Vector3d& low_b, const Vector3d& high_b,
+                double slack) {
+  return ((low_a.array() - slack) <= high_b.array()).all() &&
+         ((low_b.array() - slack) <= high_a.array()).all();
 }
 
 // How far along the axis a cylinder's face reaches in each sector, in the frame (R, o) with z along the axis.
@@ -61,8 +63,8 @@ Reach reach_of(const PlacedPart& part, const PlacedFace& face, const Matrix3d& R
   return reach;
 }
 
-bool cylinders_touch(const PlacedPart& a, const PlacedFace& fa, const PlacedPart& b, const PlacedFace& fb, double clearance,
-                     FacePair& pair) {
+bool cylinders_touch(const PlacedPart& a, const PlacedFace& fa, const PlacedPart& b, const PlacedFace& fb,
+                     double clearance, FacePair& pair) {
   if (fa.hole == fb.hole || fa.axis.cross(fb.axis).norm() > kAngle) return false;
   const PlacedFace &shaft = fa.hole ? fb : fa, &bore = fa.hole ? fa : fb;
   const double gap = bore.radius - shaft.radius;
@@ -82,7 +84,8 @@ bool cylinders_touch(const PlacedPart& a, const PlacedFace& fa, const PlacedPart
     const double angle = (k + 0.5) * 2.0 * std::numbers::pi / kBins;
     const Vector3d radial = R * Vector3d(std::cos(angle), std::sin(angle), 0.0);
     const Vector3d n = fa.hole ? Vector3d(-radial) : radial;  // out of A
-    for (const double z : {z0, z1}) pair.contacts.push_back({shaft.point + shaft.radius * radial + z * shaft.axis, n});
+    for (const double z : {z0, z1})
+      pair.contacts.push_back({shaft.point + shaft.radius * radial + z * shaft.axis, n});
   }
   if (pair.contacts.empty()) return false;
   pair.kind = FaceKind::cylinder;
@@ -128,7 +131,8 @@ struct FlatTriangle {
   Vector2d low, high;
 };
 
-std::vector<FlatTriangle> flat(const PlacedPart& part, const PlacedFace& face, const Matrix3d& R, const Vector3d& o) {
+std::vector<FlatTriangle> flat(const PlacedPart& part, const PlacedFace& face, const Matrix3d& R,
+                               const Vector3d& o) {
   std::vector<FlatTriangle> list;
   for (const Eigen::Vector3i& t : face.face->triangles) {
     FlatTriangle f;
@@ -144,8 +148,8 @@ std::vector<FlatTriangle> flat(const PlacedPart& part, const PlacedFace& face, c
   return list;
 }
 
-bool planes_touch(const PlacedPart& a, const PlacedFace& fa, const PlacedPart& b, const PlacedFace& fb, double clearance,
-                  FacePair& pair) {
+bool planes_touch(const PlacedPart& a, const PlacedFace& fa, const PlacedPart& b, const PlacedFace& fb,
+                  double clearance, FacePair& pair) {
   if ((fa.normal + fb.normal).norm() > kAngle) return false;
   const double gap = fa.normal.dot(fb.point - fa.point);
   if (std::abs(gap) > clearance) return false;
@@ -183,8 +187,8 @@ bool planes_touch(const PlacedPart& a, const PlacedFace& fa, const PlacedPart& b
   return true;
 }
 
-bool spheres_touch(const PlacedPart& a, const PlacedFace& fa, const PlacedPart& b, const PlacedFace& fb, double clearance,
-                   FacePair& pair) {
+bool spheres_touch(const PlacedPart& a, const PlacedFace& fa, const PlacedPart& b, const PlacedFace& fb,
+                   double clearance, FacePair& pair) {
   if (fa.hole == fb.hole || (fa.point - fb.point).norm() > clearance) return false;
   const bool a_is_ball = !fa.hole;
   const PlacedFace &ball = a_is_ball ? fa : fb, &socket = a_is_ball ? fb : fa;
@@ -252,7 +256,8 @@ double corners_to_triangles(const PlacedPart& a, const PlacedPart& b, double wit
   for (const PlacedFace& face : b.faces) {
     if (!boxes_meet(face.low, face.high, a.low, a.high, within)) continue;
     for (const Eigen::Vector3i& t : face.face->triangles) {
-      const Vector3d &x = b.vertices[static_cast<std::size_t>(t[0])], &y = b.vertices[static_cast<std::size_t>(t[1])],
+      const Vector3d &x = b.vertices[static_cast<std::size_t>(t[0])],
+                     &y = b.vertices[static_cast<std::size_t>(t[1])],
                      &z = b.vertices[static_cast<std::size_t>(t[2])];
       const Vector3d low = x.cwiseMin(y).cwiseMin(z), high = x.cwiseMax(y).cwiseMax(z);
       if (!boxes_meet(low, high, a.low, a.high, within)) continue;
@@ -312,7 +317,8 @@ std::vector<FacePair> find_pairs(const PlacedPart& a, const PlacedPart& b, doubl
   return pairs;
 }
 
-std::vector<Vector3d> common_hole_axes(const PlacedPart& a, const PlacedPart& b, const Vector3d& normal, double clearance) {
+std::vector<Vector3d> common_hole_axes(const PlacedPart& a, const PlacedPart& b, const Vector3d& normal,
+                                       double clearance) {
   std::vector<Vector3d> axes;
   const auto across = [&](const Vector3d& x) { return Vector3d(x - normal * normal.dot(x)); };
   for (const PlacedFace& fa : a.faces)
@@ -324,7 +330,8 @@ std::vector<Vector3d> common_hole_axes(const PlacedPart& a, const PlacedPart& b,
       const double slack = clearance + 1e-6;
       if (!boxes_meet(fa.low, fa.high, fb.low, fb.high, slack)) continue;
       const Vector3d axis = across(fa.point);
-      if (std::ranges::none_of(axes, [&](const Vector3d& x) { return (x - axis).norm() < clearance; })) axes.push_back(axis);
+      if (std::ranges::none_of(axes, [&](const Vector3d& x) { return (x - axis).norm() < clearance; }))
+        axes.push_back(axis);
     }
   return axes;
 }

@@ -32,18 +32,19 @@ PlacedPart place(const Part& part, const Pose& X_WP);
 struct FacePair {
   int face_a = 0, face_b = 0;  ///< numbers
   mesh::FaceKind kind = mesh::FaceKind::other;
-  bool shaft_in_a = false;      ///< cylinder, sphere: A has the convex face
-  double radius = 0.0;          ///< of the convex face
-  double gap = 0.0;             ///< [m], negative: overlap
-  double extent = 0.0;          ///< cylinder: length of the overlap [m]; plane, sphere: its area [m^2]
-  Vector3d point, axis;         ///< middle of the contact; axis of the cylinder, normal of the plane out of A
+  bool shaft_in_a = false;  ///< cylinder, sphere: A has the convex face
+  double radius = 0.0;      ///< of the convex face
+  double gap = 0.0;         ///< [m], negative: overlap
+  double extent = 0.0;      ///< cylinder: length of the overlap [m]; plane, sphere: its area [m^2]
+  Vector3d point, axis;     ///< middle of the contact; axis of the cylinder, normal of the plane out of A
   std::vector<Contact> contacts;  ///< from A to B
 };
 
 std::vector<FacePair> find_pairs(const PlacedPart& a, const PlacedPart& b, double clearance);
 
 /// Pairs of holes of A and B with one axis along `normal`, as bolts leave them: how many distinct axes there are.
-std::vector<Vector3d> common_hole_axes(const PlacedPart& a, const PlacedPart& b, const Vector3d& normal, double clearance);
+std::vector<Vector3d> common_hole_axes(const PlacedPart& a, const PlacedPart& b, const Vector3d& normal,
+                                       double clearance);
 
 /// How near the surfaces come to each other, by corners of one and triangles of the other; `within` where they stay
 /// farther away than that.  Right to the deviation of the triangles from the shape.

@@ -22,7 +22,8 @@ constexpr double kTolerance = 1e-4;
 MatrixXd null_space(const MatrixXd& rows) {
   if (rows.rows() == 0) return MatrixXd::Identity(6, 6);
   // 6 x 6 normal form keeps the work independent of the number of contacts; its singular values are squares.
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(rows.transpose() * rows / static_cast<double>(rows.rows()));
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(rows.transpose() * rows /
+                                                       static_cast<double>(rows.rows()));
   Index dimension = 0;
   while (dimension < 6 && solver.eigenvalues()(dimension) < kTolerance * kTolerance) ++dimension;
   return solver.eigenvectors().leftCols(dimension);
@@ -49,7 +50,9 @@ VectorXd nonnegative_least_squares(const MatrixXd& A, const VectorXd& b) {
       const VectorXd s = A(Eigen::all, in).completeOrthogonalDecomposition().solve(b);
       double step = 1.0;
       for (Index k = 0; k < s.size(); ++k)
-        if (s(k) <= 0.0) step = std::min(step, x(in[static_cast<std::size_t>(k)]) / std::max(1e-300, x(in[static_cast<std::size_t>(k)]) - s(k)));
+        if (s(k) <= 0.0)
+          step = std::min(step, x(in[static_cast<std::size_t>(k)]) /
+                                    std::max(1e-300, x(in[static_cast<std::size_t>(k)]) - s(k)));
       for (Index k = 0; k < s.size(); ++k) {
         double& value = x(in[static_cast<std::size_t>(k)]);
         value += step * (s(k) - value);

@@ -22,16 +22,28 @@ struct Contact {
 
 /// Twists are (omega, v) at `centre`, lengths over `size`: of one magnitude. Both give orthonormal columns.
 /// Those that keep every contact, 6 x k:
-Eigen::MatrixXd kept_freedom(const std::vector<Contact>& contacts, const Eigen::Vector3d& centre, double size);
+Eigen::MatrixXd kept_freedom(const std::vector<Contact>& contacts, const Eigen::Vector3d& centre,
+                             double size);
 /// and those that no form closure forbids, 6 x m, m >= k (takes a least-squares problem for each contact):
-Eigen::MatrixXd open_freedom(const std::vector<Contact>& contacts, const Eigen::Vector3d& centre, double size);
+Eigen::MatrixXd open_freedom(const std::vector<Contact>& contacts, const Eigen::Vector3d& centre,
+                             double size);
 
 /// Least squares min |A x - b| with x >= 0 (Lawson and Hanson, Solving Least Squares Problems, ch. 23).
 Eigen::VectorXd nonnegative_least_squares(const Eigen::MatrixXd& A, const Eigen::VectorXd& b);
 
 /// What kind of joint a space of relative twists is.
 struct JointForm {
-  enum class Type { fixed, revolute, prismatic, screw, cylindrical, universal, planar, spherical, other } type = Type::other;
+  enum class Type {
+    fixed,
+    revolute,
+    prismatic,
+    screw,
+    cylindrical,
+    universal,
+    planar,
+    spherical,
+    other
+  } type = Type::other;
   Eigen::Vector3d point = Eigen::Vector3d::Zero();  ///< on the axis; the centre of a sphere
   Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();  ///< axis, direction of sliding, normal of the plane
 };

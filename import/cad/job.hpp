@@ -25,7 +25,8 @@ struct FaceAnswer {
   std::array<double, 3> centroid{}, normal{}, axis_point{}, axis{};
   std::vector<std::int32_t> triangles;
 };
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(FaceAnswer, kind, area, radius, length, hole, centroid, normal, axis_point, axis, triangles)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(FaceAnswer, kind, area, radius, length, hole, centroid, normal, axis_point,
+                                   axis, triangles)
 
 struct PartAnswer {
   std::string name, color, brep;
@@ -37,7 +38,8 @@ struct PartAnswer {
   std::vector<std::int32_t> edges;
   std::vector<FaceAnswer> faces;
 };
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(PartAnswer, name, color, brep, density, volume, solids, center, moments, vertices, edges, faces)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(PartAnswer, name, color, brep, density, volume, solids, center, moments,
+                                   vertices, edges, faces)
 
 struct InstanceAnswer {
   int part = 0;

@@ -18,24 +18,27 @@ namespace flexura::import::cad {
 namespace {
 
 using Type = JointForm::Type;
-using mesh::FaceKind;
 using Eigen::MatrixXd;
+using mesh::FaceKind;
 
 // Gaps that differ by less are one and the same: CAD's own tolerance.
 constexpr double kSameGap = 1e-6;
 
-std::string mm(double x) { return fmt::format("{:.4g} mm", 1e3 * x); }
+std::string mm(double x) {
+  return fmt::format("{:.4g} mm", 1e3 * x);
+}
 
 std::string evidence_of(const FacePair& p, const std::string& a, const std::string& b) {
   if (p.kind == FaceKind::cylinder)
-    return fmt::format("{} {} of {} (face {}) in {} (face {}), {} long, gap {}", "shaft", mm(p.radius), p.shaft_in_a ? a : b,
-                       p.shaft_in_a ? p.face_a : p.face_b, p.shaft_in_a ? b : a, p.shaft_in_a ? p.face_b : p.face_a, mm(p.extent),
-                       mm(p.gap));
+    return fmt::format("{} {} of {} (face {}) in {} (face {}), {} long, gap {}", "shaft", mm(p.radius),
+                       p.shaft_in_a ? a : b, p.shaft_in_a ? p.face_a : p.face_b, p.shaft_in_a ? b : a,
+                       p.shaft_in_a ? p.face_b : p.face_a, mm(p.extent), mm(p.gap));
   if (p.kind == FaceKind::sphere)
-    return fmt::format("ball of radius {} of {} (face {}) in {} (face {}), gap {}", mm(p.radius), p.shaft_in_a ? a : b,
-                       p.shaft_in_a ? p.face_a : p.face_b, p.shaft_in_a ? b : a, p.shaft_in_a ? p.face_b : p.face_a, mm(p.gap));
-  return fmt::format("plane on plane, {} (face {}) and {} (face {}), {:.4g} mm^2, gap {}", a, p.face_a, b, p.face_b, 1e6 * p.extent,
-                     mm(p.gap));
+    return fmt::format("ball of radius {} of {} (face {}) in {} (face {}), gap {}", mm(p.radius),
+                       p.shaft_in_a ? a : b, p.shaft_in_a ? p.face_a : p.face_b, p.shaft_in_a ? b : a,
+                       p.shaft_in_a ? p.face_b : p.face_a, mm(p.gap));
+  return fmt::format("plane on plane, {} (face {}) and {} (face {}), {:.4g} mm^2, gap {}", a, p.face_a, b,
+                     p.face_b, 1e6 * p.extent, mm(p.gap));
 }
 
 // Twists that the form allows, about `centre` in units of `size`, 6 x k.
@@ -53,12 +56,23 @@ MatrixXd twists_of(const JointForm& form, const Vector3d& centre, double size) {
   std::vector<Vector6d> columns;
   const Matrix3d R = mbs::frame_along(form.axis);
   switch (form.type) {
-    case Type::revolute: columns = {turn(form.axis)}; break;
-    case Type::prismatic: columns = {slide(form.axis)}; break;
-    case Type::cylindrical: columns = {turn(form.axis), slide(form.axis)}; break;
-    case Type::planar: columns = {turn(form.axis), slide(R.col(0)), slide(R.col(1))}; break;
-    case Type::spherical: columns = {turn(Vector3d::UnitX()), turn(Vector3d::UnitY()), turn(Vector3d::UnitZ())}; break;
-    default: break;
+    case Type::revolute:
+      columns = {turn(form.axis)};
+      break;
+    case Type::prismatic:
+      columns = {slide(form.axis)};
+      break;
+    case Type::cylindrical:
+      columns = {turn(form.axis), slide(form.axis)};
+      break;
+    case Type::planar:
+      columns = {turn(form.axis), slide(R.col(0)), slide(R.col(1))};
+      break;
+    case Type::spherical:
+      columns = {turn(Vector3d::UnitX()), turn(Vector3d::UnitY()), turn(Vector3d::UnitZ())};
+      break;
+    default:
+      break;
   }
   MatrixXd twists(6, static_cast<Eigen::Index>(columns.size()));
   for (Eigen::Index k = 0; k < twists.cols(); ++k) twists.col(k) = columns[static_cast<std::size_t>(k)];
@@ -68,8 +82,12 @@ MatrixXd twists_of(const JointForm& form, const Vector3d& centre, double size) {
 class Proposer {
  public:
   Proposer(const Assembly& assembly, const std::vector<std::string>& names, const ProposeOptions& options)
-      : assembly_(assembly), names_(names), options_(options), n_(static_cast<int>(assembly.instances.size())) {
-    for (const Instance& i : assembly.instances) parts_.push_back(place(assembly.parts[static_cast<std::size_t>(i.part)], i.X_WP));
+      : assembly_(assembly),
+        names_(names),
+        options_(options),
+        n_(static_cast<int>(assembly.instances.size())) {
+    for (const Instance& i : assembly.instances)
+      parts_.push_back(place(assembly.parts[static_cast<std::size_t>(i.part)], i.X_WP));
     low_ = parts_.front().low;
     high_ = parts_.front().high;
     for (const PlacedPart& part : parts_) {
@@ -84,10 +102,12 @@ class Proposer {
   Proposal run() {
     find_ground();
     near_each_other(options_.clearance, [&](int a, int b) {
-      if (auto pairs = find_pairs(at(a), at(b), options_.clearance); !pairs.empty()) pairs_[{a, b}] = std::move(pairs);
+      if (auto pairs = find_pairs(at(a), at(b), options_.clearance); !pairs.empty())
+        pairs_[{a, b}] = std::move(pairs);
     });
     for (const auto& entry : pairs_)
-      for (const int i : {entry.first.first, entry.first.second}) touching_[static_cast<std::size_t>(i)].push_back(&entry);
+      for (const int i : {entry.first.first, entry.first.second})
+        touching_[static_cast<std::size_t>(i)].push_back(&entry);
     fix_bolted();
     do {
       fix_what_is_held();
@@ -112,7 +132,8 @@ class Proposer {
     std::iota(order.begin(), order.end(), 0);
     std::ranges::stable_sort(order, {}, [&](int i) { return at(i).low.x(); });
     for (std::size_t i = 0; i < order.size(); ++i)
-      for (std::size_t j = i + 1; j < order.size() && at(order[j]).low.x() <= at(order[i]).high.x() + slack; ++j)
+      for (std::size_t j = i + 1; j < order.size() && at(order[j]).low.x() <= at(order[i]).high.x() + slack;
+           ++j)
         visit(std::min(order[i], order[j]), std::max(order[i], order[j]));
   }
 
@@ -120,12 +141,15 @@ class Proposer {
     if (!options_.ground.empty()) {
       std::vector<int> found;
       for (int i = 0; i < n_; ++i)
-        if (name(i) == options_.ground || assembly_.instances[static_cast<std::size_t>(i)].name == options_.ground) found.push_back(i);
+        if (name(i) == options_.ground ||
+            assembly_.instances[static_cast<std::size_t>(i)].name == options_.ground)
+          found.push_back(i);
       if (found.size() != 1) {
         std::string list;
         for (int i = 0; i < std::min(n_, 12); ++i) list += (i > 0 ? ", " : "") + name(i);
-        throw std::invalid_argument(fmt::format("--ground {}: {} bodies of the assembly are called so; it has {}{}", shown(options_.ground),
-                                                found.size(), list, n_ > 12 ? ", ..." : ""));
+        throw std::invalid_argument(
+            fmt::format("--ground {}: {} bodies of the assembly are called so; it has {}{}",
+                        shown(options_.ground), found.size(), list, n_ > 12 ? ", ..." : ""));
       }
       result_.ground = found.front();
       return;
@@ -144,8 +168,10 @@ class Proposer {
       if (g == from) g = to;
   }
 
-  void fix(int a, int b, Confidence confidence, std::vector<std::string> evidence, std::string doubt, const std::vector<FacePair>& pairs) {
-    ProposedJoint joint{.a = a, .b = b, .confidence = confidence, .evidence = std::move(evidence), .doubt = std::move(doubt)};
+  void fix(int a, int b, Confidence confidence, std::vector<std::string> evidence, std::string doubt,
+           const std::vector<FacePair>& pairs) {
+    ProposedJoint joint{
+        .a = a, .b = b, .confidence = confidence, .evidence = std::move(evidence), .doubt = std::move(doubt)};
     joint.form.type = Type::fixed;
     joint.form.point = pairs.empty() ? Vector3d(0.5 * (at(b).low + at(b).high)) : pairs.front().point;
     for (const FacePair& p : pairs) {
@@ -164,7 +190,9 @@ class Proposer {
         if (p.kind != FaceKind::plane) continue;
         const auto axes = common_hole_axes(at(a), at(b), p.axis, options_.clearance);
         if (axes.size() < 2) continue;
-        fix(a, b, Confidence::high, {fmt::format("{} holes in common across one plane: bolted", axes.size()), evidence_of(p, name(a), name(b))},
+        fix(a, b, Confidence::high,
+            {fmt::format("{} holes in common across one plane: bolted", axes.size()),
+             evidence_of(p, name(a), name(b))},
             "", {p});
         break;
       }
@@ -194,7 +222,8 @@ class Proposer {
   std::vector<std::string> evidence_for(const Entries& entries) const {
     std::vector<std::string> lines;
     for (const auto* entry : entries)
-      for (const FacePair& pair : entry->second) lines.push_back(evidence_of(pair, name(entry->first.first), name(entry->first.second)));
+      for (const FacePair& pair : entry->second)
+        lines.push_back(evidence_of(pair, name(entry->first.first), name(entry->first.second)));
     return lines;
   }
 
@@ -226,7 +255,8 @@ class Proposer {
         const bool closed = j.open().cols() == 0;
         const auto [a, b] = entries.front()->first;
         fix(a, b, closed ? Confidence::high : Confidence::low, evidence_for(entries),
-            closed ? "" : "nothing drawn presses them together: they could come apart", entries.front()->second);
+            closed ? "" : "nothing drawn presses them together: they could come apart",
+            entries.front()->second);
         again = true;
         break;
       }
@@ -240,10 +270,11 @@ class Proposer {
       all += f.face->shape.area;
       const Vector3d off = f.point - point;
       const bool on_axis = (off - axis * axis.dot(off)).norm() < options_.clearance;
-      const bool fits = f.kind == FaceKind::plane                                        ? f.normal.cross(axis).norm() < 1e-3
-                        : f.kind == FaceKind::cylinder || f.kind == FaceKind::cone ? f.axis.cross(axis).norm() < 1e-3 && on_axis
-                        : f.kind == FaceKind::sphere                                     ? on_axis
-                                                                                         : false;
+      const bool fits = f.kind == FaceKind::plane ? f.normal.cross(axis).norm() < 1e-3
+                        : f.kind == FaceKind::cylinder || f.kind == FaceKind::cone
+                            ? f.axis.cross(axis).norm() < 1e-3 && on_axis
+                        : f.kind == FaceKind::sphere ? on_axis
+                                                     : false;
       if (!fits) odd += f.face->shape.area;
     }
     return odd < 0.2 * all;
@@ -273,7 +304,9 @@ class Proposer {
         if (p.shaft_in_a != (key.first == i)) return {};  // it is the bore
         if (first == nullptr) first = &p;
         const Vector3d off = p.point - first->point;
-        if (p.axis.cross(first->axis).norm() > 1e-3 || (off - first->axis * first->axis.dot(off)).norm() > options_.clearance) return {};
+        if (p.axis.cross(first->axis).norm() > 1e-3 ||
+            (off - first->axis * first->axis.dot(off)).norm() > options_.clearance)
+          return {};
         seat.gap = std::min(seat.gap, p.gap);
         seat.length += p.extent;
       }
@@ -293,7 +326,9 @@ class Proposer {
       if (groups.size() != 1) continue;
       const auto touch = [&](int a, int b) { return pairs_.contains({std::min(a, b), std::max(a, b)}); };
       if (!touch(seats[0].other, seats[1].other)) continue;  // a shaft through two bearings
-      fix_seat(i, seats[0], Confidence::medium, "a body of revolution through parts that are fixed to one another: a fastener", "it could turn");
+      fix_seat(i, seats[0], Confidence::medium,
+               "a body of revolution through parts that are fixed to one another: a fastener",
+               "it could turn");
       return true;
     }
     return false;
@@ -309,17 +344,22 @@ class Proposer {
       std::ranges::stable_sort(seats, [](const Seat& x, const Seat& y) {
         return std::abs(x.gap - y.gap) > kSameGap ? x.gap < y.gap : x.length > y.length + kSameGap;
       });
-      const auto next = std::ranges::find_if(seats, [&](const Seat& s) { return group(s.other) != group(seats[0].other); });
+      const auto next =
+          std::ranges::find_if(seats, [&](const Seat& s) { return group(s.other) != group(seats[0].other); });
       const bool tighter = next->gap - seats[0].gap > kSameGap;
       fix_seat(i, seats[0], tighter ? Confidence::high : Confidence::medium,
-               fmt::format("a pin: its own spin moves nothing, so it is fixed where it {}", tighter ? "fits tightest" : "sits longest"),
-               tighter ? "" : fmt::format("it fits {} as tightly; where it turns changes no motion of the others", name(next->other)));
+               fmt::format("a pin: its own spin moves nothing, so it is fixed where it {}",
+                           tighter ? "fits tightest" : "sits longest"),
+               tighter ? ""
+                       : fmt::format("it fits {} as tightly; where it turns changes no motion of the others",
+                                     name(next->other)));
       return true;
     }
     return false;
   }
 
-  void fix_seat(int i, const Seat& seat, Confidence confidence, const std::string& rule, const std::string& doubt) {
+  void fix_seat(int i, const Seat& seat, Confidence confidence, const std::string& rule,
+                const std::string& doubt) {
     std::vector<std::string> evidence = {rule};
     const int a = std::min(i, seat.other), b = std::max(i, seat.other);
     for (const FacePair& p : *seat.pairs) evidence.push_back(evidence_of(p, name(a), name(b)));
@@ -338,10 +378,12 @@ class Proposer {
       const auto more = open.cols() - j.kept.cols();
       joint.confidence = more == 0 ? Confidence::high : Confidence::medium;
       if (more > 0)
-        joint.doubt = fmt::format("held from one side only: {} {} more if it lifts off", more, more == 1 ? "freedom" : "freedoms");
+        joint.doubt = fmt::format("held from one side only: {} {} more if it lifts off", more,
+                                  more == 1 ? "freedom" : "freedoms");
       if (j.overlap) {
         joint.confidence = Confidence::low;
-        joint.doubt += std::string(joint.doubt.empty() ? "" : "; ") + "the faces overlap: a press fit, or a thread, would hold it";
+        joint.doubt += std::string(joint.doubt.empty() ? "" : "; ") +
+                       "the faces overlap: a press fit, or a thread, would hold it";
       }
       for (const auto* entry : entries)
         for (const FacePair& p : entry->second) {
@@ -349,8 +391,9 @@ class Proposer {
           joint.faces.emplace_back(entry->first.second, p.face_b);
         }
       if (twists_of(joint.form, j.centre, j.size).cols() == 0) {
-        result_.doubts.push_back(fmt::format("{} and {} touch and keep {} freedoms that no joint has: none is proposed ({})", name(a), name(b),
-                                             j.kept.cols(), fmt::join(joint.evidence, "; ")));
+        result_.doubts.push_back(
+            fmt::format("{} and {} touch and keep {} freedoms that no joint has: none is proposed ({})",
+                        name(a), name(b), j.kept.cols(), fmt::join(joint.evidence, "; ")));
         continue;
       }
       if (open.cols() == 6) {
@@ -365,8 +408,9 @@ class Proposer {
       const bool first_held = groups.first == ground || has_joint.contains(groups.first),
                  second_held = groups.second == ground || has_joint.contains(groups.second);
       if (first_held && second_held) {
-        result_.doubts.push_back(fmt::format("{} and {} touch from one side only: a contact, not a joint ({})", name(joint.a), name(joint.b),
-                                             fmt::join(joint.evidence, "; ")));
+        result_.doubts.push_back(
+            fmt::format("{} and {} touch from one side only: a contact, not a joint ({})", name(joint.a),
+                        name(joint.b), fmt::join(joint.evidence, "; ")));
         continue;
       }
       joint.confidence = Confidence::low;
@@ -377,8 +421,9 @@ class Proposer {
     std::set<int> alone;
     for (int i = 0; i < n_; ++i)
       if (group(i) != group(result_.ground) && !has_joint.contains(group(i)) && alone.insert(group(i)).second)
-        result_.doubts.push_back(fmt::format("{} touches nothing within {} and floats free; a larger --clearance may find what holds it", name(i),
-                                             mm(options_.clearance)));
+        result_.doubts.push_back(fmt::format(
+            "{} touches nothing within {} and floats free; a larger --clearance may find what holds it",
+            name(i), mm(options_.clearance)));
   }
 
   // Surfaces that meet without faces that make a contact here: teeth, cams, threads, cones.  The pictures' triangles
@@ -394,9 +439,10 @@ class Proposer {
       const double within = options_.clearance + 0.002 * smaller;
       if (!(nearest(at(a), at(b), within) < within)) return;
       known.insert(groups);
-      result_.doubts.push_back(fmt::format("{} and {} come within {} of each other and have no faces that make a joint (teeth, cams, "
-                                           "threads and cones are not judged): what binds them is missing",
-                                           name(a), name(b), mm(within)));
+      result_.doubts.push_back(fmt::format(
+          "{} and {} come within {} of each other and have no faces that make a joint (teeth, cams, "
+          "threads and cones are not judged): what binds them is missing",
+          name(a), name(b), mm(within)));
     });
   }
 
@@ -419,8 +465,10 @@ class Proposer {
       const MatrixXd N = (qr.householderQ() * MatrixXd::Identity(6, 6)).rightCols(6 - S.cols()).transpose();
       for (Eigen::Index r = 0; r < N.rows(); ++r) {
         Eigen::VectorXd row = Eigen::VectorXd::Zero(6 * next);
-        if (const auto c = column.find(group(joint.b)); c != column.end()) row.segment<6>(c->second) += N.row(r).transpose();
-        if (const auto c = column.find(group(joint.a)); c != column.end()) row.segment<6>(c->second) -= N.row(r).transpose();
+        if (const auto c = column.find(group(joint.b)); c != column.end())
+          row.segment<6>(c->second) += N.row(r).transpose();
+        if (const auto c = column.find(group(joint.a)); c != column.end())
+          row.segment<6>(c->second) -= N.row(r).transpose();
         for (int round = 0; round < 2; ++round)  // twice is enough (Parlett)
           for (const Eigen::VectorXd& q : basis) row -= q * q.dot(row);
         // Unit rows; STEP's placements are right to 1e-7 of the size, what is independent is so at a part of it.
@@ -440,7 +488,8 @@ class Proposer {
   const int n_;
   std::vector<PlacedPart> parts_;
   std::map<Key, std::vector<FacePair>> pairs_;
-  std::vector<std::vector<const std::pair<const Key, std::vector<FacePair>>*>> touching_;  // pairs_ by instance
+  std::vector<std::vector<const std::pair<const Key, std::vector<FacePair>>*>>
+      touching_;  // pairs_ by instance
   std::vector<int> group_;
   Vector3d low_, high_;
   Proposal result_;
@@ -452,7 +501,8 @@ const char* name_of(Confidence confidence) {
   return confidence == Confidence::high ? "high" : confidence == Confidence::medium ? "medium" : "low";
 }
 
-Proposal propose(const Assembly& assembly, const std::vector<std::string>& names, const ProposeOptions& options) {
+Proposal propose(const Assembly& assembly, const std::vector<std::string>& names,
+                 const ProposeOptions& options) {
   return Proposer(assembly, names, options).run();
 }
 

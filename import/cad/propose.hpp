@@ -26,10 +26,10 @@ struct ProposedJoint {
   JointForm form;
   int a = -1, b = -1;  ///< instances that carry its markers
   Confidence confidence = Confidence::high;
-  std::vector<std::string> evidence;  ///< one line for each pair of faces, or the rule
-  std::string doubt;                  ///< why the confidence is not high
+  std::vector<std::string> evidence;       ///< one line for each pair of faces, or the rule
+  std::string doubt;                       ///< why the confidence is not high
   std::vector<std::pair<int, int>> faces;  ///< (instance, face number) that it sits on
-  int redundant = 0;                  ///< of its rows follow from those of the joints before it
+  int redundant = 0;                       ///< of its rows follow from those of the joints before it
 };
 
 struct Proposal {
@@ -47,6 +47,7 @@ struct ProposeOptions {
 
 /// `names`: of the instances, as the mechanism calls them. Throws std::invalid_argument where the named ground is not there
 /// or not one.
-Proposal propose(const Assembly& assembly, const std::vector<std::string>& names, const ProposeOptions& options);
+Proposal propose(const Assembly& assembly, const std::vector<std::string>& names,
+                 const ProposeOptions& options);
 
 }  // namespace flexura::import::cad

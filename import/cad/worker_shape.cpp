@@ -73,7 +73,8 @@ void take_triangles(const TopoDS_Face& face, PartAnswer& part, FaceAnswer& answe
   if (triangles.IsNull()) return;
   const auto first = static_cast<std::int32_t>(part.vertices.size() / 3);
   for (int i = 1; i <= triangles->NbNodes(); ++i)
-    for (const double x : in_m(triangles->Node(i).Transformed(at.Transformation()))) part.vertices.push_back(x);
+    for (const double x : in_m(triangles->Node(i).Transformed(at.Transformation())))
+      part.vertices.push_back(x);
   for (int i = 1; i <= triangles->NbTriangles(); ++i) {
     int a = 0, b = 0, c = 0;
     triangles->Triangle(i).Get(a, b, c);
@@ -111,7 +112,8 @@ void describe_shape(const TopoDS_Shape& given, double deflection, PartAnswer& pa
   part.center = in_m(volume.CentreOfMass());
   const gp_Mat I = volume.MatrixOfInertia();  // about the centre of mass
   for (int r = 0; r < 3; ++r)
-    for (int c = 0; c < 3; ++c) part.moments[static_cast<std::size_t>(3 * r + c)] = I.Value(r + 1, c + 1) * std::pow(kToM, 5);
+    for (int c = 0; c < 3; ++c)
+      part.moments[static_cast<std::size_t>(3 * r + c)] = I.Value(r + 1, c + 1) * std::pow(kToM, 5);
   std::ostringstream text;
   BRepTools::Write(shape, text);
   part.brep = text.str();

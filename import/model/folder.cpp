@@ -1,9 +1,9 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include "import/model/folder.hpp"
 
-#include <Eigen/Geometry>
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
 #include <set>
 #include <stdexcept>
 
@@ -48,7 +48,8 @@ superelement::InertiaIntegrals rigid_integrals(const Body& body) {
     for (int k = 0; k < 6; ++k)
       for (int l = 0; l < 6; ++l)
         S(k, l) = c[k](a) * c[l](b) * body.mass + c[k](a) * C[l].row(b).dot(integrals.S_x) +
-                  c[l](b) * C[k].row(a).dot(integrals.S_x) + C[k].row(a).dot(integrals.S_xx * C[l].row(b).transpose());
+                  c[l](b) * C[k].row(a).dot(integrals.S_x) +
+                  C[k].row(a).dot(integrals.S_xx * C[l].row(b).transpose());
   }
   return integrals;
 }
@@ -63,7 +64,8 @@ void require_folder(const fs::path& folder) {
 
 superelement::Superelement rigid_superelement(const Body& body, const std::string& source) {
   if (!(body.mass > 0.0))
-    throw std::invalid_argument(fmt::format("body \"{}\" has no mass and cannot carry a surface; give it one", body.name));
+    throw std::invalid_argument(
+        fmt::format("body \"{}\" has no mass and cannot carry a surface; give it one", body.name));
   superelement::Superelement se;
   se.name = body.file();
   se.created_by = "flexura import";
@@ -104,7 +106,8 @@ superelement::Superelement rigid_superelement(const Body& body, const std::strin
   return se;
 }
 
-void write_folder(const fs::path& folder, const Mechanism& mechanism, const std::vector<TextFile>& texts, bool force) {
+void write_folder(const fs::path& folder, const Mechanism& mechanism, const std::vector<TextFile>& texts,
+                  bool force) {
   const std::string main_text = mechanism_text(mechanism);
   std::vector<std::pair<fs::path, superelement::Superelement>> parts;
   std::set<std::string> written;
@@ -124,16 +127,17 @@ void write_folder(const fs::path& folder, const Mechanism& mechanism, const std:
   if (!force)
     for (const fs::path& file : files)
       if (fs::exists(fs::symlink_status(file)))
-        throw std::invalid_argument(file.string() +
-                                    ": is there already; name another folder, or replace its files with --force");
+        throw std::invalid_argument(
+            file.string() + ": is there already; name another folder, or replace its files with --force");
   for (const fs::path& file : files)
     if (fs::is_symlink(file))
-      throw std::invalid_argument(file.string() +
-                                  ": is a link, and an import writes inside its folder only; remove the link");
+      throw std::invalid_argument(
+          file.string() + ": is a link, and an import writes inside its folder only; remove the link");
   std::error_code failure;
   fs::create_directories(files.size() > 1 ? folder / "parts" : folder, failure);
   if (failure)
-    throw std::invalid_argument(folder.string() + ": cannot be made: " + failure.message() + "; name another folder with -o");
+    throw std::invalid_argument(folder.string() + ": cannot be made: " + failure.message() +
+                                "; name another folder with -o");
   files::Claims claims;
   for (const fs::path& file : files) claims.add(file);
   for (const TextFile& text : texts) files::write_whole(folder / text.name, text.text);

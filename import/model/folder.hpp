@@ -24,6 +24,7 @@ struct TextFile {
 /// The folder and its "parts" are made where they are not there.  Throws std::invalid_argument, before
 /// anything is written, where one of the files is there already (unless `force`), the folder is a file or "parts" is a
 /// link that leads elsewhere.
-void write_folder(const std::filesystem::path& folder, const Mechanism& mechanism, const std::vector<TextFile>& texts, bool force);
+void write_folder(const std::filesystem::path& folder, const Mechanism& mechanism,
+                  const std::vector<TextFile>& texts, bool force);
 
 }  // namespace flexura::import

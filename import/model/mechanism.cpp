@@ -22,9 +22,9 @@ void Surface::append(const Surface& other, const Pose& X) {
 std::string Names::add(const std::string& wanted) {
   constexpr std::size_t longest = 60;
   // What formulas and lists of results know by themselves.
-  constexpr std::array reserved = {"ground", "origin", "t",   "pi",  "e",    "energy", "momentum", "power", "run",
-                                   "sin",    "cos", "tan", "sqrt", "exp",    "log",      "abs",   "mod",
-                                   "min",    "max", "pow", "step", "sign"};
+  constexpr std::array reserved = {"ground", "origin", "t",   "pi",  "e",    "energy", "momentum", "power",
+                                   "run",    "sin",    "cos", "tan", "sqrt", "exp",    "log",      "abs",
+                                   "mod",    "min",    "max", "pow", "step", "sign"};
   std::string name;
   for (const char c : wanted) {
     const bool plain = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9');
@@ -38,8 +38,8 @@ std::string Names::add(const std::string& wanted) {
   if (name[0] >= '0' && name[0] <= '9') name = "_" + name;
   if (std::ranges::find(reserved, name) != reserved.end()) name += "_";
   std::string free = name;
-  if (const auto before = taken_.find(name); before != taken_.end())
-    do free = fmt::format("{}_{}", name, ++before->second);
+  if (const auto before = taken_.find(name); before != taken_.end()) do
+      free = fmt::format("{}_{}", name, ++before->second);
     while (taken_.contains(free));
   taken_.emplace(free, 1);
   return free;

@@ -34,8 +34,8 @@ struct Marker {
 
 /// Triangles for pictures, counter-clockwise from outside.
 struct Surface {
-  std::vector<Vector3d> vertices;              ///< [m], frame B
-  std::vector<Eigen::Vector3i> triangles;      ///< indices of vertices
+  std::vector<Vector3d> vertices;               ///< [m], frame B
+  std::vector<Eigen::Vector3i> triangles;       ///< indices of vertices
   std::vector<std::pair<int, int>> edges = {};  ///< feature edges to be drawn
 
   bool empty() const { return triangles.empty(); }
@@ -49,15 +49,16 @@ struct Body {
   std::string name;
   std::vector<std::string> comments = {};  ///< lines above its table: what it was called, its colour, ...
   double mass = 0.0;
-  Vector3d center = Vector3d::Zero();    ///< of mass, frame B
+  Vector3d center = Vector3d::Zero();   ///< of mass, frame B
   Matrix3d inertia = Matrix3d::Zero();  ///< about the centre of mass, axes of B
   std::vector<Marker> markers = {};
-  Surface surface = {};                          ///< drawn by a rigid superelement where there is any
+  Surface surface = {};                        ///< drawn by a rigid superelement where there is any
   std::vector<std::vector<Line>> shapes = {};  ///< simple solids of the mechanism file
   Pose X_WB = {};
   /// Places of the superelement that become interfaces where the part is reduced; rigid it carries markers there.
   std::vector<std::pair<std::string, Vector3d>> interfaces = {};
-  std::string part = {};  ///< bodies of one part share its superelement, "parts/PART.se.h5"; empty: of its own
+  std::string part =
+      {};  ///< bodies of one part share its superelement, "parts/PART.se.h5"; empty: of its own
 
   const std::string& file() const { return part.empty() ? name : part; }
 };

@@ -19,7 +19,8 @@ namespace {
 constexpr double kStopFrequency_hz = 20.0, kStopDampingRatio = 0.3, kStopYield = 0.01;
 
 bool has_one_coordinate(const Joint& joint) {
-  return joint.kind == JointKind::revolute || joint.kind == JointKind::continuous || joint.kind == JointKind::prismatic;
+  return joint.kind == JointKind::revolute || joint.kind == JointKind::continuous ||
+         joint.kind == JointKind::prismatic;
 }
 
 bool turns(const Joint& joint) {
@@ -36,8 +37,9 @@ class Converter {
     require_inertia();
     result_.name = robot_.name;
     result_.notes = robot_.notes;
-    result_.comments = {"imported by flexura import from " + shown(robot_.file.filename().string()),
-                        "Bodies have the frames of the links; the coordinates of the joints are those of the URDF."};
+    result_.comments = {
+        "imported by flexura import from " + shown(robot_.file.filename().string()),
+        "Bodies have the frames of the links; the coordinates of the joints are those of the URDF."};
     for (const Link& link : robot_.links) add_body(link);
     add_base();
     // Names of bodies and joints are kept apart: both stand in the names of results.
@@ -73,10 +75,12 @@ class Converter {
     }
     const Eigen::MatrixXd reduced = (T.transpose() * H_ * T)(free, free);
     const auto refuse = [&](Eigen::Index i, const char* what) {
-      const Joint& joint = robot_.joints[static_cast<std::size_t>(joint_of_[static_cast<std::size_t>(free[static_cast<std::size_t>(i)])])];
-      throw std::invalid_argument(fmt::format(
-          "{}:{}: joint \"{}\" {}, so its acceleration would be anything; give the links behind it <inertial>, or make the joint fixed",
-          robot_.file.string(), joint.line, shown(joint.name), what));
+      const Joint& joint = robot_.joints[static_cast<std::size_t>(
+          joint_of_[static_cast<std::size_t>(free[static_cast<std::size_t>(i)])])];
+      throw std::invalid_argument(
+          fmt::format("{}:{}: joint \"{}\" {}, so its acceleration would be anything; give the links behind "
+                      "it <inertial>, or make the joint fixed",
+                      robot_.file.string(), joint.line, shown(joint.name), what));
     };
     Eigen::MatrixXd L = reduced;
     for (Eigen::Index i = 0; i < L.rows(); ++i)
@@ -84,7 +88,8 @@ class Converter {
     const Eigen::VectorXd scale = reduced.diagonal().cwiseSqrt().cwiseInverse();
     L = scale.asDiagonal() * reduced * scale.asDiagonal();
     for (Eigen::Index k = 0; k < L.rows(); ++k) {  // Cholesky, column by column
-      if (!(L(k, k) > 1e-10)) refuse(k, "moves links that have no inertia apart from the joints before it, at the start position");
+      if (!(L(k, k) > 1e-10))
+        refuse(k, "moves links that have no inertia apart from the joints before it, at the start position");
       L.col(k).tail(L.rows() - k) /= std::sqrt(L(k, k));
       for (Eigen::Index j = k + 1; j < L.rows(); ++j)
         L.col(j).tail(L.rows() - j) -= L(j, k) * L.col(k).tail(L.rows() - j);
@@ -117,8 +122,9 @@ class Converter {
         continue;
       }
       if (!(body.mass > 0.0)) {
-        result_.notes.push_back(fmt::format("link \"{}\" has no mass and its mesh no picture: only bodies with mass carry one",
-                                            shown(link.name)));
+        result_.notes.push_back(
+            fmt::format("link \"{}\" has no mass and its mesh no picture: only bodies with mass carry one",
+                        shown(link.name)));
         continue;
       }
       if (visual.kind == Visual::Kind::box) {
@@ -132,7 +138,8 @@ class Converter {
           for (Eigen::Vector3i& t : mesh.triangles) std::swap(t[1], t[2]);
         body.surface.append(mesh, visual.X_LV);
       } catch (const std::invalid_argument& why) {
-        result_.notes.push_back(fmt::format("link \"{}\" without that picture: {}", shown(link.name), why.what()));
+        result_.notes.push_back(
+            fmt::format("link \"{}\" without that picture: {}", shown(link.name), why.what()));
       }
     }
   }
@@ -141,7 +148,8 @@ class Converter {
     std::vector<Line> lines;
     switch (visual.kind) {
       case Visual::Kind::box:
-        lines = {{"type", toml(std::string("box"))}, {"center", toml(visual.X_LV.p)}, {"size", toml(visual.size)}};
+        lines = {
+            {"type", toml(std::string("box"))}, {"center", toml(visual.X_LV.p)}, {"size", toml(visual.size)}};
         break;
       case Visual::Kind::cylinder: {
         const Vector3d half = visual.X_LV.R.col(2) * (0.5 * visual.length);
@@ -152,7 +160,9 @@ class Converter {
         break;
       }
       default:
-        lines = {{"type", toml(std::string("sphere"))}, {"center", toml(visual.X_LV.p)}, {"radius", toml(visual.radius)}};
+        lines = {{"type", toml(std::string("sphere"))},
+                 {"center", toml(visual.X_LV.p)},
+                 {"radius", toml(visual.radius)}};
     }
     if (!visual.color.empty()) lines.emplace_back("color", toml(visual.color));
     return lines;
@@ -161,8 +171,10 @@ class Converter {
   static Surface box_surface(const Vector3d& size) {
     Surface box;
     for (int i = 0; i < 8; ++i)
-      box.vertices.emplace_back(size.x() * ((i & 1) - 0.5), size.y() * ((i >> 1 & 1) - 0.5), size.z() * ((i >> 2 & 1) - 0.5));
-    const int faces[6][4] = {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}};
+      box.vertices.emplace_back(size.x() * ((i & 1) - 0.5), size.y() * ((i >> 1 & 1) - 0.5),
+                                size.z() * ((i >> 2 & 1) - 0.5));
+    const int faces[6][4] = {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4},
+                             {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}};
     for (const auto& f : faces) {
       box.triangles.emplace_back(f[0], f[1], f[2]);
       box.triangles.emplace_back(f[0], f[2], f[3]);
@@ -182,7 +194,8 @@ class Converter {
     result_.elements.push_back(
         {"joint",
          names_.add("base"),
-         {choices_.floating_base ? "the root floats free" : "the root stands on the ground (--base floating frees it)"},
+         {choices_.floating_base ? "the root floats free"
+                                 : "the root stands on the ground (--base floating frees it)"},
          {{"type", toml(std::string(choices_.floating_base ? "free" : "fixed"))},
           {"from", toml(std::string("ground.base"))},
           {"to", toml(root + ".base")}}});
@@ -200,15 +213,17 @@ class Converter {
     Element element{"joint", name};
     if (name != joint.name) element.comments.push_back("joint \"" + shown(joint.name) + "\"");
     if (joint.limit && joint.limit->velocity > 0.0)
-      element.comments.push_back(fmt::format("the URDF's greatest speed, {} {}, is no physical law and not enforced",
-                                             joint.limit->velocity, turns(joint) ? "rad/s" : "m/s"));
+      element.comments.push_back(
+          fmt::format("the URDF's greatest speed, {} {}, is no physical law and not enforced",
+                      joint.limit->velocity, turns(joint) ? "rad/s" : "m/s"));
     element.lines = {{"type", toml(std::string(types[static_cast<int>(joint.kind)]))},
                      {"from", toml(body_name(joint.parent) + "." + name)},
                      {"to", toml(body_name(joint.child) + "." + name)}};
     if (q_[j] != 0.0) {
       element.lines.emplace_back(turns(joint) ? "angle" : "position", toml(q_[j]));
       if (!joint.mimic)
-        result_.notes.push_back(fmt::format("joint \"{}\" starts at its limit {}: 0 is outside", shown(joint.name), q_[j]));
+        result_.notes.push_back(
+            fmt::format("joint \"{}\" starts at its limit {}: 0 is outside", shown(joint.name), q_[j]));
     }
     result_.elements.push_back(std::move(element));
     if (joint.mimic)
@@ -218,7 +233,8 @@ class Converter {
            {fmt::format("mimic: {} = {} * {} + {}", name, joint.mimic->multiplier,
                         joint_names_[static_cast<std::size_t>(joint.mimic->joint)], joint.mimic->offset)},
            {{"type", toml(std::string("coupler"))},
-            {"joints", fmt::format("[{}, {}]", toml(name), toml(joint_names_[static_cast<std::size_t>(joint.mimic->joint)]))},
+            {"joints", fmt::format("[{}, {}]", toml(name),
+                                   toml(joint_names_[static_cast<std::size_t>(joint.mimic->joint)]))},
             {"factors", fmt::format("[1.0, {}]", toml(-joint.mimic->multiplier))},
             {"offset", toml(joint.mimic->offset)}}});
   }
@@ -243,22 +259,26 @@ class Converter {
                                    {"coulomb", toml(joint.friction)},
                                    {"viscous", toml(joint.damping)}}});
     else if (joint.damping > 0.0)
-      result_.elements.push_back({"force",
-                                  names_.add(name + "_damping"),
-                                  {},
-                                  {{"type", toml(std::string("joint_spring_damper"))}, of_joint, {"damping", toml(joint.damping)}}});
+      result_.elements.push_back(
+          {"force",
+           names_.add(name + "_damping"),
+           {},
+           {{"type", toml(std::string("joint_spring_damper"))}, of_joint, {"damping", toml(joint.damping)}}});
     // A joint that mimics is held by the one that it mimics.
     if (!choices_.stops || !joint.limit || joint.kind == JointKind::continuous || joint.mimic) return;
     if (joint.limit->lower == joint.limit->upper)
-      result_.notes.push_back(fmt::format("joint \"{}\" has no travel, lower and upper are both {}: its stops hold it there; make it fixed, or "
-                                          "give its limits",
-                                          shown(joint.name), joint.limit->lower));
+      result_.notes.push_back(
+          fmt::format("joint \"{}\" has no travel, lower and upper are both {}: its stops hold it there; "
+                      "make it fixed, or "
+                      "give its limits",
+                      shown(joint.name), joint.limit->lower));
     const double travel = std::max(joint.limit->upper - joint.limit->lower, turns(joint) ? 0.01 : 0.001);
     const double omega = 2.0 * std::numbers::pi * kStopFrequency_hz, inertia = carried(j);
     const double k = std::max(inertia * omega * omega, joint.limit->effort / (kStopYield * travel));
     result_.elements.push_back({"force",
                                 names_.add(name + "_stop"),
-                                {"stiffness and damping are chosen, the URDF has none: 20 Hz with what the joint carries, damping ratio 0.3, "
+                                {"stiffness and damping are chosen, the URDF has none: 20 Hz with what the "
+                                 "joint carries, damping ratio 0.3, "
                                  "at most 1 % of the travel under its effort"},
                                 {{"type", toml(std::string("bump_stop"))},
                                  of_joint,
@@ -274,15 +294,19 @@ class Converter {
     const std::string input = names_.add("u_" + transmission.actuator);
     result_.elements.push_back({"input",
                                 input,
-                                {fmt::format("effort of actuator \"{}\" [{}]", shown(transmission.actuator), turns(joint) ? "N m" : "N")},
+                                {fmt::format("effort of actuator \"{}\" [{}]", shown(transmission.actuator),
+                                             turns(joint) ? "N m" : "N")},
                                 {{"value", "0.0"}}});
     std::string effort = fmt::format("{} * {}", toml(transmission.reduction), input);
     if (joint.limit && joint.limit->effort > 0.0)
-      effort = fmt::format("max({}, min({}, {}))", toml(-joint.limit->effort), toml(joint.limit->effort), effort);
+      effort =
+          fmt::format("max({}, min({}, {}))", toml(-joint.limit->effort), toml(joint.limit->effort), effort);
     result_.elements.push_back({"force",
                                 names_.add(joint_names_[j] + "_motor"),
                                 {fmt::format("transmission \"{}\"", shown(transmission.name))},
-                                {{"type", toml(std::string("joint_force"))}, {"joint", toml(joint_names_[j])}, {"value", toml(effort)}}});
+                                {{"type", toml(std::string("joint_force"))},
+                                 {"joint", toml(joint_names_[j])},
+                                 {"value", toml(effort)}}});
   }
 
   const Robot& robot_;

@@ -10,8 +10,8 @@
 namespace flexura::import::urdf {
 
 struct Choices {
-  bool floating_base = false;  ///< the root floats free; otherwise it stands on the ground
-  bool stops = true;           ///< limits become bump stops
+  bool floating_base = false;              ///< the root floats free; otherwise it stands on the ground
+  bool stops = true;                       ///< limits become bump stops
   std::vector<std::string> packages = {};  ///< "NAME=FOLDER" for package://NAME/...
 };
 
@@ -27,7 +27,8 @@ Mechanism to_mechanism(const Robot& robot, const Choices& choices);
 /// H (n x n) at the start position in the coordinates of the movable joints in the order of `robot.order`, by composite bodies:
 /// H_ij = S_i^T I_c S_j with the composite inertia I_c behind the outer one of i and j (Featherstone, Rigid Body Dynamics
 /// Algorithms, section 6.2). `joint_of` names the joint of each coordinate. The root stands.
-Eigen::MatrixXd start_mass_matrix(const Robot& robot, const std::vector<double>& q, std::vector<int>& joint_of);
+Eigen::MatrixXd start_mass_matrix(const Robot& robot, const std::vector<double>& q,
+                                  std::vector<int>& joint_of);
 
 /// Coordinate of every joint at the start: 0, the nearest limit where 0 is beyond it, what mimic asks for.
 std::vector<double> start_coordinates(const Robot& robot);

@@ -27,7 +27,8 @@ class SurfaceBuilder {
 
   int vertex(const Vector3d& x) {
     if (!x.allFinite()) refuse("a vertex is not finite");
-    const auto [at, is_new] = index_.emplace(std::array{x.x(), x.y(), x.z()}, static_cast<int>(surface.vertices.size()));
+    const auto [at, is_new] =
+        index_.emplace(std::array{x.x(), x.y(), x.z()}, static_cast<int>(surface.vertices.size()));
     if (is_new) surface.vertices.push_back(x);
     return at->second;
   }
@@ -63,7 +64,9 @@ Vector3d read_point(std::istringstream& words, const SurfaceBuilder& builder) {
     std::string word;
     words >> word;
     const auto value = parse_number(word);
-    if (!value) builder.refuse(fmt::format("a vertex has \"{}\" where a number is wanted; is the file damaged?", shown(word)));
+    if (!value)
+      builder.refuse(
+          fmt::format("a vertex has \"{}\" where a number is wanted; is the file damaged?", shown(word)));
     x[k] = *value;
   }
   return x;
@@ -78,7 +81,8 @@ void read_text_stl(const std::string& text, SurfaceBuilder& builder) {
     words >> word;
     if (word == "vertex") corners.push_back(builder.vertex(read_point(words, builder)));
     if (word == "endfacet") {
-      if (corners.size() != 3) builder.refuse(fmt::format("a facet has {} vertices, 3 are wanted", corners.size()));
+      if (corners.size() != 3)
+        builder.refuse(fmt::format("a facet has {} vertices, 3 are wanted", corners.size()));
       builder.triangle(corners[0], corners[1], corners[2]);
       corners.clear();
     }
@@ -99,12 +103,15 @@ void read_obj(const std::string& text, SurfaceBuilder& builder) {
       while (words >> word) {
         const auto number = parse_number(std::string_view(word).substr(0, word.find('/')));
         const double n = static_cast<double>(numbered.size());
-        const double at = !number ? -1.0 : *number < 0.0 ? n + *number : *number - 1.0;  // from 1, or from the end
+        const double at = !number         ? -1.0
+                          : *number < 0.0 ? n + *number
+                                          : *number - 1.0;  // from 1, or from the end
         if (!(at >= 0.0) || !(at < n) || at != std::floor(at))
           builder.refuse(fmt::format("a face names vertex \"{}\" of {}", shown(word), numbered.size()));
         polygon.push_back(numbered[static_cast<std::size_t>(at)]);
       }
-      for (std::size_t i = 2; i < polygon.size(); ++i) builder.triangle(polygon[0], polygon[i - 1], polygon[i]);
+      for (std::size_t i = 2; i < polygon.size(); ++i)
+        builder.triangle(polygon[0], polygon[i - 1], polygon[i]);
     }
   }
 }
@@ -124,16 +131,20 @@ Surface read_surface(const fs::path& file) {
   std::uint32_t n = 0;
   if (bytes.size() >= 84) std::memcpy(&n, bytes.data() + 80, sizeof n);
   // A text that begins with "solid" can be binary: the length tells.
-  const bool is_binary = ending == ".stl" && bytes.size() >= 84 && bytes.size() == 84 + 50 * static_cast<std::size_t>(n);
+  const bool is_binary =
+      ending == ".stl" && bytes.size() >= 84 && bytes.size() == 84 + 50 * static_cast<std::size_t>(n);
   if (is_binary)
     read_binary_stl(bytes, builder);
   else if (ending == ".stl" && !bytes.starts_with("solid"))
-    builder.refuse("is neither a text STL (which begins with \"solid\") nor a binary one of the length that it states; save it again");
+    builder.refuse(
+        "is neither a text STL (which begins with \"solid\") nor a binary one of the length that it states; "
+        "save it again");
   else if (ending == ".stl")
     read_text_stl(bytes, builder);
   else
     read_obj(bytes, builder);
-  if (builder.surface.triangles.empty()) builder.refuse("holds no triangle; save it again, or take the picture away");
+  if (builder.surface.triangles.empty())
+    builder.refuse("holds no triangle; save it again, or take the picture away");
   return builder.surface;
 }
 
@@ -149,12 +160,14 @@ fs::path find_mesh(const std::string& uri, const fs::path& urdf, const std::vect
   constexpr std::string_view scheme = "package://";
   if (!uri.starts_with(scheme)) {
     if (uri.find("://") != std::string::npos)
-      throw std::invalid_argument(fmt::format("mesh \"{}\" is not a file; package://, file:// and paths are", shown(uri)));
+      throw std::invalid_argument(
+          fmt::format("mesh \"{}\" is not a file; package://, file:// and paths are", shown(uri)));
     return found(folder / uri);
   }
   const std::string rest = uri.substr(scheme.size());
   const auto slash = rest.find('/');
-  const std::string package = rest.substr(0, slash), path = slash == std::string::npos ? "" : rest.substr(slash + 1);
+  const std::string package = rest.substr(0, slash),
+                    path = slash == std::string::npos ? "" : rest.substr(slash + 1);
   for (const std::string& given : packages)
     if (given.starts_with(package + "=")) return found(fs::path(given.substr(package.size() + 1)) / path);
   for (fs::path at = folder;; at = at.parent_path()) {
@@ -162,8 +175,9 @@ fs::path find_mesh(const std::string& uri, const fs::path& urdf, const std::vect
     if (fs::is_regular_file(at / package / path, failure)) return at / package / path;
     if (at == at.parent_path()) break;
   }
-  throw std::invalid_argument(fmt::format("mesh \"{}\" is not there: no folder \"{}\" at or above {}; name it with --package {}=FOLDER",
-                                          shown(uri), shown(package), folder.string(), shown(package)));
+  throw std::invalid_argument(fmt::format(
+      "mesh \"{}\" is not there: no folder \"{}\" at or above {}; name it with --package {}=FOLDER",
+      shown(uri), shown(package), folder.string(), shown(package)));
 }
 
 }  // namespace flexura::import::urdf

@@ -49,34 +49,41 @@ class Reader {
       x = std::clamp(*value, 0.0, 1.0);
       at = end;
     }
-    colors_[material.text("name")] =
-        fmt::format("#{:02x}{:02x}{:02x}", int(255 * c[0] + 0.5), int(255 * c[1] + 0.5), int(255 * c[2] + 0.5));
+    colors_[material.text("name")] = fmt::format("#{:02x}{:02x}{:02x}", int(255 * c[0] + 0.5),
+                                                 int(255 * c[1] + 0.5), int(255 * c[2] + 0.5));
   }
 
   Inertial read_inertial(const Element& e, const std::string& link) {
     const auto mass = e.child("mass"), inertia = e.child("inertia");
-    if (!mass) e.refuse(fmt::format("<inertial> of link \"{}\" has no <mass>; give it, or take <inertial> away", link));
+    if (!mass)
+      e.refuse(
+          fmt::format("<inertial> of link \"{}\" has no <mass>; give it, or take <inertial> away", link));
     if (!inertia)
-      e.refuse(fmt::format("<inertial> of link \"{}\" has no <inertia>; give it, or take <inertial> away", link));
+      e.refuse(
+          fmt::format("<inertial> of link \"{}\" has no <inertia>; give it, or take <inertial> away", link));
     const Pose X = e.origin();
     Inertial result;
     result.mass = mass->number("value");
     if (result.mass < 0.0)
-      mass->refuse(fmt::format("the mass of link \"{}\" is {}, it cannot be negative; correct it", link, result.mass));
+      mass->refuse(
+          fmt::format("the mass of link \"{}\" is {}, it cannot be negative; correct it", link, result.mass));
     result.center = X.p;
     const double xx = inertia->number("ixx"), yy = inertia->number("iyy"), zz = inertia->number("izz"),
-                 xy = inertia->number("ixy", 0.0), xz = inertia->number("ixz", 0.0), yz = inertia->number("iyz", 0.0);
+                 xy = inertia->number("ixy", 0.0), xz = inertia->number("ixz", 0.0),
+                 yz = inertia->number("iyz", 0.0);
     if (!inertia->has("ixy") || !inertia->has("ixz") || !inertia->has("iyz"))
-      robot_.notes.push_back(fmt::format("link \"{}\": products of inertia that are not given are taken as 0", link));
+      robot_.notes.push_back(
+          fmt::format("link \"{}\": products of inertia that are not given are taken as 0", link));
     Matrix3d I;
     I << xx, xy, xz, xy, yy, yz, xz, yz, zz;
     // The rule of the mechanism file, told here with the link's line.
     const Vector3d moments = Eigen::SelfAdjointEigenSolver<Matrix3d>(I, Eigen::EigenvaluesOnly).eigenvalues();
     if (moments[0] < -1e-12 * moments.cwiseAbs().maxCoeff() || moments[0] + moments[1] < 0.99 * moments[2])
-      inertia->refuse(fmt::format("the inertia of link \"{}\" has the principal moments {:.6g}, {:.6g}, {:.6g} kg m^2, which no "
-                                  "body has: none is negative, the two smaller ones are together at least the largest; "
-                                  "check signs, units and that it is about the centre of mass",
-                                  link, moments[0], moments[1], moments[2]));
+      inertia->refuse(fmt::format(
+          "the inertia of link \"{}\" has the principal moments {:.6g}, {:.6g}, {:.6g} kg m^2, which no "
+          "body has: none is negative, the two smaller ones are together at least the largest; "
+          "check signs, units and that it is about the centre of mass",
+          link, moments[0], moments[1], moments[2]));
     if (result.mass == 0.0 && moments[2] > 0.0)
       mass->refuse(fmt::format("link \"{}\" has moments of inertia but no mass; give it one", link));
     result.inertia = X.R * I * X.R.transpose();
@@ -89,11 +96,13 @@ class Reader {
     if (const auto material = e.child("material")) {
       note_color(*material);
       if (material->has("name"))
-        if (const auto known = colors_.find(material->text("name")); known != colors_.end()) visual.color = known->second;
+        if (const auto known = colors_.find(material->text("name")); known != colors_.end())
+          visual.color = known->second;
     }
     const auto geometry = e.child("geometry");
     const std::vector<Element> kinds = geometry ? geometry->children() : std::vector<Element>{};
-    if (kinds.size() != 1) e.refuse(fmt::format("<visual> of link \"{}\" must have a <geometry> of one shape", link));
+    if (kinds.size() != 1)
+      e.refuse(fmt::format("<visual> of link \"{}\" must have a <geometry> of one shape", link));
     const Element& g = kinds.front();
     const auto positive = [&](const char* attribute) {
       const double x = g.number(attribute);
@@ -128,8 +137,10 @@ class Reader {
     if (!link_index_.emplace(link.name, static_cast<int>(robot_.links.size())).second)
       e.refuse(fmt::format("a second link \"{}\"; names must differ", shown(link.name)));
     if (const auto inertial = e.child("inertial")) link.inertial = read_inertial(*inertial, shown(link.name));
-    for (const Element& visual : e.children("visual")) link.visuals.push_back(read_visual(visual, shown(link.name)));
-    if (!e.children("collision").empty()) passed_over_.insert("<collision> (contact is a force of the mechanism file)");
+    for (const Element& visual : e.children("visual"))
+      link.visuals.push_back(read_visual(visual, shown(link.name)));
+    if (!e.children("collision").empty())
+      passed_over_.insert("<collision> (contact is a force of the mechanism file)");
     robot_.links.push_back(std::move(link));
   }
 
@@ -139,15 +150,17 @@ class Reader {
     const std::string link = end->text("link");
     const auto found = link_index_.find(link);
     if (found == link_index_.end())
-      end->refuse(fmt::format("the {} of joint \"{}\" is link \"{}\", which the file does not have; correct the name", tag, name,
-                              shown(link)));
+      end->refuse(
+          fmt::format("the {} of joint \"{}\" is link \"{}\", which the file does not have; correct the name",
+                      tag, name, shown(link)));
     return found->second;
   }
 
   void read_joint(const Element& e) {
     static const std::map<std::string, JointKind> kinds = {
-        {"revolute", JointKind::revolute}, {"continuous", JointKind::continuous}, {"prismatic", JointKind::prismatic},
-        {"fixed", JointKind::fixed},       {"floating", JointKind::floating},     {"planar", JointKind::planar}};
+        {"revolute", JointKind::revolute},   {"continuous", JointKind::continuous},
+        {"prismatic", JointKind::prismatic}, {"fixed", JointKind::fixed},
+        {"floating", JointKind::floating},   {"planar", JointKind::planar}};
     Joint joint;
     joint.name = e.text("name");
     joint.line = e.line();
@@ -156,8 +169,9 @@ class Reader {
       e.refuse(fmt::format("a second joint \"{}\"; names must differ", name));
     const auto kind = kinds.find(e.text("type"));
     if (kind == kinds.end())
-      e.refuse(fmt::format("joint \"{}\" is of type \"{}\"; write revolute, continuous, prismatic, fixed, floating or planar",
-                           name, shown(e.text("type"))));
+      e.refuse(fmt::format(
+          "joint \"{}\" is of type \"{}\"; write revolute, continuous, prismatic, fixed, floating or planar",
+          name, shown(e.text("type"))));
     joint.kind = kind->second;
     joint.parent = link_of(e, "parent", name);
     joint.child = link_of(e, "child", name);
@@ -166,24 +180,28 @@ class Reader {
     const bool one_way = has_axis && joint.kind != JointKind::planar;
     if (const auto axis = e.child("axis"); axis && has_axis) {
       const Vector3d a = axis->vector("xyz", Vector3d::UnitX());
-      if (!(a.norm() > 0.0)) axis->refuse(fmt::format("the axis of joint \"{}\" has no length; give its direction", name));
+      if (!(a.norm() > 0.0))
+        axis->refuse(fmt::format("the axis of joint \"{}\" has no length; give its direction", name));
       joint.axis = a.normalized();
     }
     if (const auto dynamics = e.child("dynamics")) {
       joint.damping = dynamics->number("damping", 0.0);
       joint.friction = dynamics->number("friction", 0.0);
       if (joint.damping < 0.0 || joint.friction < 0.0)
-        dynamics->refuse(fmt::format("damping {} and friction {} of joint \"{}\" cannot be negative; correct them", joint.damping,
-                                     joint.friction, name));
+        dynamics->refuse(
+            fmt::format("damping {} and friction {} of joint \"{}\" cannot be negative; correct them",
+                        joint.damping, joint.friction, name));
       if (!one_way && (joint.damping > 0.0 || joint.friction > 0.0))
-        robot_.notes.push_back(fmt::format("joint \"{}\": damping and friction are taken over for joints of one coordinate only; "
-                                           "this one runs without",
-                                           name));
+        robot_.notes.push_back(fmt::format(
+            "joint \"{}\": damping and friction are taken over for joints of one coordinate only; "
+            "this one runs without",
+            name));
     }
     const auto limit = e.child("limit");
     const bool bounded = joint.kind == JointKind::revolute || joint.kind == JointKind::prismatic;
     if (!limit && bounded)
-      e.refuse(fmt::format("joint \"{}\" has no <limit>, which a {} joint needs; give lower and upper{}", name, e.text("type"),
+      e.refuse(fmt::format("joint \"{}\" has no <limit>, which a {} joint needs; give lower and upper{}",
+                           name, e.text("type"),
                            joint.kind == JointKind::revolute ? ", or make it continuous" : ""));
     if (limit && one_way) {
       joint.limit = Limit{.lower = limit->number("lower", 0.0),
@@ -191,10 +209,11 @@ class Reader {
                           .effort = limit->number("effort", 0.0),
                           .velocity = limit->number("velocity", 0.0)};
       if (bounded && joint.limit->lower > joint.limit->upper)
-        limit->refuse(fmt::format("lower {} of joint \"{}\" is above upper {}; exchange them", joint.limit->lower, name,
-                                  joint.limit->upper));
+        limit->refuse(fmt::format("lower {} of joint \"{}\" is above upper {}; exchange them",
+                                  joint.limit->lower, name, joint.limit->upper));
       if (joint.limit->effort < 0.0 || joint.limit->velocity < 0.0)
-        limit->refuse(fmt::format("effort and velocity of joint \"{}\" cannot be negative; correct them", name));
+        limit->refuse(
+            fmt::format("effort and velocity of joint \"{}\" cannot be negative; correct them", name));
     }
     for (const char* other : {"safety_controller", "calibration"})
       if (!e.children(other).empty()) passed_over_.insert(fmt::format("<{}>", other));
@@ -209,21 +228,23 @@ class Reader {
     const std::string other = mimic->text("joint");
     const auto found = joint_index_.find(other);
     if (found == joint_index_.end())
-      mimic->refuse(fmt::format("joint \"{}\" mimics \"{}\", which the file does not have; correct the name", shown(joint.name),
-                                shown(other)));
+      mimic->refuse(fmt::format("joint \"{}\" mimics \"{}\", which the file does not have; correct the name",
+                                shown(joint.name), shown(other)));
     const auto has_one = [](const Joint& j) {
-      return j.kind == JointKind::revolute || j.kind == JointKind::continuous || j.kind == JointKind::prismatic;
+      return j.kind == JointKind::revolute || j.kind == JointKind::continuous ||
+             j.kind == JointKind::prismatic;
     };
     if (!has_one(joint) || !has_one(robot_.joints[static_cast<std::size_t>(found->second)]))
-      mimic->refuse(fmt::format("joint \"{}\" mimics \"{}\": both must be revolute, continuous or prismatic", shown(joint.name),
-                                shown(other)));
+      mimic->refuse(fmt::format("joint \"{}\" mimics \"{}\": both must be revolute, continuous or prismatic",
+                                shown(joint.name), shown(other)));
     joint.mimic = Mimic{found->second, mimic->number("multiplier", 1.0), mimic->number("offset", 0.0)};
     // Round and round?
     int at = found->second;
     for (std::size_t i = 0; i <= robot_.joints.size() && at >= 0; ++i) {
       if (at == self)
-        mimic->refuse(fmt::format("joint \"{}\" mimics itself, directly or by way of others; one of them must be free",
-                                  shown(joint.name)));
+        mimic->refuse(
+            fmt::format("joint \"{}\" mimics itself, directly or by way of others; one of them must be free",
+                        shown(joint.name)));
       const auto& next = robot_.joints[static_cast<std::size_t>(at)].mimic;
       at = next ? next->joint : -1;
     }
@@ -233,30 +254,36 @@ class Reader {
     const std::string name = e.has("name") ? e.text("name") : "transmission";
     const auto joints = e.children("joint"), actuators = e.children("actuator");
     if (joints.size() != 1 || actuators.size() > 1) {
-      robot_.notes.push_back(fmt::format("transmission \"{}\" joins {} joints with {} actuators and is passed over: one of each is "
-                                         "taken over",
-                                         shown(name), joints.size(), actuators.size()));
+      robot_.notes.push_back(fmt::format(
+          "transmission \"{}\" joins {} joints with {} actuators and is passed over: one of each is "
+          "taken over",
+          shown(name), joints.size(), actuators.size()));
       return;
     }
     const std::string joint = joints.front().text("name");
     const auto found = joint_index_.find(joint);
     if (found == joint_index_.end())
-      joints.front().refuse(fmt::format("transmission \"{}\" drives joint \"{}\", which the file does not have; correct the name",
-                                        shown(name), shown(joint)));
+      joints.front().refuse(fmt::format(
+          "transmission \"{}\" drives joint \"{}\", which the file does not have; correct the name",
+          shown(name), shown(joint)));
     const JointKind kind = robot_.joints[static_cast<std::size_t>(found->second)].kind;
     if (kind == JointKind::fixed || kind == JointKind::floating || kind == JointKind::planar)
-      joints.front().refuse(fmt::format("transmission \"{}\" drives joint \"{}\", which has no single coordinate; name a revolute, continuous or prismatic one", shown(name),
-                                        shown(joint)));
+      joints.front().refuse(
+          fmt::format("transmission \"{}\" drives joint \"{}\", which has no single coordinate; name a "
+                      "revolute, continuous or prismatic one",
+                      shown(name), shown(joint)));
     Transmission transmission{.name = name, .actuator = name, .joint = found->second};
-    if (!actuators.empty() && actuators.front().has("name")) transmission.actuator = actuators.front().text("name");
+    if (!actuators.empty() && actuators.front().has("name"))
+      transmission.actuator = actuators.front().text("name");
     std::vector<Element> reductions = e.children("mechanicalReduction");
     for (const Element& actuator : actuators)
       for (const Element& r : actuator.children("mechanicalReduction")) reductions.push_back(r);
     if (!reductions.empty()) {
       const auto value = parse_number(reductions.front().text());
       if (!value || *value == 0.0)
-        reductions.front().refuse(fmt::format("the mechanicalReduction of \"{}\" is \"{}\", a number other than 0 is wanted",
-                                              shown(name), shown(reductions.front().text())));
+        reductions.front().refuse(
+            fmt::format("the mechanicalReduction of \"{}\" is \"{}\", a number other than 0 is wanted",
+                        shown(name), shown(reductions.front().text())));
       transmission.reduction = *value;
     }
     robot_.transmissions.push_back(std::move(transmission));
@@ -268,24 +295,29 @@ class Reader {
       const Joint& joint = robot_.joints[j];
       Link& child = robot_.links[static_cast<std::size_t>(joint.child)];
       if (child.parent_joint >= 0)
-        refuse(joint.line, fmt::format("link \"{}\" is the child of joint \"{}\" and of joint \"{}\": a URDF is a tree, each link has "
-                                       "one parent; close loops by a joint in the mechanism file",
-                                       shown(child.name),
-                                       shown(robot_.joints[static_cast<std::size_t>(child.parent_joint)].name), shown(joint.name)));
+        refuse(joint.line,
+               fmt::format("link \"{}\" is the child of joint \"{}\" and of joint \"{}\": a URDF is a tree, "
+                           "each link has "
+                           "one parent; close loops by a joint in the mechanism file",
+                           shown(child.name),
+                           shown(robot_.joints[static_cast<std::size_t>(child.parent_joint)].name),
+                           shown(joint.name)));
       child.parent_joint = static_cast<int>(j);
     }
     std::vector<int> roots;
     for (std::size_t l = 0; l < robot_.links.size(); ++l)
       if (robot_.links[l].parent_joint < 0) roots.push_back(static_cast<int>(l));
     if (roots.empty())
-      refuse(robot_.joints.front().line, "the joints form a ring and no link is the root; take one of them away");
+      refuse(robot_.joints.front().line,
+             "the joints form a ring and no link is the root; take one of them away");
     if (roots.size() > 1) {
       std::string names;
       for (std::size_t i = 0; i < std::min<std::size_t>(roots.size(), 5); ++i)
-        names += (i > 0 ? ", " : "") + ('"' + shown(robot_.links[static_cast<std::size_t>(roots[i])].name) + '"');
+        names +=
+            (i > 0 ? ", " : "") + ('"' + shown(robot_.links[static_cast<std::size_t>(roots[i])].name) + '"');
       refuse(robot_.links[static_cast<std::size_t>(roots[1])].line,
-             fmt::format("{} links have no parent ({}{}); a URDF has one root: join the others to it", roots.size(), names,
-                         roots.size() > 5 ? ", ..." : ""));
+             fmt::format("{} links have no parent ({}{}); a URDF has one root: join the others to it",
+                         roots.size(), names, roots.size() > 5 ? ", ..." : ""));
     }
     robot_.root = roots.front();
     std::vector<std::vector<int>> below(robot_.links.size());
@@ -300,9 +332,12 @@ class Reader {
     if (links.size() < robot_.links.size())
       for (const Joint& joint : robot_.joints)
         if (std::ranges::find(links, joint.child) == links.end())
-          refuse(joint.line, fmt::format("joint \"{}\" belongs to a ring of joints that the root \"{}\" does not reach; take one of "
-                                         "the ring's joints away",
-                                         shown(joint.name), shown(robot_.links[static_cast<std::size_t>(robot_.root)].name)));
+          refuse(
+              joint.line,
+              fmt::format(
+                  "joint \"{}\" belongs to a ring of joints that the root \"{}\" does not reach; take one of "
+                  "the ring's joints away",
+                  shown(joint.name), shown(robot_.links[static_cast<std::size_t>(robot_.root)].name)));
   }
 
   // The check of the mass matrix at the start takes the third power of the coordinates.
@@ -311,8 +346,8 @@ class Reader {
     std::size_t movable = 0;
     for (const Joint& joint : robot_.joints) movable += joint.kind == JointKind::fixed ? 0 : 1;
     if (robot_.links.size() > most_links || movable > most_movable)
-      root_.refuse(fmt::format("<robot> has {} links and {} movable joints; {} and {} are taken", robot_.links.size(), movable, most_links,
-                               most_movable));
+      root_.refuse(fmt::format("<robot> has {} links and {} movable joints; {} and {} are taken",
+                               robot_.links.size(), movable, most_links, most_movable));
   }
 
   void note_passed_over() {

@@ -17,16 +17,16 @@ enum class JointKind { revolute, continuous, prismatic, fixed, floating, planar 
 
 struct Inertial {
   double mass = 0.0;
-  Vector3d center = Vector3d::Zero();    ///< link frame
+  Vector3d center = Vector3d::Zero();   ///< link frame
   Matrix3d inertia = Matrix3d::Zero();  ///< about the centre, axes of the link
 };
 
 struct Visual {
   enum class Kind { box, cylinder, sphere, mesh } kind = Kind::box;
-  Pose X_LV;                                ///< of the shape in the link
-  Vector3d size = Vector3d::Ones();         ///< box: lengths; mesh: scale
-  double radius = 0.0, length = 0.0;        ///< of a cylinder about z, of a sphere
-  std::string mesh, color;                  ///< "#rrggbb" or empty
+  Pose X_LV;                          ///< of the shape in the link
+  Vector3d size = Vector3d::Ones();   ///< box: lengths; mesh: scale
+  double radius = 0.0, length = 0.0;  ///< of a cylinder about z, of a sphere
+  std::string mesh, color;            ///< "#rrggbb" or empty
 };
 
 struct Link {
@@ -50,10 +50,10 @@ struct Joint {
   std::string name;
   int line = 0;
   JointKind kind = JointKind::fixed;
-  int parent = -1, child = -1;  ///< links
-  Pose X_PJ;                    ///< of the joint's (and child's) frame in the parent
+  int parent = -1, child = -1;        ///< links
+  Pose X_PJ;                          ///< of the joint's (and child's) frame in the parent
   Vector3d axis = Vector3d::UnitX();  ///< unit vector in the joint's frame
-  std::optional<Limit> limit;   ///< with effort = velocity = 0 where they are not given
+  std::optional<Limit> limit;         ///< with effort = velocity = 0 where they are not given
   double damping = 0.0, friction = 0.0;
   std::optional<Mimic> mimic;
 };
@@ -72,7 +72,7 @@ struct Robot {
   std::vector<Joint> joints;
   std::vector<Transmission> transmissions;
   int root = -1;
-  std::vector<int> order;            ///< joints from the root outwards
+  std::vector<int> order;          ///< joints from the root outwards
   std::vector<std::string> notes;  ///< what was passed over
 };
 

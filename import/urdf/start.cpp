@@ -80,7 +80,8 @@ std::vector<double> start_coordinates(const Robot& robot) {
   return q;
 }
 
-Eigen::MatrixXd start_mass_matrix(const Robot& robot, const std::vector<double>& q, std::vector<int>& joint_of) {
+Eigen::MatrixXd start_mass_matrix(const Robot& robot, const std::vector<double>& q,
+                                  std::vector<int>& joint_of) {
   std::vector<Pose> X_WL(robot.links.size());
   std::vector<std::vector<int>> columns(robot.joints.size());
   std::vector<Vector6d> S;
@@ -111,11 +112,13 @@ Eigen::MatrixXd start_mass_matrix(const Robot& robot, const std::vector<double>&
   Eigen::MatrixXd H = Eigen::MatrixXd::Zero(n, n);
   for (std::size_t j = 0; j < robot.joints.size(); ++j)
     for (const int i : columns[j]) {
-      const Vector6d momentum = composite[static_cast<std::size_t>(robot.joints[j].child)] * S[static_cast<std::size_t>(i)];
+      const Vector6d momentum =
+          composite[static_cast<std::size_t>(robot.joints[j].child)] * S[static_cast<std::size_t>(i)];
       for (int at = static_cast<int>(j); at >= 0;) {
         for (const int k : columns[static_cast<std::size_t>(at)])
           H(i, k) = H(k, i) = momentum.dot(S[static_cast<std::size_t>(k)]);
-        at = robot.links[static_cast<std::size_t>(robot.joints[static_cast<std::size_t>(at)].parent)].parent_joint;
+        at = robot.links[static_cast<std::size_t>(robot.joints[static_cast<std::size_t>(at)].parent)]
+                 .parent_joint;
       }
     }
   return H;

@@ -30,9 +30,10 @@ void refuse_xacro(const std::filesystem::path& file, const tinyxml2::XMLElement&
       macro = macro || std::string_view(a->Value()).find("${") != std::string_view::npos ||
               std::string_view(a->Value()).find("$(") != std::string_view::npos;
     if (macro)
-      Element(file, *e).refuse(fmt::format(
-          "<{}> holds a xacro macro that has not been expanded; make the URDF of it first: xacro robot.xacro > robot.urdf",
-          shown(e->Name())));
+      Element(file, *e).refuse(
+          fmt::format("<{}> holds a xacro macro that has not been expanded; make the URDF of it first: xacro "
+                      "robot.xacro > robot.urdf",
+                      shown(e->Name())));
     if (e->FirstChildElement() != nullptr) refuse_xacro(file, *e->FirstChildElement());
   }
 }
@@ -59,7 +60,8 @@ std::optional<Element> Element::child(const char* tag) const {
 
 std::vector<Element> Element::children(const char* tag) const {
   std::vector<Element> list;
-  for (const tinyxml2::XMLElement* e = xml_->FirstChildElement(tag); e != nullptr; e = e->NextSiblingElement(tag))
+  for (const tinyxml2::XMLElement* e = xml_->FirstChildElement(tag); e != nullptr;
+       e = e->NextSiblingElement(tag))
     list.emplace_back(*file_, *e);
   return list;
 }
@@ -82,7 +84,8 @@ std::string Element::text(const char* attribute) const {
 double Element::read_number(const char* attribute, const std::string& text) const {
   const auto value = parse_number(text);
   if (!value)
-    refuse(fmt::format("{} of <{}> is \"{}\", a finite number is wanted", attribute, shown(tag()), shown(text)));
+    refuse(
+        fmt::format("{} of <{}> is \"{}\", a finite number is wanted", attribute, shown(tag()), shown(text)));
   return *value;
 }
 
@@ -134,17 +137,18 @@ Element open_robot(const std::filesystem::path& file, tinyxml2::XMLDocument& doc
   if (text.find('\0') != std::string::npos)
     throw std::invalid_argument(file.string() + ": is no URDF: it holds zero bytes, XML text is wanted");
   if (document.Parse(text.data(), text.size()) != tinyxml2::XML_SUCCESS) {
-    const char* const why = document.ErrorID() == tinyxml2::XML_ELEMENT_DEPTH_EXCEEDED
-                                ? "its elements are nested too deep"
-                                : "it is not well-formed XML (an element that is not closed, a stray character)";
+    const char* const why =
+        document.ErrorID() == tinyxml2::XML_ELEMENT_DEPTH_EXCEEDED
+            ? "its elements are nested too deep"
+            : "it is not well-formed XML (an element that is not closed, a stray character)";
     throw std::invalid_argument(
         fmt::format("{}:{}: is no URDF: {}", file.string(), std::max(1, document.ErrorLineNum()), why));
   }
   const tinyxml2::XMLElement* const root = document.RootElement();
   if (root == nullptr || std::string_view(root->Name()) != "robot")
-    throw std::invalid_argument(fmt::format("{}:{}: is no URDF: its outermost element is <{}>, <robot> is wanted", file.string(),
-                                            root == nullptr ? 1 : root->GetLineNum(),
-                                            root == nullptr ? "" : shown(root->Name())));
+    throw std::invalid_argument(
+        fmt::format("{}:{}: is no URDF: its outermost element is <{}>, <robot> is wanted", file.string(),
+                    root == nullptr ? 1 : root->GetLineNum(), root == nullptr ? "" : shown(root->Name())));
   refuse_xacro(file, *root);
   return {file, *root};
 }

@@ -123,7 +123,8 @@ int check_superelement(const std::string& file, bool json, const terminal::Verbo
   facts.add_row({"inertia xy, yz, zx", vector_text({J(0, 1), J(1, 2), J(2, 0)}, J.norm()) + " kg m^2"});
   facts.add_row({"rigid modes", fmt::format("{}", modes.n_rigid)});
   if (modes.n_mechanisms > 0)
-    facts.add_row({"mechanisms", fmt::format("{}: motions within the body that nothing resists", modes.n_mechanisms)});
+    facts.add_row(
+        {"mechanisms", fmt::format("{}: motions within the body that nothing resists", modes.n_mechanisms)});
   if (static_cast<int>(modes.modes.size()) > modes.n_rigid + modes.n_mechanisms) {
     facts.add_row({"first free frequency", number(modes.modes.back().frequency_hz, 6) + " Hz"});
   }
@@ -150,29 +151,31 @@ int check_superelement(const std::string& file, bool json, const terminal::Verbo
 }  // namespace
 
 terminal::Command check_command() {
-  return {"check", "validate a superelement or a mechanism and say what it holds",
-          [](terminal::Options& options, const terminal::Verbosity& verbosity) -> std::function<int()> {
-            struct Arguments : MechanismArguments {
-              bool json = false;
-            };
-            auto a = std::make_shared<Arguments>();
-            options.argument("FILE", a->file, "superelement file (.h5) or mechanism file (.toml)");
-            declare_choices(options, *a);
-            options.flag("--json", a->json, "print JSON")
-                .example("flexura check conrod.se.h5",
-                         "checksums, symmetry, rigid motions, mass; interfaces and figures")
-                .example("flexura check engine.toml --run flexible --set body.rod.fidelity=auto",
-                         "one run, with a key of the file replaced")
-                .example("flexura check engine.toml --json",
-                         "counts, joints and states of each run, for scripts");
-            return [a, &verbosity] {
-              if (a->file.ends_with(".toml")) return check_mechanism(*a, a->json, verbosity);
-              if (!a->set.empty() || !a->runs.empty() || !a->from_state.empty() || !a->cache.empty())
-                throw std::invalid_argument(fmt::format(
-                    "{}: --set, --run, --from-state and --cache are for mechanism files (.toml); leave them out", a->file));
-              return check_superelement(a->file, a->json, verbosity);
-            };
-          }};
+  return {
+      "check", "validate a superelement or a mechanism and say what it holds",
+      [](terminal::Options& options, const terminal::Verbosity& verbosity) -> std::function<int()> {
+        struct Arguments : MechanismArguments {
+          bool json = false;
+        };
+        auto a = std::make_shared<Arguments>();
+        options.argument("FILE", a->file, "superelement file (.h5) or mechanism file (.toml)");
+        declare_choices(options, *a);
+        options.flag("--json", a->json, "print JSON")
+            .example("flexura check conrod.se.h5",
+                     "checksums, symmetry, rigid motions, mass; interfaces and figures")
+            .example("flexura check engine.toml --run flexible --set body.rod.fidelity=auto",
+                     "one run, with a key of the file replaced")
+            .example("flexura check engine.toml --json",
+                     "counts, joints and states of each run, for scripts");
+        return [a, &verbosity] {
+          if (a->file.ends_with(".toml")) return check_mechanism(*a, a->json, verbosity);
+          if (!a->set.empty() || !a->runs.empty() || !a->from_state.empty() || !a->cache.empty())
+            throw std::invalid_argument(fmt::format(
+                "{}: --set, --run, --from-state and --cache are for mechanism files (.toml); leave them out",
+                a->file));
+          return check_superelement(a->file, a->json, verbosity);
+        };
+      }};
 }
 
 }  // namespace flexura::app

@@ -113,7 +113,8 @@ int check_mechanism(const MechanismArguments& arguments, bool json, const termin
     terminal::Table states({{"state", terminal::Align::left}, {"position"}, {"velocity"}});
     const StateText text(p);
     for (int i = 0; i < n.n_v; ++i)
-      states.add_row({text.velocity_name(i), n.n_p == n.n_v ? text.position(i, 7) : std::string("see assemble"),
+      states.add_row({text.velocity_name(i),
+                      n.n_p == n.n_v ? text.position(i, 7) : std::string("see assemble"),
                       text.velocity(i, 7)});
     fmt::print("{}\n", states.text(terminal::width(stdout), colour));
     if (n.n_dyn + n.n_lambda + n.n_alg + n.n_root > 0) {

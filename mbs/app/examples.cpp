@@ -26,8 +26,10 @@ fs::path cases_folder() {
     const fs::path folder = fs::weakly_canonical(program_folder() / place);
     if (fs::exists(folder / "README.md")) return folder;
   }
-  throw std::runtime_error("the examples are not beside this program (share/flexura/cases); install the package flexura, or take them "
-                           "from the folder cases of the sources");
+  throw std::runtime_error(
+      "the examples are not beside this program (share/flexura/cases); install the package flexura, or take "
+      "them "
+      "from the folder cases of the sources");
 }
 
 /// The first line of prose of a case's README, up to its full stop: the question.
@@ -65,25 +67,29 @@ int run(const Arguments& arguments, const terminal::Verbosity& verbosity) {
   const fs::path cases = cases_folder();
   if (arguments.name.empty()) {
     if (!arguments.output.empty())
-      throw std::invalid_argument(fmt::format("-o {} is for a copy; name the example, as in \"flexura examples steam_engine -o {}\"",
-                                              arguments.output, arguments.output));
+      throw std::invalid_argument(
+          fmt::format("-o {} is for a copy; name the example, as in \"flexura examples steam_engine -o {}\"",
+                      arguments.output, arguments.output));
     return list(cases);
   }
   const std::vector<std::string> names = names_in(cases);
   if (std::ranges::find(names, arguments.name) == names.end())
-    throw std::invalid_argument(fmt::format("there is no example \"{}\"{}", arguments.name, input::suggestion(arguments.name, names)));
+    throw std::invalid_argument(fmt::format("there is no example \"{}\"{}", arguments.name,
+                                            input::suggestion(arguments.name, names)));
   const fs::path output = arguments.output.empty() ? fs::path(arguments.name) : fs::path(arguments.output);
   if (fs::exists(output))
-    throw std::invalid_argument(fmt::format("{}: is there already; give another folder with -o, or remove it", output.string()));
+    throw std::invalid_argument(
+        fmt::format("{}: is there already; give another folder with -o, or remove it", output.string()));
   // Whole or not at all: copied beside, then renamed.
   const fs::path part = fs::path(output).concat(".part");
   fs::remove_all(part);
   fs::copy(cases / arguments.name, part, fs::copy_options::recursive);
   fs::rename(part, output);
   if (!verbosity.quiet)
-    fmt::print("wrote {}/\nnext: read {}/README.md; the commands are in {}/run, and all of them at once:\n"
-               "  (cd {} && CASE=$PWD OUT=$PWD ./run)\n",
-               output.string(), output.string(), output.string(), output.string());
+    fmt::print(
+        "wrote {}/\nnext: read {}/README.md; the commands are in {}/run, and all of them at once:\n"
+        "  (cd {} && CASE=$PWD OUT=$PWD ./run)\n",
+        output.string(), output.string(), output.string(), output.string());
   return 0;
 }
 
@@ -93,7 +99,8 @@ terminal::Command examples_command() {
   return {"examples", "list the examples that come with the programs, or copy one",
           [](terminal::Options& options, const terminal::Verbosity& verbosity) -> std::function<int()> {
             auto arguments = std::make_shared<Arguments>();
-            options.optional_argument("NAME", arguments->name, "the example to copy (otherwise they are listed)")
+            options
+                .optional_argument("NAME", arguments->name, "the example to copy (otherwise they are listed)")
                 .option("-o,--output", arguments->output, "FOLDER", "where to (otherwise ./NAME)")
                 .example("flexura examples", "what there is, and what each asks")
                 .example("flexura examples steam_engine", "a copy in ./steam_engine");

@@ -80,12 +80,13 @@ Eigen::VectorXd frequencies_of(const std::string& text) {
   double low = 0.0, high = 0.0;
   int count = 0, used = 0;
   if (std::sscanf(text.c_str(), "%lf:%lf:%d%n", &low, &high, &count, &used) != 3 ||
-      used != static_cast<int>(text.size()) || !(low >= 1e-40) || !(high > low) || !(high <= 1e40) || count < 2 ||
-      count > 1000000)
-    throw std::invalid_argument(fmt::format(
-        "--response is \"{}\", it must be FROM:TO:COUNT with 1e-40 <= FROM < TO <= 1e40 in Hz and COUNT from 2 "
-        "to 1000000",
-        text));
+      used != static_cast<int>(text.size()) || !(low >= 1e-40) || !(high > low) || !(high <= 1e40) ||
+      count < 2 || count > 1000000)
+    throw std::invalid_argument(
+        fmt::format("--response is \"{}\", it must be FROM:TO:COUNT with 1e-40 <= FROM < TO <= 1e40 in Hz "
+                    "and COUNT from 2 "
+                    "to 1000000",
+                    text));
   Eigen::VectorXd f(count);
   for (int i = 0; i < count; ++i) f(i) = low * std::pow(high / low, static_cast<double>(i) / (count - 1));
   return f;
@@ -182,8 +183,8 @@ int write_linear_system(const Arguments& arguments, const terminal::Verbosity& v
           "they are constant in {}: leave --descriptor out, or take --frozen for this instant",
           about.axes));
     if (!about.axes.empty())
-      p.notes.back() = fmt::format("frozen at t = {} s, in the mechanism's own coordinates",
-                                   number(p.state.t, 6));
+      p.notes.back() =
+          fmt::format("frozen at t = {} s, in the mechanism's own coordinates", number(p.state.t, 6));
     const mbs::DescriptorSystem d = mbs::linearise_as_descriptor(m, p.state, options);
     file.title = fmt::format("{}: E x' = A x + B u, y = C x + D u about x_0, u_0, y_0 at t = {:.9g} s",
                              p.file.name, p.state.t);

@@ -82,8 +82,12 @@ nlohmann::json to_json(const ModeAnalysis& analysis) {
 }
 
 void write_page(const std::string& html, const std::string& file, const std::vector<ModeAnalysis>& analyses) {
-  const Superelement se = superelement::read(
-      file, {.matrices = true, .inertia = true, .surface = true, .shapes = true, .stress = true, .mesh_error = true});
+  const Superelement se = superelement::read(file, {.matrices = true,
+                                                    .inertia = true,
+                                                    .surface = true,
+                                                    .shapes = true,
+                                                    .stress = true,
+                                                    .mesh_error = true});
   std::size_t n_modes = 0;
   for (const ModeAnalysis& analysis : analyses) n_modes += analysis.modes.size();
   view::ModesPage page;
@@ -168,7 +172,8 @@ terminal::Command modes_command() {
                 .option("--clamped,--held", arguments->clamped, "NAME", "these interfaces held")
                 .option("-n,--count", arguments->count, "N", "at most this many elastic modes of each kind")
                 .flag("--json", arguments->json, "print JSON, with effective masses in kg and kg m^2")
-                .option("--html,-o,--output", arguments->html, "PAGE", "write a page that shows the modes moving")
+                .option("--html,-o,--output", arguments->html, "PAGE",
+                        "write a page that shows the modes moving")
                 .example("flexura modes conrod.se.h5", "free and fixed-interface modes")
                 .example("flexura modes conrod.se.h5 --clamped big_end --count 5",
                          "the first five with one end held")

@@ -17,7 +17,8 @@ std::filesystem::path program_folder() {
 void hand_over(const std::string& companion, const std::vector<std::string>& arguments) {
   const std::filesystem::path program = program_folder() / companion;
   if (::access(program.c_str(), X_OK) != 0) {
-    throw std::runtime_error(program.string() + ": this program is not there; build it with \"cmake --build BUILD --target " +
+    throw std::runtime_error(program.string() +
+                             ": this program is not there; build it with \"cmake --build BUILD --target " +
                              companion + "\" or copy it beside flexura");
   }
   std::vector<std::string> words = {program.string()};

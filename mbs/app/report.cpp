@@ -48,9 +48,9 @@ int run(const Arguments& arguments, const terminal::Verbosity& verbosity) {
   claims.add(html);
   const bool is_json = arguments.file.ends_with(".json");
   const view::Report report =
-      is_json
-          ? read_report(arguments.file)
-          : view::reduction_report(superelement::read(arguments.file, {.matrices = true, .inertia = true, .surface = true}));
+      is_json ? read_report(arguments.file)
+              : view::reduction_report(
+                    superelement::read(arguments.file, {.matrices = true, .inertia = true, .surface = true}));
   view::write_report_page(html, report);
   if (!verbosity.quiet) fmt::print("wrote {}\n", html.string());
   return 0;
@@ -62,11 +62,14 @@ terminal::Command report_command() {
   return {"report", "write a page that reports on a reduction, or on tables and plots given as JSON",
           [](terminal::Options& options, const terminal::Verbosity& verbosity) -> std::function<int()> {
             auto arguments = std::make_shared<Arguments>();
-            options.argument("FILE", arguments->file, "superelement file (.h5), what reduce --report wrote, or a report (.json)")
+            options
+                .argument("FILE", arguments->file,
+                          "superelement file (.h5), what reduce --report wrote, or a report (.json)")
                 .option("-o,--output", arguments->html, "PAGE", "the page (otherwise FILE with .html)")
                 .example("flexura report conrod.se.h5 -o conrod.report.html",
                          "mesh, modes, checks and times of the reduction")
-                .example("flexura report conrod.report.json", "the same of what flexura reduce --report conrod.report.json wrote")
+                .example("flexura report conrod.report.json",
+                         "the same of what flexura reduce --report conrod.report.json wrote")
                 .example("flexura report extremes.json", "tables and plots of a program of your own");
             return [arguments, &verbosity] { return run(*arguments, verbosity); };
           }};

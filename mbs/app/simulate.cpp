@@ -207,7 +207,8 @@ int simulate(SimulateArguments arguments, const terminal::Verbosity& verbosity) 
     const PreparedMechanism& prepared = run.prepared;
     if (!verbosity.quiet) {
       progress.clear();
-      for (const std::string& note : prepared.notes) terminal::say(stderr, fmt::format("note: {}: {}", run.name, note));
+      for (const std::string& note : prepared.notes)
+        terminal::say(stderr, fmt::format("note: {}: {}", run.name, note));
     }
     if (!arguments.save_state.empty())
       mbs::write_state(arguments.save_state, *prepared.mechanism, prepared.file.name, r.state,

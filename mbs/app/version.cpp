@@ -17,11 +17,14 @@ std::string version_details() {
 #else
                                  "g++ " __VERSION__,
 #endif
-                                 EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION, EIGEN_MINOR_VERSION, terminal::loaded_libraries());
+                                 EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION, EIGEN_MINOR_VERSION,
+                                 terminal::loaded_libraries());
   text += fmt::format("pages for the browser: {}\n", view::has_pages() ? "yes" : view::kNoPages);
-  for (const char* const companion : {"flexura-reduce", "flexura-mesh", "flexura-import", "flexura-assembly"}) {
+  for (const char* const companion :
+       {"flexura-reduce", "flexura-mesh", "flexura-import", "flexura-assembly"}) {
     const bool is_there = ::access((program_folder() / companion).c_str(), X_OK) == 0;
-    text += fmt::format("{}: {}\n", companion, is_there ? "yes" : "not beside this program; install the package flexura-reduce");
+    text += fmt::format("{}: {}\n", companion,
+                        is_there ? "yes" : "not beside this program; install the package flexura-reduce");
   }
   return text;
 }

@@ -105,8 +105,9 @@ AncfPart::Rates AncfPart::take_rates(const double* s_dot, Work& work) const {
   return out;
 }
 
-Spatial AncfPart::inverse_dynamics(const double* s, const double* s_dot, const double* s_ddot, const Spatial& V,
-                                   const Spatial& A, Scratch& scratch, double* modal) const {
+Spatial AncfPart::inverse_dynamics(const double* s, const double* s_dot, const double* s_ddot,
+                                   const Spatial& V, const Spatial& A, Scratch& scratch,
+                                   double* modal) const {
   Work& work = static_cast<Work&>(scratch);
   const Vector3d &w = V.angular, &alpha = A.angular, &a = A.linear, &d = work.d;
   (void)s;
@@ -205,8 +206,9 @@ void AncfPart::turning_tangents(const double*, const double* s_dot, const Vector
 
 // Of the terms of inverse_dynamics(), s_l moving vector k along c: Q_k changes by e_c, and P_j by m_jk e_c; s'_l and
 // s''_l change P'_j and P''_j alike.
-void AncfPart::deformation_tangents(const double* s, const double* s_dot, const double* s_ddot, const Spatial& V,
-                                    const Spatial& A, Scratch& scratch, DeformationTangents& out) const {
+void AncfPart::deformation_tangents(const double* s, const double* s_dot, const double* s_ddot,
+                                    const Spatial& V, const Spatial& A, Scratch& scratch,
+                                    DeformationTangents& out) const {
   Work& work = static_cast<Work&>(scratch);
   const Vector3d &w = V.angular, &alpha = A.angular, &a = A.linear;
   out.modal_s.setZero();
@@ -232,7 +234,8 @@ void AncfPart::deformation_tangents(const double* s, const double* s_dot, const 
     const auto turned = [&](const Vector3d& x) -> Vector3d {  // dJ x
       return 2.0 * P(c) * x - e * P.dot(x) - P * x(c);
     };
-    by_s.angular = C_t.cross(a) + turned(alpha) + w.cross(turned(w)) + 2.0 * (w * Pd(c) - Pd * w(c)) + e.cross(Pdd);
+    by_s.angular =
+        C_t.cross(a) + turned(alpha) + w.cross(turned(w)) + 2.0 * (w * Pd(c) - Pd * w(c)) + e.cross(Pdd);
     by_v.angular = 2.0 * (w * P(c) - e * P.dot(w));
     out.need_s.col(l) = by_s.vector();
     out.need_v.col(l) = by_v.vector();

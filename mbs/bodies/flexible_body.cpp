@@ -46,14 +46,15 @@ std::unique_ptr<FlexibleBody::Scratch> FlexibleBody::make_scratch() const {
   return scratch;
 }
 
-double FlexibleBody::kinetic_energy(const double* s_dot_values, const Spatial& V, const Scratch& scratch) const {
+double FlexibleBody::kinetic_energy(const double* s_dot_values, const Spatial& V,
+                                    const Scratch& scratch) const {
   const ConstMap s_dot(s_dot_values, m());
   const Vector3d &w = V.angular, &v = V.linear;
   const Vector3d C_t_s_dot = scratch.C_t * s_dot, C_r_s_dot = scratch.C_r * s_dot;
   double modal = 0.0;
   for (int j = 0; j < m(); ++j) modal += s_dot(j) * M_e_.col(j).dot(s_dot);
-  return 0.5 * mass() * v.squaredNorm() + v.dot(w.cross(scratch.d)) + 0.5 * w.dot(scratch.J * w) + v.dot(C_t_s_dot) +
-         w.dot(C_r_s_dot) + 0.5 * modal;
+  return 0.5 * mass() * v.squaredNorm() + v.dot(w.cross(scratch.d)) + 0.5 * w.dot(scratch.J * w) +
+         v.dot(C_t_s_dot) + w.dot(C_r_s_dot) + 0.5 * modal;
 }
 
 Pose FlexibleBody::node_pose(int node, const double* s) const {
@@ -102,8 +103,9 @@ void FlexibleBody::turning_tangents(const double* s, const double* s_dot, const 
     }
 }
 
-void FlexibleBody::deformation_tangents(const double* s, const double* s_dot, const double* s_ddot, const Spatial& V,
-                                        const Spatial& A, Scratch&, DeformationTangents& out) const {
+void FlexibleBody::deformation_tangents(const double* s, const double* s_dot, const double* s_ddot,
+                                        const Spatial& V, const Spatial& A, Scratch&,
+                                        DeformationTangents& out) const {
   out.moved_s = ConstMap(s, m());
   out.moved_v = ConstMap(s_dot, m());
   const auto along = [&](VectorXd& x, int l, DeformationTangents::Columns& need, Eigen::MatrixXd& modal) {

@@ -95,8 +95,9 @@ class FlexibleBody {
   virtual void set_position(const double* s, Scratch& scratch) const = 0;
   /// After set_position: wrench (about Bo) and generalised forces (m) that the motion needs, all in B, elastic and
   /// damping forces included.  V = (w_WB, anything), A = (alpha, a of Bo - g).
-  virtual Spatial inverse_dynamics(const double* s, const double* s_dot, const double* s_ddot, const Spatial& V,
-                                   const Spatial& A, Scratch& scratch, double* need) const = 0;
+  virtual Spatial inverse_dynamics(const double* s, const double* s_dot, const double* s_ddot,
+                                   const Spatial& V, const Spatial& A, Scratch& scratch,
+                                   double* need) const = 0;
   /// After set_position; V = (w_WB, v_WBo) in B.
   double kinetic_energy(const double* s_dot, const Spatial& V, const Scratch& scratch) const;
   virtual double strain_energy(const double* s) const = 0;
@@ -116,8 +117,9 @@ class FlexibleBody {
   virtual void turning_tangents(const double* s, const double* s_dot, const Vector3d& w, Scratch& scratch,
                                 Eigen::Matrix<double, 6, 3>& need_w, Modal3& modal_w) const;
   /// Of inverse_dynamics() by s and s', at the state of the last set_position(scratch).
-  virtual void deformation_tangents(const double* s, const double* s_dot, const double* s_ddot, const Spatial& V,
-                                    const Spatial& A, Scratch& scratch, DeformationTangents& out) const;
+  virtual void deformation_tangents(const double* s, const double* s_dot, const double* s_ddot,
+                                    const Spatial& V, const Spatial& A, Scratch& scratch,
+                                    DeformationTangents& out) const;
   /// Of node_motion(), and of map^T wrench at a fixed wrench (about the node, in B).
   virtual void node_tangents(int node, const double* s, const double* s_dot, const double* s_ddot,
                              const Vector6d& wrench, DeformationTangents& out) const;

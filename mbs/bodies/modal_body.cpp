@@ -111,12 +111,13 @@ Eigen::Matrix<double, 8, Eigen::Dynamic> padded(const FlexibleNode& node) {
 const ModalData& checked(const ModalData& data) {
   const Eigen::Index m = data.stiffness.size();
   const superelement::InertiaIntegrals& in = data.inertia;
-  bool fits = data.damping.size() == m && in.S_phi.cols() == m && in.S_xphi.rows() == 9 && in.S_xphi.cols() == m;
+  bool fits =
+      data.damping.size() == m && in.S_phi.cols() == m && in.S_xphi.rows() == 9 && in.S_xphi.cols() == m;
   for (const Eigen::MatrixXd& S : in.S_phiphi) fits = fits && S.rows() == m && S.cols() == m;
   for (const FlexibleNode& node : data.nodes) fits = fits && node.Phi_t.cols() == m && node.Phi_r.cols() == m;
   if (data.second)
-    fits = fits && data.second->t.rows() == 3 * m && data.second->t.cols() == m && data.second->x.rows() == 9 * m &&
-           data.second->x.cols() == m;
+    fits = fits && data.second->t.rows() == 3 * m && data.second->t.cols() == m &&
+           data.second->x.rows() == 9 * m && data.second->x.cols() == m;
   if (!fits)
     throw std::invalid_argument("the inertia integrals of a flexible body do not have one column per mode");
   if (data.second && data.coupling != Coupling::full)
@@ -134,7 +135,8 @@ Eigen::MatrixXd elastic_mass(const superelement::InertiaIntegrals& in) {
   return in.S_phiphi[0] + in.S_phiphi[1] + in.S_phiphi[2];
 }
 
-std::pair<ModalData, BasisReport> with_report(const superelement::Superelement& se, const BasisOptions& options) {
+std::pair<ModalData, BasisReport> with_report(const superelement::Superelement& se,
+                                              const BasisOptions& options) {
   std::pair<ModalData, BasisReport> made;
   made.first = modal_data(se, options, &made.second);
   return made;
@@ -244,9 +246,9 @@ void ModalBody::set_position(const double* s_values, Scratch& scratch) const {
   }
 }
 
-Spatial ModalBody::inverse_dynamics(const double* s_values, const double* s_dot_values, const double* s_ddot_values,
-                                    const Spatial& V, const Spatial& A, Scratch& scratch,
-                                    double* modal_values) const {
+Spatial ModalBody::inverse_dynamics(const double* s_values, const double* s_dot_values,
+                                    const double* s_ddot_values, const Spatial& V, const Spatial& A,
+                                    Scratch& scratch, double* modal_values) const {
   Work& work = static_cast<Work&>(scratch);
   const ConstMap s(s_values, m_), s_dot(s_dot_values, m_), s_ddot(s_ddot_values, m_);
   Map modal(modal_values, m_);
@@ -293,8 +295,9 @@ Spatial ModalBody::inverse_dynamics(const double* s_values, const double* s_dot_
   return need;
 }
 
-void ModalBody::turning_tangents(const double*, const double* s_dot_values, const Vector3d& w, Scratch& scratch,
-                                 Eigen::Matrix<double, 6, 3>& need_w, Modal3& modal_w) const {
+void ModalBody::turning_tangents(const double*, const double* s_dot_values, const Vector3d& w,
+                                 Scratch& scratch, Eigen::Matrix<double, 6, 3>& need_w,
+                                 Modal3& modal_w) const {
   Work& work = static_cast<Work&>(scratch);
   const ConstMap s_dot(s_dot_values, m_);
   Vector3d C_t_s_dot = Vector3d::Zero(), C_r_s_dot = Vector3d::Zero();
@@ -339,7 +342,7 @@ Pose ModalBody::node_pose(int index, const double* s_values) const {
 }
 
 void ModalBody::node_motion(int index, const double* s_values, const double* s_dot_values,
-                               const double* s_ddot_values, NodeMotion& out) const {
+                            const double* s_ddot_values, NodeMotion& out) const {
   const FlexibleNode& node = data_.nodes[index];
   const double* shapes = shapes_[index].data();
   double sums[8];

@@ -54,7 +54,9 @@ class ModalBody final : public FlexibleBody {
   explicit ModalBody(ModalData data);
 
   const ModalData& data() const { return data_; }
-  const BasisReport& report() const { return report_; }  ///< modes kept, their frequencies [Hz]; of a superelement
+  const BasisReport& report() const {
+    return report_;
+  }  ///< modes kept, their frequencies [Hz]; of a superelement
 
   bool is_linear() const override { return true; }
   bool has_geometric_stiffness() const override { return data_.second.has_value(); }
@@ -77,8 +79,8 @@ class ModalBody final : public FlexibleBody {
                         Eigen::Matrix<double, 6, 3>& need_w, Modal3& modal_w) const override;
   void deformation_tangents(const double* s, const double* s_dot, const double* s_ddot, const Spatial& V,
                             const Spatial& A, Scratch& scratch, DeformationTangents& out) const override;
-  void node_tangents(int node, const double* s, const double* s_dot, const double* s_ddot, const Vector6d& wrench,
-                     DeformationTangents& out) const override;
+  void node_tangents(int node, const double* s, const double* s_dot, const double* s_ddot,
+                     const Vector6d& wrench, DeformationTangents& out) const override;
   void add_tangents(const double*, const double*, MatrixRef, MatrixRef) const override {}  // spring() is all
 
  private:

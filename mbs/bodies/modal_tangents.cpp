@@ -93,7 +93,8 @@ void ModalBody::deformation_tangents(const double*, const double* s_dot_values, 
 }
 
 void ModalBody::node_tangents(int index, const double* s_values, const double* s_dot_values,
-                              const double* s_ddot_values, const Vector6d& wrench, DeformationTangents& out) const {
+                              const double* s_ddot_values, const Vector6d& wrench,
+                              DeformationTangents& out) const {
   // u' = map_t s', theta' = theta_map s', w = J theta'; theta and u are quadratic in s at most.
   const FlexibleNode& node = data_.nodes[index];
   const ConstMap s(s_values, m_), s_dot(s_dot_values, m_), s_ddot(s_ddot_values, m_);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <fmt/format.h>
+
 #include <cmath>
 #include <stdexcept>
 
@@ -108,8 +109,10 @@ class RollingDisc final : public Constraint {
     const double w = std::hypot(a.x(), a.y());
     if (!(w > kFlat))
       throw std::runtime_error(
-          fmt::format("the rolling disc \"{}\" lies flat on its plane (to {} rad), where all its rim touches and its contact "
-                      "point is undefined: end the run before it falls, give it a speed that keeps it up, or let a contact "
+          fmt::format("the rolling disc \"{}\" lies flat on its plane (to {} rad), where all its rim touches "
+                      "and its contact "
+                      "point is undefined: end the run before it falls, give it a speed that keeps it up, or "
+                      "let a contact "
                       "carry its rim",
                       name(), kFlat));
     return w;

@@ -34,9 +34,14 @@ Segments ancf_beam(MechanismDescription& d, int body, const BeamPart& beam) {
 const std::vector<Fidelity>& fidelities() {
   static const std::vector<Fidelity> all = {
       {"modal", "deformation in modal coordinates", Superelement{.make = make<ModalBody>}, {}},
-      {"modal-stiffened", "with geometric stiffening", Superelement{.make = make<ModalBody>, .is_stiffened = true}, {}},
-      {"ked", "one-way, the motion is that of the rigid body",
-       Superelement{.make = make<OneWayBody>, .acts_back = false, .held_by_joints = true}, {}},
+      {"modal-stiffened",
+       "with geometric stiffening",
+       Superelement{.make = make<ModalBody>, .is_stiffened = true},
+       {}},
+      {"ked",
+       "one-way, the motion is that of the rigid body",
+       Superelement{.make = make<OneWayBody>, .acts_back = false, .held_by_joints = true},
+       {}},
       {"static", "quasi-static", Superelement{.make = make<ModalBody>, .by_loads_alone = true}, {}},
       {"rigid", "without deformation", Superelement{}, Beam{.make = rigid_beam, .has_elements = false}},
       {"ancf", "absolute nodal coordinates for any bending", {}, Beam{.make = ancf_beam}},
@@ -66,11 +71,13 @@ input::Key fidelity_key() {
     if (f.of_beam) add(of_beam);
   }
   words.push_back(kAutomaticFidelity);
-  return input::choice("fidelity", words,
-                       fmt::format("of a superelement: {}; of a beam: {}; {}: flexura simulate chooses among rigid, "
-                                   "static, modal and modal-stiffened, and the number of modes, of a beam between rigid "
-                                   "and ancf, for the run's accuracy (see solver.accuracy; 1 % without it)",
-                                   of_superelement, of_beam, kAutomaticFidelity))
+  return input::choice(
+             "fidelity", words,
+             fmt::format(
+                 "of a superelement: {}; of a beam: {}; {}: flexura simulate chooses among rigid, "
+                 "static, modal and modal-stiffened, and the number of modes, of a beam between rigid "
+                 "and ancf, for the run's accuracy (see solver.accuracy; 1 % without it)",
+                 of_superelement, of_beam, kAutomaticFidelity))
       .or_default(fidelities().front().name);
 }
 

@@ -20,10 +20,11 @@ struct Fidelity {
   struct OfSuperelement {
     /// Null: the body is rigid.
     std::function<std::shared_ptr<const FlexibleBody>(ModalData)> make = nullptr;
-    bool acts_back = true;         ///< FlexibleBody::acts_back() of what is made
-    bool is_stiffened = false;     ///< takes the superelement's stiffening terms
-    bool by_loads_alone = false;   ///< response modes of what acts on the body, no eigenmodes; critically damped
-    bool held_by_joints = false;   ///< without a `frame`, the body's joints hold it and its eigenmodes
+    bool acts_back = true;      ///< FlexibleBody::acts_back() of what is made
+    bool is_stiffened = false;  ///< takes the superelement's stiffening terms
+    bool by_loads_alone =
+        false;  ///< response modes of what acts on the body, no eigenmodes; critically damped
+    bool held_by_joints = false;  ///< without a `frame`, the body's joints hold it and its eigenmodes
     bool deforms() const { return make != nullptr; }
   };
   /// How a beam, [body.NAME.beam], becomes body `body` of the description, which has its place already.

@@ -82,18 +82,19 @@ TableSchema body_schema() {
 TableSchema joint_schema(bool is_connection) {
   TableSchema schema;
   schema.name = is_connection ? "connection" : "joint";
-  schema.doc = is_connection ? "Joins two bodies like a joint; the program makes a joint of the tree of it "
-                               "where the joints leave a body unreached (of several connections the one with "
-                               "the fewest freedoms) and a constraint elsewhere. Its values at the start are "
-                               "guesses that a constraint ignores. flexura check says what it became."
-                             : "Joins two bodies. Joints span a tree from ground outwards (in the order of "
-                               "the file, a driven joint first); the others close loops as constraints, driven "
-                               "ones too (their angles then show without whole turns). Rows of "
-                               "constraints that follow from others are left out and named; they must agree "
-                               "with these in position, speed and acceleration, drives included, and are "
-                               "watched during the run: what contradicts ends it with the names of the rows "
-                               "and the time. Loops are closed to 1e-9 of the mechanism's size; parts that do "
-                               "not fit by up to 1e-6 of it are taken as they are, with a note.";
+  schema.doc = is_connection
+                   ? "Joins two bodies like a joint; the program makes a joint of the tree of it "
+                     "where the joints leave a body unreached (of several connections the one with "
+                     "the fewest freedoms) and a constraint elsewhere. Its values at the start are "
+                     "guesses that a constraint ignores. flexura check says what it became."
+                   : "Joins two bodies. Joints span a tree from ground outwards (in the order of "
+                     "the file, a driven joint first); the others close loops as constraints, driven "
+                     "ones too (their angles then show without whole turns). Rows of "
+                     "constraints that follow from others are left out and named; they must agree "
+                     "with these in position, speed and acceleration, drives included, and are "
+                     "watched during the run: what contradicts ends it with the names of the rows "
+                     "and the time. Loops are closed to 1e-9 of the mechanism's size; parts that do "
+                     "not fit by up to 1e-6 of it are taken as they are, with a note.";
   schema.selector = "type";
   schema.keys = {text("from", "marker F on the first body, \"body.marker\"").required(),
                  text("to", "marker M on the second body").required()};
@@ -110,8 +111,9 @@ TableSchema joint_schema(bool is_connection) {
     const auto joint = make_joint(type.name);
     const auto coordinates = joint->coordinates(), speeds = joint->speeds();
     for (const CoordinateInfo& c : coordinates)
-      variant.keys.push_back(quantity(
-          c.name, c.dimension, "coordinate at the start; moves only where the others cannot close the loops"));
+      variant.keys.push_back(
+          quantity(c.name, c.dimension,
+                   "coordinate at the start; moves only where the others cannot close the loops"));
     for (const CoordinateInfo& c : speeds)
       variant.keys.push_back(quantity(c.name, c.dimension, "speed at the start"));
     if (joint->n_p() == joint->n_v() && !is_connection) {
@@ -247,14 +249,15 @@ TableSchema mechanism_schema(TableSchema solver) {
   input_schema.keys = {input::expression("value", "a formula of t and parameters, in SI").or_default("0")};
 
   schema.name = "mechanism file";
-  schema.doc = std::string("A mechanism: bodies, joints, forces, and how they are simulated.\n\n") +
-      formulas_doc +
+  schema.doc =
+      std::string("A mechanism: bodies, joints, forces, and how they are simulated.\n\n") + formulas_doc +
       "What a formula does in time is known before the run: every integrator stops where it jumps or has a "
       "kink (a comparison, abs, floor, a point of a linear table, ...), begins anew behind a jump, and takes "
       "no step over a pulse, however short and smooth, that is worth more than 1e-9 of the formula's range "
       "times the run. Comparisons, sign and rounding of what moves are switches: held between events, "
       "located "
-      "to round-off, and an error where they switch without end; so are abs, min, max and the kinks of a table, where "
+      "to round-off, and an error where they switch without end; so are abs, min, max and the kinks of a "
+      "table, where "
       "nothing jumps. == and != hold for an instant and are no "
       "events. A row that falls on an event shows what was before it.";
   schema.keys = {

@@ -194,8 +194,8 @@ std::shared_ptr<const StressField> read_stress_field(const Section& s, const sup
   Eigen::Matrix3Xd x(3, vertices.size());
   for (std::size_t k = 0; k < vertices.size(); ++k)
     x.col(k) = se.surface.vertices.row(vertices[k]).transpose();
-  auto field = std::make_shared<StressField>(
-      se.stress->S, std::move(x), std::vector<int>(vertices.begin(), vertices.end()), body.Y);
+  auto field = std::make_shared<StressField>(se.stress->S, std::move(x),
+                                             std::vector<int>(vertices.begin(), vertices.end()), body.Y);
   if (!se.stress->compliance.empty())
     field->set_compliance(se.stress->compliance, {se.stress->material.begin(), se.stress->material.end()});
   for (const auto& [name, point] : s.table_map("stress_point"))
@@ -242,10 +242,10 @@ std::shared_ptr<const FlexibleBody> prepare_flexible_body(
   const auto joints = std::ranges::count_if(
       d.joints, [&](const JointDescription& joint) { return marker_on(d, joint, body) >= 0; });
   const bool held_by_one = fidelity.held_by_joints && joints == 1 && frame_joint(d, body) != nullptr;
-  const std::string frame = s.has("frame")                    ? s.text("frame")
-                            : held_by_one                     ? "joint_fixed"
+  const std::string frame = s.has("frame")                          ? s.text("frame")
+                            : held_by_one                           ? "joint_fixed"
                             : fidelity.held_by_joints && joints > 1 ? "joints"
-                                                              : "mean_axis";
+                                                                    : "mean_axis";
   // What a rigid link joins moves as one piece however far it turns only where it is at rest in the frame:
   // displacements that are linear in the modes leave a turned piece by second order.
   const auto link = std::ranges::find_if(linked, [](const BodyNode& node) { return node.ties.cols() > 0; });
@@ -279,7 +279,8 @@ std::shared_ptr<const FlexibleBody> prepare_flexible_body(
     const int node = marker.node;
     if (boundary == "joint") {
       options.held = held_directions(nodes, d, *joint, body);
-      if (const std::string reason = cannot_hold(d, *joint, body, nodes[node], options.held); !reason.empty()) {
+      if (const std::string reason = cannot_hold(d, *joint, body, nodes[node], options.held);
+          !reason.empty()) {
         if (s.has("boundary"))
           s.refuse("boundary", reason, "write boundary = \"free\", or take the key away");
         notes.push_back(
@@ -300,9 +301,9 @@ std::shared_ptr<const FlexibleBody> prepare_flexible_body(
                                                        : "the eigenmodes' boundary condition"));
   }
 
-  const std::string attachments = s.has("attachments")   ? s.text("attachments")
+  const std::string attachments = s.has("attachments")      ? s.text("attachments")
                                   : fidelity.by_loads_alone ? "used"
-                                                         : "none";
+                                                            : "none";
   std::vector<int> loaded;
   if (attachments == "all")
     for (std::size_t i = 0; i < nodes.size(); ++i) loaded.push_back(static_cast<int>(i));

@@ -1,5 +1,4 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-#include "mbs/file/mechanism_document.hpp"
 #include "mbs/file/reader.hpp"
 
 #include <fmt/format.h>
@@ -8,6 +7,7 @@
 
 #include "mbs/bodies/modal_basis.hpp"
 #include "mbs/file/elements/element_types.hpp"
+#include "mbs/file/mechanism_document.hpp"
 #include "mbs/file/read_body.hpp"
 #include "mbs/file/read_flexible_body.hpp"
 #include "mbs/file/read_joint.hpp"
@@ -157,7 +157,8 @@ void Reader::read_subsystem(const std::string& name, const Section& s) {
     Pose X = marker.X_BP;
     if (marker.node >= 0) {
       const auto to_prepare = model_.to_prepare.find(marker.body);
-      if (to_prepare == model_.to_prepare.end() || fidelity_of(model_.sections.at(marker.body)).of_superelement->acts_back)
+      if (to_prepare == model_.to_prepare.end() ||
+          fidelity_of(model_.sections.at(marker.body)).of_superelement->acts_back)
         s.refuse("on", "is an interface of a flexible body, which deforms",
                  "place the subsystem on a rigid body and join the two");
       const auto& interfaces = model_.interfaces[marker.body];
@@ -200,7 +201,8 @@ void Reader::read_subsystem(const std::string& name, const Section& s) {
   subsystems_.back()->read_bodies();
 }
 
-void Reader::add_marker(int body, const std::string& full_name, const Pose& X, int node, const Vector3d& carried_at) {
+void Reader::add_marker(int body, const std::string& full_name, const Pose& X, int node,
+                        const Vector3d& carried_at) {
   MechanismDescription& d = model_.description;
   if (const auto found = model_.segments.find(body); found != model_.segments.end()) {
     const int piece = found->second.piece_at(carried_at);

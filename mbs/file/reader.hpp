@@ -75,7 +75,8 @@ class Reader {
   void note_user_element(const std::string& name, const input::Section& s);
   /// `node` is one of a deforming body, or -1.
   /// At X in the body, or beside its node; of a beam in segments on the piece that is where it is carried (in the body).
-  void add_marker(int body, const std::string& full_name, const Pose& X, int node, const Vector3d& carried_at);
+  void add_marker(int body, const std::string& full_name, const Pose& X, int node,
+                  const Vector3d& carried_at);
 
   ReadModel& model_;
   std::filesystem::path file_;

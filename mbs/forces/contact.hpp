@@ -67,7 +67,8 @@ class Contact final : public ForceElement {
     double mu = 0.0, v_0 = 1e-3;  ///< coefficient; speed over which it sets in [m/s]
   };
   /// `radius` of the sphere [m]; 0: a point.
-  Contact(std::string name, int F, int M, double radius, ContactSurface surface, ContactLaw law, Friction friction = {0.0, 1e-3})
+  Contact(std::string name, int F, int M, double radius, ContactSurface surface, ContactLaw law,
+          Friction friction = {0.0, 1e-3})
       : ForceElement(std::move(name)),
         F_(F),
         M_(M),

@@ -3,7 +3,6 @@
 
 #include <cmath>
 
-
 /// The compliant law of everything that touches and lets go: contacts, bump stops, teeth.
 ///
 /// With the penetration delta > 0 and its rate u, and n the exponent (1: linear, 3/2: Hertz),

@@ -12,10 +12,10 @@ namespace flexura::mbs {
 class SpringDamper final : public ForceElement {
  public:
   struct Law {
-    double stiffness = 0.0;    ///< k [N/m]
-    double damping = 0.0;      ///< d [N s/m]
-    double free_length = 0.0;  ///< L_0 [m]
-    double preload = 0.0;      ///< [N]
+    double stiffness = 0.0;                                       ///< k [N/m]
+    double damping = 0.0;                                         ///< d [N s/m]
+    double free_length = 0.0;                                     ///< L_0 [m]
+    double preload = 0.0;                                         ///< [N]
     std::shared_ptr<const Curve> curve = {}, damping_curve = {};  ///< f, h
   };
   SpringDamper(std::string name, int P, int Q, Law law)

@@ -140,7 +140,8 @@ double Curve::kinks_until(double x) const {
 
 Interval Curve::between_kinks(double x) const {
   const double infinity = std::numeric_limits<double>::infinity();
-  const double period = outside_ == Outside::repeat ? x_.back() - x_.front() : 0.0, shift = periods(x) * period;
+  const double period = outside_ == Outside::repeat ? x_.back() - x_.front() : 0.0,
+               shift = periods(x) * period;
   x -= shift;
   const auto n = static_cast<long>(x_.size());
   const auto is_kink = [&](long i) {

@@ -123,7 +123,8 @@ std::size_t Expression::compile(int k, std::size_t top, std::vector<int>& node_o
     program_[yes].count = static_cast<int>(program_.size()) - 1;
     return most;
   }
-  for (std::size_t i = 0; i < node.args.size(); ++i) most = std::max(most, compile(node.args[i], top + i, node_of));
+  for (std::size_t i = 0; i < node.args.size(); ++i)
+    most = std::max(most, compile(node.args[i], top + i, node_of));
   Instruction instruction{node.code};
   switch (node.code) {
     case constant:
@@ -132,7 +133,8 @@ std::size_t Expression::compile(int k, std::size_t top, std::vector<int>& node_o
     case signal:
       instruction.place = node.place;
       reads_time_ = reads_time_ || node.place == 0;
-      if (node.place > 0 && std::ranges::find(reads_, node.place) == reads_.end()) reads_.push_back(node.place);
+      if (node.place > 0 && std::ranges::find(reads_, node.place) == reads_.end())
+        reads_.push_back(node.place);
       break;
     case table:
       instruction.count = static_cast<int>(tables_.size());

@@ -21,35 +21,17 @@ struct NamedFunction {
   int code;
   int n_args = 1;  // -1: one or more
 };
-constexpr NamedFunction functions[] = {{"sin", sine},
-                                       {"cos", cosine},
-                                       {"tan", tangent},
-                                       {"asin", arc_sine},
-                                       {"acos", arc_cosine},
-                                       {"atan", arc_tangent},
-                                       {"sinh", sinh},
-                                       {"cosh", cosh},
-                                       {"tanh", tanh},
-                                       {"asinh", asinh},
-                                       {"acosh", acosh},
-                                       {"atanh", atanh},
-                                       {"exp", exponential},
-                                       {"ln", logarithm},
-                                       {"log", logarithm},
-                                       {"log10", logarithm_10},
-                                       {"log2", logarithm_2},
-                                       {"sqrt", square_root},
-                                       {"abs", absolute},
-                                       {"sign", signum},
-                                       {"rint", round_to_integer},
-                                       {"floor", round_down},
-                                       {"ceil", round_up},
-                                       {"atan2", arc_tangent_2, 2},
-                                       {"pow", power, 2},
-                                       {"mod", modulo, 2},
-                                       {"min", minimum, -1},
-                                       {"max", maximum, -1},
-                                       {"step", smooth_step, 5}};
+constexpr NamedFunction functions[] = {
+    {"sin", sine},           {"cos", cosine},         {"tan", tangent},
+    {"asin", arc_sine},      {"acos", arc_cosine},    {"atan", arc_tangent},
+    {"sinh", sinh},          {"cosh", cosh},          {"tanh", tanh},
+    {"asinh", asinh},        {"acosh", acosh},        {"atanh", atanh},
+    {"exp", exponential},    {"ln", logarithm},       {"log", logarithm},
+    {"log10", logarithm_10}, {"log2", logarithm_2},   {"sqrt", square_root},
+    {"abs", absolute},       {"sign", signum},        {"rint", round_to_integer},
+    {"floor", round_down},   {"ceil", round_up},      {"atan2", arc_tangent_2, 2},
+    {"pow", power, 2},       {"mod", modulo, 2},      {"min", minimum, -1},
+    {"max", maximum, -1},    {"step", smooth_step, 5}};
 
 struct BinarySign {
   std::string_view sign;
@@ -60,7 +42,12 @@ using Level = std::vector<BinarySign>;
 const Level kLevels[] = {{{"||", logical_or}},
                          {{"&&", logical_and}},
                          // Longer ones first: "<=" is no "<".
-                         {{"<=", less_equal}, {">=", greater_equal}, {"==", equal}, {"!=", not_equal}, {"<", less}, {">", greater}},
+                         {{"<=", less_equal},
+                          {">=", greater_equal},
+                          {"==", equal},
+                          {"!=", not_equal},
+                          {"<", less},
+                          {">", greater}},
                          {{"+", add}, {"-", subtract}},
                          {{"*", multiply}, {"/", divide}}};
 
@@ -71,7 +58,8 @@ class Parser {
   FormulaTree parse() {
     tree_.root = choice_();
     skip_blanks();
-    if (at_ < text_.size()) refuse_here(text_[at_] == ')' ? "there is no \"(\" to it" : "an operator is missing before it");
+    if (at_ < text_.size())
+      refuse_here(text_[at_] == ')' ? "there is no \"(\" to it" : "an operator is missing before it");
     return std::move(tree_);
   }
 
@@ -80,14 +68,15 @@ class Parser {
     std::size_t end = at_ + 1;
     if (at_ < text_.size() && input::is_name_character(text_[at_]))
       while (end < text_.size() && input::is_name_character(text_[end])) ++end;
-    const std::string what =
-        at_ < text_.size() ? fmt::format("at character {}, \"{}\"", at_ + 1, input::shown_text(text_.substr(at_, end - at_)))
-                           : "at its end";
+    const std::string what = at_ < text_.size() ? fmt::format("at character {}, \"{}\"", at_ + 1,
+                                                              input::shown_text(text_.substr(at_, end - at_)))
+                                                : "at its end";
     throw std::invalid_argument(fmt::format("{}: {}", what, why));
   }
 
   void skip_blanks() {
-    while (at_ < text_.size() && std::string_view(" \t\r\n").find(text_[at_]) != std::string_view::npos) ++at_;
+    while (at_ < text_.size() && std::string_view(" \t\r\n").find(text_[at_]) != std::string_view::npos)
+      ++at_;
   }
   bool take(std::string_view sign) {
     skip_blanks();
@@ -106,7 +95,8 @@ class Parser {
   // Counts nested calls: texts of parentheses alone would take the stack.
   struct Depth {
     explicit Depth(int& n) : n_(n) {
-      if (++n_ > 400) throw std::invalid_argument("the formula is nested too deeply; take a part into a measure");
+      if (++n_ > 400)
+        throw std::invalid_argument("the formula is nested too deeply; take a part into a measure");
     }
     ~Depth() { --n_; }
     int& n_;
@@ -174,7 +164,8 @@ class Parser {
     const std::optional<FormulaNode> value = names_.value(name);
     if (!value) {
       for (const NamedFunction& f : functions)
-        if (f.name == name) refuse_here(fmt::format("the function {} needs its arguments in parentheses", name));
+        if (f.name == name)
+          refuse_here(fmt::format("the function {} needs its arguments in parentheses", name));
       throw UnknownName(name);
     }
     return tree_.add(*value);
@@ -183,9 +174,11 @@ class Parser {
   int number() {
     double value = 0.0;
     const auto [end, failure] = std::from_chars(text_.data() + at_, text_.data() + text_.size(), value);
-    if (failure != std::errc() || !std::isfinite(value)) refuse_here("is no number that can be computed with");
+    if (failure != std::errc() || !std::isfinite(value))
+      refuse_here("is no number that can be computed with");
     const auto next = static_cast<std::size_t>(end - text_.data());
-    if (next < text_.size() && input::is_name_character(text_[next])) refuse_here("a name begins with a letter, a product needs a \"*\"");
+    if (next < text_.size() && input::is_name_character(text_[next]))
+      refuse_here("a name begins with a letter, a product needs a \"*\"");
     at_ = next;
     FormulaNode node;
     node.code = constant;
@@ -216,7 +209,9 @@ class Parser {
     FormulaNode node;
     node.curve = names_.table(name);
     if (!node.curve) {
-      if (names_.value(name)) throw std::invalid_argument(fmt::format("{} is no function; a product needs a \"*\"", input::shown_text(name)));
+      if (names_.value(name))
+        throw std::invalid_argument(
+            fmt::format("{} is no function; a product needs a \"*\"", input::shown_text(name)));
       throw UnknownName(name);
     }
     require(1);

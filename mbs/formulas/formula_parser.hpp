@@ -26,8 +26,10 @@ namespace flexura::mbs {
 
 /// What names mean.
 struct FormulaNames {
-  std::function<std::optional<FormulaNode>(const std::string&)> value;    ///< a constant or a signal; none: not known
-  std::function<std::shared_ptr<const Curve>(const std::string&)> table;  ///< a function of one argument; null: not known
+  std::function<std::optional<FormulaNode>(const std::string&)>
+      value;  ///< a constant or a signal; none: not known
+  std::function<std::shared_ptr<const Curve>(const std::string&)>
+      table;  ///< a function of one argument; null: not known
 };
 
 /// A name that means nothing.

@@ -27,8 +27,9 @@ void Expression::find_conditions(SignalNames& held, const std::vector<int>& node
     const bool jumps = code == less || code == less_equal || code == greater || code == greater_equal ||
                        code == signum || code == round_to_integer || code == round_down || code == round_up ||
                        code == modulo;
-    const bool bends = code == absolute || code == minimum || code == maximum ||
-                       (code == table && tree_[k].curve->kinks() > 0 && tree_[k].curve->kinks() <= kMostKinks);
+    const bool bends =
+        code == absolute || code == minimum || code == maximum ||
+        (code == table && tree_[k].curve->kinks() > 0 && tree_[k].curve->kinks() <= kMostKinks);
     if (k < 0 || !(jumps || bends)) continue;
     if (!tree_.any(k, [](const FormulaNode& node) { return node.code == signal && node.place > 0; }))
       continue;

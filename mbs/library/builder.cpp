@@ -12,23 +12,25 @@ MechanismBuilder::Marker MechanismBuilder::Body::marker(const Pose& X_BP) const 
   return {d.add_marker(index_, fmt::format("marker_{}", d.markers.size() + 1), X_BP)};
 }
 
-MechanismBuilder::Marker MechanismBuilder::Body::marker(const std::string& interface, const Pose& X_NP) const {
+MechanismBuilder::Marker MechanismBuilder::Body::marker(const std::string& interface,
+                                                        const Pose& X_NP) const {
   MechanismDescription& d = builder_->d_;
   const BodyDescription& body = d.bodies[index_];
   const int node = body.flexible ? body.flexible->find_node(interface) : -1;
   if (node < 0)
-    throw std::invalid_argument(
-        fmt::format("body \"{}\" has no interface \"{}\"; name one of its superelement's", body.name, interface));
+    throw std::invalid_argument(fmt::format(
+        "body \"{}\" has no interface \"{}\"; name one of its superelement's", body.name, interface));
   return {d.add_marker(index_, fmt::format("{}_{}", interface, d.markers.size() + 1), X_NP, node)};
 }
 
 MechanismBuilder::JointHandle& MechanismBuilder::JointHandle::start(double q, int i) {
   JointDescription& joint = builder_->d_.joints[index_];
   if (i < 0 || i >= joint.joint->n_p())
-    throw std::invalid_argument(
-        fmt::format("joint \"{}\" has {} coordinates, there is none of index {}", joint.name, joint.joint->n_p(), i));
+    throw std::invalid_argument(fmt::format("joint \"{}\" has {} coordinates, there is none of index {}",
+                                            joint.name, joint.joint->n_p(), i));
   if (joint.drives.contains(i))
-    throw std::invalid_argument(fmt::format("coordinate {} of joint \"{}\" is driven; leave its start out", i, joint.name));
+    throw std::invalid_argument(
+        fmt::format("coordinate {} of joint \"{}\" is driven; leave its start out", i, joint.name));
   joint.initial_coordinates[i] = q;
   return *this;
 }
@@ -36,10 +38,11 @@ MechanismBuilder::JointHandle& MechanismBuilder::JointHandle::start(double q, in
 MechanismBuilder::JointHandle& MechanismBuilder::JointHandle::speed(double v, int i) {
   JointDescription& joint = builder_->d_.joints[index_];
   if (i < 0 || i >= joint.joint->n_v())
-    throw std::invalid_argument(
-        fmt::format("joint \"{}\" has {} speeds, there is none of index {}", joint.name, joint.joint->n_v(), i));
+    throw std::invalid_argument(fmt::format("joint \"{}\" has {} speeds, there is none of index {}",
+                                            joint.name, joint.joint->n_v(), i));
   if (joint.drives.contains(i))
-    throw std::invalid_argument(fmt::format("coordinate {} of joint \"{}\" is driven; leave its speed out", i, joint.name));
+    throw std::invalid_argument(
+        fmt::format("coordinate {} of joint \"{}\" is driven; leave its speed out", i, joint.name));
   joint.initial_speeds[i] = v;
   return *this;
 }
@@ -48,7 +51,8 @@ MechanismBuilder::JointHandle& MechanismBuilder::JointHandle::drive(const std::s
   JointDescription& joint = builder_->d_.joints[index_];
   if (joint.joint->n_p() != joint.joint->n_v() || i < 0 || i >= joint.joint->n_p())
     throw std::invalid_argument(fmt::format(
-        "coordinate {} of joint \"{}\" cannot be driven; drive a joint whose coordinates are its freedoms", i, joint.name));
+        "coordinate {} of joint \"{}\" cannot be driven; drive a joint whose coordinates are its freedoms", i,
+        joint.name));
   if (joint.drives.contains(i) || joint.initial_coordinates.contains(i) || joint.initial_speeds.contains(i))
     throw std::invalid_argument(fmt::format(
         "coordinate {} of joint \"{}\" has a drive or a start already; keep one of them", i, joint.name));
@@ -58,29 +62,35 @@ MechanismBuilder::JointHandle& MechanismBuilder::JointHandle::drive(const std::s
 
 void MechanismBuilder::parameter(const std::string& name, double value) {
   if (name == "t" || name == "pi" || d_.signals.find(name) >= 0)
-    throw std::invalid_argument(fmt::format("\"{}\" means something in formulas already; choose another name", name));
+    throw std::invalid_argument(
+        fmt::format("\"{}\" means something in formulas already; choose another name", name));
   parameters_[name] = value;
 }
 
 void MechanismBuilder::input(const std::string& name, const std::string& text) {
   require_new(name, "input");
-  d_.inputs.push_back({name, std::make_shared<Expression>("input " + name, text, SignalNames(), parameters_)});
+  d_.inputs.push_back(
+      {name, std::make_shared<Expression>("input " + name, text, SignalNames(), parameters_)});
   take_signal(name);
 }
 
-MechanismBuilder::Body MechanismBuilder::add(const std::string& name, const RigidBody& body, std::optional<Pose> X_WB) {
+MechanismBuilder::Body MechanismBuilder::add(const std::string& name, const RigidBody& body,
+                                             std::optional<Pose> X_WB) {
   return add_body({.name = name,
                    .inertia = RigidInertia::from_center(body.mass, body.center, body.inertia),
                    .X_WB = std::move(X_WB)});
 }
 
-MechanismBuilder::Body MechanismBuilder::add(const std::string& name, const ModalBody& body, std::optional<Pose> X_WB) {
+MechanismBuilder::Body MechanismBuilder::add(const std::string& name, const ModalBody& body,
+                                             std::optional<Pose> X_WB) {
   return add(name, std::make_shared<const ModalBody>(body), std::move(X_WB));
 }
 
-MechanismBuilder::Body MechanismBuilder::add(const std::string& name, std::shared_ptr<const FlexibleBody> body,
+MechanismBuilder::Body MechanismBuilder::add(const std::string& name,
+                                             std::shared_ptr<const FlexibleBody> body,
                                              std::optional<Pose> X_WB) {
-  if (!body) throw std::invalid_argument(fmt::format("body \"{}\" is nothing; make it before it is added", name));
+  if (!body)
+    throw std::invalid_argument(fmt::format("body \"{}\" is nothing; make it before it is added", name));
   return add_body({.name = name, .flexible = std::move(body), .X_WB = std::move(X_WB)});
 }
 
@@ -90,7 +100,8 @@ MechanismBuilder::Body MechanismBuilder::add_body(BodyDescription body) {
 }
 
 std::shared_ptr<const Expression> MechanismBuilder::formula(const std::string& text) {
-  auto f = std::make_shared<Expression>("formula \"" + text + "\"", text, d_.signals, parameters_, Curves{}, &d_.signals);
+  auto f = std::make_shared<Expression>("formula \"" + text + "\"", text, d_.signals, parameters_, Curves{},
+                                        &d_.signals);
   d_.formulas.push_back({f, false});
   return f;
 }
@@ -101,8 +112,9 @@ std::shared_ptr<const Expression> MechanismBuilder::motion(const std::string& te
   return f;
 }
 
-MechanismBuilder::JointHandle MechanismBuilder::add_joint(const std::string& name, std::shared_ptr<const Joint> joint,
-                                                          Marker F, Marker M) {
+MechanismBuilder::JointHandle MechanismBuilder::add_joint(const std::string& name,
+                                                          std::shared_ptr<const Joint> joint, Marker F,
+                                                          Marker M) {
   require_new(name, "joint");
   for (const CoordinateInfo& c : joint->coordinates()) d_.signals.add(name + "." + c.name);
   for (const CoordinateInfo& c : joint->speeds()) d_.signals.add(name + "." + c.name);
@@ -140,8 +152,10 @@ void MechanismBuilder::add_element(std::shared_ptr<const Control> element) {
 
 int MechanismBuilder::plain(Marker m) const {
   if (m.index < 0 || m.index >= static_cast<int>(d_.markers.size()))
-    throw std::invalid_argument(fmt::format(
-        "the marker {} is none of mechanism \"{}\"; make markers by the bodies of the builder that they are for", m.index, d_.name));
+    throw std::invalid_argument(
+        fmt::format("the marker {} is none of mechanism \"{}\"; make markers by the bodies of the builder "
+                    "that they are for",
+                    m.index, d_.name));
   return m.index;
 }
 
@@ -155,23 +169,25 @@ int MechanismBuilder::plain(const Body& b) const {
 CoordinateRef MechanismBuilder::plain(CoordinateRef c) const {
   if (c.joint < 0 || c.joint >= static_cast<int>(d_.joints.size()) || c.index < 0 ||
       c.index >= d_.joints[static_cast<std::size_t>(c.joint)].joint->n_v())
-    throw std::invalid_argument(fmt::format(
-        "the coordinate {} of joint {} is none of mechanism \"{}\"; take it of a joint of the builder that it is for", c.index, c.joint,
-        d_.name));
+    throw std::invalid_argument(
+        fmt::format("the coordinate {} of joint {} is none of mechanism \"{}\"; take it of a joint of the "
+                    "builder that it is for",
+                    c.index, c.joint, d_.name));
   return c;
 }
 
 void MechanismBuilder::take_signal(const std::string& name) {
   if (name == "t" || name == "pi" || parameters_.contains(name) || d_.signals.find(name) >= 0)
-    throw std::invalid_argument(fmt::format("\"{}\" means something in formulas already; choose another name", name));
+    throw std::invalid_argument(
+        fmt::format("\"{}\" means something in formulas already; choose another name", name));
   d_.signals.add(name);
 }
 
 void MechanismBuilder::require_new(const std::string& name, const char* what) {
   if (name.empty()) throw std::invalid_argument(fmt::format("a {} needs a name", what));
   if (const auto [known, is_new] = names_.emplace(name, what); !is_new)
-    throw std::invalid_argument(
-        fmt::format("a {} is called \"{}\" already; choose another name for this {}", known->second, name, what));
+    throw std::invalid_argument(fmt::format("a {} is called \"{}\" already; choose another name for this {}",
+                                            known->second, name, what));
 }
 
 }  // namespace flexura::mbs

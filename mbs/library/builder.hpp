@@ -8,8 +8,8 @@
 #include <string>
 #include <utility>
 
-#include "mbs/formulas/expression.hpp"
 #include "mbs/bodies/modal_body.hpp"
+#include "mbs/formulas/expression.hpp"
 #include "mbs/mechanism/mechanism.hpp"
 
 /// Mechanisms in C++, without a file:
@@ -30,9 +30,9 @@ namespace flexura::mbs {
 
 /// In the body's own axes.
 struct RigidBody {
-  double mass = 0.0;                     ///< [kg]
-  Vector3d center = Vector3d::Zero();    ///< of mass [m]
-  Matrix3d inertia = Matrix3d::Zero();   ///< about it [kg m^2]
+  double mass = 0.0;                    ///< [kg]
+  Vector3d center = Vector3d::Zero();   ///< of mass [m]
+  Matrix3d inertia = Matrix3d::Zero();  ///< about it [kg m^2]
 };
 
 class MechanismBuilder {
@@ -97,15 +97,14 @@ class MechanismBuilder {
   }
   /// Rows on the pose of M in F (geometric.hpp, point_on_curve.hpp).
   template <std::derived_from<RelativeRows> Rows, class... Args>
-    requires(!std::derived_from<Rows, Joint>)
-  void add(const std::string& name, Marker F, Marker M, Args&&... args) {
+  requires(!std::derived_from<Rows, Joint>) void add(const std::string& name, Marker F, Marker M,
+                                                     Args&&... args) {
     add_element(std::make_shared<RelativeConstraint>(name, plain(F), plain(M),
                                                      std::make_shared<Rows>(std::forward<Args>(args)...)));
   }
   /// Any other element: Element(name, args...) with markers and coordinates in their places.
   template <class Element, class... Args>
-    requires(!std::derived_from<Element, RelativeRows>)
-  void add(const std::string& name, Args&&... args) {
+  requires(!std::derived_from<Element, RelativeRows>) void add(const std::string& name, Args&&... args) {
     add_element(std::make_shared<Element>(name, plain(std::forward<Args>(args))...));
   }
   /// The same of an element whose law has names: {.stiffness = 1e4}.

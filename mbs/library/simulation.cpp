@@ -13,13 +13,20 @@ namespace {
 
 std::string word_of(Method method, const Mechanism& m) {
   switch (method) {
-    case Method::automatic: return has_deformation(m) ? "radau" : "ida";
-    case Method::ida: return "ida";
-    case Method::radau: return "radau";
-    case Method::generalised_alpha: return "generalised_alpha";
-    case Method::runge_kutta: return "runge_kutta";
-    case Method::kinematics: return "kinematics";
-    case Method::quasi_statics: return "quasi_statics";
+    case Method::automatic:
+      return has_deformation(m) ? "radau" : "ida";
+    case Method::ida:
+      return "ida";
+    case Method::radau:
+      return "radau";
+    case Method::generalised_alpha:
+      return "generalised_alpha";
+    case Method::runge_kutta:
+      return "runge_kutta";
+    case Method::kinematics:
+      return "kinematics";
+    case Method::quasi_statics:
+      return "quasi_statics";
   }
   throw std::invalid_argument("there is no such method; name one of Method");
 }
@@ -38,10 +45,12 @@ Simulation::Simulation(const Mechanism& m, const SimulationOptions& options) {
   o.output_step = 0.0;  // the first advance() says
   for (const auto& [name, value] : {std::pair("tolerance", o.tolerance), std::pair("end_time", o.end_time)})
     if (!(value > 0.0) || !std::isfinite(value))
-      throw std::invalid_argument(fmt::format("the {} of a simulation is {}; give a number above 0", name, value));
+      throw std::invalid_argument(
+          fmt::format("the {} of a simulation is {}; give a number above 0", name, value));
   for (const auto& [name, value] : {std::pair("max_step", o.max_step), std::pair("fixed_step", o.fixed_step)})
     if (!(value >= 0.0) || !std::isfinite(value))
-      throw std::invalid_argument(fmt::format("the {} of a simulation is {}; give a time, or 0 for none", name, value));
+      throw std::invalid_argument(
+          fmt::format("the {} of a simulation is {}; give a time, or 0 for none", name, value));
   if (o.fixed_step > 0.0 && (o.method_is_open || !kind_of(o).takes_fixed_steps))
     throw std::invalid_argument(fmt::format("a fixed step goes with {}; name one of them, or leave it out",
                                             names_of_kinds(&IntegratorKind::takes_fixed_steps)));
@@ -58,7 +67,8 @@ void Simulation::advance(double step) {
   const double rows = std::round(step / o.output_step);
   if (rows < 1.0 || std::abs(step / o.output_step - rows) > 1e-6)
     throw std::invalid_argument(fmt::format(
-        "the first step was {} s, and {} s is no multiple of it; take the least of all steps first", o.output_step, step));
+        "the first step was {} s, and {} s is no multiple of it; take the least of all steps first",
+        o.output_step, step));
   for (double left = rows; left > 0.5; left -= 1.0) {
     if (ahead_.empty()) run_until(started_.state.t + left * o.output_step);
     if (ahead_.empty() && !ended_because_.empty()) throw std::runtime_error(ended_because_);

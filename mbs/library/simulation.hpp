@@ -15,11 +15,12 @@ namespace flexura::mbs {
 enum class Method { automatic, ida, radau, generalised_alpha, runge_kutta, kinematics, quasi_statics };
 
 struct SimulationOptions {
-  Method method = Method::automatic;  ///< Radau IIA where bodies deform, IDA otherwise, and changed where steps collapse
-  double tolerance = 1e-6;            ///< relative error allowed in a step
-  double end_time = 10.0;             ///< [s]; advance() goes no further, and steps are at most a tenth of it
-  double max_step = 0.0;              ///< [s]; 0: a tenth of end_time
-  double fixed_step = 0.0;            ///< [s]; 0: variable
+  Method method =
+      Method::automatic;  ///< Radau IIA where bodies deform, IDA otherwise, and changed where steps collapse
+  double tolerance = 1e-6;  ///< relative error allowed in a step
+  double end_time = 10.0;   ///< [s]; advance() goes no further, and steps are at most a tenth of it
+  double max_step = 0.0;    ///< [s]; 0: a tenth of end_time
+  double fixed_step = 0.0;  ///< [s]; 0: variable
 };
 
 /// A mechanism in motion, row by row:
@@ -66,7 +67,7 @@ class Simulation {
   std::optional<Continuation> continuation_;
   std::deque<Row> ahead_;
   EnergyAccount energy_;
-  bool is_over_ = false;        ///< the run has come to its end
+  bool is_over_ = false;       ///< the run has come to its end
   std::string ended_because_;  ///< before end_time; empty otherwise
   mutable std::map<std::string, int> places_;
 };

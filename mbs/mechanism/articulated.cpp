@@ -122,7 +122,8 @@ void MassMatrix::solve(Inertias& inertias, VectorRef x) const {
       const Vector3d w = parent.V.head<3>();
       a.V = parent.V;
       a.V.tail<3>() += w.cross(a.r);
-      if (a.N.cols() > 0) a.V.noalias() += a.N * x.segment(tree_.bodies[t.parent].i_v, tree_.bodies[t.parent].m);
+      if (a.N.cols() > 0)
+        a.V.noalias() += a.N * x.segment(tree_.bodies[t.parent].i_v, tree_.bodies[t.parent].m);
     }
     auto u = x.segment(tree_.places[t.joint].i_v, a.K.cols());
     u.noalias() -= a.U.transpose() * a.V;

@@ -107,8 +107,8 @@ Segments add_segments(MechanismDescription& d, int root, const BeamPart& part) {
     // In the tree, where what moves the pieces apart is a coordinate: a loop closes elsewhere.
     d.add_joint(fmt::format("{}.joint_{}", name, k), "six_dof", F_marker, M_marker);
     d.joints.back().keep_in_tree = d.joints.back().bends = true;
-    d.forces.push_back(
-        std::make_shared<Bushing>(fmt::format("{}.spring_{}", name, k), F_marker, M_marker, K, part.damping_time * K));
+    d.forces.push_back(std::make_shared<Bushing>(fmt::format("{}.spring_{}", name, k), F_marker, M_marker, K,
+                                                 part.damping_time * K));
   }
   return out;
 }

@@ -29,8 +29,7 @@ class RowLoads final : public Loads {
                              ? std::abs(motion_.kin.p[place.i_p + c.index])
                              : 0.0;
     const double reach = is_angle ? 1.0 : length_;
-    add(is_angle ? 0.0 : f, is_angle ? f : 0.0, f * reach,
-        f * std::max(value, is_angle ? 1.0 : farthest_));
+    add(is_angle ? 0.0 : f, is_angle ? f : 0.0, f * reach, f * std::max(value, is_angle ? 1.0 : farthest_));
   }
   void apply_modal(int /*body*/, const Eigen::VectorXd& /*f*/, double /*factor*/) override {}
 
@@ -77,7 +76,8 @@ ConstraintRows::ConstraintRows(const Topology& tree) : tree_(tree), closures_(tr
     for (const auto& [index, motion] : joint.speed_drives) drive(index, motion, DriveLevel::speed);
     for (const auto& [index, motion] : joint.acceleration_drives) {
       const auto given = joint.initial_speeds.find(index);
-      drive(index, motion, DriveLevel::acceleration, given == joint.initial_speeds.end() ? 0.0 : given->second);
+      drive(index, motion, DriveLevel::acceleration,
+            given == joint.initial_speeds.end() ? 0.0 : given->second);
     }
   }
   constraints_.insert(constraints_.end(), tree_.d.constraints.begin(), tree_.d.constraints.end());
@@ -179,7 +179,8 @@ double ConstraintRows::power(const double* lambda, const Motion& motion, RowValu
   return power;
 }
 
-void ConstraintRows::add_constraint_loads(const double* lambda, Which which, Motion& motion, RowValues& rows, Loads& loads) const {
+void ConstraintRows::add_constraint_loads(const double* lambda, Which which, Motion& motion, RowValues& rows,
+                                          Loads& loads) const {
   if (kept_rows_.empty()) return;
   rows.x.setZero();
   for (std::size_t i = 0; i < kept_rows_.size(); ++i) rows.x(kept_rows_[i]) = lambda[i];
@@ -212,10 +213,12 @@ void ConstraintRows::left_out_constraints(bool to_acceleration, Motion& motion, 
   };
   evaluate([&](const Constraint& c, double* out) { c.position(motion.kin, out); }, g);
   evaluate([&](const Constraint& c, double* out) { c.velocity(motion.kin, out); }, g_dot);
-  if (to_acceleration) evaluate([&](const Constraint& c, double* out) { c.acceleration(motion.kin, out); }, g_ddot);
+  if (to_acceleration)
+    evaluate([&](const Constraint& c, double* out) { c.acceleration(motion.kin, out); }, g_ddot);
 }
 
-ConstraintSizes ConstraintRows::sizes(const std::vector<int>& which, double length, Motion& motion, RowValues& rows) const {
+ConstraintSizes ConstraintRows::sizes(const std::vector<int>& which, double length, Motion& motion,
+                                      RowValues& rows) const {
   const auto n = static_cast<Eigen::Index>(which.size());
   ConstraintSizes out{Eigen::VectorXd(n), Eigen::VectorXd(n), std::vector<bool>(which.size())};
   RowLoads loads(tree_, motion, length);
@@ -247,8 +250,9 @@ std::size_t ConstraintRows::constraint_of_row(int row) const {
 }
 
 int ConstraintRows::drive_of(CoordinateRef c) const {
-  const auto found = std::ranges::find_if(
-      driven_, [&](const CoordinateRef& driven) { return driven.joint == c.joint && driven.index == c.index; });
+  const auto found = std::ranges::find_if(driven_, [&](const CoordinateRef& driven) {
+    return driven.joint == c.joint && driven.index == c.index;
+  });
   return found == driven_.end() ? -1 : static_cast<int>(found - driven_.begin());
 }
 

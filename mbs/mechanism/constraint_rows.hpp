@@ -30,7 +30,7 @@ class ConstraintRows {
   const std::vector<std::shared_ptr<const Constraint>>& constraints() const { return constraints_; }
   int first_row(std::size_t constraint) const { return first_row_[constraint]; }
   int n_all() const { return first_row_.back(); }
-  const std::vector<int>& kept() const { return kept_rows_; }      ///< among all rows
+  const std::vector<int>& kept() const { return kept_rows_; }  ///< among all rows
   const std::vector<int>& left_out() const { return left_out_; }
   const std::vector<int>& contacts() const { return contacts_; }  ///< constraints with a contact on a curve
   /// The joint as a loop's closure, and its index among the constraints; null where the joint is in the tree or locks
@@ -43,15 +43,18 @@ class ConstraintRows {
   void keep_all();
   /// Of all rows: whether they are on positions; and whether they say where the mechanism may be at all times (a drive's
   /// does so now only).  After forward() on level position.
-  void list_kinds(Motion& motion, RowValues& rows, std::vector<bool>& of_positions, std::vector<bool>& lasts) const;
+  void list_kinds(Motion& motion, RowValues& rows, std::vector<bool>& of_positions,
+                  std::vector<bool>& lasts) const;
   /// follows_from: for each row left out the kept ones that it is a combination of.
-  void leave_out(std::vector<int> kept, std::vector<int> left_out, std::vector<std::vector<int>> follows_from);
+  void leave_out(std::vector<int> kept, std::vector<int> left_out,
+                 std::vector<std::vector<int>> follows_from);
 
   /// The constraint's place for its contact, into kin.own.
   void own_contact(std::size_t constraint, Motion& motion, RowValues& rows) const;
   /// Contacts from the algebraic states behind the first n_before; and b of them.
   void take_contacts(const Eigen::VectorXd& algebraic, int n_before, RowValues& rows) const;
-  void contact_equations(const Eigen::VectorXd& algebraic, int n_before, const Motion& motion, VectorRef b) const;
+  void contact_equations(const Eigen::VectorXd& algebraic, int n_before, const Motion& motion,
+                         VectorRef b) const;
   void start_contacts(const Motion& motion, int n_before, State& s) const;
 
   // Of the rows that are kept, after forward() on that level (n_lambda).
@@ -61,12 +64,13 @@ class ConstraintRows {
   /// Of the constraint forces: -G^T lambda have the power -lambda . G v = lambda . g_t.
   double power(const double* lambda, const Motion& motion, RowValues& rows) const;
   /// Loads G^T lambda of the kept rows' constraints; rows.x holds lambda among all rows then.
-  void add_constraint_loads(const double* lambda, Which which, Motion& motion, RowValues& rows, Loads& loads) const;
+  void add_constraint_loads(const double* lambda, Which which, Motion& motion, RowValues& rows,
+                            Loads& loads) const;
   /// Those of rows.x.
   void apply_all(Motion& motion, RowValues& rows, Loads& loads) const;
   /// Of the rows that were left out.
-  void left_out_constraints(bool to_acceleration, Motion& motion, RowValues& rows, VectorRef g, VectorRef g_dot,
-                            VectorRef g_ddot) const;
+  void left_out_constraints(bool to_acceleration, Motion& motion, RowValues& rows, VectorRef g,
+                            VectorRef g_dot, VectorRef g_ddot) const;
   /// After forward() on level position; `length` is the mechanism's extent.
   ConstraintSizes sizes(const std::vector<int>& which, double length, Motion& motion, RowValues& rows) const;
 
@@ -83,9 +87,9 @@ class ConstraintRows {
   std::vector<std::shared_ptr<const Constraint>> constraints_;  ///< closures, drives, then the description's
   std::vector<std::pair<const RelativeConstraint*, std::size_t>> closures_;  ///< of each joint
   std::vector<CoordinateRef> driven_;  ///< of each constraint; joint = -1 where it is no drive
-  std::vector<int> first_row_;     ///< of each constraint among all rows, and their number at the end
-  std::vector<int> kept_rows_;     ///< all rows -> without redundant ones
-  std::vector<int> left_out_;      ///< these
+  std::vector<int> first_row_;         ///< of each constraint among all rows, and their number at the end
+  std::vector<int> kept_rows_;         ///< all rows -> without redundant ones
+  std::vector<int> left_out_;          ///< these
   std::vector<std::vector<int>> follows_from_;
   std::vector<int> contacts_;
 };

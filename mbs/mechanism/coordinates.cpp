@@ -47,15 +47,16 @@ void Coordinates::add_elastic_tangents(const State& s, MatrixRef r_p, MatrixRef 
     const TreeBody& body = tree_.bodies[b];
     if (body.m == 0) continue;
     tree_.d.bodies[b].flexible->add_tangents(s.p.data() + body.i_p, s.v.data() + body.i_v,
-                                        r_p.block(body.i_v, body.i_p, body.m, body.m),
-                                        r_v.block(body.i_v, body.i_v, body.m, body.m));
+                                             r_p.block(body.i_v, body.i_p, body.m, body.m),
+                                             r_v.block(body.i_v, body.i_v, body.m, body.m));
   }
 }
 
 double Coordinates::position_scale(int i) const {
   for (int b : tree_.order) {
     const TreeBody& body = tree_.bodies[b];
-    if (i >= body.i_p && i < body.i_p + body.m) return 1.0 / tree_.d.bodies[b].flexible->amplitude(i - body.i_p);
+    if (i >= body.i_p && i < body.i_p + body.m)
+      return 1.0 / tree_.d.bodies[b].flexible->amplitude(i - body.i_p);
   }
   return 1.0;
 }
@@ -63,7 +64,8 @@ double Coordinates::position_scale(int i) const {
 double Coordinates::velocity_scale(int i) const {
   for (int b : tree_.order) {
     const TreeBody& body = tree_.bodies[b];
-    if (i >= body.i_v && i < body.i_v + body.m) return 1.0 / tree_.d.bodies[b].flexible->amplitude(i - body.i_v);
+    if (i >= body.i_v && i < body.i_v + body.m)
+      return 1.0 / tree_.d.bodies[b].flexible->amplitude(i - body.i_v);
   }
   return 1.0;
 }
@@ -99,8 +101,10 @@ std::string Coordinates::name_of_velocity(int i) const {
   for (int b : tree_.order) {
     const TreeBody& body = tree_.bodies[b];
     const JointPlace& place = tree_.places[body.joint];
-    if (i < body.i_v) return tree_.d.joints[body.joint].name + "." + place.joint->speeds()[i - place.i_v].name;
-    if (i < body.i_v + body.m) return fmt::format("{}.mode_{}_rate", tree_.d.bodies[b].name, i - body.i_v + 1);
+    if (i < body.i_v)
+      return tree_.d.joints[body.joint].name + "." + place.joint->speeds()[i - place.i_v].name;
+    if (i < body.i_v + body.m)
+      return fmt::format("{}.mode_{}_rate", tree_.d.bodies[b].name, i - body.i_v + 1);
   }
   return {};
 }

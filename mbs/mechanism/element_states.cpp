@@ -85,8 +85,10 @@ void ElementStates::size(int n_contacts, Signals& signals) const {
 
 void ElementStates::start(State& s, int n_contacts) const {
   s.c.setZero(tree_.n_dyn);
-  for (std::size_t i = 0; i < tree_.d.controls.size(); ++i) tree_.d.controls[i]->start(s.c.data() + first_state_[i]);
-  for (std::size_t i = 0; i < tree_.d.forces.size(); ++i) tree_.d.forces[i]->start(s.c.data() + first_force_state_[i]);
+  for (std::size_t i = 0; i < tree_.d.controls.size(); ++i)
+    tree_.d.controls[i]->start(s.c.data() + first_state_[i]);
+  for (std::size_t i = 0; i < tree_.d.forces.size(); ++i)
+    tree_.d.forces[i]->start(s.c.data() + first_force_state_[i]);
   s.a.resize(static_cast<Eigen::Index>(algebraic_.size()) + n_contacts);
   for (std::size_t k = 0; k < algebraic_.size(); ++k)
     s.a(static_cast<Eigen::Index>(k)) = tree_.d.controls[algebraic_[k]]->start_algebraic();
@@ -96,9 +98,11 @@ void ElementStates::start(State& s, int n_contacts) const {
 void ElementStates::take_states(const State& s, Motion& motion, Signals& signals) const {
   motion.kin.c = s.c.data();
   // A caller that knows nothing of switches has them all off.
-  for (std::size_t i = 0; i < signals.switches.size(); ++i) signals.switches[i] = i < s.root.size() ? s.root[i] : 0;
+  for (std::size_t i = 0; i < signals.switches.size(); ++i)
+    signals.switches[i] = i < s.root.size() ? s.root[i] : 0;
   for (std::size_t i = 0; i < conditions_.size(); ++i)
-    signals.values(conditions_[i].place) = signals.switches[static_cast<std::size_t>(first_switch_.back()) + i];
+    signals.values(conditions_[i].place) =
+        signals.switches[static_cast<std::size_t>(first_switch_.back()) + i];
   if (s.u.size() == signals.inputs.size())
     signals.inputs = s.u;
   else
@@ -156,7 +160,7 @@ void ElementStates::roots(Motion& motion, const Signals& signals, VectorRef valu
   for (std::size_t i = 0; i < tree_.d.controls.size(); ++i)
     if (tree_.d.controls[i]->n_switches() > 0)
       tree_.d.controls[i]->switching(signals.values.data(), motion.kin.c + first_state_[i],
-                                values.data() + first_control_switch_[i]);
+                                     values.data() + first_control_switch_[i]);
   for (std::size_t i = 0; i < tree_.d.forces.size(); ++i) {
     if (tree_.d.forces[i]->n_switches() == 0) continue;
     own_states(i, motion, signals);
@@ -215,7 +219,8 @@ void ElementStates::release_conditions(State& s) const {
 void ElementStates::hold_conditions(State& s, const Signals& signals) const {
   const auto first = s.root.begin() + first_switch_.back();
   for (std::size_t i = 0; i < conditions_.size(); ++i)
-    first[static_cast<long>(i)] = conditions_[i].formula->condition_now(conditions_[i].node, signals.values.data());
+    first[static_cast<long>(i)] =
+        conditions_[i].formula->condition_now(conditions_[i].node, signals.values.data());
 }
 
 void ElementStates::change_switch(int which, State& s, Motion& motion, const Signals& signals) const {
@@ -230,13 +235,13 @@ void ElementStates::change_switch(int which, State& s, Motion& motion, const Sig
   if (which < first_control_switch_.back()) {
     while (first_control_switch_[i + 1] <= which) ++i;
     tree_.d.controls[i]->change_switch(which - first_control_switch_[i], signals.values.data(),
-                                  s.c.data() + first_state_[i]);
+                                       s.c.data() + first_state_[i]);
     return;
   }
   while (first_switch_[i + 1] <= which) ++i;
   own_states(i, motion, signals);
   tree_.d.forces[i]->change_switch(which - first_switch_[i], motion.kin, signals.values.data(),
-                              s.root.data() + first_switch_[i], s.c.data() + first_force_state_[i]);
+                                   s.root.data() + first_switch_[i], s.c.data() + first_force_state_[i]);
   return;
 }
 
@@ -249,7 +254,7 @@ void ElementStates::start_switches(State& s, Motion& motion, const Signals& sign
     if (tree_.d.forces[i]->n_switches() == 0) continue;
     own_states(i, motion, signals);
     tree_.d.forces[i]->start_switches(motion.kin, signals.values.data(), s.root.data() + first_switch_[i],
-                                 s.c.data() + first_force_state_[i]);
+                                      s.c.data() + first_force_state_[i]);
   }
 }
 

@@ -39,11 +39,15 @@ class ElementStates {
   int n_switches() const { return first_switch_.back() + static_cast<int>(conditions_.size()); }
   bool is_condition(int root) const { return root >= first_switch_.back(); }
   const std::vector<int>& algebraic() const { return algebraic_; }  ///< controls with an algebraic state
-  const std::vector<int>& used_signals() const { return used_signals_; }  ///< in the order of their evaluation
-  const std::vector<SignalSource>& sources() const { return sources_; }   ///< of each signal
+  const std::vector<int>& used_signals() const {
+    return used_signals_;
+  }                                                                      ///< in the order of their evaluation
+  const std::vector<SignalSource>& sources() const { return sources_; }  ///< of each signal
   int first_state_of_control(std::size_t i) const { return first_state_[i]; }
   int first_state_of_force(std::size_t i) const { return first_force_state_[i]; }
-  const std::vector<std::shared_ptr<const TimeFunction>>& functions_of_time() const { return functions_of_time_; }
+  const std::vector<std::shared_ptr<const TimeFunction>>& functions_of_time() const {
+    return functions_of_time_;
+  }
 
   /// c, switches, inputs and algebraic states of `s` into the scratch.
   void take_states(const State& s, Motion& motion, Signals& signals) const;
@@ -78,11 +82,12 @@ class ElementStates {
 
   const Topology& tree_;
   std::vector<int> used_signals_;
-  std::vector<int> first_state_;           ///< of each control in c, and their number at the end
-  std::vector<int> first_force_state_;     ///< of each force in c, after the controls; the number of all at the end
+  std::vector<int> first_state_;  ///< of each control in c, and their number at the end
+  std::vector<int>
+      first_force_state_;  ///< of each force in c, after the controls; the number of all at the end
   std::vector<int> first_control_switch_;  ///< of each control, and their number at the end
   std::vector<int> algebraic_;
-  std::vector<int> first_switch_;  ///< of each force among the switches, and their number at the end
+  std::vector<int> first_switch_;      ///< of each force among the switches, and their number at the end
   std::vector<Condition> conditions_;  ///< the last of the switches
   std::vector<std::shared_ptr<const TimeFunction>> functions_of_time_;
   std::vector<SignalSource> sources_;

@@ -67,7 +67,8 @@ void ElementVariations::size(const Topology& tree, const ElementStates& states, 
   rows.reserve(n_v + 6);
   by_row.setZero(6, n_v + 6);
   motion.setZero(12, n_v);
-  if (!states.used_signals().empty()) signals.setZero(tree.d.signals.size(), 2 * n_v + tree.n_dyn + n_algebraic);
+  if (!states.used_signals().empty())
+    signals.setZero(tree.d.signals.size(), 2 * n_v + tree.n_dyn + n_algebraic);
   is_elastic.assign(n_v, false);
   for (int b : tree.order)
     for (int l = 0; l < tree.bodies[b].m; ++l) is_elastic[tree.bodies[b].i_v + l] = true;
@@ -77,8 +78,9 @@ void ElementVariations::size(const Topology& tree, const ElementStates& states, 
   h_q.setZero(static_cast<Eigen::Index>(rows_of.kept().size()), n_v);
 }
 
-ElementTangents::ElementTangents(const Topology& tree, const ElementStates& states, const ConstraintRows& rows_of,
-                                 TangentScope scope, const Instant& at, TangentMatrices& out)
+ElementTangents::ElementTangents(const Topology& tree, const ElementStates& states,
+                                 const ConstraintRows& rows_of, TangentScope scope, const Instant& at,
+                                 TangentMatrices& out)
     : tree_(tree), states_(states), rows_of_(rows_of), scope_(scope), at_(at), out_(out), e_(at.elements) {
   e_.seen = {-2, -2};
   e_.signals.setZero();
@@ -192,8 +194,7 @@ bool ElementTangents::skips(int j) const {
 }
 
 // What is left of a load on the marker `at`, see the header, and of its reaction.
-void ElementTangents::turn_load(const Reach* reaction, const Matrix3d& R,
-                                              const Vector6d& wrench) {
+void ElementTangents::turn_load(const Reach* reaction, const Matrix3d& R, const Vector6d& wrench) {
   const Spatial w = R * Spatial::from(wrench);
   collect({&e_.at, &e_.axes, reaction}, e_.columns);
   for (const int j : e_.columns) {
@@ -218,8 +219,7 @@ void ElementTangents::turn_load(const Reach* reaction, const Matrix3d& R,
 }
 
 // The coordinates that not all of them have in common, each once.
-void ElementTangents::collect(std::initializer_list<const Reach*> reaches,
-                                            std::vector<int>& out) {
+void ElementTangents::collect(std::initializer_list<const Reach*> reaches, std::vector<int>& out) {
   out.clear();
   ++e_.marks;
   for (const Reach* reach : reaches)
@@ -406,8 +406,8 @@ void ElementTangents::all_signals() {
           break;
         }
         rows();
-        algebraic_ =
-            static_cast<int>(std::ranges::find(states_.algebraic(), source.element) - states_.algebraic().begin());
+        algebraic_ = static_cast<int>(std::ranges::find(states_.algebraic(), source.element) -
+                                      states_.algebraic().begin());
         by_algebraic(1.0);
         algebraic_ = -1;
       }
@@ -434,7 +434,8 @@ void ElementTangents::all_elements() {
   }
   for (std::size_t k = 0; k < rows_of_.contacts().size(); ++k) {
     algebraic_ = static_cast<int>(states_.algebraic().size() + k);
-    rows_of_.constraints()[rows_of_.contacts()[k]]->differentiate_contact(at_.motion.kin, at_.signals.algebraic(algebraic_), *this);
+    rows_of_.constraints()[rows_of_.contacts()[k]]->differentiate_contact(
+        at_.motion.kin, at_.signals.algebraic(algebraic_), *this);
   }
   algebraic_ = -1;
   factor_ = -1.0;

@@ -37,7 +37,8 @@ struct ElementVariations {
   std::vector<int> kept;         ///< of all constraint rows, -1 for redundant ones
   Eigen::MatrixXd z_q, h_q;      ///< of TangentMatrices, by the tangent coordinates of p
 
-  void size(const Topology& tree, const ElementStates& states, const ConstraintRows& rows_of, int n_algebraic);
+  void size(const Topology& tree, const ElementStates& states, const ConstraintRows& rows_of,
+            int n_algebraic);
 };
 
 /// The partial derivatives of elements times how markers, coordinates and signals depend on the columns
@@ -60,8 +61,8 @@ class ElementTangents final : public Derivatives {
     const InertiaVariations& inertia;
     ElementVariations& elements;
   };
-  ElementTangents(const Topology& tree, const ElementStates& states, const ConstraintRows& rows_of, TangentScope scope,
-                  const Instant& at, TangentMatrices& out);
+  ElementTangents(const Topology& tree, const ElementStates& states, const ConstraintRows& rows_of,
+                  TangentScope scope, const Instant& at, TangentMatrices& out);
 
   void all_signals();
   void all_elements();

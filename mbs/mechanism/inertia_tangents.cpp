@@ -49,12 +49,14 @@ void InertiaTangents::size(InertiaVariations& T) const {
     const TreeBody& t = tree_.bodies[b];
     T.bodies[b].modal_w.setZero(t.m, 3);
     T.bodies[b].depth = T.bodies[t.parent].depth + 1;
-    if (const FlexibleBody* flexible = tree_.flexible(b)) T.deformations[b] = flexible->make_deformation_tangents();
+    if (const FlexibleBody* flexible = tree_.flexible(b))
+      T.deformations[b] = flexible->make_deformation_tangents();
     if (t.m == 0) continue;
     widest = std::max(widest, t.m);
     for (const int i : tree_.markers_of_body[b])
       if (tree_.is_carried[i])
-        for (InertiaVariations::Columns6* x : {&T.markers[i].eta, &T.markers[i].D, &T.markers[i].E, &T.markers[i].E_v})
+        for (InertiaVariations::Columns6* x :
+             {&T.markers[i].eta, &T.markers[i].D, &T.markers[i].E, &T.markers[i].E_v})
           x->setZero(6, t.m);
   }
   T.G_p.setZero(6, widest);
@@ -138,8 +140,9 @@ void InertiaTangents::vary_inertia(const Motion& motion, Wrenches& wrenches, con
 
     Eigen::Matrix<double, 6, 3> F_w, turn;
     if (t.m > 0) {
-      tree_.d.bodies[b].flexible->turning_tangents(motion.kin.p + t.i_p, motion.kin.v + t.i_v, R.transpose() * w,
-                                              *wrenches.bodies[b].flexible, F_w, branch.modal_w);
+      tree_.d.bodies[b].flexible->turning_tangents(motion.kin.p + t.i_p, motion.kin.v + t.i_v,
+                                                   R.transpose() * w, *wrenches.bodies[b].flexible, F_w,
+                                                   branch.modal_w);
       F_w.topRows<3>() = (R * F_w.topRows<3>() * R.transpose()).eval();
       F_w.bottomRows<3>() = (R * F_w.bottomRows<3>() * R.transpose()).eval();
     } else {

@@ -51,8 +51,8 @@ class InertiaTangents {
   void joint_columns(bool with_modes, const InertiaVariations& variations, Eigen::MatrixXd& z_q,
                      Eigen::MatrixXd& z_v) const;
   /// The modal blocks, see mode_tangents.cpp; before joint_columns().
-  void mode_columns(const Motion& motion, Wrenches& wrenches, InertiaVariations& variations, Eigen::MatrixXd& z_q,
-                    Eigen::MatrixXd& z_v) const;
+  void mode_columns(const Motion& motion, Wrenches& wrenches, InertiaVariations& variations,
+                    Eigen::MatrixXd& z_q, Eigen::MatrixXd& z_v) const;
   /// z_c of deformations that do not act back, by themselves.
   void following_columns(const Motion& motion, Wrenches& wrenches, InertiaVariations& variations,
                          Eigen::MatrixXd& z_c) const;

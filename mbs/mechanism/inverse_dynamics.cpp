@@ -8,7 +8,8 @@ namespace flexura::mbs {
 void InverseDynamics::size(Wrenches& wrenches) const {
   wrenches.bodies.resize(tree_.d.bodies.size());
   for (int b : tree_.order) {
-    if (const FlexibleBody* flexible = tree_.flexible(b)) wrenches.bodies[b].flexible = flexible->make_scratch();
+    if (const FlexibleBody* flexible = tree_.flexible(b))
+      wrenches.bodies[b].flexible = flexible->make_scratch();
     if (tree_.bodies[b].i_c >= 0) wrenches.bodies[b].no_acceleration.setZero(tree_.bodies[b].n_need);
   }
   wrenches.r.setZero(tree_.n_need);
@@ -19,7 +20,8 @@ void InverseDynamics::size(Wrenches& wrenches) const {
 void InverseDynamics::set_deformations(const Motion& motion, Wrenches& wrenches) const {
   for (int b : tree_.order)
     if (tree_.bodies[b].m > 0)
-      tree_.d.bodies[b].flexible->set_position(motion.kin.p + tree_.bodies[b].i_p, *wrenches.bodies[b].flexible);
+      tree_.d.bodies[b].flexible->set_position(motion.kin.p + tree_.bodies[b].i_p,
+                                               *wrenches.bodies[b].flexible);
 }
 
 void InverseDynamics::clear_loads(Wrenches& wrenches) const {
@@ -78,7 +80,8 @@ void InverseDynamics::backward(const Motion& motion, Wrenches& wrenches, double*
     if (tree_.on_node[t.marker_in]) {
       const TreeBody& tp = tree_.bodies[t.parent];
       const Vector6d f = (X_W_parent.R.transpose() * at_in).vector();
-      wrenches.r.segment(tp.i_need, tp.n_need).noalias() += motion.local[t.marker_in].node.map.transpose() * f;
+      wrenches.r.segment(tp.i_need, tp.n_need).noalias() +=
+          motion.local[t.marker_in].node.map.transpose() * f;
     }
     wrenches.bodies[t.parent].F += shift_wrench(at_in, in.p - X_W_parent.p);
   }
@@ -108,7 +111,8 @@ void InverseDynamics::following_rates(const Motion& motion, const Wrenches& wren
   }
 }
 
-void InverseDynamics::add_energies(const Motion& motion, const Wrenches& wrenches, EnergyReport& report) const {
+void InverseDynamics::add_energies(const Motion& motion, const Wrenches& wrenches,
+                                   EnergyReport& report) const {
   for (int b : tree_.order) {
     const BodyDescription& description = tree_.d.bodies[b];
     const Motion::Body& body = motion.bodies[b];

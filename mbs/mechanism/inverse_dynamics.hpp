@@ -21,7 +21,8 @@ struct Wrenches {
     Eigen::VectorXd no_acceleration;  ///< of a deformation that does not act back
   };
   std::vector<Body> bodies;
-  Eigen::VectorXd r;  ///< n_v forces along the velocity coordinates, then those of deformations that do not act back
+  Eigen::VectorXd
+      r;  ///< n_v forces along the velocity coordinates, then those of deformations that do not act back
   std::vector<Spatial> on_marker;  ///< all applied to a marker that is carried, about its origin, in W
   /// What force elements put on the coordinate of a joint that closes a loop, on M about Mo in F; empty where nobody asks.
   std::vector<Vector6d> on_closure;
@@ -51,7 +52,8 @@ class InverseDynamics {
   Vector6d total_momentum(const Motion& motion, const Wrenches& wrenches) const;
 
  private:
-  void following_need(int body, const Spatial& V, const Spatial& A, const Motion& motion, Wrenches& wrenches) const;
+  void following_need(int body, const Spatial& V, const Spatial& A, const Motion& motion,
+                      Wrenches& wrenches) const;
 
   const Topology& tree_;
 };

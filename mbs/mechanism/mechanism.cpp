@@ -10,7 +10,8 @@ namespace flexura::mbs {
 
 using Level = TreeMotion::Level;
 
-Mechanism::Mechanism(MechanismDescription description) : m_(std::make_unique<Joined>(std::move(description))) {
+Mechanism::Mechanism(MechanismDescription description)
+    : m_(std::make_unique<Joined>(std::move(description))) {
   // A large mechanism asks for the dense factors, which find the name, only where something is wrong.
   const auto scratch = make_scratch();
   if (m_->tree.n_v > 300 && factor_mass(m_->start.p, *scratch)) return;
@@ -23,7 +24,9 @@ Mechanism::~Mechanism() = default;
 
 // ---- what it is
 
-const MechanismDescription& Mechanism::description() const { return m_->tree.d; }
+const MechanismDescription& Mechanism::description() const {
+  return m_->tree.d;
+}
 
 Sizes Mechanism::sizes() const {
   Sizes sizes;
@@ -37,9 +40,13 @@ Sizes Mechanism::sizes() const {
   return sizes;
 }
 
-std::unique_ptr<Equations::Scratch> Mechanism::make_scratch() const { return std::make_unique<MechanismScratch>(*m_); }
+std::unique_ptr<Equations::Scratch> Mechanism::make_scratch() const {
+  return std::make_unique<MechanismScratch>(*m_);
+}
 
-MechanismScratch& Mechanism::scratch_of(Scratch& scratch) const { return static_cast<MechanismScratch&>(scratch); }
+MechanismScratch& Mechanism::scratch_of(Scratch& scratch) const {
+  return static_cast<MechanismScratch&>(scratch);
+}
 
 MechanismScratch& Mechanism::move(double t, ConstVectorRef p, Scratch& scratch) const {
   MechanismScratch& work = scratch_of(scratch);
@@ -64,12 +71,24 @@ State Mechanism::initial_state() const {
   return s;
 }
 
-const std::vector<bool>& Mechanism::given_positions() const { return m_->start.given_p; }
-const std::vector<bool>& Mechanism::given_velocities() const { return m_->start.given_v; }
-bool Mechanism::in_tree(int joint) const { return m_->tree.places[joint].in_tree(); }
-bool Mechanism::is_reversed(int joint) const { return m_->tree.is_reversed(joint); }
-const std::vector<JointPlace>& Mechanism::joint_places() const { return m_->tree.places; }
-const FlexibleBody* Mechanism::deforming(int body) const { return m_->tree.flexible(body); }
+const std::vector<bool>& Mechanism::given_positions() const {
+  return m_->start.given_p;
+}
+const std::vector<bool>& Mechanism::given_velocities() const {
+  return m_->start.given_v;
+}
+bool Mechanism::in_tree(int joint) const {
+  return m_->tree.places[joint].in_tree();
+}
+bool Mechanism::is_reversed(int joint) const {
+  return m_->tree.is_reversed(joint);
+}
+const std::vector<JointPlace>& Mechanism::joint_places() const {
+  return m_->tree.places;
+}
+const FlexibleBody* Mechanism::deforming(int body) const {
+  return m_->tree.flexible(body);
+}
 int Mechanism::modal_position(int body) const {
   const TreeBody& b = m_->tree.bodies[body];
   return b.m > 0 ? b.i_p : -1;
@@ -92,24 +111,35 @@ bool Mechanism::elastic_coordinate(int i_v, int& i_p, double& k, double& d) cons
 void Mechanism::add_elastic_tangents(const State& s, MatrixRef r_p, MatrixRef r_v) const {
   m_->coordinates.add_elastic_tangents(s, r_p, r_v);
 }
-double Mechanism::position_scale(int i) const { return m_->coordinates.position_scale(i); }
-double Mechanism::velocity_scale(int i) const { return m_->coordinates.velocity_scale(i); }
-double Mechanism::rate_scale(int i) const { return m_->coordinates.rate_scale(i); }
-std::string Mechanism::name_of_position(int i) const { return m_->coordinates.name_of_position(i); }
-std::string Mechanism::name_of_velocity(int i) const { return m_->coordinates.name_of_velocity(i); }
+double Mechanism::position_scale(int i) const {
+  return m_->coordinates.position_scale(i);
+}
+double Mechanism::velocity_scale(int i) const {
+  return m_->coordinates.velocity_scale(i);
+}
+double Mechanism::rate_scale(int i) const {
+  return m_->coordinates.rate_scale(i);
+}
+std::string Mechanism::name_of_position(int i) const {
+  return m_->coordinates.name_of_position(i);
+}
+std::string Mechanism::name_of_velocity(int i) const {
+  return m_->coordinates.name_of_velocity(i);
+}
 std::string Mechanism::name_of_dynamic(int i) const {
   return i < m_->tree.n_own ? m_->states.name_of_state(i) : m_->coordinates.name_of_following(i);
 }
 
 // ---- equations of motion
 
-void Mechanism::momentum(const State& s, ConstVectorRef v_dot, Scratch& scratch, VectorRef r, VectorRef c_rate,
-                         VectorRef b) const {
+void Mechanism::momentum(const State& s, ConstVectorRef v_dot, Scratch& scratch, VectorRef r,
+                         VectorRef c_rate, VectorRef b) const {
   m_->residual.momentum(s, v_dot, scratch_of(scratch), r, c_rate, b);
 }
 
-void Mechanism::residuals(const State& s, ConstVectorRef v_dot, ConstVectorRef mu, Scratch& scratch, VectorRef r,
-                          VectorRef c_rate, VectorRef b, VectorRef g_dot, VectorRef g, VectorRef GT_mu) const {
+void Mechanism::residuals(const State& s, ConstVectorRef v_dot, ConstVectorRef mu, Scratch& scratch,
+                          VectorRef r, VectorRef c_rate, VectorRef b, VectorRef g_dot, VectorRef g,
+                          VectorRef GT_mu) const {
   m_->residual.residuals(s, v_dot, mu, scratch_of(scratch), r, c_rate, b, g_dot, g, GT_mu);
 }
 
@@ -133,7 +163,9 @@ bool Mechanism::factor_mass(ConstVectorRef p, Scratch& scratch) const {
   return m_->mass.factor(work.motion, work.inertias);
 }
 
-void Mechanism::solve_mass(Scratch& scratch, VectorRef x) const { m_->mass.solve(scratch_of(scratch).inertias, x); }
+void Mechanism::solve_mass(Scratch& scratch, VectorRef x) const {
+  m_->mass.solve(scratch_of(scratch).inertias, x);
+}
 
 EnergyReport Mechanism::energy(const State& s, ConstVectorRef, Scratch& scratch) const {
   MechanismScratch& work = observe(s, scratch);
@@ -170,7 +202,8 @@ void Mechanism::acceleration_constraints(double t, ConstVectorRef p, ConstVector
   m_->rows.acceleration(work.motion, work.rows, g_ddot);
 }
 
-void Mechanism::apply_GT(double t, ConstVectorRef p, ConstVectorRef x, Scratch& scratch, VectorRef f_c) const {
+void Mechanism::apply_GT(double t, ConstVectorRef p, ConstVectorRef x, Scratch& scratch,
+                         VectorRef f_c) const {
   MechanismScratch& work = move(t, p, scratch);
   m_->dynamics.clear_loads(work.wrenches);
   BodyLoads loads(m_->tree, work.motion, work.wrenches, -1.0);
@@ -213,21 +246,29 @@ ConstraintSizes Mechanism::left_out_sizes(double t, ConstVectorRef p, Scratch& s
   return sizes_of_rows(m_->rows.left_out(), t, p, scratch);
 }
 
-int Mechanism::n_left_out() const { return static_cast<int>(m_->rows.left_out().size()); }
+int Mechanism::n_left_out() const {
+  return static_cast<int>(m_->rows.left_out().size());
+}
 
 void Mechanism::left_out_constraints(double t, ConstVectorRef p, ConstVectorRef v, ConstVectorRef v_dot,
                                      Scratch& scratch, VectorRef g, VectorRef g_dot, VectorRef g_ddot) const {
   if (n_left_out() == 0) return;
   MechanismScratch& work = scratch_of(scratch);
   const bool to_acceleration = v_dot.size() > 0;
-  m_->kinematics.forward(to_acceleration ? Level::acceleration : Level::velocity, t, p.data(), v.data(), v_dot.data(),
-                         work.motion);
+  m_->kinematics.forward(to_acceleration ? Level::acceleration : Level::velocity, t, p.data(), v.data(),
+                         v_dot.data(), work.motion);
   m_->rows.left_out_constraints(to_acceleration, work.motion, work.rows, g, g_dot, g_ddot);
 }
 
-std::vector<std::string> Mechanism::names_of_left_out(int i) const { return m_->rows.names_of_left_out(i); }
-bool Mechanism::is_holonomic(int row) const { return m_->rows.is_holonomic(row); }
-std::string Mechanism::name_of_constraint(int i) const { return m_->rows.name_of_row(m_->rows.kept()[i]); }
+std::vector<std::string> Mechanism::names_of_left_out(int i) const {
+  return m_->rows.names_of_left_out(i);
+}
+bool Mechanism::is_holonomic(int row) const {
+  return m_->rows.is_holonomic(row);
+}
+std::string Mechanism::name_of_constraint(int i) const {
+  return m_->rows.name_of_row(m_->rows.kept()[i]);
+}
 
 void Mechanism::start_contacts(State& s, Scratch& scratch) const {
   const MechanismScratch& work = move(s.t, s.p, scratch);
@@ -284,9 +325,15 @@ void Mechanism::hold_conditions(State& s, Scratch& scratch) const {
   m_->states.hold_conditions(s, observe(s, scratch).signals);
 }
 
-bool Mechanism::is_condition(int root) const { return m_->states.is_condition(root); }
-bool Mechanism::is_kink(int root) const { return m_->states.is_kink(root); }
-std::string Mechanism::name_of_root(int i) const { return m_->states.name_of_root(i); }
+bool Mechanism::is_condition(int root) const {
+  return m_->states.is_condition(root);
+}
+bool Mechanism::is_kink(int root) const {
+  return m_->states.is_kink(root);
+}
+std::string Mechanism::name_of_root(int i) const {
+  return m_->states.name_of_root(i);
+}
 std::string Mechanism::describe_root(int i) const {
   return is_condition(i) ? m_->states.describe_root(i) : Equations::describe_root(i);
 }
@@ -299,8 +346,14 @@ std::string Mechanism::name_of_algebraic(int i) const {
 std::vector<std::shared_ptr<const TimeFunction>> Mechanism::functions_of_time() const {
   return m_->states.functions_of_time();
 }
-int Mechanism::n_inputs() const { return static_cast<int>(description().inputs.size()); }
-std::string Mechanism::name_of_input(int i) const { return description().inputs[i].name; }
-double Mechanism::input_value(int i, double t) const { return description().inputs[i].value->evaluate(&t); }
+int Mechanism::n_inputs() const {
+  return static_cast<int>(description().inputs.size());
+}
+std::string Mechanism::name_of_input(int i) const {
+  return description().inputs[i].name;
+}
+double Mechanism::input_value(int i, double t) const {
+  return description().inputs[i].value->evaluate(&t);
+}
 
 }  // namespace flexura::mbs

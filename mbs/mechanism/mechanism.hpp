@@ -158,7 +158,8 @@ class Mechanism final : public Equations {
   struct Joined;
   MechanismScratch& scratch_of(Scratch& scratch) const;
   ForceNature nature_by_trial(std::size_t force, const State& s, Scratch& scratch) const;
-  ConstraintSizes sizes_of_rows(const std::vector<int>& rows, double t, ConstVectorRef p, Scratch& scratch) const;
+  ConstraintSizes sizes_of_rows(const std::vector<int>& rows, double t, ConstVectorRef p,
+                                Scratch& scratch) const;
   /// After its positions and velocities: states and signals.
   MechanismScratch& observe(const State& s, Scratch& scratch) const;
   /// Positions alone.

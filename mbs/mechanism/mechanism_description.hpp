@@ -22,10 +22,11 @@
 namespace flexura::mbs {
 
 struct MarkerDescription {
-  std::string name;   ///< "crank.pin"
-  int body = 0;       ///< 0 is ground
-  Pose X_BP;          ///< in the undeformed body; on a node: relative to the node
-  int node = -1;      ///< of a flexible body: loads here deform it, and where the deformation acts back it moves the marker
+  std::string name;  ///< "crank.pin"
+  int body = 0;      ///< 0 is ground
+  Pose X_BP;         ///< in the undeformed body; on a node: relative to the node
+  int node =
+      -1;  ///< of a flexible body: loads here deform it, and where the deformation acts back it moves the marker
 };
 
 struct BodyDescription {
@@ -35,12 +36,12 @@ struct BodyDescription {
   std::shared_ptr<const StressField> stress = {};      ///< of a deforming body
   std::shared_ptr<const SectionPoints> sections = {};  ///< of a deforming beam part
   std::shared_ptr<const SurfacePoints> surface_points = {};
-  std::optional<Pose> X_WB = {};                       ///< guess for the assembly, in [m]
-  std::string superelement = {};                       ///< file, for pictures
-  bool follows_surface = false;                        ///< markers follow nodes of the superelement's surface
-  std::vector<BodyLoad> loads = {};                    ///< load cases of its superelement
-  bool is_loaded_by_case = false;                      ///< a force puts one of them on it
-  std::string shape_json = {};                         ///< primitive shapes, for pictures
+  std::optional<Pose> X_WB = {};     ///< guess for the assembly, in [m]
+  std::string superelement = {};     ///< file, for pictures
+  bool follows_surface = false;      ///< markers follow nodes of the superelement's surface
+  std::vector<BodyLoad> loads = {};  ///< load cases of its superelement
+  bool is_loaded_by_case = false;    ///< a force puts one of them on it
+  std::string shape_json = {};       ///< primitive shapes, for pictures
 };
 
 struct JointDescription {

@@ -4,8 +4,12 @@
 /// What a mechanism shows of one state: quantities, poses and motions of bodies.
 namespace flexura::mbs {
 
-std::vector<OutputInfo> Mechanism::quantities() const { return m_->quantities.infos(); }
-std::vector<int> Mechanism::usual_quantities() const { return m_->quantities.usual(); }
+std::vector<OutputInfo> Mechanism::quantities() const {
+  return m_->quantities.infos();
+}
+std::vector<int> Mechanism::usual_quantities() const {
+  return m_->quantities.usual();
+}
 
 std::vector<bool> Mechanism::not_unique(double t, ConstVectorRef p) const {
   const auto scratch = make_scratch();
@@ -13,8 +17,8 @@ std::vector<bool> Mechanism::not_unique(double t, ConstVectorRef p) const {
   return m_->quantities.not_unique(m_->dynamics, work.motion, work.wrenches, work.rows);
 }
 
-void Mechanism::evaluate(const std::vector<int>& which, const State& s, ConstVectorRef v_dot, Scratch& scratch,
-                         VectorRef values) const {
+void Mechanism::evaluate(const std::vector<int>& which, const State& s, ConstVectorRef v_dot,
+                         Scratch& scratch, VectorRef values) const {
   const MechanismDescription& d = description();
   MechanismScratch& work = scratch_of(scratch);
   m_->residual.move(TreeMotion::Level::acceleration, s, v_dot.data(), work);
@@ -29,8 +33,10 @@ void Mechanism::evaluate(const std::vector<int>& which, const State& s, ConstVec
     const ElementStates::SignalSource& source = sources[k];
     if (source.kind == ElementStates::SignalSource::Kind::coordinate)
       signals(k) = work.motion.kin.coordinate(source.coordinate);
-    if (source.kind == ElementStates::SignalSource::Kind::input) signals(k) = m_->states.input_now(source.element, work.motion, work.signals);
-    if (source.kind == ElementStates::SignalSource::Kind::speed) signals(k) = work.motion.kin.speed(source.coordinate);
+    if (source.kind == ElementStates::SignalSource::Kind::input)
+      signals(k) = m_->states.input_now(source.element, work.motion, work.signals);
+    if (source.kind == ElementStates::SignalSource::Kind::speed)
+      signals(k) = work.motion.kin.speed(source.coordinate);
   }
   const auto evaluate_controls = [&](bool feed_through) {
     for (std::size_t i = 0; i < d.controls.size(); ++i) {

@@ -10,8 +10,8 @@ namespace flexura::mbs {
 
 using Eigen::MatrixXd;
 
-void MechanismTangents::evaluate(const State& s, ConstVectorRef v_dot, TangentScope scope, MechanismScratch& work,
-                                 TangentMatrices& out) const {
+void MechanismTangents::evaluate(const State& s, ConstVectorRef v_dot, TangentScope scope,
+                                 MechanismScratch& work, TangentMatrices& out) const {
   const bool with_modes = m_.tree.n_flx > 0 && scope == TangentScope::everything;
   if (!work.tangents) size(work);
   MechanismScratch::Tangents& T = *work.tangents;
@@ -57,7 +57,7 @@ void MechanismTangents::size(MechanismScratch& work) const {
 
 // Central differences of what the elements do.
 void MechanismTangents::difference_elements(const State& s, TangentScope scope, MechanismScratch& work,
-                                    TangentMatrices& out) const {
+                                            TangentMatrices& out) const {
   const auto& constraints = m_.rows.constraints();
   const auto wants_differences = [](const auto& element) { return !element->has_derivatives(); };
   if (std::ranges::none_of(m_.tree.d.forces, wants_differences) &&
@@ -121,14 +121,15 @@ void MechanismTangents::difference_elements(const State& s, TangentScope scope, 
 // By the motion and by the states of others: central differences, of which rigid bodies have few.  By
 // accelerations and reactions, which act linearly, unit steps are exact.
 void MechanismTangents::difference_following(const State& s, ConstVectorRef v_dot, MechanismScratch& work,
-                                   TangentMatrices& out) const {
+                                             TangentMatrices& out) const {
   const int first = m_.tree.n_own, n = m_.tree.n_dyn - first;
   if (n == 0) return;
   MechanismScratch::Tangents& T = *work.tangents;
   State& moved = T.moved;
   moved = s;
   const auto evaluate = [&](ConstVectorRef at_v_dot, Eigen::VectorXd& z) {
-    residual_.momentum(moved, at_v_dot, work, z.head(m_.tree.n_v), z.segment(m_.tree.n_v, m_.tree.n_dyn), z.tail(z.size() - m_.tree.n_v - m_.tree.n_dyn));
+    residual_.momentum(moved, at_v_dot, work, z.head(m_.tree.n_v), z.segment(m_.tree.n_v, m_.tree.n_dyn),
+                       z.tail(z.size() - m_.tree.n_v - m_.tree.n_dyn));
   };
   const auto change = [&](double step) { return (T.z_plus - T.z).segment(m_.tree.n_v + first, n) / step; };
   for (int j = 0; j < m_.tree.n_v; ++j) {

@@ -17,8 +17,10 @@ class MechanismTangents {
 
  private:
   void size(MechanismScratch& work) const;
-  void difference_elements(const State& s, TangentScope scope, MechanismScratch& work, TangentMatrices& out) const;
-  void difference_following(const State& s, ConstVectorRef v_dot, MechanismScratch& work, TangentMatrices& out) const;
+  void difference_elements(const State& s, TangentScope scope, MechanismScratch& work,
+                           TangentMatrices& out) const;
+  void difference_following(const State& s, ConstVectorRef v_dot, MechanismScratch& work,
+                            TangentMatrices& out) const;
 
   const MechanismParts& m_;
   const Residual& residual_;

@@ -49,8 +49,9 @@ void InertiaTangents::vary_nodes(int b, const Motion& motion, const Wrenches& wr
     if (t.marker_out == i) add(T.bodies[b].F, -1.0);
     for (const int c : tree_.order)
       if (tree_.bodies[c].marker_in == i) add(T.bodies[c].F, 1.0);
-    tree_.d.bodies[b].flexible->node_tangents(tree_.d.markers[i].node, motion.kin.p + t.i_p, motion.kin.v + t.i_v,
-                                         motion.kin.v_dot + t.i_v, (R.transpose() * f).vector(), d);
+    tree_.d.bodies[b].flexible->node_tangents(tree_.d.markers[i].node, motion.kin.p + t.i_p,
+                                              motion.kin.v + t.i_v, motion.kin.v_dot + t.i_v,
+                                              (R.transpose() * f).vector(), d);
     z_q.block(t.i_v, t.i_v, t.m, t.m) += d.map_s;
 
     InertiaVariations::MovedNode& moved = T.markers[i];
@@ -87,7 +88,8 @@ void InertiaTangents::mode_columns(const Motion& motion, Wrenches& wrenches, Ine
     const Spatial V = R.transpose() * body.V;
     const Spatial A = R.transpose() * Spatial{body.A.angular, body.A.linear - tree_.d.gravity};
     tree_.d.bodies[b].flexible->deformation_tangents(motion.kin.p + t.i_p, motion.kin.v + t.i_v,
-                                                motion.kin.v_dot + t.i_v, V, A, *wrenches.bodies[b].flexible, d);
+                                                     motion.kin.v_dot + t.i_v, V, A,
+                                                     *wrenches.bodies[b].flexible, d);
     z_q.block(first, first, m, m) = d.modal_s;
     z_v.block(first, first, m, m) = d.modal_v;
     vary_nodes(b, motion, wrenches, variations, z_q);
@@ -132,8 +134,8 @@ void InertiaTangents::mode_columns(const Motion& motion, Wrenches& wrenches, Ine
   }
 }
 
-void InertiaTangents::following_columns(const Motion& motion, Wrenches& wrenches, InertiaVariations& variations,
-                                        MatrixXd& z_c) const {
+void InertiaTangents::following_columns(const Motion& motion, Wrenches& wrenches,
+                                        InertiaVariations& variations, MatrixXd& z_c) const {
   for (int b : tree_.order) {
     if (tree_.bodies[b].i_c < 0) continue;
     const int m = tree_.bodies[b].n_need, i = tree_.bodies[b].i_c;
@@ -141,9 +143,10 @@ void InertiaTangents::following_columns(const Motion& motion, Wrenches& wrenches
     DeformationTangents& d = variations.deformations[b];
     const Matrix3d& R = body.X_WB.R;
     const double* s = motion.kin.c + i;
-    tree_.d.bodies[b].flexible->deformation_tangents(s, s + m, wrenches.bodies[b].no_acceleration.data(), R.transpose() * body.V,
-                                                R.transpose() * Spatial{body.A.angular, body.A.linear - tree_.d.gravity},
-                                                *wrenches.bodies[b].flexible, d);
+    tree_.d.bodies[b].flexible->deformation_tangents(
+        s, s + m, wrenches.bodies[b].no_acceleration.data(), R.transpose() * body.V,
+        R.transpose() * Spatial{body.A.angular, body.A.linear - tree_.d.gravity},
+        *wrenches.bodies[b].flexible, d);
     z_c.block(tree_.n_v + i, i + m, m, m).setIdentity();
     z_c.block(tree_.n_v + i + m, i, m, m) = -d.modal_s;
     z_c.block(tree_.n_v + i + m, i + m, m, m) = -d.modal_v;

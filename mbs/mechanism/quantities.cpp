@@ -16,10 +16,11 @@ constexpr input::Dimension linear_momentum{{1, 1, -1, 0}}, angular_momentum{{2, 
 
 }  // namespace
 
-Quantities::Quantities(const Topology& tree, const ConstraintRows& rows, int n_algebraic) : tree_(tree), rows_(rows) {
+Quantities::Quantities(const Topology& tree, const ConstraintRows& rows, int n_algebraic)
+    : tree_(tree), rows_(rows) {
   std::set<std::string> taken;
-  const auto add = [&](std::string name, input::Dimension dimension, std::string doc, Kind kind,
-                       int index, int component = 0, bool usual = false) {
+  const auto add = [&](std::string name, input::Dimension dimension, std::string doc, Kind kind, int index,
+                       int component = 0, bool usual = false) {
     if (!taken.insert(name).second) return;  // a free body's joint bears its name: "stone.x" is one thing
     all_.push_back({{std::move(name), dimension, std::move(doc)}, kind, index, component, usual});
   };
@@ -126,16 +127,16 @@ Quantities::Quantities(const Topology& tree, const ConstraintRows& rows, int n_a
     }
   }
   for (std::size_t i = 0; i < tree_.d.measures.size(); ++i)
-    add(tree_.d.measures[i]->name(), tree_.d.measures[i]->dimension(), "measure", K::measure, static_cast<int>(i), 0,
-        true);
+    add(tree_.d.measures[i]->name(), tree_.d.measures[i]->dimension(), "measure", K::measure,
+        static_cast<int>(i), 0, true);
   for (std::size_t k = 0; k < rows.contacts().size(); ++k)
     add(rows.constraints()[rows.contacts()[k]]->name() + ".contact", dim::length,
-        "where along its curve the point stands", K::contact, n_algebraic + static_cast<int>(k), 0,
-        true);
+        "where along its curve the point stands", K::contact, n_algebraic + static_cast<int>(k), 0, true);
   for (std::size_t i = 0; i < tree_.d.inputs.size(); ++i)
     add(tree_.d.inputs[i].name, dim::none, "input", K::input, static_cast<int>(i), 0, true);
   for (std::size_t i = 0; i < tree_.d.controls.size(); ++i)
-    add(tree_.d.controls[i]->name(), dim::none, "output of the control", K::control, static_cast<int>(i), 0, true);
+    add(tree_.d.controls[i]->name(), dim::none, "output of the control", K::control, static_cast<int>(i), 0,
+        true);
   for (std::size_t f = 0; f < tree_.d.forces.size(); ++f) {
     const auto outputs = tree_.d.forces[f]->outputs();
     for (std::size_t i = 0; i < outputs.size(); ++i)
@@ -143,7 +144,8 @@ Quantities::Quantities(const Topology& tree, const ConstraintRows& rows, int n_a
           static_cast<int>(f), static_cast<int>(i), true);
   }
   for (std::size_t k = rows.first_own(); k < rows.constraints().size(); ++k)
-    add_outputs(rows.constraints()[k]->name(), rows.constraints()[k]->outputs(), K::constraint, static_cast<int>(k));
+    add_outputs(rows.constraints()[k]->name(), rows.constraints()[k]->outputs(), K::constraint,
+                static_cast<int>(k));
   for (int i = 0; i < 3; ++i)
     add(fmt::format("momentum.linear_{}", axis_names[i]), linear_momentum,
         "of all bodies, in the world's axes", K::momentum, 0, 3 + i);

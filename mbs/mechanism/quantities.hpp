@@ -71,7 +71,8 @@ class Quantities {
     int index, component;
     bool usual;
   };
-  Vector6d joint_reaction(int joint, const Motion& motion, const Wrenches& wrenches, const RowValues& rows) const;
+  Vector6d joint_reaction(int joint, const Motion& motion, const Wrenches& wrenches,
+                          const RowValues& rows) const;
   double drive_force(int joint, int coordinate, const RowValues& rows) const;
 
   const Topology& tree_;

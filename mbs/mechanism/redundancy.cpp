@@ -1,10 +1,10 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mbs/mechanism/redundancy.hpp"
+
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <utility>
-
-#include "mbs/mechanism/redundancy.hpp"
 
 /// Which constraint rows say nothing new.
 namespace flexura::mbs {
@@ -81,7 +81,8 @@ Redundancy find_redundancy(const Equations& mechanism, double t, ConstVectorRef 
     // What axes that are parallel but for round-off leave of a row would pass for a direction once
     // normalised.
     for (int i = 0; i < n_rows; ++i)
-      if (G.row(i).cwiseAbs().maxCoeff() < (sizes.is_length[i] ? vanishing_length : vanishing_angle) * sizes.size(i))
+      if (G.row(i).cwiseAbs().maxCoeff() <
+          (sizes.is_length[i] ? vanishing_length : vanishing_angle) * sizes.size(i))
         G.row(i).setZero();
     return G;
   };

@@ -10,13 +10,15 @@ namespace flexura::mbs {
 /// Rows of G, by their index.
 struct Redundancy {
   std::vector<int> kept, left_out;
-  std::vector<std::vector<int>> follows_from;  ///< of each row left out: kept ones that it is a combination of
+  std::vector<std::vector<int>>
+      follows_from;  ///< of each row left out: kept ones that it is a combination of
 };
 
 /// Which rows say nothing new at the configuration p and near it.  `scale` is what a coordinate changes by in a motion as
 /// large as the mechanism (n_v); rows `of_positions` are kept before others, and those that `last` say where the mechanism
 /// may be at all times.
-Redundancy find_redundancy(const Equations& mechanism, double t, ConstVectorRef p, const Eigen::VectorXd& scale,
-                           const std::vector<bool>& of_positions, const std::vector<bool>& lasts);
+Redundancy find_redundancy(const Equations& mechanism, double t, ConstVectorRef p,
+                           const Eigen::VectorXd& scale, const std::vector<bool>& of_positions,
+                           const std::vector<bool>& lasts);
 
 }  // namespace flexura::mbs

@@ -4,7 +4,8 @@
 namespace flexura::mbs {
 
 void Residual::move(Level level, const State& s, const double* v_dot, MechanismScratch& work) const {
-  m_.kinematics.forward(level, s.t, s.p.data(), level == Level::position ? nullptr : s.v.data(), v_dot, work.motion);
+  m_.kinematics.forward(level, s.t, s.p.data(), level == Level::position ? nullptr : s.v.data(), v_dot,
+                        work.motion);
 }
 
 void Residual::take_states(const State& s, MechanismScratch& work) const {
@@ -19,7 +20,8 @@ void Residual::observe(const State& s, MechanismScratch& work) const {
 }
 
 // After move() on acceleration level: what moves the bodies less what acts on them.
-void Residual::finish(const State& s, MechanismScratch& work, VectorRef r, VectorRef c_rate, VectorRef b) const {
+void Residual::finish(const State& s, MechanismScratch& work, VectorRef r, VectorRef c_rate,
+                      VectorRef b) const {
   take_states(s, work);
   m_.dynamics.body_forces(work.motion, work.wrenches);
   m_.states.evaluate_signals(work.motion, work.signals);
@@ -28,14 +30,15 @@ void Residual::finish(const State& s, MechanismScratch& work, VectorRef r, Vecto
   m_.dynamics.following_rates(work.motion, work.wrenches, c_rate.data());
 }
 
-void Residual::momentum(const State& s, ConstVectorRef v_dot, MechanismScratch& work, VectorRef r, VectorRef c_rate,
-                        VectorRef b) const {
+void Residual::momentum(const State& s, ConstVectorRef v_dot, MechanismScratch& work, VectorRef r,
+                        VectorRef c_rate, VectorRef b) const {
   move(Level::acceleration, s, v_dot.data(), work);
   finish(s, work, r, c_rate, b);
 }
 
-void Residual::residuals(const State& s, ConstVectorRef v_dot, ConstVectorRef mu, MechanismScratch& work, VectorRef r,
-                         VectorRef c_rate, VectorRef b, VectorRef g_dot, VectorRef g, VectorRef GT_mu) const {
+void Residual::residuals(const State& s, ConstVectorRef v_dot, ConstVectorRef mu, MechanismScratch& work,
+                         VectorRef r, VectorRef c_rate, VectorRef b, VectorRef g_dot, VectorRef g,
+                         VectorRef GT_mu) const {
   move(Level::acceleration, s, v_dot.data(), work);
   if (mu.size() > 0) {
     m_.rows.position(work.motion, work.rows, g);
@@ -48,7 +51,8 @@ void Residual::residuals(const State& s, ConstVectorRef v_dot, ConstVectorRef mu
   finish(s, work, r, c_rate, b);
 }
 
-void Residual::element_loads(const State& s, Which which, VectorRef c_rate, VectorRef b, MechanismScratch& work) const {
+void Residual::element_loads(const State& s, Which which, VectorRef c_rate, VectorRef b,
+                             MechanismScratch& work) const {
   const MechanismDescription& d = m_.tree.d;
   const double* const signals = work.signals.values.data();
   const bool all = which == Which::all;
@@ -67,7 +71,8 @@ void Residual::element_loads(const State& s, Which which, VectorRef c_rate, Vect
   }
   if (all) {
     m_.states.algebraic_equations(work.signals, b);
-    m_.rows.contact_equations(work.signals.algebraic, static_cast<int>(m_.states.algebraic().size()), work.motion, b);
+    m_.rows.contact_equations(work.signals.algebraic, static_cast<int>(m_.states.algebraic().size()),
+                              work.motion, b);
   }
   BodyLoads reactions(m_.tree, work.motion, work.wrenches, -1.0);
   m_.rows.add_constraint_loads(s.lambda.data(), which, work.motion, work.rows, reactions);

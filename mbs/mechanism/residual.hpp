@@ -25,7 +25,8 @@ class Residual {
                  VectorRef c_rate, VectorRef b, VectorRef g_dot, VectorRef g, VectorRef GT_mu) const;
 
   /// What forces, controls and constraints contribute, after observe().
-  void element_loads(const State& s, Which which, VectorRef c_rate, VectorRef b, MechanismScratch& work) const;
+  void element_loads(const State& s, Which which, VectorRef c_rate, VectorRef b,
+                     MechanismScratch& work) const;
   /// After observe() and InverseDynamics::set_deformations().
   EnergyReport energies(const double* lambda, MechanismScratch& work) const;
 

@@ -6,7 +6,8 @@ namespace flexura::mbs {
 void StartValues::stand_at(int b, const Pose& X_WB, const Motion& motion) {
   const TreeBody& body = tree_.bodies[b];
   const JointPlace& place = tree_.places[body.joint];
-  const Pose X = motion.kin.markers[body.marker_in].X_WP.inverse() * X_WB * motion.local[body.marker_out].X_BP;
+  const Pose X =
+      motion.kin.markers[body.marker_in].X_WP.inverse() * X_WB * motion.local[body.marker_out].X_BP;
   place.joint->coordinates_of(body.reversed ? X.inverse() : X, p.data() + place.i_p);
 }
 
@@ -69,7 +70,8 @@ void StartValues::follow_split_joints() {
     double q[7] = {};
     joint.joint->reference(q);
     const Pose X_in_out = reversed ? joint.joint->pose(q).inverse() : joint.joint->pose(q);
-    const Pose X_WB = tree_.d.bodies[b].X_WB.value_or(parent.X_WP * X_in_out * motion.local[out].X_BP.inverse());
+    const Pose X_WB =
+        tree_.d.bodies[b].X_WB.value_or(parent.X_WP * X_in_out * motion.local[out].X_BP.inverse());
     const Vector3d r = X_WB.p - parent.X_WP.p;
     const Spatial V = {parent.V.angular, parent.V.linear + parent.V.angular.cross(r)};
 

@@ -149,10 +149,12 @@ void Topology::grow_tree() {
               ? fmt::format("joint \"{}\" is coupled but closes a loop; take away its cut = true and cut "
                             "another joint of the loop",
                             d.joints[j].name)
-              : fmt::format("joint \"{}\" is coupled but closes a loop of joints that are all coupled or driven ({}): "
-                            "where one of them is prescribed by the others its coupling can only say the same or "
-                            "contradict them; take away one of the couplings or drives",
-                            d.joints[j].name, loop_of(static_cast<int>(j))));
+              : fmt::format(
+                    "joint \"{}\" is coupled but closes a loop of joints that are all coupled or driven "
+                    "({}): "
+                    "where one of them is prescribed by the others its coupling can only say the same or "
+                    "contradict them; take away one of the couplings or drives",
+                    d.joints[j].name, loop_of(static_cast<int>(j))));
 
   for (std::size_t j = 0; j < d.joints.size(); ++j) {
     const JointDescription& joint = d.joints[j];

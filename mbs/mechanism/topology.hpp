@@ -18,7 +18,7 @@ struct TreeBody {
   int marker_out = -1;    ///< the joint's marker on this body
   int i_p = 0, i_v = 0;   ///< coordinates of its deformation (after those of the joint)
   int m = 0;              ///< their number; 0 where it is rigid or the deformation does not act back
-  int i_c = -1;           ///< of a deformation that does not act back: its coordinates, then their rates, in c
+  int i_c = -1;  ///< of a deformation that does not act back: its coordinates, then their rates, in c
   /// What the deformation needs in Work::r: m numbers at i_v, or of one that does not act back behind those of all
   /// velocities.
   int i_need = 0, n_need = 0;

@@ -21,14 +21,15 @@ void TreeMotion::size(Motion& motion) const {
     if (tree_.on_node[i]) motion.local[i].node = tree_.flexible(marker.body)->make_node_motion();
     // Where the deformation does not act back the marker stays, and loads see the undeformed body.
     if (tree_.on_node[i] && !tree_.is_carried[i])
-      place_on_node(static_cast<int>(i), Eigen::VectorXd(Eigen::VectorXd::Zero(tree_.flexible(marker.body)->m())).data(),
-                    nullptr, nullptr, motion);
+      place_on_node(static_cast<int>(i),
+                    Eigen::VectorXd(Eigen::VectorXd::Zero(tree_.flexible(marker.body)->m())).data(), nullptr,
+                    nullptr, motion);
     if (marker.body == 0) motion.kin.markers[i].X_WP = marker.X_BP;
   }
 }
 
 void TreeMotion::forward(Level level, double t, const double* p, const double* v, const double* v_dot,
-                        Motion& motion) const {
+                         Motion& motion) const {
   motion.kin.t = t;
   motion.kin.p = p;
   motion.kin.v = v;
@@ -49,7 +50,7 @@ void TreeMotion::forward(Level level, double t, const double* p, const double* v
 }
 
 void TreeMotion::place_on_node(int marker, const double* s, const double* s_dot, const double* s_ddot,
-                              Motion& motion) const {
+                               Motion& motion) const {
   const MarkerDescription& description = tree_.d.markers[marker];
   Motion::LocalMarker& local = motion.local[marker];
   NodeMotion& node = local.node;
@@ -62,8 +63,7 @@ void TreeMotion::place_on_node(int marker, const double* s, const double* s_dot,
   if (!s_dot) return;
   const Vector3d w_x_r = node.V.angular.cross(r);
   node.V.linear += w_x_r;
-  if (s_ddot)
-    node.A.linear += node.A.angular.cross(r) + node.V.angular.cross(w_x_r);
+  if (s_ddot) node.A.linear += node.A.angular.cross(r) + node.V.angular.cross(w_x_r);
 }
 
 void TreeMotion::move_through_joint(int b, Level level, Motion& motion) const {

@@ -45,7 +45,8 @@ class TreeMotion {
   void size(Motion& motion) const;
 
   /// To `level`, from p (n_p), v and v_dot (n_v); null beyond the level.  Keeps the pointers.
-  void forward(Level level, double t, const double* p, const double* v, const double* v_dot, Motion& motion) const;
+  void forward(Level level, double t, const double* p, const double* v, const double* v_dot,
+               Motion& motion) const;
   /// After forward() on level velocity, with kin.c: the markers on deformations that do not act back where these take
   /// them.
   void show_following(Motion& motion) const;
@@ -55,7 +56,8 @@ class TreeMotion {
  private:
   void move_through_joint(int body, Level level, Motion& motion) const;
   void place_markers(int body, Level level, Motion& motion) const;
-  void place_on_node(int marker, const double* s, const double* s_dot, const double* s_ddot, Motion& motion) const;
+  void place_on_node(int marker, const double* s, const double* s_dot, const double* s_ddot,
+                     Motion& motion) const;
 
   const Topology& tree_;
 };

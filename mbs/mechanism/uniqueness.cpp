@@ -64,7 +64,8 @@ std::vector<bool> Quantities::not_unique(const InverseDynamics& dynamics, Motion
     VectorXd x = VectorXd::Unit(n_rows, i) / length(i);
     if (kept.cols() > 0) {
       const VectorXd y = combine.solve(VectorXd(G.row(i).transpose() / length(i)));
-      for (std::size_t k = 0; k < rows_.kept().size(); ++k) x(rows_.kept()[k]) = -y(k) / length(rows_.kept()[k]);
+      for (std::size_t k = 0; k < rows_.kept().size(); ++k)
+        x(rows_.kept()[k]) = -y(k) / length(rows_.kept()[k]);
     }
     load(x);
     values.setZero();
@@ -79,8 +80,8 @@ std::vector<bool> Quantities::not_unique(const InverseDynamics& dynamics, Motion
       } else if (place.kind == Kind::constraint) {
         outputs.assign(rows_.constraints()[place.index]->outputs().size(), 0.0);
         rows_.own_contact(place.index, motion, rows);
-        rows_.constraints()[place.index]->evaluate_outputs(motion.kin, x.data() + rows_.first_row(place.index),
-                                                    outputs.data());
+        rows_.constraints()[place.index]->evaluate_outputs(
+            motion.kin, x.data() + rows_.first_row(place.index), outputs.data());
         values(q) = outputs[place.component];
       }
       if (place.info.dimension == input::dim::force) values(q) *= span;

@@ -86,9 +86,9 @@ class Laboratory {
     std::error_code failure, none;
     fs::create_directories(study.cache, failure);
     if (!fs::is_directory(study.cache, none))
-      throw input::InputError(fmt::format("{}: cache = \"{}\": no folder of this name can be made{}; name another",
-                                          study.file.string(), input::shown_text(study.cache.string()),
-                                          failure ? ": " + failure.message() : ""));
+      throw input::InputError(fmt::format(
+          "{}: cache = \"{}\": no folder of this name can be made{}; name another", study.file.string(),
+          input::shown_text(study.cache.string()), failure ? ": " + failure.message() : ""));
     cache_ = fs::absolute(study.cache);
     remove_scratch_left(cache_);
     flexura_ = input::ContentHash().add_file(programs.flexura).hex();
@@ -120,11 +120,14 @@ class Laboratory {
     std::ranges::sort(unique);
     say("runs", 0.0);
     std::atomic<std::size_t> done{0};
-    threads::parallel_for(static_cast<int>(unique.size()), [&](int at) {
-      const auto k = static_cast<std::size_t>(at);
-      first_run(tasks[unique[k]]);
-      say("runs", static_cast<double>(++done) / static_cast<double>(unique.size()));
-    }, options_.jobs);
+    threads::parallel_for(
+        static_cast<int>(unique.size()),
+        [&](int at) {
+          const auto k = static_cast<std::size_t>(at);
+          first_run(tasks[unique[k]]);
+          say("runs", static_cast<double>(++done) / static_cast<double>(unique.size()));
+        },
+        options_.jobs);
     repeat_runs(tasks, unique);
 
     Measurements out;
@@ -147,7 +150,8 @@ class Laboratory {
 
   // Before anything runs: does the mechanism have the run and the bodies that the study names?
   void check_mechanism() {
-    const input::Section root = mbs::read_mechanism_document(study_.mechanism, mbs::solver_schema(), study_.set);
+    const input::Section root =
+        mbs::read_mechanism_document(study_.mechanism, mbs::solver_schema(), study_.set);
     std::vector<std::string> runs, bodies;
     for (const auto& [name, section] : root.table_map("run")) runs.push_back(name);
     for (const auto& [name, section] : root.table_map("body")) bodies.push_back(name);
@@ -228,11 +232,14 @@ class Laboratory {
     for (auto& [key, task] : tasks) list.push_back(std::move(task));
     std::atomic<std::size_t> done{0};
     if (!list.empty()) say("reductions", 0.0);
-    threads::parallel_for(static_cast<int>(list.size()), [&](int at) {
-      const auto k = static_cast<std::size_t>(at);
-      reduce(list[k]);
-      say("reductions", static_cast<double>(++done) / static_cast<double>(list.size()));
-    }, options_.jobs);
+    threads::parallel_for(
+        static_cast<int>(list.size()),
+        [&](int at) {
+          const auto k = static_cast<std::size_t>(at);
+          reduce(list[k]);
+          say("reductions", static_cast<double>(++done) / static_cast<double>(list.size()));
+        },
+        options_.jobs);
   }
 
   void reduce(const Task& task) const {

@@ -52,7 +52,8 @@ std::string header_text(const Superelement& se) {
     json& follow = header["interfaces"].back()["follow"] = json::object();
     for (std::size_t k = 0; k < interface.following.size(); ++k) {
       const Eigen::VectorXd row = interface.follow.row(static_cast<Eigen::Index>(k));
-      follow[direction_names[static_cast<int>(interface.following[k])]] = std::vector<double>(row.begin(), row.end());
+      follow[direction_names[static_cast<int>(interface.following[k])]] =
+          std::vector<double>(row.begin(), row.end());
     }
   }
   for (const LoadCase& load : se.load_cases) header["load_cases"].push_back(load.name);
@@ -94,7 +95,8 @@ void read_header(const std::string& text, const std::string& label, Superelement
           if (interface.follow.cols() != static_cast<Eigen::Index>(values.size()))
             throw hdf5::BadFile(label + ": rows of \"" + interface.name + "\" that follow differ in length");
           interface.follow.conservativeResize(k, Eigen::NoChange);
-          interface.follow.row(k - 1) = Eigen::Map<const Eigen::RowVectorXd>(values.data(), interface.follow.cols());
+          interface.follow.row(k - 1) =
+              Eigen::Map<const Eigen::RowVectorXd>(values.data(), interface.follow.cols());
         }
       }
       se.interfaces.push_back(std::move(interface));
@@ -287,7 +289,8 @@ void write_all(hdf5::File& file, const Superelement& se) {
   {
     Group root = file.root();
     root.set("format", format_name);
-    const bool follows = std::ranges::any_of(se.interfaces, [](const Interface& i) { return !i.following.empty(); });
+    const bool follows =
+        std::ranges::any_of(se.interfaces, [](const Interface& i) { return !i.following.empty(); });
     root.set("version", follows ? format_version : 1);
     root.set("units", "SI: m, kg, s, rad");
     root.set("frame", "B, the coordinate system of the part's CAD file or mesh");

@@ -11,7 +11,8 @@ namespace flexura::superelement {
 /// 1 means that the mesh does not resolve what is asked, -1 that it is not known.
 struct MeshError {
   struct Stress {
-    double mean = -1.0;  ///< of the elements' own stresses, root mean square over the part in the measure of energy
+    double mean =
+        -1.0;  ///< of the elements' own stresses, root mean square over the part in the measure of energy
     double peak = -1.0;  ///< of the greatest stress at a vertex where it is finite
     int vertex = -1;     ///< of the surface: where that is
     /// The greatest stress lies at a re-entrant corner or the edge of a rigid tie, where that of an elastic body is unbounded

@@ -38,13 +38,15 @@ std::vector<int> free_dofs(const Superelement& se, const std::vector<std::string
   }
   for (int k = se.n_b; k < se.n(); ++k) dofs.push_back(k);
   for (const Interface& interface : se.interfaces) {
-    if (interface.following.empty() || std::find(held.begin(), held.end(), interface.name) == held.end()) continue;
+    if (interface.following.empty() || std::find(held.begin(), held.end(), interface.name) == held.end())
+      continue;
     const Eigen::MatrixXd moved = interface.follow(Eigen::all, dofs);
     if (dofs.empty() || moved.cwiseAbs().maxCoeff() < 1e-9 * interface.follow.cwiseAbs().maxCoeff()) continue;
-    throw std::invalid_argument(fmt::format(
-        "superelement \"{}\": interface \"{}\" cannot be held alone, as not all of its directions are coordinates of "
-        "their own (a body of few modes); hold the others with it",
-        se.name, interface.name));
+    throw std::invalid_argument(
+        fmt::format("superelement \"{}\": interface \"{}\" cannot be held alone, as not all of its "
+                    "directions are coordinates of "
+                    "their own (a body of few modes); hold the others with it",
+                    se.name, interface.name));
   }
   return dofs;
 }
@@ -73,7 +75,7 @@ Eigen::MatrixXd free_rigid_motions(const Eigen::MatrixXd& R, const std::vector<i
 
 struct Elastic {
   Eigen::VectorXd omega2;
-  Eigen::MatrixXd phi;  // in the free dofs, phi^T M phi = 1
+  Eigen::MatrixXd phi;              // in the free dofs, phi^T M phi = 1
   Eigen::MatrixXd mechanisms = {};  // likewise
 };
 
@@ -86,7 +88,8 @@ Eigen::MatrixXd without_strain(const Eigen::MatrixXd& K_c, const std::string& na
   constexpr double nothing = 1e-10, apart = 1e4;
   // Most have none: no eigenvalue is much below the least pivot.
   if (const Eigen::LLT<Eigen::MatrixXd> factor(K_c);
-      factor.info() == Eigen::Success && factor.matrixLLT().diagonal().cwiseAbs2().minCoeff() > 1000 * nothing)
+      factor.info() == Eigen::Success &&
+      factor.matrixLLT().diagonal().cwiseAbs2().minCoeff() > 1000 * nothing)
     return Eigen::MatrixXd(n, 0);
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(K_c);
   const Eigen::VectorXd& values = solver.eigenvalues();
@@ -94,10 +97,10 @@ Eigen::MatrixXd without_strain(const Eigen::MatrixXd& K_c, const std::string& na
   for (Eigen::Index k = 0; k < n && values(k) <= nothing; ++k)
     if (k + 1 == n || values(k + 1) > apart * std::max(std::abs(values(k)), epsilon)) count = k + 1;
   if (values(0) < -nothing || (count == 0 && !(values(0) > 0.0)))
-    throw std::invalid_argument(
-        fmt::format("superelement \"{}\": K_se is not positive definite beside its rigid motions; "
-                    "a piece of the body is loose or an interface is not tied to it; join them and reduce again",
-                    name));
+    throw std::invalid_argument(fmt::format(
+        "superelement \"{}\": K_se is not positive definite beside its rigid motions; "
+        "a piece of the body is loose or an interface is not tied to it; join them and reduce again",
+        name));
   return solver.eigenvectors().leftCols(count);
 }
 
@@ -125,7 +128,8 @@ Elastic elastic_modes(const Eigen::MatrixXd& K, const Eigen::MatrixXd& M, const 
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> own(mass);
     if (!(own.eigenvalues()(0) > static_cast<double>(n) * epsilon * M_c.cwiseAbs().maxCoeff()))
       throw std::invalid_argument(
-          fmt::format("superelement \"{}\": a motion of its interfaces has neither stiffness nor mass (a rotation behind a pin flag?); "
+          fmt::format("superelement \"{}\": a motion of its interfaces has neither stiffness nor mass (a "
+                      "rotation behind a pin flag?); "
                       "leave it out of the interface's directions and reduce again",
                       name));
     const Eigen::MatrixXd x = N * own.operatorInverseSqrt();
@@ -230,7 +234,8 @@ ModeAnalysis natural_modes(const Superelement& se, const std::vector<std::string
   };
   for (Eigen::Index j = 0; j < R_free.cols(); ++j) add(R_free.col(j), 0.0, true);
   analysis.n_mechanisms = static_cast<int>(elastic.mechanisms.cols());
-  for (Eigen::Index j = 0; j < elastic.mechanisms.cols(); ++j) add(elastic.mechanisms.col(j), 0.0, false, true);
+  for (Eigen::Index j = 0; j < elastic.mechanisms.cols(); ++j)
+    add(elastic.mechanisms.col(j), 0.0, false, true);
   Eigen::Index n_wanted = elastic.omega2.size();
   if (n_elastic >= 0) n_wanted = std::min<Eigen::Index>(n_wanted, n_elastic);
   for (Eigen::Index j = 0; j < n_wanted; ++j) add(elastic.phi.col(j), elastic.omega2[j], false);

@@ -108,8 +108,9 @@ class Check {
       for (Eigen::Index k = 0; k < rows; ++k)
         for (int c = 0; c < 6; ++c)
           if (std::abs(apart(k, c)) > mass_tolerance * terms.row(k).maxCoeff())
-            refuse(fmt::format("a direction of interface \"{}\" that follows does not follow rigid motions: off by {:.2g}",
-                               interface.name, apart(k, c)));
+            refuse(fmt::format(
+                "a direction of interface \"{}\" that follows does not follow rigid motions: off by {:.2g}",
+                interface.name, apart(k, c)));
     }
   }
 
@@ -257,13 +258,15 @@ class Check {
     const Eigen::Index n_v = with_surface ? se_.surface.vertices.rows() : std::numeric_limits<int>::max();
     const auto relative = [&](double value) {
       if (value != -1.0 && !(value >= 0.0 && value <= 1.0))
-        refuse(fmt::format("an estimate of the mesh's error is {}, neither -1 (not known) nor from 0 to 1", value));
+        refuse(fmt::format("an estimate of the mesh's error is {}, neither -1 (not known) nor from 0 to 1",
+                           value));
     };
     const auto stress = [&](const MeshError::Stress& of) {
       relative(of.mean);
       relative(of.peak);
       if (of.vertex < -1 || of.vertex >= n_v)
-        refuse(fmt::format("the estimate of the mesh's error names vertex {}, the surface has {}", of.vertex, n_v));
+        refuse(fmt::format("the estimate of the mesh's error names vertex {}, the surface has {}", of.vertex,
+                           n_v));
     };
     for (const MeshError::Mode& mode : error.modes) {
       if (!std::isfinite(mode.frequency_hz)) refuse("a frequency whose error is estimated is not finite");
@@ -274,9 +277,11 @@ class Check {
       relative(interface.compliance_error);
       stress(interface.stress);
     }
-    if (!error.at_vertices.allFinite() || (with_surface && error.at_vertices.size() > 0 && error.at_vertices.size() != n_v))
-      refuse(fmt::format("the mesh's error has {} values on the surface's {} vertices, or one that is not finite",
-                         error.at_vertices.size(), n_v));
+    if (!error.at_vertices.allFinite() ||
+        (with_surface && error.at_vertices.size() > 0 && error.at_vertices.size() != n_v))
+      refuse(fmt::format(
+          "the mesh's error has {} values on the surface's {} vertices, or one that is not finite",
+          error.at_vertices.size(), n_v));
   }
 
   void stress(const StressModes& stress, bool with_surface) const {

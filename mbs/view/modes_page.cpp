@@ -99,7 +99,8 @@ void write_modes_page(const std::filesystem::path& html, const superelement::Sup
   }
   const bool has_error = se.mesh_error && se.mesh_error->at_vertices.size() == se.surface.vertices.rows();
   if (has_error)
-    file.add<float>("mesh_error", {se.mesh_error->at_vertices.data(), static_cast<std::size_t>(se.mesh_error->at_vertices.size())});
+    file.add<float>("mesh_error", {se.mesh_error->at_vertices.data(),
+                                   static_cast<std::size_t>(se.mesh_error->at_vertices.size())});
   const double mass = se.inertia.mass;
   const Eigen::Vector3d centre =
       mass > 0.0 ? Eigen::Vector3d(se.inertia.S_x / mass) : Eigen::Vector3d::Zero();

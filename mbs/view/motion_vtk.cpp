@@ -184,16 +184,16 @@ void require_places(const fs::path& folder, std::size_t n_frames) {
     return;
   }
   if (!fs::is_directory(status))
-    throw std::invalid_argument(
-        fmt::format("{}: is no folder, and the pictures are to be put in one of this name; name another output",
-                    folder.string()));
+    throw std::invalid_argument(fmt::format(
+        "{}: is no folder, and the pictures are to be put in one of this name; name another output",
+        folder.string()));
   for (std::size_t k = 0; k < n_frames; ++k) {
     const fs::path frame = frame_of(folder, static_cast<int>(k));
     files::place_of(frame);
     if (const auto input = files::input_like(frame))
-      throw std::invalid_argument(fmt::format(
-          "{}: is read by this command, as {}, and would be overwritten; name another output", frame.string(),
-          input->string()));
+      throw std::invalid_argument(
+          fmt::format("{}: is read by this command, as {}, and would be overwritten; name another output",
+                      frame.string(), input->string()));
   }
 }
 
@@ -212,16 +212,17 @@ std::vector<fs::path> write_motion_vtk(const fs::path& stem, const results::Resu
     const fs::path folder = folder_of(stem, run);
     std::error_code failure;
     if (!fs::create_directory(folder, failure) && failure)
-      throw std::invalid_argument(fmt::format("{}: the folder of the pictures cannot be made: {}; name another output",
-                                              folder.string(), failure.message()));
+      throw std::invalid_argument(
+          fmt::format("{}: the folder of the pictures cannot be made: {}; name another output",
+                      folder.string(), failure.message()));
     std::string list =
         "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\">\n<Collection>\n";
     int number = 0;
     Frames frames{folder};
     for (const Eigen::Index row : thin(run.time.size(), most_frames)) {
       if (files::StopRequests::wanted())
-        throw std::runtime_error(
-            fmt::format("interrupted by {}; the list of the pictures is not written", files::StopRequests::name()));
+        throw std::runtime_error(fmt::format("interrupted by {}; the list of the pictures is not written",
+                                             files::StopRequests::name()));
       const fs::path frame = frame_of(folder, number++);
       std::error_code none;
       if (!fs::exists(fs::symlink_status(frame, none))) frames.begun.push_back(frame);

@@ -21,7 +21,7 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 constexpr int kWidth = 720, kHeight = 420;  // of the drawing, user units
-constexpr int kFine = 2;                    // pixels a unit: averaged by the browser, so that edges are smooth
+constexpr int kFine = 2;  // pixels a unit: averaged by the browser, so that edges are smooth
 constexpr int kMargin = 46;
 
 /// Where points stand on the drawing; the third component is the distance from the viewer.
@@ -47,18 +47,22 @@ Projection projection_of(const superelement::Superelement& se) {
     box.extend((view.axes * p).head<2>());
     body.extend(p);
   };
-  for (Eigen::Index i = 0; i < se.surface.vertices.rows(); ++i) extend(se.surface.vertices.row(i).transpose().cast<double>());
+  for (Eigen::Index i = 0; i < se.surface.vertices.rows(); ++i)
+    extend(se.surface.vertices.row(i).transpose().cast<double>());
   for (const auto& interface : se.interfaces) extend(interface.p_BoN_B);
   const Vector2d size = box.sizes().cwiseMax(1e-12);
   view.scale = std::min((kWidth - 2.0 * kMargin) / size.x(), (kHeight - 2.0 * kMargin) / size.y());
-  view.middle = view.axes.transpose() * Vector3d(box.center().x(), box.center().y(), (view.axes * body.center()).z());
+  view.middle =
+      view.axes.transpose() * Vector3d(box.center().x(), box.center().y(), (view.axes * body.center()).z());
   return view;
 }
 
 class Canvas {
  public:
   static constexpr int width = kFine * kWidth, height = kFine * kHeight;
-  Canvas() : depth_(static_cast<std::size_t>(width) * height, std::numeric_limits<float>::infinity()), rgba_(4 * depth_.size(), '\0') {}
+  Canvas()
+      : depth_(static_cast<std::size_t>(width) * height, std::numeric_limits<float>::infinity()),
+        rgba_(4 * depth_.size(), '\0') {}
 
   void triangle(const std::array<Vector3d, 3>& p, const Vector3d& colour) {
     const auto edge = [](const Vector3d& a, const Vector3d& b, double x, double y) {
@@ -74,7 +78,8 @@ class Canvas {
     for (int y = y0; y <= y1; ++y)
       for (int x = x0; x <= x1; ++x) {
         const double cx = (x + 0.5) / kFine, cy = (y + 0.5) / kFine;
-        const double a = edge(p[1], p[2], cx, cy) / area, b = edge(p[2], p[0], cx, cy) / area, c = 1.0 - a - b;
+        const double a = edge(p[1], p[2], cx, cy) / area, b = edge(p[2], p[0], cx, cy) / area,
+                     c = 1.0 - a - b;
         if (a < 0.0 || b < 0.0 || c < 0.0) continue;
         put(x, y, static_cast<float>(a * p[0].z() + b * p[1].z() + c * p[2].z()), colour);
       }
@@ -97,7 +102,8 @@ class Canvas {
     const std::size_t at = static_cast<std::size_t>(y) * width + x;
     if (depth >= depth_[at]) return;
     depth_[at] = depth;
-    for (int i = 0; i < 3; ++i) rgba_[4 * at + i] = static_cast<char>(std::lround(255 * std::clamp(colour[i], 0.0, 1.0)));
+    for (int i = 0; i < 3; ++i)
+      rgba_[4 * at + i] = static_cast<char>(std::lround(255 * std::clamp(colour[i], 0.0, 1.0)));
     rgba_[4 * at + 3] = static_cast<char>(255);
   }
 
@@ -113,7 +119,8 @@ void put_chunk(std::string& png, const std::string& type, const std::string& dat
   put_number(png, static_cast<std::uint32_t>(data.size()));
   const std::string body = type + data;
   png += body;
-  put_number(png, static_cast<std::uint32_t>(::crc32(0, reinterpret_cast<const Bytef*>(body.data()), static_cast<uInt>(body.size()))));
+  put_number(png, static_cast<std::uint32_t>(::crc32(0, reinterpret_cast<const Bytef*>(body.data()),
+                                                     static_cast<uInt>(body.size()))));
 }
 
 }  // namespace
@@ -121,10 +128,12 @@ void put_chunk(std::string& png, const std::string& type, const std::string& dat
 // PNG, ISO/IEC 15948: signature, header, one chunk of zlib's stream (each row behind a filter byte 0), end.
 std::string png_of(const std::string& rgba, int width, int height) {
   std::string rows;
-  for (int y = 0; y < height; ++y) rows += '\0' + rgba.substr(4 * static_cast<std::size_t>(y) * width, 4 * static_cast<std::size_t>(width));
+  for (int y = 0; y < height; ++y)
+    rows += '\0' + rgba.substr(4 * static_cast<std::size_t>(y) * width, 4 * static_cast<std::size_t>(width));
   std::string packed(::compressBound(rows.size()), '\0');
   uLongf size = packed.size();
-  if (::compress2(reinterpret_cast<Bytef*>(packed.data()), &size, reinterpret_cast<const Bytef*>(rows.data()), rows.size(), 9) != Z_OK)
+  if (::compress2(reinterpret_cast<Bytef*>(packed.data()), &size, reinterpret_cast<const Bytef*>(rows.data()),
+                  rows.size(), 9) != Z_OK)
     throw std::runtime_error("a picture could not be compressed: out of memory; leave the page out");
   packed.resize(size);
   std::string header;
@@ -148,7 +157,8 @@ std::string part_drawing(const superelement::Superelement& se) {
   Canvas canvas;
   const Vector3d light = Vector3d(-0.35, -0.75, -0.55).normalized();  // towards the lamp: above, left, before
   for (Eigen::Index t = 0; t < surface.triangles.rows(); ++t) {
-    const std::array<Vector3d, 3> p = {at[surface.triangles(t, 0)], at[surface.triangles(t, 1)], at[surface.triangles(t, 2)]};
+    const std::array<Vector3d, 3> p = {at[surface.triangles(t, 0)], at[surface.triangles(t, 1)],
+                                       at[surface.triangles(t, 2)]};
     Vector3d n = (p[1] - p[0]).cross(p[2] - p[0]);
     if (!(n.norm() > 0.0)) continue;
     n.normalize();
@@ -160,24 +170,31 @@ std::string part_drawing(const superelement::Superelement& se) {
 
   const std::string png = png_of(canvas.rgba(), Canvas::width, Canvas::height);
   std::string svg = fmt::format(
-      "<svg class=\"part-drawing\" viewBox=\"0 0 {0} {1}\" role=\"img\" aria-label=\"{2} from the front left above, with its interfaces\">"
+      "<svg class=\"part-drawing\" viewBox=\"0 0 {0} {1}\" role=\"img\" aria-label=\"{2} from the front left "
+      "above, with its interfaces\">"
       "<image width=\"{0}\" height=\"{1}\" href=\"data:image/png;base64,{3}\"/>",
-      kWidth, kHeight, escape_html(se.name), base64({reinterpret_cast<const unsigned char*>(png.data()), png.size()}));
+      kWidth, kHeight, escape_html(se.name),
+      base64({reinterpret_cast<const unsigned char*>(png.data()), png.size()}));
   // Names to the side with more room.
   for (const auto& interface : se.interfaces) {
     const Vector3d p = view(interface.p_BoN_B);
     const bool left = p.x() > 0.7 * kWidth;
     svg += fmt::format(
-        "<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"5\" class=\"interface\"/><text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"{}\">{}</text>",
-        p.x(), p.y(), p.x() + (left ? -9 : 9), p.y() + 4.5, left ? "end" : "start", escape_html(interface.name));
+        "<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"5\" class=\"interface\"/><text x=\"{:.1f}\" y=\"{:.1f}\" "
+        "text-anchor=\"{}\">{}</text>",
+        p.x(), p.y(), p.x() + (left ? -9 : 9), p.y() + 4.5, left ? "end" : "start",
+        escape_html(interface.name));
   }
   // Axes of the body, at the lower left.
   static constexpr const char* names[] = {"x", "y", "z"};
   for (int i = 0; i < 3; ++i) {
     const Vector3d d = view.axes.col(i) * 26.0;
-    svg += fmt::format("<line x1=\"34\" y1=\"{0}\" x2=\"{1:.1f}\" y2=\"{2:.1f}\" class=\"axis\"/><text x=\"{3:.1f}\" y=\"{4:.1f}\" "
-                       "text-anchor=\"middle\" class=\"axis\">{5}</text>",
-                       kHeight - 40, 34 + d.x(), kHeight - 40 + d.y(), 34 + 1.35 * d.x(), kHeight - 40 + 1.35 * d.y() + 4, names[i]);
+    svg += fmt::format(
+        "<line x1=\"34\" y1=\"{0}\" x2=\"{1:.1f}\" y2=\"{2:.1f}\" class=\"axis\"/><text x=\"{3:.1f}\" "
+        "y=\"{4:.1f}\" "
+        "text-anchor=\"middle\" class=\"axis\">{5}</text>",
+        kHeight - 40, 34 + d.x(), kHeight - 40 + d.y(), 34 + 1.35 * d.x(), kHeight - 40 + 1.35 * d.y() + 4,
+        names[i]);
   }
   return svg + "</svg>";
 }

@@ -47,7 +47,8 @@ ReportTable table_of(const std::string& title, const json& rows) {
     }
   }
   // What names the row comes first.
-  for (const char* first : {"frequency_error", "hz", "frequency_hz", "check", "interface", "name", "number", "mode"}) {
+  for (const char* first :
+       {"frequency_error", "hz", "frequency_hz", "check", "interface", "name", "number", "mode"}) {
     const auto found = std::find(keys.begin(), keys.end(), first);
     if (found != keys.end()) std::rotate(keys.begin(), found, found + 1);
   }
@@ -153,8 +154,10 @@ void add_json(ReportSection& section, const std::string& title, const json& valu
       if (item.is_object() && (key == "seconds" || key.ends_with("_seconds"))) {
         add_times(section, key == "seconds" ? "Time" : capital(words_of(key).name) + " time", item);
       } else if (item.is_object() && std::all_of(item.begin(), item.end(), is_plain)) {
-        ReportTable table{.title = words_of(key).name, .note = {}, .columns = {{"quantity"}, {"value"}}, .rows = {}};
-        for (const auto& [name, inner] : item.items()) table.rows.push_back({words_of(name).name, told_text(name, inner)});
+        ReportTable table{
+            .title = words_of(key).name, .note = {}, .columns = {{"quantity"}, {"value"}}, .rows = {}};
+        for (const auto& [name, inner] : item.items())
+          table.rows.push_back({words_of(name).name, told_text(name, inner)});
         section.add(std::move(table));
       } else if (item.is_object() || (item.is_array() && !item.empty() && item.front().is_object())) {
         add_json(section, words_of(key).name, item);
@@ -173,7 +176,8 @@ namespace {
 void add_verdict(Report& report, const json& told) {
   if (!told.is_object()) return;
   for (const auto& [key, value] : told.items())
-    if (key == "acceptance" || key == "checks" || key == "accuracy") add_json(report.add(heading_of(key)), "", value);
+    if (key == "acceptance" || key == "checks" || key == "accuracy")
+      add_json(report.add(heading_of(key)), "", value);
   if (told.contains("notes") && told["notes"].is_array() && !told["notes"].empty()) {
     ReportSection& notes = report.add("Notes");
     for (const json& note : told["notes"]) notes.add(ReportNotice{Tone::plain, told_text("", note)});
@@ -184,7 +188,8 @@ void add_rest(Report& report, const json& told) {
   if (!told.is_object()) return;
   for (const auto& [key, value] : told.items()) {
     static constexpr const char* shown[] = {"acceptance", "checks", "accuracy", "notes", "centre", "inertia"};
-    if (is_plain(value) || std::any_of(std::begin(shown), std::end(shown), [&](const char* name) { return key == name; }))
+    if (is_plain(value) ||
+        std::any_of(std::begin(shown), std::end(shown), [&](const char* name) { return key == name; }))
       continue;
     json rest = value;
     if (rest.is_object()) rest.erase("fixed_interface_frequencies_hz");  // plotted
@@ -200,18 +205,21 @@ std::vector<Fact> figures_of(const json& told, const std::string& shapes) {
     return key == nullptr ? value : value.is_object() ? value.value(key, json()) : json();
   };
   std::vector<Fact> facts;
-  if (const json nodes = get("mesh", "nodes"); nodes.is_number()) facts.emplace_back("nodes", told_text("", nodes));
+  if (const json nodes = get("mesh", "nodes"); nodes.is_number())
+    facts.emplace_back("nodes", told_text("", nodes));
   if (const json dofs = get("reduction", "dofs"); dofs.is_number())
     facts.emplace_back("degrees of freedom", told_text("", dofs));
   if (!shapes.empty()) facts.emplace_back("shapes", shapes);
-  if (const json time = get("seconds", nullptr); time.is_number()) facts.emplace_back("time", told_text("seconds", time));
+  if (const json time = get("seconds", nullptr); time.is_number())
+    facts.emplace_back("time", told_text("seconds", time));
   if (const json memory = get("reduction", "peak_memory_bytes"); memory.is_number())
     facts.emplace_back("greatest memory", told_text("peak_memory_bytes", memory));
   return facts;
 }
 
 void add_frequencies(ReportSection& section, std::vector<double> hz) {
-  ReportCurve curve{.name = "fixed-interface modes", .x = {}, .y = std::move(hz), .style = CurveStyle::points};
+  ReportCurve curve{
+      .name = "fixed-interface modes", .x = {}, .y = std::move(hz), .style = CurveStyle::points};
   for (std::size_t k = 0; k < curve.y.size(); ++k) curve.x.push_back(static_cast<double>(k + 1));
   section.add(
       ReportPlot{.title = "Frequencies",
@@ -237,7 +245,8 @@ Report reduction_report(const Superelement& se) {
   add_body(report, se, told);
   if (se.n_q > 0) {
     std::vector<double> hz;
-    for (int k = 0; k < se.n_q; ++k) hz.push_back(std::sqrt(std::max(se.omega2[k], 0.0)) / (2.0 * std::numbers::pi));
+    for (int k = 0; k < se.n_q; ++k)
+      hz.push_back(std::sqrt(std::max(se.omega2[k], 0.0)) / (2.0 * std::numbers::pi));
     add_frequencies(report.add("Fixed-interface modes"), std::move(hz));
   }
   add_rest(report, told);
@@ -252,12 +261,16 @@ bool is_told_by_reduction(const json& value) {
 
 Report reduction_report(const json& told) {
   Report report{.title = told_text("", told.at("part")) + " · reduction",
-                .summary = "What the reduction told (--report); the page of the superelement itself also has its drawing and interfaces."};
+                .summary =
+                    "What the reduction told (--report); the page of the superelement itself also has its "
+                    "drawing and interfaces."};
   report.facts = figures_of(told, "");
-  if (told.contains("mass")) report.facts.insert(report.facts.begin(), {"mass", told_text("cad_mass", told.at("mass"))});
+  if (told.contains("mass"))
+    report.facts.insert(report.facts.begin(), {"mass", told_text("cad_mass", told.at("mass"))});
   add_verdict(report, told);
   ReportFacts facts;
-  for (const auto& [key, unit, factor] : {std::tuple("mass", "kg", 1.0), std::tuple("centre", "mm", 1e3), std::tuple("inertia", "kg·m²", 1.0)}) {
+  for (const auto& [key, unit, factor] : {std::tuple("mass", "kg", 1.0), std::tuple("centre", "mm", 1e3),
+                                          std::tuple("inertia", "kg·m²", 1.0)}) {
     if (!told.contains(key)) continue;
     json value = told.at(key);
     if (factor != 1.0 && value.is_array())

@@ -55,7 +55,6 @@ const std::map<std::string, KeyWords>& known_keys() {
   return known;
 }
 
-
 std::string plain_text(const KeyWords& words, const json& value) {
   if (value.is_string()) return value.get<std::string>();
   if (value.is_boolean()) return value.get<bool>() ? "yes" : "no";
@@ -81,9 +80,9 @@ std::string list_text(const KeyWords& words, const json& list) {
 
 KeyWords words_of(const std::string& key) {
   if (const auto found = known_keys().find(key); found != known_keys().end()) return found->second;
-  static const std::pair<const char*, KeyWords> endings[] = {{"_hz", {"", "Hz"}},          {"_bytes", {"", "MB", 1e-6, 4}},
-                                                             {"_seconds", {"", "s", 1, 3}}, {"_kg", {"", "kg"}},
-                                                             {"_percent", {"", "%"}},      {"_error", {"", "%", 100.0, 3}}};
+  static const std::pair<const char*, KeyWords> endings[] = {
+      {"_hz", {"", "Hz"}}, {"_bytes", {"", "MB", 1e-6, 4}}, {"_seconds", {"", "s", 1, 3}},
+      {"_kg", {"", "kg"}}, {"_percent", {"", "%"}},         {"_error", {"", "%", 100.0, 3}}};
   KeyWords words{key};
   for (const auto& [ending, unit] : endings) {
     const std::size_t n = std::char_traits<char>::length(ending);
@@ -116,7 +115,8 @@ ReportCell told_cell(const std::string& key, const json& value) {
   const KeyWords words = words_of(key);
   if (value.is_number()) return ReportCell(words.factor * value.get<double>());
   Tone tone = Tone::plain;
-  if (value.is_boolean() && (key == "passed" || key == "ok")) tone = value.get<bool>() ? Tone::good : Tone::bad;
+  if (value.is_boolean() && (key == "passed" || key == "ok"))
+    tone = value.get<bool>() ? Tone::good : Tone::bad;
   if (value.is_array()) return {list_text(words, value)};
   if (value.is_object()) return {told_text(key, value)};
   return {value.is_null() ? "" : plain_text(words, value), tone};

@@ -100,7 +100,8 @@ struct ReportDrawing {
   std::string title, svg, note{};
 };
 
-using ReportBlock = std::variant<ReportText, ReportNotice, ReportFacts, ReportTable, ReportPlot, ReportCode, ReportDrawing>;
+using ReportBlock =
+    std::variant<ReportText, ReportNotice, ReportFacts, ReportTable, ReportPlot, ReportCode, ReportDrawing>;
 
 struct ReportSection {
   std::string title;

@@ -38,12 +38,14 @@ bool has_pages() {
 }
 
 const char* const kNoPages =
-    "no; Node and npm (Debian: nodejs, npm) or their registry were missing when it was built: build again with them";
+    "no; Node and npm (Debian: nodejs, npm) or their registry were missing when it was built: build again "
+    "with them";
 
 void require_pages() {
   if (!has_pages())
-    throw std::runtime_error("this program was built without its pages: Node and npm (Debian: nodejs, npm) or their registry were "
-                             "missing; build it again with them, or take --json, --csv or flexura export");
+    throw std::runtime_error(
+        "this program was built without its pages: Node and npm (Debian: nodejs, npm) or their registry were "
+        "missing; build it again with them, or take --json, --csv or flexura export");
 }
 
 std::string_view page_script() {

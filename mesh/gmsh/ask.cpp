@@ -22,7 +22,9 @@ fs::path in_path(const fs::path& program) {
   std::istringstream folders(path ? path : "");
   std::error_code error;
   for (std::string folder; std::getline(folders, folder, ':');)
-    if (const fs::path found = fs::path(folder) / program.filename(); !folder.empty() && fs::exists(found, error)) return found;
+    if (const fs::path found = fs::path(folder) / program.filename();
+        !folder.empty() && fs::exists(found, error))
+      return found;
   return program;
 }
 

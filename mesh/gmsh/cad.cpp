@@ -92,9 +92,11 @@ CadReport list_and_choose(const CadOptions& options, bool must_be_one, Job& job,
           fmt::format("{}: there is no solid {}; it has{}", name, number, list_solids(report.solids)));
   const std::size_t left = options.solids.empty() ? answer.record.kept.size() : options.solids.size();
   if (must_be_one && left > 1 && !options.fuse)
-    throw std::invalid_argument(fmt::format("{}: {} solids to mesh; choose one by its number (solid = 1 in the table [geometry]), or join those that touch "
-                                            "(fuse = true there):{}",
-                                            name, left, list_solids(report.solids)));
+    throw std::invalid_argument(
+        fmt::format("{}: {} solids to mesh; choose one by its number (solid = 1 in the table [geometry]), or "
+                    "join those that touch "
+                    "(fuse = true there):{}",
+                    name, left, list_solids(report.solids)));
   job.solids = options.solids.empty() ? answer.record.kept : options.solids;
   if (job.fuse || job.heal || !options.solids.empty()) {
     answer = list(job);
@@ -205,7 +207,8 @@ CadMesh mesh_cad(const CadOptions& options, const Progress& progress) {
   ResultRecord listed;
   CadReport report = list_and_choose(options, true, job, progress, &listed);
   job.task = "mesh";
-  double size = options.size > 0 ? options.size : automatic_size(listed.volume, listed.area, diagonal_of(report));
+  double size =
+      options.size > 0 ? options.size : automatic_size(listed.volume, listed.area, diagonal_of(report));
   double size_min = options.size_min > 0 ? std::min(options.size_min, size) : size / kSizeRange;
   if (options.size == 0 && options.sizes.empty()) {
     job.most_triangles = options.most_triangles;
@@ -255,7 +258,8 @@ CadMesh mesh_cad(const CadOptions& options, const Progress& progress) {
       if (k > 0) messages.push_back("meshed " + attempt.what);
       if (answer.record.graded)
         messages.push_back(
-            "short edges would fill the part with small elements: to bound the mesh, sizes grow away from them; state a mesh "
+            "short edges would fill the part with small elements: to bound the mesh, sizes grow away from "
+            "them; state a mesh "
             "size for a finer one");
       if (answer.record.size != job.size)
         messages.push_back(fmt::format(

@@ -26,13 +26,14 @@ struct CadOptions {
   std::filesystem::path path;
   std::string
       unit;  ///< m, mm, cm, um, inch, ft: overrides what the file says; empty = as declared (BREP: mm)
-  std::vector<int> solids;  ///< numbers as listed; empty = the only one
-  bool fuse = false;        ///< unite the chosen solids (none chosen: all) to one
-  int order = 2;            ///< 1: tet4, 2: tet10
-  double size = 0;          ///< greatest edge length [m]; 0 = from the part, see automatic_size
-  int most_triangles = 25000;    ///< of an automatic mesh, about 70,000 nodes of a thin-walled tet10 part
-  int most_tetrahedra = 60000;   ///< likewise of a bulky one, about 90,000 nodes
-  std::vector<double> sizes;  ///< x, y, z and greatest edge length there [m], in frame B; empty = `size` everywhere
+  std::vector<int> solids;      ///< numbers as listed; empty = the only one
+  bool fuse = false;            ///< unite the chosen solids (none chosen: all) to one
+  int order = 2;                ///< 1: tet4, 2: tet10
+  double size = 0;              ///< greatest edge length [m]; 0 = from the part, see automatic_size
+  int most_triangles = 25000;   ///< of an automatic mesh, about 70,000 nodes of a thin-walled tet10 part
+  int most_tetrahedra = 60000;  ///< likewise of a bulky one, about 90,000 nodes
+  std::vector<double>
+      sizes;  ///< x, y, z and greatest edge length there [m], in frame B; empty = `size` everywhere
   double elements_per_circle =
       8;                      ///< around curved faces where size_min allows; 0 = no refinement at curvature
   double size_min = 0;        ///< least edge length [m]; 0 = size / 3

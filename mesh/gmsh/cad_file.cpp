@@ -138,10 +138,10 @@ CadFile inspect_cad_file(const std::filesystem::path& path) {
   if (line != std::string::npos && line >= 73 && head[72] == 'S') return {"iges", iges_unit(text)};
 
   if (upper(head).find("<REFERENCE_FLEXDATA") != std::string::npos)
-    throw std::invalid_argument(
-        name +
-        ": is a FlexData file, finished modes and no geometry: name it as file of a table [flexdata] instead of [geometry], "
-        "or give it to flexura reduce itself");
+    throw std::invalid_argument(name +
+                                ": is a FlexData file, finished modes and no geometry: name it as file of a "
+                                "table [flexdata] instead of [geometry], "
+                                "or give it to flexura reduce itself");
   const char* wanted =
       extension == ".IGS" || extension == ".IGES"   ? "not an IGES file: column 73 of its first line is no S"
       : extension == ".BREP" || extension == ".BRP" ? "not a BREP file: it does not name CASCADE Topology"

@@ -47,7 +47,8 @@ CurveSet read_curves(const CurveOptions& options) {
   std::string extension = options.path.extension().string();
   if (extension == ".msh" || extension == ".geo" || extension == ".geo_unrolled") {
     std::error_code none;
-    if (!std::filesystem::is_regular_file(options.path, none) || !std::ifstream(options.path)) throw std::invalid_argument(name + ": cannot be opened as a file");
+    if (!std::filesystem::is_regular_file(options.path, none) || !std::ifstream(options.path))
+      throw std::invalid_argument(name + ": cannot be opened as a file");
     job.format = extension == ".msh" ? "msh" : "geo";
     job.to_m = metres_in(options.unit.empty() ? "m" : options.unit);
   } else {

@@ -32,14 +32,14 @@ struct Job {
   int most_tetrahedra = 0;    ///< likewise of the volume
   int surface_algorithm = 6;  ///< gmsh's Mesh.Algorithm: 6 frontal-Delaunay, 5 Delaunay, 1 MeshAdapt
   double turn = 0;            ///< "curves": greatest angle between pieces [rad]
-  std::string note;           ///< what the stages are said to be besides: the recipe, and why the one before failed
-  int parent = 0;             ///< process id; the child ends when it is gone
+  std::string note;  ///< what the stages are said to be besides: the recipe, and why the one before failed
+  int parent = 0;    ///< process id; the child ends when it is gone
   /// "planar": for each region its outer loop and its holes, y and z of each corner [m].
   std::vector<std::vector<std::vector<double>>> regions;
 };
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Job, task, path, format, to_m, solids, fuse, heal, order, size, size_min, sizes,
-                                   elements_per_circle, most_triangles, most_tetrahedra, surface_algorithm, turn,
-                                   note, parent, regions)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Job, task, path, format, to_m, solids, fuse, heal, order, size, size_min,
+                                   sizes, elements_per_circle, most_triangles, most_tetrahedra,
+                                   surface_algorithm, turn, note, parent, regions)
 
 struct SolidRecord {
   int number = 0, same_as = 0;
@@ -85,14 +85,15 @@ struct ResultRecord {
   std::vector<FaceRecord> faces;
   std::vector<std::string> messages;
   double size = 0, size_min = 0, elements_per_circle = 0;  ///< as used
-  bool graded = false;  ///< sizes grow away from the edges, in place of spreading those of short edges over whole faces
+  bool graded =
+      false;  ///< sizes grow away from the edges, in place of spreading those of short edges over whole faces
   std::uint64_t n_points = 0, n_tetrahedra = 0, n_triangles = 0, n_integers = 0;
   std::vector<BlockRecord> blocks;
   std::vector<GroupRecord> groups;
 };
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ResultRecord, error, solids, kept, volume, area, outline, centroid, faces, messages,
-                                   size, size_min, elements_per_circle, graded, n_points, n_tetrahedra, n_triangles,
-                                   n_integers, blocks, groups)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ResultRecord, error, solids, kept, volume, area, outline, centroid, faces,
+                                   messages, size, size_min, elements_per_circle, graded, n_points,
+                                   n_tetrahedra, n_triangles, n_integers, blocks, groups)
 
 struct Arrays {
   std::vector<double> points;            ///< 3 n_points

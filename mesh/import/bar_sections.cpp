@@ -190,12 +190,14 @@ BarSection abaqus_section(const std::string& type, const std::vector<double>& d)
     BarSection s = box(d[0], d[1], (d[2] + d[4]) / 2, (d[3] + d[5]) / 2);
     return s;
   }
-  if (type == "I") {  // l, h, b1, b2, t1, t2, t3: lower and upper flange, web; the node is l above the lower edge
+  if (type ==
+      "I") {  // l, h, b1, b2, t1, t2, t3: lower and upper flange, web; the node is l above the lower edge
     require(d[1] > d[4] + d[5], "SECTION=I: the flanges are thicker than the section is high");
     const double web = d[1] - d[4] - d[5];
     const double shear = d[4] / 2 + flange_centre(d[4], d[2], d[5], d[3]) * (d[1] - (d[4] + d[5]) / 2);
     BarSection s = open_section(
-        {{0, d[4] / 2, d[2], d[4]}, {0, d[4] + web / 2, d[6], web}, {0, d[1] - d[5] / 2, d[3], d[5]}}, 0, shear);
+        {{0, d[4] / 2, d[2], d[4]}, {0, d[4] + web / 2, d[6], web}, {0, d[1] - d[5] / 2, d[3], d[5]}}, 0,
+        shear);
     s.node_z = d[0] - (shear - s.shear_z);
     return s;
   }

@@ -40,7 +40,8 @@ std::vector<std::string> Unused::messages(const std::string& noun) const {
 std::vector<std::string> Unused::remarks() const {
   std::vector<std::string> out;
   for (const Entry& entry : entries_)
-    out.push_back(fmt::format("{}{} (first in {})", entry.count > 1 ? fmt::format("{} times ", entry.count) : "", entry.card,
+    out.push_back(fmt::format("{}{} (first in {})",
+                              entry.count > 1 ? fmt::format("{} times ", entry.count) : "", entry.card,
                               entry.first));
   return out;
 }

@@ -17,7 +17,7 @@ struct ImportedMaterial {
   double E = 0, nu = 0, rho = 0;
   bool orthotropic = false;
   Eigen::Matrix<double, 9, 1> engineering =
-      Eigen::Matrix<double, 9, 1>::Zero();  ///< E1 E2 E3 nu12 nu13 nu23 G12 G13 G23
+      Eigen::Matrix<double, 9, 1>::Zero();          ///< E1 E2 E3 nu12 nu13 nu23 G12 G13 G23
   Eigen::Matrix3d R = Eigen::Matrix3d::Identity();  ///< columns: the axes 1, 2, 3 of an orthotropic one
 };
 

@@ -36,10 +36,13 @@ std::optional<Projection> project(const Vector3d& point, const std::vector<Surfa
       low = low.cwiseMin(place_of(node));
       high = high.cwiseMax(place_of(node));
     }
-    const double bulge = face.nodes.size() > 4 ? 0.25 * (high - low).norm() : 0.0;  // a curved face leaves its nodes' box
-    if (((low - point).array() > reach + bulge).any() || ((point - high).array() > reach + bulge).any()) continue;
+    const double bulge =
+        face.nodes.size() > 4 ? 0.25 * (high - low).norm() : 0.0;  // a curved face leaves its nodes' box
+    if (((low - point).array() > reach + bulge).any() || ((point - high).array() > reach + bulge).any())
+      continue;
     x.resize(static_cast<Eigen::Index>(face.nodes.size()), 3);
-    for (std::size_t k = 0; k < face.nodes.size(); ++k) x.row(static_cast<Eigen::Index>(k)) = place_of(face.nodes[k]).transpose();
+    for (std::size_t k = 0; k < face.nodes.size(); ++k)
+      x.row(static_cast<Eigen::Index>(k)) = place_of(face.nodes[k]).transpose();
     // Gauss and Newton's iteration for the foot of the perpendicular, kept in the cell.
     Vector3d r = reference_nodes(face.type).topRows(shape_of(face.type).corners).colwise().mean().transpose();
     Projection here;

@@ -19,7 +19,7 @@ struct SurfaceFace {
 
 struct Projection {
   std::size_t face = 0;
-  Eigen::VectorXd N;                              ///< of the face's nodes at the place
+  Eigen::VectorXd N;                                ///< of the face's nodes at the place
   Eigen::Vector3d place = Eigen::Vector3d::Zero();  ///< sum N_k x_k
   double distance = 0;
 };

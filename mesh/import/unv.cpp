@@ -17,7 +17,8 @@ namespace flexura::mesh {
 namespace {
 
 const CellRecord* solid_of(int descriptor) {
-  const auto found = std::ranges::find_if(cell_records(), [&](const CellRecord& record) { return record.foreign.unv == descriptor; });
+  const auto found = std::ranges::find_if(
+      cell_records(), [&](const CellRecord& record) { return record.foreign.unv == descriptor; });
   return found == cell_records().end() ? nullptr : &*found;
 }
 
@@ -145,10 +146,10 @@ class Reader {
       const auto n_wanted = static_cast<std::size_t>(solid->nodes.rows());
       if (n_wanted != n)
         throw std::invalid_argument(fmt::format("{}: element {} of descriptor {} has {} nodes instead of {}",
-                                                where.text(), label, descriptor, n,
-                                                n_wanted));
+                                                where.text(), label, descriptor, n, n_wanted));
       std::vector<Index> ordered;
-      for (std::size_t k = 0; k < n; ++k) ordered.push_back(nodes[order.empty() ? k : static_cast<std::size_t>(order[k])]);
+      for (std::size_t k = 0; k < n; ++k)
+        ordered.push_back(nodes[order.empty() ? k : static_cast<std::size_t>(order[k])]);
       builder_.add_cell(0, solid->type, label, std::move(ordered), where);
     }
   }

@@ -264,7 +264,8 @@ void extract_boundary(Mesh& mesh) {
     }
     mesh.boundary.push_back(std::move(block));
   }
-  for (const CellBlock& shell : mesh.shells) mesh.boundary.push_back({.type = shell.type, .nodes = shell.nodes});
+  for (const CellBlock& shell : mesh.shells)
+    mesh.boundary.push_back({.type = shell.type, .nodes = shell.nodes});
 }
 
 Surface measure_surface(const Mesh& mesh, const std::vector<CellBlock>& faces) {
@@ -329,15 +330,15 @@ Pieces find_pieces(const Mesh& mesh) {
     return k;
   };
   for (const auto* blocks : {&mesh.solids, &mesh.shells})
-   for (const CellBlock& block : *blocks)
-    for (Index cell = 0; cell < block.nodes.rows(); ++cell) {
-      Index a = root(block.nodes(cell, 0));
-      for (Eigen::Index k = 0; k < block.nodes.cols(); ++k) {
-        used[block.nodes(cell, k)] = 1;
-        const Index b = root(block.nodes(cell, k));
-        if (a != b) a = parent[std::max(a, b)] = std::min(a, b);
+    for (const CellBlock& block : *blocks)
+      for (Index cell = 0; cell < block.nodes.rows(); ++cell) {
+        Index a = root(block.nodes(cell, 0));
+        for (Eigen::Index k = 0; k < block.nodes.cols(); ++k) {
+          used[block.nodes(cell, k)] = 1;
+          const Index b = root(block.nodes(cell, k));
+          if (a != b) a = parent[std::max(a, b)] = std::min(a, b);
+        }
       }
-    }
   Pieces pieces;
   pieces.piece_of_node.assign(parent.size(), -1);
   for (Index k = 0; k < mesh.n_nodes(); ++k) {

@@ -31,7 +31,7 @@ struct CellBlock {
   std::vector<Index> material;      ///< n_cells; index into the part's materials, empty = all 0
   std::vector<std::int64_t> label;  ///< n_cells; the cell numbers of the file it came from, empty = none
   std::vector<double> thickness;    ///< shells: n_cells [m]
-  std::vector<double> offset;       ///< shells: n_cells, from the nodes to the middle surface along the normal [m]
+  std::vector<double> offset;  ///< shells: n_cells, from the nodes to the middle surface along the normal [m]
 };
 
 /// A named set of nodes, with the surface cells that span it where it came from a face (for area weights).

@@ -184,7 +184,8 @@ static Selection select(const Context& c, const NameRule& rule) {
   for (const Face& face : c.faces)
     if (face.name == rule.name) selection.face_numbers.push_back(face.number);
   std::sort(selection.face_numbers.begin(), selection.face_numbers.end());
-  selection.description = fmt::format("set \"{}\", {} node{}", rule.name, selection.set.nodes.size(), selection.set.nodes.size() == 1 ? "" : "s");
+  selection.description = fmt::format("set \"{}\", {} node{}", rule.name, selection.set.nodes.size(),
+                                      selection.set.nodes.size() == 1 ? "" : "s");
   return selection;
 }
 
@@ -193,7 +194,8 @@ static Selection select(const Context& c, const NodesRule& rule) {
   std::vector<Index>& nodes = selection.set.nodes;
   std::map<std::int64_t, Index> index_of;
   for (Index k = 0; k < c.mesh.n_nodes() && !rule.labels.empty(); ++k)  // points that are ours have no number
-    if (const std::int64_t label = c.mesh.node_label.empty() ? k + 1 : c.mesh.node_label[static_cast<std::size_t>(k)];
+    if (const std::int64_t label =
+            c.mesh.node_label.empty() ? k + 1 : c.mesh.node_label[static_cast<std::size_t>(k)];
         label >= 0)
       index_of[label] = k;
   for (const std::int64_t label : rule.labels) {
@@ -234,7 +236,9 @@ static Selection select(const Context& c, const NodesRule& rule) {
 Selection select_nodes(const Mesh& mesh, const std::vector<Face>& faces, const Rule& rule) {
   const auto box = bounding_box(mesh);
   const selecting::Context context{mesh, faces, (box.row(1) - box.row(0)).norm()};
-  const auto faces_of = [&] { return std::visit([&](const auto& r) { return selecting::select(context, r); }, rule); };
+  const auto faces_of = [&] {
+    return std::visit([&](const auto& r) { return selecting::select(context, r); }, rule);
+  };
   if (mesh.shells.empty()) return faces_of();
   try {
     return faces_of();

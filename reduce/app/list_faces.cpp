@@ -34,9 +34,10 @@ bool is_bore(const mesh::Face& face) {
 void print_example(const std::vector<mesh::Face>& faces, std::ostream& out) {
   const auto rank = [](const mesh::Face& f) {
     // A bore is what pins go through; then shafts, then planes.
-    return f.area * (is_bore(f) ? 1e6 : f.kind == mesh::FaceKind::cylinder && is_whole(f) ? 1e3
-                     : f.kind == mesh::FaceKind::plane                                    ? 1.0
-                                                                                          : 1e-3);
+    return f.area * (is_bore(f)                                          ? 1e6
+                     : f.kind == mesh::FaceKind::cylinder && is_whole(f) ? 1e3
+                     : f.kind == mesh::FaceKind::plane                   ? 1.0
+                                                                         : 1e-3);
   };
   const auto best = std::max_element(faces.begin(), faces.end(),
                                      [&](const auto& a, const auto& b) { return rank(a) < rank(b); });

@@ -19,20 +19,20 @@
 #include "mbs/base/terminal/command_line.hpp"
 #include "mbs/base/threads/pool.hpp"
 #include "reduce/app/attach_solid.hpp"
-#include "reduce/file/beam_file.hpp"
-#include "reduce/app/beam_statics.hpp"
-#include "reduce/file/flexdata_file.hpp"
-#include "reduce/app/list_faces.hpp"
-#include "reduce/file/part_file.hpp"
 #include "reduce/app/beam_modes.hpp"
+#include "reduce/app/beam_statics.hpp"
+#include "reduce/app/list_faces.hpp"
 #include "reduce/app/section_command.hpp"
 #include "reduce/app/write_reduced.hpp"
-#include "reduce/part/write_mesh.hpp"
 #include "reduce/assembly/model_factor.hpp"
+#include "reduce/file/beam_file.hpp"
+#include "reduce/file/flexdata_file.hpp"
+#include "reduce/file/part_file.hpp"
 #include "reduce/linalg/dense/blas_threads.hpp"
-#include "reduce/linalg/session/session.hpp"
 #include "reduce/linalg/petsc/team.hpp"
+#include "reduce/linalg/session/session.hpp"
 #include "reduce/linalg/session/user_options.hpp"
+#include "reduce/part/write_mesh.hpp"
 
 namespace {
 
@@ -46,7 +46,8 @@ struct Arguments {
   int modes = -1, beam_modes = 0, compare = 0;
   int places = kNotGiven, threads = kNotGiven;
   int places_or_default() const { return places == kNotGiven ? 5 : places; }
-  bool factor_in_file = false, list_faces = false, schema = false, schema_beams = false, schema_flexdata = false, statics = false;
+  bool factor_in_file = false, list_faces = false, schema = false, schema_beams = false,
+       schema_flexdata = false, statics = false;
 };
 
 // What one kind of part knows and the other does not is refused, not passed over.
@@ -76,14 +77,18 @@ void refuse_options_of_the_other_kind(const Arguments& a, bool is_beam) {
 
 // FlexData files hold finished modes.
 void refuse_options_of_reductions(const Arguments& a) {
-  const std::pair<bool, const char*> given[] = {{!a.mesh_size.empty(), "--mesh-size"}, {!a.accuracy.empty(), "--accuracy"},
-                                                {a.modes >= 0, "--modes"},             {!a.mesh.empty(), "--mesh"},
-                                                {a.compare > 0, "--compare"},          {a.factor_in_file, "--factor-in-file"},
+  const std::pair<bool, const char*> given[] = {{!a.mesh_size.empty(), "--mesh-size"},
+                                                {!a.accuracy.empty(), "--accuracy"},
+                                                {a.modes >= 0, "--modes"},
+                                                {!a.mesh.empty(), "--mesh"},
+                                                {a.compare > 0, "--compare"},
+                                                {a.factor_in_file, "--factor-in-file"},
                                                 {!a.petsc.empty(), "--petsc"}};
   for (const auto& [is_given, option] : given)
     if (is_given)
-      throw input::InputError(fmt::format("{}: {} is for parts that are reduced here; these modes are finished: leave it out",
-                                          a.input, option));
+      throw input::InputError(
+          fmt::format("{}: {} is for parts that are reduced here; these modes are finished: leave it out",
+                      a.input, option));
 }
 
 int reduce_with(const Arguments& arguments, const terminal::Verbosity& verbosity, const linalg::Team* team) {
@@ -103,7 +108,8 @@ int reduce_with(const Arguments& arguments, const terminal::Verbosity& verbosity
   if (arguments.threads != kNotGiven) {
     constexpr int most = 1024;
     if (arguments.threads < 1 || arguments.threads > most)
-      throw input::InputError(fmt::format("--threads {}: must be at least 1 and at most {}", arguments.threads, most));
+      throw input::InputError(
+          fmt::format("--threads {}: must be at least 1 and at most {}", arguments.threads, most));
     threads::set_count(arguments.threads);
     linalg::set_blas_threads(arguments.threads);
   }
@@ -145,7 +151,7 @@ int reduce_with(const Arguments& arguments, const terminal::Verbosity& verbosity
   claims.add(arguments.mesh);
   if (is_flexdata) {
     reduce::reduce_to_file(reduce::read_flexdata_part(arguments.input, arguments.overrides), output,
-                            {.report = arguments.report, .quiet = verbosity.quiet});
+                           {.report = arguments.report, .quiet = verbosity.quiet});
     return 0;
   }
   if (is_beam) {
@@ -175,22 +181,25 @@ int reduce_with(const Arguments& arguments, const terminal::Verbosity& verbosity
   }
 
   reduce::reduce_to_file(part, output,
-                      {.report = arguments.report,
-                       .mesh = arguments.mesh,
-                       .compare = arguments.compare,
-                       .team = team,
-                       .petsc = std::move(petsc),
-                       .factor_in_file = arguments.factor_in_file,
-                       .quiet = verbosity.quiet});
+                         {.report = arguments.report,
+                          .mesh = arguments.mesh,
+                          .compare = arguments.compare,
+                          .team = team,
+                          .petsc = std::move(petsc),
+                          .factor_in_file = arguments.factor_in_file,
+                          .quiet = verbosity.quiet});
   return 0;
 }
 
 std::function<int()> declare(terminal::Options& options, const terminal::Verbosity& verbosity,
                              const linalg::Team* team) {
   const auto arguments = std::make_shared<Arguments>();
-  options.optional_argument("PART", arguments->input, "part file (.toml) or FlexData (.xml); with --list-faces also a CAD file")
+  options
+      .optional_argument("PART", arguments->input,
+                         "part file (.toml) or FlexData (.xml); with --list-faces also a CAD file")
       .option("-o,--output", arguments->output, "FILE", "superelement to write (default: PART.se.h5)")
-      .option("--mesh-size,--size", arguments->mesh_size, "LENGTH", "element size, overrides mesh.size: \"2 mm\"")
+      .option("--mesh-size,--size", arguments->mesh_size, "LENGTH",
+              "element size, overrides mesh.size: \"2 mm\"")
       .option("--accuracy", arguments->accuracy, "PERCENT",
               "choose mesh and modes for this accuracy, overrides modes.accuracy: \"1 %\"")
       .option("-n,--modes,--count", arguments->modes, "N", "number of normal modes, overrides modes.count")
@@ -202,18 +211,21 @@ std::function<int()> declare(terminal::Options& options, const terminal::Verbosi
       .option("--places", arguments->places, "N", "places along each member for --statics (default: 5)")
       .option("--set", arguments->overrides, "KEY=VALUE", "override an entry of the part file")
       .option("--report", arguments->report, "FILE", "also write the acceptance report as JSON")
-      .option("--mesh", arguments->mesh, "FILE",
-              "also write the mesh of solids and shells, in m: .inp (Abaqus, with materials and sections), .vtu "
-              "(ParaView) or .msh (gmsh)")
+      .option(
+          "--mesh", arguments->mesh, "FILE",
+          "also write the mesh of solids and shells, in m: .inp (Abaqus, with materials and sections), .vtu "
+          "(ParaView) or .msh (gmsh)")
       .option(
           "--compare", arguments->compare, "N",
           "also solve the full model: N free frequencies and static compliance against the superelement's")
       .flag("--factor-in-file", arguments->factor_in_file,
             "keep the factor in a temporary file (in TMPDIR or beside the output), as is done by itself "
             "where it does not fit into memory")
-      .option("--threads", arguments->threads, "N", "threads that share the work (default: one for each core)")
+      .option("--threads", arguments->threads, "N",
+              "threads that share the work (default: one for each core)")
       .option("--petsc", arguments->petsc, "OPTIONS",
-              "options of PETSc and SLEPc as one text, after those of the part file's [solver]: \"-eps_view -log_view\" "
+              "options of PETSc and SLEPc as one text, after those of the part file's [solver]: \"-eps_view "
+              "-log_view\" "
               "shows their reports")
       .flag("--list-faces", arguments->list_faces, "list the solids and faces of the part, then stop")
       .flag("--schema", arguments->schema, "print the part file's reference page, then stop")
@@ -261,11 +273,11 @@ int main(int argc, char** argv) {
   if (argc > 1 && std::string(argv[1]) == "section")
     return end(terminal::run(reduce::section_command(), FLEXURA_VERSION, argc - 1, argv + 1));
   const int code = terminal::run({.name = "flexura reduce",
-                        .summary = "make a superelement of a CAD part",
-                        .declare =
-                            [&](terminal::Options& options, const terminal::Verbosity& verbosity) {
-                              return declare(options, verbosity, team ? &*team : nullptr);
-                            }},
-                       FLEXURA_VERSION, argc, argv);
+                                  .summary = "make a superelement of a CAD part",
+                                  .declare =
+                                      [&](terminal::Options& options, const terminal::Verbosity& verbosity) {
+                                        return declare(options, verbosity, team ? &*team : nullptr);
+                                      }},
+                                 FLEXURA_VERSION, argc, argv);
   return session ? code : end(code);  // others wait for the first process
 }

@@ -8,9 +8,9 @@
 #include "mbs/base/documents/document.hpp"
 #include "mbs/base/files/output.hpp"
 #include "mbs/superelement/text_file.hpp"
+#include "reduce/app/section_report.hpp"
 #include "reduce/file/section_file.hpp"
 #include "reduce/file/section_result.hpp"
-#include "reduce/app/section_report.hpp"
 
 namespace flexura::reduce {
 namespace {
@@ -69,7 +69,8 @@ terminal::Command section_command() {
                 .option("-o,--output", arguments->output, "FILE",
                         "section file for beam parts, `type = \"file\"` (default: FILE.section)")
                 .option("--svg", arguments->svg, "FILE", "the drawing (default: beside the section file)")
-                .option("--size,--mesh-size", arguments->size, "LENGTH", "element size, overrides size: \"2 mm\"")
+                .option("--size,--mesh-size", arguments->size, "LENGTH",
+                        "element size, overrides size: \"2 mm\"")
                 .option("--set", arguments->overrides, "KEY=VALUE", "override an entry of the file")
                 .flag("--json", arguments->json, "print JSON instead of the table")
                 .flag("--schema", arguments->schema, "print the section file's reference page, then stop")

@@ -22,8 +22,8 @@ bool is_better(const std::filesystem::path& output) {
   std::error_code error;
   if (!std::filesystem::exists(output, error)) return false;
   // What is going to be written is not read as an input: a copy is.
-  const std::filesystem::path copy =
-      std::filesystem::temp_directory_path() / fmt::format("flexura-{}-{}", getpid(), output.filename().string());
+  const std::filesystem::path copy = std::filesystem::temp_directory_path() /
+                                     fmt::format("flexura-{}-{}", getpid(), output.filename().string());
   const auto remove = [](const std::filesystem::path* file) {
     std::error_code ignored;
     std::filesystem::remove(*file, ignored);
@@ -31,8 +31,10 @@ bool is_better(const std::filesystem::path& output) {
   const std::unique_ptr<const std::filesystem::path, decltype(remove)> removed(&copy, remove);
   try {
     std::filesystem::copy_file(output, copy);
-    const auto mesh = superelement::read(copy, {.matrices = false, .inertia = false, .mesh_error = true}).mesh_error;
-    return mesh && !mesh->modes.empty() && mesh->modes.front().error >= 0.0 && mesh->modes.front().error < 0.2;
+    const auto mesh =
+        superelement::read(copy, {.matrices = false, .inertia = false, .mesh_error = true}).mesh_error;
+    return mesh && !mesh->modes.empty() && mesh->modes.front().error >= 0.0 &&
+           mesh->modes.front().error < 0.2;
   } catch (const std::exception&) {
     return false;  // no superelement, or one without an estimate
   }
@@ -60,8 +62,9 @@ void reduce_and_write(const Input& input, const std::filesystem::path& output, c
                                          .petsc = options.petsc,
                                          .factor_in_file = options.factor_in_file});
   if (!reduced.too_coarse.empty() && is_better(output))
-    throw std::runtime_error(fmt::format("{}; {}, which resolves it, is kept: name another file by -o to write this one",
-                                         reduced.too_coarse, output.string()));
+    throw std::runtime_error(
+        fmt::format("{}; {}, which resolves it, is kept: name another file by -o to write this one",
+                    reduced.too_coarse, output.string()));
   progress("write", 0.0);
   if (!options.mesh.empty()) write_mesh(options.mesh, reduced.mesh, reduced.materials);
   superelement::write(output, reduced.superelement);
@@ -74,13 +77,16 @@ void reduce_and_write(const Input& input, const std::filesystem::path& output, c
 
 }  // namespace
 
-void reduce_to_file(const PartInput& part, const std::filesystem::path& output, const OutputOptions& options) {
+void reduce_to_file(const PartInput& part, const std::filesystem::path& output,
+                    const OutputOptions& options) {
   reduce_and_write(part, output, options);
 }
-void reduce_to_file(const BeamPartInput& part, const std::filesystem::path& output, const OutputOptions& options) {
+void reduce_to_file(const BeamPartInput& part, const std::filesystem::path& output,
+                    const OutputOptions& options) {
   reduce_and_write(part, output, options);
 }
-void reduce_to_file(const FlexDataInput& part, const std::filesystem::path& output, const OutputOptions& options) {
+void reduce_to_file(const FlexDataInput& part, const std::filesystem::path& output,
+                    const OutputOptions& options) {
   reduce_and_write(part, output, options);
 }
 

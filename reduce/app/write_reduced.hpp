@@ -8,10 +8,10 @@
 namespace flexura::reduce {
 
 struct OutputOptions {
-  std::filesystem::path report;  ///< JSON report beside the superelement; empty = only inside it
-  std::filesystem::path mesh;    ///< the mesh for other programs (write_mesh.hpp); empty = not written
-  int compare = 0;               ///< ReduceOptions::compare
-  const linalg::Team* team = nullptr;          ///< ReduceOptions::team
+  std::filesystem::path report;        ///< JSON report beside the superelement; empty = only inside it
+  std::filesystem::path mesh;          ///< the mesh for other programs (write_mesh.hpp); empty = not written
+  int compare = 0;                     ///< ReduceOptions::compare
+  const linalg::Team* team = nullptr;  ///< ReduceOptions::team
   std::vector<linalg::UserOption> petsc = {};  ///< ReduceOptions::petsc
   bool factor_in_file = false;                 ///< ReduceOptions::factor_in_file
   bool quiet = false;
@@ -21,7 +21,9 @@ struct OutputOptions {
 /// `output` is written whole or not at all; a good superelement there is not replaced by one whose mesh does not resolve its
 /// part (std::runtime_error).  Throws like reduce().
 void reduce_to_file(const PartInput& part, const std::filesystem::path& output, const OutputOptions& options);
-void reduce_to_file(const BeamPartInput& part, const std::filesystem::path& output, const OutputOptions& options);
-void reduce_to_file(const FlexDataInput& part, const std::filesystem::path& output, const OutputOptions& options);
+void reduce_to_file(const BeamPartInput& part, const std::filesystem::path& output,
+                    const OutputOptions& options);
+void reduce_to_file(const FlexDataInput& part, const std::filesystem::path& output,
+                    const OutputOptions& options);
 
 }  // namespace flexura::reduce

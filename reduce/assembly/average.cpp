@@ -45,8 +45,8 @@ Eigen::Matrix<double, 6, Eigen::Dynamic> averaging_map(const mesh::Mesh& mesh,
   if (values(0) > 1e-12 * values(5)) return scale.asDiagonal() * gram.ldlt().solve(WD.transpose());
   const Eigen::Matrix<double, 6, 1> inverse =
       (values.array() > 1e-12 * values(5)).select(values.cwiseInverse(), Eigen::Matrix<double, 6, 1>::Zero());
-  return scale.asDiagonal() * (eigen.eigenvectors() * inverse.asDiagonal() * eigen.eigenvectors().transpose()) *
-         WD.transpose();
+  return scale.asDiagonal() *
+         (eigen.eigenvectors() * inverse.asDiagonal() * eigen.eigenvectors().transpose()) * WD.transpose();
 }
 
 Follower follower_of(mesh::Index point, const Eigen::Matrix<double, 3, 6>& C, const InterfaceSpec& average,

@@ -29,7 +29,8 @@ void require_free(const LinearEquation& equation, const Row& row,
   static constexpr const char* kMotions[] = {"a shift along x", "a shift along y", "a shift along z",
                                              "a turn about x",  "a turn about y",  "a turn about z"};
   const Eigen::Vector3d middle = 0.5 * (points.colwise().minCoeff() + points.colwise().maxCoeff());
-  const double reach = std::max(0.5 * (points.colwise().maxCoeff() - points.colwise().minCoeff()).norm(), 1e-300);
+  const double reach =
+      std::max(0.5 * (points.colwise().maxCoeff() - points.colwise().minCoeff()).norm(), 1e-300);
   Eigen::Matrix<double, 1, 6> violation = Eigen::Matrix<double, 1, 6>::Zero();
   double size = 0;
   for (const auto& [dof, c] : row) {
@@ -40,10 +41,11 @@ void require_free(const LinearEquation& equation, const Row& row,
   }
   Eigen::Index worst = 0;
   if (violation.cwiseAbs().maxCoeff(&worst) <= kRoundOff * size) return;
-  throw std::invalid_argument(fmt::format(
-      "{} resists {} of the whole body: it binds the body to the ground, which is for joints at run time; take it out of the "
-      "deck, or write it so that rigid motions fulfil it",
-      equation.of, kMotions[worst]));
+  throw std::invalid_argument(
+      fmt::format("{} resists {} of the whole body: it binds the body to the ground, which is for joints at "
+                  "run time; take it out of the "
+                  "deck, or write it so that rigid motions fulfil it",
+                  equation.of, kMotions[worst]));
 }
 
 class Elimination {
@@ -60,10 +62,11 @@ class Elimination {
   void take(const LinearEquation& equation, const Row& row) {
     const std::optional<NodalDof> pivot = choose(equation, row);
     if (!pivot)
-      throw std::invalid_argument(fmt::format(
-          "{} binds only dofs that follow something else already (nodes of rigid interfaces and spiders; of rotations, equal "
-          "ones of two nodes alone can be bound)",
-          equation.of));
+      throw std::invalid_argument(
+          fmt::format("{} binds only dofs that follow something else already (nodes of rigid interfaces and "
+                      "spiders; of rotations, equal "
+                      "ones of two nodes alone can be bound)",
+                      equation.of));
     Row& own = dependent_[*pivot];
     const double c = row.at(*pivot);
     for (const auto& [dof, value] : row)
@@ -117,7 +120,8 @@ class Elimination {
     // A rotation can be another one, not a combination.
     if (row.size() != 2) return false;
     const auto& other = row.begin()->first == dof ? *row.rbegin() : *row.begin();
-    return other.first.direction >= 3 && std::abs(other.second + row.at(dof)) <= kNothing * std::abs(other.second);
+    return other.first.direction >= 3 &&
+           std::abs(other.second + row.at(dof)) <= kNothing * std::abs(other.second);
   }
 
   std::optional<NodalDof> choose(const LinearEquation& equation, const Row& row) const {
@@ -141,10 +145,9 @@ class Elimination {
 
 }  // namespace
 
-std::vector<DependentDof> eliminate(
-    const std::vector<LinearEquation>& equations,
-    const Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>& points,
-    const std::function<bool(const NodalDof&)>& may_depend) {
+std::vector<DependentDof> eliminate(const std::vector<LinearEquation>& equations,
+                                    const Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>& points,
+                                    const std::function<bool(const NodalDof&)>& may_depend) {
   Elimination elimination(may_depend);
   for (const LinearEquation& equation : equations) {
     Row plain;

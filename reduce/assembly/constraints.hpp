@@ -16,16 +16,16 @@
 namespace flexura::reduce {
 
 struct LinearEquation {
-  std::vector<std::pair<NodalDof, double>> terms;  ///< the first is taken as the dependent dof where it can be
-  std::string of;                                  ///< where it comes from, for messages
+  std::vector<std::pair<NodalDof, double>>
+      terms;       ///< the first is taken as the dependent dof where it can be
+  std::string of;  ///< where it comes from, for messages
 };
 
 /// The dependent dofs, ascending.  `may_depend` says of which dofs nothing else is said; rotations can follow one other
 /// rotation alone.  Equations that say nothing new are left out.  Throws std::invalid_argument for an equation that a rigid
 /// motion of the whole body would violate (it binds the body to the ground), and where no dof of one can depend.
-std::vector<DependentDof> eliminate(
-    const std::vector<LinearEquation>& equations,
-    const Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>& points,
-    const std::function<bool(const NodalDof&)>& may_depend);
+std::vector<DependentDof> eliminate(const std::vector<LinearEquation>& equations,
+                                    const Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>& points,
+                                    const std::function<bool(const NodalDof&)>& may_depend);
 
 }  // namespace flexura::reduce

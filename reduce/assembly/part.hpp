@@ -37,7 +37,7 @@ struct InterfaceSpec {
   std::vector<int> directions = {0, 1, 2,
                                  3, 4, 5};  ///< retained: 0-2 displacement x, y, z, 3-5 rotation; ascending
   std::vector<double> weights = {};         ///< Tie::average: of each node of the set, instead of areas
-  bool rotations = true;  ///< Tie::rigid: the set's own rotations (of shells and beams) follow, too
+  bool rotations = true;          ///< Tie::rigid: the set's own rotations (of shells and beams) follow, too
   mesh::Index turning_node = -1;  ///< the one whose rotation follows even so
 };
 
@@ -115,8 +115,9 @@ struct Part {
   std::vector<NodalMass> masses;
   std::vector<Link> links;
   std::vector<FrameElement> frames;
-  std::vector<ShellSkins> skins;    ///< of each block of mesh.shells, once they are made
-  std::vector<Follower> followers;  ///< NodalMass on them (also below zero on their nodes) makes rotary inertia
+  std::vector<ShellSkins> skins;  ///< of each block of mesh.shells, once they are made
+  std::vector<Follower>
+      followers;  ///< NodalMass on them (also below zero on their nodes) makes rotary inertia
   std::vector<DependentDof> dependent;  ///< by dof, ascending
   MassKind mass = MassKind::consistent;
   Formulation formulation = Formulation::standard;

@@ -34,14 +34,16 @@ namespace {
 
 // Points (from the node) with masses that have the inertia of a rigid piece: its mass centre alone, or two points on
 // each principal axis.
-std::vector<std::pair<Eigen::Vector3d, double>> equal_points(const PointMass& mass, const std::string& where) {
+std::vector<std::pair<Eigen::Vector3d, double>> equal_points(const PointMass& mass,
+                                                             const std::string& where) {
   if (mass.inertia.isZero(0.0)) return {{mass.offset, mass.mass}};
   const Eigen::Matrix3d C = 0.5 * mass.inertia.trace() * Eigen::Matrix3d::Identity() - mass.inertia;
   const linalg::DenseEigen axes = linalg::symmetric_eigen(C);
   // Figures come with five digits and more: a plate's zero may come out negative by as much.
   if (axes.values(0) < -1e-5 * axes.values(2))
     throw std::invalid_argument(fmt::format(
-        "the moments of inertia on {} belong to no body: the greatest exceeds the sum of the other two", where));
+        "the moments of inertia on {} belong to no body: the greatest exceeds the sum of the other two",
+        where));
   std::vector<std::pair<Eigen::Vector3d, double>> points;
   for (int k = 0; k < 3; ++k) {
     const Eigen::Vector3d reach =

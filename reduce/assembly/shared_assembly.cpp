@@ -93,8 +93,8 @@ enum class Outcome : int { well, bad_input, failed };
 
 void TiedModel::put_numbering(Message& message) const {
   for (const int number : {n_nodes_, n_i_, n_b_}) message.put(number);
-  for (const std::vector<int>* numbers : {&code_, &tie_of_, &group_begin_, &group_of_, &tie_group_, &rotation_of_,
-                                          &slave_of_, &slave_begin_, &slave_code_})
+  for (const std::vector<int>* numbers : {&code_, &tie_of_, &group_begin_, &group_of_, &tie_group_,
+                                          &rotation_of_, &slave_of_, &slave_begin_, &slave_code_})
     message.put_all(*numbers);
   message.put(slave_C_.size());
   for (const Eigen::Vector3d& C : slave_C_) message.put_array(C.data(), 3);
@@ -109,8 +109,8 @@ void TiedModel::put_numbering(Message& message) const {
 TiedModel::TiedModel(Message& numbering, const Part& share, const AssemblyOptions& options)
     : points_(share.mesh.points) {
   for (int* number : {&n_nodes_, &n_i_, &n_b_}) *number = numbering.take<int>();
-  for (std::vector<int>* numbers : {&code_, &tie_of_, &group_begin_, &group_of_, &tie_group_, &rotation_of_, &slave_of_,
-                                    &slave_begin_, &slave_code_})
+  for (std::vector<int>* numbers : {&code_, &tie_of_, &group_begin_, &group_of_, &tie_group_, &rotation_of_,
+                                    &slave_of_, &slave_begin_, &slave_code_})
     *numbers = numbering.take_all<int>();
   slave_C_.resize(numbering.take<std::size_t>());
   for (Eigen::Vector3d& C : slave_C_) numbering.take_array(C.data(), 3);
@@ -183,10 +183,12 @@ linalg::RowShares TiedModel::share_rows(const Part& part, const std::vector<int>
 void TiedModel::assemble_together(const Part& part, const AssemblyOptions& options) {
   const linalg::Team& team = *options.team;
   if (!part.mesh.shells.empty() || !part.frames.empty())
-    throw std::invalid_argument("shells and beams are computed by one process: start the program without mpirun");
+    throw std::invalid_argument(
+        "shells and beams are computed by one process: start the program without mpirun");
   if (!part.dependent.empty())
     throw std::invalid_argument(
-        "parts with constraints (*EQUATION, MPC, *TIE between nodes) are computed by one process: start the program without "
+        "parts with constraints (*EQUATION, MPC, *TIE between nodes) are computed by one process: start the "
+        "program without "
         "mpirun");
   const std::vector<int> part_of = mesh::cell_parts(part.mesh, team.size());
   shares_ = {&team, share_rows(part, part_of, team.size()), nullptr};

@@ -106,10 +106,12 @@ void add_shell_skins(Part& part) {
       const auto& nodes = mesh.shells[b].nodes;
       for (Index cell = 0; cell < nodes.rows(); ++cell)
         for (Index a = 0; a < nodes.cols(); ++a)
-          visit(b, cell, a, (a + 1) % nodes.cols(), std::minmax({nodes(cell, a), nodes(cell, (a + 1) % nodes.cols())}));
+          visit(b, cell, a, (a + 1) % nodes.cols(),
+                std::minmax({nodes(cell, a), nodes(cell, (a + 1) % nodes.cols())}));
     }
   };
-  each_edge([&](std::size_t, Index, Index, Index, std::pair<mesh::Index, mesh::Index> edge) { ++uses[edge]; });
+  each_edge(
+      [&](std::size_t, Index, Index, Index, std::pair<mesh::Index, mesh::Index> edge) { ++uses[edge]; });
   for (std::size_t b = 0; b < mesh.shells.size(); ++b) {
     const mesh::CellBlock& block = mesh.shells[b];
     ShellSkins skins{block.nodes, block.nodes};

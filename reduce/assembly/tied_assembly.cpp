@@ -327,10 +327,13 @@ void TiedModel::average(const Part& part) {
         each_dof(interface.nodes[a], [&](int code, const Eigen::Vector3d& C) {
           if (code < 0)
             throw std::invalid_argument(fmt::format(
-                "interface '{}' is the mean of nodes of which node {} is bound to another interface: choose interfaces that "
+                "interface '{}' is the mean of nodes of which node {} is bound to another interface: choose "
+                "interfaces that "
                 "constraints do not join",
                 used.name, node_label_.empty() ? interface.nodes[a] : node_label_[interface.nodes[a]]));
-          A.emplace_back(row, code, interface.average.row(direction).segment<3>(3 * static_cast<Eigen::Index>(a)).dot(C));
+          A.emplace_back(
+              row, code,
+              interface.average.row(direction).segment<3>(3 * static_cast<Eigen::Index>(a)).dot(C));
         });
     }
   }

@@ -33,7 +33,8 @@ bool none_moves(const Eigen::Matrix<double, 6, Eigen::Dynamic>& free, const std:
   Eigen::Matrix<double, 6, 1> unit;
   unit << 1, 1, 1, extent.length, extent.length, extent.length;
   const Eigen::Matrix<double, 6, Eigen::Dynamic> there = unit.asDiagonal() * (node_motion_at(point) * free),
-                                                 all = unit.asDiagonal() * (node_motion_at(extent.centre) * free);
+                                                 all = unit.asDiagonal() *
+                                                       (node_motion_at(extent.centre) * free);
   return std::all_of(directions.begin(), directions.end(),
                      [&](int direction) { return there.row(direction).norm() <= kNothing * all.norm(); });
 }
@@ -83,7 +84,8 @@ void TiedModel::check_interfaces(const Part& part, bool may_be_free) const {
     const Extent extent = extent_of(set);
     if (turns) H.bottomRightCorner<3, 3>().diagonal().setConstant(extent.length);
     const auto free = free_motions(H, extent.centre, extent.length);
-    if (free.cols() > 0 && !(interface.tie == Tie::average && none_moves(free, interface.directions, interface.point, extent)))
+    if (free.cols() > 0 &&
+        !(interface.tie == Tie::average && none_moves(free, interface.directions, interface.point, extent)))
       throw std::invalid_argument(fmt::format(
           "interface '{}' has {} node{}, {}, and cannot hold a {}: choose a face or more nodes{}", name,
           set.rows(), set.rows() == 1 ? "" : "s", set.rows() == 1 ? "a point" : "all on one line",

@@ -9,8 +9,8 @@
 namespace flexura::reduce {
 
 inline constexpr int kUnused = std::numeric_limits<int>::min();  // the node belongs to no cell
-inline constexpr int kSlave = kUnused + 1;                       // follows a rigid tie, or others by a constraint
-inline constexpr int kPending = kUnused + 2;                     // not numbered yet
+inline constexpr int kSlave = kUnused + 1;    // follows a rigid tie, or others by a constraint
+inline constexpr int kPending = kUnused + 2;  // not numbered yet
 
 constexpr bool is_dof(int code) {
   return code > kPending;

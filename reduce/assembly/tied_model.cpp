@@ -109,7 +109,8 @@ void TiedModel::number_dofs(const Part& part) {
       for (mesh::Index node : interface.nodes) {
         tie_of_[node] = static_cast<int>(k);
         std::fill_n(code_.begin() + 3 * static_cast<std::ptrdiff_t>(node), 3, kSlave);
-        if (const int r = rotation_of_[node]; r >= 0 && (part.interfaces[k].rotations || node == part.interfaces[k].turning_node))
+        if (const int r = rotation_of_[node];
+            r >= 0 && (part.interfaces[k].rotations || node == part.interfaces[k].turning_node))
           rotation_code_[r].fill(kSlave);
       }
     if (interface.tie == Tie::node && interface.nodes.size() == 1) {
@@ -127,15 +128,18 @@ void TiedModel::number_dofs(const Part& part) {
     const auto [node, direction] = constraint.dof;
     const int r = rotation_of_[node];
     int* code = direction < 3 ? &code_[3 * static_cast<std::size_t>(node) + direction]
-                              : r >= 0 ? &rotation_code_[r][direction - 3] : nullptr;
+                : r >= 0      ? &rotation_code_[r][direction - 3]
+                              : nullptr;
     if (!code || (*code != kPending && *code != kUnused))
-      throw std::invalid_argument(fmt::format("a constraint binds direction {} of node {}, which {}", direction + 1,
-                                              node_label_.empty() ? node : node_label_[node],
+      throw std::invalid_argument(fmt::format("a constraint binds direction {} of node {}, which {}",
+                                              direction + 1, node_label_.empty() ? node : node_label_[node],
                                               code ? "follows something else" : "has no rotations"));
     *code = kSlave;
-    for (const auto& [from, coefficient] : constraint.from)  // a node of constraints alone has the dofs that they name
+    for (const auto& [from, coefficient] :
+         constraint.from)  // a node of constraints alone has the dofs that they name
       if (from.direction < 3)
-        if (int& own = code_[3 * static_cast<std::size_t>(from.node) + from.direction]; own == kUnused) own = kPending;
+        if (int& own = code_[3 * static_cast<std::size_t>(from.node) + from.direction]; own == kUnused)
+          own = kPending;
   }
   group_begin_ = {0};
   const auto close_group = [this]() -> int {
@@ -162,7 +166,8 @@ void TiedModel::number_dofs(const Part& part) {
   }
   for (const InterfaceDofs& interface : interfaces_)
     for (const mesh::Index node : interface.nodes)
-      if (const int r = rotation_of_[node]; interface.tie == Tie::rigid && r >= 0 && rotation_code_[r][0] == kSlave)
+      if (const int r = rotation_of_[node];
+          interface.tie == Tie::rigid && r >= 0 && rotation_code_[r][0] == kSlave)
         std::copy_n(interface.code.begin() + 3, 3, rotation_code_[r].begin());
   for (const DependentDof& constraint : part.dependent) {
     if (constraint.dof.direction < 3) continue;
@@ -171,7 +176,8 @@ void TiedModel::number_dofs(const Part& part) {
     if (r < 0 || from.direction < 3)
       throw std::invalid_argument(fmt::format("a constraint names the rotation of node {}, which has none",
                                               node_label_.empty() ? from.node : node_label_[from.node]));
-    rotation_code_[rotation_of_[constraint.dof.node]][constraint.dof.direction - 3] = rotation_code_[r][from.direction - 3];
+    rotation_code_[rotation_of_[constraint.dof.node]][constraint.dof.direction - 3] =
+        rotation_code_[r][from.direction - 3];
   }
   follow(part);
 }
@@ -247,7 +253,8 @@ void TiedModel::follow(const Part& part) {
   for (std::size_t k = 0; k < part.dependent.size();) {
     const mesh::Index node = part.dependent[k].dof.node;
     for (int d = 0; d < 3; ++d)
-      if (const int code = code_[3 * static_cast<std::size_t>(node) + d]; is_dof(code)) add(code, Eigen::Vector3d::Unit(d));
+      if (const int code = code_[3 * static_cast<std::size_t>(node) + d]; is_dof(code))
+        add(code, Eigen::Vector3d::Unit(d));
     bool binds = false;
     for (; k < part.dependent.size() && part.dependent[k].dof.node == node; ++k) {
       const DependentDof& constraint = part.dependent[k];
@@ -257,13 +264,15 @@ void TiedModel::follow(const Part& part) {
       for (const auto& [from, c] : constraint.from) {
         const int tie = tie_of_[from.node], r = rotation_of_[from.node];
         if (from.direction < 3 && tie >= 0) {
-          const Eigen::Matrix<double, 3, 6> motion = motion_at(points_.row(from.node).transpose() - interfaces_[tie].point);
+          const Eigen::Matrix<double, 3, 6> motion =
+              motion_at(points_.row(from.node).transpose() - interfaces_[tie].point);
           for (int e = 0; e < 6; ++e) add(interfaces_[tie].code[e], c * motion(from.direction, e) * unit);
           continue;
         }
         if (from.direction > 2 && r < 0)
-          throw std::invalid_argument(fmt::format("a constraint names the rotation of node {}, which has none",
-                                                  node_label_.empty() ? from.node : node_label_[from.node]));
+          throw std::invalid_argument(
+              fmt::format("a constraint names the rotation of node {}, which has none",
+                          node_label_.empty() ? from.node : node_label_[from.node]));
         add(from.direction < 3 ? code_[3 * static_cast<std::size_t>(from.node) + from.direction]
                                : rotation_code_[r][from.direction - 3],
             c * unit);
@@ -519,7 +528,8 @@ Eigen::MatrixXd TiedModel::interface_load(int k, const Eigen::Ref<const Eigen::M
   if (interface.tie == Tie::average) {
     for (std::size_t a = 0; a < interface.nodes.size(); ++a)
       each_dof(interface.nodes[a], [&](int code, const Eigen::Vector3d& C) {
-        f.row(code) += (interface.average.middleCols<3>(3 * static_cast<Eigen::Index>(a)) * C).transpose() * load;
+        f.row(code) +=
+            (interface.average.middleCols<3>(3 * static_cast<Eigen::Index>(a)) * C).transpose() * load;
       });
     return f;
   }
@@ -533,8 +543,8 @@ Eigen::MatrixXd TiedModel::interface_load(int k, const Eigen::Ref<const Eigen::M
 std::string TiedModel::describe_dof(int i) const {
   const auto describe = [&](int node, const char* how, int axis) {
     const std::int64_t label = node_label_.empty() ? static_cast<std::int64_t>(node) : node_label_[node];
-    return fmt::format("node {} at ({:.5g}, {:.5g}, {:.5g}) m {} {}", label, points_(node, 0), points_(node, 1),
-                       points_(node, 2), how, "xyz"[axis]);
+    return fmt::format("node {} at ({:.5g}, {:.5g}, {:.5g}) m {} {}", label, points_(node, 0),
+                       points_(node, 1), points_(node, 2), how, "xyz"[axis]);
   };
   const auto found = std::find(code_.begin(), code_.end(), i);
   if (found != code_.end()) {

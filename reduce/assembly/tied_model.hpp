@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "reduce/assembly/part.hpp"
-#include "reduce/linalg/factor/distributed_factor.hpp"
 #include "reduce/linalg/dense/progress.hpp"
 #include "reduce/linalg/dense/symmetric_matrix.hpp"
+#include "reduce/linalg/factor/distributed_factor.hpp"
 
 /// The finite-element model of a part with its interface ties.
 ///
@@ -177,9 +177,9 @@ class TiedModel {
   Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor> points_;
   std::vector<std::int64_t> node_label_;
   std::vector<InterfaceDofs> interfaces_;
-  std::vector<int> code_;    ///< 3 n_nodes: interior dof >= 0, boundary -(b + 1), or kSlave, kUnused
-  std::vector<int> tie_of_;  ///< n_nodes: the rigid tie a node follows, or -1
-  std::vector<int> rotation_of_;                   ///< n_nodes: place of its rotation, or -1
+  std::vector<int> code_;         ///< 3 n_nodes: interior dof >= 0, boundary -(b + 1), or kSlave, kUnused
+  std::vector<int> tie_of_;       ///< n_nodes: the rigid tie a node follows, or -1
+  std::vector<int> rotation_of_;  ///< n_nodes: place of its rotation, or -1
   std::vector<std::array<int, 3>> rotation_code_;  ///< of each rotation
   // What points without dofs (kSlave) follow: u = sum over k of slave_C_[k] (dof slave_code_[k]).
   std::vector<int> slave_of_;  ///< n_nodes: place in slave_begin_, or -1

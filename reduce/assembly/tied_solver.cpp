@@ -20,13 +20,15 @@ ModelFactor factorise(const TiedModel& model, const linalg::Progress& progress,
                    1.0);
     return factor;
   } catch (const linalg::SingularMatrix& singular) {
-    throw std::invalid_argument(
-        fmt::format("the stiffness matrix is singular although the interfaces hold the body: a part of it "
-                    "can move without strain, "
-                    "noticed at {}; look for solids that touch in a single node or edge, and for hinges (pin flags, ties of "
-                    "displacements) with an interface on one side alone: add one beyond them",
-                    singular.dof >= 0 ? model.describe_dof(singular.dof)
-                                      : "a place that one process alone (without mpirun) with the solver package fronts would name"));
+    throw std::invalid_argument(fmt::format(
+        "the stiffness matrix is singular although the interfaces hold the body: a part of it "
+        "can move without strain, "
+        "noticed at {}; look for solids that touch in a single node or edge, and for hinges (pin flags, ties "
+        "of "
+        "displacements) with an interface on one side alone: add one beyond them",
+        singular.dof >= 0
+            ? model.describe_dof(singular.dof)
+            : "a place that one process alone (without mpirun) with the solver package fronts would name"));
   }
 }
 

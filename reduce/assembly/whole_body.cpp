@@ -36,7 +36,8 @@ std::vector<double> nodal_volumes(const Part& part) {
     for (Index cell = 0; cell < block.nodes.rows(); ++cell) {
       for (Index a = 0; a < x.rows(); ++a) x.row(a) = part.mesh.points.row(block.nodes(cell, a));
       const double whole = shell_frame(x).area * block.thickness[cell];
-      for (const mesh::Index node : block.nodes.row(cell)) volume[node] += whole / static_cast<double>(x.rows());
+      for (const mesh::Index node : block.nodes.row(cell))
+        volume[node] += whole / static_cast<double>(x.rows());
     }
   }
   if (part.mesh.solids.empty() && part.mesh.shells.empty())  // beams alone: their nodes count alike
@@ -110,7 +111,8 @@ std::string hold_whole_body(Part& part) {
     });
     if (nearest == body.set.nodes.end() || !turns[*nearest])
       throw std::invalid_argument(
-          "the interfaces leave the body free to move, and its other nodes lie on a line without rotations of their own: retain "
+          "the interfaces leave the body free to move, and its other nodes lie on a line without rotations "
+          "of their own: retain "
           "more directions");
     body.tie = Tie::rigid;
     body.point = part.mesh.points.row(*nearest).transpose();

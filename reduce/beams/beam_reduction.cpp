@@ -8,10 +8,10 @@
 #include "reduce/assembly/rigid_projection.hpp"
 #include "reduce/beams/beam_stiffening.hpp"
 #include "reduce/cms/errors/mode_choice.hpp"
-#include "reduce/linalg/factor/cholesky.hpp"
 #include "reduce/linalg/dense/dense.hpp"
-#include "reduce/linalg/eigen/eigensolver.hpp"
 #include "reduce/linalg/dense/symmetric_matrix.hpp"
+#include "reduce/linalg/eigen/eigensolver.hpp"
+#include "reduce/linalg/factor/cholesky.hpp"
 
 namespace flexura::reduce {
 namespace {

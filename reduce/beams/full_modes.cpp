@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "reduce/beams/numbering.hpp"
+#include "reduce/linalg/dense/symmetric_matrix.hpp"
 #include "reduce/linalg/eigen/eigensolver.hpp"
 #include "reduce/linalg/factor/cholesky.hpp"
-#include "reduce/linalg/dense/symmetric_matrix.hpp"
 
 namespace flexura::reduce {
 namespace {

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "reduce/beams/structure.hpp"
-#include "reduce/linalg/factor/cholesky.hpp"
 #include "reduce/linalg/dense/symmetric_matrix.hpp"
+#include "reduce/linalg/factor/cholesky.hpp"
 
 /// Boundary and interior dofs of a structure, its matrices split accordingly, and solves with K_ii.
 namespace flexura::reduce {

@@ -70,10 +70,12 @@ void add_dropped(const TiedModel& model, const Basis& basis, const MatrixXd& Mha
                  const JudgedMotions& motions, MatrixXd& U) {
   const Index k = motions.n_modes;
   if (k == 0) return;
-  const MatrixXd u_b = motions.states.Y.topLeftCorner(Mhat.cols(), k) * motions.states.lambda.head(k).asDiagonal();
+  const MatrixXd u_b =
+      motions.states.Y.topLeftCorner(Mhat.cols(), k) * motions.states.lambda.head(k).asDiagonal();
   MatrixXd interior = linalg::times(answer, u_b), more;
   if (basis.Phi.cols() > 0) {
-    const MatrixXd kept = basis.omega2.cwiseInverse().asDiagonal() * (linalg::transpose_times(basis.Phi, Mhat) * u_b);
+    const MatrixXd kept =
+        basis.omega2.cwiseInverse().asDiagonal() * (linalg::transpose_times(basis.Phi, Mhat) * u_b);
     interior -= linalg::times(basis.Phi, kept);
   }
   model.expand(interior, MatrixXd::Zero(model.n_b(), k), more);
@@ -91,10 +93,15 @@ struct Cut {
 class ReductionStages {
  public:
   // `part`, of which `model` is, is `whole` with its elastic ties rigid.
-  ReductionStages(const Part& whole, const Part& part, const TiedModel& model, const ReductionOptions& options,
-                  Reduction& reduction)
-      : whole_(whole), part_(part), model_(model), options_(options), reduction_(reduction),
-        fixed_modes_(options.set == ModeSet::craig_bampton), solver_(model, options.progress, storage_for(model, options)) {
+  ReductionStages(const Part& whole, const Part& part, const TiedModel& model,
+                  const ReductionOptions& options, Reduction& reduction)
+      : whole_(whole),
+        part_(part),
+        model_(model),
+        options_(options),
+        reduction_(reduction),
+        fixed_modes_(options.set == ModeSet::craig_bampton),
+        solver_(model, options.progress, storage_for(model, options)) {
     watch_.lap();
     report_.factor = solver_.figures();
   }
@@ -187,7 +194,8 @@ class ReductionStages {
       basis_ = craig_chang_basis(part_, model_, solver_, constraint_, options_, report_);
       report_.seconds_normal_modes = watch_.lap();
     } else {
-      basis_ = fixed_interface_basis(part_, model_, solver_, problem, constraint_, Mhat_, std::move(pairs), options_, report_);
+      basis_ = fixed_interface_basis(part_, model_, solver_, problem, constraint_, Mhat_, std::move(pairs),
+                                     options_, report_);
     }
     stage_.next("Interface modes");
     if (&whole_ == &part_) return;
@@ -222,8 +230,8 @@ class ReductionStages {
   // The estimate knows solids only: with shells or beams the mesh's share is unknown.  What it adds to nearly incompressible
   // elements is held by the bulk modulus as they are themselves.
   void estimate_mesh() {
-    if (!options_.estimate_mesh || !part_.mesh.shells.empty() || !part_.frames.empty() || !part_.dependent.empty() ||
-        is_nearly_incompressible(part_))
+    if (!options_.estimate_mesh || !part_.mesh.shells.empty() || !part_.frames.empty() ||
+        !part_.dependent.empty() || is_nearly_incompressible(part_))
       return;
     stage_.next("Error of the mesh");
     const double before = linalg::processor_seconds();
@@ -259,7 +267,8 @@ class ReductionStages {
     report_.seconds_stress = watch_.lap();
     if (!reduction_.mesh) return;
     const double before = linalg::processor_seconds();
-    add_peaks(motions_, peak_stresses(whole_, T_, reduction_.stress_modes, options_.stress_nodes, motions_.states.Y),
+    add_peaks(motions_,
+              peak_stresses(whole_, T_, reduction_.stress_modes, options_.stress_nodes, motions_.states.Y),
               *reduction_.mesh);
     report_.seconds_mesh_error += watch_.lap();
     report_.processor_seconds_mesh_error += linalg::processor_seconds() - before;
@@ -267,7 +276,8 @@ class ReductionStages {
 
   void finish() {
     if (has_faces())
-      change_shapes(reduction_, canonical_shapes(reduction_.K_se, reduction_.M_se, MatrixXd::Identity(model_.n_b(), T_.cols())));
+      change_shapes(reduction_, canonical_shapes(reduction_.K_se, reduction_.M_se,
+                                                 MatrixXd::Identity(model_.n_b(), T_.cols())));
     report_.n_nodes = model_.n_nodes();
     for (const auto* blocks : {&part_.mesh.solids, &part_.mesh.shells})
       for (const mesh::CellBlock& block : *blocks) report_.n_cells += static_cast<int>(block.nodes.rows());
@@ -306,7 +316,8 @@ Reduction craig_bampton(const Part& whole, const ReductionOptions& options) {
           "mass");
     if (!whole.mesh.shells.empty() || !whole.frames.empty() || !whole.dependent.empty())
       throw std::invalid_argument(
-          "elastic ties are for solids: with shells, beams or constraints tie the interfaces rigid or as averages");
+          "elastic ties are for solids: with shells, beams or constraints tie the interfaces rigid or as "
+          "averages");
     stiff = with_rigid_faces(whole);
   }
   const Part& part = stiff ? *stiff : whole;

@@ -167,7 +167,8 @@ Reduction reduce_finished_modes(const Part& part, const FinishedModes& modes,
   R_b = R_b(own, Eigen::all).eval();
   if (!following.empty())
     r.report.notes.push_back(fmt::format(
-        "the vectors move only {} of the {} interface dofs independently; {} {} the others: loads there deform the body as "
+        "the vectors move only {} of the {} interface dofs independently; {} {} the others: loads there "
+        "deform the body as "
         "far as the vectors can",
         r.n_b, B_all.rows(), fmt::join(following, ", "), following.size() == 1 ? "follows" : "follow"));
 

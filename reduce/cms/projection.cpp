@@ -40,8 +40,9 @@ MatrixXd shapes_on_nodes(const TiedModel& model, const Basis& basis, const Inter
   return T;
 }
 
-void project(const Part& whole, const Part& part, const TiedModel& model, const Basis& basis, const InterfaceModes& faces,
-             const MatrixXd& T, const ReductionOptions& options, Reduction& reduction) {
+void project(const Part& whole, const Part& part, const TiedModel& model, const Basis& basis,
+             const InterfaceModes& faces, const MatrixXd& T, const ReductionOptions& options,
+             Reduction& reduction) {
   const Index n_b = model.n_b(), n_phi = basis.Phi.cols(), n_w = faces.omega2.size(), n = T.cols();
   reduction.inertia = inertia_integrals(model.m(), part.mesh.points, T);
   const auto& S = reduction.inertia.S_phiphi;
@@ -66,8 +67,8 @@ void project(const Part& whole, const Part& part, const TiedModel& model, const 
         T.middleRows<3>(3 * static_cast<Index>(options.shape_nodes[v])).cast<float>();
 }
 
-void project_loads(const Part& part, const TiedModel& model, const MatrixXd& T, const ReductionOptions& options,
-                   Reduction& reduction) {
+void project_loads(const Part& part, const TiedModel& model, const MatrixXd& T,
+                   const ReductionOptions& options, Reduction& reduction) {
   for (const LoadField& load : options.loads) reduction.loads.push_back(reduced_load(load, T, model.m()));
   reduction.D_se = damper_matrix(part, model, T);
 }
@@ -83,7 +84,8 @@ MatrixXd stress_modes(const Part& part, const TiedModel& model, const Basis& bas
     shapes_i.middleCols(n_b, basis.Phi.cols()) = basis.Phi;
     shapes_b.leftCols(n_b).setIdentity();
     rotations = model.expand_rotations(shapes_i, shapes_b);
-    for (mesh::Index node = 0; node < part.mesh.n_nodes(); ++node) rotation_of.push_back(model.rotation_of(node));
+    for (mesh::Index node = 0; node < part.mesh.n_nodes(); ++node)
+      rotation_of.push_back(model.rotation_of(node));
   }
   return nodal_stress_modes(part, T, options.stress_nodes, rotations, rotation_of);
 }

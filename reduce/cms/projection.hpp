@@ -17,15 +17,16 @@ Eigen::MatrixXd shapes_on_nodes(const TiedModel& model, const Basis& basis, cons
 
 /// Matrices, inertia integrals, interfaces, and the shapes at the nodes asked for.  `part` is `whole` with its elastic ties
 /// rigid.
-void project(const Part& whole, const Part& part, const TiedModel& model, const Basis& basis, const InterfaceModes& faces,
-             const Eigen::MatrixXd& T, const ReductionOptions& options, Reduction& reduction);
+void project(const Part& whole, const Part& part, const TiedModel& model, const Basis& basis,
+             const InterfaceModes& faces, const Eigen::MatrixXd& T, const ReductionOptions& options,
+             Reduction& reduction);
 
 /// Load cases and dampers on the shapes.
-void project_loads(const Part& part, const TiedModel& model, const Eigen::MatrixXd& T, const ReductionOptions& options,
-                   Reduction& reduction);
+void project_loads(const Part& part, const TiedModel& model, const Eigen::MatrixXd& T,
+                   const ReductionOptions& options, Reduction& reduction);
 
 /// 6 n_s x n: stresses of the shapes at the options' stress nodes.
-Eigen::MatrixXd stress_modes(const Part& part, const TiedModel& model, const Basis& basis, const Eigen::MatrixXd& T,
-                             const ReductionOptions& options);
+Eigen::MatrixXd stress_modes(const Part& part, const TiedModel& model, const Basis& basis,
+                             const Eigen::MatrixXd& T, const ReductionOptions& options);
 
 }  // namespace flexura::reduce

@@ -1,11 +1,12 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include "reduce/elements/element.hpp"
-#include "mesh/model/cells/record.hpp"
 
 #include <map>
 #include <stdexcept>
 #include <string>
 #include <utility>
+
+#include "mesh/model/cells/record.hpp"
 
 namespace flexura::reduce {
 namespace {

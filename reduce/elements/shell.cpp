@@ -33,8 +33,8 @@ PlaneStress plane_stress(const Matrix6& D, const Matrix3d& R) {
   PlaneStress out;
   for (int a = 0; a < 3; ++a)
     for (int b = 0; b < 3; ++b)
-      out.D(a, b) = local(in_plane[a], in_plane[b]) -
-                    local(in_plane[a], 2) * local(2, in_plane[b]) / local(2, 2);
+      out.D(a, b) =
+          local(in_plane[a], in_plane[b]) - local(in_plane[a], 2) * local(2, in_plane[b]) / local(2, 2);
   for (int a = 0; a < 2; ++a)
     for (int b = 0; b < 2; ++b) out.shear(a, b) = 5.0 / 6.0 * local(across[a], across[b]);
   return out;
@@ -59,7 +59,8 @@ Functions functions_at(Index n, double r, double s) {
     }
     return f;
   }
-  f.N << 0.25 * (1 - r) * (1 - s), 0.25 * (1 + r) * (1 - s), 0.25 * (1 + r) * (1 + s), 0.25 * (1 - r) * (1 + s);
+  f.N << 0.25 * (1 - r) * (1 - s), 0.25 * (1 + r) * (1 - s),  //
+      0.25 * (1 + r) * (1 + s), 0.25 * (1 - r) * (1 + s);
   f.dN << -0.25 * (1 - s), -0.25 * (1 - r), 0.25 * (1 - s), -0.25 * (1 + r), 0.25 * (1 + s), 0.25 * (1 + r),
       -0.25 * (1 + s), 0.25 * (1 - r);
   f.P << 0.5 * (1 - r * r) * (1 - s), 0.5 * (1 + r) * (1 - s * s), 0.5 * (1 - r * r) * (1 + s),
@@ -108,7 +109,8 @@ class Bending {
       const Side& side = sides_[static_cast<std::size_t>(k)];
       const double c = side.s(0), s = side.s(1);
       const Vector3d stretch(c * c, s * s, 2 * c * s);
-      const double bending = t * t * t / 12.0 * stretch.dot(D.D * stretch), shear = t * side.s.dot(D.shear * side.s);
+      const double bending = t * t * t / 12.0 * stretch.dot(D.D * stretch),
+                   shear = t * side.s.dot(D.shear * side.s);
       phi_(k) = 12.0 * bending / (side.length * side.length * shear);
       const double factor = -1.5 / (side.length * (1.0 + phi_(k)));
       Db_(k, 3 * side.i) -= factor;
@@ -227,7 +229,8 @@ MatrixXd lumping(const Corners& x) {
     const auto Y = [&](int a, int b) { return x(a, 1) - x(b, 1); };
     L.row(3 * i) << Y(j, k), 0, X(k, j);
     L.row(3 * i + 1) << 0, X(k, j), Y(j, k);
-    L.row(3 * i + 2) << kAlpha / 6 * Y(j, k) * (Y(i, k) - Y(j, i)), kAlpha / 6 * X(k, j) * (X(k, i) - X(i, j)),
+    L.row(3 * i + 2) << kAlpha / 6 * Y(j, k) * (Y(i, k) - Y(j, i)),  //
+        kAlpha / 6 * X(k, j) * (X(k, i) - X(i, j)),                  //
         kAlpha / 3 * (X(k, i) * Y(i, k) - X(i, j) * Y(j, i));
   }
   return 0.5 * L;
@@ -294,8 +297,8 @@ constexpr std::array<int, 3> kMembrane = {0, 1, 5}, kBending = {2, 3, 4};
 void scatter(const MatrixXd& K, const std::array<int, 3>& place, MatrixXd& out) {
   for (Index i = 0; i < K.rows(); ++i)
     for (Index j = 0; j < K.cols(); ++j)
-      out(6 * (i / 3) + place[static_cast<std::size_t>(i % 3)], 6 * (j / 3) + place[static_cast<std::size_t>(j % 3)]) +=
-          K(i, j);
+      out(6 * (i / 3) + place[static_cast<std::size_t>(i % 3)],
+          6 * (j / 3) + place[static_cast<std::size_t>(j % 3)]) += K(i, j);
 }
 
 }  // namespace
@@ -305,7 +308,8 @@ ShellFrame shell_frame(const NodePositions& X) {
   ShellFrame frame;
   frame.centre = X.colwise().mean().transpose();
   const auto at = [&](Index a) { return Vector3d(X.row(a).transpose()); };
-  const Vector3d normal = n == 3 ? (at(1) - at(0)).cross(at(2) - at(0)) : (at(2) - at(0)).cross(at(3) - at(1));
+  const Vector3d normal =
+      n == 3 ? (at(1) - at(0)).cross(at(2) - at(0)) : (at(2) - at(0)).cross(at(3) - at(1));
   const Vector3d along = n == 3 ? Vector3d(at(1) - at(0)) : Vector3d(at(1) + at(2) - at(0) - at(3));
   const Vector3d e3 = normal.normalized(), e1 = (along - e3 * e3.dot(along)).normalized();
   frame.R << e1, e3.cross(e1), e3;
@@ -322,7 +326,8 @@ ShellFrame shell_frame(const NodePositions& X) {
   if (n == 4)
     for (const auto& [r, s] : {std::pair{-1.0, -1.0}, {1.0, -1.0}, {1.0, 1.0}, {-1.0, 1.0}})
       frame.smallest_det = std::min(frame.smallest_det, jacobian(functions_at(4, r, s), frame.x).det);
-  if (!(frame.smallest_det > -std::numeric_limits<double>::infinity())) frame.smallest_det = 0.0;  // no number
+  if (!(frame.smallest_det > -std::numeric_limits<double>::infinity()))
+    frame.smallest_det = 0.0;  // no number
   return frame;
 }
 
@@ -337,11 +342,13 @@ double shell_stiffness(const NodePositions& X, const Matrix6& D6, double t, doub
     const Functions f = functions_at(n, p.r, p.s);
     const Jacobian J = jacobian(f, frame.x);
     const MatrixXd B = bending.curvature(f, J.inverse), B_s = bending.shear(f, J.inverse, p.r, p.s);
-    K += p.weight * J.det * (t * t * t / 12.0 * B.transpose() * D.D * B + t * B_s.transpose() * D.shear * B_s);
+    K +=
+        p.weight * J.det * (t * t * t / 12.0 * B.transpose() * D.D * B + t * B_s.transpose() * D.shear * B_s);
   }
   MatrixXd local = MatrixXd::Zero(6 * n, 6 * n);
   scatter(K, kBending, local);
-  scatter(n == 3 ? triangle_membrane(frame.x, D, t, frame.area) : quadrilateral(frame.x, D, t).K, kMembrane, local);
+  scatter(n == 3 ? triangle_membrane(frame.x, D, t, frame.area) : quadrilateral(frame.x, D, t).K, kMembrane,
+          local);
   const MatrixXd T = transform(frame, offset);
   K_e = T.transpose() * local * T;
   K_e = (0.5 * (K_e + K_e.transpose())).eval();
@@ -378,7 +385,8 @@ ShellStress shell_stress(const NodePositions& X, const Matrix6& D6, double t, do
   const Bending bending(frame.x, D, t);
   const auto spread = [&](const MatrixXd& B, const std::array<int, 3>& place) {
     MatrixXd out = MatrixXd::Zero(3, 6 * n);
-    for (Index j = 0; j < B.cols(); ++j) out.col(6 * (j / 3) + place[static_cast<std::size_t>(j % 3)]) = B.col(j);
+    for (Index j = 0; j < B.cols(); ++j)
+      out.col(6 * (j / 3) + place[static_cast<std::size_t>(j % 3)]) = B.col(j);
     return out;
   };
   ShellStress stress;

@@ -43,11 +43,13 @@ ShellFrame shell_frame(const NodePositions& x);
 
 /// K_e (6n x 6n) of corners x [m] (n = 3 or 4), elasticity D of the three-dimensional material in the axes of the
 /// mesh [Pa], thickness and offset of the middle surface from the corners along e_3 [m].  Returns the smallest det J; where it is not positive K_e is meaningless.
-double shell_stiffness(const NodePositions& x, const Matrix6& D, double thickness, double offset, Eigen::MatrixXd& K_e);
+double shell_stiffness(const NodePositions& x, const Matrix6& D, double thickness, double offset,
+                       Eigen::MatrixXd& K_e);
 
 /// m_e (n x n) for displacements: consistent, N as in the plane; lumped: diagonal.  Rotary inertia is not in it
 /// (shell_skins.hpp).  Returns the smallest det J.
-double shell_mass(const NodePositions& x, double density, double thickness, MassKind kind, Eigen::MatrixXd& m_e);
+double shell_mass(const NodePositions& x, double density, double thickness, MassKind kind,
+                  Eigen::MatrixXd& m_e);
 
 /// Stresses at the corners: 6 x 6n operators of the corner's membrane stress and of the stress per height above
 /// the middle surface, sigma = membrane + z bending, rows (xx, yy, zz, xy, yz, zx) in the axes of the mesh.

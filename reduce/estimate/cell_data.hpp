@@ -18,7 +18,8 @@ inline NodePositions positions(const mesh::Mesh& mesh, const mesh::CellBlock& bl
 
 /// The place of its material in the part's list.
 inline std::size_t material_of(const mesh::CellBlock& block, Eigen::Index cell) {
-  return block.material.empty() ? 0 : static_cast<std::size_t>(block.material[static_cast<std::size_t>(cell)]);
+  return block.material.empty() ? 0
+                                : static_cast<std::size_t>(block.material[static_cast<std::size_t>(cell)]);
 }
 
 }  // namespace flexura::reduce

@@ -11,8 +11,8 @@ using Eigen::Index;
 namespace {
 
 // Cells in the order of pieces of at most `most`: halves along the longest side, again and again.
-void bisect(const Eigen::Matrix3Xd& centres, std::vector<std::size_t>& order, std::size_t first, std::size_t last,
-            std::size_t most, std::vector<std::size_t>& ends) {
+void bisect(const Eigen::Matrix3Xd& centres, std::vector<std::size_t>& order, std::size_t first,
+            std::size_t last, std::size_t most, std::vector<std::size_t>& ends) {
   if (last - first <= most) {
     ends.push_back(last);
     return;
@@ -29,7 +29,8 @@ void bisect(const Eigen::Matrix3Xd& centres, std::vector<std::size_t>& order, st
   // Ties by number, so that every machine makes the same pieces.
   std::nth_element(begin + static_cast<std::ptrdiff_t>(first), begin + static_cast<std::ptrdiff_t>(middle),
                    begin + static_cast<std::ptrdiff_t>(last), [&](std::size_t a, std::size_t b) {
-                     const double x = centres(axis, static_cast<Index>(a)), y = centres(axis, static_cast<Index>(b));
+                     const double x = centres(axis, static_cast<Index>(a)),
+                                  y = centres(axis, static_cast<Index>(b));
                      return x < y || (x == y && a < b);
                    });
   bisect(centres, order, first, middle, most, ends);
@@ -76,7 +77,8 @@ CellSample choose_cells(const Part& part, const Eigen::MatrixXf& indicator) {
   }
   std::vector<std::size_t> by_share(n_pieces);
   std::iota(by_share.begin(), by_share.end(), std::size_t{0});
-  std::stable_sort(by_share.begin(), by_share.end(), [&](std::size_t a, std::size_t b) { return share[a] > share[b]; });
+  std::stable_sort(by_share.begin(), by_share.end(),
+                   [&](std::size_t a, std::size_t b) { return share[a] > share[b]; });
   std::vector<char> top(n_pieces, 0);
   for (std::size_t k = 0; k < n_top; ++k) top[by_share[k]] = 1;
   const std::size_t n_others = n_pieces - n_top;
@@ -99,7 +101,8 @@ CellSample choose_cells(const Part& part, const Eigen::MatrixXf& indicator) {
 
 void extend(const CellSample& sample, const Eigen::MatrixXf& of_sample, Eigen::MatrixXf& indicator) {
   std::vector<char> chosen(static_cast<std::size_t>(indicator.rows()), 0);
-  Eigen::RowVectorXd known = Eigen::RowVectorXd::Zero(indicator.cols()), indicated = known, all_known = known, all_indicated = known;
+  Eigen::RowVectorXd known = Eigen::RowVectorXd::Zero(indicator.cols()), indicated = known, all_known = known,
+                     all_indicated = known;
   for (std::size_t k = 0; k < sample.cells.size(); ++k) {
     const auto cell = static_cast<Index>(sample.cells[k]);
     chosen[sample.cells[k]] = 1;
@@ -116,7 +119,8 @@ void extend(const CellSample& sample, const Eigen::MatrixXf& of_sample, Eigen::M
   for (Index c = 0; c < indicator.cols(); ++c) {
     // A state with nothing at the random places has it at the others.
     const bool few = indicated(c) < 1e-3 * all_indicated(c);
-    const double whole = few ? all_indicated(c) : indicated(c), ratio = whole > 0.0 ? (few ? all_known(c) : known(c)) / whole : 0.0;
+    const double whole = few ? all_indicated(c) : indicated(c),
+                 ratio = whole > 0.0 ? (few ? all_known(c) : known(c)) / whole : 0.0;
     for (Index cell = 0; cell < indicator.rows(); ++cell)
       if (!chosen[static_cast<std::size_t>(cell)]) indicator(cell, c) *= static_cast<float>(ratio);
   }

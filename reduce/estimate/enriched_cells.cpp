@@ -45,7 +45,8 @@ FLEXURA_INLINE void map_to_space(const float* dN, const Eight* X, int m, Eight* 
 }
 
 // integral g_i g_j^T dV (3 x 3) of functions i and j; g is n_points x n x 3, the weights are the last of ten in `map`.
-FLEXURA_INLINE void gradient_products(const Eight* g, const Eight* map, int n_points, int n, int i, int j, Eight* H) {
+FLEXURA_INLINE void gradient_products(const Eight* g, const Eight* map, int n_points, int n, int i, int j,
+                                      Eight* H) {
   Eight h00{}, h01{}, h02{}, h10{}, h11{}, h12{}, h20{}, h21{}, h22{};
   for (int q = 0; q < n_points; ++q) {
     const Eight *gi = g + 3L * (q * n + i), *gj = g + 3L * (q * n + j);
@@ -106,7 +107,8 @@ EnrichedCells::EnrichedCells(mesh::CellType type, const std::vector<Material>& m
       for (int c = 0; c < 3; ++c)
         for (int d = 0; d < 3; ++d) {
           const int i = kStrain[a][c], j = kStrain[b][d];
-          if (std::any_of(materials.begin(), materials.end(), [&](const Material& m) { return m.D(i, j) != 0.0; }))
+          if (std::any_of(materials.begin(), materials.end(),
+                          [&](const Material& m) { return m.D(i, j) != 0.0; }))
             terms_.push_back({a, b, 3 * c + d, 6 * i + j});
         }
   const auto lanes = [](std::size_t count) { return std::vector<float>(count * kLanes, 0.0f); };
@@ -148,7 +150,8 @@ void EnrichedCells::take(const Cell (&cells)[kLanes]) {
     map_to_space(centre_.data(), place, m_, at_centre);
     for (int a = 0; a < m_; ++a)
       for (int c = 0; c < 3; ++c)
-        turn[3 * a + c] = 0.5f * (centre_[static_cast<std::size_t>(3 * a)] * at_centre[c] + centre_[static_cast<std::size_t>(3 * a + 1)] * at_centre[3 + c] +
+        turn[3 * a + c] = 0.5f * (centre_[static_cast<std::size_t>(3 * a)] * at_centre[c] +
+                                  centre_[static_cast<std::size_t>(3 * a + 1)] * at_centre[3 + c] +
                                   centre_[static_cast<std::size_t>(3 * a + 2)] * at_centre[6 + c]);
     for (int q = 0; q < n_points; ++q, map += 10) {
       const float* dw = functions_.data() + n() * (4 * q + 1);
@@ -229,7 +232,8 @@ void EnrichedCells::residual(int lane, const double* u, const double* lambda, fl
     alignas(32) float strains[3 * kMostNodes * 16], inertia[3 * kMostNodes * 16];
     const float *place = place_.data() + lane, *turn = turn_.data() + lane;
     for (int half = 0; half < 16; half += kLanes) {
-      const Half *U = reinterpret_cast<const Half*>(u + half), *lambdas = reinterpret_cast<const Half*>(lambda + half);
+      const Half *U = reinterpret_cast<const Half*>(u + half),
+                 *lambdas = reinterpret_cast<const Half*>(lambda + half);
       Half mean[3] = {}, c[3] = {};
       for (int a = 0; a < m_; ++a)
         for (int d = 0; d < 3; ++d) mean[d] += U[2 * (3 * a + d)];
@@ -247,7 +251,8 @@ void EnrichedCells::residual(int lane, const double* u, const double* lambda, fl
           const int e = (d + 1) % 3, f = (d + 2) % 3;
           const Half all = U[2 * (3 * a + d)], left = all - mean[d] - (c[e] * x[f] - c[f] * x[e]);
           *reinterpret_cast<Eight*>(strains + 16 * (3 * a + d) + half) = __builtin_convertvector(left, Eight);
-          *reinterpret_cast<Eight*>(inertia + 16 * (3 * a + d) + half) = __builtin_convertvector(*lambdas * all, Eight);
+          *reinterpret_cast<Eight*>(inertia + 16 * (3 * a + d) + half) =
+              __builtin_convertvector(*lambdas * all, Eight);
         }
       }
     }

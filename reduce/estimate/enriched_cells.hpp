@@ -57,7 +57,8 @@ class EnrichedCells {
   std::vector<float> functions_;  ///< of each point: values, then derivatives (n x 3)
   std::vector<float> centre_;     // derivatives of a cell's own functions there (m x 3)
   // Eight lanes each.
-  std::vector<float> place_, turn_, map_, D_, density_, sign_, gradients_, coupling_, mass_, diagonal_, K_, inverse_;
+  std::vector<float> place_, turn_, map_, D_, density_, sign_, gradients_, coupling_, mass_, diagonal_, K_,
+      inverse_;
 };
 
 }  // namespace flexura::reduce

@@ -22,13 +22,15 @@ namespace {
 
 // The energy of each function by itself, r^2 / k, in equal parts on the cells that have it: n_cells x k.  To within a
 // factor that varies little from cell to cell this is where the energy is.
-Eigen::MatrixXf energy_of_functions(const EnrichedMesh& mesh, const EnrichedResidual& residual, Index n_states) {
+Eigen::MatrixXf energy_of_functions(const EnrichedMesh& mesh, const EnrichedResidual& residual,
+                                    Index n_states) {
   std::vector<float> weight(residual.stiffness.size(), 0.0f);
   for (const int number : mesh.numbers())
     if (number >= 0) weight[3 * static_cast<std::size_t>(number)] += 1.0f;
   for (std::size_t k = 0; k < weight.size(); k += 3)
     for (std::size_t d = 3; d-- > 0;)
-      weight[k + d] = residual.stiffness[k + d] > 0.0f ? 1.0f / (weight[k] * residual.stiffness[k + d]) : 0.0f;
+      weight[k + d] =
+          residual.stiffness[k + d] > 0.0f ? 1.0f / (weight[k] * residual.stiffness[k + d]) : 0.0f;
   Eigen::MatrixXf out(static_cast<Index>(mesh.cells().size()), n_states);
   constexpr int kChunks = 64;
   linalg::parallel_for(kChunks, [&](int chunk) {
@@ -38,12 +40,14 @@ Eigen::MatrixXf energy_of_functions(const EnrichedMesh& mesh, const EnrichedResi
       for (std::size_t panel = 0; panel < residual.r.size(); ++panel) {
         const EnrichedMesh::Cell& cell = mesh.cells()[k];
         sum.setZero();
-        for (std::size_t f = cell.first_function; f < cell.first_function + static_cast<std::size_t>(cell.n_functions); ++f)
+        for (std::size_t f = cell.first_function;
+             f < cell.first_function + static_cast<std::size_t>(cell.n_functions); ++f)
           for (Index d = 0; d < 3 && mesh.numbers()[f] >= 0; ++d) {
             const Index row = 3 * static_cast<Index>(mesh.numbers()[f]) + d;
             sum += weight[static_cast<std::size_t>(row)] * residual.r[panel].row(row).array().square();
           }
-        const Index first = static_cast<Index>(panel) * kStatesTogether, width = std::min<Index>(kStatesTogether, n_states - first);
+        const Index first = static_cast<Index>(panel) * kStatesTogether,
+                    width = std::min<Index>(kStatesTogether, n_states - first);
         out.row(static_cast<Index>(k)).segment(first, width) = sum.matrix().leftCols(width);
       }
   });
@@ -64,7 +68,8 @@ Eigen::VectorXf beyond(const Part& part) {
   Index cell = 0;
   for (const mesh::CellBlock& block : part.mesh.solids) {
     const bool quadratic = is_quadratic(block.type);
-    const float smooth = quadratic ? kSmooth : 1.0f, reentrant = at_edge(quadratic, 0.545), held = at_edge(quadratic, 0.71);
+    const float smooth = quadratic ? kSmooth : 1.0f, reentrant = at_edge(quadratic, 0.545),
+                held = at_edge(quadratic, 0.71);
     for (Index row = 0; row < block.nodes.rows(); ++row, ++cell) {
       out(cell) = smooth;
       for (int a = 0; a < mesh::shape_of(block.type).corners; ++a) {
@@ -91,8 +96,8 @@ bool enrichment_suits(const Part& part) {
   return true;
 }
 
-MeshEnergy enriched_energy(const Part& part, const MatrixXd& U, const Eigen::VectorXd& lambda, const MatrixXd& force,
-                           const linalg::Progress& progress) {
+MeshEnergy enriched_energy(const Part& part, const MatrixXd& U, const Eigen::VectorXd& lambda,
+                           const MatrixXd& force, const linalg::Progress& progress) {
   linalg::report(progress, "mesh error", 0.0);
   const EnrichedMesh mesh(part);
   const Index n_states = U.cols();
@@ -100,9 +105,8 @@ MeshEnergy enriched_energy(const Part& part, const MatrixXd& U, const Eigen::Vec
   if (force.size() > 0)
     for (const EnrichedMesh::Load& load : mesh.tractions(force))
       for (Index c = 0; c < n_states; ++c)
-        residual.r[static_cast<std::size_t>(c / kStatesTogether)].block<3, 1>(3 * static_cast<Index>(load.function),
-                                                                              c % kStatesTogether) +=
-            load.work.col(c).cast<float>();
+        residual.r[static_cast<std::size_t>(c / kStatesTogether)].block<3, 1>(
+            3 * static_cast<Index>(load.function), c % kStatesTogether) += load.work.col(c).cast<float>();
   MeshEnergy out;
   out.by_cell = energy_of_functions(mesh, residual, n_states);
   const CellSample sample = choose_cells(part, out.by_cell);
@@ -112,7 +116,8 @@ MeshEnergy enriched_energy(const Part& part, const MatrixXd& U, const Eigen::Vec
     const Index width = std::min<Index>(kStatesTogether, n_states - first);
     of_sample.middleCols(first, width) =
         solve.energies(residual.r[static_cast<std::size_t>(first / kStatesTogether)]).leftCols(width);
-    linalg::report(progress, "mesh error", 0.5 + 0.5 * static_cast<double>(first + width) / static_cast<double>(n_states));
+    linalg::report(progress, "mesh error",
+                   0.5 + 0.5 * static_cast<double>(first + width) / static_cast<double>(n_states));
   }
   extend(sample, of_sample, out.by_cell);
   out.by_cell.array().colwise() *= beyond(part).array();

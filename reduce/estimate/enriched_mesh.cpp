@@ -60,12 +60,17 @@ EnrichedMesh::EnrichedMesh(const Part& part) : part_(part) {
   // The first of those that share a key, in the order of the cells.
   std::vector<std::size_t> first_alike(keys.size());
   for (std::size_t node = 0; node + 1 < first_of.size(); ++node) {
-    const auto begin = order.begin() + static_cast<std::ptrdiff_t>(first_of[node]), end = order.begin() + static_cast<std::ptrdiff_t>(first_of[node + 1]);
-    std::sort(begin, end, [&](std::size_t a, std::size_t b) { return keys[a] < keys[b] || (keys[a] == keys[b] && a < b); });
-    for (auto k = begin; k != end; ++k) first_alike[*k] = k != begin && keys[*k] == keys[*(k - 1)] ? first_alike[*(k - 1)] : *k;
+    const auto begin = order.begin() + static_cast<std::ptrdiff_t>(first_of[node]),
+               end = order.begin() + static_cast<std::ptrdiff_t>(first_of[node + 1]);
+    std::sort(begin, end, [&](std::size_t a, std::size_t b) {
+      return keys[a] < keys[b] || (keys[a] == keys[b] && a < b);
+    });
+    for (auto k = begin; k != end; ++k)
+      first_alike[*k] = k != begin && keys[*k] == keys[*(k - 1)] ? first_alike[*(k - 1)] : *k;
   }
   numbers_.resize(keys.size());
-  for (std::size_t k = 0; k < keys.size(); ++k) numbers_[k] = first_alike[k] == k ? n_functions_++ : numbers_[first_alike[k]];
+  for (std::size_t k = 0; k < keys.size(); ++k)
+    numbers_[k] = first_alike[k] == k ? n_functions_++ : numbers_[first_alike[k]];
   leave_out_rigid_faces();
 }
 
@@ -142,7 +147,8 @@ std::vector<EnrichedMesh::Load> EnrichedMesh::tractions(const MatrixXd& force_b)
       const std::vector<EnrichmentFunction>& functions = enrichment_of(block.type);
       const TabulatedRule rule = tabulate(block.type, mesh::volume_quadrature(block.type));
       std::vector<EnrichmentValues> gained;
-      for (const TabulatedRule::Point& point : rule.points) gained.push_back(evaluate_enrichment(block.type, point.xi));
+      for (const TabulatedRule::Point& point : rule.points)
+        gained.push_back(evaluate_enrichment(block.type, point.xi));
       for (Index row = 0; row < block.nodes.rows(); ++row) {
         const NodePositions x = positions(part_.mesh, block, row);
         for (std::size_t q = 0; q < rule.points.size(); ++q) {

@@ -40,17 +40,22 @@ std::vector<DoublePanel> panels_of(const MatrixXd& U) {
 class Worker {
  public:
   Worker(const Part& part, const EnrichedMesh& mesh, const mesh::CellBlock& block)
-      : part_(part), mesh_(mesh), block_(block), cells_(block.type, part.materials), u_(3 * cells_.n_own(), kStatesTogether) {}
+      : part_(part),
+        mesh_(mesh),
+        block_(block),
+        cells_(block.type, part.materials),
+        u_(3 * cells_.n_own(), kStatesTogether) {}
 
   // Of `count` cells from `first` on: r, n_panels blocks of 3 g x 16 a cell, and stiffness, 3 g a cell.
-  void compute(std::size_t first, int count, const std::vector<DoublePanel>& U, const Eigen::VectorXd& lambda, float* r,
-               float* stiffness) {
+  void compute(std::size_t first, int count, const std::vector<DoublePanel>& U, const Eigen::VectorXd& lambda,
+               float* r, float* stiffness) {
     EnrichedCells::Cell lanes[kTogether];
     for (int lane = 0; lane < count; ++lane) {
       const EnrichedMesh::Cell& cell = mesh_.cells()[first + static_cast<std::size_t>(lane)];
       std::vector<float> sign(static_cast<std::size_t>(cells_.n()), 1.0f);
       for (std::size_t f = 0; f < static_cast<std::size_t>(cell.n_functions); ++f)
-        sign[f] = mesh_.numbers()[cell.first_function + f] < 0 ? 0.0f : mesh_.signs()[cell.first_function + f];
+        sign[f] =
+            mesh_.numbers()[cell.first_function + f] < 0 ? 0.0f : mesh_.signs()[cell.first_function + f];
       lanes[lane] = {positions(part_.mesh, block_, cell.row), material_of(block_, cell.row), std::move(sign)};
     }
     cells_.take(lanes);
@@ -59,7 +64,8 @@ class Worker {
     for (int lane = 0; lane < count; ++lane, stiffness += 3 * g) {
       const Index row = mesh_.cells()[first + static_cast<std::size_t>(lane)].row;
       for (std::size_t p = 0; p < U.size(); ++p, r += 3 * g * kStatesTogether) {
-        for (Index a = 0; a < m; ++a) u_.middleRows<3>(3 * a) = U[p].middleRows<3>(3 * static_cast<Index>(block_.nodes(row, a)));
+        for (Index a = 0; a < m; ++a)
+          u_.middleRows<3>(3 * a) = U[p].middleRows<3>(3 * static_cast<Index>(block_.nodes(row, a)));
         cells_.residual(lane, u_.data(), lambda.data() + static_cast<Index>(p) * kStatesTogether, r);
       }
       cells_.copy_diagonal(lane, stiffness);
@@ -96,7 +102,8 @@ EnrichedResidual enriched_residual(const Part& part, const EnrichedMesh& mesh, c
   std::vector<Group> groups;
   int most_functions = 0;
   for (std::size_t k = 0; k < cells.size(); ++k) {
-    if (groups.empty() || groups.back().n_cells == kTogether || cells[groups.back().first_cell].block != cells[k].block)
+    if (groups.empty() || groups.back().n_cells == kTogether ||
+        cells[groups.back().first_cell].block != cells[k].block)
       groups.push_back({k, 0});
     ++groups.back().n_cells;
     most_functions = std::max(most_functions, cells[k].n_functions);
@@ -104,8 +111,10 @@ EnrichedResidual enriched_residual(const Part& part, const EnrichedMesh& mesh, c
   // Batches of groups on all cores, added up in the order of the cells: the same to the bit with any number of threads.
   constexpr int kBatch = 128, kChunks = 16;
   const auto n_groups = static_cast<int>(groups.size());
-  const Index stiffness_size = 3L * most_functions * kTogether, residual_size = n_panels * kStatesTogether * stiffness_size;  // of a group
-  std::vector<float> residual(static_cast<std::size_t>(kBatch * residual_size)), stiffness(static_cast<std::size_t>(kBatch * stiffness_size));
+  const Index stiffness_size = 3L * most_functions * kTogether,
+              residual_size = n_panels * kStatesTogether * stiffness_size;  // of a group
+  std::vector<float> residual(static_cast<std::size_t>(kBatch * residual_size)),
+      stiffness(static_cast<std::size_t>(kBatch * stiffness_size));
   std::vector<std::vector<std::unique_ptr<Worker>>> of_chunks(kChunks);
   for (auto& of_blocks : of_chunks) of_blocks.resize(part.mesh.solids.size());
   for (int first = 0; first < n_groups; first += kBatch) {
@@ -132,7 +141,8 @@ EnrichedResidual enriched_residual(const Part& part, const EnrichedMesh& mesh, c
               panel.middleRows<3>(3 * static_cast<Index>(numbers[f])) +=
                   Eigen::Map<const Eigen::Matrix<float, 3, kStatesTogether, Eigen::RowMajor>>(r);
         for (int f = 0; f < cell.n_functions; ++f, s += 3)
-          for (int d = 0; d < 3 && numbers[f] >= 0; ++d) out.stiffness[static_cast<std::size_t>(3 * numbers[f] + d)] += s[d];
+          for (int d = 0; d < 3 && numbers[f] >= 0; ++d)
+            out.stiffness[static_cast<std::size_t>(3 * numbers[f] + d)] += s[d];
       }
     }
     linalg::report(progress, "mesh error", 0.5 * (first + count) / n_groups);

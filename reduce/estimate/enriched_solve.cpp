@@ -28,14 +28,16 @@ void EnrichedSolve::over_ranges(const Work& work) const {
   linalg::parallel_for(static_cast<int>(ranges_.size()), [&](int p) { work(static_cast<std::size_t>(p)); });
 }
 
-EnrichedSolve::EnrichedSolve(const Part& part, const EnrichedMesh& mesh, const std::vector<std::size_t>& chosen) {
+EnrichedSolve::EnrichedSolve(const Part& part, const EnrichedMesh& mesh,
+                             const std::vector<std::size_t>& chosen) {
   number(mesh, part, chosen);
   find_ranges();
   compute_cells(part, mesh, chosen);
   weigh_shared_functions();
 }
 
-void EnrichedSolve::number(const EnrichedMesh& mesh, const Part& part, const std::vector<std::size_t>& chosen) {
+void EnrichedSolve::number(const EnrichedMesh& mesh, const Part& part,
+                           const std::vector<std::size_t>& chosen) {
   std::vector<int> gained(static_cast<std::size_t>(mesh.n_functions()), -1),
       own(static_cast<std::size_t>(part.mesh.n_nodes()), -1);
   std::vector<float> all(gained.size(), 0.0f);
@@ -47,7 +49,8 @@ void EnrichedSolve::number(const EnrichedMesh& mesh, const Part& part, const std
   for (std::size_t k = 0; k < is_chosen.size() && chosen.size() < is_chosen.size(); ++k) {
     const EnrichedMesh::Cell& cell = mesh.cells()[k];
     const mesh::CellBlock& block = part.mesh.solids[static_cast<std::size_t>(cell.block)];
-    for (Index a = 0; a < block.nodes.cols() && !is_chosen[k]; ++a) at_border[static_cast<std::size_t>(block.nodes(cell.row, a))] = 1;
+    for (Index a = 0; a < block.nodes.cols() && !is_chosen[k]; ++a)
+      at_border[static_cast<std::size_t>(block.nodes(cell.row, a))] = 1;
   }
   std::vector<float> here;
   std::size_t entries = 0;
@@ -101,7 +104,8 @@ void EnrichedSolve::find_ranges() {
   std::vector<int> place_of(static_cast<std::size_t>(n_functions_), -1);
   int first_function = 0;
   for (std::size_t k = 0; k < n_ranges; ++k) {
-    Range range{cells_.size() * k / n_ranges, cells_.size() * (k + 1) / n_ranges, first_function, first_function, {}};
+    Range range{
+        cells_.size() * k / n_ranges, cells_.size() * (k + 1) / n_ranges, first_function, first_function, {}};
     for (std::size_t c = range.first_cell; c < range.last_cell; ++c)
       for (int f = 0; f < cells_[c].n; ++f) {
         int& at = places_[cells_[c].first_function + static_cast<std::size_t>(f)];
@@ -124,7 +128,8 @@ void EnrichedSolve::find_ranges() {
   }
 }
 
-void EnrichedSolve::compute_cells(const Part& part, const EnrichedMesh& mesh, const std::vector<std::size_t>& chosen) {
+void EnrichedSolve::compute_cells(const Part& part, const EnrichedMesh& mesh,
+                                  const std::vector<std::size_t>& chosen) {
   over_ranges([&](std::size_t p) {
     std::vector<std::unique_ptr<EnrichedCells>> matrices(part.mesh.solids.size());
     for (std::size_t first = ranges_[p].first_cell; first < ranges_[p].last_cell;) {
@@ -137,7 +142,8 @@ void EnrichedSolve::compute_cells(const Part& part, const EnrichedMesh& mesh, co
         const EnrichedMesh::Cell& cell = mesh.cells()[chosen[k]];
         if (static_cast<std::size_t>(cell.block) != b) break;
         const auto sign = sign_.begin() + static_cast<std::ptrdiff_t>(cells_[k].first_function);
-        lanes[count] = {positions(part.mesh, block, cell.row), material_of(block, cell.row), {sign, sign + cells_[k].n}};
+        lanes[count] = {
+            positions(part.mesh, block, cell.row), material_of(block, cell.row), {sign, sign + cells_[k].n}};
       }
       matrices[b]->take(lanes);
       matrices[b]->compute_stiffness();
@@ -157,10 +163,13 @@ void EnrichedSolve::weigh_shared_functions() {
   const auto diagonal = [&](const Cell& cell, int i) {
     return K_[cell.first_entry + static_cast<std::size_t>(i) * static_cast<std::size_t>(3 * cell.n + 1)];
   };
-  const auto number = [&](const Cell& cell, int i) { return numbers_[cell.first_function + static_cast<std::size_t>(i / 3)]; };
+  const auto number = [&](const Cell& cell, int i) {
+    return numbers_[cell.first_function + static_cast<std::size_t>(i / 3)];
+  };
   for (const Cell& cell : cells_)
     for (int i = 0; i < 3 * cell.n; ++i)
-      if (const int f = number(cell, i); f >= 0) total[static_cast<std::size_t>(3 * f + i % 3)] += diagonal(cell, i);
+      if (const int f = number(cell, i); f >= 0)
+        total[static_cast<std::size_t>(3 * f + i % 3)] += diagonal(cell, i);
   over_ranges([&](std::size_t p) {
     Eigen::VectorXf weight;
     for (std::size_t k = ranges_[p].first_cell; k < ranges_[p].last_cell; ++k) {
@@ -186,7 +195,8 @@ void EnrichedSolve::multiply(const std::vector<float>& matrices, const StatePane
       const int n = cells_[k].n;
       x.resize(3 * n, kStatesTogether);
       y.resize(3 * n, kStatesTogether);
-      const int *numbers = numbers_.data() + cells_[k].first_function, *places = places_.data() + cells_[k].first_function;
+      const int *numbers = numbers_.data() + cells_[k].first_function,
+                *places = places_.data() + cells_[k].first_function;
       for (int f = 0; f < n; ++f)
         if (numbers[f] < 0)
           x.middleRows<3>(3 * f).setZero();
@@ -226,7 +236,8 @@ StatePanel EnrichedSolve::energies(const StatePanel& load) {
   constexpr int kMostSteps = 12;
   constexpr double kEnough = 0.05, kSlowest = 0.6;
   const Index n = row_of(n_functions_);
-  StatePanel r(n, kStatesTogether), z(n, kStatesTogether), A_d(n, kStatesTogether), e = StatePanel::Zero(n, kStatesTogether);
+  StatePanel r(n, kStatesTogether), z(n, kStatesTogether), A_d(n, kStatesTogether),
+      e = StatePanel::Zero(n, kStatesTogether);
   for (std::size_t k = 0; k < from_.size(); ++k)
     if (from_[k] < 0)
       r.middleRows<3>(row_of(static_cast<int>(k))).setZero();
@@ -240,7 +251,8 @@ StatePanel EnrichedSolve::energies(const StatePanel& load) {
   for (Index row = 0; row < n; ++row) r.row(row).array() /= scale;
   multiply(B_, r, z);
   StatePanel d = z;
-  Numbers rz = dots(r, z), energy = Numbers::Zero(), gain = energy, before = energy, earlier = energy, factor = energy, more = energy;
+  Numbers rz = dots(r, z), energy = Numbers::Zero(), gain = energy, before = energy, earlier = energy,
+          factor = energy, more = energy;
   for (int step = 0; step < kMostSteps; ++step) {
     multiply(K_, d, A_d);
     const Numbers dAd = dots(d, A_d), alpha = (dAd > 0.0).select(rz / dAd, 0.0);

@@ -48,13 +48,13 @@ class EnrichedSolve {
   void over_ranges(const Work& work) const;
 
   std::vector<Cell> cells_;
-  std::vector<int> numbers_;    ///< of the cells' functions; -1: left out
-  std::vector<float> sign_;     ///< of the cells' functions, 0: left out
-  std::vector<int> places_;     ///< in their range: as numbers_, or -2 - k for its shared function k
-  std::vector<int> from_;       ///< of the gained functions: their number in the mesh, -1 for own ones
-  std::vector<float> share_;    ///< of the functions: how many of the cells that have one are chosen
+  std::vector<int> numbers_;  ///< of the cells' functions; -1: left out
+  std::vector<float> sign_;   ///< of the cells' functions, 0: left out
+  std::vector<int> places_;   ///< in their range: as numbers_, or -2 - k for its shared function k
+  std::vector<int> from_;     ///< of the gained functions: their number in the mesh, -1 for own ones
+  std::vector<float> share_;  ///< of the functions: how many of the cells that have one are chosen
   int n_functions_ = 0;
-  std::vector<float> K_, B_;    ///< of the cells: stiffness, weighted inverse (3 n x 3 n)
+  std::vector<float> K_, B_;  ///< of the cells: stiffness, weighted inverse (3 n x 3 n)
   std::vector<Range> ranges_;
   std::vector<StatePanel> shared_;  ///< of the ranges: what they add to their shared functions
 };

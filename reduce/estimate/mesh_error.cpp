@@ -37,7 +37,8 @@ double bulk_over_shear(const Material& material) {
 bool is_nearly_incompressible(const Part& part) {
   return std::any_of(part.materials.begin(), part.materials.end(), [](const Material& material) {
     // Of an isotropic material; others have no single ratio.
-    const bool isotropic = std::abs(material.D(0, 0) - material.D(0, 1) - 2.0 * material.D(3, 3)) < 1e-6 * material.D(0, 0);
+    const bool isotropic =
+        std::abs(material.D(0, 0) - material.D(0, 1) - 2.0 * material.D(3, 3)) < 1e-6 * material.D(0, 0);
     return isotropic && bulk_over_shear(material) > 100.0;
   });
 }
@@ -62,14 +63,15 @@ MeshEnergy recovered_energy(const Part& part, const MatrixXd& U, const linalg::P
     const TabulatedRule& rule = solid_element(block.type).mass;
     constexpr int kChunks = 64;
     linalg::parallel_for(kChunks, [&](int chunk) {
-      for (Index cell = block.nodes.rows() * chunk / kChunks; cell < block.nodes.rows() * (chunk + 1) / kChunks;
-           ++cell) {
+      for (Index cell = block.nodes.rows() * chunk / kChunks;
+           cell < block.nodes.rows() * (chunk + 1) / kChunks; ++cell) {
         const NodePositions x = positions(part.mesh, block, cell);
         MatrixXd u(3 * x.rows(), n), at_nodes(x.rows(), 6 * n);
         for (Index a = 0; a < x.rows(); ++a) {
           u.middleRows<3>(3 * a) = U.middleRows<3>(3 * static_cast<Index>(block.nodes(cell, a)));
           const Index place = 6 * static_cast<Index>(recovery.places(b)(cell, a));
-          for (Index c = 0; c < 6; ++c) at_nodes.row(a).segment(c * n, n) = recovered.row(place + c).cast<double>();
+          for (Index c = 0; c < 6; ++c)
+            at_nodes.row(a).segment(c * n, n) = recovered.row(place + c).cast<double>();
         }
         const std::size_t material = material_of(block, cell);
         Eigen::RowVectorXd energy = Eigen::RowVectorXd::Zero(n);

@@ -31,13 +31,14 @@ double bulk_over_shear(const Material& material);
 struct JudgedStates {
   Eigen::MatrixXd Y;       ///< n x k: combinations of the shapes
   Eigen::VectorXd lambda;  ///< k: omega^2 [rad^2/s^2], 0 for statics
-  Eigen::MatrixXd force;   ///< n_b x k: on the interface dofs, in the order of the part's interfaces and directions
+  Eigen::MatrixXd
+      force;  ///< n_b x k: on the interface dofs, in the order of the part's interfaces and directions
 };
 
 /// Energies [J] that the mesh leaves in k states, and the share of each cell, in the order of the blocks.
 struct MeshEnergy {
-  Eigen::VectorXd energy;    ///< k
-  Eigen::MatrixXf by_cell;   ///< n_cells x k
+  Eigen::VectorXd energy;   ///< k
+  Eigen::MatrixXf by_cell;  ///< n_cells x k
   bool known() const { return energy.size() > 0; }
 };
 

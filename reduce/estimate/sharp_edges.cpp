@@ -22,10 +22,12 @@ struct EdgeSide {
 
 EdgeSide side_of(const mesh::Mesh& mesh, const mesh::CellBlock& block, Index row, int edge) {
   const mesh::CellShape& shape = mesh::shape_of(block.type);
-  static const double square[4][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}}, triangle[3][2] = {{0, 0}, {1, 0}, {0, 1}};
+  static const double square[4][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}},
+                      triangle[3][2] = {{0, 0}, {1, 0}, {0, 1}};
   const auto corner = [&](int a) -> const double* { return shape.corners == 4 ? square[a] : triangle[a]; };
   const double *from = corner(shape.edges[edge][0]), *to = corner(shape.edges[edge][1]);
-  const auto values = mesh::evaluate_shape(block.type, {0.5 * (from[0] + to[0]), 0.5 * (from[1] + to[1]), 0.0});
+  const auto values =
+      mesh::evaluate_shape(block.type, {0.5 * (from[0] + to[0]), 0.5 * (from[1] + to[1]), 0.0});
   EdgeSide out{Vector3d::Zero(), Vector3d::Zero(), Vector3d::Zero()};
   Vector3d along_r = Vector3d::Zero(), along_s = along_r;
   for (Index a = 0; a < block.nodes.cols(); ++a) {
@@ -70,9 +72,11 @@ std::vector<SharpEdge> sharp_edges(const Part& part) {
     const mesh::CellShape& shape = mesh::shape_of(block.type);
     for (Index row = 0; row < block.nodes.rows(); ++row) {
       bool all_held = true;
-      for (const mesh::Index node : block.nodes.row(row)) all_held = all_held && held[static_cast<std::size_t>(node)];
+      for (const mesh::Index node : block.nodes.row(row))
+        all_held = all_held && held[static_cast<std::size_t>(node)];
       for (int e = 0; e < static_cast<int>(shape.edges.size()); ++e) {
-        std::array<mesh::Index, 2> ends{block.nodes(row, shape.edges[e][0]), block.nodes(row, shape.edges[e][1])};
+        std::array<mesh::Index, 2> ends{block.nodes(row, shape.edges[e][0]),
+                                        block.nodes(row, shape.edges[e][1])};
         std::sort(ends.begin(), ends.end());
         EdgeSide side = side_of(mesh, block, row, e);
         side.held = all_held;
@@ -81,7 +85,9 @@ std::vector<SharpEdge> sharp_edges(const Part& part) {
         const EdgeSide& there = other->second;
         const bool turns = std::acos(std::clamp(side.normal.dot(there.normal), -1.0, 1.0)) > kSharp;
         const bool inwards = there.normal.dot(side.centre - there.middle) > 0.0;
-        const SharpEdge kind = turns && inwards ? SharpEdge::reentrant : side.held != there.held ? SharpEdge::held : SharpEdge::none;
+        const SharpEdge kind = turns && inwards          ? SharpEdge::reentrant
+                               : side.held != there.held ? SharpEdge::held
+                                                         : SharpEdge::none;
         if (kind != SharpEdge::none)
           for (const mesh::Index node : ends) {
             SharpEdge& of = sharp[static_cast<std::size_t>(node)];
@@ -93,7 +99,8 @@ std::vector<SharpEdge> sharp_edges(const Part& part) {
   }
   for (const InterfaceSpec& interface : part.interfaces)
     if (is_concentrated(part, interface))
-      for (const mesh::Index node : interface.set.nodes) sharp[static_cast<std::size_t>(node)] = SharpEdge::concentrated;
+      for (const mesh::Index node : interface.set.nodes)
+        sharp[static_cast<std::size_t>(node)] = SharpEdge::concentrated;
   return sharp;
 }
 

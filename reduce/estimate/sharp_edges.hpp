@@ -10,8 +10,8 @@ namespace flexura::reduce {
 /// Where stresses are unbounded like r^(lambda - 1) at a distance r (M. L. Williams, J. Appl. Mech. 19 (1952) 526).
 enum class SharpEdge : char {
   none,
-  reentrant,    ///< between faces of the surface that meet at more than 180 degrees: at 270 degrees lambda = 0.545
-  held,         ///< around a rigid interface: at a face at right angles lambda = 0.71 for nu = 0.3
+  reentrant,  ///< between faces of the surface that meet at more than 180 degrees: at 270 degrees lambda = 0.545
+  held,       ///< around a rigid interface: at a face at right angles lambda = 0.71 for nu = 0.3
   concentrated  ///< the nodes of a concentrated interface (is_concentrated)
 };
 

@@ -6,9 +6,9 @@
 #include <map>
 #include <mutex>
 
+#include "mesh/model/cells/record.hpp"
 #include "reduce/estimate/cell_data.hpp"
 #include "reduce/linalg/dense/parallel.hpp"
-#include "mesh/model/cells/record.hpp"
 
 namespace flexura::reduce {
 

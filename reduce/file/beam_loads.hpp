@@ -6,8 +6,8 @@
 
 #include "mbs/base/documents/document.hpp"
 #include "mbs/base/documents/schema.hpp"
-#include "reduce/file/names.hpp"
 #include "reduce/beams/statics.hpp"
+#include "reduce/file/names.hpp"
 
 /// Loads of a beam part file: [load.NAME].
 namespace flexura::reduce {

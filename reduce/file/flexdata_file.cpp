@@ -36,8 +36,10 @@ const input::TableSchema& flexdata_schema() {
         .doc =
             "The file and what it lacks. Written by `flexura export --format flexdata` it lacks nothing: "
             "`flexura reduce "
-            "arm.xml` needs no part file. Modes must be those of the free body, of unit modal mass. Of few modes (less than six "
-            "for each interface node, less six) some directions of the interfaces follow the others; the program says which."};
+            "arm.xml` needs no part file. Modes must be those of the free body, of unit modal mass. Of few "
+            "modes (less than six "
+            "for each interface node, less six) some directions of the interfaces follow the others; the "
+            "program says which."};
     s.keys = {
         input::text("file", "FlexData file (.xml)").required(),
         input::choice("unit", {"m", "mm", "cm", "inch", "ft"}, "its length unit").or_default("m"),

@@ -17,6 +17,7 @@ const input::TableSchema& flexdata_schema();
 bool is_flexdata_file(const std::filesystem::path& file);
 
 /// Throws input::InputError.
-FlexDataInput read_flexdata_part(const std::filesystem::path& file, const std::vector<std::string>& overrides);
+FlexDataInput read_flexdata_part(const std::filesystem::path& file,
+                                 const std::vector<std::string>& overrides);
 
 }  // namespace flexura::reduce

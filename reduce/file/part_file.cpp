@@ -79,7 +79,9 @@ void read_units(const Section& geometry, PartInput& part) {
       {"ft", {0.3048, "slug"}}};
   const auto& [length, mass] = lengths.at(geometry.has("unit") ? geometry.text("unit") : "m");
   part.unit_length = length;
-  part.unit_mass = mass_unit(geometry.has("mass_unit") ? geometry.text("mass_unit") : mass.empty() ? "kg" : mass);
+  part.unit_mass = mass_unit(geometry.has("mass_unit") ? geometry.text("mass_unit")
+                             : mass.empty()            ? "kg"
+                                                       : mass);
   part.mass_unit_known = geometry.has("mass_unit") || !mass.empty();
 }
 
@@ -292,11 +294,11 @@ PartInput read_part(const std::filesystem::path& file, const std::vector<std::st
     const Section shell = in.table("shell");
     part.sheet_thickness = shell.quantity("thickness");
     if (part.format != PartFormat::cad && part.format != PartFormat::gmsh)
-      throw InputError(shell.where() + ": is for CAD parts and .msh meshes; shells of a deck have their thickness there");
+      throw InputError(shell.where() +
+                       ": is for CAD parts and .msh meshes; shells of a deck have their thickness there");
     if (meshing.has("order"))
       meshing.refuse("order", "is for solids; shells have three and four nodes", "leave the key out");
-    if (in.flag("stiffening"))
-      in.refuse("stiffening", "is not known of shells", "leave the key out");
+    if (in.flag("stiffening")) in.refuse("stiffening", "is not known of shells", "leave the key out");
   }
   if (in.has("matrices")) {
     const Section matrices = in.table("matrices");

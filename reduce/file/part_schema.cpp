@@ -164,13 +164,17 @@ TableSchema interface_schema() {
 }
 
 TableSchema shell_schema() {
-  TableSchema s{
-      .name = "shell",
-      .doc =
-          "Sheet metal: the faces of a CAD file without solids, or the triangles and quadrilaterals of a .msh mesh, are the middle "
-          "surface of a sheet, of shells with six degrees of freedom a node (docs/shells.md). Faces that meet are joined. Interfaces are chosen as on solids; where no face "
-          "fits, `by = \"plane\"` takes the free edges in the plane and `by = \"cylinder\"` with its radius the edge of a hole."};
-  s.keys = {input::quantity("thickness", dim::length, "of the sheet, half of it on either side of the faces").required().above(0)};
+  TableSchema s{.name = "shell",
+                .doc =
+                    "Sheet metal: the faces of a CAD file without solids, or the triangles and "
+                    "quadrilaterals of a .msh mesh, are the middle "
+                    "surface of a sheet, of shells with six degrees of freedom a node (docs/shells.md). "
+                    "Faces that meet are joined. Interfaces are chosen as on solids; where no face "
+                    "fits, `by = \"plane\"` takes the free edges in the plane and `by = \"cylinder\"` with "
+                    "its radius the edge of a hole."};
+  s.keys = {input::quantity("thickness", dim::length, "of the sheet, half of it on either side of the faces")
+                .required()
+                .above(0)};
   return s;
 }
 
@@ -327,16 +331,18 @@ TableSchema solid_modes_schema() {
           "attachment modes. `guyan`: none; MotionSolve takes `mass = \"lumped\"` with it")
           .or_default("craig_bampton"));
   const std::vector<Key> more = {
-      input::quantity("accuracy", dim::none,
-                      "choose mesh and modes so that the body's frequencies below `up_to` (without it the first "
-                      "six of the free body) and the static compliance between the interfaces are within this "
-                      "(\"1 %\") by their estimates; CAD parts are meshed anew, finer where the error is, until "
-                      "they are. A mesh that comes with the part stays: its share is reported")
+      input::quantity(
+          "accuracy", dim::none,
+          "choose mesh and modes so that the body's frequencies below `up_to` (without it the first "
+          "six of the free body) and the static compliance between the interfaces are within this "
+          "(\"1 %\") by their estimates; CAD parts are meshed anew, finer where the error is, until "
+          "they are. A mesh that comes with the part stays: its share is reported")
           .above(0)
           .below(1),
-      input::quantity("compliance_accuracy", dim::none,
-                      "accuracy of the static compliance between the interfaces where another one than that of the "
-                      "frequencies is wanted (default: `accuracy`)")
+      input::quantity(
+          "compliance_accuracy", dim::none,
+          "accuracy of the static compliance between the interfaces where another one than that of the "
+          "frequencies is wanted (default: `accuracy`)")
           .above(0)
           .below(1),
       input::quantity("effective_mass", dim::none,
@@ -375,7 +381,8 @@ TableSchema solver_schema() {
                 .doc = "How PETSc and SLEPc compute. May be left out: the defaults are the fast ones."};
   s.keys = {
       input::text("petsc",
-                  "options of PETSc and SLEPc as one text, `\"-eps_type krylovschur -pc_factor_mat_solver_type mumps\"`; "
+                  "options of PETSc and SLEPc as one text, `\"-eps_type krylovschur "
+                  "-pc_factor_mat_solver_type mumps\"`; "
                   "those of `--petsc` are added. docs/petsc.md says which make sense"),
   };
   return s;

@@ -8,8 +8,8 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "reduce/library/mesh_sizes.hpp"
 #include "reduce/cms/errors/error_estimate.hpp"
+#include "reduce/library/mesh_sizes.hpp"
 
 namespace flexura::reduce {
 
@@ -45,7 +45,8 @@ Judgement AccuracyGoal::judge(const Reduction& reduction) {
   for (const MeshShare::Mode& mode : share_.modes)
     n_judged_ += up_to_ > 0.0 ? mode.omega2 <= up_to_ * up_to_ : n_judged_ < kFrequencies;
   n_judged_ = std::max<std::size_t>(n_judged_, 1);
-  for (std::size_t k = 0; k < n_judged_; ++k) out.frequencies = std::max(out.frequencies, share_.modes[k].error);
+  for (std::size_t k = 0; k < n_judged_; ++k)
+    out.frequencies = std::max(out.frequencies, share_.modes[k].error);
   raised_ = 1.0;
   const bool only_mesh = n_shapes_ == reduction.n();  // other modes move frequencies as well
   n_shapes_ = reduction.n();
@@ -96,7 +97,8 @@ std::vector<double> AccuracyGoal::next_sizes(const Part& part, int dofs, const J
   if (growth * dofs > kMostDofs) {
     if (1.5 * dofs > kMostDofs)
       throw std::runtime_error(fmt::format(
-          "{}; a mesh that may reach it would have about {:.2g} dofs, more than the {:.2g} that are tried: ask for "
+          "{}; a mesh that may reach it would have about {:.2g} dofs, more than the {:.2g} that are tried: "
+          "ask for "
           "less, for compliance separately (modes.compliance_accuracy), or choose mesh.size yourself",
           describe(j), growth * dofs, kMostDofs));
     factor *= std::cbrt(growth * dofs / kMostDofs);
@@ -105,11 +107,12 @@ std::vector<double> AccuracyGoal::next_sizes(const Part& part, int dofs, const J
 }
 
 std::string AccuracyGoal::describe(const Judgement& j) const {
-  std::string text = fmt::format("frequencies: {} asked, the mesh leaves {} and the dropped modes {} by their estimates",
-                                 percent(frequencies_), percent(j.frequencies), percent(j.modes));
+  std::string text =
+      fmt::format("frequencies: {} asked, the mesh leaves {} and the dropped modes {} by their estimates",
+                  percent(frequencies_), percent(j.frequencies), percent(j.modes));
   if (!j.interface.empty())
-    text += fmt::format("; static compliance: {} asked, the mesh leaves {} (interface {})", percent(compliance_),
-                        percent(j.compliance), j.interface);
+    text += fmt::format("; static compliance: {} asked, the mesh leaves {} (interface {})",
+                        percent(compliance_), percent(j.compliance), j.interface);
   return text;
 }
 

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "reduce/part/part_input.hpp"
 #include "reduce/cms/result/reduction.hpp"
+#include "reduce/part/part_input.hpp"
 
 /// [modes] accuracy: solve, estimate, mesh anew where the error is, until mesh and modes are within.
 namespace flexura::reduce {

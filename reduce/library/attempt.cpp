@@ -18,8 +18,7 @@ namespace {
 
 /// The surface vertices at which stress modes are wanted.
 std::vector<std::int32_t> stress_vertices(const RecoveryInput& wanted, const mesh::Mesh& mesh,
-                                          const std::vector<mesh::Index>& surface_nodes,
-                                          const Part& part) {
+                                          const std::vector<mesh::Index>& surface_nodes, const Part& part) {
   std::vector<std::int32_t> vertices;
   if (!wanted.stress) return vertices;
   std::vector<char> inside(mesh.n_nodes(), wanted.groups.empty());
@@ -63,9 +62,12 @@ FinishedModes load_finished_modes(const PartInput& input) {
 
 std::string why_unjudged(const Part& part) {
   if (part.matrices) return "its matrices come from another program, without elements";
-  if (!part.mesh.shells.empty() || !part.frames.empty()) return "it has shells or beams, of which no estimate is known";
-  if (is_nearly_incompressible(part)) return "a material is nearly incompressible, where its elements lock and no estimate sees it";
-  if (!part.dependent.empty()) return "constraints (*EQUATION, MPC, *TIE between nodes) bind its mesh, whose error is not known";
+  if (!part.mesh.shells.empty() || !part.frames.empty())
+    return "it has shells or beams, of which no estimate is known";
+  if (is_nearly_incompressible(part))
+    return "a material is nearly incompressible, where its elements lock and no estimate sees it";
+  if (!part.dependent.empty())
+    return "constraints (*EQUATION, MPC, *TIE between nodes) bind its mesh, whose error is not known";
   if (part.mesh.solids.empty()) return "it has no solid elements";
   return "the part has no elastic mode";
 }
@@ -83,7 +85,8 @@ Attempt attempt(const PartInput& input, const std::filesystem::path& output, Red
   for (std::vector<mesh::Index>& nodes : interface_nodes) {  // and the skins of shells at them
     const auto n = static_cast<std::ptrdiff_t>(nodes.size());
     for (const Follower& follower : part.followers)
-      if (follower.from.size() == 1 && std::binary_search(nodes.begin(), nodes.begin() + n, follower.from.front().first))
+      if (follower.from.size() == 1 &&
+          std::binary_search(nodes.begin(), nodes.begin() + n, follower.from.front().first))
         nodes.push_back(follower.point);
   }
   out.picture = make_surface(part.mesh, interface_nodes);
@@ -100,8 +103,9 @@ Attempt attempt(const PartInput& input, const std::filesystem::path& output, Red
   how.shape_nodes = out.picture.nodes;
   out.vertices = stress_vertices(input.recovery, part.mesh, out.picture.nodes, part);
   for (const std::int32_t vertex : out.vertices) how.stress_nodes.push_back(out.picture.nodes[vertex]);
-  out.reduction = input.finished.vectors.empty() ? craig_bampton(part, how)
-                                                 : reduce_finished_modes(part, load_finished_modes(input), how);
+  out.reduction = input.finished.vectors.empty()
+                      ? craig_bampton(part, how)
+                      : reduce_finished_modes(part, load_finished_modes(input), how);
   return out;
 }
 
@@ -117,25 +121,30 @@ Attempt reach(PartInput input, const std::filesystem::path& output, ReductionOpt
     Judgement judged = goal.judge(out.reduction);
     const int dofs = out.reduction.report.n_i + out.reduction.report.n_b;
     if (!judged.known)
-      throw std::runtime_error(fmt::format(
-          "an accuracy of {:.3g} % is asked, but the mesh cannot be judged: {}; leave the accuracy out and choose the modes "
-          "by modes.count, then nothing is promised of the mesh",
-          100.0 * input.modes.accuracy, why_unjudged(out.modelled.part)));
+      throw std::runtime_error(
+          fmt::format("an accuracy of {:.3g} % is asked, but the mesh cannot be judged: {}; leave the "
+                      "accuracy out and choose the modes "
+                      "by modes.count, then nothing is promised of the mesh",
+                      100.0 * input.modes.accuracy, why_unjudged(out.modelled.part)));
     if (out.reduction.mesh->rough && warnings.empty())
-      warnings.push_back(fmt::format(
-          "the accuracy of {:.3g} % asked for is judged only roughly, from recovered stresses (to a factor of five): compare "
-          "with a finer mesh",
-          100.0 * input.modes.accuracy));
-    if (say) say(fmt::format("mesh {}: {} dofs, {} modes; estimated error of the mesh: frequencies {:.2g} %, static compliance "
-                    "{:.2g} %; of the modes left out {:.2g} %; {:.1f} s",
-                    cycle, dofs, out.reduction.n_q, 100.0 * judged.frequencies, 100.0 * judged.compliance,
-                    100.0 * judged.modes, watch.lap()));
+      warnings.push_back(
+          fmt::format("the accuracy of {:.3g} % asked for is judged only roughly, from recovered stresses "
+                      "(to a factor of five): compare "
+                      "with a finer mesh",
+                      100.0 * input.modes.accuracy));
+    if (say)
+      say(fmt::format(
+          "mesh {}: {} dofs, {} modes; estimated error of the mesh: frequencies {:.2g} %, static compliance "
+          "{:.2g} %; of the modes left out {:.2g} %; {:.1f} s",
+          cycle, dofs, out.reduction.n_q, 100.0 * judged.frequencies, 100.0 * judged.compliance,
+          100.0 * judged.modes, watch.lap()));
     const bool more_modes = !goal.modes_reached(judged) && how.accuracy == 0.0 && how.n_modes < kMostModes;
     if (more_modes) how.n_modes = std::min(kMostModes, how.n_modes + std::max(8, how.n_modes / 2));
     const bool mesh_done = goal.mesh_reached(judged) || own_mesh;
     if (mesh_done && !more_modes) {
       if (!goal.mesh_reached(judged))
-        warnings.push_back("the mesh comes with the part and cannot be made finer here; " + goal.describe(judged));
+        warnings.push_back("the mesh comes with the part and cannot be made finer here; " +
+                           goal.describe(judged));
       else if (!goal.modes_reached(judged) && how.accuracy == 0.0)
         warnings.push_back("more modes are not tried; " + goal.describe(judged));
       return out;

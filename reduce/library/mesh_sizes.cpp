@@ -44,7 +44,8 @@ std::vector<Exponents> exponents_of(const mesh::Mesh& mesh, const std::vector<ch
 
 }  // namespace
 
-VectorXd cell_factors(const mesh::Mesh& mesh, const VectorXd& share, const std::vector<char>& sharp, double aim) {
+VectorXd cell_factors(const mesh::Mesh& mesh, const VectorXd& share, const std::vector<char>& sharp,
+                      double aim) {
   constexpr double kFinest = 1.0 / 16.0, kCoarsest = 1.5;  // finer is a guess
   const std::vector<Exponents> by = exponents_of(mesh, sharp);
   const double least = 1e-6 * share.maxCoeff();
@@ -81,15 +82,19 @@ double cells_for(const mesh::Mesh& mesh, const VectorXd& factor, const std::vect
   return sum / static_cast<double>(std::max<Index>(factor.size(), 1));
 }
 
-std::vector<double> size_points(const mesh::Mesh& mesh, const VectorXd& factor, const std::vector<char>& sharp) {
+std::vector<double> size_points(const mesh::Mesh& mesh, const VectorXd& factor,
+                                const std::vector<char>& sharp) {
   const auto n = static_cast<std::size_t>(mesh.n_nodes());
-  const auto length = [&](mesh::Index a, mesh::Index b) { return (mesh.points.row(a) - mesh.points.row(b)).norm(); };
+  const auto length = [&](mesh::Index a, mesh::Index b) {
+    return (mesh.points.row(a) - mesh.points.row(b)).norm();
+  };
   std::vector<double> size(n, 0.0), count(n, 0.0);
   for_each_solid(mesh, [&](Index cell, const mesh::CellBlock& block, Index row) {
     const mesh::CellShape& shape = mesh::shape_of(block.type);
     double mean = 0.0;
     for (const auto& edge : shape.edges)
-      mean += length(block.nodes(row, edge[0]), block.nodes(row, edge[1])) / static_cast<double>(shape.edges.size());
+      mean += length(block.nodes(row, edge[0]), block.nodes(row, edge[1])) /
+              static_cast<double>(shape.edges.size());
     const bool at_edge = touches(block, row, sharp);
     for (int a = 0; a < shape.corners; ++a) {
       const auto node = static_cast<std::size_t>(block.nodes(row, a));
@@ -135,7 +140,8 @@ std::vector<double> size_points(const mesh::Mesh& mesh, const VectorXd& factor, 
       const double a = size[static_cast<std::size_t>(ends[0])], b = size[static_cast<std::size_t>(ends[1])];
       if (std::max(a, b) < 1.2 * std::min(a, b) || !done.emplace(ends, 1).second) continue;
       const Vector3d from = mesh.points.row(ends[0]), to = mesh.points.row(ends[1]);
-      const int pieces = std::clamp(static_cast<int>(std::lround(length(ends[0], ends[1]) / std::min(a, b))), 2, 8);
+      const int pieces =
+          std::clamp(static_cast<int>(std::lround(length(ends[0], ends[1]) / std::min(a, b))), 2, 8);
       for (int k = 1; k < pieces; ++k) {
         const double t = static_cast<double>(k) / pieces;
         put((1.0 - t) * from + t * to, (1.0 - t) * a + t * b);

@@ -18,14 +18,15 @@ namespace flexura::reduce {
 
 /// Factor f of each cell (order of the blocks of solids) so that the sum of the errors becomes `aim`; 1/16 to 1.5.
 /// `share`: the errors today; `sharp`: of the nodes.
-Eigen::VectorXd cell_factors(const mesh::Mesh& mesh, const Eigen::VectorXd& share, const std::vector<char>& sharp,
-                             double aim);
+Eigen::VectorXd cell_factors(const mesh::Mesh& mesh, const Eigen::VectorXd& share,
+                             const std::vector<char>& sharp, double aim);
 
 /// About how many times as many cells the factors ask for.
 double cells_for(const mesh::Mesh& mesh, const Eigen::VectorXd& factor, const std::vector<char>& sharp);
 
 /// x, y, z, size (mesh::CadOptions::sizes): sizes at the nodes, growing from node to node by no more than half of the way,
 /// and between the nodes where they differ much.
-std::vector<double> size_points(const mesh::Mesh& mesh, const Eigen::VectorXd& factor, const std::vector<char>& sharp);
+std::vector<double> size_points(const mesh::Mesh& mesh, const Eigen::VectorXd& factor,
+                                const std::vector<char>& sharp);
 
 }  // namespace flexura::reduce

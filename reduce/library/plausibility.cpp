@@ -8,18 +8,20 @@
 namespace flexura::reduce {
 
 std::string odd_material(const Material& material) {
-  constexpr double kSoftest = 1e3, kStiffest = 2e12;  // [Pa]: gels, diamond
+  constexpr double kSoftest = 1e3, kStiffest = 2e12;   // [Pa]: gels, diamond
   constexpr double kLightest = 1.0, kHeaviest = 25e3;  // [kg/m^3]: aerogels, osmium
   // In shear: what does not depend on how compressible the material is.
   const double stiffness = 3.0 * material.D(3, 3);
   if (!(stiffness > kSoftest && stiffness < kStiffest))
-    return fmt::format("material \"{}\" has a stiffness of about {:.3g} Pa, as no material has; is the unit of its Young's "
-                       "modulus missing (young = \"210 GPa\")?",
-                       material.name, stiffness);
+    return fmt::format(
+        "material \"{}\" has a stiffness of about {:.3g} Pa, as no material has; is the unit of its Young's "
+        "modulus missing (young = \"210 GPa\")?",
+        material.name, stiffness);
   if (!(material.density > kLightest && material.density < kHeaviest))
-    return fmt::format("material \"{}\" has a density of {:.3g} kg/m^3, as no material has; is its unit missing "
-                       "(density = \"7850 kg/m^3\")?",
-                       material.name, material.density);
+    return fmt::format(
+        "material \"{}\" has a density of {:.3g} kg/m^3, as no material has; is its unit missing "
+        "(density = \"7850 kg/m^3\")?",
+        material.name, material.density);
   return "";
 }
 
@@ -35,9 +37,10 @@ std::string odd_thickness(const mesh::Mesh& mesh) {
   }
   const double length = (high - low).norm();
   if (mesh.shells.empty() || !(thickest > length / 3.0)) return "";
-  return fmt::format("a shell is {:.3g} m thick where all shells together are {:.3g} m long; is its thickness in the "
-                     "deck's unit of length?",
-                     thickest, length);
+  return fmt::format(
+      "a shell is {:.3g} m thick where all shells together are {:.3g} m long; is its thickness in the "
+      "deck's unit of length?",
+      thickest, length);
 }
 
 }  // namespace flexura::reduce

@@ -31,11 +31,12 @@ namespace flexura::reduce {
 struct ReduceOptions {
   linalg::Progress progress = {};
   std::function<void(const std::string&)> say = {};  ///< a line for each mesh on the way to an accuracy
-  std::filesystem::path output = {};  ///< where it is going to be written: room is made sure of; empty: not written
+  std::filesystem::path output =
+      {};           ///< where it is going to be written: room is made sure of; empty: not written
   int compare = 0;  ///< free frequencies to compare with the full model, which is solved, too; 0: none
   const linalg::Team* team = nullptr;          ///< of processes that share the work; null: this one alone
   std::vector<linalg::UserOption> petsc = {};  ///< options of PETSc and SLEPc, after those of the part
-  bool factor_in_file = false;                 ///< the factor goes to a temporary file even where memory has room
+  bool factor_in_file = false;  ///< the factor goes to a temporary file even where memory has room
 };
 
 /// A superelement and what is to be said of it.
@@ -44,8 +45,9 @@ struct Reduced {
   std::string text;     ///< a few lines for a terminal, the verdict last, each ending with a newline
   nlohmann::json json;  ///< the acceptance report, which the superelement holds, too
   std::vector<std::string> warnings;
-  std::string too_coarse;  ///< what to say of a mesh that does not resolve the part; empty where it does or is not judged
-  mesh::Mesh mesh;         ///< of solids and shells; empty for beams and finished modes
+  std::string
+      too_coarse;  ///< what to say of a mesh that does not resolve the part; empty where it does or is not judged
+  mesh::Mesh mesh;  ///< of solids and shells; empty for beams and finished modes
   std::vector<Material> materials;
 };
 

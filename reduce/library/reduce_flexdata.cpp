@@ -109,11 +109,11 @@ void check_body(const FlexDataBody& body, const std::string& file) {
   const Matrix3d second = body.S_xx - body.mass * centre * centre.transpose();
   const Matrix3d J = second.trace() * Matrix3d::Identity() - second;
   if (!(body.mass > 0.0) || Eigen::LLT<Matrix3d>(J).info() != Eigen::Success)
-    throw std::invalid_argument(
-        fmt::format("{}: no body has the mass {:g} kg and the moments of inertia {:g}, {:g}, {:g} kg m^2 "
-                    "about its centre: all must be above 0 and none greater than the others together; check them and "
-                    "the units",
-                    file, body.mass, J(0, 0), J(1, 1), J(2, 2)));
+    throw std::invalid_argument(fmt::format(
+        "{}: no body has the mass {:g} kg and the moments of inertia {:g}, {:g}, {:g} kg m^2 "
+        "about its centre: all must be above 0 and none greater than the others together; check them and "
+        "the units",
+        file, body.mass, J(0, 0), J(1, 1), J(2, 2)));
 }
 
 }  // namespace
@@ -121,11 +121,13 @@ void check_body(const FlexDataBody& body, const std::string& file) {
 Reduced reduce(const FlexDataInput& input, const ReduceOptions&) {
   FlexData data = superelement::read_flexdata(input.file);
   if (data.nodes.empty())
-    throw std::invalid_argument(input.file.string() +
-                                ": has no interface nodes to which anything could be joined; at least one is needed");
+    throw std::invalid_argument(
+        input.file.string() +
+        ": has no interface nodes to which anything could be joined; at least one is needed");
   if (data.modes.empty())
-    throw std::invalid_argument(input.file.string() + ": has no modes; a body that does not deform needs no superelement, "
-                                                      "only its mass and inertia in the mechanism");
+    throw std::invalid_argument(input.file.string() +
+                                ": has no modes; a body that does not deform needs no superelement, "
+                                "only its mass and inertia in the mechanism");
   std::vector<std::string> notes, warnings;
   const bool is_foreign = !data.body;
   if (data.body) {
@@ -144,8 +146,8 @@ Reduced reduce(const FlexDataInput& input, const ReduceOptions&) {
   check_body(body, input.file.string());
   if (!input.names.empty()) {
     if (input.names.size() != data.nodes.size())
-      throw input::InputError(fmt::format("{}.names: {} names for {} interface nodes; give each node one", input.where,
-                                          input.names.size(), data.nodes.size()));
+      throw input::InputError(fmt::format("{}.names: {} names for {} interface nodes; give each node one",
+                                          input.where, input.names.size(), data.nodes.size()));
     body.names = input.names;
   }
   const auto m = static_cast<Index>(data.modes.size());
@@ -187,7 +189,8 @@ Reduced reduce(const FlexDataInput& input, const ReduceOptions&) {
   const std::vector<std::string> following = let_others_follow(r, B, own);
   if (!following.empty())
     notes.push_back(fmt::format(
-        "the modes and the rigid motions move {} of the {} interface dofs independently; {} {} these: the body gives way to "
+        "the modes and the rigid motions move {} of the {} interface dofs independently; {} {} these: the "
+        "body gives way to "
         "loads as far as its modes do, and what joints hold beyond that is held twice",
         own.size(), B.rows(), fmt::join(following, ", "), following.size() == 1 ? "follows" : "follow"));
   CanonicalShapes shapes;
@@ -197,8 +200,9 @@ Reduced reduce(const FlexDataInput& input, const ReduceOptions&) {
     throw std::invalid_argument(fmt::format("{}: {}", input.file.string(), error.what()));
   }
   change_shapes(r, shapes);
-  notes.insert(notes.begin(), fmt::format("{} modes of {} with the six rigid motions: {} interface dofs + {} modes", m,
-                              input.file.filename().string(), r.n_b, r.n_q));
+  notes.insert(notes.begin(),
+               fmt::format("{} modes of {} with the six rigid motions: {} interface dofs + {} modes", m,
+                           input.file.filename().string(), r.n_b, r.n_q));
   const nlohmann::json json = {
       {"flexdata", {{"file", input.file.filename().string()}, {"modes", m}}},
       {"notes", notes},
@@ -214,8 +218,9 @@ Reduced reduce(const FlexDataInput& input, const ReduceOptions&) {
     surface.vertices.row(static_cast<Index>(k)) = data.nodes[k].position;
   const Vector3d centre = body.S_x / body.mass;
   Reduced out;
-  out.text = fmt::format("  {}\n  mass {:.6g} kg, centre ({:.5g}, {:.5g}, {:.5g}) m\n  {}\n", fmt::join(notes, "\n  "),
-                         body.mass, centre.x(), centre.y(), centre.z(), json["verdict"].get<std::string>());
+  out.text = fmt::format("  {}\n  mass {:.6g} kg, centre ({:.5g}, {:.5g}, {:.5g}) m\n  {}\n",
+                         fmt::join(notes, "\n  "), body.mass, centre.x(), centre.y(), centre.z(),
+                         json["verdict"].get<std::string>());
   out.superelement = to_superelement(named, std::move(r), std::move(surface), json.dump(1));
   out.json = json;
   out.warnings = std::move(warnings);

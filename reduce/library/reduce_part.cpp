@@ -48,7 +48,8 @@ std::vector<linalg::UserOption> petsc_of(const PartInput& input, const ReduceOpt
   petsc.insert(petsc.end(), options.petsc.begin(), options.petsc.end());
   if (options.team && !petsc.empty())
     throw input::InputError(
-        "options of PETSc are for one process; the processes of mpirun factorise by MUMPS: leave them out, or mpirun");
+        "options of PETSc are for one process; the processes of mpirun factorise by MUMPS: leave them out, "
+        "or mpirun");
   return petsc;
 }
 
@@ -61,7 +62,8 @@ void strike(const PartInput& input, Reduction& reduction, ReportData& data) {
     throw input::InputError(input.modes.where + ".strike_modes: " + error.what());
   }
   for (std::size_t k = 0; k < struck.frequencies.size(); ++k)
-    data.notes.push_back(fmt::format("mode {} ({:.5g} Hz) is struck out", input.modes.struck[k], struck.frequencies[k]));
+    data.notes.push_back(
+        fmt::format("mode {} ({:.5g} Hz) is struck out", input.modes.struck[k], struck.frequencies[k]));
   // Constraint modes are exact in statics; without all of them the interface is stiffer than it is.
   if (struck.interface_stiffer > 1e-6)
     data.warnings.push_back(
@@ -70,8 +72,8 @@ void strike(const PartInput& input, Reduction& reduction, ReportData& data) {
                     100.0 * struck.interface_stiffer));
 }
 
-void add_comparison(const PartInput& input, const Part& part, const Reduction& reduction, const ReduceOptions& options,
-                    ReportData& data) {
+void add_comparison(const PartInput& input, const Part& part, const Reduction& reduction,
+                    const ReduceOptions& options, ReportData& data) {
   if (options.compare <= 0) return;
   data.comparison = compare(part, reduction, options.compare, input.modes.struck, options.progress);
   if (data.comparison.full_hz.empty())
@@ -85,8 +87,10 @@ void add_comparison(const PartInput& input, const Part& part, const Reduction& r
 // What the mesh and the materials give to say.
 void add_hints(const PartInput& input, const Attempt& done, ReportData& data) {
   const Part& part = done.modelled.part;
-  if (const std::string coarse = too_coarse(data.mesh_error); !coarse.empty()) data.warnings.push_back(coarse);
-  const MeshHints hints = mesh_hints(part, input.format == PartFormat::cad ? done.mesh.size : 0.0, data.mesh_error);
+  if (const std::string coarse = too_coarse(data.mesh_error); !coarse.empty())
+    data.warnings.push_back(coarse);
+  const MeshHints hints =
+      mesh_hints(part, input.format == PartFormat::cad ? done.mesh.size : 0.0, data.mesh_error);
   data.warnings.insert(data.warnings.end(), hints.warnings.begin(), hints.warnings.end());
   data.notes.insert(data.notes.end(), hints.notes.begin(), hints.notes.end());
   data.warnings.insert(data.warnings.end(), done.modelled.warnings.begin(), done.modelled.warnings.end());
@@ -126,19 +130,21 @@ Reduced reduce(const PartInput& input, const ReduceOptions& options) {
   Reduced out;
   out.too_coarse = too_coarse(data.mesh_error);
   std::vector<mesh::Index> stress_nodes;
-  for (const std::int32_t vertex : done.vertices) stress_nodes.push_back(done.picture.nodes[static_cast<std::size_t>(vertex)]);
+  for (const std::int32_t vertex : done.vertices)
+    stress_nodes.push_back(done.picture.nodes[static_cast<std::size_t>(vertex)]);
   std::optional<superelement::MeshError> mesh_error;
   if (reduction.mesh) mesh_error = to_mesh_error(*reduction.mesh, part, done.picture.nodes);
   superelement::Superelement& se = out.superelement;
-  se = to_superelement(input, std::move(reduction), std::move(done.picture.surface), report.json.dump(1), std::move(done.vertices));
+  se = to_superelement(input, std::move(reduction), std::move(done.picture.surface), report.json.dump(1),
+                       std::move(done.vertices));
   se.mesh_error = std::move(mesh_error);
   if (input.has_damping) se.modal_damping = 0.0;
   if (se.stress && !finished) add_compliance(part, stress_nodes, *se.stress);
   if (user.has_log() && options.say) options.say("where time went, by PETSc:");
   user.print_log();
   for (const std::string& name : user.unused())
-    data.warnings.push_back(
-        fmt::format("PETSc option {}: nothing in this reduction has given such a report; is it misspelt?", name));
+    data.warnings.push_back(fmt::format(
+        "PETSc option {}: nothing in this reduction has given such a report; is it misspelt?", name));
   out.text = std::move(report.text);
   out.json = std::move(report.json);
   out.warnings = std::move(data.warnings);
@@ -158,7 +164,8 @@ superelement::Superelement reduce(const Part& part, const std::string& name, Red
   if (reduction.mesh) mesh_error = to_mesh_error(*reduction.mesh, part, picture.nodes);
   PartInput named;  // what the superelement takes of a part's input
   named.name = name;
-  superelement::Superelement se = to_superelement(named, std::move(reduction), std::move(picture.surface), "{}");
+  superelement::Superelement se =
+      to_superelement(named, std::move(reduction), std::move(picture.surface), "{}");
   se.mesh_error = std::move(mesh_error);
   return se;
 }

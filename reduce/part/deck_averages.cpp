@@ -54,7 +54,8 @@ FrameElement spread(const std::vector<FrameElement>& frames, mesh::Index node, c
         continue;
       }
       for (std::size_t k = 0; k < average.set.nodes.size(); ++k)
-        T.block<6, 3>(row, 6 * place.at(average.set.nodes[k])) += map.middleCols<3>(3 * static_cast<Index>(k));
+        T.block<6, 3>(row, 6 * place.at(average.set.nodes[k])) +=
+            map.middleCols<3>(3 * static_cast<Index>(k));
     }
     out.K += T.transpose() * frame.K * T;
   }
@@ -74,12 +75,13 @@ bool hold(const std::vector<FrameElement>& frames, mesh::Index node, const std::
 }
 
 // Whether the map gives this motion of the reference node back where the set moves with it: not what a line leaves open.
-bool tells(const mesh::Mesh& mesh, const InterfaceSpec& average, const Eigen::Matrix<double, 6, Eigen::Dynamic>& map, Index d) {
+bool tells(const mesh::Mesh& mesh, const InterfaceSpec& average,
+           const Eigen::Matrix<double, 6, Eigen::Dynamic>& map, Index d) {
   Eigen::VectorXd u(map.cols());
   for (std::size_t k = 0; k < average.set.nodes.size(); ++k)
     u.segment<3>(3 * static_cast<Index>(k)) =
         motion_at(mesh.points.row(average.set.nodes[k]).transpose() - average.point).col(d);
-  return std::abs((map * u)(d) - 1.0) < 1e-6;  // 0 or 1, but for round-off
+  return std::abs((map * u)(d)-1.0) < 1e-6;  // 0 or 1, but for round-off
 }
 
 }  // namespace
@@ -96,27 +98,30 @@ void spread_averages(const std::vector<DeckTie>& ties, Part& part, std::vector<s
     const bool solid = in_cells(part.mesh, node);
     if (frames.empty() && !points && !solid) continue;
     if (solid)
-      throw std::invalid_argument(fmt::format(
-          "{} (RBE3): its reference node {} belongs to solid or shell elements, which is not read: give it a node of its own and "
-          "tie that to theirs by RBE2",
-          tie.spec.name, tie.node));
+      throw std::invalid_argument(
+          fmt::format("{} (RBE3): its reference node {} belongs to solid or shell elements, which is not "
+                      "read: give it a node of its own and "
+                      "tie that to theirs by RBE2",
+                      tie.spec.name, tie.node));
     if (hold(frames, node, tie.dofs))
-      throw std::invalid_argument(fmt::format(
-          "{} (RBE3) gives only some of the six motions of its reference node {}, of which elements there hold others: name "
-          "123456 in REFC",
-          tie.spec.name, tie.node));
+      throw std::invalid_argument(
+          fmt::format("{} (RBE3) gives only some of the six motions of its reference node {}, of which "
+                      "elements there hold others: name "
+                      "123456 in REFC",
+                      tie.spec.name, tie.node));
     if (tie.spec.set.nodes.size() > kMost)
       throw std::invalid_argument(
-          fmt::format("{} (RBE3) carries elements on {} nodes; at most {} are read: tie fewer of them", tie.spec.name,
-                      tie.spec.set.nodes.size(), kMost));
+          fmt::format("{} (RBE3) carries elements on {} nodes; at most {} are read: tie fewer of them",
+                      tie.spec.name, tie.spec.set.nodes.size(), kMost));
     const Eigen::Matrix<double, 6, Eigen::Dynamic> map = averaging_map(part.mesh, tie.spec);
     std::array<bool, 6> told{};
     for (Index d = 0; d < 6; ++d) told[static_cast<std::size_t>(d)] = tells(part.mesh, tie.spec, map, d);
     if (hold(frames, node, told))
-      throw std::invalid_argument(fmt::format(
-          "{} (RBE3): its {} nodes lie in a point or on a line and do not tell how its reference node {} turns, which elements "
-          "there hold: add a node off the line",
-          tie.spec.name, tie.spec.set.nodes.size(), tie.node));
+      throw std::invalid_argument(
+          fmt::format("{} (RBE3): its {} nodes lie in a point or on a line and do not tell how its reference "
+                      "node {} turns, which elements "
+                      "there hold: add a node off the line",
+                      tie.spec.name, tie.spec.set.nodes.size(), tie.node));
     std::erase_if(part.frames, [&](const FrameElement& frame) { return uses(frame, node); });
     if (!frames.empty()) part.frames.push_back(spread(frames, node, tie.spec, map));
     for (Follower& follower : part.followers) {
@@ -125,15 +130,16 @@ void spread_averages(const std::vector<DeckTie>& ties, Part& part, std::vector<s
       const Eigen::Matrix<double, 3, 6> C = found->second;
       follower.from.erase(found);
       for (const auto& [other, of_other] : follower_of(follower.point, C, tie.spec, map).from) {
-        const auto same = std::ranges::find(follower.from, other, [](const auto& from) { return from.first; });
+        const auto same =
+            std::ranges::find(follower.from, other, [](const auto& from) { return from.first; });
         if (same == follower.from.end())
           follower.from.emplace_back(other, of_other);
         else
           same->second += of_other;
       }
     }
-    notes.push_back(fmt::format("{} (RBE3): the elements at node {} hang on the mean motion of its {} nodes", tie.spec.name,
-                                tie.node, tie.spec.set.nodes.size()));
+    notes.push_back(fmt::format("{} (RBE3): the elements at node {} hang on the mean motion of its {} nodes",
+                                tie.spec.name, tie.node, tie.spec.set.nodes.size()));
   }
 }
 

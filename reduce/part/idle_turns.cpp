@@ -23,7 +23,9 @@ constexpr double kNothing = 1e-12;  // of a node's largest: what releases leave 
 // The interface that is this node alone, or null.
 const InterfaceSpec* interface_at(const Part& part, mesh::Index node) {
   for (const InterfaceSpec& spec : part.interfaces)
-    if (spec.set.nodes.size() == 1 && spec.set.nodes.front() == node && (spec.tie == Tie::rigid || spec.tie == Tie::node)) return &spec;
+    if (spec.set.nodes.size() == 1 && spec.set.nodes.front() == node &&
+        (spec.tie == Tie::rigid || spec.tie == Tie::node))
+      return &spec;
   return nullptr;
 }
 
@@ -45,7 +47,8 @@ std::vector<char> busy_nodes(const Part& part) {
 }
 
 // v . theta of the node less v . theta of the element, by (u, theta) of the node and of the element's other end.
-FrameElement spring_to(const Part& part, mesh::Index node, mesh::Index other, const Vector3d& v, double stiffness) {
+FrameElement spring_to(const Part& part, mesh::Index node, mesh::Index other, const Vector3d& v,
+                       double stiffness) {
   const Vector3d line = (part.mesh.points.row(other) - part.mesh.points.row(node)).transpose();
   Eigen::Matrix<double, 12, 1> q = Eigen::Matrix<double, 12, 1>::Zero();
   q.segment<3>(3) = v;
@@ -92,15 +95,17 @@ void hold_idle_turns(Part& part) {
       if (const InterfaceSpec* own = interface_at(part, node))
         for (const int direction : own->directions)
           if (direction > 2 && std::abs(v(direction - 3)) > 1e-6)
-            throw std::invalid_argument(fmt::format(
-                "interface '{}': its rotation about {} has neither stiffness nor mass (behind pin flags, or of rods alone): leave it "
-                "out of the interface's directions",
-                own->name, "xyz"[direction - 3]));
+            throw std::invalid_argument(
+                fmt::format("interface '{}': its rotation about {} has neither stiffness nor mass (behind "
+                            "pin flags, or of rods alone): leave it "
+                            "out of the interface's directions",
+                            own->name, "xyz"[direction - 3]));
       mesh::Index partner = -1;
       for (const mesh::Index other : beside[k]) {
         const Vector3d line = (part.mesh.points.row(other) - part.mesh.points.row(node)).transpose();
         const bool across = line.norm() > 0.0 && std::abs(v.dot(line)) < 1e-6 * line.norm();
-        if (across || (partner < 0 && turns[static_cast<std::size_t>(other)] && line.norm() > 0.0)) partner = other;
+        if (across || (partner < 0 && turns[static_cast<std::size_t>(other)] && line.norm() > 0.0))
+          partner = other;
         if (across) break;
       }
       if (partner >= 0) springs.push_back(spring_to(part, node, partner, v, held[k].trace()));

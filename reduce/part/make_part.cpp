@@ -10,15 +10,15 @@
 #include <functional>
 
 #include "mbs/base/documents/document.hpp"
-#include "reduce/part/deck_averages.hpp"
-#include "reduce/part/deck_frames.hpp"
-#include "reduce/part/force_field.hpp"
-#include "reduce/part/idle_turns.hpp"
 #include "reduce/assembly/constraints.hpp"
 #include "reduce/assembly/point_mass.hpp"
 #include "reduce/assembly/shell_skins.hpp"
 #include "reduce/assembly/whole_body.hpp"
 #include "reduce/elements/surface.hpp"
+#include "reduce/part/deck_averages.hpp"
+#include "reduce/part/deck_frames.hpp"
+#include "reduce/part/force_field.hpp"
+#include "reduce/part/idle_turns.hpp"
 
 namespace flexura::reduce {
 namespace {
@@ -68,7 +68,8 @@ const DeckTie& tie_of(const PartMesh& from, int label, const std::string& where)
 std::optional<int> tie_at(const PartMesh& from, const mesh::Rule& rule) {
   const auto* nodes = std::get_if<mesh::NodesRule>(&rule);
   if (!nodes || nodes->labels.size() != 1) return {};
-  const auto found = std::ranges::find(from.ties, static_cast<std::int64_t>(nodes->labels.front()), &DeckTie::node);
+  const auto found =
+      std::ranges::find(from.ties, static_cast<std::int64_t>(nodes->labels.front()), &DeckTie::node);
   if (found == from.ties.end()) return {};
   return static_cast<int>(found->label);
 }
@@ -105,7 +106,8 @@ void add_interfaces(const PartInput& input, const PartMesh& from, ModelledPart& 
       tie += equal ? " (every node alike)" : " (weighted by area)";
     }
     // A set chosen by its nodes says how many.
-    const std::string count = fmt::format("{} node{}", spec.set.nodes.size(), spec.set.nodes.size() == 1 ? "" : "s");
+    const std::string count =
+        fmt::format("{} node{}", spec.set.nodes.size(), spec.set.nodes.size() == 1 ? "" : "s");
     out.notes.push_back(fmt::format("interface {}: {}{}, {}", wanted.name, chosen.description,
                                     chosen.description.ends_with(count) ? "" : ", " + count, tie));
     out.part.interfaces.push_back(std::move(spec));
@@ -127,12 +129,17 @@ void add_interfaces(const PartInput& input, const PartMesh& from, ModelledPart& 
     InterfaceSpec spec = from.ties[t].spec;
     if (spec.tie == Tie::average) {
       const mesh::Index node = spec.turning_node;
-      const auto hangs = [&](const auto& element) { return std::ranges::find(element.nodes, node) != element.nodes.end(); };
-      const bool carries = std::ranges::any_of(from.bars, hangs) || std::ranges::any_of(from.springs, hangs) ||
+      const auto hangs = [&](const auto& element) {
+        return std::ranges::find(element.nodes, node) != element.nodes.end();
+      };
+      const bool carries = std::ranges::any_of(from.bars, hangs) ||
+                           std::ranges::any_of(from.springs, hangs) ||
                            std::ranges::any_of(from.tied_masses, [&](const PointMass& mass) {
                              return static_cast<std::size_t>(mass.node) == t;
                            });
-      if (!carries) out.notes.push_back(fmt::format("{} (RBE3) is no interface, carries nothing and is left out", spec.name));
+      if (!carries)
+        out.notes.push_back(
+            fmt::format("{} (RBE3) is no interface, carries nothing and is left out", spec.name));
       continue;
     }
     spec.directions.clear();
@@ -160,7 +167,8 @@ void add_equations(const PartMesh& from, Part& part) {
     }
     if (to.terms.empty()) equations.pop_back();
   }
-  part.dependent = eliminate(equations, part.mesh.points, [&](const NodalDof& dof) { return !follows[dof.node]; });
+  part.dependent =
+      eliminate(equations, part.mesh.points, [&](const NodalDof& dof) { return !follows[dof.node]; });
 }
 
 // What the interfaces do not hold (all of it where there are none) is held by the body's own mean motion.
@@ -171,8 +179,9 @@ void complete_interfaces(const PartInput& input, ModelledPart& out) {
   out.notes.push_back(
       fmt::format("{} {} of the six rigid motions free; interface \"{}\", the mean motion of the body, takes "
                   "them: add an "
-                  "[interface.NAME] for each place where joints or forces act (flexura reduce --list-faces shows what can be "
-      "chosen)",
+                  "[interface.NAME] for each place where joints or forces act (flexura reduce --list-faces "
+                  "shows what can be "
+                  "chosen)",
                   out.n_interfaces == 0 ? "the part has no interface, which leaves" : "the interfaces leave",
                   n_free, name));
 }
@@ -284,9 +293,11 @@ ModelledPart make_part(const PartInput& input, PartMesh&& from) {
   if (input.recovery.stress && !from.bars.empty()) {
     if (out.part.mesh.solids.empty() && out.part.mesh.shells.empty())
       throw InputError(input.where +
-                       ": recovery.stress: stresses of beams are not known, and the part has nothing else; leave the key out");
-    out.warnings.push_back(fmt::format("the stresses of {} beam{} are not known: stress modes are those of solids and shells",
-                                       from.bars.size(), from.bars.size() == 1 ? "" : "s"));
+                       ": recovery.stress: stresses of beams are not known, and the part has nothing else; "
+                       "leave the key out");
+    out.warnings.push_back(
+        fmt::format("the stresses of {} beam{} are not known: stress modes are those of solids and shells",
+                    from.bars.size(), from.bars.size() == 1 ? "" : "s"));
   }
   add_shell_skins(out.part);
   add_bars(from.bars, out.part);

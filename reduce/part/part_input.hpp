@@ -40,7 +40,7 @@ struct ModesInput {
   // Solid parts only.
   ModeSet set = ModeSet::craig_bampton;
   double accuracy = 0.0, compliance_accuracy = 0.0, effective_mass = 0.0;  ///< 0: not asked for
-  std::vector<double> response_omegas = {};     ///< [rad/s]
+  std::vector<double> response_omegas = {};                                ///< [rad/s]
   InterfaceModesRequest interface_modes = {};
   std::vector<int> struck = {};
   bool certify = true;
@@ -90,7 +90,7 @@ struct PartInput {
   mesh::CadOptions cad;                       ///< path of any format; geometry and meshing of CAD parts
   double unit_length = 1.0, unit_mass = 1.0;  ///< of a mesh file, in SI
   bool mass_unit_known = true;                ///< given, or going with the length unit
-  double sheet_thickness = 0.0;                  ///< [m] of a CAD part of faces; 0: solids
+  double sheet_thickness = 0.0;               ///< [m] of a CAD part of faces; 0: solids
   Formulation formulation = Formulation::standard;
   std::filesystem::path stiffness, mass_matrix;  ///< finished matrices; empty: none
   struct {
@@ -106,7 +106,7 @@ struct PartInput {
   DampingRule damping;
   bool has_damping = false;
   RecoveryInput recovery;
-  bool stiffening = false;  ///< geometric stiffening terms
+  bool stiffening = false;                ///< geometric stiffening terms
   std::vector<linalg::UserOption> petsc;  ///< options of PETSc and SLEPc
 };
 

@@ -37,9 +37,9 @@ mesh::ImportedModel read_foreign(const PartInput& input) {
     default:
       break;
   }
-  mesh::MeshFile file = mesh::read_mesh_file(path, input.cad.worker, input.cad.time_limit_s,
-                                             input.sheet_thickness > 0.0 ? mesh::MeshFileCells::shells
-                                                                         : mesh::MeshFileCells::solids);
+  mesh::MeshFile file = mesh::read_mesh_file(
+      path, input.cad.worker, input.cad.time_limit_s,
+      input.sheet_thickness > 0.0 ? mesh::MeshFileCells::shells : mesh::MeshFileCells::solids);
   mesh::ImportedModel model;
   model.mesh = std::move(file.mesh);
   model.messages = std::move(file.messages);
@@ -116,8 +116,8 @@ std::vector<char> nodes_in_cells(const mesh::Mesh& mesh, const PartMesh& part) {
   for (const mesh::ImportedSpring& spring : part.springs)
     for (const mesh::Index node : spring.nodes) inside[node] = 1;
   for (const auto* blocks : {&mesh.solids, &mesh.shells})
-   for (const mesh::CellBlock& block : *blocks)
-    for (Eigen::Index k = 0; k < block.nodes.size(); ++k) inside[block.nodes.data()[k]] = 1;
+    for (const mesh::CellBlock& block : *blocks)
+      for (Eigen::Index k = 0; k < block.nodes.size(); ++k) inside[block.nodes.data()[k]] = 1;
   return inside;
 }
 
@@ -133,7 +133,8 @@ bool ties_some(const std::array<bool, 6>& dofs) {
 // Each direction a that a node at r from the reference follows: a . u = a . (u_ref + theta_ref x r), a . theta = a . theta_ref.
 void bind_some(const mesh::ImportedTie& tie, PartMesh& part) {
   for (std::size_t k = 0; k < tie.nodes.size(); ++k) {
-    const Eigen::Vector3d r = (part.mesh.points.row(tie.nodes[k]) - part.mesh.points.row(tie.reference)).transpose();
+    const Eigen::Vector3d r =
+        (part.mesh.points.row(tie.nodes[k]) - part.mesh.points.row(tie.reference)).transpose();
     const Eigen::Matrix3d axes = tie.axes.empty() ? Eigen::Matrix3d::Identity() : tie.axes[k];
     for (Eigen::Index d = 0; d < 6; ++d) {
       if (!tie.dofs[static_cast<std::size_t>(d)]) continue;
@@ -158,14 +159,16 @@ void take_ties(const mesh::ImportedModel& model, const std::vector<char>& in_cel
     const bool rigid = from.kind == mesh::ImportedTie::Kind::rigid;
     if (rigid && ties_some(from.dofs) && in_cell[from.reference]) {
       bind_some(from, part);
-      part.messages.push_back(fmt::format("tie {} binds only some directions of its nodes: equations between dofs", from.label));
+      part.messages.push_back(
+          fmt::format("tie {} binds only some directions of its nodes: equations between dofs", from.label));
       continue;
     }
     if (rigid && !(from.dofs[0] && from.dofs[1] && from.dofs[2]))
-      throw std::invalid_argument(fmt::format(
-          "RBE2 {} ties only some of the three displacements of its nodes to a node that belongs to no element; tie all (CM = 123 "
-          "or 123456)",
-          from.label));
+      throw std::invalid_argument(
+          fmt::format("RBE2 {} ties only some of the three displacements of its nodes to a node that belongs "
+                      "to no element; tie all (CM = 123 "
+                      "or 123456)",
+                      from.label));
     DeckTie tie{
         .label = from.label,
         .node = part.mesh.node_label.empty() ? from.reference + 1 : part.mesh.node_label[from.reference]};
@@ -198,8 +201,8 @@ void take_ties(const mesh::ImportedModel& model, const std::vector<char>& in_cel
 void take_masses(const mesh::ImportedModel& model, const std::vector<char>& in_cell, PartMesh& part) {
   for (const mesh::ImportedMass& from : model.masses) {
     PointMass mass{.node = from.node, .mass = from.mass, .offset = from.offset, .inertia = from.inertia};
-    const auto tie =
-        std::find_if(part.ties.begin(), part.ties.end(), [&](const DeckTie& t) { return t.spec.turning_node == from.node; });
+    const auto tie = std::find_if(part.ties.begin(), part.ties.end(),
+                                  [&](const DeckTie& t) { return t.spec.turning_node == from.node; });
     if (tie != part.ties.end()) {
       mass.node = static_cast<mesh::Index>(tie - part.ties.begin());
       part.tied_masses.push_back(mass);
@@ -219,8 +222,9 @@ void take_masses(const mesh::ImportedModel& model, const std::vector<char>& in_c
 PartMesh load_part_mesh(const PartInput& input, const mesh::Progress& progress) {
   PartMesh part;
   if (input.format == PartFormat::cad) {
-    mesh::CadMesh cad = input.sheet_thickness > 0.0 ? mesh::mesh_sheet(input.cad, input.sheet_thickness, progress)
-                                                     : mesh::mesh_cad(input.cad, progress);
+    mesh::CadMesh cad = input.sheet_thickness > 0.0
+                            ? mesh::mesh_sheet(input.cad, input.sheet_thickness, progress)
+                            : mesh::mesh_cad(input.cad, progress);
     part.mesh = std::move(cad.mesh);
     part.faces = std::move(cad.cad.faces);
     part.report = std::move(cad.report);
@@ -263,7 +267,8 @@ PartMesh load_part_mesh(const PartInput& input, const mesh::Progress& progress) 
   take_ties(model, in_cell, part);
   take_masses(model, in_cell, part);
   if (!part.bars.empty() || !part.springs.empty())
-    part.messages.push_back(fmt::format("{} beams and rods, {} springs", part.bars.size(), part.springs.size()));
+    part.messages.push_back(
+        fmt::format("{} beams and rods, {} springs", part.bars.size(), part.springs.size()));
   if (!model.fixed.empty())
     part.messages.push_back(fmt::format(
         "the supports at {} node{} (SPC) are left out: a superelement is a free body, joints hold it at run "

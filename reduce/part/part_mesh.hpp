@@ -6,8 +6,8 @@
 
 #include "mesh/gmsh/cad.hpp"
 #include "mesh/import/imported.hpp"
-#include "reduce/part/part_input.hpp"
 #include "reduce/assembly/part.hpp"
+#include "reduce/part/part_input.hpp"
 
 /// What a part is reduced from, wherever it came from: a CAD file meshed here, or a mesh or deck of another
 /// program with its materials, ties and masses.
@@ -18,7 +18,8 @@ struct DeckTie {
   std::int64_t label = 0;  ///< element number in the deck
   std::int64_t node = 0;   ///< number of its reference node
   InterfaceSpec spec;      ///< named "tie LABEL"; turning_node: the index of the reference node
-  std::array<bool, 6> dofs{true, true, true, true, true, true};  ///< of the reference node that an average gives
+  std::array<bool, 6> dofs{true, true, true,
+                           true, true, true};  ///< of the reference node that an average gives
 };
 
 struct PartMesh {

@@ -13,8 +13,8 @@
 #include <vector>
 
 #include "mbs/base/files/output.hpp"
-#include "mesh/model/geometry.hpp"
 #include "mesh/model/cells/record.hpp"
+#include "mesh/model/geometry.hpp"
 
 namespace flexura::reduce {
 namespace {
@@ -132,7 +132,8 @@ std::string abaqus(const mesh::Mesh& mesh, const std::vector<Material>& material
   };
   for (const CellBlock* block : blocks_of(mesh)) {
     if (names_of(block->type).abaqus.empty())
-      throw std::invalid_argument(fmt::format("Abaqus knows no cells of type {}; write .vtu or .msh", mesh::name_of(block->type)));
+      throw std::invalid_argument(
+          fmt::format("Abaqus knows no cells of type {}; write .vtu or .msh", mesh::name_of(block->type)));
     std::vector<Kind> kinds;
     for (Eigen::Index cell = 0; cell < block->nodes.rows(); ++cell)
       if (const Kind kind = kind_of(*block, cell); std::ranges::find(kinds, kind) == kinds.end())

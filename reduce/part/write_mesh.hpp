@@ -14,7 +14,8 @@ namespace flexura::reduce {
 
 /// By the file's ending: Abaqus (.inp), ParaView (.vtu, ASCII), gmsh 2.2 (.msh, ASCII).  std::invalid_argument for
 /// another ending or a mesh without cells; std::runtime_error when the file system refuses.
-void write_mesh(const std::filesystem::path& path, const mesh::Mesh& mesh, const std::vector<Material>& materials);
+void write_mesh(const std::filesystem::path& path, const mesh::Mesh& mesh,
+                const std::vector<Material>& materials);
 
 /// Whether write_mesh knows the ending.
 bool is_mesh_ending(const std::filesystem::path& path);

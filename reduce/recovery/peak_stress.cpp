@@ -37,7 +37,8 @@ std::vector<char> with_neighbours(const mesh::Mesh& mesh, const std::vector<char
   std::vector<char> out = marked;
   for_each_solid(mesh, [&](std::size_t b, Index row) {
     const auto nodes = mesh.solids[b].nodes.row(row);
-    if (std::any_of(nodes.begin(), nodes.end(), [&](mesh::Index n) { return marked[static_cast<std::size_t>(n)] != 0; }))
+    if (std::any_of(nodes.begin(), nodes.end(),
+                    [&](mesh::Index n) { return marked[static_cast<std::size_t>(n)] != 0; }))
       for (const mesh::Index n : nodes) out[static_cast<std::size_t>(n)] = 1;
   });
   return out;
@@ -49,7 +50,8 @@ Eigen::Vector3d nearest(const mesh::Mesh& mesh, const std::vector<char>& marked,
   double least = HUGE_VAL;
   for (Index n = 0; n < mesh.points.rows(); ++n)
     if (marked[static_cast<std::size_t>(n)])
-      if (const double d = (mesh.points.row(n) - mesh.points.row(node)).squaredNorm(); d < least) least = d, best = n;
+      if (const double d = (mesh.points.row(n) - mesh.points.row(node)).squaredNorm(); d < least)
+        least = d, best = n;
   return mesh.points.row(best).transpose();
 }
 
@@ -64,7 +66,8 @@ class CellsOfNodes {
     cells_.resize(first_.back());
     std::vector<std::size_t> next(first_.begin(), first_.end() - 1);
     for_each_solid(mesh, [&](std::size_t b, Index row) {
-      for (const mesh::Index n : mesh.solids[b].nodes.row(row)) cells_[next[static_cast<std::size_t>(n)]++] = {b, row};
+      for (const mesh::Index n : mesh.solids[b].nodes.row(row))
+        cells_[next[static_cast<std::size_t>(n)]++] = {b, row};
     });
   }
   using Cell = std::pair<std::size_t, Index>;  ///< block, row
@@ -74,8 +77,11 @@ class CellsOfNodes {
     std::set<mesh::Index> nodes = {node};
     for (int ring = 0; ring < rings; ++ring) {
       for (const mesh::Index n : nodes)
-        for (std::size_t k = first_[static_cast<std::size_t>(n)]; k < first_[static_cast<std::size_t>(n) + 1]; ++k) out.insert(cells_[k]);
-      for (const auto& [b, row] : out) nodes.insert(mesh.solids[b].nodes.row(row).begin(), mesh.solids[b].nodes.row(row).end());
+        for (std::size_t k = first_[static_cast<std::size_t>(n)]; k < first_[static_cast<std::size_t>(n) + 1];
+             ++k)
+          out.insert(cells_[k]);
+      for (const auto& [b, row] : out)
+        nodes.insert(mesh.solids[b].nodes.row(row).begin(), mesh.solids[b].nodes.row(row).end());
     }
     return out;
   }
@@ -113,8 +119,8 @@ Surroundings around(const Part& part, const CellsOfNodes& cells, mesh::Index cen
 }
 
 /// Errors of the nodal stress s at a node for each of the shapes T y, as von Mises stresses of differences.
-Eigen::VectorXd errors_at(const Part& part, const CellsOfNodes& cells_of, mesh::Index node, int material, const MatrixXd& T,
-                          const MatrixXd& y, const MatrixXd& s) {
+Eigen::VectorXd errors_at(const Part& part, const CellsOfNodes& cells_of, mesh::Index node, int material,
+                          const MatrixXd& T, const MatrixXd& y, const MatrixXd& s) {
   const Surroundings near = around(part, cells_of, node);
   MatrixXd u(3 * near.part.mesh.points.rows(), y.cols());
   for (const auto& [from, to] : near.number)
@@ -126,16 +132,18 @@ Eigen::VectorXd errors_at(const Part& part, const CellsOfNodes& cells_of, mesh::
   double cells = 0.0;
   for (std::size_t b = 0; b < near.part.mesh.solids.size(); ++b) {
     const mesh::CellBlock& block = near.part.mesh.solids[b];
-    const TabulatedRule at_nodes =
-        tabulate(block.type, {mesh::reference_nodes(block.type), Eigen::VectorXd::Ones(mesh::nodes_per_cell(block.type))});
+    const TabulatedRule at_nodes = tabulate(
+        block.type,
+        {mesh::reference_nodes(block.type), Eigen::VectorXd::Ones(mesh::nodes_per_cell(block.type))});
     for (Index row = 0; row < block.nodes.rows(); ++row)
       for (Index a = 0; a < block.nodes.cols(); ++a) {
         if (block.nodes(row, a) != centre || static_cast<int>(material_of(block, row)) != material) continue;
         MatrixXd of_cell(3 * block.nodes.cols(), y.cols());
         for (Index c = 0; c < block.nodes.cols(); ++c)
           of_cell.middleRows<3>(3 * c) = u.middleRows<3>(3 * static_cast<Index>(block.nodes(row, c)));
-        const MatrixXd own = stress_at(at_nodes.points[static_cast<std::size_t>(a)], positions(near.part.mesh, block, row),
-                                       part.materials[static_cast<std::size_t>(material)].D, of_cell);
+        const MatrixXd own =
+            stress_at(at_nodes.points[static_cast<std::size_t>(a)], positions(near.part.mesh, block, row),
+                      part.materials[static_cast<std::size_t>(material)].D, of_cell);
         const Index place = 6 * static_cast<Index>(recovery.places(b)(row, a));
         for (Index k = 0; k < y.cols(); ++k) {
           const double off = von_mises(own.col(k) - s.col(k));
@@ -165,10 +173,12 @@ std::vector<PeakStress> peak_stresses(const Part& part, const MatrixXd& T, const
     std::fill(size.begin(), size.end(), -1.0);
     std::fill(greatest.begin(), greatest.end(), char{1});
     for (std::size_t v = 0; v < nodes.size(); ++v)
-      size[static_cast<std::size_t>(nodes[v])] = von_mises(sigma.block<6, 1>(6 * static_cast<Index>(v), static_cast<Index>(k)));
+      size[static_cast<std::size_t>(nodes[v])] =
+          von_mises(sigma.block<6, 1>(6 * static_cast<Index>(v), static_cast<Index>(k)));
     for_each_solid(part.mesh, [&](std::size_t b, Index row) {
       double most = -1.0;
-      for (const mesh::Index n : part.mesh.solids[b].nodes.row(row)) most = std::max(most, size[static_cast<std::size_t>(n)]);
+      for (const mesh::Index n : part.mesh.solids[b].nodes.row(row))
+        most = std::max(most, size[static_cast<std::size_t>(n)]);
       for (const mesh::Index n : part.mesh.solids[b].nodes.row(row))
         if (size[static_cast<std::size_t>(n)] < most) greatest[static_cast<std::size_t>(n)] = 0;
     });
@@ -176,7 +186,9 @@ std::vector<PeakStress> peak_stresses(const Part& part, const MatrixXd& T, const
     for (std::size_t v = 0; v < nodes.size(); ++v) {
       const auto n = static_cast<std::size_t>(nodes[v]);
       if (size[n] > size[static_cast<std::size_t>(nodes[top])]) top = v;
-      if (greatest[n] && !unbounded[n] && (at == nodes.size() || size[n] > size[static_cast<std::size_t>(nodes[at])])) at = v;
+      if (greatest[n] && !unbounded[n] &&
+          (at == nodes.size() || size[n] > size[static_cast<std::size_t>(nodes[at])]))
+        at = v;
     }
     out[k].singular = unbounded[static_cast<std::size_t>(nodes[top])] != 0;
     if (out[k].singular) out[k].singular_at = nearest(part.mesh, sharp, nodes[top]);

@@ -20,17 +20,19 @@
 namespace flexura::reduce {
 
 struct PeakStress {
-  mesh::Index node = -1;    ///< that was judged; -1: none, the greatest value is unbounded and nowhere else is a maximum
+  mesh::Index node =
+      -1;  ///< that was judged; -1: none, the greatest value is unbounded and nowhere else is a maximum
   Eigen::Vector3d at = Eigen::Vector3d::Zero();  ///< [m]
-  double von_mises = 0.0;   ///< there [Pa per unit of the shape]
-  double error = -1.0;      ///< relative to it; -1: not known
-  bool singular = false;    ///< the greatest of all lies where stress is unbounded:
+  double von_mises = 0.0;                        ///< there [Pa per unit of the shape]
+  double error = -1.0;                           ///< relative to it; -1: not known
+  bool singular = false;                         ///< the greatest of all lies where stress is unbounded:
   Eigen::Vector3d singular_at = Eigen::Vector3d::Zero();  ///< there [m]
 };
 
 /// Of the shapes T Y; `stress` (6 n_s x n): stress modes at `nodes` (recovery/stress.hpp), T: 3 n_nodes x n, Y: n x k.
 /// Nothing but "not known" for parts without solid cells.
-std::vector<PeakStress> peak_stresses(const Part& part, const Eigen::MatrixXd& T, const Eigen::MatrixXd& stress,
-                                      const std::vector<mesh::Index>& nodes, const Eigen::MatrixXd& Y);
+std::vector<PeakStress> peak_stresses(const Part& part, const Eigen::MatrixXd& T,
+                                      const Eigen::MatrixXd& stress, const std::vector<mesh::Index>& nodes,
+                                      const Eigen::MatrixXd& Y);
 
 }  // namespace flexura::reduce

@@ -104,10 +104,12 @@ StiffeningTerms stiffening_terms(const Part& part, const TiedSolver& solver, con
                                  const MatrixXd& K_bb, const MatrixXd& T, const linalg::Progress& progress) {
   if (!part.mesh.shells.empty() || !part.frames.empty())
     throw std::invalid_argument(
-        "geometric stiffening of shells and of beams among solids is not computed: leave it out (stiffening = false)");
+        "geometric stiffening of shells and of beams among solids is not computed: leave it out (stiffening "
+        "= false)");
   if (!part.dependent.empty())
     throw std::invalid_argument(
-        "geometric stiffening is not computed with constraints (*EQUATION, MPC, *TIE between nodes): leave it out "
+        "geometric stiffening is not computed with constraints (*EQUATION, MPC, *TIE between nodes): leave "
+        "it out "
         "(stiffening = false)");
   const TiedModel& model = solver.model();
   const Index n_b = model.n_b(), n = T.cols(), n_nodes = model.n_nodes();

@@ -91,7 +91,8 @@ Eigen::MatrixXd nodal_stress_modes(const Part& part, const Eigen::MatrixXd& T,
               q.middleRows<3>(6 * a + 3) =
                   rotations.middleRows<3>(3 * static_cast<Eigen::Index>(rotation_of.at(node)));
             }
-            of_cell = shell_stress(x, part.materials[material].D, t, block.offset.empty() ? 0.0 : block.offset[cell]);
+            of_cell = shell_stress(x, part.materials[material].D, t,
+                                   block.offset.empty() ? 0.0 : block.offset[cell]);
           }
           const auto corner = static_cast<std::size_t>(c);
           stress.middleRows<6>(6 * v) +=

@@ -18,7 +18,8 @@ namespace flexura::reduce {
 /// shapes at the nodes that turn (TiedModel::expand_rotations), `rotation_of` each node's place among them; both may
 /// be empty without shells.
 Eigen::MatrixXd nodal_stress_modes(const Part& part, const Eigen::MatrixXd& T,
-                                   const std::vector<mesh::Index>& nodes, const Eigen::MatrixXd& rotations = {},
+                                   const std::vector<mesh::Index>& nodes,
+                                   const Eigen::MatrixXd& rotations = {},
                                    const std::vector<int>& rotation_of = {});
 
 /// That material (index) of each node, and how many of its cells share the node; -1 and 0 off solids and skins.

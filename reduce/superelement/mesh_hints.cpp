@@ -22,7 +22,9 @@ double mean_thickness(const mesh::Mesh& mesh) {
     const int corners = mesh::shape_of(block.type).corners;
     for (Index row = 0; row < block.nodes.rows(); ++row)
       for (int c = 1; c + 1 < corners; ++c) {
-        const auto at = [&](int a) -> Vector3d { return mesh.points.row(block.nodes(row, a)).transpose() - origin; };
+        const auto at = [&](int a) -> Vector3d {
+          return mesh.points.row(block.nodes(row, a)).transpose() - origin;
+        };
         const Vector3d twice = (at(c) - at(0)).cross(at(c + 1) - at(0));
         area += 0.5 * twice.norm();
         volume += at(0).dot(twice) / 6.0;
@@ -77,28 +79,32 @@ MeshHints mesh_hints(const Part& part, double size, const std::optional<MeshShar
     // nu of an isotropic material; beyond 0.495 the bulk modulus is a hundred times the shear modulus.
     const double poisson = material.D(0, 1) / (material.D(0, 0) + material.D(0, 1));
     if (poisson > 0.495)
-      out.warnings.push_back(fmt::format(
-          "material \"{}\" is nearly incompressible (Poisson's ratio {:.7g}), where elements of displacements are far too "
-          "stiff: take 0.49 unless its compressibility itself matters, and a finer mesh",
-          material.name, poisson));
+      out.warnings.push_back(
+          fmt::format("material \"{}\" is nearly incompressible (Poisson's ratio {:.7g}), where elements of "
+                      "displacements are far too "
+                      "stiff: take 0.49 unless its compressibility itself matters, and a finer mesh",
+                      material.name, poisson));
   }
   if (known && !(worst > kNote)) return out;
   std::vector<std::string>& to = !known || !(worst <= kWarn) ? out.warnings : out.notes;
 
   if (const double thickness = mean_thickness(part.mesh); thickness > 0.0 && size > 2.0 * thickness)
-    to.push_back(fmt::format(
-        "the elements asked for (mesh.size {:.3g} m) are larger than the part is thick (about {:.3g} m, twice its volume over "
-        "its surface): choose a smaller mesh.size",
-        size, thickness));
+    to.push_back(
+        fmt::format("the elements asked for (mesh.size {:.3g} m) are larger than the part is thick (about "
+                    "{:.3g} m, twice its volume over "
+                    "its surface): choose a smaller mesh.size",
+                    size, thickness));
   double n_linear = 0.0, n_all = 0.0;
   for (const mesh::CellBlock& block : part.mesh.solids) {
     n_all += static_cast<double>(block.nodes.rows());
     if (locks_in_bending(block, part.formulation)) n_linear += static_cast<double>(block.nodes.rows());
   }
   if (n_linear > 0.1 * n_all)
-    to.push_back(fmt::format("{:.0f} of {:.0f} elements are of order 1, far too stiff in bending: use order 2", n_linear, n_all));
+    to.push_back(fmt::format(
+        "{:.0f} of {:.0f} elements are of order 1, far too stiff in bending: use order 2", n_linear, n_all));
   if (share_of_single_layers(part.mesh) > 0.5)
-    to.push_back("most of the part has a single element through its thickness: two or more bend as they should");
+    to.push_back(
+        "most of the part has a single element through its thickness: two or more bend as they should");
   return out;
 }
 

@@ -68,7 +68,8 @@ std::vector<AcceptanceCheck> acceptance_checks(const Reduction& reduction, const
     // Of nearly incompressible materials K phi is what remains of terms as large as the bulk modulus: round-off of 1e-16 times
     // its ratio to the shear modulus, and times some 1e4 for the spread of the mesh's own stiffnesses.
     const double bound = std::max(1e-7, 1e-12 * data.bulk_over_shear), greatest = r.mode_residual.maxCoeff();
-    out.push_back({"greatest residual of a mode", fmt::format("{:.1e}", greatest), bound > 1e-7 ? fmt::format("{:.0e}", bound) : "1e-7", greatest < bound});
+    out.push_back({"greatest residual of a mode", fmt::format("{:.1e}", greatest),
+                   bound > 1e-7 ? fmt::format("{:.0e}", bound) : "1e-7", greatest < bound});
   }
   if (r.certified_modes >= 0)
     out.push_back({"no mode missed (Sylvester)",
@@ -140,7 +141,8 @@ std::string verdict_of(const ReportData& data, bool stresses) {
   const std::string compliance = promised_statics(mesh, stresses);
   if (mesh.rough)
     return fmt::format(
-        "checks passed; the mesh's error is known only roughly, from recovered stresses (to a factor of five): {} in "
+        "checks passed; the mesh's error is known only roughly, from recovered stresses (to a factor of "
+        "five): {} in "
         "the first frequency{}; compare with a finer mesh",
         percent_or_more(first), compliance);
   if (data.errors.empty())

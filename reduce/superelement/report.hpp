@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "mesh/gmsh/cad.hpp"
-#include "reduce/part/part_input.hpp"
 #include "reduce/cms/errors/error_estimate.hpp"
 #include "reduce/cms/result/mesh_share.hpp"
+#include "reduce/part/part_input.hpp"
 
 namespace flexura::reduce {
 
@@ -28,9 +28,9 @@ struct ReportData {
   mesh::MeshReport mesh;
   std::vector<std::string> notes;
   std::vector<std::string> warnings = {};
-  std::vector<ModeError> errors = {};  ///< of the free body's frequencies; empty: not estimated
+  std::vector<ModeError> errors = {};        ///< of the free body's frequencies; empty: not estimated
   std::optional<MeshShare> mesh_error = {};  ///< what the mesh costs; none: not known
-  double bulk_over_shear = 1.0;  ///< greatest of the materials
+  double bulk_over_shear = 1.0;              ///< greatest of the materials
   Comparison comparison = {};
   double seconds = 0.0;
 };

@@ -15,7 +15,8 @@ namespace flexura::reduce {
 namespace {
 
 // Values of cells at the nodes of the surface, the mean over those that have the node.
-Eigen::VectorXf at_vertices(const Part& part, const Eigen::VectorXd& of_cells, const std::vector<mesh::Index>& nodes) {
+Eigen::VectorXf at_vertices(const Part& part, const Eigen::VectorXd& of_cells,
+                            const std::vector<mesh::Index>& nodes) {
   std::vector<double> sum(static_cast<std::size_t>(part.mesh.n_nodes()), 0.0), count = sum;
   Eigen::Index cell = 0;
   for (const mesh::CellBlock& block : part.mesh.solids)
@@ -56,7 +57,8 @@ Eigen::VectorXd stress_error_of_cells(const Part& part, const Eigen::MatrixXf& s
 
 }  // namespace
 
-superelement::MeshError to_mesh_error(const MeshShare& share, const Part& part, const std::vector<mesh::Index>& nodes) {
+superelement::MeshError to_mesh_error(const MeshShare& share, const Part& part,
+                                      const std::vector<mesh::Index>& nodes) {
   superelement::MeshError out{.rough = share.rough};
   const auto relative = [](double error) { return std::min(error, 1.0); };
   const auto stress = [&](const MeshShare::Stress& from) {
@@ -68,9 +70,12 @@ superelement::MeshError to_mesh_error(const MeshShare& share, const Part& part, 
     return to;
   };
   for (const MeshShare::Mode& mode : share.modes)
-    out.modes.push_back({.frequency_hz = frequency_hz(mode.omega2), .error = relative(mode.error), .stress = stress(mode.stress)});
+    out.modes.push_back({.frequency_hz = frequency_hz(mode.omega2),
+                         .error = relative(mode.error),
+                         .stress = stress(mode.stress)});
   for (const MeshShare::Interface& from : share.interfaces)
-    out.interfaces.push_back({.name = from.name, .compliance_error = relative(from.error), .stress = stress(from.stress)});
+    out.interfaces.push_back(
+        {.name = from.name, .compliance_error = relative(from.error), .stress = stress(from.stress)});
   if (share.by_cell.rows() == part.mesh.n_solid_cells() && share.by_cell.cols() > 0)
     out.at_vertices = at_vertices(part, stress_error_of_cells(part, share.by_cell), nodes);
   return out;

@@ -4,8 +4,8 @@
 #include <string>
 
 #include "mbs/superelement/superelement.hpp"
-#include "reduce/part/part_input.hpp"
 #include "reduce/cms/result/reduction.hpp"
+#include "reduce/part/part_input.hpp"
 
 namespace flexura::reduce {
 
@@ -16,7 +16,8 @@ superelement::Superelement to_superelement(const PartInput& input, Reduction&& r
                                            std::vector<std::int32_t> stress_vertices = {});
 
 /// What is estimated of the mesh, as the file keeps it; `nodes` of the surface's vertices, ascending.
-superelement::MeshError to_mesh_error(const MeshShare& share, const Part& part, const std::vector<mesh::Index>& nodes);
+superelement::MeshError to_mesh_error(const MeshShare& share, const Part& part,
+                                      const std::vector<mesh::Index>& nodes);
 
 /// The materials' compliances at the stress modes' places, which are these nodes.
 void add_compliance(const Part& part, const std::vector<mesh::Index>& nodes,

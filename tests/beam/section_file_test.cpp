@@ -11,8 +11,8 @@
 #include <numbers>
 
 #include "mbs/base/documents/document.hpp"
-#include "reduce/file/beam_file.hpp"
 #include "reduce/app/section_report.hpp"
+#include "reduce/file/beam_file.hpp"
 #include "reduce/file/section_result.hpp"
 #include "tests/beam/input_texts.hpp"
 

@@ -93,7 +93,7 @@ double evaluation_time(const FlexibleBody& body) {
   const Eigen::VectorXd s = 1e-3 * random(m, 1, 1.0), v = random(m, 1, 1.0), a = random(m, 1, 1.0);
   Eigen::VectorXd modal(m);
   const auto scratch = body.make_scratch();
-    auto& work = *scratch;
+  auto& work = *scratch;
   const Spatial V{{1, 2, 3}, {1, 0, 0}}, A{{3, 2, 1}, {0, 1, 0}};
   double best = 1e9;
   for (int repeat = 0; repeat < 5; ++repeat) {

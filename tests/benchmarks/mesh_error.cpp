@@ -20,7 +20,8 @@
 namespace flexura::reduce {
 namespace {
 
-constexpr int kModes = 6, kCandidates = 10;  // compared; of the refined mesh, among which each has its partner
+constexpr int kModes = 6,
+              kCandidates = 10;  // compared; of the refined mesh, among which each has its partner
 
 struct Run {
   Answer answer;
@@ -46,12 +47,13 @@ std::map<std::string, Truth> truths;
 
 const Truth& known_of(const Sequence& sequence) {
   const auto found = truths.find(sequence.kind);
-  return found != truths.end() ? found->second : truths.emplace(sequence.kind, truth_of(sequence, kCandidates)).first->second;
+  return found != truths.end() ? found->second
+                               : truths.emplace(sequence.kind, truth_of(sequence, kCandidates)).first->second;
 }
 
 // truth: none where the refined meshes do not agree on what is compared.
-void row(const Subject& subject, const std::string& what, const std::optional<Known>& truth, double error, double estimate,
-         const std::string& cost) {
+void row(const Subject& subject, const std::string& what, const std::optional<Known>& truth, double error,
+         double estimate, const std::string& cost) {
   Tally& to = subject.held_out ? held_out : tally;
   const std::string name = subject.name + (subject.held_out ? " (held out)" : "");
   if (!truth) {
@@ -69,20 +71,23 @@ void row(const Subject& subject, const std::string& what, const std::optional<Kn
     to.missed += effectivity < 0.3;
   }
   ++to.rows;
-  fmt::print("| {} | {} | {:.3f} % | {:.3f} % | {:.3f} % | {} | {} |\n", name, what, 100 * truth->uncertainty, 100 * error,
-             100 * estimate, tiny ? std::string("both small") : fmt::format("{:.2f}", effectivity), cost);
+  fmt::print("| {} | {} | {:.3f} % | {:.3f} % | {:.3f} % | {} | {} |\n", name, what, 100 * truth->uncertainty,
+             100 * error, 100 * estimate,
+             tiny ? std::string("both small") : fmt::format("{:.2f}", effectivity), cost);
 }
 
 void report(const Subject& subject) {
   const Truth& truth = known_of(subject.fine);
   const Run coarse = run(subject.coarse(), truth.points);
-  std::string cost = fmt::format("{} dofs, {:.2f} s, {:.2f} s", coarse.answer.dofs, coarse.seconds_factor, coarse.seconds_estimate);
+  std::string cost = fmt::format("{} dofs, {:.2f} s, {:.2f} s", coarse.answer.dofs, coarse.seconds_factor,
+                                 coarse.seconds_estimate);
   const std::vector<int> partner = partners(coarse.answer.shapes, truth.shapes);
   for (std::size_t k = 0; k < kModes; ++k, cost.clear()) {
     const double estimate = coarse.share.modes[k].error;
     const int of = partner[k];
     if (of < 0) {
-      row(subject, fmt::format("mode {} of the mesh, {:.5g} Hz, has no partner", k + 1, coarse.answer.hz[k]), {}, 0.0, estimate, cost);
+      row(subject, fmt::format("mode {} of the mesh, {:.5g} Hz, has no partner", k + 1, coarse.answer.hz[k]),
+          {}, 0.0, estimate, cost);
       continue;
     }
     const Known& known = truth.hz[static_cast<std::size_t>(of)];
@@ -102,8 +107,8 @@ void report(const Subject& subject) {
       const double error = 1.0 - coarse.answer.compliance[d] / truth.compliance[d].value;
       if (error > worst) worst = error, of = truth.compliance[d];
     }
-    row(subject, "compliance at " + coarse.share.interfaces[k].name, settled ? std::optional(of) : std::nullopt, worst,
-        coarse.share.interfaces[k].error, "");
+    row(subject, "compliance at " + coarse.share.interfaces[k].name,
+        settled ? std::optional(of) : std::nullopt, worst, coarse.share.interfaces[k].error, "");
   }
   std::fflush(stdout);
 }
@@ -139,7 +144,9 @@ is below 0.3 %. Cost: dofs, processor seconds of the factorisation and of the es
 }
 
 void references() {
-  fmt::print("\n| part | dofs of the three meshes | quantities known to 0.1 % | the least known |\n|---|---|---|---|\n");
+  fmt::print(
+      "\n| part | dofs of the three meshes | quantities known to 0.1 % | the least known "
+      "|\n|---|---|---|---|\n");
   for (const auto& [kind, truth] : truths) {
     int settled = 0, all = 0;
     double worst = 0.0;
@@ -151,17 +158,20 @@ void references() {
         settled += known.settled();
         worst = std::max(worst, known.uncertainty);
       }
-    fmt::print("| {} | {}, {}, {} | {} of {} | {:.3f} % |\n", kind, truth.dofs[0], truth.dofs[1], truth.dofs[2], settled, all,
-               100 * worst);
+    fmt::print("| {} | {}, {}, {} | {} of {} | {:.3f} % |\n", kind, truth.dofs[0], truth.dofs[1],
+               truth.dofs[2], settled, all, 100 * worst);
   }
 }
 
 // What the estimate costs beside the factorisation, on ever finer meshes of one part.
 void costs() {
-  fmt::print("\nCost: the crank arm, two interfaces and ten modes, in ten-node tetrahedra; processor seconds of one run each, of the numeric "
-             "factorisation, of the estimate and of the whole reduction without meshing.\n\n"
-             "| dofs | factorisation | estimate | estimate / factorisation | reduction | estimate / reduction | first frequency, estimate | "
-             "compliance, estimate |\n|---|---|---|---|---|---|---|---|\n");
+  fmt::print(
+      "\nCost: the crank arm, two interfaces and ten modes, in ten-node tetrahedra; processor seconds of one "
+      "run each, of the numeric "
+      "factorisation, of the estimate and of the whole reduction without meshing.\n\n"
+      "| dofs | factorisation | estimate | estimate / factorisation | reduction | estimate / reduction | "
+      "first frequency, estimate | "
+      "compliance, estimate |\n|---|---|---|---|---|---|---|---|\n");
   for (const double size : {0.010, 0.006, 0.0045, 0.0035, 0.0028, 0.0022, 0.0018}) {
     const Part part = crank_arm(size);
     ReductionOptions options;
@@ -171,8 +181,9 @@ void costs() {
     const Reduction r = craig_bampton(part, options);
     const double whole = linalg::processor_seconds() - before, factor = r.report.factor.processor_seconds,
                  estimate = r.report.processor_seconds_mesh_error;
-    fmt::print("| {} | {:.2f} s | {:.3f} s | {:.2f} | {:.2f} s | {:.3f} | {:.3f} % | {:.3f} % |\n", r.report.n_i + r.report.n_b, factor,
-               estimate, estimate / factor, whole, estimate / whole, 100 * r.mesh->modes[0].error, 100 * r.mesh->interfaces[0].error);
+    fmt::print("| {} | {:.2f} s | {:.3f} s | {:.2f} | {:.2f} s | {:.3f} | {:.3f} % | {:.3f} % |\n",
+               r.report.n_i + r.report.n_b, factor, estimate, estimate / factor, whole, estimate / whole,
+               100 * r.mesh->modes[0].error, 100 * r.mesh->interfaces[0].error);
     std::fflush(stdout);
   }
 }
@@ -199,6 +210,8 @@ int main(int argc, char** argv) {
   if (argc < 2 || std::string(argv[1]) == "cost") reduce::costs();
   for (const auto& [name, t] : {std::pair{"", reduce::tally}, std::pair{"held out: ", reduce::held_out}})
     if (t.rows > 0)
-      fmt::print("\n{}{} quantities; effectivity {:.2f} to {:.2f}, {} outside 0.5 to 2, {} below 0.3; {} not known to 0.1 %.\n", name,
-                 t.rows, t.least, t.most, t.outside, t.missed, t.unknown);
+      fmt::print(
+          "\n{}{} quantities; effectivity {:.2f} to {:.2f}, {} outside 0.5 to 2, {} below 0.3; {} not known "
+          "to 0.1 %.\n",
+          name, t.rows, t.least, t.most, t.outside, t.missed, t.unknown);
 }

@@ -9,8 +9,8 @@
 #include <numbers>
 
 #include "mesh/model/geometry.hpp"
-#include "reduce/part/make_part.hpp"
 #include "reduce/library/mesh_sizes.hpp"
+#include "reduce/part/make_part.hpp"
 #include "tests/reduce/parts.hpp"
 
 namespace flexura::reduce {
@@ -41,11 +41,13 @@ double place_in(const Row& row, double t, bool graded) {
       continue;
     }
     const auto grading = [&](std::size_t plane) {
-      const bool sharp = std::find(row.sharp.begin(), row.sharp.end(), static_cast<int>(plane)) != row.sharp.end();
+      const bool sharp =
+          std::find(row.sharp.begin(), row.sharp.end(), static_cast<int>(plane)) != row.sharp.end();
       return !graded ? 1.0 : sharp ? 3.0 : 1.5;
     };
     const double s = t / n;
-    const double g = s < 0.5 ? 0.5 * std::pow(2.0 * s, grading(k)) : 1.0 - 0.5 * std::pow(std::max(0.0, 2.0 * (1.0 - s)), grading(k + 1));
+    const double g = s < 0.5 ? 0.5 * std::pow(2.0 * s, grading(k))
+                             : 1.0 - 0.5 * std::pow(std::max(0.0, 2.0 * (1.0 - s)), grading(k + 1));
     return at + row.lengths[k] * g;
   }
   return at;
@@ -59,7 +61,8 @@ mesh::Mesh bricks(const std::array<Row, 3>& rows, CellType type, bool graded) {
   testing::deform(
       mesh,
       [&](const Vector3d& x) {
-        return Vector3d(place_in(rows[0], x(0), graded), place_in(rows[1], x(1), graded), place_in(rows[2], x(2), graded));
+        return Vector3d(place_in(rows[0], x(0), graded), place_in(rows[1], x(1), graded),
+                        place_in(rows[2], x(2), graded));
       },
       true);
   return mesh;
@@ -91,8 +94,9 @@ Part part_of(mesh::Mesh mesh, const Vector3d& left, double left_at, const Vector
   part.materials = {testing::steel()};
   const double size = part.mesh.points.cwiseAbs().maxCoeff();
   const auto put = [&](const std::string& name, const Vector3d& normal, double at) {
-    InterfaceSpec spec{name, tie, Vector3d::Zero(),
-                       testing::nodes_where(part.mesh, [&](const Vector3d& x) { return std::abs(x.dot(normal) - at) < 1e-9 * size; })};
+    InterfaceSpec spec{name, tie, Vector3d::Zero(), testing::nodes_where(part.mesh, [&](const Vector3d& x) {
+                         return std::abs(x.dot(normal) - at) < 1e-9 * size;
+                       })};
     spec.point = mesh::measure_surface(part.mesh, spec.set.faces).centroid;
     part.interfaces.push_back(spec);
   };
@@ -107,7 +111,8 @@ const Vector3d kX(1, 0, 0), kY(0, 1, 0);
 using Made = std::function<Part(std::vector<int>, CellType, bool)>;
 
 Part whole_box(const Vector3d& size, const std::vector<int>& n, CellType type, bool graded) {
-  mesh::Mesh mesh = bricks({Row{{size(0)}, {n[0]}}, Row{{size(1)}, {n[1]}}, Row{{size(2)}, {n[2]}}}, type, graded);
+  mesh::Mesh mesh =
+      bricks({Row{{size(0)}, {n[0]}}, Row{{size(1)}, {n[1]}}, Row{{size(2)}, {n[2]}}}, type, graded);
   return part_of(carved(std::move(mesh), [](const Vector3d&) { return true; }), kX, 0.0, kX, size(0));
 }
 
@@ -121,21 +126,29 @@ Part plate(const std::vector<int>& n, CellType type, bool graded) {
 
 /// 0.4 x 0.12 x 0.12 m with a step to half of it in both directions, sharp inside.
 Part stepped(const std::vector<int>& n, CellType type, bool graded) {
-  mesh::Mesh mesh = bricks({Row{{0.2, 0.2}, {n[0], n[0]}, {1}}, Row{{0.06, 0.06}, {n[1], n[1]}, {1}}, Row{{0.06, 0.06}, {n[1], n[1]}, {1}}}, type, graded);
-  return part_of(carved(std::move(mesh), [](const Vector3d& x) { return x(0) < 0.2 || (x(1) < 0.06 && x(2) < 0.06); }), kX, 0.0,
-                 kX, 0.4);
+  mesh::Mesh mesh = bricks({Row{{0.2, 0.2}, {n[0], n[0]}, {1}}, Row{{0.06, 0.06}, {n[1], n[1]}, {1}},
+                            Row{{0.06, 0.06}, {n[1], n[1]}, {1}}},
+                           type, graded);
+  return part_of(
+      carved(std::move(mesh), [](const Vector3d& x) { return x(0) < 0.2 || (x(1) < 0.06 && x(2) < 0.06); }),
+      kX, 0.0, kX, 0.4);
 }
 
 /// An angle: legs of 0.3 m, 0.05 x 0.05 m.
 Part angle(const std::vector<int>& n, CellType type, bool graded, Tie tie) {
-  mesh::Mesh mesh = bricks({Row{{0.05, 0.25}, {n[0], n[1]}, {1}}, Row{{0.05, 0.25}, {n[0], n[1]}, {1}}, Row{{0.05}, {n[0]}}}, type, graded);
-  return part_of(carved(std::move(mesh), [](const Vector3d& x) { return x(0) < 0.05 || x(1) < 0.05; }), kX, 0.3, kY, 0.3, tie);
+  mesh::Mesh mesh = bricks(
+      {Row{{0.05, 0.25}, {n[0], n[1]}, {1}}, Row{{0.05, 0.25}, {n[0], n[1]}, {1}}, Row{{0.05}, {n[0]}}}, type,
+      graded);
+  return part_of(carved(std::move(mesh), [](const Vector3d& x) { return x(0) < 0.05 || x(1) < 0.05; }), kX,
+                 0.3, kY, 0.3, tie);
 }
 
 /// A round shaft with a sharp shoulder, by the map of a square on a disc: 0.4 m, radii 0.05 and 0.025 m.
 Part shaft(const std::vector<int>& n, CellType type, bool graded) {
-  mesh::Mesh mesh = bricks({Row{{0.2, 0.2}, {n[0], n[0]}, {1}}, Row{{0.5, 1.0, 0.5}, {n[1], 2 * n[1], n[1]}, {1, 2}}, Row{{0.5, 1.0, 0.5}, {n[1], 2 * n[1], n[1]}, {1, 2}}},
-                           type, graded);
+  mesh::Mesh mesh =
+      bricks({Row{{0.2, 0.2}, {n[0], n[0]}, {1}}, Row{{0.5, 1.0, 0.5}, {n[1], 2 * n[1], n[1]}, {1, 2}},
+              Row{{0.5, 1.0, 0.5}, {n[1], 2 * n[1], n[1]}, {1, 2}}},
+             type, graded);
   mesh = carved(std::move(mesh), [](const Vector3d& x) {
     return x(0) < 0.2 || (std::abs(x(1) - 1.0) < 0.5 && std::abs(x(2) - 1.0) < 0.5);
   });
@@ -150,9 +163,12 @@ Part shaft(const std::vector<int>& n, CellType type, bool graded) {
 
 /// A frame like a U: 0.3 x 0.2 x 0.04 m, 0.05 m wide.
 Part fork(const std::vector<int>& n, CellType type, bool graded) {
-  mesh::Mesh mesh = bricks({Row{{0.05, 0.25}, {n[0], n[1]}, {1}}, Row{{0.05, 0.1, 0.05}, {n[0], n[2], n[0]}, {1, 2}}, Row{{0.04}, {n[0]}}}, type, graded);
-  return part_of(carved(std::move(mesh), [](const Vector3d& x) { return x(0) < 0.05 || x(1) < 0.05 || x(1) > 0.15; }), kX, 0.3,
-                 kX, 0.0);
+  mesh::Mesh mesh = bricks({Row{{0.05, 0.25}, {n[0], n[1]}, {1}},
+                            Row{{0.05, 0.1, 0.05}, {n[0], n[2], n[0]}, {1, 2}}, Row{{0.04}, {n[0]}}},
+                           type, graded);
+  return part_of(
+      carved(std::move(mesh), [](const Vector3d& x) { return x(0) < 0.05 || x(1) < 0.05 || x(1) > 0.15; }),
+      kX, 0.3, kX, 0.0);
 }
 
 /// A bar of 0.4 x 0.04 x 0.02 m, twisted by a quarter turn.
@@ -160,7 +176,8 @@ Part twisted(const std::vector<int>& n, CellType type, bool graded) {
   Part part = whole_box({0.4, 0.04, 0.02}, n, type, graded);
   testing::deform(part.mesh, [](const Vector3d& x) {
     const double angle = std::numbers::pi / 2 * x(0) / 0.4, y = x(1) - 0.02, z = x(2) - 0.01;
-    return Vector3d(x(0), y * std::cos(angle) - z * std::sin(angle), y * std::sin(angle) + z * std::cos(angle));
+    return Vector3d(x(0), y * std::cos(angle) - z * std::sin(angle),
+                    y * std::sin(angle) + z * std::cos(angle));
   });
   return part_of(std::move(part.mesh), kX, 0.0, kX, 0.4);
 }
@@ -169,17 +186,21 @@ Part twisted(const std::vector<int>& n, CellType type, bool graded) {
 Part tube(const std::vector<int>& n, CellType type, bool graded) {
   const Row across{{0.02, 0.06, 0.02}, {n[1], n[2], n[1]}, {1, 2}};
   mesh::Mesh mesh = bricks({Row{{0.3}, {n[0]}}, across, across}, type, graded);
-  return part_of(carved(std::move(mesh),
-                        [](const Vector3d& x) { return x(1) < 0.02 || x(1) > 0.08 || x(2) < 0.02 || x(2) > 0.08; }),
-                 kX, 0.0, kX, 0.3);
+  return part_of(
+      carved(std::move(mesh),
+             [](const Vector3d& x) { return x(1) < 0.02 || x(1) > 0.08 || x(2) < 0.02 || x(2) > 0.08; }),
+      kX, 0.0, kX, 0.3);
 }
 
 /// A plate of 0.24 x 0.16 x 0.006 m with a square hole of 0.06 m, sharp inside.
 Part window(const std::vector<int>& n, CellType type, bool graded) {
-  mesh::Mesh mesh = bricks({Row{{0.09, 0.06, 0.09}, {n[0], n[1], n[0]}, {1, 2}}, Row{{0.05, 0.06, 0.05}, {n[1], n[1], n[1]}, {1, 2}}, Row{{0.006}, {n[2]}}}, type, graded);
-  return part_of(carved(std::move(mesh),
-                        [](const Vector3d& x) { return std::abs(x(0) - 0.12) > 0.03 || std::abs(x(1) - 0.08) > 0.03; }),
-                 kX, 0.0, kX, 0.24);
+  mesh::Mesh mesh = bricks({Row{{0.09, 0.06, 0.09}, {n[0], n[1], n[0]}, {1, 2}},
+                            Row{{0.05, 0.06, 0.05}, {n[1], n[1], n[1]}, {1, 2}}, Row{{0.006}, {n[2]}}},
+                           type, graded);
+  return part_of(
+      carved(std::move(mesh),
+             [](const Vector3d& x) { return std::abs(x(0) - 0.12) > 0.03 || std::abs(x(1) - 0.08) > 0.03; }),
+      kX, 0.0, kX, 0.24);
 }
 
 /// A quarter of a ring: mean radius 0.17 m, 0.04 m by 0.03 m.
@@ -204,23 +225,29 @@ Part taper(const std::vector<int>& n, CellType type, bool graded) {
 
 /// A beam of T section: 0.3 m, flange 0.1 x 0.02 m, web 0.02 x 0.06 m.
 Part tee(const std::vector<int>& n, CellType type, bool graded) {
-  mesh::Mesh mesh = bricks({Row{{0.3}, {n[0]}}, Row{{0.04, 0.02, 0.04}, {n[1], n[2], n[1]}, {1, 2}}, Row{{0.02, 0.06}, {n[2], n[1]}, {1}}}, type, graded);
-  return part_of(carved(std::move(mesh), [](const Vector3d& x) { return x(2) < 0.02 || std::abs(x(1) - 0.05) < 0.01; }), kX, 0.0,
-                 kX, 0.3);
+  mesh::Mesh mesh = bricks({Row{{0.3}, {n[0]}}, Row{{0.04, 0.02, 0.04}, {n[1], n[2], n[1]}, {1, 2}},
+                            Row{{0.02, 0.06}, {n[2], n[1]}, {1}}},
+                           type, graded);
+  return part_of(
+      carved(std::move(mesh), [](const Vector3d& x) { return x(2) < 0.02 || std::abs(x(1) - 0.05) < 0.01; }),
+      kX, 0.0, kX, 0.3);
 }
 
 /// A crank like a Z: arms of 0.16 m, 0.08 m apart, 0.04 x 0.03 m.
 Part zed(const std::vector<int>& n, CellType type, bool graded) {
-  mesh::Mesh mesh = bricks({Row{{0.12, 0.04, 0.12}, {n[1], n[0], n[1]}, {1, 2}}, Row{{0.04, 0.08, 0.04}, {n[0], n[1], n[0]}, {1, 2}}, Row{{0.03}, {n[0]}}}, type, graded);
+  mesh::Mesh mesh = bricks({Row{{0.12, 0.04, 0.12}, {n[1], n[0], n[1]}, {1, 2}},
+                            Row{{0.04, 0.08, 0.04}, {n[0], n[1], n[0]}, {1, 2}}, Row{{0.03}, {n[0]}}},
+                           type, graded);
   return part_of(carved(std::move(mesh),
                         [](const Vector3d& x) {
-                          const bool low = x(1) < 0.04 && x(0) < 0.16, high = x(1) > 0.12 && x(0) > 0.12;
+                          const bool low = x(1) < 0.04 && x(0)<0.16, high = x(1)> 0.12 && x(0) > 0.12;
                           return low || high || std::abs(x(0) - 0.14) < 0.02;
                         }),
                  kX, 0.0, kX, 0.28);
 }
 
-Sequence graded(const std::string& kind, const Made& make, const std::vector<double>& cells, const std::vector<int>& levels = {4, 6, 9}) {
+Sequence graded(const std::string& kind, const Made& make, const std::vector<double>& cells,
+                const std::vector<int>& levels = {4, 6, 9}) {
   // Graded by 3 energies along re-entrant edges converge like h^3.3; what a row's middle leaves is left to doubt.
   Sequence out{kind, static_cast<double>(levels[2]) / levels[1], 2.0, {}};
   for (const int level : levels)
@@ -282,20 +309,27 @@ Part crank_arm(double size) {
 std::vector<Subject> subjects() {
   std::vector<Subject> out;
   bool held_out = false;
-  const auto add = [&](const std::string& name, const Made& make, const std::vector<int>& cells, CellType type,
-                       const Sequence& fine) {
+  const auto add = [&](const std::string& name, const Made& make, const std::vector<int>& cells,
+                       CellType type, const Sequence& fine) {
     out.push_back({name, [=] { return make(cells, type, false); }, fine, held_out});
   };
-  const Made angle_average = [](const std::vector<int>& n, CellType type, bool graded) { return angle(n, type, graded, Tie::average); },
-             angle_rigid = [](const std::vector<int>& n, CellType type, bool graded) { return angle(n, type, graded, Tie::rigid); };
-  const Sequence fine_block = graded("block", block, {3, 1, 1}), fine_plate = graded("plate", plate, {4, 3, 0.5}),
-                 fine_stepped = graded("stepped", stepped, {1, 1}), fine_angle = graded("angle", angle_average, {1, 1}),
+  const Made angle_average = [](const std::vector<int>&n, CellType type,
+                                bool graded) { return angle(n, type, graded, Tie::average); },
+             angle_rigid = [](const std::vector<int>&n, CellType type, bool graded) {
+               return angle(n, type, graded, Tie::rigid);
+             };
+  const Sequence fine_block = graded("block", block, {3, 1, 1}),
+                 fine_plate = graded("plate", plate, {4, 3, 0.5}),
+                 fine_stepped = graded("stepped", stepped, {1, 1}),
+                 fine_angle = graded("angle", angle_average, {1, 1}),
                  fine_rigid = graded("angle rigid", angle_rigid, {1, 1}),
-                 fine_shaft = graded("shaft", shaft, {4, 1}, {1, 2, 4}), fine_fork = graded("fork", fork, {1, 1, 1}),
-                 fine_twisted = graded("twisted", twisted, {2, 1, 1}), fine_tube = graded("tube", tube, {1, 1, 1}),
-                 fine_window = graded("window", window, {1, 1, 0.5}), fine_arch = graded("arch", arch, {2, 1, 1}),
-                 fine_taper = graded("taper", taper, {2, 1, 1}), fine_tee = graded("tee", tee, {1.5, 1, 0.75}),
-                 fine_zed = graded("zed", zed, {1, 1.5});
+                 fine_shaft = graded("shaft", shaft, {4, 1}, {1, 2, 4}),
+                 fine_fork = graded("fork", fork, {1, 1, 1}),
+                 fine_twisted = graded("twisted", twisted, {2, 1, 1}),
+                 fine_tube = graded("tube", tube, {1, 1, 1}),
+                 fine_window = graded("window", window, {1, 1, 0.5}),
+                 fine_arch = graded("arch", arch, {2, 1, 1}), fine_taper = graded("taper", taper, {2, 1, 1}),
+                 fine_tee = graded("tee", tee, {1.5, 1, 0.75}), fine_zed = graded("zed", zed, {1, 1.5});
   add("block tet10 6x2x2", block, {6, 2, 2}, CellType::tet10, fine_block);
   add("block tet10 4x1x1", block, {4, 1, 1}, CellType::tet10, fine_block);
   add("block hex20 8x2x2", block, {8, 2, 2}, CellType::hex20, fine_block);
@@ -318,9 +352,11 @@ std::vector<Subject> subjects() {
   add("angle, rigid ends tet10", angle_rigid, {1, 5}, CellType::tet10, fine_rigid);
   add("shouldered shaft hex20", shaft, {4, 1}, CellType::hex20, fine_shaft);
   const std::string root = FLEXURA_SOURCE_DIR;
-  const auto add_cad = [&](const std::string& name, const std::string& file, double size, double fine, int order = 2) {
+  const auto add_cad = [&](const std::string& name, const std::string& file, double size, double fine,
+                           int order = 2) {
     const std::string path = root + "/" + file;
-    out.push_back({name, [=] { return cad(path, size, order); }, graded_cad_sequence(file, path, fine), held_out});
+    out.push_back(
+        {name, [=] { return cad(path, size, order); }, graded_cad_sequence(file, path, fine), held_out});
   };
   add_cad("rod", "tests/found/user/rod.toml", 0.012, 0.010);
   add_cad("crank arm", "tests/found/user/crank_arm.toml", 0.01, 0.008);

@@ -37,16 +37,20 @@ std::vector<mesh::Index> nearest_nodes(const mesh::Mesh& mesh, const Eigen::Matr
 
 Eigen::Matrix3Xd points_of(const Part& part) {
   constexpr int kAlong = 6;
-  const Eigen::Vector3d low = part.mesh.points.colwise().minCoeff(), high = part.mesh.points.colwise().maxCoeff();
+  const Eigen::Vector3d low = part.mesh.points.colwise().minCoeff(),
+                        high = part.mesh.points.colwise().maxCoeff();
   Eigen::Matrix3Xd grid(3, kAlong * kAlong * kAlong);
   for (int k = 0; k < grid.cols(); ++k)
-    grid.col(k) = low + (high - low).cwiseProduct(Eigen::Vector3d(k % kAlong, k / kAlong % kAlong, k / kAlong / kAlong) /
-                                                   (kAlong - 1));
+    grid.col(k) =
+        low + (high - low)
+                  .cwiseProduct(Eigen::Vector3d(k % kAlong, k / kAlong % kAlong, k / kAlong / kAlong) /
+                                (kAlong - 1));
   std::vector<mesh::Index> nodes = nearest_nodes(part.mesh, grid);
   std::sort(nodes.begin(), nodes.end());
   nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
   Eigen::Matrix3Xd out(3, static_cast<Index>(nodes.size()));
-  for (std::size_t k = 0; k < nodes.size(); ++k) out.col(static_cast<Index>(k)) = part.mesh.points.row(nodes[k]).transpose();
+  for (std::size_t k = 0; k < nodes.size(); ++k)
+    out.col(static_cast<Index>(k)) = part.mesh.points.row(nodes[k]).transpose();
   return out;
 }
 
@@ -65,14 +69,16 @@ std::vector<double> compliance_of(const Reduction& r) {
 }
 
 Answer answer_of(const Part& part, const Reduction& reduction, int n_modes, const Eigen::Matrix3Xd& points) {
-  const FreeModes modes = free_modes_on_nodes(part, {6 + n_modes, 0.0, 1e-7}, reduced_free_modes(reduction)(6));
+  const FreeModes modes =
+      free_modes_on_nodes(part, {6 + n_modes, 0.0, 1e-7}, reduced_free_modes(reduction)(6));
   Answer out;
   for (int k = 0; k < n_modes; ++k)
     out.hz.push_back(std::sqrt(modes.pairs.omega2(6 + k)) / (2 * std::numbers::pi));
   const std::vector<mesh::Index> nodes = nearest_nodes(part.mesh, points);
   out.shapes.resize(3 * points.cols(), n_modes);
   for (std::size_t k = 0; k < nodes.size(); ++k)
-    out.shapes.middleRows<3>(3 * static_cast<Index>(k)) = modes.U.block(3 * static_cast<Index>(nodes[k]), 6, 3, n_modes);
+    out.shapes.middleRows<3>(3 * static_cast<Index>(k)) =
+        modes.U.block(3 * static_cast<Index>(nodes[k]), 6, 3, n_modes);
   out.compliance = compliance_of(reduction);
   out.dofs = reduction.report.n_i + reduction.report.n_b;
   return out;
@@ -83,7 +89,8 @@ Known limit_of(double a, double b, double c, double ratio, double least_order) {
   const double first = a - b, last = b - c, size = std::abs(c);
   if (std::abs(last) < kRoundOff * size) return {c, std::max(std::abs(last), kRoundOff * size) / size};
   if (!(first * last > 0.0)) return {c, std::max(std::abs(first), std::abs(last)) / size};
-  const double least = std::pow(ratio, least_order), shown = std::clamp(first / last, least, std::pow(ratio, 4.0));
+  const double least = std::pow(ratio, least_order),
+               shown = std::clamp(first / last, least, std::pow(ratio, 4.0));
   const double more = last / (shown - 1.0), most = last / (least - 1.0);
   return {c - more, std::max({std::abs(most - more), 0.5 * std::abs(more), kRoundOff * size}) / size};
 }
@@ -108,7 +115,8 @@ std::filesystem::path kept_file(const std::string& kind) {
   const char* folder = std::getenv("FLEXURA_TRUTHS");
   if (!folder) return {};
   std::string name = kind;
-  std::replace_if(name.begin(), name.end(), [](char c) { return c == '/' || c == ' '; }, '_');
+  std::replace_if(
+      name.begin(), name.end(), [](char c) { return c == '/' || c == ' '; }, '_');
   return std::filesystem::path(folder) / (name + ".txt");
 }
 
@@ -125,7 +133,8 @@ MatrixXd take(std::istream& in) {
   return m;
 }
 
-void keep(const std::filesystem::path& file, const Eigen::Matrix3Xd& points, const std::vector<Answer>& answers) {
+void keep(const std::filesystem::path& file, const Eigen::Matrix3Xd& points,
+          const std::vector<Answer>& answers) {
   std::ofstream out(file);
   put(out, points);
   for (const Answer& a : answers) {
@@ -174,18 +183,20 @@ Truth truth_of(const Sequence& sequence, int n_modes) {
   if (!known && !kept.empty()) keep(kept, out.points, answers);
   for (const Answer& a : answers) out.dofs.insert(out.dofs.begin(), a.dofs);
   out.shapes = answers[0].shapes;
-  const std::vector<int> of_b = partners(out.shapes, answers[1].shapes), of_a = partners(out.shapes, answers[2].shapes);
+  const std::vector<int> of_b = partners(out.shapes, answers[1].shapes),
+                         of_a = partners(out.shapes, answers[2].shapes);
   for (std::size_t k = 0; k < answers[0].hz.size(); ++k) {
     const double c = answers[0].hz[k];
     if (of_a[k] < 0 || of_b[k] < 0)
       out.hz.push_back({c, HUGE_VAL});
     else
-      out.hz.push_back(limit_of(answers[2].hz[static_cast<std::size_t>(of_a[k])], answers[1].hz[static_cast<std::size_t>(of_b[k])], c,
-                                sequence.ratio, sequence.least_order));
+      out.hz.push_back(limit_of(answers[2].hz[static_cast<std::size_t>(of_a[k])],
+                                answers[1].hz[static_cast<std::size_t>(of_b[k])], c, sequence.ratio,
+                                sequence.least_order));
   }
   for (std::size_t k = 0; k < answers[0].compliance.size(); ++k)
-    out.compliance.push_back(limit_of(answers[2].compliance[k], answers[1].compliance[k], answers[0].compliance[k],
-                                      sequence.ratio, sequence.least_order));
+    out.compliance.push_back(limit_of(answers[2].compliance[k], answers[1].compliance[k],
+                                      answers[0].compliance[k], sequence.ratio, sequence.least_order));
   return out;
 }
 

@@ -13,11 +13,11 @@
 #include <vector>
 
 #include "mbs/superelement/file.hpp"
+#include "reduce/cms/craig_bampton.hpp"
+#include "reduce/linalg/session/session.hpp"
 #include "reduce/part/make_part.hpp"
 #include "reduce/superelement/surface.hpp"
 #include "reduce/superelement/to_superelement.hpp"
-#include "reduce/cms/craig_bampton.hpp"
-#include "reduce/linalg/session/session.hpp"
 
 /// The reduction of one CAD part against its own factorisation, against Krylov-Schur and against CalculiX,
 /// all on one mesh.  bench_reduction NAME PART.toml SIZE MODES [krylov] [calculix] [file]; with `file` the

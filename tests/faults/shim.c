@@ -106,7 +106,8 @@ WRITER(writev, (int fd, const struct iovec* data, int n), (fd, data, n))
 
 /* Devices are no files; /dev/shm is a folder in memory, where the tests' files lie. */
 static int is_no_place(const char* path) {
-  return (strncmp(path, "/dev/", 5) == 0 && strncmp(path, "/dev/shm/", 9) != 0) || strncmp(path, "/proc/", 6) == 0;
+  return (strncmp(path, "/dev/", 5) == 0 && strncmp(path, "/dev/shm/", 9) != 0) ||
+         strncmp(path, "/proc/", 6) == 0;
 }
 
 static int opens(const char* path, int flags) {
@@ -172,7 +173,7 @@ MAPPER(mmap64, off64_t)
 
 static int refused(size_t size, void* caller) {
   if (size < 1024 || wanted != allocating || !armed) return 0;
-  static const char* const delicate[] = {"libhdf5",  "libmpi", "libopen-",  "ld-linux",
+  static const char* const delicate[] = {"libhdf5", "libmpi", "libopen-", "ld-linux",
                                          "libpmix", "mca_",   "libevent", "libhwloc"};
   Dl_info from_;
   if (dladdr(caller, &from_) != 0 && from_.dli_fname != NULL)

@@ -18,7 +18,8 @@ using ::testing::Not;
 double last_of(const std::string& file, const std::string& quantity) {
   const results::Run run = results::read(file).runs.at(0);
   for (std::size_t i = 0; i < run.quantities.size(); ++i)
-    if (run.quantities[i].name == quantity) return run.values(run.time.size() - 1, static_cast<Eigen::Index>(i));
+    if (run.quantities[i].name == quantity)
+      return run.values(run.time.size() - 1, static_cast<Eigen::Index>(i));
   throw std::logic_error("no quantity " + quantity);
 }
 
@@ -28,7 +29,8 @@ double last_of(const std::string& file, const std::string& quantity) {
 TEST(Beams, WhatIsSaidToBeOnTheTipGoesAlongWithTheTip) {
   const Folder folder;
   for (const std::string fidelity : {"ancf", "segments"}) {
-    const std::string file = folder.write("cantilever.toml", R"(
+    const std::string file = folder
+                                 .write("cantilever.toml", R"(
 gravity = [0, 0, 0]
 [solver]
 method = "quasi_statics"
@@ -59,7 +61,8 @@ type = "position"
 from = "ground"
 to = "b.arm"
 direction = [0, 0, 1]
-)").string();
+)")
+                                 .string();
     const std::string rows = (folder / "rows.h5");
     const Outcome outcome = run("flexura", {"simulate", file, "-o", rows, "--no-estimate"});
     ASSERT_EQ(outcome.exit_code, 0) << outcome.err;

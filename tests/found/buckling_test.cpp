@@ -78,7 +78,8 @@ TEST_F(Buckling, WithoutLoadsThereIsNothingToScale) {
 
 TEST_F(Buckling, WhatIsWeldedBucklesAtNoLoad) {
   std::string text = replaced(bar("", ""), "\"revolute\"", "\"fixed\"");
-  const nlohmann::json run = run_of(folder_.write("welded.toml", replaced(text, "[0, 0, 0]", "[0, 0, -100]")));
+  const nlohmann::json run =
+      run_of(folder_.write("welded.toml", replaced(text, "[0, 0, 0]", "[0, 0, -100]")));
   EXPECT_TRUE(run["modes"].empty());
   EXPECT_THAT(run["notes"].dump(), HasSubstr("nothing of the mechanism moves or deforms"));
 }

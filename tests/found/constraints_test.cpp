@@ -17,18 +17,18 @@
 namespace flexura {
 namespace {
 
+using test::Outcome;
+using test::run;
 using ::testing::AllOf;
 using ::testing::AnyOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
-using test::Outcome;
-using test::run;
 
 const std::string kFound = FLEXURA_SOURCE_DIR "/tests/found/";
 
 Outcome simulate(const std::string& file, const test::Folder& folder, const std::string& method = "ida") {
-  return run("flexura", {"simulate", kFound + file + ".toml", "-o", folder / "rows.h5", "--no-estimate", "--set",
-                         "solver.method=" + method});
+  return run("flexura", {"simulate", kFound + file + ".toml", "-o", folder / "rows.h5", "--no-estimate",
+                         "--set", "solver.method=" + method});
 }
 
 struct Refused {
@@ -48,7 +48,8 @@ TEST_P(RefusedBeforeTheFirstStep, NamesTheRows) {
 INSTANTIATE_TEST_SUITE_P(
     Constraints, RefusedBeforeTheFirstStep,
     ::testing::Values(
-        Refused{"rigid/gear_two_drives", {"\"g.ratio\"", "\"a.drive\"", "\"b.drive\"", "contradict", "1 rad/s"}},
+        Refused{"rigid/gear_two_drives",
+                {"\"g.ratio\"", "\"a.drive\"", "\"b.drive\"", "contradict", "1 rad/s"}},
         Refused{"rigid/two_drives_conflict", {"\"c.drive\"", "\"a.drive\"", "contradict", "1 rad/s"}},
         Refused{"rigid/two_motors_one_dof", {"\"A.drive\"", "\"D.drive\"", "\"C.", "contradict"}},
         Refused{"rigid/misaligned_rigid_fourbar", {"\"A.drive\"", "\"C.axis_", "contradict"}},
@@ -70,7 +71,8 @@ INSTANTIATE_TEST_SUITE_P(
         Refused{"constraints/two_sliders_skew_axis", {"\"r.rotation_y\" (", "cannot be met"}},
         Refused{"constraints/door_offset_1mm", {"\"h2.x\" (-0.001 m)"}},
         Refused{"constraints/bennett_off", {"\"j1\" ("}},
-        Refused{"constraints/distance_to_itself", {"\"d2.length\" (-1 m)", "cannot be met", "nothing can move"}},
+        Refused{"constraints/distance_to_itself",
+                {"\"d2.length\" (-1 m)", "cannot be met", "nothing can move"}},
         Refused{"constraints/weld_and_free", {"\"c.length\"", "cannot be met", "nothing can move"}}));
 
 struct Stopped {
@@ -111,7 +113,9 @@ INSTANTIATE_TEST_SUITE_P(
         Stopped{"constraints/misaligned_late", "runge_kutta", {"\"C.axis_", "contradict"}, 0.4},
         Stopped{"constraints/slider_driven_out_of_reach", "ida", {"\"S.drive\"", "locks"}, 0.62},
         Stopped{"constraints/slider_driven_out_of_reach", "radau", {"\"S.drive\"", "locks"}, 0.62},
-        Stopped{"constraints/fourbar_rocker_driven_too_far", "ida", {"\"D.drive\"", "locks"},
+        Stopped{"constraints/fourbar_rocker_driven_too_far",
+                "ida",
+                {"\"D.drive\"", "locks"},
                 2.0 * (std::numbers::pi - std::acos(0.64 / 0.96) - 1.9)}));
 
 struct Fits {
@@ -135,30 +139,28 @@ TEST_P(Runs, WithItsRedundantRowsReported) {
 }
 INSTANTIATE_TEST_SUITE_P(
     Constraints, Runs,
-    ::testing::Values(Fits{"rigid/door_two_hinges_rounding", "redundant", 5},
-                      Fits{"rigid/door_two_hinges_skew", "redundant", 5},
-                      Fits{"rigid/cam_false_misfit_n96", "redundant", 1},
-                      Fits{"constraints/coupler_compatible", "\"c.ratio\"", 1},
-                      Fits{"constraints/gear_compatible", "\"g.ratio\"", 1},
-                      Fits{"constraints/gear_ring4", "redundant", 1},
-                      Fits{"constraints/screw_compatible", "redundant", 5},
-                      Fits{"constraints/cam_nearly", "redundant", 1},
-                      Fits{"constraints/distance_twice", "redundant", 1},
-                      Fits{"constraints/parallelogram_flat_speeds", "redundant", 3},
-                      Fits{"constraints/parallelogram_flat_rest", "give speeds for \"A.speed\"", 3},
-                      Fits{"constraints/parallelogram_through", "redundant", 3},
-                      Fits{"constraints/parallelogram_through_driven", "redundant", 3},
-                      Fits{"constraints/fourbar_oblique", "redundant", 3},
-                      Fits{"constraints/fourbar_far", "redundant", 3},
-                      Fits{"constraints/fourbar_two_motors_agree", "redundant", 4},
-                      Fits{"constraints/two_drives_agree", "\"c.drive\"", 6},
-                      Fits{"constraints/two_sliders_driven_alike", "\"c.drive\"", 6},
-                      Fits{"constraints/misaligned_1e-9", "redundant", 3},
-                      Fits{"constraints/two_sliders_rounding", "redundant", 5},
-                      Fits{"constraints/revolute_cylindrical", "redundant", 4},
-                      Fits{"constraints/revolute_and_connection", "redundant", 3},
-                      Fits{"constraints/sarrus", "redundant", 1}, Fits{"constraints/bennett", "redundant", 3},
-                      Fits{"constraints/cardan_straight", "redundant", 1}));
+    ::testing::Values(
+        Fits{"rigid/door_two_hinges_rounding", "redundant", 5},
+        Fits{"rigid/door_two_hinges_skew", "redundant", 5},
+        Fits{"rigid/cam_false_misfit_n96", "redundant", 1},
+        Fits{"constraints/coupler_compatible", "\"c.ratio\"", 1},
+        Fits{"constraints/gear_compatible", "\"g.ratio\"", 1}, Fits{"constraints/gear_ring4", "redundant", 1},
+        Fits{"constraints/screw_compatible", "redundant", 5}, Fits{"constraints/cam_nearly", "redundant", 1},
+        Fits{"constraints/distance_twice", "redundant", 1},
+        Fits{"constraints/parallelogram_flat_speeds", "redundant", 3},
+        Fits{"constraints/parallelogram_flat_rest", "give speeds for \"A.speed\"", 3},
+        Fits{"constraints/parallelogram_through", "redundant", 3},
+        Fits{"constraints/parallelogram_through_driven", "redundant", 3},
+        Fits{"constraints/fourbar_oblique", "redundant", 3}, Fits{"constraints/fourbar_far", "redundant", 3},
+        Fits{"constraints/fourbar_two_motors_agree", "redundant", 4},
+        Fits{"constraints/two_drives_agree", "\"c.drive\"", 6},
+        Fits{"constraints/two_sliders_driven_alike", "\"c.drive\"", 6},
+        Fits{"constraints/misaligned_1e-9", "redundant", 3},
+        Fits{"constraints/two_sliders_rounding", "redundant", 5},
+        Fits{"constraints/revolute_cylindrical", "redundant", 4},
+        Fits{"constraints/revolute_and_connection", "redundant", 3},
+        Fits{"constraints/sarrus", "redundant", 1}, Fits{"constraints/bennett", "redundant", 3},
+        Fits{"constraints/cardan_straight", "redundant", 1}));
 
 // A four-bar whose driven crank is the joint that closes the loop moves as with the crank in the tree, for more than a
 // turn.
@@ -239,8 +241,13 @@ struct Immovable {
 class NothingCanMove : public ::testing::TestWithParam<Immovable> {};
 TEST_P(NothingCanMove, InEveryCommandThatReadsMechanisms) {
   const test::Folder folder;
-  for (const std::vector<std::string>& command : std::vector<std::vector<std::string>>{
-           {"check"}, {"assemble"}, {"statics"}, {"eigen"}, {"linearize", "-o", folder / "linear.m"}, {"simulate", "-o", folder / "rows.h5"}}) {
+  for (const std::vector<std::string>& command :
+       std::vector<std::vector<std::string>>{{"check"},
+                                             {"assemble"},
+                                             {"statics"},
+                                             {"eigen"},
+                                             {"linearize", "-o", folder / "linear.m"},
+                                             {"simulate", "-o", folder / "rows.h5"}}) {
     std::vector<std::string> arguments = command;
     arguments.insert(arguments.begin() + 1, kFound + GetParam().file + ".toml");
     const Outcome outcome = run("flexura", arguments);
@@ -251,18 +258,17 @@ TEST_P(NothingCanMove, InEveryCommandThatReadsMechanisms) {
     }
     EXPECT_EQ(outcome.exit_code, GetParam().fits ? 0 : 2) << command[0] << ": " << outcome.err;
     if (!GetParam().fits)
-      EXPECT_THAT(outcome.err, AllOf(HasSubstr("cannot be met"), HasSubstr("nothing can move"))) << command[0];
+      EXPECT_THAT(outcome.err, AllOf(HasSubstr("cannot be met"), HasSubstr("nothing can move")))
+          << command[0];
   }
 }
-INSTANTIATE_TEST_SUITE_P(Constraints, NothingCanMove,
-                         ::testing::Values(Immovable{"safe/overcon/a", true}, Immovable{"safe/overcon/b", true},
-                                           Immovable{"safe/overcon/fixedonly", true},
-                                           Immovable{"safe/overcon/four", false},
-                                           Immovable{"safe/overcon/l", false},
-                                           Immovable{"safe/overcon/overcon", false},
-                                           Immovable{"constraints/welds_loop", true},
-                                           Immovable{"constraints/all_driven", true},
-                                           Immovable{"constraints/driven_weld", true, true}));
+INSTANTIATE_TEST_SUITE_P(
+    Constraints, NothingCanMove,
+    ::testing::Values(Immovable{"safe/overcon/a", true}, Immovable{"safe/overcon/b", true},
+                      Immovable{"safe/overcon/fixedonly", true}, Immovable{"safe/overcon/four", false},
+                      Immovable{"safe/overcon/l", false}, Immovable{"safe/overcon/overcon", false},
+                      Immovable{"constraints/welds_loop", true}, Immovable{"constraints/all_driven", true},
+                      Immovable{"constraints/driven_weld", true, true}));
 
 }  // namespace
 }  // namespace flexura

@@ -68,8 +68,8 @@ TEST_F(DeckBeams, BeamsOfADeckVibrateAsBeamsDo) {
   for (int k = 0; k <= 12; ++k) text += fmt::format("GRID,{},,0.,{:.15g},0.\n", k + 1, k / 12.0);
   for (int k = 0; k < 12; ++k) text += fmt::format("CBAR,{},1,{},{},1.,0.,0.\n", k + 1, k + 1, k + 2);
   const Reduced r = reduce_deck(text + "ENDDATA\n",
-                           "[interface.a]\nby = \"nodes\"\nnodes = [1]\n[interface.b]\nby = \"nodes\"\n"
-                           "nodes = [13]\n[modes]\ncount = 4\n");
+                                "[interface.a]\nby = \"nodes\"\nnodes = [1]\n[interface.b]\nby = \"nodes\"\n"
+                                "nodes = [13]\n[modes]\ncount = 4\n");
   ASSERT_EQ(r.outcome.exit_code, 0) << r.outcome.err;
   const double scale = std::sqrt(2.1e11 * 4.908739e-10 / (7850 * 7.853982e-5)) / (2 * kPi);
   const VectorXd hz = clamped_hz(r.se);
@@ -89,8 +89,8 @@ TEST_F(DeckBeams, SpringsOfADeckAddTheirCompliance) {
   for (const std::string& springs : {bush, scalar}) {
     const Reduced r =
         reduce_deck(fmt::format(fmt::runtime(kBeamDeck), bars + springs),
-               "[interface.a]\nby = \"nodes\"\nnodes = [1]\n[interface.b]\nby = \"nodes\"\nnodes = [4]\n"
-               "[modes]\ncount = 2\n");
+                    "[interface.a]\nby = \"nodes\"\nnodes = [1]\n[interface.b]\nby = \"nodes\"\nnodes = [4]\n"
+                    "[modes]\ncount = 2\n");
     ASSERT_EQ(r.outcome.exit_code, 0) << r.outcome.err;
     VectorXd load = VectorXd::Zero(6);
     load(0) = 1.0;
@@ -117,9 +117,9 @@ TEST_F(DeckBeams, AbaqusBeamsMassesAndCouplings) {
       "SURFACE=FACE\n*KINEMATIC\n";
   const Reduced r =
       reduce_deck(deck,
-             "unit = \"m\"\n[interface.foot]\nby = \"plane\"\npoint = [0, 0, 0]\nnormal = [1, 0, 0]\n"
-             "[interface.knee]\nby = \"nodes\"\nnodes = [21]\n[modes]\ncount = 4\n",
-             {}, "deck.inp");
+                  "unit = \"m\"\n[interface.foot]\nby = \"plane\"\npoint = [0, 0, 0]\nnormal = [1, 0, 0]\n"
+                  "[interface.knee]\nby = \"nodes\"\nnodes = [21]\n[modes]\ncount = 4\n",
+                  {}, "deck.inp");
   ASSERT_EQ(r.outcome.exit_code, 0) << r.outcome.err;
   const double stay = std::hypot(0.5, 0.25);
   EXPECT_NEAR(r.se.inertia.mass, 7850 * (0.001 + 0.75 * 8e-4 + stay * 1e-4) + 3.0, 1e-9);
@@ -141,8 +141,8 @@ TEST_F(DeckBeams, StressesOfBeamsAreSaidToBeUnknown) {
   const Plate plate{.lx = 1.0, .ly = 1.0, .t = 0.01, .nx = 2, .ny = 2};
   const Reduced both =
       reduce_deck(plate.nastran("PBARL,9,1,,ROD\n,.02\nGRID,50,,1.5,0.5,0.\nCBAR,60,9,6,50,0.,1.,0.\n"),
-             "[interface.root]\n" + plate.edge([](int i, int) { return i == 0; }) +
-                 "[modes]\ncount = 2\n[recovery]\nstress = true\n");
+                  "[interface.root]\n" + plate.edge([](int i, int) { return i == 0; }) +
+                      "[modes]\ncount = 2\n[recovery]\nstress = true\n");
   ASSERT_EQ(both.outcome.exit_code, 0) << both.outcome.err;
   EXPECT_THAT(both.outcome.err, HasSubstr("warning: the stresses of 1 beam are not known"));
   EXPECT_EQ(both.se.stress->vertices.size(), 2u * 9);
@@ -150,7 +150,9 @@ TEST_F(DeckBeams, StressesOfBeamsAreSaidToBeUnknown) {
 
 // Where the deck gives directions in other axes: displacement axes (CD) of Nastran's nodes, a third node of Abaqus' beams.
 TEST_F(DeckBeams, DirectionsAreTakenInTheirAxes) {
-  const std::string ends = "[interface.a]\nby = \"nodes\"\nnodes = [1]\n[interface.b]\nby = \"nodes\"\nnodes = [2]\n[modes]\ncount = 2\n";
+  const std::string ends =
+      "[interface.a]\nby = \"nodes\"\nnodes = [1]\n[interface.b]\nby = \"nodes\"\nnodes = "
+      "[2]\n[modes]\ncount = 2\n";
   const auto same = [](const Reduced& a, const Reduced& b) {
     ASSERT_EQ(a.outcome.exit_code, 0) << a.outcome.err;
     ASSERT_EQ(b.outcome.exit_code, 0) << b.outcome.err;
@@ -159,25 +161,29 @@ TEST_F(DeckBeams, DirectionsAreTakenInTheirAxes) {
   };
   // Axis 1 of system 9 is y, axis 2 is -x; the second offset of 0.01 along y.
   const auto nastran = [](const std::string& system, const std::string& vector, const std::string& offset) {
-    return "BEGIN BULK\nMAT1,1,2.1+11,,0.3,7850.\nPBARL,1,1,,BAR\n,0.03,0.05\nCORD2R,9,,0.,0.,0.,0.,0.,1.\n,0.,1.,0.\nGRID,1,,0.,0.,0.," +
-           system + "\nGRID,2,,1.,0.,0.," + system + "\nGRID,3,,.5,0.,0.," + system + "\nCBAR,1,1,1,3," + vector + "\nCBAR,2,1,3,2," + vector +
-           "\n,,,0.,0.,0.," + offset + "\nENDDATA\n";
+    return "BEGIN "
+           "BULK\nMAT1,1,2.1+11,,0.3,7850.\nPBARL,1,1,,BAR\n,0.03,0.05\nCORD2R,9,,0.,0.,0.,0.,0.,1.\n,0.,1.,"
+           "0.\nGRID,1,,0.,0.,0.," +
+           system + "\nGRID,2,,1.,0.,0.," + system + "\nGRID,3,,.5,0.,0.," + system + "\nCBAR,1,1,1,3," +
+           vector + "\nCBAR,2,1,3,2," + vector + "\n,,,0.,0.,0.," + offset + "\nENDDATA\n";
   };
-  same(reduce_deck(nastran("", "0.,1.,0.", "0.,.01,0."), ends), reduce_deck(nastran("9", "1.,0.,0.", ".01,0.,0."), ends));
+  same(reduce_deck(nastran("", "0.,1.,0.", "0.,.01,0."), ends),
+       reduce_deck(nastran("9", "1.,0.,0.", ".01,0.,0."), ends));
   const auto abaqus = [](const std::string& third, const std::string& n1) {
-    return "*NODE\n1, 0,0,0\n2, 1,0,0\n3, .5,0,0\n9, 0.,1.,0.\n*ELEMENT, TYPE=B31, ELSET=B\n1, 1,3" + third + "\n2, 3,2" + third +
-           "\n*BEAM SECTION, ELSET=B, MATERIAL=S, SECTION=RECT\n.05,.03\n" + n1 +
+    return "*NODE\n1, 0,0,0\n2, 1,0,0\n3, .5,0,0\n9, 0.,1.,0.\n*ELEMENT, TYPE=B31, ELSET=B\n1, 1,3" + third +
+           "\n2, 3,2" + third + "\n*BEAM SECTION, ELSET=B, MATERIAL=S, SECTION=RECT\n.05,.03\n" + n1 +
            "*MATERIAL, NAME=S\n*ELASTIC\n2.1E11,.3\n*DENSITY\n7850.\n";
   };
   same(reduce_deck(abaqus("", "0.,1.,0.\n"), "unit = \"m\"\n" + ends, {}, "deck.inp"),
        reduce_deck(abaqus(",9", ""), "unit = \"m\"\n" + ends, {}, "deck.inp"));
   // A system of coordinates: its x is y, its origin (1, 2, 3).
-  const Reduced moved = reduce_deck("*SYSTEM\n1.,2.,3., 1.,3.,3., 0.,2.,3.\n" + abaqus("", "1.,0.,0.\n"), "unit = \"m\"\n" + ends, {},
-                                    "deck.inp");
+  const Reduced moved = reduce_deck("*SYSTEM\n1.,2.,3., 1.,3.,3., 0.,2.,3.\n" + abaqus("", "1.,0.,0.\n"),
+                                    "unit = \"m\"\n" + ends, {}, "deck.inp");
   ASSERT_EQ(moved.outcome.exit_code, 0) << moved.outcome.err;
   EXPECT_LT((moved.se.interfaces[1].p_BoN_B - Eigen::Vector3d(1, 3, 3)).norm(), 1e-12);
   for (const char* keyword : {"*NGEN", "*ELGEN", "*NFILL", "*ELCOPY"}) {
-    const Reduced made = reduce_deck(abaqus("", "0.,1.,0.\n") + keyword + "\n1, 2\n", "unit = \"m\"\n" + ends, {}, "deck.inp");
+    const Reduced made =
+        reduce_deck(abaqus("", "0.,1.,0.\n") + keyword + "\n1, 2\n", "unit = \"m\"\n" + ends, {}, "deck.inp");
     EXPECT_EQ(made.outcome.exit_code, 2) << keyword;
     EXPECT_THAT(made.outcome.err, HasSubstr("write the deck out with all its nodes and elements"));
   }
@@ -188,9 +194,11 @@ TEST_F(DeckBeams, DirectionsAreTakenInTheirAxes) {
 TEST_F(DeckBeams, ABodyThatHingesWithinItselfHasAMechanism) {
   std::string text = "BEGIN BULK\nMAT1,1,2.1+11,,0.3,7850.\nPBAR,1,1,1.5-3,3.125-7,1.125-7,1.-7\n";
   for (int k = 0; k <= 8; ++k) text += fmt::format("GRID,{},,{},0.,0.\n", k + 1, k / 8.0);
-  for (int k = 0; k < 8; ++k) text += fmt::format("CBAR,{},1,{},{},0.,1.,0.{}\n", k + 1, k + 1, k + 2, k == 4 ? ",,6" : "");
+  for (int k = 0; k < 8; ++k)
+    text += fmt::format("CBAR,{},1,{},{},0.,1.,0.{}\n", k + 1, k + 1, k + 2, k == 4 ? ",,6" : "");
   const Reduced r = reduce_deck(text + "ENDDATA\n",
-                                "[interface.a]\nby = \"nodes\"\nnodes = [1]\n[interface.b]\nby = \"nodes\"\nnodes = [9]\n[modes]\ncount = 8\n");
+                                "[interface.a]\nby = \"nodes\"\nnodes = [1]\n[interface.b]\nby = "
+                                "\"nodes\"\nnodes = [9]\n[modes]\ncount = 8\n");
   ASSERT_EQ(r.outcome.exit_code, 0) << r.outcome.err;
   const Outcome shown = run("flexura", {"modes", output(), "--json"});
   ASSERT_EQ(shown.exit_code, 0) << shown.err;
@@ -203,7 +211,9 @@ TEST_F(DeckBeams, ABodyThatHingesWithinItselfHasAMechanism) {
   EXPECT_NEAR(fold.u_se.dot(r.se.M_se * fold.u_se), 1.0, 1e-9);
   // Both ends turn by opposite angles.
   EXPECT_NEAR(fold.u_se(5) / fold.u_se(11), -1.0, 1e-6);
-  EXPECT_NEAR(modes.modes[7].frequency_hz / (22.373 / (2 * kPi) * std::sqrt(2.1e11 * 1.125e-7 / (7850 * 1.5e-3))), 1.0, 5e-3);
+  EXPECT_NEAR(
+      modes.modes[7].frequency_hz / (22.373 / (2 * kPi) * std::sqrt(2.1e11 * 1.125e-7 / (7850 * 1.5e-3))),
+      1.0, 5e-3);
   EXPECT_THAT(run("flexura", {"check", output()}).out, HasSubstr("mechanisms"));
   // Whichever way round-off leaves its stiffness.
   for (const double way : {-1.0, 1.0}) {
@@ -218,10 +228,12 @@ TEST_F(DeckBeams, ABodyThatHingesWithinItselfHasAMechanism) {
 // rotation that is retained has nothing to it, and is named.
 TEST_F(DeckBeams, RotationsThatNothingHoldsAreNoObstacle) {
   const std::string pinned =
-      "BEGIN BULK\nMAT1,1,2.1+11,,0.3,7850.\nPBAR,1,1,1.5-3,3.125-7,1.125-7,1.-7\nGRID,1,,0.,0.,0.\nGRID,2,,.6,.8,0.\nGRID,3,,.3,.4,0.\n"
+      "BEGIN "
+      "BULK\nMAT1,1,2.1+11,,0.3,7850.\nPBAR,1,1,1.5-3,3.125-7,1.125-7,1.-7\nGRID,1,,0.,0.,0.\nGRID,2,,.6,.8,"
+      "0.\nGRID,3,,.3,.4,0.\n"
       "CBAR,1,1,1,3,0.,0.,1.\nCBAR,2,1,3,2,0.,0.,1.,,,56\nENDDATA\n";
-  const std::string a = "[interface.a]\nby = \"nodes\"\nnodes = [1]\n", b = "[interface.b]\nby = \"nodes\"\nnodes = [2]\n",
-                    count = "[modes]\ncount = 2\n";
+  const std::string a = "[interface.a]\nby = \"nodes\"\nnodes = [1]\n",
+                    b = "[interface.b]\nby = \"nodes\"\nnodes = [2]\n", count = "[modes]\ncount = 2\n";
   const Reduced r = reduce_deck(pinned, a + b + "directions = [\"x\", \"y\", \"z\"]\n" + count);
   ASSERT_EQ(r.outcome.exit_code, 0) << r.outcome.err;
   // y of the element is z: I_1 resists there.  Along (-0.8, 0.6) it is I_2.
@@ -231,7 +243,9 @@ TEST_F(DeckBeams, RotationsThatNothingHoldsAreNoObstacle) {
   EXPECT_NEAR(across.dot(r.se.K_se.block<2, 2>(first, first) * across) / (3 * 2.1e11 * 1.125e-7), 1.0, 1e-9);
   const Reduced turned = reduce_deck(pinned, a + b + count);
   EXPECT_EQ(turned.outcome.exit_code, 2);
-  EXPECT_THAT(turned.outcome.err, testing::ContainsRegex("interface 'b': its rotation about [yz] has neither stiffness nor mass"));
+  EXPECT_THAT(
+      turned.outcome.err,
+      testing::ContainsRegex("interface 'b': its rotation about [yz] has neither stiffness nor mass"));
 }
 
 // Without interfaces the nodes of a straight bar do not say how it turns about itself; their rotations do.
@@ -241,7 +255,9 @@ TEST_F(DeckBeams, AFreeStraightBarIsReduced) {
   const superelement::ModeAnalysis modes = superelement::natural_modes(r.se, {});
   EXPECT_EQ(modes.n_rigid, 6);
   // 30 mm thick, 1 m long: shear and rotary inertia take 0.4 %.
-  EXPECT_NEAR(modes.modes[6].frequency_hz / (22.373 / (2 * kPi) * std::sqrt(2.1e11 * 1.125e-7 / (7850 * 1.5e-3))), 1.0, 8e-3);
+  EXPECT_NEAR(
+      modes.modes[6].frequency_hz / (22.373 / (2 * kPi) * std::sqrt(2.1e11 * 1.125e-7 / (7850 * 1.5e-3))),
+      1.0, 8e-3);
 }
 
 // Numbers of elements are theirs alone: what is given twice would count twice.

@@ -34,14 +34,18 @@ TEST_F(DeckDirections, FibresThatRunAroundAreTheSameFromEverywhere) {
     for (int i = 0; i < n; ++i)
       for (int k = 0; k < 4; ++k) {
         const double a = start + 2 * std::numbers::pi * i / n, r = k % 2 ? 0.13 : 0.1;
-        text += fmt::format("{}, {:.15g}, {:.15g}, {}\n", 4 * i + k + 1, r * std::cos(a), r * std::sin(a), k < 2 ? 0.0 : 0.02);
+        text += fmt::format("{}, {:.15g}, {:.15g}, {}\n", 4 * i + k + 1, r * std::cos(a), r * std::sin(a),
+                            k < 2 ? 0.0 : 0.02);
       }
     text += "*ELEMENT, TYPE=C3D8, ELSET=E\n";
     for (int i = 0; i < n; ++i) {
       const int a = 4 * i + 1, b = 4 * ((i + 1) % n) + 1;
-      text += fmt::format("{}, {},{},{},{}, {},{},{},{}\n", i + 1, a, a + 1, b + 1, b, a + 2, a + 3, b + 3, b + 2);
+      text += fmt::format("{}, {},{},{},{}, {},{},{},{}\n", i + 1, a, a + 1, b + 1, b, a + 2, a + 3, b + 3,
+                          b + 2);
     }
-    return text + orientation + "*SOLID SECTION, ELSET=E, MATERIAL=W, ORIENTATION=O\n*MATERIAL, NAME=W\n*ELASTIC, TYPE=ENGINEERING CONSTANTS\n"
+    return text + orientation +
+           "*SOLID SECTION, ELSET=E, MATERIAL=W, ORIENTATION=O\n*MATERIAL, NAME=W\n*ELASTIC, "
+           "TYPE=ENGINEERING CONSTANTS\n"
            "1.E9, 1.E10, 2.E9, .03, .1, .2, 5.E8, 9.E8\n7.E8\n*DENSITY\n500.\n";
   };
   const auto hz = [&](const std::string& deck) {
@@ -57,8 +61,9 @@ TEST_F(DeckDirections, FibresThatRunAroundAreTheSameFromEverywhere) {
   const Eigen::VectorXd along = hz(ring(0.0, straight)), across = hz(ring(0.5, straight));
   EXPECT_GT((along - across).norm(), 1e-4 * along.norm());
   // Turned by 90 degrees about the axis, 1 runs around and 2 outwards.
-  const std::string turned = replaced(ring(0.0, cylinder + "3, 90.\n"), "1.E9, 1.E10, 2.E9, .03, .1, .2, 5.E8, 9.E8\n7.E8",
-                                      "1.E10, 1.E9, 2.E9, .3, .2, .1, 5.E8, 7.E8\n9.E8");
+  const std::string turned =
+      replaced(ring(0.0, cylinder + "3, 90.\n"), "1.E9, 1.E10, 2.E9, .03, .1, .2, 5.E8, 9.E8\n7.E8",
+               "1.E10, 1.E9, 2.E9, .3, .2, .1, 5.E8, 7.E8\n9.E8");
   EXPECT_LT((here - hz(turned)).norm(), 1e-7 * here.norm());
 }
 
@@ -69,13 +74,15 @@ TEST_F(DeckDirections, ALaminaIsStiffAlongItsFibres) {
   const double l = 2.0, b = 0.5, t = 0.01, E1 = 135e9, E2 = 10e9, nu = 0.3, G = 5e9;
   const Plate plate{.lx = l, .ly = b, .t = t, .nx = 8, .ny = 1};
   const std::string kMean = "tie = \"average\"\ndirections = [\"x\", \"y\", \"z\"]\n";
-  const std::string ends = "[interface.a]\n" + plate.edge([](int i, int) { return i == 0; }) + kMean + "[interface.b]\n" +
-                           plate.edge([](int i, int) { return i == 8; }) + kMean + "[modes]\ncount = 2\n";
+  const std::string ends = "[interface.a]\n" + plate.edge([](int i, int) { return i == 0; }) + kMean +
+                           "[interface.b]\n" + plate.edge([](int i, int) { return i == 8; }) + kMean +
+                           "[modes]\ncount = 2\n";
   const auto compliance = [&](const Reduced& r) {
     EXPECT_EQ(r.outcome.exit_code, 0) << r.outcome.err;
     // The interfaces leave the turn about x free, so that a third one holds the body's mean motion: it is let go here.
     Eigen::MatrixXd K(7, 7);
-    K << r.se.K_se.block(3, 3, 1, 1), r.se.K_se.block(3, 6, 1, 6), r.se.K_se.block(6, 3, 6, 1), r.se.K_se.block(6, 6, 6, 6);
+    K << r.se.K_se.block(3, 3, 1, 1), r.se.K_se.block(3, 6, 1, 6),  //
+        r.se.K_se.block(6, 3, 6, 1), r.se.K_se.block(6, 6, 6, 6);
     return Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd>(K).pseudoInverse().eval()(0, 0);
   };
   const auto exact = [&](double degrees) {
@@ -93,25 +100,40 @@ TEST_F(DeckDirections, ALaminaIsStiffAlongItsFibres) {
   };
   const std::string shell = fmt::format("PSHELL,1,1,{},1,,1", t);
   for (const double angle : {0.0, 90.0}) {
-    EXPECT_NEAR(compliance(reduce_deck(nastran(fmt::format("{}.", angle), shell, ""), ends)), exact(angle), 1e-6 * exact(angle)) << angle;
+    EXPECT_NEAR(compliance(reduce_deck(nastran(fmt::format("{}.", angle), shell, ""), ends)), exact(angle),
+                1e-6 * exact(angle))
+        << angle;
     // Layers of one material in one direction are one layer.
-    EXPECT_NEAR(compliance(reduce_deck(nastran("0.", fmt::format("PCOMP,1,,,,,,,SYM\n,1,{},{}.,,1,{},{}.", t / 4, angle, t / 4, angle), ""), ends)),
-                exact(angle), 1e-6 * exact(angle)) << angle;
+    EXPECT_NEAR(
+        compliance(reduce_deck(
+            nastran("0.", fmt::format("PCOMP,1,,,,,,,SYM\n,1,{},{}.,,1,{},{}.", t / 4, angle, t / 4, angle),
+                    ""),
+            ends)),
+        exact(angle), 1e-6 * exact(angle))
+        << angle;
   }
   // MCID whose x axis is the plate's y.
-  EXPECT_NEAR(compliance(reduce_deck(nastran("7", shell, "CORD2R,7,0,0.,0.,0.,0.,0.,1.\n,0.,1.,0.\n"), ends)), exact(90), 1e-6 * exact(90));
-  const Reduced layers = reduce_deck(nastran("0.", fmt::format("PCOMP,1\n,1,{},0.,,1,{},90.", t / 2, t / 2), ""), ends);
+  EXPECT_NEAR(compliance(reduce_deck(nastran("7", shell, "CORD2R,7,0,0.,0.,0.,0.,0.,1.\n,0.,1.,0.\n"), ends)),
+              exact(90), 1e-6 * exact(90));
+  const Reduced layers =
+      reduce_deck(nastran("0.", fmt::format("PCOMP,1\n,1,{},0.,,1,{},90.", t / 2, t / 2), ""), ends);
   EXPECT_EQ(layers.outcome.exit_code, 2);
-  EXPECT_THAT(layers.outcome.err, HasSubstr("PCOMP 1 has layers of different materials or directions, which are not read"));
+  EXPECT_THAT(layers.outcome.err,
+              HasSubstr("PCOMP 1 has layers of different materials or directions, which are not read"));
   // Abaqus: LAMINA, directions by ORIENTATION, whose axis 2 is laid into the shell where the turn is about 1, and 1 where it is about 3.
   const auto abaqus = [&](const std::string& orientation, const std::string& parameter) {
     std::string deck = replaced(plate.abaqus(), "MATERIAL=STEEL\n", "MATERIAL=STEEL" + parameter + "\n");
-    deck = replaced(deck, fmt::format("*ELASTIC\n{:.9e}, {}\n", plate.E, plate.nu), "*ELASTIC, TYPE=LAMINA\n1.35E11, 1.E10, .3, 5.E9, 5.E9, 5.E9\n");
+    deck = replaced(deck, fmt::format("*ELASTIC\n{:.9e}, {}\n", plate.E, plate.nu),
+                    "*ELASTIC, TYPE=LAMINA\n1.35E11, 1.E10, .3, 5.E9, 5.E9, 5.E9\n");
     return replaced(deck, "*SHELL SECTION", orientation + "*SHELL SECTION");
   };
   EXPECT_NEAR(compliance(reduce_inp(abaqus("", ""), ends)), exact(0), 1e-6 * exact(0));
-  EXPECT_NEAR(compliance(reduce_inp(abaqus("*ORIENTATION, NAME=O\n1.,0.,0., 0.,1.,0.\n3, 90.\n", ", ORIENTATION=O"), ends)), exact(90), 1e-6 * exact(90));
-  EXPECT_NEAR(compliance(reduce_inp(abaqus("*ORIENTATION, NAME=O\n1.,0.,0., 0.,1.,0.\n", ", ORIENTATION=O"), ends)), exact(90), 1e-6 * exact(90));
+  EXPECT_NEAR(compliance(reduce_inp(
+                  abaqus("*ORIENTATION, NAME=O\n1.,0.,0., 0.,1.,0.\n3, 90.\n", ", ORIENTATION=O"), ends)),
+              exact(90), 1e-6 * exact(90));
+  EXPECT_NEAR(
+      compliance(reduce_inp(abaqus("*ORIENTATION, NAME=O\n1.,0.,0., 0.,1.,0.\n", ", ORIENTATION=O"), ends)),
+      exact(90), 1e-6 * exact(90));
 }
 
 }  // namespace

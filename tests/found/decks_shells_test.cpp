@@ -55,8 +55,8 @@ TEST_F(DeckShells, NafemsFV12FreeThinSquarePlate) {
   const double published[] = {1.622, 2.360, 2.922, 4.233, 4.233, 7.416};
   ASSERT_EQ(hz.size(), 6u);
   for (std::size_t k = 0; k < 6; ++k)
-    expect_reference(fmt::format("free square plate of 12 x 12 shells, mode {}", k + 1), "Hz", hz[k], published[k],
-                     0.02 * published[k], {"NAFEMS FV12", "two per cent: the mesh"});
+    expect_reference(fmt::format("free square plate of 12 x 12 shells, mode {}", k + 1), "Hz", hz[k],
+                     published[k], 0.02 * published[k], {"NAFEMS FV12", "two per cent: the mesh"});
 }
 
 TEST_F(DeckShells, NafemsFV16CantileveredThinSquarePlate) {
@@ -76,10 +76,11 @@ TEST_F(DeckShells, NafemsFV16CantileveredThinSquarePlate) {
       before = worst;
       if (n == 16)
         for (int k = 0; k < 6; ++k)
-          expect_reference(fmt::format("cantilevered plate of 16 x 16 {}, mode {}",
-                                       cells == Cells::triangles ? "pairs of triangles" : "quadrilaterals", k + 1),
-                           "Hz", hz(k), published[k], 0.012 * published[k],
-                           {"NAFEMS FV16", "the references' own: 0.418 by series (Leissa) for 0.421"});
+          expect_reference(
+              fmt::format("cantilevered plate of 16 x 16 {}, mode {}",
+                          cells == Cells::triangles ? "pairs of triangles" : "quadrilaterals", k + 1),
+              "Hz", hz(k), published[k], 0.012 * published[k],
+              {"NAFEMS FV16", "the references' own: 0.418 by series (Leissa) for 0.421"});
     }
     EXPECT_LT(before, 0.012);  // the references' own: 0.418 by series (A. W. Leissa) for 0.421
   }
@@ -102,11 +103,11 @@ TEST_F(DeckShells, NafemsFV15AndFV22ClampedRhombicPlates) {
       const VectorXd hz = clamped_hz(r.se);
       for (int k = 0; k < (is_thick ? 5 : 6); ++k)
         expect_reference(fmt::format("clamped {} rhombic plate, {}, mode {}", is_thick ? "thick" : "thin",
-                                           cells == Cells::triangles ? "triangles" : "quadrilaterals", k + 1),
-                               "Hz", hz(k), is_thick ? thick[k] : thin[k],
-                               (is_thick ? 0.07 : 0.045) * (is_thick ? thick[k] : thin[k]),
-                               {is_thick ? "NAFEMS FV22" : "NAFEMS FV15",
-                                "another program's shells on the benchmark's meshes differ by as much"});
+                                     cells == Cells::triangles ? "triangles" : "quadrilaterals", k + 1),
+                         "Hz", hz(k), is_thick ? thick[k] : thin[k],
+                         (is_thick ? 0.07 : 0.045) * (is_thick ? thick[k] : thin[k]),
+                         {is_thick ? "NAFEMS FV22" : "NAFEMS FV15",
+                          "another program's shells on the benchmark's meshes differ by as much"});
     }
 }
 
@@ -129,8 +130,8 @@ TEST_F(DeckShells, StressesOfABentStripStandOnBothSkins) {
     const Plate strip{.lx = 1.0, .ly = 0.2, .t = 0.02, .nu = 0.0, .nx = 5, .ny = 2, .cells = cells};
     const Reduced r =
         reduce_deck(strip.nastran(), "[interface.a]\n" + strip.edge([](int i, int) { return i == 0; }) +
-                                    "[interface.b]\n" + strip.edge([](int i, int) { return i == 5; }) +
-                                    "[modes]\ncount = 2\n[recovery]\nstress = true\n");
+                                         "[interface.b]\n" + strip.edge([](int i, int) { return i == 5; }) +
+                                         "[modes]\ncount = 2\n[recovery]\nstress = true\n");
     ASSERT_EQ(r.outcome.exit_code, 0) << r.outcome.err;
     ASSERT_TRUE(r.se.stress);
     VectorXd load = VectorXd::Zero(6);
@@ -171,9 +172,9 @@ TEST_F(DeckShells, PointMassesHangOnShells) {
 // Mass per area beside the sheet's own.
 TEST_F(DeckShells, NonstructuralMassOfShellsCounts) {
   const Plate plate{.lx = 2.0, .ly = 1.0, .t = 0.1, .nx = 4, .ny = 2};
-  const Reduced r =
-      reduce_deck(replaced(plate.nastran(), "PSHELL,1,1,0.1,1,,1\n", "PSHELL,1,1,0.1,1,,1,,3.5\n"),
-             "[interface.root]\n" + plate.edge([](int i, int) { return i == 0; }) + "[modes]\ncount = 3\n");
+  const Reduced r = reduce_deck(
+      replaced(plate.nastran(), "PSHELL,1,1,0.1,1,,1\n", "PSHELL,1,1,0.1,1,,1,,3.5\n"),
+      "[interface.root]\n" + plate.edge([](int i, int) { return i == 0; }) + "[modes]\ncount = 3\n");
   ASSERT_EQ(r.outcome.exit_code, 0) << r.outcome.err;
   EXPECT_NEAR(r.se.inertia.mass, plate.mass() + 7.0, 1e-9);
 }

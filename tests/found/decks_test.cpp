@@ -32,10 +32,10 @@ TEST_F(Decks, SolidsShellsAndBeamsMakeOneBody) {
       "13,14\n"
       "GRID,20,,0.1,0.05,0.05\nRBE2,30,20,123456,2,3,6,7,11,14\n"
       "GRID,21,,1.,0.,.05\nCBAR,3,3,12,21,0.,1.,0.\nENDDATA\n";
-  const Reduced r =
-      reduce_deck(text,
-             "[interface.foot]\nby = \"plane\"\npoint = [0, 0, 0]\nnormal = [1, 0, 0]\n[interface.tip]\nby = "
-             "\"nodes\"\nnodes = [21]\n[modes]\ncount = 5\n");
+  const Reduced r = reduce_deck(
+      text,
+      "[interface.foot]\nby = \"plane\"\npoint = [0, 0, 0]\nnormal = [1, 0, 0]\n[interface.tip]\nby = "
+      "\"nodes\"\nnodes = [21]\n[modes]\ncount = 5\n");
   ASSERT_EQ(r.outcome.exit_code, 0) << r.outcome.err;
   EXPECT_NEAR(r.se.inertia.mass, 7850 * (0.001 + 0.3 * 0.1 * 0.01 + 0.6 * kPi * 1e-4), 1e-9);
   EXPECT_THAT(r.outcome.out, HasSubstr("1 beams and rods"));
@@ -59,8 +59,8 @@ TEST_F(Decks, MeshesAreWrittenForOtherPrograms) {
   reduce_deck(deck, foot, {"--mesh", (folder_ / "again.msh").string()});
   for (const std::string name : {"again.inp", "again.msh"}) {
     // The deck has its materials, the mesh has none.
-    const Reduced again = reduce_deck(read_text(folder_ / name),
-                                 "unit = \"m\"\n" + (name == "again.inp" ? "" : material) + foot, {}, name);
+    const Reduced again = reduce_deck(
+        read_text(folder_ / name), "unit = \"m\"\n" + (name == "again.inp" ? "" : material) + foot, {}, name);
     ASSERT_EQ(again.outcome.exit_code, 0) << again.outcome.err;
     EXPECT_NEAR(again.se.inertia.mass, first.se.inertia.mass, 1e-9);
     EXPECT_LT((again.se.omega2 - first.se.omega2).norm(), 1e-8 * first.se.omega2.norm()) << name;
@@ -76,7 +76,8 @@ TEST_F(Decks, WhatIsNotReadIsListedOrRefused) {
   const Plate plate{.lx = 1.0, .ly = 1.0, .t = 0.01, .nx = 2, .ny = 2};
   const std::string root =
       "[interface.root]\n" + plate.edge([](int i, int) { return i == 0; }) + "[modes]\ncount = 1\n";
-  const Reduced listed = reduce_deck(plate.nastran("PLOAD4,1,1,2.\nPLOAD4,1,2,2.\nCELAS2,77,1.+3,5,3\n"), root);
+  const Reduced listed =
+      reduce_deck(plate.nastran("PLOAD4,1,1,2.\nPLOAD4,1,2,2.\nCELAS2,77,1.+3,5,3\n"), root);
   ASSERT_EQ(listed.outcome.exit_code, 0) << listed.outcome.err;
   EXPECT_THAT(listed.outcome.out, HasSubstr("2 cards PLOAD4"));
   EXPECT_THAT(listed.outcome.out, HasSubstr("CELAS2 to the ground"));

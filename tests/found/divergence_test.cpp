@@ -46,9 +46,10 @@ void expect_kept(const Folder& folder, const std::string& reason) {
 // The centre of mass stays where it is: no speed of a place tells, and the energy leaves the numbers.
 TEST(Divergence, ADriveThatLeavesTheNumbersEndsTheRun) {
   const Folder folder;
-  folder.write("spin.toml", "[body.a]\nmass = 1\ninertia = [1, 1, 1]\n[joint.j]\ntype = \"revolute\"\nfrom = "
-                            "\"ground\"\nto = \"a\"\ndrive_speed = \"exp(1e6*t)\"\n[solver]\nend_time = "
-                            "0.0004\noutput_step = 0.00002\n");
+  folder.write("spin.toml",
+               "[body.a]\nmass = 1\ninertia = [1, 1, 1]\n[joint.j]\ntype = \"revolute\"\nfrom = "
+               "\"ground\"\nto = \"a\"\ndrive_speed = \"exp(1e6*t)\"\n[solver]\nend_time = "
+               "0.0004\noutput_step = 0.00002\n");
   const Outcome outcome = simulate(folder, "spin.toml");
   EXPECT_EQ(outcome.exit_code, 1) << outcome.out << outcome.err;
   EXPECT_THAT(outcome.err, HasSubstr("beyond all numbers"));
@@ -158,8 +159,9 @@ to = "b.tip"
     EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
     return outcome.out + outcome.err;
   };
-  EXPECT_THAT(said("fixed", ""), AllOf(HasSubstr("body \"b\" is held where its bending"), HasSubstr("by 0.000138 m"),
-                                       HasSubstr("a tension of 1.45e+04 N"), HasSubstr("about 16 % more stiffness")));
+  EXPECT_THAT(said("fixed", ""),
+              AllOf(HasSubstr("body \"b\" is held where its bending"), HasSubstr("by 0.000138 m"),
+                    HasSubstr("a tension of 1.45e+04 N"), HasSubstr("about 16 % more stiffness")));
   EXPECT_THAT(said("prismatic", ""), Not(HasSubstr("is held where")));
   // Held by a spring as stiff as the beam is along itself, E A / L = 1.05e8 N/m: half of it.
   EXPECT_THAT(said("prismatic", R"([force.s]

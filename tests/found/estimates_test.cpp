@@ -65,7 +65,8 @@ TEST_F(Estimates, RowsThatMissALoadJudgeNoMode) {
   EXPECT_THAT(missed.text.out, Not(HasSubstr(": ;")));
   near.push_back("solver.output_step=\"1 ms\"");
   const Run seen = simulate(
-      folder_.write("push.toml", replaced(text, "t>0.5 && t<0.501 ? 200*sin(pi*(t-0.5)/0.001)^2 : 0", "2*sin(20*t)")),
+      folder_.write("push.toml",
+                    replaced(text, "t>0.5 && t<0.501 ? 200*sin(pi*(t-0.5)/0.001)^2 : 0", "2*sin(20*t)")),
       near);
   EXPECT_FALSE(seen.has_unknown("modes", "bar"));
 }
@@ -123,8 +124,7 @@ TEST_F(Estimates, QuantitiesThatAreZeroAreNotAHundredPercentWrong) {
   const std::filesystem::path from = kFound / "flex/estimate_zero";
   for (const char* const bar : {"bar1", "bar2", "bar3"}) reduce(from / (std::string(bar) + ".toml"));
   std::filesystem::copy_file(from / "fb_5.toml", folder_ / "fb_5.toml");
-  const Run run =
-      simulate(folder_ / "fb_5.toml", {"solver.end_time=0.5", "parameters.W=2"});
+  const Run run = simulate(folder_ / "fb_5.toml", {"solver.end_time=0.5", "parameters.W=2"});
   EXPECT_LT(run.estimate.at("at_least").get<double>(), 0.05) << run.text.out;
 }
 

@@ -99,7 +99,8 @@ TEST_P(Events, ALateImpulseRingsAsOneAtTheStart) {
 }
 
 std::string slide(const std::string& start, const std::string& more) {
-  return "gravity = [0, 0, 0]\n[body.m]\nmass = 1\ninertia = [1, 1, 1]\n[joint.s]\ntype = \"prismatic\"\nfrom = "
+  return "gravity = [0, 0, 0]\n[body.m]\nmass = 1\ninertia = [1, 1, 1]\n[joint.s]\ntype = "
+         "\"prismatic\"\nfrom = "
          "\"ground\"\nto = \"m\"\n" +
          start + more + "[output]\nquantities = [\"s.*\"]\n";
 }
@@ -111,11 +112,12 @@ std::string force(const std::string& value) {
 // k w^2 = 100 J make 10 m/s to sqrt(300) m/s.
 TEST_P(Events, AShortBumpAlongTheWayIsNotSteppedOver) {
   const Folder folder;
-  const std::string table = "[table.bump]\nx = [4.99, 5, 5.01]\ny = [0, 1e4, 0]\ninterpolation = \"linear\"\n";
+  const std::string table =
+      "[table.bump]\nx = [4.99, 5, 5.01]\ny = [0, 1e4, 0]\ninterpolation = \"linear\"\n";
   int number = 0;
-  for (const std::string& law :
-       {force("1e6*max(0, 0.01 - abs(s.position - 5))"),
-        force("max(0, min(1e6*(s.position - 4.99), 1e6*(5.01 - s.position)))"), table + force("bump(s.position)")}) {
+  for (const std::string& law : {force("1e6*max(0, 0.01 - abs(s.position - 5))"),
+                                 force("max(0, min(1e6*(s.position - 4.99), 1e6*(5.01 - s.position)))"),
+                                 table + force("bump(s.position)")}) {
     const auto scene = folder.write(std::to_string(++number) + ".toml", slide("speed = 10\n", law));
     const Eigen::VectorXd speed = values(simulated(folder, scene, GetParam()), "s.speed");
     // 1e-6 a step, of some dozens of steps.
@@ -127,8 +129,9 @@ TEST_P(Events, AShortBumpAlongTheWayIsNotSteppedOver) {
 TEST_P(Events, WhatComesToRestAtAKinkGoesOn) {
   const Folder folder;
   const auto scene = folder.write(
-      "m.toml", slide("position = 1e-3\n",
-                      force("-40*max(s.position, 0) - 90*min(s.position, 0) - 4*s.speed - s.speed*abs(s.speed)")));
+      "m.toml",
+      slide("position = 1e-3\n",
+            force("-40*max(s.position, 0) - 90*min(s.position, 0) - 4*s.speed - s.speed*abs(s.speed)")));
   const Eigen::VectorXd x = values(simulated(folder, scene, GetParam(), "20"), "s.position");
   EXPECT_LT(std::abs(x(x.size() - 1)), 1e-9);
 }
@@ -137,8 +140,8 @@ TEST_P(Events, WhatComesToRestAtAKinkGoesOn) {
 // comes back with is what it fell with, sqrt(2 g h).
 TEST_P(Events, APowerOfMaxHasValuesBeyondTheKink) {
   const Folder folder;
-  const auto scene = folder.write(
-      "m.toml", slide("position = 1\n", force("-10 + 1e5*max(0, -s.position)^1.5")));
+  const auto scene =
+      folder.write("m.toml", slide("position = 1\n", force("-10 + 1e5*max(0, -s.position)^1.5")));
   const Eigen::VectorXd x = values(simulated(folder, scene, GetParam(), "0.918"), "s.position");
   // 2 sqrt(2 h / g) = 0.894 s in the air, and H. Hertz's 2.94 d / v = 24 ms on the floor, d = (5 m v^2 / 4 k)^0.4 = 36 mm:
   // within 4 ms of the top it is 0.1 mm below.
@@ -147,7 +150,6 @@ TEST_P(Events, APowerOfMaxHasValuesBeyondTheKink) {
 
 INSTANTIATE_TEST_SUITE_P(Methods, Events,
                          ::testing::Values("ida", "radau", "runge_kutta", "generalised_alpha"));
-
 
 // Pulses of 0.05 s every half second, seen every 0.02 s: three samples each, on 2 kg. Their times were added up, and what
 // that left of round-off decided which side of a jump a sample saw: 26 or 27 of the 30, by the method.
@@ -173,7 +175,8 @@ type = "force"
 marker = "m.a"
 x = "h"
 )");
-  const Eigen::VectorXd speed = values(simulated(folder, folder / "sampled.toml", GetParam(), "5"), "s.speed");
+  const Eigen::VectorXd speed =
+      values(simulated(folder, folder / "sampled.toml", GetParam(), "5"), "s.speed");
   EXPECT_NEAR(speed(speed.size() - 1), 30 * 0.02 * 10.0 / 2.0, 1e-9);
 }
 
@@ -184,18 +187,19 @@ TEST(KnownTimes, AFormulaWithoutValuesEndsTheRunWhereTheyEnd) {
   const Folder folder;
   std::ifstream in(FLEXURA_SOURCE_DIR "/tests/found/rigid/check_integrator_noise.toml");
   const std::string text{std::istreambuf_iterator<char>(in), {}};
-  const Outcome outcome = run("flexura", {"simulate", folder.write("axis.toml", replaced(text, "h=0.1", "h=1e6")), "-o",
-                                          folder / "axis.h5", "--set", "solver.method=runge_kutta"});
+  const Outcome outcome =
+      run("flexura", {"simulate", folder.write("axis.toml", replaced(text, "h=0.1", "h=1e6")), "-o",
+                      folder / "axis.h5", "--set", "solver.method=runge_kutta"});
   EXPECT_EQ(outcome.exit_code, 1);
-  EXPECT_NE(outcome.err.find("joint.plate.drive cannot be followed beyond t = 1e-07 s: it has no value there"),
-            std::string::npos)
+  EXPECT_NE(
+      outcome.err.find("joint.plate.drive cannot be followed beyond t = 1e-07 s: it has no value there"),
+      std::string::npos)
       << outcome.err;
 }
 
 TEST(QuasiStatics, FollowsWhatJumpsWithTime) {
   const Folder folder;
-  const std::string spring =
-      "[force.k]\ntype = \"joint_spring_damper\"\njoint = \"s\"\nstiffness = 100\n";
+  const std::string spring = "[force.k]\ntype = \"joint_spring_damper\"\njoint = \"s\"\nstiffness = 100\n";
   const auto scene = folder.write(
       "m.toml", slide("", spring + force("(t > 0.5 ? 10 : 0) + (t > 0.7 - 1e-9 && t < 0.7 + 1e-9 ? 5 : 0)")));
   const results::Run run = simulated(folder, scene, "quasi_statics");

@@ -58,11 +58,12 @@ const Reference fedem = {"FEDEM's test decks, displacement", "the last of four p
 // test_FEsolve.C: four digits.  The section by name, by constants, with shear in one plane and without.
 TEST_F(Fedem, CylinderBeams) {
   const Vector3d sideways(0, 1e5, 0);
-  expect_reference("CylinderBeam", "m", loaded(reduce(file("CylinderBeam.nas"), 1, 6), sideways).y(), 0.3450, 5e-5, fedem);
-  expect_reference("CylinderBeam-generic", "m", loaded(reduce(file("CylinderBeam-generic.nas"), 1, 6), sideways).y(), 0.3450, 5e-5,
-                   fedem);
-  expect_reference("CylinderBeam-noshear", "m", loaded(reduce(file("CylinderBeam-noshear.nas"), 1, 6), sideways).y(), 0.3434, 5e-5,
-                   fedem);
+  expect_reference("CylinderBeam", "m", loaded(reduce(file("CylinderBeam.nas"), 1, 6), sideways).y(), 0.3450,
+                   5e-5, fedem);
+  expect_reference("CylinderBeam-generic", "m",
+                   loaded(reduce(file("CylinderBeam-generic.nas"), 1, 6), sideways).y(), 0.3450, 5e-5, fedem);
+  expect_reference("CylinderBeam-noshear", "m",
+                   loaded(reduce(file("CylinderBeam-noshear.nas"), 1, 6), sideways).y(), 0.3434, 5e-5, fedem);
   const Vector3d both = loaded(reduce(file("CylinderBeam-shearY.nas"), 1, 6), {1e5, 1e5, 0});
   expect_reference("CylinderBeam-shearY, x", "m", both.x(), 0.3434, 5e-5, fedem);
   expect_reference("CylinderBeam-shearY, y", "m", both.y(), 0.3450, 5e-5, fedem);
@@ -72,8 +73,8 @@ TEST_F(Fedem, CylinderBeams) {
 // published is compared to 1e-4 there.
 TEST_F(Fedem, TheSameBeamOfBeamsOfBothAndOfShells) {
   const Vector3d force(0, 1e3, 0);
-  expect_reference("I of beams", "m", loaded(reduce(file("01_1D_BeamElements.nas"), 1211, 1251), force).y(), 0.0128, 5e-5,
-                   fedem);
+  expect_reference("I of beams", "m", loaded(reduce(file("01_1D_BeamElements.nas"), 1211, 1251), force).y(),
+                   0.0128, 5e-5, fedem);
 
   const superelement::Superelement hybrid = reduce(file("02_1D2D_Hybrid.nas"));
   expect_reference("the same of a sheet and a T", "m", loaded(hybrid, force).y(), 0.0129, 5e-5, fedem);
@@ -107,7 +108,8 @@ TEST_F(Fedem, TheSameBeamOfBeamsOfBothAndOfShells) {
     deck += fmt::format("GRID,{},,.1,0.,{}.\nRBE2,{},{},123456,{},{},{}\n,{}\n", 10 + k, k / 20, 9000 + k,
                         10 + k, ring[0], ring[1], ring[2], fmt::join(ring.begin() + 3, ring.end(), ","));
   }
-  expect_reference("the same of shells", "m", loaded(reduce(deck + "ENDDATA\n"), force).y(), 0.0123, 5e-5, fedem);
+  expect_reference("the same of shells", "m", loaded(reduce(deck + "ENDDATA\n"), force).y(), 0.0123, 5e-5,
+                   fedem);
 }
 
 // A cantilever of 1 x 0.2 x 0.1 m in its own weight, nodes three in a row from z = -1 on; grids 2 and 26 carry the spiders.
@@ -161,8 +163,8 @@ TEST_F(Fedem, CantileversOfShells) {
 // centre and itself turned by the 70.85 degrees of the principal axes.  A force through the shear centre twists nothing.)
 TEST_F(Fedem, AngleWithItsCentroidBesideItsShearCentre) {
   const superelement::Superelement se = reduce(file("L-beam.nas"), 1, 3);
-  expect_reference("angle, stretch beside its shear centre", "m", loaded(se, {0, 1e7, 0}).x(), 0.00806403, 5e-9,
-                   {"FEDEM's test decks", "the last of six published digits"});
+  expect_reference("angle, stretch beside its shear centre", "m", loaded(se, {0, 1e7, 0}).x(), 0.00806403,
+                   5e-9, {"FEDEM's test decks", "the last of six published digits"});
   VectorXd p = VectorXd::Zero(se.n());
   p(7) = 1e7;
   const Eigen::Index n = se.n() - 6;

@@ -125,12 +125,13 @@ TEST_F(FlexDataFiles, OfFewModesGoAroundUnchanged) {
   const superelement::Superelement first = superelement::read(folder_ / "bar.se.h5", {});
   const auto modes = superelement::natural_modes(first, {});
   for (const int count : {5, 2}) {
-    const Outcome written = run("flexura", {"export", folder_ / "bar.se.h5", "-f", "flexdata", "-o", folder_ / "few.xml", "-n",
-                                            std::to_string(count)});
+    const Outcome written = run("flexura", {"export", folder_ / "bar.se.h5", "-f", "flexdata", "-o",
+                                            folder_ / "few.xml", "-n", std::to_string(count)});
     ASSERT_EQ(written.exit_code, 0) << written.err;
     const Outcome outcome = read("few.xml", read_text(folder_ / "few.xml"));
     ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
-    EXPECT_THAT(outcome.out, HasSubstr(fmt::format("move {} of the 12 interface dofs independently", 6 + count)));
+    EXPECT_THAT(outcome.out,
+                HasSubstr(fmt::format("move {} of the 12 interface dofs independently", 6 + count)));
     const superelement::Superelement second = back();
     EXPECT_EQ(second.n(), 6 + count);
     const auto again = superelement::natural_modes(second, {});
@@ -150,7 +151,10 @@ TEST_F(FlexDataFiles, OfFewModesGoAroundUnchanged) {
 
 // A body of five modes moves as the body that keeps five of its own does: held at one end, pulled at the other.
 TEST_F(FlexDataFiles, OfFewModesMoveAsTheBodyThatKeepsThese) {
-  ASSERT_EQ(run("flexura", {"export", folder_ / "bar.se.h5", "-f", "flexdata", "-o", folder_ / "few.xml", "-n", "5"}).exit_code, 0);
+  ASSERT_EQ(run("flexura",
+                {"export", folder_ / "bar.se.h5", "-f", "flexdata", "-o", folder_ / "few.xml", "-n", "5"})
+                .exit_code,
+            0);
   ASSERT_EQ(read("few.xml", read_text(folder_ / "few.xml")).exit_code, 0);
   const auto scene = [&](const std::string& body) {
     const auto file = folder_.write("scene.toml", "gravity = [0, 0, -9.81]\n[body.arm]\n" + body + R"(
@@ -169,8 +173,8 @@ output_step = 0.001
 [output]
 quantities = ["wall.force_z", "wall.torque_y", "arm.position_z", "arm.strain_energy"]
 )");
-    const Outcome outcome = run("flexura", {"simulate", file.string(), "-q", "--no-estimate", "-o", folder_ / "rows.h5",
-                                            "--set", "solver.method=runge_kutta"});
+    const Outcome outcome = run("flexura", {"simulate", file.string(), "-q", "--no-estimate", "-o",
+                                            folder_ / "rows.h5", "--set", "solver.method=runge_kutta"});
     EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
     return results::read(folder_ / "rows.h5").runs.at(0);
   };
@@ -178,7 +182,8 @@ quantities = ["wall.force_z", "wall.torque_y", "arm.position_z", "arm.strain_ene
                      few = scene("superelement = \"back.se.h5\"");
   ASSERT_EQ(own.values.rows(), few.values.rows());
   ASSERT_GT(own.values.rows(), 10);
-  for (Eigen::Index k = 0; k < own.values.cols(); ++k)  // the integrator's tolerance, 1e-6, on steps that round-off moves
+  for (Eigen::Index k = 0; k < own.values.cols();
+       ++k)  // the integrator's tolerance, 1e-6, on steps that round-off moves
     EXPECT_LT((own.values.col(k) - few.values.col(k)).cwiseAbs().maxCoeff(),
               1e-6 * std::max(own.values.col(k).cwiseAbs().maxCoeff(), 1e-3))
         << own.quantities[static_cast<std::size_t>(k)].name;
@@ -189,26 +194,30 @@ TEST_F(FlexDataFiles, OfFewModesInEightDigits) {
   const superelement::Superelement first = superelement::read(folder_ / "bar.se.h5", {});
   const superelement::ModeAnalysis modes = superelement::natural_modes(first, {});
   superelement::FlexData data = superelement::make_flexdata(first, superelement::natural_modes(first, {}, 5));
-  std::string text = fmt::format("<Reference_FlexData\n id = \"30102\"\n num_nodes = \"1022\"\n num_sel_modes = \"5\"\n "
-                                 "num_sel_nodes = \"2\">\n<ModeData>\n");
+  std::string text = fmt::format(
+      "<Reference_FlexData\n id = \"30102\"\n num_nodes = \"1022\"\n num_sel_modes = \"5\"\n "
+      "num_sel_nodes = \"2\">\n<ModeData>\n");
   for (const auto& mode : data.modes)
     text += fmt::format("{} {:.7E} {:.7E} {:.7E}\n", mode.id, mode.frequency, mode.eigenvalue, mode.damping);
   text += "</Modedata>\n<NodeData>\n";
   for (const auto& node : data.nodes)
-    text += fmt::format("{} {:.7E} {:.7E} {:.7E}\n", node.id, node.position.x(), node.position.y(), node.position.z());
+    text += fmt::format("{} {:.7E} {:.7E} {:.7E}\n", node.id, node.position.x(), node.position.y(),
+                        node.position.z());
   for (Eigen::Index k = 0; k < data.shapes.size(); ++k)
     text += fmt::format("{:.7E}{}", data.shapes.data()[k], k % 6 == 5 ? "\n" : " ");
   folder_.write("printed.xml", text + "</NodeData>\n</Reference_FlexData>\n");
   const Eigen::Vector3d c = modes.mass_centre;
   const Eigen::Matrix3d& J = modes.inertia;
-  const Outcome outcome =
-      read("printed.toml", fmt::format("[flexdata]\nfile = \"printed.xml\"\nmass = {:.17g}\ncentre = [{:.17g}, {:.17g}, {:.17g}]\n"
-                                       "inertia = [{:.17g}, {:.17g}, {:.17g}, {:.17g}, {:.17g}, {:.17g}]\n",
-                                       modes.mass, c.x(), c.y(), c.z(), J(0, 0), J(1, 1), J(2, 2), J(0, 1), J(1, 2), J(2, 0)));
+  const Outcome outcome = read(
+      "printed.toml",
+      fmt::format("[flexdata]\nfile = \"printed.xml\"\nmass = {:.17g}\ncentre = [{:.17g}, {:.17g}, {:.17g}]\n"
+                  "inertia = [{:.17g}, {:.17g}, {:.17g}, {:.17g}, {:.17g}, {:.17g}]\n",
+                  modes.mass, c.x(), c.y(), c.z(), J(0, 0), J(1, 1), J(2, 2), J(0, 1), J(1, 2), J(2, 0)));
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   const auto again = superelement::natural_modes(back(), {});
   ASSERT_EQ(again.modes.size(), 11u);
-  for (std::size_t k = 6; k < 11; ++k) EXPECT_NEAR(again.modes[k].omega2 / modes.modes[k].omega2, 1.0, 1e-6) << k;
+  for (std::size_t k = 6; k < 11; ++k)
+    EXPECT_NEAR(again.modes[k].omega2 / modes.modes[k].omega2, 1.0, 1e-6) << k;
 }
 
 TEST_F(FlexDataFiles, WhatIsBrokenIsRefusedByOneSentence) {
@@ -230,9 +239,11 @@ TEST_F(FlexDataFiles, WhatIsBrokenIsRefusedByOneSentence) {
               HasSubstr("goes on with"));
   EXPECT_THAT(refusal(replaced(good, "mass ", "mass -")), HasSubstr("no body has the mass"));
   EXPECT_THAT(refusal(replaced(good, "mass ", "mass nan ")), HasSubstr("a number of mass is wanted"));
-  EXPECT_THAT(refusal("<Reference_FlexData id = \"1\" num_nodes = \"9\" num_sel_modes = \"0\" num_sel_nodes = \"1\">\n"
-                      "<ModeData>\n</ModeData>\n<NodeData>\n1 0. 0. 0.\n</NodeData>\n</Reference_FlexData>\n"),
-              HasSubstr("has no modes"));
+  EXPECT_THAT(
+      refusal(
+          "<Reference_FlexData id = \"1\" num_nodes = \"9\" num_sel_modes = \"0\" num_sel_nodes = \"1\">\n"
+          "<ModeData>\n</ModeData>\n<NodeData>\n1 0. 0. 0.\n</NodeData>\n</Reference_FlexData>\n"),
+      HasSubstr("has no modes"));
   // Its options are those of finished modes.
   const Outcome option = run("flexura-reduce", {(folder_ / "bar.xml").string(), "--modes", "3"});
   EXPECT_EQ(option.exit_code, 2);

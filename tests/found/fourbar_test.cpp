@@ -25,16 +25,17 @@ class FourBar : public testing::Test {
     for (const auto& entry : fs::directory_iterator(fs::path(FLEXURA_SOURCE_DIR) / "tests/found/user"))
       fs::copy(entry.path(), folder_->path());
     for (const std::string part : {"crank_arm", "rod", "bracket"}) {
-      const Outcome made = run("flexura-reduce", {*folder_ / (part + ".toml"), "-o", *folder_ / (part + ".se.h5"), "-q", "--mesh-size",
-                                                  "12 mm", "--set", "modes.count=2"});
+      const Outcome made =
+          run("flexura-reduce", {*folder_ / (part + ".toml"), "-o", *folder_ / (part + ".se.h5"), "-q",
+                                 "--mesh-size", "12 mm", "--set", "modes.count=2"});
       ASSERT_EQ(made.exit_code, 0) << made.err;
     }
   }
   static void TearDownTestSuite() { delete folder_; }
 
   static Outcome start(const std::string& name) {
-    return run("flexura", {"simulate", *folder_ / (name + ".toml"), "-o", *folder_ / (name + ".h5"), "--no-estimate", "--end-time", "1e-6",
-                           "--set", "solver.output_step=1e-6"});
+    return run("flexura", {"simulate", *folder_ / (name + ".toml"), "-o", *folder_ / (name + ".h5"),
+                           "--no-estimate", "--end-time", "1e-6", "--set", "solver.output_step=1e-6"});
   }
   // Crank pin and pivot are 180 mm apart, the pivot `down` mm lower; rod and rocker are 250 mm long.
   static void expect_closed(const std::string& name, double down) {
@@ -43,7 +44,8 @@ class FourBar : public testing::Test {
     ASSERT_EQ(file.runs.size(), 2u);
     for (const results::Run& one : file.runs) {
       std::map<std::string, double> at;
-      for (std::size_t k = 0; k < one.quantities.size(); ++k) at[one.quantities[k].name] = one.values(0, static_cast<Eigen::Index>(k));
+      for (std::size_t k = 0; k < one.quantities.size(); ++k)
+        at[one.quantities[k].name] = one.values(0, static_cast<Eigen::Index>(k));
       EXPECT_NEAR(at.at("a.angle"), tilt - half, 1e-6) << one.name;
       EXPECT_NEAR(at.at("pivot.angle"), tilt + half, 1e-6) << one.name;
       if (at.contains("energy.strain")) EXPECT_LT(at.at("energy.strain"), 1e-9) << one.name;  // was 3.5 kJ
@@ -69,9 +71,11 @@ TEST_F(FourBar, ClosesFromAStretchedStart) {
 TEST_F(FourBar, AMountOneMillimetreAsideIsNamedAndShown) {
   const Outcome outcome = start("fourbar_unassembled");
   EXPECT_EQ(outcome.exit_code, 2);
-  EXPECT_THAT(outcome.err, AllOf(HasSubstr("\"b\" (from \"rod.big\" to \"rocker.small\") by 1 mm"), HasSubstr("fourbar_unassembled.open.html")));
+  EXPECT_THAT(outcome.err, AllOf(HasSubstr("\"b\" (from \"rod.big\" to \"rocker.small\") by 1 mm"),
+                                 HasSubstr("fourbar_unassembled.open.html")));
   EXPECT_FALSE(fs::exists(*folder_ / "fourbar_unassembled.h5"));
-  EXPECT_TRUE(fs::exists("fourbar_unassembled.open.html") || fs::exists(*folder_ / "fourbar_unassembled.open.html"));
+  EXPECT_TRUE(fs::exists("fourbar_unassembled.open.html") ||
+              fs::exists(*folder_ / "fourbar_unassembled.open.html"));
   fs::remove("fourbar_unassembled.open.html");
 }
 

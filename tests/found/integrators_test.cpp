@@ -61,7 +61,8 @@ TEST_F(Integrators, AHeavyBodyOnALightOneHoldsNoMethodUp) {
   const Run radau = simulate(file, {"solver.method=radau"}),
             open = simulate(folder_.write("heavy.toml", text).string(), {}),
             explicit_one = simulate(file, {"solver.method=runge_kutta"});
-  for (const Run* run : {&radau, &open, &explicit_one}) ASSERT_EQ(run->outcome.exit_code, 0) << run->outcome.err;
+  for (const Run* run : {&radau, &open, &explicit_one})
+    ASSERT_EQ(run->outcome.exit_code, 0) << run->outcome.err;
   EXPECT_LT(radau.steps(), 1000);
   EXPECT_LT(open.steps(), 5000);
   const Eigen::VectorXd x = explicit_one["j2.position"];
@@ -69,7 +70,8 @@ TEST_F(Integrators, AHeavyBodyOnALightOneHoldsNoMethodUp) {
     EXPECT_LT(((*run)["j2.position"] - x).cwiseAbs().maxCoeff(), 1e-3 * x.cwiseAbs().maxCoeff());
   // It goes on from where it was cut, to the bit.
   const std::string state = (folder_ / "state.json").string();
-  ASSERT_EQ(simulate(file, {"solver.stop_time=1"}, {"--no-estimate", "--save-state", state}).outcome.exit_code, 0);
+  ASSERT_EQ(
+      simulate(file, {"solver.stop_time=1"}, {"--no-estimate", "--save-state", state}).outcome.exit_code, 0);
   const Run rest = simulate(file, {}, {"--no-estimate", "--continue", state});
   ASSERT_EQ(rest.outcome.exit_code, 0) << rest.outcome.err;
   EXPECT_EQ(rest["j2.position"].tail(1)(0), radau["j2.position"].tail(1)(0));
@@ -172,10 +174,11 @@ TEST_F(Integrators, AFixedStepIsNotShortened) {
 // 1 N on 1 kg for 2e6 s leads 2e12 m away, where round-off is far above what a mechanism of 1 m is held to: IDA stopped
 // there, "the tolerance is below what double precision can meet".
 TEST_F(Integrators, AFreeBodyGoesAsFarAsItsForceDrivesIt) {
-  const auto file = folder_.write("free.toml",
-                                  "gravity = [0, 0, 0]\n[body.m]\nmass = 1\ninertia = [1, 1, 1]\n[force.f]\ntype = "
-                                  "\"force\"\nmarker = \"m\"\nx = 1\n[output]\nquantities = "
-                                  "[\"m.position_x\"]\n[solver]\nend_time = 2e6\noutput_step = 1e5\n");
+  const auto file =
+      folder_.write("free.toml",
+                    "gravity = [0, 0, 0]\n[body.m]\nmass = 1\ninertia = [1, 1, 1]\n[force.f]\ntype = "
+                    "\"force\"\nmarker = \"m\"\nx = 1\n[output]\nquantities = "
+                    "[\"m.position_x\"]\n[solver]\nend_time = 2e6\noutput_step = 1e5\n");
   for (const char* const method : {"ida", "radau", "generalised_alpha", "runge_kutta"}) {
     const Run run = simulate(file.string(), {std::string("solver.method=") + method});
     ASSERT_EQ(run.outcome.exit_code, 0) << method << run.outcome.err;
@@ -204,10 +207,13 @@ TEST_F(Integrators, WhatWouldNeverEndStops) {
 // closed form and sticks where its speed comes to nothing until the push is above 3 N.
 std::pair<double, double> dry_friction(double t_end) {
   double t = 0.0, x = 0.0, v = 1.0, sign = 1.0;
-  const auto speed = [&](double at) { return v + 4.0 / 3.0 * (std::cos(3 * t) - std::cos(3 * at)) - 3.0 * sign * (at - t); };
+  const auto speed = [&](double at) {
+    return v + 4.0 / 3.0 * (std::cos(3 * t) - std::cos(3 * at)) - 3.0 * sign * (at - t);
+  };
   const auto place = [&](double at) {
     const double h = at - t;
-    return x + (v + 4.0 / 3.0 * std::cos(3 * t)) * h - 4.0 / 9.0 * (std::sin(3 * at) - std::sin(3 * t)) - 1.5 * sign * h * h;
+    return x + (v + 4.0 / 3.0 * std::cos(3 * t)) * h - 4.0 / 9.0 * (std::sin(3 * at) - std::sin(3 * t)) -
+           1.5 * sign * h * h;
   };
   const auto first = [&](auto&& is_after) {
     double before = t, after = t;
@@ -252,11 +258,13 @@ TEST_F(Integrators, FrictionOfANarrowRangeOfSpeedsIsResolvedOrRefused) {
       EXPECT_NEAR(run["j.speed"](98), v, 1e-5) << method << range;
     }
   EXPECT_GE(right, 6);
-  const Run formula = simulate(folder_.write("formula.toml",
-                                             replaced(replaced(read_text(file), "\"joint_friction\"", "\"joint_force\""),
-                                                      "coulomb = 3\ntransition_speed = 1e-9",
-                                                      "value = \"-3*tanh(1e9*j.speed)\"")).string(),
-                               {"solver.method=radau"});
+  const Run formula = simulate(
+      folder_
+          .write("formula.toml",
+                 replaced(replaced(read_text(file), "\"joint_friction\"", "\"joint_force\""),
+                          "coulomb = 3\ntransition_speed = 1e-9", "value = \"-3*tanh(1e9*j.speed)\""))
+          .string(),
+      {"solver.method=radau"});
   ASSERT_EQ(formula.outcome.exit_code, 0) << formula.outcome.err;
   EXPECT_NEAR(formula["j.position"](98), x, 1e-5);
 }

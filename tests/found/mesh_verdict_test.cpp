@@ -27,8 +27,8 @@ class MeshVerdict : public Parts {
   }
 
   void bring(const std::string& name) const {
-    std::filesystem::copy(std::filesystem::path(FLEXURA_SOURCE_DIR) / "tests/found/reduce" / name, folder_ / name,
-                          std::filesystem::copy_options::overwrite_existing);
+    std::filesystem::copy(std::filesystem::path(FLEXURA_SOURCE_DIR) / "tests/found/reduce" / name,
+                          folder_ / name, std::filesystem::copy_options::overwrite_existing);
   }
 
   /// A steel bar of 100 x 12 x 8 mm, its ends as interfaces that hold nothing but their mean motion.
@@ -57,7 +57,8 @@ tie = "average"
   /// The block of 20-node bricks, its own mesh.
   std::filesystem::path block(const std::string& more, const std::string& poisson = "0.3") {
     bring("blockC3D20.inp");
-    folder_.write("block.inp", replaced(read_text(folder_ / "blockC3D20.inp"), "2e+11, 0.3", "2e+11, " + poisson));
+    folder_.write("block.inp",
+                  replaced(read_text(folder_ / "blockC3D20.inp"), "2e+11, 0.3", "2e+11, " + poisson));
     return folder_.write("block.toml", "[geometry]\nfile = \"block.inp\"\n" + more);
   }
 };
@@ -68,7 +69,8 @@ const std::string kHeld = "[interface.left]\nby = \"plane\"\npoint = [0, 0, 0]\n
 /// Legendre polynomials for deflection and rotation, which 14 of each hold to more digits than the theory is worth.
 std::vector<double> bending_hz(double L, double b, double h, double E, double nu, double rho) {
   constexpr int n = 14, n_points = 40;
-  const double A = b * h, I = b * h * h * h / 12, G = E / (2 * (1 + nu)), kappa = 10 * (1 + nu) / (12 + 11 * nu);
+  const double A = b * h, I = b * h * h * h / 12, G = E / (2 * (1 + nu)),
+               kappa = 10 * (1 + nu) / (12 + 11 * nu);
   Eigen::MatrixXd K = Eigen::MatrixXd::Zero(2 * n, 2 * n), M = K;
   // Gauss's rule by the eigenvalues of its Jacobi matrix.
   Eigen::MatrixXd J = Eigen::MatrixXd::Zero(n_points, n_points);
@@ -155,14 +157,17 @@ TEST_F(MeshVerdict, AShaftWithSharpShouldersIsJudgedByItsMesh) {
 // What is said of stress: bounded at ends that hold their mean motion, unbounded around one that is rigid; unknown where no
 // stress modes are kept.  All of it stands in the superelement, with a picture of the error on its surface.
 TEST_F(MeshVerdict, StressIsJudgedOrCalledUnboundedOrUnknown) {
-  const std::string ends = "tie = \"average\"\n[interface.end]\nby = \"plane\"\npoint = [4, 0, 0]\nnormal = [1, 0, 0]\ntie = \"average\"\n"
-                           "[modes]\ncount = 8\n",
+  const std::string ends =
+                        "tie = \"average\"\n[interface.end]\nby = \"plane\"\npoint = [4, 0, 0]\nnormal = [1, "
+                        "0, 0]\ntie = \"average\"\n"
+                        "[modes]\ncount = 8\n",
                     stress = "[recovery]\nstress = true\n";
   const Reduced mean = reduce(block(kHeld + ends + stress));
   ASSERT_EQ(mean.outcome.exit_code, 0) << mean.outcome.err;
-  EXPECT_THAT(mean.outcome.out, AllOf(HasSubstr("stress, estimated: of the elements"), HasSubstr("; greatest stress"),
-                                      Not(HasSubstr("no finite stress"))));
-  const superelement::Superelement se = superelement::read(output(), {.surface = true, .stress = true, .mesh_error = true});
+  EXPECT_THAT(mean.outcome.out, AllOf(HasSubstr("stress, estimated: of the elements"),
+                                      HasSubstr("; greatest stress"), Not(HasSubstr("no finite stress"))));
+  const superelement::Superelement se =
+      superelement::read(output(), {.surface = true, .stress = true, .mesh_error = true});
   ASSERT_TRUE(se.mesh_error);
   EXPECT_EQ(se.mesh_error->at_vertices.size(), se.surface.vertices.rows());
   ASSERT_EQ(se.mesh_error->modes.size(), mean.report["mesh_error"]["modes"].size());
@@ -181,9 +186,11 @@ TEST_F(MeshVerdict, StressIsJudgedOrCalledUnboundedOrUnknown) {
   EXPECT_THAT(read_text(folder_ / "modes.html"), HasSubstr("\"mesh_error\":true"));
 
   std::filesystem::remove(output());
-  const Reduced rigid = reduce(block(replaced(kHeld + ends + stress, "tie = \"average\"\n[modes]", "[modes]")));
+  const Reduced rigid =
+      reduce(block(replaced(kHeld + ends + stress, "tie = \"average\"\n[modes]", "[modes]")));
   ASSERT_EQ(rigid.outcome.exit_code, 0) << rigid.outcome.err;
-  EXPECT_THAT(rigid.outcome.out, AllOf(HasSubstr("no finite stress exists"), HasSubstr("unbounded at (4000, ")));
+  EXPECT_THAT(rigid.outcome.out,
+              AllOf(HasSubstr("no finite stress exists"), HasSubstr("unbounded at (4000, ")));
 
   std::filesystem::remove(output());
   const Reduced none = reduce(block(kHeld + ends));
@@ -197,16 +204,25 @@ TEST_F(MeshVerdict, StressIsJudgedOrCalledUnboundedOrUnknown) {
 // A force on a point or along a line of an elastic body moves it without bound: its compliance is that of the mesh alone, and
 // no accuracy is promised of it.
 TEST_F(MeshVerdict, ComplianceOfAPointOrALineIsUnknown) {
-  const std::string end = "[interface.end]\nby = \"plane\"\npoint = [4, 0, 0]\nnormal = [1, 0, 0]\n[modes]\ncount = 8\n",
-                    point = "[interface.tip]\nby = \"nodes\"\nnodes = [54]\ntie = \"node\"\ndirections = [\"x\", \"y\", \"z\"]\n",
-                    line = "[interface.tip]\nby = \"nodes\"\nnodes = [54, 36, 18]\ntie = \"average\"\ndirections = [\"x\", \"y\", \"z\"]\n";
+  const std::string
+      end = "[interface.end]\nby = \"plane\"\npoint = [4, 0, 0]\nnormal = [1, 0, 0]\n[modes]\ncount = 8\n",
+      point =
+          "[interface.tip]\nby = \"nodes\"\nnodes = [54]\ntie = \"node\"\ndirections = [\"x\", \"y\", "
+          "\"z\"]\n",
+      line =
+          "[interface.tip]\nby = \"nodes\"\nnodes = [54, 36, 18]\ntie = \"average\"\ndirections = [\"x\", "
+          "\"y\", \"z\"]\n";
   for (const std::string& tip : {point, line}) {
     std::filesystem::remove(output());  // a good file would be kept
     const Reduced r = reduce(block(tip + end));
     ASSERT_EQ(r.outcome.exit_code, 0) << r.outcome.err;
-    EXPECT_THAT(r.outcome.out, AllOf(HasSubstr("static compliance: unknown"), Not(HasSubstr("static compliance within"))));
-    for (const nlohmann::json& interface : r.report["mesh_error"]["interfaces"]) EXPECT_TRUE(interface["compliance_error"].is_null());
-    EXPECT_EQ(superelement::read(output(), {.mesh_error = true}).mesh_error->interfaces.at(0).compliance_error, -1.0);
+    EXPECT_THAT(r.outcome.out,
+                AllOf(HasSubstr("static compliance: unknown"), Not(HasSubstr("static compliance within"))));
+    for (const nlohmann::json& interface : r.report["mesh_error"]["interfaces"])
+      EXPECT_TRUE(interface["compliance_error"].is_null());
+    EXPECT_EQ(
+        superelement::read(output(), {.mesh_error = true}).mesh_error->interfaces.at(0).compliance_error,
+        -1.0);
   }
 }
 
@@ -264,29 +280,36 @@ TEST_F(MeshVerdict, ModuliThatNoMaterialHasAreWarnedOf) {
   ASSERT_EQ(incompressible.outcome.exit_code, 0) << incompressible.outcome.err;
   EXPECT_THAT(incompressible.outcome.err,
               AllOf(HasSubstr("nearly incompressible"), HasSubstr("0.49 "), Not(HasSubstr("unit"))));
-  EXPECT_THAT(incompressible.outcome.out, AllOf(HasSubstr("mesh error: unknown"), Not(HasSubstr("to be trusted"))));
+  EXPECT_THAT(incompressible.outcome.out,
+              AllOf(HasSubstr("mesh error: unknown"), Not(HasSubstr("to be trusted"))));
   // The residual of its modes is round-off by the bulk modulus, no fault of theirs.
   for (const nlohmann::json& check : incompressible.report["acceptance"]["checks"]) {
-    if (check["check"] == "greatest residual of a mode") EXPECT_TRUE(check["passed"].get<bool>()) << check.dump();
+    if (check["check"] == "greatest residual of a mode")
+      EXPECT_TRUE(check["passed"].get<bool>()) << check.dump();
   }
-  const Outcome promised = reduce(block(kHeld + "[modes]\ncount = 4\n", "0.4999999"), {"--accuracy", "1 %"}).outcome;
+  const Outcome promised =
+      reduce(block(kHeld + "[modes]\ncount = 4\n", "0.4999999"), {"--accuracy", "1 %"}).outcome;
   EXPECT_EQ(promised.exit_code, 1);
   EXPECT_THAT(promised.err, HasSubstr("nearly incompressible"));
 }
 
 // Nodes on a line hold no rotation about it: refused where it is asked for, else their mean displacement.
 TEST_F(MeshVerdict, NodesOnALineHoldTheirMeanDisplacement) {
-  const std::string line = "[interface.line]\nby = \"nodes\"\nnodes = [54, 36, 18]\n",
-                    end = "[interface.end]\nby = \"plane\"\npoint = [4, 0, 0]\nnormal = [1, 0, 0]\n[modes]\ncount = 4\n";
+  const std::string
+      line = "[interface.line]\nby = \"nodes\"\nnodes = [54, 36, 18]\n",
+      end = "[interface.end]\nby = \"plane\"\npoint = [4, 0, 0]\nnormal = [1, 0, 0]\n[modes]\ncount = 4\n";
   const Outcome refused = reduce(block(line + end)).outcome;
   EXPECT_EQ(refused.exit_code, 2);
-  EXPECT_THAT(refused.err, AllOf(HasSubstr("a rotation about the axis (1, 0, 0)"), HasSubstr("tie = \"average\"")));
+  EXPECT_THAT(refused.err,
+              AllOf(HasSubstr("a rotation about the axis (1, 0, 0)"), HasSubstr("tie = \"average\"")));
   for (const char* directions : {"[\"x\", \"y\", \"z\"]", "[\"x\", \"y\", \"z\", \"ry\", \"rz\"]"}) {
     std::filesystem::remove(output());  // a good file would be kept
-    const Reduced r = reduce(block(line + "tie = \"average\"\ndirections = " + directions + "\n" + end), {"--compare", "2"});
+    const Reduced r = reduce(block(line + "tie = \"average\"\ndirections = " + directions + "\n" + end),
+                             {"--compare", "2"});
     ASSERT_EQ(r.outcome.exit_code, 0) << r.outcome.err;
     EXPECT_THAT(r.outcome.out, HasSubstr("interface line: 3 nodes, average"));
-    const std::vector<double> full = r.report["comparison"]["full_hz"], reduced = r.report["comparison"]["reduced_hz"];
+    const std::vector<double> full = r.report["comparison"]["full_hz"],
+                              reduced = r.report["comparison"]["reduced_hz"];
     for (std::size_t k = 0; k < full.size(); ++k) EXPECT_GE(reduced[k], full[k] * (1.0 - 1e-9)) << k;
   }
 }

@@ -34,7 +34,8 @@ class OddPlaces : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
     shared_ = new Folder;
-    ok({"reduce", kSafe + "poisson/crash_young1e300.toml", "--set", "material.steel.young=210e9", "-o", se(), "-q"});
+    ok({"reduce", kSafe + "poisson/crash_young1e300.toml", "--set", "material.steel.young=210e9", "-o", se(),
+        "-q"});
     ok({"simulate", kMechanism, "-o", results(), "-q"});
   }
   static void TearDownTestSuite() {
@@ -61,20 +62,20 @@ TEST_F(OddPlaces, DevicesAndPipesAreNoInputs) {
   ::mkfifo(pipe.c_str(), 0600);
   const std::string out = mine_ / "out";
   for (const std::string& odd : {pipe, std::string("/dev/zero")})
-    for (const std::vector<std::string>& words : std::vector<std::vector<std::string>>{
-             {"simulate", odd, "-o", out},
-             {"simulate", odd, "-o", out, "--checkpoint", "1 s"},
-             {"simulate", kMechanism, "-o", out, "--from-state", odd},
-             {"simulate", kMechanism, "-o", out, "--continue", odd},
-             {"outputs", kMechanism, odd, "-o", out},
-             {"reduce", odd, "-o", out},
-             {"section", odd, "-o", out, "--svg", out + ".svg"},
-             {"study", odd, "-o", out},
-             {"report", odd, "-o", out},
-             {"view", odd, "-o", out},
-             {"modes", odd, "--html", out},
-             {"export", odd, "-f", "sid", "-o", out},
-             {"check", odd}})
+    for (const std::vector<std::string>& words :
+         std::vector<std::vector<std::string>>{{"simulate", odd, "-o", out},
+                                               {"simulate", odd, "-o", out, "--checkpoint", "1 s"},
+                                               {"simulate", kMechanism, "-o", out, "--from-state", odd},
+                                               {"simulate", kMechanism, "-o", out, "--continue", odd},
+                                               {"outputs", kMechanism, odd, "-o", out},
+                                               {"reduce", odd, "-o", out},
+                                               {"section", odd, "-o", out, "--svg", out + ".svg"},
+                                               {"study", odd, "-o", out},
+                                               {"report", odd, "-o", out},
+                                               {"view", odd, "-o", out},
+                                               {"modes", odd, "--html", out},
+                                               {"export", odd, "-f", "sid", "-o", out},
+                                               {"check", odd}})
       expect_refused(words, odd + ": is a device or a pipe");
   EXPECT_TRUE(is_empty());
 }
@@ -93,7 +94,8 @@ TEST_F(OddPlaces, AFolderIsNoBeginningOfAName) {
 
 // The pictures of a run go into a folder of its own.
 TEST_F(OddPlaces, PicturesReplaceNothingButPictures) {
-  const std::vector<std::string> words = {"export", results(), "-f", "pvd", "--frames", "3", "-o", mine_ / "out"};
+  const std::vector<std::string> words = {"export",   results(), "-f", "pvd",
+                                          "--frames", "3",       "-o", mine_ / "out"};
   const fs::path folder = mine_ / "out.run";
   mine_.write("out.run", "kept");
   expect_refused(words, "is no folder");
@@ -130,13 +132,13 @@ TEST_F(OddPlaces, ACacheIsAFolder) {
 
 // A variable of the shell that is not set: not the default in its place.
 TEST_F(OddPlaces, AnOptionHasAValue) {
-  for (const std::vector<std::string>& words :
-       std::vector<std::vector<std::string>>{{"simulate", kMechanism, "-o", ""},
-                                             {"simulate", kMechanism, "-o", mine_ / "r.h5", "--save-state", ""},
-                                             {"view", results(), "--output", ""},
-                                             {"modes", se(), "--html", ""},
-                                             {"modes", se(), "--clamped", ""},
-                                             {"eigen", kMechanism, "--pictures", ""}})
+  for (const std::vector<std::string>& words : std::vector<std::vector<std::string>>{
+           {"simulate", kMechanism, "-o", ""},
+           {"simulate", kMechanism, "-o", mine_ / "r.h5", "--save-state", ""},
+           {"view", results(), "--output", ""},
+           {"modes", se(), "--html", ""},
+           {"modes", se(), "--clamped", ""},
+           {"eigen", kMechanism, "--pictures", ""}})
     expect_refused(words, "the value is empty");
   EXPECT_TRUE(is_empty());
 }
@@ -144,11 +146,12 @@ TEST_F(OddPlaces, AnOptionHasAValue) {
 TEST_F(OddPlaces, NumbersOfOptionsHaveLimits) {
   const std::string out = mine_ / "x.m";
   for (const char* response : {"1:10:2000000000", "1:inf:3", "nan:2:3", "1e-300:1e300:3", "1:2:99999999999"})
-    expect_refused({"linearize", kMechanism, "--frozen", "--input", "j.angle", "--measure", "j.angle", "--response",
-                    response, "-o", out},
+    expect_refused({"linearize", kMechanism, "--frozen", "--input", "j.angle", "--measure", "j.angle",
+                    "--response", response, "-o", out},
                    "--response is");
   for (const char* amplitude : {"0", "-1", "inf"})
-    expect_refused({"eigen", kMechanism, "--frozen", "--pictures", out, "--amplitude", amplitude}, "--amplitude is");
+    expect_refused({"eigen", kMechanism, "--frozen", "--pictures", out, "--amplitude", amplitude},
+                   "--amplitude is");
   expect_refused({"reduce", kSafe + "beam/h.toml", "--modes", "-5", "-o", out}, "-5 is negative");
   EXPECT_TRUE(is_empty());
 }
@@ -157,10 +160,12 @@ TEST_F(OddPlaces, NumbersOfOptionsHaveLimits) {
 // OpenBLAS asks for its work space for ever, in a thread of its own from the program's start on: the end is one
 // sentence all the same, and an end.
 TEST_F(OddPlaces, LittleAddressSpaceIsAnEndInASentence) {
-  const auto script = mine_.write(
-      "little.sh", "ulimit -v 230000\nexport OPENBLAS_NUM_THREADS=2\nexec timeout -s KILL 20 '" FLEXURA_BIN_DIR
-                   "/flexura-reduce' '" + kSafe + "poisson/crash_young1e300.toml' --set material.steel.young=210e9 -o '" +
-                       (mine_ / "x.se.h5").string() + "' 2> '" + (mine_ / "err").string() + "'\n");
+  const auto script =
+      mine_.write("little.sh",
+                  "ulimit -v 230000\nexport OPENBLAS_NUM_THREADS=2\nexec timeout -s KILL 20 '" FLEXURA_BIN_DIR
+                  "/flexura-reduce' '" +
+                      kSafe + "poisson/crash_young1e300.toml' --set material.steel.young=210e9 -o '" +
+                      (mine_ / "x.se.h5").string() + "' 2> '" + (mine_ / "err").string() + "'\n");
   const int status = std::system(("bash '" + script.string() + "'").c_str());
   ASSERT_TRUE(WIFEXITED(status));
   const std::string said = read_text(mine_ / "err");
@@ -173,10 +178,10 @@ TEST_F(OddPlaces, LittleAddressSpaceIsAnEndInASentence) {
 
 // More threads than a machine has to give: one for each run is enough.
 TEST_F(OddPlaces, AStudyTakesAsManyThreadsAsItHasRuns) {
-  const auto study =
-      mine_.write("s.toml", "mechanism = \"" + kMechanism +
-                                "\"\nrepeats = 1\n[choice.a]\nset = [\"solver.tolerance=1e-5\"]\n[quantity.x]\nof = "
-                                "\"j.angle\"\n");
+  const auto study = mine_.write(
+      "s.toml", "mechanism = \"" + kMechanism +
+                    "\"\nrepeats = 1\n[choice.a]\nset = [\"solver.tolerance=1e-5\"]\n[quantity.x]\nof = "
+                    "\"j.angle\"\n");
   const Outcome outcome = run("flexura", {"study", study, "-j", "1000000", "-o", mine_ / "study", "-q"});
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
 }

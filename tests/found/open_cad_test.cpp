@@ -42,8 +42,10 @@ TEST_F(OpenCad, OpenCadFilesSayWhereTheyAreOpen) {
   EXPECT_THAT(loose.out, AllOf(HasSubstr("healed: 6 faces"), HasSubstr("6000 mm3")));
   const Outcome open_iges = list("open_box.igs"), loose_iges = list("faces_of_box.igs");
   EXPECT_EQ(open_iges.exit_code, 2);
-  EXPECT_THAT(open_iges.err, AllOf(HasSubstr("is not closed"), HasSubstr("4 of its 12 edges belong to one face only, 100 mm together"),
-                                   HasSubstr("(0, 20, 10) to (30, 20, 10), 30 mm"), HasSubstr("export a solid body")));
+  EXPECT_THAT(open_iges.err,
+              AllOf(HasSubstr("is not closed"),
+                    HasSubstr("4 of its 12 edges belong to one face only, 100 mm together"),
+                    HasSubstr("(0, 20, 10) to (30, 20, 10), 30 mm"), HasSubstr("export a solid body")));
   EXPECT_EQ(loose_iges.exit_code, 0) << loose_iges.err;
   EXPECT_THAT(loose_iges.out, AllOf(HasSubstr("healed: 6 faces"), HasSubstr("6000 mm3")));
 }

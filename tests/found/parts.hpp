@@ -33,8 +33,8 @@ class Parts : public testing::Test {
   }
 
   /// Reduces a deck under [geometry] (which `rest` may go on with) to a new file, and reads it.
-  Reduced reduce_deck(const std::string& deck, const std::string& rest, const std::vector<std::string>& options = {},
-                      const std::string& name = "deck.bdf") {
+  Reduced reduce_deck(const std::string& deck, const std::string& rest,
+                      const std::vector<std::string>& options = {}, const std::string& name = "deck.bdf") {
     folder_.write(name, deck);
     std::filesystem::remove(output());  // coarse meshes do not replace finer ones
     Reduced out = reduce(folder_.write("part.toml", "[geometry]\nfile = \"" + name + "\"\n" + rest), options);
@@ -51,7 +51,8 @@ class Parts : public testing::Test {
   }
 
   /// Static displacements of all coordinates with interface `held` at rest under six loads at interface `loaded`.
-  static Eigen::VectorXd statics(const superelement::Superelement& se, int held, int loaded, const Eigen::VectorXd& load) {
+  static Eigen::VectorXd statics(const superelement::Superelement& se, int held, int loaded,
+                                 const Eigen::VectorXd& load) {
     std::vector<int> free;
     for (int k = 0; k < se.n(); ++k)
       if (k < se.interfaces[held].first_dof || k >= se.interfaces[held].first_dof + 6) free.push_back(k);

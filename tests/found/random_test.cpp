@@ -114,8 +114,9 @@ TEST(RandomSamples, GearsThatLockStandStill) {
 // By a method that was asked for by name its steps were 2e-11 s, and the run would have ended after a day.
 TEST(RandomSamples, GearsThatLockStopAMethodThatCreeps) {
   const test::Folder folder;
-  const Outcome outcome = test::run("flexura", {"simulate", kFolder + "gears_that_lock.toml", "-o", folder / "rows.h5",
-                                                "--no-estimate", "--set", "solver.method=ida"});
+  const Outcome outcome =
+      test::run("flexura", {"simulate", kFolder + "gears_that_lock.toml", "-o", folder / "rows.h5",
+                            "--no-estimate", "--set", "solver.method=ida"});
   EXPECT_EQ(outcome.exit_code, 1) << outcome.err;
   EXPECT_THAT(outcome.err, AllOf(HasSubstr("locks"), HasSubstr("c0.ratio"), HasSubstr("(ida creeps)")));
   EXPECT_THAT(outcome.out, HasSubstr("hint: radau"));
@@ -323,8 +324,8 @@ TEST(RandomSamples, SpeedsThatNothingAsksForAreZero) {
   };
   for (const Sample sample :
        {Sample{"flexible_door_without_a_speed", "j0.speed"}, Sample{"flexible_doors_at_rest", "j1.speed"}}) {
-    const Outcome outcome = test::run("flexura", {"simulate", with_parts(folder, sample.name), "-o",
-                                                  folder / "rows.h5", "--no-estimate"});
+    const Outcome outcome = test::run(
+        "flexura", {"simulate", with_parts(folder, sample.name), "-o", folder / "rows.h5", "--no-estimate"});
     EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
     const results::Run run = results::read(folder / "rows.h5").runs.at(0);
     EXPECT_NEAR(column(run, sample.free_speed, 0), 0.0, 1e-9) << sample.name;
@@ -335,8 +336,8 @@ TEST(RandomSamples, SpeedsThatNothingAsksForAreZero) {
 // strained a little less.
 TEST(RandomSamples, AFlexibleDoorStandsWhereItWasPut) {
   const test::Folder folder;
-  const Outcome outcome = test::run("flexura", {"simulate", with_parts(folder, "flexible_door_nine_digits"), "-o",
-                                                folder / "rows.h5", "--no-estimate"});
+  const Outcome outcome = test::run("flexura", {"simulate", with_parts(folder, "flexible_door_nine_digits"),
+                                                "-o", folder / "rows.h5", "--no-estimate"});
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
   const results::Run run = results::read(folder / "rows.h5").runs.at(0);
   EXPECT_NEAR(column(run, "j0.angle", 0), -0.6881613375686555, 1e-5);

@@ -64,10 +64,10 @@ TEST(Reactions, BesideAPositionThatLosesRankAreThoseOfTheState) {
   const Folder folder;
   const auto force = [&](const std::string& method) {
     const std::string output = folder / (method + ".h5");
-    const Outcome simulated = run(
-        "flexura", {"simulate", FLEXURA_SOURCE_DIR "/cases/iftomm/a02_windows.toml", "-q", "--no-estimate", "-o", output,
-                    "--set", "solver.method=" + method, "--set", "solver.end_time=3.175", "--set",
-                    "solver.output_step=5e-4"});
+    const Outcome simulated =
+        run("flexura", {"simulate", FLEXURA_SOURCE_DIR "/cases/iftomm/a02_windows.toml", "-q",
+                        "--no-estimate", "-o", output, "--set", "solver.method=" + method, "--set",
+                        "solver.end_time=3.175", "--set", "solver.output_step=5e-4"});
     EXPECT_EQ(simulated.exit_code, 0) << simulated.err;
     const results::Run result = results::read(output).runs.at(0);
     Eigen::VectorXd out(result.time.size());

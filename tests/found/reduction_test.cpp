@@ -5,7 +5,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-
 #include "tests/found/parts.hpp"
 
 namespace flexura::test {
@@ -103,7 +102,8 @@ TEST_F(FoundReduction, ReducedIntegrationIsThatOfTheDeck) {
 }
 
 TEST_F(FoundReduction, ElementsThatAreReplacedAreNamedWithTheirCount) {
-  folder_.write("hybrid.inp", replaced(read_text(sample("reduce/blockC3D20.inp")), "ype=C3D20", "ype=C3D20H"));
+  folder_.write("hybrid.inp",
+                replaced(read_text(sample("reduce/blockC3D20.inp")), "ype=C3D20", "ype=C3D20H"));
   const auto part = folder_.write("part.toml", R"([geometry]
 file = "hybrid.inp"
 [interface.left]

@@ -23,7 +23,8 @@ std::string without_measured(const std::string& text) {
   if (!value.is_structured()) return text;
   const std::function<void(nlohmann::ordered_json&)> strip = [&](nlohmann::ordered_json& in) {
     if (in.is_object())
-      for (const char* const key : {"seconds", "processor_seconds", "peak_memory_bytes", "wall_time", "real_time_factor"})
+      for (const char* const key :
+           {"seconds", "processor_seconds", "peak_memory_bytes", "wall_time", "real_time_factor"})
         in.erase(key);
     if (in.is_structured())
       for (auto& part : in) strip(part);

@@ -97,9 +97,11 @@ TEST_F(Sheets, NafemsFV16FromAMesh) {
   for (const bool triangles : {false, true}) {
     std::string nodes, cells;
     for (int j = 0; j <= n; ++j)
-      for (int i = 0; i <= n; ++i) nodes += fmt::format("{} {} {} 0\n", node(i, j), 10.0 * i / n, 10.0 * j / n);
+      for (int i = 0; i <= n; ++i)
+        nodes += fmt::format("{} {} {} 0\n", node(i, j), 10.0 * i / n, 10.0 * j / n);
     int count = 0;
-    for (int j = 0; j < n; ++j) cells += fmt::format("{} 1 2 7 1 {} {}\n", ++count, node(0, j), node(0, j + 1));
+    for (int j = 0; j < n; ++j)
+      cells += fmt::format("{} 1 2 7 1 {} {}\n", ++count, node(0, j), node(0, j + 1));
     for (int j = 0; j < n; ++j)
       for (int i = 0; i < n; ++i) {
         const int a = node(i, j), b = node(i + 1, j), c = node(i + 1, j + 1), d = node(i, j + 1);
@@ -110,9 +112,11 @@ TEST_F(Sheets, NafemsFV16FromAMesh) {
           cells += fmt::format("{} 3 2 8 1 {} {} {} {}\n", ++count, a, b, c, d);
         }
       }
-    folder_.write("plate.msh", fmt::format("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n2\n1 7 \"root\"\n2 8 \"sheet\"\n"
-                                           "$EndPhysicalNames\n$Nodes\n{}\n{}$EndNodes\n$Elements\n{}\n{}$EndElements\n",
-                                           (n + 1) * (n + 1), nodes, count, cells));
+    folder_.write(
+        "plate.msh",
+        fmt::format("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n2\n1 7 \"root\"\n2 8 \"sheet\"\n"
+                    "$EndPhysicalNames\n$Nodes\n{}\n{}$EndNodes\n$Elements\n{}\n{}$EndElements\n",
+                    (n + 1) * (n + 1), nodes, count, cells));
     std::filesystem::remove(output());
     const Outcome outcome = reduce("file = \"plate.msh\"\nunit = \"m\"", rest, "\"50 mm\"");
     ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
@@ -123,17 +127,23 @@ TEST_F(Sheets, NafemsFV16FromAMesh) {
   }
   // Without a thickness it is no sheet; solids beside it are refused, as are cells of order 2.
   const auto said = [&](const std::string& elements, const std::string& shell) {
-    folder_.write("odd.msh", "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n6\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n5 .5 0 0\n6 .5 .5 0\n"
-                  "$EndNodes\n$Elements\n" + elements + "$EndElements\n");
-    const auto part = folder_.write("odd.toml", "[geometry]\nfile = \"odd.msh\"\nunit = \"m\"\n" + shell +
-                                                    "[material.steel]\nyoung = \"200 GPa\"\npoisson = 0.3\ndensity = 8000\n");
+    folder_.write("odd.msh",
+                  "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n6\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n5 .5 "
+                  "0 0\n6 .5 .5 0\n"
+                  "$EndNodes\n$Elements\n" +
+                      elements + "$EndElements\n");
+    const auto part = folder_.write(
+        "odd.toml", "[geometry]\nfile = \"odd.msh\"\nunit = \"m\"\n" + shell +
+                        "[material.steel]\nyoung = \"200 GPa\"\npoisson = 0.3\ndensity = 8000\n");
     const Outcome outcome = run("flexura-reduce", {part.string(), "-o", (folder_ / "odd.se.h5").string()});
     EXPECT_EQ(outcome.exit_code, 2);
     return outcome.err;
   };
   EXPECT_THAT(said("2\n1 2 2 8 1 1 2 3\n2 2 2 8 1 1 4 2\n", ""), HasSubstr("[shell]"));
-  EXPECT_THAT(said("2\n1 2 2 8 1 1 2 3\n2 4 2 8 1 1 2 3 4\n", "[shell]\nthickness = \"1 mm\"\n"), HasSubstr("holds solid cells, where [shell]"));
-  EXPECT_THAT(said("1\n1 9 2 8 1 1 2 3 5 6 4\n", "[shell]\nthickness = \"1 mm\"\n"), HasSubstr("triangles and quadrilaterals of three and four nodes do"));
+  EXPECT_THAT(said("2\n1 2 2 8 1 1 2 3\n2 4 2 8 1 1 2 3 4\n", "[shell]\nthickness = \"1 mm\"\n"),
+              HasSubstr("holds solid cells, where [shell]"));
+  EXPECT_THAT(said("1\n1 9 2 8 1 1 2 3 5 6 4\n", "[shell]\nthickness = \"1 mm\"\n"),
+              HasSubstr("triangles and quadrilaterals of three and four nodes do"));
 }
 
 TEST_F(Sheets, WhatIsNoSheetIsRefused) {

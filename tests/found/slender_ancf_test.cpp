@@ -16,10 +16,10 @@
 namespace flexura::test {
 namespace {
 
+using std::numbers::pi;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
-using std::numbers::pi;
 
 constexpr double kEI = 2.0, kOther = 3.0;  // about the section's two axes, in units of `stiffness` L^2
 constexpr int kElements = 4;
@@ -53,8 +53,8 @@ type = "force"
 marker = "b.tip"
 z = {}
 )toml",
-                     L, kElements, stiffness, 0.4 * stiffness, 0.4 * stiffness, EI, kEI * EI, kOther * EI, m, rho_I,
-                     rho_I, -load);
+                     L, kElements, stiffness, 0.4 * stiffness, 0.4 * stiffness, EI, kEI * EI, kOther * EI, m,
+                     rho_I, rho_I, -load);
 }
 
 class SlenderAncf : public ::testing::Test {

@@ -20,8 +20,8 @@ class UserParts : public Parts {
   /// The user's files, in the test's folder.
   std::filesystem::path bring(const std::string& folder, const std::vector<std::string>& names) {
     for (const std::string& name : names)
-      std::filesystem::copy(std::filesystem::path(FLEXURA_SOURCE_DIR) / "tests/found" / folder / name, folder_ / name,
-                            std::filesystem::copy_options::overwrite_existing);
+      std::filesystem::copy(std::filesystem::path(FLEXURA_SOURCE_DIR) / "tests/found" / folder / name,
+                            folder_ / name, std::filesystem::copy_options::overwrite_existing);
     return folder_ / names.front();
   }
 
@@ -62,14 +62,16 @@ TEST_F(UserParts, ARodIsNotTrustedOnAMeshThatDoesNotResolveIt) {
 // The run with the rod of linear tetrahedra: its error by source knows that the mesh is no good.
 TEST_F(UserParts, AnUnresolvedMeshIsNoSmallPartOfARunsError) {
   const auto run_file = bring("user", {"mesh_o1.toml", "rod.toml", "rod.step"});
-  const Outcome reduced = run("flexura-reduce", {folder_ / "rod.toml", "--set", "mesh.order=1", "--set", "recovery.stress=false",
-                                                 "--modes", "4", "-o", folder_ / "rod_o1.se.h5"});
+  const Outcome reduced =
+      run("flexura-reduce", {folder_ / "rod.toml", "--set", "mesh.order=1", "--set", "recovery.stress=false",
+                             "--modes", "4", "-o", folder_ / "rod_o1.se.h5"});
   ASSERT_EQ(reduced.exit_code, 0) << reduced.err;
   EXPECT_THAT(reduced.err, HasSubstr("of order 1"));
   const Outcome outcome = run("flexura", {"simulate", run_file, "-o", folder_ / "run.h5"});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_THAT(outcome.out + outcome.err, HasSubstr("mesh and reduction of bar"));
-  EXPECT_THAT(outcome.out + outcome.err, testing::ContainsRegex("bar[^\n]*unknown|unknown[^\n]*bar|[5-9][0-9][.0-9]* %"));
+  EXPECT_THAT(outcome.out + outcome.err,
+              testing::ContainsRegex("bar[^\n]*unknown|unknown[^\n]*bar|[5-9][0-9][.0-9]* %"));
 }
 
 TEST_F(UserParts, ACrankArmIsJudgedByItsMesh) {
@@ -91,7 +93,8 @@ TEST_F(UserParts, AShaftHeldAtItsEndsIsNotWithinOnePercent) {
   const Reduced r = reduce(bring("reduce", {"av.toml", "stepped_shaft.step"}), {"--compare", "6"});
   ASSERT_EQ(r.outcome.exit_code, 0) << r.outcome.err;
   EXPECT_GT(r.report["mesh_error"]["modes"].at(0)["frequency_error"].get<double>(), 0.014);
-  EXPECT_THAT(r.outcome.out, AllOf(Not(HasSubstr("to be trusted: frequencies within 1 %")), HasSubstr("not within 1 %")));
+  EXPECT_THAT(r.outcome.out,
+              AllOf(Not(HasSubstr("to be trusted: frequencies within 1 %")), HasSubstr("not within 1 %")));
 }
 
 }  // namespace

@@ -12,6 +12,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
                                                                              .shapes = true,
                                                                              .stress = true,
                                                                              .sections = true,
-                           .mesh_error = true});
+                                                                             .mesh_error = true});
   });
 }

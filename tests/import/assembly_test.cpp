@@ -45,12 +45,14 @@ Import import(const Folder& folder, const std::string& step, std::vector<std::st
   std::string joint;
   for (std::string line; std::getline(lines, line);) {
     if (line.starts_with("[")) joint = line.starts_with("[joint.") ? line.substr(7, line.size() - 8) : "";
-    if (!joint.empty() && joint != "to_ground" && line.starts_with("type = ")) result.joints[joint] = line.substr(8, line.size() - 9);
+    if (!joint.empty() && joint != "to_ground" && line.starts_with("type = "))
+      result.joints[joint] = line.substr(8, line.size() - 9);
   }
   const auto at = result.outcome.out.find("degrees of freedom: ");
   if (at != std::string::npos) result.freedom = std::stoi(result.outcome.out.substr(at + 20));
   // Whatever is proposed runs.
-  const Outcome ran = run("flexura", {"simulate", folder / "out/mechanism.toml", "-o", folder / "out.h5", "--end-time", "0.002", "--no-estimate"});
+  const Outcome ran = run("flexura", {"simulate", folder / "out/mechanism.toml", "-o", folder / "out.h5",
+                                      "--end-time", "0.002", "--no-estimate"});
   EXPECT_EQ(ran.exit_code, 0) << ran.err;
   return result;
 }
@@ -60,13 +62,17 @@ Import import(const Folder& folder, Assembly& assembly, const std::vector<std::s
   return import(folder, (folder / "a.step").string(), words);
 }
 
-TopoDS_Shape plate(double hole) { return box({-30, -30, 0}, {30, 30, 10}) - cylinder({0, 0, 0}, kZ, hole, 10); }
+TopoDS_Shape plate(double hole) {
+  return box({-30, -30, 0}, {30, 30, 10}) - cylinder({0, 0, 0}, kZ, hole, 10);
+}
 
 TEST(AssemblyImport, ShaftWithShouldersOnBothSidesIsAHinge) {
   const Folder folder;
   Assembly a("hinge");
   a.place(a.part("plate", plate(5.0)), at({0, 0, 0}));
-  a.place(a.part("spool", cylinder({0, 0, -5}, kZ, 8, 5) + cylinder({0, 0, 0}, kZ, 5, 10) + cylinder({0, 0, 10}, kZ, 8, 5)), at({0, 0, 0}));
+  a.place(a.part("spool", cylinder({0, 0, -5}, kZ, 8, 5) + cylinder({0, 0, 0}, kZ, 5, 10) +
+                              cylinder({0, 0, 10}, kZ, 8, 5)),
+          at({0, 0, 0}));
   const Import i = import(folder, a);
   EXPECT_EQ(i.outcome.exit_code, 0) << i.outcome.err;
   EXPECT_THAT(i.joints, UnorderedElementsAre(Pair("plate_spool", "revolute")));
@@ -112,7 +118,8 @@ TEST(AssemblyImport, BallInASocketBarInAHole) {
   EXPECT_THAT(i.joints, UnorderedElementsAre(Pair("socket_stud", "spherical")));
   EXPECT_EQ(i.freedom, 3);
   Assembly b("slide");
-  b.place(b.part("guide", box({-20, -20, 0}, {20, 20, 30}) - box({-6, -4, 0}, {6, 4, 30})), turned({5, 6, 7}, kY, 0.4));
+  b.place(b.part("guide", box({-20, -20, 0}, {20, 20, 30}) - box({-6, -4, 0}, {6, 4, 30})),
+          turned({5, 6, 7}, kY, 0.4));
   b.place(b.part("bar", box({-6, -4, -20}, {6, 4, 60})), turned({5, 6, 7}, kY, 0.4));
   i = import(second, b, {"--ground", "guide"});
   EXPECT_THAT(i.joints, UnorderedElementsAre(Pair("guide_bar", "prismatic")));
@@ -123,14 +130,18 @@ TEST(AssemblyImport, BallInASocketBarInAHole) {
 TEST(AssemblyImport, WheelsThatTouchAreDoubtful) {
   const Folder folder;
   Assembly a("wheels");
-  a.place(a.part("frame", box({-30, -30, 0}, {70, 30, 10}) - cylinder({0, 0, 0}, kZ, 5, 10) - cylinder({40, 0, 0}, kZ, 5, 10)), at({0, 0, 0}));
+  a.place(a.part("frame", box({-30, -30, 0}, {70, 30, 10}) - cylinder({0, 0, 0}, kZ, 5, 10) -
+                              cylinder({40, 0, 0}, kZ, 5, 10)),
+          at({0, 0, 0}));
   const auto wheel = [](double radius) {
-    return cylinder({0, 0, -8}, kZ, 8, 8) + cylinder({0, 0, 0}, kZ, 5, 10) + cylinder({0, 0, 10}, kZ, radius, 8);
+    return cylinder({0, 0, -8}, kZ, 8, 8) + cylinder({0, 0, 0}, kZ, 5, 10) +
+           cylinder({0, 0, 10}, kZ, radius, 8);
   };
   a.place(a.part("small", wheel(15)), at({0, 0, 0}));
   a.place(a.part("large", wheel(25)), at({40, 0, 0}));
   const Import i = import(folder, a);
-  EXPECT_THAT(i.joints, UnorderedElementsAre(Pair("frame_small", "revolute"), Pair("frame_large", "revolute")));
+  EXPECT_THAT(i.joints,
+              UnorderedElementsAre(Pair("frame_small", "revolute"), Pair("frame_large", "revolute")));
   EXPECT_EQ(i.freedom, 2);
   EXPECT_THAT(i.outcome.err, HasSubstr("small and large come within"));
 }
@@ -180,16 +191,19 @@ TEST(AssemblyImport, UniversalJointHasTwoFreedoms) {
   const Folder folder;
   Assembly a("cardan");
   // Ears at x = +-(20 .. 28) with bores along x; the cross's arms end in them, its hub's shoulders touch the ears.
-  const TopoDS_Shape fork = box({-28, -10, 30}, {28, 10, 38}) + box({-28, -10, -10}, {-20, 10, 30}) + box({20, -10, -10}, {28, 10, 30});
+  const TopoDS_Shape fork = box({-28, -10, 30}, {28, 10, 38}) + box({-28, -10, -10}, {-20, 10, 30}) +
+                            box({20, -10, -10}, {28, 10, 30});
   const TopoDS_Shape drilled = fork - cylinder({-30, 0, 0}, kX, 5, 60);
-  const TopoDS_Shape cross = box({-20, -8, -8}, {20, 8, 8}) + box({-8, -20, -8}, {8, 20, 8}) + cylinder({-28, 0, 0}, kX, 5, 56) + cylinder({0, -28, 0}, kY, 5, 56);
+  const TopoDS_Shape cross = box({-20, -8, -8}, {20, 8, 8}) + box({-8, -20, -8}, {8, 20, 8}) +
+                             cylinder({-28, 0, 0}, kX, 5, 56) + cylinder({0, -28, 0}, kY, 5, 56);
   a.place(a.part("cross", cross), at({0, 0, 0}));
   const TDF_Label part = a.part("fork", drilled);
   a.place(part, at({0, 0, 0}), "lower");
   // Upside down and a quarter turned: its bores along y.
   a.place(part, turned({0, 0, 0}, gp_Dir(1, 1, 0), std::numbers::pi), "upper");
   const Import i = import(folder, a, {"--ground", "lower"});
-  EXPECT_THAT(i.joints, UnorderedElementsAre(Pair("cross_lower", "revolute"), Pair("cross_upper", "revolute")));
+  EXPECT_THAT(i.joints,
+              UnorderedElementsAre(Pair("cross_lower", "revolute"), Pair("cross_upper", "revolute")));
   EXPECT_EQ(i.freedom, 2);
 }
 
@@ -200,21 +214,25 @@ TEST(AssemblyImport, FourBarLinkageOfPlatesAndPinsHasOneFreedom) {
   Assembly a("four bar");
   // Bars along x with a bore at either end, in two layers; ends spread so that it is no parallelogram.
   const auto bar = [](double length, double z) {
-    return box({-8, -6, z}, {length + 8, 6, z + 5}) - cylinder({0, 0, z}, kZ, 3, 5) - cylinder({length, 0, z}, kZ, 3, 5);
+    return box({-8, -6, z}, {length + 8, 6, z + 5}) - cylinder({0, 0, z}, kZ, 3, 5) -
+           cylinder({length, 0, z}, kZ, 3, 5);
   };
   const gp_Pnt A(0, 0, 0), D(80, 0, 0), B(20, 30, 0);
   // C: 70 from B, 50 from D.
-  const double d = B.Distance(D), along = (70.0 * 70.0 - 50.0 * 50.0 + d * d) / (2.0 * d), off = std::sqrt(70.0 * 70.0 - along * along);
+  const double d = B.Distance(D), along = (70.0 * 70.0 - 50.0 * 50.0 + d * d) / (2.0 * d),
+               off = std::sqrt(70.0 * 70.0 - along * along);
   const double ux = (D.X() - B.X()) / d, uy = (D.Y() - B.Y()) / d;
   const gp_Pnt C(B.X() + along * ux - off * uy, B.Y() + along * uy + off * ux, 0);
   const auto place = [&](const char* name, const gp_Pnt& from, const gp_Pnt& to, double z) {
-    a.place(a.part(name, bar(from.Distance(to), z)), turned(from, kZ, std::atan2(to.Y() - from.Y(), to.X() - from.X())));
+    a.place(a.part(name, bar(from.Distance(to), z)),
+            turned(from, kZ, std::atan2(to.Y() - from.Y(), to.X() - from.X())));
   };
   place("frame", A, D, 0);
   place("crank", A, B, 5);
   place("coupler", B, C, 0);
   place("rocker", D, C, 5);
-  const TDF_Label pin = a.part("pin", cylinder({0, 0, -3}, kZ, 6, 3) + cylinder({0, 0, 0}, kZ, 3, 10) + cylinder({0, 0, 10}, kZ, 6, 3));
+  const TDF_Label pin = a.part("pin", cylinder({0, 0, -3}, kZ, 6, 3) + cylinder({0, 0, 0}, kZ, 3, 10) +
+                                          cylinder({0, 0, 10}, kZ, 6, 3));
   for (const gp_Pnt& p : {A, B, C, D}) a.place(pin, at(p));
   const Import i = import(folder, a, {"--ground", "frame"});
   EXPECT_EQ(i.outcome.exit_code, 0) << i.outcome.err;
@@ -237,7 +255,8 @@ TEST(AssemblyImport, FourBarLinkageOfPlatesAndPinsHasOneFreedom) {
 TEST(AssemblyImport, MassPropertiesAreThoseOfTheExactShape) {
   const Folder folder;
   Assembly a("drilled");
-  a.place(a.part("block", box({0, 0, 0}, {20, 30, 40}) - cylinder({10, 12, 0}, kZ, 5, 40), 2700.0, "#FF8000"), at({100, 0, 0}));
+  a.place(a.part("block", box({0, 0, 0}, {20, 30, 40}) - cylinder({10, 12, 0}, kZ, 5, 40), 2700.0, "#FF8000"),
+          at({100, 0, 0}));
   a.write(folder / "inch.step", "INCH");
   const Import i = import(folder, (folder / "inch.step").string());
   ASSERT_EQ(i.outcome.exit_code, 0) << i.outcome.err;
@@ -245,7 +264,8 @@ TEST(AssemblyImport, MassPropertiesAreThoseOfTheExactShape) {
   EXPECT_THAT(i.mechanism, HasSubstr("colour #FF"));
   EXPECT_THAT(i.mechanism, HasSubstr("position = [0.1"));
   const auto se = superelement::read(folder / "out/parts/block.se.h5");
-  const double rho = 2700.0, mb = rho * 0.02 * 0.03 * 0.04, mc = rho * std::numbers::pi * 25e-6 * 0.04, m = mb - mc;
+  const double rho = 2700.0, mb = rho * 0.02 * 0.03 * 0.04, mc = rho * std::numbers::pi * 25e-6 * 0.04,
+               m = mb - mc;
   // The faces are exact; what is lost is the file's 15 digits in inches and the integration.
   EXPECT_NEAR(se.inertia.mass, m, 1e-8 * m);
   const double y = (mb * 0.015 - mc * 0.012) / m;
@@ -260,7 +280,8 @@ TEST(AssemblyImport, MassPropertiesAreThoseOfTheExactShape) {
 TEST(AssemblyImport, SubassembliesPlaceWhatTheyHold) {
   const Folder folder;
   Assembly a("nest");
-  const TDF_Label inner = a.group("inner"), outer = a.group("outer"), cube = a.part("cube", box({-1, -1, -1}, {1, 1, 1}));
+  const TDF_Label inner = a.group("inner"), outer = a.group("outer"),
+                  cube = a.part("cube", box({-1, -1, -1}, {1, 1, 1}));
   a.place(inner, cube, at({10, 0, 0}));
   a.place(outer, inner, turned({0, 20, 0}, kZ, std::numbers::pi / 2));
   a.place(outer, at({0, 0, 30}));
@@ -294,13 +315,16 @@ TEST_F(Engine, IsASliderCrankWithOneFreedom) {
   std::map<std::string, std::string> moving;
   for (const auto& [name, type] : i.joints)
     if (type != "fixed") moving[name] = type;
-  EXPECT_THAT(moving, UnorderedElementsAre(Pair("block_crankshaft", "revolute"), Pair("crankshaft_connecting_rod", "revolute"),
-                                           Pair("connecting_rod_piston_pin", "cylindrical"), Pair("block_piston", "cylindrical")));
+  EXPECT_THAT(moving, UnorderedElementsAre(Pair("block_crankshaft", "revolute"),
+                                           Pair("crankshaft_connecting_rod", "revolute"),
+                                           Pair("connecting_rod_piston_pin", "cylindrical"),
+                                           Pair("block_piston", "cylindrical")));
   EXPECT_EQ(i.joints.size() - moving.size(), 13U);
   EXPECT_EQ(i.freedom, 1);
   // Driven, its piston moves by r cos a + sqrt(l^2 - r^2 sin^2 a); the crank stands at 60 degrees.
-  const Outcome driven = run("flexura", {"simulate", folder / "out/mechanism.toml", "-o", folder / "e.h5", "--no-estimate", "--set",
-                                         "solver.method=kinematics", "solver.output_step=0.02", "joint.block_crankshaft.drive=6*t"});
+  const Outcome driven = run(
+      "flexura", {"simulate", folder / "out/mechanism.toml", "-o", folder / "e.h5", "--no-estimate", "--set",
+                  "solver.method=kinematics", "solver.output_step=0.02", "joint.block_crankshaft.drive=6*t"});
   ASSERT_EQ(driven.exit_code, 0) << driven.err;
   const results::Run r = results::read(folder / "e.h5").runs.at(0);
   const auto& piston = body(r, "piston").pose;
@@ -334,20 +358,28 @@ TEST_P(BadAssembly, EndsInOneSentenceAndWritesNothing) {
   EXPECT_FALSE(fs::exists(folder / "out"));
 }
 
-std::string engine_text() { return read_text(FLEXURA_SOURCE_DIR "/cases/assembly/engine.step"); }
+std::string engine_text() {
+  return read_text(FLEXURA_SOURCE_DIR "/cases/assembly/engine.step");
+}
 
-INSTANTIATE_TEST_SUITE_P(All, BadAssembly,
-                         testing::Values(BadStep{"empty", "", "is no STEP file"}, BadStep{"text", "hello", "is no STEP file"},
-                                         BadStep{"header_alone", "ISO-10303-21;\nHEADER;\nENDSEC;\n", "a.step"},
-                                         BadStep{"no_data", "ISO-10303-21;\nHEADER;\nFILE_DESCRIPTION((''),'2;1');\nFILE_NAME('','',(''),(''),'','','');\n"
-                                                            "FILE_SCHEMA(('AUTOMOTIVE_DESIGN'));\nENDSEC;\nDATA;\nENDSEC;\nEND-ISO-10303-21;\n", "a.step"}),
-                         [](const auto& info) { return info.param.name; });
+INSTANTIATE_TEST_SUITE_P(
+    All, BadAssembly,
+    testing::Values(
+        BadStep{"empty", "", "is no STEP file"}, BadStep{"text", "hello", "is no STEP file"},
+        BadStep{"header_alone", "ISO-10303-21;\nHEADER;\nENDSEC;\n", "a.step"},
+        BadStep{
+            "no_data",
+            "ISO-10303-21;\nHEADER;\nFILE_DESCRIPTION((''),'2;1');\nFILE_NAME('','',(''),(''),'','','');\n"
+            "FILE_SCHEMA(('AUTOMOTIVE_DESIGN'));\nENDSEC;\nDATA;\nENDSEC;\nEND-ISO-10303-21;\n",
+            "a.step"}),
+    [](const auto& info) { return info.param.name; });
 
 TEST(AssemblyImport, CutShortItEndsInASentenceOrIsWhatIsLeft) {
   const Folder folder;
   const std::string whole = engine_text();
   for (const double part : {0.3, 0.9}) {
-    const auto file = folder.write("cut.step", whole.substr(0, static_cast<std::size_t>(part * static_cast<double>(whole.size()))));
+    const auto file = folder.write(
+        "cut.step", whole.substr(0, static_cast<std::size_t>(part * static_cast<double>(whole.size()))));
     const Outcome outcome = run("flexura", {"import", file, "-o", folder / "cut"});
     EXPECT_EQ(outcome.exit_code, 2) << outcome.err << outcome.out;
     EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
@@ -358,9 +390,12 @@ TEST(AssemblyImport, CutShortItEndsInASentenceOrIsWhatIsLeft) {
 TEST(AssemblyImport, UnknownGroundAndForeignOptionsAreRefused) {
   const Folder folder;
   const std::string engine = FLEXURA_SOURCE_DIR "/cases/assembly/engine.step";
-  EXPECT_THAT(run("flexura", {"import", engine, "-o", folder / "out", "--ground", "bolt"}).err, HasSubstr("0 bodies of the assembly are called so; it has"));
-  EXPECT_THAT(run("flexura", {"import", engine, "-o", folder / "out", "--base", "fixed"}).err, HasSubstr("--base is for robots"));
-  EXPECT_THAT(run("flexura", {"import", engine, "-o", folder / "out", "--density", "3 mm"}).err, HasSubstr("--density 3 mm"));
+  EXPECT_THAT(run("flexura", {"import", engine, "-o", folder / "out", "--ground", "bolt"}).err,
+              HasSubstr("0 bodies of the assembly are called so; it has"));
+  EXPECT_THAT(run("flexura", {"import", engine, "-o", folder / "out", "--base", "fixed"}).err,
+              HasSubstr("--base is for robots"));
+  EXPECT_THAT(run("flexura", {"import", engine, "-o", folder / "out", "--density", "3 mm"}).err,
+              HasSubstr("--density 3 mm"));
   EXPECT_FALSE(fs::exists(folder / "out"));
 }
 
@@ -375,10 +410,12 @@ TEST(AssemblyImport, HostileNamesStayInsideTheFolder) {
   const Import i = import(folder, a);
   ASSERT_EQ(i.outcome.exit_code, 0) << i.outcome.err;
   std::set<std::string> beside;
-  for (const auto& entry : fs::directory_iterator(folder.path())) beside.insert(entry.path().filename().string());
+  for (const auto& entry : fs::directory_iterator(folder.path()))
+    beside.insert(entry.path().filename().string());
   EXPECT_EQ(beside, (std::set<std::string>{"a.step", "out", "out.h5"}));
   int files = 0;
-  for (const auto& entry : fs::directory_iterator(folder / "out/parts")) files += entry.is_regular_file() ? 1 : 0;
+  for (const auto& entry : fs::directory_iterator(folder / "out/parts"))
+    files += entry.is_regular_file() ? 1 : 0;
   EXPECT_EQ(files, 6 * 3);  // .brep, .toml, .se.h5
 }
 

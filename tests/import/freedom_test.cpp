@@ -1,13 +1,13 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 
 // What contacts leave free, on contacts whose freedoms are known.
+#include "import/cad/freedom.hpp"
+
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
 #include <cmath>
 #include <numbers>
-
-#include "import/cad/freedom.hpp"
 
 namespace flexura::import::cad {
 namespace {
@@ -114,7 +114,8 @@ TEST(Freedom, SquareBarInASquareHoleSlides) {
   std::vector<Contact> contacts;
   for (const Vector3d& n : {Vector3d(1, 0, 0), Vector3d(-1, 0, 0), Vector3d(0, 1, 0), Vector3d(0, -1, 0)})
     for (const double s : {-1.0, 1.0})
-      for (const double z : {-3.0, 3.0}) contacts.push_back({n + s * n.cross(Vector3d::UnitZ()) + Vector3d(0, 0, z), n});
+      for (const double z : {-3.0, 3.0})
+        contacts.push_back({n + s * n.cross(Vector3d::UnitZ()) + Vector3d(0, 0, z), n});
   const Found f = found(contacts);
   EXPECT_EQ(f.kept, 1);
   EXPECT_EQ(f.open, 1);

@@ -24,7 +24,8 @@ inline results::Run run_robot(const Folder& folder, const std::string& urdf, std
   arguments.insert(arguments.end(), import_words.begin(), import_words.end());
   const Outcome imported = run("flexura", arguments);
   EXPECT_EQ(imported.exit_code, 0) << imported.err;
-  words.insert(words.begin(), {"simulate", folder / "robot/mechanism.toml", "-o", folder / "robot.h5", "--no-estimate"});
+  words.insert(words.begin(),
+               {"simulate", folder / "robot/mechanism.toml", "-o", folder / "robot.h5", "--no-estimate"});
   const Outcome simulated = run("flexura", words);
   EXPECT_EQ(simulated.exit_code, 0) << simulated.err;
   return results::read(folder / "robot.h5").runs.at(0);

@@ -16,20 +16,28 @@ namespace {
 
 constexpr int kJoints = 7;
 constexpr double kAmplitude[kJoints] = {1.1, 0.9, 1.3, 2.0, 1.2, 0.04, 3.0},
-                 kRate[kJoints] = {1.7, 2.3, 1.9, 3.1, 2.9, 4.1, 1.3}, kPhase[kJoints] = {0.1, 1.2, 2.1, 0.4, -0.8, 0.6, 0.3};
+                 kRate[kJoints] = {1.7, 2.3, 1.9, 3.1, 2.9, 4.1, 1.3},
+                 kPhase[kJoints] = {0.1, 1.2, 2.1, 0.4, -0.8, 0.6, 0.3};
 
-double q(int j, double t) { return kAmplitude[j] * std::sin(kRate[j] * t + kPhase[j]); }
-double v(int j, double t) { return kAmplitude[j] * kRate[j] * std::cos(kRate[j] * t + kPhase[j]); }
-double a(int j, double t) { return -kRate[j] * kRate[j] * q(j, t); }
+double q(int j, double t) {
+  return kAmplitude[j] * std::sin(kRate[j] * t + kPhase[j]);
+}
+double v(int j, double t) {
+  return kAmplitude[j] * kRate[j] * std::cos(kRate[j] * t + kPhase[j]);
+}
+double a(int j, double t) {
+  return -kRate[j] * kRate[j] * q(j, t);
+}
 
 class ArmInPrescribedMotion : public testing::Test {
  protected:
   static void SetUpTestSuite() {
     const Folder folder;  // without stops: kinematics locates no switches
-    std::vector<std::string> words = {"--set", "solver.method=kinematics", "solver.end_time=1", "solver.output_step=0.05",
-                                      "output.quantities=[\"*\"]"};
+    std::vector<std::string> words = {"--set", "solver.method=kinematics", "solver.end_time=1",
+                                      "solver.output_step=0.05", "output.quantities=[\"*\"]"};
     for (int j = 0; j < kJoints; ++j)
-      words.push_back(fmt::format("joint.j{}.drive={}*sin({}*t+({}))", j + 1, kAmplitude[j], kRate[j], kPhase[j]));
+      words.push_back(
+          fmt::format("joint.j{}.drive={}*sin({}*t+({}))", j + 1, kAmplitude[j], kRate[j], kPhase[j]));
     run_ = new results::Run(run_robot(folder, sample("arm.urdf"), words, {"--no-stops"}));
     model_ = urdf::parseURDF(read_text(sample("arm.urdf")));
   }
@@ -55,7 +63,8 @@ urdf::ModelInterfaceSharedPtr ArmInPrescribedMotion::model_;
 // a few 1e-16 each.
 TEST_F(ArmInPrescribedMotion, LinksStandWhereTheProductOfTransformsPutsThem) {
   ASSERT_EQ(run_->time.size(), 21);
-  const char* const bodies[] = {"shoulder", "upper_arm", "forearm", "wrist_1", "wrist_2", "slide", "flange", "tool0"};
+  const char* const bodies[] = {"shoulder", "upper_arm", "forearm", "wrist_1",
+                                "wrist_2",  "slide",     "flange",  "tool0"};
   for (Eigen::Index row = 0; row < run_->time.size(); ++row) {
     Eigen::Isometry3d X = Eigen::Isometry3d::Identity();
     int j = 0;
@@ -71,7 +80,8 @@ TEST_F(ArmInPrescribedMotion, LinksStandWhereTheProductOfTransformsPutsThem) {
       else if (joint->type != urdf::Joint::FIXED)
         X.rotate(Eigen::AngleAxisd(q(j, run_->time[row]), axis));
       const auto pose = body(*run_, bodies[j]).pose.row(row);
-      EXPECT_LT((X.translation() - pose.head<3>().transpose()).norm(), 1e-12) << bodies[j] << " at " << run_->time[row];
+      EXPECT_LT((X.translation() - pose.head<3>().transpose()).norm(), 1e-12)
+          << bodies[j] << " at " << run_->time[row];
       const Eigen::Quaterniond R(pose[3], pose[4], pose[5], pose[6]);
       EXPECT_LT((X.linear() - R.toRotationMatrix()).norm(), 1e-12) << bodies[j] << " at " << run_->time[row];
       ++j;
@@ -93,7 +103,8 @@ TEST_F(ArmInPrescribedMotion, DrivesTakeTheTorquesOfKdl) {
     const KDL::Frame F = to_kdl(joint->parent_to_joint_origin_transform);
     const KDL::Vector axis = F.M * KDL::Vector(joint->axis.x, joint->axis.y, joint->axis.z);
     KDL::Joint kdl_joint(joint->name, KDL::Joint::Fixed);
-    if (joint->type == urdf::Joint::PRISMATIC) kdl_joint = KDL::Joint(joint->name, F.p, axis, KDL::Joint::TransAxis);
+    if (joint->type == urdf::Joint::PRISMATIC)
+      kdl_joint = KDL::Joint(joint->name, F.p, axis, KDL::Joint::TransAxis);
     if (joint->type == urdf::Joint::REVOLUTE || joint->type == urdf::Joint::CONTINUOUS)
       kdl_joint = KDL::Joint(joint->name, F.p, axis, KDL::Joint::RotAxis);
     KDL::RigidBodyInertia inertia;
@@ -101,7 +112,8 @@ TEST_F(ArmInPrescribedMotion, DrivesTakeTheTorquesOfKdl) {
       // Its constructor takes the inertia about the centre of mass, in the axes of the link.
       const KDL::Frame X = to_kdl(i->origin);
       const KDL::RigidBodyInertia turned =
-          X.M * KDL::RigidBodyInertia(i->mass, KDL::Vector::Zero(), KDL::RotationalInertia(i->ixx, i->iyy, i->izz, i->ixy, i->ixz, i->iyz));
+          X.M * KDL::RigidBodyInertia(i->mass, KDL::Vector::Zero(),
+                                      KDL::RotationalInertia(i->ixx, i->iyy, i->izz, i->ixy, i->ixz, i->iyz));
       inertia = KDL::RigidBodyInertia(i->mass, X.p, turned.getRotationalInertia());
     }
     chain.addSegment(KDL::Segment(joint->child_link_name, kdl_joint, F, inertia));
@@ -117,7 +129,9 @@ TEST_F(ArmInPrescribedMotion, DrivesTakeTheTorquesOfKdl) {
       speeds(j) = v(j, t);
       accelerations(j) = a(j, t);
     }
-    ASSERT_GE(solver.CartToJnt(positions, speeds, accelerations, KDL::Wrenches(chain.getNrOfSegments()), torques), 0);
+    ASSERT_GE(
+        solver.CartToJnt(positions, speeds, accelerations, KDL::Wrenches(chain.getNrOfSegments()), torques),
+        0);
     const double largest = torques.data.cwiseAbs().maxCoeff();
     for (int j = 0; j < kJoints; ++j)
       EXPECT_NEAR(column(*run_, fmt::format("j{}.drive_force", j + 1))[row],

@@ -19,12 +19,14 @@ const std::string kMass = R"(<inertial><mass value="1"/><inertia ixx="1" iyy="1"
 std::string link(const std::string& name, const std::string& content = kMass) {
   return "<link name=\"" + name + "\">" + content + "</link>\n";
 }
-std::string joint(const std::string& name, const std::string& type, const std::string& parent, const std::string& child,
-                  const std::string& content = "") {
-  return "<joint name=\"" + name + "\" type=\"" + type + "\"><parent link=\"" + parent + "\"/><child link=\"" + child + "\"/>" +
-         content + "</joint>\n";
+std::string joint(const std::string& name, const std::string& type, const std::string& parent,
+                  const std::string& child, const std::string& content = "") {
+  return "<joint name=\"" + name + "\" type=\"" + type + "\"><parent link=\"" + parent +
+         "\"/><child link=\"" + child + "\"/>" + content + "</joint>\n";
 }
-std::string robot(const std::string& content) { return "<robot name=\"r\">\n" + content + "</robot>\n"; }
+std::string robot(const std::string& content) {
+  return "<robot name=\"r\">\n" + content + "</robot>\n";
+}
 
 struct Bad {
   std::string name, text, says;
@@ -88,46 +90,59 @@ INSTANTIATE_TEST_SUITE_P(
 
 TEST(UrdfImport, TemplatesAndOtherFilesAreRefusedByName) {
   const Folder folder;
-  EXPECT_THAT(run("flexura", {"import", folder.write("r.xacro", robot(kTwo))}).err, HasSubstr("make the URDF of it first"));
-  EXPECT_THAT(run("flexura", {"import", folder.write("r.sdf", robot(kTwo))}).err, HasSubstr("is not of a kind that is imported"));
+  EXPECT_THAT(run("flexura", {"import", folder.write("r.xacro", robot(kTwo))}).err,
+              HasSubstr("make the URDF of it first"));
+  EXPECT_THAT(run("flexura", {"import", folder.write("r.sdf", robot(kTwo))}).err,
+              HasSubstr("is not of a kind that is imported"));
   EXPECT_EQ(run("flexura", {"import", folder / "lost.urdf"}).exit_code, 2);
 }
 
 TEST(UrdfImport, JointWithoutTravelIsSaid) {
   const Folder folder;
-  const auto file = folder.write("r.urdf", robot(kTwo + joint("j", "revolute", "a", "b", R"(<limit effort="1" velocity="1"/>)")));
-  EXPECT_THAT(run("flexura", {"import", file, "-o", folder / "out"}).err, HasSubstr("joint \"j\" has no travel"));
+  const auto file = folder.write(
+      "r.urdf", robot(kTwo + joint("j", "revolute", "a", "b", R"(<limit effort="1" velocity="1"/>)")));
+  EXPECT_THAT(run("flexura", {"import", file, "-o", folder / "out"}).err,
+              HasSubstr("joint \"j\" has no travel"));
 }
 
 TEST(UrdfImport, MasslessLinkBetweenCrossedAxesIsFine) {
   const Folder folder;
-  const auto file = folder.write("r.urdf", robot(link("a") + link("cross", "") + link("c") + joint("j", "continuous", "a", "cross", R"(<axis xyz="1 0 0"/>)") +
-                                                 joint("k", "continuous", "cross", "c", R"(<axis xyz="0 1 0"/>)")));
+  const auto file =
+      folder.write("r.urdf", robot(link("a") + link("cross", "") + link("c") +
+                                   joint("j", "continuous", "a", "cross", R"(<axis xyz="1 0 0"/>)") +
+                                   joint("k", "continuous", "cross", "c", R"(<axis xyz="0 1 0"/>)")));
   run_robot(folder, file, {"--end-time", "0.1"});
 }
 
 TEST(UrdfImport, HostileNamesStayInsideTheFolder) {
   const Folder folder;
-  const std::string names[] = {"../../evil", "/etc/passwd", "a\"]\n[run.x]\nset=[", "a.b", "a b", "a_b", "ground", std::string(5000, 'x'),
-                               std::string(5000, 'x') + "y", "1st", "\xc3\xa4\xff", "${", "t"};
+  const std::string names[] = {
+      "../../evil", "/etc/passwd",          "a\"]\n[run.x]\nset=[",       "a.b", "a b",          "a_b",
+      "ground",     std::string(5000, 'x'), std::string(5000, 'x') + "y", "1st", "\xc3\xa4\xff", "${",
+      "t"};
   std::string text = link("base");
   int n = 0;
   for (std::string name : names) {
     if (name == "${") continue;  // a template's
     std::string escaped;
-    for (const char c : name) escaped += c == '"' ? std::string("&quot;") : c == '\n' ? std::string("&#10;") : std::string(1, c);
-    text += link(escaped, kMass + R"(<visual><origin rpy="0 0 1"/><geometry><box size="1 1 1"/></geometry></visual>)") +
-            joint(escaped, "continuous", "base", escaped);
+    for (const char c : name)
+      escaped += c == '"' ? std::string("&quot;") : c == '\n' ? std::string("&#10;") : std::string(1, c);
+    text +=
+        link(escaped,
+             kMass + R"(<visual><origin rpy="0 0 1"/><geometry><box size="1 1 1"/></geometry></visual>)") +
+        joint(escaped, "continuous", "base", escaped);
     ++n;
   }
   const auto file = folder.write("r.urdf", robot(text));
   const results::Run run = run_robot(folder, file, {"--end-time", "0.01"});
   EXPECT_EQ(run.name, "run");
   int files = 0;
-  for (const auto& entry : fs::directory_iterator(folder / "robot/parts")) files += entry.is_regular_file() ? 1 : 0;
+  for (const auto& entry : fs::directory_iterator(folder / "robot/parts"))
+    files += entry.is_regular_file() ? 1 : 0;
   EXPECT_EQ(files, n);
   std::set<std::string> beside;
-  for (const auto& entry : fs::directory_iterator(folder.path())) beside.insert(entry.path().filename().string());
+  for (const auto& entry : fs::directory_iterator(folder.path()))
+    beside.insert(entry.path().filename().string());
   EXPECT_EQ(beside, (std::set<std::string>{"r.urdf", "robot", "robot.h5"}));
 }
 

@@ -16,7 +16,8 @@ using testing::HasSubstr;
 
 TEST(UrdfImport, FloatingBallFallsFreely) {
   const Folder folder;
-  const results::Run run = run_robot(folder, sample("gripper.urdf"), {"--end-time", "0.3", "--set", "solver.tolerance=1e-9"});
+  const results::Run run =
+      run_robot(folder, sample("gripper.urdf"), {"--end-time", "0.3", "--set", "solver.tolerance=1e-9"});
   const auto& ball = body(run, "ball");
   for (Eigen::Index row = 0; row < run.time.size(); ++row) {
     const double t = run.time[row];
@@ -29,8 +30,9 @@ TEST(UrdfImport, MimickingFingerFollowsAndAMotorTurnsBoth) {
   const Folder folder;
   const results::Run run =
       run_robot(folder, sample("gripper.urdf"),
-                {"--end-time", "0.02", "--set", "solver.output_step=0.002", "input.u_motor_1.value=0.001", "joint.on_table.drive_x=0",
-                 "joint.on_table.drive_y=0", "joint.on_table.drive_angle=0", "output.quantities=[\"*\"]"});
+                {"--end-time", "0.02", "--set", "solver.output_step=0.002", "input.u_motor_1.value=0.001",
+                 "joint.on_table.drive_x=0", "joint.on_table.drive_y=0", "joint.on_table.drive_angle=0",
+                 "output.quantities=[\"*\"]"});
   const Eigen::VectorXd left = column(run, "left_finger.angle"), right = column(run, "right_finger.angle");
   for (Eigen::Index row = 0; row < left.size(); ++row) EXPECT_NEAR(right[row], -1.25 * left[row] + 0.1, 1e-9);
   // Both fingers turn about their own axes, 1.3e-4 kg m^2 each; 50 times 0.001 N m of the motor.
@@ -40,8 +42,9 @@ TEST(UrdfImport, MimickingFingerFollowsAndAMotorTurnsBoth) {
 
 TEST(UrdfImport, LiftCarriesItsLoadAgainstDampingAndFriction) {
   const Folder folder;
-  const results::Run run = run_robot(folder, sample("gripper.urdf"),
-                                     {"--end-time", "0.1", "--set", "joint.lift.drive_speed=0.05", "output.quantities=[\"*\"]"});
+  const results::Run run =
+      run_robot(folder, sample("gripper.urdf"),
+                {"--end-time", "0.1", "--set", "joint.lift.drive_speed=0.05", "output.quantities=[\"*\"]"});
   // 0.7 kg hang on it; at fifty transition speeds the friction has its full 2 N.
   const Eigen::VectorXd force = column(run, "lift.drive_force");
   EXPECT_NEAR(force[force.size() - 1], 0.7 * 9.81 + 2.0 + 3.0 * 0.05, 1e-3);
@@ -49,14 +52,16 @@ TEST(UrdfImport, LiftCarriesItsLoadAgainstDampingAndFriction) {
 
 TEST(UrdfImport, StopEndsTheTravel) {
   const Folder folder;
-  const results::Run run = run_robot(folder, sample("gripper.urdf"), {"--end-time", "2", "--set", "output.quantities=[\"lift.*\"]"});
+  const results::Run run = run_robot(folder, sample("gripper.urdf"),
+                                     {"--end-time", "2", "--set", "output.quantities=[\"lift.*\"]"});
   // The lift rests on its lower stop: 0.1 m less the weight over the stiffness, at most 1 % of 0.3 m.
   const Eigen::VectorXd z = column(run, "lift.position");
   EXPECT_GT(z.minCoeff(), 0.1 - 0.003);
   EXPECT_LT(z[z.size() - 1], 0.1);
   const Folder without;
   const results::Run free =
-      run_robot(without, sample("gripper.urdf"), {"--end-time", "1", "--set", "output.quantities=[\"lift.*\"]"}, {"--no-stops"});
+      run_robot(without, sample("gripper.urdf"),
+                {"--end-time", "1", "--set", "output.quantities=[\"lift.*\"]"}, {"--no-stops"});
   EXPECT_LT(column(free, "lift.position").minCoeff(), -1.0);
 }
 
@@ -71,8 +76,11 @@ TEST(UrdfImport, FloatingBaseFallsWithTheRobot) {
 TEST(UrdfImport, MeshesAndTurnedBoxesBecomeRigidSuperelementsOfTheSameInertia) {
   const Folder folder;
   // A tetrahedron as text and as binary STL and as OBJ.
-  folder.write("t.stl", "solid t\nfacet normal 0 0 0\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\n"
-                        "facet normal 0 0 0\nouter loop\nvertex 0 0 0\nvertex 0 0 1\nvertex 1 0 0\nendloop\nendfacet\nendsolid t\n");
+  folder.write(
+      "t.stl",
+      "solid t\nfacet normal 0 0 0\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\n"
+      "facet normal 0 0 0\nouter loop\nvertex 0 0 0\nvertex 0 0 1\nvertex 1 0 0\nendloop\nendfacet\nendsolid "
+      "t\n");
   folder.write("t.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf -1// -2// -3//\n");
   std::string binary(84, ' ');
   const std::uint32_t n = 1;
@@ -89,7 +97,9 @@ TEST(UrdfImport, MeshesAndTurnedBoxesBecomeRigidSuperelementsOfTheSameInertia) {
     <visual><geometry><mesh filename="package://elsewhere/lost.dae"/></geometry></visual></link></robot>)");
   const Outcome imported = run("flexura", {"import", urdf, "-o", folder / "out"});
   ASSERT_EQ(imported.exit_code, 0) << imported.err;
-  EXPECT_THAT(imported.err, HasSubstr("link \"a\" without that picture: mesh \"package://elsewhere/lost.dae\" is not there"));
+  EXPECT_THAT(
+      imported.err,
+      HasSubstr("link \"a\" without that picture: mesh \"package://elsewhere/lost.dae\" is not there"));
   const auto se = superelement::read(folder / "out/parts/a.se.h5", {.surface = true});
   EXPECT_EQ(se.surface.triangles.rows(), 2 + 2 + 1 + 12);
   EXPECT_NEAR(se.surface.vertices.col(1).maxCoeff(), 3.0, 1e-15);
@@ -102,8 +112,8 @@ TEST(UrdfImport, MeshesAndTurnedBoxesBecomeRigidSuperelementsOfTheSameInertia) {
   I << 0.3, 0.01, 0.02, 0.01, 0.4, -0.03, 0.02, -0.03, 0.5;
   EXPECT_LT((S.trace() * Eigen::Matrix3d::Identity() - S - I).norm(), 1e-15);
   // It is drawn from wherever the results lie, and a body that cannot deform leaves no error to be estimated.
-  const Outcome simulated =
-      run("flexura", {"simulate", folder / "out/mechanism.toml", "-o", folder / "r.h5", "--end-time", "0.01"});
+  const Outcome simulated = run(
+      "flexura", {"simulate", folder / "out/mechanism.toml", "-o", folder / "r.h5", "--end-time", "0.01"});
   EXPECT_EQ(simulated.exit_code, 0) << simulated.err;
   EXPECT_THAT(simulated.out, Not(HasSubstr("stiffening")));
   EXPECT_EQ(run("flexura", {"view", folder / "r.h5", "-o", folder / "r.html"}).exit_code, 0);

@@ -151,10 +151,10 @@ TEST(CadRefusal, OfWhatIsNoCadFile) {
 
 TEST(CadRefusal, OfOptionsAndChoices) {
   CadOptions options = options_for(part_file("chrono_assembly.stp"));
-  EXPECT_THAT(
-      refusal(options, true),
-      AllOf(HasSubstr("3 solids to mesh; choose one by its number (solid = 1 in the table [geometry]), or join those that "
-                      "touch (fuse = true there):\n  solid 1 \"body1\": 518384 mm^3")));
+  EXPECT_THAT(refusal(options, true),
+              AllOf(HasSubstr("3 solids to mesh; choose one by its number (solid = 1 in the table "
+                              "[geometry]), or join those that "
+                              "touch (fuse = true there):\n  solid 1 \"body1\": 518384 mm^3")));
   options.solids = {7};
   EXPECT_THAT(refusal(options, true), HasSubstr("there is no solid 7; it has\n  solid 1"));
   CadOptions apart = options_for(project("tests/mesh/data/two_touching_one_apart.step"));

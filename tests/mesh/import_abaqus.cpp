@@ -92,12 +92,13 @@ TEST(AbaqusDeck, InstancesAreTurnedAndMoved) {
 }
 
 TEST(AbaqusDeck, UnusedKeywordsAreCounted) {
-  const ImportedModel model =
-      read_text(std::string(kNodes) +
-                "*ELEMENT, TYPE=C3D4\n1,1,2,3,4\n*ELEMENT, TYPE=S3\n7,1,2,3\n8,1,3,4\n*ELEMENT, TYPE=CPS3\n9,1,2,3\n10,1,3,4\n"
-                "*SURFACE, NAME=S\nE, S1\n");
-  EXPECT_THAT(model.messages,
-              ::testing::Contains(HasSubstr("2 shell elements (S3, S4, ...) have no section and are not used")));
+  const ImportedModel model = read_text(std::string(kNodes) +
+                                        "*ELEMENT, TYPE=C3D4\n1,1,2,3,4\n*ELEMENT, "
+                                        "TYPE=S3\n7,1,2,3\n8,1,3,4\n*ELEMENT, TYPE=CPS3\n9,1,2,3\n10,1,3,4\n"
+                                        "*SURFACE, NAME=S\nE, S1\n");
+  EXPECT_THAT(
+      model.messages,
+      ::testing::Contains(HasSubstr("2 shell elements (S3, S4, ...) have no section and are not used")));
   EXPECT_THAT(model.warnings, ::testing::ElementsAre(HasSubstr("2 elements CPS3 are not used (first in")));
   EXPECT_THAT(model.warnings, ::testing::Contains(HasSubstr("deck.inp, line 13)")));
   EXPECT_THAT(model.messages, ::testing::Contains(HasSubstr("1 keyword *SURFACE is not used")));
@@ -120,7 +121,8 @@ TEST(AbaqusDeck, NumbersThatNoStructureHasAreRefusedWithTheirLine) {
               HasSubstr("line 9: beam element 1 has the second moment of area I_yy -1e-08"));
   EXPECT_THAT(section("B31\n1,1,2", general + "1E-4,1E-8,3E-8,1E-8,1E-8\n0,0,1\n2.1E11,8E10"),
               HasSubstr("product of area I_yz = 3e-08"));
-  EXPECT_THAT(refusal(nodes + "*ELEMENT, TYPE=C3D4\n1,1,2,3,4\n*ELEMENT, TYPE=SPRINGA, ELSET=E\n2,1,2\n*SPRING, ELSET=E\n\n-5.\n"),
+  EXPECT_THAT(refusal(nodes + "*ELEMENT, TYPE=C3D4\n1,1,2,3,4\n*ELEMENT, TYPE=SPRINGA, "
+                              "ELSET=E\n2,1,2\n*SPRING, ELSET=E\n\n-5.\n"),
               HasSubstr("has the stiffness -5; it must be at least 0"));
 }
 

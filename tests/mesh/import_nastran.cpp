@@ -190,14 +190,19 @@ TEST(NastranDeck, ConsistentUnitsScaleToSi) {
 TEST(NastranDeck, NumbersThatNoStructureHasAreRefusedWithTheirLine) {
   const std::string grids =
       "GRID,1,,0.,0.,0.\nGRID,2,,1.,0.,0.\nGRID,3,,0.,1.,0.\nGRID,4,,0.,0.,1.\nMAT1,7,2.+11,,.3,7850.\n";
-  const auto shell = [&](const std::string& t) { return refusal(grids + "PSHELL,1,7," + t + ",7\nCTRIA3,1,1,1,2,3\n"); };
+  const auto shell = [&](const std::string& t) {
+    return refusal(grids + "PSHELL,1,7," + t + ",7\nCTRIA3,1,1,1,2,3\n");
+  };
   for (const char* const t : {"-1.-3", "0.", ""})
-    EXPECT_THAT(shell(t), AllOf(HasSubstr("deck.bdf, line 7: shell element 1 has the thickness"), HasSubstr("above 0")));
+    EXPECT_THAT(shell(t), AllOf(HasSubstr("deck.bdf, line 7: shell element 1 has the thickness"),
+                                HasSubstr("above 0")));
   const auto bar = [&](const std::string& numbers) {
     return refusal(grids + "PBAR,1,7," + numbers + "\nCBAR,1,1,1,2,0.,1.,0.\n");
   };
-  EXPECT_THAT(bar("-1.-4,1.-8,1.-8,1.-8"), HasSubstr("deck.bdf, line 7: CBAR 1 has the area -0.0001; it must be above 0"));
-  EXPECT_THAT(bar("1.-4,-1.-8,1.-8,1.-8"), HasSubstr("second moment of area I_zz -1e-08; it must be at least 0"));
+  EXPECT_THAT(bar("-1.-4,1.-8,1.-8,1.-8"),
+              HasSubstr("deck.bdf, line 7: CBAR 1 has the area -0.0001; it must be above 0"));
+  EXPECT_THAT(bar("1.-4,-1.-8,1.-8,1.-8"),
+              HasSubstr("second moment of area I_zz -1e-08; it must be at least 0"));
   EXPECT_THAT(bar("1.-4,1.-8,-1.-8,1.-8"), HasSubstr("second moment of area I_yy -1e-08"));
   EXPECT_THAT(bar("1.-4,1.-8,1.-8,-1.-8"), HasSubstr("torsion constant -1e-08"));
   EXPECT_THAT(bar("1.-4,1.-8,1.-8,1.-8\n+,,,,,,,,\n+,,,2.-8"), HasSubstr("product of area I_yz = 2e-08"));
@@ -212,11 +217,12 @@ TEST(NastranDeck, NumbersThatNoStructureHasAreRefusedWithTheirLine) {
 // there is the mark of the continuation, "+1" too.
 TEST(NastranDeck, MoreFieldsThanALineHoldsGoOnWithTheCard) {
   const auto shear = [](const std::string& section) {
-    const ImportedModel model =
-        read_text("GRID,1,,0.,0.,0.\nGRID,2,,1.,0.,0.\nMAT1,1,2.+11,,.3,7850.\nCBAR,1,1,1,2,0.,1.,0.\n" + section);
+    const ImportedModel model = read_text(
+        "GRID,1,,0.,0.,0.\nGRID,2,,1.,0.,0.\nMAT1,1,2.+11,,.3,7850.\nCBAR,1,1,1,2,0.,1.,0.\n" + section);
     return std::array{model.bars.at(0).kappa_y, model.bars.at(0).kappa_z};
   };
-  for (const char* rest : {",,,,,,,,,,,.5,.25\n", "\n,\n,.5,.25\n", ",,,+1\n+1\n,.5,.25\n", ",,,P1\n+P1,,,,,,,,,.5,.25\n"})
+  for (const char* rest :
+       {",,,,,,,,,,,.5,.25\n", "\n,\n,.5,.25\n", ",,,+1\n+1\n,.5,.25\n", ",,,P1\n+P1,,,,,,,,,.5,.25\n"})
     EXPECT_EQ(shear("PBAR,1,1,.01,1.-5,2.-5,3.-5" + std::string(rest)), (std::array{0.5, 0.25})) << rest;
 }
 
@@ -225,7 +231,8 @@ TEST(NastranDeck, RefusalsNameFileLineAndRemedy) {
   EXPECT_THAT(refusal(grids + "CTETRA,1,1,1,2,3,9\n"), HasSubstr("deck.bdf, line 5: node 9 does not exist"));
   EXPECT_THAT(refusal(grids + "CTETRA,1,1,1,2,3,4,1\n"),
               HasSubstr("CTETRA 1 has 1 of its 6 mid-side nodes; all or none"));
-  EXPECT_THAT(refusal(grids + "CTETRA,1,1,1,3,2,4\n"), HasSubstr("line 5: element 1 (tet4) is turned inside out"));
+  EXPECT_THAT(refusal(grids + "CTETRA,1,1,1,3,2,4\n"),
+              HasSubstr("line 5: element 1 (tet4) is turned inside out"));
   EXPECT_THAT(refusal(grids + "GRID,1,,0.,0.,0.\n"), HasSubstr("is given twice"));
   EXPECT_THAT(refusal(grids + "PSOLID,2,7\nCTETRA,1,2,1,2,3,4\n"), HasSubstr("material 7 is not defined"));
   EXPECT_THAT(refusal(grids + "MAT1,7,2.+11,,.3\nPSOLID,2,7\nCTETRA,1,1,1,2,3,4\n"),

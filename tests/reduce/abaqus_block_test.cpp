@@ -95,11 +95,12 @@ TEST(AbaqusBlock, CraigBamptonMatricesAndFrequenciesAreTheReference) {
     const auto& modes = reduction.M_se;
     for (int k = 0; k < 10; ++k) {
       const double wanted = expected.at("fixed_interface_Hz")[k].get<double>();
-      test::expect_reference("fixed-interface mode " + std::to_string(k + 1) +
-                                 (eigensolver == Eigensolver::block_lanczos ? ", block Lanczos" : ", Krylov-Schur"),
-                             "Hz", fixed(k), wanted, 1e-6 * wanted,
-                             {"block of C3D10: Abaqus' matrices, reduced by an independent program (Exudyn's data)",
-                              "the accuracy of the printed matrices"});
+      test::expect_reference(
+          "fixed-interface mode " + std::to_string(k + 1) +
+              (eigensolver == Eigensolver::block_lanczos ? ", block Lanczos" : ", Krylov-Schur"),
+          "Hz", fixed(k), wanted, 1e-6 * wanted,
+          {"block of C3D10: Abaqus' matrices, reduced by an independent program (Exudyn's data)",
+           "the accuracy of the printed matrices"});
       EXPECT_LT(reduction.report.mode_residual(k), 1e-9);
     }
     EXPECT_LT((modes.bottomRightCorner(10, 10) - Eigen::MatrixXd::Identity(10, 10)).norm(), 1e-10);

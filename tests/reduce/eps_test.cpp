@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "reduce/linalg/factor/cholesky.hpp"
 #include "reduce/linalg/eigen/eigensolver.hpp"
+#include "reduce/linalg/factor/cholesky.hpp"
 #include "reduce/linalg/petsc/petsc_check.hpp"
 #include "tests/app/command.hpp"
 #include "tests/reduce/petsc_options.hpp"
@@ -46,8 +46,10 @@ struct Grid {
       values_M.push_back(scale(i) * scale(i));
       begin_M.push_back(i + 1);
     }
-    ok(MatCreateSeqSBAIJWithArrays(PETSC_COMM_SELF, 1, size, size, begin.data(), columns.data(), values.data(), &K));
-    ok(MatCreateSeqSBAIJWithArrays(PETSC_COMM_SELF, 1, size, size, begin_M.data(), columns_M.data(), values_M.data(), &M));
+    ok(MatCreateSeqSBAIJWithArrays(PETSC_COMM_SELF, 1, size, size, begin.data(), columns.data(),
+                                   values.data(), &K));
+    ok(MatCreateSeqSBAIJWithArrays(PETSC_COMM_SELF, 1, size, size, begin_M.data(), columns_M.data(),
+                                   values_M.data(), &M));
   }
   ~Grid() {
     MatDestroy(&K);
@@ -233,9 +235,13 @@ TEST_P(Types, GiveTheSameEigenpairs) {
   // Five and six are twins, seven and eight too: the cut between them keeps both.
   const EigenPairs pairs = block_lanczos(problem, {6, 0.0, 1e-9});
   ASSERT_GE(pairs.omega2.size(), 6);
-  for (Eigen::Index k = 0; k < pairs.omega2.size(); ++k) EXPECT_NEAR(pairs.omega2(k), exact[k], 1e-13) << "pair " << k;
+  for (Eigen::Index k = 0; k < pairs.omega2.size(); ++k)
+    EXPECT_NEAR(pairs.omega2(k), exact[k], 1e-13) << "pair " << k;
   EXPECT_LT(pairs.residual.maxCoeff(), 1e-9);
-  EXPECT_LT((pairs.Phi.transpose() * pairs.Phi - Eigen::MatrixXd::Identity(pairs.Phi.cols(), pairs.Phi.cols())).norm(), 1e-12);
+  EXPECT_LT(
+      (pairs.Phi.transpose() * pairs.Phi - Eigen::MatrixXd::Identity(pairs.Phi.cols(), pairs.Phi.cols()))
+          .norm(),
+      1e-12);
   EXPECT_NEAR(pairs.omega2_next, exact[pairs.omega2.size()], 1e-6);
   // Methods on single vectors may miss twins: that is what the certificate of reductions is for.
   if (GetParam() == "krylovschur" || GetParam() == "arnoldi") return;
@@ -244,15 +250,17 @@ TEST_P(Types, GiveTheSameEigenpairs) {
   EXPECT_EQ(block_lanczos(problem, {1, 0.5 * (exact[below - 1] + exact[below]), 1e-9}).omega2.size(), below);
 }
 INSTANTIATE_TEST_SUITE_P(All, Types,
-                         ::testing::Values("blocklanczos", "krylovschur", "arnoldi", "subspace", "lobpcg", "gd", "jd"),
+                         ::testing::Values("blocklanczos", "krylovschur", "arnoldi", "subspace", "lobpcg",
+                                           "gd", "jd"),
                          [](const auto& info) { return info.param; });
 
 // The vectors' rows lie on two processes, the factor is MUMPS' over both.
 TEST(BlockLanczosType, ProcessesShareTheVectors) {
-  const test::Outcome outcome = test::run(
-      "/usr/bin/env", {"-i", "PATH=/usr/bin:/bin", "HOME=/tmp", "OPENBLAS_NUM_THREADS=1", "ASAN_OPTIONS=detect_leaks=0",
-                       "/usr/bin/mpirun", "--allow-run-as-root", "--oversubscribe", "-n", "2",
-                       std::string(FLEXURA_BIN_DIR) + "/../tests/bin/petsc_processes"});
+  const test::Outcome outcome =
+      test::run("/usr/bin/env",
+                {"-i", "PATH=/usr/bin:/bin", "HOME=/tmp", "OPENBLAS_NUM_THREADS=1",
+                 "ASAN_OPTIONS=detect_leaks=0", "/usr/bin/mpirun", "--allow-run-as-root", "--oversubscribe",
+                 "-n", "2", std::string(FLEXURA_BIN_DIR) + "/../tests/bin/petsc_processes"});
   EXPECT_EQ(outcome.exit_code, 0) << outcome.out << outcome.err;
   EXPECT_THAT(outcome.out, ::testing::HasSubstr("2 processes, 24 of 24 eigenvalues are exact"));
 }

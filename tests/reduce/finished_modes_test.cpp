@@ -13,9 +13,9 @@
 #include <iomanip>
 
 #include "mbs/superelement/file.hpp"
-#include "reduce/file/part_file.hpp"
 #include "reduce/app/write_reduced.hpp"
 #include "reduce/assembly/average.hpp"
+#include "reduce/file/part_file.hpp"
 #include "reduce/linalg/dense/dense.hpp"
 #include "reduce/recovery/stress.hpp"
 #include "tests/app/command.hpp"
@@ -227,7 +227,8 @@ TEST(FinishedModes, InterfacesThatTheVectorsDoNotMoveFollowRigidMotions) {
   const Reduction r =
       reduce_finished_modes(with_mass_only(), modes_of(V.rightCols(Example::kModes)), on_all_nodes());
   EXPECT_EQ(r.n_b, 6);
-  EXPECT_THAT(r.report.notes, ::testing::Contains(::testing::HasSubstr("move only 6 of the 12 interface dofs")));
+  EXPECT_THAT(r.report.notes,
+              ::testing::Contains(::testing::HasSubstr("move only 6 of the 12 interface dofs")));
 }
 
 TEST(FinishedModes, WhatContradictsIsRefused) {

@@ -14,12 +14,12 @@
 #include <numbers>
 
 #include "mbs/superelement/file.hpp"
-#include "reduce/part/make_part.hpp"
 #include "reduce/app/write_reduced.hpp"
-#include "reduce/file/part_file.hpp"
 #include "reduce/assembly/point_mass.hpp"
 #include "reduce/cms/craig_bampton.hpp"
 #include "reduce/cms/shapes/full_model.hpp"
+#include "reduce/file/part_file.hpp"
+#include "reduce/part/make_part.hpp"
 #include "tests/reduce/parts.hpp"
 
 namespace flexura::reduce {

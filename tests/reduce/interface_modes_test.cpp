@@ -9,8 +9,8 @@
 
 #include "reduce/assembly/average.hpp"
 #include "reduce/assembly/rigid_motion.hpp"
-#include "reduce/cms/shapes/constraint_modes.hpp"
 #include "reduce/cms/craig_bampton.hpp"
+#include "reduce/cms/shapes/constraint_modes.hpp"
 #include "reduce/cms/shapes/full_model.hpp"
 #include "reduce/linalg/dense/dense.hpp"
 #include "tests/reduce/parts.hpp"

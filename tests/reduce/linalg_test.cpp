@@ -6,10 +6,10 @@
 #include <cmath>
 #include <numbers>
 
-#include "reduce/linalg/factor/cholesky.hpp"
 #include "reduce/linalg/dense/dense.hpp"
-#include "reduce/linalg/factor/inertia.hpp"
 #include "reduce/linalg/eigen/eigensolver.hpp"
+#include "reduce/linalg/factor/cholesky.hpp"
+#include "reduce/linalg/factor/inertia.hpp"
 #include "reduce/linalg/factor/supernodal_factor.hpp"
 #include "tests/reduce/parts.hpp"
 

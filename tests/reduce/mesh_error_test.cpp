@@ -41,7 +41,7 @@ Vector3d quadratic_field(const Vector3d& x) {
 // Twice the energy of the field, exactly integrated on the box: what errors are measured by.
 double energy_of(const Part& part, const MatrixXd& T) {
   const TiedModel model(part, AssemblyOptions{.may_be_free = true});
-  MatrixXd K_U, f_b, f_i, 
+  MatrixXd K_U, f_b, f_i,
       U_i = model.interior_part(T, MatrixXd(0, 1), {MatrixXd::Zero(6, 1), MatrixXd::Zero(6, 1)});
   model.K_ii().multiply(U_i, K_U);
   return (U_i.transpose() * K_U)(0, 0);
@@ -70,7 +70,8 @@ TEST(MeshError, OfAParabolaOnBricksIsExact) {
   const double c = 1e-3, h = kSize(0) / 6;
   const MatrixXd T = nodal(part.mesh, [&](const Vector3d& x) { return Vector3d(c * x(0) * x(0), 0.0, 0.0); });
   const double exact = 4 * c * c * part.materials[0].D(0, 0) * h * h / 12 * kSize.prod();
-  EXPECT_NEAR(recovered_energy(part, T, {}).energy(0), exact, 1e-5 * exact);  // digits of the float that keeps stresses
+  EXPECT_NEAR(recovered_energy(part, T, {}).energy(0), exact,
+              1e-5 * exact);  // digits of the float that keeps stresses
 }
 
 TEST(MeshError, HasNoPartOfRigidMotions) {
@@ -88,13 +89,14 @@ TEST(MeshError, HasNoPartOfRigidMotions) {
 // leave 1e-10).
 TEST(MeshError, EnrichmentsVanishAtNodes) {
   using mesh::CellType;
-  for (const CellType type : {CellType::tet4, CellType::tet10, CellType::hex8, CellType::hex20, CellType::wedge6,
-                              CellType::wedge15}) {
+  for (const CellType type : {CellType::tet4, CellType::tet10, CellType::hex8, CellType::hex20,
+                              CellType::wedge6, CellType::wedge15}) {
     const auto& nodes = mesh::reference_nodes(type);
     for (Eigen::Index a = 0; a < nodes.rows(); ++a) {
       const bool linear = nodes.rows() == mesh::shape_of(type).corners;
       if (a < mesh::shape_of(type).corners || !linear) {
-        EXPECT_LT(evaluate_enrichment(type, nodes.row(a)).w.cwiseAbs().maxCoeff(), 1e-14) << mesh::name_of(type);
+        EXPECT_LT(evaluate_enrichment(type, nodes.row(a)).w.cwiseAbs().maxCoeff(), 1e-14)
+            << mesh::name_of(type);
       }
     }
     const Vector3d x(0.21, 0.33, 0.17);

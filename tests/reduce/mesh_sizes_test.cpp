@@ -12,9 +12,9 @@ namespace {
 /// degrees, x = 1, z = 1.
 Part angle() {
   Part part;
-  const std::vector<std::array<int, 3>> corners = {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {0, 1, 0}, {1, 1, 0}, {2, 1, 0},
-                                                   {0, 0, 1}, {1, 0, 1}, {2, 0, 1}, {0, 1, 1}, {1, 1, 1}, {2, 1, 1},
-                                                   {0, 0, 2}, {1, 0, 2}, {0, 1, 2}, {1, 1, 2}};
+  const std::vector<std::array<int, 3>> corners = {
+      {0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {0, 1, 0}, {1, 1, 0}, {2, 1, 0}, {0, 0, 1}, {1, 0, 1},
+      {2, 0, 1}, {0, 1, 1}, {1, 1, 1}, {2, 1, 1}, {0, 0, 2}, {1, 0, 2}, {0, 1, 2}, {1, 1, 2}};
   part.mesh.points.resize(static_cast<Eigen::Index>(corners.size()), 3);
   for (std::size_t k = 0; k < corners.size(); ++k)
     for (int d = 0; d < 3; ++d) part.mesh.points(static_cast<Eigen::Index>(k), d) = corners[k][d];
@@ -32,13 +32,15 @@ Part angle() {
 TEST(MeshSizes, ReentrantEdgesAndRimsOfWhatIsHeldAreSharp) {
   Part part = angle();
   const std::vector<char> edge = nodes_at_sharp_edges(part);
-  for (std::size_t node = 0; node < edge.size(); ++node) EXPECT_EQ(edge[node], node == 7 || node == 10) << node;
+  for (std::size_t node = 0; node < edge.size(); ++node)
+    EXPECT_EQ(edge[node], node == 7 || node == 10) << node;
   InterfaceSpec held;
   held.set.nodes = {2, 5, 8, 11};  // the face x = 2
   part.interfaces.push_back(held);
   const std::vector<char> rim = nodes_at_sharp_edges(part);
   for (std::size_t node = 0; node < rim.size(); ++node)
-    EXPECT_EQ(rim[node], node == 7 || node == 10 || node == 2 || node == 5 || node == 8 || node == 11) << node;
+    EXPECT_EQ(rim[node], node == 7 || node == 10 || node == 2 || node == 5 || node == 8 || node == 11)
+        << node;
 }
 
 /// The cells beside the edge leave e f^1.1, the other e f^2 (order 1), one part in cells to f^-1 and f^-3: with errors of 1
@@ -53,10 +55,14 @@ TEST(MeshSizes, AreThoseOfTheFewestCells) {
     return 0.3 * smooth_a * smooth_a + 0.2 * smooth_b * smooth_b + 0.5 * std::pow(edge, 1.1);
   };
   EXPECT_NEAR(left(f(0), f(1), f(2)), 0.3, 1e-6);
-  const auto cells = [](double a, double b, double edge) { return std::pow(a, -3.0) + std::pow(b, -3.0) + 1.0 / edge; };
+  const auto cells = [](double a, double b, double edge) {
+    return std::pow(a, -3.0) + std::pow(b, -3.0) + 1.0 / edge;
+  };
   // No other factors with that sum need fewer: neighbours along the two directions in which the sum stays.
   for (const double step : {-1e-3, 1e-3}) {
-    const auto edge_for = [&](double a, double b) { return std::pow((0.3 - 0.3 * a * a - 0.2 * b * b) / 0.5, 1.0 / 1.1); };
+    const auto edge_for = [&](double a, double b) {
+      return std::pow((0.3 - 0.3 * a * a - 0.2 * b * b) / 0.5, 1.0 / 1.1);
+    };
     const double best = cells(f(0), f(1), edge_for(f(0), f(1)));
     EXPECT_GT(cells(f(0) + step, f(1), edge_for(f(0) + step, f(1))), best);
     EXPECT_GT(cells(f(0), f(1) + step, edge_for(f(0), f(1) + step)), best);
@@ -74,7 +80,8 @@ TEST(MeshSizes, GrowFromTheEdge) {
   for (std::size_t k = 0; k < points.size(); k += 4) {
     const double distance = std::hypot(points[k] - 1.0, points[k + 2] - 1.0);
     // Along the edges of the cells.
-    EXPECT_LE(points[k + 3], 0.25 + 0.5 * (std::abs(points[k] - 1.0) + std::abs(points[k + 2] - 1.0)) + 1e-12);
+    EXPECT_LE(points[k + 3],
+              0.25 + 0.5 * (std::abs(points[k] - 1.0) + std::abs(points[k + 2] - 1.0)) + 1e-12);
     EXPECT_GE(points[k + 3], 0.25 - 1e-12);
     if (distance < 1e-9) {
       EXPECT_NEAR(points[k + 3], 0.25, 1e-12);

@@ -11,8 +11,8 @@
 
 #include "reduce/cms/damping.hpp"
 #include "reduce/cms/errors/mode_choice.hpp"
-#include "reduce/cms/shapes/shape_change.hpp"
 #include "reduce/cms/shapes/full_model.hpp"
+#include "reduce/cms/shapes/shape_change.hpp"
 #include "reduce/linalg/dense/dense.hpp"
 #include "tests/reduce/parts.hpp"
 

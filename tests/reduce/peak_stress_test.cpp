@@ -7,8 +7,8 @@
 #include <numbers>
 
 #include "mesh/model/geometry.hpp"
-#include "reduce/superelement/mesh_report.hpp"
 #include "reduce/recovery/stress.hpp"
+#include "reduce/superelement/mesh_report.hpp"
 #include "tests/reduce/parts.hpp"
 
 namespace flexura::reduce {
@@ -32,7 +32,9 @@ MatrixXd nodal(const mesh::Mesh& mesh, const std::function<Vector3d(const Vector
 
 PeakStress judge(const Part& part, const MatrixXd& T) {
   const std::vector<mesh::Index> nodes = surface_nodes(part.mesh);
-  return peak_stresses(part, T, nodal_stress_modes(part, T, nodes), nodes, MatrixXd::Identity(T.cols(), T.cols())).front();
+  return peak_stresses(part, T, nodal_stress_modes(part, T, nodes), nodes,
+                       MatrixXd::Identity(T.cols(), T.cols()))
+      .front();
 }
 
 Part free_part(mesh::Mesh mesh) {
@@ -69,8 +71,11 @@ class PeakStressOfACylinder : public ::testing::TestWithParam<Case> {};
 // 20-node bricks are worse at their nodes than the mean over cells that the file keeps: up to six times there.
 TEST_P(PeakStressOfACylinder, IsThatOfLame) {
   constexpr double kBore = 1.0, kOuter = 2.0, kNu = 0.3;
-  mesh::Mesh mesh = box({kOuter - kBore, std::numbers::pi / 2, 0.4}, {GetParam().n, 2 * GetParam().n, 1}, GetParam().type);
-  deform(mesh, [](const Vector3d& x) { return Vector3d((kBore + x(0)) * std::cos(x(1)), (kBore + x(0)) * std::sin(x(1)), x(2)); });
+  mesh::Mesh mesh =
+      box({kOuter - kBore, std::numbers::pi / 2, 0.4}, {GetParam().n, 2 * GetParam().n, 1}, GetParam().type);
+  deform(mesh, [](const Vector3d& x) {
+    return Vector3d((kBore + x(0)) * std::cos(x(1)), (kBore + x(0)) * std::sin(x(1)), x(2));
+  });
   const Part part = free_part(std::move(mesh));
   const auto shape = [](double r) { return r * (1 - 2 * kNu) + kOuter * kOuter / r; };
   const MatrixXd T = nodal(part.mesh, [&](const Vector3d& x) {
@@ -99,9 +104,11 @@ TEST_P(PeakStressOfACylinder, IsThatOfLame) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Cells, PeakStressOfACylinder,
-                         ::testing::Values(Case{CellType::hex20, 2}, Case{CellType::hex20, 4}, Case{CellType::tet10, 2},
-                                           Case{CellType::tet10, 4}, Case{CellType::wedge15, 3}, Case{CellType::hex8, 4},
-                                           Case{CellType::hex8, 8}, Case{CellType::tet4, 6}, Case{CellType::wedge6, 6}));
+                         ::testing::Values(Case{CellType::hex20, 2}, Case{CellType::hex20, 4},
+                                           Case{CellType::tet10, 2}, Case{CellType::tet10, 4},
+                                           Case{CellType::wedge15, 3}, Case{CellType::hex8, 4},
+                                           Case{CellType::hex8, 8}, Case{CellType::tet4, 6},
+                                           Case{CellType::wedge6, 6}));
 
 // The greatest value lies along the edge of an angle, where it is unbounded: said, with its place; no number for it.
 TEST(PeakStress, AtAReentrantEdgeIsUnbounded) {
@@ -134,7 +141,9 @@ TEST(PeakStress, AtAReentrantEdgeIsUnbounded) {
 TEST(PeakStress, AtTheEdgeOfARigidInterfaceIsUnbounded) {
   for (const Tie tie : {Tie::rigid, Tie::average}) {
     const Part part = beam({0.4, 0.1, 0.1}, {8, 2, 2}, CellType::hex20, tie, tie);
-    const MatrixXd T = nodal(part.mesh, [](const Vector3d& x) { return Vector3d(0.0, x(0) < 0.01 ? 0.0 : x(0) * x(0) * (1.2 - x(0)), 0.0); });
+    const MatrixXd T = nodal(part.mesh, [](const Vector3d& x) {
+      return Vector3d(0.0, x(0) < 0.01 ? 0.0 : x(0) * x(0) * (1.2 - x(0)), 0.0);
+    });
     EXPECT_EQ(judge(part, T).singular, tie == Tie::rigid);
   }
 }

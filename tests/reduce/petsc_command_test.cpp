@@ -19,7 +19,9 @@ using ::testing::HasSubstr;
 
 std::string deck_part(const test::Folder& folder, const std::string& name, const std::string& more) {
   const std::string deck = std::string(FLEXURA_SOURCE_DIR) + "/tests/mesh/data/CHEXA08_.nas";
-  return folder.write(name, "[geometry]\nfile = \"" + deck + "\"\n[modes]\ncount = 6\ncertify = true\n" + more).string();
+  return folder
+      .write(name, "[geometry]\nfile = \"" + deck + "\"\n[modes]\ncount = 6\ncertify = true\n" + more)
+      .string();
 }
 
 // The interface's dynamic stiffness at a frequency between modes: whatever signs the modes have and however those of
@@ -28,18 +30,21 @@ MatrixXd dynamic_stiffness(const superelement::Superelement& se, double omega2) 
   const MatrixXd D = se.K_se - omega2 * se.M_se;
   const auto n_b = se.n_b, n_q = se.n_q;
   return D.topLeftCorner(n_b, n_b) -
-         D.topRightCorner(n_b, n_q) * D.bottomRightCorner(n_q, n_q).fullPivLu().solve(D.bottomLeftCorner(n_q, n_b));
+         D.topRightCorner(n_b, n_q) *
+             D.bottomRightCorner(n_q, n_q).fullPivLu().solve(D.bottomLeftCorner(n_q, n_b));
 }
 
 void expect_same(const superelement::Superelement& a, const superelement::Superelement& b) {
   ASSERT_EQ(b.n_b, a.n_b);
   ASSERT_EQ(b.n_q, a.n_q);
-  EXPECT_LT((b.omega2 - a.omega2).cwiseQuotient(a.omega2).cwiseAbs().maxCoeff(), 2e-8);  // frequencies to 1e-8
+  EXPECT_LT((b.omega2 - a.omega2).cwiseQuotient(a.omega2).cwiseAbs().maxCoeff(),
+            2e-8);  // frequencies to 1e-8
   const auto near = [&](const MatrixXd& X, const MatrixXd& Y) { return (X - Y).norm() < 1e-8 * X.norm(); };
   EXPECT_TRUE(near(a.K_se.topLeftCorner(a.n_b, a.n_b), b.K_se.topLeftCorner(a.n_b, a.n_b)));
   EXPECT_TRUE(near(a.M_se.topLeftCorner(a.n_b, a.n_b), b.M_se.topLeftCorner(a.n_b, a.n_b)));
   for (const double factor : {0.3, 0.8, 3.0})
-    EXPECT_TRUE(near(dynamic_stiffness(a, factor * a.omega2(0)), dynamic_stiffness(b, factor * a.omega2(0)))) << factor;
+    EXPECT_TRUE(near(dynamic_stiffness(a, factor * a.omega2(0)), dynamic_stiffness(b, factor * a.omega2(0))))
+        << factor;
 }
 
 struct Case {
@@ -54,7 +59,8 @@ TEST_P(OtherSolvers, GiveTheSameSuperelement) {
                     theirs = folder / "theirs.se.h5";
   const test::Outcome one = test::run("flexura-reduce", {part, "-o", ours, "-q"});
   ASSERT_EQ(one.exit_code, 0) << one.err;
-  const test::Outcome other = test::run("flexura-reduce", {part, "-o", theirs, "-q", "--petsc", GetParam().options});
+  const test::Outcome other =
+      test::run("flexura-reduce", {part, "-o", theirs, "-q", "--petsc", GetParam().options});
   ASSERT_EQ(other.exit_code, 0) << other.err;
   EXPECT_THAT(other.err, ::testing::Not(HasSubstr("PETSc")));  // all options were used
   expect_same(superelement::read(ours), superelement::read(theirs));
@@ -69,7 +75,8 @@ INSTANTIATE_TEST_SUITE_P(
 
 TEST(Petsc, OptionsOfThePartFileCountAndThoseOfTheCommandComeAfter) {
   const test::Folder folder;
-  const std::string part = deck_part(folder, "beam.toml", "[solver]\npetsc = \"-eps_type krylovschur -eps_view\"\n");
+  const std::string part =
+      deck_part(folder, "beam.toml", "[solver]\npetsc = \"-eps_type krylovschur -eps_view\"\n");
   const test::Outcome first = test::run("flexura-reduce", {part, "-o", folder / "a.se.h5"});
   ASSERT_EQ(first.exit_code, 0) << first.err;
   EXPECT_THAT(first.out, HasSubstr("type: krylovschur"));
@@ -86,17 +93,19 @@ TEST(Petsc, ReportsHaveTheWorkInThem) {
       test::run("flexura-reduce", {part, "-o", folder / "a.se.h5", "--petsc", "-eps_view -log_view"});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_EQ(outcome.err.find("warning: PETSc"), std::string::npos) << outcome.err;
-  for (const char* text : {"type: blocklanczos", "blocks of 16 right-hand sides", "type: sinvert", "type: cholesky",
-                           "package used to perform factorization: fronts", "multifrontal factor", "EPSSolve", "MatMatSolve",
-                           "MatCholFctrNum", "Summary of Stages", "Assembly", "Factorisation", "Constraint modes",
-                           "Normal modes", "Projection", "Certificate"})
+  for (const char* text :
+       {"type: blocklanczos", "blocks of 16 right-hand sides", "type: sinvert", "type: cholesky",
+        "package used to perform factorization: fronts", "multifrontal factor", "EPSSolve", "MatMatSolve",
+        "MatCholFctrNum", "Summary of Stages", "Assembly", "Factorisation", "Constraint modes",
+        "Normal modes", "Projection", "Certificate"})
     EXPECT_THAT(outcome.out, HasSubstr(text));
 }
 
 TEST(Petsc, WhatIsRefusedLeavesNothingBehind) {
   const test::Folder folder;
   const std::string part = deck_part(folder, "beam.toml", "");
-  const auto expect_refusal = [&](const std::string& file, const std::vector<std::string>& more, const char* text) {
+  const auto expect_refusal = [&](const std::string& file, const std::vector<std::string>& more,
+                                  const char* text) {
     std::vector<std::string> words{file, "-o", folder / "a.se.h5"};
     words.insert(words.end(), more.begin(), more.end());
     const test::Outcome outcome = test::run("flexura-reduce", words);
@@ -107,12 +116,14 @@ TEST(Petsc, WhatIsRefusedLeavesNothingBehind) {
   expect_refusal(part, {"--petsc", "-options_file options"}, "-options_file");
   expect_refusal(part, {"--petsc", "-log_view :log.txt"}, "-log_view");
   expect_refusal(part, {"--petsc", "-eps_typ lobpcg"}, "-eps_typ");
-  expect_refusal(deck_part(folder, "bad.toml", "[solver]\npetsc = \"-eps_view :x\"\n"), {}, "solver.petsc: PETSc option -eps_view :x");
+  expect_refusal(deck_part(folder, "bad.toml", "[solver]\npetsc = \"-eps_view :x\"\n"), {},
+                 "solver.petsc: PETSc option -eps_view :x");
   // Files that PETSc reads and variables that it looks at do not count.
   std::ofstream(folder.path() / ".petscrc") << "-eps_type krylovschur\n";
-  const test::Outcome outcome = test::run(
-      "/usr/bin/env", {"PETSC_OPTIONS=-eps_type krylovschur", "HOME=" + folder.path().string(),
-                       std::string(FLEXURA_BIN_DIR) + "/flexura-reduce", part, "-o", folder / "b.se.h5", "--petsc", "-eps_view"});
+  const test::Outcome outcome =
+      test::run("/usr/bin/env", {"PETSC_OPTIONS=-eps_type krylovschur", "HOME=" + folder.path().string(),
+                                 std::string(FLEXURA_BIN_DIR) + "/flexura-reduce", part, "-o",
+                                 folder / "b.se.h5", "--petsc", "-eps_view"});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_THAT(outcome.out, HasSubstr("type: blocklanczos"));
 }

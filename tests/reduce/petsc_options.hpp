@@ -24,7 +24,8 @@ class Options {
       ok(PetscOptionsSetValue(nullptr, name.c_str(), value.c_str()));
     }
   }
-  Options(const char* name, const char* value) : Options(std::vector{std::pair<std::string, std::string>{name, value}}) {}
+  Options(const char* name, const char* value)
+      : Options(std::vector{std::pair<std::string, std::string>{name, value}}) {}
   ~Options() {
     for (const std::string& name : names_) PetscOptionsClearValue(nullptr, name.c_str());
   }

@@ -72,8 +72,8 @@ int run() {
   }
   int size = 0;
   MPI_Comm_size(PETSC_COMM_WORLD, &size);
-  ok(PetscPrintf(PETSC_COMM_WORLD, "%d processes, %d of %d eigenvalues are exact\n", size, static_cast<int>(right),
-                 static_cast<int>(count)));
+  ok(PetscPrintf(PETSC_COMM_WORLD, "%d processes, %d of %d eigenvalues are exact\n", size,
+                 static_cast<int>(right), static_cast<int>(count)));
   ok(EPSDestroy(&eps));
   ok(MatDestroy(&A));
   return right == count ? 0 : 1;

@@ -62,7 +62,8 @@ class PetscMatrix {
       begin_.push_back(static_cast<PetscInt>(columns_.size()));
     }
     const auto n = static_cast<PetscInt>(A.rows());
-    ok(MatCreateSeqSBAIJWithArrays(PETSC_COMM_SELF, 1, n, n, begin_.data(), columns_.data(), values_.data(), &mat_));
+    ok(MatCreateSeqSBAIJWithArrays(PETSC_COMM_SELF, 1, n, n, begin_.data(), columns_.data(), values_.data(),
+                                   &mat_));
     ok(MatSetOption(mat_, MAT_SPD, definite ? PETSC_TRUE : PETSC_FALSE));
   }
   ~PetscMatrix() { MatDestroy(&mat_); }
@@ -184,7 +185,8 @@ TEST_P(PackagesWithInertia, SolveAnIndefiniteMatrixAndCountItsNegativeEigenvalue
 INSTANTIATE_TEST_SUITE_P(All, PackagesWithInertia, ::testing::Values("fronts", "mumps"),
                          [](const auto& info) { return info.param; });
 
-const std::vector<std::pair<std::string, std::string>> kFrontsOption{{"-pc_factor_mat_solver_type", "fronts"}};
+const std::vector<std::pair<std::string, std::string>> kFrontsOption{
+    {"-pc_factor_mat_solver_type", "fronts"}};
 
 TEST(Fronts, NewNumbersInTheSamePatternAreFactorisedAnew) {
   const Options options(kFrontsOption);
@@ -193,11 +195,13 @@ TEST(Fronts, NewNumbersInTheSamePatternAreFactorisedAnew) {
   const Solver solver(matrix.get());
   EXPECT_EQ(solver.solve(B, true, 3), solver.solve(B, true));
   ok(MatScale(matrix.get(), 4.0));
-  EXPECT_LT((4.0 * solver.solve(B, true) - A.ldlt().solve(B)).norm(), tolerance(A) * A.ldlt().solve(B).norm());
+  EXPECT_LT((4.0 * solver.solve(B, true) - A.ldlt().solve(B)).norm(),
+            tolerance(A) * A.ldlt().solve(B).norm());
 }
 
 TEST(Fronts, TakesPetscsOrderingsAndAnother) {
-  const MatrixXd A = random_symmetric(70, 0.0, 3), B = right_hand_sides(A.rows(), 4), exact = A.ldlt().solve(B);
+  const MatrixXd A = random_symmetric(70, 0.0, 3), B = right_hand_sides(A.rows(), 4),
+                 exact = A.ldlt().solve(B);
   for (const char* ordering : {"natural", "rcm", "external"}) {
     const Options options({kFrontsOption.front(), {"-pc_factor_mat_ordering_type", ordering}});
     const PetscMatrix matrix(A, true);

@@ -8,8 +8,8 @@
 #include "mesh/model/geometry.hpp"
 #include "reduce/assembly/rigid_motion.hpp"
 #include "reduce/cms/craig_bampton.hpp"
-#include "reduce/cms/shapes/sturm.hpp"
 #include "reduce/cms/shapes/full_model.hpp"
+#include "reduce/cms/shapes/sturm.hpp"
 #include "reduce/linalg/dense/dense.hpp"
 #include "tests/reduce/parts.hpp"
 

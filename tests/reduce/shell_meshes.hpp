@@ -34,7 +34,8 @@ inline ShellMesh shell_grid(int nx, int ny, bool triangles,
           place(static_cast<double>(i) / nx, static_cast<double>(j) / ny).transpose();
   for (int j = 0; j < ny; ++j)
     for (int i = 0; i < nx; ++i) {
-      const int a = mesh.node(i, j), b = mesh.node(i + 1, j), c = mesh.node(i + 1, j + 1), d = mesh.node(i, j + 1);
+      const int a = mesh.node(i, j), b = mesh.node(i + 1, j), c = mesh.node(i + 1, j + 1),
+                d = mesh.node(i, j + 1);
       if (!triangles) {
         mesh.cells.push_back({a, b, c, d});
       } else if ((i + j) % 2 == 0) {

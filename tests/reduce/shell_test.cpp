@@ -133,9 +133,16 @@ TEST_P(ShellShapes, HaveSixMotionsWithoutStrainAndNoMore) {
 ShellMesh patch(bool triangles) {
   ShellMesh mesh;
   mesh.points.resize(8, 3);
-  mesh.points << 0, 0, 0, 0.24, 0, 0, 0.24, 0.12, 0, 0, 0.12, 0, 0.04, 0.02, 0, 0.18, 0.03, 0, 0.16, 0.08, 0, 0.08,
-      0.08, 0;
-  for (const auto& q : {std::vector<int>{0, 1, 5, 4}, {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}, {4, 5, 6, 7}}) {
+  mesh.points << 0, 0, 0,  //
+      0.24, 0, 0,          //
+      0.24, 0.12, 0,       //
+      0, 0.12, 0,          //
+      0.04, 0.02, 0,       //
+      0.18, 0.03, 0,       //
+      0.16, 0.08, 0,       //
+      0.08, 0.08, 0;
+  for (const auto& q :
+       {std::vector<int>{0, 1, 5, 4}, {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}, {4, 5, 6, 7}}) {
     if (!triangles) {
       mesh.cells.push_back(q);
     } else {
@@ -147,7 +154,8 @@ ShellMesh patch(bool triangles) {
 }
 
 // Any constant state given at the outer nodes is found inside.
-void expect_patch(bool triangles, double t, const std::function<Eigen::Matrix<double, 6, 1>(const Vector3d&)>& field,
+void expect_patch(bool triangles, double t,
+                  const std::function<Eigen::Matrix<double, 6, 1>(const Vector3d&)>& field,
                   double tolerance) {
   Statics model(patch(triangles), isotropic("m", 1e6, 0.25, 1.0), t);
   double largest = 0.0;
@@ -158,7 +166,8 @@ void expect_patch(bool triangles, double t, const std::function<Eigen::Matrix<do
   }
   const VectorXd u = model.solve();
   for (int node = 4; node < 8; ++node)
-    EXPECT_LT((u.segment<6>(6 * node) - field(model.mesh().points.row(node).transpose())).norm(), tolerance * largest)
+    EXPECT_LT((u.segment<6>(6 * node) - field(model.mesh().points.row(node).transpose())).norm(),
+              tolerance * largest)
         << node << " t " << t;
 }
 
@@ -181,8 +190,8 @@ TEST_P(ShellShapes, PassThePatchTestOfBending) {
     expect_patch(
         GetParam(), t,
         [](const Vector3d& x) {
-          const double w = 0.5e-3 * (x(0) * x(0) + x(0) * x(1) + x(1) * x(1)), wx = 1e-3 * (x(0) + 0.5 * x(1)),
-                       wy = 1e-3 * (x(1) + 0.5 * x(0));
+          const double w = 0.5e-3 * (x(0) * x(0) + x(0) * x(1) + x(1) * x(1)),
+                       wx = 1e-3 * (x(0) + 0.5 * x(1)), wy = 1e-3 * (x(1) + 0.5 * x(0));
           Eigen::Matrix<double, 6, 1> u;
           u << 0, 0, w, wy, -wx, 0;  // beta = (theta_y, -theta_x) = -grad w
           return u;
@@ -199,8 +208,11 @@ TEST_P(ShellShapes, StoreTheEnergyOfBendingInThePlane) {
     double energy = 0.0;
     const int cuts = GetParam() ? 2 : 1;
     for (int cut = 0; cut < cuts; ++cut) {
-      ShellMesh mesh = shell_grid(1, 1, false, [&](double r, double s) { return Vector3d(a * (r - 0.5), b * (s - 0.5), 0); });
-      if (GetParam()) mesh.cells = cut ? std::vector<std::vector<int>>{{0, 1, 3}, {0, 3, 2}} : std::vector<std::vector<int>>{{0, 1, 2}, {1, 3, 2}};
+      ShellMesh mesh = shell_grid(
+          1, 1, false, [&](double r, double s) { return Vector3d(a * (r - 0.5), b * (s - 0.5), 0); });
+      if (GetParam())
+        mesh.cells = cut ? std::vector<std::vector<int>>{{0, 1, 3}, {0, 3, 2}}
+                         : std::vector<std::vector<int>>{{0, 1, 2}, {1, 3, 2}};
       MatrixXd K;
       for (const auto& cell : mesh.cells) {
         VectorXd q = VectorXd::Zero(6 * static_cast<Index>(cell.size()));
@@ -239,11 +251,10 @@ TEST_P(ShellShapes, BendInTheirPlaneAndOutOfIt) {
 TEST_P(ShellShapes, CarryCooksPanel) {
   double before = 1.0;
   for (const int n : {4, 8, 16}) {
-    Statics model(shell_grid(n, n, GetParam(),
-                             [](double r, double s) {
-                               return Vector3d(48 * r, 44 * r + s * (44 + r * (16 - 44)), 0);
-                             }),
-                  isotropic("m", 1.0, 1.0 / 3.0, 1.0), 1.0);
+    Statics model(
+        shell_grid(n, n, GetParam(),
+                   [](double r, double s) { return Vector3d(48 * r, 44 * r + s * (44 + r * (16 - 44)), 0); }),
+        isotropic("m", 1.0, 1.0 / 3.0, 1.0), 1.0);
     model.hold(model.mesh().nodes_where([](const Vector3d& x) { return x(0) == 0; }), {0, 1, 2, 3, 4, 5});
     for (int j = 0; j <= n; ++j) model.push(model.mesh().node(n, j), 1, (j == 0 || j == n ? 0.5 : 1.0) / n);
     const double error = std::abs(model.solve()(6 * model.mesh().node(n, n / 2) + 1) / 23.956 - 1.0);
@@ -263,8 +274,9 @@ TEST_P(ShellShapes, CarryPlatesOfAllThicknesses) {
     for (const bool clamped : {false, true}) {
       double error = 1.0, before = 1.0;
       for (const int n : {8, 16}) {
-        Statics model(shell_grid(n, n, GetParam(), [&](double r, double s) { return Vector3d(a * r, a * s, 0); }),
-                      isotropic("m", E, nu, 1.0), t);
+        Statics model(
+            shell_grid(n, n, GetParam(), [&](double r, double s) { return Vector3d(a * r, a * s, 0); }),
+            isotropic("m", E, nu, 1.0), t);
         const auto on = [&](int d) {
           return model.mesh().nodes_where([&](const Vector3d& x) { return x(d) == 0 || x(d) == a; });
         };
@@ -273,7 +285,8 @@ TEST_P(ShellShapes, CarryPlatesOfAllThicknesses) {
         if (clamped) model.hold(on(0), {4}), model.hold(on(1), {3});
         model.spread(2, 1.0);
         const double w = model.solve()(6 * model.mesh().node(n / 2, n / 2) + 2);
-        const double exact = clamped ? 0.001265319 * std::pow(a, 4) / D : 0.004062353 * std::pow(a, 4) / D + 0.0736713 * a * a / kGt;
+        const double exact = clamped ? 0.001265319 * std::pow(a, 4) / D
+                                     : 0.004062353 * std::pow(a, 4) / D + 0.0736713 * a * a / kGt;
         before = error;
         error = w / exact - 1.0;
       }
@@ -292,9 +305,9 @@ double scordelis_lo(int n, bool triangles) {
                            }),
                 isotropic("m", 4.32e8, 0.0, 1.0), 0.25);
   const ShellMesh& mesh = model.mesh();
-  model.hold(mesh.nodes_where([](const Vector3d& x) { return x(1) == 0; }), {0, 2});         // diaphragm
-  model.hold(mesh.nodes_where([&](const Vector3d& x) { return x(1) == L; }), {1, 3, 5});     // middle
-  model.hold(mesh.nodes_where([](const Vector3d& x) { return x(0) == 0; }), {0, 4, 5});      // crown
+  model.hold(mesh.nodes_where([](const Vector3d& x) { return x(1) == 0; }), {0, 2});      // diaphragm
+  model.hold(mesh.nodes_where([&](const Vector3d& x) { return x(1) == L; }), {1, 3, 5});  // middle
+  model.hold(mesh.nodes_where([](const Vector3d& x) { return x(0) == 0; }), {0, 4, 5});   // crown
   model.spread(2, -90.0);
   return -model.solve()(6 * mesh.node(n, n) + 2) / 0.3024;
 }
@@ -303,7 +316,8 @@ double pinched_cylinder(int n, bool triangles) {
   const double R = 300, L = 300;
   Statics model(shell_grid(n, n, triangles,
                            [&](double r, double s) {
-                             return Vector3d(r == 1 ? R : R * std::sin(kPi / 2 * r), L * s, r == 1 ? 0 : R * std::cos(kPi / 2 * r));
+                             return Vector3d(r == 1 ? R : R * std::sin(kPi / 2 * r), L * s,
+                                             r == 1 ? 0 : R * std::cos(kPi / 2 * r));
                            }),
                 isotropic("m", 3e6, 0.3, 1.0), 3.0);
   const ShellMesh& mesh = model.mesh();
@@ -321,7 +335,8 @@ double hemisphere(int n, bool triangles) {
                            [&](double r, double s) {
                              const double phi = kPi / 2 * r, polar = 72 * kPi / 180 * s;
                              const double c = r == 1 ? 0.0 : std::cos(phi);
-                             return Vector3d(R * std::cos(polar) * c, R * std::cos(polar) * std::sin(phi), R * std::sin(polar));
+                             return Vector3d(R * std::cos(polar) * c, R * std::cos(polar) * std::sin(phi),
+                                             R * std::sin(polar));
                            }),
                 isotropic("m", 6.825e7, 0.3, 1.0), 0.04);
   const ShellMesh& mesh = model.mesh();
@@ -346,7 +361,8 @@ double twisted_beam(int n, bool triangles, int direction, bool thin = false) {
   const ShellMesh& mesh = model.mesh();
   model.hold(mesh.nodes_where([](const Vector3d& x) { return x(0) == 0; }), {0, 1, 2, 3, 4, 5});
   const double load = thin ? 1e-6 : 1.0;
-  for (int j = 0; j <= n; ++j) model.push(mesh.node(6 * n, j), direction, load * (j == 0 || j == n ? 0.5 : 1.0) / n);
+  for (int j = 0; j <= n; ++j)
+    model.push(mesh.node(6 * n, j), direction, load * (j == 0 || j == n ? 0.5 : 1.0) / n);
   const double u = model.solve()(6 * mesh.node(6 * n, n / 2) + direction);
   return u / (thin ? (direction == 2 ? 0.005256 : 0.001294) : (direction == 2 ? 0.005424 : 0.001754));
 }
@@ -357,8 +373,9 @@ TEST_P(ShellShapes, RunTheObstacleCourse) {
   const bool triangles = GetParam();
   const auto converges = [&](const char* name, const auto& problem, double coarse, double fine) {
     const std::string of = std::string(name) + (triangles ? ", triangles" : ", quadrilaterals");
-    const test::Reference course = {"shell obstacle course (Belytschko et al. 1985), displacement over the published one",
-                                    "what meshes of this size reach in the literature"};
+    const test::Reference course = {
+        "shell obstacle course (Belytschko et al. 1985), displacement over the published one",
+        "what meshes of this size reach in the literature"};
     test::expect_reference(of + ", 8 x 8", "", problem(8, triangles), 1.0, coarse, course);
     test::expect_reference(of + ", 16 x 16", "", problem(16, triangles), 1.0, fine, course);
   };
@@ -374,8 +391,8 @@ TEST_P(ShellShapes, RunTheObstacleCourse) {
 TEST_P(ShellShapes, CarryTheTwistedBeam) {
   const bool triangles = GetParam();
   for (const int direction : {1, 2}) {
-    const std::string of = std::string("twisted beam ") + (direction == 1 ? "out of" : "in") + " its plane, " +
-                           (triangles ? "triangles" : "quadrilaterals");
+    const std::string of = std::string("twisted beam ") + (direction == 1 ? "out of" : "in") +
+                           " its plane, " + (triangles ? "triangles" : "quadrilaterals");
     const test::Reference macneal = {"twisted beam (MacNeal, Harder 1985), over the published displacement",
                                      "four published digits and the mesh"};
     test::expect_reference(of + ", 12 x 2", "", twisted_beam(2, triangles, direction), 1.0, 0.011, macneal);

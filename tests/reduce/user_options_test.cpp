@@ -36,25 +36,74 @@ TEST(UserOptions, NamesAndValuesAreTakenApart) {
 
 // Whatever reads or writes files, runs programs or opens windows, in every spelling that PETSc takes.
 TEST(UserOptions, FilesAreOutOfReach) {
-  for (const char* text :
-       {"-options_file /etc/passwd", "-options_file x", "-OPTIONS_FILE x", "-options_file_yaml x", "-options_string_yaml x",
-        "-log_view :file.txt", "-log_view ascii:file.txt", "-log_trace file", "-log_all file", "-history file",
-        "-eps_view :file", "-eps_view ascii:file:ascii_info", "-eps_view binary", "-eps_view binary:file", "-eps_view hdf5:file",
-        "-eps_view_vectors binary:file", "-eps_view_values :values.txt", "-eps_view_values draw", "-Eps_View :file",
-        "-eps_monitor :file", "-eps_monitor ascii:file", "-eps_monitor_lg", "-ksp_monitor :file", "-ksp_monitor_short :f",
-        "-ksp_view_mat binary", "-ksp_view_mat matlab", "-ksp_view_rhs ascii:x", "-ksp_view ::ascii_info:x", "-ksp_view file.txt",
-        "-eps_error_relative :file", "-eps_converged_reason :file", "-mat_mumps_ooc_tmpdir x", "-mat_mumps_icntl_22 1",
-        "-ksp_python_type a.b", "-pc_type :x", "-pc_python_type x", "-pc_type ./x.so", "-eps_type lib/x.so:create",
-        "-ksp_saws_block", "-saws_port 80", "-dll_prepend x", "-dll_append x", "-info file", "-info :file", "-on_error_attach_debugger",
-        "-start_in_debugger", "-malloc_dump", "-viewer_socket_machine x", "-memory_view :f", "-mat_view :file", "-pc_svd_monitor :f",
-        "-eps_type $(id)", "-eps_type `id`", "-eps_tol 1;id", "-prefix_push x", "-prefix_pop", "-@x", "--eps_type", "-eps-type x",
-        "-eps_type=krylovschur", "-eps_view_values @f"})
+  for (const char* text : {"-options_file /etc/passwd",
+                           "-options_file x",
+                           "-OPTIONS_FILE x",
+                           "-options_file_yaml x",
+                           "-options_string_yaml x",
+                           "-log_view :file.txt",
+                           "-log_view ascii:file.txt",
+                           "-log_trace file",
+                           "-log_all file",
+                           "-history file",
+                           "-eps_view :file",
+                           "-eps_view ascii:file:ascii_info",
+                           "-eps_view binary",
+                           "-eps_view binary:file",
+                           "-eps_view hdf5:file",
+                           "-eps_view_vectors binary:file",
+                           "-eps_view_values :values.txt",
+                           "-eps_view_values draw",
+                           "-Eps_View :file",
+                           "-eps_monitor :file",
+                           "-eps_monitor ascii:file",
+                           "-eps_monitor_lg",
+                           "-ksp_monitor :file",
+                           "-ksp_monitor_short :f",
+                           "-ksp_view_mat binary",
+                           "-ksp_view_mat matlab",
+                           "-ksp_view_rhs ascii:x",
+                           "-ksp_view ::ascii_info:x",
+                           "-ksp_view file.txt",
+                           "-eps_error_relative :file",
+                           "-eps_converged_reason :file",
+                           "-mat_mumps_ooc_tmpdir x",
+                           "-mat_mumps_icntl_22 1",
+                           "-ksp_python_type a.b",
+                           "-pc_type :x",
+                           "-pc_python_type x",
+                           "-pc_type ./x.so",
+                           "-eps_type lib/x.so:create",
+                           "-ksp_saws_block",
+                           "-saws_port 80",
+                           "-dll_prepend x",
+                           "-dll_append x",
+                           "-info file",
+                           "-info :file",
+                           "-on_error_attach_debugger",
+                           "-start_in_debugger",
+                           "-malloc_dump",
+                           "-viewer_socket_machine x",
+                           "-memory_view :f",
+                           "-mat_view :file",
+                           "-pc_svd_monitor :f",
+                           "-eps_type $(id)",
+                           "-eps_type `id`",
+                           "-eps_tol 1;id",
+                           "-prefix_push x",
+                           "-prefix_pop",
+                           "-@x",
+                           "--eps_type",
+                           "-eps-type x",
+                           "-eps_type=krylovschur",
+                           "-eps_view_values @f"})
     EXPECT_NE(refusal(text), "") << text;
 }
 
 TEST(UserOptions, WhatThePartFileDecidesIsRefused) {
-  for (const char* text : {"-eps_nev 5", "-eps_target 3", "-eps_interval 0,1", "-eps_largest_real", "-eps_smallest_magnitude",
-                           "-st_shift 1", "-st_type cayley", "-eps_non_hermitian", "-eps_all"})
+  for (const char* text :
+       {"-eps_nev 5", "-eps_target 3", "-eps_interval 0,1", "-eps_largest_real", "-eps_smallest_magnitude",
+        "-st_shift 1", "-st_type cayley", "-eps_non_hermitian", "-eps_all"})
     EXPECT_THAT(refusal(text), HasSubstr("follows from the part file")) << text;
 }
 
@@ -67,7 +116,8 @@ TEST(UserOptions, MisspeltAndUnusedOnesAreNamedBeforeTheWorkBegins) {
   EXPECT_THAT(refusal("-mat_fronts_storage attic"), HasSubstr("attic"));
   // Of a solver that is not chosen.
   EXPECT_THAT(refusal("-mat_mumps_icntl_14 50"), HasSubstr("-mat_mumps_icntl_14: nothing"));
-  EXPECT_THAT(refusal("-eps_blocklanczos_block 8 -eps_type krylovschur"), HasSubstr("-eps_blocklanczos_block: nothing"));
+  EXPECT_THAT(refusal("-eps_blocklanczos_block 8 -eps_type krylovschur"),
+              HasSubstr("-eps_blocklanczos_block: nothing"));
   // All are forgotten afterwards.
   EXPECT_EQ(refusal(""), "");
   EXPECT_EQ(refusal("-eps_view"), "");
@@ -75,11 +125,13 @@ TEST(UserOptions, MisspeltAndUnusedOnesAreNamedBeforeTheWorkBegins) {
 
 TEST(UserOptions, WhatMakesSenseIsTaken) {
   for (const char* text :
-       {"-eps_type krylovschur -pc_factor_mat_solver_type mumps", "-eps_type lobpcg", "-eps_type jd", "-eps_type gd",
-        "-pc_factor_mat_solver_type cholmod", "-pc_factor_mat_solver_type mumps -mat_mumps_icntl_14 50",
-        "-eps_view -log_view", "-eps_view ::ascii_info_detail", "-eps_monitor -eps_converged_reason", "-eps_tol 1e-13 -eps_ncv 200",
+       {"-eps_type krylovschur -pc_factor_mat_solver_type mumps", "-eps_type lobpcg", "-eps_type jd",
+        "-eps_type gd", "-pc_factor_mat_solver_type cholmod",
+        "-pc_factor_mat_solver_type mumps -mat_mumps_icntl_14 50", "-eps_view -log_view",
+        "-eps_view ::ascii_info_detail", "-eps_monitor -eps_converged_reason", "-eps_tol 1e-13 -eps_ncv 200",
         "-eps_blocklanczos_block 8", "-mat_fronts_storage file", "-eps_error_relative ::ascii_info_detail",
-        "-pc_factor_mat_solver_type mumps -mat_mumps_icntl_35 1 -mat_mumps_cntl_7 1e-10", "-ksp_type cg -pc_type icc"})
+        "-pc_factor_mat_solver_type mumps -mat_mumps_icntl_35 1 -mat_mumps_cntl_7 1e-10",
+        "-ksp_type cg -pc_type icc"})
     EXPECT_EQ(refusal(text), "") << text;
 }
 

@@ -257,7 +257,8 @@ TEST(ReductionReport, ShowsTheBodyItsInterfacesAndWhateverTheReductionTold) {
   for (const char* word :
        {"one note", "1234", "rigid motions", "right end", "Novelty", "<dt>depth</dt><dd>7</dd>",
         "<dt>mode set</dt><dd>craig_bampton</dd>", "<dt>mass from CAD</dt><dd>2.5 kg</dd>",
-        "<dt>centre of the mesh</dt><dd>250, 0 mm</dd>", "<dd>125\u2009000 cm³</dd>", "data:image/png;base64,"}) {
+        "<dt>centre of the mesh</dt><dd>250, 0 mm</dd>", "<dd>125\u2009000 cm³</dd>",
+        "data:image/png;base64,"}) {
     EXPECT_THAT(text, HasSubstr(word));
   }
   EXPECT_THAT(text, Not(HasSubstr("17.5")));           // the body's own figures stand there already
@@ -271,15 +272,18 @@ TEST(ReductionReport, ShowsTheBodyItsInterfacesAndWhateverTheReductionTold) {
   told["mass"] = 2.5;
   told["centre"] = {0.25, 1e-9, 0.0};
   told["reduction"]["fixed_interface_frequencies_hz"] = {123.5, 234.5};
-  told["mesh_error"] = {{"by", "enrichment"}, {"modes", {{{"hz", 100.0}, {"frequency_error", 0.0125}, {"peak_stress_at", nullptr}}}}};
+  told["mesh_error"] = {
+      {"by", "enrichment"},
+      {"modes", {{{"hz", 100.0}, {"frequency_error", 0.0125}, {"peak_stress_at", nullptr}}}}};
   told["reduction"]["processor_seconds"] = {{"factorisation", 1.5}, {"mesh_error", 0.5}};
   ASSERT_TRUE(is_told_by_reduction(told));
   write_report_page(html, reduction_report(told));
   const std::string alone = slurp(html);
-  for (const char* word : {"tube", "one note", "<dd>250, 0, 0 mm</dd>", "error of the frequency <small>[%]</small>", "data-value=\"1.25\"",
-                           "frequency <small>[Hz]</small>", "123.5", "Processor time"})
+  for (const char* word :
+       {"tube", "one note", "<dd>250, 0, 0 mm</dd>", "error of the frequency <small>[%]</small>",
+        "data-value=\"1.25\"", "frequency <small>[Hz]</small>", "123.5", "Processor time"})
     EXPECT_THAT(alone, HasSubstr(word));
-  EXPECT_THAT(alone, Not(HasSubstr("50 %")));  // half a second of the mesh's error is no error
+  EXPECT_THAT(alone, Not(HasSubstr("50 %")));                // half a second of the mesh's error is no error
   EXPECT_THAT(alone, Not(HasSubstr("greatest stress at")));  // nothing is known of it in any row
   se.report_json = "not JSON";
   write_report_page(html, reduction_report(se));  // an old or foreign file still has a report

@@ -54,7 +54,7 @@ Energies numbers(mbs::EnergyAccount& e) {
           &e.start,       &e.work_in,    &e.dissipated,    &e.gross_work,      &e.peak};
 }
 std::array<long*, 7> numbers(mbs::StepCounts& c) {
-  return {&c.steps,           &c.evaluations, &c.jacobians, &c.error_failures,
+  return {&c.steps,           &c.evaluations, &c.jacobians,         &c.error_failures,
           &c.newton_failures, &c.restarts,    &c.singular_crossings};
 }
 std::array<double*, 5> numbers(mbs::RunMemory& m) {

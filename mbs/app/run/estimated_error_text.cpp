@@ -123,12 +123,15 @@ std::string missed_accuracy(const ErrorEstimate& estimate, double accuracy) {
                                                          : words_of(all.front().kind, all.front().names));
   std::vector<std::string> blind;
   for (const Entry& e : all)
-    if (!e.error && (e.kind == "modes" || e.kind == "switch" || e.kind == "elements")) blind.push_back(words_of(e.kind, e.names));
+    if (!e.error && (e.kind == "modes" || e.kind == "switch" || e.kind == "elements"))
+      blind.push_back(words_of(e.kind, e.names));
   if (blind.empty()) return {};
-  const bool of_elements = std::ranges::any_of(all, [](const Entry& e) { return !e.error && e.kind == "elements"; });
-  return fmt::format("whether the {} asked for is met is unknown: nothing judges {}; compare with a run with {}",
-                     percent(accuracy), fmt::join(blind, ", "),
-                     of_elements ? "a tenth of it and twice as many elements" : "a tenth of it");
+  const bool of_elements =
+      std::ranges::any_of(all, [](const Entry& e) { return !e.error && e.kind == "elements"; });
+  return fmt::format(
+      "whether the {} asked for is met is unknown: nothing judges {}; compare with a run with {}",
+      percent(accuracy), fmt::join(blind, ", "),
+      of_elements ? "a tenth of it and twice as many elements" : "a tenth of it");
 }
 
 nlohmann::json estimated_error_json(const ErrorEstimate& estimate,

@@ -136,7 +136,8 @@ mbs::SteadyLinearisation linearise_about(mbs::PreparedMechanism& p, const mbs::L
       mbs::linearise_steady(*p.mechanism, p.state, span > 0.0 ? span : 1.0, options);
   if (out.verdict == Verdict::unsteady && !frozen)
     throw std::invalid_argument(fmt::format(
-        "the state at t = {} s is neither an equilibrium nor a steady motion: {}; a linear system has no lasting "
+        "the state at t = {} s is neither an equilibrium nor a steady motion: {}; a linear system has no "
+        "lasting "
         "meaning there. Take --equilibrium, --from-state or initial_deformation = \"quasi_static\", or "
         "--frozen for this instant",
         terminal::number(p.state.t, 6), out.why));

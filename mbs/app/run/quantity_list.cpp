@@ -1,12 +1,13 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include "mbs/app/run/quantity_list.hpp"
-#include "mbs/mechanism/describe.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <map>
 #include <nlohmann/json.hpp>
+
+#include "mbs/mechanism/describe.hpp"
 
 namespace flexura::app {
 namespace {
@@ -77,7 +78,8 @@ std::string quantity_list(const mbs::PreparedMechanism& prepared, std::size_t wi
       word += own[i].is_usual ? "*" : "";
       word += own[i].is_unique ? "" : "?";
       // The unit once for all of it that follow each other.
-      if (last + 1 == own.size() || own[last + 1].unit != own[i].unit) word += " [" + (own[i].unit.empty() ? "-" : own[i].unit) + "]";
+      if (last + 1 == own.size() || own[last + 1].unit != own[i].unit)
+        word += " [" + (own[i].unit.empty() ? "-" : own[i].unit) + "]";
       if (last + 1 < own.size()) word += ",";
       words.push_back(std::move(word));
       i = last;

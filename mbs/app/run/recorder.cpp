@@ -21,8 +21,7 @@ results::ModelHeader model_header(std::span<const NamedRun> runs, const std::fil
 }
 
 results::ModelHeader model_header(const std::vector<const mbs::PreparedMechanism*>& runs,
-                                  const std::filesystem::path&,
-                                  const std::filesystem::path& results_file) {
+                                  const std::filesystem::path&, const std::filesystem::path& results_file) {
   const mbs::Mechanism& first = *runs.front()->mechanism;
   results::ModelHeader header;
   header.name = runs.front()->file.name;
@@ -38,8 +37,7 @@ results::ModelHeader model_header(const std::vector<const mbs::PreparedMechanism
     bool flexible = false;
     for (const mbs::PreparedMechanism* run : runs) {
       const auto& bodies = run->mechanism->description().bodies;
-      if (b < bodies.size() && !bodies[b].superelement.empty())
-        flexible = flexible || bodies[b].flexible;
+      if (b < bodies.size() && !bodies[b].superelement.empty()) flexible = flexible || bodies[b].flexible;
     }
     line.kind = b == 0 ? "ground" : flexible ? "flexible" : "rigid";
     if (!body.superelement.empty()) {
@@ -100,14 +98,14 @@ Recorder::Recorder(const mbs::PreparedMechanism& prepared, results::Writer& writ
       store_states_(store_states) {
   which_ = mbs::select_quantities(mechanism_, patterns);
   const auto infos = mechanism_.quantities();
-  for (const int i : which_)
-    quantities_.push_back({infos[i].name, mbs::unit_of(infos[i]), infos[i].doc});
+  for (const int i : which_) quantities_.push_back({infos[i].name, mbs::unit_of(infos[i]), infos[i].doc});
   for (const mbs::OutputInfo& info : mbs::run_quantities()) quantities_.push_back({info.name, "J", info.doc});
   const auto& bodies = mechanism_.description().bodies;
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     results::RunBody body;
     body.name = bodies[b].name;
-    if (const mbs::FlexibleBody* deforms = mechanism_.deforming(static_cast<int>(b)); deforms && deforms->modal())
+    if (const mbs::FlexibleBody* deforms = mechanism_.deforming(static_cast<int>(b));
+        deforms && deforms->modal())
       body.basis = deforms->modal()->Y;
     run_bodies_.push_back(std::move(body));
   }
@@ -159,7 +157,8 @@ void Recorder::append(const mbs::State& s, const Eigen::VectorXd& v_dot, const E
   for (Eigen::Index i = 0; i < row_.quantities.size(); ++i)
     if (const double value = row_.quantities(i); !std::isfinite(value))
       throw std::runtime_error(fmt::format(
-          "{} is {} at t = {:.9g} s, beyond all numbers; give the drive, force or control that leads there a bound",
+          "{} is {} at t = {:.9g} s, beyond all numbers; give the drive, force or control that leads there a "
+          "bound",
           quantities_[static_cast<std::size_t>(i)].name, std::isnan(value) ? std::abs(value) : value, s.t));
   range_.observe(s);
   turns_.observe(s, v_dot);

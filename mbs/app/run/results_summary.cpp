@@ -1,10 +1,10 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include "mbs/app/run/results_summary.hpp"
 
-#include <cstdio>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <cstdio>
 #include <map>
 #include <nlohmann/json.hpp>
 
@@ -84,7 +84,9 @@ std::string summary_text(const results::Results& results, int width, bool colour
       const auto values = run.values.col(static_cast<Eigen::Index>(j));
       if (run.quantities[j].name.ends_with(".von_mises"))
         put(i, "peak " + run.quantities[j].name, peak_of(run, j));
-      put(i, fmt::format("{} [{}]", run.quantities[j].name, run.quantities[j].unit.empty() ? "-" : run.quantities[j].unit),
+      put(i,
+          fmt::format("{} [{}]", run.quantities[j].name,
+                      run.quantities[j].unit.empty() ? "-" : run.quantities[j].unit),
           fmt::format("{} .. {}", terminal::number(values.minCoeff(), 4),
                       terminal::number(values.maxCoeff(), 4)));
     }
@@ -96,7 +98,8 @@ std::string summary_text(const results::Results& results, int width, bool colour
   }
   std::string text =
       fmt::format("{}\n{}", terminal::bold(results.model.name, colour), table.text(width, colour));
-  for (const std::string& warning : warnings) text += terminal::folded("warning: " + warning, terminal::takes_columns(stdout)) + "\n";
+  for (const std::string& warning : warnings)
+    text += terminal::folded("warning: " + warning, terminal::takes_columns(stdout)) + "\n";
   return text;
 }
 

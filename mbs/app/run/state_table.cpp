@@ -29,7 +29,8 @@ StateText::StateText(const mbs::PreparedMechanism& prepared) : p_(prepared) {
   length_ = scales ? std::max(scales->length, scales->farthest) : 1.0;
   const auto most = [&](const Eigen::VectorXd& x) {
     double most = 0.0;
-    for (Eigen::Index i = 0; i < x.size(); ++i) most = std::max(most, std::abs(x(i)) * (scales ? scales->reach_v(i) : 1.0));
+    for (Eigen::Index i = 0; i < x.size(); ++i)
+      most = std::max(most, std::abs(x(i)) * (scales ? scales->reach_v(i) : 1.0));
     return most;
   };
   const double gravity = m.description().gravity.norm();

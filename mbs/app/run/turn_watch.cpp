@@ -9,7 +9,8 @@
 
 namespace flexura::app {
 
-TurnWatch::TurnWatch(const mbs::Mechanism& mechanism) : mechanism_(mechanism), scratch_(mechanism.make_scratch()) {
+TurnWatch::TurnWatch(const mbs::Mechanism& mechanism)
+    : mechanism_(mechanism), scratch_(mechanism.make_scratch()) {
   const mbs::MechanismDescription& d = mechanism.description();
   std::map<std::string, std::string> readers;  // of angles, by name
   const auto name_of = [&](mbs::CoordinateRef c) {
@@ -52,7 +53,8 @@ void TurnWatch::observe(const mbs::State& s, const Eigen::VectorXd& v_dot) {
     for (Eigen::Index i = 0; i < now_.size(); ++i)
       if (std::abs(now_(i) - before_(i)) > std::numbers::pi)
         reason_ = fmt::format(
-            "\"{}\" went beyond 180 deg by t = {:.6g} s, where the angle of a joint that closes a loop jumps by a whole "
+            "\"{}\" went beyond 180 deg by t = {:.6g} s, where the angle of a joint that closes a loop jumps "
+            "by a whole "
             "turn, and {}: cut another joint of the loop with cut = true, so that this one counts its turns",
             names_[static_cast<std::size_t>(i)], s.t, readers_[static_cast<std::size_t>(i)]);
   before_ = now_;

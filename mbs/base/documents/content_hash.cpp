@@ -67,7 +67,8 @@ void gather(const std::string& named, const fs::path& file, std::vector<InputFil
   if (std::ranges::any_of(all, [&](const InputFile& known) { return known.path == file; })) return;
   all.push_back({named, file});
   const std::string ending = lower(file.extension().string());
-  const bool is_deck = ending == ".inp" || ending == ".inc" || ending == ".nas" || ending == ".bdf" || ending == ".dat";
+  const bool is_deck =
+      ending == ".inp" || ending == ".inc" || ending == ".nas" || ending == ".bdf" || ending == ".dat";
   if (all.size() > 1 && ending != ".toml" && !is_deck) return;  // a CAD file, a superelement, a table
   const std::string text = text_of(file);
   std::vector<std::string> words = is_deck ? included_words(text) : quoted_words(text);

@@ -86,15 +86,14 @@ fs::path place_of(const fs::path& output) {
 void require_stem(const fs::path& stem) {
   const fs::path name = stem.filename();
   if (name.empty() || name == "." || name == "..")
-    throw std::invalid_argument(fmt::format(
-        "{}: is a folder; name files in it by how their names are to begin, as in {}", stem.string(),
-        (stem / "engine").string()));
+    throw std::invalid_argument(
+        fmt::format("{}: is a folder; name files in it by how their names are to begin, as in {}",
+                    stem.string(), (stem / "engine").string()));
   std::error_code none;
   const fs::file_status status = fs::status(stem, none);
   if (fs::exists(status) && !fs::is_regular_file(status) && !fs::is_directory(status))
-    throw std::invalid_argument(
-        fmt::format("{}: is a device or a pipe, no beginning of the names of files; name another output",
-                    stem.string()));
+    throw std::invalid_argument(fmt::format(
+        "{}: is a device or a pipe, no beginning of the names of files; name another output", stem.string()));
 }
 
 void require_room(const fs::path& output, const fs::path& folder, double bytes) {

@@ -70,9 +70,9 @@ Group Group::create_group(const std::string& name) {
   return writing([&] {
     const Handle properties = owned(H5Pcreate(H5P_GROUP_CREATE), H5Pclose, full);
     check(H5Pset_obj_track_times(properties.get(), false), full);  // equal content gives equal bytes
-    return Group(
-        owned(H5Gcreate2(handle_.get(), name.c_str(), H5P_DEFAULT, properties.get(), H5P_DEFAULT), H5Gclose, full),
-        full);
+    return Group(owned(H5Gcreate2(handle_.get(), name.c_str(), H5P_DEFAULT, properties.get(), H5P_DEFAULT),
+                       H5Gclose, full),
+                 full);
   });
 }
 

@@ -143,7 +143,8 @@ std::string completion(const Program& program, const std::string& shell) {
   if (shell == "bash") return bash_completion(program);
   if (shell == "zsh") return zsh_completion(program);
   if (shell == "fish") return fish_completion(program);
-  throw std::invalid_argument(fmt::format("there is no completion for \"{}\"; write bash, zsh or fish", shell));
+  throw std::invalid_argument(
+      fmt::format("there is no completion for \"{}\"; write bash, zsh or fish", shell));
 }
 
 const Command& named_command(const Program& program, const std::string& name) {
@@ -174,7 +175,8 @@ std::string program_help(const Program& program) {
   }
   text += fmt::format(
       "\n\"{0} COMMAND --help\" describes one command, \"{0} --version\" says which version this is.\n"
-      "\"{0} man | man -l -\" is the manual (\"{0} man COMMAND\" of one), eval \"$({0} completion)\" completes in bash, "
+      "\"{0} man | man -l -\" is the manual (\"{0} man COMMAND\" of one), eval \"$({0} completion)\" "
+      "completes in bash, "
       "\"{0} completion zsh\" and \"fish\" print theirs.\n"
       "Exit codes: 0 done, 1 failed or interrupted (what was computed is kept), 2 bad input.\n",
       program.name);
@@ -371,7 +373,8 @@ int run(const Program& program, int argc, const char* const* argv) {
       return 0;
     }
     if (words[0] == "man") {
-      fmt::print("{}", words.size() > 1 ? manual_page(program, named_command(program, words[1])) : manual_page(program));
+      fmt::print("{}", words.size() > 1 ? manual_page(program, named_command(program, words[1]))
+                                        : manual_page(program));
       return 0;
     }
     if (words[0] == "help") words = {words[1], "--help"};

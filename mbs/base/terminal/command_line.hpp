@@ -69,7 +69,7 @@ struct Program {
   std::string summary;
   std::vector<Command> commands;
   std::vector<std::pair<std::string, std::string>> examples;  ///< command and what it does
-  std::function<std::string()> details{};                      ///< lines below the version: libraries, features
+  std::function<std::string()> details{};  ///< lines below the version: libraries, features
 };
 
 /// Reads the command line, runs the command and turns whatever is thrown into "error: ..." and an exit code.

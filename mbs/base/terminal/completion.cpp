@@ -87,13 +87,16 @@ std::string bash_completion(const Program& program) {
 
 // _describe takes "name:doc" with colons of the name escaped.
 std::string zsh_completion(const Program& program) {
-  const auto described = [](const std::string& name, const std::string& doc) { return quoted(name + ":" + doc, "'\\''"); };
+  const auto described = [](const std::string& name, const std::string& doc) {
+    return quoted(name + ":" + doc, "'\\''");
+  };
   std::string commands, cases;
   for (const Command& command : program.commands) {
     commands += " " + described(command.name, command.summary);
     if (!command.helper.empty()) {
-      cases += fmt::format("    {}) options=(${{(s: :)\"$(\"${{program:h}}\"/{} --list-options 2>/dev/null)\"}}) ;;\n",
-                           command.name, command.helper);
+      cases += fmt::format(
+          "    {}) options=(${{(s: :)\"$(\"${{program:h}}\"/{} --list-options 2>/dev/null)\"}}) ;;\n",
+          command.name, command.helper);
       continue;
     }
     std::string options, values;
@@ -102,7 +105,8 @@ std::string zsh_completion(const Program& program) {
       const std::vector<std::string> names = split_names(entry.names);
       for (const std::string& name : names) options += " " + described(name, entry.doc);
       if (!entry.choices.empty())
-        values += fmt::format("        {}) choices=({}) ;;\n", fmt::join(names, "|"), fmt::join(entry.choices, " "));
+        values += fmt::format("        {}) choices=({}) ;;\n", fmt::join(names, "|"),
+                              fmt::join(entry.choices, " "));
     }
     cases += fmt::format("    {})\n      options=({} '--help:describe the command')\n", command.name,
                          options.substr(options.empty() ? 0 : 1));
@@ -112,7 +116,8 @@ std::string zsh_completion(const Program& program) {
   for (const auto& [name, doc] : own_words) commands += " " + described(name, doc);
   return fmt::format(
       "#compdef {0}\n"
-      "# Completion of {0} for zsh: source <({0} completion zsh), or this file as _{0} in a folder of $fpath.\n"
+      "# Completion of {0} for zsh: source <({0} completion zsh), or this file as _{0} in a folder of "
+      "$fpath.\n"
       "_{0}() {{\n"
       "  local -a verbs options choices\n"
       "  local program=$(whence -p -- ${{words[1]}})\n"

@@ -17,9 +17,12 @@ std::string loaded_libraries() {
         if (failure || info->dlpi_name[0] == '\0') return 0;
         const std::string name = file.filename().string();
         // What they bring along themselves (HDF5 a web client) computes nothing here.
-        for (const char* const known : {"libhdf5", "libsundials", "libklu", "libcholmod", "libumfpack", "libmuparser", "libfmt", "libtoml",
-                                        "libtinyxml2", "libpetsc", "libslepc", "libgmsh", "libmetis", "libmpi.", "libTKernel", "libopenblas",
-                                        "libblas", "libmumps_common", "liburdfdom_model", "liborocos-kdl", "libz."})
+        for (const char* const known :
+             {"libhdf5",     "libsundials", "libklu",          "libcholmod",       "libumfpack",
+              "libmuparser", "libfmt",      "libtoml",         "libtinyxml2",      "libpetsc",
+              "libslepc",    "libgmsh",     "libmetis",        "libmpi.",          "libTKernel",
+              "libopenblas", "libblas",     "libmumps_common", "liburdfdom_model", "liborocos-kdl",
+              "libz."})
           if (name.starts_with(known)) {
             static_cast<std::set<std::string>*>(out)->insert(name);
             break;

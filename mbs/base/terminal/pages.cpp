@@ -78,12 +78,13 @@ std::string section_of(const Program& program, const Command& command) {
   const std::string full_name = program.name + " " + command.name;
   if (command.helper.empty()) return manual_section(full_name, command);
   if (std::string told = helper_says(command.helper + " --manual-section"); !told.empty()) return told;
-  return fmt::format(".SH {}\n{}\n.PP\nRun by {}; see {} \\-\\-help.\n", roff(upper(full_name)), roff(command.summary),
-                     roff(command.helper), roff(full_name));
+  return fmt::format(".SH {}\n{}\n.PP\nRun by {}; see {} \\-\\-help.\n", roff(upper(full_name)),
+                     roff(command.summary), roff(command.helper), roff(full_name));
 }
 
 const char* const kLastSections =
-    ".SH EXIT STATUS\n0 done, 1 failed or interrupted (what was computed is kept), 2 bad input (command line or files).\n"
+    ".SH EXIT STATUS\n0 done, 1 failed or interrupted (what was computed is kept), 2 bad input (command line "
+    "or files).\n"
     ".SH ENVIRONMENT\n.TP\n\\fBNO_COLOR\\fR\nplain text on terminals too\n.TP\n\\fBCOLUMNS\\fR\n"
     "width of tables where the output is no terminal; default 80\n";
 
@@ -105,9 +106,9 @@ std::string manual_page(const Program& program, const Command& command) {
       if (entry.is_argument) arguments += entry.is_required ? " " + entry.names : " [" + entry.names + "]";
   std::string body = section_of(program, command);
   body.replace(0, body.find('\n'), ".SH DESCRIPTION");
-  return fmt::format(".TH {} 1 \"\" \"{} {}\"\n.SH NAME\n{} \\- {}\n.SH SYNOPSIS\n.B {} {}\n[OPTIONS]{}\n", roff(upper(name)),
-                     program.name, program.version, roff(name), roff(command.summary), roff(program.name), roff(command.name),
-                     roff(arguments)) +
+  return fmt::format(".TH {} 1 \"\" \"{} {}\"\n.SH NAME\n{} \\- {}\n.SH SYNOPSIS\n.B {} {}\n[OPTIONS]{}\n",
+                     roff(upper(name)), program.name, program.version, roff(name), roff(command.summary),
+                     roff(program.name), roff(command.name), roff(arguments)) +
          body + kLastSections + fmt::format(".SH SEE ALSO\n.BR {} (1)\n", roff(program.name));
 }
 

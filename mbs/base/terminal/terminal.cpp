@@ -78,7 +78,8 @@ std::string folded(const std::string& sentence, int width, int indent) {
 }
 
 int takes_columns(std::FILE* stream) {
-  return ::isatty(::fileno(stream)) == 1 || std::getenv("COLUMNS") ? width(stream) : std::numeric_limits<int>::max();
+  return ::isatty(::fileno(stream)) == 1 || std::getenv("COLUMNS") ? width(stream)
+                                                                   : std::numeric_limits<int>::max();
 }
 
 void say(std::FILE* stream, const std::string& sentence) {

@@ -170,9 +170,10 @@ ConstraintType rolling_disc() {
 }  // namespace
 
 const std::vector<ConstraintType>& constraint_types() {
-  static const std::vector<ConstraintType> types = {
-      point_on_line(), point_on_plane(), point_on_curve(), orientation(), parallel(), perpendicular(),
-      distance(), coupler(), gear(), rack_and_pinion(), rolling_disc(), user_constraint()};
+  static const std::vector<ConstraintType> types = {point_on_line(),   point_on_plane(), point_on_curve(),
+                                                    orientation(),     parallel(),       perpendicular(),
+                                                    distance(),        coupler(),        gear(),
+                                                    rack_and_pinion(), rolling_disc(),   user_constraint()};
   return types;
 }
 

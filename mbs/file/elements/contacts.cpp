@@ -14,15 +14,16 @@ constexpr double nowhere = 1e12;
 /// The keys of contact_law.hpp, and their reader.
 std::vector<input::Key> contact_law_keys() {
   using namespace input;
-  return {expression("stiffness", "N per m^exponent: force = stiffness * penetration^exponent").required(),
-          quantity("exponent", dim::none, "1 is linear, 1.5 Hertz's law").or_default("1").at_least(1.0),
-          expression("damping", "force per rate of penetration; it never pulls").or_default("0"),
-          quantity("restitution", dim::none,
-                   "instead of damping: rate after over rate before an impact, exact where nothing else acts")
-              .above(0.0)
-              .at_most(1.0),
-          expression("slowest_impact", "beside restitution: slower impacts count as if they had this rate, m/s")
-              .or_default("1e-6")};
+  return {
+      expression("stiffness", "N per m^exponent: force = stiffness * penetration^exponent").required(),
+      quantity("exponent", dim::none, "1 is linear, 1.5 Hertz's law").or_default("1").at_least(1.0),
+      expression("damping", "force per rate of penetration; it never pulls").or_default("0"),
+      quantity("restitution", dim::none,
+               "instead of damping: rate after over rate before an impact, exact where nothing else acts")
+          .above(0.0)
+          .at_most(1.0),
+      expression("slowest_impact", "beside restitution: slower impacts count as if they had this rate, m/s")
+          .or_default("1e-6")};
 }
 
 ContactLaw read_contact_law(const input::Section& s, const ReadContext& context) {
@@ -93,9 +94,10 @@ ForceType contact() {
               if (surface.inside && radius >= surface.radius)
                 s.refuse("radius", "the sphere does not fit inside", "make it smaller than surface_radius");
             }
-            return std::make_shared<Contact>(name, context.marker(s, "from"), context.marker(s, "to"), radius,
-                                             std::move(surface), read_contact_law(s, context),
-                                             Contact::Friction{s.quantity("friction"), s.quantity("transition_speed")});
+            return std::make_shared<Contact>(
+                name, context.marker(s, "from"), context.marker(s, "to"), radius, std::move(surface),
+                read_contact_law(s, context),
+                Contact::Friction{s.quantity("friction"), s.quantity("transition_speed")});
           }};
 }
 
@@ -163,8 +165,7 @@ ForceType gear_mesh() {
 }  // namespace
 
 std::vector<ForceType> contact_types() {
-  return {
-      contact(), bump_stop(), gear_mesh()};
+  return {contact(), bump_stop(), gear_mesh()};
 }
 
 }  // namespace flexura::mbs

@@ -181,8 +181,8 @@ ControlType sample() {
 }  // namespace
 
 const std::vector<ControlType>& control_types() {
-  static const std::vector<ControlType> types = {
-      state(), filter(), pid(), transfer_function(), delay(), relay(), algebraic(), sample()};
+  static const std::vector<ControlType> types = {state(), filter(), pid(),       transfer_function(),
+                                                 delay(), relay(),  algebraic(), sample()};
   return types;
 }
 

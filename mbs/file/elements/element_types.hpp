@@ -39,7 +39,8 @@ using ForceType = ElementType<ForceElement>;
 using MeasureType = ElementType<Measure>;
 using ConstraintType = ElementType<Constraint>;
 struct ControlType : ElementType<Control> {
-  bool feeds_through = false;  ///< as the element says: its output can be read by later controls and forces only
+  bool feeds_through =
+      false;  ///< as the element says: its output can be read by later controls and forces only
 };
 
 /// All types, in the order of the reference page.

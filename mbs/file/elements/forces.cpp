@@ -27,9 +27,9 @@ std::shared_ptr<const ForceElement> read_applied(const std::string& name, const 
     if (s.has(keys[i])) components[i] = context.expression(s, keys[i]);
   if (!components[0] && !components[1] && !components[2])
     s.refuse("", "none of x, y, z is given", "write at least one component");
-  return std::make_shared<Applied>(name, is_torque, context.marker(s, "marker"),
-                                   s.has("axes") ? context.marker(s, "axes") : -1,
-                                   s.has("reaction") ? context.marker(s, "reaction") : -1, std::move(components));
+  return std::make_shared<Applied>(
+      name, is_torque, context.marker(s, "marker"), s.has("axes") ? context.marker(s, "axes") : -1,
+      s.has("reaction") ? context.marker(s, "reaction") : -1, std::move(components));
 }
 
 ForceType applied(bool is_torque) {
@@ -69,12 +69,13 @@ ForceType spring_damper() {
              const ReadContext& context) -> std::shared_ptr<const ForceElement> {
             return std::make_shared<SpringDamper>(
                 name, context.marker(s, "from"), context.marker(s, "to"),
-                SpringDamper::Law{.stiffness = s.quantity("stiffness"),
-                                  .damping = s.quantity("damping"),
-                                  .free_length = s.quantity("free_length"),
-                                  .preload = s.quantity("preload"),
-                                  .curve = s.has("curve") ? context.table(s, "curve") : nullptr,
-                                  .damping_curve = s.has("damping_curve") ? context.table(s, "damping_curve") : nullptr});
+                SpringDamper::Law{
+                    .stiffness = s.quantity("stiffness"),
+                    .damping = s.quantity("damping"),
+                    .free_length = s.quantity("free_length"),
+                    .preload = s.quantity("preload"),
+                    .curve = s.has("curve") ? context.table(s, "curve") : nullptr,
+                    .damping_curve = s.has("damping_curve") ? context.table(s, "damping_curve") : nullptr});
           }};
 }
 
@@ -119,12 +120,13 @@ ForceType joint_spring_damper() {
             if (damping < 0.0) s.refuse("damping", "must not be negative");
             return std::make_shared<JointSpringDamper>(
                 name, c,
-                JointSpringDamper::Law{.stiffness = stiffness,
-                                       .damping = damping,
-                                       .rest = constant("rest"),
-                                       .preload = constant("preload"),
-                                       .curve = s.has("curve") ? context.table(s, "curve") : nullptr,
-                                       .damping_curve = s.has("damping_curve") ? context.table(s, "damping_curve") : nullptr});
+                JointSpringDamper::Law{
+                    .stiffness = stiffness,
+                    .damping = damping,
+                    .rest = constant("rest"),
+                    .preload = constant("preload"),
+                    .curve = s.has("curve") ? context.table(s, "curve") : nullptr,
+                    .damping_curve = s.has("damping_curve") ? context.table(s, "damping_curve") : nullptr});
           }};
 }
 
@@ -263,9 +265,10 @@ ForceType distributed_load() {
 
 const std::vector<ForceType>& force_types() {
   static const std::vector<ForceType> types = [] {
-    std::vector<ForceType> list = {spring_damper(), applied(false), applied(true), joint_force(),
-                                   joint_spring_damper(), bushing(), actuator(), distributed_load()};
-    for (auto&& group : {contact_types(), friction_types()}) list.insert(list.end(), group.begin(), group.end());
+    std::vector<ForceType> list = {spring_damper(),       applied(false), applied(true), joint_force(),
+                                   joint_spring_damper(), bushing(),      actuator(),    distributed_load()};
+    for (auto&& group : {contact_types(), friction_types()})
+      list.insert(list.end(), group.begin(), group.end());
     list.push_back(user_force());
     return list;
   }();

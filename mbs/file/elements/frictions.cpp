@@ -96,8 +96,7 @@ ForceType stick_slip() {
 }  // namespace
 
 std::vector<ForceType> friction_types() {
-  return {
-      joint_friction(), stick_slip()};
+  return {joint_friction(), stick_slip()};
 }
 
 }  // namespace flexura::mbs

@@ -23,11 +23,7 @@ std::unique_ptr<Joint> plain(const input::Section*) {
 }
 
 JointType fixed() {
-  return {"fixed",
-          "No relative motion.",
-          {"weld", "rigid"},
-          {},
-          plain<Fixed>};
+  return {"fixed", "No relative motion.", {"weld", "rigid"}, {}, plain<Fixed>};
 }
 
 JointType revolute() {
@@ -39,12 +35,11 @@ JointType revolute() {
 }
 
 JointType prismatic() {
-  return {
-      "prismatic",
-      "Translation along the common z axis of the two markers.",
-      {"slider", "translational"},
-      {},
-      plain<Prismatic>};
+  return {"prismatic",
+          "Translation along the common z axis of the two markers.",
+          {"slider", "translational"},
+          {},
+          plain<Prismatic>};
 }
 
 JointType cylindrical() {
@@ -79,17 +74,16 @@ JointType spherical() {
 }
 
 JointType universal() {
-  return {
-      "universal",
-      "Two rotations about perpendicular axes through the common origin.",
-      {"hooke", "cardan"},
-      {input::choice("axes", {"al-be", "be-ga", "al-ga"},
-                     "first axis fixed in from's marker, second in to's: x and y, y and z, or x and z")
-           .or_default("al-be")},
-      [](const input::Section* s) -> std::unique_ptr<Joint> {
-        const std::string axes = s ? s->text("axes") : "al-be";
-        return std::make_unique<Universal>(axes == "be-ga" ? 1 : 0, axes == "al-be" ? 1 : 2);
-      }};
+  return {"universal",
+          "Two rotations about perpendicular axes through the common origin.",
+          {"hooke", "cardan"},
+          {input::choice("axes", {"al-be", "be-ga", "al-ga"},
+                         "first axis fixed in from's marker, second in to's: x and y, y and z, or x and z")
+               .or_default("al-be")},
+          [](const input::Section* s) -> std::unique_ptr<Joint> {
+            const std::string axes = s ? s->text("axes") : "al-be";
+            return std::make_unique<Universal>(axes == "be-ga" ? 1 : 0, axes == "al-be" ? 1 : 2);
+          }};
 }
 
 JointType planar() {
@@ -127,11 +121,10 @@ JointType point_on_plane() {
 }
 
 JointType orientation() {
-  return {"orientation",
-          "M moves anywhere but keeps the orientation of F.",
-          {},
-          {},
-          [](const input::Section*) { return orientation_joint(); }};
+  return {
+      "orientation", "M moves anywhere but keeps the orientation of F.", {}, {}, [](const input::Section*) {
+        return orientation_joint();
+      }};
 }
 
 JointType parallel() {
@@ -143,20 +136,16 @@ JointType parallel() {
 }
 
 JointType six_dof() {
-  return {"six_dof",
-          "All six freedoms: no restraint, a choice of coordinates.",
-          {"free"},
-          {},
-          plain<SixDof>};
+  return {"six_dof", "All six freedoms: no restraint, a choice of coordinates.", {"free"}, {}, plain<SixDof>};
 }
 
 }  // namespace
 
 const std::vector<JointType>& joint_types() {
   static const std::vector<JointType> types = {
-      fixed(), revolute(), prismatic(), cylindrical(), screw(), spherical(), universal(),
-      planar(), constant_velocity(), point_on_line(), point_on_plane(),
-      orientation(), parallel(), six_dof()};
+      fixed(),     revolute(), prismatic(),         cylindrical(),   screw(),          spherical(),
+      universal(), planar(),   constant_velocity(), point_on_line(), point_on_plane(), orientation(),
+      parallel(),  six_dof()};
   return types;
 }
 

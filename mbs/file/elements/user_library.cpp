@@ -82,10 +82,11 @@ class Library {
 
 std::vector<input::Key> common_keys() {
   using namespace input;
-  return {text("library", "shared library beside this file: mbs/mechanism/user_element.hpp says how to write one")
-              .required(),
-          text("element", "its name there").required(),
-          formulas("values", "numbers for it: each a number, a quantity or a formula of parameters")};
+  return {
+      text("library", "shared library beside this file: mbs/mechanism/user_element.hpp says how to write one")
+          .required(),
+      text("element", "its name there").required(),
+      formulas("values", "numbers for it: each a number, a quantity or a formula of parameters")};
 }
 
 std::vector<input::Key> keys_on_markers() {

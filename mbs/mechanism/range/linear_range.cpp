@@ -62,11 +62,12 @@ void LinearRange::observe(const State& s) {
     for (std::size_t i = 0; i < nodes.size(); ++i)
       for (std::size_t j = 0; j < i; ++j) {
         const double l = (nodes[i].p_BoN_B - nodes[j].p_BoN_B).norm();
-        const double now = (body->node_pose(static_cast<int>(i), modal).p -
-                            body->node_pose(static_cast<int>(j), modal).p)
-                               .norm();
+        const double now =
+            (body->node_pose(static_cast<int>(i), modal).p - body->node_pose(static_cast<int>(j), modal).p)
+                .norm();
         if (!(l > 1e-6 * watched.size) || !(now / l - 1.0 > watched.strain.value)) continue;
-        watched.strain = {now / l - 1.0, s.t, 0.0, "the line from \"" + nodes[j].name + "\" to \"" + nodes[i].name + "\"", ""};
+        watched.strain = {now / l - 1.0, s.t, 0.0,
+                          "the line from \"" + nodes[j].name + "\" to \"" + nodes[i].name + "\"", ""};
         watched.of_size = {(now - l) / watched.size, s.t, now - l, nodes[i].name, nodes[j].name};
       }
   }
@@ -206,9 +207,12 @@ std::vector<std::string> LinearRange::sentences() const {
     }
     if (w.held.value > limits_.stiffness)
       out.push_back(fmt::format(
-          "body \"{}\" is held where its bending would bring its interfaces closer: \"{}\" and \"{}\" by {:.3g} m at "
-          "t = {:.6g} s, which makes a tension of {:.3g} N and about {:.2g} % more stiffness that displacements linear in "
-          "the modes do not have; take fidelity \"modal-stiffened\" (a superelement with stiffening = true), or segments",
+          "body \"{}\" is held where its bending would bring its interfaces closer: \"{}\" and \"{}\" by "
+          "{:.3g} m at "
+          "t = {:.6g} s, which makes a tension of {:.3g} N and about {:.2g} % more stiffness that "
+          "displacements linear in "
+          "the modes do not have; take fidelity \"modal-stiffened\" (a superelement with stiffening = true), "
+          "or segments",
           name, w.held.against, w.held.what, w.held.moved, w.held.t, w.tension, 100.0 * w.held.value));
     if (w.strain.value > limits_.strain)
       out.push_back(

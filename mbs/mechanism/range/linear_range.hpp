@@ -31,8 +31,8 @@ struct RangeLimits {
   double displacement = 0.1;                                ///< of the distance; 0.6 % of the length
   double strain = 0.1;
   double stiffness = 0.02;  ///< part of the stiffness that is left out where ends are held apart
-  double of_size = 1.0;   ///< displacement by the body's own size: nothing of the result holds
-  double runaway = 10.0;  ///< the same: it grows without bound
+  double of_size = 1.0;     ///< displacement by the body's own size: nothing of the result holds
+  double runaway = 10.0;    ///< the same: it grows without bound
 };
 
 class LinearRange {

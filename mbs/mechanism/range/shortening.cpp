@@ -16,12 +16,13 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr int kStations = 24;        // along a line: 1/2 int w'^2 of a sine's three waves is right to 2 %
-constexpr double kStraight = 0.25;   // farthest from the chord, by its length
+constexpr int kStations = 24;       // along a line: 1/2 int w'^2 of a sine's three waves is right to 2 %
+constexpr double kStraight = 0.25;  // farthest from the chord, by its length
 constexpr std::size_t kMostLines = 15;
 
 // Vertices next to evenly spaced points of the chord, at growing distances from its start; fewer than three: none.
-std::vector<Index> stations(const superelement::Surface& surface, const Vector3d& from, const Vector3d& along) {
+std::vector<Index> stations(const superelement::Surface& surface, const Vector3d& from,
+                            const Vector3d& along) {
   const double length = along.norm();
   const Vector3d e = along / length;
   std::vector<Index> out;
@@ -131,7 +132,8 @@ double how_held(const Mechanism& mechanism, int body, const BendingLine& line, c
   tangents.z_c.setZero(n_z, n.n_dyn);
   tangents.z_a.setZero(n_z, n.n_alg);
   tangents.h_p.setZero(n.n_lambda, n.n_p);
-  if (!mechanism.tangents(rest, VectorXd::Zero(n.n_v), TangentScope::everything, *scratch, tangents)) return 0.0;
+  if (!mechanism.tangents(rest, VectorXd::Zero(n.n_v), TangentScope::everything, *scratch, tangents))
+    return 0.0;
   MatrixXd T(n.n_p, n.n_v), M(n.n_v, n.n_v);
   VectorXd column(n.n_p);
   for (int i = 0; i < n.n_v; ++i) {
@@ -140,7 +142,8 @@ double how_held(const Mechanism& mechanism, int body, const BendingLine& line, c
   }
   const MatrixXd z_v = tangents.z_p.topRows(n.n_v) * T;
   mechanism.mass_matrix(s.p, *scratch, M);
-  const double omega2 = span > 0.0 ? std::pow(2.0 * std::numbers::pi / span, 2) : 1e-6 * data.stiffness.minCoeff();
+  const double omega2 =
+      span > 0.0 ? std::pow(2.0 * std::numbers::pi / span, 2) : 1e-6 * data.stiffness.minCoeff();
   MatrixXd A = MatrixXd::Zero(n.n_v + n.n_lambda, n.n_v + n.n_lambda);
   A.topLeftCorner(n.n_v, n.n_v) = 0.5 * (z_v + z_v.transpose()) + omega2 * M;
   if (n.n_lambda > 0) {
@@ -153,7 +156,8 @@ double how_held(const Mechanism& mechanism, int body, const BendingLine& line, c
   VectorXd scale = VectorXd::Ones(A.rows());
   for (Index i = 0; i < n.n_v; ++i) scale(i) = 1.0 / std::sqrt(std::max(std::abs(A(i, i)), 1e-300));
   for (Index i = n.n_v; i < A.rows(); ++i)
-    scale(i) = 1.0 / std::max((A.row(i).head(n.n_v).transpose().cwiseProduct(scale.head(n.n_v))).norm(), 1e-300);
+    scale(i) =
+        1.0 / std::max((A.row(i).head(n.n_v).transpose().cwiseProduct(scale.head(n.n_v))).norm(), 1e-300);
   VectorXd load = VectorXd::Zero(A.rows());
   for (int i = 0; i < n.n_v; ++i) {
     int i_p = -1;
@@ -161,8 +165,8 @@ double how_held(const Mechanism& mechanism, int body, const BendingLine& line, c
     if (mechanism.elastic_coordinate(i, i_p, k, d) && i_p >= at && i_p < at + line.pull.size())
       load(i) = line.pull(i_p - at);
   }
-  const VectorXd x =
-      scale.cwiseProduct((scale.asDiagonal() * A * scale.asDiagonal()).partialPivLu().solve(scale.cwiseProduct(load)));
+  const VectorXd x = scale.cwiseProduct(
+      (scale.asDiagonal() * A * scale.asDiagonal()).partialPivLu().solve(scale.cwiseProduct(load)));
   const double c_m = load.dot(x);
   return std::isfinite(c_m) ? std::clamp(1.0 - c_m / c, 0.0, 1.0) : 0.0;
 }

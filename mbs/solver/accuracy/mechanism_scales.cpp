@@ -34,9 +34,7 @@ double length_of(const Mechanism& mechanism, const State& s, double& farthest) {
     if (!(low.x() <= high.x())) continue;
     farthest = std::max(high.cwiseAbs().maxCoeff(), low.cwiseAbs().maxCoeff());
     const double diagonal = (high - low).norm();
-    if (std::isfinite(diagonal) &&
-        diagonal > 1e-9 * farthest)
-      return diagonal;
+    if (std::isfinite(diagonal) && diagonal > 1e-9 * farthest) return diagonal;
   }
   double gyration = 0.0;
   for (const BodyDescription& body : d.bodies)

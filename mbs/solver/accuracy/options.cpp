@@ -67,7 +67,8 @@ input::TableSchema solver_schema() {
           "absolute_factor", in::dim::none,
           "the absolute error allowed is tolerance * absolute_factor times the largest displacement of the "
           "run so far (angles and modes counted by what they displace; at most the mechanism's length), for "
-          "speeds the largest speed so far (at most 1 rad/s, and 1 m/s or one length of the mechanism in a second)")
+          "speeds the largest speed so far (at most 1 rad/s, and 1 m/s or one length of the mechanism in a "
+          "second)")
           .or_default("0.01")
           .above(0.0));
   schema.keys.push_back(
@@ -88,7 +89,8 @@ input::TableSchema solver_schema() {
                             .or_default("0 s")
                             .at_least(0.0));
   schema.keys.push_back(
-      in::quantity("min_step", in::dim::time, "a run that needs smaller steps stops; 0: 1e-12 of the run, of ida 1e-15")
+      in::quantity("min_step", in::dim::time,
+                   "a run that needs smaller steps stops; 0: 1e-12 of the run, of ida 1e-15")
           .or_default("0 s")
           .at_least(0.0));
   schema.keys.push_back(in::quantity("max_step", in::dim::time,

@@ -22,15 +22,16 @@ struct SolverOptions {
   /// size of the state (Equations::position_scale, velocity_scale).
   double tolerance = 1e-6;
   double absolute_factor = 1e-2;
-  int max_order = 5;           ///< of BDF; 2 is stable for undamped vibration of any frequency
-  double rho_inf = 0.8;        ///< of generalised_alpha: share of vibration left at infinite frequency
-  double first_step = 0.0;     ///< s; 0 lets the integrator choose
-  double min_step = 0.0;       ///< s; 0: 1e-12 of the run, of ida 1e-15
-  double max_step = 0.0;       ///< s; 0: a tenth of the run, of fixed steps none
-  double fixed_step = 0.0;     ///< s; 0: variable. Not for ida
-  int max_steps = 0;           ///< steps allowed in a run; 0: no bound
-  bool quasi_static_start = false;  ///< elastic coordinates start where their loads hold them (quasi_static_start.hpp)
-  bool store_states = false;   ///< write all states into the results file
+  int max_order = 5;        ///< of BDF; 2 is stable for undamped vibration of any frequency
+  double rho_inf = 0.8;     ///< of generalised_alpha: share of vibration left at infinite frequency
+  double first_step = 0.0;  ///< s; 0 lets the integrator choose
+  double min_step = 0.0;    ///< s; 0: 1e-12 of the run, of ida 1e-15
+  double max_step = 0.0;    ///< s; 0: a tenth of the run, of fixed steps none
+  double fixed_step = 0.0;  ///< s; 0: variable. Not for ida
+  int max_steps = 0;        ///< steps allowed in a run; 0: no bound
+  bool quasi_static_start =
+      false;  ///< elastic coordinates start where their loads hold them (quasi_static_start.hpp)
+  bool store_states = false;  ///< write all states into the results file
   /// Nobody said `method`: the run may change between ida and radau where steps collapse (method_watch.hpp).
   bool method_is_open = false;
   /// Of the mechanism (scales.hpp); without them lengths and angles count as in a mechanism of 1 m.

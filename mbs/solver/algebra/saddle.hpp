@@ -31,7 +31,7 @@ class SaddleSolver {
   /// x (n_v) and y (n_lambda) for r (n_v) and h (n_lambda).
   void solve(const Eigen::VectorXd& r, const Eigen::VectorXd& h, Eigen::VectorXd& x, Eigen::VectorXd& y);
 
-  int rank() const;                             ///< of G
+  int rank() const;  ///< of G
   /// Least over largest pivot of B, about its least singular value over its largest: how near the rows of G are to
   /// depending on each other. 1 without rows.
   double independence() const;

@@ -23,12 +23,12 @@ class IntegrationError : public std::runtime_error {
 
 struct StepCounts {
   long steps = 0;
-  long evaluations = 0;      ///< of the equations of motion
-  long jacobians = 0;        ///< matrices built and factorised
-  long error_failures = 0;   ///< steps repeated because of their error
-  long newton_failures = 0;  ///< steps repeated because Newton did not converge
-  long restarts = 0;         ///< at switches
-  long singular_crossings = 0;             ///< explicit steps across positions where constraints lose rank, see run.cpp
+  long evaluations = 0;         ///< of the equations of motion
+  long jacobians = 0;           ///< matrices built and factorised
+  long error_failures = 0;      ///< steps repeated because of their error
+  long newton_failures = 0;     ///< steps repeated because Newton did not converge
+  long restarts = 0;            ///< at switches
+  long singular_crossings = 0;  ///< explicit steps across positions where constraints lose rank, see run.cpp
 };
 
 struct StepEnd {

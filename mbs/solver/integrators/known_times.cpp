@@ -112,8 +112,8 @@ void KnownTimes::Scan::give_up() const {
     (has_value(middle) ? last : without) = middle;
   }
   throw std::runtime_error(fmt::format(
-      "{} cannot be followed beyond t = {:.9g} s: {}; correct the formula, or let the run end before", f_->where(),
-      has_values ? scanned_ : last,
+      "{} cannot be followed beyond t = {:.9g} s: {}; correct the formula, or let the run end before",
+      f_->where(), has_values ? scanned_ : last,
       has_values ? "it jumps or bends more often there than steps can be made"
                  : "it has no value there (asin, sqrt, log or a division beyond what they take?)"));
 }

@@ -26,10 +26,12 @@ void require_stiff(const StaticStiffness& unloaded, const MatrixXd& K, const Mat
   if (svd.singularValues()(last) > kBeyondNoise * noise_of(u, E, v)) return;
   Index k = 0;
   v.cwiseAbs().maxCoeff(&k);
-  throw std::runtime_error(fmt::format(
-      "the mechanism moves without stiffness when its loads are taken away, most in \"{}\", so that nothing can "
-      "buckle; hold it by joints or springs (a stiffness beside others 1e13 times larger is not told from none)",
-      unloaded.names[static_cast<std::size_t>(k)]));
+  throw std::runtime_error(
+      fmt::format("the mechanism moves without stiffness when its loads are taken away, most in \"{}\", so "
+                  "that nothing can "
+                  "buckle; hold it by joints or springs (a stiffness beside others 1e13 times larger is not "
+                  "told from none)",
+                  unloaded.names[static_cast<std::size_t>(k)]));
 }
 
 }  // namespace
@@ -47,7 +49,9 @@ Buckling buckling_modes(const StaticStiffness& unloaded, const StaticStiffness& 
     const double k = std::abs(unloaded.K(i, i));
     unit(i) = k > 0.0 ? 1.0 / std::sqrt(k) : 1.0;
   }
-  const auto scaled = [&](const MatrixXd& X) -> MatrixXd { return unit.asDiagonal() * X * unit.asDiagonal(); };
+  const auto scaled = [&](const MatrixXd& X) -> MatrixXd {
+    return unit.asDiagonal() * X * unit.asDiagonal();
+  };
   MatrixXd K_0 = scaled(unloaded.K);
   const MatrixXd E_0 = scaled(unloaded.error), E_1 = scaled(loaded.error), change = K_0 - scaled(loaded.K);
   require_stiff(unloaded, K_0, E_0);
@@ -83,8 +87,9 @@ Buckling buckling_modes(const StaticStiffness& unloaded, const StaticStiffness& 
   for (Index i = 0; i < n; ++i) {
     const std::complex<double> mu = mus(i);
     const VectorXd l = (W.row(i) * left).cwiseAbs().transpose(), x = (right * X.col(i)).cwiseAbs();
-    const double noise = kBeyondNoise * std::hypot((1.0 + std::abs(mu)) * noise_of(l, E_0, x), noise_of(l, E_1, x)) +
-                         1e-15 * C.norm() * W.row(i).norm() * X.col(i).norm();
+    const double noise =
+        kBeyondNoise * std::hypot((1.0 + std::abs(mu)) * noise_of(l, E_0, x), noise_of(l, E_1, x)) +
+        1e-15 * C.norm() * W.row(i).norm() * X.col(i).norm();
     // The loads do not reach it, or two zeros of loads that follow the motion are found apart.
     if (!(std::abs(mu) > noise)) {
       unseen = std::max(unseen, std::abs(mu) + noise);
@@ -106,7 +111,8 @@ Buckling buckling_modes(const StaticStiffness& unloaded, const StaticStiffness& 
   }
   if (unseen > 0.0) out.seen_to = 1.0 / unseen;
   // Of loads with a potential some factor is real.
-  if (modes.empty() && (change.cwiseAbs() - 10.0 * (E_0 + E_1)).maxCoeff() > 0.0) out.has_complex_factors = true;
+  if (modes.empty() && (change.cwiseAbs() - 10.0 * (E_0 + E_1)).maxCoeff() > 0.0)
+    out.has_complex_factors = true;
   std::sort(modes.begin(), modes.end(), [](const BucklingMode& a, const BucklingMode& b) {
     return std::abs(a.factor) < std::abs(b.factor);
   });

@@ -123,7 +123,8 @@ std::string moved_values(const Mechanism& mechanism, const VectorXd& before, con
         const input::Dimension dimension = place.joint->coordinates()[i - place.i_p].dimension;
         const bool is_angle = dimension == input::dim::angle, is_length = dimension == input::dim::length;
         const double unit = is_angle ? M_PI / 180.0 : is_length ? 1e-3 : 1.0;
-        const std::string from = fmt::format("{:.6g}", before(i) / unit), to = fmt::format("{:.6g}", after(i) / unit);
+        const std::string from = fmt::format("{:.6g}", before(i) / unit),
+                          to = fmt::format("{:.6g}", after(i) / unit);
         if (from == to) continue;
         list.push_back(fmt::format("\"{}\" from {} to {}{}", mechanism.name_of_position(i), from, to,
                                    is_angle    ? " deg"
@@ -184,8 +185,8 @@ std::vector<bool> deformations_of(const Mechanism& mechanism, const State& s) {
   return velocities_of(mechanism, s, deforms);
 }
 
-std::optional<StrainedLoops> close_loops(const Mechanism& mechanism, State& s,
-                                         const AssembleOptions& keep, AssembleReport& report) {
+std::optional<StrainedLoops> close_loops(const Mechanism& mechanism, State& s, const AssembleOptions& keep,
+                                         AssembleReport& report) {
   const VectorXd start = s.p;
   const std::vector<bool> deforms = deformations_of(mechanism, s);
   const VectorXd large = large_steps(mechanism, s);
@@ -213,9 +214,10 @@ std::optional<StrainedLoops> close_loops(const Mechanism& mechanism, State& s,
     const std::string why =
         !stiffly.out_of_reach.empty()
             ? why_open(stiffly)
-            : fmt::format("open stays {}; check the markers, lengths and initial positions of the parts that these "
-                          "join",
-                          fmt::join(open, ", "));
+            : fmt::format(
+                  "open stays {}; check the markers, lengths and initial positions of the parts that these "
+                  "join",
+                  fmt::join(open, ", "));
     throw OpenLoops(fmt::format("the mechanism cannot be assembled at t = {:.6g} s: {}", s.t, why), stiffly.p,
                     stiffly.g);
   };
@@ -318,9 +320,9 @@ std::string sentence_of(const StrainedLoops& strained, const Mechanism& mechanis
         const double moved = (Y.p - Y_0.p).norm();
         if (moved <= furthest) continue;
         furthest = moved;
-        where = fmt::format(", which moves \"{}\" of body \"{}\" by {:.3g} mm against \"{}\"",
-                            flexible->nodes()[i].name, d.bodies[b].name, 1e3 * moved,
-                            flexible->nodes()[j].name);
+        where =
+            fmt::format(", which moves \"{}\" of body \"{}\" by {:.3g} mm against \"{}\"",
+                        flexible->nodes()[i].name, d.bodies[b].name, 1e3 * moved, flexible->nodes()[j].name);
       }
     }
   }

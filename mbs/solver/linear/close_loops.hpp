@@ -45,8 +45,8 @@ struct StrainedLoops {
 std::vector<bool> deformations_of(const Mechanism& mechanism, const State& s);
 
 /// Moves s.p.  Empty where no body was deformed to close the loops.  Throws OpenLoops.
-std::optional<StrainedLoops> close_loops(const Mechanism& mechanism, State& s,
-                                         const AssembleOptions& keep, AssembleReport& report);
+std::optional<StrainedLoops> close_loops(const Mechanism& mechanism, State& s, const AssembleOptions& keep,
+                                         AssembleReport& report);
 
 /// The strain energy that the loads at the start ask for: with r what they and the inertia of the motion
 /// leave unbalanced in the deformations, K their stiffness, r^T K^-1 r / 2.  Of the mechanism without its

@@ -30,8 +30,8 @@ bool straighten(const Mechanism& mechanism, State& s) {
 // set(options, part) brings in the part, from 0 to 1.  Empty where a step gets too short: `reached` tells how far they
 // were followed.
 template <class Set>
-std::optional<StaticsReport> by_steps(const Mechanism& mechanism, State& now, StaticsOptions options, const Set& set,
-                                      double* reached = nullptr) {
+std::optional<StaticsReport> by_steps(const Mechanism& mechanism, State& now, StaticsOptions options,
+                                      const Set& set, double* reached = nullptr) {
   constexpr double kLargest = 0.1, kLeast = 1e-3;
   StaticsReport report;
   const auto solve = [&](double part) {
@@ -92,7 +92,8 @@ std::optional<StaticsReport> load_by_steps(const Mechanism& mechanism, State& s,
   options.unloaded = &unloaded;
   options.max_iterations = 30;  // thin beams take 15 to 30 for a turn by 36 degrees
   options.stable = false;
-  auto report = by_steps(mechanism, now, options, [](StaticsOptions& o, double part) { o.load = part; }, &reached);
+  auto report = by_steps(
+      mechanism, now, options, [](StaticsOptions& o, double part) { o.load = part; }, &reached);
   if (!report) return {};
   s = now;
   try {
@@ -131,11 +132,13 @@ StaticsReport search(const Mechanism& mechanism, State& s) {
   } catch (const std::runtime_error&) {
     if (reached == 0.0) throw;
     // A cubic element that bends by more than some 40 degrees wrinkles, and its equilibria turn back.
-    throw std::runtime_error(fmt::format(
-        "no equilibrium found at t = {:.6g} s: brought in by steps, the loads are carried up to {:.3g} % of them and no "
-        "further; the mechanism gives way there, or its beams are too coarse to bend so far: give them elements that bend "
-        "by less than 20 degrees each",
-        s.t, 100.0 * reached));
+    throw std::runtime_error(
+        fmt::format("no equilibrium found at t = {:.6g} s: brought in by steps, the loads are carried up to "
+                    "{:.3g} % of them and no "
+                    "further; the mechanism gives way there, or its beams are too coarse to bend so far: "
+                    "give them elements that bend "
+                    "by less than 20 degrees each",
+                    s.t, 100.0 * reached));
   }
 }
 

@@ -158,7 +158,8 @@ bool Lineariser::has_exact_system() {
   if (n_.n_lambda == 0) return true;
   for (int k = 0; k < n_.n_lambda; ++k)
     if (!eq_.is_holonomic(k)) return false;
-  if (std::sqrt(v_dot_0_.dot(M_ * v_dot_0_)) > kNoAcceleration * std::sqrt(M_.diagonal().maxCoeff())) return false;
+  if (std::sqrt(v_dot_0_.dot(M_ * v_dot_0_)) > kNoAcceleration * std::sqrt(M_.diagonal().maxCoeff()))
+    return false;
   auto scratch = eq_.make_scratch();
   const Eigen::VectorXd rest = Eigen::VectorXd::Zero(n_.n_v);
   Eigen::VectorXd g_t(n_.n_lambda), g_tt(n_.n_lambda);
@@ -334,13 +335,15 @@ std::vector<NaturalMode> natural_modes(const LinearSystem& system) {
     NaturalMode mode;
     mode.eigenvalue = value;
     constexpr double kOfSample = 10.0;
-    mode.noise = kOfSample * (again.array() - value).abs().minCoeff() + system.relative_error * std::abs(value);
+    mode.noise =
+        kOfSample * (again.array() - value).abs().minCoeff() + system.relative_error * std::abs(value);
     if (std::abs(value.real()) <= mode.noise) mode.eigenvalue.real(0.0);
     if (std::abs(value.imag()) <= mode.noise) mode.eigenvalue.imag(0.0);
     value = mode.eigenvalue;
     mode.frequency_hz = value.imag() / (2.0 * M_PI);
     mode.damping = std::abs(value) > 0.0 ? -value.real() / std::abs(value) : 0.0;
-    mode.shape = system.N.cast<std::complex<double>>() * (unit.head(n_z).asDiagonal() * solver.eigenvectors().col(i).head(n_z));
+    mode.shape = system.N.cast<std::complex<double>>() *
+                 (unit.head(n_z).asDiagonal() * solver.eigenvectors().col(i).head(n_z));
     Eigen::Index largest = 0;
     if (mode.shape.size() > 0 && mode.shape.cwiseAbs().maxCoeff(&largest) > 0.0)
       mode.shape /= mode.shape(largest);

@@ -58,8 +58,8 @@ struct NaturalMode {
   std::complex<double> eigenvalue;  ///< [1/s]
   double frequency_hz = 0.0;        ///< |imag| / 2 pi
   double damping = 0.0;             ///< -real / |eigenvalue|; negative: unstable
-  double noise = 0.0;               ///< what the eigenvalue may lack by the round-off of A and of solving [1/s]
-  Eigen::VectorXcd shape;           ///< of the velocity coordinates q (n_v), largest entry 1
+  double noise = 0.0;      ///< what the eigenvalue may lack by the round-off of A and of solving [1/s]
+  Eigen::VectorXcd shape;  ///< of the velocity coordinates q (n_v), largest entry 1
 };
 
 /// Eigenvalues of A by rising frequency, of each conjugate pair the one with positive imaginary part.  Parts that are

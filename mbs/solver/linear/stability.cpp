@@ -84,7 +84,9 @@ Stability stability_at_rest(const Equations& eq, const State& s) {
   VectorXd unit(n_z);
   for (Eigen::Index i = 0; i < n_z; ++i)
     unit(i) = z.K(i, i) != 0.0 ? 1.0 / std::sqrt(std::abs(z.K(i, i))) : 1.0;
-  const auto scaled = [&](const MatrixXd& X) -> MatrixXd { return unit.asDiagonal() * X * unit.asDiagonal(); };
+  const auto scaled = [&](const MatrixXd& X) -> MatrixXd {
+    return unit.asDiagonal() * X * unit.asDiagonal();
+  };
   const MatrixXd K = scaled(z.K), E = scaled(z.error),
                  D = scaled(z.N.transpose() * tangents.z_v.topRows(n.n_v) * z.N);
   const auto symmetric = [](const MatrixXd& X) { return MatrixXd(0.5 * (X + X.transpose())); };

@@ -27,7 +27,8 @@ constexpr const char* kNoStaticValue =
     "buckling; hold them constant";
 
 // The states that dq = N z brings with it, as columns for each z: X = -(d states)/dz.
-MatrixXd answers(const Equations& eq, const Tangents& t, const MatrixXd& KN, const std::vector<int>& independent) {
+MatrixXd answers(const Equations& eq, const Tangents& t, const MatrixXd& KN,
+                 const std::vector<int>& independent) {
   const Sizes n = eq.sizes();
   const int n_c = n.n_dyn, n_a = n.n_alg, n_x = n_c + n_a;
   MatrixXd inner(n_x, n_x), outer = KN.bottomRows(n_x);
@@ -86,8 +87,7 @@ double noise_of(const VectorXd& l, const MatrixXd& E, const VectorXd& x) {
   return std::sqrt(l.cwiseAbs2().dot(E.cwiseAbs2() * x.cwiseAbs2()));
 }
 
-StaticStiffness static_stiffness(const Equations& eq, const State& s,
-                                 const std::vector<int>* independent) {
+StaticStiffness static_stiffness(const Equations& eq, const State& s, const std::vector<int>* independent) {
   const Sizes n = eq.sizes();
   const VectorXd rest = VectorXd::Zero(n.n_v);
   Tangents tangents(eq);
@@ -116,7 +116,8 @@ StaticStiffness static_stiffness(const Equations& eq, const State& s,
   MatrixXd held = KN.topRows(n.n_v);
   if (n.n_dyn + n.n_alg > 0) {
     const MatrixXd X = answers(eq, tangents, KN, z.independent);
-    held -= tangents.z_c.topRows(n.n_v) * X.topRows(n.n_dyn) + tangents.z_a.topRows(n.n_v) * X.bottomRows(n.n_alg);
+    held -= tangents.z_c.topRows(n.n_v) * X.topRows(n.n_dyn) +
+            tangents.z_a.topRows(n.n_v) * X.bottomRows(n.n_alg);
   }
   out.K = z.N.transpose() * held;
   const VectorXd unit = K_v.diagonal().cwiseAbs().cwiseSqrt();

@@ -382,7 +382,8 @@ void Judge::describe_unsteady(const Drift& d, SteadyLinearisation& out) const {
   double largest = 0.0;
   for (const int i : own_.independent) largest = std::max(largest, std::abs(v_dot_(i)));
   if (by_offset && std::abs(rate) <= 1e-9 * largest)
-    out.why = fmt::format("the equilibrium beside it lies {:.2g} (m, rad) away, most in \"{}\"", d.offset, name_of(own_, k));
+    out.why = fmt::format("the equilibrium beside it lies {:.2g} (m, rad) away, most in \"{}\"", d.offset,
+                          name_of(own_, k));
   else
     out.why = fmt::format("\"{}\" changes by {:.3g} per second (SI units)", name_of(own_, k), rate);
 }

@@ -90,8 +90,7 @@ Closing close_positions(const Equations& eq, State& s, const ClosingOptions& opt
       Eigen::VectorXd d = Eigen::VectorXd::Zero(n_v);
       int k = 0;  // of those that move: the push, and the branch it leads to, is that of the rigid mechanism
       for (int i = 0; i < n_v; ++i)
-        if (free(i) > 0.0)
-          d(i) = nudge * large(i) * std::cos((2.4 + pattern) * k++ + 0.7 + pattern);
+        if (free(i) > 0.0) d(i) = nudge * large(i) * std::cos((2.4 + pattern) * k++ + 0.7 + pattern);
       Eigen::VectorXd moved(start.size());
       eq.retract(start, d, moved);
       s.p = moved;
@@ -105,7 +104,8 @@ Closing close_positions(const Equations& eq, State& s, const ClosingOptions& opt
     if (solved && nudge > 0.0)
       report.notes.push_back(fmt::format(
           "the start values lead to no closed loops of themselves (they are stretched out, or far off); a "
-          "push of {:.2g} rad or lengths of the mechanism found the branch that the mechanism stands on: give "
+          "push of {:.2g} rad or lengths of the mechanism found the branch that the mechanism stands on: "
+          "give "
           "values near the one that is meant",
           nudge));
     // A prescribed value moves only for a loop that closes better by it, not for round-off; parts that do not fit
@@ -188,20 +188,22 @@ Closing close_positions(const Equations& eq, State& s, const ClosingOptions& opt
 }
 
 AssembleReport assemble_positions(const Equations& eq, State& s, const AssembleOptions& options) {
-  const Closing closing =
-      close_positions(eq, s, {options.keep_position, {}, false, options.max_iterations});
+  const Closing closing = close_positions(eq, s, {options.keep_position, {}, false, options.max_iterations});
   if (closing.closed) return closing.report;
-  throw AssemblyError(fmt::format("the mechanism cannot be assembled at t = {:.6g} s: {}", s.t, why_open(closing)));
+  throw AssemblyError(
+      fmt::format("the mechanism cannot be assembled at t = {:.6g} s: {}", s.t, why_open(closing)));
 }
 
 std::string why_open(const Closing& closing) {
   if (!closing.out_of_reach.empty())
     return fmt::format(
-        "{} cannot be met: nothing can move that changes it; mend the markers and lengths of the parts that it "
+        "{} cannot be met: nothing can move that changes it; mend the markers and lengths of the parts that "
+        "it "
         "joins, or give them a joint that lets them move",
         closing.out_of_reach);
   return fmt::format(
-      "the constraints {} cannot be closed; check the markers, lengths and initial positions of the parts that "
+      "the constraints {} cannot be closed; check the markers, lengths and initial positions of the parts "
+      "that "
       "they join",
       closing.worst);
 }
@@ -238,7 +240,9 @@ void assemble_velocities(const Equations& eq, State& s, const AssembleOptions& o
     // deformations move, which stay at rest, those of the rows beside it.
     const double beside = g_t.cwiseQuotient(sizes.size).lpNorm<Eigen::Infinity>();
     const Eigen::VectorXd allowed =
-        1e-9 * (G.cwiseAbs() * (start.cwiseAbs() + s.v.cwiseAbs()) + g_t.cwiseAbs() + beside * sizes.size).array() + 1e-12;
+        1e-9 * (G.cwiseAbs() * (start.cwiseAbs() + s.v.cwiseAbs()) + g_t.cwiseAbs() + beside * sizes.size)
+                   .array() +
+        1e-12;
     // Where kept velocities leave only coordinates that the rows do not see (but for round-off of G) these would
     // have to run without bound.
     constexpr double kRunaway = 1e8;
@@ -255,11 +259,11 @@ void assemble_velocities(const Equations& eq, State& s, const AssembleOptions& o
                     names_of(eq, options.keep_velocity)));
     return;
   }
-  throw AssemblyError(fmt::format(
-      "the initial velocities cannot be made consistent at t = {:.6g} s: the constraints {} want motions that "
-      "exclude each other; check driven joints and the loops that they move",
-      s.t,
-      worst_rows(eq, g_dot, Eigen::VectorXd::Zero(n.n_lambda), sizes, "/s")));
+  throw AssemblyError(
+      fmt::format("the initial velocities cannot be made consistent at t = {:.6g} s: the constraints {} want "
+                  "motions that "
+                  "exclude each other; check driven joints and the loops that they move",
+                  s.t, worst_rows(eq, g_dot, Eigen::VectorXd::Zero(n.n_lambda), sizes, "/s")));
 }
 
 AssembleReport assemble(const Equations& eq, State& s, Eigen::VectorXd& v_dot,

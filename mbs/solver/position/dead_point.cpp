@@ -37,7 +37,8 @@ std::string list(const std::vector<std::string>& names) {
 
 class ScaledRows {
  public:
-  ScaledRows(const Equations& eq, const State& s) : eq_(eq), n_(eq.sizes()), scratch_(eq.make_scratch()), s_(s) {
+  ScaledRows(const Equations& eq, const State& s)
+      : eq_(eq), n_(eq.sizes()), scratch_(eq.make_scratch()), s_(s) {
     MatrixXd M = MatrixXd::Zero(n_.n_v, n_.n_v);
     B.setZero(n_.n_lambda, n_.n_v);
     eq.mass_matrix(s.p, *scratch_, M);
@@ -65,7 +66,8 @@ class ScaledRows {
     std::vector<std::string> names;
     const double largest = Y.cwiseAbs().maxCoeff();
     for (int k = 0; k < n_.n_lambda; ++k)
-      if (Y.row(k).cwiseAbs().maxCoeff() > 0.1 * largest) names.push_back("\"" + eq_.name_of_constraint(k) + "\"");
+      if (Y.row(k).cwiseAbs().maxCoeff() > 0.1 * largest)
+        names.push_back("\"" + eq_.name_of_constraint(k) + "\"");
     return names;
   }
   /// Those that a right vector moves.
@@ -104,7 +106,9 @@ std::string require_one_branch(const Equations& eq, const State& s, const Vector
   const auto largest = [&](const VectorXd& w) { return w.cwiseQuotient(rows.D).norm(); };
   const std::string rows_here = list(rows.rows(Y));
   const VectorXd nothing = rows.gamma(VectorXd::Zero(n.n_v));
-  const auto Q = [&](const VectorXd& speed) { return VectorXd(Y.transpose() * (rows.gamma(speed) - nothing)); };
+  const auto Q = [&](const VectorXd& speed) {
+    return VectorXd(Y.transpose() * (rows.gamma(speed) - nothing));
+  };
   const auto direction = [&](Eigen::Index j) { return VectorXd(rows.D.cwiseProduct(N.col(j))); };
   double steepest = 0.0;
   for (Eigen::Index j = 0; j < N.cols(); ++j) steepest = std::max(steepest, Q(direction(j)).norm());
@@ -128,18 +132,22 @@ std::string require_one_branch(const Equations& eq, const State& s, const Vector
         const double extreme = c - 0.25 * b_i.cwiseAbs2().cwiseQuotient(bends).sum();
         const double size = std::abs(c) + 0.25 * b_i.cwiseAbs2().cwiseQuotient(bends).cwiseAbs().sum();
         if (up ? extreme >= -1e-9 * size : extreme <= 1e-9 * size)
-          throw AssemblyError(fmt::format(
-              "the mechanism is stretched out or locked at t = {:.6g} s: the constraints {} let it move to first "
-              "order and forbid it in second, and its drives, speeds or loads ask for that motion; change the "
-              "lengths or the drives, or start where the parts have play",
-              s.t, rows_here));
+          throw AssemblyError(
+              fmt::format("the mechanism is stretched out or locked at t = {:.6g} s: the constraints {} let "
+                          "it move to first "
+                          "order and forbid it in second, and its drives, speeds or loads ask for that "
+                          "motion; change the "
+                          "lengths or the drives, or start where the parts have play",
+                          s.t, rows_here));
       }
     }
-    throw AssemblyError(fmt::format(
-        "the mechanism starts at a dead point: at t = {:.6g} s the constraints {} depend on each other for an "
-        "instant, and which way it goes on is ambiguous; give speeds of one branch of the motion for {}, or start "
-        "beside it",
-        s.t, rows_here, list(rows.speeds(N))));
+    throw AssemblyError(
+        fmt::format("the mechanism starts at a dead point: at t = {:.6g} s the constraints {} depend on each "
+                    "other for an "
+                    "instant, and which way it goes on is ambiguous; give speeds of one branch of the motion "
+                    "for {}, or start "
+                    "beside it",
+                    s.t, rows_here, list(rows.speeds(N))));
   };
   // G v' = -gamma has no solution where these speeds leave the constraints in second order.
   const VectorXd gamma = rows.gamma(s.v);
@@ -152,9 +160,11 @@ std::string require_one_branch(const Equations& eq, const State& s, const Vector
   const bool moves = start > 0.0 && along(v_dot).norm() > 1e-9 * start;
   if (moves && Q(v_dot / start).norm() > 1e-6 * steepest) refuse();
   return fmt::format(
-      "the mechanism starts from rest at a dead point, where the constraints {} depend on each other for an instant "
+      "the mechanism starts from rest at a dead point, where the constraints {} depend on each other for an "
+      "instant "
       "and motions cross: {}; give speeds for {} to choose another branch",
-      rows_here, moves ? "it begins along the one that its loads ask for" : "nothing moves it away from there",
+      rows_here,
+      moves ? "it begins along the one that its loads ask for" : "nothing moves it away from there",
       list(rows.speeds(N)));
 }
 
@@ -170,7 +180,8 @@ std::string with_rank_loss(const Equations& eq, const State& s, const std::strin
   // One sentence: of the integrator's own only what it could not do, not when.
   const std::size_t end = std::min(trouble.find_first_of(":;,"), trouble.find(" at t = "));
   return fmt::format(
-      "the mechanism locks or stands at a dead point at t = {:.9g} s: the constraints {} lose rank there (smallest "
+      "the mechanism locks or stands at a dead point at t = {:.9g} s: the constraints {} lose rank there "
+      "(smallest "
       "singular value {:.1e}); change the lengths, end the drive before it, or drive another joint ({})",
       s.t, list(rows.rows(svd.matrixU().rightCols(1))), least / sigma(0), trouble.substr(0, end));
 }
@@ -198,7 +209,8 @@ std::string near_rank_loss(const Equations& eq, const LoopCloser::Nearness& near
     }
   }
   return fmt::format(
-      "near t = {:.6g} s the {} come close to depending on each other (singular value {:.1e}): speeds, accelerations, "
+      "near t = {:.6g} s the {} come close to depending on each other (singular value {:.1e}): speeds, "
+      "accelerations, "
       "forces and the energy balance there are right to {} of themselves, not to the tolerance; {}",
       nearness.t, which, sigma, doubt < 1.0 ? fmt::format("{:.1e}", doubt) : "nothing",
       misfit > 4.0 * std::numeric_limits<double>::epsilon()

@@ -33,6 +33,7 @@ std::string with_rank_loss(const Equations& eq, const State& s, const std::strin
 /// (in parts of the mechanism's size: what its parts do not fit by, and round-off) moves the mechanism by e / sigma
 /// along the motion that the rows nearly allow, which changes sigma by as much, and so speeds, accelerations and forces
 /// by e / sigma^2 of themselves.
-std::string near_rank_loss(const Equations& eq, const LoopCloser::Nearness& nearness, double misfit, double tolerance);
+std::string near_rank_loss(const Equations& eq, const LoopCloser::Nearness& nearness, double misfit,
+                           double tolerance);
 
 }  // namespace flexura::mbs

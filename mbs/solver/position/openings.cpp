@@ -130,7 +130,8 @@ std::vector<Opening> openings_of(const Mechanism& mechanism, const Eigen::Vector
   for (Eigen::Index i = 0; i < g.size(); ++i) {
     const Place place = place_of(mechanism, rows, static_cast<int>(i));
     if (all.empty() || all.back().name != place.name || (all.back().marker_F >= 0) != (place.rows != nullptr))
-      all.push_back({place.name, place.rows ? place.rows->marker_F : -1, place.rows ? place.rows->marker_M : -1});
+      all.push_back(
+          {place.name, place.rows ? place.rows->marker_F : -1, place.rows ? place.rows->marker_M : -1});
     Opening& one = all.back();
     double& size = place.dimension == input::dim::length  ? one.length
                    : place.dimension == input::dim::angle ? one.angle

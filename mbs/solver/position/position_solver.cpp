@@ -28,8 +28,7 @@ void PositionSolver::linearise(const Eigen::VectorXd& p) {
     const double norm = H_.row(k).norm();
     // Rows that vanish at this instant (a dead point) or for good take the scale of the others.
     const double typical = (largest > 0.0 ? largest : 1.0) * sizes_.size(k);
-    row_scale_(k) =
-        1.0 / (measure_ == Measure::gaps ? typical : norm > 1e-8 * typical ? norm : typical);
+    row_scale_(k) = 1.0 / (measure_ == Measure::gaps ? typical : norm > 1e-8 * typical ? norm : typical);
   }
   H_ = row_scale_.asDiagonal() * H_;
   // What the loop may be open by where its rows depend on each other: 1e-9 of the mechanism's size, and more

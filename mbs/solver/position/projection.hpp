@@ -88,7 +88,8 @@ class LoopCloser {
   ErrorWeights weights_;
   SaddleSolver saddle_;
   AccelerationSolver accelerations_;
-  double enough_;  // what accelerations may lack, relative: 1e-4 of the tolerance, between round-off and 1e-10
+  double
+      enough_;  // what accelerations may lack, relative: 1e-4 of the tolerance, between round-off and 1e-10
   bool has_factors_ = false, is_closed_ = true;  // the latter of the last close()
   double t_factors_ = 0.0;
   Drift drift_;  // at the last residuals()

@@ -25,6 +25,7 @@ namespace flexura::mbs {
 /// there, closes the loops by the other coordinates, and gives consistent v_dot, lambda.  `keep` as for
 /// assemble(). Returns the number of iterations.  Throws AssemblyError where the iteration does not
 /// converge.
-int start_quasi_static(const Equations& eq, State& s, Eigen::VectorXd& v_dot, const AssembleOptions& keep = {});
+int start_quasi_static(const Equations& eq, State& s, Eigen::VectorXd& v_dot,
+                       const AssembleOptions& keep = {});
 
 }  // namespace flexura::mbs

@@ -146,7 +146,8 @@ const RowWatch::Opening& RowWatch::look(const State& s, Judge judge) {
   }
   if (n_ == 0) return opening_;
   eq_.left_out_constraints(s.t, s.p, s.v, none_, *scratch_, g_, g_dot_, g_ddot_);
-  const double speed = std::max(1.0, s.v.size() > 0 ? s.v.cwiseQuotient(scale_).lpNorm<Eigen::Infinity>() : 0.0);
+  const double speed =
+      std::max(1.0, s.v.size() > 0 ? s.v.cwiseQuotient(scale_).lpNorm<Eigen::Infinity>() : 0.0);
   for (int i = 0; i < n_; ++i) {
     opening_.drift = std::max(opening_.drift, std::abs(g_(i)));
     opening_.drift_rate = std::max(opening_.drift_rate, std::abs(g_dot_(i)));
@@ -172,14 +173,15 @@ double RowWatch::allowed(double tolerance) {
 
 std::string RowWatch::complaint(double t, double since, double allowed) const {
   if (opening_.kept > allowed)
-    return fmt::format("the constraint \"{}\" is open by {:.6g} {} at t = {:.6g} s and cannot be closed from there",
-                       eq_.name_of_constraint(opening_.kept_row), opening_.kept_value,
-                       kept_sizes_.is_length[opening_.kept_row] ? "m" : "rad", t);
+    return fmt::format(
+        "the constraint \"{}\" is open by {:.6g} {} at t = {:.6g} s and cannot be closed from there",
+        eq_.name_of_constraint(opening_.kept_row), opening_.kept_value,
+        kept_sizes_.is_length[opening_.kept_row] ? "m" : "rad", t);
   const std::vector<std::string> names = eq_.names_of_left_out(opening_.row);
   return fmt::format("{} from t = {:.6g} s on: {}\"{}\" is open by {:.6g} {}{} at t = {:.6g} s; {}",
-                     disagreement(names), since, names.size() > 1 ? "where the others hold, " : "", names.front(),
-                     opening_.value, sizes_.is_length[opening_.row] ? "m" : "rad", opening_.of_speed ? "/s" : "",
-                     t, kRemedy);
+                     disagreement(names), since, names.size() > 1 ? "where the others hold, " : "",
+                     names.front(), opening_.value, sizes_.is_length[opening_.row] ? "m" : "rad",
+                     opening_.of_speed ? "/s" : "", t, kRemedy);
 }
 
 }  // namespace flexura::mbs

@@ -32,8 +32,8 @@ class RowWatch {
   /// How far the rows of a state are open in parts of what is allowed, a millionth of the mechanism's size
   /// (finer than parts are made, see assemble.cpp) beyond begin()'s, or of the speed with which it moves.
   struct Opening {
-    double left_out = 0.0;  ///< the worst of the rows left out; above 1 something contradicts
-    double kept = 0.0;      ///< of the others, positions alone
+    double left_out = 0.0;                 ///< the worst of the rows left out; above 1 something contradicts
+    double kept = 0.0;                     ///< of the others, positions alone
     double drift = 0.0, drift_rate = 0.0;  ///< largest |g| and |G v + g_t| of the rows left out
     int row = -1;                          ///< of left_out
     bool of_speed = false;                 ///< it is open by its rate

@@ -38,7 +38,8 @@ void EnergyBook::look(const EnergyReport& now, EnergyAccount& account) const {
 
 double EnergyBook::round_off_energy(const State& s, const Eigen::VectorXd& v_dot) const {
   State noise = s;
-  for (Eigen::Index i = 0; i < s.v.size(); ++i) noise.v(i) = kRoundOffSpeed * eq_.rate_scale(static_cast<int>(i));
+  for (Eigen::Index i = 0; i < s.v.size(); ++i)
+    noise.v(i) = kRoundOffSpeed * eq_.rate_scale(static_cast<int>(i));
   return eq_.energy(noise, v_dot, *scratch_).kinetic;
 }
 
@@ -91,11 +92,12 @@ std::array<double, 3> EnergyBook::node_times(double t_begin, double t_end) {
   return {t_begin + kNode[1] * h, t_begin + kNode[2] * h, t_end};
 }
 
-void EnergyBook::interpolate(const Instant& begin, const std::array<Instant, 3>& nodes, double x, Instant& at) {
+void EnergyBook::interpolate(const Instant& begin, const std::array<Instant, 3>& nodes, double x,
+                             Instant& at) {
   const double N[4] = {basis(0, x), basis(1, x), basis(2, x), basis(3, x)};
-  const auto mix = [&](Eigen::VectorXd State::* y) {
-    at.state.*y =
-        N[0] * begin.state.*y + N[1] * nodes[0].state.*y + N[2] * nodes[1].state.*y + N[3] * nodes[2].state.*y;
+  const auto mix = [&](Eigen::VectorXd State::*y) {
+    at.state.*y = N[0] * begin.state.*y + N[1] * nodes[0].state.*y + N[2] * nodes[1].state.*y +
+                  N[3] * nodes[2].state.*y;
   };
   for (const auto y : {&State::p, &State::v, &State::c, &State::lambda, &State::a}) mix(y);
   at.state.t = begin.state.t + x * (nodes[2].state.t - begin.state.t);

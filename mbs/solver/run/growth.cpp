@@ -19,9 +19,11 @@ constexpr double kLight = 299792458.0;  // [m/s]
 void GrowthWatch::observe(double t, double kinetic, double travel, double speed) {
   if (!reason_.empty()) return;
   ++row_;
-  if (!std::isfinite(kinetic)) {  // the speed of a body that turns about its centre of mass is none of a place
+  if (!std::isfinite(
+          kinetic)) {  // the speed of a body that turns about its centre of mass is none of a place
     reason_ = fmt::format(
-        "the motion grows without bound: the kinetic energy at t = {:.6g} s is beyond all numbers; look for an "
+        "the motion grows without bound: the kinetic energy at t = {:.6g} s is beyond all numbers; look for "
+        "an "
         "unstable control, a damper of negative sign or a drive or force that has no bound",
         t);
     return;

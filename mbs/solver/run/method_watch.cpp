@@ -45,8 +45,9 @@ double MethodWatch::work(const std::string& method, const StepCounts& c) const {
   const double factor = n_ * n_ / 1500.0, evaluations = static_cast<double>(c.evaluations),
                jacobians = static_cast<double>(c.jacobians);
   const IntegratorKind& kind = kind_of(method);
-  const double of_evaluation =
-      eq_.sizes().n_lambda > 0 ? kind.constrained_evaluation + kind.constrained_factor * factor : kind.evaluation;
+  const double of_evaluation = eq_.sizes().n_lambda > 0
+                                   ? kind.constrained_evaluation + kind.constrained_factor * factor
+                                   : kind.evaluation;
   return of_evaluation * evaluations + jacobians * (6.0 + kind.matrix * factor);
 }
 

@@ -49,7 +49,7 @@ class MethodWatch {
 
   const Equations& eq_;
   SolverOptions options_;
-  double n_;                               // order of the matrices
+  double n_;  // order of the matrices
   long first_look_;
   long steps_ = 0, next_look_, half_way_;  // of this method
   double work_ = 0.0, counted_ = 0.0;      // of this method; what its counts said last

@@ -15,7 +15,8 @@ namespace flexura::mbs {
 /// What prepare() throws for a mechanism whose loops do not close.
 class NotAssembled : public input::InputError {
  public:
-  NotAssembled(const std::string& what, std::shared_ptr<const PreparedMechanism> where, std::vector<Opening> open)
+  NotAssembled(const std::string& what, std::shared_ptr<const PreparedMechanism> where,
+               std::vector<Opening> open)
       : InputError(what), as_it_stands(std::move(where)), openings(std::move(open)) {}
   /// Its state is where the loops are open the least; not consistent, and without redundancy taken out.
   std::shared_ptr<const PreparedMechanism> as_it_stands;

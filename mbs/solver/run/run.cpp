@@ -52,8 +52,8 @@ void Runner::end_endless(int which) {
   const double t = result_.state.t, duration = options_.end_time - options_.start_time;
   const bool is_kink = eq_.is_kink(which);
   // Far from t = 0 two events cannot lie closer than the round-off of the time.
-  const double span =
-      std::max((is_kink ? kTrembling : kAtOnce) * duration, 1e5 * std::numeric_limits<double>::epsilon() * std::abs(t));
+  const double span = std::max((is_kink ? kTrembling : kAtOnce) * duration,
+                               1e5 * std::numeric_limits<double>::epsilon() * std::abs(t));
   int times = 0;
   for (auto event = result_.events.rbegin(); event != result_.events.rend() && t - event->t < span; ++event)
     if (event->which == which && ++times > kMostEventsAtOnce) {
@@ -115,10 +115,11 @@ void Runner::refuse_endless(long stops, double most, const char* what) const {
   if (stops != kEnough) return;
   const double t = result_.state.t, rate = static_cast<double>(stops) / (t - stops_since_);
   if (!(rate * (options_.end_time - t) > most)) return;
-  throw IntegrationError(fmt::format(
-      "what is a function of time alone {} {:.2g} times a second ({} times until t = {:.6g} s), {:.1g} times until the end, and a "
-      "step can pass none of them: write its mean over such short times, or shorten the run",
-      what, rate, stops, t, rate * (options_.end_time - t)));
+  throw IntegrationError(
+      fmt::format("what is a function of time alone {} {:.2g} times a second ({} times until t = {:.6g} s), "
+                  "{:.1g} times until the end, and a "
+                  "step can pass none of them: write its mean over such short times, or shorten the run",
+                  what, rate, stops, t, rate * (options_.end_time - t)));
 }
 
 void Runner::look_ahead() {

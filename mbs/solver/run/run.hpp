@@ -60,8 +60,10 @@ struct RunResult {
   std::vector<RootEvent> events;
   std::string method;                       ///< the integrator that took the last step
   std::vector<std::string> method_changes;  ///< one sentence for each, where the method was left open
-  std::string method_hint;  ///< where another method would have been much faster, else empty (method_watch.hpp)
-  std::string near_rank_loss;  ///< where rows came so near to depending on each other that forces suffer, else empty
+  std::string
+      method_hint;  ///< where another method would have been much faster, else empty (method_watch.hpp)
+  std::string
+      near_rank_loss;  ///< where rows came so near to depending on each other that forces suffer, else empty
   long time_events = 0;  ///< known beforehand: jumps of functions of time
   Continuation continuation;
 };

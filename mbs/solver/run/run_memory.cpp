@@ -30,7 +30,9 @@ std::vector<double> opened(std::vector<double> values) {
 }  // namespace
 
 void Runner::resume(const Continuation& from) {
-  const auto may_go_on = [&](const IntegratorKind& kind) { return kind.is_for_all && from.method == kind.name; };
+  const auto may_go_on = [&](const IntegratorKind& kind) {
+    return kind.is_for_all && from.method == kind.name;
+  };
   // What stands still was left to kinematics, whatever the method.
   const bool stood = from.method == "kinematics" && is_watched_;
   if (stood || (options_.method_is_open && std::ranges::any_of(integrator_kinds(), may_go_on))) {

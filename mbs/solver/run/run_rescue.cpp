@@ -49,15 +49,15 @@ void Runner::refuse_creeping() const {
   const State& s = result_.state;
   const int windows = pace_watch_.windows();
   const std::string creeps =
-      fmt::format("{} creeps at t = {:.9g} s with steps of {:.2g} s, and would need {:.1g} more of them", options_.method,
-                  s.t, pace_watch_.mean_step(), pace_watch_.steps_left(s.t));
+      fmt::format("{} creeps at t = {:.9g} s with steps of {:.2g} s, and would need {:.1g} more of them",
+                  options_.method, s.t, pace_watch_.mean_step(), pace_watch_.steps_left(s.t));
   const bool looks = (windows & (windows - 1)) == 0;
   const bool is_lock = looks && with_rank_loss(eq_, s, creeps) != creeps;
   if (!is_lock && windows < kEnough) return;
-  throw IntegrationError(
-      fmt::format("{}: something there is stiffer or faster by far than the run is long ({} changes fastest); give it "
-                  "a more compliant law or more damping, loosen the tolerance, or take another method",
-                  creeps, fastest()));
+  throw IntegrationError(fmt::format(
+      "{}: something there is stiffer or faster by far than the run is long ({} changes fastest); give it "
+      "a more compliant law or more damping, loosen the tolerance, or take another method",
+      creeps, fastest()));
 }
 
 // The velocity that changes most, in its usual size.
@@ -136,7 +136,9 @@ bool Runner::cross_singularity(const IntegrationError& reason) {
   // Near a dead point, where constraints lose rank for an instant, round-off of g is amplified by 1 / sigma^2
   // and an implicit method cannot converge to a tight tolerance however short its step.  Accelerations are
   // finite there: a few explicit steps lead across.
-  if (!kind_of(options_).is_implicit || n_.n_lambda == 0 || result_.counts.singular_crossings >= kMostCrossings) throw reason;
+  if (!kind_of(options_).is_implicit || n_.n_lambda == 0 ||
+      result_.counts.singular_crossings >= kMostCrossings)
+    throw reason;
   // From where the run stands, or, where that is too near to the singular position for round-off to allow it,
   // from the beginnings of the last long steps: what lies before the present time is not taken again.
   const double t_failed = result_.state.t;

@@ -117,7 +117,7 @@ class Runner {
   RunResult result_;
   Instant row_;
   KnownTimes times_;
-  KnownTimes::Stop stop_;  // of the step under way
+  KnownTimes::Stop stop_;         // of the step under way
   long events_ = 0, bounds_ = 0;  // known beforehand, passed since the time
   double stops_since_ = 0.0;
   double good_step_ = 0.0;

@@ -11,27 +11,31 @@
 #include "mbs/solver/algebra/accelerations.hpp"
 #include "mbs/solver/linear/close_loops.hpp"
 #include "mbs/solver/position/dead_point.hpp"
-#include "mbs/solver/position/row_watch.hpp"
 #include "mbs/solver/position/quasi_static_start.hpp"
+#include "mbs/solver/position/row_watch.hpp"
 #include "mbs/solver/run/warning_mark.hpp"
 
 namespace flexura::mbs {
 namespace {
 
 constexpr const char* kLocked =
-    "the constraints leave no degree of freedom and nothing drives it: the mechanism is a structure and stands "
+    "the constraints leave no degree of freedom and nothing drives it: the mechanism is a structure and "
+    "stands "
     "still (a loop whose axes are out of line by a little is one)";
 
 bool is_locked(const StartedMechanism& p) {
   const Sizes n = p.mechanism->sizes();
   return n.n_v > 0 && n.n_lambda > 0 && p.assembly.constraint_rank == n.n_v && p.state.v.isZero(1e-12) &&
          p.v_dot.isZero(1e-9) &&
-         std::ranges::none_of(p.mechanism->description().joints, [](const JointDescription& j) { return j.is_driven(); });
+         std::ranges::none_of(p.mechanism->description().joints,
+                              [](const JointDescription& j) { return j.is_driven(); });
 }
 
 constexpr const char* kRings =
-    "but for its deformation the mechanism is a structure, and its bodies start undeformed: it rings about the "
-    "shape that it rests in, and forces at the start are those of letting go, not of rest (solver.initial_deformation "
+    "but for its deformation the mechanism is a structure, and its bodies start undeformed: it rings about "
+    "the "
+    "shape that it rests in, and forces at the start are those of letting go, not of rest "
+    "(solver.initial_deformation "
     "= \"quasi_static\" starts at rest, flexura statics finds it)";
 
 // The constraints leave nothing to bodies that do not deform, and nothing drives or moves them; loads do.  What rows hold
@@ -40,7 +44,8 @@ bool rings(const StartedMechanism& p, const std::vector<bool>& deforms) {
   const Sizes n = p.mechanism->sizes();
   if (n.n_lambda == 0 || std::ranges::find(deforms, true) == deforms.end() || p.options.quasi_static_start ||
       !p.state.v.isZero(1e-12) || p.v_dot.isZero(1e-9) ||
-      std::ranges::any_of(p.mechanism->description().joints, [](const JointDescription& j) { return j.is_driven(); }))
+      std::ranges::any_of(p.mechanism->description().joints,
+                          [](const JointDescription& j) { return j.is_driven(); }))
     return false;
   std::vector<bool> rigid = deforms;
   rigid.flip();
@@ -114,8 +119,7 @@ void assemble_start(StartedMechanism& out, const GivenState& given) {
   keep.keep_position = velocities_of(*out.mechanism, out.state, given.positions);
   keep.keep_velocity = given.velocities;
   const std::vector<bool> deforms = deformations_of(*out.mechanism, out.state);
-  const std::optional<StrainedLoops> strained =
-      close_loops(*out.mechanism, out.state, keep, out.assembly);
+  const std::optional<StrainedLoops> strained = close_loops(*out.mechanism, out.state, keep, out.assembly);
   if (out.mechanism->sizes().n_alg > 0 && !given.whole)
     out.mechanism->start_contacts(out.state, *out.mechanism->make_scratch());
   out.redundant = out.mechanism->drop_redundant(out.state.t, out.state.p);
@@ -141,7 +145,8 @@ void assemble_start(StartedMechanism& out, const GivenState& given) {
   if (std::string note = require_one_branch(*out.mechanism, out.state, out.v_dot); !note.empty())
     out.assembly.notes.push_back(std::move(note));
   if (strained) tell_strain(*strained, deforms, out);
-  if (out.options.quasi_static_start && !given.whole) start_quasi_static(*out.mechanism, out.state, out.v_dot, keep);
+  if (out.options.quasi_static_start && !given.whole)
+    start_quasi_static(*out.mechanism, out.state, out.v_dot, keep);
   // The second assembly finds the loops closed; what it took is in the first report.
   out.assembly.iterations += positions.iterations;
   out.assembly.position_change += positions.position_change;

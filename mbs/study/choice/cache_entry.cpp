@@ -65,7 +65,8 @@ std::optional<CacheEntry> cache_entry_of(std::string_view text) {
   };
   const auto is_text = [](const json& x) { return x.is_string(); };
   if (!in.is_object() || !has("choice", is_text) || !has("content", is_text) ||
-      !has("checksum", [&](const json& x) { return x == checksum_of(in); }) || (in.contains("failure") && !has("failure", is_text)) ||
+      !has("checksum", [&](const json& x) { return x == checksum_of(in); }) ||
+      (in.contains("failure") && !has("failure", is_text)) ||
       !has("exit_code", [](const json& x) { return x.is_number_integer(); }) || !has("wall", are_times) ||
       !has("cpu", are_times) ||
       !has("peak_memory", [](const json& x) { return x.is_number() && is_time(x.get<double>()); }))

@@ -36,7 +36,11 @@ const VectorXd& stiffness_of(const FullModel& full, const ModalBlock& block) {
       ->stiffness;
 }
 const VectorXd& damping_of(const FullModel& full, const ModalBlock& block) {
-  return full.mechanism().description().bodies[static_cast<std::size_t>(block.body)].flexible->modal()->damping;
+  return full.mechanism()
+      .description()
+      .bodies[static_cast<std::size_t>(block.body)]
+      .flexible->modal()
+      ->damping;
 }
 
 // Response modes beside the lowest n free modes, as Ritz vectors of what is left of them; and their

@@ -63,10 +63,10 @@ struct FlexDataBody {
   Eigen::Matrix3d S_xx = Eigen::Matrix3d::Zero();
   std::vector<std::string> names;                  ///< of the interfaces, as `nodes`
   std::vector<std::vector<Direction>> directions;  ///< that each of them retains
-  double modal_damping = 0.0;               ///< share of the modes' damping that is the body's default
-  Eigen::Matrix3Xd S_phi;                   ///< 3 x m
-  Eigen::MatrixXd S_xphi;                   ///< 9 x m
-  std::array<Eigen::MatrixXd, 6> S_phiphi;  ///< each m x m
+  double modal_damping = 0.0;                      ///< share of the modes' damping that is the body's default
+  Eigen::Matrix3Xd S_phi;                          ///< 3 x m
+  Eigen::MatrixXd S_xphi;                          ///< 9 x m
+  std::array<Eigen::MatrixXd, 6> S_phiphi;         ///< each m x m
 };
 
 /// MotionSolve's Reference_FlexData: frequencies, damping and mode shapes at the interface nodes.  The format has no

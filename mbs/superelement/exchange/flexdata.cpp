@@ -336,8 +336,9 @@ FlexData read_flexdata(const std::filesystem::path& path) {
     // Printed digits: four at least.
     if (std::abs(2.0 * std::numbers::pi * mode.frequency / std::sqrt(mode.eigenvalue) - 1.0) > 1e-3)
       mode_numbers.refuse(fmt::format(
-          "mode {} has the frequency {:g} Hz and the eigenvalue {:g}, which is {:g} Hz; both must be of one mode", mode.id,
-          mode.frequency, mode.eigenvalue, std::sqrt(mode.eigenvalue) / (2.0 * std::numbers::pi)));
+          "mode {} has the frequency {:g} Hz and the eigenvalue {:g}, which is {:g} Hz; both must be of one "
+          "mode",
+          mode.id, mode.frequency, mode.eigenvalue, std::sqrt(mode.eigenvalue) / (2.0 * std::numbers::pi)));
     data.modes.push_back(mode);
   }
   mode_numbers.end(fmt::format("num_sel_modes = {} modes", n_modes));

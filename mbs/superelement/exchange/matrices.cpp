@@ -115,10 +115,11 @@ std::vector<std::filesystem::path> write_matrix_market(const std::filesystem::pa
 void write_dmig(const std::filesystem::path& path, const Superelement& se) {
   for (const Interface& interface : se.interfaces)
     if (!interface.following.empty())
-      throw std::invalid_argument(fmt::format(
-          "superelement \"{}\": {} of interface \"{}\" is no dof of its own, which DMIG matrices at grids cannot say; "
-          "keep more modes, or export flexdata, sid or matrix-market",
-          se.name, direction_names[static_cast<int>(interface.following[0])], interface.name));
+      throw std::invalid_argument(
+          fmt::format("superelement \"{}\": {} of interface \"{}\" is no dof of its own, which DMIG matrices "
+                      "at grids cannot say; "
+                      "keep more modes, or export flexdata, sid or matrix-market",
+                      se.name, direction_names[static_cast<int>(interface.following[0])], interface.name));
   fmt::memory_buffer out;
   auto to = std::back_inserter(out);
   fmt::format_to(to, "$ Superelement {}, SI units. Use: K2GG=KFLEX, M2GG=MFLEX\n",

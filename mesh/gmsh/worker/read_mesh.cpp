@@ -9,14 +9,15 @@
 #include <set>
 #include <stdexcept>
 
-#include "mesh/model/mesh.hpp"
 #include "mesh/model/cells/record.hpp"
+#include "mesh/model/mesh.hpp"
 
 namespace flexura::mesh {
 namespace {
 
 const CellRecord* cell_of(int gmsh_type) {
-  const auto found = std::ranges::find_if(cell_records(), [&](const CellRecord& record) { return record.foreign.gmsh == gmsh_type; });
+  const auto found = std::ranges::find_if(
+      cell_records(), [&](const CellRecord& record) { return record.foreign.gmsh == gmsh_type; });
   return found == cell_records().end() ? nullptr : &*found;
 }
 
@@ -36,8 +37,10 @@ void read_mesh(const std::string& path, int dimension_wanted, ResultRecord& resu
   std::vector<int> types;
   gmsh::model::mesh::getElementTypes(types, 3, -1);
   if (shells && !types.empty())
-    throw std::runtime_error("holds solid cells, where [shell] wants those of a sheet's middle surface alone: save these, or leave "
-                             "[shell] out");
+    throw std::runtime_error(
+        "holds solid cells, where [shell] wants those of a sheet's middle surface alone: save these, or "
+        "leave "
+        "[shell] out");
   if (shells) gmsh::model::mesh::getElementTypes(types, 2, -1);
   for (const int type : types) {
     const CellRecord* const record = cell_of(type);
@@ -49,12 +52,11 @@ void read_mesh(const std::string& path, int dimension_wanted, ResultRecord& resu
       int dimension, order, n, n_primary;
       std::vector<double> local;
       gmsh::model::mesh::getElementProperties(type, name, dimension, order, n, local, n_primary);
-      throw std::runtime_error(
-          "holds " + std::to_string(cells.size()) + " cells of type \"" + name +
-          "\", which have no counterpart here; " +
-          (shells ? "triangles and quadrilaterals of three and four nodes do" :
-          "tetrahedra, hexahedra, wedges and pyramids of order 1 and "
-          "2 (15-node wedges, 13-node pyramids) do"));
+      throw std::runtime_error("holds " + std::to_string(cells.size()) + " cells of type \"" + name +
+                               "\", which have no counterpart here; " +
+                               (shells ? "triangles and quadrilaterals of three and four nodes do"
+                                       : "tetrahedra, hexahedra, wedges and pyramids of order 1 and "
+                                         "2 (15-node wedges, 13-node pyramids) do"));
     }
     for (const std::size_t node : nodes) index.emplace(node, 0);
     result.blocks.push_back({static_cast<int>(record->type), cells.size()});
@@ -67,9 +69,10 @@ void read_mesh(const std::string& path, int dimension_wanted, ResultRecord& resu
     blocks.emplace_back(std::move(cells), std::move(ordered));
   }
   if (blocks.empty())
-    throw std::runtime_error(shells ? "holds no triangles or quadrilaterals"
-                                    : "holds no solid cells; save the volume elements too, or, where its surface cells are sheet "
-                                      "metal, give their thickness in a table [shell]");
+    throw std::runtime_error(
+        shells ? "holds no triangles or quadrilaterals"
+               : "holds no solid cells; save the volume elements too, or, where its surface cells are sheet "
+                 "metal, give their thickness in a table [shell]");
 
   std::int64_t next = 0;
   for (auto& [tag, number] : index) {

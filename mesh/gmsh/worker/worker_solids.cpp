@@ -51,8 +51,8 @@ std::string describe_free_edges(const gmsh::vectorpair& faces, double to_m) {
   if (open.empty()) return "";
   std::sort(open.rbegin(), open.rend());
   char head[160];
-  std::snprintf(head, sizeof head, "%zu of its %zu edges belong to one face only, %.5g mm together", open.size(),
-                uses.size(), 1e3 * total);
+  std::snprintf(head, sizeof head, "%zu of its %zu edges belong to one face only, %.5g mm together",
+                open.size(), uses.size(), 1e3 * total);
   std::string text = head;
   for (std::size_t k = 0; k < std::min<std::size_t>(2, open.size()); ++k) {
     std::vector<double> low, high, from, to;
@@ -67,9 +67,10 @@ std::string describe_free_edges(const gmsh::vectorpair& faces, double to_m) {
 }
 
 [[noreturn]] void refuse_open(const std::string& free_edges) {
-  throw std::runtime_error("is not closed, so that it has no inside: " + free_edges +
-                           " (coordinates in mm); stitch it in the CAD program and export a solid body; of sheet metal give the "
-                           "thickness in a table [shell]");  // longer ones are cut where the edges stand
+  throw std::runtime_error(
+      "is not closed, so that it has no inside: " + free_edges +
+      " (coordinates in mm); stitch it in the CAD program and export a solid body; of sheet metal give the "
+      "thickness in a table [shell]");  // longer ones are cut where the edges stand
 }
 
 /// Takes `old` shapes away that healing made `kept` ones of: they would stay beside them and be meshed as well.
@@ -88,8 +89,9 @@ void sew(const Job& job, gmsh::vectorpair& imported, gmsh::vectorpair& solids, R
   if (faces.empty()) {
     std::size_t curves = 0;
     for (const auto& entity : imported) curves += entity.first == 1;
-    throw std::runtime_error("holds no faces, only " + std::to_string(curves) + " curve" + (curves == 1 ? "" : "s") +
-                             ", and encloses nothing; export a solid body (curves make beams: [curves] in a beam part file)");
+    throw std::runtime_error(
+        "holds no faces, only " + std::to_string(curves) + " curve" + (curves == 1 ? "" : "s") +
+        ", and encloses nothing; export a solid body (curves make beams: [curves] in a beam part file)");
   }
   const double tolerance = 1e-3;  // mm, of gaps between edges
   gmsh::vectorpair healed;
@@ -125,8 +127,8 @@ void sew(const Job& job, gmsh::vectorpair& imported, gmsh::vectorpair& solids, R
       const int shell = gmsh::model::occ::addSurfaceLoop(tags, -1, true);
       solids.emplace_back(3, gmsh::model::occ::addVolume({shell}));
     } catch (const std::string& error) {
-      throw std::runtime_error("holds " + std::to_string(tags.size()) +
-                               " faces that make no closed shell (" + error + "); export a solid body from the CAD program");
+      throw std::runtime_error("holds " + std::to_string(tags.size()) + " faces that make no closed shell (" +
+                               error + "); export a solid body from the CAD program");
     }
   }
   double volume = 0;
@@ -137,12 +139,16 @@ void sew(const Job& job, gmsh::vectorpair& imported, gmsh::vectorpair& solids, R
   }
   char text[160];
   if (!(volume > 0)) {
-    std::snprintf(text, sizeof text, "%zu faces close a volume of %.5g mm3, which is none", faces.size(), 1e9 * volume);
-    throw std::runtime_error(std::string("is no solid: its ") + text +
-                             ": faces that lie on one another, or turned inside out; export a solid body from the CAD program");
+    std::snprintf(text, sizeof text, "%zu faces close a volume of %.5g mm3, which is none", faces.size(),
+                  1e9 * volume);
+    throw std::runtime_error(
+        std::string("is no solid: its ") + text +
+        ": faces that lie on one another, or turned inside out; export a solid body from the CAD program");
   }
-  std::snprintf(text, sizeof text, "the file holds faces only; healed: %zu faces were sewn to a solid of %.6g mm3 (gaps up to "
-                "%g mm were closed)", faces.size(), 1e9 * volume, tolerance);
+  std::snprintf(text, sizeof text,
+                "the file holds faces only; healed: %zu faces were sewn to a solid of %.6g mm3 (gaps up to "
+                "%g mm were closed)",
+                faces.size(), 1e9 * volume, tolerance);
   result.messages.push_back(text);
 }
 
@@ -154,8 +160,7 @@ gmsh::vectorpair import_solids(const Job& job, ResultRecord& result) {
   for (const auto& entity : imported)
     if (entity.first == 3) solids.push_back(entity);
   if (solids.empty() && !imported.empty()) sew(job, imported, solids, result);
-  if (solids.empty())
-    throw std::runtime_error("holds no solid; export a solid body from the CAD program");
+  if (solids.empty()) throw std::runtime_error("holds no solid; export a solid body from the CAD program");
   for (const auto& solid : solids) {
     double own = 0;
     gmsh::model::occ::getMass(3, solid.second, own);
@@ -165,9 +170,11 @@ gmsh::vectorpair import_solids(const Job& job, ResultRecord& result) {
     gmsh::model::getBoundary({solid}, faces, false, false, false);
     if (const std::string open = describe_free_edges(faces, job.to_m); !open.empty()) refuse_open(open);
     char text[120];
-    std::snprintf(text, sizeof text, "its solid %d has the volume %.5g mm3", solid.second, 1e9 * own * std::pow(job.to_m, 3));
-    throw std::runtime_error(std::string("is no sound solid: ") + text +
-                             "; its faces are turned inside out or lie on one another: mend it in the CAD program");
+    std::snprintf(text, sizeof text, "its solid %d has the volume %.5g mm3", solid.second,
+                  1e9 * own * std::pow(job.to_m, 3));
+    throw std::runtime_error(
+        std::string("is no sound solid: ") + text +
+        "; its faces are turned inside out or lie on one another: mend it in the CAD program");
   }
   return solids;
 }
@@ -226,7 +233,8 @@ void heal_solids(ResultRecord& result, gmsh::vectorpair& solids) {
     if (entity.first == 3) solids.push_back(entity);
   if (solids.empty()) throw std::runtime_error("is no solid any more after healing");
   char text[120];
-  std::snprintf(text, sizeof text, "the shape was healed; its volume changed by %+.2g %%", 100 * (volume_of() / before - 1));
+  std::snprintf(text, sizeof text, "the shape was healed; its volume changed by %+.2g %%",
+                100 * (volume_of() / before - 1));
   result.messages.push_back(text);
 }
 

@@ -25,7 +25,8 @@ void grade_from_edges() {
   gmsh::model::mesh::getElementsByType(1, pieces, ends);
   for (std::size_t k = 0; k < pieces.size(); ++k) {
     const Eigen::Vector3d a = place[ends[2 * k]], b = place[ends[2 * k + 1]], middle = 0.5 * (a + b);
-    if (!(a - b).isZero(0.0)) points.insert(points.end(), {middle.x(), middle.y(), middle.z(), (a - b).norm()});
+    if (!(a - b).isZero(0.0))
+      points.insert(points.end(), {middle.x(), middle.y(), middle.z(), (a - b).norm()});
   }
   if (points.empty()) return;
   constexpr double kGrowth = 0.25;
@@ -81,11 +82,13 @@ void generate_mesh(const Job& job, ResultRecord& result) {
     gmsh::option::setNumber("Mesh.MeshSizeExtendFromBoundary", job.sizes.empty() ? 1 : 0);
     const bool bounded = tries < kMostTries;
     const std::size_t triangles = count_elements(2);  // linear, before curving
-    bool too_many = bounded && job.most_triangles > 0 && triangles > static_cast<std::size_t>(job.most_triangles);
+    bool too_many =
+        bounded && job.most_triangles > 0 && triangles > static_cast<std::size_t>(job.most_triangles);
     if (!too_many) {
       say(0.4, "meshing the volume" + note);
       gmsh::model::mesh::generate(3);
-      too_many = bounded && job.most_tetrahedra > 0 && count_elements(4) > static_cast<std::size_t>(job.most_tetrahedra);
+      too_many = bounded && job.most_tetrahedra > 0 &&
+                 count_elements(4) > static_cast<std::size_t>(job.most_tetrahedra);
     }
     if (!too_many) break;
     gmsh::model::mesh::clear();

@@ -65,7 +65,8 @@ Orientation orientation_of(const Keyword& k) {
   if (const std::vector<double> turn = numbers_of(k, 1); !turn.empty()) {
     to.about = static_cast<int>(turn[0]);
     if (to.about < 1 || to.about > 3)
-      throw std::invalid_argument(fmt::format("{}: *ORIENTATION turns about axis {:g}; 1 to 3 are known", k.where.text(), turn[0]));
+      throw std::invalid_argument(
+          fmt::format("{}: *ORIENTATION turns about axis {:g}; 1 to 3 are known", k.where.text(), turn[0]));
     if (turn.size() > 1) to.angle = turn[1] * std::numbers::pi / 180;
   }
   return to;
@@ -73,7 +74,9 @@ Orientation orientation_of(const Keyword& k) {
 
 Eigen::Matrix3d Orientation::axes_at(const Eigen::Vector3d& x) const {
   const Eigen::Matrix3d axes = system.axes_at(x);
-  return angle == 0 ? axes : Eigen::Matrix3d(Eigen::AngleAxisd(angle, axes.col(about - 1)).toRotationMatrix() * axes);
+  return angle == 0
+             ? axes
+             : Eigen::Matrix3d(Eigen::AngleAxisd(angle, axes.col(about - 1)).toRotationMatrix() * axes);
 }
 
 Eigen::Matrix3d Orientation::shell_axes_at(const Eigen::Vector3d& x, const Eigen::Vector3d& normal) const {
@@ -82,7 +85,8 @@ Eigen::Matrix3d Orientation::shell_axes_at(const Eigen::Vector3d& x, const Eigen
   return angle == 0 ? laid : Eigen::Matrix3d(Eigen::AngleAxisd(angle, laid.col(2)).toRotationMatrix() * laid);
 }
 
-Eigen::Matrix3d laid_on(const Eigen::Vector3d& normal, const Eigen::Vector3d& along, const Eigen::Vector3d& otherwise) {
+Eigen::Matrix3d laid_on(const Eigen::Vector3d& normal, const Eigen::Vector3d& along,
+                        const Eigen::Vector3d& otherwise) {
   constexpr double kUpright = 1.7e-3;  // sine of a tenth of a degree
   const Eigen::Vector3d n = normal.normalized();
   const bool upright = along.cross(n).norm() < kUpright * along.norm();

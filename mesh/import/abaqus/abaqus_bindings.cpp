@@ -72,7 +72,8 @@ void take_surface_tie(const Keyword& k, Deck& deck) {
   const bool adjust = upper(k.get("ADJUST")) != "NO";
   for (const DataLine& line : k.data)
     if (line.fields.size() > 1)
-      deck.surface_ties.push_back({upper(line.fields[0]), upper(line.fields[1]), tolerance, line.where, adjust});
+      deck.surface_ties.push_back(
+          {upper(line.fields[0]), upper(line.fields[1]), tolerance, line.where, adjust});
 }
 
 void take_equations(const Keyword& k, Deck& deck) {

@@ -74,8 +74,12 @@ class Reader {
       take_beam_section(k);
     else if (k.name == "MASS" || k.name == "ROTARY INERTIA" || k.name == "SPRING") {
       const bool two = k.name == "SPRING" && k.data.size() > 1;
-      here().data.push_back({.kind = k.name, .set = known(k.get("ELSET")), .values = numbers_of(k, two ? 1 : 0), .where = k.where,
-                             .orientation = upper(k.get("ORIENTATION")), .dofs = two ? numbers_of(k, 0) : std::vector<double>()});
+      here().data.push_back({.kind = k.name,
+                             .set = known(k.get("ELSET")),
+                             .values = numbers_of(k, two ? 1 : 0),
+                             .where = k.where,
+                             .orientation = upper(k.get("ORIENTATION")),
+                             .dofs = two ? numbers_of(k, 0) : std::vector<double>()});
     } else if (take_binding(k, deck_)) {
       // said in the deck
     } else if (k.name == "SURFACE")
@@ -137,7 +141,9 @@ class Reader {
   }
 
   /// Before names of what belongs to a part.
-  std::string part_name() const { return part_ > 0 ? deck_.parts[static_cast<std::size_t>(part_)].name + "." : ""; }
+  std::string part_name() const {
+    return part_ > 0 ? deck_.parts[static_cast<std::size_t>(part_)].name + "." : "";
+  }
 
   /// Keywords that are not read and without which the body is another one: what they do.
   static std::string changes_the_body(const std::string& name) {
@@ -350,7 +356,8 @@ class Reader {
     }
     section.orientation = upper(k.get("ORIENTATION"));  // no matter where the material has no directions
     for (const char* word : {"NODAL THICKNESS", "SHELL THICKNESS"})
-      if (k.has(word)) deck_.otherwise.add(fmt::format("*{}'s {}: the section's thickness is used", k.name, word), k.where);
+      if (k.has(word))
+        deck_.otherwise.add(fmt::format("*{}'s {}: the section's thickness is used", k.name, word), k.where);
     if (k.has("STACK DIRECTION")) deck_.unused.add("*" + k.name + "'s STACK DIRECTION", k.where);
     here().sections.push_back(section);
   }

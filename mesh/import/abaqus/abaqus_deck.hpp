@@ -62,7 +62,7 @@ struct TieKeyword {
   ImportedTie::Kind kind = ImportedTie::Kind::rigid;
   std::array<bool, 6> dofs{true, true, true, true, true, true};
   Where where = {};
-  std::string orientation = {};  ///< of `dofs`
+  std::string orientation = {};                  ///< of `dofs`
   std::optional<std::string> joins_places = {};  ///< *MPC TIE, PIN: what it says of nodes in one place alone
 };
 /// *TIE: a line of it.
@@ -106,7 +106,8 @@ struct Orientation {
   Eigen::Matrix3d shell_axes_at(const Eigen::Vector3d& x, const Eigen::Vector3d& normal) const;
 };
 /// Columns: `along` laid into the plane of a normal, the third axis; where it stands upright, `otherwise` is laid there.
-Eigen::Matrix3d laid_on(const Eigen::Vector3d& normal, const Eigen::Vector3d& along, const Eigen::Vector3d& otherwise);
+Eigen::Matrix3d laid_on(const Eigen::Vector3d& normal, const Eigen::Vector3d& along,
+                        const Eigen::Vector3d& otherwise);
 struct Surface {
   Where where;
   bool of_nodes = false, used = false;
@@ -152,7 +153,7 @@ struct Deck {
   std::map<std::string, Surface> surfaces;
   std::map<std::string, Orientation> orientations;  ///< by "PART.NAME", or "NAME" at the model level
   std::vector<ImportedMaterial> materials;
-  std::set<std::string> laminae;  ///< those of *ELASTIC, TYPE=LAMINA, which shells alone have
+  std::set<std::string> laminae;     ///< those of *ELASTIC, TYPE=LAMINA, which shells alone have
   Unused unused, left_out, unbound;  ///< keywords; elements; keywords that bind what stays apart
   Unused otherwise;                  ///< what makes another body than the deck describes
   std::map<std::string, std::pair<std::size_t, std::string>> replaced;  ///< type: how many, what it becomes

@@ -23,7 +23,8 @@ Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& r) {
 
 // What displacements of a face's nodes give to a point off it: theta x off with the mean rotation of the face, which for
 // r_k from the nodes' middle is theta = J^-1 sum r_k x u_k, J = sum |r_k|^2 1 - r_k r_k^T.
-std::vector<Eigen::Matrix3d> turned_with(const std::vector<Eigen::Vector3d>& nodes, const Eigen::Vector3d& off) {
+std::vector<Eigen::Matrix3d> turned_with(const std::vector<Eigen::Vector3d>& nodes,
+                                         const Eigen::Vector3d& off) {
   std::vector<Eigen::Matrix3d> out(nodes.size(), Eigen::Matrix3d::Zero());
   if (off.isZero(0.0)) return out;
   Eigen::Vector3d middle = Eigen::Vector3d::Zero();
@@ -53,8 +54,9 @@ void Placer::take_equations() {
     for (const EquationLine::Term& term : equation.terms) {
       nodes.push_back(named_nodes(term.of, equation.where));
       if (nodes.back().size() != 1 && count != 1 && nodes.back().size() != count)
-        throw std::invalid_argument(fmt::format("{}: *EQUATION between sets of {} and {} nodes; give sets of one size",
-                                                equation.where.text(), count, nodes.back().size()));
+        throw std::invalid_argument(
+            fmt::format("{}: *EQUATION between sets of {} and {} nodes; give sets of one size",
+                        equation.where.text(), count, nodes.back().size()));
       count = std::max(count, nodes.back().size());
       if (nodes.back().empty())
         throw std::invalid_argument(
@@ -88,7 +90,8 @@ std::set<Index> Placer::turning_nodes() const {
 void Placer::follow_with_arm(const SurfaceTie& tie, Index slave, Index master) {
   const Eigen::Vector3d r = builder_.place(slave) - builder_.place(master);
   for (int d = 0; d < 6; ++d) {
-    ImportedEquation equation{.terms = {{.node = slave}, {.node = master}}, .of = "*TIE in " + tie.where.text()};
+    ImportedEquation equation{.terms = {{.node = slave}, {.node = master}},
+                              .of = "*TIE in " + tie.where.text()};
     equation.terms[0].row(d) = -1;
     equation.terms[1].row(d) = 1;
     if (d < 3) equation.terms[1].row.tail<3>() = r.cross(Eigen::Vector3d::Unit(d));  // (theta x r)_d
@@ -111,7 +114,8 @@ void Placer::tie_between_nodes(const SurfaceTie& tie, const std::vector<Index>& 
   double moved = 0;
   for (const Index slave : slaves) {
     const auto at = project(
-        builder_.place(slave), faces, [&](Index node) -> const Eigen::Vector3d& { return builder_.place(node); }, tolerance);
+        builder_.place(slave), faces,
+        [&](Index node) -> const Eigen::Vector3d& { return builder_.place(node); }, tolerance);
     if (!at) {
       ++apart;
       continue;
@@ -119,7 +123,8 @@ void Placer::tie_between_nodes(const SurfaceTie& tie, const std::vector<Index>& 
     const std::vector<Index>& masters = faces[at->face].nodes;
     if (std::ranges::find(masters, slave) != masters.end()) continue;
     moved = std::max(moved, at->distance);
-    const Eigen::Vector3d off = tie.adjust ? Eigen::Vector3d::Zero() : Eigen::Vector3d(builder_.place(slave) - at->place);
+    const Eigen::Vector3d off =
+        tie.adjust ? Eigen::Vector3d::Zero() : Eigen::Vector3d(builder_.place(slave) - at->place);
     // Off the face it would not follow its turns: it is put there, as Abaqus adjusts it, or hangs on a rigid arm.
     if (tie.adjust) builder_.move(slave, at->place);
     std::vector<Eigen::Vector3d> places;
@@ -142,19 +147,22 @@ void Placer::tie_between_nodes(const SurfaceTie& tie, const std::vector<Index>& 
   }
   if (bound > 0)
     model_.messages.push_back(fmt::format(
-        "*TIE in {}: {} nodes of {} follow the faces of {} between their nodes{}", tie.where.text(), bound, tie.slave,
-        tie.master,
-        moved > 0 ? fmt::format(" ({} them by at most {:.2g}{})", tie.adjust ? "moved onto" : "off", moved, tie.adjust ? "" : ": ADJUST=NO")
+        "*TIE in {}: {} nodes of {} follow the faces of {} between their nodes{}", tie.where.text(), bound,
+        tie.slave, tie.master,
+        moved > 0 ? fmt::format(" ({} them by at most {:.2g}{})", tie.adjust ? "moved onto" : "off", moved,
+                                tie.adjust ? "" : ": ADJUST=NO")
                   : ""));
   if (turning > 0)
-    model_.warnings.push_back(fmt::format(
-        "*TIE in {}: {} of the nodes that follow between nodes have rotations, which stay free: a hinge; mesh both sides alike "
-        "there",
-        tie.where.text(), turning));
+    model_.warnings.push_back(
+        fmt::format("*TIE in {}: {} of the nodes that follow between nodes have rotations, which stay free: "
+                    "a hinge; mesh both sides alike "
+                    "there",
+                    tie.where.text(), turning));
   if (apart > 0)
-    model_.warnings.push_back(fmt::format(
-        "*TIE in {}: {} of the nodes of {} lie farther than {:.3g} from {} and stay apart: give *TIE a POSITION TOLERANCE",
-        tie.where.text(), apart, tie.slave, tolerance, tie.master));
+    model_.warnings.push_back(
+        fmt::format("*TIE in {}: {} of the nodes of {} lie farther than {:.3g} from {} and stay apart: give "
+                    "*TIE a POSITION TOLERANCE",
+                    tie.where.text(), apart, tie.slave, tolerance, tie.master));
 }
 
 }  // namespace flexura::mesh::abaqus

@@ -67,11 +67,13 @@ class Placer {
   std::vector<double> nodal_areas(const TieKeyword& tie, const std::vector<Index>& nodes);
   void take_equations();
   /// Axes that a part, or the model level, defines; the global ones for no name.  Throws where there are none such.
-  const Orientation& found_orientation(const std::string& name, const std::string& part, const Where& where) const;
+  const Orientation& found_orientation(const std::string& name, const std::string& part,
+                                       const Where& where) const;
   /// The same where they are those of no place (rectangular).
   Eigen::Matrix3d orientation(const std::string& name, const std::string& part, const Where& where) const;
   /// Columns: the axes of a cell's material.
-  Eigen::Matrix3d material_axes(const ModelBuilder::Cell& cell, const Orientation* orientation, const Instance* instance) const;
+  Eigen::Matrix3d material_axes(const ModelBuilder::Cell& cell, const Orientation* orientation,
+                                const Instance* instance) const;
   /// The material along these axes: itself, or a copy.
   Index material_along(Index material, const Eigen::Matrix3d& axes);
   void assign_spring(const ElementData& data, ImportedSpring& to, const Eigen::Matrix3d& axes);
@@ -84,7 +86,7 @@ class Placer {
   ModelBuilder builder_;
   std::map<std::pair<int, std::int64_t>, std::size_t> cell_of_, mass_of_, spring_of_;
   std::multimap<std::pair<int, std::int64_t>, std::pair<std::size_t, std::string>>
-      bar_of_;  // with the element's type
+      bar_of_;                                                   // with the element's type
   std::map<std::pair<std::string, std::string>, Index> turned_;  // materials by name and axes
   std::set<std::pair<int, std::int64_t>> other_labels_;
   std::set<std::size_t> spring_set_, along_;  // springs that have a stiffness; those along their line

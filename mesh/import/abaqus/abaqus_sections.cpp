@@ -21,7 +21,7 @@ const std::vector<std::int64_t>& labels_of(const std::string& name, const Part& 
 }
 
 void assign_bar(const Section& section, ImportedBar& bar, const std::string& type, Index material,
-                       const Instance* instance) {
+                const Instance* instance) {
   bar.material = material;
   if (type[0] == 'T') {
     bar.A = section.area;
@@ -59,16 +59,19 @@ void Placer::assign(const Section& section, const Part& part, int scope, const I
         fmt::format("{}: element set \"{}\" is not defined", section.where.text(), section.set));
   const auto index = static_cast<Index>(material - model_.materials.begin());
   const bool orthotropic = material->orthotropic, lamina = deck_.laminae.contains(section.material);
-  const Orientation* axes = orthotropic && !section.orientation.empty() ? &found_orientation(section.orientation, part.name, section.where) : nullptr;
+  const Orientation* axes = orthotropic && !section.orientation.empty()
+                                ? &found_orientation(section.orientation, part.name, section.where)
+                                : nullptr;
   for (const std::int64_t label : set->second) {
     for (auto [bar, end] = bar_of_.equal_range({scope, label}); bar != end; ++bar)
       assign_bar(section, model_.bars[bar->second.first], bar->second.second, index, instance);
     if (const auto found = cell_of_.find({scope, label}); found != cell_of_.end()) {
       ModelBuilder::Cell& cell = builder_.cells()[found->second];
       if (lamina && dimension_of(cell.type) == 3)
-        throw std::invalid_argument(fmt::format(
-            "{}: the material {} of solids is a LAMINA, which tells nothing across its plane; give ENGINEERING CONSTANTS",
-            section.where.text(), section.material));
+        throw std::invalid_argument(
+            fmt::format("{}: the material {} of solids is a LAMINA, which tells nothing across its plane; "
+                        "give ENGINEERING CONSTANTS",
+                        section.where.text(), section.material));
       cell.material = orthotropic ? material_along(index, material_axes(cell, axes, instance)) : index;
       cell.thickness = section.thickness;
       cell.offset = section.offset;
@@ -76,37 +79,44 @@ void Placer::assign(const Section& section, const Part& part, int scope, const I
   }
 }
 
-Eigen::Matrix3d Placer::material_axes(const ModelBuilder::Cell& cell, const Orientation* orientation, const Instance* instance) const {
+Eigen::Matrix3d Placer::material_axes(const ModelBuilder::Cell& cell, const Orientation* orientation,
+                                      const Instance* instance) const {
   const int corners = shape_of(cell.type).corners;
   const auto at = [&](int a) { return builder_.place(cell.nodes[static_cast<std::size_t>(a)]); };
   Eigen::Vector3d middle = Eigen::Vector3d::Zero();
   for (int a = 0; a < corners; ++a) middle += at(a) / corners;
   const Eigen::Matrix3d turn = instance ? instance->R : Eigen::Matrix3d::Identity();
   if (instance) middle = turn.transpose() * (middle - instance->t);  // the part's own place
-  if (dimension_of(cell.type) == 3) return orientation ? Eigen::Matrix3d(turn * orientation->axes_at(middle)) : turn;
-  const Eigen::Vector3d normal = corners == 3 ? (at(1) - at(0)).cross(at(2) - at(0)) : (at(2) - at(0)).cross(at(3) - at(1));
+  if (dimension_of(cell.type) == 3)
+    return orientation ? Eigen::Matrix3d(turn * orientation->axes_at(middle)) : turn;
+  const Eigen::Vector3d normal =
+      corners == 3 ? (at(1) - at(0)).cross(at(2) - at(0)) : (at(2) - at(0)).cross(at(3) - at(1));
   if (!orientation) return laid_on(normal, Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitZ());
   return turn * orientation->shell_axes_at(middle, turn.transpose() * normal);
 }
 
-const Orientation& Placer::found_orientation(const std::string& name, const std::string& part, const Where& where) const {
+const Orientation& Placer::found_orientation(const std::string& name, const std::string& part,
+                                             const Where& where) const {
   auto found = deck_.orientations.find(part + "." + name);
   if (found == deck_.orientations.end()) found = deck_.orientations.find(name);
   if (found == deck_.orientations.end())
     throw std::invalid_argument(fmt::format("{}: ORIENTATION=\"{}\" is not defined", where.text(), name));
   if (!found->second.not_read.empty())
-    throw std::invalid_argument(fmt::format("{}: *ORIENTATION {} has {}, which is not read; axes by coordinates are",
-                                            found->second.where.text(), name, found->second.not_read));
+    throw std::invalid_argument(
+        fmt::format("{}: *ORIENTATION {} has {}, which is not read; axes by coordinates are",
+                    found->second.where.text(), name, found->second.not_read));
   return found->second;
 }
 
-Eigen::Matrix3d Placer::orientation(const std::string& name, const std::string& part, const Where& where) const {
+Eigen::Matrix3d Placer::orientation(const std::string& name, const std::string& part,
+                                    const Where& where) const {
   if (name.empty()) return Eigen::Matrix3d::Identity();
   const Orientation& found = found_orientation(name, part, where);
   if (found.system.kind != 'R')
-    throw std::invalid_argument(fmt::format("{}: *ORIENTATION {} is a cylindrical or spherical system, which springs, masses and "
-                                            "couplings do not read; rectangular axes are",
-                                            found.where.text(), name));
+    throw std::invalid_argument(
+        fmt::format("{}: *ORIENTATION {} is a cylindrical or spherical system, which springs, masses and "
+                    "couplings do not read; rectangular axes are",
+                    found.where.text(), name));
   return found.axes_at(Eigen::Vector3d::Zero());
 }
 
@@ -136,21 +146,24 @@ void Placer::assign_spring(const ElementData& data, ImportedSpring& to, const Ei
   const double dof = data.dofs.empty() ? 0 : data.dofs[0];
   if (!(dof >= 1 && dof <= 6) || (data.dofs.size() > 1 && data.dofs[1] != dof))
     throw std::invalid_argument(
-        fmt::format("{}: *SPRING of SPRING2 joins dof {:g} to dof {:g}; equal ones from 1 to 6 are read", data.where.text(), dof,
-                    data.dofs.size() > 1 ? data.dofs[1] : dof));
+        fmt::format("{}: *SPRING of SPRING2 joins dof {:g} to dof {:g}; equal ones from 1 to 6 are read",
+                    data.where.text(), dof, data.dofs.size() > 1 ? data.dofs[1] : dof));
   to.R = axes;
   to.stiffness[static_cast<std::size_t>(dof) - 1] = data.values[0];
   const Eigen::Vector3d line = builder_.place(to.nodes[1]) - builder_.place(to.nodes[0]);
   if (dof < 4 && line.cross(axes.col(static_cast<Eigen::Index>(dof) - 1)).norm() > 1e-9 * line.norm())
-    throw std::invalid_argument(fmt::format(
-        "{}: spring element {} acts in direction {:g} between nodes that do not lie one behind the other in it, so that a turn of "
-        "the whole body would strain it; put both nodes in one place",
-        data.where.text(), to.label, dof));
+    throw std::invalid_argument(
+        fmt::format("{}: spring element {} acts in direction {:g} between nodes that do not lie one behind "
+                    "the other in it, so that a turn of "
+                    "the whole body would strain it; put both nodes in one place",
+                    data.where.text(), to.label, dof));
 }
 
 void Placer::assign(const ElementData& data, const Part& part, int scope, const Instance* instance) {
   const Eigen::Matrix3d turn = instance ? instance->R : Eigen::Matrix3d::Identity();
-  const Eigen::Matrix3d R = data.kind == "MASS" ? turn : Eigen::Matrix3d(turn * orientation(data.orientation, part.name, data.where));
+  const Eigen::Matrix3d R =
+      data.kind == "MASS" ? turn
+                          : Eigen::Matrix3d(turn * orientation(data.orientation, part.name, data.where));
   if (data.values.empty() || (data.kind == "ROTARY INERTIA" && data.values.size() < 3))
     throw std::invalid_argument(fmt::format("{}: *{} has no numbers", data.where.text(), data.kind));
   for (const std::int64_t label : labels_of(data.set, part, data.where)) {

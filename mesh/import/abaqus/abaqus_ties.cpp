@@ -42,7 +42,8 @@ Placer::FoundSurface Placer::find_surface(const std::string& name) {
       return {surface, upper(instance->name) + ".", scope};
   }
   if (Surface* surface = get(name)) return {surface, "", 0};
-  for (std::size_t p = 1; p < deck_.parts.size() && deck_.instances.empty(); ++p)  // parts without an assembly
+  for (std::size_t p = 1; p < deck_.parts.size() && deck_.instances.empty();
+       ++p)  // parts without an assembly
     if (Surface* surface = get(deck_.parts[p].name + "." + name)) return {surface, "", static_cast<int>(p)};
   return {};
 }
@@ -58,9 +59,8 @@ std::vector<SurfaceFace> Placer::surface_faces(const std::string& name, const Wh
     const auto number = !whole && face[0] == 'S' ? as_integer(face.substr(1)) : std::nullopt;
     if ((!whole && !number) || (set == set_cells_.end() && !as_integer(entry))) {
       if (whole) continue;  // a set of nodes
-      throw std::invalid_argument(
-          fmt::format("{}: the surface {} has an entry \"{}, {}\", which is not read", where.text(), name,
-                      entry, face));
+      throw std::invalid_argument(fmt::format("{}: the surface {} has an entry \"{}, {}\", which is not read",
+                                              where.text(), name, entry, face));
     }
     const std::vector<Label> cells =
         set != set_cells_.end() ? set->second : std::vector<Label>{{found.scope, *as_integer(entry)}};
@@ -98,11 +98,12 @@ std::vector<Index> Placer::surface_nodes(const std::string& name, const Where& w
   for (const auto& [entry, face] : found.surface->entries)
     if (found.surface->of_nodes || face == "SPOS" || face == "SNEG" || face.empty()) {
       const std::string own = found.prefix + upper(entry);
-      const std::vector<Index> some =
-          named_nodes(set_nodes_.contains(own) || set_cells_.contains(own) || as_integer(entry) ? own : entry, where);
+      const std::vector<Index> some = named_nodes(
+          set_nodes_.contains(own) || set_cells_.contains(own) || as_integer(entry) ? own : entry, where);
       nodes.insert(nodes.end(), some.begin(), some.end());
     }
-  for (const SurfaceFace& face : surface_faces(name, where)) nodes.insert(nodes.end(), face.nodes.begin(), face.nodes.end());
+  for (const SurfaceFace& face : surface_faces(name, where))
+    nodes.insert(nodes.end(), face.nodes.begin(), face.nodes.end());
   return nodes;
 }
 
@@ -136,7 +137,8 @@ void Placer::merge_surface_ties() {
     for (const Index slave : slaves) {
       const auto nearest = std::ranges::min_element(
           masters, {}, [&](Index m) { return (builder_.place(m) - builder_.place(slave)).squaredNorm(); });
-      const double apart = nearest == masters.end() ? HUGE_VAL : (builder_.place(*nearest) - builder_.place(slave)).norm();
+      const double apart =
+          nearest == masters.end() ? HUGE_VAL : (builder_.place(*nearest) - builder_.place(slave)).norm();
       constexpr double kSame = 1e-6;  // of the reach: digits of coordinates
       if (apart <= tolerance && (tie.adjust || apart <= kSame * tolerance)) {
         if (*nearest != slave) same[slave] = *nearest;
@@ -155,8 +157,9 @@ void Placer::merge_surface_ties() {
       for (Index& node : nodes)
         if (const auto found = same.find(node); found != same.end()) node = found->second;
     if (with_arms > 0)
-      model_.messages.push_back(fmt::format("*TIE in {}: {} nodes of {} follow nodes of {} by rigid arms (ADJUST=NO)",
-                                            tie.where.text(), with_arms, tie.slave, tie.master));
+      model_.messages.push_back(
+          fmt::format("*TIE in {}: {} nodes of {} follow nodes of {} by rigid arms (ADJUST=NO)",
+                      tie.where.text(), with_arms, tie.slave, tie.master));
     if (!same.empty() || (between.empty() && with_arms == 0))
       model_.messages.push_back(fmt::format("*TIE in {}: {} nodes of {} are joined to nodes of {}",
                                             tie.where.text(), same.size(), tie.slave, tie.master));
@@ -171,8 +174,8 @@ std::vector<double> Placer::nodal_areas(const TieKeyword& tie, const std::vector
     for (const SurfaceFace& face : surface_faces(tie.set, tie.where)) {
       const auto corners = static_cast<std::size_t>(shape_of(face.type).corners);
       const auto at = [&](std::size_t k) -> const Eigen::Vector3d& { return builder_.place(face.nodes[k]); };
-      const double twice =
-          corners == 3 ? (at(1) - at(0)).cross(at(2) - at(0)).norm() : (at(2) - at(0)).cross(at(3) - at(1)).norm();
+      const double twice = corners == 3 ? (at(1) - at(0)).cross(at(2) - at(0)).norm()
+                                        : (at(2) - at(0)).cross(at(3) - at(1)).norm();
       for (const Index node : face.nodes) area[node] += 0.5 * twice / static_cast<double>(face.nodes.size());
     }
   std::vector<double> weights;
@@ -201,7 +204,8 @@ void Placer::resolve_ties() {
       for (const Index node : nodes)
         if (const double apart = (builder_.place(node) - builder_.place(reference[0])).norm(); apart > 0)
           deck_.otherwise.add(
-              fmt::format("*MPC {} of nodes that stand {:.3g} apart: they are joined by a rigid arm", *from.joins_places, apart),
+              fmt::format("*MPC {} of nodes that stand {:.3g} apart: they are joined by a rigid arm",
+                          *from.joins_places, apart),
               from.where);
     if (nodes.empty())
       throw std::invalid_argument(fmt::format("{}: *{} ties no nodes", from.where.text(), from.what));
@@ -220,7 +224,9 @@ void Placer::resolve_ties() {
     if (tie.kind == ImportedTie::Kind::average) {
       tie.weights = nodal_areas(from, nodes);
       if (!from.orientation.empty() && std::ranges::count(from.dofs, true) < 6)
-        deck_.otherwise.add("*COUPLING's ORIENTATION with *DISTRIBUTING of some directions: the model's axes are used", from.where);
+        deck_.otherwise.add(
+            "*COUPLING's ORIENTATION with *DISTRIBUTING of some directions: the model's axes are used",
+            from.where);
     } else if (!from.orientation.empty()) {
       tie.axes.assign(nodes.size(), orientation(from.orientation, "", from.where));
     }

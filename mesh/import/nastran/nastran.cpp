@@ -67,8 +67,9 @@ ImportedModel NastranReader::read(const std::filesystem::path& path) {
   read_constraints(path);
   read_masses();
   read_dofs();
-  static const std::set<std::string> kSilent = {"CORD2R", "CORD2C", "CORD2S", "CORD1R", "CORD1C", "CORD1S",
-                                                "PSOLID", "PSHELL", "PCOMP", "PBAR",   "PBEAM",  "PBARL",  "PBEAML"};
+  static const std::set<std::string> kSilent = {"CORD2R", "CORD2C", "CORD2S", "CORD1R", "CORD1C",
+                                                "CORD1S", "PSOLID", "PSHELL", "PCOMP",  "PBAR",
+                                                "PBEAM",  "PBARL",  "PBEAML"};
   for (const Card& card : cards_)
     if (!used_.contains(card.name) && !kSilent.contains(card.name)) unused_.add(card.name, card.where);
   for (const std::string& message : unused_.messages("card")) model_.messages.push_back(message);
@@ -105,16 +106,17 @@ ImportedModel NastranReader::read(const std::filesystem::path& path) {
 }
 
 void NastranReader::refuse_repeated() const {
-  static const std::set<std::string> kNumbered = {"CBAR",  "CBEAM", "CROD", "CONROD", "CBUSH", "CELAS1", "CELAS2", "CONM2", "RBE2",
-                                                  "RBE3",  "RBAR",  "PBAR", "PBARL",  "PBEAM", "PBEAML", "PROD",   "PSHELL", "PCOMP", "PSOLID"};
+  static const std::set<std::string> kNumbered = {
+      "CBAR", "CBEAM", "CROD",  "CONROD", "CBUSH",  "CELAS1", "CELAS2", "CONM2", "RBE2",  "RBE3",
+      "RBAR", "PBAR",  "PBARL", "PBEAM",  "PBEAML", "PROD",   "PSHELL", "PCOMP", "PSOLID"};
   std::map<std::pair<std::string, std::int64_t>, const Card*> seen;
   for (const Card& card : cards_) {
     if (!kNumbered.contains(card.name)) continue;
     const auto [at, fresh] = seen.emplace(std::pair{card.name, card.integer(0)}, &card);
     const bool property = card.name[0] == 'P';  // the same one once more does no harm
     if (!fresh && !(property && card.fields == at->second->fields))
-      throw std::invalid_argument(fmt::format("{}: {} {} is given twice, first in {}", card.where.text(), card.name,
-                                              card.integer(0), at->second->where.text()));
+      throw std::invalid_argument(fmt::format("{}: {} {} is given twice, first in {}", card.where.text(),
+                                              card.name, card.integer(0), at->second->where.text()));
   }
 }
 
@@ -148,9 +150,11 @@ void NastranReader::read_materials() {
     ImportedMaterial material{.name = std::to_string(id), .rho = card->real(7, 0), .orthotropic = true};
     const double G12 = card->real(4);
     for (const std::size_t k : {5u, 6u})
-      if (card->blank(k)) approximated_.add("MAT8 without G1Z or G2Z (no shear deformation): G12 is used", card->where);
-    material.engineering = Eigen::Vector<double, 9>{
-        {card->real(1), card->real(2), card->real(2), card->real(3), 0, 0, G12, card->real(5, G12), card->real(6, G12)}};
+      if (card->blank(k))
+        approximated_.add("MAT8 without G1Z or G2Z (no shear deformation): G12 is used", card->where);
+    material.engineering =
+        Eigen::Vector<double, 9>{{card->real(1), card->real(2), card->real(2), card->real(3), 0, 0, G12,
+                                  card->real(5, G12), card->real(6, G12)}};
     if (material_.contains(id) || !lamina_.emplace(id, static_cast<Index>(model_.materials.size())).second)
       throw std::invalid_argument(fmt::format("{}: material {} is given twice", card->where.text(), id));
     model_.materials.push_back(material);
@@ -158,8 +162,8 @@ void NastranReader::read_materials() {
   for (const Card* card : all("PSOLID")) {
     property_[card->integer(0)] = material(card->integer(1), card->where);
     if (card->text(6) == "PFLUID")
-      throw std::invalid_argument(fmt::format("{}: PSOLID {} is a fluid (PFLUID); structures are read", card->where.text(),
-                                              card->integer(0)));
+      throw std::invalid_argument(fmt::format("{}: PSOLID {} is a fluid (PFLUID); structures are read",
+                                              card->where.text(), card->integer(0)));
     if (card->text(3) == "BUBBLE" || card->text(3) == "0") bubbles_.insert(card->integer(0));
     if (card->text(3).empty()) no_scheme_.insert(card->integer(0));
   }
@@ -181,8 +185,8 @@ void NastranReader::read_parameters(const std::filesystem::path& path) {
       unused_.add("PARAM " + card->text(0), card->where);
     }
   if (mass_factor_ != 1)
-    model_.messages.push_back(
-        fmt::format("PARAM WTMASS: all densities and masses of the deck are multiplied by {:g}", mass_factor_));
+    model_.messages.push_back(fmt::format(
+        "PARAM WTMASS: all densities and masses of the deck are multiplied by {:g}", mass_factor_));
 }
 
 Index NastranReader::material(std::int64_t id, const Where& where) const {
@@ -193,9 +197,11 @@ Index NastranReader::material(std::int64_t id, const Where& where) const {
         for (const Card* card : cards->second)
           if (card->integer(0) == id)
             throw std::invalid_argument(fmt::format(
-                "{}: material {} is a {}, which is {}: give it as MAT1, or a table [material.{}] of a mesh without "
+                "{}: material {} is a {}, which is {}: give it as MAT1, or a table [material.{}] of a mesh "
+                "without "
                 "materials",
-                where.text(), id, name, std::string(name) == "MAT8" ? "of shells (PSHELL, PCOMP) alone" : "not read", id));
+                where.text(), id, name,
+                std::string(name) == "MAT8" ? "of shells (PSHELL, PCOMP) alone" : "not read", id));
     throw std::invalid_argument(fmt::format("{}: material {} is not defined", where.text(), id));
   }
   return found->second;
@@ -212,10 +218,11 @@ void NastranReader::read_grids() {
     turned += card->integer(5, grdset ? grdset->integer(5, 0) : 0) > 0;
   }
   if (turned > 0)
-    model_.messages.push_back(fmt::format(
-        "{} GRID have displacement axes of their own (CD): RBE2, MPC, CBAR, CBEAM, CBUSH and CELAS follow them, "
-        "directions of SPC and ASET are taken in the basic system",
-        turned));
+    model_.messages.push_back(
+        fmt::format("{} GRID have displacement axes of their own (CD): RBE2, MPC, CBAR, CBEAM, CBUSH and "
+                    "CELAS follow them, "
+                    "directions of SPC and ASET are taken in the basic system",
+                    turned));
 }
 
 std::array<bool, 6> NastranReader::components(const std::string& digits, const Card& card) {
@@ -269,13 +276,16 @@ void NastranReader::read_solids() {
           fmt::format("{}: PSOLID {} of {} {} is not defined", card.where.text(), property, card.name, id));
   }
   if (plain_bricks > 0)  // programs that read these decks differ in what a blank IN means
-    model_.messages.push_back(fmt::format(
-        "{} CHEXA of eight nodes, whose PSOLID leaves IN blank: integrated in full, stiffer in bending by far than with the bubble "
-        "functions that MSC Nastran gives them; mesh.formulation = \"enhanced\" does so here",
-        plain_bricks));
+    model_.messages.push_back(
+        fmt::format("{} CHEXA of eight nodes, whose PSOLID leaves IN blank: integrated in full, stiffer in "
+                    "bending by far than with the bubble "
+                    "functions that MSC Nastran gives them; mesh.formulation = \"enhanced\" does so here",
+                    plain_bricks));
   if (plain_wedges > 0)
-    model_.messages.push_back(fmt::format(
-        "{} CPENTA of six nodes: without the bubble functions that MSC Nastran gives them: stiffer in bending", plain_wedges));
+    model_.messages.push_back(
+        fmt::format("{} CPENTA of six nodes: without the bubble functions that MSC Nastran gives them: "
+                    "stiffer in bending",
+                    plain_wedges));
 }
 
 void NastranReader::read_masses() {
@@ -340,7 +350,8 @@ void NastranReader::note_turning_weights() {
     if (dimension_of(cell.type) == 2) turns.insert(cell.nodes.begin(), cell.nodes.end());
   for (const ImportedBar& bar : model_.bars) turns.insert(bar.nodes.begin(), bar.nodes.end());
   for (const auto& [node, where] : turning_weights_)
-    if (turns.contains(node)) approximated_.add("RBE3's weights on rotations: the displacements' mean alone is taken", where);
+    if (turns.contains(node))
+      approximated_.add("RBE3's weights on rotations: the displacements' mean alone is taken", where);
 }
 
 void NastranReader::finish() {

@@ -88,9 +88,9 @@ void NastranReader::add_scalar_spring(const Card& card, double stiffness, std::s
   spring.stiffness[static_cast<std::size_t>(c - 1)] = stiffness;
   spring.R = axes_at(a, card.where);
   if (!spring.R.isApprox(axes_at(b, card.where), 1e-9))
-    throw std::invalid_argument(fmt::format(
-        "{}: {} {} joins nodes whose displacement axes (CD) differ; equal ones are read", card.where.text(), card.name,
-        card.integer(0)));
+    throw std::invalid_argument(
+        fmt::format("{}: {} {} joins nodes whose displacement axes (CD) differ; equal ones are read",
+                    card.where.text(), card.name, card.integer(0)));
   const Vector3d line = systems_.grid_place(b, card.where) - systems_.grid_place(a, card.where);
   if (c < 4 && line.cross(spring.R.col(static_cast<Eigen::Index>(c - 1))).norm() > 1e-9 * line.norm())
     throw std::invalid_argument(
@@ -213,8 +213,9 @@ ImportedBar NastranReader::section(std::int64_t property, const Card& bar) {
     bool tapered = false;
     while (is_station(at)) {
       for (std::size_t d = 0; d < 6; ++d)  // A, I1, I2, I12, J, NSM; blank: as at end A
-        tapered = tapered || (!card->blank(at + 2 + d) && std::abs(card->real(at + 2 + d) - card->real(2 + d, 0)) >
-                                                              1e-6 * std::abs(card->real(at + 2 + d)));
+        tapered =
+            tapered || (!card->blank(at + 2 + d) && std::abs(card->real(at + 2 + d) - card->real(2 + d, 0)) >
+                                                        1e-6 * std::abs(card->real(at + 2 + d)));
       at += card->text(at) == "YES" ? 16 : 8;
     }
     s.kappa_y = card->real(at, 1);
@@ -240,11 +241,12 @@ std::string NastranReader::axes_of_vectors(const Card& card, const Card* default
   std::string offt = card.text(7);
   if (offt.empty() && defaults) offt = defaults->text(7);
   if (offt.empty() || card.is_real(7)) return "GGG";  // CBEAM has BIT there, too
-  const bool known = offt.size() == 3 && (offt[0] == 'G' || offt[0] == 'B') && (offt[1] == 'G' || offt[1] == 'O') &&
-                     (offt[2] == 'G' || offt[2] == 'O');
+  const bool known = offt.size() == 3 && (offt[0] == 'G' || offt[0] == 'B') &&
+                     (offt[1] == 'G' || offt[1] == 'O') && (offt[2] == 'G' || offt[2] == 'O');
   if (!known)
-    throw std::invalid_argument(fmt::format("{}: OFFT of {} {} is \"{}\"; GGG, BGG, GGO, BGO, GOG, BOG, GOO and BOO are known",
-                                            card.where.text(), card.name, card.integer(0), offt.substr(0, 20)));
+    throw std::invalid_argument(
+        fmt::format("{}: OFFT of {} {} is \"{}\"; GGG, BGG, GGO, BGO, GOG, BOG, GOO and BOO are known",
+                    card.where.text(), card.name, card.integer(0), offt.substr(0, 20)));
   return offt;
 }
 
@@ -262,15 +264,18 @@ void NastranReader::read_bars() {
                      x = systems_.grid_place(card->integer(3), card->where) - a;
       const std::string offt = axes_of_vectors(*card, defaults);
       const bool has_own = !(card->blank(4) && card->blank(5) && card->blank(6));
-      bar.orientation = orientation(has_own || !defaults ? *card : *defaults, a,
-                                    offt[0] == 'B' ? Eigen::Matrix3d::Identity() : axes_at(card->integer(2), card->where));
+      bar.orientation =
+          orientation(has_own || !defaults ? *card : *defaults, a,
+                      offt[0] == 'B' ? Eigen::Matrix3d::Identity() : axes_at(card->integer(2), card->where));
       Eigen::Matrix3d own;  // of the element
       const Vector3d z = x.cross(bar.orientation).normalized();
       own << x.normalized(), z.cross(x.normalized()), z;
       for (std::size_t end = 0; end < 2; ++end) {
-        const Vector3d offset(card->real(10 + 3 * end, 0), card->real(11 + 3 * end, 0), card->real(12 + 3 * end, 0));
+        const Vector3d offset(card->real(10 + 3 * end, 0), card->real(11 + 3 * end, 0),
+                              card->real(12 + 3 * end, 0));
         if (!offset.isZero(0.0))
-          bar.offset[end] = (offt[1 + end] == 'O' ? own : axes_at(card->integer(2 + end), card->where)) * offset;
+          bar.offset[end] =
+              (offt[1 + end] == 'O' ? own : axes_at(card->integer(2 + end), card->where)) * offset;
       }
       bar.released = {components(card->text(8), *card), components(card->text(9), *card)};
       if (!(bar.orientation.norm() > 0))

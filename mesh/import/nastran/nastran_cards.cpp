@@ -207,7 +207,8 @@ std::vector<std::string> case_control(const std::filesystem::path& path) {
   for (std::string line; std::getline(file, line);) {
     std::string text;
     for (const char c : line.substr(0, line.find('$')))
-      if (!std::isspace(static_cast<unsigned char>(c))) text += static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+      if (!std::isspace(static_cast<unsigned char>(c)))
+        text += static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
     if (text.rfind("BEGIN", 0) == 0) return lines;
     if (!text.empty()) lines.push_back(std::move(text));
   }

@@ -28,8 +28,8 @@ void NastranReader::read_ties() {
     tie.reference = builder_.node(0, card->integer(1), card->where);
     tie.dofs = components(card->text(2), *card);
     if (std::ranges::count(tie.dofs, true) == 0)
-      throw std::invalid_argument(fmt::format("{}: RBE2 {} names no directions; give them in CM, 123456 for all",
-                                              card->where.text(), tie.label));
+      throw std::invalid_argument(fmt::format(
+          "{}: RBE2 {} names no directions; give them in CM, 123456 for all", card->where.text(), tie.label));
     for (std::size_t k = 3; k < card->fields.size(); ++k)
       if (!card->blank(k) && !card->is_real(k)) {
         tie.nodes.push_back(builder_.node(0, card->integer(k), card->where));
@@ -55,7 +55,8 @@ void NastranReader::read_ties() {
         weight = card->real(k);
         const auto dofs = components(card->text(++k), *card);
         if (!(dofs[0] && dofs[1] && dofs[2]))
-          approximated_.add("RBE3's weights that leave out one of the directions 1 to 3: all three are used", card->where);
+          approximated_.add("RBE3's weights that leave out one of the directions 1 to 3: all three are used",
+                            card->where);
         turning = dofs[3] || dofs[4] || dofs[5];
         continue;
       }
@@ -108,22 +109,25 @@ void NastranReader::read_constraints(const std::filesystem::path& path) {
       continue;
     }
     ++count;
-    ImportedEquation equation{.terms = {}, .of = fmt::format("MPC {} in {}", card->integer(0), card->where.text())};
+    ImportedEquation equation{.terms = {},
+                              .of = fmt::format("MPC {} in {}", card->integer(0), card->where.text())};
     // G, C, A twice on each line of eight fields, the first line with the set before them, others with a blank.
     for (std::size_t line = 0; line < card->fields.size(); line += 8)
       for (const std::size_t k : {line + 1, line + 4}) {
         if (card->blank(k)) continue;
         const std::int64_t grid = card->integer(k), c = card->integer(k + 1, 0);
         if (c < 1 || c > 6)
-          throw std::invalid_argument(fmt::format("{}: MPC names component {} of grid {}; 1 to 6 are read (no scalar points)",
-                                                  card->where.text(), c, grid));
+          throw std::invalid_argument(
+              fmt::format("{}: MPC names component {} of grid {}; 1 to 6 are read (no scalar points)",
+                          card->where.text(), c, grid));
         ImportedEquation::Term term{.node = builder_.node(0, grid, card->where)};
         const Eigen::Index d = c - 1;
         term.row.segment<3>(d < 3 ? 0 : 3) = card->real(k + 2, 0) * axes_at(grid, card->where).col(d % 3);
         equation.terms.push_back(term);
       }
     if (equation.terms.empty())
-      throw std::invalid_argument(fmt::format("{}: MPC {} names no grid", card->where.text(), card->integer(0)));
+      throw std::invalid_argument(
+          fmt::format("{}: MPC {} names no grid", card->where.text(), card->integer(0)));
     model_.equations.push_back(std::move(equation));
   }
   model_.messages.push_back(fmt::format("{} equation{} between dofs (MPC)", count, count == 1 ? "" : "s"));
@@ -137,8 +141,9 @@ void NastranReader::read_rigid_bars() {
     const bool a_leads = count(of_a) == 6 && count(of_b) == 0, b_leads = count(of_b) == 6 && count(of_a) == 0;
     const auto bound = components(card->text(a_leads ? 6 : 5), *card);
     if (!(a_leads || b_leads) || (count(bound) != 0 && count(bound) != 6)) {
-      approximated_.add("RBAR that does not join all six dofs of a node to those of the other: what it binds stays apart",
-                        card->where);
+      approximated_.add(
+          "RBAR that does not join all six dofs of a node to those of the other: what it binds stays apart",
+          card->where);
       continue;
     }
     ImportedTie tie;

@@ -35,7 +35,8 @@ class NastranReader {
   struct ShellProperty {
     Index material;
     double thickness, extra_mass_per_area;
-    double angle = 0, height = 0;  ///< from the element's first material axis; of the middle over the element's
+    double angle = 0,
+           height = 0;  ///< from the element's first material axis; of the middle over the element's
   };
   Index shell_material(std::int64_t id, const Where& where) const;
   ShellProperty shell_property(const Card& card);
@@ -43,8 +44,8 @@ class NastranReader {
   ShellProperty layered_property(const Card& card);
   /// The material of a shell card along its THETA (from side 1-2) or the first axis of its MCID, in the field `place`, turned
   /// by an angle more.
-  Index material_of_shell(const Card& card, Index material, const std::vector<Index>& nodes, std::size_t n_corners, std::size_t place,
-                          double more);
+  Index material_of_shell(const Card& card, Index material, const std::vector<Index>& nodes,
+                          std::size_t n_corners, std::size_t place, double more);
   void read_shells();
 
   // PBARL, PBEAML.
@@ -83,8 +84,8 @@ class NastranReader {
   std::map<std::string, std::vector<const Card*>> by_name_;
   std::map<std::int64_t, Index> material_, property_, lamina_;  // lamina: MAT8
   std::map<std::pair<Index, std::string>, Index> turned_;       // materials along other axes
-  std::set<std::int64_t> bubbles_, no_scheme_;  // PSOLID whose IN is BUBBLE, blank
-  double mass_factor_ = 1;              // WTMASS
+  std::set<std::int64_t> bubbles_, no_scheme_;                  // PSOLID whose IN is BUBBLE, blank
+  double mass_factor_ = 1;                                      // WTMASS
   NastranSystems systems_;
   std::map<Index, double> extra_mass_;  // of shells' NSM
   std::vector<std::pair<Index, Where>> turning_weights_;

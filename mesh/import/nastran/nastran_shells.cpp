@@ -23,7 +23,8 @@ Index NastranReader::shell_material(std::int64_t id, const Where& where) const {
 NastranReader::ShellProperty NastranReader::layered_property(const Card& card) {
   const std::string of = fmt::format("PCOMP {}", card.integer(0)), option = card.text(7);
   if (!option.empty() && option != "SYM")
-    throw std::invalid_argument(fmt::format("{}: {} has LAM {}, which is not read; SYM and blank are", card.where.text(), of, option));
+    throw std::invalid_argument(fmt::format("{}: {} has LAM {}, which is not read; SYM and blank are",
+                                            card.where.text(), of, option));
   std::int64_t mid = 0, first_mid = 0;
   double thickness = 0, whole = 0, first_angle = 0;
   for (std::size_t k = 8; k < card.fields.size(); k += 4) {
@@ -34,10 +35,12 @@ NastranReader::ShellProperty NastranReader::layered_property(const Card& card) {
     const double angle = card.real(k + 2, 0);
     if (whole == 0) first_mid = mid, first_angle = angle;
     const Index own = shell_material(mid, card.where);
-    if (mid != first_mid || (angle != first_angle && model_.materials[static_cast<std::size_t>(own)].orthotropic))
-      throw std::invalid_argument(fmt::format(
-          "{}: {} has layers of different materials or directions, which are not read: give a PSHELL with their effective material",
-          card.where.text(), of));
+    if (mid != first_mid ||
+        (angle != first_angle && model_.materials[static_cast<std::size_t>(own)].orthotropic))
+      throw std::invalid_argument(
+          fmt::format("{}: {} has layers of different materials or directions, which are not read: give a "
+                      "PSHELL with their effective material",
+                      card.where.text(), of));
     whole += thickness;
   }
   if (!(whole > 0)) throw std::invalid_argument(fmt::format("{}: {} has no layers", card.where.text(), of));
@@ -57,39 +60,44 @@ NastranReader::ShellProperty NastranReader::shell_property(const Card& card) {
     approximated_.add("PSHELL's 12 I / T**3 other than 1: 1 is used", card.where);
   if (std::abs(card.real(6, 5.0 / 6) - 5.0 / 6) > 1e-3)
     approximated_.add("PSHELL's TS/T other than 5/6: 5/6 is used", card.where);
-  if (!card.blank(10)) approximated_.add("PSHELL's MID4: membrane and bending are computed without coupling", card.where);
+  if (!card.blank(10))
+    approximated_.add("PSHELL's MID4: membrane and bending are computed without coupling", card.where);
   if (card.blank(5) && card.blank(6) && !card.blank(3))
     unused_.add("PSHELL without MID3 (shear deformation is computed, that of thick shells)", card.where);
   return shell;
 }
 
-Index NastranReader::material_of_shell(const Card& card, Index material, const std::vector<Index>& nodes, std::size_t n_corners,
-                                       std::size_t place, double more) {
+Index NastranReader::material_of_shell(const Card& card, Index material, const std::vector<Index>& nodes,
+                                       std::size_t n_corners, std::size_t place, double more) {
   if (!model_.materials[static_cast<std::size_t>(material)].orthotropic) return material;
   const auto at = [&](std::size_t k) { return builder_.place(nodes[k]); };
-  const Vector3d normal = (n_corners == 3 ? (at(1) - at(0)).cross(at(2) - at(0)) : (at(2) - at(0)).cross(at(3) - at(1))).normalized();
+  const Vector3d normal =
+      (n_corners == 3 ? (at(1) - at(0)).cross(at(2) - at(0)) : (at(2) - at(0)).cross(at(3) - at(1)))
+          .normalized();
   Vector3d along = at(1) - at(0);
   double angle = more;
   if (!card.blank(place) && !card.is_real(place)) {
     const NastranSystem& system = systems_.system(card.integer(place), card.where);
     if (system.kind != 'R')
-      throw std::invalid_argument(fmt::format("{}: MCID {} of {} {} is a cylindrical or spherical system; rectangular ones are read",
-                                              card.where.text(), card.integer(place), card.name, card.integer(0)));
+      throw std::invalid_argument(
+          fmt::format("{}: MCID {} of {} {} is a cylindrical or spherical system; rectangular ones are read",
+                      card.where.text(), card.integer(place), card.name, card.integer(0)));
     along = system.R.col(0);
   } else {
     angle += card.real(place, 0) * std::numbers::pi / 180;
   }
   const Vector3d in_plane = along - normal * normal.dot(along);
   if (!(in_plane.norm() > 1e-6 * along.norm()))
-    throw std::invalid_argument(fmt::format("{}: the first axis of MCID {} stands upright on {} {}", card.where.text(), card.text(place),
-                                            card.name, card.integer(0)));
+    throw std::invalid_argument(fmt::format("{}: the first axis of MCID {} stands upright on {} {}",
+                                            card.where.text(), card.text(place), card.name, card.integer(0)));
   Eigen::Matrix3d axes;
   axes.col(0) = Eigen::AngleAxisd(angle, normal) * in_plane.normalized();
   axes.col(2) = normal;
   axes.col(1) = normal.cross(axes.col(0));
   std::string key;
   for (const double c : axes.reshaped()) key += fmt::format("{:.0f} ", std::round(1e12 * c) + 0.0);
-  const auto [turned, fresh] = turned_.emplace(std::pair{material, key}, static_cast<Index>(model_.materials.size()));
+  const auto [turned, fresh] =
+      turned_.emplace(std::pair{material, key}, static_cast<Index>(model_.materials.size()));
   if (fresh) {
     ImportedMaterial copy = model_.materials[static_cast<std::size_t>(material)];
     copy.R = axes;
@@ -125,10 +133,8 @@ void NastranReader::read_shells() {
     const auto section = properties.find(property);
     if (section == properties.end())
       throw std::invalid_argument(fmt::format(
-          "{}: property {} of {} {} is no PSHELL or PCOMP of this file{}", card.where.text(), property, card.name, id,
-          layered.contains(property)
-              ? "; PCOMPG is not read: give a PCOMP"
-              : ""));
+          "{}: property {} of {} {} is no PSHELL or PCOMP of this file{}", card.where.text(), property,
+          card.name, id, layered.contains(property) ? "; PCOMPG is not read: give a PCOMP" : ""));
     std::vector<Index> nodes(n_nodes, -1);
     for (std::size_t k = 0; k < n_nodes; ++k)  // mid-side nodes may be left out
       if (k < n || (!card.blank(2 + k) && card.integer(2 + k) != 0))
@@ -145,7 +151,8 @@ void NastranReader::read_shells() {
       for (std::size_t k = 0; k < n; ++k)
         extra_mass_[nodes[k]] += extra * 0.5 * across.norm() / static_cast<double>(n);
     }
-    const Index along = material_of_shell(card, section->second.material, nodes, n, places.offset - 1, section->second.angle);
+    const Index along =
+        material_of_shell(card, section->second.material, nodes, n, places.offset - 1, section->second.angle);
     ModelBuilder::Cell& cell =
         builder_.cells()[builder_.add_cell(0, places.type, id, std::move(nodes), card.where)];
     cell.material = along;

@@ -37,8 +37,8 @@ ShapeValues evaluate_shape(CellType type, const Eigen::Vector3d& point) {
   const CellRecord& record = record_of(type);
   Eigen::Vector3d p = point;
   if (record.shape.corners == 5) p.z() = std::min(p.z(), 1 - 1e-9);  // pyramids: not at the apex itself
-  const std::vector<Dual> N =
-      record.functions(record, {Dual::variable(p.x(), 0), Dual::variable(p.y(), 1), Dual::variable(p.z(), 2)});
+  const std::vector<Dual> N = record.functions(
+      record, {Dual::variable(p.x(), 0), Dual::variable(p.y(), 1), Dual::variable(p.z(), 2)});
   const auto n = static_cast<Eigen::Index>(N.size());
   ShapeValues values{Eigen::VectorXd(n), Eigen::Matrix<double, Eigen::Dynamic, 3>(n, 3)};
   for (Eigen::Index k = 0; k < n; ++k) {

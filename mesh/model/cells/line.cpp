@@ -12,7 +12,8 @@ using Place = std::array<Dual, 3>;
 
 Values functions(const CellRecord& record, const Place& x) {
   Values N;
-  for (const double a : record.nodes.col(0)) N.push_back(record.is_linear() ? 0.5 * (1.0 + a * x[0]) : quadratic_line(a, x[0]));
+  for (const double a : record.nodes.col(0))
+    N.push_back(record.is_linear() ? 0.5 * (1.0 + a * x[0]) : quadratic_line(a, x[0]));
   return N;
 }
 

@@ -18,11 +18,11 @@ namespace flexura::mesh {
 /// A cell type in the formats of others; -1 or empty where they have none.
 struct ForeignCell {
   int gmsh = -1;
-  std::vector<int> gmsh_order = {};  ///< place in gmsh's order of each of our nodes; empty: the same
-  int vtk = -1;                      ///< our order is VTK's
-  std::string abaqus = {};           ///< "C3D10"
-  std::vector<int> abaqus_order = {};  ///< our node at each place of Abaqus' order; empty: the same
-  std::string nastran = {};            ///< "CTETRA", of both orders
+  std::vector<int> gmsh_order = {};     ///< place in gmsh's order of each of our nodes; empty: the same
+  int vtk = -1;                         ///< our order is VTK's
+  std::string abaqus = {};              ///< "C3D10"
+  std::vector<int> abaqus_order = {};   ///< our node at each place of Abaqus' order; empty: the same
+  std::string nastran = {};             ///< "CTETRA", of both orders
   std::vector<int> nastran_order = {};  ///< place on the card of each of our nodes; empty: the same
   int unv = -1;                         ///< descriptor of data set 2412
   std::vector<int> unv_order = {};      ///< place in the record of each of our nodes; empty: the same
@@ -50,11 +50,12 @@ struct CellRecord {
 };
 
 /// Corners, then the middles of edges, then zeros (centres).
-CellRecord::Points with_middles(const CellRecord::Points& corners, const std::vector<std::array<int, 2>>& edges, int n_nodes);
+CellRecord::Points with_middles(const CellRecord::Points& corners,
+                                const std::vector<std::array<int, 2>>& edges, int n_nodes);
 
 /// Faces of corner rings, counter-clockwise from outside, with the mid-edge nodes of a quadratic cell.
-std::vector<CellFace> faces_of(const std::vector<std::vector<int>>& rings, const std::vector<std::array<int, 2>>& edges,
-                               int corners, bool quadratic);
+std::vector<CellFace> faces_of(const std::vector<std::vector<int>>& rings,
+                               const std::vector<std::array<int, 2>>& edges, int corners, bool quadratic);
 
 /// Lagrange on -1, 0, 1, for the node at a.
 inline Dual quadratic_line(double a, const Dual& r) {

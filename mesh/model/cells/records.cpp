@@ -32,17 +32,19 @@ const CellRecord& record_of(CellType type) {
   return *by_type[at];
 }
 
-CellRecord::Points with_middles(const CellRecord::Points& corners, const std::vector<std::array<int, 2>>& edges, int n_nodes) {
+CellRecord::Points with_middles(const CellRecord::Points& corners,
+                                const std::vector<std::array<int, 2>>& edges, int n_nodes) {
   CellRecord::Points x = CellRecord::Points::Zero(n_nodes, 3);
   x.topRows(corners.rows()) = corners;
   if (n_nodes == corners.rows()) return x;
   for (std::size_t e = 0; e < edges.size(); ++e)
-    x.row(corners.rows() + static_cast<Eigen::Index>(e)) = 0.5 * (corners.row(edges[e][0]) + corners.row(edges[e][1]));
+    x.row(corners.rows() + static_cast<Eigen::Index>(e)) =
+        0.5 * (corners.row(edges[e][0]) + corners.row(edges[e][1]));
   return x;
 }
 
-std::vector<CellFace> faces_of(const std::vector<std::vector<int>>& rings, const std::vector<std::array<int, 2>>& edges,
-                               int corners, bool quadratic) {
+std::vector<CellFace> faces_of(const std::vector<std::vector<int>>& rings,
+                               const std::vector<std::array<int, 2>>& edges, int corners, bool quadratic) {
   std::vector<CellFace> faces;
   for (const std::vector<int>& ring : rings) {
     CellFace face{ring.size() == 3 ? CellType::tri3 : CellType::quad4, ring};

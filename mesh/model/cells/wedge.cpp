@@ -18,11 +18,14 @@ Values functions(const CellRecord& record, const Place& x) {
   Values N;
   for (int k = 0; k < 6; ++k) {
     const Dual linear = L[k % 3] * 0.5 * (1.0 + node(k, 2) * t);
-    N.push_back(record.is_linear() ? linear : linear * (2.0 * L[k % 3] - 1.0) - 0.5 * L[k % 3] * (1.0 - t) * (1.0 + t));
+    N.push_back(record.is_linear()
+                    ? linear
+                    : linear * (2.0 * L[k % 3] - 1.0) - 0.5 * L[k % 3] * (1.0 - t) * (1.0 + t));
   }
   if (record.is_linear()) return N;
   const Edges& edges = record.shape.edges;
-  for (int e = 0; e < 6; ++e) N.push_back(2.0 * L[edges[e][0] % 3] * L[edges[e][1] % 3] * (1.0 + node(6 + e, 2) * t));
+  for (int e = 0; e < 6; ++e)
+    N.push_back(2.0 * L[edges[e][0] % 3] * L[edges[e][1] % 3] * (1.0 + node(6 + e, 2) * t));
   for (int e = 0; e < 3; ++e) N.push_back(L[e] * (1.0 - t) * (1.0 + t));
   return N;
 }
@@ -31,7 +34,8 @@ Values functions(const CellRecord& record, const Place& x) {
 
 std::vector<CellRecord> wedges() {
   const Edges edges = {{0, 1}, {1, 2}, {2, 0}, {3, 4}, {4, 5}, {5, 3}, {0, 3}, {1, 4}, {2, 5}};
-  const std::vector<std::vector<int>> rings = {{0, 2, 1}, {3, 4, 5}, {0, 1, 4, 3}, {1, 2, 5, 4}, {2, 0, 3, 5}};
+  const std::vector<std::vector<int>> rings = {
+      {0, 2, 1}, {3, 4, 5}, {0, 1, 4, 3}, {1, 2, 5, 4}, {2, 0, 3, 5}};
   const Points corners{{0, 0, -1}, {1, 0, -1}, {0, 1, -1}, {0, 0, 1}, {1, 0, 1}, {0, 1, 1}};
   const Quadrature volume = triangle_times_line(triangle_collapsed(4), 4).finish();
   return {{.type = CellType::wedge6,

@@ -4,8 +4,8 @@
 #include <functional>
 
 #include "reduce/assembly/tied_model.hpp"
-#include "reduce/cms/result/options.hpp"
 #include "reduce/cms/errors/mode_choice.hpp"
+#include "reduce/cms/result/options.hpp"
 
 namespace flexura::reduce {
 

@@ -74,9 +74,12 @@ MeshShare mesh_share(const JudgedMotions& motions, const MeshEnergy& left) {
   constexpr double kUnresolved = std::numeric_limits<double>::infinity();
   MeshShare out;
   const VectorXd x = left.energy.cwiseQuotient(motions.energy);
-  const auto stress = [&](double share) { return MeshShare::Stress{.mean = std::sqrt(std::clamp(share, 0.0, 1.0))}; };
+  const auto stress = [&](double share) {
+    return MeshShare::Stress{.mean = std::sqrt(std::clamp(share, 0.0, 1.0))};
+  };
   for (Index at = 0; at < motions.n_modes; ++at)
-    out.modes.push_back({motions.states.lambda(at), x(at) < 1.0 ? 1.0 / std::sqrt(1.0 - x(at)) - 1.0 : kUnresolved, stress(x(at))});
+    out.modes.push_back({motions.states.lambda(at),
+                         x(at) < 1.0 ? 1.0 / std::sqrt(1.0 - x(at)) - 1.0 : kUnresolved, stress(x(at))});
   for (std::size_t k = 0; k < motions.names.size(); ++k) {
     const auto [first, n] = motions.states_of(k);
     const double worst = x.segment(first, n).maxCoeff();
@@ -94,8 +97,9 @@ std::pair<Index, Index> JudgedMotions::states_of(std::size_t interface) const {
 }
 
 void leave_out_concentrated(const Part& part, const JudgedMotions& motions, MeshShare& share) {
-  const bool any = std::any_of(part.interfaces.begin(), part.interfaces.end(),
-                               [&](const InterfaceSpec& interface) { return is_concentrated(part, interface); });
+  const bool any =
+      std::any_of(part.interfaces.begin(), part.interfaces.end(),
+                  [&](const InterfaceSpec& interface) { return is_concentrated(part, interface); });
   if (!any) return;
   for (std::size_t k = 0; k < share.interfaces.size(); ++k) {
     share.interfaces[k].error = -1.0;

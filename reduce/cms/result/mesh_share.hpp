@@ -25,7 +25,7 @@ struct Reduction;
 /// And of the stresses of the elements themselves, root mean square over the part in the measure of energy: x^(1/2).
 struct MeshShare {
   struct Stress {
-    double mean = 0.0;   ///< relative
+    double mean = 0.0;     ///< relative
     PeakStress peak = {};  ///< of the greatest nodal stress; not known without stress modes
   };
   struct Mode {
@@ -35,8 +35,9 @@ struct MeshShare {
   };
   struct Interface {
     std::string name;
-    double error;  ///< relative, of the static compliance in the worst direction; infinite likewise; -1: not known, as
-                   ///< it or another is concentrated (is_concentrated)
+    double
+        error;  ///< relative, of the static compliance in the worst direction; infinite likewise; -1: not known, as
+                ///< it or another is concentrated (is_concentrated)
     Stress stress = {};  ///< under its unit loads: the worst mean and the worst peak
   };
   std::vector<Mode> modes;            ///< the lowest elastic ones, ascending
@@ -50,10 +51,10 @@ struct MeshShare {
 /// The motions of the superelement that are judged.
 struct JudgedMotions {
   JudgedStates states;
-  Eigen::VectorXd energy;  ///< y^T K_se y
-  int n_modes = 0;         ///< the first ones; after them the static answers, interface by interface
+  Eigen::VectorXd energy;          ///< y^T K_se y
+  int n_modes = 0;                 ///< the first ones; after them the static answers, interface by interface
   std::vector<std::string> names;  ///< of those interfaces
-  std::vector<int> n_directions;  ///< 0: as the first
+  std::vector<int> n_directions;   ///< 0: as the first
   /// The first of an interface's states, and how many.
   std::pair<Eigen::Index, Eigen::Index> states_of(std::size_t interface) const;
 };

@@ -30,7 +30,8 @@ struct ReducedInterface {
   Eigen::Vector3d point = Eigen::Vector3d::Zero();  ///< p_BoN_B [m]
   std::vector<int> directions;                      ///< 0-2 displacement, 3-5 rotation
   int first_dof = 0;
-  std::vector<int> following = {};  ///< directions that are no dofs: (u, theta)(following[k]) = follow.row(k) u_se
+  std::vector<int> following =
+      {};  ///< directions that are no dofs: (u, theta)(following[k]) = follow.row(k) u_se
   Eigen::MatrixXd follow = {};
 };
 
@@ -50,10 +51,10 @@ struct ReductionReport {
   double seconds_constraint_modes = 0.0, seconds_normal_modes = 0.0, seconds_projection = 0.0;
   double seconds_estimate = 0.0, seconds_mesh_error = 0.0, seconds_stiffening = 0.0, seconds_stress = 0.0;
   double processor_seconds_mesh_error = 0.0;  ///< all cores together
-  double peak_memory_bytes = 0.0;    ///< of the process so far
-  int solved_right_hand_sides = 0;   ///< by the eigensolver
-  double rigid_strain = 0.0;         ///< |K_bb R| over |K_bb| |R| before rigid motions are taken out: round-off
-  double rigid_error = 0.0;          ///< of rigid motions in the constraint modes before they are made exact
+  double peak_memory_bytes = 0.0;             ///< of the process so far
+  int solved_right_hand_sides = 0;            ///< by the eigensolver
+  double rigid_strain = 0.0;  ///< |K_bb R| over |K_bb| |R| before rigid motions are taken out: round-off
+  double rigid_error = 0.0;   ///< of rigid motions in the constraint modes before they are made exact
   double constraint_residual = 0.0;  ///< ||K_ii Psi + K_ib|| / ||K_ib||, averages included
   Eigen::VectorXd mode_residual;     ///< n_q: ||K phi - omega^2 M phi|| / ||K phi||
   int certified_modes = -1;          ///< counted below the cut-off by Sylvester's law; -1: not counted
@@ -86,7 +87,7 @@ struct Reduction {
   Eigen::MatrixXd dropped;
   /// n_b x n_b: Mhat^T F_rs M_ii F_rs Mhat, how that share grows with omega^2 [kg s^4]; empty: not known.
   Eigen::MatrixXd dropped_growth;
-  double omega2_dropped = 0.0;  ///< the first dropped eigenvalue [rad^2/s^2]
+  double omega2_dropped = 0.0;    ///< the first dropped eigenvalue [rad^2/s^2]
   std::optional<MeshShare> mesh;  ///< what the mesh costs in accuracy; none: not known
   ReductionReport report;
 

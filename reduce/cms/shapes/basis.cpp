@@ -15,7 +15,8 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 
 Basis craig_chang_basis(const Part& part, const TiedModel& model, const TiedSolver& solver,
-                        const ConstraintModes& constraint, const ReductionOptions& options, ReductionReport& report) {
+                        const ConstraintModes& constraint, const ReductionOptions& options,
+                        ReductionReport& report) {
   const MatrixXd &Psi = constraint.Psi, &K_bb = constraint.K_bb;
   const CraigChangSpan span = craig_chang_span(part, model, solver, Psi, K_bb, options);
   const CanonicalShapes shapes = canonical_shapes(span.K, span.M, span.C_b);
@@ -84,8 +85,9 @@ void add_shapes(const Part& part, const TiedModel& model, const TiedSolver& solv
 }  // namespace
 
 Basis fixed_interface_basis(const Part& part, const TiedModel& model, const TiedSolver& solver,
-                            const linalg::EigenProblem& problem, const ConstraintModes& constraint, const MatrixXd& Mhat,
-                            linalg::EigenPairs&& pairs, const ReductionOptions& options, ReductionReport& report) {
+                            const linalg::EigenProblem& problem, const ConstraintModes& constraint,
+                            const MatrixXd& Mhat, linalg::EigenPairs&& pairs, const ReductionOptions& options,
+                            ReductionReport& report) {
   std::vector<StaticAnswer> answers;
   add_shapes(part, model, solver, problem, Mhat, options, pairs, answers, report);
   require_ritz(problem, pairs.Phi, pairs.omega2, answers);

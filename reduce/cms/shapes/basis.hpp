@@ -22,13 +22,14 @@ struct Basis {
 
 /// Free-free modes and attachment modes (craig_chang.hpp), brought to interface dofs.
 Basis craig_chang_basis(const Part& part, const TiedModel& model, const TiedSolver& solver,
-                        const ConstraintModes& constraint, const ReductionOptions& options, ReductionReport& report);
+                        const ConstraintModes& constraint, const ReductionOptions& options,
+                        ReductionReport& report);
 
 /// Constraint modes with the fixed-interface normal modes `pairs`, which response and load shapes join.  `Mhat` as in
 /// response_modes.hpp; not read where no response is asked for.  Checked by require_ritz().
 Basis fixed_interface_basis(const Part& part, const TiedModel& model, const TiedSolver& solver,
                             const linalg::EigenProblem& problem, const ConstraintModes& constraint,
-                            const Eigen::MatrixXd& Mhat, linalg::EigenPairs&& pairs, const ReductionOptions& options,
-                            ReductionReport& report);
+                            const Eigen::MatrixXd& Mhat, linalg::EigenPairs&& pairs,
+                            const ReductionOptions& options, ReductionReport& report);
 
 }  // namespace flexura::reduce

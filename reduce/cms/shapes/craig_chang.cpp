@@ -5,8 +5,8 @@
 
 #include "reduce/cms/shapes/fixed_interface.hpp"
 #include "reduce/cms/shapes/full_model.hpp"
-#include "reduce/linalg/eigen/eigensolver.hpp"
 #include "reduce/linalg/dense/dense.hpp"
+#include "reduce/linalg/eigen/eigensolver.hpp"
 
 namespace flexura::reduce {
 
@@ -41,8 +41,9 @@ CraigChangSpan craig_chang_span(const Part& part, const TiedModel& model, const 
         span.C_b.block(model.first_dof(k) + static_cast<Index>(d), 6, 1, n_free) =
             motion.back().row(model.directions(k)[d]);
     }
-    span.W.middleCols(6, n_free) = model.interior_part(free.U.rightCols(n_free), free.rotations.rightCols(n_free), motion) -
-                                   linalg::times(Psi, span.C_b.middleCols(6, n_free));
+    span.W.middleCols(6, n_free) =
+        model.interior_part(free.U.rightCols(n_free), free.rotations.rightCols(n_free), motion) -
+        linalg::times(Psi, span.C_b.middleCols(6, n_free));
   }
 
   // Unit loads on the interface, balanced by the inertia forces M R c.

@@ -8,8 +8,8 @@
 #include <stdexcept>
 
 #include "reduce/cms/shapes/fixed_interface.hpp"
-#include "reduce/linalg/eigen/eigensolver.hpp"
 #include "reduce/linalg/dense/dense.hpp"
+#include "reduce/linalg/eigen/eigensolver.hpp"
 
 namespace flexura::reduce {
 namespace {

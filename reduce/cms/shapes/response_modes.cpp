@@ -19,10 +19,11 @@ ExtraShapes response_shapes(const linalg::EigenProblem& problem, const linalg::E
                             const MatrixXd& Mhat, double omega, const std::vector<std::string>& names) {
   const double hertz = omega / (2.0 * std::numbers::pi);
   if (omega > 0.0 && !(pairs.omega2_next > 0.0))
-    throw std::invalid_argument(fmt::format(
-        "response modes at {:.5g} Hz want the normal modes below it, but none are computed; keep at least one "
-        "(count = 1), or ask for the response at 0 Hz",
-        hertz));
+    throw std::invalid_argument(
+        fmt::format("response modes at {:.5g} Hz want the normal modes below it, but none are computed; keep "
+                    "at least one "
+                    "(count = 1), or ask for the response at 0 Hz",
+                    hertz));
   // At rest the series below has one term, whatever is kept.
   const double ratio = omega > 0.0 ? omega * omega / pairs.omega2_next : 0.0;
   if (!(ratio < 0.64))

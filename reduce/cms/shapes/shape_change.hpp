@@ -38,11 +38,13 @@ CanonicalShapes canonical_shapes(const Eigen::MatrixXd& K, const Eigen::MatrixXd
 inline constexpr double kSameMotion = 1e-8;
 
 /// Which of the interface dofs (rows of `B`) the vectors move independently: as many as there are, the most independent ones.
-std::vector<int> independent_dofs(const Eigen::MatrixXd& M, const Eigen::MatrixXd& B, double same = kSameMotion);
+std::vector<int> independent_dofs(const Eigen::MatrixXd& M, const Eigen::MatrixXd& B,
+                                  double same = kSameMotion);
 
 /// Few vectors move fewer dofs independently than the interfaces have: leaves the interfaces the dofs `own` (rows of `B`, the
 /// dofs of all interfaces by the shapes) and makes the others follow.  Returns their names, "tip theta_x".
-std::vector<std::string> let_others_follow(Reduction& reduction, const Eigen::MatrixXd& B, const std::vector<int>& own);
+std::vector<std::string> let_others_follow(Reduction& reduction, const Eigen::MatrixXd& B,
+                                           const std::vector<int>& own);
 
 /// Replaces the shapes T by T Y in everything that the reduction holds.  The error estimate, which is that of
 /// Craig and Bampton's basis, goes.

@@ -36,7 +36,8 @@ void require_blas_memory(int n_threads) {
   void* const space = mmap(nullptr, size, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
   if (space == MAP_FAILED)
     throw std::runtime_error(
-        fmt::format("out of memory: the linear algebra wants {} MB of address space for its {} thread{}, which the system "
+        fmt::format("out of memory: the linear algebra wants {} MB of address space for its {} thread{}, "
+                    "which the system "
                     "does not give; free memory, or raise the limit (ulimit -v)",
                     size >> 20, n_threads, n_threads == 1 ? "" : "s"));
   munmap(space, size);

@@ -13,7 +13,7 @@ struct FactorFigures {
   double seconds_symbolic = 0.0;
   double seconds_numeric = 0.0;
   double processor_seconds = 0.0;  ///< of the numeric part, on all cores together
-  double smallest_pivot = 0.0;  ///< the smallest L_jj^2 / A_jj; round-off level means a mechanism
+  double smallest_pivot = 0.0;     ///< the smallest L_jj^2 / A_jj; round-off level means a mechanism
 };
 
 }  // namespace flexura::linalg

@@ -161,16 +161,17 @@ class Basis {
 
 // The lowest eigenpairs of the projected problem.
 struct Ritz {
-  VectorXd omega2;    // ascending
-  MatrixXd Y;         // columns for `omega2`, rows of the projected basis
-  VectorXd estimate;  // relative residual of S
+  VectorXd omega2;           // ascending
+  MatrixXd Y;                // columns for `omega2`, rows of the projected basis
+  VectorXd estimate;         // relative residual of S
   double smallest, largest;  // eigenvalues of H
 };
 
 Ritz ritz_pairs(const MatrixXd& H, const MatrixXd& R, Index last_block, double shift) {
   const DenseEigen eigen = symmetric_eigen(0.5 * (H + H.transpose()));
   const Index n = H.rows();
-  Ritz ritz{VectorXd(n), eigen.vectors.rowwise().reverse(), VectorXd::Zero(n), eigen.values(0), eigen.values(n - 1)};
+  Ritz ritz{VectorXd(n), eigen.vectors.rowwise().reverse(), VectorXd::Zero(n), eigen.values(0),
+            eigen.values(n - 1)};
   for (Index k = 0; k < n; ++k) {
     const double theta = eigen.values(n - 1 - k);
     ritz.omega2(k) = theta > 0.0 ? 1.0 / theta - shift : std::numeric_limits<double>::infinity();
@@ -245,7 +246,8 @@ EigenPairs iterate_block_lanczos(const EigenProblem& problem, const EigenRequest
     const Ritz ritz = ritz_pairs(H, R, applied, problem.shift);
     if (settings.none_below && ritz.smallest < -1e-6 * ritz.largest)
       throw std::invalid_argument(
-          "block Lanczos: there are eigenvalues below the shift, which it does not look for; put the shift (target) "
+          "block Lanczos: there are eigenvalues below the shift, which it does not look for; put the shift "
+          "(target) "
           "below the spectrum");
     Index count = wanted(ritz, request, accurate);
     if (exhausted && count < 0 && basis.size() < problem.n_free) {
@@ -328,7 +330,8 @@ EigenPairs iterate_block_lanczos(const EigenProblem& problem, const EigenRequest
       for (Index k = 0; k < keep; ++k) H(k, k) = 1.0 / (ritz.omega2(k) + problem.shift);
     }
     if (step > settings.most_blocks)
-      throw std::runtime_error(fmt::format("block Lanczos: no convergence in {} blocks", settings.most_blocks));
+      throw std::runtime_error(
+          fmt::format("block Lanczos: no convergence in {} blocks", settings.most_blocks));
   }
 }
 

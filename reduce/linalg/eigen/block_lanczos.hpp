@@ -3,8 +3,8 @@
 
 #include <functional>
 
-#include "reduce/linalg/eigen/eigen_problem.hpp"
 #include "reduce/linalg/dense/progress.hpp"
+#include "reduce/linalg/eigen/eigen_problem.hpp"
 
 namespace flexura::linalg {
 
@@ -32,7 +32,9 @@ struct BlockLanczosSettings {
   std::function<double*(Eigen::Index columns)> storage;
   /// Called with what is known at every look at H: eigenvalues, their relative residuals in S, how many leading ones
   /// are accurate already, blocks solved for.
-  std::function<void(const Eigen::VectorXd& omega2, const Eigen::VectorXd& estimate, Eigen::Index known, int n_blocks)> look;
+  std::function<void(const Eigen::VectorXd& omega2, const Eigen::VectorXd& estimate, Eigen::Index known,
+                     int n_blocks)>
+      look;
 };
 EigenPairs iterate_block_lanczos(const EigenProblem& problem, const EigenRequest& request,
                                  const BlockLanczosSettings& settings, const Progress& progress = {});

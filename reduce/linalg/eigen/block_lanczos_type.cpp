@@ -74,7 +74,8 @@ EigenProblem problem_of(EPS eps) {
     Y.resize(X.rows(), X.cols());
     const bool dense = X.outerStride() == X.rows();
     const MatrixXd copy = dense ? MatrixXd() : MatrixXd(X);
-    const Block x(comm, dense ? X.data() : copy.data(), X.rows(), X.cols()), y(comm, Y.data(), Y.rows(), Y.cols());
+    const Block x(comm, dense ? X.data() : copy.data(), X.rows(), X.cols()),
+        y(comm, Y.data(), Y.rows(), Y.cols());
     ok(KSPMatSolve(ksp, x.get(), y.get()));
   };
   if (own.context) return problem;
@@ -94,7 +95,8 @@ EigenProblem problem_of(EPS eps) {
   MPI_Comm_rank(comm, &problem.rank);
   if (size > 1)
     problem.sum = [comm](double* numbers, Index count) {
-      if (MPI_Allreduce(MPI_IN_PLACE, numbers, static_cast<int>(count), MPI_DOUBLE, MPI_SUM, comm) != MPI_SUCCESS)
+      if (MPI_Allreduce(MPI_IN_PLACE, numbers, static_cast<int>(count), MPI_DOUBLE, MPI_SUM, comm) !=
+          MPI_SUCCESS)
         throw std::runtime_error("block Lanczos: the processes cannot add up their numbers");
     };
   return problem;
@@ -106,20 +108,24 @@ constexpr double kShortWaves = 1e2;
 PetscErrorCode set_up(EPS eps) {
   EPSCheckHermitianDefinite(eps);
   EPSCheckSinvert(eps);
-  EPSCheckUnsupported(eps, EPS_FEATURE_BALANCE | EPS_FEATURE_ARBITRARY | EPS_FEATURE_REGION | EPS_FEATURE_EXTRACTION |
-                               EPS_FEATURE_CONVERGENCE | EPS_FEATURE_STOPPING | EPS_FEATURE_TWOSIDED);
+  EPSCheckUnsupported(eps, EPS_FEATURE_BALANCE | EPS_FEATURE_ARBITRARY | EPS_FEATURE_REGION |
+                               EPS_FEATURE_EXTRACTION | EPS_FEATURE_CONVERGENCE | EPS_FEATURE_STOPPING |
+                               EPS_FEATURE_TWOSIDED);
   return guarded([eps] {
     if (!eps->which) eps->which = EPS_TARGET_MAGNITUDE;
-    const EPSWhich lowest[] = {EPS_TARGET_MAGNITUDE, EPS_TARGET_REAL, EPS_SMALLEST_REAL, EPS_SMALLEST_MAGNITUDE};
+    const EPSWhich lowest[] = {EPS_TARGET_MAGNITUDE, EPS_TARGET_REAL, EPS_SMALLEST_REAL,
+                               EPS_SMALLEST_MAGNITUDE};
     if (std::find(std::begin(lowest), std::end(lowest), eps->which) == std::end(lowest))
-      throw std::invalid_argument("block Lanczos finds the lowest eigenvalues above its shift (target), no others");
+      throw std::invalid_argument(
+          "block Lanczos finds the lowest eigenvalues above its shift (target), no others");
     if (eps->nds > 0) throw std::invalid_argument("block Lanczos knows no deflation space");
     if (eps->tol == PETSC_DEFAULT) eps->tol = SLEPC_DEFAULT_TOL;
     if (eps->max_it == PETSC_DEFAULT) eps->max_it = 2000;
     const int block = static_cast<int>(data(eps).block);
     const auto most = static_cast<PetscInt>(eps->n + 2 * block);
     if (eps->ncv == PETSC_DEFAULT)
-      eps->ncv = std::min(most, static_cast<PetscInt>(block_lanczos_vectors(static_cast<int>(eps->nev), block)));
+      eps->ncv =
+          std::min(most, static_cast<PetscInt>(block_lanczos_vectors(static_cast<int>(eps->nev), block)));
     eps->mpd = eps->ncv;
     ok(EPSAllocateSolution(eps, 0));
     ok(EPS_SetInnerProduct(eps));
@@ -135,7 +141,8 @@ PetscErrorCode set_up_sort(EPS eps) {
 }
 
 // Tells SLEPc of pairs: eigr holds what the ST makes of the eigenvalues.
-void show(EPS eps, const EigenProblem& problem, const Eigen::VectorXd& omega2, const Eigen::VectorXd& estimate) {
+void show(EPS eps, const EigenProblem& problem, const Eigen::VectorXd& omega2,
+          const Eigen::VectorXd& estimate) {
   const Index count = std::min<Index>(omega2.size(), eps->ncv);
   for (Index k = 0; k < count; ++k) {
     eps->eigr[k] = 1.0 / (omega2(k) + problem.shift);
@@ -169,12 +176,13 @@ PetscErrorCode solve(EPS eps) {
       ok(BVGetArray(eps->V, &basis));
       return basis;
     };
-    settings.look = [&](const Eigen::VectorXd& omega2, const Eigen::VectorXd& estimate, Index known, int n_blocks) {
+    settings.look = [&](const Eigen::VectorXd& omega2, const Eigen::VectorXd& estimate, Index known,
+                        int n_blocks) {
       show(eps, problem, omega2, estimate);
       eps->its = n_blocks;
       const auto shown = static_cast<PetscInt>(std::min<Index>(omega2.size(), eps->ncv));
-      ok(EPSMonitor(eps, eps->its, std::min(static_cast<PetscInt>(known), shown), eps->eigr, eps->eigi, eps->errest,
-                    shown));
+      ok(EPSMonitor(eps, eps->its, std::min(static_cast<PetscInt>(known), shown), eps->eigr, eps->eigi,
+                    eps->errest, shown));
     };
     EigenPairs pairs;
     try {
@@ -212,8 +220,8 @@ PetscErrorCode compute_vectors(EPS) {
 
 PetscErrorCode set_from_options(EPS eps, PetscOptionItems* PetscOptionsObject) {
   PetscOptionsHeadBegin(PetscOptionsObject, "EPS block Lanczos options");
-  PetscCall(PetscOptionsBoundedInt("-eps_blocklanczos_block", "right-hand sides solved for together", "", data(eps).block,
-                            &data(eps).block, nullptr, 1));
+  PetscCall(PetscOptionsBoundedInt("-eps_blocklanczos_block", "right-hand sides solved for together", "",
+                                   data(eps).block, &data(eps).block, nullptr, 1));
   PetscOptionsHeadEnd();
   return 0;
 }
@@ -222,8 +230,9 @@ PetscErrorCode view(EPS eps, PetscViewer viewer) {
   PetscBool ascii = PETSC_FALSE;
   PetscCall(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(viewer), PETSCVIEWERASCII, &ascii));
   if (ascii)
-    PetscCall(PetscViewerASCIIPrintf(viewer, "  blocks of %d right-hand sides, full reorthogonalisation, thick restarts\n",
-                                     static_cast<int>(data(eps).block)));
+    PetscCall(PetscViewerASCIIPrintf(
+        viewer, "  blocks of %d right-hand sides, full reorthogonalisation, thick restarts\n",
+        static_cast<int>(data(eps).block)));
   return 0;
 }
 

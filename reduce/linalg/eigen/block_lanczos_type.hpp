@@ -4,8 +4,8 @@
 // Only for the .cpp files of this folder that see SLEPc.
 #include <slepceps.h>
 
-#include "reduce/linalg/eigen/eigen_problem.hpp"
 #include "reduce/linalg/dense/progress.hpp"
+#include "reduce/linalg/eigen/eigen_problem.hpp"
 
 /// Block Lanczos (block_lanczos.hpp) as an eigensolver type of SLEPc, beside its own:
 ///

@@ -82,7 +82,8 @@ void measure_residuals(const EigenProblem& problem, EigenPairs& pairs) {
     };
     Eigen::MatrixXd energies(2, width);
     for (Eigen::Index c = 0; c < width; ++c)
-      energies.col(c) << pairs.Phi.col(first + c).dot(K_phi.col(c)), pairs.Phi.col(first + c).dot(M_phi.col(c));
+      energies.col(c) << pairs.Phi.col(first + c).dot(K_phi.col(c)),
+          pairs.Phi.col(first + c).dot(M_phi.col(c));
     energies = total(std::move(energies));
     Eigen::MatrixXd residual = K_phi;
     Eigen::MatrixXd scale = K_phi + problem.shift * M_phi;
@@ -93,7 +94,8 @@ void measure_residuals(const EigenProblem& problem, EigenPairs& pairs) {
     problem.project_residual(residual);
     problem.project_residual(scale);
     Eigen::MatrixXd squares(3, width);
-    squares << residual.colwise().squaredNorm(), magnitudes.colwise().squaredNorm(), scale.colwise().squaredNorm();
+    squares << residual.colwise().squaredNorm(), magnitudes.colwise().squaredNorm(),
+        scale.colwise().squaredNorm();
     squares = total(std::move(squares));
     for (Eigen::Index c = 0; c < width; ++c) {
       pairs.residual(first + c) = std::sqrt(squares(0, c) / squares(2, c));

@@ -33,8 +33,8 @@ struct Shell {
 };
 
 // Y = op(X) on PETSc's numbers.
-PetscErrorCode apply(const EigenProblem::Operator& op, const PetscScalar* X, PetscScalar* Y, Eigen::Index rows,
-                     Eigen::Index cols, const std::function<void(MatrixXd&)>& then = {}) {
+PetscErrorCode apply(const EigenProblem::Operator& op, const PetscScalar* X, PetscScalar* Y,
+                     Eigen::Index rows, Eigen::Index cols, const std::function<void(MatrixXd&)>& then = {}) {
   return guarded([&] {
     MatrixXd y;
     op(Eigen::Map<const MatrixXd>(X, rows, cols), y);
@@ -234,7 +234,8 @@ EigenPairs solve_for(const EigenProblem& problem, const EigenRequest& request, i
   const std::string chosen = type_of(o.eps);
   if (chosen == kBlockLanczos) {
     set_context(o.eps, context);
-    ok(EPSSetDimensions(o.eps, std::max(1, std::min(request.count, problem.n_free)), PETSC_DECIDE, PETSC_DECIDE));
+    ok(EPSSetDimensions(o.eps, std::max(1, std::min(request.count, problem.n_free)), PETSC_DECIDE,
+                        PETSC_DECIDE));
     ok(EPSSolve(o.eps));
     return std::move(context.pairs);
   }
@@ -252,7 +253,8 @@ EigenPairs solve_for(const EigenProblem& problem, const EigenRequest& request, i
   EigenPairs pairs = take_pairs(o.eps, problem.n);
   const auto found = static_cast<int>(pairs.omega2.size());
   if (found < std::min(count, problem.n_free))
-    throw std::runtime_error(fmt::format("SLEPc's {}: only {} of {} eigenpairs converged", chosen, found, count));
+    throw std::runtime_error(
+        fmt::format("SLEPc's {}: only {} of {} eigenpairs converged", chosen, found, count));
   pairs.n_solves = pairs.n_blocks = shell.n_solves + static_cast<int>(n_start);
   report(progress, "modes (" + chosen + ")", 1.0);
   return pairs;
@@ -270,10 +272,10 @@ void finish(const EigenProblem& problem, const EigenRequest& request, EigenPairs
     polish(problem, pairs);
   }
   if (!is_accurate(pairs, request.tolerance))
-    throw std::runtime_error(
-        fmt::format("the worst residual of {} modes stays at {:.1e}, above {:.1e}: ask SLEPc for more accurate pairs "
-                    "(-eps_tol), or for another eigensolver",
-                    pairs.Phi.cols(), pairs.residual.maxCoeff(), request.tolerance));
+    throw std::runtime_error(fmt::format(
+        "the worst residual of {} modes stays at {:.1e}, above {:.1e}: ask SLEPc for more accurate pairs "
+        "(-eps_tol), or for another eigensolver",
+        pairs.Phi.cols(), pairs.residual.maxCoeff(), request.tolerance));
 }
 
 EigenPairs solve(const EigenProblem& problem, const EigenRequest& request, const char* type,

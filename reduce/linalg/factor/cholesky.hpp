@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "reduce/linalg/dense/factor_figures.hpp"
-#include "reduce/linalg/factor/factor_store.hpp"
 #include "reduce/linalg/dense/symmetric_matrix.hpp"
+#include "reduce/linalg/factor/factor_store.hpp"
 
 struct _p_PetscViewer;  // PETSc's, which only .cpp files see
 

@@ -7,9 +7,9 @@
 #include <stdexcept>
 #include <string_view>
 
+#include "reduce/linalg/dense/progress.hpp"
 #include "reduce/linalg/factor/fronts_package.hpp"
 #include "reduce/linalg/petsc/petsc_check.hpp"
-#include "reduce/linalg/dense/progress.hpp"
 
 namespace flexura::linalg {
 namespace {
@@ -91,7 +91,8 @@ void DirectSolver::create_matrix(const SymmetricMatrix& A, const Settings& setti
   ok(MatSetOption(mat_, MAT_SPD, settings.definite ? PETSC_TRUE : PETSC_FALSE));
   std::vector<PetscInt> sizes;
   for (std::size_t g = 1; g < settings.group_begin.size(); ++g)
-    if (const int size = settings.group_begin[g] - settings.group_begin[g - 1]; size > 0) sizes.push_back(size);
+    if (const int size = settings.group_begin[g] - settings.group_begin[g - 1]; size > 0)
+      sizes.push_back(size);
   if (!sizes.empty()) ok(MatSetVariableBlockSizes(mat_, static_cast<PetscInt>(sizes.size()), sizes.data()));
 }
 
@@ -138,7 +139,8 @@ void DirectSolver::set_up() {
     if (fronts_factor(factor_)) ok(MatFactorGetErrorZeroPivot(factor_, &pivot, &row));
     failure_.row = row;
     if (reason == PC_FACTOR_OUTMEMORY)
-      throw std::runtime_error("memory does not suffice for the factor: use a coarser mesh or a machine with more memory");
+      throw std::runtime_error(
+          "memory does not suffice for the factor: use a coarser mesh or a machine with more memory");
     return;
   }
   ok(KSPSetErrorIfNotConverged(ksp_, PETSC_TRUE));

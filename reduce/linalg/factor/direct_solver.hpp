@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "reduce/linalg/dense/factor_figures.hpp"
-#include "reduce/linalg/factor/fronts_hints.hpp"
 #include "reduce/linalg/dense/symmetric_matrix.hpp"
+#include "reduce/linalg/factor/fronts_hints.hpp"
 
 namespace flexura::linalg {
 

@@ -7,8 +7,8 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "reduce/linalg/petsc/petsc_check.hpp"
 #include "reduce/linalg/dense/progress.hpp"
+#include "reduce/linalg/petsc/petsc_check.hpp"
 
 namespace flexura::linalg {
 namespace {

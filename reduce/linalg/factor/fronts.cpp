@@ -6,8 +6,8 @@
 #include <queue>
 
 #include "reduce/linalg/dense/blas_threads.hpp"
-#include "reduce/linalg/factor/front_columns.hpp"
 #include "reduce/linalg/dense/parallel.hpp"
+#include "reduce/linalg/factor/front_columns.hpp"
 
 namespace flexura::linalg {
 namespace {

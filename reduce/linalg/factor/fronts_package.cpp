@@ -10,8 +10,8 @@
 #include <stdexcept>
 #include <string_view>
 
-#include "reduce/linalg/petsc/petsc_check.hpp"
 #include "reduce/linalg/dense/progress.hpp"
+#include "reduce/linalg/petsc/petsc_check.hpp"
 
 namespace flexura::linalg {
 namespace {
@@ -70,8 +70,8 @@ void require_diagonal_first(const UpperCsr& A) {
   for (int i = 0; i < A.n; ++i) {
     const int begin = A.row_begin[i], end = A.row_begin[i + 1];
     if (begin == end || A.columns[begin] != i)
-      throw std::runtime_error(
-          fmt::format("fronts: row {} of the matrix has no diagonal entry; store it, as a zero if need be", i));
+      throw std::runtime_error(fmt::format(
+          "fronts: row {} of the matrix has no diagonal entry; store it, as a zero if need be", i));
     for (int k = begin + 1; k < end; ++k)
       if (A.columns[k] <= A.columns[k - 1])
         throw std::runtime_error(fmt::format("fronts: the columns of row {} do not ascend", i));
@@ -215,7 +215,8 @@ PetscErrorCode numeric(Mat F, Mat A, const MatFactorInfo*) {
     }
     if (bad.row >= 0) {
       if (A->erroriffailure)
-        throw std::runtime_error(fmt::format("fronts: the matrix is singular to round-off at row {}", bad.row));
+        throw std::runtime_error(
+            fmt::format("fronts: the matrix is singular to round-off at row {}", bad.row));
       F->factorerrortype = MAT_FACTOR_NUMERIC_ZEROPIVOT;
       F->factorerror_zeropivot_value = bad.ratio;
       F->factorerror_zeropivot_row = bad.row;
@@ -233,8 +234,8 @@ PetscErrorCode symbolic(Mat F, Mat A, IS permutation, const MatFactorInfo*) {
     PetscInt block = 1;
     ok(MatGetBlockSize(A, &block));
     if (block != 1)
-      throw std::runtime_error(
-          fmt::format("fronts: the matrix has blocks of {0} x {0}; use block size 1", static_cast<int>(block)));
+      throw std::runtime_error(fmt::format("fronts: the matrix has blocks of {0} x {0}; use block size 1",
+                                           static_cast<int>(block)));
     const Csr csr(A);
     require_diagonal_first(*csr);
     Package& own = package(F);

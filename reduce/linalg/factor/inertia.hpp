@@ -5,8 +5,8 @@
 #include <memory>
 #include <vector>
 
-#include "reduce/linalg/factor/factor_store.hpp"
 #include "reduce/linalg/dense/symmetric_matrix.hpp"
+#include "reduce/linalg/factor/factor_store.hpp"
 
 namespace flexura::linalg {
 

@@ -6,9 +6,9 @@
 #include <span>
 #include <vector>
 
-#include "reduce/linalg/factor/factor_store.hpp"
 #include "reduce/linalg/dense/symmetric_matrix.hpp"
 #include "reduce/linalg/dense/trapezoid.hpp"
+#include "reduce/linalg/factor/factor_store.hpp"
 
 namespace flexura::linalg {
 

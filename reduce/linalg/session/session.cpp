@@ -110,7 +110,8 @@ Session::Session() {
     static char* pointers[] = {words[0], words[1], words[2], nullptr};
     static char** arguments = pointers;
     static int n_arguments = 3;
-    if (SlepcInitialize(&n_arguments, &arguments, nullptr, nullptr) != 0) throw std::runtime_error("PETSc and SLEPc could not be started");
+    if (SlepcInitialize(&n_arguments, &arguments, nullptr, nullptr) != 0)
+      throw std::runtime_error("PETSc and SLEPc could not be started");
     PetscPushErrorHandler(remember_error, nullptr);
     register_fronts();
     register_block_lanczos();

@@ -11,8 +11,8 @@
 #include <stdexcept>
 #include <string_view>
 
-#include "reduce/linalg/factor/cholesky.hpp"
 #include "reduce/linalg/eigen/eigensolver.hpp"
+#include "reduce/linalg/factor/cholesky.hpp"
 #include "reduce/linalg/petsc/petsc_check.hpp"
 
 namespace flexura::linalg {
@@ -21,18 +21,20 @@ namespace {
 constexpr const char* kPage = "docs/petsc.md says which options make sense";
 
 // What a reduction's solvers read.
-constexpr std::string_view kFamilies[] = {"-eps_",        "-st_",         "-ksp_",        "-pc_", "-bv_",
-                                          "-mat_mumps_",  "-mat_cholmod_", "-mat_fronts_"};
+constexpr std::string_view kFamilies[] = {"-eps_", "-st_",        "-ksp_",         "-pc_",
+                                          "-bv_",  "-mat_mumps_", "-mat_cholmod_", "-mat_fronts_"};
 
 // What follows from the part file, by the beginning of the name.
 constexpr std::string_view kDecided[] = {
-    "-eps_nev",      "-eps_target",    "-eps_interval",      "-eps_all",    "-eps_largest", "-eps_smallest",
-    "-eps_hermitian", "-eps_gen_",      "-eps_non_hermitian", "-eps_pos_gen", "-st_shift",    "-st_type",
-    "-st_matmode",   "-st_matstructure", "-st_transform",      "-eps_twosided", "-eps_two_sided"};
+    "-eps_nev",      "-eps_target",    "-eps_interval", "-eps_all",           "-eps_largest",
+    "-eps_smallest", "-eps_hermitian", "-eps_gen_",     "-eps_non_hermitian", "-eps_pos_gen",
+    "-st_shift",     "-st_type",       "-st_matmode",   "-st_matstructure",   "-st_transform",
+    "-eps_twosided", "-eps_two_sided"};
 
 // Parts of names behind which files, other programs or windows are.
-constexpr std::string_view kForbidden[] = {"file",  "python", "saws", "matlab",  "tmpdir", "save", "load",     "dump",
-                                           "draw",  "plot",   "_lg",  "library", "plugin", "socket", "mat_mumps_icntl_22"};
+constexpr std::string_view kForbidden[] = {"file", "python",  "saws",   "matlab", "tmpdir",
+                                           "save", "load",    "dump",   "draw",   "plot",
+                                           "_lg",  "library", "plugin", "socket", "mat_mumps_icntl_22"};
 
 bool begins(std::string_view text, std::string_view with) {
   return text.substr(0, with.size()) == with;
@@ -51,22 +53,25 @@ bool reports(std::string_view name) {
 void require_allowed(const UserOption& option) {
   const std::string& name = option.name;
   const auto refuse = [&](const std::string& why) {
-    throw std::invalid_argument(fmt::format("PETSc option {}{}{}: {}; {}", name, option.value.empty() ? "" : " ",
-                                            option.value, why, kPage));
+    throw std::invalid_argument(fmt::format("PETSc option {}{}{}: {}; {}", name,
+                                            option.value.empty() ? "" : " ", option.value, why, kPage));
   };
   if (name == "-log_view") {
     if (!option.value.empty()) refuse("takes no value here, the table is printed");
     return;
   }
-  if (std::none_of(std::begin(kFamilies), std::end(kFamilies),
-                   [&](std::string_view family) { return begins(name, family) && name.size() > family.size(); }))
-    refuse("is none of those of a reduction's solvers (-eps_..., -st_..., -ksp_..., -pc_..., -bv_..., "
-           "-mat_mumps_..., -mat_cholmod_..., -mat_fronts_..., -log_view)");
+  if (std::none_of(std::begin(kFamilies), std::end(kFamilies), [&](std::string_view family) {
+        return begins(name, family) && name.size() > family.size();
+      }))
+    refuse(
+        "is none of those of a reduction's solvers (-eps_..., -st_..., -ksp_..., -pc_..., -bv_..., "
+        "-mat_mumps_..., -mat_cholmod_..., -mat_fronts_..., -log_view)");
   for (const std::string_view decided : kDecided)
     if (begins(name, decided))
       refuse("what is computed follows from the part file ([modes]), not from PETSc's options");
   for (const std::string_view part : kForbidden)
-    if (contains(name, part)) refuse("reads or writes files, opens windows or runs other programs, which options may not");
+    if (contains(name, part))
+      refuse("reads or writes files, opens windows or runs other programs, which options may not");
   if (reports(name)) {
     // [type][:file[:format]] of PETSc's viewers: no file, and no other type than text.
     std::string_view value = option.value;
@@ -125,17 +130,22 @@ std::vector<UserOption> parse_options(const std::string& text) {
   for (std::string word; words >> word;) {
     for (const char c : word)
       if (!(std::isalnum(static_cast<unsigned char>(c)) || contains("_-+.,:", std::string_view(&c, 1))))
-        throw std::invalid_argument(
-            fmt::format("PETSc option \"{}\": names and values are of letters, digits and _ - + . , : only; {}", word, kPage));
-    const bool is_name = word.size() > 1 && word[0] == '-' && std::isalpha(static_cast<unsigned char>(word[1]));
+        throw std::invalid_argument(fmt::format(
+            "PETSc option \"{}\": names and values are of letters, digits and _ - + . , : only; {}", word,
+            kPage));
+    const bool is_name =
+        word.size() > 1 && word[0] == '-' && std::isalpha(static_cast<unsigned char>(word[1]));
     if (is_name) {
       std::transform(word.begin(), word.end(), word.begin(), [](unsigned char c) { return std::tolower(c); });
       if (word.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789_", 1) != std::string::npos)
-        throw std::invalid_argument(fmt::format("PETSc option {}: a name is of letters, digits and _; {}", word, kPage));
+        throw std::invalid_argument(
+            fmt::format("PETSc option {}: a name is of letters, digits and _; {}", word, kPage));
       options.push_back({word, ""});
     } else if (options.empty() || !options.back().value.empty()) {
-      throw std::invalid_argument(fmt::format(
-          "PETSc options \"{}\": \"{}\" stands where a name with its dash is expected (-eps_type krylovschur)", text, word));
+      throw std::invalid_argument(
+          fmt::format("PETSc options \"{}\": \"{}\" stands where a name with its dash is expected (-eps_type "
+                      "krylovschur)",
+                      text, word));
     } else {
       options.back().value = word;
     }
@@ -185,14 +195,15 @@ void UserOptions::rehearse() const {
     problem.multiply_M = [&](const auto& X, auto& Y) { Y = X; };
     read_options(problem);
   } catch (const std::exception& error) {
-    throw std::invalid_argument(fmt::format("the PETSc options do not go together: {}; {}", error.what(), kPage));
+    throw std::invalid_argument(
+        fmt::format("the PETSc options do not go together: {}; {}", error.what(), kPage));
   }
   for (const UserOption& option : options_)
     if (option.name != "-log_view" && !reports(option.name) && !is_used(option))
-      throw std::invalid_argument(
-          fmt::format("PETSc option {}: nothing in this reduction asks for it; is it misspelt, or does it belong to a "
-                      "solver that is not chosen? {}",
-                      option.name, kPage));
+      throw std::invalid_argument(fmt::format(
+          "PETSc option {}: nothing in this reduction asks for it; is it misspelt, or does it belong to a "
+          "solver that is not chosen? {}",
+          option.name, kPage));
 }
 
 std::vector<std::string> UserOptions::unused() const {

@@ -1,6 +1,4 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-#include "beam/ancf/ancf_element.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -8,6 +6,7 @@
 #include <Eigen/Geometry>
 #include <random>
 
+#include "beam/ancf/ancf_element.hpp"
 #include "beam/ancf/hermite.hpp"
 #include "tests/beam/ancf/samples.hpp"
 

@@ -1,6 +1,4 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-#include "beam/ancf/ancf_statics.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -10,6 +8,7 @@
 #include <map>
 
 #include "beam/ancf/ancf_kinematics.hpp"
+#include "beam/ancf/ancf_statics.hpp"
 #include "beam/ancf/section_link.hpp"
 #include "beam/section/shapes.hpp"
 #include "tests/beam/ancf/exact/catenary.hpp"
@@ -82,10 +81,10 @@ TEST(AncfStatics, CantileverUnderTipForceFollowsTheElastica) {
         }
         const bool is_line = name != "spatial beam";
         EXPECT_LT(error, error_8[name] / (is_line ? 12 : 3.5)) << name << " " << alpha;
-        test::expect_reference("tip of a " + name + ", P L^2/EI = " + std::to_string(static_cast<int>(alpha)) +
-                                   ", error in L",
-                               "", error, 0.0, is_line ? std::pow(kappa_l, 4) / 120 : kappa_l * kappa_l / 24,
-                               {"elastica, elliptic integrals", "interpolation of the curve by 16 elements"});
+        test::expect_reference(
+            "tip of a " + name + ", P L^2/EI = " + std::to_string(static_cast<int>(alpha)) + ", error in L",
+            "", error, 0.0, is_line ? std::pow(kappa_l, 4) / 120 : kappa_l * kappa_l / 24,
+            {"elastica, elliptic integrals", "interpolation of the curve by 16 elements"});
         // Newton with extrapolated stress at EA/EI = 1e8; the plain iteration takes hundreds.
         EXPECT_LT(result.iterations, 40) << name << " " << alpha;
       }
@@ -255,7 +254,8 @@ TEST(AncfStatics, HangingCableTakesTheCatenary) {
   // Cubics: order 4.  The tangent turns by 1.9 rad in all, 0.2 an element at the sharpest: (0.2)^4/120 of
   // L_0.
   EXPECT_LT(errors[1], errors[0] / 12);
-  test::expect_reference("hanging cable, largest error of a node", "m", errors[1], 0.0, L_0 * std::pow(0.2, 4) / 120,
+  test::expect_reference("hanging cable, largest error of a node", "m", errors[1], 0.0,
+                         L_0 * std::pow(0.2, 4) / 120,
                          {"elastic catenary", "interpolation of the curve by 16 elements"});
 }
 

@@ -12,7 +12,8 @@ using namespace flexura::mbs;
 /// A force element of the user's own: a torque against the speed of a hinge.
 class Brake final : public ForceElement {
  public:
-  Brake(std::string name, CoordinateRef hinge, double damping) : ForceElement(std::move(name)), hinge_(hinge), damping_(damping) {}
+  Brake(std::string name, CoordinateRef hinge, double damping)
+      : ForceElement(std::move(name)), hinge_(hinge), damping_(damping) {}
   std::string_view type() const override { return "brake"; }
   void apply(const Kinematics& kin, const double*, Loads& loads) const override {
     loads.apply(hinge_, -damping_ * kin.speed(hinge_));
@@ -29,7 +30,8 @@ class Brake final : public ForceElement {
 // A wheel of 0.5 kg m^2 that runs down from 3 rad/s: 3 exp(-0.2 t / 0.5).
 int main() {
   MechanismBuilder b("wheel");
-  const auto wheel = b.add("wheel", RigidBody{.mass = 10.0, .inertia = Eigen::Vector3d(0.3, 0.3, 0.5).asDiagonal()});
+  const auto wheel =
+      b.add("wheel", RigidBody{.mass = 10.0, .inertia = Eigen::Vector3d(0.3, 0.3, 0.5).asDiagonal()});
   auto axle = b.add<Revolute>("axle", b.ground().marker(), wheel.marker());
   axle.speed(3.0);
   b.add<Brake>("brake", axle.coordinate(), 0.2);

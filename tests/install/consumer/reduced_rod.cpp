@@ -2,9 +2,9 @@
 #include <cmath>
 #include <cstdio>
 
+#include "mbs/bodies/modal_body.hpp"
 #include "mbs/joints/revolute.hpp"
 #include "mbs/library/builder.hpp"
-#include "mbs/bodies/modal_body.hpp"
 #include "mbs/library/simulation.hpp"
 #include "mesh/model/geometry.hpp"
 #include "reduce/library/reduce.hpp"
@@ -26,8 +26,11 @@ reduce::Part rod(int n, double length) {
     for (int k = 0; k < 4; ++k) bricks.nodes(i, k) = 4 * i + k, bricks.nodes(i, 4 + k) = 4 * (i + 1) + k;
   part.mesh.solids = {bricks};
   mesh::extract_boundary(part.mesh);
-  part.interfaces = {{.name = "left", .point = {0.0, 0.05, 0.05}, .set = {.nodes = {0, 1, 2, 3}, .faces = {}}},
-                     {.name = "right", .point = {length, 0.05, 0.05}, .set = {.nodes = {4 * n, 4 * n + 1, 4 * n + 2, 4 * n + 3}, .faces = {}}}};
+  part.interfaces = {
+      {.name = "left", .point = {0.0, 0.05, 0.05}, .set = {.nodes = {0, 1, 2, 3}, .faces = {}}},
+      {.name = "right",
+       .point = {length, 0.05, 0.05},
+       .set = {.nodes = {4 * n, 4 * n + 1, 4 * n + 2, 4 * n + 3}, .faces = {}}}};
   return part;
 }
 
@@ -46,9 +49,11 @@ int main() {
   s.advance(0.1);
   // It falls from the level with 3 g / (2 L (1 + h^2 / (4 L^2))); it swings by some 1e-5 rad about that, and the load's arm
   // shortens by 1e-3.
-  const double turn = std::abs(s.output("hinge.angle")), falling = 0.5 * 0.01 * 1.5 * 9.81 / 2.0 / (1.0 + 0.01 / 16.0);
-  std::printf("stiffness %.12g N/m, exact %.12g; mass %.9g kg, exact %.9g; turned by %.6g rad, a rigid rod by %.6g\n", stiffness,
-              exact, se.inertia.mass, mass, turn, falling);
+  const double turn = std::abs(s.output("hinge.angle")),
+               falling = 0.5 * 0.01 * 1.5 * 9.81 / 2.0 / (1.0 + 0.01 / 16.0);
+  std::printf(
+      "stiffness %.12g N/m, exact %.12g; mass %.9g kg, exact %.9g; turned by %.6g rad, a rigid rod by %.6g\n",
+      stiffness, exact, se.inertia.mass, mass, turn, falling);
   return std::abs(stiffness / exact - 1.0) < 1e-9 && std::abs(se.inertia.mass / mass - 1.0) < 1e-12 &&
                  std::abs(turn / falling - 1.0) < 3e-3
              ? 0

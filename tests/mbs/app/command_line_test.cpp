@@ -30,7 +30,8 @@ struct Given {
 Given given;
 
 Program program(std::function<int()> work) {
-  Command mesh{"mesh", "mesh a part", [work](Options& options, const Verbosity& verbosity) -> std::function<int()> {
+  Command mesh{"mesh", "mesh a part",
+               [work](Options& options, const Verbosity& verbosity) -> std::function<int()> {
                  options.argument("FILE", given.file, "part")
                      .choice("--kind", given.kind, {"tet4", "tet10"}, "elements")
                      .option("--name", given.names, "NAME", "names")
@@ -96,9 +97,11 @@ TEST(CommandLine, RefusalsSayWhatWasMeant) {
   EXPECT_EQ(run_words({"mesh", "f", "--xyz=3"}).err, "error: unknown option --xyz; see prog mesh --help\n");
   EXPECT_EQ(run_words({"mesh", "f", "g"}).err,
             "error: \"g\" is one argument too many; see prog mesh --help\n");
-  EXPECT_EQ(run_words({"man", "mesh", "f"}).err, "error: \"f\" is one argument too many; write prog man mesh\n");
+  EXPECT_EQ(run_words({"man", "mesh", "f"}).err,
+            "error: \"f\" is one argument too many; write prog man mesh\n");
   EXPECT_EQ(run_words({"man", "mehs"}).err, "error: unknown command \"mehs\", did you mean \"mesh\"?\n");
-  EXPECT_EQ(run_words({"completion", "tcsh"}).err, "error: there is no completion for \"tcsh\"; write bash, zsh or fish\n");
+  EXPECT_EQ(run_words({"completion", "tcsh"}).err,
+            "error: there is no completion for \"tcsh\"; write bash, zsh or fish\n");
   EXPECT_EQ(run_words({"help", "mesh", "f"}).err,
             "error: \"f\" is one argument too many; write prog help mesh\n");
   EXPECT_EQ(run_words({"completion", "tcsh"}).code, 2);
@@ -124,8 +127,9 @@ TEST(CommandLine, ManualPageNamesEveryOption) {
 
 TEST(CommandLine, ACommandHasAManualPageOfItsOwn) {
   const std::string page = run_words({"man", "mesh"}).out;
-  for (const char* words : {".TH PROG\\-MESH 1", ".SH NAME\nprog\\-mesh \\- mesh a part", ".B prog mesh\n[OPTIONS] FILE", ".SH DESCRIPTION\nmesh a part",
-                            "\\-\\-kind \\fIWORD\\fR", ".SH EXIT STATUS", ".BR prog (1)"}) {
+  for (const char* words :
+       {".TH PROG\\-MESH 1", ".SH NAME\nprog\\-mesh \\- mesh a part", ".B prog mesh\n[OPTIONS] FILE",
+        ".SH DESCRIPTION\nmesh a part", "\\-\\-kind \\fIWORD\\fR", ".SH EXIT STATUS", ".BR prog (1)"}) {
     EXPECT_THAT(page, HasSubstr(words));
   }
 }
@@ -154,7 +158,8 @@ TEST(CommandLine, WhatIsThrownBecomesAMessageAndAnExitCode) {
   EXPECT_EQ(outcome(std::runtime_error("no convergence")).code, 1);
   EXPECT_EQ(outcome(std::runtime_error("no convergence")).err, "error: no convergence\n");
   EXPECT_EQ(outcome(std::bad_alloc()).code, 1);
-  EXPECT_EQ(outcome(std::logic_error("x")).err, "error: a mistake of the program, not of the input: x; please report this with the input\n");
+  EXPECT_EQ(outcome(std::logic_error("x")).err,
+            "error: a mistake of the program, not of the input: x; please report this with the input\n");
   EXPECT_EQ(run_words({"mesh", "f"}, [] { return 7; }).code, 7);
 }
 

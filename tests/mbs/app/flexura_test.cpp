@@ -72,12 +72,14 @@ TEST_F(Flexura, HelpOfEveryCommandFitsEightyColumnsAndHasExamplesAndAVersion) {
   // The version in the first line, below it libraries and what is missing.
   const auto first_line = [](const std::string& text) { return text.substr(0, text.find('\n')); };
   const std::string told = run_program(FLEXURA_BIN_DIR "/flexura --version").out, program = first_line(told);
-  for (const char* words : {"\ncompiler: ", "\nlibraries: Eigen 3", "libhdf5", "libsundials", "\npages for the browser: ", "\nflexura-reduce: "})
+  for (const char* words : {"\ncompiler: ", "\nlibraries: Eigen 3", "libhdf5", "libsundials",
+                            "\npages for the browser: ", "\nflexura-reduce: "})
     EXPECT_THAT(told, HasSubstr(words));
   std::istringstream overview(flexura("--help").out);
   for (std::string line; std::getline(overview, line);) EXPECT_LE(terminal::display_width(line), 80) << line;
-  for (const char* command : {"examples", "new", "reduce", "section", "modes", "simulate", "outputs", "statics", "eigen",
-                              "linearize", "study", "view", "check", "report", "export", "assemble"}) {
+  for (const char* command :
+       {"examples", "new", "reduce", "section", "modes", "simulate", "outputs", "statics", "eigen",
+        "linearize", "study", "view", "check", "report", "export", "assemble"}) {
     const Outcome help = flexura(std::string(command) + " --help");
     EXPECT_EQ(help.code, 0) << command;
     EXPECT_THAT(help.out, HasSubstr("Examples:\n  flexura " + std::string(command))) << command;
@@ -181,7 +183,8 @@ TEST_F(Flexura, OutputsInAFolderThatIsNotThereAreRefused) {
       "study " FLEXURA_SOURCE_DIR "/cases/trade/four_bar.toml -o "};
   for (const std::string& command : commands) {
     // The file of a linearisation is known by its ending.
-    const Outcome outcome = flexura(command + nowhere + (command.starts_with("linearize") ? "/file.m" : "/file"));
+    const Outcome outcome =
+        flexura(command + nowhere + (command.starts_with("linearize") ? "/file.m" : "/file"));
     EXPECT_EQ(outcome.code, 2) << command;
     EXPECT_EQ(outcome.out, "") << command;
     EXPECT_THAT(outcome.err, HasSubstr("the folder " + nowhere + " does not exist; make it first"))
@@ -224,10 +227,11 @@ output_step = 0.01
 )toml";
   Outcome outcome = flexura("simulate " + mechanism.string() + " -o " + results.string());
   EXPECT_EQ(outcome.code, 1);
-  EXPECT_THAT(outcome.err,
-              HasSubstr("push.x = \"1/(t - 0.5)^2\" is inf at t = 0.5 s, a finite number is wanted; correct the "
-                        "formula or what it reads; what was computed until then is in " +
-                        results.string()));
+  EXPECT_THAT(
+      outcome.err,
+      HasSubstr("push.x = \"1/(t - 0.5)^2\" is inf at t = 0.5 s, a finite number is wanted; correct the "
+                "formula or what it reads; what was computed until then is in " +
+                results.string()));
   outcome = flexura("view --summary " + results.string());
   EXPECT_EQ(outcome.code, 0) << outcome.err;
   EXPECT_THAT(outcome.out, HasSubstr("0.49\n"));
@@ -298,7 +302,8 @@ TEST_F(Flexura, BashCompletesCommandsOptionsAndChoices) {
   EXPECT_EQ(offers("flexura modes --cl", 2), "--clamped\n");
   EXPECT_EQ(offers("flexura export beam --format d", 4), "dmig\n");
   EXPECT_EQ(offers("flexura modes beam", 2), "\n");  // files are bash's own business
-  EXPECT_EQ(offers(FLEXURA_BIN_DIR "/flexura reduce --mesh-", 2), "--mesh-size\n");  // asked of flexura-reduce
+  EXPECT_EQ(offers(FLEXURA_BIN_DIR "/flexura reduce --mesh-", 2),
+            "--mesh-size\n");  // asked of flexura-reduce
 }
 
 // A copy of the program alone in a folder has no companion to hand over to; beside one it becomes that

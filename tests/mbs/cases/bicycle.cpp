@@ -54,7 +54,8 @@ TEST(Bicycle, WeavesAndCapsizesAtThePublishedSpeeds) {
   // Central differences with steps of 1e-5 leave 1e-8 in the eigenvalues, whose slopes over the speed are 1.5
   // and 0.3.
   test::expect_reference("weave speed", "m/s", crossing(weave, 4.0, 4.5), 4.29238253634111, 1e-6, benchmark);
-  test::expect_reference("capsize speed", "m/s", crossing(capsize, 5.8, 6.2), 6.02426201538837, 1e-6, benchmark);
+  test::expect_reference("capsize speed", "m/s", crossing(capsize, 5.8, 6.2), 6.02426201538837, 1e-6,
+                         benchmark);
 }
 
 TEST(Bicycle, HasThePublishedEigenvaluesAtFiveMetresPerSecond) {
@@ -66,7 +67,8 @@ TEST(Bicycle, HasThePublishedEigenvaluesAtFiveMetresPerSecond) {
   }
   test::expect_reference("castering at 5 m/s", "1/s", castering, -14.07838969279822, 1e-6, benchmark);
   test::expect_reference("weave at 5 m/s, real", "1/s", weaving.real(), -0.77534188219585, 1e-6, benchmark);
-  test::expect_reference("weave at 5 m/s, imaginary", "1/s", weaving.imag(), 4.46486771378823, 1e-6, benchmark);
+  test::expect_reference("weave at 5 m/s, imaginary", "1/s", weaving.imag(), 4.46486771378823, 1e-6,
+                         benchmark);
   test::expect_reference("capsize at 5 m/s", "1/s", capsize(5.0), -0.32286642900409, 1e-6, benchmark);
 }
 

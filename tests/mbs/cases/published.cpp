@@ -97,8 +97,9 @@ TEST(Andrews, ReachesThePublishedEndStateAndConvergesWithTheTolerance) {
     EXPECT_LT(error, 0.3 * before);  // two decades of tolerance; at order five at least a factor of 3
     before = error;
   }
-  test::expect_reference("largest difference of the seven angles at the end", "rad", before, 0.0, 1e-7,
-                         {"Andrews' squeezer, IVP test set: published end state", "tolerance 1e-10, some 1e3 steps"});
+  test::expect_reference(
+      "largest difference of the seven angles at the end", "rad", before, 0.0, 1e-7,
+      {"Andrews' squeezer, IVP test set: published end state", "tolerance 1e-10, some 1e3 steps"});
 }
 
 }  // namespace

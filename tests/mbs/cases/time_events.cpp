@@ -228,7 +228,8 @@ TEST_P(TimeEvents, EndlessOnesAreRefusedSoon) {
     const PreparedMechanism p = prepared(pushed_by(formula) + GetParam().solver());
     const RunResult r = run(*p.mechanism, p.state, p.v_dot, p.options);
     EXPECT_FALSE(r.complete) << formula;
-    EXPECT_NE(r.stopped_because.find("times until the end"), std::string::npos) << formula << ": " << r.stopped_because;
+    EXPECT_NE(r.stopped_because.find("times until the end"), std::string::npos)
+        << formula << ": " << r.stopped_because;
   }
 }
 

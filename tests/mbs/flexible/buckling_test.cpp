@@ -48,7 +48,8 @@ TEST(Buckling, OfColumnsUnderATipLoadAndTheirOwnWeight) {
   const superelement::Superelement se = beams::beam_superelement(b);
   // Euler: P = pi^2 EI / (4 L^2), and four times it about the other axis.
   const double P = 0.05;
-  const auto tip = buckling_modes(at_rest(column(se, 0.0, 1000.0)), at_rest(column(se, P / 1000.0, 1000.0))).modes;
+  const auto tip =
+      buckling_modes(at_rest(column(se, 0.0, 1000.0)), at_rest(column(se, P / 1000.0, 1000.0))).modes;
   const double euler = std::numbers::pi * std::numbers::pi / 4.0;
   // Own weight P/1000 beside it: 1e-3 of the load at 0.315 of its effect; finite elements 1e-6.
   EXPECT_NEAR(tip[0].factor * P, euler, 4e-4 * euler);

@@ -51,7 +51,7 @@ Momenta momenta(const Mechanism& m, int body, const State& s) {
   const Matrix3d& R = motion.X_WB.R;
   const Vector3d w = R.transpose() * motion.w_W, v = R.transpose() * motion.v_W;
   const auto scratch = flexible.make_scratch();
-    auto& work = *scratch;
+  auto& work = *scratch;
   const int at = m.modal_position(body);
   flexible.set_position(s.p.data() + at, work);
   const VectorXd s_dot = s.v.tail(flexible.m());

@@ -110,12 +110,13 @@ TEST(SimoVuQuocSpinUp, PeakDeflectionAndSteadyExtensionWithStiffening) {
     ASSERT_TRUE(out.complete);
     // The reference is linear in the deflection, good to (w/L)^2 = 0.4 %: 1 %.
     const flexura::test::Reference kane = {"spin-up of Kane, Simo and Vu-Quoc: linear theory with stiffening",
-                                  "the reference is good to (w/L)^2 = 0.4 %"};
-    flexura::test::expect_reference("largest deflection of the tip", "m", out.peak, -0.57437, 0.01 * 0.57437, kane);
+                                           "the reference is good to (w/L)^2 = 0.4 %"};
+    flexura::test::expect_reference("largest deflection of the tip", "m", out.peak, -0.57437, 0.01 * 0.57437,
+                                    kane);
     flexura::test::expect_reference("its time", "s", out.peak_time, 6.762, 0.05, kane);
     // rho A W^2 L^3 / (3 EA), less the shortening of the vibration that is left, (w'^2 / 2) L ~ 1e-6.
-    flexura::test::expect_reference("steady extension", "m", out.final_extension, 5.142857e-4, 0.01 * 5.142857e-4,
-                           {"rho A W^2 L^3 / (3 EA)", "1 %"});
+    flexura::test::expect_reference("steady extension", "m", out.final_extension, 5.142857e-4,
+                                    0.01 * 5.142857e-4, {"rho A W^2 L^3 / (3 EA)", "1 %"});
   }
 }
 
@@ -178,11 +179,13 @@ TEST(RotatingCantilever, FlapAndChordFrequenciesWithCoriolis) {
   for (const auto& [mu, flap, chord] : reference) {
     SCOPED_TRACE(mu);
     const Frequencies out = rotating_frequencies(se, options, mu);
-    const flexura::test::Reference published = {"rotating cantilever, dimensionless frequencies over the spin, published",
-                                       "1 %: slenderness 70 in place of a thin beam's"};
-    flexura::test::expect_reference("flap at spin " + std::to_string(static_cast<int>(mu)), "", out.flap, flap, 0.01 * flap, published);
-    flexura::test::expect_reference("chord at spin " + std::to_string(static_cast<int>(mu)), "", out.chord, chord, 0.01 * chord,
-                           published);
+    const flexura::test::Reference published = {
+        "rotating cantilever, dimensionless frequencies over the spin, published",
+        "1 %: slenderness 70 in place of a thin beam's"};
+    flexura::test::expect_reference("flap at spin " + std::to_string(static_cast<int>(mu)), "", out.flap,
+                                    flap, 0.01 * flap, published);
+    flexura::test::expect_reference("chord at spin " + std::to_string(static_cast<int>(mu)), "", out.chord,
+                                    chord, 0.01 * chord, published);
   }
   // Without stiffening the flap frequency stays where it is at rest and the chord one falls with mu.
   options.stiffening = false;

@@ -11,7 +11,8 @@ namespace {
 
 using Eigen::VectorXd;
 
-std::shared_ptr<const FlexibleBody> bar(const Vector3d& root, const Vector3d& tip, double mass, double stiffness) {
+std::shared_ptr<const FlexibleBody> bar(const Vector3d& root, const Vector3d& tip, double mass,
+                                        double stiffness) {
   return std::make_shared<const LumpedBar>(
       std::vector<NodePlace>{{"root", root}, {"tip", tip}, {"middle", 0.5 * (root + tip)}}, mass, stiffness);
 }

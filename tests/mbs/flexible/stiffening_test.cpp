@@ -37,8 +37,7 @@ std::shared_ptr<const FlexibleBody> body(const Lattice& l, Coupling coupling, bo
   options.modes = 8;
   options.loads = interface_loads(l.se, 1);
   if (!damped) options.damping = 0.0;
-  return std::make_shared<ModalBody>(
-      modal_data(stiffened ? with_random_stiffening(l.se, 4) : l.se, options));
+  return std::make_shared<ModalBody>(modal_data(stiffened ? with_random_stiffening(l.se, 4) : l.se, options));
 }
 
 MechanismDescription chain(Coupling coupling, bool stiffened, bool damped, int fixed_interface = -1) {

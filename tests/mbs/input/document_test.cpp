@@ -209,8 +209,9 @@ TEST_F(Document, SyntaxAndFilesAreRefusedInOneSentence) {
 }
 
 TEST_F(Document, OverridesReplaceAndAddValues) {
-  const Section root = read(good, {"material.density=2700 kg/m^3", "joint[1].axis = [1, 0, 0]",
-                                   "body.wheel={mass = 3}", "name=12", "tags=[\"c\"]", "joint[2].from=rod.big"});
+  const Section root =
+      read(good, {"material.density=2700 kg/m^3", "joint[1].axis = [1, 0, 0]", "body.wheel={mass = 3}",
+                  "name=12", "tags=[\"c\"]", "joint[2].from=rod.big"});
   EXPECT_DOUBLE_EQ(root.table("material").quantity("density"), 2700.0);
   EXPECT_EQ(root.tables("joint")[0].vector3("axis"), Eigen::Vector3d(1, 0, 0));
   EXPECT_EQ(root.tables("joint")[1].text("from"), "rod.big");
@@ -279,7 +280,8 @@ TEST(Reference, ATypeStandsOnceWithItsSynonymsInItsHeading) {
   joint.name = "joint";
   joint.selector = "type";
   for (const char* name : {"hinge", "pin", "revolute"})
-    joint.variants[name] = {.name = "revolute", .doc = "Turns.", .keys = {quantity("angle", dim::angle, "at the start")}};
+    joint.variants[name] = {
+        .name = "revolute", .doc = "Turns.", .keys = {quantity("angle", dim::angle, "at the start")}};
   joint.variants["slider"] = {.name = "what slides", .doc = "Slides."};  // a title, no other variant's name
   const std::string page = reference_page(joint);
   EXPECT_THAT(page, HasSubstr("## `type = \"revolute\"`, `\"hinge\"`, `\"pin\"`\n"));

@@ -44,7 +44,8 @@ TEST(Library, PendulumIsOnItsOtherSideAfterHalfItsPeriod) {
   const double theta_0 = 1.2;
   const Mechanism m = pendulum(theta_0).build();
   // T = 4 sqrt(I / (m g c)) K(sin(theta_0 / 2)).
-  const double I = 2.0 / 12.0 + 2.0 * 0.25, half = 2.0 * std::sqrt(I / (2.0 * g * 0.5)) * std::comp_ellint_1(std::sin(0.5 * theta_0));
+  const double I = 2.0 / 12.0 + 2.0 * 0.25,
+               half = 2.0 * std::sqrt(I / (2.0 * g * 0.5)) * std::comp_ellint_1(std::sin(0.5 * theta_0));
   for (const Method method : {Method::automatic, Method::ida, Method::radau, Method::runge_kutta}) {
     Simulation s(m, {.method = method, .tolerance = 1e-8});
     for (int k = 0; k < 20; ++k) s.advance(half / 20.0);
@@ -68,7 +69,9 @@ TEST(Library, AdvancingInPiecesIsTheRunInOne) {
   whole.options.method_is_open = true;
   std::vector<State> rows;
   RunCallbacks callbacks;
-  callbacks.row = [&](const State& state, const Eigen::VectorXd&, const EnergyAccount&) { rows.push_back(state); };
+  callbacks.row = [&](const State& state, const Eigen::VectorXd&, const EnergyAccount&) {
+    rows.push_back(state);
+  };
   ASSERT_TRUE(run(*whole.mechanism, whole.state, whole.v_dot, whole.options, callbacks).complete);
   ASSERT_EQ(rows.size(), 101);
   for (std::size_t k = 1; k < rows.size(); ++k) {
@@ -104,7 +107,8 @@ TEST(Library, DrivenFourBarClosesAsItsCirclesDo) {
   MechanismBuilder b;
   const Matrix3d I = 1e-3 * Matrix3d::Identity();
   const auto at = [](double x, double y) { return Pose{Matrix3d::Identity(), {x, y, 0}}; };
-  const auto crank = b.add("crank", RigidBody{.mass = 1, .inertia = I}), coupler = b.add("coupler", RigidBody{.mass = 1, .inertia = I}),
+  const auto crank = b.add("crank", RigidBody{.mass = 1, .inertia = I}),
+             coupler = b.add("coupler", RigidBody{.mass = 1, .inertia = I}),
              rocker = b.add("rocker", RigidBody{.mass = 1, .inertia = I});
   b.add<Revolute>("main", b.ground().marker(), crank.marker()).drive("2 * t");
   b.add<Revolute>("pin", crank.marker(at(0.2, 0)), coupler.marker()).start(0.7);
@@ -119,12 +123,19 @@ TEST(Library, DrivenFourBarClosesAsItsCirclesDo) {
     const double l = d.norm(), x = (0.49 - 0.25 + l * l) / (2.0 * l), y = std::sqrt(0.49 - x * x);
     const Eigen::Vector2d C = P + x * d / l + y * Eigen::Vector2d(-d.y(), d.x()) / l;
     const double rocker_angle = std::atan2(C.y() - Q.y(), C.x() - Q.x());
-    EXPECT_NEAR(std::remainder(s.output("base.angle") - rocker_angle, 2.0 * std::numbers::pi), 0.0, 1e-9) << s.time();
+    EXPECT_NEAR(std::remainder(s.output("base.angle") - rocker_angle, 2.0 * std::numbers::pi), 0.0, 1e-9)
+        << s.time();
   }
 }
 
 TEST(Library, SuperelementBendsUnderItsTipLoadAsABeam) {
-  const beams::StraightBeam beam{.length = 2.0, .elements = 12, .EA = 1e7, .GI_t = 2e3, .EI_y = 3e3, .EI_z = 3e3, .mass_per_length = 4.0};
+  const beams::StraightBeam beam{.length = 2.0,
+                                 .elements = 12,
+                                 .EA = 1e7,
+                                 .GI_t = 2e3,
+                                 .EI_y = 3e3,
+                                 .EI_z = 3e3,
+                                 .mass_per_length = 4.0};
   const ModalBody body(beams::beam_superelement(beam));
   EXPECT_EQ(body.report().kept, body.report().available);
   MechanismBuilder b;
@@ -137,13 +148,15 @@ TEST(Library, SuperelementBendsUnderItsTipLoadAsABeam) {
   s.advance(1.0);
   // The frame turns with the load, 1e-12 of it; statics come to rest within 1e-7.
   EXPECT_NEAR(s.output("sag"), -5e-3 * 8.0 / (3.0 * beam.EI_z), 1e-12);
-  EXPECT_THAT([&] { arm.marker("elbow"); }, ThrowsMessage<std::invalid_argument>(HasSubstr("no interface \"elbow\"")));
+  EXPECT_THAT([&] { arm.marker("elbow"); },
+              ThrowsMessage<std::invalid_argument>(HasSubstr("no interface \"elbow\"")));
 }
 
 /// A force of the user's own: strength / r^2 between two points.
 class Attraction final : public ForceElement {
  public:
-  Attraction(std::string name, int P, int Q, double strength) : ForceElement(std::move(name)), P_(P), Q_(Q), strength_(strength) {}
+  Attraction(std::string name, int P, int Q, double strength)
+      : ForceElement(std::move(name)), P_(P), Q_(Q), strength_(strength) {}
   std::string_view type() const override { return "attraction"; }
   void apply(const Kinematics& kin, const double*, Loads& loads) const override {
     const Vector3d r = kin.markers[Q_].X_WP.p - kin.markers[P_].X_WP.p;
@@ -193,11 +206,23 @@ TEST(Library, RefusesWhatHasNoMeaning) {
   const auto is = [](const char* words) { return ThrowsMessage<std::invalid_argument>(HasSubstr(words)); };
   EXPECT_THAT([&] { b.add("rod", RigidBody{.mass = 1.0}); }, is("a body is called \"rod\" already"));
   EXPECT_THAT([&] { b.add("", RigidBody{.mass = 1.0}); }, is("needs a name"));
-  EXPECT_THAT([&] { b.add<Revolute>("other", b.ground().marker(), MechanismBuilder::Marker{99}); }, is("is none of mechanism"));
-  EXPECT_THAT([&] { b.add<SpringDamper>("far", MechanismBuilder::Marker{99}, b.ground().marker(), {.stiffness = 1.0}); },
+  EXPECT_THAT([&] { b.add<Revolute>("other", b.ground().marker(), MechanismBuilder::Marker{99}); },
               is("is none of mechanism"));
-  EXPECT_THAT([&] { b.add<JointForce>("push", CoordinateRef{0, 3}, b.formula("1")); }, is("is none of mechanism"));
-  EXPECT_THAT([&] { b.add<JointForce>("pull", CoordinateRef{7, 0}, b.formula("1")); }, is("is none of mechanism"));
+  EXPECT_THAT(
+      [&] {
+        b.add<SpringDamper>("far", MechanismBuilder::Marker{99}, b.ground().marker(), {.stiffness = 1.0});
+      },
+      is("is none of mechanism"));
+  EXPECT_THAT(
+      [&] {
+        b.add<JointForce>("push", CoordinateRef{0, 3}, b.formula("1"));
+      },
+      is("is none of mechanism"));
+  EXPECT_THAT(
+      [&] {
+        b.add<JointForce>("pull", CoordinateRef{7, 0}, b.formula("1"));
+      },
+      is("is none of mechanism"));
   EXPECT_THAT([&] { b.formula("hinge.angel"); }, is("hinge.angle"));
   EXPECT_THAT([&] { b.parameter("t", 1.0); }, is("means something"));
   Simulation s(b.build());
@@ -206,7 +231,8 @@ TEST(Library, RefusesWhatHasNoMeaning) {
   s.advance(0.02);
   EXPECT_THAT([&] { s.advance(0.03); }, is("no multiple"));
   EXPECT_THAT([&] { Simulation(b.build(), {.tolerance = -1.0}); }, is("tolerance"));
-  EXPECT_THAT([&] { Simulation(b.build(), {.method = Method::ida, .fixed_step = 1e-3}); }, is("a fixed step goes with"));
+  EXPECT_THAT([&] { Simulation(b.build(), {.method = Method::ida, .fixed_step = 1e-3}); },
+              is("a fixed step goes with"));
   EXPECT_THAT([&] { Simulation(b.build(), {.fixed_step = 1e-3}); }, is("a fixed step goes with"));
   EXPECT_THAT([&] { Simulation(b.build(), {.method = Method::radau, .max_step = NAN}); }, is("max_step"));
   const auto other = b.add("wheel", RigidBody{.mass = 1.0, .inertia = Matrix3d::Identity()});

@@ -18,7 +18,8 @@ TEST(Pool, DoesEachPieceOnce) {
   for (const int n : {0, 1, 2, 7, 1000})
     for (const int most : {1, 2, 5}) {
       std::vector<std::atomic<int>> times(static_cast<std::size_t>(n));
-      parallel_for(n, [&](int i) { ++times[static_cast<std::size_t>(i)]; }, most);
+      parallel_for(
+          n, [&](int i) { ++times[static_cast<std::size_t>(i)]; }, most);
       for (const auto& count : times) EXPECT_EQ(count, 1);
     }
 }
@@ -27,11 +28,14 @@ TEST(Pool, TakesAsManyThreadsAsAllowed) {
   std::mutex guard;
   for (const int most : {1, 2, 3}) {
     std::set<std::thread::id> seen;
-    parallel_for(200, [&](int) {
-      std::this_thread::sleep_for(std::chrono::microseconds(50));
-      const std::lock_guard lock(guard);
-      seen.insert(std::this_thread::get_id());
-    }, most);
+    parallel_for(
+        200,
+        [&](int) {
+          std::this_thread::sleep_for(std::chrono::microseconds(50));
+          const std::lock_guard lock(guard);
+          seen.insert(std::this_thread::get_id());
+        },
+        most);
     EXPECT_GE(seen.size(), 1u);
     EXPECT_LE(seen.size(), static_cast<std::size_t>(most));
   }
@@ -39,9 +43,16 @@ TEST(Pool, TakesAsManyThreadsAsAllowed) {
 
 TEST(Pool, HandsOnTheFirstExceptionAndGoesOnServing) {
   for (int round = 0; round < 50; ++round) {
-    EXPECT_THROW(parallel_for(100, [](int i) { if (i == 13) throw std::runtime_error("thirteen"); }, 4), std::runtime_error);
+    EXPECT_THROW(parallel_for(
+                     100,
+                     [](int i) {
+                       if (i == 13) throw std::runtime_error("thirteen");
+                     },
+                     4),
+                 std::runtime_error);
     std::atomic<int> sum{0};
-    parallel_for(100, [&](int i) { sum += i; }, 4);
+    parallel_for(
+        100, [&](int i) { sum += i; }, 4);
     EXPECT_EQ(sum, 4950);
   }
 }
@@ -50,7 +61,13 @@ TEST(Pool, HandsOnTheFirstExceptionAndGoesOnServing) {
 TEST(Pool, IsUsedFromWithinAndBySeveralThreads) {
   std::atomic<int> sum{0};
   const auto use = [&] {
-    parallel_for(20, [&](int) { parallel_for(20, [&](int) { ++sum; }, 3); }, 3);
+    parallel_for(
+        20,
+        [&](int) {
+          parallel_for(
+              20, [&](int) { ++sum; }, 3);
+        },
+        3);
   };
   std::thread other(use);
   use();

@@ -170,9 +170,10 @@ TEST(Expression, NonFiniteResultNamesElementAndTime) {
     f.evaluate(&t);
     FAIL() << "infinity went through";
   } catch (const std::runtime_error& error) {
-    EXPECT_STREQ(error.what(),
-                 "force.f.value = \"1/(t-2)\" is inf at t = 2 s, a finite number is wanted; correct the formula "
-                 "or what it reads");
+    EXPECT_STREQ(
+        error.what(),
+        "force.f.value = \"1/(t-2)\" is inf at t = 2 s, a finite number is wanted; correct the formula "
+        "or what it reads");
   }
 }
 

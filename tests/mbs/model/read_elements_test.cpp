@@ -144,9 +144,11 @@ value = "loop + plant + 10*seen + ramp"
 // What a formula is a quantity of is the user's to say; energies are told from torques.
 TEST_F(MechanismFileTest, FormulasAndEnergiesHaveTheirUnits) {
   const auto unit = [&](const std::string& key, const std::string& name) {
-    const Mechanism mechanism(read("[body.cart]\nmass = 2\n[joint.rail]\ntype = \"prismatic\"\nfrom = \"ground\"\nto = \"cart\"\n"
-                                   "drive = \"t\"\n[measure.pull]\ntype = \"expression\"\nvalue = \"2*t\"\n" + key)
-                                  .description);
+    const Mechanism mechanism(
+        read("[body.cart]\nmass = 2\n[joint.rail]\ntype = \"prismatic\"\nfrom = \"ground\"\nto = \"cart\"\n"
+             "drive = \"t\"\n[measure.pull]\ntype = \"expression\"\nvalue = \"2*t\"\n" +
+             key)
+            .description);
     for (const OutputInfo& info : mechanism.quantities())
       if (info.name == name) return unit_of(info);
     for (const OutputInfo& info : run_quantities())
@@ -157,7 +159,8 @@ TEST_F(MechanismFileTest, FormulasAndEnergiesHaveTheirUnits) {
   EXPECT_EQ(unit("unit = \"N\"\n", "pull"), "N");
   EXPECT_EQ(unit("unit = \"N*m/rad\"\n", "pull"), "N*m/rad");
   EXPECT_EQ(unit("unit = \"kg*m/s^2\"\n", "pull"), "N");
-  for (const char* energy : {"energy.kinetic", "energy.total", "energy.balance"}) EXPECT_EQ(unit("", energy), "J") << energy;
+  for (const char* energy : {"energy.kinetic", "energy.total", "energy.balance"})
+    EXPECT_EQ(unit("", energy), "J") << energy;
   EXPECT_EQ(unit("", "rail.torque"), "N*m");
   // Formulas are in SI: 1 N shown as 1 kN would be a lie.
   for (const char* wrong : {"kN", "mm", "deg", "newton", ""}) {

@@ -158,8 +158,9 @@ TEST_F(MechanismFileTest, JointsThatGiveNoBoundaryConditionAreTold) {
   superelement::write(folder_ / "beam.se.h5", se);
   const std::vector<std::string> universal = {"joint.pivot.type=universal", "body.beam.frame=joint_fixed"};
   const MechanismFile file = read(flexible_pendulum, universal);
-  EXPECT_THAT(file.notes[0], HasSubstr("what joint \"pivot\" locks does not stand still in the body as it moves: its "
-                                       "eigenmodes are those of the free body"));
+  EXPECT_THAT(file.notes[0],
+              HasSubstr("what joint \"pivot\" locks does not stand still in the body as it moves: its "
+                        "eigenmodes are those of the free body"));
   EXPECT_THAT(file.notes[1], HasSubstr("gives the frame"));
   all_identities_hold(Mechanism(file.description), 5);
   std::vector<std::string> asked = universal;

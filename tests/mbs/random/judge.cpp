@@ -11,10 +11,10 @@
 #include "mbs/base/math/rotation.hpp"
 #include "mbs/solver/algebra/accelerations.hpp"
 #include "mbs/solver/linear/equilibrium.hpp"
-#include "mbs/solver/run/prepare.hpp"
-#include "mbs/solver/run/run.hpp"
 #include "mbs/solver/linear/stability.hpp"
 #include "mbs/solver/linear/steady_state.hpp"
+#include "mbs/solver/run/prepare.hpp"
+#include "mbs/solver/run/run.hpp"
 #include "tests/mbs/random/scene_run.hpp"
 
 namespace flexura::mbs::chance {
@@ -164,7 +164,8 @@ class Judge {
       else if (physics.n_rows() > 0)
         gauss.rank = physics.rank(X, row.t);
       if (physics.n_rows() > 0) sigma = std::min(sigma, gauss.rank.smallest);
-      if (is_known && (physics.n_rows() == 0 || gauss.rank.is_clear()) && !physics.stands_at_switch(row.motion, row.t)) {
+      if (is_known && (physics.n_rows() == 0 || gauss.rank.is_clear()) &&
+          !physics.stands_at_switch(row.motion, row.t)) {
         double error = 0.0;
         for (std::size_t b = 1; b < row.motion.size(); ++b) {
           const Vector6d a = physics.of_frame(gauss, static_cast<int>(b));

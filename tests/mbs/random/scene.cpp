@@ -130,7 +130,8 @@ bool Scene::has_beams() const {
 bool Scene::is_conservative() const {
   return std::ranges::none_of(bodies,
                               [](const SceneBody& body) {
-                                return (body.part && body.damping > 0.0) || (body.beam && body.beam->damping_time > 0.0);
+                                return (body.part && body.damping > 0.0) ||
+                                       (body.beam && body.beam->damping_time > 0.0);
                               }) &&
          std::ranges::none_of(joints, [](const SceneJoint& j) { return !j.drives.empty(); }) &&
          std::ranges::none_of(forces, [](const SceneForce& f) {

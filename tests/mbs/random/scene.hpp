@@ -48,7 +48,7 @@ struct SceneBody {
   /// Of a flexible body, in place of mass, centre and inertia; modes of it that are kept, the lowest.
   std::shared_ptr<const FlexiblePart> part = {};
   int modes = 0;
-  double damping = 0.0;  ///< ratio of each mode
+  double damping = 0.0;                ///< ratio of each mode
   std::optional<SceneBeam> beam = {};  ///< beside its part, which knows of its ends alone
   int n_dofs() const { return 6 + modes; }
 };

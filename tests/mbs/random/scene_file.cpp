@@ -74,7 +74,8 @@ class Writer {
   }
 
   void write_beam(const SceneBeam& beam) {
-    const double N = how_.mass * how_.length, EI = beam.bending, EA = 12.0 * EI / (beam.side * beam.side), GA = EA / 3.0;
+    const double N = how_.mass * how_.length, EI = beam.bending, EA = 12.0 * EI / (beam.side * beam.side),
+                 GA = EA / 3.0;
     const double J = beam.mass / beam.length * beam.side * beam.side / 12.0 * how_.mass * how_.length;
     say("fidelity = \"{}\"\nbeam = {{to = {}, elements = {}, damping_time = {:.17g}, ", beam.fidelity,
         list({how_.length * beam.length, 0, 0}, 17), beam.elements, beam.damping_time);

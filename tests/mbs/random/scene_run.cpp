@@ -76,14 +76,16 @@ void RowReader::read_body(int b, const MarkerState& x, const State& s, const Eig
   out.place.X_WB = {x.X_WP.R, unit * x.X_WP.p};
   out.V = {x.V.angular, unit * x.V.linear};
   out.A = {x.A.angular, unit * x.A.linear};
-  if (modal_speed_[b] < 0 || scene_.bodies[std::stoul(m_.description().bodies[b].name.substr(1))].beam) return;
+  if (modal_speed_[b] < 0 || scene_.bodies[std::stoul(m_.description().bodies[b].name.substr(1))].beam)
+    return;
   out.place.q = modal(b, m_.modal_coordinates(b, s));
   out.q_dot = modal(b, s.v.data() + modal_speed_[b]);
   out.q_ddot = modal(b, v_dot.data() + modal_speed_[b]);
 }
 
 // A marker's motion in W.
-MarkerState RowReader::marker(const std::string& name, const State& s, const std::vector<MarkerState>& bodies) const {
+MarkerState RowReader::marker(const std::string& name, const State& s,
+                              const std::vector<MarkerState>& bodies) const {
   const MechanismDescription& d = m_.description();
   const auto marker = std::ranges::find(d.markers, name, &MarkerDescription::name);
   const MarkerState& B = bodies[marker->body];
@@ -93,8 +95,8 @@ MarkerState RowReader::marker(const std::string& name, const State& s, const std
     NodeMotion motion;
     const FlexibleBody& body = *d.bodies[marker->body].flexible;
     motion.map.resize(6, body.m());
-    body.node_motion(marker->node, m_.modal_coordinates(marker->body, s), s.v.data() + modal_speed_[marker->body], nullptr,
-                     motion);
+    body.node_motion(marker->node, m_.modal_coordinates(marker->body, s),
+                     s.v.data() + modal_speed_[marker->body], nullptr, motion);
     X_BP = motion.X_BN;
     V = motion.V;
   }
@@ -111,11 +113,13 @@ void RowReader::read_ends(const State& s, const std::vector<MarkerState>& bodies
   const double unit = 1.0 / how_.length;
   for (std::size_t b = 1; b < scene_.bodies.size(); ++b) {
     if (!scene_.bodies[b].beam) continue;
-    const MarkerState root = marker(fmt::format("b{}.root", b), s, bodies), tip = marker(fmt::format("b{}.tip", b), s, bodies);
+    const MarkerState root = marker(fmt::format("b{}.root", b), s, bodies),
+                      tip = marker(fmt::format("b{}.tip", b), s, bodies);
     const Pose X_RT = root.X_WP.inverse() * tip.X_WP;
     const Matrix3d to_root = root.X_WP.R.transpose();
     const Vector3d theta = rotation_log(X_RT.R), w = to_root * (tip.V.angular - root.V.angular),
-                   v = to_root * (tip.V.linear - root.V.linear - root.V.angular.cross(Vector3d(tip.X_WP.p - root.X_WP.p)));
+                   v = to_root * (tip.V.linear - root.V.linear -
+                                  root.V.angular.cross(Vector3d(tip.X_WP.p - root.X_WP.p)));
     BodyMotion& out = row.motion[b];
     out.place.X_WB = {root.X_WP.R, unit * root.X_WP.p};
     out.V = {root.V.angular, unit * root.V.linear};

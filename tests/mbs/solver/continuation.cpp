@@ -104,7 +104,8 @@ TEST_P(Continued, OtherMechanismAndOtherIntegratorAreRefused) {
 TEST_P(Continued, AHistoryThatWasChangedIsRefusedOrHarmless) {
   BouncingBall ball;
   CartesianPendulum pendulum;
-  for (const Equations* m : {static_cast<const Equations*>(&ball), static_cast<const Equations*>(&pendulum)}) {
+  for (const Equations* m :
+       {static_cast<const Equations*>(&ball), static_cast<const Equations*>(&pendulum)}) {
     State s = make_state(*m);
     s.p.setZero();
     s.p(0) = m == &ball ? 1.0 : -1.0;

@@ -69,7 +69,8 @@ TEST(GrowthWatch, ASuddenKickIsNot) {
 
 // No loop over the decades on the way to infinity.
 TEST(GrowthWatch, AnEnergyBeyondAllNumbersEndsTheRun) {
-  for (const double energy : {std::numeric_limits<double>::infinity(), std::numeric_limits<double>::quiet_NaN()}) {
+  for (const double energy :
+       {std::numeric_limits<double>::infinity(), std::numeric_limits<double>::quiet_NaN()}) {
     GrowthWatch watch;
     watch.observe(0.0, 1.0, 0.0, 0.0);
     watch.observe(1.0, energy, 0.0, 0.0);

@@ -114,8 +114,9 @@ TEST_F(MechanismRun, MechanismThatCannotBeAssembledIsBadInput) {
   file(text);
   EXPECT_EQ(flexura("simulate m.toml -o m.h5"), 2);
   // The rod's end lies 1 m beside the slider's plane.
-  EXPECT_THAT(text_of("err.txt"), AllOf(HasSubstr("error: "), HasSubstr("m.toml"),
-                                        HasSubstr("cannot be assembled"), HasSubstr("\"wrist\" (from \"rod.end\" to \"slider.frame\") by")));
+  EXPECT_THAT(text_of("err.txt"),
+              AllOf(HasSubstr("error: "), HasSubstr("m.toml"), HasSubstr("cannot be assembled"),
+                    HasSubstr("\"wrist\" (from \"rod.end\" to \"slider.frame\") by")));
   EXPECT_FALSE(std::filesystem::exists(folder_ / "m.h5"));
 }
 
@@ -226,7 +227,8 @@ TEST_F(MechanismRun, CommandsCountFreedomsAndLineariseAboutTheEquilibrium) {
   ASSERT_EQ(flexura("eigen m.toml --equilibrium"), 0) << text_of("err.txt");
   // sqrt(14.715) / 2 pi = 0.610527 Hz, about the rod that hangs down.
   EXPECT_THAT(text_of("out.txt"), AllOf(HasSubstr("0.61052"), HasSubstr("equilibrium in ")));
-  ASSERT_EQ(flexura("eigen m.toml --equilibrium --pictures modes.h5 --amplitude 0.1"), 0) << text_of("err.txt");
+  ASSERT_EQ(flexura("eigen m.toml --equilibrium --pictures modes.h5 --amplitude 0.1"), 0)
+      << text_of("err.txt");
   const results::Results modes = results::read(folder_ / "modes.h5");
   ASSERT_EQ(modes.runs.size(), 1u);
   const auto angle = [&](int row) {

@@ -287,7 +287,8 @@ TEST_F(StudyCommand, WhatIsDamagedInTheCacheIsMadeAgain) {
     std::ofstream(path, std::ios::binary) << text;
     const Outcome again = study();
     EXPECT_EQ(again.exit_code, 0) << again.err;
-    EXPECT_THAT(again.err, HasSubstr("note: " + path.string() + " is not what was written there: it is made again"));
+    EXPECT_THAT(again.err,
+                HasSubstr("note: " + path.string() + " is not what was written there: it is made again"));
     EXPECT_EQ(errors(), first);
   };
   const std::string results = read_text(file(".h5", 0));

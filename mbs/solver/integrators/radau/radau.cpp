@@ -25,7 +25,8 @@ using Eigen::VectorXd;
 constexpr int kMostIterations = 7;
 // With a matrix for each stage (radau_stages.hpp) Newton's method goes on for longer, but never quadratically; where it
 // is wanted again soon, the next steps begin with it, and where it does not serve it is not tried again for some.
-constexpr int kMostStageIterations = 20, kMostStagePasses = 4, kMostStageSteps = 64, kSoonAgain = 4, kLongestWait = 1024;
+constexpr int kMostStageIterations = 20, kMostStagePasses = 4, kMostStageSteps = 64, kSoonAgain = 4,
+              kLongestWait = 1024;
 // Tried from one failure in five attempts on: a contact that closes fails now and then.
 constexpr double kTroubled = 0.2;
 constexpr double kSafety = 0.9;
@@ -107,7 +108,7 @@ class Radau final : public Integrator {
   SwitchFinder switches_;
   std::unique_ptr<Equations::Scratch> scratch_;
   std::unique_ptr<RadauMatrices> matrices_;
-  StabilisedIndex2* form_ = nullptr;  // in matrices_
+  StabilisedIndex2* form_ = nullptr;     // in matrices_
   std::unique_ptr<RadauStages> stages_;  // once they were wanted
   // Steps to come that begin with them, or that do without; how many the next time, and steps since then.
   int stage_steps_ = 0, stage_wait_ = 0, stage_run_ = 1, stage_span_ = 8, plain_steps_ = kSoonAgain;
@@ -228,7 +229,8 @@ Radau::Outcome Radau::newton_by_stages(double h, double t_stop, double& shorter,
     for (int i = 0; i < 3; ++i) {
       stage_ = y_ + Z_[i];
       rate_ = (k_.B(i, 0) * Z_[0] + k_.B(i, 1) * Z_[1] + k_.B(i, 2) * Z_[2]) / h;
-      if (!stages_->linearise(i, std::min(t_ + k_.c[i] * h, t_stop), stage_, rate_, h)) return Outcome::diverged;
+      if (!stages_->linearise(i, std::min(t_ + k_.c[i] * h, t_stop), stage_, rate_, h))
+        return Outcome::diverged;
     }
     outcome = newton(h, t_stop, shorter, iterations, true);
     if (!Z_[2].allFinite()) return Outcome::diverged;
@@ -418,8 +420,9 @@ StepEnd Radau::step(double t_stop) {
         trouble_rate_ += 0.1 * ((outcome == Outcome::converged ? 0.0 : 1.0) - trouble_rate_);
       }
       by_stages = has_factors && outcome != Outcome::converged &&
-                  (stage_steps_ > 0 || (stage_wait_ == 0 && (trouble_rate_ > kTroubled || plain_steps_ < kSoonAgain) &&
-                                         matrices_->are_fresh(t_) && matrices_->are_full()));
+                  (stage_steps_ > 0 ||
+                   (stage_wait_ == 0 && (trouble_rate_ > kTroubled || plain_steps_ < kSoonAgain) &&
+                    matrices_->are_fresh(t_) && matrices_->are_full()));
       if (by_stages) {
         outcome = newton_by_stages(h, t_stop, shorter, iterations);
         if (outcome == Outcome::converged) {
@@ -450,8 +453,9 @@ StepEnd Radau::step(double t_stop) {
     // Rows are moved onto their constraints from ten times the error at the nodes away.
     const double error = std::max(local_error(h, rejected_ || is_first_), 0.1 * distance_between_nodes(h));
     const double factor =
-        by_stages ? kSafety
-                  : std::min(kSafety, kSafety * (1 + 2 * kMostIterations) / (iterations + 2 * kMostIterations));
+        by_stages
+            ? kSafety
+            : std::min(kSafety, kSafety * (1 + 2 * kMostIterations) / (iterations + 2 * kMostIterations));
     double quotient = std::clamp(std::pow(error, 0.25) / factor, 0.125, 5.0);
     if (error >= 1.0) {
       last_.h = 0.0;
