@@ -97,10 +97,10 @@ class Rows {
         u.squaredNorm() / length);
   }
   /// A row made elsewhere: g, its derivative by (w, p') and the bias of g''.
-  void add(double g, const Vector3d& by_angular, const Vector3d& by_linear, double gamma) {
-    this->g(n) = g;
+  void add(double residual, const Vector3d& by_angular, const Vector3d& by_linear, double bias) {
+    g(n) = residual;
     G.row(n) << by_angular.transpose(), by_linear.transpose();
-    this->gamma(n) = gamma;
+    gamma(n) = bias;
     ++n;
   }
 

@@ -34,34 +34,34 @@ Relative Kinematics::relative_acceleration(int marker_F, int marker_M) const {
   return rel;
 }
 
-double Kinematics::coordinate(CoordinateRef c) const {
-  const JointPlace& place = (*joints)[c.joint];
-  if (place.in_tree()) return p[place.i_p + c.index];
+double Kinematics::coordinate(CoordinateRef of) const {
+  const JointPlace& place = (*joints)[of.joint];
+  if (place.in_tree()) return p[place.i_p + of.index];
   double q[7];
   place.joint->coordinates_of(relative_pose(place.marker_F, place.marker_M), q);
-  return q[c.index];
+  return q[of.index];
 }
 
-double Kinematics::speed(CoordinateRef c) const {
-  const JointPlace& place = (*joints)[c.joint];
-  if (place.in_tree()) return v[place.i_v + c.index];
+double Kinematics::speed(CoordinateRef of) const {
+  const JointPlace& place = (*joints)[of.joint];
+  if (place.in_tree()) return v[place.i_v + of.index];
   const Relative rel = relative_motion(place.marker_F, place.marker_M);
   double q[7], w[6];
   place.joint->coordinates_of(rel.X_FM, q);
   place.joint->speeds_of(q, rel.V, w);
-  return w[c.index];
+  return w[of.index];
 }
 
-double Kinematics::acceleration(CoordinateRef c) const {
-  const JointPlace& place = (*joints)[c.joint];
-  if (place.in_tree()) return v_dot[place.i_v + c.index];
+double Kinematics::acceleration(CoordinateRef of) const {
+  const JointPlace& place = (*joints)[of.joint];
+  if (place.in_tree()) return v_dot[place.i_v + of.index];
   const Relative rel = relative_acceleration(place.marker_F, place.marker_M);
   double q[7], w[6];
   place.joint->coordinates_of(rel.X_FM, q);
   place.joint->speeds_of(q, rel.V, w);
   const Vector6d without_bias = rel.A - place.joint->bias(q, w);
   place.joint->speeds_of(q, without_bias, w);
-  return w[c.index];
+  return w[of.index];
 }
 
 void Loads::apply_between(const Kinematics& kin, int marker_F, int marker_M, const Vector6d& on_M_F) {

@@ -70,10 +70,10 @@ struct Writer::Impl {
     c.buffer.insert(c.buffer.end(), values, values + count);
   }
 
-  void change(const std::function<void(hdf5::File&)>& change) {
+  void change(const std::function<void(hdf5::File&)>& what) {
     output.change([&](const std::filesystem::path& place) {
       hdf5::File file(place, hdf5::Mode::modify);
-      change(file);
+      what(file);
       file.close();
     });
   }

@@ -3,8 +3,19 @@ include_guard(GLOBAL)
 
 find_program(CCACHE ccache)
 if(CCACHE)
-  # What ccache asks for before it keeps objects made with precompiled headers.
-  set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env CCACHE_SLOPPINESS=pch_defines,time_macros ${CCACHE})
+  # What ccache asks for before it keeps objects made with precompiled headers; and warnings change no object.
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env CCACHE_SLOPPINESS=pch_defines,time_macros CCACHE_IGNOREOPTIONS=-W* ${CCACHE})
+endif()
+
+# What all our own sources are compiled with: findings are mended, not silenced. What clang's -Wconversion says about signs,
+# g++'s leaves out: signed indices of Eigen meet unsigned sizes of the standard library everywhere. Errors (the preset
+# "release") only with the compiler whose findings are known: another one's must not keep a release from being built.
+set(flexura_warnings -Wall -Wextra -Wshadow -Wconversion)
+if(CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
+  list(APPEND flexura_warnings -Wno-sign-conversion)
+  if(FLEXURA_WERROR AND CMAKE_CXX_COMPILER_VERSION MATCHES "^16\\.")
+    list(APPEND flexura_warnings -Werror)
+  endif()
 endif()
 find_program(MOLD mold)
 if(MOLD)
@@ -77,7 +88,7 @@ function(flexura_library name)
   add_library(flexura_${name} STATIC ${ARG_SOURCES})
   add_library(flexura::${name} ALIAS flexura_${name})
   target_include_directories(flexura_${name} PUBLIC $<BUILD_INTERFACE:${CMAKE_SOURCE_DIR}> $<INSTALL_INTERFACE:include/flexura>)
-  target_compile_options(flexura_${name} PRIVATE -Wall -Wextra)
+  target_compile_options(flexura_${name} PRIVATE ${flexura_warnings})
   target_link_libraries(flexura_${name} PUBLIC Eigen3::Eigen ${ARG_LINKS} PRIVATE ${ARG_PRIVATE_LINKS})
   flexura_precompile(flexura_${name} flexura_precompiled_library)
 endfunction()
@@ -98,7 +109,7 @@ function(flexura_only_with word name)
 endfunction()
 
 function(flexura_test_settings name)
-  target_compile_options(${name} PRIVATE -Wall -Wextra -O1)  # compiles a quarter faster; the libraries do the work
+  target_compile_options(${name} PRIVATE ${flexura_warnings} -O1)  # compiles a quarter faster; the libraries do the work
   target_compile_definitions(${name} PRIVATE FLEXURA_SOURCE_DIR="${CMAKE_SOURCE_DIR}"
                                              FLEXURA_BIN_DIR="${CMAKE_BINARY_DIR}/bin")
   target_include_directories(${name} PRIVATE ${CMAKE_SOURCE_DIR})
