@@ -150,7 +150,8 @@ void NewtonMatrix<Scalar>::assemble_sparse(Scalar cj) {
   Factors& f = *factors_;
   f.entries.clear();
   const auto add = [&](Eigen::Index i, Eigen::Index j, Scalar value) {
-    const bool row_of_c = i >= n_v && i < n_v + n_c, own_row = i >= at_m && !form_.is_holonomic(static_cast<int>(i - at_m));
+    const bool row_of_c = i >= n_v && i < n_v + n_c,
+               own_row = i >= at_m && !form_.is_holonomic(static_cast<int>(i - at_m));
     if (value == Scalar(0.0) || own_row) return;
     f.entries.emplace_back(i, j, (row_of_c ? -value : value) * row_scale_(i) * column_scale_(j));
   };
