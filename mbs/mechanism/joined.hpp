@@ -3,8 +3,8 @@
 
 #include "mbs/mechanism/mechanism.hpp"
 #include "mbs/mechanism/mechanism_tangents.hpp"
-#include "mbs/mechanism/quantities.hpp"
-#include "mbs/mechanism/start_values.hpp"
+#include "mbs/mechanism/motion/start_values.hpp"
+#include "mbs/mechanism/outputs/quantities.hpp"
 
 /// Private to the sources of Mechanism.
 namespace flexura::mbs {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "mbs/equations/equations.hpp"
-#include "mbs/mechanism/mechanism_description.hpp"
+#include "mbs/mechanism/description/mechanism_description.hpp"
 
 /// A mechanism: bodies on a tree of joints in relative coordinates, loops closed by constraints, forces.
 ///

@@ -1,15 +1,15 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "mbs/mechanism/constraint_rows.hpp"
-#include "mbs/mechanism/coordinates.hpp"
-#include "mbs/mechanism/element_states.hpp"
-#include "mbs/mechanism/element_tangents.hpp"
-#include "mbs/mechanism/inertia_tangents.hpp"
-#include "mbs/mechanism/inverse_dynamics.hpp"
-#include "mbs/mechanism/mass_matrix.hpp"
-#include "mbs/mechanism/topology.hpp"
-#include "mbs/mechanism/tree_motion.hpp"
+#include "mbs/mechanism/dynamics/inverse_dynamics.hpp"
+#include "mbs/mechanism/dynamics/mass_matrix.hpp"
+#include "mbs/mechanism/elements/constraint_rows.hpp"
+#include "mbs/mechanism/elements/element_states.hpp"
+#include "mbs/mechanism/motion/tree_motion.hpp"
+#include "mbs/mechanism/tangents/element_tangents.hpp"
+#include "mbs/mechanism/tangents/inertia_tangents.hpp"
+#include "mbs/mechanism/topology/coordinates.hpp"
+#include "mbs/mechanism/topology/topology.hpp"
 
 /// What a mechanism is joined of, and the scratch of them all.
 namespace flexura::mbs {

@@ -14,7 +14,7 @@
 #include "tests/mbs/flexible/chain.hpp"
 
 /// Flexible bodies on flexible bodies, so many that the program closes the joints between them as constraints
-/// (mbs/mechanism/split_branches.cpp).
+/// (mbs/mechanism/topology/split_branches.cpp).
 namespace flexura::mbs {
 namespace {
 

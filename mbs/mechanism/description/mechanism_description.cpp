@@ -1,5 +1,5 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-#include "mbs/mechanism/mechanism_description.hpp"
+#include "mbs/mechanism/description/mechanism_description.hpp"
 
 namespace flexura::mbs {
 

@@ -1,5 +1,5 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-#include "mbs/mechanism/mass_matrix.hpp"
+#include "mbs/mechanism/dynamics/mass_matrix.hpp"
 
 #include <fmt/format.h>
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "mbs/equations/equations.hpp"
-#include "mbs/mechanism/tree_motion.hpp"
+#include "mbs/mechanism/motion/tree_motion.hpp"
 
 /// The rows of g: closures of joints, drives, and the description's constraints; those that are kept and those that were
 /// left out because they follow from them.

@@ -1,7 +1,7 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include <cmath>
 
-#include "mbs/mechanism/mass_matrix.hpp"
+#include "mbs/mechanism/dynamics/mass_matrix.hpp"
 
 /// M^-1 in O(n) by articulated bodies (Featherstone, Rigid Body Dynamics Algorithms, ch. 7), extended to
 /// modal coordinates.  With V_b the twist of body b about Bo in W, x_b its own velocity coordinates (of its

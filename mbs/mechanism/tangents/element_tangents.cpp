@@ -1,5 +1,5 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-#include "mbs/mechanism/element_tangents.hpp"
+#include "mbs/mechanism/tangents/element_tangents.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-#include "mbs/mechanism/topology.hpp"
+#include "mbs/mechanism/topology/topology.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

@@ -4,9 +4,9 @@
 #include <functional>
 #include <vector>
 
-#include "mbs/mechanism/constraint_rows.hpp"
-#include "mbs/mechanism/element_states.hpp"
-#include "mbs/mechanism/inverse_dynamics.hpp"
+#include "mbs/mechanism/dynamics/inverse_dynamics.hpp"
+#include "mbs/mechanism/elements/constraint_rows.hpp"
+#include "mbs/mechanism/elements/element_states.hpp"
 
 namespace flexura::mbs {
 

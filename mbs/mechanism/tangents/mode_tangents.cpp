@@ -1,6 +1,6 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-#include "mbs/mechanism/inertia_tangents.hpp"
-#include "mbs/mechanism/variation.hpp"
+#include "mbs/mechanism/tangents/inertia_tangents.hpp"
+#include "mbs/mechanism/tangents/variation.hpp"
 
 /// Derivatives by a body's own elastic coordinates s, in the terms of inertia_tangents.cpp.
 ///

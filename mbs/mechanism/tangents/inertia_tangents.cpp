@@ -1,9 +1,9 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-#include "mbs/mechanism/inertia_tangents.hpp"
+#include "mbs/mechanism/tangents/inertia_tangents.hpp"
 
 #include <algorithm>
 
-#include "mbs/mechanism/variation.hpp"
+#include "mbs/mechanism/tangents/variation.hpp"
 
 /// Derivatives of the inverse dynamics in closed form, after J. Carpentier, N. Mansard, Analytical
 /// Derivatives of Rigid Body Dynamics Algorithms, RSS 2018, and S. Singh, R. P. Russo, P. M. Wensing, IEEE

@@ -4,7 +4,7 @@
 #include <array>
 #include <vector>
 
-#include "mbs/mechanism/mass_matrix.hpp"
+#include "mbs/mechanism/dynamics/mass_matrix.hpp"
 
 namespace flexura::mbs {
 

@@ -1,5 +1,5 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-#include "mbs/mechanism/coordinates.hpp"
+#include "mbs/mechanism/topology/coordinates.hpp"
 
 #include <fmt/format.h>
 

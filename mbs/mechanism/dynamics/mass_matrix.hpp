@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "mbs/mechanism/coordinates.hpp"
-#include "mbs/mechanism/inverse_dynamics.hpp"
+#include "mbs/mechanism/dynamics/inverse_dynamics.hpp"
+#include "mbs/mechanism/topology/coordinates.hpp"
 
 namespace flexura::mbs {
 

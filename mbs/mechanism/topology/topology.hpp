@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "mbs/kinematics/kinematics.hpp"
-#include "mbs/mechanism/mechanism_description.hpp"
+#include "mbs/mechanism/description/mechanism_description.hpp"
 
 /// Which joints span the tree, and where the coordinates of all bodies stand in p, v and c.
 namespace flexura::mbs {

@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "mbs/mechanism/coordinates.hpp"
-#include "mbs/mechanism/tree_motion.hpp"
+#include "mbs/mechanism/motion/tree_motion.hpp"
+#include "mbs/mechanism/topology/coordinates.hpp"
 
 namespace flexura::mbs {
 

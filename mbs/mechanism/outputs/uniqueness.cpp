@@ -2,7 +2,7 @@
 #include <Eigen/QR>
 #include <algorithm>
 
-#include "mbs/mechanism/quantities.hpp"
+#include "mbs/mechanism/outputs/quantities.hpp"
 
 /// Which reactions redundant constraints leave open.
 ///

@@ -1,5 +1,5 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-#include "mbs/mechanism/inverse_dynamics.hpp"
+#include "mbs/mechanism/dynamics/inverse_dynamics.hpp"
 
 #include <Eigen/LU>
 

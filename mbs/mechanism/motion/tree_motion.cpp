@@ -1,5 +1,5 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-#include "mbs/mechanism/tree_motion.hpp"
+#include "mbs/mechanism/motion/tree_motion.hpp"
 
 #include <algorithm>
 #include <limits>

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "mbs/equations/equations.hpp"
-#include "mbs/mechanism/tree_motion.hpp"
+#include "mbs/mechanism/motion/tree_motion.hpp"
 
 /// The sweep inwards: the recursive Newton-Euler algorithm (Featherstone, Rigid Body Dynamics Algorithms, ch. 5) with
 /// flexible bodies in floating frames, and deformations that follow the motion without acting back on it

@@ -1,5 +1,5 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-#include "mbs/mechanism/element_states.hpp"
+#include "mbs/mechanism/elements/element_states.hpp"
 
 #include <fmt/format.h>
 

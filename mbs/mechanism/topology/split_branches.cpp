@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <set>
 
-#include "mbs/mechanism/topology.hpp"
+#include "mbs/mechanism/topology/topology.hpp"
 
 /// Long branches of flexible bodies.  In the coordinates of a tree every body's equations hold those of all
 /// bodies inboard of it: the matrices of a chain of n bodies with m modes are full, and factors cost (n m)^3.

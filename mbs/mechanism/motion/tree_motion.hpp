@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "mbs/kinematics/kinematics.hpp"
-#include "mbs/mechanism/topology.hpp"
+#include "mbs/mechanism/topology/topology.hpp"
 
 /// The sweep outwards: poses, twists and accelerations of all bodies and markers, where a joint may sit on markers that
 /// move with the deformation of either body.  Every body's twist is (w_WB, v_WBo) expressed in W.

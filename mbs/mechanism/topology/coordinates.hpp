@@ -4,7 +4,7 @@
 #include <string>
 
 #include "mbs/equations/equations.hpp"
-#include "mbs/mechanism/topology.hpp"
+#include "mbs/mechanism/topology/topology.hpp"
 
 /// The coordinates of a mechanism for themselves: how p changes with v, their names and sizes.
 namespace flexura::mbs {

@@ -7,7 +7,7 @@
 
 #include "mbs/equations/equations.hpp"
 #include "mbs/formulas/time_function.hpp"
-#include "mbs/mechanism/tree_motion.hpp"
+#include "mbs/mechanism/motion/tree_motion.hpp"
 
 /// Signals that formulas read, and the dynamic states, algebraic states and switches that belong to single elements.
 namespace flexura::mbs {

@@ -1,5 +1,5 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-#include "mbs/mechanism/quantities.hpp"
+#include "mbs/mechanism/outputs/quantities.hpp"
 
 #include <fmt/format.h>
 

@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "mbs/kinematics/derivatives.hpp"
-#include "mbs/mechanism/constraint_rows.hpp"
-#include "mbs/mechanism/element_states.hpp"
-#include "mbs/mechanism/inertia_tangents.hpp"
+#include "mbs/mechanism/elements/constraint_rows.hpp"
+#include "mbs/mechanism/elements/element_states.hpp"
+#include "mbs/mechanism/tangents/inertia_tangents.hpp"
 
 /// The chain rule from what elements see and do to the coordinates.
 namespace flexura::mbs {

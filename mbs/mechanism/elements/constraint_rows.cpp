@@ -1,5 +1,5 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-#include "mbs/mechanism/constraint_rows.hpp"
+#include "mbs/mechanism/elements/constraint_rows.hpp"
 
 #include <algorithm>
 #include <limits>

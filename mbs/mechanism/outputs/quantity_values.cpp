@@ -1,7 +1,7 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include <Eigen/Geometry>
 
-#include "mbs/mechanism/quantities.hpp"
+#include "mbs/mechanism/outputs/quantities.hpp"
 
 /// The values of quantities at one state.
 namespace flexura::mbs {

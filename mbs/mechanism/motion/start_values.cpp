@@ -1,5 +1,5 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-#include "mbs/mechanism/start_values.hpp"
+#include "mbs/mechanism/motion/start_values.hpp"
 
 namespace flexura::mbs {
 
