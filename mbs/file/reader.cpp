@@ -66,15 +66,19 @@ Section read_mechanism_document(const std::filesystem::path& file, const input::
 
 void add_free_joints(ReadModel& model) {
   MechanismDescription& d = model.description;
-  // A chain of segments is held where one of its pieces is.
+  // A chain of segments is held where one of its pieces is; the pieces of a free one go along with its root.
+  std::set<int> go_along;
   for (const auto& [b, chain] : model.segments) {
     const bool held =
         std::ranges::any_of(chain.bodies, [&](int piece) { return model.joined.contains(piece); });
     for (const int piece : chain.bodies)
       if (piece != b || held) model.joined.insert(piece);
+    for (const int piece : chain.bodies)
+      if (piece != b && !held) go_along.insert(piece);
   }
   for (std::size_t i = 1; i < d.bodies.size(); ++i) {
     const int b = static_cast<int>(i);
+    if (go_along.contains(b)) continue;
     const Section& s = model.sections.at(b);
     const bool moves = s.has("velocity") || s.has("angular_velocity");
     if (model.joined.contains(b)) {

@@ -9,8 +9,6 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "mesh/gmsh/child.hpp"
-
 namespace flexura::mesh {
 namespace {
 
@@ -92,8 +90,10 @@ std::string last_error(const std::string& log) {
 
 }  // namespace
 
-Answer ask_worker(const fs::path& worker, const Job& job, double limit_s, const Progress& progress) {
+Answer ask_worker(const fs::path& worker, const Job& job, double limit_s, const Progress& progress,
+                  Allowance* allowance) {
   const ChildOutcome outcome = run_child(find_worker(worker), nlohmann::json(job).dump(), limit_s, progress);
+  if (allowance) allowance->give_back(outcome.waited_s);
   const std::string stage = outcome.stage.empty() ? "" : " while " + outcome.stage;
   if (outcome.end == ChildEnd::out_of_time)
     throw TryFailed(fmt::format("was not done within {:.3g} s{}", limit_s,

@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "mesh/gmsh/cad.hpp"
+#include "mesh/gmsh/child.hpp"
 #include "mesh/gmsh/job.hpp"
 
 /// One question to the child process, one answer; shared by all that uses it.
@@ -30,9 +31,10 @@ struct WorkerCrashed : TryFailed {
   using TryFailed::TryFailed;
 };
 
-/// Throws TryFailed or one of its kinds; std::runtime_error where the program is missing.
+/// What the child waited for a processor is given back to the allowance that the time is taken from.  Throws TryFailed or
+/// one of its kinds; std::runtime_error where the program is missing.
 Answer ask_worker(const std::filesystem::path& worker, const Job& job, double limit_s,
-                  const Progress& progress);
+                  const Progress& progress, Allowance* allowance = nullptr);
 
 /// What the child wrote, taken apart; every count and node number is held against what is there.  Throws
 /// TryFailed.

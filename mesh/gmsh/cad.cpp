@@ -7,7 +7,6 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <chrono>
 #include <map>
 #include <stdexcept>
 
@@ -19,7 +18,6 @@ namespace flexura::mesh {
 namespace {
 
 namespace fs = std::filesystem;
-using Clock = std::chrono::steady_clock;
 
 constexpr double kVolumeGoal = 0.005;  // of the CAD volume
 constexpr double kSizeRange = 3;       // greatest over least size: small fillets are not resolved by default
@@ -201,8 +199,7 @@ CadReport list_faces(const CadOptions& options, const Progress& progress) {
 }
 
 CadMesh mesh_cad(const CadOptions& options, const Progress& progress) {
-  const auto start = Clock::now();
-  const auto seconds = [&] { return std::chrono::duration<double>(Clock::now() - start).count(); };
+  Allowance time(options.time_limit_s);
   Job job;
   ResultRecord listed;
   CadReport report = list_and_choose(options, true, job, progress, &listed);
@@ -236,7 +233,7 @@ CadMesh mesh_cad(const CadOptions& options, const Progress& progress) {
     job.surface_algorithm = attempt.surface_algorithm;
     job.size_min = std::min(size, attempt.size_min_factor * size_min);
     job.heal = attempt.heal;
-    const double left = options.time_limit_s - seconds();
+    const double left = time.left();
     // The first try may take most of the time; what hangs must leave some for the others.
     const double limit = k + 1 < attempts.size() ? 0.6 * left : left;
     if (left <= 0) {
@@ -244,7 +241,7 @@ CadMesh mesh_cad(const CadOptions& options, const Progress& progress) {
       break;
     }
     try {
-      const Answer answer = ask_worker(options.worker, job, limit, progress);
+      const Answer answer = ask_worker(options.worker, job, limit, progress, &time);
       if (progress) progress("checking the mesh", 0.97);
       CadMesh out = accept(answer, options);
       if (std::abs(out.report.volume_error) > kVolumeGoal && refinements < 2 && job.elements_per_circle > 0) {
@@ -286,7 +283,7 @@ CadMesh mesh_cad(const CadOptions& options, const Progress& progress) {
       out.report.messages.insert(out.report.messages.begin(), messages.begin(), messages.end());
       out.report.messages.insert(out.report.messages.begin(), report.messages.begin(), report.messages.end());
       out.report.size = answer.record.size;
-      out.report.seconds = seconds();
+      out.report.seconds = time.spent();
       out.cad = std::move(report);
       add_named_sets(out.cad.faces, out.mesh);
       return out;

@@ -6,7 +6,6 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <stdexcept>
 
@@ -18,7 +17,6 @@ namespace flexura::mesh {
 namespace {
 
 using Eigen::Vector3d;
-using Clock = std::chrono::steady_clock;
 
 Job sheet_job(const CadOptions& options, CadReport& report) {
   for (const auto& [given, key] :
@@ -32,9 +30,10 @@ Job sheet_job(const CadOptions& options, CadReport& report) {
   return job;
 }
 
-Answer ask(const CadOptions& options, const Job& job, double limit_s, const Progress& progress) {
+Answer ask(const CadOptions& options, const Job& job, double limit_s, const Progress& progress,
+           Allowance* time = nullptr) {
   try {
-    return ask_worker(options.worker, job, limit_s, progress);
+    return ask_worker(options.worker, job, limit_s, progress, time);
   } catch (const PartRefused& e) {
     throw std::invalid_argument(options.path.string() + ": " + e.what());
   }
@@ -144,16 +143,13 @@ CadReport list_sheet(const CadOptions& options, const Progress& progress) {
 }
 
 CadMesh mesh_sheet(const CadOptions& options, double thickness, const Progress& progress) {
-  const auto start = Clock::now();
+  Allowance time(options.time_limit_s);
   CadReport report;
   Job job = sheet_job(options, report);
-  const auto left = [&] {
-    return options.time_limit_s - std::chrono::duration<double>(Clock::now() - start).count();
-  };
   std::vector<std::string> reasons;
   try {
     const ResultRecord listed =
-        ask(options, job, std::min(left(), listing_limit_s(options.path)), progress).record;
+        ask(options, job, std::min(time.left(), listing_limit_s(options.path)), progress, &time).record;
     check_thickness(options, thickness, listed);
     fill_report(listed, report);
     job.size = options.size > 0 ? options.size : std::sqrt(listed.area) / 20.0;
@@ -166,8 +162,8 @@ CadMesh mesh_sheet(const CadOptions& options, double thickness, const Progress& 
   for (const int algorithm : {6, 5, 1}) {
     job.surface_algorithm = algorithm;
     try {
-      if (!(left() > 0)) throw TryFailed("had no time left");
-      CadMesh out = accept(ask(options, job, left(), progress), thickness);
+      if (!(time.left() > 0)) throw TryFailed("had no time left");
+      CadMesh out = accept(ask(options, job, time.left(), progress, &time), thickness);
       out.report.messages = report.messages;
       out.report.messages.push_back(fmt::format("a sheet of {} face{}, {:.6g} mm thick, {:.6g} mm2",
                                                 report.faces.size(), report.faces.size() == 1 ? "" : "s",
@@ -175,7 +171,7 @@ CadMesh mesh_sheet(const CadOptions& options, double thickness, const Progress& 
       for (const std::string& reason : reasons)
         out.report.messages.push_back("meshed anew, since a try " + reason);
       out.report.size = job.size;
-      out.report.seconds = std::chrono::duration<double>(Clock::now() - start).count();
+      out.report.seconds = time.spent();
       out.cad = std::move(report);
       add_named_sets(out.cad.faces, out.mesh);
       return out;

@@ -55,14 +55,19 @@ pkg_check_modules(HDF5_SERIAL REQUIRED IMPORTED_TARGET hdf5-serial)
 # Eigen, GoogleTest and the standard library's heavier headers, read once: 1 to 2.5 s less for each file.  Sources name
 # what they use all the same; the sanitizers' build has no precompiled headers and notices when one does not.
 # What the compiler cache asks for before it keeps objects made with precompiled headers.
-set(flexura_precompile_options $<IF:$<CXX_COMPILER_ID:GNU>,-fpch-preprocess;-Wno-ignored-attributes,SHELL:-Xclang -fno-pch-timestamp>)
+set(flexura_precompile_options $<IF:$<CXX_COMPILER_ID:GNU>,-fpch-preprocess;-Wno-ignored-attributes,SHELL:-Xclang -fno-pch-timestamp;-fpch-instantiate-templates>)
 function(flexura_precompile name from)
   if(NOT FLEXURA_SANITIZE)
     target_compile_options(${name} PRIVATE ${flexura_precompile_options})
+    target_link_libraries(${name} PRIVATE flexura_kernels fmt::fmt)
     target_precompile_headers(${name} REUSE_FROM ${from})
   endif()
 endfunction()
 if(NOT FLEXURA_SANITIZE)
+  set(FLEXURA_KERNELS flexura_kernels)  # none in the build of the sanitizers
+  add_library(flexura_kernels STATIC ${CMAKE_SOURCE_DIR}/mbs/base/math/eigen_kernels.cpp)
+  target_link_libraries(flexura_kernels PRIVATE $<BUILD_INTERFACE:Eigen3::Eigen>)
+  target_include_directories(flexura_kernels PRIVATE ${CMAKE_SOURCE_DIR})
   set(kinds library)
   if(FLEXURA_TESTS)
     list(APPEND kinds test)
@@ -70,9 +75,11 @@ if(NOT FLEXURA_SANITIZE)
   foreach(kind ${kinds})
     add_library(flexura_precompiled_${kind} OBJECT ${CMAKE_SOURCE_DIR}/tests/setup/precompiled.cpp)
     target_compile_options(flexura_precompiled_${kind} PRIVATE -Wall -Wextra ${flexura_precompile_options})
-    target_link_libraries(flexura_precompiled_${kind} PRIVATE Eigen3::Eigen)
-    target_precompile_headers(flexura_precompiled_${kind} PRIVATE <Eigen/Dense> <algorithm> <cmath> <filesystem>
-                              <functional> <map> <memory> <optional> <stdexcept> <string> <string_view> <vector>)
+    target_link_libraries(flexura_precompiled_${kind} PRIVATE Eigen3::Eigen fmt::fmt)
+    target_precompile_headers(flexura_precompiled_${kind} PRIVATE <Eigen/Dense> <Eigen/Sparse> <algorithm> <cmath> <filesystem>
+                              <functional> <map> <memory> <numeric> <optional> <ranges> <set> <stdexcept> <string>
+                              <string_view> <variant> <vector> <fmt/format.h> <fmt/ranges.h>
+                              ${CMAKE_SOURCE_DIR}/mbs/base/math/eigen_kernels.hpp)
   endforeach()
   if(FLEXURA_TESTS)
     target_compile_options(flexura_precompiled_test PRIVATE -O1)

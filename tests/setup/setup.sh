@@ -56,11 +56,12 @@ build() {
       return 1
     }
   fi
-  local steps minutes
-  steps=$(ninja -C "build/$preset" -n "$@" 2>/dev/null | sed -n 's|^\[1/\([0-9]*\)\].*|\1|p' | head -1)
-  # About three seconds of one core a step: an estimate for cores of 2.5 GHz without a compiler cache.
+  local steps=0 minutes
+  # Of a first build; ninja's dry run does not look behind the check of the globbed folders.
+  [ -f "build/$preset/.ninja_log" ] || steps=$(ninja -C "build/$preset" -t commands "$@" 2>/dev/null | grep -c -e ' -c ' || true)
+  # About three seconds of one core a file: an estimate for cores of 2.5 GHz without a compiler cache.
   minutes=$((${steps:-0} * 3 / 60 / $(nproc)))
-  [ "$minutes" -lt 1 ] || say "$steps steps: about $minutes minutes on $(nproc) cores (less where ccache knows them)"
+  [ "$minutes" -lt 1 ] || say "$steps files: about $minutes minutes on $(nproc) cores (less where ccache knows them)"
   if [ -t 1 ]; then # on a terminal ninja's own line shows how far it is
     cmake --build "build/$preset" -- "$@"
   else # elsewhere a line for each tenth, and what is not a step: warnings, errors
