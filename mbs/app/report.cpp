@@ -9,7 +9,7 @@
 #include "mbs/base/files/json_depth.hpp"
 #include "mbs/base/files/output.hpp"
 #include "mbs/superelement/file.hpp"
-#include "mbs/view/reduction_report.hpp"
+#include "mbs/view/reports/reduction_report.hpp"
 
 namespace flexura::app {
 namespace {

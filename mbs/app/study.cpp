@@ -18,7 +18,7 @@
 #include "mbs/study/tables.hpp"
 #include "mbs/superelement/exchange/exchange.hpp"
 #include "mbs/superelement/text_file.hpp"
-#include "mbs/view/report.hpp"
+#include "mbs/view/reports/report.hpp"
 
 /// `flexura study`: the measured trade of speed against accuracy, as table, page, CSV, JSON and picture.
 namespace flexura::app {

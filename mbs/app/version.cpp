@@ -6,7 +6,7 @@
 
 #include "mbs/app/commands.hpp"
 #include "mbs/base/terminal/libraries.hpp"
-#include "mbs/view/resources.hpp"
+#include "mbs/view/html/resources.hpp"
 
 namespace flexura::app {
 

@@ -6,7 +6,7 @@
 #include <optional>
 #include <stdexcept>
 
-#include "mbs/view/page_file.hpp"
+#include "mbs/view/html/page_file.hpp"
 #include "mbs/view/pages.hpp"
 #include "mbs/view/stress_picture.hpp"
 #include "mbs/view/surface_blocks.hpp"

@@ -11,7 +11,7 @@
 #include "mbs/base/files/json_depth.hpp"
 #include "mbs/superelement/file.hpp"
 #include "mbs/view/body_shapes.hpp"
-#include "mbs/view/page_file.hpp"
+#include "mbs/view/html/page_file.hpp"
 #include "mbs/view/pages.hpp"
 #include "mbs/view/stress_picture.hpp"
 #include "mbs/view/surface_blocks.hpp"

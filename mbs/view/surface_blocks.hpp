@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "mbs/superelement/superelement.hpp"
-#include "mbs/view/page_file.hpp"
+#include "mbs/view/html/page_file.hpp"
 
 namespace flexura::view {
 

@@ -8,9 +8,9 @@
 #include <nlohmann/json.hpp>
 #include <regex>
 
-#include "mbs/view/html.hpp"
-#include "mbs/view/reduction_report.hpp"
-#include "mbs/view/svg_plot.hpp"
+#include "mbs/view/html/html.hpp"
+#include "mbs/view/reports/reduction_report.hpp"
+#include "mbs/view/reports/svg_plot.hpp"
 #include "tests/view/page_reader.hpp"
 #include "tests/view/synthetic.hpp"
 

@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <regex>
 
-#include "mbs/view/encode.hpp"
+#include "mbs/view/html/encode.hpp"
 #include "mbs/view/pages.hpp"
 #include "mbs/view/stress_picture.hpp"
 #include "tests/view/page_reader.hpp"

@@ -5,7 +5,7 @@
 #include <filesystem>
 
 #include "mbs/superelement/file.hpp"
-#include "mbs/view/report.hpp"
+#include "mbs/view/reports/report.hpp"
 #include "tests/mbs/superelement/box_beam.hpp"
 #include "tests/view/synthetic.hpp"
 

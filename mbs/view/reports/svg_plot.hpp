@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "mbs/view/report.hpp"
+#include "mbs/view/reports/report.hpp"
 
 namespace flexura::view {
 

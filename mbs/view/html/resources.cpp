@@ -1,5 +1,5 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-#include "mbs/view/resources.hpp"
+#include "mbs/view/html/resources.hpp"
 
 #include <stdexcept>
 

@@ -1,12 +1,12 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-#include "mbs/view/svg_plot.hpp"
+#include "mbs/view/reports/svg_plot.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "mbs/view/html.hpp"
+#include "mbs/view/html/html.hpp"
 
 namespace flexura::view {
 

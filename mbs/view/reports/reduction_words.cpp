@@ -1,5 +1,5 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-#include "mbs/view/reduction_words.hpp"
+#include "mbs/view/reports/reduction_words.hpp"
 
 #include <fmt/format.h>
 
@@ -8,7 +8,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "mbs/view/html.hpp"
+#include "mbs/view/html/html.hpp"
 
 namespace flexura::view {
 namespace {

@@ -1,5 +1,5 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-#include "mbs/view/reduction_report.hpp"
+#include "mbs/view/reports/reduction_report.hpp"
 
 #include <fmt/format.h>
 
@@ -9,9 +9,9 @@
 #include <tuple>
 
 #include "mbs/base/files/json_depth.hpp"
-#include "mbs/view/html.hpp"
-#include "mbs/view/part_drawing.hpp"
-#include "mbs/view/reduction_words.hpp"
+#include "mbs/view/html/html.hpp"
+#include "mbs/view/reports/part_drawing.hpp"
+#include "mbs/view/reports/reduction_words.hpp"
 
 namespace flexura::view {
 

@@ -1,5 +1,5 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-#include "mbs/view/part_drawing.hpp"
+#include "mbs/view/reports/part_drawing.hpp"
 
 #include <fmt/format.h>
 #include <zlib.h>
@@ -11,8 +11,8 @@
 #include <stdexcept>
 #include <vector>
 
-#include "mbs/view/encode.hpp"
-#include "mbs/view/html.hpp"
+#include "mbs/view/html/encode.hpp"
+#include "mbs/view/html/html.hpp"
 
 namespace flexura::view {
 namespace {

@@ -1,12 +1,12 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-#include "mbs/view/page_file.hpp"
+#include "mbs/view/html/page_file.hpp"
 
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
 
-#include "mbs/view/html.hpp"
-#include "mbs/view/resources.hpp"
+#include "mbs/view/html/html.hpp"
+#include "mbs/view/html/resources.hpp"
 
 namespace flexura::view {
 

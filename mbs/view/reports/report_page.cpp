@@ -5,11 +5,11 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
-#include "mbs/view/html.hpp"
-#include "mbs/view/html_file.hpp"
-#include "mbs/view/report.hpp"
-#include "mbs/view/resources.hpp"
-#include "mbs/view/svg_plot.hpp"
+#include "mbs/view/html/html.hpp"
+#include "mbs/view/html/html_file.hpp"
+#include "mbs/view/html/resources.hpp"
+#include "mbs/view/reports/report.hpp"
+#include "mbs/view/reports/svg_plot.hpp"
 
 namespace flexura::view {
 

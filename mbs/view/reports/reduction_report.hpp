@@ -4,7 +4,7 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "mbs/superelement/superelement.hpp"
-#include "mbs/view/report.hpp"
+#include "mbs/view/reports/report.hpp"
 
 namespace flexura::view {
 

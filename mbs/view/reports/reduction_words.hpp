@@ -4,7 +4,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
-#include "mbs/view/report.hpp"
+#include "mbs/view/reports/report.hpp"
 
 /// How the keys and numbers that a reduction tells (se.report_json) are read by people: words, units, round-off.
 namespace flexura::view {

@@ -7,8 +7,8 @@
 #include <string>
 #include <string_view>
 
-#include "mbs/view/encode.hpp"
-#include "mbs/view/html_file.hpp"
+#include "mbs/view/html/encode.hpp"
+#include "mbs/view/html/html_file.hpp"
 
 namespace flexura::view {
 

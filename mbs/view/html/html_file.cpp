@@ -1,5 +1,5 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-#include "mbs/view/html_file.hpp"
+#include "mbs/view/html/html_file.hpp"
 
 #include <fmt/format.h>
 
@@ -7,8 +7,8 @@
 #include <cstring>
 #include <stdexcept>
 
-#include "mbs/view/html.hpp"
-#include "mbs/view/resources.hpp"
+#include "mbs/view/html/html.hpp"
+#include "mbs/view/html/resources.hpp"
 
 namespace flexura::view {
 

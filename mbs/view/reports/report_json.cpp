@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
-#include "mbs/view/report.hpp"
+#include "mbs/view/reports/report.hpp"
 
 namespace flexura::view {
 
