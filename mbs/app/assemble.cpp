@@ -8,7 +8,7 @@
 #include "mbs/app/run/state_table.hpp"
 #include "mbs/base/files/output.hpp"
 #include "mbs/base/terminal/terminal.hpp"
-#include "mbs/solver/run/state_file.hpp"
+#include "mbs/solver/start/state_file.hpp"
 
 namespace flexura::app {
 namespace {

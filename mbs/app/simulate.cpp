@@ -16,9 +16,9 @@
 #include "mbs/base/terminal/terminal.hpp"
 #include "mbs/mechanism/describe.hpp"
 #include "mbs/results/csv_name.hpp"
-#include "mbs/solver/run/continuation_file.hpp"
-#include "mbs/solver/run/prepare.hpp"
 #include "mbs/solver/run/run.hpp"
+#include "mbs/solver/start/continuation_file.hpp"
+#include "mbs/solver/start/prepare.hpp"
 #include "mbs/study/choice/choose.hpp"
 
 namespace flexura::app {

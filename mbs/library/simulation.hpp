@@ -8,7 +8,7 @@
 
 #include "mbs/mechanism/mechanism.hpp"
 #include "mbs/solver/run/run.hpp"
-#include "mbs/solver/run/start.hpp"
+#include "mbs/solver/start/start.hpp"
 
 namespace flexura::mbs {
 

@@ -80,7 +80,8 @@ direction = [0, 0, 1]
 TEST(Beams, AFreeOneIsThrown) {
   const Folder folder;
   for (const std::string fidelity : {"rigid", "ancf", "segments"}) {
-    const std::string file = folder.write("thrown.toml", R"(
+    const std::string file = folder
+                                 .write("thrown.toml", R"(
 gravity = [0, 0, 0]
 [solver]
 end_time = 0.5
@@ -101,7 +102,8 @@ type = "position"
 from = "ground"
 to = "b.root"
 direction = [0, 1, 0]
-)").string();
+)")
+                                 .string();
     const std::string rows = (folder / "rows.h5");
     const Outcome outcome = run("flexura", {"simulate", file, "-o", rows, "--no-estimate"});
     ASSERT_EQ(outcome.exit_code, 0) << fidelity << outcome.err;

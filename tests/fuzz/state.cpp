@@ -2,8 +2,8 @@
 // A state file, with and without a history, for a mechanism with a joint, a control and a switch.
 #include "mbs/file/read_mechanism.hpp"
 #include "mbs/mechanism/mechanism.hpp"
-#include "mbs/solver/run/continuation_file.hpp"
-#include "mbs/solver/run/state_file.hpp"
+#include "mbs/solver/start/continuation_file.hpp"
+#include "mbs/solver/start/state_file.hpp"
 #include "tests/fuzz/judge.hpp"
 
 namespace {

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "mbs/solver/run/prepare.hpp"
 #include "mbs/solver/run/run.hpp"
+#include "mbs/solver/start/prepare.hpp"
 #include "mbs/study/estimate/integrator_check.hpp"
 #include "mbs/study/estimate/shadows.hpp"
 

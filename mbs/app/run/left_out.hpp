@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "mbs/solver/run/prepare.hpp"
+#include "mbs/solver/start/prepare.hpp"
 
 /// What a run did not need and therefore did not read, build, integrate or store.
 namespace flexura::app {

@@ -8,7 +8,7 @@
 #include "mbs/base/terminal/command_line.hpp"
 #include "mbs/solver/linear/stability.hpp"
 #include "mbs/solver/linear/steady_state.hpp"
-#include "mbs/solver/run/prepare.hpp"
+#include "mbs/solver/start/prepare.hpp"
 
 /// What all commands on mechanism files share.
 namespace flexura::app {

@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-#include "mbs/solver/run/not_assembled.hpp"
+#include "mbs/solver/start/not_assembled.hpp"
 
 namespace flexura::app {
 

@@ -4,7 +4,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
-#include "mbs/solver/run/prepare.hpp"
+#include "mbs/solver/start/prepare.hpp"
 
 /// What `flexura check` says of the quantities of a mechanism.
 namespace flexura::app {

@@ -6,8 +6,8 @@
 #include <utility>
 #include <vector>
 
-#include "mbs/solver/run/prepare.hpp"
 #include "mbs/solver/run/run.hpp"
+#include "mbs/solver/start/prepare.hpp"
 
 /// What a run says about itself.
 namespace flexura::app {

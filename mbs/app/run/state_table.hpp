@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "mbs/solver/run/prepare.hpp"
+#include "mbs/solver/start/prepare.hpp"
 
 /// The prepared state as people read it: units of its names, round-off as 0.
 namespace flexura::app {

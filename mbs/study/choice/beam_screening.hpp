@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "mbs/bodies/ancf_part.hpp"
-#include "mbs/solver/run/prepare.hpp"
+#include "mbs/solver/start/prepare.hpp"
 
 /// What a run with rigid beams says about the beams ([body.NAME.beam]) whose fidelity is to be chosen.
 ///

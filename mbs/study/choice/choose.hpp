@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "mbs/solver/run/prepare.hpp"
 #include "mbs/solver/run/run.hpp"
+#include "mbs/solver/start/prepare.hpp"
 #include "mbs/study/estimate/shadows.hpp"
 
 /// Fidelity and tolerance for a wanted accuracy.

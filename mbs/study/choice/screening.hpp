@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "mbs/solver/run/prepare.hpp"
+#include "mbs/solver/start/prepare.hpp"
 #include "mbs/study/estimate/full_model.hpp"
 #include "mbs/study/estimate/shadows.hpp"
 

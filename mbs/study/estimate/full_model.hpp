@@ -10,7 +10,7 @@
 
 #include "mbs/solver/algebra/kinematic_blocks.hpp"
 #include "mbs/solver/algebra/tangents.hpp"
-#include "mbs/solver/run/prepare.hpp"
+#include "mbs/solver/start/prepare.hpp"
 #include "mbs/study/estimate/linear_correction.hpp"
 
 /// The mechanism of a run with every deformation of its superelements, and the way between its states and

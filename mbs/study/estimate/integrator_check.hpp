@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "mbs/solver/run/prepare.hpp"
+#include "mbs/solver/start/prepare.hpp"
 #include "mbs/study/estimate/judged_outputs.hpp"
 
 /// What the integrator costs a run in accuracy, from the same run once more with a tolerance ten times as

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "mbs/solver/run/prepare.hpp"
+#include "mbs/solver/start/prepare.hpp"
 
 /// By which outputs the error of a run is judged, and how.
 ///

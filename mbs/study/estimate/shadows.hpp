@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "mbs/solver/run/prepare.hpp"
+#include "mbs/solver/start/prepare.hpp"
 #include "mbs/study/estimate/held_rows.hpp"
 #include "mbs/study/estimate/judged_outputs.hpp"
 

@@ -4,8 +4,8 @@
 #include <gtest/gtest.h>
 
 #include "mbs/mechanism/describe.hpp"
-#include "mbs/solver/run/prepare.hpp"
 #include "mbs/solver/run/run.hpp"
+#include "mbs/solver/start/prepare.hpp"
 
 /// Runs of the mechanisms in cases/ and what they store.
 namespace flexura::mbs::cases {

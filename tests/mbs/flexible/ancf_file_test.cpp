@@ -5,7 +5,7 @@
 
 #include "mbs/mechanism/describe.hpp"
 #include "mbs/solver/linear/equilibrium.hpp"
-#include "mbs/solver/run/prepare.hpp"
+#include "mbs/solver/start/prepare.hpp"
 #include "mbs/superelement/file.hpp"
 #include "tests/mbs/flexible/beam_superelement.hpp"
 #include "tests/mbs/test_folder.hpp"

@@ -5,7 +5,7 @@
 
 #include "mbs/bodies/modal_basis.hpp"
 #include "mbs/bodies/preparation_cache.hpp"
-#include "mbs/solver/run/prepare.hpp"
+#include "mbs/solver/start/prepare.hpp"
 #include "tests/mbs/model/checks.hpp"
 #include "tests/mbs/model/lattice.hpp"
 #include "tests/mbs/test_folder.hpp"

@@ -13,8 +13,8 @@
 #include "mbs/solver/linear/equilibrium.hpp"
 #include "mbs/solver/linear/stability.hpp"
 #include "mbs/solver/linear/steady_state.hpp"
-#include "mbs/solver/run/prepare.hpp"
 #include "mbs/solver/run/run.hpp"
+#include "mbs/solver/start/prepare.hpp"
 #include "tests/mbs/random/scene_run.hpp"
 
 namespace flexura::mbs::chance {

@@ -10,8 +10,8 @@
 
 #include "mbs/base/math/rotation.hpp"
 #include "mbs/mechanism/describe.hpp"
-#include "mbs/solver/run/prepare.hpp"
 #include "mbs/solver/run/run.hpp"
+#include "mbs/solver/start/prepare.hpp"
 
 namespace flexura::mbs::chance {
 

@@ -8,8 +8,8 @@
 
 #include "mbs/bodies/modal_body.hpp"
 #include "mbs/results/results.hpp"
-#include "mbs/solver/run/prepare.hpp"
 #include "mbs/solver/run/run.hpp"
+#include "mbs/solver/start/prepare.hpp"
 #include "mbs/superelement/file.hpp"
 #include "tests/mbs/model/lattice.hpp"
 #include "tests/mbs/solver/run_folder.hpp"

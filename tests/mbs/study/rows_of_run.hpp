@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "mbs/mechanism/describe.hpp"
-#include "mbs/solver/run/prepare.hpp"
 #include "mbs/solver/run/run.hpp"
+#include "mbs/solver/start/prepare.hpp"
 
 namespace flexura::study {
 

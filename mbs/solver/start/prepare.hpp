@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "mbs/file/read_mechanism.hpp"
-#include "mbs/solver/run/start.hpp"
-#include "mbs/solver/run/state_file.hpp"
+#include "mbs/solver/start/start.hpp"
+#include "mbs/solver/start/state_file.hpp"
 
 /// From a mechanism file to a mechanism that stands assembled at its start time, ready for any solver.
 namespace flexura::mbs {

@@ -1,5 +1,5 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-#include "mbs/solver/run/state_file.hpp"
+#include "mbs/solver/start/state_file.hpp"
 
 #include <fmt/format.h>
 
@@ -14,7 +14,7 @@
 #include "mbs/base/documents/document.hpp"
 #include "mbs/base/files/inputs.hpp"
 #include "mbs/base/files/json_depth.hpp"
-#include "mbs/solver/run/continuation_file.hpp"
+#include "mbs/solver/start/continuation_file.hpp"
 #include "mbs/superelement/text_file.hpp"
 
 namespace flexura::mbs {

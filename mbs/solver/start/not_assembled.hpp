@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "mbs/solver/position/openings.hpp"
-#include "mbs/solver/run/prepare.hpp"
-#include "mbs/solver/run/warning_mark.hpp"
+#include "mbs/solver/start/prepare.hpp"
+#include "mbs/solver/start/warning_mark.hpp"
 
 namespace flexura::mbs {
 

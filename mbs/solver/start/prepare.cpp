@@ -1,10 +1,10 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-#include "mbs/solver/run/prepare.hpp"
+#include "mbs/solver/start/prepare.hpp"
 
 #include <fmt/format.h>
 
 #include "mbs/solver/linear/close_loops.hpp"
-#include "mbs/solver/run/not_assembled.hpp"
+#include "mbs/solver/start/not_assembled.hpp"
 
 namespace flexura::mbs {
 namespace {

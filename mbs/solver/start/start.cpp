@@ -1,5 +1,5 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-#include "mbs/solver/run/start.hpp"
+#include "mbs/solver/start/start.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -13,7 +13,7 @@
 #include "mbs/solver/position/dead_point.hpp"
 #include "mbs/solver/position/quasi_static_start.hpp"
 #include "mbs/solver/position/row_watch.hpp"
-#include "mbs/solver/run/warning_mark.hpp"
+#include "mbs/solver/start/warning_mark.hpp"
 
 namespace flexura::mbs {
 namespace {
