@@ -13,7 +13,7 @@ namespace flexura::import::cad {
 
 struct AssemblyJob {
   std::string path;
-  std::int64_t parent = 0;
+  int parent = 0;             ///< process id; the child ends when it is gone
   double deflection = 0.002;  ///< of the pictures' triangles, part of the part's size
 };
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(AssemblyJob, path, parent, deflection)

@@ -29,14 +29,14 @@ Extent extent_of(const Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>
 // Whether motions that the nodes do not hold (6 x p) leave a node at `point` where it is in the directions asked for.
 bool none_moves(const Eigen::Matrix<double, 6, Eigen::Dynamic>& free, const std::vector<int>& directions,
                 const Eigen::Vector3d& point, const Extent& extent) {
-  constexpr double kNothing = 1e-6;  // as free_motions has it
+  constexpr double kHeld = 1e-6;  // as free_motions has it
   Eigen::Matrix<double, 6, 1> unit;
   unit << 1, 1, 1, extent.length, extent.length, extent.length;
   const Eigen::Matrix<double, 6, Eigen::Dynamic> there = unit.asDiagonal() * (node_motion_at(point) * free),
                                                  all = unit.asDiagonal() *
                                                        (node_motion_at(extent.centre) * free);
   return std::all_of(directions.begin(), directions.end(),
-                     [&](int direction) { return there.row(direction).norm() <= kNothing * all.norm(); });
+                     [&](int direction) { return there.row(direction).norm() <= kHeld * all.norm(); });
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include <numbers>
 
 #include "mesh/model/geometry.hpp"
+#include "reduce/file/part_file.hpp"
 #include "reduce/library/mesh_sizes.hpp"
 #include "reduce/part/make_part.hpp"
 #include "tests/reduce/parts.hpp"

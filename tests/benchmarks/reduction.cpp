@@ -14,6 +14,7 @@
 
 #include "mbs/superelement/file.hpp"
 #include "reduce/cms/craig_bampton.hpp"
+#include "reduce/file/part_file.hpp"
 #include "reduce/linalg/session/session.hpp"
 #include "reduce/part/make_part.hpp"
 #include "reduce/superelement/surface.hpp"

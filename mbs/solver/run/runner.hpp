@@ -68,7 +68,8 @@ class Runner {
   double row_time(long k) const {
     // The last row stands at the end time even where the step does not divide the run.
     return k > n_rows_ ? options_.end_time
-                       : std::min(options_.start_time + k * options_.output_step, options_.end_time);
+                       : std::min(options_.start_time + static_cast<double>(k) * options_.output_step,
+                                  options_.end_time);
   }
   bool next_row_is_until(double t) const {
     return row_time(next_row_) <= t && row_time(next_row_) > row_time(next_row_ - 1);

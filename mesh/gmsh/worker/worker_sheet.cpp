@@ -72,7 +72,7 @@ void mesh_sheet(const Job& job, ResultRecord& result, Arrays& arrays) {
   gmsh::option::setNumber("Mesh.RecombinationAlgorithm", 1);  // blossom
   gmsh::option::setNumber("Mesh.MeshSizeMax", job.size / job.to_m);
   gmsh::option::setNumber("Mesh.MeshSizeMin", job.size_min / job.to_m);
-  gmsh::option::setNumber("Mesh.MeshSizeFromCurvature", std::lround(job.elements_per_circle));
+  gmsh::option::setNumber("Mesh.MeshSizeFromCurvature", std::round(job.elements_per_circle));
   gmsh::model::mesh::generate(2);
 
   NodeNumbers numbers;

@@ -69,7 +69,7 @@ void generate_mesh(const Job& job, ResultRecord& result) {
   for (int tries = 1;; ++tries) {
     gmsh::option::setNumber("Mesh.MeshSizeMax", result.size / job.to_m);
     gmsh::option::setNumber("Mesh.MeshSizeMin", result.size_min / job.to_m);
-    gmsh::option::setNumber("Mesh.MeshSizeFromCurvature", std::lround(result.elements_per_circle));
+    gmsh::option::setNumber("Mesh.MeshSizeFromCurvature", std::round(result.elements_per_circle));
     say(0.1, "meshing edges" + note);
     gmsh::model::mesh::generate(1);
     say(0.15, "meshing faces" + note);

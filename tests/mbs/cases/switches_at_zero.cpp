@@ -39,9 +39,9 @@ class SwitchesAtZero : public TextCase, public ::testing::WithParamInterface<con
 constexpr double g = 9.81, omega = 100.0;  // of the ball of 1 kg on its floor of 1e4 N/m
 
 // How far a spring is pressed in at t after a steady force set in that holds it `deep` in the end: with x'' +
-// 2 a x' + omega^2 x = omega^2 deep from rest.
-double pressed(double t, double deep, double a, double omega) {
-  const double w = std::sqrt(omega * omega - a * a);
+// 2 a x' + omega_0^2 x = omega_0^2 deep from rest.
+double pressed(double t, double deep, double a, double omega_0) {
+  const double w = std::sqrt(omega_0 * omega_0 - a * a);
   return deep * (1.0 - std::exp(-a * t) * (std::cos(w * t) + a / w * std::sin(w * t)));
 }
 

@@ -126,8 +126,7 @@ TEST(OneWayDeformation, VibratesBetweenTwoPinsAsAPinnedBeam) {
   options.loads = interface_loads(se, {0, 1});
   options.modes = 6;
   const ModalData data = modal_data(se, options);
-  const double pi = std::numbers::pi,
-               pinned = std::pow(pi, 4) * 100.0 / (b.mass_per_length * std::pow(b.length, 4));
+  const double pinned = std::pow(std::numbers::pi, 4) * 100.0 / (b.mass_per_length * std::pow(b.length, 4));
   // Eight cubic elements: (pi / 8)^4 / 720 = 3e-5 of omega^2.
   EXPECT_NEAR(data.stiffness(0), pinned, 1e-4 * pinned);
   EXPECT_NEAR(data.stiffness(1), pinned, 1e-4 * pinned);

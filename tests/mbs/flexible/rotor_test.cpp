@@ -16,7 +16,7 @@
 namespace flexura::mbs {
 namespace {
 
-constexpr double m = 2.0, theta_p = 0.06, theta_d = 0.035, L = 0.5, EI = 300.0;
+constexpr double mass = 2.0, theta_p = 0.06, theta_d = 0.035, L = 0.5, EI = 300.0;
 
 /// `eccentricity` of the disc's centre along the shaft's y.
 Mechanism overhung_rotor(double Omega, double eccentricity = 0.0) {
@@ -46,7 +46,7 @@ Mechanism overhung_rotor(double Omega, double eccentricity = 0.0) {
                                                              std::map<std::string, double>{{"W", Omega}});
   const Matrix3d inertia = Vector3d(theta_p, theta_d, theta_d).asDiagonal();
   const int disc = d.add_body(
-      {.name = "disc", .inertia = RigidInertia::from_center(m, {0.0, eccentricity, 0.0}, inertia)});
+      {.name = "disc", .inertia = RigidInertia::from_center(mass, {0.0, eccentricity, 0.0}, inertia)});
   d.add_joint("hub", "fixed", d.add_marker(beam, "tip", {}, 1), d.add_marker(disc, "in"));
   return Mechanism(d);
 }
@@ -69,7 +69,7 @@ State spinning(Mechanism& mechanism) {
 std::vector<double> whirl_speeds(double Omega) {
   const double k_11 = 12 * EI / (L * L * L), k_12 = -6 * EI / (L * L), k_22 = 4 * EI / L;
   // (k_11 - m w^2)(k_22 + Theta_p Omega w - Theta_d w^2) - k_12^2 = 0, by the companion matrix.
-  const double a_4 = m * theta_d, a_3 = -m * theta_p * Omega, a_2 = -k_11 * theta_d - m * k_22,
+  const double a_4 = mass * theta_d, a_3 = -mass * theta_p * Omega, a_2 = -k_11 * theta_d - mass * k_22,
                a_1 = k_11 * theta_p * Omega, a_0 = k_11 * k_22 - k_12 * k_12;
   Eigen::Matrix4d companion = Eigen::Matrix4d::Zero();
   companion.row(0) << -a_3 / a_4, -a_2 / a_4, -a_1 / a_4, -a_0 / a_4;
@@ -108,9 +108,9 @@ TEST(OverhungRotor, UnbalanceResponseHasTheClosedFormBelowAndAboveTheCriticalSpe
     SCOPED_TRACE(Omega);
     Eigen::Matrix2d K;
     K << 12 * EI / (L * L * L), -6 * EI / (L * L), -6 * EI / (L * L), 4 * EI / L;
-    K(0, 0) -= m * Omega * Omega;
+    K(0, 0) -= mass * Omega * Omega;
     K(1, 1) -= (theta_d - theta_p) * Omega * Omega;
-    const Eigen::Vector2d r = K.inverse() * Eigen::Vector2d(m * e * Omega * Omega, 0.0);
+    const Eigen::Vector2d r = K.inverse() * Eigen::Vector2d(mass * e * Omega * Omega, 0.0);
     (Omega < 63.0 ? below : above) = r(0);
 
     Mechanism mechanism = overhung_rotor(Omega, e);
