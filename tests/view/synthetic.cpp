@@ -197,11 +197,11 @@ results::Results engine(Pictures& pictures) {
       run.bodies[static_cast<std::size_t>(b)].name = names[b];
       run.bodies[static_cast<std::size_t>(b)].pose.resize(engine_rows, 7);
     }
-    auto& rod = run.bodies[1];
+    auto& rod_run = run.bodies[1];
     if (flexible) {
-      rod.modal.resize(engine_rows, rod_modes);
-      rod.basis.setZero(12 + rod_modes, rod_modes);
-      rod.basis.bottomRows(rod_modes).setIdentity();
+      rod_run.modal.resize(engine_rows, rod_modes);
+      rod_run.basis.setZero(12 + rod_modes, rod_modes);
+      rod_run.basis.bottomRows(rod_modes).setIdentity();
     }
     for (int i = 0; i < engine_rows; ++i) {
       const double t = run.time[i];
@@ -212,7 +212,7 @@ results::Results engine(Pictures& pictures) {
       run.bodies[2].pose.row(i) << p.slider, 0, 0, 1, 0, 0, 0;
       double deflection = 0.0;
       for (int j = 0; flexible && j < rod_modes; ++j) {
-        rod.modal(i, j) = rod_modal(j, t);
+        rod_run.modal(i, j) = rod_modal(j, t);
         deflection += rod_modal(j, t) * tube_displacement(j, {tube_length / 2, 0.0, 0.0}).y();
       }
       run.values.row(i) << 2.0 * pi + (flexible ? 0.2 * std::sin(2.0 * pi * 8.0 * t) : 0.0), p.slider,

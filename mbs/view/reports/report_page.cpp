@@ -213,14 +213,14 @@ class ReportWriter {
 
   /// What the script needs for the pointer, the table of numbers and CSV; NaN becomes null.
   static nlohmann::json plot_json(const ReportPlot& plot) {
-    const auto head = [](const ReportAxis& axis) {
+    const auto heading = [](const ReportAxis& axis) {
       return axis.unit.empty() ? axis.name : fmt::format("{} [{}]", axis.name, axis.unit);
     };
     nlohmann::json curves = nlohmann::json::array();
     for (const ReportCurve& curve : plot.curves) {
       curves.push_back({{"name", curve.name}, {"x", curve.x}, {"y", curve.y}, {"labels", curve.labels}});
     }
-    return {{"title", plot.title}, {"x", head(plot.x)}, {"y", head(plot.y)}, {"curves", curves}};
+    return {{"title", plot.title}, {"x", heading(plot.x)}, {"y", heading(plot.y)}, {"curves", curves}};
   }
 
   void put_note(const std::string& note) {

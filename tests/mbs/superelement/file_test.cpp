@@ -37,7 +37,7 @@ Superelement complete_beam() {
   const auto fill = [&](auto& matrices) {
     for (Eigen::MatrixXd& K : matrices) {
       K = Eigen::MatrixXd::NullaryExpr(
-          n, n, [&](Eigen::Index i, Eigen::Index j) { return seed + 1.0 / (1 + i + j); });
+          n, n, [&](Eigen::Index i, Eigen::Index j) { return seed + 1.0 / static_cast<double>(1 + i + j); });
       ++seed;
     }
   };
