@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -12,72 +11,17 @@
 #include <set>
 #include <stdexcept>
 
-#include "mbs/base/math/rotation.hpp"
+#include "import/cad/evidence.hpp"
+#include "import/cad/joint_freedom.hpp"
 
 namespace flexura::import::cad {
 namespace {
 
-using Type = JointForm::Type;
 using Eigen::MatrixXd;
 using mesh::FaceKind;
 
 // Gaps that differ by less are one and the same: CAD's own tolerance.
 constexpr double kSameGap = 1e-6;
-
-std::string mm(double x) {
-  return fmt::format("{:.4g} mm", 1e3 * x);
-}
-
-std::string evidence_of(const FacePair& p, const std::string& a, const std::string& b) {
-  if (p.kind == FaceKind::cylinder)
-    return fmt::format("{} {} of {} (face {}) in {} (face {}), {} long, gap {}", "shaft", mm(p.radius),
-                       p.shaft_in_a ? a : b, p.shaft_in_a ? p.face_a : p.face_b, p.shaft_in_a ? b : a,
-                       p.shaft_in_a ? p.face_b : p.face_a, mm(p.extent), mm(p.gap));
-  if (p.kind == FaceKind::sphere)
-    return fmt::format("ball of radius {} of {} (face {}) in {} (face {}), gap {}", mm(p.radius),
-                       p.shaft_in_a ? a : b, p.shaft_in_a ? p.face_a : p.face_b, p.shaft_in_a ? b : a,
-                       p.shaft_in_a ? p.face_b : p.face_a, mm(p.gap));
-  return fmt::format("plane on plane, {} (face {}) and {} (face {}), {:.4g} mm^2, gap {}", a, p.face_a, b,
-                     p.face_b, 1e6 * p.extent, mm(p.gap));
-}
-
-// Twists that the form allows, about `centre` in units of `size`, 6 x k.
-MatrixXd twists_of(const JointForm& form, const Vector3d& centre, double size) {
-  const auto turn = [&](const Vector3d& w) {
-    Vector6d t;
-    t << w, (form.point - centre).cross(w) / size;
-    return t;
-  };
-  const auto slide = [](const Vector3d& v) {
-    Vector6d t;
-    t << Vector3d::Zero(), v;
-    return t;
-  };
-  std::vector<Vector6d> columns;
-  const Matrix3d R = mbs::frame_along(form.axis);
-  switch (form.type) {
-    case Type::revolute:
-      columns = {turn(form.axis)};
-      break;
-    case Type::prismatic:
-      columns = {slide(form.axis)};
-      break;
-    case Type::cylindrical:
-      columns = {turn(form.axis), slide(form.axis)};
-      break;
-    case Type::planar:
-      columns = {turn(form.axis), slide(R.col(0)), slide(R.col(1))};
-      break;
-    case Type::spherical:
-      columns = {turn(Vector3d::UnitX()), turn(Vector3d::UnitY()), turn(Vector3d::UnitZ())};
-      break;
-    default:
-      break;
-  }
-  MatrixXd twists(6, static_cast<Eigen::Index>(columns.size()));
-  for (Eigen::Index k = 0; k < twists.cols(); ++k) twists.col(k) = columns[static_cast<std::size_t>(k)];
-  return twists;
-}
 
 class Proposer {
  public:
@@ -114,7 +58,8 @@ class Proposer {
     } while (fix_a_fastener() || fix_a_pin());
     join_groups();
     doubt_what_is_near();
-    count();
+    result_.freedom = count_freedom(result_.joints, group_, group(result_.ground), 0.5 * (low_ + high_),
+                                    std::max(1e-9, 0.5 * (high_ - low_).norm()));
     return std::move(result_);
   }
 
@@ -172,7 +117,7 @@ class Proposer {
            const std::vector<FacePair>& pairs) {
     ProposedJoint joint{
         .a = a, .b = b, .confidence = confidence, .evidence = std::move(evidence), .doubt = std::move(doubt)};
-    joint.form.type = Type::fixed;
+    joint.form.type = JointForm::Type::fixed;
     joint.form.point = pairs.empty() ? Vector3d(0.5 * (at(b).low + at(b).high)) : pairs.front().point;
     for (const FacePair& p : pairs) {
       joint.faces.emplace_back(a, p.face_a);
@@ -263,23 +208,6 @@ class Proposer {
     }
   }
 
-  // Every face turns into itself about the axis; small ones of no known kind (fillets) may be anything.
-  bool is_of_revolution(int i, const Vector3d& point, const Vector3d& axis) const {
-    double odd = 0.0, all = 0.0;
-    for (const PlacedFace& f : at(i).faces) {
-      all += f.face->shape.area;
-      const Vector3d off = f.point - point;
-      const bool on_axis = (off - axis * axis.dot(off)).norm() < options_.clearance;
-      const bool fits = f.kind == FaceKind::plane ? f.normal.cross(axis).norm() < 1e-3
-                        : f.kind == FaceKind::cylinder || f.kind == FaceKind::cone
-                            ? f.axis.cross(axis).norm() < 1e-3 && on_axis
-                        : f.kind == FaceKind::sphere ? on_axis
-                                                     : false;
-      if (!fits) odd += f.face->shape.area;
-    }
-    return odd < 0.2 * all;
-  }
-
   struct Seat {
     int other = -1;
     double gap = 1e300, length = 0.0;
@@ -312,7 +240,8 @@ class Proposer {
       }
       if (seat.length > 0.0) seats.push_back(seat);
     }
-    if (first == nullptr || !is_of_revolution(i, first->point, first->axis)) return {};
+    if (first == nullptr || !is_of_revolution(at(i), first->point, first->axis, options_.clearance))
+      return {};
     return seats;
   }
 
@@ -444,42 +373,6 @@ class Proposer {
           "threads and cones are not judged): what binds them is missing",
           name(a), name(b), mm(within)));
     });
-  }
-
-  // Rank of all joints' rows in the groups' twists, joint by joint.
-  void count() {
-    const Vector3d centre = 0.5 * (low_ + high_);
-    const double size = std::max(1e-9, 0.5 * (high_ - low_).norm());
-    std::map<int, int> column;
-    for (int i = 0; i < n_; ++i)
-      if (group(i) != group(result_.ground)) column.emplace(group(i), 0);
-    int next = 0;
-    for (auto& [g, c] : column) c = 6 * next++;
-    constexpr int most = 400;  // the work grows with the third power
-    if (next > most) return;
-    std::vector<Eigen::VectorXd> basis;  // of the rows so far, orthonormal
-    for (ProposedJoint& joint : result_.joints) {
-      if (joint.form.type == Type::fixed) continue;
-      const MatrixXd S = twists_of(joint.form, centre, size);
-      const Eigen::HouseholderQR<MatrixXd> qr(S);
-      const MatrixXd N = (qr.householderQ() * MatrixXd::Identity(6, 6)).rightCols(6 - S.cols()).transpose();
-      for (Eigen::Index r = 0; r < N.rows(); ++r) {
-        Eigen::VectorXd row = Eigen::VectorXd::Zero(6 * next);
-        if (const auto c = column.find(group(joint.b)); c != column.end())
-          row.segment<6>(c->second) += N.row(r).transpose();
-        if (const auto c = column.find(group(joint.a)); c != column.end())
-          row.segment<6>(c->second) -= N.row(r).transpose();
-        for (int round = 0; round < 2; ++round)  // twice is enough (Parlett)
-          for (const Eigen::VectorXd& q : basis) row -= q * q.dot(row);
-        // Unit rows; STEP's placements are right to 1e-7 of the size, what is independent is so at a part of it.
-        if (row.norm() > 1e-5)
-          basis.push_back(row.normalized());
-        else
-          ++joint.redundant;
-      }
-    }
-    const int rank = static_cast<int>(basis.size());
-    result_.freedom = 6 * next - rank;
   }
 
   const Assembly& assembly_;
