@@ -19,6 +19,8 @@ TangentScope scope(bool is_cheap) {
 
 RadauMatrices::RadauMatrices(const Equations& eq, const RadauTableau& tableau, const State& start)
     : k_(tableau), form_(eq, start), real_(form_), complex_(form_) {
+  for (Eigen::VectorXd* x : {&rhs_, &x_}) x->setZero(form_.size());
+  for (Eigen::VectorXcd* x : {&rhs_c_, &x_c_}) x->setZero(form_.size());
   y_tangents_.setZero(form_.size());
   yp_tangents_.setZero(form_.size());
 }
@@ -45,6 +47,14 @@ bool RadauMatrices::factor(double h) {
   if (h_ == h) return true;
   h_ = h;
   return real_.factor(k_.gamma / h) && complex_.factor(k_.lambda / h);
+}
+
+void RadauMatrices::solve(std::array<Eigen::VectorXd, 3>& R) {
+  rhs_ = k_.v_left(0) * R[0] + k_.v_left(1) * R[1] + k_.v_left(2) * R[2];
+  rhs_c_ = k_.w_left(0) * R[0] + k_.w_left(1) * R[1] + k_.w_left(2) * R[2];
+  real_.solve(rhs_, x_);
+  complex_.solve(rhs_c_, x_c_);
+  for (int i = 0; i < 3; ++i) R[i] = -k_.v(i) * x_ - 2.0 * (k_.w(i) * x_c_).real();
 }
 
 bool RadauMatrices::ask_for_more() {

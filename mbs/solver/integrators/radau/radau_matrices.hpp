@@ -1,6 +1,7 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
 #include <complex>
 
 #include "mbs/solver/algebra/history.hpp"
@@ -44,6 +45,8 @@ class RadauMatrices {
   /// x = (dF/dy + cj dF/dy')^-1 rhs, both of the size of y, for the real or the complex cj.
   void solve(const Eigen::VectorXd& rhs, Eigen::VectorXd& x) { real_.solve(rhs, x); }
   void solve(const Eigen::VectorXcd& rhs, Eigen::VectorXcd& x) { complex_.solve(rhs, x); }
+  /// Of the residuals R_i of the stages the corrections dZ_i, in their place.
+  void solve(std::array<Eigen::VectorXd, 3>& R);
   /// out = dF/dy' x.
   void multiply_rates(const Eigen::VectorXd& x, Eigen::VectorXd& out) const { form_.multiply_rates(x, out); }
 
@@ -64,6 +67,8 @@ class RadauMatrices {
   // Full matrices to come, and how many the next failure asks for: few where it was a force that changed.
   int full_left_ = 0, full_span_ = 1, cheap_steps_ = 0;
   long linearised_ = 0;
+  Eigen::VectorXd rhs_, x_;
+  Eigen::VectorXcd rhs_c_, x_c_;
 };
 
 }  // namespace flexura::mbs
