@@ -206,8 +206,7 @@ bool Runner::contradicts(double t, Integrator& integrator) {
 }
 
 // The run ends where a row that was redundant begins to say something else; rows until then are kept.
-bool Runner::stop_at_contradiction(const StepEnd& end, Integrator& integrator) {
-  if (!watch_.watches() || !contradicts(end.t_end, integrator)) return false;
+void Runner::stop_at_contradiction(const StepEnd& end, Integrator& integrator) {
   double agrees = result_.state.t, contradictory = end.t_end;
   for (int k = 0; k < 30; ++k) {
     const double middle = 0.5 * (agrees + contradictory);
@@ -215,13 +214,12 @@ bool Runner::stop_at_contradiction(const StepEnd& end, Integrator& integrator) {
   }
   contradicts(end.t_end, integrator);
   result_.stopped_because = watch_.complaint(end.t_end, agrees, RowWatch::allowed(options_.tolerance));
-  if (agrees <= result_.state.t) return true;
+  if (agrees <= result_.state.t) return;
   if (keeps_book_)
     enter_step(result_.state.t, agrees, agrees, integrator);
   else
     write_equilibria_until(agrees, agrees, integrator);
   integrator.interpolate(agrees, result_.state, result_.v_dot);
-  return true;
 }
 
 // A fixed step that gave way to a pulse and comes back: what a method remembers of much shorter steps is noise
@@ -241,7 +239,12 @@ void Runner::leave_short_steps() {
 }
 
 bool Runner::finish_step(const StepEnd& end, Integrator& integrator) {
-  if (stop_at_contradiction(end, integrator)) return false;
+  if (watch_.watches() && contradicts(end.t_end, integrator)) {
+    bool goes_on = true;
+    if (&integrator == integrator_.get() && pass_rank_loss(goes_on)) return goes_on;
+    stop_at_contradiction(end, integrator);
+    return false;
+  }
   // Rows that fall on an event show what was before it.
   const bool at_event = stop_.is_event && end.t_end == stop_.t && end.roots.empty();
   const double rows_until = at_event ? std::max(stop_.after, end.t_end) : end.t_end;

@@ -139,30 +139,60 @@ bool Runner::cross_singularity(const IntegrationError& reason) {
   if (!kind_of(options_).is_implicit || n_.n_lambda == 0 ||
       result_.counts.singular_crossings >= kMostCrossings)
     throw reason;
-  // From where the run stands, or, where that is too near to the singular position for round-off to allow it,
-  // from the beginnings of the last long steps: what lies before the present time is not taken again.
+  bool goes_on = true;
+  try {
+    if (leap_across(1e-7 * (options_.end_time - options_.start_time), goes_on)) return goes_on;
+  } catch (const NonFiniteError&) {
+    // Beyond where the mechanism locks there is nothing to land on: that it locks is what there is to say.
+    throw reason;
+  }
+  throw reason;
+}
+
+// From where the run stands, or, where that is too near to the singular position for round-off to allow it, from the
+// beginnings of the last long steps: what lies before the present time is not taken again. False where no leap comes on by
+// `least_way` (s); `goes_on` is whether the run does.
+bool Runner::leap_across(double least_way, bool& goes_on) {
   const double t_failed = result_.state.t;
   has_history_ = false;
   for (std::size_t back = 0; back <= n_anchors_; ++back) {
     const Instant from = back == 0 ? Instant{result_.state, result_.v_dot}
                                    : anchors_[(next_anchor_ + kAnchors - back) % kAnchors];
-    bool goes_on = true;
-    try {
-      if (!leap(from, goes_on)) continue;
-    } catch (const NonFiniteError&) {
-      // Beyond where the mechanism locks there is nothing to land on: that it locks is what there is to say.
-      throw reason;
-    }
-    if (!goes_on) return false;
-    if (result_.state.t - t_failed < 1e-7 * (options_.end_time - options_.start_time)) continue;
+    goes_on = true;
+    if (!leap(from, goes_on)) continue;
+    if (!goes_on) return true;
+    if (result_.state.t - t_failed < least_way) continue;
     ++result_.counts.singular_crossings;
     n_anchors_ = 0;
     integrator_->set_horizon(times_.next(result_.state.t).t);
     integrator_->start(result_.state, result_.v_dot);
     has_history_ = false;
-    return result_.state.t < options_.end_time;
+    goes_on = result_.state.t < options_.end_time;
+    return true;
   }
-  throw reason;
+  return false;
+}
+
+// Rows that follow from others (a Bennett linkage closes with two of the five of a hinge) follow from those that were kept at
+// the start only where these are independent: for an instant the mechanism may be held by the rows left out alone. What they
+// are open by there is no contradiction, and explicit steps lead across.
+bool Runner::pass_rank_loss(bool& goes_on) {
+  constexpr double kNearlyLost = 0.05;  // independence of the kept rows, 1 where they are orthogonal
+  if (!kind_of(options_).is_implicit || n_.n_lambda == 0 ||
+      result_.counts.singular_crossings >= kMostCrossings)
+    return false;
+  const State& s = result_.state;
+  Eigen::MatrixXd M = Eigen::MatrixXd::Zero(n_.n_v, n_.n_v), G = Eigen::MatrixXd::Zero(n_.n_lambda, n_.n_v);
+  eq_.mass_matrix(s.p, *scratch_, M);
+  eq_.constraint_matrix(s.t, s.p, *scratch_, G);
+  SaddleSolver rows;
+  rows.factor(eq_, M, G);
+  if (rows.independence() > kNearlyLost) return false;
+  try {
+    return leap_across(0.0, goes_on);
+  } catch (const std::runtime_error&) {
+    return false;
+  }
 }
 
 // A few explicit steps; false where not even one of them came beyond the present time.

@@ -89,8 +89,10 @@ class Runner {
   bool finish_step(const StepEnd& end, Integrator& integrator);
   bool cross_singularity(const IntegrationError& reason);
   bool contradicts(double t, Integrator& integrator);
-  bool stop_at_contradiction(const StepEnd& end, Integrator& integrator);
+  void stop_at_contradiction(const StepEnd& end, Integrator& integrator);
   bool leap(const Instant& from, bool& goes_on);
+  bool leap_across(double least_way, bool& goes_on);
+  bool pass_rank_loss(bool& goes_on);
   bool start_again(State& s, Eigen::VectorXd& v_dot);
   void watch_method();
   void refuse_creeping() const;
