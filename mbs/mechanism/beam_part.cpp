@@ -99,6 +99,9 @@ Segments add_segments(MechanismDescription& d, int root, const BeamPart& part) {
     }
     const int before = out.bodies.back();
     const int body = d.add_body({.name = fmt::format("{}.{}", name, k), .inertia = inertia});
+    // A joint may hold the beam at any piece: where the body is said to start, each of them does.
+    if (const std::optional<Pose>& X_WB = d.bodies[root].X_WB)
+      d.bodies[body].X_WB = *X_WB * Pose{Matrix3d::Identity(), origin};
     out.bodies.push_back(body);
     const Vector3d middle = part.from_B + (k - 0.5) * l * R.col(0);
     const int F_marker =

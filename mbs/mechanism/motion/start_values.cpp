@@ -27,7 +27,8 @@ StartValues::StartValues(const Topology& tree, const TreeMotion& kinematics, con
     const TreeBody& body = tree_.bodies[b];
     const JointDescription& joint = tree_.d.joints[body.joint];
     const JointPlace& place = tree_.places[body.joint];
-    if (tree_.d.bodies[b].X_WB) {
+    // The pieces of a beam start as made, wherever the beam is held and however roughly its place is given.
+    if (tree_.d.bodies[b].X_WB && !joint.bends) {
       kinematics_.forward(TreeMotion::Level::position, 0.0, p.data(), nullptr, nullptr, at);
       stand_at(b, *tree_.d.bodies[b].X_WB, at);
     }
