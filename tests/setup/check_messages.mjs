@@ -75,7 +75,7 @@ const EXEMPT = [
   ['reduce/cms/', 'options and vectors that the readers have checked, and what would be wrong numbers'],
   ['mbs/view/', 'results and superelements that their readers have checked'],
   ['mbs/results/writer.cpp', 'rows that the recorder makes'],
-  ['mbs/solver/integrators/ida.cpp', 'what SUNDIALS says of itself; the steps where a force jumps are named with what to do in integrator.hpp'],
+  ['mbs/solver/integrators/ida/ida.cpp', 'what SUNDIALS says of itself; the steps where a force jumps are named with what to do in integrator.hpp'],
   ['mbs/solver/run/make_integrator.cpp', 'names that options.cpp has checked'],
   ['mbs/solver/accuracy/integrator_kind.cpp', 'names that options.cpp has checked'],
   ['mbs/solver/integrators/sequence.cpp', 'the place before the sentence of an integrator'],

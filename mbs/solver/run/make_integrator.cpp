@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 
 #include "mbs/solver/integrators/generalised_alpha.hpp"
-#include "mbs/solver/integrators/ida.hpp"
+#include "mbs/solver/integrators/ida/ida.hpp"
 #include "mbs/solver/integrators/radau/radau.hpp"
 #include "mbs/solver/integrators/runge_kutta.hpp"
 #include "mbs/solver/integrators/sequence.hpp"

@@ -1,5 +1,5 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-#include "mbs/solver/integrators/ida.hpp"
+#include "mbs/solver/integrators/ida/ida.hpp"
 
 #include <fmt/format.h>
 #include <ida/ida.h>
@@ -12,6 +12,8 @@
 
 #include "mbs/solver/accuracy/error_weights.hpp"
 #include "mbs/solver/algebra/remembered.hpp"
+#include "mbs/solver/integrators/ida/ida_memory.hpp"
+#include "mbs/solver/integrators/ida/ida_newton.hpp"
 #include "mbs/solver/integrators/newton_matrix.hpp"
 #include "mbs/solver/integrators/switches.hpp"
 
@@ -19,19 +21,9 @@ namespace flexura::mbs {
 
 namespace {
 
-using ConstMap = Eigen::Map<const Eigen::VectorXd>;
-using Map = Eigen::Map<Eigen::VectorXd>;
-
 // So many steps in a row at a low order, each of which failed at first, are a trap; orders one to five take
 // 2 + 3 + 4 + 5 + 6 steps of one length.
 constexpr int kTrapped = 5, kHeld = 20;
-
-ConstMap view(N_Vector x) {
-  return {NV_DATA_S(x), static_cast<Eigen::Index>(NV_LENGTH_S(x))};
-}
-Map edit(N_Vector x) {
-  return {NV_DATA_S(x), static_cast<Eigen::Index>(NV_LENGTH_S(x))};
-}
 
 class Ida final : public Integrator {
  public:
@@ -184,37 +176,6 @@ void Ida::message(int, const char*, const char*, char* text, void* self) {
   of(self).last_message_ = text;
 }
 
-// A direct solver whose matrix is a NewtonMatrix: the Jacobian callback builds and factorises it.
-SUNLinearSolver_Type direct(SUNLinearSolver) {
-  return SUNLINEARSOLVER_DIRECT;
-}
-SUNLinearSolver_ID custom_solver(SUNLinearSolver) {
-  return SUNLINEARSOLVER_CUSTOM;
-}
-int nothing(SUNLinearSolver) {
-  return 0;
-}
-int nothing_to_set_up(SUNLinearSolver, SUNMatrix) {
-  return 0;
-}
-int free_solver(SUNLinearSolver s) {
-  SUNLinSolFreeEmpty(s);
-  return 0;
-}
-int solve_with_newton_matrix(SUNLinearSolver s, SUNMatrix, N_Vector x, N_Vector b, double) {
-  static_cast<NewtonMatrix<double>*>(s->content)->solve(view(b), edit(x));
-  return view(x).allFinite() ? 0 : 1;
-}
-SUNMatrix_ID custom_matrix(SUNMatrix) {
-  return SUNMATRIX_CUSTOM;
-}
-int zero_matrix(SUNMatrix) {
-  return 0;
-}
-void destroy_matrix(SUNMatrix m) {
-  SUNMatFreeEmpty(m);
-}
-
 void Ida::create(const State& s) {
   form_ = std::make_unique<StabilisedIndex2>(eq_, s);
   newton_matrix_ = std::make_unique<NewtonMatrix<double>>(*form_);
@@ -254,18 +215,8 @@ void Ida::create(const State& s) {
   // fewer steps at the same number of evaluations) and spoils the work of drives.
   check(IDASetNonlinConvCoef(memory_, 0.01), "Newton's tolerance");
 
-  matrix_ = SUNMatNewEmpty(context_);
-  matrix_->ops->getid = custom_matrix;
-  matrix_->ops->zero = zero_matrix;
-  matrix_->ops->destroy = destroy_matrix;
-  solver_ = SUNLinSolNewEmpty(context_);
-  solver_->content = newton_matrix_.get();
-  solver_->ops->gettype = direct;
-  solver_->ops->getid = custom_solver;
-  solver_->ops->initialize = nothing;
-  solver_->ops->setup = nothing_to_set_up;
-  solver_->ops->solve = solve_with_newton_matrix;
-  solver_->ops->free = free_solver;
+  matrix_ = make_empty_matrix(context_);
+  solver_ = make_newton_solver(context_, *newton_matrix_);
   check(IDASetLinearSolver(memory_, solver_, matrix_), "the linear solver");
   check(IDASetJacFn(memory_, &Ida::jacobian), "the Jacobian");
 }
@@ -420,8 +371,6 @@ void Ida::remember(History& history) {
   const long n = form_->size();
   history.all(NV_DATA_S(y_), n);
   history.all(NV_DATA_S(yp_), n);
-  // Of IDA's own record all that a step leaves for the next: the divided differences and what belongs to them
-  // (SUNDIALS 6, ida_impl.h), the Newton iteration's memory.
   if (history.reads()) {
     // IDA sets itself up in its first step; everything that step leaves is overwritten below.
     double t = start_.t;
@@ -434,17 +383,7 @@ void Ida::remember(History& history) {
     edit(y_) = y;
     edit(yp_) = yp;
   }
-  for (int k = 0; k <= m->ida_maxord; ++k) history.all(NV_DATA_S(m->ida_phi[k]), n);
-  history.all(NV_DATA_S(m->ida_ee), n);
-  for (double* x : {m->ida_psi, m->ida_alpha, m->ida_beta, m->ida_sigma, m->ida_gamma})
-    history.all(x, MXORDP1);
-  for (int* x : {&m->ida_kk, &m->ida_kused, &m->ida_knew, &m->ida_phase, &m->ida_ns}) history(*x);
-  for (double* x :
-       {&m->ida_hin, &m->ida_h0u, &m->ida_hh, &m->ida_hused, &m->ida_eta, &m->ida_tn, &m->ida_tretlast,
-        &m->ida_cj, &m->ida_cjlast, &m->ida_cjold, &m->ida_cjratio, &m->ida_ss, &m->ida_oldnrm,
-        &m->ida_epsNewt, &m->ida_toldel, &m->ida_hmax_inv, &m->ida_hmin, &m->ida_tolsf})
-    history(*x);
-  history(m->ida_nst);
+  remember_ida(history, *m, n);
   switches_.remember(history, start_);
   history(built_.t);
   history(built_.cj);
@@ -455,10 +394,6 @@ void Ida::remember(History& history) {
   history(full_matrices_left_);
   history(t_);
   if (!history.reads()) return;
-  for (const int order : {m->ida_kk, m->ida_kused, m->ida_knew}) require_between(order, 0, m->ida_maxord);
-  require_between(m->ida_ns, 0, m->ida_maxord + 2);
-  require_between(m->ida_phase, 0, 1);
-  require_between(m->ida_nst, 0, std::numeric_limits<long>::max());
   // Saved before its first step, it had built none.
   const bool is_built = m->ida_nst > 0 || built_.y.size() > 0;
   for (const Eigen::VectorXd* x : {&built_.y, &built_.yp}) require_size(x->size(), is_built ? n : 0);
