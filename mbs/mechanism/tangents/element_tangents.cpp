@@ -2,66 +2,15 @@
 #include "mbs/mechanism/tangents/element_tangents.hpp"
 
 #include <algorithm>
-#include <cmath>
-#include <numbers>
 
-#include "mbs/base/math/differences.hpp"
+#include "mbs/mechanism/tangents/closure_tangents.hpp"
 
 namespace flexura::mbs {
-namespace {
-
-/// Derivatives of a coordinate (or speed) of a joint that closes a loop by its frames' relative motion:
-/// central differences of the joint's own functions.
-Eigen::Matrix<double, 1, 12> closure_gradient(const Kinematics& kin, const JointPlace& place, int index,
-                                              bool of_speed) {
-  constexpr double h = kCentralStep;
-  const Relative rel = kin.relative_motion(place.marker_F, place.marker_M);
-  Eigen::Matrix<double, 1, 12> gradient;
-  for (int j = 0; j < (of_speed ? 12 : 6); ++j) {
-    double value[2], q[7], v[6];
-    for (int k = 0; k < 2; ++k) {
-      Relative moved = rel;
-      const double step = k == 0 ? h : -h;
-      if (j < 3)
-        moved.X_FM.R = rotation_exp(step * Vector3d::Unit(j)) * rel.X_FM.R;
-      else if (j < 6)
-        moved.X_FM.p(j - 3) += step;
-      else
-        moved.V(j - 6) += step;
-      place.joint->coordinates_of(moved.X_FM, q);
-      if (of_speed) place.joint->speeds_of(q, moved.V, v);
-      value[k] = of_speed ? v[index] : q[index];
-    }
-    double change = value[0] - value[1];
-    if (std::abs(change) > 1.0) change = std::remainder(change, 2.0 * std::numbers::pi);  // across +-pi
-    gradient(j) = change / (2.0 * h);
-  }
-  if (!of_speed) gradient.tail<6>().setZero();
-  return gradient;
-}
-
-/// S (S^T S)^-1 e of a closure: the wrench of a unit force along its coordinate, see Loads.
-Vector6d closure_wrench(const Joint& joint, const Pose& X_FM, int index) {
-  double q[7];
-  joint.coordinates_of(X_FM, q);
-  MotionMatrix S = MotionMatrix::Zero(6, joint.n_v());
-  joint.motion(q, S);
-  const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 6, 6> gram = S.transpose() * S;
-  return S * gram.inverse().col(index);
-}
-
-}  // namespace
-
 void ElementVariations::size(const Topology& tree, const ElementStates& states, const ConstraintRows& rows_of,
                              int n_algebraic) {
   const int n_v = tree.n_v;
-  for (Reach* reach : {&at, &axes, &reaction, &seen_F, &seen_M}) {
-    reach->twist.setZero(6, n_v);
-    reach->D.setZero(6, n_v);
-    reach->rigid.setZero(6, n_v);
-    reach->list.reserve(n_v);
-  }
-  mark.assign(n_v, 0);
+  for (MarkerReach* reach : {&at, &axes, &reaction, &seen_F, &seen_M}) reach->size(n_v);
+  marks.size(n_v);
   columns.reserve(n_v);
   seen_columns.reserve(n_v);
   rows.reserve(n_v + 6);
@@ -81,66 +30,16 @@ void ElementVariations::size(const Topology& tree, const ElementStates& states, 
 ElementTangents::ElementTangents(const Topology& tree, const ElementStates& states,
                                  const ConstraintRows& rows_of, TangentScope scope, const Instant& at,
                                  TangentMatrices& out)
-    : tree_(tree), states_(states), rows_of_(rows_of), scope_(scope), at_(at), out_(out), e_(at.elements) {
+    : tree_(tree),
+      states_(states),
+      rows_of_(rows_of),
+      scope_(scope),
+      at_(at),
+      out_(out),
+      e_(at.elements),
+      reaches_(tree, at.inertia) {
   e_.seen = {-2, -2};
   e_.signals.setZero();
-}
-
-// The body nearest to all markers on the way to ground; ground where one of them is the world (-1).
-int ElementTangents::base_of(std::initializer_list<int> markers) const {
-  const auto depth = [&](int body) { return at_.inertia.bodies[body].depth; };
-  int base = -1;
-  for (const int marker : markers) {
-    if (marker < 0) return 0;
-    int b = tree_.d.markers[marker].body;
-    if (base < 0) base = b;
-    while (base != b) {
-      int& outer = depth(base) > depth(b) ? base : b;
-      outer = tree_.bodies[outer].parent;
-    }
-  }
-  return base;
-}
-
-void ElementTangents::reach(int marker, const Vector3d& point, int base, Reach& out) const {
-  for (const int j : out.list) {
-    out.twist.col(j).setZero();
-    out.D.col(j).setZero();
-    out.rigid.col(j).setZero();
-  }
-  out.list.clear();
-  out.n_own = 0;
-  if (marker < 0) return;
-  const InertiaVariations& T = at_.inertia;
-  bool own = true;
-  for (int b = tree_.d.markers[marker].body, child = -1; b != 0; child = b, b = tree_.bodies[b].parent) {
-    const TreeBody& t = tree_.bodies[b];
-    const Vector3d from_origin = point - T.bodies[b].origin;
-    const auto take = [&](int j) {
-      const Vector6d phi = shift_twist(Spatial::from(T.phi.col(j)), from_origin).vector();
-      out.twist.col(j) += phi;
-      out.rigid.col(j) += phi;
-      out.D.col(j) += shift_twist(Spatial::from(T.D.col(j)), from_origin).vector();
-      out.list.push_back(j);
-    };
-    const int through = child < 0 ? marker : tree_.bodies[child].marker_in;
-    for (int l = 0; l < t.m; ++l) {
-      const int j = t.i_v + l;
-      if (tree_.is_carried[through]) {
-        const InertiaVariations::MovedNode& node = T.markers[through];
-        out.twist.col(j) = shift_twist(Spatial::from(node.eta.col(l)), from_origin).vector();
-        out.D.col(j) = shift_twist(Spatial::from(node.D.col(l)), from_origin).vector();
-        if (child >= 0) out.rigid.col(j) = out.twist.col(j);
-      }
-      take(j);
-    }
-    if (b == base) {
-      own = false;
-      out.n_own = out.list.size();
-    }
-    for (int j = tree_.places[t.joint].i_v; j < t.i_v; ++j) take(j);
-  }
-  if (own) out.n_own = out.list.size();
 }
 
 void ElementTangents::add(int row, int column, double value) {
@@ -194,12 +93,12 @@ bool ElementTangents::skips(int j) const {
 }
 
 // What is left of a load on the marker `at`, see the header, and of its reaction.
-void ElementTangents::turn_load(const Reach* reaction, const Matrix3d& R, const Vector6d& wrench) {
+void ElementTangents::turn_load(const MarkerReach* reaction, const Matrix3d& R, const Vector6d& wrench) {
   const Spatial w = R * Spatial::from(wrench);
-  collect({&e_.at, &e_.axes, reaction}, e_.columns);
+  e_.marks.collect({&e_.at, &e_.axes, reaction}, e_.columns);
   for (const int j : e_.columns) {
     if (skips(j)) continue;
-    const auto left_on = [&](const Reach& body, double sign) {
+    const auto left_on = [&](const MarkerReach& body, double sign) {
       const Vector3d turn = e_.axes.twist.col(j).head<3>() - body.rigid.col(j).head<3>();
       const Vector3d move = e_.at.twist.col(j).tail<3>() - body.rigid.col(j).tail<3>();
       const Spatial left{turn.cross(w.angular) + move.cross(w.linear), turn.cross(w.linear)};
@@ -214,39 +113,26 @@ void ElementTangents::turn_load(const Reach* reaction, const Matrix3d& R, const 
     if (reaction) twist -= reaction->twist.col(i);
     add_row(i, -factor_ * (R.transpose() * Spatial::from(twist)).vector());
   };
-  collect({&e_.at, reaction}, e_.columns);
+  e_.marks.collect({&e_.at, reaction}, e_.columns);
   for (const int i : e_.columns) component(i);
-}
-
-// The coordinates that not all of them have in common, each once.
-void ElementTangents::collect(std::initializer_list<const Reach*> reaches, std::vector<int>& out) {
-  out.clear();
-  ++e_.marks;
-  for (const Reach* reach : reaches)
-    for (std::size_t k = 0; reach && k < reach->n_own; ++k) {
-      const int j = reach->list[k];
-      if (e_.mark[j] == e_.marks) continue;
-      e_.mark[j] = e_.marks;
-      out.push_back(j);
-    }
 }
 
 void ElementTangents::between(int marker_F, int marker_M, const Vector6d& on_M_F) {
   start(Target::z);
-  const int base = base_of({marker_F, marker_M});
+  const int base = reaches_.base_of({marker_F, marker_M});
   const Vector3d& point = at_.motion.kin.markers[marker_M].X_WP.p;
-  reach(marker_M, point, base, e_.at);
-  reach(marker_F, point, base, e_.axes);
+  reaches_.reach(marker_M, point, base, e_.at);
+  reaches_.reach(marker_F, point, base, e_.axes);
   turn_load(&e_.axes, at_.motion.kin.markers[marker_F].X_WP.R, on_M_F);
 }
 
 void ElementTangents::wrench(int at, int axes, int reaction, const Vector6d& wrench) {
   start(Target::z);
-  const int base = base_of({at, axes, reaction});
+  const int base = reaches_.base_of({at, axes, reaction});
   const Vector3d& point = at_.motion.kin.markers[at].X_WP.p;
-  reach(at, point, base, e_.at);
-  reach(axes, point, base, e_.axes);
-  reach(reaction, point, base, e_.reaction);
+  reaches_.reach(at, point, base, e_.at);
+  reaches_.reach(axes, point, base, e_.axes);
+  reaches_.reach(reaction, point, base, e_.reaction);
   turn_load(reaction < 0 ? nullptr : &e_.reaction,
             axes < 0 ? Matrix3d(Matrix3d::Identity()) : at_.motion.kin.markers[axes].X_WP.R, wrench);
 }
@@ -258,21 +144,10 @@ void ElementTangents::force(CoordinateRef c, double value) {
     add_row(place.i_v + c.index, -factor_ * Vector6d::Unit(0));
     return;
   }
-  constexpr double h = kCentralStep;
   const Pose X = at_.motion.kin.relative_pose(place.marker_F, place.marker_M);
   const Vector6d unit = closure_wrench(*place.joint, X, c.index);
-  Eigen::Matrix<double, 6, 12> turned = Eigen::Matrix<double, 6, 12>::Zero();
-  for (int j = 0; j < 6; ++j)
-    for (const double sign : {1.0, -1.0}) {
-      Pose moved = X;
-      if (j < 3)
-        moved.R = rotation_exp(sign * h * Vector3d::Unit(j)) * X.R;
-      else
-        moved.p(j - 3) += sign * h;
-      turned.col(j) += sign * value / (2.0 * h) * closure_wrench(*place.joint, moved, c.index);
-    }
   between(place.marker_F, place.marker_M, value * unit);
-  by_relative(place.marker_F, place.marker_M, turned);
+  by_relative(place.marker_F, place.marker_M, value * closure_wrench_gradient(*place.joint, X, c.index));
   is_lifted_ = true;
   lift_ = unit;
 }
@@ -306,10 +181,10 @@ void ElementTangents::see(int marker_F, int marker_M) {
   if (e_.seen == std::pair(marker_F, marker_M)) return;
   e_.seen = {marker_F, marker_M};
   const MarkerState &F = at_.motion.kin.markers[marker_F], &M = at_.motion.kin.markers[marker_M];
-  const int base = base_of({marker_F, marker_M});
-  reach(marker_M, M.X_WP.p, base, e_.seen_M);
-  reach(marker_F, M.X_WP.p, base, e_.seen_F);
-  collect({&e_.seen_M, &e_.seen_F}, e_.seen_columns);
+  const int base = reaches_.base_of({marker_F, marker_M});
+  reaches_.reach(marker_M, M.X_WP.p, base, e_.seen_M);
+  reaches_.reach(marker_F, M.X_WP.p, base, e_.seen_F);
+  e_.marks.collect({&e_.seen_M, &e_.seen_F}, e_.seen_columns);
   std::erase_if(e_.seen_columns, [this](int j) { return skips(j); });
   // From (1) of inertia_tangents.cpp, as F sees it at M's origin, which moves by xi there.
   const Vector3d w_rel = M.V.angular - F.V.angular;

@@ -8,6 +8,7 @@
 #include "mbs/mechanism/elements/constraint_rows.hpp"
 #include "mbs/mechanism/elements/element_states.hpp"
 #include "mbs/mechanism/tangents/inertia_tangents.hpp"
+#include "mbs/mechanism/tangents/marker_reach.hpp"
 
 /// The chain rule from what elements see and do to the coordinates.
 namespace flexura::mbs {
@@ -15,19 +16,10 @@ namespace flexura::mbs {
 /// What ElementTangents leaves of one state.
 struct ElementVariations {
   using Columns6 = Eigen::Matrix<double, 6, Eigen::Dynamic>;
-  /// How a marker moves with the coordinates that it depends on: twists of a point of its body (or node),
-  /// and D of (1) in inertia_tangents.cpp about that point; zero for all others.
-  struct Reach {
-    Columns6 twist, D;
-    Columns6 rigid;         ///< twists without what the marker moves in its own body
-    std::vector<int> list;  ///< from the body inwards
-    std::size_t n_own = 0;  ///< those that not all markers of a load have in common come first
-  };
-  Reach at, axes, reaction, seen_F, seen_M;
+  MarkerReach at, axes, reaction, seen_F, seen_M;
   std::pair<int, int> seen;  ///< markers of seen_F and seen_M
   std::vector<int> columns, seen_columns;
-  std::vector<long> mark;
-  long marks = 0;
+  ReachMarks marks;
   Eigen::Matrix<double, 12, Eigen::Dynamic> motion;  ///< of seen_M in seen_F, pose and twist by q
   // What the element does: rows of the target and their derivatives by its numbers (6 at most).
   std::vector<int> rows;
@@ -86,13 +78,9 @@ class ElementTangents final : public Derivatives {
 
  private:
   using Columns6 = ElementVariations::Columns6;
-  using Reach = ElementVariations::Reach;
   enum class Target { z, h, signal };
 
-  int base_of(std::initializer_list<int> markers) const;
-  void reach(int marker, const Vector3d& point, int base, Reach& out) const;
-  void turn_load(const Reach* reaction, const Matrix3d& R, const Vector6d& wrench);
-  void collect(std::initializer_list<const Reach*> reaches, std::vector<int>& out);
+  void turn_load(const MarkerReach* reaction, const Matrix3d& R, const Vector6d& wrench);
   void see(int marker_F, int marker_M);
   void start(Target target);
   void add_row(int row, const Vector6d& by);
@@ -108,6 +96,7 @@ class ElementTangents final : public Derivatives {
   Instant at_;
   TangentMatrices& out_;
   ElementVariations& e_;
+  MarkerReaches reaches_;
   double factor_ = 1.0;  // of loads in r
   // Of the element at work: its places in c, in a, among all constraint rows, among the signals.
   int first_state_ = 0, algebraic_ = -1, first_row_ = 0, n_rows_ = 0, signal_ = -1;
