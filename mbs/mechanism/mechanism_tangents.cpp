@@ -30,9 +30,9 @@ void MechanismTangents::evaluate(const State& s, ConstVectorRef v_dot, TangentSc
   z_q.setZero();
   h_q.setZero();
   for (MatrixXd* m : {&out.z_v, &out.z_c, &out.z_a}) m->setZero();
-  if (with_modes) m_.inertia.mode_columns(work.motion, work.wrenches, T.inertia, z_q, out.z_v);
+  if (with_modes) m_.modes.mode_columns(work.motion, work.wrenches, T.inertia, z_q, out.z_v);
   m_.inertia.joint_columns(with_modes, T.inertia, z_q, out.z_v);
-  m_.inertia.following_columns(work.motion, work.wrenches, T.inertia, out.z_c);
+  m_.modes.following_columns(work.motion, work.wrenches, T.inertia, out.z_c);
   ElementTangents elements(m_.tree, m_.states, m_.rows, scope,
                            {work.motion, work.signals, work.rows, T.inertia, T.elements}, out);
   elements.all_signals();

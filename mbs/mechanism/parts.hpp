@@ -8,6 +8,7 @@
 #include "mbs/mechanism/motion/tree_motion.hpp"
 #include "mbs/mechanism/tangents/element_tangents.hpp"
 #include "mbs/mechanism/tangents/inertia_tangents.hpp"
+#include "mbs/mechanism/tangents/mode_tangents.hpp"
 #include "mbs/mechanism/topology/coordinates.hpp"
 #include "mbs/mechanism/topology/topology.hpp"
 
@@ -23,7 +24,8 @@ struct MechanismParts {
         mass(tree),
         states(tree),
         rows(tree),
-        inertia(tree) {}
+        inertia(tree),
+        modes(tree) {}
 
   Topology tree;
   Coordinates coordinates;
@@ -33,6 +35,7 @@ struct MechanismParts {
   ElementStates states;
   ConstraintRows rows;
   InertiaTangents inertia;
+  ModeTangents modes;
 
   int n_algebraic() const { return static_cast<int>(states.algebraic().size() + rows.contacts().size()); }
 };

@@ -1,168 +1,17 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include "mbs/mechanism/outputs/quantities.hpp"
 
-#include <fmt/format.h>
+#include <Eigen/Geometry>
 
-#include <set>
-
+/// The values of quantities at one state.
 namespace flexura::mbs {
-namespace {
-
-namespace dim = input::dim;
-
-constexpr const char* axis_names[] = {"x", "y", "z"};
-
-constexpr input::Dimension linear_momentum{{1, 1, -1, 0}}, angular_momentum{{2, 1, -1, 0}};
-
-}  // namespace
 
 Quantities::Quantities(const Topology& tree, const ConstraintRows& rows, int n_algebraic)
-    : tree_(tree), rows_(rows) {
-  std::set<std::string> taken;
-  const auto add = [&](std::string name, input::Dimension dimension, std::string doc, Kind kind, int index,
-                       int component = 0, bool usual = false) {
-    if (!taken.insert(name).second) return;  // a free body's joint bears its name: "stone.x" is one thing
-    all_.push_back({{std::move(name), dimension, std::move(doc)}, kind, index, component, usual});
-  };
-  using K = Kind;
-  // Sizes and forces on coordinates are usual, components are not.
-  const auto add_outputs = [&](const std::string& name, const std::vector<OutputInfo>& outputs, K kind,
-                               int index) {
-    for (std::size_t i = 0; i < outputs.size(); ++i) {
-      const std::string& own = outputs[i].name;
-      const bool is_component = own.size() > 2 && own[own.size() - 2] == '_' && own.back() >= 'x';
-      add(name + "." + own, outputs[i].dimension, outputs[i].doc, kind, index, static_cast<int>(i),
-          !is_component);
-    }
-  };
-  for (std::size_t j = 0; j < tree_.d.joints.size(); ++j) {
-    const JointDescription& joint = tree_.d.joints[j];
-    const int k = static_cast<int>(j);
-    const bool narrow =
-        joint.joint->n_v() <= 2;  // coordinates of interest; not the quaternion of a free body
-    const auto coordinates = joint.joint->coordinates(), speeds = joint.joint->speeds(),
-               accelerations = joint.joint->accelerations();
-    for (std::size_t i = 0; i < coordinates.size(); ++i)
-      add(joint.name + "." + coordinates[i].name, coordinates[i].dimension, "coordinate of the joint",
-          K::coordinate, k, static_cast<int>(i), narrow);
-    for (std::size_t i = 0; i < speeds.size(); ++i)
-      add(joint.name + "." + speeds[i].name, speeds[i].dimension, "speed of the joint", K::speed, k,
-          static_cast<int>(i), narrow);
-    for (std::size_t i = 0; i < accelerations.size(); ++i)
-      add(joint.name + "." + accelerations[i].name, accelerations[i].dimension, "acceleration of the joint",
-          K::acceleration, k, static_cast<int>(i));
-    if (joint.joint->n_rows() > 0) add_outputs(joint.name, wrench_outputs(true, true), K::reaction, k);
-    const auto all_drives = {&joint.drives, &joint.speed_drives, &joint.acceleration_drives};
-    std::vector<int> driven;
-    for (const auto* drives : all_drives)
-      for (const auto& [index, motion] : *drives) driven.push_back(index);
-    for (const int index : driven) {
-      const bool is_angle = coordinates[index].dimension == dim::angle;
-      add(joint.name + (driven.size() > 1 ? ".drive_force_" + coordinates[index].name : ".drive_force"),
-          is_angle ? dim::torque : dim::force, "force or torque of the drive along the coordinate", K::drive,
-          k, index, true);
-    }
-  }
-  for (std::size_t b = 1; b < tree_.d.bodies.size(); ++b) {
-    const std::string& name = tree_.d.bodies[b].name;
-    const int k = static_cast<int>(b);
-    for (int i = 0; i < 3; ++i) {
-      const std::string axis = axis_names[i];
-      add(name + ".position_" + axis, dim::length, "of the body's origin in the world", K::body_position, k,
-          i);
-      add(name + ".velocity_" + axis, dim::velocity, "of the body's origin", K::body_velocity, k, i);
-      add(name + ".angular_velocity_" + axis, dim::angular_velocity, "of the body, in the world's axes",
-          K::body_velocity, k, 3 + i);
-      add(name + ".acceleration_" + axis, dim::acceleration, "of the body's origin", K::body_acceleration, k,
-          i);
-    }
-    const FlexibleBody* deforms = tree_.flexible(k);
-    for (int i = 0; deforms && i < deforms->m(); ++i)
-      add(fmt::format("{}.mode_{}", name, i + 1), dim::none, "modal coordinate", K::mode, k, i);
-    if (deforms)
-      add(name + ".strain_energy", dim::energy, "elastic energy of the body", K::strain_energy, k, 0, true);
-    if (const StressField* stress = tree_.d.bodies[b].stress.get()) {
-      add(name + ".von_mises", dim::pressure, "largest von Mises stress on the body's surface",
-          K::largest_stress, k, 0, true);
-      for (int i = 0; i < 3; ++i)
-        add(fmt::format("{}.von_mises_{}", name, axis_names[i]), dim::length,
-            "where it is, in the undeformed body", K::largest_stress, k, 1 + i, true);
-      const char* components[] = {"xx", "yy", "zz", "xy", "yz", "zx"};
-      for (std::size_t p = 0; p < stress->points().size(); ++p) {
-        const std::string point = name + "." + stress->points()[p].name;
-        const int first = kOfPoint * static_cast<int>(p);
-        add(point + ".von_mises", dim::pressure, "von Mises stress at the point", K::point_stress, k,
-            first + 6, true);
-        for (int i = 0; i < 6; ++i)
-          add(fmt::format("{}.stress_{}", point, components[i]), dim::pressure,
-              "stress at the point, in the body's axes", K::point_stress, k, first + i);
-        for (int i = 0; stress->has_strain() && i < 6; ++i)
-          add(fmt::format("{}.strain_{}", point, components[i]), dim::none,
-              i < 3 ? "strain at the point, in the body's axes"
-                    : "shear strain at the point (an angle), in the body's axes",
-              K::point_stress, k, first + 7 + i);
-      }
-    }
-    if (const SurfacePoints* surface = tree_.d.bodies[b].surface_points.get())
-      for (std::size_t p = 0; p < surface->points().size(); ++p) {
-        const std::string point = name + "." + surface->points()[p].name;
-        const int first = 7 * static_cast<int>(p);
-        add(point + ".displacement", dim::length, "size of the displacement by deformation", K::surface_point,
-            k, first + 6, true);
-        for (int i = 0; i < 3; ++i)
-          add(fmt::format("{}.displacement_{}", point, axis_names[i]), dim::length,
-              "of the node by deformation, from where the body's floating frame takes it, in the body's axes",
-              K::surface_point, k, first + i);
-        for (int i = 0; i < 3; ++i)
-          add(fmt::format("{}.position_{}", point, axis_names[i]), dim::length, "of the node, in the world",
-              K::surface_point, k, first + 3 + i);
-      }
-    if (const SectionPoints* sections = tree_.d.bodies[b].sections.get()) {
-      const char* components[] = {"N", "V_y", "V_z", "T", "M_y", "M_z"};
-      for (std::size_t p = 0; p < sections->points().size(); ++p)
-        for (int i = 0; i < 6; ++i)
-          add(fmt::format("{}.{}.{}", name, sections->points()[p].name, components[i]),
-              i < 3 ? dim::force : dim::torque, "section force at the point, in the member's axes",
-              K::section_force, k, 6 * static_cast<int>(p) + i, true);
-    }
-  }
-  for (std::size_t i = 0; i < tree_.d.measures.size(); ++i)
-    add(tree_.d.measures[i]->name(), tree_.d.measures[i]->dimension(), "measure", K::measure,
-        static_cast<int>(i), 0, true);
-  for (std::size_t k = 0; k < rows.contacts().size(); ++k)
-    add(rows.constraints()[rows.contacts()[k]]->name() + ".contact", dim::length,
-        "where along its curve the point stands", K::contact, n_algebraic + static_cast<int>(k), 0, true);
-  for (std::size_t i = 0; i < tree_.d.inputs.size(); ++i)
-    add(tree_.d.inputs[i].name, dim::none, "input", K::input, static_cast<int>(i), 0, true);
-  for (std::size_t i = 0; i < tree_.d.controls.size(); ++i)
-    add(tree_.d.controls[i]->name(), dim::none, "output of the control", K::control, static_cast<int>(i), 0,
-        true);
-  for (std::size_t f = 0; f < tree_.d.forces.size(); ++f) {
-    const auto outputs = tree_.d.forces[f]->outputs();
-    for (std::size_t i = 0; i < outputs.size(); ++i)
-      add(tree_.d.forces[f]->name() + "." + outputs[i].name, outputs[i].dimension, outputs[i].doc, K::force,
-          static_cast<int>(f), static_cast<int>(i), true);
-  }
-  for (std::size_t k = rows.first_own(); k < rows.constraints().size(); ++k)
-    add_outputs(rows.constraints()[k]->name(), rows.constraints()[k]->outputs(), K::constraint,
-                static_cast<int>(k));
-  for (int i = 0; i < 3; ++i)
-    add(fmt::format("momentum.linear_{}", axis_names[i]), linear_momentum,
-        "of all bodies, in the world's axes", K::momentum, 0, 3 + i);
-  for (int i = 0; i < 3; ++i)
-    add(fmt::format("momentum.angular_{}", axis_names[i]), angular_momentum,
-        "of all bodies, about the world's origin in its axes", K::momentum, 0, i);
-  const char* energies[] = {"energy.kinetic", "energy.strain", "energy.potential", "energy.total"};
-  const char* docs[] = {"kinetic energy", "elastic energy of flexible bodies",
-                        "energy of gravity and springs", "kinetic + strain + potential"};
-  for (int i = 0; i < 4; ++i) add(energies[i], dim::energy, docs[i], K::energy, 0, i, true);
-  add("power.input", dim::power, "power of applied forces and drives", K::energy, 0, 4, true);
-  add("power.dissipated", dim::power, "power taken out by dampers", K::energy, 0, 5, true);
-}
+    : tree_(tree), rows_(rows), all_(list_quantities(tree, rows, n_algebraic)) {}
 
 std::vector<OutputInfo> Quantities::infos() const {
   std::vector<OutputInfo> infos;
-  for (const Place& q : all_) infos.push_back(q.info);
+  for (const Quantity& q : all_) infos.push_back(q.info);
   return infos;
 }
 
@@ -171,6 +20,161 @@ std::vector<int> Quantities::usual() const {
   for (std::size_t i = 0; i < all_.size(); ++i)
     if (all_[i].usual) which.push_back(static_cast<int>(i));
   return which;
+}
+
+Vector6d Quantities::joint_reaction(int joint, const Motion& motion, const Wrenches& wrenches,
+                                    const RowValues& rows) const {
+  const JointPlace& place = tree_.places[joint];
+  const Pose &F = motion.kin.markers[place.marker_F].X_WP, &M = motion.kin.markers[place.marker_M].X_WP;
+  if (!place.in_tree()) {
+    const auto [closure, k] = rows_.closure(joint);
+    if (!closure) return wrenches.on_closure[joint];
+    return wrenches.on_closure[joint] - closure->wrench_on_M(motion.kin, rows.x.data() + rows_.first_row(k));
+  }
+  for (int b : tree_.order) {
+    if (tree_.bodies[b].joint != joint) continue;
+    const Spatial& through = wrenches.bodies[b].through_joint;
+    if (!tree_.bodies[b].reversed) return (F.R.transpose() * through).vector();
+    const Spatial on_M = shift_wrench(through, F.p - M.p);
+    return -(F.R.transpose() * on_M).vector();
+  }
+  return Vector6d::Zero();
+}
+
+double Quantities::drive_force(int joint, int coordinate, const RowValues& rows) const {
+  const int drive = rows_.drive_of({joint, coordinate});
+  return drive < 0 ? 0.0 : -rows.x(rows_.first_row(static_cast<std::size_t>(drive)));
+}
+
+void Quantities::evaluate(const std::vector<int>& which, const Instant& at, VectorRef values) const {
+  Motion& motion = at.motion;
+  const Wrenches& wrenches = at.wrenches;
+  RowValues& rows = at.rows;
+  const EnergyReport& e = at.energies;
+  const double of_energy[] = {e.kinetic,     e.strain,
+                              e.potential,   e.kinetic + e.strain + e.potential,
+                              e.input_power, e.dissipated_power};
+  std::vector<double> outputs;
+  // The element whose outputs these are: forces count from 0, constraints down from -2.
+  int outputs_of = -1;
+  const auto constraint_mark = [](int k) { return -2 - k; };
+  Vector6d momentum;
+  bool momentum_is_known = false;
+  StressField::Largest largest;
+  int largest_of = -1;
+  for (std::size_t i = 0; i < which.size(); ++i) {
+    const Quantity& q = all_[which[i]];
+    double value = 0.0;
+    switch (q.kind) {
+      case Kind::coordinate:
+        value = motion.kin.coordinate({q.index, q.component});
+        break;
+      case Kind::speed:
+        value = motion.kin.speed({q.index, q.component});
+        break;
+      case Kind::acceleration:
+        value = motion.kin.acceleration({q.index, q.component});
+        break;
+      case Kind::reaction: {
+        double wrench[8];
+        put_wrench(joint_reaction(q.index, motion, wrenches, rows), true, true, wrench);
+        value = wrench[q.component];
+        break;
+      }
+      case Kind::drive:
+        value = drive_force(q.index, q.component, rows);
+        break;
+      case Kind::body_position:
+        value = motion.bodies[q.index].X_WB.p(q.component);
+        break;
+      case Kind::body_velocity: {
+        const Spatial& V = motion.bodies[q.index].V;
+        value = q.component < 3 ? V.linear(q.component) : V.angular(q.component - 3);
+        break;
+      }
+      case Kind::body_acceleration:
+        value = motion.bodies[q.index].A.linear(q.component);
+        break;
+      case Kind::mode:
+        value = at.deformation(q.index)[q.component];
+        break;
+      case Kind::strain_energy:
+        value = tree_.flexible(q.index)->strain_energy(at.deformation(q.index));
+        break;
+      case Kind::largest_stress: {
+        const StressField& stress = *tree_.d.bodies[q.index].stress;
+        if (largest_of != q.index) largest = stress.largest(at.deformation(q.index));
+        largest_of = q.index;
+        value = q.component == 0 ? largest.von_mises : stress.position(largest.place)(q.component - 1);
+        break;
+      }
+      case Kind::point_stress: {
+        const StressField& stress = *tree_.d.bodies[q.index].stress;
+        const int place = stress.points()[q.component / Quantity::kOfPoint].place,
+                  what = q.component % Quantity::kOfPoint;
+        const double* const modal = at.deformation(q.index);
+        value = what < 6    ? stress.at(place, modal)(what)
+                : what == 6 ? von_mises(stress.at(place, modal))
+                            : stress.strain_at(place, modal)(what - 7);
+        break;
+      }
+      case Kind::section_force:
+        value =
+            tree_.d.bodies[q.index].sections->at(q.component / 6, at.deformation(q.index))(q.component % 6);
+        break;
+      case Kind::surface_point: {
+        const SurfacePoints& surface = *tree_.d.bodies[q.index].surface_points;
+        const std::size_t point = q.component / 7;
+        const Vector3d u = surface.displacement(point, at.deformation(q.index));
+        const int what = q.component % 7;
+        value = what < 3    ? u(what)
+                : what == 6 ? u.norm()
+                            : (motion.bodies[q.index].X_WB * (surface.points()[point].x + u))(what - 3);
+        break;
+      }
+      case Kind::measure:
+        value = at.measured[q.index];
+        break;
+      case Kind::contact:
+        value = at.signals.algebraic(q.index);
+        break;
+      case Kind::input:
+        value = at.input(q.index);
+        break;
+      case Kind::control:
+        value = at.controlled[q.index];
+        break;
+      case Kind::force:
+        if (outputs_of != q.index) {
+          outputs.assign(tree_.d.forces[q.index]->outputs().size(), 0.0);
+          at.own_states(q.index);
+          tree_.d.forces[q.index]->evaluate_outputs(motion.kin, at.signals.values.data(), outputs.data());
+          outputs_of = q.index;
+        }
+        value = outputs[q.component];
+        break;
+      case Kind::constraint: {
+        const Constraint& constraint = *rows_.constraints()[q.index];
+        if (outputs_of != constraint_mark(q.index)) {
+          outputs.assign(constraint.outputs().size(), 0.0);
+          rows_.own_contact(q.index, motion, rows);
+          constraint.evaluate_outputs(motion.kin, rows.x.data() + rows_.first_row(q.index), outputs.data());
+          outputs_of = constraint_mark(q.index);
+        }
+        value = outputs[q.component];
+        break;
+      }
+      case Kind::momentum:
+        if (!momentum_is_known) momentum = at.momentum();
+        momentum_is_known = true;
+        value = momentum(q.component);
+        break;
+      case Kind::energy:
+        value = of_energy[q.component];
+        break;
+    }
+    values(i) = value;
+  }
 }
 
 }  // namespace flexura::mbs

@@ -7,6 +7,7 @@
 #include "mbs/mechanism/dynamics/inverse_dynamics.hpp"
 #include "mbs/mechanism/elements/constraint_rows.hpp"
 #include "mbs/mechanism/elements/element_states.hpp"
+#include "mbs/mechanism/outputs/quantity_list.hpp"
 
 namespace flexura::mbs {
 
@@ -40,44 +41,15 @@ class Quantities {
                                RowValues& rows) const;
 
  private:
-  enum class Kind {
-    coordinate,
-    speed,
-    acceleration,
-    reaction,
-    drive,
-    body_position,
-    body_velocity,
-    body_acceleration,
-    mode,
-    strain_energy,
-    largest_stress,
-    point_stress,
-    section_force,
-    surface_point,
-    measure,
-    contact,
-    input,
-    control,
-    force,
-    constraint,
-    momentum,
-    energy
-  };
-  static constexpr int kOfPoint = 13;  ///< of point_stress: six stresses, von Mises', six strains
-  struct Place {
-    OutputInfo info;
-    Kind kind;
-    int index, component;
-    bool usual;
-  };
+  using Kind = Quantity::Kind;
+
   Vector6d joint_reaction(int joint, const Motion& motion, const Wrenches& wrenches,
                           const RowValues& rows) const;
   double drive_force(int joint, int coordinate, const RowValues& rows) const;
 
   const Topology& tree_;
   const ConstraintRows& rows_;
-  std::vector<Place> all_;
+  std::vector<Quantity> all_;
 };
 
 }  // namespace flexura::mbs

@@ -70,7 +70,7 @@ std::vector<bool> Quantities::not_unique(const InverseDynamics& dynamics, Motion
     load(x);
     values.setZero();
     for (std::size_t q = 0; q < all_.size(); ++q) {
-      const Place& place = all_[q];
+      const Quantity& place = all_[q];
       if (place.kind == Kind::reaction) {
         outputs.assign(8, 0.0);
         put_wrench(joint_reaction(place.index, motion, wrenches, rows), true, true, outputs.data());

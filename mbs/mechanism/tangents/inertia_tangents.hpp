@@ -47,20 +47,11 @@ class InertiaTangents {
   /// MassMatrix::own_inertia() and a backward() without the loads that are differenced.
   void vary_inertia(const Motion& motion, Wrenches& wrenches, const Inertias& inertias,
                     InertiaVariations& variations) const;
-  /// All but the modal blocks of bodies themselves; the elastic coordinates' columns where `with_modes`.
+  /// All but the modal blocks of bodies themselves (mode_tangents.hpp), which come before; the elastic coordinates' columns where `with_modes`.
   void joint_columns(bool with_modes, const InertiaVariations& variations, Eigen::MatrixXd& z_q,
                      Eigen::MatrixXd& z_v) const;
-  /// The modal blocks, see mode_tangents.cpp; before joint_columns().
-  void mode_columns(const Motion& motion, Wrenches& wrenches, InertiaVariations& variations,
-                    Eigen::MatrixXd& z_q, Eigen::MatrixXd& z_v) const;
-  /// z_c of deformations that do not act back, by themselves.
-  void following_columns(const Motion& motion, Wrenches& wrenches, InertiaVariations& variations,
-                         Eigen::MatrixXd& z_c) const;
 
  private:
-  void vary_nodes(int body, const Motion& motion, const Wrenches& wrenches, InertiaVariations& variations,
-                  Eigen::MatrixXd& z_q) const;
-
   const Topology& tree_;
 };
 

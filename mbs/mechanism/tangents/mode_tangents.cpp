@@ -1,5 +1,6 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-#include "mbs/mechanism/tangents/inertia_tangents.hpp"
+#include "mbs/mechanism/tangents/mode_tangents.hpp"
+
 #include "mbs/mechanism/tangents/variation.hpp"
 
 /// Derivatives by a body's own elastic coordinates s, in the terms of inertia_tangents.cpp.
@@ -21,8 +22,8 @@ namespace flexura::mbs {
 using Eigen::MatrixXd;
 
 // (eta, D, E) of the nodes, and what the turning of their maps adds to the body's own block.
-void InertiaTangents::vary_nodes(int b, const Motion& motion, const Wrenches& wrenches,
-                                 InertiaVariations& variations, MatrixXd& z_q) const {
+void ModeTangents::vary_nodes(int b, const Motion& motion, const Wrenches& wrenches,
+                              InertiaVariations& variations, MatrixXd& z_q) const {
   InertiaVariations& T = variations;
   const TreeBody& t = tree_.bodies[b];
   const Motion::Body& body = motion.bodies[b];
@@ -74,8 +75,8 @@ void InertiaTangents::vary_nodes(int b, const Motion& motion, const Wrenches& wr
   }
 }
 
-void InertiaTangents::mode_columns(const Motion& motion, Wrenches& wrenches, InertiaVariations& variations,
-                                   MatrixXd& z_q, MatrixXd& z_v) const {
+void ModeTangents::mode_columns(const Motion& motion, Wrenches& wrenches, InertiaVariations& variations,
+                                MatrixXd& z_q, MatrixXd& z_v) const {
   InertiaVariations& T = variations;
   for (int b : tree_.order) {
     const TreeBody& t = tree_.bodies[b];
@@ -134,8 +135,8 @@ void InertiaTangents::mode_columns(const Motion& motion, Wrenches& wrenches, Ine
   }
 }
 
-void InertiaTangents::following_columns(const Motion& motion, Wrenches& wrenches,
-                                        InertiaVariations& variations, MatrixXd& z_c) const {
+void ModeTangents::following_columns(const Motion& motion, Wrenches& wrenches, InertiaVariations& variations,
+                                     MatrixXd& z_c) const {
   for (int b : tree_.order) {
     if (tree_.bodies[b].i_c < 0) continue;
     const int m = tree_.bodies[b].n_need, i = tree_.bodies[b].i_c;

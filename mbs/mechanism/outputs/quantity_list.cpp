@@ -1,0 +1,164 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mbs/mechanism/outputs/quantity_list.hpp"
+
+#include <fmt/format.h>
+
+#include <set>
+
+namespace flexura::mbs {
+namespace {
+
+namespace dim = input::dim;
+
+constexpr const char* axis_names[] = {"x", "y", "z"};
+
+constexpr input::Dimension linear_momentum{{1, 1, -1, 0}}, angular_momentum{{2, 1, -1, 0}};
+
+}  // namespace
+
+std::vector<Quantity> list_quantities(const Topology& tree, const ConstraintRows& rows, int n_algebraic) {
+  std::vector<Quantity> all;
+  std::set<std::string> taken;
+  const auto add = [&](std::string name, input::Dimension dimension, std::string doc, Quantity::Kind kind,
+                       int index, int component = 0, bool usual = false) {
+    if (!taken.insert(name).second) return;  // a free body's joint bears its name: "stone.x" is one thing
+    all.push_back({{std::move(name), dimension, std::move(doc)}, kind, index, component, usual});
+  };
+  using K = Quantity::Kind;
+  // Sizes and forces on coordinates are usual, components are not.
+  const auto add_outputs = [&](const std::string& name, const std::vector<OutputInfo>& outputs, K kind,
+                               int index) {
+    for (std::size_t i = 0; i < outputs.size(); ++i) {
+      const std::string& own = outputs[i].name;
+      const bool is_component = own.size() > 2 && own[own.size() - 2] == '_' && own.back() >= 'x';
+      add(name + "." + own, outputs[i].dimension, outputs[i].doc, kind, index, static_cast<int>(i),
+          !is_component);
+    }
+  };
+  for (std::size_t j = 0; j < tree.d.joints.size(); ++j) {
+    const JointDescription& joint = tree.d.joints[j];
+    const int k = static_cast<int>(j);
+    const bool narrow =
+        joint.joint->n_v() <= 2;  // coordinates of interest; not the quaternion of a free body
+    const auto coordinates = joint.joint->coordinates(), speeds = joint.joint->speeds(),
+               accelerations = joint.joint->accelerations();
+    for (std::size_t i = 0; i < coordinates.size(); ++i)
+      add(joint.name + "." + coordinates[i].name, coordinates[i].dimension, "coordinate of the joint",
+          K::coordinate, k, static_cast<int>(i), narrow);
+    for (std::size_t i = 0; i < speeds.size(); ++i)
+      add(joint.name + "." + speeds[i].name, speeds[i].dimension, "speed of the joint", K::speed, k,
+          static_cast<int>(i), narrow);
+    for (std::size_t i = 0; i < accelerations.size(); ++i)
+      add(joint.name + "." + accelerations[i].name, accelerations[i].dimension, "acceleration of the joint",
+          K::acceleration, k, static_cast<int>(i));
+    if (joint.joint->n_rows() > 0) add_outputs(joint.name, wrench_outputs(true, true), K::reaction, k);
+    const auto all_drives = {&joint.drives, &joint.speed_drives, &joint.acceleration_drives};
+    std::vector<int> driven;
+    for (const auto* drives : all_drives)
+      for (const auto& [index, motion] : *drives) driven.push_back(index);
+    for (const int index : driven) {
+      const bool is_angle = coordinates[index].dimension == dim::angle;
+      add(joint.name + (driven.size() > 1 ? ".drive_force_" + coordinates[index].name : ".drive_force"),
+          is_angle ? dim::torque : dim::force, "force or torque of the drive along the coordinate", K::drive,
+          k, index, true);
+    }
+  }
+  for (std::size_t b = 1; b < tree.d.bodies.size(); ++b) {
+    const std::string& name = tree.d.bodies[b].name;
+    const int k = static_cast<int>(b);
+    for (int i = 0; i < 3; ++i) {
+      const std::string axis = axis_names[i];
+      add(name + ".position_" + axis, dim::length, "of the body's origin in the world", K::body_position, k,
+          i);
+      add(name + ".velocity_" + axis, dim::velocity, "of the body's origin", K::body_velocity, k, i);
+      add(name + ".angular_velocity_" + axis, dim::angular_velocity, "of the body, in the world's axes",
+          K::body_velocity, k, 3 + i);
+      add(name + ".acceleration_" + axis, dim::acceleration, "of the body's origin", K::body_acceleration, k,
+          i);
+    }
+    const FlexibleBody* deforms = tree.flexible(k);
+    for (int i = 0; deforms && i < deforms->m(); ++i)
+      add(fmt::format("{}.mode_{}", name, i + 1), dim::none, "modal coordinate", K::mode, k, i);
+    if (deforms)
+      add(name + ".strain_energy", dim::energy, "elastic energy of the body", K::strain_energy, k, 0, true);
+    if (const StressField* stress = tree.d.bodies[b].stress.get()) {
+      add(name + ".von_mises", dim::pressure, "largest von Mises stress on the body's surface",
+          K::largest_stress, k, 0, true);
+      for (int i = 0; i < 3; ++i)
+        add(fmt::format("{}.von_mises_{}", name, axis_names[i]), dim::length,
+            "where it is, in the undeformed body", K::largest_stress, k, 1 + i, true);
+      const char* components[] = {"xx", "yy", "zz", "xy", "yz", "zx"};
+      for (std::size_t p = 0; p < stress->points().size(); ++p) {
+        const std::string point = name + "." + stress->points()[p].name;
+        const int first = Quantity::kOfPoint * static_cast<int>(p);
+        add(point + ".von_mises", dim::pressure, "von Mises stress at the point", K::point_stress, k,
+            first + 6, true);
+        for (int i = 0; i < 6; ++i)
+          add(fmt::format("{}.stress_{}", point, components[i]), dim::pressure,
+              "stress at the point, in the body's axes", K::point_stress, k, first + i);
+        for (int i = 0; stress->has_strain() && i < 6; ++i)
+          add(fmt::format("{}.strain_{}", point, components[i]), dim::none,
+              i < 3 ? "strain at the point, in the body's axes"
+                    : "shear strain at the point (an angle), in the body's axes",
+              K::point_stress, k, first + 7 + i);
+      }
+    }
+    if (const SurfacePoints* surface = tree.d.bodies[b].surface_points.get())
+      for (std::size_t p = 0; p < surface->points().size(); ++p) {
+        const std::string point = name + "." + surface->points()[p].name;
+        const int first = 7 * static_cast<int>(p);
+        add(point + ".displacement", dim::length, "size of the displacement by deformation", K::surface_point,
+            k, first + 6, true);
+        for (int i = 0; i < 3; ++i)
+          add(fmt::format("{}.displacement_{}", point, axis_names[i]), dim::length,
+              "of the node by deformation, from where the body's floating frame takes it, in the body's axes",
+              K::surface_point, k, first + i);
+        for (int i = 0; i < 3; ++i)
+          add(fmt::format("{}.position_{}", point, axis_names[i]), dim::length, "of the node, in the world",
+              K::surface_point, k, first + 3 + i);
+      }
+    if (const SectionPoints* sections = tree.d.bodies[b].sections.get()) {
+      const char* components[] = {"N", "V_y", "V_z", "T", "M_y", "M_z"};
+      for (std::size_t p = 0; p < sections->points().size(); ++p)
+        for (int i = 0; i < 6; ++i)
+          add(fmt::format("{}.{}.{}", name, sections->points()[p].name, components[i]),
+              i < 3 ? dim::force : dim::torque, "section force at the point, in the member's axes",
+              K::section_force, k, 6 * static_cast<int>(p) + i, true);
+    }
+  }
+  for (std::size_t i = 0; i < tree.d.measures.size(); ++i)
+    add(tree.d.measures[i]->name(), tree.d.measures[i]->dimension(), "measure", K::measure,
+        static_cast<int>(i), 0, true);
+  for (std::size_t k = 0; k < rows.contacts().size(); ++k)
+    add(rows.constraints()[rows.contacts()[k]]->name() + ".contact", dim::length,
+        "where along its curve the point stands", K::contact, n_algebraic + static_cast<int>(k), 0, true);
+  for (std::size_t i = 0; i < tree.d.inputs.size(); ++i)
+    add(tree.d.inputs[i].name, dim::none, "input", K::input, static_cast<int>(i), 0, true);
+  for (std::size_t i = 0; i < tree.d.controls.size(); ++i)
+    add(tree.d.controls[i]->name(), dim::none, "output of the control", K::control, static_cast<int>(i), 0,
+        true);
+  for (std::size_t f = 0; f < tree.d.forces.size(); ++f) {
+    const auto outputs = tree.d.forces[f]->outputs();
+    for (std::size_t i = 0; i < outputs.size(); ++i)
+      add(tree.d.forces[f]->name() + "." + outputs[i].name, outputs[i].dimension, outputs[i].doc, K::force,
+          static_cast<int>(f), static_cast<int>(i), true);
+  }
+  for (std::size_t k = rows.first_own(); k < rows.constraints().size(); ++k)
+    add_outputs(rows.constraints()[k]->name(), rows.constraints()[k]->outputs(), K::constraint,
+                static_cast<int>(k));
+  for (int i = 0; i < 3; ++i)
+    add(fmt::format("momentum.linear_{}", axis_names[i]), linear_momentum,
+        "of all bodies, in the world's axes", K::momentum, 0, 3 + i);
+  for (int i = 0; i < 3; ++i)
+    add(fmt::format("momentum.angular_{}", axis_names[i]), angular_momentum,
+        "of all bodies, about the world's origin in its axes", K::momentum, 0, i);
+  const char* energies[] = {"energy.kinetic", "energy.strain", "energy.potential", "energy.total"};
+  const char* docs[] = {"kinetic energy", "elastic energy of flexible bodies",
+                        "energy of gravity and springs", "kinetic + strain + potential"};
+  for (int i = 0; i < 4; ++i) add(energies[i], dim::energy, docs[i], K::energy, 0, i, true);
+  add("power.input", dim::power, "power of applied forces and drives", K::energy, 0, 4, true);
+  add("power.dissipated", dim::power, "power taken out by dampers", K::energy, 0, 5, true);
+  return all;
+}
+
+}  // namespace flexura::mbs
