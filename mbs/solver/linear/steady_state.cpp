@@ -12,6 +12,8 @@
 
 #include "mbs/solver/algebra/accelerations.hpp"
 #include "mbs/solver/algebra/tangents.hpp"
+#include "mbs/solver/linear/steady_axes.hpp"
+#include "mbs/solver/linear/system_difference.hpp"
 
 namespace flexura::mbs {
 namespace {
@@ -23,36 +25,6 @@ using Verdict = SteadyLinearisation::Verdict;
 // Typical sizes (m, rad, modal amplitudes of a metre) within which a state counts as in equilibrium without a
 // word, and with one: statics ends at 1e-10, a run's end at its tolerance, 1e-6.
 constexpr double kExact = 1e-8, kNear = 1e-5;
-// Coefficients that differ by less of their own size are the same: central differences leave 1e-9, the
-// positions along the motion 1e-10.
-constexpr double kSame = 1e-5;
-// Of the accelerations that a step of the differences excites.
-constexpr double kNoise = 1e-9;
-
-// exp(A) of a small matrix, by its series after halving.
-MatrixXd exponential(const MatrixXd& A) {
-  const double size = A.cwiseAbs().rowwise().sum().maxCoeff();
-  const int halvings = size > 0.1 ? static_cast<int>(std::ceil(std::log2(size / 0.1))) : 0;
-  const MatrixXd B = std::ldexp(1.0, -halvings) * A;
-  MatrixXd term = MatrixXd::Identity(A.rows(), A.cols()), sum = term;
-  for (int k = 1; k <= 12; ++k) {
-    term = term * B / k;
-    sum += term;
-  }
-  for (int k = 0; k < halvings; ++k) sum = sum * sum;
-  return sum;
-}
-
-// exp(t W), where few rows of W hold anything.
-MatrixXd turned(const MatrixXd& W, double t) {
-  std::vector<int> some;
-  for (int i = 0; i < W.rows(); ++i)
-    if (!W.row(i).isZero(0.0) || !W.col(i).isZero(0.0)) some.push_back(i);
-  MatrixXd B = MatrixXd::Identity(W.rows(), W.cols());
-  if (!some.empty()) B(some, some) = exponential(t * W(some, some).eval());
-  return B;
-}
-
 /// What brings a state with accelerations away from where it is.
 struct Drift {
   double offset = 0.0;  ///< to where its forces are in balance, in typical sizes
@@ -83,11 +55,6 @@ class Judge {
   SteadyLinearisation judge();
 
  private:
-  struct Axes {
-    MatrixXd W;
-    std::string name;
-    bool accelerated = false;  ///< v' is constant in place of v
-  };
   struct Sample {
     State s;
     VectorXd v_dot, c_rate;
@@ -101,13 +68,10 @@ class Judge {
   Drift drift(const LinearSystem& system, const VectorXd& v_dot, const VectorXd& c_rate) const;
   SteadyLinearisation judge_rest();
   SteadyLinearisation judge_motion(bool accelerated);
-  std::vector<Axes> candidates();
   std::vector<double> times() const;
-  State along(const Axes& axes, double tau) const;
   const Sample& sample(const State& s);
   double opening(const State& s);
-  std::string change_along(const Axes& axes, double tau, double& change);
-  double difference(const LinearSystem& at_0, const LinearSystem& at_tau, const MatrixXd& B, int& where);
+  std::string change_along(const TurningAxes& axes, double tau, double& change);
   void describe_unsteady(const Drift& d, SteadyLinearisation& out) const;
 
   const Mechanism& m_;
@@ -176,26 +140,6 @@ std::vector<double> Judge::times() const {
   return {0.7 / rate, 2.3 / rate};
 }
 
-// Commutator-free steps of order 4: S. Blanes, P. C. Moan, Appl. Numer. Math. 56 (2006) 1519-1537.
-State Judge::along(const Axes& axes, double tau) const {
-  constexpr int kSteps = 100;
-  State out = s_;
-  const double h = tau / kSteps, root = std::sqrt(3.0) / 6.0;
-  const auto v_at = [&](double t) -> VectorXd {
-    if (axes.accelerated) return s_.v + t * v_dot_;
-    return axes.W.isZero(0.0) ? s_.v : VectorXd(turned(axes.W, t) * s_.v);
-  };
-  VectorXd p(n_.n_p);
-  for (int k = 0; k < kSteps; ++k) {
-    const VectorXd v_1 = v_at((k + 0.5 - root) * h), v_2 = v_at((k + 0.5 + root) * h);
-    m_.retract(out.p, h * ((0.25 + root) * v_1 + (0.25 - root) * v_2), p);
-    m_.retract(p, h * ((0.25 - root) * v_1 + (0.25 + root) * v_2), out.p);
-  }
-  out.v = v_at(tau);
-  if (axes.accelerated && n_.n_dyn > 0) out.c += tau * c_rate_;
-  return out;
-}
-
 double Judge::opening(const State& s) {
   if (n_.n_lambda == 0) return 0.0;
   VectorXd g(n_.n_lambda), g_dot(n_.n_lambda);
@@ -220,80 +164,9 @@ const Judge::Sample& Judge::sample(const State& s) {
   return samples_.back();
 }
 
-// The largest difference of the two systems' matrices relative to what they couple, in balanced coordinates.
-double Judge::difference(const LinearSystem& at_0, const LinearSystem& at_tau, const MatrixXd& B,
-                         int& where) {
-  const auto n_z = static_cast<int>(at_0.independent.size()), n_c = n_.n_dyn, n_x = 2 * n_z + n_c;
-  if (n_x == 0) return 0.0;
-  const MatrixXd BN = B * at_0.N, BV = B * at_0.V;
-  const MatrixXd L = BN(at_tau.independent, Eigen::all);
-  // The constraints leave the same directions free.
-  if (n_z > 0) {
-    const MatrixXd gap = size_.cwiseInverse().asDiagonal() * (at_tau.N * L - BN);
-    Eigen::Index row = 0, column = 0;
-    const double open = gap.cwiseAbs().maxCoeff(&row, &column);
-    if (open > kSame * std::max(1.0, (size_.cwiseInverse().asDiagonal() * BN).cwiseAbs().maxCoeff())) {
-      where = static_cast<int>(column);
-      return open;
-    }
-  }
-  MatrixXd X = MatrixXd::Identity(n_x, n_x);
-  X.topLeftCorner(n_z, n_z) = L;
-  X.block(n_z, 0, n_z, n_z) = BV(at_tau.independent, Eigen::all);
-  X.block(n_z, n_z, n_z, n_z) = L;
-  const MatrixXd moved = X.partialPivLu().solve(at_tau.A * X);
-  // Balanced: each row as large as its column (E. E. Osborne, J. ACM 7 (1960) 338-345).
-  const MatrixXd sum = at_0.A.cwiseAbs().cwiseMax(moved.cwiseAbs());
-  VectorXd typical(n_x);
-  for (int k = 0; k < n_x; ++k)
-    typical(k) = k < 2 * n_z ? size_(at_0.independent[k % n_z]) : std::max(1.0, std::abs(s_.c(k - 2 * n_z)));
-  VectorXd f = typical;
-  for (int pass = 0; pass < 10; ++pass)
-    for (int i = 0; i < n_x; ++i) {
-      double row = 0.0, column = 0.0;
-      for (int j = 0; j < n_x; ++j)
-        if (j != i) {
-          row = std::max(row, sum(i, j) * f(j) / f(i));
-          column = std::max(column, sum(j, i) * f(i) / f(j));
-        }
-      if (row > 0.0 && column > 0.0) f(i) *= std::clamp(std::sqrt(row / column), 1e-3, 1e3);
-    }
-  const MatrixXd balanced = f.cwiseInverse().asDiagonal() * sum * f.asDiagonal();
-  const MatrixXd change = f.cwiseInverse().asDiagonal() * (moved - at_0.A) * f.asDiagonal();
-  const VectorXd row = balanced.rowwise().maxCoeff(), column = balanced.colwise().maxCoeff();
-  // What the differences leave: a part of the accelerations that the step excites, and of those at hand.
-  const double at_hand =
-      1.0 + speed() * speed() + (n_.n_v > 0 ? v_dot_.cwiseQuotient(size_).lpNorm<Eigen::Infinity>() : 0.0);
-  const VectorXd excited =
-      (typical.cwiseInverse().asDiagonal() * sum * typical.asDiagonal()).colwise().maxCoeff().transpose();
-  double largest = 0.0;
-  for (int i = 0; i < n_x; ++i)
-    for (int j = 0; j < n_x; ++j) {
-      const double absolute = std::abs(moved(i, j) - at_0.A(i, j)) * typical(j) / typical(i);
-      if (absolute <= kNoise * (at_hand + excited(j))) continue;
-      const double relative = std::abs(change(i, j)) / std::sqrt(row(i) * column(j));
-      if (relative > largest) {
-        largest = relative;
-        where = j < 2 * n_z ? j % n_z : j - n_z;
-      }
-    }
-  // Inputs and outputs, each of its own size.
-  const auto compare = [&](const MatrixXd& a, const MatrixXd& b, bool by_row) {
-    for (Eigen::Index k = 0; k < (by_row ? a.rows() : a.cols()); ++k) {
-      const VectorXd x = by_row ? VectorXd(a.row(k)) : VectorXd(a.col(k)),
-                     y = by_row ? VectorXd(b.row(k)) : VectorXd(b.col(k));
-      const double size = std::max(x.lpNorm<Eigen::Infinity>(), y.lpNorm<Eigen::Infinity>());
-      if (size > 0.0) largest = std::max(largest, (x - y).lpNorm<Eigen::Infinity>() / size);
-    }
-  };
-  if (at_0.B.cols() > 0) compare(at_0.B, X.partialPivLu().solve(at_tau.B), false);
-  if (at_0.C.rows() > 0) compare(at_0.C, at_tau.C * X, true);
-  return largest;
-}
-
 // Empty where tau later everything is the same in these axes; else why it is not.
-std::string Judge::change_along(const Axes& axes, double tau, double& change) {
-  State later = along(axes, tau);
+std::string Judge::change_along(const TurningAxes& axes, double tau, double& change) {
+  State later = along(m_, {s_, v_dot_, c_rate_}, axes, tau);
   if (!later.p.allFinite() || !later.v.allFinite()) {
     // Of a body that hardly turns the precession is a quotient of small numbers.
     change = 1.0;
@@ -323,55 +196,15 @@ std::string Judge::change_along(const Axes& axes, double tau, double& change) {
                        name_of(then, d.offset > kNear ? d.offset_of : d.left_of));
   }
   int where = 0;
-  change = difference(now, then, B, where);
-  if (change <= kSame) return {};
+  const TypicalSizes sizes{
+      size_, s_.c.cwiseAbs().cwiseMax(1.0),
+      1.0 + speed() * speed() + (n_.n_v > 0 ? v_dot_.cwiseQuotient(size_).lpNorm<Eigen::Infinity>() : 0.0)};
+  change = largest_difference(now, then, B, sizes, where);
+  if (change <= kSameCoefficient) return {};
   return fmt::format(
       "the coefficients change along the motion, by {:.2g} % of their size after {:.3g} s, most those of "
       "\"{}\"",
       100.0 * std::min(change, 1.0), tau, name_of(now, where));
-}
-
-std::vector<Judge::Axes> Judge::candidates() {
-  std::vector<Axes> out = {{MatrixXd::Zero(n_.n_v, n_.n_v), "", false}};
-  const auto add = [&](MatrixXd W, const std::string& name) {
-    for (const Axes& known : out)
-      if ((known.W - W).isZero(1e-9 * (1.0 + W.cwiseAbs().maxCoeff()))) return;
-    out.push_back({std::move(W), name, false});
-  };
-  add(m_.turning_with_bodies(s_, *scratch_), "axes that turn with the bodies");
-  std::vector<MarkerState> bodies, soon;
-  m_.body_motions(s_, v_dot_, *scratch_, bodies);
-  // w'' from the accelerations a little later, where |w'| is a turning of w.
-  double rate = 0.0, quickest = 0.0;
-  for (const MarkerState& body : bodies) {
-    rate = std::max(rate, body.V.angular.norm());
-    quickest = std::max({quickest, rate, std::sqrt(body.A.angular.norm())});
-  }
-  for (std::size_t b = 1; b < bodies.size(); ++b) {
-    const std::string& name = m_.description().bodies[b].name;
-    const Vector3d w = bodies[b].V.angular, alpha = bodies[b].A.angular;
-    if (w.norm() > 1e-9 * rate)
-      add(m_.turning_axes(s_, w, *scratch_), fmt::format("axes that turn with \"{}\"", name));
-    // What does not turn has no precession, however it gathers speed.
-    if (!(w.norm() > 1e-9 * quickest) || !(alpha.norm() > 1e-9 * w.squaredNorm()) || out.size() > 8) continue;
-    const double h = 1e-4 / quickest;
-    Vector3d alpha_dot = Vector3d::Zero();
-    for (const double side : {1.0, -1.0}) {
-      State near = s_;
-      m_.retract(s_.p, side * h * s_.v + 0.5 * h * h * v_dot_, near.p);
-      near.v += side * h * v_dot_;
-      VectorXd v_dot;
-      accelerations_.solve(near, v_dot);
-      m_.body_motions(near, v_dot, *scratch_, soon);
-      alpha_dot += side / (2.0 * h) * soon[b].A.angular;
-    }
-    const Vector3d n = w.cross(alpha);
-    if (!(n.squaredNorm() > 1e-18 * std::pow(w.norm(), 6))) continue;
-    const Vector3d Omega = n / w.squaredNorm() + alpha_dot.dot(n) / n.squaredNorm() * w;
-    add(m_.turning_axes(s_, Omega, *scratch_),
-        fmt::format("axes that turn with the precession of \"{}\"", name));
-  }
-  return out;
 }
 
 void Judge::describe_unsteady(const Drift& d, SteadyLinearisation& out) const {
@@ -418,7 +251,7 @@ SteadyLinearisation Judge::judge_rest() {
     }
     then.evaluate(later, rest);
     const auto differs = [](const MatrixXd& x, const MatrixXd& y) {
-      return (x - y).cwiseAbs().maxCoeff() > kSame * x.cwiseAbs().maxCoeff();
+      return (x - y).cwiseAbs().maxCoeff() > kSameCoefficient * x.cwiseAbs().maxCoeff();
     };
     if (n_.n_v > 0 && (differs(now.z_p, then.z_p) || differs(now.z_v, then.z_v) ||
                        (n_.n_dyn > 0 && differs(now.z_c, then.z_c)))) {
@@ -433,10 +266,10 @@ SteadyLinearisation Judge::judge_rest() {
 SteadyLinearisation Judge::judge_motion(bool accelerated) {
   SteadyLinearisation out;
   out.system = own_;
-  std::vector<Axes> all = candidates();
+  std::vector<TurningAxes> all = candidate_axes(m_, s_, v_dot_, accelerations_, *scratch_);
   if (accelerated) all = {{MatrixXd::Zero(n_.n_v, n_.n_v), "", true}};
   double least = 2.0;
-  for (const Axes& axes : all) {
+  for (const TurningAxes& axes : all) {
     if (!axes.accelerated) {
       const Drift d = drift(in_turning_axes(own_, axes.W), v_dot_ - axes.W * s_.v, c_rate_);
       if (d.offset > kNear || d.left > kNear) {
@@ -461,7 +294,7 @@ SteadyLinearisation Judge::judge_motion(bool accelerated) {
       out.verdict = Verdict::steady_motion;
       out.why.clear();
       out.tau = times().back();
-      out.later = along(axes, out.tau);
+      out.later = along(m_, {s_, v_dot_, c_rate_}, axes, out.tau);
       out.moved = turned(axes.W, out.tau);
       if (!axes.name.empty()) {
         out.axes = axes.name;
