@@ -8,6 +8,7 @@
 
 #include "import/cad/build.hpp"
 #include "import/model/folder.hpp"
+#include "import/page/page.hpp"
 #include "import/urdf/convert.hpp"
 #include "mbs/base/documents/units.hpp"
 #include "mbs/base/terminal/command_line.hpp"
@@ -15,6 +16,7 @@
 
 namespace {
 
+namespace fs = std::filesystem;
 using namespace flexura;
 
 struct Arguments {
@@ -104,6 +106,18 @@ int import_robot(const Arguments& a, const std::filesystem::path& folder,
   return 0;
 }
 
+// The mechanism is there and runs: a build without pages is no reason to fail.
+void write_page(const fs::path& file, const import::cad::Assembly& assembly, const import::cad::Built& built,
+                const terminal::Verbosity& verbosity) {
+  try {
+    view::write_parts_page(file, import::page_of(assembly, built));
+    if (!verbosity.quiet)
+      fmt::print("page      {}: the joints, to be looked at and changed\n", file.string());
+  } catch (const std::runtime_error& why) {
+    terminal::say(stderr, fmt::format("note: no page: {}", why.what()));
+  }
+}
+
 int import_assembly(const Arguments& a, const std::filesystem::path& folder,
                     const terminal::Verbosity& verbosity) {
   const import::cad::BuildOptions options{
@@ -115,9 +129,11 @@ int import_assembly(const Arguments& a, const std::filesystem::path& folder,
   const import::cad::Assembly assembly = import::cad::read_assembly(a.input, limit);
   const import::cad::Built built =
       import::cad::build(assembly, std::filesystem::path(a.input).stem().string(), options);
-  import::write_folder(folder, built.mechanism, built.texts, a.force);
+  const fs::path page = folder / "assembly.html";
+  import::write_folder(folder, built.mechanism, built.texts, a.force, {page});
   if (options.joints) print_proposal(built, verbosity);
   report(built.mechanism, folder, verbosity);
+  write_page(page, assembly, built, verbosity);
   return 0;
 }
 

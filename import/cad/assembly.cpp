@@ -4,7 +4,9 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <fstream>
+#include <numbers>
 #include <stdexcept>
 
 #include "import/cad/job.hpp"
@@ -85,6 +87,8 @@ class Unpacker {
       face.shape.normal = vector_of(f.normal);
       face.shape.axis_point = vector_of(f.axis_point);
       face.shape.axis = vector_of(f.axis);
+      if (face.shape.kind == mesh::FaceKind::cylinder && f.radius > 0.0 && f.length > 0.0)
+        face.shape.sweep = std::min(2.0 * std::numbers::pi, f.area / (f.radius * f.length));
       for (std::size_t t = 0; t + 2 < f.triangles.size(); t += 3) {
         require(inside(f.triangles[t]) && inside(f.triangles[t + 1]) && inside(f.triangles[t + 2]));
         face.triangles.emplace_back(f.triangles[t], f.triangles[t + 1], f.triangles[t + 2]);

@@ -6,6 +6,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <set>
+#include <tuple>
 
 #include "mbs/base/math/rotation.hpp"
 
@@ -16,25 +17,6 @@ using Type = JointForm::Type;
 
 std::string text(const char* word) {
   return toml(std::string(word));
-}
-
-const char* type_name(Type type) {
-  switch (type) {
-    case Type::fixed:
-      return "fixed";
-    case Type::revolute:
-      return "revolute";
-    case Type::prismatic:
-      return "prismatic";
-    case Type::cylindrical:
-      return "cylindrical";
-    case Type::planar:
-      return "planar";
-    case Type::spherical:
-      return "spherical";
-    default:
-      return "";
-  }
 }
 
 class Builder {
@@ -58,7 +40,7 @@ class Builder {
     const int ground = built_.proposal.ground;
     m.elements.push_back(fixed_to_ground(ground));
     if (options_.joints) {
-      for (const ProposedJoint& joint : built_.proposal.joints) add_joint(joint);
+      for (std::size_t j = 0; j < built_.proposal.joints.size(); ++j) add_joint(j);
       for (const std::string& doubt : built_.proposal.doubts) {
         m.notes.push_back(doubt);
         m.comments.push_back("doubtful: " + doubt);
@@ -115,7 +97,8 @@ class Builder {
         {{"type", text("fixed")}, {"from", text("ground.frame")}, {"to", toml(body.name + ".ground")}}};
   }
 
-  void add_joint(const ProposedJoint& joint) {
+  void add_joint(std::size_t number) {
+    const ProposedJoint& joint = built_.proposal.joints[number];
     const std::string &a = body_names_[static_cast<std::size_t>(joint.a)],
                       &b = body_names_[static_cast<std::size_t>(joint.b)];
     Element element{"joint", names_.add(a + "_" + b)};
@@ -126,15 +109,18 @@ class Builder {
       element.comments.push_back(
           fmt::format("{} of its rows follow from those of the joints before it", joint.redundant));
     const Pose X_WJ{mbs::frame_along(joint.form.axis), joint.form.point};
-    element.lines = {{"type", text(type_name(joint.form.type))}};
-    for (const auto& [key, i] : {std::pair{"from", joint.a}, {"to", joint.b}}) {
+    element.lines = {{"type", text(name_of(joint.form.type))}};
+    const std::array<int, 2> on = {interface_for(joint, joint.a), interface_for(joint, joint.b)};
+    built_.joints.push_back({.name = element.name, .proposed = number, .on = on});
+    for (const auto& [key, i, face] : {std::tuple{"from", joint.a, on[0]}, {"to", joint.b, on[1]}}) {
       Body& body = built_.mechanism.bodies[static_cast<std::size_t>(i)];
-      body.markers.push_back({element.name, body.X_WB.inverse() * X_WJ, interface_for(joint, i)});
+      body.markers.push_back(
+          {element.name, body.X_WB.inverse() * X_WJ, face == 0 ? "" : fmt::format("face{}", face)});
       element.lines.emplace_back(key, toml(body.name + "." + element.name));
     }
     if (joint.confidence == Confidence::low)
-      built_.mechanism.notes.push_back(fmt::format("joint {} ({}) is doubtful: {}", element.name,
-                                                   type_name(joint.form.type), joint.doubt));
+      built_.mechanism.notes.push_back(
+          fmt::format("joint {} ({}) is doubtful: {}", element.name, name_of(joint.form.type), joint.doubt));
     built_.mechanism.elements.push_back(std::move(element));
   }
 
@@ -153,19 +139,19 @@ class Builder {
   }
 
   // The interface of the body's part that carries the joint: a cylinder before a plane, one for all faces of one surface.
-  // Empty where the joint sits on no face of this body.
-  std::string interface_for(const ProposedJoint& joint, int instance) {
+  // 0 where the joint sits on no face of this body.
+  int interface_for(const ProposedJoint& joint, int instance) {
     const auto p = static_cast<std::size_t>(assembly_.instances[static_cast<std::size_t>(instance)].part);
     int best = 0;
     for (const auto& [i, face] : joint.faces)
       if (i == instance && (best == 0 || (face_of(p, best).kind == mesh::FaceKind::plane &&
                                           face_of(p, face).kind != mesh::FaceKind::plane)))
         best = face;
-    if (best == 0) return "";
+    if (best == 0) return 0;
     for (const int known : faces_[p])
       if (is_same_surface(face_of(p, known), face_of(p, best))) best = known;
     faces_[p].insert(best);
-    return fmt::format("face{}", best);
+    return best;
   }
 
   // Where `flexura reduce` puts the node: the middle of a cylinder's axis, the centre of others.
@@ -175,17 +161,8 @@ class Builder {
 
   std::string interfaces_of(std::size_t p) const {
     std::string out;
-    for (const int number : faces_[p]) {
-      const mesh::Face& f = face_of(p, number);
-      out += fmt::format("\n[interface.face{}]\n", number);
-      if (f.kind == mesh::FaceKind::cylinder)
-        out += fmt::format("by = \"cylinder\"\npoint = {}\naxis = {}\nradius = {}\n", toml(f.axis_point),
-                           toml(f.axis), toml(f.radius));
-      else if (f.kind == mesh::FaceKind::plane)
-        out += fmt::format("by = \"plane\"\npoint = {}\nnormal = {}\n", toml(f.centroid), toml(f.normal));
-      else
-        out += fmt::format("by = \"near\"\npoint = {}\n", toml(f.centroid));
-    }
+    for (const int number : faces_[p])
+      out += fmt::format("\n[interface.face{}]\n{}", number, mesh::selection_lines(face_of(p, number)));
     return out;
   }
 

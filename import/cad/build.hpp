@@ -1,6 +1,8 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
+
 #include "import/cad/propose.hpp"
 #include "import/model/folder.hpp"
 
@@ -12,10 +14,19 @@ struct BuildOptions {
   double density = 7850.0;  ///< of parts for which the file gives none [kg/m^3]
 };
 
+/// A proposed joint as the mechanism has it.
+struct NamedJoint {
+  std::string name;
+  std::size_t proposed = 0;  ///< index in Proposal::joints
+  std::array<int, 2> on =
+      {};  ///< number of the face of its first and its second body that carries its markers; 0: none
+};
+
 struct Built {
   Mechanism mechanism;
   std::vector<TextFile> texts;  ///< part files and their CAD files
   Proposal proposal;
+  std::vector<NamedJoint> joints;  ///< in the order of the mechanism's elements
 };
 
 /// The assembly as a mechanism: a body for each instance in the frame of its part, a joint for each proposal, and for each

@@ -175,4 +175,24 @@ JointForm form_of(const MatrixXd& twists, const Vector3d& centre, double size) {
   return form;
 }
 
+const char* name_of(JointForm::Type type) {
+  using Type = JointForm::Type;
+  switch (type) {
+    case Type::fixed:
+      return "fixed";
+    case Type::revolute:
+      return "revolute";
+    case Type::prismatic:
+      return "prismatic";
+    case Type::cylindrical:
+      return "cylindrical";
+    case Type::planar:
+      return "planar";
+    case Type::spherical:
+      return "spherical";
+    default:
+      return "";
+  }
+}
+
 }  // namespace flexura::import::cad

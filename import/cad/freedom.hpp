@@ -48,6 +48,9 @@ struct JointForm {
   Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();  ///< axis, direction of sliding, normal of the plane
 };
 
+/// As mechanism files call it; empty where they know none.
+const char* name_of(JointForm::Type type);
+
 /// `twists`: 6 x k as above, about `centre` with `size`.
 JointForm form_of(const Eigen::MatrixXd& twists, const Eigen::Vector3d& centre, double size);
 

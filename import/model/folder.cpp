@@ -107,7 +107,7 @@ superelement::Superelement rigid_superelement(const Body& body, const std::strin
 }
 
 void write_folder(const fs::path& folder, const Mechanism& mechanism, const std::vector<TextFile>& texts,
-                  bool force) {
+                  bool force, const std::vector<fs::path>& later) {
   const std::string main_text = mechanism_text(mechanism);
   std::vector<std::pair<fs::path, superelement::Superelement>> parts;
   std::set<std::string> written;
@@ -119,6 +119,7 @@ void write_folder(const fs::path& folder, const Mechanism& mechanism, const std:
     parts.emplace_back(files.back(), rigid_superelement(body, "flexura import: " + mechanism.name));
     superelement::validate(parts.back().second);
   }
+  files.insert(files.end(), later.begin(), later.end());
   require_folder(folder);
   if (fs::is_symlink(folder / "parts"))
     throw std::invalid_argument((folder / "parts").string() +

@@ -22,9 +22,10 @@ struct TextFile {
 
 /// Writes FOLDER/mechanism.toml, the texts and FOLDER/parts/NAME.se.h5 of every body with a surface, the mechanism last.
 /// The folder and its "parts" are made where they are not there.  Throws std::invalid_argument, before
-/// anything is written, where one of the files is there already (unless `force`), the folder is a file or "parts" is a
-/// link that leads elsewhere.
+/// anything is written, where one of the files, or of those that are written `later`, is there already (unless `force`),
+/// the folder is a file or "parts" is a link that leads elsewhere.
 void write_folder(const std::filesystem::path& folder, const Mechanism& mechanism,
-                  const std::vector<TextFile>& texts, bool force);
+                  const std::vector<TextFile>& texts, bool force,
+                  const std::vector<std::filesystem::path>& later = {});
 
 }  // namespace flexura::import

@@ -78,4 +78,29 @@ std::string describe(const Face& face) {
   return text + fmt::format(", area {:.4g} mm^2", 1e6 * face.area);
 }
 
+namespace {
+
+/// Shortest digits that read back as the same number, with a point; what is round-off beside `scale` is zero.
+std::string number(double x, double scale) {
+  const std::string text = fmt::format("{}", std::abs(x) < 1e-12 * scale ? 0.0 : x);
+  return text.find_first_of(".e") == std::string::npos ? text + ".0" : text;
+}
+
+std::string list(const Eigen::Vector3d& v, double scale) {
+  return fmt::format("[{}, {}, {}]", number(v.x(), scale), number(v.y(), scale), number(v.z(), scale));
+}
+
+}  // namespace
+
+std::string selection_lines(const Face& face) {
+  const double size = face.box.cwiseAbs().maxCoeff() + face.centroid.norm() + face.radius;
+  if (face.kind == FaceKind::cylinder)
+    return fmt::format("by = \"cylinder\"\npoint = {}\naxis = {}\nradius = {}\n", list(face.axis_point, size),
+                       list(face.axis, 1.0), number(face.radius, size));
+  if (face.kind == FaceKind::plane)
+    return fmt::format("by = \"plane\"\npoint = {}\nnormal = {}\n", list(face.centroid, size),
+                       list(face.normal, 1.0));
+  return fmt::format("by = \"near\"\npoint = {}\n", list(face.centroid, size));
+}
+
 }  // namespace flexura::mesh

@@ -35,6 +35,10 @@ struct Face {
 /// One line: "face 12: bore, radius 12 mm, length 30 mm, axis (0, 0, 1) through (0, 0, 0) mm".
 std::string describe(const Face& face);
 
+/// The lines of a part file's [interface.NAME] that choose this face and what lies on the same surface, in m: by cylinder, by plane,
+/// otherwise by the place nearest to which it is.
+std::string selection_lines(const Face& face);
+
 /// "(1.5, 0, -3)" in mm with four significant digits of the largest component.
 std::string describe_point_mm(const Eigen::Vector3d& point);
 

@@ -14,8 +14,8 @@ from pathlib import Path
 import flexura
 import numpy as np
 
-# Pages that are not called like the file they were made of.
-SOURCES = {"andrews": "andrews_1e-10.h5", "rattle": "rattle_2.h5"}
+# Pages that are not called like the file they were made of, by case and page.
+SOURCES = {"andrews/andrews": "andrews_1e-10.h5", "assembly/engine": "flexible.h5", "rattle/rattle": "rattle_2.h5"}
 MOST_ROWS = 4000
 
 
@@ -87,7 +87,7 @@ def motion_of(file):
 def main(folder):
     for page in sorted(Path(folder).glob("*/*.html")):
         superelement = page.with_suffix(".se.h5")
-        results = page.parent / SOURCES.get(page.stem, page.stem + ".h5")
+        results = page.parent / SOURCES.get(f"{page.parent.name}/{page.stem}", page.stem + ".h5")
         if superelement.exists():
             told = modes_of(superelement)
         elif results.exists():

@@ -6,6 +6,8 @@ import './style.css';
 import { readHeader } from './data';
 import { modesPage, type ModesHeader } from './modes';
 import { motionPage, type MotionHeader } from './motion';
+import { partsPage } from './parts';
+import type { PartsHeader } from './parts_data';
 import { h } from './ui';
 
 async function start(): Promise<void> {
@@ -14,9 +16,10 @@ async function start(): Promise<void> {
     if (typeof DecompressionStream === 'undefined') {
       throw new Error('this browser is too old: Chrome 103, Firefox 113, Safari 16.4 or newer show this page');
     }
-    const header = readHeader<ModesHeader | MotionHeader>();
+    const header = readHeader<ModesHeader | MotionHeader | PartsHeader>();
     if (header.format !== 1) throw new Error(`this page has the unknown format ${String(header.format)}`);
     if (header.page === 'modes') await modesPage(app, header);
+    else if (header.page === 'parts') await partsPage(app, header);
     else await motionPage(app, header);
     document.documentElement.dataset.ready = 'true';
   } catch (error) {

@@ -196,7 +196,7 @@ export class Stage {
   }
 
   /** The picture as PNG, with its caption and colour scale, on the theme's background. */
-  async png(caption: string, legend: Legend): Promise<Blob> {
+  async png(caption: string, legend: Legend | null, paint: (g: CanvasRenderingContext2D, scale: number) => void = () => {}): Promise<Blob> {
     this.drawNow();
     const source = this.canvas;
     const copy = h('canvas', { width: source.width, height: source.height });
@@ -209,7 +209,8 @@ export class Stage {
     g.font = `600 ${15 * scale}px system-ui, sans-serif`;
     g.textBaseline = 'top';
     g.fillText(caption, 16 * scale, 14 * scale);
-    legend.paint(g, copy.width, scale);
+    legend?.paint(g, copy.width, scale);
+    paint(g, scale);
     return new Promise((resolve, reject) =>
       copy.toBlob((blob) => (blob ? resolve(blob) : reject(new Error('the browser made no PNG'))), 'image/png'));
   }
@@ -218,6 +219,23 @@ export class Stage {
   matrix(): number[] {
     this.drawNow();
     return new THREE.Matrix4().multiplyMatrices(this.camera.projectionMatrix, this.camera.matrixWorldInverse).toArray();
+  }
+
+  /** RGBA of every CSS pixel of another scene from the same camera, rows from the bottom, without smoothing. */
+  offscreen(scene: THREE.Scene): { width: number; height: number; data: Uint8Array } {
+    const width = Math.max(1, this.canvas.clientWidth);
+    const height = Math.max(1, this.canvas.clientHeight);
+    const target = new THREE.WebGLRenderTarget(width, height, { generateMipmaps: false, minFilter: THREE.NearestFilter, magFilter: THREE.NearestFilter });
+    const data = new Uint8Array(4 * width * height);
+    this.fitCamera();
+    this.renderer.setScissorTest(false);
+    this.renderer.setRenderTarget(target);
+    this.renderer.clear();
+    this.renderer.render(scene, this.camera);
+    this.renderer.readRenderTargetPixels(target, 0, 0, width, height, data);
+    this.renderer.setRenderTarget(null);
+    target.dispose();
+    return { width, height, data };
   }
 
   /** RGBA of one pixel of the canvas, at CSS coordinates from the upper left corner. */
