@@ -48,9 +48,9 @@ void check(const DrawnPart& part) {
   for (const std::int32_t f : part.face)
     require(f >= 0 && f < static_cast<int>(part.faces.size()),
             fmt::format("part \"{}\" has a triangle on a face that it does not have", part.name));
-  for (std::size_t i = 0; i < part.faces.size(); ++i)
-    require(part.faces[i].number == static_cast<int>(i) + 1,
-            fmt::format("part \"{}\" numbers its faces out of order", part.name));
+  for (std::size_t i = 1; i < part.faces.size(); ++i)
+    require(part.faces[i].number > part.faces[i - 1].number,
+            fmt::format("part \"{}\" lists its faces out of order", part.name));
 }
 
 void check(const PartsPage& page) {
@@ -59,7 +59,8 @@ void check(const PartsPage& page) {
   const auto n = static_cast<int>(page.bodies.size());
   const auto has_face = [&](int body, int face) {
     const auto part = static_cast<std::size_t>(page.bodies[static_cast<std::size_t>(body)].part);
-    return face >= 1 && face <= static_cast<int>(page.parts[part].faces.size());
+    return std::ranges::find(page.parts[part].faces, face, &NumberedFace::number) !=
+           page.parts[part].faces.end();
   };
   for (const PlacedBody& body : page.bodies) {
     require(body.part >= 0 && body.part < static_cast<int>(page.parts.size()),

@@ -14,7 +14,7 @@
 namespace flexura::view {
 
 struct NumberedFace {
-  int number = 0;                                   ///< from 1, in the order of the part's list
+  int number = 0;                                   ///< ascending in a part
   std::string text;                                 ///< "bore, radius 12 mm, ..."
   std::string kind;                                 ///< plane, cylinder, cone, sphere, free-form
   Eigen::Vector3d point = Eigen::Vector3d::Zero();  ///< in the part: on the axis, or the centroid

@@ -19,7 +19,7 @@ inline constexpr int kResultDescriptor = 3, kProgressDescriptor = 4;
 
 struct Job {
   std::string
-      task;  ///< "list" or "mesh" a CAD file, "sheet": its faces (worker_sheet.hpp), "read" a mesh or "read shells", "planar", "curves": see planar.hpp, curves.hpp
+      task;  ///< "list", "picture" or "mesh" a CAD file, "sheet": its faces (worker_sheet.hpp), "read" a mesh or "read shells", "planar", "curves": see planar.hpp, curves.hpp
   std::string path, format;
   double to_m = 1e-3;  ///< model units (mm) to m
   std::vector<int> solids;

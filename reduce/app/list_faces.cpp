@@ -5,11 +5,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <ostream>
+#include <stdexcept>
 
 #include "mbs/base/files/inputs.hpp"
+#include "mbs/view/parts_page.hpp"
+#include "mesh/gmsh/picture.hpp"
 #include "mesh/gmsh/sheet.hpp"
+#include "mesh/page/numbered_face.hpp"
 #include "reduce/file/part_file.hpp"
 
 namespace flexura::reduce {
@@ -84,6 +89,41 @@ void print_faces(const std::filesystem::path& file, std::ostream& out) {
     out << "  " << mesh::describe(face) << '\n';
   }
   print_example(report.faces, out);
+}
+
+void write_faces_page(const std::filesystem::path& file, const std::filesystem::path& html) {
+  mesh::CadOptions options{.path = file};
+  std::string part_file = "part.toml";
+  if (file.extension() == ".toml") {
+    const PartInput part = read_part(file);
+    if (part.sheet_thickness > 0.0)
+      throw std::invalid_argument(
+          file.string() + ": is a part of sheets, and the page of faces shows solids only; leave --html out");
+    options = part.cad;
+    part_file = file.filename().string();
+  }
+  const mesh::CadReport report = mesh::list_faces(options);
+  const mesh::FacesPicture picture = mesh::draw_faces(options);
+  view::PartsPage page{.title = options.path.filename().string(), .created_by = "flexura reduce"};
+  view::DrawnPart part{.name = page.title, .file = part_file, .color = ""};
+  std::map<mesh::Index, std::int32_t> place;
+  for (const mesh::Face& face : report.faces) {
+    place[face.number] = static_cast<std::int32_t>(part.faces.size());
+    part.faces.push_back(mesh::numbered_face(face));
+    // Numbers are those of this file: what they choose is the face itself, not what lies on its surface as well.
+    if (report.faces.size() > 1)
+      part.faces.back().lines = fmt::format("by = \"faces\"\nfaces = [{}]\n", face.number);
+  }
+  part.vertices = picture.vertices;
+  part.edges = picture.edges;
+  for (std::size_t t = 0; t < picture.triangles.size(); ++t)
+    if (const auto known = place.find(picture.face[t]); known != place.end()) {
+      part.triangles.push_back(picture.triangles[t]);
+      part.face.push_back(known->second);
+    }
+  page.parts.push_back(std::move(part));
+  page.bodies.push_back({.name = page.title, .text = fmt::format("{} faces", report.faces.size())});
+  view::write_parts_page(html, page);
 }
 
 }  // namespace flexura::reduce

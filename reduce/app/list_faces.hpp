@@ -10,4 +10,8 @@ namespace flexura::reduce {
 /// table with an interface table ready to copy.
 void print_faces(const std::filesystem::path& file, std::ostream& out);
 
+/// The same as a page: the part with numbers on its faces, and the [interface] tables of those that are ticked there. Throws
+/// std::invalid_argument for sheets, of which no picture is made.
+void write_faces_page(const std::filesystem::path& file, const std::filesystem::path& html);
+
 }  // namespace flexura::reduce

@@ -38,10 +38,12 @@ namespace {
 
 using namespace flexura;
 
+// --html without a name.
+const char* const kBesidePart = "PART.faces.html";
 constexpr int kNotGiven = std::numeric_limits<int>::min();
 
 struct Arguments {
-  std::string input, output, report, mesh, mesh_size, accuracy, petsc;
+  std::string input, output, report, html, mesh, mesh_size, accuracy, petsc;
   std::vector<std::string> overrides, held;
   int modes = -1, beam_modes = 0, compare = 0;
   int places = kNotGiven, threads = kNotGiven;
@@ -91,6 +93,21 @@ void refuse_options_of_reductions(const Arguments& a) {
                       a.input, option));
 }
 
+int list_faces(const Arguments& arguments) {
+  std::filesystem::path html = arguments.html;
+  if (html == kBesidePart) html = std::filesystem::path(arguments.input).replace_extension(".faces.html");
+  if (!html.empty() && html.extension() != ".html")
+    throw input::InputError(fmt::format("--html {}: must end in .html", html.string()));
+  files::Claims claims;
+  claims.add(html);
+  reduce::print_faces(arguments.input, std::cout);
+  if (!html.empty()) {
+    reduce::write_faces_page(arguments.input, html);
+    fmt::print("\nwrote {}\n", html.string());
+  }
+  return 0;
+}
+
 int reduce_with(const Arguments& arguments, const terminal::Verbosity& verbosity, const linalg::Team* team) {
   if (arguments.schema) {
     std::cout << input::reference_page(reduce::part_schema());
@@ -114,9 +131,12 @@ int reduce_with(const Arguments& arguments, const terminal::Verbosity& verbosity
     linalg::set_blas_threads(arguments.threads);
   }
   if (arguments.list_faces) {
-    reduce::print_faces(arguments.input, std::cout);
-    return 0;
+    return list_faces(arguments);
   }
+  if (!arguments.html.empty())
+    throw input::InputError(
+        "--html is the picture of --list-faces: give that too; the page of a superelement is "
+        "written by flexura modes --html");
   std::string ending = std::filesystem::path(arguments.input).extension().string();
   for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   if (ending == ".step" || ending == ".stp" || ending == ".iges" || ending == ".igs" || ending == ".brep")
@@ -228,11 +248,16 @@ std::function<int()> declare(terminal::Options& options, const terminal::Verbosi
               "-log_view\" "
               "shows their reports")
       .flag("--list-faces", arguments->list_faces, "list the solids and faces of the part, then stop")
+      .optional_value(
+          "--html", arguments->html, kBesidePart, "FILE",
+          "with --list-faces: also a page with the part, numbers on its faces and the interfaces chosen from "
+          "them (default: PART.faces.html)")
       .flag("--schema", arguments->schema, "print the part file's reference page, then stop")
       .flag("--schema-flexdata", arguments->schema_flexdata,
             "print the reference page of part files for FlexData, then stop")
       .flag("--schema-beams", arguments->schema_beams, "print the beam part file's reference page, then stop")
       .example("flexura reduce --list-faces bracket.step", "what an interface can be chosen from")
+      .example("flexura reduce --list-faces bracket.step --html faces.html", "the same to click on")
       .example("flexura reduce conrod.toml -o conrod.se.h5", "mesh, reduce, write")
       .example("flexura reduce conrod.toml --accuracy \"1 %\"",
                "mesh anew until frequencies and static compliance are within 1 %")

@@ -11,6 +11,7 @@
 #include "mesh/gmsh/job.hpp"
 #include "mesh/gmsh/worker/read_mesh.hpp"
 #include "mesh/gmsh/worker/worker_curves.hpp"
+#include "mesh/gmsh/worker/worker_picture.hpp"
 #include "mesh/gmsh/worker/worker_planar.hpp"
 #include "mesh/gmsh/worker/worker_progress.hpp"
 #include "mesh/gmsh/worker/worker_sheet.hpp"
@@ -57,6 +58,7 @@ void run(const Job& job, ResultRecord& result, Arrays& arrays) {
   gmsh::model::occ::synchronize();
   say(0.05, "measuring the faces");
   describe_kept(job, solids, result);
+  if (job.task == "picture") arrays = collect_picture(job, result);
   if (job.task != "mesh") return;
   generate_mesh(job, result);
   arrays = collect_mesh(job, solids, result);

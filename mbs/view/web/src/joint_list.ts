@@ -60,7 +60,7 @@ export class JointList {
   private detail(j: Joint): HTMLElement {
     const names = this.header.bodies.map((b) => b.name);
     const movers = j.accepted ? coordinatesOf(j.type).map((which) => this.mover(j, which)) : [];
-    const seats = j.faces.filter(([body, face]) => this.header.parts[this.header.bodies[body].part].faces[face - 1]?.axis);
+    const seats = j.faces.filter(([body, face]) => this.header.parts[this.header.bodies[body].part].faces.find((f) => f.number === face)?.axis);
     const align = h('select', { 'aria-label': `Axis of ${j.name}`, onchange: () => {
       const [body, face] = seats[Number(align.value)] ?? [];
       if (body !== undefined) this.act.align(j, body, face);

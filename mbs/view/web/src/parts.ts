@@ -26,7 +26,7 @@ export async function partsPage(app: HTMLElement, header: PartsHeader): Promise<
     faces: [] as Chosen[], // chosen in the picture, the latest last
     ticked: new Set<string>(), // "part face": wanted as interfaces
   };
-  const faceOf = (c: Chosen) => header.parts[header.bodies[c.body].part].faces[c.face - 1];
+  const faceOf = (c: Chosen) => header.parts[header.bodies[c.body].part].faces.find((f) => f.number === c.face)!;
   const isFixed = (j: Joint) => j.type === 'fixed';
 
   // --- what was decided ----------------------------------------------------------------------------------------------

@@ -184,7 +184,7 @@ export class PartsScene {
     this.marked.length = 0;
     for (const [body, face, color] of faces) {
       const part = this.parts[this.header.bodies[body].part];
-      const range = part.first.get(face - 1);
+      const range = part.first.get(this.header.parts[this.header.bodies[body].part].faces.findIndex((f) => f.number === face));
       if (!range) continue;
       const geometry = new THREE.BufferGeometry();
       geometry.setAttribute('position', part.faces.getAttribute('position'));
@@ -219,7 +219,7 @@ export class PartsScene {
     if (id >= bodies) return { body: -1, face: -1, joint: id - bodies };
     let body = 0;
     while (this.firstId[body + 1] <= id) ++body;
-    return { body, face: id - this.firstId[body] + 1, joint: -1 };
+    return { body, face: this.header.parts[this.header.bodies[body].part].faces[id - this.firstId[body]].number, joint: -1 };
   }
 
   /** What is under this place of the canvas [CSS px]. */
