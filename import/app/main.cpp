@@ -5,7 +5,9 @@
 #include <fmt/format.h>
 
 #include <filesystem>
+#include <iostream>
 
+#include "import/app/ask.hpp"
 #include "import/cad/build.hpp"
 #include "import/model/folder.hpp"
 #include "import/page/page.hpp"
@@ -120,11 +122,15 @@ void write_page(const fs::path& file, const import::cad::Assembly& assembly, con
 
 int import_assembly(const Arguments& a, const std::filesystem::path& folder,
                     const terminal::Verbosity& verbosity) {
-  const import::cad::BuildOptions options{
+  import::cad::BuildOptions options{
       .propose = {.clearance = quantity(a.clearance, "--clearance", input::dim::length, 2e-4),
                   .ground = a.ground},
       .joints = a.joints != "none",
       .density = quantity(a.density, "--density", input::dim::density, 7850.0)};
+  if (a.joints == "ask")
+    options.decide = [](const auto& assembly, import::cad::Proposal& proposal, const auto& names) {
+      import::ask_about_joints(assembly, proposal, names, std::cin, std::cout);
+    };
   const double limit = quantity(a.time_limit, "--time-limit", input::dim::time, 600.0);
   const import::cad::Assembly assembly = import::cad::read_assembly(a.input, limit);
   const import::cad::Built built =
@@ -162,8 +168,9 @@ std::function<int()> declare(terminal::Options& options, const terminal::Verbosi
               "robots: whether the root link stands on the ground or floats free (default: fixed)")
       .flag("--no-stops", a->no_stops, "robots: leave the limits of the joints' travel out")
       .option("--package", a->packages, "NAME=FOLDER", "robots: where package://NAME/ of the meshes lies")
-      .choice("--joints", a->joints, {"propose", "none"},
-              "assemblies: propose joints from the geometry, or leave the bodies free (default: propose)")
+      .choice("--joints", a->joints, {"propose", "ask", "none"},
+              "assemblies: propose joints from the geometry, ask about each of them, or leave the bodies "
+              "free (default: propose)")
       .option("--ground", a->ground, "BODY",
               "assemblies: the body that stands still (default: the one with the largest box)")
       .option("--clearance", a->clearance, "LENGTH",

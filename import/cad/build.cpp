@@ -8,6 +8,7 @@
 #include <set>
 #include <tuple>
 
+#include "import/cad/decide.hpp"
 #include "mbs/base/math/rotation.hpp"
 
 namespace flexura::import::cad {
@@ -31,6 +32,10 @@ class Builder {
   Built build(const std::string& name) {
     ProposeOptions propose_options = options_.propose;
     built_.proposal = propose(assembly_, body_names_, propose_options);
+    if (options_.joints && options_.decide) {
+      options_.decide(assembly_, built_.proposal, body_names_);
+      count_again(assembly_, built_.proposal);
+    }
     Mechanism& m = built_.mechanism;
     m.name = name;
     m.comments = {"imported by flexura import; bodies have the frames of their parts, lengths in m",

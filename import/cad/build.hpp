@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <functional>
 
 #include "import/cad/propose.hpp"
 #include "import/model/folder.hpp"
@@ -12,6 +13,9 @@ struct BuildOptions {
   ProposeOptions propose;
   bool joints = true;       ///< propose them; otherwise every body but ground floats free
   double density = 7850.0;  ///< of parts for which the file gives none [kg/m^3]
+  /// Asked with the proposed joints and the names of the bodies: takes some away, changes others. Degrees of freedom are counted
+  /// anew afterwards.
+  std::function<void(const Assembly&, Proposal&, const std::vector<std::string>&)> decide = {};
 };
 
 /// A proposed joint as the mechanism has it.

@@ -15,6 +15,10 @@ flexura report conrod.report.json -o report_reduction.html -q
 flexura section jib_section.toml -q
 flexura reduce crane.toml -o crane.se.h5 -q
 flexura modes crane.se.h5 --html modes_beams.html -q
+flexura reduce --list-faces conrod.step --html faces.html >/dev/null
+# An assembly with the joints proposed for it.
+flexura import "$root/cases/assembly/engine.step" -o assembly -q
+cp assembly/assembly.html assembly.html
 # Motion: rigid beside flexible, contacts, a loop with markers, a clamped beam, modes of a mechanism.
 flexura simulate engine.toml -o engine.h5 -q
 flexura view engine.h5 -o motion_engine.html -q

@@ -3,7 +3,8 @@
 // 700 pixels: axe-core finds no violation of accessibility, nothing is wider than the window, the page complains of nothing.
 // With $FLEXURA_SCREENSHOTS their pictures go into that folder, to be looked at (the script "screenshots").
 import assert from 'node:assert/strict';
-import { existsSync, mkdirSync, readFileSync, readdirSync } from 'node:fs';
+import { execFileSync } from 'node:child_process';
+import { existsSync, mkdirSync, readFileSync, readdirSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
 import { pathToFileURL } from 'node:url';
@@ -12,7 +13,7 @@ import { launch, pages } from './browser.mjs';
 const axe = readFileSync(join('node_modules', 'axe-core', 'axe.min.js'), 'utf8');
 const site = process.env.FLEXURA_SITE;
 const pictures = process.env.FLEXURA_SCREENSHOTS;
-const kinds = ['modes_solid', 'modes_beams', 'modes_suspension', 'modes_engine', 'motion_engine', 'motion_ball', 'motion_suspension',
+const kinds = ['faces', 'assembly', 'modes_solid', 'modes_beams', 'modes_suspension', 'modes_engine', 'motion_engine', 'motion_ball', 'motion_suspension',
   'motion_cantilever', 'open', 'report_superelement', 'report_reduction', 'study'];
 const ofSite = ['index.html', 'docs/start/install.html', 'docs/tutorials/bracket/index.html', 'docs/howto/parts.html', 'docs/reference/commands.html',
   'docs/reference/messages.html', 'cases/MECHANISM_FILE.html', 'docs/theory/floating_frame.html', 'docs/verification/references.html',
@@ -58,6 +59,31 @@ test('there is a page of every kind', () => {
 });
 
 for (const kind of kinds) test(kind, { timeout: 300_000 }, () => check(join(pages, `${kind}.html`), kind, true));
+
+test('assembly: the crank turned by hand moves the piston as a slider-crank does, and what the page writes runs', { timeout: 300_000 }, async () => {
+  const page = await (await browser.newContext({ viewport: { width: 1400, height: 900 }, reducedMotion: 'reduce' })).newPage();
+  await page.goto(pathToFileURL(join(pages, 'assembly.html')).href);
+  await page.waitForFunction(() => document.documentElement.dataset.ready === 'true');
+  assert.equal(await page.evaluate(() => flexura.freedom), 1);
+  const [radius, length] = [0.025, 0.1]; // [m], cases/assembly
+  for (const turn of [0.5, 1.5, 3, -1, 0]) {
+    assert.ok(await page.evaluate((q) => flexura.drive('block_crankshaft', 'angle', q), turn));
+    const { crank, piston } = await page.evaluate(() => ({ crank: flexura.pose('crankshaft'), piston: flexura.pose('piston') }));
+    const pin = [0, 1, 2].map((i) => crank[8 + i] * radius); // the crank's z axis, matrices go by columns
+    // STEP keeps placements to some 1e-9 m, and the loop closes no better.
+    assert.ok(Math.abs(piston[14] - (pin[2] + Math.sqrt(length ** 2 - pin[0] ** 2))) < 1e-7, `${turn}: ${piston[14]}`);
+  }
+  // The text is a mechanism file: the same joints, found right by the program.
+  const { mechanism, interfaces } = await page.evaluate(() => flexura.texts());
+  writeFileSync(join(pages, 'assembly', 'decided.toml'), mechanism);
+  const said = (file) => execFileSync('flexura', ['check', join(pages, 'assembly', file)], { encoding: 'utf8' }).replace(/^.*\.toml.*$/gm, '');
+  assert.equal(said('decided.toml'), said('mechanism.toml'));
+  // So are the interfaces those of the part files.
+  const [file, text] = Object.entries(interfaces).find(([name]) => name.includes('connecting_rod'));
+  const tables = (toml) => toml.replace(/^#.*\n/gm, '').match(/\[interface[^]*?(?=\n\[|$)/g).map((t) => t.trim()).sort();
+  assert.deepEqual(tables(text), tables(readFileSync(join(pages, 'assembly', file), 'utf8')));
+  await page.context().close();
+});
 
 for (const name of ofSite) {
   test(`site: ${name}`, { timeout: 300_000 }, () => {
