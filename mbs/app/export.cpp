@@ -4,8 +4,11 @@
 #include <map>
 
 #include "mbs/app/commands.hpp"
+#include "mbs/app/run/mechanism_runs.hpp"
+#include "mbs/app/urdf_export.hpp"
 #include "mbs/base/files/output.hpp"
 #include "mbs/base/files/place.hpp"
+#include "mbs/base/terminal/terminal.hpp"
 #include "mbs/results/results.hpp"
 #include "mbs/superelement/exchange/exchange.hpp"
 #include "mbs/superelement/exchange/names.hpp"
@@ -19,7 +22,7 @@ using superelement::ModeAnalysis;
 using superelement::Superelement;
 
 struct Arguments {
-  std::string file, output, format, held = "none";
+  std::string file, output, format, held = "none", run;
   int count = 30, frames = 200;
 };
 
@@ -56,7 +59,32 @@ int export_results(const Arguments& arguments, const terminal::Verbosity& verbos
   return 0;
 }
 
+// A mechanism file as a robot.
+int export_urdf(const Arguments& arguments, const terminal::Verbosity& verbosity) {
+  const std::filesystem::path output = arguments.output.empty()
+                                           ? std::filesystem::path(stem_of(arguments.file).string() + ".urdf")
+                                           : std::filesystem::path(arguments.output);
+  const std::filesystem::path folder = output.parent_path() / (output.stem().string() + "_meshes");
+  MechanismArguments mechanism{.file = arguments.file};
+  if (!arguments.run.empty()) mechanism.runs = {arguments.run};
+  std::vector<NamedRun> runs = prepare_runs(mechanism);
+  const Urdf urdf =
+      to_urdf(*only_run(runs, mechanism, "--format urdf").prepared.mechanism, folder.filename().string());
+  files::Claims claims;
+  claims.add(output);
+  if (!urdf.meshes.empty()) std::filesystem::create_directories(folder);
+  for (const auto& [name, content] : urdf.meshes) files::write_whole(folder / name, content);
+  files::write_whole(output, urdf.text);
+  if (verbosity.quiet) return 0;
+  for (const std::string& note : urdf.notes) terminal::say(stderr, "note: " + note);
+  fmt::print("wrote {}\n", output.string());
+  return 0;
+}
+
 int run(const Arguments& arguments, const terminal::Verbosity& verbosity) {
+  if (arguments.format == "urdf") return export_urdf(arguments, verbosity);
+  if (!arguments.run.empty())
+    throw std::invalid_argument("--run chooses a run of a mechanism file, for --format urdf: leave it out");
   if (is_of_results(arguments.format)) return export_results(arguments, verbosity);
   if (arguments.count < 1)
     throw std::invalid_argument(fmt::format("--count is {}, it must be at least 1", arguments.count));
@@ -130,13 +158,15 @@ int run(const Arguments& arguments, const terminal::Verbosity& verbosity) {
 
 terminal::Command export_command() {
   return {
-      "export", "write a superelement or results in another program's format",
+      "export", "write a superelement, results or a mechanism in another program's format",
       [](terminal::Options& options, const terminal::Verbosity& verbosity) -> std::function<int()> {
         auto arguments = std::make_shared<Arguments>();
-        options.argument("FILE", arguments->file, "superelement or results file")
+        options.argument("FILE", arguments->file, "superelement, results or mechanism file")
             .choice("-f,--format", arguments->format,
-                    {"matrix-market", "dmig", "sid", "flexdata", "vtk", "gmsh", "gltf", "pvd", "csv"},
-                    "what to write; pvd (ParaView) and csv take a results file, the others a superelement")
+                    {"matrix-market", "dmig", "sid", "flexdata", "vtk", "gmsh", "gltf", "pvd", "csv", "urdf"},
+                    "what to write; pvd (ParaView) and csv take a results file, urdf a mechanism file, the "
+                    "others a "
+                    "superelement")
             .required()
             .option("-o,--output", arguments->output, "PATH",
                     "file to write (matrix-market: start of the names); default beside FILE")
@@ -151,6 +181,9 @@ terminal::Command export_command() {
             .example("flexura export conrod.se.h5 --format gltf -n 6",
                      "six mode shapes that move in any viewer of .glb files")
             .example("flexura export engine.h5 --format pvd", "each run moving in ParaView: engine.RUN.pvd")
+            .option("--run", arguments->run, "NAME", "urdf: the run of the mechanism file that is written")
+            .example("flexura export arm.toml --format urdf",
+                     "a tree of joints as a robot description: arm.urdf")
             .example("flexura export engine.h5 --format csv", "each run as a table: engine.RUN.csv");
         return [arguments, &verbosity] { return run(*arguments, verbosity); };
       }};
