@@ -64,6 +64,8 @@ TEST(ModesPage, HoldsTheSurfaceItWasGiven) {
   using Painted = std::array<std::int32_t, 4>;
   const auto triangles = page.block<std::int32_t>("part/triangles"),
              painted = page.block<std::int32_t>("part/interface");
+  ASSERT_EQ(static_cast<Eigen::Index>(painted.size()), se.surface.triangles.rows());
+  ASSERT_EQ(triangles.size(), 3 * painted.size());
   std::multiset<Painted> written, given;
   for (std::size_t t = 0; t < painted.size(); ++t) {
     written.insert({triangles[3 * t], triangles[3 * t + 1], triangles[3 * t + 2], painted[t]});
@@ -256,6 +258,33 @@ TEST(MotionPage, HoldsTimesQuantitiesPosesAndModalCoordinatesAsStored) {
   EXPECT_EQ(page.header["runs"][1]["bodies"][1]["n_shapes"], synthetic::rod_modes);
   EXPECT_EQ(page.header["runs"][0]["bodies"][1]["n_shapes"], 0);
   EXPECT_EQ(page.header["surfaces"].size(), 1u);
+}
+
+// Where a joint to the ground sits on an interface, displacements are taken from there at first (PAGE.md: held_by).
+TEST(MotionPage, NamesTheInterfaceAtWhichAJointToTheGroundHoldsABody) {
+  Pictures pictures;
+  results::Results engine = synthetic::engine(pictures);
+  const fs::path html = scratch("held.html");
+  write_motion_page(html, engine, pictures);
+  const json before = PageReader(slurp(html)).header["runs"][1]["bodies"][1];
+  ASSERT_EQ(before["frames"].size(), 2u);
+  EXPECT_EQ(before["frames"][1]["point"], json::parse("[1.0, 0.0, 0.0]"));
+  EXPECT_TRUE(before["held_by"].is_null());
+  json clamp = {{"name", "clamp"}, {"kind", "fixed"},        {"is_joint", true},      {"body_1", "ground"},
+                {"body_2", "rod"}, {"p_1", {0.3, 0.0, 0.0}}, {"p_2", {1.0, 0.0, 0.0}}};
+  // The same written the other way round; a force at that place holds nothing.
+  for (const bool turned : {false, true}) {
+    if (turned)
+      for (const char* const key : {"body_", "p_"})
+        std::swap(clamp[key + std::string("1")], clamp[key + std::string("2")]);
+    engine.model.connections_json = json::array({clamp}).dump();
+    write_motion_page(html, engine, pictures);
+    EXPECT_EQ(PageReader(slurp(html)).header["runs"][1]["bodies"][1]["held_by"], 1) << turned;
+  }
+  clamp["is_joint"] = false;
+  engine.model.connections_json = json::array({clamp}).dump();
+  write_motion_page(html, engine, pictures);
+  EXPECT_TRUE(PageReader(slurp(html)).header["runs"][1]["bodies"][1]["held_by"].is_null());
 }
 
 TEST(MotionPage, ThinsLongRunsEvenlyAndKeepsTheLastTime) {
