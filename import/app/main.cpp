@@ -108,11 +108,26 @@ int import_robot(const Arguments& a, const std::filesystem::path& folder,
   return 0;
 }
 
+// What overlaps goes into the notes as well; where it cannot be sought, that does.
+std::vector<import::cad::Overlap> overlaps_of(const std::string& file, const import::cad::Assembly& assembly,
+                                              double clearance, double limit, import::Mechanism& mechanism) {
+  try {
+    auto overlaps = import::cad::find_overlaps(file, assembly, clearance, limit);
+    for (const import::cad::Overlap& o : overlaps)
+      mechanism.notes.push_back(import::overlap_text(o, mechanism.bodies[static_cast<std::size_t>(o.a)].name,
+                                                     mechanism.bodies[static_cast<std::size_t>(o.b)].name));
+    return overlaps;
+  } catch (const std::runtime_error& why) {
+    mechanism.notes.emplace_back(why.what());
+    return {};
+  }
+}
+
 // The mechanism is there and runs: a build without pages is no reason to fail.
 void write_page(const fs::path& file, const import::cad::Assembly& assembly, const import::cad::Built& built,
-                const terminal::Verbosity& verbosity) {
+                const std::vector<import::cad::Overlap>& overlaps, const terminal::Verbosity& verbosity) {
   try {
-    view::write_parts_page(file, import::page_of(assembly, built));
+    view::write_parts_page(file, import::page_of(assembly, built, overlaps));
     if (!verbosity.quiet)
       fmt::print("page      {}: the joints, to be looked at and changed\n", file.string());
   } catch (const std::runtime_error& why) {
@@ -133,13 +148,14 @@ int import_assembly(const Arguments& a, const std::filesystem::path& folder,
     };
   const double limit = quantity(a.time_limit, "--time-limit", input::dim::time, 600.0);
   const import::cad::Assembly assembly = import::cad::read_assembly(a.input, limit);
-  const import::cad::Built built =
+  import::cad::Built built =
       import::cad::build(assembly, std::filesystem::path(a.input).stem().string(), options);
+  const auto overlaps = overlaps_of(a.input, assembly, options.propose.clearance, limit, built.mechanism);
   const fs::path page = folder / "assembly.html";
   import::write_folder(folder, built.mechanism, built.texts, a.force, {page});
   if (options.joints) print_proposal(built, verbosity);
   report(built.mechanism, folder, verbosity);
-  write_page(page, assembly, built, verbosity);
+  write_page(page, assembly, built, overlaps, verbosity);
   return 0;
 }
 

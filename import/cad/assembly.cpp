@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cmath>
 #include <fstream>
 #include <numbers>
 #include <stdexcept>
@@ -102,6 +103,15 @@ class Unpacker {
   const fs::path& file_;
 };
 
+fs::path worker_program() {
+  std::error_code failure;
+  const fs::path worker = fs::read_symlink("/proc/self/exe", failure).parent_path() / "flexura-assembly";
+  if (!fs::exists(worker))
+    throw std::runtime_error("the program " + worker.string() +
+                             " is missing; build it, or copy it beside flexura");
+  return worker;
+}
+
 }  // namespace
 
 Assembly read_assembly(const fs::path& file, double time_limit_s) {
@@ -115,11 +125,7 @@ Assembly read_assembly(const fs::path& file, double time_limit_s) {
     throw std::invalid_argument(
         file.string() +
         ": is no STEP file, which begins with ISO-10303-21; save it as STEP in the CAD program");
-  std::error_code failure;
-  const fs::path worker = fs::read_symlink("/proc/self/exe", failure).parent_path() / "flexura-assembly";
-  if (!fs::exists(worker))
-    throw std::runtime_error("the program " + worker.string() +
-                             " is missing; build it, or copy it beside flexura");
+  const fs::path worker = worker_program();
   const AssemblyJob job{.path = fs::absolute(file).string(), .parent = getpid()};
   const mesh::ChildOutcome outcome = mesh::run_child(worker, nlohmann::json(job).dump(), time_limit_s, {});
   const std::string stage = outcome.stage.empty() ? "" : " while " + outcome.stage;
@@ -142,6 +148,32 @@ Assembly read_assembly(const fs::path& file, double time_limit_s) {
   if (!answer.error.empty())
     throw std::invalid_argument(fmt::format("{}: {}", file.string(), shown(answer.error)));
   return Unpacker(file).unpack(answer);
+}
+
+std::vector<Overlap> find_overlaps(const fs::path& file, const Assembly& assembly, double more_than,
+                                   double time_limit_s) {
+  const AssemblyJob job{.path = fs::absolute(file).string(), .parent = getpid(), .overlap = more_than};
+  const mesh::ChildOutcome outcome =
+      mesh::run_child(worker_program(), nlohmann::json(job).dump(), time_limit_s, {});
+  if (outcome.end == mesh::ChildEnd::out_of_time)
+    throw std::runtime_error(fmt::format(
+        "parts that overlap were not found within {:.3g} s; give it more by --time-limit", time_limit_s));
+  AssemblyAnswer answer;
+  try {
+    if (outcome.end != mesh::ChildEnd::crashed)
+      answer = nlohmann::json::from_cbor(outcome.result).get<AssemblyAnswer>();
+  } catch (const nlohmann::json::exception&) {
+    answer.error = "incomplete";
+  }
+  if (outcome.end == mesh::ChildEnd::crashed || !answer.error.empty())
+    throw std::runtime_error(
+        "OpenCASCADE failed on the search for parts that overlap: whether there are any is unknown");
+  std::vector<Overlap> overlaps;
+  const auto n = static_cast<int>(assembly.instances.size());
+  for (const OverlapAnswer& o : answer.overlaps)
+    if (o.a >= 0 && o.a < n && o.b >= 0 && o.b < n && std::isfinite(o.volume) && std::isfinite(o.thickness))
+      overlaps.push_back({o.a, o.b, o.volume, o.thickness, vector_of(o.place)});
+  return overlaps;
 }
 
 }  // namespace flexura::import::cad

@@ -43,6 +43,18 @@ struct Assembly {
   std::vector<std::string> notes;  ///< sentences: what was left out, by which rule it was read
 };
 
+/// What two instances have in common, more than a contact.
+struct Overlap {
+  int a = -1, b = -1;
+  double volume = 0.0, thickness = 0.0;  ///< [m^3]; [m], 2 V / A of what is common, A its surface
+  Vector3d place = Vector3d::Zero();     ///< its centre, in the world
+};
+
+/// Instances of the file that overlap by more than `more_than` [m], by the exact shapes, in a second child process. Throws
+/// std::runtime_error where that fails or takes longer than the limit: the assembly is as good without.
+std::vector<Overlap> find_overlaps(const std::filesystem::path& file, const Assembly& assembly,
+                                   double more_than, double time_limit_s);
+
 /// Reads a STEP file in a child process, flexura-assembly beside this program. Throws std::invalid_argument (the
 /// file: one sentence) or std::runtime_error (the child's program is missing).
 Assembly read_assembly(const std::filesystem::path& file, double time_limit_s);

@@ -15,8 +15,9 @@ struct AssemblyJob {
   std::string path;
   int parent = 0;             ///< process id; the child ends when it is gone
   double deflection = 0.002;  ///< of the pictures' triangles, part of the part's size
+  double overlap = 0.0;       ///< [m]; not 0: nothing but where parts overlap by more is answered
 };
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(AssemblyJob, path, parent, deflection)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(AssemblyJob, path, parent, deflection, overlap)
 
 struct FaceAnswer {
   int kind = 4;  ///< of mesh::FaceKind
@@ -49,12 +50,21 @@ struct InstanceAnswer {
 };
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(InstanceAnswer, part, name, path, R, p)
 
+/// Two instances, what they have in common, how thick that is and where its middle is.
+struct OverlapAnswer {
+  int a = 0, b = 0;
+  double volume = 0, thickness = 0;
+  std::array<double, 3> place{};
+};
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(OverlapAnswer, a, b, volume, thickness, place)
+
 struct AssemblyAnswer {
   std::string error;  ///< not empty: nothing else counts
   std::vector<PartAnswer> parts;
   std::vector<InstanceAnswer> instances;
+  std::vector<OverlapAnswer> overlaps;
   std::vector<std::string> notes;
 };
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(AssemblyAnswer, error, parts, instances, notes)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(AssemblyAnswer, error, parts, instances, overlaps, notes)
 
 }  // namespace flexura::import::cad

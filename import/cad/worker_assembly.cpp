@@ -111,6 +111,8 @@ class Walker {
     if (answer_.instances.empty()) throw std::runtime_error("holds no solid; a body needs a volume");
   }
 
+  std::vector<TopoDS_Shape> placed;  ///< of every instance, where overlaps are sought
+
  private:
   void visit(const TDF_Label& label, const TopLoc_Location& above, const std::string& path,
              const std::string& given, int depth) {
@@ -177,6 +179,7 @@ class Walker {
         "measuring the parts");
     PartAnswer part;
     part.name = name;
+    shapes_of_parts_.push_back(shape);
     describe_shape(shape, job_.deflection, part);
     if (!(part.volume > 0.0) || !std::isfinite(part.volume)) {
       answer_.notes.push_back("part \"" + name +
@@ -210,6 +213,7 @@ class Walker {
       instance.p[static_cast<std::size_t>(r)] = kToM * T.TranslationPart().Coord(r + 1);
     }
     answer_.instances.push_back(std::move(instance));
+    if (job_.overlap > 0.0) placed.push_back(shapes_of_parts_[static_cast<std::size_t>(part)].Moved(at));
   }
 
   double density_unit_;
@@ -218,6 +222,7 @@ class Walker {
   const AssemblyJob& job_;
   AssemblyAnswer& answer_;
   std::map<std::string, std::vector<std::pair<int, std::string>>> parts_;
+  std::vector<TopoDS_Shape> shapes_of_parts_;
 };
 
 }  // namespace
@@ -242,7 +247,13 @@ void read_step(const AssemblyJob& job, AssemblyAnswer& answer) {
     if (!reader.Transfer(document))
       throw std::runtime_error("holds no product with a shape; save it with its solids in the CAD program");
     const double unit = density_unit(reader.Reader().WS()->Model(), answer);
-    Walker(document, unit, job, answer).walk();
+    Walker walker(document, unit, job, answer);
+    walker.walk();
+    if (job.overlap > 0.0) {
+      answer.overlaps = find_overlaps(walker.placed, job.overlap);
+      answer.parts.clear();
+      answer.instances.clear();
+    }
   } catch (const Standard_Failure& failure) {
     const char* const text = failure.GetMessageString();
     throw std::runtime_error(std::string("made OpenCASCADE fail") +

@@ -38,7 +38,13 @@ std::string head_of(Mechanism mechanism) {
 
 }  // namespace
 
-view::PartsPage page_of(const cad::Assembly& assembly, const cad::Built& built) {
+std::string overlap_text(const cad::Overlap& overlap, const std::string& a, const std::string& b) {
+  return fmt::format("{} and {} overlap: {:.4g} mm^3, about {:.2g} mm thick, at {}", a, b,
+                     1e9 * overlap.volume, 1e3 * overlap.thickness, mesh::describe_point_mm(overlap.place));
+}
+
+view::PartsPage page_of(const cad::Assembly& assembly, const cad::Built& built,
+                        const std::vector<cad::Overlap>& overlaps) {
   const Mechanism& m = built.mechanism;
   view::PartsPage page{.title = shown(m.name), .created_by = "flexura import"};
   for (std::size_t p = 0; p < assembly.parts.size(); ++p) {
@@ -73,6 +79,11 @@ view::PartsPage page_of(const cad::Assembly& assembly, const cad::Built& built) 
                            .on = named.on});
   }
   if (!built.joints.empty() || !built.proposal.joints.empty()) page.doubts = built.proposal.doubts;
+  for (const cad::Overlap& o : overlaps) {
+    const auto name = [&](int i) { return m.bodies[static_cast<std::size_t>(i)].name; };
+    page.overlaps.push_back(
+        {.a = o.a, .b = o.b, .place = o.place, .text = overlap_text(o, name(o.a), name(o.b))});
+  }
   page.head = head_of(m);
   return page;
 }

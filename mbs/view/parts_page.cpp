@@ -69,6 +69,9 @@ void check(const PartsPage& page) {
             fmt::format("body \"{}\" has a pose that is not finite", body.name));
   }
   require(page.ground < n, "the body on the ground is not there");
+  for (const OverlappingPair& o : page.overlaps)
+    require(o.a >= 0 && o.a < n && o.b >= 0 && o.b < n && o.place.allFinite(),
+            "an overlap is of a body that is not there");
   for (const ProposedJoint& j : page.joints) {
     require(j.a >= 0 && j.a < n && j.b >= 0 && j.b < n,
             fmt::format("joint \"{}\" is of a body that is not there", j.name));
@@ -133,6 +136,9 @@ void write_parts_page(const std::filesystem::path& html, const PartsPage& page) 
                       {"evidence", j.evidence},
                       {"faces", j.faces},
                       {"on", j.on}});
+  json overlaps = json::array();
+  for (const OverlappingPair& o : page.overlaps)
+    overlaps.push_back({{"a", o.a}, {"b", o.b}, {"place", point_json(o.place)}, {"text", o.text}});
   file.finish({{"format", 1},
                {"page", "parts"},
                {"title", page.title},
@@ -142,6 +148,7 @@ void write_parts_page(const std::filesystem::path& html, const PartsPage& page) 
                {"ground", page.ground},
                {"joints", joints},
                {"doubts", page.doubts},
+               {"overlaps", overlaps},
                {"head", page.head}});
 }
 

@@ -49,6 +49,12 @@ struct ProposedJoint {
   std::array<int, 2> on = {};              ///< the face of A and of B that carries its markers; 0: none
 };
 
+struct OverlappingPair {
+  int a = 0, b = 0;                                 ///< bodies
+  Eigen::Vector3d place = Eigen::Vector3d::Zero();  ///< in the world
+  std::string text;
+};
+
 struct PartsPage {
   std::string title, created_by;
   std::vector<DrawnPart> parts;
@@ -56,7 +62,8 @@ struct PartsPage {
   int ground = -1;  ///< the body that stands; -1: a part alone, on which faces are chosen
   std::vector<ProposedJoint> joints;
   std::vector<std::string> doubts;  ///< sentences about pairs that are to be looked at
-  std::string head;                 ///< the mechanism file but for what stands on the ground and the joints
+  std::vector<OverlappingPair> overlaps;
+  std::string head;  ///< the mechanism file but for what stands on the ground and the joints
 };
 
 /// Throws std::invalid_argument where an index leads nowhere, a number is not finite or there is nothing to draw, and

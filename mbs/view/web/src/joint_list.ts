@@ -15,6 +15,7 @@ export interface JointActions {
   align(joint: Joint, body: number, face: number): void;
   remove(joint: Joint): void;
   ground(body: number): void;
+  look(overlap: number): void;
 }
 
 const words: Record<Coordinate, string> = { angle: 'Turn', slide: 'Slide', x: 'Along x', y: 'Along y' };
@@ -40,7 +41,10 @@ export class JointList {
       ...joints.map((j, i) => this.card(j, i, i === chosen)),
       ...(joints.length ? [] : [h('p', { class: 'hint' }, 'No joint is proposed. Click a face of one part and a face of another to make one.')]),
       ...(this.header.doubts.length ? [h('details', { class: 'warnings', open: true },
-        h('summary', {}, icon('warning'), `${this.header.doubts.length} to be looked at`), ...this.header.doubts.map((d) => h('p', {}, d)))] : []));
+        h('summary', {}, icon('warning'), `${this.header.doubts.length} to be looked at`), ...this.header.doubts.map((d) => h('p', {}, d)))] : []),
+      ...(this.header.overlaps?.length ? [h('details', { class: 'warnings', open: true },
+        h('summary', {}, icon('warning'), `${this.header.overlaps.length} ${this.header.overlaps.length === 1 ? 'pair of parts overlaps' : 'pairs of parts overlap'}`),
+        ...this.header.overlaps.map((o, i) => h('p', {}, h('button', { type: 'button', class: 'overlap', onclick: () => this.act.look(i) }, o.text))))] : []));
   }
 
   private card(j: Joint, i: number, chosen: boolean): HTMLElement {

@@ -23,6 +23,7 @@ export async function partsPage(app: HTMLElement, header: PartsHeader): Promise<
   const motion = new JointMotion(home, size, middle);
   const state = {
     joints: decisions(header), ground: header.ground, joint: -1, body: isAssembly ? -1 : 0, freedom: 0,
+    overlap: -1, // looked at
     faces: [] as Chosen[], // chosen in the picture, the latest last
     ticked: new Set<string>(), // "part face": wanted as interfaces
   };
@@ -94,6 +95,7 @@ export async function partsPage(app: HTMLElement, header: PartsHeader): Promise<
 
   function choose(joint: number): void {
     state.joint = joint;
+    state.overlap = -1;
     state.body = -1;
     state.faces = [];
     refresh();
@@ -101,7 +103,7 @@ export async function partsPage(app: HTMLElement, header: PartsHeader): Promise<
   }
 
   function chooseFace(c: Chosen): void {
-    state.joint = -1;
+    state.joint = state.overlap = -1;
     if (isAssembly) {
       const again = state.faces.findIndex((f) => f.body === c.body && f.face === c.face);
       if (again >= 0) state.faces.splice(again, 1);
@@ -125,6 +127,7 @@ export async function partsPage(app: HTMLElement, header: PartsHeader): Promise<
     align: (j, body, face) => { align(j, { body, face }); decided(); },
     remove: (j) => { state.joints.splice(state.joints.indexOf(j), 1); choose(-1); decided(); },
     ground: (body) => { state.ground = body; decided(); },
+    look: (i) => { choose(-1); state.overlap = i; refresh(); },
   }, size) : null;
 
   const faceBox = h('div', { class: 'faces' });
@@ -199,7 +202,12 @@ export async function partsPage(app: HTMLElement, header: PartsHeader): Promise<
 
   function refresh(): void {
     const joint = state.joint >= 0 ? state.joints[state.joint] : null;
-    scene.faded = (body) => joint !== null && body !== joint.a && body !== joint.b;
+    // Only a joint's bodies are solid; two that overlap are glass, with a ball where they do.
+    const overlap = state.overlap >= 0 ? header.overlaps![state.overlap] : null;
+    const pair = joint ?? overlap;
+    scene.faded = (body) => pair !== null && (overlap !== null || (body !== pair.a && body !== pair.b));
+    scene.hidden = (body) => overlap !== null && body !== overlap.a && body !== overlap.b;
+    scene.point(overlap ? new THREE.Vector3(...overlap.place) : null);
     scene.numbered = (body) => numbers.getAttribute('aria-pressed') === 'true'
       && (isAssembly ? body === state.body || (joint !== null && (body === joint.a || body === joint.b)) : true);
     scene.look(state.joint);

@@ -36,6 +36,7 @@ export interface PartsHeader {
   ground: number; // body, or -1: a part alone, no mechanism
   joints: JointHeader[];
   doubts: string[];
+  overlaps?: { a: number; b: number; place: Point; text: string }[];
   head: string; // the mechanism file but for the ground and the joints
 }
 

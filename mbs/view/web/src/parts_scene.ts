@@ -74,6 +74,8 @@ export class PartsScene {
   /** Of these bodies every face that is seen has its number. */
   numbered: (body: number) => boolean = () => false;
   faded: (body: number) => boolean = () => false;
+  hidden: (body: number) => boolean = () => false;
+  private readonly ball = new THREE.Mesh(new THREE.SphereGeometry(1, 24, 16), shaded(new THREE.Color()));
 
   static async read(header: PartsHeader, stage: Stage): Promise<PartsScene> {
     const parts = await Promise.all(header.parts.map((p) => readPart(p.key, p.faces.length)));
@@ -162,6 +164,7 @@ export class PartsScene {
       const own = this.header.parts[this.header.bodies[i].part].color;
       const color = new THREE.Color(own || cssColor(`--body${i % 7}`));
       recolor(body.material, color, this.faded(i) ? 0.16 : 1);
+      body.group.visible = !this.hidden(i);
       body.lines.color.set(cssColor('--edge'));
       body.lines.transparent = true;
       body.lines.opacity = this.faded(i) ? 0.25 : 1;
@@ -173,6 +176,18 @@ export class PartsScene {
     });
     this.marked.forEach((m) => recolor(m.material as THREE.ShaderMaterial, new THREE.Color(cssColor(m.userData.color as string)), 1));
     this.stage.draw();
+  }
+
+  /** A ball at this place of the world, seen through everything. */
+  point(p: THREE.Vector3 | null): void {
+    this.ball.visible = p !== null;
+    const material = this.ball.material as THREE.ShaderMaterial;
+    recolor(material, new THREE.Color(cssColor('--bad')), 1);
+    material.depthTest = false;
+    this.ball.renderOrder = 8;
+    this.ball.scale.setScalar(0.5 * this.glyphSize);
+    if (p) this.ball.position.copy(p);
+    this.group.add(this.ball);
   }
 
   /** Paints these faces: (body, number, colour of the theme). */
@@ -204,7 +219,7 @@ export class PartsScene {
   }
 
   private picture(joints: boolean): { width: number; height: number; id(x: number, y: number): number } {
-    this.bodies.forEach((b, i) => { b.ids.visible = joints || !this.faded(i); });
+    this.bodies.forEach((b, i) => { b.ids.visible = !this.hidden(i) && (joints || !this.faded(i)); });
     for (const g of this.glyphs) g.id.visible = joints && g.mesh.visible;
     const { width, height, data } = this.stage.offscreen(this.ids);
     return { width, height, id: (x, y) => {
