@@ -66,7 +66,9 @@ void ask_about_joints(const cad::Assembly& assembly, cad::Proposal& proposal,
                         i + 1, n, between));
       const std::string word = word_of(line);
       if (word == "q" || word == "quit")
-        throw std::invalid_argument(fmt::format("stopped at joint {} of {}: nothing is written", i + 1, n));
+        throw std::invalid_argument(fmt::format(
+            "stopped at joint {} of {}, nothing is written; start again, or take --joints propose", i + 1,
+            n));
       if (word == "a" || word == "all") {
         all = true;
       } else if (word == "n" || word == "no") {

@@ -4,13 +4,15 @@
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
+#include <cmath>
 
 namespace flexura::import::cad {
 
 using mesh::FaceKind;
 
 std::string mm(double x) {
-  return fmt::format("{:.4g} mm", 1e3 * x);
+  // Less than an atom is round-off.
+  return fmt::format("{:.4g} mm", std::abs(x) < 1e-10 ? 0.0 : 1e3 * x);
 }
 
 std::string evidence_of(const FacePair& p, const std::string& a, const std::string& b) {

@@ -15,7 +15,9 @@
 #include <TopoDS.hxx>
 #include <TopoDS_Edge.hxx>
 #include <TopoDS_Face.hxx>
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <set>
 #include <sstream>
 
@@ -94,6 +96,21 @@ void take_triangles(const TopoDS_Face& face, PartAnswer& part, FaceAnswer& answe
   }
 }
 
+// How far a cylinder reaches along its axis: by its triangles, whose corners lie on its edges.  What was recognised is the middle of
+// the parameters.
+void measure_length(const PartAnswer& part, FaceAnswer& answer) {
+  if (answer.kind != static_cast<int>(mesh::FaceKind::cylinder) || answer.triangles.empty()) return;
+  const Eigen::Vector3d axis(answer.axis.data()), point(answer.axis_point.data());
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+  for (const std::int32_t v : answer.triangles) {
+    const double z = axis.dot(Eigen::Vector3d(&part.vertices[3 * static_cast<std::size_t>(v)]) - point);
+    low = std::min(low, z);
+    high = std::max(high, z);
+  }
+  answer.length = high - low;
+  answer.axis_point = as_array(point + 0.5 * (low + high) * axis);
+}
+
 }  // namespace
 
 void describe_shape(const TopoDS_Shape& given, double deflection, PartAnswer& part) {
@@ -136,6 +153,7 @@ void describe_shape(const TopoDS_Shape& given, double deflection, PartAnswer& pa
     answer.centroid = in_m(area.CentreOfMass());
     recognise_face(face, answer);
     take_triangles(face, part, answer, seen_edges, edges);
+    measure_length(part, answer);
     part.faces.push_back(std::move(answer));
   }
 }

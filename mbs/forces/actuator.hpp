@@ -25,6 +25,7 @@ class Actuator final : public ForceElement {
     double time_constant, start;
     double limit = std::numeric_limits<double>::infinity();
     double no_load_speed = std::numeric_limits<double>::infinity();
+    input::Dimension along = input::dim::none;  ///< of a force along the coordinate, or the line
   };
   Actuator(std::string name, std::optional<CoordinateRef> coordinate, int P, int Q, Law law)
       : ForceElement(std::move(name)), coordinate_(coordinate), P_(P), Q_(Q), law_(std::move(law)) {}
@@ -101,9 +102,9 @@ class Actuator final : public ForceElement {
     powers.input += kin.own.c[0] * speed(kin);
   }
   std::vector<OutputInfo> outputs() const override {
-    return {{"force", input::dim::none, "N, or N m for an angle"},
-            {"command", input::dim::none, "what is asked for, within the limits"},
-            {"speed", input::dim::none, "m/s, or rad/s for an angle"}};
+    return {{"force", law_.along, "along the coordinate, or the line between the markers"},
+            {"command", law_.along, "what is asked for, within the limits"},
+            {"speed", speed_dimension(), "along the coordinate, or the line between the markers"}};
   }
   void evaluate_outputs(const Kinematics& kin, const double* signals, double* values) const override {
     values[0] = kin.own.c[0];
@@ -112,6 +113,11 @@ class Actuator final : public ForceElement {
   }
 
  private:
+  input::Dimension speed_dimension() const {
+    return law_.along == input::dim::force    ? input::dim::velocity
+           : law_.along == input::dim::torque ? input::dim::angular_velocity
+                                              : input::dim::none;
+  }
   Vector3d direction(const Kinematics& kin) const {
     const Vector3d r = kin.markers[Q_].X_WP.p - kin.markers[P_].X_WP.p;
     const double length = r.norm();

@@ -9,8 +9,10 @@ namespace flexura::mbs {
 /// A force (or torque) along a coordinate of a joint, by formula: positive where it speeds the coordinate up.
 class JointForce final : public ForceElement {
  public:
-  JointForce(std::string name, CoordinateRef speed, std::shared_ptr<const Expression> value)
-      : ForceElement(std::move(name)), speed_(speed), value_(std::move(value)) {}
+  /// `along`: dimension of a force along the coordinate.
+  JointForce(std::string name, CoordinateRef speed, std::shared_ptr<const Expression> value,
+             input::Dimension along = input::dim::none)
+      : ForceElement(std::move(name)), speed_(speed), value_(std::move(value)), along_(along) {}
   std::string_view type() const override { return "joint_force"; }
   std::vector<CoordinateRef> coordinates() const override { return {speed_}; }
   std::vector<int> reads() const override { return value_->reads(); }
@@ -31,9 +33,7 @@ class JointForce final : public ForceElement {
   void add_powers(const Kinematics& kin, const double* signals, Powers& powers) const override {
     powers.input += value(signals) * kin.speed(speed_);
   }
-  std::vector<OutputInfo> outputs() const override {
-    return {{"force", input::dim::none, "N, or N m for an angle"}};
-  }
+  std::vector<OutputInfo> outputs() const override { return {{"force", along_, "along the coordinate"}}; }
   void evaluate_outputs(const Kinematics&, const double* signals, double* values) const override {
     values[0] = value(signals);
   }
@@ -43,6 +43,7 @@ class JointForce final : public ForceElement {
 
   CoordinateRef speed_;
   std::shared_ptr<const Expression> value_;
+  input::Dimension along_;
   double load_ = 0.0;  ///< taken away
 };
 

@@ -14,8 +14,10 @@ namespace flexura::mbs {
 /// v_t over which the sign is smoothed: below it the joint creeps where it would stick.
 class JointFriction final : public ForceElement {
  public:
-  JointFriction(std::string name, CoordinateRef c, const FrictionLaw& law, double transition_speed)
-      : ForceElement(std::move(name)), c_(c), law_(law), transition_speed_(transition_speed) {}
+  /// `along`: dimension of a force along the coordinate.
+  JointFriction(std::string name, CoordinateRef c, const FrictionLaw& law, double transition_speed,
+                input::Dimension along = input::dim::none)
+      : ForceElement(std::move(name)), c_(c), law_(law), transition_speed_(transition_speed), along_(along) {}
   std::string_view type() const override { return "joint_friction"; }
   ForceNature nature() const override { return ForceNature::response; }
   std::vector<CoordinateRef> coordinates() const override { return {c_}; }
@@ -33,9 +35,7 @@ class JointFriction final : public ForceElement {
     const double v = kin.speed(c_);
     powers.dissipated -= force(v) * v;
   }
-  std::vector<OutputInfo> outputs() const override {
-    return {{"force", input::dim::none, "along the coordinate: N, or N m for an angle"}};
-  }
+  std::vector<OutputInfo> outputs() const override { return {{"force", along_, "along the coordinate"}}; }
   void evaluate_outputs(const Kinematics& kin, const double*, double* values) const override {
     values[0] = force(kin.speed(c_));
   }
@@ -47,6 +47,7 @@ class JointFriction final : public ForceElement {
   CoordinateRef c_;
   FrictionLaw law_;
   double transition_speed_;
+  input::Dimension along_;
 };
 
 }  // namespace flexura::mbs

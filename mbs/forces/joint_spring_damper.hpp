@@ -18,8 +18,9 @@ class JointSpringDamper final : public ForceElement {
     double preload = 0.0;
     std::shared_ptr<const Curve> curve = {}, damping_curve = {};  ///< f, h
   };
-  JointSpringDamper(std::string name, CoordinateRef c, Law law)
-      : ForceElement(std::move(name)), c_(c), law_(std::move(law)) {}
+  /// `along`: dimension of a force along the coordinate.
+  JointSpringDamper(std::string name, CoordinateRef c, Law law, input::Dimension along = input::dim::none)
+      : ForceElement(std::move(name)), c_(c), law_(std::move(law)), along_(along) {}
   std::string_view type() const override { return "joint_spring_damper"; }
   /// What the free length and the curves hold at the start belongs to the structure.
   ForceNature nature() const override {
@@ -48,9 +49,7 @@ class JointSpringDamper final : public ForceElement {
     if (law_.curve) powers.potential += law_.curve->integral(q - law_.rest);
     if (law_.damping_curve) powers.dissipated += (*law_.damping_curve)(v)*v;
   }
-  std::vector<OutputInfo> outputs() const override {
-    return {{"force", input::dim::none, "along the coordinate: N, or N m for an angle"}};
-  }
+  std::vector<OutputInfo> outputs() const override { return {{"force", along_, "along the coordinate"}}; }
   void evaluate_outputs(const Kinematics& kin, const double*, double* values) const override {
     values[0] = force(kin);
   }
@@ -65,6 +64,7 @@ class JointSpringDamper final : public ForceElement {
   }
   CoordinateRef c_;
   Law law_;
+  input::Dimension along_;
 };
 
 }  // namespace flexura::mbs

@@ -21,6 +21,7 @@ class StickSlip final : public ForceElement {
  public:
   struct Law : FrictionLaw {
     double stick_stiffness, stick_damping;
+    input::Dimension along = input::dim::none;  ///< of a force along the coordinate
   };
   StickSlip(std::string name, CoordinateRef c, const Law& law)
       : ForceElement(std::move(name)), c_(c), law_(law) {}
@@ -79,7 +80,7 @@ class StickSlip final : public ForceElement {
     }
   }
   std::vector<OutputInfo> outputs() const override {
-    return {{"force", input::dim::none, "along the coordinate: N, or N m for an angle"},
+    return {{"force", law_.along, "along the coordinate"},
             {"sticks", input::dim::none, "1 while it sticks, else 0"}};
   }
   void evaluate_outputs(const Kinematics& kin, const double*, double* values) const override {

@@ -24,7 +24,7 @@ axis = [1, 1, 0]
 [body.upper]
 mass = 2
 center = [0.2, 0.01, -0.02]
-inertia = [0.01, 0.03, 0.04, 0.001, -0.002, 0.003]
+inertia = [0.02, 0.03, 0.04, 0.001, -0.002, 0.003]
 [body.upper.marker.root]
 position = [-0.1, 0.02, 0.03]
 quaternion = [0.9, 0.1, -0.2, 0.3]

@@ -4,6 +4,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
+#include <array>
 #include <cstdio>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -30,6 +32,44 @@ void flatten(const nlohmann::json& value, const std::string& name, Lines& lines)
   } else if (value.is_boolean()) {
     lines.emplace_back(name, value.get<bool>() ? "yes" : "no");
   }
+}
+
+/// What the program's own summaries hold, in the words and the order in which it is read.
+constexpr std::array kWords = {
+    std::pair{"relative_energy_error", "energy error, of the energy moved"},
+    std::pair{"energy_error", "energy balance at the end [J]"},
+    std::pair{"largest_energy_error", "largest imbalance of energy [J]"},
+    std::pair{"work_in", "work done on it [J]"},
+    std::pair{"dissipated", "energy dissipated [J]"},
+    std::pair{"estimate.at_least", "estimated error, at least"},
+    std::pair{"peak_position_drift", "largest drift of positions"},
+    std::pair{"peak_velocity_drift", "largest drift of velocities"},
+    std::pair{"method", "integrator"},
+    std::pair{"tolerance", "tolerance"},
+    std::pair{"steps", "steps"},
+    std::pair{"switches", "switches"},
+    std::pair{"redundant_constraints", "redundant constraints"},
+    std::pair{"wall_time", "computing time [s]"},
+    std::pair{"real_time_factor", "computing time per simulated time"},
+};
+
+/// In their order, then the others; what says nothing (an empty word) or stands above already is left out.
+Lines in_words(const Lines& lines) {
+  Lines out;
+  const auto named = [](const std::string& name) {
+    return std::ranges::find_if(kWords, [&](const auto& word) { return name == word.first; });
+  };
+  for (const auto& [key, words] : kWords)
+    for (const auto& [name, text] : lines)
+      if (name == key) out.emplace_back(words, text);
+  for (const auto& [name, text] : lines) {
+    if (text.empty() || name == "end_time" || name.starts_with("left_out.") || named(name) != kWords.end())
+      continue;
+    std::string shown = name;
+    std::ranges::replace(shown, '_', ' ');
+    out.emplace_back(shown, text);
+  }
+  return out;
 }
 
 /// "2.3e+07 Pa at t = 0.12 s, at (0.1, 0, 0.02) m" of the largest value of a quantity NAME.von_mises; where
@@ -79,7 +119,7 @@ std::string summary_text(const results::Results& results, int width, bool colour
         }
       }
     }
-    for (auto& [name, text] : lines) put(i, name, std::move(text));
+    for (auto& [name, text] : in_words(lines)) put(i, name, std::move(text));
     for (std::size_t j = 0; j < run.quantities.size() && run.time.size() > 0; ++j) {
       const auto values = run.values.col(static_cast<Eigen::Index>(j));
       if (run.quantities[j].name.ends_with(".von_mises"))

@@ -51,6 +51,12 @@ std::string StateText::position_name(int i) const {
 
 std::string StateText::velocity_name(int i) const {
   const std::string name = p_.mechanism->name_of_velocity(i);
+  // Rates of modal coordinates are no quantities of their own.
+  const std::string rate = "_rate";
+  if (name.ends_with(rate)) {
+    const std::string of = unit_of(name.substr(0, name.size() - rate.size()));
+    return with_unit(name, of.empty() ? "1/s" : of + "/s");
+  }
   return with_unit(name, unit_of(name));
 }
 

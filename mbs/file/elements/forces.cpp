@@ -91,8 +91,9 @@ ForceType joint_force() {
                .required()},
           [](const std::string& name, const Section& s,
              const ReadContext& context) -> std::shared_ptr<const ForceElement> {
-            return std::make_shared<JointForce>(name, context.speed(s, "joint", "coordinate"),
-                                                context.expression(s, "value"));
+            const CoordinateRef c = context.speed(s, "joint", "coordinate");
+            return std::make_shared<JointForce>(name, c, context.expression(s, "value"),
+                                                context.force_along(c));
           }};
 }
 
@@ -126,7 +127,8 @@ ForceType joint_spring_damper() {
                     .rest = constant("rest"),
                     .preload = constant("preload"),
                     .curve = s.has("curve") ? context.table(s, "curve") : nullptr,
-                    .damping_curve = s.has("damping_curve") ? context.table(s, "damping_curve") : nullptr});
+                    .damping_curve = s.has("damping_curve") ? context.table(s, "damping_curve") : nullptr},
+                context.force_along(c));
           }};
 }
 
@@ -223,6 +225,7 @@ ForceType actuator() {
         }
         if (s.has("no_load_speed") && !s.has("max_force"))
           s.refuse("no_load_speed", "needs max_force", "say what falls to 0 there");
+        law.along = coordinate ? context.force_along(*coordinate) : dim::force;
         return std::make_shared<Actuator>(name, coordinate, P, Q, std::move(law));
       }};
 }

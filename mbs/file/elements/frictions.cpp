@@ -61,8 +61,8 @@ ForceType joint_friction() {
         const CoordinateRef c = context.speed(s, "joint", "coordinate");
         const FrictionLaw law =
             read_friction(s, context, {.static_may_vanish = true, .stribeck_may_vanish = false});
-        return std::make_shared<JointFriction>(name, c, law,
-                                               read_size(s, context, "transition_speed", false));
+        return std::make_shared<JointFriction>(name, c, law, read_size(s, context, "transition_speed", false),
+                                               context.force_along(c));
       }};
 }
 
@@ -89,6 +89,7 @@ ForceType stick_slip() {
             law.stick_stiffness = read_size(s, context, "stick_stiffness", false);
             law.stick_damping = s.has("stick_damping") ? read_size(s, context, "stick_damping", true)
                                                        : 2.0 * std::sqrt(law.stick_stiffness);
+            law.along = context.force_along(c);
             return std::make_shared<StickSlip>(name, c, law);
           }};
 }

@@ -134,6 +134,13 @@ CoordinateRef ReadContext::coordinate(const input::Section& section, const std::
                                   input::suggestion(wanted, known)));
 }
 
+input::Dimension ReadContext::force_along(CoordinateRef c) const {
+  const input::Dimension of = coordinate_info(c).dimension;
+  return of == input::dim::angle    ? input::dim::torque
+         : of == input::dim::length ? input::dim::force
+                                    : input::dim::none;
+}
+
 CoordinateInfo ReadContext::coordinate_info(CoordinateRef c) const {
   CoordinateInfo info = d_.joints[c.joint].joint->coordinates()[c.index];
   info.name = d_.joints[c.joint].name + "." + info.name;

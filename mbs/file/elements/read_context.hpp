@@ -35,6 +35,8 @@ class ReadContext {
                       const std::string& coordinate_key) const;
   /// Name ("joint.coordinate") and kind of a coordinate.
   CoordinateInfo coordinate_info(CoordinateRef c) const;
+  /// What a force along a coordinate is: a torque along an angle, a force along a length.
+  input::Dimension force_along(CoordinateRef c) const;
   /// The coordinate that `name` = "joint" (with one coordinate) or "joint.coordinate" means; `key` held it.
   CoordinateRef coordinate(const input::Section& section, const std::string& key,
                            const std::string& name) const;
