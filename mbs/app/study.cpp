@@ -95,7 +95,7 @@ view::ReportPlot front_plot(const StudyFile& study, const Judgement& judgement) 
       .title = "Error over time",
       .note = fmt::format("The reference is known within {} %.", percent(judgement.largest_uncertainty)),
       .x = {study.cpu_is_cost ? "processor time" : "wall time", "s", true},
-      .y = {"error", "", true},
+      .y = {"error", "%", true},
       .curves = {}};
   view::ReportCurve front{.name = "front", .x = {}, .y = {}, .style = view::CurveStyle::line_and_points};
   view::ReportCurve others{.name = "beaten", .x = {}, .y = {}, .style = view::CurveStyle::points};
@@ -106,7 +106,7 @@ view::ReportPlot front_plot(const StudyFile& study, const Judgement& judgement) 
   for (const Row* row : rows) {
     view::ReportCurve& curve = row->choice->wanted > 0.0 ? chosen : row->on_front ? front : others;
     curve.x.push_back(row->price);
-    curve.y.push_back(row->error.against_reference);
+    curve.y.push_back(100.0 * row->error.against_reference);
     curve.labels.push_back(row->choice->name);
   }
   plot.curves = {std::move(front), std::move(others)};

@@ -74,9 +74,14 @@ std::string tick_text(double value, double step) {
 
 void draw_axis(std::string& svg, const ReportAxis& axis, const Scale& scale, bool is_x) {
   const std::vector<double> ticks = axis_ticks(scale.low(), scale.high(), axis.logarithmic);
+  // A logarithmic axis of less than a factor of two has even steps as well.
+  bool is_even = ticks.size() >= 2;
+  for (std::size_t i = 2; i < ticks.size(); ++i)
+    is_even =
+        is_even && std::abs(ticks[i] - 2.0 * ticks[i - 1] + ticks[i - 2]) < 1e-6 * (ticks[1] - ticks[0]);
   for (const double tick : ticks) {
     const double at = scale(tick);
-    const double step = axis.logarithmic || ticks.size() < 2 ? std::abs(tick) : ticks[1] - ticks[0];
+    const double step = is_even ? ticks[1] - ticks[0] : std::abs(tick);
     if (is_x) {
       svg += fmt::format(
           "<path class=\"grid\" d=\"M{0:.1f} {1}V{2}\"/><text x=\"{0:.1f}\" y=\"{3}\" "

@@ -25,8 +25,8 @@ export class JointList {
 
   constructor(private readonly header: PartsHeader, private readonly act: JointActions, private readonly size: number) {}
 
-  reveal(joint: number): void {
-    this.element.querySelectorAll('.joint')[joint]?.scrollIntoView({ block: 'nearest' });
+  reveal(): void {
+    this.element.querySelector('.joint.chosen')?.scrollIntoView({ block: 'nearest' });
   }
 
   show(joints: Joint[], chosen: number, ground: number, freedom: number): void {
@@ -37,8 +37,10 @@ export class JointList {
     const redundant = joints.reduce((n, j) => n + (j.accepted ? j.redundant : 0), 0);
     this.element.replaceChildren(
       h('div', { class: 'freedom' }, h('label', {}, 'On the ground ', stands),
-        h('span', {}, `${freedom} ${freedom === 1 ? 'degree' : 'degrees'} of freedom${redundant ? `, ${redundant} redundant rows` : ''}`)),
-      ...joints.map((j, i) => this.card(j, i, i === chosen)),
+        h('span', {}, `${freedom} ${freedom === 1 ? 'degree' : 'degrees'} of freedom${redundant ? `, ${redundant} redundant ${redundant === 1 ? 'row' : 'rows'}` : ''}`)),
+      // What moves first: the fixed ones are many and seldom doubted.
+      ...[...joints.keys()].sort((i, k) => Number(joints[i].type === 'fixed') - Number(joints[k].type === 'fixed'))
+        .map((i) => this.card(joints[i], i, i === chosen)),
       ...(joints.length ? [] : [h('p', { class: 'hint' }, 'No joint is proposed. Click a face of one part and a face of another to make one.')]),
       ...(this.header.doubts.length ? [h('details', { class: 'warnings', open: true },
         h('summary', {}, icon('warning'), `${this.header.doubts.length} to be looked at`), ...this.header.doubts.map((d) => h('p', {}, d)))] : []),

@@ -48,6 +48,7 @@ export async function motionPage(app: HTMLElement, header: MotionHeader): Promis
   const t0 = Math.min(...runs.filter((r) => r.time.length).map((r) => r.time[0]));
   const t1 = Math.max(...runs.filter((r) => r.time.length).map((r) => r.time[r.time.length - 1]));
   const duration = Math.max(t1 - t0, 1e-12);
+  const isStill = t1 <= t0; // a mechanism that does not assemble, say
   const isModes = header.runs.every((r) => modeOf(r) !== null);
   const state = {
     time: t0, playing: !matchMedia('(prefers-reduced-motion: reduce)').matches && t1 > t0,
@@ -181,8 +182,10 @@ export async function motionPage(app: HTMLElement, header: MotionHeader): Promis
                       ...references.map(([value, text]) => h('option', { value }, text)));
   const fromWhere = () => references.find(([value]) => value === reference.value)![1];
   const setReference = (choice: string) => {
-    reference.value = choice;
-    for (const m of mechanisms) m.setReference(choice);
+    // Where nothing holds a body the floating frame is the first of the list already.
+    const known = references.some(([value]) => value === choice) ? choice : 'held';
+    reference.value = known;
+    for (const m of mechanisms) m.setReference(known);
     deflection = Math.max(0, ...mechanisms.map((m) => m.largestDeflection));
     refresh();
   };
@@ -326,8 +329,8 @@ export async function motionPage(app: HTMLElement, header: MotionHeader): Promis
   }));
 
   const strip = h('div', { class: 'strip' },
-    h('div', { class: 'group wide' }, play, timeline.input, clock),
-    h('div', { class: 'group' }, speed.element, magnify.element),
+    h('div', { class: 'group wide', hidden: isStill }, play, timeline.input, clock),
+    h('div', { class: 'group' }, ...(isStill ? [] : [speed.element]), magnify.element),
     h('div', { class: 'group' }, color, reference, glyphs, forces, sections.choice, follow));
   const corner = h('div', { class: 'corner' }, views,
     iconButton('camera', 'Save a picture (P)', () => void savePng(), { id: 'png' }),
@@ -361,7 +364,7 @@ export async function motionPage(app: HTMLElement, header: MotionHeader): Promis
 
   app.replaceChildren(
     topBar(header.title, [['Bodies', String(moving.length)], [isModes ? 'Modes' : 'Runs', String(runs.length)],
-                          ...(isModes ? [] : [['Time', `${figure(duration, 4)} s`] as [string, string]]),
+                          ...(isModes || isStill ? [] : [['Time', `${figure(duration, 4)} s`] as [string, string]]),
                           ...(deflection > 0 ? [[`Largest |u| ${fromWhere()}`, lengthText(deflection)] as [string, string]] : []),
                           ...(energyError > 0 ? [['Energy error', `${figure(100 * energyError, 2)} %`] as [string, string]] : [])],
            keys, theme),

@@ -99,7 +99,7 @@ export async function partsPage(app: HTMLElement, header: PartsHeader): Promise<
     state.body = -1;
     state.faces = [];
     refresh();
-    list?.reveal(joint);
+    list?.reveal();
   }
 
   function chooseFace(c: Chosen): void {
@@ -137,7 +137,7 @@ export async function partsPage(app: HTMLElement, header: PartsHeader): Promise<
       const face = faceOf(c);
       const box = h('input', { type: 'checkbox', checked: isTicked(c), 'aria-label': `Interface on face ${c.face}`, onchange: () => tick(c) });
       return h('tr', { 'data-face': c.face, 'aria-selected': String(state.faces.some((f) => f.body === c.body && f.face === c.face) || isTicked(c)) },
-               h('td', {}, box), h('td', { class: 'number' }, String(c.face)), h('td', {}, face.text));
+               h('td', {}, box), h('td', { class: 'number' }, String(c.face)), h('td', {}, face.text.replaceAll('^2', '²')));
     };
     if (state.body >= 0) {
       const body = header.bodies[state.body];

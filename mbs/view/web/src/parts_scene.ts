@@ -64,8 +64,9 @@ export class PartsScene {
   readonly bodies: DrawnBody[] = [];
   private readonly ids = new THREE.Scene();
   private readonly firstId: number[] = [];
-  private readonly glyphs: { mesh: THREE.Mesh; id: THREE.Mesh; material: THREE.ShaderMaterial; accepted: boolean }[] = [];
+  private readonly glyphs: { mesh: THREE.Mesh; id: THREE.Mesh; material: THREE.ShaderMaterial; accepted: boolean; isFixed: boolean }[] = [];
   private jointsShown = true;
+  private chosen = -1;
   private readonly marked: THREE.Mesh[] = [];
   private readonly numbers = h('div', { class: 'numbers', 'aria-hidden': 'true' });
   private timer = 0;
@@ -144,22 +145,21 @@ export class PartsScene {
       pick.uniforms.uFirst.value = this.firstId.at(-1)! + i;
       const id = new THREE.Mesh(geometry, pick);
       id.renderOrder = 4;
-      id.visible = mesh.visible = joint.accepted && this.jointsShown;
       this.bodies[joint.a].group.add(mesh);
       this.bodies[joint.a].ids.add(id);
-      this.glyphs.push({ mesh, id, material, accepted: joint.accepted });
+      this.glyphs.push({ mesh, id, material, accepted: joint.accepted, isFixed: joint.type === 'fixed' });
     });
-    this.look(-1);
+    this.look(this.chosen);
   }
 
   set showJoints(on: boolean) {
     this.jointsShown = on;
-    for (const g of this.glyphs) g.mesh.visible = g.id.visible = on && g.accepted;
-    this.stage.draw();
+    this.look(this.chosen);
   }
 
   /** Colours of the theme; the chosen joint stands out. */
   look(chosen: number): void {
+    this.chosen = chosen;
     this.bodies.forEach((body, i) => {
       const own = this.header.parts[this.header.bodies[i].part].color;
       const color = new THREE.Color(own || cssColor(`--body${i % 7}`));
@@ -172,6 +172,8 @@ export class PartsScene {
     this.glyphs.forEach((g, i) => {
       recolor(g.material, new THREE.Color(cssColor(i === chosen ? '--interface' : '--glyph')), i === chosen ? 1 : 0.8);
       g.material.depthTest = false;
+      // Fixed joints move nothing: only the chosen one is drawn.
+      g.mesh.visible = g.id.visible = this.jointsShown && g.accepted && (!g.isFixed || i === chosen);
       g.mesh.renderOrder = i === chosen ? 6 : 4;
     });
     this.marked.forEach((m) => recolor(m.material as THREE.ShaderMaterial, new THREE.Color(cssColor(m.userData.color as string)), 1));
@@ -192,10 +194,8 @@ export class PartsScene {
 
   /** Paints these faces: (body, number, colour of the theme). */
   mark(faces: [number, number, string][]): void {
-    for (const m of this.marked) {
-      m.removeFromParent();
-      m.geometry.dispose();
-    }
+    // Their geometries hold the part's own buffers, which disposing would delete.
+    for (const m of this.marked) m.removeFromParent();
     this.marked.length = 0;
     for (const [body, face, color] of faces) {
       const part = this.parts[this.header.bodies[body].part];
