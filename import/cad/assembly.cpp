@@ -168,7 +168,7 @@ std::vector<Overlap> find_overlaps(const fs::path& file, const Assembly& assembl
   if (outcome.end == mesh::ChildEnd::crashed || !answer.error.empty())
     throw std::runtime_error(
         "OpenCASCADE failed on the search for parts that overlap, so it is unknown whether there are any; "
-        "look at the page");
+        "save the file again in the CAD program");
   std::vector<Overlap> overlaps;
   const auto n = static_cast<int>(assembly.instances.size());
   for (const OverlapAnswer& o : answer.overlaps)
