@@ -106,8 +106,8 @@ void TiedModel::put_numbering(Message& message) const {
   }
 }
 
-TiedModel::TiedModel(Message& numbering, const Part& share, const AssemblyOptions& options)
-    : points_(share.mesh.points) {
+TiedModel::TiedModel(Message& numbering, const Part& share, const AssemblyOptions& options) {
+  points_ = share.mesh.points;
   for (int* number : {&n_nodes_, &n_i_, &n_b_}) *number = numbering.take<int>();
   for (std::vector<int>* numbers : {&code_, &tie_of_, &group_begin_, &group_of_, &tie_group_, &rotation_of_,
                                     &slave_of_, &slave_begin_, &slave_code_})

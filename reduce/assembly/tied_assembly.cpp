@@ -46,27 +46,6 @@ Adjacency upper_adjacency(int n, const std::vector<std::vector<int>>& elements) 
 
 }  // namespace
 
-// A node of a rigid tie can have a rotation of its own beside what it follows.
-void TiedModel::add_groups(int node, std::vector<int>& groups) const {
-  for (const int group : {tie_of_[node] >= 0 ? tie_group_[tie_of_[node]] : -1, group_of_[node]})
-    if (group >= 0 && std::find(groups.begin(), groups.end(), group) == groups.end()) groups.push_back(group);
-  // What the dofs of a node follow by constraints.
-  const int slave = tie_of_[node] < 0 ? slave_of_[node] : -1;
-  for (int k = slave >= 0 ? slave_begin_[slave] : 0; slave >= 0 && k < slave_begin_[slave + 1]; ++k) {
-    if (slave_code_[k] < 0) continue;
-    const auto next = std::upper_bound(group_begin_.begin(), group_begin_.end(), slave_code_[k]);
-    const int group = static_cast<int>(next - group_begin_.begin()) - 1;
-    if (std::find(groups.begin(), groups.end(), group) == groups.end()) groups.push_back(group);
-  }
-  if (const int r = rotation_of_[node]; r >= 0)  // a rotation can be another node's
-    for (const int code : rotation_code_[r]) {
-      if (code < 0) continue;
-      const auto next = std::upper_bound(group_begin_.begin(), group_begin_.end(), code);
-      const int group = static_cast<int>(next - group_begin_.begin()) - 1;
-      if (std::find(groups.begin(), groups.end(), group) == groups.end()) groups.push_back(group);
-    }
-}
-
 void TiedModel::build_patterns(const Part& part) {
   const int n_groups = static_cast<int>(group_begin_.size()) - 1;
   std::vector<std::vector<int>> by_nodes, by_groups;

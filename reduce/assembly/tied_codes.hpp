@@ -3,7 +3,7 @@
 
 #include <limits>
 
-#include "reduce/assembly/tied_model.hpp"
+#include "reduce/assembly/tied_numbering.hpp"
 
 // Where a nodal displacement is in the tied model, in one integer; for the .cpp files of TiedModel only.
 namespace flexura::reduce {
@@ -23,7 +23,7 @@ constexpr int boundary_of(int code) {
 }
 
 template <class Visit>
-void TiedModel::each_dof(int node, const Visit& visit) const {
+void TiedNumbering::each_dof(int node, const Visit& visit) const {
   if (const int slave = slave_of_[node]; slave >= 0) {
     for (int k = slave_begin_[slave]; k < slave_begin_[slave + 1]; ++k) visit(slave_code_[k], slave_C_[k]);
     return;
