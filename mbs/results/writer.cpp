@@ -72,9 +72,9 @@ struct Writer::Impl {
 
   void change(const std::function<void(hdf5::File&)>& what) {
     output.change([&](const std::filesystem::path& place) {
-      hdf5::File file(place, hdf5::Mode::modify);
-      what(file);
-      file.close();
+      hdf5::File changed(place, hdf5::Mode::modify);
+      what(changed);
+      changed.close();
     });
   }
 
