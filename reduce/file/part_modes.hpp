@@ -6,6 +6,10 @@
 // The part file's choice of modes; for part_file.cpp only.
 namespace flexura::reduce {
 
+/// The tables [modes] of solid parts and [mode_vectors].
+input::TableSchema solid_modes_schema();
+input::TableSchema mode_vectors_schema();
+
 /// What [modes] has for solid parts beyond read_modes().
 void read_solid_modes(const input::Section& in, ModesInput& modes);
 

@@ -1,25 +1,11 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include "reduce/file/part_file.hpp"
+#include "reduce/file/part_modes.hpp"
 
 namespace flexura::reduce {
 
-using input::Key;
 using input::TableSchema;
 namespace dim = input::dim;
-
-TableSchema modes_schema() {
-  TableSchema s{.name = "modes", .doc = "Fixed-interface normal modes to keep beside the constraint modes."};
-  s.keys = {
-      input::integer("count", "number of modes").or_default("20").at_least(0).at_most(20000),
-      input::quantity("up_to", dim::frequency, "keep all modes up to this frequency instead of a fixed count")
-          .above(0),
-      input::quantity("damping", dim::none,
-                      "modal damping ratio proposed to the runtime (diagonal in modal space)")
-          .or_default("0.01")
-          .at_least(0),
-  };
-  return s;
-}
 
 namespace {
 
@@ -193,35 +179,6 @@ TableSchema matrices_schema() {
   return s;
 }
 
-TableSchema mode_vectors_schema() {
-  TableSchema s{
-      .name = "mode_vectors",
-      .doc =
-          "Finished modes: vectors that another FE program has computed (free modes, constraint or "
-          "attachment modes, in any mixture), with their reduced matrices, instead of a reduction here. They "
-          "are orthonormalised together with the six rigid motions; the interfaces' dofs become coordinates "
-          "as usual. The geometry file gives the nodes: a mesh, or a table (.csv, .txt). Dense matrices: "
-          "Matrix Market, or text with a row in each line, also gzipped. Of [modes] only `damping` and "
-          "`strike_modes` apply."};
-  s.keys = {
-      input::text("vectors",
-                  "file of the displacements: a column for each vector, rows by ascending node number, three "
-                  "directions each; free of unit, or all in the length unit of the file")
-          .required(),
-      input::text("stiffness", "file of the reduced stiffness, V^T K V").required(),
-      input::text("mass",
-                  "file of the part's mass matrix by nodes, as in [matrices], which the inertia integrals "
-                  "need; a lumped (diagonal) one will do")
-          .required(),
-      input::text("reduced_mass", "file of V^T M V as the FE program has it, for comparison"),
-      input::text(
-          "stress",
-          "file of stress modes: a column for each vector, rows by ascending node number, xx, yy, zz, "
-          "xy, yz, zx each"),
-  };
-  return s;
-}
-
 TableSchema mass_schema() {
   TableSchema s{.name = "mass_point",
                 .doc = "A rigid piece of mass on an interface (rigid tie) or on a node of the mesh."};
@@ -317,62 +274,6 @@ TableSchema recovery_schema() {
                    "stress modes only at the nodes of these named sets; default: the whole surface"),
       input::choice("precision", {"single", "double"}, "how stress modes are stored").or_default("single"),
   };
-  return s;
-}
-
-TableSchema solid_modes_schema() {
-  TableSchema s = modes_schema();
-  s.doc = "Which shapes stand beside the interface's own. May be left out.";
-  s.keys.insert(
-      s.keys.begin(),
-      input::choice(
-          "set", {"craig_bampton", "craig_chang", "guyan"},
-          "`craig_bampton`: fixed-interface modes. `craig_chang`: free-free modes and inertia-relief "
-          "attachment modes. `guyan`: none; MotionSolve takes `mass = \"lumped\"` with it")
-          .or_default("craig_bampton"));
-  const std::vector<Key> more = {
-      input::quantity(
-          "accuracy", dim::none,
-          "choose mesh and modes so that the body's frequencies below `up_to` (without it the first "
-          "six of the free body) and the static compliance between the interfaces are within this "
-          "(\"1 %\") by their estimates; CAD parts are meshed anew, finer where the error is, until "
-          "they are. A mesh that comes with the part stays: its share is reported")
-          .above(0)
-          .below(1),
-      input::quantity(
-          "compliance_accuracy", dim::none,
-          "accuracy of the static compliance between the interfaces where another one than that of the "
-          "frequencies is wanted (default: `accuracy`)")
-          .above(0)
-          .below(1),
-      input::quantity("effective_mass", dim::none,
-                      "keep modes until they hold this fraction of the interior's mass and inertia in every "
-                      "direction")
-          .above(0)
-          .below(1),
-      input::quantities("response_at", dim::frequency,
-                        "add frequency response modes: the part's exact answer to loads at its interfaces at "
-                        "these frequencies (0: slow acceleration)"),
-      input::integer("interface_count",
-                     "elastic ties: number of interface modes (characteristic constraint modes)")
-          .or_default("20")
-          .at_least(0)
-          .at_most(20000),
-      input::quantity("interface_up_to", dim::frequency,
-                      "elastic ties: keep all interface modes up to this frequency instead")
-          .above(0),
-      input::quantity("interface_accuracy", dim::none,
-                      "elastic ties: or as many as bring the static stiffness between the interfaces to this "
-                      "accuracy (\"1 %\") of the averaging tie's")
-          .above(0)
-          .below(1),
-      input::integers("strike_modes",
-                      "natural modes of the free body to strike out, by number as `flexura modes --free` "
-                      "prints them"),
-      input::flag("certify", "prove by Sylvester's law that no mode was missed; takes another factorisation")
-          .or_default("true"),
-  };
-  s.keys.insert(s.keys.end(), more.begin(), more.end());
   return s;
 }
 
