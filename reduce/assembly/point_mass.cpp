@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include "reduce/assembly/average.hpp"
-#include "reduce/assembly/rigid_motion.hpp"
+#include "reduce/assembly/input/average.hpp"
+#include "reduce/assembly/input/rigid_motion.hpp"
 #include "reduce/assembly/tied_model.hpp"
 #include "reduce/linalg/dense/dense.hpp"
 

@@ -1,7 +1,7 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "reduce/assembly/part.hpp"
+#include "reduce/assembly/input/part.hpp"
 
 /// Point masses and links on nodes of the mesh and on interface nodes.
 ///

@@ -7,8 +7,8 @@
 #include <numeric>
 #include <stdexcept>
 
-#include "reduce/assembly/average.hpp"
-#include "reduce/assembly/rigid_motion.hpp"
+#include "reduce/assembly/input/average.hpp"
+#include "reduce/assembly/input/rigid_motion.hpp"
 #include "reduce/assembly/tied_codes.hpp"
 #include "reduce/assembly/tied_model.hpp"
 

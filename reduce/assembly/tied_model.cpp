@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "reduce/assembly/average.hpp"
-#include "reduce/assembly/rigid_motion.hpp"
+#include "reduce/assembly/input/average.hpp"
+#include "reduce/assembly/input/rigid_motion.hpp"
 #include "reduce/assembly/tied_codes.hpp"
 #include "reduce/assembly/tied_spread.hpp"
 #include "reduce/linalg/dense/parallel.hpp"

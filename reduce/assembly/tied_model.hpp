@@ -6,7 +6,7 @@
 #include <array>
 #include <vector>
 
-#include "reduce/assembly/part.hpp"
+#include "reduce/assembly/input/part.hpp"
 #include "reduce/assembly/tied_motions.hpp"
 #include "reduce/linalg/dense/progress.hpp"
 #include "reduce/linalg/dense/symmetric_matrix.hpp"

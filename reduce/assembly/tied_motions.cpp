@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "reduce/assembly/rigid_motion.hpp"
+#include "reduce/assembly/input/rigid_motion.hpp"
 #include "reduce/assembly/tied_codes.hpp"
 #include "reduce/assembly/tied_spread.hpp"
 

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "reduce/assembly/rigid_motion.hpp"
+#include "reduce/assembly/input/rigid_motion.hpp"
 #include "reduce/assembly/tied_codes.hpp"
 
 namespace flexura::reduce {

@@ -5,7 +5,7 @@
 #include <array>
 #include <vector>
 
-#include "reduce/assembly/part.hpp"
+#include "reduce/assembly/input/part.hpp"
 
 namespace flexura::reduce {
 

@@ -5,7 +5,7 @@
 #include <limits>
 #include <stdexcept>
 
-#include "reduce/assembly/rigid_motion.hpp"
+#include "reduce/assembly/input/rigid_motion.hpp"
 #include "reduce/assembly/tied_model.hpp"
 #include "reduce/elements/element.hpp"
 #include "reduce/elements/shell.hpp"

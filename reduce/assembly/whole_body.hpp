@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "reduce/assembly/part.hpp"
+#include "reduce/assembly/input/part.hpp"
 
 /// An interface for what the others do not hold.
 ///

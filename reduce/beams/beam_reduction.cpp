@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "reduce/assembly/rigid_motion.hpp"
+#include "reduce/assembly/input/rigid_motion.hpp"
 #include "reduce/assembly/rigid_projection.hpp"
 #include "reduce/beams/beam_stiffening.hpp"
 #include "reduce/cms/errors/mode_choice.hpp"

@@ -9,8 +9,8 @@
 #include <numeric>
 #include <stdexcept>
 
-#include "reduce/assembly/average.hpp"
-#include "reduce/assembly/rigid_motion.hpp"
+#include "reduce/assembly/input/average.hpp"
+#include "reduce/assembly/input/rigid_motion.hpp"
 #include "reduce/cms/shapes/shape_change.hpp"
 #include "reduce/linalg/dense/dense.hpp"
 

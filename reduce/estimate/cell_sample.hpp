@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "reduce/assembly/part.hpp"
+#include "reduce/assembly/input/part.hpp"
 
 /// Some of a large mesh's cells, from which all are told: pieces of the part, those that have most of an error first,
 /// others at random places (every so many in their order).  On the others an indicator that is known everywhere counts by

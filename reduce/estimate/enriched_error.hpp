@@ -3,7 +3,7 @@
 
 #include <Eigen/Core>
 
-#include "reduce/assembly/part.hpp"
+#include "reduce/assembly/input/part.hpp"
 #include "reduce/estimate/mesh_error.hpp"
 #include "reduce/linalg/dense/progress.hpp"
 

@@ -7,7 +7,7 @@
 #include <array>
 #include <map>
 
-#include "reduce/assembly/rigid_motion.hpp"
+#include "reduce/assembly/input/rigid_motion.hpp"
 #include "reduce/estimate/cell_data.hpp"
 #include "reduce/estimate/enrichment.hpp"
 

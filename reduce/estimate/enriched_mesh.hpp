@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "reduce/assembly/part.hpp"
+#include "reduce/assembly/input/part.hpp"
 
 /// The functions that a mesh gains (enrichment.hpp), numbered: cells that share an edge or a face share its function.
 namespace flexura::reduce {

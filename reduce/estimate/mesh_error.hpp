@@ -3,7 +3,7 @@
 
 #include <Eigen/Core>
 
-#include "reduce/assembly/part.hpp"
+#include "reduce/assembly/input/part.hpp"
 #include "reduce/linalg/dense/progress.hpp"
 
 /// What the mesh leaves of the energy, by recovered stresses.

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "reduce/assembly/part.hpp"
+#include "reduce/assembly/input/part.hpp"
 #include "reduce/cms/result/reduction.hpp"
 #include "reduce/linalg/dense/progress.hpp"
 #include "reduce/superelement/report.hpp"

@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "reduce/assembly/part.hpp"
+#include "reduce/assembly/input/part.hpp"
 #include "reduce/estimate/sharp_edges.hpp"
 
 /// Sizes of the next mesh from the errors of the cells of one.

@@ -8,7 +8,7 @@
 
 #include "mbs/base/documents/document.hpp"
 #include "mbs/superelement/exchange/exchange.hpp"
-#include "reduce/assembly/rigid_motion.hpp"
+#include "reduce/assembly/input/rigid_motion.hpp"
 #include "reduce/cms/shapes/shape_change.hpp"
 #include "reduce/library/reduce.hpp"
 #include "reduce/superelement/to_superelement.hpp"

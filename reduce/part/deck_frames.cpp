@@ -12,7 +12,7 @@
 #include <stdexcept>
 
 #include "beam/element/element.hpp"
-#include "reduce/assembly/rigid_motion.hpp"
+#include "reduce/assembly/input/rigid_motion.hpp"
 
 namespace flexura::reduce {
 namespace {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "mesh/import/imported.hpp"
-#include "reduce/assembly/part.hpp"
+#include "reduce/assembly/input/part.hpp"
 
 /// Beams, rods and springs of a deck among its solids and shells.
 ///

@@ -1,7 +1,7 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "reduce/assembly/part.hpp"
+#include "reduce/assembly/input/part.hpp"
 
 /// Rotations of nodes that nothing holds and nothing follows: behind a pin flag.  K is
 /// singular in them (what other programs call AUTOSPC takes them out).  Each gets a spring to the turn of an element beside it,

@@ -10,9 +10,9 @@
 #include <functional>
 
 #include "mbs/base/documents/document.hpp"
-#include "reduce/assembly/constraints.hpp"
+#include "reduce/assembly/input/constraints.hpp"
+#include "reduce/assembly/input/shell_skins.hpp"
 #include "reduce/assembly/point_mass.hpp"
-#include "reduce/assembly/shell_skins.hpp"
 #include "reduce/assembly/whole_body.hpp"
 #include "reduce/elements/surface.hpp"
 #include "reduce/part/deck_averages.hpp"

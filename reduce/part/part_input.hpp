@@ -10,7 +10,7 @@
 
 #include "mesh/gmsh/cad.hpp"
 #include "mesh/model/select.hpp"
-#include "reduce/assembly/part.hpp"
+#include "reduce/assembly/input/part.hpp"
 #include "reduce/cms/damping.hpp"
 #include "reduce/cms/result/options.hpp"
 #include "reduce/linalg/session/user_options.hpp"

@@ -6,7 +6,7 @@
 
 #include "mesh/gmsh/cad.hpp"
 #include "mesh/import/imported.hpp"
-#include "reduce/assembly/part.hpp"
+#include "reduce/assembly/input/part.hpp"
 #include "reduce/part/part_input.hpp"
 
 /// What a part is reduced from, wherever it came from: a CAD file meshed here, or a mesh or deck of another

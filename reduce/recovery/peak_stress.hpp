@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "reduce/assembly/part.hpp"
+#include "reduce/assembly/input/part.hpp"
 
 /// How good the greatest stress of a shape is.
 ///

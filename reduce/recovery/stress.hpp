@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "reduce/assembly/part.hpp"
+#include "reduce/assembly/input/part.hpp"
 
 /// Stress modes: the stresses of each shape, sigma = sum_k sigma_k u_se,k at run time.
 namespace flexura::reduce {

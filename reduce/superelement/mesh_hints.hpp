@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "reduce/assembly/part.hpp"
+#include "reduce/assembly/input/part.hpp"
 #include "reduce/cms/result/mesh_share.hpp"
 
 namespace flexura::reduce {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "reduce/assembly/part.hpp"
+#include "reduce/assembly/input/part.hpp"
 #include "reduce/cms/craig_bampton.hpp"
 
 /// What is known of a part from meshes that become finer by the same factor: limits with their uncertainty.

@@ -6,8 +6,8 @@
 #include <Eigen/LU>
 #include <functional>
 
-#include "reduce/assembly/average.hpp"
-#include "reduce/assembly/rigid_motion.hpp"
+#include "reduce/assembly/input/average.hpp"
+#include "reduce/assembly/input/rigid_motion.hpp"
 #include "reduce/assembly/tied_solver.hpp"
 #include "reduce/elements/surface.hpp"
 #include "tests/reduce/parts.hpp"

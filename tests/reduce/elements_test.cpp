@@ -5,7 +5,7 @@
 #include <Eigen/LU>
 
 #include "mesh/model/geometry.hpp"
-#include "reduce/assembly/rigid_motion.hpp"
+#include "reduce/assembly/input/rigid_motion.hpp"
 #include "reduce/assembly/tied_model.hpp"
 #include "reduce/cms/shapes/full_model.hpp"
 #include "reduce/elements/solid.hpp"

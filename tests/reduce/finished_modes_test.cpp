@@ -14,7 +14,7 @@
 
 #include "mbs/superelement/file.hpp"
 #include "reduce/app/write_reduced.hpp"
-#include "reduce/assembly/average.hpp"
+#include "reduce/assembly/input/average.hpp"
 #include "reduce/file/part_file.hpp"
 #include "reduce/linalg/dense/dense.hpp"
 #include "reduce/recovery/stress.hpp"

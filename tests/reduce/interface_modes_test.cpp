@@ -7,8 +7,8 @@
 
 #include <Eigen/QR>
 
-#include "reduce/assembly/average.hpp"
-#include "reduce/assembly/rigid_motion.hpp"
+#include "reduce/assembly/input/average.hpp"
+#include "reduce/assembly/input/rigid_motion.hpp"
 #include "reduce/cms/craig_bampton.hpp"
 #include "reduce/cms/shapes/constraint_modes.hpp"
 #include "reduce/cms/shapes/full_model.hpp"

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "reduce/assembly/part.hpp"
+#include "reduce/assembly/input/part.hpp"
 #include "reduce/linalg/dense/symmetric_matrix.hpp"
 
 /// Small parts for the tests of reduce/.

@@ -6,7 +6,7 @@
 
 #include "mesh/model/cells/cell.hpp"
 #include "mesh/model/geometry.hpp"
-#include "reduce/assembly/rigid_motion.hpp"
+#include "reduce/assembly/input/rigid_motion.hpp"
 #include "reduce/cms/craig_bampton.hpp"
 #include "reduce/cms/shapes/full_model.hpp"
 #include "reduce/cms/shapes/sturm.hpp"

@@ -7,7 +7,7 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "reduce/assembly/rigid_motion.hpp"
+#include "reduce/assembly/input/rigid_motion.hpp"
 #include "reduce/linalg/dense/dense.hpp"
 
 namespace flexura::reduce {

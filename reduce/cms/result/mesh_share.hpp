@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "reduce/assembly/part.hpp"
+#include "reduce/assembly/input/part.hpp"
 #include "reduce/estimate/mesh_error.hpp"
 #include "reduce/recovery/peak_stress.hpp"
 

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "reduce/assembly/part.hpp"
+#include "reduce/assembly/input/part.hpp"
 #include "reduce/cms/result/mesh_share.hpp"
 #include "reduce/invariants/inertia_integrals.hpp"
 #include "reduce/linalg/dense/factor_figures.hpp"

@@ -1,7 +1,7 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "reduce/assembly/part.hpp"
+#include "reduce/assembly/input/part.hpp"
 #include "reduce/cms/result/reduction.hpp"
 #include "reduce/linalg/dense/progress.hpp"
 #include "reduce/linalg/eigen/eigen_problem.hpp"

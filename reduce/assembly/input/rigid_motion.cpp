@@ -1,5 +1,5 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-#include "reduce/assembly/rigid_motion.hpp"
+#include "reduce/assembly/input/rigid_motion.hpp"
 
 #include <fmt/format.h>
 

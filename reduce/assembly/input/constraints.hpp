@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "reduce/assembly/part.hpp"
+#include "reduce/assembly/input/part.hpp"
 
 /// Linear equations between nodal dofs (multipoint constraints) are eliminated: each makes one dof depend on others,
 ///

@@ -3,7 +3,7 @@
 
 #include <Eigen/Core>
 
-#include "reduce/assembly/part.hpp"
+#include "reduce/assembly/input/part.hpp"
 
 namespace flexura::reduce {
 

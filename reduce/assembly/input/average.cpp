@@ -1,10 +1,10 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-#include "reduce/assembly/average.hpp"
+#include "reduce/assembly/input/average.hpp"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 
-#include "reduce/assembly/rigid_motion.hpp"
+#include "reduce/assembly/input/rigid_motion.hpp"
 #include "reduce/elements/surface.hpp"
 
 namespace flexura::reduce {
