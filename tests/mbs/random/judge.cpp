@@ -15,7 +15,7 @@
 #include "mbs/solver/linear/steady_state.hpp"
 #include "mbs/solver/run/run.hpp"
 #include "mbs/solver/start/prepare.hpp"
-#include "tests/mbs/random/scene_run.hpp"
+#include "tests/mbs/random/scene/scene_run.hpp"
 
 namespace flexura::mbs::chance {
 

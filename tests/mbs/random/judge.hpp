@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "tests/mbs/random/scene.hpp"
-#include "tests/mbs/random/scene_physics.hpp"
+#include "tests/mbs/random/scene/scene.hpp"
+#include "tests/mbs/random/scene/scene_physics.hpp"
 
 namespace flexura::mbs::chance {
 

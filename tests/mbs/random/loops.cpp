@@ -7,7 +7,7 @@
 
 #include "mbs/base/math/rotation.hpp"
 #include "tests/mbs/random/maker.hpp"
-#include "tests/mbs/random/scene_physics.hpp"
+#include "tests/mbs/random/scene/scene_physics.hpp"
 
 /// Trees, and loops of bodies in space.
 namespace flexura::mbs::chance {

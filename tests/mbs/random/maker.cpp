@@ -9,7 +9,7 @@
 #include <string>
 
 #include "mbs/base/math/rotation.hpp"
-#include "tests/mbs/random/scene_physics.hpp"
+#include "tests/mbs/random/scene/scene_physics.hpp"
 
 /// Bodies on joints, speeds and drives.
 namespace flexura::mbs::chance {

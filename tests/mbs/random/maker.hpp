@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "tests/mbs/random/chance.hpp"
-#include "tests/mbs/random/scene.hpp"
+#include "tests/mbs/random/scene/scene.hpp"
 
 namespace flexura::mbs::chance {
 

@@ -6,7 +6,7 @@
 
 #include "mbs/base/math/rotation.hpp"
 #include "tests/mbs/random/maker.hpp"
-#include "tests/mbs/random/scene_physics.hpp"
+#include "tests/mbs/random/scene/scene_physics.hpp"
 
 /// Wheels and curves, and elements that touch, switch, rub and hold in six directions.
 namespace flexura::mbs::chance {

@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "tests/mbs/random/scene.hpp"
+#include "tests/mbs/random/scene/scene.hpp"
 
 namespace flexura::mbs::chance {
 

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "mbs/mechanism/mechanism.hpp"
-#include "tests/mbs/random/scene.hpp"
-#include "tests/mbs/random/scene_physics.hpp"
+#include "tests/mbs/random/scene/scene.hpp"
+#include "tests/mbs/random/scene/scene_physics.hpp"
 
 /// A scene, run by the program from its file.
 namespace flexura::mbs::chance {

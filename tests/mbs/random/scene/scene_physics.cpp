@@ -1,5 +1,5 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-#include "tests/mbs/random/scene_physics.hpp"
+#include "tests/mbs/random/scene/scene_physics.hpp"
 
 #include <fmt/format.h>
 

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "mbs/base/math/rotation.hpp"
-#include "tests/mbs/random/scene_physics.hpp"
+#include "tests/mbs/random/scene/scene_physics.hpp"
 
 /// Bodies as sums over their points: with r = R (x + Phi q) of a point from Bo and J its displacements by the body's
 /// coordinates,

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "tests/reduce/petsc_options.hpp"
+#include "tests/reduce/petsc/petsc_options.hpp"
 
 // The solver package "fronts" through PETSc's own functions, beside CHOLMOD and MUMPS.
 namespace flexura::linalg {

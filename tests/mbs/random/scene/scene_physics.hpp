@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "tests/mbs/random/scene.hpp"
+#include "tests/mbs/random/scene/scene.hpp"
 
 /// What is right of a scene, by equations that share nothing with the runtime's: every body is a set of point masses
 /// (a rigid one six, on its principal axes) with the coordinates (turn of its frame, way of Bo, modal coordinates),

@@ -9,8 +9,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "tests/found/decks/plate_deck.hpp"
 #include "tests/found/parts.hpp"
-#include "tests/found/plate_deck.hpp"
 
 namespace flexura::test {
 namespace {

@@ -14,7 +14,7 @@
 #include "reduce/linalg/factor/cholesky.hpp"
 #include "reduce/linalg/petsc/petsc_check.hpp"
 #include "tests/app/command.hpp"
-#include "tests/reduce/petsc_options.hpp"
+#include "tests/reduce/petsc/petsc_options.hpp"
 
 // The eigensolver type "blocklanczos" through SLEPc's own functions, and SLEPc's other types on the road of reductions.
 namespace flexura::linalg {

@@ -10,8 +10,8 @@
 #include <numbers>
 
 #include "mbs/superelement/modes.hpp"
+#include "tests/found/decks/plate_deck.hpp"
 #include "tests/found/parts.hpp"
-#include "tests/found/plate_deck.hpp"
 
 namespace flexura::test {
 namespace {

@@ -4,7 +4,7 @@
 
 #include "mbs/base/math/rotation.hpp"
 #include "tests/mbs/random/differences.hpp"
-#include "tests/mbs/random/scene_physics.hpp"
+#include "tests/mbs/random/scene/scene_physics.hpp"
 
 /// Springs, loads, contacts and what acts along joints: put at markers, by virtual work on the bodies' coordinates.
 namespace flexura::mbs::chance {

@@ -8,7 +8,7 @@
 #include <numbers>
 
 #include "mbs/base/math/rotation.hpp"
-#include "tests/mbs/random/scene_physics.hpp"
+#include "tests/mbs/random/scene/scene_physics.hpp"
 
 /// Joints, constraints and drives as rows on poses.
 namespace flexura::mbs::chance {

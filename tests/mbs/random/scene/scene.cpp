@@ -1,5 +1,5 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-#include "tests/mbs/random/scene.hpp"
+#include "tests/mbs/random/scene/scene.hpp"
 
 #include <fmt/format.h>
 

@@ -10,8 +10,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "tests/found/decks/plate_deck.hpp"
 #include "tests/found/parts.hpp"
-#include "tests/found/plate_deck.hpp"
 #include "tests/reference.hpp"
 
 namespace flexura::test {

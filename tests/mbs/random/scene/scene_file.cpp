@@ -6,7 +6,7 @@
 #include <numeric>
 
 #include "mbs/base/math/rotation.hpp"
-#include "tests/mbs/random/scene.hpp"
+#include "tests/mbs/random/scene/scene.hpp"
 
 /// Scenes as files.
 namespace flexura::mbs::chance {
