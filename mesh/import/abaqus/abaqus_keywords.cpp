@@ -9,7 +9,7 @@
 #include <fstream>
 #include <stdexcept>
 
-#include "mbs/base/files/inputs.hpp"
+#include "mesh/import/deck_files.hpp"
 
 namespace flexura::mesh {
 namespace {
@@ -35,22 +35,11 @@ std::vector<std::string> split(std::string_view line) {
 
 class KeywordReader {
  public:
-  explicit KeywordReader(std::set<std::string>& file_names) : file_names_(file_names) {}
+  explicit KeywordReader(std::set<std::string>& file_names) : files_(file_names, "*INCLUDE") {}
 
   void read(const fs::path& path, int depth = 0) {
-    require_file(path);
-    files::note_input(path);
-    std::ifstream file(path);
-    if (!file) throw std::invalid_argument(path.string() + ": no such file, or it cannot be read");
-    constexpr int most_files = 1000;
-    if (++n_files_ > most_files)
-      throw std::invalid_argument(path.string() +
-                                  ": *INCLUDE reads more than 1000 files; files that include "
-                                  "one another?");
-    if (depth > 10)
-      throw std::invalid_argument(path.string() +
-                                  ": *INCLUDE goes deeper than 10 files; a file that includes itself?");
-    const std::string* name = &*file_names_.insert(path.string()).first;
+    std::ifstream file = files_.open(path, depth);
+    const std::string* name = files_.name(path);
     std::string line;
     for (int number = 1; std::getline(file, line); ++number) {
       const Where where{name, number};
@@ -97,9 +86,8 @@ class KeywordReader {
   std::vector<Keyword> keywords;
 
  private:
-  std::set<std::string>& file_names_;
+  DeckFiles files_;
   bool continued_data_ = false;
-  int n_files_ = 0;
 };
 
 }  // namespace

@@ -9,7 +9,7 @@
 #include <fstream>
 #include <stdexcept>
 
-#include "mbs/base/files/inputs.hpp"
+#include "mesh/import/deck_files.hpp"
 
 namespace flexura::mesh {
 namespace {
@@ -97,28 +97,17 @@ Line split_line(const std::string& raw) {
 
 class Deck {
  public:
-  explicit Deck(std::set<std::string>& names) : names_(names) {}
+  explicit Deck(std::set<std::string>& names) : files_(names, "INCLUDE") {}
 
   void read(const std::filesystem::path& path, bool skip_case_control, int depth) {
-    require_file(path);
-    files::note_input(path);
-    std::ifstream file(path);
-    if (!file) throw std::invalid_argument(path.string() + ": no such file, or it cannot be read");
-    constexpr int most_files = 1000;
-    if (++n_files_ > most_files)
-      throw std::invalid_argument(path.string() +
-                                  ": INCLUDE reads more than 1000 files; files that include "
-                                  "one another?");
-    if (depth > 10)
-      throw std::invalid_argument(path.string() +
-                                  ": INCLUDE goes deeper than 10 files; a file that includes itself?");
+    std::ifstream file = files_.open(path, depth);
     std::vector<std::string> lines;
     for (std::string line; std::getline(file, line);) lines.push_back(line.substr(0, line.find('$')));
     std::size_t first = 0;
     if (skip_case_control)
       for (std::size_t k = 0; k < lines.size(); ++k)
         if (upper(trimmed(lines[k])).rfind("BEGIN", 0) == 0) first = k + 1;
-    const std::string* name = &*names_.insert(path.string()).first;
+    const std::string* name = files_.name(path);
     for (std::size_t k = first; k < lines.size() && !ended_; ++k)
       take(lines[k], {name, static_cast<int>(k) + 1}, path, depth);
   }
@@ -158,9 +147,8 @@ class Deck {
     fields.insert(fields.end(), line.fields.begin(), line.fields.end());
   }
 
-  std::set<std::string>& names_;
+  DeckFiles files_;
   bool ended_ = false;
-  int n_files_ = 0;
 };
 
 }  // namespace
