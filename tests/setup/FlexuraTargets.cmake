@@ -10,7 +10,13 @@ endif()
 # What all our own sources are compiled with: findings are mended, not silenced. What clang's -Wconversion says about signs,
 # g++'s leaves out: signed indices of Eigen meet unsigned sizes of the standard library everywhere. Errors (the preset
 # "release") only with the compiler whose findings are known: another one's must not keep a release from being built.
-set(flexura_warnings -Wall -Wextra -Wshadow -Wconversion)
+# g++'s -Wshadow minds parameters of constructors that bear the names of the members they begin, clang's does not.
+set(flexura_warnings -Wall -Wextra -Wconversion)
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+  list(APPEND flexura_warnings -Wshadow=local)
+else()
+  list(APPEND flexura_warnings -Wshadow)
+endif()
 if(CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
   list(APPEND flexura_warnings -Wno-sign-conversion)
   if(FLEXURA_WERROR AND CMAKE_CXX_COMPILER_VERSION MATCHES "^16\\.")
