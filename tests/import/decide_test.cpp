@@ -150,5 +150,31 @@ TEST(AssemblyPage, HoldsWhatTheMechanismHas) {
   EXPECT_FALSE(fs::exists(folder / "out/mechanism.toml"));
 }
 
+// Three cubes of 10 mm in a row: the first two overlap by 1 mm, the last two touch.  100 mm^3 in a layer whose surface is 240 mm^2.
+TEST(AssemblyOverlaps, AreFoundByTheExactShapesAndShownOnThePage) {
+  const Folder folder;
+  Assembly a("row");
+  const TDF_Label cube = a.part("cube", box({0, 0, 0}, {10, 10, 10}));
+  double x = 0.0;
+  for (const double step : {9.0, 10.0, 0.0}) {
+    a.place(cube, at({x, 0, 0}));
+    x += step;
+  }
+  a.write(folder / "a.step");
+  const Outcome o = run("flexura", {"import", (folder / "a.step").string(), "-o", folder / "out"});
+  ASSERT_EQ(o.exit_code, 0) << o.err;
+  EXPECT_THAT(o.err, HasSubstr("cube and cube_2 overlap: 100 mm^3, about 0.83 mm thick, at (9.5, 5, 5) mm"));
+  EXPECT_THAT(o.err, Not(HasSubstr("cube_3 overlap")));
+  const json header = view::testing::PageReader(read_text(folder / "out/assembly.html")).header;
+  ASSERT_EQ(header["overlaps"].size(), 1U);
+  EXPECT_EQ(header["overlaps"][0]["a"], 0);
+  EXPECT_EQ(header["overlaps"][0]["b"], 1);
+  EXPECT_NEAR(header["overlaps"][0]["place"][0].get<double>(), 0.0095, 1e-9);
+  // A clearance of a millimetre lets it pass.
+  const Outcome wide =
+      run("flexura", {"import", (folder / "a.step").string(), "-o", folder / "wide", "--clearance", "1 mm"});
+  EXPECT_THAT(wide.err, Not(HasSubstr("overlap:")));
+}
+
 }  // namespace
 }  // namespace flexura::test

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdio>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -36,9 +37,9 @@ void flatten(const nlohmann::json& value, const std::string& name, Lines& lines)
 
 /// What the program's own summaries hold, in the words and the order in which it is read.
 constexpr std::array kWords = {
-    std::pair{"relative_energy_error", "energy error, of the energy moved"},
-    std::pair{"energy_error", "energy balance at the end [J]"},
-    std::pair{"largest_energy_error", "largest imbalance of energy [J]"},
+    std::pair{"relative_energy_error", "relative energy error"},
+    std::pair{"energy_error", "energy balance, end [J]"},
+    std::pair{"largest_energy_error", "largest energy imbalance [J]"},
     std::pair{"work_in", "work done on it [J]"},
     std::pair{"dissipated", "energy dissipated [J]"},
     std::pair{"estimate.at_least", "estimated error, at least"},
@@ -50,7 +51,7 @@ constexpr std::array kWords = {
     std::pair{"switches", "switches"},
     std::pair{"redundant_constraints", "redundant constraints"},
     std::pair{"wall_time", "computing time [s]"},
-    std::pair{"real_time_factor", "computing time per simulated time"},
+    std::pair{"real_time_factor", "computing / simulated time"},
 };
 
 /// In their order, then the others; what says nothing (an empty word) or stands above already is left out.
@@ -70,6 +71,13 @@ Lines in_words(const Lines& lines) {
     out.emplace_back(shown, text);
   }
   return out;
+}
+
+/// "-2.26 .. 2.25"; what is round-off beside the other end is 0.
+std::string range_text(double low, double high) {
+  const double least = 1e-13 * std::max(std::abs(low), std::abs(high));
+  const auto text = [&](double x) { return terminal::number(std::abs(x) < least ? 0.0 : x, 4); };
+  return fmt::format("{} .. {}", text(low), text(high));
 }
 
 /// "2.3e+07 Pa at t = 0.12 s, at (0.1, 0, 0.02) m" of the largest value of a quantity NAME.von_mises; where
@@ -127,8 +135,7 @@ std::string summary_text(const results::Results& results, int width, bool colour
       put(i,
           fmt::format("{} [{}]", run.quantities[j].name,
                       run.quantities[j].unit.empty() ? "-" : run.quantities[j].unit),
-          fmt::format("{} .. {}", terminal::number(values.minCoeff(), 4),
-                      terminal::number(values.maxCoeff(), 4)));
+          range_text(values.minCoeff(), values.maxCoeff()));
     }
   }
   for (const std::string& name : names) {
