@@ -7,6 +7,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "mbs/file/fidelities.hpp"
 #include "mbs/file/reader.hpp"
 
 namespace flexura::mbs {
@@ -46,7 +47,7 @@ MechanismFile read_mechanism(const std::filesystem::path& file, const input::Tab
   out.y = root.table("output").texts("y");
   for (const auto& [name, s] : root.table_map("body"))
     if ((s.has("superelement") || s.has("beam")) && s.has("fidelity"))
-      out.fidelity[name] = s.text("fidelity");
+      out.leaves_fidelity_open[name] = s.text("fidelity") == kAutomaticFidelity;
   out.blind_spots = std::move(model.blind_spots);
   for (const auto& [name, s] : root.table_map("run")) {
     out.runs.push_back({name, s.texts("set")});

@@ -38,8 +38,9 @@ struct MechanismFile {
   std::vector<RunDescription> runs;  ///< one without overrides when the file names none
   std::vector<std::string> notes;    ///< what the user should know: truncated bases, ...
   input::Section solver;             ///< checked [solver] table, for read_solver_options
-  /// Of the file's own superelements that have the key: their word of fidelity ("auto" is built as "modal").
-  std::map<std::string, std::string> fidelity = {};
+  /// Of the file's own superelements and beams that have the key `fidelity`: whether it leaves the choice to the program
+  /// (they are then built as fidelity_of() says).
+  std::map<std::string, bool> leaves_fidelity_open = {};
   std::vector<BlindSpot> blind_spots = {};
 };
 

@@ -10,6 +10,7 @@
 #include <fstream>
 #include <mutex>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <thread>
 
 #include "mbs/base/documents/content_hash.hpp"
@@ -23,7 +24,7 @@
 #include "mbs/results/results.hpp"
 #include "mbs/solver/accuracy/options.hpp"
 #include "mbs/study/child_process.hpp"
-#include "mbs/study/choice/cache_entry.hpp"
+#include "mbs/study/study_cache.hpp"
 
 namespace flexura::study {
 namespace {
@@ -46,25 +47,6 @@ std::string machine_name() {
     if (line.starts_with("model name")) return std::string(host) + line;
   return host;
 }
-
-void write_json(const fs::path& path, const json& value) {
-  // Another share of the study may write the same figures at this moment.
-  for (int attempt = 1;; ++attempt) try {
-      return files::write_whole(path, value.dump(1) + '\n');
-    } catch (const files::Busy&) {
-      if (attempt == 1000) throw;
-      std::this_thread::sleep_for(std::chrono::milliseconds(5));
-    }
-}
-
-/// A file of ours in the cache on its way to its name, gone with this object.
-struct Passing {
-  fs::path path;
-  ~Passing() {
-    std::error_code ignored;
-    fs::remove(path, ignored);
-  }
-};
 
 // "error: ..." of a program, without the word.
 std::string refusal(const ChildOutcome& outcome) {
@@ -91,6 +73,10 @@ class Laboratory {
           input::shown_text(study.cache.string()), failure ? ": " + failure.message() : ""));
     cache_ = fs::absolute(study.cache);
     remove_scratch_left(cache_);
+    store_.emplace(cache_, [this](const std::string& words) {
+      const std::lock_guard lock(guard_);
+      if (options_.note) options_.note(words);
+    });
     flexura_ = input::ContentHash().add_file(programs.flexura).hex();
     machine_ = machine_name();
     if (!study.parts.empty())
@@ -182,27 +168,6 @@ class Laboratory {
     }
   }
 
-  fs::path path(const std::string& key, const char* ending) const { return cache_ / (key + ending); }
-  // A file and its entry, both as they were written.
-  bool is_there(const std::string& key, const char* ending) {
-    const fs::path file = path(key, ending), record = path(key, ".json");
-    std::error_code none;
-    if (!fs::exists(file, none) || !fs::exists(record, none)) return false;
-    const auto entry = read_cache_entry(record);
-    if (entry && entry->content == content_of(file)) return true;
-    const std::lock_guard lock(guard_);
-    if (options_.note)
-      options_.note(fmt::format("{} is not what was written there: it is made again",
-                                (entry ? file : record).string()));
-    return false;
-  }
-
-  // Writes the entry of a file that has just been put there.
-  void record(const Task& task, const char* ending, CacheEntry entry) const {
-    entry.content = content_of(path(task.key, ending));
-    write_json(path(task.key, ".json"), to_json(entry));
-  }
-
   Task reduction(const Part& part, const Choice& choice) const {
     std::vector<std::string> set = part.set;
     if (const auto found = choice.part_set.find(part.name); found != choice.part_set.end())
@@ -226,7 +191,7 @@ class Laboratory {
       for (const Part& part : study_.parts) {
         Task task = reduction(part, *wanted[i]);
         const std::string key = task.key;
-        if (!is_there(key, ".se.h5")) tasks.emplace(key, std::move(task));
+        if (!store_->is_there(key, ".se.h5")) tasks.emplace(key, std::move(task));
       }
     std::vector<Task> list;
     for (auto& [key, task] : tasks) list.push_back(std::move(task));
@@ -243,7 +208,7 @@ class Laboratory {
   }
 
   void reduce(const Task& task) const {
-    const Passing beside{path(task.key, ("." + scratch_mark() + "reduced").c_str())};
+    const StudyCache::Passing beside{store_->path(task.key, ("." + scratch_mark() + "reduced").c_str())};
     std::vector<std::string> command = task.command;
     command.insert(command.end(), {"-o", beside.path.string()});
     const ChildOutcome outcome = run_child(command, cache_, 0.0);
@@ -252,13 +217,13 @@ class Laboratory {
       if (outcome.exit_code == 2) throw input::InputError(text);
       throw std::runtime_error(text);
     }
-    fs::rename(beside.path, path(task.key, ".se.h5"));
+    fs::rename(beside.path, store_->path(task.key, ".se.h5"));
     CacheEntry entry;
     entry.choice = task.name;
     entry.wall = {outcome.wall};
     entry.cpu = {outcome.cpu};
     entry.peak_memory = outcome.peak_memory;
-    record(task, ".se.h5", entry);
+    store_->record(task.key, ".se.h5", entry);
   }
 
   Task simulation(const Choice& choice) const {
@@ -272,9 +237,9 @@ class Laboratory {
     for (const Part& part : study_.parts) {
       const std::string key = reduction(part, choice).key;
       hash.add(key);
-      if (const auto entry = read_cache_entry(path(key, ".json"))) task.reduce_wall += entry->total_wall();
+      if (const auto entry = store_->find(key)) task.reduce_wall += entry->total_wall();
       for (const std::string& body : part.bodies)
-        set.push_back(fmt::format("body.{}.superelement=\"{}\"", body, path(key, ".se.h5").string()));
+        set.push_back(fmt::format("body.{}.superelement=\"{}\"", body, store_->path(key, ".se.h5").string()));
     }
     set.insert(set.end(), study_.set.begin(), study_.set.end());
     set.insert(set.end(), choice.set.begin(), choice.set.end());
@@ -313,8 +278,8 @@ class Laboratory {
   }
 
   void first_run(const Task& task) {
-    if (!options_.fresh && is_there(task.key, ".h5")) return;
-    const Passing beside{path(task.key, ("." + scratch_mark() + "first").c_str())};
+    if (!options_.fresh && store_->is_there(task.key, ".h5")) return;
+    const StudyCache::Passing beside{store_->path(task.key, ("." + scratch_mark() + "first").c_str())};
     const ChildOutcome outcome = simulate(task, beside.path, true);
     if (outcome.exit_code == 2)
       throw input::InputError(
@@ -328,11 +293,11 @@ class Laboratory {
       entry.failure = outcome.exit_code > 128 ? fmt::format("ended by signal {}", outcome.exit_code - 128)
                                               : refusal(outcome);
     if (fs::is_regular_file(beside.path)) {
-      fs::rename(beside.path, path(task.key, ".h5"));
+      fs::rename(beside.path, store_->path(task.key, ".h5"));
     } else {
-      files::write_whole(path(task.key, ".h5"), "");  // the mark of a run that left nothing
+      files::write_whole(store_->path(task.key, ".h5"), "");  // the mark of a run that left nothing
     }
-    record(task, ".h5", entry);
+    store_->record(task.key, ".h5", entry);
   }
 
   // One round of all choices after the other, so that a slow drift of the machine meets all alike.
@@ -344,30 +309,23 @@ class Laboratory {
     for (int round = 1; round <= study_.repeats; ++round)
       for (const std::size_t i : timed) {
         const Task& task = tasks[i];
-        CacheEntry entry = entry_of(task);
+        CacheEntry entry = store_->entry_of(task.key);
         if (entry.failure.empty() && static_cast<int>(entry.wall.size()) < round) {
-          const Passing scratch{path(task.key, ("." + scratch_mark() + "again").c_str())};
+          const StudyCache::Passing scratch{store_->path(task.key, ("." + scratch_mark() + "again").c_str())};
           const ChildOutcome outcome = simulate(task, scratch.path, false);
           entry.wall.push_back(outcome.wall);
           entry.cpu.push_back(outcome.cpu);
           entry.peak_memory = std::max(entry.peak_memory, outcome.peak_memory);
-          write_json(path(task.key, ".json"), to_json(entry));
+          store_->write(task.key, entry);
         }
         say("times", static_cast<double>(++done) / static_cast<double>(timed.size() * study_.repeats));
       }
   }
 
-  /// Of a run that has just been found there.  Another process may have taken it away meanwhile.
-  CacheEntry entry_of(const Task& task) const {
-    if (auto entry = read_cache_entry(path(task.key, ".json"))) return *std::move(entry);
-    throw std::runtime_error(
-        fmt::format("{}: cannot be read any more; start the study again", path(task.key, ".json").string()));
-  }
-
   Measurement measurement(const Task& task) const {
-    const CacheEntry entry = entry_of(task);
+    const CacheEntry entry = store_->entry_of(task.key);
     Measurement m;
-    m.results = path(task.key, ".h5");
+    m.results = store_->path(task.key, ".h5");
     m.reduce_wall = task.reduce_wall;
     m.wall = entry.wall;
     m.cpu = entry.cpu;
@@ -393,6 +351,7 @@ class Laboratory {
   const Programs& programs_;
   const MeasureOptions& options_;
   fs::path cache_;
+  std::optional<StudyCache> store_;
   std::string flexura_, reduce_, machine_;
   std::mutex guard_;
 };

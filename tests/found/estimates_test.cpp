@@ -78,10 +78,9 @@ TEST_F(Estimates, ElementsOfBeamsAreUnknown) {
     const Run run = simulate(kFound / "flex/segments/cant.toml",
                              {"solver.end_time=0.05", std::string("body.u.fidelity=") + fidelity});
     EXPECT_THAT(run.text.out, HasSubstr("estimated error at least "));
-    EXPECT_THAT(run.text.out, HasSubstr("unknown  integrator"));
     EXPECT_THAT(run.text.out, HasSubstr("elements of u: a run with --set body.u.beam.elements=4 tells"));
     EXPECT_TRUE(run.estimate.at("error").is_null());
-    EXPECT_TRUE(run.estimate.at("integrator").is_null());
+    EXPECT_TRUE(run.estimate.at("integrator").is_number());
     EXPECT_TRUE(run.has_unknown("elements", "u"));
   }
   // A rigid beam has none.

@@ -111,9 +111,10 @@ ErrorEstimate estimate_error(const mbs::PreparedMechanism& prepared,
                              const study::IntegratorEstimate* check, const mbs::RunResult& result) {
   ErrorEstimate out;
   if (check) {
-    out.sources.push_back({"integrator", "", check->error, 0.0,
-                           fmt::format("in {}; a second run at {:g} times the {}", check->output,
-                                       check->factor, check->by_step ? "step" : "tolerance")});
+    std::string note = check->output.empty() ? "" : "in " + check->output;
+    if (!check->note.empty()) note += (note.empty() ? "" : "; ") + check->note;
+    out.sources.push_back({"integrator", "", check->is_whole ? std::optional(check->error) : std::nullopt,
+                           check->is_whole ? 0.0 : check->error, note});
   } else if (mbs::kind_of(prepared.options).integrates) {
     const double balance = std::abs(result.energy.relative_error());
     out.sources.push_back({"integrator",
@@ -145,7 +146,7 @@ ErrorEstimate estimate_error(const mbs::PreparedMechanism& prepared,
   add_bodies(prepared, out.sources);
   for (const mbs::BlindSpot& spot : prepared.file.blind_spots)
     out.sources.push_back({spot.kind, spot.name, {}, 0.0, spot.remedy});
-  add_switches(prepared, check && !truncation, out.sources);
+  add_switches(prepared, check && check->factor != 1.0 && !truncation, out.sources);
   // Of all bodies together, where some of their errors may cancel.
   if (truncation) out.at_least += truncation->error;
   for (const ErrorSource& source : out.sources) {

@@ -141,14 +141,17 @@ nlohmann::json estimated_error_json(const ErrorEstimate& estimate,
   json out = {{"error", estimate.is_whole ? json(estimate.at_least) : json()},
               {"at_least", estimate.at_least},
               {"unknown", json::array()},
-              {"integrator", check ? json(check->error) : json()},
+              {"integrator", check && check->is_whole ? json(check->error) : json()},
               {"energy_balance", std::abs(result.energy.relative_error())}};
   for (const ErrorSource& source : estimate.sources) {
     if (!source.error)
       out["unknown"].push_back({{"source", source.kind}, {"name", source.name}, {"remedy", source.note}});
     if (source.kind == "mesh") out["mesh"][source.name] = source.error ? json(*source.error) : json();
   }
-  if (check)
+  if (check && check->factor == 1.0)
+    out["integrator_steps"] = {
+        {"error", check->error}, {"output", check->output}, {"wall_time", check->wall}};
+  if (check && check->factor != 1.0)
     out["integrator_check"] = {{"error", check->error},
                                {"output", check->output},
                                {"factor", check->factor},

@@ -10,6 +10,7 @@
 #include "mbs/app/run/left_out.hpp"
 #include "mbs/app/run/recorder.hpp"
 #include "mbs/study/choice/choose.hpp"
+#include "mbs/study/estimate/global_error.hpp"
 
 namespace flexura::app {
 namespace {
@@ -24,11 +25,11 @@ std::unique_ptr<study::IntegratorCheck> wanted_check(const PreparedMechanism& pr
 }
 
 void add_estimate(const PreparedMechanism& prepared, const study::TruncationEstimate* truncation,
-                  study::IntegratorCheck* check, const mbs::RunCallbacks& callbacks, RunOutcome& outcome) {
+                  study::IntegratorCheck* check, std::optional<study::IntegratorEstimate> integrator,
+                  const mbs::RunCallbacks& callbacks, RunOutcome& outcome) {
   const LeftOut unneeded = left_out(prepared);
   outcome.summary["left_out"] = left_out_json(unneeded);
   if (std::string line = left_out_line(unneeded); !line.empty()) outcome.lines.push_back(std::move(line));
-  std::optional<study::IntegratorEstimate> integrator;
   if (check && outcome.result.complete) integrator = check->estimate(callbacks);
   const study::IntegratorEstimate* const by_check = integrator ? &*integrator : nullptr;
   const ErrorEstimate estimate = estimate_error(prepared, truncation, by_check, outcome.result);
@@ -97,6 +98,11 @@ RunOutcome run_as_told(const NamedRun& run, const SimulateArguments& arguments, 
     if (check) check->take(s, v_dot);
   };
   const bool goes_on = memory.from && memory.from->run() == run.name;
+  // Of the steps before a checkpoint nothing is known, nor where a second run tells.
+  const auto steps =
+      arguments.no_estimate || check || memory.from || memory.to || !arguments.continue_from.empty()
+          ? nullptr
+          : study::GlobalError::make(prepared);
   if (goes_on) memory.from->replay(run.name, *prepared.mechanism, observe);
   if (memory.to && !goes_on) memory.to->begin_run(run.name);
   callbacks.row = [&](const mbs::State& s, const Eigen::VectorXd& v_dot, const mbs::EnergyAccount& account) {
@@ -105,6 +111,7 @@ RunOutcome run_as_told(const NamedRun& run, const SimulateArguments& arguments, 
     if (memory.to) memory.to->add(s, v_dot, energy);
     recorder.watch(s, account.now.kinetic);
   };
+  if (steps) steps->watch(callbacks);
   // What the shadows cost is taken off the run's time, so they must not run beside it.
   callbacks.rows_beside = !shadows;
   RunOutcome out;
@@ -118,7 +125,12 @@ RunOutcome run_as_told(const NamedRun& run, const SimulateArguments& arguments, 
   study::TruncationEstimate truncation;
   if (shadows) truncation = shadows->estimate();
   out.result.wall_time -= truncation.wall;
-  add_estimate(prepared, shadows ? &truncation : nullptr, check.get(), callbacks, out);
+  std::optional<study::IntegratorEstimate> integrator;
+  if (steps && out.result.complete) {
+    integrator = steps->estimate();
+    if (!callbacks.rows_beside) out.result.wall_time -= integrator->wall;
+  }
+  add_estimate(prepared, shadows ? &truncation : nullptr, check.get(), std::move(integrator), callbacks, out);
   return out;
 }
 
@@ -158,7 +170,8 @@ RunOutcome run_within_accuracy(NamedRun& run, const SimulateArguments& arguments
     throw std::invalid_argument(
         "a run whose fidelity is chosen starts from the file's own state; take --from-state or --continue "
         "away, or give fidelities in place of \"auto\" and solver.accuracy");
-  study::ChosenRun chosen = study::run_within(run.prepared, arguments.file, run.overrides, callbacks);
+  study::ChosenRun chosen = study::run_within(run.prepared, arguments.file, run.overrides, callbacks,
+                                              !arguments.no_estimate && !arguments.check_integrator);
   run.prepared = std::move(chosen.prepared);
   run.overrides = std::move(chosen.overrides);
   Recorder recorder(run.prepared, writer);
@@ -178,7 +191,8 @@ RunOutcome run_within_accuracy(NamedRun& run, const SimulateArguments& arguments
   out.lines = std::move(chosen.reasons);
   out.lines.push_back(fmt::format("without the choice: --set {}", fmt::join(chosen.set, " --set ")));
   if (!arguments.no_estimate)
-    add_estimate(run.prepared, chosen.has_estimate ? &chosen.estimate : nullptr, check.get(), callbacks, out);
+    add_estimate(run.prepared, chosen.has_estimate ? &chosen.estimate : nullptr, check.get(),
+                 std::move(chosen.integrator), callbacks, out);
   return out;
 }
 

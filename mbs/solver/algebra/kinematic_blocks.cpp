@@ -74,7 +74,7 @@ KinematicBlocks::KinematicBlocks(const Equations& eq, const Eigen::VectorXd& p) 
   }
 }
 
-void KinematicBlocks::update(const Eigen::VectorXd& p, const Eigen::VectorXd& w) {
+void KinematicBlocks::update_T(const Eigen::VectorXd& p) {
   for (int k = 0; k < widest_v_; ++k) {
     w_step_.setZero();
     for (const Block& b : blocks_)
@@ -92,6 +92,10 @@ void KinematicBlocks::update(const Eigen::VectorXd& p, const Eigen::VectorXd& w)
     const Small gram = b.T.transpose() * b.T;
     b.T_inverse.noalias() = Small(gram.inverse()) * b.T.transpose();
   }
+}
+
+void KinematicBlocks::update(const Eigen::VectorXd& p, const Eigen::VectorXd& w) {
+  update_T(p);
   if (widest_p_ <= 1) return;  // a single number turns or slides: T does not depend on it
   eq_.kinematic(p, w, rate_);
   p_step_ = p;

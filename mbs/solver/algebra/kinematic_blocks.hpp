@@ -23,6 +23,7 @@ class KinematicBlocks {
   KinematicBlocks(const Equations& eq, const Eigen::VectorXd& p);
 
   void update(const Eigen::VectorXd& p, const Eigen::VectorXd& w);  ///< T, T^+ and A
+  void update_T(const Eigen::VectorXd& p);                          ///< T and T^+ alone
 
   const std::vector<Block>& blocks() const { return blocks_; }
 

@@ -8,12 +8,13 @@
 
 namespace flexura::mbs {
 
-Bookkeeper::Bookkeeper(const Equations& eq, const SolverOptions& options, Row row, bool beside)
+Bookkeeper::Bookkeeper(const Equations& eq, const SolverOptions& options, Row row, Step step, bool beside)
     : book_(eq, options.tolerance),
       closer_(eq, options),
       watch_(eq),
       allowed_(RowWatch::allowed(options.tolerance)),
       row_(std::move(row)),
+      step_(std::move(step)),
       entries_([this](BookEntry& entry) { work_off(entry); }, beside) {}
 
 BookEntry& Bookkeeper::next(BookEntry::Kind kind) {
@@ -41,6 +42,7 @@ void Bookkeeper::work_off(BookEntry& entry) {
 }
 
 void Bookkeeper::enter_step(BookEntry& entry) {
+  if (step_) step_(entry.begin, entry.nodes);
   if (!book_.asks_multipliers(entry.nodes[2].state)) {
     book_.open_step(entry.t_end, entry.nodes);
     return;

@@ -19,22 +19,23 @@ struct BookEntry {
   Kind kind = Kind::step;
   double t_end = 0.0;            ///< of the step
   std::array<Instant, 3> nodes;  ///< of the step, at EnergyBook::node_times()
-  Instant begin;                 ///< of the step, where there are constraints
+  Instant begin;                 ///< of the step, where there are constraints or somebody looks at steps
   Instant row;
 };
 
 class Bookkeeper {
  public:
   using Row = std::function<void(const State&, const Eigen::VectorXd& v_dot, const EnergyAccount&)>;
+  using Step = std::function<void(const Instant& begin, const std::array<Instant, 3>& nodes)>;
   /// The largest of a run so far.
   struct Peaks {
     LoopCloser::Drift drift;  ///< left open in what the run gave away
     double energy_error = 0.0;
   };
 
-  /// `row` may be empty.  With `beside` entries are made by a second thread, in their order, which calls
-  /// `row`; the numbers are the same to the bit.
-  Bookkeeper(const Equations& eq, const SolverOptions& options, Row row, bool beside);
+  /// `row` and `step` may be empty.  With `beside` entries are made by a second thread, in their order, which calls
+  /// `row` and `step`; the numbers are the same to the bit.
+  Bookkeeper(const Equations& eq, const SolverOptions& options, Row row, Step step, bool beside);
 
   /// The state from which the run goes: what its loops are open by is how little their parts fit.
   void begin(const State& s) { watch_.begin(s); }
@@ -64,6 +65,7 @@ class Bookkeeper {
   RowWatch watch_;
   double allowed_;  // see RowWatch::Opening
   Row row_;
+  Step step_;
   Peaks peaks_;
   Instant between_;
   BackgroundQueue<BookEntry> entries_;

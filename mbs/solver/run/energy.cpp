@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mbs/solver/algebra/lobatto.hpp"
+
 namespace flexura::mbs {
 
 double EnergyAccount::relative_error() const {
@@ -59,33 +61,9 @@ void EnergyBook::resume(const EnergyAccount& account, double t) {
   h_ = 0.0;
 }
 
-namespace {
-
-// Lobatto's four points: the ends, which are evaluated anyway, and two between.
-const double kNode[4] = {0.0, 0.5 - std::sqrt(0.05), 0.5 + std::sqrt(0.05), 1.0};
-
-// The cubic that is 1 at node i and 0 at the others.
-double basis(int i, double x) {
-  double value = 1.0;
-  for (int j = 0; j < 4; ++j)
-    if (j != i) value *= (x - kNode[j]) / (kNode[i] - kNode[j]);
-  return value;
-}
-
-// Integral from 0 to x of the cubic that is 1 at node i and 0 at the others; at x = 1 Lobatto's weights.
-double integral_of_basis(int i, double x) {
-  // The other three nodes: (u - a)(u - b)(u - c) = u^3 - S u^2 + P u - Q.
-  double a[3], scale = 1.0;
-  for (int j = 0, k = 0; j < 4; ++j)
-    if (j != i) {
-      a[k++] = kNode[j];
-      scale *= kNode[i] - kNode[j];
-    }
-  const double S = a[0] + a[1] + a[2], P = a[0] * a[1] + a[1] * a[2] + a[2] * a[0], Q = a[0] * a[1] * a[2];
-  return x * (x * (x * (0.25 * x - S / 3.0) + 0.5 * P) - Q) / scale;
-}
-
-}  // namespace
+using lobatto::basis;
+using lobatto::integral_of_basis;
+using lobatto::kNode;
 
 std::array<double, 3> EnergyBook::node_times(double t_begin, double t_end) {
   const double h = t_end - t_begin;

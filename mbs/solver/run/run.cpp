@@ -30,7 +30,7 @@ void Runner::enter_step(double t_begin, double t_end, double rows_until, Integra
   step.t_end = t_end;
   const std::array<double, 3> times = EnergyBook::node_times(t_begin, t_end);
   for (int i = 0; i < 3; ++i) integrator.interpolate(times[i], step.nodes[i].state, step.nodes[i].v_dot);
-  if (n_.n_lambda > 0) integrator.interpolate(t_begin, step.begin.state, step.begin.v_dot);
+  if (n_.n_lambda > 0 || callbacks_.step) integrator.interpolate(t_begin, step.begin.state, step.begin.v_dot);
   books_.enter();
   for (; next_row_is_until(rows_until); ++next_row_) {
     Instant& row = books_.next(BookEntry::Kind::row).row;
@@ -102,10 +102,18 @@ void Runner::start_anew() {
   assemble_velocities(eq_, s, {}, report);
   accelerations_.solve(s, result_.v_dot);
   books_.book().jump(s, result_.v_dot);
-  integrator_->set_horizon(times_.next(s.t).t);
-  integrator_->start(s, result_.v_dot);
-  has_history_ = false;
+  start_integrator();
   n_anchors_ = 0;
+}
+
+// At the state reached.
+void Runner::start_integrator() {
+  integrator_->set_horizon(times_.next(result_.state.t).t);
+  integrator_->start(result_.state, result_.v_dot);
+  has_history_ = false;
+  if (!callbacks_.restart) return;
+  books_.drain();
+  callbacks_.restart(result_.state, result_.v_dot, kind_of(options_));
 }
 
 // What is due at this very time is passed before the next step.
@@ -313,8 +321,7 @@ RunResult Runner::run() {
       if (!resumed_ && is_watched_ && stands_still()) {
         change_method("kinematics", "nothing is free to move, the constraints hold all of it");
       } else if (!resumed_ && keeps_book_) {
-        integrator_->set_horizon(times_.next(result_.state.t).t);
-        integrator_->start(result_.state, result_.v_dot);
+        start_integrator();
       }
       pace_watch_.change(result_.state.t);
       while (step_once())

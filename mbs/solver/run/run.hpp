@@ -2,11 +2,13 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <functional>
 #include <string>
 #include <vector>
 
 #include "mbs/equations/equations.hpp"
+#include "mbs/solver/accuracy/integrator_kind.hpp"
 #include "mbs/solver/accuracy/options.hpp"
 #include "mbs/solver/integrators/integrator.hpp"
 #include "mbs/solver/run/energy.hpp"
@@ -22,6 +24,13 @@ struct RunCallbacks {
   /// Rows are made and `row` is called by a second thread, some steps behind: it then shares nothing with the
   /// other two.  The numbers are the same to the bit; when run() returns, all rows are there.
   bool rows_beside = false;
+  /// Called, before the rows within it, for every step that a motion was integrated by: what the integrator's own
+  /// polynomial says at its begin and at EnergyBook::node_times(), the last of which is its end.  By the thread that
+  /// calls `row`.
+  std::function<void(const Instant& begin, const std::array<Instant, 3>& nodes)> step;
+  /// Called where the integrator starts, and starts anew behind an event: from this state with these accelerations.
+  /// Never beside `step` or `row`.
+  std::function<void(const State&, const Eigen::VectorXd& v_dot, const IntegratorKind&)> restart;
   /// Called after every step with the time reached and the fraction done.
   std::function<void(double t, double fraction)> progress;
   /// True asks for a clean stop after the present step (Ctrl-C).

@@ -127,9 +127,7 @@ void Runner::change_method(const std::string& method, const std::string& why) {
   method_watch_.change();
   pace_watch_.change(result_.state.t);
   start_again(result_.state, result_.v_dot);
-  integrator_->set_horizon(times_.next(result_.state.t).t);
-  integrator_->start(result_.state, result_.v_dot);
-  has_history_ = false;
+  start_integrator();
 }
 
 bool Runner::cross_singularity(const IntegrationError& reason) {
@@ -164,9 +162,7 @@ bool Runner::leap_across(double least_way, bool& goes_on) {
     if (result_.state.t - t_failed < least_way) continue;
     ++result_.counts.singular_crossings;
     n_anchors_ = 0;
-    integrator_->set_horizon(times_.next(result_.state.t).t);
-    integrator_->start(result_.state, result_.v_dot);
-    has_history_ = false;
+    start_integrator();
     goes_on = result_.state.t < options_.end_time;
     return true;
   }

@@ -40,7 +40,7 @@ class Runner {
         watch_(eq),
         watch_closer_(eq, options),
         keeps_book_(kind_of(options).is_motion),
-        books_(eq, options, callbacks.row, callbacks.rows_beside && keeps_book_),
+        books_(eq, options, callbacks.row, callbacks.step, callbacks.rows_beside && keeps_book_),
         times_(eq, options) {
     result_.state = start;
     result_.state.t = options.start_time;
@@ -79,6 +79,7 @@ class Runner {
   void take_switches(const std::vector<int>& roots);
   void change_switches(const std::vector<int>& roots);
   void start_anew();
+  void start_integrator();
   void look_ahead();
   void refuse_endless(long stops, double most, const char* what) const;
   bool grows_at_once(const StepEnd& end);

@@ -24,6 +24,7 @@ std::vector<std::string> BodyChoice::overrides(const std::string& body) const {
     words.push_back(stiffened ? "fidelity=modal-stiffened" : "fidelity=modal");
     // With stiffening one eigenmode at least: response modes alone are quasi-static.
     if (!candidate.all) words.push_back(fmt::format("modes={}", std::max(candidate.modes, 1)));
+    if (candidate.held) words.insert(words.end(), {"frame=mean_axis", "boundary=joint"});
   }
   for (std::string& word : words) word = fmt::format("body.{}.{}", body, word);
   return words;
@@ -35,7 +36,8 @@ std::string BodyChoice::what(const std::string& body) const {
     return fmt::format("{}: static, {} response modes", body, candidate.responses);
   const char* const fidelity = stiffened ? "modal-stiffened" : "modal";
   if (candidate.all) return fmt::format("{}: {}, all {} modes", body, fidelity, available);
-  return fmt::format("{}: {}, {} of {} modes", body, fidelity, std::max(candidate.modes, 1), available);
+  return fmt::format("{}: {}, {} of {} modes{}", body, fidelity, std::max(candidate.modes, 1), available,
+                     candidate.held ? ", held as its joint holds it" : "");
 }
 
 std::string BodyChoice::text(const std::string& body) const {
@@ -52,6 +54,7 @@ void BodyChoice::refine() {
   candidate.modes = std::max(2, 2 * candidate.modes);
   if (candidate.modes + candidate.responses >= available) {
     candidate.all = true;
+    candidate.held = false;
     candidate.modes = available;
   }
 }

@@ -2,11 +2,13 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "mbs/solver/run/run.hpp"
 #include "mbs/solver/start/prepare.hpp"
+#include "mbs/study/estimate/integrator_check.hpp"
 #include "mbs/study/estimate/shadows.hpp"
 
 /// Fidelity and tolerance for a wanted accuracy.
@@ -44,6 +46,7 @@ struct ChosenRun {
   std::vector<RowOfRun> rows;  ///< what the callback `row` would have been given
   bool has_estimate = false;
   TruncationEstimate estimate;
+  std::optional<IntegratorEstimate> integrator;
   std::vector<std::string> reasons;  ///< one line for each body, restart and tolerance
   int restarts = 0;
   double screening_wall = 0.0;  ///< [s] of the screening and of what restarts threw away
@@ -54,8 +57,10 @@ struct ChosenRun {
 bool is_to_be_chosen(const mbs::PreparedMechanism& run);
 
 /// Runs it: `given` is the mechanism as its file and the overrides describe it.  With solver.accuracy the
-/// tolerance is chosen, too; without it the accuracy is 1 %.  Throws what prepare() throws.
+/// tolerance is chosen, too; without it the accuracy is 1 %.  `integrator`: its share is told as well.  Throws what
+/// prepare() throws.
 ChosenRun run_within(const mbs::PreparedMechanism& given, const std::filesystem::path& file,
-                     const std::vector<std::string>& overrides, const mbs::RunCallbacks& callbacks);
+                     const std::vector<std::string>& overrides, const mbs::RunCallbacks& callbacks,
+                     bool integrator = true);
 
 }  // namespace flexura::study

@@ -93,19 +93,26 @@ const ModalBlock& Screening::block_of(const std::string& body) const {
   return *std::ranges::find(full_.blocks(), body, &ModalBlock::name);
 }
 
-MatrixXd Screening::responses_of(const std::string& body) const {
+std::optional<Screening::Basis> Screening::basis_of(const std::string& body,
+                                                    const std::vector<std::string>& words) const {
   const ModalBlock& block = block_of(body);
   std::vector<std::string> overrides = overrides_;
-  for (const char* const text : {"fidelity=static", "frame=mean_axis", "boundary=free", "coupling=full"})
-    overrides.push_back(fmt::format("body.{}.{}", body, text));
+  for (const std::string& word : words) overrides.push_back(fmt::format("body.{}.{}", body, word));
   try {
     mbs::MechanismFile file = mbs::read_mechanism(file_, mbs::solver_schema(), overrides, run_.cache.get());
     const mbs::Mechanism mechanism(std::move(file.description));
     const auto index = static_cast<std::size_t>(&block - full_.blocks().data());
-    return Embedding(mechanism, full_).deformations(index);
+    const mbs::FlexibleBody* const deforms = mechanism.deforming(block.body);
+    if (!deforms || !deforms->modal()) return std::nullopt;
+    return Basis{Embedding(mechanism, full_).deformations(index), deforms->modal()->damping};
   } catch (const input::InputError&) {
-    return MatrixXd(block.m, 0);  // nothing acts on its interfaces
+    return std::nullopt;  // nothing acts on its interfaces, or no joint holds it
   }
+}
+
+MatrixXd Screening::responses_of(const std::string& body) const {
+  const auto basis = basis_of(body, {"fidelity=static", "frame=mean_axis", "boundary=free", "coupling=full"});
+  return basis ? basis->S : MatrixXd(block_of(body).m, 0);
 }
 
 // The outputs of the correction in the deformations S of one body (n_block x k), row by row.
@@ -178,10 +185,53 @@ Candidate Screening::judge(const ModalBlock& block, int modes, const MatrixXd& r
   // Response modes are damped critically, see read_flexible_body.hpp.
   const VectorXd own = (A.transpose() * damping_of(full_, block).asDiagonal() * A).diagonal();
   const std::vector<VectorXd> y = outputs_with(block, S, 2.0 * ritz.cwiseSqrt() - own);
+  out.loss = loss_of(y, whole);
+  return out;
+}
+
+double Screening::loss_of(const std::vector<VectorXd>& y, const std::vector<VectorXd>& whole) const {
   VectorXd sum = VectorXd::Zero(whole.front().size());
   for (std::size_t i = 0; i < y.size(); ++i) sum += (y[i] - whole[i]).cwiseAbs2();
-  out.loss = worst_output(sum, static_cast<double>(y.size()), shadows_->estimate().outputs).first;
-  return out;
+  return worst_output(sum, static_cast<double>(y.size()), shadows_->estimate().outputs).first;
+}
+
+// The fewest eigenmodes of the body as its joint holds it that do: two of them may do what twenty free ones do, for a bar
+// that a wall holds.  Their damping is that of the run, by their own ratios.
+std::optional<Candidate> Screening::fewest_held(const std::string& body, int fewer_than,
+                                                const std::vector<VectorXd>& whole, double share) {
+  const ModalBlock& block = block_of(body);
+  // A rigid link is held together in a frame of its own.
+  for (const mbs::BlindSpot& spot : run_.file.blind_spots)
+    if (spot.kind == "link" && spot.name.starts_with(body + '.')) return std::nullopt;
+  std::vector<int> ladder;
+  for (const int modes : kLadder)
+    if (modes > 0 && modes < fewer_than && modes < block.m) ladder.push_back(modes);
+  if (ladder.empty()) return std::nullopt;
+  const auto held =
+      basis_of(body, {"fidelity=modal", "frame=mean_axis", "boundary=joint", "coupling=full",
+                      "attachments=none", "max_frequency=", fmt::format("modes={}", ladder.back())});
+  if (!held || held->S.cols() < 1) return std::nullopt;
+  std::optional<Candidate> found;
+  std::size_t low = 0, high = ladder.size();
+  while (low < high) {
+    const std::size_t middle = (low + high) / 2;
+    const Index n = std::min<Index>(ladder[middle], held->S.cols());
+    const MatrixXd S = held->S.leftCols(n);
+    const VectorXd own = (S.transpose() * damping_of(full_, block).asDiagonal() * S).diagonal();
+    Candidate candidate;
+    candidate.modes = static_cast<int>(n);
+    candidate.plain = candidate.held = true;
+    candidate.loss = loss_of(outputs_with(block, S, held->damping.head(n) - own), whole);
+    candidate.highest_hz = hz((S.transpose() * stiffness_of(full_, block).asDiagonal() * S)(n - 1, n - 1) /
+                              S.col(n - 1).squaredNorm());
+    if (candidate.loss <= share) {
+      found = candidate;
+      high = middle;
+    } else {
+      low = middle + 1;
+    }
+  }
+  return found;
 }
 
 // The fewest of `ladder`, by bisection: more modes lose less.
@@ -224,6 +274,7 @@ Candidate Screening::cheapest(const std::string& body, double share) {
     found->plain = true;
     best = *found;
   }
+  if (const auto found = fewest_held(body, best.modes + best.responses, whole, share)) best = *found;
   return best;
 }
 
@@ -240,7 +291,7 @@ void Screening::change_of_stiffness(const ModalBlock& block, Screened& out) {
   const auto& body = full_.mechanism().description().bodies[static_cast<std::size_t>(block.body)];
   out.has_stiffening_terms = has_stiffening_terms(body);
   if (!out.has_stiffening_terms) return;
-  const auto stiffened = FullModel::make(run_, file_, overrides_, {block.name});
+  const auto stiffened = FullModel::make(run_, file_, overrides_, {.stiffened = {block.name}, .rigid = {}});
   const VectorXd scale = stiffness_of(full_, block).cwiseSqrt().cwiseInverse();
   LinearisedRow with, without;
   const std::size_t every = std::max<std::size_t>(1, rows_.size() / kRowsForStiffness);

@@ -40,6 +40,7 @@ struct Candidate {
   int modes = 0, responses = 0;
   bool all = false;         ///< every deformation, without response modes
   bool plain = false;       ///< eigenmodes alone
+  bool held = false;        ///< eigenmodes alone, of the body as its joint holds it
   double loss = 0.0;        ///< relative rms of the worst output
   double highest_hz = 0.0;  ///< of the eigenmodes kept; 0 without any
 };
@@ -76,7 +77,16 @@ class Screening {
     bool jumped = false;  ///< a load has, since the row before
   };
   const ModalBlock& block_of(const std::string& body) const;
+  // Deformations that the body has with these words in its table, and how they are damped there [1/s].
+  struct Basis {
+    Eigen::MatrixXd S;
+    Eigen::VectorXd damping;
+  };
+  std::optional<Basis> basis_of(const std::string& body, const std::vector<std::string>& words) const;
   Eigen::MatrixXd responses_of(const std::string& body) const;
+  std::optional<Candidate> fewest_held(const std::string& body, int fewer_than,
+                                       const std::vector<Eigen::VectorXd>& whole, double share);
+  double loss_of(const std::vector<Eigen::VectorXd>& y, const std::vector<Eigen::VectorXd>& whole) const;
   std::vector<Eigen::VectorXd> outputs_with(const ModalBlock& block, const Eigen::MatrixXd& S,
                                             const Eigen::VectorXd& extra_damping);
   Candidate judge(const ModalBlock& block, int modes, const Eigen::MatrixXd& responses,

@@ -83,17 +83,28 @@ FullModel::FullModel(std::unique_ptr<mbs::Mechanism> mechanism) : mechanism_(std
 std::unique_ptr<FullModel> FullModel::make(const mbs::PreparedMechanism& run,
                                            const std::filesystem::path& file,
                                            const std::vector<std::string>& overrides,
-                                           const std::vector<std::string>& stiffened) {
+                                           const FullScope& scope) {
   std::vector<std::string> full = overrides;
   bool any = false;
   for (const mbs::BodyDescription& body : run.mechanism->description().bodies) {
     // A subsystem's bodies are as its own file says.
     if (body.name.find('.') != std::string::npos || !can_deform(body)) continue;
+    const auto say = [&](const std::string& words) {
+      full.push_back(fmt::format("body.{}.{}", body.name, words));
+    };
+    for (const char* const text :
+         {"coupling=full", "frame=mean_axis", "boundary=free", "modes=", "max_frequency="})
+      say(text);
+    if (scope.rigid.contains(body.name)) {
+      say("fidelity=rigid");
+      continue;
+    }
     any = true;
-    const bool stiff = std::ranges::find(stiffened, body.name) != stiffened.end();
-    for (const char* const text : {stiff ? "fidelity=modal-stiffened" : "fidelity=modal", "coupling=full",
-                                   "frame=mean_axis", "boundary=free", "modes=", "max_frequency="})
-      full.push_back(fmt::format("body.{}.{}", body.name, text));
+    say(std::ranges::find(scope.stiffened, body.name) != scope.stiffened.end() ? "fidelity=modal-stiffened"
+                                                                               : "fidelity=modal");
+    if (const int most = superelement::contents(body.superelement).header.n() - 6;
+        scope.modes > 0 && scope.modes < most)
+      say(fmt::format("modes={}", scope.modes));
   }
   if (!any) return nullptr;
   mbs::MechanismFile all = mbs::read_mechanism(file, mbs::solver_schema(), full, run.cache.get());
@@ -102,8 +113,7 @@ std::unique_ptr<FullModel> FullModel::make(const mbs::PreparedMechanism& run,
   return out;
 }
 
-void FullModel::take_start(const mbs::PreparedMechanism& run) {
-  // Only positions matter to redundancy.
+mbs::State FullModel::state_of(const mbs::PreparedMechanism& run) const {
   mbs::State s = mechanism_->initial_state();
   const auto p_run =
       by_name(run.mechanism->sizes().n_p, [&](int i) { return run.mechanism->name_of_position(i); });
@@ -111,6 +121,14 @@ void FullModel::take_start(const mbs::PreparedMechanism& run) {
              mechanism_->sizes().n_p, [&](int i) { return mechanism_->name_of_position(i); }, p_run),
          run.state.p, s.p);
   for (const ModalBlock& block : blocks_) s.p.segment(block.p, block.m).setZero();
+  s.t = run.state.t;
+  s.lambda = VectorXd::Zero(mechanism_->sizes().n_lambda);
+  return s;
+}
+
+void FullModel::take_start(const mbs::PreparedMechanism& run) {
+  // Only positions matter to redundancy.
+  const mbs::State s = state_of(run);
   mechanism_->drop_redundant(run.state.t, s.p);
   scratch_ = mechanism_->make_scratch();
   tangents_ = std::make_unique<mbs::Tangents>(*mechanism_);

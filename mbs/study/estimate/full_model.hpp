@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -32,13 +33,23 @@ bool can_deform(const mbs::BodyDescription& body);
 /// of its surface, and no force puts a load case on it.
 bool has_stiffening_terms(const mbs::BodyDescription& body);
 
+/// Of what bodies a full model is made.
+struct FullScope {
+  std::vector<std::string> stiffened;  ///< bodies that are taken with geometric stiffening
+  std::set<std::string> rigid;         ///< bodies that are taken without deformation
+  int modes = 0;                       ///< no more than so many of each body; 0: all
+};
+
 class FullModel {
  public:
-  /// `overrides` are those the run was prepared with, `stiffened` the bodies that are taken with geometric
-  /// stiffening.  Null where the mechanism has no superelement.  Throws what read_mechanism() throws.
+  /// `overrides` are those the run was prepared with.  Null where the mechanism has no superelement that deforms.  Throws
+  /// what read_mechanism() throws.
   static std::unique_ptr<FullModel> make(const mbs::PreparedMechanism& run, const std::filesystem::path& file,
                                          const std::vector<std::string>& overrides,
-                                         const std::vector<std::string>& stiffened = {});
+                                         const FullScope& scope = {});
+
+  /// The run's state, of joints alone: deformations at rest.
+  mbs::State state_of(const mbs::PreparedMechanism& run) const;
 
   const mbs::Mechanism& mechanism() const { return *mechanism_; }
   const std::vector<ModalBlock>& blocks() const { return blocks_; }

@@ -63,8 +63,9 @@ IntegratorEstimate IntegratorCheck::estimate(const mbs::RunCallbacks& callbacks)
   mbs::SolverOptions options = run_.options;
   IntegratorEstimate out;
   out.factor = factor_;
-  out.by_step = options.fixed_step > 0.0;
-  (out.by_step ? options.fixed_step : options.tolerance) *= factor_;
+  const bool by_step = options.fixed_step > 0.0;
+  out.note = fmt::format("a second run at {:g} times the {}", factor_, by_step ? "step" : "tolerance");
+  (by_step ? options.fixed_step : options.tolerance) *= factor_;
   const auto n = static_cast<Eigen::Index>(which_.size());
   VectorXd squares = VectorXd::Zero(n), sizes = VectorXd::Zero(n), y;
   std::size_t row = 0;
@@ -84,7 +85,7 @@ IntegratorEstimate IntegratorCheck::estimate(const mbs::RunCallbacks& callbacks)
   if (!again.complete || row == 0)
     throw std::runtime_error(fmt::format(
         "the second run that tells the integrator's error ({} {:g}) stopped: {}",
-        out.by_step ? "fixed_step" : "tolerance", out.by_step ? options.fixed_step : options.tolerance,
+        by_step ? "fixed_step" : "tolerance", by_step ? options.fixed_step : options.tolerance,
         again.stopped_because.empty() ? "it has no row in common with the first" : again.stopped_because));
   const auto count = static_cast<double>(row);
   for (Eigen::Index i = 0; i < n; ++i)

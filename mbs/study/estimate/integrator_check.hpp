@@ -26,9 +26,10 @@ namespace flexura::study {
 struct IntegratorEstimate {
   double error = 0.0;    ///< relative rms of the worst output that counts
   std::string output;    ///< that output
-  double factor = 10.0;  ///< of the tolerance (or fixed step) of the second run
-  bool by_step = false;  ///< with fixed steps
-  double wall = 0.0;     ///< [s] of the second run
+  bool is_whole = true;  ///< else it is at least `error`
+  std::string note;      ///< what it is from, or why it is not whole
+  double factor = 1.0;   ///< of the tolerance (or fixed step) of the second run; 1 where there was none
+  double wall = 0.0;     ///< [s] that it took
 };
 
 class IntegratorCheck {

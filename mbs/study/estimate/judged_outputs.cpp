@@ -2,6 +2,7 @@
 #include "mbs/study/estimate/judged_outputs.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <set>
@@ -28,9 +29,26 @@ std::string owner_of(const std::string& name) {
   return dot == std::string::npos ? std::string() : name.substr(0, dot);
 }
 
-bool is_motion(const std::string& unit) {
-  return unit == "m" || unit == "rad";
+bool is_motion(const input::Dimension& d) {
+  return d == input::dim::length || d == input::dim::angle;
 }
+bool is_force(const input::Dimension& d) {
+  return d == input::dim::force || d == input::dim::torque || d == input::dim::acceleration ||
+         d == input::dim::angular_acceleration;
+}
+
+// Sizes by what they are of.
+class OfDimension {
+ public:
+  double& operator[](const input::Dimension& d) { return sizes_[d.exponent]; }
+  double of(const input::Dimension& d) const {
+    const auto found = sizes_.find(d.exponent);
+    return found == sizes_.end() ? 0.0 : found->second;
+  }
+
+ private:
+  std::map<std::array<int, 4>, double> sizes_;
+};
 
 std::vector<std::string> usual_outputs(const mbs::Mechanism& mechanism) {
   std::vector<std::string> out;
@@ -76,7 +94,7 @@ std::vector<int> judged_outputs(const mbs::PreparedMechanism& run, const mbs::Me
     outputs.push_back(static_cast<int>(found - infos.begin()));
     OutputEstimate output;
     output.name = name;
-    output.unit = input::si_unit(found->dimension);
+    output.dimension = found->dimension;
     sums.push_back(std::move(output));
   }
   return outputs;
@@ -101,7 +119,7 @@ Families::Families(const mbs::Mechanism& mechanism, double length)
       continue;
     which_.push_back(static_cast<int>(i));
     owner_.push_back(owner_of(infos[i].name));
-    unit_.push_back(input::si_unit(infos[i].dimension));
+    dimension_.push_back(infos[i].dimension);
   }
   y_.setZero(static_cast<Eigen::Index>(which_.size()));
   sum_ = squares_ = y_;
@@ -115,52 +133,49 @@ void Families::take(const mbs::State& s, const Eigen::VectorXd& v_dot) {
 }
 
 void Families::judge(std::vector<OutputEstimate>& outputs, bool asked, double tolerance) const {
-  std::map<std::string, double> of_unit;
-  std::map<std::pair<std::string, std::string>, double> of_owner;
+  OfDimension of_all, largest;
+  std::map<std::string, OfDimension> of_owner;
   const double n = std::max(1.0, static_cast<double>(rows_));
   for (std::size_t i = 0; i < which_.size(); ++i) {
     const auto k = static_cast<Eigen::Index>(i);
-    const double mean = is_motion(unit_[i]) ? sum_(k) / n : 0.0;
+    const double mean = is_motion(dimension_[i]) ? sum_(k) / n : 0.0;
     double size = std::sqrt(std::max(0.0, squares_(k) / n - mean * mean));
     // The difference of two squares is right to their round-off.
     if (size < 1e-7 * std::abs(mean)) size = 0.0;
     if (!std::isfinite(size)) continue;
-    double& most = of_unit[unit_[i]];
+    double& most = of_all[dimension_[i]];
     most = std::max(most, size);
     if (owner_[i].empty()) continue;
-    double& most_of_owner = of_owner[{owner_[i], unit_[i]}];
+    double& most_of_owner = of_owner[owner_[i]][dimension_[i]];
     most_of_owner = std::max(most_of_owner, size);
   }
-  std::map<std::string, double> largest;
   for (const OutputEstimate& o : outputs) {
-    double& most = largest[o.unit];
+    double& most = largest[o.dimension];
     most = std::max(most, o.size_rms);
   }
-  // What forces, lengths and speeds of the mechanism make of other units.
-  const double length = length_, force = std::max(of_unit["N"], of_unit["N*m"] / length),
-               speed = std::max(of_unit["m/s"], of_unit["rad/s"] * length),
-               acceleration = std::max(of_unit["m/s^2"], of_unit["rad/s^2"] * length);
-  const std::map<std::string, double> natural = {{"m", length},
-                                                 {"rad", 1.0},
-                                                 {"m/s", speed},
-                                                 {"rad/s", speed / length},
-                                                 {"m/s^2", acceleration},
-                                                 {"rad/s^2", acceleration / length},
-                                                 {"N", force},
-                                                 {"N*m", force * length},
-                                                 {"J", force * length},
-                                                 {"W", force * speed}};
+  // What forces, lengths and speeds of the mechanism make of other dimensions.
+  namespace dim = input::dim;
+  const double length = length_, force = std::max(of_all[dim::force], of_all[dim::torque] / length),
+               speed = std::max(of_all[dim::velocity], of_all[dim::angular_velocity] * length),
+               acceleration = std::max(of_all[dim::acceleration], of_all[dim::angular_acceleration] * length);
+  OfDimension natural;
+  natural[dim::length] = length;
+  natural[dim::angle] = 1.0;
+  natural[dim::velocity] = speed;
+  natural[dim::angular_velocity] = speed / length;
+  natural[dim::acceleration] = acceleration;
+  natural[dim::angular_acceleration] = acceleration / length;
+  natural[dim::force] = force;
+  natural[dim::torque] = force * length;  // and energies
+  natural[dim::power] = force * speed;
   for (OutputEstimate& o : outputs) {
     o.scale = o.size_rms;
-    const bool is_force = o.unit == "N" || o.unit == "N*m" || o.unit == "m/s^2" || o.unit == "rad/s^2";
-    if (const auto own = of_owner.find({owner_of(o.name), o.unit}); own != of_owner.end())
-      if (o.scale < kOfOwner * own->second) o.scale = own->second;
-    const double noise = is_force ? kOfForces : std::max(kOfRest, kOfTolerance * tolerance);
-    if (const auto all = of_unit.find(o.unit); all != of_unit.end())
-      if (o.scale < noise * all->second) o.scale = all->second;
-    if (const auto made = natural.find(o.unit); made != natural.end())
-      if (o.scale < kRoundOff * made->second) o.scale = made->second;
-    o.counts = asked || o.size_rms > kNothingUnasked * largest[o.unit];
+    if (const auto own = of_owner.find(owner_of(o.name)); own != of_owner.end())
+      if (const double size = own->second.of(o.dimension); o.scale < kOfOwner * size) o.scale = size;
+    const double noise = is_force(o.dimension) ? kOfForces : std::max(kOfRest, kOfTolerance * tolerance);
+    if (const double all = of_all.of(o.dimension); o.scale < noise * all) o.scale = all;
+    if (const double made = natural.of(o.dimension); o.scale < kRoundOff * made) o.scale = made;
+    o.counts = asked || o.size_rms > kNothingUnasked * largest[o.dimension];
   }
 }
 

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "mbs/base/documents/units.hpp"
 #include "mbs/solver/start/prepare.hpp"
 
 /// By which outputs the error of a run is judged, and how.
@@ -20,7 +21,8 @@
 namespace flexura::study {
 
 struct OutputEstimate {
-  std::string name, unit;
+  std::string name;
+  input::Dimension dimension;
   double max = 0.0, rms = 0.0, final = 0.0;  ///< of the error, in the output's unit
   double size_max = 0.0, size_rms = 0.0;     ///< of the corrected output
   double scale = 0.0;  ///< what an rms error is relative to: size_rms, or the rms of the family
@@ -33,7 +35,7 @@ struct OutputEstimate {
 std::pair<double, int> worst_output(const Eigen::VectorXd& squares, double span,
                                     const std::vector<OutputEstimate>& outputs);
 
-/// The quantities of `full` by which a run is judged, each with its name and unit in `outputs`: outputs that
+/// The quantities of `full` by which a run is judged, each with its name and dimension in `outputs`: outputs that
 /// both mechanisms have, and what is asked for by a name that only the full model knows (stress of a body that
 /// is rigid in the run, where it is zero); modal coordinates of a body, and places of the largest stress, are no outputs of an
 /// engineer's.
@@ -63,7 +65,8 @@ class Families {
   double length_;
   std::unique_ptr<mbs::Equations::Scratch> scratch_;
   std::vector<int> which_;
-  std::vector<std::string> owner_, unit_;
+  std::vector<std::string> owner_;
+  std::vector<input::Dimension> dimension_;
   Eigen::VectorXd y_, sum_, squares_;
   long rows_ = 0;
 };

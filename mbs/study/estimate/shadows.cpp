@@ -125,7 +125,8 @@ std::unique_ptr<Shadows> Shadows::make(const mbs::PreparedMechanism& run, const 
   std::vector<std::string> stiffened;
   for (const mbs::BodyDescription& body : run.mechanism->description().bodies)
     if (!body.superelement.empty() && has_stiffening_terms(body)) stiffened.push_back(body.name);
-  std::unique_ptr<FullModel> full = FullModel::make(run, file, overrides, stiffened);
+  std::unique_ptr<FullModel> full =
+      FullModel::make(run, file, overrides, {.stiffened = stiffened, .rigid = {}});
   if (!full) return nullptr;
   auto shadows = make(run, *full);
   if (shadows) shadows->impl_->own = std::move(full);

@@ -1,0 +1,87 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include <set>
+
+#include "mbs/base/documents/content_hash.hpp"
+#include "mbs/study/choice/chooser.hpp"
+
+/// What an earlier run chose, kept in the cache of prepared bodies (preparation_cache.hpp) for runs that differ in values
+/// of [parameters] alone, as those of a sweep do.  A run with a choice of another one's is judged by its own shadows like
+/// any other, and goes on with more where it has to.
+namespace flexura::study {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+
+std::string Chooser::key_of_choice() const {
+  input::ContentHash hash;
+  hash.add_input_file(file_).add(fmt::format("choice 1 {:.17g}", accuracy_));
+  for (const std::string& word : given_)
+    hash.add(word.starts_with("parameters.") ? word.substr(0, word.find('=')) : word);
+  std::set<std::string> files;
+  for (const mbs::BodyDescription& body : as_given_.mechanism->description().bodies)
+    if (!body.superelement.empty()) files.insert(body.superelement);
+  for (const std::string& file : files) hash.add_file(file);
+  return hash.hex();
+}
+
+// Bodies, beams, outputs and the time of the run, in the order of their names or as they are judged.
+mbs::PreparationCache::Matrices Chooser::packed() const {
+  MatrixXd bodies(static_cast<Index>(choices_.size()), 11), beams(static_cast<Index>(beams_.size()), 1),
+      outputs(static_cast<Index>(sizes_.outputs.size()), 3);
+  Index i = 0;
+  for (const auto& [name, c] : choices_)
+    bodies.row(i++) << c.rigid, c.stiffened, c.candidate.modes, c.candidate.responses, c.candidate.all,
+        c.candidate.plain, c.candidate.loss, c.candidate.highest_hz, c.available,
+        without_influence_.contains(name), c.candidate.held;
+  for (i = 0; i < beams.rows(); ++i) beams(i, 0) = beams_[static_cast<std::size_t>(i)].rigid;
+  for (i = 0; i < outputs.rows(); ++i) {
+    const OutputEstimate& o = sizes_.outputs[static_cast<std::size_t>(i)];
+    outputs.row(i) << o.scale, o.counts, o.size_rms;
+  }
+  return {bodies, beams, outputs, MatrixXd::Constant(1, 1, span_)};
+}
+
+bool Chooser::recall(const mbs::PreparationCache::Matrices& kept, const mbs::PreparedMechanism& rigid,
+                     const std::vector<std::string>& overrides) {
+  if (kept.size() != 4 || kept[0].rows() != static_cast<Index>(choices_.size()) || kept[0].cols() != 11 ||
+      kept[1].rows() != static_cast<Index>(beams_.size()) || kept[2].cols() != 3 || kept[3].size() != 1)
+    return false;
+  Index i = 0;
+  const auto is = [](double x) { return x != 0.0; };
+  for (auto& [name, c] : choices_) {
+    const Eigen::RowVectorXd row = kept[0].row(i++);
+    c.rigid = is(row(0));
+    c.stiffened = is(row(1));
+    c.candidate = {.modes = static_cast<int>(row(2)),
+                   .responses = static_cast<int>(row(3)),
+                   .all = is(row(4)),
+                   .plain = is(row(5)),
+                   .held = is(row(10)),
+                   .loss = row(6),
+                   .highest_hz = row(7)};
+    c.available = static_cast<int>(row(8));
+    c.reason = "as an earlier run with other parameters has chosen (kept in the cache)";
+    if (is(row(9))) without_influence_.insert(name);
+  }
+  for (std::size_t k = 0; k < beams_.size(); ++k) {
+    beams_[k].rigid = is(kept[1](static_cast<Index>(k), 0));
+    beams_[k].reason = "as an earlier run with other parameters has chosen (kept in the cache)";
+  }
+  full_ = FullModel::make(rigid, file_, overrides, {.stiffened = {}, .rigid = without_influence_});
+  if (!full_) return kept[2].rows() == 0;
+  sizes_.outputs.clear();
+  judged_outputs(rigid, full_->mechanism(), sizes_.outputs);
+  if (kept[2].rows() != static_cast<Index>(sizes_.outputs.size())) return false;
+  for (i = 0; i < kept[2].rows(); ++i) {
+    OutputEstimate& o = sizes_.outputs[static_cast<std::size_t>(i)];
+    o.scale = kept[2](i, 0);
+    o.counts = is(kept[2](i, 1));
+    o.size_rms = kept[2](i, 2);
+  }
+  span_ = kept[3](0, 0);
+  return true;
+}
+
+}  // namespace flexura::study

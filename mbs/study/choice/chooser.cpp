@@ -1,0 +1,250 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mbs/study/choice/chooser.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <chrono>
+#include <stdexcept>
+
+#include "mbs/base/terminal/terminal.hpp"
+#include "mbs/mechanism/describe.hpp"
+#include "mbs/study/choice/influence.hpp"
+#include "mbs/study/estimate/global_error.hpp"
+#include "mbs/study/estimate/percent.hpp"
+
+namespace flexura::study {
+namespace {
+
+using Eigen::VectorXd;
+using terminal::number;
+
+// At 1 % deflections of 10 um are still above the absolute part of the error allowed, 0.1 um.
+constexpr double kAbsoluteFactor = 0.01;
+// A slope of a tenth turns an axis by 0.1^2 / 2: half a per cent of the length, which no mode knows.
+constexpr double kLargestOfLinear = 0.1;
+constexpr double kUsualAccuracy = 0.01;  // of bodies with fidelity = "auto" in a run without accuracy
+
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+}  // namespace
+
+Chooser::Chooser(const mbs::PreparedMechanism& given, const std::filesystem::path& file,
+                 const std::vector<std::string>& overrides, const mbs::RunCallbacks& callbacks,
+                 bool integrator)
+    : accuracy_(accuracy_of(given) > 0.0 ? accuracy_of(given) : kUsualAccuracy),
+      as_given_(given),
+      file_(file),
+      given_(overrides),
+      callbacks_(callbacks),
+      tells_integrator_(integrator) {
+  for (const mbs::BodyDescription& body : given.mechanism->description().bodies)
+    if (is_open(given, body))
+      choices_[body.name] = {};
+    else if (is_open_beam(given, body))
+      beams_.push_back({body.name, true, ""});
+  if (accuracy_of(given) > 0.0) {
+    tolerance_ = std::clamp(1e-3 * accuracy_, 1e-9, 1e-4);
+    given_.push_back(fmt::format("solver.tolerance={:.3g}", *tolerance_));
+    given_.push_back(fmt::format("solver.absolute_factor={}", kAbsoluteFactor));
+  }
+}
+
+ChosenRun Chooser::run() {
+  const auto start = std::chrono::steady_clock::now();
+  ChosenRun out{prepared(overrides()), overrides(), {}, {}, {}, false, {}, {}, {}, 0, 0.0};
+  // A name that nothing has is refused before the run.
+  if (choices_.empty()) mbs::select_quantities(*out.prepared.mechanism, out.prepared.file.outputs);
+  bool is_screened = false;
+  const auto look = [&] {
+    is_screened = true;
+    leave_out(out.prepared, out.overrides);
+    screen(out);
+    if (!choices_.empty() && out.result.complete && out.has_estimate) choose();
+    return out.result.complete ? packed() : mbs::PreparationCache::Matrices();
+  };
+  const auto kept = as_given_.cache && !(choices_.empty() && beams_.empty())
+                        ? as_given_.cache->get("choice", key_of_choice(), look)
+                        : std::make_shared<const mbs::PreparationCache::Matrices>(look());
+  if (!is_screened && !recall(*kept, out.prepared, out.overrides)) {
+    for (auto& [body, choice] : choices_) choice = {};
+    without_influence_.clear();
+    look();
+  }
+  if (!is_screened || std::ranges::any_of(choices_, [](const auto& entry) { return !entry.second.rigid; }) ||
+      std::ranges::any_of(beams_, [](const BeamChoice& beam) { return !beam.rigid; })) {
+    const double screening = seconds_since(start);
+    out = simulate(out.prepared);
+    out.screening_wall += screening;
+  } else {
+    out.screening_wall = std::max(0.0, seconds_since(start) - out.result.wall_time);
+  }
+  for (const auto& [body, choice] : choices_)
+    if (!without_influence_.contains(body)) out.reasons.push_back(choice.text(body));
+  if (!without_influence_.empty())
+    out.reasons.push_back(fmt::format("{}: rigid: no output that is asked for depends on {} deformation",
+                                      fmt::join(without_influence_, ", "),
+                                      without_influence_.size() == 1 ? "its" : "their"));
+  for (const BeamChoice& beam : beams_) out.reasons.push_back(beam.text());
+  out.reasons.insert(out.reasons.end(), restarts_.begin(), restarts_.end());
+  out.restarts = static_cast<int>(restarts_.size());
+  out.set = keys_of(out.overrides);
+  if (tolerance_)
+    out.reasons.push_back(
+        fmt::format("tolerance {:.1e}: a thousandth of the wanted {}", *tolerance_, percent(accuracy_)));
+  return out;
+}
+
+mbs::PreparedMechanism Chooser::prepared(const std::vector<std::string>& words) const {
+  return mbs::prepare(file_, words, {}, as_given_.cache);
+}
+
+std::vector<std::string> Chooser::overrides() const {
+  std::vector<std::string> out = given_;
+  for (const auto& [body, choice] : choices_) {
+    const auto words = choice.overrides(body);
+    out.insert(out.end(), words.begin(), words.end());
+  }
+  const auto beams = overrides_of_beams();
+  out.insert(out.end(), beams.begin(), beams.end());
+  return out;
+}
+
+std::vector<std::string> Chooser::overrides_of_beams() const {
+  std::vector<std::string> out;
+  for (const BeamChoice& beam : beams_)
+    out.push_back(fmt::format("body.{}.fidelity={}", beam.body, beam.rigid ? "rigid" : "ancf"));
+  return out;
+}
+
+// Bodies on whose deformation no output depends that is asked for; asked of the lowest modes, which are enough to tell.
+void Chooser::leave_out(const mbs::PreparedMechanism& rigid, const std::vector<std::string>& overrides) {
+  constexpr int kModesThatTell = 6;
+  if (choices_.size() < 2 || rigid.file.outputs.empty()) return;
+  const auto few =
+      FullModel::make(rigid, file_, overrides, {.stiffened = {}, .rigid = {}, .modes = kModesThatTell});
+  if (!few) return;
+  std::vector<OutputEstimate> unused;
+  const auto with =
+      bodies_of_influence(*few, few->state_of(rigid), judged_outputs(rigid, few->mechanism(), unused));
+  for (const auto& [body, choice] : choices_)
+    if (!with.contains(body)) without_influence_.insert(body);
+}
+
+// The run with the bodies rigid that are to be chosen; `out` must outlive the screening.
+void Chooser::screen(ChosenRun& out) {
+  for (const mbs::OutputInfo& info : out.prepared.mechanism->quantities()) of_rigid_.insert(info.name);
+  // Where nothing is to be chosen but the tolerance, the shadows are those of any run.
+  const auto shadows = choices_.empty() ? Shadows::make(out.prepared, file_, out.overrides) : nullptr;
+  if (!choices_.empty()) {
+    full_ =
+        FullModel::make(out.prepared, file_, out.overrides, {.stiffened = {}, .rigid = without_influence_});
+    if (full_) screening_.emplace(out.prepared, *full_, file_, out.overrides);
+  }
+  std::vector<std::string> names;
+  for (const BeamChoice& beam : beams_) names.push_back(beam.body);
+  BeamScreening beams(*as_given_.mechanism, *out.prepared.mechanism, names);
+  mbs::RunCallbacks mine = callbacks_;
+  mine.row = [&](const mbs::State& s, const VectorXd& v_dot, const mbs::EnergyAccount& energy) {
+    out.rows.push_back({s, v_dot, energy});
+    beams.take(s, v_dot);
+    if (screening_) screening_->take(s, v_dot);
+    if (shadows) shadows->take(s, v_dot);
+  };
+  // An output that rigid bodies do not have is no output of this run.
+  const auto has_all = [&] {
+    try {
+      mbs::select_quantities(*out.prepared.mechanism, out.prepared.file.outputs);
+      return true;
+    } catch (const std::invalid_argument&) {
+      return false;
+    }
+  };
+  const auto steps = tells_integrator_ && has_all() ? GlobalError::make(out.prepared) : nullptr;
+  if (steps) steps->watch(mine);
+  out.result =
+      mbs::run(*out.prepared.mechanism, out.prepared.state, out.prepared.v_dot, out.prepared.options, mine);
+  if (steps && out.result.complete) out.integrator = steps->estimate();
+  if (shadows) {
+    out.has_estimate = true;
+    out.estimate = shadows->estimate();
+  } else if (screening_ && screening_->has_shadows()) {
+    out.has_estimate = true;
+    out.estimate = sizes_ = screening_->estimate();
+    span_ = screening_->span();
+  }
+  choose_beams(beams.beams());
+}
+
+void Chooser::choose_beams(const std::vector<ScreenedBeam>& screened) {
+  const double share = kShareOfModes * accuracy_;
+  for (std::size_t i = 0; i < beams_.size(); ++i) {
+    const ScreenedBeam& s = screened[i];
+    beams_[i].rigid = s.deflection <= share;
+    beams_[i].reason = fmt::format(
+        "rigid, its joints would load it with up to {} N, enough to bend it (EI {} N m^2, {} m long) by {} "
+        "of its length{}",
+        number(s.force, 2), number(s.bending_stiffness, 2), number(s.length, 2), percent(s.deflection),
+        s.deflection > kLargestOfLinear ? ": far beyond what modes describe" : "");
+  }
+}
+
+void Chooser::choose() {
+  const double share =
+      kShareOfModes * accuracy_ / static_cast<double>(choices_.size() - without_influence_.size());
+  std::vector<std::string> not_rigid;
+  for (const SourceEstimate& source : sizes_.by_body) {
+    const auto found = choices_.find(source.body);
+    if (found == choices_.end()) continue;
+    found->second.available = source.available;
+    if (source.error > share || has_output_of_its_own(source.body))
+      not_rigid.push_back(source.body);
+    else
+      found->second.reason =
+          fmt::format("its deformation changes outputs by {} at most", percent(source.error));
+  }
+  for (const Screened& s : screening_->bodies(not_rigid))
+    if (std::ranges::find(not_rigid, s.body) != not_rigid.end()) choose_body(s, share);
+}
+
+// The choice without the wish for one.
+std::vector<std::string> Chooser::keys_of(std::vector<std::string> overrides) const {
+  const auto wishes =
+      std::erase_if(overrides, [](const std::string& word) { return word.starts_with("solver.accuracy="); });
+  if (accuracy_of(as_given_) > 0.0 && wishes == 0) overrides.push_back("solver.accuracy=");
+  // The last word on a key counts.
+  const auto key = [](const std::string& word) { return word.substr(0, word.find('=')); };
+  for (std::size_t i = overrides.size(); i-- > 0;)
+    if (std::any_of(overrides.begin() + static_cast<std::ptrdiff_t>(i) + 1, overrides.end(),
+                    [&](const std::string& later) { return key(later) == key(overrides[i]); }))
+      overrides.erase(overrides.begin() + static_cast<std::ptrdiff_t>(i));
+  return overrides;
+}
+
+// Stress, say, that a rigid body has none of.
+bool Chooser::has_output_of_its_own(const std::string& body) const {
+  return std::ranges::any_of(sizes_.outputs, [&](const OutputEstimate& output) {
+    return output.name.starts_with(body + '.') && !of_rigid_.contains(output.name);
+  });
+}
+
+void Chooser::choose_body(const Screened& s, double share) {
+  BodyChoice& choice = choices_.at(s.body);
+  choice.rigid = false;
+  choice.candidate = screening_->cheapest(s.body, share);
+  // A stiffness that is off by a part is a deflection that is off by this part.
+  choice.stiffened = s.stiffness_change * std::min(1.0, s.rigid_error) > share;
+  choice.explain(s, share);
+}
+
+std::vector<std::string> Chooser::stiffened_bodies() const {
+  std::vector<std::string> out;
+  for (const auto& [body, choice] : choices_)
+    if (choice.stiffened) out.push_back(body);
+  return out;
+}
+
+}  // namespace flexura::study

@@ -1,0 +1,93 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "mbs/bodies/preparation_cache.hpp"
+#include "mbs/study/choice/beam_screening.hpp"
+#include "mbs/study/choice/body_choice.hpp"
+#include "mbs/study/choice/choose.hpp"
+#include "mbs/study/choice/screening.hpp"
+
+namespace flexura::study {
+
+/// The accuracy that a run is asked for; 0: none.
+double accuracy_of(const mbs::PreparedMechanism& run);
+/// A superelement whose fidelity is to be chosen.
+bool is_open(const mbs::PreparedMechanism& run, const mbs::BodyDescription& body);
+/// A beam without superelement whose fidelity is to be chosen; it stands there as ANCF.
+bool is_open_beam(const mbs::PreparedMechanism& run, const mbs::BodyDescription& body);
+
+/// The part of a wanted accuracy that is for what bodies leave out: at 0.8 three of the trade's 18 cases missed their
+/// accuracy, at 0.5 none.
+inline constexpr double kShareOfModes = 0.5;
+
+/// One run within a wanted accuracy (choose.hpp): what is chosen in chooser.cpp, the run that follows, and how it goes on
+/// with more where it has to, in chosen_run.cpp; what a later run takes over in choice_memory.cpp.
+class Chooser {
+ public:
+  Chooser(const mbs::PreparedMechanism& given, const std::filesystem::path& file,
+          const std::vector<std::string>& overrides, const mbs::RunCallbacks& callbacks, bool integrator);
+
+  ChosenRun run();
+
+ private:
+  // A row in the full model from which a better choice may go on.
+  struct Good {
+    mbs::State state;
+    Eigen::VectorXd v_dot;
+    mbs::EnergyAccount energy;
+    Eigen::VectorXd squares;  // of the errors until there
+    std::size_t rows = 0;
+    bool is_there = false;
+  };
+
+  mbs::PreparedMechanism prepared(const std::vector<std::string>& words) const;
+  std::vector<std::string> overrides() const;
+  std::vector<std::string> overrides_of_beams() const;
+  std::vector<std::string> keys_of(std::vector<std::string> overrides) const;
+  void leave_out(const mbs::PreparedMechanism& rigid, const std::vector<std::string>& overrides);
+  void screen(ChosenRun& out);
+  void choose_beams(const std::vector<ScreenedBeam>& screened);
+  void choose();
+  bool has_output_of_its_own(const std::string& body) const;
+  void choose_body(const Screened& s, double share);
+  std::vector<std::string> stiffened_bodies() const;
+
+  // choice_memory.cpp
+  std::string key_of_choice() const;
+  mbs::PreparationCache::Matrices packed() const;
+  bool recall(const mbs::PreparationCache::Matrices& kept, const mbs::PreparedMechanism& rigid,
+              const std::vector<std::string>& overrides);
+
+  ChosenRun simulate(const mbs::PreparedMechanism& screened);
+  std::string run_until_over(ChosenRun& out, const mbs::State& state, const Eigen::VectorXd& v_dot,
+                             const Good& start, Good& good, bool may_stop);
+  std::string worst_choice(const TruncationEstimate& estimate) const;
+  void go_on(ChosenRun& out, const Good& start, mbs::State& state, Eigen::VectorXd& v_dot);
+  void move_rows(ChosenRun& out, const mbs::Mechanism& to, std::size_t rows) const;
+
+  double accuracy_;
+  const mbs::PreparedMechanism& as_given_;
+  std::filesystem::path file_;
+  std::vector<std::string> given_;
+  const mbs::RunCallbacks& callbacks_;
+  bool tells_integrator_;
+  std::optional<double> tolerance_;
+  std::map<std::string, BodyChoice> choices_;
+  std::set<std::string> without_influence_;  // open bodies that are rigid whatever they do
+  std::vector<BeamChoice> beams_;
+  std::unique_ptr<FullModel> full_;
+  std::optional<Screening> screening_;
+  std::set<std::string> of_rigid_;  // names of quantities with the open bodies rigid
+  TruncationEstimate sizes_;        // what the screening says about the outputs' sizes
+  double span_ = 0.0;
+  std::vector<std::string> restarts_;
+};
+
+}  // namespace flexura::study

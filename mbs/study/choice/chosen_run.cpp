@@ -1,0 +1,173 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "mbs/base/terminal/terminal.hpp"
+#include "mbs/study/choice/chooser.hpp"
+#include "mbs/study/estimate/global_error.hpp"
+#include "mbs/study/estimate/percent.hpp"
+
+namespace flexura::study {
+namespace {
+
+using Eigen::VectorXd;
+using terminal::number;
+
+// A run goes on from where its error had used up this part of the budget (of the squares' integral).
+constexpr double kLastGood = 0.25;
+constexpr int kMostRestarts = 6;
+// The energy book of a run that was restarted: as if it had not been.
+mbs::EnergyAccount continued(mbs::EnergyAccount now, const mbs::EnergyAccount& before) {
+  now.start -= before.work_in - before.dissipated + before.error();
+  now.work_in += before.work_in;
+  now.dissipated += before.dissipated;
+  now.gross_work += before.gross_work;
+  now.peak = std::max(now.peak, before.peak);
+  return now;
+}
+
+void add(mbs::StepCounts& counts, const mbs::StepCounts& more) {
+  counts.steps += more.steps;
+  counts.evaluations += more.evaluations;
+  counts.jacobians += more.jacobians;
+  counts.error_failures += more.error_failures;
+  counts.newton_failures += more.newton_failures;
+  counts.restarts += more.restarts;
+  counts.singular_crossings += more.singular_crossings;
+}
+
+}  // namespace
+
+// One run with the present choices, and on with more where its shadows say so.
+ChosenRun Chooser::simulate(const mbs::PreparedMechanism& screened) {
+  screening_.reset();
+  const std::vector<std::string> stiffened = stiffened_bodies();
+  const bool bent = std::ranges::any_of(beams_, [](const BeamChoice& beam) { return !beam.rigid; });
+  if (!stiffened.empty() || (full_ && bent)) {
+    std::vector<std::string> words = given_;
+    const auto beams = overrides_of_beams();
+    words.insert(words.end(), beams.begin(), beams.end());
+    full_ = FullModel::make(screened, file_, words, {.stiffened = stiffened, .rigid = without_influence_});
+  }
+  ChosenRun out{prepared(overrides()), overrides(), {}, {}, {}, false, {}, {}, {}, 0, 0.0};
+  const double start_time = out.prepared.options.start_time;
+  mbs::State state = out.prepared.state;
+  VectorXd v_dot = out.prepared.v_dot;
+  Good start;
+  mbs::StepCounts steps_before;
+  double wall_before = 0.0;
+  for (int attempt = 0;; ++attempt) {
+    Good good;
+    const std::string worst = run_until_over(out, state, v_dot, start, good, attempt < kMostRestarts);
+    add(out.result.counts, steps_before);
+    if (worst.empty()) break;
+    BodyChoice& choice = choices_.at(worst);
+    const std::string was = choice.what(worst);
+    choice.refine();
+    const double t_stopped = out.result.state.t;
+    if (good.is_there) start = std::move(good);
+    go_on(out, start, state, v_dot);
+    restarts_.push_back(fmt::format("{} had used up the accuracy at t = {} s; gone on from t = {} s as {}",
+                                    was, number(t_stopped, 3), number(state.t, 3), choice.what(worst)));
+    steps_before = out.result.counts;
+    wall_before += out.result.wall_time;
+  }
+  out.prepared.options.start_time = start_time;
+  if (!out.rows.empty()) out.result.energy = out.rows.back().energy;
+  out.result.wall_time += wall_before;
+  return out;
+}
+
+// A run that uses up its accuracy is stopped where something can be refined: the body to refine.  Empty where
+// the run ended otherwise.
+std::string Chooser::run_until_over(ChosenRun& out, const mbs::State& state, const VectorXd& v_dot,
+                                    const Good& start, Good& good, bool may_stop) {
+  const auto shadows = full_ ? Shadows::make(out.prepared, *full_) : nullptr;
+  VectorXd spent;
+  if (shadows) spent = VectorXd::Zero(static_cast<Eigen::Index>(shadows->outputs().size()));
+  if (start.is_there) spent = start.squares;
+  std::string to_refine;
+  mbs::RunCallbacks mine = callbacks_;
+  mine.row = [&](const mbs::State& s, const VectorXd& a, const mbs::EnergyAccount& energy) {
+    // The row from which the run goes on is there already.
+    if (!start.is_there || s.t > state.t) out.rows.push_back({s, a, continued(energy, start.energy)});
+    if (!shadows || !shadows->take(s, a)) return;
+    const VectorXd squares = spent + shadows->squares();
+    const double error = worst_output(squares, span_, sizes_.outputs).first;
+    if (error > accuracy_ && may_stop) {
+      to_refine = worst_choice(shadows->estimate());
+      may_stop = !to_refine.empty();
+    }
+    if (error * error > kLastGood * accuracy_ * accuracy_ || (start.is_there && s.t <= state.t)) return;
+    good.state = shadows->corrected(good.v_dot);
+    good.energy = out.rows.back().energy;
+    good.squares = squares;
+    good.rows = out.rows.size();
+    good.is_there = true;
+  };
+  mine.stop_wanted = [&] {
+    return !to_refine.empty() || (callbacks_.stop_wanted && callbacks_.stop_wanted());
+  };
+  const auto steps = tells_integrator_ ? GlobalError::make(out.prepared) : nullptr;
+  if (steps) steps->watch(mine);
+  out.result = mbs::run(*out.prepared.mechanism, state, v_dot, out.prepared.options, mine);
+  out.integrator.reset();
+  if (steps && out.result.complete) {
+    out.integrator = steps->estimate();
+    out.result.wall_time -= steps->wall();
+    if (start.is_there) {
+      out.integrator->is_whole = false;
+      out.integrator->note = fmt::format("of the part until t = {} s it is not known", number(state.t, 3));
+    }
+  }
+  out.has_estimate = shadows != nullptr;
+  out.estimate = shadows ? shadows->estimate() : TruncationEstimate();
+  if (shadows) {
+    out.result.wall_time -= out.estimate.wall;
+  }
+  return to_refine;
+}
+
+// The chosen body that loses most among those to which something can be added.
+std::string Chooser::worst_choice(const TruncationEstimate& estimate) const {
+  for (const SourceEstimate& source : estimate.by_body)
+    if (const auto found = choices_.find(source.body);
+        found != choices_.end() && found->second.can_be_refined())
+      return source.body;
+  return "";
+}
+
+// The mechanism as it is chosen now, in the state of `start`, with the rows until there.
+void Chooser::go_on(ChosenRun& out, const Good& start, mbs::State& state, VectorXd& v_dot) {
+  out.overrides = overrides();
+  mbs::PreparedMechanism refined = prepared(out.overrides);
+  state = refined.state;
+  v_dot = refined.v_dot;
+  if (start.is_there) {
+    move_rows(out, *refined.mechanism, start.rows);
+    Embedding(*refined.mechanism, *full_).project(start.state, start.v_dot, state, v_dot);
+    mbs::assemble(*refined.mechanism, state, v_dot);
+    refined.options.start_time = state.t;
+  } else {
+    out.rows.clear();
+  }
+  out.prepared = std::move(refined);
+}
+
+// The first rows of a run, told by another mechanism.
+void Chooser::move_rows(ChosenRun& out, const mbs::Mechanism& to, std::size_t rows) const {
+  out.rows.resize(rows);
+  Embedding from_old(*out.prepared.mechanism, *full_), to_new(to, *full_);
+  mbs::State full;
+  VectorXd full_v_dot;
+  for (RowOfRun& row : out.rows) {
+    from_old.embed(row.state, row.v_dot, full, full_v_dot);
+    mbs::State moved = to.initial_state();
+    moved.lambda = VectorXd::Zero(to.sizes().n_lambda);
+    to_new.project(full, full_v_dot, moved, row.v_dot);
+    row.state = std::move(moved);
+  }
+}
+
+}  // namespace flexura::study

@@ -1,0 +1,244 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mbs/study/choice/influence.hpp"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+
+namespace flexura::study {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+using Dependence = Eigen::Array<bool, Eigen::Dynamic, Eigen::Dynamic>;
+
+// Beside the largest of its kind less than this is round-off, or what no accuracy asks for.
+constexpr double kNothing = 1e-9;
+// Of typical sizes: how far states are drawn from the start, and a step of a difference.
+constexpr double kDrawn = 0.05, kStep = 1e-4;
+
+double drawn(Index i, int round, int kind) {
+  return std::cos(1.7 * static_cast<double>(i) + 0.9 * round + 2.3 * kind + 0.3);
+}
+
+class Graph {
+ public:
+  Graph(FullModel& full, const std::vector<int>& outputs)
+      : full_(full),
+        n_(full.mechanism().sizes()),
+        outputs_(outputs),
+        moves_(Dependence::Constant(n_.n_v, n_.n_v, false)),
+        shows_(Dependence::Constant(static_cast<Index>(outputs.size()), n_.n_v, false)) {}
+
+  void look(const mbs::State& start, int round) {
+    const mbs::Mechanism& m = full_.mechanism();
+    mbs::State s = start;
+    VectorXd v_dot(n_.n_v), step(n_.n_v);
+    for (Index i = 0; i < n_.n_v; ++i) {
+      const double size = m.velocity_scale(static_cast<int>(i));
+      step(i) = kDrawn * size * drawn(i, round, 0);
+      s.v(i) = size * drawn(i, round, 1);
+      v_dot(i) = size * drawn(i, round, 2);
+    }
+    for (Index k = 0; k < n_.n_lambda; ++k) s.lambda(k) = drawn(k, round, 3);
+    m.retract(start.p, step, s.p);
+    LinearisedRow row;
+    full_.linearise(s, v_dot, row);
+    add(s, v_dot, row);
+  }
+
+  // What acts on one of these may act on all of them.
+  void join(const std::vector<Index>& coordinates) {
+    for (const Index i : coordinates)
+      for (const Index j : coordinates) moves_(i, j) = true;
+  }
+
+  // Coordinates that the quantity `which` sees by their positions.
+  std::vector<Index> seen_by(Index output) const {
+    std::vector<Index> out;
+    for (Index j = 0; j < n_.n_v; ++j)
+      if (shows_(output, j)) out.push_back(j);
+    return out;
+  }
+
+  // Coordinates on which one of the first `count` outputs depends.
+  std::vector<bool> reached(Index count) const {
+    std::vector<bool> out(static_cast<std::size_t>(n_.n_v), false);
+    std::vector<Index> next;
+    const auto take = [&](Index j) {
+      if (out[static_cast<std::size_t>(j)]) return;
+      out[static_cast<std::size_t>(j)] = true;
+      next.push_back(j);
+    };
+    for (Index j = 0; j < n_.n_v; ++j)
+      if (shows_.col(j).head(count).any()) take(j);
+    while (!next.empty()) {
+      const Index i = next.back();
+      next.pop_back();
+      for (Index j = 0; j < n_.n_v; ++j)
+        if (moves_(i, j)) take(j);
+    }
+    return out;
+  }
+
+ private:
+  void add(const mbs::State& s, const VectorXd& v_dot, const LinearisedRow& row) {
+    const Index n = n_.n_v, l = n_.n_lambda;
+    // Of unit masses and unit rows.
+    const VectorXd scale = row.M.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+    MatrixXd S = MatrixXd::Zero(n + l, n + l);
+    S.topLeftCorner(n, n) = scale.asDiagonal() * row.M * scale.asDiagonal();
+    if (l > 0) {
+      MatrixXd G = row.G * scale.asDiagonal();
+      for (Index k = 0; k < l; ++k)
+        if (const double size = G.row(k).norm(); size > 0.0) G.row(k) /= size;
+      S.bottomLeftCorner(l, n) = G;
+      S.topRightCorner(n, l) = G.transpose();
+      S.bottomRightCorner(l, l).diagonal().setConstant(-1e-12);
+    }
+    const Eigen::PartialPivLU<MatrixXd> lu(S);
+    Dependence to_rates = Dependence::Constant(n + l, n, false);
+    for (const MatrixXd* of : {&row.K, &row.D}) {
+      MatrixXd loads = MatrixXd::Zero(n + l, n);
+      loads.topRows(n) = scale.asDiagonal() * *of;
+      for (Index j = 0; j < n; ++j)
+        if (const double size = loads.col(j).norm(); size > 0.0) loads.col(j) /= size;
+      const MatrixXd X = lu.solve(loads);
+      if (!X.allFinite()) {
+        moves_.setConstant(true);
+        return;
+      }
+      to_rates = to_rates || X.array().abs() > kNothing;
+    }
+    moves_ = moves_ || to_rates.topRows(n);
+    differences(s, v_dot, to_rates);
+  }
+
+  // What the outputs see, by differences.
+  void differences(const mbs::State& s, const VectorXd& v_dot, const Dependence& to_rates) {
+    const mbs::Mechanism& m = full_.mechanism();
+    const Index n = n_.n_v, l = n_.n_lambda, count = shows_.rows();
+    VectorXd plus, minus;
+    std::array<MatrixXd, 4> d;
+    for (MatrixXd& part : d) part.setZero(count, n);
+    d[3].setZero(count, l);
+    const auto difference = [&](MatrixXd& out, Index j, const mbs::State& up, const VectorXd& a_up,
+                                const mbs::State& down, const VectorXd& a_down) {
+      full_.evaluate(outputs_, up, a_up, plus);
+      full_.evaluate(outputs_, down, a_down, minus);
+      out.col(j) = plus - minus;
+      for (Index i = 0; i < count; ++i)
+        if (!(std::abs(out(i, j)) > 1e-13 * (std::abs(plus(i)) + std::abs(minus(i))))) out(i, j) = 0.0;
+    };
+    mbs::State up = s, down = s;
+    VectorXd a_up = v_dot, a_down = v_dot, step = VectorXd::Zero(n);
+    for (Index j = 0; j < n; ++j) {
+      const double size = kStep * m.velocity_scale(static_cast<int>(j));
+      step(j) = size;
+      m.retract(s.p, step, up.p);
+      m.retract(s.p, -step, down.p);
+      step(j) = 0.0;
+      difference(d[0], j, up, v_dot, down, v_dot);
+      up.p = down.p = s.p;
+      up.v(j) += size;
+      down.v(j) -= size;
+      difference(d[1], j, up, v_dot, down, v_dot);
+      up.v(j) = down.v(j) = s.v(j);
+      a_up(j) += size;
+      a_down(j) -= size;
+      difference(d[2], j, s, a_up, s, a_down);
+      a_up(j) = a_down(j) = v_dot(j);
+    }
+    for (Index k = 0; k < l; ++k) {
+      up.lambda(k) += kStep;
+      down.lambda(k) -= kStep;
+      difference(d[3], k, up, v_dot, down, v_dot);
+      up.lambda(k) = down.lambda(k) = s.lambda(k);
+    }
+    for (Index i = 0; i < count; ++i) {
+      for (const int kind : {0, 1}) {
+        const double most = kNothing * d[kind].row(i).cwiseAbs().maxCoeff();
+        shows_.row(i) = shows_.row(i) || d[kind].row(i).array().abs() > most;
+      }
+      for (const int kind : {2, 3}) {
+        const Index size = d[kind].cols(), first = kind == 2 ? 0 : n;
+        if (size == 0) continue;
+        const double most = kNothing * d[kind].row(i).cwiseAbs().maxCoeff();
+        for (Index k = 0; k < size; ++k)
+          if (std::abs(d[kind](i, k)) > most) shows_.row(i) = shows_.row(i) || to_rates.row(first + k);
+      }
+    }
+  }
+
+  FullModel& full_;
+  mbs::Sizes n_;
+  const std::vector<int>& outputs_;
+  Dependence moves_;  // moves_(i, j): i depends on j
+  Dependence shows_;  // shows_(i, j): output i on j
+};
+
+// Beside the outputs the places of bodies between which something may come to act; nothing where that is not known.
+std::optional<std::vector<std::vector<int>>> places_of_switches(const mbs::Mechanism& m) {
+  const auto infos = m.quantities();
+  std::vector<std::vector<int>> out;
+  for (const auto& force : m.description().forces) {
+    if (force->n_switches() == 0) continue;
+    const auto [from, to] = force->markers();
+    if (from < 0 || to < 0) return std::nullopt;
+    std::vector<int> places;
+    for (const int marker : {from, to}) {
+      const int body = m.description().markers[static_cast<std::size_t>(marker)].body;
+      const std::string name = m.description().bodies[static_cast<std::size_t>(body)].name;
+      for (std::size_t i = 0; i < infos.size(); ++i)
+        if (infos[i].name.starts_with(name + ".position_")) places.push_back(static_cast<int>(i));
+    }
+    out.push_back(std::move(places));
+  }
+  return out;
+}
+
+}  // namespace
+
+std::set<std::string> bodies_of_influence(FullModel& full, const mbs::State& start,
+                                          const std::vector<int>& outputs) {
+  const mbs::Mechanism& m = full.mechanism();
+  std::set<std::string> all;
+  for (const ModalBlock& block : full.blocks()) all.insert(block.name);
+  const auto places = places_of_switches(m);
+  bool has_conditions = !m.description().controls.empty();
+  for (int i = 0; i < m.sizes().n_root; ++i) has_conditions = has_conditions || m.is_condition(i);
+  if (has_conditions || !places || outputs.empty()) return all;
+
+  std::vector<int> seen = outputs;
+  for (const auto& some : *places) seen.insert(seen.end(), some.begin(), some.end());
+  Graph graph(full, seen);
+  for (const int round : {0, 1}) graph.look(start, round);
+  Index next = static_cast<Index>(outputs.size());
+  for (std::size_t k = 0; k < places->size(); ++k) {
+    std::vector<Index> touched;
+    for (std::size_t i = 0; i < (*places)[k].size(); ++i, ++next)
+      for (const Index j : graph.seen_by(next)) touched.push_back(j);
+    // The deformations of the two bodies themselves.
+    for (const auto& force : m.description().forces) {
+      if (force->n_switches() == 0) continue;
+      const auto [from, to] = force->markers();
+      for (const ModalBlock& block : full.blocks())
+        for (const int marker : {from, to})
+          if (m.description().markers[static_cast<std::size_t>(marker)].body == block.body)
+            for (Index j = 0; j < block.m; ++j) touched.push_back(block.v + j);
+    }
+    graph.join(touched);
+  }
+  const std::vector<bool> reached = graph.reached(static_cast<Index>(outputs.size()));
+  std::set<std::string> out;
+  for (const ModalBlock& block : full.blocks())
+    for (Index j = 0; j < block.m; ++j)
+      if (reached[static_cast<std::size_t>(block.v + j)]) out.insert(block.name);
+  return out;
+}
+
+}  // namespace flexura::study

@@ -1,0 +1,26 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <set>
+#include <string>
+#include <vector>
+
+#include "mbs/study/estimate/full_model.hpp"
+
+namespace flexura::study {
+
+/// The bodies of `full` on whose deformation one of the outputs (quantities of `full`) depends, now or later.
+///
+/// A graph with a node for each coordinate and its rate: i depends on j where a deflection or a rate of j alone makes an
+/// acceleration of i,
+///
+///     [M G^T; G 0] (a, lambda) = -[K_j; 0]  or  -[D_j; 0],
+///
+/// and an output on j where it sees its position, its rate, or what these make of accelerations and multipliers.  So what
+/// hangs on a driven joint has no influence on what hangs beside it.  What is asked is whether, not how much: of states
+/// and rates drawn at random, twice, so that nothing vanishes by chance.  Elements that switch are taken as if they acted.
+/// All bodies where formulas have conditions or controls act, whose other side is not seen.
+std::set<std::string> bodies_of_influence(FullModel& full, const mbs::State& start,
+                                          const std::vector<int>& outputs);
+
+}  // namespace flexura::study

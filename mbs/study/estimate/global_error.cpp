@@ -1,0 +1,163 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mbs/study/estimate/global_error.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <stdexcept>
+
+#include "mbs/solver/accuracy/integrator_kind.hpp"
+
+namespace flexura::study {
+namespace {
+
+using Eigen::VectorXd;
+
+// Rows that are compared, and those of them that tell how large forces and motions are: every output of a row costs as
+// much as the row itself.
+constexpr double kMostRows = 200.0;
+constexpr long kForFamilies = 8;
+// Velocities that differ by more than this part across an event have jumped there.
+constexpr double kJump = 1e-6;
+
+class Clock {
+ public:
+  explicit Clock(double& sum) : sum_(sum) {}
+  ~Clock() { sum_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count(); }
+
+ private:
+  double& sum_;
+  std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
+};
+
+}  // namespace
+
+std::unique_ptr<GlobalError> GlobalError::make(const mbs::PreparedMechanism& run) {
+  const mbs::Sizes n = run.mechanism->sizes();
+  if (!mbs::kind_of(run.options).integrates || n.n_v + n.n_dyn == 0) return nullptr;
+  std::unique_ptr<GlobalError> out(new GlobalError(run));
+  return out->which_.empty() ? nullptr : std::move(out);
+}
+
+GlobalError::GlobalError(const mbs::PreparedMechanism& run)
+    : run_(run),
+      equation_(*run.mechanism, run.state, run.options.end_time - run.options.start_time),
+      closer_(*run.mechanism, run.options),
+      scratch_(run.mechanism->make_scratch()),
+      which_(judged_outputs(run, *run.mechanism, outputs_)),
+      families_(*run.mechanism, length_of(run)) {
+  const mbs::SolverOptions& o = run.options;
+  every_ = std::max(1L, std::lround((o.end_time - o.start_time) / o.output_step / kMostRows));
+  squares_.setZero(static_cast<Eigen::Index>(which_.size()));
+  sizes_ = y_ = y_moved_ = squares_;
+}
+
+void GlobalError::watch(mbs::RunCallbacks& callbacks) {
+  callbacks.restart = [this](const mbs::State& s, const VectorXd& v_dot, const mbs::IntegratorKind& kind) {
+    restart(s, v_dot, kind);
+  };
+  callbacks.step = [this](const mbs::Instant& begin, const std::array<mbs::Instant, 3>& nodes) {
+    step(begin, nodes);
+  };
+  callbacks.row = [this, then = callbacks.row](const mbs::State& s, const VectorXd& v_dot,
+                                               const mbs::EnergyAccount& energy) {
+    row(s, v_dot);
+    if (then) then(s, v_dot, energy);
+  };
+}
+
+void GlobalError::restart(const mbs::State& s, const VectorXd& v_dot, const mbs::IntegratorKind& kind) {
+  const Clock clock(wall_);
+  equation_.restart(s, v_dot, kind.steps_of_error);
+  compare_waiting();
+  if (has_stepped_ && v_last_.size() == s.v.size())
+    has_jumped_ =
+        has_jumped_ || (s.v - v_last_).lpNorm<Eigen::Infinity>() >
+                           kJump * std::max(s.v.lpNorm<Eigen::Infinity>(), v_last_.lpNorm<Eigen::Infinity>());
+  has_stepped_ = true;
+}
+
+void GlobalError::step(const mbs::Instant& begin, const std::array<mbs::Instant, 3>& nodes) {
+  const Clock clock(wall_);
+  // A run that goes on from where another one ended: what that one has lost is not known.
+  if (!has_stepped_) {
+    misses_part_ = true;
+    equation_.restart(begin.state, begin.v_dot, mbs::kind_of(run_.options).steps_of_error);
+    has_stepped_ = true;
+  }
+  equation_.step(begin, nodes);
+  v_last_ = nodes[2].state.v;
+  compare_waiting();
+}
+
+void GlobalError::row(const mbs::State& s, const VectorXd& v_dot) {
+  if (rows_++ % every_ != 0) return;
+  const Clock clock(wall_);
+  waiting_.push_back({s, v_dot, {}});
+  equation_.beside(s, waiting_.back().beside);
+  compare_waiting();
+}
+
+void GlobalError::compare_waiting() {
+  std::size_t done = 0;
+  while (done < waiting_.size() && (!has_stepped_ || waiting_[done].state.t <= equation_.known_until())) {
+    compare(waiting_[done].state, waiting_[done].v_dot, waiting_[done].beside);
+    ++done;
+  }
+  waiting_.erase(waiting_.begin(), waiting_.begin() + static_cast<std::ptrdiff_t>(done));
+}
+
+void GlobalError::compare(const mbs::State& s, const VectorXd& v_dot, const VectorXd& beside) {
+  equation_.at(s.t, e_);
+  e_ += beside;
+  const mbs::Sizes n = run_.mechanism->sizes();
+  moved_ = s;
+  moved_.p -= e_.head(n.n_p);
+  moved_.v -= e_.segment(n.n_p, n.n_v);
+  moved_.c -= e_.tail(n.n_dyn);
+  v_dot_moved_ = v_dot;
+  try {
+    closer_.close(moved_);
+    closer_.accelerate(moved_, v_dot_moved_);
+    run_.mechanism->evaluate(which_, moved_, v_dot_moved_, *scratch_, y_moved_);
+  } catch (const std::runtime_error&) {
+    return;  // beyond where the equations hold: the run itself is not
+  }
+  run_.mechanism->evaluate(which_, s, v_dot, *scratch_, y_);
+  if (!y_moved_.allFinite() || !y_.allFinite()) return;
+  squares_ += (y_ - y_moved_).cwiseAbs2();
+  sizes_ += y_.cwiseAbs2();
+  if (compared_++ % kForFamilies == 0) families_.take(s, v_dot);
+}
+
+IntegratorEstimate GlobalError::estimate() {
+  const Clock clock(wall_);
+  equation_.close();
+  compare_waiting();
+  IntegratorEstimate out;
+  out.wall = wall_;
+  out.is_whole = compared_ > 0 && !has_jumped_ && !misses_part_ && !equation_.is_lost();
+  if (compared_ == 0) return out;
+  const auto count = static_cast<double>(compared_);
+  for (std::size_t i = 0; i < outputs_.size(); ++i)
+    outputs_[i].size_rms = std::sqrt(sizes_(static_cast<Eigen::Index>(i)) / count);
+  families_.judge(outputs_, !run_.file.outputs.empty(), run_.options.tolerance);
+  const auto [error, worst] = worst_output(squares_, count, outputs_);
+  out.error = error;
+  if (worst >= 0) out.output = outputs_[static_cast<std::size_t>(worst)].name;
+  // Of an error as large as the output itself a linear equation knows nothing.
+  constexpr double kBeyond = 1.0;
+  if (!(out.error < kBeyond)) {
+    out.error = 0.0;
+    out.is_whole = false;
+    out.note = "its error grows beyond what can be followed; --check-integrator tells";
+  } else if (has_jumped_)
+    out.note = "how the jumps of velocities change is not followed; --check-integrator tells";
+  else if (equation_.is_lost())
+    out.note = "its error grew beyond all numbers; --check-integrator tells";
+  else if (misses_part_)
+    out.note = "of the part before it is not known";
+  return out;
+}
+
+}  // namespace flexura::study

@@ -1,0 +1,65 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <memory>
+#include <vector>
+
+#include "mbs/solver/position/projection.hpp"
+#include "mbs/solver/run/run.hpp"
+#include "mbs/solver/start/prepare.hpp"
+#include "mbs/study/estimate/error_equation.hpp"
+#include "mbs/study/estimate/integrator_check.hpp"
+#include "mbs/study/estimate/judged_outputs.hpp"
+
+/// What the integrator costs the outputs of a run, from the run itself: the error of its states
+/// (error_equation.hpp) is taken off those of a row, whose accelerations and multipliers are then solved for, and the
+/// outputs of both are compared.  To first order: of an error of the outputs' own size it is a warning only.  Where
+/// velocities jump at a switch of the motion the jump's own change with the error is not followed: the figure is then
+/// what the error is at least.
+namespace flexura::study {
+
+class GlobalError {
+ public:
+  /// Null where nothing is integrated, or nothing is judged.  `run` outlives it.
+  static std::unique_ptr<GlobalError> make(const mbs::PreparedMechanism& run);
+
+  /// What RunCallbacks of these names give.
+  void restart(const mbs::State& s, const Eigen::VectorXd& v_dot, const mbs::IntegratorKind& kind);
+  void step(const mbs::Instant& begin, const std::array<mbs::Instant, 3>& nodes);
+  /// Of the rows some 200 are looked at.
+  void row(const mbs::State& s, const Eigen::VectorXd& v_dot);
+  /// Adds itself to the callbacks, which call it before whatever they call already.
+  void watch(mbs::RunCallbacks& callbacks);
+
+  IntegratorEstimate estimate();
+  double wall() const { return wall_; }  ///< [s] that all this took
+
+ private:
+  explicit GlobalError(const mbs::PreparedMechanism& run);
+  void compare(const mbs::State& s, const Eigen::VectorXd& v_dot, const Eigen::VectorXd& beside);
+  void compare_waiting();
+
+  const mbs::PreparedMechanism& run_;
+  ErrorEquation equation_;
+  mbs::LoopCloser closer_;
+  std::unique_ptr<mbs::Equations::Scratch> scratch_;
+  std::vector<OutputEstimate> outputs_;  // before which_, which fills it
+  std::vector<int> which_;
+  Families families_;
+  long every_ = 1, rows_ = 0, compared_ = 0;
+  bool has_stepped_ = false, has_jumped_ = false, misses_part_ = false;
+  double wall_ = 0.0;
+  Eigen::VectorXd v_last_;
+  // Rows whose error is not known yet, and how far they lie beside the path that the equation follows.
+  struct Waiting {
+    mbs::State state;
+    Eigen::VectorXd v_dot, beside;
+  };
+  std::vector<Waiting> waiting_;
+  mbs::State moved_;
+  Eigen::VectorXd e_, y_, y_moved_, v_dot_moved_, squares_, sizes_;
+};
+
+}  // namespace flexura::study
