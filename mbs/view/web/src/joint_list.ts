@@ -76,7 +76,7 @@ export class JointList {
       ...movers,
       h('p', {}, `Between ${names[j.a]} and ${names[j.b]}${j.redundant ? `; ${j.redundant} of its rows follow from those of the joints before it` : ''}.`),
       j.doubt ? h('p', { class: 'doubt' }, j.doubt) : null,
-      j.evidence.length ? h('ul', {}, ...j.evidence.map((e) => h('li', {}, e))) : null,
+      j.evidence.length ? h('ul', {}, ...j.evidence.map((e) => h('li', {}, e.replaceAll('^2', '²')))) : null,
       h('div', { class: 'group' },
         seats.length && j.type !== 'fixed' ? align : null,
         j.type !== 'fixed' && j.type !== 'spherical' ? h('button', { class: 'plain', type: 'button', onclick: () => this.act.flip(j) }, 'Turn the axis round') : null,

@@ -208,7 +208,8 @@ export class PartsScene {
       geometry.setDrawRange(range[0], range[1]);
       const material = shaded(new THREE.Color(cssColor(color)));
       material.polygonOffset = true;
-      material.polygonOffsetFactor = material.polygonOffsetUnits = -2;
+      // Faces that lie on one another do not flicker.
+      material.polygonOffsetFactor = material.polygonOffsetUnits = color === '--accent' ? -4 : -2;
       const mesh = new THREE.Mesh(geometry, material);
       mesh.userData.color = color;
       mesh.renderOrder = 2;
