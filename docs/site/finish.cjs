@@ -34,7 +34,7 @@ for (const page of pages) {
     const tex = plain(text).trim().replace(/^\\[([]/, '').replace(/\\[)\]]$/, '');
     equations += 1;
     try {
-      return `<${tag} class="equation">${katex.renderToString(tex, { displayMode: tag === 'div', strict: 'error' })}</${tag}>`;
+      return `<${tag} class="equation"${tag === 'div' ? ' tabindex="0"' : ''}>${katex.renderToString(tex, { displayMode: tag === 'div', strict: 'error' })}</${tag}>`;
     } catch (error) {
       failures += 1;
       console.error(`error: ${page}: ${error.message}`);
