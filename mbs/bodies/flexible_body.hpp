@@ -20,8 +20,9 @@
 ///
 ///     m v^2 / 2 + v . (w x d) + w . J w / 2 + v . C_t s' + w . C_r s' + s' . M_e s' / 2
 ///
-/// M_e does not depend on s: coordinates in which rho is linear (to the order that is kept).  A mechanism takes the mass
-/// matrix and the momenta from these integrals and everything else from inverse_dynamics().
+/// M_e does not depend on s where rho is linear in it (to the order that is kept); else set_position() takes it
+/// (M_e(scratch)).  A mechanism takes the mass matrix and the momenta from these integrals and everything else from
+/// inverse_dynamics().
 ///
 /// A new fidelity derives from FlexibleBody, says what is pure here, and has one line in mbs/file/fidelities.cpp.
 /// Derivatives that it does not give itself are central differences of its own functions, right to about 1e-10 of
@@ -70,7 +71,7 @@ class FlexibleBody {
   double mass() const { return mass_; }
   const std::vector<NodePlace>& nodes() const { return nodes_; }
   int find_node(const std::string& name) const;  ///< -1 when there is none
-  const Eigen::MatrixXd& M_e() const { return M_e_; }
+  const Eigen::MatrixXd& M_e() const { return M_e_; }  ///< of the undeformed body
 
   /// False where the deformation follows the motion without acting back on it (one_way_body.hpp): the mechanism moves as
   /// with the rigid body, markers stay in their undeformed places, and (s, s') are dynamic states with s'' = -need, where
@@ -93,6 +94,8 @@ class FlexibleBody {
   virtual std::unique_ptr<Scratch> make_scratch() const;
   /// The integrals of `scratch` at s.
   virtual void set_position(const double* s, Scratch& scratch) const = 0;
+  /// M_e at the s of the last set_position(scratch).
+  virtual const Eigen::MatrixXd& M_e(const Scratch& /*scratch*/) const { return M_e_; }
   /// After set_position: wrench (about Bo) and generalised forces (m) that the motion needs, all in B, elastic and
   /// damping forces included.  V = (w_WB, anything), A = (alpha, a of Bo - g).
   virtual Spatial inverse_dynamics(const double* s, const double* s_dot, const double* s_ddot,

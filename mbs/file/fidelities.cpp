@@ -29,6 +29,11 @@ Segments ancf_beam(MechanismDescription& d, int body, const BeamPart& beam) {
   return {};
 }
 
+template <beam::exact::Kind kind>
+Segments exact_beam(MechanismDescription& d, int body, const BeamPart& beam) {
+  return add_exact_elements(d, body, beam, kind);
+}
+
 }  // namespace
 
 const std::vector<Fidelity>& fidelities() {
@@ -45,6 +50,14 @@ const std::vector<Fidelity>& fidelities() {
       {"static", "quasi-static", Superelement{.make = make<ModalBody>, .by_loads_alone = true}, {}},
       {"rigid", "without deformation", Superelement{}, Beam{.make = rigid_beam, .has_elements = false}},
       {"ancf", "absolute nodal coordinates for any bending", {}, Beam{.make = ancf_beam}},
+      {"beam", "geometrically exact, for any bending", {},
+       Beam{.make = exact_beam<beam::exact::Kind::beam>, .use = {.may_be_curved = true}}},
+      {"rod", "the same without stretch and shear", {},
+       Beam{.make = exact_beam<beam::exact::Kind::rod>,
+            .use = {.ignores = {"EA", "GA_y", "GA_z"}, .may_be_curved = true}}},
+      {"cable", "the same with stretch and bending alone", {},
+       Beam{.make = exact_beam<beam::exact::Kind::cable>,
+            .use = {.ignores = {"GA_y", "GA_z", "GI_t", "EI_y", "EI_z", "rho_I_y", "rho_I_z"}, .may_be_curved = true}}},
       {"segments", "rigid segments joined by its stiffness", {}, Beam{.make = add_segments}},
   };
   return all;

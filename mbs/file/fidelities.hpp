@@ -9,6 +9,7 @@
 
 #include "mbs/base/documents/document.hpp"
 #include "mbs/bodies/modal_data.hpp"
+#include "mbs/file/read_beam_part.hpp"
 #include "mbs/mechanism/beam_part.hpp"
 
 /// The words of `fidelity`: what a body is modelled as.  A new one is a body of its own (flexible_body.hpp) and one entry
@@ -32,6 +33,7 @@ struct Fidelity {
     /// A chain of further bodies, or none.
     std::function<Segments(MechanismDescription& d, int body, const BeamPart& beam)> make;
     bool has_elements = true;  ///< the number of elements decides how right it is
+    BeamUse use = {};
   };
 
   std::string name;

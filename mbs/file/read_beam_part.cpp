@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <stdexcept>
 
 #include "beam/section/shapes.hpp"
@@ -22,11 +23,15 @@ input::TableSchema beam_part_schema() {
   TableSchema schema;
   schema.name = "beam";
   schema.doc =
-      "A prismatic beam, for the fidelities ancf, segments and rigid. Its ends are the markers root and tip. "
-      "The section is given by a material and a shape (diameter, or width and height), or by its constants.";
+      "A prismatic beam, for the fidelities beam, rod, cable, ancf, segments and rigid. Its ends are the "
+      "markers root and "
+      "tip. The section is given by a material and a shape (diameter, or width and height), by its constants "
+      "(of a rod "
+      "without EA and GA; of a cable EA and mass_per_length are enough), or by its 6 x 6 matrices.";
   schema.keys = {
       vector3("from", dim::length, "the root in the body's frame").or_default("[0, 0, 0]"),
-      vector3("to", dim::length, "the tip").required(),
+      vector3("to", dim::length, "the tip (of a curved beam, where it would be were the beam straight)")
+          .required(),
       vector3("y_axis", dim::none, "direction of the section's y axis (its width)").or_default("[0, 1, 0]"),
       integer("elements", "number of elements, or of springs between segments")
           .or_default("10")
@@ -48,6 +53,17 @@ input::TableSchema beam_part_schema() {
       quantity("mass_per_length", dim::linear_density, "mass per length").above(0.0),
       quantity("rho_I_y", rotary, "rotary inertia per length about y").above(0.0),
       quantity("rho_I_z", rotary, "about z").above(0.0),
+      matrix("stiffness",
+             "6 x 6, of N, V_y, V_z, T, M_y, M_z against their strains, in N, N m, N m^2: with all "
+             "couplings, as flexura "
+             "section prints it"),
+      matrix("mass",
+             "6 x 6, of u_x, u_y, u_z, theta_x, theta_y, theta_z, in kg/m, kg, kg m; beside stiffness"),
+      vector3("curvature", Dimension{{-1, 0, 0, 0}},
+              "of the stress-free axis: its twist, and its curvature about the section's y and z, the same "
+              "all along; for "
+              "the fidelities beam, rod and cable")
+          .or_default("[0, 0, 0]"),
       quantity("damping_time", dim::time, "internal damping: stress = C (strain + damping_time * its rate)")
           .or_default("0 s")
           .at_least(0.0),
@@ -56,13 +72,90 @@ input::TableSchema beam_part_schema() {
   return schema;
 }
 
-BeamPart read_beam_part(const Section& s) {
+namespace {
+
+Eigen::MatrixXd matrix6(const Section& s, const std::string& key) {
+  const Eigen::MatrixXd matrix = s.matrix(key);
+  if (matrix.rows() != 6 || matrix.cols() != 6)
+    s.refuse(key, fmt::format("is {} x {}", matrix.rows(), matrix.cols()), "write the 6 x 6 of a section");
+  return matrix;
+}
+
+void take(const beam::SectionInertia& inertia, BeamPart& part) {
+  part.mass_per_length = inertia.m;
+  part.rho_I_y = inertia.m_zz;
+  part.rho_I_z = inertia.m_yy;
+  part.m_y = inertia.m_y;
+  part.m_z = inertia.m_z;
+  part.m_yz = inertia.m_yz;
+}
+
+constexpr const char* kConstants[] = {"EA",      "GA_y",   "GA_z", "GI_t", "EI_y", "EI_z", "mass_per_length",
+                                      "rho_I_y", "rho_I_z"};
+constexpr const char* kShape[] = {"young", "density", "diameter", "inner_diameter", "width", "height"};
+constexpr const char* kMatrices[] = {"stiffness", "mass"};
+
+template <std::size_t n>
+const char* first_given(const Section& s, const char* const (&keys)[n]) {
+  for (const char* const key : keys)
+    if (s.has(key)) return key;
+  return nullptr;
+}
+
+void read_constants(const Section& s, const BeamUse& use, BeamPart& part) {
+  const auto ignored = [&](const std::string& key) {
+    return std::ranges::find(use.ignores, key) != use.ignores.end();
+  };
+  for (const char* const key : kConstants)
+    if (!s.has(key) && !ignored(key))
+      s.refuse("", fmt::format("has no {}", key), "give all constants of the section");
+  const auto value = [&](const char* key, double otherwise) {
+    return s.has(key) ? s.quantity(key) : otherwise;
+  };
+  part.mass_per_length = s.quantity("mass_per_length");
+  // Of a thread, so that it has no axis about which nothing turns.
+  const double thread = part.mass_per_length * 1e-6 * part.length() * part.length();
+  part.C = Vector6d(value("EA", 1.0), value("GA_y", 1.0), value("GA_z", 1.0), value("GI_t", 1.0),
+                    value("EI_y", 0.0), value("EI_z", 0.0))
+               .asDiagonal();
+  part.rho_I_y = value("rho_I_y", thread);
+  part.rho_I_z = value("rho_I_z", thread);
+}
+
+void read_shape(const Section& s, BeamPart& part) {
+  for (const char* const key : {"young", "density"})
+    if (!s.has(key))
+      s.refuse("", fmt::format("has no {}", key), "give a material and a shape, or the section's constants");
+  const bool round = s.has("diameter"), rectangle = s.has("width") && s.has("height");
+  if (round == rectangle)
+    s.refuse("", round ? "has a diameter and a width" : "has no shape of its section",
+             "give diameter, or width and height");
+  const beam::Material material =
+      beam::isotropic("material", s.quantity("young"), s.quantity("poisson"), s.quantity("density"));
+  beam::Shape shape = beam::Rectangle{};
+  if (!round)
+    shape = beam::Rectangle{s.quantity("width"), s.quantity("height")};
+  else if (s.has("inner_diameter"))
+    shape = beam::HollowCircle{s.quantity("diameter"), s.quantity("inner_diameter")};
+  else
+    shape = beam::Circle{s.quantity("diameter")};
+  const beam::Section section = beam::make_section("section", shape, material);
+  part.C = section.stiffness();
+  take(section.inertia, part);
+}
+
+}  // namespace
+
+BeamPart read_beam_part(const Section& s, const BeamUse& use) {
   BeamPart part;
   part.from_B = s.vector3("from");
   part.to_B = s.vector3("to");
   part.y_axis_B = s.vector3("y_axis");
   part.elements = s.integer("elements");
   part.damping_time = s.quantity("damping_time");
+  part.curvature = s.vector3("curvature");
+  if (!part.curvature.isZero(0.0) && !use.may_be_curved)
+    s.refuse("curvature", "this fidelity has straight beams alone", "use fidelity = \"beam\"");
   try {
     part.R_BE();
   } catch (const std::invalid_argument& error) {
@@ -77,50 +170,28 @@ BeamPart read_beam_part(const Section& s) {
     part.points.emplace_back(name, x);
   }
 
-  const char* constants[] = {"EA",      "GA_y",   "GA_z", "GI_t", "EI_y", "EI_z", "mass_per_length",
-                             "rho_I_y", "rho_I_z"};
-  const char* shape[] = {"young", "density", "diameter", "inner_diameter", "width", "height"};
-  const char *a_constant = nullptr, *of_shape = nullptr;
-  for (const char* key : constants)
-    if (s.has(key)) a_constant = key;
-  for (const char* key : shape)
-    if (s.has(key)) of_shape = key;
-  if (a_constant && of_shape)
-    s.refuse(a_constant, fmt::format("stands beside {}", of_shape),
-             "give the section by a material and a shape or by its constants, not by both");
-  if (a_constant) {
-    for (const char* key : constants)
-      if (!s.has(key)) s.refuse("", fmt::format("has no {}", key), "give all constants of the section");
-    part.C = Vector6d(s.quantity("EA"), s.quantity("GA_y"), s.quantity("GA_z"), s.quantity("GI_t"),
-                      s.quantity("EI_y"), s.quantity("EI_z"))
-                 .asDiagonal();
-    part.mass_per_length = s.quantity("mass_per_length");
-    part.rho_I_y = s.quantity("rho_I_y");
-    part.rho_I_z = s.quantity("rho_I_z");
-    return part;
-  }
-  for (const char* key : {"young", "density"})
-    if (!s.has(key))
-      s.refuse("", fmt::format("has no {}", key), "give a material and a shape, or the section's constants");
-  const bool round = s.has("diameter"), rectangle = s.has("width") && s.has("height");
-  if (round == rectangle)
-    s.refuse("", round ? "has a diameter and a width" : "has no shape of its section",
-             "give diameter, or width and height");
+  const char *constant = first_given(s, kConstants), *of_shape = first_given(s, kShape),
+             *of_matrix = first_given(s, kMatrices);
+  if (const char* const other = of_shape ? of_shape : of_matrix; constant && other)
+    s.refuse(constant, fmt::format("stands beside {}", other),
+             of_shape ? "give the section by a material and a shape or by its constants, not by both"
+                      : "give the section by its constants or by its matrices, not by both");
+  if (of_shape && of_matrix)
+    s.refuse(of_shape, fmt::format("stands beside {}", of_matrix),
+             "give the section by a material and a shape or by its matrices, not by both");
   try {
-    const beam::Material material =
-        beam::isotropic("material", s.quantity("young"), s.quantity("poisson"), s.quantity("density"));
-    beam::Shape section_shape = beam::Rectangle{};
-    if (!round)
-      section_shape = beam::Rectangle{s.quantity("width"), s.quantity("height")};
-    else if (s.has("inner_diameter"))
-      section_shape = beam::HollowCircle{s.quantity("diameter"), s.quantity("inner_diameter")};
-    else
-      section_shape = beam::Circle{s.quantity("diameter")};
-    const beam::Section section = beam::make_section("section", section_shape, material);
-    part.C = section.stiffness();
-    part.mass_per_length = section.inertia.m;
-    part.rho_I_y = section.inertia.m_zz;
-    part.rho_I_z = section.inertia.m_yy;
+    if (of_matrix) {
+      for (const char* const key : kMatrices)
+        if (!s.has(key)) s.refuse("", fmt::format("has no {}", key), "give both matrices of the section");
+      const beam::Section section =
+          beam::matrix_section("section", matrix6(s, "stiffness"), matrix6(s, "mass"));
+      part.C = section.stiffness();
+      take(section.inertia, part);
+    } else if (constant) {
+      read_constants(s, use, part);
+    } else {
+      read_shape(s, part);
+    }
   } catch (const std::invalid_argument& error) {
     s.refuse("", error.what());
   }

@@ -10,7 +10,15 @@ namespace flexura::mbs {
 /// The schema of [body.NAME.beam].
 input::TableSchema beam_part_schema();
 
+/// What a fidelity does with the table.
+struct BeamUse {
+  /// Constants of the section that it does not read.
+  std::vector<std::string> ignores = {};
+  /// The stress-free axis may be curved.
+  bool may_be_curved = false;
+};
+
 /// Throws InputError.
-BeamPart read_beam_part(const input::Section& s);
+BeamPart read_beam_part(const input::Section& s, const BeamUse& use = {});
 
 }  // namespace flexura::mbs

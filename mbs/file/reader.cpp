@@ -209,6 +209,12 @@ void Reader::add_marker(int body, const std::string& full_name, const Pose& X, i
                         const Vector3d& carried_at) {
   MechanismDescription& d = model_.description;
   if (const auto found = model_.segments.find(body); found != model_.segments.end()) {
+    if (!found->second.seats.empty()) {  // of elements; what is on no station is fixed to the root's section
+      const Segments::Seat seat =
+          node < 0 ? Segments::Seat{body, -1} : found->second.seats[static_cast<std::size_t>(node)];
+      d.markers.push_back({full_name, seat.body, {X.R, seat.p + X.p}, seat.node});
+      return;
+    }
     const int piece = found->second.piece_at(carried_at);
     d.markers.push_back(
         {full_name, found->second.bodies[piece], {X.R, X.p - found->second.origins_B[piece]}, -1});
@@ -309,7 +315,7 @@ void Reader::read_body(const std::string& own_name, const Section& s) {
   BeamPart beam;
   if (is_beam) {
     if (s.has("mass")) s.refuse("mass", "a beam brings its own mass", "take one of the two away");
-    beam = read_beam_part(s.table("beam"));
+    beam = read_beam_part(s.table("beam"), fidelity.of_beam->use);
     interfaces = beam.stations();
   } else if (s.has("superelement")) {
     if (s.has("mass")) s.refuse("mass", "a superelement brings its own mass", "take one of the two away");
@@ -324,7 +330,7 @@ void Reader::read_body(const std::string& own_name, const Section& s) {
     }
   } else if (s.has("beam")) {
     s.refuse("fidelity", fmt::format("\"{}\" needs a superelement", fidelity.name),
-             "reduce the beam (flexura reduce), or use fidelity = \"ancf\", \"segments\" or \"rigid\"");
+             "reduce the beam (flexura reduce), or use fidelity = \"beam\", \"rod\", \"cable\", \"ancf\", \"segments\" or \"rigid\"");
   } else {
     for (const char* key : {"modes", "max_frequency", "damping"})
       if (s.has(key)) s.refuse(key, "a rigid body has no modes", "give a superelement or take the key away");

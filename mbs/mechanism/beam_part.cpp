@@ -9,22 +9,27 @@
 #include <stdexcept>
 
 #include "beam/section/shapes.hpp"
-#include "mbs/bodies/ancf_part.hpp"
+#include "mbs/bodies/beams/ancf_part.hpp"
+#include "mbs/bodies/beams/exact_element.hpp"
 #include "mbs/forces/bushing.hpp"
 
 namespace flexura::mbs {
 namespace {
 
-/// Mass, centre and inertia of the piece of the axis from x_1 to x_2 about the point p_B, in axes parallel to
-/// B.
+/// Mass, first moment and inertia of the piece of a straight axis from x_1 to x_2 about the point p_B, in axes parallel
+/// to B.
 RigidInertia piece(const BeamPart& part, double x_1, double x_2, const Vector3d& p_B) {
-  const Matrix3d R = part.R_BE();
-  const double l = x_2 - x_1, m = part.mass_per_length * l, across = m * l * l / 12.0;
-  const Matrix3d I =
-      Vector3d((part.rho_I_y + part.rho_I_z) * l, across + part.rho_I_y * l, across + part.rho_I_z * l)
-          .asDiagonal();
-  const Vector3d center = part.from_B + 0.5 * (x_1 + x_2) * R.col(0) - p_B;
-  return RigidInertia::from_center(m, center, R * I * R.transpose());
+  const Matrix3d R = part.R_BE(), one = Matrix3d::Identity();
+  const double l = x_2 - x_1, m = part.mass_per_length * l;
+  Matrix3d section;
+  section << part.rho_I_y + part.rho_I_z, 0, 0, 0, part.rho_I_y, -part.m_yz, 0, -part.m_yz, part.rho_I_z;
+  const Vector3d axis = R.col(0), middle = part.from_B + 0.5 * (x_1 + x_2) * axis - p_B,
+                 S = l * (R * Vector3d(0.0, part.m_y, part.m_z));
+  // Of the axis, the section about it, and both together: int |u + rho|^2 1 - (u + rho)(u + rho)^T dm.
+  Matrix3d I = m * (middle.squaredNorm() * one - middle * middle.transpose()) +
+               m * l * l / 12.0 * (one - axis * axis.transpose()) + l * R * section * R.transpose();
+  I += 2.0 * middle.dot(S) * one - middle * S.transpose() - S * middle.transpose();
+  return {m, m * middle + S, I};
 }
 
 }  // namespace
@@ -43,10 +48,24 @@ Matrix3d BeamPart::R_BE() const {
   return R;
 }
 
+Pose BeamPart::section_at(double x) const {
+  const Matrix3d R = R_BE();
+  // exp(x k^) and its integral along x, applied to e_1.
+  const double k = curvature.norm(), angle = k * x;
+  if (angle == 0.0) return {R, from_B + x * R.col(0)};
+  const Vector3d u = curvature / k, e = Vector3d::UnitX(), along = u.x() * u;
+  return {R * Eigen::AngleAxisd(angle, u).toRotationMatrix(),
+          from_B +
+              R * (x * along + std::sin(angle) / k * (e - along) + (1.0 - std::cos(angle)) / k * u.cross(e))};
+}
+
+beam::SectionInertia BeamPart::section_inertia() const {
+  return {.m = mass_per_length, .m_y = m_y, .m_z = m_z, .m_yy = rho_I_z, .m_zz = rho_I_y, .m_yz = m_yz};
+}
+
 std::vector<std::pair<std::string, Vector3d>> BeamPart::stations() const {
-  const Vector3d axis = R_BE().col(0);
-  std::vector<std::pair<std::string, Vector3d>> out = {{"root", from_B}, {"tip", to_B}};
-  for (const auto& [name, x] : points) out.emplace_back(name, from_B + x * axis);
+  std::vector<std::pair<std::string, Vector3d>> out = {{"root", from_B}, {"tip", section_at(length()).p}};
+  for (const auto& [name, x] : points) out.emplace_back(name, section_at(x).p);
   return out;
 }
 
@@ -58,8 +77,11 @@ std::shared_ptr<const FlexibleBody> ancf_body(const BeamPart& part) {
   beam::ancf::BeamSection section;
   section.C = part.C;
   section.m = part.mass_per_length;
+  section.m_y = part.m_y;
+  section.m_z = part.m_z;
   section.m_zz = part.rho_I_y;
   section.m_yy = part.rho_I_z;
+  section.m_yz = part.m_yz;
   section.damping_time = part.damping_time;
   return straight_ancf_part(section, part.from_B, part.to_B, part.R_BE().col(1), part.elements, part.points);
 }
@@ -112,6 +134,64 @@ Segments add_segments(MechanismDescription& d, int root, const BeamPart& part) {
     d.joints.back().keep_in_tree = d.joints.back().bends = true;
     d.forces.push_back(std::make_shared<Bushing>(fmt::format("{}.spring_{}", name, k), F_marker, M_marker, K,
                                                  part.damping_time * K));
+  }
+  return out;
+}
+
+Segments add_exact_elements(MechanismDescription& d, int root, const BeamPart& part, beam::exact::Kind kind) {
+  const int n = part.elements;
+  const double l = part.length() / n;
+  const beam::exact::StrainField field = beam::exact::strain_field(kind, part.C, l);
+  Vector6d rest = Vector6d::Zero();
+  rest.tail<3>() = part.curvature;
+  const beam::exact::Element element(field, l, part.section_inertia(), rest);
+  const Eigen::VectorXd unstrained = Eigen::VectorXd::Zero(element.n());
+  const beam::exact::Element::Motion across =
+      element.motion(element.place(l), unstrained.data(), nullptr, nullptr);
+
+  // The stations by element and by distance along it.
+  std::vector<std::pair<int, double>> at = {{0, 0.0}, {n - 1, l}};
+  for (const auto& [name, x] : part.points) {
+    const int k = std::clamp(static_cast<int>(std::ceil(x / l - 1e-9)) - 1, 0, n - 1);
+    at.emplace_back(k, std::clamp(x - k * l, 0.0, l));
+  }
+  Segments out;
+  out.root_B = part.from_B;
+  out.axis_B = part.R_BE().col(0);
+  out.element_length = l;
+  out.seats.resize(at.size());
+  const std::string name = d.bodies[root].name;
+  Pose start{part.R_BE(), part.from_B};  // of an element, in its own frame
+  Vector3d origin_B = Vector3d::Zero();
+  for (int k = 0; k < n; ++k) {
+    const int body = k == 0 ? root : d.add_body({.name = fmt::format("{}.{}", name, k)});
+    std::vector<ExactElement::Station> stations = {{"end", l}};
+    for (std::size_t i = 0; i < at.size(); ++i) {
+      const auto& [of, x] = at[i];
+      if (of != k) continue;
+      if (x == 0.0) {
+        out.seats[i] = {body, -1, start.p};
+        continue;
+      }
+      const bool is_end = x > (1.0 - 1e-9) * l;
+      out.seats[i] = {body, is_end ? 0 : static_cast<int>(stations.size())};
+      if (!is_end) stations.push_back({fmt::format("at_{}", stations.size()), x});
+    }
+    const auto piece_of_beam =
+        std::make_shared<const ExactElement>(element, start, part.damping_time, stations);
+    d.bodies[body].inertia = piece_of_beam->undeformed_inertia();
+    d.bodies[body].flexible = piece_of_beam;
+    if (k > 0) {
+      const int before = out.bodies.back();
+      d.add_joint(fmt::format("{}.weld_{}", name, k), "fixed",
+                  d.add_marker(before, fmt::format("weld_{}_from", k), {}, 0),
+                  d.add_marker(body, fmt::format("weld_{}_to", k)));
+      d.joints.back().keep_in_tree = true;
+    }
+    out.bodies.push_back(body);
+    out.origins_B.push_back(origin_B);
+    origin_B += start * across.p;
+    start = {start.R * across.R, Vector3d::Zero()};
   }
   return out;
 }

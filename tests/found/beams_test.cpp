@@ -28,7 +28,7 @@ double last_of(const std::string& file, const std::string& quantity) {
 // to it, whatever it was said to be on.
 TEST(Beams, WhatIsSaidToBeOnTheTipGoesAlongWithTheTip) {
   const Folder folder;
-  for (const std::string fidelity : {"ancf", "segments"}) {
+  for (const std::string fidelity : {"beam", "rod", "ancf", "segments"}) {
     const std::string file = folder
                                  .write("cantilever.toml", R"(
 gravity = [0, 0, 0]

@@ -49,7 +49,7 @@ void MassMatrix::own_inertia(const Motion& motion, const Wrenches& wrenches, Ine
       body.I_c.topLeftCorner<3, 3>() = R * wrenches.bodies[b].flexible->J * R.transpose();
       body.C_c.topRows<3>().noalias() = R * wrenches.bodies[b].flexible->C_r;
       body.C_c.bottomRows<3>().noalias() = R * wrenches.bodies[b].flexible->C_t;
-      body.M_c = flexible.M_e();
+      body.M_c = flexible.M_e(*wrenches.bodies[b].flexible);
     } else {
       const RigidInertia& I = tree_.d.bodies[b].inertia;
       mass = I.mass;

@@ -11,6 +11,23 @@ namespace flexura::mbs {
 
 using Eigen::MatrixXd;
 
+Coordinates::Coordinates(const Topology& tree) : tree_(tree), own_frequency_(tree.d.bodies.size()) {
+  for (int b : tree_.order) {
+    const int m = tree_.bodies[b].m;
+    if (m == 0) continue;
+    const FlexibleBody& flexible = *tree_.d.bodies[b].flexible;
+    std::vector<double>& omega = own_frequency_[static_cast<std::size_t>(b)];
+    for (int k = 0; k < m; ++k) omega.push_back(std::sqrt(flexible.spring(k).stiffness));
+    if (std::ranges::any_of(omega, [](double own) { return own > 0.0; })) continue;
+    // Its stiffness is a matrix.
+    const Eigen::VectorXd rest = Eigen::VectorXd::Zero(m);
+    MatrixXd K = MatrixXd::Zero(m, m), D = K;
+    flexible.add_tangents(rest.data(), rest.data(), K, D);
+    for (int k = 0; k < m; ++k)
+      omega[static_cast<std::size_t>(k)] = std::sqrt(std::max(0.0, K(k, k) / flexible.M_e()(k, k)));
+  }
+}
+
 void Coordinates::kinematic(ConstVectorRef p, ConstVectorRef w, VectorRef p_dot) const {
   for (int b : tree_.order) {
     const TreeBody& body = tree_.bodies[b];
@@ -77,11 +94,10 @@ double Coordinates::rate_scale(int i) const {
   double omega = 1.0;
   for (int b : tree_.order) {
     const TreeBody& body = tree_.bodies[b];
-    if (body.m == 0) continue;
-    const FlexibleBody& flexible = *tree_.d.bodies[b].flexible;
+    const std::vector<double>& own = own_frequency_[static_cast<std::size_t>(b)];
     if (i >= body.i_v && i < body.i_v + body.m)
-      return std::max(1.0, std::sqrt(flexible.spring(i - body.i_v).stiffness)) * velocity_scale(i);
-    for (int k = 0; k < body.m; ++k) omega = std::max(omega, std::sqrt(flexible.spring(k).stiffness));
+      return std::max(1.0, own[static_cast<std::size_t>(i - body.i_v)]) * velocity_scale(i);
+    for (const double frequency : own) omega = std::max(omega, frequency);
   }
   return omega * velocity_scale(i);
 }

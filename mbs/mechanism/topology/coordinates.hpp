@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "mbs/equations/equations.hpp"
 #include "mbs/mechanism/topology/topology.hpp"
@@ -11,7 +12,7 @@ namespace flexura::mbs {
 
 class Coordinates {
  public:
-  explicit Coordinates(const Topology& tree) : tree_(tree) {}
+  explicit Coordinates(const Topology& tree);
 
   // As in Equations.
   void kinematic(ConstVectorRef p, ConstVectorRef w, VectorRef p_dot) const;
@@ -36,6 +37,8 @@ class Coordinates {
 
  private:
   const Topology& tree_;
+  /// By body and its elastic coordinate: the circular frequency at which it vibrates alone [rad/s].
+  std::vector<std::vector<double>> own_frequency_;
 };
 
 }  // namespace flexura::mbs

@@ -28,6 +28,7 @@ Tangents::Tangents(const Equations& eq) : eq_(eq), n_(eq.sizes()), scratch_(eq.m
     Elastic e{-1, i, 0.0, 0.0};
     if (!eq.elastic_coordinate(i, e.i_p, e.stiffness, e.damping)) continue;
     elastic_.push_back(e);
+    bends_far_ = bends_far_ || !(e.stiffness > 0.0);
     elastic_p_[e.i_p] = elastic_v_[i] = true;
   }
 }

@@ -19,7 +19,9 @@ class Tangents : public TangentMatrices {
   explicit Tangents(const Equations& eq);
 
   void evaluate(const State& s, const Eigen::VectorXd& v_dot, TangentScope scope = TangentScope::everything);
-  bool has_elastic_coordinates() const { return !elastic_.empty(); }
+  /// Coordinates for which TangentScope::newton does: what belongs to a body with a stiffness of its own for each.
+  /// Where the stiffness is a matrix the body bends as far as it likes, and its motion moves all that hangs on it.
+  bool has_elastic_coordinates() const { return !elastic_.empty() && !bends_far_; }
 
   Eigen::MatrixXd M, G;
   long evaluations = 0;
@@ -42,6 +44,7 @@ class Tangents : public TangentMatrices {
   std::unique_ptr<Equations::Scratch> scratch_;
   std::vector<Elastic> elastic_;
   std::vector<bool> elastic_p_, elastic_v_;
+  bool bends_far_ = false;
   Eigen::VectorXd position_scale_, velocity_scale_;
   State s_;
   Eigen::VectorXd z_, z_plus_, h_, h_plus_;

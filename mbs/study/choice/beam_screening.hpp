@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "mbs/bodies/ancf_part.hpp"
+#include "mbs/bodies/beams/ancf_part.hpp"
 #include "mbs/solver/start/prepare.hpp"
 
 /// What a run with rigid beams says about the beams ([body.NAME.beam]) whose fidelity is to be chosen.

@@ -1,5 +1,5 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-#include "mbs/bodies/ancf_part.hpp"
+#include "mbs/bodies/beams/ancf_part.hpp"
 
 #include <gtest/gtest.h>
 

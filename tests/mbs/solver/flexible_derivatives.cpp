@@ -1,7 +1,7 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include <gtest/gtest.h>
 
-#include "mbs/bodies/ancf_part.hpp"
+#include "mbs/bodies/beams/ancf_part.hpp"
 #include "mbs/bodies/modal_body.hpp"
 #include "mbs/superelement/file.hpp"
 #include "tests/mbs/model/checks.hpp"

@@ -1,0 +1,282 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "beam/exact/element.hpp"
+
+#include <stdexcept>
+
+#include "beam/exact/kernel.hpp"
+
+namespace flexura::beam::exact {
+namespace {
+
+using Eigen::MatrixXd;
+
+// Gauss' points and weights on [0, 1].
+constexpr std::array<double, 4> kAt = {0.06943184420297371239, 0.33000947820757186760, 0.66999052179242813240,
+                                       0.93056815579702628761};
+constexpr std::array<double, 4> kWeight = {0.17392742256872692869, 0.32607257743127307131,
+                                           0.32607257743127307131, 0.17392742256872692869};
+
+// int_0^z of the polynomial that is 1 at point h and 0 at the others.
+double polynomial_integral(std::size_t h, double z) {
+  double p[4] = {1.0, 0.0, 0.0, 0.0};  // coefficients, by ascending power
+  int degree = 0;
+  for (std::size_t k = 0; k < 4; ++k) {
+    if (k == h) continue;
+    const double scale = 1.0 / (kAt[h] - kAt[k]);
+    ++degree;
+    for (int i = degree; i >= 0; --i)
+      p[i] = scale * ((i > 0 ? p[i - 1] : 0.0) - (i < degree ? kAt[k] * p[i] : 0.0));
+  }
+  double sum = 0.0;
+  for (int i = 3; i >= 0; --i) sum = (sum + p[i] / (i + 1)) * z;
+  return sum;
+}
+
+Matrix3d matrix(const Mat<double>& E) {
+  Matrix3d R;
+  R << values(E.x), values(E.y), values(E.z);
+  return R;
+}
+
+Matrix3d cross_matrix(const Vector3d& a) {
+  Matrix3d s;
+  s << 0, -a.z(), a.y(), a.z(), 0, -a.x(), -a.y(), a.x(), 0;
+  return s;
+}
+
+// 3 x n: the angular velocity of the section at x, in its axes, for unit rates.
+Eigen::Matrix3Xd turning(const StrainField& f, double x, const Strains<double>& q,
+                         const Rotation<double>& rotation) {
+  const double x_3 = x * x * x / 12.0;
+  const Matrix3d Theta = cross_matrix(values(rotation.Theta)),
+                 T = Matrix3d::Identity() - rotation.b * Theta + rotation.c * Theta * Theta;
+  return T * ((x * Matrix3d::Identity() - x_3 * cross_matrix(values(q.k_1))) * f.k_0 +
+              (0.5 * x * x * Matrix3d::Identity() + x_3 * cross_matrix(values(q.k_0))) * f.k_1);
+}
+
+template <int N>
+std::array<Dual<N>, Element::kMost> constants(const double* x) {
+  std::array<Dual<N>, Element::kMost> out;
+  for (int i = 0; i < N && x; ++i) out[static_cast<std::size_t>(i)] = Dual<N>(x[i]);
+  return out;
+}
+template <int N>
+std::array<Dual<N>, Element::kMost> variables(const double* x) {
+  std::array<Dual<N>, Element::kMost> out;
+  for (int i = 0; i < N; ++i) out[static_cast<std::size_t>(i)] = Dual<N>::variable(x[i], i);
+  return out;
+}
+// Rows of derivatives.
+template <int N, class Rows>
+void set_rows(const Vec<Dual<N>>& a, Rows&& rows) {
+  for (int j = 0; j < N; ++j) {
+    const auto i = static_cast<std::size_t>(j);
+    rows(0, j) = a.x.d[i];
+    rows(1, j) = a.y.d[i];
+    rows(2, j) = a.z.d[i];
+  }
+}
+
+// The kinds of strain fields there are have so many coordinates.
+template <class F>
+void with_size(int n, F&& f) {
+  switch (n) {
+    case 3:
+      return f(std::integral_constant<int, 3>());
+    case 5:
+      return f(std::integral_constant<int, 5>());
+    default:
+      return f(std::integral_constant<int, 6>());
+  }
+}
+
+}  // namespace
+
+Element::Element(StrainField field, double length, const SectionInertia& inertia, const Vector6d& rest_strain)
+    : field_(std::move(field)), length_(length), inertia_(inertia), rest_(rest_strain) {
+  if (const int n = field_.n(); n != 3 && n != 6 && n != 8)
+    throw std::invalid_argument("a strain field has as many coordinates as no kind of beam has");
+  for (std::size_t h = 0; h < kPoints; ++h) {
+    points_[h] = place(kAt[h] * length);
+    mass_weight_[h] = kWeight[h] * length;
+  }
+}
+
+Element::Place Element::place(double x) const {
+  Place out;
+  out.x = x;
+  for (std::size_t h = 0; h < kPoints; ++h) out.weight[h] = length_ * polynomial_integral(h, x / length_);
+  return out;
+}
+
+Element::Motion Element::motion(const Place& place, const double* s, const double* s_dot,
+                                const double* s_ddot) const {
+  const Kernel kernel(*this);
+  const Strains<double> q = kernel.strains(s, true);
+  Strains<double> q_dot, q_ddot;
+  if (s_dot) q_dot = kernel.strains(s_dot, false);
+  if (s_ddot) q_ddot = kernel.strains(s_ddot, false);
+  const SectionMotion<double> x =
+      kernel.motion(place, q, s_dot ? &q_dot : nullptr, s_ddot ? &q_ddot : nullptr);
+  const Mat<double>& E = x.turned.rotation.E;
+  Motion out;
+  out.R = matrix(E);
+  out.p = values(x.r);
+  out.V << values(E * x.turned.w), values(x.v);
+  out.A << values(E * x.turned.w_dot), values(x.a);
+  return out;
+}
+
+void Element::map(const Place& place, const double* s, Columns& out) const {
+  const Kernel kernel(*this);
+  const Strains<double> q = kernel.strains(s, true);
+  const Turned<double> end = Kernel::turn<double>(place.x, q, nullptr, nullptr);
+  out.resize(6, n());
+  out.topRows<3>() = matrix(end.rotation.E) * turning(field_, place.x, q, end.rotation);
+  out.bottomRows<3>().setZero();
+  for (std::size_t h = 0; h < kPoints; ++h) {
+    const double x = points_[h].x;
+    const Rotation<double> rotation = Kernel::turn<double>(x, q, nullptr, nullptr).rotation;
+    out.bottomRows<3>() +=
+        place.weight[h] * matrix(rotation.E) *
+        (field_.g_0 + x * field_.g_1 - cross_matrix(values(q.c[h])) * turning(field_, x, q, rotation));
+  }
+}
+
+void Element::motion_tangents(const Place& place, const double* s, const double* s_dot, const double* s_ddot,
+                              const Vector6d& wrench, MotionTangents& out) const {
+  const Kernel kernel(*this);
+  for (Columns* x : {&out.V_s, &out.A_s, &out.A_v}) x->resize(6, n());
+  out.map_s.resize(n(), n());
+  with_size(n(), [&](auto size) {
+    constexpr int N = decltype(size)::value;
+    using S = Dual<N>;
+    const auto vary = [&](const auto& x, const auto& x_dot, Columns* V, Columns& A) {
+      const auto x_ddot = constants<N>(s_ddot);
+      const Strains<S> q = kernel.strains(x.data(), true), q_dot = kernel.strains(x_dot.data(), false),
+                       q_ddot = kernel.strains(x_ddot.data(), false);
+      const SectionMotion<S> at = kernel.motion(place, q, &q_dot, &q_ddot);
+      const Mat<S>& E = at.turned.rotation.E;
+      if (V) {
+        set_rows(E * at.turned.w, V->template topRows<3>());
+        set_rows(at.v, V->template bottomRows<3>());
+      }
+      set_rows(E * at.turned.w_dot, A.template topRows<3>());
+      set_rows(at.a, A.template bottomRows<3>());
+    };
+    const auto at = variables<N>(s);
+    vary(at, constants<N>(s_dot), &out.V_s, out.A_s);
+    vary(constants<N>(s), variables<N>(s_dot), nullptr, out.A_v);
+    std::array<S, kMost> forces;
+    kernel.forces_at(place, at.data(), wrench, forces.data());
+    for (int i = 0; i < N; ++i)
+      for (int j = 0; j < N; ++j)
+        out.map_s(i, j) = forces[static_cast<std::size_t>(i)].d[static_cast<std::size_t>(j)];
+  });
+}
+
+void Element::integrate(const double* s, Integrals& out) const {
+  const Kernel kernel(*this);
+  const Strains<double> q = kernel.strains(s, true);
+  const Points<double> at = kernel.points<double>(q, nullptr, nullptr);
+  const Vector3d first(0.0, inertia_.m_y, inertia_.m_z);
+  Matrix3d I;
+  I << inertia_.m_yy + inertia_.m_zz, 0, 0, 0, inertia_.m_zz, -inertia_.m_yz, 0, -inertia_.m_yz,
+      inertia_.m_yy;
+
+  std::array<Eigen::Matrix3Xd, kPoints> turned, moved;  // in the start's axes
+  std::array<Matrix3d, kPoints> E;
+  for (std::size_t h = 0; h < kPoints; ++h) {
+    const Rotation<double>& rotation = at.at[h].turned.rotation;
+    E[h] = matrix(rotation.E);
+    const double x = points_[h].x;
+    const Eigen::Matrix3Xd own = turning(field_, x, q, rotation);
+    turned[h] = E[h] * own;
+    moved[h] = E[h] * (field_.g_0 + x * field_.g_1 - cross_matrix(values(q.c[h])) * own);
+  }
+  out.d.setZero();
+  out.J.setZero();
+  out.C_t.setZero(3, n());
+  out.C_r.setZero(3, n());
+  out.M.setZero(n(), n());
+  Eigen::Matrix3Xd U(3, n()), swung(3, n());
+  for (std::size_t g = 0; g < kPoints; ++g) {
+    Vector3d r = Vector3d::Zero();
+    U.setZero();
+    for (std::size_t h = 0; h < kPoints; ++h) {
+      r += points_[g].weight[h] * values(at.at[h].p);
+      U += points_[g].weight[h] * moved[h];
+    }
+    const double m = mass_weight_[g] * inertia_.m;
+    const Vector3d S = mass_weight_[g] * (E[g] * first);
+    const Matrix3d I_g = mass_weight_[g] * E[g] * I * E[g].transpose();
+    swung.noalias() = -cross_matrix(S) * turned[g];  // (E w) x S
+    out.d += m * r + S;
+    out.J += (m * r.squaredNorm() + 2.0 * r.dot(S)) * Matrix3d::Identity() - m * r * r.transpose() -
+             r * S.transpose() - S * r.transpose() + I_g;
+    out.C_t += m * U + swung;
+    out.C_r += cross_matrix(m * r + S) * U + cross_matrix(r) * swung + I_g * turned[g];
+    out.M.noalias() += m * U.transpose() * U;
+    out.M.noalias() += turned[g].transpose() * (I_g * turned[g]);
+    const MatrixXd mixed = U.transpose() * swung;
+    out.M += mixed + mixed.transpose();
+  }
+}
+
+Vector6d Element::inertia_force(const double* s, const double* s_dot, const double* s_ddot,
+                                const Carried& start, double* need) const {
+  Vec<double> torque, force;
+  Kernel(*this).inertia(s, s_dot, s_ddot, vec<double>(start.w), vec<double>(start.alpha),
+                        vec<double>(start.a), torque, force, need);
+  Vector6d out;
+  out << values(torque), values(force);
+  return out;
+}
+
+void Element::inertia_tangents(const double* s, const double* s_dot, const double* s_ddot,
+                               const Carried& start, InertiaTangents& out) const {
+  const Kernel kernel(*this);
+  for (Columns* x : {&out.wrench_s, &out.wrench_v}) x->resize(6, n());
+  for (MatrixXd* x : {&out.need_s, &out.need_v}) x->resize(n(), n());
+  with_size(n(), [&](auto size) {
+    constexpr int N = decltype(size)::value;
+    using S = Dual<N>;
+    const auto vary = [&](const auto& x, const auto& x_dot, Columns& wrench, MatrixXd& need) {
+      const auto x_ddot = constants<N>(s_ddot);
+      Vec<S> torque, force;
+      std::array<S, kMost> forces;
+      kernel.inertia(x.data(), x_dot.data(), x_ddot.data(), vec<S>(start.w), vec<S>(start.alpha),
+                     vec<S>(start.a), torque, force, forces.data());
+      set_rows(torque, wrench.template topRows<3>());
+      set_rows(force, wrench.template bottomRows<3>());
+      for (int i = 0; i < N; ++i)
+        for (int j = 0; j < N; ++j)
+          need(i, j) = forces[static_cast<std::size_t>(i)].d[static_cast<std::size_t>(j)];
+    };
+    vary(variables<N>(s), constants<N>(s_dot), out.wrench_s, out.need_s);
+    vary(constants<N>(s), variables<N>(s_dot), out.wrench_v, out.need_v);
+  });
+}
+
+void Element::turning_tangents(const double* s, const double* s_dot, const Vector3d& w,
+                               Eigen::Matrix<double, 6, 3>& wrench_w,
+                               Eigen::Matrix<double, Eigen::Dynamic, 3>& need_w) const {
+  using S = Dual<3>;
+  std::array<S, kMost> x, x_dot, x_ddot, forces;
+  for (int i = 0; i < n(); ++i) {
+    x[static_cast<std::size_t>(i)] = S(s[i]);
+    x_dot[static_cast<std::size_t>(i)] = S(s_dot[i]);
+  }
+  const Vec<S> turn{S::variable(w.x(), 0), S::variable(w.y(), 1), S::variable(w.z(), 2)};
+  Vec<S> torque, force;
+  Kernel(*this).inertia(x.data(), x_dot.data(), x_ddot.data(), turn, Vec<S>{}, Vec<S>{}, torque, force,
+                        forces.data());
+  set_rows(torque, wrench_w.topRows<3>());
+  set_rows(force, wrench_w.bottomRows<3>());
+  need_w.resize(n(), 3);
+  for (int i = 0; i < n(); ++i)
+    for (int j = 0; j < 3; ++j)
+      need_w(i, j) = forces[static_cast<std::size_t>(i)].d[static_cast<std::size_t>(j)];
+}
+
+}  // namespace flexura::beam::exact
