@@ -268,20 +268,19 @@ TEST(ExactBeamInMotion, FreeFlightKeepsEnergyAndMomentum) {
   solver.end_time = 0.3;
   solver.output_step = 0.02;
   solver.tolerance = 1e-7;
-  double first = 0.0, largest_change = 0.0, strain = 0.0, largest_kinetic = 0.0;
+  double first = 0.0, largest_change = 0.0, strain = 0.0;
   const auto scratch = mechanism.make_scratch();
   RunCallbacks callbacks;
   callbacks.row = [&](const State& row, const VectorXd& a, const EnergyAccount&) {
     const EnergyReport e = mechanism.energy(row, a, *scratch);
     if (row.t == 0.0) first = e.kinetic + e.strain;
     strain = std::max(strain, e.strain);
-    largest_kinetic = std::max(largest_kinetic, e.kinetic);
     largest_change = std::max(largest_change, std::abs(e.kinetic + e.strain - first));
   };
   const RunResult result = run(mechanism, s, v_dot, solver, callbacks);
   ASSERT_TRUE(result.complete) << result.stopped_because;
-  EXPECT_GT(strain, 0.1 * largest_kinetic);  // it does bend
-  EXPECT_LT(largest_change, 1e-5 * first);
+  EXPECT_GT(strain, 5e-3 * first);  // it does bend, and a thousandth of that is what may be lost
+  EXPECT_LT(largest_change, 5e-6 * first);
 }
 
 }  // namespace
