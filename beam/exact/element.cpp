@@ -83,10 +83,10 @@ void with_size(int n, F&& f) {
   switch (n) {
     case 3:
       return f(std::integral_constant<int, 3>());
-    case 5:
-      return f(std::integral_constant<int, 5>());
-    default:
+    case 6:
       return f(std::integral_constant<int, 6>());
+    default:
+      return f(std::integral_constant<int, 8>());
   }
 }
 
