@@ -1,39 +1,22 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-#include <array>
 #include <cmath>
 #include <numbers>
 
 #include "mbs/constraints/constraint.hpp"
+#include "mbs/formulas/time_integral.hpp"
 
 namespace flexura::mbs {
+
 namespace {
 
-/// Integral of f over [a, b] by Gauss and Kronrod's rule of 7 and 15 points, halved until the two agree.
-double integrate(const Expression& f, double a, double b, int depth = 0) {
-  constexpr std::array<double, 8> x = {0.991455371120812639206854697526, 0.949107912342758524526189684048,
-                                       0.864864423359769072789712788641, 0.741531185599394439863864773281,
-                                       0.586087235467691130294144691694, 0.405845151377397166906606412077,
-                                       0.207784955007898467600689403773, 0.0};
-  constexpr std::array<double, 8> w_k = {0.022935322010529224963732008059, 0.063092092629978553290700663189,
-                                         0.104790010322250183839876322542, 0.140653259715525918745189590510,
-                                         0.169004726639267902826583426599, 0.190350578064785409913256402421,
-                                         0.204432940075298892414161999235, 0.209482141084727828012999174892};
-  constexpr std::array<double, 4> w_g = {0.129484966168869693270611432679, 0.279705391489276667901467771424,
-                                         0.381830050505118944950369775489, 0.417959183673469387755102040816};
-  const double middle = 0.5 * (a + b), half = 0.5 * (b - a);
-  double kronrod = 0.0, gauss = 0.0, size = 0.0;
-  for (int i = 0; i < 8; ++i) {
-    for (const double sign : {-1.0, 1.0}) {
-      if (i == 7 && sign > 0.0) continue;
-      const double at = middle + sign * half * x[i], y = f.evaluate(&at);
-      kronrod += w_k[i] * y;
-      size += w_k[i] * std::abs(y);
-      if (i % 2 == 1) gauss += w_g[i / 2] * y;
-    }
-  }
-  if (depth >= 40 || std::abs(kronrod - gauss) <= 1e-12 * size) return half * kronrod;
-  return integrate(f, a, middle, depth + 1) + integrate(f, middle, b, depth + 1);
-}
+// The formula of a drive by its acceleration, and what it has made of the speed.
+struct Acceleration : Expression {
+  explicit Acceleration(const Expression& formula)
+      : Expression(formula),
+        gained_speed(TimeFunction(formula.where(), true, formula.tree(), formula.tree().root,
+                                  [](int) -> const FormulaTree* { return nullptr; })) {}
+  TimeIntegral gained_speed;
+};
 
 }  // namespace
 
@@ -42,14 +25,15 @@ DriveConstraint::DriveConstraint(std::string name, CoordinateRef coordinate,
                                  double start_speed)
     : Constraint(std::move(name)),
       coordinate_(coordinate),
-      motion_(std::move(motion)),
+      motion_(level == DriveLevel::acceleration ? std::make_shared<const Acceleration>(*motion)
+                                                : std::move(motion)),
       level_(level),
       start_speed_(start_speed) {}
 
 double DriveConstraint::wanted_speed(double t) const {
   if (level_ == DriveLevel::position) return motion_->time_derivatives(t).first;
   if (level_ == DriveLevel::speed) return motion_->evaluate(&t);
-  return start_speed_ + (t == 0.0 ? 0.0 : integrate(*motion_, 0.0, t));
+  return start_speed_ + static_cast<const Acceleration&>(*motion_).gained_speed(t);
 }
 
 double DriveConstraint::wanted_acceleration(double t) const {

@@ -77,6 +77,32 @@ output_step = 0.1
   }
 }
 
+// A drive by its acceleration has the speed that all of it has made, a pulse of a microsecond and one that is round-off of its
+// terms where it begins (whose integral was never done).
+TEST_P(Events, ADriveByItsAccelerationHasAllOfTheSpeed) {
+  const Folder folder;
+  const std::string mechanism = R"(gravity = [0, 0, 0]
+[body.b]
+mass = 1
+inertia = [1, 1, 1]
+[joint.j]
+type = "revolute"
+from = "ground"
+to = "b"
+drive_acceleration = "FORMULA"
+[solver]
+output_step = 0.1
+[ground]
+)";
+  for (const std::string formula : {"t > 0.7 && t < 0.700001 ? 1e6 : 0",
+                                    "t < 0.1 ? 10*(1 - cos(2*pi*t/0.1)) : 0", "5e4*(abs(t - 0.5) < 1e-5)"}) {
+    const results::Run run = simulated(
+        folder, folder.write("driven.toml", replaced(mechanism, "FORMULA", formula)), GetParam(), "1");
+    const Eigen::VectorXd speed = values(run, "j.speed");
+    EXPECT_NEAR(speed(speed.size() - 1), 1.0, 1e-6) << formula;
+  }
+}
+
 TEST_P(Events, ALateImpulseRingsAsOneAtTheStart) {
   const Folder folder;
   ASSERT_EQ(run("flexura", {"reduce", trade + "ringer.toml", "-q", "-o", folder / "ringer.se.h5"}).exit_code,
