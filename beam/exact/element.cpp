@@ -1,6 +1,8 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include "beam/exact/element.hpp"
 
+#include <fmt/format.h>
+
 #include <stdexcept>
 
 #include "beam/exact/kernel.hpp"
@@ -95,7 +97,8 @@ void with_size(int n, F&& f) {
 Element::Element(StrainField field, double length, const SectionInertia& inertia, const Vector6d& rest_strain)
     : field_(std::move(field)), length_(length), inertia_(inertia), rest_(rest_strain) {
   if (const int n = field_.n(); n != 3 && n != 6 && n != 8)
-    throw std::invalid_argument("a strain field has as many coordinates as no kind of beam has");
+    throw std::invalid_argument(
+        fmt::format("a strain field has {} coordinates; it must have 8 (beam), 6 (rod) or 3 (cable)", n));
   for (std::size_t h = 0; h < kPoints; ++h) {
     points_[h] = place(kAt[h] * length);
     mass_weight_[h] = kWeight[h] * length;

@@ -51,7 +51,9 @@ Linear of_cable() {
 }  // namespace
 
 StrainField strain_field(Kind kind, const Matrix6d& C, double l) {
-  if (!(l > 0.0)) throw std::invalid_argument("an element of a beam has no length");
+  if (!(l > 0.0))
+    throw std::invalid_argument(
+        "an element of a beam has no length; give the beam one that is greater than 0");
   if (kind == Kind::cable && !(C(0, 0) > 0.0))
     throw std::invalid_argument("the cable has no stiffness against stretch; give a positive EA");
   Linear x = kind == Kind::beam ? of_beam(C, l) : kind == Kind::rod ? of_rod(C, l) : of_cable();

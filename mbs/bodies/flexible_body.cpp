@@ -54,8 +54,8 @@ double FlexibleBody::kinetic_energy(const double* s_dot_values, const Spatial& V
   double modal = 0.0;
   const Eigen::MatrixXd& M = M_e(scratch);
   for (int j = 0; j < m(); ++j) modal += s_dot(j) * M.col(j).dot(s_dot);
-  return 0.5 * mass() * v.squaredNorm() + v.dot(w.cross(scratch.d)) + 0.5 * w.dot(scratch.J * w) + v.dot(C_t_s_dot) +
-         w.dot(C_r_s_dot) + 0.5 * modal;
+  return 0.5 * mass() * v.squaredNorm() + v.dot(w.cross(scratch.d)) + 0.5 * w.dot(scratch.J * w) +
+         v.dot(C_t_s_dot) + w.dot(C_r_s_dot) + 0.5 * modal;
 }
 
 Pose FlexibleBody::node_pose(int node, const double* s) const {

@@ -70,7 +70,7 @@ class FlexibleBody {
   int m() const { return static_cast<int>(M_e_.rows()); }
   double mass() const { return mass_; }
   const std::vector<NodePlace>& nodes() const { return nodes_; }
-  int find_node(const std::string& name) const;  ///< -1 when there is none
+  int find_node(const std::string& name) const;        ///< -1 when there is none
   const Eigen::MatrixXd& M_e() const { return M_e_; }  ///< of the undeformed body
 
   /// False where the deformation follows the motion without acting back on it (one_way_body.hpp): the mechanism moves as

@@ -330,7 +330,8 @@ void Reader::read_body(const std::string& own_name, const Section& s) {
     }
   } else if (s.has("beam")) {
     s.refuse("fidelity", fmt::format("\"{}\" needs a superelement", fidelity.name),
-             "reduce the beam (flexura reduce), or use fidelity = \"beam\", \"rod\", \"cable\", \"ancf\", \"segments\" or \"rigid\"");
+             "reduce the beam (flexura reduce), or use fidelity = \"beam\", \"rod\", \"cable\", \"ancf\", "
+             "\"segments\" or \"rigid\"");
   } else {
     for (const char* key : {"modes", "max_frequency", "damping"})
       if (s.has(key)) s.refuse(key, "a rigid body has no modes", "give a superelement or take the key away");
