@@ -79,7 +79,8 @@ void print_table(const StudyFile& study, const Judgement& judgement) {
                                       fmt::format("{}", c.steps),
                                       percent(row.error.against_reference),
                                       percent(row.error.against_finest)};
-    if (estimates) cells.push_back(row.estimate >= 0.0 ? percent(row.estimate) : "-");
+    if (estimates)
+      cells.push_back(row.estimate >= 0.0 ? (row.is_at_least ? ">= " : "") + percent(row.estimate) : "-");
     if (parts) cells.push_back(number(c.reduce_wall, 3));
     table.add_row(cells);
   }

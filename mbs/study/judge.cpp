@@ -91,11 +91,17 @@ class Judge {
     return difference(a, b, study_.quantities[k].norm) / size_[k];
   }
 
-  // The run's own estimate in the norms of the study; a mean errs no more than the rms, a frequency has none.
-  double estimate_of(const results::Run& run) const {
+  // The run's own estimate in the norms of the study; a mean errs no more than the rms, a frequency has none. And whether
+  // it judged all in which runs of one study differ.
+  double estimate_of(const results::Run& run, Row& row, bool& is_comparable) const {
     const auto summary = nlohmann::json::parse(files::shallow_json(run.summary_json), nullptr, false);
     if (!summary.is_object() || !summary.contains("estimate")) return -1.0;
     const auto& estimate = summary.at("estimate");
+    if (estimate.contains("unknown"))
+      for (const auto& source : estimate.at("unknown")) {
+        row.is_at_least = true;
+        is_comparable = is_comparable && source.value("source", "") == "mesh";
+      }
     double largest = 0.0;
     if (estimate.contains("outputs")) {
       const auto& outputs = estimate.at("outputs");
@@ -135,10 +141,11 @@ class Judge {
       row.choice = &study_.choices[i];
       row.cost = &measured_.choices[i];
       row.errors.assign(size_.size(), {kInfinite, kInfinite});
+      bool is_comparable = true;
       if (row.cost->complete) {
         const results::Run run = read_run(*row.cost);
         const auto signals = read_signals(study_, run);
-        row.estimate = estimate_of(run);
+        row.estimate = estimate_of(run, row, is_comparable);
         for (std::size_t k = 0; k < size_.size(); ++k) {
           row.errors[k].against_reference = relative(k, signals[k], reference_[k]);
           if (finest.complete) row.errors[k].against_finest = relative(k, signals[k], finest_signals[k]);
@@ -152,7 +159,7 @@ class Judge {
         }
       }
       row.price = study_.cpu_is_cost ? row.cost->median_cpu() : row.cost->median_wall();
-      if (row.estimate > 0.0 && row.error.against_reference > 3.0 * out_.largest_uncertainty)
+      if (is_comparable && row.estimate > 0.0 && row.error.against_reference > 3.0 * out_.largest_uncertainty)
         row.effectivity = row.estimate / row.error.against_reference;
       out_.rows.push_back(std::move(row));
     }

@@ -28,9 +28,12 @@ struct Row {
   /// What the run itself estimated (truncation and integrator), relative, the largest over the quantities;
   /// negative where it could not.
   double estimate = -1.0;
+  /// There are sources of error that the run could not judge: its estimate is what the error is at least.
+  bool is_at_least = false;
   bool on_front = false;
 
-  /// Estimate over error; negative where there is none, or where the reference's uncertainty hides the error.
+  /// Estimate over error; negative where there is none, where the reference's uncertainty hides the error, or where a
+  /// source is unknown in which the reference differs (it has the same mesh).
   double effectivity = -1.0;
 };
 

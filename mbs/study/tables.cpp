@@ -52,6 +52,7 @@ json as_json(const StudyFile& study, const Judgement& judgement, const std::stri
                  {"wanted", row.choice->wanted > 0.0 ? json(row.choice->wanted) : json(nullptr)},
                  {"effectivity", row.effectivity >= 0.0 ? json(row.effectivity) : json(nullptr)},
                  {"estimated_error", row.estimate >= 0.0 ? json(row.estimate) : json(nullptr)},
+                 {"estimate_is_at_least", row.is_at_least},
                  {"error", json_number(row.error.against_reference)},
                  {"error_to_finest", json_number(row.error.against_finest)},
                  {"worst", study.quantities[row.worst].label},
@@ -105,7 +106,7 @@ std::string as_markdown(const StudyFile& study, const Judgement& judgement, cons
                                                    : "",
                         row.choice->name, terminal::number(row.price, 3), terminal::bytes(c.peak_memory),
                         c.steps, percent(row.error.against_reference), study.quantities[row.worst].label,
-                        row.estimate >= 0.0 ? percent(row.estimate) : "",
+                        row.estimate >= 0.0 ? (row.is_at_least ? ">= " : "") + percent(row.estimate) : "",
                         row.effectivity >= 0.0 ? terminal::number(row.effectivity, 2) : "");
   }
   if (!judgement.chosen.empty()) {
