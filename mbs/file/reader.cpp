@@ -426,10 +426,12 @@ void Reader::read_elements() {
   for (const auto& [name, s] : controls) {
     const ControlType& type = find_type(control_types(), s.text("type"));
     d.controls.push_back(type.read(prefix_ + name, s, names));
+    names.refuse_shown(s, d.controls.back()->reads());
     if (type.feeds_through) take_name(name, s);
   }
   for (const auto& [name, s] : root_.table_map("force")) {
     d.forces.push_back(find_type(force_types(), s.text("type")).read(prefix_ + name, s, names));
+    names.refuse_shown(s, d.forces.back()->reads());
     note_user_element(prefix_ + name, s);
     if (const auto [body, load] = d.forces.back()->load_case(); body >= 0)
       d.bodies[body].is_loaded_by_case = true;

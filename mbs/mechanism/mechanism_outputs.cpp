@@ -1,8 +1,18 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mbs/measures/shown_measure.hpp"
 #include "mbs/mechanism/joined.hpp"
 
 /// What a mechanism shows of one state: quantities, poses and motions of bodies.
 namespace flexura::mbs {
+namespace {
+
+// The joint whose reaction a measure takes; -1: none.
+int joint_read_by(const Measure& measure) {
+  const auto* shown = dynamic_cast<const ShownMeasure*>(&measure);
+  return shown ? shown->joint() : -1;
+}
+
+}  // namespace
 
 std::vector<OutputInfo> Mechanism::quantities() const {
   return m_->quantities.infos();
@@ -46,10 +56,27 @@ void Mechanism::evaluate(const std::vector<int>& which, const State& s, ConstVec
     }
   };
   evaluate_controls(false);
+  // Measures of reactions, and formulas that read them, come last.
+  std::vector<bool> is_late(d.measures.size(), false);
   for (std::size_t i = 0; i < d.measures.size(); ++i) {
-    measured[i] = d.measures[i]->value(work.motion.kin, signals.data());
-    if (const int k = d.signals.find(d.measures[i]->name()); k >= 0) signals(k) = measured[i];
+    is_late[i] = joint_read_by(*d.measures[i]) >= 0;
+    for (const int k : d.measures[i]->reads())
+      if (sources[k].kind == ElementStates::SignalSource::Kind::measure && is_late[sources[k].element])
+        is_late[i] = true;
   }
+  const auto measure = [&](bool late) {
+    for (std::size_t i = 0; i < d.measures.size(); ++i) {
+      if (is_late[i] != late) continue;
+      const int joint = joint_read_by(*d.measures[i]);
+      measured[i] =
+          joint < 0 ? d.measures[i]->value(work.motion.kin, signals.data())
+                    : static_cast<const ShownMeasure&>(*d.measures[i])
+                          .value_of_load(work.motion.kin, m_->quantities.joint_reaction(
+                                                              joint, work.motion, work.wrenches, work.rows));
+      if (const int k = d.signals.find(d.measures[i]->name()); k >= 0) signals(k) = measured[i];
+    }
+  };
+  measure(false);
   evaluate_controls(true);
   BodyLoads loads(m_->tree, work.motion, work.wrenches, 1.0);
   work.wrenches.on_closure.assign(m_->tree.places.size(), Vector6d::Zero());
@@ -67,12 +94,10 @@ void Mechanism::evaluate(const std::vector<int>& which, const State& s, ConstVec
     // What is measured on a body shows its deformation where the forces above did not see it, too.
     const std::vector<MarkerState> rigid = work.motion.kin.markers;
     m_->kinematics.show_following(work.motion);
-    for (std::size_t i = 0; i < d.measures.size(); ++i) {
-      measured[i] = d.measures[i]->value(work.motion.kin, signals.data());
-      if (const int k = d.signals.find(d.measures[i]->name()); k >= 0) signals(k) = measured[i];
-    }
+    measure(false);
     work.motion.kin.markers = rigid;
   }
+  measure(true);
   m_->quantities.evaluate(
       which,
       {work.motion, work.wrenches, work.rows, work.signals, measured, controlled, energies,

@@ -1,4 +1,5 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mbs/file/elements/contact_keys.hpp"
 #include "mbs/file/elements/element_types.hpp"
 #include "mbs/file/elements/read_curve.hpp"
 #include "mbs/forces/clearance.hpp"
@@ -11,12 +12,20 @@ namespace {
 /// Far enough to be no limit, near enough for differences.
 constexpr double nowhere = 1e12;
 
-/// The keys of contact_law.hpp, and their reader.
+}  // namespace
+
 std::vector<input::Key> contact_law_keys() {
   using namespace input;
-  return {
+  std::vector<Key> keys = {
       expression("stiffness", "N per m^exponent: force = stiffness * penetration^exponent").required(),
-      quantity("exponent", dim::none, "1 is linear, 1.5 Hertz's law").or_default("1").at_least(1.0),
+      quantity("exponent", dim::none, "1 is linear, 1.5 Hertz's law").or_default("1").at_least(1.0)};
+  for (Key& key : impact_keys()) keys.push_back(std::move(key));
+  return keys;
+}
+
+std::vector<input::Key> impact_keys() {
+  using namespace input;
+  return {
       expression("damping", "force per rate of penetration; it never pulls").or_default("0"),
       quantity("restitution", dim::none,
                "instead of damping: rate after over rate before an impact, exact where nothing else acts")
@@ -27,15 +36,22 @@ std::vector<input::Key> contact_law_keys() {
 }
 
 ContactLaw read_contact_law(const input::Section& s, const ReadContext& context) {
-  const double k = context.number(s, "stiffness"), d = context.number(s, "damping");
+  const double k = context.number(s, "stiffness");
   if (!(k > 0.0)) s.refuse("stiffness", "must be above 0");
+  return read_impact(s, context, k, s.quantity("exponent"));
+}
+
+ContactLaw read_impact(const input::Section& s, const ReadContext& context, double stiffness,
+                       double exponent) {
+  const double d = context.number(s, "damping");
   if (d < 0.0) s.refuse("damping", "must not be negative");
   if (s.has("restitution") && d > 0.0) s.refuse("damping", "stands beside restitution", "keep one of them");
   const double slowest = context.number(s, "slowest_impact");
   if (!(slowest > 0.0)) s.refuse("slowest_impact", "must be above 0");
-  return ContactLaw(k, s.quantity("exponent"), d, s.has("restitution") ? s.quantity("restitution") : 1.0,
-                    slowest);
+  return ContactLaw(stiffness, exponent, d, s.has("restitution") ? s.quantity("restitution") : 1.0, slowest);
 }
+
+namespace {
 
 ForceType contact() {
   using namespace input;
@@ -124,48 +140,10 @@ ForceType bump_stop() {
           }};
 }
 
-ForceType gear_mesh() {
-  using namespace input;
-  std::vector<Key> keys = {
-      text("joint_1", "joint of the first wheel, or \"joint.coordinate\"").required(),
-      text("joint_2", "joint of the second wheel, on the same carrier").required(),
-      quantity("radius_1", dim::length, "base radius of the first wheel; for a rack's joint write 1")
-          .required()
-          .above(0.0),
-      quantity("radius_2", dim::length, "base radius of the second wheel").required().above(0.0),
-      flag("internal", "one of the wheels has its teeth inside").or_default("false"),
-      quantity("backlash", dim::length, "play along the line of action").or_default("0 m").at_least(0.0),
-      quantity("teeth_1", dim::none, "teeth of the first wheel, for the stiffness' ripple").at_least(1.0),
-      quantity("ripple", dim::none, "part by which the stiffness changes as teeth come and go")
-          .or_default("0")
-          .at_least(0.0)
-          .below(1.0)};
-  for (Key& key : contact_law_keys()) keys.push_back(std::move(key));
-  return {
-      "gear_mesh",
-      "Teeth of two wheels in mesh with backlash and tooth stiffness: they touch on either flank and part at "
-      "switches. x = radius_1 q_1 + radius_2 q_2 is free within half the backlash on both sides.",
-      std::move(keys),
-      [](const std::string& name, const Section& s,
-         const ReadContext& context) -> std::shared_ptr<const ForceElement> {
-        Clearance::Ripple ripple{s.quantity("ripple"), 0.0};
-        if (ripple.amplitude > 0.0 && !s.has("teeth_1"))
-          s.refuse("ripple", "needs teeth_1", "say how often it comes");
-        if (s.has("teeth_1")) ripple.count = s.quantity("teeth_1");
-        const double half = 0.5 * s.quantity("backlash"), sign = s.flag("internal") ? -1.0 : 1.0;
-        return std::make_shared<Clearance>(
-            name, "gear_mesh",
-            std::vector<Clearance::Term>{
-                {context.coordinate(s, "joint_1", s.text("joint_1")), s.quantity("radius_1")},
-                {context.coordinate(s, "joint_2", s.text("joint_2")), sign * s.quantity("radius_2")}},
-            -half, half, read_contact_law(s, context), ripple, dim::length, dim::force);
-      }};
-}
-
 }  // namespace
 
 std::vector<ForceType> contact_types() {
-  return {contact(), bump_stop(), gear_mesh()};
+  return {contact(), bump_stop()};
 }
 
 }  // namespace flexura::mbs

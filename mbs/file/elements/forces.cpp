@@ -12,7 +12,9 @@
 #include "mbs/forces/distributed_load.hpp"
 #include "mbs/forces/joint_force.hpp"
 #include "mbs/forces/joint_spring_damper.hpp"
+#include "mbs/forces/line_force.hpp"
 #include "mbs/forces/spring_damper.hpp"
+#include "mbs/measures/relative_measure.hpp"
 
 /// Forces in a mechanism file; contacts.cpp and frictions.cpp hold the rest.
 namespace flexura::mbs {
@@ -76,6 +78,29 @@ ForceType spring_damper() {
                     .preload = s.quantity("preload"),
                     .curve = s.has("curve") ? context.table(s, "curve") : nullptr,
                     .damping_curve = s.has("damping_curve") ? context.table(s, "damping_curve") : nullptr});
+          }};
+}
+
+ForceType line_force() {
+  using namespace input;
+  Key value = expression(
+      "value",
+      "force that pushes the ends apart: a formula of t, parameters, joint coordinates, measures and, for "
+      "a force NAME, of its own NAME.length [m] and NAME.rate [m/s]");
+  value.dimension = dim::force;
+  return {"line_force",
+          "A force along the line between two markers, by a formula.",
+          {text("from", "one end, \"body.marker\"").required(), text("to", "the other end").required(),
+           std::move(value).required()},
+          [](const std::string& name, const Section& s,
+             const ReadContext& context) -> std::shared_ptr<const ForceElement> {
+            const int P = context.marker(s, "from"), Q = context.marker(s, "to");
+            if (P == Q) s.refuse("to", "is the marker `from`", "a line needs two ends");
+            context.add_measure(
+                s, std::make_shared<RelativeMeasure>(name + ".length", P, Q, RelativeQuantity::distance()));
+            context.add_measure(s, std::make_shared<RelativeMeasure>(name + ".rate", P, Q,
+                                                                     RelativeQuantity::distance_rate()));
+            return std::make_shared<LineForce>(name, P, Q, context.expression(s, "value"));
           }};
 }
 
@@ -268,9 +293,10 @@ ForceType distributed_load() {
 
 const std::vector<ForceType>& force_types() {
   static const std::vector<ForceType> types = [] {
-    std::vector<ForceType> list = {spring_damper(),       applied(false), applied(true), joint_force(),
-                                   joint_spring_damper(), bushing(),      actuator(),    distributed_load()};
-    for (auto&& group : {contact_types(), friction_types()})
+    std::vector<ForceType> list = {spring_damper(), line_force(),  applied(false),
+                                   applied(true),   joint_force(), joint_spring_damper(),
+                                   bushing(),       actuator(),    distributed_load()};
+    for (auto&& group : {contact_types(), gear_types(), bearing_types(), friction_types()})
       list.insert(list.end(), group.begin(), group.end());
     list.push_back(user_force());
     return list;

@@ -1,11 +1,20 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include "mbs/file/elements/element_types.hpp"
+#include "mbs/measures/acceleration.hpp"
 #include "mbs/measures/expression_measure.hpp"
+#include "mbs/measures/load_cell.hpp"
 #include "mbs/measures/relative_measure.hpp"
+#include "mbs/measures/rotation_angle.hpp"
 
 /// Measures in a mechanism file.
 namespace flexura::mbs {
 namespace {
+
+Vector3d read_direction(const input::Section& s) {
+  const Vector3d e = s.vector3("direction");
+  if (!(e.norm() > 0.0)) s.refuse("direction", "has no length", "write for example [1, 0, 0]");
+  return e.normalized();
+}
 
 template <RelativeQuantity (*quantity)()>
 MeasureType relative(const char* name, const char* doc) {
@@ -20,14 +29,81 @@ MeasureType relative(const char* name, const char* doc) {
   type.read = [](const std::string& own, const Section& s,
                  const ReadContext& c) -> std::shared_ptr<const Measure> {
     Vector3d e = Vector3d::Zero();
-    if (quantity().has_direction) {
-      e = s.vector3("direction");
-      if (!(e.norm() > 0.0)) s.refuse("direction", "has no length", "write for example [1, 0, 0]");
-      e.normalize();
-    }
+    if (quantity().has_direction) e = read_direction(s);
     return std::make_shared<RelativeMeasure>(own, c.marker(s, "from"), c.marker(s, "to"), quantity(), e);
   };
   return type;
+}
+
+MeasureType rotation_angle() {
+  using namespace input;
+  return {
+      "rotation_angle",
+      "One of the Cardan (Tait-Bryan) or Euler angles of M in F: turns about three axes, each turned by "
+      "those before "
+      "it. The second lies within +-90 deg, of Euler angles within 0 to 180 deg, the others within +-180 "
+      "deg.",
+      {text("from", "marker F that it is seen from, \"body.marker\"").required(),
+       text("to", "marker M that it is taken of").required(),
+       choice("sequence",
+              {"xyz", "xzy", "yxz", "yzx", "zxy", "zyx", "xyx", "xzx", "yxy", "yzy", "zxz", "zyz"},
+              "axes of the turns")
+           .or_default("xyz"),
+       integer("angle", "which of the three: 1, 2 or 3").required().at_least(1).at_most(3)},
+      [](const std::string& name, const Section& s, const ReadContext& c) -> std::shared_ptr<const Measure> {
+        RotationAngle::Sequence axes;
+        for (std::size_t i = 0; i < 3; ++i) axes[i] = s.text("sequence")[i] - 'x';
+        return std::make_shared<RotationAngle>(name, c.marker(s, "from"), c.marker(s, "to"), axes,
+                                               s.integer("angle") - 1);
+      }};
+}
+
+template <AccelerationMeasure::Kind kind>
+MeasureType acceleration(const char* name, const char* doc) {
+  using namespace input;
+  MeasureType type;
+  type.name = name;
+  type.doc = std::string(doc) +
+             " Results show it and formulas of measures may read it; forces and controls may not.";
+  type.keys = {text("from", "marker F that it is seen from; \"ground\" for the absolute one").required(),
+               text("to", "marker M that it is taken of").required(),
+               text("axes", "marker in whose axes the direction stands; without it F"),
+               vector3("direction", dim::none, "of the component").required()};
+  type.read = [](const std::string& own, const Section& s,
+                 const ReadContext& c) -> std::shared_ptr<const Measure> {
+    const int F = c.marker(s, "from");
+    return std::make_shared<AccelerationMeasure>(own, kind, F, c.marker(s, "to"),
+                                                 s.has("axes") ? c.marker(s, "axes") : F, read_direction(s));
+  };
+  return type;
+}
+
+MeasureType load_cell() {
+  using namespace input;
+  return {
+      "load_cell",
+      "Component of the force through a joint, or of the torque, on the body of the joint's `to`, in axes "
+      "and about a "
+      "point of choice. Results show it and formulas of measures may read it; forces and controls may not.",
+      {text("joint", "the joint").required(),
+       choice("quantity", {"force", "torque"}, "which of the two").or_default("force"),
+       text("at", "marker about whose origin the torque is taken; without it the joint's `to`"),
+       text("axes", "marker in whose axes the direction stands; without it the joint's `from`"),
+       vector3("direction", dim::none, "of the component").required()},
+      [](const std::string& name, const Section& s, const ReadContext& c) -> std::shared_ptr<const Measure> {
+        const int j = c.joint(s, "joint");
+        const JointDescription& joint = c.description().joints[static_cast<std::size_t>(j)];
+        if (joint.joint->n_rows() == 0)
+          s.refuse("joint", "leaves all six directions free: nothing goes through it",
+                   "take a joint that holds");
+        const bool is_torque = s.text("quantity") == "torque";
+        if (s.has("at") && !is_torque)
+          s.refuse("at", "is for a torque", "a force is the same about every point; take the key away");
+        return std::make_shared<LoadCell>(
+            name, is_torque ? LoadCell::Kind::torque : LoadCell::Kind::force, j, joint.marker_F,
+            joint.marker_M, s.has("at") ? c.marker(s, "at") : joint.marker_M,
+            s.has("axes") ? c.marker(s, "axes") : joint.marker_F, read_direction(s));
+      }};
 }
 
 MeasureType expression() {
@@ -70,6 +146,12 @@ const std::vector<MeasureType>& measure_types() {
       relative<RelativeQuantity::angle>("angle", "Angle of M about the z axis of F, within +-180 deg."),
       relative<RelativeQuantity::angular_velocity>("angular_velocity",
                                                    "Component of the angular velocity of M as seen from F."),
+      rotation_angle(),
+      acceleration<AccelerationMeasure::Kind::linear>("acceleration",
+                                                      "Component of the acceleration of M as seen from F."),
+      acceleration<AccelerationMeasure::Kind::angular>(
+          "angular_acceleration", "Component of the angular acceleration of M as seen from F."),
+      load_cell(),
       expression()};
   return types;
 }

@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include "mbs/measures/shown_measure.hpp"
+
 namespace flexura::mbs {
 namespace {
 
@@ -176,6 +178,28 @@ std::shared_ptr<const Expression> ReadContext::time_expression_of(const input::S
 std::shared_ptr<const Expression> ReadContext::input_expression(const input::Section& section,
                                                                 const std::string& key) const {
   return compile(section, key, section.text(key), SignalNames(), parameters_, tables_);
+}
+
+void ReadContext::add_measure(const input::Section& section, std::shared_ptr<const Measure> measure) const {
+  const std::string& name = measure->name();
+  if (d_.signals.find(name) >= 0)
+    section.refuse("", fmt::format("\"{}\" is taken already in formulas", name), "choose another name");
+  d_.signals.add(name);
+  d_.measures.push_back(std::move(measure));
+}
+
+void ReadContext::refuse_shown(const input::Section& section, const std::vector<int>& reads) const {
+  for (const int place : reads)
+    for (const auto& measure : d_.measures) {
+      if (d_.signals.find(measure->name()) != place) continue;
+      if (dynamic_cast<const ShownMeasure*>(measure.get()))
+        section.refuse(
+            "",
+            fmt::format("reads \"{}\", an acceleration or reaction: these are known only after the forces",
+                        measure->name()),
+            "read positions and speeds, or an algebraic control that says what it follows from");
+      refuse_shown(section, measure->reads());
+    }
 }
 
 std::shared_ptr<const Curve> ReadContext::table(const input::Section& section, const std::string& key) const {

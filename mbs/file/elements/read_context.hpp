@@ -57,6 +57,11 @@ class ReadContext {
   std::shared_ptr<const Expression> time_expression_of(const input::Section& section, const std::string& key,
                                                        const std::string& formula) const;
 
+  /// Adds a measure that formulas read by its name from here on; refused where the name is taken.
+  void add_measure(const input::Section& section, std::shared_ptr<const Measure> measure) const;
+  /// Refuses an element that reads accelerations or reactions, by itself or through measures.
+  void refuse_shown(const input::Section& section, const std::vector<int>& reads) const;
+
   /// The table that a key names.
   std::shared_ptr<const Curve> table(const input::Section& section, const std::string& key) const;
 

@@ -8,6 +8,7 @@
 #include <set>
 
 #include "mbs/formulas/operations.hpp"
+#include "mbs/measures/shown_measure.hpp"
 
 namespace flexura::mbs {
 
@@ -57,6 +58,13 @@ ElementStates::ElementStates(const Topology& tree) : tree_(tree) {
   for (std::size_t i = tree_.d.measures.size(); i-- > 0;)
     if (const int k = tree_.d.signals.find(tree_.d.measures[i]->name()); k >= 0 && is_used[k])
       mark(tree_.d.measures[i]->reads());
+  for (std::size_t i = 0; i < tree_.d.measures.size(); ++i)
+    if (const int k = tree_.d.signals.find(tree_.d.measures[i]->name());
+        k >= 0 && is_used[k] && dynamic_cast<const ShownMeasure*>(tree_.d.measures[i].get()))
+      throw std::invalid_argument(fmt::format(
+          "a force or control reads the measure \"{}\", an acceleration or reaction: these are known only "
+          "after the forces; read positions and speeds",
+          tree_.d.measures[i]->name()));
   list_conditions(is_used);
   // Coordinates, outputs that depend on states alone, measures in their order, then what feeds through.
   const auto append = [&](auto&& wanted) {

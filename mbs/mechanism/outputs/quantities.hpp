@@ -39,12 +39,13 @@ class Quantities {
   /// Which of them redundant constraints leave open; see uniqueness.cpp.  After forward() on level position.
   std::vector<bool> not_unique(const InverseDynamics& dynamics, Motion& motion, Wrenches& wrenches,
                                RowValues& rows) const;
+  /// What goes through a joint, on the body of M about Mo, in F.  After all loads are taken inwards.
+  Vector6d joint_reaction(int joint, const Motion& motion, const Wrenches& wrenches,
+                          const RowValues& rows) const;
 
  private:
   using Kind = Quantity::Kind;
 
-  Vector6d joint_reaction(int joint, const Motion& motion, const Wrenches& wrenches,
-                          const RowValues& rows) const;
   double drive_force(int joint, int coordinate, const RowValues& rows) const;
 
   const Topology& tree_;

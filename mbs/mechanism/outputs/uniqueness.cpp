@@ -2,6 +2,7 @@
 #include <Eigen/QR>
 #include <algorithm>
 
+#include "mbs/measures/shown_measure.hpp"
 #include "mbs/mechanism/outputs/quantities.hpp"
 
 /// Which reactions redundant constraints leave open.
@@ -75,6 +76,11 @@ std::vector<bool> Quantities::not_unique(const InverseDynamics& dynamics, Motion
         outputs.assign(8, 0.0);
         put_wrench(joint_reaction(place.index, motion, wrenches, rows), true, true, outputs.data());
         values(q) = outputs[place.component];
+      } else if (place.kind == Kind::measure) {
+        const auto* shown = dynamic_cast<const ShownMeasure*>(tree_.d.measures[place.index].get());
+        if (shown && shown->joint() >= 0)
+          values(q) =
+              shown->value_of_load(motion.kin, joint_reaction(shown->joint(), motion, wrenches, rows));
       } else if (place.kind == Kind::drive) {
         values(q) = drive_force(place.index, place.component, rows);
       } else if (place.kind == Kind::constraint) {

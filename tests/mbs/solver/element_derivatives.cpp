@@ -117,7 +117,37 @@ TEST_F(ElementDerivatives, OfForces) {
         "joint_1 = \"second.angle\"\njoint_2 = \"third\"\nradius_1 = 0.3\nradius_2 = 0.5\nstiffness = 50\n"
         "teeth_1 = 3\nripple = 0.2"},
        {"stick_slip", sliding + "coulomb = 3\nstatic = 4\nstribeck_speed = 0.8\nstick_stiffness = 20"},
+       {"line_force", ends + "value = \"-30*(x.length - 0.2) - 4*x.rate + third.position\""},
+       {"bearing",
+        ends + "stiffness_matrix = [[30, 5, 0, 1, 2], [-5, 40, 0, 0, 3], [0, 0, 20, 0, 0], [1, 0, 0, 4, 1], "
+               "[2, 3, 0, 1, 5]]\ndamping_matrix = [[3, 1, 0, 0, 0], [-1, 3, 0, 0, 0], [0, 0, 2, 0, 0], "
+               "[0, 0, 0, 1, 0], [0, 0, 0, 0, 1]]"},
+       {"rolling_bearing", ends +
+                               "elements = 9\ndiameter = 1\npitch_diameter = 5\ncontact_angle = \"30 deg\"\n"
+                               "groove_inner = 0.8\ngroove_outer = 0.7\nyoungs_modulus = 30\ndamping = 2\n"
+                               "tilt_damping = 1"},
+       {"journal_bearing", ends + "radius = 4\nlength = 1\nclearance = 3\nviscosity = 100"},
+       // Profile shifts that let the teeth overlap at any distance of these markers.
+       {"involute_mesh",
+        ends + "module = 0.0258\nteeth_1 = 10\nteeth_2 = 14\nwidth = 0.05\nhelix_angle = \"15 deg\"\n"
+               "shift_1 = 26\nshift_2 = 26\ntooth_stiffness = 200\nharmonics = 2\ndamping = 1"},
        {"actuator", ends + "command = \"3*third.position\"\ntime_constant = 0.1"}});
+}
+
+TEST_F(ElementDerivatives, OfBearingsOfOtherKinds) {
+  const std::string rolling = std::string(kEnds) + "elements = 9\ndiameter = 1\npitch_diameter = 5\n",
+                    film = std::string(kEnds) +
+                           "radius = 4\nlength = 1\nclearance = 3\nviscosity = 100\nfilm = \"full\"";
+  for (const auto& [type, keys] :
+       {std::pair<std::string, std::string>{
+            "rolling_bearing", rolling + "kind = \"roller\"\nlength = 1e-9\ncontact_angle = \"15 deg\""},
+        {"rolling_bearing", rolling + "groove_inner = 0.9\ngroove_outer = 0.8\n"
+                                      "clearance = 0.1\nyoungs_modulus = 30"},
+        {"journal_bearing", film}}) {
+    SCOPED_TRACE(keys);
+    derivatives_agree(Mechanism(
+        read(std::string(kThreeBodies) + "[force.x]\ntype = \"" + type + "\"\n" + keys).description));
+  }
 }
 
 TEST_F(ElementDerivatives, OfMeasures) {
@@ -131,6 +161,11 @@ TEST_F(ElementDerivatives, OfMeasures) {
              {"velocity", along + force},
              {"angle", ends + force},
              {"angular_velocity", along + force},
+             {"rotation_angle", ends + "sequence = \"zxz\"\nangle = 3\n" + force},
+             // No force may read these: they have no derivatives.
+             {"acceleration", along},
+             {"angular_acceleration", along},
+             {"load_cell", "joint = \"second\"\ndirection = [1, 2, 2]"},
              {"expression", "value = \"third.position^2 + second.speed\"\n" + force}});
 }
 
