@@ -14,6 +14,9 @@
 /// RelativeConstraint.
 namespace flexura::mbs {
 
+/// What is open where a row's g is not 0: so much of a coordinate that it binds, or of none of these.
+enum class GapKind { length, angle, coordinate, other };
+
 class Constraint {
  public:
   explicit Constraint(std::string name) : name_(std::move(name)) {}
@@ -24,6 +27,9 @@ class Constraint {
   virtual std::string row_name(int i) const = 0;
   /// What is open where g of the row is `residual`: the same unless the row is no length and no angle.
   virtual double gap(int /*row*/, double residual) const { return residual; }
+  virtual GapKind gap_kind(int /*row*/) const {
+    return coordinates().empty() ? GapKind::other : GapKind::coordinate;
+  }
   /// False for a row on velocities only, whose position residual is always 0.
   virtual bool is_holonomic(int /*row*/) const { return true; }
   /// True for a row whose g at the same positions may change with time (a drive): the mechanism then gets
@@ -74,6 +80,8 @@ class RelativeConstraint final : public Constraint {
   int n_rows() const override { return rows_->n_rows(); }
   std::string row_name(int i) const override { return rows_->row_name(i); }
   double gap(int row, double residual) const override { return rows_->gap(row, residual); }
+  /// A row whose multiplier pushes is a length; one that only turns an angle (or the sine of a small one).
+  GapKind gap_kind(int row) const override;
   void position(const Kinematics& kin, double* g) const override;
   void velocity(const Kinematics& kin, double* g_dot) const override;
   void acceleration(const Kinematics& kin, double* g_ddot) const override;

@@ -1,4 +1,5 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
 #include <array>
 
 #include "mbs/constraints/constraint.hpp"
@@ -12,6 +13,17 @@ RelativeConstraint::RelativeConstraint(std::string name, int marker_F, int marke
       marker_M_(marker_M),
       rows_(std::move(rows)),
       exerts_(exerts()) {}
+
+// Asked at poses at which nothing vanishes.
+GapKind RelativeConstraint::gap_kind(int row) const {
+  if (has_contact()) return GapKind::length;
+  Kinematics kin;
+  kin.markers.resize(static_cast<std::size_t>(std::max(marker_F_, marker_M_)) + 1);
+  kin.markers[static_cast<std::size_t>(marker_M_)].X_WP = {rotation_exp({0.4, -0.7, 1.1}),
+                                                           Vector3d(0.9, -0.5, 0.7)};
+  const Eigen::VectorXd x = Eigen::VectorXd::Unit(n_rows(), row);
+  return wrench_on_M(kin, x.data()).tail<3>().isZero(0.0) ? GapKind::angle : GapKind::length;
+}
 
 void RelativeConstraint::position(const Kinematics& kin, double* g) const {
   const Pose X = kin.relative_pose(marker_F_, marker_M_);

@@ -7,6 +7,7 @@
 #include <vector>
 
 namespace flexura::mbs {
+class MotionFunction;
 class TimeFunction;
 }
 
@@ -244,6 +245,11 @@ class Equations {
 
   /// What moves or loads the mechanism and is known before the run.
   virtual std::vector<std::shared_ptr<const TimeFunction>> functions_of_time() const { return {}; }
+
+  /// Forces, controls and measures that read the motion in a way that may have peaks.
+  virtual std::vector<std::shared_ptr<const MotionFunction>> functions_of_motion() const { return {}; }
+  /// What these read, by its places.
+  virtual void arguments_of_motion(const State& /*s*/, Scratch& /*scratch*/, Eigen::VectorXd& /*x*/) const {}
 };
 
 }  // namespace flexura::mbs

@@ -259,7 +259,9 @@ TableSchema mechanism_schema(TableSchema solver) {
       "to round-off, and an error where they switch without end; so are abs, min, max and the kinks of a "
       "table, where "
       "nothing jumps. == and != hold for an instant and are no "
-      "events. A row that falls on an event shows what was before it.";
+      "events. A smooth peak over the motion (a bump in a road, a detent) is found behind the step that "
+      "leapt over it, "
+      "which is made again. A row that falls on an event shows what was before it.";
   schema.keys = {
       text("name", "title of results and pictures; without it the file's name"),
       vector3("gravity", dim::acceleration, "acceleration of free fall").or_default("[0, 0, -9.81]"),

@@ -4,7 +4,6 @@
 #include <array>
 
 #include "mbs/forces/force.hpp"
-#include "mbs/formulas/curve.hpp"
 
 namespace flexura::mbs {
 
@@ -67,6 +66,15 @@ class Bushing final : public ForceElement {
     for (int i = 0; i < 6; ++i)
       if (curves_[i]) powers.potential += curves_[i]->integral(x(i));
     powers.dissipated += V.dot(D_ * V);
+  }
+  std::vector<CurveLaw> curves() const override {
+    std::vector<CurveLaw> out;
+    for (int i = 0; i < 6; ++i)
+      if (const auto& curve = curves_[static_cast<std::size_t>(i)])
+        out.push_back({curve, [this, i](const Kinematics& kin) {
+                         return deflection(kin.relative_motion(F_, M_).X_FM)(i);
+                       }});
+    return out;
   }
   std::vector<OutputInfo> outputs() const override {
     std::vector<OutputInfo> infos;

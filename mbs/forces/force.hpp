@@ -1,10 +1,12 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "mbs/formulas/curve.hpp"
 #include "mbs/kinematics/derivatives.hpp"
 #include "mbs/kinematics/kinematics.hpp"
 #include "mbs/kinematics/output_info.hpp"
@@ -49,6 +51,12 @@ enum class ForceNature {
   load       ///< holds a given load (dead, following, a preload): ForceElement::without_load() is what stays
 };
 
+/// A curve that a force follows: over what it takes it.
+struct CurveLaw {
+  std::shared_ptr<const Curve> curve;
+  std::function<double(const Kinematics&)> argument;
+};
+
 class ForceElement : public HasStates {
  public:
   explicit ForceElement(std::string name) : name_(std::move(name)) {}
@@ -85,6 +93,8 @@ class ForceElement : public HasStates {
   }
   /// The body and the load case of its superelement that it puts on it; -1 for none.
   virtual std::pair<int, int> load_case() const { return {-1, -1}; }
+  /// Of curves no peak is leapt over.
+  virtual std::vector<CurveLaw> curves() const { return {}; }
   virtual std::string_view type() const = 0;
 
  private:

@@ -2,7 +2,6 @@
 #pragma once
 
 #include "mbs/forces/force.hpp"
-#include "mbs/formulas/curve.hpp"
 
 namespace flexura::mbs {
 
@@ -48,6 +47,14 @@ class JointSpringDamper final : public ForceElement {
     powers.dissipated += law_.damping * v * v;
     if (law_.curve) powers.potential += law_.curve->integral(q - law_.rest);
     if (law_.damping_curve) powers.dissipated += (*law_.damping_curve)(v)*v;
+  }
+  std::vector<CurveLaw> curves() const override {
+    std::vector<CurveLaw> out;
+    if (law_.curve)
+      out.push_back({law_.curve, [this](const Kinematics& kin) { return kin.coordinate(c_) - law_.rest; }});
+    if (law_.damping_curve)
+      out.push_back({law_.damping_curve, [this](const Kinematics& kin) { return kin.speed(c_); }});
+    return out;
   }
   std::vector<OutputInfo> outputs() const override { return {{"force", along_, "along the coordinate"}}; }
   void evaluate_outputs(const Kinematics& kin, const double*, double* values) const override {

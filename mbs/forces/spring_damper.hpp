@@ -2,7 +2,6 @@
 #pragma once
 
 #include "mbs/forces/force.hpp"
-#include "mbs/formulas/curve.hpp"
 
 namespace flexura::mbs {
 
@@ -65,6 +64,15 @@ class SpringDamper final : public ForceElement {
     powers.dissipated += law_.damping * line.rate * line.rate;
     if (law_.curve) powers.potential += law_.curve->integral(stretch);
     if (law_.damping_curve) powers.dissipated += (*law_.damping_curve)(line.rate) * line.rate;
+  }
+  std::vector<CurveLaw> curves() const override {
+    std::vector<CurveLaw> out;
+    if (law_.curve)
+      out.push_back(
+          {law_.curve, [this](const Kinematics& kin) { return along(kin).length - law_.free_length; }});
+    if (law_.damping_curve)
+      out.push_back({law_.damping_curve, [this](const Kinematics& kin) { return along(kin).rate; }});
+    return out;
   }
   std::vector<OutputInfo> outputs() const override {
     return {{"force", input::dim::force, "tension of the spring and damper"},

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <vector>
 
-#include "mbs/formulas/interval_jet.hpp"
+#include "mbs/formulas/interval_evaluation.hpp"
 #include "mbs/formulas/operations.hpp"
 
 namespace flexura::mbs {
@@ -150,6 +150,13 @@ TimeFunction::Point TimeFunction::at(double t) const {
   At at(tree_, t);
   const Jet jet = at(tree_.root);
   return {jet, at.branches.hash};
+}
+
+TimeFunction::Bounds TimeFunction::over(double begin, double end) const {
+  const IntervalJet time{{begin, end}, 1.0, 0.0};
+  IntervalEvaluation over(tree_, &time);
+  const IntervalJet f = over(tree_.root);
+  return {f.value, f.first, f.second, over.is_decided, over.branches.hash};
 }
 
 std::string TimeFunction::fingerprint() const {

@@ -346,6 +346,13 @@ std::string Mechanism::name_of_algebraic(int i) const {
 std::vector<std::shared_ptr<const TimeFunction>> Mechanism::functions_of_time() const {
   return m_->states.functions_of_time();
 }
+std::vector<std::shared_ptr<const MotionFunction>> Mechanism::functions_of_motion() const {
+  return m_->states.functions_of_motion();
+}
+void Mechanism::arguments_of_motion(const State& s, Scratch& scratch, Eigen::VectorXd& x) const {
+  MechanismScratch& work = observe(s, scratch);
+  m_->states.arguments_of_motion(work.motion, work.signals, x);
+}
 int Mechanism::n_inputs() const {
   return static_cast<int>(description().inputs.size());
 }

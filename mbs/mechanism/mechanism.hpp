@@ -86,6 +86,8 @@ class Mechanism final : public Equations {
   bool is_kink(int root) const override;
   void hold_conditions(State& s, Scratch& scratch) const override;
   std::vector<std::shared_ptr<const TimeFunction>> functions_of_time() const override;
+  std::vector<std::shared_ptr<const MotionFunction>> functions_of_motion() const override;
+  void arguments_of_motion(const State& s, Scratch& scratch, Eigen::VectorXd& x) const override;
   int n_inputs() const override;
   std::string name_of_input(int i) const override;
   double input_value(int i, double t) const override;

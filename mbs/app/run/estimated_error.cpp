@@ -20,6 +20,10 @@ using study::percent;
 
 namespace {
 
+// Energy that is off by more than this, and so many times more than the outputs, is no small error of theirs: it is of their
+// squares, and numerical damping takes some of what rings.
+constexpr double kEnergyTells = 0.01, kEnergyBeyond = 30.0;
+
 // The shadows are linear in what they correct; from here on their figure is no more than a warning.
 constexpr double kTrusted = 0.2;
 
@@ -110,18 +114,27 @@ ErrorEstimate estimate_error(const mbs::PreparedMechanism& prepared,
                              const study::TruncationEstimate* truncation,
                              const study::IntegratorEstimate* check, const mbs::RunResult& result) {
   ErrorEstimate out;
-  if (check) {
+  const double off = std::abs(result.energy.relative_error());
+  if (check && check->is_whole && off > std::max(kEnergyTells, kEnergyBeyond * check->error)) {
+    out.sources.push_back(
+        {"integrator",
+         "",
+         {},
+         0.0,
+         fmt::format("about {} by its steps, but energy is off by {}: a step may have leapt "
+                     "over something; give a smaller max_step",
+                     percent(check->error), percent(off))});
+  } else if (check) {
     std::string note = check->output.empty() ? "" : "in " + check->output;
     if (!check->note.empty()) note += (note.empty() ? "" : "; ") + check->note;
     out.sources.push_back({"integrator", "", check->is_whole ? std::optional(check->error) : std::nullopt,
                            check->is_whole ? 0.0 : check->error, note});
   } else if (mbs::kind_of(prepared.options).integrates) {
-    const double balance = std::abs(result.energy.relative_error());
     out.sources.push_back({"integrator",
                            "",
                            {},
-                           balance,
-                           fmt::format("energy balance {}; --check-integrator tells", percent(balance))});
+                           off,
+                           fmt::format("energy balance {}; --check-integrator tells", percent(off))});
   }
   out.of = check && !check->output.empty() ? check->output : "an output";
   if (truncation && truncation->worst >= 0) {

@@ -123,7 +123,8 @@ std::string missed_accuracy(const ErrorEstimate& estimate, double accuracy) {
                                                          : words_of(all.front().kind, all.front().names));
   std::vector<std::string> blind;
   for (const Entry& e : all)
-    if (!e.error && (e.kind == "modes" || e.kind == "switch" || e.kind == "elements"))
+    if (!e.error &&
+        (e.kind == "integrator" || e.kind == "modes" || e.kind == "switch" || e.kind == "elements"))
       blind.push_back(words_of(e.kind, e.names));
   if (blind.empty()) return {};
   const bool of_elements =
@@ -149,8 +150,10 @@ nlohmann::json estimated_error_json(const ErrorEstimate& estimate,
     if (source.kind == "mesh") out["mesh"][source.name] = source.error ? json(*source.error) : json();
   }
   if (check && check->factor == 1.0)
-    out["integrator_steps"] = {
-        {"error", check->error}, {"output", check->output}, {"wall_time", check->wall}};
+    out["integrator_steps"] = {{"error", check->is_whole ? json(check->error) : json()},
+                               {"output", check->output},
+                               {"note", check->note},
+                               {"wall_time", check->wall}};
   if (check && check->factor != 1.0)
     out["integrator_check"] = {{"error", check->error},
                                {"output", check->output},

@@ -66,6 +66,7 @@ ElementStates::ElementStates(const Topology& tree) : tree_(tree) {
           "after the forces; read positions and speeds",
           tree_.d.measures[i]->name()));
   list_conditions(is_used);
+  list_curves();
   // Coordinates, outputs that depend on states alone, measures in their order, then what feeds through.
   const auto append = [&](auto&& wanted) {
     for (int k = 1; k < tree_.d.signals.size(); ++k)
@@ -207,6 +208,10 @@ void ElementStates::list_conditions(const std::vector<bool>& is_used) {
           std::make_shared<const TimeFunction>(f.expression->where(), f.drives, tree, part, source);
       if (known.insert(function->fingerprint()).second) functions_of_time_.push_back(std::move(function));
     }
+    const bool reads_motion =
+        std::ranges::any_of(f.expression->reads(), [&](int k) { return !of_time.contains(k); });
+    if (reads_motion && MotionFunction::may_peak(tree))
+      functions_of_motion_.push_back(std::make_shared<const MotionFunction>(*f.expression));
     int number = 0;
     for (const int node : f.expression->conditions()) {
       ++number;
@@ -217,6 +222,23 @@ void ElementStates::list_conditions(const std::vector<bool>& is_used) {
       if (watched) conditions_.push_back({f.expression, node, tree[node].held, number});
     }
   }
+}
+
+void ElementStates::list_curves() {
+  for (const auto& force : tree_.d.forces)
+    for (CurveLaw& law : force->curves()) {
+      const int place = tree_.d.signals.size() + static_cast<int>(curves_.size());
+      functions_of_motion_.push_back(std::make_shared<const MotionFunction>(force->name(), law.curve, place));
+      curves_.push_back(std::move(law));
+    }
+}
+
+void ElementStates::arguments_of_motion(const Motion& motion, const Signals& signals,
+                                        Eigen::VectorXd& x) const {
+  x.resize(signals.values.size() + static_cast<Eigen::Index>(curves_.size()));
+  x.head(signals.values.size()) = signals.values;
+  for (std::size_t i = 0; i < curves_.size(); ++i)
+    x(signals.values.size() + static_cast<Eigen::Index>(i)) = curves_[i].argument(motion.kin);
 }
 
 void ElementStates::release_conditions(State& s) const {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "mbs/equations/equations.hpp"
+#include "mbs/formulas/motion_function.hpp"
 #include "mbs/formulas/time_function.hpp"
 #include "mbs/mechanism/motion/tree_motion.hpp"
 
@@ -48,6 +49,11 @@ class ElementStates {
   const std::vector<std::shared_ptr<const TimeFunction>>& functions_of_time() const {
     return functions_of_time_;
   }
+  const std::vector<std::shared_ptr<const MotionFunction>>& functions_of_motion() const {
+    return functions_of_motion_;
+  }
+  /// Signals, then the arguments of forces' curves; after evaluate_signals().
+  void arguments_of_motion(const Motion& motion, const Signals& signals, Eigen::VectorXd& x) const;
 
   /// c, switches, inputs and algebraic states of `s` into the scratch.
   void take_states(const State& s, Motion& motion, Signals& signals) const;
@@ -78,6 +84,7 @@ class ElementStates {
 
  private:
   void list_conditions(const std::vector<bool>& is_used);
+  void list_curves();
   std::string name_of_force_state(int i) const;
 
   const Topology& tree_;
@@ -90,6 +97,8 @@ class ElementStates {
   std::vector<int> first_switch_;      ///< of each force among the switches, and their number at the end
   std::vector<Condition> conditions_;  ///< the last of the switches
   std::vector<std::shared_ptr<const TimeFunction>> functions_of_time_;
+  std::vector<std::shared_ptr<const MotionFunction>> functions_of_motion_;
+  std::vector<CurveLaw> curves_;  ///< of forces
   std::vector<SignalSource> sources_;
 };
 

@@ -33,8 +33,9 @@ struct StepCounts {
 
 struct StepEnd {
   double t_begin = 0.0, t_end = 0.0;
-  std::vector<int>
-      roots;  ///< switches whose functions fell below 0 at t_end; then call start() before step()
+  std::vector<int> roots =
+      {};                ///< switches whose functions fell below 0 at t_end; then call start() before step()
+  double t_tried = 0.0;  ///< where a step that a switch cut short would have ended
 };
 
 class Integrator {

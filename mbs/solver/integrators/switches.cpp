@@ -14,8 +14,8 @@ SwitchFinder::SwitchFinder(const Equations& eq)
   low_.setZero(n_root_);
   high_.setZero(n_root_);
   middle_.setZero(n_root_);
-  for (int k = 0; k < n_root_; ++k)
-    if (eq.is_condition(k)) conditions_.push_back(k);
+  for (int k = 0; k < n_root_; ++k) (eq.is_condition(k) ? conditions_ : others_).push_back(k);
+  before_.setZero(n_root_);
   for (Eigen::VectorXd& values : between_) values.setZero(n_root_);
 }
 
@@ -48,12 +48,94 @@ double SwitchFinder::first_dip(double t_begin, double t_end, const Evaluate& eva
   return t_end;
 }
 
+// Faster than it came in the last step by no more than this factor.
+bool SwitchFinder::may_dip(int k, double h) const {
+  constexpr double kFaster = 4.0;
+  if (!(low_(k) > 0.0)) return false;
+  if (!(h_before_ > 0.0)) return true;
+  const double rate = (low_(k) - before_(k)) / h_before_;
+  return rate < 0.0 && -kFaster * rate * h > low_(k);
+}
+
+// The least value between a and b, or the first below 0, left in middle_; returns where.
+double SwitchFinder::bottom(int k, double a, double b, double steepest, const Evaluate& evaluate) {
+  constexpr double kGolden = 0.6180339887498949, kFinest = 1e-10;
+  const double finest = kFinest * (b - a);
+  const auto value = [&](double t) {
+    evaluate(t, middle_);
+    return middle_(k);
+  };
+  double x = b - kGolden * (b - a), y = a + kGolden * (b - a), f_x = value(x);
+  if (f_x < 0.0) return x;
+  double f_y = value(y);
+  while (f_y >= 0.0 && b - a > finest && std::min(f_x, f_y) < steepest * (b - a)) {
+    if (f_x < f_y) {
+      b = y;
+      y = x;
+      f_y = f_x;
+      x = b - kGolden * (b - a);
+      f_x = value(x);
+      if (f_x < 0.0) return x;
+    } else {
+      a = x;
+      x = y;
+      f_x = f_y;
+      y = a + kGolden * (b - a);
+      f_y = value(y);
+    }
+  }
+  return y;
+}
+
+// The same of other switches that come towards 0: t_end where none reaches it.
+double SwitchFinder::dip_of_approach(double t_begin, double t_end, const Evaluate& evaluate) {
+  const double h = t_end - t_begin;
+  std::vector<int> close;
+  for (const int k : others_)
+    if (may_dip(k, h)) close.push_back(k);
+  if (close.empty()) return t_end;
+  // Beside both ends, too: which way it goes there.
+  constexpr std::array kPlaces = {0.0, 1e-3, 0.25, 0.5, 0.75, 1.0 - 1e-3, 1.0};
+  std::array<Eigen::VectorXd, kPlaces.size()> at;
+  for (std::size_t i = 0; i < at.size(); ++i) {
+    at[i] = low_;
+    if (i + 1 == at.size())
+      at[i] = high_;
+    else if (i > 0)
+      evaluate(t_begin + kPlaces[i] * h, at[i]);
+  }
+  double first = t_end;
+  for (const int k : close)
+    for (std::size_t i = 1; i + 1 < at.size(); ++i) {
+      const double t = t_begin + kPlaces[i] * h;
+      if (t >= first) break;
+      if (at[i](k) < 0.0) {
+        first = t;
+        high_ = at[i];
+        break;
+      }
+      if (at[i](k) > at[i - 1](k) || at[i](k) > at[i + 1](k)) continue;
+      const double left = (at[i - 1](k) - at[i](k)) / (kPlaces[i] - kPlaces[i - 1]),
+                   right = (at[i + 1](k) - at[i](k)) / (kPlaces[i + 1] - kPlaces[i]);
+      // A distance is convex where it is least: no bottom lies below what falls on at the steepest slope around.
+      const double steepest = 4.0 * std::max(left, right) / h;
+      const double dip =
+          bottom(k, t_begin + kPlaces[i - 1] * h, t_begin + kPlaces[i + 1] * h, steepest, evaluate);
+      if (!(middle_(k) < 0.0) || dip >= first) continue;
+      first = dip;
+      high_ = middle_;
+    }
+  return first;
+}
+
 void SwitchFinder::start(const State& s) {
   found_ = s;
+  h_before_ = 0.0;
   if (n_root_ > 0) eq_.roots(s, *scratch_, low_);
 }
 
 void SwitchFinder::search(StepEnd& end, const StateAt& state_at) {
+  end.t_tried = end.t_end;
   if (n_root_ == 0) return;
   const double t_begin = end.t_begin;
   double t_end = end.t_end;
@@ -63,8 +145,11 @@ void SwitchFinder::search(StepEnd& end, const StateAt& state_at) {
   };
   evaluate(t_end, high_);
   if (!any_negative(high_)) {
-    const double dip = first_dip(t_begin, t_end, evaluate);
+    double dip = first_dip(t_begin, t_end, evaluate);
+    if (dip == t_end) dip = dip_of_approach(t_begin, t_end, evaluate);
     if (dip == t_end) {
+      before_ = low_;
+      h_before_ = t_end - t_begin;
       low_.swap(high_);
       return;
     }
@@ -121,6 +206,8 @@ void SwitchFinder::search(StepEnd& end, const StateAt& state_at) {
 void SwitchFinder::remember(History& history, const State& s) {
   if (history.reads()) found_ = s;
   mbs::remember(history, low_, n_root_);
+  mbs::remember(history, before_, n_root_);
+  history(h_before_);
 }
 
 }  // namespace flexura::mbs

@@ -15,7 +15,9 @@
 /// round-off of the time: the Illinois form of regula falsi.
 ///
 /// Between the ends of a step the conditions of formulas are looked at too: at three points, and at the bottom
-/// of the parabola through three neighbours where that lies below 0.
+/// of the parabola through three neighbours where that lies below 0.  Other switches (contacts: small things that fly past
+/// each other) are where they come towards 0 so fast that they might reach it within the step: between neighbours of the
+/// least of these points down to the bottom, where a distance has a sharp bend.
 ///
 /// Functions are positive while their switch is in the right position (Equations::roots), so that one that
 /// begins at 0, as for a ball put down on the floor, is judged by where it goes from there.
@@ -41,11 +43,16 @@ class SwitchFinder {
  private:
   using Evaluate = std::function<void(double t, Eigen::VectorXd& values)>;
   double first_dip(double t_begin, double t_end, const Evaluate& evaluate);
+  bool may_dip(int k, double h) const;
+  double dip_of_approach(double t_begin, double t_end, const Evaluate& evaluate);
+  double bottom(int k, double a, double b, double steepest, const Evaluate& evaluate);
   bool any_negative(const Eigen::VectorXd& values) const { return (values.array() < 0.0).any(); }
 
   const Equations& eq_;
   int n_root_;
-  std::vector<int> conditions_;  // of formulas
+  std::vector<int> conditions_, others_;  // of formulas; the rest
+  Eigen::VectorXd before_;                // low_ of the last step
+  double h_before_ = 0.0;                 // its length; 0: there was none
   std::array<Eigen::VectorXd, 3> between_;
   std::unique_ptr<Equations::Scratch> scratch_;
   State found_;

@@ -34,17 +34,14 @@ input::Dimension coordinate_dimension(const MechanismDescription& d, CoordinateR
   return d.joints[c.joint].joint->coordinates()[c.index].dimension;
 }
 
-// A row whose multiplier pushes is a length; one that only turns an angle (or the sine of a small one).  Asked
-// at poses at which nothing vanishes.
-std::vector<input::Dimension> dimensions_of(const RelativeConstraint& constraint) {
-  std::vector<input::Dimension> out(constraint.n_rows(), input::dim::length);
-  if (constraint.has_contact()) return out;
-  Kinematics kin;
-  kin.markers.resize(std::max(constraint.marker_F(), constraint.marker_M()) + 1);
-  kin.markers[constraint.marker_M()].X_WP = {rotation_exp({0.4, -0.7, 1.1}), Vector3d(0.9, -0.5, 0.7)};
+std::vector<input::Dimension> dimensions_of(const MechanismDescription& d, const Constraint& constraint) {
+  std::vector<input::Dimension> out;
   for (int i = 0; i < constraint.n_rows(); ++i) {
-    Eigen::VectorXd x = Eigen::VectorXd::Unit(constraint.n_rows(), i);
-    if (constraint.wrench_on_M(kin, x.data()).tail<3>().isZero(0.0)) out[i] = input::dim::angle;
+    const GapKind kind = constraint.gap_kind(i);
+    out.push_back(kind == GapKind::length       ? input::dim::length
+                  : kind == GapKind::angle      ? input::dim::angle
+                  : kind == GapKind::coordinate ? coordinate_dimension(d, constraint.coordinates().front())
+                                                : input::dim::none);
   }
   return out;
 }
@@ -54,18 +51,13 @@ std::map<std::string, JoinedRows> rows_of(const MechanismDescription& d) {
   std::map<std::string, JoinedRows> out;
   for (const JointDescription& joint : d.joints) {
     const RelativeConstraint closure(joint.name, joint.marker_F, joint.marker_M, joint.joint);
-    out[joint.name] = {joint.name, joint.marker_F, joint.marker_M, dimensions_of(closure)};
+    out[joint.name] = {joint.name, joint.marker_F, joint.marker_M, dimensions_of(d, closure)};
   }
   for (const auto& constraint : d.constraints) {
     JoinedRows rows{constraint->name(), -1, -1, {}};
     const std::vector<int> markers = constraint->markers();
     if (markers.size() == 2) rows.marker_F = markers[0], rows.marker_M = markers[1];
-    if (const auto* relative = dynamic_cast<const RelativeConstraint*>(constraint.get()))
-      rows.dimensions = dimensions_of(*relative);
-    else if (const std::vector<CoordinateRef> on = constraint->coordinates(); !on.empty())
-      rows.dimensions.assign(constraint->n_rows(), coordinate_dimension(d, on.front()));
-    else
-      rows.dimensions.assign(constraint->n_rows(), input::dim::none);
+    rows.dimensions = dimensions_of(d, *constraint);
     out[constraint->name()] = std::move(rows);
   }
   return out;

@@ -133,6 +133,11 @@ void Runner::refuse_endless(long stops, double most, const char* what) const {
 void Runner::look_ahead() {
   while ((stop_ = times_.next(result_.state.t)).is_due && result_.state.t < options_.end_time) pass_event();
   stop_.t = std::min(stop_.t, options_.end_time);
+  if (reach_ > 0.0 && result_.state.t + reach_ < stop_.t) {
+    stop_ = {};
+    stop_.t = result_.state.t + reach_;
+    return;
+  }
   if (!stop_.is_event && stop_.t < options_.end_time) refuse_endless(++bounds_, kMostBounds, "turns");
 }
 
@@ -183,6 +188,12 @@ bool Runner::step_once() {
       return true;
     }
   }
+  if (is_watched_ && leaps_over_switches(end)) return true;
+  if (is_watched_ && leaps_over_peak(end)) {
+    go_back_to_peak(end);
+    return true;
+  }
+  widen_reach();
   // The longest of the last steps: what the motion allows away from the trouble.
   good_step_ = std::max(end.t_end - end.t_begin, 0.99 * good_step_);
   has_history_ = true;

@@ -121,6 +121,7 @@ StepCounts Runner::counts() const {
 // What the run itself remembers beside its integrator.
 void Runner::remember_own(History& history) {
   method_watch_.remember(history);
+  history(reach_);
   for (Instant& anchor : anchors_) {
     history(anchor.state);
     history(anchor.v_dot);

@@ -231,4 +231,56 @@ bool Runner::leap(const Instant& from, bool& goes_on) {
   return came_on;
 }
 
+// A first step behind a switch that would have been twice as long as what leads to the next one knows little of what
+// is between them, like the impact of a bullet: it is made again, no longer than a part of that.
+bool Runner::leaps_over_switches(const StepEnd& end) {
+  constexpr double kOfStep = 0.5, kNext = 0.25, kShortest = 1e-13;
+  const double h = end.t_end - end.t_begin;
+  const bool is_first = !has_history_;
+  if (!is_first || end.roots.empty() || !(h < kOfStep * (end.t_tried - end.t_begin)) ||
+      !(h > kShortest * (options_.end_time - options_.start_time)))
+    return false;
+  reach_ = kNext * h;
+  start_integrator();
+  return true;
+}
+
+// Whether the step leapt over a peak of a force; it then ends where that begins.
+bool Runner::leaps_over_peak(StepEnd& end) {
+  if (!peak_watch_.watches()) return false;
+  constexpr double kShortest = 1e-13;
+  const double duration = options_.end_time - options_.start_time, h = end.t_end - end.t_begin;
+  const auto part =
+      h > kShortest * duration
+          ? peak_watch_.look(end.t_begin, end.t_end,
+                             [&](double t, State& s) { integrator_->interpolate(t, s, row_.v_dot); })
+          : std::nullopt;
+  if (!part) return false;
+  end.t_end = end.t_begin + *part * h;
+  end.roots.clear();
+  reach_ = 0.125 * h;
+  return true;
+}
+
+// Behind a step that saw all there was.
+void Runner::widen_reach() {
+  reach_ *= 2.0;
+  if (reach_ > options_.end_time - options_.start_time) reach_ = 0.0;
+}
+
+// To where the peak begins, and on from there by steps that are as short as it asks.
+void Runner::go_back_to_peak(const StepEnd& end) {
+  // Closer to the beginning of a step it is that of the peak.
+  constexpr double kBeside = 1e-3;
+  if (end.t_end - end.t_begin > kBeside * 8.0 * reach_) {
+    enter_step(result_.state.t, end.t_end, end.t_end, *integrator_);
+    integrator_->interpolate(end.t_end, result_.state, result_.v_dot);
+    books_.drain();
+    books_.close(result_.state);
+    start_anew();
+  } else {
+    start_integrator();
+  }
+}
+
 }  // namespace flexura::mbs

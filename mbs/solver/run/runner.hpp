@@ -16,6 +16,7 @@
 #include "mbs/solver/run/make_integrator.hpp"
 #include "mbs/solver/run/method_watch.hpp"
 #include "mbs/solver/run/pace_watch.hpp"
+#include "mbs/solver/run/peak_watch.hpp"
 #include "mbs/solver/run/run_memory.hpp"
 
 namespace flexura::mbs {
@@ -35,6 +36,7 @@ class Runner {
         integrator_(make_integrator(eq, options)),
         method_watch_(eq, options),
         pace_watch_(options),
+        peak_watch_(eq),
         is_watched_(kind_of(options).integrates),
         accelerations_(eq),
         watch_(eq),
@@ -87,6 +89,10 @@ class Runner {
   void pass_event();
   void end_endless(int which);
   bool step_once();  // false ends the run
+  bool leaps_over_switches(const StepEnd& end);
+  bool leaps_over_peak(StepEnd& end);
+  void widen_reach();
+  void go_back_to_peak(const StepEnd& end);
   bool finish_step(const StepEnd& end, Integrator& integrator);
   bool cross_singularity(const IntegrationError& reason);
   bool contradicts(double t, Integrator& integrator);
@@ -112,6 +118,8 @@ class Runner {
   std::unique_ptr<Integrator> integrator_, hopper_;
   MethodWatch method_watch_;
   PaceWatch pace_watch_;
+  PeakWatch peak_watch_;
+  double reach_ = 0.0;  // of a step, after a peak was leapt over [s]; 0: no bound
   bool is_watched_;
   AccelerationSolver accelerations_;
   RowWatch watch_;

@@ -117,8 +117,11 @@ std::string Chooser::run_until_over(ChosenRun& out, const mbs::State& state, con
     out.integrator = steps->estimate();
     out.result.wall_time -= steps->wall();
     if (start.is_there) {
+      std::string& note = out.integrator->note;
+      if (note.empty()) note = fmt::format("about {} since", percent(out.integrator->error));
+      note = fmt::format("{}; of the part until t = {} s it is not known", note, number(state.t, 3));
       out.integrator->is_whole = false;
-      out.integrator->note = fmt::format("of the part until t = {} s it is not known", number(state.t, 3));
+      out.integrator->error = 0.0;
     }
   }
   out.has_estimate = shadows != nullptr;

@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "mbs/solver/position/projection.hpp"
@@ -15,9 +16,10 @@
 
 /// What the integrator costs the outputs of a run, from the run itself: the error of its states
 /// (error_equation.hpp) is taken off those of a row, whose accelerations and multipliers are then solved for, and the
-/// outputs of both are compared.  To first order: of an error of the outputs' own size it is a warning only.  Where
-/// velocities jump at a switch of the motion the jump's own change with the error is not followed: the figure is then
-/// what the error is at least.
+/// outputs of both are compared.  To first order: an error above a twentieth of the output is called unknown, since a
+/// figure of a tenth was seen where the truth was the whole.  So it is where velocities or states of controls jump at a
+/// switch of the motion, since how the jump itself changes with the error is not followed, and where a row could not be
+/// judged.
 namespace flexura::study {
 
 class GlobalError {
@@ -40,6 +42,8 @@ class GlobalError {
   explicit GlobalError(const mbs::PreparedMechanism& run);
   void compare(const mbs::State& s, const Eigen::VectorXd& v_dot, const Eigen::VectorXd& beside);
   void compare_waiting();
+  /// Why an error of this size is not told; empty where it is.
+  std::string why_unknown(double error) const;
 
   const mbs::PreparedMechanism& run_;
   ErrorEquation equation_;
@@ -49,9 +53,9 @@ class GlobalError {
   std::vector<int> which_;
   Families families_;
   long every_ = 1, rows_ = 0, compared_ = 0;
-  bool has_stepped_ = false, has_jumped_ = false, misses_part_ = false;
+  bool has_stepped_ = false, has_jumped_ = false, misses_part_ = false, misses_rows_ = false;
   double wall_ = 0.0;
-  Eigen::VectorXd v_last_;
+  Eigen::VectorXd v_last_, c_last_;
   // Rows whose error is not known yet, and how far they lie beside the path that the equation follows.
   struct Waiting {
     mbs::State state;

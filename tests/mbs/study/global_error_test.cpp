@@ -67,7 +67,6 @@ TEST_P(IntegratorsShare, IsWithinAFactorOfThree) {
   error->watch(callbacks);
   ASSERT_TRUE(mbs::run(*p.mechanism, p.state, p.v_dot, p.options, callbacks).complete);
   const IntegratorEstimate estimate = error->estimate();
-  EXPECT_TRUE(estimate.is_whole) << estimate.note;
   ASSERT_EQ(static_cast<Eigen::Index>(rows.size()), truth.rows());
   double off = 0.0, size = 0.0;
   for (std::size_t k = 0; k < which.size(); ++k) {
@@ -80,6 +79,12 @@ TEST_P(IntegratorsShare, IsWithinAFactorOfThree) {
   }
   ASSERT_GT(size, 0.0) << estimate.output;
   const double true_error = std::sqrt(off / size);
+  // What is too large to be followed is called unknown, and is large.
+  if (!estimate.is_whole) {
+    EXPECT_NE(estimate.note.find("to first order"), std::string::npos) << estimate.note;
+    EXPECT_GT(true_error, 0.3 * 0.05) << estimate.output;
+    return;
+  }
   EXPECT_GT(estimate.error, 0.3 * true_error) << estimate.output << " is off by " << true_error;
   EXPECT_LT(estimate.error, most_of(mechanism.name, method.name) * true_error)
       << estimate.output << " is off by " << true_error;
@@ -94,6 +99,46 @@ INSTANTIATE_TEST_SUITE_P(TwelveMechanisms, IntegratorsShare,
                            return twelve::mechanisms().at(std::get<0>(info.param)).name + "_" +
                                   std::get<1>(info.param).name;
                          });
+
+// What a run of this file at these settings tells of its integrator.
+IntegratorEstimate told(const std::string& text, const std::vector<std::string>& set) {
+  const Folder folder;
+  const mbs::PreparedMechanism p = mbs::prepare(folder.write("mechanism.toml", text), set);
+  const auto error = GlobalError::make(p);
+  mbs::RunCallbacks callbacks;
+  error->watch(callbacks);
+  EXPECT_TRUE(mbs::run(*p.mechanism, p.state, p.v_dot, p.options, callbacks).complete);
+  return error->estimate();
+}
+
+TEST(IntegratorsShareUnknown, IsCalledSo) {
+  // A run that is off by 110 % was told 9.5 %.
+  const IntegratorEstimate coarse =
+      told(twelve::kSliderCrank, {"solver.method=generalised_alpha", "solver.tolerance=1e-3"});
+  EXPECT_FALSE(coarse.is_whole);
+  EXPECT_EQ(coarse.error, 0.0);
+  EXPECT_NE(coarse.note.find("to first order"), std::string::npos) << coarse.note;
+  // What a controller has sampled is held: its error jumps with every sample.
+  std::string sampled = twelve::kControl;
+  sampled.replace(sampled.find("[control.pid]"), std::string::npos, R"toml([control.held]
+type = "sample"
+input = "40*(0.5*sin(3*t) - p.angle) - 2*p.speed"
+period = "20 ms"
+[force.m]
+type = "joint_force"
+joint = "p"
+value = "held"
+[output]
+quantities = ["p.angle", "p.speed"]
+[solver]
+end_time = 1
+output_step = 0.01
+)toml");
+  const IntegratorEstimate held = told(sampled, {});
+  EXPECT_FALSE(held.is_whole);
+  EXPECT_EQ(held.error, 0.0);
+  EXPECT_NE(held.note.find("jumps"), std::string::npos) << held.note;
+}
 
 }  // namespace
 }  // namespace flexura::study

@@ -6,13 +6,13 @@
 #include <vector>
 
 /// Mechanisms of many kinds on which what a run says of itself is held against the truth: trees and loops, hinges and
-/// ball joints, light and heavy, with controls and with bodies that deform.
+/// ball joints, light and heavy, with controls, a delay and a force that switches with the motion.
 namespace flexura::study::twelve {
 
 struct Mechanism {
   std::string name;
   std::filesystem::path file;  ///< or
-  std::string text;            ///< which may name beam.se.h5, the box beam of tests/mbs/superelement
+  std::string text;            ///< of one
   std::vector<std::string> set;
 };
 
@@ -190,6 +190,62 @@ end_time = 3
 output_step = 0.01
 )toml";
 
+// Dry friction as a formula: the force switches at every turning point, and the run ends before it sticks.
+inline const char* const kRelay = R"toml(gravity = [0, 0, 0]
+[ground.marker.g]
+axis = [1, 0, 0]
+[body.a]
+mass = 1
+inertia = [0.01, 0.01, 0.01]
+marker.o = { axis = [1, 0, 0] }
+[joint.s]
+type = "prismatic"
+from = "ground.g"
+to = "a.o"
+position = 0.3
+[force.spring]
+type = "joint_spring_damper"
+joint = "s"
+coordinate = "position"
+stiffness = 100
+[force.friction]
+type = "joint_force"
+joint = "s"
+value = "s.speed > 0 ? -3 : 3"
+[output]
+quantities = ["s.position", "s.speed"]
+[solver]
+end_time = 1.2
+output_step = 0.01
+)toml";
+
+inline const char* const kDelay = R"toml(gravity = [0, 0, -9.81]
+[ground.marker.g]
+axis = [0, 1, 0]
+[body.a]
+mass = 1
+center = [0.3, 0, 0]
+inertia = [0.01, 0.05, 0.05]
+marker.o = { axis = [0, 1, 0] }
+[joint.p]
+type = "revolute"
+from = "ground.g"
+to = "a.o"
+[control.late]
+type = "delay"
+input = "0.5*sin(3*t) - p.angle"
+time = "20 ms"
+[force.m]
+type = "joint_force"
+joint = "p"
+value = "30*late - 2*p.speed"
+[output]
+quantities = ["p.angle", "p.speed"]
+[solver]
+end_time = 3
+output_step = 0.01
+)toml";
+
 inline std::vector<Mechanism> mechanisms() {
   const std::filesystem::path source = FLEXURA_SOURCE_DIR;
   return {{"pendulum",
@@ -201,6 +257,8 @@ inline std::vector<Mechanism> mechanisms() {
           {"tumbling", {}, kTumbling, {}},
           {"slider_crank", {}, kSliderCrank, {}},
           {"control", {}, kControl, {}},
+          {"relay", {}, kRelay, {}},
+          {"delay", {}, kDelay, {}},
           {"rscr",
            source / "tests/found/rigid/check_integrator_noise.toml",
            "",

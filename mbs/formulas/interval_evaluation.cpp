@@ -1,53 +1,55 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mbs/formulas/interval_evaluation.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <vector>
 
-#include "mbs/formulas/interval_jet.hpp"
 #include "mbs/formulas/operations.hpp"
-#include "mbs/formulas/time_function.hpp"
 
-/// What a function of time is over an interval of it.
 namespace flexura::mbs {
-namespace {
 
 using namespace operations;
 
-// Over an interval of time.
-class Over {
- public:
-  Over(const FormulaTree& tree, const Interval& time) : tree_(tree), time_(time) {}
-  IntervalJet operator()(int k);
-  bool is_decided = true;
-  Branches branches;
+// Of x > 0 (or >= 0), with room for round-off of what x is made of.
+IntervalEvaluation::Truth IntervalEvaluation::positive(const Interval& x, double size) {
+  const double room = 2e-16 * size;
+  return x.lo > room ? Truth::yes : x.hi < -room ? Truth::no : Truth::open;
+}
 
- private:
-  enum class Truth { no, yes, open };
-  // Of x > 0 (or >= 0), with room for round-off of what x is made of.
-  Truth positive(const Interval& x, double size) const {
-    const double room = 2e-16 * size;
-    return x.lo > room ? Truth::yes : x.hi < -room ? Truth::no : Truth::open;
-  }
-  Truth truth(const IntervalJet& x) const {
-    return x.value.lo == 0.0 && x.value.hi == 0.0 ? Truth::no
-           : x.value.contains(0.0)                ? Truth::open
-                                                  : Truth::yes;
-  }
-  IntervalJet say(Truth truth) const {
-    if (truth == Truth::open) return {{0.0, 1.0}, 0.0, 0.0};
-    return {truth == Truth::yes ? 1.0 : 0.0, 0.0, 0.0};
-  }
-  IntervalJet compare(int k, const IntervalJet& a, const IntervalJet& b);
-  IntervalJet rounded(int k, const Interval& x);
-  IntervalJet extreme(int k, std::vector<IntervalJet>& x);
-  IntervalJet step(int k, const std::vector<IntervalJet>& x);
+IntervalEvaluation::Truth IntervalEvaluation::truth(const IntervalJet& x) {
+  return x.value.lo == 0.0 && x.value.hi == 0.0 ? Truth::no
+         : x.value.contains(0.0)                ? Truth::open
+                                                : Truth::yes;
+}
 
-  const FormulaTree& tree_;
-  Interval time_;
-};
+IntervalJet IntervalEvaluation::say(Truth truth) {
+  if (truth == Truth::open) return {{0.0, 1.0}, 0.0, 0.0};
+  return {truth == Truth::yes ? 1.0 : 0.0, 0.0, 0.0};
+}
 
-IntervalJet Over::compare(int k, const IntervalJet& a, const IntervalJet& b) {
+bool IntervalEvaluation::is_held(const FormulaNode& node) const {
+  return node.held > 0 && node.code != table && signals_[node.held].value.lo != 0.0;
+}
+
+// As Expression takes it.
+IntervalJet IntervalEvaluation::held(const FormulaNode& node, const std::vector<IntervalJet>& x) const {
+  const double at = held_integer(static_cast<int>(signals_[node.held].value.lo));
+  const IntervalJet constant{at, 0.0, 0.0};
+  switch (node.code) {
+    case modulo:
+      return x[0] - constant * x[1];
+    case minimum:
+    case maximum:
+      return x[std::min(x.size() - 1, static_cast<std::size_t>(at))];
+    case absolute:
+      return IntervalJet{at != 0.0 ? 1.0 : -1.0, 0.0, 0.0} * x[0];
+    default:
+      return constant;
+  }
+}
+
+IntervalJet IntervalEvaluation::compare(int k, const IntervalJet& a, const IntervalJet& b) {
   const int code = tree_[k].code;
   const double size = a.value.magnitude() + b.value.magnitude();
   if (code == equal || code == not_equal) {
@@ -82,7 +84,7 @@ IntervalJet Over::compare(int k, const IntervalJet& a, const IntervalJet& b) {
   return say(truth);
 }
 
-IntervalJet Over::rounded(int k, const Interval& x) {
+IntervalJet IntervalEvaluation::rounded(int k, const Interval& x) {
   const int code = tree_[k].code == modulo ? static_cast<int>(round_down) : tree_[k].code;
   const double room = 2e-16 * x.magnitude(), low = apply_unary(code, x.lo - room),
                high = apply_unary(code, x.hi + room);
@@ -94,7 +96,7 @@ IntervalJet Over::rounded(int k, const Interval& x) {
   return {Interval::of(low, high), 0.0, 0.0};
 }
 
-IntervalJet Over::extreme(int k, std::vector<IntervalJet>& x) {
+IntervalJet IntervalEvaluation::extreme(int k, std::vector<IntervalJet>& x) {
   const bool least = tree_[k].code == minimum;
   for (std::size_t i = 0; i < x.size(); ++i) {
     bool wins = true;
@@ -121,7 +123,7 @@ IntervalJet Over::extreme(int k, std::vector<IntervalJet>& x) {
   return all;
 }
 
-IntervalJet Over::step(int k, const std::vector<IntervalJet>& x) {
+IntervalJet IntervalEvaluation::step(int k, const std::vector<IntervalJet>& x) {
   const IntervalJet &at = x[0], &x_0 = x[1], &y_0 = x[2], &x_1 = x[3], &y_1 = x[4];
   const Truth behind_0 = positive(at.value - x_0.value, at.value.magnitude() + x_0.value.magnitude()),
               behind_1 = positive(at.value - x_1.value, at.value.magnitude() + x_1.value.magnitude());
@@ -143,7 +145,7 @@ IntervalJet Over::step(int k, const std::vector<IntervalJet>& x) {
   return all;
 }
 
-IntervalJet Over::operator()(int k) {
+IntervalJet IntervalEvaluation::operator()(int k) {
   const FormulaNode& node = tree_[k];
   // Branches that are not taken are not looked at.
   if (node.code == choice) {
@@ -166,11 +168,12 @@ IntervalJet Over::operator()(int k) {
   std::vector<IntervalJet> x;
   x.reserve(node.args.size());
   for (const int arg : node.args) x.push_back((*this)(arg));
+  if (is_held(node)) return held(node, x);
   switch (node.code) {
     case constant:
       return {node.value, 0.0, 0.0};
     case signal:
-      return {time_, 1.0, 0.0};
+      return signals_[node.place];
     case add:
       return x[0] + x[1];
     case subtract:
@@ -270,14 +273,6 @@ IntervalJet Over::operator()(int k) {
     default:
       return chain(smooth_unary(node.code, x[0].value), x[0]);
   }
-}
-
-}  // namespace
-
-TimeFunction::Bounds TimeFunction::over(double begin, double end) const {
-  Over over(tree_, Interval(begin, end));
-  const IntervalJet f = over(tree_.root);
-  return {f.value, f.first, f.second, over.is_decided, over.branches.hash};
 }
 
 }  // namespace flexura::mbs
