@@ -60,7 +60,8 @@ bool SwitchFinder::may_dip(int k, double h) const {
 // The least value between a and b, or the first below 0, left in middle_; returns where.
 double SwitchFinder::bottom(int k, double a, double b, double steepest, const Evaluate& evaluate) {
   constexpr double kGolden = 0.6180339887498949, kFinest = 1e-10;
-  const double finest = kFinest * (b - a);
+  const double finest =
+      std::max(kFinest * (b - a), 20.0 * std::numeric_limits<double>::epsilon() * std::abs(b));
   const auto value = [&](double t) {
     evaluate(t, middle_);
     return middle_(k);
