@@ -9,7 +9,7 @@
 namespace flexura::mbs {
 class MotionFunction;
 class TimeFunction;
-}
+}  // namespace flexura::mbs
 
 /// The equations of motion as the solvers see them (Simpack's form):
 ///

@@ -10,13 +10,13 @@
 #include "mbs/solver/accuracy/integrator_kind.hpp"
 #include "mbs/solver/algebra/accelerations.hpp"
 #include "mbs/solver/integrators/known_times.hpp"
+#include "mbs/solver/integrators/peak_watch.hpp"
 #include "mbs/solver/position/projection.hpp"
 #include "mbs/solver/position/row_watch.hpp"
 #include "mbs/solver/run/bookkeeper.hpp"
 #include "mbs/solver/run/make_integrator.hpp"
 #include "mbs/solver/run/method_watch.hpp"
 #include "mbs/solver/run/pace_watch.hpp"
-#include "mbs/solver/run/peak_watch.hpp"
 #include "mbs/solver/run/run_memory.hpp"
 
 namespace flexura::mbs {

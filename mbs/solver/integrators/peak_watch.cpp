@@ -1,5 +1,5 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-#include "mbs/solver/run/peak_watch.hpp"
+#include "mbs/solver/integrators/peak_watch.hpp"
 
 #include <algorithm>
 #include <cmath>
