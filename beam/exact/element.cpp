@@ -46,15 +46,41 @@ Matrix3d cross_matrix(const Vector3d& a) {
   return s;
 }
 
+template <int N>
+using Columns3 = Eigen::Matrix<double, 3, N>;
+
 // 3 x n: the angular velocity of the section at x, in its axes, for unit rates.
-Eigen::Matrix3Xd turning(const StrainField& f, double x, const Strains<double>& q,
-                         const Rotation<double>& rotation) {
-  const double x_3 = x * x * x / 12.0;
+template <int N>
+Columns3<N> turning(const FieldOf<N>& f, double x, const Strains<double>& q,
+                    const Rotation<double>& rotation) {
+  Columns3<N> Theta_s = x * f.k_0;
+  if (!f.is_constant) {
+    const double x_3 = x * x * x / 12.0;
+    const Matrix3d k_0 = x_3 * cross_matrix(values(q.k_0)), k_1 = x_3 * cross_matrix(values(q.k_1));
+    Theta_s.noalias() += 0.5 * x * x * f.k_1;
+    Theta_s.noalias() += k_0 * f.k_1;
+    Theta_s.noalias() -= k_1 * f.k_0;
+  }
   const Matrix3d Theta = cross_matrix(values(rotation.Theta)),
                  T = Matrix3d::Identity() - rotation.b * Theta + rotation.c * Theta * Theta;
-  return T * ((x * Matrix3d::Identity() - x_3 * cross_matrix(values(q.k_1))) * f.k_0 +
-              (0.5 * x * x * Matrix3d::Identity() + x_3 * cross_matrix(values(q.k_0))) * f.k_1);
+  return T * Theta_s;
 }
+
+// At point h: the rates of the angular velocity and of E c, in the start's axes.
+template <int N>
+struct Rates {
+  Columns3<N> turned, moved;
+
+  Rates(const FieldOf<N>& f, double x, const Strains<double>& q, const Vec<double>& c,
+        const Rotation<double>& rotation, const Matrix3d& E) {
+    const Columns3<N> own = turning<N>(f, x, q, rotation);
+    turned.noalias() = E * own;
+    Columns3<N> of_c = f.g_0;
+    if (!f.is_constant) of_c += x * f.g_1;
+    of_c.noalias() -= cross_matrix(values(c)) * own;
+    moved.noalias() = E * of_c;
+  }
+};
 
 template <int N>
 std::array<Dual<N>, Element::kMost> constants(const double* x) {
@@ -92,10 +118,22 @@ void with_size(int n, F&& f) {
   }
 }
 
+void set_motion(const SectionMotion<double>& x, Element::Motion& out) {
+  const Mat<double>& E = x.turned.rotation.E;
+  out.R = matrix(E);
+  out.p = values(x.r);
+  out.V << values(E * x.turned.w), values(x.v);
+  out.A << values(E * x.turned.w_dot), values(x.a);
+}
+
 }  // namespace
 
 Element::Element(StrainField field, double length, const SectionInertia& inertia, const Vector6d& rest_strain)
-    : field_(std::move(field)), length_(length), inertia_(inertia), rest_(rest_strain) {
+    : field_(std::move(field)),
+      length_(length),
+      inertia_(inertia),
+      rest_(rest_strain),
+      has_offset_(inertia.m_y != 0.0 || inertia.m_z != 0.0) {
   if (const int n = field_.n(); n != 3 && n != 6 && n != 8)
     throw std::invalid_argument(
         fmt::format("a strain field has {} coordinates; it must have 8 (beam), 6 (rod) or 3 (cable)", n));
@@ -114,46 +152,59 @@ Element::Place Element::place(double x) const {
 
 Element::Motion Element::motion(const Place& place, const double* s, const double* s_dot,
                                 const double* s_ddot) const {
-  const Kernel kernel(*this);
-  const Strains<double> q = kernel.strains(s, true);
-  Strains<double> q_dot, q_ddot;
-  if (s_dot) q_dot = kernel.strains(s_dot, false);
-  if (s_ddot) q_ddot = kernel.strains(s_ddot, false);
-  const SectionMotion<double> x =
-      kernel.motion(place, q, s_dot ? &q_dot : nullptr, s_ddot ? &q_ddot : nullptr);
-  const Mat<double>& E = x.turned.rotation.E;
   Motion out;
-  out.R = matrix(E);
-  out.p = values(x.r);
-  out.V << values(E * x.turned.w), values(x.v);
-  out.A << values(E * x.turned.w_dot), values(x.a);
+  with_size(n(), [&](auto size) {
+    const Kernel<decltype(size)::value> kernel(*this);
+    const Strains<double> q = kernel.template strains<double>(s, true);
+    Strains<double> q_dot, q_ddot;
+    if (s_dot) q_dot = kernel.template strains<double>(s_dot, false);
+    if (s_ddot) q_ddot = kernel.template strains<double>(s_ddot, false);
+    set_motion(kernel.motion(place, q, s_dot ? &q_dot : nullptr, s_ddot ? &q_ddot : nullptr), out);
+  });
   return out;
 }
 
 void Element::map(const Place& place, const double* s, Columns& out) const {
-  const Kernel kernel(*this);
-  const Strains<double> q = kernel.strains(s, true);
-  const Turned<double> end = Kernel::turn<double>(place.x, q, nullptr, nullptr);
-  out.resize(6, n());
-  out.topRows<3>() = matrix(end.rotation.E) * turning(field_, place.x, q, end.rotation);
-  out.bottomRows<3>().setZero();
-  for (std::size_t h = 0; h < kPoints; ++h) {
-    const double x = points_[h].x;
-    const Rotation<double> rotation = Kernel::turn<double>(x, q, nullptr, nullptr).rotation;
-    out.bottomRows<3>() +=
-        place.weight[h] * matrix(rotation.E) *
-        (field_.g_0 + x * field_.g_1 - cross_matrix(values(q.c[h])) * turning(field_, x, q, rotation));
-  }
+  Motion at;
+  motion_and_map(place, s, nullptr, nullptr, at, out);
+}
+
+void Element::motion_and_map(const Place& place, const double* s, const double* s_dot, const double* s_ddot,
+                             Motion& out, Columns& map) const {
+  map.resize(6, n());
+  with_size(n(), [&](auto size) {
+    constexpr int N = decltype(size)::value;
+    const Kernel<N> kernel(*this);
+    const Strains<double> q = kernel.template strains<double>(s, true);
+    Strains<double> q_dot, q_ddot;
+    if (s_dot) q_dot = kernel.template strains<double>(s_dot, false);
+    if (s_ddot) q_ddot = kernel.template strains<double>(s_ddot, false);
+    const auto *rate = s_dot ? &q_dot : nullptr, *second = s_ddot ? &q_ddot : nullptr;
+    const Points<double> points = kernel.template points<double>(q, rate, second);
+    SectionMotion<double> at{kernel.turn(place.x, q, rate, second), {}, {}, {}};
+    kernel.add_sums(place, points, at.r, at.v, at.a);
+    set_motion(at, out);
+    Eigen::Map<Eigen::Matrix<double, 6, N>> to(map.data());
+    to.template topRows<3>().noalias() =
+        matrix(at.turned.rotation.E) * turning<N>(kernel.field, place.x, q, at.turned.rotation);
+    Columns3<N> moved = Columns3<N>::Zero();
+    for (std::size_t h = 0; h < kPoints; ++h) {
+      const Rotation<double>& rotation = points.at[h].turned.rotation;
+      const Rates<N> rates(kernel.field, points_[h].x, q, q.c[h], rotation, matrix(rotation.E));
+      moved += place.weight[h] * rates.moved;
+    }
+    to.template bottomRows<3>() = moved;
+  });
 }
 
 void Element::motion_tangents(const Place& place, const double* s, const double* s_dot, const double* s_ddot,
                               const Vector6d& wrench, MotionTangents& out) const {
-  const Kernel kernel(*this);
   for (Columns* x : {&out.V_s, &out.A_s, &out.A_v}) x->resize(6, n());
   out.map_s.resize(n(), n());
   with_size(n(), [&](auto size) {
     constexpr int N = decltype(size)::value;
     using S = Dual<N>;
+    const Kernel<N> kernel(*this);
     const auto vary = [&](const auto& x, const auto& x_dot, Columns* V, Columns& A) {
       const auto x_ddot = constants<N>(s_ddot);
       const Strains<S> q = kernel.strains(x.data(), true), q_dot = kernel.strains(x_dot.data(), false),
@@ -179,58 +230,74 @@ void Element::motion_tangents(const Place& place, const double* s, const double*
 }
 
 void Element::integrate(const double* s, Integrals& out) const {
-  const Kernel kernel(*this);
-  const Strains<double> q = kernel.strains(s, true);
-  const Points<double> at = kernel.points<double>(q, nullptr, nullptr);
+  out.C_t.resize(3, n());
+  out.C_r.resize(3, n());
+  out.M.resize(n(), n());
+  with_size(n(), [&](auto size) { integrate_in<decltype(size)::value>(s, out); });
+}
+
+template <int N>
+void Element::integrate_in(const double* s, Integrals& out) const {
+  const Kernel<N> kernel(*this);
+  const Strains<double> q = kernel.template strains<double>(s, true);
+  const Points<double> at = kernel.template points<double>(q, nullptr, nullptr);
   const Vector3d first(0.0, inertia_.m_y, inertia_.m_z);
   Matrix3d I;
   I << inertia_.m_yy + inertia_.m_zz, 0, 0, 0, inertia_.m_zz, -inertia_.m_yz, 0, -inertia_.m_yz,
       inertia_.m_yy;
 
-  std::array<Eigen::Matrix3Xd, kPoints> turned, moved;  // in the start's axes
-  std::array<Matrix3d, kPoints> E;
-  for (std::size_t h = 0; h < kPoints; ++h) {
+  const auto rates = [&](std::size_t h) {
     const Rotation<double>& rotation = at.at[h].turned.rotation;
-    E[h] = matrix(rotation.E);
-    const double x = points_[h].x;
-    const Eigen::Matrix3Xd own = turning(field_, x, q, rotation);
-    turned[h] = E[h] * own;
-    moved[h] = E[h] * (field_.g_0 + x * field_.g_1 - cross_matrix(values(q.c[h])) * own);
-  }
+    return Rates<N>(kernel.field, points_[h].x, q, q.c[h], rotation, matrix(rotation.E));
+  };
+  const std::array<Rates<N>, kPoints> moves = {rates(0), rates(1), rates(2), rates(3)};
+  Eigen::Map<Columns3<N>> C_t(out.C_t.data()), C_r(out.C_r.data());
+  Eigen::Map<Eigen::Matrix<double, N, N>> M(out.M.data());
   out.d.setZero();
   out.J.setZero();
-  out.C_t.setZero(3, n());
-  out.C_r.setZero(3, n());
-  out.M.setZero(n(), n());
-  Eigen::Matrix3Xd U(3, n()), swung(3, n());
+  C_t.setZero();
+  C_r.setZero();
+  M.setZero();
   for (std::size_t g = 0; g < kPoints; ++g) {
     Vector3d r = Vector3d::Zero();
-    U.setZero();
+    Columns3<N> U = Columns3<N>::Zero();
     for (std::size_t h = 0; h < kPoints; ++h) {
       r += points_[g].weight[h] * values(at.at[h].p);
-      U += points_[g].weight[h] * moved[h];
+      U += points_[g].weight[h] * moves[h].moved;
     }
+    const Columns3<N>& turned = moves[g].turned;
+    const Matrix3d E = matrix(at.at[g].turned.rotation.E), EI = mass_weight_[g] * E * I,
+                   I_g = EI * E.transpose();
     const double m = mass_weight_[g] * inertia_.m;
-    const Vector3d S = mass_weight_[g] * (E[g] * first);
-    const Matrix3d I_g = mass_weight_[g] * E[g] * I * E[g].transpose();
-    swung.noalias() = -cross_matrix(S) * turned[g];  // (E w) x S
-    out.d += m * r + S;
-    out.J += (m * r.squaredNorm() + 2.0 * r.dot(S)) * Matrix3d::Identity() - m * r * r.transpose() -
-             r * S.transpose() - S * r.transpose() + I_g;
-    out.C_t += m * U + swung;
-    out.C_r += cross_matrix(m * r + S) * U + cross_matrix(r) * swung + I_g * turned[g];
-    out.M.noalias() += m * U.transpose() * U;
-    out.M.noalias() += turned[g].transpose() * (I_g * turned[g]);
-    const MatrixXd mixed = U.transpose() * swung;
-    out.M += mixed + mixed.transpose();
+    const Columns3<N> mU = m * U, I_turned = I_g * turned;
+    out.d += m * r;
+    out.J += m * (r.squaredNorm() * Matrix3d::Identity() - r * r.transpose()) + I_g;
+    C_t += mU;
+    C_r.noalias() += cross_matrix(r) * mU;
+    C_r += I_turned;
+    M.noalias() += U.transpose() * mU;
+    M.noalias() += turned.transpose() * I_turned;
+    if (!has_offset_) continue;
+    const Vector3d S = mass_weight_[g] * (E * first);
+    const Columns3<N> swung = -cross_matrix(S) * turned;  // (E w) x S
+    out.d += S;
+    out.J += 2.0 * r.dot(S) * Matrix3d::Identity() - r * S.transpose() - S * r.transpose();
+    C_t += swung;
+    C_r.noalias() += cross_matrix(S) * U;
+    C_r.noalias() += cross_matrix(r) * swung;
+    const Eigen::Matrix<double, N, N> mixed = U.transpose() * swung;
+    M += mixed + mixed.transpose();
   }
 }
 
 Vector6d Element::inertia_force(const double* s, const double* s_dot, const double* s_ddot,
                                 const Carried& start, double* need) const {
   Vec<double> torque, force;
-  Kernel(*this).inertia(s, s_dot, s_ddot, vec<double>(start.w), vec<double>(start.alpha),
-                        vec<double>(start.a), torque, force, need);
+  with_size(n(), [&](auto size) {
+    Kernel<decltype(size)::value>(*this).inertia(s, s_dot, s_ddot, vec<double>(start.w),
+                                                 vec<double>(start.alpha), vec<double>(start.a), torque,
+                                                 force, need);
+  });
   Vector6d out;
   out << values(torque), values(force);
   return out;
@@ -238,12 +305,12 @@ Vector6d Element::inertia_force(const double* s, const double* s_dot, const doub
 
 void Element::inertia_tangents(const double* s, const double* s_dot, const double* s_ddot,
                                const Carried& start, InertiaTangents& out) const {
-  const Kernel kernel(*this);
   for (Columns* x : {&out.wrench_s, &out.wrench_v}) x->resize(6, n());
   for (MatrixXd* x : {&out.need_s, &out.need_v}) x->resize(n(), n());
   with_size(n(), [&](auto size) {
     constexpr int N = decltype(size)::value;
     using S = Dual<N>;
+    const Kernel<N> kernel(*this);
     const auto vary = [&](const auto& x, const auto& x_dot, Columns& wrench, MatrixXd& need) {
       const auto x_ddot = constants<N>(s_ddot);
       Vec<S> torque, force;
@@ -272,8 +339,10 @@ void Element::turning_tangents(const double* s, const double* s_dot, const Vecto
   }
   const Vec<S> turn{S::variable(w.x(), 0), S::variable(w.y(), 1), S::variable(w.z(), 2)};
   Vec<S> torque, force;
-  Kernel(*this).inertia(x.data(), x_dot.data(), x_ddot.data(), turn, Vec<S>{}, Vec<S>{}, torque, force,
-                        forces.data());
+  with_size(n(), [&](auto size) {
+    Kernel<decltype(size)::value>(*this).inertia(x.data(), x_dot.data(), x_ddot.data(), turn, Vec<S>{},
+                                                 Vec<S>{}, torque, force, forces.data());
+  });
   set_rows(torque, wrench_w.topRows<3>());
   set_rows(force, wrench_w.bottomRows<3>());
   need_w.resize(n(), 3);

@@ -58,6 +58,9 @@ class Element {
   Motion motion(const Place& place, const double* s, const double* s_dot, const double* s_ddot) const;
   /// V = map s_dot.
   void map(const Place& place, const double* s, Columns& out) const;
+  /// Both.
+  void motion_and_map(const Place& place, const double* s, const double* s_dot, const double* s_ddot,
+                      Motion& out, Columns& map) const;
   /// Of V by s, of A by s and by s', and of map^T wrench by s at a fixed wrench (torque, force).
   struct MotionTangents {
     Columns V_s, A_s, A_v;
@@ -95,12 +98,16 @@ class Element {
                         Eigen::Matrix<double, Eigen::Dynamic, 3>& need_w) const;
 
  private:
+  template <int N>
   friend struct Kernel;
+  template <int N>
+  void integrate_in(const double* s, Integrals& out) const;
 
   StrainField field_;
   double length_;
   SectionInertia inertia_;
   Vector6d rest_;
+  bool has_offset_;  ///< of the mass from the axis
   std::array<Place, kPoints> points_;
   std::array<double, kPoints> mass_weight_;  ///< [m]
 };

@@ -48,30 +48,48 @@ struct SectionMotion {
   Vec<S> r, v, a;
 };
 
+/// A strain field of N coordinates.
+template <int N>
+struct FieldOf {
+  using Columns = Eigen::Map<const Eigen::Matrix<double, 3, N>>;
+  explicit FieldOf(const StrainField& f)
+      : k_0(f.k_0.data()),
+        k_1(f.k_1.data()),
+        g_0(f.g_0.data()),
+        g_1(f.g_1.data()),
+        is_constant(f.is_constant) {}
+  Columns k_0, k_1, g_0, g_1;
+  bool is_constant;  ///< k_1 = g_1 = 0
+};
+
+/// Of an element with N coordinates.
+template <int N>
 struct Kernel {
-  explicit Kernel(const Element& of) : e(of) {}
+  explicit Kernel(const Element& of) : e(of), field(of.field_) {}
   const Element& e;
+  const FieldOf<N> field;
 
   /// With the stress-free strains where `whole`.
   template <class S>
   Strains<S> strains(const S* s, bool whole) const {
     Strains<S> out;
-    const StrainField& f = e.field_;
     Vec<S> g_0, g_1;
     if (whole) {
       g_0 = vec<S>(Vector3d(1.0 + e.rest_(0), e.rest_(1), e.rest_(2)));
-      out.k_0 = vec<S>(e.rest_.tail<3>());
+      out.k_0 = vec<S>(e.rest_.template tail<3>());
     }
-    for (int j = 0; j < f.n(); ++j) {
-      const auto add = [&](Vec<S>& to, const auto& column) {
-        if (column(0) != 0.0) to.x += column(0) * s[j];
-        if (column(1) != 0.0) to.y += column(1) * s[j];
-        if (column(2) != 0.0) to.z += column(2) * s[j];
-      };
-      add(out.k_0, f.k_0.col(j));
-      add(out.k_1, f.k_1.col(j));
-      add(g_0, f.g_0.col(j));
-      add(g_1, f.g_1.col(j));
+    const auto add_all = [&](Vec<S>& to, const typename FieldOf<N>::Columns& columns) {
+      for (int j = 0; j < N; ++j) {
+        if (std::is_same_v<S, double> || columns(0, j) != 0.0) to.x += columns(0, j) * s[j];
+        if (std::is_same_v<S, double> || columns(1, j) != 0.0) to.y += columns(1, j) * s[j];
+        if (std::is_same_v<S, double> || columns(2, j) != 0.0) to.z += columns(2, j) * s[j];
+      }
+    };
+    add_all(out.k_0, field.k_0);
+    add_all(g_0, field.g_0);
+    if (!field.is_constant) {
+      add_all(out.k_1, field.k_1);
+      add_all(g_1, field.g_1);
     }
     for (int h = 0; h < Element::kPoints; ++h) {
       const auto i = static_cast<std::size_t>(h);
@@ -160,23 +178,24 @@ struct Kernel {
 
   template <class S>
   void project(const StrainForces<S>& f, S* out) const {
-    const StrainField& field = e.field_;
     Vec<S> on_0, on_1;
     for (std::size_t h = 0; h < Element::kPoints; ++h) {
       on_0 += f.c[h];
       on_1 += e.points_[h].x * f.c[h];
     }
-    for (int j = 0; j < field.n(); ++j) {
+    for (int j = 0; j < N; ++j) {
       S sum(0.0);
-      const auto add = [&](const Vec<S>& force, const auto& column) {
-        if (column(0) != 0.0) sum += column(0) * force.x;
-        if (column(1) != 0.0) sum += column(1) * force.y;
-        if (column(2) != 0.0) sum += column(2) * force.z;
+      const auto add = [&](const Vec<S>& force, const typename FieldOf<N>::Columns& columns) {
+        if (std::is_same_v<S, double> || columns(0, j) != 0.0) sum += columns(0, j) * force.x;
+        if (std::is_same_v<S, double> || columns(1, j) != 0.0) sum += columns(1, j) * force.y;
+        if (std::is_same_v<S, double> || columns(2, j) != 0.0) sum += columns(2, j) * force.z;
       };
-      add(f.k_0, field.k_0.col(j));
-      add(f.k_1, field.k_1.col(j));
-      add(on_0, field.g_0.col(j));
-      add(on_1, field.g_1.col(j));
+      add(f.k_0, field.k_0);
+      add(on_0, field.g_0);
+      if (!field.is_constant) {
+        add(f.k_1, field.k_1);
+        add(on_1, field.g_1);
+      }
       out[j] = sum;
     }
   }
@@ -184,7 +203,7 @@ struct Kernel {
   /// map^T wrench at a section.
   template <class S>
   void forces_at(const Element::Place& place, const S* s, const Vector6d& wrench, S* out) const {
-    const Strains<S> q = strains(s, true);
+    const Strains<S> q = strains<S>(s, true);
     const Points<S> at = points<S>(q, nullptr, nullptr);
     const Vec<S> force = vec<S>(wrench.tail<3>());
     std::array<Vec<S>, Element::kPoints> P;
@@ -200,10 +219,10 @@ struct Kernel {
   template <class S>
   void inertia(const S* s, const S* s_dot, const S* s_ddot, const Vec<S>& w, const Vec<S>& alpha,
                const Vec<S>& a, Vec<S>& torque, Vec<S>& force, S* need) const {
-    const Strains<S> q = strains(s, true), q_dot = strains(s_dot, false), q_ddot = strains(s_ddot, false);
+    const Strains<S> q = strains<S>(s, true), q_dot = strains<S>(s_dot, false),
+                     q_ddot = strains<S>(s_ddot, false);
     const Points<S> at = points(q, &q_dot, &q_ddot);
     const SectionInertia& I = e.inertia_;
-    const bool has_offset = I.m_y != 0.0 || I.m_z != 0.0;
     const Vec<S> first{S(0.0), S(I.m_y), S(I.m_z)};
     const auto turned_inertia = [&](const Vec<S>& x) -> Vec<S> {
       return {(I.m_yy + I.m_zz) * x.x, I.m_zz * x.y - I.m_yz * x.z, I.m_yy * x.z - I.m_yz * x.y};
@@ -221,7 +240,7 @@ struct Kernel {
       acceleration += a + cross(alpha, r) + cross(w, cross(w, r) + 2.0 * v);
       Vec<S> F = I.m * acceleration;
       Vec<S> T = turned_inertia(Omega_dot) + cross(Omega, turned_inertia(Omega));
-      if (has_offset) {
+      if (e.has_offset_) {
         F += E * (cross(Omega_dot, first) + cross(Omega, cross(Omega, first)));
         T += cross(first, E.transposed(acceleration));
       }

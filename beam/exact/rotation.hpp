@@ -35,9 +35,10 @@ struct RotationSeries {
   double b[3], c[3];  ///< with their first and second derivatives
 
   explicit RotationSeries(double t) {
-    if (t < 4.0) {  // b = sum (-t)^k/(2k+2)!, c = sum (-t)^k/(2k+3)!: the term of k = 14 is below 1e-22
+    // b = sum (-t)^k/(2k+2)!, c = sum (-t)^k/(2k+3)!: the terms left out are below 1e-22, those of b'' below 1e-15.
+    if (t < 4.0) {
       double p[3] = {}, q[3] = {};
-      for (int k = series::kSize; k-- > 0;) {  // Horner's scheme, with derivatives
+      for (int k = t < 0.02 ? 6 : t < 0.25 ? 8 : series::kSize; k-- > 0;) {  // Horner, with derivatives
         p[2] = p[2] * t + 2.0 * p[1];
         p[1] = p[1] * t + p[0];
         p[0] = p[0] * t + series::kB[static_cast<std::size_t>(k)];

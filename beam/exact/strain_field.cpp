@@ -72,6 +72,7 @@ StrainField strain_field(Kind kind, const Matrix6d& C, double l) {
   out.g_1 = x.slope.topRows(3);
   out.k_0 = x.first.bottomRows(3);
   out.k_1 = x.slope.bottomRows(3);
+  out.is_constant = x.slope.isZero(0.0);
   const MatrixXd middle = x.first + 0.5 * l * x.slope;
   out.K = l * middle.transpose() * C * middle + l * l * l / 12.0 * x.slope.transpose() * C * x.slope;
   out.K = (0.5 * (out.K + out.K.transpose())).eval();

@@ -31,7 +31,8 @@ struct StrainField {
   /// n x 3 each: of the curvatures at the start, of their slope [1/m], and of gamma at the start and its slope.
   /// Curvatures are linear along the element, kappa = k_0 + x k_1.
   Eigen::Matrix<double, 3, Eigen::Dynamic> k_0, k_1, g_0, g_1;
-  Eigen::MatrixXd K;  ///< n x n [N m]
+  Eigen::MatrixXd K;         ///< n x n [N m]
+  bool is_constant = false;  ///< along the element: k_1 = g_1 = 0
 
   int n() const { return static_cast<int>(k_0.cols()); }
 };

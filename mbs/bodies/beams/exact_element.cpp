@@ -29,8 +29,10 @@ std::vector<NodePlace> places_of(const Element& element, const Pose& start,
 // Angular and linear columns, turned.
 template <class Columns>
 void turn(const Matrix3d& R, Columns& x) {
-  x.template topRows<3>() = (R * x.template topRows<3>()).eval();
-  x.template bottomRows<3>() = (R * x.template bottomRows<3>()).eval();
+  for (Eigen::Index j = 0; j < x.cols(); ++j) {
+    const Vector3d w = R * x.col(j).template head<3>(), v = R * x.col(j).template tail<3>();
+    x.col(j) << w, v;
+  }
 }
 
 }  // namespace
@@ -120,9 +122,9 @@ Pose ExactElement::node_pose(int node, const double* s) const {
 void ExactElement::node_motion(int node, const double* s, const double* s_dot, const double* s_ddot,
                                NodeMotion& out) const {
   const auto i = static_cast<std::size_t>(node);
-  const Element::Motion at = element_.motion(places_[i], s, s_dot, s_dot ? s_ddot : nullptr);
+  Element::Motion at;
+  element_.motion_and_map(places_[i], s, s_dot, s_dot ? s_ddot : nullptr, at, out.map);
   out.X_BN = {start_.R * at.R * R_rest_[i].transpose(), start_ * at.p};
-  element_.map(places_[i], s, out.map);
   turn(start_.R, out.map);
   if (s_dot) out.V = start_.R * Spatial::from(at.V);
   if (s_dot && s_ddot) out.A = start_.R * Spatial::from(at.A);

@@ -34,6 +34,7 @@ ErrorWeights::ErrorWeights(const Equations& eq, const SolverOptions& options)
   reach_p_.resize(n.n_p);
   reach_v_.resize(n.n_v);
   for (int i = 0; i < n.n_p; ++i) reach_p_(i) = 1.0 / eq.position_scale(i);
+  frequency_.setZero(n.n_v);
   usual_speed_.resize(n.n_v);
   for (int i = 0; i < n.n_v; ++i) reach_v_(i) = 1.0 / eq.velocity_scale(i);
   if (options.scales && options.scales->reach_p.size() == n.n_p && options.scales->reach_v.size() == n.n_v) {
@@ -41,6 +42,7 @@ ErrorWeights::ErrorWeights(const Equations& eq, const SolverOptions& options)
     place_ = options.scales->farthest;
     reach_p_ = options.scales->reach_p;
     reach_v_ = options.scales->reach_v;
+    if (options.scales->frequency.size() == n.n_v) frequency_ = options.scales->frequency;
   }
   // What stands still in a mechanism 500 m across that moves at 100 m/s has round-off of more than 1e-9 m/s.
   for (int i = 0; i < n.n_v; ++i) usual_speed_(i) = std::max(eq.velocity_scale(i) * reach_v_(i), length_);
@@ -139,7 +141,8 @@ void ErrorWeights::take(ConstVectorRef p, ConstVectorRef v) {
   speed_ = std::max(speed_, v.cwiseProduct(reach_v_).lpNorm<Eigen::Infinity>());
 }
 
-void ErrorWeights::evaluate(ConstVectorRef p, ConstVectorRef v, ConstVectorRef c, VectorRef w) const {
+void ErrorWeights::evaluate(ConstVectorRef p, ConstVectorRef v, ConstVectorRef c, VectorRef w,
+                            double h) const {
   const double least_p = std::min(kLeast, tolerance_ * floor_) * place_,
                least_v = duration_ > 0.0 ? kLeast * place_ / (kGlance * duration_) : 0.0;
   const double most = std::min(length_, kOfMotion * displacement_);
@@ -151,7 +154,9 @@ void ErrorWeights::evaluate(ConstVectorRef p, ConstVectorRef v, ConstVectorRef c
   }
   for (Eigen::Index i = 0; i < v.size(); ++i) {
     const double reach = reach_v_(i);
-    const double allowed = tolerance_ * (std::abs(v(i)) * reach + floor_ * std::min(speed_, usual_speed_(i)));
+    double allowed = tolerance_ * (std::abs(v(i)) * reach + floor_ * std::min(speed_, usual_speed_(i)));
+    if (h > 0.0 && frequency_(i) > 0.0)
+      allowed = std::max(allowed, tolerance_ * floor_ * displacement_ * std::min(1.0 / h, frequency_(i)));
     const double resolved = std::max(allowed, std::min(least_v, tolerance_ * floor_ * usual_speed_(i)));
     w(p.size() + i) = reach / std::min(resolved, kOfRange * narrow_ + tolerance_ * std::abs(v(i)) * reach);
   }

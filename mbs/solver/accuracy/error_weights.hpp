@@ -20,6 +20,10 @@
 /// mechanism, or a stiff one that moves by nanometres, is held to its own motion.  What round-off
 /// makes of L, or of a position itself, is not asked for.
 ///
+/// Speeds of bodies that bend far (Scales::frequency) are held to what they displace before they turn: within 1 / frequency,
+/// or within the step where that is shorter, since what vibrates faster decays in it.  Stretch and shear, whose frequencies are a
+/// thousand times those of bending, would set the step else.
+///
 /// Forces that change by their own size within a narrow range of speeds about rest (a friction's transition speed) are
 /// not resolved by errors of that range: Newton's method takes the stiffness it finds within for that beyond, and a
 /// joint that should slip sticks, or creeps through.  They show where the mechanism at rest is disturbed: a force that
@@ -37,8 +41,8 @@ class ErrorWeights {
   /// A step ended there.
   void take(ConstVectorRef p, ConstVectorRef v);
 
-  /// w (n_p + n_v + n_dyn) = 1 / allowed error at these values.
-  void evaluate(ConstVectorRef p, ConstVectorRef v, ConstVectorRef c, VectorRef w) const;
+  /// w (n_p + n_v + n_dyn) = 1 / allowed error at these values, for a step of h (0: of any length).
+  void evaluate(ConstVectorRef p, ConstVectorRef v, ConstVectorRef c, VectorRef w, double h = 0.0) const;
 
   double displacement() const { return displacement_; }  ///< D [m]
   double speed() const { return speed_; }                ///< V [m/s]
@@ -59,6 +63,7 @@ class ErrorWeights {
   bool has_start_ = false;
   Eigen::VectorXd p_start_;
   double displacement_ = 0.0, speed_ = 0.0;  // D, V without their upper bounds
+  Eigen::VectorXd frequency_;                // [rad/s]
   double narrow_;                            // range of speeds [m/s], no bound where there is none
 };
 

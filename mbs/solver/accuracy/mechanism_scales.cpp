@@ -43,6 +43,50 @@ double length_of(const Mechanism& mechanism, const State& s, double& farthest) {
   return gyration > 0.0 && std::isfinite(gyration) ? gyration : 1.0;
 }
 
+// A body whose stiffness is a matrix says of its coordinates what they do to its nodes, and of those that do nothing there what
+// they do on the average of its mass.  Turning counts by the length of the body, that of a straight one with its inertia.
+double reach_of(const FlexibleBody& body, int i, double length, NodeMotion& node) {
+  const Eigen::VectorXd rest = Eigen::VectorXd::Zero(body.m());
+  double reach = 0.0;
+  for (std::size_t k = 0; k < body.nodes().size(); ++k) {
+    body.node_motion(static_cast<int>(k), rest.data(), nullptr, nullptr, node);
+    reach = std::max({reach, node.map.col(i).tail<3>().norm(), length * node.map.col(i).head<3>().norm()});
+  }
+  return reach > 0.0 ? reach : std::sqrt(body.M_e()(i, i) / body.mass());
+}
+
+// Of the coordinates of such bodies, whose amplitudes would be those of modes of unit mass: reaches, and the frequencies that
+// each has alone, what hangs on the body at rest; no vibration that it takes part in is faster.
+void take_far_bending(const Mechanism& mechanism, const State& s, Scales& out) {
+  const Sizes n = mechanism.sizes();
+  const MechanismDescription& d = mechanism.description();
+  out.frequency.setZero(n.n_v);
+  Eigen::VectorXd own_mass = Eigen::VectorXd::Zero(n.n_p), reach = own_mass;
+  for (std::size_t b = 1; b < d.bodies.size(); ++b) {
+    const FlexibleBody* body = mechanism.deforming(static_cast<int>(b));
+    const int first = mechanism.modal_position(static_cast<int>(b));
+    if (!body || first < 0) continue;
+    own_mass.segment(first, body->m()) = body->M_e().diagonal();
+    const RigidInertia I = body->undeformed_inertia();
+    const double about_center = I.inertia.trace() / I.mass - 2.0 * (I.mass_center / I.mass).squaredNorm();
+    const double length = std::sqrt(6.0 * std::max(0.0, about_center));
+    NodeMotion node = body->make_node_motion();
+    for (int i = 0; i < body->m(); ++i)
+      if (body->amplitude(i) == body->FlexibleBody::amplitude(i))
+        reach(first + i) = reach_of(*body, i, length, node);
+  }
+  if (own_mass.isZero(0.0)) return;
+  Eigen::MatrixXd K = Eigen::MatrixXd::Zero(n.n_v, n.n_p), D = Eigen::MatrixXd::Zero(n.n_v, n.n_v);
+  mechanism.add_elastic_tangents(s, K, D);
+  for (int i = 0; i < n.n_v; ++i) {
+    int i_p = -1;
+    double spring = 0.0, damper = 0.0;
+    if (!mechanism.elastic_coordinate(i, i_p, spring, damper) || spring > 0.0) continue;
+    if (reach(i_p) > 0.0) out.reach_p(i_p) = out.reach_v(i) = reach(i_p);
+    if (K(i, i_p) > 0.0 && own_mass(i_p) > 0.0) out.frequency(i) = std::sqrt(K(i, i_p) / own_mass(i_p));
+  }
+}
+
 }  // namespace
 
 Scales scales_of(const Mechanism& mechanism, const State& s) {
@@ -64,6 +108,7 @@ Scales scales_of(const Mechanism& mechanism, const State& s) {
       out.reach_v(place.i_v + static_cast<int>(k)) =
           speeds[k].dimension == input::dim::velocity ? 1.0 : out.length;
   }
+  take_far_bending(mechanism, s, out);
   return out;
 }
 

@@ -14,6 +14,9 @@ struct Scales {
   /// The displacement [m] that one unit of a position (n_p) or a velocity (n_v) stands for, somewhere in the
   /// mechanism: 1 for lengths, `length` for angles, of a mode that of the body's point that moves most.
   Eigen::VectorXd reach_p, reach_v;
+  /// The highest frequency [rad/s] that each velocity takes part in (n_v), of coordinates of bodies that bend far, whose
+  /// stiffness is a matrix; 0 of all others.
+  Eigen::VectorXd frequency;
 };
 
 }  // namespace flexura::mbs

@@ -122,7 +122,7 @@ void Radau::create(const State& s) {
 void Radau::set_weights() {
   const int n_p = n_.n_p, n_v = n_.n_v, n_c = n_.n_dyn;
   weights_.evaluate(y_.head(n_p), y_.segment(n_p, n_v), y_.segment(form_->at_c(), n_c),
-                    weights2_.head(form_->at_a()));
+                    weights2_.head(form_->at_a()), h_);
   weights2_.head(form_->at_a()) /= loosening_;
   for (int i = form_->at_a(); i < form_->at_lambda(); ++i)
     weights2_(i) = 1.0 / (loosening_ * options_.tolerance * (std::abs(y_(i)) + options_.absolute_factor));
