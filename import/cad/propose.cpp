@@ -12,6 +12,7 @@
 #include <stdexcept>
 
 #include "import/cad/evidence.hpp"
+#include "import/cad/ground.hpp"
 #include "import/cad/joint_freedom.hpp"
 
 namespace flexura::import::cad {
@@ -44,7 +45,7 @@ class Proposer {
   }
 
   Proposal run() {
-    find_ground();
+    result_.ground = find_ground(assembly_, parts_, names_, options_.ground);
     near_each_other(options_.clearance, [&](int a, int b) {
       if (auto pairs = find_pairs(at(a), at(b), options_.clearance); !pairs.empty())
         pairs_[{a, b}] = std::move(pairs);
@@ -80,31 +81,6 @@ class Proposer {
       for (std::size_t j = i + 1; j < order.size() && at(order[j]).low.x() <= at(order[i]).high.x() + slack;
            ++j)
         visit(std::min(order[i], order[j]), std::max(order[i], order[j]));
-  }
-
-  void find_ground() {
-    if (!options_.ground.empty()) {
-      std::vector<int> found;
-      for (int i = 0; i < n_; ++i)
-        if (name(i) == options_.ground ||
-            assembly_.instances[static_cast<std::size_t>(i)].name == options_.ground)
-          found.push_back(i);
-      if (found.size() != 1) {
-        std::string list;
-        for (int i = 0; i < std::min(n_, 12); ++i) list += (i > 0 ? ", " : "") + name(i);
-        throw std::invalid_argument(
-            fmt::format("--ground {}: {} bodies of the assembly are called so; it has {}{}",
-                        shown(options_.ground), found.size(), list, n_ > 12 ? ", ..." : ""));
-      }
-      result_.ground = found.front();
-      return;
-    }
-    double largest = -1.0;
-    for (int i = 0; i < n_; ++i)
-      if (const double box = (at(i).high - at(i).low).prod(); box > largest) {
-        largest = box;
-        result_.ground = i;
-      }
   }
 
   void merge(int a, int b) {
@@ -212,7 +188,13 @@ class Proposer {
     int other = -1;
     double gap = 1e300, length = 0.0;
     const std::vector<FacePair>* pairs = nullptr;
+    Eigen::Index open = 0;  // freedoms that the other's group leaves it from both sides
   };
+
+  Eigen::Index open_to(int i, int other) const {
+    const Key groups{std::min(group(i), group(other)), std::max(group(i), group(other))};
+    return joined(groups, between_groups().at(groups)).open().cols();
+  }
 
   // The one axis on which a body alone in its group runs in others, and where; nothing where there is none.
   std::vector<Seat> seats_on_one_axis(int i, bool& has_shoulder) const {
@@ -270,18 +252,31 @@ class Proposer {
       std::set<int> groups;
       for (const Seat& seat : seats) groups.insert(group(seat.other));
       if (groups.size() < 2) continue;
+      for (Seat& seat : seats) seat.open = open_to(i, seat.other);
+      // Where shoulders hold it on both sides it may not be taken away: the others could not slide along it any more.
       std::ranges::stable_sort(seats, [](const Seat& x, const Seat& y) {
-        return std::abs(x.gap - y.gap) > kSameGap ? x.gap < y.gap : x.length > y.length + kSameGap;
+        return std::abs(x.gap - y.gap) > kSameGap ? x.gap < y.gap
+               : x.open != y.open                 ? x.open < y.open
+                                                  : x.length > y.length + kSameGap;
       });
       const auto next =
           std::ranges::find_if(seats, [&](const Seat& s) { return group(s.other) != group(seats[0].other); });
-      const bool tighter = next->gap - seats[0].gap > kSameGap;
+      const bool tighter = next->gap - seats[0].gap > kSameGap, held = next->open > seats[0].open;
       fix_seat(i, seats[0], tighter ? Confidence::high : Confidence::medium,
                fmt::format("a pin: its own spin moves nothing, so it is fixed where it {}",
-                           tighter ? "fits tightest" : "sits longest"),
+                           tighter ? "fits tightest"
+                           : held  ? "is held between shoulders"
+                                   : "sits longest"),
                tighter ? ""
                        : fmt::format("it fits {} as tightly; where it turns changes no motion of the others",
                                      name(next->other)));
+      for (const Seat& seat : seats)
+        if (&seat != &seats[0] && (names_a_thread(name(i)) || names_a_thread(name(seat.other))))
+          result_.doubts.push_back(
+              fmt::format("{} runs in {} on a cylinder, and by its name that may be a thread: taken is that "
+                          "it slides there; make a "
+                          "joint of type screw of it, with the thread's pitch, where it drives",
+                          name(i), name(seat.other)));
       return true;
     }
     return false;
@@ -298,6 +293,7 @@ class Proposer {
   void join_groups() {
     std::vector<std::pair<ProposedJoint, Key>> loose;
     std::set<int> has_joint;
+    std::vector<Key> bound;
     for (const auto& [groups, entries] : between_groups()) {
       const Joined j = joined(groups, entries);
       const auto [a, b] = entries.front()->first;
@@ -330,13 +326,19 @@ class Proposer {
         continue;
       }
       has_joint.insert({groups.first, groups.second});
+      bound.push_back(groups);
       result_.joints.push_back(std::move(joint));
     }
+    // Islands of groups with joints between them: a contact is the joint that binds two of them, where one would float.
+    std::vector<int> island(group_.begin(), group_.end());
+    const auto bind = [&](const Key& groups) {
+      const int from = island[static_cast<std::size_t>(groups.second)],
+                to = island[static_cast<std::size_t>(groups.first)];
+      std::ranges::replace(island, from, to);
+    };
+    for (const Key& groups : bound) bind(groups);
     for (auto& [joint, groups] : loose) {
-      const int ground = group(result_.ground);
-      const bool first_held = groups.first == ground || has_joint.contains(groups.first),
-                 second_held = groups.second == ground || has_joint.contains(groups.second);
-      if (first_held && second_held) {
+      if (island[static_cast<std::size_t>(groups.first)] == island[static_cast<std::size_t>(groups.second)]) {
         result_.doubts.push_back(
             fmt::format("{} and {} touch from one side only: a contact, not a joint ({})", name(joint.a),
                         name(joint.b), fmt::join(joint.evidence, "; ")));
@@ -344,6 +346,7 @@ class Proposer {
       }
       joint.confidence = Confidence::low;
       joint.doubt = "nothing but this contact holds it: it could lift off";
+      bind(groups);
       has_joint.insert({groups.first, groups.second});
       result_.joints.push_back(std::move(joint));
     }

@@ -108,7 +108,10 @@ class Walker {
       answer_.notes.push_back("the file has " + std::to_string(roots.Length()) +
                               " roots; all of them are taken, side by side");
     for (int i = 1; i <= roots.Length(); ++i) visit(roots.Value(i), TopLoc_Location(), "", "", 0);
-    if (answer_.instances.empty()) throw std::runtime_error("holds no solid; a body needs a volume");
+    if (answer_.instances.empty())
+      throw std::runtime_error(
+          "holds no solid, and a body needs a volume: close its surfaces to a solid in the CAD program and "
+          "save it again");
   }
 
   std::vector<TopoDS_Shape> placed;  ///< of every instance, where overlaps are sought
@@ -179,7 +182,6 @@ class Walker {
         "measuring the parts");
     PartAnswer part;
     part.name = name;
-    shapes_of_parts_.push_back(shape);
     describe_shape(shape, job_.deflection, part);
     if (!(part.volume > 0.0) || !std::isfinite(part.volume)) {
       answer_.notes.push_back("part \"" + name +
@@ -196,6 +198,7 @@ class Walker {
     part.density = density_unit_ * 1000.0 * XCAFDoc_MaterialTool::GetDensityForShape(label);
     if (!(part.density > 0.0) || !std::isfinite(part.density)) part.density = 0.0;
     answer_.parts.push_back(std::move(part));
+    shapes_of_parts_.push_back(shape);  // one for each part that is kept
     return static_cast<int>(answer_.parts.size()) - 1;
   }
 

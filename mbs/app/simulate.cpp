@@ -10,6 +10,7 @@
 #include "mbs/app/run/checkpoint.hpp"
 #include "mbs/app/run/mechanism_runs.hpp"
 #include "mbs/app/run/one_run.hpp"
+#include "mbs/app/run/provided_parts.hpp"
 #include "mbs/app/run/run_summary.hpp"
 #include "mbs/base/files/output.hpp"
 #include "mbs/base/files/signals.hpp"
@@ -27,6 +28,8 @@ namespace {
 using mbs::PreparedMechanism;
 using mbs::RunResult;
 
+// The value of --interferences without one.
+constexpr const char* kOverlap = "0.2 mm";
 // The value of --continue without one.
 constexpr const char* kNewest = "newest";
 
@@ -65,6 +68,16 @@ bool goes_on_from_checkpoint(SimulateArguments& arguments) {
   return true;
 }
 
+void require_depth(const std::string& text) {
+  const auto given = input::try_parse_measured(text);
+  if (!given || given->dimension != input::dim::length || !(given->value > 0.0) ||
+      !std::isfinite(given->value))
+    throw std::invalid_argument(
+        fmt::format("--interferences is \"{}\", it must be a length above 0 beyond which an overlap is told, "
+                    "like \"0.2 mm\"",
+                    text));
+}
+
 void require_accuracy(const std::string& text) {
   const auto given = input::try_parse_measured(text);
   if (!given || given->dimension != input::dim::none || !(given->value > 0.0) || given->value > 1.0)
@@ -93,18 +106,16 @@ double least_size(const std::vector<NamedRun>& runs) {
   return 0.1 * sizeof(double) * numbers;
 }
 
-int simulate(SimulateArguments arguments, const terminal::Verbosity& verbosity) {
-  if (arguments.schema) {
-    fmt::print("{}", input::reference_page(mbs::mechanism_schema(mbs::solver_schema())));
-    return 0;
-  }
+// `parts`: made by the first call where the arguments want it.  Throws FinerParts.
+int simulate_all(SimulateArguments& arguments, const terminal::Verbosity& verbosity,
+                 terminal::Progress& progress, std::unique_ptr<study::PartsOnDemand>& parts) {
   // "simulate --continue engine.toml": the file stands where the value may.
   if (arguments.file.empty() && arguments.continue_from.ends_with(".toml")) {
     arguments.file = arguments.continue_from;
     arguments.continue_from = kNewest;
   }
   if (arguments.file.empty()) throw input::InputError("no mechanism file given; see flexura simulate --help");
-  arguments.output_is_given = !arguments.output.empty();
+  arguments.output_is_given = arguments.output_is_given || !arguments.output.empty();
   if (arguments.output.empty())
     arguments.output = std::filesystem::path(arguments.file).stem().string() + ".h5";
   const bool resumes = goes_on_from_checkpoint(arguments);
@@ -117,6 +128,7 @@ int simulate(SimulateArguments arguments, const terminal::Verbosity& verbosity) 
       claims.add(file);
   if (!arguments.end_time.empty()) arguments.set.push_back("solver.end_time=" + arguments.end_time);
   if (!arguments.accuracy.empty()) require_accuracy(arguments.accuracy);
+  if (!arguments.interferences.empty()) require_depth(arguments.interferences);
   if (!arguments.accuracy.empty()) arguments.set.push_back("solver.accuracy=" + arguments.accuracy);
   if (!arguments.continue_from.empty() && !resumes) {
     if (!arguments.from_state.empty())
@@ -127,11 +139,13 @@ int simulate(SimulateArguments arguments, const terminal::Verbosity& verbosity) 
   }
   if (arguments.check_integrator && arguments.no_estimate)
     throw std::invalid_argument("--check-integrator and --no-estimate exclude each other");
+  if (arguments.reduce && !parts) parts = provide_parts(arguments, program_folder(), progress, verbosity);
   CheckpointMemory memory;
   const nlohmann::json identity =
       resumes || interval > 0.0
           ? identity_of_runs(arguments, {{"--no-estimate", arguments.no_estimate},
-                                         {"--check-integrator", arguments.check_integrator}})
+                                         {"--check-integrator", arguments.check_integrator},
+                                         {"--interferences", !arguments.interferences.empty()}})
           : nlohmann::json();
   if (resumes) memory.from = std::make_unique<Resumption>(arguments.output, identity);
   std::vector<NamedRun> runs = prepare_runs(arguments);
@@ -172,7 +186,6 @@ int simulate(SimulateArguments arguments, const terminal::Verbosity& verbosity) 
   files::expect_size(arguments.output, least_size(runs));
   results::Writer writer(arguments.output, model_header(runs, arguments.file, arguments.output));
   const files::StopRequests signals;
-  terminal::Progress progress(stderr, verbosity.quiet, verbosity.verbose);
   std::vector<std::pair<std::string, std::pair<const PreparedMechanism*, RunResult>>> done;
   std::vector<std::string> remarks;
   nlohmann::json list = nlohmann::json::array();
@@ -186,7 +199,7 @@ int simulate(SimulateArguments arguments, const terminal::Verbosity& verbosity) 
     try {
       outcome = ended ? run_again_from(*ended, run, *memory.from, writer)
                 : study::is_to_be_chosen(run.prepared)
-                    ? run_within_accuracy(run, arguments, writer, callbacks)
+                    ? run_within_accuracy(run, arguments, writer, callbacks, parts.get())
                     : run_as_told(run, arguments, writer, callbacks, memory);
     } catch (const std::invalid_argument&) {
       throw;  // what the file asks for cannot be: there is nothing worth keeping
@@ -280,6 +293,20 @@ int simulate(SimulateArguments arguments, const terminal::Verbosity& verbosity) 
   return 0;
 }
 
+int simulate(SimulateArguments arguments, const terminal::Verbosity& verbosity) {
+  if (arguments.schema) {
+    fmt::print("{}", input::reference_page(mbs::mechanism_schema(mbs::solver_schema())));
+    return 0;
+  }
+  terminal::Progress progress(stderr, verbosity.quiet, verbosity.verbose);
+  std::unique_ptr<study::PartsOnDemand> parts;
+  for (;;) try {
+      return simulate_all(arguments, verbosity, progress, parts);
+    } catch (const FinerParts& finer) {
+      arguments.set.insert(arguments.set.end(), finer.overrides.begin(), finer.overrides.end());
+    }
+}
+
 }  // namespace
 
 terminal::Command simulate_command() {
@@ -303,6 +330,14 @@ terminal::Command simulate_command() {
             .option("--accuracy", a->accuracy, "ACCURACY",
                     "short for --set solver.accuracy=ACCURACY: choose fidelity and modes of the "
                     "superelements, and the tolerance, for this accuracy of all stored outputs, as \"1 %\"")
+            .flag("--reduce", a->reduce,
+                  "reduce the parts that the runs want to deform and that are rigid or not there yet, and "
+                  "with an "
+                  "accuracy those whose mesh is too coarse for it, anew")
+            .optional_value(
+                "--interferences", a->interferences, kOverlap, "DEPTH",
+                "look for bodies whose surfaces overlap by more than this in the stored rows, beside "
+                "what their facets may be off (default: 0.2 mm)")
             .flag("--csv", a->csv, "write a table of each run beside the results")
             .flag("--json", a->json, "print how each run ended as JSON (SI units)")
             .flag("--no-estimate", a->no_estimate, "do not estimate what dropped modes cost in accuracy")
@@ -310,6 +345,8 @@ terminal::Command simulate_command() {
                   "run once more at ten times the tolerance to tell the integrator's error")
             .flag("--schema", a->schema, "print the mechanism file's reference page, then stop")
             .example("flexura simulate engine.toml -o engine.h5", "all runs of the file")
+            .example("flexura simulate engine/mechanism.toml --reduce --set body.rod.fidelity=auto",
+                     "a body of an imported assembly, made flexible without another hand")
             .example(
                 "flexura simulate engine.toml --run rigid --set solver.stop_time=1 --save-state half.json",
                 "the first half, to go on with --continue half.json")

@@ -12,7 +12,7 @@
 #include "mbs/base/files/place.hpp"
 #include "mbs/base/files/signals.hpp"
 #include "mbs/base/terminal/terminal.hpp"
-#include "mbs/study/child_process.hpp"
+#include "mbs/study/cache/child_process.hpp"
 #include "mbs/study/front_picture.hpp"
 #include "mbs/study/judge.hpp"
 #include "mbs/study/tables.hpp"

@@ -15,6 +15,7 @@
 #include <optional>
 #include <stdexcept>
 
+#include "mbs/app/urdf_words.hpp"
 #include "mbs/superelement/file.hpp"
 #include "mbs/view/body_shapes.hpp"
 
@@ -60,6 +61,7 @@ struct Step {
   Vector3d axis;
   bool turns = false;
   std::string coordinate;
+  int index = 0;  ///< of the coordinate in the joint
 };
 
 Pose moved(const Step& step, double q) {
@@ -83,7 +85,7 @@ std::optional<std::vector<Step>> steps_of(const mbs::Joint& joint, const Pose& X
     if (!turns && w.norm() > 1e-12) return std::nullopt;
     const Vector3d axis = turns ? w : v;
     if (std::abs(axis.norm() - 1.0) > 1e-9) return std::nullopt;
-    steps.push_back({axis, turns, joint.coordinates()[k].name});
+    steps.push_back({axis, turns, joint.coordinates()[k].name, static_cast<int>(k)});
   }
   // The order in which they give the joint's pose at coordinates of no special kind.
   constexpr std::array samples = {0.3, -0.7, 0.45};
@@ -127,7 +129,7 @@ std::string stl_of(const superelement::Surface& surface, const Pose& X_LB) {
 class Writer {
  public:
   Writer(const mbs::Mechanism& mechanism, std::string meshes)
-      : m_(mechanism), d_(mechanism.description()), folder_(std::move(meshes)) {}
+      : m_(mechanism), d_(mechanism.description()), folder_(std::move(meshes)), words_(d_) {}
 
   Urdf write() {
     refuse_what_has_no_word();
@@ -157,10 +159,6 @@ class Writer {
         throw std::invalid_argument(
             fmt::format("joint \"{}\" closes a loop, and a URDF is a tree: take a joint of the loop away",
                         d_.joints[j].name));
-    if (!d_.constraints.empty())
-      throw std::invalid_argument(
-          fmt::format("constraint \"{}\": a URDF has joints only; take the constraints away",
-                      d_.constraints.front()->name()));
   }
 
   int child_marker(int j) const {
@@ -245,6 +243,7 @@ class Writer {
 
   void add_joint(int j) {
     const mbs::JointDescription& joint = d_.joints[static_cast<std::size_t>(j)];
+    joint_ = j;
     const auto& from = d_.markers[static_cast<std::size_t>(parent_marker(j))];
     const auto& to = d_.markers[static_cast<std::size_t>(child_marker(j))];
     const bool reversed = m_.is_reversed(j);
@@ -275,11 +274,11 @@ class Writer {
     for (std::size_t k = 0; k < steps->size(); ++k) {
       const Step& step = (*steps)[k];
       const bool last = k + 1 == steps->size();
-      const std::string name = steps->size() == 1 ? joint.name : joint.name + "_" + step.coordinate;
+      const std::string name = name_of(j, step.index);
       const std::string child = last ? link_name(to.body) : escaped(name) + "_moved";
       if (!last) result_.text += fmt::format("  <link name=\"{}\"/>\n", child);
-      put_joint(name, step.turns ? "continuous" : "prismatic", parent, child, X, &step);
-      if (!step.turns) slides_.push_back(name);
+      put_joint(name, step.turns ? (is_limited(step) ? "revolute" : "continuous") : "prismatic", parent,
+                child, X, &step);
       X = {};
       parent = child;
     }
@@ -290,11 +289,53 @@ class Writer {
     result_.text += fmt::format(
         "  <joint name=\"{}\" type=\"{}\">\n    <parent link=\"{}\"/><child link=\"{}\"/>\n    {}\n",
         escaped(name), type, parent, child, origin(X));
-    if (step != nullptr) result_.text += fmt::format("    <axis xyz=\"{}\"/>\n", numbers(step->axis));
-    // A slide needs limits in a URDF; these are none.
-    if (step != nullptr && !step->turns)
-      result_.text += "    <limit lower=\"-1000\" upper=\"1000\" effort=\"1e9\" velocity=\"1e6\"/>\n";
+    if (step != nullptr) {
+      result_.text += fmt::format("    <axis xyz=\"{}\"/>\n", numbers(step->axis));
+      add_limit(*step, name);
+      add_dynamics(*step);
+    }
     result_.text += "  </joint>\n";
+  }
+
+  std::string name_of(int j, int coordinate) const {
+    const mbs::JointDescription& joint = d_.joints[static_cast<std::size_t>(j)];
+    return joint.joint->n_v() == 1
+               ? joint.name
+               : joint.name + "_" + joint.joint->coordinates()[static_cast<std::size_t>(coordinate)].name;
+  }
+
+  static bool is_end(double x) { return std::abs(x) < kNoEnd; }
+  bool is_limited(const Step& step) const {
+    const mbs::JointWords* const words = words_.of({joint_, step.index});
+    return words && (is_end(words->lower) || is_end(words->upper));
+  }
+
+  void add_limit(const Step& step, const std::string& name) {
+    if (!is_limited(step)) {
+      // A slide needs limits in a URDF; these are none.
+      if (step.turns) return;
+      slides_.push_back(name);
+      result_.text += "    <limit lower=\"-1000\" upper=\"1000\" effort=\"1e9\" velocity=\"1e6\"/>\n";
+      return;
+    }
+    const mbs::JointWords& words = *words_.of({joint_, step.index});
+    const double lower = is_end(words.lower) ? words.lower : -1000.0,
+                 upper = is_end(words.upper) ? words.upper : 1000.0;
+    // An import gives the stop the stiffness that yields by a hundredth of the travel under the effort: its inverse.
+    result_.text += fmt::format("    <limit lower=\"{}\" upper=\"{}\" effort=\"{}\" velocity=\"1e6\"/>\n",
+                                lower, upper, 0.01 * (upper - lower) * words.stiffness);
+    limited_.push_back(name);
+  }
+
+  void add_dynamics(const Step& step) {
+    const mbs::JointWords* const words = words_.of({joint_, step.index});
+    if (words && (words->damping != 0.0 || words->friction != 0.0))
+      result_.text +=
+          fmt::format("    <dynamics damping=\"{}\" friction=\"{}\"/>\n", words->damping, words->friction);
+    if (const mbs::MimicWords* const mimic = words_.mimic({joint_, step.index}))
+      result_.text +=
+          fmt::format("    <mimic joint=\"{}\" multiplier=\"{}\" offset=\"{}\"/>\n",
+                      escaped(name_of(mimic->of.joint, mimic->of.index)), mimic->multiplier, mimic->offset);
   }
 
   void add_notes() {
@@ -302,9 +343,12 @@ class Writer {
       if (!names.empty()) result_.notes.push_back(fmt::format("{}: {}", fmt::join(names, ", "), what));
     };
     say(rigid_, "written as rigid, a URDF has no deformation");
-    std::vector<std::string> forces;
-    for (const auto& force : d_.forces) forces.push_back(force->name());
-    say(forces, "forces are not written; give limits, damping and friction of joints in the URDF");
+    say(words_.left_out(), "a URDF has no word for these forces, and they are not written");
+    say(words_.driven(), "the drive is not written, joints of a URDF move freely");
+    say(limited_,
+        "a URDF has no stiffness of limits: their effort is what presses the stop by 1 % of the travel, "
+        "their "
+        "velocity (1e6) stands for none");
     say(starts_, "the start is not written, a URDF starts where coordinates are 0");
     say(slides_, "limits of 1000 m stand for none, which a URDF has not");
     say(shapes_, "shapes without a like in a URDF are left out");
@@ -312,9 +356,14 @@ class Writer {
 
   const mbs::Mechanism& m_;
   const mbs::MechanismDescription& d_;
+  // Ends of travel beyond this are none (a bump stop with one end).
+  static constexpr double kNoEnd = 1e11;
+
   const std::string folder_;
+  const UrdfWords words_;
+  int joint_ = -1;            ///< that is being written
   std::vector<Pose> frames_;  ///< X_BL of every link in its body
-  std::vector<std::string> rigid_, starts_, slides_, shapes_;
+  std::vector<std::string> rigid_, starts_, slides_, limited_, shapes_;
   Urdf result_;
 };
 

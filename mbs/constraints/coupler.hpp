@@ -5,12 +5,13 @@
 
 #include "mbs/constraints/constraint.hpp"
 #include "mbs/formulas/expression.hpp"
+#include "mbs/kinematics/robot_words.hpp"
 
 /// Constraints between joint coordinates.
 namespace flexura::mbs {
 
 /// sum_i factor_i q_i = f(t): gears, belts, racks, differentials.
-class Coupler final : public Constraint {
+class Coupler final : public Constraint, public HasRobotWords {
  public:
   struct Term {
     CoordinateRef coordinate;
@@ -27,6 +28,17 @@ class Coupler final : public Constraint {
     std::vector<CoordinateRef> list;
     for (const Term& term : terms_) list.push_back(term.coordinate);
     return list;
+  }
+
+  /// The first coordinate by the second, where there are two and nothing depends on time.
+  std::optional<MimicWords> mimic_words() const override {
+    if (terms_.size() != 2 || terms_[0].factor == 0.0 || value_->reads_time() || !value_->reads().empty())
+      return std::nullopt;
+    const double no_signal = 0.0;
+    return MimicWords{.coordinate = terms_[0].coordinate,
+                      .of = terms_[1].coordinate,
+                      .multiplier = -terms_[1].factor / terms_[0].factor,
+                      .offset = value_->evaluate(&no_signal) / terms_[0].factor};
   }
 
   void position(const Kinematics& kin, double* g) const override {

@@ -5,12 +5,13 @@
 
 #include "mbs/forces/contact_law.hpp"
 #include "mbs/forces/force.hpp"
+#include "mbs/kinematics/robot_words.hpp"
 
 /// Two-sided contacts along one scalar x = sum of factor * coordinate: x may move freely between `lower` and
 /// `upper` and meets a contact law (contact_law.hpp) beyond either.
 namespace flexura::mbs {
 
-class Clearance final : public ForceElement {
+class Clearance final : public ForceElement, public HasRobotWords {
  public:
   struct Term {
     CoordinateRef coordinate;
@@ -37,6 +38,12 @@ class Clearance final : public ForceElement {
     std::vector<CoordinateRef> all;
     for (const Term& term : terms_) all.push_back(term.coordinate);
     return all;
+  }
+  /// The ends of one coordinate's travel.
+  std::optional<JointWords> joint_words() const override {
+    if (terms_.size() != 1 || terms_[0].factor != 1.0 || ripple_.amplitude != 0.0) return std::nullopt;
+    return JointWords{
+        .coordinate = terms_[0].coordinate, .lower = lower_, .upper = upper_, .stiffness = law_.stiffness()};
   }
   int n_states() const override { return 2 * law_.n_states(); }
   int n_switches() const override { return 2 * ContactLaw::n_switches; }

@@ -50,6 +50,7 @@ class ContactLaw {
   double elastic_force(double gap, const int* root) const { return active(root) ? elastic(gap) : 0.0; }
   double lost_power(double gap, double gap_rate, const int* root, const double* c) const;
   double chi() const { return chi_; }
+  double stiffness() const { return k_; }
 
  private:
   double elastic(double gap) const { return gap < 0.0 ? k_ * std::pow(-gap, n_) : 0.0; }

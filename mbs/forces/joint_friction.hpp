@@ -3,6 +3,7 @@
 
 #include "mbs/forces/force.hpp"
 #include "mbs/forces/friction.hpp"
+#include "mbs/kinematics/robot_words.hpp"
 
 namespace flexura::mbs {
 
@@ -12,7 +13,7 @@ namespace flexura::mbs {
 ///
 /// Coulomb friction F_c, static friction F_s that fades over the Stribeck speed v_s, and a transition speed
 /// v_t over which the sign is smoothed: below it the joint creeps where it would stick.
-class JointFriction final : public ForceElement {
+class JointFriction final : public ForceElement, public HasRobotWords {
  public:
   /// `along`: dimension of a force along the coordinate.
   JointFriction(std::string name, CoordinateRef c, const FrictionLaw& law, double transition_speed,
@@ -21,6 +22,11 @@ class JointFriction final : public ForceElement {
   std::string_view type() const override { return "joint_friction"; }
   ForceNature nature() const override { return ForceNature::response; }
   std::vector<CoordinateRef> coordinates() const override { return {c_}; }
+  /// Without static friction, for which there is no word.
+  std::optional<JointWords> joint_words() const override {
+    if (law_.static_force != law_.coulomb) return std::nullopt;
+    return JointWords{.coordinate = c_, .damping = law_.viscous, .friction = law_.coulomb};
+  }
   void apply(const Kinematics& kin, const double*, Loads& loads) const override {
     loads.apply(c_, force(kin.speed(c_)));
   }

@@ -2,12 +2,13 @@
 #pragma once
 
 #include "mbs/forces/force.hpp"
+#include "mbs/kinematics/robot_words.hpp"
 
 namespace flexura::mbs {
 
 /// Along a coordinate q of a joint: -k (q - q_0) - f(q - q_0) - d q' - h(q') - preload, f and h curves.  On a
 /// revolute joint a torsion spring.
-class JointSpringDamper final : public ForceElement {
+class JointSpringDamper final : public ForceElement, public HasRobotWords {
  public:
   /// N and m along a coordinate that is a length, N m and rad about one that is an angle.
   struct Law {
@@ -31,6 +32,11 @@ class JointSpringDamper final : public ForceElement {
     return rest;
   }
   std::vector<CoordinateRef> coordinates() const override { return {c_}; }
+  /// A damper; a spring has no word there.
+  std::optional<JointWords> joint_words() const override {
+    if (law_.stiffness != 0.0 || law_.preload != 0.0 || law_.curve || law_.damping_curve) return std::nullopt;
+    return JointWords{.coordinate = c_, .damping = law_.damping};
+  }
   void apply(const Kinematics& kin, const double*, Loads& loads) const override {
     loads.apply(c_, force(kin));
   }

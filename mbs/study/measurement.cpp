@@ -23,8 +23,9 @@
 #include "mbs/file/read_mechanism.hpp"
 #include "mbs/results/results.hpp"
 #include "mbs/solver/accuracy/options.hpp"
-#include "mbs/study/child_process.hpp"
-#include "mbs/study/study_cache.hpp"
+#include "mbs/study/cache/child_process.hpp"
+#include "mbs/study/cache/reduction.hpp"
+#include "mbs/study/cache/study_cache.hpp"
 
 namespace flexura::study {
 namespace {
@@ -46,14 +47,6 @@ std::string machine_name() {
   for (std::string line; std::getline(cpu, line);)
     if (line.starts_with("model name")) return std::string(host) + line;
   return host;
-}
-
-// "error: ..." of a program, without the word.
-std::string refusal(const ChildOutcome& outcome) {
-  std::string text = outcome.err;
-  if (const auto at = text.rfind("error: "); at != std::string::npos) text = text.substr(at + 7);
-  while (!text.empty() && text.back() == '\n') text.pop_back();
-  return text;
 }
 
 class Laboratory {
@@ -208,22 +201,7 @@ class Laboratory {
   }
 
   void reduce(const Task& task) const {
-    const StudyCache::Passing beside{store_->path(task.key, ("." + scratch_mark() + "reduced").c_str())};
-    std::vector<std::string> command = task.command;
-    command.insert(command.end(), {"-o", beside.path.string()});
-    const ChildOutcome outcome = run_child(command, cache_, 0.0);
-    if (outcome.exit_code != 0) {
-      const std::string text = fmt::format("{}: {}", task.name, refusal(outcome));
-      if (outcome.exit_code == 2) throw input::InputError(text);
-      throw std::runtime_error(text);
-    }
-    fs::rename(beside.path, store_->path(task.key, ".se.h5"));
-    CacheEntry entry;
-    entry.choice = task.name;
-    entry.wall = {outcome.wall};
-    entry.cpu = {outcome.cpu};
-    entry.peak_memory = outcome.peak_memory;
-    store_->record(task.key, ".se.h5", entry);
+    reduce_into(*store_, cache_, {.key = task.key, .name = task.name, .command = task.command});
   }
 
   Task simulation(const Choice& choice) const {

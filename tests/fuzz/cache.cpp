@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "mbs/base/files/json_depth.hpp"
-#include "mbs/study/cache_entry.hpp"
+#include "mbs/study/cache/cache_entry.hpp"
 #include "tests/fuzz/judge.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

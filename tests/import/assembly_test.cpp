@@ -96,6 +96,51 @@ TEST(AssemblyImport, WithoutShouldersItSlidesTooWithOneItMightLiftOff) {
   EXPECT_THAT(i.mechanism, HasSubstr("confidence medium: held from one side only"));
 }
 
+// The screw runs in both ends of the base, between its shoulders, and in the carriage, which sits longest on it: were it fixed there,
+// nothing could slide.
+TEST(AssemblyImport, AShaftHeldBetweenShouldersStaysThereAndItsThreadIsDoubtful) {
+  const Folder folder;
+  Assembly a("slide");
+  const auto end = [](double x) { return box({x, -60, -30}, {x + 20, 60, 30}); };
+  TopoDS_Shape base = box({0, -60, -45}, {300, 60, -30}) + end(0) + end(280);
+  TopoDS_Shape carriage = box({100, -55, -20}, {160, 55, 20}) - cylinder({100, 0, 0}, kX, 9, 60);
+  for (const double y : {-40.0, 40.0}) {
+    base = base - cylinder({0, y, 0}, kX, 8, 20) - cylinder({280, y, 0}, kX, 8, 20);
+    carriage = carriage - cylinder({100, y, 0}, kX, 8.02, 60);
+  }
+  base = base - cylinder({0, 0, 0}, kX, 7, 20) - cylinder({280, 0, 0}, kX, 7, 20);
+  a.place(a.part("base", base), at({0, 0, 0}));
+  const auto rail = a.part("rail", cylinder({0, 0, 0}, kX, 8, 300));
+  a.place(rail, at({0, -40, 0}));
+  a.place(rail, at({0, 40, 0}));
+  a.place(a.part("carriage", carriage), at({0, 0, 0}));
+  a.place(a.part("Tr18x4", cylinder({0, 0, 0}, kX, 7, 300) + cylinder({20, 0, 0}, kX, 9, 260) +
+                               cylinder({-5, 0, 0}, kX, 12, 5)),
+          at({0, 0, 0}));
+  const Import i = import(folder, a);
+  EXPECT_EQ(i.freedom, 1);
+  int slides = 0;
+  for (const auto& [name, type] : i.joints) slides += type == "prismatic" ? 1 : 0;
+  EXPECT_EQ(slides, 1);
+  EXPECT_THAT(i.outcome.err,
+              HasSubstr("Tr18x4 runs in carriage on a cylinder, and by its name that may be a thread"));
+}
+
+// A housing with a bar in it leans on the body by one plane and nothing else: without that joint both would fall.
+TEST(AssemblyImport, WhatHasJointsOfItsOwnIsBoundByItsOnlyContact) {
+  const Folder folder;
+  Assembly a("island");
+  a.place(a.part("body", box({-50, -50, 0}, {50, 50, 60})), at({0, 0, 0}));
+  a.place(a.part("housing", box({-30, -20, -60}, {30, 0, 0}) - box({-8, -14, -60}, {8, -6, 0})),
+          at({0, 0, 0}));
+  a.place(a.part("bar", box({-8, -14, -90}, {8, -6, -10})), at({0, 0, 0}));
+  const Import i = import(folder, a);
+  EXPECT_THAT(i.joints,
+              UnorderedElementsAre(Pair("body_housing", "planar"), Pair("housing_bar", "prismatic")));
+  EXPECT_EQ(i.freedom, 4);
+  EXPECT_THAT(i.outcome.err, HasSubstr("joint body_housing (planar) is doubtful"));
+}
+
 TEST(AssemblyImport, ClearanceDecidesWhatTouches) {
   const Folder folder, wide;
   Assembly a("loose");

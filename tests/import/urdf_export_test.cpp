@@ -6,6 +6,7 @@
 #include <urdf_parser/urdf_parser.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 
 #include "tests/import/robot_run.hpp"
 
@@ -152,8 +153,8 @@ TEST(UrdfExport, AnImportedRobotComesBackWithItsLinksAndMasses) {
   const Outcome o = run(
       "flexura", {"export", folder / "arm/mechanism.toml", "--format", "urdf", "-o", folder / "back.urdf"});
   ASSERT_EQ(o.exit_code, 0) << o.err;
-  // What a URDF has other words for than forces is said.
-  EXPECT_THAT(o.err, HasSubstr("j1_stop"));
+  // What stands for something that a URDF has no word for is said.
+  EXPECT_THAT(o.err, HasSubstr("a URDF has no stiffness of limits"));
   const auto before = urdf::parseURDF(read_text(sample("arm.urdf"))),
              after = urdf::parseURDF(read_text(folder / "back.urdf"));
   ASSERT_TRUE(after);
@@ -167,6 +168,99 @@ TEST(UrdfExport, AnImportedRobotComesBackWithItsLinksAndMasses) {
   EXPECT_EQ(after->getJoint("j6")->type, urdf::Joint::PRISMATIC);
   // The upper arm's box is turned in its link: a mesh.
   EXPECT_TRUE(std::filesystem::exists(folder / "back_meshes/upper_arm.stl"));
+}
+
+// Limits, damping, friction and mimicking as another reader of URDF sees them, before and after.
+TEST(UrdfExport, LimitsDampingFrictionAndMimicComeBack) {
+  for (const std::string robot : {"arm.urdf", "gripper.urdf"}) {
+    const Folder folder;
+    ASSERT_EQ(run("flexura", {"import", sample(robot), "-o", folder / "in"}).exit_code, 0);
+    const Outcome o = run(
+        "flexura", {"export", folder / "in/mechanism.toml", "--format", "urdf", "-o", folder / "back.urdf"});
+    ASSERT_EQ(o.exit_code, 0) << o.err;
+    const auto before = urdf::parseURDF(read_text(sample(robot))),
+               after = urdf::parseURDF(read_text(folder / "back.urdf"));
+    ASSERT_TRUE(after) << robot;
+    int limits = 0, dynamics = 0, mimics = 0;
+    for (const auto& [name, old] : before->joints_) {
+      std::string written = name;
+      std::ranges::replace(written, ' ', '_');
+      const auto now = after->getJoint(written);
+      if (old->type == urdf::Joint::PLANAR) continue;  // a chain of three
+      ASSERT_TRUE(now) << written;
+      // A joint that mimics is held by the other: without stops of its own it is continuous.
+      if (!old->mimic) EXPECT_EQ(old->type, now->type) << written;
+      if (old->limits && old->type != urdf::Joint::CONTINUOUS && !old->mimic) {
+        ++limits;
+        EXPECT_DOUBLE_EQ(old->limits->lower, now->limits->lower) << written;
+        EXPECT_DOUBLE_EQ(old->limits->upper, now->limits->upper) << written;
+        EXPECT_GE(now->limits->effort, old->limits->effort * (1.0 - 1e-12)) << written;
+      }
+      if (old->dynamics) {
+        ++dynamics;
+        ASSERT_TRUE(now->dynamics) << written;
+        EXPECT_DOUBLE_EQ(old->dynamics->damping, now->dynamics->damping) << written;
+        EXPECT_DOUBLE_EQ(old->dynamics->friction, now->dynamics->friction) << written;
+      }
+      if (old->mimic) {
+        ++mimics;
+        ASSERT_TRUE(now->mimic) << written;
+        EXPECT_DOUBLE_EQ(old->mimic->multiplier, now->mimic->multiplier);
+        EXPECT_DOUBLE_EQ(old->mimic->offset, now->mimic->offset);
+      }
+    }
+    EXPECT_GT(limits + dynamics + mimics, 3) << robot;
+    // What is imported again moves as the first: it falls on its stops, damped.
+    ASSERT_EQ(run("flexura", {"import", folder / "back.urdf", "-o", folder / "again"}).exit_code, 0);
+    std::vector<results::Run> runs;
+    for (const char* const which : {"in", "again"}) {
+      const Outcome ran = run("flexura", {"simulate", folder / (std::string(which) + "/mechanism.toml"), "-o",
+                                          folder / "r.h5", "--no-estimate", "--end-time", "0.3", "--set",
+                                          "solver.tolerance=1e-9", "output.quantities=[\"*\"]"});
+      ASSERT_EQ(ran.exit_code, 0) << ran.err;
+      runs.push_back(results::read(folder / "r.h5").runs.at(0));
+    }
+    // Within the integrator's tolerance; the links' frames are turned about their axes.
+    const std::string last = robot == "arm.urdf" ? "flange" : "left";
+    EXPECT_LT(
+        (body(runs[0], last).pose.leftCols(3) - body(runs[1], last).pose.leftCols(3)).cwiseAbs().maxCoeff(),
+        1e-6)
+        << robot;
+  }
+}
+
+TEST(UrdfExport, WhatHasNoWordIsNamedAndNotWritten) {
+  const Folder folder;
+  const auto file = folder.write("arm.toml", std::string(kArm) + R"(
+[force.hinge_spring]
+type = "joint_spring_damper"
+joint = "hip"
+stiffness = 3
+[force.one_end]
+type = "bump_stop"
+joint = "cross"
+coordinate = "angle_2"
+upper = 0.5
+stiffness = 100
+[constraint.geared]
+type = "coupler"
+joints = ["knee.position", "hip"]
+factors = [2.0, -0.1]
+offset = 0.4
+)");
+  const Outcome o = run("flexura", {"export", file, "--format", "urdf", "-o", folder / "arm.urdf"});
+  ASSERT_EQ(o.exit_code, 0) << o.err;
+  EXPECT_THAT(o.err, HasSubstr("hinge_spring: a URDF has no word for these forces"));
+  const auto urdf = urdf::parseURDF(read_text(folder / "arm.urdf"));
+  ASSERT_TRUE(urdf);
+  EXPECT_FALSE(urdf->getJoint("hip")->dynamics);
+  EXPECT_EQ(urdf->getJoint("cross_angle_2")->type, urdf::Joint::REVOLUTE);
+  EXPECT_DOUBLE_EQ(urdf->getJoint("cross_angle_2")->limits->upper, 0.5);
+  // 2 z - 0.1 q = 0.4
+  ASSERT_TRUE(urdf->getJoint("knee_position")->mimic);
+  EXPECT_EQ(urdf->getJoint("knee_position")->mimic->joint_name, "hip");
+  EXPECT_DOUBLE_EQ(urdf->getJoint("knee_position")->mimic->multiplier, 0.05);
+  EXPECT_DOUBLE_EQ(urdf->getJoint("knee_position")->mimic->offset, 0.2);
 }
 
 struct Refusal {
@@ -192,6 +286,11 @@ INSTANTIATE_TEST_SUITE_P(
         Refusal{"constraint",
                 "[constraint.gear]\ntype = \"coupler\"\njoints = [\"hip\", \"hip\"]\nfactors = [1.0, 1.0]\n",
                 "constraint \"gear\""},
+        Refusal{"moved_gear",
+                "[constraint.gear]\ntype = \"coupler\"\njoints = [\"hip\", \"knee.angle\"]\nfactors = [1.0, "
+                "1.0]\n"
+                "offset = \"0.1*sin(t)\"\n",
+                "a URDF has joints only, and one that mimics another"},
         Refusal{"ball",
                 "[body.ball]\nmass = 1\ninertia = [1, 1, 1]\n[body.ball.marker.m]\n[joint.ball]\ntype = "
                 "\"spherical\"\nfrom = \"ground.base\"\nto = \"ball.m\"\n",

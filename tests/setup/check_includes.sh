@@ -23,6 +23,7 @@ CLI             | mbs/base/terminal/
 toml\+\+        | mbs/base/documents/
 tinyxml2        | import/urdf/
 STEP            | import/cad/
+fcl             | mbs/proximity/
 XCAF            | import/cad/
 xxhash          | mbs/base/documents/
 spdlog          | mbs/app/ reduce/app/

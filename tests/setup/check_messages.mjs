@@ -91,7 +91,7 @@ const EXEMPT = [
   ['mbs/base/documents/check.cpp', 'the second argument is what is known or wanted'],
   ['mbs/base/documents/content_hash.cpp', 'files that a reader has read a moment before'],
   ['mbs/base/documents/units.cpp', 'a part of "is ... where ... is wanted"'],
-  ['mbs/study/child_process.cpp', 'programs of ours that are not there or may not be run: the words of the system'],
+  ['mbs/study/cache/child_process.cpp', 'programs of ours that are not there or may not be run: the words of the system'],
   ['mbs/study/study_file.cpp', 'the second argument is what is known'],
   ['mbs/base/math/rotation.cpp', 'axes that readers have checked'],
   ['mbs/joints/make_joint.cpp', 'types that the schema has checked'],

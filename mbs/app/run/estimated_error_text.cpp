@@ -115,12 +115,19 @@ std::string estimated_error_text(const ErrorEstimate& estimate) {
 
 std::string missed_accuracy(const ErrorEstimate& estimate, double accuracy) {
   const std::vector<Entry> all = entries(estimate);
-  if (estimate.at_least > accuracy)
-    return fmt::format("{} was asked and is not met: the error is {}{} of the rms of {}, most of it by {}",
+  if (estimate.at_least > accuracy) {
+    const bool is_known = !all.empty() && all.front().error;
+    // As --reduce would ask: half of the accuracy for meshes.
+    const std::string remedy =
+        is_known && all.front().kind == "mesh"
+            ? fmt::format(": reduce it anew with --accuracy \"{}\", or let flexura simulate --reduce do it",
+                          percent(0.5 * accuracy, 2))
+            : "";
+    return fmt::format("{} was asked and is not met: the error is {}{} of the rms of {}, most of it by {}{}",
                        percent(accuracy), estimate.is_whole ? "" : "at least ", percent(estimate.at_least),
                        estimate.of,
-                       all.empty() || !all.front().error ? "what is left out"
-                                                         : words_of(all.front().kind, all.front().names));
+                       is_known ? words_of(all.front().kind, all.front().names) : "what is left out", remedy);
+  }
   std::vector<std::string> blind;
   for (const Entry& e : all)
     if (!e.error &&

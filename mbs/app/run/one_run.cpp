@@ -8,7 +8,9 @@
 
 #include "mbs/app/run/estimated_error.hpp"
 #include "mbs/app/run/left_out.hpp"
+#include "mbs/app/run/provided_parts.hpp"
 #include "mbs/app/run/recorder.hpp"
+#include "mbs/app/run/watch/interference_watch.hpp"
 #include "mbs/study/choice/choose.hpp"
 #include "mbs/study/estimate/global_error.hpp"
 
@@ -22,6 +24,26 @@ using mbs::RunResult;
 std::unique_ptr<study::IntegratorCheck> wanted_check(const PreparedMechanism& prepared,
                                                      const SimulateArguments& arguments) {
   return arguments.check_integrator ? study::IntegratorCheck::make(prepared) : nullptr;
+}
+
+// Where it is asked for; it sees every row that the recorder gets.
+std::unique_ptr<InterferenceWatch> wanted_watch(const PreparedMechanism& prepared,
+                                                const SimulateArguments& arguments, Recorder& recorder) {
+  if (arguments.interferences.empty()) return nullptr;
+  auto watch = std::make_unique<InterferenceWatch>(
+      prepared, input::parse_quantity(arguments.interferences, input::dim::length));
+  recorder.look_at_rows(
+      [w = watch.get()](double t, const auto& poses, const auto& modal) { w->take(t, poses, modal); });
+  return watch;
+}
+
+void add_interferences(const InterferenceWatch* watch, RunOutcome& out) {
+  if (!watch) return;
+  out.summary["interferences"] = watch->json();
+  const std::vector<std::string> sentences = watch->sentences();
+  out.warnings.insert(out.warnings.end(), sentences.begin(), sentences.end());
+  out.summary["interferences_wall_time"] = watch->wall();
+  if (sentences.empty()) out.lines.emplace_back("no bodies overlap in the stored rows");
 }
 
 void add_estimate(const PreparedMechanism& prepared, const study::TruncationEstimate* truncation,
@@ -89,6 +111,7 @@ RunOutcome run_as_told(const NamedRun& run, const SimulateArguments& arguments, 
   const PreparedMechanism& prepared = run.prepared;
   Recorder recorder(prepared, writer);
   recorder.begin(run.name);
+  const auto watch = wanted_watch(prepared, arguments, recorder);
   const auto shadows =
       arguments.no_estimate ? nullptr : study::Shadows::make(prepared, arguments.file, run.overrides);
   const auto check = wanted_check(prepared, arguments);
@@ -113,7 +136,7 @@ RunOutcome run_as_told(const NamedRun& run, const SimulateArguments& arguments, 
   };
   if (steps) steps->watch(callbacks);
   // What the shadows cost is taken off the run's time, so they must not run beside it.
-  callbacks.rows_beside = !shadows;
+  callbacks.rows_beside = !shadows && !watch;
   RunOutcome out;
   out.result =
       memory.to ? run_with_memory(prepared, goes_on, memory, callbacks)
@@ -121,6 +144,8 @@ RunOutcome run_as_told(const NamedRun& run, const SimulateArguments& arguments, 
           ? mbs::run(*prepared.mechanism, prepared.state, prepared.v_dot, prepared.options, callbacks)
           : mbs::run(*prepared.mechanism, *prepared.continuation, prepared.options, callbacks);
   out.warnings = recorder.range().sentences();
+  add_interferences(watch.get(), out);
+  if (watch) out.result.wall_time -= watch->wall();
   if (arguments.no_estimate) return out;
   study::TruncationEstimate truncation;
   if (shadows) truncation = shadows->estimate();
@@ -165,18 +190,22 @@ RunOutcome run_again_from(const nlohmann::json& end, const NamedRun& run, const 
 }
 
 RunOutcome run_within_accuracy(NamedRun& run, const SimulateArguments& arguments, results::Writer& writer,
-                               const mbs::RunCallbacks& callbacks) {
+                               const mbs::RunCallbacks& callbacks, study::PartsOnDemand* parts) {
   if (!arguments.from_state.empty() || !arguments.continue_from.empty())
     throw std::invalid_argument(
         "a run whose fidelity is chosen starts from the file's own state; take --from-state or --continue "
         "away, or give fidelities in place of \"auto\" and solver.accuracy");
   study::ChosenRun chosen = study::run_within(run.prepared, arguments.file, run.overrides, callbacks,
                                               !arguments.no_estimate && !arguments.check_integrator);
+  if (parts && chosen.result.complete)
+    if (std::vector<std::string> finer = finer_parts(*parts, chosen.prepared); !finer.empty())
+      throw FinerParts{std::move(finer)};
   run.prepared = std::move(chosen.prepared);
   run.overrides = std::move(chosen.overrides);
   Recorder recorder(run.prepared, writer);
   recorder.begin(run.name);
   const auto check = wanted_check(run.prepared, arguments);
+  const auto watch = wanted_watch(run.prepared, arguments, recorder);
   for (const study::RowOfRun& row : chosen.rows) {
     recorder.append(row.state, row.v_dot, row.energy);
     if (check) check->take(row.state, row.v_dot);
@@ -189,6 +218,7 @@ RunOutcome run_within_accuracy(NamedRun& run, const SimulateArguments& arguments
   out.summary["restarts"] = chosen.restarts;
   out.summary["screening_wall_time"] = chosen.screening_wall;
   out.lines = std::move(chosen.reasons);
+  add_interferences(watch.get(), out);
   out.lines.push_back(fmt::format("without the choice: --set {}", fmt::join(chosen.set, " --set ")));
   if (!arguments.no_estimate)
     add_estimate(run.prepared, chosen.has_estimate ? &chosen.estimate : nullptr, check.get(),

@@ -10,14 +10,15 @@
 #include "mbs/app/run/mechanism_runs.hpp"
 #include "mbs/results/results.hpp"
 #include "mbs/solver/run/run.hpp"
+#include "mbs/study/parts_on_demand.hpp"
 
 /// One run of `flexura simulate`, from its prepared mechanism to its rows and what it says of itself.
 namespace flexura::app {
 
 struct SimulateArguments : MechanismArguments {
-  std::string output, end_time, save_state, continue_from, accuracy, checkpoint;
-  bool csv = false, schema = false, no_estimate = false, check_integrator = false, json = false,
-       output_is_given = false;
+  std::string output, end_time, save_state, continue_from, accuracy, checkpoint, interferences;
+  bool csv = false, schema = false, reduce = false, no_estimate = false, check_integrator = false,
+       json = false, output_is_given = false;
 };
 
 /// A run that ended, with what it says about itself beside the usual figures.
@@ -25,6 +26,12 @@ struct RunOutcome {
   mbs::RunResult result;
   nlohmann::json summary = nlohmann::json::object();
   std::vector<std::string> lines, warnings;
+};
+
+/// No error: the meshes of a run took more than their share of the accuracy, and are finer with these overrides, with which all
+/// runs are to be made anew: a results file knows one superelement of a body.
+struct FinerParts {
+  std::vector<std::string> overrides;
 };
 
 /// The checkpoints that are written, and those that the run goes on from; both may be missing.
@@ -38,9 +45,10 @@ RunOutcome run_as_told(const NamedRun& run, const SimulateArguments& arguments, 
                        mbs::RunCallbacks callbacks, const CheckpointMemory& memory);
 
 /// Chooses fidelities, modes and tolerance, which then stand in `run`; the rows are stored once the choice has held.
-/// Throws std::invalid_argument for a start that is not the file's own.
+/// `parts` (may be null) looks at the meshes of what deforms.  Throws std::invalid_argument for a start that is not the file's own, and FinerParts
+/// before any row is stored.
 RunOutcome run_within_accuracy(NamedRun& run, const SimulateArguments& arguments, results::Writer& writer,
-                               const mbs::RunCallbacks& callbacks);
+                               const mbs::RunCallbacks& callbacks, study::PartsOnDemand* parts = nullptr);
 
 /// Of a run that had ended when the process was killed: its rows, and what it said of itself (`end`, of
 /// Checkpoints::end_run()).

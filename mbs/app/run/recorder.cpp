@@ -175,6 +175,7 @@ void Recorder::append(const mbs::State& s, const Eigen::VectorXd& v_dot, const E
   }
   if (store_states_) row_.states = pack(s);
   writer_.append(row_);
+  if (look_) look_(row_.time, poses_, row_.modal);
 }
 
 }  // namespace flexura::app

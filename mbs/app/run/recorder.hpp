@@ -2,10 +2,11 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <span>
 
 #include "mbs/app/run/mechanism_runs.hpp"
-#include "mbs/app/run/turn_watch.hpp"
+#include "mbs/app/run/watch/turn_watch.hpp"
 #include "mbs/mechanism/range/linear_range.hpp"
 #include "mbs/results/results.hpp"
 #include "mbs/solver/run/energy.hpp"
@@ -37,6 +38,10 @@ class Recorder {
   Recorder(const mbs::PreparedMechanism& prepared, results::Writer& writer)
       : Recorder(prepared, writer, prepared.file.outputs, prepared.options.store_states) {}
   void begin(const std::string& name);
+  /// Who looks at every row as it is appended: time, poses X_WB and modal coordinates of all bodies.
+  using Look =
+      std::function<void(double, const std::vector<mbs::Pose>&, const std::vector<Eigen::VectorXd>&)>;
+  void look_at_rows(Look look) { look_ = std::move(look); }
   void append(const mbs::State& s, const Eigen::VectorXd& v_dot, const EnergyRow& energy);
   /// A row of a run in time, watched.
   void append(const mbs::State& s, const Eigen::VectorXd& v_dot, const mbs::EnergyAccount& energy);
@@ -60,6 +65,7 @@ class Recorder {
   Eigen::VectorXd p_start_, p_scale_;
   results::Row row_;
   bool store_states_;
+  Look look_;
 };
 
 /// Names of all states in a results file: positions, velocities ("hinge.speed'"), dynamic and algebraic

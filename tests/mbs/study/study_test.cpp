@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "mbs/base/documents/content_hash.hpp"
-#include "mbs/study/child_process.hpp"
+#include "mbs/study/cache/child_process.hpp"
 #include "mbs/study/study_file.hpp"
 #include "tests/app/command.hpp"
 

@@ -2,6 +2,7 @@
 // The motion page: the mechanism moving, its runs over one another, plots of what was stored.
 import * as THREE from 'three';
 import { scaleTexture } from './colormap';
+import { Interferences } from './interferences';
 import { Legend } from './legend';
 import { modeList, modeOf } from './mode_runs';
 import { Mechanism } from './mechanism';
@@ -71,6 +72,8 @@ export async function motionPage(app: HTMLElement, header: MotionHeader): Promis
   const mechanisms = runs.map((r) => new Mechanism(r, header, surfaces, scale, 0.014 * size));
   await Promise.all(mechanisms.map((m) => m.loadShapes()));
   for (const m of mechanisms) stage.scene.add(m.group);
+  const overlaps = new Interferences(runs, size, (run, t) => { state.main = run; state.visible[run] = true; setPlaying(false); state.time = t; refresh(); });
+  stage.scene.add(overlaps.group);
 
   const extent = new THREE.Box3();
   for (let i = 0; i <= 40; ++i) for (const m of mechanisms) m.box(t0 + (duration * i) / 40, extent);
@@ -107,6 +110,7 @@ export async function motionPage(app: HTMLElement, header: MotionHeader): Promis
       followed = at;
     } else followed = null;
     deck.setTime(state.time);
+    overlaps.setTime(state.main, state.time);
     sections.refresh(mechanisms[state.main]);
     refreshQuantities();
     stage.draw();
@@ -300,7 +304,7 @@ export async function motionPage(app: HTMLElement, header: MotionHeader): Promis
         ...runs.map((r) => h('th', { scope: 'col', class: 'number' }, r.header.name)), h('th', { scope: 'col' }, 'Unit'))),
         h('tbody', {}, ...quantityRows))),
     sections: h('div', { class: 'tab-page', role: 'tabpanel', 'aria-label': 'Section forces', hidden: true }, sections.element),
-    summary: h('div', { class: 'tab-page', role: 'tabpanel', 'aria-label': 'Summary', hidden: true }, summaryPanel(runs)),
+    summary: h('div', { class: 'tab-page', role: 'tabpanel', 'aria-label': 'Summary', hidden: true }, overlaps.element, summaryPanel(runs)),
   };
   const tabs: Record<string, HTMLButtonElement> = {};
   for (const [name, title] of [...(modes ? [['modes', 'Modes']] : []), ['plots', 'Plots'], ['quantities', 'Quantities'], ['sections', 'Sections'], ['summary', 'Summary']]) {

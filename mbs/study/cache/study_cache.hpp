@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "mbs/study/cache_entry.hpp"
+#include "mbs/study/cache/cache_entry.hpp"
 
 /// The folder in which a study keeps what it ran: files named by the key of what made them, each with its entry
 /// (cache_entry.hpp).  Other processes may write there at the same moment.

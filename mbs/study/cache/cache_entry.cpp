@@ -1,5 +1,5 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-#include "mbs/study/cache_entry.hpp"
+#include "mbs/study/cache/cache_entry.hpp"
 
 #include <algorithm>
 #include <cmath>

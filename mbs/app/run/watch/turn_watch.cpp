@@ -1,5 +1,5 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-#include "mbs/app/run/turn_watch.hpp"
+#include "mbs/app/run/watch/turn_watch.hpp"
 
 #include <fmt/format.h>
 

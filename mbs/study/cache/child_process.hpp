@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -31,8 +32,10 @@ void remove_scratch_left(const std::filesystem::path& scratch);
 
 /// Runs command[0] with the other words, without a shell; `scratch` is a folder for what it prints.  After
 /// time_limit seconds (0: none) it is ended; so it is when this process ends, however, or is told to
-/// (files::StopRequests).  Throws std::runtime_error when it cannot be started, and Interrupted.
+/// (files::StopRequests).  `watch` is called about ten times a second with the file that takes what it prints as errors.
+/// Throws std::runtime_error when it cannot be started, and Interrupted.
 ChildOutcome run_child(const std::vector<std::string>& command, const std::filesystem::path& scratch,
-                       double time_limit = 0.0);
+                       double time_limit = 0.0,
+                       const std::function<void(const std::filesystem::path& err)>& watch = {});
 
 }  // namespace flexura::study

@@ -1,5 +1,5 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-#include "mbs/study/study_cache.hpp"
+#include "mbs/study/cache/study_cache.hpp"
 
 #include <fmt/format.h>
 

@@ -1,5 +1,5 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-#include "mbs/study/child_process.hpp"
+#include "mbs/study/cache/child_process.hpp"
 
 #include <fcntl.h>
 #include <poll.h>
@@ -43,8 +43,8 @@ std::string take_text(const fs::path& file) {
 
 enum class Waited { ended, late, told_to_end };
 
-/// Until it ends, its time is over or (where `heeds`) this process is told to end.
-Waited wait_until(pid_t child, double limit, bool heeds) {
+/// Until it ends, its time is over or (where `heeds`) this process is told to end.  `meanwhile` may be empty.
+Waited wait_until(pid_t child, double limit, bool heeds, const std::function<void()>& meanwhile = {}) {
   const int handle = static_cast<int>(::syscall(SYS_pidfd_open, child, 0));
   if (handle < 0) return Waited::ended;  // an old kernel: the caller's wait4 waits without a limit
   const auto start = std::chrono::steady_clock::now();
@@ -65,6 +65,7 @@ Waited wait_until(pid_t child, double limit, bool heeds) {
       break;
     }
     if (n < 0 && errno != EINTR) break;
+    if (meanwhile) meanwhile();
   }
   ::close(handle);
   return outcome;
@@ -149,7 +150,8 @@ void remove_scratch_left(const fs::path& scratch) {
   for (const fs::path& file : left) fs::remove(file, none);
 }
 
-ChildOutcome run_child(const std::vector<std::string>& command, const fs::path& scratch, double time_limit) {
+ChildOutcome run_child(const std::vector<std::string>& command, const fs::path& scratch, double time_limit,
+                       const std::function<void(const fs::path& err)>& watch) {
   static std::atomic<unsigned> counter{0};
   const std::string stem = "child." + scratch_mark() + std::to_string(counter++);
   const fs::path out = scratch / (stem + ".out"), err = scratch / (stem + ".err");
@@ -166,7 +168,8 @@ ChildOutcome run_child(const std::vector<std::string>& command, const fs::path& 
 
   ChildOutcome outcome;
   const Waited waited =
-      wait_until(child, time_limit > 0.0 ? time_limit : std::numeric_limits<double>::infinity(), true);
+      wait_until(child, time_limit > 0.0 ? time_limit : std::numeric_limits<double>::infinity(), true,
+                 watch ? std::function<void()>([&] { watch(err); }) : std::function<void()>());
   outcome.timed_out = waited == Waited::late;
   if (waited != Waited::ended) end(child);
   int status = 0;

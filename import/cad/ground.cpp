@@ -1,0 +1,53 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "import/cad/ground.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <stdexcept>
+
+namespace flexura::import::cad {
+
+int find_ground(const Assembly& assembly, const std::vector<PlacedPart>& parts,
+                const std::vector<std::string>& names, const std::string& wanted) {
+  const std::size_t n = parts.size();
+  if (wanted.empty()) {
+    int ground = 0;
+    double largest = -1.0;
+    for (std::size_t i = 0; i < n; ++i)
+      if (const double box = (parts[i].high - parts[i].low).prod(); box > largest) {
+        largest = box;
+        ground = static_cast<int>(i);
+      }
+    return ground;
+  }
+  std::vector<int> found;
+  for (std::size_t i = 0; i < n; ++i)
+    if (names[i] == wanted || assembly.instances[i].name == wanted) found.push_back(static_cast<int>(i));
+  if (found.size() != 1) {
+    std::string list;
+    for (std::size_t i = 0; i < std::min<std::size_t>(n, 12); ++i) list += (i > 0 ? ", " : "") + names[i];
+    throw std::invalid_argument(
+        fmt::format("--ground {}: {} bodies of the assembly are called so; it has {}{}", shown(wanted),
+                    found.size(), list, n > 12 ? ", ..." : ""));
+  }
+  return found.front();
+}
+
+bool names_a_thread(const std::string& name) {
+  std::string low;
+  for (const char c : name) low += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  for (const char* const word : {"screw", "thread", "spindle", "spindel", "gewinde"})
+    if (low.find(word) != std::string::npos) return true;
+  // M8, Tr16: a letter's word and its diameter, nothing before it in the word.
+  const auto is_letter = [](char c) { return c >= 'a' && c <= 'z'; };
+  for (std::size_t i = 0; i + 1 < low.size(); ++i) {
+    if (i > 0 && is_letter(low[i - 1])) continue;
+    const std::size_t digits = low[i] == 'm' ? i + 1 : low.compare(i, 2, "tr") == 0 ? i + 2 : low.size();
+    if (digits < low.size() && low[digits] >= '1' && low[digits] <= '9') return true;
+  }
+  return false;
+}
+
+}  // namespace flexura::import::cad

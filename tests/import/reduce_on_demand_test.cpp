@@ -1,0 +1,138 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+
+// Bodies of an imported assembly made flexible by `flexura simulate --reduce`, as a user does it.
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "cases/assembly/drawing.hpp"
+#include "mbs/superelement/file.hpp"
+#include "tests/import/robot_run.hpp"
+
+namespace flexura::test {
+namespace {
+
+namespace fs = std::filesystem;
+using namespace drawing;
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::Not;
+
+const gp_Dir kY(0, 1, 0);
+
+// A bar of 400 mm x 10 mm x 6 mm that hangs on a pin of a block.
+class Hanging : public testing::Test {
+ protected:
+  Hanging() {
+    Assembly a("hanging");
+    a.place(a.part("block", box({-60, 5, -30}, {60, 60, 30}) + cylinder({0, -5, 0}, kY, 2, 10) +
+                                cylinder({0, -6, 0}, kY, 4, 3) - cylinder({0, -3, 0}, kY, 1.0, 1.0)),
+            at({0, 0, 0}));
+    a.place(a.part("bar", box({-5, -3, -390}, {5, 3, 10}) - cylinder({0, -3, 0}, kY, 2, 6), 7850),
+            at({0, 0, 0}));
+    a.write(folder / "a.step");
+    const Outcome o = run("flexura", {"import", folder / "a.step", "-o", folder / "out"});
+    EXPECT_EQ(o.exit_code, 0) << o.err;
+  }
+  Outcome simulate(std::vector<std::string> more) const {
+    std::vector<std::string> words = {
+        "simulate", folder / "out/mechanism.toml", "-o", folder / "r.h5", "--end-time", "0.002"};
+    words.insert(words.end(), more.begin(), more.end());
+    return run("flexura", words);
+  }
+  std::vector<fs::path> reduced() const {
+    std::vector<fs::path> list;
+    std::error_code none;
+    for (const auto& entry : fs::directory_iterator(folder / "out/parts/reduced", none))
+      if (entry.path().string().ends_with(".se.h5")) list.push_back(entry.path());
+    return list;
+  }
+  Folder folder;
+};
+
+const std::string kFlexible = "body.bar.fidelity=modal";
+
+TEST_F(Hanging, IsReducedOnceAndBendsAsABarDoes) {
+  const std::string rigid = read_text(folder / "out/parts/bar.se.h5");
+  const Outcome without = simulate({"--set", kFlexible});
+  EXPECT_NE(without.exit_code, 0);  // a rigid superelement cannot deform
+  EXPECT_THAT(without.err, HasSubstr("--reduce"));
+  const Outcome o = simulate({"--reduce", "--set", kFlexible});
+  ASSERT_EQ(o.exit_code, 0) << o.err;
+  EXPECT_THAT(o.err, HasSubstr("bar.toml reduced in"));
+  EXPECT_EQ(read_text(folder / "out/parts/bar.se.h5"), rigid);  // nothing of the user's is replaced
+  ASSERT_EQ(reduced().size(), 1U);
+  const superelement::Superelement se = superelement::read(reduced()[0], {.mesh_error = true});
+  // Euler and Bernoulli's free bar bends first over its 6 mm: (4.730 / L)^2 sqrt(E I / rho A) / 2 pi; a bore of 4 mm near the
+  // end, shear and turning of sections are worth less than 2 %.
+  const double L = 0.4, h = 0.006;
+  const double f_1 =
+      std::pow(4.7300407 / L, 2) * std::sqrt(210e9 / 7850.0 * h * h / 12.0) / (2.0 * std::numbers::pi);
+  ASSERT_TRUE(se.mesh_error && !se.mesh_error->modes.empty());
+  const Outcome modes = run("flexura", {"modes", reduced()[0], "--json"});
+  ASSERT_EQ(modes.exit_code, 0) << modes.err;
+  bool found = false;
+  for (const superelement::MeshError::Mode& mode : se.mesh_error->modes)
+    found = found || std::abs(mode.frequency_hz / f_1 - 1.0) < 0.02;
+  EXPECT_TRUE(found) << f_1 << " Hz is none of " << se.mesh_error->modes.front().frequency_hz;
+  // Again: from the cache.
+  const Outcome again = simulate({"--reduce", "--set", kFlexible});
+  EXPECT_EQ(again.exit_code, 0) << again.err;
+  EXPECT_THAT(again.err, AllOf(HasSubstr("was reduced before"), Not(HasSubstr("reduced in"))));
+  // Another material is another part.
+  const fs::path part = folder / "out/parts/bar.toml";
+  folder.write("out/parts/bar.toml", replaced(read_text(part), "210 GPa", "70 GPa"));
+  EXPECT_EQ(simulate({"--reduce", "--set", kFlexible}).exit_code, 0);
+  EXPECT_EQ(reduced().size(), 2U);
+}
+
+TEST_F(Hanging, AMarkerOnNoInterfaceGetsTheNearestFace) {
+  // A joint made by hand or on the page: the marker stands by its position alone.
+  std::string text = read_text(folder / "out/mechanism.toml");
+  const auto at = text.find("[body.bar.marker.");
+  ASSERT_NE(at, std::string::npos);
+  const auto on = text.find("on = ", at);
+  text.erase(on, text.find('\n', on) + 1 - on);
+  folder.write("out/mechanism.toml", text);
+  const Outcome o = simulate({"--reduce", "--set", kFlexible});
+  ASSERT_EQ(o.exit_code, 0) << o.err;
+  EXPECT_THAT(o.err, AllOf(HasSubstr("with interfaces at_bar_"), Not(HasSubstr("sees no deformation"))));
+  const superelement::Superelement se = superelement::read(reduced().at(0));
+  bool found = false;
+  for (const auto& interface : se.interfaces)
+    if (interface.name.starts_with("at_bar_")) {
+      found = true;
+      EXPECT_LT(interface.p_BoN_B.norm(), 1e-6);  // in the middle of the bore
+    }
+  EXPECT_TRUE(found);
+}
+
+TEST_F(Hanging, AccuracyMeshesAnewUntilTheMeshTakesNoMoreThanItsShare) {
+  const fs::path part = folder / "out/parts/bar.toml";
+  folder.write("out/parts/bar.toml",
+               read_text(part) + "\n[mesh]\nsize = \"100 mm\"\nelements_per_circle = 0\n");
+  const Outcome o = simulate({"--reduce", "--set", "body.bar.fidelity=auto", "--accuracy", "10 %"});
+  ASSERT_EQ(o.exit_code, 0) << o.err;
+  EXPECT_GE(reduced().size(), 1U);
+  EXPECT_THAT(o.err, Not(HasSubstr("reduce it anew")));
+}
+
+TEST_F(Hanging, WhatCannotBeReducedIsSaidInOneSentence) {
+  const fs::path part = folder / "out/parts/bar.toml";
+  const std::string good = read_text(part);
+  folder.write("out/parts/bar.toml", replaced(good, "poisson = 0.3", "poisson = 0.7"));
+  Outcome o = simulate({"--reduce", "--set", kFlexible});
+  EXPECT_EQ(o.exit_code, 2);
+  EXPECT_THAT(o.err, AllOf(HasSubstr("bar.toml"), HasSubstr("poisson")));
+  EXPECT_FALSE(fs::exists(folder / "r.h5"));
+  fs::remove(part);
+  o = simulate({"--reduce", "--set", kFlexible});
+  EXPECT_EQ(o.exit_code, 2);
+  EXPECT_THAT(o.err, AllOf(HasSubstr("bar.toml"), HasSubstr("is not there either")));
+  // Rigid it needs none.
+  EXPECT_EQ(simulate({"--reduce"}).exit_code, 0);
+}
+
+}  // namespace
+}  // namespace flexura::test
