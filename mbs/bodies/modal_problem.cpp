@@ -38,8 +38,7 @@ ModalProblem::ModalProblem(const superelement::Superelement& se, const MatrixXd&
     throw std::invalid_argument(fmt::format(
         "superelement \"{}\" has {} coordinates that carry {} of the six rigid motions; a flexible "
         "body needs all six and at least one more coordinate (use fidelity = \"rigid\" or interfaces "
-        "with more directions; what an import wrote is rigid, and flexura simulate --reduce makes it "
-        "flexible)",
+        "with more directions)",
         se.name, n_, qr.rank()));
   if (ties.cols() == 0) {
     // The complement of M R: the last n - 6 columns of its orthogonal factor.

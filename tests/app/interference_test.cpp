@@ -61,7 +61,8 @@ TEST(Interferences, ABallThatDipsIntoABlockIsToldWithItsTimesAndDepth) {
   // The lowest corner of the drawn ball is the ball's.
   EXPECT_NEAR(list[0].at("depth").get<double>(), 0.02, 1e-9);
   EXPECT_NEAR(list[0].at("time").get<double>(), 0.5, 1e-9);
-  EXPECT_NEAR(list[0].at("point").at(2).get<double>(), -1.09, 0.01 + 1e-9);  // the ball's, or that of the block's top
+  EXPECT_NEAR(list[0].at("point").at(2).get<double>(), -1.09,
+              0.01 + 1e-9);  // the ball's, or that of the block's top
   // It is told beyond 0.2 mm and what 32 sides of the ball may be off, a few tenths of a millimetre: cos q = 0.98 + that.
   const double latest = std::acos(0.98 + 0.0002), earliest = std::acos(0.98 + 0.003);
   EXPECT_GE(list[0].at("from").get<double>(), 0.5 - latest - 1e-9);
