@@ -188,6 +188,7 @@ such a position can be far off in them.
 | `JOINT.force`, `JOINT.torque` | their sizes |
 | `JOINT.drive_force` (`.drive_force_COORDINATE` where several are driven) | force or torque of the drive along its coordinate |
 | `CONSTRAINT.force_x` .. `_z`, `.torque_x` .. `_z`, `.force`, `.torque` | likewise of constraints between two markers (what a type cannot exert is left out); of a `rolling_disc` the contact force, its torque about the disc's centre |
+| `CONSTRAINT.place`, `.speed` | of a `point_on_path`: where along the path, by the undeformed body, and its rate; its forces and torques, on the body of `to` about its marker, are in the axes of the path there: x along it, y to its side, z up |
 | `CONSTRAINT.tension` | of a `distance`: positive where the link pulls its ends together |
 | `CONSTRAINT.torque_1` .. or `.force_1` .. | of a `gear` or `coupler`: on the coordinate of its first, second ... joint |
 | `CONSTRAINT.force_rack`, `.torque_pinion` | of a `rack_and_pinion`, on the coordinates |

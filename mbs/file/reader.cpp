@@ -148,6 +148,23 @@ void Reader::read_bodies() {
   for (const auto& [name, s] : root_.table_map("subsystem")) read_subsystem(name, s);
 }
 
+std::pair<int, Pose> Reader::undeformed(int marker) const {
+  const MechanismDescription& d = model_.description;
+  const MarkerDescription& m = d.markers[static_cast<std::size_t>(marker)];
+  for (const auto& [root, chain] : model_.segments)
+    for (std::size_t k = 0; k < chain.bodies.size(); ++k) {
+      if (chain.bodies[k] != m.body) continue;
+      const Pose X = d.undeformed(marker);
+      return {root, {X.R, chain.origins_B[k] + X.p}};
+    }
+  if (m.node < 0 || !model_.to_prepare.contains(m.body)) return {m.body, d.undeformed(marker)};
+  const auto& interfaces = model_.interfaces.at(m.body);
+  const auto node = static_cast<std::size_t>(m.node);
+  const Vector3d p = node < interfaces.size() ? interfaces[node].second
+                                              : model_.linked.at(m.body)[node - interfaces.size()].p_BoN_B;
+  return {m.body, {m.X_BP.R, p + m.X_BP.p}};
+}
+
 void Reader::read_subsystem(const std::string& name, const Section& s) {
   if (depth_ >= deepest)
     s.refuse("file", fmt::format("is the {}th file inside another", deepest + 1),
@@ -157,7 +174,8 @@ void Reader::read_subsystem(const std::string& name, const Section& s) {
     if (body.name == prefix_ + name) s.refuse("", "has the name of a body", "choose another name");
   Base base = base_;
   if (s.has("on")) {
-    const MarkerDescription& marker = model_.description.markers[context().marker(s, "on")];
+    const int index = context().marker(s, "on");
+    const MarkerDescription& marker = model_.description.markers[static_cast<std::size_t>(index)];
     Pose X = marker.X_BP;
     if (marker.node >= 0) {
       const auto to_prepare = model_.to_prepare.find(marker.body);
@@ -165,10 +183,7 @@ void Reader::read_subsystem(const std::string& name, const Section& s) {
           fidelity_of(model_.sections.at(marker.body)).of_superelement->acts_back)
         s.refuse("on", "is an interface of a flexible body, which deforms",
                  "place the subsystem on a rigid body and join the two");
-      const auto& interfaces = model_.interfaces[marker.body];
-      const auto node = static_cast<std::size_t>(marker.node);
-      X.p += node < interfaces.size() ? interfaces[node].second
-                                      : model_.linked[marker.body][node - interfaces.size()].p_BoN_B;
+      X = undeformed(index).second;
     }
     base = {marker.body, X};
   }

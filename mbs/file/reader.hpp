@@ -64,7 +64,12 @@ class Reader {
   };
   Reader(ReadModel& model, const std::filesystem::path& file, const input::TableSchema& solver,
          const std::vector<std::string>& overrides, std::string prefix, Base base, int depth);
-  ReadContext context() const { return {model_.description, parameters_, tables_, prefix_}; }
+  ReadContext context() const {
+    return {model_.description, parameters_, tables_, prefix_,
+            [this](int marker) { return undeformed(marker); }};
+  }
+  /// See ReadContext::Undeformed; flexible bodies need not be prepared yet.
+  std::pair<int, Pose> undeformed(int marker) const;
   void read_subsystem(const std::string& name, const input::Section& s);
   void read_body(const std::string& name, const input::Section& s);
   std::shared_ptr<const superelement::Superelement> load(const input::Section& s);

@@ -72,7 +72,9 @@ RollingBearing::RollingBearing(std::string name, int F, int M, const RollingGeom
     if (g.is_deep_groove) {
       if (!(g.clearance < 2.0 * A_))
         throw std::invalid_argument(
-            "the clearance is larger than the distance of the groove's centres allows");
+            "the clearance is larger than the distance of the groove's centres allows; it must be below "
+            "twice "
+            "(groove_inner + groove_outer - 1) times the ball's diameter");
       g.contact_angle = g.clearance > 0.0 ? std::acos(1.0 - g.clearance / (2.0 * A_)) : 0.0;
     }
     n_ = 1.5;

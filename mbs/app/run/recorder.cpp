@@ -95,6 +95,7 @@ Recorder::Recorder(const mbs::PreparedMechanism& prepared, results::Writer& writ
       scratch_(mechanism_.make_scratch()),
       range_(mechanism_, prepared.options.end_time - prepared.state.t),
       turns_(mechanism_),
+      paths_(mechanism_),
       store_states_(store_states) {
   which_ = mbs::select_quantities(mechanism_, patterns);
   const auto infos = mechanism_.quantities();
@@ -136,6 +137,7 @@ void Recorder::watch(const mbs::State& s, double kinetic_energy) {
   // The row that shows it is kept, and the run ends there.
   if (const std::string why = range_.runaway(); !why.empty()) throw std::runtime_error(why);
   if (!turns_.reason().empty()) throw std::runtime_error(turns_.reason());
+  if (!paths_.reason().empty()) throw std::runtime_error(paths_.reason());
   if (!growth_.reason().empty()) throw std::runtime_error(growth_.reason());
 }
 
@@ -162,6 +164,7 @@ void Recorder::append(const mbs::State& s, const Eigen::VectorXd& v_dot, const E
           quantities_[static_cast<std::size_t>(i)].name, std::isnan(value) ? std::abs(value) : value, s.t));
   range_.observe(s);
   turns_.observe(s, v_dot);
+  paths_.observe(s, v_dot);
   mechanism_.body_poses(s, *scratch_, poses_);
   for (std::size_t b = 0; b < poses_.size(); ++b) {
     row_.pose[b].head<3>() = poses_[b].p;

@@ -6,6 +6,7 @@
 #include <span>
 
 #include "mbs/app/run/mechanism_runs.hpp"
+#include "mbs/app/run/watch/path_watch.hpp"
 #include "mbs/app/run/watch/turn_watch.hpp"
 #include "mbs/mechanism/range/linear_range.hpp"
 #include "mbs/results/results.hpp"
@@ -62,6 +63,7 @@ class Recorder {
   mbs::LinearRange range_;
   mbs::GrowthWatch growth_;
   TurnWatch turns_;
+  PathWatch paths_;
   Eigen::VectorXd p_start_, p_scale_;
   results::Row row_;
   bool store_states_;

@@ -16,7 +16,8 @@ constexpr const char* shaft = "marker M on the shaft, its z axis that about whic
 BearingMatrix::Matrix5 read_bearing_matrix(const input::Section& s, const char* key) {
   const Eigen::MatrixXd A = s.matrix(key);
   const bool has_turn = A.rows() == 6 && A.cols() == 6;
-  if (!has_turn && (A.rows() != 5 || A.cols() != 5)) s.refuse(key, "is neither 5 x 5 nor 6 x 6");
+  if (!has_turn && (A.rows() != 5 || A.cols() != 5))
+    s.refuse(key, "is neither 5 x 5 nor 6 x 6", "write its rows for x, y, z and the turns about x, y");
   if (has_turn && (!A.row(5).isZero(0.0) || !A.col(5).isZero(0.0)))
     s.refuse(key, "holds the turning about z", "its sixth row and column must be 0: the shaft turns freely");
   return A.topLeftCorner<5, 5>();

@@ -1,13 +1,17 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
 #include <cmath>
 #include <limits>
 
 #include "mbs/constraints/coupler.hpp"
 #include "mbs/constraints/geometric.hpp"
 #include "mbs/constraints/point_on_curve.hpp"
+#include "mbs/constraints/point_on_path.hpp"
 #include "mbs/constraints/rolling_disc.hpp"
 #include "mbs/file/elements/element_types.hpp"
 #include "mbs/file/elements/read_curve.hpp"
+#include "mbs/file/elements/read_path.hpp"
 #include "mbs/file/elements/user_library.hpp"
 
 /// Constraints in a mechanism file.
@@ -64,6 +68,59 @@ ConstraintType point_on_curve() {
                                                 std::make_shared<PointOnCurve>(read_space_curve(s), near));
   };
   return type;
+}
+
+std::shared_ptr<const Constraint> read_point_on_path(const std::string& name, const input::Section& s,
+                                                     const ReadContext& c) {
+  const std::shared_ptr<const BodyPath> path = read_path(s, c);
+  const int M = c.marker(s, "to");
+  if (c.undeformed(M).first == c.undeformed(path->marker(0)).first)
+    s.refuse("to", fmt::format("\"{}\" is on the body of the path", s.text("to")),
+             "name a marker of what travels");
+  PointOnPath::Law law;
+  const std::string word = s.text("orientation");
+  law.orientation = word == "free"    ? PathOrientation::free
+                    : word == "along" ? PathOrientation::along
+                                      : PathOrientation::fixed;
+  law.goes_on = s.text("ends") == "straight";
+  if (s.has("place")) law.place = c.time_expression(s, "place");
+  if (s.has("near")) law.near = s.quantity("near");
+  if (s.has("near") && s.has("place"))
+    s.refuse("near", "stands beside place, which says where", "take it away");
+  for (const auto& [key, at] : {std::pair("near", s.has("near") ? law.near : 0.0),
+                                std::pair("place", law.place ? law.place->time_derivatives(0.0).value : 0.0)})
+    if (!law.goes_on && !path->holds(at))
+      s.refuse(
+          key,
+          fmt::format("is {:.6g} m at the start, not on the path from 0 to {:.6g} m", at, path->length()),
+          "start on the path, let it be longer, or write ends = \"straight\"");
+  return std::make_shared<PointOnPath>(name, path, M, std::move(law));
+}
+
+ConstraintType point_on_path() {
+  using namespace input;
+  return {
+      "point_on_path",
+      "The origin of M travels along a line of a body that deforms, and deforms with it: a trolley on a "
+      "girder, a "
+      "slider on a rail that bends. How far along it stands, by the undeformed body and from the first "
+      "marker on "
+      "(NAME.place), is free, or a given function of time.",
+      {path_key().required(), text("to", "marker M of what travels, \"body.marker\"").required(),
+       choice("orientation", {"free", "along", "fixed"},
+              "free: a ball on a rail; along: the x axis of M keeps along the deformed line; fixed: nor does "
+              "M turn "
+              "about it, its y axis to the side of the path and z up (a prismatic joint whose axis bends)")
+           .or_default("free"),
+       expression("place", dim::length,
+                  "drives it: where along the path M stands, a formula of t and parameters; without it free"),
+       choice("ends", {"stop", "straight"},
+              "where M passes an end of the path: stop: the run ends there and says so; straight: the path "
+              "goes on "
+              "straight, without flexibility of its own")
+           .or_default("stop"),
+       quantity("near", dim::length, "where along the path M starts, for a path that comes near itself")},
+      read_point_on_path};
 }
 
 ConstraintType orientation() {
@@ -170,10 +227,10 @@ ConstraintType rolling_disc() {
 }  // namespace
 
 const std::vector<ConstraintType>& constraint_types() {
-  static const std::vector<ConstraintType> types = {point_on_line(),   point_on_plane(), point_on_curve(),
-                                                    orientation(),     parallel(),       perpendicular(),
-                                                    distance(),        coupler(),        gear(),
-                                                    rack_and_pinion(), rolling_disc(),   user_constraint()};
+  static const std::vector<ConstraintType> types = {
+      point_on_line(),   point_on_plane(), point_on_curve(), point_on_path(), orientation(),
+      parallel(),        perpendicular(),  distance(),       coupler(),       gear(),
+      rack_and_pinion(), rolling_disc(),   user_constraint()};
   return types;
 }
 

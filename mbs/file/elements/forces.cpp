@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "mbs/file/elements/element_types.hpp"
+#include "mbs/file/elements/read_path.hpp"
 #include "mbs/file/elements/user_library.hpp"
 #include "mbs/forces/actuator.hpp"
 #include "mbs/forces/applied.hpp"
@@ -13,6 +14,7 @@
 #include "mbs/forces/joint_force.hpp"
 #include "mbs/forces/joint_spring_damper.hpp"
 #include "mbs/forces/line_force.hpp"
+#include "mbs/forces/moving_load.hpp"
 #include "mbs/forces/spring_damper.hpp"
 #include "mbs/measures/relative_measure.hpp"
 
@@ -54,6 +56,38 @@ ForceType applied(bool is_torque) {
       text("reaction", "marker of the body that takes the reaction, at the same point; without it none")};
   type.read = is_torque ? read_applied<true> : read_applied<false>;
   return type;
+}
+
+ForceType moving_load() {
+  using namespace input;
+  const auto component = [](const char* name) {
+    return expression(name, dim::force,
+                      "component, a formula of t, parameters, joint coordinates and measures");
+  };
+  return {"moving_load",
+          "A given force that travels along a line of a body that deforms: the particle of the line at "
+          "`place` bears it, "
+          "shared among the markers of the path; before and behind the path nothing does.",
+          {path_key().required(),
+           expression(
+               "place", dim::length,
+               "how far from the first marker, along the undeformed line: a formula of t, parameters, joint "
+               "coordinates and measures")
+               .required(),
+           component("x"), component("y"), component("z"),
+           text("axes", "marker whose axes the components refer to; without it the world's")},
+          [](const std::string& name, const Section& s,
+             const ReadContext& context) -> std::shared_ptr<const ForceElement> {
+            MovingLoad::Components components;
+            const char* keys[] = {"x", "y", "z"};
+            for (std::size_t i = 0; i < 3; ++i)
+              if (s.has(keys[i])) components[i] = context.expression(s, keys[i]);
+            if (!components[0] && !components[1] && !components[2])
+              s.refuse("", "none of x, y, z is given", "write at least one component");
+            return std::make_shared<MovingLoad>(name, read_path(s, context), context.expression(s, "place"),
+                                                s.has("axes") ? context.marker(s, "axes") : -1,
+                                                std::move(components));
+          }};
 }
 
 ForceType spring_damper() {
@@ -293,9 +327,9 @@ ForceType distributed_load() {
 
 const std::vector<ForceType>& force_types() {
   static const std::vector<ForceType> types = [] {
-    std::vector<ForceType> list = {spring_damper(), line_force(),  applied(false),
-                                   applied(true),   joint_force(), joint_spring_damper(),
-                                   bushing(),       actuator(),    distributed_load()};
+    std::vector<ForceType> list = {spring_damper(),    line_force(),          applied(false), applied(true),
+                                   joint_force(),      joint_spring_damper(), bushing(),      actuator(),
+                                   distributed_load(), moving_load()};
     for (auto&& group : {contact_types(), gear_types(), bearing_types(), friction_types()})
       list.insert(list.end(), group.begin(), group.end());
     list.push_back(user_force());

@@ -1,9 +1,11 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <functional>
 #include <map>
 #include <memory>
 #include <string>
+#include <utility>
 
 #include "mbs/base/documents/document.hpp"
 #include "mbs/mechanism/mechanism.hpp"
@@ -14,18 +16,23 @@ namespace flexura::mbs {
 
 class ReadContext {
  public:
+  /// The body that a marker is on, of a beam in pieces that at its root, and where it stands there undeformed.
+  using Undeformed = std::function<std::pair<int, Pose>(int marker)>;
+
   /// `prefix` of a subsystem: names within it are found without.
   ReadContext(MechanismDescription& description, std::map<std::string, double> parameters, Curves tables,
-              std::string prefix = {})
+              std::string prefix, Undeformed undeformed)
       : d_(description),
         parameters_(std::move(parameters)),
         tables_(std::move(tables)),
-        prefix_(std::move(prefix)) {}
+        prefix_(std::move(prefix)),
+        undeformed_(std::move(undeformed)) {}
 
   /// The marker "body.marker" (or "body" for the body's own frame) that a key names.
   int marker(const input::Section& section, const std::string& key) const;
   /// The same for one entry `name` of a list.
   int marker_of(const input::Section& section, const std::string& key, const std::string& name) const;
+  std::pair<int, Pose> undeformed(int marker) const { return undeformed_(marker); }
   /// The body that a key names.
   int body(const input::Section& section, const std::string& key) const;
   /// The joint that a key names.
@@ -72,6 +79,7 @@ class ReadContext {
   std::map<std::string, double> parameters_;
   Curves tables_;
   std::string prefix_;
+  Undeformed undeformed_;
 };
 
 }  // namespace flexura::mbs

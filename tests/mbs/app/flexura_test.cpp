@@ -237,6 +237,46 @@ output_step = 0.01
   EXPECT_THAT(outcome.out, HasSubstr("0.49\n"));
 }
 
+// A bead on a turning rod, r = 0.4 m cosh(2 t), passes its end at 2.1 m at acosh(5.25) / 2 = 1.17109 s.
+TEST_F(Flexura, SimulateEndsWhereAMarkerPassesTheEndOfItsPath) {
+  const auto mechanism = folder_ / "rod.toml", results = folder_ / "rod.h5";
+  std::ofstream(mechanism) << R"toml(gravity = [0, 0, 0]
+[body.rod]
+mass = 1
+inertia = [1, 1, 1]
+[body.rod.marker.a]
+position = [0.1, 0, 0]
+[body.rod.marker.b]
+position = [2.1, 0, 0]
+[joint.spin]
+type = "revolute"
+from = "ground"
+to = "rod"
+drive = "2*t"
+[body.bead]
+mass = 0.7
+inertia = [0.1, 0.2, 0.3]
+position = [0.4, 0, 0]
+velocity = [0, 0.8, 0]
+[constraint.slide]
+type = "point_on_path"
+path = ["rod.a", "rod.b"]
+to = "bead"
+[solver]
+end_time = 2
+output_step = 0.001
+)toml";
+  const Outcome outcome = flexura("simulate " + mechanism.string() + " -o " + results.string());
+  EXPECT_EQ(outcome.code, 1);
+  EXPECT_THAT(outcome.err,
+              HasSubstr("constraint \"slide\": its marker passed the end of the path, which goes from "
+                        "0 to 2 m, at about t = 1.1710"));
+  EXPECT_EQ(flexura("simulate " + mechanism.string() +
+                    " --set constraint.slide.ends=straight --set solver.end_time=1.2 -o " + results.string())
+                .code,
+            0);
+}
+
 // A body without superelement: what it leaves out is told in words.
 TEST_F(Flexura, SimulateEstimatesTheErrorBesideAnAncfBeam) {
   const auto mechanism = folder_ / "cable.toml";

@@ -4,6 +4,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <functional>
+#include <string>
 
 #include "beam/model/mesh.hpp"
 
@@ -50,36 +51,47 @@ superelement::Superelement beam_superelement(const StraightBeam& b) {
   mass.diagonal() << m, m, m, b.rho_I_y + b.rho_I_z, b.rho_I_y, b.rho_I_z;
   beam::Model model;
   model.nodes = {{"root", {0, 0, 0}}, {"tip", {L, 0, 0}}};
+  for (int i = 1; i <= b.between; ++i)
+    model.nodes.push_back({"p" + std::to_string(i), {L * i / (b.between + 1), 0, 0}});
   model.sections.push_back({beam::matrix_section("section", C, mass), {}, {}});
-  beam::Member member;
-  member.name = "beam";
-  member.end[0].node = 0;
-  member.end[1].node = 1;
-  member.section = 0;
-  member.theory = beam::Theory::euler_bernoulli;
-  member.direction_B = Eigen::Vector3d::UnitY();
-  member.elements = b.elements;
-  model.members.push_back(member);
+  for (int i = 0; i <= b.between; ++i) {
+    beam::Member member;
+    member.name = "beam" + std::to_string(i);
+    member.end[0].node = i == 0 ? 0 : i + 1;
+    member.end[1].node = i == b.between ? 1 : i + 2;
+    member.section = 0;
+    member.theory = beam::Theory::euler_bernoulli;
+    member.direction_B = Eigen::Vector3d::UnitY();
+    member.elements = b.elements / (b.between + 1);
+    model.members.push_back(member);
+  }
   const beam::BeamMesh mesh(model, {});
 
   const MatrixXd K = beam::stiffness_matrix(mesh);
   const beam::InertiaSums sums = beam::inertia_sums(mesh);
   const MatrixXd M = sums.S_uu[0] + sums.S_uu[1] + sums.S_uu[2];
-  const int n = mesh.n_dofs(), n_i = n - 12;  // the model's two nodes come first
+  const int n_b = 6 * (2 + b.between);
+  const int n = mesh.n_dofs(), n_i = n - n_b;  // the model's nodes come first
   const MatrixXd K_ii = K.bottomRightCorner(n_i, n_i), M_ii = M.bottomRightCorner(n_i, n_i);
   const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> fixed(K_ii, M_ii);
   MatrixXd T = MatrixXd::Zero(n, n);
-  T.topLeftCorner(12, 12).setIdentity();
-  T.bottomLeftCorner(n_i, 12) = -K_ii.llt().solve(K.bottomLeftCorner(n_i, 12));
+  T.topLeftCorner(n_b, n_b).setIdentity();
+  T.bottomLeftCorner(n_i, n_b) = -K_ii.llt().solve(K.bottomLeftCorner(n_i, n_b));
   T.bottomRightCorner(n_i, n_i) = fixed.eigenvectors();
 
   superelement::Superelement se;
   se.name = "beam";
-  se.n_b = 12;
+  se.n_b = n_b;
   se.n_q = n_i;
   using D = superelement::Direction;
   const std::vector<D> all = {D::u_x, D::u_y, D::u_z, D::theta_x, D::theta_y, D::theta_z};
   se.interfaces = {{"root", "node", {0, 0, 0}, all, 0}, {"tip", "node", {L, 0, 0}, all, 6}};
+  for (int i = 1; i <= b.between; ++i)
+    se.interfaces.push_back({model.nodes[static_cast<std::size_t>(i + 1)].name,
+                             "node",
+                             {L * i / (b.between + 1), 0, 0},
+                             all,
+                             6 + 6 * i});
   const auto in_shapes = [&T](const MatrixXd& X) {
     const MatrixXd Y = T.transpose() * X * T;
     return MatrixXd(0.5 * (Y + Y.transpose()));
@@ -104,7 +116,7 @@ superelement::Superelement beam_superelement(const StraightBeam& b) {
   terms.K0r = {zero, zero, zero};
   const MatrixXd spin = K0([&](double x) { return 0.5 * m * (L * L - x * x); });
   terms.K0omega = {zero, spin, spin, zero, zero, zero};
-  terms.K0F.assign(12, zero);
+  terms.K0F.assign(static_cast<std::size_t>(n_b), zero);
   terms.K0F[6] = K0([](double) { return 1.0; });
   return se;
 }

@@ -4,13 +4,14 @@
 #include "mbs/superelement/superelement.hpp"
 
 /// A straight Euler-Bernoulli beam along x from Bo, as a superelement with interfaces "root" (at Bo) and
-/// "tip": the element matrices of beam/, reduced here with dense matrices and all fixed-interface modes, so
+/// "tip", and "p1", "p2", ... at equal distances between: the element matrices of beam/, reduced here with dense matrices and all fixed-interface modes, so
 /// that it deforms as the finite-element model does.
 namespace flexura::mbs::beams {
 
 struct StraightBeam {
   double length = 1.0;
   int elements = 16;
+  int between = 0;  ///< interfaces between root and tip; elements are a multiple of between + 1
   double EA = 1.0, GI_t = 1.0, EI_y = 1.0, EI_z = 1.0;  ///< [N], [N m^2]
   double mass_per_length = 1.0;                         ///< [kg/m]
   double rho_I_y = 1e-8, rho_I_z = 1e-8;                ///< int z^2 dm, int y^2 dm [kg m]

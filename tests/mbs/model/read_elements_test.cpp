@@ -25,6 +25,29 @@ from = "a.out"
 to = "b.in"
 points = [[1, 0, 0], [0.8, 0.9, 0.3], [-0.2, 1.4, 0.5], [-1.2, 0.3, 0.1], [-0.5, -1, -0.4], [0.6, -0.8, -0.2]]
 closed = true)toml",
+      R"toml(type = "point_on_path"
+path = ["a.rail_1", "a.rail_2", "a.out", "a.rail_3"]
+to = "b.in"
+ends = "straight"
+[body.a.marker.rail_1]
+position = [-0.9, -0.2, 0]
+[body.a.marker.rail_2]
+position = [-0.3, 0.3, 0.1]
+rotation = [0.3, 0.2, 1]
+[body.a.marker.rail_3]
+position = [0.9, 0.4, -0.2])toml",
+      R"toml(type = "point_on_path"
+path = ["a.rail_1", "a.rail_2", "a.out", "a.rail_3"]
+to = "b.in"
+orientation = "fixed"
+place = "0.9 + 0.3*sin(2*t)"
+[body.a.marker.rail_1]
+position = [-0.9, -0.2, 0]
+[body.a.marker.rail_2]
+position = [-0.3, 0.3, 0.1]
+rotation = [0.3, 0.2, 1]
+[body.a.marker.rail_3]
+position = [0.9, 0.4, -0.2])toml",
       R"toml(type = "orientation"
 from = "b.in"
 to = "ground")toml",

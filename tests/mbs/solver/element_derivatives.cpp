@@ -72,6 +72,25 @@ class ElementDerivatives : public MechanismFileTest {
   }
 };
 
+// A path on a, given after an element's own keys.
+constexpr const char* kRail = R"toml(
+path = ["a.rail_1", "a.rail_2", "a.out", "a.rail_3", "a.rail_4"]
+%s
+[body.a.marker.rail_1]
+position = [-0.9, -0.2, 0]
+[body.a.marker.rail_2]
+position = [-0.3, 0.3, 0.1]
+rotation = [0.3, 0.2, 1]
+[body.a.marker.rail_3]
+position = [0.7, 0.4, -0.2]
+[body.a.marker.rail_4]
+position = [1.3, 0.2, -0.3]
+)toml";
+std::string on_rail(const std::string& keys) {
+  std::string text = kRail;
+  return text.replace(text.find("%s"), 2, keys);
+}
+
 constexpr const char* kEnds = "from = \"a.out\"\nto = \"b.in\"\n";
 
 TEST_F(ElementDerivatives, OfConstraints) {
@@ -82,6 +101,7 @@ TEST_F(ElementDerivatives, OfConstraints) {
        {"point_on_plane", ends},
        {"point_on_curve", ends + "points = [[1, 0, 0], [0.8, 0.9, 0.3], [-0.2, 1.4, 0.5], [-1.2, 0.3, 0.1], "
                                  "[-0.5, -1, -0.4], [0.6, -0.8, -0.2]]\nclosed = true"},
+       {"point_on_path", on_rail("to = \"b.in\"\norientation = \"fixed\"")},
        {"orientation", ends},
        {"parallel", ends},
        {"perpendicular", ends},
@@ -94,6 +114,23 @@ TEST_F(ElementDerivatives, OfConstraints) {
        {"rolling_disc", "from = \"ground.track\"\nto = \"b.in\"\nradius = \"300 mm\""}});
 }
 
+TEST_F(ElementDerivatives, OfWhatTravelsAlongAPath) {
+  for (const char* keys : {"orientation = \"free\"", "orientation = \"along\"", "place = \"1 + 0.3*t\"",
+                           "orientation = \"fixed\"\nplace = \"1 + sin(t)\""})
+    for (const bool flexible : {false, true}) {
+      SCOPED_TRACE(keys);
+      MechanismDescription d =
+          read(std::string(kThreeBodies) + "[constraint.x]\ntype = \"point_on_path\"\nto = \"b.in\"\n" +
+               on_rail(keys))
+              .description;
+      if (flexible) {
+        make_flexible(d, "a", "", "out");
+        make_flexible(d, "b", "in", "hub");
+      }
+      derivatives_agree(Mechanism(std::move(d)));
+    }
+}
+
 TEST_F(ElementDerivatives, OfForces) {
   const std::string ends = kEnds, sliding = "joint = \"third\"\n";
   check_all(
@@ -102,6 +139,8 @@ TEST_F(ElementDerivatives, OfForces) {
        {"force",
         "marker = \"b.in\"\naxes = \"a.out\"\nreaction = \"a.out\"\nx = \"3*third.position^2 + t\"\ny = "
         "\"sin(third.speed)\""},
+       {"moving_load", on_rail("axes = \"b.in\"\nplace = \"1 + 0.5*sin(third.position)\"\nx = "
+                               "\"3*third.position^2 + t\"\nz = \"sin(third.speed)\"")},
        {"torque", "marker = \"b.in\"\nz = \"2*third.position\"\nx = 3"},
        {"joint_force", sliding + "value = \"-3*third.position^3 + second.speed\""},
        {"joint_spring_damper", sliding + "stiffness = 20\ndamping = 3\nrest = 0.1"},
