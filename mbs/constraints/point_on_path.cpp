@@ -233,14 +233,14 @@ double PointOnPath::start_contact(const Kinematics& kin) const {
 }
 
 std::vector<OutputInfo> PointOnPath::outputs() const {
-  std::vector<OutputInfo> infos = {
-      {"place", dim::length, "where along the path, by the undeformed body"},
-      {"speed", dim::velocity, "rate of the place"},
-      {"force", dim::force, "size of the force between the bodies"},
-      {"force_x", dim::force,
-       "force on the body of `to`, in the axes of the path there: along it (what drives a given place, or guides M along a bend)"},
-      {"force_y", dim::force, "the same, to its side"},
-      {"force_z", dim::force, "the same, up"}};
+  std::vector<OutputInfo> infos = {{"place", dim::length, "where along the path, by the undeformed body"},
+                                   {"speed", dim::velocity, "rate of the place"},
+                                   {"force", dim::force, "size of the force between the bodies"},
+                                   {"force_x", dim::force,
+                                    "force on the body of `to`, in the axes of the path there: along it "
+                                    "(what drives a given place, or guides M along a bend)"},
+                                   {"force_y", dim::force, "the same, to its side"},
+                                   {"force_z", dim::force, "the same, up"}};
   if (law_.orientation == PathOrientation::free) return infos;
   infos.push_back({"torque", dim::torque, "size of the torque between the bodies"});
   for (const char* axis : {"x", "y", "z"})

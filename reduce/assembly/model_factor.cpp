@@ -3,8 +3,10 @@
 
 #include <stdexcept>
 
+#include "reduce/assembly/shared_modes.hpp"
 #include "reduce/linalg/factor/cholesky.hpp"
 #include "reduce/linalg/factor/inertia.hpp"
+#include "reduce/linalg/session/user_options.hpp"
 
 namespace flexura::reduce {
 namespace {
@@ -20,6 +22,7 @@ struct ModelFactor::Impl {
   virtual ~Impl() = default;
   virtual MatrixXd solve(const Ref<const MatrixXd>& B) const = 0;
   virtual void view(_p_PetscViewer*) const {}
+  virtual const DistributedFactor* distributed() const { return nullptr; }
   virtual int n_negative() const = 0;
   virtual const std::vector<int>& order() const = 0;
   virtual const linalg::FactorFigures& figures() const = 0;
@@ -82,6 +85,7 @@ struct Shared : ModelFactor::Impl {
     team.call(Task::solve);
     return L->solve(B);
   }
+  const DistributedFactor* distributed() const override { return L.get(); }
   int n_negative() const override { return L->n_negative(); }
   const std::vector<int>& order() const override { return no_order; }
   const linalg::FactorFigures& figures() const override { return L->figures(); }
@@ -124,6 +128,9 @@ MatrixXd ModelFactor::solve(const Ref<const MatrixXd>& B) const {
 void ModelFactor::view(_p_PetscViewer* viewer) const {
   impl_->view(viewer);
 }
+const DistributedFactor* ModelFactor::distributed() const {
+  return impl_->distributed();
+}
 int ModelFactor::n_negative() const {
   return impl_->n_negative();
 }
@@ -134,10 +141,18 @@ const linalg::FactorFigures& ModelFactor::figures() const {
   return impl_->figures();
 }
 
+double peak_memory_of_others(const linalg::Team& team) {
+  double greatest = 0.0;
+  team.call(Task::tell_memory);
+  team.together([&] { greatest = team.greatest(0.0); });
+  return greatest;
+}
+
 void serve(const linalg::Team& team) {
   std::unique_ptr<TiedModel> share;
   linalg::RowShares rows;
   std::unique_ptr<DistributedFactor> factor;
+  std::unique_ptr<linalg::UserOptions> options;
   for (;;) {
     const Task task = team.wait();
     switch (task) {
@@ -155,8 +170,21 @@ void serve(const linalg::Team& team) {
       case Task::solve:
         factor->solve(MatrixXd());
         break;
+      case Task::find_modes:
+        join_shared_modes(team, *share, rows, *factor);
+        break;
       case Task::forget:
         factor.reset();
+        break;
+      case Task::take_options:
+        options.reset();
+        options = linalg::take_options(team);
+        break;
+      case Task::tell_memory:
+        team.together([&] { team.greatest(linalg::peak_memory()); });
+        break;
+      case Task::print_log:
+        if (options) options->print_log();
         break;
     }
   }

@@ -30,6 +30,8 @@ class ModelFactor {
   Eigen::MatrixXd solve(const Eigen::Ref<const Eigen::MatrixXd>& B) const;
   /// Writes PETSc's report of the solver to its viewer; nothing where a team has factorised.
   void view(_p_PetscViewer* viewer) const;
+  /// What a team has factorised; null where this process alone has.
+  const linalg::DistributedFactor* distributed() const;
   int n_negative() const;                 ///< pivots
   const std::vector<int>& order() const;  ///< empty where a team has factorised
   const linalg::FactorFigures& figures() const;
@@ -38,6 +40,9 @@ class ModelFactor {
   explicit ModelFactor(std::unique_ptr<Impl> impl);
   std::unique_ptr<Impl> impl_;
 };
+
+/// On rank 0: the greatest peak memory of the others [bytes].
+double peak_memory_of_others(const linalg::Team& team);
 
 /// What the ranks that do not lead do until rank 0 sends them home: their shares of elements, factors and
 /// solves.

@@ -32,6 +32,17 @@ ModelFactor factorise(const TiedModel& model, const linalg::Progress& progress,
   }
 }
 
+// V = [A^T, -E].
+Eigen::MatrixXd border_columns(const TiedModel& model) {
+  const auto& A = model.A();
+  const auto& pins = model.pins();
+  const Eigen::Index n_a = A.rows(), n_p = static_cast<Eigen::Index>(pins.size());
+  Eigen::MatrixXd V = Eigen::MatrixXd::Zero(model.n_i(), n_a + n_p);
+  V.leftCols(n_a) = A.transpose();
+  for (Eigen::Index p = 0; p < n_p; ++p) V(pins[p], n_a + p) = -1.0;
+  return V;
+}
+
 }  // namespace
 
 TiedSolver::TiedSolver(const TiedModel& model, const linalg::Progress& progress,
@@ -41,14 +52,17 @@ TiedSolver::TiedSolver(const TiedModel& model, const linalg::Progress& progress,
   const auto& pins = model.pins();
   const Eigen::Index n_a = A.rows(), n_p = static_cast<Eigen::Index>(pins.size());
   if (n_a + n_p == 0) return;
-  Eigen::MatrixXd V = Eigen::MatrixXd::Zero(model.n_i(), n_a + n_p);
-  V.leftCols(n_a) = A.transpose();
-  for (Eigen::Index p = 0; p < n_p; ++p) V(pins[p], n_a + p) = -1.0;
+  const Eigen::MatrixXd V = border_columns(model);
   Z_ = factor_.solve(V);
   Eigen::MatrixXd small = V.transpose() * Z_;
   for (Eigen::Index p = 0; p < n_p; ++p) small(n_a + p, n_a + p) -= 1.0 / model.K_ii().diagonal(pins[p]);
   small_.compute(small);
   if (n_a > 0) AAt_.compute(Eigen::MatrixXd(A * A.transpose()));
+}
+
+TiedSolver::Border TiedSolver::border() const {
+  if (Z_.cols() == 0) return {};
+  return {border_columns(model_), Z_, small_.reconstructedMatrix(), model_.A().rows()};
 }
 
 TiedSolver::Solution TiedSolver::solve_once(const Eigen::Ref<const Eigen::MatrixXd>& F,

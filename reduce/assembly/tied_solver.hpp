@@ -44,7 +44,15 @@ class TiedSolver {
   /// Writes PETSc's report of the solver of K' to its viewer.
   void view(_p_PetscViewer* viewer) const { factor_.view(viewer); }
 
+  /// V, Z = K'^-1 V (n_i x (n_a + n_p)) and V^T Z - S of the equations above.
+  struct Border {
+    Eigen::MatrixXd V, Z, small;
+    Eigen::Index n_averages = 0;
+  };
+  Border border() const;
+
   const TiedModel& model() const { return model_; }
+  const ModelFactor& factor() const { return factor_; }
   const std::vector<int>& order() const { return factor_.order(); }
   const linalg::FactorFigures& figures() const { return factor_.figures(); }
 

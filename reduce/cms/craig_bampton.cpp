@@ -7,6 +7,7 @@
 #include <optional>
 #include <stdexcept>
 
+#include "reduce/assembly/shared_modes.hpp"
 #include "reduce/assembly/tied_solver.hpp"
 #include "reduce/cms/errors/choose_modes.hpp"
 #include "reduce/cms/projection.hpp"
@@ -170,9 +171,10 @@ class ReductionStages {
         return;
       }
       const linalg::EigenRequest request{count, omega * omega, options_.tolerance};
-      pairs = options_.eigensolver == Eigensolver::krylov_schur
-                  ? linalg::krylov_schur(problem, request, options_.progress)
-                  : linalg::block_lanczos(problem, request, options_.progress);
+      const bool krylov = options_.eigensolver == Eigensolver::krylov_schur;
+      pairs = options_.team ? find_shared_modes(solver_, request, krylov, options_.progress)
+              : krylov      ? linalg::krylov_schur(problem, request, options_.progress)
+                            : linalg::block_lanczos(problem, request, options_.progress);
       if (Mhat_.size() == 0) return;
       interior_.participation = linalg::transpose_times(pairs.Phi, Mhat_);
       interior_.omega2 = pairs.omega2;
@@ -345,6 +347,7 @@ Reduction craig_bampton(const Part& whole, const ReductionOptions& options) {
     reduction.report.seconds_certificate = watch.lap();
   }
   reduction.report.peak_memory_bytes = linalg::peak_memory();
+  if (options.team) reduction.report.peak_memory_of_others_bytes = peak_memory_of_others(*options.team);
   return reduction;
 }
 

@@ -46,10 +46,6 @@ ReductionOptions options_of(const PartInput& input, const ReduceOptions& options
 std::vector<linalg::UserOption> petsc_of(const PartInput& input, const ReduceOptions& options) {
   std::vector<linalg::UserOption> petsc = input.petsc;
   petsc.insert(petsc.end(), options.petsc.begin(), options.petsc.end());
-  if (options.team && !petsc.empty())
-    throw input::InputError(
-        "options of PETSc are for one process; the processes of mpirun factorise by MUMPS: leave them out, "
-        "or mpirun");
   return petsc;
 }
 
@@ -104,7 +100,7 @@ void add_hints(const PartInput& input, const Attempt& done, ReportData& data) {
 Reduced reduce(const PartInput& input, const ReduceOptions& options) {
   const auto start = std::chrono::steady_clock::now();
   const linalg::Session session;
-  const linalg::UserOptions user(petsc_of(input, options));
+  const linalg::UserOptions user(petsc_of(input, options), options.team);
   const bool finished = !input.finished.vectors.empty();
   if (options.compare > 0 && finished)
     throw input::InputError(

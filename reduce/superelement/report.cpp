@@ -286,7 +286,10 @@ Report make_report(const PartInput& input, const Reduction& reduction, ReportDat
     text += fmt::format("  static compliance against the full model: {:.1e}\n", data.comparison.static_error);
   if (r.factor.in_file)
     text += fmt::format("  the factor ({:.2f} GB) was kept in a temporary file\n", r.factor.bytes / 1e9);
-  text += fmt::format("  {:.1f} s in all, peak memory {:.2f} GB\n", data.seconds, r.peak_memory_bytes / 1e9);
+  text += fmt::format("  {:.1f} s in all, peak memory {:.2f} GB", data.seconds, r.peak_memory_bytes / 1e9);
+  if (r.peak_memory_of_others_bytes > 0.0)
+    text += fmt::format(" (the other processes up to {:.2f} GB)", r.peak_memory_of_others_bytes / 1e9);
+  text += '\n';
   text += "  " + verdict + '\n';
   return report;
 }

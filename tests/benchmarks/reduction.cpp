@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <fstream>
 #include <random>
+#include <set>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -16,13 +17,14 @@
 #include "reduce/cms/craig_bampton.hpp"
 #include "reduce/file/part_file.hpp"
 #include "reduce/linalg/session/session.hpp"
+#include "reduce/linalg/session/user_options.hpp"
 #include "reduce/part/make_part.hpp"
 #include "reduce/superelement/surface.hpp"
 #include "reduce/superelement/to_superelement.hpp"
 
 /// The reduction of one CAD part against its own factorisation, against Krylov-Schur and against CalculiX,
-/// all on one mesh.  bench_reduction NAME PART.toml SIZE MODES [krylov] [calculix] [file]; with `file` the
-/// factor is kept in a file
+/// all on one mesh.  bench_reduction NAME PART.toml SIZE MODES [krylov] [packages] [calculix] [file]; with `packages` also
+/// on the factors of other solver packages, with `file` the factor is kept in a file
 namespace flexura::reduce {
 namespace {
 
@@ -146,8 +148,36 @@ void against_calculix(const std::string& name, const PartInput& input, Part part
         greatest_difference(reduce(part, like_ccx).reduction, hertz), "1");
 }
 
+/// The same reduction on factors of other packages; block low-rank ones are less accurate, which the residuals show.
+void against_packages(const std::string& name, const Part& part, const Timed& ours,
+                      const ReductionOptions& options) {
+  const std::string mumps = "-pc_factor_mat_solver_type mumps",
+                    low_rank = mumps + " -mat_mumps_icntl_35 2 -mat_mumps_cntl_7 ";
+  const std::pair<std::string, std::string> packages[] = {{"cholmod", "-pc_factor_mat_solver_type cholmod"},
+                                                          {"mumps", mumps},
+                                                          {"mumps_low_rank_1e-12", low_rank + "1e-12"},
+                                                          {"mumps_low_rank_1e-10", low_rank + "1e-10"},
+                                                          {"mumps_low_rank_1e-8", low_rank + "1e-8"}};
+  for (const auto& [package, text] : packages) try {
+      const linalg::UserOptions user(linalg::parse_options(text));
+      const double before = linalg::processor_seconds();
+      const Timed theirs = reduce(part, options);
+      const ReductionReport& r = theirs.reduction.report;
+      const std::string their_name = name + "." + package;
+      print_stages(their_name, theirs);
+      print(their_name + ".core", core_seconds(r), "s");
+      print(their_name + ".processor", linalg::processor_seconds() - before, "s");
+      print(their_name + ".core_over_ours", core_seconds(r) / core_seconds(ours.reduction.report), "1");
+      const Eigen::VectorXd &a = ours.reduction.omega2, &b = theirs.reduction.omega2;
+      if (a.size() == b.size())
+        print(their_name + ".difference", 0.5 * ((b - a).array() / a.array()).abs().maxCoeff(), "1");
+    } catch (const std::exception& error) {
+      fmt::print(stderr, "{}.{}: {}\n", name, package, error.what());
+    }
+}
+
 void run(const std::string& name, const std::filesystem::path& file, const std::string& size, int n_modes,
-         bool krylov, bool calculix, bool in_file) {
+         const std::set<std::string>& words) {
   PartInput input = read_part(file, {"mesh.size=" + size, fmt::format("modes.count={}", n_modes)});
   input.cad.worker = FLEXURA_BIN_DIR "/flexura-mesh";
   const ModelledPart modelled = make_part(input, load_part_mesh(input, {}));
@@ -160,12 +190,16 @@ void run(const std::string& name, const std::filesystem::path& file, const std::
   options.n_modes = n_modes;
   options.tolerance = 1e-8;
   options.certify = true;
-  if (in_file) options.storage.place = linalg::FactorStorage::Place::file;
+  if (words.contains("file")) options.storage.place = linalg::FactorStorage::Place::file;
   options.shape_nodes = picture.nodes;
+  const double before = linalg::processor_seconds();
   Timed ours = reduce(part, options);
+  const double processor = linalg::processor_seconds() - before;
   const ReductionReport r = ours.reduction.report;
   print(name + ".dofs", r.n_i + r.n_b, "1");
   print_stages(name, ours);
+  print(name + ".core", core_seconds(r), "s");
+  print(name + ".processor", processor, "s");
   print(name + ".factor", r.factor.bytes / 1e9, "GB");
   print(name + ".peak_memory", r.peak_memory_bytes / 1e9, "GB");
   print(name + ".core_over_factorisation", core_seconds(r) / r.factor.seconds_numeric, "1");
@@ -173,7 +207,8 @@ void run(const std::string& name, const std::filesystem::path& file, const std::
   const std::filesystem::path folder =
       std::filesystem::temp_directory_path() / fmt::format("flexura_bench_{}", std::random_device{}());
   std::filesystem::create_directories(folder);
-  if (krylov) {
+  if (words.contains("packages")) against_packages(name, part, ours, options);
+  if (words.contains("krylov")) {
     ReductionOptions plain = options;
     plain.eigensolver = Eigensolver::krylov_schur;
     plain.certify = plain.estimate_error = false;
@@ -184,7 +219,7 @@ void run(const std::string& name, const std::filesystem::path& file, const std::
           core_seconds(theirs.reduction.report) / theirs.reduction.report.factor.seconds_numeric, "1");
     print(name + ".krylov_schur_over_ours", seconds / r.seconds_normal_modes, "1");
   }
-  if (calculix) against_calculix(name, input, part, ours, options, folder);
+  if (words.contains("calculix")) against_calculix(name, input, part, ours, options, folder);
   linalg::Stopwatch watch;
   superelement::write(folder / "part.se.h5",
                       to_superelement(input, std::move(ours.reduction), std::move(picture.surface), "{}"));
@@ -199,18 +234,13 @@ void run(const std::string& name, const std::filesystem::path& file, const std::
 
 int main(int argc, char** argv) {
   if (argc < 5) {
-    fmt::print(stderr, "usage: bench_reduction NAME PART.toml SIZE MODES [krylov] [calculix] [file]\n");
+    fmt::print(stderr,
+               "usage: bench_reduction NAME PART.toml SIZE MODES [krylov] [packages] [calculix] [file]\n");
     return 2;
-  }
-  bool krylov = false, calculix = false, file = false;
-  for (int k = 5; k < argc; ++k) {
-    krylov = krylov || std::string(argv[k]) == "krylov";
-    file = file || std::string(argv[k]) == "file";
-    calculix = calculix || std::string(argv[k]) == "calculix";
   }
   const flexura::linalg::Session session;
   try {
-    flexura::reduce::run(argv[1], argv[2], argv[3], std::stoi(argv[4]), krylov, calculix, file);
+    flexura::reduce::run(argv[1], argv[2], argv[3], std::stoi(argv[4]), {argv + 5, argv + argc});
   } catch (const std::exception& error) {
     fmt::print(stderr, "error: {}\n", error.what());
     return 1;

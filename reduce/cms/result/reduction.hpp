@@ -52,6 +52,7 @@ struct ReductionReport {
   double seconds_estimate = 0.0, seconds_mesh_error = 0.0, seconds_stiffening = 0.0, seconds_stress = 0.0;
   double processor_seconds_mesh_error = 0.0;  ///< all cores together
   double peak_memory_bytes = 0.0;             ///< of the process so far
+  double peak_memory_of_others_bytes = 0.0;   ///< the greatest of a team's other processes; 0: there are none
   int solved_right_hand_sides = 0;            ///< by the eigensolver
   double rigid_strain = 0.0;  ///< |K_bb R| over |K_bb| |R| before rigid motions are taken out: round-off
   double rigid_error = 0.0;   ///< of rigid motions in the constraint modes before they are made exact

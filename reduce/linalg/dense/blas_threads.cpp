@@ -5,7 +5,10 @@
 #include <fmt/format.h>
 #include <sys/mman.h>
 
+#include <algorithm>
 #include <stdexcept>
+
+#include "mbs/base/threads/pool.hpp"
 
 namespace flexura::linalg {
 namespace {
@@ -23,6 +26,17 @@ OneBlasThread::OneBlasThread() : before_(get_threads && set_threads ? get_thread
 
 OneBlasThread::~OneBlasThread() {
   if (before_ > 1) set_threads(before_);
+}
+
+SomeCores::SomeCores(int n)
+    : before_(threads::count()), blas_before_(get_threads && set_threads ? get_threads() : 0) {
+  threads::set_count(std::min(n, before_));
+  if (blas_before_ > n) set_threads(n);
+}
+
+SomeCores::~SomeCores() {
+  threads::set_count(before_);
+  if (blas_before_ > 0) set_threads(blas_before_);
 }
 
 void set_blas_threads(int n) {

@@ -16,6 +16,19 @@ class OneBlasThread {
   int before_;
 };
 
+/// So many threads at most share work, BLAS' among them, for as long as this lives: where other processes work on the
+/// machine's other cores.
+class SomeCores {
+ public:
+  explicit SomeCores(int n);
+  ~SomeCores();
+  SomeCores(const SomeCores&) = delete;
+  SomeCores& operator=(const SomeCores&) = delete;
+
+ private:
+  int before_, blas_before_;
+};
+
 /// So many threads from now on.
 void set_blas_threads(int n);
 

@@ -204,6 +204,8 @@ EigenPairs iterate_block_lanczos(const EigenProblem& problem, const EigenRequest
                                  const BlockLanczosSettings& settings, const Progress& progress) {
   constexpr const char* kStage = "modes (block Lanczos)";
   const int block = std::max(1, settings.block);
+  double n_rows = problem.n;  // of all processes
+  if (problem.sum) problem.sum(&n_rows, 1);
   const Index b = std::min<Index>(block, problem.n_free);
   const Index target = std::max(request.count, 1);
   // Restarts keep the pairs wanted and two blocks, and need some room beside them.
@@ -277,7 +279,7 @@ EigenPairs iterate_block_lanczos(const EigenProblem& problem, const EigenRequest
       // A look at H costs some 100 size^3, a block 8 n size b in orthogonalisation alone: looks are to be a
       // quarter of that.  The pairs known so far tell when the rest will be.
       const double size = static_cast<double>(old), gained = static_cast<double>(known - known_then);
-      const double least = std::clamp(48.0 * size * size / problem.n, static_cast<double>(b),
+      const double least = std::clamp(48.0 * size * size / n_rows, static_cast<double>(b),
                                       std::max(size / 8.0, static_cast<double>(b)));
       const double needed = gained > 0.0 ? static_cast<double>(target - known) *
                                                (size - static_cast<double>(looked_at)) / gained
@@ -300,11 +302,7 @@ EigenPairs iterate_block_lanczos(const EigenProblem& problem, const EigenRequest
       }
       orthonormalise(problem, pairs.Phi);
       measure_residuals(problem, pairs);
-      if (!is_accurate(pairs, request.tolerance)) {
-        polish(problem, pairs);
-        pairs.n_solves += static_cast<int>(count);
-        ++pairs.n_blocks;
-      }
+      polish_until_accurate(problem, request.tolerance, pairs);
       if (count == 0 || is_accurate(pairs, request.tolerance)) {
         report(progress, kStage, 1.0);
         return pairs;

@@ -60,6 +60,19 @@ void polish(const EigenProblem& problem, EigenPairs& pairs) {
   measure_residuals(problem, pairs);
 }
 
+void polish_until_accurate(const EigenProblem& problem, double tolerance, EigenPairs& pairs) {
+  constexpr int kMost = 6;
+  double before = std::numeric_limits<double>::infinity();
+  for (int step = 0; step < kMost && !is_accurate(pairs, tolerance); ++step) {
+    const double worst = pairs.residual.maxCoeff();
+    if (worst > 0.5 * before) return;
+    before = worst;
+    polish(problem, pairs);
+    pairs.n_solves += static_cast<int>(pairs.Phi.cols());
+    ++pairs.n_blocks;
+  }
+}
+
 void measure_residuals(const EigenProblem& problem, EigenPairs& pairs) {
   const Eigen::Index count = pairs.Phi.cols();
   pairs.omega2.resize(count);

@@ -84,4 +84,7 @@ void orthonormalise(const EigenProblem& problem, Eigen::MatrixXd& Phi);
 /// them.  Residuals are measured anew.
 void polish(const EigenProblem& problem, EigenPairs& pairs);
 
+/// Such steps as long as they help and are needed: one with an accurate factor, some with one that is not (block low-rank).
+void polish_until_accurate(const EigenProblem& problem, double tolerance, EigenPairs& pairs);
+
 }  // namespace flexura::linalg

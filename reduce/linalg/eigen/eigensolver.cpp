@@ -6,6 +6,7 @@
 #include <slepceps.h>
 
 #include <algorithm>
+#include <cmath>
 #include <exception>
 #include <random>
 #include <stdexcept>
@@ -28,30 +29,41 @@ void ok(PetscErrorCode code) {
 // What PETSc's callbacks see.
 struct Shell {
   const EigenProblem& problem;
-  bool project = false;  // products, too: for methods that do not only take what `solve` gives
+  // For methods that do not only take what `solve` gives, in a space smaller than that of the vectors: the projection P
+  // into it, K' = P K P + stiffness (1 - P), M' = P M P + mass (1 - P).  Their eigenvectors out of the space have eigenvalues at
+  // the upper end of the spectrum; without them round-off out of the space, where K and M vanish, would grow.
+  bool project = false;
+  double stiffness = 1.0, mass = 1.0;
   int n_solves = 0;
 };
 
-// Y = op(X) on PETSc's numbers.
-PetscErrorCode apply(const EigenProblem::Operator& op, const PetscScalar* X, PetscScalar* Y,
-                     Eigen::Index rows, Eigen::Index cols, const std::function<void(MatrixXd&)>& then = {}) {
+// Y = op(X) on PETSc's numbers; `beside`: of what lies out of the space.
+PetscErrorCode apply(const Shell& shell, const EigenProblem::Operator& op, double beside,
+                     const PetscScalar* X, PetscScalar* Y, Eigen::Index rows, Eigen::Index cols) {
   return guarded([&] {
+    const Eigen::Map<const MatrixXd> x(X, rows, cols);
     MatrixXd y;
-    op(Eigen::Map<const MatrixXd>(X, rows, cols), y);
-    if (then) then(y);
+    if (shell.project) {
+      MatrixXd inside = x;
+      shell.problem.project(inside);
+      op(inside, y);
+      shell.problem.project(y);
+      y += beside * (x - inside);
+    } else {
+      op(x, y);
+    }
     Eigen::Map<MatrixXd>(Y, rows, cols) = y;
   });
 }
 
-PetscErrorCode apply(const EigenProblem::Operator& op, Vec x, Vec y,
-                     const std::function<void(MatrixXd&)>& then = {}) {
+PetscErrorCode apply(const Shell& shell, const EigenProblem::Operator& op, double beside, Vec x, Vec y) {
   PetscInt n = 0;
   const PetscScalar* in = nullptr;
   PetscScalar* out = nullptr;
   if (PetscErrorCode code = VecGetLocalSize(x, &n)) return code;
   if (PetscErrorCode code = VecGetArrayRead(x, &in)) return code;
   if (PetscErrorCode code = VecGetArrayWrite(y, &out)) return code;
-  const PetscErrorCode code = apply(op, in, out, n, 1, then);
+  const PetscErrorCode code = apply(shell, op, beside, in, out, n, 1);
   VecRestoreArrayRead(x, &in);
   VecRestoreArrayWrite(y, &out);
   return code;
@@ -66,18 +78,18 @@ Shell& shell_of(Get get, Object object) {
 
 PetscErrorCode multiply_K(Mat mat, Vec x, Vec y) {
   const Shell& shell = shell_of([](Mat m, void* c) { return MatShellGetContext(m, c); }, mat);
-  return apply(shell.problem.multiply_K, x, y, shell.project ? shell.problem.project : nullptr);
+  return apply(shell, shell.problem.multiply_K, shell.stiffness, x, y);
 }
 
 PetscErrorCode multiply_M(Mat mat, Vec x, Vec y) {
   const Shell& shell = shell_of([](Mat m, void* c) { return MatShellGetContext(m, c); }, mat);
-  return apply(shell.problem.multiply_M, x, y, shell.project ? shell.problem.project : nullptr);
+  return apply(shell, shell.problem.multiply_M, shell.mass, x, y);
 }
 
 PetscErrorCode solve_one(PC pc, Vec x, Vec y) {
   Shell& shell = shell_of([](PC p, void* c) { return PCShellGetContext(p, c); }, pc);
   ++shell.n_solves;
-  return apply(shell.problem.solve, x, y);
+  return apply(shell, shell.problem.solve, 1.0 / shell.stiffness, x, y);
 }
 
 PetscErrorCode solve_block(PC pc, Mat X, Mat Y) {
@@ -85,14 +97,15 @@ PetscErrorCode solve_block(PC pc, Mat X, Mat Y) {
   PetscInt n = 0, k = 0, X_stride = 0, Y_stride = 0;
   const PetscScalar* in = nullptr;
   PetscScalar* out = nullptr;
-  if (PetscErrorCode code = MatGetSize(X, &n, &k)) return code;
+  if (PetscErrorCode code = MatGetLocalSize(X, &n, nullptr)) return code;
+  if (PetscErrorCode code = MatGetSize(X, nullptr, &k)) return code;
   if (PetscErrorCode code = MatDenseGetLDA(X, &X_stride)) return code;
   if (PetscErrorCode code = MatDenseGetLDA(Y, &Y_stride)) return code;
-  if (X_stride != n || Y_stride != n) return PETSC_ERR_SUP;
+  if (n > 0 && (X_stride != n || Y_stride != n)) return PETSC_ERR_SUP;
   if (PetscErrorCode code = MatDenseGetArrayRead(X, &in)) return code;
   if (PetscErrorCode code = MatDenseGetArrayWrite(Y, &out)) return code;
   shell.n_solves += k;
-  const PetscErrorCode code = apply(shell.problem.solve, in, out, n, k);
+  const PetscErrorCode code = apply(shell, shell.problem.solve, 1.0 / shell.stiffness, in, out, n, k);
   MatDenseRestoreArrayRead(X, &in);
   MatDenseRestoreArrayWrite(Y, &out);
   return code;
@@ -124,8 +137,13 @@ struct Objects {
   }
 };
 
+// The processes that hold the vectors' rows.
+MPI_Comm processes_of(const EigenProblem& problem) {
+  return problem.sum ? PETSC_COMM_WORLD : PETSC_COMM_SELF;
+}
+
 // A vector of the problem's space, random but for that.
-Vec starting_vector(const EigenProblem& problem, std::mt19937_64& random) {
+Vec starting_vector(const EigenProblem& problem, Mat K, std::mt19937_64& random) {
   std::normal_distribution<double> normal;
   MatrixXd start(problem.n, 1), MX, x;
   for (double& entry : start.reshaped()) entry = normal(random);
@@ -133,7 +151,7 @@ Vec starting_vector(const EigenProblem& problem, std::mt19937_64& random) {
   problem.solve(MX, x);
   Vec vector = nullptr;
   PetscScalar* data = nullptr;
-  ok(VecCreateSeq(PETSC_COMM_SELF, problem.n, &vector));
+  ok(MatCreateVecs(K, &vector, nullptr));
   ok(VecGetArray(vector, &data));
   std::copy_n(x.data(), problem.n, data);
   ok(VecRestoreArray(vector, &data));
@@ -155,32 +173,50 @@ void set_type(EPS eps, const char* type) {
   ok(EPSSetType(eps, given ? named : type));
 }
 
+// Whether the method sees the inverse only; others multiply by K and M and take `solve` for a preconditioner.
+bool inverts(EPS eps) {
+  return eps->categ == EPS_CATEGORY_KRYLOV || eps->categ == EPS_CATEGORY_OTHER;
+}
+
+// Keeps the method in the problem's space.
+void project(Shell& shell, std::mt19937_64& random) {
+  const EigenProblem& problem = shell.problem;
+  std::normal_distribution<double> normal;
+  MatrixXd x(problem.n, 1), Kx, Mx;
+  for (double& entry : x.reshaped()) entry = normal(random);
+  problem.multiply_K(x, Kx);
+  problem.multiply_M(x, Mx);
+  const double size = problem.inner(x, x)(0, 0);
+  shell.stiffness = std::sqrt(problem.inner(Kx, Kx)(0, 0) / size);
+  shell.mass = std::sqrt(problem.inner(Mx, Mx)(0, 0) / size);
+  shell.project = true;
+}
+
 void create(Objects& o, Shell& shell, const char* type, int count, double tolerance) {
   const EigenProblem& problem = shell.problem;
   const int n = problem.n;
-  ok(MatCreateShell(PETSC_COMM_SELF, n, n, n, n, &shell, &o.K));
-  ok(MatCreateShell(PETSC_COMM_SELF, n, n, n, n, &shell, &o.M));
+  const MPI_Comm comm = processes_of(problem);
+  for (Mat* mat : {&o.K, &o.M}) ok(MatCreateShell(comm, n, n, PETSC_DETERMINE, PETSC_DETERMINE, &shell, mat));
   ok(MatShellSetOperation(o.K, MATOP_MULT, reinterpret_cast<void (*)()>(multiply_K)));
   ok(MatShellSetOperation(o.M, MATOP_MULT, reinterpret_cast<void (*)()>(multiply_M)));
   for (Mat mat : {o.K, o.M}) ok(MatSetOption(mat, MAT_SYMMETRIC, PETSC_TRUE));
-  ok(EPSCreate(PETSC_COMM_SELF, &o.eps));
+  ok(EPSCreate(comm, &o.eps));
   ok(EPSSetOperators(o.eps, o.K, o.M));
   ok(EPSSetProblemType(o.eps, EPS_GHEP));
   set_type(o.eps, type);
-  const bool inverts = o.eps->categ == EPS_CATEGORY_KRYLOV || o.eps->categ == EPS_CATEGORY_OTHER;
-  shell.project = !inverts;
+  const bool by_solves = inverts(o.eps);
   const bool blocks = type_of(o.eps) == kBlockLanczos;
   const int n_vectors = std::min(problem.n_free, std::max(2 * count, count + 20));
-  ok(EPSSetDimensions(o.eps, std::min(count, problem.n_free), blocks || !inverts ? PETSC_DEFAULT : n_vectors,
-                      PETSC_DEFAULT));
+  ok(EPSSetDimensions(o.eps, std::min(count, problem.n_free),
+                      blocks || !by_solves ? PETSC_DEFAULT : n_vectors, PETSC_DEFAULT));
   // The residual of K phi = omega^2 M phi is measured in a norm that stresses short waves: two digits in hand.
-  ok(EPSSetTolerances(o.eps, std::max(1e-2 * tolerance, 1e-14), inverts ? 2000 : 20000));
+  ok(EPSSetTolerances(o.eps, std::max(1e-2 * tolerance, 1e-14), by_solves ? 2000 : 20000));
   ST st = nullptr;
   KSP ksp = nullptr;
   PC pc = nullptr;
   ok(EPSGetST(o.eps, &st));
   ok(STSetMatMode(st, ST_MATMODE_SHELL));
-  if (inverts) {
+  if (by_solves) {
     ok(STSetType(st, STSINVERT));
     ok(STSetShift(st, -problem.shift));
     ok(EPSSetTarget(o.eps, -problem.shift));
@@ -189,7 +225,7 @@ void create(Objects& o, Shell& shell, const char* type, int count, double tolera
     ok(EPSSetWhichEigenpairs(o.eps, EPS_SMALLEST_REAL));
   }
   ok(STGetKSP(st, &ksp));
-  if (inverts) ok(KSPSetType(ksp, KSPPREONLY));
+  if (by_solves) ok(KSPSetType(ksp, KSPPREONLY));
   ok(KSPGetPC(ksp, &pc));
   ok(PCSetType(pc, PCSHELL));
   ok(PCShellSetContext(pc, &shell));
@@ -200,7 +236,7 @@ void create(Objects& o, Shell& shell, const char* type, int count, double tolera
   ok(EPSSetFromOptions(o.eps));
 }
 
-EigenPairs take_pairs(EPS eps, int n) {
+EigenPairs take_pairs(EPS eps, Mat K, int n) {
   PetscInt converged = 0;
   ok(EPSGetConverged(eps, &converged));
   std::vector<std::pair<double, int>> order;
@@ -213,14 +249,17 @@ EigenPairs take_pairs(EPS eps, int n) {
   EigenPairs pairs;
   pairs.omega2.resize(converged);
   pairs.Phi.resize(n, converged);
+  Vec x = nullptr;
+  ok(MatCreateVecs(K, &x, nullptr));
   for (int k = 0; k < converged; ++k) {
     pairs.omega2(k) = order[k].first;
-    Vec x = nullptr;
-    ok(VecCreateSeqWithArray(PETSC_COMM_SELF, 1, n, pairs.Phi.col(k).data(), &x));
-    const PetscErrorCode code = EPSGetEigenvector(eps, order[k].second, x, nullptr);
-    ok(VecDestroy(&x));
-    ok(code);
+    const PetscScalar* entries = nullptr;
+    ok(EPSGetEigenvector(eps, order[k].second, x, nullptr));
+    ok(VecGetArrayRead(x, &entries));
+    std::copy_n(entries, n, pairs.Phi.col(k).data());
+    ok(VecRestoreArrayRead(x, &entries));
   }
+  ok(VecDestroy(&x));
   return pairs;
 }
 
@@ -241,16 +280,17 @@ EigenPairs solve_for(const EigenProblem& problem, const EigenRequest& request, i
   }
   report(progress, "modes (" + chosen + ")", 0.0);
   // Where averages hold the vectors a method must start in their space, with all the vectors that it starts with.
-  std::mt19937_64 random(20240229);
-  PetscInt n_start = 1;
-  if (shell.project) {
+  std::mt19937_64 random(20240229 + static_cast<unsigned>(problem.rank));
+  PetscInt n_start = 1, n_rows = 0;
+  if (!inverts(o.eps)) {
     ok(EPSGetDimensions(o.eps, &n_start, nullptr, nullptr));
-    shell.project = problem.n_free < problem.n;
+    ok(MatGetSize(o.K, &n_rows, nullptr));
+    if (problem.project && problem.n_free < n_rows) project(shell, random);
   }
-  for (PetscInt k = 0; k < n_start; ++k) o.start.push_back(starting_vector(problem, random));
+  for (PetscInt k = 0; k < n_start; ++k) o.start.push_back(starting_vector(problem, o.K, random));
   ok(EPSSetInitialSpace(o.eps, n_start, o.start.data()));
   ok(EPSSolve(o.eps));
-  EigenPairs pairs = take_pairs(o.eps, problem.n);
+  EigenPairs pairs = take_pairs(o.eps, o.K, problem.n);
   const auto found = static_cast<int>(pairs.omega2.size());
   if (found < std::min(count, problem.n_free))
     throw std::runtime_error(
@@ -266,11 +306,7 @@ void finish(const EigenProblem& problem, const EigenRequest& request, EigenPairs
   if (pairs.Phi.cols() == 0) return measure_residuals(problem, pairs);
   orthonormalise(problem, pairs.Phi);
   measure_residuals(problem, pairs);
-  for (int step = 0; step < 2 && !is_accurate(pairs, request.tolerance); ++step) {
-    pairs.n_solves += static_cast<int>(pairs.Phi.cols());
-    ++pairs.n_blocks;
-    polish(problem, pairs);
-  }
+  polish_until_accurate(problem, request.tolerance, pairs);
   if (!is_accurate(pairs, request.tolerance))
     throw std::runtime_error(fmt::format(
         "the worst residual of {} modes stays at {:.1e}, above {:.1e}: ask SLEPc for more accurate pairs "

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "reduce/linalg/dense/blas_threads.hpp"
 #include "reduce/linalg/dense/progress.hpp"
 #include "reduce/linalg/petsc/petsc_check.hpp"
 
@@ -31,27 +32,26 @@ struct DistributedFactor::Impl {
   int n_negative = 0, n_zero = 0;
   FactorFigures figures;
 
-  int n_own() const { return rows.begin[team.rank() + 1] - rows.begin[team.rank()]; }
+  int n_own() const { return rows.n_own(team); }
   void assemble(const UpperCsr& part, const std::vector<std::pair<int, double>>& diagonal, Mat& A) const;
   void factorise(Mat A);
 };
 
-// Each rank says which entries it has, both triangles of them; PETSc sends each to its row's owner.
+// Each rank says which entries it has; PETSc sends each to its row's owner.  The upper triangle by the ranks' numbers is
+// all that PETSc hands to MUMPS of a symmetric matrix, and half the memory.
 void DistributedFactor::Impl::assemble(const UpperCsr& part,
                                        const std::vector<std::pair<int, double>>& diagonal, Mat& A) const {
   std::vector<PetscInt> i, j;
   std::vector<PetscScalar> values;
   const auto add = [&](int row, int column, double value) {
     if (value == 0.0) return;
-    i.push_back(rows.number[row]);
-    j.push_back(rows.number[column]);
+    const auto [first, second] = std::minmax(rows.number[row], rows.number[column]);
+    i.push_back(first);
+    j.push_back(second);
     values.push_back(value);
   };
   for (int r = 0; r < part.n; ++r)
-    for (int k = part.row_begin[r]; k < part.row_begin[r + 1]; ++k) {
-      add(r, part.columns[k], part.values[k]);
-      if (part.columns[k] != r) add(part.columns[k], r, part.values[k]);
-    }
+    for (int k = part.row_begin[r]; k < part.row_begin[r + 1]; ++k) add(r, part.columns[k], part.values[k]);
   for (const auto& [row, value] : diagonal) add(row, row, value);
   const auto ok = [](PetscErrorCode code) { petsc_check(code, "assembling a matrix over all processes"); };
   ok(MatCreate(PETSC_COMM_WORLD, &A));
@@ -98,6 +98,7 @@ DistributedFactor::DistributedFactor(const Team& team, const UpperCsr& part, con
                                      const std::vector<std::pair<int, double>>& diagonal)
     : impl_(new Impl{team, rows, {}, 0, 0, {}}) {
   team.together([&] {
+    const SomeCores cores(team.cores_each());
     Matrix A;
     impl_->assemble(part, diagonal, A.mat);
     impl_->factorise(A.mat);
@@ -106,56 +107,47 @@ DistributedFactor::DistributedFactor(const Team& team, const UpperCsr& part, con
 
 DistributedFactor::~DistributedFactor() = default;
 
-Eigen::MatrixXd DistributedFactor::solve(const Eigen::Ref<const Eigen::MatrixXd>& B) const {
-  const Team& team = impl_->team;
-  const RowShares& rows = impl_->rows;
-  const bool leads = team.rank() == 0;
-  const auto n = static_cast<Eigen::Index>(rows.number.size());
-  Eigen::MatrixXd X(leads ? n : 0, leads ? B.cols() : 0);
-  team.together([&] {
-    const auto ok = [](PetscErrorCode code) { petsc_check(code, "solving over all processes"); };
-    int n_cols = static_cast<int>(B.cols());
-    team.share(n_cols);
-    for (int first = 0; first < n_cols; first += kColumns) {
-      const int width = std::min(kColumns, n_cols - first), n_own = impl_->n_own();
-      // By ranks, and the rows of a rank by columns.
-      std::vector<int> counts(team.size());
-      for (int r = 0; r < team.size(); ++r) counts[r] = (rows.begin[r + 1] - rows.begin[r]) * width;
-      std::vector<double> all(leads ? static_cast<std::size_t>(n) * width : 0);
-      const auto each = [&](const auto& visit) {
-        std::vector<int> owner(n);
-        for (int r = 0; r < team.size(); ++r)
-          std::fill(owner.begin() + rows.begin[r], owner.begin() + rows.begin[r + 1], r);
-        for (Eigen::Index row = 0; row < n; ++row) {
-          const int number = rows.number[row], r = owner[number], height = rows.begin[r + 1] - rows.begin[r];
-          const std::size_t place =
-              static_cast<std::size_t>(rows.begin[r]) * width + (number - rows.begin[r]);
-          for (int c = 0; c < width; ++c)
-            visit(row, first + c, all[place + static_cast<std::size_t>(c) * height]);
-        }
-      };
-      if (leads) each([&](Eigen::Index row, Eigen::Index c, double& value) { value = B(row, c); });
-      Matrix b, x;
-      ok(MatCreateDense(PETSC_COMM_WORLD, n_own, PETSC_DECIDE, static_cast<PetscInt>(n), width, nullptr,
-                        &b.mat));
-      ok(MatCreateDense(PETSC_COMM_WORLD, n_own, PETSC_DECIDE, static_cast<PetscInt>(n), width, nullptr,
-                        &x.mat));
-      PetscScalar* values = nullptr;
-      ok(MatDenseGetArray(b.mat, &values));
-      team.scatter(all.data(), counts, values);
-      ok(MatDenseRestoreArray(b.mat, &values));
-      for (Mat mat : {b.mat, x.mat}) {
-        ok(MatAssemblyBegin(mat, MAT_FINAL_ASSEMBLY));
-        ok(MatAssemblyEnd(mat, MAT_FINAL_ASSEMBLY));
-      }
-      ok(MatMatSolve(impl_->L.mat, b.mat, x.mat));
-      ok(MatDenseGetArray(x.mat, &values));
-      team.gather(values, counts, all.data());
-      ok(MatDenseRestoreArray(x.mat, &values));
-      if (leads) each([&](Eigen::Index row, Eigen::Index c, const double& value) { X(row, c) = value; });
+void DistributedFactor::solve_own(const Eigen::Ref<const Eigen::MatrixXd>& B, Eigen::MatrixXd& X) const {
+  const auto ok = [](PetscErrorCode code) { petsc_check(code, "solving over all processes"); };
+  const auto n = static_cast<PetscInt>(impl_->rows.number.size());
+  const int n_own = impl_->n_own();
+  const SomeCores cores(impl_->team.cores_each());
+  X.resize(n_own, B.cols());
+  for (Eigen::Index first = 0; first < B.cols(); first += kColumns) {
+    const auto width = static_cast<PetscInt>(std::min<Eigen::Index>(kColumns, B.cols() - first));
+    Matrix b, x;
+    for (Mat* mat : {&b.mat, &x.mat})
+      ok(MatCreateDense(PETSC_COMM_WORLD, n_own, PETSC_DECIDE, n, width, nullptr, mat));
+    PetscScalar* values = nullptr;
+    ok(MatDenseGetArray(b.mat, &values));
+    Eigen::Map<Eigen::MatrixXd>(values, n_own, width) = B.middleCols(first, width);
+    ok(MatDenseRestoreArray(b.mat, &values));
+    for (Mat mat : {b.mat, x.mat}) {
+      ok(MatAssemblyBegin(mat, MAT_FINAL_ASSEMBLY));
+      ok(MatAssemblyEnd(mat, MAT_FINAL_ASSEMBLY));
     }
+    ok(MatMatSolve(impl_->L.mat, b.mat, x.mat));
+    ok(MatDenseGetArray(x.mat, &values));
+    X.middleCols(first, width) = Eigen::Map<const Eigen::MatrixXd>(values, n_own, width);
+    ok(MatDenseRestoreArray(x.mat, &values));
+  }
+}
+
+Eigen::MatrixXd DistributedFactor::solve(const Eigen::Ref<const Eigen::MatrixXd>& B) const {
+  Eigen::MatrixXd X;
+  impl_->team.together([&] {
+    Eigen::MatrixXd own;
+    solve_own(scatter_rows(impl_->team, impl_->rows, B), own);
+    X = gather_rows(impl_->team, impl_->rows, own);
   });
   return X;
+}
+
+void DistributedFactor::view(_p_PetscViewer* viewer) const {
+  const auto ok = [](PetscErrorCode code) { petsc_check(code, "showing a factor"); };
+  ok(PetscViewerPushFormat(viewer, PETSC_VIEWER_ASCII_INFO));
+  ok(MatView(impl_->L.mat, viewer));
+  ok(PetscViewerPopFormat(viewer));
 }
 
 int DistributedFactor::n_negative() const {

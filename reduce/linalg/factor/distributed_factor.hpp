@@ -8,15 +8,12 @@
 
 #include "reduce/linalg/dense/factor_figures.hpp"
 #include "reduce/linalg/dense/symmetric_matrix.hpp"
+#include "reduce/linalg/factor/row_exchange.hpp"
 #include "reduce/linalg/petsc/team.hpp"
 
-namespace flexura::linalg {
+struct _p_PetscViewer;  // PETSc's, which only .cpp files see
 
-/// Who owns which rows of a matrix that a team shares.
-struct RowShares {
-  std::vector<int> number;  ///< n: where a row is among the rows of all ranks, those of rank 0 first
-  std::vector<int> begin;   ///< size + 1: rank r owns numbers begin[r] ... begin[r + 1] - 1
-};
+namespace flexura::linalg {
 
 /// A symmetric matrix A = sum of what each rank of a team holds, factorised by MUMPS over all ranks (L D L^T
 /// with pivoting; P. R. Amestoy et al., SIAM J. Matrix Anal. Appl. 23 (2001), 15): a row of A lies on the
@@ -32,6 +29,10 @@ class DistributedFactor {
 
   /// Rank 0 gives B (n x k) and gets A^-1 B; others give nothing and get nothing.
   Eigen::MatrixXd solve(const Eigen::Ref<const Eigen::MatrixXd>& B) const;
+  /// Each rank gives its rows of B and gets those of A^-1 B; within Team::together().
+  void solve_own(const Eigen::Ref<const Eigen::MatrixXd>& B, Eigen::MatrixXd& X) const;
+  /// Writes PETSc's report of the factor to its viewer, which is that of all processes.
+  void view(_p_PetscViewer* viewer) const;
 
   /// Pivots; a zero one is below 1e-13 of what the matrix has there (rank-revealing ones of MUMPS).  The same
   /// on all ranks.

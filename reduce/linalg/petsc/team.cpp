@@ -37,6 +37,12 @@ Team::Team() {
   require_session();
   MPI_Comm_rank(MPI_COMM_WORLD, &rank_);
   MPI_Comm_size(MPI_COMM_WORLD, &size_);
+  int beside = 1;
+  MPI_Comm machine = MPI_COMM_NULL;
+  MPI_Comm_split_type(MPI_COMM_WORLD, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &machine);
+  MPI_Comm_size(machine, &beside);
+  MPI_Comm_free(&machine);
+  cores_each_ = std::max(1, static_cast<int>(std::thread::hardware_concurrency()) / beside);
 }
 
 Team::~Team() {
@@ -94,6 +100,20 @@ void Team::share(int& number) const {
 
 void Team::share(double& number) const {
   MPI_Bcast(&number, 1, MPI_DOUBLE, 0, MPI_COMM_WORLD);
+}
+
+void Team::share(std::span<double> numbers) const {
+  MPI_Bcast(numbers.data(), static_cast<int>(numbers.size()), MPI_DOUBLE, 0, MPI_COMM_WORLD);
+}
+
+void Team::sum(std::span<double> numbers) const {
+  MPI_Allreduce(MPI_IN_PLACE, numbers.data(), static_cast<int>(numbers.size()), MPI_DOUBLE, MPI_SUM,
+                MPI_COMM_WORLD);
+}
+
+double Team::greatest(double number) const {
+  MPI_Allreduce(MPI_IN_PLACE, &number, 1, MPI_DOUBLE, MPI_MAX, MPI_COMM_WORLD);
+  return number;
 }
 
 void Team::scatter(const double* all, std::span<const int> counts, double* own) const {

@@ -22,8 +22,21 @@ class Team {
   int rank() const { return rank_; }
   int size() const { return size_; }
 
+  /// How many cores of its machine are a process's own while all of them work.
+  int cores_each() const { return cores_each_; }
+
   /// What rank 0 calls the others to.
-  enum class Task : int { stop, take_share, factorise, solve, forget };
+  enum class Task : int {
+    stop,
+    take_share,
+    factorise,
+    solve,
+    find_modes,
+    forget,
+    take_options,
+    print_log,
+    tell_memory
+  };
   void call(Task task) const;  ///< on rank 0
   Task wait() const;           ///< on the others; sleeps meanwhile
 
@@ -37,13 +50,18 @@ class Team {
   /// Collective, within together(): a number of rank 0's to all.
   void share(int& number) const;
   void share(double& number) const;
+  void share(std::span<double> numbers) const;  ///< of the same length on all
+  /// Collective, within together(): adds up, for all.
+  void sum(std::span<double> numbers) const;
+  /// Collective, within together(): the greatest of all, for all.
+  double greatest(double number) const;
   /// Collective, within together(): numbers (counts[r] of them for rank r, one after the other) from rank 0
   /// to all, and from all to rank 0.
   void scatter(const double* all, std::span<const int> counts, double* own) const;
   void gather(const double* own, std::span<const int> counts, double* all) const;
 
  private:
-  int rank_ = 0, size_ = 1;
+  int rank_ = 0, size_ = 1, cores_each_ = 1;
 };
 
 }  // namespace flexura::linalg

@@ -85,6 +85,18 @@ void require_allowed(const UserOption& option) {
   }
 }
 
+// The processes of a team factorise by MUMPS and solve by nothing else.
+void require_for_team(const std::vector<UserOption>& options) {
+  for (const auto& [name, value] : options) {
+    const bool mumps = name == "-pc_factor_mat_solver_type" && value == "mumps";
+    for (const std::string_view family : {"-ksp_", "-pc_", "-mat_cholmod_", "-mat_fronts_"})
+      if (begins(name, family) && !mumps)
+        throw std::invalid_argument(fmt::format(
+            "PETSc option {}{}{}: the processes of mpirun factorise by MUMPS, which takes -mat_mumps_...; {}",
+            name, value.empty() ? "" : " ", value, kPage));
+  }
+}
+
 // Printed to nowhere.
 PetscErrorCode print_nothing(FILE*, const char*, va_list) {
   return 0;
@@ -154,9 +166,11 @@ std::vector<UserOption> parse_options(const std::string& text) {
   return options;
 }
 
-UserOptions::UserOptions(std::vector<UserOption> options) : options_(std::move(options)) {
+UserOptions::UserOptions(std::vector<UserOption> options, const Team* team)
+    : options_(std::move(options)), team_(team) {
   if (options_.empty()) return;
   require_session();
+  if (team_) require_for_team(options_);
   try {
     for (const auto& [name, value] : options_) {
       if (name == "-log_view") {
@@ -172,10 +186,36 @@ UserOptions::UserOptions(std::vector<UserOption> options) : options_(std::move(o
     clear();
     throw;
   }
+  if (team_) share();
+}
+
+// To the other ranks; none takes theirs away.
+void UserOptions::share() const {
+  team_->call(Team::Task::take_options);
+  Message message;
+  message.put(options_.size());
+  for (const auto& [name, value] : options_) {
+    message.put_all(name);
+    message.put_all(value);
+  }
+  for (int rank = 1; rank < team_->size(); ++rank) team_->send(message, rank);
 }
 
 UserOptions::~UserOptions() {
   clear();
+  if (!team_ || options_.empty()) return;
+  options_.clear();
+  share();
+}
+
+std::unique_ptr<UserOptions> take_options(const Team& team) {
+  Message message = team.receive(0);
+  std::vector<UserOption> options(message.take<std::size_t>());
+  for (UserOption& option : options) {
+    option.name = message.take_text();
+    option.value = message.take_text();
+  }
+  return std::make_unique<UserOptions>(std::move(options));
 }
 
 void UserOptions::clear() const {
@@ -215,6 +255,7 @@ std::vector<std::string> UserOptions::unused() const {
 
 void UserOptions::print_log() const {
   if (!log_) return;
+  if (team_) team_->call(Team::Task::print_log);
   petsc_check(PetscLogView(PETSC_VIEWER_STDOUT_WORLD), "printing the log");
   std::fflush(stdout);
 }

@@ -1,8 +1,11 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
+
+#include "reduce/linalg/petsc/team.hpp"
 
 /// Options of PETSc and SLEPc that a user gives as one text, "-eps_type krylovschur -eps_view" (docs/petsc.md).
 namespace flexura::linalg {
@@ -21,7 +24,9 @@ class UserOptions {
  public:
   /// The options are tried on a small problem first: one that PETSc refuses, or that nothing asks for, is
   /// std::invalid_argument before the work begins.
-  explicit UserOptions(std::vector<UserOption> options);
+  /// `team`, on rank 0: whose other ranks get them, too (take_options).  Options of solvers that a team does not use are
+  /// refused.
+  explicit UserOptions(std::vector<UserOption> options, const Team* team = nullptr);
   ~UserOptions();
   UserOptions(const UserOptions&) = delete;
   UserOptions& operator=(const UserOptions&) = delete;
@@ -35,9 +40,14 @@ class UserOptions {
 
  private:
   void rehearse() const;
+  void share() const;
   void clear() const;
   std::vector<UserOption> options_;
+  const Team* team_ = nullptr;
   bool log_ = false;
 };
+
+/// On the ranks that do not lead, when they are called to take_options: those of rank 0, in force until they are destroyed.
+std::unique_ptr<UserOptions> take_options(const Team& team);
 
 }  // namespace flexura::linalg
