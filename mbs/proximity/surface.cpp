@@ -124,7 +124,9 @@ void Surface::Impl::weld(const Eigen::Matrix3Xd& given, const Eigen::Matrix3Xi& 
                             welded_to[static_cast<std::size_t>(faces(2, t))]);
     if (f.x() != f.y() && f.y() != f.z() && f.z() != f.x()) kept.push_back(f);
   }
-  if (kept.empty()) throw std::invalid_argument("a surface has no triangle");
+  if (kept.empty())
+    throw std::invalid_argument(
+        "a surface has no triangle that is more than a line; give the body a mesh with an area");
   triangles.resize(3, static_cast<Eigen::Index>(kept.size()));
   for (std::size_t t = 0; t < kept.size(); ++t) triangles.col(static_cast<Eigen::Index>(t)) = kept[t];
 }

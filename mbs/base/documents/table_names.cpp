@@ -16,11 +16,12 @@ namespace flexura::input {
 std::vector<std::string> names_in_table(const std::filesystem::path& file, const std::string& table) {
   files::note_input(file);
   std::ifstream in(file, std::ios::binary);
-  if (!in) throw InputError(fmt::format("{}: cannot be read", file.string()));
+  if (!in) throw InputError(fmt::format("{}: cannot be read; check its path and permissions", file.string()));
   std::ostringstream text;
   text << in.rdbuf();
   if (const auto line = line_nested_too_deep(text.str()))
-    throw InputError(fmt::format("{}:{}: nests too deep", file.string(), *line));
+    throw InputError(
+        fmt::format("{}:{}: nests too deep; write fewer brackets within each other", file.string(), *line));
   std::vector<std::string> names;
   try {
     const toml::table root = toml::parse(text.str());

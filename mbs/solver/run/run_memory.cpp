@@ -122,6 +122,16 @@ StepCounts Runner::counts() const {
 void Runner::remember_own(History& history) {
   method_watch_.remember(history);
   history(reach_);
+  std::vector<int> harmless(harmless_.begin(), harmless_.end());
+  StepEnd leapt = leapt_.value_or(StepEnd());
+  history(harmless);
+  history(leapt.t_begin);
+  history(leapt.t_end);
+  history(leapt.roots);
+  if (history.reads()) {
+    harmless_ = std::set<int>(harmless.begin(), harmless.end());
+    leapt_ = leapt.roots.empty() ? std::nullopt : std::optional(leapt);
+  }
   for (Instant& anchor : anchors_) {
     history(anchor.state);
     history(anchor.v_dot);

@@ -231,15 +231,23 @@ bool Runner::leap(const Instant& from, bool& goes_on) {
   return came_on;
 }
 
-// A first step behind a switch that would have been twice as long as what leads to the next one knows little of what
-// is between them, like the impact of a bullet: it is made again, no longer than a part of that.
+// A first step behind a switch that would have been twice as long as what leads to the next one knows little of what is
+// between them, like the impact of a bullet: it is made again, no longer than a part of that.  Where that comes to the same,
+// as for a controller's samples, these switches are taken as they come from then on.
 bool Runner::leaps_over_switches(const StepEnd& end) {
-  constexpr double kOfStep = 0.5, kNext = 0.25, kShortest = 1e-13;
+  constexpr double kOfStep = 0.5, kNext = 0.25, kShortest = 1e-13, kSame = 1e-3;
+  if (end.roots.empty()) return false;
   const double h = end.t_end - end.t_begin;
-  const bool is_first = !has_history_;
-  if (!is_first || end.roots.empty() || !(h < kOfStep * (end.t_tried - end.t_begin)) ||
-      !(h > kShortest * (options_.end_time - options_.start_time)))
+  if (leapt_ && leapt_->roots == end.roots &&
+      std::abs(end.t_end - leapt_->t_end) <= kSame * (leapt_->t_end - leapt_->t_begin))
+    harmless_.insert(end.roots.begin(), end.roots.end());
+  const bool is_known = std::ranges::all_of(end.roots, [&](int k) { return harmless_.contains(k); });
+  if (has_history_ || is_known || !(h < kOfStep * (end.t_tried - end.t_begin)) ||
+      !(h > kShortest * (options_.end_time - options_.start_time))) {
+    leapt_.reset();
     return false;
+  }
+  leapt_ = end;
   reach_ = kNext * h;
   start_integrator();
   return true;

@@ -4,6 +4,8 @@
 #include <array>
 #include <chrono>
 #include <memory>
+#include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -119,7 +121,9 @@ class Runner {
   MethodWatch method_watch_;
   PaceWatch pace_watch_;
   PeakWatch peak_watch_;
-  double reach_ = 0.0;  // of a step, after a peak was leapt over [s]; 0: no bound
+  double reach_ = 0.0;            // of a step, after a peak was leapt over [s]; 0: no bound
+  std::optional<StepEnd> leapt_;  // what a step that was made again had led to
+  std::set<int> harmless_;        // switches at which nothing was found that way
   bool is_watched_;
   AccelerationSolver accelerations_;
   RowWatch watch_;
