@@ -43,7 +43,12 @@ void add_interferences(const InterferenceWatch* watch, RunOutcome& out) {
   const std::vector<std::string> sentences = watch->sentences();
   out.warnings.insert(out.warnings.end(), sentences.begin(), sentences.end());
   out.summary["interferences_wall_time"] = watch->wall();
-  if (sentences.empty()) out.lines.emplace_back("no bodies overlap in the stored rows");
+  if (sentences.empty())
+    out.lines.push_back(
+        fmt::format("no bodies overlap in the stored rows; from one to the next they move past each other by "
+                    "up to {} mm: "
+                    "what is thinner is seen with a smaller output_step",
+                    terminal::number(1e3 * watch->blind_way(), 3)));
 }
 
 void add_estimate(const PreparedMechanism& prepared, const study::TruncationEstimate* truncation,

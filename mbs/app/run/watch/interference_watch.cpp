@@ -111,13 +111,14 @@ void InterferenceWatch::take(double t, const std::vector<Pose>& poses,
   for (Pair& pair : pairs_) {
     const auto a = static_cast<std::size_t>(pair.a), b = static_cast<std::size_t>(pair.b);
     const double reach = bodies_[a].radius + bodies_[b].radius + grown[a] + grown[b];
+    const Pose X_AB = poses[a].inverse() * poses[b];
+    pass(X_AB, reach, pair);
     if ((poses[a].p - poses[b].p).norm() > reach) {
       pair.seen = true;
       meet(t, false, pair);
       continue;
     }
     const bool are_rigid = bodies_[a].shapes.cols() == 0 && bodies_[b].shapes.cols() == 0;
-    const Pose X_AB = poses[a].inverse() * poses[b];
     if (are_rigid && pair.X_AB && is_same(*pair.X_AB, X_AB, reach)) {
       meet(t, pair.was_met, pair);
       continue;
@@ -126,6 +127,17 @@ void InterferenceWatch::take(double t, const std::vector<Pose>& poses,
     look(t, poses, pair);
   }
   wall_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+// From the last row to this one: bodies whose spheres stay apart by more than they moved have not met.
+void InterferenceWatch::pass(const Pose& X_AB, double reach, Pair& pair) {
+  if (pair.row_X_AB) {
+    const double way = (X_AB.p - pair.row_X_AB->p).norm() +
+                       bodies_[static_cast<std::size_t>(pair.b)].radius * (X_AB.R - pair.row_X_AB->R).norm();
+    if (std::min(X_AB.p.norm(), pair.row_X_AB->p.norm()) - reach < way)
+      blind_way_ = std::max(blind_way_, way);
+  }
+  pair.row_X_AB = X_AB;
 }
 
 void InterferenceWatch::look(double t, const std::vector<Pose>& poses, Pair& pair) const {

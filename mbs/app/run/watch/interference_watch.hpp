@@ -26,6 +26,9 @@ class InterferenceWatch {
   /// A row: poses X_WB and modal coordinates of all bodies, the ground first.
   void take(double t, const std::vector<mbs::Pose>& poses, const std::vector<Eigen::VectorXd>& modal);
 
+  /// How far [m] points of two bodies that may have met between two rows moved past each other from the one to the other:
+  /// what is thinner was not seen.
+  double blind_way() const { return blind_way_; }
   /// [s] that it has taken so far.
   double wall() const { return wall_; }
 
@@ -48,12 +51,13 @@ class InterferenceWatch {
   struct Pair {
     int a = 0, b = 0;
     bool is_joined = false;
-    std::optional<mbs::Pose> X_AB;  ///< that was looked at last, of rigid bodies
-    bool was_met = false;           ///< then
-    double at_start = 0.0;          ///< depth
-    bool seen = false;              ///< the start
-    std::optional<double> depth;    ///< the greatest
-    bool is_unknown = false;        ///< they cross, and how deep is not known
+    std::optional<mbs::Pose> X_AB;      ///< that was looked at last, of rigid bodies
+    std::optional<mbs::Pose> row_X_AB;  ///< at the last row
+    bool was_met = false;               ///< then
+    double at_start = 0.0;              ///< depth
+    bool seen = false;                  ///< the start
+    std::optional<double> depth;        ///< the greatest
+    bool is_unknown = false;            ///< they cross, and how deep is not known
     double t = 0.0, from = 0.0, to = 0.0;
     int times = 0;  ///< that they came together
     Eigen::Vector3d p_W = Eigen::Vector3d::Zero();
@@ -65,7 +69,9 @@ class InterferenceWatch {
   std::string sentence(const Pair& pair) const;
   std::vector<const Pair*> told() const;
 
-  double tolerance_, wall_ = 0.0;
+  void pass(const mbs::Pose& X_AB, double reach, Pair& pair);
+
+  double tolerance_, wall_ = 0.0, blind_way_ = 0.0;
   std::vector<Body> bodies_;
   std::vector<Pair> pairs_;
 };
