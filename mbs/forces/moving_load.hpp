@@ -10,7 +10,7 @@
 namespace flexura::mbs {
 
 /// A given force f on the particle of a path (body_path.hpp) at the place s, both by formulas; beyond the path's ends
-/// there is none.  It is shared among the path's markers, f_j = b_j(s) f, so that its power is f . r_t(s), with r_t the
+/// there is none: switches, so that no step leaps over a load that comes and goes.  It is shared among the path's markers, f_j = b_j(s) f, so that its power is f . r_t(s), with r_t the
 /// velocity of the particle that it acts on.
 class MovingLoad final : public ForceElement {
  public:
@@ -38,18 +38,34 @@ class MovingLoad final : public ForceElement {
     return rest;
   }
 
-  void apply(const Kinematics& kin, const double* signals, Loads& loads) const override {
+  int n_switches() const override { return kEnds; }
+  std::string switch_name(int i) const override { return i == kBegin ? "begin" : "end"; }
+  void switching(const Kinematics& kin, const double* signals, double* values) const override {
     const double s = place_->evaluate(signals);
-    if (!path_->holds(s)) return;
+    values[kBegin] = kin.own.root[kBegin] != 0 ? s : -s;
+    values[kEnd] = kin.own.root[kEnd] != 0 ? path_->length() - s : s - path_->length();
+  }
+  void start_switches(const Kinematics&, const double* signals, int* root, double*) const override {
+    const double s = place_->evaluate(signals);
+    root[kBegin] = s > 0.0 || path_->holds(s) ? 1 : 0;
+    root[kEnd] = s < path_->length() || path_->holds(s) ? 1 : 0;
+  }
+  void change_switch(int which, const Kinematics&, const double*, int* root, double*) const override {
+    root[which] = 1 - root[which];
+  }
+
+  void apply(const Kinematics& kin, const double* signals, Loads& loads) const override {
+    if (!is_on(kin)) return;
+    const double s = place_->evaluate(signals);
     const BodyPath::Weights w = path_->weights(s);
     const Vector3d f = force(kin, signals);
     for (int k = 0; k < w.n; ++k)
       loads.apply(path_->marker(w.first + k), Spatial{Vector3d::Zero(), w.b(0, k) * f});
   }
   bool has_derivatives() const override { return true; }
-  void differentiate(const Kinematics&, const double* signals, Derivatives& d) const override {
+  void differentiate(const Kinematics& kin, const double* signals, Derivatives& d) const override {
+    if (!is_on(kin)) return;
     const double s = place_->evaluate(signals);
-    if (!path_->holds(s)) return;
     const BodyPath::Weights w = path_->weights(s);
     Vector6d wrench = Vector6d::Zero();
     wrench.tail<3>() = components(signals);
@@ -61,9 +77,8 @@ class MovingLoad final : public ForceElement {
     }
   }
   void add_powers(const Kinematics& kin, const double* signals, Powers& powers) const override {
-    const double s = place_->evaluate(signals);
-    if (!path_->holds(s)) return;
-    const BodyPath::Weights w = path_->weights(s);
+    if (!is_on(kin)) return;
+    const BodyPath::Weights w = path_->weights(place_->evaluate(signals));
     Vector3d v = Vector3d::Zero();
     for (int k = 0; k < w.n; ++k) v += w.b(0, k) * kin.markers[path_->marker(w.first + k)].V.linear;
     powers.input += force(kin, signals).dot(v);
@@ -75,14 +90,17 @@ class MovingLoad final : public ForceElement {
             {"y", d, "component in its axes"},
             {"z", d, "component in its axes"}};
   }
-  void evaluate_outputs(const Kinematics&, const double* signals, double* values) const override {
+  void evaluate_outputs(const Kinematics& kin, const double* signals, double* values) const override {
     values[0] = place_->evaluate(signals);
     Eigen::Map<Vector3d> out(values + 1);
     out.setZero();
-    if (path_->holds(values[0])) out = components(signals);
+    if (is_on(kin)) out = components(signals);
   }
 
  private:
+  // Switches: 1 where the place is on the path's side of this end.
+  enum : int { kBegin, kEnd, kEnds };
+  static bool is_on(const Kinematics& kin) { return kin.own.root[kBegin] != 0 && kin.own.root[kEnd] != 0; }
   Vector3d components(const double* signals) const {
     Vector3d f;
     for (int i = 0; i < 3; ++i) f(i) = components_[i] ? components_[i]->evaluate(signals) : 0.0;

@@ -196,6 +196,50 @@ quantities = ["a.velocity_x"]
   EXPECT_NEAR(last(folder, text, "a.velocity_x", {std::string("solver.method=") + GetParam()}), -10.0, 1e-2);
 }
 
+// 100 N on a path of 1 m for a millisecond of ten seconds: 0.1 N s on 2 kg, whether time or another body says where.
+TEST_P(SmallThings, LoadsThatCrossAtOnceAreFelt) {
+  const Folder folder;
+  const std::string text = R"toml(gravity = [0, 0, 0]
+[ground.marker.g]
+[ground.marker.x]
+axis = [1, 0, 0]
+[body.a]
+mass = 2
+inertia = [1, 1, 1]
+marker.o = {}
+marker.p = { position = [-0.5, 0, 0] }
+marker.m = { position = [0, 0, 0] }
+marker.q = { position = [0.5, 0, 0] }
+[joint.s]
+type = "prismatic"
+from = "ground.g"
+to = "a.o"
+[body.c]
+mass = 1
+inertia = [1, 1, 1]
+marker.o = { axis = [1, 0, 0] }
+[joint.v]
+type = "prismatic"
+from = "ground.x"
+to = "c.o"
+position = -3
+speed = 1000
+[force.l]
+type = "moving_load"
+path = ["a.p", "a.m", "a.q"]
+place = "PLACE"
+z = -100
+[solver]
+end_time = 10
+output_step = 0.1
+)toml";
+  for (const std::string place : {"1000*(t - 5)", "v.position"})
+    EXPECT_NEAR(
+        last(folder, replaced(text, "PLACE", place), "s.speed", {std::string("solver.method=") + GetParam()}),
+        -0.05, 1e-8)
+        << place;
+}
+
 INSTANTIATE_TEST_SUITE_P(Methods, SmallThings,
                          ::testing::Values("ida", "radau", "generalised_alpha", "runge_kutta"));
 
