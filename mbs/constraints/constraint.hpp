@@ -1,6 +1,7 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <limits>
 #include <memory>
 #include <string>
 
@@ -58,6 +59,9 @@ class Constraint {
   virtual bool has_contact() const { return false; }
   virtual double contact_residual(const Kinematics& /*kin*/, double /*a*/) const { return 0.0; }
   virtual double start_contact(const Kinematics& /*kin*/) const { return 0.0; }
+  /// [m] How far the path of its outputs "place" and "speed" goes from 0, beyond which nothing is known of the
+  /// body; infinite without one, and where it goes on.
+  virtual double path_length() const { return std::numeric_limits<double>::infinity(); }
   /// The forces it exerts, by name.  Without more, one generalised force for each row, "force_ROW", whose
   /// power is the force times the rate of the row.
   virtual std::vector<OutputInfo> outputs() const;

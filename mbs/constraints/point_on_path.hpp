@@ -61,9 +61,9 @@ class PointOnPath final : public Constraint {
   double start_contact(const Kinematics& kin) const override;
   std::vector<OutputInfo> outputs() const override;
   void evaluate_outputs(const Kinematics& kin, const double* x, double* values) const override;
-  /// Whether a place [m] is beyond the ends, where the path is none.
-  bool is_beyond(double place) const { return !law_.goes_on && !path_->holds(place); }
-  double length() const { return path_->length(); }
+  double path_length() const override {
+    return law_.goes_on ? std::numeric_limits<double>::infinity() : path_->length();
+  }
 
  private:
   struct Instant;

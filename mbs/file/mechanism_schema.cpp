@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include "mbs/file/elements/element_types.hpp"
+#include "mbs/file/elements/read_context.hpp"
 #include "mbs/file/elements/user_library.hpp"
 #include "mbs/file/read_beam_part.hpp"
 #include "mbs/file/read_flexible_body.hpp"
@@ -157,6 +158,11 @@ TableSchema element_schema(const std::string& name, const std::string& doc, cons
   return schema;
 }
 
+TableSchema with_unit(TableSchema schema) {
+  for (auto& [type, variant] : schema.variants) variant.keys.push_back(unit_key("its output"));
+  return schema;
+}
+
 TableSchema subsystem_schema() {
   TableSchema schema;
   schema.name = "subsystem";
@@ -247,7 +253,8 @@ TableSchema mechanism_schema(TableSchema solver) {
   input_schema.doc =
       "An input u of the mechanism: a function of time that formulas read by its name, and a column of B "
       "where the mechanism is linearised.";
-  input_schema.keys = {input::expression("value", "a formula of t and parameters, in SI").or_default("0")};
+  input_schema.keys = {input::expression("value", "a formula of t and parameters, in SI").or_default("0"),
+                       unit_key("its value")};
 
   schema.name = "mechanism file";
   schema.doc =
@@ -285,8 +292,8 @@ TableSchema mechanism_schema(TableSchema solver) {
                 "measured quantities"),
       table_map("input", input_schema, "inputs u"),
       table_map("control",
-                element_schema("control", "Reads signals, holds states, gives a signal of its name.",
-                               control_types()),
+                with_unit(element_schema(
+                    "control", "Reads signals, holds states, gives a signal of its name.", control_types())),
                 "control elements"),
       table("output", output, "what is stored"),
       table("solver", std::move(solver), "the integrator"),

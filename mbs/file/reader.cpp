@@ -12,6 +12,7 @@
 #include "mbs/file/read_flexible_body.hpp"
 #include "mbs/file/read_joint.hpp"
 #include "mbs/file/read_linked_marker.hpp"
+#include "mbs/file/read_markers.hpp"
 #include "mbs/file/read_tables.hpp"
 #include "mbs/formulas/parameters.hpp"
 
@@ -143,26 +144,9 @@ void Reader::read_bodies() {
   } else {
     d.markers.push_back({prefix_ + "ground", base_.body, base_.X_BG, -1});
   }
-  read_markers(ground, base_.body, base_.X_BG, prefix_ + "ground", false);
+  read_markers(model_, ground, base_.body, base_.X_BG, prefix_ + "ground", false);
   for (const auto& [name, s] : root_.table_map("body")) read_body(name, s);
   for (const auto& [name, s] : root_.table_map("subsystem")) read_subsystem(name, s);
-}
-
-std::pair<int, Pose> Reader::undeformed(int marker) const {
-  const MechanismDescription& d = model_.description;
-  const MarkerDescription& m = d.markers[static_cast<std::size_t>(marker)];
-  for (const auto& [root, chain] : model_.segments)
-    for (std::size_t k = 0; k < chain.bodies.size(); ++k) {
-      if (chain.bodies[k] != m.body) continue;
-      const Pose X = d.undeformed(marker);
-      return {root, {X.R, chain.origins_B[k] + X.p}};
-    }
-  if (m.node < 0 || !model_.to_prepare.contains(m.body)) return {m.body, d.undeformed(marker)};
-  const auto& interfaces = model_.interfaces.at(m.body);
-  const auto node = static_cast<std::size_t>(m.node);
-  const Vector3d p = node < interfaces.size() ? interfaces[node].second
-                                              : model_.linked.at(m.body)[node - interfaces.size()].p_BoN_B;
-  return {m.body, {m.X_BP.R, p + m.X_BP.p}};
 }
 
 void Reader::read_subsystem(const std::string& name, const Section& s) {
@@ -183,7 +167,7 @@ void Reader::read_subsystem(const std::string& name, const Section& s) {
           fidelity_of(model_.sections.at(marker.body)).of_superelement->acts_back)
         s.refuse("on", "is an interface of a flexible body, which deforms",
                  "place the subsystem on a rigid body and join the two");
-      X = undeformed(index).second;
+      X = undeformed_place(model_, index).second;
     }
     base = {marker.body, X};
   }
@@ -218,82 +202,6 @@ void Reader::read_subsystem(const std::string& name, const Section& s) {
   subsystems_.push_back(std::unique_ptr<Reader>(
       new Reader(model_, file, solver_, overrides, prefix_ + name + ".", std::move(base), depth_ + 1)));
   subsystems_.back()->read_bodies();
-}
-
-void Reader::add_marker(int body, const std::string& full_name, const Pose& X, int node,
-                        const Vector3d& carried_at) {
-  MechanismDescription& d = model_.description;
-  if (const auto found = model_.segments.find(body); found != model_.segments.end()) {
-    if (!found->second.seats.empty()) {  // of elements; what is on no station is fixed to the root's section
-      const Segments::Seat seat =
-          node < 0 ? Segments::Seat{body, -1} : found->second.seats[static_cast<std::size_t>(node)];
-      d.markers.push_back({full_name, seat.body, {X.R, seat.p + X.p}, seat.node});
-      return;
-    }
-    const int piece = found->second.piece_at(carried_at);
-    d.markers.push_back(
-        {full_name, found->second.bodies[piece], {X.R, X.p - found->second.origins_B[piece]}, -1});
-    return;
-  }
-  d.markers.push_back({full_name, body, X, node});
-}
-
-/// The node of the body that carries the marker, and where it is; -1 where none does.
-std::pair<int, Vector3d> Reader::carrying_node(const Section& m, int body, const std::string& name,
-                                               bool deforms, const superelement::Superelement* se) {
-  const auto& interfaces = model_.interfaces[body];
-  if (const char* key = linking_key(m)) {
-    if (!se) m.refuse(key, "only superelements have nodes to follow", "take the key away, or use on");
-    std::vector<BodyNode>& linked = model_.linked[body];
-    BodyNode node = read_linked_node(m, name, *se, deforms, model_.notes);
-    if (m.text("link") == "rigid") model_.blind_spots.push_back({"link", name, ""});
-    const Vector3d p = node.p_BoN_B;
-    if (!deforms) return {-1, p};
-    linked.push_back(std::move(node));
-    return {static_cast<int>(interfaces.size() + linked.size()) - 1, p};
-  }
-  const std::string interface = m.text("on");
-  const auto found =
-      std::ranges::find_if(interfaces, [&](const auto& entry) { return entry.first == interface; });
-  if (found == interfaces.end()) {
-    std::vector<std::string> known;
-    for (const auto& entry : interfaces) known.push_back(entry.first);
-    m.refuse(
-        "on",
-        fmt::format("the body has no interface \"{}\"{}", interface, input::suggestion(interface, known)),
-        interfaces.empty() ? "only superelements have interfaces" : "");
-  }
-  return {deforms ? static_cast<int>(found - interfaces.begin()) : -1, found->second};
-}
-
-void Reader::read_markers(const Section& s, int body, const Pose& X_B, const std::string& owner, bool deforms,
-                          const superelement::Superelement* se) {
-  const MechanismDescription& d = model_.description;
-  for (const auto& [own_name, m] : s.table_map("marker")) {
-    Pose X = read_pose(m);
-    const std::string name = owner + "." + own_name;
-    int node = -1;
-    Vector3d carried_at = X.p;  // of the undeformed body
-    for (const MarkerDescription& other : d.markers)
-      if (other.name == name)
-        m.refuse("", "has the name of an interface of the superelement", "choose another name");
-    for (const char* key : {"weights", "link"})
-      if (m.has(key) && !linking_key(m))
-        m.refuse(key, "is for a marker on several nodes", "say which by nodes, points or within");
-    if (m.has("on") || linking_key(m)) {
-      const auto [carries, p] = carrying_node(m, body, name, deforms, se);
-      node = carries;
-      if (!m.has("position")) X.p = p;
-      carried_at = p;
-      if (node >= 0) X.p -= p;  // relative to the node
-    } else if (deforms) {
-      model_.notes.push_back(
-          fmt::format("marker \"{}\" is fixed in the body's floating frame and sees no deformation; "
-                      "say on = \"INTERFACE\" (or nodes, points, within) to let the body carry it",
-                      name));
-    }
-    add_marker(body, name, X_B * X, node, X_B * carried_at);
-  }
 }
 
 std::shared_ptr<const superelement::Superelement> Reader::load(const Section& s) {
@@ -384,12 +292,12 @@ void Reader::read_body(const std::string& own_name, const Section& s) {
   const bool deforms = model_.deforms(b);
   for (std::size_t i = 0; i < interfaces.size(); ++i) {
     // The nodes of a flexible body are its interfaces, in their order.
-    add_marker(b, name + "." + interfaces[i].first,
+    add_marker(model_, b, name + "." + interfaces[i].first,
                {Matrix3d::Identity(), deforms ? Vector3d::Zero() : interfaces[i].second},
                deforms ? static_cast<int>(i) : -1, interfaces[i].second);
   }
   model_.interfaces[b] = std::move(interfaces);
-  read_markers(s, b, Pose{}, name, deforms, se.get());
+  read_markers(model_, s, b, Pose{}, name, deforms, se.get());
 }
 
 // What comes out of a library of the user's may hold anything.
@@ -426,8 +334,12 @@ void Reader::read_elements() {
       s.refuse("", "the name is taken already in formulas", "choose another");
     d.signals.add(prefix_ + name);
   };
+  const auto take_unit = [&](const std::string& name, const Section& s) {
+    if (s.has("unit")) d.units[prefix_ + name] = read_unit(s);
+  };
   for (const auto& [name, s] : root_.table_map("input")) {
     d.inputs.push_back({prefix_ + name, names.input_expression(s, "value")});
+    take_unit(name, s);
     take_name(name, s);
   }
   // Outputs of states alone can be read by every formula, measures by those below, the rest by forces.
@@ -441,6 +353,7 @@ void Reader::read_elements() {
   for (const auto& [name, s] : controls) {
     const ControlType& type = find_type(control_types(), s.text("type"));
     d.controls.push_back(type.read(prefix_ + name, s, names));
+    take_unit(name, s);
     names.refuse_shown(s, d.controls.back()->reads());
     if (type.feeds_through) take_name(name, s);
   }

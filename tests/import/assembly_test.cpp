@@ -6,15 +6,11 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <map>
 #include <numbers>
-#include <set>
-#include <sstream>
 
-#include "cases/assembly/drawing.hpp"
 #include "mbs/superelement/file.hpp"
-#include "tests/import/robot_run.hpp"
+#include "tests/import/assembly_run.hpp"
 
 namespace flexura::test {
 namespace {
@@ -27,40 +23,6 @@ using testing::Pair;
 using testing::UnorderedElementsAre;
 
 const gp_Dir kX(1, 0, 0), kY(0, 1, 0), kZ(0, 0, 1);
-
-struct Import {
-  Outcome outcome;
-  std::string mechanism;
-  std::map<std::string, std::string> joints;  ///< name and type, but for that to the ground
-  int freedom = -1;
-};
-
-Import import(const Folder& folder, const std::string& step, std::vector<std::string> words = {}) {
-  Import result;
-  words.insert(words.begin(), {"import", step, "-o", folder / "out"});
-  result.outcome = run("flexura", words);
-  if (result.outcome.exit_code != 0) return result;
-  result.mechanism = read_text(folder / "out/mechanism.toml");
-  std::istringstream lines(result.mechanism);
-  std::string joint;
-  for (std::string line; std::getline(lines, line);) {
-    if (line.starts_with("[")) joint = line.starts_with("[joint.") ? line.substr(7, line.size() - 8) : "";
-    if (!joint.empty() && joint != "to_ground" && line.starts_with("type = "))
-      result.joints[joint] = line.substr(8, line.size() - 9);
-  }
-  const auto at = result.outcome.out.find("degrees of freedom: ");
-  if (at != std::string::npos) result.freedom = std::stoi(result.outcome.out.substr(at + 20));
-  // Whatever is proposed runs.
-  const Outcome ran = run("flexura", {"simulate", folder / "out/mechanism.toml", "-o", folder / "out.h5",
-                                      "--end-time", "0.002", "--no-estimate"});
-  EXPECT_EQ(ran.exit_code, 0) << ran.err;
-  return result;
-}
-
-Import import(const Folder& folder, Assembly& assembly, const std::vector<std::string>& words = {}) {
-  assembly.write(folder / "a.step");
-  return import(folder, (folder / "a.step").string(), words);
-}
 
 TopoDS_Shape plate(double hole) {
   return box({-30, -30, 0}, {30, 30, 10}) - cylinder({0, 0, 0}, kZ, hole, 10);
@@ -385,83 +347,6 @@ TEST_F(Engine, IsASliderCrankWithOneFreedom) {
     most = std::max(most, piston(row, 2));
   }
   EXPECT_NEAR(most - least, 2 * radius, 1e-3);  // nearly a turn, in steps of 7 degrees
-}
-
-struct BadStep {
-  std::string name, text, says;
-};
-
-class BadAssembly : public testing::TestWithParam<BadStep> {};
-
-TEST_P(BadAssembly, EndsInOneSentenceAndWritesNothing) {
-  const Folder folder;
-  const auto file = folder.write("a.step", GetParam().text);
-  const Outcome outcome = run("flexura", {"import", file, "-o", folder / "out"});
-  EXPECT_EQ(outcome.exit_code, 2) << outcome.err;
-  EXPECT_THAT(outcome.err, HasSubstr(GetParam().says));
-  EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
-  EXPECT_FALSE(fs::exists(folder / "out"));
-}
-
-std::string engine_text() {
-  return read_text(FLEXURA_SOURCE_DIR "/cases/assembly/engine.step");
-}
-
-INSTANTIATE_TEST_SUITE_P(
-    All, BadAssembly,
-    testing::Values(
-        BadStep{"empty", "", "is no STEP file"}, BadStep{"text", "hello", "is no STEP file"},
-        BadStep{"header_alone", "ISO-10303-21;\nHEADER;\nENDSEC;\n", "a.step"},
-        BadStep{
-            "no_data",
-            "ISO-10303-21;\nHEADER;\nFILE_DESCRIPTION((''),'2;1');\nFILE_NAME('','',(''),(''),'','','');\n"
-            "FILE_SCHEMA(('AUTOMOTIVE_DESIGN'));\nENDSEC;\nDATA;\nENDSEC;\nEND-ISO-10303-21;\n",
-            "a.step"}),
-    [](const auto& info) { return info.param.name; });
-
-TEST(AssemblyImport, CutShortItEndsInASentenceOrIsWhatIsLeft) {
-  const Folder folder;
-  const std::string whole = engine_text();
-  for (const double part : {0.3, 0.9}) {
-    const auto file = folder.write(
-        "cut.step", whole.substr(0, static_cast<std::size_t>(part * static_cast<double>(whole.size()))));
-    const Outcome outcome = run("flexura", {"import", file, "-o", folder / "cut"});
-    EXPECT_EQ(outcome.exit_code, 2) << outcome.err << outcome.out;
-    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
-    EXPECT_FALSE(fs::exists(folder / "cut"));
-  }
-}
-
-TEST(AssemblyImport, UnknownGroundAndForeignOptionsAreRefused) {
-  const Folder folder;
-  const std::string engine = FLEXURA_SOURCE_DIR "/cases/assembly/engine.step";
-  EXPECT_THAT(run("flexura", {"import", engine, "-o", folder / "out", "--ground", "bolt"}).err,
-              HasSubstr("0 bodies of the assembly are called so; it has"));
-  EXPECT_THAT(run("flexura", {"import", engine, "-o", folder / "out", "--base", "fixed"}).err,
-              HasSubstr("--base is for robots"));
-  EXPECT_THAT(run("flexura", {"import", engine, "-o", folder / "out", "--density", "3 mm"}).err,
-              HasSubstr("--density 3 mm"));
-  EXPECT_FALSE(fs::exists(folder / "out"));
-}
-
-TEST(AssemblyImport, HostileNamesStayInsideTheFolder) {
-  const Folder folder;
-  Assembly a("../../a");
-  double x = 0.0;
-  for (const char* name : {"../../../evil", "/etc/passwd", "a\"]\n[run.x]", "a b", "a_b", ""}) {
-    a.place(a.part(name, box({x, 0, 0}, {x + 5, 5, 5})), at({0, 0, 0}), std::string(name) + "'");
-    x += 10;
-  }
-  const Import i = import(folder, a);
-  ASSERT_EQ(i.outcome.exit_code, 0) << i.outcome.err;
-  std::set<std::string> beside;
-  for (const auto& entry : fs::directory_iterator(folder.path()))
-    beside.insert(entry.path().filename().string());
-  EXPECT_EQ(beside, (std::set<std::string>{"a.step", "out", "out.h5"}));
-  int files = 0;
-  for (const auto& entry : fs::directory_iterator(folder / "out/parts"))
-    files += entry.is_regular_file() ? 1 : 0;
-  EXPECT_EQ(files, 6 * 3);  // .brep, .toml, .se.h5
 }
 
 }  // namespace

@@ -109,27 +109,10 @@ MeasureType load_cell() {
 MeasureType expression() {
   return {"expression",
           "A formula of t, parameters, joint coordinates and the measures above it.",
-          {input::expression("value", "the formula, in SI").required(),
-           input::text("unit",
-                       "of its value, in tables and plots: an SI unit as in \"N\", \"rad/s\"; without it a "
-                       "plain number")},
+          {input::expression("value", "the formula, in SI").required(), unit_key("its value")},
           [](const std::string& name, const input::Section& s,
              const ReadContext& context) -> std::shared_ptr<const Measure> {
-            input::Dimension dimension = input::dim::none;
-            if (s.has("unit")) {
-              try {
-                const input::Measured unit = input::parse_unit(s.text("unit"));
-                if (unit.value != 1.0)
-                  s.refuse("unit", "is no SI unit",
-                           "formulas are computed in SI; write \"" + input::si_unit(unit.dimension) + "\"");
-                dimension = unit.dimension;
-              } catch (const input::InputError&) {
-                throw;
-              } catch (const std::invalid_argument& failure) {
-                s.refuse("unit", failure.what(), "write an SI unit, as in \"N\" or \"rad/s\"");
-              }
-            }
-            return std::make_shared<ExpressionMeasure>(name, context.expression(s, "value"), dimension);
+            return std::make_shared<ExpressionMeasure>(name, context.expression(s, "value"), read_unit(s));
           }};
 }
 

@@ -227,4 +227,25 @@ double ReadContext::number_of(const input::Section& section, const std::string& 
   }
 }
 
+input::Key unit_key(const std::string& of_what) {
+  return input::text(
+      "unit", "of " + of_what +
+                  ", in tables and plots: an SI unit as in \"N\", \"rad/s\"; without it a plain number");
+}
+
+input::Dimension read_unit(const input::Section& s) {
+  if (!s.has("unit")) return input::dim::none;
+  const std::string text = s.text("unit");
+  input::Measured unit;
+  try {
+    unit = input::parse_unit(text);
+  } catch (const std::invalid_argument& failure) {
+    s.refuse("unit", failure.what(), "write an SI unit, as in \"N\" or \"rad/s\"");
+  }
+  if (unit.value != 1.0)
+    s.refuse("unit", "is no SI unit",
+             "formulas are computed in SI; write \"" + input::si_unit(unit.dimension) + "\"");
+  return unit.dimension;
+}
+
 }  // namespace flexura::mbs

@@ -82,4 +82,9 @@ class ReadContext {
   Undeformed undeformed_;
 };
 
+/// The key "unit" of an element that gives a plain number: an SI unit for tables and plots.
+input::Key unit_key(const std::string& of_what);
+/// What it says; none without it.
+input::Dimension read_unit(const input::Section& s);
+
 }  // namespace flexura::mbs

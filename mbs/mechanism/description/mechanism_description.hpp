@@ -86,6 +86,8 @@ struct MechanismDescription {
   std::vector<std::shared_ptr<const Measure>> measures;
   std::vector<std::shared_ptr<const Control>> controls;
   std::vector<InputDescription> inputs;
+  /// Of inputs and controls, by name, where it is given; formulas are computed in SI all the same.
+  std::map<std::string, input::Dimension> units;
   /// Formulas that forces, controls, measures and drives are made of.
   std::vector<FormulaDescription> formulas;
   /// What formulas may read: "t", then any "joint.coordinate", "joint.speed", "measure" they name.

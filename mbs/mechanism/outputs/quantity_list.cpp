@@ -14,6 +14,11 @@ constexpr const char* axis_names[] = {"x", "y", "z"};
 
 constexpr input::Dimension linear_momentum{{1, 1, -1, 0}}, angular_momentum{{2, 1, -1, 0}};
 
+input::Dimension unit_of(const MechanismDescription& d, const std::string& signal) {
+  const auto given = d.units.find(signal);
+  return given == d.units.end() ? dim::none : given->second;
+}
+
 }  // namespace
 
 std::vector<Quantity> list_quantities(const Topology& tree, const ConstraintRows& rows, int n_algebraic) {
@@ -133,10 +138,11 @@ std::vector<Quantity> list_quantities(const Topology& tree, const ConstraintRows
     add(rows.constraints()[rows.contacts()[k]]->name() + ".contact", dim::length,
         "where along its curve the point stands", K::contact, n_algebraic + static_cast<int>(k), 0, true);
   for (std::size_t i = 0; i < tree.d.inputs.size(); ++i)
-    add(tree.d.inputs[i].name, dim::none, "input", K::input, static_cast<int>(i), 0, true);
+    add(tree.d.inputs[i].name, unit_of(tree.d, tree.d.inputs[i].name), "input", K::input, static_cast<int>(i),
+        0, true);
   for (std::size_t i = 0; i < tree.d.controls.size(); ++i)
-    add(tree.d.controls[i]->name(), dim::none, "output of the control", K::control, static_cast<int>(i), 0,
-        true);
+    add(tree.d.controls[i]->name(), unit_of(tree.d, tree.d.controls[i]->name()), "output of the control",
+        K::control, static_cast<int>(i), 0, true);
   for (std::size_t f = 0; f < tree.d.forces.size(); ++f) {
     const auto outputs = tree.d.forces[f]->outputs();
     for (std::size_t i = 0; i < outputs.size(); ++i)

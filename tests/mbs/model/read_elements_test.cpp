@@ -182,6 +182,10 @@ TEST_F(MechanismFileTest, FormulasAndEnergiesHaveTheirUnits) {
   EXPECT_EQ(unit("unit = \"N\"\n", "pull"), "N");
   EXPECT_EQ(unit("unit = \"N*m/rad\"\n", "pull"), "N*m/rad");
   EXPECT_EQ(unit("unit = \"kg*m/s^2\"\n", "pull"), "N");
+  EXPECT_EQ(unit("[input.speed]\nunit = \"rad/s\"\n", "speed"), "rad/s");
+  const std::string late = "[control.late]\ntype = \"filter\"\ninput = \"pull\"\ntime_constant = 0.1\n";
+  EXPECT_EQ(unit(late, "late"), "");
+  EXPECT_EQ(unit(late + "unit = \"N\"\n", "late"), "N");
   for (const char* energy : {"energy.kinetic", "energy.total", "energy.balance"})
     EXPECT_EQ(unit("", energy), "J") << energy;
   EXPECT_EQ(unit("", "rail.torque"), "N*m");

@@ -160,7 +160,8 @@ end_time = 1
 output_step = 0.01
 )toml";
 
-inline const char* const kControl = R"toml(gravity = [0, 0, -9.81]
+// An arm that its motor holds against its weight.
+inline const std::string kArm = R"toml(gravity = [0, 0, -9.81]
 [ground.marker.g]
 axis = [0, 1, 0]
 [body.a]
@@ -172,7 +173,9 @@ marker.o = { axis = [0, 1, 0] }
 type = "revolute"
 from = "ground.g"
 to = "a.o"
-[control.pid]
+)toml";
+
+inline const std::string kControl = kArm + R"toml([control.pid]
 type = "pid"
 error = "0.5*sin(3*t) - p.angle"
 proportional = 40
@@ -219,19 +222,7 @@ end_time = 1.2
 output_step = 0.01
 )toml";
 
-inline const char* const kDelay = R"toml(gravity = [0, 0, -9.81]
-[ground.marker.g]
-axis = [0, 1, 0]
-[body.a]
-mass = 1
-center = [0.3, 0, 0]
-inertia = [0.01, 0.05, 0.05]
-marker.o = { axis = [0, 1, 0] }
-[joint.p]
-type = "revolute"
-from = "ground.g"
-to = "a.o"
-[control.late]
+inline const std::string kDelay = kArm + R"toml([control.late]
 type = "delay"
 input = "0.5*sin(3*t) - p.angle"
 time = "20 ms"

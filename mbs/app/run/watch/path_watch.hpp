@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "mbs/constraints/point_on_path.hpp"
+#include "mbs/constraints/constraint.hpp"
 #include "mbs/mechanism/mechanism.hpp"
 
 namespace flexura::app {
@@ -22,7 +22,7 @@ class PathWatch {
  private:
   const mbs::Mechanism& mechanism_;
   std::unique_ptr<mbs::Equations::Scratch> scratch_;
-  std::vector<const mbs::PointOnPath*> watched_;
+  std::vector<const mbs::Constraint*> watched_;
   std::vector<int> which_;  // the place and the speed of each, among quantities()
   Eigen::VectorXd now_;
   std::string reason_;

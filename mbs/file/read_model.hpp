@@ -1,0 +1,36 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <map>
+#include <memory>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "mbs/bodies/preparation_cache.hpp"
+#include "mbs/file/fidelities.hpp"
+#include "mbs/file/read_flexible_body.hpp"
+#include "mbs/file/read_mechanism.hpp"
+#include "mbs/mechanism/beam_part.hpp"
+
+namespace flexura::mbs {
+
+/// What all files of a mechanism are read into.
+struct ReadModel {
+  PreparationCache& cache;
+  MechanismDescription description = {};
+  std::vector<std::string> notes = {};
+  std::map<int, input::Section> sections = {};  ///< of bodies
+  std::map<int, std::vector<std::pair<std::string, Vector3d>>> interfaces = {};
+  std::set<int> joined = {};  ///< bodies with a joint
+  /// Of deforming bodies; they are prepared when it is known what acts on them.
+  std::map<int, std::shared_ptr<const superelement::Superelement>> to_prepare = {};
+  std::map<int, std::vector<BodyNode>> linked = {};  ///< nodes of deforming bodies beside their interfaces
+  std::map<int, Segments> segments = {};             ///< beams cut into pieces, by the piece at the root
+  std::vector<BlindSpot> blind_spots = {};
+
+  bool deforms(int body) const { return to_prepare.contains(body) || description.bodies[body].flexible; }
+};
+
+}  // namespace flexura::mbs
