@@ -67,8 +67,10 @@ Involute::Involute(const InvoluteData& d) {
   half_thickness_1 = pi / (2.0 * d.teeth_1) + 2.0 * d.shift_1 * std::tan(d.pressure_angle) / d.teeth_1 +
                      inv(transverse_angle) - inv_working;
 
+  reach = 0.0;
   const auto tip_path = [&](int teeth, double shift, double base) {
     const double tip = 0.5 * m_t * teeth + d.module * (d.addendum + shift);
+    reach += tip;
     need(tip > base, "the tips of a wheel stand within its base circle");
     return std::sqrt(tip * tip - base * base) - base * std::tan(working_angle);  // beyond the pitch point
   };
@@ -105,6 +107,12 @@ Involute::Play Involute::play(double distance) const {
         fmt::format("the axes of an involute mesh are {:.6g} m apart; its base circles overlap below "
                     "{:.6g} m, its wheels mesh at {:.6g} m",
                     distance, sum, centre_distance));
+  if (distance >= reach)
+    throw std::runtime_error(
+        fmt::format("the axes of an involute mesh are {:.6g} m apart; its tips no longer reach each other "
+                    "from {:.6g} m on, its "
+                    "wheels mesh at {:.6g} m: place the wheels nearer",
+                    distance, reach, centre_distance));
   const double angle = std::acos(sum / distance), sine = std::sin(angle);
   // d half / da = sin(alpha), and sin(alpha)^2 = 1 - (sum / a)^2.
   return {half_backlash_ + sum * (inv(angle) - inv(working_angle)), sine,

@@ -48,10 +48,11 @@ class Involute {
   double half_thickness_1;  ///< of a tooth of wheel 1 at its working pitch circle, an angle
   double tooth_stiffness;   ///< c'
   double mean_stiffness;    ///< c_gamma [N/m]
+  double reach;             ///< r_a1 + r_a2: from this distance of the axes on no teeth meet
   double transverse_angle;  ///< alpha_t
 
   /// Half of the play along the line of action at a distance of the axes, and its derivatives.  Throws std::runtime_error
-  /// where the base circles overlap.
+  /// where the base circles overlap and where the tips do not.
   struct Play {
     double half, first, second;
   };

@@ -255,6 +255,9 @@ TEST_F(InvoluteMeshes, RefuseWhatCannotBe) {
               HasSubstr("the helix angle lies within 45 deg"));
   EXPECT_THAT(refusal(wheels(0, 0, "backlash = \"5 mm\"\n")), HasSubstr("smaller than half a pitch"));
   EXPECT_THAT(refusal(wheels(0, 0, "", 80e-3)), HasSubstr("its wheels mesh at 0.09 m"));
+  // Tips at (20 + 2) m / 2 and (40 + 2) m / 2.
+  EXPECT_THAT(refusal(wheels(0, 0, "", 97e-3)),
+              HasSubstr("its tips no longer reach each other from 0.096 m on"));
   EXPECT_THAT(refusal(wheels(0, 0, "damping = 1\nrestitution = 0.5\n")),
               HasSubstr("stands beside restitution"));
 }
