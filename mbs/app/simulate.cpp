@@ -11,6 +11,7 @@
 #include "mbs/app/run/mechanism_runs.hpp"
 #include "mbs/app/run/one_run.hpp"
 #include "mbs/app/run/provided_parts.hpp"
+#include "mbs/app/run/results_page.hpp"
 #include "mbs/app/run/run_summary.hpp"
 #include "mbs/base/files/output.hpp"
 #include "mbs/base/files/signals.hpp"
@@ -121,7 +122,7 @@ int simulate_all(SimulateArguments& arguments, const terminal::Verbosity& verbos
   const bool resumes = goes_on_from_checkpoint(arguments);
   const double interval = arguments.checkpoint.empty() ? 0.0 : seconds_of(arguments.checkpoint);
   files::Claims claims;
-  claims.add(arguments.output).add(arguments.save_state);
+  claims.add(arguments.output).add(arguments.save_state).add(arguments.html);
   const CheckpointFiles checkpoint_files(arguments.output);
   if (resumes || interval > 0.0)
     for (const auto& file : {checkpoint_files.newest, checkpoint_files.before, checkpoint_files.rows})
@@ -286,6 +287,11 @@ int simulate_all(SimulateArguments& arguments, const terminal::Verbosity& verbos
     for (const std::string& line : remarks) terminal::say(stdout, line);
     fmt::print("results {}\n", arguments.output);
   }
+  if (!arguments.html.empty()) {
+    const std::string page =
+        write_results_page(arguments.html, results::read(arguments.output), arguments.output);
+    if (!verbosity.quiet && !arguments.json) fmt::print("page    {}\n", page);
+  }
   if (!stopped.empty())
     throw std::runtime_error(
         fmt::format("{}; what was computed until then is in {}{}", stopped, arguments.output,
@@ -318,6 +324,7 @@ terminal::Command simulate_command() {
         options
             .option("-o,--output", a->output, "FILE",
                     "results file (default: the mechanism file's name with .h5)")
+            .option("--html", a->html, "PAGE", "also write the page of the results (flexura view)")
             .option("--save-state", a->save_state, "FILE",
                     "write the states at the end and the integrator's history there")
             .option("--checkpoint", a->checkpoint, "TIME",

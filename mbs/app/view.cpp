@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "mbs/app/commands.hpp"
+#include "mbs/app/run/results_page.hpp"
 #include "mbs/app/run/results_summary.hpp"
 #include "mbs/base/files/output.hpp"
 #include "mbs/base/terminal/terminal.hpp"
@@ -35,15 +36,11 @@ int run(const Arguments& arguments, const terminal::Verbosity& verbosity) {
     fmt::print("{}", summary_text(results, terminal::width(stdout), terminal::takes_colour(stdout)));
   }
   if (html.empty()) return 0;
-  const view::Pictures pictures = view::read_pictures(results.model, arguments.file);
   view::MotionPage page;
   page.plots = arguments.plots;
   page.most_frames = arguments.frames;
-  view::write_motion_page(html, results, pictures, page);
-  if (!verbosity.quiet && !arguments.json) {
-    fmt::print("wrote {} ({:.1f} MB): open it in a browser\n", html.string(),
-               static_cast<double>(std::filesystem::file_size(html)) / 1e6);
-  }
+  const std::string written = write_results_page(html, results, arguments.file, page);
+  if (!verbosity.quiet && !arguments.json) fmt::print("wrote {}\n", written);
   return 0;
 }
 

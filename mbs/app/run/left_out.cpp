@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "mbs/base/terminal/terminal.hpp"
@@ -48,16 +49,43 @@ LeftOut left_out(const mbs::PreparedMechanism& prepared) {
   return out;
 }
 
+namespace {
+
+// Bodies of which the same was not read: three by their names, more by their number.
+std::vector<std::string> not_read_parts(const LeftOut& out) {
+  std::vector<std::pair<std::vector<std::string>, std::vector<const LeftOut::Body*>>> alike;
+  for (const LeftOut::Body& body : out.bodies) {
+    if (body.not_read.empty()) continue;
+    auto found = std::ranges::find_if(alike, [&](const auto& one) { return one.first == body.not_read; });
+    if (found == alike.end()) found = alike.insert(alike.end(), {body.not_read, {}});
+    found->second.push_back(&body);
+  }
+  std::vector<std::string> parts;
+  for (const auto& [what, bodies] : alike) {
+    std::vector<std::string> names;
+    double bytes = 0.0, whole = 0.0;
+    for (const LeftOut::Body* body : bodies) {
+      names.push_back(body->name);
+      bytes += body->bytes;
+      whole += body->whole_bytes;
+    }
+    parts.push_back(fmt::format("{} of {} ({} of {} not read)", fmt::join(what, ", "),
+                                bodies.size() > 3 ? fmt::format("{} bodies", bodies.size())
+                                                  : fmt::format("{}", fmt::join(names, ", ")),
+                                terminal::bytes(bytes), terminal::bytes(whole)));
+  }
+  return parts;
+}
+
+}  // namespace
+
 std::string left_out_line(const LeftOut& out) {
   std::vector<std::string> parts;
-  for (const LeftOut::Body& body : out.bodies) {
+  for (const LeftOut::Body& body : out.bodies)
     if (body.kept < body.available)
       parts.push_back(
           fmt::format("{} of {} deformations of {}", body.available - body.kept, body.available, body.name));
-    if (!body.not_read.empty())
-      parts.push_back(fmt::format("{} of {} ({} of {} not read)", fmt::join(body.not_read, ", "), body.name,
-                                  terminal::bytes(body.bytes), terminal::bytes(body.whole_bytes)));
-  }
+  for (std::string& part : not_read_parts(out)) parts.push_back(std::move(part));
   if (out.states < out.states_of_all)
     parts.push_back(fmt::format("so {} states in place of {}", out.states, out.states_of_all));
   if (out.quantities < out.quantities_of_all)

@@ -113,6 +113,21 @@ TEST_F(Flexura, ModesWritesAPage) {
   EXPECT_GT(std::filesystem::file_size(page), 10'000u);
 }
 
+TEST_F(Flexura, SimulateWritesAPage) {
+  const std::string run = "simulate " FLEXURA_SOURCE_DIR
+                          "/cases/macpherson/macpherson.toml --run bump --end-time 0.02 -o " +
+                          (folder_ / "bump.h5").string();
+  const std::string page = (folder_ / "bump.html").string();
+  const Outcome outcome = flexura(run + " --html " + page);
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("page    " + page + " ("));
+  EXPECT_GT(std::filesystem::file_size(page), 10'000u);
+  // One file cannot be both.
+  const Outcome twice = flexura(run + " --html " + (folder_ / "bump.h5").string());
+  EXPECT_EQ(twice.code, 2);
+  EXPECT_THAT(twice.err, HasSubstr("bump.h5"));
+}
+
 TEST_F(Flexura, CheckSummarises) {
   const Outcome outcome = flexura("check " + beam_);
   EXPECT_EQ(outcome.code, 0) << outcome.err;

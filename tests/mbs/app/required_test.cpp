@@ -133,6 +133,15 @@ TEST(OnlyWhatASceneRequires, ReportSaysWhatWasLeftOutAndWhatItSaved) {
                                            "body.beam.fidelity=modal", "-o", (folder / "out.h5").string()});
   ASSERT_EQ(followed.exit_code, 0) << followed.err;
   EXPECT_NE(followed.out.find("left out: stress modes of beam ("), std::string::npos) << followed.out;
+  // Many bodies alike are told by their number.
+  std::string many = kScene;
+  for (const char* name : {"b", "c", "d"})
+    many += std::string("[body.") + name + "]\nsuperelement = \"beam.se.h5\"\nfidelity = \"rigid\"\n";
+  folder.write("scene.toml", many);
+  const Outcome alike = run("flexura", {"simulate", (folder / "scene.toml").string(), "--set",
+                                        "body.beam.fidelity=rigid", "-o", (folder / "out.h5").string()});
+  ASSERT_EQ(alike.exit_code, 0) << alike.err;
+  EXPECT_NE(alike.out.find("surface, shapes of the surface of 4 bodies ("), std::string::npos) << alike.out;
 }
 
 }  // namespace

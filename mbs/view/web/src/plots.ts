@@ -10,6 +10,13 @@ interface Curve { run: Run; name: string; unit: string; dash: number[]; width: n
 const plotHeight = 172; // [px]
 const dashes = [[], [7, 4], [2, 3], [9, 3, 2, 3]];
 
+/** The same dashes for a line of the legend. */
+function dashed(dash: number[]): string {
+  let at = 0;
+  const stops = dash.map((length, i) => `${i % 2 ? 'transparent' : 'var(--color)'} ${at}px ${at += length}px`);
+  return stops.length ? `--dash: repeating-linear-gradient(90deg, ${stops.join(', ')})` : '';
+}
+
 /** What is smaller than this part of the largest value in a plot is round-off or left by the solver, and written as 0. */
 const roundOff = 1e-9;
 
@@ -176,7 +183,7 @@ export class PlotCard {
       const value = c.run.valueAt(c.name, t);
       const base = this.differing ? this.curves.find((other) => other.name === c.name)!.run.valueAt(c.name, t) : 0;
       const v = value === null || base === null ? null : value - base;
-      const mark = h('i', { style: `--color: var(--run${c.run.number % 6})`, class: c.dash.length ? 'dashed' : '' });
+      const mark = h('i', { style: `--color: var(--run${c.run.number % 6});${dashed(c.dash)}` });
       const several = new Set(this.curves.map((other) => other.run)).size > 1;
       const label = this.names.length === 1 ? c.run.header.name : several ? `${c.run.header.name}: ${c.name}` : c.name;
       return h('div', {}, h('dt', {}, mark, label), h('dd', {}, v === null ? '…' : figure(Math.abs(v) < roundOff * this.largest ? 0 : v, 5)));
