@@ -9,6 +9,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "mbs/study/choice/body_alone.hpp"
 #include "mbs/study/estimate/spectrum.hpp"
 
 namespace flexura::study {
@@ -76,7 +77,7 @@ Screening::Screening(const mbs::PreparedMechanism& run, FullModel& full, const s
 void Screening::take(const mbs::State& s, const VectorXd& v_dot) {
   if (!shadows_ || !shadows_->take(s, v_dot)) return;
   rows_.push_back({shadows_->embedded(), shadows_->embedded_v_dot(), shadows_->residual(),
-                   shadows_->linearised().G(), nullptr, shadows_->jumped()});
+                   shadows_->linearised().G(), shadows_->corrected_outputs(), nullptr, shadows_->jumped()});
   // What does not fit is taken anew where it is wanted.
   const auto& row = shadows_->linearised().row();
   if (row->number != last_number_)
@@ -87,6 +88,11 @@ void Screening::take(const mbs::State& s, const VectorXd& v_dot) {
 
 TruncationEstimate Screening::estimate() const {
   return shadows_->estimate();
+}
+
+// Of the rows kept one in so many judges candidates.
+std::size_t Screening::rows_between() const {
+  return std::max<std::size_t>(1, rows_.size() / kRowsForCandidates);
 }
 
 const ModalBlock& Screening::block_of(const std::string& body) const {
@@ -115,58 +121,73 @@ MatrixXd Screening::responses_of(const std::string& body) const {
   return basis ? basis->S : MatrixXd(block_of(body).m, 0);
 }
 
-// The outputs of the correction in the deformations S of one body (n_block x k), row by row.
-std::vector<VectorXd> Screening::outputs_with(const ModalBlock& block, const MatrixXd& S,
-                                              const VectorXd& extra_damping) {
-  const Index n_v = full_.mechanism().sizes().n_v;
-  // Joint coordinates, then the candidate's.
-  std::vector<bool> modal(static_cast<std::size_t>(n_v), false);
-  for (const ModalBlock& other : full_.blocks()) std::fill_n(modal.begin() + other.v, other.m, true);
-  const Index n_joint = std::ranges::count(modal, false);
-  MatrixXd T = MatrixXd::Zero(n_v, n_joint + S.cols());
-  for (Index i = 0, k = 0; i < n_v; ++i)
-    if (!modal[static_cast<std::size_t>(i)]) T(i, k++) = 1.0;
-  T.block(block.v, n_joint, block.m, S.cols()) = S;
-
-  LinearCorrection correction(T.cols(), 1);
+// The correction in the deformations S of one body (n_block x k), row by row: take(i, y) has the outputs of the i-th row and
+// says whether to go on.
+void Screening::follow(const ModalBlock& block, const MatrixXd& S, const VectorXd& extra_damping,
+                       const std::function<bool(std::size_t, const VectorXd&)>& take) {
+  const BodyAlone alone(full_, block, S, extra_damping);
+  LinearCorrection correction(alone.n(), 1);
   Transients transients;
   VectorXd own_damping = (S.transpose() * damping_of(full_, block).asDiagonal() * S).diagonal();
   own_damping.tail(extra_damping.size()) += extra_damping;
   transients.add((S.transpose() * stiffness_of(full_, block).asDiagonal() * S).diagonal(), own_damping);
   LinearisedRow small, own;
+  MatrixXd G;
   VectorXd y;
   mbs::State moved;
-  std::vector<VectorXd> outputs;
-  const std::size_t every = std::max<std::size_t>(1, rows_.size() / kRowsForCandidates);
+  ++effort_.candidates;
+  const std::size_t every = rows_between();
   for (std::size_t i = 0; i < rows_.size(); i += every) {
     const Row& at = rows_[i];
     if (!at.linearised) full_.linearise(at.s, at.v_dot, own);
     const LinearisedRow& row = at.linearised ? *at.linearised : own;
-    if (row.number == 0 || row.number != small.number) {
-      small.number = row.number;
-      small.M.noalias() = T.transpose() * (row.M * T);
-      small.D.noalias() = T.transpose() * (row.D * T);
-      small.K.noalias() = T.transpose() * (row.K * T);
-      small.D.diagonal().tail(extra_damping.size()) += extra_damping;
-    }
-    VectorXd load = VectorXd::Zero(n_v);
-    load.segment(block.v, block.m) = -at.residual.segment(block.v, block.m);
+    if (row.number == 0 || row.number != small.number) alone.project(row, small);
+    alone.project(at.G, G);
     // A jump in the rows that are passed over counts, too.
     bool jumped = false;
     for (std::size_t k = i; k > 0 && k + every > i; --k) jumped = jumped || rows_[k].jumped;
     if (jumped) transients.begin();
-    correction.step(i == 0 ? 0.0 : at.s.t - rows_[i - every].s.t, small, at.G * T, T.transpose() * load,
+    correction.step(i == 0 ? 0.0 : at.s.t - rows_[i - every].s.t, small, G, alone.load(at.residual),
                     &transients, jumped);
-    full_.move(at.s, T * correction.delta().col(0), T * correction.rate().col(0),
+    full_.move(at.s, alone.spread(correction.delta().col(0)), alone.spread(correction.rate().col(0)),
                correction.dlambda().rows() > 0 ? VectorXd(correction.dlambda().col(0)) : VectorXd(), moved);
-    full_.evaluate(shadows_->outputs(), moved, at.v_dot + T * correction.acceleration().col(0), y);
-    outputs.push_back(y);
+    full_.evaluate(shadows_->outputs(), moved, at.v_dot + alone.spread(correction.acceleration().col(0)), y);
+    ++effort_.rows;
+    if (!take(i / every, y)) return;
   }
-  return outputs;
 }
 
-Candidate Screening::judge(const ModalBlock& block, int modes, const MatrixXd& responses,
-                           const std::vector<VectorXd>& whole) {
+// The same in all deformations of the body.
+std::vector<VectorXd> Screening::whole_of(const ModalBlock& block) {
+  std::vector<VectorXd> whole;
+  // Where no other body deforms the shadows have followed just these.
+  if (full_.blocks().size() == 1 && rows_between() == 1) {
+    for (const Row& row : rows_) whole.push_back(row.corrected);
+    return whole;
+  }
+  follow(block, MatrixXd::Identity(block.m, block.m), VectorXd(0), [&](std::size_t, const VectorXd& y) {
+    whole.push_back(y);
+    return true;
+  });
+  return whole;
+}
+
+// How far a candidate is from the whole: relative rms of the worst output over all rows.  Squares only add up, so that it is
+// given up at the row where they are too many: it is then above `share` and not told.
+double Screening::loss_of(const ModalBlock& block, const MatrixXd& S, const VectorXd& extra_damping,
+                          const Goal& goal) {
+  VectorXd sum = VectorXd::Zero(goal.whole.front().size());
+  const auto n = static_cast<double>(goal.whole.size());
+  double loss = 0.0;
+  follow(block, S, extra_damping, [&](std::size_t i, const VectorXd& y) {
+    sum += (y - goal.whole[i]).cwiseAbs2();
+    loss = worst_output(sum, n, goal.outputs).first;
+    return loss <= goal.share;
+  });
+  return loss;
+}
+
+Candidate Screening::judge(const ModalBlock& block, int modes, const MatrixXd& responses, const Goal& goal) {
   const VectorXd& omega2 = stiffness_of(full_, block);
   const auto [A, ritz] = beside(modes, responses, omega2);
   Candidate out;
@@ -184,21 +205,13 @@ Candidate Screening::judge(const ModalBlock& block, int modes, const MatrixXd& r
   S.rightCols(A.cols()) = A;
   // Response modes are damped critically, see read_flexible_body.hpp.
   const VectorXd own = (A.transpose() * damping_of(full_, block).asDiagonal() * A).diagonal();
-  const std::vector<VectorXd> y = outputs_with(block, S, 2.0 * ritz.cwiseSqrt() - own);
-  out.loss = loss_of(y, whole);
+  out.loss = loss_of(block, S, 2.0 * ritz.cwiseSqrt() - own, goal);
   return out;
-}
-
-double Screening::loss_of(const std::vector<VectorXd>& y, const std::vector<VectorXd>& whole) const {
-  VectorXd sum = VectorXd::Zero(whole.front().size());
-  for (std::size_t i = 0; i < y.size(); ++i) sum += (y[i] - whole[i]).cwiseAbs2();
-  return worst_output(sum, static_cast<double>(y.size()), shadows_->estimate().outputs).first;
 }
 
 // The fewest eigenmodes of the body as its joint holds it that do: two of them may do what twenty free ones do, for a bar
 // that a wall holds.  Their damping is that of the run, by their own ratios.
-std::optional<Candidate> Screening::fewest_held(const std::string& body, int fewer_than,
-                                                const std::vector<VectorXd>& whole, double share) {
+std::optional<Candidate> Screening::fewest_held(const std::string& body, int fewer_than, const Goal& goal) {
   const ModalBlock& block = block_of(body);
   // A rigid link is held together in a frame of its own.
   for (const mbs::BlindSpot& spot : run_.file.blind_spots)
@@ -221,10 +234,10 @@ std::optional<Candidate> Screening::fewest_held(const std::string& body, int few
     Candidate candidate;
     candidate.modes = static_cast<int>(n);
     candidate.plain = candidate.held = true;
-    candidate.loss = loss_of(outputs_with(block, S, held->damping.head(n) - own), whole);
+    candidate.loss = loss_of(block, S, held->damping.head(n) - own, goal);
     candidate.highest_hz = hz((S.transpose() * stiffness_of(full_, block).asDiagonal() * S)(n - 1, n - 1) /
                               S.col(n - 1).squaredNorm());
-    if (candidate.loss <= share) {
+    if (candidate.loss <= goal.share) {
       found = candidate;
       high = middle;
     } else {
@@ -236,14 +249,13 @@ std::optional<Candidate> Screening::fewest_held(const std::string& body, int few
 
 // The fewest of `ladder`, by bisection: more modes lose less.
 std::optional<Candidate> Screening::fewest(const ModalBlock& block, const std::vector<int>& ladder,
-                                           const MatrixXd& responses, const std::vector<VectorXd>& whole,
-                                           double share) {
+                                           const MatrixXd& responses, const Goal& goal) {
   std::optional<Candidate> found;
   std::size_t low = 0, high = ladder.size();
   while (low < high) {
     const std::size_t middle = (low + high) / 2;
-    const Candidate candidate = judge(block, ladder[middle], responses, whole);
-    if (candidate.loss <= share) {
+    const Candidate candidate = judge(block, ladder[middle], responses, goal);
+    if (candidate.loss <= goal.share) {
       found = candidate;
       high = middle;
     } else {
@@ -264,17 +276,17 @@ Candidate Screening::cheapest(const std::string& body, double share) {
   for (const int modes : kLadder)
     // Without eigenmodes as many responses as deformations are less work, too: nothing of them vibrates.
     if (modes > 0 ? modes + responses.cols() < block.m : responses.cols() > 0) ladder.push_back(modes);
-  const std::vector<VectorXd> whole = outputs_with(block, MatrixXd::Identity(block.m, block.m), VectorXd(0));
-  if (const auto found = fewest(block, ladder, responses, whole, share)) best = *found;
+  const Goal goal{whole_of(block), shadows_->estimate().outputs, share};
+  if (const auto found = fewest(block, ladder, responses, goal)) best = *found;
   // Eigenmodes alone where fewer coordinates do as well; nothing beats response modes alone.
   if (best.modes == 0) return best;
   for (const int modes : kLadder)
     if (modes > 0 && modes < best.modes + best.responses) plain.push_back(modes);
-  if (auto found = fewest(block, plain, MatrixXd(block.m, 0), whole, share)) {
+  if (auto found = fewest(block, plain, MatrixXd(block.m, 0), goal)) {
     found->plain = true;
     best = *found;
   }
-  if (const auto found = fewest_held(body, best.modes + best.responses, whole, share)) best = *found;
+  if (const auto found = fewest_held(body, best.modes + best.responses, goal)) best = *found;
   return best;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -68,14 +69,28 @@ class Screening {
   /// the finest where none does.
   Candidate cheapest(const std::string& body, double share);
 
+  /// What that has cost so far: corrections that were followed, and their rows.
+  struct Effort {
+    long candidates = 0, rows = 0;
+  };
+  const Effort& effort() const { return effort_; }
+
  private:
   struct Row {
     mbs::State s;
     Eigen::VectorXd v_dot, residual;
     Eigen::MatrixXd G;
+    Eigen::VectorXd corrected;  ///< outputs with every deformation of every body
     std::shared_ptr<const LinearisedRow> linearised;
     bool jumped = false;  ///< a load has, since the row before
   };
+  // What a candidate is judged by: the outputs in all deformations of the body, their sizes, and what may be lost.
+  struct Goal {
+    std::vector<Eigen::VectorXd> whole;
+    std::vector<OutputEstimate> outputs;
+    double share = 0.0;
+  };
+  std::size_t rows_between() const;
   const ModalBlock& block_of(const std::string& body) const;
   // Deformations that the body has with these words in its table, and how they are damped there [1/s].
   struct Basis {
@@ -84,16 +99,15 @@ class Screening {
   };
   std::optional<Basis> basis_of(const std::string& body, const std::vector<std::string>& words) const;
   Eigen::MatrixXd responses_of(const std::string& body) const;
-  std::optional<Candidate> fewest_held(const std::string& body, int fewer_than,
-                                       const std::vector<Eigen::VectorXd>& whole, double share);
-  double loss_of(const std::vector<Eigen::VectorXd>& y, const std::vector<Eigen::VectorXd>& whole) const;
-  std::vector<Eigen::VectorXd> outputs_with(const ModalBlock& block, const Eigen::MatrixXd& S,
-                                            const Eigen::VectorXd& extra_damping);
-  Candidate judge(const ModalBlock& block, int modes, const Eigen::MatrixXd& responses,
-                  const std::vector<Eigen::VectorXd>& whole);
+  std::optional<Candidate> fewest_held(const std::string& body, int fewer_than, const Goal& goal);
+  void follow(const ModalBlock& block, const Eigen::MatrixXd& S, const Eigen::VectorXd& extra_damping,
+              const std::function<bool(std::size_t, const Eigen::VectorXd&)>& take);
+  std::vector<Eigen::VectorXd> whole_of(const ModalBlock& block);
+  double loss_of(const ModalBlock& block, const Eigen::MatrixXd& S, const Eigen::VectorXd& extra_damping,
+                 const Goal& goal);
+  Candidate judge(const ModalBlock& block, int modes, const Eigen::MatrixXd& responses, const Goal& goal);
   std::optional<Candidate> fewest(const ModalBlock& block, const std::vector<int>& ladder,
-                                  const Eigen::MatrixXd& responses, const std::vector<Eigen::VectorXd>& whole,
-                                  double share);
+                                  const Eigen::MatrixXd& responses, const Goal& goal);
   double excitation(const ModalBlock& block);
   void change_of_stiffness(const ModalBlock& block, Screened& out);
 
@@ -105,6 +119,7 @@ class Screening {
   std::vector<Row> rows_;
   long last_number_ = 0;  // of the linearised rows kept
   double memory_ = 0.0;   // [B], of these
+  Effort effort_;
 };
 
 }  // namespace flexura::study

@@ -22,6 +22,8 @@ struct Alpha {
 // Steps that resolve nothing damp it out; those that follow a transient leave its damping alone.
 constexpr double kRhoOfRows = 0.4, kRhoOfTransients = 0.8;
 constexpr int kFinest = 30;  // a step of a row is halved so often at most
+// A row in 2^k steps is worth the inverse: its product with a column is a plain one, triangular solutions pack theirs.
+constexpr int kWorthAnInverse = 5;
 
 }  // namespace
 
@@ -33,18 +35,30 @@ void Transients::add(const Eigen::VectorXd& omega2, const Eigen::VectorXd& dampi
     modes_.emplace_back(kDecay / decay, 2.0 * std::numbers::pi / omega / kStepsPerPeriod);
   }
   std::ranges::sort(modes_, {}, [](const auto& mode) { return mode.second; });
+  fastest_ = 0;
+  pass_those_at_rest();
+}
+
+void Transients::begin() {
+  if (steps_left_ <= 0) return;
+  since_ = 0.0;
+  fastest_ = 0;
+  pass_those_at_rest();
+}
+
+void Transients::pass_those_at_rest() {
+  while (fastest_ < modes_.size() && !(since_ < modes_[fastest_].first)) ++fastest_;
 }
 
 double Transients::step() const {
-  if (steps_left_ > 0)
-    for (const auto& [until, step] : modes_)
-      if (since_ < until) return step;
-  return std::numeric_limits<double>::infinity();
+  return steps_left_ > 0 && fastest_ < modes_.size() ? modes_[fastest_].second
+                                                     : std::numeric_limits<double>::infinity();
 }
 
 void Transients::pass(double dt) {
   since_ += dt;
   --steps_left_;
+  pass_those_at_rest();
 }
 
 LinearCorrection::LinearCorrection(Eigen::Index n, Eigen::Index columns) {
@@ -57,9 +71,17 @@ void LinearCorrection::factor(double h, double rho, const LinearisedRow& row) {
   const double share = (1.0 - alpha.f) / (1.0 - alpha.m);
   A_.compute(h > 0.0 ? MatrixXd(row.M + h * alpha.gamma * share * row.D + h * h * alpha.beta * share * row.K)
                      : row.M);
+  inverse_.resize(0, 0);
   number_ = row.number;
   h_ = h;
   rho_ = rho;
+}
+
+void LinearCorrection::solve(const MatrixXd& rhs, MatrixXd& x) const {
+  if (inverse_.rows() > 0)
+    x.noalias() = inverse_ * rhs;
+  else
+    x = A_.solve(rhs);
 }
 
 void LinearCorrection::step(double h, const LinearisedRow& row, const MatrixXd& G, const MatrixXd& load,
@@ -73,25 +95,28 @@ void LinearCorrection::step(double h, const LinearisedRow& row, const MatrixXd& 
     whole();
   } else {
     // Steps h / 2^k, longer ones where the place in the row allows it.
-    MatrixXd B_last, B;
+    MatrixXd B_last, B, force;
     int k_last = -1;
     for (long place = 0, all = 1L << kFinest; place < all;) {
+      const double longest = transients->step();
       int k = 0;
-      while (k < kFinest && std::ldexp(h, -k) > transients->step()) ++k;
+      while (k < kFinest && std::ldexp(h, -k) > longest) ++k;
       while (k < kFinest && place % (all >> k) != 0) ++k;
       const double dt = std::ldexp(h, -k);
       place += all >> k;
       const double part = static_cast<double>(place) / static_cast<double>(all);
-      const double rho = dt > transients->step() ? kRhoOfRows : kRhoOfTransients;
+      const double rho = dt > longest ? kRhoOfRows : kRhoOfTransients;
       if (k != k_last || rho != rho_) {
         factor(dt, rho, row);
+        if (k >= kWorthAnInverse && inverse_.rows() == 0) inverse_ = A_.inverse();
         if (G.rows() > 0) {
           B = A_.solve(G.transpose());
           B_last = A_.solve(last_G_.transpose());
         }
         k_last = k;
       }
-      const MatrixXd force = jumped ? load : MatrixXd(last_load_ + part * (load - last_load_));
+      force = load;
+      if (!jumped) force -= (1.0 - part) * (load - last_load_);
       if (G.rows() > 0)
         step_once(dt, rho, row, last_G_ + part * (G - last_G_), B_last + part * (B - B_last), force);
       else
@@ -106,42 +131,45 @@ void LinearCorrection::step(double h, const LinearisedRow& row, const MatrixXd& 
 void LinearCorrection::step_once(double h, double rho, const LinearisedRow& row, const MatrixXd& G,
                                  const MatrixXd& B, const MatrixXd& load) {
   const Alpha alpha(rho);
-  MatrixXd rhs = load, predicted, predicted_rate;
+  rhs_ = load;
   double to_acceleration = 0.0, to_rate = 0.0;
   if (h > 0.0) {
     // auxiliary_new = ((1 - f) acceleration_new + f acceleration - m auxiliary) / (1 - m)
-    const MatrixXd carried = (alpha.f * acceleration_ - alpha.m * auxiliary_) / (1.0 - alpha.m);
-    predicted = delta_ + h * rate_ + h * h * ((0.5 - alpha.beta) * auxiliary_ + alpha.beta * carried);
-    predicted_rate = rate_ + h * ((1.0 - alpha.gamma) * auxiliary_ + alpha.gamma * carried);
+    const double of_acceleration = alpha.f / (1.0 - alpha.m), of_auxiliary = -alpha.m / (1.0 - alpha.m);
+    predicted_ = delta_ + h * rate_ +
+                 h * h *
+                     ((0.5 - alpha.beta + alpha.beta * of_auxiliary) * auxiliary_ +
+                      alpha.beta * of_acceleration * acceleration_);
+    predicted_rate_ = rate_ + h * ((1.0 - alpha.gamma + alpha.gamma * of_auxiliary) * auxiliary_ +
+                                   alpha.gamma * of_acceleration * acceleration_);
     const double share = (1.0 - alpha.f) / (1.0 - alpha.m);
     to_acceleration = h * h * alpha.beta * share;  // delta_new = predicted + to_acceleration acceleration_new
     to_rate = h * alpha.gamma * share;
-    rhs.noalias() -= row.D * predicted_rate;
-    rhs.noalias() -= row.K * predicted;
+    rhs_.noalias() -= row.D * predicted_rate_;
+    rhs_.noalias() -= row.K * predicted_;
   }
   // [A G^T; G 0] (acceleration, dlambda) = (rhs, 0 or what closes the loops at position level), by the Schur
   // complement; a part in 1e12 on its diagonal carries it over dead points and rows that others imply.
-  MatrixXd acceleration_new = A_.solve(rhs);
+  solve(rhs_, next_);
   if (G.rows() > 0) {
     MatrixXd schur = G * B;
     const double mean = schur.trace() / static_cast<double>(schur.rows());
     schur.diagonal().array() += 1e-12 * mean;
-    MatrixXd gap = G * acceleration_new;
-    if (h > 0.0) gap += G * predicted / to_acceleration;
+    MatrixXd gap = G * next_;
+    if (h > 0.0) gap += G * predicted_ / to_acceleration;
     dlambda_ = Eigen::PartialPivLU<MatrixXd>(schur).solve(gap);
-    acceleration_new.noalias() -= B * dlambda_;
+    next_.noalias() -= B * dlambda_;
   } else {
     dlambda_.resize(0, load.cols());
   }
   if (h > 0.0) {
-    delta_ = predicted + to_acceleration * acceleration_new;
-    rate_ = predicted_rate + to_rate * acceleration_new;
-    auxiliary_ = ((1.0 - alpha.f) * acceleration_new + alpha.f * acceleration_ - alpha.m * auxiliary_) /
-                 (1.0 - alpha.m);
+    delta_ = predicted_ + to_acceleration * next_;
+    rate_ = predicted_rate_ + to_rate * next_;
+    auxiliary_ = ((1.0 - alpha.f) * next_ + alpha.f * acceleration_ - alpha.m * auxiliary_) / (1.0 - alpha.m);
   } else {
-    auxiliary_ = acceleration_new;
+    auxiliary_ = next_;
   }
-  acceleration_ = std::move(acceleration_new);
+  acceleration_.swap(next_);
 }
 
 }  // namespace flexura::study

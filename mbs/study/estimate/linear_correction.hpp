@@ -31,14 +31,17 @@ class Transients {
   /// More modes that may ring: squares of their frequencies [rad^2/s^2], and damping 2 zeta omega [1/s].
   void add(const Eigen::VectorXd& omega2, const Eigen::VectorXd& damping);
   /// Loads have just jumped.  Nothing is followed any more once the steps are used up.
-  void begin() { since_ = steps_left_ > 0 ? 0.0 : since_; }
+  void begin();
   /// The longest step from here [s]; infinite where nothing rings.
   double step() const;
   void pass(double dt);
 
  private:
+  void pass_those_at_rest();
+
   static constexpr double kStepsPerPeriod = 12.0, kDecay = 4.0, kLeastDampingRatio = 2e-3;
   std::vector<std::pair<double, double>> modes_;  // until when it rings [s], step [s]; the fastest first
+  std::size_t fastest_ = 0;                       // of those that still ring
   double since_ = 0.0;
   long steps_left_ = 40000;
 };
@@ -60,12 +63,16 @@ class LinearCorrection {
 
  private:
   void factor(double h, double rho, const LinearisedRow& row);
+  void solve(const Eigen::MatrixXd& rhs, Eigen::MatrixXd& x) const;
   void step_once(double h, double rho, const LinearisedRow& row, const Eigen::MatrixXd& G,
                  const Eigen::MatrixXd& B, const Eigen::MatrixXd& load);
 
   Eigen::MatrixXd delta_, rate_, acceleration_, auxiliary_, dlambda_;
   Eigen::MatrixXd last_G_, last_load_;
   Eigen::PartialPivLU<Eigen::MatrixXd> A_;  // of the step solved last
+  Eigen::MatrixXd inverse_;                 // its inverse, where many steps are solved with it; else empty
+  // Of a step; kept, since short steps of few coordinates would spend most of their time on memory.
+  Eigen::MatrixXd predicted_, predicted_rate_, rhs_, next_;
   long number_ = 0;
   double h_ = 0.0, rho_ = 0.0;
 };

@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "mbs/mechanism/describe.hpp"
+#include "mbs/study/choice/screening.hpp"
 #include "mbs/study/estimate/spectrum.hpp"
 #include "mbs/superelement/file.hpp"
 #include "tests/app/command.hpp"
@@ -217,6 +218,39 @@ TEST_F(Choosing, ARunThatProvesTheChoiceWrongGoesOnWithMore) {
   for (std::size_t i = 0; i < rows.size(); ++i)
     EXPECT_NEAR(chosen.rows[i].state.t, rows[i].state.t, 1e-12);  // round-off of k h
   EXPECT_LT((exact - got).norm(), 0.05 * exact.norm());
+}
+
+// What a choice costs is counted, never timed.
+TEST_F(Choosing, TheScreeningGivesUpACandidateWhereItIsLost) {
+  const std::vector<std::string> rigid = {"body.beam.fidelity=rigid", "solver.tolerance=1e-5"};
+  const mbs::PreparedMechanism p = mbs::prepare(clamped_, rigid);
+  const auto full = FullModel::make(p, clamped_, rigid);
+  ASSERT_TRUE(full);
+  Screening screening(p, *full, clamped_, rigid);
+  long rows = 0;
+  mbs::RunCallbacks callbacks;
+  callbacks.row = [&](const mbs::State& s, const Eigen::VectorXd& v_dot, const mbs::EnergyAccount&) {
+    screening.take(s, v_dot);
+    ++rows;
+  };
+  ASSERT_TRUE(mbs::run(*p.mechanism, p.state, p.v_dot, p.options, callbacks).complete);
+  EXPECT_EQ(screening.effort().candidates, 0);
+  // Nothing but every mode loses nothing: each bisection of the ladder is given up within the first rows, and every mode is
+  // what the shadows of the run have followed already.
+  EXPECT_TRUE(screening.cheapest("beam", 0.0).all);
+  const Screening::Effort none = screening.effort();
+  EXPECT_LE(none.candidates, 12);
+  EXPECT_LE(none.rows, 3 * none.candidates);
+  // Where candidates do, at most one in each step of a bisection is followed to the end.
+  const Candidate some = screening.cheapest("beam", 0.01);
+  EXPECT_FALSE(some.all);
+  EXPECT_LE(some.loss, 0.01);
+  const Screening::Effort both = screening.effort();
+  EXPECT_LE(both.candidates - none.candidates, 12);
+  EXPECT_LT(both.rows - none.rows, (both.candidates - none.candidates) * rows);
+  // Any loss is as good as none where all may be lost: the first bisection takes response modes alone.
+  EXPECT_EQ(screening.cheapest("beam", 1e9).modes, 0);
+  EXPECT_LE(screening.effort().candidates - both.candidates, 4);
 }
 
 TEST_F(Choosing, OnlyOpenBodiesAreChosen) {
