@@ -205,7 +205,8 @@ std::shared_ptr<const StressField> read_stress_field(const Section& s, const sup
 
 std::shared_ptr<const FlexibleBody> prepare_flexible_body(
     const Section& s, const superelement::Superelement& se, const std::vector<BodyNode>& linked,
-    const MechanismDescription& d, int body, std::vector<std::string>& notes, PreparationCache& cache) {
+    const MatrixXd& on_surface, const MechanismDescription& d, int body, std::vector<std::string>& notes,
+    PreparationCache& cache) {
   BodyNodes nodes = interface_nodes(se);
   nodes.insert(nodes.end(), linked.begin(), linked.end());
   const std::string& name = d.bodies[body].name;
@@ -234,6 +235,11 @@ std::shared_ptr<const FlexibleBody> prepare_flexible_body(
              "a force puts a load case on the body, and a superelement has geometric stiffening by gravity, "
              "motion and loads on its interfaces only: all of it or none",
              "use fidelity = \"modal\", or let forces act on interfaces");
+  if (options.stiffening && on_surface.cols() > 0)
+    s.refuse("fidelity",
+             "a force acts on the body's surface, and a superelement has geometric stiffening by gravity, "
+             "motion and loads on its interfaces only: all of it or none",
+             "use fidelity = \"modal\"");
   if (s.has("modes")) options.modes = s.integer("modes");
   if (s.has("max_frequency")) options.max_frequency = s.quantity("max_frequency");
   options.response_frequency = s.quantity("response_frequency");
@@ -321,6 +327,11 @@ std::shared_ptr<const FlexibleBody> prepare_flexible_body(
       options.loads.conservativeResize(Eigen::NoChange, options.loads.cols() + 1);
       options.loads.rightCols<1>() = se.load_cases[static_cast<std::size_t>(load)].p_se;
     }
+
+  if (attachments != "none" && on_surface.cols() > 0) {
+    options.loads.conservativeResize(Eigen::NoChange, options.loads.cols() + on_surface.cols());
+    options.loads.rightCols(on_surface.cols()) = on_surface;
+  }
 
   if (fidelity.by_loads_alone) {
     for (const char* key : {"modes", "max_frequency"})

@@ -51,9 +51,10 @@ std::shared_ptr<const StressField> read_stress_field(const input::Section& s,
 
 /// Builds the body; joints and forces of `d` are already there and its markers on interfaces have the
 /// interface's index as node, those on the nodes of `linked` the numbers behind.  Notes for the user are
-/// appended.  Throws InputError.
+/// appended.  `on_surface` (n_se x any) are loads p_se of forces that act on its surface.  Throws InputError.
 std::shared_ptr<const FlexibleBody> prepare_flexible_body(
     const input::Section& s, const superelement::Superelement& se, const std::vector<BodyNode>& linked,
-    const MechanismDescription& d, int body, std::vector<std::string>& notes, PreparationCache& cache);
+    const Eigen::MatrixXd& on_surface, const MechanismDescription& d, int body,
+    std::vector<std::string>& notes, PreparationCache& cache);
 
 }  // namespace flexura::mbs

@@ -12,6 +12,7 @@
 #include "mbs/file/fidelities.hpp"
 #include "mbs/file/read_flexible_body.hpp"
 #include "mbs/file/read_mechanism.hpp"
+#include "mbs/file/read_surface_patch.hpp"
 #include "mbs/mechanism/beam_part.hpp"
 
 namespace flexura::mbs {
@@ -29,6 +30,10 @@ struct ReadModel {
   std::map<int, std::vector<BodyNode>> linked = {};  ///< nodes of deforming bodies beside their interfaces
   std::map<int, Segments> segments = {};             ///< beams cut into pieces, by the piece at the root
   std::vector<BlindSpot> blind_spots = {};
+  /// Bodies, by name, whose surfaces forces act on; their superelements, and the parts of the surfaces.
+  std::set<std::string> surfaces_in_use = {};
+  std::map<int, std::shared_ptr<const superelement::Superelement>> with_surface = {};
+  std::multimap<int, PatchOfSurface> patches = {};
 
   bool deforms(int body) const { return to_prepare.contains(body) || description.bodies[body].flexible; }
 };

@@ -101,8 +101,18 @@ void prepare_bodies(ReadModel& model) {
   MechanismDescription& d = model.description;
   for (const auto& [b, se] : model.to_prepare) {
     const Section& s = model.sections.at(b);
-    const auto body = prepare_flexible_body(s, *se, model.linked[b], d, b, model.notes, model.cache);
+    const auto [first, last] = model.patches.equal_range(b);
+    Eigen::MatrixXd on_surface(se->n(), 0);
+    for (auto patch = first; patch != last; ++patch) {
+      const Eigen::MatrixXd loads = tractions(patch->second, *se);
+      on_surface.conservativeResize(Eigen::NoChange, on_surface.cols() + loads.cols());
+      on_surface.rightCols(loads.cols()) = loads;
+    }
+    const auto body =
+        prepare_flexible_body(s, *se, model.linked[b], on_surface, d, b, model.notes, model.cache);
     const ModalData& data = *body->modal();
+    for (auto patch = first; patch != last; ++patch)
+      patch->second.patch->set_shapes(shapes_of(patch->second, *se) * data.Y);
     if (wants_stress(s)) d.bodies[b].stress = read_stress_field(s, *se, data);
     if (wants_surface_points(s)) d.bodies[b].surface_points = read_surface_points(s, *se, &data);
     if (wants_sections(s)) d.bodies[b].sections = read_section_points(s, *se, data);
@@ -138,6 +148,8 @@ Reader::Reader(ReadModel& model, const std::filesystem::path& file, const input:
 
 void Reader::read_bodies() {
   MechanismDescription& d = model_.description;
+  for (const auto& [name, s] : root_.table_map("force"))
+    if (s.text("type") == "surface_contact") model_.surfaces_in_use.insert(prefix_ + s.text("body"));
   const Section ground = root_.table("ground");
   if (prefix_.empty()) {
     d.bodies[0].shape_json = shapes_json(ground);
@@ -147,6 +159,23 @@ void Reader::read_bodies() {
   read_markers(model_, ground, base_.body, base_.X_BG, prefix_ + "ground", false);
   for (const auto& [name, s] : root_.table_map("body")) read_body(name, s);
   for (const auto& [name, s] : root_.table_map("subsystem")) read_subsystem(name, s);
+}
+
+std::shared_ptr<const SurfacePatch> Reader::surface(const Section& s, int body) const {
+  const auto se = model_.with_surface.find(body);
+  if (se == model_.with_surface.end())
+    s.refuse(
+        "body", fmt::format("\"{}\" has no superelement, whose surface has nodes", s.text("body")),
+        "make the body of one (fidelity = \"rigid\" will do), or let markers touch (type = \"contact\")");
+  PatchOfSurface part = read_surface_patch(s, *se->second, model_.deforms(body));
+  model_.notes.push_back(fmt::format("{}: {} nodes of the surface of \"{}\" may touch, {:.4g} mm^2 in all",
+                                     s.path(), part.vertices.size(), s.text("body"),
+                                     1e6 * part.patch->total_area()));
+  model_.blind_spots.push_back({"surface_contact", prefix_ + s.path().substr(s.path().find('.') + 1),
+                                "runs with a finer mesh and with a higher stiffness tell"});
+  const std::shared_ptr<const SurfacePatch> patch = part.patch;
+  model_.patches.emplace(body, std::move(part));
+  return patch;
 }
 
 void Reader::read_subsystem(const std::string& name, const Section& s) {
@@ -204,13 +233,13 @@ void Reader::read_subsystem(const std::string& name, const Section& s) {
   subsystems_.back()->read_bodies();
 }
 
-std::shared_ptr<const superelement::Superelement> Reader::load(const Section& s) {
+std::shared_ptr<const superelement::Superelement> Reader::load(const Section& s, const std::string& body) {
   const std::filesystem::path path = s.file("superelement");
   superelement::Parts parts;
   const Fidelity::OfSuperelement& fidelity = *fidelity_of(s).of_superelement;
   parts.matrices = fidelity.deforms();
   parts.stiffening = fidelity.is_stiffened;
-  const bool by_surface = a_marker_follows_surface(s);
+  const bool by_surface = a_marker_follows_surface(s) || model_.surfaces_in_use.contains(body);
   parts.stress = wants_stress(s);
   parts.sections = parts.matrices && wants_sections(s);
   parts.surface = parts.stress || by_surface || wants_surface_points(s);
@@ -242,9 +271,11 @@ void Reader::read_body(const std::string& own_name, const Section& s) {
     interfaces = beam.stations();
   } else if (s.has("superelement")) {
     if (s.has("mass")) s.refuse("mass", "a superelement brings its own mass", "take one of the two away");
-    se = load(s);
+    se = load(s, body.name);
     body.superelement = s.file("superelement").string();
-    body.follows_surface = a_marker_follows_surface(s);
+    const bool is_touched = model_.surfaces_in_use.contains(body.name);
+    body.follows_surface = a_marker_follows_surface(s) || is_touched;
+    if (is_touched) model_.with_surface.emplace(static_cast<int>(d.bodies.size()), se);
     body.loads = body_loads(*se);
     for (const superelement::Interface& i : se->interfaces) interfaces.emplace_back(i.name, i.p_BoN_B);
     if (!fidelity.of_superelement->deforms()) {

@@ -44,12 +44,18 @@ class Reader {
   Reader(ReadModel& model, const std::filesystem::path& file, const input::TableSchema& solver,
          const std::vector<std::string>& overrides, std::string prefix, Base base, int depth);
   ReadContext context() const {
-    return {model_.description, parameters_, tables_, prefix_,
-            [this](int marker) { return undeformed_place(model_, marker); }};
+    return {model_.description,
+            parameters_,
+            tables_,
+            prefix_,
+            [this](int marker) { return undeformed_place(model_, marker); },
+            [this](const input::Section& s, int body) { return surface(s, body); }};
   }
+  /// See ReadContext::Surface.
+  std::shared_ptr<const SurfacePatch> surface(const input::Section& s, int body) const;
   void read_subsystem(const std::string& name, const input::Section& s);
   void read_body(const std::string& name, const input::Section& s);
-  std::shared_ptr<const superelement::Superelement> load(const input::Section& s);
+  std::shared_ptr<const superelement::Superelement> load(const input::Section& s, const std::string& body);
   void note_user_element(const std::string& name, const input::Section& s);
   ReadModel& model_;
   std::filesystem::path file_;

@@ -16,7 +16,7 @@
 /// How the types of elements stand in a mechanism file: names, keys, words of the reference page, readers.  The
 /// elements themselves (mbs/joints, mbs/constraints, mbs/forces, mbs/measures, mbs/controls) know no file; what each
 /// is called and how its keys become an argument of its constructor stands in joints.cpp, constraints.cpp, forces.cpp,
-/// contacts.cpp, gears.cpp, bearings.cpp, frictions.cpp, measures.cpp and controls.cpp, one function for each type.
+/// contacts.cpp, surface_contacts.cpp, gears.cpp, bearings.cpp, frictions.cpp, measures.cpp and controls.cpp, one function for each type.
 namespace flexura::mbs {
 
 struct JointType {
@@ -55,5 +55,6 @@ std::vector<ForceType> contact_types();
 std::vector<ForceType> gear_types();
 std::vector<ForceType> bearing_types();
 std::vector<ForceType> friction_types();
+std::vector<ForceType> surface_contact_types();
 
 }  // namespace flexura::mbs

@@ -330,7 +330,8 @@ const std::vector<ForceType>& force_types() {
     std::vector<ForceType> list = {spring_damper(),    line_force(),          applied(false), applied(true),
                                    joint_force(),      joint_spring_damper(), bushing(),      actuator(),
                                    distributed_load(), moving_load()};
-    for (auto&& group : {contact_types(), gear_types(), bearing_types(), friction_types()})
+    for (auto&& group :
+         {contact_types(), surface_contact_types(), gear_types(), bearing_types(), friction_types()})
       list.insert(list.end(), group.begin(), group.end());
     list.push_back(user_force());
     return list;

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "mbs/base/documents/document.hpp"
+#include "mbs/kinematics/surface_patch.hpp"
 #include "mbs/mechanism/mechanism.hpp"
 
 /// What the readers of joints, constraints, forces and measures need: names of the file become places in the
@@ -18,21 +19,27 @@ class ReadContext {
  public:
   /// The body that a marker is on, of a beam in pieces that at its root, and where it stands there undeformed.
   using Undeformed = std::function<std::pair<int, Pose>(int marker)>;
+  /// The part of a body's surface that an element's section names; its shapes come when the body is prepared.
+  using Surface = std::function<std::shared_ptr<const SurfacePatch>(const input::Section&, int body)>;
 
   /// `prefix` of a subsystem: names within it are found without.
   ReadContext(MechanismDescription& description, std::map<std::string, double> parameters, Curves tables,
-              std::string prefix, Undeformed undeformed)
+              std::string prefix, Undeformed undeformed, Surface surface)
       : d_(description),
         parameters_(std::move(parameters)),
         tables_(std::move(tables)),
         prefix_(std::move(prefix)),
-        undeformed_(std::move(undeformed)) {}
+        undeformed_(std::move(undeformed)),
+        surface_(std::move(surface)) {}
 
   /// The marker "body.marker" (or "body" for the body's own frame) that a key names.
   int marker(const input::Section& section, const std::string& key) const;
   /// The same for one entry `name` of a list.
   int marker_of(const input::Section& section, const std::string& key, const std::string& name) const;
   std::pair<int, Pose> undeformed(int marker) const { return undeformed_(marker); }
+  std::shared_ptr<const SurfacePatch> surface(const input::Section& section, int body) const {
+    return surface_(section, body);
+  }
   /// The body that a key names.
   int body(const input::Section& section, const std::string& key) const;
   /// The joint that a key names.
@@ -80,6 +87,7 @@ class ReadContext {
   Curves tables_;
   std::string prefix_;
   Undeformed undeformed_;
+  Surface surface_;
 };
 
 /// The key "unit" of an element that gives a plain number: an SI unit for tables and plots.

@@ -198,6 +198,7 @@ void BodyLoads::apply(CoordinateRef c, double force) {
 
 void BodyLoads::apply_modal(int body, const Eigen::VectorXd& f, double factor) {
   const TreeBody& t = tree_.bodies[body];
+  if (t.n_need == 0) return;  // made rigid
   wrenches_.r.segment(t.i_need, t.n_need).noalias() -= factor_ * factor * f;
 }
 

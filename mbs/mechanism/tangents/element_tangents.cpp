@@ -252,6 +252,40 @@ void ElementTangents::by_algebraic(double d) {
   add_column(2 * tree_.n_v + tree_.n_dyn + algebraic_, d * Vector6d::Unit(0));
 }
 
+void ElementTangents::by_deformation_rate(int body, int i, const Vector6d& d) {
+  const int column = tree_.bodies[body].i_v + i;
+  if (!skips(column)) add_column(tree_.n_v + column, d);
+}
+
+void ElementTangents::modal_forces(int body, int marker_F, int marker_M, const Rows& by_relative) {
+  start(Target::z);
+  const TreeBody& t = tree_.bodies[body];  // t.m = 0 where it is rigid or the deformation does not act back
+  if (t.m == 0) return;
+  see(marker_F, marker_M);
+  for (std::size_t k = 0; k < e_.seen_columns.size(); ++k) {
+    const int j = e_.seen_columns[k];
+    const auto motion = e_.motion.col(static_cast<Eigen::Index>(k));
+    for (int l = 0; l < t.m; ++l) {
+      add(t.i_v + l, j, -factor_ * by_relative.row(l).dot(motion));
+      add(t.i_v + l, tree_.n_v + j, -factor_ * by_relative.row(l).tail<6>().dot(motion.head<6>()));
+    }
+  }
+}
+
+void ElementTangents::modal_forces_by(int body, int by, const Rows& by_s, const Rows& by_s_dot) {
+  start(Target::z);
+  const TreeBody &t = tree_.bodies[body], &other = tree_.bodies[by];
+  if (t.m == 0) return;
+  for (int i = 0; i < other.m; ++i) {
+    const int j = other.i_v + i;
+    if (skips(j)) continue;
+    for (int l = 0; l < t.m; ++l) {
+      add(t.i_v + l, j, -factor_ * by_s(l, i));
+      add(t.i_v + l, tree_.n_v + j, -factor_ * by_s_dot(l, i));
+    }
+  }
+}
+
 // What each signal depends on, in the order in which they are evaluated.
 void ElementTangents::all_signals() {
   const double* signals = at_.signals.values.data();

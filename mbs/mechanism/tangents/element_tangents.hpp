@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include "mbs/kinematics/deformation_derivatives.hpp"
 #include "mbs/kinematics/derivatives.hpp"
 #include "mbs/mechanism/elements/constraint_rows.hpp"
 #include "mbs/mechanism/elements/element_states.hpp"
@@ -43,7 +44,7 @@ struct ElementVariations {
 ///
 ///     ((phi_A - phi_X) x tau + (p_P - p_X) x f, (phi_A - phi_X) x f)
 ///         + R_A times the change of its components
-class ElementTangents final : public Derivatives {
+class ElementTangents final : public Derivatives, public DeformationDerivatives {
  public:
   /// The state at which all is taken.
   struct Instant {
@@ -75,6 +76,9 @@ class ElementTangents final : public Derivatives {
   void by_deformation(int body, int i, const Vector6d& d) override;
   void by_state(int i, const Matrix& d) override;
   void by_algebraic(double d) override;
+  void by_deformation_rate(int body, int i, const Vector6d& d) override;
+  void modal_forces(int body, int marker_F, int marker_M, const Rows& by_relative) override;
+  void modal_forces_by(int body, int by, const Rows& by_s, const Rows& by_s_dot) override;
 
  private:
   using Columns6 = ElementVariations::Columns6;

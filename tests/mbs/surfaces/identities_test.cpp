@@ -1,0 +1,90 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include <gtest/gtest.h>
+
+#include "mbs/superelement/file.hpp"
+#include "tests/mbs/model/checks.hpp"
+#include "tests/mbs/model/lattice.hpp"
+#include "tests/mbs/model/mechanism_file.hpp"
+#include "tests/mbs/solver/derivatives.hpp"
+
+/// What holds of a surface in contact at any state: powers against energies, derivatives against differences.
+namespace flexura::mbs {
+namespace {
+
+class SurfaceContactIdentities : public MechanismFileTest {
+ protected:
+  void SetUp() override {
+    MechanismFileTest::SetUp();
+    const lattice::Lattice l = lattice::make_lattice(4, 40.0);
+    superelement::Superelement se = lattice::with_surface(l);
+    // Facets between any three points: areas of all sizes.
+    const auto n = static_cast<int>(l.x.cols());
+    se.surface.triangles.resize(n - 4, 3);
+    for (int t = 0; t < n - 4; ++t) se.surface.triangles.row(t) << t, t + 1, t + 4;
+    superelement::write(folder_ / "beam.se.h5", se);
+  }
+  // All of the surface lies in what it touches, whichever way the bodies stand.
+  void check(const std::string& keys) const {
+    for (const char* how : {"fidelity=modal", "frame=joint_fixed", "fidelity=rigid"}) {
+      SCOPED_TRACE(how);
+      const Mechanism mechanism(read(std::string(R"toml(
+gravity = [0, 0, 0]
+[body.arm]
+mass = 1
+inertia = [0.1, 0.2, 0.3]
+[body.arm.marker.end]
+position = [0.3, 0.2, 0.1]
+[body.arm.marker.wall]
+position = [0.1, 0.4, 3]
+rotation = [0.3, -0.2, 0.4]
+[body.arm.marker.side]
+position = [5, 0.4, 0.1]
+rotation = [0.3, -0.2, 0.4]
+[body.beam]
+superelement = "beam.se.h5"
+[joint.shoulder]
+type = "spherical"
+from = "ground"
+to = "arm"
+[joint.elbow]
+type = "spherical"
+from = "arm.end"
+to = "beam.left"
+[force.x]
+type = "surface_contact"
+body = "beam"
+)toml") + keys,
+                                     {std::string("body.beam.") + how})
+                                    .description);
+      checks::derivatives_agree(mechanism);
+      for (const unsigned seed : {3u, 4u}) {
+        const State s = checks::random_state(mechanism, seed);
+        checks::power_balances(mechanism, s, seed);
+        checks::all_identities_hold(mechanism, seed);
+      }
+    }
+  }
+};
+
+TEST_F(SurfaceContactIdentities, HoldOnAPlane) {
+  check("from = \"arm.wall\"\nstiffness = 2\n");
+  check(
+      "from = \"arm.wall\"\nstiffness = 0.5\nexponent = 1.5\ndamping = 0.1\nfriction = 0.4\ntransition_speed "
+      "= 0.8\n");
+  check("from = \"ground\"\nstiffness = 2\ndamping = 0.2\n");
+}
+
+TEST_F(SurfaceContactIdentities, HoldOnAndInRoundThings) {
+  for (const char* surface : {"sphere", "cylinder"})
+    check(
+        std::string("from = \"arm.side\"\nstiffness = 0.3\ndamping = 0.1\nfriction = 0.3\ntransition_speed = "
+                    "0.5\nsurface_radius = 9\nsurface = \"") +
+        surface + "\"\n");
+  check(
+      "from = \"arm.side\"\nstiffness = 0.3\ndamping = 0.1\nfriction = 0.3\ntransition_speed = 0.5\nsurface "
+      "= "
+      "\"cylinder\"\nsurface_radius = 0.2\ninside = true\n");
+}
+
+}  // namespace
+}  // namespace flexura::mbs
