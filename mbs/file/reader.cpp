@@ -149,7 +149,8 @@ Reader::Reader(ReadModel& model, const std::filesystem::path& file, const input:
 void Reader::read_bodies() {
   MechanismDescription& d = model_.description;
   for (const auto& [name, s] : root_.table_map("force"))
-    if (s.text("type") == "surface_contact") model_.surfaces_in_use.insert(prefix_ + s.text("body"));
+    if (const std::string& key = find_type(force_types(), s.text("type")).surface_of; !key.empty())
+      model_.surfaces_in_use.insert(prefix_ + s.text(key));
   const Section ground = root_.table("ground");
   if (prefix_.empty()) {
     d.bodies[0].shape_json = shapes_json(ground);

@@ -34,6 +34,8 @@ struct ElementType {
   std::string doc;
   std::vector<input::Key> keys;
   std::shared_ptr<const Element> (*read)(const std::string& name, const input::Section&, const ReadContext&);
+  /// The key that names a body on whose surface it acts: the surface is then read with the body.
+  std::string surface_of = {};
 };
 using ForceType = ElementType<ForceElement>;
 using MeasureType = ElementType<Measure>;

@@ -103,7 +103,8 @@ ForceType surface_contact() {
                 name, body, context.marker(s, "body"), patch, F, read_shape(s),
                 PressureLaw(k, s.quantity("exponent"), damping),
                 SurfaceContact::Friction{s.quantity("friction"), s.quantity("transition_speed")});
-          }};
+          },
+          "body"};
 }
 
 }  // namespace
