@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "mesh/gmsh/ask.hpp"
+#include "mesh/model/cells/record.hpp"
 #include "mesh/model/geometry.hpp"
 #include "mesh/model/patches.hpp"
 
@@ -75,9 +76,12 @@ MeshFile read_mesh_file(const std::filesystem::path& path, const std::filesystem
     return k >= 0 && static_cast<std::uint64_t>(k) < answer.record.n_points;
   };
   for (const BlockRecord& record : answer.record.blocks) {
-    if (record.type < 0 || record.type > static_cast<int>(CellType::pyramid13)) throw incomplete();
+    const auto known = std::ranges::find_if(cell_records(), [&](const CellRecord& cell) {
+      return static_cast<int>(cell.type) == record.type && cell.dimension > 1;
+    });
+    if (known == cell_records().end()) throw incomplete();
     CellBlock block;
-    block.type = static_cast<CellType>(record.type);
+    block.type = known->type;
     from = take(record.n);
     block.label.assign(from, from + static_cast<std::ptrdiff_t>(record.n));
     const auto n = static_cast<Eigen::Index>(nodes_per_cell(block.type));

@@ -25,7 +25,45 @@ double flange_centre(double lower_thickness, double lower_width, double upper_th
   return upper / (lower + upper);
 }
 
+std::vector<Eigen::Vector2d> around(double r) {
+  constexpr int n = 16;  // between two of them bending is 2 % more at most
+  std::vector<Eigen::Vector2d> out;
+  for (int k = 0; k < n; ++k) out.emplace_back(r * std::cos(2 * kPi * k / n), r * std::sin(2 * kPi * k / n));
+  return out;
+}
+
+std::vector<Eigen::Vector2d> corners(double b_y, double b_z) {
+  const double y = b_y / 2, z = b_z / 2;
+  return {{-y, -z}, {y, -z}, {y, z}, {-y, z}};
+}
+
 }  // namespace
+
+std::vector<Eigen::Vector2d> hull(std::vector<Eigen::Vector2d> points) {
+  using Eigen::Vector2d;
+  const auto before = [](const Vector2d& a, const Vector2d& b) {
+    return a.x() < b.x() || (a.x() == b.x() && a.y() < b.y());
+  };
+  std::ranges::sort(points, before);
+  if (points.size() < 3) return {};
+  const double size = (points.back() - points.front()).norm();
+  std::vector<Vector2d> out;
+  const auto half = [&](auto first, auto last) {  // Andrew's chains
+    const std::size_t start = out.size();
+    for (; first != last; ++first) {
+      const auto turns_right = [&] {
+        const Vector2d a = out.back() - out[out.size() - 2], b = *first - out.back();
+        return a.x() * b.y() - a.y() * b.x() <= 1e-9 * size * size;
+      };
+      while (out.size() >= start + 2 && turns_right()) out.pop_back();
+      out.push_back(*first);
+    }
+    out.pop_back();
+  };
+  half(points.begin(), points.end());
+  half(points.rbegin(), points.rend());
+  return out;
+}
 
 BarSection circle(double r) {
   BarSection s;
@@ -33,6 +71,7 @@ BarSection circle(double r) {
   s.I_yy = s.I_zz = kPi * r * r * r * r / 4;
   s.J = 2 * s.I_yy;
   s.kappa_y = s.kappa_z = 6.0 / 7.0;
+  s.outline = around(r);
   return s;
 }
 
@@ -44,6 +83,7 @@ BarSection tube(double r, double inner) {
   s.J = 2 * s.I_yy;
   const double m = inner / r, square = (1 + m * m) * (1 + m * m);
   s.kappa_y = s.kappa_z = 6 * square / (7 * square + 20 * m * m);
+  s.outline = outside.outline;
   return s;
 }
 
@@ -57,6 +97,7 @@ BarSection rectangle(double b_y, double b_z) {
   for (int n = 1; n < 40; n += 2) sum += std::tanh(n * kPi * a / (2 * b)) / std::pow(n, 5);
   s.J = a * b * b * b / 3 * (1 - 192 * b / (std::pow(kPi, 5) * a) * sum);
   s.kappa_y = s.kappa_z = 5.0 / 6.0;
+  s.outline = corners(b_y, b_z);
   return s;
 }
 
@@ -71,6 +112,7 @@ BarSection box(double b_y, double b_z, double side, double flange) {
   s.kappa_y = 2 * flange * b_y / s.A;
   s.kappa_z = 2 * side * b_z / s.A;
   s.kappa_y = std::min(s.kappa_y, 5.0 / 6.0), s.kappa_z = std::min(s.kappa_z, 5.0 / 6.0);
+  s.outline = corners(b_y, b_z);
   return s;
 }
 
@@ -86,6 +128,11 @@ BarSection open_section(const std::vector<Wall>& walls, double shear_y, double s
   }
   y /= s.A, z /= s.A;
   s.shear_y = shear_y - y, s.shear_z = shear_z - z;
+  std::vector<Eigen::Vector2d> ends;
+  for (const Wall& w : walls)
+    for (const Eigen::Vector2d& corner : corners(w.along_y, w.along_z))
+      ends.emplace_back(corner + Eigen::Vector2d(w.y - y, w.z - z));
+  s.outline = hull(std::move(ends));
   for (const Wall& w : walls) {
     const double A = w.along_y * w.along_z, dy = w.y - y, dz = w.z - z;
     s.I_yy += A * (w.along_z * w.along_z / 12 + dz * dz);

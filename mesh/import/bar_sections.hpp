@@ -1,6 +1,7 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <Eigen/Core>
 #include <string>
 #include <vector>
 
@@ -14,7 +15,12 @@ struct BarSection {
   double kappa_y = 0, kappa_z = 0;             ///< shear factors; 0: no shear deformation
   double node_y = 0, node_z = 0;               ///< the deck's node, from the centroid (Abaqus' I)
   double shear_y = 0, shear_z = 0;  ///< shear centre, from the centroid (thin walls; Roark, table of 9.2)
+  std::vector<Eigen::Vector2d> outline =
+      {};  ///< where bending stresses are largest, around; from the centroid
 };
+
+/// The corners of the convex hull of points (y, z), around; fewer than three where they lie in one line.
+std::vector<Eigen::Vector2d> hull(std::vector<Eigen::Vector2d> points);
 
 /// A rectangle of the section, with its middle at (y, z).
 struct Wall {

@@ -18,6 +18,7 @@ void scale_to_si(ImportedModel& model, double length, double mass, double time) 
     material.E *= stress;
     material.rho *= mass / (area * length);
     for (const int k : {0, 1, 2, 6, 7, 8}) material.engineering[k] *= stress;  // 3 to 5 are Poisson's ratios
+    for (ImportedPly& ply : material.plies) ply.thickness *= length;
   }
   for (ImportedMass& point : model.masses) {
     point.mass *= mass;
@@ -32,6 +33,7 @@ void scale_to_si(ImportedModel& model, double length, double mass, double time) 
     for (Eigen::Vector3d& offset : bar.offset) offset *= length;
     bar.A *= area;
     bar.centroid *= length, bar.extra_mass_at *= length;
+    for (Eigen::Vector2d& point : bar.outline) point *= length;
     for (double* second : {&bar.I_yy, &bar.I_zz, &bar.I_yz, &bar.J}) *second *= area * area;
     bar.extra_mass_per_length *= mass / length;
   }

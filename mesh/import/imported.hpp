@@ -12,6 +12,12 @@
 /// unit of its own.
 namespace flexura::mesh {
 
+/// A layer of a shell's section.
+struct ImportedPly {
+  Index material = -1;
+  double thickness = 0;
+};
+
 struct ImportedMaterial {
   std::string name;
   double E = 0, nu = 0, rho = 0;
@@ -19,6 +25,8 @@ struct ImportedMaterial {
   Eigen::Matrix<double, 9, 1> engineering =
       Eigen::Matrix<double, 9, 1>::Zero();          ///< E1 E2 E3 nu12 nu13 nu23 G12 G13 G23
   Eigen::Matrix3d R = Eigen::Matrix3d::Identity();  ///< columns: the axes 1, 2, 3 of an orthotropic one
+  /// Unlike layers of a shell, from the side against its normal, instead of all constants; R: the axes of the section.
+  std::vector<ImportedPly> plies = {};
 };
 
 /// A tie between nodes: RBE2 (dependent nodes follow the reference node) or RBE3 (the reference follows the
@@ -55,6 +63,8 @@ struct ImportedBar {
   /// extra mass.  y, z of the element.
   Eigen::Vector2d centroid = Eigen::Vector2d::Zero(), extra_mass_at = Eigen::Vector2d::Zero();
   double extra_mass_per_length = 0;
+  /// Points (y, z) from the centroid where its stresses are largest, around the section; none: stresses are not known.
+  std::vector<Eigen::Vector2d> outline = {};
   Index material = 0;
   std::array<std::array<bool, 6>, 2>
       released{};  ///< at each end: u, v, w and rotations in the element's axes

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -56,10 +57,23 @@ void print_example(const std::vector<mesh::Face>& faces, std::ostream& out) {
       return (v.array().abs() < 1e-9 * scale).select(0.0, v);
     };
     const Eigen::Vector3d p = rounded(best->axis_point, size) * 1e3, a = rounded(best->axis, 1.0);
+    // A bore on the same axis, of the same radius, would be taken as well.
+    const bool has_twin = std::any_of(faces.begin(), faces.end(), [&](const mesh::Face& f) {
+      const Eigen::Vector3d off = f.axis_point - best->axis_point;
+      return f.number != best->number && f.kind == best->kind && f.solid == best->solid &&
+             std::abs(f.radius - best->radius) < 1e-6 * size && f.axis.cross(best->axis).norm() < 1e-6 &&
+             off.cross(best->axis).norm() < 1e-6 * size;
+    });
     out << fmt::format(
         "[interface.{}]\nby = \"cylinder\"\npoint = [\"{:.6g} mm\", \"{:.6g} mm\", \"{:.6g} mm\"]\n"
         "axis = [{:.6g}, {:.6g}, {:.6g}]\nradius = \"{:.6g} mm\"\n",
         is_bore(*best) ? "bore" : "shaft", p.x(), p.y(), p.z(), a.x(), a.y(), a.z(), best->radius * 1e3);
+    if (has_twin)
+      out << fmt::format(
+          "extent = [\"{:.6g} mm\", \"{:.6g} mm\"]  # along the axis from the point: without it all bores of "
+          "this "
+          "radius on this axis\n",
+          -0.5e3 * best->length, 0.5e3 * best->length);
   } else {
     out << fmt::format("[interface.face]\nby = \"faces\"\nfaces = [{}]\n", best->number);
   }

@@ -52,7 +52,7 @@ struct Indefinite : ModelFactor::Impl {
 };
 
 // Collective: every rank brings its share of K_ii + shift M_ii.
-std::unique_ptr<DistributedFactor> factorise(const linalg::Team& team, const TiedModel& own, double shift,
+std::unique_ptr<DistributedFactor> factorise(const linalg::Team& team, const TiedMatrices& own, double shift,
                                              const linalg::RowShares& rows,
                                              const std::vector<std::pair<int, double>>& diagonal = {}) {
   std::unique_ptr<DistributedFactor> L;
@@ -75,7 +75,7 @@ struct Shared : ModelFactor::Impl {
       : team(*model.shares().team) {
     team.call(Task::factorise);
     team.share(shift);
-    L = factorise(team, *model.shares().own, shift, model.shares().rows, diagonal);
+    L = factorise(team, model.shares().own->matrices(), shift, model.shares().rows, diagonal);
   }
   ~Shared() override {
     team.call(Task::forget);
@@ -96,7 +96,7 @@ struct Shared : ModelFactor::Impl {
 ModelFactor ModelFactor::stiffness(const TiedModel& model, const linalg::FactorStorage& storage) {
   if (!model.shares().team)
     return ModelFactor(std::make_unique<Definite>(
-        linalg::CholeskyFactor(model.K_ii(), model.group_begin(), model.pins(), storage)));
+        linalg::CholeskyFactor(model.K_ii(), model.numbering().group_begin(), model.pins(), storage)));
   std::vector<std::pair<int, double>> springs;
   for (const int pin : model.pins()) springs.emplace_back(pin, model.K_ii().diagonal(pin));
   auto shared = std::make_unique<Shared>(model, 0.0, springs);
@@ -109,7 +109,7 @@ ModelFactor ModelFactor::shifted(const TiedModel& model, double shift, std::vect
                                  const linalg::FactorStorage& storage) {
   if (!model.shares().team)
     return ModelFactor(std::make_unique<Indefinite>(
-        linalg::IndefiniteFactor(model.shifted_stiffness(shift), std::move(order), storage)));
+        linalg::IndefiniteFactor(model.matrices().shifted_stiffness(shift), std::move(order), storage)));
   auto shared = std::make_unique<Shared>(model, shift, std::vector<std::pair<int, double>>{});
   if (shared->L->n_zero() > 0)
     throw std::runtime_error(
@@ -149,7 +149,7 @@ double peak_memory_of_others(const linalg::Team& team) {
 }
 
 void serve(const linalg::Team& team) {
-  std::unique_ptr<TiedModel> share;
+  std::unique_ptr<ModelShare> share;
   linalg::RowShares rows;
   std::unique_ptr<DistributedFactor> factor;
   std::unique_ptr<linalg::UserOptions> options;
@@ -159,19 +159,19 @@ void serve(const linalg::Team& team) {
       case Task::stop:
         return;
       case Task::take_share:
-        share = TiedModel::take_share(team, rows);
+        share = take_share(team, rows);
         break;
       case Task::factorise: {
         double shift = 0.0;
         team.share(shift);
-        factor = factorise(team, *share, shift, rows);
+        factor = factorise(team, share->matrices(), shift, rows);
         break;
       }
       case Task::solve:
         factor->solve(MatrixXd());
         break;
       case Task::find_modes:
-        join_shared_modes(team, *share, rows, *factor);
+        join_shared_modes(team, share->matrices(), rows, *factor);
         break;
       case Task::forget:
         factor.reset();

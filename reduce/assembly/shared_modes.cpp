@@ -54,7 +54,7 @@ struct Border {
 };
 
 // The rows that a rank's elements, masses and links meet.
-std::vector<int> touched_rows(const TiedModel& share) {
+std::vector<int> touched_rows(const TiedMatrices& share) {
   const linalg::SymmetricMatrix both = share.shifted_stiffness(1.0);
   const linalg::UpperCsr csr = both.csr();
   std::vector<bool> met(static_cast<std::size_t>(csr.n), false);
@@ -78,7 +78,7 @@ linalg::EigenProblem::Operator shared(const RowExchange& exchange, Product produ
 }
 
 // Collective: what all ranks do together.  Rank 0 gives `solver`, the request and `krylov_schur`.
-EigenPairs find(const Team& team, const TiedModel& own, const RowShares& rows,
+EigenPairs find(const Team& team, const TiedMatrices& own, const RowShares& rows,
                 const DistributedFactor& factor, const TiedSolver* solver, EigenRequest request,
                 bool krylov_schur, const linalg::Progress& progress) {
   const linalg::SomeCores cores(team.cores_each());
@@ -118,18 +118,19 @@ EigenPairs find(const Team& team, const TiedModel& own, const RowShares& rows,
 
 EigenPairs find_shared_modes(const TiedSolver& solver, const EigenRequest& request, bool krylov_schur,
                              const linalg::Progress& progress) {
-  const TiedModel::Shares& shares = solver.model().shares();
+  const ModelShares& shares = solver.model().shares();
   const DistributedFactor* factor = solver.factor().distributed();
   if (!shares.team || !factor) throw std::logic_error("find_shared_modes: no team shares this model");
   EigenPairs pairs;
   shares.team->call(Team::Task::find_modes);
   shares.team->together([&] {
-    pairs = find(*shares.team, *shares.own, shares.rows, *factor, &solver, request, krylov_schur, progress);
+    pairs = find(*shares.team, shares.own->matrices(), shares.rows, *factor, &solver, request, krylov_schur,
+                 progress);
   });
   return pairs;
 }
 
-void join_shared_modes(const Team& team, const TiedModel& share, const RowShares& rows,
+void join_shared_modes(const Team& team, const TiedMatrices& share, const RowShares& rows,
                        const DistributedFactor& factor) {
   team.together([&] { find(team, share, rows, factor, nullptr, {}, false, {}); });
 }

@@ -15,7 +15,7 @@ linalg::EigenPairs find_shared_modes(const TiedSolver& solver, const linalg::Eig
                                      bool krylov_schur, const linalg::Progress& progress);
 
 /// The other ranks' part in it: their share of the model and the factor that solves.
-void join_shared_modes(const linalg::Team& team, const TiedModel& share, const linalg::RowShares& rows,
+void join_shared_modes(const linalg::Team& team, const TiedMatrices& share, const linalg::RowShares& rows,
                        const linalg::DistributedFactor& factor);
 
 }  // namespace flexura::reduce

@@ -27,7 +27,7 @@ ModelFactor factorise(const TiedModel& model, const linalg::Progress& progress,
         "of "
         "displacements) with an interface on one side alone: add one beyond them",
         singular.dof >= 0
-            ? model.describe_dof(singular.dof)
+            ? model.motions().describe_dof(singular.dof)
             : "a place that one process alone (without mpirun) with the solver package fronts would name"));
   }
 }

@@ -79,7 +79,7 @@ void add_dropped(const TiedModel& model, const Basis& basis, const MatrixXd& Mha
         basis.omega2.cwiseInverse().asDiagonal() * (linalg::transpose_times(basis.Phi, Mhat) * u_b);
     interior -= linalg::times(basis.Phi, kept);
   }
-  model.expand(interior, MatrixXd::Zero(model.n_b(), k), more);
+  model.motions().expand(interior, MatrixXd::Zero(model.n_b(), k), more);
   U.leftCols(k) += more;
 }
 
@@ -147,16 +147,16 @@ class ReductionStages {
     if (!fixed_modes_ || !(options_.estimate_error || by_goal() || !options_.response_omegas.empty())) return;
     const Index n_b = model_.n_b();
     MatrixXd U, M_U, boundary;
-    model_.expand(constraint_.Psi, MatrixXd::Identity(n_b, n_b), U);
+    model_.motions().expand(constraint_.Psi, MatrixXd::Identity(n_b, n_b), U);
     model_.m().multiply_kron3(U, M_U);
-    model_.gather(M_U, Mhat_, boundary);
+    model_.motions().gather(M_U, Mhat_, boundary);
     interior_.K_bb = constraint_.K_bb;
     interior_.M_bb = linalg::transpose_times(U, M_U);
     interior_.M_bb = (0.5 * (interior_.M_bb + interior_.M_bb.transpose())).eval();
     answer_ = solver_.solve(Mhat_);
     interior_.compliance = linalg::transpose_times(Mhat_, answer_);
     MatrixXd M_answer;
-    model_.multiply_M_ii(answer_, M_answer);
+    model_.matrices().multiply_M_ii(answer_, M_answer);
     interior_.growth = linalg::transpose_times(answer_, M_answer);
     report_.seconds_estimate = watch_.lap();
   }

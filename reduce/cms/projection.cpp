@@ -19,7 +19,7 @@ MatrixXd damper_matrix(const Part& part, const TiedModel& model, const MatrixXd&
     if (D.size() == 0) D.setZero(T.cols(), T.cols());
     const MatrixXd rate =
         T.middleRows<3>(3 * static_cast<Index>(link.to)) - T.middleRows<3>(3 * static_cast<Index>(link.from));
-    D += link.damping * rate.transpose() * model.direction_projector(link) * rate;
+    D += link.damping * rate.transpose() * direction_projector(model.numbering(), link) * rate;
   }
   return 0.5 * (D + D.transpose());
 }
@@ -29,11 +29,11 @@ MatrixXd damper_matrix(const Part& part, const TiedModel& model, const MatrixXd&
 MatrixXd shapes_on_nodes(const TiedModel& model, const Basis& basis, const InterfaceModes& faces) {
   const Index n_b = model.n_b(), n_phi = basis.Phi.cols(), n_w = faces.omega2.size();
   MatrixXd T(3 * static_cast<Index>(model.n_nodes()), n_b + n_phi + n_w), U;
-  model.expand(basis.U_b, MatrixXd::Identity(n_b, n_b), U);
+  model.motions().expand(basis.U_b, MatrixXd::Identity(n_b, n_b), U);
   T.leftCols(n_b) = U;
   for (Index q = 0; q < n_phi; q += 16) {
     const Index width = std::min<Index>(16, n_phi - q);
-    model.expand(basis.Phi.middleCols(q, width), MatrixXd::Zero(n_b, width), U);
+    model.motions().expand(basis.Phi.middleCols(q, width), MatrixXd::Zero(n_b, width), U);
     T.middleCols(n_b + q, width) = U;
   }
   if (n_w > 0) T.rightCols(n_w) = faces.U;
@@ -59,8 +59,9 @@ void project(const Part& whole, const Part& part, const TiedModel& model, const 
   reduction.n_b = static_cast<int>(n_b);
   reduction.n_q = static_cast<int>(n_phi + n_w);
   for (int k = 0; k < model.n_interfaces(); ++k)
-    reduction.interfaces.push_back({part.interfaces[k].name, whole.interfaces[k].tie, model.point(k),
-                                    model.directions(k), model.first_dof(k)});
+    reduction.interfaces.push_back({part.interfaces[k].name, whole.interfaces[k].tie,
+                                    model.numbering().point(k), model.numbering().directions(k),
+                                    model.numbering().first_dof(k)});
   reduction.shapes.resize(3 * static_cast<Index>(options.shape_nodes.size()), n);
   for (std::size_t v = 0; v < options.shape_nodes.size(); ++v)
     reduction.shapes.middleRows<3>(3 * static_cast<Index>(v)) =
@@ -77,15 +78,15 @@ MatrixXd stress_modes(const Part& part, const TiedModel& model, const Basis& bas
                       const ReductionOptions& options) {
   MatrixXd rotations;
   std::vector<int> rotation_of;
-  if (!part.mesh.shells.empty()) {
+  if (!part.mesh.shells.empty() || !part.beam_stresses.empty()) {
     const Index n = T.cols(), n_b = model.n_b();
     MatrixXd shapes_i = MatrixXd::Zero(model.n_i(), n), shapes_b = MatrixXd::Zero(n_b, n);
     shapes_i.leftCols(n_b) = basis.U_b;
     shapes_i.middleCols(n_b, basis.Phi.cols()) = basis.Phi;
     shapes_b.leftCols(n_b).setIdentity();
-    rotations = model.expand_rotations(shapes_i, shapes_b);
+    rotations = model.motions().expand_rotations(shapes_i, shapes_b);
     for (mesh::Index node = 0; node < part.mesh.n_nodes(); ++node)
-      rotation_of.push_back(model.rotation_of(node));
+      rotation_of.push_back(model.numbering().rotation_of(node));
   }
   return nodal_stress_modes(part, T, options.stress_nodes, rotations, rotation_of);
 }

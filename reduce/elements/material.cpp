@@ -60,6 +60,21 @@ Material orthotropic(std::string name, const OrthotropicConstants& c, double den
   return material;
 }
 
+Material laminate(std::string name, std::vector<Ply> plies, const Eigen::Vector3d& axis) {
+  if (plies.empty()) throw std::invalid_argument(fmt::format("material '{}' has no layers", name));
+  Material material{.name = std::move(name), .plies = std::move(plies), .ply_axis = axis};
+  double whole = 0.0;
+  for (const Ply& ply : material.plies) {
+    require_positive(material.name, "the thickness of a layer", ply.thickness, "m");
+    require_positive(material.name, "the density of a layer", ply.density, "kg/m^3");
+    material.D += ply.thickness * ply.D;
+    material.density += ply.thickness * ply.density;
+    whole += ply.thickness;
+  }
+  material.D /= whole, material.density /= whole;
+  return material;
+}
+
 Material turned(Material material, const Eigen::Matrix3d& R) {
   constexpr int kFirst[6] = {0, 1, 2, 0, 1, 2}, kSecond[6] = {0, 1, 2, 1, 2, 0};
   Eigen::Matrix<double, 6, 6> T;  // stresses in the mesh frame from stresses in the material's axes

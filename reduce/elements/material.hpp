@@ -3,8 +3,16 @@
 
 #include <Eigen/Core>
 #include <string>
+#include <vector>
 
 namespace flexura::reduce {
+
+/// A layer of a shell's section, of the elasticity of a Material.
+struct Ply {
+  Eigen::Matrix<double, 6, 6> D = Eigen::Matrix<double, 6, 6>::Zero();
+  double density = 0.0;    ///< [kg/m^3]
+  double thickness = 0.0;  ///< [m]
+};
 
 /// A linear elastic material.  D maps strain to stress [Pa]; both are ordered (xx, yy, zz, xy, yz, zx) with
 /// engineering shear strains gamma = 2 epsilon.
@@ -12,7 +20,15 @@ struct Material {
   std::string name;
   Eigen::Matrix<double, 6, 6> D = Eigen::Matrix<double, 6, 6>::Zero();
   double density = 0.0;  ///< [kg/m^3]
+  /// Of a shell whose section has unlike layers: from the side against its normal to the other.  D and density are their
+  /// means then.
+  std::vector<Ply> plies = {};
+  Eigen::Vector3d ply_axis = Eigen::Vector3d::Zero();  ///< the first axis of the section
 };
+
+/// Unlike layers of a shell, whose first axis is `axis` (of the mesh).  std::invalid_argument without layers or where one is
+/// not thicker than 0.
+Material laminate(std::string name, std::vector<Ply> plies, const Eigen::Vector3d& axis);
 
 /// Hooke's law of an isotropic material.  E [Pa] > 0, -1 < nu < 0.5, density [kg/m^3] > 0; otherwise
 /// std::invalid_argument that names the material, the value and the rule.

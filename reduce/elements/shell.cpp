@@ -10,16 +10,23 @@
 #include "reduce/elements/material.hpp"
 #include "reduce/elements/shell_bending.hpp"
 #include "reduce/elements/shell_cell.hpp"
+#include "reduce/elements/shell_section.hpp"
 
 namespace flexura::reduce {
 namespace {
 
 using namespace shell;
 
-// Membrane of the quadrilateral: dofs u, v, theta_3 of each corner, then four of the bubbles.
+// What a moment meets where nothing else holds the middle surface from stretching.
+Matrix3d bending_alone(const ShellSection& section) {
+  if (!section.coupled) return section.D;
+  return section.D - section.B * section.A.ldlt().solve(section.B);
+}
+
+// Membrane and bending of the quadrilateral: u, v, theta_3 of each corner, then w, theta_1, theta_2, then four of the bubbles.
 struct Quadrilateral {
-  MatrixXd K;        // 12 x 12, condensed
-  MatrixXd bubbles;  // 4 x 12: alpha = bubbles * q
+  MatrixXd K;        // 24 x 24, condensed
+  MatrixXd bubbles;  // 4 x 24: alpha = bubbles * q
 };
 
 // In-plane strains (11, 22, 12) of corners and bubbles, 3 x 16, and the rotation (v,1 - u,2)/2 - theta_3, 1 x 16.
@@ -40,19 +47,31 @@ void membrane_operators(const Functions& f, const Jacobian& J, const Jacobian& J
   for (Index k = 0; k < 2; ++k) add(12 + 2 * k, dM.row(k));
 }
 
-Quadrilateral quadrilateral(const Corners& x, const PlaneStress& D, double t) {
+Quadrilateral quadrilateral(const Corners& x, const ShellSection& section) {
   const Jacobian J_0 = jacobian(functions_at(4, 0, 0), x);
-  MatrixXd K = MatrixXd::Zero(16, 16), B;
+  const Bending bending(x, bending_alone(section), section.S);
+  MatrixXd K = MatrixXd::Zero(28, 28), B;
   Eigen::RowVectorXd drill;
   for (const Place& p : quadrature(4)) {
     const Functions f = functions_at(4, p.r, p.s);
     const Jacobian J = jacobian(f, x);
     membrane_operators(f, J, J_0, B, drill);
-    K += p.weight * J.det * t * (B.transpose() * D.D * B + D.D(2, 2) * drill.transpose() * drill);
+    MatrixXd stretch = MatrixXd::Zero(3, 28), curvature = stretch, shear = MatrixXd::Zero(2, 28);
+    Eigen::RowVectorXd turn = Eigen::RowVectorXd::Zero(28);
+    stretch.leftCols(12) = B.leftCols(12), stretch.rightCols(4) = B.rightCols(4);
+    turn.head(12) = drill.head(12), turn.tail(4) = drill.tail(4);
+    curvature.middleCols(12, 12) = bending.curvature(f, J.inverse);
+    shear.middleCols(12, 12) = bending.shear(f, J.inverse, p.r, p.s);
+    const double w = p.weight * J.det;
+    K += w * (stretch.transpose() * section.A * stretch + section.A(2, 2) * turn.transpose() * turn +
+              curvature.transpose() * section.D * curvature + shear.transpose() * section.S * shear);
+    if (!section.coupled) continue;
+    const MatrixXd mixed = w * stretch.transpose() * section.B * curvature;
+    K += mixed + mixed.transpose();
   }
   Quadrilateral out;
-  out.bubbles = -K.bottomRightCorner(4, 4).ldlt().solve(K.bottomLeftCorner(4, 12));
-  out.K = K.topLeftCorner(12, 12) + K.topRightCorner(12, 4) * out.bubbles;
+  out.bubbles = -K.bottomRightCorner(4, 4).ldlt().solve(K.bottomLeftCorner(4, 24));
+  out.K = K.topLeftCorner(24, 24) + K.topRightCorner(24, 4) * out.bubbles;
   return out;
 }
 
@@ -74,9 +93,9 @@ MatrixXd lumping(const Corners& x) {
   return 0.5 * L;
 }
 
-MatrixXd triangle_membrane(const Corners& x, const PlaneStress& D, double t, double area) {
+MatrixXd triangle_membrane(const Corners& x, const Matrix3d& A, double area) {
   const MatrixXd L = lumping(x);
-  const MatrixXd basic = t / area * L * D.D * L.transpose();
+  const MatrixXd basic = L * A * L.transpose() / area;
   const auto X = [&](int a, int b) { return x(a - 1, 0) - x(b - 1, 0); };
   const auto Y = [&](int a, int b) { return x(a - 1, 1) - x(b - 1, 1); };
   const auto l2 = [&](int a, int b) { return X(a, b) * X(a, b) + Y(a, b) * Y(a, b); };
@@ -103,14 +122,34 @@ MatrixXd triangle_membrane(const Corners& x, const PlaneStress& D, double t, dou
   // beta_1 ... beta_9 = 1, 2, 1, 0, 1, -1, -1, -1, -2.
   const Matrix3d Q1 = Q({1, 2, 1, 0, 1, -1, -1, -1, -2}), Q2 = Q({-2, -1, -1, 1, 1, 2, -1, 0, 1}),
                  Q3 = Q({1, -1, 0, -1, -2, -1, 2, 1, 1});
-  const Matrix3d natural = T.transpose() * D.D * T;
+  const Matrix3d natural = T.transpose() * A * T;
   Matrix3d K_theta = Matrix3d::Zero();
   for (const Matrix3d& q : {Matrix3d(0.5 * (Q1 + Q2)), Matrix3d(0.5 * (Q2 + Q3)), Matrix3d(0.5 * (Q3 + Q1))})
     K_theta += q.transpose() * natural * q;
   // Poisson's ratio of the optimal factor, for any elasticity that of its in-plane stiffness.
-  const double nu = (D.D(0, 1) + D.D(1, 0)) / (D.D(0, 0) + D.D(1, 1));
+  const double nu = (A(0, 1) + A(1, 0)) / (A(0, 0) + A(1, 1));
   const double beta_0 = std::max(0.5 * (1.0 - 4.0 * nu * nu), 0.01);
-  return basic + 0.75 * beta_0 * area * t * H.transpose() * K_theta * H;
+  return basic + 0.75 * beta_0 * area * H.transpose() * K_theta * H;
+}
+
+// Membrane and bending: u, v, theta_3 of each corner, then w, theta_1, theta_2.
+MatrixXd triangle(const Corners& x, const ShellSection& section, double area) {
+  const Bending bending(x, bending_alone(section), section.S);
+  MatrixXd K = MatrixXd::Zero(18, 18), whole = MatrixXd::Zero(3, 9);  // whole: the integral of the curvature
+  K.topLeftCorner(9, 9) = triangle_membrane(x, section.A, area);
+  for (const Place& p : quadrature(3)) {
+    const Functions f = functions_at(3, p.r, p.s);
+    const Jacobian J = jacobian(f, x);
+    const MatrixXd B = bending.curvature(f, J.inverse), B_s = bending.shear(f, J.inverse, p.r, p.s);
+    const double w = p.weight * J.det;
+    K.bottomRightCorner(9, 9) += w * (B.transpose() * section.D * B + B_s.transpose() * section.S * B_s);
+    whole += w * B;
+  }
+  if (section.coupled) {
+    K.topRightCorner(9, 9) = lumping(x) * section.B * whole / area;
+    K.bottomLeftCorner(9, 9) = K.topRightCorner(9, 9).transpose();
+  }
+  return K;
 }
 
 // q_local = T q: the axes turned, the (warped) corner carried to the middle surface.
@@ -132,11 +171,13 @@ MatrixXd transform(const ShellFrame& frame, double offset) {
 // Places of the membrane's (u, v, theta_3) and the bending's (w, theta_1, theta_2) among six local dofs.
 constexpr std::array<int, 3> kMembrane = {0, 1, 5}, kBending = {2, 3, 4};
 
-void scatter(const MatrixXd& K, const std::array<int, 3>& place, MatrixXd& out) {
-  for (Index i = 0; i < K.rows(); ++i)
-    for (Index j = 0; j < K.cols(); ++j)
-      out(6 * (i / 3) + place[static_cast<std::size_t>(i % 3)],
-          6 * (j / 3) + place[static_cast<std::size_t>(j % 3)]) += K(i, j);
+// Of the dofs of membrane and bending, one after the other, of n corners: their places in 6n.
+std::vector<Index> places(Index n) {
+  std::vector<Index> out;
+  for (const auto& kind : {kMembrane, kBending})
+    for (Index a = 0; a < n; ++a)
+      for (const int d : kind) out.push_back(6 * a + d);
+  return out;
 }
 
 }  // namespace
@@ -169,24 +210,18 @@ ShellFrame shell_frame(const NodePositions& X) {
   return frame;
 }
 
-double shell_stiffness(const NodePositions& X, const Matrix6& D6, double t, double offset, MatrixXd& K_e) {
+double shell_stiffness(const NodePositions& X, const Material& material, double t, double offset,
+                       MatrixXd& K_e) {
   const ShellFrame frame = shell_frame(X);
   const Index n = X.rows();
   if (!(frame.smallest_det > 0.0)) return frame.smallest_det;
-  const PlaneStress D = plane_stress(D6, frame.R);
-  const Bending bending(frame.x, D, t);
-  MatrixXd K = MatrixXd::Zero(3 * n, 3 * n);
-  for (const Place& p : quadrature(n)) {
-    const Functions f = functions_at(n, p.r, p.s);
-    const Jacobian J = jacobian(f, frame.x);
-    const MatrixXd B = bending.curvature(f, J.inverse), B_s = bending.shear(f, J.inverse, p.r, p.s);
-    K +=
-        p.weight * J.det * (t * t * t / 12.0 * B.transpose() * D.D * B + t * B_s.transpose() * D.shear * B_s);
-  }
-  MatrixXd local = MatrixXd::Zero(6 * n, 6 * n);
-  scatter(K, kBending, local);
-  scatter(n == 3 ? triangle_membrane(frame.x, D, t, frame.area) : quadrilateral(frame.x, D, t).K, kMembrane,
-          local);
+  const ShellSection section = shell_section(material, t, frame.R);
+  const MatrixXd K = n == 3 ? triangle(frame.x, section, frame.area) : quadrilateral(frame.x, section).K;
+  MatrixXd local(6 * n, 6 * n);
+  const std::vector<Index> place = places(n);
+  for (Index i = 0; i < 6 * n; ++i)
+    for (Index j = 0; j < 6 * n; ++j)
+      local(place[static_cast<std::size_t>(i)], place[static_cast<std::size_t>(j)]) = K(i, j);
   const MatrixXd T = transform(frame, offset);
   K_e = T.transpose() * local * T;
   K_e = (0.5 * (K_e + K_e.transpose())).eval();
@@ -206,10 +241,10 @@ double shell_mass(const NodePositions& X, double density, double t, MassKind kin
   return frame.smallest_det;
 }
 
-ShellStress shell_stress(const NodePositions& X, const Matrix6& D6, double t, double offset) {
+ShellStress shell_stress(const NodePositions& X, const Material& material, double t, double offset) {
   const ShellFrame frame = shell_frame(X);
   const Index n = X.rows();
-  const PlaneStress D = plane_stress(D6, frame.R);
+  const ShellSection section = shell_section(material, t, frame.R);
   const MatrixXd T = transform(frame, offset);
   // In-plane stresses (11, 22, 12) of the element's axes to six of the mesh's.
   Eigen::Matrix<double, 6, 3> turn;
@@ -218,25 +253,24 @@ ShellStress shell_stress(const NodePositions& X, const Matrix6& D6, double t, do
   for (int k = 0; k < 3; ++k)
     turn.col(k) << of[k](0, 0), of[k](1, 1), of[k](2, 2), of[k](0, 1), of[k](1, 2), of[k](2, 0);
 
-  // Strains (3 x 6n, local dofs) where the element is most accurate, then at the corners.
+  // Strains (3 x 6n, membrane then bending) where the element is most accurate, then at the corners.
   std::vector<MatrixXd> membrane, curvature;
-  const Bending bending(frame.x, D, t);
-  const auto spread = [&](const MatrixXd& B, const std::array<int, 3>& place) {
+  const Bending bending(frame.x, bending_alone(section), section.S);
+  const auto of_bending = [&](const MatrixXd& B) {
     MatrixXd out = MatrixXd::Zero(3, 6 * n);
-    for (Index j = 0; j < B.cols(); ++j)
-      out.col(6 * (j / 3) + place[static_cast<std::size_t>(j % 3)]) = B.col(j);
+    out.rightCols(3 * n) = B;
     return out;
   };
-  ShellStress stress;
   if (n == 3) {
-    const MatrixXd mean = spread(lumping(frame.x).transpose() / frame.area, kMembrane);
+    MatrixXd mean = MatrixXd::Zero(3, 18);
+    mean.leftCols(9) = lumping(frame.x).transpose() / frame.area;
     for (const auto& [r, s] : {std::pair{0.0, 0.0}, {1.0, 0.0}, {0.0, 1.0}}) {  // curvatures are linear
       const Functions f = functions_at(3, r, s);
       membrane.push_back(mean);
-      curvature.push_back(spread(bending.curvature(f, jacobian(f, frame.x).inverse), kBending));
+      curvature.push_back(of_bending(bending.curvature(f, jacobian(f, frame.x).inverse)));
     }
   } else {
-    const Quadrilateral plane = quadrilateral(frame.x, D, t);
+    const Quadrilateral plane = quadrilateral(frame.x, section);
     const Jacobian J_0 = jacobian(functions_at(4, 0, 0), frame.x);
     std::vector<MatrixXd> m, c;
     MatrixXd B;
@@ -245,8 +279,10 @@ ShellStress shell_stress(const NodePositions& X, const Matrix6& D6, double t, do
       const Functions f = functions_at(4, p.r, p.s);
       const Jacobian J = jacobian(f, frame.x);
       membrane_operators(f, J, J_0, B, drill);
-      m.push_back(spread(B.leftCols(12) + B.rightCols(4) * plane.bubbles, kMembrane));
-      c.push_back(spread(bending.curvature(f, J.inverse), kBending));
+      MatrixXd stretch = B.rightCols(4) * plane.bubbles;
+      stretch.leftCols(12) += B.leftCols(12);
+      m.push_back(std::move(stretch));
+      c.push_back(of_bending(bending.curvature(f, J.inverse)));
     }
     const double g = std::sqrt(3.0);  // a corner in units of the Gauss points
     for (const auto& [r, s] : {std::pair{-g, -g}, {g, -g}, {g, g}, {-g, g}}) {
@@ -255,10 +291,16 @@ ShellStress shell_stress(const NodePositions& X, const Matrix6& D6, double t, do
       curvature.push_back(N(0) * c[0] + N(1) * c[1] + N(2) * c[2] + N(3) * c[3]);
     }
   }
-  for (Index corner = 0; corner < n; ++corner) {
-    stress.membrane.push_back(turn * D.D * membrane[static_cast<std::size_t>(corner)] * T);
-    stress.bending.push_back(turn * D.D * curvature[static_cast<std::size_t>(corner)] * T);
-  }
+  ShellStress stress;
+  const std::vector<Index> place = places(n);
+  for (std::size_t corner = 0; corner < membrane.size(); ++corner)
+    for (const bool top : {true, false}) {
+      const MatrixXd of_dofs = turn * (top ? section.top : section.bottom) *
+                               (membrane[corner] + (top ? 0.5 * t : -0.5 * t) * curvature[corner]);
+      MatrixXd local(6, 6 * n);
+      for (Index j = 0; j < 6 * n; ++j) local.col(place[static_cast<std::size_t>(j)]) = of_dofs.col(j);
+      (top ? stress.top : stress.bottom).emplace_back(local * T);
+    }
   return stress;
 }
 

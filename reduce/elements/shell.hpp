@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 
+#include "reduce/elements/material.hpp"
 #include "reduce/elements/solid.hpp"
 
 /// Flat shell elements with three or four nodes of six dofs (u, theta), thin to moderately thick.
@@ -27,6 +28,9 @@
 ///
 ///     1/2 integral G t ((v,1 - u,2)/2 - theta_3)^2 dA
 ///
+/// Unlike layers (shell_section.hpp) couple stretch and curvature: of the quadrilateral with its incompatible modes, of the
+/// triangle by its mean strain.
+///
 /// Dofs are ordered u_x, u_y, u_z, theta_x, theta_y, theta_z of node 0, then of node 1, ... in the axes of the mesh.
 namespace flexura::reduce {
 
@@ -41,9 +45,8 @@ struct ShellFrame {
 };
 ShellFrame shell_frame(const NodePositions& x);
 
-/// K_e (6n x 6n) of corners x [m] (n = 3 or 4), elasticity D of the three-dimensional material in the axes of the
-/// mesh [Pa], thickness and offset of the middle surface from the corners along e_3 [m].  Returns the smallest det J; where it is not positive K_e is meaningless.
-double shell_stiffness(const NodePositions& x, const Matrix6& D, double thickness, double offset,
+/// K_e (6n x 6n) of corners x [m] (n = 3 or 4), of a material in the axes of the mesh, of thickness and offset of the middle surface from the corners along e_3 [m].  Returns the smallest det J; where it is not positive K_e is meaningless.
+double shell_stiffness(const NodePositions& x, const Material& material, double thickness, double offset,
                        Eigen::MatrixXd& K_e);
 
 /// m_e (n x n) for displacements: consistent, N as in the plane; lumped: diagonal.  Rotary inertia is not in it
@@ -51,11 +54,10 @@ double shell_stiffness(const NodePositions& x, const Matrix6& D, double thicknes
 double shell_mass(const NodePositions& x, double density, double thickness, MassKind kind,
                   Eigen::MatrixXd& m_e);
 
-/// Stresses at the corners: 6 x 6n operators of the corner's membrane stress and of the stress per height above
-/// the middle surface, sigma = membrane + z bending, rows (xx, yy, zz, xy, yz, zx) in the axes of the mesh.
+/// Stresses at the corners on both sides of the shell: 6 x 6n operators, rows (xx, yy, zz, xy, yz, zx) in the axes of the mesh.
 struct ShellStress {
-  std::vector<Eigen::MatrixXd> membrane, bending;  ///< one for each corner
+  std::vector<Eigen::MatrixXd> top, bottom;  ///< one for each corner
 };
-ShellStress shell_stress(const NodePositions& x, const Matrix6& D, double thickness, double offset);
+ShellStress shell_stress(const NodePositions& x, const Material& material, double thickness, double offset);
 
 }  // namespace flexura::reduce

@@ -15,15 +15,14 @@ std::vector<Bending::Side> Bending::sides_of(const Corners& x) {
   return sides;
 }
 
-Bending::Bending(const Corners& x, const PlaneStress& D, double t)
+Bending::Bending(const Corners& x, const Matrix3d& D, const Matrix2d& S)
     : x_(x), n_(x.rows()), sides_(sides_of(x)), Db_(n_, 3 * n_), phi_(n_) {
   Db_.setZero();
   for (Index k = 0; k < n_; ++k) {
     const Side& side = sides_[static_cast<std::size_t>(k)];
     const double c = side.s(0), s = side.s(1);
     const Vector3d stretch(c * c, s * s, 2 * c * s);
-    const double bending = t * t * t / 12.0 * stretch.dot(D.D * stretch),
-                 shear = t * side.s.dot(D.shear * side.s);
+    const double bending = stretch.dot(D * stretch), shear = side.s.dot(S * side.s);
     phi_(k) = 12.0 * bending / (side.length * side.length * shear);
     const double factor = -1.5 / (side.length * (1.0 + phi_(k)));
     Db_(k, 3 * side.i) -= factor;

@@ -5,10 +5,10 @@
 
 namespace flexura::reduce::shell {
 
-/// Bending: dofs w, theta_1, theta_2 of each corner.
+/// Bending: dofs w, theta_1, theta_2 of each corner.  `D` is the stiffness against curvature, `S` against transverse shear.
 class Bending {
  public:
-  Bending(const Corners& x, const PlaneStress& D, double t);
+  Bending(const Corners& x, const Matrix3d& D, const Matrix2d& S);
 
   /// Curvatures (beta_1,1; beta_2,2; beta_1,2 + beta_2,1): 3 x 3n.
   MatrixXd curvature(const Functions& f, const Matrix2d& J_inverse) const;

@@ -3,6 +3,7 @@
 
 #include <map>
 
+#include "mesh/model/cells/record.hpp"
 #include "reduce/estimate/cell_data.hpp"
 
 namespace flexura::reduce {
@@ -159,8 +160,7 @@ std::vector<EnrichmentFunction> build(CellType type) {
 const std::vector<EnrichmentFunction>& enrichment_of(CellType type) {
   static const std::map<CellType, std::vector<EnrichmentFunction>> all = [] {
     std::map<CellType, std::vector<EnrichmentFunction>> table;
-    for (int k = 0; k <= static_cast<int>(CellType::line3); ++k)
-      table[static_cast<CellType>(k)] = build(static_cast<CellType>(k));
+    for (const mesh::CellRecord& record : mesh::cell_records()) table[record.type] = build(record.type);
     return table;
   }();
   return all.at(type);

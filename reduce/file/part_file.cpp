@@ -215,15 +215,17 @@ LinkInput read_link(const std::string& name, const Section& in) {
 }
 
 LoadInput read_load(const std::string& name, const Section& in) {
-  LoadInput l{
-      .name = name, .type = in.text("type"), .keep_shape = in.flag("keep_shape"), .where = in.where()};
-  if (l.type == "gravity") l.vector = in.vector3("acceleration");
-  if (l.type == "rotation") {
+  const std::string type = in.text("type");
+  LoadInput l{.name = name, .keep_shape = in.flag("keep_shape"), .where = in.where()};
+  if (type == "gravity") l.vector = in.vector3("acceleration");
+  if (type == "rotation") {
+    l.type = LoadType::rotation;
     l.point = in.vector3("point");
     l.vector = direction(in, "axis");
     l.value = in.quantity("speed");
   }
-  if (l.type == "pressure") {
+  if (type == "pressure") {
+    l.type = LoadType::pressure;
     if (in.has("group") == in.has("faces"))
       throw InputError(in.where() + ": a pressure acts on a group or on faces by number, one of the two");
     if (in.has("group")) {
@@ -234,7 +236,10 @@ LoadInput read_load(const std::string& name, const Section& in) {
     }
     l.value = in.quantity("pressure");
   }
-  if (l.type == "field") l.formulas = {in.text("x"), in.text("y"), in.text("z")};
+  if (type == "field") {
+    l.type = LoadType::field;
+    l.formulas = {in.text("x"), in.text("y"), in.text("z")};
+  }
   return l;
 }
 

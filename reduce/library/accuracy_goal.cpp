@@ -22,7 +22,7 @@ namespace {
 // modes left out may take a quarter.
 constexpr double kMeshShare = 0.5, kModesShare = 0.25;
 constexpr std::size_t kFrequencies = 6;  // without up_to
-constexpr double kMostDofs = 1e6;
+constexpr double kMostDofs = 5e5;        // some minutes and about ten gigabytes
 
 std::string percent(double x) {
   return std::isfinite(x) && x < 0.5 ? fmt::format("{:.2g} %", 100.0 * x) : std::string("50 % or more");
@@ -48,10 +48,12 @@ Judgement AccuracyGoal::judge(const Reduction& reduction) {
   for (std::size_t k = 0; k < n_judged_; ++k)
     out.frequencies = std::max(out.frequencies, share_.modes[k].error);
   raised_ = 1.0;
-  const bool only_mesh = n_shapes_ == reduction.n();  // other modes move frequencies as well
+  // More modes move frequencies as well, by what those left out before had cost at most.
+  const double of_modes = n_shapes_ == reduction.n() ? 0.0 : modes_before_;
   n_shapes_ = reduction.n();
-  for (std::size_t k = 0; only_mesh && k < std::min(n_judged_, before_.size()); ++k) {
-    const double moved = std::sqrt(before_[k].omega2 / share_.modes[k].omega2) - 1.0, said = before_[k].error;
+  for (std::size_t k = 0; std::isfinite(of_modes) && k < std::min(n_judged_, before_.size()); ++k) {
+    const double moved = std::sqrt(before_[k].omega2 / share_.modes[k].omega2) - 1.0 - of_modes,
+                 said = before_[k].error;
     if (std::isfinite(said) && said > 0.2 * frequencies_)
       raised_ = std::max(raised_, (moved + share_.modes[k].error) / said);
   }
@@ -67,6 +69,7 @@ Judgement AccuracyGoal::judge(const Reduction& reduction) {
     for (std::size_t k = 0; k < std::min(n_judged_, errors.size()); ++k)
       out.modes = std::max(out.modes, 0.5 * errors[k].safe_estimate);
   }
+  modes_before_ = out.modes;
   return out;
 }
 
@@ -78,7 +81,7 @@ bool AccuracyGoal::modes_reached(const Judgement& j) const {
   return j.modes <= kModesShare * frequencies_;
 }
 
-std::vector<double> AccuracyGoal::next_sizes(const Part& part, int dofs, const Judgement& j) const {
+std::vector<double> AccuracyGoal::next_sizes(const Part& part, int dofs) const {
   // Of each cell the greatest share of what a state may have; all of them together may have one.
   constexpr double kAim = 0.7;  // a little less, so that the next mesh is not just above
   const Eigen::MatrixXf& by_cell = share_.by_cell;
@@ -95,12 +98,12 @@ std::vector<double> AccuracyGoal::next_sizes(const Part& part, int dofs, const J
   VectorXd factor = cell_factors(part.mesh, share, sharp, std::max(kAim, share.sum() / 6.0));
   const double growth = cells_for(part.mesh, factor, sharp);
   if (growth * dofs > kMostDofs) {
-    if (1.5 * dofs > kMostDofs)
+    if (1.5 * dofs > kMostDofs || growth * dofs > 2.0 * kMostDofs)
       throw std::runtime_error(fmt::format(
-          "{}; a mesh that may reach it would have about {:.2g} dofs, more than the {:.2g} that are tried: "
-          "ask for "
+          "a mesh that may reach it would have about {:.2g} dofs, more than the {:.2g} that are tried: ask "
+          "for "
           "less, for compliance separately (modes.compliance_accuracy), or choose mesh.size yourself",
-          describe(j), growth * dofs, kMostDofs));
+          growth * dofs, kMostDofs));
     factor *= std::cbrt(growth * dofs / kMostDofs);
   }
   return size_points(part.mesh, factor, sharp);

@@ -4,6 +4,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <optional>
 
 #include "mbs/base/documents/document.hpp"
 #include "mbs/base/files/output.hpp"
@@ -114,9 +116,22 @@ Attempt reach(PartInput input, const std::filesystem::path& output, ReductionOpt
   constexpr int kMostMeshes = 7, kMostModes = 200;
   AccuracyGoal goal(input.modes);
   const bool own_mesh = input.format != PartFormat::cad;
+  std::optional<Attempt> best;  // the one before, should a finer mesh fail
+  std::string reached;
+  const auto end_with_best = [&](const std::string& why) {
+    warnings.push_back(fmt::format("the accuracy asked for is not reached, this is the best there is: {}; {}",
+                                   reached, why));
+    return std::move(*best);
+  };
   for (int cycle = 1;;) {
     linalg::Stopwatch watch;
-    Attempt out = attempt(input, output, how);
+    Attempt out;
+    try {
+      out = attempt(input, output, how);
+    } catch (const std::exception& error) {
+      if (!best) throw;
+      return end_with_best(fmt::format("the next mesh came to nothing ({})", error.what()));
+    }
     if (!goal.asked()) return out;
     Judgement judged = goal.judge(out.reduction);
     const int dofs = out.reduction.report.n_i + out.reduction.report.n_b;
@@ -139,7 +154,14 @@ Attempt reach(PartInput input, const std::filesystem::path& output, ReductionOpt
           cycle, dofs, out.reduction.n_q, 100.0 * judged.frequencies, 100.0 * judged.compliance,
           100.0 * judged.modes, watch.lap()));
     const bool more_modes = !goal.modes_reached(judged) && how.accuracy == 0.0 && how.n_modes < kMostModes;
-    if (more_modes) how.n_modes = std::min(kMostModes, how.n_modes + std::max(8, how.n_modes / 2));
+    if (more_modes) {
+      // Of an interface that is small beside the part the modes say little: their error falls slowly with their number.  Its
+      // answer at rest, a shape for each of its directions, is worth all that are left out.
+      if (how.response_omegas.empty() && std::isfinite(judged.modes))
+        how.response_omegas = {0.0};
+      else
+        how.n_modes = std::min(kMostModes, how.n_modes + std::max(8, how.n_modes / 2));
+    }
     const bool mesh_done = goal.mesh_reached(judged) || own_mesh;
     if (mesh_done && !more_modes) {
       if (!goal.mesh_reached(judged))
@@ -149,16 +171,18 @@ Attempt reach(PartInput input, const std::filesystem::path& output, ReductionOpt
         warnings.push_back("more modes are not tried; " + goal.describe(judged));
       return out;
     }
-    if (more_modes) continue;
+    if (mesh_done) continue;
+    best = std::move(out);
+    reached = goal.describe(judged);
     if (cycle == kMostMeshes)
-      throw std::runtime_error(fmt::format(
-          "the accuracy is out of reach with {} meshes: {}; ask for less, for compliance separately "
-          "(modes.compliance_accuracy), or start with a smaller mesh.size",
-          cycle, goal.describe(judged)));
+      return end_with_best(
+          fmt::format("{} meshes were tried: ask for less, for compliance separately "
+                      "(modes.compliance_accuracy), or start with a smaller mesh.size",
+                      cycle));
     try {
-      input.cad.sizes = goal.next_sizes(out.modelled.part, dofs, judged);
+      input.cad.sizes = goal.next_sizes(best->modelled.part, dofs);
     } catch (const std::runtime_error& error) {
-      throw std::runtime_error(std::string("the accuracy is out of reach: ") + error.what());
+      return end_with_best(error.what());
     }
     ++cycle;
   }

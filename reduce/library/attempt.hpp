@@ -26,9 +26,9 @@ struct Attempt {
 /// given.  Throws input::InputError, std::invalid_argument for what the user can mend, std::runtime_error otherwise.
 Attempt attempt(const PartInput& input, const std::filesystem::path& output, ReductionOptions how);
 
-/// Meshes and reduces until both are within what is asked; without a goal once.  Modes are chosen on the first mesh, where
-/// they cost least.  `say` gets a line for each reduction.
-/// std::runtime_error where the goal is out of reach.
+/// Meshes and reduces until both are within what is asked; without a goal once.  Where the modes left out cost too much, the
+/// interfaces' answer at rest joins them with the next mesh.  `say` gets a line for each reduction.  Where the goal is out of
+/// reach, or a finer mesh fails, the last mesh that was judged is given, with a warning; std::runtime_error where none was.
 Attempt reach(PartInput input, const std::filesystem::path& output, ReductionOptions how,
               const std::function<void(const std::string&)>& say, std::vector<std::string>& warnings);
 

@@ -8,6 +8,7 @@
 namespace flexura::reduce {
 
 std::string odd_material(const Material& material) {
+  if (!material.plies.empty()) return "";              // a mean of others, which are asked themselves
   constexpr double kSoftest = 1e3, kStiffest = 2e12;   // [Pa]: gels, diamond
   constexpr double kLightest = 1.0, kHeaviest = 25e3;  // [kg/m^3]: aerogels, osmium
   // In shear: what does not depend on how compressible the material is.

@@ -58,7 +58,8 @@ Matrix3d cross_matrix(const Vector3d& r) {
 // A beam, or a rod as a beam whose bending is struck out.
 struct Bar {
   beam::Placement place;
-  beam::Matrix12d K;                              // of the nodes, axes of B
+  beam::Matrix12d K;     // of the nodes, axes of B
+  beam::Matrix12d ends;  // forces and moments at the ends of its axis, in its own axes, by the nodes' motions
   std::function<beam::Matrix6x12d(double)> move;  // axes of B, at x along it
 };
 
@@ -68,7 +69,10 @@ Bar make_bar(const mesh::ImportedBar& from, const Part& part, const std::string&
   const Vector3d a = part.mesh.points.row(from.nodes[0]), b = part.mesh.points.row(from.nodes[1]);
   const bool is_rod = from.I_yy == 0.0 && from.I_zz == 0.0;
   const Vector3d side = is_rod ? Vector3d((b - a).unitOrthogonal()) : from.orientation;
-  Bar bar{.place = beam::place(name, a, b, side, from.offset[0], from.offset[1]), .K = {}, .move = {}};
+  Bar bar{.place = beam::place(name, a, b, side, from.offset[0], from.offset[1]),
+          .K = {},
+          .ends = {},
+          .move = {}};
   const double l = bar.place.length;
   const beam::Matrix12d T = bar.place.transform();
   Eigen::Matrix<double, 6, 6> R = Eigen::Matrix<double, 6, 6>::Zero();
@@ -83,7 +87,8 @@ Bar make_bar(const mesh::ImportedBar& from, const Part& part, const std::string&
   };
   if (is_rod) {
     const beam::Matrix12d K = spring(0, E * from.A) + spring(3, G * from.J);
-    bar.K = T.transpose() * K * T;
+    bar.ends = K * T;
+    bar.K = T.transpose() * bar.ends;
     // It turns with its ends' displacements, theta = e_x x (u_2 - u_1) / l.
     bar.move = [T, R, l](double x) {
       beam::Matrix6x12d shape = beam::Matrix6x12d::Zero();
@@ -112,9 +117,42 @@ Bar make_bar(const mesh::ImportedBar& from, const Part& part, const std::string&
   const beam::Element element(l, beam::matrices_of(section, beam::Theory::timoshenko), releases);
   beam::Matrix12d K = element.stiffness();
   if (!(from.J > 0.0)) K -= spring(3, G * constants.I_t);
-  bar.K = T.transpose() * K * T;
+  bar.ends = K * T;
+  bar.K = T.transpose() * bar.ends;
   bar.move = [element, T, R](double x) { return beam::Matrix6x12d(R * element.shape(x) * T); };
   return bar;
+}
+
+// Of axial force and bending at an end, at (y, z) from the centroid: sigma_xx = N/A + a y + b z with
+// int y sigma dA = -M_z, int z sigma dA = M_y.  Rows (xx, yy, zz, xy, yz, zx) in the axes of B.
+Eigen::Matrix<double, 6, 12> stress_at(const mesh::ImportedBar& from, const Bar& bar, int end,
+                                       const Eigen::Vector2d& at) {
+  const double sign = end == 0 ? -1.0 : 1.0;
+  const auto force = [&](int d) { return Eigen::RowVectorXd(sign * bar.ends.row(6 * end + d)); };
+  const Eigen::RowVectorXd N = force(0);
+  Eigen::RowVectorXd sigma = N / from.A;
+  if (from.I_yy > 0.0 || from.I_zz > 0.0) {
+    Eigen::Matrix2d I;
+    I << from.I_zz, from.I_yz, from.I_yz, from.I_yy;
+    Eigen::Matrix<double, 2, 12> moments;  // about the centroid
+    moments << -force(5) - from.centroid(0) * N, force(4) - from.centroid(1) * N;
+    sigma += at.transpose() * I.inverse() * moments;
+  }
+  const Vector3d e = bar.place.R_BE.col(0);
+  Eigen::Matrix<double, 6, 1> tensor;
+  tensor << e(0) * e(0), e(1) * e(1), e(2) * e(2), e(0) * e(1), e(1) * e(2), e(2) * e(0);
+  return tensor * sigma;
+}
+
+template <std::size_t n>
+void add_boundary(mesh::CellType type, const std::vector<std::array<mesh::Index, n>>& cells,
+                  mesh::Mesh& mesh) {
+  mesh::CellBlock block{.type = type};
+  block.nodes.resize(static_cast<Eigen::Index>(cells.size()), n);
+  for (std::size_t k = 0; k < cells.size(); ++k)
+    for (std::size_t c = 0; c < n; ++c)
+      block.nodes(static_cast<Eigen::Index>(k), static_cast<Eigen::Index>(c)) = cells[k][c];
+  mesh.boundary.push_back(std::move(block));
 }
 
 }  // namespace
@@ -125,7 +163,8 @@ void add_bars(const std::vector<mesh::ImportedBar>& bars, Part& part) {
   constexpr double kWeight[4] = {0.3478548451374538, 0.6521451548625461, 0.6521451548625461,
                                  0.3478548451374538};
   Points points(part);
-  std::vector<std::array<mesh::Index, 4>> seen;
+  std::vector<std::array<mesh::Index, 4>> sides;
+  std::vector<std::array<mesh::Index, 3>> faces;
   for (const mesh::ImportedBar& from : bars) {
     const Bar bar = make_bar(from, part, fmt::format("beam element {}", from.label));
     const double l = bar.place.length, density = part.materials.at(from.material).density;
@@ -173,33 +212,46 @@ void add_bars(const std::vector<mesh::ImportedBar>& bars, Part& part) {
       if (left > 0.0) part.masses.push_back({middle, left * share});
     }
 
-    // What is seen of it.
+    // What is seen of it: its outline, or a rectangle with the same radii of gyration.
     const bool is_rod = from.I_yy == 0.0 && from.I_zz == 0.0;
-    const double half_y = is_rod ? 0.5 * std::sqrt(from.A) : std::sqrt(3.0 * from.I_zz / from.A),
-                 half_z = is_rod ? 0.5 * std::sqrt(from.A) : std::sqrt(3.0 * from.I_yy / from.A);
-    std::array<std::array<mesh::Index, 4>, 2> ring;
+    std::vector<Eigen::Vector2d> outline = from.outline;
+    const bool known = is_rod || outline.size() >= 3;
+    if (outline.size() < 3) {
+      const double half_y = is_rod ? 0.5 * std::sqrt(from.A) : std::sqrt(3.0 * from.I_zz / from.A),
+                   half_z = is_rod ? 0.5 * std::sqrt(from.A) : std::sqrt(3.0 * from.I_yy / from.A);
+      outline = {{-half_y, -half_z}, {half_y, -half_z}, {half_y, half_z}, {-half_y, half_z}};
+    }
+    std::array<std::vector<mesh::Index>, 2> ring;
     for (int end = 0; end < 2; ++end) {
       beam::Matrix6x12d move = bar.move(end * l);
       if (!is_rod) move.middleCols<6>(6 - 6 * end).setZero();  // round-off of the other end
-      for (int c = 0; c < 4; ++c) {
-        const double y = c == 0 || c == 3 ? -half_y : half_y, z = c < 2 ? -half_z : half_z;
-        const Vector3d arm = centroid + bar.place.R_BE * Vector3d(0.0, y, z);
-        ring[end][c] = points.add(bar.place.p_Bo1_B + end * l * bar.place.R_BE.col(0) + arm, from.nodes,
-                                  move.topRows<3>() - cross_matrix(arm) * move.bottomRows<3>());
+      for (const Eigen::Vector2d& at : outline) {
+        const Vector3d arm = centroid + across(at);
+        const mesh::Index point =
+            points.add(bar.place.p_Bo1_B + end * l * bar.place.R_BE.col(0) + arm, from.nodes,
+                       move.topRows<3>() - cross_matrix(arm) * move.bottomRows<3>());
+        ring[end].push_back(point);
+        if (known)
+          part.beam_stresses.push_back({.point = point,
+                                        .material = from.material,
+                                        .nodes = from.nodes,
+                                        .of_nodes = stress_at(from, bar, end, at)});
       }
     }
-    for (int c = 0; c < 4; ++c)
-      seen.push_back({ring[0][c], ring[0][(c + 1) % 4], ring[1][(c + 1) % 4], ring[1][c]});
-    seen.push_back({ring[0][3], ring[0][2], ring[0][1], ring[0][0]});
-    seen.push_back(ring[1]);
+    const std::size_t n = outline.size();
+    for (std::size_t c = 0; c < n; ++c) {
+      const std::size_t next = (c + 1) % n;
+      sides.push_back({ring[0][c], ring[0][next], ring[1][next], ring[1][c]});
+    }
+    for (std::size_t c = 1; c + 1 < n; ++c) {
+      faces.push_back({ring[0][c + 1], ring[0][c], ring[0][0]});
+      faces.push_back({ring[1][0], ring[1][c], ring[1][c + 1]});
+    }
   }
   points.finish();
-  if (seen.empty()) return;
-  mesh::CellBlock block{.type = mesh::CellType::quad4};
-  block.nodes.resize(static_cast<Eigen::Index>(seen.size()), 4);
-  for (std::size_t k = 0; k < seen.size(); ++k)
-    for (int c = 0; c < 4; ++c) block.nodes(static_cast<Eigen::Index>(k), c) = seen[k][c];
-  part.mesh.boundary.push_back(std::move(block));
+  if (sides.empty()) return;
+  add_boundary(mesh::CellType::quad4, sides, part.mesh);
+  add_boundary(mesh::CellType::tri3, faces, part.mesh);
   part.mesh.boundary_face.clear();
 }
 

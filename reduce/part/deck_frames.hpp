@@ -14,8 +14,8 @@
 /// rotary inertia where those are cubic, with all inertia integrals that go with it.
 namespace flexura::reduce {
 
-/// Adds elements, points, masses and what is seen (bars of rectangular cross-section with the same radii of gyration) to
-/// a part that has its mesh and materials.  Throws std::invalid_argument that names the element.
+/// Adds elements, points, masses and what is seen (the outline of the cross-section; where it is not known, bars of a
+/// rectangular one with the same radii of gyration, which have no stresses) to a part that has its mesh and materials.  Throws std::invalid_argument that names the element.
 void add_bars(const std::vector<mesh::ImportedBar>& bars, Part& part);
 void add_springs(const std::vector<mesh::ImportedSpring>& springs, Part& part);
 

@@ -250,16 +250,16 @@ void add_loads(const PartInput& input, const PartMesh& from, const mesh::Mesh& s
   for (const LoadInput& wanted : input.loads) {
     LoadField load{.name = wanted.name, .keep_shape = wanted.keep_shape};
     at(wanted.where, [&] {
-      if (wanted.type == "gravity") {
+      if (wanted.type == LoadType::gravity) {
         load.acceleration = wanted.vector.transpose().replicate(mesh.n_nodes(), 1);
-      } else if (wanted.type == "rotation") {
+      } else if (wanted.type == LoadType::rotation) {
         load.acceleration.resize(mesh.n_nodes(), 3);
         for (mesh::Index node = 0; node < mesh.n_nodes(); ++node) {
           const Eigen::Vector3d r = mesh.points.row(node).transpose() - wanted.point;
           load.acceleration.row(node) =
               wanted.value * wanted.value * (r - wanted.vector * wanted.vector.dot(r)).transpose();
         }
-      } else if (wanted.type == "pressure") {
+      } else if (wanted.type == LoadType::pressure) {
         const mesh::Selection chosen = mesh::select_nodes(surface, from.faces, wanted.faces);
         if (chosen.set.faces.empty())
           throw std::invalid_argument(
@@ -272,6 +272,29 @@ void add_loads(const PartInput& input, const PartMesh& from, const mesh::Mesh& s
     });
     out.loads.push_back(std::move(load));
   }
+}
+
+// What stress modes know of the deck's beams.
+void say_beam_stresses(const PartInput& input, const PartMesh& from, ModelledPart& out) {
+  if (from.bars.empty()) return;
+  const auto unknown = std::ranges::count_if(from.bars, [](const mesh::ImportedBar& bar) {
+    return bar.outline.size() < 3 && (bar.I_yy > 0.0 || bar.I_zz > 0.0);
+  });
+  const std::string many = fmt::format("{} beam{}", unknown, unknown == 1 ? "" : "s");
+  constexpr const char* kRemedy =
+      "give their cross-section a shape (PBARL, PBEAML, *BEAM SECTION) or stress points (C1 to F2 of PBAR, "
+      "PBEAM)";
+  if (unknown == std::ssize(from.bars) && out.part.mesh.solids.empty() && out.part.mesh.shells.empty())
+    throw InputError(
+        fmt::format("{}: recovery.stress: the stresses of {} are not known, and the part has "
+                    "nothing else; {}, or leave the key out",
+                    input.where, many, kRemedy));
+  if (unknown > 0) out.warnings.push_back(fmt::format("the stresses of {} are not known; {}", many, kRemedy));
+  if (unknown < std::ssize(from.bars))
+    out.notes.push_back(
+        "stresses of beams are those of axial force and bending at the corners of their cross-sections; "
+        "those "
+        "of torsion and shear are not in them");
 }
 
 }  // namespace
@@ -290,14 +313,12 @@ ModelledPart make_part(const PartInput& input, PartMesh&& from) {
   // Faces are chosen in the mesh as it came: before shells and beams get the points around them.
   const bool has_points = !out.part.mesh.shells.empty() || !from.bars.empty();
   const mesh::Mesh middle = has_points ? out.part.mesh : mesh::Mesh();
-  if (input.recovery.stress && !from.bars.empty()) {
-    if (out.part.mesh.solids.empty() && out.part.mesh.shells.empty())
-      throw InputError(input.where +
-                       ": recovery.stress: stresses of beams are not known, and the part has nothing else; "
-                       "leave the key out");
-    out.warnings.push_back(
-        fmt::format("the stresses of {} beam{} are not known: stress modes are those of solids and shells",
-                    from.bars.size(), from.bars.size() == 1 ? "" : "s"));
+  if (input.recovery.stress) {
+    say_beam_stresses(input, from, out);
+    if (std::ranges::any_of(out.part.materials, [](const Material& m) { return !m.plies.empty(); }))
+      out.notes.push_back(
+          "stresses of shells of unlike layers are those of their outermost layers; those inside are not "
+          "given");
   }
   add_shell_skins(out.part);
   add_bars(from.bars, out.part);

@@ -63,8 +63,11 @@ struct LinkInput {
   std::string where;
 };
 
+enum class LoadType { gravity, rotation, pressure, field };
+
 struct LoadInput {
-  std::string name, type;
+  std::string name;
+  LoadType type = LoadType::gravity;
   bool keep_shape = false;
   Eigen::Vector3d vector = Eigen::Vector3d::Zero();  ///< gravity: acceleration; rotation: axis
   Eigen::Vector3d point = Eigen::Vector3d::Zero();

@@ -93,6 +93,15 @@ void choose_materials(const PartInput& input, const mesh::ImportedModel& model, 
     known.push_back(from.name);
     const auto ours = std::find_if(input.materials.begin(), input.materials.end(),
                                    [&](const Material& m) { return m.name == from.name; });
+    if (!from.plies.empty()) {  // its materials stand before it
+      std::vector<Ply> plies;
+      for (const mesh::ImportedPly& ply : from.plies) {
+        const Material& of = part.materials.at(static_cast<std::size_t>(ply.material));
+        plies.push_back({of.D, of.density, ply.thickness});
+      }
+      part.materials.push_back(laminate(from.name, std::move(plies), from.R.col(0)));
+      continue;
+    }
     part.materials.push_back(ours != input.materials.end() ? *ours : material_of(from, deck));
   }
   for (const Material& ours : input.materials)

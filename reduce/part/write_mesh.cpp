@@ -60,6 +60,7 @@ std::string set_name(std::string name) {
 
 // A material in its own axes; false where it is turned against those of the mesh, for which the deck would want more.
 bool abaqus_material(const Material& material, fmt::memory_buffer& out) {
+  if (!material.plies.empty()) return false;
   const Eigen::Matrix<double, 6, 6> S = material.D.inverse();
   Eigen::Matrix<double, 6, 6> coupling = material.D;
   coupling.topLeftCorner<3, 3>().setZero();

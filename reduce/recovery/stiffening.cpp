@@ -34,19 +34,19 @@ Eigen::Matrix<double, 3, 12> inertia_forces(const Eigen::Vector3d& x) {
 
 // Six boundary dofs that hold the body: the ones that a pivoted QR of the rigid motions takes first.
 std::vector<int> statically_determinate(const TiedModel& model, double length) {
-  MatrixXd R = model.rigid_b();
+  MatrixXd R = model.motions().rigid_b();
   // About the middle of the interfaces and with rotations in lengths, so that neither is preferred.
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
-  for (int k = 0; k < model.n_interfaces(); ++k) centre += model.point(k) / model.n_interfaces();
+  for (int k = 0; k < model.n_interfaces(); ++k) centre += model.numbering().point(k) / model.n_interfaces();
   for (int a = 0; a < 3; ++a) {
     const Eigen::Vector3d shift = Eigen::Vector3d::Unit(a).cross(centre);
     R.col(3 + a) = ((R.col(3 + a) - R.leftCols(3) * shift) / length).eval();
   }
   // An interface with all six directions does it alone and keeps the matrices easy to read.
   for (int k = 0; k < model.n_interfaces(); ++k)
-    if (model.directions(k).size() == 6) {
+    if (model.numbering().directions(k).size() == 6) {
       std::vector<int> held(6);
-      for (int d = 0; d < 6; ++d) held[d] = model.first_dof(k) + d;
+      for (int d = 0; d < 6; ++d) held[d] = model.numbering().first_dof(k) + d;
       return held;
     }
   const Eigen::ColPivHouseholderQR<MatrixXd> qr(R.transpose());
@@ -129,7 +129,7 @@ StiffeningTerms stiffening_terms(const Part& part, const TiedSolver& solver, con
     MatrixXd A(3 * n_nodes, 12), F, f_i, f_b;
     for (Index node = 0; node < n_nodes; ++node) A.middleRows<3>(3 * node) = inertia_forces(points.row(node));
     model.m().multiply_kron3(A, F);
-    model.gather(F, f_i, f_b);
+    model.motions().gather(F, f_i, f_b);
     MatrixXd load(n_b, n_loads);
     load << f_b + linalg::transpose_times(Psi, f_i), MatrixXd::Identity(n_b, n_b);
     MatrixXd u_b = MatrixXd::Zero(n_b, n_loads);
@@ -140,7 +140,7 @@ StiffeningTerms stiffening_terms(const Part& part, const TiedSolver& solver, con
     }
     MatrixXd u_i = linalg::times(Psi, u_b);
     u_i.leftCols(12) += solver.solve(f_i);
-    model.expand(u_i, u_b, U);
+    model.motions().expand(u_i, u_b, U);
   }
 
   // The rows of T for one direction, contiguous.

@@ -36,6 +36,8 @@ std::vector<std::pair<int, int>> nodal_materials(const Part& part, const std::ve
         for (const mesh::Index node : side->row(cell))
           if (place[node] >= 0) ++cells[place[node]][material_of(part.mesh.shells[b], cell)];
   std::vector<std::pair<int, int>> chosen(nodes.size(), {-1, 0});
+  for (const BeamStress& of : part.beam_stresses)
+    if (place[of.point] >= 0) ++cells[place[of.point]][of.material];
   for (std::size_t v = 0; v < nodes.size(); ++v)
     for (const auto& [material, count] : cells[v])
       if (count > chosen[v].second) chosen[v] = {material, count};
@@ -91,15 +93,27 @@ Eigen::MatrixXd nodal_stress_modes(const Part& part, const Eigen::MatrixXd& T,
               q.middleRows<3>(6 * a + 3) =
                   rotations.middleRows<3>(3 * static_cast<Eigen::Index>(rotation_of.at(node)));
             }
-            of_cell = shell_stress(x, part.materials[material].D, t,
-                                   block.offset.empty() ? 0.0 : block.offset[cell]);
+            of_cell =
+                shell_stress(x, part.materials[material], t, block.offset.empty() ? 0.0 : block.offset[cell]);
           }
           const auto corner = static_cast<std::size_t>(c);
           stress.middleRows<6>(6 * v) +=
-              (of_cell->membrane[corner] + (top ? 0.5 * t : -0.5 * t) * of_cell->bending[corner]) * q /
-              chosen[v].second;
+              (top ? of_cell->top : of_cell->bottom)[corner] * q / chosen[v].second;
         }
     }
+  }
+  Eigen::MatrixXd q(12, n);
+  for (const BeamStress& of : part.beam_stresses) {
+    const Eigen::Index v = place[of.point];
+    if (v < 0) continue;
+    q.setZero();
+    for (std::size_t end = 0; end < 2; ++end) {
+      const auto row = 6 * static_cast<Eigen::Index>(end);
+      q.middleRows<3>(row) = T.middleRows<3>(3 * static_cast<Eigen::Index>(of.nodes[end]));
+      if (const int turns = rotation_of.at(of.nodes[end]); turns >= 0)  // not that of a rod
+        q.middleRows<3>(row + 3) = rotations.middleRows<3>(3 * static_cast<Eigen::Index>(turns));
+    }
+    stress.middleRows<6>(6 * v) += of.of_nodes * q / chosen[v].second;
   }
   return stress;
 }

@@ -144,15 +144,15 @@ TEST(ConrodFromStep, StressAtDeadCentreIsThatOfTheFullStaticSolution) {
         Eigen::Vector3d(-r * omega * omega, 0, 0) - phi_dot * phi_dot * Eigen::Vector3d(x.x(), x.y(), 0.0);
   }
   model.m().multiply_kron3(-a, F);
-  model.gather(F, f_i, f_b);
-  f_b(model.first_dof(1), 0) += pull;
+  model.motions().gather(F, f_i, f_b);
+  f_b(model.numbering().first_dof(1), 0) += pull;
   // The big end holds: K_bb + K_bi Psi of the small end's dofs.
   const Eigen::MatrixXd Psi = -solver.solve(Eigen::MatrixXd(model.K_ib()));
   const Eigen::MatrixXd u_0 = solver.solve(f_i);
   const Eigen::MatrixXd K = c.reduction.K_se.block(6, 6, 6, 6);
   Eigen::MatrixXd u_b = Eigen::MatrixXd::Zero(12, 1);
   u_b.bottomRows(6) = K.llt().solve((f_b + Psi.transpose() * f_i).bottomRows(6));
-  model.expand(u_0 + Psi * u_b, u_b, U);
+  model.motions().expand(u_0 + Psi * u_b, u_b, U);
   std::vector<mesh::Index> nodes;
   for (int node = 0; node < n_nodes; node += 7) nodes.push_back(node);
   const Eigen::MatrixXd full = reduce::nodal_stress_modes(c.part, U, nodes);

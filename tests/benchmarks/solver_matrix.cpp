@@ -68,7 +68,7 @@ SolverMatrix stiffness_of(const std::string& part, const std::string& size) {
   A.row_begin.assign(csr.row_begin.begin(), csr.row_begin.end());
   A.columns.assign(csr.columns.begin(), csr.columns.end());
   A.values.assign(csr.values.begin(), csr.values.end());
-  A.group_begin.assign(model.group_begin().begin(), model.group_begin().end());
+  A.group_begin.assign(model.numbering().group_begin().begin(), model.numbering().group_begin().end());
   for (const int pin : model.pins()) A.values[static_cast<std::size_t>(csr.row_begin[pin])] *= 2.0;
   return A;
 }

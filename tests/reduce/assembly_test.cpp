@@ -41,13 +41,14 @@ TEST(Ties, RigidMotionOfInterfacesIsRigidMotionOfTheBody) {
       const TiedModel model(small_beam(left, right));
       const TiedSolver solver(model);
       Eigen::MatrixXd g(model.A().rows(), 6);
-      for (Eigen::Index r = 0; r < g.rows(); ++r) g.row(r) = model.rigid_b().row(model.averaged_dofs()[r]);
-      const Eigen::MatrixXd load = -(model.K_ib() * model.rigid_b());
+      for (Eigen::Index r = 0; r < g.rows(); ++r)
+        g.row(r) = model.motions().rigid_b().row(model.averaged_dofs()[r]);
+      const Eigen::MatrixXd load = -(model.K_ib() * model.motions().rigid_b());
       const auto solution = solver.solve_refined(load, g);
       Eigen::MatrixXd U;
-      model.expand(solution.U, model.rigid_b(), U);
+      model.motions().expand(solution.U, model.motions().rigid_b(), U);
       // Round-off of a static solution: condition number (1e4 here) times 1e-16.
-      EXPECT_LT((U - model.rigid_nodes()).cwiseAbs().maxCoeff(), 1e-11);
+      EXPECT_LT((U - model.motions().rigid_nodes()).cwiseAbs().maxCoeff(), 1e-11);
       if (g.rows() > 0) {
         EXPECT_LT(solution.mu.norm(), 1e-9 * model.K_ii().diagonal(0));
       }
@@ -64,9 +65,9 @@ TEST(Ties, ShiftedStiffnessIsTheAssembledOne) {
   options.shift = -3.1e7;
   const Eigen::MatrixXd assembled = dense(TiedModel(part, options).K_ii());
   const TiedModel model(part);
-  const Eigen::MatrixXd shifted = dense(model.shifted_stiffness(options.shift));
+  const Eigen::MatrixXd shifted = dense(model.matrices().shifted_stiffness(options.shift));
   Eigen::MatrixXd M;
-  model.multiply_M_ii(Eigen::MatrixXd::Identity(model.n_i(), model.n_i()), M);
+  model.matrices().multiply_M_ii(Eigen::MatrixXd::Identity(model.n_i(), model.n_i()), M);
   // Sums of some tens of terms.
   EXPECT_LT((shifted - assembled).norm(), 1e-14 * assembled.norm());
   EXPECT_LT((shifted - dense(model.K_ii()) - options.shift * M).norm(), 1e-14 * assembled.norm());
@@ -138,8 +139,8 @@ TEST(Ties, ExpandAndGatherAreTransposes) {
   const Eigen::MatrixXd u_i = random_matrix(model.n_i(), 1), u_b = random_matrix(model.n_b(), 1, 2),
                         F = random_matrix(3 * model.n_nodes(), 1, 3);
   Eigen::MatrixXd U, f_i, f_b;
-  model.expand(u_i, u_b, U);
-  model.gather(F, f_i, f_b);
+  model.motions().expand(u_i, u_b, U);
+  model.motions().gather(F, f_i, f_b);
   EXPECT_NEAR((F.transpose() * U)(0, 0), (f_i.transpose() * u_i)(0, 0) + (f_b.transpose() * u_b)(0, 0),
               1e-13 * F.norm() * U.norm());
 }

@@ -42,7 +42,7 @@ Vector3d quadratic_field(const Vector3d& x) {
 double energy_of(const Part& part, const MatrixXd& T) {
   const TiedModel model(part, AssemblyOptions{.may_be_free = true});
   MatrixXd K_U, f_b, f_i,
-      U_i = model.interior_part(T, MatrixXd(0, 1), {MatrixXd::Zero(6, 1), MatrixXd::Zero(6, 1)});
+      U_i = model.motions().interior_part(T, MatrixXd(0, 1), {MatrixXd::Zero(6, 1), MatrixXd::Zero(6, 1)});
   model.K_ii().multiply(U_i, K_U);
   return (U_i.transpose() * K_U)(0, 0);
 }

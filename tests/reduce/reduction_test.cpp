@@ -229,7 +229,7 @@ TEST(Reduction, FrequenciesOfSlenderSolidsAreRightWhateverTheirResidual) {
   const TiedModel model(tied, assembly);
   const Eigen::MatrixXd K = dense(model.K_ii());
   Eigen::MatrixXd M;
-  model.multiply_M_ii(Eigen::MatrixXd::Identity(K.rows(), K.rows()), M);
+  model.matrices().multiply_M_ii(Eigen::MatrixXd::Identity(K.rows(), K.rows()), M);
   // Round-off of the dense solver is 1e-16 of the largest eigenvalue, some 1e9 times the first elastic one.
   const Eigen::VectorXd exact = linalg::generalized_eigen(K, 0.5 * (M + M.transpose())).values;
   for (int k = 6; k < 12; ++k) EXPECT_NEAR(full.omega2(k) / exact(k), 1.0, 1e-6) << k;

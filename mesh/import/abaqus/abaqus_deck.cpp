@@ -5,6 +5,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cctype>
 #include <numbers>
 #include <stdexcept>
 
@@ -339,15 +340,46 @@ class Reader {
     own.erase(again.begin(), again.end());
   }
 
+  // A line for each layer: thickness, points of integration, material, angle.
+  void take_layers(const Keyword& k, Section& section) {
+    for (const DataLine& line : k.data) {
+      if (line.fields.empty() || line.fields[0].empty()) continue;
+      Layer layer{.material = line.fields.size() > 2 ? known(line.fields[2]) : "",
+                  .thickness = to_real(line.fields[0], line.where),
+                  .angle = 0.0};
+      require_positive(layer.thickness, "*" + k.name, "layer thickness", line.where);
+      if (layer.material.empty())
+        throw std::invalid_argument(line.where.text() + ": a layer of *" + k.name + " names no material");
+      if (line.fields.size() > 3 && !line.fields[3].empty()) {
+        const char first = line.fields[3][0];
+        if (std::isalpha(static_cast<unsigned char>(first)) || first == '"')
+          throw std::invalid_argument(fmt::format(
+              "{}: a layer of *{} has the orientation {}; angles in degrees against the section's "
+              "ORIENTATION are read",
+              line.where.text(), k.name, line.fields[3]));
+        layer.angle = to_real(line.fields[3], line.where) * std::numbers::pi / 180;
+      }
+      section.layers.push_back(layer);
+    }
+    if (section.layers.empty())
+      throw std::invalid_argument(fmt::format("{}: *{}, COMPOSITE has no layers", k.where.text(), k.name));
+    if (k.has("SYMMETRIC"))
+      section.layers.insert(section.layers.end(), section.layers.rbegin(), section.layers.rend());
+    section.material = section.layers.front().material;
+    for (const Layer& layer : section.layers) section.thickness += layer.thickness;
+  }
+
   void take_shell_section(const Keyword& k) {
-    if (k.has("COMPOSITE"))
-      throw std::invalid_argument(k.where.text() + ": *" + k.name +
-                                  ", COMPOSITE is not read; layers of one material are");
-    if (!k.has("MATERIAL"))
+    const bool layered = k.has("COMPOSITE");
+    if (!layered && !k.has("MATERIAL"))
       throw std::invalid_argument(k.where.text() + ": *" + k.name + " without MATERIAL is not read");
-    Section section{known(k.get("ELSET")), known(k.get("MATERIAL")), k.where};
-    section.thickness = to_real(field(k, 0, 0), k.where);
-    require_positive(section.thickness, "*" + k.name, "thickness", k.where);
+    Section section{known(k.get("ELSET")), layered ? "" : known(k.get("MATERIAL")), k.where};
+    if (layered) {
+      take_layers(k, section);
+    } else {
+      section.thickness = to_real(field(k, 0, 0), k.where);
+      require_positive(section.thickness, "*" + k.name, "thickness", k.where);
+    }
     if (k.has(
             "OFFSET")) {  // of the reference surface (the nodes) from the middle, in thicknesses along the normal
       const std::string offset = upper(k.get("OFFSET"));

@@ -30,12 +30,18 @@ struct NodeLine {
   Eigen::Vector3d x;
   Where where;
 };
+/// Of *SHELL SECTION, COMPOSITE.
+struct Layer {
+  std::string material;
+  double thickness, angle;  // [rad]
+};
 struct Section {
   std::string set, material;
   Where where;
   double thickness = 0, offset = 0;  // of shells
   double area = 0;                   // of trusses
   std::string orientation = {};      // of solids
+  std::vector<Layer> layers = {};    // unlike ones, from the side against the normal
   std::optional<BarSection> bar = {};
   Eigen::Vector3d n1 = -Eigen::Vector3d::UnitZ();  // of beams: their direction 1
 };

@@ -74,6 +74,9 @@ class Placer {
   /// Columns: the axes of a cell's material.
   Eigen::Matrix3d material_axes(const ModelBuilder::Cell& cell, const Orientation* orientation,
                                 const Instance* instance) const;
+  Index found_material(const std::string& name, const Where& where) const;
+  /// The layers of a section in these axes.
+  Index laminate_along(const Section& section, const Eigen::Matrix3d& axes);
   /// The material along these axes: itself, or a copy.
   Index material_along(Index material, const Eigen::Matrix3d& axes);
   void assign_spring(const ElementData& data, ImportedSpring& to, const Eigen::Matrix3d& axes);

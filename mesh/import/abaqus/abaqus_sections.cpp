@@ -38,6 +38,7 @@ void assign_bar(const Section& section, ImportedBar& bar, const std::string& typ
                                             section.where.text(), bar.label));
   const BarSection& s = *section.bar;
   bar.centroid << -s.node_y, -s.node_z;
+  bar.outline = s.outline;
   bar.A = s.A, bar.I_yy = s.I_yy, bar.I_zz = s.I_zz, bar.I_yz = s.I_yz, bar.J = s.J;
   if (type.rfind("B33", 0) != 0) bar.kappa_y = s.kappa_y, bar.kappa_z = s.kappa_z;  // B33 knows no shear
   require_section(bar, fmt::format("beam element {}", bar.label), section.where);
@@ -47,19 +48,40 @@ void assign_bar(const Section& section, ImportedBar& bar, const std::string& typ
 
 }  // namespace
 
-void Placer::assign(const Section& section, const Part& part, int scope, const Instance* instance) {
-  const auto material = std::find_if(model_.materials.begin(), model_.materials.end(),
-                                     [&](const ImportedMaterial& m) { return m.name == section.material; });
+Index Placer::found_material(const std::string& name, const Where& where) const {
+  const auto material = std::ranges::find(model_.materials, name, &ImportedMaterial::name);
   if (material == model_.materials.end())
-    throw std::invalid_argument(
-        fmt::format("{}: material \"{}\" is not defined", section.where.text(), section.material));
+    throw std::invalid_argument(fmt::format("{}: material \"{}\" is not defined", where.text(), name));
+  return static_cast<Index>(material - model_.materials.begin());
+}
+
+Index Placer::laminate_along(const Section& section, const Eigen::Matrix3d& axes) {
+  ImportedMaterial whole;
+  whole.name = "layers of " + section.set;
+  whole.R = axes;
+  for (const Layer& layer : section.layers) {
+    const Index material = found_material(layer.material, section.where);
+    const bool orthotropic = model_.materials[static_cast<std::size_t>(material)].orthotropic;
+    const Eigen::Matrix3d turn = Eigen::AngleAxisd(layer.angle, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+    whole.plies.push_back({orthotropic ? material_along(material, axes * turn) : material, layer.thickness});
+  }
+  std::string key = section.where.text();
+  for (const double c : axes.reshaped()) key += fmt::format(" {:.0f}", std::round(1e12 * c) + 0.0);
+  const auto [found, fresh] =
+      turned_.emplace(std::pair{whole.name, key}, static_cast<Index>(model_.materials.size()));
+  if (fresh) model_.materials.push_back(std::move(whole));
+  return found->second;
+}
+
+void Placer::assign(const Section& section, const Part& part, int scope, const Instance* instance) {
+  const Index index = found_material(section.material, section.where);
   const auto set = part.element_sets.find(section.set);
   if (set == part.element_sets.end())
     throw std::invalid_argument(
         fmt::format("{}: element set \"{}\" is not defined", section.where.text(), section.set));
-  const auto index = static_cast<Index>(material - model_.materials.begin());
-  const bool orthotropic = material->orthotropic, lamina = deck_.laminae.contains(section.material);
-  const Orientation* axes = orthotropic && !section.orientation.empty()
+  const bool orthotropic = model_.materials[static_cast<std::size_t>(index)].orthotropic,
+             layered = !section.layers.empty(), lamina = deck_.laminae.contains(section.material);
+  const Orientation* axes = (orthotropic || layered) && !section.orientation.empty()
                                 ? &found_orientation(section.orientation, part.name, section.where)
                                 : nullptr;
   for (const std::int64_t label : set->second) {
@@ -72,7 +94,12 @@ void Placer::assign(const Section& section, const Part& part, int scope, const I
             fmt::format("{}: the material {} of solids is a LAMINA, which tells nothing across its plane; "
                         "give ENGINEERING CONSTANTS",
                         section.where.text(), section.material));
-      cell.material = orthotropic ? material_along(index, material_axes(cell, axes, instance)) : index;
+      if (layered && dimension_of(cell.type) == 3)
+        throw std::invalid_argument(
+            fmt::format("{}: solid element {} has the section of a shell", section.where.text(), label));
+      cell.material = layered       ? laminate_along(section, material_axes(cell, axes, instance))
+                      : orthotropic ? material_along(index, material_axes(cell, axes, instance))
+                                    : index;
       cell.thickness = section.thickness;
       cell.offset = section.offset;
     }

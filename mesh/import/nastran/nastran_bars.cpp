@@ -25,6 +25,7 @@ ImportedBar NastranReader::shaped_section(const Card& card) {
     const BarSection s = nastran_section(type, dim);
     bar.A = s.A, bar.I_yy = s.I_yy, bar.I_zz = s.I_zz, bar.I_yz = s.I_yz, bar.J = s.J;
     bar.kappa_y = s.kappa_y, bar.kappa_z = s.kappa_z;
+    bar.outline = s.outline;
     shear_centre << s.shear_y, s.shear_z;
   } catch (const std::invalid_argument& error) {
     throw std::invalid_argument(
@@ -42,6 +43,13 @@ ImportedBar NastranReader::shaped_section(const Card& card) {
       break;
     }
   return bar;
+}
+
+// C1, C2 to F1, F2 of PBAR and PBEAM.
+std::vector<Eigen::Vector2d> NastranReader::stress_points(const Card& card) {
+  std::vector<Eigen::Vector2d> points;
+  for (std::size_t k = 8; k < 16; k += 2) points.emplace_back(card.real(k, 0), card.real(k + 1, 0));
+  return hull(std::move(points));
 }
 
 void NastranReader::read_rods() {
@@ -192,6 +200,7 @@ ImportedBar NastranReader::section(std::int64_t property, const Card& bar) {
     s.kappa_y = card->real(16, 0);
     s.kappa_z = card->real(17, 0);
     s.I_yz = card->real(18, 0);
+    s.outline = stress_points(*card);
     return s;
   }
   for (const Card* card : all("PBEAM")) {
@@ -222,6 +231,8 @@ ImportedBar NastranReader::section(std::int64_t property, const Card& bar) {
     s.kappa_z = card->real(at + 1, 1);
     s.extra_mass_at = {card->real(at + 8, 0), card->real(at + 9, 0)};
     s.centroid = {card->real(at + 12, 0), card->real(at + 13, 0)};
+    if (!is_station(8)) s.outline = stress_points(*card);
+    for (Eigen::Vector2d& point : s.outline) point -= s.centroid;  // given from the line of shear centres
     for (const std::size_t k : {8u, 9u, 12u, 13u})
       tapered = tapered || (!card->blank(at + k + 2) && card->real(at + k + 2) != card->real(at + k, 0));
     if (tapered) approximated_.add("PBEAM's taper: end A is used all along", card->where);

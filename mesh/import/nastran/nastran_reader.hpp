@@ -32,22 +32,32 @@ class NastranReader {
   void read_grids();
   static std::array<bool, 6> components(const std::string& digits, const Card& card);
   void read_solids();
+  struct ShellLayer {
+    Index material;
+    double thickness, angle;  ///< from the element's first material axis [rad]
+  };
   struct ShellProperty {
     Index material;
     double thickness, extra_mass_per_area;
     double angle = 0,
            height = 0;  ///< from the element's first material axis; of the middle over the element's
+    std::vector<ShellLayer> layers = {};  ///< where they are unlike
   };
   Index shell_material(std::int64_t id, const Where& where) const;
   ShellProperty shell_property(const Card& card);
-  /// PCOMP whose layers are all of one material in one direction: as thick as all of them.
+  /// PCOMP; layers that are all of one material in one direction are one, as thick as all of them.
   ShellProperty layered_property(const Card& card);
-  /// The material of a shell card along its THETA (from side 1-2) or the first axis of its MCID, in the field `place`, turned
-  /// by an angle more.
-  Index material_of_shell(const Card& card, Index material, const std::vector<Index>& nodes,
-                          std::size_t n_corners, std::size_t place, double more);
+  /// The axes of a shell card's material (columns, the third is the normal): along its THETA (from side 1-2) or the first axis
+  /// of its MCID, in the field `place`.
+  Eigen::Matrix3d axes_of_shell(const Card& card, const std::vector<Index>& nodes, std::size_t n_corners,
+                                std::size_t place);
+  Index material_along(Index material, const Eigen::Matrix3d& axes, double angle);
+  /// Of the property of a shell card in its axes.
+  Index material_of_shell(const ShellProperty& property, const Card& card, const std::vector<Index>& nodes,
+                          std::size_t n_corners, std::size_t place);
   void read_shells();
 
+  static std::vector<Eigen::Vector2d> stress_points(const Card& card);
   // PBARL, PBEAML.
   ImportedBar shaped_section(const Card& card);
   // CROD with PROD, CONROD alone: stretch and, with J, torsion.
@@ -82,10 +92,11 @@ class NastranReader {
   std::set<std::string> names_, used_;
   std::vector<Card> cards_;
   std::map<std::string, std::vector<const Card*>> by_name_;
-  std::map<std::int64_t, Index> material_, property_, lamina_;  // lamina: MAT8
-  std::map<std::pair<Index, std::string>, Index> turned_;       // materials along other axes
-  std::set<std::int64_t> bubbles_, no_scheme_;                  // PSOLID whose IN is BUBBLE, blank
-  double mass_factor_ = 1;                                      // WTMASS
+  std::map<std::int64_t, Index> material_, property_, lamina_;      // lamina: MAT8
+  std::map<std::pair<Index, std::string>, Index> turned_;           // materials along other axes
+  std::map<std::pair<std::string, std::string>, Index> laminates_;  // by the property's name and the axes
+  std::set<std::int64_t> bubbles_, no_scheme_;                      // PSOLID whose IN is BUBBLE, blank
+  double mass_factor_ = 1;                                          // WTMASS
   NastranSystems systems_;
   std::map<Index, double> extra_mass_;  // of shells' NSM
   std::vector<std::pair<Index, Where>> turning_weights_;

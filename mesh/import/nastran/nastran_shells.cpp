@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <numbers>
@@ -15,6 +16,16 @@ namespace flexura::mesh {
 
 using Eigen::Vector3d;
 
+namespace {
+
+std::string key_of(const Eigen::Matrix3d& axes) {
+  std::string key;
+  for (const double c : axes.reshaped()) key += fmt::format("{:.0f} ", std::round(1e12 * c) + 0.0);
+  return key;
+}
+
+}  // namespace
+
 Index NastranReader::shell_material(std::int64_t id, const Where& where) const {
   const auto lamina = lamina_.find(id);
   return lamina != lamina_.end() ? lamina->second : material(id, where);
@@ -25,28 +36,33 @@ NastranReader::ShellProperty NastranReader::layered_property(const Card& card) {
   if (!option.empty() && option != "SYM")
     throw std::invalid_argument(fmt::format("{}: {} has LAM {}, which is not read; SYM and blank are",
                                             card.where.text(), of, option));
-  std::int64_t mid = 0, first_mid = 0;
-  double thickness = 0, whole = 0, first_angle = 0;
+  std::vector<ShellLayer> layers;
+  std::int64_t mid = 0;
+  double thickness = 0, whole = 0;
   for (std::size_t k = 8; k < card.fields.size(); k += 4) {
     if (card.blank(k) && card.blank(k + 1) && card.blank(k + 2)) continue;
     if (!card.blank(k)) mid = card.integer(k);  // blank: as the layer below
     if (!card.blank(k + 1)) thickness = card.real(k + 1);
     require_positive(thickness, of, "layer thickness", card.where);
-    const double angle = card.real(k + 2, 0);
-    if (whole == 0) first_mid = mid, first_angle = angle;
-    const Index own = shell_material(mid, card.where);
-    if (mid != first_mid ||
-        (angle != first_angle && model_.materials[static_cast<std::size_t>(own)].orthotropic))
-      throw std::invalid_argument(
-          fmt::format("{}: {} has layers of different materials or directions, which are not read: give a "
-                      "PSHELL with their effective material",
-                      card.where.text(), of));
+    layers.push_back(
+        {shell_material(mid, card.where), thickness, card.real(k + 2, 0) * std::numbers::pi / 180});
     whole += thickness;
   }
   if (!(whole > 0)) throw std::invalid_argument(fmt::format("{}: {} has no layers", card.where.text(), of));
-  if (option == "SYM") whole *= 2;
-  return {shell_material(first_mid, card.where), whole, card.real(2, 0), first_angle * std::numbers::pi / 180,
-          card.real(1, -0.5 * whole) + 0.5 * whole};
+  if (option == "SYM") {
+    whole *= 2;
+    layers.insert(layers.end(), layers.rbegin(), layers.rend());
+  }
+  const ShellLayer& first = layers.front();
+  const bool alike = std::ranges::all_of(layers, [&](const ShellLayer& layer) {
+    return layer.material == first.material &&
+           (layer.angle == first.angle ||
+            !model_.materials[static_cast<std::size_t>(first.material)].orthotropic);
+  });
+  ShellProperty shell{first.material, whole, card.real(2, 0), alike ? first.angle : 0.0,
+                      card.real(1, -0.5 * whole) + 0.5 * whole};
+  if (!alike) shell.layers = std::move(layers);
+  return shell;
 }
 
 NastranReader::ShellProperty NastranReader::shell_property(const Card& card) {
@@ -67,15 +83,14 @@ NastranReader::ShellProperty NastranReader::shell_property(const Card& card) {
   return shell;
 }
 
-Index NastranReader::material_of_shell(const Card& card, Index material, const std::vector<Index>& nodes,
-                                       std::size_t n_corners, std::size_t place, double more) {
-  if (!model_.materials[static_cast<std::size_t>(material)].orthotropic) return material;
+Eigen::Matrix3d NastranReader::axes_of_shell(const Card& card, const std::vector<Index>& nodes,
+                                             std::size_t n_corners, std::size_t place) {
   const auto at = [&](std::size_t k) { return builder_.place(nodes[k]); };
   const Vector3d normal =
       (n_corners == 3 ? (at(1) - at(0)).cross(at(2) - at(0)) : (at(2) - at(0)).cross(at(3) - at(1)))
           .normalized();
   Vector3d along = at(1) - at(0);
-  double angle = more;
+  double angle = 0;
   if (!card.blank(place) && !card.is_real(place)) {
     const NastranSystem& system = systems_.system(card.integer(place), card.where);
     if (system.kind != 'R')
@@ -84,7 +99,7 @@ Index NastranReader::material_of_shell(const Card& card, Index material, const s
                       card.where.text(), card.integer(place), card.name, card.integer(0)));
     along = system.R.col(0);
   } else {
-    angle += card.real(place, 0) * std::numbers::pi / 180;
+    angle = card.real(place, 0) * std::numbers::pi / 180;
   }
   const Vector3d in_plane = along - normal * normal.dot(along);
   if (!(in_plane.norm() > 1e-6 * along.norm()))
@@ -94,16 +109,38 @@ Index NastranReader::material_of_shell(const Card& card, Index material, const s
   axes.col(0) = Eigen::AngleAxisd(angle, normal) * in_plane.normalized();
   axes.col(2) = normal;
   axes.col(1) = normal.cross(axes.col(0));
-  std::string key;
-  for (const double c : axes.reshaped()) key += fmt::format("{:.0f} ", std::round(1e12 * c) + 0.0);
+  return axes;
+}
+
+Index NastranReader::material_along(Index material, const Eigen::Matrix3d& axes, double angle) {
+  if (!model_.materials[static_cast<std::size_t>(material)].orthotropic) return material;
+  const Eigen::Matrix3d R = axes * Eigen::AngleAxisd(angle, Vector3d::UnitZ()).toRotationMatrix();
   const auto [turned, fresh] =
-      turned_.emplace(std::pair{material, key}, static_cast<Index>(model_.materials.size()));
+      turned_.emplace(std::pair{material, key_of(R)}, static_cast<Index>(model_.materials.size()));
   if (fresh) {
     ImportedMaterial copy = model_.materials[static_cast<std::size_t>(material)];
-    copy.R = axes;
+    copy.R = R;
     model_.materials.push_back(std::move(copy));
   }
   return turned->second;
+}
+
+Index NastranReader::material_of_shell(const ShellProperty& property, const Card& card,
+                                       const std::vector<Index>& nodes, std::size_t n_corners,
+                                       std::size_t place) {
+  if (property.layers.empty() && !model_.materials[static_cast<std::size_t>(property.material)].orthotropic)
+    return property.material;
+  const Eigen::Matrix3d axes = axes_of_shell(card, nodes, n_corners, place);
+  if (property.layers.empty()) return material_along(property.material, axes, property.angle);
+  ImportedMaterial whole;
+  whole.name = fmt::format("PCOMP {}", card.integer(1, card.integer(0)));
+  whole.R = axes;
+  for (const ShellLayer& layer : property.layers)
+    whole.plies.push_back({material_along(layer.material, axes, layer.angle), layer.thickness});
+  const auto [found, fresh] =
+      laminates_.emplace(std::pair{whole.name, key_of(axes)}, static_cast<Index>(model_.materials.size()));
+  if (fresh) model_.materials.push_back(std::move(whole));
+  return found->second;
 }
 
 void NastranReader::read_shells() {
@@ -151,8 +188,7 @@ void NastranReader::read_shells() {
       for (std::size_t k = 0; k < n; ++k)
         extra_mass_[nodes[k]] += extra * 0.5 * across.norm() / static_cast<double>(n);
     }
-    const Index along =
-        material_of_shell(card, section->second.material, nodes, n, places.offset - 1, section->second.angle);
+    const Index along = material_of_shell(section->second, card, nodes, n, places.offset - 1);
     ModelBuilder::Cell& cell =
         builder_.cells()[builder_.add_cell(0, places.type, id, std::move(nodes), card.where)];
     cell.material = along;

@@ -78,6 +78,15 @@ struct FrameElement {
   Eigen::MatrixXd K;  ///< 6n x 6n, axes of B [N/m, N, N m]
 };
 
+/// The stress at a point on the outside of a beam, of axial force and bending: sigma = of_nodes (u, theta)(both nodes), rows
+/// (xx, yy, zz, xy, yz, zx) in the axes of B [Pa].
+struct BeamStress {
+  mesh::Index point = -1;
+  int material = 0;
+  std::array<mesh::Index, 2> nodes{-1, -1};
+  Eigen::Matrix<double, 6, 12> of_nodes = Eigen::Matrix<double, 6, 12>::Zero();
+};
+
 /// A point of the mesh without dofs of its own, which moves with nodes that have six:
 /// u = sum C (u_node, theta_node).  Points on the skins of shells, in and around beams, beside a node.
 struct Follower {
@@ -115,6 +124,7 @@ struct Part {
   std::vector<NodalMass> masses;
   std::vector<Link> links;
   std::vector<FrameElement> frames;
+  std::vector<BeamStress> beam_stresses;
   std::vector<ShellSkins> skins;  ///< of each block of mesh.shells, once they are made
   std::vector<Follower>
       followers;  ///< NodalMass on them (also below zero on their nodes) makes rotary inertia

@@ -9,6 +9,7 @@
 #include "mesh/model/geometry.hpp"
 #include "reduce/assembly/input/rigid_motion.hpp"
 #include "reduce/elements/shell.hpp"
+#include "reduce/elements/shell_section.hpp"
 
 namespace flexura::reduce {
 namespace {
@@ -20,7 +21,7 @@ using Eigen::Vector3d;
 struct Sheet {
   Vector3d first = Vector3d::Zero(), normal = Vector3d::Zero();
   double area = 0.0, thickness = 0.0, offset = 0.0;  // thickness and offset: times area
-  double mass = 0.0, rotary = 0.0;                   // mass: of cells with an offset
+  double mass = 0.0, moment = 0.0, rotary = 0.0;     // mass: of cells with an offset
   mesh::Index upper = -1, lower = -1;
 };
 
@@ -44,7 +45,8 @@ void add_shell_skins(Part& part) {
       const ShellFrame frame = shell_frame(x);
       const Vector3d normal = frame.R.col(2);
       const double t = block.thickness[cell], offset = block.offset.empty() ? 0.0 : block.offset[cell];
-      const double density = part.materials.at(block.material.empty() ? 0 : block.material[cell]).density;
+      const ShellMass per_area =
+          shell_mass_per_area(part.materials.at(block.material.empty() ? 0 : block.material[cell]), t);
       const double share = frame.area / static_cast<double>(x.rows());
       for (Index a = 0; a < x.rows(); ++a) {
         std::vector<Sheet>& around = sheets[block.nodes(cell, a)];
@@ -59,8 +61,9 @@ void add_shell_skins(Part& part) {
         sheet->area += share;
         sheet->thickness += share * t;
         sheet->offset += (flipped ? -share : share) * offset;
-        if (offset != 0.0) sheet->mass += share * density * t;
-        sheet->rotary += share * density * t * t * t / 12.0;
+        if (offset != 0.0) sheet->mass += share * per_area.mass;
+        sheet->moment += (flipped ? -share : share) * per_area.first;
+        sheet->rotary += share * per_area.second;
         corners[b].push_back({static_cast<std::size_t>(sheet - around.begin()), flipped});
       }
     }
@@ -85,9 +88,9 @@ void add_shell_skins(Part& part) {
       }
       sheet.upper = add_point(node, (offset + 0.5 * t) * n);
       sheet.lower = add_point(node, (offset - 0.5 * t) * n);
-      const double w = sheet.rotary / (0.5 * t * t);
-      part.masses.push_back({sheet.upper, w});
-      part.masses.push_back({sheet.lower, w});
+      const double w = sheet.rotary / (0.5 * t * t), more = sheet.moment / t;
+      part.masses.push_back({sheet.upper, w + more});
+      part.masses.push_back({sheet.lower, w - more});
       part.masses.push_back({middle, -2.0 * w});
     }
   mesh.points.conservativeResize(n_before + static_cast<Index>(added.size()), 3);

@@ -12,7 +12,8 @@
 ///
 ///     w |theta' x r|^2,   r = n t/2,   w = (sum of rho t^3/12 A/corners) / (t^2/2)
 ///
-/// and no mass: exactly the rotary inertia rho t^3/12 of the cells, lumped at the node, with all inertia integrals that
+/// and no mass (of unlike layers, whose mass centre is off the middle surface, w on one side is more than on the other):
+/// exactly the rotary inertia rho t^3/12 of the cells, lumped at the node, with all inertia integrals that
 /// go with it.  Cells whose middle surface stands off their nodes have their mass, lumped, on points of that surface.
 namespace flexura::reduce {
 

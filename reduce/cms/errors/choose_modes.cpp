@@ -47,7 +47,7 @@ void choose_modes(const TiedModel& model, const ReductionOptions& options, const
   }
   // The interior's own mass, about the mass centre.
   MatrixXd M_R;
-  MatrixXd R = model.rigid_nodes(), R_b = model.rigid_b();
+  MatrixXd R = model.motions().rigid_nodes(), R_b = model.motions().rigid_b();
   model.m().multiply_kron3(R, M_R);
   const double mass = R.col(0).dot(M_R.col(0));
   const Eigen::Vector3d centre =
@@ -57,13 +57,14 @@ void choose_modes(const TiedModel& model, const ReductionOptions& options, const
       const Eigen::Vector3d shift = Eigen::Vector3d::Unit(a).cross(centre);
       motions->col(3 + a) = (motions->col(3 + a) - motions->leftCols(3) * shift).eval();
     }
-  const MatrixXd R_i = model.interior_part(R, model.rigid_rotations(), [&] {
+  const MatrixXd R_i = model.motions().interior_part(R, model.motions().rigid_rotations(), [&] {
     std::vector<MatrixXd> motions;
-    for (int k = 0; k < model.n_interfaces(); ++k) motions.push_back(node_motion_at(model.point(k) - centre));
+    for (int k = 0; k < model.n_interfaces(); ++k)
+      motions.push_back(node_motion_at(model.numbering().point(k) - centre));
     return motions;
   }());
   MatrixXd M_R_i;
-  model.multiply_M_ii(R_i, M_R_i);
+  model.matrices().multiply_M_ii(R_i, M_R_i);
   const MatrixXd interior_mass = linalg::transpose_times(R_i, M_R_i);
   for (int n = 24;; n *= 2) {
     solve_for(std::min(n, options.most_modes), 0.0);

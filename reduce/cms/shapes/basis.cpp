@@ -62,14 +62,15 @@ void add_shapes(const Part& part, const TiedModel& model, const TiedSolver& solv
     constexpr const char* kDirections[] = {"u_x", "u_y", "u_z", "theta_x", "theta_y", "theta_z"};
     std::vector<std::string> names;
     for (int k = 0; k < model.n_interfaces(); ++k)
-      for (const int d : model.directions(k)) names.push_back(part.interfaces[k].name + "." + kDirections[d]);
+      for (const int d : model.numbering().directions(k))
+        names.push_back(part.interfaces[k].name + "." + kDirections[d]);
     for (const double omega : options.response_omegas)
       add(response_shapes(problem, pairs, Mhat, omega, names));
   }
   for (const LoadField& load : options.loads) {
     if (!load.keep_shape) continue;
     MatrixXd f_i, f_b;
-    model.gather(nodal_forces(model.m(), model.n_nodes(), load), f_i, f_b);
+    model.motions().gather(nodal_forces(model.m(), model.n_nodes(), load), f_i, f_b);
     const MatrixXd u_i = solver.solve(f_i);
     add({u_i, {"static answer to load " + load.name}});
     answers.push_back({load.name, f_i, f_i.col(0).dot(u_i.col(0))});

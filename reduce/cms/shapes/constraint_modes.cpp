@@ -44,10 +44,10 @@ ConstraintModes constraint_modes(const TiedModel& model, const TiedSolver& solve
   modes.K_bb += linalg::transpose_times(K_ib, modes.Psi);
   for (Index r = 0; r < n_a; ++r) modes.K_bb.row(averaged[r]) -= solution.mu.row(r);
   modes.K_bb = (0.5 * (modes.K_bb + modes.K_bb.transpose())).eval();
-  const MatrixXd R_b = model.rigid_b(), R_i = model.rigid_i();
+  const MatrixXd R_b = model.motions().rigid_b(), R_i = model.motions().rigid_i();
   std::vector<char> is_rotation;
   for (int k = 0; k < model.n_interfaces(); ++k)
-    for (const int direction : model.directions(k)) is_rotation.push_back(direction >= 3);
+    for (const int direction : model.numbering().directions(k)) is_rotation.push_back(direction >= 3);
   const RigidProjection rigid(R_b, is_rotation);
   modes.rigid_error = rigid.error(modes.Psi, R_i);
   if (model.n_b() > 6) modes.rigid_strain = (modes.K_bb * R_b).norm() / (modes.K_bb.norm() * R_b.norm());

@@ -31,26 +31,26 @@ CraigChangSpan craig_chang_span(const Part& part, const TiedModel& model, const 
   span.residual = free.pairs.residual.tail(n_free);
   span.W.setZero(n_i, m);
   span.C_b.setZero(n_b, m);
-  const MatrixXd R_b = model.rigid_b();
+  const MatrixXd R_b = model.motions().rigid_b();
   span.C_b.leftCols(6) = R_b;
   if (n_free > 0) {
     std::vector<MatrixXd> motion;
     for (int k = 0; k < model.n_interfaces(); ++k) {
       motion.push_back(free.motion[k].rightCols(n_free));
-      for (std::size_t d = 0; d < model.directions(k).size(); ++d)
-        span.C_b.block(model.first_dof(k) + static_cast<Index>(d), 6, 1, n_free) =
-            motion.back().row(model.directions(k)[d]);
+      for (std::size_t d = 0; d < model.numbering().directions(k).size(); ++d)
+        span.C_b.block(model.numbering().first_dof(k) + static_cast<Index>(d), 6, 1, n_free) =
+            motion.back().row(model.numbering().directions(k)[d]);
     }
     span.W.middleCols(6, n_free) =
-        model.interior_part(free.U.rightCols(n_free), free.rotations.rightCols(n_free), motion) -
+        model.motions().interior_part(free.U.rightCols(n_free), free.rotations.rightCols(n_free), motion) -
         linalg::times(Psi, span.C_b.middleCols(6, n_free));
   }
 
   // Unit loads on the interface, balanced by the inertia forces M R c.
   MatrixXd M_R, g_i, g_b;
-  const MatrixXd R = model.rigid_nodes();
+  const MatrixXd R = model.motions().rigid_nodes();
   model.m().multiply_kron3(R, M_R);
-  model.gather(M_R, g_i, g_b);
+  model.motions().gather(M_R, g_i, g_b);
   const MatrixXd c = linalg::transpose_times(R, M_R).ldlt().solve(R_b.transpose());  // 6 x n_b
   const MatrixXd p = MatrixXd::Identity(n_b, n_b) - (g_b + linalg::transpose_times(Psi, g_i)) * c;
   // p is in equilibrium, so springs on the rigid motions carry nothing.
@@ -59,7 +59,7 @@ CraigChangSpan craig_chang_span(const Part& part, const TiedModel& model, const 
   span.W.rightCols(n_b) = linalg::times(solver.solve(g_i), -c);
 
   MatrixXd U, M_U, K_W;
-  model.expand(span.W + linalg::times(Psi, span.C_b), span.C_b, U);
+  model.motions().expand(span.W + linalg::times(Psi, span.C_b), span.C_b, U);
   model.m().multiply_kron3(U, M_U);
   span.M = linalg::transpose_times(U, M_U);
   model.K_ii().multiply(span.W, K_W);

@@ -17,7 +17,7 @@ linalg::EigenProblem fixed_interface_problem(const TiedModel& model, const TiedS
     model.K_ii().multiply_magnitudes(X, Y);
   };
   problem.multiply_M = [&model](const Eigen::Ref<const MatrixXd>& X, MatrixXd& Y) {
-    model.multiply_M_ii(X, Y);
+    model.matrices().multiply_M_ii(X, Y);
   };
   problem.project = [&solver](MatrixXd& R) { solver.remove_reactions(R); };
   problem.view = [&solver](_p_PetscViewer* viewer) { solver.view(viewer); };

@@ -44,15 +44,15 @@ FreeModes free_modes_on_nodes(const Part& part, const linalg::EigenRequest& requ
   problem.multiply_K = [&model, omega2_scale](const Eigen::Ref<const MatrixXd>& X, MatrixXd& Y) {
     MatrixXd MX;
     model.K_ii().multiply(X, Y);
-    model.multiply_M_ii(X, MX);
+    model.matrices().multiply_M_ii(X, MX);
     Y -= omega2_scale * MX;
   };
   FreeModes modes{linalg::block_lanczos(problem, request, progress), {}, {}, {}};
   const MatrixXd none = MatrixXd::Zero(model.n_b(), modes.pairs.Phi.cols());
-  model.expand(modes.pairs.Phi, none, modes.U);
-  modes.rotations = model.expand_rotations(modes.pairs.Phi, none);
+  model.motions().expand(modes.pairs.Phi, none, modes.U);
+  modes.rotations = model.motions().expand_rotations(modes.pairs.Phi, none);
   for (int k = 0; k < model.n_interfaces(); ++k)
-    modes.motion.push_back(model.interface_motion(k, modes.pairs.Phi, none));
+    modes.motion.push_back(model.motions().interface_motion(k, modes.pairs.Phi, none));
   modes.pairs.Phi.resize(0, 0);
   return modes;
 }
@@ -75,12 +75,13 @@ MatrixXd full_static_compliance(const Part& part, const std::string& clamped, co
   index_of(part.interfaces, clamped);
   const TiedModel model(with_retained(part, clamped));
   const TiedSolver solver(model, progress);
-  const MatrixXd load = model.interface_load(index_of(part.interfaces, loaded), MatrixXd::Identity(6, 6));
+  const MatrixXd load =
+      model.motions().interface_load(index_of(part.interfaces, loaded), MatrixXd::Identity(6, 6));
   const MatrixXd u_i = solver.solve_refined(load, MatrixXd::Zero(model.A().rows(), 6)).U;
   const MatrixXd u_b = MatrixXd::Zero(model.n_b(), 6);
   MatrixXd motions(6 * model.n_interfaces(), 6);
   for (int k = 0; k < model.n_interfaces(); ++k)
-    motions.middleRows(6 * k, 6) = model.interface_motion(k, u_i, u_b);
+    motions.middleRows(6 * k, 6) = model.motions().interface_motion(k, u_i, u_b);
   return motions;
 }
 

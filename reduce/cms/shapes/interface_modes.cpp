@@ -21,7 +21,7 @@ using Eigen::MatrixXd;
 class Condensation {
  public:
   Condensation(const TiedSolver& soft, const TiedSolver& stiff)
-      : soft_(soft), stiff_(stiff), rest_(stiff.model().interior_in(soft.model())) {
+      : soft_(soft), stiff_(stiff), rest_(stiff.model().motions().interior_in(soft.model().motions())) {
     std::vector<char> inside(soft.model().n_i(), 0);
     for (const int i : rest_) inside[i] = 1;
     for (int i = 0; i < soft.model().n_i(); ++i)
@@ -76,8 +76,8 @@ class Condensation {
   MatrixXd constraint_modes_on_soft(const MatrixXd& Psi) const {
     const Index n_b = Psi.cols();
     MatrixXd U, P, boundary;
-    stiff_.model().expand(Psi, MatrixXd::Identity(n_b, n_b), U);
-    soft_.model().gather(U, P, boundary);  // of nodes: puts each displacement in its place
+    stiff_.model().motions().expand(Psi, MatrixXd::Identity(n_b, n_b), U);
+    soft_.model().motions().gather(U, P, boundary);  // of nodes: puts each displacement in its place
     P(rest_, Eigen::all) = Psi;
     return P;
   }
@@ -155,7 +155,9 @@ InterfaceModes interface_modes(const TiedSolver& soft, const TiedSolver& stiff, 
   problem.n_free = static_cast<int>(condensation.n_free());
   problem.solve = [&](const Eigen::Ref<const MatrixXd>& Z, MatrixXd& X) { X = condensation.solve(Z); };
   problem.multiply_K = [&](const Eigen::Ref<const MatrixXd>& X, MatrixXd& Y) { model.K_ii().multiply(X, Y); };
-  problem.multiply_M = [&](const Eigen::Ref<const MatrixXd>& X, MatrixXd& Y) { model.multiply_M_ii(X, Y); };
+  problem.multiply_M = [&](const Eigen::Ref<const MatrixXd>& X, MatrixXd& Y) {
+    model.matrices().multiply_M_ii(X, Y);
+  };
   problem.multiply_magnitudes = [&](const Eigen::Ref<const MatrixXd>& X, MatrixXd& Y) {
     model.K_ii().multiply_magnitudes(X, Y);
   };
@@ -186,7 +188,8 @@ InterfaceModes interface_modes(const TiedSolver& soft, const TiedSolver& stiff, 
     out.K_bw = linalg::transpose_times(load, pairs.Phi);
     Index kept = pairs.omega2.size();
     if (measured) {
-      const Eigen::VectorXd errors = stiffness_errors(K_bb, K_soft, model.rigid_b(), out.K_bw, pairs.omega2);
+      const Eigen::VectorXd errors =
+          stiffness_errors(K_bb, K_soft, model.motions().rigid_b(), out.K_bw, pairs.omega2);
       if (request.accuracy > 0.0) {
         kept = 0;
         while (kept < pairs.omega2.size() && errors(kept) > request.accuracy) ++kept;
@@ -210,7 +213,7 @@ InterfaceModes interface_modes(const TiedSolver& soft, const TiedSolver& stiff, 
     out.K_ww = (0.5 * (out.K_ww + out.K_ww.transpose())).eval();
     out.K_bw = linalg::transpose_times(load, W);
     out.omega2 = pairs.omega2;
-    model.expand(W, MatrixXd::Zero(n_b, W.cols()), out.U);
+    model.motions().expand(W, MatrixXd::Zero(n_b, W.cols()), out.U);
     return out;
   }
 }

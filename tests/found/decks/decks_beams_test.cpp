@@ -131,18 +131,79 @@ TEST_F(DeckBeams, AbaqusBeamsMassesAndCouplings) {
   EXPECT_THAT(bare.outcome.err, HasSubstr("has no section"));
 }
 
-// Stresses of beams are not known, and not promised.
-TEST_F(DeckBeams, StressesOfBeamsAreSaidToBeUnknown) {
+// A beam under forces and moments at its end, at each corner of its cross-section: N/A and both bendings, those of sections with
+// a product of inertia, too (the corner of an L); by shapes and by C1 to F2 of PBAR and PBEAM.
+TEST_F(DeckBeams, StressesOfBeamsAreThoseOfForceAndBending) {
+  const std::string rest =
+      "[interface.a]\nby = \"nodes\"\nnodes = [1]\n[interface.b]\nby = \"nodes\"\nnodes = [5]\n"
+      "[modes]\ncount = 2\n[recovery]\nstress = true\n";
+  struct Case {
+    const char *kind, *property;
+    double A, I_yy, I_zz, I_yz, y, z;  // y, z: of the axis from the centroid
+    std::size_t points;
+  };
+  // L: legs 60 x 10 along y (upright) and 40 x 10 along z (lying); its middle lines by hand.
+  const double A1 = 40 * 10, A2 = 50 * 10, yc = (A1 * 5 + A2 * 35) / (A1 + A2),
+               zc = (A1 * 20 + A2 * 5) / (A1 + A2);
+  const double L_zz = 40 * 1e3 / 12 + A1 * (5 - yc) * (5 - yc) + 10 * std::pow(50, 3) / 12 +
+                      A2 * (35 - yc) * (35 - yc),
+               L_yy = 10 * std::pow(40, 3) / 12 + A1 * (20 - zc) * (20 - zc) + 50 * 1e3 / 12 +
+                      A2 * (5 - zc) * (5 - zc),
+               L_yz = A1 * (5 - yc) * (20 - zc) + A2 * (35 - yc) * (5 - zc);
+  const Case cases[] = {
+      {"CBAR", "PBARL,1,1,,BAR\n,0.03,0.05\n", 1.5e-3, 0.05 * 2.7e-5 / 12, 0.03 * 1.25e-4 / 12, 0, 0, 0, 4},
+      {"CBAR", "PBARL,1,1,,L\n,0.04,0.06,0.01,0.01\n", 9e-4, L_yy * 1e-12, L_zz * 1e-12, L_yz * 1e-12, 0, 0,
+       5},
+      {"CBAR", "PBAR,1,1,1.5-3,3.125-7,1.125-7,2.-7\n,.025,.015,.025,-.015,-.025,.015,-.025,-.015\n", 1.5e-3,
+       1.125e-7, 3.125e-7, 0, 0, 0, 4},
+      {"CBEAM",
+       "PBEAM,1,1,1.5-3,3.125-7,1.125-7,,2.-7\n,.035,.015,.035,-.015,-.015,.015,-.015,-.015\n"
+       ",1.,1.\n,,,,,.01,.0\n",
+       1.5e-3, 1.125e-7, 3.125e-7, 0, -0.01, 0, 4},
+  };
+  for (const Case& c : cases) {
+    std::string deck = std::string("BEGIN BULK\nMAT1,1,2.1+11,,0.3,7850.\n") + c.property;
+    for (int k = 0; k <= 4; ++k) deck += fmt::format("GRID,{},,{},0.,0.\n", k + 1, 0.25 * k);
+    for (int k = 0; k < 4; ++k) deck += fmt::format("{},{},1,{},{},0.,1.,0.\n", c.kind, k + 1, k + 1, k + 2);
+    const Reduced r = reduce_deck(deck + "ENDDATA\n", rest);
+    ASSERT_EQ(r.outcome.exit_code, 0) << r.outcome.err;
+    ASSERT_TRUE(r.se.stress);
+    EXPECT_EQ(r.se.stress->vertices.size(), 8 * c.points);
+    VectorXd load(6);
+    load << 3e4, 700, -400, 0, 150, 260;
+    const VectorXd stress = r.se.stress->S * statics(r.se, 0, 1, load);
+    double largest = 0;
+    for (std::size_t k = 0; k < r.se.stress->vertices.size(); ++k) {
+      const Eigen::Vector3d at = r.se.surface.vertices.row(r.se.stress->vertices[k]).transpose();
+      // About the centroid, by the way to the tip; the axis stands (y, z) from it.
+      const double N = load(0), M_y = load(4) - load(2) * (1 - at(0)) + c.z * N,
+                   M_z = load(5) + load(1) * (1 - at(0)) - c.y * N;
+      const double y = at(1) + c.y, z = at(2) + c.z, det = c.I_yy * c.I_zz - c.I_yz * c.I_yz;
+      const double exact =
+          N / c.A + ((-M_z * c.I_yy - M_y * c.I_yz) * y + (M_y * c.I_zz + M_z * c.I_yz) * z) / det;
+      const VectorXd sigma = stress.segment(6 * static_cast<Eigen::Index>(k), 6);
+      largest = std::max(largest, std::abs(exact));
+      EXPECT_NEAR(sigma(0), exact, 1e-5 * 2e8) << c.property << " at " << at.transpose();
+      EXPECT_LT(sigma.tail(5).cwiseAbs().maxCoeff(), 1e-3);
+    }
+    EXPECT_GT(largest, 5e7);
+  }
+}
+
+// Where no points of the cross-section are given, stresses are not known, and not promised.
+TEST_F(DeckBeams, StressesOfBeamsWithoutACrossSectionAreSaidToBeUnknown) {
   const std::string ends =
       "[interface.a]\nby = \"nodes\"\nnodes = [1]\n[interface.b]\nby = \"nodes\"\nnodes = [5]\n";
-  const Reduced beams = reduce_deck(cantilever(4), ends + "[modes]\ncount = 2\n[recovery]\nstress = true\n");
+  const Reduced beams = reduce_deck(
+      replaced(cantilever(4), "PBARL,1,1,,BAR\n,0.03,0.05", "PBAR,1,1,1.5-3,3.125-7,1.125-7,2.-7"),
+      ends + "[modes]\ncount = 2\n[recovery]\nstress = true\n");
   EXPECT_EQ(beams.outcome.exit_code, 2);
-  EXPECT_THAT(beams.outcome.err, HasSubstr("stresses of beams are not known"));
+  EXPECT_THAT(beams.outcome.err, HasSubstr("the stresses of 4 beams are not known"));
   const Plate plate{.lx = 1.0, .ly = 1.0, .t = 0.01, .nx = 2, .ny = 2};
-  const Reduced both =
-      reduce_deck(plate.nastran("PBARL,9,1,,ROD\n,.02\nGRID,50,,1.5,0.5,0.\nCBAR,60,9,6,50,0.,1.,0.\n"),
-                  "[interface.root]\n" + plate.edge([](int i, int) { return i == 0; }) +
-                      "[modes]\ncount = 2\n[recovery]\nstress = true\n");
+  const Reduced both = reduce_deck(
+      plate.nastran("PBAR,9,1,1.-3,1.-7,1.-7,1.-7\nGRID,50,,1.5,0.5,0.\nCBAR,60,9,6,50,0.,1.,0.\n"),
+      "[interface.root]\n" + plate.edge([](int i, int) { return i == 0; }) +
+          "[modes]\ncount = 2\n[recovery]\nstress = true\n");
   ASSERT_EQ(both.outcome.exit_code, 0) << both.outcome.err;
   EXPECT_THAT(both.outcome.err, HasSubstr("warning: the stresses of 1 beam are not known"));
   EXPECT_EQ(both.se.stress->vertices.size(), 2u * 9);

@@ -1,108 +1,43 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "reduce/assembly/tied_matrices.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <numeric>
 #include <stdexcept>
 
-#include "reduce/assembly/input/average.hpp"
-#include "reduce/assembly/input/rigid_motion.hpp"
-#include "reduce/assembly/tied_codes.hpp"
-#include "reduce/assembly/tied_model.hpp"
+#include "reduce/assembly/tied_pattern.hpp"
+#include "reduce/assembly/ties/tied_codes.hpp"
+#include "reduce/assembly/ties/tied_spread.hpp"
 #include "reduce/elements/shell.hpp"
 #include "reduce/linalg/dense/parallel.hpp"
 
 namespace flexura::reduce {
 namespace {
 
-// The upper adjacency (self first, ascending) of the vertices that the elements connect.
-struct Adjacency {
-  std::vector<int> begin{0}, columns;
-};
+using linalg::Message;
 
-Adjacency upper_adjacency(int n, const std::vector<std::vector<int>>& elements) {
-  std::vector<int> begin(n + 1, 0), elements_of;
-  for (const auto& element : elements)
-    for (int v : element) ++begin[v + 1];
-  std::partial_sum(begin.begin(), begin.end(), begin.begin());
-  elements_of.resize(begin[n]);
-  std::vector<int> place(begin.begin(), begin.end() - 1);
-  for (std::size_t e = 0; e < elements.size(); ++e)
-    for (int v : elements[e]) elements_of[place[v]++] = static_cast<int>(e);
-  Adjacency graph;
-  std::vector<int> mark(n, -1), row;
-  for (int v = 0; v < n; ++v) {
-    row.assign(1, v);
-    mark[v] = v;
-    for (int k = begin[v]; k < begin[v + 1]; ++k)
-      for (int w : elements[elements_of[k]])
-        if (w > v && mark[w] != v) mark[w] = v, row.push_back(w);
-    std::sort(row.begin(), row.end());
-    graph.columns.insert(graph.columns.end(), row.begin(), row.end());
-    graph.begin.push_back(static_cast<int>(graph.columns.size()));
-  }
-  return graph;
+void put_matrix(Message& message, const linalg::UpperCsr& A) {
+  message.put_all(A.row_begin);
+  message.put_all(A.columns);
+  message.put_all(A.values);
+}
+
+void add_matrix(Message& message, linalg::SymmetricMatrix& A) {
+  const auto row_begin = message.take_all<int>(), columns = message.take_all<int>();
+  const auto values = message.take_all<double>();
+  A.add({static_cast<int>(row_begin.size()) - 1, row_begin, columns, values});
 }
 
 }  // namespace
 
-void TiedModel::build_patterns(const Part& part) {
-  const int n_groups = static_cast<int>(group_begin_.size()) - 1;
-  std::vector<std::vector<int>> by_nodes, by_groups;
-  const auto connect = [&](std::vector<int> nodes) {
-    std::vector<int> groups;
-    for (const int node : nodes) add_groups(node, groups);
-    by_nodes.push_back(std::move(nodes));
-    by_groups.push_back(std::move(groups));
-  };
-  if (part.matrices) {
-    for (const auto& [a, b] : part.matrices->pairs) connect({a, b});
-  } else {
-    for (const mesh::CellBlock& block : part.mesh.solids)
-      for (Eigen::Index cell = 0; cell < block.nodes.rows(); ++cell)
-        connect({block.nodes.row(cell).begin(), block.nodes.row(cell).end()});
-  }
-  for (const Link& link : part.links) connect({link.from, link.to});
-  for (const mesh::CellBlock& block : part.mesh.shells)
-    for (Eigen::Index cell = 0; cell < block.nodes.rows(); ++cell)
-      connect({block.nodes.row(cell).begin(), block.nodes.row(cell).end()});
-  for (const FrameElement& frame : part.frames) connect({frame.nodes.begin(), frame.nodes.end()});
-  for (const Follower& follower : part.followers) {
-    std::vector<int> groups;
-    for (const auto& [node, C] : follower.from) add_groups(node, groups);
-    by_groups.push_back(std::move(groups));
-  }
-  Adjacency nodes = upper_adjacency(n_nodes_, by_nodes);
-  m_ = std::make_unique<linalg::SymmetricMatrix>(std::move(nodes.begin), std::move(nodes.columns));
-
-  const Adjacency groups = upper_adjacency(n_groups, by_groups);
-  std::vector<int> begin{0}, columns;
-  std::size_t n_entries = 0;
-  for (int g = 0; g < n_groups; ++g) {
-    std::size_t width = 0;
-    for (int k = groups.begin[g]; k < groups.begin[g + 1]; ++k)
-      width += group_begin_[groups.columns[k] + 1] - group_begin_[groups.columns[k]];
-    const std::size_t size = group_begin_[g + 1] - group_begin_[g];
-    n_entries += width * size - size * (size - 1) / 2;
-  }
-  if (n_entries > static_cast<std::size_t>(std::numeric_limits<int>::max()))
-    throw std::runtime_error(
-        fmt::format("the stiffness matrix has {} entries, more than 32-bit indices can count: "
-                    "use a coarser mesh",
-                    n_entries));
-  columns.reserve(n_entries);
-  for (int g = 0; g < n_groups; ++g)
-    for (int i = group_begin_[g]; i < group_begin_[g + 1]; ++i) {
-      for (int k = groups.begin[g]; k < groups.begin[g + 1]; ++k) {
-        const int h = groups.columns[k];
-        for (int j = std::max(i, group_begin_[h]); j < group_begin_[h + 1]; ++j) columns.push_back(j);
-      }
-      begin.push_back(static_cast<int>(columns.size()));
-    }
-  K_ii_ = std::make_unique<linalg::SymmetricMatrix>(std::move(begin), std::move(columns));
+TiedMatrices::TiedMatrices(const Part& part, const TiedNumbering& numbering) : numbering_(numbering) {
+  TiedPatterns patterns = tied_patterns(part, numbering);
+  K_ii_ = std::move(patterns.K_ii);
+  m_ = std::move(patterns.m);
 }
 
-void TiedModel::assemble(const Part& part, const AssemblyOptions& options) {
+void TiedMatrices::assemble(const Part& part, const AssemblyOptions& options) {
   constexpr int kChunk = 256;  // elements computed together, on all cores, before they are added one by one
   struct Result {
     Eigen::MatrixXd K, m;
@@ -110,7 +45,7 @@ void TiedModel::assemble(const Part& part, const AssemblyOptions& options) {
   };
   std::vector<Result> results(kChunk);
   std::vector<Eigen::Triplet<double>> K_ib;
-  K_bb_.setZero(n_b_, n_b_);
+  K_bb_.setZero(numbering_.n_b(), numbering_.n_b());
   std::int64_t n_cells = 0, n_done = 0, n_inverted = 0;
   std::string inverted;
   for (const auto* blocks : {&part.mesh.solids, &part.mesh.shells})
@@ -125,9 +60,9 @@ void TiedModel::assemble(const Part& part, const AssemblyOptions& options) {
     dofs.clear();
     bool direct = true;
     for (Eigen::Index a = 0; a < cell.size(); ++a) {
-      for (int d = 0; d < 3; ++d) dofs.push_back(code_[3 * static_cast<std::size_t>(cell(a)) + d]);
-      const int r = turns ? rotation_of_[cell(a)] : -1;
-      for (int d = 0; d < 3 && turns; ++d) dofs.push_back(r >= 0 ? rotation_code_[r][d] : kUnused);
+      for (int d = 0; d < 3; ++d) dofs.push_back(numbering_.code(cell(a), d));
+      const int r = turns ? numbering_.rotation_of(cell(a)) : -1;
+      for (int d = 0; d < 3 && turns; ++d) dofs.push_back(r >= 0 ? numbering_.rotation_code(r)[d] : kUnused);
     }
     for (const int code : dofs) direct = direct && code >= 0;
     if (direct) {
@@ -144,14 +79,14 @@ void TiedModel::assemble(const Part& part, const AssemblyOptions& options) {
     };
     Eigen::Index n_columns = static_cast<Eigen::Index>(dofs.size());
     for (Eigen::Index a = 0; a < cell.size(); ++a)
-      if (const int slave = slave_of_[cell(a)]; slave >= 0)
-        n_columns += slave_begin_[slave + 1] - slave_begin_[slave];
+      n_columns += static_cast<Eigen::Index>(numbering_.followed(cell(a)).code.size());
     C.setZero(static_cast<Eigen::Index>(dofs.size()), n_columns);
     const Eigen::Index width = turns ? 6 : 3;
     for (Eigen::Index a = 0; a < cell.size(); ++a) {
-      if (const int slave = slave_of_[cell(a)]; slave >= 0) {
-        for (int k = slave_begin_[slave]; k < slave_begin_[slave + 1]; ++k)
-          C.block<3, 1>(width * a, column_of(slave_code_[k])) = slave_C_[k];
+      if (numbering_.follows(cell(a))) {
+        const TiedNumbering::Followed followed = numbering_.followed(cell(a));
+        for (std::size_t k = 0; k < followed.code.size(); ++k)
+          C.block<3, 1>(width * a, column_of(followed.code[k])) = followed.C[k];
       } else {
         for (int d = 0; d < 3; ++d) C(width * a + d, column_of(dofs[width * a + d])) = 1.0;
       }
@@ -227,7 +162,7 @@ void TiedModel::assemble(const Part& part, const AssemblyOptions& options) {
               fmt::format("a cell has material number {}, but the part has {} material{}", material,
                           part.materials.size(), part.materials.size() == 1 ? "" : "s"));
         NodePositions x(element.n_nodes, 3);
-        for (int a = 0; a < element.n_nodes; ++a) x.row(a) = points_.row(block.nodes(cell, a));
+        for (int a = 0; a < element.n_nodes; ++a) x.row(a) = numbering_.points().row(block.nodes(cell, a));
         Result& result = results[k];
         result.smallest_det = element_stiffness(element, x, part.materials[material].D, result.K);
         result.smallest_det =
@@ -245,9 +180,9 @@ void TiedModel::assemble(const Part& part, const AssemblyOptions& options) {
         const Material& material = part.materials.at(block.material.empty() ? 0 : block.material[cell]);
         const double offset = block.offset.empty() ? 0.0 : block.offset[cell];
         NodePositions x(block.nodes.cols(), 3);
-        for (Eigen::Index a = 0; a < x.rows(); ++a) x.row(a) = points_.row(block.nodes(cell, a));
+        for (Eigen::Index a = 0; a < x.rows(); ++a) x.row(a) = numbering_.points().row(block.nodes(cell, a));
         Result& result = results[k];
-        result.smallest_det = shell_stiffness(x, material.D, block.thickness[cell], offset, result.K);
+        result.smallest_det = shell_stiffness(x, material, block.thickness[cell], offset, result.K);
         shell_mass(x, material.density, block.thickness[cell], part.mass, result.m);
         if (offset != 0.0) result.m.setZero();  // it is on points beside the nodes (shell_skins.hpp)
       });
@@ -271,7 +206,7 @@ void TiedModel::assemble(const Part& part, const AssemblyOptions& options) {
                       frame.nodes.data(), static_cast<Eigen::Index>(frame.nodes.size())),
                   frame.K);
   for (const Link& link : part.links) {
-    const Eigen::Matrix3d k = link.stiffness * direction_projector(link);
+    const Eigen::Matrix3d k = link.stiffness * direction_projector(numbering_, link);
     Eigen::MatrixXd K_e(6, 6);
     K_e << k, -k, -k, k;
     const Eigen::Matrix<mesh::Index, 1, 2> cell(link.from, link.to);
@@ -279,45 +214,111 @@ void TiedModel::assemble(const Part& part, const AssemblyOptions& options) {
   }
   K_ii_->finish();
   m_->finish();
-  K_ib_.resize(n_i_, n_b_);
+  K_ib_.resize(numbering_.n_i(), numbering_.n_b());
   K_ib_.setFromTriplets(K_ib.begin(), K_ib.end());
 }
 
-// A of the averaging ties.
-void TiedModel::average(const Part& part) {
-  std::vector<Eigen::Triplet<double>> A;
-  for (int k = 0; k < n_interfaces(); ++k) {
-    InterfaceDofs& interface = interfaces_[k];
-    if (interface.tie != Tie::average) continue;
-    InterfaceSpec used = part.interfaces[k];
-    if (!used.weights.empty()) {  // of the nodes that belong to cells
-      std::vector<double> weights;
-      for (std::size_t a = 0; a < used.set.nodes.size(); ++a)
-        if (std::binary_search(interface.nodes.begin(), interface.nodes.end(), used.set.nodes[a]))
-          weights.push_back(used.weights[a]);
-      used.weights = std::move(weights);
-    }
-    used.set.nodes = interface.nodes;
-    interface.average = averaging_map(part.mesh, used);
-    for (int direction : interface.directions) {
-      const int row = static_cast<int>(averaged_dofs_.size());
-      averaged_dofs_.push_back(boundary_of(interface.code[direction]));
-      for (std::size_t a = 0; a < interface.nodes.size(); ++a)
-        each_dof(interface.nodes[a], [&](int code, const Eigen::Vector3d& C) {
-          if (code < 0)
-            throw std::invalid_argument(fmt::format(
-                "interface '{}' is the mean of nodes of which node {} is bound to another interface: choose "
-                "interfaces that "
-                "constraints do not join",
-                used.name, node_label_.empty() ? interface.nodes[a] : node_label_[interface.nodes[a]]));
-          A.emplace_back(
-              row, code,
-              interface.average.row(direction).segment<3>(3 * static_cast<Eigen::Index>(a)).dot(C));
-        });
+linalg::SymmetricMatrix TiedMatrices::shifted_stiffness(double shift) const {
+  linalg::SymmetricMatrix K = K_ii_->copy();
+  // The interior dofs that a node follows, and its motion for a unit of each.
+  struct Follows {
+    std::vector<int> dof;
+    std::vector<Eigen::Vector3d> C;
+  };
+  const auto follows = [&](int node, Follows& out) {
+    out.dof.clear(), out.C.clear();
+    numbering_.each_dof(node, [&](int code, const Eigen::Vector3d& motion) {
+      if (code < 0) return;
+      out.dof.push_back(code);
+      out.C.push_back(motion);
+    });
+  };
+  const linalg::UpperCsr m = m_->csr();
+  Follows of_p, of_q;
+  for (int p = 0; p < m.n; ++p) {
+    follows(p, of_p);
+    for (int k = m.row_begin[p]; !of_p.dof.empty() && k < m.row_begin[p + 1]; ++k) {
+      const int q = m.columns[k];
+      follows(q, of_q);
+      for (std::size_t a = 0; a < of_p.dof.size(); ++a)
+        for (std::size_t b = p == q ? a : 0; b < of_q.dof.size(); ++b) {
+          double value = shift * m.values[k] * of_p.C[a].dot(of_q.C[b]);
+          if (p != q && of_p.dof[a] == of_q.dof[b]) value *= 2.0;  // (p, q) and (q, p)
+          if (value != 0.0) K.add_to_entry(of_p.dof[a], of_q.dof[b], value);
+        }
     }
   }
-  A_.resize(static_cast<Eigen::Index>(averaged_dofs_.size()), n_i_);
-  A_.setFromTriplets(A.begin(), A.end());
+  return K;
+}
+
+// C_i^T (m (x) I_3) C_i X by panels of eight columns, one panel per core at a time.
+void TiedMatrices::multiply_M_ii(const Eigen::Ref<const Eigen::MatrixXd>& X, Eigen::MatrixXd& Y) const {
+  constexpr Eigen::Index kWidth = linalg::RowPanel::ColsAtCompileTime;
+  Y.setZero(numbering_.n_i(), X.cols());
+  linalg::parallel_for(static_cast<int>((X.cols() + kWidth - 1) / kWidth), [&](int panel) {
+    const Eigen::Index first = panel * kWidth, width = std::min(kWidth, X.cols() - first);
+    linalg::RowPanel U = linalg::RowPanel::Zero(static_cast<Eigen::Index>(numbering_.codes().size()), kWidth),
+                     MU;
+    spread(
+        numbering_,
+        [&](int code, auto&& row) {
+          for (Eigen::Index c = 0; c < kWidth; ++c)
+            row(c) = code >= 0 && c < width ? X(code, first + c) : 0.0;
+        },
+        U);
+    m_->multiply_kron3(U, MU);
+    collect(numbering_, MU, [&](int code, const auto& row) {
+      if (code < 0) return;
+      for (Eigen::Index c = 0; c < width; ++c) Y(code, first + c) += row(c);
+    });
+  });
+}
+
+Eigen::Matrix3d direction_projector(const TiedNumbering& numbering, const Link& link) {
+  const TiedNumbering::Points& points = numbering.points();
+  const Eigen::Vector3d line = (points.row(link.to) - points.row(link.from)).transpose();
+  const double size = (points.colwise().maxCoeff() - points.colwise().minCoeff()).norm();
+  // Closer than round-off of coordinates tells no direction.
+  if (line.norm() < 1e-9 * size) return Eigen::Matrix3d::Identity();
+  return line * line.transpose() / line.squaredNorm();
+}
+
+void TiedMatrices::begin_sum() {
+  K_ii_->finish();
+  m_->finish();
+  K_ib_.resize(numbering_.n_i(), numbering_.n_b());
+  K_bb_.setZero(numbering_.n_b(), numbering_.n_b());
+}
+
+void TiedMatrices::put(Message& message) const {
+  put_matrix(message, K_ii_->csr());
+  put_matrix(message, m_->csr());
+  std::vector<int> rows, columns;
+  std::vector<double> values;
+  for (int column = 0; column < K_ib_.outerSize(); ++column)
+    for (Eigen::SparseMatrix<double>::InnerIterator entry(K_ib_, column); entry; ++entry) {
+      rows.push_back(static_cast<int>(entry.row()));
+      columns.push_back(column);
+      values.push_back(entry.value());
+    }
+  message.put_all(rows);
+  message.put_all(columns);
+  message.put_all(values);
+  message.put_all(K_bb_.reshaped().eval());
+}
+
+void TiedMatrices::add(Message& message) {
+  add_matrix(message, *K_ii_);
+  add_matrix(message, *m_);
+  const auto rows = message.take_all<int>(), columns = message.take_all<int>();
+  const auto values = message.take_all<double>();
+  std::vector<Eigen::Triplet<double>> triplets;
+  for (std::size_t k = 0; k < rows.size(); ++k) triplets.emplace_back(rows[k], columns[k], values[k]);
+  Eigen::SparseMatrix<double> K_ib(numbering_.n_i(), numbering_.n_b());
+  K_ib.setFromTriplets(triplets.begin(), triplets.end());
+  K_ib_ += K_ib;
+  const auto K_bb = message.take_all<double>();
+  K_bb_ += Eigen::Map<const Eigen::MatrixXd>(K_bb.data(), numbering_.n_b(), numbering_.n_b());
 }
 
 }  // namespace flexura::reduce

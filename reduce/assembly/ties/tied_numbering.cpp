@@ -1,5 +1,5 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-#include "reduce/assembly/tied_numbering.hpp"
+#include "reduce/assembly/ties/tied_numbering.hpp"
 
 #include <fmt/format.h>
 
@@ -7,7 +7,7 @@
 #include <stdexcept>
 
 #include "reduce/assembly/input/rigid_motion.hpp"
-#include "reduce/assembly/tied_codes.hpp"
+#include "reduce/assembly/ties/tied_codes.hpp"
 
 namespace flexura::reduce {
 
@@ -59,7 +59,7 @@ void TiedNumbering::number_dofs(const Part& part) {
   for (const InterfaceSpec& spec : part.interfaces) {
     // Nothing said of its modes, an elastic tie is an average.
     InterfaceDofs dofs{
-        spec.tie == Tie::elastic ? Tie::average : spec.tie, spec.point, spec.directions, {}, n_b_, {}, {}};
+        spec.tie == Tie::elastic ? Tie::average : spec.tie, spec.point, spec.directions, {}, n_b_, {}};
     for (mesh::Index node : spec.set.nodes) {
       if (node < 0 || node >= n_nodes_)
         throw std::invalid_argument(
@@ -271,8 +271,45 @@ void TiedNumbering::follow(const Part& part) {
   }
 }
 
+int TiedNumbering::code_of(const InterfaceDofs& interface, int d) const {
+  if (interface.tie != Tie::node) return interface.code[d];
+  const mesh::Index node = interface.nodes[0];
+  if (d < 3) return code(node, d);
+  return rotation_of_[node] >= 0 ? rotation_code_[rotation_of_[node]][d - 3] : kUnused;
+}
+
+void TiedNumbering::put(linalg::Message& message) const {
+  for (const int number : {n_nodes_, n_i_, n_b_}) message.put(number);
+  for (const std::vector<int>* numbers : {&code_, &tie_of_, &group_begin_, &group_of_, &tie_group_,
+                                          &rotation_of_, &slave_of_, &slave_begin_, &slave_code_})
+    message.put_all(*numbers);
+  message.put(slave_C_.size());
+  for (const Eigen::Vector3d& C : slave_C_) message.put_array(C.data(), 3);
+  message.put(interfaces_.size());
+  for (const InterfaceDofs& interface : interfaces_) {
+    message.put(interface.tie);
+    message.put_array(interface.point.data(), 3);
+    message.put(interface.code);
+  }
+}
+
+TiedNumbering::TiedNumbering(linalg::Message& message, const Points& points) : points_(points) {
+  for (int* number : {&n_nodes_, &n_i_, &n_b_}) *number = message.take<int>();
+  for (std::vector<int>* numbers : {&code_, &tie_of_, &group_begin_, &group_of_, &tie_group_, &rotation_of_,
+                                    &slave_of_, &slave_begin_, &slave_code_})
+    *numbers = message.take_all<int>();
+  slave_C_.resize(message.take<std::size_t>());
+  for (Eigen::Vector3d& C : slave_C_) message.take_array(C.data(), 3);
+  interfaces_.resize(message.take<std::size_t>());
+  for (InterfaceDofs& interface : interfaces_) {
+    interface.tie = message.take<Tie>();
+    message.take_array(interface.point.data(), 3);
+    interface.code = message.take<std::array<int, 6>>();
+  }
+}
+
 // A node of a rigid tie can have a rotation of its own beside what it follows.
-void TiedNumbering::add_groups(int node, std::vector<int>& groups) const {
+void TiedNumbering::add_groups(mesh::Index node, std::vector<int>& groups) const {
   for (const int group : {tie_of_[node] >= 0 ? tie_group_[tie_of_[node]] : -1, group_of_[node]})
     if (group >= 0 && std::find(groups.begin(), groups.end(), group) == groups.end()) groups.push_back(group);
   // What the dofs of a node follow by constraints.

@@ -1,4 +1,6 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "reduce/assembly/ties/tied_checks.hpp"
+
 #include <fmt/format.h>
 
 #include <Eigen/QR>
@@ -9,8 +11,8 @@
 
 #include "reduce/assembly/input/average.hpp"
 #include "reduce/assembly/input/rigid_motion.hpp"
-#include "reduce/assembly/tied_codes.hpp"
-#include "reduce/assembly/tied_model.hpp"
+#include "reduce/assembly/ties/tied_codes.hpp"
+#include "reduce/assembly/ties/tied_motions.hpp"
 
 namespace flexura::reduce {
 namespace {
@@ -41,11 +43,11 @@ bool none_moves(const Eigen::Matrix<double, 6, Eigen::Dynamic>& free, const std:
 
 }  // namespace
 
-void TiedModel::check_interfaces(const Part& part, bool may_be_free) const {
+void check_interfaces(const Part& part, const TiedNumbering& numbering, bool may_be_free) {
   std::map<std::pair<int, int>, int> shared;
-  std::vector<int> owner(n_nodes_, -1);
-  for (int k = 0; k < n_interfaces(); ++k) {
-    const InterfaceDofs& interface = interfaces_[k];
+  std::vector<int> owner(numbering.n_nodes(), -1);
+  for (int k = 0; k < numbering.n_interfaces(); ++k) {
+    const InterfaceDofs& interface = numbering.interfaces()[k];
     const std::string& name = part.interfaces[k].name;
     if (interface.nodes.empty())
       throw std::invalid_argument(
@@ -64,7 +66,7 @@ void TiedModel::check_interfaces(const Part& part, bool may_be_free) const {
             fmt::format("interface '{}' is tied as a node, but its set has {} nodes: give one "
                         "node, or tie it rigid or as an average",
                         name, interface.nodes.size()));
-      if (largest > 2 && rotation_of_[interface.nodes[0]] < 0)
+      if (largest > 2 && numbering.rotation_of(interface.nodes[0]) < 0)
         throw std::invalid_argument(
             fmt::format("interface '{}' is a single node of solid elements, which has no rotations: retain "
                         "displacements only, or choose a face",
@@ -76,9 +78,9 @@ void TiedModel::check_interfaces(const Part& part, bool may_be_free) const {
     bool turns = false;
     for (Eigen::Index a = 0; a < set.rows(); ++a) {
       const mesh::Index node = interface.nodes[a];
-      set.row(a) = points_.row(node);
+      set.row(a) = numbering.points().row(node);
       H.middleRows<3>(3 * a) = motion_at(set.row(a));
-      turns = turns || (interface.tie == Tie::rigid && rotation_of_[node] >= 0 &&
+      turns = turns || (interface.tie == Tie::rigid && numbering.rotation_of(node) >= 0 &&
                         (part.interfaces[k].rotations || node == part.interfaces[k].turning_node));
     }
     const Extent extent = extent_of(set);
@@ -101,12 +103,11 @@ void TiedModel::check_interfaces(const Part& part, bool may_be_free) const {
         part.interfaces[pair.first].name, part.interfaces[pair.second].name, count, count == 1 ? "" : "s"));
   }
   if (may_be_free) return;
-  require_held(rigid_b(), points_);
+  require_held(rigid_boundary(numbering), numbering.points());
 }
 
-// All nodes must hang together through cells and ties.
-void TiedModel::check_pieces(const Part& part) const {
-  std::vector<int> parent(n_nodes_ + n_interfaces());
+void check_pieces(const Part& part, const TiedNumbering& numbering) {
+  std::vector<int> parent(numbering.n_nodes() + numbering.n_interfaces());
   std::iota(parent.begin(), parent.end(), 0);
   const auto root = [&](int a) {
     while (parent[a] != a) a = parent[a] = parent[parent[a]];
@@ -128,13 +129,13 @@ void TiedModel::check_pieces(const Part& part) const {
     for (const auto& [from, c] : constraint.from) parent[root(constraint.dof.node)] = root(from.node);
   if (part.matrices)
     for (const auto& [a, b] : part.matrices->pairs) parent[root(a)] = root(b);
-  for (int k = 0; k < n_interfaces(); ++k)
-    if (interfaces_[k].tie == Tie::rigid)
-      for (mesh::Index node : interfaces_[k].nodes) parent[root(node)] = root(n_nodes_ + k);
+  for (int k = 0; k < numbering.n_interfaces(); ++k)
+    if (numbering.interfaces()[k].tie == Tie::rigid)
+      for (mesh::Index node : numbering.interfaces()[k].nodes)
+        parent[root(node)] = root(numbering.n_nodes() + k);
   std::map<int, std::pair<int, int>> pieces;  // root -> (number of nodes, first node)
-  for (int node = 0; node < n_nodes_; ++node)
-    if (code_[3 * static_cast<std::size_t>(node)] != kUnused)
-      ++pieces.try_emplace(root(node), 0, node).first->second.first;
+  for (int node = 0; node < numbering.n_nodes(); ++node)
+    if (numbering.code(node, 0) != kUnused) ++pieces.try_emplace(root(node), 0, node).first->second.first;
   if (pieces.empty()) throw std::invalid_argument("the mesh has no cells that stiffness comes from");
   if (pieces.size() == 1) return;
   const auto smallest = std::min_element(pieces.begin(), pieces.end(), [](const auto& a, const auto& b) {
@@ -144,38 +145,42 @@ void TiedModel::check_pieces(const Part& part) const {
   throw std::invalid_argument(fmt::format(
       "the mesh falls into {} pieces that nothing joins; the smallest has {} nodes, one of them node {} at "
       "({:.5g}, {:.5g}, {:.5g}) m: fuse the solids, or take one of them",
-      pieces.size(), count, node_label_.empty() ? node : node_label_[node], points_(node, 0),
-      points_(node, 1), points_(node, 2)));
+      pieces.size(), count, numbering.label_of(node), numbering.points()(node, 0),
+      numbering.points()(node, 1), numbering.points()(node, 2)));
 }
 
-// Averaging ties have no stiffness in K_ii.  Greedily finds as many nodal dofs as there are rigid motions
-// that the other ties leave free, each the one that moves most in what the former pins leave.
-void TiedModel::choose_pins() {
-  std::vector<char> averaged(n_b_, 0);
-  for (const InterfaceDofs& interface : interfaces_)
+// Greedily, each the one that moves most in what the former pins leave.
+std::vector<int> choose_pins(const TiedNumbering& numbering) {
+  std::vector<int> pins;
+  const std::vector<int>& codes = numbering.codes();
+  std::vector<char> averaged(numbering.n_b(), 0);
+  for (const InterfaceDofs& interface : numbering.interfaces())
     if (interface.tie == Tie::average)
       std::fill_n(averaged.begin() + interface.first_b, interface.directions.size(), 1);
-  Eigen::MatrixXd H = rigid_b();
-  for (int b = 0; b < n_b_; ++b)
+  Eigen::MatrixXd H = rigid_boundary(numbering);
+  for (int b = 0; b < numbering.n_b(); ++b)
     if (averaged[b]) H.row(b).setZero();
-  const Extent extent = extent_of(points_);
+  const Extent extent = extent_of(numbering.points());
   Eigen::MatrixXd free = free_motions(H, extent.centre, extent.length);
   while (free.cols() > 0) {
     int best = -1;
     double best_size = 0.0;
-    for (std::size_t d = 0; d < code_.size(); ++d) {
-      if (code_[d] < 0) continue;
+    for (std::size_t d = 0; d < codes.size(); ++d) {
+      if (codes[d] < 0) continue;
       const double size =
-          (motion_at(points_.row(static_cast<Eigen::Index>(d / 3))).row(d % 3) * free).squaredNorm();
+          (motion_at(numbering.points().row(static_cast<Eigen::Index>(d / 3))).row(d % 3) * free)
+              .squaredNorm();
       if (size > best_size) best_size = size, best = static_cast<int>(d);
     }
     if (best < 0) throw std::logic_error("no interior dof can pin the body");
-    pins_.push_back(code_[best]);
+    pins.push_back(codes[best]);
     // Keep what the new pin does not hold.
-    const Eigen::VectorXd row = (motion_at(points_.row(best / 3)).row(best % 3) * free).transpose();
+    const Eigen::VectorXd row =
+        (motion_at(numbering.points().row(best / 3)).row(best % 3) * free).transpose();
     const Eigen::MatrixXd Q = Eigen::HouseholderQR<Eigen::MatrixXd>(row).householderQ();
     free = (free * Q.rightCols(free.cols() - 1)).eval();
   }
+  return pins;
 }
 
 }  // namespace flexura::reduce

@@ -3,9 +3,9 @@
 
 #include <limits>
 
-#include "reduce/assembly/tied_numbering.hpp"
+#include "reduce/assembly/ties/tied_numbering.hpp"
 
-// Where a nodal displacement is in the tied model, in one integer; for the .cpp files of TiedModel only.
+// Where a nodal displacement is in the tied model, in one integer; for the .cpp files of this room and of TiedModel only.
 namespace flexura::reduce {
 
 inline constexpr int kUnused = std::numeric_limits<int>::min();  // the node belongs to no cell
@@ -23,14 +23,13 @@ constexpr int boundary_of(int code) {
 }
 
 template <class Visit>
-void TiedNumbering::each_dof(int node, const Visit& visit) const {
+void TiedNumbering::each_dof(mesh::Index node, const Visit& visit) const {
   if (const int slave = slave_of_[node]; slave >= 0) {
     for (int k = slave_begin_[slave]; k < slave_begin_[slave + 1]; ++k) visit(slave_code_[k], slave_C_[k]);
     return;
   }
   for (int d = 0; d < 3; ++d)
-    if (const int code = code_[3 * static_cast<std::size_t>(node) + d]; is_dof(code))
-      visit(code, Eigen::Vector3d(Eigen::Vector3d::Unit(d)));
+    if (const int own = code(node, d); is_dof(own)) visit(own, Eigen::Vector3d(Eigen::Vector3d::Unit(d)));
 }
 
 }  // namespace flexura::reduce

@@ -3,13 +3,18 @@
 
 #include <string>
 
-#include "reduce/assembly/tied_numbering.hpp"
+#include "reduce/assembly/ties/tied_averages.hpp"
 
 namespace flexura::reduce {
 
-/// Motions of all nodes from those of the dofs, and loads on the dofs from those on nodes: C of tied_model.hpp and its transpose.
-class TiedMotions : public TiedNumbering {
+/// Motions of all nodes and interfaces from those of the dofs, and loads on the dofs from those on nodes: C of tied_model.hpp and
+/// its transpose.
+class TiedMotions {
  public:
+  /// Both must outlive it.
+  TiedMotions(const TiedNumbering& numbering, const TiedAverages& averages)
+      : numbering_(numbering), averages_(averages) {}
+
   /// U = C_i u_i + C_b u_b: 3 n_nodes x k, row 3 node + direction.
   void expand(const Eigen::Ref<const Eigen::MatrixXd>& u_i, const Eigen::Ref<const Eigen::MatrixXd>& u_b,
               Eigen::MatrixXd& U) const;
@@ -45,17 +50,12 @@ class TiedMotions : public TiedNumbering {
   /// Node of the mesh and direction of an interior dof: "node 12 in y" for messages.
   std::string describe_dof(int i) const;
 
- protected:
-  TiedMotions() = default;
-  explicit TiedMotions(const Part& part) : TiedNumbering(part) {}
-
-  /// U = C u by rows: read(code, row) sets a row (of all columns) to the dof with this code, if it is one.
-  template <class Read, class Rows>
-  void spread(const Read& read, Rows& U) const;
-  /// C^T F by rows: add(code, row) is called for every share of a dof.
-  template <class Rows, class Add>
-  void collect(const Rows& F, const Add& add) const;
-  int code_of(const InterfaceDofs& interface, int direction) const;
+ private:
+  const TiedNumbering& numbering_;
+  const TiedAverages& averages_;
 };
+
+/// The six rigid motions (about Bo) of the boundary dofs, n_b x 6.
+Eigen::MatrixXd rigid_boundary(const TiedNumbering& numbering);
 
 }  // namespace flexura::reduce
