@@ -87,9 +87,13 @@ nlohmann::json to_json(const NamedRun& run, const std::vector<mbs::BucklingMode>
   return out;
 }
 
-/// The stiffness of the mechanism without what loads it.
-mbs::StaticStiffness unloaded_stiffness(const PreparedMechanism& p) {
-  mbs::Mechanism::Unloaded without = p.mechanism->without_loads(p.state, *p.mechanism->make_scratch());
+/// The stiffness of the mechanism without what loads it, from where it starts.  What follows a command (an actuator, a filter)
+/// loads it by what it gives in the equilibrium, where `p` stands: at the start it may be nothing.
+mbs::StaticStiffness unloaded_stiffness(const PreparedMechanism& p, const mbs::State& start) {
+  mbs::State loaded = start;
+  loaded.c = p.state.c;
+  loaded.a = p.state.a;
+  mbs::Unloaded without = p.mechanism->without_loads(loaded, *p.mechanism->make_scratch());
   if (!without.unknown.empty())
     throw std::invalid_argument(
         fmt::format("--buckling scales loads, and force \"{}\" does not say what of it is one: it acts where "
@@ -103,8 +107,8 @@ mbs::StaticStiffness unloaded_stiffness(const PreparedMechanism& p) {
         "force, or leave --buckling out");
   mbs::Mechanism unloaded(std::move(without.description));
   mbs::State s = unloaded.initial_state();
-  s.t = p.state.t;
-  s.p = p.state.p;
+  s.t = start.t;
+  s.p = start.p;
   s.v.setZero();
   unloaded.drop_redundant(s.t, s.p);
   s.lambda = Eigen::VectorXd::Zero(unloaded.sizes().n_lambda);
@@ -157,8 +161,9 @@ int print_buckling(const Arguments& arguments, const terminal::Verbosity& verbos
   nlohmann::json list = nlohmann::json::array();
   for (NamedRun& run : runs) {
     PreparedMechanism& p = run.prepared;
-    const mbs::StaticStiffness unloaded = unloaded_stiffness(p);
+    const mbs::State start = p.state;
     move_to_equilibrium(p);
+    const mbs::StaticStiffness unloaded = unloaded_stiffness(p, start);
     give_warnings(run);
     const mbs::Buckling buckling =
         mbs::buckling_modes(unloaded, mbs::static_stiffness(*p.mechanism, p.state, &unloaded.independent));
@@ -289,12 +294,20 @@ int print_modes(const Arguments& arguments, const terminal::Verbosity& verbosity
     }
     terminal::Table table(columns);
     int index = 0;
+    // Decompositions leave some 1e-13 of the largest eigenvalue in every other: no damping of that size is said.
+    double round_off = 0.0;
+    for (const mbs::NaturalMode& mode : modes)
+      round_off = std::max(round_off, 1e-12 * std::abs(mode.eigenvalue));
     for (const mbs::NaturalMode& mode : modes) {
       if (++index > arguments.count) break;
+      const bool is_undamped = std::abs(mode.eigenvalue.real()) < round_off;
       std::vector<std::string> row = {
-          fmt::format("{}", index),          number(mode.eigenvalue.real(), 6),
-          number(mode.eigenvalue.imag(), 6), number(mode.frequency_hz, 6),
-          number(100.0 * mode.damping, 4),   moves_most(*p.mechanism, mode.shape.cwiseAbs())};
+          fmt::format("{}", index),
+          number(is_undamped ? 0.0 : mode.eigenvalue.real(), 6),
+          number(mode.eigenvalue.imag(), 6),
+          number(mode.frequency_hz, 6),
+          number(is_undamped && mode.eigenvalue.imag() != 0.0 ? 0.0 : 100.0 * mode.damping, 4),
+          moves_most(*p.mechanism, mode.shape.cwiseAbs())};
       if (arguments.fixed_axes) row.push_back(text_of(whirls[static_cast<std::size_t>(index - 1)]));
       table.add_row(std::move(row));
     }

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -45,6 +46,12 @@ struct NodeMotion {
   Eigen::VectorXd second, rates;                 ///< work space
 };
 
+/// Of a beam.
+struct SlenderBeam {
+  double length = 0.0;             ///< [m]
+  double bending_stiffness = 0.0;  ///< EI of its softer direction [N m^2]
+};
+
 struct DeformationTangents;
 
 class FlexibleBody {
@@ -81,6 +88,8 @@ class FlexibleBody {
   virtual bool is_linear() const { return false; }
   /// False where its stiffness does not know of the loads that it bears.
   virtual bool has_geometric_stiffness() const { return true; }
+  /// Where it is a slender beam: what tells how far it would bend.
+  virtual std::optional<SlenderBeam> slender() const { return std::nullopt; }
   /// What is known of it in modal coordinates; nullptr where it has none.
   virtual const ModalData* modal() const { return nullptr; }
   /// Of coordinate i; what internal forces there are beside them add_tangents() differentiates.

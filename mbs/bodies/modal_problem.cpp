@@ -37,9 +37,13 @@ ModalProblem::ModalProblem(const superelement::Superelement& se, const MatrixXd&
   if (n_ <= 6 || qr.rank() != 6)
     throw std::invalid_argument(fmt::format(
         "superelement \"{}\" has {} coordinates that carry {} of the six rigid motions; a flexible "
-        "body needs all six and at least one more coordinate (use fidelity = \"rigid\" or interfaces "
-        "with more directions)",
-        se.name, n_, qr.rank()));
+        "body needs all six and at least one more coordinate ({})",
+        se.name, n_, qr.rank(),
+        se.created_by.starts_with("flexura import")
+            ? "it is the rigid one of an import: flexura simulate --reduce makes one that deforms of the "
+              "part file beside "
+              "it; or use fidelity = \"rigid\""
+            : "use fidelity = \"rigid\" or interfaces with more directions"));
   if (ties.cols() == 0) {
     // The complement of M R: the last n - 6 columns of its orthogonal factor.
     free_ = qr.householderQ() * MatrixXd::Identity(n_, n_).rightCols(n_ - 6);

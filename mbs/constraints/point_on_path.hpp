@@ -9,6 +9,7 @@
 #include "mbs/constraints/constraint.hpp"
 #include "mbs/formulas/expression.hpp"
 #include "mbs/kinematics/body_path.hpp"
+#include "mbs/kinematics/picture.hpp"
 
 namespace flexura::mbs {
 
@@ -33,7 +34,7 @@ namespace flexura::mbs {
 /// h_ss: the centripetal one on the bent line).
 enum class PathOrientation { free, along, fixed };
 
-class PointOnPath final : public Constraint {
+class PointOnPath final : public Constraint, public HasPicture {
  public:
   struct Law {
     PathOrientation orientation = PathOrientation::free;
@@ -48,6 +49,7 @@ class PointOnPath final : public Constraint {
   std::string row_name(int i) const override;
   bool reads_time(int) const override { return law_.place && law_.place->reads_time(); }
   std::vector<int> markers() const override;
+  const BodyPath* drawn_path() const override { return path_.get(); }
   void position(const Kinematics& kin, double* g) const override;
   void velocity(const Kinematics& kin, double* g_dot) const override;
   void acceleration(const Kinematics& kin, double* g_ddot) const override;

@@ -96,7 +96,8 @@ input::Key fidelity_key() {
              fmt::format(
                  "of a superelement: {}; of a beam: {}; {}: flexura simulate chooses among rigid, "
                  "static, modal and modal-stiffened, and the number of modes, of a beam between rigid "
-                 "and ancf, for the run's accuracy (see solver.accuracy; 1 % without it)",
+                 "and beam with as many elements as it takes, for the run's accuracy (see solver.accuracy; 1 "
+                 "% without it)",
                  of_superelement, of_beam, kAutomaticFidelity))
       .or_default(fidelities().front().name);
 }

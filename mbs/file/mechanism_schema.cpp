@@ -80,6 +80,37 @@ TableSchema body_schema() {
   return schema;
 }
 
+std::string in_unit(const std::string& unit) {
+  return unit.empty() ? "" : " [`" + unit + "`]";
+}
+
+/// "`NAME.angle` [`rad`], ...": coordinates, speeds and accelerations, and what a joint transmits.
+std::string results_doc(const Joint& joint) {
+  std::string text;
+  for (const auto& infos : {joint.coordinates(), joint.speeds(), joint.accelerations()})
+    for (const CoordinateInfo& c : infos)
+      text += fmt::format("{}`NAME.{}`{}", text.empty() ? "\n\nResults: " : ", ", c.name,
+                          in_unit(si_unit(c.dimension)));
+  if (joint.n_rows() > 0)
+    text += fmt::format("{}forces and torques [as of every joint](#output)",
+                        text.empty() ? "\n\nResults: " : "; ");
+  return text + (text.empty() ? "" : ".");
+}
+
+/// A line for each, behind "Results:".
+std::string results_doc(const std::vector<Given>& gives) {
+  if (gives.empty()) return "";
+  if (gives[0].names.empty()) return fmt::format("\n\nResult: `NAME`{}.", in_unit(gives[0].unit));
+  std::string text = "\n\nResults:\n";
+  for (const Given& given : gives) {
+    std::string names = given.names;
+    for (std::size_t at = 0; (at = names.find(", ", at)) != std::string::npos; at += 9)
+      names.replace(at, 2, "`, `NAME.");
+    text += fmt::format("\n- `NAME.{}`{}: {}", names, in_unit(given.unit), given.doc);
+  }
+  return text;
+}
+
 TableSchema joint_schema(bool is_connection) {
   TableSchema schema;
   schema.name = is_connection ? "connection" : "joint";
@@ -108,8 +139,8 @@ TableSchema joint_schema(bool is_connection) {
              "it is; so does whatever reads, drives or loads its coordinates)"));
   for (const JointType& type : joint_types()) {
     TableSchema variant;
-    variant.doc = type.doc;
     const auto joint = make_joint(type.name);
+    variant.doc = type.doc + results_doc(*joint);
     const auto coordinates = joint->coordinates(), speeds = joint->speeds();
     for (const CoordinateInfo& c : coordinates)
       variant.keys.push_back(
@@ -151,7 +182,7 @@ TableSchema element_schema(const std::string& name, const std::string& doc, cons
   schema.selector = "type";
   for (const auto& type : types) {
     TableSchema variant;
-    variant.doc = type.doc;
+    variant.doc = type.doc + results_doc(type.gives);
     variant.keys = type.keys;
     schema.variants[type.name] = std::move(variant);
   }
@@ -213,7 +244,8 @@ others, and sums in which the self-stress cancels (the weight that two hinges of
 // Kept beside expression.hpp, which reads them.
 constexpr const char* formulas_doc =
     R"(Every number of the file may be a formula of its `[parameters]`; where a key says "formula", it may also read the time `t`,
-joint coordinates and speeds (`JOINT.angle`, `JOINT.speed`), measures, inputs and controls by their names.
+joint coordinates and speeds (`JOINT.angle`, `JOINT.speed`), measures, inputs and controls by their names. What is one number for the
+whole run (stiffness, damping, limits, gains, values at the start) takes formulas of parameters, and one that reads `t` is refused.
 
 | in formulas | |
 |---|---|
@@ -261,7 +293,7 @@ TableSchema mechanism_schema(TableSchema solver) {
       std::string("A mechanism: bodies, joints, forces, and how they are simulated.\n\n") + formulas_doc +
       "What a formula does in time is known before the run: every integrator stops where it jumps or has a "
       "kink (a comparison, abs, floor, a point of a linear table, ...), begins anew behind a jump, and takes "
-      "no step over a pulse, however short and smooth, that is worth more than 1e-9 of the formula's range "
+      "no step over a pulse, however short and smooth, that is worth more than 1e-11 of the formula's range "
       "times the run. Comparisons, sign and rounding of what moves are switches: held between events, "
       "located "
       "to round-off, and an error where they switch without end; so are abs, min, max and the kinks of a "

@@ -22,7 +22,8 @@ std::pair<int, Vector3d> carrying_node(ReadModel& model, const Section& m, int b
     if (!se) m.refuse(key, "only superelements have nodes to follow", "take the key away, or use on");
     std::vector<BodyNode>& linked = model.linked[body];
     BodyNode node = read_linked_node(m, name, *se, deforms, model.notes);
-    if (m.text("link") == "rigid") model.blind_spots.push_back({"link", name, ""});
+    if (m.text("link") == "rigid")
+      model.blind_spots.push_back({.kind = "link", .name = name, .remedy = "", .has_own_frame = true});
     const Vector3d p = node.p_BoN_B;
     if (!deforms) return {-1, p};
     linked.push_back(std::move(node));

@@ -27,6 +27,11 @@ struct BlindSpot {
   std::string kind;    ///< "elements", "link", "user_element"
   std::string name;    ///< of the body, marker or element
   std::string remedy;  ///< how the user can judge it; may be empty
+  std::string key =
+      {};  ///< that sets how many elements there are ("body.rod.beam.elements"), where a run can set it
+  int elements = 0;  ///< how many
+  /// Of a body that it holds together in a frame of its own, so that no other frame of the body says the same.
+  bool has_own_frame = false;
 };
 
 struct MechanismFile {

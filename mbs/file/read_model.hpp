@@ -13,6 +13,7 @@
 #include "mbs/file/read_flexible_body.hpp"
 #include "mbs/file/read_mechanism.hpp"
 #include "mbs/file/read_surface_patch.hpp"
+#include "mbs/kinematics/surface_mesh.hpp"
 #include "mbs/mechanism/beam_part.hpp"
 
 namespace flexura::mbs {
@@ -34,6 +35,7 @@ struct ReadModel {
   std::set<std::string> surfaces_in_use = {};
   std::map<int, std::shared_ptr<const superelement::Superelement>> with_surface = {};
   std::multimap<int, PatchOfSurface> patches = {};
+  std::multimap<int, std::shared_ptr<SurfaceMesh>> meshes = {};  ///< whole surfaces that measures see
 
   bool deforms(int body) const { return to_prepare.contains(body) || description.bodies[body].flexible; }
 };

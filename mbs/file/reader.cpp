@@ -113,6 +113,9 @@ void prepare_bodies(ReadModel& model) {
     const ModalData& data = *body->modal();
     for (auto patch = first; patch != last; ++patch)
       patch->second.patch->set_shapes(shapes_of(patch->second, *se) * data.Y);
+    const auto [first_mesh, last_mesh] = model.meshes.equal_range(b);
+    for (auto mesh = first_mesh; mesh != last_mesh; ++mesh)
+      mesh->second->set_shapes(se->shapes.cast<double>() * data.Y);
     if (wants_stress(s)) d.bodies[b].stress = read_stress_field(s, *se, data);
     if (wants_surface_points(s)) d.bodies[b].surface_points = read_surface_points(s, *se, &data);
     if (wants_sections(s)) d.bodies[b].sections = read_section_points(s, *se, data);
@@ -151,6 +154,9 @@ void Reader::read_bodies() {
   for (const auto& [name, s] : root_.table_map("force"))
     if (const std::string& key = find_type(force_types(), s.text("type")).surface_of; !key.empty())
       model_.surfaces_in_use.insert(prefix_ + s.text(key));
+  for (const auto& [name, s] : root_.table_map("measure"))
+    for (const std::string& key : find_type(measure_types(), s.text("type")).meshes_of)
+      model_.surfaces_in_use.insert(prefix_ + s.text(key));
   const Section ground = root_.table("ground");
   if (prefix_.empty()) {
     d.bodies[0].shape_json = shapes_json(ground);
@@ -177,6 +183,22 @@ std::shared_ptr<const SurfacePatch> Reader::surface(const Section& s, int body) 
   const std::shared_ptr<const SurfacePatch> patch = part.patch;
   model_.patches.emplace(body, std::move(part));
   return patch;
+}
+
+std::shared_ptr<const SurfaceMesh> Reader::mesh(const Section& s, const std::string& key, int body) const {
+  const auto known = model_.with_surface.find(body);
+  if (known == model_.with_surface.end())
+    s.refuse(key, fmt::format("\"{}\" has no superelement, whose surface it is", s.text(key)),
+             "make the body of one (fidelity = \"rigid\" will do), or measure the distance of two markers");
+  const superelement::Superelement& se = *known->second;
+  const auto n = se.surface.vertices.rows();
+  if (n == 0 || se.surface.triangles.rows() == 0 || (model_.deforms(body) && se.shapes.rows() != 3 * n))
+    s.refuse(key, "its superelement has no surface with shapes on it",
+             "reduce the part from its CAD file or mesh (foreign matrices bring none)");
+  auto mesh = std::make_shared<SurfaceMesh>(se.surface.vertices.transpose().cast<double>(),
+                                            se.surface.triangles.transpose().cast<int>());
+  model_.meshes.emplace(body, mesh);
+  return mesh;
 }
 
 void Reader::read_subsystem(const std::string& name, const Section& s) {
@@ -209,8 +231,13 @@ void Reader::read_subsystem(const std::string& name, const Section& s) {
     double value;
     try {
       const double at_start = 0.0;
-      value = Expression(s.path() + ".parameters." + parameter, formula, SignalNames(), parameters_)
-                  .evaluate(&at_start);
+      const Expression compiled(s.path() + ".parameters." + parameter, formula, SignalNames(), parameters_);
+      if (compiled.reads_time())
+        throw std::invalid_argument(
+            s.path() + ".parameters." + parameter +
+            " reads the time t, and is one number for the whole run; write a formula of the "
+            "parameters of this file");
+      value = compiled.evaluate(&at_start);
     } catch (const std::exception& error) {
       throw input::InputError(s.document().string() + ": " + error.what());
     }
@@ -305,12 +332,14 @@ void Reader::read_body(const std::string& own_name, const Section& s) {
   const std::string name = body.name;
   const int b = d.add_body(std::move(body));
   model_.sections.emplace(b, s);
-  if (is_beam && fidelity.of_beam->has_elements)
-    model_.blind_spots.push_back(
-        {"elements", name,
-         prefix_.empty()
-             ? fmt::format("a run with --set body.{}.beam.elements={} tells", name, 2 * beam.elements)
-             : "a run with twice as many tells"});
+  if (is_beam && fidelity.of_beam->has_elements) {
+    const std::string key = prefix_.empty() ? fmt::format("body.{}.beam.elements", name) : "";
+    model_.blind_spots.push_back({"elements", name,
+                                  key.empty()
+                                      ? "a run with twice as many tells"
+                                      : fmt::format("a run with --set {}={} tells", key, 2 * beam.elements),
+                                  key, beam.elements});
+  }
   if (se && fidelity.of_superelement->deforms()) model_.to_prepare.emplace(b, se);
   if (is_beam) {
     try {

@@ -6,13 +6,14 @@
 #include "mbs/forces/force.hpp"
 #include "mbs/formulas/expression.hpp"
 #include "mbs/kinematics/body_path.hpp"
+#include "mbs/kinematics/picture.hpp"
 
 namespace flexura::mbs {
 
 /// A given force f on the particle of a path (body_path.hpp) at the place s, both by formulas; beyond the path's ends
 /// there is none: switches, so that no step leaps over a load that comes and goes.  It is shared among the path's markers, f_j = b_j(s) f, so that its power is f . r_t(s), with r_t the
 /// velocity of the particle that it acts on.
-class MovingLoad final : public ForceElement {
+class MovingLoad final : public ForceElement, public HasPicture {
  public:
   using Components = std::array<std::shared_ptr<const Expression>, 3>;
   MovingLoad(std::string name, std::shared_ptr<const BodyPath> path, std::shared_ptr<const Expression> place,
@@ -25,6 +26,7 @@ class MovingLoad final : public ForceElement {
   std::string_view type() const override { return "moving_load"; }
   std::pair<int, int> markers() const override { return {-1, path_->marker(0)}; }
   int axes() const override { return axes_; }
+  const BodyPath* drawn_path() const override { return path_.get(); }
   std::vector<int> reads() const override {
     std::vector<int> reads = place_->reads();
     for (const auto& f : components_)

@@ -41,6 +41,8 @@ class BodyPath {
   int marker(int j) const { return markers_[static_cast<std::size_t>(j)]; }
   const std::vector<int>& markers() const { return markers_; }
   double length() const { return places_.back(); }
+  /// Of marker j.
+  double place(int j) const { return places_[static_cast<std::size_t>(j)]; }
   /// False beyond the ends by more than round-off.
   bool holds(double s) const;
   Weights weights(double s) const;

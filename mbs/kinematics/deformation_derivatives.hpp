@@ -8,7 +8,7 @@
 namespace flexura::mbs {
 
 /// What a force that follows a body's deformation and its rate says of its derivatives beside `Derivatives`: taken at once,
-/// since there are as many numbers as coordinates of the body.  Who takes up derivatives and can do that derives from this, too.
+/// since there are as many numbers as coordinates of the body (Derivatives::deformations).
 class DeformationDerivatives {
  public:
   using Rows = Eigen::Ref<const Eigen::MatrixXd>;

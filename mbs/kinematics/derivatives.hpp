@@ -15,6 +15,7 @@
 /// Derivatives by a quantity have one row for each number done: 6 for a wrench, 1 for a force, ...
 namespace flexura::mbs {
 
+class DeformationDerivatives;
 class Expression;
 
 class Derivatives {
@@ -52,6 +53,8 @@ class Derivatives {
   virtual void by_state(int i, const Matrix& d) = 0;
   /// Its algebraic state.
   virtual void by_algebraic(double d) = 0;
+  /// For what follows a whole deformation.
+  virtual DeformationDerivatives& deformations() = 0;
 
   void by_coordinate(CoordinateRef c, double d) { by_coordinate(c, one(d)); }
   void by_speed(CoordinateRef c, double d) { by_speed(c, one(d)); }

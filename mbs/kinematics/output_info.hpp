@@ -8,10 +8,19 @@
 namespace flexura::mbs {
 
 /// A named output of an element: "spring.force".
+/// What a quantity is to those who judge runs by it, beside its dimension.
+enum class OutputRole {
+  value,
+  energy,           ///< of the energy balance, or the power of it
+  mode,             ///< a coordinate of a deformation, which says nothing without its shapes
+  place_of_stress,  ///< where the largest stress is, which leaps
+};
+
 struct OutputInfo {
   std::string name;  ///< completes "name of the element . "; empty: the element's own name
   input::Dimension dimension;
   std::string doc;
+  OutputRole role = OutputRole::value;
 };
 
 }  // namespace flexura::mbs

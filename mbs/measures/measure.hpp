@@ -27,6 +27,12 @@ class Measure {
   virtual std::vector<int> reads() const { return {}; }
   /// Where it is a formula and nothing else.
   virtual const Expression* formula() const { return nullptr; }
+  /// True for what is known only after the equations of motion are solved: see ShownMeasure.
+  virtual bool is_only_shown() const { return false; }
+  /// The joint whose reaction it takes; -1: none, it is value().
+  virtual int joint() const { return -1; }
+  /// Its value where this wrench (torque about Mo, force, in F) goes through that joint, on the body of M.
+  virtual double value_of_load(const Kinematics& /*kin*/, const Vector6d& /*on_M_F*/) const { return 0.0; }
 
  private:
   std::string name_;

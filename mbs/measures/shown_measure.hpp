@@ -11,10 +11,7 @@ class ShownMeasure : public Measure {
  public:
   using Measure::Measure;
   void differentiate(const Kinematics&, const double*, Derivatives&) const override {}
-  /// The joint whose reaction it takes; -1: none, it is value().
-  virtual int joint() const { return -1; }
-  /// Its value where this wrench (torque about Mo, force, in F) goes through that joint, on the body of M.
-  virtual double value_of_load(const Kinematics& /*kin*/, const Vector6d& /*on_M_F*/) const { return 0.0; }
+  bool is_only_shown() const final { return true; }
 };
 
 }  // namespace flexura::mbs

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "mbs/base/documents/document.hpp"
+#include "mbs/kinematics/picture.hpp"
 
 namespace flexura::mbs {
 namespace {
@@ -21,19 +22,21 @@ bool fits(const char* pattern, const char* text) {
 
 const std::vector<OutputInfo>& run_quantities() {
   static const std::vector<OutputInfo> infos = {
-      {"energy.input", input::dim::energy, "work put in by applied forces and drives so far"},
-      {"energy.dissipated", input::dim::energy, "energy taken out by dampers and impacts so far"},
+      {"energy.input", input::dim::energy, "work put in by applied forces and drives so far",
+       OutputRole::energy},
+      {"energy.dissipated", input::dim::energy, "energy taken out by dampers and impacts so far",
+       OutputRole::energy},
       {"energy.balance", input::dim::energy,
        "kinetic + strain + potential, less their start and the work put in, plus what was dissipated: the "
        "error "
-       "of the run"}};
+       "of the run",
+       OutputRole::energy}};
   return infos;
 }
 
-// Dimensions do not tell a joule from a newton metre; list_quantities() and run_quantities() give energies these names.
+// Dimensions do not tell a joule from a newton metre.
 std::string unit_of(const OutputInfo& quantity) {
-  const bool is_energy = quantity.dimension == input::dim::energy &&
-                         (quantity.name.starts_with("energy.") || quantity.name.ends_with(".strain_energy"));
+  const bool is_energy = quantity.dimension == input::dim::energy && quantity.role == OutputRole::energy;
   return is_energy ? "J" : input::si_unit(quantity.dimension);
 }
 
@@ -67,6 +70,31 @@ std::string connections_json(const Mechanism& mechanism) {
   const MechanismDescription& d = mechanism.description();
   nlohmann::json list = nlohmann::json::array();
   const auto pose = [&](int marker) { return d.undeformed(marker); };
+  const auto numbers = [](const Vector3d& p) { return nlohmann::json{p.x(), p.y(), p.z()}; };
+  const auto rotation = [&](int marker) {
+    const Eigen::Quaterniond q(pose(marker).R);
+    return nlohmann::json{q.w(), q.x(), q.y(), q.z()};
+  };
+  // What the element that was added last draws besides.
+  const auto add_picture = [&](const HasPicture* picture, int marker_F) {
+    if (!picture) return;
+    nlohmann::json& j = list.back();
+    if (const auto surface = picture->drawn_surface(); surface && marker_F >= 0) {
+      j["surface"] = {{"kind", surface->kind},
+                      {"radius", surface->radius},
+                      {"closed", surface->is_closed},
+                      {"touching", surface->touching},
+                      {"rotation", rotation(marker_F)}};
+      for (const Vector3d& p : surface->points) j["surface"]["points"].push_back(numbers(p));
+    }
+    if (const BodyPath* const path = picture->drawn_path()) {
+      // Its force stands where the place is, in axes that no marker has where it is a constraint's.
+      for (int i = 0; i < path->size(); ++i)
+        j["path"].push_back({{"body", d.bodies[d.markers[path->marker(i)].body].name},
+                             {"p", numbers(pose(path->marker(i)).p)},
+                             {"place", path->place(i)}});
+    }
+  };
   const auto add = [&](const std::string& name, const std::string& kind, int marker_1, int marker_2,
                        int axes) {
     nlohmann::json j{{"name", name}, {"kind", kind}};
@@ -94,7 +122,36 @@ std::string connections_json(const Mechanism& mechanism) {
   }
   for (const auto& force : d.forces) {
     const auto [from, to] = force->markers();
-    if (from >= 0 || to >= 0) add(force->name(), std::string(force->type()), from, to, force->axes());
+    if (from < 0 && to < 0) continue;
+    add(force->name(), std::string(force->type()), from, to, force->axes());
+    add_picture(dynamic_cast<const HasPicture*>(force.get()), from);
+  }
+  for (const auto& constraint : d.constraints) {
+    const std::vector<int> markers = constraint->markers();
+    if (markers.size() < 2) continue;
+    const auto outputs = constraint->outputs();
+    const bool is_link =
+        std::ranges::any_of(outputs, [](const OutputInfo& o) { return o.name == "tension"; });
+    const auto* const picture = dynamic_cast<const HasPicture*>(constraint.get());
+    const bool has_path = picture && picture->drawn_path();
+    add(constraint->name(),
+        is_link    ? "link"
+        : has_path ? "path"
+                   : "constraint",
+        markers.front(), markers.back(), markers.front());
+    if (has_path) list.back().erase("axes");  // those of the path there: no marker has them
+    add_picture(picture, markers.front());
+  }
+  for (std::size_t m = 0; m < d.markers.size(); ++m) {
+    const int marker = static_cast<int>(m);
+    const std::string& body = d.bodies[d.markers[m].body].name;
+    // "crank.pin" is of the file; frames that the program itself puts in have no body in their names.
+    if (d.markers[m].name.find('.') == std::string::npos) continue;
+    list.push_back({{"name", d.markers[m].name},
+                    {"kind", "marker"},
+                    {"body_1", body},
+                    {"p_1", numbers(pose(marker).p)},
+                    {"rotation", rotation(marker)}});
   }
   return list.dump();
 }

@@ -1,10 +1,11 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "mbs/mechanism/constraint_equations.hpp"
 #include "mbs/mechanism/mechanism.hpp"
+#include "mbs/mechanism/mechanism_outputs.hpp"
 #include "mbs/mechanism/mechanism_tangents.hpp"
 #include "mbs/mechanism/motion/start_values.hpp"
-#include "mbs/mechanism/outputs/quantities.hpp"
 
 /// Private to the sources of Mechanism.
 namespace flexura::mbs {
@@ -14,12 +15,14 @@ struct Mechanism::Joined : MechanismParts {
       : MechanismParts(std::move(description)),
         residual(*this),
         tangents(*this, residual),
-        quantities(tree, rows, static_cast<int>(states.algebraic().size())),
+        outputs(*this, residual),
+        constraints(*this),
         start(tree, kinematics, coordinates) {}
 
   Residual residual;
   MechanismTangents tangents;
-  Quantities quantities;
+  MechanismOutputs outputs;
+  ConstraintEquations constraints;
   StartValues start;
 };
 

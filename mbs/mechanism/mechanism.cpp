@@ -4,7 +4,8 @@
 #include <utility>
 
 #include "mbs/mechanism/joined.hpp"
-#include "mbs/mechanism/redundancy.hpp"
+#include "mbs/mechanism/motion/turning_axes.hpp"
+#include "mbs/mechanism/without_loads.hpp"
 
 namespace flexura::mbs {
 
@@ -56,8 +57,7 @@ MechanismScratch& Mechanism::move(double t, ConstVectorRef p, Scratch& scratch) 
 
 MechanismScratch& Mechanism::observe(const State& s, Scratch& scratch) const {
   MechanismScratch& work = scratch_of(scratch);
-  m_->residual.move(Level::velocity, s, nullptr, work);
-  m_->residual.observe(s, work);
+  m_->residual.move_and_observe(s, work);
   return work;
 }
 
@@ -176,95 +176,48 @@ EnergyReport Mechanism::energy(const State& s, ConstVectorRef, Scratch& scratch)
 // ---- constraints
 
 void Mechanism::position_constraints(double t, ConstVectorRef p, Scratch& scratch, VectorRef g) const {
-  MechanismScratch& work = move(t, p, scratch);
-  m_->rows.position(work.motion, work.rows, g);
+  m_->constraints.position(t, p, scratch_of(scratch), g);
 }
-
 void Mechanism::velocity_constraints(double t, ConstVectorRef p, ConstVectorRef v, Scratch& scratch,
                                      VectorRef g_dot) const {
-  MechanismScratch& work = scratch_of(scratch);
-  m_->kinematics.forward(Level::velocity, t, p.data(), v.data(), nullptr, work.motion);
-  m_->rows.velocity(work.motion, work.rows, g_dot);
+  m_->constraints.velocity(t, p, v, scratch_of(scratch), g_dot);
 }
-
 void Mechanism::constraints(double t, ConstVectorRef p, ConstVectorRef v, Scratch& scratch, VectorRef g,
                             VectorRef g_dot) const {
-  MechanismScratch& work = scratch_of(scratch);
-  m_->kinematics.forward(Level::velocity, t, p.data(), v.data(), nullptr, work.motion);
-  m_->rows.position(work.motion, work.rows, g);
-  m_->rows.velocity(work.motion, work.rows, g_dot);
+  m_->constraints.both(t, p, v, scratch_of(scratch), g, g_dot);
 }
-
 void Mechanism::acceleration_constraints(double t, ConstVectorRef p, ConstVectorRef v, ConstVectorRef v_dot,
                                          Scratch& scratch, VectorRef g_ddot) const {
-  MechanismScratch& work = scratch_of(scratch);
-  m_->kinematics.forward(Level::acceleration, t, p.data(), v.data(), v_dot.data(), work.motion);
-  m_->rows.acceleration(work.motion, work.rows, g_ddot);
+  m_->constraints.acceleration(t, p, v, v_dot, scratch_of(scratch), g_ddot);
 }
-
 void Mechanism::apply_GT(double t, ConstVectorRef p, ConstVectorRef x, Scratch& scratch,
                          VectorRef f_c) const {
-  MechanismScratch& work = move(t, p, scratch);
-  m_->dynamics.clear_loads(work.wrenches);
-  BodyLoads loads(m_->tree, work.motion, work.wrenches, -1.0);
-  m_->rows.add_constraint_loads(x.data(), Which::all, work.motion, work.rows, loads);
-  m_->dynamics.backward(work.motion, work.wrenches, f_c.data());
+  m_->constraints.apply_GT(t, p, x, scratch_of(scratch), f_c);
 }
-
 void Mechanism::constraint_matrix(double t, ConstVectorRef p, Scratch& scratch, MatrixRef G) const {
-  MechanismScratch& work = move(t, p, scratch);
-  const auto& constraints = m_->rows.constraints();
-  const std::vector<int>& kept = m_->rows.kept();
-  BodyLoads loads(m_->tree, work.motion, work.wrenches, -1.0);
-  std::size_t i = 0;
-  // Row by row: the loads of a unit multiplier, taken inwards.
-  for (std::size_t k = 0; k < constraints.size(); ++k) {
-    m_->rows.own_contact(k, work.motion, work.rows);
-    const int first = m_->rows.first_row(k);
-    for (; i < kept.size() && kept[i] < m_->rows.first_row(k + 1); ++i) {
-      m_->dynamics.clear_loads(work.wrenches);
-      work.rows.x.segment(first, constraints[k]->n_rows()).setZero();
-      work.rows.x(kept[i]) = 1.0;
-      constraints[k]->apply_GT(work.motion.kin, work.rows.x.data() + first, loads);
-      m_->dynamics.backward(work.motion, work.wrenches, work.wrenches.r.data());
-      G.row(static_cast<Eigen::Index>(i)) = work.wrenches.r.head(m_->tree.n_v).transpose();
-    }
-  }
+  m_->constraints.matrix(t, p, scratch_of(scratch), G);
 }
-
-ConstraintSizes Mechanism::sizes_of_rows(const std::vector<int>& rows, double t, ConstVectorRef p,
-                                         Scratch& scratch) const {
-  MechanismScratch& work = move(t, p, scratch);
-  return m_->rows.sizes(rows, m_->kinematics.extent(work.motion), work.motion, work.rows);
-}
-
 ConstraintSizes Mechanism::constraint_sizes(double t, ConstVectorRef p, Scratch& scratch) const {
-  return sizes_of_rows(m_->rows.kept(), t, p, scratch);
+  return m_->constraints.sizes(m_->rows.kept(), t, p, scratch_of(scratch));
 }
-
 ConstraintSizes Mechanism::left_out_sizes(double t, ConstVectorRef p, Scratch& scratch) const {
-  return sizes_of_rows(m_->rows.left_out(), t, p, scratch);
+  return m_->constraints.sizes(m_->rows.left_out(), t, p, scratch_of(scratch));
 }
-
 int Mechanism::n_left_out() const {
   return static_cast<int>(m_->rows.left_out().size());
 }
-
 void Mechanism::left_out_constraints(double t, ConstVectorRef p, ConstVectorRef v, ConstVectorRef v_dot,
                                      Scratch& scratch, VectorRef g, VectorRef g_dot, VectorRef g_ddot) const {
-  if (n_left_out() == 0) return;
-  MechanismScratch& work = scratch_of(scratch);
-  const bool to_acceleration = v_dot.size() > 0;
-  m_->kinematics.forward(to_acceleration ? Level::acceleration : Level::velocity, t, p.data(), v.data(),
-                         v_dot.data(), work.motion);
-  m_->rows.left_out_constraints(to_acceleration, work.motion, work.rows, g, g_dot, g_ddot);
+  m_->constraints.left_out(t, p, v, v_dot, scratch_of(scratch), g, g_dot, g_ddot);
 }
-
 std::vector<std::string> Mechanism::names_of_left_out(int i) const {
   return m_->rows.names_of_left_out(i);
 }
 bool Mechanism::is_holonomic(int row) const {
   return m_->rows.is_holonomic(row);
+}
+RowPlace Mechanism::row_place(int i) const {
+  return m_->rows.place_of_row(m_->rows.kept()[i]);
 }
 std::string Mechanism::name_of_constraint(int i) const {
   return m_->rows.name_of_row(m_->rows.kept()[i]);
@@ -279,18 +232,8 @@ std::vector<RedundantRow> Mechanism::drop_redundant(double t, ConstVectorRef p) 
   ConstraintRows& rows = m_->rows;
   rows.keep_all();
   if (rows.n_all() == 0) return {};
-  Redundancy found;
-  if (m_->tree.n_v == 0) {
-    found.left_out = rows.kept();
-    found.follows_from.resize(found.left_out.size());
-  } else {
-    const auto scratch = make_scratch();
-    MechanismScratch& work = move(t, p, *scratch);
-    std::vector<bool> of_positions, lasts;
-    rows.list_kinds(work.motion, work.rows, of_positions, lasts);
-    found = find_redundancy(*this, t, p, m_->coordinates.kinematic_scale(m_->kinematics.extent(work.motion)),
-                            of_positions, lasts);
-  }
+  const auto scratch = make_scratch();
+  Redundancy found = m_->constraints.redundant(*this, t, p, scratch_of(*scratch));
   std::vector<RedundantRow> redundant;
   for (std::size_t i = 0; i < found.left_out.size(); ++i) {
     redundant.push_back({rows.name_of_row(found.left_out[i]), {}});
@@ -361,6 +304,52 @@ std::string Mechanism::name_of_input(int i) const {
 }
 double Mechanism::input_value(int i, double t) const {
   return description().inputs[i].value->evaluate(&t);
+}
+
+// ---- what it shows
+
+std::vector<OutputInfo> Mechanism::quantities() const {
+  return m_->outputs.quantities().infos();
+}
+std::vector<int> Mechanism::usual_quantities() const {
+  return m_->outputs.quantities().usual();
+}
+std::vector<bool> Mechanism::not_unique(double t, ConstVectorRef p) const {
+  const auto scratch = make_scratch();
+  MechanismScratch& work = move(t, p, *scratch);
+  return m_->outputs.quantities().not_unique(m_->dynamics, work.motion, work.wrenches, work.rows);
+}
+void Mechanism::evaluate(const std::vector<int>& which, const State& s, ConstVectorRef v_dot,
+                         Scratch& scratch, VectorRef values) const {
+  m_->outputs.evaluate(which, s, v_dot, scratch_of(scratch), values);
+}
+Unloaded Mechanism::without_loads(const State& s, Scratch& scratch) const {
+  return mbs::without_loads(*m_, m_->residual, s, scratch_of(scratch));
+}
+
+void Mechanism::body_poses(const State& s, Scratch& scratch, std::vector<Pose>& poses) const {
+  const MechanismScratch& work = move(s.t, s.p, scratch);
+  poses.resize(description().bodies.size());
+  for (std::size_t b = 0; b < poses.size(); ++b) poses[b] = work.motion.bodies[b].X_WB;
+}
+void Mechanism::body_motions(const State& s, ConstVectorRef v_dot, Scratch& scratch,
+                             std::vector<MarkerState>& bodies) const {
+  MechanismScratch& work = scratch_of(scratch);
+  m_->residual.move(Level::acceleration, s, v_dot.data(), work);
+  bodies.resize(description().bodies.size());
+  for (std::size_t b = 0; b < bodies.size(); ++b)
+    bodies[b] = {work.motion.bodies[b].X_WB, work.motion.bodies[b].V, work.motion.bodies[b].A};
+}
+
+Eigen::MatrixXd Mechanism::turning_axes(const State& s, const Vector3d& Omega_W, Scratch& scratch) const {
+  MechanismScratch& work = scratch_of(scratch);
+  m_->residual.move(Level::velocity, s, nullptr, work);
+  return mbs::turning_axes(m_->tree, s, Omega_W, work.motion);
+}
+Eigen::MatrixXd Mechanism::turning_with_bodies(const State& s, Scratch& scratch) const {
+  MechanismScratch& work = scratch_of(scratch);
+  m_->residual.move(Level::velocity, s, nullptr, work);
+  return mbs::turning_with_bodies(m_->tree, s, work.motion);
 }
 
 }  // namespace flexura::mbs

@@ -20,11 +20,20 @@
 namespace flexura::mbs {
 
 struct MechanismScratch;
+struct RowPlace;
 
 /// A redundant constraint row that was left out.
 struct RedundantRow {
   std::string name;                       ///< "slider.rotation_x"
   std::vector<std::string> follows_from;  ///< rows it is a combination of: their multipliers are not unique
+};
+
+/// A mechanism as it is without weight and given loads, in one state: what a force's load is there
+/// (ForceElement::without_load).  Springs, bushings, contacts and friction stay.
+struct Unloaded {
+  MechanismDescription description;
+  std::vector<std::string> loads;    ///< what was taken away
+  std::vector<std::string> unknown;  ///< forces that do not say what they are, and act: they stay
 };
 
 class Mechanism final : public Equations {
@@ -112,13 +121,6 @@ class Mechanism final : public Equations {
   /// not asked here: see row_watch.hpp.
   std::vector<RedundantRow> drop_redundant(double t, ConstVectorRef p);
 
-  /// The mechanism as it is without weight and given loads, in the state s: what a force's load is there
-  /// (ForceElement::without_load).  Springs, bushings, contacts and friction stay.
-  struct Unloaded {
-    MechanismDescription description;
-    std::vector<std::string> loads;    ///< what was taken away
-    std::vector<std::string> unknown;  ///< forces that do not say what they are, and act: they stay
-  };
   Unloaded without_loads(const State& s, Scratch& scratch) const;
 
   /// Pose of every body (0 = ground) for pictures.
@@ -129,7 +131,7 @@ class Mechanism final : public Equations {
 
   /// W (n_v x n_v): in axes that turn with the angular velocity Omega_W, expressed in W, the velocity
   /// coordinates of a motion that is steady there obey v' = W v.  Zero for joints whose coordinates refer to
-  /// no such axes: see turning_axes.cpp.
+  /// no such axes: see turning_axes.hpp.
   Eigen::MatrixXd turning_axes(const State& s, const Vector3d& Omega_W, Scratch& scratch) const;
   /// The same with every joint's coordinates in axes of the body that it moves.
   Eigen::MatrixXd turning_with_bodies(const State& s, Scratch& scratch) const;
@@ -140,6 +142,8 @@ class Mechanism final : public Equations {
   /// The coordinates of its deformation; nullptr for a rigid body.
   const double* modal_coordinates(int body, const State& s) const;
 
+  /// What row i of the constraints belongs to.
+  RowPlace row_place(int i) const;
   bool in_tree(int joint) const;
   /// True where the tree runs through the joint from M's body to F's.
   bool is_reversed(int joint) const;
@@ -159,9 +163,6 @@ class Mechanism final : public Equations {
  private:
   struct Joined;
   MechanismScratch& scratch_of(Scratch& scratch) const;
-  ForceNature nature_by_trial(std::size_t force, const State& s, Scratch& scratch) const;
-  ConstraintSizes sizes_of_rows(const std::vector<int>& rows, double t, ConstVectorRef p,
-                                Scratch& scratch) const;
   /// After its positions and velocities: states and signals.
   MechanismScratch& observe(const State& s, Scratch& scratch) const;
   /// Positions alone.

@@ -17,6 +17,11 @@ class Residual {
   /// After move(): states, and the signals that anything reads.
   void observe(const State& s, MechanismScratch& work) const;
   void take_states(const State& s, MechanismScratch& work) const;  ///< those alone
+  /// To its velocities, states and signals.
+  void move_and_observe(const State& s, MechanismScratch& work) const {
+    move(Level::velocity, s, nullptr, work);
+    observe(s, work);
+  }
 
   // As in Equations.
   void momentum(const State& s, ConstVectorRef v_dot, MechanismScratch& work, VectorRef r, VectorRef c_rate,

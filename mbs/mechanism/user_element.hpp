@@ -43,6 +43,11 @@
 /// costs as much as the rest.  Elements are constant: what changes is handed in, and two threads may ask the
 /// same element at once.  They may throw std::invalid_argument from the constructor, with one sentence: the
 /// program adds file and line.
+/// What an element does over a short piece of a way (a bump, a detent) the program cannot know from its code: a step that leaps
+/// over it is found for formulas and curves alone.  Let the element read it as a formula (`inputs`), name it a curve
+/// (ForceElement::curves()), or be a switch where it begins and ends (HasStates::switching); else bound the step
+/// (solver.max_step).
+///
 /// cases/user_elements holds one of each.
 namespace flexura::mbs {
 

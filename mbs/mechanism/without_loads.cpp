@@ -1,11 +1,9 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mbs/mechanism/without_loads.hpp"
+
 #include <algorithm>
 #include <cmath>
-#include <map>
 
-#include "mbs/mechanism/joined.hpp"
-
-/// A mechanism without what it carries: weight, given forces, the given part of elements that also respond.
 namespace flexura::mbs {
 namespace {
 
@@ -55,17 +53,16 @@ bool same(const std::vector<double>& x, const std::vector<double>& y) {
   return true;
 }
 
-}  // namespace
-
-/// Judged by what it does in the state and in two others near by, which differ from it in every position,
-/// speed and dynamic state: a force that is the same there, in the world's axes or in those of its markers,
+/// What force `force` is, judged by what it does in the state and in two others near by, which differ from it in every
+/// position, speed and dynamic state: a force that is the same there, in the world's axes or in those of its markers,
 /// is a load; one that does not act is a response.
-ForceNature Mechanism::nature_by_trial(std::size_t force, const State& s, Scratch& scratch) const {
+ForceNature nature_by_trial(const MechanismParts& m, const Residual& residual, std::size_t force,
+                            const State& s, MechanismScratch& work) {
   const auto act = [&](const State& at) {
-    MechanismScratch& work = observe(at, scratch);
+    residual.move_and_observe(at, work);
     Recorded loads(work.motion.kin);
-    m_->states.own_states(force, work.motion, work.signals);
-    description().forces[force]->apply(work.motion.kin, work.signals.values.data(), loads);
+    m.states.own_states(force, work.motion, work.signals);
+    m.tree.d.forces[force]->apply(work.motion.kin, work.signals.values.data(), loads);
     return std::pair(loads.in_W, loads.in_P);
   };
   const auto here = act(s);
@@ -79,12 +76,13 @@ ForceNature Mechanism::nature_by_trial(std::size_t force, const State& s, Scratc
       return 1e-3 * (x - std::floor(x) - 0.5);
     };
     State moved = s;
-    Eigen::VectorXd d(m_->tree.n_v);
-    for (int i = 0; i < m_->tree.n_v; ++i) {
-      d(i) = next() * velocity_scale(i);
-      moved.v(i) += next() * velocity_scale(i);
+    Eigen::VectorXd d(m.tree.n_v);
+    for (int i = 0; i < m.tree.n_v; ++i) {
+      const double scale = m.coordinates.velocity_scale(i);
+      d(i) = next() * scale;
+      moved.v(i) += next() * scale;
     }
-    retract(s.p, d, moved.p);
+    m.coordinates.retract(s.p, d, moved.p);
     for (double& c : moved.c) c += next() * std::max(1.0, std::abs(c));
     const auto there = act(moved);
     in_W = in_W && same(here.first, there.first);
@@ -95,8 +93,11 @@ ForceNature Mechanism::nature_by_trial(std::size_t force, const State& s, Scratc
   return in_W || in_P ? ForceNature::load : ForceNature::unknown;
 }
 
-Mechanism::Unloaded Mechanism::without_loads(const State& s, Scratch& scratch) const {
-  const MechanismDescription& d = description();
+}  // namespace
+
+Unloaded without_loads(const MechanismParts& m, const Residual& residual, const State& s,
+                       MechanismScratch& work) {
+  const MechanismDescription& d = m.tree.d;
   Unloaded out{d, {}, {}};
   if (!d.gravity.isZero(0.0)) out.loads.push_back("weight");
   out.description.gravity.setZero();
@@ -105,7 +106,7 @@ Mechanism::Unloaded Mechanism::without_loads(const State& s, Scratch& scratch) c
     const ForceElement& force = *d.forces[i];
     ForceNature nature = force.nature();
     const bool says = nature != ForceNature::unknown;
-    if (!says) nature = nature_by_trial(i, s, scratch);
+    if (!says) nature = nature_by_trial(m, residual, i, s, work);
     if (nature == ForceNature::unknown) out.unknown.push_back(force.name());
     if (nature != ForceNature::load) {
       out.description.forces.push_back(d.forces[i]);
@@ -113,8 +114,8 @@ Mechanism::Unloaded Mechanism::without_loads(const State& s, Scratch& scratch) c
     }
     out.loads.push_back(force.name());
     if (!says) continue;  // the whole of it is a load
-    MechanismScratch& work = observe(s, scratch);
-    m_->states.own_states(i, work.motion, work.signals);
+    residual.move_and_observe(s, work);
+    m.states.own_states(i, work.motion, work.signals);
     if (auto rest = force.without_load(work.motion.kin, work.signals.values.data()))
       out.description.forces.push_back(std::move(rest));
   }

@@ -78,10 +78,15 @@ TEST_F(Estimates, ElementsOfBeamsAreUnknown) {
     const Run run = simulate(kFound / "flex/segments/cant.toml",
                              {"solver.end_time=0.05", std::string("body.u.fidelity=") + fidelity});
     EXPECT_THAT(run.text.out, HasSubstr("estimated error at least "));
-    EXPECT_THAT(run.text.out, HasSubstr("elements of u: a run with --set body.u.beam.elements=4 tells"));
+    EXPECT_THAT(run.text.out, HasSubstr("elements of u: --check-elements tells"));
     EXPECT_TRUE(run.estimate.at("error").is_null());
     EXPECT_TRUE(run.estimate.at("integrator").is_number());
     EXPECT_TRUE(run.has_unknown("elements", "u"));
+    const Run judged =
+        simulate(kFound / "flex/segments/cant.toml",
+                 {"solver.end_time=0.05", std::string("body.u.fidelity=") + fidelity}, {"--check-elements"});
+    EXPECT_FALSE(judged.has_unknown("elements", "u"));
+    EXPECT_GT(judged.estimate.at("error").get<double>(), 0.01);
   }
   // A rigid beam has none.
   const Run rigid = simulate(kFound / "flex/segments/cant.toml",

@@ -206,6 +206,62 @@ x = "h"
   EXPECT_NEAR(speed(speed.size() - 1), 30 * 0.02 * 10.0 / 2.0, 1e-9);
 }
 
+// stiffness = "t > 0.5 ? 1e4 : 0" was taken at t = 0 for the whole run, without a word.
+TEST(OneNumber, ForTheWholeRunIsNoFormulaOfTheTime) {
+  const Folder folder;
+  const std::string
+      spring = "[force.k]\ntype = \"joint_spring_damper\"\njoint = \"s\"\n",
+      stop = "[force.k]\ntype = \"bump_stop\"\njoint = \"s\"\n",
+      motor = "[force.k]\ntype = \"actuator\"\njoint = \"s\"\ncommand = 1\ntime_constant = \"1 s\"\n",
+      friction = "[force.k]\ntype = \"joint_friction\"\njoint = \"s\"\n",
+      pid = "[control.c]\ntype = \"pid\"\nerror = \"-s.position\"\n";
+  const std::pair<std::string, std::string> keys[] = {{spring, "stiffness"},
+                                                      {spring, "damping"},
+                                                      {spring, "rest"},
+                                                      {spring, "preload"},
+                                                      {stop + "upper = 1\n", "stiffness"},
+                                                      {stop + "stiffness = 1\n", "upper"},
+                                                      {motor, "max_force"},
+                                                      {motor, "start"},
+                                                      {friction, "coulomb"},
+                                                      {pid, "proportional"},
+                                                      {pid, "upper"}};
+  for (const auto& [element, key] : keys) {
+    const Outcome outcome =
+        run("flexura", {"simulate", folder.write("m.toml", slide("", element + key + " = \"1 + t\"\n")), "-o",
+                        folder / "x.h5"});
+    EXPECT_EQ(outcome.exit_code, 2) << key;
+    EXPECT_NE(outcome.err.find("reads the time t, and is one number for the whole run"), std::string::npos)
+        << key << ": " << outcome.err;
+  }
+  folder.write("part.toml", "[parameters]\nx = 1\n" + slide("", ""));
+  const Outcome outcome =
+      run("flexura",
+          {"check",
+           folder.write("whole.toml", "[subsystem.p]\nfile = \"part.toml\"\nparameters = {x = \"2*t\"}\n")});
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_NE(outcome.err.find("reads the time t"), std::string::npos) << outcome.err;
+}
+
+// An algebraic signal after a bell: the equation's residual is a difference of numbers like 1e-300 there, whose tails were
+// taken for peaks of a force, until steps crept.
+TEST(Tails, OfABellInAnAlgebraicSignalAreNoPeaks) {
+  const Folder folder;
+  const auto scene = folder.write(
+      "m.toml",
+      slide("", "[control.a]\ntype = \"algebraic\"\nequation = \"a + a^3 - 10*exp(-((t-5)/1e-3)^2)\"\n" +
+                    force("a")));
+  for (const std::string method : {"ida", "runge_kutta"}) {
+    const Outcome outcome = run("flexura", {"simulate", scene, "-q", "--no-estimate", "-o", folder / "x.h5",
+                                            "--set", "solver.method=" + method, "--set", "solver.end_time=10",
+                                            "--set", "solver.max_steps=5000"});
+    ASSERT_EQ(outcome.exit_code, 0) << method << outcome.err;
+    const results::Run one = results::read(folder / "x.h5").runs.at(0);
+    // The integral of the real root over time, by Gauss' rule of 400 points, outside of this program.
+    EXPECT_NEAR(values(one, "s.speed").tail(1)(0), 5.046795e-3, 1e-7 + 1e-5 * 5.046795e-3) << method;
+  }
+}
+
 // Equilibria see events, too: x = F(t) / k, of a force that begins at 0.5 s (the row there is that before), and one that
 // is there for 1e-9 s only, on a row of its own.
 // asin has no value beyond 1, which 1e6 sin(10 t) reaches after 1e-7 s; the search for its jumps never ended.

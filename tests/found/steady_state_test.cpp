@@ -118,6 +118,40 @@ TEST_F(SteadyState, WhirlSpeedsInFixedAxesAreThoseOfTheDiscItself) {
   EXPECT_THAT(at_rest.err, HasSubstr("turns steadily"));
 }
 
+std::string on_a_slide(const std::string& more) {
+  return "gravity = [0, 0, 0]\n[ground]\n[body.m]\nmass = 1\ninertia = [1, 1, 1]\n[joint.s]\ntype = "
+         "\"prismatic\"\nfrom = \"ground\"\nto = \"m\"\n" +
+         more;
+}
+
+// sqrt(150) and 10 rad/s were called the frequencies of a spring with two stiffnesses and of a stop that is just touched.
+TEST_F(SteadyState, AtASwitchTheSystemIsSaidToHoldOnOneSide) {
+  const std::string spring = "[force.k]\ntype = \"joint_spring_damper\"\njoint = \"s\"\nstiffness = 100\n";
+  for (const std::string& more :
+       {std::string("[force.f]\ntype = \"joint_force\"\njoint = \"s\"\nvalue = \"-50*abs(s.position)\"\n"),
+        std::string("[force.b]\ntype = \"bump_stop\"\njoint = \"s\"\nupper = 0\nstiffness = 1000\n")}) {
+    const nlohmann::json run = eigen(folder_.write("m.toml", on_a_slide(spring + more)));
+    EXPECT_THAT(run["notes"].dump(), HasSubstr("of one side")) << more;
+  }
+  EXPECT_THAT(eigen(folder_.write("m.toml", on_a_slide(spring)))["notes"].dump(), Not(HasSubstr("side")));
+}
+
+TEST_F(SteadyState, ALoopThroughASampleIsSaidToBeOpen) {
+  const std::string file = on_a_slide(
+      "[control.c]\ntype = \"sample\"\ninput = \"-100*s.position - 5*s.speed\"\nperiod = 0.05\n"
+      "[force.f]\ntype = \"joint_force\"\njoint = \"s\"\nvalue = \"c\"\n");
+  EXPECT_THAT(eigen(folder_.write("m.toml", file))["notes"].dump(),
+              HasSubstr("control \\\"c\\\" keeps its value"));
+}
+
+// A load that changes with time counts with its present value; it hid that the stiffness changes, too.
+TEST_F(SteadyState, ALoadOfTimeHidesNoStiffnessOfTime) {
+  expect_refused(
+      folder_.write("m.toml", on_a_slide("[force.f]\ntype = \"joint_force\"\njoint = \"s\"\nvalue = "
+                                         "\"-100*(1 + 0.5*sin(t))*s.position + 5*sin(3*t)\"\n")),
+      "coefficients change with time");
+}
+
 // A disc (C = 0.4, A = 0.3) nutates with C W / A in axes that stand still.
 TEST_F(SteadyState, AFreeDiscNutates) {
   const nlohmann::json run = eigen(folder_.write("m.toml", body(0.3, 0.3, 0.4, spin(0, 0, 30))));

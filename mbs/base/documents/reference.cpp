@@ -1,7 +1,10 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <map>
+#include <string>
 #include <vector>
 
 #include "mbs/base/documents/schema.hpp"
@@ -17,7 +20,8 @@ std::string escaped(const std::string& text) {
 
 std::string kind_text(const Key& key) {
   const std::string unit = si_unit(key.dimension);
-  const std::string in_unit = unit.empty() ? "" : " [" + unit + "]";
+  // As code: Markdown takes the asterisks of N*m*s for emphasis.
+  const std::string in_unit = unit.empty() ? "" : " [`" + unit + "`]";
   const std::string count = key.size >= 0 ? fmt::format("{} ", key.size) : "";
   switch (key.kind) {
     case Kind::text:
@@ -89,8 +93,6 @@ void write_rows(const std::vector<Key>& keys, std::string& out) {
   out += "\n";
 }
 
-void write_nested(const std::vector<Key>& keys, const std::string& prefix, int level, std::string& out);
-
 // Whether this variant stands under another name of its own: its schema says of which type it is.
 bool is_synonym(const TableSchema& schema, const std::string& name, const TableSchema& variant) {
   return variant.name != name && schema.variants.contains(variant.name);
@@ -104,35 +106,77 @@ std::string variant_heading(const TableSchema& schema, const std::string& name) 
   return text;
 }
 
-void write_table(const TableSchema& schema, const std::string& heading, const std::string& prefix, int level,
-                 std::string& out) {
-  out += std::string(static_cast<std::size_t>(level), '#') + " " + heading + "\n\n";
-  if (!schema.doc.empty()) out += schema.doc + "\n\n";
-  write_rows(schema.keys, out);
-  write_nested(schema.keys, prefix, level + 1, out);
-  for (const auto& [name, variant] : schema.variants) {
-    if (is_synonym(schema, name, variant)) continue;
-    write_table(variant, variant_heading(schema, name), prefix, level + 1, out);
+/// The page as it grows, and which types stand on it already: a connection takes the types of a joint, which are told once.
+class Page {
+ public:
+  void write_table(const TableSchema& schema, const std::string& heading, const std::string& prefix,
+                   int level) {
+    out += std::string(static_cast<std::size_t>(level), '#') + " " + heading + "\n\n";
+    if (!schema.doc.empty()) out += schema.doc + "\n\n";
+    write_rows(schema.keys, out);
+    write_nested(schema.keys, prefix, level + 1);
+    std::string again;
+    for (const auto& [name, variant] : schema.variants) {
+      if (is_synonym(schema, name, variant)) continue;
+      if (const Told* const before = told_before(name, variant))
+        again += fmt::format("| {} | {} | {} |\n", variant_heading(schema, name), before->where,
+                             key_names(variant));
+      else
+        write_table(variant, variant_heading(schema, name), prefix, level + 1);
+    }
+    if (!again.empty()) out += "| | as in | keys |\n|---|---|---|\n" + again + "\n";
+    // Only now: two types of one table never stand for each other.
+    for (const auto& [name, variant] : schema.variants) told_.try_emplace(name, heading, &variant);
   }
-}
 
-void write_nested(const std::vector<Key>& keys, const std::string& prefix, int level, std::string& out) {
-  for (const Key& key : keys) {
-    if (!key.table) continue;
-    const std::string path = prefix.empty() ? key.name : prefix + "." + key.name;
-    const std::string heading = key.kind == Kind::tables      ? "`[[" + path + "]]`"
-                                : key.kind == Kind::table_map ? "`[" + path + ".NAME]`"
-                                                              : "`[" + path + "]`";
-    write_table(*key.table, heading, key.kind == Kind::table_map ? path + ".NAME" : path, level, out);
+  std::string out;
+
+ private:
+  struct Told {
+    std::string where;
+    const TableSchema* variant;
+  };
+
+  /// The type of this name of another table, where it has the same words and all of these keys.
+  const Told* told_before(const std::string& name, const TableSchema& variant) const {
+    const auto found = told_.find(name);
+    if (found == told_.end() || found->second.variant->doc != variant.doc ||
+        variant.keys.empty() != found->second.variant->keys.empty())
+      return nullptr;
+    const std::vector<Key>& known = found->second.variant->keys;
+    const auto stands_there = [&](const Key& key) {
+      return std::any_of(known.begin(), known.end(),
+                         [&](const Key& k) { return k.name == key.name && k.doc == key.doc; });
+    };
+    return std::all_of(variant.keys.begin(), variant.keys.end(), stands_there) ? &found->second : nullptr;
   }
-}
+
+  static std::string key_names(const TableSchema& variant) {
+    std::string list;
+    for (const Key& key : variant.keys) list += (list.empty() ? "`" : ", `") + key.name + "`";
+    return list;
+  }
+
+  void write_nested(const std::vector<Key>& keys, const std::string& prefix, int level) {
+    for (const Key& key : keys) {
+      if (!key.table) continue;
+      const std::string path = prefix.empty() ? key.name : prefix + "." + key.name;
+      const std::string heading = key.kind == Kind::tables      ? "`[[" + path + "]]`"
+                                  : key.kind == Kind::table_map ? "`[" + path + ".NAME]`"
+                                                                : "`[" + path + "]`";
+      write_table(*key.table, heading, key.kind == Kind::table_map ? path + ".NAME" : path, level);
+    }
+  }
+
+  std::map<std::string, Told> told_;
+};
 
 }  // namespace
 
 std::string reference_page(const TableSchema& schema) {
-  std::string out;
-  write_table(schema, schema.name, "", 1, out);
-  return out;
+  Page page;
+  page.write_table(schema, schema.name, "", 1);
+  return page.out;
 }
 
 }  // namespace flexura::input

@@ -1,8 +1,11 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include "mbs/bodies/beams/ancf_part.hpp"
 
+#include <Eigen/Geometry>
 #include <Eigen/SparseCore>
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <stdexcept>
 
 #include "beam/ancf/ancf_kinematics.hpp"
@@ -16,6 +19,9 @@ using Eigen::VectorXd;
 
 constexpr int kFixed = 9;  // r, r_y and r_z of the first node
 constexpr int kNode = 12;
+// The angle over which a beam is bent to have its stiffness EI from the strain energy EI kappa^2 L / 2 of an arc: the
+// energy's terms of higher order are its square.
+constexpr double kArc = 1e-3;
 
 MatrixXd free_mass(const AncfBody& body) {
   if (body.vectors() != 4)
@@ -272,6 +278,28 @@ void AncfPart::add_tangents(const double* s, const double* s_dot, MatrixRef K, M
   body_.force_and_tangents(q, &v, scratch, f, dK, dD);
   add_free(dK, K);
   add_free(dD, D);
+}
+
+std::optional<SlenderBeam> AncfPart::slender() const {
+  const VectorXd& rest = body_.rest();
+  const Vector3d root = rest.segment<3>(body_.index(0, 0)),
+                 x = rest.segment<3>(body_.index(0, 1)).normalized();
+  const double L = body_.length(), kappa = kArc / L;
+  double least = std::numeric_limits<double>::infinity();
+  for (const int across : {2, 3}) {
+    const Vector3d y = rest.segment<3>(body_.index(0, across)).normalized(), z = x.cross(y);
+    VectorXd q = rest;
+    for (int node = 0; node < body_.n_nodes(); ++node) {
+      const double s = x.dot(rest.segment<3>(body_.index(node, 0)) - root);
+      q.segment<3>(body_.index(node, 0)) =
+          root + x * (std::sin(kappa * s) / kappa) + y * ((1.0 - std::cos(kappa * s)) / kappa);
+      const Eigen::AngleAxisd turn(kappa * s, z);
+      for (int k = 1; k < body_.vectors(); ++k)
+        q.segment<3>(body_.index(node, k)) = turn * Vector3d(rest.segment<3>(body_.index(node, k)));
+    }
+    least = std::min(least, 2.0 * body_.strain_energy(q) / (kappa * kappa * L));
+  }
+  return SlenderBeam{L, least};
 }
 
 std::shared_ptr<const AncfPart> straight_ancf_part(

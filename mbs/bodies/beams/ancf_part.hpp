@@ -54,6 +54,8 @@ class AncfPart final : public FlexibleBody {
   void deformation_tangents(const double* s, const double* s_dot, const double* s_ddot, const Spatial& V,
                             const Spatial& A, Scratch& scratch, DeformationTangents& out) const override;
   void add_tangents(const double* s, const double* s_dot, MatrixRef K, MatrixRef D) const override;
+  /// From the energy of the beam bent to an arc.
+  std::optional<SlenderBeam> slender() const override;
   double amplitude(int) const override { return 1.0; }  // lengths and slopes as they are
 
  private:

@@ -2,9 +2,9 @@
 #include <Eigen/Eigenvalues>
 
 #include "mbs/file/elements/element_types.hpp"
-#include "mbs/forces/bearing_matrix.hpp"
-#include "mbs/forces/journal_bearing.hpp"
-#include "mbs/forces/rolling_bearing.hpp"
+#include "mbs/forces/bearings/bearing_matrix.hpp"
+#include "mbs/forces/bearings/journal_bearing.hpp"
+#include "mbs/forces/bearings/rolling_bearing.hpp"
 
 /// Bearings in a mechanism file.
 namespace flexura::mbs {
@@ -36,6 +36,8 @@ ForceType bearing_by_matrices() {
                   "of zeros may stand beside it")
                .required(),
            matrix("damping_matrix", "the same of damping; its symmetric part must not put power in")},
+          {{"force_x, force_y, force_z", "N", "on the body of `to`, in the axes of `from`"},
+           {"torque_x, torque_y", "N*m", "on the body of `to`, in the axes of `from`"}},
           [](const std::string& name, const Section& s,
              const ReadContext& context) -> std::shared_ptr<const ForceElement> {
             const BearingMatrix::Matrix5 K = read_bearing_matrix(s, "stiffness_matrix");
@@ -84,6 +86,10 @@ ForceType rolling_bearing() {
            quantity("tilt_damping", dim::angular_damping, "against its tilting")
                .or_default("0 N*m*s/rad")
                .at_least(0.0)},
+          {{"force_x, force_y, force_z", "N", "on the body of `to`, in the axes of `from`"},
+           {"torque_x, torque_y", "N*m", "on the body of `to`, in the axes of `from`"},
+           {"largest_load", "N", "of one rolling element"},
+           {"loaded", "", "number of rolling elements that carry"}},
           [](const std::string& name, const Section& s,
              const ReadContext& context) -> std::shared_ptr<const ForceElement> {
             RollingGeometry g;
@@ -137,6 +143,11 @@ ForceType journal_bearing() {
                   "half: no pressure below that around (cavitation); full: none of it, as of a flooded "
                   "squeeze film")
                .or_default("half")},
+          {{"force_x, force_y", "N", "on the body of `to`, in the axes of `from`"},
+           {"torque_z", "N*m", "on the body of `to` about its marker"},
+           {"eccentricity", "", "of the journal, over the clearance"},
+           {"thinnest_film", "m", "between journal and sleeve"},
+           {"power_lost", "W", "in the film"}},
           [](const std::string& name, const Section& s,
              const ReadContext& context) -> std::shared_ptr<const ForceElement> {
             const JournalBearing::Geometry g{

@@ -32,9 +32,26 @@ std::vector<input::Key> ends() {
           input::text("to", "marker M").required()};
 }
 
+std::vector<Given> forces() {
+  return {{"force", "N", "size of the force between the bodies"},
+          {"force_x, force_y, force_z", "N", "force on the body of `to`, in the axes of the marker `from`"}};
+}
+
+std::vector<Given> torques() {
+  return {{"torque", "N*m", "size of the torque between the bodies"},
+          {"torque_x, torque_y, torque_z", "N*m",
+           "torque on the body of `to` about its marker, in the axes of the marker `from`"}};
+}
+
+std::vector<Given> both() {
+  std::vector<Given> list = forces();
+  for (Given& given : torques()) list.push_back(std::move(given));
+  return list;
+}
+
 template <class Row>
-ConstraintType geometric(const char* name, const char* doc) {
-  return {name, doc, ends(),
+ConstraintType geometric(const char* name, const char* doc, std::vector<Given> gives) {
+  return {name, doc, ends(), std::move(gives),
           [](const std::string& own, const input::Section& s,
              const ReadContext& c) -> std::shared_ptr<const Constraint> {
             return std::make_shared<RelativeConstraint>(own, c.marker(s, "from"), c.marker(s, "to"),
@@ -43,11 +60,11 @@ ConstraintType geometric(const char* name, const char* doc) {
 }
 
 ConstraintType point_on_line() {
-  return geometric<PointOnLine>("point_on_line", "The origin of M stays on the z axis of F.");
+  return geometric<PointOnLine>("point_on_line", "The origin of M stays on the z axis of F.", forces());
 }
 
 ConstraintType point_on_plane() {
-  return geometric<PointOnPlane>("point_on_plane", "The origin of M stays in the xy plane of F.");
+  return geometric<PointOnPlane>("point_on_plane", "The origin of M stays in the xy plane of F.", forces());
 }
 
 ConstraintType point_on_curve() {
@@ -61,6 +78,8 @@ ConstraintType point_on_curve() {
   for (Key& key : space_curve_keys()) type.keys.push_back(std::move(key));
   type.keys.push_back(
       quantity("near", dim::length, "where along the curve M starts, for one that crosses itself"));
+  type.gives = forces();
+  type.gives.push_back({"contact", "m", "how far along the curve M stands"});
   type.read = [](const std::string& name, const Section& s,
                  const ReadContext& c) -> std::shared_ptr<const Constraint> {
     const double near = s.has("near") ? s.quantity("near") : std::numeric_limits<double>::quiet_NaN();
@@ -120,19 +139,30 @@ ConstraintType point_on_path() {
               "straight, without flexibility of its own")
            .or_default("stop"),
        quantity("near", dim::length, "where along the path M starts, for a path that comes near itself")},
+      {{"place", "m", "where along the path, by the undeformed body"},
+       {"speed", "m/s", "rate of the place"},
+       {"force", "N", "size of the force between the bodies"},
+       {"force_x, force_y, force_z", "N",
+        "force on the body of `to`, in the axes of the path there: along it, to its side, up"},
+       {"torque", "N*m", "size of the torque between the bodies, of the orientations along and fixed"},
+       {"torque_x, torque_y, torque_z", "N*m",
+        "torque on the body of `to` about its marker, in the axes of the path there, of the orientations "
+        "along "
+        "and fixed"}},
       read_point_on_path};
 }
 
 ConstraintType orientation() {
-  return geometric<Orientation>("orientation", "M keeps the orientation of F; its origin is free.");
+  return geometric<Orientation>("orientation", "M keeps the orientation of F; its origin is free.",
+                                torques());
 }
 
 ConstraintType parallel() {
-  return geometric<Parallel>("parallel", "The z axes of F and M stay parallel.");
+  return geometric<Parallel>("parallel", "The z axes of F and M stay parallel.", torques());
 }
 
 ConstraintType perpendicular() {
-  return geometric<Perpendicular>("perpendicular", "The z axes of F and M stay perpendicular.");
+  return geometric<Perpendicular>("perpendicular", "The z axes of F and M stay perpendicular.", torques());
 }
 
 ConstraintType distance() {
@@ -141,6 +171,8 @@ ConstraintType distance() {
   type.doc = "The origins of F and M keep a distance: a massless link with ball joints.";
   type.keys = ends();
   type.keys.push_back(input::quantity("length", input::dim::length, "the distance").required().above(0.0));
+  type.gives = forces();
+  type.gives.push_back({"tension", "N", "of the link: positive where it pulls its ends together"});
   type.read = [](const std::string& own, const input::Section& s,
                  const ReadContext& c) -> std::shared_ptr<const Constraint> {
     return std::make_shared<RelativeConstraint>(own, c.marker(s, "from"), c.marker(s, "to"),
@@ -157,6 +189,10 @@ ConstraintType coupler() {
       "offset.",
       {texts("joints", "joints with one coordinate, or \"joint.coordinate\"").required(),
        quantities("factors", dim::none, "one for each, in SI units of the coordinates").required(), offset()},
+      {{"force_1, torque_1", "N or N*m",
+        "what it puts on the coordinate of its first joint: a force on a length, a torque on an angle; "
+        "likewise "
+        "those of the second, third ... joint"}},
       [](const std::string& name, const Section& s,
          const ReadContext& c) -> std::shared_ptr<const Constraint> {
         const std::vector<std::string> joints = s.texts("joints");
@@ -182,6 +218,8 @@ ConstraintType gear() {
                .required()
                .above(0.0),
            flag("internal", "one of the wheels has its teeth inside").or_default("false"), offset()},
+          {{"torque_1, torque_2", "N*m",
+            "on the coordinates of its joints (force_1, force_2 in N on those that slide)"}},
           [](const std::string& name, const Section& s,
              const ReadContext& c) -> std::shared_ptr<const Constraint> {
             const double ratio =
@@ -201,6 +239,8 @@ ConstraintType rack_and_pinion() {
           {text("rack", "joint of the rack, or \"joint.coordinate\"").required(),
            text("pinion", "joint of the pinion").required(),
            quantity("radius", dim::length, "pitch radius of the pinion").required(), offset()},
+          {{"force_rack", "N", "on the rack's coordinate"},
+           {"torque_pinion", "N*m", "on the pinion's coordinate"}},
           [](const std::string& name, const Section& s,
              const ReadContext& c) -> std::shared_ptr<const Constraint> {
             std::vector<Coupler::Term> terms{
@@ -217,6 +257,7 @@ ConstraintType rolling_disc() {
           {text("from", "marker F on the body with the plane").required(),
            text("to", "marker M at the disc's centre, z along its axis").required(),
            quantity("radius", dim::length, "of the disc").required().above(0.0)},
+          both(),
           [](const std::string& name, const Section& s,
              const ReadContext& c) -> std::shared_ptr<const Constraint> {
             return std::make_shared<RollingDisc>(name, c.marker(s, "from"), c.marker(s, "to"),

@@ -5,7 +5,7 @@
 
 #include "mbs/base/documents/schema.hpp"
 #include "mbs/file/elements/read_context.hpp"
-#include "mbs/forces/contact_law.hpp"
+#include "mbs/forces/contacts/contact_law.hpp"
 
 /// The keys of contact_law.hpp that elements share, and their readers.
 namespace flexura::mbs {

@@ -2,8 +2,8 @@
 #include "mbs/file/elements/contact_keys.hpp"
 #include "mbs/file/elements/element_types.hpp"
 #include "mbs/file/elements/read_curve.hpp"
-#include "mbs/forces/clearance.hpp"
-#include "mbs/forces/contact.hpp"
+#include "mbs/forces/contacts/clearance.hpp"
+#include "mbs/forces/contacts/contact.hpp"
 
 /// What touches and lets go, in a mechanism file.
 namespace flexura::mbs {
@@ -79,6 +79,10 @@ ForceType contact() {
           "A sphere touches a plane, a sphere, a cylinder or a curve and lets go of it: an elastic law with "
           "damping or restitution, touch and release located by the integrator.",
           std::move(keys),
+          {{"gap", "m", "between the surfaces; negative: penetration"},
+           {"normal_force", "N", "between the surfaces"},
+           {"friction_force", "N", "size"},
+           {"sliding_speed", "m/s", "size, at the point of contact"}},
           [](const std::string& name, const Section& s,
              const ReadContext& context) -> std::shared_ptr<const ForceElement> {
             ContactSurface surface;
@@ -125,7 +129,11 @@ ForceType bump_stop() {
       expression("lower", "least coordinate that moves freely (m or rad); without it no limit"),
       expression("upper", "greatest coordinate that moves freely; without it no limit")};
   for (Key& key : contact_law_keys()) keys.push_back(std::move(key));
-  return {"bump_stop", "Elastic ends of a joint's travel, touched and left at switches.", std::move(keys),
+  return {"bump_stop",
+          "Elastic ends of a joint's travel, touched and left at switches.",
+          std::move(keys),
+          {{"position", "m or rad", "the coordinate"},
+           {"force", "N or N*m", "along it, positive away from the lower side"}},
           [](const std::string& name, const Section& s,
              const ReadContext& context) -> std::shared_ptr<const ForceElement> {
             if (!s.has("lower") && !s.has("upper"))
@@ -133,10 +141,11 @@ ForceType bump_stop() {
             const double lower = s.has("lower") ? context.number(s, "lower") : -nowhere;
             const double upper = s.has("upper") ? context.number(s, "upper") : nowhere;
             if (!(lower < upper)) s.refuse("lower", "is not below upper");
-            return std::make_shared<Clearance>(
-                name, "bump_stop",
-                std::vector<Clearance::Term>{{context.speed(s, "joint", "coordinate"), 1.0}}, lower, upper,
-                read_contact_law(s, context), Clearance::Ripple{}, dim::none, dim::none);
+            const CoordinateRef c = context.speed(s, "joint", "coordinate");
+            return std::make_shared<Clearance>(name, "bump_stop", std::vector<Clearance::Term>{{c, 1.0}},
+                                               lower, upper, read_contact_law(s, context),
+                                               Clearance::Ripple{}, context.coordinate_info(c).dimension,
+                                               context.force_along(c));
           }};
 }
 

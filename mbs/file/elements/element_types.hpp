@@ -27,15 +27,26 @@ struct JointType {
   std::unique_ptr<Joint> (*make)(const input::Section*);  ///< nullptr: all keys at their defaults
 };
 
+/// What elements of a type give to results, for the reference page; tests/mbs/model/results_of_types_test.cpp holds it
+/// against outputs() of elements.
+struct Given {
+  std::string names;  ///< "force" or "force_x, force_y": completes "NAME."; empty: the element's own name
+  std::string unit;   ///< in SI, "N or N*m" where it depends on the joint; empty: none
+  std::string doc;    ///< which, and in which axes
+};
+
 /// `keys` beside type.
 template <class Element>
 struct ElementType {
   std::string name;
   std::string doc;
   std::vector<input::Key> keys;
+  std::vector<Given> gives;
   std::shared_ptr<const Element> (*read)(const std::string& name, const input::Section&, const ReadContext&);
   /// The key that names a body on whose surface it acts: the surface is then read with the body.
   std::string surface_of = {};
+  /// Keys that name bodies whose surfaces it sees whole.
+  std::vector<std::string> meshes_of = {};
 };
 using ForceType = ElementType<ForceElement>;
 using MeasureType = ElementType<Measure>;

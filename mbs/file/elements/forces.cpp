@@ -54,6 +54,7 @@ ForceType applied(bool is_torque) {
       component("z"),
       text("axes", "marker whose axes the components refer to; without it the world's"),
       text("reaction", "marker of the body that takes the reaction, at the same point; without it none")};
+  type.gives = {{"x, y, z", is_torque ? "N*m" : "N", "component in its axes"}};
   type.read = is_torque ? read_applied<true> : read_applied<false>;
   return type;
 }
@@ -76,6 +77,8 @@ ForceType moving_load() {
                .required(),
            component("x"), component("y"), component("z"),
            text("axes", "marker whose axes the components refer to; without it the world's")},
+          {{"place", "m", "where along the path, by the undeformed body"},
+           {"x, y, z", "N", "component in its axes; 0 beyond the path"}},
           [](const std::string& name, const Section& s,
              const ReadContext& context) -> std::shared_ptr<const ForceElement> {
             MovingLoad::Components components;
@@ -101,6 +104,7 @@ ForceType spring_damper() {
            quantity("preload", dim::force, "tension at free length").or_default("0 N"),
            text("curve", "table of the spring's tension against the stretch, added"),
            text("damping_curve", "table of the damper's tension against the rate of stretch, added")},
+          {{"force", "N", "tension of the spring and damper"}, {"length", "m", "distance of its ends"}},
           [](const std::string& name, const Section& s,
              const ReadContext& context) -> std::shared_ptr<const ForceElement> {
             return std::make_shared<SpringDamper>(
@@ -126,6 +130,9 @@ ForceType line_force() {
           "A force along the line between two markers, by a formula.",
           {text("from", "one end, \"body.marker\"").required(), text("to", "the other end").required(),
            std::move(value).required()},
+          {{"force", "N", "along the line, positive where it pushes its ends apart"},
+           {"length", "m", "distance of its ends"},
+           {"rate", "m/s", "of the length"}},
           [](const std::string& name, const Section& s,
              const ReadContext& context) -> std::shared_ptr<const ForceElement> {
             const int P = context.marker(s, "from"), Q = context.marker(s, "to");
@@ -148,6 +155,7 @@ ForceType joint_force() {
            expression("value",
                       "N, or N m for an angle: a formula of t, parameters, joint coordinates and measures")
                .required()},
+          {{"force", "N or N*m", "along the coordinate"}},
           [](const std::string& name, const Section& s,
              const ReadContext& context) -> std::shared_ptr<const ForceElement> {
             const CoordinateRef c = context.speed(s, "joint", "coordinate");
@@ -171,6 +179,7 @@ ForceType joint_spring_damper() {
            any("preload", "force against the coordinate at rest"),
            text("curve", "table of the spring's force or torque against coordinate - rest, added"),
            text("damping_curve", "table of the damper's against the speed, added")},
+          {{"force", "N or N*m", "along the coordinate"}},
           [](const std::string& name, const Section& s,
              const ReadContext& context) -> std::shared_ptr<const ForceElement> {
             const CoordinateRef c = context.speed(s, "joint", "coordinate");
@@ -210,6 +219,8 @@ ForceType bushing() {
        text("curve_y", "the same along y"), text("curve_z", "along z"),
        text("curve_rx", "table of the torque against the rotation about x"), text("curve_ry", "about y"),
        text("curve_rz", "about z")},
+      {{"force_x, force_y, force_z", "N", "on the body of `to`, in the axes of `from`"},
+       {"torque_x, torque_y, torque_z", "N*m", "on the body of `to`, in the axes of `from`"}},
       [](const std::string& name, const Section& s,
          const ReadContext& context) -> std::shared_ptr<const ForceElement> {
         Matrix6d K = Matrix6d::Zero(), D = Matrix6d::Zero();
@@ -260,6 +271,9 @@ ForceType actuator() {
        expression("no_load_speed",
                   "speed at which max_force has fallen to 0, m/s or rad/s; without it never"),
        expression("start", "force at the start, a formula of parameters").or_default("0")},
+      {{"force", "N or N*m", "along the coordinate, or the line between the markers"},
+       {"command", "N or N*m", "what is asked for, within the limits"},
+       {"speed", "m/s or rad/s", "along the coordinate, or the line between the markers"}},
       [](const std::string& name, const Section& s,
          const ReadContext& context) -> std::shared_ptr<const ForceElement> {
         std::optional<CoordinateRef> coordinate;
@@ -300,6 +314,7 @@ ForceType distributed_load() {
                text("load", "name of the load case").required(),
                expression("factor", "factor, a formula of t, parameters, joint coordinates and measures")
                    .or_default("1")};
+  type.gives = {{"factor", "", "factor of the load case"}};
   type.read = [](const std::string& name, const Section& s,
                  const ReadContext& c) -> std::shared_ptr<const ForceElement> {
     const int body = c.body(s, "body");

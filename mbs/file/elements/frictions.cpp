@@ -56,6 +56,7 @@ ForceType joint_friction() {
       "rad/s.",
       friction_keys({expression("transition_speed", "speed over which the sign changes").or_default("0.001")},
                     "speed over which it falls"),
+      {{"force", "N or N*m", "along the coordinate"}},
       [](const std::string& name, const Section& s,
          const ReadContext& context) -> std::shared_ptr<const ForceElement> {
         const CoordinateRef c = context.speed(s, "joint", "coordinate");
@@ -78,6 +79,7 @@ ForceType stick_slip() {
                    .required(),
                expression("stick_damping", "beside that spring; without it critical for 1 kg or 1 kg m^2")},
               "speed over which sliding friction falls from one to the other; 0: at once"),
+          {{"force", "N or N*m", "along the coordinate"}, {"sticks", "", "1 while it sticks, else 0"}},
           [](const std::string& name, const Section& s,
              const ReadContext& context) -> std::shared_ptr<const ForceElement> {
             const CoordinateRef c = context.speed(s, "joint", "coordinate");

@@ -3,8 +3,8 @@
 
 #include "mbs/file/elements/contact_keys.hpp"
 #include "mbs/file/elements/element_types.hpp"
-#include "mbs/forces/clearance.hpp"
-#include "mbs/forces/involute_mesh.hpp"
+#include "mbs/forces/contacts/clearance.hpp"
+#include "mbs/forces/gears/involute_mesh.hpp"
 
 /// Teeth in mesh, in a mechanism file.
 namespace flexura::mbs {
@@ -32,6 +32,8 @@ ForceType gear_mesh() {
       "Teeth of two wheels in mesh with backlash and tooth stiffness: they touch on either flank and part at "
       "switches. x = radius_1 q_1 + radius_2 q_2 is free within half the backlash on both sides.",
       std::move(keys),
+      {{"position", "m", "x, between the flanks"},
+       {"force", "N", "along the line of action, positive away from the lower flank"}},
       [](const std::string& name, const Section& s,
          const ReadContext& context) -> std::shared_ptr<const ForceElement> {
         Clearance::Ripple ripple{s.quantity("ripple"), 0.0};
@@ -91,6 +93,10 @@ ForceType involute_mesh() {
           "radial, "
           "tangential and axial forces. Flanks touch and part at switches.",
           std::move(keys),
+          {{"position", "m", "of the teeth between the flanks, along the line of action"},
+           {"play", "m", "between the flanks, along the line of action"},
+           {"force", "N", "along the line of action, positive where wheel 1 drives turning positively"},
+           {"stiffness", "N/m", "of the teeth in mesh on the flank that carries"}},
           [](const std::string& name, const Section& s,
              const ReadContext& context) -> std::shared_ptr<const ForceElement> {
             const InvoluteData data{

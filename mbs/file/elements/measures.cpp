@@ -5,6 +5,7 @@
 #include "mbs/measures/load_cell.hpp"
 #include "mbs/measures/relative_measure.hpp"
 #include "mbs/measures/rotation_angle.hpp"
+#include "mbs/measures/surface_distance.hpp"
 
 /// Measures in a mechanism file.
 namespace flexura::mbs {
@@ -22,6 +23,7 @@ MeasureType relative(const char* name, const char* doc) {
   MeasureType type;
   type.name = name;
   type.doc = doc;
+  type.gives = {{"", input::si_unit(quantity().dimension), ""}};
   type.keys = {text("from", "marker F that it is seen from, \"body.marker\"").required(),
                text("to", "marker M that it is taken of").required()};
   if (quantity().has_direction)
@@ -50,6 +52,7 @@ MeasureType rotation_angle() {
               "axes of the turns")
            .or_default("xyz"),
        integer("angle", "which of the three: 1, 2 or 3").required().at_least(1).at_most(3)},
+      {{"", "rad", ""}},
       [](const std::string& name, const Section& s, const ReadContext& c) -> std::shared_ptr<const Measure> {
         RotationAngle::Sequence axes;
         for (std::size_t i = 0; i < 3; ++i) axes[i] = s.text("sequence")[i] - 'x';
@@ -69,6 +72,7 @@ MeasureType acceleration(const char* name, const char* doc) {
                text("to", "marker M that it is taken of").required(),
                text("axes", "marker in whose axes the direction stands; without it F"),
                vector3("direction", dim::none, "of the component").required()};
+  type.gives = {{"", kind == AccelerationMeasure::Kind::linear ? "m/s^2" : "rad/s^2", ""}};
   type.read = [](const std::string& own, const Section& s,
                  const ReadContext& c) -> std::shared_ptr<const Measure> {
     const int F = c.marker(s, "from");
@@ -90,6 +94,7 @@ MeasureType load_cell() {
        text("at", "marker about whose origin the torque is taken; without it the joint's `to`"),
        text("axes", "marker in whose axes the direction stands; without it the joint's `from`"),
        vector3("direction", dim::none, "of the component").required()},
+      {{"", "N, of a torque N*m", ""}},
       [](const std::string& name, const Section& s, const ReadContext& c) -> std::shared_ptr<const Measure> {
         const int j = c.joint(s, "joint");
         const JointDescription& joint = c.description().joints[static_cast<std::size_t>(j)];
@@ -106,10 +111,36 @@ MeasureType load_cell() {
       }};
 }
 
+MeasureType surface_distance() {
+  using namespace input;
+  MeasureType type;
+  type.name = "surface_distance";
+  type.doc =
+      "How near the surfaces of two bodies come to each other, as they are deformed, 0 where they cross: of "
+      "the superelements' "
+      "facets, "
+      "which stand off round faces a little. Results show it and formulas of measures may read it; forces "
+      "and controls may not.";
+  type.keys = {
+      input::text("from", "one body, made of a superelement with pictures, of any fidelity").required(),
+      input::text("to", "the other").required()};
+  type.gives = {{"", "m", ""}};
+  type.read = [](const std::string& name, const Section& s,
+                 const ReadContext& c) -> std::shared_ptr<const Measure> {
+    const int a = c.body(s, "from"), b = c.body(s, "to");
+    if (a == b) s.refuse("to", "is the same body", "name another one");
+    return std::make_shared<SurfaceDistance>(name, a, c.marker(s, "from"), c.mesh(s, "from", a), b,
+                                             c.marker(s, "to"), c.mesh(s, "to", b));
+  };
+  type.meshes_of = {"from", "to"};
+  return type;
+}
+
 MeasureType expression() {
   return {"expression",
           "A formula of t, parameters, joint coordinates and the measures above it.",
           {input::expression("value", "the formula, in SI").required(), unit_key("its value")},
+          {{"", "that of `unit`", ""}},
           [](const std::string& name, const input::Section& s,
              const ReadContext& context) -> std::shared_ptr<const Measure> {
             return std::make_shared<ExpressionMeasure>(name, context.expression(s, "value"), read_unit(s));
@@ -135,6 +166,7 @@ const std::vector<MeasureType>& measure_types() {
       acceleration<AccelerationMeasure::Kind::angular>(
           "angular_acceleration", "Component of the angular acceleration of M as seen from F."),
       load_cell(),
+      surface_distance(),
       expression()};
   return types;
 }

@@ -3,8 +3,6 @@
 
 #include <fmt/format.h>
 
-#include "mbs/measures/shown_measure.hpp"
-
 namespace flexura::mbs {
 namespace {
 
@@ -137,10 +135,11 @@ CoordinateRef ReadContext::coordinate(const input::Section& section, const std::
 }
 
 input::Dimension ReadContext::force_along(CoordinateRef c) const {
-  const input::Dimension of = coordinate_info(c).dimension;
-  return of == input::dim::angle    ? input::dim::torque
-         : of == input::dim::length ? input::dim::force
-                                    : input::dim::none;
+  // Of the speed: a ball's coordinates are a quaternion, but it turns in rad/s.
+  const input::Dimension of = d_.joints[c.joint].joint->speeds()[c.index].dimension;
+  return of == input::dim::angular_velocity ? input::dim::torque
+         : of == input::dim::velocity       ? input::dim::force
+                                            : input::dim::none;
 }
 
 CoordinateInfo ReadContext::coordinate_info(CoordinateRef c) const {
@@ -192,7 +191,7 @@ void ReadContext::refuse_shown(const input::Section& section, const std::vector<
   for (const int place : reads)
     for (const auto& measure : d_.measures) {
       if (d_.signals.find(measure->name()) != place) continue;
-      if (dynamic_cast<const ShownMeasure*>(measure.get()))
+      if (measure->is_only_shown())
         section.refuse(
             "",
             fmt::format("reads \"{}\", an acceleration or reaction: these are known only after the forces",
@@ -219,7 +218,13 @@ double ReadContext::number_of(const input::Section& section, const std::string& 
                               const std::string& formula) const {
   const double at_start = 0.0;
   try {
-    return compile(section, key, formula, SignalNames(), parameters_, tables_)->evaluate(&at_start);
+    const auto compiled = compile(section, key, formula, SignalNames(), parameters_, tables_);
+    if (compiled->reads_time())
+      section.refuse(
+          key, "reads the time t, and is one number for the whole run",
+          "write a number or a formula of parameters; what changes with t goes into the formula of a "
+          "force, a drive or a control");
+    return compiled->evaluate(&at_start);
   } catch (const input::InputError&) {
     throw;
   } catch (const std::runtime_error& error) {

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "mbs/base/documents/document.hpp"
+#include "mbs/kinematics/surface_mesh.hpp"
 #include "mbs/kinematics/surface_patch.hpp"
 #include "mbs/mechanism/mechanism.hpp"
 
@@ -22,15 +23,20 @@ class ReadContext {
   /// The part of a body's surface that an element's section names; its shapes come when the body is prepared.
   using Surface = std::function<std::shared_ptr<const SurfacePatch>(const input::Section&, int body)>;
 
+  /// The whole surface of the body that a key names, likewise.
+  using Mesh = std::function<std::shared_ptr<const SurfaceMesh>(const input::Section&, const std::string& key,
+                                                                int body)>;
+
   /// `prefix` of a subsystem: names within it are found without.
   ReadContext(MechanismDescription& description, std::map<std::string, double> parameters, Curves tables,
-              std::string prefix, Undeformed undeformed, Surface surface)
+              std::string prefix, Undeformed undeformed, Surface surface, Mesh mesh)
       : d_(description),
         parameters_(std::move(parameters)),
         tables_(std::move(tables)),
         prefix_(std::move(prefix)),
         undeformed_(std::move(undeformed)),
-        surface_(std::move(surface)) {}
+        surface_(std::move(surface)),
+        mesh_(std::move(mesh)) {}
 
   /// The marker "body.marker" (or "body" for the body's own frame) that a key names.
   int marker(const input::Section& section, const std::string& key) const;
@@ -39,6 +45,10 @@ class ReadContext {
   std::pair<int, Pose> undeformed(int marker) const { return undeformed_(marker); }
   std::shared_ptr<const SurfacePatch> surface(const input::Section& section, int body) const {
     return surface_(section, body);
+  }
+  std::shared_ptr<const SurfaceMesh> mesh(const input::Section& section, const std::string& key,
+                                          int body) const {
+    return mesh_(section, key, body);
   }
   /// The body that a key names.
   int body(const input::Section& section, const std::string& key) const;
@@ -88,6 +98,7 @@ class ReadContext {
   std::string prefix_;
   Undeformed undeformed_;
   Surface surface_;
+  Mesh mesh_;
 };
 
 /// The key "unit" of an element that gives a plain number: an SI unit for tables and plots.

@@ -91,6 +91,13 @@ ForceType surface_contact() {
           "it bears a pressure on its share of the area. The first touch and the last are located by the "
           "integrator.",
           std::move(keys),
+          {{"gap", "m", "least distance of a node; negative: penetration"},
+           {"normal_force", "N", "sum of the sizes of the pressures' forces"},
+           {"friction_force", "N", "size of the sum"},
+           {"force_x, force_y, force_z", "N", "on the body, in the axes of `from`"},
+           {"area", "m^2", "of the nodes that touch"},
+           {"pressure", "Pa", "the greatest"},
+           {"nodes", "", "how many touch"}},
           [](const std::string& name, const Section& s,
              const ReadContext& context) -> std::shared_ptr<const ForceElement> {
             const int body = context.body(s, "body"), F = context.marker(s, "from");

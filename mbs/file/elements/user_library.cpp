@@ -120,7 +120,10 @@ UserArguments arguments_of(const std::string& name, const Section& s, const Read
 }  // namespace
 
 ForceType user_force() {
-  return {"user", "A force element of your own, out of a shared library in C++.", keys_on_markers(),
+  return {"user",
+          "A force element of your own, out of a shared library in C++; it names its results.",
+          keys_on_markers(),
+          {},
           [](const std::string& name, const Section& s,
              const ReadContext& c) -> std::shared_ptr<const ForceElement> {
             const Library library(s);
@@ -129,7 +132,10 @@ ForceType user_force() {
 }
 
 ConstraintType user_constraint() {
-  return {"user", "A constraint of your own, out of a shared library in C++.", keys_on_markers(),
+  return {"user",
+          "A constraint of your own, out of a shared library in C++; it names its results.",
+          keys_on_markers(),
+          {},
           [](const std::string& name, const Section& s,
              const ReadContext& c) -> std::shared_ptr<const Constraint> {
             const Library library(s);

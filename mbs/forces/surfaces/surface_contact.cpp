@@ -172,7 +172,7 @@ void SurfaceContact::differentiate(const Kinematics& kin, const double*, Derivat
   d.between(F_, B_, on_B);
   d.by_relative(F_, B_, on_B_by);
   if (m == 0) return;
-  auto& deformation = dynamic_cast<DeformationDerivatives&>(d);
+  DeformationDerivatives& deformation = d.deformations();
   for (int i = 0; i < m; ++i) {
     d.by_deformation(body_, i, on_B_by_s.col(i));
     deformation.by_deformation_rate(body_, i, on_B_by_s_dot.col(i));

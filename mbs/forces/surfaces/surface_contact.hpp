@@ -3,7 +3,7 @@
 
 #include <memory>
 
-#include "mbs/forces/contact.hpp"
+#include "mbs/forces/contacts/contact.hpp"
 #include "mbs/forces/force.hpp"
 #include "mbs/forces/surfaces/pressure_law.hpp"
 #include "mbs/kinematics/surface_patch.hpp"
@@ -18,7 +18,7 @@ namespace flexura::mbs {
 /// (pressure_law.hpp; n, v_t: Contact).  It acts on the body by the virtual work at that node, f_j . (d r_B + d theta x rho_j +
 /// Phi_j d s), and back on F's body at the same place.  All of it is a function of the state, without a step where nodes come
 /// and go; the first touch and the last are a switch, so that no step leaps over a short impact.
-class SurfaceContact final : public ForceElement {
+class SurfaceContact final : public ForceElement, public HasPicture {
  public:
   struct Friction {
     double mu = 0.0, v_0 = 1e-3;  ///< coefficient; speed over which it sets in [m/s]
@@ -37,6 +37,7 @@ class SurfaceContact final : public ForceElement {
   std::string_view type() const override { return "surface_contact"; }
   ForceNature nature() const override { return ForceNature::response; }
   std::pair<int, int> markers() const override { return {F_, B_}; }
+  std::optional<DrawnSurface> drawn_surface() const override { return shape_.drawn(); }
 
   int n_switches() const override { return 1; }
   std::string switch_name(int) const override { return "gap"; }

@@ -256,6 +256,22 @@ int ConstraintRows::drive_of(CoordinateRef c) const {
   return found == driven_.end() ? -1 : static_cast<int>(found - driven_.begin());
 }
 
+RowPlace ConstraintRows::place_of_row(int row) const {
+  const std::size_t k = constraint_of_row(row);
+  RowPlace place;
+  place.row = row - first_row_[k];
+  if (k >= first_own()) {
+    place.constraint = static_cast<int>(k - first_own());
+  } else if (driven_[k].joint >= 0) {
+    place.joint = driven_[k].joint;
+    place.driven = driven_[k].index;
+  } else {
+    const auto closes = [k](const auto& closure) { return closure.first && closure.second == k; };
+    place.joint = static_cast<int>(std::ranges::find_if(closures_, closes) - closures_.begin());
+  }
+  return place;
+}
+
 std::string ConstraintRows::name_of_row(int row) const {
   const std::size_t k = constraint_of_row(row);
   const std::string name = constraints_[k]->name() + "." + constraints_[k]->row_name(row - first_row_[k]);

@@ -22,6 +22,14 @@ struct RowValues {
 /// Elements whose derivatives are known, those that are differenced, or all.
 enum class Which { all, with_derivatives, without_derivatives };
 
+/// What a row belongs to; -1 where it is not.
+struct RowPlace {
+  int joint = -1;       ///< whose loop it closes, or which it drives
+  int driven = -1;      ///< the coordinate of the joint that it drives
+  int constraint = -1;  ///< of the description's
+  int row = 0;          ///< of the joint or the constraint
+};
+
 class ConstraintRows {
  public:
   explicit ConstraintRows(const Topology& tree);
@@ -76,6 +84,7 @@ class ConstraintRows {
 
   bool is_holonomic(int kept_row) const;
   std::size_t constraint_of_row(int row) const;
+  RowPlace place_of_row(int row) const;
   std::string name_of_row(int row) const;
   std::vector<std::string> names_of_left_out(int i) const;
 

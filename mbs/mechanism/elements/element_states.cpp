@@ -8,7 +8,6 @@
 #include <set>
 
 #include "mbs/formulas/operations.hpp"
-#include "mbs/measures/shown_measure.hpp"
 
 namespace flexura::mbs {
 
@@ -60,7 +59,7 @@ ElementStates::ElementStates(const Topology& tree) : tree_(tree) {
       mark(tree_.d.measures[i]->reads());
   for (std::size_t i = 0; i < tree_.d.measures.size(); ++i)
     if (const int k = tree_.d.signals.find(tree_.d.measures[i]->name());
-        k >= 0 && is_used[k] && dynamic_cast<const ShownMeasure*>(tree_.d.measures[i].get()))
+        k >= 0 && is_used[k] && tree_.d.measures[i]->is_only_shown())
       throw std::invalid_argument(fmt::format(
           "a force or control reads the measure \"{}\", an acceleration or reaction: these are known only "
           "after the forces; read positions and speeds",

@@ -14,6 +14,20 @@ constexpr const char* axis_names[] = {"x", "y", "z"};
 
 constexpr input::Dimension linear_momentum{{1, 1, -1, 0}}, angular_momentum{{2, 1, -1, 0}};
 
+OutputRole role_of(Quantity::Kind kind, int component) {
+  switch (kind) {
+    case Quantity::Kind::energy:
+    case Quantity::Kind::strain_energy:
+      return OutputRole::energy;
+    case Quantity::Kind::mode:
+      return OutputRole::mode;
+    case Quantity::Kind::largest_stress:
+      return component == 0 ? OutputRole::value : OutputRole::place_of_stress;
+    default:
+      return OutputRole::value;
+  }
+}
+
 input::Dimension unit_of(const MechanismDescription& d, const std::string& signal) {
   const auto given = d.units.find(signal);
   return given == d.units.end() ? dim::none : given->second;
@@ -27,7 +41,11 @@ std::vector<Quantity> list_quantities(const Topology& tree, const ConstraintRows
   const auto add = [&](std::string name, input::Dimension dimension, std::string doc, Quantity::Kind kind,
                        int index, int component = 0, bool usual = false) {
     if (!taken.insert(name).second) return;  // a free body's joint bears its name: "stone.x" is one thing
-    all.push_back({{std::move(name), dimension, std::move(doc)}, kind, index, component, usual});
+    all.push_back({{std::move(name), dimension, std::move(doc), role_of(kind, component)},
+                   kind,
+                   index,
+                   component,
+                   usual});
   };
   using K = Quantity::Kind;
   // Sizes and forces on coordinates are usual, components are not.

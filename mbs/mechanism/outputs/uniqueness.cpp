@@ -2,7 +2,6 @@
 #include <Eigen/QR>
 #include <algorithm>
 
-#include "mbs/measures/shown_measure.hpp"
 #include "mbs/mechanism/outputs/quantities.hpp"
 
 /// Which reactions redundant constraints leave open.
@@ -77,10 +76,9 @@ std::vector<bool> Quantities::not_unique(const InverseDynamics& dynamics, Motion
         put_wrench(joint_reaction(place.index, motion, wrenches, rows), true, true, outputs.data());
         values(q) = outputs[place.component];
       } else if (place.kind == Kind::measure) {
-        const auto* shown = dynamic_cast<const ShownMeasure*>(tree_.d.measures[place.index].get());
-        if (shown && shown->joint() >= 0)
-          values(q) =
-              shown->value_of_load(motion.kin, joint_reaction(shown->joint(), motion, wrenches, rows));
+        const Measure& measure = *tree_.d.measures[place.index];
+        if (const int joint = measure.joint(); joint >= 0)
+          values(q) = measure.value_of_load(motion.kin, joint_reaction(joint, motion, wrenches, rows));
       } else if (place.kind == Kind::drive) {
         values(q) = drive_force(place.index, place.component, rows);
       } else if (place.kind == Kind::constraint) {

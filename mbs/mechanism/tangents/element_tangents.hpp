@@ -76,6 +76,7 @@ class ElementTangents final : public Derivatives, public DeformationDerivatives 
   void by_deformation(int body, int i, const Vector6d& d) override;
   void by_state(int i, const Matrix& d) override;
   void by_algebraic(double d) override;
+  DeformationDerivatives& deformations() override { return *this; }
   void by_deformation_rate(int body, int i, const Vector6d& d) override;
   void modal_forces(int body, int marker_F, int marker_M, const Rows& by_relative) override;
   void modal_forces_by(int body, int by, const Rows& by_s, const Rows& by_s_dot) override;

@@ -13,8 +13,9 @@ namespace flexura::mbs {
 
 namespace {
 
-// Of the range times the span: an impulse that no tolerance resolves.
-constexpr double kQuietImpulse = 1e-9;
+// Of the range times the span, in one part: an impulse that no tolerance resolves.  A pulse takes some dozens of parts, so
+// that what may be passed over is worth less than 1e-11 of them.
+constexpr double kQuietImpulse = 1e-13;
 // Parts that are not at one with themselves where they are so short, as beside a pole, are left alone.
 constexpr double kShortest = 1e-12;
 constexpr int kParts = 3;

@@ -16,7 +16,7 @@
 /// until each part of a function (TimeFunction::over)
 ///
 ///   - holds a jump or a kink between two neighbouring numbers: an event; or
-///   - is quiet: whatever it does besides a straight line is worth less than 1e-9 of its range times the span
+///   - is quiet: whatever it does besides a straight line is worth less than 1e-13 of its range times the span
 ///     (an impulse): steps may pass over it; or
 ///   - is one with itself: its second derivative varies by no more than it is large.  Three such parts are as
 ///     far as a step may reach: a quarter to three quarters of a period of a sine.

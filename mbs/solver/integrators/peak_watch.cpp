@@ -4,12 +4,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mbs/solver/algebra/remembered.hpp"
+
 namespace flexura::mbs {
 namespace {
 
 // Between its points a function may be so much of their range beside the cubic through them.
 constexpr double kOfRange = 0.5;
-// What is smaller beside the largest value in the step is no peak.
+// What is smaller beside the largest value in the step, and so far, is no peak.
 constexpr double kNothing = 1e-6;
 // Parts looked at for one function in one step; where more are wanted bounds are too wide to say anything.
 constexpr int kMostParts = 400;
@@ -39,7 +41,8 @@ IntervalJet over(const Cubic& c, double m, double w) {
 PeakWatch::PeakWatch(const Equations& eq)
     : eq_(eq),
       functions_(eq.functions_of_motion()),
-      scratch_(functions_.empty() ? nullptr : eq.make_scratch()) {
+      scratch_(functions_.empty() ? nullptr : eq.make_scratch()),
+      largest_(Eigen::VectorXd::Zero(static_cast<Eigen::Index>(functions_.size()))) {
   for (const auto& f : functions_) reads_.insert(reads_.end(), f->reads().begin(), f->reads().end());
   std::ranges::sort(reads_);
   reads_.erase(std::unique(reads_.begin(), reads_.end()), reads_.end());
@@ -55,7 +58,7 @@ IntervalJet PeakWatch::value(const MotionFunction& f, double begin, double end) 
   return f.over(jets_.data());
 }
 
-std::optional<double> PeakWatch::first_peak(const MotionFunction& f) {
+std::optional<double> PeakWatch::first_peak(const MotionFunction& f, double& largest_so_far) {
   std::array<double, 4> seen;
   for (int i = 0; i < 4; ++i) {
     const Interval at = value(f, i / 3.0, i / 3.0).value;
@@ -63,11 +66,12 @@ std::optional<double> PeakWatch::first_peak(const MotionFunction& f) {
     seen[static_cast<std::size_t>(i)] = 0.5 * (at.lo + at.hi);
   }
   const auto [low, high] = std::ranges::minmax(seen);
+  largest_so_far = std::max({largest_so_far, std::abs(low), std::abs(high)});
   const Cubic P = through(seen[0], seen[1], seen[2], seen[3]);
   const IntervalJet whole = value(f, 0.0, 1.0);
   const double largest =
       whole.value.is_finite() ? whole.value.magnitude() : std::max(std::abs(low), std::abs(high));
-  const double room = kOfRange * (high - low) + kNothing * largest;
+  const double room = kOfRange * (high - low) + kNothing * std::max(largest, largest_so_far);
   // The earliest parts last.
   struct Part {
     double begin, end;
@@ -104,9 +108,17 @@ std::optional<double> PeakWatch::look(double t_begin, double t_end, const StateA
   for (const int k : reads_)
     paths_[static_cast<std::size_t>(k)] = through(nodes_[0](k), nodes_[1](k), nodes_[2](k), nodes_[3](k));
   std::optional<double> first;
-  for (const auto& f : functions_)
-    if (const auto peak = first_peak(*f); peak && (!first || *peak < *first)) first = peak;
+  for (std::size_t i = 0; i < functions_.size(); ++i) {
+    const auto peak = first_peak(*functions_[i], largest_(static_cast<Eigen::Index>(i)));
+    if (peak && (!first || *peak < *first)) first = peak;
+  }
   return first;
+}
+
+void PeakWatch::remember(History& history) {
+  const Eigen::Index n = largest_.size();
+  history(largest_);
+  require_size(largest_.size(), n);
 }
 
 }  // namespace flexura::mbs

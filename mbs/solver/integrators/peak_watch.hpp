@@ -10,6 +10,7 @@
 
 #include "mbs/equations/equations.hpp"
 #include "mbs/formulas/motion_function.hpp"
+#include "mbs/solver/algebra/history.hpp"
 
 /// Whether a step leapt over a peak of a force: a bump of a millimetre on a road of a kilometre, a detent, a tooth of a
 /// magnet.  An integrator judges a step by the few states in it at which it asked for forces; where these are far from the
@@ -18,7 +19,8 @@
 /// Along the step what formulas and curves read is a cubic through its four points.  Between these points a function f
 /// should be what the cubic P through its own four values says, but for half of their range: where interval arithmetic on
 /// smaller and smaller parts cannot prove that and the part holds a value beyond, the step ends there.  Of a peak in m
-/// parts of a step that takes some log2(m) of them.
+/// parts of a step that takes some log2(m) of them.  What is small beside the largest value that the function had so far is no
+/// peak: the tails of a bell fall by powers of ten within a step, down to the smallest numbers.
 namespace flexura::mbs {
 
 class PeakWatch {
@@ -29,16 +31,18 @@ class PeakWatch {
   using StateAt = std::function<void(double t, State& s)>;
   /// The part of the step, in [0, 1), from which on a function is not what the step has seen; nothing where all are.
   std::optional<double> look(double t_begin, double t_end, const StateAt& state_at);
+  void remember(History& history);
 
  private:
   using Cubic = std::array<double, 4>;  // coefficients of powers of the place in the step
   IntervalJet value(const MotionFunction& f, double begin, double end);
-  std::optional<double> first_peak(const MotionFunction& f);
+  std::optional<double> first_peak(const MotionFunction& f, double& largest_so_far);
 
   const Equations& eq_;
   std::vector<std::shared_ptr<const MotionFunction>> functions_;
   std::vector<int> reads_;  // arguments that any reads
   std::unique_ptr<Equations::Scratch> scratch_;
+  Eigen::VectorXd largest_;  // of each function, at the points that were looked at
   State state_;
   std::array<Eigen::VectorXd, 4> nodes_;
   std::vector<Cubic> paths_;       // by the places of arguments

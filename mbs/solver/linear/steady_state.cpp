@@ -12,6 +12,7 @@
 
 #include "mbs/solver/algebra/accelerations.hpp"
 #include "mbs/solver/algebra/tangents.hpp"
+#include "mbs/solver/linear/beside_switches.hpp"
 #include "mbs/solver/linear/steady_axes.hpp"
 #include "mbs/solver/linear/system_difference.hpp"
 
@@ -239,16 +240,16 @@ SteadyLinearisation Judge::judge_rest() {
   now.evaluate(s_, rest);
   VectorXd z(n_.n_v), c(n_.n_dyn), b(n_.n_alg), z_then(n_.n_v), c_then(n_.n_dyn), b_then(n_.n_alg);
   m_.momentum(s_, rest, *scratch_, z, c, b);
+  const std::size_t n_notes = out.notes.size();
   for (const double part : {1e-3, 1e-2}) {
     State later = s_;
     later.t += part * horizon_;
     m_.momentum(later, rest, *scratch_, z_then, c_then, b_then);
     const double before = opening(s_);
-    if (z_then != z || c_then != c || b_then != b || opening(later) > before + 1e-12) {
+    if (out.notes.size() == n_notes &&
+        (z_then != z || c_then != c || b_then != b || opening(later) > before + 1e-12))
       out.notes.push_back(
           fmt::format("what is given as a function of time counts with its value at t = {:.6g} s", s_.t));
-      break;
-    }
     then.evaluate(later, rest);
     const auto differs = [](const MatrixXd& x, const MatrixXd& y) {
       return (x - y).cwiseAbs().maxCoeff() > kSameCoefficient * x.cwiseAbs().maxCoeff();
@@ -330,7 +331,10 @@ SteadyLinearisation Judge::judge() {
 
 SteadyLinearisation linearise_steady(const Mechanism& mechanism, const State& s, double horizon,
                                      const LineariseOptions& options) {
-  return Judge(mechanism, s, horizon, options).judge();
+  SteadyLinearisation out = Judge(mechanism, s, horizon, options).judge();
+  if (out.verdict != Verdict::unsteady)
+    for (std::string& note : notes_on_switches(mechanism, s)) out.notes.push_back(std::move(note));
+  return out;
 }
 
 }  // namespace flexura::mbs

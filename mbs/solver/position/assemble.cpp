@@ -42,6 +42,23 @@ std::string names_of(const Equations& eq, const std::vector<bool>& mask) {
   return text;
 }
 
+// By the coordinates that these velocities change, where each changes one alone: "B.angle", not "B.speed".
+std::string names_of_positions(const Equations& eq, const Eigen::VectorXd& p, const std::vector<bool>& mask) {
+  std::string text;
+  for (std::size_t i = 0; i < mask.size(); ++i) {
+    if (!mask[i]) continue;
+    const int k = static_cast<int>(i);
+    Eigen::VectorXd moved(p.size());
+    eq.retract(p, 1e-3 * Eigen::VectorXd::Unit(static_cast<Eigen::Index>(mask.size()), k), moved);
+    int changed = 0, which = 0;
+    for (int j = 0; j < p.size(); ++j)
+      if (moved(j) != p(j)) ++changed, which = j;
+    text += fmt::format("{}\"{}\"", text.empty() ? "" : ", ",
+                        changed == 1 ? eq.name_of_position(which) : eq.name_of_velocity(k));
+  }
+  return text;
+}
+
 bool any(const std::vector<bool>& mask) {
   return std::find(mask.begin(), mask.end(), true) != mask.end();
 }
@@ -132,7 +149,7 @@ Closing close_positions(const Equations& eq, State& s, const ClosingOptions& opt
     report.notes.push_back(
         fmt::format("the prescribed initial positions {} contradict the constraints and were moved to "
                     "close the loops",
-                    names_of(eq, options.keep)));
+                    names_of_positions(eq, start, options.keep)));
   };
   if (any(options.keep)) {
     const Eigen::VectorXd reluctant = freedoms(n_v, options, kReluctant);

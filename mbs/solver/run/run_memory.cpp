@@ -34,7 +34,9 @@ void Runner::resume(const Continuation& from) {
     return kind.is_for_all && from.method == kind.name;
   };
   // What stands still was left to kinematics, whatever the method.
-  const bool stood = from.method == "kinematics" && is_watched_;
+  const bool stood = is_watched_ && std::ranges::any_of(integrator_kinds(), [&](const IntegratorKind& kind) {
+                       return from.method == kind.name && !kind.integrates && kind.is_motion;
+                     });
   if (stood || (options_.method_is_open && std::ranges::any_of(integrator_kinds(), may_go_on))) {
     options_.method = from.method;
     integrator_ = make_integrator(eq_, options_);
@@ -121,6 +123,7 @@ StepCounts Runner::counts() const {
 // What the run itself remembers beside its integrator.
 void Runner::remember_own(History& history) {
   method_watch_.remember(history);
+  peak_watch_.remember(history);
   history(reach_);
   std::vector<int> harmless(harmless_.begin(), harmless_.end());
   StepEnd leapt = leapt_.value_or(StepEnd());

@@ -70,6 +70,16 @@ TEST_F(Buckling, SpringsByFormulaAreNoLoads) {
   EXPECT_NEAR(weight["modes"][0]["load_factor"].get<double>(), 20.0, 1e-6);
 }
 
+// What follows its command gives nothing at the start, and all of it in the equilibrium: "the loads change no stiffness".
+TEST_F(Buckling, LoadsThatBuildUpCountAsTheyAreInTheEquilibrium) {
+  expect_ten(run_of(folder_.write(
+      "filter.toml", bar(kSpring, "[control.c]\ntype=\"filter\"\ninput=\"-100\"\ntime_constant=1\n" +
+                                      replaced(kLoad, "z=-100", "z=\"c\"")))));
+  const nlohmann::json modes = run_of(found / "actuator.toml", {"force.load.start=0"})["modes"];
+  ASSERT_EQ(modes.size(), 1u);
+  EXPECT_NEAR(modes[0]["load_factor"].get<double>(), 10.0 * 1.001, 1e-5);
+}
+
 TEST_F(Buckling, WithoutLoadsThereIsNothingToScale) {
   const Outcome none = run("flexura", {"eigen", folder_.write("none.toml", bar(kSpring, "")), "--buckling"});
   EXPECT_EQ(none.exit_code, 2);

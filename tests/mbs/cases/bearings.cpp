@@ -6,8 +6,9 @@
 #include <complex>
 #include <numbers>
 
-#include "mbs/forces/hertz.hpp"
+#include "mbs/forces/contacts/hertz.hpp"
 #include "tests/mbs/cases/text_case.hpp"
+#include "tests/reference.hpp"
 
 /// Rolling bearings and bearings by matrices against published load distributions and closed forms.
 namespace flexura::mbs::cases {
@@ -33,6 +34,15 @@ class Bearings : public TextCase {
 
 const std::string many_balls = "elements = 100\ndiameter = \"5 mm\"\npitch_diameter = \"200 mm\"\n";
 
+constexpr flexura::test::Reference harris_table{"T. A. Harris, Rolling Bearing Analysis, 3rd ed., table 5.1",
+                                                "the table's digits"};
+constexpr flexura::test::Reference stribeck{
+    "Load distribution by Stribeck and Sjoevall (NSK Technical Report E728g, 5.1)",
+    "the factors' three digits"};
+constexpr flexura::test::Reference harris_218{
+    "T. A. Harris, angular contact bearing 218 (equation 6.9, table 5.1)",
+    "per mille between rows of the table, to the power 3/2, on both contacts"};
+
 TEST(Hertz, ApproachIsThatOfHarrisTable) {
   // T. A. Harris, Rolling Bearing Analysis, 3rd ed., table 5.1: F(rho), a*, b*, delta*; four digits.
   const double table[][4] = {{0.1075, 1.0760, 0.9318, 0.9974}, {0.3204, 1.2623, 0.8114, 0.9761},
@@ -40,8 +50,11 @@ TEST(Hertz, ApproachIsThatOfHarrisTable) {
                              {0.7332, 2.011, 0.5881, 0.8394},  {0.90999, 3.233, 0.4499, 0.6636},
                              {0.95738, 4.395, 0.3830, 0.5551}};
   for (const auto& [F, a, b, delta] : table) {
-    EXPECT_NEAR(hertz::approach_factor(F), delta, 2e-3 * delta) << F;
-    EXPECT_NEAR(hertz::axis_ratio(F), a / b, 5e-3 * a / b) << F;
+    const std::string at = fmt::format(", F(rho) = {}", F);
+    flexura::test::expect_reference("Hertz' contact, delta*" + at, "", hertz::approach_factor(F), delta,
+                                    2e-3 * delta, harris_table);
+    flexura::test::expect_reference("Hertz' contact, a*/b*" + at, "", hertz::axis_ratio(F), a / b,
+                                    5e-3 * a / b, harris_table);
   }
   // Two spheres: delta^3 = 9 Q^2 / (16 R E*^2), with Sigma = 2 / R and E' = 2 E*.
   const double R = 0.01, E_star = 1e11;
@@ -56,17 +69,19 @@ TEST_F(Bearings, LargestLoadIsStribecks) {
   const std::string small = "position = [1e-7, 0, 0]";
   Eigen::VectorXd f = loads(small, many_balls);
   EXPECT_LT(f(0), 0.0);
-  EXPECT_NEAR(-f(5) * 100 / f(0), 4.37, 0.01);
+  flexura::test::expect_reference("balls, Z Q_max / F_r", "", -f(5) * 100 / f(0), 4.37, 0.01, stribeck);
   EXPECT_NEAR(f(1), 0.0, 1e-12 * std::abs(f(0)));
   EXPECT_EQ(f(6), 49.0);
   f = loads(small, many_balls + "kind = \"roller\"\nlength = \"8 mm\"\n");
-  EXPECT_NEAR(-f(5) * 100 / f(0), 4.08, 0.01);
+  flexura::test::expect_reference("rollers, Z Q_max / F_r", "", -f(5) * 100 / f(0), 4.08, 0.01, stribeck);
   // With a contact angle the thrust of the same half: F_a = 1.216 F_r tan(alpha), rollers 1.260 (same source).
   f = loads(small, many_balls + "contact_angle = \"25 deg\"\n");
-  EXPECT_NEAR(f(2) / f(0) / std::tan(25 * pi / 180), 1.216, 0.01);
+  flexura::test::expect_reference("balls, F_a / F_r tan(alpha)", "", f(2) / f(0) / std::tan(25 * pi / 180),
+                                  1.216, 0.01, stribeck);
   EXPECT_NEAR(-f(5) * 100 * std::cos(25 * pi / 180) / f(0), 4.37, 0.01);
   f = loads(small, many_balls + "contact_angle = \"15 deg\"\nkind = \"roller\"\nlength = \"8 mm\"\n");
-  EXPECT_NEAR(f(2) / f(0) / std::tan(15 * pi / 180), 1.260, 0.01);
+  flexura::test::expect_reference("rollers, F_a / F_r tan(alpha)", "", f(2) / f(0) / std::tan(15 * pi / 180),
+                                  1.260, 0.01, stribeck);
 }
 
 TEST_F(Bearings, ThrustOfA218IsThatOfHarrisConstants) {
@@ -87,7 +102,8 @@ TEST_F(Bearings, ThrustOfA218IsThatOfHarrisConstants) {
   EXPECT_NEAR(angle * 180 / pi, 41.6, 0.05);  // as in the example of thrust
   const double Q = K * std::pow(std::hypot(r, z) - A, 1.5);
   const Eigen::VectorXd f = loads("position = [0, 0, 38.6e-6]", angular);
-  EXPECT_NEAR(f(5), Q, 0.015 * Q);
+  flexura::test::expect_reference("load of one ball at 38.6 um of thrust", "N", f(5), Q, 0.015 * Q,
+                                  harris_218);
   EXPECT_NEAR(-f(2), 16 * f(5) * std::sin(angle), 1e-9 * f(5));
   // Against - z it carries nothing.
   EXPECT_EQ(loads("position = [0, 0, -38.6e-6]", angular)(2), 0.0);

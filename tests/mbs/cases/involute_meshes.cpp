@@ -5,8 +5,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "mbs/forces/involute.hpp"
+#include "mbs/forces/gears/involute.hpp"
 #include "tests/mbs/cases/text_case.hpp"
+#include "tests/reference.hpp"
 
 /// Involute teeth: published geometry, ISO's stiffness, directions of forces, play, energy.
 namespace flexura::mbs::cases {
@@ -29,6 +30,9 @@ InvoluteData spur() {
   return d;
 }
 
+constexpr flexura::test::Reference khk{"KHK Gear Technical Reference, calculation of gear dimensions",
+                                       "the table's last digit"};
+
 TEST(Involute, GeometryIsThatOfGearTables) {
   // KHK Gear Technical Reference, calculation of gear dimensions: profile shifted spur gears (module 3 mm, 12 and 24 teeth,
   // x = 0.6 and 0.36): working pressure angle 26.0886 deg, centre distance 56.4999 mm; helical (normal module 3 mm, 12 and
@@ -36,13 +40,18 @@ TEST(Involute, GeometryIsThatOfGearTables) {
   InvoluteData d = spur();
   d.teeth_1 = 12, d.teeth_2 = 24, d.shift_1 = 0.6, d.shift_2 = 0.36;
   const Involute shifted(d);
-  EXPECT_NEAR(shifted.working_angle / degree, 26.0886, 1e-4);
-  EXPECT_NEAR(shifted.centre_distance, 56.4999e-3, 1e-7);
+  flexura::test::expect_reference("spur gears, shifted: working pressure angle", "deg",
+                                  shifted.working_angle / degree, 26.0886, 1e-4, khk);
+  flexura::test::expect_reference("spur gears, shifted: centre distance", "mm", 1e3 * shifted.centre_distance,
+                                  56.4999, 1e-4, khk);
   d.teeth_1 = 12, d.teeth_2 = 60, d.shift_1 = 0.09809, d.shift_2 = 0.0, d.helix_angle = 30 * degree;
   const Involute helical(d);
-  EXPECT_NEAR(helical.transverse_angle / degree, 22.79588, 1e-5);
-  EXPECT_NEAR(helical.working_angle / degree, 23.1126, 1e-4);
-  EXPECT_NEAR(helical.centre_distance, 125.000e-3, 1e-6);
+  flexura::test::expect_reference("helical gears: transverse pressure angle", "deg",
+                                  helical.transverse_angle / degree, 22.79588, 1e-5, khk);
+  flexura::test::expect_reference("helical gears: working pressure angle", "deg",
+                                  helical.working_angle / degree, 23.1126, 1e-4, khk);
+  flexura::test::expect_reference("helical gears: centre distance", "mm", 1e3 * helical.centre_distance,
+                                  125.000, 1e-3, khk);
   // Without shift the centre distance is the sum of the reference radii, a tooth is half a pitch thick.
   const Involute plain(spur());
   EXPECT_NEAR(plain.centre_distance, 90e-3, 1e-12);

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "tests/mbs/cases/text_case.hpp"
+#include "tests/reference.hpp"
 
 /// Journal bearings: Ocvirk's load, published linear coefficients, the integral of the pressure, oil whirl.
 namespace flexura::mbs::cases {
@@ -39,6 +40,10 @@ class JournalBearings : public TextCase {
   }
 };
 
+constexpr flexura::test::Reference ocvirk{
+    "Short journal bearing, closed form (Ocvirk, NACA TN 2808, 1952; Petroff)",
+    "round-off of the film's place, 1e-9 of the force"};
+
 TEST_F(JournalBearings, LoadIsOcvirks) {
   // F. W. Ocvirk, NACA TN 2808 (1952): with half of the film, in units of mu R L^3 omega / c^2, back to the centre
   // e^2 / (1 - e^2)^2 and across, the way it turns, pi e / (4 (1 - e^2)^(3/2)).
@@ -46,13 +51,17 @@ TEST_F(JournalBearings, LoadIsOcvirks) {
   for (const double e : {0.1, 0.5, 0.9}) {
     const Film at = film({e * c, 0.0}, Vector2d::Zero(), omega);
     const double s = 1.0 - e * e;
-    EXPECT_NEAR(at.force.x(), -unit * e * e / (s * s), 1e-9 * unit / (s * s));
-    EXPECT_NEAR(at.force.y(), unit * pi * e / (4 * std::pow(s, 1.5)), 1e-9 * unit / (s * s));
+    const std::string where = fmt::format(", eccentricity {}", e);
+    flexura::test::expect_reference("force back to the centre" + where, "N", at.force.x(),
+                                    -unit * e * e / (s * s), 1e-9 * unit / (s * s), ocvirk);
+    flexura::test::expect_reference("force across" + where, "N", at.force.y(),
+                                    unit * pi * e / (4 * std::pow(s, 1.5)), 1e-9 * unit / (s * s), ocvirk);
     EXPECT_NEAR(at.eccentricity, e, 1e-12);
   }
   // Petroff: a journal in the centre is held back by 2 pi mu R^3 L omega / c.
-  EXPECT_NEAR(film(Vector2d::Zero(), Vector2d::Zero(), omega).torque,
-              -2 * pi * mu * R * R * R * L * omega / c, 1e-9);
+  flexura::test::expect_reference("torque of a journal in the centre", "N*m",
+                                  film(Vector2d::Zero(), Vector2d::Zero(), omega).torque,
+                                  -2 * pi * mu * R * R * R * L * omega / c, 1e-9, ocvirk);
 }
 
 TEST_F(JournalBearings, ForceIsTheIntegralOfThePressure) {

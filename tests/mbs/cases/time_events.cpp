@@ -92,6 +92,10 @@ TEST_P(TimeEvents, AnImpulseIsWhole) {
       {"1000*exp(-((t-5)/0.001)^2)", std::sqrt(M_PI), 1e-4},
       {"1e6*exp(-((t-5)/1e-6)^2)", std::sqrt(M_PI), 1e-4},
       {"1000/(1 + ((t-5)/0.001)^2)", std::atan(5000.0) * 2.0, 1e-3},
+      // So short that parts of it were worth nothing each, and all of it was leapt over.
+      {"1e7/cosh((t-5)/1e-7)^2", 2.0, 5e-4},
+      {"1e9*exp(-((t-5)/1e-9)^2)", std::sqrt(M_PI), 1e-4},
+      {"1e6/(1+exp((5-t)/1e-8)) - 1e6/(1+exp((5.000001-t)/1e-8))", 1.0, 1e-4},
       {"t > 0.5 && t < 0.51 ? 1000*(2 + tanh(0*s.speed))/2 : 0", 10.0, round_off},
   };
   for (const Push& push : pushes) {

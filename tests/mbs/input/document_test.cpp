@@ -267,8 +267,8 @@ TEST_F(Document, AskingOutsideTheSchemaIsAProgrammingError) {
 TEST(Reference, NamesEveryKeyWithUnitRangeAndDefault) {
   const std::string page = reference_page(schema());
   EXPECT_THAT(page, HasSubstr("# Test file"));
-  EXPECT_THAT(page, HasSubstr("| `size` | quantity [m] | `5 mm` | mesh size |"));
-  EXPECT_THAT(page, HasSubstr("| `density` | quantity [kg/m^3], > 0 | **required** | mass per volume |"));
+  EXPECT_THAT(page, HasSubstr("| `size` | quantity [`m`] | `5 mm` | mesh size |"));
+  EXPECT_THAT(page, HasSubstr("| `density` | quantity [`kg/m^3`], > 0 | **required** | mass per volume |"));
   EXPECT_THAT(page, HasSubstr("`[[joint]]`"));
   EXPECT_THAT(page, HasSubstr("`type = \"spring\"`"));
   EXPECT_THAT(page, HasSubstr("`[body.NAME]`"));
@@ -287,6 +287,25 @@ TEST(Reference, ATypeStandsOnceWithItsSynonymsInItsHeading) {
   EXPECT_THAT(page, HasSubstr("## `type = \"revolute\"`, `\"hinge\"`, `\"pin\"`\n"));
   EXPECT_THAT(page, HasSubstr("## `type = \"slider\"`\n"));
   EXPECT_EQ(page.find("Turns."), page.rfind("Turns."));
+}
+
+// What a connection takes is told under the joint of the same name: there with all keys, here by name.
+TEST(Reference, ATypeOfAnotherTableIsToldOnce) {
+  TableSchema turns, slides, joint, connection, file;
+  turns.doc = "Turns.";
+  turns.keys = {quantity("angle", dim::angle, "at the start"), quantity("drive", dim::angle, "by a formula")};
+  slides.doc = "Slides.";
+  joint.selector = connection.selector = "type";
+  joint.variants = {{"revolute", turns}, {"slider", slides}};
+  turns.keys.pop_back();
+  slides.doc = "Slides otherwise.";
+  connection.variants = {{"revolute", turns}, {"slider", slides}};
+  file.name = "file";
+  file.keys = {table_map("joint", joint, "joints"), table_map("connection", connection, "connections")};
+  const std::string page = reference_page(file);
+  EXPECT_EQ(page.find("Turns."), page.rfind("Turns."));
+  EXPECT_THAT(page, HasSubstr("| `type = \"revolute\"` | `[joint.NAME]` | `angle` |\n"));
+  EXPECT_THAT(page, HasSubstr("Slides otherwise."));
 }
 
 // 1500 damaged files and overrides: each is read or refused with a message that names the file,

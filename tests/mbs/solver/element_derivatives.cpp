@@ -50,7 +50,7 @@ class ElementDerivatives : public MechanismFileTest {
       known.insert(std::string(type.name));
       // An element of the user's own brings its derivatives' checks along with its library; load cases and
       // surfaces need a superelement (flexible_derivatives.cpp, tests/mbs/surfaces).
-      if (std::set<std::string>{"user", "distributed_load", "surface_contact"}.contains(
+      if (std::set<std::string>{"user", "distributed_load", "surface_contact", "surface_distance"}.contains(
               std::string(type.name)))
         continue;
       const auto example = examples.find(std::string(type.name));

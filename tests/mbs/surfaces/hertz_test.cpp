@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "mbs/forces/surfaces/surface_contact.hpp"
+#include "tests/reference.hpp"
 
 /// A rigid sphere pressed into an elastic half-space whose compliance lies in the body's static modes, against Hertz
 /// (K. L. Johnson, Contact Mechanics, Cambridge 1985, 4.2):
@@ -105,9 +106,11 @@ TEST(HertzContact, HasForceAreaAndPressureOfASphereOnAHalfSpace) {
   RecordProperty("force", off(4.0 * values[1], F));
   RecordProperty("area", off(4.0 * values[6], disc));
   RecordProperty("pressure", off(values[7], p_0));
-  EXPECT_NEAR(4.0 * values[1], F, 0.03 * F);
-  EXPECT_NEAR(4.0 * values[6], disc, 0.03 * disc);
-  EXPECT_NEAR(values[7], p_0, 0.03 * p_0);
+  constexpr flexura::test::Reference hertz{"Hertz: a sphere on a half space, by surface_contact",
+                                           "squares of a fifteenth of the patch's radius"};
+  flexura::test::expect_reference("force", "N", 4.0 * values[1], F, 0.03 * F, hertz);
+  flexura::test::expect_reference("area", "m^2", 4.0 * values[6], disc, 0.03 * disc, hertz);
+  flexura::test::expect_reference("greatest pressure", "Pa", values[7], p_0, 0.03 * p_0, hertz);
   EXPECT_GT(values[8], 100.0);
 }
 

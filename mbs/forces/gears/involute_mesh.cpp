@@ -1,5 +1,5 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-#include "mbs/forces/involute_mesh.hpp"
+#include "mbs/forces/gears/involute_mesh.hpp"
 
 #include <fmt/format.h>
 

@@ -1,5 +1,5 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-#include "mbs/forces/involute.hpp"
+#include "mbs/forces/gears/involute.hpp"
 
 #include <fmt/format.h>
 

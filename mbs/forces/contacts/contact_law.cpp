@@ -1,5 +1,5 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-#include "mbs/forces/contact_law.hpp"
+#include "mbs/forces/contacts/contact_law.hpp"
 
 #include <algorithm>
 #include <stdexcept>

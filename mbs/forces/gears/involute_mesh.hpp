@@ -1,9 +1,9 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "mbs/forces/contact_law.hpp"
+#include "mbs/forces/contacts/contact_law.hpp"
 #include "mbs/forces/force.hpp"
-#include "mbs/forces/involute.hpp"
+#include "mbs/forces/gears/involute.hpp"
 
 namespace flexura::mbs {
 

@@ -3,9 +3,10 @@
 
 #include <algorithm>
 
-#include "mbs/forces/contact_law.hpp"
+#include "mbs/forces/contacts/contact_law.hpp"
 #include "mbs/forces/force.hpp"
 #include "mbs/formulas/space_curve.hpp"
+#include "mbs/kinematics/picture.hpp"
 
 namespace flexura::mbs {
 
@@ -36,6 +37,16 @@ struct ContactSurface {
     normal = -normal;
     return radius - length;
   }
+  /// For pictures: a curve by so many pieces.
+  DrawnSurface drawn() const {
+    static constexpr const char* names[] = {"plane", "sphere", "cylinder", "curve"};
+    DrawnSurface picture{.kind = names[static_cast<int>(kind)], .radius = radius};
+    constexpr int pieces = 200;
+    for (int i = 0; curve && i <= pieces; ++i)
+      picture.points.push_back(curve->at(curve->length() * i / pieces).r);
+    picture.is_closed = curve && curve->is_closed();
+    return picture;
+  }
   /// d normal / dp.
   Matrix3d turning(const Vector3d& p, const Vector3d& normal) const {
     if (kind == Kind::plane) return Matrix3d::Zero();
@@ -61,7 +72,7 @@ struct ContactSurface {
 ///     friction: -mu N tanh(|v_t| / v_0) v_t / |v_t|
 ///
 /// with v_t the sliding velocity of M's point there as seen from F.
-class Contact final : public ForceElement {
+class Contact final : public ForceElement, public HasPicture {
  public:
   struct Friction {
     double mu = 0.0, v_0 = 1e-3;  ///< coefficient; speed over which it sets in [m/s]
@@ -80,6 +91,11 @@ class Contact final : public ForceElement {
   std::string_view type() const override { return "contact"; }
   ForceNature nature() const override { return ForceNature::response; }
   std::pair<int, int> markers() const override { return {F_, M_}; }
+  std::optional<DrawnSurface> drawn_surface() const override {
+    DrawnSurface picture = surface_.drawn();
+    picture.touching = radius_;
+    return picture;
+  }
   int n_states() const override { return law_.n_states(); }
   int n_switches() const override { return ContactLaw::n_switches; }
   std::string switch_name(int i) const override { return i == 0 ? "gap" : "push"; }

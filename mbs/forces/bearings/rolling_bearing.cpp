@@ -1,12 +1,12 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-#include "mbs/forces/rolling_bearing.hpp"
+#include "mbs/forces/bearings/rolling_bearing.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
 
-#include "mbs/forces/hertz.hpp"
+#include "mbs/forces/contacts/hertz.hpp"
 
 namespace flexura::mbs {
 namespace {

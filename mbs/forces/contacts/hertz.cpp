@@ -1,5 +1,5 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-#include "mbs/forces/hertz.hpp"
+#include "mbs/forces/contacts/hertz.hpp"
 
 #include <cmath>
 #include <numbers>

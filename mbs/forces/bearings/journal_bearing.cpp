@@ -1,5 +1,5 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-#include "mbs/forces/journal_bearing.hpp"
+#include "mbs/forces/bearings/journal_bearing.hpp"
 
 #include <fmt/format.h>
 

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "mbs/forces/contact_law.hpp"
+#include "mbs/forces/contacts/contact_law.hpp"
 #include "mbs/forces/force.hpp"
 #include "mbs/kinematics/robot_words.hpp"
 
