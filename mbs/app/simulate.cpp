@@ -140,12 +140,17 @@ int simulate_all(SimulateArguments& arguments, const terminal::Verbosity& verbos
   }
   if (arguments.check_integrator && arguments.no_estimate)
     throw std::invalid_argument("--check-integrator and --no-estimate exclude each other");
+  if (arguments.check_elements && (arguments.no_estimate || !arguments.from_state.empty()))
+    throw std::invalid_argument(
+        fmt::format("--check-elements runs twice more from the file's own start: it does not go with {}",
+                    arguments.no_estimate ? "--no-estimate" : "a state to start from"));
   if (arguments.reduce && !parts) parts = provide_parts(arguments, program_folder(), progress, verbosity);
   CheckpointMemory memory;
   const nlohmann::json identity =
       resumes || interval > 0.0
           ? identity_of_runs(arguments, {{"--no-estimate", arguments.no_estimate},
                                          {"--check-integrator", arguments.check_integrator},
+                                         {"--check-elements", arguments.check_elements},
                                          {"--interferences", !arguments.interferences.empty()}})
           : nlohmann::json();
   if (resumes) memory.from = std::make_unique<Resumption>(arguments.output, identity);
@@ -350,6 +355,10 @@ terminal::Command simulate_command() {
             .flag("--no-estimate", a->no_estimate, "do not estimate what dropped modes cost in accuracy")
             .flag("--check-integrator", a->check_integrator,
                   "run once more at ten times the tolerance to tell the integrator's error")
+            .flag("--check-elements", a->check_elements,
+                  "run twice more with other numbers of elements to tell what those of beams cost in "
+                  "accuracy (with an "
+                  "accuracy this is done anyway)")
             .flag("--schema", a->schema, "print the mechanism file's reference page, then stop")
             .example("flexura simulate engine.toml -o engine.h5", "all runs of the file")
             .example("flexura simulate engine/mechanism.toml --reduce --set body.rod.fidelity=auto",

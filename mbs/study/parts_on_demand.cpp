@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <utility>
 
 #include "mbs/base/documents/content_hash.hpp"
 #include "mbs/base/documents/table_names.hpp"
@@ -15,6 +16,7 @@
 #include "mbs/solver/accuracy/options.hpp"
 #include "mbs/study/cache/reduction.hpp"
 #include "mbs/study/estimate/percent.hpp"
+#include "mbs/study/nearest_interface.hpp"
 #include "mbs/superelement/file.hpp"
 
 namespace flexura::study {
@@ -80,6 +82,7 @@ bool is_linked(const Section& marker) {
 struct Found {
   bool is_there = false, is_rigid = false;
   std::vector<std::string> interfaces;
+  superelement::Superelement se = {};  ///< where it is the rigid one of an import: its surface
 };
 
 // What cannot be read is refused where it is read for the run.
@@ -90,9 +93,10 @@ Found look_at(const fs::path& superelement) {
   if (!found.is_there) return found;
   try {
     const superelement::Superelement se =
-        superelement::read(superelement, {.matrices = false, .inertia = false});
+        superelement::read(superelement, {.matrices = false, .inertia = false, .surface = true});
     found.is_rigid = se.created_by.starts_with("flexura import");
     for (const superelement::Interface& i : se.interfaces) found.interfaces.push_back(i.name);
+    if (found.is_rigid) found.se = se;
   } catch (const std::runtime_error&) {
   }
   return found;
@@ -159,13 +163,20 @@ void PartsOnDemand::collect(const std::vector<std::string>& overrides) {
       markers.push_back(name + "." + marker);
       if (m.has("on")) need_face(m.text("on"));
       if (m.has("on") || is_linked(m) || !deforms || !is_plain(marker) || !is_used(markers.back())) continue;
-      const std::string interface = "at_" + name + "_" + marker;
-      const std::string position =
-          toml(m.has("position") ? m.vector3("position") : Eigen::Vector3d(Eigen::Vector3d::Zero()));
-      if (!is_known(interface))
+      const Eigen::Vector3d place =
+          m.has("position") ? m.vector3("position") : Eigen::Vector3d(Eigen::Vector3d::Zero());
+      const std::string position = toml(place);
+      // A face is one interface: where the nearest is one already, or was taken for a marker at this place, it is that.
+      std::string interface = nearest_interface(found.se, place);
+      const bool has_one = face_number(interface) > 0;
+      if (has_one)
+        need_face(interface);
+      else
+        interface = part.at_place.try_emplace(position, "at_" + name + "_" + marker).first->second;
+      if (!has_one && !is_known(interface))
         part.added[interface] = fmt::format("{{by = \"near\", point = {}}}", position);
       lacks = lacks || std::ranges::find(found.interfaces, interface) == found.interfaces.end();
-      set.push_back(fmt::format("body.{}.marker.{}.on={}", name, marker, quoted(interface)));
+      set.push_back(fmt::format("body.{}.marker.{}.on={}", name, marker, quoted(std::as_const(interface))));
       set.push_back(fmt::format("body.{}.marker.{}.position={}", name, marker, position));
     }
     for (const std::string& place : places)

@@ -54,6 +54,7 @@ class PartsOnDemand {
     std::filesystem::path file;
     std::vector<std::string> known;                               ///< interfaces in the file
     std::map<std::string, std::string> added = {};                ///< interfaces by name, as inline tables
+    std::map<std::string, std::string> at_place = {};             ///< those of markers on none, by place
     std::map<std::string, std::vector<std::string>> bodies = {};  ///< overrides of their markers
     std::vector<std::string> wanted = {};  ///< bodies that have no superelement to go on with
     double accuracy = 0.0;                 ///< asked of the last reduction; 0: the part file's own

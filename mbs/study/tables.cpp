@@ -39,6 +39,7 @@ json as_json(const StudyFile& study, const Judgement& judgement, const std::stri
     json line = {{"name", row.choice->name},
                  {"set", row.choice->set},
                  {"part_set", row.choice->part_set},
+                 {"results", std::filesystem::absolute(c.results).string()},
                  {"complete", c.complete},
                  {"wall", c.wall},
                  {"median_wall", c.median_wall()},

@@ -2,6 +2,7 @@
 #include "mbs/app/run/estimated_error.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -110,9 +111,10 @@ std::string basis(const study::OutputEstimate& output) {
 
 }  // namespace
 
-ErrorEstimate estimate_error(const mbs::PreparedMechanism& prepared,
-                             const study::TruncationEstimate* truncation,
-                             const study::IntegratorEstimate* check, const mbs::RunResult& result) {
+ErrorEstimate estimate_error(const mbs::PreparedMechanism& prepared, const Judges& judges,
+                             const mbs::RunResult& result) {
+  const study::TruncationEstimate* const truncation = judges.truncation;
+  const study::IntegratorEstimate* const check = judges.integrator;
   ErrorEstimate out;
   const double off = std::abs(result.energy.relative_error());
   if (check && check->is_whole && off > std::max(kEnergyTells, kEnergyBeyond * check->error)) {
@@ -137,6 +139,9 @@ ErrorEstimate estimate_error(const mbs::PreparedMechanism& prepared,
                            fmt::format("energy balance {}; --check-integrator tells", percent(off))});
   }
   out.of = check && !check->output.empty() ? check->output : "an output";
+  if (const study::ElementsEstimate* const e = judges.elements;
+      e && !e->output.empty() && (!check || e->error > check->error))
+    out.of = e->output;
   if (truncation && truncation->worst >= 0) {
     out.of = basis(truncation->outputs[static_cast<std::size_t>(truncation->worst)]);
     out.is_large = truncation->error > kTrusted;
@@ -157,8 +162,18 @@ ErrorEstimate estimate_error(const mbs::PreparedMechanism& prepared,
              truncation->by_body.size() > 1 && !source.output.empty() ? "in " + source.output : ""});
   }
   add_bodies(prepared, out.sources);
+  const auto is_judged = [&](const std::string& body) {
+    return judges.elements &&
+           std::ranges::find(judges.elements->bodies, body) != judges.elements->bodies.end();
+  };
   for (const mbs::BlindSpot& spot : prepared.file.blind_spots)
-    out.sources.push_back({spot.kind, spot.name, {}, 0.0, spot.remedy});
+    if (spot.kind != "elements" || !is_judged(spot.name))
+      out.sources.push_back(
+          {spot.kind, spot.name, {}, 0.0, spot.key.empty() ? spot.remedy : "--check-elements tells"});
+  // Those runs take all beams together.
+  if (const study::ElementsEstimate* const e = judges.elements)
+    out.sources.push_back({"elements", fmt::format("{}", fmt::join(e->bodies, ", ")),
+                           e->is_whole ? std::optional(e->error) : std::nullopt, e->error, e->note});
   add_switches(prepared, check && check->factor != 1.0 && !truncation, out.sources);
   // Of all bodies together, where some of their errors may cancel.
   if (truncation) out.at_least += truncation->error;

@@ -8,6 +8,7 @@
 
 #include "mbs/solver/run/run.hpp"
 #include "mbs/solver/start/prepare.hpp"
+#include "mbs/study/estimate/elements_check.hpp"
 #include "mbs/study/estimate/integrator_check.hpp"
 #include "mbs/study/estimate/shadows.hpp"
 
@@ -19,10 +20,12 @@
 ///   error over the rms of the output, of the output where that is largest;
 /// - mesh of a body: its reduction's report, twice the estimated relative error of its first free frequency
 ///   (stiffness goes with its square) and the mesh's volume against CAD; a part of the body's deformation.
-///   It counts in full, as if the output were nothing but deformation.
+///   It counts in full, as if the output were nothing but deformation;
+/// - elements of beams: two runs more with other numbers of them (mbs/study/estimate/elements_check.hpp), where the user
+///   asked for it or for an accuracy.
 ///
-/// What nothing judged is unknown, and the total is then "at least" what is known: elements of ANCF beams and
-/// of segments, rigid links, elements of users' own libraries, geometric stiffening of bodies whose
+/// What nothing judged is unknown, and the total is then "at least" what is known: elements of beams without
+/// those runs, rigid links, elements of users' own libraries, geometric stiffening of bodies whose
 /// superelement has no terms for it, a mesh whose reduction reports no estimate, and what switches (contact,
 /// clearance, stick-slip) as long as nothing but an estimate linear about the run has looked at it.
 namespace flexura::app {
@@ -44,10 +47,15 @@ struct ErrorEstimate {
   bool is_large = false;  ///< beyond what an estimate to first order can tell
 };
 
-/// `truncation` may be null (nothing was left out), `integrator` too (not asked for).
-ErrorEstimate estimate_error(const mbs::PreparedMechanism& prepared,
-                             const study::TruncationEstimate* truncation,
-                             const study::IntegratorEstimate* integrator, const mbs::RunResult& result);
+/// What has looked at a run; each may be null: nothing was left out, not asked for, no beams.
+struct Judges {
+  const study::TruncationEstimate* truncation = nullptr;
+  const study::IntegratorEstimate* integrator = nullptr;
+  const study::ElementsEstimate* elements = nullptr;
+};
+
+ErrorEstimate estimate_error(const mbs::PreparedMechanism& prepared, const Judges& judges,
+                             const mbs::RunResult& result);
 
 /// The estimated error, and a line for each part of it, the largest first, and for what is unknown.
 std::string estimated_error_text(const ErrorEstimate& estimate);
@@ -66,10 +74,9 @@ std::string discretisation_line(const mbs::PreparedMechanism& prepared);
 /// "unknown": [{"source", "name", "remedy"}], "truncation", "shadows", "wall_time", "integrator" (null without
 /// a second run), "energy_balance", "integrator_check": {"error", "output", "factor", "wall_time"}, "by_body",
 /// "mesh" (null for a body without estimate), "outputs": {name: {"max", "rms", "size_max", "size_rms",
-/// "scale", "final"}}}.
-nlohmann::json estimated_error_json(const ErrorEstimate& estimate,
-                                    const study::TruncationEstimate* truncation,
-                                    const study::IntegratorEstimate* integrator,
+/// "scale", "final"}}, "elements_check": {"error" (null where unknown), "at_least", "output", "bodies", "note",
+/// "wall_time"}}.
+nlohmann::json estimated_error_json(const ErrorEstimate& estimate, const Judges& judges,
                                     const mbs::RunResult& result);
 
 }  // namespace flexura::app

@@ -143,10 +143,11 @@ std::string missed_accuracy(const ErrorEstimate& estimate, double accuracy) {
       of_elements ? "a tenth of it and twice as many elements" : "a tenth of it");
 }
 
-nlohmann::json estimated_error_json(const ErrorEstimate& estimate,
-                                    const study::TruncationEstimate* truncation,
-                                    const study::IntegratorEstimate* check, const mbs::RunResult& result) {
+nlohmann::json estimated_error_json(const ErrorEstimate& estimate, const Judges& judges,
+                                    const mbs::RunResult& result) {
   using nlohmann::json;
+  const study::TruncationEstimate* const truncation = judges.truncation;
+  const study::IntegratorEstimate* const check = judges.integrator;
   json out = {{"error", estimate.is_whole ? json(estimate.at_least) : json()},
               {"at_least", estimate.at_least},
               {"unknown", json::array()},
@@ -167,6 +168,13 @@ nlohmann::json estimated_error_json(const ErrorEstimate& estimate,
                                {"output", check->output},
                                {"factor", check->factor},
                                {"wall_time", check->wall}};
+  if (const study::ElementsEstimate* const e = judges.elements)
+    out["elements_check"] = {{"error", e->is_whole ? json(e->error) : json()},
+                             {"at_least", e->error},
+                             {"output", e->output},
+                             {"bodies", e->bodies},
+                             {"note", e->note},
+                             {"wall_time", e->wall}};
   if (!truncation) return out;
   out["truncation"] = truncation->error;
   out["shadows"] = truncation->shadows;

@@ -51,16 +51,38 @@ void add_interferences(const InterferenceWatch* watch, RunOutcome& out) {
                     terminal::number(1e3 * watch->blind_way(), 3)));
 }
 
+// Made where the user wants it, or an accuracy, and the run comes from the file's own start.
+std::unique_ptr<study::ElementsCheck> wanted_elements_check(const NamedRun& run,
+                                                            const SimulateArguments& arguments) {
+  const bool is_wanted = arguments.check_elements ||
+                         (run.prepared.file.solver.quantity("accuracy") > 0.0 && !arguments.no_estimate);
+  if (!is_wanted || !arguments.from_state.empty() || !arguments.continue_from.empty()) return nullptr;
+  return study::ElementsCheck::make(run.prepared, arguments.file, run.overrides);
+}
+
+// The runs that tell, each null where it is not wanted.
+struct Checks {
+  std::unique_ptr<study::IntegratorCheck> integrator;
+  std::unique_ptr<study::ElementsCheck> elements;
+  void take(const mbs::State& s, const Eigen::VectorXd& v_dot) const {
+    if (integrator) integrator->take(s, v_dot);
+    if (elements) elements->take(s, v_dot);
+  }
+};
+
 void add_estimate(const PreparedMechanism& prepared, const study::TruncationEstimate* truncation,
-                  study::IntegratorCheck* check, std::optional<study::IntegratorEstimate> integrator,
-                  const mbs::RunCallbacks& callbacks, RunOutcome& outcome) {
+                  const Checks& checks, std::optional<study::IntegratorEstimate> integrator,
+                  const mbs::RunCallbacks& callbacks, RunOutcome& outcome,
+                  std::optional<study::ElementsEstimate> elements = {}) {
   const LeftOut unneeded = left_out(prepared);
   outcome.summary["left_out"] = left_out_json(unneeded);
   if (std::string line = left_out_line(unneeded); !line.empty()) outcome.lines.push_back(std::move(line));
-  if (check && outcome.result.complete) integrator = check->estimate(callbacks);
-  const study::IntegratorEstimate* const by_check = integrator ? &*integrator : nullptr;
-  const ErrorEstimate estimate = estimate_error(prepared, truncation, by_check, outcome.result);
-  outcome.summary["estimate"] = estimated_error_json(estimate, truncation, by_check, outcome.result);
+  if (checks.integrator && outcome.result.complete) integrator = checks.integrator->estimate(callbacks);
+  if (!elements && checks.elements && outcome.result.complete)
+    elements = checks.elements->estimate(callbacks, outcome.result.wall_time);
+  const Judges judges{truncation, integrator ? &*integrator : nullptr, elements ? &*elements : nullptr};
+  const ErrorEstimate estimate = estimate_error(prepared, judges, outcome.result);
+  outcome.summary["estimate"] = estimated_error_json(estimate, judges, outcome.result);
   outcome.lines.push_back(estimated_error_text(estimate));
   if (const double accuracy = prepared.file.solver.quantity("accuracy"); accuracy > 0.0)
     if (std::string sentence = missed_accuracy(estimate, accuracy); !sentence.empty())
@@ -119,18 +141,18 @@ RunOutcome run_as_told(const NamedRun& run, const SimulateArguments& arguments, 
   const auto watch = wanted_watch(prepared, arguments, recorder);
   const auto shadows =
       arguments.no_estimate ? nullptr : study::Shadows::make(prepared, arguments.file, run.overrides);
-  const auto check = wanted_check(prepared, arguments);
+  const Checks checks{wanted_check(prepared, arguments), wanted_elements_check(run, arguments)};
   const StoredRow observe = [&](const mbs::State& s, const Eigen::VectorXd& v_dot, const EnergyRow& energy) {
     recorder.append(s, v_dot, energy);
     if (shadows) shadows->take(s, v_dot);
-    if (check) check->take(s, v_dot);
+    checks.take(s, v_dot);
   };
   const bool goes_on = memory.from && memory.from->run() == run.name;
   // Of the steps before a checkpoint nothing is known, nor where a second run tells.
-  const auto steps =
-      arguments.no_estimate || check || memory.from || memory.to || !arguments.continue_from.empty()
-          ? nullptr
-          : study::GlobalError::make(prepared);
+  const auto steps = arguments.no_estimate || checks.integrator || memory.from || memory.to ||
+                             !arguments.continue_from.empty()
+                         ? nullptr
+                         : study::GlobalError::make(prepared);
   if (goes_on) memory.from->replay(run.name, *prepared.mechanism, observe);
   if (memory.to && !goes_on) memory.to->begin_run(run.name);
   callbacks.row = [&](const mbs::State& s, const Eigen::VectorXd& v_dot, const mbs::EnergyAccount& account) {
@@ -160,7 +182,7 @@ RunOutcome run_as_told(const NamedRun& run, const SimulateArguments& arguments, 
     integrator = steps->estimate();
     if (!callbacks.rows_beside) out.result.wall_time -= integrator->wall;
   }
-  add_estimate(prepared, shadows ? &truncation : nullptr, check.get(), std::move(integrator), callbacks, out);
+  add_estimate(prepared, shadows ? &truncation : nullptr, checks, std::move(integrator), callbacks, out);
   return out;
 }
 
@@ -209,11 +231,11 @@ RunOutcome run_within_accuracy(NamedRun& run, const SimulateArguments& arguments
   run.overrides = std::move(chosen.overrides);
   Recorder recorder(run.prepared, writer);
   recorder.begin(run.name);
-  const auto check = wanted_check(run.prepared, arguments);
+  const Checks checks{wanted_check(run.prepared, arguments), wanted_elements_check(run, arguments)};
   const auto watch = wanted_watch(run.prepared, arguments, recorder);
   for (const study::RowOfRun& row : chosen.rows) {
     recorder.append(row.state, row.v_dot, row.energy);
-    if (check) check->take(row.state, row.v_dot);
+    checks.take(row.state, row.v_dot);
   }
   RunOutcome out;
   out.warnings = recorder.range().sentences();
@@ -226,8 +248,8 @@ RunOutcome run_within_accuracy(NamedRun& run, const SimulateArguments& arguments
   add_interferences(watch.get(), out);
   out.lines.push_back(fmt::format("without the choice: --set {}", fmt::join(chosen.set, " --set ")));
   if (!arguments.no_estimate)
-    add_estimate(run.prepared, chosen.has_estimate ? &chosen.estimate : nullptr, check.get(),
-                 std::move(chosen.integrator), callbacks, out);
+    add_estimate(run.prepared, chosen.has_estimate ? &chosen.estimate : nullptr, checks,
+                 std::move(chosen.integrator), callbacks, out, std::move(chosen.elements));
   return out;
 }
 

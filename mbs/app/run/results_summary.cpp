@@ -54,7 +54,13 @@ constexpr std::array kWords = {
     std::pair{"real_time_factor", "computing / simulated time"},
 };
 
-/// In their order, then the others; what says nothing (an empty word) or stands above already is left out.
+/// "2.1 %" of a share.
+std::string per_cent(const std::string& share) {
+  return terminal::number(100.0 * std::strtod(share.c_str(), nullptr), 3) + " %";
+}
+
+/// In their order, then the others; what says nothing (an empty word), stands above already or is a detail of the estimated
+/// error (which the run prints in words, and --json holds) is left out.
 Lines in_words(const Lines& lines) {
   Lines out;
   const auto named = [](const std::string& name) {
@@ -62,9 +68,10 @@ Lines in_words(const Lines& lines) {
   };
   for (const auto& [key, words] : kWords)
     for (const auto& [name, text] : lines)
-      if (name == key) out.emplace_back(words, text);
+      if (name == key) out.emplace_back(words, name == "estimate.at_least" ? per_cent(text) : text);
   for (const auto& [name, text] : lines) {
-    if (text.empty() || name == "end_time" || name.starts_with("left_out.") || named(name) != kWords.end())
+    if (text.empty() || name == "end_time" || name.starts_with("left_out.") ||
+        name.starts_with("estimate.") || named(name) != kWords.end())
       continue;
     std::string shown = name;
     std::ranges::replace(shown, '_', ' ');
@@ -73,9 +80,20 @@ Lines in_words(const Lines& lines) {
   return out;
 }
 
-/// "-2.26 .. 2.25"; what is round-off beside the other end is 0.
-std::string range_text(double low, double high) {
-  const double least = 1e-13 * std::max(std::abs(low), std::abs(high));
+/// The largest size of the run's quantities in each unit; a torque of 1e-14 N m beside 30 J is round-off.
+std::map<std::string, double> scales_of(const results::Run& run) {
+  std::map<std::string, double> scales;
+  for (std::size_t j = 0; j < run.quantities.size() && run.time.size() > 0; ++j) {
+    double& scale = scales[run.quantities[j].unit == "J" ? "N*m" : run.quantities[j].unit];
+    const double size = run.values.col(static_cast<Eigen::Index>(j)).cwiseAbs().maxCoeff();
+    if (std::isfinite(size)) scale = std::max(scale, size);
+  }
+  return scales;
+}
+
+/// "-2.26 .. 2.25"; what is round-off beside the other end, or beside the other quantities of its unit, is 0.
+std::string range_text(double low, double high, double scale) {
+  const double least = std::max(1e-13 * std::max(std::abs(low), std::abs(high)), 1e-14 * scale);
   const auto text = [&](double x) { return terminal::number(std::abs(x) < least ? 0.0 : x, 4); };
   return fmt::format("{} .. {}", text(low), text(high));
 }
@@ -104,7 +122,7 @@ std::string summary_text(const results::Results& results, int width, bool colour
   terminal::Table table(columns);
   std::vector<std::string> names;
   std::map<std::string, std::vector<std::string>> cells;
-  std::vector<std::string> warnings;
+  std::vector<std::string> warnings, peaks;
   const auto put = [&](std::size_t run, const std::string& name, std::string text) {
     auto [entry, is_new] = cells.try_emplace(name, results.runs.size());
     if (is_new) names.push_back(name);
@@ -127,15 +145,19 @@ std::string summary_text(const results::Results& results, int width, bool colour
         }
       }
     }
+    const std::map<std::string, double> scales = scales_of(run);
     for (auto& [name, text] : in_words(lines)) put(i, name, std::move(text));
     for (std::size_t j = 0; j < run.quantities.size() && run.time.size() > 0; ++j) {
       const auto values = run.values.col(static_cast<Eigen::Index>(j));
       if (run.quantities[j].name.ends_with(".von_mises"))
-        put(i, "peak " + run.quantities[j].name, peak_of(run, j));
+        peaks.push_back(fmt::format("{}: largest {} {}", run.name, run.quantities[j].name, peak_of(run, j)));
       put(i,
           fmt::format("{} [{}]", run.quantities[j].name,
                       run.quantities[j].unit.empty() ? "-" : run.quantities[j].unit),
-          range_text(values.minCoeff(), values.maxCoeff()));
+          range_text(values.minCoeff(), values.maxCoeff(),
+                     run.quantities[j].unit.empty()
+                         ? 0.0
+                         : scales.at(run.quantities[j].unit == "J" ? "N*m" : run.quantities[j].unit)));
     }
   }
   for (const std::string& name : names) {
@@ -145,6 +167,8 @@ std::string summary_text(const results::Results& results, int width, bool colour
   }
   std::string text =
       fmt::format("{}\n{}", terminal::bold(results.model.name, colour), table.text(width, colour));
+  for (const std::string& peak : peaks)
+    text += terminal::folded(peak, terminal::takes_columns(stdout)) + "\n";
   for (const std::string& warning : warnings)
     text += terminal::folded("warning: " + warning, terminal::takes_columns(stdout)) + "\n";
   return text;

@@ -1,44 +1,12 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include "mbs/study/choice/beam_screening.hpp"
 
-#include <Eigen/Geometry>
 #include <algorithm>
-#include <cmath>
-#include <limits>
 
 namespace flexura::study {
-namespace {
 
 using Eigen::Index;
-using Eigen::Vector3d;
 using Eigen::VectorXd;
-
-// The angle over which a beam is bent to have its stiffness: the energy's terms of higher order are its
-// square, far below what a screening needs.
-constexpr double kArc = 1e-3;
-
-}  // namespace
-
-double softer_bending_stiffness(const beam::ancf::AncfBody& beam) {
-  const VectorXd& rest = beam.rest();
-  const Vector3d root = rest.segment<3>(beam.index(0, 0)), x = rest.segment<3>(beam.index(0, 1)).normalized();
-  const double L = beam.length(), kappa = kArc / L;
-  double least = std::numeric_limits<double>::infinity();
-  for (const int across : {2, 3}) {
-    const Vector3d y = rest.segment<3>(beam.index(0, across)).normalized(), z = x.cross(y);
-    VectorXd q = rest;
-    for (int node = 0; node < beam.n_nodes(); ++node) {
-      const double s = x.dot(rest.segment<3>(beam.index(node, 0)) - root);
-      q.segment<3>(beam.index(node, 0)) =
-          root + x * (std::sin(kappa * s) / kappa) + y * ((1.0 - std::cos(kappa * s)) / kappa);
-      const Eigen::AngleAxisd turn(kappa * s, z);
-      for (int k = 1; k < beam.vectors(); ++k)
-        q.segment<3>(beam.index(node, k)) = turn * Vector3d(rest.segment<3>(beam.index(node, k)));
-    }
-    least = std::min(least, 2.0 * beam.strain_energy(q) / (kappa * kappa * L));
-  }
-  return least;
-}
 
 BeamScreening::BeamScreening(const mbs::Mechanism& as_ancf, const mbs::Mechanism& run,
                              const std::vector<std::string>& beams)
@@ -47,10 +15,10 @@ BeamScreening::BeamScreening(const mbs::Mechanism& as_ancf, const mbs::Mechanism
   const auto infos = run.quantities();
   std::vector<std::pair<int, bool>> uses;  // of outputs_: beam, and whether it is a torque
   for (const std::string& name : beams) {
-    const auto& part = dynamic_cast<const mbs::AncfPart&>(
-        *std::ranges::find(bent.bodies, name, &mbs::BodyDescription::name)->flexible);
+    const auto deforms = std::ranges::find(bent.bodies, name, &mbs::BodyDescription::name)->flexible;
+    const mbs::SlenderBeam beam = deforms->slender().value();
     const int index = static_cast<int>(beams_.size());
-    beams_.push_back({name, part.beam().length(), softer_bending_stiffness(part.beam()), 0.0, 0.0});
+    beams_.push_back({name, beam.length, beam.bending_stiffness, 0.0, 0.0});
     const auto body =
         static_cast<int>(std::ranges::find(d.bodies, name, &mbs::BodyDescription::name) - d.bodies.begin());
     for (const mbs::JointDescription& joint : d.joints) {

@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "mbs/bodies/beams/ancf_part.hpp"
 #include "mbs/solver/start/prepare.hpp"
 
 /// What a run with rigid beams says about the beams ([body.NAME.beam]) whose fidelity is to be chosen.
@@ -17,8 +16,7 @@
 ///
 ///     deflection = F L^3 / (3 EI) + T L^2 / (2 EI),
 ///
-/// bound how far it would bend in the linear theory.  EI is that of the softer direction, from the strain
-/// energy EI kappa^2 L / 2 of the beam bent to an arc of curvature kappa.
+/// bound how far it would bend in the linear theory.  EI is that of the softer direction (FlexibleBody::slender).
 namespace flexura::study {
 
 struct ScreenedBeam {
@@ -31,7 +29,7 @@ struct ScreenedBeam {
 
 class BeamScreening {
  public:
-  /// `beams`: bodies of `as_ancf` (where they are ANCF beams) that are rigid in `run`.
+  /// `beams`: bodies of `as_ancf` (where they are slender beams) that are rigid in `run`.
   BeamScreening(const mbs::Mechanism& as_ancf, const mbs::Mechanism& run,
                 const std::vector<std::string>& beams);
 
@@ -48,8 +46,5 @@ class BeamScreening {
   Eigen::MatrixXd from_force_, from_torque_;  ///< beams x outputs: 1 where the output is one of its joints'
   Eigen::VectorXd y_;
 };
-
-/// EI of a beam's softer direction [N m^2].
-double softer_bending_stiffness(const beam::ancf::AncfBody& beam);
 
 }  // namespace flexura::study

@@ -88,8 +88,15 @@ void BodyChoice::explain(const Screened& s, double share) {
         "; its superelement has no stiffening terms (reduce it with stiffening = true to have that judged)";
 }
 
+std::vector<std::string> BeamChoice::overrides() const {
+  std::vector<std::string> words = {fmt::format("body.{}.fidelity={}", body, rigid ? "rigid" : "beam")};
+  if (!rigid && elements > 0) words.push_back(fmt::format("body.{}.beam.elements={}", body, elements));
+  return words;
+}
+
 std::string BeamChoice::text() const {
-  return fmt::format("{}: {}: {}", body, rigid ? "rigid" : "ancf", reason);
+  return fmt::format("{}: {}{}: {}", body, rigid ? "rigid" : "beam",
+                     !rigid && elements > 0 ? fmt::format(", {} elements", elements) : "", reason);
 }
 
 }  // namespace flexura::study

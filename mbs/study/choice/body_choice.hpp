@@ -29,11 +29,13 @@ struct BodyChoice {
   void explain(const Screened& screened, double share);
 };
 
-/// The same of a beam without superelement.
+/// The same of a beam without superelement, which is rigid or geometrically exact.
 struct BeamChoice {
   std::string body;
   bool rigid = true;
   std::string reason;
+  int elements = 0;  ///< 0: as many as the file gives
+  std::vector<std::string> overrides() const;
   std::string text() const;
 };
 

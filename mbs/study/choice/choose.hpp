@@ -8,6 +8,7 @@
 
 #include "mbs/solver/run/run.hpp"
 #include "mbs/solver/start/prepare.hpp"
+#include "mbs/study/estimate/elements_check.hpp"
 #include "mbs/study/estimate/integrator_check.hpp"
 #include "mbs/study/estimate/shadows.hpp"
 
@@ -21,7 +22,8 @@
 /// first-order screening does not see and for the integrator.
 ///
 /// A beam with fidelity = "auto" and no superelement stays rigid where it would bend by less than its share
-/// of its length, and becomes an ANCF beam otherwise (beam_screening.hpp).
+/// of its length, and becomes a geometrically exact one otherwise (beam_screening.hpp).  Two runs with fewer elements
+/// tell what these cost (elements_check.hpp); beams run again with twice as many until that is within their share.
 ///
 /// The chosen mechanism runs with its own shadows.  Where their error has used up the whole run's budget the
 /// run stops, the body that contributes most gets more, and the run goes on from the last row at which half
@@ -47,7 +49,8 @@ struct ChosenRun {
   bool has_estimate = false;
   TruncationEstimate estimate;
   std::optional<IntegratorEstimate> integrator;
-  std::vector<std::string> reasons;  ///< one line for each body, restart and tolerance
+  std::optional<ElementsEstimate> elements;  ///< where beams were chosen
+  std::vector<std::string> reasons;          ///< one line for each body, restart and tolerance
   int restarts = 0;
   double screening_wall = 0.0;  ///< [s] of the screening and of what restarts threw away
 };

@@ -45,7 +45,7 @@ Chooser::Chooser(const mbs::PreparedMechanism& given, const std::filesystem::pat
     if (is_open(given, body))
       choices_[body.name] = {};
     else if (is_open_beam(given, body))
-      beams_.push_back({body.name, true, ""});
+      beams_.push_back({.body = body.name, .rigid = true, .reason = "", .elements = 0});
   if (accuracy_of(given) > 0.0) {
     tolerance_ = std::clamp(1e-3 * accuracy_, 1e-9, 1e-4);
     given_.push_back(fmt::format("solver.tolerance={:.3g}", *tolerance_));
@@ -55,7 +55,7 @@ Chooser::Chooser(const mbs::PreparedMechanism& given, const std::filesystem::pat
 
 ChosenRun Chooser::run() {
   const auto start = std::chrono::steady_clock::now();
-  ChosenRun out{prepared(overrides()), overrides(), {}, {}, {}, false, {}, {}, {}, 0, 0.0};
+  ChosenRun out{prepared(overrides()), overrides(), {}, {}, {}, false, {}, {}, {}, {}, 0, 0.0};
   // A name that nothing has is refused before the run.
   if (choices_.empty()) mbs::select_quantities(*out.prepared.mechanism, out.prepared.file.outputs);
   bool is_screened = false;
@@ -78,6 +78,7 @@ ChosenRun Chooser::run() {
       std::ranges::any_of(beams_, [](const BeamChoice& beam) { return !beam.rigid; })) {
     const double screening = seconds_since(start);
     out = simulate(out.prepared);
+    refine_beams(out);
     out.screening_wall += screening;
   } else {
     out.screening_wall = std::max(0.0, seconds_since(start) - out.result.wall_time);
@@ -115,8 +116,10 @@ std::vector<std::string> Chooser::overrides() const {
 
 std::vector<std::string> Chooser::overrides_of_beams() const {
   std::vector<std::string> out;
-  for (const BeamChoice& beam : beams_)
-    out.push_back(fmt::format("body.{}.fidelity={}", beam.body, beam.rigid ? "rigid" : "ancf"));
+  for (const BeamChoice& beam : beams_) {
+    const auto words = beam.overrides();
+    out.insert(out.end(), words.begin(), words.end());
+  }
   return out;
 }
 

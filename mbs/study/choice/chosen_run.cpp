@@ -1,5 +1,6 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 
@@ -50,7 +51,7 @@ ChosenRun Chooser::simulate(const mbs::PreparedMechanism& screened) {
     words.insert(words.end(), beams.begin(), beams.end());
     full_ = FullModel::make(screened, file_, words, {.stiffened = stiffened, .rigid = without_influence_});
   }
-  ChosenRun out{prepared(overrides()), overrides(), {}, {}, {}, false, {}, {}, {}, 0, 0.0};
+  ChosenRun out{prepared(overrides()), overrides(), {}, {}, {}, false, {}, {}, {}, {}, 0, 0.0};
   const double start_time = out.prepared.options.start_time;
   mbs::State state = out.prepared.state;
   VectorXd v_dot = out.prepared.v_dot;
@@ -77,6 +78,37 @@ ChosenRun Chooser::simulate(const mbs::PreparedMechanism& screened) {
   if (!out.rows.empty()) out.result.energy = out.rows.back().energy;
   out.result.wall_time += wall_before;
   return out;
+}
+
+// Beams that are chosen run again with twice the elements as long as these cost more than their share.
+void Chooser::refine_beams(ChosenRun& out) {
+  constexpr int kMostDoublings = 5;
+  if (accuracy_of(as_given_) <= 0.0 || !tells_integrator_) return;
+  ElementsCheck::KnownRuns known;
+  for (int doublings = 0; out.result.complete; ++doublings) {
+    const auto check = ElementsCheck::make(out.prepared, file_, out.overrides, &known);
+    if (!check) return;
+    for (const RowOfRun& row : out.rows) check->take(row.state, row.v_dot);
+    out.elements = check->estimate(callbacks_, out.result.wall_time);
+    if ((out.elements->is_whole && out.elements->error <= kShareOfModes * accuracy_) ||
+        doublings == kMostDoublings)
+      return;
+    bool has_more = false;
+    for (BeamChoice& beam : beams_) {
+      const auto spot = std::ranges::find(out.prepared.file.blind_spots, beam.body, &mbs::BlindSpot::name);
+      if (beam.rigid || spot == out.prepared.file.blind_spots.end() || spot->key.empty()) continue;
+      beam.elements = 2 * spot->elements;
+      has_more = true;
+    }
+    if (!has_more) return;
+    const std::optional<ElementsEstimate> before = std::move(out.elements);
+    const double wall = out.result.wall_time;
+    out = simulate(out.prepared);
+    out.result.wall_time += wall;
+    restarts_.push_back(fmt::format("elements of {}: {}; run again with twice as many",
+                                    fmt::join(before->bodies, ", "),
+                                    before->is_whole ? percent(before->error) : "unknown"));
+  }
 }
 
 // A run that uses up its accuracy is stopped where something can be refined: the body to refine.  Empty where

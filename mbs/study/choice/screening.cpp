@@ -215,7 +215,7 @@ std::optional<Candidate> Screening::fewest_held(const std::string& body, int few
   const ModalBlock& block = block_of(body);
   // A rigid link is held together in a frame of its own.
   for (const mbs::BlindSpot& spot : run_.file.blind_spots)
-    if (spot.kind == "link" && spot.name.starts_with(body + '.')) return std::nullopt;
+    if (spot.has_own_frame && spot.name.starts_with(body + '.')) return std::nullopt;
   std::vector<int> ladder;
   for (const int modes : kLadder)
     if (modes > 0 && modes < fewer_than && modes < block.m) ladder.push_back(modes);

@@ -42,21 +42,14 @@ IntegratorCheck::IntegratorCheck(const mbs::PreparedMechanism& run, double facto
     : run_(run),
       factor_(factor),
       power_(power),
-      scratch_(run.mechanism->make_scratch()),
       which_(judged_outputs(run, *run.mechanism, outputs_)),
       families_(*run.mechanism, length_of(run)),
-      every_(rows_between(run)) {}
-
-void IntegratorCheck::evaluate(const mbs::State& s, const VectorXd& v_dot, VectorXd& y) {
-  y.resize(static_cast<Eigen::Index>(which_.size()));
-  run_.mechanism->evaluate(which_, s, v_dot, *scratch_, y);
-}
+      rows_(*run.mechanism, which_, rows_between(run)) {}
 
 void IntegratorCheck::take(const mbs::State& s, const VectorXd& v_dot) {
-  if (!is_wanted()) return;
-  times_.push_back(s.t);
-  evaluate(s, v_dot, values_.emplace_back());
-  families_.take(s, v_dot);
+  const std::size_t before = rows_.size();
+  rows_.take(s, v_dot);
+  if (rows_.size() > before) families_.take(s, v_dot);
 }
 
 IntegratorEstimate IntegratorCheck::estimate(const mbs::RunCallbacks& callbacks) {
@@ -66,32 +59,24 @@ IntegratorEstimate IntegratorCheck::estimate(const mbs::RunCallbacks& callbacks)
   const bool by_step = options.fixed_step > 0.0;
   out.note = fmt::format("a second run at {:g} times the {}", factor_, by_step ? "step" : "tolerance");
   (by_step ? options.fixed_step : options.tolerance) *= factor_;
-  const auto n = static_cast<Eigen::Index>(which_.size());
-  VectorXd squares = VectorXd::Zero(n), sizes = VectorXd::Zero(n), y;
-  std::size_t row = 0;
-  rows_ = 0;
+  OutputRows others(*run_.mechanism, which_, rows_between(run_));
   mbs::RunCallbacks mine = callbacks;
   mine.row = [&](const mbs::State& s, const VectorXd& v_dot, const mbs::EnergyAccount&) {
-    if (!is_wanted() || row >= times_.size()) return;
-    // Rows stand at the same times, the last where the run ended.
-    if (std::abs(s.t - times_[row]) > 1e-9 * std::abs(options.end_time - options.start_time)) return;
-    evaluate(s, v_dot, y);
-    squares += (y - values_[row]).cwiseAbs2();
-    sizes += values_[row].cwiseAbs2();
-    ++row;
+    others.take(s, v_dot);
   };
   const mbs::RunResult again = mbs::run(*run_.mechanism, run_.state, run_.v_dot, options, mine);
   out.wall = again.wall_time;
-  if (!again.complete || row == 0)
+  const OutputRows::Difference off = rows_.against(others, options.end_time - options.start_time);
+  if (!again.complete || off.rows == 0)
     throw std::runtime_error(fmt::format(
         "the second run that tells the integrator's error ({} {:g}) stopped: {}",
         by_step ? "fixed_step" : "tolerance", by_step ? options.fixed_step : options.tolerance,
         again.stopped_because.empty() ? "it has no row in common with the first" : again.stopped_because));
-  const auto count = static_cast<double>(row);
-  for (Eigen::Index i = 0; i < n; ++i)
-    outputs_[static_cast<std::size_t>(i)].size_rms = std::sqrt(sizes(i) / count);
+  const auto count = static_cast<double>(off.rows);
+  for (std::size_t i = 0; i < outputs_.size(); ++i)
+    outputs_[i].size_rms = std::sqrt(off.sizes(static_cast<Eigen::Index>(i)) / count);
   families_.judge(outputs_, !run_.file.outputs.empty(), run_.options.tolerance);
-  const auto [error, worst] = worst_output(squares, count, outputs_);
+  const auto [error, worst] = worst_output(off.squares, count, outputs_);
   out.error = error / std::abs(std::pow(factor_, power_) - 1.0);
   if (worst >= 0) out.output = outputs_[static_cast<std::size_t>(worst)].name;
   return out;

@@ -8,6 +8,7 @@
 
 #include "mbs/solver/start/prepare.hpp"
 #include "mbs/study/estimate/judged_outputs.hpp"
+#include "mbs/study/estimate/output_rows.hpp"
 
 /// What the integrator costs a run in accuracy, from the same run once more with a tolerance ten times as
 /// large (a fixed step twice as long).
@@ -45,18 +46,12 @@ class IntegratorCheck {
 
  private:
   IntegratorCheck(const mbs::PreparedMechanism& run, double factor, double power);
-  bool is_wanted() { return rows_++ % every_ == 0; }
-  void evaluate(const mbs::State& s, const Eigen::VectorXd& v_dot, Eigen::VectorXd& y);
-
   const mbs::PreparedMechanism& run_;
   double factor_, power_;
-  std::unique_ptr<mbs::Equations::Scratch> scratch_;
   std::vector<OutputEstimate> outputs_;  // before which_, which fills it
   std::vector<int> which_;
   Families families_;
-  long every_ = 1, rows_ = 0;
-  std::vector<double> times_;
-  std::vector<Eigen::VectorXd> values_;
+  OutputRows rows_;
 };
 
 }  // namespace flexura::study

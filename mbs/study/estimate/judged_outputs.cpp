@@ -85,12 +85,11 @@ std::vector<int> judged_outputs(const mbs::PreparedMechanism& run, const mbs::Me
   std::vector<int> outputs;
   for (const std::string& name : asked ? asked_outputs(run, full) : usual_outputs(*run.mechanism)) {
     const auto found = std::ranges::find(infos, name, &mbs::OutputInfo::name);
-    if (found == infos.end() || name.find(".mode_") != std::string::npos) continue;
-    if (name.find(".von_mises_") != std::string::npos) continue;
-    // Energies are stored for the balance; strain energy is not what a rigid body is judged by.
-    if (!asked &&
-        (name.starts_with("energy.") || name.starts_with("power.") || name.ends_with(".strain_energy")))
+    if (found == infos.end() || found->role == mbs::OutputRole::mode ||
+        found->role == mbs::OutputRole::place_of_stress)
       continue;
+    // Energies are stored for the balance; strain energy is not what a rigid body is judged by.
+    if (!asked && found->role == mbs::OutputRole::energy) continue;
     outputs.push_back(static_cast<int>(found - infos.begin()));
     OutputEstimate output;
     output.name = name;
@@ -115,7 +114,7 @@ Families::Families(const mbs::Mechanism& mechanism, double length)
   for (std::size_t i = 0; i < infos.size(); ++i) {
     // Stresses cost as much as all the rest; numbers without a unit have no family.
     if (infos[i].dimension == input::dim::pressure || infos[i].dimension == input::dim::none ||
-        infos[i].name.find(".von_mises") != std::string::npos)
+        infos[i].role == mbs::OutputRole::place_of_stress)
       continue;
     which_.push_back(static_cast<int>(i));
     owner_.push_back(owner_of(infos[i].name));

@@ -313,7 +313,7 @@ end_time = "1 ms"
   const Outcome outcome =
       flexura("simulate " + mechanism.string() + " -o " + (folder_ / "cable.h5").string());
   EXPECT_EQ(outcome.code, 0) << outcome.err;
-  EXPECT_THAT(outcome.out, HasSubstr("elements of cable: a run with --set body.cable.beam.elements=4"));
+  EXPECT_THAT(outcome.out, HasSubstr("elements of cable: --check-elements tells"));
 }
 
 // Ctrl-C: the run ends after the step under way, with code 1 and its time; what it has is readable.

@@ -167,14 +167,14 @@ end_time = "0.5 ms"
 output_step = "50 us"
 )toml";
 
-TEST_F(Choosing, ACableComesOutAsAncfAndABarRigid) {
+TEST_F(Choosing, ACableComesOutAsAnExactBeamAndABarRigid) {
   const std::filesystem::path file = folder_.write("pendulum.toml", kPendulum);
   const ChosenRun cable = run(file, {});
   ASSERT_TRUE(cable.result.complete) << cable.result.stopped_because;
   // A wire of 1 mm and 1 m: EI = E pi d^4 / 64 = 0.0098 N m^2, and its hook carries up to its weight of 0.06
   // N.
   EXPECT_THAT(cable.reasons, ::testing::ElementsAre(::testing::AllOf(
-                                 HasSubstr("rope: ancf: rigid, its joints would load it with up to"),
+                                 HasSubstr("rope: beam: rigid, its joints would load it with up to"),
                                  HasSubstr("EI 0.0098 N m^2"), HasSubstr("far beyond what modes describe"))));
   ASSERT_TRUE(cable.prepared.mechanism->description().bodies.back().flexible);
   EXPECT_FALSE(cable.prepared.mechanism->description().bodies.back().flexible->is_linear());
