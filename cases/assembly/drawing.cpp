@@ -106,10 +106,10 @@ void Assembly::place(const TDF_Label& group, const TDF_Label& what, const TopLoc
   if (!name.empty()) TDataStd_Name::Set(component, name.c_str());
 }
 
-void Assembly::write(const std::string& file, const std::string& unit) {
+void Assembly::write(const std::string& file, const std::string& unit, const std::string& schema) {
   XCAFDoc_DocumentTool::ShapeTool(document_->Main())->UpdateAssemblies();
   STEPControl_Controller::Init();  // makes the settings, which the writer reads when it is made
-  Interface_Static::SetCVal("write.step.schema", "AP214IS");
+  Interface_Static::SetCVal("write.step.schema", schema.c_str());
   Interface_Static::SetCVal("write.step.unit", unit.c_str());
   STEPCAFControl_Writer writer;
   if (!writer.Transfer(document_, STEPControl_AsIs) || writer.Write(file.c_str()) != IFSelect_RetDone)

@@ -9,7 +9,7 @@
 #include <gp_Pnt.hxx>
 #include <string>
 
-/// Assemblies drawn with OpenCASCADE and written as STEP AP214 with their product structure. Lengths in mm.
+/// Assemblies drawn with OpenCASCADE and written as STEP with their product structure. Lengths in mm.
 namespace drawing {
 
 TopoDS_Shape box(const gp_Pnt& low, const gp_Pnt& high);
@@ -35,8 +35,8 @@ class Assembly {
   void place(const TDF_Label& what, const TopLoc_Location& location, const std::string& name = "");
   void place(const TDF_Label& group, const TDF_Label& what, const TopLoc_Location& location,
              const std::string& name = "");
-  /// Throws std::runtime_error where it cannot be written.  `unit`: "MM", "INCH", "M".
-  void write(const std::string& file, const std::string& unit = "MM");
+  /// Throws std::runtime_error where it cannot be written.  `unit`: "MM", "INCH", "M"; `schema`: "AP203", "AP214IS", "AP242DIS".
+  void write(const std::string& file, const std::string& unit = "MM", const std::string& schema = "AP214IS");
 
  private:
   Handle(TDocStd_Document) document_;

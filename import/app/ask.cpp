@@ -18,7 +18,7 @@ namespace {
 
 using Type = cad::JointForm::Type;
 
-constexpr std::array kTypes = {Type::fixed,       Type::revolute, Type::prismatic,
+constexpr std::array kTypes = {Type::fixed,       Type::revolute, Type::prismatic, Type::screw,
                                Type::cylindrical, Type::planar,   Type::spherical};
 
 std::string type_names() {

@@ -4,6 +4,7 @@
 // hands over to it.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <iostream>
 
@@ -150,7 +151,11 @@ int import_assembly(const Arguments& a, const std::filesystem::path& folder,
   const import::cad::Assembly assembly = import::cad::read_assembly(a.input, limit);
   import::cad::Built built =
       import::cad::build(assembly, std::filesystem::path(a.input).stem().string(), options);
-  const auto overlaps = overlaps_of(a.input, assembly, options.propose.clearance, limit, built.mechanism);
+  // The mechanism does not need it: shapes of long threads take OpenCASCADE minutes.
+  constexpr double most_for_overlaps = 60.0;
+  const double overlap_limit = a.time_limit.empty() ? std::min(limit, most_for_overlaps) : limit;
+  const auto overlaps =
+      overlaps_of(a.input, assembly, options.propose.clearance, overlap_limit, built.mechanism);
   const fs::path page = folder / "assembly.html";
   import::write_folder(folder, built.mechanism, built.texts, a.force, {page});
   if (options.joints) print_proposal(built, verbosity);

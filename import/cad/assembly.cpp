@@ -88,6 +88,9 @@ class Unpacker {
       face.shape.normal = vector_of(f.normal);
       face.shape.axis_point = vector_of(f.axis_point);
       face.shape.axis = vector_of(f.axis);
+      face.is_turned = f.turned;
+      face.lead = f.lead;
+      require(std::isfinite(f.lead) && (!f.turned || std::abs(face.shape.axis.norm() - 1.0) < 1e-6));
       if (face.shape.kind == mesh::FaceKind::cylinder && f.radius > 0.0 && f.length > 0.0)
         face.shape.sweep = std::min(2.0 * std::numbers::pi, f.area / (f.radius * f.length));
       for (std::size_t t = 0; t + 2 < f.triangles.size(); t += 3) {

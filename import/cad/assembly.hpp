@@ -16,6 +16,9 @@ namespace flexura::import::cad {
 /// A face of a part: what it is (mesh::Face), and its triangles.
 struct Face {
   mesh::Face shape;
+  /// Of kind other, but carried along itself by the turns about axis and axis_point, or by a screw of this lead [m].
+  bool is_turned = false;
+  double lead = 0.0;
   std::vector<Eigen::Vector3i> triangles;  ///< indices of the part's surface vertices
 };
 

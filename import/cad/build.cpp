@@ -8,6 +8,7 @@
 #include <set>
 #include <tuple>
 
+#include "import/cad/contact_text.hpp"
 #include "import/cad/decide.hpp"
 #include "mbs/base/math/rotation.hpp"
 
@@ -50,6 +51,7 @@ class Builder {
         m.notes.push_back(doubt);
         m.comments.push_back("doubtful: " + doubt);
       }
+      add_contacts();
       if (built_.proposal.freedom)
         m.comments.push_back(fmt::format("degrees of freedom: {}", *built_.proposal.freedom));
     }
@@ -115,6 +117,7 @@ class Builder {
           fmt::format("{} of its rows follow from those of the joints before it", joint.redundant));
     const Pose X_WJ{mbs::frame_along(joint.form.axis), joint.form.point};
     element.lines = {{"type", text(name_of(joint.form.type))}};
+    if (joint.form.type == Type::screw) element.lines.emplace_back("pitch", toml(joint.form.lead));
     const std::array<int, 2> on = {interface_for(joint, joint.a), interface_for(joint, joint.b)};
     built_.joints.push_back({.name = element.name, .proposed = number, .on = on});
     for (const auto& [key, i, face] : {std::tuple{"from", joint.a, on[0]}, {"to", joint.b, on[1]}}) {
@@ -127,6 +130,33 @@ class Builder {
       built_.mechanism.notes.push_back(
           fmt::format("joint {} ({}) is doubtful: {}", element.name, name_of(joint.form.type), joint.doubt));
     built_.mechanism.elements.push_back(std::move(element));
+  }
+
+  // Pairs that may touch, for those who want them to: tables for the end of the mechanism file.
+  void add_contacts() {
+    if (built_.proposal.candidates.empty()) return;
+    std::string file =
+        "# Pairs of bodies without a joint between them that come near each other, by flexura import. What "
+        "is to touch goes to the\n"
+        "# end of mechanism.toml: a table of the marker and one of the contact each. Stiffness and damping "
+        "are chosen.\n";
+    int ready = 0;
+    for (const ContactCandidate& c : built_.proposal.candidates) {
+      const std::string &a = body_names_[static_cast<std::size_t>(c.a)],
+                        &b = body_names_[static_cast<std::size_t>(c.b)];
+      ContactText text = contact_text(assembly_, body_names_, c, names_.add("contact_" + a + "_" + b));
+      file += "\n# " + text.says + "\n" +
+              (text.lines.empty() ? "# neither face is a plane, a sphere or a cylinder: a gear, a mesh of "
+                                    "teeth or a joint must do\n"
+                                  : text.lines);
+      ready += text.lines.empty() ? 0 : 1;
+      built_.contacts.push_back({c.a, c.b, c.place, std::move(text)});
+    }
+    built_.texts.push_back({"contacts.toml", file});
+    built_.mechanism.notes.push_back(
+        fmt::format("{} {} of bodies without a joint come near each other: contacts.toml lists them, {} with "
+                    "a contact to be copied",
+                    built_.contacts.size(), built_.contacts.size() == 1 ? "pair" : "pairs", ready));
   }
 
   const mesh::Face& face_of(std::size_t part, int number) const {
@@ -164,6 +194,20 @@ class Builder {
     return f.kind == mesh::FaceKind::cylinder ? f.axis_point : f.centroid;
   }
 
+  // Which of the part's interfaces each triangle is of: an interface holds all faces of one surface.
+  std::vector<int> triangle_interfaces(std::size_t p) const {
+    std::vector<int> of_triangle;
+    for (const Face& face : assembly_.parts[p].faces) {
+      int found = -1, k = 0;
+      for (const int number : faces_[p]) {
+        if (face.shape.number == number || is_same_surface(face.shape, face_of(p, number))) found = k;
+        ++k;
+      }
+      of_triangle.insert(of_triangle.end(), face.triangles.size(), found);
+    }
+    return of_triangle;
+  }
+
   std::string interfaces_of(std::size_t p) const {
     std::string out;
     for (const int number : faces_[p])
@@ -174,9 +218,10 @@ class Builder {
   void add_part_files() {
     for (std::size_t i = 0; i < assembly_.instances.size(); ++i) {
       const auto p = static_cast<std::size_t>(assembly_.instances[i].part);
+      Body& body = built_.mechanism.bodies[i];
       for (const int number : faces_[p])
-        built_.mechanism.bodies[i].interfaces.emplace_back(fmt::format("face{}", number),
-                                                           place_of(face_of(p, number)));
+        body.interfaces.emplace_back(fmt::format("face{}", number), place_of(face_of(p, number)));
+      body.triangle_interface = triangle_interfaces(p);
     }
     for (std::size_t p = 0; p < assembly_.parts.size(); ++p) {
       const Part& part = assembly_.parts[p];

@@ -4,6 +4,7 @@
 #include <array>
 #include <functional>
 
+#include "import/cad/contact_text.hpp"
 #include "import/cad/propose.hpp"
 #include "import/model/folder.hpp"
 
@@ -26,11 +27,19 @@ struct NamedJoint {
       {};  ///< number of the face of its first and its second body that carries its markers; 0: none
 };
 
+/// Two bodies that may touch.
+struct NamedContact {
+  int a = 0, b = 0;                   ///< instances
+  Vector3d place = Vector3d::Zero();  ///< in the world
+  ContactText text;
+};
+
 struct Built {
   Mechanism mechanism;
   std::vector<TextFile> texts;  ///< part files and their CAD files
   Proposal proposal;
-  std::vector<NamedJoint> joints;  ///< in the order of the mechanism's elements
+  std::vector<NamedJoint> joints;      ///< in the order of the mechanism's elements
+  std::vector<NamedContact> contacts;  ///< the nearest first
 };
 
 /// The assembly as a mechanism: a body for each instance in the frame of its part, a joint for each proposal, and for each

@@ -3,11 +3,11 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
 
+#include "import/cad/round_contacts.hpp"
 #include "mbs/base/math/rotation.hpp"
 
 namespace flexura::import::cad {
@@ -16,86 +16,12 @@ namespace {
 using mesh::FaceKind;
 using Vector2d = Eigen::Vector2d;
 
-// Directions of faces that are to fit agree to this [rad]: CAD has them to 1e-9, a tenth of a degree is a draft.
-constexpr double kAngle = 1e-3;
-constexpr int kBins = 72;  // of the circle, 5 degrees each
+constexpr double kAngle = kSameDirection;
 
 bool boxes_meet(const Vector3d& low_a, const Vector3d& high_a, const Vector3d& low_b, const Vector3d& high_b,
                 double slack) {
   return ((low_a.array() - slack) <= high_b.array()).all() &&
          ((low_b.array() - slack) <= high_a.array()).all();
-}
-
-// How far along the axis a cylinder's face reaches in each sector, in the frame (R, o) with z along the axis.
-struct Reach {
-  std::array<double, kBins> low, high;
-};
-
-Reach reach_of(const PlacedPart& part, const PlacedFace& face, const Matrix3d& R, const Vector3d& o) {
-  Reach reach;
-  reach.low.fill(std::numeric_limits<double>::infinity());
-  reach.high.fill(-std::numeric_limits<double>::infinity());
-  constexpr double whole = 2.0 * std::numbers::pi, step = whole / kBins;
-  for (const Eigen::Vector3i& t : face.face->triangles) {
-    std::array<double, 3> angle;
-    double low = std::numeric_limits<double>::infinity(), high = -low;
-    for (int k = 0; k < 3; ++k) {
-      const Vector3d x = R.transpose() * (part.vertices[static_cast<std::size_t>(t[k])] - o);
-      angle[static_cast<std::size_t>(k)] = std::atan2(x.y(), x.x());
-      low = std::min(low, x.z());
-      high = std::max(high, x.z());
-    }
-    double first = 0.0, last = 0.0;  // beside the first corner's
-    for (int k = 1; k < 3; ++k) {
-      const double d = std::remainder(angle[static_cast<std::size_t>(k)] - angle[0], whole);
-      first = std::min(first, d);
-      last = std::max(last, d);
-    }
-    // Bins whose middle the triangle covers.
-    const int begin = static_cast<int>(std::ceil((angle[0] + first) / step - 0.5 - 1e-9)),
-              end = static_cast<int>(std::floor((angle[0] + last) / step - 0.5 + 1e-9));
-    for (int b = begin; b <= end; ++b) {
-      const auto at = static_cast<std::size_t>(((b % kBins) + kBins) % kBins);
-      reach.low[at] = std::min(reach.low[at], low);
-      reach.high[at] = std::max(reach.high[at], high);
-    }
-  }
-  return reach;
-}
-
-bool cylinders_touch(const PlacedPart& a, const PlacedFace& fa, const PlacedPart& b, const PlacedFace& fb,
-                     double clearance, FacePair& pair) {
-  if (fa.hole == fb.hole || fa.axis.cross(fb.axis).norm() > kAngle) return false;
-  const PlacedFace &shaft = fa.hole ? fb : fa, &bore = fa.hole ? fa : fb;
-  const double gap = bore.radius - shaft.radius;
-  if (std::abs(gap) > clearance) return false;
-  const Vector3d between = bore.point - shaft.point;
-  if ((between - shaft.axis * shaft.axis.dot(between)).norm() > clearance) return false;
-  const Matrix3d R = mbs::frame_along(shaft.axis);
-  const Reach ra = reach_of(a, fa, R, shaft.point), rb = reach_of(b, fb, R, shaft.point);
-  double low = std::numeric_limits<double>::infinity(), high = -low;
-  for (int k = 0; k < kBins; ++k) {
-    const auto i = static_cast<std::size_t>(k);
-    const double z0 = std::max(ra.low[i], rb.low[i]), z1 = std::min(ra.high[i], rb.high[i]);
-    // An edge that only meets the other's end is no seat.
-    if (!(z1 - z0 > 1e-3 * shaft.radius)) continue;
-    low = std::min(low, z0);
-    high = std::max(high, z1);
-    const double angle = (k + 0.5) * 2.0 * std::numbers::pi / kBins;
-    const Vector3d radial = R * Vector3d(std::cos(angle), std::sin(angle), 0.0);
-    const Vector3d n = fa.hole ? Vector3d(-radial) : radial;  // out of A
-    for (const double z : {z0, z1})
-      pair.contacts.push_back({shaft.point + shaft.radius * radial + z * shaft.axis, n});
-  }
-  if (pair.contacts.empty()) return false;
-  pair.kind = FaceKind::cylinder;
-  pair.shaft_in_a = !fa.hole;
-  pair.radius = shaft.radius;
-  pair.gap = gap;
-  pair.extent = high - low;
-  pair.axis = shaft.axis;
-  pair.point = shaft.point + 0.5 * (low + high) * shaft.axis;
-  return true;
 }
 
 using Polygon = std::vector<Vector2d>;
@@ -221,59 +147,7 @@ bool spheres_touch(const PlacedPart& a, const PlacedFace& fa, const PlacedPart& 
   return true;
 }
 
-// Ericson, Real-Time Collision Detection, section 5.1.5.
-double distance(const Vector3d& p, const Vector3d& a, const Vector3d& b, const Vector3d& c) {
-  const Vector3d ab = b - a, ac = c - a, ap = p - a;
-  const double d1 = ab.dot(ap), d2 = ac.dot(ap);
-  if (d1 <= 0.0 && d2 <= 0.0) return ap.norm();
-  const Vector3d bp = p - b;
-  const double d3 = ab.dot(bp), d4 = ac.dot(bp);
-  if (d3 >= 0.0 && d4 <= d3) return bp.norm();
-  const double vc = d1 * d4 - d3 * d2;
-  if (vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0) return (ap - ab * (d1 / (d1 - d3))).norm();
-  const Vector3d cp = p - c;
-  const double d5 = ab.dot(cp), d6 = ac.dot(cp);
-  if (d6 >= 0.0 && d5 <= d6) return cp.norm();
-  const double vb = d5 * d2 - d1 * d6;
-  if (vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0) return (ap - ac * (d2 / (d2 - d6))).norm();
-  const double va = d3 * d6 - d5 * d4;
-  if (va <= 0.0 && d4 - d3 >= 0.0 && d5 - d6 >= 0.0) {
-    const double w = (d4 - d3) / ((d4 - d3) + (d5 - d6));
-    return (p - (b + w * (c - b))).norm();
-  }
-  const double whole = va + vb + vc;
-  if (!(whole > 0.0)) return ap.norm();  // a triangle without area
-  return (ap - ab * (vb / whole) - ac * (vc / whole)).norm();
-}
-
-// Corners of `a` against triangles of `b`.
-double corners_to_triangles(const PlacedPart& a, const PlacedPart& b, double within) {
-  double least = within;
-  std::vector<const Vector3d*> corners;
-  for (const Vector3d& v : a.vertices)
-    if (boxes_meet(v, v, b.low, b.high, within)) corners.push_back(&v);
-  if (corners.empty()) return least;
-  for (const PlacedFace& face : b.faces) {
-    if (!boxes_meet(face.low, face.high, a.low, a.high, within)) continue;
-    for (const Eigen::Vector3i& t : face.face->triangles) {
-      const Vector3d &x = b.vertices[static_cast<std::size_t>(t[0])],
-                     &y = b.vertices[static_cast<std::size_t>(t[1])],
-                     &z = b.vertices[static_cast<std::size_t>(t[2])];
-      const Vector3d low = x.cwiseMin(y).cwiseMin(z), high = x.cwiseMax(y).cwiseMax(z);
-      if (!boxes_meet(low, high, a.low, a.high, within)) continue;
-      for (const Vector3d* v : corners)
-        if (boxes_meet(*v, *v, low, high, least)) least = std::min(least, distance(*v, x, y, z));
-    }
-  }
-  return least;
-}
-
 }  // namespace
-
-double nearest(const PlacedPart& a, const PlacedPart& b, double within) {
-  if (!boxes_meet(a.low, a.high, b.low, b.high, within)) return within;
-  return std::min(corners_to_triangles(a, b, within), corners_to_triangles(b, a, within));
-}
 
 PlacedPart place(const Part& part, const Pose& X) {
   PlacedPart placed;
@@ -283,6 +157,7 @@ PlacedPart place(const Part& part, const Pose& X) {
   for (const Face& face : part.faces) {
     const mesh::Face& s = face.shape;
     PlacedFace f{.kind = s.kind, .number = static_cast<int>(s.number), .hole = s.hole, .radius = s.radius};
+    f.lead = face.lead;
     f.normal = X.R * s.normal;
     f.axis = X.R * s.axis;
     f.point = X * (s.kind == FaceKind::plane ? s.centroid : s.axis_point);
@@ -311,6 +186,7 @@ std::vector<FacePair> find_pairs(const PlacedPart& a, const PlacedPart& b, doubl
       const bool touch = fa.kind == FaceKind::cylinder ? cylinders_touch(a, fa, b, fb, clearance, pair)
                          : fa.kind == FaceKind::plane  ? planes_touch(a, fa, b, fb, clearance, pair)
                          : fa.kind == FaceKind::sphere ? spheres_touch(a, fa, b, fb, clearance, pair)
+                         : fa.kind == FaceKind::cone   ? cones_touch(a, fa, b, fb, clearance, pair)
                                                        : false;
       if (touch) pairs.push_back(std::move(pair));
     }

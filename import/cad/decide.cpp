@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "import/cad/joint_freedom.hpp"
+#include "import/cad/threads.hpp"
 
 namespace flexura::import::cad {
 namespace {
@@ -22,6 +23,16 @@ std::vector<int> groups_of(const Assembly& assembly, const Proposal& proposal) {
     std::ranges::replace(group, std::max(a, b), std::min(a, b));
   }
   return group;
+}
+
+// Of the coarse thread of the diameter of a cylinder that it sits on.
+double lead_of_seat(const Assembly& assembly, const ProposedJoint& joint) {
+  for (const auto& [instance, number] : joint.faces) {
+    const auto part = static_cast<std::size_t>(assembly.instances[static_cast<std::size_t>(instance)].part);
+    const mesh::Face& face = assembly.parts[part].faces[static_cast<std::size_t>(number - 1)].shape;
+    if (face.kind == mesh::FaceKind::cylinder) return coarse_lead(2.0 * face.radius);
+  }
+  return 1e-3;
 }
 
 }  // namespace
@@ -61,6 +72,7 @@ void change_type(const Assembly& assembly, ProposedJoint& joint, JointForm::Type
     }
   }
   joint.form.type = type;
+  if (type == Type::screw && joint.form.lead == 0.0) joint.form.lead = lead_of_seat(assembly, joint);
 }
 
 }  // namespace flexura::import::cad

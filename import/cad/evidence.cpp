@@ -20,6 +20,23 @@ std::string evidence_of(const FacePair& p, const std::string& a, const std::stri
     return fmt::format("{} {} of {} (face {}) in {} (face {}), {} long, gap {}", "shaft", mm(p.radius),
                        p.shaft_in_a ? a : b, p.shaft_in_a ? p.face_a : p.face_b, p.shaft_in_a ? b : a,
                        p.shaft_in_a ? p.face_b : p.face_a, mm(p.extent), mm(p.gap));
+  if (p.is_thread()) {
+    const char* const sign = p.sign == ThreadSign::flanks          ? "by the flanks of both"
+                             : p.sign == ThreadSign::flanks_of_one ? "by the flanks of one of them"
+                             : p.sign == ThreadSign::overlap
+                                 ? "drawn as cylinders that overlap, as a bolt and a hole for the tap"
+                                 : "drawn as cylinders, a thread by its name";
+    return fmt::format(
+        "thread of radius {}{} of {} (face {}) in {} (face {}), {} long, {}", mm(p.radius),
+        p.lead != 0.0 ? fmt::format(", lead {}{}", mm(std::abs(p.lead)), p.lead < 0.0 ? " (left-hand)" : "")
+                      : "",
+        p.shaft_in_a ? a : b, p.shaft_in_a ? p.face_a : p.face_b, p.shaft_in_a ? b : a,
+        p.shaft_in_a ? p.face_b : p.face_a, mm(p.extent), sign);
+  }
+  if (p.kind == FaceKind::cone)
+    return fmt::format("cone of {} (face {}) in its seat in {} (face {}), radius {}, {} long, gap {}",
+                       p.shaft_in_a ? a : b, p.shaft_in_a ? p.face_a : p.face_b, p.shaft_in_a ? b : a,
+                       p.shaft_in_a ? p.face_b : p.face_a, mm(p.radius), mm(p.extent), mm(p.gap));
   if (p.kind == FaceKind::sphere)
     return fmt::format("ball of radius {} of {} (face {}) in {} (face {}), gap {}", mm(p.radius),
                        p.shaft_in_a ? a : b, p.shaft_in_a ? p.face_a : p.face_b, p.shaft_in_a ? b : a,
@@ -37,8 +54,9 @@ bool is_of_revolution(const PlacedPart& part, const Vector3d& point, const Vecto
     const bool fits = f.kind == FaceKind::plane ? f.normal.cross(axis).norm() < 1e-3
                       : f.kind == FaceKind::cylinder || f.kind == FaceKind::cone
                           ? f.axis.cross(axis).norm() < 1e-3 && on_axis
-                      : f.kind == FaceKind::sphere ? on_axis
-                                                   : false;
+                      : f.kind == FaceKind::sphere
+                          ? on_axis
+                          : f.face->is_turned && f.axis.cross(axis).norm() < 1e-3 && on_axis;
     if (!fits) odd += f.face->shape.area;
   }
   return odd < 0.2 * all;

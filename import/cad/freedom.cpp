@@ -6,6 +6,7 @@
 #include <Eigen/QR>
 #include <Eigen/SVD>
 #include <cmath>
+#include <numbers>
 
 namespace flexura::import::cad {
 namespace {
@@ -141,6 +142,7 @@ JointForm form_of(const MatrixXd& twists, const Vector3d& centre, double size) {
   if (k == 1 && turns == 1) {
     screw_of(twists.col(0), pitch);
     form.type = std::abs(pitch) < kTolerance ? Type::revolute : Type::screw;
+    if (form.type == Type::screw) form.lead = 2.0 * std::numbers::pi * size * pitch;
   } else if (k == 1) {
     form.axis = slides.col(0).normalized();
     form.type = Type::prismatic;
@@ -184,6 +186,8 @@ const char* name_of(JointForm::Type type) {
       return "revolute";
     case Type::prismatic:
       return "prismatic";
+    case Type::screw:
+      return "screw";
     case Type::cylindrical:
       return "cylindrical";
     case Type::planar:

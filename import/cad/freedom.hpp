@@ -46,6 +46,7 @@ struct JointForm {
   } type = Type::other;
   Eigen::Vector3d point = Eigen::Vector3d::Zero();  ///< on the axis; the centre of a sphere
   Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();  ///< axis, direction of sliding, normal of the plane
+  double lead = 0.0;  ///< of a screw: translation in one turn [m], negative: left-hand
 };
 
 /// As mechanism files call it; empty where they know none.

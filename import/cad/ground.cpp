@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <stdexcept>
 
 namespace flexura::import::cad {
@@ -33,21 +32,6 @@ int find_ground(const Assembly& assembly, const std::vector<PlacedPart>& parts,
                     found.size(), list, n > 12 ? ", ..." : ""));
   }
   return found.front();
-}
-
-bool names_a_thread(const std::string& name) {
-  std::string low;
-  for (const char c : name) low += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  for (const char* const word : {"screw", "thread", "spindle", "spindel", "gewinde"})
-    if (low.find(word) != std::string::npos) return true;
-  // M8, Tr16: a letter's word and its diameter, nothing before it in the word.
-  const auto is_letter = [](char c) { return c >= 'a' && c <= 'z'; };
-  for (std::size_t i = 0; i + 1 < low.size(); ++i) {
-    if (i > 0 && is_letter(low[i - 1])) continue;
-    const std::size_t digits = low[i] == 'm' ? i + 1 : low.compare(i, 2, "tr") == 0 ? i + 2 : low.size();
-    if (digits < low.size() && low[digits] >= '1' && low[digits] <= '9') return true;
-  }
-  return false;
 }
 
 }  // namespace flexura::import::cad

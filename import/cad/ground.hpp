@@ -13,7 +13,4 @@ namespace flexura::import::cad {
 int find_ground(const Assembly& assembly, const std::vector<PlacedPart>& parts,
                 const std::vector<std::string>& names, const std::string& wanted);
 
-/// Whether a name speaks of a thread: "lead screw", "Tr16x4", "M8", "spindle".
-bool names_a_thread(const std::string& name);
-
 }  // namespace flexura::import::cad

@@ -22,12 +22,14 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(AssemblyJob, path, parent, deflection, overla
 struct FaceAnswer {
   int kind = 4;  ///< of mesh::FaceKind
   double area = 0, radius = 0, length = 0;
+  bool turned = false;  ///< kind other, and a surface that slips along itself about an axis (slippage.hpp)
+  double lead = 0;      ///< then of the screw, 0: a rotation
   bool hole = false;
   std::array<double, 3> centroid{}, normal{}, axis_point{}, axis{};
   std::vector<std::int32_t> triangles;
 };
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(FaceAnswer, kind, area, radius, length, hole, centroid, normal, axis_point,
-                                   axis, triangles)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(FaceAnswer, kind, area, radius, length, turned, lead, hole, centroid,
+                                   normal, axis_point, axis, triangles)
 
 struct PartAnswer {
   std::string name, color, brep;

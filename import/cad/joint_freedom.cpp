@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 #include <Eigen/QR>
 #include <map>
+#include <numbers>
 
 #include "mbs/base/math/rotation.hpp"
 
@@ -31,6 +32,9 @@ MatrixXd twists_of(const JointForm& form, const Vector3d& centre, double size) {
       break;
     case Type::prismatic:
       columns = {slide(form.axis)};
+      break;
+    case Type::screw:
+      columns = {turn(form.axis) + form.lead / (2.0 * std::numbers::pi * size) * slide(form.axis)};
       break;
     case Type::cylindrical:
       columns = {turn(form.axis), slide(form.axis)};

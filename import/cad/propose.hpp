@@ -15,7 +15,8 @@
 ///    (freedom.hpp): none joins the groups into one, others are the joint of that form.
 /// 3. A pin, a body of revolution that runs in two or more groups on one axis, is fixed to the one that it fits tightest:
 ///    its spin moves nothing. A fastener, the same through two parts that are fixed already, is fixed to them.
-/// 4. Two groups that touch without holding each other from both sides in any direction make no joint, unless
+/// 4. What screws into one another leaves a screw; a nut or bolt that touches others from one side only is tightened: fixed.
+/// 5. Two groups that touch without holding each other from both sides in any direction make no joint, unless
 ///    one of them has no other.
 namespace flexura::import::cad {
 
@@ -32,10 +33,19 @@ struct ProposedJoint {
   int redundant = 0;                       ///< of its rows follow from those of the joints before it
 };
 
+/// Two bodies without a joint between them that come near each other, where and by which faces.
+struct ContactCandidate {
+  int a = -1, b = -1;  ///< instances
+  int face_a = 0, face_b = 0;
+  double distance = 0.0;  ///< [m]
+  Vector3d place = Vector3d::Zero();
+};
+
 struct Proposal {
   int ground = -1;  ///< instance
   std::vector<ProposedJoint> joints;
-  std::vector<std::string> doubts;  ///< pairs that are no joint and are to be looked at
+  std::vector<std::string> doubts;           ///< pairs that are no joint and are to be looked at
+  std::vector<ContactCandidate> candidates;  ///< the nearest first
   /// Degrees of freedom of the whole in this position; nothing where the groups are too many to be counted.
   std::optional<int> freedom;
 };

@@ -21,6 +21,7 @@
 #include <set>
 #include <sstream>
 
+#include "import/cad/slippage.hpp"
 #include "import/cad/worker_assembly.hpp"
 #include "mesh/gmsh/worker/recognise.hpp"
 
@@ -37,28 +38,67 @@ std::array<double, 3> as_array(const Eigen::Vector3d& v) {
   return {v.x(), v.y(), v.z()};
 }
 
-// Points and outward normals over the face's parameter rectangle: what it is, whatever the file calls it.
+using Rows = Eigen::Matrix<double, Eigen::Dynamic, 3>;
+
+// Points and outward normals of a face at places (u, v) of the unit square over its parameter rectangle.
+class Sampled {
+ public:
+  explicit Sampled(const TopoDS_Face& face)
+      : surface_(face), is_reversed_(face.Orientation() == TopAbs_REVERSED) {
+    BRepTools::UVBounds(face, u0_, u1_, v0_, v1_);
+  }
+
+  void add(double u, double v) {
+    gp_Pnt p;
+    gp_Vec du, dv;
+    surface_.D1(u0_ + (u1_ - u0_) * u, v0_ + (v1_ - v0_) * v, p, du, dv);
+    gp_Vec normal = du.Crossed(dv);
+    if (!(normal.Magnitude() > 1e-300)) return;
+    normal.Normalize();
+    if (is_reversed_) normal.Reverse();
+    points_.emplace_back(kToM * p.X(), kToM * p.Y(), kToM * p.Z());
+    normals_.emplace_back(normal.X(), normal.Y(), normal.Z());
+  }
+  Rows points() const { return rows_of(points_); }
+  Rows normals() const { return rows_of(normals_); }
+
+ private:
+  static Rows rows_of(const std::vector<Eigen::Vector3d>& list) {
+    Rows rows(static_cast<Eigen::Index>(list.size()), 3);
+    for (Eigen::Index i = 0; i < rows.rows(); ++i)
+      rows.row(i) = list[static_cast<std::size_t>(i)].transpose();
+    return rows;
+  }
+  BRepAdaptor_Surface surface_;
+  bool is_reversed_;
+  double u0_ = 0, u1_ = 0, v0_ = 0, v1_ = 0;
+  std::vector<Eigen::Vector3d> points_, normals_;
+};
+
+// A thread's flank may go round a hundred times: places that no number of turns makes one and the same (M. Roberts' sequence).
+void recognise_slippage(const TopoDS_Face& face, FaceAnswer& answer) {
+  constexpr int n = 240;
+  constexpr double golden = 0.7548776662466927;  // 1 / x, x^3 = x + 1
+  Sampled sampled(face);
+  double whole = 0.0;
+  for (int k = 1; k <= n; ++k)
+    sampled.add(std::modf(k * golden, &whole), std::modf(k * golden * golden, &whole));
+  const auto found = slippage_of(sampled.points(), sampled.normals());
+  if (!found) return;
+  answer.turned = true;
+  answer.lead = found->lead;
+  answer.axis = as_array(found->axis);
+  answer.axis_point = as_array(found->point);
+}
+
+// What the face is, whatever the file calls it.
 void recognise_face(const TopoDS_Face& face, FaceAnswer& answer) {
   constexpr int n = 7;
-  double u0 = 0, u1 = 0, v0 = 0, v1 = 0;
-  BRepTools::UVBounds(face, u0, u1, v0, v1);
-  const BRepAdaptor_Surface surface(face);
-  Eigen::Matrix<double, Eigen::Dynamic, 3> points(n * n, 3), normals(n * n, 3);
-  int k = 0;
+  Sampled sampled(face);
   for (int i = 0; i < n; ++i)
-    for (int j = 0; j < n; ++j) {
-      gp_Pnt p;
-      gp_Vec du, dv;
-      surface.D1(u0 + (u1 - u0) * (i + 0.5) / n, v0 + (v1 - v0) * (j + 0.5) / n, p, du, dv);
-      gp_Vec normal = du.Crossed(dv);
-      if (!(normal.Magnitude() > 1e-300)) continue;
-      normal.Normalize();
-      if (face.Orientation() == TopAbs_REVERSED) normal.Reverse();
-      points.row(k) << kToM * p.X(), kToM * p.Y(), kToM * p.Z();
-      normals.row(k++) << normal.X(), normal.Y(), normal.Z();
-    }
+    for (int j = 0; j < n; ++j) sampled.add((i + 0.5) / n, (j + 0.5) / n);
   mesh::Face found;
-  mesh::recognise(points.topRows(k), normals.topRows(k), found);
+  mesh::recognise(sampled.points(), sampled.normals(), found);
   answer.kind = static_cast<int>(found.kind);
   answer.radius = found.radius;
   answer.length = found.length;
@@ -66,6 +106,7 @@ void recognise_face(const TopoDS_Face& face, FaceAnswer& answer) {
   answer.normal = as_array(found.normal);
   answer.axis_point = as_array(found.axis_point);
   answer.axis = as_array(found.axis);
+  if (found.kind == mesh::FaceKind::other) recognise_slippage(face, answer);
 }
 
 void take_triangles(const TopoDS_Face& face, PartAnswer& part, FaceAnswer& answer, std::set<int>& seen_edges,

@@ -103,6 +103,8 @@ superelement::Superelement rigid_superelement(const Body& body, const std::strin
     se.surface.edges.row(e) << a, b;
   }
   se.surface.triangle_interface.assign(static_cast<std::size_t>(n_t), -1);
+  for (std::size_t t = 0; t < body.triangle_interface.size(); ++t)  // behind "origin"
+    if (body.triangle_interface[t] >= 0) se.surface.triangle_interface[t] = body.triangle_interface[t] + 1;
   return se;
 }
 

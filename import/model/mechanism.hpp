@@ -57,6 +57,8 @@ struct Body {
   Pose X_WB = {};
   /// Places of the superelement that become interfaces where the part is reduced; rigid it carries markers there.
   std::vector<std::pair<std::string, Vector3d>> interfaces = {};
+  std::vector<int> triangle_interface =
+      {};  ///< of each triangle of the surface, -1: none; empty: all of them
   std::string part =
       {};  ///< bodies of one part share its superelement, "parts/PART.se.h5"; empty: of its own
 

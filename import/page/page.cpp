@@ -68,6 +68,7 @@ view::PartsPage page_of(const cad::Assembly& assembly, const cad::Built& built,
     const cad::ProposedJoint& joint = built.proposal.joints[named.proposed];
     page.joints.push_back({.name = named.name,
                            .type = name_of(joint.form.type),
+                           .lead = joint.form.lead,
                            .a = joint.a,
                            .b = joint.b,
                            .R_WJ = mbs::frame_along(joint.form.axis),
@@ -79,6 +80,9 @@ view::PartsPage page_of(const cad::Assembly& assembly, const cad::Built& built,
                            .on = named.on});
   }
   if (!built.joints.empty() || !built.proposal.joints.empty()) page.doubts = built.proposal.doubts;
+  for (const cad::NamedContact& c : built.contacts)
+    page.contacts.push_back(
+        {.a = c.a, .b = c.b, .place = c.place, .text = c.text.says, .lines = c.text.lines});
   for (const cad::Overlap& o : overlaps) {
     const auto name = [&](int i) { return m.bodies[static_cast<std::size_t>(i)].name; };
     page.overlaps.push_back(

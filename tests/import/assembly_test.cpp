@@ -84,8 +84,11 @@ TEST(AssemblyImport, AShaftHeldBetweenShouldersStaysThereAndItsThreadIsDoubtful)
   int slides = 0;
   for (const auto& [name, type] : i.joints) slides += type == "prismatic" ? 1 : 0;
   EXPECT_EQ(slides, 1);
-  EXPECT_THAT(i.outcome.err,
-              HasSubstr("Tr18x4 runs in carriage on a cylinder, and by its name that may be a thread"));
+  EXPECT_THAT(
+      i.outcome.err,
+      HasSubstr(
+          "a thread by the name of Tr18x4, right-hand and of lead 4 mm; without a thread it is cylindrical"));
+  EXPECT_EQ(i.joints.at("carriage_Tr18x4"), "screw");
 }
 
 // A housing with a bar in it leans on the body by one plane and nothing else: without that joint both would fall.

@@ -57,6 +57,7 @@ TEST_F(Hanging, IsReducedOnceAndBendsAsABarDoes) {
   const std::string rigid = read_text(folder / "out/parts/bar.se.h5");
   const Outcome without = simulate({"--set", kFlexible});
   EXPECT_NE(without.exit_code, 0);  // a rigid superelement cannot deform
+  EXPECT_THAT(without.err, HasSubstr("flexura simulate --reduce"));
   const Outcome o = simulate({"--reduce", "--set", kFlexible});
   ASSERT_EQ(o.exit_code, 0) << o.err;
   EXPECT_THAT(o.err, HasSubstr("bar.toml reduced in"));
@@ -84,6 +85,22 @@ TEST_F(Hanging, IsReducedOnceAndBendsAsABarDoes) {
   folder.write("out/parts/bar.toml", replaced(read_text(part), "210 GPa", "70 GPa"));
   EXPECT_EQ(simulate({"--reduce", "--set", kFlexible}).exit_code, 0);
   EXPECT_EQ(reduced().size(), 2U);
+}
+
+// A joint's marker that stands on the bore by its position, as the page writes it, and on no interface.
+TEST_F(Hanging, MarkerOnNoInterfaceTakesThatOfItsFace) {
+  std::string text = read_text(folder / "out/mechanism.toml");
+  const auto table = text.find("[body.bar.marker."), on = text.find("on = \"face", table);
+  ASSERT_NE(on, std::string::npos);
+  const std::string line = text.substr(on, text.find('\n', on) + 1 - on),
+                    face = line.substr(6, line.size() - 8);
+  folder.write("out/mechanism.toml", text.erase(on, line.size()));
+  const Outcome o = simulate({"--reduce", "--set", kFlexible});
+  ASSERT_EQ(o.exit_code, 0) << o.err;
+  ASSERT_EQ(reduced().size(), 1U);
+  const superelement::Superelement se = superelement::read(reduced()[0], {});
+  ASSERT_EQ(se.interfaces.size(), 1U);
+  EXPECT_EQ(se.interfaces[0].name, face);
 }
 
 TEST_F(Hanging, WhatCannotBeReducedIsSaidInOneSentence) {
