@@ -72,6 +72,9 @@ void check(const PartsPage& page) {
   for (const OverlappingPair& o : page.overlaps)
     require(o.a >= 0 && o.a < n && o.b >= 0 && o.b < n && o.place.allFinite(),
             "an overlap is of a body that is not there");
+  for (const ContactCandidate& c : page.contacts)
+    require(c.a >= 0 && c.a < n && c.b >= 0 && c.b < n && c.place.allFinite(),
+            "a contact is of a body that is not there");
   for (const ProposedJoint& j : page.joints) {
     require(j.a >= 0 && j.a < n && j.b >= 0 && j.b < n,
             fmt::format("joint \"{}\" is of a body that is not there", j.name));
@@ -127,6 +130,7 @@ void write_parts_page(const std::filesystem::path& html, const PartsPage& page) 
   for (const ProposedJoint& j : page.joints)
     joints.push_back({{"name", j.name},
                       {"type", j.type},
+                      {"lead", j.lead},
                       {"a", j.a},
                       {"b", j.b},
                       {"position", point_json(j.p_WJ)},
@@ -139,6 +143,10 @@ void write_parts_page(const std::filesystem::path& html, const PartsPage& page) 
   json overlaps = json::array();
   for (const OverlappingPair& o : page.overlaps)
     overlaps.push_back({{"a", o.a}, {"b", o.b}, {"place", point_json(o.place)}, {"text", o.text}});
+  json contacts = json::array();
+  for (const ContactCandidate& c : page.contacts)
+    contacts.push_back(
+        {{"a", c.a}, {"b", c.b}, {"place", point_json(c.place)}, {"text", c.text}, {"lines", c.lines}});
   file.finish({{"format", 1},
                {"page", "parts"},
                {"title", page.title},
@@ -149,6 +157,7 @@ void write_parts_page(const std::filesystem::path& html, const PartsPage& page) 
                {"joints", joints},
                {"doubts", page.doubts},
                {"overlaps", overlaps},
+               {"contacts", contacts},
                {"head", page.head}});
 }
 

@@ -39,7 +39,8 @@ struct PlacedBody {
 };
 
 struct ProposedJoint {
-  std::string name, type;  ///< fixed, revolute, prismatic, cylindrical, planar, universal, spherical
+  std::string name, type;  ///< fixed, revolute, prismatic, screw, cylindrical, planar, universal, spherical
+  double lead = 0.0;       ///< of a screw [m]
   int a = 0, b = 0;        ///< bodies
   Eigen::Matrix3d R_WJ = Eigen::Matrix3d::Identity();  ///< z along its axis
   Eigen::Vector3d p_WJ = Eigen::Vector3d::Zero();
@@ -55,6 +56,13 @@ struct OverlappingPair {
   std::string text;
 };
 
+struct ContactCandidate {
+  int a = 0, b = 0;                                 ///< bodies
+  Eigen::Vector3d place = Eigen::Vector3d::Zero();  ///< in the world
+  std::string text;                                 ///< "crank and yoke: 0.1 mm apart ..."
+  std::string lines;                                ///< of the mechanism file, may be empty
+};
+
 struct PartsPage {
   std::string title, created_by;
   std::vector<DrawnPart> parts;
@@ -63,6 +71,7 @@ struct PartsPage {
   std::vector<ProposedJoint> joints;
   std::vector<std::string> doubts;  ///< sentences about pairs that are to be looked at
   std::vector<OverlappingPair> overlaps;
+  std::vector<ContactCandidate> contacts;
   std::string head;  ///< the mechanism file but for what stands on the ground and the joints
 };
 

@@ -173,6 +173,26 @@ class Package(unittest.TestCase):
                                settings={"solver.end_time": "0.01 s"}, runs="rigid")
         self.assertEqual(list(one), ["rigid"])
 
+    def test_a_study_gives_its_choices_with_errors_times_and_results(self):
+        (self.here / "study.toml").write_text(
+            'mechanism = "pendulum.toml"\nrun = "rigid"\nrepeats = 1\nset = ["solver.end_time=0.2"]\n'
+            '[axis.tolerance]\nkey = "solver.tolerance"\nvalues = ["1e-3", "1e-6"]\n'
+            '[quantity.angle]\nof = "hinge.angle"\n[want]\naccuracy = ["1 %"]\n', encoding="utf-8")
+        study = flexura.study(self.here / "study.toml")
+        self.assertEqual(len(study), 2)
+        coarse, fine = study.values()
+        self.assertLess(fine.error, coarse.error)
+        self.assertEqual(fine.errors, {"angle": fine.error})
+        self.assertGreater(coarse.wall_time, 0)
+        self.assertIn(coarse, study.front + [coarse])
+        self.assertTrue(study.answers)
+        angle = fine.results()["rigid"]["hinge.angle"]
+        self.assertAlmostEqual(angle[0], np.radians(60), places=12)
+        self.assertEqual(list(flexura.read_study(self.here / "study.json")), list(study))
+        with self.assertRaisesRegex(ValueError, "holds no study"):
+            (self.here / "none.json").write_text("{}", encoding="utf-8")
+            flexura.read_study(self.here / "none.json")
+
     def test_refusals_are_the_programs_sentences(self):
         with self.assertRaisesRegex(flexura.FlexuraError, "did you mean") as caught:
             flexura.simulate(self.here / "pendulum.toml", self.here / "no.h5", settings={"solver.end_tim": "1 s"})

@@ -101,6 +101,14 @@ function(flexura_library name)
   flexura_precompile(flexura_${name} flexura_precompiled_library)
 endfunction()
 
+# flexura_together(TARGET GROUP source...): compiled as one file, since most of their time goes into the headers that they share.
+# What defines macros or the same name in its unnamed namespace stays apart, and what instantiates decompositions, so that
+# several processors have something to do.
+function(flexura_together target group)
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
+  set_source_files_properties(${ARGN} PROPERTIES UNITY_GROUP ${group})
+endfunction()
+
 # A program that says so in a sentence when memory runs out: mbs/base/math/eigen_memory.cpp.
 function(flexura_survives_no_memory name)
   target_sources(${name} PRIVATE ${CMAKE_SOURCE_DIR}/mbs/base/math/eigen_memory.cpp)

@@ -12,10 +12,11 @@ Everything is SI.  README.md has a worked example.
 from .arrays import Array
 from .programs import FlexuraError, Page, modes, page, program, reduce, simulate
 from .results import Body, Results, Run, read_results
+from .studies import Choice, Study, read_study, study
 from .superelement import Interface, Modes, SectionForces, Superelement, read_superelement
 
 __all__ = [
-    "Array", "Body", "FlexuraError", "Interface", "Modes", "Page", "Results", "Run", "SectionForces", "Superelement",
-    "modes", "page", "program", "read_results", "read_superelement", "reduce", "simulate",
+    "Array", "Body", "Choice", "FlexuraError", "Interface", "Modes", "Page", "Results", "Run", "SectionForces", "Study",
+    "Superelement", "modes", "page", "program", "read_results", "read_study", "read_superelement", "reduce", "simulate", "study",
 ]
 __version__ = "0.2.0"

@@ -48,7 +48,8 @@ def run(arguments: Iterable[object], name: str = "flexura") -> str:
     return done.stdout
 
 
-def _settings(settings: Settings) -> Iterator[str]:
+def settings_as_options(settings: Settings) -> Iterator[str]:
+    """--set KEY=VALUE for each."""
     for key, value in (settings or {}).items():
         yield from ("--set", f"{key}={value if isinstance(value, str) else json.dumps(value)}")
 
@@ -60,7 +61,7 @@ def reduce(part: FilePath, output: Optional[FilePath] = None, settings: Settings
     """
     part = Path(part)
     output = Path(output) if output else part.with_suffix(".se.h5")
-    run([part, "-q", "-o", output, *_settings(settings)], "flexura-reduce")
+    run([part, "-q", "-o", output, *settings_as_options(settings)], "flexura-reduce")
     return read_superelement(output)
 
 
@@ -74,7 +75,7 @@ def simulate(mechanism: FilePath, output: Optional[FilePath] = None, settings: S
     mechanism = Path(mechanism)
     output = Path(output) if output else mechanism.with_suffix(".h5")
     chosen = [word for name in runs for word in ("--run", name)]
-    run(["simulate", mechanism, "-q", "-o", output, *chosen, *_settings(settings)])
+    run(["simulate", mechanism, "-q", "-o", output, *chosen, *settings_as_options(settings)])
     return read_results(output)
 
 

@@ -98,7 +98,8 @@ class Results(Mapping[str, Run]):
     created_by: str
     source: str
     bodies: List[Dict[str, Any]]  # name, kind, superelement
-    connections: List[Dict[str, Any]]  # joints and forces with the bodies they join
+    connections: List[Dict[str, Any]]  # joints, constraints and forces with the bodies they join
+    markers: List[Dict[str, Any]]  # name, body_1, p_1 and rotation (w, x, y, z) in the undeformed body
     runs: Dict[str, Run]
 
     def __getitem__(self, run: str) -> Run:
@@ -125,6 +126,7 @@ def read_results(path: FilePath) -> Results:
     with open_file(path, "results") as file:
         header = json.loads(read_text(file["header"]))
         groups = sorted(file["runs"].items(), key=lambda item: int(item[1].attrs.get("order", 0)))
+        drawn = json.loads(read_text(file["connections"]) or "[]")
         return Results(header["name"], header["created_by"], read_text(file["model"]), header["bodies"],
-                       json.loads(read_text(file["connections"]) or "[]"),
+                       [c for c in drawn if c.get("kind") != "marker"], [c for c in drawn if c.get("kind") == "marker"],
                        {name: Run(name, group) for name, group in groups})

@@ -55,8 +55,19 @@ const std::map<std::string, KeyWords>& known_keys() {
   return known;
 }
 
+// Words of files in those of people.
+std::string value_text(const std::string& word) {
+  static const std::map<std::string, std::string> known = {{"craig_bampton", "Craig-Bampton"},
+                                                           {"craig_chang", "Craig-Chang"},
+                                                           {"guyan", "Guyan"},
+                                                           {"enrichment", "elements of the next degree"},
+                                                           {"recovery", "recovery of stress"}};
+  const auto found = known.find(word);
+  return found == known.end() ? word : found->second;
+}
+
 std::string plain_text(const KeyWords& words, const json& value) {
-  if (value.is_string()) return value.get<std::string>();
+  if (value.is_string()) return value_text(value.get<std::string>());
   if (value.is_boolean()) return value.get<bool>() ? "yes" : "no";
   if (value.is_number_integer() && words.factor == 1.0) return figure_text(value.get<double>(), 17);
   if (value.is_number()) return figure_text(words.factor * value.get<double>(), words.digits);

@@ -2,6 +2,7 @@
 // Forces as arrows, where a run stored their components: NAME.force_x, _y, _z (joints, bushings) or NAME.x, .y, .z
 // (applied forces), on body 2 at its point, in the axes that the connection names.
 import * as THREE from 'three';
+import type { PathLine } from './contact_pictures';
 import type { Connection, Run } from './motion_data';
 
 interface Arrow {
@@ -11,6 +12,8 @@ interface Arrow {
   names: string[];
   on: THREE.Object3D;
   point: THREE.Vector3;
+  path: PathLine | null; // its force stands where NAME.place is on this
+  place: Float64Array | null;
   axes: THREE.Object3D | null; // null: the world's
   turn: THREE.Quaternion;
 }
@@ -24,7 +27,7 @@ export class ForceArrows {
   private readonly turned = new THREE.Quaternion();
 
   constructor(private readonly run: Run, connections: Connection[], body: (name?: string) => THREE.Object3D | undefined,
-              material: THREE.Material, private readonly length: number, thickness: number) {
+              material: THREE.Material, private readonly length: number, thickness: number, path: (name: string) => PathLine | undefined) {
     for (const connection of connections) {
       const on = body(connection.body_2);
       if (!on || !connection.p_2 || !connection.axes) continue;
@@ -33,7 +36,8 @@ export class ForceArrows {
           const j = run.quantityNumber(n);
           return j >= 0 && forceUnits.includes(run.header.quantities[j].unit);
         }));
-      if (!names) continue;
+      // Of a surface the place of the resultant is not known, of a load on a path it is where the place was stored.
+      if (!names || connection.surface || (connection.path && run.quantityNumber(`${connection.name}.place`) < 0)) continue;
       const [w, x, y, z] = connection.axes.rotation;
       const group = new THREE.Group();
       // A shaft of length 1 along y, stretched with the force, and a head that keeps its shape.
@@ -44,6 +48,7 @@ export class ForceArrows {
       group.frustumCulled = false;
       this.group.add(group);
       this.arrows.push({ name: connection.name, group, names, values: [], on, point: new THREE.Vector3(...connection.p_2),
+                         path: path(connection.name) ?? null, place: null,
                          axes: body(connection.axes.body) ?? null, turn: new THREE.Quaternion(x, y, z, w) });
     }
   }
@@ -55,6 +60,7 @@ export class ForceArrows {
   async load(): Promise<void> {
     for (const arrow of this.arrows) {
       arrow.values = await Promise.all(arrow.names.map((n) => this.run.quantity(n)!));
+      if (arrow.path) arrow.place = (await this.run.quantity(`${arrow.name}.place`)) ?? null;
       const [x, y, z] = arrow.values;
       for (let i = 0; i < x.length; ++i) this.largest = Math.max(this.largest, Math.hypot(x[i], y[i], z[i]));
     }
@@ -77,11 +83,13 @@ export class ForceArrows {
   setTime(at: number, part: number): void {
     for (const arrow of this.arrows) {
       const f = this.vector(arrow, at, part);
+      const place = arrow.place ? arrow.place[at] + (part > 0 ? part * (arrow.place[at + 1] - arrow.place[at]) : 0) : 0;
       const long = this.largest > 0 ? (this.length * f.length()) / this.largest : 0;
       // Forces that would be no longer than a dot are left out.
       arrow.group.visible = long > 0.01 * this.length;
       if (!arrow.group.visible) continue;
-      arrow.group.position.copy(arrow.point).applyMatrix4(arrow.on.matrixWorld);
+      if (arrow.path) arrow.group.position.copy(arrow.path.at(place));
+      else arrow.group.position.copy(arrow.point).applyMatrix4(arrow.on.matrixWorld);
       arrow.group.quaternion.setFromUnitVectors(new THREE.Vector3(0, 1, 0), f.normalize());
       arrow.group.children[0].scale.set(1, long, 1);
       arrow.group.children[1].position.set(0, long, 0);

@@ -95,7 +95,7 @@ export class DeformedBody {
     dot.depthTest = false;
     this.marker = new THREE.Points(point, dot);
     this.marker.visible = false;
-    this.marker.renderOrder = 3;
+    this.marker.renderOrder = 8; // over glyphs, arrows and triads
     this.edges.renderOrder = 1;
     this.group.add(this.mesh, this.edges, this.outline, this.marker);
     // Deformed shapes leave the undeformed box.

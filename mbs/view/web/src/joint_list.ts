@@ -6,7 +6,7 @@ import { h, icon, lengthText, say, slider } from './ui';
 
 export interface JointActions {
   choose(joint: number): void;
-  change(joint: Joint, change: { type?: string; accepted?: boolean; name?: string }): void;
+  change(joint: Joint, change: { type?: string; accepted?: boolean; name?: string; lead?: number }): void;
   /** To this coordinate [rad, m]; false where the mechanism does not go as far. */
   drive(joint: Joint, which: Coordinate, value: number): boolean;
   coordinate(joint: Joint, which: Coordinate): number;
@@ -15,7 +15,8 @@ export interface JointActions {
   align(joint: Joint, body: number, face: number): void;
   remove(joint: Joint): void;
   ground(body: number): void;
-  look(overlap: number): void;
+  /** At a pair that overlaps, those that may touch after them. */
+  look(pair: number): void;
 }
 
 const words: Record<Coordinate, string> = { angle: 'Turn', slide: 'Slide', x: 'Along x', y: 'Along y' };
@@ -46,7 +47,11 @@ export class JointList {
         h('summary', {}, icon('warning'), `${this.header.doubts.length} to be looked at`), ...this.header.doubts.map((d) => h('p', {}, d)))] : []),
       ...(this.header.overlaps?.length ? [h('details', { class: 'warnings', open: true },
         h('summary', {}, icon('warning'), `${this.header.overlaps.length} ${this.header.overlaps.length === 1 ? 'pair of parts overlaps' : 'pairs of parts overlap'}`),
-        ...this.header.overlaps.map((o, i) => h('p', {}, h('button', { type: 'button', class: 'overlap', onclick: () => this.act.look(i) }, o.text))))] : []));
+        ...this.header.overlaps.map((o, i) => h('p', {}, h('button', { type: 'button', class: 'overlap', onclick: () => this.act.look(i) }, o.text))))] : []),
+      ...(this.header.contacts?.length ? [h('details', { class: 'warnings' },
+        h('summary', {}, `${this.header.contacts.length} ${this.header.contacts.length === 1 ? 'pair of bodies' : 'pairs of bodies'} may touch`),
+        ...this.header.contacts.map((c, i) => h('p', {}, h('button', { type: 'button', class: 'overlap',
+          onclick: () => this.act.look((this.header.overlaps?.length ?? 0) + i) }, c.text))))] : []));
   }
 
   private card(j: Joint, i: number, chosen: boolean): HTMLElement {
@@ -74,6 +79,7 @@ export class JointList {
       ...seats.map(([body, face], k) => h('option', { value: k }, `face ${face} of ${names[body]}`)));
     return h('div', { class: 'detail' },
       ...movers,
+      j.type === 'screw' ? this.leadOf(j) : null,
       h('p', {}, `Between ${names[j.a]} and ${names[j.b]}${j.redundant ? `; ${j.redundant} of its rows follow from those of the joints before it` : ''}.`),
       j.doubt ? h('p', { class: 'doubt' }, j.doubt) : null,
       j.evidence.length ? h('ul', {}, ...j.evidence.map((e) => h('li', {}, e.replaceAll('^2', '²')))) : null,
@@ -81,6 +87,12 @@ export class JointList {
         seats.length && j.type !== 'fixed' ? align : null,
         j.type !== 'fixed' && j.type !== 'spherical' ? h('button', { class: 'plain', type: 'button', onclick: () => this.act.flip(j) }, 'Turn the axis round') : null,
         h('button', { class: 'plain', type: 'button', onclick: () => this.act.remove(j) }, 'Delete')));
+  }
+
+  private leadOf(j: Joint): HTMLElement {
+    const lead = h('input', { type: 'number', step: 'any', value: String(Number((1e3 * j.lead).toPrecision(9))), 'aria-label': `Lead of ${j.name} in mm`,
+                              onchange: () => this.act.change(j, { lead: Number(lead.value) / 1e3 || j.lead }) });
+    return h('label', { class: 'lead' }, 'Lead ', lead, ' mm a turn, negative: left-hand');
   }
 
   private mover(j: Joint, which: Coordinate): HTMLElement {

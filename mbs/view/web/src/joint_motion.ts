@@ -2,11 +2,11 @@
 // Rigid bodies and the joints between them, moved by hand: Newton's method on the joints' rows, in the browser.
 //
 // A joint sits at a frame in each of its bodies, A and B, that coincide where the file has them; d = o_B - o_A. Its rows are, by type,
-// of n . d = 0 with n fixed in A, and of x_A . z_B = 0 and the like. Bodies that are fixed to one another move as one group; a group moves
+// of n . d = 0 with n fixed in A, and of x_A . z_B = 0 and the like; of a screw z . d = lead / 2 pi times the angle, turns aside. Bodies that are fixed to one another move as one group; a group moves
 // by a small turn w about the middle c of all and a shift L u, with L the size of all, so that rows and unknowns are of one magnitude.
 import * as THREE from 'three';
 
-export interface PlacedJoint { type: string; a: number; b: number; X_AJ: THREE.Matrix4; X_BJ: THREE.Matrix4 }
+export interface PlacedJoint { type: string; lead: number; a: number; b: number; X_AJ: THREE.Matrix4; X_BJ: THREE.Matrix4 }
 export type Coordinate = 'angle' | 'slide' | 'x' | 'y';
 
 /** What a joint leaves free, as far as it can be moved by hand, and which rows it has. */
@@ -14,6 +14,7 @@ const kinds: Record<string, { coordinates: Coordinate[]; across: string; turns: 
   fixed: { coordinates: [], across: 'xyz', turns: ['xz', 'yz', 'xy'] },
   revolute: { coordinates: ['angle'], across: 'xyz', turns: ['xz', 'yz'] },
   prismatic: { coordinates: ['slide'], across: 'xy', turns: ['xz', 'yz', 'xy'] },
+  screw: { coordinates: ['angle', 'slide'], across: 'xy', turns: ['xz', 'yz'] },
   cylindrical: { coordinates: ['angle', 'slide'], across: 'xy', turns: ['xz', 'yz'] },
   planar: { coordinates: ['angle', 'x', 'y'], across: 'z', turns: ['xz', 'yz'] },
   universal: { coordinates: [], across: 'xyz', turns: ['xy'] },
@@ -94,13 +95,23 @@ export class JointMotion {
     return { value: A.axes[p].dot(B.axes[q]), ga: this.group[j.a], gb: this.group[j.b], turnA: t.clone().negate(), turnB: t, shift: null };
   }
 
+  /** h (angle - z . d / h) with h the advance in one radian over the size: whole turns are none. */
+  private screwed(j: PlacedJoint, A: Frame, B: Frame): Row {
+    const slide = this.across(j, A, B, A.axes.z);
+    const advance = (j.lead || 1e-9) / (2 * Math.PI * this.size);
+    const z = A.axes.z.clone().multiplyScalar(advance);
+    const angle = Math.atan2(A.axes.y.dot(B.axes.x), A.axes.x.dot(B.axes.x));
+    return { value: advance * wrapped(angle - slide.value / advance), ga: slide.ga, gb: slide.gb,
+             turnA: z.clone().negate().sub(slide.turnA), turnB: z.sub(slide.turnB), shift: slide.shift!.clone().negate() };
+  }
+
   private rowsOf(j: PlacedJoint): Row[] {
     const kind = kinds[j.type];
     if (!kind || j.type === 'fixed' || this.group[j.a] === this.group[j.b]) return [];
     const A = this.frame(j.a, j.X_AJ);
     const B = this.frame(j.b, j.X_BJ);
     return [...[...kind.across].map((axis) => this.across(j, A, B, A.axes[axis])),
-            ...kind.turns.map(([p, q]) => this.turned(j, A, B, p, q))];
+            ...kind.turns.map(([p, q]) => this.turned(j, A, B, p, q)), ...(j.type === 'screw' ? [this.screwed(j, A, B)] : [])];
   }
 
   private dense(row: Row, out: Float64Array, at: number): void {

@@ -5,7 +5,8 @@ import { ForceArrows } from './arrows';
 import { DeformedBody } from './deformed_body';
 import { locate, type MotionHeader, type Run } from './motion_data';
 import { SectionDiagram, type SectionForces } from './section_forces';
-import { coil, isSpring, jointGlyph, primitive, recolor, shaded, stickFigure } from './primitives';
+import { PathLine, PictureMaterials, touchedSurface, touchingSphere, triad } from './contact_pictures';
+import { coil, hasNoGlyph, isLink, isSpring, jointGlyph, primitive, recolor, shaded, stickFigure } from './primitives';
 import type { Surface } from './surface';
 import { cssColor } from './ui';
 
@@ -30,6 +31,13 @@ export class Mechanism {
   readonly arrows: ForceArrows;
   private readonly arrowMaterial = shaded(new THREE.Color());
   private readonly springs: Spring[] = [];
+  /** Surfaces that are touched and the spheres that touch them; paths. */
+  readonly contacts: THREE.Object3D[] = [];
+  readonly markers: THREE.Object3D[] = [];
+  private readonly paths: PathLine[] = [];
+  private readonly pictureMaterials = new PictureMaterials();
+  private contactsShown = true;
+  private markersShown = false;
   private readonly glyphMaterial = shaded(new THREE.Color());
   private readonly springMaterial = new THREE.LineBasicMaterial();
   private magnify_ = 1;
@@ -55,7 +63,7 @@ export class Mechanism {
         if (run.header.bodies[number].n_shapes > 0) sections = surfaces[surface].sections;
         group.add(deformed.group);
       }
-      const points = connections.flatMap((c) => [
+      const points = connections.filter((c) => c.kind !== 'marker' && !c.surface && !c.path).flatMap((c) => [
         ...(c.body_1 === body.name && c.p_1 ? [new THREE.Vector3(...c.p_1)] : []),
         ...(c.body_2 === body.name && c.p_2 ? [new THREE.Vector3(...c.p_2)] : [])]);
       // The colour of the body, and those of shapes with one of their own.
@@ -78,11 +86,37 @@ export class Mechanism {
       this.group.add(group);
     }
     const at = (name?: string) => this.bodies.find((b) => b.name === name);
+    const pathOf = new Map<string, PathLine>();
     for (const connection of connections) {
       const from = at(connection.body_1);
       const to = at(connection.body_2);
-      if (isSpring(connection) && from && to) {
-        const line = new THREE.Line(coil(0.7 * glyphSize), this.springMaterial);
+      if (connection.kind === 'marker' && from) {
+        const drawn = triad(connection, 3 * glyphSize);
+        from.group.add(drawn);
+        this.markers.push(drawn);
+      }
+      if (connection.surface && from) {
+        const drawn = touchedSurface(connection, glyphSize / 0.014, this.pictureMaterials);
+        from.group.add(drawn);
+        this.contacts.push(drawn);
+        const sphere = touchingSphere(connection, this.pictureMaterials);
+        if (sphere && to) {
+          to.group.add(sphere);
+          this.contacts.push(sphere);
+        }
+      }
+      if (connection.path?.every((stop) => at(stop.body))) {
+        const path = new PathLine(connection.path.map((s) => ({ on: at(s.body)!.group, p: new THREE.Vector3(...s.p), place: s.place })), this.pictureMaterials);
+        this.paths.push(path);
+        pathOf.set(connection.name, path);
+        this.group.add(path.line);
+        this.contacts.push(path.line);
+      }
+      if (hasNoGlyph(connection)) continue;
+      if ((isSpring(connection) || isLink(connection)) && from && to) {
+        const shape = isLink(connection) ? new THREE.BufferGeometry().setFromPoints([new THREE.Vector3(), new THREE.Vector3(0, 0, 1)])
+          : coil(0.7 * glyphSize);
+        const line = new THREE.Line(shape, this.springMaterial);
         line.frustumCulled = false;
         this.springs.push({ line, from, to, p: new THREE.Vector3(...connection.p_1!),
                             q: new THREE.Vector3(...connection.p_2!) });
@@ -96,7 +130,10 @@ export class Mechanism {
         this.glyphs.push(glyph);
       }
     }
-    this.arrows = new ForceArrows(run, connections, (name) => at(name)?.group, this.arrowMaterial, 16 * glyphSize, 0.3 * glyphSize);
+    this.arrows = new ForceArrows(run, connections, (name) => at(name)?.group, this.arrowMaterial, 16 * glyphSize, 0.3 * glyphSize,
+                                  (name) => pathOf.get(name));
+    this.showContacts = true;
+    this.showMarkers = false;
     this.group.add(this.arrows.group);
   }
 
@@ -222,6 +259,7 @@ export class Mechanism {
       }
     }
     this.group.updateMatrixWorld(true);
+    for (const path of this.paths) path.update();
     if (this.run.time.length) {
       const row = locate(this.run.time, t);
       this.arrows.setTime(row.at, row.part);
@@ -258,10 +296,22 @@ export class Mechanism {
     for (const glyph of this.glyphs) glyph.visible = on && !this.ghost;
   }
 
+  set showContacts(on: boolean) {
+    this.contactsShown = on;
+    for (const drawn of this.contacts) drawn.visible = on && !this.ghost;
+  }
+  set showMarkers(on: boolean) {
+    this.markersShown = on;
+    for (const drawn of this.markers) drawn.visible = on && !this.ghost;
+  }
+
   /** Solid in the bodies' colours, or a ghost in the run's colour. */
   setLook(ghost: THREE.Color | null): void {
     this.ghost = ghost !== null;
     this.showJoints = this.jointsShown;
+    this.showContacts = this.contactsShown;
+    this.showMarkers = this.markersShown;
+    this.pictureMaterials.setColor(new THREE.Color(cssColor('--glyph')));
     this.bodies.forEach((body, i) => {
       // The ground is the same in every run.
       if (ghost && body.kind === 'ground') {

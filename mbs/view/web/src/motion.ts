@@ -159,7 +159,7 @@ export async function motionPage(app: HTMLElement, header: MotionHeader): Promis
     text: (v) => `×${figure(10 ** v, 2)}`, change: (v) => { state.speed = 10 ** v; } });
   const magnify = slider('Deformation', {
     min: 0, max: Math.max(1, Math.log10(fullMagnify) + 1), step: 0.02, value: Math.log10(state.magnify), id: 'magnify',
-    text: (v) => `×${figure(10 ** v, 3)}`, change: (v) => { state.magnify = 10 ** v; refresh(); } });
+    text: (v) => `×${figure(10 ** v, 2)}`, change: (v) => { state.magnify = 10 ** v; refresh(); } });
   magnify.element.hidden = deflection === 0;
   const color = h('select', { id: 'color', 'aria-label': 'Colour', title: 'Next colouring (C)',
                               onchange: () => setField(Number(color.value)) },
@@ -198,6 +198,16 @@ export async function motionPage(app: HTMLElement, header: MotionHeader): Promis
     for (const m of mechanisms) m.showJoints = on;
     stage.draw();
   }, { title: 'Joints and springs (J)' });
+  const contacts = toggle('Contacts', true, (on) => {
+    for (const m of mechanisms) m.showContacts = on;
+    stage.draw();
+  }, { title: 'Surfaces that are touched, spheres that touch them, paths (X)' });
+  contacts.hidden = !mechanisms.some((m) => m.contacts.length);
+  const markers = toggle('Markers', false, (on) => {
+    for (const m of mechanisms) m.showMarkers = on;
+    stage.draw();
+  }, { title: 'Markers as triads: x red, y green, z blue (K)' });
+  markers.hidden = !mechanisms.some((m) => m.markers.length);
   const forceMost = Math.max(0, ...mechanisms.map((m) => m.arrows.largest));
   const forces = toggle(`Forces ≤ ${forceText(forceMost)}`, true, (on) => {
     for (const m of mechanisms) m.arrows.group.visible = on;
@@ -272,6 +282,7 @@ export async function motionPage(app: HTMLElement, header: MotionHeader): Promis
   const saveCsv = iconButton('table', 'Save the plotted curves as CSV', () =>
     void deck.csv().then((text) => download(`${fileName}.csv`, text, 'text/csv')), { id: 'csv' });
 
+  const unitOf = new Map(all.map((q) => [q.name, q.unit]));
   const quantityCells = new Map<string, HTMLTableCellElement[]>();
   const filterBox = h('input', { type: 'search', placeholder: 'Search quantities', 'aria-label': 'Search quantities',
     oninput: () => {
@@ -286,12 +297,14 @@ export async function motionPage(app: HTMLElement, header: MotionHeader): Promis
              h('td', {}, q.name), ...cells, h('td', { class: 'unit' }, unitText(q.unit)));
   });
   let quantitiesOpen = false;
+  let least: Map<string, number>[] = []; // of each run, by unit: what is round-off
   function refreshQuantities(): void {
     if (!quantitiesOpen) return;
+    if (!least.length) least = runs.map((r) => new Map([...new Set(all.map((q) => q.unit))].map((unit) => [unit, 1e-14 * r.scaleOf(unit)])));
     for (const [name, cells] of quantityCells) {
       runs.forEach((r, i) => {
         const v = r.valueAt(name, state.time);
-        cells[i].textContent = v === null ? '' : figure(v, 5);
+        cells[i].textContent = v === null ? '' : figure(Math.abs(v) < (least[i].get(unitOf.get(name)!) ?? 0) ? 0 : v, 5);
       });
     }
   }
@@ -312,7 +325,7 @@ export async function motionPage(app: HTMLElement, header: MotionHeader): Promis
                                onclick: () => tab(name) }, title);
   }
   tabs.sections.hidden = !sections.present;
-  tabs.plots.hidden = isModes;
+  tabs.plots.hidden = isModes || isStill;
   function tab(name: string): void {
     for (const [key, page] of Object.entries(pages)) {
       page.hidden = key !== name;
@@ -335,7 +348,7 @@ export async function motionPage(app: HTMLElement, header: MotionHeader): Promis
   const strip = h('div', { class: 'strip' },
     h('div', { class: 'group wide', hidden: isStill }, play, timeline.input, clock),
     h('div', { class: 'group' }, ...(isStill ? [] : [speed.element]), magnify.element),
-    h('div', { class: 'group' }, color, reference, glyphs, forces, sections.choice, follow));
+    h('div', { class: 'group' }, color, reference, glyphs, contacts, markers, forces, sections.choice, follow));
   const corner = h('div', { class: 'corner' }, views,
     iconButton('camera', 'Save a picture (P)', () => void savePng(), { id: 'png' }),
     iconButton('film', 'Save an animation (M)', () => void saveFilm(), { id: 'film' }));
@@ -354,6 +367,8 @@ export async function motionPage(app: HTMLElement, header: MotionHeader): Promis
     { keys: ['0', 'i'], text: 'view from a corner', run: () => view('iso') },
     { keys: ['c'], text: 'next colouring', run: () => setField(state.field === 1 && stressMost > 0 ? 5 : state.field === 0 ? 1 : 0) },
     { keys: ['j'], text: 'joints and springs', run: () => glyphs.click() },
+    { keys: ['x'], text: 'surfaces that are touched, and paths', run: () => contacts.click() },
+    { keys: ['k'], text: 'markers', run: () => markers.click() },
     { keys: ['f'], text: 'forces', run: () => forces.click() },
     ...(sections.present ? [{ keys: ['s'], text: 'next diagram of section forces', run: () => {
       sections.choice.value = String(sections.drawn = sections.drawn < 5 ? sections.drawn + 1 : -1);
@@ -390,7 +405,8 @@ export async function motionPage(app: HTMLElement, header: MotionHeader): Promis
   if (modes) {
     tab('modes');
     modes.mark(state.main);
-  } else for (const plot of firstPlots(header)) await deck.add(plot);
+  } else if (isStill) tab('quantities'); // one instant: nothing to plot over time
+  else for (const plot of firstPlots(header)) await deck.add(plot);
   setTime(t0);
   setPlaying(playAtFirst);
 

@@ -4,6 +4,7 @@ import { readF4, readF8 } from './data';
 import type { SurfaceHeader } from './surface';
 
 export type Point = [number, number, number];
+export type Turn = [number, number, number, number]; // w x y z
 
 export type PrimitiveHeader = { color?: string } & (
   | { type: 'cylinder' | 'cone'; radius: number; length: number; position: Point; axis: Point }
@@ -22,7 +23,13 @@ export interface Connection {
   p_2?: Point;
   axis_1?: Point;
   /** Frame of the force components among the quantities: rotation w x y z in the body. */
-  axes?: { body: string; rotation: [number, number, number, number] };
+  axes?: { body: string; rotation: Turn };
+  /** Of kind marker: of its axes in body 1. */
+  rotation?: Turn;
+  /** What is touched, in axes on body 1 at p_1; touching: radius of the sphere about p_2 of body 2, 0 for none. */
+  surface?: { kind: 'plane' | 'sphere' | 'cylinder' | 'curve'; radius: number; closed: boolean; touching: number; rotation: Turn; points?: Point[] };
+  /** A line on which the quantity NAME.place counts, by the undeformed body [m]. */
+  path?: { body: string; p: Point; place: number }[];
 }
 
 /** An interface of a flexible body: its place, and how each modal coordinate displaces and turns it. */
@@ -107,6 +114,14 @@ export class Run {
   }
 
   /** Value at a time, linear between stored rows; null while not decoded. */
+  /** The largest size of the loaded quantities in a unit: what is 1e-14 of it is round-off. */
+  scaleOf(unit: string): number {
+    const same = (u: string) => u === unit || [u, unit].every((x) => x === 'J' || x === 'N*m');
+    let scale = 0;
+    if (unit) for (const [j, values] of this.ready) if (same(this.header.quantities[j].unit)) for (const v of values) if (Math.abs(v) > scale) scale = Math.abs(v);
+    return scale;
+  }
+
   valueAt(name: string, t: number): number | null {
     const v = this.ready.get(this.quantityNumber(name));
     if (!v || !v.length) return null;

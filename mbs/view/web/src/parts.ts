@@ -35,7 +35,7 @@ export async function partsPage(app: HTMLElement, header: PartsHeader): Promise<
     if (isAssembly) {
       const accepted = state.joints.filter((j) => j.accepted);
       motion.setJoints(accepted.map((j) => ({
-        type: j.type, a: j.a, b: j.b, X_AJ: home[j.a].clone().invert().multiply(j.frame), X_BJ: home[j.b].clone().invert().multiply(j.frame),
+        type: j.type, lead: j.lead, a: j.a, b: j.b, X_AJ: home[j.a].clone().invert().multiply(j.frame), X_BJ: home[j.b].clone().invert().multiply(j.frame),
       })), state.ground);
       const { dof, redundant } = motion.freedom();
       accepted.forEach((j, i) => { j.redundant = redundant[i]; });
@@ -55,9 +55,10 @@ export async function partsPage(app: HTMLElement, header: PartsHeader): Promise<
   const coordinate = (joint: Joint, which: Parameters<JointMotion['coordinate']>[1]) =>
     motion.coordinate(state.joints.filter((j) => j.accepted).indexOf(joint), which);
 
-  function change(joint: Joint, change: Partial<Pick<Joint, 'type' | 'accepted' | 'name'>>): void {
+  function change(joint: Joint, change: Partial<Pick<Joint, 'type' | 'accepted' | 'name' | 'lead'>>): void {
     const wasFixed = isFixed(joint);
     Object.assign(joint, change);
+    if (joint.type === 'screw' && !joint.lead) joint.lead = 1e-3; // to be changed: nothing is known of it
     // A fixed joint has no axis: that of the bore it sits on is the likeliest.
     if (change.type && wasFixed && !isFixed(joint)) {
       const seat = joint.faces.map(([body, face]) => ({ body, face })).find((c) => faceOf(c).kind === 'cylinder');
@@ -83,7 +84,7 @@ export async function partsPage(app: HTMLElement, header: PartsHeader): Promise<
     let name = wanted;
     for (let n = 2; taken.has(name); ++n) name = `${wanted}_${n}`;
     const joint: Joint = {
-      name, type, a: p.body, b: q.body, confidence: '', doubt: '', evidence: [], faces: [[p.body, p.face], [q.body, q.face]],
+      name, type, lead: type === 'screw' ? 1e-3 : 0, a: p.body, b: q.body, confidence: '', doubt: '', evidence: [], faces: [[p.body, p.face], [q.body, q.face]],
       on: [p.face, q.face], accepted: true, frame: new THREE.Matrix4(), proposed: null, redundant: 0,
     };
     align(joint, faceOf(p).axis ? p : q);
@@ -172,11 +173,13 @@ export async function partsPage(app: HTMLElement, header: PartsHeader): Promise<
     mechanism: isAssembly ? mechanismText(header, state.joints, state.ground, state.freedom) : '',
     interfaces: interfaceTexts(header, state.joints, state.ticked),
   });
+  const contactLines = (header.contacts ?? []).filter((c) => c.lines).map((c) => `# ${c.text}\n${c.lines}`).join('\n');
   function showTexts(): void {
     const now = texts();
     const file = (name: string) => name.split('/').at(-1)!;
     textBox.replaceChildren(
       ...(isAssembly ? [block('mechanism.toml', 'mechanism.toml', 'put it in place of the one in the folder', now.mechanism)] : []),
+      ...(contactLines ? [block('contacts.toml', 'contacts.toml', 'of what is to touch, to the end of mechanism.toml', contactLines)] : []),
       ...now.interfaces.map(({ part, text }) => block(`Interfaces of ${part.name}`, `${file(part.file).replace(/\.\w+$/, '')}.interfaces.toml`, `in ${part.file}`, text)),
       ...(now.interfaces.length ? [] : [h('p', { class: 'hint' }, isAssembly ? 'No joint sits on a face, and none is ticked.' : 'Tick faces, or click them: their interfaces stand here.')]));
   }
@@ -203,7 +206,7 @@ export async function partsPage(app: HTMLElement, header: PartsHeader): Promise<
   function refresh(): void {
     const joint = state.joint >= 0 ? state.joints[state.joint] : null;
     // Only a joint's bodies are solid; two that overlap are glass, with a ball where they do.
-    const overlap = state.overlap >= 0 ? header.overlaps![state.overlap] : null;
+    const overlap = state.overlap >= 0 ? [...header.overlaps ?? [], ...header.contacts ?? []][state.overlap] : null;
     const pair = joint ?? overlap;
     scene.faded = (body) => pair !== null && (overlap !== null || (body !== pair.a && body !== pair.b));
     scene.hidden = (body) => overlap !== null && body !== overlap.a && body !== overlap.b;

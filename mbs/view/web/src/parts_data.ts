@@ -16,6 +16,7 @@ export interface BodyHeader { name: string; part: number; position: Point; rotat
 export interface JointHeader {
   name: string;
   type: string;
+  lead: number; // of a screw: translation in one turn [m]
   a: number; // bodies
   b: number;
   position: Point; // of its frame in W [m]
@@ -37,6 +38,7 @@ export interface PartsHeader {
   joints: JointHeader[];
   doubts: string[];
   overlaps?: { a: number; b: number; place: Point; text: string }[];
+  contacts?: { a: number; b: number; place: Point; text: string; lines: string }[]; // pairs that may touch; lines of the mechanism file
   head: string; // the mechanism file but for the ground and the joints
 }
 
@@ -97,7 +99,7 @@ export function mechanismText(header: PartsHeader, joints: Joint[], ground: numb
     const says = j.proposed ? [`confidence ${j.confidence}${j.doubt ? `: ${j.doubt}` : ''}`, ...j.evidence] : ['made on the page'];
     if (j.proposed && j.type !== j.proposed.type) says.push(`proposed was ${j.proposed.type}`);
     if (j.redundant > 0) says.push(`${j.redundant} of its rows follow from those of the joints before it`);
-    out += `\n${says.map((s) => `# ${plain(s)}\n`).join('')}[joint.${j.name}]\ntype = "${j.type}"\n`
+    out += `\n${says.map((s) => `# ${plain(s)}\n`).join('')}[joint.${j.name}]\ntype = "${j.type}"\n${j.type === 'screw' ? `pitch = ${number(j.lead)}\n` : ''}`
       + `from = "${header.bodies[j.a].name}.${j.name}"\nto = "${header.bodies[j.b].name}.${j.name}"\n`;
     for (const [body, face] of [[j.a, j.on[0]], [j.b, j.on[1]]]) {
       const there = face > 0 && known.has(`${header.bodies[body].part} ${face}`);

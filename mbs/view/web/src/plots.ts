@@ -37,6 +37,13 @@ function roomy(_: uPlot, low: number, high: number): [number, number] {
   return [low - room, high + room];
 }
 
+/** "energy.kinetic, energy.strain" as "energy: kinetic, strain". */
+function together(names: string[]): string {
+  const stems = new Set(names.map((n) => n.slice(0, n.lastIndexOf('.') + 1)));
+  const [stem] = stems;
+  return names.length > 1 && stems.size === 1 && stem ? `${stem.slice(0, -1)}: ${names.map((n) => n.slice(stem.length)).join(', ')}` : names.join(', ');
+}
+
 export class PlotCard {
   readonly element: HTMLElement;
   readonly curves: Curve[] = [];
@@ -76,7 +83,7 @@ export class PlotCard {
         void this.draw();
       } }, 'Difference');
     this.element = h('article', { class: 'card', 'aria-label': `Plot of ${names.join(', ')}` },
-      h('header', {}, h('h2', { title: doc }, names.join(', ')), h('span', { class: 'unit' }, unit),
+      h('header', {}, h('h2', { title: doc }, together(names)), h('span', { class: 'unit' }, unit),
         ...(new Set(this.curves.map((c) => c.run)).size > 1 ? [differenceButton] : []), spectrumButton,
         h('button', { class: 'icon small', type: 'button', 'aria-label': `Remove ${names.join(', ')}`, title: 'Remove',
                       onclick: () => this.deck.remove(this) }, '×')),

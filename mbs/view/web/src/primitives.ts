@@ -103,6 +103,8 @@ export function jointGlyph(connection: Connection, size: number): THREE.BufferGe
     : /cylindrical|screw/.test(kind) ? new THREE.CylinderGeometry(0.7 * size, 0.7 * size, 3 * size, 28).rotateX(Math.PI / 2)
     : /spherical|ball/.test(kind) ? new THREE.SphereGeometry(0.9 * size, 28, 18)
     : /universal|hooke|cardan/.test(kind) ? new THREE.OctahedronGeometry(1.2 * size)
+    : /bearing/.test(kind) ? new THREE.TorusGeometry(1.3 * size, 0.45 * size, 14, 40)
+    : kind === 'constraint' ? new THREE.TetrahedronGeometry(0.9 * size)
     : /planar|plane/.test(kind) ? new THREE.BoxGeometry(2.4 * size, 2.4 * size, 0.3 * size)
     : new THREE.BoxGeometry(1.2 * size, 1.2 * size, 1.2 * size);
   const axis = connection.axis_1 ? toVector(connection.axis_1) : new THREE.Vector3(0, 0, 1);
@@ -112,8 +114,17 @@ export function jointGlyph(connection: Connection, size: number): THREE.BufferGe
   return connection.p_1 ? g.translate(...connection.p_1) : g;
 }
 
+/** Kinds that are drawn by what they are (contact_pictures.ts), not by a glyph. */
+export function hasNoGlyph(connection: Connection): boolean {
+  return ['marker', 'path'].includes(connection.kind) || !!connection.surface;
+}
+
+export function isLink(connection: Connection): boolean {
+  return connection.kind === 'link' && !!connection.p_1 && !!connection.p_2;
+}
+
 export function isSpring(connection: Connection): boolean {
-  return /spring|damper|bushing|actuator/.test(connection.kind.toLowerCase()) && !!connection.p_1 && !!connection.p_2;
+  return /spring|damper|bushing|actuator|line_force/.test(connection.kind.toLowerCase()) && !!connection.p_1 && !!connection.p_2;
 }
 
 /** A coil of unit length along z, to be stretched between two points. */
