@@ -92,9 +92,9 @@ std::unique_ptr<FullModel> FullModel::make(const mbs::PreparedMechanism& run,
     const auto say = [&](const std::string& words) {
       full.push_back(fmt::format("body.{}.{}", body.name, words));
     };
-    for (const char* const text :
-         {"coupling=full", "frame=mean_axis", "boundary=free", "modes=", "max_frequency="})
-      say(text);
+    for (const char* const text : {"coupling=full", "modes=", "max_frequency="}) say(text);
+    if (!scope.own_frames)
+      for (const char* const text : {"frame=mean_axis", "boundary=free"}) say(text);
     if (scope.rigid.contains(body.name)) {
       say("fidelity=rigid");
       continue;

@@ -38,6 +38,9 @@ struct FullScope {
   std::vector<std::string> stiffened;  ///< bodies that are taken with geometric stiffening
   std::set<std::string> rigid;         ///< bodies that are taken without deformation
   int modes = 0;                       ///< no more than so many of each body; 0: all
+  /// The file's own frames and boundary conditions instead of mean axes and free modes: a damping ratio is of the modes they
+  /// make, so that what nothing was left out of is the same body.
+  bool own_frames = false;
 };
 
 class FullModel {

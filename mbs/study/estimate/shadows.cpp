@@ -126,7 +126,7 @@ std::unique_ptr<Shadows> Shadows::make(const mbs::PreparedMechanism& run, const 
   for (const mbs::BodyDescription& body : run.mechanism->description().bodies)
     if (!body.superelement.empty() && has_stiffening_terms(body)) stiffened.push_back(body.name);
   std::unique_ptr<FullModel> full =
-      FullModel::make(run, file, overrides, {.stiffened = stiffened, .rigid = {}});
+      FullModel::make(run, file, overrides, {.stiffened = stiffened, .rigid = {}, .own_frames = true});
   if (!full) return nullptr;
   auto shadows = make(run, *full);
   if (shadows) shadows->impl_->own = std::move(full);

@@ -13,6 +13,7 @@ const pictures = [
   ['assembly/engine.html', 'assembly/engine.png', { at: 0.3 }],
   ['bicycle/bicycle.html', 'bicycle/bicycle.png', { at: 0, view: '+y' }],
   ['cad_parts/hip.html', 'cad_parts/hip.png', {}],
+  ['clip/clip.html', 'clip/clip.png', { at: 0.03 }],
   ['crane_girder/crane.html', 'crane_girder/crane.png', { at: 0.2 }],
   ['iftomm/a05_governor.html', 'iftomm/a05_governor.png', { at: 0.3 }],
   ['jib_crane/crane.html', 'jib_crane/crane.png', { mode: 10 }],

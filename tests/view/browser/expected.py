@@ -15,7 +15,8 @@ import flexura
 import numpy as np
 
 # Pages that are not called like the file they were made of, by case and page.
-SOURCES = {"andrews/andrews": "andrews_1e-10.h5", "assembly/engine": "flexible.h5", "rattle/rattle": "rattle_2.h5"}
+SOURCES = {"andrews/andrews": "andrews_1e-10.h5", "assembly/engine": "flexible.h5", "oil_whirl/oil_whirl": "whirl_1.07.h5",
+           "rattle/rattle": "rattle_2.h5", "swinging_cable/swinging_cable": "cable_16.h5"}
 MOST_ROWS = 4000
 
 
