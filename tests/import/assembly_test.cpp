@@ -1,6 +1,7 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 
 // Assemblies drawn here, whose joints and degrees of freedom are known, imported as a user does it.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <Eigen/Geometry>
@@ -8,6 +9,7 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <regex>
 
 #include "mbs/superelement/file.hpp"
 #include "tests/import/assembly_run.hpp"
@@ -285,6 +287,55 @@ TEST(AssemblyImport, MassPropertiesAreThoseOfTheExactShape) {
   EXPECT_NEAR(se.inertia.S_xx(0, 0), xx, 1e-8 * xx);
   const double xy = mb * 0.01 * 0.015 - mc * 0.01 * 0.012;
   EXPECT_NEAR(se.inertia.S_xx(0, 1), xy, 1e-8 * xy);
+}
+
+// The text of a STEP file with the part whose shapes end at its n-th length unit written in centimetres: points and radii.
+std::string with_centimetres(const std::string& step, int n) {
+  static const std::regex entity(R"(#\d+ = [^;]*;)"), unit(R"(LENGTH_UNIT[^;]*\.MILLI\.)"),
+      point(R"((CARTESIAN_POINT\('[^']*',\()([^,)]*),([^,)]*),([^,)]*)\))"),
+      radius(R"(((?:CYLINDRICAL_SURFACE|CIRCLE)\('[^']*',#\d+,)([^)]*)\))");
+  const auto tenth = [](const std::string& number) {
+    return fmt::format("{:#.17G}", std::stod(number) / 10);
+  };
+  std::string out;
+  int units = 0;
+  auto from = step.begin();
+  for (std::sregex_iterator at(step.begin(), step.end(), entity), end; at != end; ++at) {
+    out.append(from, (*at)[0].first);
+    from = (*at)[0].second;
+    std::string text = at->str();
+    std::smatch m;
+    const bool in_part = units == n;
+    if (std::regex_search(text, unit)) {
+      if (in_part) text = std::regex_replace(text, std::regex("MILLI"), "CENTI");
+      ++units;
+    } else if (in_part && std::regex_search(text, m, point)) {
+      text = m.prefix().str() + m[1].str() + tenth(m[2]) + "," + tenth(m[3]) + "," + tenth(m[4]) + ")" +
+             m.suffix().str();
+    } else if (in_part && std::regex_search(text, m, radius)) {
+      text = m.prefix().str() + m[1].str() + tenth(m[2]) + ")" + m.suffix().str();
+    }
+    out += text;
+  }
+  return out.append(from, step.end());
+}
+
+TEST(AssemblyImport, EachPartMayHaveUnitsOfItsOwn) {
+  const Folder folder, second;
+  Assembly a("units");
+  a.place(a.part("plate", plate(5.0)), at({0, 0, 0}));
+  a.place(a.part("spool", cylinder({0, 0, -5}, kZ, 8, 5) + cylinder({0, 0, 0}, kZ, 5, 10) +
+                              cylinder({0, 0, 10}, kZ, 8, 5)),
+          at({0, 0, 0}));
+  const Import plain = import(folder, a);
+  // Length units: of the assembly, of the plate, of the spool.
+  const auto mixed_file = second.write("mixed.step", with_centimetres(read_text(folder / "a.step"), 2));
+  ASSERT_THAT(read_text(mixed_file), HasSubstr(".CENTI.,.METRE."));
+  const Import mixed = import(second, mixed_file.string());
+  ASSERT_EQ(mixed.outcome.exit_code, 0) << mixed.outcome.err;
+  EXPECT_EQ(mixed.joints, plain.joints);
+  const double m = superelement::read(folder / "out/parts/spool.se.h5").inertia.mass;
+  EXPECT_NEAR(superelement::read(second / "out/parts/spool.se.h5").inertia.mass, m, 1e-9 * m);
 }
 
 TEST(AssemblyImport, SubassembliesPlaceWhatTheyHold) {
