@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cstdint>
+#include <cstring>
 #include <fstream>
 #include <iterator>
 #include <map>
@@ -96,6 +98,14 @@ std::string iges_unit(const std::string& text) {
   return found == kFlags.end() ? "" : found->second;
 }
 
+/// A text that begins with "solid" can be binary: the length tells.
+bool is_stl(const std::string& text) {
+  std::uint32_t n = 0;
+  if (text.size() >= 84) std::memcpy(&n, text.data() + 80, sizeof n);
+  return (text.size() >= 84 && text.size() == 84 + 50 * static_cast<std::size_t>(n)) ||
+         (text.starts_with("solid") && text.find("facet") != std::string::npos);
+}
+
 }  // namespace
 
 double metres_in(const std::string& unit) {
@@ -134,6 +144,14 @@ CadFile inspect_cad_file(const std::filesystem::path& path) {
   if (head.find("CASCADE Topology") != std::string::npos ||
       head.find("DBRep_DrawableShape") != std::string::npos)
     return {"brep", ""};
+  if (extension == ".STL") {
+    if (!is_stl(text))
+      throw std::invalid_argument(name +
+                                  ": is neither a text STL (which begins with \"solid\") nor a binary one of "
+                                  "the length that it states; "
+                                  "save it again");
+    return {"stl", ""};
+  }
   const std::size_t line = head.find('\n');
   if (line != std::string::npos && line >= 73 && head[72] == 'S') return {"iges", iges_unit(text)};
 
@@ -147,7 +165,7 @@ CadFile inspect_cad_file(const std::filesystem::path& path) {
       : extension == ".BREP" || extension == ".BRP" ? "not a BREP file: it does not name CASCADE Topology"
       : extension == ".STEP" || extension == ".STP" || extension == ".P21"
           ? "not a STEP file: it does not begin with ISO-10303-21"
-          : "neither a STEP, an IGES nor a BREP file";
+          : "neither a STEP, an IGES, a BREP nor an STL file";
   throw std::invalid_argument(name + ": " + wanted + " (it begins with " + shown(text) + ")");
 }
 

@@ -31,11 +31,12 @@ Job first_job(const CadOptions& options, const CadFile& file, CadReport& report)
   job.elements_per_circle = options.elements_per_circle;
   job.parent = getpid();
   report.unit = file.unit.empty() ? "mm" : file.unit;
-  if (file.format == "brep") {  // no unit in the file: numbers come as they are
+  if (file.format == "brep" || file.format == "stl") {  // no unit in the file: numbers come as they are
     report.unit = options.unit.empty() ? "mm" : options.unit;
     job.to_m = metres_in(report.unit);
     if (options.unit.empty())
-      report.messages.push_back("BREP files have no unit; its numbers are taken as mm");
+      report.messages.push_back((file.format == "stl" ? "STL" : "BREP") +
+                                std::string(" files have no unit; its numbers are taken as mm"));
   } else if (!options.unit.empty()) {  // OpenCASCADE converts from the declared unit to mm; undo that
     if (file.unit.empty())
       throw std::invalid_argument(options.path.string() +

@@ -139,7 +139,8 @@ int reduce_with(const Arguments& arguments, const terminal::Verbosity& verbosity
         "written by flexura modes --html");
   std::string ending = std::filesystem::path(arguments.input).extension().string();
   for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  if (ending == ".step" || ending == ".stp" || ending == ".iges" || ending == ".igs" || ending == ".brep")
+  if (ending == ".step" || ending == ".stp" || ending == ".iges" || ending == ".igs" || ending == ".brep" ||
+      ending == ".stl")
     throw input::InputError(fmt::format(
         "{}: is a CAD file, a part file (.toml) that names it is wanted; --list-faces lists what its "
         "interfaces can be chosen from, --schema the part file's keys",

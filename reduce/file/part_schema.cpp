@@ -13,14 +13,15 @@ TableSchema geometry_schema() {
   TableSchema s{
       .name = "geometry",
       .doc =
-          "The part, relative to the part file: a CAD file (STEP, IGES, BREP), which is meshed, or a "
+          "The part, relative to the part file: a CAD file (STEP, IGES, BREP) or a closed surface of "
+          "triangles (STL), which is meshed, or a "
           "mesh: gmsh (.msh), Abaqus or CalculiX (.inp), Nastran (.bdf, .dat, .nas), I-DEAS "
           "(.unv), with its solids, shells, beams, springs, materials, sets, ties and point masses."};
   s.keys = {
       input::text("file", "CAD file or mesh").required(),
       input::choice(
           "unit", {"m", "mm", "cm", "um", "inch", "ft"},
-          "length unit of the file. CAD: overrides what the file says (BREP files say nothing: mm). "
+          "length unit of the file. CAD: overrides what the file says (BREP and STL files say nothing: mm). "
           "Meshes say nothing: m"),
       input::choice("mass_unit", {"kg", "t", "g", "lbf s^2/in", "slug"},
                     "mass unit of a deck with materials or masses, the time being s; default: what goes with "

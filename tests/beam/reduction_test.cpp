@@ -8,6 +8,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "mbs/base/files/sanitized.hpp"
 #include "reduce/beams/beam_reduction.hpp"
 #include "reduce/cms/shapes/full_model.hpp"
 #include "tests/beam/common.hpp"
@@ -132,7 +133,7 @@ void reduce_frame(const std::array<int, 3>& joints, int least_dofs) {
               mesh.n_dofs(), seconds, beams.reduction.report.peak_memory_bytes / 1e6,
               beams.reduction.report.seconds_assembly, beams.reduction.report.factor.seconds_numeric,
               beams.reduction.report.seconds_normal_modes, beams.reduction.report.seconds_projection);
-#ifndef __SANITIZE_ADDRESS__  // which keeps what is freed
+#ifndef FLEXURA_ADDRESS_SANITIZER  // which keeps what is freed
   // 24 kB for each dof; the process itself has 100 MB.
   EXPECT_LT(beams.reduction.report.peak_memory_bytes, 1e8 + 24e3 * mesh.n_dofs());
 #endif

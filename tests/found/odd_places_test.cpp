@@ -11,6 +11,7 @@
 #include <cstdlib>
 #include <filesystem>
 
+#include "mbs/base/files/sanitized.hpp"
 #include "tests/app/command.hpp"
 
 namespace flexura::test {
@@ -156,7 +157,7 @@ TEST_F(OddPlaces, NumbersOfOptionsHaveLimits) {
   EXPECT_TRUE(is_empty());
 }
 
-#ifndef __SANITIZE_ADDRESS__  // which takes terabytes of address space
+#ifndef FLEXURA_ADDRESS_SANITIZER  // which takes terabytes of address space
 // OpenBLAS asks for its work space for ever, in a thread of its own from the program's start on: the end is one
 // sentence all the same, and an end.
 TEST_F(OddPlaces, LittleAddressSpaceIsAnEndInASentence) {

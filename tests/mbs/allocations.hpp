@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cstdlib>
 
+#include "mbs/base/files/sanitized.hpp"
 /// Counts every allocation of the program, those of Eigen through malloc too.  Include it in one file of a
 /// program.  Under the address sanitizer, which owns malloc, nothing is counted.
 namespace {
@@ -11,7 +12,7 @@ std::atomic<long> allocations{0};
 }
 
 extern "C" void* __libc_malloc(std::size_t);
-#if !defined(__SANITIZE_ADDRESS__)
+#if !defined(FLEXURA_ADDRESS_SANITIZER)
 extern "C" void* malloc(std::size_t size) {
   ++allocations;
   return __libc_malloc(size);

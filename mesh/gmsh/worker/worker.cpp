@@ -17,6 +17,7 @@
 #include "mesh/gmsh/worker/worker_sheet.hpp"
 #include "mesh/gmsh/worker/worker_solids.hpp"
 #include "mesh/gmsh/worker/worker_start.hpp"
+#include "mesh/gmsh/worker/worker_surface.hpp"
 #include "mesh/gmsh/worker/worker_volume.hpp"
 
 namespace flexura::mesh {
@@ -35,6 +36,12 @@ void run(const Job& job, ResultRecord& result, Arrays& arrays) {
     read_mesh(job.path, job.task == "read" ? 3 : 2, result, arrays);
     return;
   }
+  const bool is_surface = job.format == "stl";
+  if (is_surface && job.task != "list" && job.task != "picture" && job.task != "mesh")
+    throw std::runtime_error(
+        "is a surface of triangles, which bounds a solid; curves, sections and sheets are taken from STEP, "
+        "IGES and "
+        "BREP files");
   if (job.task == "curves") {
     say(0, "reading the curves");
     collect_curves(job, result, arrays);
@@ -50,14 +57,19 @@ void run(const Job& job, ResultRecord& result, Arrays& arrays) {
     mesh_sheet(job, result, arrays);
     return;
   }
-  gmsh::vectorpair solids = import_solids(job, result);
-  say(0.02, "measuring the solids");
-  choose_solids(job, result, solids);
-  if (job.fuse) fuse_solids(result, solids);
-  if (job.heal) heal_solids(result, solids);
-  gmsh::model::occ::synchronize();
-  say(0.05, "measuring the faces");
-  describe_kept(job, solids, result);
+  gmsh::vectorpair solids;
+  if (is_surface) {
+    solids = import_surface(job, result);
+  } else {
+    solids = import_solids(job, result);
+    say(0.02, "measuring the solids");
+    choose_solids(job, result, solids);
+    if (job.fuse) fuse_solids(result, solids);
+    if (job.heal) heal_solids(result, solids);
+    gmsh::model::occ::synchronize();
+    say(0.05, "measuring the faces");
+    describe_kept(job, solids, result);
+  }
   if (job.task == "picture") arrays = collect_picture(job, result);
   if (job.task != "mesh") return;
   generate_mesh(job, result);

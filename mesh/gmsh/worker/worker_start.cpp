@@ -6,10 +6,11 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include "mbs/base/files/sanitized.hpp"
 namespace flexura::mesh {
 
 bool start_worker(pid_t parent) {
-#ifndef __SANITIZE_ADDRESS__  // its shadow takes terabytes of addresses
+#ifndef FLEXURA_ADDRESS_SANITIZER  // its shadow takes terabytes of addresses
   const auto memory =
       static_cast<rlim_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<rlim_t>(sysconf(_SC_PAGESIZE));
   const rlimit most{memory, memory};

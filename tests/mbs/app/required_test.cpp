@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "mbs/base/files/sanitized.hpp"
 #include "mbs/superelement/file.hpp"
 #include "tests/app/command.hpp"
 #include "tests/mbs/superelement/box_beam.hpp"
@@ -90,7 +91,7 @@ double instructions(const Folder& folder, const std::vector<std::string>& more) 
 }
 
 TEST(OnlyWhatASceneRequires, IsReadBuiltAndStored) {
-#ifdef __SANITIZE_ADDRESS__
+#ifdef FLEXURA_ADDRESS_SANITIZER
   GTEST_SKIP() << "valgrind does not run programs with an address sanitizer of their own";
 #endif
   const Folder folder;

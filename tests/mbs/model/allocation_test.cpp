@@ -1,5 +1,6 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 
+#include "mbs/base/files/sanitized.hpp"
 #include "mbs/bodies/modal_body.hpp"
 #include "mbs/file/elements/element_types.hpp"
 #include "tests/mbs/allocations.hpp"
@@ -12,7 +13,7 @@ namespace {
 using namespace checks;
 
 TEST(Evaluation, AllocatesNothing) {
-#if defined(__SANITIZE_ADDRESS__)
+#if defined(FLEXURA_ADDRESS_SANITIZER)
   GTEST_SKIP() << "the sanitizer owns malloc";
 #endif
   const lattice::Lattice l = lattice::make_lattice(10);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <ctime>
 
+#include "mbs/base/files/sanitized.hpp"
 #include "mbs/mechanism/mechanism.hpp"
 #include "mbs/solver/integrators/integrator.hpp"
 #include "mbs/solver/run/make_integrator.hpp"
@@ -17,7 +18,7 @@ namespace {
 class Allocations : public ::testing::TestWithParam<std::pair<const char*, bool>> {};
 
 TEST_P(Allocations, OfAStepAreNone) {
-#if defined(__SANITIZE_ADDRESS__)
+#if defined(FLEXURA_ADDRESS_SANITIZER)
   GTEST_SKIP() << "the sanitizer owns malloc";
 #endif
   const auto [method, closed] = GetParam();

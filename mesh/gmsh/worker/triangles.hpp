@@ -1,0 +1,29 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <string>
+#include <vector>
+
+#include "mesh/gmsh/job.hpp"
+
+// For the child process: what a surface of triangles encloses, and what its faces are.
+namespace flexura::mesh {
+
+struct Triangles {
+  std::vector<Eigen::Vector3d> points;      ///< m
+  std::vector<std::array<int, 3>> corners;  ///< counter-clockwise from outside once oriented
+};
+
+/// Turns triangles so that neighbours agree and the outside is where no material is; `piece` gets each triangle's connected surface, numbered from
+/// 0, which is the outside.  Throws std::runtime_error where the surface is open, branches, has no volume, or bounds more than one body.
+void orient(Triangles& surface, std::vector<int>& piece);
+
+/// Volume, centroid, inertia about it (density 1) and box by the divergence theorem, of a closed surface.
+SolidRecord describe_enclosed(const Triangles& surface);
+
+/// Area, centroid, box and kind (plane, cylinder or other) of some of its triangles.
+FaceRecord describe_facets(const Triangles& surface, const std::vector<int>& which, int number);
+
+}  // namespace flexura::mesh

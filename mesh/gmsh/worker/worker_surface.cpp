@@ -1,0 +1,100 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mesh/gmsh/worker/worker_surface.hpp"
+
+#include <algorithm>
+#include <map>
+#include <numbers>
+#include <stdexcept>
+
+#include "mesh/gmsh/worker/triangles.hpp"
+
+namespace flexura::mesh {
+namespace {
+
+// Edges sharper than this bound faces; a circle of twelve facets is still one.
+constexpr double kSharp = 40.0 * std::numbers::pi / 180.0;
+constexpr std::size_t kMostTriangles = 500000;
+
+/// gmsh's triangles.
+Triangles take_triangles(double to_m) {
+  std::vector<std::size_t> tags, cells, nodes;
+  std::vector<double> coordinates, parameters;
+  gmsh::model::mesh::getNodes(tags, coordinates, parameters, -1, -1, false, false);
+  gmsh::model::mesh::getElementsByType(2, cells, nodes);
+  if (cells.empty()) throw std::runtime_error("holds no triangle; save it again");
+  if (cells.size() > kMostTriangles)
+    throw std::runtime_error("has " + std::to_string(cells.size()) +
+                             " triangles; at most 500000 are taken: save it coarser");
+  std::map<std::size_t, int> place;
+  Triangles out;
+  for (std::size_t k = 0; k < tags.size(); ++k) {
+    place[tags[k]] = static_cast<int>(k);
+    const Eigen::Vector3d x = to_m * Eigen::Vector3d::Map(&coordinates[3 * k]);
+    if (!x.allFinite()) throw std::runtime_error("has a vertex that is not finite; save it again");
+    out.points.push_back(x);
+  }
+  for (std::size_t k = 0; k < cells.size(); ++k)
+    out.corners.push_back({place.at(nodes[3 * k]), place.at(nodes[3 * k + 1]), place.at(nodes[3 * k + 2])});
+  return out;
+}
+
+/// gmsh finds edges by how triangles are turned, so that it gets them back as they are oriented: numbered from 1.
+void give_back(const Triangles& surface, double to_m) {
+  gmsh::model::add("surface");
+  const int face = gmsh::model::addDiscreteEntity(2);
+  std::vector<std::size_t> nodes, cells, corners;
+  std::vector<double> coordinates;
+  for (std::size_t k = 0; k < surface.points.size(); ++k) {
+    nodes.push_back(k + 1);
+    for (int i = 0; i < 3; ++i) coordinates.push_back(surface.points[k](i) / to_m);
+  }
+  gmsh::model::mesh::addNodes(2, face, nodes, coordinates);
+  for (std::size_t k = 0; k < surface.corners.size(); ++k) {
+    cells.push_back(k + 1);
+    for (const int corner : surface.corners[k]) corners.push_back(static_cast<std::size_t>(corner) + 1);
+  }
+  gmsh::model::mesh::addElementsByType(face, 2, cells, corners);
+}
+
+}  // namespace
+
+gmsh::vectorpair import_surface(const Job& job, ResultRecord& result) {
+  gmsh::merge(job.path);
+  gmsh::model::mesh::removeDuplicateNodes();
+  Triangles surface = take_triangles(job.to_m);
+  std::vector<int> piece;
+  orient(surface, piece);
+  give_back(surface, job.to_m);
+  // The mesh follows the facets: nodes on edges between them would be pushed off curved ones that are not there.
+  gmsh::option::setNumber("Mesh.SecondOrderLinear", 1);
+  gmsh::model::mesh::classifySurfaces(kSharp, true, false, std::numbers::pi);
+  // Of each face its triangles, before it has others.
+  gmsh::vectorpair faces;
+  gmsh::model::getEntities(faces, 2);
+  std::map<int, std::vector<int>> shells;
+  for (const auto& face : faces) {
+    std::vector<std::size_t> cells, nodes;
+    gmsh::model::mesh::getElementsByType(2, cells, nodes, face.second);
+    if (cells.empty()) continue;
+    std::vector<int> which;
+    for (const std::size_t cell : cells) which.push_back(static_cast<int>(cell) - 1);
+    shells[piece[static_cast<std::size_t>(which.front())]].push_back(face.second);
+    result.faces.push_back(describe_facets(surface, which, face.second));
+    result.area += result.faces.back().area;
+  }
+  gmsh::model::mesh::createGeometry();
+  std::vector<int> loops;
+  for (const auto& [shell, of] : shells) loops.push_back(gmsh::model::geo::addSurfaceLoop(of));
+  const int volume = gmsh::model::geo::addVolume(loops);
+  gmsh::model::geo::synchronize();
+  result.solids = {describe_enclosed(surface)};
+  result.kept = {1};
+  result.volume = result.solids.front().volume;
+  result.centroid = result.solids.front().centroid;
+  result.messages.push_back("a surface of " + std::to_string(surface.corners.size()) +
+                            " triangles, cut into " + std::to_string(result.faces.size()) +
+                            " faces at edges of more than 40 degrees; the part is what the facets enclose");
+  return {{3, volume}};
+}
+
+}  // namespace flexura::mesh
