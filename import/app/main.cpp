@@ -13,6 +13,7 @@
 #include "import/model/folder.hpp"
 #include "import/page/page.hpp"
 #include "import/urdf/convert.hpp"
+#include "import/urdf/link_parts.hpp"
 #include "mbs/base/documents/units.hpp"
 #include "mbs/base/terminal/command_line.hpp"
 #include "mbs/base/terminal/terminal.hpp"
@@ -99,12 +100,26 @@ void print_proposal(const import::cad::Built& built, const terminal::Verbosity& 
                  : "unknown, not counted for more than 400 bodies that move (flexura check)");
 }
 
+// All parts of an assembly where they stand.
+auto surface_of_step(const fs::path& file) {
+  constexpr double limit_s = 60.0;
+  const import::cad::Assembly assembly = import::cad::read_assembly(file, limit_s);
+  auto surface = import::Surface();
+  for (const import::cad::Instance& i : assembly.instances)
+    surface.append(assembly.parts[static_cast<std::size_t>(i.part)].surface, i.X_WP);
+  import::urdf::weld(surface);
+  return surface;
+}
+
 int import_robot(const Arguments& a, const std::filesystem::path& folder,
                  const terminal::Verbosity& verbosity) {
-  const import::Mechanism mechanism = import::urdf::to_mechanism(
-      import::urdf::read_robot(a.input),
-      {.floating_base = a.base == "floating", .stops = !a.no_stops, .packages = a.packages});
-  import::write_folder(folder, mechanism, {}, a.force);
+  import::Mechanism mechanism =
+      import::urdf::to_mechanism(import::urdf::read_robot(a.input), {.floating_base = a.base == "floating",
+                                                                     .stops = !a.no_stops,
+                                                                     .packages = a.packages,
+                                                                     .read_cad = surface_of_step});
+  const std::vector<import::TextFile> parts = import::urdf::link_parts(mechanism);
+  import::write_folder(folder, mechanism, parts, a.force);
   report(mechanism, folder, verbosity);
   return 0;
 }

@@ -27,6 +27,13 @@ bool turns(const Joint& joint) {
   return joint.kind == JointKind::revolute || joint.kind == JointKind::continuous;
 }
 
+bool is_step(const std::filesystem::path& file) {
+  std::string ending = file.extension().string();
+  std::ranges::transform(ending, ending.begin(),
+                         [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+  return ending == ".step" || ending == ".stp";
+}
+
 class Converter {
  public:
   Converter(const Robot& robot, const Choices& choices) : robot_(robot), choices_(choices) {}
@@ -132,16 +139,23 @@ class Converter {
         continue;
       }
       try {
-        Surface mesh = read_surface(find_mesh(visual.mesh, robot_.file, choices_.packages));
+        const std::filesystem::path file = find_mesh(visual.mesh, robot_.file, choices_.packages);
+        Surface mesh = is_step(file) && choices_.read_cad ? choices_.read_cad(file) : read_surface(file);
         for (Vector3d& v : mesh.vertices) v = v.cwiseProduct(visual.size);
         if (visual.size.prod() < 0.0)  // mirrored
           for (Eigen::Vector3i& t : mesh.triangles) std::swap(t[1], t[2]);
         body.surface.append(mesh, visual.X_LV);
-      } catch (const std::invalid_argument& why) {
-        result_.notes.push_back(
-            fmt::format("link \"{}\" without that picture: {}", shown(link.name), why.what()));
+      } catch (const std::logic_error& why) {
+        leave_out(link, why);
+      } catch (const std::runtime_error& why) {  // of the child that reads CAD files
+        leave_out(link, why);
       }
     }
+  }
+
+  void leave_out(const Link& link, const std::exception& why) {
+    result_.notes.push_back(
+        fmt::format("link \"{}\" without that picture: {}", shown(link.name), why.what()));
   }
 
   static std::vector<Line> shape_lines(const Visual& visual) {

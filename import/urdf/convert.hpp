@@ -1,6 +1,8 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -13,6 +15,8 @@ struct Choices {
   bool floating_base = false;              ///< the root floats free; otherwise it stands on the ground
   bool stops = true;                       ///< limits become bump stops
   std::vector<std::string> packages = {};  ///< "NAME=FOLDER" for package://NAME/...
+  /// The surface of a STEP file [m]; throws std::invalid_argument or std::runtime_error.  Empty: such meshes are not read.
+  std::function<Surface(const std::filesystem::path&)> read_cad = {};
 };
 
 /// The robot as a mechanism: every link a body with the link's frame, every joint a joint between markers whose

@@ -3,16 +3,16 @@
 
 #include <fmt/format.h>
 
-#include <array>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <fstream>
 #include <iterator>
-#include <map>
 #include <sstream>
 #include <stdexcept>
 
+#include "import/urdf/collada.hpp"
+#include "import/urdf/surface_builder.hpp"
 #include "import/urdf/xml.hpp"
 #include "mbs/base/files/inputs.hpp"
 
@@ -20,31 +20,6 @@ namespace flexura::import::urdf {
 namespace {
 
 namespace fs = std::filesystem;
-
-class SurfaceBuilder {
- public:
-  explicit SurfaceBuilder(const fs::path& file) : file_(file) {}
-
-  int vertex(const Vector3d& x) {
-    if (!x.allFinite()) refuse("a vertex is not finite");
-    const auto [at, is_new] =
-        index_.emplace(std::array{x.x(), x.y(), x.z()}, static_cast<int>(surface.vertices.size()));
-    if (is_new) surface.vertices.push_back(x);
-    return at->second;
-  }
-  void triangle(int a, int b, int c) {
-    if (a != b && b != c && c != a) surface.triangles.emplace_back(a, b, c);
-  }
-  [[noreturn]] void refuse(const std::string& what) const {
-    throw std::invalid_argument(file_.string() + ": " + what);
-  }
-
-  Surface surface;
-
- private:
-  const fs::path& file_;
-  std::map<std::array<double, 3>, int> index_;
-};
 
 void read_binary_stl(const std::string& bytes, SurfaceBuilder& builder) {
   std::uint32_t n = 0;
@@ -122,8 +97,8 @@ Surface read_surface(const fs::path& file) {
   SurfaceBuilder builder(file);
   std::string ending = file.extension().string();
   for (char& c : ending) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  if (ending != ".stl" && ending != ".obj")
-    builder.refuse("is a mesh of a kind that is not read; save it as STL or OBJ");
+  if (ending != ".stl" && ending != ".obj" && ending != ".dae")
+    builder.refuse("is a mesh of a kind that is not read; save it as STL, OBJ, COLLADA (.dae) or STEP");
   files::note_input(file);
   std::ifstream in(file, std::ios::binary);
   const std::string bytes{std::istreambuf_iterator<char>(in), {}};
@@ -141,6 +116,8 @@ Surface read_surface(const fs::path& file) {
         "save it again");
   else if (ending == ".stl")
     read_text_stl(bytes, builder);
+  else if (ending == ".dae")
+    read_collada(file, bytes, builder);
   else
     read_obj(bytes, builder);
   if (builder.surface.triangles.empty())

@@ -9,7 +9,7 @@
 
 namespace flexura::import::urdf {
 
-/// Triangles of an STL (binary or text) or OBJ file, for pictures; vertices that coincide are one.
+/// Triangles of an STL (binary or text), OBJ or COLLADA file, for pictures; vertices that coincide are one.
 /// Throws std::invalid_argument, one sentence.
 Surface read_surface(const std::filesystem::path& file);
 

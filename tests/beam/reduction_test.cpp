@@ -8,13 +8,13 @@
 #include <cmath>
 #include <numbers>
 
-#include "mbs/base/files/sanitized.hpp"
 #include "reduce/beams/beam_reduction.hpp"
 #include "reduce/cms/shapes/full_model.hpp"
 #include "tests/beam/common.hpp"
 #include "tests/beam/exact/timoshenko.hpp"
 #include "tests/beam/models.hpp"
 #include "tests/beam/reduction_session.hpp"
+#include "tests/sanitized.hpp"
 
 namespace flexura::beam {
 namespace {

@@ -11,8 +11,8 @@
 #include <cstdlib>
 #include <filesystem>
 
-#include "mbs/base/files/sanitized.hpp"
 #include "tests/app/command.hpp"
+#include "tests/sanitized.hpp"
 
 namespace flexura::test {
 namespace {

@@ -4,7 +4,8 @@
 #include <atomic>
 #include <cstdlib>
 
-#include "mbs/base/files/sanitized.hpp"
+#include "tests/sanitized.hpp"
+
 /// Counts every allocation of the program, those of Eigen through malloc too.  Include it in one file of a
 /// program.  Under the address sanitizer, which owns malloc, nothing is counted.
 namespace {

@@ -142,7 +142,7 @@ TEST(CadRefusal, OfWhatIsNoCadFile) {
                         "upon a time.\")"));
   EXPECT_THAT(of("a.igs", "once\n"), HasSubstr("not an IGES file"));
   EXPECT_THAT(of("a.brep", "once\n"), HasSubstr("not a BREP file"));
-  EXPECT_THAT(of("a.txt", "once\n"), HasSubstr("neither a STEP, an IGES nor a BREP file"));
+  EXPECT_THAT(of("a.txt", "once\n"), HasSubstr("neither a STEP, an IGES, a BREP nor an STL file"));
   const std::string shaft = content_of(part_file("odri_motor_antigravity_4004_custom_shaft.step"));
   EXPECT_THAT(of("a.step", shaft.substr(0, shaft.size() / 2)), HasSubstr("is a STEP file cut short"));
   EXPECT_THAT(of("a.step", "ISO-10303-21;\nHEADER;\nENDSEC;\nDATA;\nENDSEC;\nEND-ISO-10303-21;\n"),

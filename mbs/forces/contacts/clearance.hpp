@@ -155,7 +155,8 @@ class Clearance final : public ForceElement, public HasRobotWords {
     double f = 0.0;
     for (int side = 0; side < 2; ++side) {
       const auto [gap, rate] = gap_of(side, kin);
-      f += (side == 0 ? 1.0 : -1.0) * law_.force(gap, rate, kin.own.root + 2 * side, kin.own.c + side);
+      f += (side == 0 ? 1.0 : -1.0) *
+           law_.force(gap, rate, kin.own.root + 2 * side, kin.own.c ? kin.own.c + side : nullptr);
     }
     return scale(kin) * f;
   }

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cmath>
+#include <limits>
 #include <stdexcept>
 #include <type_traits>
 #include <vector>
@@ -23,7 +25,7 @@ class History {
   void operator()(T& x) {
     if constexpr (std::is_arithmetic_v<T>) {
       if (reads_)
-        x = static_cast<T>(next());
+        x = next_as<T>();
       else
         values_.push_back(static_cast<double>(x));
     } else {
@@ -48,6 +50,18 @@ class History {
   bool is_used_up() const { return at_ == values_.size(); }
 
  private:
+  // What was changed by hand may be any number.
+  template <class T>
+  T next_as() {
+    const double value = next();
+    if constexpr (std::is_integral_v<T>) {
+      constexpr double largest = 9007199254740992.0;  // 2^53: beyond, doubles are no counts
+      if (!(std::abs(value) <= largest) || !(value >= static_cast<double>(std::numeric_limits<T>::lowest()) &&
+                                             value <= static_cast<double>(std::numeric_limits<T>::max())))
+        refuse();
+    }
+    return static_cast<T>(value);
+  }
   double next() {
     if (at_ >= values_.size()) refuse();
     return values_[at_++];

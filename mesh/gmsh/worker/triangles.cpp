@@ -10,6 +10,7 @@
 #include <limits>
 #include <map>
 #include <numbers>
+#include <queue>
 #include <stdexcept>
 
 #include "mesh/gmsh/worker/worker_describe.hpp"
@@ -218,6 +219,54 @@ void orient(Triangles& surface, std::vector<int>& piece) {
   }
 }
 
+void refine(Triangles& surface, std::vector<int>& piece, double longest, std::size_t most) {
+  using Ends = std::pair<int, int>;
+  std::map<Ends, std::vector<int>> triangles_of;
+  std::priority_queue<std::pair<double, Ends>> queue;
+  const auto length = [&](const Ends& e) {
+    return (surface.points[static_cast<std::size_t>(e.first)] -
+            surface.points[static_cast<std::size_t>(e.second)])
+        .norm();
+  };
+  const auto note = [&](int t) {
+    const auto& c = surface.corners[static_cast<std::size_t>(t)];
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Ends ends = std::minmax(c[k], c[(k + 1) % 3]);
+      auto& of = triangles_of[ends];
+      of.push_back(t);
+      if (of.size() == 2 && length(ends) > longest) queue.emplace(length(ends), ends);
+    }
+  };
+  const auto forget = [&](int t) {
+    const auto& c = surface.corners[static_cast<std::size_t>(t)];
+    for (std::size_t k = 0; k < 3; ++k) std::erase(triangles_of.at(std::minmax(c[k], c[(k + 1) % 3])), t);
+  };
+  for (std::size_t t = 0; t < surface.corners.size(); ++t) note(static_cast<int>(t));
+  while (!queue.empty() && surface.corners.size() + 2 <= most) {
+    const Ends ends = queue.top().second;
+    queue.pop();
+    const auto found = triangles_of.find(ends);
+    if (found == triangles_of.end() || found->second.size() != 2) continue;
+    const std::vector<int> both = found->second;
+    const int middle = static_cast<int>(surface.points.size());
+    surface.points.emplace_back(0.5 * (surface.points[static_cast<std::size_t>(ends.first)] +
+                                       surface.points[static_cast<std::size_t>(ends.second)]));
+    std::vector<int> changed;
+    for (const int t : both) {
+      forget(t);
+      std::array<int, 3> half = surface.corners[static_cast<std::size_t>(t)], other = half;
+      std::ranges::replace(half, ends.first, middle);
+      std::ranges::replace(other, ends.second, middle);
+      surface.corners[static_cast<std::size_t>(t)] = half;
+      changed.insert(changed.end(), {t, static_cast<int>(surface.corners.size())});
+      surface.corners.push_back(other);
+      piece.push_back(piece[static_cast<std::size_t>(t)]);
+    }
+    triangles_of.erase(ends);
+    for (const int t : changed) note(t);
+  }
+}
+
 SolidRecord describe_enclosed(const Triangles& surface) {
   // int x x^T dV over tetrahedra (0, a, b, c): V / 20 (sum of products of corners + (a + b + c)(a + b + c)^T), from the box's middle.
   const std::array<double, 6> box = box_of(surface.points);
@@ -272,13 +321,14 @@ FaceRecord describe_facets(const Triangles& surface, const std::vector<int>& whi
   record.centroid = as_array(centroid);
   record.box = box_of(points);
   double extent = 0, off = 0;
+  const bool is_even = normal.norm() > (1 - kTolerance) * area;  // around a bore the normals cancel
   normal.normalize();
   for (const Vector3d& p : points) {
     extent = std::max(extent, (p - centroid).norm());
     off = std::max(off, std::abs((p - centroid).dot(normal)));
   }
   Face face;
-  if (normal.allFinite() && off < kTolerance * extent) {
+  if (is_even && off < kTolerance * extent) {
     face.kind = FaceKind::plane;
     record.normal = as_array(normal);
   } else if (normals.size() > 3) {

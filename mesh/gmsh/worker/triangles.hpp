@@ -20,6 +20,10 @@ struct Triangles {
 /// 0, which is the outside.  Throws std::runtime_error where the surface is open, branches, has no volume, or bounds more than one body.
 void orient(Triangles& surface, std::vector<int>& piece);
 
+/// Halves edges longer than `longest` [m], the longest first, so that no triangle stays a needle (M. Rivara 1984: the longest edge
+/// of all is that of both its triangles).  The surface stays where it is; `piece` grows along.  Stops at `most` triangles.
+void refine(Triangles& surface, std::vector<int>& piece, double longest, std::size_t most);
+
 /// Volume, centroid, inertia about it (density 1) and box by the divergence theorem, of a closed surface.
 SolidRecord describe_enclosed(const Triangles& surface);
 

@@ -6,11 +6,17 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-#include "mbs/base/files/sanitized.hpp"
+// g++ tells the address sanitizer by a macro, clang by a feature.
+#if defined(__has_feature)
+#if __has_feature(address_sanitizer)
+#define __SANITIZE_ADDRESS__
+#endif
+#endif
+
 namespace flexura::mesh {
 
 bool start_worker(pid_t parent) {
-#ifndef FLEXURA_ADDRESS_SANITIZER  // its shadow takes terabytes of addresses
+#ifndef __SANITIZE_ADDRESS__  // its shadow takes terabytes of addresses
   const auto memory =
       static_cast<rlim_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<rlim_t>(sysconf(_SC_PAGESIZE));
   const rlimit most{memory, memory};

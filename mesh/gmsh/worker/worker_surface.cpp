@@ -64,6 +64,11 @@ gmsh::vectorpair import_surface(const Job& job, ResultRecord& result) {
   Triangles surface = take_triangles(job.to_m);
   std::vector<int> piece;
   orient(surface, piece);
+  const std::size_t given = surface.corners.size();
+  // Needles, as CAD programs write them, are beyond gmsh's maps of the faces.
+  double longest = job.size;
+  for (std::size_t k = 3; k < job.sizes.size(); k += 4) longest = std::max(longest, job.sizes[k]);
+  if (longest > 0) refine(surface, piece, longest, kMostTriangles);
   give_back(surface, job.to_m);
   // The mesh follows the facets: nodes on edges between them would be pushed off curved ones that are not there.
   gmsh::option::setNumber("Mesh.SecondOrderLinear", 1);
@@ -91,8 +96,8 @@ gmsh::vectorpair import_surface(const Job& job, ResultRecord& result) {
   result.kept = {1};
   result.volume = result.solids.front().volume;
   result.centroid = result.solids.front().centroid;
-  result.messages.push_back("a surface of " + std::to_string(surface.corners.size()) +
-                            " triangles, cut into " + std::to_string(result.faces.size()) +
+  result.messages.push_back("a surface of " + std::to_string(given) + " triangles, cut into " +
+                            std::to_string(result.faces.size()) +
                             " faces at edges of more than 40 degrees; the part is what the facets enclose");
   return {{3, volume}};
 }

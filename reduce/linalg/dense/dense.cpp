@@ -56,6 +56,7 @@ FLEXURA_INLINE void load_panels(const Ref& X, Eigen::Index first, Eigen::Index n
 
 template <class Matrix>
 FLEXURA_INLINE void store_panels(const double* panels, Eigen::Index first, Eigen::Index n, Matrix& X) {
+  if (n == 0) return;  // there are no panels
   for (Eigen::Index c = 0; c < X.cols(); ++c) {
     const double* column = panels + c / kWidth * n * kWidth + c % kWidth;
     for (Eigen::Index i = 0; i < n; ++i) X(first + i, c) = column[i * kWidth];

@@ -9,10 +9,10 @@
 #include <string>
 #include <vector>
 
-#include "mbs/base/files/sanitized.hpp"
 #include "mbs/superelement/file.hpp"
 #include "tests/app/command.hpp"
 #include "tests/mbs/superelement/box_beam.hpp"
+#include "tests/sanitized.hpp"
 
 /// Only what a scene requires: instructions counted by valgrind (which needs no privileges and counts the
 /// same number on a busy machine), with and without what a run does not need.

@@ -1,11 +1,11 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 
-#include "mbs/base/files/sanitized.hpp"
 #include "mbs/bodies/modal_body.hpp"
 #include "mbs/file/elements/element_types.hpp"
 #include "tests/mbs/allocations.hpp"
 #include "tests/mbs/model/checks.hpp"
 #include "tests/mbs/model/lattice.hpp"
+#include "tests/sanitized.hpp"
 
 namespace flexura::mbs {
 namespace {

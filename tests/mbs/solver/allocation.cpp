@@ -4,13 +4,13 @@
 #include <cmath>
 #include <ctime>
 
-#include "mbs/base/files/sanitized.hpp"
 #include "mbs/mechanism/mechanism.hpp"
 #include "mbs/solver/integrators/integrator.hpp"
 #include "mbs/solver/run/make_integrator.hpp"
 #include "tests/mbs/allocations.hpp"
 #include "tests/mbs/solver/flexible_engine.hpp"
 #include "tests/mbs/started.hpp"
+#include "tests/sanitized.hpp"
 
 namespace flexura::mbs::test {
 namespace {

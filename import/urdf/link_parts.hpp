@@ -1,0 +1,17 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <vector>
+
+#include "import/model/folder.hpp"
+
+namespace flexura::import::urdf {
+
+/// Vertices that coincide to 1e-5 of the size become one: CAD kernels give every face its own, within their tolerance.
+void weld(Surface& surface);
+
+/// For each body whose surface is closed and in one piece: parts/NAME.stl (binary, m, frame B) and a part file of it, with the
+/// density that gives it the body's mass, from which it can be made flexible.  Adds a note that names the others.
+std::vector<TextFile> link_parts(Mechanism& mechanism);
+
+}  // namespace flexura::import::urdf
