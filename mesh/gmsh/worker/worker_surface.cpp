@@ -2,6 +2,7 @@
 #include "mesh/gmsh/worker/worker_surface.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <numbers>
 #include <stdexcept>
@@ -65,9 +66,14 @@ gmsh::vectorpair import_surface(const Job& job, ResultRecord& result) {
   std::vector<int> piece;
   orient(surface, piece);
   const std::size_t given = surface.corners.size();
+  result.solids = {describe_enclosed(surface)};
   // Needles, as CAD programs write them, are beyond gmsh's maps of the faces.
   double longest = job.size;
   for (std::size_t k = 3; k < job.sizes.size(); k += 4) longest = std::max(longest, job.sizes[k]);
+  if (job.task == "picture") {
+    const auto& box = result.solids.front().box;
+    longest = std::hypot(box[3] - box[0], box[4] - box[1], box[5] - box[2]) / 20;
+  }
   if (longest > 0) refine(surface, piece, longest, kMostTriangles);
   give_back(surface, job.to_m);
   // The mesh follows the facets: nodes on edges between them would be pushed off curved ones that are not there.
@@ -92,7 +98,6 @@ gmsh::vectorpair import_surface(const Job& job, ResultRecord& result) {
   for (const auto& [shell, of] : shells) loops.push_back(gmsh::model::geo::addSurfaceLoop(of));
   const int volume = gmsh::model::geo::addVolume(loops);
   gmsh::model::geo::synchronize();
-  result.solids = {describe_enclosed(surface)};
   result.kept = {1};
   result.volume = result.solids.front().volume;
   result.centroid = result.solids.front().centroid;
