@@ -38,8 +38,8 @@ Arrays collect_picture(const Job& job, ResultRecord& result) {
   gmsh::option::setNumber("Mesh.MeshSizeMax", diagonal_of(result) / job.to_m / kAlong);
   gmsh::option::setNumber("Mesh.MeshSizeFromCurvature", kAround);
   try {
-    gmsh::model::mesh::generate(2);
-  } catch (...) {  // what was meshed until then is there
+    if (job.format != "stl") gmsh::model::mesh::generate(2);  // whose facets are the picture
+  } catch (...) {                                             // what was meshed until then is there
     result.messages.push_back("not every face is drawn: gmsh fails on one of them");
   }
   Arrays arrays;

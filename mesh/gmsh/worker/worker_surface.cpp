@@ -2,7 +2,6 @@
 #include "mesh/gmsh/worker/worker_surface.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 #include <numbers>
 #include <stdexcept>
@@ -70,10 +69,6 @@ gmsh::vectorpair import_surface(const Job& job, ResultRecord& result) {
   // Needles, as CAD programs write them, are beyond gmsh's maps of the faces.
   double longest = job.size;
   for (std::size_t k = 3; k < job.sizes.size(); k += 4) longest = std::max(longest, job.sizes[k]);
-  if (job.task == "picture") {
-    const auto& box = result.solids.front().box;
-    longest = std::hypot(box[3] - box[0], box[4] - box[1], box[5] - box[2]) / 20;
-  }
   if (longest > 0) refine(surface, piece, longest, kMostTriangles);
   give_back(surface, job.to_m);
   // The mesh follows the facets: nodes on edges between them would be pushed off curved ones that are not there.
