@@ -16,8 +16,9 @@ namespace flexura::mbs {
 namespace {
 
 // More switchings of one switch within this part of the run are an accumulation, like the last bounces of a
-// ball between impacts, or a relay whose own output takes its input back across the level.
-constexpr int kMostEventsAtOnce = 20;
+// ball between impacts, or a relay whose own output takes its input back across the level.  Teeth that graze each other at no
+// speed were seen to switch some thirty times by round-off alone before they go their way.
+constexpr int kMostEventsAtOnce = 200, kMostPasses = 20;
 constexpr double kAtOnce = 1e-10;
 // Kinks that come so much faster than the run are left to the error control: what trembles about a kink without
 // a jump would only be held up.
@@ -82,7 +83,7 @@ void Runner::take_switches(const std::vector<int>& roots) {
   // What they changed may be what conditions in formulas look at.
   std::vector<int> changed = roots, others;
   Eigen::VectorXd values(n_.n_root);
-  for (int pass = 0; pass < kMostEventsAtOnce; ++pass) {
+  for (int pass = 0; pass < kMostPasses; ++pass) {
     eq_.roots(result_.state, *scratch_, values);
     others.clear();
     for (int k = 0; k < n_.n_root; ++k)
