@@ -29,7 +29,7 @@ class Reader {
     if (const auto asset = root.child("asset"))
       if (const auto unit = asset->child("unit"))
         if (unit->has("meter")) metre = unit->number("meter");
-    if (!(metre > 0.0)) builder_.refuse("its unit is not positive");
+    if (!(metre > 0.0)) builder_.refuse("its unit is not positive; save it again, or as STL");
     const Transform scale(Eigen::Scaling(metre));
     const auto scene = root.child("scene");
     const auto shown_scene = scene ? scene->child("instance_visual_scene") : std::nullopt;
@@ -45,7 +45,7 @@ class Reader {
  private:
   // Everything that has an id.
   void collect(const Element& element, int depth) {
-    if (depth > kDeepest) element.refuse("elements stand within one another too deeply");
+    if (depth > kDeepest) element.refuse("elements stand within one another too deeply; save it as STL");
     if (element.has("id")) by_id_.emplace(element.text("id"), element);
     for (const Element& child : element.children()) collect(child, depth + 1);
   }
@@ -53,7 +53,8 @@ class Reader {
   const Element& found(const Element& from, const char* attribute) const {
     const std::string url = from.text(attribute);
     const auto at = url.starts_with("#") ? by_id_.find(url.substr(1)) : by_id_.end();
-    if (at == by_id_.end()) from.refuse(fmt::format("names \"{}\", which the file does not hold", url));
+    if (at == by_id_.end())
+      from.refuse(fmt::format("names \"{}\", which the file does not hold; save it again, or as STL", url));
     return at->second;
   }
 
@@ -66,7 +67,7 @@ class Reader {
       if (at == std::string::npos) return out;
       const std::size_t end = std::min(text.find_first_of(" \t\r\n", at), text.size());
       const auto value = parse_number(std::string_view(text).substr(at, end - at));
-      if (!value) element.refuse("holds something that is no number; is the file damaged?");
+      if (!value) element.refuse("holds something that is no number; save it again, or as STL");
       out.push_back(*value);
       at = end;
     }
@@ -80,7 +81,8 @@ class Reader {
   }
 
   void draw_children(const Element& parent, const Transform& above, int depth) {
-    if (depth > kDeepest) parent.refuse("nodes stand within one another too deeply, or within themselves");
+    if (depth > kDeepest)
+      parent.refuse("nodes stand within one another too deeply, or within themselves; save it as STL");
     for (const Element& node : parent.children("node")) draw_node(node, above, depth + 1);
   }
 
@@ -109,7 +111,8 @@ class Reader {
     for (const Element& instance : node.children("instance_controller"))
       instance.refuse("shows a geometry that is bent by a skeleton, which is not read; save it without");
     for (const Element& instance : node.children("instance_node")) {
-      if (depth > kDeepest) node.refuse("nodes stand within one another too deeply, or within themselves");
+      if (depth > kDeepest)
+        node.refuse("nodes stand within one another too deeply, or within themselves; save it as STL");
       draw_node(found(instance, "url"), X, depth + 1);
     }
     draw_children(node, X, depth);
@@ -132,14 +135,14 @@ class Reader {
       if (input.text("semantic") != "POSITION") continue;
       const Element& source = found(input, "source");
       const auto array = source.child("float_array");
-      if (!array) source.refuse("has no <float_array>");
+      if (!array) source.refuse("has no <float_array>; save it again, or as STL");
       const std::vector<double> x = numbers(*array);
       std::size_t stride = 3;
       if (const auto technique = source.child("technique_common"))
         if (const auto accessor = technique->child("accessor"); accessor && accessor->has("stride")) {
           const double given = accessor->number("stride");
           if (!(given >= 3.0) || given > 100.0)
-            accessor->refuse("has a stride of fewer than three coordinates");
+            accessor->refuse("has a stride of fewer than three coordinates; save it again, or as STL");
           stride = static_cast<std::size_t>(given);
         }
       std::vector<int> out;
@@ -147,7 +150,7 @@ class Reader {
         out.push_back(builder_.vertex(X * Vector3d(x[k], x[k + 1], x[k + 2])));
       return out;
     }
-    vertices.refuse("has no <input semantic=\"POSITION\">");
+    vertices.refuse("has no <input semantic=\"POSITION\">; save it again, or as STL");
   }
 
   void draw_polygons(const Element& part, const std::string& tag, const Transform& X) {
@@ -156,7 +159,7 @@ class Reader {
     bool any = false;
     for (const Element& input : part.children("input")) {
       const double at = input.number("offset");
-      if (!(at >= 0.0) || at > 100.0) input.refuse("has an offset that is none");
+      if (!(at >= 0.0) || at > 100.0) input.refuse("has an offset that is none; save it again, or as STL");
       width = std::max(width, static_cast<std::size_t>(at) + 1);
       if (input.text("semantic") != "VERTEX") continue;
       offset = static_cast<std::size_t>(at);
@@ -191,7 +194,7 @@ class Reader {
         std::size_t first = 0;
         for (const double count : counts) {
           if (!(count >= 0.0) || !(static_cast<double>(first) + count <= static_cast<double>(n)))
-            p.refuse("has fewer corners than <vcount> says");
+            p.refuse("has fewer corners than <vcount> says; save it again, or as STL");
           fan(first, static_cast<std::size_t>(count));
           first += static_cast<std::size_t>(count);
         }
