@@ -2,6 +2,7 @@
 #pragma once
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
@@ -15,7 +16,7 @@ class TestFolder : public ::testing::Test {
   TestFolder() {
     const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
     folder_ = std::filesystem::temp_directory_path() /
-              (std::string("flexura_") + info->test_suite_name() + "_" + info->name());
+              ("flexura_" + std::to_string(::getpid()) + "_" + info->test_suite_name() + "_" + info->name());
     std::filesystem::create_directories(folder_);
   }
   ~TestFolder() override { std::filesystem::remove_all(folder_); }

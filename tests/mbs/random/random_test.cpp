@@ -90,7 +90,8 @@ struct Range {
 };
 
 void run_range(Range range, bool talks) {
-  const std::filesystem::path folder = std::filesystem::temp_directory_path() / "flexura_random";
+  const std::filesystem::path folder =
+      std::filesystem::temp_directory_path() / fmt::format("flexura_random_{}", ::getpid());
   std::filesystem::create_directories(folder);
   int complete = 0, ended = 0, warned = 0;
   for (std::uint64_t seed = range.from; seed < range.to; ++seed) {
@@ -121,6 +122,8 @@ void run_range(Range range, bool talks) {
                     << ".toml, " << lines[0] << " (" << lines[1] << ")" << complaints
                     << "\nagain: FLEXURA_SEED=" << seed << " with this test";
   }
+  std::error_code not_empty;
+  std::filesystem::remove(folder, not_empty);
   std::printf("%d complete, %d with a message, %d warned of rank loss\n", complete, ended, warned);
   // A warning that is always given says nothing.
   if (!talks) EXPECT_LE(warned, (complete + ended) / 20);
