@@ -29,12 +29,6 @@ struct Arguments {
   bool force = false, no_stops = false;
 };
 
-std::string ending_of(const std::string& file) {
-  std::string ending = std::filesystem::path(file).extension().string();
-  for (char& c : ending) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  return ending;
-}
-
 void report(const import::Mechanism& mechanism, const std::filesystem::path& folder,
             const terminal::Verbosity& verbosity) {
   if (verbosity.quiet) return;
@@ -180,7 +174,7 @@ int import_assembly(const Arguments& a, const std::filesystem::path& folder,
 }
 
 int import_file(const Arguments& a, const terminal::Verbosity& verbosity) {
-  const std::string ending = ending_of(a.input);
+  const std::string ending = import::ending_of(a.input);
   if (ending == ".xacro")
     throw std::invalid_argument(
         a.input + ": is a xacro template; make the URDF of it first: xacro robot.xacro > robot.urdf");

@@ -62,6 +62,12 @@ void require_folder(const fs::path& folder) {
 
 }  // namespace
 
+std::string ending_of(const fs::path& file) {
+  std::string ending = file.extension().string();
+  for (char& c : ending) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  return ending;
+}
+
 superelement::Superelement rigid_superelement(const Body& body, const std::string& source) {
   if (!(body.mass > 0.0))
     throw std::invalid_argument(

@@ -14,6 +14,9 @@ namespace flexura::import {
 /// coordinates of their own, no stiffness, the exact inertia integrals, the surface for pictures.  Throws std::invalid_argument where the mass is not positive.
 superelement::Superelement rigid_superelement(const Body& body, const std::string& source);
 
+/// ".step" of "part.STEP": in small letters of ASCII, whatever the locale.
+std::string ending_of(const std::filesystem::path& file);
+
 /// A text file beside the mechanism: a part file, a CAD file.
 struct TextFile {
   std::filesystem::path name;  ///< below the folder, "parts/crank.toml"

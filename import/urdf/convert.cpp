@@ -5,9 +5,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <new>
 #include <numbers>
 #include <stdexcept>
 
+#include "import/model/folder.hpp"
 #include "import/urdf/mesh_file.hpp"
 #include "mbs/base/math/rotation.hpp"
 
@@ -28,9 +30,7 @@ bool turns(const Joint& joint) {
 }
 
 bool is_step(const std::filesystem::path& file) {
-  std::string ending = file.extension().string();
-  std::ranges::transform(ending, ending.begin(),
-                         [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+  const std::string ending = ending_of(file);
   return ending == ".step" || ending == ".stp";
 }
 
@@ -145,17 +145,13 @@ class Converter {
         if (visual.size.prod() < 0.0)  // mirrored
           for (Eigen::Vector3i& t : mesh.triangles) std::swap(t[1], t[2]);
         body.surface.append(mesh, visual.X_LV);
-      } catch (const std::logic_error& why) {
-        leave_out(link, why);
-      } catch (const std::runtime_error& why) {  // of the child that reads CAD files
-        leave_out(link, why);
+      } catch (const std::bad_alloc&) {
+        throw;
+      } catch (const std::exception& why) {  // of the file, or of the child that reads CAD files
+        result_.notes.push_back(
+            fmt::format("link \"{}\" without that picture: {}", shown(link.name), why.what()));
       }
     }
-  }
-
-  void leave_out(const Link& link, const std::exception& why) {
-    result_.notes.push_back(
-        fmt::format("link \"{}\" without that picture: {}", shown(link.name), why.what()));
   }
 
   static std::vector<Line> shape_lines(const Visual& visual) {

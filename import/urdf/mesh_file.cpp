@@ -11,6 +11,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "import/model/folder.hpp"
 #include "import/urdf/collada.hpp"
 #include "import/urdf/surface_builder.hpp"
 #include "import/urdf/xml.hpp"
@@ -95,8 +96,7 @@ void read_obj(const std::string& text, SurfaceBuilder& builder) {
 
 Surface read_surface(const fs::path& file) {
   SurfaceBuilder builder(file);
-  std::string ending = file.extension().string();
-  for (char& c : ending) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  const std::string ending = ending_of(file);
   if (ending != ".stl" && ending != ".obj" && ending != ".dae")
     builder.refuse("is a mesh of a kind that is not read; save it as STL, OBJ, COLLADA (.dae) or STEP");
   files::note_input(file);

@@ -55,6 +55,10 @@ CadReport list_and_choose(const CadOptions& options, bool must_be_one, Job& job,
                           ResultRecord* record) {
   check_options(options);
   const CadFile file = inspect_cad_file(options.path);
+  if (file.format == "stl" && (options.fuse || options.heal))
+    throw std::invalid_argument(fmt::format(
+        "{}: is a surface of triangles, which cannot be {}; take the key {} out of the table [geometry]",
+        options.path.string(), options.fuse ? "fused" : "healed", options.fuse ? "fuse" : "heal"));
   CadReport report;
   job = first_job(options, file, report);
   job.task = "list";
@@ -224,7 +228,7 @@ CadMesh mesh_cad(const CadOptions& options, const Progress& progress) {
   std::vector<Attempt> attempts = {{"as asked", 6, 1, options.heal},
                                    {"with the MeshAdapt surface mesher", 1, 1, options.heal},
                                    {"with a greater least size", 6, 3, options.heal}};
-  if (!options.heal) attempts.push_back({"after healing the shape", 6, 1, true});
+  if (!options.heal && job.format != "stl") attempts.push_back({"after healing the shape", 6, 1, true});
 
   std::vector<std::string> messages, reasons;
   int refinements = 0;

@@ -65,6 +65,7 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(GroupRecord, name, n)
 
 struct FaceRecord {
   int number = 0, solid = 0, kind = 4;
+  int entity = 0;  ///< of the child alone: gmsh's number, where it is another
   std::string name;
   double area = 0, radius = 0, length = 0, sweep = 0;
   bool hole = false;

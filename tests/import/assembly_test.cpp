@@ -30,13 +30,16 @@ TopoDS_Shape plate(double hole) {
   return box({-30, -30, 0}, {30, 30, 10}) - cylinder({0, 0, 0}, kZ, hole, 10);
 }
 
+// Runs in that plate, between its shoulders.
+TopoDS_Shape spool() {
+  return cylinder({0, 0, -5}, kZ, 8, 5) + cylinder({0, 0, 0}, kZ, 5, 10) + cylinder({0, 0, 10}, kZ, 8, 5);
+}
+
 TEST(AssemblyImport, ShaftWithShouldersOnBothSidesIsAHinge) {
   const Folder folder;
   Assembly a("hinge");
   a.place(a.part("plate", plate(5.0)), at({0, 0, 0}));
-  a.place(a.part("spool", cylinder({0, 0, -5}, kZ, 8, 5) + cylinder({0, 0, 0}, kZ, 5, 10) +
-                              cylinder({0, 0, 10}, kZ, 8, 5)),
-          at({0, 0, 0}));
+  a.place(a.part("spool", spool()), at({0, 0, 0}));
   const Import i = import(folder, a);
   EXPECT_EQ(i.outcome.exit_code, 0) << i.outcome.err;
   EXPECT_THAT(i.joints, UnorderedElementsAre(Pair("plate_spool", "revolute")));
@@ -324,9 +327,7 @@ TEST(AssemblyImport, EachPartMayHaveUnitsOfItsOwn) {
   const Folder folder, second;
   Assembly a("units");
   a.place(a.part("plate", plate(5.0)), at({0, 0, 0}));
-  a.place(a.part("spool", cylinder({0, 0, -5}, kZ, 8, 5) + cylinder({0, 0, 0}, kZ, 5, 10) +
-                              cylinder({0, 0, 10}, kZ, 8, 5)),
-          at({0, 0, 0}));
+  a.place(a.part("spool", spool()), at({0, 0, 0}));
   const Import plain = import(folder, a);
   // Length units: of the assembly, of the plate, of the spool.
   const auto mixed_file = second.write("mixed.step", with_centimetres(read_text(folder / "a.step"), 2));

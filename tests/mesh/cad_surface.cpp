@@ -117,6 +117,35 @@ TEST_F(SurfacePart, HasTheVolumeAndTheFacesOfItsFacets) {
   EXPECT_EQ(count_faces_that_look_inwards(part), 0);
 }
 
+// What an interface chooses in the list has to be that in every mesh, however its triangles are refined.
+TEST_F(SurfacePart, KeepsTheNumbersOfItsFaces) {
+  CadOptions options = options_for(write(pipe(24, 20, 12, 90)));
+  const CadReport listed = list_faces(options);
+  for (const double size : {6e-3, 20e-3}) {
+    options.size = size;
+    const CadMesh part = mesh_cad(options);
+    ASSERT_EQ(part.cad.faces.size(), listed.faces.size());
+    for (const Face& face : listed.faces) {
+      Vector3d moment = Vector3d::Zero();
+      double area = 0;
+      std::size_t k = 0;
+      for (const CellBlock& block : part.mesh.boundary)
+        for (Index cell = 0; cell < block.nodes.rows(); ++cell, ++k) {
+          if (part.mesh.boundary_face[k] != face.number) continue;
+          const auto at = [&](int c) {
+            return Vector3d(part.mesh.points.row(block.nodes(cell, c)).transpose());
+          };
+          const double own = 0.5 * (at(1) - at(0)).cross(at(2) - at(0)).norm();
+          area += own;
+          moment += own / 3.0 * (at(0) + at(1) + at(2));
+        }
+      // Meshes of 6 and 20 mm go across the facets, which are 5 mm wide.
+      EXPECT_NEAR(area / face.area, 1.0, 0.1) << face.number << ' ' << size;
+      EXPECT_LT((moment / area - face.centroid).norm(), 2e-3) << face.number << ' ' << size;
+    }
+  }
+}
+
 TEST_F(SurfacePart, OfPlanesIsMeshedExactlyHoweverItsTrianglesTurn) {
   Facets facets = box({0, 0, 0}, {100, 20, 10});
   const Facets cavity = box({20, 5, 3}, {80, 15, 7});
@@ -143,6 +172,13 @@ TEST_F(SurfacePart, ThatBoundsNoBodyIsRefusedWithThePlace) {
   const Facets other = box({2, 0, 0}, {3, 1, 1});
   two.insert(two.end(), other.begin(), other.end());
   EXPECT_THAT(refusal(two), HasSubstr("holds 2 closed surfaces beside one another"));
+  Facets nested = box({0, 0, 0}, {10, 10, 10});
+  for (const Facets& more : {box({1, 1, 1}, {9, 9, 9}), box({4, 4, 4}, {6, 6, 6})})
+    nested.insert(nested.end(), more.begin(), more.end());
+  EXPECT_THAT(refusal(nested), HasSubstr("holds 3 closed surfaces, one within a cavity"));
+  CadOptions healed = options_for(write(box({0, 0, 0}, {1, 1, 1})));
+  healed.heal = true;
+  EXPECT_THROW(list_faces(healed), std::invalid_argument);
   Facets fin = box({0, 0, 0}, {100, 20, 10});
   fin.push_back({Vector3d(0, 0, 0), Vector3d(100, 0, 0), Vector3d(50, -30, 5)});
   EXPECT_THAT(refusal(fin), HasSubstr("or to more than two"));

@@ -10,6 +10,7 @@
 #include <limits>
 #include <map>
 #include <numbers>
+#include <numeric>
 #include <queue>
 #include <stdexcept>
 
@@ -152,7 +153,8 @@ void recognise_cylinder(const std::vector<Vector3d>& points, const std::vector<V
 
 }  // namespace
 
-void orient(Triangles& surface, std::vector<int>& piece) {
+void orient(Triangles& surface) {
+  std::vector<int>& piece = surface.piece;
   const Edges edges = edges_of(surface);
   require_closed(surface, edges);
   const std::size_t n = surface.corners.size();
@@ -163,6 +165,8 @@ void orient(Triangles& surface, std::vector<int>& piece) {
     next[static_cast<std::size_t>(of[1].triangle)].emplace_back(of[0].triangle, agree);
   }
   piece.assign(n, -1);
+  surface.origin.resize(n);
+  std::iota(surface.origin.begin(), surface.origin.end(), 0);
   std::vector<bool> turned(n, false);
   std::vector<std::vector<int>> pieces;
   for (std::size_t first = 0; first < n; ++first) {
@@ -202,13 +206,20 @@ void orient(Triangles& surface, std::vector<int>& piece) {
     }
   };
   if (volume[outer] < 0) flip(outer);
+  // Around a vertex of a piece lies the outside, and nothing else: within a cavity there would be a second body.
+  const auto is_within = [&](std::size_t k, std::size_t other) {
+    const auto& corners = surface.corners[static_cast<std::size_t>(pieces[k].front())];
+    return std::abs(winding(surface, pieces[other], surface.points[static_cast<std::size_t>(corners[0])])) >
+           0.5;
+  };
   for (std::size_t k = 0; k < pieces.size(); ++k) {
     if (k == outer) continue;
-    const auto& corners = surface.corners[static_cast<std::size_t>(pieces[k].front())];
-    if (winding(surface, pieces[outer], surface.points[static_cast<std::size_t>(corners[0])]) < 0.5)
-      throw std::runtime_error(
-          "holds " + std::to_string(pieces.size()) +
-          " closed surfaces beside one another; a part is one body: save each by itself, or join them");
+    for (std::size_t other = 0; other < pieces.size(); ++other)
+      if (other != k && is_within(k, other) != (other == outer))
+        throw std::runtime_error("holds " + std::to_string(pieces.size()) +
+                                 (other == outer ? " closed surfaces beside one another"
+                                                 : " closed surfaces, one within a cavity") +
+                                 "; a part is one body: save each by itself, or join them");
     if (volume[k] > 0) flip(k);  // a cavity looks inwards
   }
   for (int& p : piece) {
@@ -219,7 +230,7 @@ void orient(Triangles& surface, std::vector<int>& piece) {
   }
 }
 
-void refine(Triangles& surface, std::vector<int>& piece, double longest, std::size_t most) {
+void refine(Triangles& surface, double longest, std::size_t most) {
   using Ends = std::pair<int, int>;
   std::map<Ends, std::vector<int>> triangles_of;
   std::priority_queue<std::pair<double, Ends>> queue;
@@ -260,7 +271,8 @@ void refine(Triangles& surface, std::vector<int>& piece, double longest, std::si
       surface.corners[static_cast<std::size_t>(t)] = half;
       changed.insert(changed.end(), {t, static_cast<int>(surface.corners.size())});
       surface.corners.push_back(other);
-      piece.push_back(piece[static_cast<std::size_t>(t)]);
+      surface.piece.push_back(surface.piece[static_cast<std::size_t>(t)]);
+      surface.origin.push_back(surface.origin[static_cast<std::size_t>(t)]);
     }
     triangles_of.erase(ends);
     for (const int t : changed) note(t);

@@ -14,15 +14,17 @@ namespace flexura::mesh {
 struct Triangles {
   std::vector<Eigen::Vector3d> points;      ///< m
   std::vector<std::array<int, 3>> corners;  ///< counter-clockwise from outside once oriented
+  std::vector<int> piece;   ///< of each triangle: its connected surface, 0 the outside; by orient()
+  std::vector<int> origin;  ///< of each triangle: that of the file it is a part of; by orient()
 };
 
-/// Turns triangles so that neighbours agree and the outside is where no material is; `piece` gets each triangle's connected surface, numbered from
-/// 0, which is the outside.  Throws std::runtime_error where the surface is open, branches, has no volume, or bounds more than one body.
-void orient(Triangles& surface, std::vector<int>& piece);
+/// Turns triangles so that neighbours agree and the outside is where no material is.  Throws std::runtime_error where the
+/// surface is open, branches, has no volume, or bounds more than one body (beside another, or within a cavity).
+void orient(Triangles& surface);
 
 /// Halves edges longer than `longest` [m], the longest first, so that no triangle stays a needle (M. Rivara 1984: the longest edge
-/// of all is that of both its triangles).  The surface stays where it is; `piece` grows along.  Stops at `most` triangles.
-void refine(Triangles& surface, std::vector<int>& piece, double longest, std::size_t most);
+/// of all is that of both its triangles).  The surface stays where it is.  Stops at `most` triangles.
+void refine(Triangles& surface, double longest, std::size_t most);
 
 /// Volume, centroid, inertia about it (density 1) and box by the divergence theorem, of a closed surface.
 SolidRecord describe_enclosed(const Triangles& surface);

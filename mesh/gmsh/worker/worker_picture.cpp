@@ -54,7 +54,7 @@ Arrays collect_picture(const Job& job, ResultRecord& result) {
   for (const FaceRecord& face : result.faces) {
     cells.clear();
     nodes.clear();
-    gmsh::model::mesh::getElementsByType(2, cells, nodes, face.number);
+    gmsh::model::mesh::getElementsByType(2, cells, nodes, face.entity > 0 ? face.entity : face.number);
     for (const std::size_t node : nodes) arrays.triangles.push_back(number.at(node));
     arrays.face.insert(arrays.face.end(), cells.size(), face.number);
   }

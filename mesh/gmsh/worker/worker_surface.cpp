@@ -2,6 +2,7 @@
 #include "mesh/gmsh/worker/worker_surface.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <map>
 #include <numbers>
 #include <stdexcept>
@@ -62,30 +63,39 @@ gmsh::vectorpair import_surface(const Job& job, ResultRecord& result) {
   gmsh::merge(job.path);
   gmsh::model::mesh::removeDuplicateNodes();
   Triangles surface = take_triangles(job.to_m);
-  std::vector<int> piece;
-  orient(surface, piece);
+  orient(surface);
   const std::size_t given = surface.corners.size();
   result.solids = {describe_enclosed(surface)};
   // Needles, as CAD programs write them, are beyond gmsh's maps of the faces.
   double longest = job.size;
   for (std::size_t k = 3; k < job.sizes.size(); k += 4) longest = std::max(longest, job.sizes[k]);
-  if (longest > 0) refine(surface, piece, longest, kMostTriangles);
+  if (longest > 0) refine(surface, longest, kMostTriangles);
   give_back(surface, job.to_m);
   // The mesh follows the facets: nodes on edges between them would be pushed off curved ones that are not there.
   gmsh::option::setNumber("Mesh.SecondOrderLinear", 1);
   gmsh::model::mesh::classifySurfaces(kSharp, true, false, std::numbers::pi);
-  // Of each face its triangles, before it has others.
-  gmsh::vectorpair faces;
-  gmsh::model::getEntities(faces, 2);
-  std::map<int, std::vector<int>> shells;
-  for (const auto& face : faces) {
+  // Of each face its triangles, before it has others.  gmsh numbers faces as it comes upon them, which may be another way
+  // round once they are refined: here they go by the first triangle that the file has of them.
+  gmsh::vectorpair entities;
+  gmsh::model::getEntities(entities, 2);
+  std::map<int, std::pair<int, std::vector<int>>> faces;  // entity and triangles
+  for (const auto& entity : entities) {
     std::vector<std::size_t> cells, nodes;
-    gmsh::model::mesh::getElementsByType(2, cells, nodes, face.second);
-    if (cells.empty()) continue;
+    gmsh::model::mesh::getElementsByType(2, cells, nodes, entity.second);
     std::vector<int> which;
-    for (const std::size_t cell : cells) which.push_back(static_cast<int>(cell) - 1);
-    shells[piece[static_cast<std::size_t>(which.front())]].push_back(face.second);
-    result.faces.push_back(describe_facets(surface, which, face.second));
+    int first = std::numeric_limits<int>::max();
+    for (const std::size_t cell : cells) {
+      which.push_back(static_cast<int>(cell) - 1);
+      first = std::min(first, surface.origin[cell - 1]);
+    }
+    if (!which.empty()) faces[first] = {entity.second, std::move(which)};
+  }
+  std::map<int, std::vector<int>> shells;
+  for (const auto& [first, face] : faces) {
+    const auto& [entity, which] = face;
+    shells[surface.piece[static_cast<std::size_t>(which.front())]].push_back(entity);
+    result.faces.push_back(describe_facets(surface, which, static_cast<int>(result.faces.size()) + 1));
+    result.faces.back().entity = entity;
     result.area += result.faces.back().area;
   }
   gmsh::model::mesh::createGeometry();

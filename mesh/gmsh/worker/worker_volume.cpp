@@ -141,7 +141,7 @@ Arrays collect_mesh(const Job& job, const gmsh::vectorpair& solids, const Result
   for (std::int32_t& node : arrays.tetrahedra) node = number[node];
   const std::size_t n_face = job.order == 2 ? 6 : 3;
   for (const FaceRecord& face : result.faces) {
-    elements_of(job.order == 2 ? 9 : 2, face.number, cells, nodes);
+    elements_of(job.order == 2 ? 9 : 2, face.entity > 0 ? face.entity : face.number, cells, nodes);
     for (std::size_t c = 0; c < cells.size(); ++c) {
       for (std::size_t k = 0; k < 3; ++k) arrays.triangles.push_back(number[nodes[c * n_face + k]]);
       arrays.face.push_back(face.number);
