@@ -46,7 +46,9 @@ struct State {
   double t = 0.0;
   Eigen::VectorXd p, v, c, lambda, a;
   std::vector<int> root;  ///< switch positions
-  Eigen::VectorXd u;      ///< added to the inputs' own values (n_inputs), for linearisation; empty: nothing
+  /// How far below 0 the functions of switches must fall to count (n_root), for those that graze; empty: nowhere.
+  Eigen::VectorXd hysteresis;
+  Eigen::VectorXd u;  ///< added to the inputs' own values (n_inputs), for linearisation; empty: nothing
 };
 
 /// Energies [J] and powers [W] at one state; their balance is
@@ -202,7 +204,8 @@ class Equations {
   /// Energies and powers; v_dot (n_v) is needed only where reactions of drives do work.
   virtual EnergyReport energy(const State& s, ConstVectorRef v_dot, Scratch& scratch) const = 0;
 
-  /// Switching functions (n_root): a solver stops where one falls below 0, calls on_root and restarts.
+  /// Switching functions (n_root), raised by the state's hysteresis: a solver stops where one falls below 0, calls on_root
+  /// and restarts.
   virtual void roots(const State& s, Scratch& scratch, VectorRef values) const = 0;
   /// Takes the switch `which` into its new position; returns true when velocities jump (an impact changed
   /// s.v).

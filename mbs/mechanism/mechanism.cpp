@@ -248,6 +248,7 @@ std::vector<RedundantRow> Mechanism::drop_redundant(double t, ConstVectorRef p) 
 void Mechanism::roots(const State& s, Scratch& scratch, VectorRef values) const {
   MechanismScratch& work = observe(s, scratch);
   m_->states.roots(work.motion, work.signals, values);
+  if (s.hysteresis.size() == values.size()) values += s.hysteresis;
 }
 
 bool Mechanism::on_root(int which, State& s, Scratch& scratch) const {

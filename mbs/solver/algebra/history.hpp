@@ -42,6 +42,7 @@ class History {
     (*this)(s.t);
     for (Eigen::VectorXd* x : {&s.p, &s.v, &s.c, &s.lambda, &s.a}) (*this)(*x);
     (*this)(s.root);
+    (*this)(s.hysteresis);
   }
   void all(double* x, long n) {
     for (long i = 0; i < n; ++i) (*this)(x[i]);

@@ -27,6 +27,7 @@ inline void require_sizes(const State& s, const Sizes& n) {
   require_size(s.lambda.size(), n.n_lambda);
   require_size(s.a.size(), n.n_alg);
   require_size(static_cast<long>(s.root.size()), n.n_root);
+  if (s.hysteresis.size() > 0) require_size(s.hysteresis.size(), n.n_root);
 }
 inline void require_between(long value, long least, long most) {
   if (value < least || value > most) refuse_history();

@@ -16,9 +16,11 @@ namespace flexura::mbs {
 namespace {
 
 // More switchings of one switch within this part of the run are an accumulation, like the last bounces of a
-// ball between impacts, or a relay whose own output takes its input back across the level.  Teeth that graze each other at no
-// speed were seen to switch some thirty times by round-off alone before they go their way.
-constexpr int kMostEventsAtOnce = 200, kMostPasses = 20;
+// ball between impacts, or a relay whose own output takes its input back across the level.  From kManyEventsAtOnce on it is
+// asked whether the switch does anything at all.
+constexpr int kMostEventsAtOnce = 200, kManyEventsAtOnce = 20, kMostPasses = 20;
+// Of the accelerations: no more than what a method's tolerance allows anyway.
+constexpr double kSame = 1e-8;
 constexpr double kAtOnce = 1e-10;
 // Kinks that come so much faster than the run are left to the error control: what trembles about a kink without
 // a jump would only be held up.
@@ -49,32 +51,67 @@ void Runner::write_equilibria_until(double t_end, double rows_until, Integrator&
   }
 }
 
-void Runner::end_endless(int which) {
-  const double t = result_.state.t, duration = options_.end_time - options_.start_time;
-  const bool is_kink = eq_.is_kink(which);
-  // Far from t = 0 two events cannot lie closer than the round-off of the time.
-  const double span = std::max((is_kink ? kTrembling : kAtOnce) * duration,
-                               1e5 * std::numeric_limits<double>::epsilon() * std::abs(t));
+// Far from t = 0 two events cannot lie closer than the round-off of the time.
+double Runner::at_once(int which) const {
+  return std::max((eq_.is_kink(which) ? kTrembling : kAtOnce) * (options_.end_time - options_.start_time),
+                  1e5 * std::numeric_limits<double>::epsilon() * std::abs(result_.state.t));
+}
+
+int Runner::switchings_at_once(int which) const {
+  const double since = result_.state.t - at_once(which);
   int times = 0;
-  for (auto event = result_.events.rbegin(); event != result_.events.rend() && t - event->t < span; ++event)
-    if (event->which == which && ++times > kMostEventsAtOnce) {
-      if (is_kink) {
-        result_.state.root[static_cast<std::size_t>(which)] = 0;
-        return;
-      }
-      throw IntegrationError(
-          fmt::format("{} switches without end at t = {:.9g} s ({} times within {:.2g} s): give the "
-                      "contact or the switch a hysteresis, damping or a compliant law",
-                      eq_.describe_root(which), t, times, span));
-    }
+  for (auto event = result_.events.rbegin(); event != result_.events.rend() && event->t > since; ++event)
+    if (event->which == which) ++times;
+  return times;
+}
+
+void Runner::end_endless(int which) {
+  const int times = switchings_at_once(which);
+  if (times <= kMostEventsAtOnce) return;
+  if (!eq_.is_kink(which))
+    throw IntegrationError(
+        fmt::format("{} switches without end at t = {:.9g} s ({} times within {:.2g} s): give the "
+                    "contact or the switch a hysteresis, damping or a compliant law",
+                    eq_.describe_root(which), result_.state.t, times, at_once(which)));
+  result_.state.root[static_cast<std::size_t>(which)] = 0;
+}
+
+// A switch that its own round-off takes to and fro (teeth that graze each other at no speed) and on whose two sides the
+// accelerations are the same: it does not matter where it stands until its function says so more clearly.
+void Runner::hold_grazing(const std::vector<int>& roots, const Eigen::VectorXd& values,
+                          const Eigen::VectorXd& v_dot_before) {
+  State after = result_.state;
+  Eigen::VectorXd v_dot;
+  accelerations_.solve(after, v_dot);
+  const auto size = [this](const Eigen::VectorXd& a) {
+    double largest = 0.0;
+    for (int i = 0; i < n_.n_v; ++i) largest = std::max(largest, std::abs(a(i)) / eq_.velocity_scale(i));
+    return largest;
+  };
+  if (size(v_dot - v_dot_before) > kSame * size(v_dot_before)) return;
+  State& s = result_.state;
+  if (s.hysteresis.size() == 0) s.hysteresis.setZero(n_.n_root);
+  for (const int which : roots)
+    if (switchings_at_once(which) > kManyEventsAtOnce)
+      s.hysteresis(which) = 10.0 * std::max(s.hysteresis(which), std::abs(values(which)));
 }
 
 void Runner::change_switches(const std::vector<int>& roots) {
   State& s = result_.state;
+  const bool may_graze = std::ranges::any_of(roots, [this](int which) {
+    return !eq_.is_kink(which) && switchings_at_once(which) > kManyEventsAtOnce;
+  });
+  Eigen::VectorXd values(n_.n_root), v_dot_before;
+  if (may_graze) {
+    eq_.roots(s, *scratch_, values);
+    State before = s;
+    accelerations_.solve(before, v_dot_before);
+  }
   for (const int which : roots) {
     const bool jumped = eq_.on_root(which, s, *scratch_);
     result_.events.push_back({s.t, which, jumped});
   }
+  if (may_graze) hold_grazing(roots, values, v_dot_before);
   for (const int which : roots) end_endless(which);
 }
 

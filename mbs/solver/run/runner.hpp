@@ -89,7 +89,11 @@ class Runner {
   bool grows_at_once(const StepEnd& end);
   void leave_short_steps();
   void pass_event();
+  double at_once(int which) const;
+  int switchings_at_once(int which) const;
   void end_endless(int which);
+  void hold_grazing(const std::vector<int>& roots, const Eigen::VectorXd& values,
+                    const Eigen::VectorXd& v_dot_before);
   bool step_once();  // false ends the run
   bool leaps_over_switches(const StepEnd& end);
   bool leaps_over_peak(StepEnd& end);
