@@ -16,11 +16,9 @@ namespace flexura::mbs {
 namespace {
 
 // More switchings of one switch within this part of the run are an accumulation, like the last bounces of a
-// ball between impacts, or a relay whose own output takes its input back across the level.  From kManyEventsAtOnce on it is
-// asked whether the switch does anything at all.
+// ball between impacts, or a relay whose own output takes its input back across the level.  From kManyEventsAtOnce on a
+// switch has a hysteresis.
 constexpr int kMostEventsAtOnce = 200, kManyEventsAtOnce = 20, kMostPasses = 20;
-// Of the accelerations: no more than what a method's tolerance allows anyway.
-constexpr double kSame = 1e-8;
 constexpr double kAtOnce = 1e-10;
 // Kinks that come so much faster than the run are left to the error control: what trembles about a kink without
 // a jump would only be held up.
@@ -76,42 +74,31 @@ void Runner::end_endless(int which) {
   result_.state.root[static_cast<std::size_t>(which)] = 0;
 }
 
-// A switch that its own round-off takes to and fro (teeth that graze each other at no speed) and on whose two sides the
-// accelerations are the same: it does not matter where it stands until its function says so more clearly.
-void Runner::hold_grazing(const std::vector<int>& roots, const Eigen::VectorXd& values,
-                          const Eigen::VectorXd& v_dot_before) {
-  State after = result_.state;
-  Eigen::VectorXd v_dot;
-  accelerations_.solve(after, v_dot);
-  const auto size = [this](const Eigen::VectorXd& a) {
-    double largest = 0.0;
-    for (int i = 0; i < n_.n_v; ++i) largest = std::max(largest, std::abs(a(i)) / eq_.velocity_scale(i));
-    return largest;
+// What takes a switch to and fro at once may be the round-off of its own function (teeth that graze each other at hardly any
+// speed): from then on it counts only where it is clearly below 0. A relay whose output takes its input back across the
+// level goes on as before, since it falls below that, too.
+void Runner::give_hysteresis(const std::vector<int>& roots) {
+  constexpr double kClearly = 10.0;  // of what it was below at a switching
+  const auto is_at_once = [this](int which) {
+    return !eq_.is_kink(which) && switchings_at_once(which) > kManyEventsAtOnce;
   };
-  if (size(v_dot - v_dot_before) > kSame * size(v_dot_before)) return;
+  if (std::ranges::none_of(roots, is_at_once)) return;
   State& s = result_.state;
+  Eigen::VectorXd values(n_.n_root);
+  eq_.roots(s, *scratch_, values);
   if (s.hysteresis.size() == 0) s.hysteresis.setZero(n_.n_root);
   for (const int which : roots)
-    if (switchings_at_once(which) > kManyEventsAtOnce)
-      s.hysteresis(which) = 10.0 * std::max(s.hysteresis(which), std::abs(values(which)));
+    if (is_at_once(which))
+      s.hysteresis(which) = std::max(s.hysteresis(which), kClearly * std::abs(values(which)));
 }
 
 void Runner::change_switches(const std::vector<int>& roots) {
   State& s = result_.state;
-  const bool may_graze = std::ranges::any_of(roots, [this](int which) {
-    return !eq_.is_kink(which) && switchings_at_once(which) > kManyEventsAtOnce;
-  });
-  Eigen::VectorXd values(n_.n_root), v_dot_before;
-  if (may_graze) {
-    eq_.roots(s, *scratch_, values);
-    State before = s;
-    accelerations_.solve(before, v_dot_before);
-  }
+  give_hysteresis(roots);
   for (const int which : roots) {
     const bool jumped = eq_.on_root(which, s, *scratch_);
     result_.events.push_back({s.t, which, jumped});
   }
-  if (may_graze) hold_grazing(roots, values, v_dot_before);
   for (const int which : roots) end_endless(which);
 }
 

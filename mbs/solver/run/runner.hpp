@@ -92,8 +92,7 @@ class Runner {
   double at_once(int which) const;
   int switchings_at_once(int which) const;
   void end_endless(int which);
-  void hold_grazing(const std::vector<int>& roots, const Eigen::VectorXd& values,
-                    const Eigen::VectorXd& v_dot_before);
+  void give_hysteresis(const std::vector<int>& roots);
   bool step_once();  // false ends the run
   bool leaps_over_switches(const StepEnd& end);
   bool leaps_over_peak(StepEnd& end);
