@@ -11,7 +11,7 @@
 #include <ostream>
 #include <stdexcept>
 
-#include "import/cad/decide.hpp"
+#include "import/cad/joints/decide.hpp"
 
 namespace flexura::import {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <iosfwd>
 
-#include "import/cad/propose.hpp"
+#include "import/cad/joints/propose.hpp"
 
 namespace flexura::import {
 

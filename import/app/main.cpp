@@ -9,7 +9,7 @@
 #include <iostream>
 
 #include "import/app/ask.hpp"
-#include "import/cad/build.hpp"
+#include "import/cad/joints/build.hpp"
 #include "import/model/folder.hpp"
 #include "import/page/page.hpp"
 #include "import/urdf/convert.hpp"

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "import/cad/build.hpp"
+#include "import/cad/joints/build.hpp"
 #include "mbs/view/parts_page.hpp"
 
 namespace flexura::import {

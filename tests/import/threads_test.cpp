@@ -12,7 +12,7 @@
 #include <gp_Ax2.hxx>
 #include <numbers>
 
-#include "import/cad/slippage.hpp"
+#include "import/cad/worker/slippage.hpp"
 #include "tests/import/assembly_run.hpp"
 
 namespace flexura::test {

@@ -7,7 +7,7 @@
 #include <Standard_Failure.hxx>
 #include <cmath>
 
-#include "import/cad/worker_assembly.hpp"
+#include "import/cad/worker/worker_assembly.hpp"
 
 namespace flexura::import::cad {
 namespace {

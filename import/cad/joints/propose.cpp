@@ -1,12 +1,12 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-#include "import/cad/propose.hpp"
+#include "import/cad/joints/propose.hpp"
 
 #include <algorithm>
 
 #include "import/cad/evidence.hpp"
 #include "import/cad/ground.hpp"
-#include "import/cad/joint_freedom.hpp"
-#include "import/cad/proposer.hpp"
+#include "import/cad/joints/joint_freedom.hpp"
+#include "import/cad/joints/proposer.hpp"
 #include "import/cad/threads.hpp"
 
 namespace flexura::import::cad {

@@ -21,8 +21,8 @@
 #include <set>
 #include <sstream>
 
-#include "import/cad/slippage.hpp"
-#include "import/cad/worker_assembly.hpp"
+#include "import/cad/worker/slippage.hpp"
+#include "import/cad/worker/worker_assembly.hpp"
 #include "mesh/gmsh/worker/recognise.hpp"
 
 namespace flexura::import::cad {

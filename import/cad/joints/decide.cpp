@@ -1,11 +1,11 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-#include "import/cad/decide.hpp"
+#include "import/cad/joints/decide.hpp"
 
 #include <algorithm>
 #include <limits>
 #include <numeric>
 
-#include "import/cad/joint_freedom.hpp"
+#include "import/cad/joints/joint_freedom.hpp"
 #include "import/cad/threads.hpp"
 
 namespace flexura::import::cad {

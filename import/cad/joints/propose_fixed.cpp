@@ -8,7 +8,7 @@
 #include <cmath>
 
 #include "import/cad/evidence.hpp"
-#include "import/cad/proposer.hpp"
+#include "import/cad/joints/proposer.hpp"
 #include "import/cad/threads.hpp"
 
 namespace flexura::import::cad {

@@ -9,9 +9,9 @@
 #include <cmath>
 
 #include "import/cad/evidence.hpp"
-#include "import/cad/joint_freedom.hpp"
+#include "import/cad/joints/joint_freedom.hpp"
+#include "import/cad/joints/proposer.hpp"
 #include "import/cad/near.hpp"
-#include "import/cad/proposer.hpp"
 #include "import/cad/threads.hpp"
 
 namespace flexura::import::cad {

@@ -7,7 +7,7 @@
 #include <set>
 #include <utility>
 
-#include "import/cad/propose.hpp"
+#include "import/cad/joints/propose.hpp"
 
 /// The search for joints (propose.hpp), step by step.
 namespace flexura::import::cad {

@@ -9,7 +9,7 @@
 #include <new>
 
 #include "import/cad/job.hpp"
-#include "import/cad/worker_assembly.hpp"
+#include "import/cad/worker/worker_assembly.hpp"
 #include "mesh/gmsh/job.hpp"
 #include "mesh/gmsh/worker/worker_start.hpp"
 

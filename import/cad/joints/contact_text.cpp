@@ -1,5 +1,5 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-#include "import/cad/contact_text.hpp"
+#include "import/cad/joints/contact_text.hpp"
 
 #include <fmt/format.h>
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "import/cad/propose.hpp"
+#include "import/cad/joints/propose.hpp"
 
 namespace flexura::import::cad {
 

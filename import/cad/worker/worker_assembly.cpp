@@ -1,5 +1,5 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-#include "import/cad/worker_assembly.hpp"
+#include "import/cad/worker/worker_assembly.hpp"
 
 #include <Interface_InterfaceModel.hxx>
 #include <Interface_Static.hxx>

@@ -1,7 +1,7 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "import/cad/propose.hpp"
+#include "import/cad/joints/propose.hpp"
 
 namespace flexura::import::cad {
 

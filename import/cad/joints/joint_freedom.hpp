@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "import/cad/propose.hpp"
+#include "import/cad/joints/propose.hpp"
 
 /// What proposed joints leave of the freedom of a whole assembly.
 namespace flexura::import::cad {

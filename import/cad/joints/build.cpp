@@ -1,5 +1,5 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-#include "import/cad/build.hpp"
+#include "import/cad/joints/build.hpp"
 
 #include <fmt/format.h>
 
@@ -8,8 +8,8 @@
 #include <set>
 #include <tuple>
 
-#include "import/cad/contact_text.hpp"
-#include "import/cad/decide.hpp"
+#include "import/cad/joints/contact_text.hpp"
+#include "import/cad/joints/decide.hpp"
 #include "mbs/base/math/rotation.hpp"
 
 namespace flexura::import::cad {

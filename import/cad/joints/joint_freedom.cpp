@@ -1,5 +1,5 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-#include "import/cad/joint_freedom.hpp"
+#include "import/cad/joints/joint_freedom.hpp"
 
 #include <Eigen/Geometry>
 #include <Eigen/QR>

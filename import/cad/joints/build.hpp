@@ -4,8 +4,8 @@
 #include <array>
 #include <functional>
 
-#include "import/cad/contact_text.hpp"
-#include "import/cad/propose.hpp"
+#include "import/cad/joints/contact_text.hpp"
+#include "import/cad/joints/propose.hpp"
 #include "import/model/folder.hpp"
 
 namespace flexura::import::cad {

@@ -1,5 +1,5 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-#include "import/cad/slippage.hpp"
+#include "import/cad/worker/slippage.hpp"
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
