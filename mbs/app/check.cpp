@@ -10,6 +10,7 @@
 #include "mbs/app/run/mechanism_runs.hpp"
 #include "mbs/base/terminal/terminal.hpp"
 #include "mbs/superelement/file.hpp"
+#include "mbs/superelement/known_errors.hpp"
 #include "mbs/superelement/modes.hpp"
 
 namespace flexura::app {
@@ -49,6 +50,14 @@ nlohmann::json list(const Eigen::Vector3d& v) {
   return {v.x(), v.y(), v.z()};
 }
 
+// By source; null where it is not known.
+nlohmann::json error_json(const Superelement& se, const superelement::ModeAnalysis& modes) {
+  if (static_cast<int>(modes.modes.size()) == modes.n_rigid + modes.n_mechanisms) return nullptr;
+  const auto known = [](double error) { return error >= 0.0 ? nlohmann::json(error) : nlohmann::json(); };
+  const auto error = superelement::frequency_error(se, modes.modes.back().frequency_hz);
+  return {{"mesh", known(error.mesh)}, {"left_out", known(error.left_out)}};
+}
+
 nlohmann::json to_json(const Superelement& se, const superelement::ModeAnalysis& modes) {
   nlohmann::json interfaces = nlohmann::json::array();
   for (const auto& interface : se.interfaces) {
@@ -74,6 +83,7 @@ nlohmann::json to_json(const Superelement& se, const superelement::ModeAnalysis&
             {"xy", J(0, 1)},
             {"yz", J(1, 2)},
             {"zx", J(2, 0)}}},
+          {"first_free_frequency_error", error_json(se, modes)},
           {"rigid_modes", modes.n_rigid},
           {"mechanisms", modes.n_mechanisms},
           {"fixed_interface_frequencies_hz", frequencies},
@@ -86,6 +96,22 @@ nlohmann::json to_json(const Superelement& se, const superelement::ModeAnalysis&
           {"triangles", se.surface.triangles.rows()},
           {"interfaces", interfaces},
           {"valid", true}};
+}
+
+// What the reduction says of its errors: as flexura modes tells it.
+void add_errors(const Superelement& se, const superelement::ModeAnalysis& modes, terminal::Table& facts) {
+  const auto words = [](double error) {
+    return superelement::percent_words(error) + (error >= 0.0 ? " %" : "");
+  };
+  if (static_cast<int>(modes.modes.size()) > modes.n_rigid + modes.n_mechanisms) {
+    const auto error = superelement::frequency_error(se, modes.modes.back().frequency_hz);
+    facts.add_row({"its error by the mesh", words(error.mesh)});
+    facts.add_row({"by modes left out", words(error.left_out)});
+  }
+  if (!se.mesh_error) return;
+  for (const auto& interface : se.mesh_error->interfaces)
+    facts.add_row(
+        {"compliance at " + interface.name, "error by the mesh: " + words(interface.compliance_error)});
 }
 
 int check_superelement(const std::string& file, bool json, const terminal::Verbosity& verbosity) {
@@ -128,6 +154,7 @@ int check_superelement(const std::string& file, bool json, const terminal::Verbo
   if (static_cast<int>(modes.modes.size()) > modes.n_rigid + modes.n_mechanisms) {
     facts.add_row({"first free frequency", number(modes.modes.back().frequency_hz, 6) + " Hz"});
   }
+  add_errors(se, modes, facts);
   if (se.n_q > 0) {
     facts.add_row({"fixed-interface modes",
                    fmt::format("{} to {} Hz", number(std::sqrt(se.omega2.minCoeff()) / 6.283185307179586, 6),

@@ -3,12 +3,14 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "mbs/app/commands.hpp"
 #include "mbs/base/files/output.hpp"
 #include "mbs/base/terminal/terminal.hpp"
 #include "mbs/superelement/file.hpp"
+#include "mbs/superelement/known_errors.hpp"
 #include "mbs/view/pages.hpp"
 
 namespace flexura::app {
@@ -46,27 +48,44 @@ std::string percent(double part, double whole) {
   return fmt::format("{:.2f}", 100.0 * part / whole);
 }
 
-std::string table_text(const ModeAnalysis& analysis, int width, bool colour) {
+bool is_free(const ModeAnalysis& analysis) {
+  return analysis.held.empty();
+}
+
+// Of the free body the errors of its frequencies stand where effective masses are none.
+std::string table_text(const ModeAnalysis& analysis, const Superelement& se, int width, bool colour) {
   std::vector<terminal::Column> columns = {
       {"no", Align::right}, {"kind", Align::left}, {"f [Hz]", Align::right}};
-  for (const char* axis : axes) columns.push_back({fmt::format("m_{} %", axis), Align::right});
-  for (const char* axis : axes) columns.push_back({fmt::format("J_{} %", axis), Align::right});
+  if (!is_free(analysis)) {
+    for (const char* axis : axes) columns.push_back({fmt::format("m_{} %", axis), Align::right});
+    for (const char* axis : axes) columns.push_back({fmt::format("J_{} %", axis), Align::right});
+  }
   columns.push_back({"damp. %", Align::right});
+  if (is_free(analysis))
+    for (const char* source : {"mesh %", "left out %"}) columns.push_back({source, Align::right});
   terminal::Table table(columns);
   int number = 0;
   for (const Mode& mode : analysis.modes) {
     std::vector<std::string> row = {fmt::format("{}", ++number), superelement::kind_of(mode),
                                     mode.omega2 == 0.0 ? "0" : terminal::number(mode.frequency_hz, 6)};
-    for (int c = 0; c < 6; ++c) {
+    for (int c = 0; c < 6 && !is_free(analysis); ++c)
       row.push_back(percent(mode.effective_mass[c], c < 3 ? analysis.mass : analysis.inertia(c - 3, c - 3)));
-    }
     row.push_back(mode.omega2 == 0.0 ? "" : fmt::format("{:.3g}", 100.0 * mode.damping));
+    if (is_free(analysis)) {
+      const superelement::FrequencyError error = superelement::frequency_error(se, mode.frequency_hz);
+      row.push_back(mode.omega2 == 0.0 ? "" : superelement::percent_words(error.mesh));
+      row.push_back(mode.omega2 == 0.0 ? "" : superelement::percent_words(error.left_out));
+    }
     table.add_row(std::move(row));
   }
   return table.text(width, colour);
 }
 
-nlohmann::json to_json(const ModeAnalysis& analysis) {
+nlohmann::json known(double error) {
+  return error >= 0.0 ? nlohmann::json(error) : nlohmann::json();
+}
+
+nlohmann::json to_json(const ModeAnalysis& analysis, const Superelement& se) {
   nlohmann::json modes = nlohmann::json::array();
   int number = 0;
   for (const Mode& mode : analysis.modes) {
@@ -77,8 +96,25 @@ nlohmann::json to_json(const ModeAnalysis& analysis) {
                      {"effective_mass_kg", {m[0], m[1], m[2]}},
                      {"effective_inertia_kg_m2", {m[3], m[4], m[5]}},
                      {"damping", mode.damping}});
+    if (!is_free(analysis) || mode.omega2 == 0.0) continue;
+    const superelement::FrequencyError error = superelement::frequency_error(se, mode.frequency_hz);
+    modes.back()["mesh_error"] = known(error.mesh);
+    modes.back()["left_out_error"] = known(error.left_out);
   }
   return {{"held", analysis.held}, {"n_rigid", analysis.n_rigid}, {"modes", modes}};
+}
+
+// What the columns mean.
+std::string footnotes(const std::vector<ModeAnalysis>& analyses, const Superelement& se) {
+  std::string text;
+  if (std::ranges::any_of(analyses, is_free))
+    text += fmt::format(
+        "mesh %, left out %: by how much the mesh and the modes left out make the\n"
+        "frequency too high, by their estimates.\n{}.\n",
+        superelement::mesh_error_words(se));
+  if (!std::ranges::all_of(analyses, is_free))
+    text += "m, J: effective mass and inertia about the mass centre in percent of the body's.\n";
+  return text;
 }
 
 void write_page(const std::string& html, const std::string& file, const std::vector<ModeAnalysis>& analyses) {
@@ -117,7 +153,8 @@ int run(const Arguments& arguments, const terminal::Verbosity& verbosity) {
     throw std::invalid_argument(fmt::format("--count is {}, it must be at least 1", arguments.count));
   files::Claims claims;
   claims.add(arguments.html);
-  const Superelement se = superelement::read(arguments.file);
+  const Superelement se =
+      superelement::read(arguments.file, {.matrices = true, .inertia = true, .mesh_error = true});
   // Without a choice: the body as it hangs in the air and, with effective masses, as it sits in its
   // interfaces.
   std::vector<ModeAnalysis> analyses;
@@ -139,7 +176,7 @@ int run(const Arguments& arguments, const terminal::Verbosity& verbosity) {
         {"n_b", se.n_b},
         {"n_q", se.n_q},
         {"analyses", nlohmann::json::array()}};
-    for (const ModeAnalysis& analysis : analyses) out["analyses"].push_back(to_json(analysis));
+    for (const ModeAnalysis& analysis : analyses) out["analyses"].push_back(to_json(analysis, se));
     fmt::print("{}\n", out.dump(1));
   } else if (!verbosity.quiet) {
     const bool colour = terminal::takes_colour(stdout);
@@ -148,9 +185,9 @@ int run(const Arguments& arguments, const terminal::Verbosity& verbosity) {
                terminal::number(analyses.front().mass, 6), se.n_b, se.n_q);
     for (const ModeAnalysis& analysis : analyses) {
       fmt::print("\n{}\n{}", terminal::bold(title(analysis, se), colour),
-                 table_text(analysis, width, colour));
+                 table_text(analysis, se, width, colour));
     }
-    fmt::print("\nm, J: effective mass and inertia about the mass centre in percent of the body's.\n");
+    fmt::print("\n{}", footnotes(analyses, se));
     if (all && se.n_q == 0) fmt::print("The superelement has no fixed-interface modes (static reduction).\n");
   }
   if (!arguments.html.empty()) {

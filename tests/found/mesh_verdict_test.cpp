@@ -63,6 +63,26 @@ tie = "average"
   }
 };
 
+const std::string kShell = R"(*NODE
+1, 0, 0, 0
+2, 1, 0, 0
+3, 1, 1, 0
+4, 0, 1, 0
+5, 2, 0, 0
+6, 2, 1, 0
+*ELEMENT, TYPE=S4, ELSET=E
+1, 1, 2, 3, 4
+2, 2, 5, 6, 3
+*MATERIAL, NAME=STEEL
+*ELASTIC
+210e9, 0.3
+*DENSITY
+7850
+*SHELL SECTION, ELSET=E, MATERIAL=STEEL
+0.01
+)";
+const std::string kShellHeld = "[interface.left]\nby = \"nodes\"\nnodes = [1, 4]\n[modes]\ncount = 2\n";
+
 const std::string kHeld = "[interface.left]\nby = \"plane\"\npoint = [0, 0, 0]\nnormal = [1, 0, 0]\n";
 
 /// The lowest bending frequencies [Hz] of a free beam of Timoshenko's theory, b x h, bending over h: Ritz's method with
@@ -226,6 +246,62 @@ TEST_F(MeshVerdict, ComplianceOfAPointOrALineIsUnknown) {
   }
 }
 
+// What the reduction says of the mesh and of modes left out is what the runtime's commands and a run's error by source say: twice
+// the error of a frequency, that of a compliance as it is, of deformation.
+TEST_F(MeshVerdict, TheRuntimeSaysTheSameNumbers) {
+  const Reduced r =
+      reduce(block(kHeld + "tie = \"average\"\n[interface.end]\nby = \"plane\"\npoint = [4, 0, 0]\n"
+                           "normal = [1, 0, 0]\ntie = \"average\"\n[modes]\ncount = 8\n"));
+  ASSERT_EQ(r.outcome.exit_code, 0) << r.outcome.err;
+  const nlohmann::json &by_mesh = r.report["mesh_error"], &left_out = r.report["estimate"];
+  const auto answer = [&](const std::vector<std::string>& command) {
+    const Outcome outcome = run("flexura", command);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    return nlohmann::json::parse(outcome.out);
+  };
+  const nlohmann::json modes = answer({"modes", output(), "--free", "--json"})["analyses"][0]["modes"];
+  ASSERT_GE(modes.size(), 9u);
+  for (std::size_t k = 0; k < 3; ++k) {  // of the block's pairs of modes the worse
+    EXPECT_NEAR(modes[6 + k]["mesh_error"], error(r, k), 1e-8);
+    EXPECT_NEAR(modes[6 + k]["left_out_error"], left_out[k]["frequency_error"].get<double>(), 1e-8);
+  }
+  EXPECT_FALSE(modes[0].contains("mesh_error"));  // of a rigid motion there is none
+  const nlohmann::json first = answer({"check", output(), "--json"})["first_free_frequency_error"];
+  EXPECT_EQ(first["mesh"], modes[6]["mesh_error"]);
+  EXPECT_EQ(first["left_out"], modes[6]["left_out_error"]);
+
+  folder_.write("run.toml", R"(name = "run"
+[ground.marker.wall]
+[body.block]
+superelement = "part.se.h5"
+[joint.held]
+type = "fixed"
+from = "ground.wall"
+to = "block.left"
+[solver]
+end_time = 0.001
+)");
+  const nlohmann::json estimate = answer({"simulate", folder_ / "run.toml", "-o", folder_ / "run.h5",
+                                          "--json"})["runs"][0]["summary"]["estimate"];
+  const double compliance = by_mesh["interfaces"][0]["compliance_error"];
+  EXPECT_NEAR(estimate["mesh"]["block"],
+              std::max(2.0 * error(r, 0), compliance) + 2.0 * left_out[0]["frequency_error"].get<double>(),
+              1e-9);
+}
+
+// Shells are not judged: unknown, in each place, never 0.
+TEST_F(MeshVerdict, TheRuntimeSaysUnknownOfWhatWasNotJudged) {
+  const auto part = folder_.write("shell.toml", "[geometry]\nfile = \"shell.inp\"\n" + kShellHeld);
+  folder_.write("shell.inp", kShell);
+  ASSERT_EQ(reduce(part).outcome.exit_code, 0);
+  const Outcome modes = run("flexura", {"modes", output(), "--free"});
+  EXPECT_THAT(modes.out, AllOf(HasSubstr("unknown"), HasSubstr("What the mesh costs is unknown")));
+  EXPECT_THAT(run("flexura", {"check", output()}).out,
+              testing::ContainsRegex("its error by the mesh +unknown"));
+  const auto json = nlohmann::json::parse(run("flexura", {"modes", output(), "--free", "--json"}).out);
+  EXPECT_TRUE(json["analyses"][0]["modes"][6]["mesh_error"].is_null());
+}
+
 TEST_F(MeshVerdict, AccuracyOfAGivenMeshIsReported) {
   const Reduced r = reduce(block(kHeld), {"--accuracy", "1 %"});
   // A deck's mesh stays as it is: its share is said.
@@ -235,32 +311,8 @@ TEST_F(MeshVerdict, AccuracyOfAGivenMeshIsReported) {
 
 // What is asked for and cannot be judged is refused, and nothing is written.
 TEST_F(MeshVerdict, AccuracyThatCannotBeJudgedIsRefused) {
-  folder_.write("shell.inp", R"(*NODE
-1, 0, 0, 0
-2, 1, 0, 0
-3, 1, 1, 0
-4, 0, 1, 0
-5, 2, 0, 0
-6, 2, 1, 0
-*ELEMENT, TYPE=S4, ELSET=E
-1, 1, 2, 3, 4
-2, 2, 5, 6, 3
-*MATERIAL, NAME=STEEL
-*ELASTIC
-210e9, 0.3
-*DENSITY
-7850
-*SHELL SECTION, ELSET=E, MATERIAL=STEEL
-0.01
-)");
-  const auto part = folder_.write("shell.toml", R"([geometry]
-file = "shell.inp"
-[interface.left]
-by = "nodes"
-nodes = [1, 4]
-[modes]
-count = 2
-)");
+  folder_.write("shell.inp", kShell);
+  const auto part = folder_.write("shell.toml", "[geometry]\nfile = \"shell.inp\"\n" + kShellHeld);
   const Outcome plain = reduce(part).outcome;
   ASSERT_EQ(plain.exit_code, 0) << plain.err;
   EXPECT_THAT(plain.out, AllOf(HasSubstr("mesh error: unknown"), Not(HasSubstr("to be trusted"))));

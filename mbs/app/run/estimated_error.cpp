@@ -14,6 +14,7 @@
 #include "mbs/study/estimate/full_model.hpp"
 #include "mbs/study/estimate/percent.hpp"
 #include "mbs/superelement/file.hpp"
+#include "mbs/superelement/known_errors.hpp"
 
 namespace flexura::app {
 
@@ -28,50 +29,54 @@ constexpr double kEnergyTells = 0.01, kEnergyBeyond = 30.0;
 // The shadows are linear in what they correct; from here on their figure is no more than a warning.
 constexpr double kTrusted = 0.2;
 
-// A number of a report, or nothing.
-std::optional<double> number_in(const nlohmann::json& table, const char* key) {
-  const auto found = table.is_object() ? table.find(key) : table.end();
-  if (found == table.end() || !found->is_number()) return {};
-  return found->get<double>();
-}
+// What a superelement says of itself, as errors of its deformation: that of the lowest frequency counts twice (f ~ k^(1/2)),
+// those of the compliance between interfaces as they are; of the elements the worst.  Nothing where the mesh was not judged or does
+// not resolve the part.
+struct DeformationError {
+  std::optional<double> elements, left_out;
+  double volume = 0.0;
+  std::string note;  ///< which of the elements' errors that is
+};
 
-// What the elements cost in deformation, by the estimates for the lowest frequency (f ~ k^(1/2)) and for the compliance
-// between interfaces; nothing where the mesh was not judged or does not resolve the part.
-std::optional<double> share_of_elements(const std::optional<superelement::MeshError>& mesh) {
-  if (!mesh) return {};
-  double worst = -1.0;
-  const auto take = [&](double error, double factor) {
-    if (error < 0.0 || error >= 1.0) return false;
-    worst = std::max(worst, factor * error);
-    return true;
-  };
-  if (!mesh->modes.empty() && !take(mesh->modes.front().error, 2.0)) return {};
-  for (const superelement::MeshError::Interface& interface : mesh->interfaces)
-    if (!take(interface.compliance_error, 1.0)) return {};
-  return worst >= 0.0 ? std::optional(worst) : std::nullopt;
+DeformationError deformation_error(const superelement::Superelement& se) {
+  DeformationError out;
+  const auto report = nlohmann::json::parse(files::shallow_json(se.report_json), nullptr, false);
+  if (report.is_object() && report.contains("mesh") && report["mesh"].is_object() &&
+      report["mesh"].contains("volume_error") && report["mesh"]["volume_error"].is_number())
+    out.volume = std::abs(report["mesh"]["volume_error"].get<double>());
+  const superelement::FrequencyError frequency = superelement::first_frequency_error(se);
+  if (frequency.left_out >= 0.0) out.left_out = 2.0 * frequency.left_out;
+  if (!se.mesh_error) return out;
+  const auto is_known = [](double error) { return error >= 0.0 && error < 1.0; };
+  if (!se.mesh_error->modes.empty() && !is_known(frequency.mesh)) return out;
+  for (const superelement::MeshError::Interface& interface : se.mesh_error->interfaces)
+    if (!is_known(interface.compliance_error)) return out;
+  if (is_known(frequency.mesh)) {
+    out.elements = 2.0 * frequency.mesh;
+    out.note = "twice its first frequency's";
+  }
+  const superelement::MeshError::Interface* const worst = superelement::worst_interface(*se.mesh_error);
+  if (worst && worst->compliance_error > out.elements.value_or(-1.0)) {
+    out.elements = worst->compliance_error;
+    out.note = "static compliance at " + worst->name;
+  }
+  return out;
 }
 
 ErrorSource mesh_of(const mbs::BodyDescription& body) {
   ErrorSource out{"mesh", body.name, {}, 0.0, "its reduction reports no estimate"};
   const superelement::Superelement se =
       superelement::read(body.superelement, {.matrices = false, .inertia = false, .mesh_error = true});
-  const auto report = nlohmann::json::parse(files::shallow_json(se.report_json), nullptr, false);
-  if (!report.is_object()) return out;
-  double known = 0.0;
-  if (const auto mesh = report.find("mesh"); mesh != report.end())
-    known = std::abs(number_in(*mesh, "volume_error").value_or(0.0));
-  const auto estimate = report.find("estimate");
-  std::optional<double> dropped;
-  if (estimate != report.end() && estimate->is_array() && !estimate->empty())
-    dropped = number_in(estimate->front(), "frequency_error");
-  const std::optional<double> elements = share_of_elements(se.mesh_error);
-  known += 2.0 * dropped.value_or(0.0) + elements.value_or(0.0);
-  if (dropped && elements) {
-    out.error = known;
-    out.note = "of its deformation";
+  const DeformationError known = deformation_error(se);
+  const double sum = known.volume + known.left_out.value_or(0.0) + known.elements.value_or(0.0);
+  if (known.left_out && known.elements) {
+    out.error = sum;
+    out.note = "of its deformation, most by " + (*known.left_out > *known.elements
+                                                     ? "twice its first frequency's error by modes left out"
+                                                     : known.note);
   } else {
-    out.at_least = known;
-    if (dropped) out.note = "its elements were not judged, or do not resolve the part";
+    out.at_least = sum;
+    if (known.left_out) out.note = "its elements were not judged, or do not resolve the part";
   }
   return out;
 }
