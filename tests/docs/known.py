@@ -3,7 +3,7 @@
 """known.py ROOT PROGRAMS: what the documentation names is there.
 
 Every command of flexura and every option beside it in a Markdown file is in the program's --help; every link to a file
-leads to one; every name of a source file in a chapter (`joint.hpp`) belongs to one file (docs/site/gather.py).  (Commands in ```console blocks of docs/ are run and compared by consoles.py.)
+leads to one, and one into a page to a heading of it; every name of a source file in a chapter (`joint.hpp`) belongs to one file (docs/site/gather.py).  (Commands in ```console blocks of docs/ are run and compared by consoles.py.)
 """
 import pathlib
 import re
@@ -14,13 +14,21 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "docs/site"
 sys.dont_write_bytecode = True
 import gather  # noqa: E402
 
-LINK = re.compile(r"!?\[[^\]]*\]\(([^)\s#]+)(?:#[^)\s]*)?\)")
+LINK = re.compile(r"!?\[[^\]]*\]\(([^)\s#]*)(?:#([^)\s]*))?\)")
 # flexura COMMAND and what follows it on its line (also flexura-reduce), up to the end of the code span or a pipe
 CALL = re.compile(r"(?<![\w/.-])(?<!from )flexura(?:-reduce| ([a-z]+))((?: [^\n`|;&#)]*)?)")
 # Fenced blocks, indented ones, spans.  Prose may say "flexura reads".
 IN_CODE = re.compile(r"^```[a-z]*\n(.*?)^```|^    (.*?)$|`([^`\n]+)`", re.M | re.S)
 MADE = {"commands.md", "messages.md"}  # by docs/build, in docs/reference
 OWN = {"man", "completion", "help"}  # commands of the terminal itself
+
+
+def places(page):
+    """The places in a page that links can name: its headings, as GitHub and the site (docs/site/mkdocs.yml) write them."""
+    text = re.sub(r"^```.*?^```", "", page.read_text(), flags=re.M | re.S)
+    plain = lambda heading: re.sub(r"!?\[([^\]]*)\]\([^)]*\)", r"\1", heading)  # of a link its text
+    return {re.sub(r"[^\w\- ]", "", plain(heading).strip().lower()).replace(" ", "-")
+            for heading in re.findall(r"^#+ +(.*?)#*$", text, re.M)}
 
 
 def main():
@@ -63,9 +71,13 @@ def main():
             if "://" in target or target.startswith("mailto:") or target in MADE:
                 continue
             links += 1
-            if not (root / name).parent.joinpath(target).exists():
+            page = (root / name).parent.joinpath(target) if target else root / name
+            if not page.exists():
                 failures += 1
                 print(f"{name}: link to {target}, which is not there")
+            elif match[2] and page.suffix == ".md" and match[2] not in places(page):
+                failures += 1
+                print(f"{name}: link to {target}#{match[2]}, where there is no such heading")
     cases = (root / "cases/README.md").read_text()
     for run in sorted(root.glob("cases/*/run")):
         if not re.search(rf"^\| \[?{run.parent.name}\b", cases, re.M):
