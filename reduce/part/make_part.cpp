@@ -52,39 +52,64 @@ mesh::Index node_number(const mesh::Mesh& mesh, int label, const std::string& wh
   return at(where, [&] { return mesh::select_nodes(mesh, {}, rule).set.nodes.front(); });
 }
 
-const DeckTie& tie_of(const PartMesh& from, int label, const std::string& where) {
-  const auto found =
-      std::find_if(from.ties.begin(), from.ties.end(), [&](const DeckTie& t) { return t.label == label; });
-  if (found != from.ties.end()) return *found;
+/// A tie of the deck, or one that is joined to it, by the number in the deck or by its reference node.
+struct ChosenTie {
+  const DeckTie* tie;
+  DeckTie::Joined as;
+};
+
+std::optional<ChosenTie> find_tie(const PartMesh& from,
+                                  const std::function<bool(const DeckTie::Joined&)>& is_wanted) {
+  for (const DeckTie& tie : from.ties) {
+    if (const DeckTie::Joined own{tie.label, tie.node, tie.spec.point}; is_wanted(own))
+      return ChosenTie{&tie, own};
+    const auto found = std::ranges::find_if(tie.joined, is_wanted);
+    if (found != tie.joined.end()) return ChosenTie{&tie, *found};
+  }
+  return {};
+}
+
+ChosenTie tie_of(const PartMesh& from, int label, const std::string& where) {
+  if (const auto found = find_tie(from, [&](const auto& tie) { return tie.label == label; })) return *found;
   if (from.ties.empty())
     throw InputError(where +
                      ": the file has no ties (RBE2, RBE3); choose the interface by its nodes or faces");
   std::string known;
-  for (const DeckTie& tie : from.ties) known += fmt::format("{}{}", known.empty() ? "" : ", ", tie.label);
+  for (const DeckTie& tie : from.ties) {
+    known += fmt::format("{}{}", known.empty() ? "" : ", ", tie.label);
+    for (const DeckTie::Joined& joined : tie.joined) known += fmt::format(", {}", joined.label);
+  }
   throw InputError(fmt::format("{}: there is no tie {}; there are {}", where, label, known));
 }
 
-// The reference node of a tie, chosen by its number, moves as the tie does.
-std::optional<int> tie_at(const PartMesh& from, const mesh::Rule& rule) {
-  const auto* nodes = std::get_if<mesh::NodesRule>(&rule);
+// The reference node of a tie, chosen by its number, moves as the tie does; so does each node that a rigid tie holds.
+std::optional<ChosenTie> tie_at(const PartMesh& from, const mesh::Mesh& mesh, const InterfaceInput& wanted) {
+  const auto* nodes = std::get_if<mesh::NodesRule>(&wanted.rule);
   if (!nodes || nodes->labels.size() != 1) return {};
-  const auto found =
-      std::ranges::find(from.ties, static_cast<std::int64_t>(nodes->labels.front()), &DeckTie::node);
-  if (found == from.ties.end()) return {};
-  return static_cast<int>(found->label);
+  const std::int64_t label = nodes->labels.front();
+  if (const auto tie = find_tie(from, [&](const auto& t) { return t.node == label; })) return tie;
+  if (wanted.tie != Tie::rigid) return {};
+  for (const DeckTie& tie : from.ties) {
+    if (tie.spec.tie != Tie::rigid || !tie.spec.rotations) continue;
+    for (const mesh::Index node : tie.spec.set.nodes)
+      if ((mesh.node_label.empty() ? node + 1 : mesh.node_label[node]) == label)
+        return ChosenTie{&tie, {tie.label, label, mesh.points.row(node)}};
+  }
+  return {};
 }
 
 void add_interfaces(const PartInput& input, const PartMesh& from, ModelledPart& out) {
   std::vector<char> taken(from.ties.size(), 0);
   for (const InterfaceInput& wanted : input.interfaces) {
-    if (const std::optional<int> label = wanted.deck_tie ? wanted.deck_tie : tie_at(from, wanted.rule)) {
-      const DeckTie& tie = tie_of(from, *label, wanted.where);
-      taken[&tie - from.ties.data()] = 1;
-      InterfaceSpec spec = tie.spec;
+    if (const std::optional<ChosenTie> chosen = wanted.deck_tie ? tie_of(from, *wanted.deck_tie, wanted.where)
+                                                                : tie_at(from, out.part.mesh, wanted)) {
+      taken[chosen->tie - from.ties.data()] = 1;
+      InterfaceSpec spec = chosen->tie->spec;
       spec.name = wanted.name;
       spec.directions = wanted.directions;
+      spec.point = chosen->as.point;
       out.notes.push_back(fmt::format("interface {}: tie {} of the deck at node {}, {} nodes, {}",
-                                      wanted.name, tie.label, tie.node, spec.set.nodes.size(),
+                                      wanted.name, chosen->as.label, chosen->as.node, spec.set.nodes.size(),
                                       name_of(spec.tie)));
       out.part.interfaces.push_back(std::move(spec));
       continue;
@@ -200,16 +225,17 @@ void add_masses(const PartInput& input, const PartMesh& from, ModelledPart& out)
       total += mass.mass;
       continue;
     }
-    // A tie keeps its set under whatever name.
+    // A tie keeps its reference node under whatever name.
     const auto found =
         std::find_if(part.interfaces.begin(), part.interfaces.end(), [&](const InterfaceSpec& spec) {
-          return spec.point == tie.point && !spec.set.nodes.empty() &&
-                 spec.set.nodes.front() == tie.set.nodes.front();
+          return spec.tie == tie.tie && spec.turning_node == tie.turning_node;
         });
     if (found == part.interfaces.end())
       throw std::invalid_argument(fmt::format(
           "{} carries a point mass but is left out; take it as an interface (by = \"tie\")", tie.name));
-    add_mass_to_interface(part, static_cast<int>(found - part.interfaces.begin()), mass);
+    PointMass there = mass;
+    there.offset += tie.point - found->point;
+    add_mass_to_interface(part, static_cast<int>(found - part.interfaces.begin()), there);
     total += mass.mass;
   }
   for (const MassInput& wanted : input.masses) {

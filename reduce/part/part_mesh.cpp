@@ -163,6 +163,39 @@ void bind_some(const mesh::ImportedTie& tie, PartMesh& part) {
   }
 }
 
+bool is_whole_rigid(const DeckTie& tie) {
+  return tie.spec.tie == Tie::rigid && tie.spec.rotations;
+}
+
+bool holds(const DeckTie& tie, mesh::Index node) {
+  return std::ranges::binary_search(tie.spec.set.nodes, node);
+}
+
+// A spider at the foot, or at the end of an arm, of another is one piece with it.
+void join_rigid_ties(std::vector<DeckTie>& ties) {
+  const auto hangs_on = [](const DeckTie& tie, const DeckTie& other) {
+    return is_whole_rigid(tie) && is_whole_rigid(other) &&
+           (tie.spec.turning_node == other.spec.turning_node || holds(other, tie.spec.turning_node));
+  };
+  for (std::size_t k = 0; k < ties.size();) {
+    const auto other = std::ranges::find_if(
+        ties, [&](const DeckTie& tie) { return &tie != &ties[k] && hangs_on(ties[k], tie); });
+    if (other == ties.end()) {
+      ++k;
+      continue;
+    }
+    DeckTie& tie = ties[k];
+    std::vector<mesh::Index>& nodes = other->spec.set.nodes;
+    nodes.insert(nodes.end(), tie.spec.set.nodes.begin(), tie.spec.set.nodes.end());
+    std::ranges::sort(nodes);
+    nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+    other->joined.push_back({tie.label, tie.node, tie.spec.point});
+    other->joined.insert(other->joined.end(), tie.joined.begin(), tie.joined.end());
+    ties.erase(ties.begin() + static_cast<std::ptrdiff_t>(k));
+    k = 0;
+  }
+}
+
 void take_ties(const mesh::ImportedModel& model, const std::vector<char>& in_cell, PartMesh& part) {
   for (const mesh::ImportedTie& from : model.ties) {
     const bool rigid = from.kind == mesh::ImportedTie::Kind::rigid;
@@ -205,17 +238,34 @@ void take_ties(const mesh::ImportedModel& model, const std::vector<char>& in_cel
     }
     part.ties.push_back(std::move(tie));
   }
+  join_rigid_ties(part.ties);
+}
+
+/// The rigid tie that carries a node of no element, as one of its rigid arms.
+const DeckTie* rigid_carrier(const PartMesh& part, mesh::Index node) {
+  const auto tie = std::ranges::find_if(part.ties, [&](const DeckTie& candidate) {
+    return is_whole_rigid(candidate) && holds(candidate, node);
+  });
+  return tie == part.ties.end() ? nullptr : &*tie;
 }
 
 void take_masses(const mesh::ImportedModel& model, const std::vector<char>& in_cell, PartMesh& part) {
   for (const mesh::ImportedMass& from : model.masses) {
     PointMass mass{.node = from.node, .mass = from.mass, .offset = from.offset, .inertia = from.inertia};
+    // At the end of a rigid arm, or of several one after the other: it moves as their reference node does.
+    for (std::size_t arms = 0; arms < part.ties.size() && !in_cell[mass.node]; ++arms) {
+      const DeckTie* const tie = rigid_carrier(part, mass.node);
+      if (!tie || tie->spec.turning_node == mass.node) break;
+      mass.offset +=
+          (part.mesh.points.row(mass.node) - part.mesh.points.row(tie->spec.turning_node)).transpose();
+      mass.node = tie->spec.turning_node;
+    }
     const auto tie = std::find_if(part.ties.begin(), part.ties.end(),
-                                  [&](const DeckTie& t) { return t.spec.turning_node == from.node; });
+                                  [&](const DeckTie& t) { return t.spec.turning_node == mass.node; });
     if (tie != part.ties.end()) {
       mass.node = static_cast<mesh::Index>(tie - part.ties.begin());
       part.tied_masses.push_back(mass);
-    } else if (in_cell[from.node]) {
+    } else if (in_cell[mass.node]) {
       part.masses.push_back(mass);
     } else {
       throw std::invalid_argument(

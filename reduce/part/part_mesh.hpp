@@ -20,6 +20,12 @@ struct DeckTie {
   InterfaceSpec spec;      ///< named "tie LABEL"; turning_node: the index of the reference node
   std::array<bool, 6> dofs{true, true, true,
                            true, true, true};  ///< of the reference node that an average gives
+  /// Rigid ties whose reference node is this one's or follows it: one piece with it, each known by its own number and node.
+  struct Joined {
+    std::int64_t label, node;
+    Eigen::Vector3d point;  ///< of its reference node
+  };
+  std::vector<Joined> joined;
 };
 
 struct PartMesh {
