@@ -145,6 +145,24 @@ void write_page(const std::string& html, const std::string& file, const std::vec
   view::write_modes_page(html, se, page);
 }
 
+/// "a,b" in one word, where no interface is called so, are two of them.
+std::vector<std::string> named_interfaces(const std::vector<std::string>& words, const Superelement& se) {
+  const std::vector<std::string> known = superelement::interface_names(se);
+  std::vector<std::string> names;
+  for (const std::string& word : words) {
+    if (std::ranges::find(known, word) != known.end()) {
+      names.push_back(word);
+      continue;
+    }
+    std::size_t from = 0;
+    for (std::size_t comma = 0; comma != std::string::npos; from = comma + 1) {
+      comma = word.find(',', from);
+      names.push_back(word.substr(from, comma - from));
+    }
+  }
+  return names;
+}
+
 int run(const Arguments& arguments, const terminal::Verbosity& verbosity) {
   if (arguments.free + arguments.fixed + !arguments.clamped.empty() > 1) {
     throw std::invalid_argument("--free, --fixed and --clamped exclude each other; give one of them");
@@ -164,7 +182,8 @@ int run(const Arguments& arguments, const terminal::Verbosity& verbosity) {
     analyses.push_back(superelement::natural_modes(se, superelement::interface_names(se), arguments.count));
   }
   if (!arguments.clamped.empty()) {
-    analyses.push_back(superelement::natural_modes(se, arguments.clamped, arguments.count));
+    analyses.push_back(
+        superelement::natural_modes(se, named_interfaces(arguments.clamped, se), arguments.count));
   }
 
   if (arguments.json) {

@@ -184,6 +184,8 @@ TableSchema element_schema(const std::string& name, const std::string& doc, cons
     TableSchema variant;
     variant.doc = type.doc + results_doc(type.gives);
     variant.keys = type.keys;
+    variant.name = type.name;  // under a synonym: what it is another name of
+    for (const std::string& synonym : type.synonyms) schema.variants[synonym] = variant;
     schema.variants[type.name] = std::move(variant);
   }
   return schema;

@@ -25,7 +25,9 @@ constexpr int deepest = 20;
 
 template <class Types>
 const auto& find_type(const Types& types, const std::string& name) {
-  return *std::ranges::find_if(types, [&](const auto& type) { return type.name == name; });
+  return *std::ranges::find_if(types, [&](const auto& type) {
+    return type.name == name || std::ranges::find(type.synonyms, name) != type.synonyms.end();
+  });
 }
 
 /// "subsystem.left.body.arm.mass=3" goes to the subsystem's own file as "body.arm.mass=3", unless it is about

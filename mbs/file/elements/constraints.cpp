@@ -268,10 +268,19 @@ ConstraintType rolling_disc() {
 }  // namespace
 
 const std::vector<ConstraintType>& constraint_types() {
-  static const std::vector<ConstraintType> types = {
-      point_on_line(),   point_on_plane(), point_on_curve(), point_on_path(), orientation(),
-      parallel(),        perpendicular(),  distance(),       coupler(),       gear(),
-      rack_and_pinion(), rolling_disc(),   user_constraint()};
+  static const std::vector<ConstraintType> types = {also_called(point_on_line(), {"inline"}),
+                                                    also_called(point_on_plane(), {"inplane"}),
+                                                    point_on_curve(),
+                                                    point_on_path(),
+                                                    orientation(),
+                                                    parallel(),
+                                                    perpendicular(),
+                                                    also_called(distance(), {"rod", "link"}),
+                                                    coupler(),
+                                                    gear(),
+                                                    rack_and_pinion(),
+                                                    rolling_disc(),
+                                                    user_constraint()};
   return types;
 }
 

@@ -152,7 +152,7 @@ ForceType bump_stop() {
 }  // namespace
 
 std::vector<ForceType> contact_types() {
-  return {contact(), bump_stop()};
+  return {also_called(contact(), {"sphere_contact"}), also_called(bump_stop(), {"end_stop", "joint_stop"})};
 }
 
 }  // namespace flexura::mbs

@@ -47,6 +47,7 @@ struct ElementType {
   std::string surface_of = {};
   /// Keys that name bodies whose surfaces it sees whole.
   std::vector<std::string> meshes_of = {};
+  std::vector<std::string> synonyms = {};  ///< accepted too: what other programs call it
 };
 using ForceType = ElementType<ForceElement>;
 using MeasureType = ElementType<Measure>;
@@ -55,6 +56,13 @@ struct ControlType : ElementType<Control> {
   bool feeds_through =
       false;  ///< as the element says: its output can be read by later controls and forces only
 };
+
+/// The type with the names by which other programs know it.
+template <class Type>
+Type also_called(Type type, std::vector<std::string> synonyms) {
+  type.synonyms = std::move(synonyms);
+  return type;
+}
 
 /// All types, in the order of the reference page.
 const std::vector<JointType>& joint_types();

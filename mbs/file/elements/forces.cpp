@@ -342,9 +342,17 @@ ForceType distributed_load() {
 
 const std::vector<ForceType>& force_types() {
   static const std::vector<ForceType> types = [] {
-    std::vector<ForceType> list = {spring_damper(),    line_force(),          applied(false), applied(true),
-                                   joint_force(),      joint_spring_damper(), bushing(),      actuator(),
-                                   distributed_load(), moving_load()};
+    std::vector<ForceType> list = {
+        also_called(spring_damper(), {"spring", "damper", "tsda"}),
+        also_called(line_force(), {"point_to_point_force"}),
+        also_called(applied(false), {"point_force", "vector_force"}),
+        also_called(applied(true), {"moment", "vector_torque"}),
+        also_called(joint_force(), {"joint_torque"}),
+        also_called(joint_spring_damper(), {"joint_spring", "torsion_spring", "rsda"}),
+        also_called(bushing(), {"rubber_mount"}),
+        actuator(),
+        also_called(distributed_load(), {"load_case"}),
+        moving_load()};
     for (auto&& group :
          {contact_types(), surface_contact_types(), gear_types(), bearing_types(), friction_types()})
       list.insert(list.end(), group.begin(), group.end());

@@ -155,19 +155,22 @@ const std::vector<MeasureType>& measure_types() {
       relative<RelativeQuantity::distance_rate>("distance_rate",
                                                 "Time derivative of the distance of two markers."),
       relative<RelativeQuantity::position>("position", "Component of the position of M in F."),
-      relative<RelativeQuantity::axis>("axis", "Component of the z axis of M in F, a direction cosine."),
+      also_called(
+          relative<RelativeQuantity::axis>("axis", "Component of the z axis of M in F, a direction cosine."),
+          {"direction_cosine"}),
       relative<RelativeQuantity::velocity>("velocity", "Component of the velocity of M as seen from F."),
       relative<RelativeQuantity::angle>("angle", "Angle of M about the z axis of F, within +-180 deg."),
       relative<RelativeQuantity::angular_velocity>("angular_velocity",
                                                    "Component of the angular velocity of M as seen from F."),
-      rotation_angle(),
-      acceleration<AccelerationMeasure::Kind::linear>("acceleration",
-                                                      "Component of the acceleration of M as seen from F."),
+      also_called(rotation_angle(), {"euler_angle", "cardan_angle"}),
+      also_called(acceleration<AccelerationMeasure::Kind::linear>(
+                      "acceleration", "Component of the acceleration of M as seen from F."),
+                  {"accelerometer"}),
       acceleration<AccelerationMeasure::Kind::angular>(
           "angular_acceleration", "Component of the angular acceleration of M as seen from F."),
-      load_cell(),
-      surface_distance(),
-      expression()};
+      also_called(load_cell(), {"force_sensor"}),
+      also_called(surface_distance(), {"clearance"}),
+      also_called(expression(), {"formula"})};
   return types;
 }
 
