@@ -22,7 +22,7 @@ constexpr std::array<Start, 4> starts = {{
 name = "part"
 
 [geometry]
-file = "part.step"              # STEP, IGES, BREP, or a mesh: .inp, .bdf, .msh, .unv
+file = "part.step"              # STEP, IGES, BREP, STL, or a mesh: .inp, .bdf, .msh, .unv
 
 [material.steel]
 young = "210 GPa"

@@ -32,7 +32,9 @@ TableSchema marker_schema() {
   schema.doc = "A frame fixed in a body; joints and forces sit on markers.";
   add_pose(schema, "the marker in the body's frame (undeformed)");
   schema.keys.push_back(
-      text("on", "interface of a flexible body that carries the marker along as it deforms"));
+      text("on",
+           "interface of a flexible body that carries the marker along as it deforms; without a "
+           "position the marker stands there"));
   const std::vector<Key> linked = linked_marker_keys();
   schema.keys.insert(schema.keys.end(), linked.begin(), linked.end());
   return schema;

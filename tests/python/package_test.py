@@ -219,6 +219,9 @@ class Package(unittest.TestCase):
         self.assertEqual([line.get_label() for line in axes.lines], ["rigid", "flexible"])
         np.testing.assert_array_equal(axes.lines[1].get_ydata(), self.results["flexible"]["hinge.speed"])
         self.assertEqual(axes.get_ylabel(), "hinge.speed [rad/s]")
+        self.assertEqual(len(plot.quantities(self.results, ["hinge.speed", "hinge.angle"]).lines), 4)
+        with self.assertRaisesRegex(KeyError, "stored no quantity 'hinge.sped'; there are hinge.speed"):
+            plot.quantities(self.results, "hinge.sped")
         plot.spectra(self.results, "hinge.speed")
         picture = self.here / "mode.png"
         plot.mode_shape(self.link, self.link.natural_modes().shapes[:, 0]).figure.savefig(picture)

@@ -55,6 +55,8 @@ TEST(ReportFigures, HaveTheDigitsAskedForAndPowersOfTenBeyond) {
   EXPECT_EQ(figure_text(0.00099999, 3), "0.001");
   EXPECT_EQ(figure_text(0.0, 3), "0");
   EXPECT_EQ(figure_text(NAN, 3), "\u2013");
+  EXPECT_EQ(sentence_html("within 1.07e-05 % & 2.5e+10, not 1e-7"),
+            "within 1.07\u00b710\u207b\u2075 % &amp; 2.5\u00b710\u00b9\u2070, not 1e-7");
   EXPECT_EQ(unit_text("kg*m^2"), "kg·m²");
 }
 

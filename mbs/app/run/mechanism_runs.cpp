@@ -103,8 +103,10 @@ void note_discretisation(mbs::PreparedMechanism& p) {
 
 mbs::Stability move_to_equilibrium(mbs::PreparedMechanism& p) {
   const mbs::StaticsReport report = mbs::find_equilibrium(*p.mechanism, p.state);
+  mbs::forget_ringing(p.notes);
   mbs::AccelerationSolver(*p.mechanism).solve(p.state, p.v_dot);
-  p.notes.push_back(fmt::format("equilibrium in {} steps, largest force left {} N", report.iterations,
+  p.notes.push_back(fmt::format("equilibrium in {} {}, largest force left {} N", report.iterations,
+                                report.iterations == 1 ? "step" : "steps",
                                 terminal::number(report.force_residual, 2)));
   if (!report.stable)
     p.notes.push_back(

@@ -19,10 +19,14 @@ def _chosen(results: Results, runs: Names) -> List[Run]:
     return [results[name] for name in ([runs] if isinstance(runs, str) else runs)]
 
 
-def quantities(results: Results, *names: str, runs: Names = None, axes: Any = None) -> Any:
-    """Quantities over time, all runs (or those named) in one picture; names share an axis.  Returns the matplotlib axes."""
+def quantities(results: Results, *quantity: Union[str, Sequence[str]], runs: Names = None, axes: Any = None) -> Any:
+    """Quantities over time (names, or lists of them), all runs (or those named) in one picture; names share an axis.
+
+    Returns the matplotlib axes.
+    """
     import matplotlib.pyplot as plt
 
+    names = [name for given in quantity for name in ([given] if isinstance(given, str) else given)]
     axes = axes or plt.subplots(figsize=(8, 3.6), layout="constrained")[1]
     chosen = _chosen(results, runs)
     for i, run in enumerate(chosen):
@@ -32,6 +36,8 @@ def quantities(results: Results, *names: str, runs: Names = None, axes: Any = No
                 axes.plot(run.time, run[name], color=f"C{i}", linestyle=["-", "--", ":", "-."][j % 4], label=label)
     first = next((run[name] for run in chosen for name in names if name in run), None)
     if first is None:
+        if len(names) == 1 and chosen:
+            chosen[0][names[0]]  # its refusal says what is near
         raise KeyError(f"no run stored {' or '.join(names)}")
     axes.set_xlabel("time [s]")
     axes.set_ylabel(first.label if len(names) == 1 else f"[{first.unit}]")

@@ -3,6 +3,7 @@
 
 import json
 from dataclasses import dataclass
+from difflib import get_close_matches
 from typing import Any, Dict, Iterator, List, Mapping, Optional, Tuple
 
 import h5py
@@ -65,7 +66,7 @@ class Run(Mapping[str, Array]):
         try:
             return self._quantities[name]
         except KeyError:
-            near = [q for q in self._quantities if name.split(".")[-1] in q]
+            near = [q for q in self._quantities if name.split(".")[-1] in q] or get_close_matches(name, self._quantities)
             hint = f"; there are {', '.join(near)}" if near else "; list(run) names them all"
             raise KeyError(f"run {self.name!r} stored no quantity {name!r}{hint}") from None
 

@@ -165,4 +165,8 @@ void assemble_start(StartedMechanism& out, const GivenState& given) {
   out.notes.insert(out.notes.end(), out.assembly.notes.begin(), out.assembly.notes.end());
 }
 
+void forget_ringing(std::vector<std::string>& notes) {
+  std::erase(notes, kRings);
+}
+
 }  // namespace flexura::mbs

@@ -35,4 +35,7 @@ struct GivenState {
 /// constraint rows; `out.notes` gets what the user should know.  Throws OpenLoops where loops do not close, AssemblyError.
 void assemble_start(StartedMechanism& out, const GivenState& given);
 
+/// Takes the note back that bodies ring from the start: for a state that is moved into equilibrium.
+void forget_ringing(std::vector<std::string>& notes);
+
 }  // namespace flexura::mbs

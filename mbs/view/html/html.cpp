@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <regex>
 
 namespace flexura::view {
 
@@ -66,6 +67,19 @@ std::string trimmed(std::string number) {
 }
 
 }  // namespace
+
+std::string sentence_html(std::string_view text) {
+  static const std::regex number("([0-9]+\\.[0-9]+)e([+-]?[0-9]+)");
+  const std::string escaped = escape_html(text);
+  std::string result;
+  auto from = escaped.cbegin();
+  for (std::sregex_iterator found(escaped.begin(), escaped.end(), number), end; found != end; ++found) {
+    result.append(from, (*found)[0].first);
+    result += found->str(1) + "\u00b710" + raised(std::stoi(found->str(2)));
+    from = (*found)[0].second;
+  }
+  return result.append(from, escaped.cend());
+}
 
 std::string figure_text(double value, int digits) {
   if (std::isnan(value)) return "\u2013";

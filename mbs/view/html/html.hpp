@@ -9,6 +9,10 @@ namespace flexura::view {
 /// Text as it may stand in an element or an attribute.
 std::string escape_html(std::string_view text);
 
+/// The same of a sentence whose numbers are written as programs do: "1.07e-05" as "1.07\u00b710\u207b\u2075", as in figure_text.  What
+/// has no decimal point ("tolerance 1e-7") is the name of something.
+std::string sentence_html(std::string_view text);
+
 /// JSON as it may stand in a script element: only "<" can end it or open a comment there, and JSON has
 /// another spelling for it.
 std::string escape_script(std::string_view json);

@@ -75,7 +75,7 @@ class ReportWriter {
     file_.put("<div class=\"report\">");
     put_contents();
     file_.put("<main>");
-    if (!report_.summary.empty()) file_.put("<p class=\"lead\">" + escape_html(report_.summary) + "</p>");
+    if (!report_.summary.empty()) file_.put("<p class=\"lead\">" + sentence_html(report_.summary) + "</p>");
     if (!report_.facts.empty()) put(ReportFacts{report_.facts});
     for (std::size_t i = 0; i < report_.sections.size(); ++i) {
       const ReportSection& section = report_.sections[i];
@@ -120,20 +120,20 @@ class ReportWriter {
   void put(const ReportText& block) {
     for (std::size_t from = 0; from < block.text.size();) {
       const std::size_t to = std::min(block.text.find("\n\n", from), block.text.size());
-      if (to > from) file_.put("<p>" + escape_html(block.text.substr(from, to - from)) + "</p>");
+      if (to > from) file_.put("<p>" + sentence_html(block.text.substr(from, to - from)) + "</p>");
       from = to + 2;
     }
   }
 
   void put(const ReportNotice& block) {
     file_.put(fmt::format("<p class=\"notice {}\">{}<span>{}</span></p>", tone_name(block.tone),
-                          tone_mark(block.tone), escape_html(block.text)));
+                          tone_mark(block.tone), sentence_html(block.text)));
   }
 
   void put(const ReportFacts& block) {
     file_.put("<dl class=\"fact-list\">");
     for (const auto& [name, value] : block.facts) {
-      file_.put(fmt::format("<div><dt>{}</dt><dd>{}</dd></div>", escape_html(name), escape_html(value)));
+      file_.put(fmt::format("<div><dt>{}</dt><dd>{}</dd></div>", escape_html(name), sentence_html(value)));
     }
     file_.put("</dl>");
   }
@@ -224,7 +224,7 @@ class ReportWriter {
   }
 
   void put_note(const std::string& note) {
-    if (!note.empty()) file_.put("<figcaption>" + escape_html(note) + "</figcaption>");
+    if (!note.empty()) file_.put("<figcaption>" + sentence_html(note) + "</figcaption>");
   }
 
   const Report& report_;

@@ -286,6 +286,11 @@ export class Mechanism {
     return out;
   }
 
+  /** Where what they touch is, at the time that was set last. */
+  boxOfContacts(out: THREE.Box3): void {
+    for (const drawn of this.contacts) if (drawn.name) out.expandByObject(drawn);
+  }
+
   body(name: string): DrawnBody | undefined {
     return this.bodies.find((b) => b.name === name);
   }

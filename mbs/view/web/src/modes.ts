@@ -313,7 +313,7 @@ export async function modesPage(app: HTMLElement, header: ModesHeader): Promise<
     figure(Math.max(...modes.map((m) => m.frequency)), 4)} Hz` : 'none';
   app.replaceChildren(
     topBar(header.title, [['Mass', `${figure(header.body.mass, 4)} kg`], ['Size', lengthText(surface.size)],
-                          ['Interfaces', String(header.interfaces.length)], ['Modes', `${[...new Set(modes.map((m) => m.set))].map((set) => `${modes.filter((m) => m.set === set).length} ${set.toLowerCase()}`).join(', ')}`], ['', range]],
+                          ['Interfaces', String(header.interfaces.length)], ['Modes', `${[...new Set(modes.map((m) => m.set))].map((set) => `${modes.filter((m) => m.set === set).length} ${set.toLowerCase()}`).join(', ')}`], ['Frequencies', range]],
            keys, theme),
     h('main', { class: 'split' },
       h('section', { class: 'viewer', 'aria-label': 'Picture' },

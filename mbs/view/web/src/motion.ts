@@ -78,6 +78,7 @@ export async function motionPage(app: HTMLElement, header: MotionHeader): Promis
   const extent = new THREE.Box3();
   for (let i = 0; i <= 40; ++i) for (const m of mechanisms) m.box(t0 + (duration * i) / 40, extent);
   const start = mechanisms[state.main].box(t0);
+  mechanisms[state.main].boxOfContacts(extent);
   const travels = extent.getSize(new THREE.Vector3()).length() > 6 * start.getSize(new THREE.Vector3()).length();
   const shown = travels ? start : extent;
   let deflection = Math.max(0, ...mechanisms.map((m) => m.largestDeflection));
@@ -138,7 +139,7 @@ export async function motionPage(app: HTMLElement, header: MotionHeader): Promis
     const { factor, unit } = isStress ? stressUnit(top) : lengthUnit(top);
     legend.show(state.field === 0 ? null : {
       title: `${isStress ? 'von Mises' : `|u| ${fromWhere()}`} [${unit}]`, scale: 'magnitude', low: 0, high: top * factor,
-      note: `drawn ×${figure(state.magnify, 3)}`,
+      note: isModes ? `mode shape, its size is free; drawn ×${figure(state.magnify, 3)}` : `drawn ×${figure(state.magnify, 3)}`,
     });
     setTime(state.time);
   }
@@ -384,7 +385,7 @@ export async function motionPage(app: HTMLElement, header: MotionHeader): Promis
   app.replaceChildren(
     topBar(header.title, [['Bodies', String(moving.length)], [isModes ? 'Modes' : 'Runs', String(runs.length)],
                           ...(isModes || isStill ? [] : [['Time', `${figure(duration, 4)} s`] as [string, string]]),
-                          ...(deflection > 0 ? [[`Largest |u| ${fromWhere()}`, lengthText(deflection)] as [string, string]] : []),
+                          ...(deflection > 0 && !isModes ? [[`Largest |u| ${fromWhere()}`, lengthText(deflection)] as [string, string]] : []),
                           ...(energyError > 0 ? [['Energy error', `${figure(100 * energyError, 2)} %`] as [string, string]] : [])],
            keys, theme),
     h('main', { class: 'split motion' },
