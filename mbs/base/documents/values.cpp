@@ -29,8 +29,8 @@ std::string shown(const toml::node& node) {
   } else if (const auto* number = node.as_floating_point()) {
     out << fmt::format("{}", number->get());
   } else {
-    node.visit([&out](const auto& value) {
-      if constexpr (toml::is_value<decltype(value)>) out << value;
+    node.visit([&out](const auto& held) {
+      if constexpr (toml::is_value<decltype(held)>) out << held;
     });
   }
   return shown_text(out.str());
