@@ -42,13 +42,12 @@ struct Definite : ModelFactor::Impl {
 
 struct Indefinite : ModelFactor::Impl {
   linalg::IndefiniteFactor L;
-  linalg::FactorFigures none;
   std::vector<int> no_order;
   explicit Indefinite(linalg::IndefiniteFactor factor) : L(std::move(factor)) {}
   MatrixXd solve(const Ref<const MatrixXd>& B) const override { return L.solve(B); }
   int n_negative() const override { return L.n_negative(); }
   const std::vector<int>& order() const override { return no_order; }
-  const linalg::FactorFigures& figures() const override { return none; }
+  const linalg::FactorFigures& figures() const override { return L.figures(); }
 };
 
 // Collective: every rank brings its share of K_ii + shift M_ii.

@@ -27,11 +27,13 @@ struct Configuration {
   const char* name;
   const char* package;
   int processes, blas_threads;
-  double low_rank;  ///< block low-rank factors dropped at this, relative to their blocks; 0: full factors
+  double low_rank;      ///< block low-rank factors dropped at this, relative to their blocks; 0: full factors
+  bool single = false;  ///< fronts in single precision, solves refined
 };
 
 constexpr Configuration kConfigurations[] = {
     {"fronts", "fronts", 1, 1, 0.0},
+    {"fronts_single", "fronts", 1, 1, 0.0, true},
     {"cholmod", "cholmod", 1, 1, 0.0},
     {"cholmod_2_threads", "cholmod", 1, 2, 0.0},
     {"mumps", "mumps", 1, 1, 0.0},
@@ -161,6 +163,7 @@ void solve(const std::string& name, const std::filesystem::path& file, const Con
   ok(MatGetFactor(A, how.package, MAT_FACTOR_CHOLESKY, &F));
   const bool mumps = std::string(how.package) == "mumps";
   if (mumps) set_up_mumps(F, how);
+  if (how.single) ok(PetscOptionsSetValue(nullptr, "-mat_fronts_precision", "single"));
   ok(MatCholeskyFactorSymbolic(F, A, nullptr, &info));
   analysis.stop();
   Spent numeric;
@@ -214,7 +217,10 @@ void solve(const std::string& name, const std::filesystem::path& file, const Con
 
 // The figures of one package, by this program in a process (or two) of its own.
 void compare(const std::string& self, const std::string& name, const std::filesystem::path& file) {
+  const char* only = std::getenv("FLEXURA_PACKAGES");
   for (const Configuration& how : kConfigurations) {
+    if (only && ("," + std::string(only) + ",").find("," + std::string(how.name) + ",") == std::string::npos)
+      continue;
     const std::string launch =
         how.processes > 1 ? fmt::format("mpirun --allow-run-as-root --oversubscribe -n {} ", how.processes)
                           : "";
@@ -235,7 +241,8 @@ int run(const std::vector<std::string>& words) {
   }
   if (words.size() < 3) {
     fmt::print(stderr,
-               "usage: bench_solvers NAME slender|thin|shell-like, bench_solvers NAME PART.toml SIZE\n");
+               "usage: bench_solvers NAME slender|thin|shell-like, bench_solvers NAME PART.toml SIZE\n"
+               "FLEXURA_PACKAGES=fronts,mumps: these only\n");
     return 2;
   }
   const std::filesystem::path file =

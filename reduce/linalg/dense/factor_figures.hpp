@@ -9,6 +9,7 @@ struct FactorFigures {
   double flops = 0.0;
   double bytes = 0.0;             ///< of what is stored, zeros within supernodes included
   bool in_file = false;           ///< it did not fit into memory, or a file was asked for (factor_store.hpp)
+  bool single = false;            ///< kept in single precision
   double seconds_ordering = 0.0;  ///< METIS
   double seconds_symbolic = 0.0;
   double seconds_numeric = 0.0;

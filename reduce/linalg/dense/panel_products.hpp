@@ -13,28 +13,28 @@ namespace flexura::linalg {
 /// Columns taken together: with eight vectors their coefficients just fit the 16 registers of AVX2.
 inline constexpr int kPanelColumns = 6;
 
-/// Y_i -= sum_c A_ic x_c for n rows i and K columns c, `height` apart.
-template <int W, int K>
-FLEXURA_INLINE void subtract_product(const double* A, std::ptrdiff_t height, std::ptrdiff_t n,
+/// Y_i -= sum_c A_ic x_c for n rows i and K columns c, `height` apart.  Real: what A is stored as.
+template <int W, int K, class Real>
+FLEXURA_INLINE void subtract_product(const Real* A, std::ptrdiff_t height, std::ptrdiff_t n,
                                      const typename Lanes<W>::Row* x, typename Lanes<W>::Row* Y) {
   typename Lanes<W>::Row known[K];
   for (int c = 0; c < K; ++c) known[c] = x[c];
   for (std::ptrdiff_t i = 0; i < n; ++i) {
     typename Lanes<W>::Row y = Y[i];
-    for (int c = 0; c < K; ++c) y -= A[i + c * height] * known[c];
+    for (int c = 0; c < K; ++c) y -= static_cast<double>(A[i + c * height]) * known[c];
     Y[i] = y;
   }
 }
 
 /// x_c -= sum_i A_ic Y_i.
-template <int W, int K>
-FLEXURA_INLINE void subtract_transposed_product(const double* A, std::ptrdiff_t height, std::ptrdiff_t n,
+template <int W, int K, class Real>
+FLEXURA_INLINE void subtract_transposed_product(const Real* A, std::ptrdiff_t height, std::ptrdiff_t n,
                                                 const typename Lanes<W>::Row* Y, typename Lanes<W>::Row* x) {
   typename Lanes<W>::Row sum[K];
   for (int c = 0; c < K; ++c) sum[c] = x[c];
   for (std::ptrdiff_t i = 0; i < n; ++i) {
     const typename Lanes<W>::Row y = Y[i];
-    for (int c = 0; c < K; ++c) sum[c] -= A[i + c * height] * y;
+    for (int c = 0; c < K; ++c) sum[c] -= static_cast<double>(A[i + c * height]) * y;
   }
   for (int c = 0; c < K; ++c) x[c] = sum[c];
 }

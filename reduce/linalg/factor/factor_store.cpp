@@ -52,14 +52,14 @@ int nameless_file(std::size_t n, const std::filesystem::path& folder) {
   return file;
 }
 
-double* map(std::size_t n, int flags, int file) {
-  void* data = mmap(nullptr, n * sizeof(double), PROT_READ | PROT_WRITE, flags, file, 0);
+char* map(std::size_t n, int flags, int file) {
+  void* data = mmap(nullptr, n, PROT_READ | PROT_WRITE, flags, file, 0);
   if (data == MAP_FAILED)
     throw std::runtime_error(fmt::format(
         "memory does not suffice for the factor ({:.1f} GB; {:.1f} GB are free): use a coarser mesh "
         "or a machine with more memory",
-        static_cast<double>(n) * sizeof(double) / kGigabyte, available_memory() / kGigabyte));
-  return static_cast<double*>(data);
+        static_cast<double>(n) / kGigabyte, available_memory() / kGigabyte));
+  return static_cast<char*>(data);
 }
 
 }  // namespace
@@ -78,25 +78,23 @@ double available_memory() {
   return available;
 }
 
-FactorStore FactorStore::in_memory(std::size_t n) {
+FactorStore FactorStore::in_memory(std::size_t n_bytes) {
   FactorStore store;
-  store.n_ = n;
-  if (n == 0) return store;
-  store.data_ = map(n, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1);
-  madvise(store.data_, n * sizeof(double),
-          MADV_HUGEPAGE);  // fewer page faults; no matter where there are none
+  store.n_ = n_bytes;
+  if (n_bytes == 0) return store;
+  store.data_ = map(n_bytes, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1);
+  madvise(store.data_, n_bytes, MADV_HUGEPAGE);  // fewer page faults; no matter where there are none
   return store;
 }
 
-FactorStore FactorStore::in_file(std::size_t n, const std::filesystem::path& folder) {
+FactorStore FactorStore::in_file(std::size_t n_bytes, const std::filesystem::path& folder) {
   FactorStore store;
-  store.n_ = n;
+  store.n_ = n_bytes;
   store.is_file_ = true;
-  if (n == 0) return store;
-  const int file =
-      nameless_file(n * sizeof(double), folder.empty() ? std::filesystem::temp_directory_path() : folder);
+  if (n_bytes == 0) return store;
+  const int file = nameless_file(n_bytes, folder.empty() ? std::filesystem::temp_directory_path() : folder);
   try {
-    store.data_ = map(n, MAP_SHARED, file);
+    store.data_ = map(n_bytes, MAP_SHARED, file);
   } catch (...) {
     close(file);
     throw;
@@ -106,7 +104,7 @@ FactorStore FactorStore::in_file(std::size_t n, const std::filesystem::path& fol
 }
 
 FactorStore::~FactorStore() {
-  if (data_) munmap(data_, n_ * sizeof(double));
+  if (data_) munmap(data_, n_);
 }
 
 void FactorStore::will_need(std::size_t first, std::size_t count) const {

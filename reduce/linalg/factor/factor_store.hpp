@@ -7,7 +7,7 @@
 
 namespace flexura::linalg {
 
-/// Where the numbers of a factor are to be kept.
+/// Where and how the numbers of a factor are to be kept.
 struct FactorStorage {
   enum class Place {
     automatic,  ///< in memory if it has room for all, else in a file
@@ -17,21 +17,24 @@ struct FactorStorage {
   Place place = Place::automatic;
   double reserve = 0.0;          ///< [bytes] that other work will need beside the factor
   std::filesystem::path folder;  ///< of the file; empty: the folder for temporary files (TMPDIR)
+  /// In single precision, which takes half the time and memory, where refinement with such a factor converges; in
+  /// double precision where it does not.
+  bool single = false;
 };
 
 /// [bytes] that this process can still take without swapping: what the system has and what its group of
 /// processes (cgroup) may have.  Infinite where the system does not say.
 double available_memory();
 
-/// An array of numbers, zero at first: in memory, or in a temporary file that has no name any more, which the
-/// system reads and writes page by page as the numbers are used.  A multifrontal factor is written once from
+/// An array of bytes, zero at first: in memory, or in a temporary file that has no name any more, which the
+/// system reads and writes page by page as they are used.  A multifrontal factor is written once from
 /// its first number to its last and read from end to end, forwards and backwards: what a disk does best.
 class FactorStore {
  public:
   FactorStore() = default;
-  static FactorStore in_memory(std::size_t n);
+  static FactorStore in_memory(std::size_t n_bytes);
   /// std::runtime_error, with what is needed and what there is, where the folder has no room.
-  static FactorStore in_file(std::size_t n, const std::filesystem::path& folder);
+  static FactorStore in_file(std::size_t n_bytes, const std::filesystem::path& folder);
 
   FactorStore(FactorStore&& other) noexcept { swap(other); }
   FactorStore& operator=(FactorStore&& other) noexcept {
@@ -40,9 +43,9 @@ class FactorStore {
   }
   ~FactorStore();
 
-  double* data() const { return data_; }
+  void* data() const { return data_; }
   bool is_file() const { return is_file_; }
-  /// Numbers first ... first + count will be read soon: begins to fetch them from a file, does nothing else.
+  /// Bytes first ... first + count will be read soon: begins to fetch them from a file, does nothing else.
   void will_need(std::size_t first, std::size_t count) const;
 
  private:
@@ -51,7 +54,7 @@ class FactorStore {
     std::swap(n_, other.n_);
     std::swap(is_file_, other.is_file_);
   }
-  double* data_ = nullptr;
+  char* data_ = nullptr;
   std::size_t n_ = 0;
   bool is_file_ = false;
 };

@@ -12,8 +12,9 @@ namespace flexura::linalg {
 /// F is a trapezoid; U that of all columns of its own.  The signs S of the pivots are written to `signs`.
 /// Returns -1, or the column at which a pivot is zero, not finite or, where the matrix must be definite, not
 /// positive.  With `on_all_cores` large products are shared among the machine's cores; the result is the
-/// same.
-std::ptrdiff_t factorise_front(const Trapezoid& shape, double* F, double* U, double* signs,
-                               bool must_be_definite, bool on_all_cores);
+/// same.  Real: double or float.
+template <class Real>
+std::ptrdiff_t factorise_front(const Trapezoid& shape, Real* F, Real* U, double* signs, bool must_be_definite,
+                               bool on_all_cores);
 
 }  // namespace flexura::linalg

@@ -25,7 +25,8 @@ void share(std::ptrdiff_t n, std::ptrdiff_t numbers, bool on_all_cores, const Wo
 
 }  // namespace
 
-Fronts::Fronts(const UpperCsr& A, SupernodalFactor& L, bool must_be_definite)
+template <class Real>
+Fronts<Real>::Fronts(const UpperCsr& A, SupernodalFactor& L, bool must_be_definite)
     : A_(A),
       L_(L),
       must_be_definite_(must_be_definite),
@@ -35,7 +36,8 @@ Fronts::Fronts(const UpperCsr& A, SupernodalFactor& L, bool must_be_definite)
   divide();
 }
 
-int Fronts::run() {
+template <class Real>
+int Fronts<Real>::run() {
   const OneBlasThread one;
   // The threads keep their work space: the first time decides.
   static const bool has_room = (require_blas_memory(n_cores()), true);
@@ -50,14 +52,15 @@ int Fronts::run() {
   spare_.clear();
   std::vector<int> place(L_.n_);
   for (const int s : top_) {
-    owned_[s].reset(new double[n_updates(s)]);
+    owned_[s].reset(new Real[n_updates(s)]);
     process(s, true, place, owned_[s].get());
   }
   const int failed = failed_;
   return failed == kNone ? -1 : failed;
 }
 
-double Fronts::peak_bytes() const {
+template <class Real>
+double Fronts<Real>::peak_bytes() const {
   // Subtrees: each core its stack; the roots' updates wait.  Numbers of L come as they are written.
   double numbers = static_cast<double>(n_cores()) * static_cast<double>(room()), most = 0.0;
   for (const int root : roots_) {
@@ -73,36 +76,41 @@ double Fronts::peak_bytes() const {
     most = std::max(most, numbers);
     numbers -= static_cast<double>(n_updates_of_children(s));
   }
-  return sizeof(double) * most;
+  return sizeof(Real) * most;
 }
 
-std::size_t Fronts::n_updates(int s) const {
+template <class Real>
+std::size_t Fronts<Real>::n_updates(int s) const {
   const std::ptrdiff_t below = L_.height(s) - L_.width(s);
   return static_cast<std::size_t>(Trapezoid{below, below}.size());
 }
 
-std::size_t Fronts::n_updates_of_children(int s) const {
+template <class Real>
+std::size_t Fronts<Real>::n_updates_of_children(int s) const {
   std::size_t sum = 0;
   for (const int child : children_[s]) sum += n_updates(child);
   return sum;
 }
 
-Fronts::Scratch Fronts::take_scratch(std::size_t room) {
+template <class Real>
+typename Fronts<Real>::Scratch Fronts<Real>::take_scratch(std::size_t room) {
   const std::scoped_lock lock(mutex_);
-  if (spare_.empty()) return {std::vector<int>(L_.n_), std::unique_ptr<double[]>(new double[room])};
+  if (spare_.empty()) return {std::vector<int>(L_.n_), std::unique_ptr<Real[]>(new Real[room])};
   Scratch scratch = std::move(spare_.back());
   spare_.pop_back();
   return scratch;
 }
 
-void Fronts::give_back(Scratch scratch) {
+template <class Real>
+void Fronts<Real>::give_back(Scratch scratch) {
   const std::scoped_lock lock(mutex_);
   spare_.push_back(std::move(scratch));
 }
 
 // Updates of a subtree in postorder: a parent's is made above those of its children, which are the last on
 // the stack, and then moved down to their place.
-std::size_t Fronts::stack_size(int root) const {
+template <class Real>
+std::size_t Fronts<Real>::stack_size(int root) const {
   std::size_t height = 0, greatest = 0;
   for (int s = first_descendant_[root]; s <= root; ++s) {
     greatest = std::max(greatest, height + n_updates(s));
@@ -111,28 +119,31 @@ std::size_t Fronts::stack_size(int root) const {
   return greatest;
 }
 
-std::size_t Fronts::room() const {
+template <class Real>
+std::size_t Fronts<Real>::room() const {
   std::size_t room = 0;
   for (const int root : roots_) room = std::max(room, stack_size(root));
   return room;
 }
 
-void Fronts::process_subtree(int root, Scratch& scratch) {
+template <class Real>
+void Fronts<Real>::process_subtree(int root, Scratch& scratch) {
   std::size_t height = 0;
   for (int s = first_descendant_[root]; s <= root; ++s) {
-    double* made = scratch.stack.get() + height;
+    Real* made = scratch.stack.get() + height;
     process(s, false, scratch.place, made);
     height -= n_updates_of_children(s);
     updates_[s] = scratch.stack.get() + height;
     std::copy_n(made, n_updates(s), scratch.stack.get() + height);
     height += n_updates(s);
   }
-  owned_[root].reset(new double[n_updates(root)]);
+  owned_[root].reset(new Real[n_updates(root)]);
   std::copy_n(updates_[root], n_updates(root), owned_[root].get());
   updates_[root] = owned_[root].get();
 }
 
-void Fronts::permute() {
+template <class Real>
+void Fronts<Real>::permute() {
   std::vector<int> number(L_.n_);
   for (int k = 0; k < L_.n_; ++k) number[L_.order_[k]] = k;
   begin_.assign(L_.n_ + 1, 0);
@@ -153,7 +164,8 @@ void Fronts::permute() {
 }
 
 // Supernodes are in postorder: the subtree of s is first_descendant_[s] ... s.
-void Fronts::build_tree() {
+template <class Real>
+void Fronts<Real>::build_tree() {
   const int n = L_.n_supernodes();
   std::vector<int> supernode_of(L_.n_);
   for (int s = 0; s < n; ++s) std::fill_n(supernode_of.begin() + L_.first_column_[s], L_.width(s), s);
@@ -174,7 +186,8 @@ void Fronts::build_tree() {
 }
 
 // Roots of subtrees small enough to be shared out evenly, and what is above them.
-void Fronts::divide() {
+template <class Real>
+void Fronts<Real>::divide() {
   const auto smaller = [this](int a, int b) { return work_[a] < work_[b]; };
   std::priority_queue<int, std::vector<int>, decltype(smaller)> heap(smaller);
   double total = 0.0;
@@ -192,22 +205,24 @@ void Fronts::divide() {
 }
 
 // The columns of supernode s, and what they leave to the rows below: U.
-void Fronts::process(int s, bool on_all_cores, std::vector<int>& place, double* U) {
+template <class Real>
+void Fronts<Real>::process(int s, bool on_all_cores, std::vector<int>& place, Real* U) {
   if (failed_ != kNone) return;
   const Trapezoid shape = L_.shape(s);
   const int* rows = L_.rows_.data() + L_.first_row_[s];
-  double* F = L_.values_.data() + L_.first_value_[s];
+  Real* F = L_.template values<Real>() + L_.first_value_[s];
   for (std::ptrdiff_t r = 0; r < shape.height; ++r) place[rows[r]] = static_cast<int>(r);
   updates_[s] = U;
   const auto n_U = static_cast<std::ptrdiff_t>(n_updates(s));
   share(shape.size(), shape.size(), on_all_cores,
-        [&](std::ptrdiff_t first, std::ptrdiff_t count) { std::fill_n(F + first, count, 0.0); });
+        [&](std::ptrdiff_t first, std::ptrdiff_t count) { std::fill_n(F + first, count, Real(0)); });
   share(n_U, n_U, on_all_cores,
-        [&](std::ptrdiff_t first, std::ptrdiff_t count) { std::fill_n(U + first, count, 0.0); });
+        [&](std::ptrdiff_t first, std::ptrdiff_t count) { std::fill_n(U + first, count, Real(0)); });
   for (std::ptrdiff_t c = 0; c < shape.width; ++c) {
-    double* column = F + shape.diagonal(c) - c;
+    Real* column = F + shape.diagonal(c) - c;
     const std::ptrdiff_t column_of_L = L_.first_column_[s] + c;
-    for (int k = begin_[column_of_L]; k < begin_[column_of_L + 1]; ++k) column[place[row_[k]]] += entry_[k];
+    for (int k = begin_[column_of_L]; k < begin_[column_of_L + 1]; ++k)
+      column[place[row_[k]]] += static_cast<Real>(entry_[k]);
   }
   for (const int child : children_[s]) {
     add_update(child, place, shape, F, U, on_all_cores);
@@ -223,8 +238,9 @@ void Fronts::process(int s, bool on_all_cores, std::vector<int>& place, double* 
 }
 
 // What a child's front has left, into the parent's columns F and its own remainder U.
-void Fronts::add_update(int child, const std::vector<int>& place, const Trapezoid& shape, double* F,
-                        double* U, bool on_all_cores) const {
+template <class Real>
+void Fronts<Real>::add_update(int child, const std::vector<int>& place, const Trapezoid& shape, Real* F,
+                              Real* U, bool on_all_cores) const {
   const std::ptrdiff_t n = L_.height(child) - L_.width(child), below = shape.height - shape.width;
   const Trapezoid from{n, n}, rest{below, below};
   const int* rows = L_.rows_.data() + L_.first_row_[child] + L_.width(child);
@@ -232,13 +248,15 @@ void Fronts::add_update(int child, const std::vector<int>& place, const Trapezoi
   for (std::ptrdiff_t r = 0; r < n; ++r) to[r] = place[rows[r]];
   share(n, n * n, on_all_cores, [&](std::ptrdiff_t first, std::ptrdiff_t count) {
     for (std::ptrdiff_t c = first; c < first + count; ++c) {
-      const double* update = updates_[child] + from.diagonal(c) - c;
-      double* column =
-          to[c] < shape.width ? F + shape.diagonal(to[c]) : U + rest.diagonal(to[c] - shape.width);
+      const Real* update = updates_[child] + from.diagonal(c) - c;
+      Real* column = to[c] < shape.width ? F + shape.diagonal(to[c]) : U + rest.diagonal(to[c] - shape.width);
       column -= to[c];
       for (std::ptrdiff_t r = c; r < n; ++r) column[to[r]] += update[r];
     }
   });
 }
+
+template class Fronts<double>;
+template class Fronts<float>;
 
 }  // namespace flexura::linalg

@@ -14,7 +14,8 @@ namespace flexura::linalg {
 /// One run of the multifrontal method (supernodal_factor.hpp).  What a front leaves to the rows below, its
 /// update, is a Trapezoid of all columns.  Updates of a subtree that one core works through lie on a stack;
 /// those of the subtrees' roots and of the fronts above wait on their own and are freed as soon as the parent
-/// has them.
+/// has them.  Real: what numbers are computed and kept as, double or float.
+template <class Real>
 class Fronts {
  public:
   /// Of the factor only the analysis is used here.
@@ -29,8 +30,8 @@ class Fronts {
  private:
   // What a thread works with.
   struct Scratch {
-    std::vector<int> place;           // of a row of L in the front
-    std::unique_ptr<double[]> stack;  // of updates that wait for their parent
+    std::vector<int> place;         // of a row of L in the front
+    std::unique_ptr<Real[]> stack;  // of updates that wait for their parent
   };
 
   std::size_t n_updates(int s) const;
@@ -43,8 +44,8 @@ class Fronts {
   Scratch take_scratch(std::size_t room);
   void give_back(Scratch scratch);
   void process_subtree(int root, Scratch& scratch);
-  void process(int s, bool on_all_cores, std::vector<int>& place, double* U);
-  void add_update(int child, const std::vector<int>& place, const Trapezoid& shape, double* F, double* U,
+  void process(int s, bool on_all_cores, std::vector<int>& place, Real* U);
+  void add_update(int child, const std::vector<int>& place, const Trapezoid& shape, Real* F, Real* U,
                   bool on_all_cores) const;
 
   static constexpr int kNone = std::numeric_limits<int>::max();
@@ -57,8 +58,8 @@ class Fronts {
   std::vector<std::vector<int>> children_;
   std::vector<double> work_;      // of the subtree
   std::vector<int> roots_, top_;  // subtrees for one core, the largest first; what is above them, in order
-  std::vector<const double*> updates_;
-  std::vector<std::unique_ptr<double[]>> owned_;  // updates from subtrees and at the top
+  std::vector<const Real*> updates_;
+  std::vector<std::unique_ptr<Real[]>> owned_;  // updates from subtrees and at the top
   std::mutex mutex_;
   std::vector<Scratch> spare_;
   std::atomic<int> failed_{kNone};

@@ -6,11 +6,11 @@
 
 #include <memory>
 #include <numeric>
-#include <random>
 #include <stdexcept>
 #include <string_view>
 
 #include "reduce/linalg/dense/progress.hpp"
+#include "reduce/linalg/factor/refinement.hpp"
 #include "reduce/linalg/petsc/petsc_check.hpp"
 
 namespace flexura::linalg {
@@ -25,6 +25,7 @@ constexpr const char* kHints = "flexura_fronts_hints";  // composed with the mat
 struct Package {
   std::unique_ptr<FrontsFactor> factor;
   FactorStorage storage;
+  Mat refined_with = nullptr;  // the matrix, where the factor is in single precision
 };
 
 Package& package(Mat F) {
@@ -109,38 +110,35 @@ std::vector<int> order_of(Mat A, IS permutation, const UpperCsr& csr) {
   return nested_dissection(csr, begin);
 }
 
-FactorStorage storage_of(Mat F, Mat A) {
-  const FrontsHints* hints = hints_of(A);
-  FactorStorage storage = hints ? hints->storage : FactorStorage{};
+// Sets `value` to what the word of an option stands for; without the option it stays.
+template <class Value, std::size_t n>
+void read_word(Mat F, const char* option, const std::pair<const char*, Value> (&words)[n], Value& value) {
   const char* prefix = nullptr;
   ok(MatGetOptionsPrefix(F, &prefix));
   char text[16] = "";
   PetscBool given = PETSC_FALSE;
-  ok(PetscOptionsGetString(nullptr, prefix, "-mat_fronts_storage", text, sizeof(text), &given));
-  if (!given) return storage;
-  using Place = FactorStorage::Place;
-  for (const auto& [name, place] :
-       {std::pair{"automatic", Place::automatic}, {"memory", Place::memory}, {"file", Place::file}})
-    if (std::string_view(text) == name) {
-      storage.place = place;
-      return storage;
+  ok(PetscOptionsGetString(nullptr, prefix, option, text, sizeof(text), &given));
+  if (!given) return;
+  std::string list;
+  for (std::size_t k = 0; k < n; ++k) {
+    if (std::string_view(text) == words[k].first) {
+      value = words[k].second;
+      return;
     }
-  throw std::invalid_argument(
-      fmt::format("-mat_fronts_storage {}: is automatic, memory or file", std::string_view(text)));
+    list += (k == 0 ? "" : k + 1 == n ? " or " : ", ") + std::string(words[k].first);
+  }
+  throw std::invalid_argument(fmt::format("{} {}: is {}", option, std::string_view(text), list));
 }
 
-// Round-off E that takes an eigenvalue mu of A past zero is greater than mu, and greater than mu + e, what
-// the factor has in its place.  So the residual E x of x = (A + E)^-1 b is no smaller than b's part along
-// the eigenvector, which is normally distributed: in one of eight draws it is above 0.1, but for once in 1e9.
-bool stands_the_test(const SupernodalFactor& L, const UpperCsr& A) {
-  constexpr double kResidual = 0.1;
-  Eigen::MatrixXd B(A.n, 8), X, AX;
-  std::mt19937_64 random(19781105);
-  std::normal_distribution<double> normal;
-  for (double& b : B.reshaped()) b = normal(random);
-  L.solve(B, X);
-  multiply(A, X, AX);
-  return (AX - B).colwise().norm().maxCoeff() < kResidual;
+FactorStorage storage_of(Mat F, Mat A) {
+  const FrontsHints* hints = hints_of(A);
+  FactorStorage storage = hints ? hints->storage : FactorStorage{};
+  using Place = FactorStorage::Place;
+  read_word<Place>(F, "-mat_fronts_storage",
+                   {{"automatic", Place::automatic}, {"memory", Place::memory}, {"file", Place::file}},
+                   storage.place);
+  read_word<bool>(F, "-mat_fronts_precision", {{"double", false}, {"single", true}}, storage.single);
+  return storage;
 }
 
 PetscErrorCode solve_columns(Mat F, const PetscScalar* B, PetscInt B_stride, PetscScalar* X,
@@ -150,7 +148,18 @@ PetscErrorCode solve_columns(Mat F, const PetscScalar* B, PetscInt B_stride, Pet
   const Eigen::Map<const Eigen::MatrixXd, 0, Stride> b(B, L.size(), n_cols, Stride(B_stride));
   Eigen::Map<Eigen::MatrixXd, 0, Stride> x(X, L.size(), n_cols, Stride(X_stride));
   return guarded([&] {
-    if (L.size() > 0 && n_cols > 0) L.solve_into(b, x);
+    if (L.size() == 0 || n_cols == 0) return;
+    if (!L.is_single()) {
+      L.solve_into(b, x);
+    } else {
+      const Eigen::MatrixXd copy = X == B ? Eigen::MatrixXd(b) : Eigen::MatrixXd();
+      L.solve_into(b, x);
+      const Csr csr(package(F).refined_with);
+      if (X == B)
+        refine(L, *csr, copy, x);
+      else
+        refine(L, *csr, b, x);
+    }
     ok(PetscLogFlops(4.0 * L.nonzeros() * n_cols));
   });
 }
@@ -190,6 +199,28 @@ PetscErrorCode get_inertia(Mat F, PetscInt* negative, PetscInt* zero, PetscInt* 
   return 0;
 }
 
+void keep(Mat& place, Mat A) {
+  if (A) ok(PetscObjectReference(reinterpret_cast<PetscObject>(A)));
+  ok(MatDestroy(&place));
+  place = A;
+}
+
+// The pivot, with its row, for which the factor is no good; row -1 where it is good.
+SupernodalFactor::Pivot factorise(FrontsFactor& factor, const UpperCsr& A, bool definite,
+                                  const FactorStorage& storage) {
+  SupernodalFactor& L = factor.L;
+  FactorFigures& figures = factor.figures;
+  const SupernodalFactor::Pivot good{1.0, -1}, bad{0.0, L.factorise(A, definite, storage)};
+  figures.in_file = L.is_in_file();
+  figures.single = L.is_single();
+  figures.bytes = L.bytes();
+  if (bad.row >= 0 || A.n == 0) return bad;
+  const SupernodalFactor::Pivot smallest = L.smallest_pivot(A);
+  figures.smallest_pivot = definite ? smallest.ratio : 0.0;
+  if (definite && !L.is_single()) return smallest.ratio > kSmallestPivot ? good : smallest;
+  return stands_the_test(L, A) ? good : smallest;
+}
+
 PetscErrorCode numeric(Mat F, Mat A, const MatFactorInfo*) {
   return guarded([&] {
     FrontsFactor& factor = *package(F).factor;
@@ -200,19 +231,17 @@ PetscErrorCode numeric(Mat F, Mat A, const MatFactorInfo*) {
     definite = known && definite ? PETSC_TRUE : PETSC_FALSE;
     Stopwatch watch;
     const double before = processor_seconds();
-    SupernodalFactor::Pivot bad{0.0, factor.L.factorise(*csr, definite, package(F).storage)};
+    FactorStorage storage = package(F).storage;
+    SupernodalFactor::Pivot bad = factorise(factor, *csr, definite, storage);
+    if (bad.row >= 0 && storage.single) {
+      storage.single = false;
+      bad = factorise(factor, *csr, definite, storage);
+    }
     figures.seconds_numeric = watch.lap();
     figures.processor_seconds = processor_seconds() - before;
-    figures.in_file = factor.L.is_in_file();
+    keep(package(F).refined_with, factor.L.is_single() ? A : nullptr);
     ok(PetscLogFlops(factor.L.flops()));
     F->factorerrortype = MAT_FACTOR_NOERROR;
-    if (bad.row < 0 && definite && (*csr).n > 0) {
-      const SupernodalFactor::Pivot smallest = factor.L.smallest_pivot(*csr);
-      figures.smallest_pivot = smallest.ratio;
-      if (!(smallest.ratio > kSmallestPivot)) bad = smallest;
-    } else if (bad.row < 0 && (*csr).n > 0 && !stands_the_test(factor.L, *csr)) {
-      bad = factor.L.smallest_pivot(*csr);
-    }
     if (bad.row >= 0) {
       if (A->erroriffailure)
         throw std::runtime_error(
@@ -271,7 +300,8 @@ PetscErrorCode view(Mat F, PetscViewer viewer) {
     PetscBool ascii = PETSC_FALSE;
     ok(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(viewer), PETSCVIEWERASCII, &ascii));
     if (!ascii || !factor) return;
-    ok(PetscViewerASCIIPrintf(viewer, "multifrontal factor, nested dissection by METIS, %s\n",
+    ok(PetscViewerASCIIPrintf(viewer, "multifrontal factor, nested dissection by METIS, %s precision, %s\n",
+                              factor->figures.single ? "single" : "double",
                               factor->figures.in_file ? "kept in a file" : "in memory"));
     ok(PetscViewerASCIIPrintf(viewer, "nonzeros %.0f, operations %.3g, stored %.3g MB, negative pivots %d\n",
                               factor->L.nonzeros(), factor->L.flops(), 1e-6 * factor->L.bytes(),
@@ -280,6 +310,7 @@ PetscErrorCode view(Mat F, PetscViewer viewer) {
 }
 
 PetscErrorCode destroy(Mat F) {
+  PetscCall(MatDestroy(&package(F).refined_with));
   delete static_cast<Package*>(F->data);
   F->data = nullptr;
   return PetscObjectComposeFunction(reinterpret_cast<PetscObject>(F), "MatFactorGetSolverType_C", nullptr);

@@ -21,7 +21,9 @@
 /// or zero to round-off is MAT_FACTOR_NUMERIC_ZEROPIVOT with its row.  Otherwise it is L S L^T without
 /// pivoting, put to the test of inertia.hpp; a factor that fails it is MAT_FACTOR_NUMERIC_ZEROPIVOT, too.
 /// MatSolve, MatMatSolve (all columns together, without copies of them) and MatGetInertia work on it.
-/// `-mat_fronts_storage automatic|memory|file` says where it is kept (factor_store.hpp).
+/// `-mat_fronts_storage automatic|memory|file` says where it is kept (factor_store.hpp), `-mat_fronts_precision
+/// double|single` in which precision.
+/// A factor in single precision that fails the test is computed anew in double precision.
 namespace flexura::linalg {
 
 inline constexpr const char* kFronts = "fronts";

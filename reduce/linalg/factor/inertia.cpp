@@ -30,6 +30,10 @@ int IndefiniteFactor::n_negative() const {
   return impl_->solver.n_negative();
 }
 
+const FactorFigures& IndefiniteFactor::figures() const {
+  return impl_->solver.figures();
+}
+
 Eigen::MatrixXd IndefiniteFactor::solve(const Eigen::Ref<const Eigen::MatrixXd>& B) const {
   Eigen::MatrixXd X(B.rows(), B.cols());
   impl_->solver.solve(B, X);

@@ -5,6 +5,7 @@
 #include <memory>
 #include <vector>
 
+#include "reduce/linalg/dense/factor_figures.hpp"
 #include "reduce/linalg/dense/symmetric_matrix.hpp"
 #include "reduce/linalg/factor/factor_store.hpp"
 
@@ -18,7 +19,7 @@ namespace flexura::linalg {
 /// sigma is all but an eigenvalue of a piece of the structure held at its separators).  In place of it each
 /// factor is put to the test: what round-off has added to the matrix must be small where the matrix itself
 /// is, on the vectors nearest to its null space.  These dominate x = A^-1 b for a random b, so the residual
-/// of such solves says whether an eigenvalue may have crossed zero.
+/// of such solves says whether an eigenvalue may have crossed zero (refinement.hpp).
 class IndefiniteFactor {
  public:
   /// `order`: row order[k] is eliminated as number k; nested dissection where it is empty.
@@ -31,6 +32,7 @@ class IndefiniteFactor {
   IndefiniteFactor& operator=(IndefiniteFactor&&) noexcept;
 
   int n_negative() const;
+  const FactorFigures& figures() const;
   Eigen::MatrixXd solve(const Eigen::Ref<const Eigen::MatrixXd>& B) const;
 
  private:

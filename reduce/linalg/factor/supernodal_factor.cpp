@@ -12,16 +12,22 @@ namespace flexura::linalg {
 int SupernodalFactor::factorise(const UpperCsr& A, bool must_be_definite, const FactorStorage& storage) {
   if (A.n != n_) throw std::logic_error("factorise: the matrix is not the one that was analysed");
   if (n_ == 0) return -1;
-  Fronts fronts(A, *this, must_be_definite);
+  if (single_ != storage.single) values_ = {};
+  single_ = storage.single;
+  return single_ ? run<float>(A, must_be_definite, storage) : run<double>(A, must_be_definite, storage);
+}
+
+template <class Real>
+int SupernodalFactor::run(const UpperCsr& A, bool must_be_definite, const FactorStorage& storage) {
+  Fronts<Real> fronts(A, *this, must_be_definite);
   if (!values_.data()) {
-    const auto n_values = static_cast<std::size_t>(first_value_.back());
     // Beside the fronts the matrix is held once more, permuted; afterwards the factor stands beside other
     // work.
     const double permuted = 12.0 * static_cast<double>(A.columns.size());
     const double needed = std::max(fronts.peak_bytes() + permuted, bytes() + storage.reserve);
     const bool file = storage.place == FactorStorage::Place::file ||
                       (storage.place == FactorStorage::Place::automatic && needed > available_memory());
-    values_ = file ? FactorStore::in_file(n_values, storage.folder) : FactorStore::in_memory(n_values);
+    values_ = file ? FactorStore::in_file(n_bytes(), storage.folder) : FactorStore::in_memory(n_bytes());
   }
   signs_.assign(n_, 1.0);
   diagonal_.assign(n_, 0.0);

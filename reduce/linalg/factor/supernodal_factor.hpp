@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -42,7 +43,8 @@ class SupernodalFactor {
   /// The numbers of L and S for a matrix of the analysed pattern.  There is no pivoting: a definite matrix
   /// needs none, an indefinite one's solves must be tested.  Returns the row of A at which a pivot of a
   /// matrix that must be definite is not positive, or a pivot of an indefinite one is zero; -1 where all is
-  /// well. std::runtime_error where neither memory nor disk has room.
+  /// well. std::runtime_error where neither memory nor disk has room.  `storage` says in which precision; refinement is
+  /// the caller's.
   int factorise(const UpperCsr& A, bool must_be_definite, const FactorStorage& storage = {});
 
   /// X = A^-1 B for n x k right-hand sides, by panels of eight columns, one panel per core at a time.
@@ -62,13 +64,22 @@ class SupernodalFactor {
   const std::vector<int>& order() const { return order_; }
   double nonzeros() const { return nonzeros_; }
   double flops() const { return flops_; }
-  double bytes() const {
-    return sizeof(double) * static_cast<double>(first_value_.back());
-  }  ///< of L's numbers
+  double bytes() const { return static_cast<double>(n_bytes()); }  ///< of L's numbers
+  bool is_single() const { return single_; }
   bool is_in_file() const { return values_.is_file(); }
 
  private:
+  template <class Real>
   friend class Fronts;
+  template <class Real>
+  int run(const UpperCsr& A, bool must_be_definite, const FactorStorage& storage);
+  template <class Real>
+  Real* values() const {
+    return static_cast<Real*>(values_.data());
+  }
+  std::size_t n_bytes() const {
+    return (single_ ? sizeof(float) : sizeof(double)) * static_cast<std::size_t>(first_value_.back());
+  }
   int n_supernodes() const { return static_cast<int>(first_column_.size()) - 1; }
   int width(int s) const { return first_column_[s + 1] - first_column_[s]; }
   int height(int s) const { return first_row_[s + 1] - first_row_[s]; }
@@ -80,6 +91,7 @@ class SupernodalFactor {
   std::vector<int> first_column_, first_row_, rows_;
   std::vector<std::int64_t> first_value_;
   FactorStore values_;
+  bool single_ = false;
   std::vector<double> signs_, diagonal_;  // of the columns of L
 };
 

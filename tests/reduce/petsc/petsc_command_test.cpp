@@ -103,6 +103,7 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"Cholmod", "-pc_factor_mat_solver_type cholmod", ""}, Case{"Lobpcg", "-eps_type lobpcg", ""},
         Case{"JacobiDavidson", "-eps_type jd", ""},
         Case{"LobpcgCholmod", "-eps_type lobpcg -pc_factor_mat_solver_type cholmod", ""},
+        Case{"SinglePrecision", "-mat_fronts_precision single", ""},
         // Block low-rank factors, less accurate by far: refinement makes up for it.
         Case{"LowRank", "-pc_factor_mat_solver_type mumps -mat_mumps_icntl_35 2 -mat_mumps_cntl_7 1e-8", ""}),
     [](const auto& info) { return info.param.name; });

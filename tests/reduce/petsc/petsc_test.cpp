@@ -221,6 +221,29 @@ TEST(Fronts, AFactorInAFileIsTheSameToTheBit) {
   EXPECT_THROW(solution("somewhere"), std::invalid_argument);
 }
 
+TEST(Fronts, SinglePrecisionIsRefinedByColumnsAndByBlocks) {
+  const MatrixXd A = random_symmetric(70, 0.0, 3), B = right_hand_sides(A.rows(), 9),
+                 exact = A.ldlt().solve(B);
+  const PetscMatrix matrix(A, true);
+  const auto factor_bytes = [&](const char* precision) {
+    const Options options({kFrontsOption.front(), {"-mat_fronts_precision", precision}});
+    const Solver solver(matrix.get());
+    for (const bool together : {true, false})
+      EXPECT_LT((solver.solve(B, together) - exact).norm(), tolerance(A) * exact.norm()) << precision;
+    MatInfo info{};
+    ok(MatGetInfo(solver.factor(), MAT_LOCAL, &info));
+    return info.memory;
+  };
+  EXPECT_EQ(2.0 * factor_bytes("single"), factor_bytes("double"));
+  const Options options({kFrontsOption.front(), {"-mat_fronts_precision", "half"}});
+  try {
+    Solver(matrix.get()).solve(B, true);
+    FAIL() << "nothing was thrown";
+  } catch (const std::invalid_argument& thrown) {
+    EXPECT_STREQ(thrown.what(), "-mat_fronts_precision half: is double or single");
+  }
+}
+
 TEST(Fronts, ASingularMatrixIsAZeroPivotWithItsRow) {
   const Options options(kFrontsOption);
   // Springs from node to node of a chain, held at neither end: what is left at the last pivot is round-off.
