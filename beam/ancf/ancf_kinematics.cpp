@@ -15,6 +15,14 @@ namespace {
 using Slopes = Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, 2>;
 using SpinMatrix = Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, 6>;
 
+// The shortest turn that takes the x axis to the unit vector e; about z where e is its opposite.
+Eigen::Matrix3d shortest_turn_of_x(const Eigen::Vector3d& e) {
+  constexpr double kOpposite = 1e-12;
+  if (e.x() < -1.0 + kOpposite) return Eigen::Vector3d(-1.0, -1.0, 1.0).asDiagonal();
+  const Eigen::Matrix3d v = cross_matrix(Eigen::Vector3d::UnitX().cross(e));
+  return Eigen::Matrix3d::Identity() + v + v * v / (1.0 + e.x());
+}
+
 // A section frame and its spin matrix A, w = A x_dot, with the directional derivative of A.
 class Frame {
  public:
@@ -79,7 +87,7 @@ class Frame {
     A_ -= t * e.cross(t).transpose() / (c * a.norm());
     const Eigen::Matrix3d v = cross_matrix(e.cross(t));
     const Eigen::Matrix3d turn = Eigen::Matrix3d::Identity() + v + v * v / c;
-    R_ = turn * Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitX(), e).toRotationMatrix();
+    R_ = turn * shortest_turn_of_x(e);
   }
 
   SpinMatrix line_rate(const Slopes& x_dot) const {

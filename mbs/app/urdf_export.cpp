@@ -16,6 +16,7 @@
 #include <stdexcept>
 
 #include "mbs/app/urdf_words.hpp"
+#include "mbs/base/math/rotation.hpp"
 #include "mbs/superelement/file.hpp"
 #include "mbs/view/body_shapes.hpp"
 
@@ -207,8 +208,7 @@ class Writer {
     Pose X;
     std::string geometry;
     if (type == "cylinder") {
-      X = {Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(), vector(shape.at("axis"))).toRotationMatrix(),
-           vector(shape.at("position"))};
+      X = {mbs::frame_along(vector(shape.at("axis"))), vector(shape.at("position"))};
       geometry = fmt::format("<cylinder radius=\"{}\" length=\"{}\"/>", shape.at("radius").get<double>(),
                              shape.at("length").get<double>());
     } else if (type == "sphere") {

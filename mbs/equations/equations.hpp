@@ -113,14 +113,7 @@ class Equations {
   /// faster.
   virtual void residuals(const State& s, ConstVectorRef v_dot, ConstVectorRef mu, Scratch& scratch,
                          VectorRef r, VectorRef c_rate, VectorRef b, VectorRef g_dot, VectorRef g,
-                         VectorRef GT_mu) const {
-    if (mu.size() > 0) {
-      apply_GT(s.t, s.p, mu, scratch, GT_mu);
-      velocity_constraints(s.t, s.p, s.v, scratch, g_dot);
-      position_constraints(s.t, s.p, scratch, g);
-    }
-    momentum(s, v_dot, scratch, r, c_rate, b);
-  }
+                         VectorRef GT_mu) const;
 
   /// The stiffness k and damping d of a coordinate that one body owns as its modal amplitude:
   /// the momentum's own row holds k p + d v, and whatever else depends on this coordinate changes slowly.
@@ -149,10 +142,7 @@ class Equations {
 
   /// Both at once.
   virtual void constraints(double t, ConstVectorRef p, ConstVectorRef v, Scratch& scratch, VectorRef g,
-                           VectorRef g_dot) const {
-    position_constraints(t, p, scratch, g);
-    velocity_constraints(t, p, v, scratch, g_dot);
-  }
+                           VectorRef g_dot) const;
 
   /// G v_dot + gamma(t, p, v) (n_lambda): the second time derivative of g.
   virtual void acceleration_constraints(double t, ConstVectorRef p, ConstVectorRef v, ConstVectorRef v_dot,
@@ -167,19 +157,7 @@ class Equations {
 
   /// Sizes of the rows of g (n_lambda). This default knows them by what the coordinates change in them alone;
   /// a row that nothing changes takes the largest of the others.
-  virtual ConstraintSizes constraint_sizes(double t, ConstVectorRef p, Scratch& scratch) const {
-    const Sizes n = sizes();
-    Eigen::MatrixXd G(n.n_lambda, n.n_v);
-    constraint_matrix(t, p, scratch, G);
-    Eigen::VectorXd scale(n.n_v);
-    for (int i = 0; i < n.n_v; ++i) scale(i) = velocity_scale(i);
-    ConstraintSizes out{G.cwiseAbs() * scale, {}, std::vector<bool>(n.n_lambda, false)};
-    const double largest = n.n_lambda > 0 ? out.size.maxCoeff() : 0.0;
-    for (double& size : out.size)
-      if (!(size > 1e-8 * largest)) size = largest > 0.0 ? largest : 1.0;
-    out.round_off = 4e-16 * out.size;
-    return out;
-  }
+  virtual ConstraintSizes constraint_sizes(double t, ConstVectorRef p, Scratch& scratch) const;
 
   /// Rows that were left out because they follow from the others: while the kept ones hold, so must they.
   virtual int n_left_out() const { return 0; }

@@ -40,7 +40,7 @@ Directions directions_at(const Joint& joint, const std::vector<double>& q, bool 
   if (S.cols() == 0) return out;
   const Eigen::CompleteOrthogonalDecomposition<MatrixXd> span(S);
   for (int k = 0; k < 3; ++k) {
-    const Vector6d e = Vector6d::Unit(k);
+    const Eigen::VectorXd e = Eigen::VectorXd::Unit(6, k);
     if ((S * span.solve(e) - e).norm() < 1e-9) out.released.push_back(k);
   }
   return out;

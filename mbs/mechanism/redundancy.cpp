@@ -139,7 +139,7 @@ Redundancy find_redundancy(const Equations& mechanism, double t, ConstVectorRef 
         closed = closed && std::abs(open(i)) <= std::max(1e-12 * sizes.size(lasting[i]), 10.0 * open_at_p);
       }
       if (closed) break;
-      const VectorXd step = decompose(rows_of(scaled_G(at))).solve(-open);
+      const VectorXd step = decompose(rows_of(scaled_G(at))).solve(VectorXd(-open));
       mechanism.retract(at, VectorXd(scale.asDiagonal() * step), next);
       at = next;
     }
@@ -161,7 +161,7 @@ Redundancy find_redundancy(const Equations& mechanism, double t, ConstVectorRef 
     if (std::ranges::binary_search(best, i)) continue;
     std::vector<int> from;
     VectorXd x;
-    if (!best.empty()) x = combine.solve(best_G.row(i).transpose());
+    if (!best.empty()) x = combine.solve(VectorXd(best_G.row(i).transpose()));
     for (std::size_t k = 0; k < best.size(); ++k)
       if (std::abs(x(k)) * G_kept.row(k).norm() > 1e-6 * best_G.row(i).norm()) from.push_back(best[k]);
     out.left_out.push_back(i);

@@ -9,6 +9,8 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "mesh/gmsh/job_text.hpp"
+
 namespace flexura::mesh {
 namespace {
 
@@ -48,8 +50,8 @@ Answer read_answer(const std::string& bytes, int nodes_per_tetrahedron) {
   if (bytes.size() - at < length) throw cut();
   Answer answer;
   try {
-    answer.record = nlohmann::json::parse(bytes.substr(at, length)).get<ResultRecord>();
-  } catch (const nlohmann::json::exception&) {
+    answer.record = read_result(bytes.substr(at, length));
+  } catch (const std::invalid_argument&) {
     throw cut();
   }
   at += length;
@@ -92,7 +94,7 @@ std::string last_error(const std::string& log) {
 
 Answer ask_worker(const fs::path& worker, const Job& job, double limit_s, const Progress& progress,
                   Allowance* allowance) {
-  const ChildOutcome outcome = run_child(find_worker(worker), nlohmann::json(job).dump(), limit_s, progress);
+  const ChildOutcome outcome = run_child(find_worker(worker), text_of(job), limit_s, progress);
   if (allowance) allowance->give_back(outcome.waited_s);
   const std::string stage = outcome.stage.empty() ? "" : " while " + outcome.stage;
   if (outcome.end == ChildEnd::out_of_time)

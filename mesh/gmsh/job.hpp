@@ -3,7 +3,6 @@
 
 #include <array>
 #include <cstdint>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -37,9 +36,6 @@ struct Job {
   /// "planar": for each region its outer loop and its holes, y and z of each corner [m].
   std::vector<std::vector<std::vector<double>>> regions;
 };
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Job, task, path, format, to_m, solids, fuse, heal, order, size, size_min,
-                                   sizes, elements_per_circle, most_triangles, most_tetrahedra,
-                                   surface_algorithm, turn, note, parent, regions)
 
 struct SolidRecord {
   int number = 0, same_as = 0;
@@ -49,19 +45,16 @@ struct SolidRecord {
   std::array<double, 9> inertia{};
   std::array<double, 6> box{};
 };
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(SolidRecord, number, same_as, name, volume, centroid, inertia, box)
 
 /// Cells of one type, or a group of nodes, in a mesh that was read.
 struct BlockRecord {
   int type = 0;  ///< CellType
   std::uint64_t n = 0;
 };
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(BlockRecord, type, n)
 struct GroupRecord {
   std::string name;
   std::uint64_t n = 0;
 };
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(GroupRecord, name, n)
 
 struct FaceRecord {
   int number = 0, solid = 0, kind = 4;
@@ -72,8 +65,6 @@ struct FaceRecord {
   std::array<double, 3> centroid{}, normal{}, axis_point{}, axis{};
   std::array<double, 6> box{};
 };
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(FaceRecord, number, solid, kind, name, area, radius, length, sweep, hole,
-                                   centroid, normal, axis_point, axis, box)
 
 /// All lengths in m.
 struct ResultRecord {
@@ -92,9 +83,6 @@ struct ResultRecord {
   std::vector<BlockRecord> blocks;
   std::vector<GroupRecord> groups;
 };
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ResultRecord, error, solids, kept, volume, area, outline, centroid, faces,
-                                   messages, size, size_min, elements_per_circle, graded, n_points,
-                                   n_tetrahedra, n_triangles, n_integers, blocks, groups)
 
 struct Arrays {
   std::vector<double> points;            ///< 3 n_points

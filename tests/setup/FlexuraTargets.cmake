@@ -59,7 +59,7 @@ find_package(PkgConfig REQUIRED)
 # Serial HDF5 on both sides, whatever flavour other packages drag in.
 pkg_check_modules(HDF5_SERIAL REQUIRED IMPORTED_TARGET hdf5-serial)
 
-# Eigen, GoogleTest and the standard library's heavier headers, read once: 1 to 2.5 s less for each file.  Sources name
+# Eigen, JSON, GoogleTest and the standard library's heavier headers, read once: 1 to 2.5 s less for each file.  Sources name
 # what they use all the same; the sanitizers' build has no precompiled headers and notices when one does not.
 # What the compiler cache asks for before it keeps objects made with precompiled headers.
 set(flexura_precompile_options $<IF:$<CXX_COMPILER_ID:GNU>,-fpch-preprocess;-Wno-ignored-attributes,SHELL:-Xclang -fno-pch-timestamp;-fpch-instantiate-templates>)
@@ -79,10 +79,10 @@ foreach(kind ${kinds})
   add_library(flexura_precompiled_${kind} OBJECT ${CMAKE_SOURCE_DIR}/tests/setup/precompiled.cpp)
   target_compile_options(flexura_precompiled_${kind} PRIVATE -Wall -Wextra ${flexura_precompile_options})
   target_link_libraries(flexura_precompiled_${kind} PRIVATE Eigen3::Eigen fmt::fmt)
-  target_precompile_headers(flexura_precompiled_${kind} PRIVATE <Eigen/Dense> <Eigen/Sparse> <algorithm> <cmath> <filesystem>
-                            <functional> <map> <memory> <numeric> <optional> <ranges> <set> <stdexcept> <string>
-                            <string_view> <variant> <vector> <fmt/format.h> <fmt/ranges.h>
-                            ${CMAKE_SOURCE_DIR}/mbs/base/math/eigen_kernels.hpp)
+  target_precompile_headers(flexura_precompiled_${kind} PRIVATE <Eigen/Dense> <Eigen/Sparse> <algorithm> <chrono> <cmath> <filesystem>
+                            <fstream> <functional> <map> <memory> <numeric> <optional> <ranges> <set> <stdexcept> <string>
+                            <string_view> <valarray> <variant> <vector> <fmt/format.h> <fmt/ranges.h> <nlohmann/json.hpp>
+                            ${CMAKE_SOURCE_DIR}/mbs/base/math/eigen_kernels.hpp ${CMAKE_SOURCE_DIR}/mbs/base/math/spatial.hpp)
 endforeach()
 if(FLEXURA_TESTS)
   target_compile_options(flexura_precompiled_test PRIVATE -O1)

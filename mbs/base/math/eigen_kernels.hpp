@@ -55,6 +55,9 @@ FLEXURA_EIGEN_KERNEL struct triangular_solve_vector<double, double, Index, OnThe
 FLEXURA_EIGEN_KERNEL struct triangular_solve_vector<double, double, Index, OnTheLeft, UnitLower, false,
                                                     ColMajor>;
 FLEXURA_EIGEN_KERNEL struct partial_lu_impl<double, ColMajor, int, Dynamic>;
+FLEXURA_EIGEN_KERNEL void
+apply_block_householder_on_the_left<Block<MatrixXd>, Block<MatrixXd>, VectorBlock<const VectorXd>>(
+    Block<MatrixXd>&, const Block<MatrixXd>&, const VectorBlock<const VectorXd>&, bool);
 }  // namespace internal
 FLEXURA_EIGEN_KERNEL class PartialPivLU<MatrixXd>;
 FLEXURA_EIGEN_KERNEL class FullPivLU<MatrixXd>;
@@ -70,4 +73,37 @@ FLEXURA_EIGEN_KERNEL SelfAdjointEigenSolver<MatrixXd>& SelfAdjointEigenSolver<Ma
     const EigenBase<MatrixXd>&, int);
 FLEXURA_EIGEN_KERNEL class GeneralizedSelfAdjointEigenSolver<MatrixXd>;
 FLEXURA_EIGEN_KERNEL class SelfAdjointEigenSolver<MatrixXd>;
+FLEXURA_EIGEN_KERNEL SelfAdjointEigenSolver<Matrix3d>& SelfAdjointEigenSolver<Matrix3d>::compute(
+    const EigenBase<Matrix3d>&, int);
+FLEXURA_EIGEN_KERNEL class BDCSVD<MatrixXd>;
+FLEXURA_EIGEN_KERNEL class JacobiSVD<MatrixXd>;
+FLEXURA_EIGEN_KERNEL RealSchur<MatrixXd>& RealSchur<MatrixXd>::compute(const EigenBase<MatrixXd>&, bool);
+FLEXURA_EIGEN_KERNEL EigenSolver<MatrixXd>& EigenSolver<MatrixXd>::compute(const EigenBase<MatrixXd>&, bool);
+FLEXURA_EIGEN_KERNEL class EigenSolver<MatrixXd>;
+FLEXURA_EIGEN_KERNEL class PartialPivLU<Matrix<double, 6, 6>>;
+FLEXURA_EIGEN_KERNEL class PartialPivLU<MatrixXcd>;
+FLEXURA_EIGEN_KERNEL class FullPivLU<MatrixXcd>;
+FLEXURA_EIGEN_KERNEL void CompleteOrthogonalDecomposition<MatrixXd>::_solve_impl(const VectorXd&,
+                                                                                 VectorXd&) const;
 }  // namespace Eigen
+
+/// What nearly every file multiplies: made into functions here, once, in place of in each of them.
+namespace flexura::precompiled {
+inline void common_products(const Eigen::MatrixXd& A, const Eigen::Matrix3Xd& B, const Eigen::Matrix3d& R,
+                            const Eigen::Map<const Eigen::VectorXd>& x, Eigen::VectorXd& y,
+                            Eigen::MatrixXd& C, Eigen::Vector3d& u) {
+  u = A * x;
+  u += B * x;
+  u = R * u + R.transpose() * u;
+  y = A * y;
+  y = A.transpose() * y;
+  y.noalias() = A * x;
+  y.noalias() += A * x;
+  C = A * C;
+  C = A.transpose() * C;
+  C.noalias() = A * C;
+  C.noalias() += A * C;
+  C.noalias() = A.transpose() * C;
+  C = 0.5 * (A + A.transpose());
+}
+}  // namespace flexura::precompiled

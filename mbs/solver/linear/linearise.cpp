@@ -326,7 +326,8 @@ std::vector<NaturalMode> natural_modes(const LinearSystem& system) {
   const Eigen::MatrixXd A = unit.cwiseInverse().asDiagonal() * system.A * unit.asDiagonal();
   const Eigen::EigenSolver<Eigen::MatrixXd> solver(A);
   // What rounding makes of the eigenvalues shows where A^T has others.
-  const Eigen::VectorXcd again = Eigen::EigenSolver<Eigen::MatrixXd>(A.transpose(), false).eigenvalues();
+  const Eigen::VectorXcd again =
+      Eigen::EigenSolver<Eigen::MatrixXd>(Eigen::MatrixXd(A.transpose()), false).eigenvalues();
   const auto n_z = static_cast<Eigen::Index>(system.independent.size());
   std::vector<NaturalMode> modes;
   for (Eigen::Index i = 0; i < system.A.rows(); ++i) {

@@ -124,7 +124,7 @@ Drift Judge::drift(const LinearSystem& system, const VectorXd& v_dot, const Vect
     Eigen::CompleteOrthogonalDecomposition<MatrixXd> decomposition(n, n);
     decomposition.setThreshold(std::max(1e-12, noise / largest));
     decomposition.compute(weighted);
-    const VectorXd y = decomposition.solve(-(U * e));
+    const VectorXd open = -(U * e), y = decomposition.solve(open);
     d = U_inverse * y;
     left = U_inverse * (weighted * y + U * e);
   }

@@ -260,7 +260,8 @@ class QuasiStaticStart {
     if (N_.cols() == 0) return;
     eq_.position_constraints(s.t, s.p, *scratch_, g_);
     const MatrixXd F = C * X.rightCols(N_.cols());
-    const VectorXd dnu = F.completeOrthogonalDecomposition().solve(N_.transpose() * g_ + C * step_);
+    const VectorXd open = N_.transpose() * g_ + C * step_,
+                   dnu = F.completeOrthogonalDecomposition().solve(open);
     step_ -= X.rightCols(N_.cols()) * dnu;
     s.lambda += N_ * dnu;
   }

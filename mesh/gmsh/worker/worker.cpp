@@ -8,7 +8,7 @@
 #include <new>
 #include <stdexcept>
 
-#include "mesh/gmsh/job.hpp"
+#include "mesh/gmsh/job_text.hpp"
 #include "mesh/gmsh/worker/read_mesh.hpp"
 #include "mesh/gmsh/worker/worker_curves.hpp"
 #include "mesh/gmsh/worker/worker_picture.hpp"
@@ -98,7 +98,7 @@ void write_array(const std::vector<T>& values) {
 
 int work() {
   const std::string text{std::istreambuf_iterator<char>(std::cin), {}};
-  const Job job = nlohmann::json::parse(text).get<Job>();
+  const Job job = read_job(text);
   if (!start_worker(job.parent)) return 1;
   ResultRecord result;
   Arrays arrays;
@@ -124,8 +124,7 @@ int work() {
   result.n_tetrahedra = arrays.tetrahedra.size() / (job.order == 2 ? 10 : 4);
   result.n_triangles = arrays.face.size();
   result.n_integers = arrays.integers.size();
-  const std::string head =
-      nlohmann::json(result).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  const std::string head = text_of(result);
   const std::uint64_t length = head.size();
   write_all(&length, sizeof length);
   write_all(head.data(), head.size());
