@@ -92,7 +92,9 @@ class Check {
       if (rows == 0 && interface.follow.size() == 0) continue;
       sized_and_finite(("follow of " + interface.name).c_str(), interface.follow, rows, se_.n());
       std::set<Direction> seen(interface.directions.begin(), interface.directions.end());
-      Interface whole{.name = interface.name, .p_BoN_B = interface.p_BoN_B};
+      Interface whole;
+      whole.name = interface.name;
+      whole.p_BoN_B = interface.p_BoN_B;
       for (const Direction d : interface.following) {
         if (static_cast<int>(d) > 5 || !seen.insert(d).second)
           refuse(fmt::format("a direction of interface \"{}\" is given twice", interface.name));
