@@ -88,6 +88,9 @@ class Site:
                 fence = None if fence else mark.group(1)
             elif fence is None and not line.startswith("    "):
                 code = re.split(r"(`[^`]*`)", line)  # links in code spans are no links
+                if line.startswith("|"):  # mkdocs shows in code what GitHub takes for an escape
+                    code[1::2] = [part.replace("\\|", "|") for part in code[1::2]]
+                    line = "".join(code)
                 if not any("](" in part for part in code[1::2]):
                     line = LINK.sub(lambda m: self.link(page, m[1], m[2], m[3]) or m[0], line)
                 if page.startswith(NAMED_IN):

@@ -190,7 +190,7 @@ export class PlotCard {
       const value = c.run.valueAt(c.name, t);
       const base = this.differing ? this.curves.find((other) => other.name === c.name)!.run.valueAt(c.name, t) : 0;
       const v = value === null || base === null ? null : value - base;
-      const mark = h('i', { style: `--color: var(--run${c.run.number % 6}); --width: ${c.width}px;${dashed(c.dash)}` });
+      const mark = h('i', { style: `--color: var(--run${c.run.number % 6}); --width: ${Math.max(2, c.width)}px;${dashed(c.dash)}` });
       const several = new Set(this.curves.map((other) => other.run)).size > 1;
       const label = this.names.length === 1 ? c.run.header.name : several ? `${c.run.header.name}: ${c.name}` : c.name;
       return h('div', {}, h('dt', {}, mark, label), h('dd', {}, v === null ? '…' : figure(Math.abs(v) < roundOff * this.largest ? 0 : v, 5)));
