@@ -110,7 +110,8 @@ view::ReportPlot front_plot(const StudyFile& study, const Judgement& judgement) 
     curve.y.push_back(100.0 * row->error.against_reference);
     curve.labels.push_back(row->choice->name);
   }
-  plot.curves = {std::move(front), std::move(others)};
+  plot.curves = {std::move(front)};
+  if (!others.x.empty()) plot.curves.push_back(std::move(others));
   if (!chosen.x.empty()) plot.curves.push_back(std::move(chosen));
   return plot;
 }
@@ -156,6 +157,10 @@ view::Report report_of(const StudyFile& study, const Judgement& judgement) {
     std::vector<view::ReportCell> line = {row.choice->name};
     for (const study::ErrorOf& e : row.errors) line.emplace_back(100.0 * e.against_reference);
     errors.rows.push_back(std::move(line));
+  }
+  if (!has_parts(study)) {  // nothing is reduced
+    table.columns.pop_back();
+    for (auto& line : table.rows) line.pop_back();
   }
   front.add(std::move(table)).add(std::move(errors));
   return report;
