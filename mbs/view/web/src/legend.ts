@@ -46,7 +46,9 @@ export class Legend {
     g.fillStyle = cssColor('--ink') || '#000';
     g.textBaseline = 'middle';
     g.font = `600 ${12 * scale}px system-ui, sans-serif`;
-    g.fillText(this.content.title, x, y - 16 * scale);
+    g.textAlign = 'right'; // long titles go to the left, over the scale
+    g.fillText(this.content.title, width - 22 * scale, y - 16 * scale);
+    g.textAlign = 'left';
     g.font = `${12 * scale}px system-ui, sans-serif`;
     this.ticks().forEach((t, i) => g.fillText(t, x + bar + 8 * scale, y + (height * i) / 4));
     g.font = `${11 * scale}px system-ui, sans-serif`;
