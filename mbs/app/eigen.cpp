@@ -110,7 +110,7 @@ mbs::StaticStiffness unloaded_stiffness(const PreparedMechanism& p, const mbs::S
   s.t = start.t;
   s.p = start.p;
   s.v.setZero();
-  unloaded.drop_redundant(s.t, s.p);
+  unloaded.drop_redundant(s, s.p);
   s.lambda = Eigen::VectorXd::Zero(unloaded.sizes().n_lambda);
   try {
     mbs::solve_statics(unloaded, s);

@@ -18,6 +18,37 @@ namespace flexura::mbs {
 /// What is open where a row's g is not 0: so much of a coordinate that it binds, or of none of these.
 enum class GapKind { length, angle, coordinate, other };
 
+/// What a drive prescribes.
+enum class DriveLevel { position, speed, acceleration };
+
+/// A motion that is prescribed by a formula: of time alone, or of signals (a control's states), which the mechanism then
+/// evaluates and leaves in Kinematics::own.
+class Prescribed {
+ public:
+  Prescribed(std::shared_ptr<const Expression> formula)
+      : formula_(std::move(formula)) {}  // NOLINT: it is one
+  /// Nothing is prescribed.
+  Prescribed(std::nullptr_t = nullptr) {}  // NOLINT
+  explicit operator bool() const { return formula_ != nullptr; }
+  bool follows() const { return formula_ && !formula_->reads().empty(); }
+  /// What it prescribes may change with time.
+  bool moves() const { return formula_ && (formula_->reads_time() || follows()); }
+  Jet at(const Kinematics& kin) const {
+    return follows() ? *kin.own.followed : formula_->time_derivatives(kin.t);
+  }
+  const std::shared_ptr<const Expression>& formula() const { return formula_; }
+
+ private:
+  std::shared_ptr<const Expression> formula_;
+};
+
+/// The formula of signals that rows follow, and on which level: its first derivative by time is needed for a speed, the
+/// second for a position.
+struct Following {
+  const Expression* formula = nullptr;  ///< null: nothing is followed
+  DriveLevel level = DriveLevel::position;
+};
+
 class Constraint {
  public:
   explicit Constraint(std::string name) : name_(std::move(name)) {}
@@ -54,6 +85,11 @@ class Constraint {
   /// g_t: what makes a moving constraint do work.
   virtual void rate(const Kinematics& /*kin*/, double* g_t) const {
     for (int i = 0; i < n_rows(); ++i) g_t[i] = 0.0;
+  }
+  virtual Following following() const { return {}; }
+  /// Where it follows a formula y: the derivatives of g by y, and of g' by y and y', one for each row.
+  virtual void by_followed(const Kinematics& /*kin*/, double* g_y, double* h_y, double* h_y_dot) const {
+    for (int i = 0; i < n_rows(); ++i) g_y[i] = h_y[i] = h_y_dot[i] = 0.0;
   }
   /// A contact that travels along a curve: its parameter is an algebraic state on position level.
   virtual bool has_contact() const { return false; }
@@ -119,21 +155,21 @@ class RelativeConstraint final : public Constraint {
   Exerts exerts_;
 };
 
-/// What a drive prescribes.
-enum class DriveLevel { position, speed, acceleration };
-
 /// A driven joint, on one of three levels.  Its multiplier is minus the drive's force or torque.
 ///
 ///     position       q = f(t)
 ///     speed          v = f(t): one integration's drift is that of q, since nothing says where q should be
 ///     acceleration   v = v_0 + integral of f from t = 0 on, by adaptive Gauss-Kronrod quadrature to 1e-12
+///
+/// f may be a formula of signals on the first two levels; its acceleration is then that of a dynamic state v.
 class DriveConstraint final : public Constraint {
  public:
-  /// `motion` may hold t and parameters only; its derivatives are exact (Expression::derivatives).
   DriveConstraint(std::string name, CoordinateRef coordinate, std::shared_ptr<const Expression> motion,
                   DriveLevel level = DriveLevel::position, double start_speed = 0.0);
   bool is_holonomic(int) const override { return level_ == DriveLevel::position; }
-  bool reads_time(int) const override { return motion_->reads_time(); }
+  bool reads_time(int) const override { return motion_.moves(); }
+  Following following() const override;
+  void by_followed(const Kinematics& kin, double* g_y, double* h_y, double* h_y_dot) const override;
   int n_rows() const override { return 1; }
   std::string row_name(int) const override { return "drive"; }
   void position(const Kinematics& kin, double* g) const override;
@@ -146,11 +182,11 @@ class DriveConstraint final : public Constraint {
   CoordinateRef coordinate() const { return coordinate_; }
 
  private:
-  double wanted_speed(double t) const;
-  double wanted_acceleration(double t) const;
+  double wanted_speed(const Kinematics& kin) const;
+  double wanted_acceleration(const Kinematics& kin) const;
 
   CoordinateRef coordinate_;
-  std::shared_ptr<const Expression> motion_;
+  Prescribed motion_;
   DriveLevel level_;
   double start_speed_;
 };

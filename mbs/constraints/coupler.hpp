@@ -23,7 +23,14 @@ class Coupler final : public Constraint, public HasRobotWords {
       : Constraint(std::move(name)), terms_(std::move(terms)), value_(std::move(value)) {}
   int n_rows() const override { return 1; }
   std::string row_name(int) const override { return "ratio"; }
-  bool reads_time(int) const override { return value_->reads_time(); }
+  bool reads_time(int) const override { return value_.moves(); }
+  Following following() const override {
+    return value_.follows() ? Following{value_.formula().get(), DriveLevel::position} : Following{};
+  }
+  void by_followed(const Kinematics&, double* g_y, double* h_y, double* h_y_dot) const override {
+    g_y[0] = h_y_dot[0] = -1.0;
+    h_y[0] = 0.0;
+  }
   std::vector<CoordinateRef> coordinates() const override {
     std::vector<CoordinateRef> list;
     for (const Term& term : terms_) list.push_back(term.coordinate);
@@ -32,25 +39,24 @@ class Coupler final : public Constraint, public HasRobotWords {
 
   /// The first coordinate by the second, where there are two and nothing depends on time.
   std::optional<MimicWords> mimic_words() const override {
-    if (terms_.size() != 2 || terms_[0].factor == 0.0 || value_->reads_time() || !value_->reads().empty())
-      return std::nullopt;
+    if (terms_.size() != 2 || terms_[0].factor == 0.0 || value_.moves()) return std::nullopt;
     const double no_signal = 0.0;
     return MimicWords{.coordinate = terms_[0].coordinate,
                       .of = terms_[1].coordinate,
                       .multiplier = -terms_[1].factor / terms_[0].factor,
-                      .offset = value_->evaluate(&no_signal) / terms_[0].factor};
+                      .offset = value_.formula()->evaluate(&no_signal) / terms_[0].factor};
   }
 
   void position(const Kinematics& kin, double* g) const override {
-    g[0] = -value_->time_derivatives(kin.t).value;
+    g[0] = -value_.at(kin).value;
     for (const Term& term : terms_) g[0] += term.factor * kin.coordinate(term.coordinate);
   }
   void velocity(const Kinematics& kin, double* g_dot) const override {
-    g_dot[0] = -value_->time_derivatives(kin.t).first;
+    g_dot[0] = -value_.at(kin).first;
     for (const Term& term : terms_) g_dot[0] += term.factor * kin.speed(term.coordinate);
   }
   void acceleration(const Kinematics& kin, double* g_ddot) const override {
-    g_ddot[0] = -value_->time_derivatives(kin.t).second;
+    g_ddot[0] = -value_.at(kin).second;
     for (const Term& term : terms_) g_ddot[0] += term.factor * kin.acceleration(term.coordinate);
   }
   void apply_GT(const Kinematics&, const double* x, Loads& loads) const override {
@@ -62,9 +68,7 @@ class Coupler final : public Constraint, public HasRobotWords {
     d.rows();
     for (const Term& term : terms_) d.by_speed(term.coordinate, term.factor);
   }
-  void rate(const Kinematics& kin, double* g_t) const override {
-    g_t[0] = -value_->time_derivatives(kin.t).first;
-  }
+  void rate(const Kinematics& kin, double* g_t) const override { g_t[0] = -value_.at(kin).first; }
   std::vector<OutputInfo> outputs() const override {
     std::vector<OutputInfo> infos;
     for (const Term& term : terms_) {
@@ -81,7 +85,7 @@ class Coupler final : public Constraint, public HasRobotWords {
 
  private:
   std::vector<Term> terms_;
-  std::shared_ptr<const Expression> value_;
+  Prescribed value_;
 };
 
 }  // namespace flexura::mbs

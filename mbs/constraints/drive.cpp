@@ -30,22 +30,33 @@ DriveConstraint::DriveConstraint(std::string name, CoordinateRef coordinate,
       level_(level),
       start_speed_(start_speed) {}
 
-double DriveConstraint::wanted_speed(double t) const {
-  if (level_ == DriveLevel::position) return motion_->time_derivatives(t).first;
-  if (level_ == DriveLevel::speed) return motion_->evaluate(&t);
-  return start_speed_ + static_cast<const Acceleration&>(*motion_).gained_speed(t);
+double DriveConstraint::wanted_speed(const Kinematics& kin) const {
+  if (level_ == DriveLevel::position) return motion_.at(kin).first;
+  if (level_ == DriveLevel::speed)
+    return motion_.follows() ? motion_.at(kin).value : motion_.formula()->evaluate(&kin.t);
+  return start_speed_ + static_cast<const Acceleration&>(*motion_.formula()).gained_speed(kin.t);
 }
 
-double DriveConstraint::wanted_acceleration(double t) const {
-  if (level_ == DriveLevel::acceleration) return motion_->evaluate(&t);
-  const Jet f = motion_->time_derivatives(t);
+double DriveConstraint::wanted_acceleration(const Kinematics& kin) const {
+  if (level_ == DriveLevel::acceleration) return motion_.formula()->evaluate(&kin.t);
+  const Jet f = motion_.at(kin);
   return level_ == DriveLevel::position ? f.second : f.first;
+}
+
+Following DriveConstraint::following() const {
+  return motion_.follows() ? Following{motion_.formula().get(), level_} : Following{};
+}
+
+void DriveConstraint::by_followed(const Kinematics&, double* g_y, double* h_y, double* h_y_dot) const {
+  const bool of_position = level_ == DriveLevel::position;
+  g_y[0] = h_y_dot[0] = of_position ? -1.0 : 0.0;
+  h_y[0] = of_position ? 0.0 : -1.0;
 }
 
 void DriveConstraint::position(const Kinematics& kin, double* g) const {
   g[0] = 0.0;
   if (level_ != DriveLevel::position) return;
-  g[0] = kin.coordinate(coordinate_) - motion_->time_derivatives(kin.t).value;
+  g[0] = kin.coordinate(coordinate_) - motion_.at(kin).value;
   const JointPlace& place = (*kin.joints)[static_cast<std::size_t>(coordinate_.joint)];
   // Of a joint that closes a loop the frames tell the angle but for whole turns.
   if (!place.in_tree() && place.joint->coordinates()[coordinate_.index].dimension == input::dim::angle)
@@ -53,11 +64,11 @@ void DriveConstraint::position(const Kinematics& kin, double* g) const {
 }
 
 void DriveConstraint::velocity(const Kinematics& kin, double* g_dot) const {
-  g_dot[0] = kin.speed(coordinate_) - wanted_speed(kin.t);
+  g_dot[0] = kin.speed(coordinate_) - wanted_speed(kin);
 }
 
 void DriveConstraint::acceleration(const Kinematics& kin, double* g_ddot) const {
-  g_ddot[0] = kin.acceleration(coordinate_) - wanted_acceleration(kin.t);
+  g_ddot[0] = kin.acceleration(coordinate_) - wanted_acceleration(kin);
 }
 
 void DriveConstraint::apply_GT(const Kinematics&, const double* x, Loads& loads) const {
@@ -71,7 +82,7 @@ void DriveConstraint::differentiate(const Kinematics&, const double* x, Derivati
 }
 
 void DriveConstraint::rate(const Kinematics& kin, double* g_t) const {
-  g_t[0] = -wanted_speed(kin.t);
+  g_t[0] = -wanted_speed(kin);
 }
 
 }  // namespace flexura::mbs

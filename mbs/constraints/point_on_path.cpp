@@ -19,7 +19,7 @@ using path_rows::Vectors;
 /// All rows at one state.
 struct PointOnPath::Instant {
   Instant(const PointOnPath& c, const Kinematics& kin, Level level)
-      : given(c.law_.place != nullptr),
+      : given(static_cast<bool>(c.law_.place)),
         s(c.place(kin)),
         x(path_rows::see(*c.path_, kin, c.marker_M_, s.value, level)) {
     foot = path_rows::row(x, x.tangent, x.to_point);
@@ -88,7 +88,7 @@ std::vector<int> PointOnPath::markers() const {
 }
 
 Jet PointOnPath::place(const Kinematics& kin) const {
-  if (law_.place) return law_.place->time_derivatives(kin.t);
+  if (law_.place) return law_.place.at(kin);
   double* const contact = kin.own.contact;
   const bool known = contact && std::isfinite(*contact);
   const double s = path_->foot(kin, kin.markers[marker_M_].X_WP.p, known ? *contact : law_.near);
@@ -122,6 +122,14 @@ void PointOnPath::rate(const Kinematics& kin, double* g_t) const {
   if (!law_.place) return;
   const Instant now(*this, kin, Level::position);
   for (int i = 0; i < now.n; ++i) g_t[i] = now.rows[i].h_s * now.s.first;
+}
+
+void PointOnPath::by_followed(const Kinematics& kin, double* g_y, double* h_y, double* h_y_dot) const {
+  const Instant now(*this, kin, Level::velocity);
+  for (int i = 0; i < now.n; ++i) {
+    g_y[i] = h_y_dot[i] = now.rows[i].h_s;
+    h_y[i] = now.rows[i].h_st + now.rows[i].h_ss * now.s.first;
+  }
 }
 
 void PointOnPath::apply_GT(const Kinematics& kin, const double* x, Loads& loads) const {

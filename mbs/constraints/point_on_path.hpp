@@ -21,8 +21,8 @@ namespace flexura::mbs {
 ///     0 = tau . y_M,    0 = tau . z_M                                  along:  the x axis of M keeps along the path
 ///     0 = e_side . z_M                                                 fixed:  nor does M turn about it
 ///
-/// The place s is a function of positions, the foot of P on the line, 0 = tau . d, or a given function of time, for
-/// which one row more, "along", holds d.
+/// The place s is a function of positions, the foot of P on the line, 0 = tau . d, or given by a formula of time or of
+/// controls, for which one row more, "along", holds d.
 ///
 /// Every row, and that of the foot, is h = a . b of two sums of vectors y_j that markers carry, a = sum a_j(s) y_j and
 /// b alike.  With h_s, h_t the derivatives by s at the vectors' places and by time at a fixed s,
@@ -38,8 +38,8 @@ class PointOnPath final : public Constraint, public HasPicture {
  public:
   struct Law {
     PathOrientation orientation = PathOrientation::free;
-    std::shared_ptr<const Expression> place = nullptr;  ///< s as a formula of time; null: s is free
-    bool goes_on = false;                               ///< straight beyond the ends, where a run else stops
+    Prescribed place = {};  ///< s; without it free
+    bool goes_on = false;   ///< straight beyond the ends, where a run else stops
     double near =
         std::numeric_limits<double>::quiet_NaN();  ///< where s starts, of a line that comes near itself
   };
@@ -47,14 +47,19 @@ class PointOnPath final : public Constraint, public HasPicture {
 
   int n_rows() const override;
   std::string row_name(int i) const override;
-  bool reads_time(int) const override { return law_.place && law_.place->reads_time(); }
+  bool reads_time(int) const override { return law_.place.moves(); }
+  Following following() const override {
+    return law_.place.follows() ? Following{law_.place.formula().get(), DriveLevel::position} : Following{};
+  }
+  void by_followed(const Kinematics& kin, double* g_y, double* h_y, double* h_y_dot) const override;
   std::vector<int> markers() const override;
   const BodyPath* drawn_path() const override { return path_.get(); }
   void position(const Kinematics& kin, double* g) const override;
   void velocity(const Kinematics& kin, double* g_dot) const override;
   void acceleration(const Kinematics& kin, double* g_ddot) const override;
   void apply_GT(const Kinematics& kin, const double* x, Loads& loads) const override;
-  bool has_derivatives() const override { return true; }
+  /// What a place that follows signals does to the loads is differenced.
+  bool has_derivatives() const override { return !law_.place.follows(); }
   void differentiate(const Kinematics& kin, const double* x, Derivatives& d) const override;
   void differentiate_contact(const Kinematics& kin, double a, Derivatives& d) const override;
   void rate(const Kinematics& kin, double* g_t) const override;

@@ -35,6 +35,9 @@ class Control {
   virtual double output(const double* signals, const double* c) const = 0;
   virtual bool feeds_through() const { return false; }
   virtual std::vector<int> reads() const = 0;  ///< signals
+  /// How many times the output must be differentiated for what the control reads to appear: the poles that its transfer
+  /// has more than zeros.
+  virtual int relative_degree() const { return feeds_through() ? 0 : 1; }
   /// Of rates().
   virtual void differentiate_rates(const double* /*signals*/, const double* /*c*/, Derivatives& /*d*/) const {
   }

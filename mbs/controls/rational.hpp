@@ -48,6 +48,11 @@ class Rational : public Control {
     for (std::size_t i = 0; i < b_.size(); ++i) d.by_state(static_cast<int>(i), b_[i]);
   }
   std::vector<int> reads() const override { return input_->reads(); }
+  int relative_degree() const override {
+    int highest = static_cast<int>(b_.size()) - 1;
+    while (highest > 0 && b_[static_cast<std::size_t>(highest)] == 0.0) --highest;
+    return n_states() - highest;
+  }
 
  protected:
   double b_0() const { return b_[0]; }

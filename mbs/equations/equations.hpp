@@ -16,8 +16,11 @@ class TimeFunction;
 ///     p' = T(p) v                                    kinematic
 ///     M(p) v' = f(p, v, c, a, t) - G(p)^T lambda      momentum
 ///     c' = f_c(p, v, c, a, t)                        dynamic states
-///     0  = g(p, t)                                   constraints, G = dg/dp T,  dg/dt = G v + g_t
-///     0  = b(p, v, c, a, t)                          algebraic states
+///     0  = g(p, c, t)                                constraints, G = dg/dp T,  dg/dt = G v + g_t
+///     0  = b(p, v, c, a, t, v', lambda)              algebraic states
+///
+/// Rows that follow dynamic states have g_c c' and what follows from it in g_t; their reactions do not act on the
+/// controls, so that G^T lambda stays that of g at fixed c.
 ///
 /// p holds joint and modal positions (in tree order of the bodies; a rotation of three freedoms takes four
 /// numbers), v their velocities.  A rotation is read from its quaternion after normalisation, so the norm is
@@ -51,6 +54,15 @@ struct State {
   Eigen::VectorXd u;  ///< added to the inputs' own values (n_inputs), for linearisation; empty: nothing
 };
 
+/// The time of constraint rows.  Rows that follow dynamic states (a joint driven by a control) also take c, a, the
+/// switches and inputs of the state; its p and v are not looked at.
+struct When {
+  When(double time) : t(time) {}                       // NOLINT: a time is all that most rows ask for
+  When(const State& state) : t(state.t), s(&state) {}  // NOLINT
+  double t;
+  const State* s = nullptr;
+};
+
 /// Energies [J] and powers [W] at one state; their balance is
 ///     kinetic + strain + potential = start + integral (input_power - dissipated_power) dt.
 struct EnergyReport {
@@ -74,9 +86,14 @@ struct ConstraintSizes {
 struct TangentMatrices {
   Eigen::MatrixXd z_p, z_v, z_c, z_a;  ///< dz/dp, dz/dv, dz/dc, dz/da
   Eigen::MatrixXd h_p;                 ///< d(G v + g_t)/dp
+  /// dg/dc and d(G v + g_t)/dc (n_lambda x n_dyn), both empty where no row follows dynamic states.
+  Eigen::MatrixXd g_c, h_c;
   /// dc_rate/dv_dot (n_dyn x n_v) and dc_rate/dlambda (n_dyn x n_lambda), of dynamic states that answer to
   /// accelerations and reactions (one-way deformation); both empty where none does.
   Eigen::MatrixXd c_v_dot, c_lambda;
+  /// db/dv_dot (n_alg x n_v) and db/dlambda (n_alg x n_lambda), of algebraic states that are accelerations or reactions;
+  /// both empty where none is.
+  Eigen::MatrixXd b_v_dot, b_lambda;
 };
 
 /// What derivatives are taken for.
@@ -134,38 +151,43 @@ class Equations {
   }
 
   /// g (n_lambda), constraints on position level; nonholonomic rows give 0.
-  virtual void position_constraints(double t, ConstVectorRef p, Scratch& scratch, VectorRef g) const = 0;
+  virtual void position_constraints(When when, ConstVectorRef p, Scratch& scratch, VectorRef g) const = 0;
 
   /// G v + g_t (n_lambda).
-  virtual void velocity_constraints(double t, ConstVectorRef p, ConstVectorRef v, Scratch& scratch,
+  virtual void velocity_constraints(When when, ConstVectorRef p, ConstVectorRef v, Scratch& scratch,
                                     VectorRef g_dot) const = 0;
 
   /// Both at once.
-  virtual void constraints(double t, ConstVectorRef p, ConstVectorRef v, Scratch& scratch, VectorRef g,
+  virtual void constraints(When when, ConstVectorRef p, ConstVectorRef v, Scratch& scratch, VectorRef g,
                            VectorRef g_dot) const;
 
+  /// True where rows follow dynamic states.
+  virtual bool follows_states() const { return false; }
+  /// True where b depends on v_dot or lambda: accelerations, reactions and algebraic states are then solved for together.
+  virtual bool algebraic_is_coupled() const { return false; }
+
   /// G v_dot + gamma(t, p, v) (n_lambda): the second time derivative of g.
-  virtual void acceleration_constraints(double t, ConstVectorRef p, ConstVectorRef v, ConstVectorRef v_dot,
+  virtual void acceleration_constraints(When when, ConstVectorRef p, ConstVectorRef v, ConstVectorRef v_dot,
                                         Scratch& scratch, VectorRef g_ddot) const = 0;
 
   /// f_c = G(p)^T x (n_v) for any x (n_lambda), in O(n).
-  virtual void apply_GT(double t, ConstVectorRef p, ConstVectorRef x, Scratch& scratch,
+  virtual void apply_GT(When when, ConstVectorRef p, ConstVectorRef x, Scratch& scratch,
                         VectorRef f_c) const = 0;
 
   /// G (n_lambda x n_v), dense.
-  virtual void constraint_matrix(double t, ConstVectorRef p, Scratch& scratch, MatrixRef G) const = 0;
+  virtual void constraint_matrix(When when, ConstVectorRef p, Scratch& scratch, MatrixRef G) const = 0;
 
   /// Sizes of the rows of g (n_lambda). This default knows them by what the coordinates change in them alone;
   /// a row that nothing changes takes the largest of the others.
-  virtual ConstraintSizes constraint_sizes(double t, ConstVectorRef p, Scratch& scratch) const;
+  virtual ConstraintSizes constraint_sizes(When when, ConstVectorRef p, Scratch& scratch) const;
 
   /// Rows that were left out because they follow from the others: while the kept ones hold, so must they.
   virtual int n_left_out() const { return 0; }
   /// Their g, G v + g_t and, unless v_dot is empty, G v_dot + gamma (n_left_out each).
-  virtual void left_out_constraints(double /*t*/, ConstVectorRef /*p*/, ConstVectorRef /*v*/,
+  virtual void left_out_constraints(When /*when*/, ConstVectorRef /*p*/, ConstVectorRef /*v*/,
                                     ConstVectorRef /*v_dot*/, Scratch& /*scratch*/, VectorRef /*g*/,
                                     VectorRef /*g_dot*/, VectorRef /*g_ddot*/) const {}
-  virtual ConstraintSizes left_out_sizes(double /*t*/, ConstVectorRef /*p*/, Scratch& /*scratch*/) const {
+  virtual ConstraintSizes left_out_sizes(When /*when*/, ConstVectorRef /*p*/, Scratch& /*scratch*/) const {
     return {};
   }
   /// The row itself, then those that it followed from when it was left out.

@@ -128,7 +128,14 @@ TableSchema joint_schema(bool is_connection) {
                      "with these in position, speed and acceleration, drives included, and are "
                      "watched during the run: what contradicts ends it with the names of the rows "
                      "and the time. Loops are closed to 1e-9 of the mechanism's size; parts that do "
-                     "not fit by up to 1e-6 of it are taken as they are, with a note.";
+                     "not fit by up to 1e-6 of it are taken as they are, with a note.\n\nDrives may "
+                     "follow controls. A position follows t, inputs and the states of controls (state, "
+                     "filter, transfer_function, delay), what they read in their rates being positions, "
+                     "states and time; a speed follows positions and every control as well, also one that "
+                     "jumps (sample, relay: the speed then jumps with it); an acceleration follows whatever "
+                     "formulas of forces may read, reactions too. What is not known in time is refused, with "
+                     "the control that helps. The drive is ideal: its force (NAME.drive_force) is what the "
+                     "motion takes, and does not act on the control unless this reads it.";
   schema.selector = "type";
   schema.keys = {text("from", "marker F on the first body, \"body.marker\"").required(),
                  text("to", "marker M on the second body").required()};
@@ -152,16 +159,18 @@ TableSchema joint_schema(bool is_connection) {
       variant.keys.push_back(quantity(c.name, c.dimension, "speed at the start"));
     if (joint->n_p() == joint->n_v() && !is_connection) {
       for (const CoordinateInfo& c : coordinates) {
-        Key drive = expression(joint->n_v() == 1 ? "drive" : "drive_" + c.name,
-                               "drives the coordinate \"" + c.name + "\": a formula of t and parameters");
+        Key drive = expression(
+            joint->n_v() == 1 ? "drive" : "drive_" + c.name,
+            "drives the coordinate \"" + c.name + "\": a formula of t, parameters and states of controls");
         drive.dimension = c.dimension;
         variant.keys.push_back(std::move(drive));
       }
       for (const auto& [infos, what] :
            {std::pair(speeds, "speed"), std::pair(joint->accelerations(), "acceleration")})
         for (const CoordinateInfo& c : infos) {
-          Key drive = expression("drive_" + c.name,
-                                 fmt::format("drives this {} instead: a formula of t and parameters", what));
+          Key drive =
+              expression("drive_" + c.name,
+                         fmt::format("drives this {} instead: a formula of t, parameters and signals", what));
           drive.dimension = c.dimension;
           variant.keys.push_back(std::move(drive));
         }

@@ -15,15 +15,25 @@ using input::Section;
 
 namespace {
 
-void read_rate_drives(const Section& s, const ReadContext& context, JointDescription& joint) {
-  const auto speeds = joint.joint->speeds(), accelerations = joint.joint->accelerations();
+bool can_be_driven(const JointDescription& joint) {
+  return !joint.is_connection && joint.joint->n_p() == joint.joint->n_v();
+}
+
+std::string drive_key(const std::vector<CoordinateInfo>& coordinates, std::size_t i) {
+  return coordinates.size() == 1 ? "drive" : "drive_" + coordinates[i].name;
+}
+
+void refuse_contradicting_drives(const Section& s, const JointDescription& joint) {
+  if (!can_be_driven(joint)) return;
+  const auto coordinates = joint.joint->coordinates(), speeds = joint.joint->speeds(),
+             accelerations = joint.joint->accelerations();
   for (std::size_t i = 0; i < speeds.size(); ++i) {
-    const int k = static_cast<int>(i);
-    const std::string by_speed = "drive_" + speeds[i].name,
+    const std::string drive = drive_key(coordinates, i), by_speed = "drive_" + speeds[i].name,
                       by_acceleration = "drive_" + accelerations[i].name;
-    if (s.has(by_speed)) joint.speed_drives[k] = context.time_expression(s, by_speed);
-    if (s.has(by_acceleration)) joint.acceleration_drives[k] = context.time_expression(s, by_acceleration);
-    if (joint.drives.contains(k) + s.has(by_speed) + s.has(by_acceleration) > 1)
+    if (s.has(drive))
+      for (const std::string& key : {coordinates[i].name, speeds[i].name})
+        if (s.has(key)) s.refuse(key, "the coordinate is driven", "take this key away");
+    if (s.has(drive) + s.has(by_speed) + s.has(by_acceleration) > 1)
       s.refuse(s.has(by_acceleration) ? by_acceleration : by_speed, "the coordinate is driven twice",
                "keep one of the drives");
     if (s.has(by_speed) && s.has(speeds[i].name))
@@ -57,24 +67,28 @@ void read_user_joint(const Section& s, const ReadContext& context, JointDescript
   for (const auto& [k, formula] : by_name(s, "start_speed", speeds))
     joint.initial_speeds[k] = context.number_of(s, "start_speed", formula);
   std::set<int> driven;
-  const auto drives = [&](const char* key, const std::vector<CoordinateInfo>& infos, auto& list) {
-    for (const auto& [k, formula] : by_name(s, key, infos)) {
+  for (const auto& [key, infos] : {std::pair("drive", &coordinates), std::pair("drive_speed", &speeds),
+                                   std::pair("drive_acceleration", &accelerations)})
+    for (const auto& [k, formula] : by_name(s, key, *infos)) {
       if (type.n_p() != type.n_v())
         s.refuse(key, "the joint has more coordinates than speeds", "drive it by a force or a constraint");
       if (!driven.insert(k).second) s.refuse(key, "the coordinate is driven twice", "keep one of the drives");
-      list[k] = context.time_expression_of(s, key, formula);
+      const bool of_position = std::string_view(key) == "drive";
+      if (joint.initial_coordinates.contains(k) && of_position)
+        s.refuse("start", "the coordinate is driven", "take it away");
+      if (joint.initial_speeds.contains(k) && std::string_view(key) != "drive_acceleration")
+        s.refuse("start_speed", "the speed is driven", "take it away");
     }
-  };
-  drives("drive", coordinates, joint.drives);
-  drives("drive_speed", speeds, joint.speed_drives);
-  drives("drive_acceleration", accelerations, joint.acceleration_drives);
-  for (const int k : driven) {
-    const bool rate_only = !joint.drives.contains(k);
-    if (joint.initial_coordinates.contains(k) && !rate_only)
-      s.refuse("start", "the coordinate is driven", "take it away");
-    if (joint.initial_speeds.contains(k) && !joint.acceleration_drives.contains(k))
-      s.refuse("start_speed", "the speed is driven", "take it away");
-  }
+}
+
+/// The speed that an acceleration of signals makes: a state of its own, "JOINT.driven_SPEED" in formulas.
+std::shared_ptr<const Expression> speed_by_state(const Section& s, const std::string& key,
+                                                 const ReadContext& context, const JointDescription& joint,
+                                                 int k, std::shared_ptr<const Expression> acceleration) {
+  const auto given = joint.initial_speeds.find(k);
+  return context.state_expression(
+      s, key, joint.name + ".driven_" + joint.joint->speeds()[static_cast<std::size_t>(k)].name,
+      std::move(acceleration), given == joint.initial_speeds.end() ? 0.0 : given->second);
 }
 
 }  // namespace
@@ -106,17 +120,42 @@ JointDescription read_joint(const std::string& name, const Section& s, const Rea
   for (std::size_t i = 0; i < coordinates.size(); ++i) {
     const int k = static_cast<int>(i);
     if (s.has(coordinates[i].name)) joint.initial_coordinates[k] = s.quantity(coordinates[i].name);
-    if (is_connection || joint.joint->n_p() != joint.joint->n_v()) continue;
-    const std::string drive = coordinates.size() == 1 ? "drive" : "drive_" + coordinates[i].name;
-    if (!s.has(drive)) continue;
-    joint.drives[k] = context.time_expression(s, drive);
-    for (const std::string& key : {coordinates[i].name, speeds[i].name})
-      if (s.has(key)) s.refuse(key, "the coordinate is driven", "take this key away");
   }
-  if (!is_connection && joint.joint->n_p() == joint.joint->n_v()) read_rate_drives(s, context, joint);
+  refuse_contradicting_drives(s, joint);
   for (std::size_t i = 0; i < speeds.size(); ++i)
     if (s.has(speeds[i].name)) joint.initial_speeds[static_cast<int>(i)] = s.quantity(speeds[i].name);
   return joint;
+}
+
+void read_drives(const Section& s, const ReadContext& context, JointDescription& joint) {
+  const auto coordinates = joint.joint->coordinates(), speeds = joint.joint->speeds(),
+             accelerations = joint.joint->accelerations();
+  const auto by_acceleration = [&](int k, const std::string& key, const std::string& formula) {
+    auto f = context.motion_expression_of(s, key, formula);
+    if (f->reads().empty())
+      joint.acceleration_drives[k] = std::move(f);
+    else
+      joint.speed_drives[k] = speed_by_state(s, key, context, joint, k, std::move(f));
+  };
+  if (s.text("type") == "user") {
+    for (const auto& [k, formula] : by_name(s, "drive", coordinates))
+      joint.drives[k] = context.motion_expression_of(s, "drive", formula);
+    for (const auto& [k, formula] : by_name(s, "drive_speed", speeds))
+      joint.speed_drives[k] = context.motion_expression_of(s, "drive_speed", formula);
+    for (const auto& [k, formula] : by_name(s, "drive_acceleration", accelerations))
+      by_acceleration(k, "drive_acceleration", formula);
+    return;
+  }
+  if (!can_be_driven(joint)) return;
+  for (std::size_t i = 0; i < coordinates.size(); ++i) {
+    const int k = static_cast<int>(i);
+    if (const std::string key = drive_key(coordinates, i); s.has(key))
+      joint.drives[k] = context.motion_expression(s, key);
+    if (const std::string key = "drive_" + speeds[i].name; s.has(key))
+      joint.speed_drives[k] = context.motion_expression(s, key);
+    if (const std::string key = "drive_" + accelerations[i].name; s.has(key))
+      by_acceleration(k, key, s.text(key));
+  }
 }
 
 }  // namespace flexura::mbs

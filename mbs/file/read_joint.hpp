@@ -7,9 +7,12 @@
 
 namespace flexura::mbs {
 
-/// A table [joint.NAME] or, `is_connection`, [connection.NAME]: its type, markers, values at the start and
-/// drives. Throws InputError.
+/// A table [joint.NAME] or, `is_connection`, [connection.NAME]: its type, markers and values at the start.
+/// Throws InputError.
 JointDescription read_joint(const std::string& name, const input::Section& section,
                             const ReadContext& context, bool is_connection);
+
+/// Its drives, once the names of controls are known, whose states they may follow.
+void read_drives(const input::Section& section, const ReadContext& context, JointDescription& joint);
 
 }  // namespace flexura::mbs

@@ -378,6 +378,7 @@ void Reader::read_joints() {
       JointDescription joint = read_joint(prefix_ + name, s, names, std::string_view(kind) == "connection");
       note_user_element(prefix_ + name, s);
       model_.joined.insert({d.markers[joint.marker_F].body, d.markers[joint.marker_M].body});
+      joints_.emplace_back(d.joints.size(), s);
       d.joints.push_back(std::move(joint));
     }
   for (const auto& subsystem : subsystems_) subsystem->read_joints();
@@ -387,10 +388,6 @@ void Reader::read_elements() {
   for (const auto& subsystem : subsystems_) subsystem->read_elements();
   const ReadContext names = context();
   MechanismDescription& d = model_.description;
-  for (const auto& [name, s] : root_.table_map("constraint")) {
-    d.constraints.push_back(find_type(constraint_types(), s.text("type")).read(prefix_ + name, s, names));
-    note_user_element(prefix_ + name, s);
-  }
   const auto take_name = [&](const std::string& name, const Section& s) {
     if (name == "t" || name == "pi" || parameters_.contains(name) || tables_.contains(name) ||
         d.signals.find(prefix_ + name) >= 0)
@@ -417,12 +414,16 @@ void Reader::read_elements() {
     const ControlType& type = find_type(control_types(), s.text("type"));
     d.controls.push_back(type.read(prefix_ + name, s, names));
     take_unit(name, s);
-    names.refuse_shown(s, d.controls.back()->reads());
     if (type.feeds_through) take_name(name, s);
   }
+  // What moves by controls.
+  for (const auto& [name, s] : root_.table_map("constraint")) {
+    d.constraints.push_back(find_type(constraint_types(), s.text("type")).read(prefix_ + name, s, names));
+    note_user_element(prefix_ + name, s);
+  }
+  for (const auto& [joint, s] : joints_) mbs::read_drives(s, names, d.joints[joint]);
   for (const auto& [name, s] : root_.table_map("force")) {
     d.forces.push_back(find_type(force_types(), s.text("type")).read(prefix_ + name, s, names));
-    names.refuse_shown(s, d.forces.back()->reads());
     note_user_element(prefix_ + name, s);
     if (const auto [body, load] = d.forces.back()->load_case(); body >= 0)
       d.bodies[body].is_loaded_by_case = true;

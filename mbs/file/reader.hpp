@@ -70,6 +70,7 @@ class Reader {
   std::map<std::string, double> parameters_;
   Curves tables_;
   std::vector<std::unique_ptr<Reader>> subsystems_;
+  std::vector<std::pair<std::size_t, input::Section>> joints_;  ///< of the file, by their places
 };
 
 }  // namespace flexura::mbs

@@ -149,7 +149,7 @@ std::size_t Expression::compile(int k, std::size_t top, std::vector<int>& node_o
 
 // ~moving in place of moving: kinks are not held.
 template <class T>
-T Expression::run(const double* signals, const T& time, int moving) const {
+T Expression::run(const double* signals, const T& time, int moving, const Jet* jets) const {
   const bool holds_kinks = moving >= 0;
   if (!holds_kinks) moving = ~moving;
   T stack[stack_size + 1];
@@ -167,8 +167,10 @@ T Expression::run(const double* signals, const T& time, int moving) const {
         break;
       case signal:
         stack[++top] = in.place == 0 ? time : constant_of<T>(signals[in.place]);
-        if constexpr (std::is_same_v<T, Jet>)
+        if constexpr (std::is_same_v<T, Jet>) {
           if (in.place != 0 && in.place == moving) stack[top].first = 1.0;
+          if (in.place != 0 && jets) stack[top] = jets[in.place];
+        }
         break;
       case jump_if_zero:
         if (value_of(stack[top--]) == 0.0) i = in.count;
@@ -304,6 +306,14 @@ Jet Expression::time_derivatives(double t) const {
   const Jet f = run<Jet>(nullptr, Jet{t, 1.0, 0.0});
   for (double x : {f.value, f.first, f.second})
     if (!std::isfinite(x)) refuse_value(x, t);
+  return f;
+}
+
+Jet Expression::along(const double* signals, const Jet* jets) const {
+  Jet f = run<Jet>(signals, jets[0], 0, jets);
+  if (!std::isfinite(f.value)) f = run<Jet>(signals, jets[0], ~0, jets);
+  for (double x : {f.value, f.first, f.second})
+    if (!std::isfinite(x)) refuse_value(x, jets[0].value);
   return f;
 }
 

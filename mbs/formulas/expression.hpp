@@ -74,6 +74,8 @@ class Expression {
   double derivative(const double* signals, int place) const;
   /// f, f', f'' of a formula of t and parameters alone.
   Jet time_derivatives(double t) const;
+  /// f, f', f'' where the signals go as `jets` (by their places; read are t and reads()); `signals` holds conditions.
+  Jet along(const double* signals, const Jet* jets) const;
 
   const FormulaTree& tree() const { return tree_; }
   /// Nodes of the tree that are conditions with a place to hold them.
@@ -95,7 +97,7 @@ class Expression {
     double value = 0;  ///< of a constant
   };
   template <class T>
-  T run(const double* signals, const T& time, int moving = 0) const;
+  T run(const double* signals, const T& time, int moving = 0, const Jet* jets = nullptr) const;
   [[noreturn]] void refuse_value(double value, double t) const;
   std::size_t compile(int node, std::size_t top, std::vector<int>& node_of);
   void find_conditions(SignalNames& held, const std::vector<int>& node_of);

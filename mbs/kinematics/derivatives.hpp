@@ -60,7 +60,7 @@ class Derivatives {
   void by_speed(CoordinateRef c, double d) { by_speed(c, one(d)); }
   void by_state(int i, double d) { by_state(i, one(d)); }
   /// Through all signals that a formula reads, d times its own derivatives.
-  void by_formula(const Expression& f, const double* signals, const Matrix& d);
+  virtual void by_formula(const Expression& f, const double* signals, const Matrix& d);
   void by_formula(const Expression& f, const double* signals, double d = 1.0) {
     by_formula(f, signals, one(d));
   }

@@ -10,6 +10,8 @@
 /// What joints' closures, constraints, forces and measures see of a mechanism at one state.
 namespace flexura::mbs {
 
+struct Jet;
+
 /// A marker P in the world, all expressed in W: pose, (w_WP, v_WPo) and (alpha_WP, a_WPo).
 struct MarkerState {
   Pose X_WP;
@@ -52,6 +54,9 @@ struct OwnStates {
   /// Of a constraint that sits on a curve: where its contact was last (NaN: unknown).  The constraint finds
   /// the contact from there and leaves it here; what it finds is a function of the positions alone.
   double* contact = nullptr;
+  /// Of a constraint that follows signals: the value of its formula, from level velocity on with the first and on level
+  /// acceleration with the second derivative by time.
+  const Jet* followed = nullptr;
 };
 
 /// Positions are always set; V from level velocity on; A and v_dot on level acceleration only.

@@ -107,6 +107,12 @@ std::shared_ptr<const Expression> MechanismBuilder::formula(const std::string& t
 }
 
 std::shared_ptr<const Expression> MechanismBuilder::motion(const std::string& text) {
+  if (auto f = std::make_shared<Expression>("formula \"" + text + "\"", text, d_.signals, parameters_,
+                                            Curves{}, &d_.signals);
+      !f->reads().empty()) {
+    d_.formulas.push_back({f, true});
+    return f;
+  }
   auto f = std::make_shared<Expression>("formula \"" + text + "\"", text, SignalNames(), parameters_);
   d_.formulas.push_back({f, true});
   return f;

@@ -65,7 +65,7 @@ class MechanismBuilder {
     /// Its value and its speed at the start; loops that do not close move others first.
     JointHandle& start(double q, int i = 0);
     JointHandle& speed(double v, int i = 0);
-    /// Prescribes the coordinate by a formula of t and parameters.
+    /// Prescribes the coordinate by a formula of t, parameters and states of controls that were added before.
     JointHandle& drive(const std::string& formula, int i = 0);
 
    private:

@@ -25,6 +25,8 @@ class Measure {
   virtual void differentiate(const Kinematics& kin, const double* signals, Derivatives& d) const = 0;
   /// Signals read by it.
   virtual std::vector<int> reads() const { return {}; }
+  /// True for one of positions alone, whose rate is then known from speeds.
+  virtual bool is_of_positions() const { return false; }
   /// Where it is a formula and nothing else.
   virtual const Expression* formula() const { return nullptr; }
   /// True for what is known only after the equations of motion are solved: see ShownMeasure.

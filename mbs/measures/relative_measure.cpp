@@ -72,7 +72,7 @@ RelativeQuantity RelativeQuantity::distance() {
   return {measured_distance, distance_gradient, input::dim::length, false};
 }
 RelativeQuantity RelativeQuantity::distance_rate() {
-  return {measured_distance_rate, distance_rate_gradient, input::dim::velocity, false};
+  return {measured_distance_rate, distance_rate_gradient, input::dim::velocity, false, false};
 }
 RelativeQuantity RelativeQuantity::position() {
   return {measured_position, position_gradient, input::dim::length, true};
@@ -81,13 +81,13 @@ RelativeQuantity RelativeQuantity::axis() {
   return {measured_axis_component, axis_gradient, input::dim::none, true};
 }
 RelativeQuantity RelativeQuantity::velocity() {
-  return {measured_velocity, velocity_gradient, input::dim::velocity, true};
+  return {measured_velocity, velocity_gradient, input::dim::velocity, true, false};
 }
 RelativeQuantity RelativeQuantity::angle() {
   return {measured_angle, angle_gradient, input::dim::angle, false};
 }
 RelativeQuantity RelativeQuantity::angular_velocity() {
-  return {measured_angular_velocity, angular_velocity_gradient, input::dim::angular_velocity, true};
+  return {measured_angular_velocity, angular_velocity_gradient, input::dim::angular_velocity, true, false};
 }
 
 }  // namespace flexura::mbs

@@ -16,6 +16,7 @@ struct RelativeQuantity {
   Gradient gradient;
   input::Dimension dimension;
   bool has_direction = false;
+  bool is_of_positions = true;
 
   static RelativeQuantity distance();          ///< of the two origins
   static RelativeQuantity distance_rate();     ///< its time derivative
@@ -37,6 +38,7 @@ class RelativeMeasure final : public Measure {
   double value(const Kinematics& kin, const double*) const override {
     return quantity_.value(kin, F_, M_, direction_);
   }
+  bool is_of_positions() const override { return quantity_.is_of_positions; }
   void differentiate(const Kinematics& kin, const double*, Derivatives& d) const override {
     d.rows();
     d.by_relative(F_, M_, quantity_.gradient(kin.relative_motion(F_, M_), direction_));

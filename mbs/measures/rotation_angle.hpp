@@ -24,6 +24,7 @@ class RotationAngle final : public Measure {
   double value(const Kinematics& kin, const double*) const override {
     return angles(kin.relative_pose(F_, M_).R)[static_cast<std::size_t>(which_)];
   }
+  bool is_of_positions() const override { return true; }
   void differentiate(const Kinematics& kin, const double*, Derivatives& d) const override {
     // A small turn of M seen from F is sum q'_n times the n-th axis, turned by those before it.
     const Matrix3d R = kin.relative_pose(F_, M_).R;

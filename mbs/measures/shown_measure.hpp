@@ -5,8 +5,9 @@
 
 namespace flexura::mbs {
 
-/// A measure of what is known after the equations of motion are solved, accelerations and reactions: results show it, and
-/// formulas that results show may read it; forces and controls may not, and it needs no derivatives.
+/// A measure of what is known after the equations of motion are solved, accelerations and reactions.  Where forces or
+/// controls read it, it is an algebraic state that is solved for with these (Residual::coupled_equations); it needs no
+/// derivatives.
 class ShownMeasure : public Measure {
  public:
   using Measure::Measure;

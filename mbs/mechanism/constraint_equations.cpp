@@ -3,45 +3,68 @@
 
 namespace flexura::mbs {
 
-void ConstraintEquations::move(double t, ConstVectorRef p, MechanismScratch& work) const {
-  m_.kinematics.forward(Level::position, t, p.data(), nullptr, nullptr, work.motion);
+void ConstraintEquations::move(When when, ConstVectorRef p, MechanismScratch& work) const {
+  m_.kinematics.forward(Level::position, when.t, p.data(), nullptr, nullptr, work.motion);
+  follow(Level::position, when, work);
 }
 
-void ConstraintEquations::position(double t, ConstVectorRef p, MechanismScratch& work, VectorRef g) const {
-  move(t, p, work);
+void ConstraintEquations::follow(Level level, When when, MechanismScratch& work) const {
+  if (!m_.followed.any()) return;
+  if (!when.s) throw std::logic_error("rows that follow states are asked for without them");
+  m_.states.take_states(*when.s, work.motion, work.signals);
+  if (level != Level::position) m_.states.evaluate_signals(work.motion, work.signals);
+  m_.followed.evaluate(level, work.motion, work.signals, work.rows);
+}
+
+void ConstraintEquations::start_followed(State& s, MechanismScratch& work) const {
+  move(s, s.p, work);
+  for (const FollowedSignals::Follower& follower : m_.followed.followers()) {
+    const RowPlace row = m_.rows.place_of_row(m_.rows.first_row(follower.constraint));
+    if (row.driven < 0 || follower.what.level != DriveLevel::position) continue;
+    const JointPlace& joint = m_.tree.places[static_cast<std::size_t>(row.joint)];
+    if (joint.in_tree())
+      s.p(joint.i_p + row.driven) = work.rows.followed.of_constraints[follower.constraint].value;
+  }
+}
+
+void ConstraintEquations::position(When when, ConstVectorRef p, MechanismScratch& work, VectorRef g) const {
+  move(when, p, work);
   m_.rows.position(work.motion, work.rows, g);
 }
 
-void ConstraintEquations::velocity(double t, ConstVectorRef p, ConstVectorRef v, MechanismScratch& work,
+void ConstraintEquations::velocity(When when, ConstVectorRef p, ConstVectorRef v, MechanismScratch& work,
                                    VectorRef g_dot) const {
-  m_.kinematics.forward(Level::velocity, t, p.data(), v.data(), nullptr, work.motion);
+  m_.kinematics.forward(Level::velocity, when.t, p.data(), v.data(), nullptr, work.motion);
+  follow(Level::velocity, when, work);
   m_.rows.velocity(work.motion, work.rows, g_dot);
 }
 
-void ConstraintEquations::both(double t, ConstVectorRef p, ConstVectorRef v, MechanismScratch& work,
+void ConstraintEquations::both(When when, ConstVectorRef p, ConstVectorRef v, MechanismScratch& work,
                                VectorRef g, VectorRef g_dot) const {
-  m_.kinematics.forward(Level::velocity, t, p.data(), v.data(), nullptr, work.motion);
+  m_.kinematics.forward(Level::velocity, when.t, p.data(), v.data(), nullptr, work.motion);
+  follow(Level::velocity, when, work);
   m_.rows.position(work.motion, work.rows, g);
   m_.rows.velocity(work.motion, work.rows, g_dot);
 }
 
-void ConstraintEquations::acceleration(double t, ConstVectorRef p, ConstVectorRef v, ConstVectorRef v_dot,
+void ConstraintEquations::acceleration(When when, ConstVectorRef p, ConstVectorRef v, ConstVectorRef v_dot,
                                        MechanismScratch& work, VectorRef g_ddot) const {
-  m_.kinematics.forward(Level::acceleration, t, p.data(), v.data(), v_dot.data(), work.motion);
+  m_.kinematics.forward(Level::acceleration, when.t, p.data(), v.data(), v_dot.data(), work.motion);
+  follow(Level::acceleration, when, work);
   m_.rows.acceleration(work.motion, work.rows, g_ddot);
 }
 
-void ConstraintEquations::apply_GT(double t, ConstVectorRef p, ConstVectorRef x, MechanismScratch& work,
+void ConstraintEquations::apply_GT(When when, ConstVectorRef p, ConstVectorRef x, MechanismScratch& work,
                                    VectorRef f_c) const {
-  move(t, p, work);
+  move(when, p, work);
   m_.dynamics.clear_loads(work.wrenches);
   BodyLoads loads(m_.tree, work.motion, work.wrenches, -1.0);
   m_.rows.add_constraint_loads(x.data(), Which::all, work.motion, work.rows, loads);
   m_.dynamics.backward(work.motion, work.wrenches, f_c.data());
 }
 
-void ConstraintEquations::matrix(double t, ConstVectorRef p, MechanismScratch& work, MatrixRef G) const {
-  move(t, p, work);
+void ConstraintEquations::matrix(When when, ConstVectorRef p, MechanismScratch& work, MatrixRef G) const {
+  move(when, p, work);
   const auto& constraints = m_.rows.constraints();
   const std::vector<int>& kept = m_.rows.kept();
   BodyLoads loads(m_.tree, work.motion, work.wrenches, -1.0);
@@ -61,23 +84,24 @@ void ConstraintEquations::matrix(double t, ConstVectorRef p, MechanismScratch& w
   }
 }
 
-ConstraintSizes ConstraintEquations::sizes(const std::vector<int>& rows, double t, ConstVectorRef p,
+ConstraintSizes ConstraintEquations::sizes(const std::vector<int>& rows, When when, ConstVectorRef p,
                                            MechanismScratch& work) const {
-  move(t, p, work);
+  move(when, p, work);
   return m_.rows.sizes(rows, m_.kinematics.extent(work.motion), work.motion, work.rows);
 }
 
-void ConstraintEquations::left_out(double t, ConstVectorRef p, ConstVectorRef v, ConstVectorRef v_dot,
+void ConstraintEquations::left_out(When when, ConstVectorRef p, ConstVectorRef v, ConstVectorRef v_dot,
                                    MechanismScratch& work, VectorRef g, VectorRef g_dot,
                                    VectorRef g_ddot) const {
   if (m_.rows.left_out().empty()) return;
   const bool to_acceleration = v_dot.size() > 0;
-  m_.kinematics.forward(to_acceleration ? Level::acceleration : Level::velocity, t, p.data(), v.data(),
-                        v_dot.data(), work.motion);
+  const Level level = to_acceleration ? Level::acceleration : Level::velocity;
+  m_.kinematics.forward(level, when.t, p.data(), v.data(), v_dot.data(), work.motion);
+  follow(level, when, work);
   m_.rows.left_out_constraints(to_acceleration, work.motion, work.rows, g, g_dot, g_ddot);
 }
 
-Redundancy ConstraintEquations::redundant(const Equations& whole, double t, ConstVectorRef p,
+Redundancy ConstraintEquations::redundant(const Equations& whole, When when, ConstVectorRef p,
                                           MechanismScratch& work) const {
   if (m_.tree.n_v == 0) {
     Redundancy found;
@@ -85,10 +109,10 @@ Redundancy ConstraintEquations::redundant(const Equations& whole, double t, Cons
     found.follows_from.resize(found.left_out.size());
     return found;
   }
-  move(t, p, work);
+  move(when, p, work);
   std::vector<bool> of_positions, lasts;
   m_.rows.list_kinds(work.motion, work.rows, of_positions, lasts);
-  return find_redundancy(whole, t, p, m_.coordinates.kinematic_scale(m_.kinematics.extent(work.motion)),
+  return find_redundancy(whole, when, p, m_.coordinates.kinematic_scale(m_.kinematics.extent(work.motion)),
                          of_positions, lasts);
 }
 

@@ -14,23 +14,28 @@ class ConstraintEquations {
 
   explicit ConstraintEquations(const MechanismParts& parts) : m_(parts) {}
 
-  void position(double t, ConstVectorRef p, MechanismScratch& work, VectorRef g) const;
-  void velocity(double t, ConstVectorRef p, ConstVectorRef v, MechanismScratch& work, VectorRef g_dot) const;
-  void both(double t, ConstVectorRef p, ConstVectorRef v, MechanismScratch& work, VectorRef g,
+  /// What all of them do first: positions and what rows follow.
+  void move(When when, ConstVectorRef p, MechanismScratch& work) const;
+  /// Coordinates in the tree where drives by states want them: where the assembly begins.
+  void start_followed(State& s, MechanismScratch& work) const;
+  void position(When when, ConstVectorRef p, MechanismScratch& work, VectorRef g) const;
+  void velocity(When when, ConstVectorRef p, ConstVectorRef v, MechanismScratch& work, VectorRef g_dot) const;
+  void both(When when, ConstVectorRef p, ConstVectorRef v, MechanismScratch& work, VectorRef g,
             VectorRef g_dot) const;
-  void acceleration(double t, ConstVectorRef p, ConstVectorRef v, ConstVectorRef v_dot,
+  void acceleration(When when, ConstVectorRef p, ConstVectorRef v, ConstVectorRef v_dot,
                     MechanismScratch& work, VectorRef g_ddot) const;
-  void apply_GT(double t, ConstVectorRef p, ConstVectorRef x, MechanismScratch& work, VectorRef f_c) const;
-  void matrix(double t, ConstVectorRef p, MechanismScratch& work, MatrixRef G) const;
-  ConstraintSizes sizes(const std::vector<int>& rows, double t, ConstVectorRef p,
+  void apply_GT(When when, ConstVectorRef p, ConstVectorRef x, MechanismScratch& work, VectorRef f_c) const;
+  void matrix(When when, ConstVectorRef p, MechanismScratch& work, MatrixRef G) const;
+  ConstraintSizes sizes(const std::vector<int>& rows, When when, ConstVectorRef p,
                         MechanismScratch& work) const;
-  void left_out(double t, ConstVectorRef p, ConstVectorRef v, ConstVectorRef v_dot, MechanismScratch& work,
+  void left_out(When when, ConstVectorRef p, ConstVectorRef v, ConstVectorRef v_dot, MechanismScratch& work,
                 VectorRef g, VectorRef g_dot, VectorRef g_ddot) const;
   /// What says nothing new, among all rows, none of which is left out now; `whole` is the mechanism.
-  Redundancy redundant(const Equations& whole, double t, ConstVectorRef p, MechanismScratch& work) const;
+  Redundancy redundant(const Equations& whole, When when, ConstVectorRef p, MechanismScratch& work) const;
 
  private:
-  void move(double t, ConstVectorRef p, MechanismScratch& work) const;
+  /// After forward() on this level: what rows follow.
+  void follow(Level level, When when, MechanismScratch& work) const;
 
   const MechanismParts& m_;
 };

@@ -67,6 +67,10 @@ State Mechanism::initial_state() const {
   s.v = m_->start.v;
   m_->states.start(s, static_cast<int>(m_->rows.contacts().size()));
   s.lambda = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(m_->rows.kept().size()));
+  if (m_->followed.any()) {
+    const auto scratch = make_scratch();
+    m_->constraints.start_followed(s, scratch_of(*scratch));
+  }
   if (!m_->rows.contacts().empty()) start_contacts(s, *make_scratch());
   return s;
 }
@@ -175,40 +179,46 @@ EnergyReport Mechanism::energy(const State& s, ConstVectorRef, Scratch& scratch)
 
 // ---- constraints
 
-void Mechanism::position_constraints(double t, ConstVectorRef p, Scratch& scratch, VectorRef g) const {
-  m_->constraints.position(t, p, scratch_of(scratch), g);
+void Mechanism::position_constraints(When when, ConstVectorRef p, Scratch& scratch, VectorRef g) const {
+  m_->constraints.position(when, p, scratch_of(scratch), g);
 }
-void Mechanism::velocity_constraints(double t, ConstVectorRef p, ConstVectorRef v, Scratch& scratch,
+void Mechanism::velocity_constraints(When when, ConstVectorRef p, ConstVectorRef v, Scratch& scratch,
                                      VectorRef g_dot) const {
-  m_->constraints.velocity(t, p, v, scratch_of(scratch), g_dot);
+  m_->constraints.velocity(when, p, v, scratch_of(scratch), g_dot);
 }
-void Mechanism::constraints(double t, ConstVectorRef p, ConstVectorRef v, Scratch& scratch, VectorRef g,
+void Mechanism::constraints(When when, ConstVectorRef p, ConstVectorRef v, Scratch& scratch, VectorRef g,
                             VectorRef g_dot) const {
-  m_->constraints.both(t, p, v, scratch_of(scratch), g, g_dot);
+  m_->constraints.both(when, p, v, scratch_of(scratch), g, g_dot);
 }
-void Mechanism::acceleration_constraints(double t, ConstVectorRef p, ConstVectorRef v, ConstVectorRef v_dot,
+void Mechanism::acceleration_constraints(When when, ConstVectorRef p, ConstVectorRef v, ConstVectorRef v_dot,
                                          Scratch& scratch, VectorRef g_ddot) const {
-  m_->constraints.acceleration(t, p, v, v_dot, scratch_of(scratch), g_ddot);
+  m_->constraints.acceleration(when, p, v, v_dot, scratch_of(scratch), g_ddot);
 }
-void Mechanism::apply_GT(double t, ConstVectorRef p, ConstVectorRef x, Scratch& scratch,
+void Mechanism::apply_GT(When when, ConstVectorRef p, ConstVectorRef x, Scratch& scratch,
                          VectorRef f_c) const {
-  m_->constraints.apply_GT(t, p, x, scratch_of(scratch), f_c);
+  m_->constraints.apply_GT(when, p, x, scratch_of(scratch), f_c);
 }
-void Mechanism::constraint_matrix(double t, ConstVectorRef p, Scratch& scratch, MatrixRef G) const {
-  m_->constraints.matrix(t, p, scratch_of(scratch), G);
+void Mechanism::constraint_matrix(When when, ConstVectorRef p, Scratch& scratch, MatrixRef G) const {
+  m_->constraints.matrix(when, p, scratch_of(scratch), G);
 }
-ConstraintSizes Mechanism::constraint_sizes(double t, ConstVectorRef p, Scratch& scratch) const {
-  return m_->constraints.sizes(m_->rows.kept(), t, p, scratch_of(scratch));
+ConstraintSizes Mechanism::constraint_sizes(When when, ConstVectorRef p, Scratch& scratch) const {
+  return m_->constraints.sizes(m_->rows.kept(), when, p, scratch_of(scratch));
 }
-ConstraintSizes Mechanism::left_out_sizes(double t, ConstVectorRef p, Scratch& scratch) const {
-  return m_->constraints.sizes(m_->rows.left_out(), t, p, scratch_of(scratch));
+ConstraintSizes Mechanism::left_out_sizes(When when, ConstVectorRef p, Scratch& scratch) const {
+  return m_->constraints.sizes(m_->rows.left_out(), when, p, scratch_of(scratch));
+}
+bool Mechanism::algebraic_is_coupled() const {
+  return !m_->states.coupled_measures().empty();
+}
+bool Mechanism::follows_states() const {
+  return m_->followed.any();
 }
 int Mechanism::n_left_out() const {
   return static_cast<int>(m_->rows.left_out().size());
 }
-void Mechanism::left_out_constraints(double t, ConstVectorRef p, ConstVectorRef v, ConstVectorRef v_dot,
+void Mechanism::left_out_constraints(When when, ConstVectorRef p, ConstVectorRef v, ConstVectorRef v_dot,
                                      Scratch& scratch, VectorRef g, VectorRef g_dot, VectorRef g_ddot) const {
-  m_->constraints.left_out(t, p, v, v_dot, scratch_of(scratch), g, g_dot, g_ddot);
+  m_->constraints.left_out(when, p, v, v_dot, scratch_of(scratch), g, g_dot, g_ddot);
 }
 std::vector<std::string> Mechanism::names_of_left_out(int i) const {
   return m_->rows.names_of_left_out(i);
@@ -225,15 +235,15 @@ std::string Mechanism::name_of_constraint(int i) const {
 
 void Mechanism::start_contacts(State& s, Scratch& scratch) const {
   const MechanismScratch& work = move(s.t, s.p, scratch);
-  m_->rows.start_contacts(work.motion, static_cast<int>(m_->states.algebraic().size()), s);
+  m_->rows.start_contacts(work.motion, m_->states.n_algebraic(), s);
 }
 
-std::vector<RedundantRow> Mechanism::drop_redundant(double t, ConstVectorRef p) {
+std::vector<RedundantRow> Mechanism::drop_redundant(When when, ConstVectorRef p) {
   ConstraintRows& rows = m_->rows;
   rows.keep_all();
   if (rows.n_all() == 0) return {};
   const auto scratch = make_scratch();
-  Redundancy found = m_->constraints.redundant(*this, t, p, scratch_of(*scratch));
+  Redundancy found = m_->constraints.redundant(*this, when, p, scratch_of(*scratch));
   std::vector<RedundantRow> redundant;
   for (std::size_t i = 0; i < found.left_out.size(); ++i) {
     redundant.push_back({rows.name_of_row(found.left_out[i]), {}});
@@ -283,9 +293,10 @@ std::string Mechanism::describe_root(int i) const {
 }
 std::string Mechanism::name_of_algebraic(int i) const {
   const std::vector<int>& controls = m_->states.algebraic();
-  const int n = static_cast<int>(controls.size());
-  return i < n ? description().controls[controls[i]]->name()
-               : m_->rows.constraints()[m_->rows.contacts()[i - n]]->name() + ".contact";
+  const int n = static_cast<int>(controls.size()), n_before = m_->states.n_algebraic();
+  if (i < n) return description().controls[controls[i]]->name();
+  if (i < n_before) return description().measures[m_->states.coupled_measures()[i - n]]->name();
+  return m_->rows.constraints()[m_->rows.contacts()[i - n_before]]->name() + ".contact";
 }
 std::vector<std::shared_ptr<const TimeFunction>> Mechanism::functions_of_time() const {
   return m_->states.functions_of_time();
@@ -315,9 +326,10 @@ std::vector<OutputInfo> Mechanism::quantities() const {
 std::vector<int> Mechanism::usual_quantities() const {
   return m_->outputs.quantities().usual();
 }
-std::vector<bool> Mechanism::not_unique(double t, ConstVectorRef p) const {
+std::vector<bool> Mechanism::not_unique(When when, ConstVectorRef p) const {
   const auto scratch = make_scratch();
-  MechanismScratch& work = move(t, p, *scratch);
+  MechanismScratch& work = scratch_of(*scratch);
+  m_->constraints.move(when, p, work);
   return m_->outputs.quantities().not_unique(m_->dynamics, work.motion, work.wrenches, work.rows);
 }
 void Mechanism::evaluate(const std::vector<int>& which, const State& s, ConstVectorRef v_dot,

@@ -59,20 +59,23 @@ class Mechanism final : public Equations {
   void add_elastic_tangents(const State& s, MatrixRef r_p, MatrixRef r_v) const override;
   bool tangents(const State& s, ConstVectorRef v_dot, TangentScope scope, Scratch& scratch,
                 TangentMatrices& out) const override;
-  void position_constraints(double t, ConstVectorRef p, Scratch& scratch, VectorRef g) const override;
-  void velocity_constraints(double t, ConstVectorRef p, ConstVectorRef v, Scratch& scratch,
+  void position_constraints(When when, ConstVectorRef p, Scratch& scratch, VectorRef g) const override;
+  void velocity_constraints(When when, ConstVectorRef p, ConstVectorRef v, Scratch& scratch,
                             VectorRef g_dot) const override;
-  void constraints(double t, ConstVectorRef p, ConstVectorRef v, Scratch& scratch, VectorRef g,
+  void constraints(When when, ConstVectorRef p, ConstVectorRef v, Scratch& scratch, VectorRef g,
                    VectorRef g_dot) const override;
-  void acceleration_constraints(double t, ConstVectorRef p, ConstVectorRef v, ConstVectorRef v_dot,
+  void acceleration_constraints(When when, ConstVectorRef p, ConstVectorRef v, ConstVectorRef v_dot,
                                 Scratch& scratch, VectorRef g_ddot) const override;
-  void apply_GT(double t, ConstVectorRef p, ConstVectorRef x, Scratch& scratch, VectorRef f_c) const override;
-  void constraint_matrix(double t, ConstVectorRef p, Scratch& scratch, MatrixRef G) const override;
-  ConstraintSizes constraint_sizes(double t, ConstVectorRef p, Scratch& scratch) const override;
+  void apply_GT(When when, ConstVectorRef p, ConstVectorRef x, Scratch& scratch,
+                VectorRef f_c) const override;
+  void constraint_matrix(When when, ConstVectorRef p, Scratch& scratch, MatrixRef G) const override;
+  ConstraintSizes constraint_sizes(When when, ConstVectorRef p, Scratch& scratch) const override;
+  bool follows_states() const override;
+  bool algebraic_is_coupled() const override;
   int n_left_out() const override;
-  void left_out_constraints(double t, ConstVectorRef p, ConstVectorRef v, ConstVectorRef v_dot,
+  void left_out_constraints(When when, ConstVectorRef p, ConstVectorRef v, ConstVectorRef v_dot,
                             Scratch& scratch, VectorRef g, VectorRef g_dot, VectorRef g_ddot) const override;
-  ConstraintSizes left_out_sizes(double t, ConstVectorRef p, Scratch& scratch) const override;
+  ConstraintSizes left_out_sizes(When when, ConstVectorRef p, Scratch& scratch) const override;
   std::vector<std::string> names_of_left_out(int i) const override;
   void mass_matrix(ConstVectorRef p, Scratch& scratch, MatrixRef M) const override;
   bool factor_mass(ConstVectorRef p, Scratch& scratch) const override;
@@ -119,7 +122,7 @@ class Mechanism final : public Equations {
   /// instant is not redundancy), leaves them out of all later evaluations and says which. Near means where the
   /// mechanism gets when drives are elsewhere, too. Whether the rows agree, in the rates of drives for one, is
   /// not asked here: see row_watch.hpp.
-  std::vector<RedundantRow> drop_redundant(double t, ConstVectorRef p);
+  std::vector<RedundantRow> drop_redundant(When when, ConstVectorRef p);
 
   Unloaded without_loads(const State& s, Scratch& scratch) const;
 
@@ -155,7 +158,7 @@ class Mechanism final : public Equations {
   std::vector<int> usual_quantities() const;
   /// Which of quantities(), forces of joints, drives and constraints, redundant constraints leave open at the
   /// configuration p: values of them are those without the rows that were left out.
-  std::vector<bool> not_unique(double t, ConstVectorRef p) const;
+  std::vector<bool> not_unique(When when, ConstVectorRef p) const;
   /// Values of the quantities with these indices; lambda and v_dot must belong to the state.
   void evaluate(const std::vector<int>& which, const State& s, ConstVectorRef v_dot, Scratch& scratch,
                 VectorRef values) const;

@@ -3,6 +3,8 @@
 
 #include <vector>
 
+#include "mbs/mechanism/outputs/joint_reaction.hpp"
+
 namespace flexura::mbs {
 
 using Source = ElementStates::SignalSource;
@@ -35,7 +37,7 @@ std::vector<bool> MechanismOutputs::late_measures() const {
   const auto& sources = m_.states.sources();
   std::vector<bool> is_late(d.measures.size(), false);
   for (std::size_t i = 0; i < d.measures.size(); ++i) {
-    is_late[i] = d.measures[i]->joint() >= 0;
+    is_late[i] = d.measures[i]->joint() >= 0 && m_.states.coupled_measure(static_cast<int>(i)) < 0;
     for (const int k : d.measures[i]->reads())
       if (sources[k].kind == Source::Kind::measure && is_late[sources[k].element]) is_late[i] = true;
   }
@@ -48,11 +50,11 @@ void MechanismOutputs::take_measures(const std::vector<bool>& wanted, bool now, 
   for (std::size_t i = 0; i < d.measures.size(); ++i) {
     if (wanted[i] != now) continue;
     const Measure& measure = *d.measures[i];
-    const int joint = measure.joint();
-    measured[i] = joint < 0 ? measure.value(work.motion.kin, work.signals.values.data())
-                            : measure.value_of_load(
-                                  work.motion.kin,
-                                  quantities_.joint_reaction(joint, work.motion, work.wrenches, work.rows));
+    if (const int a = m_.states.coupled_measure(static_cast<int>(i)); a >= 0)
+      measured[i] = work.signals.algebraic(static_cast<Eigen::Index>(m_.states.algebraic().size()) + a);
+    else
+      measured[i] = shown_value(m_.tree, m_.rows, measure, work.motion, work.wrenches, work.rows,
+                                work.signals.values.data());
     if (const int k = d.signals.find(measure.name()); k >= 0) work.signals.values(k) = measured[i];
   }
 }
@@ -70,6 +72,7 @@ void MechanismOutputs::evaluate(const std::vector<int>& which, const State& s, C
   const std::vector<bool> is_late = late_measures();
   take_measures(is_late, false, work, measured);
   take_controls(true, work, controlled);
+  m_.followed.evaluate(TreeMotion::Level::velocity, work.motion, work.signals, work.rows);
   BodyLoads loads(m_.tree, work.motion, work.wrenches, 1.0);
   work.wrenches.on_closure.assign(m_.tree.places.size(), Vector6d::Zero());
   for (std::size_t i = 0; i < d.forces.size(); ++i) {

@@ -10,9 +10,7 @@ namespace flexura::mbs {
 class MechanismOutputs {
  public:
   MechanismOutputs(const MechanismParts& parts, const Residual& residual)
-      : m_(parts),
-        residual_(residual),
-        quantities_(parts.tree, parts.rows, static_cast<int>(parts.states.algebraic().size())) {}
+      : m_(parts), residual_(residual), quantities_(parts.tree, parts.rows, parts.states.n_algebraic()) {}
 
   const Quantities& quantities() const { return quantities_; }
   /// As in Mechanism.

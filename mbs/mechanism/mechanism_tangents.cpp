@@ -30,6 +30,9 @@ void MechanismTangents::evaluate(const State& s, ConstVectorRef v_dot, TangentSc
   z_q.setZero();
   h_q.setZero();
   for (MatrixXd* m : {&out.z_v, &out.z_c, &out.z_a}) m->setZero();
+  if (m_.followed.any())
+    for (MatrixXd* m : {&out.g_c, &out.h_c})
+      m->setZero(static_cast<Eigen::Index>(m_.rows.kept().size()), m_.tree.n_dyn);
   if (with_modes) m_.modes.mode_columns(work.motion, work.wrenches, T.inertia, z_q, out.z_v);
   m_.inertia.joint_columns(with_modes, T.inertia, z_q, out.z_v);
   m_.modes.following_columns(work.motion, work.wrenches, T.inertia, out.z_c);
@@ -37,6 +40,7 @@ void MechanismTangents::evaluate(const State& s, ConstVectorRef v_dot, TangentSc
                            {work.motion, work.signals, work.rows, T.inertia, T.elements}, out);
   elements.all_signals();
   elements.all_elements();
+  elements.all_followed(m_.followed);
   difference_elements(s, scope, work, out);
   difference_following(s, v_dot, work, out);
   m_.coordinates.take_to_coordinates(s.p.data(), z_q, out.z_p);
@@ -114,16 +118,22 @@ void MechanismTangents::difference_elements(const State& s, TangentScope scope, 
   };
   for (int j = 0; j < m_.tree.n_v; ++j)
     if (scope == TangentScope::everything || !T.elements.is_elastic[j]) along(moved.v, j, out.z_v.col(j));
-  for (int j = 0; j < m_.tree.n_dyn; ++j) along(moved.c, j, out.z_c.col(j));
+  for (int j = 0; j < m_.tree.n_dyn; ++j) {
+    along(moved.c, j, out.z_c.col(j));
+    if (out.h_c.size() > 0) out.h_c.col(j) += (T.h_plus - T.h) / (2.0 * h * std::max(1.0, std::abs(s.c(j))));
+  }
   for (Eigen::Index j = 0; j < s.a.size(); ++j) along(moved.a, static_cast<int>(j), out.z_a.col(j));
 }
 
-// By the motion and by the states of others: central differences, of which rigid bodies have few.  By
-// accelerations and reactions, which act linearly, unit steps are exact.
+// Rates of deformations that do not act back, and equations of measures of accelerations and reactions, by the motion and
+// by the states of others: central differences, of which rigid bodies have few.  By accelerations and reactions, which
+// act linearly, unit steps are exact.
 void MechanismTangents::difference_following(const State& s, ConstVectorRef v_dot, MechanismScratch& work,
                                              TangentMatrices& out) const {
-  const int first = m_.tree.n_own, n = m_.tree.n_dyn - first;
-  if (n == 0) return;
+  const int first = m_.tree.n_own, n = m_.tree.n_dyn - first,
+            n_coupled = static_cast<int>(m_.states.coupled_measures().size()),
+            at_coupled = m_.tree.n_v + m_.tree.n_dyn + static_cast<int>(m_.states.algebraic().size());
+  if (n == 0 && n_coupled == 0) return;
   MechanismScratch::Tangents& T = *work.tangents;
   State& moved = T.moved;
   moved = s;
@@ -132,6 +142,7 @@ void MechanismTangents::difference_following(const State& s, ConstVectorRef v_do
                        z.tail(z.size() - m_.tree.n_v - m_.tree.n_dyn));
   };
   const auto change = [&](double step) { return (T.z_plus - T.z).segment(m_.tree.n_v + first, n) / step; };
+  const auto coupled = [&](double step) { return (T.z_plus - T.z).segment(at_coupled, n_coupled) / step; };
   for (int j = 0; j < m_.tree.n_v; ++j) {
     T.step(j) = kCentralStep;
     m_.coordinates.retract(s.p, T.step, moved.p);
@@ -142,6 +153,7 @@ void MechanismTangents::difference_following(const State& s, ConstVectorRef v_do
     T.step(j) = 0.0;
     moved.p = s.p;
     T.elements.z_q.col(j).segment(m_.tree.n_v + first, n) = change(2.0 * kCentralStep);
+    T.elements.z_q.col(j).segment(at_coupled, n_coupled) = coupled(2.0 * kCentralStep);
   }
   const auto along = [&](Eigen::VectorXd& x, Eigen::Index j, auto&& column) {
     const double x_j = x(j), step = kCentralStep * std::max(1.0, std::abs(x_j));
@@ -150,28 +162,40 @@ void MechanismTangents::difference_following(const State& s, ConstVectorRef v_do
     x(j) = x_j - step;
     evaluate(v_dot, T.z);
     x(j) = x_j;
-    column.segment(m_.tree.n_v + first, n) = change(2.0 * step);
+    if (&x != &moved.c || j < first) column.segment(m_.tree.n_v + first, n) = change(2.0 * step);
+    column.segment(at_coupled, n_coupled) = coupled(2.0 * step);
   };
   for (int j = 0; j < m_.tree.n_v; ++j) along(moved.v, j, out.z_v.col(j));
-  for (int j = 0; j < first; ++j) along(moved.c, j, out.z_c.col(j));
+  for (int j = 0; j < (n_coupled > 0 ? m_.tree.n_dyn : first); ++j) along(moved.c, j, out.z_c.col(j));
   for (Eigen::Index j = 0; j < s.a.size(); ++j) along(moved.a, j, out.z_a.col(j));
 
-  out.c_v_dot.setZero(m_.tree.n_dyn, m_.tree.n_v);
-  out.c_lambda.setZero(m_.tree.n_dyn, s.lambda.size());
+  if (n > 0) {
+    out.c_v_dot.setZero(m_.tree.n_dyn, m_.tree.n_v);
+    out.c_lambda.setZero(m_.tree.n_dyn, s.lambda.size());
+  }
+  if (n_coupled > 0) {
+    out.b_v_dot.setZero(m_.n_algebraic(), m_.tree.n_v);
+    out.b_lambda.setZero(m_.n_algebraic(), s.lambda.size());
+  }
+  const auto in_b = static_cast<Eigen::Index>(m_.states.algebraic().size());
+  const auto store = [&](MatrixXd& of_c, MatrixXd& of_b, Eigen::Index column) {
+    if (n > 0) of_c.col(column).tail(n) = change(1.0);
+    if (n_coupled > 0) of_b.col(column).segment(in_b, n_coupled) = coupled(1.0);
+  };
   evaluate(v_dot, T.z);
   T.step = v_dot;
   for (int j = 0; j < m_.tree.n_v; ++j) {
     T.step(j) += 1.0;
     evaluate(T.step, T.z_plus);
     T.step(j) = v_dot(j);
-    out.c_v_dot.col(j).tail(n) = change(1.0);
+    store(out.c_v_dot, out.b_v_dot, j);
   }
   T.step.setZero();
   for (Eigen::Index k = 0; k < s.lambda.size(); ++k) {
     moved.lambda(k) += 1.0;
     evaluate(v_dot, T.z_plus);
     moved.lambda(k) = s.lambda(k);
-    out.c_lambda.col(k).tail(n) = change(1.0);
+    store(out.c_lambda, out.b_lambda, k);
   }
 }
 

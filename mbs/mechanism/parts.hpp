@@ -5,6 +5,7 @@
 #include "mbs/mechanism/dynamics/mass_matrix.hpp"
 #include "mbs/mechanism/elements/constraint_rows.hpp"
 #include "mbs/mechanism/elements/element_states.hpp"
+#include "mbs/mechanism/elements/followed_signals.hpp"
 #include "mbs/mechanism/motion/tree_motion.hpp"
 #include "mbs/mechanism/tangents/element_tangents.hpp"
 #include "mbs/mechanism/tangents/inertia_tangents.hpp"
@@ -24,6 +25,7 @@ struct MechanismParts {
         mass(tree),
         states(tree),
         rows(tree),
+        followed(tree, states, rows),
         inertia(tree),
         modes(tree) {}
 
@@ -34,10 +36,11 @@ struct MechanismParts {
   MassMatrix mass;
   ElementStates states;
   ConstraintRows rows;
+  FollowedSignals followed;
   InertiaTangents inertia;
   ModeTangents modes;
 
-  int n_algebraic() const { return static_cast<int>(states.algebraic().size() + rows.contacts().size()); }
+  int n_algebraic() const { return states.n_algebraic() + static_cast<int>(rows.contacts().size()); }
 };
 
 struct MechanismScratch final : Equations::Scratch {
@@ -47,6 +50,7 @@ struct MechanismScratch final : Equations::Scratch {
     parts.mass.size(inertias);
     parts.states.size(static_cast<int>(parts.rows.contacts().size()), signals);
     parts.rows.size(rows);
+    parts.followed.size(rows.followed);
   }
 
   Motion motion;

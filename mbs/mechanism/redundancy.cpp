@@ -65,10 +65,10 @@ std::vector<int> independent_rows(const MatrixXd& G, const std::vector<bool>& of
 
 }  // namespace
 
-Redundancy find_redundancy(const Equations& mechanism, double t, ConstVectorRef p, const VectorXd& scale,
+Redundancy find_redundancy(const Equations& mechanism, When when, ConstVectorRef p, const VectorXd& scale,
                            const std::vector<bool>& of_positions, const std::vector<bool>& lasts) {
   const auto scratch = mechanism.make_scratch();
-  const ConstraintSizes sizes = mechanism.constraint_sizes(t, p, *scratch);
+  const ConstraintSizes sizes = mechanism.constraint_sizes(when, p, *scratch);
   const int n_rows = static_cast<int>(sizes.is_length.size()), n_v = static_cast<int>(scale.size());
   Redundancy out;
   for (int i = 0; i < n_rows; ++i) out.kept.push_back(i);
@@ -76,7 +76,7 @@ Redundancy find_redundancy(const Equations& mechanism, double t, ConstVectorRef 
   // what is dependent is no matter of masses.
   const auto scaled_G = [&](const VectorXd& at) {
     MatrixXd G(n_rows, n_v);
-    mechanism.constraint_matrix(t, at, *scratch, G);
+    mechanism.constraint_matrix(when, at, *scratch, G);
     G = (G * scale.asDiagonal()).eval();
     // What axes that are parallel but for round-off leave of a row would pass for a direction once
     // normalised.
@@ -116,7 +116,7 @@ Redundancy find_redundancy(const Equations& mechanism, double t, ConstVectorRef 
     return 2.0 * static_cast<double>(random >> 11) / 9007199254740992.0 - 1.0;
   };
   VectorXd g(n_rows);
-  mechanism.position_constraints(t, p, *scratch, g);
+  mechanism.position_constraints(when, p, *scratch, g);
   const double open_at_p = g.norm();
   const MatrixXd held_p = rows_of(G_p);
   Eigen::CompleteOrthogonalDecomposition<MatrixXd> decomposed;
@@ -131,7 +131,7 @@ Redundancy find_redundancy(const Equations& mechanism, double t, ConstVectorRef 
     at = next;
     bool closed = lasting.empty();
     for (int k = 0; k < 20 && !closed; ++k) {
-      mechanism.position_constraints(t, at, *scratch, g);
+      mechanism.position_constraints(when, at, *scratch, g);
       VectorXd open(lasting.size());
       closed = true;
       for (std::size_t i = 0; i < lasting.size(); ++i) {

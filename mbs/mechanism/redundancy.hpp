@@ -17,7 +17,7 @@ struct Redundancy {
 /// Which rows say nothing new at the configuration p and near it.  `scale` is what a coordinate changes by in a motion as
 /// large as the mechanism (n_v); rows `of_positions` are kept before others, and those that `last` say where the mechanism
 /// may be at all times.
-Redundancy find_redundancy(const Equations& mechanism, double t, ConstVectorRef p,
+Redundancy find_redundancy(const Equations& mechanism, When when, ConstVectorRef p,
                            const Eigen::VectorXd& scale, const std::vector<bool>& of_positions,
                            const std::vector<bool>& lasts);
 

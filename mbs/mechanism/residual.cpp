@@ -1,6 +1,8 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include "mbs/mechanism/residual.hpp"
 
+#include "mbs/mechanism/outputs/joint_reaction.hpp"
+
 namespace flexura::mbs {
 
 void Residual::move(Level level, const State& s, const double* v_dot, MechanismScratch& work) const {
@@ -11,12 +13,13 @@ void Residual::move(Level level, const State& s, const double* v_dot, MechanismS
 void Residual::take_states(const State& s, MechanismScratch& work) const {
   m_.states.take_states(s, work.motion, work.signals);
   if (s.a.size() == work.signals.algebraic.size())
-    m_.rows.take_contacts(s.a, static_cast<int>(m_.states.algebraic().size()), work.rows);
+    m_.rows.take_contacts(s.a, m_.states.n_algebraic(), work.rows);
 }
 
 void Residual::observe(const State& s, MechanismScratch& work) const {
   take_states(s, work);
   m_.states.evaluate_signals(work.motion, work.signals);
+  m_.followed.evaluate(Level::velocity, work.motion, work.signals, work.rows);
 }
 
 // After move() on acceleration level: what moves the bodies less what acts on them.
@@ -25,9 +28,24 @@ void Residual::finish(const State& s, MechanismScratch& work, VectorRef r, Vecto
   take_states(s, work);
   m_.dynamics.body_forces(work.motion, work.wrenches);
   m_.states.evaluate_signals(work.motion, work.signals);
+  m_.followed.evaluate(Level::velocity, work.motion, work.signals, work.rows);
+  const std::vector<int>& coupled = m_.states.coupled_measures();
+  if (!coupled.empty()) work.wrenches.on_closure.assign(m_.tree.places.size(), Vector6d::Zero());
   element_loads(s, Which::all, c_rate, b, work);
   m_.dynamics.backward(work.motion, work.wrenches, r.data());
+  coupled_equations(work, b);
   m_.dynamics.following_rates(work.motion, work.wrenches, c_rate.data());
+}
+
+// Of measures of accelerations and reactions: what they are taken for less what they are.
+void Residual::coupled_equations(MechanismScratch& work, VectorRef b) const {
+  auto i = static_cast<Eigen::Index>(m_.states.algebraic().size());
+  for (const int which : m_.states.coupled_measures()) {
+    const Measure& measure = *m_.tree.d.measures[static_cast<std::size_t>(which)];
+    b(i) = work.signals.algebraic(i) - shown_value(m_.tree, m_.rows, measure, work.motion, work.wrenches,
+                                                   work.rows, work.signals.values.data());
+    ++i;
+  }
 }
 
 void Residual::momentum(const State& s, ConstVectorRef v_dot, MechanismScratch& work, VectorRef r,
@@ -41,6 +59,7 @@ void Residual::residuals(const State& s, ConstVectorRef v_dot, ConstVectorRef mu
                          VectorRef GT_mu) const {
   move(Level::acceleration, s, v_dot.data(), work);
   if (mu.size() > 0) {
+    if (m_.followed.any()) observe(s, work);
     m_.rows.position(work.motion, work.rows, g);
     m_.rows.velocity(work.motion, work.rows, g_dot);
     m_.dynamics.clear_loads(work.wrenches);
@@ -71,8 +90,7 @@ void Residual::element_loads(const State& s, Which which, VectorRef c_rate, Vect
   }
   if (all) {
     m_.states.algebraic_equations(work.signals, b);
-    m_.rows.contact_equations(work.signals.algebraic, static_cast<int>(m_.states.algebraic().size()),
-                              work.motion, b);
+    m_.rows.contact_equations(work.signals.algebraic, m_.states.n_algebraic(), work.motion, b);
   }
   BodyLoads reactions(m_.tree, work.motion, work.wrenches, -1.0);
   m_.rows.add_constraint_loads(s.lambda.data(), which, work.motion, work.rows, reactions);

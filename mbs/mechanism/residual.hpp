@@ -37,6 +37,7 @@ class Residual {
 
  private:
   void finish(const State& s, MechanismScratch& work, VectorRef r, VectorRef c_rate, VectorRef b) const;
+  void coupled_equations(MechanismScratch& work, VectorRef b) const;
 
   const MechanismParts& m_;
 };

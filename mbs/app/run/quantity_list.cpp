@@ -23,7 +23,7 @@ std::vector<Listed> listed(const mbs::PreparedMechanism& p) {
   for (const mbs::OutputInfo& info : m.quantities())
     list.push_back({info.name, mbs::unit_of(info), info.doc});
   for (const int i : m.usual_quantities()) list[i].is_usual = true;
-  const std::vector<bool> open = m.not_unique(p.state.t, p.state.p);
+  const std::vector<bool> open = m.not_unique(p.state, p.state.p);
   for (std::size_t i = 0; i < open.size(); ++i) list[i].is_unique = !open[i];
   for (const mbs::OutputInfo& info : mbs::run_quantities()) list.push_back({info.name, "J", info.doc, true});
   return list;

@@ -24,7 +24,8 @@ Coupler::Term term(const ReadContext& c, CoordinateRef coordinate, double factor
 }
 
 input::Key offset() {
-  return input::expression("offset", "value of the sum: a formula of t and parameters").or_default("0");
+  return input::expression("offset", "value of the sum: a formula of t, parameters and states of controls")
+      .or_default("0");
 }
 
 std::vector<input::Key> ends() {
@@ -102,12 +103,14 @@ std::shared_ptr<const Constraint> read_point_on_path(const std::string& name, co
                     : word == "along" ? PathOrientation::along
                                       : PathOrientation::fixed;
   law.goes_on = s.text("ends") == "straight";
-  if (s.has("place")) law.place = c.time_expression(s, "place");
+  if (s.has("place")) law.place = c.motion_expression(s, "place");
   if (s.has("near")) law.near = s.quantity("near");
   if (s.has("near") && s.has("place"))
     s.refuse("near", "stands beside place, which says where", "take it away");
   for (const auto& [key, at] : {std::pair("near", s.has("near") ? law.near : 0.0),
-                                std::pair("place", law.place ? law.place->time_derivatives(0.0).value : 0.0)})
+                                std::pair("place", law.place && !law.place.follows()
+                                                       ? law.place.formula()->time_derivatives(0.0).value
+                                                       : 0.0)})
     if (!law.goes_on && !path->holds(at))
       s.refuse(
           key,
@@ -132,7 +135,9 @@ ConstraintType point_on_path() {
               "about it, its y axis to the side of the path and z up (a prismatic joint whose axis bends)")
            .or_default("free"),
        expression("place", dim::length,
-                  "drives it: where along the path M stands, a formula of t and parameters; without it free"),
+                  "drives it: where along the path M stands, a formula of t, parameters and states of "
+                  "controls; without "
+                  "it free"),
        choice("ends", {"stop", "straight"},
               "where M passes an end of the path: stop: the run ends there and says so; straight: the path "
               "goes on "
@@ -202,7 +207,7 @@ ConstraintType coupler() {
         std::vector<Coupler::Term> terms;
         for (std::size_t i = 0; i < joints.size(); ++i)
           terms.push_back(term(c, c.coordinate(s, "joints", joints[i]), factors[i], std::to_string(i + 1)));
-        return std::make_shared<Coupler>(name, std::move(terms), c.time_expression(s, "offset"));
+        return std::make_shared<Coupler>(name, std::move(terms), c.motion_expression(s, "offset"));
       }};
 }
 
@@ -227,7 +232,7 @@ ConstraintType gear() {
             std::vector<Coupler::Term> terms{
                 term(c, c.coordinate(s, "joint_1", s.text("joint_1")), 1.0, "1"),
                 term(c, c.coordinate(s, "joint_2", s.text("joint_2")), ratio, "2")};
-            return std::make_shared<Coupler>(name, std::move(terms), c.time_expression(s, "offset"));
+            return std::make_shared<Coupler>(name, std::move(terms), c.motion_expression(s, "offset"));
           }};
 }
 
@@ -246,7 +251,7 @@ ConstraintType rack_and_pinion() {
             std::vector<Coupler::Term> terms{
                 term(c, c.coordinate(s, "rack", s.text("rack")), 1.0, "rack"),
                 term(c, c.coordinate(s, "pinion", s.text("pinion")), -s.quantity("radius"), "pinion")};
-            return std::make_shared<Coupler>(name, std::move(terms), c.time_expression(s, "offset"));
+            return std::make_shared<Coupler>(name, std::move(terms), c.motion_expression(s, "offset"));
           }};
 }
 

@@ -66,8 +66,7 @@ MeasureType acceleration(const char* name, const char* doc) {
   using namespace input;
   MeasureType type;
   type.name = name;
-  type.doc = std::string(doc) +
-             " Results show it and formulas of measures may read it; forces and controls may not.";
+  type.doc = std::string(doc) + " Formulas may read it: see `load_cell`.";
   type.keys = {text("from", "marker F that it is seen from; \"ground\" for the absolute one").required(),
                text("to", "marker M that it is taken of").required(),
                text("axes", "marker in whose axes the direction stands; without it F"),
@@ -88,7 +87,11 @@ MeasureType load_cell() {
       "load_cell",
       "Component of the force through a joint, or of the torque, on the body of the joint's `to`, in axes "
       "and about a "
-      "point of choice. Results show it and formulas of measures may read it; forces and controls may not.",
+      "point of choice. Where formulas of forces, controls or drives by acceleration read it (friction that "
+      "follows its load), it "
+      "is solved for together with the accelerations; what has no solution, like friction that locks by the "
+      "load it makes, "
+      "stops the run and says so.",
       {text("joint", "the joint").required(),
        choice("quantity", {"force", "torque"}, "which of the two").or_default("force"),
        text("at", "marker about whose origin the torque is taken; without it the joint's `to`"),
@@ -119,8 +122,7 @@ MeasureType surface_distance() {
       "How near the surfaces of two bodies come to each other, as they are deformed, 0 where they cross: of "
       "the superelements' "
       "facets, "
-      "which stand off round faces a little. Results show it and formulas of measures may read it; forces "
-      "and controls may not.";
+      "which stand off round faces a little. Formulas may read it.";
   type.keys = {
       input::text("from", "one body, made of a superelement with pictures, of any fidelity").required(),
       input::text("to", "the other").required()};

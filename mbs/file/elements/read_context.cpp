@@ -3,6 +3,9 @@
 
 #include <fmt/format.h>
 
+#include "mbs/base/documents/formula_text.hpp"
+#include "mbs/controls/state.hpp"
+
 namespace flexura::mbs {
 namespace {
 
@@ -174,6 +177,39 @@ std::shared_ptr<const Expression> ReadContext::time_expression_of(const input::S
   return f;
 }
 
+std::shared_ptr<const Expression> ReadContext::motion_expression(const input::Section& section,
+                                                                 const std::string& key) const {
+  return motion_expression_of(section, key, section.text(key));
+}
+
+std::shared_ptr<const Expression> ReadContext::motion_expression_of(const input::Section& section,
+                                                                    const std::string& key,
+                                                                    const std::string& formula) const {
+  const SignalNames names = d_.signals.within(prefix_);
+  // What depends on time alone holds no conditions.
+  if (compile(section, key, formula, names, parameters_, tables_)->reads().empty())
+    return time_expression_of(section, key, formula);
+  auto f = compile(section, key, formula, names, parameters_, tables_, &d_.signals);
+  d_.formulas.push_back({f, true});
+  return f;
+}
+
+std::shared_ptr<const Expression> ReadContext::state_expression(const input::Section& section,
+                                                                const std::string& key,
+                                                                const std::string& name,
+                                                                std::shared_ptr<const Expression> rate,
+                                                                double start) const {
+  std::string own = name;
+  for (char& c : own)
+    if (std::string_view(input::name_characters).find(c) == std::string_view::npos) c = '_';
+  while (d_.signals.find(own) >= 0) own += '_';
+  d_.signals.add(own);
+  d_.controls.push_back(std::make_shared<StateEquation>(own, std::move(rate), start));
+  auto f = compile(section, key, own, d_.signals, {}, {}, &d_.signals);
+  d_.formulas.push_back({f, true});
+  return f;
+}
+
 std::shared_ptr<const Expression> ReadContext::input_expression(const input::Section& section,
                                                                 const std::string& key) const {
   return compile(section, key, section.text(key), SignalNames(), parameters_, tables_);
@@ -185,20 +221,6 @@ void ReadContext::add_measure(const input::Section& section, std::shared_ptr<con
     section.refuse("", fmt::format("\"{}\" is taken already in formulas", name), "choose another name");
   d_.signals.add(name);
   d_.measures.push_back(std::move(measure));
-}
-
-void ReadContext::refuse_shown(const input::Section& section, const std::vector<int>& reads) const {
-  for (const int place : reads)
-    for (const auto& measure : d_.measures) {
-      if (d_.signals.find(measure->name()) != place) continue;
-      if (measure->is_only_shown())
-        section.refuse(
-            "",
-            fmt::format("reads \"{}\", an acceleration or reaction: these are known only after the forces",
-                        measure->name()),
-            "read positions and speeds, or an algebraic control that says what it follows from");
-      refuse_shown(section, measure->reads());
-    }
 }
 
 std::shared_ptr<const Curve> ReadContext::table(const input::Section& section, const std::string& key) const {

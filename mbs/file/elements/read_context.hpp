@@ -75,6 +75,17 @@ class ReadContext {
   /// A formula of time and parameters that prescribes a motion.
   std::shared_ptr<const Expression> time_expression(const input::Section& section,
                                                     const std::string& key) const;
+  /// The same, or one of signals (a control's states), known by their names once controls are read.
+  std::shared_ptr<const Expression> motion_expression(const input::Section& section,
+                                                      const std::string& key) const;
+  std::shared_ptr<const Expression> motion_expression_of(const input::Section& section,
+                                                         const std::string& key,
+                                                         const std::string& formula) const;
+  /// A formula of one signal, `name` or near to it, whose rate is `rate`: a new state.
+  std::shared_ptr<const Expression> state_expression(const input::Section& section, const std::string& key,
+                                                     const std::string& name,
+                                                     std::shared_ptr<const Expression> rate,
+                                                     double start) const;
   /// The same for an input, which moves nothing unless a formula reads it.
   std::shared_ptr<const Expression> input_expression(const input::Section& section,
                                                      const std::string& key) const;
@@ -83,8 +94,6 @@ class ReadContext {
 
   /// Adds a measure that formulas read by its name from here on; refused where the name is taken.
   void add_measure(const input::Section& section, std::shared_ptr<const Measure> measure) const;
-  /// Refuses an element that reads accelerations or reactions, by itself or through measures.
-  void refuse_shown(const input::Section& section, const std::vector<int>& reads) const;
 
   /// The table that a key names.
   std::shared_ptr<const Curve> table(const input::Section& section, const std::string& key) const;

@@ -1,6 +1,8 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include "mbs/mechanism/elements/constraint_rows.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <limits>
 
@@ -70,6 +72,12 @@ ConstraintRows::ConstraintRows(const Topology& tree) : tree_(tree), closures_(tr
       const CoordinateRef c{static_cast<int>(j), index};
       driven_.resize(constraints_.size() + 1);
       driven_.back() = c;
+      if (level == DriveLevel::acceleration && !motion->reads().empty())
+        throw std::invalid_argument(
+            fmt::format("{} = \"{}\": an acceleration that follows signals is a state; drive the speed by a "
+                        "control of type "
+                        "state with this rate",
+                        motion->where(), motion->text()));
       constraints_.push_back(std::make_shared<DriveConstraint>(joint.name, c, motion, level, start_speed));
     };
     for (const auto& [index, motion] : joint.drives) drive(index, motion, DriveLevel::position);
@@ -96,6 +104,7 @@ void ConstraintRows::size(RowValues& rows) const {
   rows.x.setZero(n_all());
   rows.g.setZero(n_all());
   rows.contacts.assign(constraints_.size(), std::numeric_limits<double>::quiet_NaN());
+  rows.followed.of_constraints.assign(constraints_.size(), Jet{});
 }
 
 void ConstraintRows::keep_all() {
@@ -112,11 +121,13 @@ void ConstraintRows::list_kinds(Motion& motion, RowValues& rows, std::vector<boo
   for (std::size_t k = 0; k < constraints_.size(); ++k) {
     const Constraint& constraint = *constraints_[k];
     own_contact(k, motion, rows);
-    constraint.rate(motion.kin, rows.g.data() + first_row_[k]);
+    const bool follows = constraint.following().formula != nullptr;
+    if (!follows) constraint.rate(motion.kin, rows.g.data() + first_row_[k]);
     for (int i = 0; i < constraint.n_rows(); ++i) {
       const auto row = static_cast<std::size_t>(first_row_[k] + i);
       of_positions[row] = constraint.is_holonomic(i);
-      lasts[row] = of_positions[row] && !constraint.reads_time(i) && rows.g(first_row_[k] + i) == 0.0;
+      lasts[row] =
+          of_positions[row] && !follows && !constraint.reads_time(i) && rows.g(first_row_[k] + i) == 0.0;
     }
   }
 }
@@ -130,6 +141,7 @@ void ConstraintRows::leave_out(std::vector<int> kept, std::vector<int> left_out,
 
 void ConstraintRows::own_contact(std::size_t constraint, Motion& motion, RowValues& rows) const {
   motion.kin.own.contact = &rows.contacts[constraint];
+  motion.kin.own.followed = &rows.followed.of_constraints[constraint];
 }
 
 void ConstraintRows::take_contacts(const Eigen::VectorXd& algebraic, int n_before, RowValues& rows) const {
@@ -171,9 +183,11 @@ void ConstraintRows::acceleration(Motion& motion, RowValues& rows, VectorRef g_d
   evaluate([&](const Constraint& c, double* out) { c.acceleration(motion.kin, out); }, motion, rows, g_ddot);
 }
 
-double ConstraintRows::power(const double* lambda, const Motion& motion, RowValues& rows) const {
-  for (std::size_t k = 0; k < constraints_.size(); ++k)
+double ConstraintRows::power(const double* lambda, Motion& motion, RowValues& rows) const {
+  for (std::size_t k = 0; k < constraints_.size(); ++k) {
+    own_contact(k, motion, rows);
     constraints_[k]->rate(motion.kin, rows.g.data() + first_row_[k]);
+  }
   double power = 0.0;
   for (std::size_t i = 0; i < kept_rows_.size(); ++i) power += lambda[i] * rows.g(kept_rows_[i]);
   return power;

@@ -13,10 +13,18 @@
 /// left out because they follow from them.
 namespace flexura::mbs {
 
+/// What rows follow, see followed_signals.hpp.
+struct FollowedValues {
+  std::vector<Jet> of_constraints;  ///< of each constraint
+  std::vector<Jet> signals;  ///< of each signal, as far as it is needed; empty where nothing is followed
+  Eigen::VectorXd c_rate, c_rate_2;
+};
+
 /// What ConstraintRows leaves of one state.
 struct RowValues {
   Eigen::VectorXd x, g;          ///< one entry for each row, redundant ones included
   std::vector<double> contacts;  ///< of each constraint, where it has one: see OwnStates::contact
+  FollowedValues followed;
 };
 
 /// Elements whose derivatives are known, those that are differenced, or all.
@@ -57,7 +65,7 @@ class ConstraintRows {
   void leave_out(std::vector<int> kept, std::vector<int> left_out,
                  std::vector<std::vector<int>> follows_from);
 
-  /// The constraint's place for its contact, into kin.own.
+  /// The constraint's place for its contact and what it follows, into kin.own.
   void own_contact(std::size_t constraint, Motion& motion, RowValues& rows) const;
   /// Contacts from the algebraic states behind the first n_before; and b of them.
   void take_contacts(const Eigen::VectorXd& algebraic, int n_before, RowValues& rows) const;
@@ -70,7 +78,7 @@ class ConstraintRows {
   void velocity(Motion& motion, RowValues& rows, VectorRef g_dot) const;
   void acceleration(Motion& motion, RowValues& rows, VectorRef g_ddot) const;
   /// Of the constraint forces: -G^T lambda have the power -lambda . G v = lambda . g_t.
-  double power(const double* lambda, const Motion& motion, RowValues& rows) const;
+  double power(const double* lambda, Motion& motion, RowValues& rows) const;
   /// Loads G^T lambda of the kept rows' constraints; rows.x holds lambda among all rows then.
   void add_constraint_loads(const double* lambda, Which which, Motion& motion, RowValues& rows,
                             Loads& loads) const;

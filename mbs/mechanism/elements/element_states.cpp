@@ -53,6 +53,11 @@ ElementStates::ElementStates(const Topology& tree) : tree_(tree) {
   };
   for (const auto& force : tree_.d.forces) mark(force->reads());
   for (const auto& control : tree_.d.controls) mark(control->reads());
+  for (const JointDescription& joint : tree_.d.joints)
+    for (const auto* drives : {&joint.drives, &joint.speed_drives, &joint.acceleration_drives})
+      for (const auto& [index, motion] : *drives) mark(motion->reads());
+  for (const auto& constraint : tree_.d.constraints)
+    if (const Following what = constraint->following(); what.formula) mark(what.formula->reads());
   // A measure reads only measures before it: backwards, so that what a used one needs is used too.
   for (std::size_t i = tree_.d.measures.size(); i-- > 0;)
     if (const int k = tree_.d.signals.find(tree_.d.measures[i]->name()); k >= 0 && is_used[k])
@@ -60,10 +65,7 @@ ElementStates::ElementStates(const Topology& tree) : tree_(tree) {
   for (std::size_t i = 0; i < tree_.d.measures.size(); ++i)
     if (const int k = tree_.d.signals.find(tree_.d.measures[i]->name());
         k >= 0 && is_used[k] && tree_.d.measures[i]->is_only_shown())
-      throw std::invalid_argument(fmt::format(
-          "a force or control reads the measure \"{}\", an acceleration or reaction: these are known only "
-          "after the forces; read positions and speeds",
-          tree_.d.measures[i]->name()));
+      coupled_measures_.push_back(static_cast<int>(i));
   list_conditions(is_used);
   list_curves();
   // Coordinates, outputs that depend on states alone, measures in their order, then what feeds through.
@@ -84,10 +86,15 @@ ElementStates::ElementStates(const Topology& tree) : tree_(tree) {
   });
 }
 
+int ElementStates::coupled_measure(int measure) const {
+  const auto found = std::ranges::find(coupled_measures_, measure);
+  return found == coupled_measures_.end() ? -1 : static_cast<int>(found - coupled_measures_.begin());
+}
+
 void ElementStates::size(int n_contacts, Signals& signals) const {
   signals.values.setZero(tree_.d.signals.size());
   signals.switches.assign(n_switches(), 0);
-  signals.algebraic.setZero(static_cast<Eigen::Index>(algebraic_.size()) + n_contacts);
+  signals.algebraic.setZero(n_algebraic() + n_contacts);
   signals.inputs.setZero(static_cast<Eigen::Index>(tree_.d.inputs.size()));
 }
 
@@ -97,7 +104,7 @@ void ElementStates::start(State& s, int n_contacts) const {
     tree_.d.controls[i]->start(s.c.data() + first_state_[i]);
   for (std::size_t i = 0; i < tree_.d.forces.size(); ++i)
     tree_.d.forces[i]->start(s.c.data() + first_force_state_[i]);
-  s.a.resize(static_cast<Eigen::Index>(algebraic_.size()) + n_contacts);
+  s.a.setZero(n_algebraic() + n_contacts);
   for (std::size_t k = 0; k < algebraic_.size(); ++k)
     s.a(static_cast<Eigen::Index>(k)) = tree_.d.controls[algebraic_[k]]->start_algebraic();
   s.root.assign(n_switches(), 0);
@@ -140,27 +147,32 @@ void ElementStates::own_states(std::size_t force, Motion& motion, const Signals&
 
 void ElementStates::evaluate_signals(Motion& motion, Signals& signals) const {
   signals.values(0) = motion.kin.t;
-  for (int k : used_signals_) {
-    const SignalSource& source = sources_[k];
-    switch (source.kind) {
-      case SignalSource::Kind::time:
-        break;
-      case SignalSource::Kind::coordinate:
-        signals.values(k) = motion.kin.coordinate(source.coordinate);
-        break;
-      case SignalSource::Kind::speed:
-        signals.values(k) = motion.kin.speed(source.coordinate);
-        break;
-      case SignalSource::Kind::input:
-        signals.values(k) = input_now(source.element, motion, signals);
-        break;
-      case SignalSource::Kind::control:
-        signals.values(k) = control_output(source.element, motion, signals);
-        break;
-      case SignalSource::Kind::measure:
+  for (int k : used_signals_) evaluate_signal(k, motion, signals);
+}
+
+void ElementStates::evaluate_signal(int k, const Motion& motion, Signals& signals) const {
+  const SignalSource& source = sources_[k];
+  switch (source.kind) {
+    case SignalSource::Kind::time:
+      break;
+    case SignalSource::Kind::coordinate:
+      signals.values(k) = motion.kin.coordinate(source.coordinate);
+      break;
+    case SignalSource::Kind::speed:
+      signals.values(k) = motion.kin.speed(source.coordinate);
+      break;
+    case SignalSource::Kind::input:
+      signals.values(k) = input_now(source.element, motion, signals);
+      break;
+    case SignalSource::Kind::control:
+      signals.values(k) = control_output(source.element, motion, signals);
+      break;
+    case SignalSource::Kind::measure:
+      if (const int i = coupled_measure(source.element); i >= 0)
+        signals.values(k) = signals.algebraic(static_cast<Eigen::Index>(algebraic_.size()) + i);
+      else
         signals.values(k) = tree_.d.measures[source.element]->value(motion.kin, signals.values.data());
-        break;
-    }
+      break;
   }
 }
 

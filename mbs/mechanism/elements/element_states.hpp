@@ -17,7 +17,7 @@ namespace flexura::mbs {
 struct Signals {
   Eigen::VectorXd values;     ///< of all signals; those that nothing reads are not kept up
   std::vector<int> switches;  ///< positions of all of them
-  Eigen::VectorXd algebraic;  ///< of controls, then contacts of constraints
+  Eigen::VectorXd algebraic;  ///< of controls, of measures, then contacts of constraints
   Eigen::VectorXd inputs;     ///< what is added to them
 };
 
@@ -40,6 +40,12 @@ class ElementStates {
   int n_switches() const { return first_switch_.back() + static_cast<int>(conditions_.size()); }
   bool is_condition(int root) const { return root >= first_switch_.back(); }
   const std::vector<int>& algebraic() const { return algebraic_; }  ///< controls with an algebraic state
+  /// Measures of accelerations and reactions that forces or controls read: their values are algebraic states, too.
+  const std::vector<int>& coupled_measures() const { return coupled_measures_; }
+  /// Among them; -1 for another measure.
+  int coupled_measure(int measure) const;
+  /// Algebraic states of controls and measures, the first of all.
+  int n_algebraic() const { return static_cast<int>(algebraic_.size() + coupled_measures_.size()); }
   const std::vector<int>& used_signals() const {
     return used_signals_;
   }                                                                      ///< in the order of their evaluation
@@ -59,6 +65,8 @@ class ElementStates {
   void take_states(const State& s, Motion& motion, Signals& signals) const;
   /// Those that anything reads, after forward() on level velocity and take_states().
   void evaluate_signals(Motion& motion, Signals& signals) const;
+  /// One of them, after those that it reads.
+  void evaluate_signal(int place, const Motion& motion, Signals& signals) const;
   /// What a force has of its own, into kin.own.
   void own_states(std::size_t force, Motion& motion, const Signals& signals) const;
   double control_output(int control, const Motion& motion, const Signals& signals) const;
@@ -93,7 +101,7 @@ class ElementStates {
   std::vector<int>
       first_force_state_;  ///< of each force in c, after the controls; the number of all at the end
   std::vector<int> first_control_switch_;  ///< of each control, and their number at the end
-  std::vector<int> algebraic_;
+  std::vector<int> algebraic_, coupled_measures_;
   std::vector<int> first_switch_;      ///< of each force among the switches, and their number at the end
   std::vector<Condition> conditions_;  ///< the last of the switches
   std::vector<std::shared_ptr<const TimeFunction>> functions_of_time_;

@@ -33,11 +33,13 @@ StartValues::StartValues(const Topology& tree, const TreeMotion& kinematics, con
       stand_at(b, *tree_.d.bodies[b].X_WB, at);
     }
     for (const auto& [index, motion] : joint.drives) {
+      if (!motion->reads().empty()) continue;  // of states: Mechanism::initial_state
       const Jet f = motion->time_derivatives(0.0);
       p[place.i_p + index] = f.value;
       v[place.i_v + index] = f.first;
     }
-    for (const auto& [index, motion] : joint.speed_drives) v[place.i_v + index] = motion->evaluate(&t_0);
+    for (const auto& [index, motion] : joint.speed_drives)
+      if (motion->reads().empty()) v[place.i_v + index] = motion->evaluate(&t_0);
     for (const auto& [index, value] : joint.initial_coordinates) {
       p[place.i_p + index] = value;
       given_p[place.i_p + index] = true;

@@ -3,6 +3,8 @@
 
 #include <Eigen/Geometry>
 
+#include "mbs/mechanism/outputs/joint_reaction.hpp"
+
 /// The values of quantities at one state.
 namespace flexura::mbs {
 
@@ -24,21 +26,7 @@ std::vector<int> Quantities::usual() const {
 
 Vector6d Quantities::joint_reaction(int joint, const Motion& motion, const Wrenches& wrenches,
                                     const RowValues& rows) const {
-  const JointPlace& place = tree_.places[joint];
-  const Pose &F = motion.kin.markers[place.marker_F].X_WP, &M = motion.kin.markers[place.marker_M].X_WP;
-  if (!place.in_tree()) {
-    const auto [closure, k] = rows_.closure(joint);
-    if (!closure) return wrenches.on_closure[joint];
-    return wrenches.on_closure[joint] - closure->wrench_on_M(motion.kin, rows.x.data() + rows_.first_row(k));
-  }
-  for (int b : tree_.order) {
-    if (tree_.bodies[b].joint != joint) continue;
-    const Spatial& through = wrenches.bodies[b].through_joint;
-    if (!tree_.bodies[b].reversed) return (F.R.transpose() * through).vector();
-    const Spatial on_M = shift_wrench(through, F.p - M.p);
-    return -(F.R.transpose() * on_M).vector();
-  }
-  return Vector6d::Zero();
+  return mbs::joint_reaction(tree_, rows_, joint, motion, wrenches, rows);
 }
 
 double Quantities::drive_force(int joint, int coordinate, const RowValues& rows) const {

@@ -49,7 +49,13 @@ void ElementTangents::add(int row, int column, double value) {
       e_.signals(row, column) += value;
       break;
     case Target::h:
-      if (column < n_v) e_.h_q(row, column) += value;
+      if (column < n_v)
+        e_.h_q(row, column) += value;
+      else if (column >= 2 * n_v && column < 2 * n_v + n_c && out_.h_c.size() > 0)
+        out_.h_c(row, column - 2 * n_v) += value;
+      break;
+    case Target::g:
+      if (column >= 2 * n_v && column < 2 * n_v + n_c) out_.g_c(row, column - 2 * n_v) += value;
       break;
     case Target::z:
       if (column < n_v)
@@ -159,6 +165,14 @@ void ElementTangents::modal(int body, const Eigen::VectorXd& f) {
 }
 
 void ElementTangents::rate(int i) {
+  if (rate_weights_) {
+    start(Target::h);
+    if (const double weight = rate_weight_ * (*rate_weights_)(i); weight != 0.0)
+      for (int row = 0; row < n_rows_; ++row)
+        if (const int kept = e_.kept[first_row_ + row]; kept >= 0)
+          add_row(kept, weight * followed_by_[row] * Vector6d::Unit(0));
+    return;
+  }
   start(Target::z);
   add_row(tree_.n_v + first_state_ + i, Vector6d::Unit(0));
 }
@@ -305,6 +319,13 @@ void ElementTangents::all_signals() {
         Derivatives::by_speed(source.coordinate, 1.0);
         break;
       case ElementStates::SignalSource::Kind::measure:
+        if (const int i = states_.coupled_measure(source.element); i >= 0) {
+          rows();
+          algebraic_ = static_cast<int>(states_.algebraic().size()) + i;
+          by_algebraic(1.0);
+          algebraic_ = -1;
+          break;
+        }
         tree_.d.measures[source.element]->differentiate(at_.motion.kin, signals, *this);
         break;
       case ElementStates::SignalSource::Kind::control: {
@@ -342,7 +363,7 @@ void ElementTangents::all_elements() {
     tree_.d.controls[states_.algebraic()[k]]->differentiate(signals, nullptr, *this);
   }
   for (std::size_t k = 0; k < rows_of_.contacts().size(); ++k) {
-    algebraic_ = static_cast<int>(states_.algebraic().size() + k);
+    algebraic_ = states_.n_algebraic() + static_cast<int>(k);
     rows_of_.constraints()[rows_of_.contacts()[k]]->differentiate_contact(
         at_.motion.kin, at_.signals.algebraic(algebraic_), *this);
   }

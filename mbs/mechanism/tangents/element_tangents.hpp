@@ -8,6 +8,7 @@
 #include "mbs/kinematics/derivatives.hpp"
 #include "mbs/mechanism/elements/constraint_rows.hpp"
 #include "mbs/mechanism/elements/element_states.hpp"
+#include "mbs/mechanism/elements/followed_signals.hpp"
 #include "mbs/mechanism/tangents/inertia_tangents.hpp"
 #include "mbs/mechanism/tangents/marker_reach.hpp"
 
@@ -59,6 +60,8 @@ class ElementTangents final : public Derivatives, public DeformationDerivatives 
 
   void all_signals();
   void all_elements();
+  /// What rows follow, after all_signals().
+  void all_followed(const FollowedSignals& followed);
 
   using Derivatives::by_coordinate;
   using Derivatives::by_speed;
@@ -83,7 +86,10 @@ class ElementTangents final : public Derivatives, public DeformationDerivatives 
 
  private:
   using Columns6 = ElementVariations::Columns6;
-  enum class Target { z, h, signal };
+  enum class Target { z, h, g, signal };
+  void followed_rows(const FollowedSignals& followed, const FollowedSignals::Follower& follower);
+  void add_followed_rows(const double* by);
+  void rate_of_signal(const FollowedSignals& followed, int place, double weight);
 
   void turn_load(const MarkerReach* reaction, const Matrix3d& R, const Vector6d& wrench);
   void see(int marker_F, int marker_M);
@@ -106,6 +112,10 @@ class ElementTangents final : public Derivatives, public DeformationDerivatives 
   // Of the element at work: its places in c, in a, among all constraint rows, among the signals.
   int first_state_ = 0, algebraic_ = -1, first_row_ = 0, n_rows_ = 0, signal_ = -1;
   Target target_ = Target::z;
+  // Rates of a control's states as what rows follow: the row's derivative by each, and by what they are summed.
+  const Eigen::VectorXd* rate_weights_ = nullptr;
+  double rate_weight_ = 1.0;
+  const double* followed_by_ = nullptr;
   bool is_lifted_ = false;
   Vector6d lift_ = Vector6d::Zero();
 };

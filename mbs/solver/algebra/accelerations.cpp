@@ -100,21 +100,86 @@ bool AccelerationSolver::solve_recursively(State& s, Eigen::VectorXd& v_dot) {
 }
 
 void AccelerationSolver::solve(State& s, Eigen::VectorXd& v_dot) {
-  solve_algebraic(s);
-  if (solve_recursively(s, v_dot)) return;
+  const bool is_coupled = eq_.algebraic_is_coupled();
+  if (!is_coupled) solve_algebraic(s);
+  if (!is_coupled && solve_recursively(s, v_dot)) return;
   M_.setZero(n_.n_v, n_.n_v);
   G_.setZero(n_.n_lambda, n_.n_v);
   eq_.mass_matrix(s.p, *scratch_, M_);
-  eq_.constraint_matrix(s.t, s.p, *scratch_, G_);
+  eq_.constraint_matrix(s, s.p, *scratch_, G_);
   saddle_.factor(eq_, M_, G_);
   v_dot = Eigen::VectorXd::Zero(n_.n_v);
-  // The second pass is one step of iterative refinement; more only where forces depend on the multipliers.
+  if (is_coupled)
+    solve_coupled(saddle_, s, v_dot);
+  else
+    solve_linear(saddle_, s, v_dot);
+}
+
+// The second pass is one step of iterative refinement; more only where forces depend on the multipliers.
+void AccelerationSolver::solve_linear(SaddleSolver& factors, State& s, Eigen::VectorXd& v_dot) {
   double before = std::numeric_limits<double>::infinity();
   for (int pass = 0; pass < 20; ++pass) {
-    const double change = improve(saddle_, s, v_dot);
+    const double change = improve(factors, s, v_dot);
     if (pass > 0 && (change < 1e-12 || change > 0.5 * before)) break;
     before = change;
   }
+}
+
+// For each a the accelerations and multipliers are those of the linear system, and b is what is left of the equation.
+void AccelerationSolver::solve_coupled(SaddleSolver& factors, State& s, Eigen::VectorXd& v_dot) {
+  const auto residual = [&](State& at, Eigen::VectorXd& at_v_dot, Eigen::VectorXd& b) {
+    solve_linear(factors, at, at_v_dot);
+    eq_.momentum(at, at_v_dot, *scratch_, r_, c_rate_, b_);
+    require_finite_forces(eq_, at.t, r_, c_rate_, b_);
+    b = b_;
+  };
+  J_.resize(n_.n_alg, n_.n_alg);
+  b_step_.resize(n_.n_alg);
+  residual(s, v_dot, b_now_);
+  const auto enough = [&](const Eigen::VectorXd& b, const Eigen::VectorXd& a) {
+    return b.lpNorm<Eigen::Infinity>() <= 1e-12 * (a.lpNorm<Eigen::Infinity>() + 1e-300);
+  };
+  double before = std::numeric_limits<double>::infinity();
+  for (int iteration = 0; iteration < 50; ++iteration) {
+    const double now = b_now_.norm();
+    // Round-off of the linear system ends the descent.
+    if (now == 0.0 || enough(b_now_, s.a) ||
+        (iteration > 2 && now >= 0.5 * before && now < 1e-9 * (1.0 + s.a.norm())))
+      return;
+    before = now;
+    for (int j = 0; j < n_.n_alg; ++j) {
+      const double h = 1e-6 * std::max(1.0, std::abs(s.a(j)));
+      trial_ = s;
+      v_dot_trial_ = v_dot;
+      trial_.a(j) += h;
+      residual(trial_, v_dot_trial_, b_step_);
+      J_.col(j) = (b_step_ - b_now_) / h;
+    }
+    step_ = J_.fullPivLu().solve(-b_now_);
+    double alpha = 1.0;
+    for (; alpha > 1e-4; alpha *= 0.5) {
+      trial_ = s;
+      v_dot_trial_ = v_dot;
+      trial_.a += alpha * step_;
+      residual(trial_, v_dot_trial_, b_step_);
+      if (b_step_.norm() < (1.0 - 1e-3 * alpha) * now) break;
+    }
+    if (alpha <= 1e-4) {
+      if (now < 1e-9 * (1.0 + s.a.norm())) return;
+      break;
+    }
+    s = trial_;
+    v_dot = v_dot_trial_;
+    b_now_ = b_step_;
+  }
+  int worst = 0;
+  b_now_.cwiseAbs().maxCoeff(&worst);
+  throw std::runtime_error(fmt::format(
+      "what reads \"{}\" changes it in turn so that accelerations and reactions cannot be solved at t = "
+      "{:.9g} s ({:.3g} is left): where friction follows a load that it makes itself, a coefficient this "
+      "large "
+      "locks or has no solution; make it smaller, or let a control of type filter pass the reading on",
+      eq_.name_of_algebraic(worst), s.t, b_now_(worst)));
 }
 
 // One pass; returns how much it changed, relative to what there is now, in the norm of the kinetic energy:
@@ -122,7 +187,7 @@ void AccelerationSolver::solve(State& s, Eigen::VectorXd& v_dot) {
 double AccelerationSolver::improve(SaddleSolver& factors, State& s, Eigen::VectorXd& v_dot) {
   eq_.momentum(s, v_dot, *scratch_, r_, c_rate_, b_);
   require_finite_forces(eq_, s.t, r_, c_rate_, b_);
-  eq_.acceleration_constraints(s.t, s.p, s.v, v_dot, *scratch_, g_ddot_);
+  eq_.acceleration_constraints(s, s.p, s.v, v_dot, *scratch_, g_ddot_);
   r_ = -r_;
   g_ddot_ = -g_ddot_;
   factors.solve(r_, g_ddot_, dv_, dlambda_);

@@ -13,6 +13,8 @@
 ///     [ M  G^T ] [ v_dot  ]   [    f   ]
 ///     [ G   0  ] [ lambda ] = [ -gamma ],     c_dot = f_c
 ///
+/// Where b holds v_dot or lambda (forces that read reactions) a is sought by Newton's method on b(v_dot(a), lambda(a), a).
+///
 /// Without constraints M^-1 comes from the equations in O(n) (Equations::solve_mass) where they offer it.
 namespace flexura::mbs {
 
@@ -37,6 +39,7 @@ class AccelerationSolver {
   static constexpr double at_round_off = 1e-11;
   /// Without constraints, by M^-1 in O(n); false where the equations do not offer it.
   bool solve_recursively(State& s, Eigen::VectorXd& v_dot);
+  /// Of equations that do not wait for accelerations (Equations::algebraic_is_coupled()).
   void solve_algebraic(State& s);
 
   const Eigen::VectorXd& c_rate() const { return c_rate_; }                      ///< f_c of the last solve
@@ -44,6 +47,8 @@ class AccelerationSolver {
 
  private:
   double improve(SaddleSolver& factors, State& s, Eigen::VectorXd& v_dot);
+  void solve_linear(SaddleSolver& factors, State& s, Eigen::VectorXd& v_dot);
+  void solve_coupled(SaddleSolver& factors, State& s, Eigen::VectorXd& v_dot);
 
   const Equations& eq_;
   Sizes n_;
@@ -53,6 +58,7 @@ class AccelerationSolver {
   Eigen::MatrixXd M_, G_;
   Eigen::VectorXd r_, c_rate_, b_, g_ddot_, dv_, dlambda_;
   // Of the algebraic equations.
+  Eigen::VectorXd v_dot_trial_, b_now_;
   struct Factor;
   std::unique_ptr<Factor> lu_;
   State trial_;

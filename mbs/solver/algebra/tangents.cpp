@@ -62,7 +62,7 @@ void Tangents::by_differences(const Eigen::VectorXd& v_dot, bool skips) {
   for (int j = 0; j < n_.n_dyn; ++j) difference(s_.c, 1.0, j, v_dot, z_c);
   for (int j = 0; j < n_.n_alg; ++j) difference(s_.a, 1.0, j, v_dot, z_a);
   if (n_.n_lambda == 0) return;
-  eq_.velocity_constraints(s_.t, s_.p, s_.v, *scratch_, h_);
+  eq_.velocity_constraints(s_, s_.p, s_.v, *scratch_, h_);
   for (int j = 0; j < n_.n_p; ++j) {
     if (skips && elastic_p_[j]) {
       h_p.col(j).setZero();
@@ -70,7 +70,7 @@ void Tangents::by_differences(const Eigen::VectorXd& v_dot, bool skips) {
     }
     const double p_j = s_.p(j);
     s_.p(j) = p_j + step_of(p_j, position_scale_(j));
-    eq_.velocity_constraints(s_.t, s_.p, s_.v, *scratch_, h_plus_);
+    eq_.velocity_constraints(s_, s_.p, s_.v, *scratch_, h_plus_);
     h_p.col(j) = (h_plus_ - h_) / (s_.p(j) - p_j);
     s_.p(j) = p_j;
   }
@@ -79,7 +79,7 @@ void Tangents::by_differences(const Eigen::VectorXd& v_dot, bool skips) {
 void Tangents::evaluate(const State& s, const Eigen::VectorXd& v_dot, TangentScope scope) {
   const bool skips = scope == TangentScope::newton;
   eq_.mass_matrix(s.p, *scratch_, M);
-  eq_.constraint_matrix(s.t, s.p, *scratch_, G);
+  eq_.constraint_matrix(s, s.p, *scratch_, G);
   if (eq_.tangents(s, v_dot, scope, *scratch_, *this)) {
     ++evaluations;
   } else {

@@ -45,6 +45,10 @@ void AlphaMatrix::factor(double h, const State& s, const Eigen::VectorXd& v_dot)
     J_.block(n_v, 0, n_c, n_v) += t.c_v_dot;
     J_.block(n_v, n_z, n_c, n_l) = t.c_lambda;
   }
+  if (t.b_v_dot.size() > 0) {
+    J_.block(n_v + n_c, 0, n_a, n_v) += t.b_v_dot;
+    J_.block(n_v + n_c, n_z, n_a, n_l) = t.b_lambda;
+  }
   J_.middleRows(n_v, n_c) *= -1.0;
   J_.topLeftCorner(n_v, n_v) += t.M;
   J_.block(n_v, n_v, n_c, n_c).diagonal().array() += 1.0;
@@ -52,6 +56,12 @@ void AlphaMatrix::factor(double h, const State& s, const Eigen::VectorXd& v_dot)
     row_scale_(i) = column_scale_(i) = t.M(i, i) > 0.0 ? 1.0 / std::sqrt(t.M(i, i)) : 1.0;
   J_.block(0, n_z, n_v, n_l) = t.G.transpose();
   J_.block(n_z, 0, n_l, n_v) = t.G;
+  for (int k = 0; k < n_l && t.g_c.size() > 0; ++k) {  // see GeneralisedAlpha::newton
+    if (eq_.is_holonomic(k))
+      J_.block(n_z + k, n_v, 1, n_c) = by_v / by_d * t.g_c.row(k);
+    else
+      J_.block(n_z + k, n_v, 1, n_c) = t.h_c.row(k);
+  }
   for (int k = 0; k < n_l; ++k) {
     const double norm = (t.G.row(k).transpose().array() * column_scale_.head(n_v).array()).matrix().norm();
     row_scale_(n_z + k) = column_scale_(n_z + k) = norm > 0.0 ? 1.0 / norm : 1.0;

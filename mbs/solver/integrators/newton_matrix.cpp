@@ -116,17 +116,23 @@ void NewtonMatrix<Scalar>::assemble_dense(Scalar cj) {
   J.block(0, n_v + n_c, n_z_, n_a) = d.z_a.template cast<Scalar>();
   // The dynamic states' residual is c' - f_c.
   if (d.c_v_dot.size() > 0) J.block(n_v, 0, n_c, n_v) += cj * d.c_v_dot.template cast<Scalar>();
+  if (d.b_v_dot.size() > 0) J.block(n_v + n_c, 0, n_a, n_v) += cj * d.b_v_dot.template cast<Scalar>();
   J.block(n_v, 0, n_c, n_z_) *= -1.0;
   J.block(n_v, n_v, n_c, n_c).diagonal().array() += cj;
   if (n_l > 0) {
     J.block(0, at_l, n_v, n_l) = d.G.transpose().template cast<Scalar>();
     if (d.c_lambda.size() > 0) J.block(n_v, at_l, n_c, n_l) = -d.c_lambda.template cast<Scalar>();
+    if (d.b_lambda.size() > 0) J.block(n_v + n_c, at_l, n_a, n_l) = d.b_lambda.template cast<Scalar>();
     J.block(0, at_m, n_z_, n_l).noalias() = z_v_ * GS_;
     J.block(n_v, at_m, n_c, n_l) *= -1.0;
     J.block(at_l, 0, n_l, n_v) = d.G.template cast<Scalar>() + h_v_;
     J.block(at_l, at_m, n_l, n_l).noalias() = h_v_ * GS_;
     J.block(at_m, 0, n_l, n_v) = g_v_;
     J.block(at_m, at_m, n_l, n_l).noalias() = g_v_ * GS_;
+    if (d.g_c.size() > 0) {
+      J.block(at_l, n_v, n_l, n_c) = d.h_c.template cast<Scalar>();
+      J.block(at_m, n_v, n_l, n_c) = d.g_c.template cast<Scalar>();
+    }
     for (int k = 0; k < n_l; ++k) {
       if (form_.is_holonomic(k)) continue;
       J.row(at_m + k).setZero();
@@ -180,6 +186,8 @@ void NewtonMatrix<Scalar>::assemble_sparse(Scalar cj) {
   add_dense(0, n_v + n_c, d.z_a);
   add_dense(n_v, 0, cj * d.c_v_dot.template cast<Scalar>());
   add_dense(n_v, at_l, d.c_lambda);
+  add_dense(n_v + n_c, 0, cj * d.b_v_dot.template cast<Scalar>());
+  add_dense(n_v + n_c, at_l, d.b_lambda);
   for (int i = n_v; i < n_v + n_c; ++i) add(i, i, -cj);
   if (n_l > 0) {
     take_blocks(n_v, f.TET, [&](auto&& to) { inverse_.entries_of_TET(to); });
@@ -195,6 +203,8 @@ void NewtonMatrix<Scalar>::assemble_sparse(Scalar cj) {
     add_sparse(at_l, at_m, Sparse(h_v * f.GS), 1.0);
     add_sparse(at_m, 0, g_v, 1.0);
     add_sparse(at_m, at_m, Sparse(g_v * f.GS), 1.0);
+    add_dense(at_l, n_v, d.h_c);
+    add_dense(at_m, n_v, d.g_c);
     for (int k = 0; k < n_l; ++k) {
       if (!form_.is_holonomic(k)) f.entries.emplace_back(at_m + k, at_m + k, 1.0);
       f.entries.emplace_back(at_l + k, at_l + k, -kOfRedundantRows);

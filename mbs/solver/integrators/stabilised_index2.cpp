@@ -101,6 +101,8 @@ void StabilisedIndex2::multiply_rates(const Eigen::VectorXd& x, Eigen::VectorXd&
   if (const Eigen::MatrixXd& c_v_dot = tangents_.c_v_dot; c_v_dot.size() > 0)
     out.segment(at_c(), c_v_dot.rows()).noalias() -= c_v_dot * x.segment(at_v(), n_.n_v);
   out.tail(n_y_ - at_a()).setZero();
+  if (const Eigen::MatrixXd& b_v_dot = tangents_.b_v_dot; b_v_dot.size() > 0)
+    out.segment(at_a(), n_.n_alg).noalias() = b_v_dot * x.segment(at_v(), n_.n_v);
 }
 
 void StabilisedIndex2::forget_structure() {

@@ -43,7 +43,7 @@ class Elastic {
   /// From p to where U is least; the energy.  Throws std::runtime_error.
   double relax(const State& undeformed, VectorXd& p) {
     State s = state_at(undeformed.t, undeformed.p);
-    bare_.drop_redundant(s.t, s.p);
+    bare_.drop_redundant(s, s.p);
     s.lambda = VectorXd::Zero(bare_.sizes().n_lambda);
     find_equilibrium(bare_, s);
     for (std::size_t i = 0; i < place_p_.size(); ++i) p(static_cast<Eigen::Index>(i)) = s.p(place_p_[i]);
@@ -231,7 +231,7 @@ std::optional<StrainedLoops> close_loops(const Mechanism& mechanism, State& s, c
   }
   out.undeformed = s;
   VectorXd g(mechanism.sizes().n_lambda);
-  mechanism.position_constraints(s.t, s.p, *mechanism.make_scratch(), g);
+  mechanism.position_constraints(s, s.p, *mechanism.make_scratch(), g);
   out.openings = openings_of(mechanism, g);
 
   const auto close = [&] {

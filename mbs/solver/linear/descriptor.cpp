@@ -115,7 +115,12 @@ DescriptorSystem linearise_as_descriptor(const Equations& eq, const State& given
     out.E.block(at_c, n_v, n_c, n_v) = -t.c_v_dot;
     out.A.block(at_c, at_l, n_c, n_l) = t.c_lambda;
   }
+  if (t.b_v_dot.size() > 0) {
+    out.E.block(at_a, n_v, n_a, n_v) = -t.b_v_dot;
+    out.A.block(at_a, at_l, n_a, n_l) = t.b_lambda;
+  }
   for (int k = 0; k < n_l; ++k) {
+    if (t.g_c.size() > 0) out.A.block(at_l + k, at_c, 1, n_c) = (eq.is_holonomic(k) ? t.g_c : t.h_c).row(k);
     if (eq.is_holonomic(k)) {
       out.A.block(at_l + k, 0, 1, n_v) = t.G.row(k);
     } else {

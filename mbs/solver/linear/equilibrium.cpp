@@ -67,7 +67,7 @@ std::optional<StaticsReport> close_by_steps(const Mechanism& mechanism, State& s
   State now = s;
   if (mechanism.sizes().n_lambda == 0 || !straighten(mechanism, now)) return {};
   Eigen::VectorXd open(mechanism.sizes().n_lambda);
-  mechanism.position_constraints(now.t, now.p, *mechanism.make_scratch(), open);
+  mechanism.position_constraints(now, now.p, *mechanism.make_scratch(), open);
   double size = 0.0;
   for (int i = 0; i < mechanism.sizes().n_v; ++i) size = std::max(size, mechanism.velocity_scale(i));
   if (open.cwiseAbs().maxCoeff() < 1e-9 * size) return {};
@@ -83,7 +83,7 @@ std::optional<StaticsReport> load_by_steps(const Mechanism& mechanism, State& s,
   State now = s;
   straighten(mechanism, now);
   Mechanism unloaded(mechanism.without_loads(now, *mechanism.make_scratch()).description);
-  unloaded.drop_redundant(now.t, now.p);
+  unloaded.drop_redundant(now, now.p);
   const Sizes all = mechanism.sizes(), n = unloaded.sizes();
   if (n.n_lambda != all.n_lambda || n.n_dyn != all.n_dyn || n.n_alg != all.n_alg || n.n_root != all.n_root)
     return {};

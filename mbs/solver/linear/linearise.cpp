@@ -63,7 +63,7 @@ void Lineariser::choose_coordinates() {
   M_.setZero(n_.n_v, n_.n_v);
   G_.setZero(n_.n_lambda, n_.n_v);
   eq_.mass_matrix(s_0_.p, *scratch, M_);
-  eq_.constraint_matrix(s_0_.t, s_0_.p, *scratch, G_);
+  eq_.constraint_matrix(s_0_, s_0_.p, *scratch, G_);
   IndependentCoordinates z = independent_coordinates(M_, G_);
   independent_ = std::move(z.independent);
   N_ = std::move(z.N);
@@ -111,6 +111,7 @@ Lineariser::Sample Lineariser::at(int column, double step) {
     out.s.v += step * N_.col(column - n_z);
   } else {
     out.s.c(column - 2 * n_z) += step;
+    if (eq_.follows_states()) assemble_positions(eq_, out.s, keep_);
   }
   AssembleReport ignored;
   assemble_velocities(eq_, out.s, keep_, ignored);
@@ -154,7 +155,7 @@ Eigen::VectorXd Lineariser::c_rates(const State& s, const Eigen::VectorXd& v_dot
 bool Lineariser::has_exact_system() {
   // Of all that moves [m/s^2, rad/s^2]: as much as the curvature of constraints adds to squares of frequencies.
   constexpr double kNoAcceleration = 1e-5;
-  if (!s_0_.v.isZero(0.0)) return false;
+  if (!s_0_.v.isZero(0.0) || eq_.follows_states() || eq_.algebraic_is_coupled()) return false;
   if (n_.n_lambda == 0) return true;
   for (int k = 0; k < n_.n_lambda; ++k)
     if (!eq_.is_holonomic(k)) return false;
@@ -163,8 +164,8 @@ bool Lineariser::has_exact_system() {
   auto scratch = eq_.make_scratch();
   const Eigen::VectorXd rest = Eigen::VectorXd::Zero(n_.n_v);
   Eigen::VectorXd g_t(n_.n_lambda), g_tt(n_.n_lambda);
-  eq_.velocity_constraints(s_0_.t, s_0_.p, rest, *scratch, g_t);
-  eq_.acceleration_constraints(s_0_.t, s_0_.p, rest, rest, *scratch, g_tt);
+  eq_.velocity_constraints(s_0_, s_0_.p, rest, *scratch, g_t);
+  eq_.acceleration_constraints(s_0_, s_0_.p, rest, rest, *scratch, g_tt);
   return g_t.isZero(0.0) && g_tt.isZero(0.0);
 }
 

@@ -31,6 +31,11 @@ MatrixXd answers(const Equations& eq, const Tangents& t, const MatrixXd& KN,
                  const std::vector<int>& independent) {
   const Sizes n = eq.sizes();
   const int n_c = n.n_dyn, n_a = n.n_alg, n_x = n_c + n_a;
+  if (t.b_lambda.size() > 0)
+    throw std::runtime_error(
+        "a force reads a reaction or an acceleration, so that nothing can be said of buckling; give it the "
+        "value that it "
+        "has in the equilibrium");
   MatrixXd inner(n_x, n_x), outer = KN.bottomRows(n_x);
   inner << t.z_c.bottomRows(n_x), t.z_a.bottomRows(n_x);
   if (t.c_lambda.size() > 0) {
@@ -116,6 +121,11 @@ StaticStiffness static_stiffness(const Equations& eq, const State& s, const std:
   MatrixXd held = KN.topRows(n.n_v);
   if (n.n_dyn + n.n_alg > 0) {
     const MatrixXd X = answers(eq, tangents, KN, z.independent);
+    if (tangents.g_c.size() > 0 && !(tangents.g_c * X.topRows(n.n_dyn)).isZero(0.0))
+      throw std::runtime_error(
+          "a drive follows a control that answers to the deformation, so that nothing can be said of "
+          "buckling; hold the "
+          "control constant");
     held -= tangents.z_c.topRows(n.n_v) * X.topRows(n.n_dyn) +
             tangents.z_a.topRows(n.n_v) * X.bottomRows(n.n_alg);
   }

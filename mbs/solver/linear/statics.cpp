@@ -115,7 +115,7 @@ StaticsReport solve_statics(const Equations& eq, State& s, const StaticsOptions&
                                  without.segment(n_v + n_c, n_a));
       out.head(n_z) = options.load * out.head(n_z) + (1.0 - options.load) * without;
     }
-    if (n_l > 0) eq.position_constraints(state.t, state.p, *scratch, out.tail(n_l));
+    if (n_l > 0) eq.position_constraints(state, state.p, *scratch, out.tail(n_l));
     if (open) out.tail(n_l) -= options.opening;
   };
   // Contacts close and open on the way, like every switch whose function falls below 0.
@@ -188,7 +188,9 @@ StaticsReport solve_statics(const Equations& eq, State& s, const StaticsOptions&
     J.block(0, n_v + n_c, n_z, n_a) = tangents.z_a;
     J.block(0, n_z, n_v, n_l) = tangents.G.transpose();
     if (tangents.c_lambda.size() > 0) J.block(n_v, n_z, n_c, n_l) = tangents.c_lambda;
+    if (tangents.b_lambda.size() > 0) J.block(n_v + n_c, n_z, n_a, n_l) = tangents.b_lambda;
     J.block(n_z, 0, n_l, n_v) = tangents.G;
+    if (tangents.g_c.size() > 0) J.block(n_z, n_v, n_l, n_c) = tangents.g_c;
     // The regularisation below is small beside the compliance of what the constraints hold only if that is 1.
     if (n_v > 0) {
       const Eigen::VectorXd by_stiffness = units_of_stiffness(K.topRows(n_v), scale.head(n_v));

@@ -144,7 +144,7 @@ std::vector<double> Judge::times() const {
 double Judge::opening(const State& s) {
   if (n_.n_lambda == 0) return 0.0;
   VectorXd g(n_.n_lambda), g_dot(n_.n_lambda);
-  m_.constraints(s.t, s.p, s.v, *scratch_, g, g_dot);
+  m_.constraints(s, s.p, s.v, *scratch_, g, g_dot);
   const double rate = std::max(1.0, speed());
   return std::max(g.lpNorm<Eigen::Infinity>(), g_dot.lpNorm<Eigen::Infinity>() / rate);
 }

@@ -112,7 +112,7 @@ Closing close_positions(const Equations& eq, State& s, const ClosingOptions& opt
       eq.retract(start, d, moved);
       s.p = moved;
     }
-    PositionSolver solver(eq, s.t, free, large);
+    PositionSolver solver(eq, s, free, large);
     const bool solved = solver.solve(s.p, options.max_iterations);
     report.iterations += solver.iterations();
     report.position_change = solver.change();
@@ -184,7 +184,7 @@ Closing close_positions(const Equations& eq, State& s, const ClosingOptions& opt
   // Newton's method came to rest where its own measure is least: the gap itself may be less beside it, and what is given
   // is no reason to show a wider one.
   if (n_v > 0 && nearest.p.size() > 0 && nearest.out_of_reach.empty()) {
-    PositionSolver solver(eq, s.t, freedoms(n_v, options, 1.0), large, Measure::gaps);
+    PositionSolver solver(eq, s, freedoms(n_v, options, 1.0), large, Measure::gaps);
     Eigen::VectorXd p = nearest.p;
     solver.approach(p, options.max_iterations);
     report.iterations += solver.iterations();
@@ -233,10 +233,10 @@ void assemble_velocities(const Equations& eq, State& s, const AssembleOptions& o
   Eigen::MatrixXd M = Eigen::MatrixXd::Zero(n.n_v, n.n_v), G = Eigen::MatrixXd::Zero(n.n_lambda, n.n_v);
   Eigen::VectorXd g_dot = Eigen::VectorXd::Zero(n.n_lambda), g_t = g_dot, delta, impulse;
   eq.mass_matrix(s.p, *scratch, M);
-  eq.constraint_matrix(s.t, s.p, *scratch, G);
-  eq.velocity_constraints(s.t, s.p, Eigen::VectorXd::Zero(n.n_v), *scratch, g_t);
+  eq.constraint_matrix(s, s.p, *scratch, G);
+  eq.velocity_constraints(s, s.p, Eigen::VectorXd::Zero(n.n_v), *scratch, g_t);
   const Eigen::VectorXd start = s.v;
-  const ConstraintSizes sizes = eq.constraint_sizes(s.t, s.p, *scratch);
+  const ConstraintSizes sizes = eq.constraint_sizes(s, s.p, *scratch);
   Eigen::VectorXd typical(n.n_v);
   for (int i = 0; i < n.n_v; ++i) typical(i) = eq.velocity_scale(i);
   SaddleSolver saddle;
@@ -246,12 +246,12 @@ void assemble_velocities(const Equations& eq, State& s, const AssembleOptions& o
     saddle.factor(eq, M, G, is_free);
     s.v = start;
     for (int pass = 0; pass < 2; ++pass) {  // the second refines
-      eq.velocity_constraints(s.t, s.p, s.v, *scratch, g_dot);
+      eq.velocity_constraints(s, s.p, s.v, *scratch, g_dot);
       g_dot = -g_dot;
       saddle.solve(Eigen::VectorXd::Zero(n.n_v), g_dot, delta, impulse);
       s.v += delta;
     }
-    eq.velocity_constraints(s.t, s.p, s.v, *scratch, g_dot);
+    eq.velocity_constraints(s, s.p, s.v, *scratch, g_dot);
     report.velocity_residual = g_dot.cwiseAbs().maxCoeff();
     // What velocities of this size may leave by round-off of a matrix with condition 1e6 or better; of a row that only
     // deformations move, which stay at rest, those of the rows beside it.

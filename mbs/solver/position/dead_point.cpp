@@ -42,7 +42,7 @@ class ScaledRows {
     MatrixXd M = MatrixXd::Zero(n_.n_v, n_.n_v);
     B.setZero(n_.n_lambda, n_.n_v);
     eq.mass_matrix(s.p, *scratch_, M);
-    eq.constraint_matrix(s.t, s.p, *scratch_, B);
+    eq.constraint_matrix(s, s.p, *scratch_, B);
     D = M.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
     B = (B * D.asDiagonal()).eval();
     E = B.rowwise().norm();
@@ -58,7 +58,7 @@ class ScaledRows {
   /// gamma of speeds w, scaled.
   VectorXd gamma(const VectorXd& w) const {
     VectorXd out(n_.n_lambda);
-    eq_.acceleration_constraints(s_.t, s_.p, w, VectorXd::Zero(n_.n_v), *scratch_, out);
+    eq_.acceleration_constraints(s_, s_.p, w, VectorXd::Zero(n_.n_v), *scratch_, out);
     return E.cwiseProduct(out);
   }
   /// Those with a share in any of the left vectors.

@@ -11,7 +11,7 @@ namespace flexura::mbs {
 
 void PositionSolver::linearise(const Eigen::VectorXd& p) {
   eq_.mass_matrix(p, *scratch_, M_);
-  eq_.constraint_matrix(t_, p, *scratch_, G_);
+  eq_.constraint_matrix(when_, p, *scratch_, G_);
   // A rolling disc's row has no position level.
   for (int k = 0; k < n_.n_lambda; ++k)
     if (!eq_.is_holonomic(k)) G_.row(k).setZero();
@@ -20,7 +20,7 @@ void PositionSolver::linearise(const Eigen::VectorXd& p) {
     if (M_(i, i) > 0.0) column_scale_(i) /= std::sqrt(M_(i, i));
   H_ = G_ * column_scale_.asDiagonal();
   // Sizes follow the mechanism on its way together: a guess may lie far from where it will stand.
-  sizes_ = eq_.constraint_sizes(t_, p, *scratch_);
+  sizes_ = eq_.constraint_sizes(when_, p, *scratch_);
   row_scale_ = Eigen::VectorXd::Ones(n_.n_lambda);
   double largest = 0.0;  // of a row by its size
   for (int k = 0; k < n_.n_lambda; ++k) largest = std::max(largest, H_.row(k).norm() / sizes_.size(k));
@@ -53,7 +53,7 @@ bool PositionSolver::solve(Eigen::VectorXd& p, int max_iterations) {
   Eigen::VectorXd d(n_.n_v), p_trial(n_.n_p), g_trial(n_.n_lambda), x;
   Eigen::MatrixXd normal;
   double mu = 0.0, reach = std::numeric_limits<double>::infinity();
-  eq_.position_constraints(t_, p, *scratch_, g_);
+  eq_.position_constraints(when_, p, *scratch_, g_);
   for (int iteration = 0; iteration < max_iterations; ++iteration) {
     linearise(p);
     if (n_.n_v == 0 || is_round_off()) break;
@@ -82,7 +82,7 @@ bool PositionSolver::solve(Eigen::VectorXd& p, int max_iterations) {
       double alpha = largest > 0.5 ? 0.5 / largest : 1.0;
       for (int halving = 0; halving < 8; ++halving, alpha *= 0.5) {
         eq_.retract(p, alpha * d, p_trial);
-        eq_.position_constraints(t_, p_trial, *scratch_, g_trial);
+        eq_.position_constraints(when_, p_trial, *scratch_, g_trial);
         if (g_trial.allFinite() && merit(g_trial) < now * (1.0 - 1e-4 * alpha)) {
           accepted = true;
           change_ += alpha * largest;
@@ -106,7 +106,7 @@ void PositionSolver::approach(Eigen::VectorXd& p, int max_iterations) {
   constexpr double kSmall = 1e-12;
   Eigen::VectorXd p_trial(n_.n_p), g_trial(n_.n_lambda);
   double mu = 1e-2;
-  eq_.position_constraints(t_, p, *scratch_, g_);
+  eq_.position_constraints(when_, p, *scratch_, g_);
   for (; iterations_ < max_iterations && mu < 1e8; ++iterations_) {
     linearise(p);
     Eigen::MatrixXd normal = H_.transpose() * H_;
@@ -117,7 +117,7 @@ void PositionSolver::approach(Eigen::VectorXd& p, int max_iterations) {
     const double largest = d.cwiseAbs().cwiseQuotient(step_scale_).maxCoeff();
     if (!(largest > kSmall)) break;
     eq_.retract(p, (largest > 0.5 ? 0.5 / largest : 1.0) * d, p_trial);
-    eq_.position_constraints(t_, p_trial, *scratch_, g_trial);
+    eq_.position_constraints(when_, p_trial, *scratch_, g_trial);
     const double now = merit(g_), then = merit(g_trial);
     if (!(then < now)) {
       mu *= 4.0;

@@ -17,12 +17,12 @@ enum class Measure { gradients, gaps };
 /// One solution of g(p) = 0 by damped minimum-norm steps from a start.
 class PositionSolver {
  public:
-  /// `large` (n_v) is what steps are parts of.
-  PositionSolver(const Equations& eq, double t, Eigen::VectorXd free, Eigen::VectorXd large,
+  /// `large` (n_v) is what steps are parts of; a state in `when` outlives it.
+  PositionSolver(const Equations& eq, When when, Eigen::VectorXd free, Eigen::VectorXd large,
                  Measure measure = Measure::gradients)
       : eq_(eq),
         n_(eq.sizes()),
-        t_(t),
+        when_(when),
         measure_(measure),
         scratch_(eq.make_scratch()),
         free_(std::move(free)),
@@ -60,7 +60,7 @@ class PositionSolver {
 
   const Equations& eq_;
   Sizes n_;
-  double t_;
+  When when_;
   Measure measure_;
   std::unique_ptr<Equations::Scratch> scratch_;
   Eigen::MatrixXd M_, G_, H_;

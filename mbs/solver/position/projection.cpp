@@ -25,12 +25,12 @@ bool Projector::project(State& s) {
   s.p = p_;
   if (n_.n_lambda == 0) return s.p.allFinite() && s.v.allFinite();
   eq_.mass_matrix(s.p, *scratch_, M_);
-  eq_.constraint_matrix(s.t, s.p, *scratch_, G_);
+  eq_.constraint_matrix(s, s.p, *scratch_, G_);
   if (!M_.allFinite() || !G_.allFinite()) return false;
   saddle_.factor(eq_, M_, G_);
   double before = std::numeric_limits<double>::infinity();
   for (int iteration = 0; iteration < 10; ++iteration) {
-    eq_.position_constraints(s.t, s.p, *scratch_, g_);
+    eq_.position_constraints(s, s.p, *scratch_, g_);
     const double now = g_.cwiseProduct(saddle_.row_scale()).norm();
     if (!std::isfinite(now)) return false;
     if (now == 0.0) break;
@@ -47,9 +47,9 @@ bool Projector::project(State& s) {
     s.p = p_;
   }
   eq_.mass_matrix(s.p, *scratch_, M_);
-  eq_.constraint_matrix(s.t, s.p, *scratch_, G_);
+  eq_.constraint_matrix(s, s.p, *scratch_, G_);
   saddle_.factor(eq_, M_, G_);
-  eq_.velocity_constraints(s.t, s.p, s.v, *scratch_, g_);
+  eq_.velocity_constraints(s, s.p, s.v, *scratch_, g_);
   g_ = -g_;
   saddle_.solve(zero_, g_, d_, x_);
   s.v += d_;
@@ -69,19 +69,21 @@ LoopCloser::LoopCloser(const Equations& eq, const SolverOptions& options)
   for (Eigen::VectorXd* x : {&g_, &g_dot_, &round_off_}) x->setZero(n_.n_lambda);
   rest_.setZero(n_.n_v);
   p_.setZero(n_.n_p);
-  p_factors_.setZero(n_.n_p);
+  at_factors_.p.setZero(n_.n_p);
+  at_factors_.c.setZero(n_.n_dyn);
   w_.setZero(n_.n_p + n_.n_v + n_.n_dyn);
   change_.setZero(n_.n_p);
   scale_.resize(n_.n_v);
   for (int i = 0; i < n_.n_v; ++i) scale_(i) = eq.velocity_scale(i);
 }
 
-void LoopCloser::factor(double t, const Eigen::VectorXd& p) {
+void LoopCloser::factor(const State& s) {
   has_factors_ = false;
-  t_factors_ = t;
-  p_factors_ = p;
-  eq_.mass_matrix(p, *scratch_, M_);
-  eq_.constraint_matrix(t, p, *scratch_, G_);
+  at_factors_.t = s.t;
+  at_factors_.p = s.p;
+  at_factors_.c = s.c;
+  eq_.mass_matrix(s.p, *scratch_, M_);
+  eq_.constraint_matrix(s, s.p, *scratch_, G_);
   saddle_.factor(eq_, M_, G_);
   for (int k = 0; k < n_.n_lambda; ++k) round_off_(k) = 1e-11 * G_.row(k).cwiseAbs().dot(scale_.transpose());
   has_factors_ = true;
@@ -89,14 +91,14 @@ void LoopCloser::factor(double t, const Eigen::VectorXd& p) {
   nearness_.largest = std::max(nearness_.largest, independence);
   if (independence < nearness_.least) {
     nearness_.least = independence;
-    nearness_.t = t;
-    nearness_.p = p;
+    nearness_.t = s.t;
+    nearness_.p = s.p;
   }
 }
 
 // In units of round-off, which grows with the speeds for those on velocity level.
 LoopCloser::Residuals LoopCloser::residuals(const State& s) {
-  eq_.constraints(s.t, s.p, s.v, *scratch_, g_, g_dot_);
+  eq_.constraints(s, s.p, s.v, *scratch_, g_, g_dot_);
   drift_ = {g_.cwiseAbs().maxCoeff(), g_dot_.cwiseAbs().maxCoeff()};
   const double speed = std::max(1.0, s.v.cwiseQuotient(scale_).lpNorm<Eigen::Infinity>());
   Residuals size;
@@ -125,7 +127,7 @@ void LoopCloser::correct_velocity(State& s) {
 // its residual.  False where Newton's method does not get there.
 bool LoopCloser::close_trial(const State& s, bool& is_near) {
   bool fresh = !has_factors_;
-  if (fresh) factor(s.t, s.p);
+  if (fresh) factor(s);
   trial_ = s;
   Residuals size = residuals(trial_);
   for (int iteration = 0; iteration < 20 && !size.closed() && std::isfinite(size.larger()); ++iteration) {
@@ -137,7 +139,7 @@ bool LoopCloser::close_trial(const State& s, bool& is_near) {
     const double was = of_position ? size.position : size.velocity,
                  is = of_position ? now.position : now.velocity;
     if (!fresh && is > 1.0 && !(is < 0.1 * was)) {
-      factor(s.t, s.p);
+      factor(s);
       fresh = true;
       trial_ = s;
       size = residuals(trial_);
@@ -185,7 +187,7 @@ void LoopCloser::accelerate(State& s, Eigen::VectorXd& v_dot) {
   v_dot_0_ = v_dot;
   bool is_solved = false;
   try {
-    if (!is_closed_) {
+    if (!is_closed_ || eq_.algebraic_is_coupled()) {
       // Near a dead point multipliers grow beyond bounds: those of the state are nearer than what stands at the ends of
       // a long step.
       accelerations_.solve(s, v_dot);
@@ -201,7 +203,7 @@ void LoopCloser::accelerate(State& s, Eigen::VectorXd& v_dot) {
       is_solved = has_factors_ && accelerations_.refine(saddle_, s, v_dot, enough_) <= enough_;
     }
     if (!is_solved) {
-      factor(s.t, s.p);
+      factor(s);
       s.lambda = trial_.lambda;
       v_dot = v_dot_0_;
       // Round-off of a badly conditioned mechanism stands higher; what is far from it are forces that depend on
@@ -223,12 +225,13 @@ void LoopCloser::accelerate(State& s, Eigen::VectorXd& v_dot) {
 void LoopCloser::remember(History& history) {
   if (n_.n_lambda == 0) return;
   history(has_factors_);
-  history(t_factors_);
-  mbs::remember(history, p_factors_, n_.n_p);
+  history(at_factors_.t);
+  mbs::remember(history, at_factors_.p, n_.n_p);
+  mbs::remember(history, at_factors_.c, n_.n_dyn);
   for (double* x : {&nearness_.least, &nearness_.largest, &nearness_.t}) history(*x);
   history(nearness_.p);
   if (history.reads() && nearness_.p.size() > 0) require_size(nearness_.p.size(), n_.n_p);
-  if (history.reads() && has_factors_) factor(t_factors_, p_factors_);
+  if (history.reads() && has_factors_) factor(State(at_factors_));
 }
 
 }  // namespace flexura::mbs

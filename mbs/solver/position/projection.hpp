@@ -76,7 +76,7 @@ class LoopCloser {
     double larger() const { return std::max(position, velocity); }
     bool closed() const { return larger() <= 1.0; }
   };
-  void factor(double t, const Eigen::VectorXd& p);
+  void factor(const State& s);
   Residuals residuals(const State& s);
   void correct_position(State& s);
   void correct_velocity(State& s);
@@ -91,10 +91,9 @@ class LoopCloser {
   double
       enough_;  // what accelerations may lack, relative: 1e-4 of the tolerance, between round-off and 1e-10
   bool has_factors_ = false, is_closed_ = true;  // the latter of the last close()
-  double t_factors_ = 0.0;
-  Drift drift_;  // at the last residuals()
+  State at_factors_;                             // t, p and c
+  Drift drift_;                                  // at the last residuals()
   Nearness nearness_;
-  Eigen::VectorXd p_factors_;
   State trial_;
   Eigen::MatrixXd M_, G_;
   Eigen::VectorXd g_, g_dot_, round_off_, rest_, d_, x_, p_, scale_, w_, change_, v_dot_0_;

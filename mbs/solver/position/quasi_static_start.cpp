@@ -171,7 +171,7 @@ class QuasiStaticStart {
 
   void linearise(const State& s) {
     eq_.mass_matrix(s.p, *scratch_, M_);
-    eq_.constraint_matrix(s.t, s.p, *scratch_, G_);
+    eq_.constraint_matrix(s, s.p, *scratch_, G_);
     column_scale_ = M_.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
     row_scale_ = (G_ * column_scale_.asDiagonal()).rowwise().norm();
     for (double& x : row_scale_) x = x > 0.0 ? 1.0 / x : 1.0;
@@ -207,7 +207,7 @@ class QuasiStaticStart {
     double before = std::numeric_limits<double>::infinity();
     for (int k = 0; k < 10; ++k) {
       linearise(s);
-      eq_.position_constraints(s.t, s.p, *scratch_, g_);
+      eq_.position_constraints(s, s.p, *scratch_, g_);
       const double size = (U_.transpose() * g_).norm();
       if (size == 0.0 || size > 0.5 * before) return;
       before = size;
@@ -224,7 +224,7 @@ class QuasiStaticStart {
     }
     linearise(s);
     for (int pass = 0; pass < 2; ++pass) {  // the second refines
-      eq_.velocity_constraints(s.t, s.p, s.v, *scratch_, g_);
+      eq_.velocity_constraints(s, s.p, s.v, *scratch_, g_);
       s.v += closing_motion(given_.keep_velocity, g_);
     }
   }
@@ -238,7 +238,7 @@ class QuasiStaticStart {
     for (int pass = 0; pass < 3; ++pass) {
       eq_.momentum(s, v_dot_, *scratch_, r_, c_rate_, b_);
       if (pass == 2) return;
-      eq_.acceleration_constraints(s.t, s.p, s.v, v_dot_, *scratch_, g_);
+      eq_.acceleration_constraints(s, s.p, s.v, v_dot_, *scratch_, g_);
       const VectorXd r = -r_, h = -(U_.transpose() * g_);
       saddle_.solve(r, h, dv_, dlambda_);
       v_dot_ += dv_;
@@ -258,7 +258,7 @@ class QuasiStaticStart {
     divide_by_stiffness(s, X);
     step_ = X.col(0);
     if (N_.cols() == 0) return;
-    eq_.position_constraints(s.t, s.p, *scratch_, g_);
+    eq_.position_constraints(s, s.p, *scratch_, g_);
     const MatrixXd F = C * X.rightCols(N_.cols());
     const VectorXd open = N_.transpose() * g_ + C * step_,
                    dnu = F.completeOrthogonalDecomposition().solve(open);

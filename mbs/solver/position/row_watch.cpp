@@ -17,6 +17,8 @@ using Eigen::VectorXd;
 /// Of the mechanism's size. Rows count as dependent where they are so but for 1e-7 (redundancy.cpp), and parts
 /// as fitting where they do but for 1e-6 (assemble.cpp): what is open by less than that is no contradiction.
 constexpr double kOpen = 1e-6;
+/// [m, rad] What is closed anyway of rows that a coordinate changes one to one: 1e-11 (LoopCloser), twice.
+constexpr double kClosedAnyway = 2e-11;
 
 std::string list_of(std::vector<std::string> names) {
   std::string text;
@@ -59,13 +61,13 @@ void RowWatch::begin(const State& s) {
     if (g.size() > 0) misfit_ = std::max(misfit_, g.cwiseQuotient(sizes.size).lpNorm<Eigen::Infinity>());
   };
   if (n_kept_ > 0) {
-    kept_sizes_ = eq_.constraint_sizes(s.t, s.p, *scratch_);
-    eq_.position_constraints(s.t, s.p, *scratch_, g_kept_);
+    kept_sizes_ = eq_.constraint_sizes(s, s.p, *scratch_);
+    eq_.position_constraints(s, s.p, *scratch_, g_kept_);
     size_up(kept_sizes_, g_kept_);
   }
   if (n_ > 0) {
-    sizes_ = eq_.left_out_sizes(s.t, s.p, *scratch_);
-    eq_.left_out_constraints(s.t, s.p, s.v, none_, *scratch_, g_, g_dot_, g_ddot_);
+    sizes_ = eq_.left_out_sizes(s, s.p, *scratch_);
+    eq_.left_out_constraints(s, s.p, s.v, none_, *scratch_, g_, g_dot_, g_ddot_);
     size_up(sizes_, g_);
   }
   // What counts as fast: 1 rad/s, and of coordinates that move rows by lengths one length of the mechanism in a second (in
@@ -77,7 +79,7 @@ void RowWatch::begin(const State& s) {
   constexpr Eigen::Index kMost = 600;  // coordinates of a dense matrix that costs nothing
   if (length > 1.0 && n_kept_ > 0 && scale_.size() <= kMost) {
     Eigen::MatrixXd G = Eigen::MatrixXd::Zero(n_kept_, scale_.size());
-    eq_.constraint_matrix(s.t, s.p, *scratch_, G);
+    eq_.constraint_matrix(s, s.p, *scratch_, G);
     for (int i = 0; i < scale_.size(); ++i) {
       const double unit = eq_.velocity_scale(i);
       const double moves = unit * G.col(i).cwiseAbs().cwiseQuotient(kept_sizes_.size).maxCoeff();
@@ -98,9 +100,9 @@ void RowWatch::require_agreement(const State& s, const VectorXd& v_dot) {
   // right to round-off of the positions, 1e-9 and better, and to what rows may lack of being dependent.
   VectorXd g(n_), g_t(n_), gamma(n_);
   const VectorXd at_rest = VectorXd::Zero(s.v.size());
-  eq_.left_out_constraints(s.t, s.p, at_rest, at_rest, *scratch_, g, g_t, gamma);
-  eq_.left_out_constraints(s.t, s.p, s.v, at_rest, *scratch_, g, g_dot_, gamma);
-  eq_.left_out_constraints(s.t, s.p, s.v, v_dot, *scratch_, g, g_dot_, g_ddot_);
+  eq_.left_out_constraints(s, s.p, at_rest, at_rest, *scratch_, g, g_t, gamma);
+  eq_.left_out_constraints(s, s.p, s.v, at_rest, *scratch_, g, g_dot_, gamma);
+  eq_.left_out_constraints(s, s.p, s.v, v_dot, *scratch_, g, g_dot_, g_ddot_);
   double speed = 0.0, acceleration = 0.0;
   for (int i = 0; i < scale_.size(); ++i) {
     speed = std::max(speed, std::abs(s.v(i)) / scale_(i));
@@ -134,9 +136,11 @@ void RowWatch::require_agreement(const State& s, const VectorXd& v_dot) {
 const RowWatch::Opening& RowWatch::look(const State& s, Judge judge) {
   opening_ = {};
   if (n_kept_ > 0) {
-    eq_.position_constraints(s.t, s.p, *scratch_, g_kept_);
+    eq_.position_constraints(s, s.p, *scratch_, g_kept_);
     for (int k = 0; k < n_kept_; ++k) {
-      const double allowed = open_ * kept_sizes_.size(k) + 1e2 * kept_sizes_.round_off(k);
+      // Rows of a mechanism that starts in one point are not closed further (LoopCloser).
+      const double allowed =
+          std::max(open_ * kept_sizes_.size(k) + 1e2 * kept_sizes_.round_off(k), kClosedAnyway);
       if (const double part = std::abs(g_kept_(k)) / allowed; part > opening_.kept) {
         opening_.kept = part;
         opening_.kept_row = k;
@@ -145,7 +149,7 @@ const RowWatch::Opening& RowWatch::look(const State& s, Judge judge) {
     }
   }
   if (n_ == 0) return opening_;
-  eq_.left_out_constraints(s.t, s.p, s.v, none_, *scratch_, g_, g_dot_, g_ddot_);
+  eq_.left_out_constraints(s, s.p, s.v, none_, *scratch_, g_, g_dot_, g_ddot_);
   const double speed =
       std::max(1.0, s.v.size() > 0 ? s.v.cwiseQuotient(scale_).lpNorm<Eigen::Infinity>() : 0.0);
   for (int i = 0; i < n_; ++i) {

@@ -162,7 +162,7 @@ bool EnergyBook::asks_multipliers(const State& s) {
   if (n_lambda == 0) return false;
   g_t_.resize(n_lambda);
   rest_.setZero(s.v.size());
-  eq_.velocity_constraints(s.t, s.p, rest_, *scratch_, g_t_);
+  eq_.velocity_constraints(s, s.p, rest_, *scratch_, g_t_);
   return !g_t_.isZero(0.0);
 }
 

@@ -175,9 +175,9 @@ void Runner::pass_event() {
   if (keeps_book_) books_.close(s);
   Eigen::VectorXd before(n_.n_root), after(n_.n_root), g_before(n_.n_lambda), g_after(n_.n_lambda);
   eq_.roots(s, *scratch_, before);
-  eq_.position_constraints(s.t, s.p, *scratch_, g_before);
+  eq_.position_constraints(s, s.p, *scratch_, g_before);
   s.t = std::min(stop_.after, options_.end_time);
-  eq_.position_constraints(s.t, s.p, *scratch_, g_after);
+  eq_.position_constraints(s, s.p, *scratch_, g_after);
   for (int k = 0; k < n_.n_lambda; ++k)
     if (const double jump = g_after(k) - g_before(k); std::abs(jump) > 1e-9)
       throw IntegrationError(

@@ -104,14 +104,14 @@ bool Runner::stands_still() const {
   }
   Eigen::MatrixXd M = Eigen::MatrixXd::Zero(n_.n_v, n_.n_v), G = Eigen::MatrixXd::Zero(n_.n_lambda, n_.n_v);
   eq_.mass_matrix(s.p, *scratch_, M);
-  eq_.constraint_matrix(s.t, s.p, *scratch_, G);
+  eq_.constraint_matrix(s, s.p, *scratch_, G);
   SaddleSolver rows;
   rows.factor(eq_, M, G);
   if (rows.rank() < n_.n_v || !(rows.independence() > kHeld)) return false;
   // Where positions are closed near a double root, what is left open is far from closed along what the rows hardly
   // hold, and to close it once more would move it (a parallelogram whose third crank fits by 1e-10).
   Eigen::VectorXd g(n_.n_lambda);
-  eq_.position_constraints(s.t, s.p, *scratch_, g);
+  eq_.position_constraints(s, s.p, *scratch_, g);
   const double length = options_.scales ? options_.scales->length : 1.0;
   return g.lpNorm<Eigen::Infinity>() <= kClosed * length * rows.independence();
 }
@@ -180,7 +180,7 @@ bool Runner::pass_rank_loss(bool& goes_on) {
   const State& s = result_.state;
   Eigen::MatrixXd M = Eigen::MatrixXd::Zero(n_.n_v, n_.n_v), G = Eigen::MatrixXd::Zero(n_.n_lambda, n_.n_v);
   eq_.mass_matrix(s.p, *scratch_, M);
-  eq_.constraint_matrix(s.t, s.p, *scratch_, G);
+  eq_.constraint_matrix(s, s.p, *scratch_, G);
   SaddleSolver rows;
   rows.factor(eq_, M, G);
   if (rows.independence() > kNearlyLost) return false;

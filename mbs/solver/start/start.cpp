@@ -52,7 +52,7 @@ bool rings(const StartedMechanism& p, const std::vector<bool>& deforms) {
   Eigen::MatrixXd M = Eigen::MatrixXd::Zero(n.n_v, n.n_v), G = Eigen::MatrixXd::Zero(n.n_lambda, n.n_v);
   const auto scratch = p.mechanism->make_scratch();
   p.mechanism->mass_matrix(p.state.p, *scratch, M);
-  p.mechanism->constraint_matrix(p.state.t, p.state.p, *scratch, G);
+  p.mechanism->constraint_matrix(p.state, p.state.p, *scratch, G);
   // Rows in their own size, deformations included: what is left of one that bodies at rest do not feel is round-off.
   const Eigen::VectorXd unit = M.diagonal().cwiseSqrt().cwiseInverse();
   const Eigen::MatrixXd rows = (G * unit.asDiagonal()).rowwise().normalized();
@@ -122,7 +122,7 @@ void assemble_start(StartedMechanism& out, const GivenState& given) {
   const std::optional<StrainedLoops> strained = close_loops(*out.mechanism, out.state, keep, out.assembly);
   if (out.mechanism->sizes().n_alg > 0 && !given.whole)
     out.mechanism->start_contacts(out.state, *out.mechanism->make_scratch());
-  out.redundant = out.mechanism->drop_redundant(out.state.t, out.state.p);
+  out.redundant = out.mechanism->drop_redundant(out.state, out.state.p);
   out.state.lambda = Eigen::VectorXd::Zero(out.mechanism->sizes().n_lambda);
   const AssembleReport positions = std::move(out.assembly);
   // Bodies start without vibration where the loops allow it.

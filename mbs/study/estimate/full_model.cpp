@@ -129,7 +129,7 @@ mbs::State FullModel::state_of(const mbs::PreparedMechanism& run) const {
 void FullModel::take_start(const mbs::PreparedMechanism& run) {
   // Only positions matter to redundancy.
   const mbs::State s = state_of(run);
-  mechanism_->drop_redundant(run.state.t, s.p);
+  mechanism_->drop_redundant(s, s.p);
   scratch_ = mechanism_->make_scratch();
   tangents_ = std::make_unique<mbs::Tangents>(*mechanism_);
   kinematics_ = std::make_unique<mbs::KinematicBlocks>(*mechanism_, s.p);
@@ -146,7 +146,7 @@ void FullModel::residual(const mbs::State& s, const VectorXd& v_dot, VectorXd& r
 void FullModel::constraint_matrix(const mbs::State& s, MatrixXd& G) {
   const mbs::Sizes n = mechanism_->sizes();
   G.setZero(n.n_lambda, n.n_v);
-  if (n.n_lambda > 0) mechanism_->constraint_matrix(s.t, s.p, *scratch_, G);
+  if (n.n_lambda > 0) mechanism_->constraint_matrix(s, s.p, *scratch_, G);
 }
 
 void FullModel::linearise(const mbs::State& s, const VectorXd& v_dot, LinearisedRow& row) {

@@ -135,14 +135,7 @@ direction = [0, 1, 0]
   EXPECT_NEAR(x(2), -30.0 * 0.5, 1e-12);
 }
 
-TEST_F(ShownMeasures, AreNotForForcesAndControls) {
-  const std::string read = "[force.f]\ntype = \"joint_force\"\njoint = \"pivot\"\nvalue = ";
-  EXPECT_THAT(
-      refusal(pendulum + read + "\"-tension\"\n"),
-      HasSubstr("reads \"tension\", an acceleration or reaction: these are known only after the forces"));
-  EXPECT_THAT(refusal(pendulum + read + "\"-2*share\"\n"), HasSubstr("reads \"tension\""));
-  EXPECT_THAT(refusal(pendulum + "[control.c]\ntype = \"filter\"\ninput = \"along\"\ntime_constant = 1\n"),
-              HasSubstr("reads \"along\""));
+TEST_F(ShownMeasures, RefuseWhatTheyAreNotFor) {
   EXPECT_THAT(
       refusal(pendulum +
               "[measure.x]\ntype = \"load_cell\"\njoint = \"pivot\"\nat = \"bob.tip\"\ndirection = [1, 0, "

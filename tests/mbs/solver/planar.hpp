@@ -132,28 +132,28 @@ class PlanarMechanism : public Equations {
     apply_GT(s.t, s.p, s.lambda, scratch, f_c);
     r += f_c;
   }
-  void position_constraints(double t, ConstVectorRef p, Scratch&, VectorRef g) const override {
+  void position_constraints(When when, ConstVectorRef p, Scratch&, VectorRef g) const override {
     for (std::size_t k = 0; k < constraints.size(); ++k)
-      g(k) = constraints[k].direction.dot(constraints[k].point.position(p)) - constraints[k].rate * t -
+      g(k) = constraints[k].direction.dot(constraints[k].point.position(p)) - constraints[k].rate * when.t -
              constraints[k].offset;
   }
-  void velocity_constraints(double, ConstVectorRef p, ConstVectorRef v, Scratch&,
+  void velocity_constraints(When, ConstVectorRef p, ConstVectorRef v, Scratch&,
                             VectorRef g_dot) const override {
     for (std::size_t k = 0; k < constraints.size(); ++k)
       g_dot(k) = constraints[k].direction.dot(constraints[k].point.jacobian(p) * v) - constraints[k].rate;
   }
-  void acceleration_constraints(double, ConstVectorRef p, ConstVectorRef v, ConstVectorRef v_dot, Scratch&,
+  void acceleration_constraints(When, ConstVectorRef p, ConstVectorRef v, ConstVectorRef v_dot, Scratch&,
                                 VectorRef g_ddot) const override {
     for (std::size_t k = 0; k < constraints.size(); ++k)
       g_ddot(k) = constraints[k].direction.dot(constraints[k].point.jacobian(p) * v_dot +
                                                constraints[k].point.bias(p, v));
   }
-  void apply_GT(double, ConstVectorRef p, ConstVectorRef x, Scratch&, VectorRef f_c) const override {
+  void apply_GT(When, ConstVectorRef p, ConstVectorRef x, Scratch&, VectorRef f_c) const override {
     f_c.setZero();
     for (std::size_t k = 0; k < constraints.size(); ++k)
       f_c += constraints[k].point.jacobian(p).transpose() * constraints[k].direction * x(k);
   }
-  void constraint_matrix(double, ConstVectorRef p, Scratch&, MatrixRef G) const override {
+  void constraint_matrix(When, ConstVectorRef p, Scratch&, MatrixRef G) const override {
     for (std::size_t k = 0; k < constraints.size(); ++k)
       G.row(k) = constraints[k].direction.transpose() * constraints[k].point.jacobian(p);
   }

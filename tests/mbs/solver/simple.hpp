@@ -18,14 +18,14 @@ class SimpleEquations : public Equations {
   std::unique_ptr<Scratch> make_scratch() const override { return std::make_unique<Scratch>(); }
   void kinematic(ConstVectorRef, ConstVectorRef w, VectorRef p_dot) const override { p_dot = w; }
   void retract(ConstVectorRef p, ConstVectorRef d, VectorRef p_out) const override { p_out = p + d; }
-  void position_constraints(double, ConstVectorRef, Scratch&, VectorRef) const override {}
-  void velocity_constraints(double, ConstVectorRef, ConstVectorRef, Scratch&, VectorRef) const override {}
-  void acceleration_constraints(double, ConstVectorRef, ConstVectorRef, ConstVectorRef, Scratch&,
+  void position_constraints(When, ConstVectorRef, Scratch&, VectorRef) const override {}
+  void velocity_constraints(When, ConstVectorRef, ConstVectorRef, Scratch&, VectorRef) const override {}
+  void acceleration_constraints(When, ConstVectorRef, ConstVectorRef, ConstVectorRef, Scratch&,
                                 VectorRef) const override {}
-  void apply_GT(double, ConstVectorRef, ConstVectorRef, Scratch&, VectorRef f_c) const override {
+  void apply_GT(When, ConstVectorRef, ConstVectorRef, Scratch&, VectorRef f_c) const override {
     f_c.setZero();
   }
-  void constraint_matrix(double, ConstVectorRef, Scratch&, MatrixRef) const override {}
+  void constraint_matrix(When, ConstVectorRef, Scratch&, MatrixRef) const override {}
   EnergyReport energy(const State&, ConstVectorRef, Scratch&) const override { return {}; }
   void roots(const State&, Scratch&, VectorRef) const override {}
   bool on_root(int, State&, Scratch&) const override { return false; }
@@ -46,23 +46,20 @@ class CartesianPendulum : public SimpleEquations {
     r = v_dot + s.p * s.lambda(0);
     r(1) += 9.81;
   }
-  void position_constraints(double, ConstVectorRef p, Scratch&, VectorRef g) const override {
+  void position_constraints(When, ConstVectorRef p, Scratch&, VectorRef g) const override {
     g(0) = 0.5 * (p.squaredNorm() - 1.0);
   }
-  void velocity_constraints(double, ConstVectorRef p, ConstVectorRef v, Scratch&,
-                            VectorRef g) const override {
+  void velocity_constraints(When, ConstVectorRef p, ConstVectorRef v, Scratch&, VectorRef g) const override {
     g(0) = p.dot(v);
   }
-  void acceleration_constraints(double, ConstVectorRef p, ConstVectorRef v, ConstVectorRef v_dot, Scratch&,
+  void acceleration_constraints(When, ConstVectorRef p, ConstVectorRef v, ConstVectorRef v_dot, Scratch&,
                                 VectorRef g) const override {
     g(0) = p.dot(v_dot) + v.squaredNorm();
   }
-  void apply_GT(double, ConstVectorRef p, ConstVectorRef x, Scratch&, VectorRef f_c) const override {
+  void apply_GT(When, ConstVectorRef p, ConstVectorRef x, Scratch&, VectorRef f_c) const override {
     f_c = p * x(0);
   }
-  void constraint_matrix(double, ConstVectorRef p, Scratch&, MatrixRef G) const override {
-    G = p.transpose();
-  }
+  void constraint_matrix(When, ConstVectorRef p, Scratch&, MatrixRef G) const override { G = p.transpose(); }
   void mass_matrix(ConstVectorRef, Scratch&, MatrixRef M) const override { M.setIdentity(); }
   EnergyReport energy(const State& s, ConstVectorRef, Scratch&) const override {
     return {.kinetic = 0.5 * s.v.squaredNorm(), .potential = 9.81 * s.p(1)};

@@ -69,7 +69,8 @@ double RadauErrors::between_nodes(const Step& step) {
   if (n_.n_lambda == 0) return 0.0;
   stage_ = step.y;
   for (int j = 0; j < 3; ++j) stage_ += k_.basis(j, kBetweenNodes) * Z[j];
-  eq_.position_constraints(step.t + kBetweenNodes * step.h, stage_.head(n_.n_p), *scratch_, g_);
+  form_.unpack(step.t + kBetweenNodes * step.h, stage_, between_);
+  eq_.position_constraints(between_, between_.p, *scratch_, g_);
   rhs_.setZero();
   rhs_.tail(n_.n_lambda) = g_;
   matrices_.solve(rhs_, x_);

@@ -36,6 +36,7 @@ class RadauErrors {
   StabilisedIndex2& form_;
   Sizes n_;
   std::unique_ptr<Equations::Scratch> scratch_;
+  State between_;
   Eigen::VectorXd stage_, rate_, step_, rhs_, x_, error_, g_;
 };
 
