@@ -15,7 +15,7 @@ awk -v entry="$work/entry.txt" '
   /^}  \/\/ namespace$/ && !done { while ((getline line < entry) > 0) print line; print ""; done = 1 }
   { print }' "$source/mbs/file/elements/forces.cpp" |
   sed -e 's#^\#include "mbs/forces/bushing.hpp"#&\n\#include "mbs/forces/coulomb_charge.hpp"#' \
-      -e 's#= {spring_damper(), #= {spring_damper(), coulomb_charge(), #' >"$work/mbs/file/elements/forces.cpp"
+      -e 's#std::vector<ForceType> list = {#&coulomb_charge(), #' >"$work/mbs/file/elements/forces.cpp"
 grep -q 'coulomb_charge(), ' "$work/mbs/file/elements/forces.cpp" || { echo "force_types() has no such list any more"; exit 1; }
 "$compiler" -std=c++20 -fsyntax-only -Wall -Wextra -I "$work" -I "$source" -isystem /usr/include/eigen3 "$work/mbs/file/elements/forces.cpp"
 # The fidelity: a header, a maker, a line.
