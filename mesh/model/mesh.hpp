@@ -18,9 +18,10 @@ using Index = std::int32_t;
 
 /// How a foreign program integrates a solid of this shape, where the deck says so.
 enum class CellVariant : std::uint8_t {
-  standard,  ///< as the part asks for
-  reduced,   ///< stiffness with the next lower Gauss rule (C3D20R)
-  bubbles,   ///< incompatible modes (C3D8I)
+  standard,     ///< as the part asks for
+  reduced,      ///< stiffness with the next lower Gauss rule (C3D20R, C3D8R)
+  bubbles,      ///< incompatible modes (C3D8I)
+  mean_volume,  ///< the mean change of volume (C3D8)
 };
 
 /// Cells of one type and variant, one row of node indices each.

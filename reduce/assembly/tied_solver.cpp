@@ -21,11 +21,9 @@ ModelFactor factorise(const TiedModel& model, const linalg::Progress& progress,
     return factor;
   } catch (const linalg::SingularMatrix& singular) {
     throw std::invalid_argument(fmt::format(
-        "the stiffness matrix is singular although the interfaces hold the body: a part of it "
-        "can move without strain, "
-        "noticed at {}; look for solids that touch in a single node or edge, and for hinges (pin flags, ties "
-        "of "
-        "displacements) with an interface on one side alone: add one beyond them",
+        "the stiffness matrix is singular although the interfaces hold the body: a part of it can move "
+        "without strain, noticed at {}; look for solids that touch in a single node or edge, hinges with an "
+        "interface on one side alone (add one beyond), and C3D20R in a single row (take two across)",
         singular.dof >= 0
             ? model.motions().describe_dof(singular.dof)
             : "a place that one process alone (without mpirun) with the solver package fronts would name"));

@@ -43,12 +43,19 @@ Registry make_registry() {
     if (record.is_solid())
       add(Formulation::standard, make(record.type, record.is_linear() ? Lumping::row_sum : Lumping::scaled));
   add(Formulation::enhanced, make(CellType::hex8, Lumping::row_sum, Enhancement::bubbles));
-  // Eight points leave six modes of a single element without energy beside its rigid motions; those of neighbours
-  // do not fit to one another, so that a mesh of two has none (Zienkiewicz, Taylor, vol. 1, 12.5).  The mass stays
-  // whole.
+  // Eight points leave six modes of a single element without energy beside its rigid motions.  Those of neighbours do not fit
+  // to one another where two elements lie across and along (Zienkiewicz, Taylor, vol. 1, 12.5); a single row of elements keeps one
+  // for each, even with one end held (tied_solver.cpp says so).  The mass stays whole.
   Element reduced = make(CellType::hex20, Lumping::scaled);
   reduced.stiffness = tabulate(CellType::hex20, mesh::stiffness_quadrature(CellType::hex8));
+  reduced.strains = Strains::at_points;
   add(Formulation::reduced, std::move(reduced));
+  Element uniform = make(CellType::hex8, Lumping::row_sum);
+  uniform.strains = Strains::uniform;
+  add(Formulation::reduced, std::move(uniform));
+  Element mean = make(CellType::hex8, Lumping::row_sum);
+  mean.strains = Strains::mean_volume;
+  add(Formulation::mean_volume, std::move(mean));
   return registry;
 }
 
@@ -60,6 +67,9 @@ Formulation formulation_of(const mesh::CellBlock& block, Formulation of_part) {
       return Formulation::reduced;
     case mesh::CellVariant::bubbles:
       return Formulation::enhanced;
+    case mesh::CellVariant::mean_volume:
+      if (of_part == Formulation::standard) return Formulation::mean_volume;
+      break;
     case mesh::CellVariant::standard:
       break;
   }

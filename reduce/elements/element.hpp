@@ -45,6 +45,14 @@ enum class Enhancement {
             ///< Wilson 1976)
 };
 
+/// Of which strains the stiffness is made.
+enum class Strains {
+  whole,
+  mean_volume,  ///< the volume's change is its mean over the element (B-bar; T. J. R. Hughes 1980)
+  uniform,  ///< all of it is the mean; what has none, hourglasses, has a small stiffness (Flanagan, Belytschko 1981)
+  at_points,  ///< those at the points of the stiffness's rule, and between them what these give (reduced integration)
+};
+
 struct Element {
   mesh::CellType type;
   int n_nodes;
@@ -53,13 +61,15 @@ struct Element {
   TabulatedRule centre;  ///< one point
   Lumping lumping;
   Enhancement enhancement;
+  Strains strains = Strains::whole;
 };
 
 /// Which of several elements of a cell type to take.
 enum class Formulation {
   standard,  ///< displacements only
   enhanced,  ///< hex8 with bubbles: does not lock in bending; the same as standard for all others
-  reduced,   ///< hex20 with 2 x 2 x 2 points for the stiffness; the same as standard for all others
+  reduced,  ///< hex20 with 2 x 2 x 2 points for the stiffness, hex8 with uniform strains; the same as standard for all others
+  mean_volume,  ///< hex8 with the mean change of its volume; the same as standard for all others
 };
 
 /// The formulation of a block whose deck says how it is integrated, else the part's.

@@ -1,11 +1,14 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include "reduce/estimate/enriched_residual.hpp"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <memory>
 
+#include "reduce/elements/strain.hpp"
 #include "reduce/estimate/cell_data.hpp"
 #include "reduce/estimate/enriched_cells.hpp"
+#include "reduce/estimate/enrichment.hpp"
 #include "reduce/linalg/dense/parallel.hpp"
 
 namespace flexura::reduce {
@@ -36,6 +39,55 @@ std::vector<DoublePanel> panels_of(const MatrixXd& U) {
   return out;
 }
 
+// Elements whose stress is not that of their displacements alone (strain.hpp): what theirs adds to the residual,
+// - integral B_w^T D (B* - B) u dV.
+class OwnStrains {
+ public:
+  OwnStrains(const mesh::CellBlock& block, const Part& part)
+      : block_(block),
+        part_(part),
+        element_(solid_element(block.type, formulation_of(block, part.formulation))) {
+    if (!differ()) return;
+    for (const TabulatedRule::Point& point : element_.mass.points)
+      gained_.push_back(evaluate_enrichment(block.type, point.xi).dw);
+  }
+
+  bool differ() const {
+    return element_.strains != Strains::whole || element_.enhancement != Enhancement::none;
+  }
+
+  // r: 3 g x 16 by rows; sign: of the g gained functions.
+  void add(Index row, const std::vector<float>& sign, const DoublePanel& u, float* r) const {
+    const NodePositions x = positions(part_.mesh, block_, row);
+    const Matrix6& D = part_.materials[material_of(block_, row)].D;
+    const StrainField field(element_, x, D);
+    const Index g = gained_.front().rows();
+    MatrixXd C = MatrixXd::Zero(3 * g, 3 * x.rows());
+    NodePositions gradients;
+    StrainMatrix own, plain;
+    for (std::size_t q = 0; q < gained_.size(); ++q) {
+      const TabulatedRule::Point& point = element_.mass.points[q];
+      const double det = field.at(point, own);
+      if (!(det > 0.0)) return;
+      spatial_gradients(point, x, gradients);
+      fill_strain_matrix(gradients, plain);
+      const StrainMatrix stress = (point.weight * det) * D * (own - plain);
+      const Eigen::Matrix3d J = point.dN.transpose() * x;
+      const Eigen::Matrix<double, Eigen::Dynamic, 3> dw = gained_[q] * J.inverse().transpose();
+      for (Index f = 0; f < g; ++f) C.middleRows<3>(3 * f) += strain_operator(dw.row(f)).transpose() * stress;
+    }
+    for (Index f = 0; f < g; ++f) C.middleRows<3>(3 * f) *= sign[static_cast<std::size_t>(f)];
+    Eigen::Map<Eigen::Matrix<float, Eigen::Dynamic, kStatesTogether, Eigen::RowMajor>>(
+        r, 3 * g, kStatesTogether) -= (C * u).cast<float>();
+  }
+
+ private:
+  const mesh::CellBlock& block_;
+  const Part& part_;
+  const Element& element_;
+  std::vector<Eigen::Matrix<double, Eigen::Dynamic, 3>> gained_;
+};
+
 // What a thread needs for cells of a block, and what it has found of them.
 class Worker {
  public:
@@ -44,7 +96,8 @@ class Worker {
         mesh_(mesh),
         block_(block),
         cells_(block.type, part.materials),
-        u_(3 * cells_.n_own(), kStatesTogether) {}
+        u_(3 * cells_.n_own(), kStatesTogether),
+        own_strains_(block, part) {}
 
   // Of `count` cells from `first` on: r, n_panels blocks of 3 g x 16 a cell, and stiffness, 3 g a cell.
   void compute(std::size_t first, int count, const std::vector<DoublePanel>& U, const Eigen::VectorXd& lambda,
@@ -67,6 +120,7 @@ class Worker {
         for (Index a = 0; a < m; ++a)
           u_.middleRows<3>(3 * a) = U[p].middleRows<3>(3 * static_cast<Index>(block_.nodes(row, a)));
         cells_.residual(lane, u_.data(), lambda.data() + static_cast<Index>(p) * kStatesTogether, r);
+        if (own_strains_.differ()) own_strains_.add(row, lanes[lane].sign, u_, r);
       }
       cells_.copy_diagonal(lane, stiffness);
     }
@@ -79,6 +133,7 @@ class Worker {
   const mesh::CellBlock& block_;
   EnrichedCells cells_;
   DoublePanel u_;
+  OwnStrains own_strains_;
 };
 
 // Up to eight cells of a block.

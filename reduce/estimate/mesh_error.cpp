@@ -65,9 +65,10 @@ MeshEnergy recovered_energy(const Part& part, const MatrixXd& U, const linalg::P
     linalg::parallel_for(kChunks, [&](int chunk) {
       for (Index cell = block.nodes.rows() * chunk / kChunks;
            cell < block.nodes.rows() * (chunk + 1) / kChunks; ++cell) {
-        const NodePositions x = positions(part.mesh, block, cell);
-        MatrixXd u(3 * x.rows(), n), at_nodes(x.rows(), 6 * n);
-        for (Index a = 0; a < x.rows(); ++a) {
+        const Index n_nodes = block.nodes.cols();
+        const CellStress stress(part, block, cell);
+        MatrixXd u(3 * n_nodes, n), at_nodes(n_nodes, 6 * n);
+        for (Index a = 0; a < n_nodes; ++a) {
           u.middleRows<3>(3 * a) = U.middleRows<3>(3 * static_cast<Index>(block.nodes(cell, a)));
           const Index place = 6 * static_cast<Index>(recovery.places(b)(cell, a));
           for (Index c = 0; c < 6; ++c)
@@ -77,7 +78,7 @@ MeshEnergy recovered_energy(const Part& part, const MatrixXd& U, const linalg::P
         Eigen::RowVectorXd energy = Eigen::RowVectorXd::Zero(n);
         for (const TabulatedRule::Point& point : rule.points) {
           double det = 0.0;
-          MatrixXd s = stress_at(point, x, part.materials[material].D, u, &det);
+          MatrixXd s = stress.at(point, u, &det);
           const Eigen::RowVectorXd smooth = point.N.transpose() * at_nodes;
           for (Index c = 0; c < 6; ++c) s.row(c) -= smooth.segment(c * n, n);
           energy += point.weight * std::max(det, 0.0) * (roots[material] * s).colwise().squaredNorm();

@@ -79,14 +79,17 @@ MatrixXd displacements(const mesh::CellBlock& block, Index cell, const Eigen::Re
 
 }  // namespace
 
-MatrixXd stress_at(const TabulatedRule::Point& point, const NodePositions& x, const Matrix6& D,
-                   const Eigen::Ref<const MatrixXd>& u, double* det) {
-  NodePositions g;
-  const double determinant = spatial_gradients(point, x, g);
+CellStress::CellStress(const Part& part, const mesh::CellBlock& block, Index row)
+    : D_(part.materials[material_of(block, row)].D),
+      strains_(solid_element(block.type, formulation_of(block, part.formulation)),
+               positions(part.mesh, block, row), D_) {}
+
+MatrixXd CellStress::at(const TabulatedRule::Point& point, const Eigen::Ref<const MatrixXd>& u,
+                        double* det) const {
+  StrainMatrix B;
+  const double determinant = strains_.at(point, B);
   if (det) *det = determinant;
-  Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, 3 * kMaxNodes> DB(6, 3 * g.rows());
-  for (Index a = 0; a < g.rows(); ++a) DB.middleCols<3>(3 * a).noalias() = D * strain_operator(g.row(a));
-  return DB * u;
+  return D_ * B * u;
 }
 
 StressRecovery::StressRecovery(const Part& part) : part_(part) {
@@ -218,12 +221,11 @@ Eigen::MatrixXf StressRecovery::recover(const Eigen::Ref<const MatrixXd>& T) con
     for (std::size_t c = first; c < last; ++c) {
       const Cell& cell = cells_[c];
       const mesh::CellBlock& block = part_.mesh.solids[cell.block];
-      const NodePositions x = positions(part_.mesh, block, cell.row);
+      const CellStress stress(part_, block, cell.row);
       const MatrixXd u = displacements(block, cell.row, T);
-      const Matrix6& D = part_.materials[material_of(block, cell.row)].D;
       Index row = 6 * static_cast<Index>(cell.first_sample);
       for (const TabulatedRule::Point& point : sampling_[cell.block].points) {
-        samples.middleRows<6>(row) = stress_at(point, x, D, u);
+        samples.middleRows<6>(row) = stress.at(point, u);
         row += 6;
       }
     }

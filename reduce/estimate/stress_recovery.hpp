@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "reduce/assembly/input/part.hpp"
+#include "reduce/elements/strain.hpp"
 
 /// Superconvergent patch recovery (O. C. Zienkiewicz, J. Z. Zhu, Int. J. Numer. Meth. Eng. 33 (1992), 1331).
 ///
@@ -63,8 +64,16 @@ class StressRecovery {
   std::vector<Patch> patches_;
 };
 
-/// Stress of displacements u (3 n x k of a cell's nodes) at a point, 6 x k.
-Eigen::MatrixXd stress_at(const TabulatedRule::Point& point, const NodePositions& x, const Matrix6& D,
-                          const Eigen::Ref<const Eigen::MatrixXd>& u, double* det = nullptr);
+/// Stress of displacements u (3 n x k of a cell's nodes) at a point of a solid cell, 6 x k: as its element makes it.
+class CellStress {
+ public:
+  CellStress(const Part& part, const mesh::CellBlock& block, Eigen::Index row);
+  Eigen::MatrixXd at(const TabulatedRule::Point& point, const Eigen::Ref<const Eigen::MatrixXd>& u,
+                     double* det = nullptr) const;
+
+ private:
+  const Matrix6& D_;
+  StrainField strains_;
+};
 
 }  // namespace flexura::reduce

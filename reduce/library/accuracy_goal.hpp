@@ -33,7 +33,7 @@ class AccuracyGoal {
   /// Sizes of the next mesh (mesh::CadOptions::sizes) for the last reduction judged: those of
   /// the fewest cells (P. Ladeveze, G. Coffignal, P. Marin 1986; mesh_sizes.hpp).
   /// `dofs`: of the mesh that was judged; std::runtime_error where the next one would be beyond all bounds.
-  std::vector<double> next_sizes(const Part& part, int dofs) const;
+  std::vector<double> next_sizes(const Part& part, int dofs);
 
   /// "asked 1 % ..., estimated ..."
   std::string describe(const Judgement& j) const;
@@ -43,6 +43,8 @@ class AccuracyGoal {
   MeshShare share_;  ///< of the last reduction
   std::vector<MeshShare::Mode> before_;
   double raised_ = 1.0, modes_before_ = 0.0;
+  double expected_ =
+      0.0;  ///< of the last sizes: the greatest error of a motion over what it may have; 0: none were given
   std::size_t n_judged_ = 0;
   int n_shapes_ = 0;
 };

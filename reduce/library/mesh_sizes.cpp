@@ -8,6 +8,7 @@
 namespace flexura::reduce {
 
 using Eigen::Index;
+using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
@@ -44,29 +45,40 @@ std::vector<Exponents> exponents_of(const mesh::Mesh& mesh, const std::vector<ch
 
 }  // namespace
 
-VectorXd cell_factors(const mesh::Mesh& mesh, const VectorXd& share, const std::vector<char>& sharp,
+VectorXd cell_factors(const mesh::Mesh& mesh, const MatrixXd& share, const std::vector<char>& sharp,
                       double aim) {
   constexpr double kFinest = 1.0 / 16.0, kCoarsest = 1.5;  // finer is a guess
+  constexpr int kSweeps = 30;
+  // An error goes with its multiplier like mu^(-a / (a + d)), about the root: this much of the way to it, as sums share cells.
+  constexpr double kStep = 1.5;
   const std::vector<Exponents> by = exponents_of(mesh, sharp);
-  const double least = 1e-6 * share.maxCoeff();
-  VectorXd factor = VectorXd::Ones(share.size());
-  const auto left = [&](double level) {  // the sum of errors where all cells are at a level
-    double sum = 0.0;
-    for (Index k = 0; k < share.size(); ++k) {
+  VectorXd factor = VectorXd::Ones(share.rows());
+  if (share.size() == 0 || !(share.maxCoeff() > 0.0)) return factor;
+  VectorXd multiplier = VectorXd::Ones(share.cols()), left(share.cols());
+  const auto divide = [&](double level) {  // makes `left` the sums where a e f^(a+d) / d is that level
+    const VectorXd error = share * multiplier;
+    const double least = 1e-6 * error.maxCoeff();
+    left.setZero();
+    for (Index k = 0; k < share.rows(); ++k) {
       const auto [a, d] = by[static_cast<std::size_t>(k)];
-      const double e = std::max(share(k), least);
+      const double e = std::max(error(k), least);
       factor(k) = std::clamp(std::pow(level * d / (a * e), 1.0 / (a + d)), kFinest, kCoarsest);
-      sum += e * std::pow(factor(k), a);
+      left += std::pow(factor(k), a) * share.row(k).transpose();
     }
-    return sum;
+    return left.maxCoeff();
   };
-  if (!(share.maxCoeff() > 0.0)) return factor;
-  double low = std::log(1e-12 * share.maxCoeff()), high = std::log(1e3 * share.maxCoeff());
-  for (int k = 0; k < 60; ++k) {
-    const double middle = 0.5 * (low + high);
-    (left(std::exp(middle)) > aim ? high : low) = middle;
+  for (int sweep = 0; sweep < kSweeps; ++sweep) {
+    divide(1.0);
+    for (Index k = 0; k < share.cols(); ++k)
+      multiplier(k) *= std::pow(std::clamp(left(k) / aim, 1e-2, 1e2), kStep);
+    multiplier = multiplier.cwiseMax(1e-12 * multiplier.maxCoeff());
   }
-  left(std::exp(low));
+  double low = std::log(1e-6), high = std::log(1e6);
+  for (int k = 0; k < 50; ++k) {
+    const double middle = 0.5 * (low + high);
+    (divide(std::exp(middle)) > aim ? high : low) = middle;
+  }
+  divide(std::exp(low));
   return factor;
 }
 

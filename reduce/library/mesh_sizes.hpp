@@ -13,12 +13,14 @@
 /// edges a = 2p, d = 3 (p the degree).  Along an edge where stresses are unbounded like r^(lambda - 1) the energy left is that
 /// of a tube, a = 2 lambda, and as sizes may grow away from the edge, only its length is to be divided: d = 1 (I. Babuska,
 /// R. B. Kellogg, J. Pitkaranta, Numer. Math. 33 (1979) 447; T. Apel, Anisotropic Finite Elements, 1999).  The fewest cells for
-/// a given sum of errors:  minimise sum f^-d with sum e f^a given, so that  a e f^(a+d) / d  is the same for all cells.
+/// a given sum of errors:  minimise sum f^-d with sum e f^a given, so that  a e f^(a+d) / d  is the same for all cells.  Of several
+/// motions each has a sum of its own; with Lagrange's multipliers mu_k, 0 where a motion's sum is smaller than it may be,
+/// e is sum_k mu_k e_k.
 namespace flexura::reduce {
 
-/// Factor f of each cell (order of the blocks of solids) so that the sum of the errors becomes `aim`; 1/16 to 1.5.
-/// `share`: the errors today; `sharp`: of the nodes.
-Eigen::VectorXd cell_factors(const mesh::Mesh& mesh, const Eigen::VectorXd& share,
+/// Factor f of each cell (order of the blocks of solids) so that the greatest sum of the errors becomes `aim`; 1/16 to 1.5.
+/// `share`: the errors today, n_cells x n_motions; `sharp`: of the nodes.
+Eigen::VectorXd cell_factors(const mesh::Mesh& mesh, const Eigen::MatrixXd& share,
                              const std::vector<char>& sharp, double aim);
 
 /// About how many times as many cells the factors ask for.

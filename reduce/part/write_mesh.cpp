@@ -84,6 +84,7 @@ bool abaqus_material(const Material& material, fmt::memory_buffer& out) {
 
 std::string abaqus_name(const CellBlock& block) {
   if (block.type == CellType::hex20 && block.variant == mesh::CellVariant::reduced) return "C3D20R";
+  if (block.type == CellType::hex8 && block.variant == mesh::CellVariant::reduced) return "C3D8R";
   if (block.type == CellType::hex8 && block.variant == mesh::CellVariant::bubbles) return "C3D8I";
   return names_of(block.type).abaqus;
 }

@@ -101,12 +101,14 @@ Surroundings around(const Part& part, const CellsOfNodes& cells, mesh::Index cen
   constexpr int kRings = 4;  // a patch takes in two rings around its cells
   Surroundings out;
   out.part.materials = part.materials;
+  out.part.formulation = part.formulation;
   std::vector<std::vector<Index>> rows(part.mesh.solids.size());
   for (const auto& [b, row] : cells.around(part.mesh, centre, kRings)) rows[b].push_back(row);
   for (std::size_t b = 0; b < rows.size(); ++b) {
     if (rows[b].empty()) continue;
     const mesh::CellBlock& block = part.mesh.solids[b];
-    mesh::CellBlock kept{.type = block.type, .nodes = block.nodes(rows[b], Eigen::all)};
+    mesh::CellBlock kept{
+        .type = block.type, .variant = block.variant, .nodes = block.nodes(rows[b], Eigen::all)};
     if (!block.material.empty())
       for (const Index row : rows[b]) kept.material.push_back(block.material[static_cast<std::size_t>(row)]);
     for (mesh::Index& node : kept.nodes.reshaped())
@@ -142,8 +144,7 @@ Eigen::VectorXd errors_at(const Part& part, const CellsOfNodes& cells_of, mesh::
         for (Index c = 0; c < block.nodes.cols(); ++c)
           of_cell.middleRows<3>(3 * c) = u.middleRows<3>(3 * static_cast<Index>(block.nodes(row, c)));
         const MatrixXd own =
-            stress_at(at_nodes.points[static_cast<std::size_t>(a)], positions(near.part.mesh, block, row),
-                      part.materials[static_cast<std::size_t>(material)].D, of_cell);
+            CellStress(near.part, block, row).at(at_nodes.points[static_cast<std::size_t>(a)], of_cell);
         const Index place = 6 * static_cast<Index>(recovery.places(b)(row, a));
         for (Index k = 0; k < y.cols(); ++k) {
           const double off = von_mises(own.col(k) - s.col(k));

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "reduce/elements/strain.hpp"
 #include "reduce/linalg/dense/dense.hpp"
 #include "reduce/linalg/dense/parallel.hpp"
 
@@ -77,11 +78,12 @@ linalg::SymmetricMatrix stress_stiffness(const Part& part, const linalg::Symmetr
           u.row(a) = U.segment<3>(3 * static_cast<Index>(block.nodes(cell, a)));
         }
         results[k].setZero(element.n_nodes, element.n_nodes);
+        const StrainField field(element, x, part.materials[material].D);
+        StrainMatrix B;
         for (const TabulatedRule::Point& point : element.stiffness.points) {
           const double det = spatial_gradients(point, x, gradients);
-          Eigen::Matrix<double, 6, 1> strain = Eigen::Matrix<double, 6, 1>::Zero();
-          for (int a = 0; a < element.n_nodes; ++a)
-            strain += strain_operator(gradients.row(a)) * u.row(a).transpose();
+          field.at(point, B);
+          const Eigen::Matrix<double, 6, 1> strain = B * u.reshaped<Eigen::RowMajor>();
           const Eigen::Matrix<double, 6, 1> s = part.materials[material].D * strain;
           Eigen::Matrix3d sigma;
           sigma << s(0), s(3), s(5), s(3), s(1), s(4), s(5), s(4), s(2);

@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "reduce/elements/shell.hpp"
-#include "reduce/elements/solid.hpp"
+#include "reduce/elements/strain.hpp"
 
 namespace flexura::reduce {
 
@@ -51,24 +51,26 @@ Eigen::MatrixXd nodal_stress_modes(const Part& part, const Eigen::MatrixXd& T,
   const std::vector<Eigen::Index> place = places_of(part, nodes);
   const std::vector<std::pair<int, int>> chosen = nodal_materials(part, nodes);
   Eigen::MatrixXd stress = Eigen::MatrixXd::Zero(6 * static_cast<Eigen::Index>(nodes.size()), n);
-  NodePositions gradients;
+  StrainMatrix B;
   for (const mesh::CellBlock& block : part.mesh.solids) {
     const TabulatedRule at_nodes = tabulate(
         block.type,
         {mesh::reference_nodes(block.type), Eigen::VectorXd::Ones(mesh::nodes_per_cell(block.type))});
     NodePositions x(block.nodes.cols(), 3);
+    const Element& element = solid_element(block.type, formulation_of(block, part.formulation));
     for (Eigen::Index cell = 0; cell < block.nodes.rows(); ++cell) {
       const int material = material_of(block, cell);
+      std::optional<StrainField> field;
       for (Eigen::Index a = 0; a < x.rows(); ++a) x.row(a) = part.mesh.points.row(block.nodes(cell, a));
       for (Eigen::Index c = 0; c < x.rows(); ++c) {
         const Eigen::Index v = place[block.nodes(cell, c)];
         if (v < 0 || chosen[v].first != material) continue;
-        spatial_gradients(at_nodes.points[static_cast<std::size_t>(c)], x, gradients);
+        if (!field) field.emplace(element, x, part.materials[material].D);
+        field->at(at_nodes.points[static_cast<std::size_t>(c)], B);
         Eigen::MatrixXd strain = Eigen::MatrixXd::Zero(6, n);
-        for (Eigen::Index a = 0; a < x.rows(); ++a) {
-          const auto h = T.middleRows<3>(3 * static_cast<Eigen::Index>(block.nodes(cell, a)));
-          strain += strain_operator(gradients.row(a)) * h;
-        }
+        for (Eigen::Index a = 0; a < x.rows(); ++a)
+          strain +=
+              B.middleCols<3>(3 * a) * T.middleRows<3>(3 * static_cast<Eigen::Index>(block.nodes(cell, a)));
         stress.middleRows<6>(6 * v) += part.materials[material].D * strain / chosen[v].second;
       }
     }

@@ -153,7 +153,8 @@ std::string too_coarse(const std::optional<MeshShare>& mesh) {
   if (!mesh) return "";
   double worst = mesh->modes.empty() ? 0.0 : mesh->modes.front().error;
   for (const MeshShare::Interface& interface : mesh->interfaces) worst = std::max(worst, interface.error);
-  if (worst < 0.2) return "";
+  // What is known only to a factor of five does not say that much.
+  if (!(worst >= (mesh->rough ? 1.0 : 0.2))) return "";
   return fmt::format(
       "the mesh does not resolve the part: its error is estimated at {}; choose a smaller mesh size, or "
       "elements of "

@@ -69,6 +69,25 @@ TEST(MeshSizes, AreThoseOfTheFewestCells) {
   }
 }
 
+/// Of two motions each has what it may have, where the cells that matter are each one's own; what is in the shadow of a worse
+/// motion asks for nothing.
+TEST(MeshSizes, EachMotionHasASumOfItsOwn) {
+  const Part part = angle();
+  const std::vector<char> sharp(16, 0);
+  Eigen::MatrixXd share = Eigen::MatrixXd::Zero(3, 2);
+  share(0, 0) = 0.5;
+  share(1, 1) = 0.4;
+  const Eigen::VectorXd f = cell_factors(part.mesh, share, sharp, 0.1);
+  EXPECT_NEAR(0.5 * f(0) * f(0), 0.1, 1e-3 * 0.1);  // linear cells: e f^2
+  EXPECT_NEAR(0.4 * f(1) * f(1), 0.1, 0.05 * 0.1);  // as near as the multipliers come
+  EXPECT_EQ(f(2), 1.5);
+  Eigen::MatrixXd shadow(3, 2);
+  shadow << 0.3, 0.03, 0.2, 0.01, 0.1, 0.02;
+  const Eigen::VectorXd both = cell_factors(part.mesh, shadow, sharp, 0.1),
+                        alone = cell_factors(part.mesh, shadow.leftCols(1), sharp, 0.1);
+  EXPECT_LT((both - alone).norm(), 1e-6 * alone.norm());
+}
+
 /// Sizes at the edge are a quarter of the cells', away from it they grow by half of the way; between points that differ lie
 /// others.
 TEST(MeshSizes, GrowFromTheEdge) {

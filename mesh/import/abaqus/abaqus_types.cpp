@@ -18,18 +18,14 @@ SolidType variant_of(CellType shape, const std::string& letters) {
   const bool hybrid = letters.find('H') != std::string::npos;
   const bool incompatible = letters.find('I') != std::string::npos;
   SolidType type{shape, CellVariant::standard, ""};
-  if (reduced && shape == CellType::hex20) {
+  if (reduced && (shape == CellType::hex20 || shape == CellType::hex8)) {
     type.variant = CellVariant::reduced;
   } else if (reduced) {
-    type.replaced =
-        "integrated in full, without hourglass control: stiffer, in bending of linear elements by far";
+    type.replaced = "integrated in full: slightly stiffer";
   } else if (incompatible && shape == CellType::hex8) {
     type.variant = CellVariant::bubbles;
-  } else if (shape == CellType::hex8 && letters.empty()) {
-    type.replaced =
-        "integrated in full where Abaqus takes the mean volume change of the element: the same but for "
-        "Poisson's "
-        "ratios near 0.5, where it is stiffer";
+  } else if (shape == CellType::hex8 && (letters.empty() || letters == "H")) {
+    type.variant = CellVariant::mean_volume;
   } else if (letters.find('M') != std::string::npos) {
     type.replaced = "taken as the standard element, not the modified one: slightly stiffer";
   } else if (letters.find('V') != std::string::npos) {
