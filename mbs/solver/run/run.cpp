@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 
+#include "mbs/solver/algebra/finite.hpp"
 #include "mbs/solver/position/assemble.hpp"
 #include "mbs/solver/position/dead_point.hpp"
 #include "mbs/solver/run/runner.hpp"
@@ -370,6 +371,10 @@ RunResult Runner::run() {
     result_.stopped_because = with_rank_loss(eq_, result_.state, e.what());
     is_lock = result_.stopped_because != e.what();
   } catch (const AssemblyError& e) {
+    result_.stopped_because = e.what();
+  } catch (const NonFiniteError& e) {
+    // Between the ends of a step that were finite.
+    books_.drain_what_can_be();
     result_.stopped_because = e.what();
   } catch (...) {
     books_.drain_what_can_be();  // rows before the trouble are worth keeping

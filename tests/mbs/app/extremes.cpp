@@ -301,6 +301,56 @@ TEST(ProgramAtTheExtremes, NearlySingularGeometry) {
   }
 }
 
+// Three cranks on one axis carry a coupler, the third one's pin displaced along it: where that is round-off the mechanism is that
+// of two cranks; beyond, its rows contradict each other.
+TEST(ProgramAtTheExtremes, MisfitOfARedundantCrank) {
+  const auto cranks = [](int n, double misfit) {
+    char place[32];
+    std::snprintf(place, sizeof place, "%.17g", 1.0 + misfit);
+    std::string scene =
+        "[body.coupler]\nmass = 2\ncenter = [1, 0, 0]\ninertia = [1, 1, 1]\nposition = [0, 0.8, -0.6]\n";
+    for (int i = 0; i < n; ++i) {
+      const std::string k = std::to_string(i),
+                        x = i == 0   ? "0"
+                            : i == 1 ? "2"
+                                     : place,
+                        nominal = i == 2 ? "1" : x;
+      scene += "[ground.marker.foot" + k + "]\nposition = [" + nominal +
+               ", 0, 0]\naxis = [1, 0, 0]\n[body.crank" + k + "]\nmass = " + text(3.0 / n) +
+               "\ncenter = [0, 0.4, -0.3]\ninertia = [" + text(0.3 / n) + ", 1, 1]\nposition = [" + nominal +
+               ", 0, 0]\n[body.crank" + k + ".marker.foot]\naxis = [1, 0, 0]\n[body.crank" + k +
+               ".marker.head]\nposition = [0, 0.8, -0.6]\naxis = [1, 0, 0]\n[body.coupler.marker.pin" + k +
+               "]\nposition = [" + x + ", 0, 0]\naxis = [1, 0, 0]\n[joint.foot" + k +
+               "]\ntype = \"revolute\"\nfrom = \"ground.foot" + k + "\"\nto = \"crank" + k +
+               ".foot\"\n[joint.head" + k + "]\ntype = \"revolute\"\nfrom = \"crank" + k +
+               ".head\"\nto = \"coupler.pin" + k + "\"\n";
+    }
+    return scene + "[output]\nquantities = [\"foot0.angle\"]\n";
+  };
+  for (const char* const method : {"ida", "radau", "generalised_alpha", "runge_kutta"}) {
+    Axis axis(std::string("Misfit of a redundant crank, ") + method,
+              "Three cranks of 1 m under a coupler swing for two seconds, the third one's pin displaced "
+              "along the pins' axes by "
+              "this; against two cranks.",
+              "misfit [m]", "error of the angle [rad]");
+    const std::vector<std::string> set = {std::string("solver.method=") + method, "solver.end_time=2"};
+    const Answer two = axis.simulate(cranks(2, 0.0), set);
+    ASSERT_TRUE(two.ran()) << two.outcome.err;
+    for (const double misfit : {0.0, 1e-16, 1e-14, 1e-12, 1e-10, 1e-8, 1e-6, 1e-3}) {
+      const Answer answer = axis.simulate(cranks(3, misfit), set);
+      double error = kNone;
+      if (answer.ran()) {
+        const Eigen::Index end = two.values.size() - 1;
+        error = std::abs(answer.values(answer.values.size() - 1) - two.values(end));
+        // 1e-6 a step in some hundred steps, of either run.
+        EXPECT_LT(error, 2e-4) << method << misfit;
+      }
+      EXPECT_TRUE(answer.ran() || misfit > 1e-14) << method << misfit << answer.outcome.err;
+      axis.row(text(misfit), error, answer);
+    }
+  }
+}
+
 // A hanging chain of links, let go from the horizontal.
 TEST(ProgramAtTheExtremes, NumberOfBodies) {
   Axis axis("Number of bodies", "A chain of links of 0.1 m swings for half a second from 0.3 rad each.",

@@ -117,35 +117,23 @@ TEST(Extremes, DeadPointsOfTheParallelogram) {
          "energy error / energy moved", r.energy.relative_error(), 1e-5);
 }
 
-TEST(Extremes, RedundantAndNearlyRedundantConstraints) {
-  for (const double misfit : {0.0, 1e-14, 1e-12, 1e-10}) {
+// Rows of a file that follow from others are left out before a run (tests/mbs/app/extremes.cpp displaces them, too); here they are
+// in the equations.
+TEST(Extremes, RedundantConstraints) {
+  for (const char* const method : {"ida", "radau", "generalised_alpha", "runge_kutta"}) {
     PlanarMechanism m = windows(2);
     const auto single = m.constraints;
-    for (auto c : single) {
-      c.offset += misfit;
-      m.constraints.push_back(c);
-    }
+    m.constraints.insert(m.constraints.end(), single.begin(), single.end());
     State s = make_state(m);
     s.p << M_PI / 2, M_PI / 2, M_PI / 2, 0.0, 0.0;
     s.v << -1.0, -1.0, -1.0, 0.0, 0.0;
     Eigen::VectorXd v_dot;
     assemble(m, s, v_dot);
-    const RunResult r = run(m, s, v_dot, until(2.0, 1e-6));
-    if (misfit <= 1e-14) {
-      EXPECT_TRUE(r.complete) << r.stopped_because;
-      // IFToMM A02 at t = 2 s; 1e-6 a step through two singular positions.
-      report("every constraint twice, the second displaced", number(misfit) + " m",
-             "error of the position at 2 s", std::abs(std::cos(r.state.p(0)) - .057815795768), 1e-3);
-    } else {
-      // Two conditions that contradict each other by more than round-off cannot both be met: the run may
-      // stop, but it says so and what it has is finite and closed to the misfit.
-      EXPECT_TRUE(r.complete || !r.stopped_because.empty());
-      EXPECT_TRUE(r.state.p.allFinite() && r.state.v.allFinite());
-      report("every constraint twice, the second displaced", number(misfit) + " m",
-             r.complete ? "largest constraint residual / misfit"
-                        : "stopped cleanly; constraint residual / misfit",
-             r.peak_position_drift / misfit, 10.0);
-    }
+    const RunResult r = run(m, s, v_dot, until(2.0, 1e-6, method));
+    EXPECT_TRUE(r.complete) << r.stopped_because;
+    // IFToMM A02 at t = 2 s; 1e-6 a step through two singular positions.
+    report(std::string("every constraint twice, ") + method, "2 s", "error of the position",
+           std::abs(std::cos(r.state.p(0)) - .057815795768), 1e-3);
   }
 }
 
