@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "mbs/app/commands.hpp"
+#include "mbs/app/study_designs.hpp"
 #include "mbs/base/files/output.hpp"
 #include "mbs/base/files/place.hpp"
 #include "mbs/base/files/signals.hpp"
@@ -166,6 +167,23 @@ view::Report report_of(const StudyFile& study, const Judgement& judgement) {
   return report;
 }
 
+void tell_designs(const StudyFile& study, const study::Measurements& measured, const std::string& stem,
+                  const Arguments& arguments, bool is_quiet) {
+  const study::Designs designs = study::compare_designs(study, measured);
+  const std::string json =
+      study::as_json(study, designs, std::string("flexura ") + FLEXURA_VERSION).dump(1) + "\n";
+  write_whole(stem + ".csv", study::as_csv(study, designs));
+  write_whole(stem + ".json", json);
+  write_whole(stem + ".md", study::as_markdown(study, designs));
+  write_designs_page(stem + ".html", study, designs);
+  if (arguments.json) {
+    fmt::print("{}", json);
+  } else if (!is_quiet) {
+    print_designs(study, designs);
+    fmt::print("written: {0}.html, .csv, .json and .md\n", stem);
+  }
+}
+
 int run(const Arguments& arguments, const terminal::Verbosity& verbosity) {
   if (arguments.schema) {
     fmt::print("{}", input::reference_page(study::study_schema()));
@@ -210,6 +228,10 @@ int run(const Arguments& arguments, const terminal::Verbosity& verbosity) {
                  study.cache.string());
     return 0;
   }
+  if (study.compares_designs()) {
+    tell_designs(study, measured, stem, arguments, verbosity.quiet);
+    return 0;
+  }
   const Judgement judgement = study::judge(study, measured);
   write_whole(stem + ".csv", study::as_csv(study, judgement));
   const std::string json =
@@ -238,7 +260,8 @@ int run(const Arguments& arguments, const terminal::Verbosity& verbosity) {
 
 terminal::Command study_command() {
   return {
-      "study", "measure the trade of speed against accuracy over a ladder of choices",
+      "study",
+      "measure the trade of speed against accuracy over a ladder of choices, or find the best of designs",
       [](terminal::Options& options, const terminal::Verbosity& verbosity) -> std::function<int()> {
         auto a = std::make_shared<Arguments>();
         options.optional_argument("FILE", a->file, "study file (.toml)")

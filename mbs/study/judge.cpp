@@ -21,6 +21,12 @@ using terminal::number;
 
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
+results::Run read_run(const Measurement& m) {
+  return std::move(results::read(m.results).runs.front());
+}
+
+}  // namespace
+
 std::vector<Signal> read_signals(const StudyFile& study, const results::Run& run) {
   std::vector<Signal> signals;
   for (const WantedQuantity& q : study.quantities) {
@@ -32,9 +38,13 @@ std::vector<Signal> read_signals(const StudyFile& study, const results::Run& run
     Signal whole{run.time, run.values.col(found - run.quantities.begin())};
     signals.push_back(q.to > q.from || q.from > 0.0 ? window(whole, q.from, q.to > q.from ? q.to : kInfinite)
                                                     : std::move(whole));
+    if (q.norm == Norm::count)
+      signals.back().value = (signals.back().value.array().abs() - q.level).matrix().eval();
   }
   return signals;
 }
+
+namespace {
 
 // A quantity that is zero or noise is judged against the largest of its unit that the reference stores.
 double size_in_family(double own, const results::Run& run, const std::string& name, Norm norm) {
@@ -47,10 +57,6 @@ double size_in_family(double own, const results::Run& run, const std::string& na
   return own < kNoise * family ? family : own;
 }
 
-results::Run read_run(const Measurement& m) {
-  return std::move(results::read(m.results).runs.front());
-}
-
 class Judge {
  public:
   Judge(const StudyFile& study, const Measurements& measured) : study_(study), measured_(measured) {}
@@ -61,7 +67,7 @@ class Judge {
     for (std::size_t k = 0; k < study_.quantities.size(); ++k) {
       const WantedQuantity& q = study_.quantities[k];
       size_.push_back(q.scale > 0.0 ? q.scale : size_of(reference_[k], q.norm));
-      if (q.scale <= 0.0 && q.norm != Norm::frequency)
+      if (q.scale <= 0.0 && q.norm != Norm::frequency && q.norm != Norm::count)
         size_.back() = size_in_family(size_.back(), reference, q.name, q.norm);
       if (!(size_.back() > 0.0))
         throw std::invalid_argument(
@@ -110,7 +116,7 @@ class Judge {
         const char* const norm = q.norm == Norm::rms || q.norm == Norm::mean ? "rms"
                                  : q.norm == Norm::final                     ? "final"
                                                                              : "max";
-        if (q.norm == Norm::frequency || !outputs.contains(q.name)) continue;
+        if (q.norm == Norm::frequency || q.norm == Norm::count || !outputs.contains(q.name)) continue;
         const auto& value = outputs.at(q.name).at(norm);
         largest = std::max(largest, value.is_number() ? value.get<double>() / size_[k] : kInfinite);
       }

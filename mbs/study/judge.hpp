@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "mbs/study/estimate/norms.hpp"
 #include "mbs/study/measurement.hpp"
 #include "mbs/study/study_file.hpp"
 
@@ -12,7 +13,15 @@
 /// With |.| the norm of a quantity and y* the reference, the error of a choice is |y - y*| / |y*|, the
 /// largest over the quantities.  The reference's own uncertainty is the sum over its checks of share |y_check
 /// - y*| / |y*|; where it is not small against an error, that error is known only within it.
+namespace flexura::results {
+struct Run;
+}
+
 namespace flexura::study {
+
+/// The quantities of a study in a run, each within its span of time; of those that are counted |y| - level.
+/// Throws std::invalid_argument for what the run has not stored.
+std::vector<Signal> read_signals(const StudyFile& study, const results::Run& run);
 
 struct ErrorOf {
   double against_reference = 0.0, against_finest = 0.0;  ///< relative; infinite when the run did not complete

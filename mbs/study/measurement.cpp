@@ -79,8 +79,9 @@ class Laboratory {
   Measurements run() {
     std::vector<const Choice*> wanted;
     for (const Choice& choice : study_.choices) wanted.push_back(&choice);
-    wanted.push_back(&study_.reference);
+    if (!study_.compares_designs()) wanted.push_back(&study_.reference);
     for (const Check& check : study_.checks) wanted.push_back(&check.choice);
+    for (const Choice& choice : study_.finer) wanted.push_back(&choice);
     for (const Choice* choice : wanted) check_keys(*choice);
 
     std::vector<std::size_t> mine;
@@ -107,7 +108,7 @@ class Laboratory {
           say("runs", static_cast<double>(++done) / static_cast<double>(unique.size()));
         },
         options_.jobs);
-    repeat_runs(tasks, unique);
+    if (!study_.compares_designs()) repeat_runs(tasks, unique);
 
     Measurements out;
     out.whole = options_.shares == 1;
@@ -116,6 +117,10 @@ class Laboratory {
     for (const Task& task : tasks) all.push_back(measurement(task));
     const std::size_t n = study_.choices.size();
     out.choices.assign(all.begin(), all.begin() + static_cast<long>(n));
+    if (study_.compares_designs()) {
+      out.finer.assign(all.begin() + static_cast<long>(n), all.end());
+      return out;
+    }
     out.reference = all[n];
     out.checks.assign(all.begin() + static_cast<long>(n) + 1, all.end());
     return out;
@@ -209,6 +214,7 @@ class Laboratory {
     task.name = choice.name;
     input::ContentHash hash;
     hash.add(flexura_).add(machine_).add_input_file(study_.mechanism).add(study_.run);
+    if (study_.compares_designs()) hash.add("without estimate");
     task.command = {programs_.flexura.string(), "simulate", fs::absolute(study_.mechanism).string(), "-q"};
     if (!study_.run.empty()) task.command.insert(task.command.end(), {"--run", study_.run});
     std::vector<std::string> set;
@@ -258,7 +264,7 @@ class Laboratory {
   void first_run(const Task& task) {
     if (!options_.fresh && store_->is_there(task.key, ".h5")) return;
     const StudyCache::Passing beside{store_->path(task.key, ("." + scratch_mark() + "first").c_str())};
-    const ChildOutcome outcome = simulate(task, beside.path, true);
+    const ChildOutcome outcome = simulate(task, beside.path, !study_.compares_designs());
     if (outcome.exit_code == 2)
       throw input::InputError(
           fmt::format("{}: choice \"{}\": {}", study_.file.string(), task.name, refusal(outcome)));

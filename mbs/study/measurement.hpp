@@ -47,7 +47,8 @@ struct Measurements {
   std::vector<Measurement> choices;
   Measurement reference;
   std::vector<Measurement> checks;
-  bool whole = true;  ///< false when only a share was run
+  std::vector<Measurement> finer;  ///< as StudyFile::finer; designs have no reference and no checks
+  bool whole = true;               ///< false when only a share was run
 };
 
 double median(std::vector<double> values);

@@ -9,6 +9,7 @@
 
 #include "mbs/base/documents/units.hpp"
 #include "mbs/study/estimate/percent.hpp"
+#include "mbs/study/goals.hpp"
 
 namespace flexura::study {
 namespace {
@@ -89,12 +90,14 @@ in::TableSchema quantity_schema() {
   quantity.doc = "What has to be right. The error of a choice is the largest of its quantities' errors.";
   quantity.keys = {
       in::text("of", "name of the quantity in the results; default: the name of this table"),
-      in::choice(
-          "norm", norm_names(),
-          "max and rms of the difference over time; final value; mean; peak (largest absolute value); "
-          "frequency of the strongest line; each divided by the reference's own (final and mean: by its "
-          "largest absolute value)")
+      in::choice("norm", norm_names(),
+                 "max and rms of the difference over time; final value; mean; peak (largest absolute value); "
+                 "frequency of the strongest line; how often |y| rises above the level; each divided by the "
+                 "reference's own (final and mean: by its largest absolute value)")
           .or_default("max"),
+      in::quantity("level", in::dim::none, "of norm count: the SI value that |y| has to rise above")
+          .or_default("0")
+          .at_least(0.0),
       in::quantity("from", in::dim::time, "compare from this time"),
       in::quantity("to", in::dim::time, "compare to this time"),
       in::quantity("scale", in::dim::none, "SI value to divide by instead, where the quantity is about zero")
@@ -114,6 +117,7 @@ in::TableSchema want_schema() {
           "the parts' bodies) and compares the cost with the cheapest choice that meets it")
           .or_default("false"),
       in::quantities("time", in::dim::time, "names the most accurate choice within each: [\"1 s\"]")};
+  for (in::Key& key : goal_keys()) want.keys.push_back(std::move(key));
   return want;
 }
 
@@ -139,10 +143,6 @@ void take_overrides(const in::Section& section, const std::string& key, const st
   }
 }
 
-std::string last_word(const std::string& key) {
-  return key.substr(key.rfind('.') + 1);
-}
-
 Axis read_axis(const std::string& name, const in::Section& section, const std::vector<Part>& parts) {
   Axis axis{name, {}};
   const auto named = section.table_map("choice");
@@ -153,7 +153,7 @@ Axis read_axis(const std::string& name, const in::Section& section, const std::v
     const std::string key = section.text("key");
     for (const std::string& value : section.texts("values")) {
       Choice choice;
-      choice.name = last_word(key) + " " + value;
+      choice.name = key.substr(key.rfind('.') + 1) + " " + value;
       take_overrides(section, "values", {key + "=" + value}, parts, choice);
       axis.choices.push_back(std::move(choice));
     }
@@ -297,6 +297,7 @@ void read_quantities(const in::Section& root, StudyFile& study) {
       q.to = section.quantity("to");
       if (q.to <= q.from) section.refuse("to", "must be after from", "give a later time");
     }
+    q.level = section.quantity("level");
     if (section.has("scale")) q.scale = section.quantity("scale");
     study.quantities.push_back(std::move(q));
   }
@@ -388,6 +389,7 @@ StudyFile read_study(const std::filesystem::path& file, const std::vector<std::s
       if (!(accuracy > 0.0 && accuracy <= 1.0))
         want.refuse("accuracy", "must be above 0 and at most 100 %", "give fractions or per cent");
     if (want.flag("chosen")) add_chosen(study);
+    read_goals(root, want, study);
   }
   return study;
 }

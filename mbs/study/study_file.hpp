@@ -40,7 +40,14 @@ struct WantedQuantity {
   std::string label;  ///< in tables
   Norm norm = Norm::max;
   double from = 0.0, to = 0.0;  ///< [s]; to <= from: the whole run
+  double level = 0.0;           ///< of a count: what |y| has to rise above
   double scale = 0.0;           ///< errors are divided by this instead of the reference's size; 0: by that
+};
+
+/// A quantity that the choices are compared by, in place of their errors.
+struct Goal {
+  std::size_t quantity = 0;  ///< of StudyFile::quantities
+  bool is_least = true;      ///< the least is the best, not the greatest
 };
 
 struct StudyFile {
@@ -57,6 +64,12 @@ struct StudyFile {
   std::vector<WantedQuantity> quantities;
   bool cpu_is_cost = false;  ///< the front is made of CPU time, not of wall time
   std::vector<double> accuracies, times;
+
+  /// With goals the choices are designs: their values are compared, nothing is timed, and there is no reference.
+  std::vector<Goal> goals;
+  std::vector<Choice>
+      finer;  ///< each choice once more, solved more accurately; none: the values' errors are unknown
+  bool compares_designs() const { return !goals.empty(); }
 };
 
 /// For the reference page.

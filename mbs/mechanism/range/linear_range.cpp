@@ -75,8 +75,8 @@ void LinearRange::observe(const State& s) {
 
 void LinearRange::observe_displacement(Watched& watched, double t, double moved, double distance,
                                        const std::string& what, const std::string& against) const {
-  // Places at one point say nothing of a line between them.
-  const double l = std::max(distance, 1e-3 * watched.size);
+  // Places at one point (the hub and the rim of a wheel) have no line between them that could turn.
+  const double l = distance > 1e-3 * watched.size ? distance : watched.size;
   if (moved > watched.displacement.value * l) watched.displacement = {moved / l, t, moved, what, against};
   if (moved > watched.of_size.value * watched.size)
     watched.of_size = {moved / watched.size, t, moved, what, against};

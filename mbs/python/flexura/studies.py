@@ -3,7 +3,7 @@
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Dict, Iterator, List, Optional
 
@@ -27,12 +27,17 @@ class Choice:
     on_front: bool  # nothing else is better in both time and error
     failure: str  # why it did not run through; empty where it did
     file: Path  # of the results, in the study's cache
+    # Of designs ([want] least, greatest): the quantities by their names, SI, and how far they are known (None: unknown).
+    values: Dict[str, Optional[float]] = field(default_factory=dict)
+    uncertainty: Dict[str, Optional[float]] = field(default_factory=dict)
 
     def results(self) -> Results:
         """The choice's results; OSError where the study's cache has been cleared."""
         return read_results(self.file)
 
     def __repr__(self) -> str:
+        if self.values and not self.failure:
+            return f"<choice {self.name!r}: {', '.join(f'{label} {value:.4g}' for label, value in self.values.items())}>"
         told = self.failure or ("unknown error" if self.error is None else f"error {100 * self.error:.3g} %")
         return f"<choice {self.name!r}: {told}, {self.wall_time:.3g} s>"
 
@@ -80,9 +85,10 @@ def read_study(path: FilePath) -> Study:
         raise ValueError(f"{path}: holds no study; give the .json that flexura study wrote")
     labels = [q["label"] for q in told["quantities"]]
     choices = {
-        c["name"]: Choice(c["name"], c["set"] + _part_settings(c["part_set"]), c["error"], dict(zip(labels, (e[0] for e in c.get("errors") or []))),
-                          c["estimated_error"], c["median_wall"], c["median_cpu"], c["steps"], c["on_front"], c["failure"],
-                          Path(c["results"]))
+        c["name"]: Choice(c["name"], c["set"] + _part_settings(c["part_set"]), c.get("error"), dict(zip(labels, (e[0] for e in c.get("errors") or []))),
+                          c.get("estimated_error"), c.get("median_wall", 0.0), c.get("median_cpu", 0.0), c["steps"],
+                          c.get("on_front", False), c["failure"], Path(c["results"]), dict(zip(labels, c.get("values") or [])),
+                          dict(zip(labels, c.get("uncertainty") or [])))
         for c in told["choices"]}
     return Study(told["name"], told["quantities"], choices, told["answers"], told["notes"])
 

@@ -33,6 +33,13 @@ double rms(const VectorXd& t, const VectorXd& y) {
   return std::sqrt(trapezoidal_weights(t).dot(y.cwiseAbs2()));
 }
 
+// Rows that are above zero after one that was not; a signal that begins above zero has not risen.
+double rises(const VectorXd& y) {
+  Eigen::Index n = 0;
+  for (Eigen::Index i = 1; i < y.size(); ++i) n += y(i) > 0.0 && !(y(i - 1) > 0.0);
+  return static_cast<double>(n);
+}
+
 void require_same_times(const VectorXd& a, const VectorXd& b) {
   const double span = b.size() > 1 ? b(b.size() - 1) - b(0) : 1.0;
   if (a.size() != b.size() || (a - b).cwiseAbs().maxCoeff() > 1e-9 * span)
@@ -45,7 +52,7 @@ void require_same_times(const VectorXd& a, const VectorXd& b) {
 }  // namespace
 
 const std::vector<std::string>& norm_names() {
-  static const std::vector<std::string> names = {"max", "rms", "final", "mean", "peak", "frequency"};
+  static const std::vector<std::string> names = {"max", "rms", "final", "mean", "peak", "frequency", "count"};
   return names;
 }
 
@@ -75,12 +82,24 @@ double size_of(const Signal& reference, Norm norm) {
       return rms(reference.time, reference.value);
     case Norm::frequency:
       return dominant_frequency(reference);
+    case Norm::count:
+      return rises(reference.value);
     default:
       return reference.value.cwiseAbs().maxCoeff();
   }
 }
 
+double value_of(const Signal& signal, Norm norm) {
+  const VectorXd& y = signal.value;
+  if (y.size() == 0)
+    throw std::invalid_argument("a signal without rows has no value; give a span of time that has rows");
+  if (norm == Norm::final) return y(y.size() - 1);
+  if (norm == Norm::mean) return trapezoidal_weights(signal.time).dot(y);
+  return size_of(signal, norm);
+}
+
 double difference(const Signal& signal, const Signal& reference, Norm norm) {
+  if (norm == Norm::count) return std::abs(rises(signal.value) - rises(reference.value));
   if (norm != Norm::final) require_same_times(signal.time, reference.time);
   const VectorXd &y = signal.value, &y_ref = reference.value;
   if (y.size() == 0 || y_ref.size() == 0)
@@ -99,6 +118,8 @@ double difference(const Signal& signal, const Signal& reference, Norm norm) {
       return std::abs(y.cwiseAbs().maxCoeff() - y_ref.cwiseAbs().maxCoeff());
     case Norm::frequency:
       return std::abs(dominant_frequency(signal) - dominant_frequency(reference));
+    case Norm::count:
+      break;  // told above
   }
   return 0.0;
 }

@@ -13,9 +13,10 @@
 ///     mean       |mean y - mean y*| / max |y*|
 ///     peak       |max |y| - max |y*|| / max |y*|
 ///     frequency  |f - f*| / f*                    (the strongest line of the spectrum)
+///     count      |n - n*| / n*                    (how often the signal rises above zero)
 namespace flexura::study {
 
-enum class Norm { max, rms, final, mean, peak, frequency };
+enum class Norm { max, rms, final, mean, peak, frequency, count };
 
 const std::vector<std::string>& norm_names();  ///< in the order of the enumeration
 Norm norm_of(const std::string& name);         ///< throws std::invalid_argument
@@ -30,6 +31,9 @@ Signal window(const Signal& signal, double from, double to);
 
 /// The size of a reference in a norm: what differences are divided by.
 double size_of(const Signal& reference, Norm norm);
+
+/// What a signal comes to by itself: max and peak the largest |y|, final and mean with their sign.
+double value_of(const Signal& signal, Norm norm);
 
 /// The difference in a norm, not divided.  Throws std::invalid_argument when the signals do not stand at the
 /// same times (1e-9 of the span).

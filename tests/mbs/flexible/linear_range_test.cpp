@@ -54,5 +54,36 @@ TEST(LinearRange, TellsTheSlopeOfACantileverAndWhatItCosts) {
   EXPECT_THAT(told[0], HasSubstr("about 8 % of its length"));
 }
 
+// The hub and the rim of a wheel stand at one place; that they move against each other turns no line between them.
+TEST(LinearRange, PlacesAtOnePointAreMeasuredByTheBodysSize) {
+  beams::StraightBeam b;
+  b.EA = 1e4;
+  b.GI_t = 10.0;
+  b.elements = 8;
+  const superelement::Superelement se = beams::beam_superelement(b);
+  BasisOptions options;
+  options.held = interface_loads(se, 0);
+  options.fixed_interface = 0;
+  const auto sentences = [&](double offset) {
+    ModalData data = modal_data(se, options);
+    data.nodes[1].p_BoN_B = data.nodes[0].p_BoN_B + Vector3d(offset, 0.0, 0.0);
+    MechanismDescription d;
+    d.gravity.setZero();
+    const int body = d.add_body({.name = "wheel", .flexible = std::make_shared<ModalBody>(data)});
+    d.add_joint("clamp", "fixed", d.add_marker(0, "wall"), d.add_marker(body, "root", {}, 0));
+    const Mechanism m(d);
+    State s = m.initial_state();
+    const double force = 0.003;  // the second place moves by F / 3 = 1e-3, a thousandth of the body
+    s.p.segment(m.modal_position(body), data.stiffness.size()) =
+        force * data.nodes[1].Phi_t.row(1).transpose().cwiseQuotient(data.stiffness);
+    LinearRange range(m);
+    range.observe(m.initial_state());
+    range.observe(s);
+    return range.sentences();
+  };
+  EXPECT_TRUE(sentences(0.0).empty());
+  EXPECT_EQ(sentences(5e-3).size(), 1u);  // a fifth of the distance there
+}
+
 }  // namespace
 }  // namespace flexura::mbs
