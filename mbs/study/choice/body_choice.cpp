@@ -24,7 +24,7 @@ std::vector<std::string> BodyChoice::overrides(const std::string& body) const {
     words.push_back(stiffened ? "fidelity=modal-stiffened" : "fidelity=modal");
     // With stiffening one eigenmode at least: response modes alone are quasi-static.
     if (!candidate.all) words.push_back(fmt::format("modes={}", std::max(candidate.modes, 1)));
-    if (candidate.held) words.insert(words.end(), {"frame=mean_axis", "boundary=joint"});
+    if (candidate.held) words.push_back("boundary=joint");
   }
   for (std::string& word : words) word = fmt::format("body.{}.{}", body, word);
   return words;

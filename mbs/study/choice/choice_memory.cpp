@@ -16,7 +16,7 @@ using Eigen::MatrixXd;
 
 std::string Chooser::key_of_choice() const {
   input::ContentHash hash;
-  hash.add_input_file(file_).add(fmt::format("choice 1 {:.17g}", accuracy_));
+  hash.add_input_file(file_).add(fmt::format("choice 2 {:.17g}", accuracy_));
   for (const std::string& word : given_)
     hash.add(word.starts_with("parameters.") ? word.substr(0, word.find('=')) : word);
   std::set<std::string> files;
@@ -69,7 +69,8 @@ bool Chooser::recall(const mbs::PreparationCache::Matrices& kept, const mbs::Pre
     beams_[k].rigid = is(kept[1](static_cast<Index>(k), 0));
     beams_[k].reason = "as an earlier run with other parameters has chosen (kept in the cache)";
   }
-  full_ = FullModel::make(rigid, file_, overrides, {.stiffened = {}, .rigid = without_influence_});
+  full_ = FullModel::make(rigid, file_, overrides,
+                          {.stiffened = {}, .rigid = without_influence_, .own_frames = true});
   if (!full_) return kept[2].rows() == 0;
   sizes_.outputs.clear();
   judged_outputs(rigid, full_->mechanism(), sizes_.outputs);

@@ -127,8 +127,8 @@ std::vector<std::string> Chooser::overrides_of_beams() const {
 void Chooser::leave_out(const mbs::PreparedMechanism& rigid, const std::vector<std::string>& overrides) {
   constexpr int kModesThatTell = 6;
   if (choices_.size() < 2 || rigid.file.outputs.empty()) return;
-  const auto few =
-      FullModel::make(rigid, file_, overrides, {.stiffened = {}, .rigid = {}, .modes = kModesThatTell});
+  const auto few = FullModel::make(
+      rigid, file_, overrides, {.stiffened = {}, .rigid = {}, .modes = kModesThatTell, .own_frames = true});
   if (!few) return;
   std::vector<OutputEstimate> unused;
   const auto with =
@@ -143,8 +143,8 @@ void Chooser::screen(ChosenRun& out) {
   // Where nothing is to be chosen but the tolerance, the shadows are those of any run.
   const auto shadows = choices_.empty() ? Shadows::make(out.prepared, file_, out.overrides) : nullptr;
   if (!choices_.empty()) {
-    full_ =
-        FullModel::make(out.prepared, file_, out.overrides, {.stiffened = {}, .rigid = without_influence_});
+    full_ = FullModel::make(out.prepared, file_, out.overrides,
+                            {.stiffened = {}, .rigid = without_influence_, .own_frames = true});
     if (full_) screening_.emplace(out.prepared, *full_, file_, out.overrides);
   }
   std::vector<std::string> names;

@@ -49,7 +49,8 @@ ChosenRun Chooser::simulate(const mbs::PreparedMechanism& screened) {
     std::vector<std::string> words = given_;
     const auto beams = overrides_of_beams();
     words.insert(words.end(), beams.begin(), beams.end());
-    full_ = FullModel::make(screened, file_, words, {.stiffened = stiffened, .rigid = without_influence_});
+    full_ = FullModel::make(screened, file_, words,
+                            {.stiffened = stiffened, .rigid = without_influence_, .own_frames = true});
   }
   ChosenRun out{prepared(overrides()), overrides(), {}, {}, {}, false, {}, {}, {}, {}, 0, 0.0};
   const double start_time = out.prepared.options.start_time;

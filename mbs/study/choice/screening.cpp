@@ -117,7 +117,7 @@ std::optional<Screening::Basis> Screening::basis_of(const std::string& body,
 }
 
 MatrixXd Screening::responses_of(const std::string& body) const {
-  const auto basis = basis_of(body, {"fidelity=static", "frame=mean_axis", "boundary=free", "coupling=full"});
+  const auto basis = basis_of(body, {"fidelity=static", "coupling=full"});
   return basis ? basis->S : MatrixXd(block_of(body).m, 0);
 }
 
@@ -220,9 +220,8 @@ std::optional<Candidate> Screening::fewest_held(const std::string& body, int few
   for (const int modes : kLadder)
     if (modes > 0 && modes < fewer_than && modes < block.m) ladder.push_back(modes);
   if (ladder.empty()) return std::nullopt;
-  const auto held =
-      basis_of(body, {"fidelity=modal", "frame=mean_axis", "boundary=joint", "coupling=full",
-                      "attachments=none", "max_frequency=", fmt::format("modes={}", ladder.back())});
+  const auto held = basis_of(body, {"fidelity=modal", "boundary=joint", "coupling=full", "attachments=none",
+                                    "max_frequency=", fmt::format("modes={}", ladder.back())});
   if (!held || held->S.cols() < 1) return std::nullopt;
   std::optional<Candidate> found;
   std::size_t low = 0, high = ladder.size();
@@ -303,7 +302,8 @@ void Screening::change_of_stiffness(const ModalBlock& block, Screened& out) {
   const auto& body = full_.mechanism().description().bodies[static_cast<std::size_t>(block.body)];
   out.has_stiffening_terms = has_stiffening_terms(body);
   if (!out.has_stiffening_terms) return;
-  const auto stiffened = FullModel::make(run_, file_, overrides_, {.stiffened = {block.name}, .rigid = {}});
+  const auto stiffened =
+      FullModel::make(run_, file_, overrides_, {.stiffened = {block.name}, .rigid = {}, .own_frames = true});
   const VectorXd scale = stiffness_of(full_, block).cwiseSqrt().cwiseInverse();
   LinearisedRow with, without;
   const std::size_t every = std::max<std::size_t>(1, rows_.size() / kRowsForStiffness);

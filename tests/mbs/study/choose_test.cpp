@@ -196,6 +196,25 @@ TEST_F(Choosing, TheWantedAccuracyIsMet) {
   }
 }
 
+// A damping ratio is of the modes that frame and boundary condition make: the choice keeps a frame that the file gives, and is
+// judged in it.
+TEST_F(Choosing, AFrameThatTheFileGivesIsKept) {
+  const std::vector<std::string> scene = {"body.beam.frame=joint_fixed", "body.beam.damping=0.2"};
+  const mbs::PreparedMechanism p = mbs::prepare(clamped_, scene);
+  const Eigen::VectorXd exact = values(*p.mechanism, truth(p), "sway");
+  for (const char* const accuracy : {"0.01", "0.001"}) {
+    std::vector<std::string> wanted = scene;
+    wanted.push_back(std::string("solver.accuracy=") + accuracy);
+    const ChosenRun chosen = run(clamped_, wanted);
+    ASSERT_TRUE(chosen.result.complete);
+    EXPECT_THAT(chosen.set, Not(Contains(HasSubstr("frame=mean_axis"))));
+    EXPECT_LE(chosen.estimate.error, std::stod(accuracy));
+    const Eigen::VectorXd got = values(*chosen.prepared.mechanism, chosen.rows, "sway");
+    ASSERT_EQ(exact.size(), got.size());
+    EXPECT_LT((exact - got).norm(), std::stod(accuracy) * exact.norm()) << chosen.reasons.front();
+  }
+}
+
 TEST_F(Choosing, ARunThatProvesTheChoiceWrongGoesOnWithMore) {
   // The rigid screening sees a slow load; where the beam has bent by 0.2 mm, a fast one fades in that shakes
   // its second mode (clamped 240 Hz; the load 250 Hz).
