@@ -100,6 +100,8 @@ const std::string kFound = FLEXURA_SOURCE_DIR "/tests/found/";
 TEST(Repeatable, ReductionsOfOneInputAreTheSameToTheBit) {
   for (const std::vector<std::string>& part : std::vector<std::vector<std::string>>{
            {kFound + "reduce/response_two_frequencies.toml"},
+           // Meshed; several fronts and many blocks of vectors, shared by two threads.
+           {FLEXURA_SOURCE_DIR "/cases/cad_parts/bracket.toml", "--set", "mesh.size=14 mm", "--threads", "2"},
            {kFound + "safe/beam/h.toml", "--set", "member.blade.elements=4", "--set", "modes.count=4"}}) {
     const Folder a, b;
     for (const Folder* f : {&a, &b}) {
