@@ -29,7 +29,8 @@ void read_goals(const in::Section& root, const in::Section& want, StudyFile& stu
     for (const std::string& label : want.texts(key)) {
       const auto found = std::ranges::find(labels, label);
       if (found == labels.end())
-        want.refuse(key, fmt::format("there is no [quantity.{}]", label), in::suggestion(label, labels));
+        want.refuse(key, fmt::format("there is no quantity \"{}\"{}", label, in::suggestion(label, labels)),
+                    fmt::format("write its section [quantity.{}]", label));
       study.goals.push_back({static_cast<std::size_t>(found - labels.begin()), is_least});
     }
   }
