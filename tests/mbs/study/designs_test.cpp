@@ -150,7 +150,7 @@ TEST_F(Designs, RefusalsNameWhatToWrite) {
     return outcome.err;
   };
   EXPECT_THAT(refused(replaced(kDesigns, "least = [\"crossings\"", "least = [\"crossing\"")),
-              HasSubstr("there is no [quantity.crossing]"));
+              HasSubstr("there is no quantity \"crossing\""));
   EXPECT_THAT(refused(std::string(kDesigns) + "accuracy = [\"1 %\"]\n"),
               HasSubstr("asks for errors, least and greatest for values; make two studies of it"));
   EXPECT_THAT(refused(std::string(kDesigns) + "[reference.check.one]\nset = [\"solver.tolerance=1e-10\"]\n"),
