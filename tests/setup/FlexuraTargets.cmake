@@ -110,6 +110,14 @@ function(flexura_together target group)
   set_source_files_properties(${ARGN} PROPERTIES UNITY_GROUP ${group})
 endfunction()
 
+# Targets that read, write and describe, where -O2 is not felt: -O1 compiles a tenth faster (g++ wants its precompiled headers made
+# with the same).
+function(flexura_light)
+  foreach(target ${ARGN})
+    target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:Clang>:-O1>)
+  endforeach()
+endfunction()
+
 # A program that says so in a sentence when memory runs out: mbs/base/math/eigen_memory.cpp.
 function(flexura_survives_no_memory name)
   target_sources(${name} PRIVATE ${CMAKE_SOURCE_DIR}/mbs/base/math/eigen_memory.cpp)
