@@ -273,8 +273,11 @@ EigenPairs solve_for(const EigenProblem& problem, const EigenRequest& request, i
   const std::string chosen = type_of(o.eps);
   if (chosen == kBlockLanczos) {
     set_context(o.eps, context);
-    ok(EPSSetDimensions(o.eps, std::max(1, std::min(request.count, problem.n_free)), PETSC_DECIDE,
-                        PETSC_DECIDE));
+    // The basis is as large as options ask for (-eps_ncv).
+    PetscInt n_vectors = 0, most_projected = 0;
+    ok(EPSGetDimensions(o.eps, nullptr, &n_vectors, &most_projected));
+    ok(EPSSetDimensions(o.eps, std::max(1, std::min(request.count, problem.n_free)), n_vectors,
+                        most_projected));
     ok(EPSSolve(o.eps));
     return std::move(context.pairs);
   }
