@@ -50,12 +50,20 @@ std::string answer(const StudyFile& study, const Designs& designs, const Goal& g
       "{}: {} ({}, {})", label, best->choice->name, with_unit(best->values[k], designs.units[k]),
       std::isnan(best->uncertainty[k]) ? "how far it is known is unknown: give finer"
                                        : "known within " + with_unit(best->uncertainty[k], designs.units[k]));
-  std::string alike;
-  for (const DesignRow& row : designs.rows)
-    if (&row != best &&
-        std::abs(row.values[k] - best->values[k]) <= row.uncertainty[k] + best->uncertainty[k])
-      alike += (alike.empty() ? "" : "; ") + row.choice->name;
+  const auto add = [](std::string& names, const DesignRow& row) {
+    names += (names.empty() ? "" : "; ") + row.choice->name;
+  };
+  std::string alike, unknown;
+  for (const DesignRow& row : designs.rows) {
+    if (&row == best || std::isnan(row.values[k])) continue;
+    const double apart = std::abs(row.values[k] - best->values[k]);
+    if (apart == 0.0 || apart <= row.uncertainty[k] + best->uncertainty[k])
+      add(alike, row);
+    else if (std::isnan(row.uncertainty[k]) && !std::isnan(best->uncertainty[k]))
+      add(unknown, row);
+  }
   if (!alike.empty()) text += "; within the uncertainty as good: " + alike;
+  if (!unknown.empty()) text += "; perhaps better, how far they are known is unknown: " + unknown;
   return text;
 }
 

@@ -132,6 +132,23 @@ TEST_F(Designs, WithoutFinerRunsTheUncertaintyIsUnknown) {
   EXPECT_TRUE(json()["choices"][0]["uncertainty"][0].is_null());
 }
 
+TEST_F(Designs, OfEqualValueAreBothNamedThoughTheirUncertaintyIsUnknown) {
+  // 10 and 10.02 rad/s for 1 s: three crossings each (the closed form above).
+  std::string text = replaced(kDesigns, "\"50\", \"200\", \"800\"", "\"200\", \"201\", \"800\"");
+  const Outcome outcome = study(replaced(text, "finer = [\"solver.tolerance=1e-9\"]", ""));
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("within the uncertainty as good: stiffness 201\n"));
+}
+
+TEST_F(Designs, WhoseFinerRunFailsMayBeBetter) {
+  // 200 steps are enough at the study's tolerance, not at 1e-11: that value stands, without its uncertainty.
+  std::string text = replaced(kDesigns, "key = \"force.spring.stiffness\"", "key = \"solver.max_steps\"");
+  text = replaced(text, "\"50\", \"200\", \"800\"", "\"0\", \"200\"");
+  const Outcome outcome = study(replaced(text, "tolerance=1e-9", "tolerance=1e-11"));
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("perhaps better, how far they are known is unknown: max_steps 200"));
+}
+
 TEST_F(Designs, ThatFailAreToldAndNotTheBest) {
   // Three steps are not enough for a period and a half; 0 is no bound.
   const Outcome outcome =
