@@ -22,6 +22,7 @@
 #include "reduce/linalg/dense/dense.hpp"
 #include "reduce/linalg/eigen/block_lanczos.hpp"
 #include "reduce/linalg/eigen/eigensolver.hpp"
+#include "reduce/linalg/factor/factor_store.hpp"
 #include "reduce/linalg/petsc/log_stage.hpp"
 
 namespace flexura::reduce {
@@ -59,8 +60,11 @@ InterfaceModes faces_of(const Part& whole, const TiedSolver& stiff, const Constr
 // Beside the factor stand the eigensolver's basis and blocks and the retained shapes.
 linalg::FactorStorage storage_for(const TiedModel& model, const ReductionOptions& options) {
   linalg::FactorStorage storage = options.storage;
-  const int n_vectors = linalg::block_lanczos_vectors(options.n_modes) + 2 * model.n_b() + 100;
-  storage.reserve += sizeof(double) * static_cast<double>(model.n_i()) * n_vectors;
+  const double vector = sizeof(double) * std::max(1.0, static_cast<double>(model.n_i()));
+  const int n_vectors =
+      linalg::block_lanczos_vectors(options.n_modes, 16, 0.25 * linalg::available_memory() / vector) +
+      2 * model.n_b() + options.n_modes + 100;
+  storage.reserve += vector * n_vectors;
   return storage;
 }
 

@@ -196,8 +196,10 @@ Index wanted(const Ritz& ritz, const EigenRequest& request, double accurate) {
 }  // namespace
 
 // Room for a Krylov space without a restart in the usual case; a search up to a frequency may need to grow.
-int block_lanczos_vectors(int count, int block) {
-  return 4 * std::max(count, 1) + 17 * block;
+int block_lanczos_vectors(int count, int block, double room) {
+  count = std::max(count, 1);
+  const int most = 4 * count + 17 * block, least = std::min(most, count + count / 3 + 4 * block);
+  return static_cast<int>(std::clamp(room, static_cast<double>(least), static_cast<double>(most)));
 }
 
 EigenPairs iterate_block_lanczos(const EigenProblem& problem, const EigenRequest& request,

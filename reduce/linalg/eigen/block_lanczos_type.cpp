@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "reduce/linalg/eigen/block_lanczos.hpp"
+#include "reduce/linalg/factor/factor_store.hpp"
 #include "reduce/linalg/petsc/petsc_check.hpp"
 
 namespace flexura::linalg {
@@ -105,6 +106,16 @@ EigenProblem problem_of(EPS eps) {
 // The residual of K x = lambda M x is measured in a norm that stresses short waves: two digits are lost to it.
 constexpr double kShortWaves = 1e2;
 
+// Of the memory that is left a half, on the process that has least of it: the pairs found stand beside the basis.
+double room_for_vectors(EPS eps) {
+  const double vectors = 0.5 * available_memory() / (sizeof(double) * std::max<double>(eps->nloc, 1.0));
+  double least = vectors;
+  if (MPI_Allreduce(&vectors, &least, 1, MPI_DOUBLE, MPI_MIN,
+                    PetscObjectComm(reinterpret_cast<PetscObject>(eps))) != MPI_SUCCESS)
+    throw std::runtime_error("block Lanczos: the processes cannot compare their memory");
+  return least;
+}
+
 PetscErrorCode set_up(EPS eps) {
   EPSCheckHermitianDefinite(eps);
   EPSCheckSinvert(eps);
@@ -124,8 +135,8 @@ PetscErrorCode set_up(EPS eps) {
     const int block = static_cast<int>(data(eps).block);
     const auto most = static_cast<PetscInt>(eps->n + 2 * block);
     if (eps->ncv == PETSC_DEFAULT)
-      eps->ncv =
-          std::min(most, static_cast<PetscInt>(block_lanczos_vectors(static_cast<int>(eps->nev), block)));
+      eps->ncv = std::min(most, static_cast<PetscInt>(block_lanczos_vectors(static_cast<int>(eps->nev), block,
+                                                                            room_for_vectors(eps))));
     eps->mpd = eps->ncv;
     ok(EPSAllocateSolution(eps, 0));
     ok(EPS_SetInnerProduct(eps));

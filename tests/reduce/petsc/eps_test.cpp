@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "reduce/linalg/eigen/block_lanczos.hpp"
 #include "reduce/linalg/eigen/eigensolver.hpp"
 #include "reduce/linalg/factor/cholesky.hpp"
 #include "reduce/linalg/petsc/petsc_check.hpp"
@@ -160,6 +161,20 @@ TEST(BlockLanczosType, FindsEverythingInASmallSpaceAndWithSmallBlocks) {
   const Grid grid(4);
   Eps eps(grid.K, grid.M, 16, 0.0);
   EXPECT_EQ(eps.expect(Grid::eigenvalues(4), 0.0), 16);
+}
+
+// The least basis that is chosen where memory is short: eigenvalues up to eightfold, thick restarts.
+TEST(BlockLanczosType, RestartsWithinTheLeastBasis) {
+  EXPECT_EQ(block_lanczos_vectors(150), 4 * 150 + 17 * 16);
+  EXPECT_EQ(block_lanczos_vectors(150, 16, 300.5), 300);
+  const int least = block_lanczos_vectors(150, 16, 0.0);
+  EXPECT_EQ(least, 200 + 64);
+  EXPECT_LT(block_lanczos_vectors(1, 16, 0.0), 100);
+  const std::string vectors = std::to_string(least);
+  const Options options("-eps_ncv", vectors.c_str());
+  const Grid grid(40);
+  Eps eps(grid.K, grid.M, 150, 0.0);
+  EXPECT_GE(eps.expect(Grid::eigenvalues(40), 0.0), 150);
 }
 
 // A basis that is too small for the Krylov space makes thick restarts.
