@@ -94,6 +94,35 @@ TEST_F(Accuracy, WhereNothingIsLeftToRefineTheRunGoesOnWithAWarning) {
   EXPECT_TRUE(rows().complete);
 }
 
+// Between two rows of the screening, where all that a wall holds stands still before and after: "rigid: changes outputs by
+// 0 % at most", and nothing moved.
+TEST_F(Accuracy, WhatAPulseBetweenTwoRowsLeavesBehindIsWithinIt) {
+  reduce("ringer", {"-n", "2"});
+  const std::vector<std::string> scene = {"--set", "solver.end_time=0.11", "--set",
+                                          "solver.output_step=2 ms"};
+  for (const std::string pulse :
+       {"t > 0.1002 && t < 0.1003 ? 1000 : 0", "1000 * exp(-((t - 0.1013) / 3e-5)^2)"}) {
+    const auto with = [&](std::vector<std::string> words) {
+      words.insert(words.end(), scene.begin(), scene.end());
+      words.insert(words.end(), {"--set", "force.hit.z=" + pulse});
+      return simulate("scene_impulse_ringer", words);
+    };
+    ASSERT_EQ(with({"-q", "--no-estimate", "--set", "solver.tolerance=1e-8", "--set",
+                    "body.bar.fidelity=modal", "--set", "body.bar.attachments=none"})
+                  .exit_code,
+              0);
+    const results::Run truth = rows();
+    const Outcome out = with({"--accuracy", "1 %"});
+    ASSERT_EQ(out.exit_code, 0) << out.err;
+    EXPECT_LT(error(rows(), truth), 0.01) << pulse << out.out;
+    // To be pasted into a shell.
+    EXPECT_THAT(out.out,
+                HasSubstr("--set 'solver.output_step=2 ms' --set 'force.hit.z=" + pulse + "' --set "));
+    EXPECT_THAT(with({"--set", "body.bar.fidelity=rigid"}).out,
+                HasSubstr("unknown  modes left out of bar: forces change within"));
+  }
+}
+
 // "There is no quantity": the screening has the body rigid.
 TEST_F(Accuracy, StressIsAnOutputOfABodyThatIsChosen) {
   reduce("conrod", {"--mesh-size", "14 mm"});

@@ -150,6 +150,9 @@ ErrorEstimate estimate_error(const mbs::PreparedMechanism& prepared, const Judge
   if (truncation && truncation->worst >= 0) {
     out.of = basis(truncation->outputs[static_cast<std::size_t>(truncation->worst)]);
     out.is_large = truncation->error > kTrusted;
+  }
+  // Also where no row shows that they cost anything: a pulse between two rows may.
+  if (truncation) {
     for (const study::SourceEstimate& source : truncation->by_body)
       if (truncation->missed > 0.0)
         out.sources.push_back(

@@ -5,6 +5,7 @@
 #include <fmt/ranges.h>
 
 #include <optional>
+#include <string_view>
 
 #include "mbs/app/run/estimated_error.hpp"
 #include "mbs/app/run/left_out.hpp"
@@ -87,6 +88,16 @@ void add_estimate(const PreparedMechanism& prepared, const study::TruncationEsti
   if (const double accuracy = prepared.file.solver.quantity("accuracy"); accuracy > 0.0)
     if (std::string sentence = missed_accuracy(estimate, accuracy); !sentence.empty())
       outcome.warnings.push_back(std::move(sentence));
+}
+
+// As a shell takes it for one word.
+std::string shell_word(const std::string& word) {
+  constexpr std::string_view kPlain =
+      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_./:=,+%@-";
+  if (word.find_first_not_of(kPlain) == std::string::npos) return word;
+  std::string out = "'";
+  for (const char c : word) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return out + "'";
 }
 
 RunResult run_with_memory(const PreparedMechanism& prepared, bool goes_on, const CheckpointMemory& memory,
@@ -246,7 +257,8 @@ RunOutcome run_within_accuracy(NamedRun& run, const SimulateArguments& arguments
   out.summary["screening_wall_time"] = chosen.screening_wall;
   out.lines = std::move(chosen.reasons);
   add_interferences(watch.get(), out);
-  out.lines.push_back(fmt::format("without the choice: --set {}", fmt::join(chosen.set, " --set ")));
+  out.lines.push_back("without the choice:");
+  for (const std::string& word : chosen.set) out.lines.back() += " --set " + shell_word(word);
   if (!arguments.no_estimate)
     add_estimate(run.prepared, chosen.has_estimate ? &chosen.estimate : nullptr, checks,
                  std::move(chosen.integrator), callbacks, out, std::move(chosen.elements));

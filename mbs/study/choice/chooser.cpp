@@ -10,6 +10,7 @@
 
 #include "mbs/base/terminal/terminal.hpp"
 #include "mbs/mechanism/describe.hpp"
+#include "mbs/solver/integrators/known_times.hpp"
 #include "mbs/study/choice/influence.hpp"
 #include "mbs/study/estimate/global_error.hpp"
 #include "mbs/study/estimate/percent.hpp"
@@ -63,7 +64,8 @@ ChosenRun Chooser::run() {
     is_screened = true;
     leave_out(out.prepared, out.overrides);
     screen(out);
-    if (!choices_.empty() && out.result.complete && out.has_estimate) choose();
+    if (!choices_.empty() && out.result.complete && out.has_estimate)
+      out.estimate.missed > 0.0 ? keep_all() : choose();
     return out.result.complete ? packed() : mbs::PreparationCache::Matrices();
   };
   const auto kept = as_given_.cache && !(choices_.empty() && beams_.empty())
@@ -74,7 +76,8 @@ ChosenRun Chooser::run() {
     without_influence_.clear();
     look();
   }
-  if (!is_screened || std::ranges::any_of(choices_, [](const auto& entry) { return !entry.second.rigid; }) ||
+  if (!is_screened || has_finer_rows_ ||
+      std::ranges::any_of(choices_, [](const auto& entry) { return !entry.second.rigid; }) ||
       std::ranges::any_of(beams_, [](const BeamChoice& beam) { return !beam.rigid; })) {
     const double screening = seconds_since(start);
     out = simulate(out.prepared);
@@ -137,15 +140,30 @@ void Chooser::leave_out(const mbs::PreparedMechanism& rigid, const std::vector<s
     if (!with.contains(body)) without_influence_.insert(body);
 }
 
+// Rows so near to each other that no known pulse lies between two of them: a body that stands still shows nothing of it
+// later.  The step that is asked for where that would be too many.
+double Chooser::screening_step(const mbs::PreparedMechanism& run) const {
+  constexpr double kMostRowsForPulses = 4000.0;
+  const mbs::SolverOptions& o = run.options;
+  const double shortest = mbs::KnownTimes::shortest(*run.mechanism, o, 2.0 * o.output_step);
+  const double step = 0.5 * shortest;
+  return step > 0.0 && (o.end_time - o.start_time) / step <= kMostRowsForPulses ? step : o.output_step;
+}
+
 // The run with the bodies rigid that are to be chosen; `out` must outlive the screening.
 void Chooser::screen(ChosenRun& out) {
+  if (!choices_.empty()) {
+    const double step = screening_step(out.prepared);
+    has_finer_rows_ = step < out.prepared.options.output_step;
+    out.prepared.options.output_step = step;
+  }
   for (const mbs::OutputInfo& info : out.prepared.mechanism->quantities()) of_rigid_.insert(info.name);
   // Where nothing is to be chosen but the tolerance, the shadows are those of any run.
   const auto shadows = choices_.empty() ? Shadows::make(out.prepared, file_, out.overrides) : nullptr;
   if (!choices_.empty()) {
     full_ = FullModel::make(out.prepared, file_, out.overrides,
                             {.stiffened = {}, .rigid = without_influence_, .own_frames = true});
-    if (full_) screening_.emplace(out.prepared, *full_, file_, out.overrides);
+    if (full_) screening_.emplace(out.prepared, *full_, file_, out.overrides, has_finer_rows_);
   }
   std::vector<std::string> names;
   for (const BeamChoice& beam : beams_) names.push_back(beam.body);
@@ -211,6 +229,23 @@ void Chooser::choose() {
   }
   for (const Screened& s : screening_->bodies(not_rigid))
     if (std::ranges::find(not_rigid, s.body) != not_rigid.end()) choose_body(s, share);
+}
+
+// Of what lies between two rows nothing is known, nor what it leaves behind where nothing moves.
+void Chooser::keep_all() {
+  for (const SourceEstimate& source : sizes_.by_body) {
+    const auto found = choices_.find(source.body);
+    if (found == choices_.end()) continue;
+    BodyChoice& choice = found->second;
+    choice.available = source.available;
+    choice.rigid = false;
+    choice.candidate.all = true;
+    choice.candidate.modes = source.available;
+    choice.reason = fmt::format(
+        "forces change within {:.3g} s, and {:.3g} s lie between the rows that would judge fewer; a smaller "
+        "output_step has that judged",
+        sizes_.missed, sizes_.rows_apart);
+  }
 }
 
 // The choice without the wish for one.

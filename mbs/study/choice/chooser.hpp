@@ -52,9 +52,11 @@ class Chooser {
   std::vector<std::string> overrides_of_beams() const;
   std::vector<std::string> keys_of(std::vector<std::string> overrides) const;
   void leave_out(const mbs::PreparedMechanism& rigid, const std::vector<std::string>& overrides);
+  double screening_step(const mbs::PreparedMechanism& run) const;
   void screen(ChosenRun& out);
   void choose_beams(const std::vector<ScreenedBeam>& screened);
   void choose();
+  void keep_all();
   bool has_output_of_its_own(const std::string& body) const;
   void choose_body(const Screened& s, double share);
   std::vector<std::string> stiffened_bodies() const;
@@ -88,6 +90,7 @@ class Chooser {
   std::set<std::string> of_rigid_;  // names of quantities with the open bodies rigid
   TruncationEstimate sizes_;        // what the screening says about the outputs' sizes
   double span_ = 0.0;
+  bool has_finer_rows_ = false;  // the screening had, than were asked for
   std::vector<std::string> restarts_;
 };
 

@@ -67,12 +67,13 @@ std::pair<MatrixXd, VectorXd> beside(Index n, const MatrixXd& responses, const V
 }  // namespace
 
 Screening::Screening(const mbs::PreparedMechanism& run, FullModel& full, const std::filesystem::path& file,
-                     std::vector<std::string> overrides)
+                     std::vector<std::string> overrides, bool all_rows)
     : run_(run),
       full_(full),
       file_(file),
       overrides_(std::move(overrides)),
-      shadows_(Shadows::make(run, full)) {}
+      all_rows_(all_rows),
+      shadows_(Shadows::make(run, full, all_rows)) {}
 
 void Screening::take(const mbs::State& s, const VectorXd& v_dot) {
   if (!shadows_ || !shadows_->take(s, v_dot)) return;
@@ -92,7 +93,7 @@ TruncationEstimate Screening::estimate() const {
 
 // Of the rows kept one in so many judges candidates.
 std::size_t Screening::rows_between() const {
-  return std::max<std::size_t>(1, rows_.size() / kRowsForCandidates);
+  return all_rows_ ? 1 : std::max<std::size_t>(1, rows_.size() / kRowsForCandidates);
 }
 
 const ModalBlock& Screening::block_of(const std::string& body) const {

@@ -49,9 +49,9 @@ struct Candidate {
 class Screening {
  public:
   /// `run` has every superelement of `bodies` rigid; `full` is its full model, `overrides` what it was
-  /// prepared with.
+  /// prepared with.  With `all_rows` none is passed over, as where a pulse lies in few of them.
   Screening(const mbs::PreparedMechanism& run, FullModel& full, const std::filesystem::path& file,
-            std::vector<std::string> overrides);
+            std::vector<std::string> overrides, bool all_rows);
 
   /// The next row of the run: state and v_dot (n_v), times ascending.
   void take(const mbs::State& s, const Eigen::VectorXd& v_dot);
@@ -115,6 +115,7 @@ class Screening {
   FullModel& full_;
   std::filesystem::path file_;
   std::vector<std::string> overrides_;
+  bool all_rows_;
   std::unique_ptr<Shadows> shadows_;
   std::vector<Row> rows_;
   long last_number_ = 0;  // of the linearised rows kept

@@ -15,13 +15,13 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 struct Shadows::Impl {
-  Impl(const mbs::PreparedMechanism& run, FullModel& full_model)
+  Impl(const mbs::PreparedMechanism& run, FullModel& full_model, bool all_rows)
       : full(full_model),
         embedding(*run.mechanism, full_model),
         asked(!run.file.outputs.empty()),
         tolerance(run.options.tolerance),
         families(full_model.mechanism(), length_of(run)),
-        every(rows_between(run)) {}
+        every(all_rows ? 1 : rows_between(run)) {}
 
   FullModel& full;
   std::unique_ptr<FullModel> own;  // where the shadows made it themselves
@@ -133,8 +133,8 @@ std::unique_ptr<Shadows> Shadows::make(const mbs::PreparedMechanism& run, const 
   return shadows;
 }
 
-std::unique_ptr<Shadows> Shadows::make(const mbs::PreparedMechanism& run, FullModel& full) {
-  auto impl = std::make_unique<Impl>(run, full);
+std::unique_ptr<Shadows> Shadows::make(const mbs::PreparedMechanism& run, FullModel& full, bool all_rows) {
+  auto impl = std::make_unique<Impl>(run, full, all_rows);
   Impl& in = *impl;
   for (std::size_t i = 0; i < full.blocks().size(); ++i) {
     in.joints_feel_nothing = in.joints_feel_nothing || in.embedding.one_way(i);

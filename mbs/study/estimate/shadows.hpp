@@ -59,7 +59,8 @@ class Shadows {
   static std::unique_ptr<Shadows> make(const mbs::PreparedMechanism& run, const std::filesystem::path& file,
                                        const std::vector<std::string>& overrides);
   /// The same with a full model that outlives it.
-  static std::unique_ptr<Shadows> make(const mbs::PreparedMechanism& run, FullModel& full);
+  static std::unique_ptr<Shadows> make(const mbs::PreparedMechanism& run, FullModel& full,
+                                       bool all_rows = false);
   ~Shadows();
 
   /// The next row of the run.  Of long runs only every n-th row is taken, 400 to 800 in all: true where it
