@@ -15,6 +15,8 @@ namespace {
 
 // A mode of the file and the same by a table of the reduction: the digits that the report prints.  Of a pair the worse counts.
 constexpr double kSame = 1e-6;
+// Errors below it are those of the arithmetic.
+constexpr double kRoundOff = 1e-12;
 
 bool is_same(double a, double b) {
   return std::abs(a - b) <= kSame * std::abs(b);
@@ -33,7 +35,8 @@ std::vector<LeftOut> left_out_rows(const Superelement& se) {
     if (!row.is_object()) continue;
     const auto hz = row.find("frequency_hz"), error = row.find("frequency_error");
     if (hz != row.end() && error != row.end() && hz->is_number() && error->is_number())
-      out.push_back({hz->get<double>(), std::min(error->get<double>(), 1.0)});
+      // Below zero it is round-off of nothing left out, as some files have it.
+      out.push_back({hz->get<double>(), std::clamp(error->get<double>(), 0.0, 1.0)});
   }
   return out;
 }
@@ -64,6 +67,7 @@ const MeshError::Interface* worst_interface(const MeshError& error) {
 
 std::string percent_words(double error) {
   if (!(error >= 0.0)) return "unknown";
+  if (error < kRoundOff) return "0";
   return error < 0.5 ? fmt::format("{:.2g}", 100.0 * error) : "50 or more";
 }
 

@@ -22,6 +22,8 @@ namespace {
 // modes left out may take a quarter.
 constexpr double kMeshShare = 0.5, kModesShare = 0.25;
 constexpr std::size_t kFrequencies = 6;  // without up_to
+constexpr double kWorthSaying = 1.05;    // digits of an estimate
+constexpr double kRoundOff = 1e-12;      // response shapes can hold all that interfaces ask for
 constexpr double kMostDofs = 5e5;        // some minutes and about ten gigabytes
 
 std::string percent(double x) {
@@ -68,6 +70,7 @@ Judgement AccuracyGoal::judge(const Reduction& reduction) {
     const std::vector<ModeError> errors = mode_errors(reduction);
     for (std::size_t k = 0; k < std::min(n_judged_, errors.size()); ++k)
       out.modes = std::max(out.modes, 0.5 * errors[k].safe_estimate);
+    if (out.modes < kRoundOff) out.modes = 0.0;
   }
   modes_before_ = out.modes;
   return out;
@@ -118,9 +121,15 @@ std::vector<double> AccuracyGoal::next_sizes(const Part& part, int dofs) {
 }
 
 std::string AccuracyGoal::describe(const Judgement& j) const {
-  std::string text =
-      fmt::format("frequencies: {} asked, the mesh leaves {} and the dropped modes {} by their estimates",
-                  percent(frequencies_), percent(j.frequencies), percent(j.modes));
+  std::string text = fmt::format(
+      "frequencies: {} asked, the mesh leaves {}{} and the dropped modes {} by their estimates",
+      percent(frequencies_), percent(j.frequencies),
+      raised_ > kWorthSaying
+          ? fmt::format(" (its own estimate times {:.2g}, as frequencies moved by more than the mesh "
+                        "before had said)",
+                        raised_)
+          : "",
+      percent(j.modes));
   if (!j.interface.empty())
     text += fmt::format("; static compliance: {} asked, the mesh leaves {} (interface {})",
                         percent(compliance_), percent(j.compliance), j.interface);

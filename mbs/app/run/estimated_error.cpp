@@ -63,6 +63,12 @@ DeformationError deformation_error(const superelement::Superelement& se) {
   return out;
 }
 
+bool is_of_beams(const superelement::Superelement& se) {
+  const auto report = nlohmann::json::parse(files::shallow_json(se.report_json), nullptr, false);
+  return report.is_object() && report.contains("mesh") && report["mesh"].is_object() &&
+         report["mesh"].contains("members");
+}
+
 ErrorSource mesh_of(const mbs::BodyDescription& body) {
   ErrorSource out{"mesh", body.name, {}, 0.0, "its reduction reports no estimate"};
   const superelement::Superelement se =
@@ -76,7 +82,12 @@ ErrorSource mesh_of(const mbs::BodyDescription& body) {
                                                      : known.note);
   } else {
     out.at_least = sum;
-    if (known.left_out) out.note = "its elements were not judged, or do not resolve the part";
+    if (known.left_out)
+      out.note = "its elements were not judged, or do not resolve the part";
+    else if (known.elements)
+      out.note = "what its reduction left out was not judged";
+    else if (is_of_beams(se))
+      out.note = "parts of beams report no estimate; compare with more elements to a member";
   }
   return out;
 }

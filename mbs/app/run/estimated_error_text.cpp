@@ -32,18 +32,20 @@ std::string words_of(const std::string& kind, const std::string& names) {
 struct Entry {
   std::string kind, names, note;
   std::optional<double> error;
+  double at_least = 0.0;
 };
 
 std::vector<Entry> entries(const ErrorEstimate& estimate) {
   std::vector<Entry> out;
   for (const ErrorSource& source : estimate.sources) {
     const auto same = std::ranges::find_if(out, [&](const Entry& e) {
-      return !e.error && !source.error && e.kind == source.kind && e.note == source.note;
+      return !e.error && !source.error && e.kind == source.kind && e.note == source.note &&
+             e.at_least == source.at_least;
     });
     if (same != out.end())
       same->names += ", " + source.name;
     else
-      out.push_back({source.kind, source.name, source.note, source.error});
+      out.push_back({source.kind, source.name, source.note, source.error, source.at_least});
   }
   std::ranges::stable_sort(
       out, [](const Entry& a, const Entry& b) { return a.error.value_or(-1.0) > b.error.value_or(-1.0); });
@@ -101,7 +103,9 @@ std::string estimated_error_text(const ErrorEstimate& estimate) {
   bool has_modes = false;
   for (const Entry& e : entries(estimate)) {
     has_modes = has_modes || e.kind == "modes";
-    const std::string words = words_of(e.kind, e.names);
+    std::string words = words_of(e.kind, e.names);
+    // What is known of it counts in the sum above.
+    if (!e.error && e.at_least > 0.0) words += ", at least " + percent(e.at_least);
     out += fmt::format("\n  {:>9}  {}", e.error ? percent(*e.error) : "unknown",
                        folded(e.note.empty() ? words : words + ": " + e.note, kWidth, kIndent));
   }

@@ -74,7 +74,8 @@ std::vector<ModeError> mode_errors(const Reduction& reduction, const std::vector
     Eigen::VectorXd u_b = Eigen::VectorXd::Zero(reduction.n_b);
     for (std::size_t r = 0; r < kept.size(); ++r)
       if (kept[r] < reduction.n_b) u_b(kept[r]) = modes.vectors(static_cast<Eigen::Index>(r), k);
-    const double leading = lambda * u_b.dot(reduction.dropped * u_b);
+    // Where response shapes hold all that an interface asks for, what is dropped is round-off of either sign.
+    const double leading = std::max(0.0, lambda * u_b.dot(reduction.dropped * u_b));
     const double margin = 1.0 - lambda / reduction.omega2_dropped;
     const double estimate = enlarged.size() > 0 ? std::max(0.0, lambda / enlarged(k) - 1.0) : leading;
     const double safe = margin > 0.0 ? leading / margin : std::numeric_limits<double>::infinity();

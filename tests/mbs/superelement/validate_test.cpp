@@ -4,6 +4,7 @@
 
 #include <Eigen/Geometry>
 
+#include "mbs/superelement/known_errors.hpp"
 #include "tests/mbs/superelement/box_beam.hpp"
 
 namespace flexura::superelement {
@@ -80,6 +81,19 @@ TEST(Validate, EachBrokenRelationIsNamedWithItsFigures) {
               HasSubstr("shapes is 3 x 15, 24 x 15 is wanted"));
   EXPECT_THAT(refusal([](auto& se) { se.stiffening.emplace(); }), HasSubstr("K0t is 0 x 0"));
   EXPECT_THAT(refusal([](auto& se) { se.modal_damping = -0.1; }), HasSubstr("its modal damping is -0.1"));
+}
+
+// Where response shapes hold all that the interfaces ask for, what is left out is round-off of either sign.
+TEST(KnownErrors, RoundOffBelowZeroIsNothingLeftOutAndNotUnknown) {
+  Superelement se;
+  se.report_json = R"({"estimate": [{"frequency_hz": 10195.4, "frequency_error": -1.2e-15}]})";
+  EXPECT_EQ(first_frequency_error(se).left_out, 0.0);
+  EXPECT_EQ(frequency_error(se, 10195.4).left_out, 0.0);
+  EXPECT_LT(frequency_error(se, 15105.8).left_out, 0.0);
+  EXPECT_EQ(percent_words(0.0), "0");
+  EXPECT_EQ(percent_words(2.2e-15), "0");
+  EXPECT_EQ(percent_words(0.0031), "0.31");
+  EXPECT_EQ(percent_words(-1.0), "unknown");
 }
 
 }  // namespace
