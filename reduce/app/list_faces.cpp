@@ -2,6 +2,7 @@
 #include "reduce/app/list_faces.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -36,20 +37,43 @@ bool is_bore(const mesh::Face& face) {
   return face.kind == mesh::FaceKind::cylinder && face.hole && is_whole(face);
 }
 
+/// The other faces of a bore or shaft that its file has cut along its axis into several, all of one height.
+std::vector<mesh::Index> others_of(const mesh::Face& face, const std::vector<mesh::Face>& faces) {
+  std::vector<mesh::Index> out;
+  if (face.kind != mesh::FaceKind::cylinder) return out;
+  constexpr double kSame = 1e-5;  // of the radius: what CAD programs write of one and the same axis
+  double sweep = face.sweep;
+  for (const mesh::Face& f : faces) {
+    if (f.number == face.number || f.kind != face.kind || f.hole != face.hole || f.solid != face.solid)
+      continue;
+    if (std::abs(f.radius - face.radius) > kSame * face.radius || f.axis.cross(face.axis).norm() > kSame ||
+        (f.axis_point - face.axis_point).norm() > kSame * face.radius ||
+        std::abs(f.length - face.length) > kSame * face.radius)
+      continue;
+    out.push_back(f.number);
+    sweep += f.sweep;
+  }
+  if (sweep < 1.5 * std::numbers::pi) out.clear();  // fillets at the two sides of a slot
+  return out;
+}
+
 /// An interface table for the largest bore, else the largest shaft, else the largest plane: something to copy and change.
 void print_example(const std::vector<mesh::Face>& faces, std::ostream& out) {
-  const auto rank = [](const mesh::Face& f) {
+  const auto rank = [&](const mesh::Face& f) {
     // A bore is what pins go through; then shafts, then planes.
-    return f.area * (is_bore(f)                                          ? 1e6
-                     : f.kind == mesh::FaceKind::cylinder && is_whole(f) ? 1e3
-                     : f.kind == mesh::FaceKind::plane                   ? 1.0
-                                                                         : 1e-3);
+    return f.area * (is_bore(f) || (f.hole && !others_of(f, faces).empty()) ? 1e6
+                     : f.kind == mesh::FaceKind::cylinder && is_whole(f)    ? 1e3
+                     : f.kind == mesh::FaceKind::plane                      ? 1.0
+                                                                            : 1e-3);
   };
   const auto best = std::max_element(faces.begin(), faces.end(),
                                      [&](const auto& a, const auto& b) { return rank(a) < rank(b); });
   if (best == faces.end()) return;
   out << "\nIn the part file, for example:\n\n";
-  if (best->kind == mesh::FaceKind::cylinder && is_whole(*best)) {
+  const std::vector<mesh::Index> others = others_of(*best, faces);
+  if (!others.empty())
+    out << fmt::format("# faces {} and {} together\n", best->number, fmt::join(others, ", "));
+  if (best->kind == mesh::FaceKind::cylinder && (is_whole(*best) || !others.empty())) {
     // Coordinates that are round-off of the file's are zero.
     double size = 0.0;
     for (const mesh::Face& face : faces) size = std::max(size, face.box.cwiseAbs().maxCoeff());
@@ -60,14 +84,15 @@ void print_example(const std::vector<mesh::Face>& faces, std::ostream& out) {
     // A bore on the same axis, of the same radius, would be taken as well.
     const bool has_twin = std::any_of(faces.begin(), faces.end(), [&](const mesh::Face& f) {
       const Eigen::Vector3d off = f.axis_point - best->axis_point;
-      return f.number != best->number && f.kind == best->kind && f.solid == best->solid &&
+      return f.number != best->number && std::ranges::find(others, f.number) == others.end() &&
+             f.kind == best->kind && f.solid == best->solid &&
              std::abs(f.radius - best->radius) < 1e-6 * size && f.axis.cross(best->axis).norm() < 1e-6 &&
              off.cross(best->axis).norm() < 1e-6 * size;
     });
     out << fmt::format(
         "[interface.{}]\nby = \"cylinder\"\npoint = [\"{:.6g} mm\", \"{:.6g} mm\", \"{:.6g} mm\"]\n"
         "axis = [{:.6g}, {:.6g}, {:.6g}]\nradius = \"{:.6g} mm\"\n",
-        is_bore(*best) ? "bore" : "shaft", p.x(), p.y(), p.z(), a.x(), a.y(), a.z(), best->radius * 1e3);
+        best->hole ? "bore" : "shaft", p.x(), p.y(), p.z(), a.x(), a.y(), a.z(), best->radius * 1e3);
     if (has_twin)
       out << fmt::format(
           "extent = [\"{:.6g} mm\", \"{:.6g} mm\"]  # along the axis from the point: without it all bores of "
@@ -125,8 +150,13 @@ void write_faces_page(const std::filesystem::path& file, const std::filesystem::
     place[face.number] = static_cast<std::int32_t>(part.faces.size());
     part.faces.push_back(mesh::numbered_face(face));
     // Numbers are those of this file: what they choose is the face itself, not what lies on its surface as well.
-    if (report.faces.size() > 1)
+    if (report.faces.size() > 1) {
       part.faces.back().lines = fmt::format("by = \"faces\"\nfaces = [{}]\n", face.number);
+      if (const std::vector<mesh::Index> others = others_of(face, report.faces); !others.empty())
+        part.faces.back().lines +=
+            fmt::format("# of the same {}: write faces = [{}, {}] for all of it\n",
+                        face.hole ? "bore" : "shaft", face.number, fmt::join(others, ", "));
+    }
   }
   part.vertices = picture.vertices;
   part.edges = picture.edges;

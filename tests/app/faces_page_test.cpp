@@ -16,6 +16,7 @@ namespace {
 
 using nlohmann::json;
 using testing::HasSubstr;
+using testing::Not;
 using view::testing::PageReader;
 
 const std::string kConrod = FLEXURA_SOURCE_DIR "/cases/steam_engine/conrod.step";
@@ -59,6 +60,22 @@ TEST(FacesPage, ShowsEveryFaceThatIsListedUnderItsNumber) {
   }
   EXPECT_EQ(listed, part["faces"].size());
   EXPECT_GT(listed, 5U);
+}
+
+TEST(FacesPage, OffersABoreThatTheFileHasCutIntoHalvesAsOne) {
+  // The seat of the hip's motor, of radius 12.5 mm: faces 12 and 22, 180 deg each.
+  const Folder folder;
+  const Outcome o = run(
+      "flexura", {"reduce", "--list-faces", FLEXURA_SOURCE_DIR "/cases/cad_parts/odri_hip_aa_support.step",
+                  "--html", folder / "faces.html"});
+  ASSERT_EQ(o.exit_code, 0) << o.err;
+  EXPECT_THAT(o.out, HasSubstr("# faces 12 and 22 together\n[interface.bore]\nby = \"cylinder\"\n"));
+  EXPECT_THAT(o.out, HasSubstr("radius = \"12.5 mm\""));
+  const PageReader page(read_text(folder / "faces.html"));
+  const json& faces = page.header["parts"][0]["faces"];
+  EXPECT_THAT(faces[11]["lines"].get<std::string>(), HasSubstr("write faces = [12, 22] for all of it"));
+  // Two fillets of a slot are none.
+  EXPECT_THAT(faces[53]["lines"].get<std::string>(), Not(HasSubstr("all of it")));
 }
 
 TEST(FacesPage, NeverWritesOverAPart) {
