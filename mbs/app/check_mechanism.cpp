@@ -110,12 +110,15 @@ int check_mechanism(const MechanismArguments& arguments, bool json, const termin
                                             : fmt::format("{}", fmt::join(row.follows_from, ", ")));
       fmt::print("\n");
     }
-    terminal::Table states({{"state", terminal::Align::left}, {"position"}, {"velocity"}});
+    // Where coordinates and speeds are not as many (quaternions) the speeds stand alone.
+    const bool are_pairs = n.n_p == n.n_v;
+    terminal::Table states({{are_pairs ? "coordinate" : "speed", terminal::Align::left},
+                            {are_pairs ? "value" : "coordinate"},
+                            {are_pairs ? "rate" : "value"}});
     const StateText text(p);
     for (int i = 0; i < n.n_v; ++i)
-      states.add_row({text.velocity_name(i),
-                      n.n_p == n.n_v ? text.position(i, 7) : std::string("see assemble"),
-                      text.velocity(i, 7)});
+      states.add_row({are_pairs ? text.position_name(i) : text.velocity_name(i),
+                      are_pairs ? text.position(i, 7) : std::string("see assemble"), text.velocity(i, 7)});
     fmt::print("{}\n", states.text(terminal::width(stdout), colour));
     if (n.n_dyn + n.n_lambda + n.n_alg + n.n_root > 0) {
       terminal::Table others({{"state", terminal::Align::left}, {"kind", terminal::Align::left}, {"value"}});

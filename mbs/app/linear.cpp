@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <iterator>
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include "mbs/app/commands.hpp"
@@ -34,6 +35,15 @@ struct Arguments : MechanismArguments {
   std::vector<std::string> inputs, outputs;
 };
 
+std::string counted(std::size_t n, const std::string& what) {
+  return fmt::format("{} {}{}", n, what, n == 1 ? "" : "s");
+}
+
+// Round-off of the iteration: nothing beside the largest of the same unit.
+double without_round_off(double value, double largest) {
+  return std::abs(value) < 1e-14 * largest ? 0.0 : value;
+}
+
 int print_statics(const Arguments& arguments, const terminal::Verbosity& verbosity) {
   files::Claims claims;
   claims.add(arguments.save_state);
@@ -53,12 +63,19 @@ int print_statics(const Arguments& arguments, const terminal::Verbosity& verbosi
     Eigen::VectorXd values(static_cast<Eigen::Index>(which.size()));
     auto scratch = m.make_scratch();
     m.evaluate(which, p.state, p.v_dot, *scratch, values);
+    // Angles and their like have a natural size of one, whatever the largest of them is here.
+    std::map<std::string, double> largest = {{"rad", 1.0}, {"-", 1.0}};
+    for (std::size_t i = 0; i < which.size(); ++i) {
+      double& most = largest[mbs::unit_of(infos[which[i]])];
+      most = std::max(most, std::abs(values(static_cast<Eigen::Index>(i))));
+    }
     terminal::Table table({{"quantity", Align::left}, {"value"}, {"unit", Align::left}});
     nlohmann::json quantities = nlohmann::json::array();
     for (std::size_t i = 0; i < which.size(); ++i) {
       const auto& info = infos[which[i]];
       const double value = values(static_cast<Eigen::Index>(i));
-      table.add_row({info.name, number(value, 9), mbs::unit_of(info)});
+      table.add_row(
+          {info.name, number(without_round_off(value, largest[mbs::unit_of(info)]), 9), mbs::unit_of(info)});
       quantities.push_back({{"name", info.name}, {"value", value}, {"unit", mbs::unit_of(info)}});
     }
     if (arguments.json) {
@@ -219,8 +236,9 @@ int write_linear_system(const Arguments& arguments, const terminal::Verbosity& v
     print_json("linear system", runs, nlohmann::json::array({out}));
   } else if (!verbosity.quiet) {
     for (const auto& one : written)
-      fmt::print("{} states, {} inputs, {} outputs: {}\n", file.names[0].second.size(),
-                 file.names[1].second.size(), file.names[2].second.size(), one.string());
+      fmt::print("{}, {}, {}: {}\n", counted(file.names[0].second.size(), "state"),
+                 counted(file.names[1].second.size(), "input"),
+                 counted(file.names[2].second.size(), "output"), one.string());
     for (const std::string& note : p.notes) terminal::say(stdout, "note: " + note);
   }
   return 0;

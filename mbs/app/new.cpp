@@ -13,7 +13,7 @@ namespace {
 
 /// A commented start.  tests/docs/new_files.sh runs each of them as it stands.
 struct Start {
-  const char *kind, *file, *text, *next;
+  const char *kind, *file, *text, *next;  // next: the command that takes the file
 };
 
 constexpr std::array<Start, 4> starts = {{
@@ -47,7 +47,7 @@ count = 20
 # accuracy = "5 %"              # in place of count: mesh and modes are chosen
 damping = 0.01
 )",
-     "flexura reduce part.toml"},
+     "flexura reduce"},
     {"beams", "beams.toml",
      R"(# A part made of beams: nodes and members.  All keys: flexura reduce --schema-beams
 name = "beams"
@@ -78,7 +78,7 @@ elements = 10
 count = 6
 damping = 0.01
 )",
-     "flexura reduce beams.toml"},
+     "flexura reduce"},
     {"mechanism", "mechanism.toml",
      R"(# A pendulum to start from.  All keys: flexura simulate --schema; all quantities: flexura check mechanism.toml
 name = "pendulum"
@@ -121,7 +121,7 @@ output_step = "10 ms"
 # set = ["parameters.length=0.5"]
 # [run.long]
 )",
-     "flexura simulate mechanism.toml"},
+     "flexura simulate"},
     {"study", "study.toml",
      R"(# What accuracy costs, measured.  All keys: flexura study --schema
 name = "pendulum"
@@ -144,7 +144,7 @@ norm = "rms"
 [want]
 accuracy = ["1 %", "0.01 %"]
 )",
-     "flexura study study.toml"},
+     "flexura study"},
 }};
 
 struct Arguments {
@@ -161,7 +161,7 @@ int run(const Arguments& arguments, const terminal::Verbosity& verbosity) {
     files::Claims claims;
     claims.add(output);
     files::write_whole(output, start.text);
-    if (!verbosity.quiet) fmt::print("wrote {}\nnext: {}\n", output.string(), start.next);
+    if (!verbosity.quiet) fmt::print("wrote {}\nnext: {} {}\n", output.string(), start.next, output.string());
     return 0;
   }
   throw std::invalid_argument(

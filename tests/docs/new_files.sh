@@ -6,6 +6,8 @@ folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 cd "$folder"
 for kind in part beams mechanism study; do flexura new "$kind" -q; done
+# What is said to be next takes the file that was written.
+said=$(flexura new beams -o tube.toml) && [[ $said == *"next: flexura reduce tube.toml"* ]] || { echo "no next step: $said"; exit 1; }
 flexura reduce beams.toml -q
 flexura simulate mechanism.toml -q
 flexura study study.toml -q

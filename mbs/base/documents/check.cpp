@@ -195,8 +195,12 @@ class Checker {
         value.numbers = values_.normalised(node, key, place);
         break;
       case Kind::texts:
-        for (const toml::node& entry : values_.list(node, key, place, key.size))
+        for (const toml::node& entry : values_.list(node, key, place, key.size)) {
+          if (!entry.is_string())
+            values_.refuse(place, &entry, values_.wanted(key) + " is wanted",
+                           "write each in quotes, like \"1\"");
           value.texts.push_back(values_.text(entry, key, place));
+        }
         break;
       case Kind::integers:
         for (const toml::node& entry : values_.list(node, key, place, key.size))
