@@ -172,6 +172,38 @@ class Package(unittest.TestCase):
         one = flexura.simulate(self.here / "pendulum.toml", self.here / "one.h5",
                                settings={"solver.end_time": "0.01 s"}, runs="rigid")
         self.assertEqual(list(one), ["rigid"])
+        self.assertEqual(repr(self.results["rigid"].bodies["link"]), "<body 'link': 501 rows, rigid>")
+        with self.assertRaisesRegex(KeyError, r"results\['rigid'\]\['hinge.speed'\]"):
+            self.results["hinge.speed"]
+        with self.assertRaisesRegex(KeyError, "run.time"):
+            self.results["rigid"]["time"]
+
+    def test_a_mechanism_of_a_dictionary_swings_with_its_frequency(self):
+        # A point of 1 kg on 0.5 m, written and read back as it was.
+        document = {
+            "name": "a \"point\"", "gravity": [0, 0, -9.81],
+            "ground": {"marker": {"hook": {"axis": [0, 1, 0]}}},
+            "body": {"bob": {"mass": np.float64(1.0), "center": np.array([0.5, 0, 0]),
+                             "inertia": ("1e-12 kg*m^2", 1e-12, 1e-12),
+                             "marker": {"pin": {"axis": [0, 1, 0]}},
+                             "shape": [{"type": "sphere", "center": [0.5, 0, 0], "radius": 0.02}]}},
+            "joint": {"pin": {"type": "revolute", "from": "ground.hook", "to": "bob.pin", "angle": "90 deg", "drive": None}},
+            "solver": {"end_time": 0.1}, "output": {"quantities": ["pin.angle"]}}
+        file = flexura.write_toml(self.here / "bob.toml", document)
+        import tomllib
+        read = tomllib.loads(file.read_text(encoding="utf-8"))
+        self.assertEqual(read["name"], document["name"])
+        self.assertEqual(read["body"]["bob"]["center"], [0.5, 0, 0])
+        self.assertEqual(read["body"]["bob"]["shape"], document["body"]["bob"]["shape"])
+        mode, = flexura.eigen(file)["runs"][0]["modes"]
+        self.assertAlmostEqual(mode["frequency_hz"], np.sqrt(9.81 / 0.5) / (2 * np.pi), places=6)
+        at_rest = flexura.statics(file, settings={"body": {"bob": {"mass": np.float64(2.0)}}, "output.quantities": ["pin.force"]})
+        self.assertAlmostEqual(at_rest["runs"][0]["quantities"][0]["value"], 2 * 9.81, places=9)
+        self.assertIn("pin.angle", flexura.simulate(file)["run"])
+        with self.assertRaisesRegex(TypeError, "write_toml"):
+            flexura.simulate(document)
+        with self.assertRaisesRegex(TypeError, "body.bob.mass: a complex"):
+            flexura.write_toml(self.here / "no.toml", {"body": {"bob": {"mass": 1j}}})
 
     def test_a_study_gives_its_choices_with_errors_times_and_results(self):
         (self.here / "study.toml").write_text(
@@ -198,8 +230,12 @@ class Package(unittest.TestCase):
             flexura.simulate(self.here / "pendulum.toml", self.here / "no.h5", settings={"solver.end_tim": "1 s"})
         self.assertEqual(caught.exception.code, 2)
         self.assertFalse((self.here / "no.h5").exists())
-        with self.assertRaisesRegex(ValueError, "no superelement file"):
+        with self.assertRaisesRegex(ValueError, "no superelement file.*read_results"):
             flexura.read_superelement(self.here / "pendulum.h5")
+        with self.assertRaisesRegex(FileNotFoundError, "none.h5: there is no such file"):
+            flexura.read_results(self.here / "none.h5")
+        with self.assertRaisesRegex(OSError, "pendulum.toml: is no HDF5 file"):
+            flexura.read_results(self.here / "pendulum.toml")
         with self.assertRaisesRegex(ValueError, "no results file"):
             flexura.read_results(self.here / "link.se.h5")
         with self.assertRaisesRegex(KeyError, "flexible"):

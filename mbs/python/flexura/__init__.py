@@ -10,13 +10,15 @@ Everything is SI.  README.md has a worked example.
 """
 
 from .arrays import Array
-from .programs import FlexuraError, Page, modes, page, program, reduce, simulate
+from .documents import write_toml
+from .programs import FlexuraError, Page, eigen, modes, page, program, reduce, simulate, statics
 from .results import Body, Results, Run, read_results
 from .studies import Choice, Study, read_study, study
 from .superelement import Interface, Modes, SectionForces, Superelement, read_superelement
 
 __all__ = [
     "Array", "Body", "Choice", "FlexuraError", "Interface", "Modes", "Page", "Results", "Run", "SectionForces", "Study",
-    "Superelement", "modes", "page", "program", "read_results", "read_study", "read_superelement", "reduce", "simulate", "study",
+    "Superelement", "eigen", "modes", "page", "program", "read_results", "read_study", "read_superelement", "reduce", "simulate",
+    "statics", "study", "write_toml",
 ]
 __version__ = "0.2.0"

@@ -1,6 +1,7 @@
 # Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 """Arrays that know what they are, and how Flexura's files give them."""
 
+import os
 from contextlib import contextmanager
 from os import PathLike
 from typing import Any, Iterator, Optional, Union
@@ -56,7 +57,9 @@ def open_file(path: FilePath, kind: str) -> Iterator[h5py.File]:
     """
     with _open(path) as file:
         if attribute(file, "format") != f"flexura {kind}":
-            raise ValueError(f"{path} is no {kind} file (its format is {attribute(file, 'format', 'unknown')!r})")
+            other = {"flexura superelement": "; read_superelement reads it", "flexura results": "; read_results reads it"}
+            found = attribute(file, "format", "unknown")
+            raise ValueError(f"{path} is no {kind} file (its format is {found!r}){other.get(found, '')}")
         newest = 2 if kind == "superelement" else 1
         if int(attribute(file, "version", 0)) > newest:
             raise ValueError(f"{path} has version {attribute(file, 'version')}; this package reads up to {newest}")
@@ -71,7 +74,11 @@ def _open(path: FilePath) -> h5py.File:
         try:
             return h5py.File(path, "r", swmr=True)
         except OSError:
-            raise refused from None
+            if not os.path.exists(path):
+                raise FileNotFoundError(f"{path}: there is no such file") from None
+            if not h5py.is_hdf5(path):
+                raise OSError(f"{path}: is no HDF5 file, as superelements and results are") from None
+            raise OSError(f"{path}: {refused}") from None
 
 
 def read_array(dataset: h5py.Dataset, name: Optional[str] = None) -> Array:

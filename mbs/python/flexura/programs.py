@@ -51,7 +51,18 @@ def run(arguments: Iterable[object], name: str = "flexura") -> str:
 def settings_as_options(settings: Settings) -> Iterator[str]:
     """--set KEY=VALUE for each."""
     for key, value in (settings or {}).items():
+        if isinstance(value, Mapping):  # {"solver": {"tolerance": 1e-8}} as {"solver.tolerance": 1e-8}
+            yield from settings_as_options({f"{key}.{inner}": one for inner, one in value.items()})
+            continue
+        if hasattr(value, "tolist"):  # numpy's arrays and numbers
+            value = value.tolist()
         yield from ("--set", f"{key}={value if isinstance(value, str) else json.dumps(value)}")
+
+
+def _file(path: FilePath, what: str) -> Path:
+    if isinstance(path, Mapping):
+        raise TypeError(f"a {what} is a file; flexura.write_toml(path, dictionary) writes one and returns its path")
+    return Path(path)
 
 
 def reduce(part: FilePath, output: Optional[FilePath] = None, settings: Settings = None) -> Superelement:
@@ -59,7 +70,7 @@ def reduce(part: FilePath, output: Optional[FilePath] = None, settings: Settings
 
     settings: keys of the part file to change, {"modes.count": 30}.  The default output stands beside the part file.
     """
-    part = Path(part)
+    part = _file(part, "part")
     output = Path(output) if output else part.with_suffix(".se.h5")
     run([part, "-q", "-o", output, *settings_as_options(settings)], "flexura-reduce")
     return read_superelement(output)
@@ -72,7 +83,7 @@ def simulate(mechanism: FilePath, output: Optional[FilePath] = None, settings: S
     settings: keys of the mechanism file to change, {"solver.end_time": "1 s"}; runs: names, or one name; default all of the file.
     """
     runs = [runs] if isinstance(runs, str) else runs or []
-    mechanism = Path(mechanism)
+    mechanism = _file(mechanism, "mechanism")
     output = Path(output) if output else mechanism.with_suffix(".h5")
     chosen = [word for name in runs for word in ("--run", name)]
     run(["simulate", mechanism, "-q", "-o", output, *chosen, *settings_as_options(settings)])
@@ -82,6 +93,24 @@ def simulate(mechanism: FilePath, output: Optional[FilePath] = None, settings: S
 def modes(superelement: FilePath, *options: str) -> Dict[str, Any]:
     """What `flexura modes FILE --json OPTIONS` prints, as a dictionary."""
     return cast(Dict[str, Any], json.loads(run(["modes", superelement, "--json", *options])))
+
+
+def eigen(mechanism: FilePath, *options: str, settings: Settings = None) -> Dict[str, Any]:
+    """What `flexura eigen FILE --json OPTIONS` prints, as a dictionary: frequencies, damping and shapes of each run.
+
+    flexura.eigen("rotor.toml", "--fixed-axes", settings={"parameters.speed": 100})["runs"][0]["modes"][0]["frequency_hz"]
+    """
+    return _json("eigen", mechanism, options, settings)
+
+
+def statics(mechanism: FilePath, *options: str, settings: Settings = None) -> Dict[str, Any]:
+    """What `flexura statics FILE --json OPTIONS` prints: the quantities of each run at its equilibrium."""
+    return _json("statics", mechanism, options, settings)
+
+
+def _json(command: str, mechanism: FilePath, options: Sequence[str], settings: Settings) -> Dict[str, Any]:
+    arguments = [command, _file(mechanism, "mechanism"), "--json", *options, *settings_as_options(settings)]
+    return cast(Dict[str, Any], json.loads(run(arguments)))
 
 
 class Page:

@@ -13,7 +13,7 @@ import numpy.typing as npt
 from .arrays import Array, FilePath, attribute, open_file, read_array, read_text
 
 
-@dataclass
+@dataclass(repr=False)
 class Body:
     """The motion of a body in a run."""
 
@@ -22,6 +22,10 @@ class Body:
     quaternion: Array  # n_t x 4: w x y z of R_WB
     modal: Optional[Array]  # n_t x m modal coordinates, None for a rigid body
     basis: Optional[Array]  # n_se x m: u_se = basis @ s
+
+    def __repr__(self) -> str:
+        kind = "rigid" if self.modal is None else f"{self.modal.shape[1]} modes"
+        return f"<body {self.name!r}: {len(self.position)} rows, {kind}>"
 
     def superelement_coordinates(self) -> Array:
         """u_se over time: n_t x n_se."""
@@ -66,6 +70,8 @@ class Run(Mapping[str, Array]):
         try:
             return self._quantities[name]
         except KeyError:
+            if name in ("t", "time"):
+                raise KeyError(f"{name!r} is no quantity; the times of the rows are run.time") from None
             near = [q for q in self._quantities if name.split(".")[-1] in q] or get_close_matches(name, self._quantities)
             hint = f"; there are {', '.join(near)}" if near else "; list(run) names them all"
             raise KeyError(f"run {self.name!r} stored no quantity {name!r}{hint}") from None
@@ -107,7 +113,9 @@ class Results(Mapping[str, Run]):
         try:
             return self.runs[run]
         except KeyError:
-            raise KeyError(f"no run is called {run!r}; there are {', '.join(self.runs)}") from None
+            of = [name for name in self.runs if run in self.runs[name]]
+            hint = f"; it is a quantity of a run: results[{of[0]!r}][{run!r}]" if of else ""
+            raise KeyError(f"no run is called {run!r}; there are {', '.join(self.runs)}{hint}") from None
 
     def __iter__(self) -> Iterator[str]:
         return iter(self.runs)
