@@ -49,7 +49,11 @@ ControlType pid() {
   using namespace input;
   ControlType type;
   type.name = "pid";
-  type.doc = "Proportional-integral-derivative controller with filtered derivative, limits and anti-windup.";
+  type.doc =
+      "Proportional-integral-derivative controller with filtered derivative, limits and anti-windup. The "
+      "filter starts at an error of 0: an error of e at the start is a jump, which the derivative answers "
+      "with "
+      "derivative * e / filter_time at first. Let the target start where the joint stands, or give limits.";
   type.feeds_through = true;
   type.keys = {expression("error", "target minus measured value").required(),
                expression("proportional", "gain, output per error").or_default("0"),
