@@ -114,7 +114,7 @@ void with_size(int n, F&& f) {
     case 6:
       return f(std::integral_constant<int, 6>());
     default:
-      return f(std::integral_constant<int, 8>());
+      return f(std::integral_constant<int, Element::kMost>());
   }
 }
 
@@ -134,9 +134,9 @@ Element::Element(StrainField field, double length, const SectionInertia& inertia
       inertia_(inertia),
       rest_(rest_strain),
       has_offset_(inertia.m_y != 0.0 || inertia.m_z != 0.0) {
-  if (const int n = field_.n(); n != 3 && n != 6 && n != 8)
-    throw std::invalid_argument(
-        fmt::format("a strain field has {} coordinates; it must have 8 (beam), 6 (rod) or 3 (cable)", n));
+  if (const int n = field_.n(); n != 3 && n != 6 && n != kMost)
+    throw std::invalid_argument(fmt::format(
+        "a strain field has {} coordinates; it must have {} (beam), 6 (rod) or 3 (cable)", n, kMost));
   for (std::size_t h = 0; h < kPoints; ++h) {
     points_[h] = place(kAt[h] * length);
     mass_weight_[h] = kWeight[h] * length;

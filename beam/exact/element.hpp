@@ -29,7 +29,7 @@ using Vector6d = Eigen::Matrix<double, 6, 1>;
 class Element {
  public:
   static constexpr int kPoints = 4;
-  static constexpr int kMost = 8;                            ///< coordinates
+  static constexpr int kMost = 10;                           ///< coordinates
   using Columns = Eigen::Matrix<double, 6, Eigen::Dynamic>;  ///< 6 x n: angular, linear
 
   /// `rest_strain` = (gamma, kappa) of the stress-free shape, the same all along: an arc, a helix.

@@ -24,13 +24,12 @@ struct Linear {
 };
 
 Linear of_beam(const Matrix6d& C, double l) {
-  Matrix6d D = Matrix6d::Zero();
-  D(4, 2) = 1.0;
-  D(5, 1) = -1.0;
   const MatrixXd f = inverse(C, "stretch, shear, torsion and bending");
-  Linear out{MatrixXd(6, 8), MatrixXd(6, 8)};
-  out.first << f * (Matrix6d::Identity() - 0.5 * l * D), -0.5 * l * f.col(0), -0.5 * l * f.col(3);
-  out.slope << f * D, f.col(0), f.col(3);
+  MatrixXd linear(6, 4);  // N and the moments
+  linear << f.col(0), f.rightCols(3);
+  Linear out{MatrixXd(6, 10), MatrixXd::Zero(6, 10)};
+  out.first << f, -0.5 * l * linear;
+  out.slope.rightCols(4) = linear;
   return out;
 }
 

@@ -22,7 +22,7 @@ using Matrix6d = Eigen::Matrix<double, 6, 6>;
 
 /// What a beam lets happen.
 enum class Kind {
-  beam,   ///< all six strains: eight coordinates
+  beam,   ///< all six strains: ten coordinates
   rod,    ///< torsion and bending, six; neither stretch nor shear
   cable,  ///< stretch and bending, three, the same all along; neither shear nor torsion
 };
@@ -37,10 +37,12 @@ struct StrainField {
   int n() const { return static_cast<int>(k_0.cols()); }
 };
 
-/// Of an element of length l with the section stiffness C (N, V_y, V_z, T, M_y, M_z).  A beam's strains are those that
-/// constant end loads bring about, C^-1 (1 + (x - l/2) D) with M_y' = V_z, M_z' = -V_y (D): exact for them whatever C
-/// couples, as the linear element is; and those of a normal force and a torque that are linear along it, as loads on the
-/// way and large bending make them.  A rod's torque and moments are linear.  Coordinates are without dimension, of the
+/// Of an element of length l with the section stiffness C (N, V_y, V_z, T, M_y, M_z).  A beam's strains are C^-1 times resultants
+/// that are the same all along, and N, T, M_y and M_z that are linear besides.  So constant loads at the ends, M_y' = V_z and
+/// M_z' = -V_y, are answered exactly whatever C couples, as by the linear element; the moments' slopes are coordinates of their
+/// own, since in a section that twists or has bent far M' = -kappa x M - (e_1 + gamma) x (N, V), of which V is a part alone.
+/// Shears that change along the element have no coordinates: they would cost a third more time, against an
+/// error of EI / (GA L^2) of the deflection.  A rod's torque and moments are linear.  Coordinates are without dimension, of the
 /// size of the strains, curvatures times l.  Throws std::invalid_argument where the strains that there are have no
 /// positive stiffness; a cable needs none against bending.
 StrainField strain_field(Kind kind, const Matrix6d& C, double l);
