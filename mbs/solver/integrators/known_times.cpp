@@ -179,20 +179,75 @@ KnownTimes::KnownTimes(const Equations& eq, const SolverOptions& options)
 
 KnownTimes::~KnownTimes() = default;
 
-double KnownTimes::shortest(const Equations& eq, const SolverOptions& options, double limit) {
+void KnownTimes::for_each(const Equations& eq, const SolverOptions& options,
+                          const std::function<bool(const Stretch&)>& take) {
   KnownTimes times(eq, options);
   times.reach_ = options.end_time - options.start_time;
-  double shortest = limit, before = -std::numeric_limits<double>::infinity(), t = options.start_time;
+  double before = -std::numeric_limits<double>::infinity(), t = options.start_time;
   // A run with more of them is known to be one of short events long before its end.
   for (long i = 0; i < 100000 && t < options.end_time; ++i) {
     const Stop stop = times.next(t);
     if (!std::isfinite(stop.t)) break;
     const double begin = stop.is_event ? before : std::max(before, times.last_bound_begin_);
-    if (!stop.is_due) shortest = std::min(shortest, stop.t - begin);
+    if (!stop.is_due && !take({begin, stop.t, stop.is_event})) break;
     before = t = stop.is_event ? stop.after : stop.t;
     if (stop.is_event) times.pass(stop);
   }
+}
+
+double KnownTimes::shortest(const Equations& eq, const SolverOptions& options, double limit) {
+  double shortest = limit;
+  for_each(eq, options, [&](const Stretch& stretch) {
+    shortest = std::min(shortest, stretch.end - stretch.begin);
+    return true;
+  });
   return shortest < limit ? shortest : 0.0;
+}
+
+KnownTimes::Looks KnownTimes::looks(const Equations& eq, const SolverOptions& options, double apart,
+                                    std::size_t most) {
+  constexpr int kBehind = 16;
+  constexpr double kCounts =
+      0.02;  // shorter stretches of a group are the ends of a curve that begins smoothly
+  Looks out;
+  const auto look = [&](double t) {
+    if (t > options.start_time && t < options.end_time) out.t.push_back(t);
+  };
+  // What is left behind fades, nobody knows how soon.
+  const auto look_behind = [&](double t) {
+    for (int k = kBehind; k > 0; --k) look(t + apart * std::exp2(-0.5 * k));
+  };
+  // Short stretches that follow one another, up to the next event.
+  std::vector<Stretch> group;
+  const auto end_group = [&] {
+    if (group.empty()) return;
+    const double begin = group.front().begin, length = group.back().end - begin;
+    const auto bounds = std::ranges::count_if(
+        group, [&](const Stretch& one) { return one.end - one.begin > kCounts * length; });
+    const int n = std::max(kLooks, 4 * static_cast<int>(bounds));
+    for (int k = 0; k <= n; ++k) look(begin + length * k / n);
+    look_behind(begin + length);
+    group.clear();
+  };
+  for_each(eq, options, [&](const Stretch& stretch) {
+    const bool is_short = stretch.end - stretch.begin < 2.0 * apart;
+    if (!is_short || (!group.empty() && stretch.begin > group.back().end + apart)) end_group();
+    if (is_short) group.push_back(stretch);
+    if (stretch.ends_at_event && group.empty()) {
+      look(stretch.end);
+      look_behind(stretch.end);
+    } else if (stretch.ends_at_event) {
+      end_group();
+    }
+    out.is_all = out.t.size() + group.size() <= most;
+    return out.is_all;
+  });
+  end_group();
+  std::ranges::sort(out.t);
+  out.t.erase(std::unique(out.t.begin(), out.t.end()), out.t.end());
+  out.is_all = out.is_all && out.t.size() <= most;
+  if (out.t.size() > most) out.t.resize(most);
+  return out;
 }
 
 KnownTimes::Stop KnownTimes::next(double t) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <deque>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <vector>
@@ -42,12 +43,31 @@ class KnownTimes {
   Stop next(double t);
   void pass(const Stop& stop) { passed_ = stop.after; }
 
+  /// Times [s], in their order, at which to look so that nothing is missed between rows that lie `apart` [s]: where
+  /// these times follow one another more closely than 2 `apart`, kLooks between two events, four for each bound of a
+  /// step; ever longer after each other behind an event.  No more than `most`; `is_all` is false where that is not enough.
+  struct Looks {
+    std::vector<double> t;
+    bool is_all = true;
+  };
+  static Looks looks(const Equations& eq, const SolverOptions& options, double apart, std::size_t most);
+
   /// The shortest time from one to the next that is below `limit` [s], 0 where there is none: what rows that
   /// far apart do not show.
   static double shortest(const Equations& eq, const SolverOptions& options, double limit);
 
  private:
   class Scan;
+  static constexpr int kLooks =
+      12;  // sin^2 from end to end: its impulse and its square by the trapezoidal rule
+  /// What lies between two stops, from where functions of time begin to bend.
+  struct Stretch {
+    double begin, end;
+    bool ends_at_event;
+  };
+  /// Calls take(stretch) for one after the other until it returns false, for a run's whole span.
+  static void for_each(const Equations& eq, const SolverOptions& options,
+                       const std::function<bool(const Stretch&)>& take);
   std::vector<std::unique_ptr<Scan>> scans_;
   double begin_, end_, reach_, passed_, fixed_step_, last_bound_begin_ = 0.0;
 };

@@ -8,12 +8,14 @@
 
 namespace flexura::mbs {
 
-Bookkeeper::Bookkeeper(const Equations& eq, const SolverOptions& options, Row row, Step step, bool beside)
+Bookkeeper::Bookkeeper(const Equations& eq, const SolverOptions& options, Row row, Look look, Step step,
+                       bool beside)
     : book_(eq, options.tolerance),
       closer_(eq, options),
       watch_(eq),
       allowed_(RowWatch::allowed(options.tolerance)),
       row_(std::move(row)),
+      look_(std::move(look)),
       step_(std::move(step)),
       entries_([this](BookEntry& entry) { work_off(entry); }, beside) {}
 
@@ -33,6 +35,11 @@ void Bookkeeper::work_off(BookEntry& entry) {
         throw IntegrationError(watch_.complaint(entry.row.state.t, entry.row.state.t, allowed_));
       closer_.accelerate(entry.row.state, entry.row.v_dot);
       if (row_) row_(entry.row.state, entry.row.v_dot, book_.at_row(entry.row.state, entry.row.v_dot));
+      break;
+    case BookEntry::Kind::look:
+      closer_.close(entry.row.state);
+      closer_.accelerate(entry.row.state, entry.row.v_dot);
+      look_(entry.row.state, entry.row.v_dot);
       break;
     case BookEntry::Kind::end:
       book_.close_step();

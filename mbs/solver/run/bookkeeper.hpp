@@ -13,19 +13,20 @@
 /// to round-off.  Nothing of it enters the next steps, so it may be done beside them.
 namespace flexura::mbs {
 
-/// What is entered in turn: a step that was taken, the rows within it, its end.
+/// What is entered in turn: a step that was taken, the rows within it and what others look at, its end.
 struct BookEntry {
-  enum class Kind { step, row, end };
+  enum class Kind { step, row, look, end };
   Kind kind = Kind::step;
   double t_end = 0.0;            ///< of the step
   std::array<Instant, 3> nodes;  ///< of the step, at EnergyBook::node_times()
   Instant begin;                 ///< of the step, where there are constraints or somebody looks at steps
-  Instant row;
+  Instant row;                   ///< or look
 };
 
 class Bookkeeper {
  public:
   using Row = std::function<void(const State&, const Eigen::VectorXd& v_dot, const EnergyAccount&)>;
+  using Look = std::function<void(const State&, const Eigen::VectorXd& v_dot)>;
   using Step = std::function<void(const Instant& begin, const std::array<Instant, 3>& nodes)>;
   /// The largest of a run so far.
   struct Peaks {
@@ -33,9 +34,9 @@ class Bookkeeper {
     double energy_error = 0.0;
   };
 
-  /// `row` and `step` may be empty.  With `beside` entries are made by a second thread, in their order, which calls
-  /// `row` and `step`; the numbers are the same to the bit.
-  Bookkeeper(const Equations& eq, const SolverOptions& options, Row row, Step step, bool beside);
+  /// `row`, `look` and `step` may be empty.  With `beside` entries are made by a second thread, in their order, which calls
+  /// them; the numbers are the same to the bit.
+  Bookkeeper(const Equations& eq, const SolverOptions& options, Row row, Look look, Step step, bool beside);
 
   /// The state from which the run goes: what its loops are open by is how little their parts fit.
   void begin(const State& s) { watch_.begin(s); }
@@ -65,6 +66,7 @@ class Bookkeeper {
   RowWatch watch_;
   double allowed_;  // see RowWatch::Opening
   Row row_;
+  Look look_;
   Step step_;
   Peaks peaks_;
   Instant between_;

@@ -27,6 +27,12 @@ constexpr double kTrembling = 1e-3;
 
 }  // namespace
 
+void Runner::enter_look(double t, Integrator& integrator) {
+  Instant& look = books_.next(BookEntry::Kind::look).row;
+  integrator.interpolate(t, look.state, look.v_dot);
+  books_.enter();
+}
+
 void Runner::enter_step(double t_begin, double t_end, double rows_until, Integrator& integrator) {
   BookEntry& step = books_.next(BookEntry::Kind::step);
   step.t_end = t_end;
@@ -34,19 +40,40 @@ void Runner::enter_step(double t_begin, double t_end, double rows_until, Integra
   for (int i = 0; i < 3; ++i) integrator.interpolate(times[i], step.nodes[i].state, step.nodes[i].v_dot);
   if (n_.n_lambda > 0 || callbacks_.step) integrator.interpolate(t_begin, step.begin.state, step.begin.v_dot);
   books_.enter();
-  for (; next_row_is_until(rows_until); ++next_row_) {
+  double seen = t_begin;
+  for (;;) {
+    if (const double look = next_look_until(rows_until); look < kNever) {
+      enter_look(std::min(look, t_end), integrator);
+      ++next_look_;
+      seen = look;
+      continue;
+    }
+    if (!next_row_is_until(rows_until)) break;
+    seen = row_time(next_row_++);
     Instant& row = books_.next(BookEntry::Kind::row).row;
-    integrator.interpolate(std::min(row_time(next_row_), t_end), row.state, row.v_dot);
+    integrator.interpolate(std::min(seen, t_end), row.state, row.v_dot);
     books_.enter();
+    pass_looks(seen);
   }
+  if (seen < t_end && callbacks_.look && callbacks_.wants_look && callbacks_.wants_look(t_begin, t_end))
+    enter_look(t_end, integrator);
   books_.next(BookEntry::Kind::end);
   books_.enter();
 }
 
 void Runner::write_equilibria_until(double t_end, double rows_until, Integrator& integrator) {
-  for (; next_row_is_until(rows_until); ++next_row_) {
-    integrator.interpolate(std::min(row_time(next_row_), t_end), row_.state, row_.v_dot);
+  for (;;) {
+    if (const double look = next_look_until(rows_until); look < kNever) {
+      integrator.interpolate(std::min(look, t_end), row_.state, row_.v_dot);
+      callbacks_.look(row_.state, row_.v_dot);
+      ++next_look_;
+      continue;
+    }
+    if (!next_row_is_until(rows_until)) break;
+    const double t = row_time(next_row_++);
+    integrator.interpolate(std::min(t, t_end), row_.state, row_.v_dot);
     write_row(row_.state, row_.v_dot);
+    pass_looks(t);
   }
 }
 
@@ -337,6 +364,7 @@ bool Runner::finish_step(const StepEnd& end, Integrator& integrator) {
 RunResult Runner::run() {
   begin_ = std::chrono::steady_clock::now();
   stops_since_ = result_.state.t;
+  pass_looks(result_.state.t);
   bool is_lock = false;
   watch_.begin(result_.state);
   books_.begin(result_.state);

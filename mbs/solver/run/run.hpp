@@ -21,6 +21,12 @@ namespace flexura::mbs {
 struct RunCallbacks {
   /// Called at start_time, at every output time and at the end.
   std::function<void(const State&, const Eigen::VectorXd& v_dot, const EnergyAccount&)> row;
+  /// Called in turn with `row`, with states as good as its own, at the times `look_at` [s] (in their order, behind
+  /// start_time) and at the end of steps that `wants_look` asks for; a row at the same time is left to `row`.
+  std::function<void(const State&, const Eigen::VectorXd& v_dot)> look;
+  std::vector<double> look_at;
+  /// Of a step between these times.  By the thread that integrates.
+  std::function<bool(double begin, double end)> wants_look;
   /// Rows are made and `row` is called by a second thread, some steps behind: it then shares nothing with the
   /// other two.  The numbers are the same to the bit; when run() returns, all rows are there.
   bool rows_beside = false;

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <chrono>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <set>
@@ -44,7 +45,8 @@ class Runner {
         watch_(eq),
         watch_closer_(eq, options),
         keeps_book_(kind_of(options).is_motion),
-        books_(eq, options, callbacks.row, callbacks.step, callbacks.rows_beside && keeps_book_),
+        books_(eq, options, callbacks.row, callbacks.look, callbacks.step,
+               callbacks.rows_beside && keeps_book_),
         times_(eq, options) {
     result_.state = start;
     result_.state.t = options.start_time;
@@ -59,6 +61,7 @@ class Runner {
 
  private:
   static constexpr std::size_t kAnchors = 3;
+  static constexpr double kNever = std::numeric_limits<double>::infinity();
   // Minutes of restarts, and of steps; a pulse-width modulation of 20 kHz has 400,000 edges in ten seconds.
   static constexpr double kMostTimeEvents = 5e5, kMostBounds = 1e8;
 
@@ -78,6 +81,17 @@ class Runner {
   bool next_row_is_until(double t) const {
     return row_time(next_row_) <= t && row_time(next_row_) > row_time(next_row_ - 1);
   }
+  // The next time that others look at, if it lies before the next row and until t; else infinite.
+  double next_look_until(double t) const {
+    if (!callbacks_.look || next_look_ >= callbacks_.look_at.size()) return kNever;
+    const double look = callbacks_.look_at[next_look_];
+    return look <= t && look < row_time(next_row_) ? look : kNever;
+  }
+  // Those until t are past.
+  void pass_looks(double t) {
+    while (next_look_ < callbacks_.look_at.size() && callbacks_.look_at[next_look_] <= t) ++next_look_;
+  }
+  void enter_look(double t, Integrator& integrator);
   void enter_step(double t_begin, double t_end, double rows_until, Integrator& integrator);
   void write_equilibria_until(double t_end, double rows_until, Integrator& integrator);
   void take_switches(const std::vector<int>& roots);
@@ -144,6 +158,7 @@ class Runner {
   std::array<Instant, kAnchors> anchors_;
   std::size_t n_anchors_ = 0, next_anchor_ = 0;
   long n_rows_ = 0, next_row_ = 1;
+  std::size_t next_look_ = 0;
   bool resumed_ = false;
   // The integrator has taken a step since its last start; between the two it has no history yet.
   bool has_history_ = false;

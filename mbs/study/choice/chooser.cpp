@@ -10,7 +10,6 @@
 
 #include "mbs/base/terminal/terminal.hpp"
 #include "mbs/mechanism/describe.hpp"
-#include "mbs/solver/integrators/known_times.hpp"
 #include "mbs/study/choice/influence.hpp"
 #include "mbs/study/estimate/global_error.hpp"
 #include "mbs/study/estimate/percent.hpp"
@@ -76,8 +75,7 @@ ChosenRun Chooser::run() {
     without_influence_.clear();
     look();
   }
-  if (!is_screened || has_finer_rows_ ||
-      std::ranges::any_of(choices_, [](const auto& entry) { return !entry.second.rigid; }) ||
+  if (!is_screened || std::ranges::any_of(choices_, [](const auto& entry) { return !entry.second.rigid; }) ||
       std::ranges::any_of(beams_, [](const BeamChoice& beam) { return !beam.rigid; })) {
     const double screening = seconds_since(start);
     out = simulate(out.prepared);
@@ -140,30 +138,15 @@ void Chooser::leave_out(const mbs::PreparedMechanism& rigid, const std::vector<s
     if (!with.contains(body)) without_influence_.insert(body);
 }
 
-// Rows so near to each other that no known pulse lies between two of them: a body that stands still shows nothing of it
-// later.  The step that is asked for where that would be too many.
-double Chooser::screening_step(const mbs::PreparedMechanism& run) const {
-  constexpr double kMostRowsForPulses = 4000.0;
-  const mbs::SolverOptions& o = run.options;
-  const double shortest = mbs::KnownTimes::shortest(*run.mechanism, o, 2.0 * o.output_step);
-  const double step = 0.5 * shortest;
-  return step > 0.0 && (o.end_time - o.start_time) / step <= kMostRowsForPulses ? step : o.output_step;
-}
-
 // The run with the bodies rigid that are to be chosen; `out` must outlive the screening.
 void Chooser::screen(ChosenRun& out) {
-  if (!choices_.empty()) {
-    const double step = screening_step(out.prepared);
-    has_finer_rows_ = step < out.prepared.options.output_step;
-    out.prepared.options.output_step = step;
-  }
   for (const mbs::OutputInfo& info : out.prepared.mechanism->quantities()) of_rigid_.insert(info.name);
   // Where nothing is to be chosen but the tolerance, the shadows are those of any run.
   const auto shadows = choices_.empty() ? Shadows::make(out.prepared, file_, out.overrides) : nullptr;
   if (!choices_.empty()) {
     full_ = FullModel::make(out.prepared, file_, out.overrides,
                             {.stiffened = {}, .rigid = without_influence_, .own_frames = true});
-    if (full_) screening_.emplace(out.prepared, *full_, file_, out.overrides, has_finer_rows_);
+    if (full_) screening_.emplace(out.prepared, *full_, file_, out.overrides);
   }
   std::vector<std::string> names;
   for (const BeamChoice& beam : beams_) names.push_back(beam.body);
@@ -175,6 +158,10 @@ void Chooser::screen(ChosenRun& out) {
     if (screening_) screening_->take(s, v_dot);
     if (shadows) shadows->take(s, v_dot);
   };
+  if (screening_) screening_->ask_for_looks(mine);
+  if (shadows)
+    shadows->ask_for_looks(mine,
+                           [&](const mbs::State& s, const VectorXd& v_dot) { shadows->look(s, v_dot); });
   // An output that rigid bodies do not have is no output of this run.
   const auto has_all = [&] {
     try {

@@ -52,7 +52,6 @@ class Chooser {
   std::vector<std::string> overrides_of_beams() const;
   std::vector<std::string> keys_of(std::vector<std::string> overrides) const;
   void leave_out(const mbs::PreparedMechanism& rigid, const std::vector<std::string>& overrides);
-  double screening_step(const mbs::PreparedMechanism& run) const;
   void screen(ChosenRun& out);
   void choose_beams(const std::vector<ScreenedBeam>& screened);
   void choose();
@@ -90,7 +89,6 @@ class Chooser {
   std::set<std::string> of_rigid_;  // names of quantities with the open bodies rigid
   TruncationEstimate sizes_;        // what the screening says about the outputs' sizes
   double span_ = 0.0;
-  bool has_finer_rows_ = false;  // the screening had, than were asked for
   std::vector<std::string> restarts_;
 };
 

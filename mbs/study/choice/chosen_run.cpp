@@ -139,6 +139,8 @@ std::string Chooser::run_until_over(ChosenRun& out, const mbs::State& state, con
     good.rows = out.rows.size();
     good.is_there = true;
   };
+  if (shadows)
+    shadows->ask_for_looks(mine, [&](const mbs::State& s, const VectorXd& a) { shadows->look(s, a); });
   mine.stop_wanted = [&] {
     return !to_refine.empty() || (callbacks_.stop_wanted && callbacks_.stop_wanted());
   };

@@ -23,7 +23,7 @@ constexpr std::array kLadder = {0, 1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96,
 // A candidate is judged on about so many rows (on every second one a static arm seemed three times as wrong),
 // spin and stiffness on fewer.
 constexpr double kMostMemory = 256e6;  // [B] of linearised rows
-constexpr std::size_t kRowsForCandidates = 800, kRowsForSpin = 100, kRowsForStiffness = 8;
+constexpr std::size_t kRowsForCandidates = 801, kRowsForSpin = 100, kRowsForStiffness = 8;
 
 double hz(double omega2) {
   return std::sqrt(std::max(omega2, 0.0)) / (2.0 * std::numbers::pi);
@@ -67,18 +67,30 @@ std::pair<MatrixXd, VectorXd> beside(Index n, const MatrixXd& responses, const V
 }  // namespace
 
 Screening::Screening(const mbs::PreparedMechanism& run, FullModel& full, const std::filesystem::path& file,
-                     std::vector<std::string> overrides, bool all_rows)
+                     std::vector<std::string> overrides)
     : run_(run),
       full_(full),
       file_(file),
       overrides_(std::move(overrides)),
-      all_rows_(all_rows),
-      shadows_(Shadows::make(run, full, all_rows)) {}
+      shadows_(Shadows::make(run, full)) {}
+
+void Screening::ask_for_looks(mbs::RunCallbacks& callbacks) {
+  if (!shadows_) return;
+  shadows_->ask_for_looks(callbacks, [this](const mbs::State& s, const VectorXd& v_dot) {
+    if (shadows_->look(s, v_dot)) keep(true);
+  });
+}
 
 void Screening::take(const mbs::State& s, const VectorXd& v_dot) {
-  if (!shadows_ || !shadows_->take(s, v_dot)) return;
+  if (shadows_ && shadows_->take(s, v_dot)) keep(false);
+}
+
+// What the shadows have just followed.
+void Screening::keep(bool is_look) {
   rows_.push_back({shadows_->embedded(), shadows_->embedded_v_dot(), shadows_->residual(),
-                   shadows_->linearised().G(), shadows_->corrected_outputs(), nullptr, shadows_->jumped()});
+                   shadows_->linearised().G(), shadows_->corrected_outputs(), nullptr, shadows_->jumped(),
+                   is_look});
+  if (!is_look) ++n_rows_;
   // What does not fit is taken anew where it is wanted.
   const auto& row = shadows_->linearised().row();
   if (row->number != last_number_)
@@ -91,9 +103,15 @@ TruncationEstimate Screening::estimate() const {
   return shadows_->estimate();
 }
 
-// Of the rows kept one in so many judges candidates.
+// Of the rows kept one in so many judges candidates; shadows take no more than twice as many.
 std::size_t Screening::rows_between() const {
-  return all_rows_ ? 1 : std::max<std::size_t>(1, rows_.size() / kRowsForCandidates);
+  return std::max<std::size_t>(1, n_rows_ / kRowsForCandidates);
+}
+
+// The time [s] for which a row stands: rows lie closer where there is more to see.
+double Screening::time_of(std::size_t row) const {
+  const std::size_t every = rows_between(), last = (rows_.size() - 1) / every * every;
+  return 0.5 * (rows_[std::min(row + every, last)].s.t - rows_[row < every ? 0 : row - every].s.t);
 }
 
 const ModalBlock& Screening::block_of(const std::string& body) const {
@@ -178,11 +196,11 @@ std::vector<VectorXd> Screening::whole_of(const ModalBlock& block) {
 double Screening::loss_of(const ModalBlock& block, const MatrixXd& S, const VectorXd& extra_damping,
                           const Goal& goal) {
   VectorXd sum = VectorXd::Zero(goal.whole.front().size());
-  const auto n = static_cast<double>(goal.whole.size());
+  const double time = span();
   double loss = 0.0;
   follow(block, S, extra_damping, [&](std::size_t i, const VectorXd& y) {
-    sum += (y - goal.whole[i]).cwiseAbs2();
-    loss = worst_output(sum, n, goal.outputs).first;
+    sum += time_of(i * rows_between()) * (y - goal.whole[i]).cwiseAbs2();
+    loss = worst_output(sum, time, goal.outputs).first;
     return loss <= goal.share;
   });
   return loss;
@@ -290,13 +308,27 @@ Candidate Screening::cheapest(const std::string& body, double share) {
   return best;
 }
 
+// Of the rows, which lie evenly; where looks between them hold more than a thousandth of the power, by their distances.
 double Screening::excitation(const ModalBlock& block) {
   const VectorXd& omega2 = stiffness_of(full_, block);
-  MatrixXd loads(static_cast<Index>(rows_.size()), block.m);
-  for (std::size_t i = 0; i < rows_.size(); ++i)
-    loads.row(static_cast<Index>(i)) =
-        rows_[i].residual.segment(block.v, block.m).cwiseQuotient(omega2.cwiseSqrt()).transpose();
-  return reach(loads, span() / static_cast<double>(rows_.size() - 1), 0.999);
+  MatrixXd loads(static_cast<Index>(n_rows_), block.m);
+  Index n = 0;
+  double all = 0.0, beside = 0.0, shortest = span();
+  for (std::size_t i = 0; i < rows_.size(); ++i) {
+    const VectorXd load = rows_[i].residual.segment(block.v, block.m).cwiseQuotient(omega2.cwiseSqrt());
+    const double power = time_of(i) * load.squaredNorm();
+    all += power;
+    if (!rows_[i].is_look) {
+      loads.row(n++) = load.transpose();
+      continue;
+    }
+    beside += power;
+    if (power > 0.0 && i > 0 && rows_[i - 1].is_look)
+      shortest = std::min(shortest, rows_[i].s.t - rows_[i - 1].s.t);
+  }
+  const double by_rows = reach(loads, span() / static_cast<double>(n - 1), 0.999);
+  constexpr double kLooksAPeriod = 4.0;  // see KnownTimes::looks
+  return beside > 1e-3 * all ? std::max(by_rows, 1.0 / (kLooksAPeriod * shortest)) : by_rows;
 }
 
 void Screening::change_of_stiffness(const ModalBlock& block, Screened& out) {
@@ -331,7 +363,7 @@ std::vector<Screened> Screening::bodies(const std::vector<std::string>& for_bodi
     screened.available = source.available;
     screened.rigid_error = source.error;
     screened.output = source.output;
-    if (std::ranges::find(for_bodies, source.body) == for_bodies.end() || rows_.size() < 2) {
+    if (std::ranges::find(for_bodies, source.body) == for_bodies.end() || n_rows_ < 2) {
       out.push_back(std::move(screened));
       continue;
     }

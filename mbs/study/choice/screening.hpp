@@ -49,10 +49,12 @@ struct Candidate {
 class Screening {
  public:
   /// `run` has every superelement of `bodies` rigid; `full` is its full model, `overrides` what it was
-  /// prepared with.  With `all_rows` none is passed over, as where a pulse lies in few of them.
+  /// prepared with.
   Screening(const mbs::PreparedMechanism& run, FullModel& full, const std::filesystem::path& file,
-            std::vector<std::string> overrides, bool all_rows);
+            std::vector<std::string> overrides);
 
+  /// For what happens between rows.
+  void ask_for_looks(mbs::RunCallbacks& callbacks);
   /// The next row of the run: state and v_dot (n_v), times ascending.
   void take(const mbs::State& s, const Eigen::VectorXd& v_dot);
 
@@ -82,7 +84,8 @@ class Screening {
     Eigen::MatrixXd G;
     Eigen::VectorXd corrected;  ///< outputs with every deformation of every body
     std::shared_ptr<const LinearisedRow> linearised;
-    bool jumped = false;  ///< a load has, since the row before
+    bool jumped = false;   ///< a load has, since the row before
+    bool is_look = false;  ///< between rows, see Shadows::ask_for_looks
   };
   // What a candidate is judged by: the outputs in all deformations of the body, their sizes, and what may be lost.
   struct Goal {
@@ -91,6 +94,8 @@ class Screening {
     double share = 0.0;
   };
   std::size_t rows_between() const;
+  double time_of(std::size_t row) const;
+  void keep(bool is_look);
   const ModalBlock& block_of(const std::string& body) const;
   // Deformations that the body has with these words in its table, and how they are damped there [1/s].
   struct Basis {
@@ -115,11 +120,11 @@ class Screening {
   FullModel& full_;
   std::filesystem::path file_;
   std::vector<std::string> overrides_;
-  bool all_rows_;
   std::unique_ptr<Shadows> shadows_;
   std::vector<Row> rows_;
-  long last_number_ = 0;  // of the linearised rows kept
-  double memory_ = 0.0;   // [B], of these
+  std::size_t n_rows_ = 0;  // of them, without looks
+  long last_number_ = 0;    // of the linearised rows kept
+  double memory_ = 0.0;     // [B], of these
   Effort effort_;
 };
 

@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "mbs/solver/integrators/known_times.hpp"
+#include "mbs/study/estimate/step_looks.hpp"
 
 namespace flexura::study {
 
@@ -15,13 +16,14 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 struct Shadows::Impl {
-  Impl(const mbs::PreparedMechanism& run, FullModel& full_model, bool all_rows)
+  Impl(const mbs::PreparedMechanism& run, FullModel& full_model)
       : full(full_model),
         embedding(*run.mechanism, full_model),
         asked(!run.file.outputs.empty()),
         tolerance(run.options.tolerance),
         families(full_model.mechanism(), length_of(run)),
-        every(all_rows ? 1 : rows_between(run)) {}
+        every(rows_between(run)),
+        step_looks(run.options.end_time - run.options.start_time) {}
 
   FullModel& full;
   std::unique_ptr<FullModel> own;  // where the shadows made it themselves
@@ -42,6 +44,8 @@ struct Shadows::Impl {
   long every = 1, rows = 0, taken = 0;
   double wall = 0.0, t = 0.0, span = 0.0;
   double missed = 0.0, rows_apart = 0.0;
+  std::vector<double> look_at;
+  StepLooks step_looks;
 
   mbs::State s, moved;
   VectorXd v_dot, r, y, y_moved;
@@ -49,6 +53,7 @@ struct Shadows::Impl {
 
   MatrixXd loads() const;
   bool jumps_before(double t);
+  bool follow(const mbs::State& at, const VectorXd& v_dot_at, bool is_row);
   void compare(double h);
 };
 
@@ -133,8 +138,8 @@ std::unique_ptr<Shadows> Shadows::make(const mbs::PreparedMechanism& run, const 
   return shadows;
 }
 
-std::unique_ptr<Shadows> Shadows::make(const mbs::PreparedMechanism& run, FullModel& full, bool all_rows) {
-  auto impl = std::make_unique<Impl>(run, full, all_rows);
+std::unique_ptr<Shadows> Shadows::make(const mbs::PreparedMechanism& run, FullModel& full) {
+  auto impl = std::make_unique<Impl>(run, full);
   Impl& in = *impl;
   for (std::size_t i = 0; i < full.blocks().size(); ++i) {
     in.joints_feel_nothing = in.joints_feel_nothing || in.embedding.one_way(i);
@@ -148,36 +153,62 @@ std::unique_ptr<Shadows> Shadows::make(const mbs::PreparedMechanism& run, FullMo
   }
   if (in.sources.empty()) return nullptr;
   in.outputs = judged_outputs(run, full.mechanism(), in.sums);
-  // A pulse is seen where two rows lie in it.
+  constexpr std::size_t kMostLooks = 400;
   in.rows_apart = static_cast<double>(in.every) * run.options.output_step;
-  in.missed = mbs::KnownTimes::shortest(*run.mechanism, run.options, 2.0 * in.rows_apart);
+  mbs::KnownTimes::Looks looks =
+      mbs::KnownTimes::looks(*run.mechanism, run.options, in.rows_apart, kMostLooks);
+  in.look_at = std::move(looks.t);
   const Index n_out = static_cast<Index>(in.outputs.size()),
               n_sources = static_cast<Index>(in.sources.size());
   in.square = in.square_size = in.last_square = in.last_size = VectorXd::Zero(n_out);
   in.source_sums = in.last_source = MatrixXd::Zero(n_out, n_sources);
   in.known = std::make_unique<mbs::KnownTimes>(*run.mechanism, run.options);
   in.correction = std::make_unique<LinearCorrection>(full.mechanism().sizes().n_v, n_sources);
-  return std::unique_ptr<Shadows>(new Shadows(std::move(impl)));
+  std::unique_ptr<Shadows> shadows(new Shadows(std::move(impl)));
+  if (!looks.is_all) shadows->take_rows_alone(run);
+  return shadows;
+}
+
+bool Shadows::Impl::follow(const mbs::State& at, const VectorXd& v_dot_at, bool is_row) {
+  const auto start = std::chrono::steady_clock::now();
+  const double h = taken > 0 ? at.t - t : 0.0;
+  if (taken > 0 && !(h > 0.0)) return false;
+  embedding.embed(at, v_dot_at, s, v_dot);
+  linearised.take(s, v_dot, h);
+  full.residual(s, v_dot, r);
+  jumped = taken > 0 && jumps_before(at.t);
+  if (jumped) transients.begin();
+  correction->step(h, *linearised.row(), linearised.G(), loads(), &transients, jumped);
+  compare(h);
+  // Sizes are means over rows, which lie evenly.
+  if (is_row) families.take(s, v_dot);
+  t = at.t;
+  ++taken;
+  wall += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return true;
+}
+
+void Shadows::ask_for_looks(mbs::RunCallbacks& callbacks,
+                            std::function<void(const mbs::State&, const VectorXd&)> look) {
+  callbacks.look = std::move(look);
+  callbacks.look_at = impl_->look_at;
+  callbacks.wants_look = [this](double begin, double end) {
+    return end - begin < 0.5 * impl_->rows_apart && impl_->step_looks.wants(begin, end);
+  };
+}
+
+void Shadows::take_rows_alone(const mbs::PreparedMechanism& run) {
+  // A pulse is seen where two rows lie in it.
+  impl_->missed = mbs::KnownTimes::shortest(*run.mechanism, run.options, 2.0 * impl_->rows_apart);
 }
 
 bool Shadows::take(const mbs::State& s, const VectorXd& v_dot) {
-  Impl& in = *impl_;
-  if (in.rows++ % in.every != 0) return false;
-  const auto start = std::chrono::steady_clock::now();
-  const double h = in.taken > 0 ? s.t - in.t : 0.0;
-  if (in.taken > 0 && !(h > 0.0)) return false;
-  in.embedding.embed(s, v_dot, in.s, in.v_dot);
-  in.linearised.take(in.s, in.v_dot, h);
-  in.full.residual(in.s, in.v_dot, in.r);
-  in.jumped = in.taken > 0 && in.jumps_before(s.t);
-  if (in.jumped) in.transients.begin();
-  in.correction->step(h, *in.linearised.row(), in.linearised.G(), in.loads(), &in.transients, in.jumped);
-  in.compare(h);
-  in.families.take(in.s, in.v_dot);
-  in.t = s.t;
-  ++in.taken;
-  in.wall += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  return true;
+  if (impl_->rows++ % impl_->every != 0) return false;
+  return impl_->follow(s, v_dot, true);
+}
+
+bool Shadows::look(const mbs::State& s, const VectorXd& v_dot) {
+  return impl_->follow(s, v_dot, false);
 }
 
 const std::vector<int>& Shadows::outputs() const {

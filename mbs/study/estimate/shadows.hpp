@@ -3,10 +3,12 @@
 
 #include <Eigen/Core>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "mbs/solver/run/run.hpp"
 #include "mbs/solver/start/prepare.hpp"
 #include "mbs/study/estimate/held_rows.hpp"
 #include "mbs/study/estimate/judged_outputs.hpp"
@@ -59,13 +61,20 @@ class Shadows {
   static std::unique_ptr<Shadows> make(const mbs::PreparedMechanism& run, const std::filesystem::path& file,
                                        const std::vector<std::string>& overrides);
   /// The same with a full model that outlives it.
-  static std::unique_ptr<Shadows> make(const mbs::PreparedMechanism& run, FullModel& full,
-                                       bool all_rows = false);
+  static std::unique_ptr<Shadows> make(const mbs::PreparedMechanism& run, FullModel& full);
   ~Shadows();
 
-  /// The next row of the run.  Of long runs only every n-th row is taken, 400 to 800 in all: true where it
+  /// Asks for what rows do not show: events that are known beforehand (KnownTimes::looks), and steps that the
+  /// motion makes much shorter than it did so far.  `look` is to be called from RunCallbacks::look.
+  void ask_for_looks(mbs::RunCallbacks& callbacks,
+                     std::function<void(const mbs::State&, const Eigen::VectorXd&)> look);
+  /// Nothing but rows tells of the run: what happens between them is then unknown.
+  void take_rows_alone(const mbs::PreparedMechanism& run);
+  /// The next row of the run.  Of long runs only every n-th row is taken, 800 to 1600 in all: true where it
   /// was.
   bool take(const mbs::State& s, const Eigen::VectorXd& v_dot);
+  /// What was asked for; false where a row at that time was taken already.
+  bool look(const mbs::State& s, const Eigen::VectorXd& v_dot);
 
   TruncationEstimate estimate() const;
 

@@ -1,17 +1,25 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+#include <numbers>
 #include <numeric>
 #include <stdexcept>
+#include <string>
 
 #include "mbs/solver/algebra/accelerations.hpp"
 #include "mbs/solver/integrators/background_queue.hpp"
+#include "mbs/solver/integrators/known_times.hpp"
 #include "mbs/solver/position/assemble.hpp"
 #include "mbs/solver/run/run.hpp"
+#include "mbs/solver/start/prepare.hpp"
 #include "tests/mbs/solver/flexible_engine.hpp"
 #include "tests/mbs/solver/rows.hpp"
 #include "tests/mbs/solver/simple.hpp"
 #include "tests/mbs/started.hpp"
+#include "tests/mbs/test_folder.hpp"
 
 /// Rows that a second thread makes.
 namespace flexura::mbs::test {
@@ -153,6 +161,100 @@ TEST_P(RowsBeside, ThatCannotBeWrittenEndTheRun) {
 INSTANTIATE_TEST_SUITE_P(Integrators, RowsBeside,
                          ::testing::Values("ida", "radau", "generalised_alpha", "runge_kutta"),
                          [](const auto& info) { return std::string(info.param); });
+
+// Looks come in turn with rows, at their own times, with states as good as those of rows: on the circle to round-off.
+TEST(Looks, ComeInTurnWithRows) {
+  const CartesianPendulum pendulum;
+  for (const bool beside : {false, true}) {
+    State start = make_state(pendulum);
+    start.p << 1.0, 0.0;
+    Eigen::VectorXd a;
+    assemble(pendulum, start, a);
+    SolverOptions options;
+    options.end_time = 1.0;
+    options.output_step = 0.1;
+    std::vector<double> looks, all;
+    RunCallbacks callbacks;
+    callbacks.rows_beside = beside;
+    callbacks.row = [&](const State& s, const Eigen::VectorXd&, const EnergyAccount&) { all.push_back(s.t); };
+    callbacks.look = [&](const State& s, const Eigen::VectorXd& v_dot) {
+      all.push_back(s.t);
+      looks.push_back(s.t);
+      EXPECT_NEAR(s.p.squaredNorm(), 1.0, 1e-14) << s.t;
+      EXPECT_NEAR(s.p.dot(v_dot) + s.v.squaredNorm(), 0.0, 1e-9)
+          << s.t;  // of velocities that are right to 1e-10
+    };
+    // Before the start, at a row and behind the end there is nothing to look at.
+    callbacks.look_at = {-1.0, 0.0, 0.05, 0.0500001, 0.1, 0.123, 0.999, 1.0, 2.0};
+    ASSERT_TRUE(run(pendulum, start, a, options, callbacks).complete);
+    EXPECT_EQ(looks, (std::vector<double>{0.05, 0.0500001, 0.123, 0.999}));
+    EXPECT_EQ(all.size(), 11u + 4u);
+    EXPECT_TRUE(std::ranges::is_sorted(all));
+    looks.clear();
+    callbacks.look_at.clear();
+    callbacks.wants_look = [](double begin, double end) { return begin < 0.5 && end >= 0.5; };
+    ASSERT_TRUE(run(pendulum, start, a, options, callbacks).complete);
+    EXPECT_EQ(looks.size(), 1u);
+  }
+}
+
+class KnownLooks : public TestFolder {
+ protected:
+  // Of a mass that is pushed so for ten seconds, with rows 10 ms apart.
+  KnownTimes::Looks looks(const std::string& push, std::size_t most = 400) const {
+    const PreparedMechanism run = prepare(file(R"toml(
+gravity = [0, 0, 0]
+[body.m]
+mass = 1
+inertia = [1, 1, 1]
+[joint.s]
+type = "prismatic"
+from = "ground"
+to = "m"
+[force.f]
+type = "joint_force"
+joint = "s"
+value = ")toml" + push + "\"\n[solver]\nend_time = 10\noutput_step = 0.01\n"));
+    return KnownTimes::looks(*run.mechanism, run.options, 0.01, most);
+  }
+  // The integral of sin^2 from a to b, 0 elsewhere, by the trapezoidal rule over the looks, which begin and end at 0.
+  static double impulse(const std::vector<double>& t, double a, double b) {
+    const auto f = [&](double x) {
+      const double sine = std::sin(std::numbers::pi * (x - a) / (b - a));
+      return x > a && x < b ? sine * sine : 0.0;
+    };
+    double sum = 0.0;
+    for (std::size_t i = 1; i < t.size(); ++i) sum += 0.5 * (t[i] - t[i - 1]) * (f(t[i]) + f(t[i - 1]));
+    return sum;
+  }
+};
+
+TEST_F(KnownLooks, SeeTheWholeImpulseOfShortPulses) {
+  for (const double length : {1e-3, 1e-5, 1e-9}) {
+    const auto seen =
+        looks(fmt::format("t > 5 && t < {0:.17g} ? sin(pi*(t-5)/({0:.17g}-5))^2 : 0", 5.0 + length));
+    EXPECT_TRUE(seen.is_all) << length;
+    EXPECT_LT(seen.t.size(), 100u) << length;
+    // Half its length; a load that is told to 1 % tells the estimate.
+    EXPECT_NEAR(impulse(seen.t, 5.0, 5.0 + length), 0.5 * length, 1e-2 * length) << length;
+  }
+}
+
+TEST_F(KnownLooks, AreNoneWhereRowsShowAll) {
+  EXPECT_TRUE(looks("10*sin(2*pi*t)").t.empty());
+  // A jump is seen from its moment on.
+  const auto jump = looks("t > 5 ? 1 : 0");
+  ASSERT_FALSE(jump.t.empty());
+  EXPECT_LT(jump.t.back(), 5.01);
+  EXPECT_NEAR(jump.t.front(), 5.0, 1e-12);
+}
+
+TEST_F(KnownLooks, SayWhereTheyAreNotAll) {
+  const auto seen = looks("sin(2*pi*1000*t)");
+  EXPECT_FALSE(seen.is_all);
+  EXPECT_LE(seen.t.size(), 400u);
+  EXPECT_FALSE(looks("t > 5 && t < 5.001 ? 1 : 0", 5).is_all);
+}
 
 }  // namespace
 }  // namespace flexura::mbs::test
