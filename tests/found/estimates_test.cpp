@@ -86,7 +86,7 @@ TEST_F(Estimates, RowsThatMissALoadJudgeNoMode) {
                                                    "mod(t, 0.01) < 0.0001 ? 20 : 0")),
                {"body.bar.modes=3", "solver.output_step=\"5 ms\"", "solver.end_time=1"});
   EXPECT_TRUE(missed.has_unknown("modes", "bar"));
-  EXPECT_THAT(missed.text.out, HasSubstr("give a smaller output_step"));
+  EXPECT_THAT(missed.text.out, HasSubstr("forces change within 0.0001"));
   EXPECT_THAT(missed.text.out, Not(HasSubstr(": ;")));
 }
 

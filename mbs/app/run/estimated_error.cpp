@@ -171,8 +171,8 @@ ErrorEstimate estimate_error(const mbs::PreparedMechanism& prepared, const Judge
              source.body,
              {},
              source.error,
-             fmt::format("forces change within {:.3g} s, the rows that judge it are {:.3g} s apart: "
-                         "give a smaller output_step",
+             fmt::format("forces change within {:.3g} s, more often than is looked at beside "
+                         "rows {:.3g} s apart: compare with a run with more modes",
                          truncation->missed, truncation->rows_apart)});
       else
         // Alone a body may be worst for another output.

@@ -229,8 +229,9 @@ void Chooser::keep_all() {
     choice.candidate.all = true;
     choice.candidate.modes = source.available;
     choice.reason = fmt::format(
-        "forces change within {:.3g} s, and {:.3g} s lie between the rows that would judge fewer; a smaller "
-        "output_step has that judged",
+        "forces change within {:.3g} s more often than is looked at beside rows {:.3g} s apart, which would "
+        "judge "
+        "fewer; a shorter run has that judged",
         sizes_.missed, sizes_.rows_apart);
   }
 }
