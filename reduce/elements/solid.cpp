@@ -36,6 +36,14 @@ void add_hourglass_stiffness(const NodePositions& x, const Matrix6& D, const Nod
 
 }  // namespace
 
+void fill_hourglass_stiffness(const Element& element, const NodePositions& x, const Matrix6& D,
+                              Eigen::MatrixXd& K) {
+  K.setZero(3 * element.n_nodes, 3 * element.n_nodes);
+  if (element.strains != Strains::uniform) return;
+  const StrainField field(element, x, D);
+  add_hourglass_stiffness(x, D, field.mean_gradients(), field.volume(), K);
+}
+
 Eigen::Matrix<double, 6, 3> strain_operator(const Eigen::RowVector3d& g) {
   Eigen::Matrix<double, 6, 3> B;
   B << g(0), 0, 0,    //

@@ -38,6 +38,10 @@ enum class MassKind {
 double element_stiffness(const Element& element, const NodePositions& x, const Matrix6& D,
                          Eigen::MatrixXd& K_e);
 
+/// The part of K_e that holds hourglasses, of elements with uniform strains; zero of others.
+void fill_hourglass_stiffness(const Element& element, const NodePositions& x, const Matrix6& D,
+                              Eigen::MatrixXd& K);
+
 /// Computes m_e (n x n) from node positions [m] and density [kg/m^3]; lumped is diagonal, by the element's
 /// own rule. Returns the smallest det J at the quadrature points.
 double element_mass(const Element& element, const NodePositions& x, double density, MassKind kind,

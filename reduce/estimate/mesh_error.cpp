@@ -61,6 +61,7 @@ MeshEnergy recovered_energy(const Part& part, const MatrixXd& U, const linalg::P
   for (std::size_t b = 0; b < part.mesh.solids.size(); ++b) {
     const mesh::CellBlock& block = part.mesh.solids[b];
     const TabulatedRule& rule = solid_element(block.type).mass;
+    const Element& element = solid_element(block.type, formulation_of(block, part.formulation));
     constexpr int kChunks = 64;
     linalg::parallel_for(kChunks, [&](int chunk) {
       for (Index cell = block.nodes.rows() * chunk / kChunks;
@@ -82,6 +83,13 @@ MeshEnergy recovered_energy(const Part& part, const MatrixXd& U, const linalg::P
           const Eigen::RowVectorXd smooth = point.N.transpose() * at_nodes;
           for (Index c = 0; c < 6; ++c) s.row(c) -= smooth.segment(c * n, n);
           energy += point.weight * std::max(det, 0.0) * (roots[material] * s).colwise().squaredNorm();
+        }
+        // What is held by nothing else strains without stresses: the stiffness of the hourglasses is no material's, and the
+        // shape that bends by them a mere fraction of what it must cost.
+        if (element.strains == Strains::uniform) {
+          MatrixXd K;
+          fill_hourglass_stiffness(element, positions(part.mesh, block, cell), part.materials[material].D, K);
+          energy += u.cwiseProduct(K * u).colwise().sum();
         }
         out.by_cell.row(first_cell + cell) = energy.cast<float>();
       }

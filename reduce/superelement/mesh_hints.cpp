@@ -94,15 +94,26 @@ MeshHints mesh_hints(const Part& part, double size, const std::optional<MeshShar
                     "{:.3g} m, twice its volume over "
                     "its surface): choose a smaller mesh.size",
                     size, thickness));
-  double n_linear = 0.0, n_all = 0.0;
+  double n_linear = 0.0, n_uniform = 0.0, n_all = 0.0;
   for (const mesh::CellBlock& block : part.mesh.solids) {
-    n_all += static_cast<double>(block.nodes.rows());
-    if (locks_in_bending(block, part.formulation)) n_linear += static_cast<double>(block.nodes.rows());
+    const auto n = static_cast<double>(block.nodes.rows());
+    n_all += n;
+    const Formulation formulation = formulation_of(block, part.formulation);
+    if (solid_element(block.type, formulation).strains == Strains::uniform)
+      n_uniform += n;
+    else if (locks_in_bending(block, part.formulation))
+      n_linear += n;
   }
   if (n_linear > 0.1 * n_all)
     to.push_back(fmt::format(
         "{:.0f} of {:.0f} elements are of order 1, far too stiff in bending: use order 2", n_linear, n_all));
-  if (share_of_single_layers(part.mesh) > 0.5)
+  const bool is_thin = share_of_single_layers(part.mesh) > 0.5;
+  if (n_uniform > 0.1 * n_all)
+    to.push_back(fmt::format(
+        "{:.0f} of {:.0f} elements have uniform strains (reduced integration, order 1) and are too soft in "
+        "bending{}: four through a thickness bend within a few per cent",
+        n_uniform, n_all, is_thin ? ", a single one through the thickness by far" : ""));
+  if (is_thin && n_uniform < n_all)
     to.push_back(
         "most of the part has a single element through its thickness: two or more bend as they should");
   return out;
