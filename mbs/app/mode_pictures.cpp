@@ -82,8 +82,13 @@ void write_mode_pictures(const std::filesystem::path& output, const NamedRun& ru
   const view::Pictures pictures = view::read_pictures(header, output);
   results::Writer writer(output, header);
   const Eigen::VectorXd rest = Eigen::VectorXd::Zero(m.sizes().n_v);
+  // As in the table of `eigen`: decompositions leave some 1e-13 of the largest eigenvalue in every other.
+  double round_off = 0.0;
+  for (const mbs::NaturalMode& mode : modes)
+    round_off = std::max(round_off, 1e-12 * std::abs(mode.eigenvalue));
   for (std::size_t k = 0; k < modes.size() && static_cast<int>(k) < count; ++k) {
     const mbs::NaturalMode& mode = modes[k];
+    const bool is_undamped = std::abs(mode.eigenvalue.real()) < round_off && mode.eigenvalue.imag() != 0.0;
     Eigen::Index largest = 0;
     if (mode.shape.size() > 0) mode.shape.cwiseAbs().maxCoeff(&largest);
     const double size = std::isnan(amplitude) ? shown_amplitude(p, mode.shape, pictures)
@@ -102,7 +107,7 @@ void write_mode_pictures(const std::filesystem::path& output, const NamedRun& ru
     writer.end_run(true, "",
                    nlohmann::json{{"mode",
                                    {{"frequency_hz", mode.frequency_hz},
-                                    {"damping", mode.damping},
+                                    {"damping", is_undamped ? 0.0 : mode.damping},
                                     {"moves_most", moves_most(m, mode.shape.cwiseAbs())}}}}
                        .dump());
   }

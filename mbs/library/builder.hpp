@@ -24,8 +24,9 @@
 ///     Mechanism m = b.build();
 ///
 /// Elements are the public classes of mbs/joints, mbs/constraints, mbs/forces, mbs/measures and mbs/controls: add()
-/// hands its arguments to their constructors behind the name.  All numbers are SI.  Handles of bodies and joints are good
-/// as long as the builder stays where it is.
+/// hands its arguments to their constructors behind the name: markers and bodies as int, coordinates as CoordinateRef.
+/// A force of your own (a class derived from ForceElement, docs/architecture.md) is added like these.  All numbers are SI.
+/// Handles of bodies and joints are good as long as the builder stays where it is.
 namespace flexura::mbs {
 
 /// In the body's own axes.

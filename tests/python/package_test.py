@@ -9,6 +9,7 @@ import unittest
 from pathlib import Path
 
 import flexura
+import h5py
 import numpy as np
 from flexura import plot
 from flexura.programs import run
@@ -200,6 +201,16 @@ class Package(unittest.TestCase):
         at_rest = flexura.statics(file, settings={"body": {"bob": {"mass": np.float64(2.0)}}, "output.quantities": ["pin.force"]})
         self.assertAlmostEqual(at_rest["runs"][0]["quantities"][0]["value"], 2 * 9.81, places=9)
         self.assertIn("pin.angle", flexura.simulate(file)["run"])
+        # Without shapes its picture goes from its only joint to its mass centre; two joints say enough.
+        del document["body"]["bob"]["shape"]
+        flexura.simulate(flexura.write_toml(file, document))
+        with h5py.File(file.with_suffix(".h5"), "r") as results:
+            drawn, = json.loads(bytes(results["bodies/bob/shape"][()]))
+        self.assertEqual(drawn, {"type": "line", "points": [[0, 0, 0], [0.5, 0, 0]]})
+        # Nothing damps it: round-off is no damping on the page of its modes either.
+        flexura.eigen(file, "--pictures", str(self.here / "bob_modes.h5"))
+        mode, = flexura.read_results(self.here / "bob_modes.h5").values()
+        self.assertEqual(mode.summary["mode"]["damping"], 0)
         with self.assertRaisesRegex(TypeError, "write_toml"):
             flexura.simulate(document)
         with self.assertRaisesRegex(TypeError, "body.bob.mass: a complex"):

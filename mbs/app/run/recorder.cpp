@@ -6,12 +6,39 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
+#include <ranges>
 #include <stdexcept>
 
 #include "mbs/base/documents/units.hpp"
 #include "mbs/mechanism/describe.hpp"
 
 namespace flexura::app {
+
+namespace {
+
+/// A rigid body without shapes is drawn between its connections.  The last link of a chain has one, often at its origin, and
+/// would be a dot: it is drawn from there to its mass centre.
+std::string drawn_to_its_centre(const mbs::BodyDescription& body, const nlohmann::json& connections) {
+  if (body.flexible || !body.superelement.empty() || body.name == "ground" || !(body.inertia.mass > 0.0))
+    return {};
+  const Eigen::Vector3d center = body.inertia.mass_center / body.inertia.mass;
+  std::vector<Eigen::Vector3d> points;
+  for (const auto& connection : connections) {
+    if (connection.value("kind", "") == "marker" || connection.contains("surface") ||
+        connection.contains("path"))
+      continue;
+    for (const auto& [of, place] : {std::pair{"body_1", "p_1"}, std::pair{"body_2", "p_2"}})
+      if (connection.value(of, "") == body.name && connection.contains(place) && connection[place].is_array())
+        points.emplace_back(connection[place][0], connection[place][1], connection[place][2]);
+  }
+  const auto is_elsewhere = [&](const Eigen::Vector3d& p) { return (p - points.front()).norm() > 1e-9; };
+  if (points.empty() || std::ranges::any_of(points, is_elsewhere) || !is_elsewhere(center)) return {};
+  const auto list = [](const Eigen::Vector3d& p) { return nlohmann::json::array({p.x(), p.y(), p.z()}); };
+  return nlohmann::json::array({{{"type", "line"}, {"points", {list(points.front()), list(center)}}}}).dump();
+}
+
+}  // namespace
 
 results::ModelHeader model_header(std::span<const NamedRun> runs, const std::filesystem::path& mechanism_file,
                                   const std::filesystem::path& results_file) {
@@ -28,12 +55,15 @@ results::ModelHeader model_header(const std::vector<const mbs::PreparedMechanism
   header.source = runs.front()->file.source;
   header.created_by = std::string("flexura ") + FLEXURA_VERSION;
   header.connections_json = mbs::connections_json(first);
+  const auto connections = nlohmann::json::parse(header.connections_json);
   const auto results_folder = std::filesystem::absolute(results_file).parent_path();
   for (std::size_t b = 0; b < first.description().bodies.size(); ++b) {
     const mbs::BodyDescription& body = first.description().bodies[b];
     results::BodyHeader line;
     line.name = body.name;
-    line.shape_json = body.shape_json;
+    line.shape_json = body.shape_json.empty() || body.shape_json == "[]"
+                          ? drawn_to_its_centre(body, connections)
+                          : body.shape_json;
     bool flexible = false;
     for (const mbs::PreparedMechanism* run : runs) {
       const auto& bodies = run->mechanism->description().bodies;
