@@ -259,6 +259,7 @@ RunOutcome run_within_accuracy(NamedRun& run, const SimulateArguments& arguments
   out.summary["chosen_set"] = chosen.set;
   out.summary["restarts"] = chosen.restarts;
   out.summary["screening_wall_time"] = chosen.screening_wall;
+  out.summary["screening_cpu_time"] = chosen.screening_cpu;
   out.lines = std::move(chosen.reasons);
   add_interferences(watch.get(), out);
   out.lines.push_back("without the choice:");

@@ -53,6 +53,7 @@ struct ChosenRun {
   std::vector<std::string> reasons;          ///< one line for each body, restart and tolerance
   int restarts = 0;
   double screening_wall = 0.0;  ///< [s] of the screening and of what restarts threw away
+  double screening_cpu = 0.0;   ///< [s], of the same, of all threads
 };
 
 /// True where a superelement or a beam has fidelity = "auto", or where the run has a wanted accuracy

@@ -6,12 +6,13 @@
 
 #include <algorithm>
 #include <chrono>
+#include <ctime>
 #include <stdexcept>
 
 #include "mbs/base/terminal/terminal.hpp"
 #include "mbs/mechanism/describe.hpp"
-#include "mbs/study/choice/influence.hpp"
 #include "mbs/study/estimate/global_error.hpp"
+#include "mbs/study/estimate/influence.hpp"
 #include "mbs/study/estimate/percent.hpp"
 
 namespace flexura::study {
@@ -55,7 +56,9 @@ Chooser::Chooser(const mbs::PreparedMechanism& given, const std::filesystem::pat
 
 ChosenRun Chooser::run() {
   const auto start = std::chrono::steady_clock::now();
-  ChosenRun out{prepared(overrides()), overrides(), {}, {}, {}, false, {}, {}, {}, {}, 0, 0.0};
+  const std::clock_t start_cpu = std::clock();
+  const auto cpu_since = [&] { return static_cast<double>(std::clock() - start_cpu) / CLOCKS_PER_SEC; };
+  ChosenRun out{prepared(overrides()), overrides(), {}, {}, {}, false, {}, {}, {}, {}, 0, 0.0, 0.0};
   // A name that nothing has is refused before the run.
   if (choices_.empty()) mbs::select_quantities(*out.prepared.mechanism, out.prepared.file.outputs);
   bool is_screened = false;
@@ -77,12 +80,14 @@ ChosenRun Chooser::run() {
   }
   if (!is_screened || std::ranges::any_of(choices_, [](const auto& entry) { return !entry.second.rigid; }) ||
       std::ranges::any_of(beams_, [](const BeamChoice& beam) { return !beam.rigid; })) {
-    const double screening = seconds_since(start);
+    const double screening = seconds_since(start), screening_cpu = cpu_since();
     out = simulate(out.prepared);
     refine_beams(out);
     out.screening_wall += screening;
+    out.screening_cpu += screening_cpu;
   } else {
     out.screening_wall = std::max(0.0, seconds_since(start) - out.result.wall_time);
+    out.screening_cpu = std::max(0.0, cpu_since() - out.result.wall_time);
   }
   for (const auto& [body, choice] : choices_)
     if (!without_influence_.contains(body)) out.reasons.push_back(choice.text(body));
@@ -124,18 +129,12 @@ std::vector<std::string> Chooser::overrides_of_beams() const {
   return out;
 }
 
-// Bodies on whose deformation no output depends that is asked for; asked of the lowest modes, which are enough to tell.
+// Bodies on whose deformation no output depends that is asked for.
 void Chooser::leave_out(const mbs::PreparedMechanism& rigid, const std::vector<std::string>& overrides) {
-  constexpr int kModesThatTell = 6;
-  if (choices_.size() < 2 || rigid.file.outputs.empty()) return;
-  const auto few = FullModel::make(
-      rigid, file_, overrides, {.stiffened = {}, .rigid = {}, .modes = kModesThatTell, .own_frames = true});
-  if (!few) return;
-  std::vector<OutputEstimate> unused;
-  const auto with =
-      bodies_of_influence(*few, few->state_of(rigid), judged_outputs(rigid, few->mechanism(), unused));
-  for (const auto& [body, choice] : choices_)
-    if (!with.contains(body)) without_influence_.insert(body);
+  if (choices_.size() < 2) return;
+  std::set<std::string> open;
+  for (const auto& [body, choice] : choices_) open.insert(body);
+  without_influence_ = bodies_without_influence(rigid, file_, overrides, std::move(open));
 }
 
 // The run with the bodies rigid that are to be chosen; `out` must outlive the screening.

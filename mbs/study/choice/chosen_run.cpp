@@ -52,7 +52,7 @@ ChosenRun Chooser::simulate(const mbs::PreparedMechanism& screened) {
     full_ = FullModel::make(screened, file_, words,
                             {.stiffened = stiffened, .rigid = without_influence_, .own_frames = true});
   }
-  ChosenRun out{prepared(overrides()), overrides(), {}, {}, {}, false, {}, {}, {}, {}, 0, 0.0};
+  ChosenRun out{prepared(overrides()), overrides(), {}, {}, {}, false, {}, {}, {}, {}, 0, 0.0, 0.0};
   const double start_time = out.prepared.options.start_time;
   mbs::State state = out.prepared.state;
   VectorXd v_dot = out.prepared.v_dot;

@@ -9,7 +9,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "mbs/study/choice/body_alone.hpp"
 #include "mbs/study/estimate/spectrum.hpp"
 
 namespace flexura::study {
@@ -27,21 +26,6 @@ constexpr std::size_t kRowsForCandidates = 801, kRowsForSpin = 100, kRowsForStif
 
 double hz(double omega2) {
   return std::sqrt(std::max(omega2, 0.0)) / (2.0 * std::numbers::pi);
-}
-
-const VectorXd& stiffness_of(const FullModel& full, const ModalBlock& block) {
-  return full.mechanism()
-      .description()
-      .bodies[static_cast<std::size_t>(block.body)]
-      .flexible->modal()
-      ->stiffness;
-}
-const VectorXd& damping_of(const FullModel& full, const ModalBlock& block) {
-  return full.mechanism()
-      .description()
-      .bodies[static_cast<std::size_t>(block.body)]
-      .flexible->modal()
-      ->damping;
 }
 
 // Response modes beside the lowest n free modes, as Ritz vectors of what is left of them; and their
@@ -72,7 +56,7 @@ Screening::Screening(const mbs::PreparedMechanism& run, FullModel& full, const s
       full_(full),
       file_(file),
       overrides_(std::move(overrides)),
-      shadows_(Shadows::make(run, full)) {}
+      shadows_(Shadows::make(run, full, HeldRows::kOfChoice)) {}
 
 void Screening::ask_for_looks(mbs::RunCallbacks& callbacks) {
   if (!shadows_) return;
@@ -140,73 +124,34 @@ MatrixXd Screening::responses_of(const std::string& body) const {
   return basis ? basis->S : MatrixXd(block_of(body).m, 0);
 }
 
-// The correction in the deformations S of one body (n_block x k), row by row: take(i, y) has the outputs of the i-th row and
-// says whether to go on.
-void Screening::follow(const ModalBlock& block, const MatrixXd& S, const VectorXd& extra_damping,
-                       const std::function<bool(std::size_t, const VectorXd&)>& take) {
-  const BodyAlone alone(full_, block, S, extra_damping);
-  LinearCorrection correction(alone.n(), 1);
-  Transients transients;
-  VectorXd own_damping = (S.transpose() * damping_of(full_, block).asDiagonal() * S).diagonal();
-  own_damping.tail(extra_damping.size()) += extra_damping;
-  transients.add((S.transpose() * stiffness_of(full_, block).asDiagonal() * S).diagonal(), own_damping);
-  LinearisedRow small, own;
-  MatrixXd G;
-  VectorXd y;
-  mbs::State moved;
-  ++effort_.candidates;
-  const std::size_t every = rows_between();
-  for (std::size_t i = 0; i < rows_.size(); i += every) {
-    const Row& at = rows_[i];
-    if (!at.linearised) full_.linearise(at.s, at.v_dot, own);
-    const LinearisedRow& row = at.linearised ? *at.linearised : own;
-    if (row.number == 0 || row.number != small.number) alone.project(row, small);
-    alone.project(at.G, G);
-    // A jump in the rows that are passed over counts, too.
-    bool jumped = false;
-    for (std::size_t k = i; k > 0 && k + every > i; --k) jumped = jumped || rows_[k].jumped;
-    if (jumped) transients.begin();
-    correction.step(i == 0 ? 0.0 : at.s.t - rows_[i - every].s.t, small, G, alone.load(at.residual),
-                    &transients, jumped);
-    full_.move(at.s, alone.spread(correction.delta().col(0)), alone.spread(correction.rate().col(0)),
-               correction.dlambda().rows() > 0 ? VectorXd(correction.dlambda().col(0)) : VectorXd(), moved);
-    full_.evaluate(shadows_->outputs(), moved, at.v_dot + alone.spread(correction.acceleration().col(0)), y);
-    ++effort_.rows;
-    if (!take(i / every, y)) return;
-  }
-}
-
 // The same in all deformations of the body.
-std::vector<VectorXd> Screening::whole_of(const ModalBlock& block) {
-  std::vector<VectorXd> whole;
+WholeBody Screening::whole_of(const ModalBlock& block) {
   // Where no other body deforms the shadows have followed just these.
-  if (full_.blocks().size() == 1 && rows_between() == 1) {
-    for (const Row& row : rows_) whole.push_back(row.corrected);
-    return whole;
-  }
-  follow(block, MatrixXd::Identity(block.m, block.m), VectorXd(0), [&](std::size_t, const VectorXd& y) {
-    whole.push_back(y);
-    return true;
-  });
-  return whole;
+  const bool is_known = full_.blocks().size() == 1 && rows_between() == 1;
+  return {rows_, rows_between(),
+          is_known ? nullptr
+                   : std::make_unique<Follower>(full_, rows_, rows_between(), shadows_->outputs(), block,
+                                                MatrixXd::Identity(block.m, block.m), VectorXd(0))};
 }
 
 // How far a candidate is from the whole: relative rms of the worst output over all rows.  Squares only add up, so that it is
 // given up at the row where they are too many: it is then above `share` and not told.
 double Screening::loss_of(const ModalBlock& block, const MatrixXd& S, const VectorXd& extra_damping,
-                          const Goal& goal) {
-  VectorXd sum = VectorXd::Zero(goal.whole.front().size());
+                          Goal& goal) {
+  Follower candidate(full_, rows_, rows_between(), shadows_->outputs(), block, S, extra_damping);
+  ++effort_.candidates;
+  VectorXd sum, y;
   const double time = span();
   double loss = 0.0;
-  follow(block, S, extra_damping, [&](std::size_t i, const VectorXd& y) {
-    sum += time_of(i * rows_between()) * (y - goal.whole[i]).cwiseAbs2();
+  for (std::size_t i = 0; loss <= goal.share && candidate.next(y); ++i, ++effort_.rows) {
+    if (i == 0) sum = VectorXd::Zero(y.size());
+    sum += time_of(i * rows_between()) * (y - goal.whole.at(i)).cwiseAbs2();
     loss = worst_output(sum, time, goal.outputs).first;
-    return loss <= goal.share;
-  });
+  }
   return loss;
 }
 
-Candidate Screening::judge(const ModalBlock& block, int modes, const MatrixXd& responses, const Goal& goal) {
+Candidate Screening::judge(const ModalBlock& block, int modes, const MatrixXd& responses, Goal& goal) {
   const VectorXd& omega2 = stiffness_of(full_, block);
   const auto [A, ritz] = beside(modes, responses, omega2);
   Candidate out;
@@ -230,7 +175,7 @@ Candidate Screening::judge(const ModalBlock& block, int modes, const MatrixXd& r
 
 // The fewest eigenmodes of the body as its joint holds it that do: two of them may do what twenty free ones do, for a bar
 // that a wall holds.  Their damping is that of the run, by their own ratios.
-std::optional<Candidate> Screening::fewest_held(const std::string& body, int fewer_than, const Goal& goal) {
+std::optional<Candidate> Screening::fewest_held(const std::string& body, int fewer_than, Goal& goal) {
   const ModalBlock& block = block_of(body);
   // A rigid link is held together in a frame of its own.
   for (const mbs::BlindSpot& spot : run_.file.blind_spots)
@@ -267,7 +212,7 @@ std::optional<Candidate> Screening::fewest_held(const std::string& body, int few
 
 // The fewest of `ladder`, by bisection: more modes lose less.
 std::optional<Candidate> Screening::fewest(const ModalBlock& block, const std::vector<int>& ladder,
-                                           const MatrixXd& responses, const Goal& goal) {
+                                           const MatrixXd& responses, Goal& goal) {
   std::optional<Candidate> found;
   std::size_t low = 0, high = ladder.size();
   while (low < high) {
@@ -294,12 +239,17 @@ Candidate Screening::cheapest(const std::string& body, double share) {
   for (const int modes : kLadder)
     // Without eigenmodes as many responses as deformations are less work, too: nothing of them vibrates.
     if (modes > 0 ? modes + responses.cols() < block.m : responses.cols() > 0) ladder.push_back(modes);
-  const Goal goal{whole_of(block), shadows_->estimate().outputs, share};
-  if (const auto found = fewest(block, ladder, responses, goal)) best = *found;
-  // Eigenmodes alone where fewer coordinates do as well; nothing beats response modes alone.
+  Goal goal{whole_of(block), shadows_->estimate().outputs, share};
+  int lost = ladder.empty() ? 0 : ladder.back();  // modes that are too few
+  if (const auto found = fewest(block, ladder, responses, goal)) {
+    best = *found;
+    lost = found->modes - 1;
+  }
+  // Eigenmodes alone where fewer coordinates do as well; nothing beats response modes alone.  What is too few with response
+  // modes is so without them.
   if (best.modes == 0) return best;
   for (const int modes : kLadder)
-    if (modes > 0 && modes < best.modes + best.responses) plain.push_back(modes);
+    if (modes > lost && modes < best.modes + best.responses) plain.push_back(modes);
   if (auto found = fewest(block, plain, MatrixXd(block.m, 0), goal)) {
     found->plain = true;
     best = *found;

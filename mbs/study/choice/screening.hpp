@@ -2,12 +2,12 @@
 #pragma once
 
 #include <filesystem>
-#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "mbs/solver/start/prepare.hpp"
+#include "mbs/study/choice/follower.hpp"
 #include "mbs/study/estimate/full_model.hpp"
 #include "mbs/study/estimate/shadows.hpp"
 
@@ -78,18 +78,9 @@ class Screening {
   const Effort& effort() const { return effort_; }
 
  private:
-  struct Row {
-    mbs::State s;
-    Eigen::VectorXd v_dot, residual;
-    Eigen::MatrixXd G;
-    Eigen::VectorXd corrected;  ///< outputs with every deformation of every body
-    std::shared_ptr<const LinearisedRow> linearised;
-    bool jumped = false;   ///< a load has, since the row before
-    bool is_look = false;  ///< between rows, see Shadows::ask_for_looks
-  };
   // What a candidate is judged by: the outputs in all deformations of the body, their sizes, and what may be lost.
   struct Goal {
-    std::vector<Eigen::VectorXd> whole;
+    WholeBody whole;
     std::vector<OutputEstimate> outputs;
     double share = 0.0;
   };
@@ -104,15 +95,13 @@ class Screening {
   };
   std::optional<Basis> basis_of(const std::string& body, const std::vector<std::string>& words) const;
   Eigen::MatrixXd responses_of(const std::string& body) const;
-  std::optional<Candidate> fewest_held(const std::string& body, int fewer_than, const Goal& goal);
-  void follow(const ModalBlock& block, const Eigen::MatrixXd& S, const Eigen::VectorXd& extra_damping,
-              const std::function<bool(std::size_t, const Eigen::VectorXd&)>& take);
-  std::vector<Eigen::VectorXd> whole_of(const ModalBlock& block);
+  std::optional<Candidate> fewest_held(const std::string& body, int fewer_than, Goal& goal);
+  WholeBody whole_of(const ModalBlock& block);
   double loss_of(const ModalBlock& block, const Eigen::MatrixXd& S, const Eigen::VectorXd& extra_damping,
-                 const Goal& goal);
-  Candidate judge(const ModalBlock& block, int modes, const Eigen::MatrixXd& responses, const Goal& goal);
+                 Goal& goal);
+  Candidate judge(const ModalBlock& block, int modes, const Eigen::MatrixXd& responses, Goal& goal);
   std::optional<Candidate> fewest(const ModalBlock& block, const std::vector<int>& ladder,
-                                  const Eigen::MatrixXd& responses, const Goal& goal);
+                                  const Eigen::MatrixXd& responses, Goal& goal);
   double excitation(const ModalBlock& block);
   void change_of_stiffness(const ModalBlock& block, Screened& out);
 
@@ -121,7 +110,7 @@ class Screening {
   std::filesystem::path file_;
   std::vector<std::string> overrides_;
   std::unique_ptr<Shadows> shadows_;
-  std::vector<Row> rows_;
+  std::vector<ScreenedRow> rows_;
   std::size_t n_rows_ = 0;  // of them, without looks
   long last_number_ = 0;    // of the linearised rows kept
   double memory_ = 0.0;     // [B], of these

@@ -35,9 +35,9 @@ void HeldRows::take(const mbs::State& s, const VectorXd& v_dot, double h) {
     span_ = 1;
   } else {
     const double part = change(*last_, *now, h);
-    if (part < kSmallChange)
-      span_ = std::min(2 * span_, kLongestSpan);
-    else if (!(part < 2.0 * kSmallChange))
+    if (part < most_.small_change)
+      span_ = std::min(2 * span_, most_.longest);
+    else if (!(part < 2.0 * most_.small_change))
       span_ = std::max(span_ / 2, 1);
   }
   left_ = span_ - 1;

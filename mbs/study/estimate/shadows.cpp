@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "mbs/solver/integrators/known_times.hpp"
+#include "mbs/study/estimate/influence.hpp"
 #include "mbs/study/estimate/step_looks.hpp"
 
 namespace flexura::study {
@@ -16,14 +17,15 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 struct Shadows::Impl {
-  Impl(const mbs::PreparedMechanism& run, FullModel& full_model)
+  Impl(const mbs::PreparedMechanism& run, FullModel& full_model, const HeldRows::Span& span)
       : full(full_model),
         embedding(*run.mechanism, full_model),
         asked(!run.file.outputs.empty()),
         tolerance(run.options.tolerance),
         families(full_model.mechanism(), length_of(run)),
         every(rows_between(run)),
-        step_looks(run.options.end_time - run.options.start_time) {}
+        step_looks(run.options.end_time - run.options.start_time),
+        linearised(full_model, span) {}
 
   FullModel& full;
   std::unique_ptr<FullModel> own;  // where the shadows made it themselves
@@ -49,7 +51,7 @@ struct Shadows::Impl {
 
   mbs::State s, moved;
   VectorXd v_dot, r, y, y_moved;
-  HeldRows linearised{full};
+  HeldRows linearised;
 
   MatrixXd loads() const;
   bool jumps_before(double t);
@@ -130,16 +132,28 @@ std::unique_ptr<Shadows> Shadows::make(const mbs::PreparedMechanism& run, const 
   std::vector<std::string> stiffened;
   for (const mbs::BodyDescription& body : run.mechanism->description().bodies)
     if (!body.superelement.empty() && has_stiffening_terms(body)) stiffened.push_back(body.name);
+  // What stays rigid and has no part in the outputs has none in their errors.
+  std::set<std::string> rigid;
+  const auto& bodies = run.mechanism->description().bodies;
+  for (std::size_t b = 0; b < bodies.size(); ++b)
+    if (bodies[b].name.find('.') == std::string::npos && can_deform(bodies[b]) &&
+        !run.mechanism->deforming(static_cast<int>(b)))
+      rigid.insert(bodies[b].name);
+  if (rigid.size() > 1)
+    rigid = bodies_without_influence(run, file, overrides, std::move(rigid));
+  else
+    rigid.clear();
   std::unique_ptr<FullModel> full =
-      FullModel::make(run, file, overrides, {.stiffened = stiffened, .rigid = {}, .own_frames = true});
+      FullModel::make(run, file, overrides, {.stiffened = stiffened, .rigid = rigid, .own_frames = true});
   if (!full) return nullptr;
   auto shadows = make(run, *full);
   if (shadows) shadows->impl_->own = std::move(full);
   return shadows;
 }
 
-std::unique_ptr<Shadows> Shadows::make(const mbs::PreparedMechanism& run, FullModel& full) {
-  auto impl = std::make_unique<Impl>(run, full);
+std::unique_ptr<Shadows> Shadows::make(const mbs::PreparedMechanism& run, FullModel& full,
+                                       const HeldRows::Span& span) {
+  auto impl = std::make_unique<Impl>(run, full, span);
   Impl& in = *impl;
   for (std::size_t i = 0; i < full.blocks().size(); ++i) {
     in.joints_feel_nothing = in.joints_feel_nothing || in.embedding.one_way(i);

@@ -61,7 +61,8 @@ class Shadows {
   static std::unique_ptr<Shadows> make(const mbs::PreparedMechanism& run, const std::filesystem::path& file,
                                        const std::vector<std::string>& overrides);
   /// The same with a full model that outlives it.
-  static std::unique_ptr<Shadows> make(const mbs::PreparedMechanism& run, FullModel& full);
+  static std::unique_ptr<Shadows> make(const mbs::PreparedMechanism& run, FullModel& full,
+                                       const HeldRows::Span& span = HeldRows::kOfEstimates);
   ~Shadows();
 
   /// Asks for what rows do not show: events that are known beforehand (KnownTimes::looks), and steps that the

@@ -1,11 +1,13 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-#include "mbs/study/choice/influence.hpp"
+#include "mbs/study/estimate/influence.hpp"
 
 #include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <optional>
+
+#include "mbs/study/estimate/judged_outputs.hpp"
 
 namespace flexura::study {
 namespace {
@@ -32,7 +34,18 @@ class Graph {
         n_(full.mechanism().sizes()),
         outputs_(outputs),
         moves_(Dependence::Constant(n_.n_v, n_.n_v, false)),
-        shows_(Dependence::Constant(static_cast<Index>(outputs.size()), n_.n_v, false)) {}
+        shows_(Dependence::Constant(static_cast<Index>(outputs.size()), n_.n_v, false)) {
+    std::vector<bool> modal(static_cast<std::size_t>(n_.n_v), false);
+    for (const ModalBlock& block : full.blocks()) {
+      std::vector<Index>& group = groups_.emplace_back();
+      for (Index j = 0; j < block.m; ++j) {
+        group.push_back(block.v + j);
+        modal[static_cast<std::size_t>(group.back())] = true;
+      }
+    }
+    for (Index j = 0; j < n_.n_v; ++j)
+      if (!modal[static_cast<std::size_t>(j)]) groups_.push_back({j});
+  }
 
   void look(const mbs::State& start, int round) {
     const mbs::Mechanism& m = full_.mechanism();
@@ -118,13 +131,14 @@ class Graph {
     differences(s, v_dot, to_rates);
   }
 
-  // What the outputs see, by differences.
+  // What the outputs see, by differences.  Deformations of one body are moved together: who sees one is taken to see all.
   void differences(const mbs::State& s, const VectorXd& v_dot, const Dependence& to_rates) {
     const mbs::Mechanism& m = full_.mechanism();
     const Index n = n_.n_v, l = n_.n_lambda, count = shows_.rows();
+    const auto n_groups = static_cast<Index>(groups_.size());
     VectorXd plus, minus;
     std::array<MatrixXd, 4> d;
-    for (MatrixXd& part : d) part.setZero(count, n);
+    for (MatrixXd& part : d) part.setZero(count, n_groups);
     d[3].setZero(count, l);
     const auto difference = [&](MatrixXd& out, Index j, const mbs::State& up, const VectorXd& a_up,
                                 const mbs::State& down, const VectorXd& a_down) {
@@ -135,23 +149,20 @@ class Graph {
         if (!(std::abs(out(i, j)) > 1e-13 * (std::abs(plus(i)) + std::abs(minus(i))))) out(i, j) = 0.0;
     };
     mbs::State up = s, down = s;
-    VectorXd a_up = v_dot, a_down = v_dot, step = VectorXd::Zero(n);
-    for (Index j = 0; j < n; ++j) {
-      const double size = kStep * m.velocity_scale(static_cast<int>(j));
-      step(j) = size;
+    VectorXd step(n);
+    for (Index g = 0; g < n_groups; ++g) {
+      step.setZero();
+      for (const Index j : groups_[static_cast<std::size_t>(g)])
+        step(j) = kStep * m.velocity_scale(static_cast<int>(j)) * (1.0 + 0.5 * drawn(j, 0, 4));
       m.retract(s.p, step, up.p);
       m.retract(s.p, -step, down.p);
-      step(j) = 0.0;
-      difference(d[0], j, up, v_dot, down, v_dot);
+      difference(d[0], g, up, v_dot, down, v_dot);
       up.p = down.p = s.p;
-      up.v(j) += size;
-      down.v(j) -= size;
-      difference(d[1], j, up, v_dot, down, v_dot);
-      up.v(j) = down.v(j) = s.v(j);
-      a_up(j) += size;
-      a_down(j) -= size;
-      difference(d[2], j, s, a_up, s, a_down);
-      a_up(j) = a_down(j) = v_dot(j);
+      up.v += step;
+      down.v -= step;
+      difference(d[1], g, up, v_dot, down, v_dot);
+      up.v = down.v = s.v;
+      difference(d[2], g, s, v_dot + step, s, v_dot - step);
     }
     for (Index k = 0; k < l; ++k) {
       up.lambda(k) += kStep;
@@ -160,25 +171,25 @@ class Graph {
       up.lambda(k) = down.lambda(k) = s.lambda(k);
     }
     for (Index i = 0; i < count; ++i) {
-      for (const int kind : {0, 1}) {
-        const double most = kNothing * d[kind].row(i).cwiseAbs().maxCoeff();
-        shows_.row(i) = shows_.row(i) || d[kind].row(i).array().abs() > most;
-      }
-      for (const int kind : {2, 3}) {
-        const Index size = d[kind].cols(), first = kind == 2 ? 0 : n;
-        if (size == 0) continue;
-        const double most = kNothing * d[kind].row(i).cwiseAbs().maxCoeff();
-        for (Index k = 0; k < size; ++k)
-          if (std::abs(d[kind](i, k)) > most) shows_.row(i) = shows_.row(i) || to_rates.row(first + k);
-      }
+      const auto is_seen = [&](int kind, Index k) {
+        return std::abs(d[kind](i, k)) > kNothing * d[kind].row(i).cwiseAbs().maxCoeff();
+      };
+      for (Index g = 0; g < n_groups; ++g)
+        for (const Index j : groups_[static_cast<std::size_t>(g)]) {
+          shows_(i, j) = shows_(i, j) || is_seen(0, g) || is_seen(1, g);
+          if (is_seen(2, g)) shows_.row(i) = shows_.row(i) || to_rates.row(j);
+        }
+      for (Index k = 0; k < l; ++k)
+        if (is_seen(3, k)) shows_.row(i) = shows_.row(i) || to_rates.row(n + k);
     }
   }
 
   FullModel& full_;
   mbs::Sizes n_;
   const std::vector<int>& outputs_;
-  Dependence moves_;  // moves_(i, j): i depends on j
-  Dependence shows_;  // shows_(i, j): output i on j
+  Dependence moves_;                        // moves_(i, j): i depends on j
+  std::vector<std::vector<Index>> groups_;  // coordinates that differences move together
+  Dependence shows_;                        // shows_(i, j): output i on j
 };
 
 // Beside the outputs the places of bodies between which something may come to act; nothing where that is not known.
@@ -239,6 +250,22 @@ std::set<std::string> bodies_of_influence(FullModel& full, const mbs::State& sta
     for (Index j = 0; j < block.m; ++j)
       if (reached[static_cast<std::size_t>(block.v + j)]) out.insert(block.name);
   return out;
+}
+
+std::set<std::string> bodies_without_influence(const mbs::PreparedMechanism& run,
+                                               const std::filesystem::path& file,
+                                               const std::vector<std::string>& overrides,
+                                               std::set<std::string> bodies) {
+  constexpr int kModesThatTell = 6;
+  if (bodies.empty() || run.file.outputs.empty()) return {};
+  const auto few = FullModel::make(
+      run, file, overrides, {.stiffened = {}, .rigid = {}, .modes = kModesThatTell, .own_frames = true});
+  if (!few) return {};
+  std::vector<OutputEstimate> unused;
+  for (const std::string& body :
+       bodies_of_influence(*few, few->state_of(run), judged_outputs(run, few->mechanism(), unused)))
+    bodies.erase(body);
+  return bodies;
 }
 
 }  // namespace flexura::study

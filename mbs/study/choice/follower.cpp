@@ -1,0 +1,73 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mbs/study/choice/follower.hpp"
+
+#include <utility>
+
+namespace flexura::study {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+namespace {
+
+const mbs::ModalData& modal_of(const FullModel& full, const ModalBlock& block) {
+  return *full.mechanism().description().bodies[static_cast<std::size_t>(block.body)].flexible->modal();
+}
+
+}  // namespace
+
+const VectorXd& stiffness_of(const FullModel& full, const ModalBlock& block) {
+  return modal_of(full, block).stiffness;
+}
+
+const VectorXd& damping_of(const FullModel& full, const ModalBlock& block) {
+  return modal_of(full, block).damping;
+}
+
+Follower::Follower(FullModel& full, const std::vector<ScreenedRow>& rows, std::size_t every,
+                   const std::vector<int>& outputs, const ModalBlock& block, const MatrixXd& S,
+                   const VectorXd& extra_damping)
+    : full_(full),
+      rows_(rows),
+      every_(every),
+      outputs_(outputs),
+      alone_(full, block, S, extra_damping),
+      correction_(alone_.n(), 1) {
+  VectorXd own_damping = (S.transpose() * damping_of(full_, block).asDiagonal() * S).diagonal();
+  own_damping.tail(extra_damping.size()) += extra_damping;
+  transients_.add((S.transpose() * stiffness_of(full_, block).asDiagonal() * S).diagonal(), own_damping);
+}
+
+bool Follower::next(VectorXd& y) {
+  if (at_ >= rows_.size()) return false;
+  const std::size_t i = at_;
+  at_ += every_;
+  const ScreenedRow& at = rows_[i];
+  if (!at.linearised) full_.linearise(at.s, at.v_dot, own_);
+  const LinearisedRow& row = at.linearised ? *at.linearised : own_;
+  if (row.number == 0 || row.number != small_.number) alone_.project(row, small_);
+  alone_.project(at.G, G_);
+  // A jump in the rows that are passed over counts, too.
+  bool jumped = false;
+  for (std::size_t k = i; k > 0 && k + every_ > i; --k) jumped = jumped || rows_[k].jumped;
+  if (jumped) transients_.begin();
+  correction_.step(i == 0 ? 0.0 : at.s.t - rows_[i - every_].s.t, small_, G_, alone_.load(at.residual),
+                   &transients_, jumped);
+  full_.move(at.s, alone_.spread(correction_.delta().col(0)), alone_.spread(correction_.rate().col(0)),
+             correction_.dlambda().rows() > 0 ? VectorXd(correction_.dlambda().col(0)) : VectorXd(), moved_);
+  full_.evaluate(outputs_, moved_, at.v_dot + alone_.spread(correction_.acceleration().col(0)), y);
+  return true;
+}
+
+WholeBody::WholeBody(const std::vector<ScreenedRow>& rows, std::size_t every,
+                     std::unique_ptr<Follower> follower)
+    : rows_(rows), n_((rows.size() + every - 1) / every), follower_(std::move(follower)) {}
+
+const VectorXd& WholeBody::at(std::size_t i) {
+  if (!follower_) return rows_[i].corrected;
+  while (known_.size() <= i) follower_->next(known_.emplace_back());
+  return known_[i];
+}
+
+}  // namespace flexura::study
