@@ -44,10 +44,13 @@ class ScaledRows {
     eq.mass_matrix(s.p, *scratch_, M);
     eq.constraint_matrix(s, s.p, *scratch_, B);
     D = M.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+    const VectorXd lost = nearly_vanishing(B);
     B = (B * D.asDiagonal()).eval();
-    E = B.rowwise().norm();
+    E = B.rowwise().norm().cwiseMax(lost);
     for (double& x : E) x = x > 0.0 ? 1.0 / x : 1.0;
     B = (E.asDiagonal() * B).eval();
+    for (int k = 0; k < n_.n_lambda; ++k)
+      if (lost(k) > 0.0) B.row(k).setZero();
   }
 
   int rank() const {
@@ -56,11 +59,7 @@ class ScaledRows {
     return static_cast<int>(qr.rank());
   }
   /// gamma of speeds w, scaled.
-  VectorXd gamma(const VectorXd& w) const {
-    VectorXd out(n_.n_lambda);
-    eq_.acceleration_constraints(s_, s_.p, w, VectorXd::Zero(n_.n_v), *scratch_, out);
-    return E.cwiseProduct(out);
-  }
+  VectorXd gamma(const VectorXd& w) const { return E.cwiseProduct(gamma_of(w)); }
   /// Those with a share in any of the left vectors.
   std::vector<std::string> rows(const MatrixXd& Y) const {
     std::vector<std::string> names;
@@ -81,17 +80,66 @@ class ScaledRows {
     return names;
   }
 
+  /// Whether a row vanishes there but for what positions are wrong by.
+  bool is_inexact() const { return is_inexact_; }
+
   MatrixXd B;     // E G D
   VectorXd D, E;  // scales of columns and rows
 
  private:
+  VectorXd gamma_of(const VectorXd& w) const {
+    VectorXd out(n_.n_lambda);
+    eq_.acceleration_constraints(s_, s_.p, w, VectorXd::Zero(n_.n_v), *scratch_, out);
+    return out;
+  }
+  /// Where loops are closed at a double root (a parallelogram drawn beside its dead point and driven there), positions are
+  /// right to the root of what the row is open by, |g| = bend w^2 / 2, and of round-off. What that leaves of a row that
+  /// vanishes there is no direction, and made a unit it would pass for one: it is taken
+  /// for zero, and measured by its second derivative along motions as large as the mechanism. Zero for the others.
+  VectorXd nearly_vanishing(const MatrixXd& G) {
+    VectorXd scale(n_.n_v), lost = VectorXd::Zero(n_.n_lambda);
+    for (int i = 0; i < n_.n_v; ++i) scale(i) = eq_.velocity_scale(i);
+    const VectorXd largest = (G * scale.asDiagonal()).cwiseAbs().rowwise().maxCoeff();
+    VectorXd g(n_.n_lambda);
+    eq_.position_constraints(s_, s_.p, *scratch_, g);
+    // A row bends by not much more than its size: the others need no second look.
+    const VectorXd size = eq_.constraint_sizes(s_, s_.p, *scratch_).size.cwiseMax(1e-300);
+    const auto doubt = [&](Eigen::Index k, double bends) {
+      return std::max(kLost, 4.0 * std::sqrt(std::abs(g(k)) / bends));
+    };
+    bool looks = false;
+    for (int k = 0; k < n_.n_lambda; ++k) looks = looks || largest(k) < 10.0 * doubt(k, size(k)) * size(k);
+    if (!looks) return lost;
+    const VectorXd rest = VectorXd::Zero(n_.n_v), still = gamma_of(rest);
+    VectorXd bends = lost, as_row = lost, w = rest;
+    for (int i = 0; i < n_.n_v; ++i) {
+      w(i) = scale(i);
+      const VectorXd bend = (gamma_of(w) - still).cwiseAbs();
+      w(i) = 0.0;
+      bends = bends.cwiseMax(bend);
+      as_row = as_row.cwiseMax(bend * (D(i) / scale(i)));
+    }
+    for (int k = 0; k < n_.n_lambda; ++k)
+      if (bends(k) > 0.0 && largest(k) < doubt(k, bends(k)) * bends(k)) {
+        lost(k) = as_row(k);
+        is_inexact_ = is_inexact_ || largest(k) > 0.0;
+      }
+    return lost;
+  }
+
   const Equations& eq_;
   Sizes n_;
   std::unique_ptr<Equations::Scratch> scratch_;
   const State& s_;
+  bool is_inexact_ = false;
 };
 
 }  // namespace
+
+bool loses_rank(const Equations& eq, const State& s) {
+  const Sizes n = eq.sizes();
+  return n.n_lambda > 0 && n.n_v > 0 && n.n_lambda <= kMostRows && ScaledRows(eq, s).rank() < n.n_lambda;
+}
 
 std::string require_one_branch(const Equations& eq, const State& s, const VectorXd& v_dot) {
   const Sizes n = eq.sizes();
@@ -141,13 +189,14 @@ std::string require_one_branch(const Equations& eq, const State& s, const Vector
                           s.t, rows_here));
       }
     }
-    throw AssemblyError(
-        fmt::format("the mechanism starts at a dead point: at t = {:.6g} s the constraints {} depend on each "
-                    "other for an "
-                    "instant, and which way it goes on is ambiguous; give speeds of one branch of the motion "
-                    "for {}, or start "
-                    "beside it",
-                    s.t, rows_here, list(rows.speeds(N))));
+    throw AssemblyError(fmt::format(
+        "the mechanism starts at a dead point: at t = {:.6g} s the constraints {} depend on each "
+        "other for an "
+        "instant, and which way it goes on is ambiguous; give {}speeds of one branch of the motion "
+        "for {}, or start "
+        "beside it",
+        s.t, rows_here, rows.is_inexact() ? "the exact positions of that point and " : "",
+        list(rows.speeds(N))));
   };
   // G v' = -gamma has no solution where these speeds leave the constraints in second order.
   const VectorXd gamma = rows.gamma(s.v);

@@ -24,6 +24,9 @@ namespace flexura::mbs {
 /// decided by round-off. Returns a note where rank is lost and it stands still, else "".
 std::string require_one_branch(const Equations& eq, const State& s, const Eigen::VectorXd& v_dot);
 
+/// Whether rows that are independent elsewhere depend on each other where the mechanism stands.
+bool loses_rank(const Equations& eq, const State& s);
+
 /// The message of an integrator that could not go on from s: where rows nearly lose rank there it says which, else
 /// it is `trouble` as it was.
 std::string with_rank_loss(const Equations& eq, const State& s, const std::string& trouble);

@@ -90,12 +90,12 @@ void RowWatch::begin(const State& s) {
   open_ = kOpen + 10.0 * misfit_;
 }
 
-void RowWatch::begin(const State& s, const VectorXd& v_dot) {
+void RowWatch::begin(const State& s, const VectorXd& v_dot, bool at_dead_point) {
   begin(s);
-  if (n_ > 0) require_agreement(s, v_dot);
+  if (n_ > 0) require_agreement(s, v_dot, at_dead_point);
 }
 
-void RowWatch::require_agreement(const State& s, const VectorXd& v_dot) {
+void RowWatch::require_agreement(const State& s, const VectorXd& v_dot, bool at_dead_point) {
   // What the row's terms are: the largest share of one coordinate, and what the drives ask for.  The first are
   // right to round-off of the positions, 1e-9 and better, and to what rows may lack of being dependent.
   VectorXd g(n_), g_t(n_), gamma(n_);
@@ -127,6 +127,15 @@ void RowWatch::require_agreement(const State& s, const VectorXd& v_dot) {
   if (worst < 0) return;
   const std::vector<std::string> names = eq_.names_of_left_out(worst);
   const char* unit = sizes_.is_length[worst] ? "m" : "rad";
+  // The rows agree beside it; it is the speeds that do not.
+  if (at_dead_point && !of_speed)
+    throw AssemblyError(
+        fmt::format("the mechanism starts at a dead point: at t = {:.6g} s motions cross, and the speeds "
+                    "given lie on no one of them: "
+                    "\"{}\" opens by {:.6g} {}/s^2 where the other constraints hold; give speeds of one "
+                    "branch of the motion for all "
+                    "that can move there, or start beside it",
+                    s.t, names.front(), g_ddot_(worst), unit));
   throw AssemblyError(fmt::format("{} from t = {:.6g} s on: {}\"{}\" opens by {:.6g} {}/s{}; {}",
                                   disagreement(names), s.t, names.size() > 1 ? "where the others hold, " : "",
                                   names.front(), of_speed ? g_dot_(worst) : g_ddot_(worst), unit,

@@ -25,7 +25,8 @@ class RowWatch {
 
   /// Of a state whose kept rows hold on all levels, with its accelerations: throws AssemblyError naming rows
   /// that exclude each other. What they are open by there is what parts do not fit by; it counts from there.
-  void begin(const State& s, const Eigen::VectorXd& v_dot);
+  /// `at_dead_point`: the kept rows lose rank there, and rows left out are open because the speeds lie on no branch.
+  void begin(const State& s, const Eigen::VectorXd& v_dot, bool at_dead_point = false);
   /// The same without judging it.
   void begin(const State& s);
 
@@ -57,7 +58,7 @@ class RowWatch {
   }
 
  private:
-  void require_agreement(const State& s, const Eigen::VectorXd& v_dot);
+  void require_agreement(const State& s, const Eigen::VectorXd& v_dot, bool at_dead_point);
 
   const Equations& eq_;
   int n_, n_kept_;

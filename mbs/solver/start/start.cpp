@@ -139,11 +139,14 @@ void assemble_start(StartedMechanism& out, const GivenState& given) {
     out.mechanism->start_switches(out.state, *scratch);
     AccelerationSolver(*out.mechanism).solve(out.state, out.v_dot);
   }
-  RowWatch(*out.mechanism).begin(out.state, out.v_dot);
+  // At a dead point speeds of no branch give accelerations that the kept rows do not meet, and those left out neither:
+  // nothing contradicts there.
+  std::string crossing = require_one_branch(*out.mechanism, out.state, out.v_dot);
+  const bool at_dead_point = out.mechanism->n_left_out() > 0 && loses_rank(*out.mechanism, out.state);
+  RowWatch(*out.mechanism).begin(out.state, out.v_dot, at_dead_point);
   if (is_locked(out)) out.assembly.notes.push_back(kLocked);
   if (!given.whole && rings(out, deforms)) out.assembly.notes.push_back(kRings);
-  if (std::string note = require_one_branch(*out.mechanism, out.state, out.v_dot); !note.empty())
-    out.assembly.notes.push_back(std::move(note));
+  if (!crossing.empty()) out.assembly.notes.push_back(std::move(crossing));
   if (strained) tell_strain(*strained, deforms, out);
   if (out.options.quasi_static_start && !given.whole)
     start_quasi_static(*out.mechanism, out.state, out.v_dot, keep);

@@ -65,6 +65,16 @@ INSTANTIATE_TEST_SUITE_P(
         Refused{"constraints/distance_locks_driven", {"\"u.length\"", "\"j.drive\"", "contradict"}},
         Refused{"constraints/distance_two_lengths", {"\"d1\" (", "\"d2\" (", " mm"}},
         Refused{"constraints/parallelogram_flat_driven", {"dead point", "ambiguous", "speed"}},
+        // Three cranks of 0.3 m: rows left out contradict nothing there. Turned to one line from beside it, they stand there to
+        // the square root of what the loops are open by. The coupler turns at -6 rad/s where the second crank takes its
+        // antiparallel branch, (2 - 6 0.5 / 0.3)^2 0.3 = 2^2 0.3 + 6^2 0.5, and the third cannot follow:
+        // 0.3 18^2 - 0.3 2^2 - 6^2 1 = 60 m/s^2.
+        Refused{"constraints/cranks3_flat_driven",
+                {"dead point", "ambiguous", "\"g1.speed\"", "\"g2.speed\""}},
+        Refused{"constraints/cranks3_flat_driven_guess", {"dead point", "ambiguous", "exact positions"}},
+        Refused{"constraints/fourbar_flat_driven_guess", {"dead point", "ambiguous", "exact positions"}},
+        Refused{"constraints/cranks3_flat_one_antiparallel",
+                {"dead point", "speeds given", "\"k2.x\"", "60 m/s^2"}},
         Refused{"constraints/slider_driven_dead_point", {"dead point", "ambiguous", "speed", "\"A.speed\""}},
         Refused{"constraints/misaligned_slow_start", {"\"A.drive\"", "\"C.axis_", "rad/s^2"}},
         Refused{"constraints/misaligned_1e-4", {"\"A.drive\"", "\"C.axis_", "contradict"}},
@@ -148,6 +158,7 @@ INSTANTIATE_TEST_SUITE_P(
         Fits{"constraints/screw_compatible", "redundant", 5}, Fits{"constraints/cam_nearly", "redundant", 1},
         Fits{"constraints/distance_twice", "redundant", 1},
         Fits{"constraints/parallelogram_flat_speeds", "redundant", 3},
+        Fits{"constraints/cranks3_flat_speeds", "redundant", 7},
         Fits{"constraints/parallelogram_flat_rest", "give speeds for \"A.speed\"", 3},
         Fits{"constraints/parallelogram_through", "redundant", 3},
         Fits{"constraints/parallelogram_through_driven", "redundant", 3},
