@@ -14,6 +14,7 @@
 #include "mbs/solver/algebra/accelerations.hpp"
 #include "mbs/solver/linear/buckling.hpp"
 #include "mbs/solver/linear/equilibrium.hpp"
+#include "mbs/solver/linear/late_loads.hpp"
 #include "mbs/solver/linear/linearise.hpp"
 #include "mbs/solver/linear/static_stiffness.hpp"
 #include "mbs/solver/linear/whirl.hpp"
@@ -101,10 +102,12 @@ mbs::StaticStiffness unloaded_stiffness(const PreparedMechanism& p, const mbs::S
                     "starts, and changes with the state; let nature() and without_load() of its class say it "
                     "(mbs/forces/force.hpp)",
                     without.unknown.front()));
-  if (without.loads.empty())
+  if (without.loads.empty()) {
+    const std::string late = mbs::late_loads(*p.mechanism, loaded, p.options.end_time);
     throw std::invalid_argument(
-        "--buckling scales weight, given forces and preloads, and the mechanism has none; give gravity or a "
-        "force, or leave --buckling out");
+        fmt::format("--buckling scales weight, given forces and preloads, and the mechanism has none{}",
+                    late.empty() ? "; give gravity or a force, or leave --buckling out" : ": " + late));
+  }
   mbs::Mechanism unloaded(std::move(without.description));
   mbs::State s = unloaded.initial_state();
   s.t = start.t;
@@ -124,16 +127,20 @@ mbs::StaticStiffness unloaded_stiffness(const PreparedMechanism& p, const mbs::S
 }
 
 // What the table of buckling factors does not say.
-void add_buckling_notes(const mbs::Buckling& buckling, bool can_move, std::vector<std::string>& notes) {
+void add_buckling_notes(const mbs::Buckling& buckling, bool can_move, const std::string& late,
+                        std::vector<std::string>& notes) {
+  if (!late.empty()) notes.push_back(late);
   if (!can_move)
     notes.push_back(
         "nothing of the mechanism moves or deforms: at no factor of the loads does it buckle; a body that is "
         "to "
         "buckle by itself needs fidelity = \"modal-stiffened\"");
   else if (buckling.modes.empty())
-    notes.push_back(buckling.has_complex_factors
-                        ? "no factor of the loads takes the stiffness away: it does not buckle by divergence"
-                        : "the loads change no stiffness: at no factor of them does the equilibrium lose it");
+    notes.push_back(
+        buckling.has_complex_factors
+            ? "no factor of the loads takes the stiffness away: it does not buckle by divergence"
+            : "the loads, as they are at this instant, change no stiffness: at no factor of them does the "
+              "equilibrium lose it");
   if (buckling.has_complex_factors)
     notes.push_back(
         "some loads follow the motion: they may make it flutter at factors that are not seen here; "
@@ -167,7 +174,8 @@ int print_buckling(const Arguments& arguments, const terminal::Verbosity& verbos
     give_warnings(run);
     const mbs::Buckling buckling =
         mbs::buckling_modes(unloaded, mbs::static_stiffness(*p.mechanism, p.state, &unloaded.independent));
-    add_buckling_notes(buckling, !unloaded.independent.empty(), p.notes);
+    add_buckling_notes(buckling, !unloaded.independent.empty(),
+                       mbs::late_loads(*p.mechanism, p.state, p.options.end_time), p.notes);
     for (const auto& body : p.mechanism->description().bodies)
       if (body.flexible && body.flexible->acts_back() && !body.flexible->has_geometric_stiffness())
         p.notes.push_back(

@@ -339,6 +339,9 @@ void Mechanism::evaluate(const std::vector<int>& which, const State& s, ConstVec
 Unloaded Mechanism::without_loads(const State& s, Scratch& scratch) const {
   return mbs::without_loads(*m_, m_->residual, s, scratch_of(scratch));
 }
+std::vector<double> Mechanism::sizes_of_forces(const State& s, Scratch& scratch) const {
+  return mbs::sizes_of_forces(*m_, m_->residual, s, scratch_of(scratch));
+}
 
 void Mechanism::body_poses(const State& s, Scratch& scratch, std::vector<Pose>& poses) const {
   const MechanismScratch& work = move(s.t, s.p, scratch);

@@ -125,6 +125,8 @@ class Mechanism final : public Equations {
   std::vector<RedundantRow> drop_redundant(When when, ConstVectorRef p);
 
   Unloaded without_loads(const State& s, Scratch& scratch) const;
+  /// The largest number of what each of description().forces does in a state (N, N m, or modal): zero where it does not act.
+  std::vector<double> sizes_of_forces(const State& s, Scratch& scratch) const;
 
   /// Pose of every body (0 = ground) for pictures.
   void body_poses(const State& s, Scratch& scratch, std::vector<Pose>& poses) const;

@@ -53,16 +53,23 @@ bool same(const std::vector<double>& x, const std::vector<double>& y) {
   return true;
 }
 
+/// What force `force` does in a state.
+Recorded recorded(const MechanismParts& m, const Residual& residual, std::size_t force, const State& s,
+                  MechanismScratch& work) {
+  residual.move_and_observe(s, work);
+  Recorded loads(work.motion.kin);
+  m.states.own_states(force, work.motion, work.signals);
+  m.tree.d.forces[force]->apply(work.motion.kin, work.signals.values.data(), loads);
+  return loads;
+}
+
 /// What force `force` is, judged by what it does in the state and in two others near by, which differ from it in every
 /// position, speed and dynamic state: a force that is the same there, in the world's axes or in those of its markers,
 /// is a load; one that does not act is a response.
 ForceNature nature_by_trial(const MechanismParts& m, const Residual& residual, std::size_t force,
                             const State& s, MechanismScratch& work) {
   const auto act = [&](const State& at) {
-    residual.move_and_observe(at, work);
-    Recorded loads(work.motion.kin);
-    m.states.own_states(force, work.motion, work.signals);
-    m.tree.d.forces[force]->apply(work.motion.kin, work.signals.values.data(), loads);
+    const Recorded loads = recorded(m, residual, force, at, work);
     return std::pair(loads.in_W, loads.in_P);
   };
   const auto here = act(s);
@@ -119,6 +126,14 @@ Unloaded without_loads(const MechanismParts& m, const Residual& residual, const 
     if (auto rest = force.without_load(work.motion.kin, work.signals.values.data()))
       out.description.forces.push_back(std::move(rest));
   }
+  return out;
+}
+
+std::vector<double> sizes_of_forces(const MechanismParts& m, const Residual& residual, const State& s,
+                                    MechanismScratch& work) {
+  std::vector<double> out;
+  for (std::size_t i = 0; i < m.tree.d.forces.size(); ++i)
+    out.push_back(largest(recorded(m, residual, i, s, work).in_W));
   return out;
 }
 

@@ -10,4 +10,8 @@ namespace flexura::mbs {
 Unloaded without_loads(const MechanismParts& m, const Residual& residual, const State& s,
                        MechanismScratch& work);
 
+/// The largest number of what each force does in a state.
+std::vector<double> sizes_of_forces(const MechanismParts& m, const Residual& residual, const State& s,
+                                    MechanismScratch& work);
+
 }  // namespace flexura::mbs

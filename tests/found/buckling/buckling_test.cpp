@@ -15,6 +15,7 @@ namespace {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
+using ::testing::Not;
 const std::filesystem::path found = std::filesystem::path(FLEXURA_SOURCE_DIR) / "tests/found/buckling";
 
 class Buckling : public ::testing::Test {
@@ -78,6 +79,29 @@ TEST_F(Buckling, LoadsThatBuildUpCountAsTheyAreInTheEquilibrium) {
   const nlohmann::json modes = run_of(found / "actuator.toml", {"force.load.start=0"})["modes"];
   ASSERT_EQ(modes.size(), 1u);
   EXPECT_NEAR(modes[0]["load_factor"].get<double>(), 10.0 * 1.001, 1e-5);
+}
+
+// 100 N at 1 s: nothing at 0 s, and half at 0.5 s. Weight beside it is scaled alone (as above).
+TEST_F(Buckling, LoadsThatAreNotThereYetAreNamed) {
+  const auto says = [](const nlohmann::json& run) {
+    EXPECT_THAT(run["notes"].dump(),
+                AllOf(HasSubstr("\\\"load\\\" is nothing at t = 0 s"), HasSubstr("solver.start_time=1,")));
+  };
+  const std::string ramp = replaced(kLoad, "z=-100", "z=\"-100*min(t,1)\"");
+  const auto file = folder_.write("ramp.toml", bar(kSpring, ramp));
+  const nlohmann::json none = run_of(file);
+  EXPECT_TRUE(none["modes"].empty());
+  says(none);
+  expect_ten(run_of(file, {"solver.start_time=1"}));
+  const nlohmann::json half = run_of(file, {"solver.start_time=0.5"});
+  ASSERT_EQ(half["modes"].size(), 1u);
+  EXPECT_NEAR(half["modes"][0]["load_factor"].get<double>(), 20.0, 1e-6);
+  EXPECT_THAT(half["notes"].dump(), Not(HasSubstr("is nothing")));
+  const nlohmann::json weight =
+      run_of(folder_.write("both.toml", replaced(bar(kSpring, ramp), "[0, 0, 0]", "[0, 0, -100]")));
+  ASSERT_EQ(weight["modes"].size(), 1u);
+  EXPECT_NEAR(weight["modes"][0]["load_factor"].get<double>(), 20.0, 1e-6);
+  says(weight);
 }
 
 TEST_F(Buckling, WithoutLoadsThereIsNothingToScale) {
