@@ -173,7 +173,11 @@ void Families::judge(std::vector<OutputEstimate>& outputs, bool asked, double to
       if (const double size = own->second.of(o.dimension); o.scale < kOfOwner * size) o.scale = size;
     const double noise = is_force(o.dimension) ? kOfForces : std::max(kOfRest, kOfTolerance * tolerance);
     if (const double all = of_all.of(o.dimension); o.scale < noise * all) o.scale = all;
-    if (const double made = natural.of(o.dimension); o.scale < kRoundOff * made) o.scale = made;
+    // Where a whole family is zero (cranks at constant speed have no angular accelerations) it is noise of the state's
+    // errors times what the others make of it: nothing of a force, an acceleration or a power is known to less.
+    const bool follows = is_force(o.dimension) || o.dimension == dim::power;
+    const double unknown = std::max(kRoundOff, follows ? tolerance : 0.0);
+    if (const double made = natural.of(o.dimension); o.scale < unknown * made) o.scale = made;
     o.counts = asked || o.size_rms > kNothingUnasked * largest[o.dimension];
   }
 }

@@ -17,7 +17,8 @@
 /// the whole mechanism has of it (a coordinate: the largest motion), and where that is nothing either, what its
 /// forces, lengths and speeds make of it.  Forces and accelerations are noise below 1e-3 of their family, which
 /// is what reactions are good for at usual tolerances; of one joint or body everything is; other quantities
-/// from 1e-6 on, or ten times the integrator's tolerance, count by themselves.
+/// from 1e-6 on, or ten times the integrator's tolerance, count by themselves.  Where a whole family of forces,
+/// accelerations or powers is below the tolerance beside what the others make of it, all of it is noise.
 namespace flexura::study {
 
 struct OutputEstimate {
