@@ -25,6 +25,10 @@ using Eigen::VectorXd;
 constexpr double kLost = 1e-7;
 /// An integrator gives up before the dead point that it cannot pass: speeds there grow as 1 / sigma.
 constexpr double kNearlyLost = 1e-2;
+/// Loops are closed to 1e-9 of the mechanism's size and better (PositionSolver), double roots to the root of that.
+constexpr double kMostDoubt = 1e-3;
+/// A row that bends by less than this part of its size does not bend: what is left of its second derivative is round-off.
+constexpr double kBends = 1e-6;
 /// Dense decompositions of larger mechanisms take longer than their message is worth.
 constexpr int kMostRows = 600;
 
@@ -105,7 +109,7 @@ class ScaledRows {
     // A row bends by not much more than its size: the others need no second look.
     const VectorXd size = eq_.constraint_sizes(s_, s_.p, *scratch_).size.cwiseMax(1e-300);
     const auto doubt = [&](Eigen::Index k, double bends) {
-      return std::max(kLost, 4.0 * std::sqrt(std::abs(g(k)) / bends));
+      return std::clamp(4.0 * std::sqrt(std::abs(g(k)) / bends), kLost, kMostDoubt);
     };
     bool looks = false;
     for (int k = 0; k < n_.n_lambda; ++k) looks = looks || largest(k) < 10.0 * doubt(k, size(k)) * size(k);
@@ -120,9 +124,9 @@ class ScaledRows {
       as_row = as_row.cwiseMax(bend * (D(i) / scale(i)));
     }
     for (int k = 0; k < n_.n_lambda; ++k)
-      if (bends(k) > 0.0 && largest(k) < doubt(k, bends(k)) * bends(k)) {
+      if (bends(k) > kBends * size(k) && largest(k) < doubt(k, bends(k)) * bends(k)) {
         lost(k) = as_row(k);
-        is_inexact_ = is_inexact_ || largest(k) > 0.0;
+        is_inexact_ = is_inexact_ || largest(k) > 1e-12 * bends(k);
       }
     return lost;
   }
@@ -160,6 +164,15 @@ std::string require_one_branch(const Equations& eq, const State& s, const Vector
   const auto direction = [&](Eigen::Index j) { return VectorXd(rows.D.cwiseProduct(N.col(j))); };
   double steepest = 0.0;
   for (Eigen::Index j = 0; j < N.cols(); ++j) steepest = std::max(steepest, Q(direction(j)).norm());
+  // Bodies whose modes bend them and do not stretch them hold a straight loop so.
+  const auto too_few_modes = [&] {
+    int i_p = 0;
+    double k = 0.0, d = 0.0;
+    for (int i = 0; i < n.n_v; ++i)
+      if (N.row(i).norm() > 0.1 * N.rowwise().norm().maxCoeff() && !eq.elastic_coordinate(i, i_p, k, d))
+        return false;
+    return true;
+  };
   const auto refuse = [&] {
     // One second-order condition along v + N z,  z^T A z + b^T z + c = 0: is there any motion that meets it?
     if (Y.cols() == 1) {
@@ -194,9 +207,13 @@ std::string require_one_branch(const Equations& eq, const State& s, const Vector
         "other for an "
         "instant, and which way it goes on is ambiguous; give {}speeds of one branch of the motion "
         "for {}, or start "
-        "beside it",
+        "beside it{}",
         s.t, rows_here, rows.is_inexact() ? "the exact positions of that point and " : "",
-        list(rows.speeds(N))));
+        list(rows.speeds(N)),
+        too_few_modes()
+            ? "; where bodies bend there they may lack the modes that stretch them: attachments = "
+              "\"used\" keeps these"
+            : ""));
   };
   // G v' = -gamma has no solution where these speeds leave the constraints in second order.
   const VectorXd gamma = rows.gamma(s.v);

@@ -204,6 +204,57 @@ TEST(Constraints, ABennettLinkageGoesThroughWhereTheKeptRowsLoseRank) {
   }
 }
 
+// Cantilevers of one line meet at a ball: their first modes bend them alone and let the ball move along the line to second
+// order only, "1.1e+03 N left" of the load and no deflection, exit code 0. With response modes they are springs side by
+// side: k = 1 / (l^3 / (3 E I) + l / (G A_s)), A_s = A 10 (1 + nu) / (12 + 11 nu) (Cowper 1966).
+TEST(Constraints, CantileversWithoutModesThatStretchThemAreTold) {
+  const test::Folder folder;
+  double k = 0.0;
+  std::string text =
+      "gravity = [0, 0, 0]\n[ground.marker.o]\n[ground.marker.b]\nposition = [2, 0, 0]\naxis = [0, 0, 1]\n"
+      "x_axis = [-1, 0, 0]\n";
+  for (const auto& [name, h] : {std::pair("A", 0.04), std::pair("B", 0.002)}) {
+    folder.write(std::string(name) + ".toml",
+                 "[material.s]\nyoung = 210e9\npoisson = 0.3\ndensity = 7850\n[section.s]\ntype = "
+                 "\"rectangle\"\nwidth = 0.02\n"
+                 "height = " +
+                     std::to_string(h) +
+                     "\n[node.a]\nposition = [0, 0, 0]\n[node.b]\nposition = [1, 0, 0]\n"
+                     "[member.m]\nnodes = [\"a\", \"b\"]\nelements = "
+                     "6\n[interface.a]\n[interface.b]\n[modes]\ncount = 6\n");
+    const std::string file = folder / (std::string(name) + ".toml"),
+                      se = folder / (std::string(name) + ".se.h5");
+    ASSERT_EQ(run("flexura", {"reduce", file, "-o", se, "--quiet"}).exit_code, 0);
+    text += std::string("[body.") + name + "]\nsuperelement = \"" + name + ".se.h5\"\nmodes = 3\n";
+    const double I = 0.02 * h * h * h / 12, A = 0.02 * h * 10 * 1.3 / (12 + 11 * 0.3), E = 210e9;
+    k += 1 / (1 / (3 * E * I) + 1 / (E / 2.6 * A));
+  }
+  const double load = 1e-4 * k;
+  text +=
+      "position = [2, 0, 0]\naxis = [0, 0, 1]\nx_axis = [-1, 0, 0]\n"
+      "[joint.a]\ntype = \"fixed\"\nfrom = \"ground.o\"\nto = \"A.a\"\n"
+      "[joint.b]\ntype = \"fixed\"\nfrom = \"ground.b\"\nto = \"B.a\"\n"
+      "[joint.t]\ntype = \"spherical\"\nfrom = \"A.b\"\nto = \"B.b\"\n"
+      "[force.p]\ntype = \"force\"\nmarker = \"A.b\"\nz = " +
+      std::to_string(load) +
+      "\n"
+      "[measure.z]\ntype = \"position\"\nfrom = \"ground.o\"\nto = \"A.b\"\ndirection = [0, 0, 1]\n";
+  const auto file = folder.write("m.toml", text);
+  const Outcome few = run("flexura", {"statics", file, "--json"});
+  EXPECT_EQ(few.exit_code, 2) << few.out;
+  EXPECT_THAT(few.err, AllOf(HasSubstr("\"t.x\""), HasSubstr("attachments = \"used\"")));
+  const Outcome used = run("flexura", {"statics", file, "--json", "--set", "body.A.attachments=used", "--set",
+                                       "body.B.attachments=used"});
+  ASSERT_EQ(used.exit_code, 0) << used.err;
+  const nlohmann::json statics = nlohmann::json::parse(used.out)["runs"][0];
+  double z = 0.0;
+  for (const auto& one : statics["quantities"])
+    if (one["name"] == "z") z = one["value"].get<double>();
+  // Cubic elements with shear are exact at their nodes; the line stretches by z^2 / l, 1e-8 m, and pulls back with it:
+  // E A (z / l)^3 of both in series, 2e-6 of the load.
+  EXPECT_NEAR(z, load / k, 1e-5 * load / k);
+}
+
 // A four-bar whose driven crank is the joint that closes the loop moves as with the crank in the tree, for more than a
 // turn.
 TEST(Constraints, AJointThatClosesALoopMayBeDriven) {
