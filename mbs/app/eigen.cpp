@@ -16,6 +16,7 @@
 #include "mbs/solver/linear/equilibrium.hpp"
 #include "mbs/solver/linear/late_loads.hpp"
 #include "mbs/solver/linear/linearise.hpp"
+#include "mbs/solver/linear/mode_noise.hpp"
 #include "mbs/solver/linear/static_stiffness.hpp"
 #include "mbs/solver/linear/whirl.hpp"
 
@@ -291,6 +292,7 @@ int print_modes(const Arguments& arguments, const terminal::Verbosity& verbosity
     const mbs::Stability stability = at_equilibrium ? *at_equilibrium : judge_stability(p, about);
     if (modes.empty())
       p.notes.push_back("nothing of the mechanism moves or deforms: it has no natural modes");
+    if (std::string lost = mbs::lost_in_round_off(modes); !lost.empty()) p.notes.push_back(std::move(lost));
     note_discretisation(p);
     std::vector<terminal::Column> columns = {{"no"},     {"real [1/s]"}, {"imag [1/s]"},
                                              {"f [Hz]"}, {"damping %"},  {"moves most", Align::left}};
