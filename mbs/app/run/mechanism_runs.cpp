@@ -101,9 +101,29 @@ void note_discretisation(mbs::PreparedMechanism& p) {
   if (std::string line = discretisation_line(p); !line.empty()) p.notes.push_back(std::move(line));
 }
 
+// The search ends where its steps do: where rows nearly contradict each other that is no equilibrium.
+void warn_of_force_left(mbs::PreparedMechanism& p, double left) {
+  constexpr double kNoise = 1e-6;  // of what joints carry, and [N] of round-off in stiff parts
+  const mbs::Mechanism& m = *p.mechanism;
+  if (m.sizes().n_lambda == 0) return;
+  const auto scratch = m.make_scratch();
+  Eigen::VectorXd carried(m.sizes().n_v);
+  m.apply_GT(p.state, p.state.p, p.state.lambda, *scratch, carried);
+  const double most = carried.lpNorm<Eigen::Infinity>();
+  if (left <= kNoise || left <= kNoise * most) return;
+  p.notes.push_back(
+      mbs::warning_mark +
+      fmt::format(
+          "no equilibrium: a force of {} N is left beside {} N that closed loops carry; rows may nearly "
+          "contradict each other, as of two bodies without the modes that let them meet: "
+          "give attachments = \"used\"",
+          terminal::number(left, 2), terminal::number(most, 2)));
+}
+
 mbs::Stability move_to_equilibrium(mbs::PreparedMechanism& p) {
   const mbs::StaticsReport report = mbs::find_equilibrium(*p.mechanism, p.state);
   mbs::forget_ringing(p.notes);
+  warn_of_force_left(p, report.force_residual);
   mbs::AccelerationSolver(*p.mechanism).solve(p.state, p.v_dot);
   p.notes.push_back(fmt::format("equilibrium in {} {}, largest force left {} N", report.iterations,
                                 report.iterations == 1 ? "step" : "steps",
