@@ -72,6 +72,7 @@ class Chooser {
                              const Good& start, Good& good, bool may_stop);
   std::string worst_choice(const TruncationEstimate& estimate) const;
   void go_on(ChosenRun& out, const Good& start, mbs::State& state, Eigen::VectorXd& v_dot);
+  void add_part_before(ChosenRun& out, const Eigen::VectorXd& squares) const;
   void move_rows(ChosenRun& out, const mbs::Mechanism& to, std::size_t rows) const;
 
   double accuracy_;
@@ -90,6 +91,7 @@ class Chooser {
   TruncationEstimate sizes_;        // what the screening says about the outputs' sizes
   double span_ = 0.0;
   std::vector<std::string> restarts_;
+  std::set<std::string> refined_;  // bodies with which the run has gone on with more
 };
 
 }  // namespace flexura::study

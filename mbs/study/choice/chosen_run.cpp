@@ -3,6 +3,8 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
+#include <iterator>
 
 #include "mbs/base/terminal/terminal.hpp"
 #include "mbs/study/choice/chooser.hpp"
@@ -65,6 +67,7 @@ ChosenRun Chooser::simulate(const mbs::PreparedMechanism& screened) {
     add(out.result.counts, steps_before);
     if (worst.empty()) break;
     BodyChoice& choice = choices_.at(worst);
+    refined_.insert(worst);
     const std::string was = choice.what(worst);
     choice.refine();
     const double t_stopped = out.result.state.t;
@@ -164,7 +167,36 @@ std::string Chooser::run_until_over(ChosenRun& out, const mbs::State& state, con
   if (shadows) {
     out.result.wall_time -= out.estimate.wall;
   }
+  if (start.is_there)
+    add_part_before(out, shadows ? VectorXd(start.squares + shadows->squares()) : start.squares);
   return to_refine;
+}
+
+// What the modes cost that were left out until the run went on with more: of the whole run, with what is left out since.
+void Chooser::add_part_before(ChosenRun& out, const VectorXd& squares) const {
+  TruncationEstimate& estimate = out.estimate;
+  if (!out.has_estimate) estimate.outputs = sizes_.outputs;
+  const auto [error, worst] = worst_output(squares, span_, sizes_.outputs);
+  estimate.error = error;
+  estimate.worst = worst;
+  for (std::size_t i = 0; i < estimate.outputs.size(); ++i) {
+    OutputEstimate& o = estimate.outputs[i];
+    o.rms = std::sqrt(squares(static_cast<Eigen::Index>(i)) / span_);
+    // Of single rows before that nothing is kept.
+    o.max = out.has_estimate ? std::max(o.max, o.rms) : o.rms;
+    if (!out.has_estimate) o.final = 0.0;
+  }
+  for (const std::string& body : refined_) {
+    auto source = std::ranges::find(estimate.by_body, body, &SourceEstimate::body);
+    if (source == estimate.by_body.end()) {
+      estimate.by_body.push_back({body, choices_.at(body).available, choices_.at(body).available, 0.0, ""});
+      source = std::prev(estimate.by_body.end());
+    }
+    // Which body it was is not kept: each may have been.
+    source->error = std::max(source->error, error);
+    if (worst >= 0) source->output = sizes_.outputs[static_cast<std::size_t>(worst)].name;
+  }
+  out.has_estimate = true;
 }
 
 // The chosen body that loses most among those to which something can be added.

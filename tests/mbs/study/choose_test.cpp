@@ -236,7 +236,14 @@ TEST_F(Choosing, ARunThatProvesTheChoiceWrongGoesOnWithMore) {
   ASSERT_EQ(exact.size(), got.size());
   for (std::size_t i = 0; i < rows.size(); ++i)
     EXPECT_NEAR(chosen.rows[i].state.t, rows[i].state.t, 1e-12);  // round-off of k h
-  EXPECT_LT((exact - got).norm(), 0.05 * exact.norm());
+  const double error = (exact - got).norm() / exact.norm();
+  EXPECT_LT(error, 0.05);
+  // What had been left out until it went on is not forgotten: "0, no mode left out" of a run with all modes since.
+  ASSERT_TRUE(chosen.has_estimate);
+  EXPECT_GT(chosen.estimate.error, 0.3 * error);
+  EXPECT_LE(chosen.estimate.error, 0.05);
+  EXPECT_THAT(chosen.estimate.by_body,
+              Contains(::testing::Field(&SourceEstimate::error, ::testing::Gt(0.0))));
 }
 
 // What a choice costs is counted, never timed.
