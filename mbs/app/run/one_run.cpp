@@ -173,8 +173,10 @@ RunOutcome run_as_told(const NamedRun& run, const SimulateArguments& arguments, 
     recorder.watch(s, account.now.kinetic);
   };
   if (steps) steps->watch(callbacks);
-  if (shadows && goes_on) shadows->take_rows_alone(prepared);
-  if (shadows)
+  // A checkpoint keeps rows: a run that goes on from one is to say what the unbroken one says.
+  if (shadows && (memory.from || memory.to))
+    shadows->take_rows_alone(prepared);
+  else if (shadows)
     shadows->ask_for_looks(
         callbacks, [&](const mbs::State& s, const Eigen::VectorXd& v_dot) { shadows->look(s, v_dot); });
   // What the shadows cost is taken off the run's time, so they must not run beside it.
