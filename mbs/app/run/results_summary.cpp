@@ -66,9 +66,15 @@ Lines in_words(const Lines& lines) {
   const auto named = [](const std::string& name) {
     return std::ranges::find_if(kWords, [&](const auto& word) { return name == word.first; });
   };
+  // Null, hence no line, where a part of it is unknown: what nothing but unknown parts make is no "at least 0".
+  const bool is_whole =
+      std::ranges::any_of(lines, [](const auto& line) { return line.first == "estimate.error"; });
+  const auto estimated = [&](const std::string& text) {
+    return is_whole || std::strtod(text.c_str(), nullptr) > 0.0 ? per_cent(text) : std::string("unknown");
+  };
   for (const auto& [key, words] : kWords)
     for (const auto& [name, text] : lines)
-      if (name == key) out.emplace_back(words, name == "estimate.at_least" ? per_cent(text) : text);
+      if (name == key) out.emplace_back(words, name == "estimate.at_least" ? estimated(text) : text);
   for (const auto& [name, text] : lines) {
     if (text.empty() || name == "end_time" || name.starts_with("left_out.") ||
         name.starts_with("estimate.") || named(name) != kWords.end())
