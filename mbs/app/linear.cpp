@@ -184,9 +184,9 @@ int write_linear_system(const Arguments& arguments, const terminal::Verbosity& v
     const auto infos = m.quantities();
     for (const int i : which) options.output_names.push_back(infos[i].name);
     options.outputs = [&](const mbs::State& s, const Eigen::VectorXd& v_dot) {
-      Eigen::VectorXd y(static_cast<Eigen::Index>(which.size()));
-      m.evaluate(which, s, v_dot, *scratch, y);
-      return y;
+      Eigen::VectorXd values(static_cast<Eigen::Index>(which.size()));
+      m.evaluate(which, s, v_dot, *scratch, values);
+      return values;
     };
   }
   StateSpace file;

@@ -14,8 +14,8 @@ namespace flexura::mbs {
 struct DrawnSurface {
   std::string kind;     ///< plane (xy of F), sphere (about F), cylinder (about z of F), curve (in xy of F)
   double radius = 0.0;  ///< of a sphere or cylinder [m]
-  std::vector<Vector3d> points;  ///< along a curve, which is drawn out along z [m]
-  bool is_closed = false;        ///< the curve
+  std::vector<Vector3d> points{};  ///< along a curve, which is drawn out along z [m]
+  bool is_closed = false;          ///< the curve
   double touching = 0.0;  ///< radius of the sphere about M that touches; 0: a point, or a body's own surface
 };
 

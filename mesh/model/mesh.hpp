@@ -28,11 +28,13 @@ enum class CellVariant : std::uint8_t {
 struct CellBlock {
   CellType type = CellType::tet10;
   CellVariant variant = CellVariant::standard;
-  Eigen::Matrix<Index, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> nodes;  ///< n_cells x nodes_per_cell
-  std::vector<Index> material;      ///< n_cells; index into the part's materials, empty = all 0
-  std::vector<std::int64_t> label;  ///< n_cells; the cell numbers of the file it came from, empty = none
-  std::vector<double> thickness;    ///< shells: n_cells [m]
-  std::vector<double> offset;  ///< shells: n_cells, from the nodes to the middle surface along the normal [m]
+  Eigen::Matrix<Index, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>
+      nodes{};                        ///< n_cells x nodes_per_cell
+  std::vector<Index> material{};      ///< n_cells; index into the part's materials, empty = all 0
+  std::vector<std::int64_t> label{};  ///< n_cells; the cell numbers of the file it came from, empty = none
+  std::vector<double> thickness{};    ///< shells: n_cells [m]
+  std::vector<double>
+      offset{};  ///< shells: n_cells, from the nodes to the middle surface along the normal [m]
 };
 
 /// A named set of nodes, with the surface cells that span it where it came from a face (for area weights).

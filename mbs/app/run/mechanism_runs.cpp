@@ -62,15 +62,15 @@ std::vector<NamedRun> prepare_runs(const MechanismArguments& arguments) {
     try {
       runs.push_back(
           {run.name, mbs::prepare(arguments.file, overrides, arguments.from_state, cache), overrides});
-    } catch (const mbs::NotAssembled& failure) {
+    } catch (const mbs::NotAssembled& open) {
       const std::string page = std::filesystem::path(arguments.file).stem().string() + ".open.html";
       try {
-        write_open_page(page, failure, arguments.file);
+        write_open_page(page, open, arguments.file);
       } catch (const std::exception&) {  // a folder that cannot be written to: the sentence is what counts
-        throw input::InputError(failure.what());
+        throw input::InputError(open.what());
       }
       throw input::InputError(
-          fmt::format("{}; {} shows it as it stands, open joints in red", failure.what(), page));
+          fmt::format("{}; {} shows it as it stands, open joints in red", open.what(), page));
     }
     give_warnings(runs.back());
     if (!arguments.from_state.empty()) runs.back().prepared.options.start_time = runs.back().prepared.state.t;

@@ -15,9 +15,9 @@ namespace flexura::app {
 
 struct MechanismArguments {
   std::string file;
-  std::vector<std::string> set, runs;
-  std::string from_state;  ///< state file to start from
-  std::string cache;       ///< folder for prepared bodies; empty: none
+  std::vector<std::string> set{}, runs{};
+  std::string from_state{};  ///< state file to start from
+  std::string cache{};       ///< folder for prepared bodies; empty: none
 };
 
 void declare_mechanism(terminal::Options& options, MechanismArguments& arguments, bool needs_file = true);

@@ -27,15 +27,15 @@ StateText::StateText(const mbs::PreparedMechanism& prepared) : p_(prepared) {
   std::ranges::sort(units_);
   const mbs::Scales* scales = p_.options.scales.get();
   length_ = scales ? std::max(scales->length, scales->farthest) : 1.0;
-  const auto most = [&](const Eigen::VectorXd& x) {
+  const auto fastest = [&](const Eigen::VectorXd& x) {
     double most = 0.0;
     for (Eigen::Index i = 0; i < x.size(); ++i)
       most = std::max(most, std::abs(x(i)) * (scales ? scales->reach_v(i) : 1.0));
     return most;
   };
   const double gravity = m.description().gravity.norm();
-  speed_ = std::max(most(p_.state.v), std::sqrt(gravity * length_));
-  acceleration_ = std::max({most(p_.v_dot), gravity, length_ > 0.0 ? speed_ * speed_ / length_ : 0.0});
+  speed_ = std::max(fastest(p_.state.v), std::sqrt(gravity * length_));
+  acceleration_ = std::max({fastest(p_.v_dot), gravity, length_ > 0.0 ? speed_ * speed_ / length_ : 0.0});
   multiplier_ = p_.state.lambda.size() > 0 ? p_.state.lambda.cwiseAbs().maxCoeff() : 0.0;
 }
 

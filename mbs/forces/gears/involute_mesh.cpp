@@ -10,8 +10,16 @@
 namespace flexura::mbs {
 namespace {
 
+Vector6d stacked(const Vector3d& by_turn, const Vector3d& by_move) {
+  Vector6d x;
+  x << by_turn, by_move;
+  return x;
+}
+
+}  // namespace
+
 /// The angle of r about z, and its derivatives.
-struct Direction {
+struct InvoluteMesh::Direction {
   explicit Direction(const Vector3d& r)
       : square(r.head<2>().squaredNorm()),
         angle(std::atan2(r.y(), r.x())),
@@ -28,14 +36,6 @@ struct Direction {
  private:
   Vector3d r_;
 };
-
-Vector6d stacked(const Vector3d& by_turn, const Vector3d& by_move) {
-  Vector6d x;
-  x << by_turn, by_move;
-  return x;
-}
-
-}  // namespace
 
 /// Where the wheels are; gradients by X_FM turned by (dtheta, dp), and how these change.
 class InvoluteMesh::Wheels {

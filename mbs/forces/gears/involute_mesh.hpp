@@ -40,6 +40,7 @@ class InvoluteMesh final : public ForceElement {
   void evaluate_outputs(const Kinematics& kin, const double*, double* values) const override;
 
  private:
+  struct Direction;
   class Wheels;
   struct Flank;
   Flank flank(int side, const Wheels& at, const Kinematics& kin) const;

@@ -21,8 +21,8 @@ namespace flexura::mbs {
 struct BendingLine {
   int from = 0, to = 0;     ///< nodes of the body
   double compliance = 0.0;  ///< c of the whole superelement, for a pair of unit forces along the line [m/N]
-  Eigen::MatrixXd Q;        ///< m x m: u = s^T Q s, the chord's own turn taken out
-  Eigen::VectorXd pull;     ///< m: what s does to the distance, to first order
+  Eigen::MatrixXd Q{};      ///< m x m: u = s^T Q s, the chord's own turn taken out
+  Eigen::VectorXd pull{};   ///< m: what s does to the distance, to first order
 };
 
 /// Of a body with the modal coordinates of `data` (u_se = Y s).  Pairs of interfaces that the surface does not lead

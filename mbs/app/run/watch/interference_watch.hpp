@@ -51,13 +51,13 @@ class InterferenceWatch {
   struct Pair {
     int a = 0, b = 0;
     bool is_joined = false;
-    std::optional<mbs::Pose> X_AB;      ///< that was looked at last, of rigid bodies
-    std::optional<mbs::Pose> row_X_AB;  ///< at the last row
-    bool was_met = false;               ///< then
-    double at_start = 0.0;              ///< depth
-    bool seen = false;                  ///< the start
-    std::optional<double> depth;        ///< the greatest
-    bool is_unknown = false;            ///< they cross, and how deep is not known
+    std::optional<mbs::Pose> X_AB{};      ///< that was looked at last, of rigid bodies
+    std::optional<mbs::Pose> row_X_AB{};  ///< at the last row
+    bool was_met = false;                 ///< then
+    double at_start = 0.0;                ///< depth
+    bool seen = false;                    ///< the start
+    std::optional<double> depth{};        ///< the greatest
+    bool is_unknown = false;              ///< they cross, and how deep is not known
     double t = 0.0, from = 0.0, to = 0.0;
     int times = 0;  ///< that they came together
     Eigen::Vector3d p_W = Eigen::Vector3d::Zero();
