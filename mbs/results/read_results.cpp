@@ -109,6 +109,8 @@ Results read(const std::filesystem::path& path) {
     const json header = parse(root, "header");
     results.model.name = header.at("name");
     results.model.created_by = header.at("created_by");
+    if (header.contains("gravity"))
+      for (int k = 0; k < 3; ++k) results.model.gravity(k) = header["gravity"].at(k);
     results.model.source = root.read_text("model");
     results.model.connections_json = root.read_text("connections");
     const hdf5::Group bodies = root.group("bodies");

@@ -40,6 +40,7 @@ struct ModelHeader {
   std::string source;  ///< the mechanism file's text
   std::string created_by;
   std::vector<BodyHeader> bodies;
+  Eigen::Vector3d gravity = Eigen::Vector3d::Zero();  ///< [m/s^2] in W: pictures stand upright in it
   std::string connections_json;  ///< [{"name","kind","body_1","p_1","body_2","p_2","axis_1"}...]
 };
 

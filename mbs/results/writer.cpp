@@ -98,7 +98,11 @@ Writer::Writer(const std::filesystem::path& path, const ModelHeader& model)
     root.set("version", 1);
     root.set("created_by", model.created_by);
     root.set("units", "SI: m, kg, s, rad");
-    json header = {{"name", model.name}, {"created_by", model.created_by}, {"bodies", json::array()}};
+    const Eigen::Vector3d& g = model.gravity;
+    json header = {{"name", model.name},
+                   {"created_by", model.created_by},
+                   {"gravity", {g.x(), g.y(), g.z()}},
+                   {"bodies", json::array()}};
     hdf5::Group bodies = root.create_group("bodies");
     for (const BodyHeader& body : model.bodies) {
       hdf5::Group group = bodies.create_group(body.name);
@@ -108,7 +112,8 @@ Writer::Writer(const std::filesystem::path& path, const ModelHeader& model)
       header["bodies"].push_back(
           {{"name", body.name}, {"kind", body.kind}, {"superelement", body.superelement}});
     }
-    root.write_text("header", dump(header), "JSON: name, created_by, bodies in the order of the model");
+    root.write_text("header", dump(header),
+                    "JSON: name, created_by, gravity [m/s^2], bodies in the order of the model");
     root.write_text("model", model.source, "the mechanism file");
     root.write_text("connections", model.connections_json,
                     "JSON: joints and forces with the bodies they join");

@@ -111,6 +111,7 @@ class MotionWriter {
     const std::string name = results_.model.name.empty() ? html_.stem().string() : results_.model.name;
     file_.emplace(html_, name + " · motion");
     const json surfaces = surfaces_json();
+    const Eigen::Vector3d& g = results_.model.gravity;
     json runs = json::array();
     for (std::size_t i = 0; i < results_.runs.size(); ++i) runs.push_back(run_json(i));
     file_->finish({{"format", 1},
@@ -118,6 +119,7 @@ class MotionWriter {
                    {"title", name},
                    {"created_by", results_.model.created_by},
                    {"surfaces", surfaces},
+                   {"gravity", {g.x(), g.y(), g.z()}},
                    {"bodies", bodies},
                    {"connections", connections_},
                    {"plots", plots},

@@ -31,8 +31,8 @@ PROGRAMS = {
 
 def plot(rows, sources):
     """A line for each source: how much of its tolerance each comparison takes.  Greys that both themes show."""
-    left, right, top, step, low = 330, 30, 34, 19, -8
-    width, height = 900, top + step * len(sources) + 30
+    left, right, top, step, low = 390, 30, 34, 19, -8
+    width, height = 960, top + step * len(sources) + 30
     x = lambda share: left + (width - left - right) * (max(low, min(0.5, math.log10(share) if share > 0 else low)) - low) / (0.5 - low)
     grey, red, dots = 'stroke="#8a94a0" stroke-opacity=".45"', 'stroke="#d0542b" stroke-width="1.5"', []
     out = [f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" font-family="sans-serif" font-size="12" fill="#7b8794">',

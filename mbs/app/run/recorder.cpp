@@ -54,6 +54,7 @@ results::ModelHeader model_header(const std::vector<const mbs::PreparedMechanism
   header.name = runs.front()->file.name;
   header.source = runs.front()->file.source;
   header.created_by = std::string("flexura ") + FLEXURA_VERSION;
+  header.gravity = first.description().gravity;
   header.connections_json = mbs::connections_json(first);
   const auto connections = nlohmann::json::parse(header.connections_json);
   const auto results_folder = std::filesystem::absolute(results_file).parent_path();

@@ -24,6 +24,7 @@ ModelHeader model() {
           .source = "name = \"engine\"\n",
           .created_by = "tests",
           .bodies = {{"rod", "flexible", "rod.se.h5", ""}, {"crank", "rigid", "", "{\"cylinder\": 1}"}},
+          .gravity = {0.0, -9.81, 0.5},
           .connections_json = "[]"};
 }
 
@@ -92,6 +93,7 @@ TEST_F(ResultsFile, TwoRunsReadBackAsWritten) {
   }
   const Results results = read(file_);
   EXPECT_EQ(results.model.name, "engine");
+  EXPECT_EQ(results.model.gravity, Eigen::Vector3d(0.0, -9.81, 0.5));
   EXPECT_EQ(results.model.source, model().source);
   ASSERT_EQ(results.model.bodies.size(), 2u);
   EXPECT_EQ(results.model.bodies[0].name, "rod");  // the model's order

@@ -85,6 +85,14 @@ async function checkMotion(page, expected) {
   // expected.py takes deformations from the floating frame; a page starts with the interface that holds the body.
   await page.evaluate(() => flexura.setReference('own'));
 
+  // What falls goes down on the picture, wherever gravity points in W.
+  const fall = await page.evaluate(() => { flexura.view('iso'); return JSON.parse(document.getElementById('header').textContent).gravity; });
+  if (Math.hypot(...fall) > 0) {
+    const iso = await page.evaluate(() => flexura.camera());
+    const [from, to] = [[0, 0, 0], fall.map((g) => (1e-3 * g) / Math.hypot(...fall))].map((p) => through(iso, p, 1000, 1000));
+    assert.ok(to.y > from.y && Math.abs(to.x - from.x) < 0.2 * (to.y - from.y), `gravity ${fall}: ${JSON.stringify([from, to])}`);
+  }
+
   // The slider moves the picture.
   const slide = (t) => page.evaluate((value) => {
     const input = document.getElementById('time');

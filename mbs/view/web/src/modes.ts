@@ -71,6 +71,7 @@ export async function modesPage(app: HTMLElement, header: ModesHeader): Promise<
   };
 
   const legend = new Legend();
+  stage.covered = () => legend.element.hidden ? 0 : legend.element.offsetWidth + 14;
   const captions = [h('div', { class: 'caption' }), h('div', { class: 'caption right' })];
   const probe = h('div', { class: 'probe', hidden: true });
   const describe = (mode: number) => mode < 0 ? [h('strong', {}, 'Undeformed')] : [

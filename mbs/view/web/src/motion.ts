@@ -62,7 +62,8 @@ export async function motionPage(app: HTMLElement, header: MotionHeader): Promis
     if (flexible(r) > flexible(runs[state.main])) state.main = i;
   });
 
-  const stage = new Stage(`Motion of ${header.title}`);
+  const stage = new Stage(`Motion of ${header.title}`, upIn(header.gravity));
+  stage.covered = () => legend.element.hidden ? 0 : legend.element.offsetWidth + 14;
   const scale = scaleTexture('magnitude');
   // Glyphs are sized by the bodies at the start.
   const sizes = new THREE.Box3();

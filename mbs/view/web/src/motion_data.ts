@@ -61,6 +61,7 @@ export interface MotionHeader {
   page: 'motion';
   title: string;
   created_by: string;
+  gravity?: [number, number, number]; // [m/s^2]
   surfaces: SurfaceHeader[];
   bodies: BodyHeader[];
   connections: Connection[] | null;

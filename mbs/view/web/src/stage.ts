@@ -15,6 +15,14 @@ const directions: Record<ViewName, [number, number, number]> = {
   iso: [0.62, -1, 0.62],
 };
 
+/** Against gravity, where there is one; otherwise z. */
+export function upIn(gravity: [number, number, number] | undefined): THREE.Vector3 {
+  const up = new THREE.Vector3(...(gravity ?? [0, 0, 0])).negate();
+  return up.length() > 0 ? up.normalize() : new THREE.Vector3(0, 0, 1);
+}
+
+const narrow = 720; // [px]: a wider picture has room for the colour scale beside what it shows
+
 interface Label { element: HTMLElement; place: () => THREE.Vector3 }
 
 export class Stage {
@@ -27,6 +35,8 @@ export class Stage {
   onFrame: (dt: number) => boolean = () => false;
   /** Side by side: number of pictures, each prepared before it is drawn. */
   panes = 1;
+  /** What covers the picture's right edge [px]: narrow pictures are fitted beside it. */
+  covered: () => number = () => 0;
   preparePane: (pane: number) => void = () => {};
   framesDrawn = 0;
   private readonly renderer: THREE.WebGLRenderer;
@@ -38,8 +48,10 @@ export class Stage {
   private readonly centre = new THREE.Vector3();
   private readonly halfExtent = new THREE.Vector3(1, 1, 1);
   private radius = 1;
+  private beside = 0;
+  private readonly upright = new THREE.Quaternion(); // from z to where up is
 
-  constructor(label: string) {
+  constructor(label: string, up = new THREE.Vector3(0, 0, 1)) {
     this.canvas = h('canvas', { tabindex: 0, role: 'img', 'aria-label': label });
     this.triad = document.createElementNS('http://www.w3.org/2000/svg', 'svg');
     this.triad.setAttribute('class', 'triad');
@@ -50,7 +62,9 @@ export class Stage {
     this.renderer.outputColorSpace = THREE.LinearSRGBColorSpace;
     this.renderer.setClearColor(0, 0);
     this.renderer.autoClear = false;
-    this.camera.up.set(0, 0, 1);
+    this.camera.up.copy(up);
+    if (up.z > -0.999) this.upright.setFromUnitVectors(new THREE.Vector3(0, 0, 1), up);
+    else this.upright.set(1, 0, 0, 0); // z down: x stays where it is
     this.controls = new OrbitControls(this.camera, this.canvas);
     this.controls.enableDamping = false;
     this.controls.zoomToCursor = true;
@@ -117,14 +131,20 @@ export class Stage {
     const distance = this.camera.position.distanceTo(this.centre);
     this.camera.near = Math.max(distance - 6 * this.radius, distance * 0.005, this.radius * 1e-3);
     this.camera.far = distance + 12 * this.radius;
+    const { clientWidth: w, clientHeight: hh } = this.element;
+    if (this.beside > 0 && this.panes === 1) this.camera.setViewOffset(w, hh, this.beside / 2, 0, w, hh);
+    else this.camera.clearViewOffset();
     this.camera.updateProjectionMatrix();
   }
 
   view(name: ViewName, box?: THREE.Box3): void {
     if (box) this.setExtent(box);
     const d = new THREE.Vector3(...directions[name]).normalize();
-    // Exactly along z the camera has no up: lean by a millionth, with +y up on the screen.
-    if (Math.abs(d.z) > 0.999) d.add(new THREE.Vector3(0, -1e-6, 0)).normalize();
+    if (name === 'iso') d.applyQuaternion(this.upright);
+    // Exactly along the vertical the camera has no up: lean by a millionth, where z is up with +y up on the screen.
+    if (Math.abs(d.dot(this.camera.up)) > 0.999) d.add(new THREE.Vector3(0, -1e-6, 0).applyQuaternion(this.upright)).normalize();
+    const width = this.element.clientWidth;
+    this.beside = this.panes === 1 && width < narrow ? Math.min(this.covered(), 0.3 * width) : 0;
     this.camera.position.copy(this.centre).addScaledVector(d, Math.max(this.fittingDistance(d), 1.2 * this.radius));
     this.controls.target.copy(this.centre);
     this.controls.update();
@@ -135,7 +155,7 @@ export class Stage {
   private fittingDistance(d: THREE.Vector3): number {
     const right = new THREE.Vector3().crossVectors(this.camera.up, d).normalize();
     const up = new THREE.Vector3().crossVectors(d, right);
-    const width = this.element.clientWidth / this.panes || 1;
+    const width = this.element.clientWidth / this.panes - this.beside || 1;
     const tall = 0.9 * Math.tan(THREE.MathUtils.degToRad(this.camera.fov / 2));
     const wide = (tall * width) / (this.element.clientHeight || 1);
     let distance = 0;
