@@ -172,6 +172,7 @@ TEST(HostileInput, TimesThatNoRunReachesAreRefused) {
         std::pair{"fixed_step=1e-18", "makes 1e+17 steps"}, std::pair{"max_step=1e-30", "steps of 0.1 s"},
         std::pair{"first_step=1e-300", "steps of 0.1 s"},
         std::pair{"end_time=-1", "must not be before start_time"},
+        std::pair{"end_time=1e-320", "lost in the round-off of the time"},
         std::pair{"stop_time=-1", "must not be before start_time"},
         std::pair{"output_step=-1", "must be above 0 s"}, std::pair{"end_time=1e30", "makes 1e+32 rows"}})
     expect_refused(run("flexura", {"simulate", safe("userlib/m.toml"), "-o", out, "--set",

@@ -143,6 +143,13 @@ SolverOptions read_solver_options(const input::Section& section) {
   const double duration = o.end_time - o.start_time,
                resolution = 16.0 * std::numeric_limits<double>::epsilon() *
                             std::max(std::abs(o.start_time), std::abs(o.end_time));
+  // Below, products of times and numbers of usual size leave the range of normal numbers.
+  constexpr double shortest = 1e-100;
+  if (duration > 0.0 && duration < std::max(resolution, shortest))
+    section.refuse("end_time",
+                   fmt::format("leaves {:.2g} s after start_time, which is lost in the round-off of the time",
+                               duration),
+                   "give a later end_time, or times nearer to zero");
   const auto bound = [&](const char* key, double step, double most, const char* of_what) {
     if (step <= 0.0) return;
     if (step < duration / most)
