@@ -7,6 +7,7 @@
 #include <cmath>
 #include <optional>
 
+#include "mbs/formulas/time_function.hpp"
 #include "mbs/study/estimate/judged_outputs.hpp"
 
 namespace flexura::study {
@@ -47,9 +48,10 @@ class Graph {
       if (!modal[static_cast<std::size_t>(j)]) groups_.push_back({j});
   }
 
-  void look(const mbs::State& start, int round) {
+  void look(const mbs::State& start, double t, int round) {
     const mbs::Mechanism& m = full_.mechanism();
     mbs::State s = start;
+    s.t = t;
     VectorXd v_dot(n_.n_v), step(n_.n_v);
     for (Index i = 0; i < n_.n_v; ++i) {
       const double size = m.velocity_scale(static_cast<int>(i));
@@ -212,10 +214,39 @@ std::optional<std::vector<std::vector<int>>> places_of_switches(const mbs::Mecha
   return out;
 }
 
+// Where each function of time that is no drive is greatest and least: a factor step(t, ...) or "t > 1 ? ... : 0" before a deflection
+// begins to act after the start.  The half is taken whose bounds go further, the earlier of equal ones; none where there are too many.
+std::optional<std::vector<double>> times_at_work(const mbs::Mechanism& m, double begin, double end) {
+  constexpr std::size_t kMost = 12;
+  constexpr int kHalvings = 40;
+  std::vector<double> out;
+  for (const auto& f : m.functions_of_time()) {
+    if (f->drives()) continue;
+    for (const double sign : {1.0, -1.0}) {
+      const auto reach = [&](double a, double b) {
+        const auto value = f->over(a, b).value;
+        return sign > 0.0 ? value.hi : -value.lo;
+      };
+      double a = begin, b = end;
+      for (int i = 0; i < kHalvings; ++i) {
+        const double middle = 0.5 * (a + b);
+        (reach(a, middle) >= reach(middle, b) ? b : a) = middle;
+      }
+      // Behind the place, where a jump has been.
+      const double t = b;
+      if (std::ranges::none_of(out,
+                               [&](double other) { return std::abs(t - other) <= 1e-6 * (end - begin); }))
+        out.push_back(t);
+      if (out.size() > kMost) return std::nullopt;
+    }
+  }
+  return out;
+}
+
 }  // namespace
 
 std::set<std::string> bodies_of_influence(FullModel& full, const mbs::State& start,
-                                          const std::vector<int>& outputs) {
+                                          const std::vector<int>& outputs, double end) {
   const mbs::Mechanism& m = full.mechanism();
   std::set<std::string> all;
   for (const ModalBlock& block : full.blocks()) all.insert(block.name);
@@ -223,11 +254,14 @@ std::set<std::string> bodies_of_influence(FullModel& full, const mbs::State& sta
   bool has_conditions = !m.description().controls.empty();
   for (int i = 0; i < m.sizes().n_root; ++i) has_conditions = has_conditions || m.is_condition(i);
   if (has_conditions || !places || outputs.empty()) return all;
+  const auto times = times_at_work(m, start.t, end);
+  if (!times) return all;
 
   std::vector<int> seen = outputs;
   for (const auto& some : *places) seen.insert(seen.end(), some.begin(), some.end());
   Graph graph(full, seen);
-  for (const int round : {0, 1}) graph.look(start, round);
+  for (const int round : {0, 1}) graph.look(start, start.t, round);
+  for (const double t : *times) graph.look(start, t, 0);
   Index next = static_cast<Index>(outputs.size());
   for (std::size_t k = 0; k < places->size(); ++k) {
     std::vector<Index> touched;
@@ -262,8 +296,8 @@ std::set<std::string> bodies_without_influence(const mbs::PreparedMechanism& run
       run, file, overrides, {.stiffened = {}, .rigid = {}, .modes = kModesThatTell, .own_frames = true});
   if (!few) return {};
   std::vector<OutputEstimate> unused;
-  for (const std::string& body :
-       bodies_of_influence(*few, few->state_of(run), judged_outputs(run, few->mechanism(), unused)))
+  for (const std::string& body : bodies_of_influence(
+           *few, few->state_of(run), judged_outputs(run, few->mechanism(), unused), run.options.end_time))
     bodies.erase(body);
   return bodies;
 }

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <set>
 
 #include "mbs/superelement/file.hpp"
 #include "tests/app/command.hpp"
@@ -108,6 +109,118 @@ TEST_F(ShadowsOfABar, StayNearTheErrorWhileTheMechanismTurns) {
     EXPECT_GT(output.rms, error / 3.0) << output.name;
     EXPECT_LT(output.rms, error * 10.0) << output.name;
   }
+}
+
+// Two bars on walls of their own; what is stored is of the first alone, and the second acts on it only later.
+std::string two_bars(const std::string& between) {
+  std::string text = R"toml(
+gravity = [0, 0, 0]
+[ground.marker.wall]
+position = [0.3, -0.2, 0.1]
+[ground.marker.other]
+position = [0.3, 1, 0.1]
+[body.read]
+superelement = "beam.se.h5"
+[body.other]
+superelement = "beam.se.h5"
+position = [0, 1.2, 0]
+[joint.wall]
+type = "fixed"
+from = "ground.wall"
+to = "read.left"
+[joint.other]
+type = "fixed"
+from = "ground.other"
+to = "other.left"
+[force.tip]
+type = "force"
+marker = "read.right"
+y = "10 * (1 - cos(150 * t))"
+[force.far]
+type = "force"
+marker = "other.right"
+y = "100 * (1 - cos(150 * t))"
+[measure.sway]
+type = "position"
+from = "ground.wall"
+to = "read.right"
+direction = [0, 1, 0]
+[measure.far_sway]
+type = "position"
+from = "ground.other"
+to = "other.right"
+direction = [0, 1, 0]
+)toml";
+  return text + between + R"toml(
+[output]
+quantities = ["sway"]
+[solver]
+end_time = "0.1 s"
+output_step = "0.2 ms"
+tolerance = 1e-8
+)toml";
+}
+
+TEST_F(ShadowsOfABar, HaveABodyThatBeginsToMatterDuringTheRun) {
+  const std::string couplings[] = {"1e4 * step(t, 0.04, 0, 0.05, 1) * far_sway",
+                                   "t < 0.05 ? 0 : 1e4 * far_sway",
+                                   "(t > 0.06 && t < 0.063 ? 2e4 : 0) * far_sway"};
+  for (const std::string& coupling : couplings) {
+    file_ = folder_.write(
+        "two.toml",
+        two_bars("[force.late]\ntype = \"force\"\nmarker = \"read.right\"\ny = \"" + coupling + "\"\n"));
+    const Run truth = run({}), rigid = run({"body.read.fidelity=rigid", "body.other.fidelity=rigid"});
+    ASSERT_TRUE(rigid.has_estimate);
+    std::set<std::string> bodies;
+    for (const SourceEstimate& source : rigid.estimate.by_body) bodies.insert(source.body);
+    EXPECT_EQ(bodies, (std::set<std::string>{"read", "other"})) << coupling;
+    const double error = std::sqrt((rigid.values.col(0) - truth.values.col(0)).squaredNorm() /
+                                   static_cast<double>(truth.values.rows()));
+    // Linear: tolerance as of a single bar, and half a row more or less of a pulse of fifteen.
+    EXPECT_NEAR(rigid.estimate.outputs[0].rms / error, 1.0, 0.1) << coupling;
+  }
+}
+
+TEST_F(ShadowsOfABar, HaveNoneThatNeverMatters) {
+  file_ = folder_.write("two.toml", two_bars(""));
+  const Run rigid = run({"body.read.fidelity=rigid", "body.other.fidelity=rigid"});
+  ASSERT_TRUE(rigid.has_estimate);
+  ASSERT_EQ(rigid.estimate.by_body.size(), 1u);
+  EXPECT_EQ(rigid.estimate.by_body[0].body, "read");
+}
+
+// A body that is touched later: a block flies at the tip of a bar (0.05 m below) and comes back; where it is, is asked.
+TEST_F(ShadowsOfABar, HaveABodyThatIsTouchedLater) {
+  file_ = folder_.write("two.toml", two_bars(R"toml(
+[ground.marker.rail]
+position = [1.1, 0.95, 0.1]
+axis = [0, 1, 0]
+[body.block]
+mass = 0.01
+inertia = [1e-6, 1e-6, 1e-6]
+[body.block.marker.rail]
+axis = [0, 1, 0]
+[joint.fly]
+type = "prismatic"
+from = "ground.rail"
+to = "block.rail"
+speed = 1
+[body.other.marker.under]
+on = "right"
+axis = [0, -1, 0]
+[force.touch]
+type = "contact"
+from = "other.under"
+to = "block.rail"
+radius = 0.01
+stiffness = 1e4
+)toml"));
+  const Run rigid =
+      run({"body.read.fidelity=rigid", "body.other.fidelity=rigid", "output.quantities=[\"fly.position\"]"});
+  ASSERT_TRUE(rigid.has_estimate);
+  ASSERT_EQ(rigid.estimate.by_body.size(), 1u);
+  EXPECT_EQ(rigid.estimate.by_body[0].body, "other");
+  EXPECT_GT(rigid.estimate.outputs[0].rms, 0.0);
 }
 
 }  // namespace
