@@ -116,6 +116,31 @@ TEST_F(Choosing, AStiffSlowSceneComesOutRigid) {
   EXPECT_EQ(slow.restarts, 0);
 }
 
+// Rigid, the bar has no coordinate at all: IDA, which then fails beside a switch, has no state to name.
+TEST_F(Choosing, AWeldedBarBetweenStopsIsChosenFor) {
+  const auto file = folder_.write("stops.toml", std::string(bars::kClamped) + R"toml(
+[ground.marker.bed]
+position = [1.1, -0.205, 0.1]
+axis = [0, 1, 0]
+[force.bed]
+type = "contact"
+from = "ground.bed"
+to = "beam.right"
+radius = 0.005
+stiffness = 1e6
+damping = 100
+)toml");
+  const ChosenRun chosen =
+      run(file, {"solver.accuracy=0.01", "output.quantities=[\"sway\", \"bed.normal_force\"]"});
+  ASSERT_TRUE(chosen.result.complete) << chosen.result.stopped_because;
+  const mbs::PreparedMechanism p =
+      mbs::prepare(file, {"solver.tolerance=1e-8", "output.quantities=[\"sway\"]"});
+  const Eigen::VectorXd exact = values(*p.mechanism, truth(p), "sway"),
+                        got = values(*chosen.prepared.mechanism, chosen.rows, "sway");
+  ASSERT_EQ(exact.size(), got.size());
+  EXPECT_LT((exact - got).norm(), 0.01 * exact.norm());
+}
+
 TEST_F(Choosing, ASlowLoadIsFollowedStatically) {
   // The deflection is wanted, and the load moves at a fiftieth of the first frequency.
   const ChosenRun slow = run(clamped_, {"solver.accuracy=0.05", "parameters.omega=5", "solver.end_time=1",

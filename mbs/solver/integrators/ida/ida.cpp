@@ -296,7 +296,8 @@ void Ida::fail(int flag) {
   if (!trouble_.empty()) throw IntegrationError(trouble_);
   // The state with the largest error or correction is the best hint at the element in trouble.
   std::string worst;
-  if (IDAGetEstLocalErrors(memory_, dky_) == IDA_SUCCESS) {
+  // A mechanism that is welded all over has none.
+  if (form_->at_a() > 0 && IDAGetEstLocalErrors(memory_, dky_) == IDA_SUCCESS) {
     N_Vector weight = N_VNew_Serial(form_->size(), context_);
     if (IDAGetErrWeights(memory_, weight) == IDA_SUCCESS) {
       int i = 0;
