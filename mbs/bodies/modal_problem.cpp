@@ -31,6 +31,9 @@ ModalProblem::ModalProblem(const superelement::Superelement& se, const MatrixXd&
   M_ = scale_.asDiagonal() * se.M_se * scale_.asDiagonal();
   K_ = scale_.asDiagonal() * se.K_se * scale_.asDiagonal();
   R_ = scale_.cwiseInverse().asDiagonal() * superelement::rigid_motions(se);
+  // Displacements and rotations count alike, whatever the body's size and the units: only the space that they span is used.
+  for (Index k = 0; k < R_.cols(); ++k)
+    if (const double length = R_.col(k).norm(); length > 0.0) R_.col(k) /= length;
   MR_ = M_ * R_;
   Eigen::ColPivHouseholderQR<MatrixXd> qr(MR_);
   qr.setThreshold(1e-9);
@@ -62,7 +65,9 @@ ModalProblem::ModalProblem(const superelement::Superelement& se, const MatrixXd&
 // The held directions (scaled as loads) and mean axes for the rigid motions that they leave: what of a
 // deformation vanishes.
 MatrixXd ModalProblem::conditions_of(const MatrixXd& held) const {
-  const MatrixXd H = to_loads(held);
+  MatrixXd H = to_loads(held);
+  for (Index k = 0; k < H.cols(); ++k)
+    if (const double length = H.col(k).norm(); length > 0.0) H.col(k) /= length;
   // The null space of H^T R.
   Eigen::FullPivLU<MatrixXd> lu(H.transpose() * R_);
   lu.setThreshold(1e-9);
