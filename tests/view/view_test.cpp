@@ -410,6 +410,33 @@ TEST(ViewCommand, WritesThePageBesideTheResultsAndPrintsASummary) {
   EXPECT_THAT(wrong, HasSubstr("error: no run stored the quantity 'crank.sped'"));
 }
 
+// What nothing judges is no "0 %"; what is known in part is a lower bound.
+TEST(ViewCommand, CallsAnErrorUnknownThatNothingHasJudged) {
+  const auto told = [](const std::string& estimate) {
+    const fs::path file = scratch("judged.h5");
+    results::ModelHeader model;
+    model.bodies = {{"ground", "ground", "", ""}};
+    results::Writer writer(file, model);
+    writer.begin_run("run", {{"x", "m", ""}}, {});
+    for (const double t : {0.0, 1.0}) {
+      results::Row row;
+      row.time = t;
+      row.quantities = Eigen::VectorXd::Constant(1, t);
+      writer.append(row);
+    }
+    writer.end_run(true, "", R"({"steps": 3, "estimate": )" + estimate + "}");
+    writer.close();
+    const auto [text, code] =
+        run_program(std::string(FLEXURA_BIN_DIR) + "/flexura view --summary " + file.string());
+    EXPECT_EQ(code, 0) << text;
+    const auto at = text.find("estimated error, at least");
+    return at == std::string::npos ? text : text.substr(at, text.find('\n', at) - at);
+  };
+  EXPECT_THAT(told(R"({"at_least": 0.0, "error": null})"), ::testing::EndsWith(" unknown"));
+  EXPECT_THAT(told(R"({"at_least": 0.021, "error": null})"), ::testing::EndsWith(" 2.1 %"));
+  EXPECT_THAT(told(R"({"at_least": 0.0, "error": 0.0})"), ::testing::EndsWith(" 0 %"));
+}
+
 std::string refusal(const fs::path& html, const superelement::Superelement& se, const ModesPage& modes) {
   try {
     write_modes_page(html, se, modes);
