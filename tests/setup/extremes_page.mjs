@@ -126,12 +126,23 @@ for (const { title, tables } of merged)
       [words('warning: '), words('note: ')].filter(Boolean).join('; '), words('error: ')]);
   }
 
+// Tables of mechanisms by methods at random places of a range that is held: one line each.
+const held = { title: 'Ranges held at random places', columns: ['range', 'mechanisms', 'methods', 'worst error', 'bound'].map((name) => ({ name })), rows: [] };
+for (const { title, text, tables } of merged)
+  for (const { columns, rows } of tables) {
+    if (columns[0] !== 'mechanism') continue;
+    const cells = rows.flatMap((r) => r.slice(1)).filter(isNumber).map(Number);
+    const bound = /the bound is (\S+)\.$/.exec(text.join(' '))?.[1] ?? '';
+    held.rows.push([title, `${rows.length}`, columns.slice(1).join(', '), Math.max(...cells).toExponential(1), bound]);
+  }
+
 const report = {
   title: 'Flexura at the extremes',
   summary: 'What the tests at the extremes measured: how far results hold and to what accuracy, where the program warns and where it refuses.',
   sections: [],
 };
 if (overview.rows.length > 0) report.sections.push({ title: 'Overview', blocks: [{ table: overview }] });
+if (held.rows.length > 0) report.sections.push({ title: held.title, blocks: [{ table: held }] });
 for (const { title, text, tables } of merged) {
   const blocks = text.length > 0 ? [{ text: text.join(' ') }] : [];
   for (const table of tables) {
@@ -164,6 +175,7 @@ function markdown() {
   const broken = [];
   const body = [];
   if (overview.rows.length > 0) body.push('## Overview', '', ...tableOf(overview.columns.map((c) => c.name), overview.rows));
+  if (held.rows.length > 0) body.push(`## ${held.title}`, '', ...tableOf(held.columns.map((c) => c.name), held.rows));
   for (const { title, text, tables } of merged) {
     body.push(`## ${title}`, '');
     if (text.length > 0) body.push(text.join(' '), '');

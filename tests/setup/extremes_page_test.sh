@@ -19,6 +19,12 @@ test 1
 1: [       OK ] Extremes.MassRatios (1747 ms)
 2: | 1e-06 | 2.0e-04 | |
 2: | 1 | - | error: tolerance is above 0.1 |
+3: ## Mass, random from 1e-15 to 1e+15 kg
+3: Two periods. Worst error, relative to the amplitude; the bound is 5e-03.
+3: | mechanism | ida | radau |
+3: |---|---|---|
+3: | bar | 8.5e-06 | 3.5e-07 |
+3: | wheel | 1.2e-05 | - |
 1/2 Test #7: test_extremes ....   Passed
 LOG
 node "$generator" "$folder/log" "$folder/page.json" "$folder/page.md" 0123abc
@@ -31,6 +37,7 @@ expect '| mass ratio of two bodies | 1e+09 | energy error | **7.2e-02** | 1e-05 
 expect '| 1e-06 | 2.0e-04 |  |' page.md
 expect '| Tolerance | 1e-06 | 1e-06 | 2.0e-4 to 2.0e-4 |  | 1 (tolerance is above 0.1) |' page.md
 [ "$(grep -cF '7.2e-02' "$folder/page.md")" = 1 ] || { echo "a broken bound stands twice"; exit 1; }
+expect '| Mass, random from 1e-15 to 1e+15 kg | 2 | ida, radau | 1.2e-5 | 5e-03 |' page.md
 expect '"title": "Flexura at the extremes"' page.json
 : >"$folder/empty"
 out=$(node "$generator" "$folder/empty" "$folder/none.json" "$folder/none.md" 2>&1) && { echo "an empty log is accepted"; exit 1; }
