@@ -2,9 +2,11 @@
 #include "reduce/assembly/shared_modes.hpp"
 
 #include <Eigen/LU>
+#include <memory>
 #include <stdexcept>
 
 #include "reduce/linalg/dense/blas_threads.hpp"
+#include "reduce/linalg/dense/dense.hpp"
 #include "reduce/linalg/eigen/eigensolver.hpp"
 #include "reduce/linalg/factor/row_exchange.hpp"
 
@@ -77,6 +79,27 @@ linalg::EigenProblem::Operator shared(const RowExchange& exchange, Product produ
   };
 }
 
+// This rank's rows of what shifted_solver.hpp does for one process; all ranks make it together.
+struct SharedShift {
+  std::unique_ptr<DistributedFactor> L;
+  MatrixXd Z;
+  Eigen::PartialPivLU<MatrixXd> small;
+  int n_below = 0;
+
+  SharedShift(const Team& team, const TiedMatrices& own, const RowShares& rows, const MatrixXd& At,
+              double sigma)
+      : L(std::make_unique<DistributedFactor>(team, own.shifted_stiffness(-sigma).csr(), rows)),
+        n_below(L->n_negative()) {
+    if (L->n_zero() > 0) throw std::runtime_error("the shift is too close to an eigenvalue of the structure");
+    if (At.cols() == 0) return;
+    L->solve_own(At, Z);
+    const MatrixXd S = sum_of(team, At.transpose() * Z);
+    small.compute(S);
+    const Eigen::VectorXd values = linalg::symmetric_eigen(-0.5 * (S + S.transpose())).values;
+    n_below += static_cast<int>((values.array() < 0.0).count()) - static_cast<int>(At.cols());
+  }
+};
+
 // Collective: what all ranks do together.  Rank 0 gives `solver`, the request and `krylov_schur`.
 EigenPairs find(const Team& team, const TiedMatrices& own, const RowShares& rows,
                 const DistributedFactor& factor, const TiedSolver* solver, EigenRequest request,
@@ -107,6 +130,18 @@ EigenPairs find(const Team& team, const TiedMatrices& own, const RowShares& rows
     problem.project = [&](MatrixXd& R) {
       R -= border.At * border.AAt.solve(sum_of(team, border.At.transpose() * R));
     };
+  problem.shifted = [&](double sigma) {
+    auto shift = std::make_shared<const SharedShift>(team, own, rows, border.At, sigma);
+    return linalg::EigenProblem::Shifted{[shift, &team, &border](const Ref<const MatrixXd>& X, MatrixXd& Y) {
+                                           shift->L->solve_own(X, Y);
+                                           if (shift->Z.cols() > 0)
+                                             Y -= shift->Z *
+                                                  shift->small.solve(sum_of(team, border.At.transpose() * Y));
+                                         },
+                                         shift->n_below};
+  };
+  problem.factor_operations = factor.figures().flops;
+  problem.solve_operations = 4.0 * factor.figures().nonzeros;
   problem.view = [&factor](_p_PetscViewer* viewer) { factor.view(viewer); };
   EigenPairs pairs = numbers[3] != 0.0 ? linalg::krylov_schur(problem, request, progress)
                                        : linalg::block_lanczos(problem, request, progress);

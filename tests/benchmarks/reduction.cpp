@@ -23,8 +23,9 @@
 #include "reduce/superelement/to_superelement.hpp"
 
 /// The reduction of one CAD part against its own factorisation, against Krylov-Schur and against CalculiX,
-/// all on one mesh.  bench_reduction NAME PART.toml SIZE MODES [krylov] [packages] [calculix] [file]; with `packages` also
-/// on the factors of other solver packages, with `file` the factor is kept in a file
+/// all on one mesh.  bench_reduction NAME PART.toml SIZE MODES [krylov] [one_basis] [slice=MODES] [packages] [calculix] [file]
+/// [tolerance=1e-8]; with `one_basis` and `slice=` also without and with slices of the spectrum, with `packages` also on the
+/// factors of other solver packages, with `file` the factor is kept in a file
 namespace flexura::reduce {
 namespace {
 
@@ -176,6 +177,33 @@ void against_packages(const std::string& name, const Part& part, const Timed& ou
     }
 }
 
+/// Another way to the same modes, by options of PETSc.
+void against_options(const std::string& name, const std::string& text, const Part& part, const Timed& ours,
+                     ReductionOptions options) {
+  options.certify = options.estimate_error = false;
+  const linalg::UserOptions user(linalg::parse_options(text));
+  const double before = linalg::processor_seconds();
+  const Timed theirs = reduce(part, options);
+  const ReductionReport& r = theirs.reduction.report;
+  print(name + ".normal_modes", r.seconds_normal_modes, "s");
+  print(name + ".right_hand_sides", r.solved_right_hand_sides, "1");
+  print(name + ".processor", linalg::processor_seconds() - before, "s");
+  print(name + ".greatest_residual", r.mode_residual.maxCoeff(), "1");
+  print(name + "_over_ours", r.seconds_normal_modes / ours.reduction.report.seconds_normal_modes, "1");
+  const Eigen::VectorXd &a = ours.reduction.omega2, &b = theirs.reduction.omega2;
+  const Eigen::Index n = std::min(a.size(), b.size());
+  print(name + ".difference", 0.5 * ((b.head(n) - a.head(n)).array() / a.head(n).array()).abs().maxCoeff(),
+        "1");
+}
+
+/// What follows a word that begins like this.
+std::string value_of(const std::set<std::string>& words, const std::string& begin,
+                     const std::string& otherwise) {
+  const auto found = words.lower_bound(begin);
+  return found != words.end() && found->substr(0, begin.size()) == begin ? found->substr(begin.size())
+                                                                         : otherwise;
+}
+
 void run(const std::string& name, const std::filesystem::path& file, const std::string& size, int n_modes,
          const std::set<std::string>& words) {
   PartInput input = read_part(file, {"mesh.size=" + size, fmt::format("modes.count={}", n_modes)});
@@ -188,7 +216,7 @@ void run(const std::string& name, const std::filesystem::path& file, const std::
 
   ReductionOptions options;
   options.n_modes = n_modes;
-  options.tolerance = 1e-8;
+  options.tolerance = std::stod(value_of(words, "tolerance=", "1e-8"));
   options.certify = true;
   if (words.contains("file")) options.storage.place = linalg::FactorStorage::Place::file;
   options.shape_nodes = picture.nodes;
@@ -208,6 +236,12 @@ void run(const std::string& name, const std::filesystem::path& file, const std::
       std::filesystem::temp_directory_path() / fmt::format("flexura_bench_{}", std::random_device{}());
   std::filesystem::create_directories(folder);
   if (words.contains("packages")) against_packages(name, part, ours, options);
+  if (words.contains("one_basis"))
+    against_options(name + ".one_basis", "-eps_blocklanczos_slice 0", part, ours, options);
+  for (const std::string& word : words)
+    if (word.substr(0, 6) == "slice=")
+      against_options(name + ".slices_of_" + word.substr(6), "-eps_blocklanczos_slice " + word.substr(6),
+                      part, ours, options);
   if (words.contains("krylov")) {
     ReductionOptions plain = options;
     plain.eigensolver = Eigensolver::krylov_schur;
@@ -234,8 +268,10 @@ void run(const std::string& name, const std::filesystem::path& file, const std::
 
 int main(int argc, char** argv) {
   if (argc < 5) {
-    fmt::print(stderr,
-               "usage: bench_reduction NAME PART.toml SIZE MODES [krylov] [packages] [calculix] [file]\n");
+    fmt::print(
+        stderr,
+        "usage: bench_reduction NAME PART.toml SIZE MODES [krylov] [one_basis] [slice=MODES] [packages] "
+        "[calculix] [file] [tolerance=1e-8]\n");
     return 2;
   }
   const flexura::linalg::Session session;

@@ -1,11 +1,16 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include "reduce/cms/shapes/fixed_interface.hpp"
 
+#include <memory>
+
+#include "reduce/assembly/shifted_solver.hpp"
+
 namespace flexura::reduce {
 
 using Eigen::MatrixXd;
 
-linalg::EigenProblem fixed_interface_problem(const TiedModel& model, const TiedSolver& solver) {
+linalg::EigenProblem fixed_interface_problem(const TiedModel& model, const TiedSolver& solver,
+                                             const linalg::FactorStorage& storage) {
   linalg::EigenProblem problem;
   problem.n = model.n_i();
   problem.n_free = model.n_i() - static_cast<int>(model.A().rows());
@@ -21,6 +26,14 @@ linalg::EigenProblem fixed_interface_problem(const TiedModel& model, const TiedS
   };
   problem.project = [&solver](MatrixXd& R) { solver.remove_reactions(R); };
   problem.view = [&solver](_p_PetscViewer* viewer) { solver.view(viewer); };
+  problem.shifted = [&model, &solver, storage](double sigma) {
+    auto shifted = std::make_shared<const ShiftedSolver>(model, sigma, solver.order(), storage);
+    return linalg::EigenProblem::Shifted{
+        [shifted](const Eigen::Ref<const MatrixXd>& X, MatrixXd& Y) { Y = shifted->solve(X); },
+        shifted->n_below()};
+  };
+  problem.factor_operations = solver.figures().flops;
+  problem.solve_operations = 4.0 * solver.figures().nonzeros;
   return problem;
 }
 

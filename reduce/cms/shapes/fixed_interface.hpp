@@ -6,7 +6,9 @@
 
 namespace flexura::reduce {
 
-/// The fixed-interface eigenproblem K_ii phi = omega^2 M_ii phi of a model and its solver, which must outlive it.
-linalg::EigenProblem fixed_interface_problem(const TiedModel& model, const TiedSolver& solver);
+/// The fixed-interface eigenproblem K_ii phi = omega^2 M_ii phi of a model and its solver, which must outlive it; `storage` is
+/// for the factors of its shifts.
+linalg::EigenProblem fixed_interface_problem(const TiedModel& model, const TiedSolver& solver,
+                                             const linalg::FactorStorage& storage = {});
 
 }  // namespace flexura::reduce

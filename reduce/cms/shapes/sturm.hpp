@@ -9,14 +9,8 @@
 
 namespace flexura::reduce {
 
-/// How many fixed-interface eigenvalues lie below omega2 [rad^2/s^2], by Sylvester's law of inertia: the
-/// negative pivots of K_ii - omega2 M_ii, factorised (in `order`, or nested dissection where that is empty).
-/// With averaging ties the count is that of the bordered matrix,
-///
-///     In [ K' A^T ; A 0 ] = In(K') + In(-A K'^-1 A^T),   K' = K_ii - omega2 M_ii,
-///
-/// less one negative for each row of A (K. Gould, Math. Prog. 32 (1985), 90).  It proves that an eigensolver
-/// has missed none.  Needs a linalg::Session;
+/// How many fixed-interface eigenvalues lie below omega2 [rad^2/s^2], by Sylvester's law of inertia (shifted_solver.hpp).  It
+/// proves that an eigensolver has missed none.  Needs a linalg::Session;
 /// std::runtime_error where the limit lies on an eigenvalue.
 int count_modes_below(const TiedModel& model, double omega2, std::vector<int> order = {},
                       const linalg::FactorStorage& storage = {});
@@ -26,5 +20,8 @@ int count_modes_below(const TiedModel& model, double omega2, std::vector<int> or
 /// is moved within that gap.  std::runtime_error where the counts differ.
 void certify(const TiedModel& model, const std::vector<int>& order, double omega2_last, double omega2_next,
              int n_modes, ReductionReport& report, const linalg::FactorStorage& storage = {});
+
+/// What slices of the spectrum have counted already (linalg::EigenPairs::counted): no mode up to the last is missing.
+void note_count(double omega2_last, double omega2_next, int n_modes, ReductionReport& report);
 
 }  // namespace flexura::reduce

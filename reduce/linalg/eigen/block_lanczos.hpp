@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "reduce/linalg/dense/progress.hpp"
-#include "reduce/linalg/eigen/eigen_problem.hpp"
+#include "reduce/linalg/eigen/lanczos_basis.hpp"
 
 namespace flexura::linalg {
 
@@ -29,8 +29,7 @@ struct BlockLanczosSettings {
   int most_blocks = 2000;  ///< solves
   /// Refuses (std::invalid_argument) where eigenvalues are seen below the shift: they would be left out.
   bool none_below = false;
-  /// Room for so many vectors of length n, one after the other; what is there is kept.  Empty: of its own.
-  std::function<double*(Eigen::Index columns)> storage;
+  VectorStorage storage;  ///< of the basis; empty: of its own
   /// Called with what is known at every look at H: eigenvalues, their relative residuals in S, how many leading ones
   /// are accurate already, blocks solved for.
   std::function<void(const Eigen::VectorXd& omega2, const Eigen::VectorXd& estimate, Eigen::Index known,

@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "reduce/linalg/eigen/block_lanczos.hpp"
+#include "reduce/linalg/eigen/spectrum_slices.hpp"
 #include "reduce/linalg/factor/factor_store.hpp"
 #include "reduce/linalg/petsc/petsc_check.hpp"
 
@@ -19,6 +20,7 @@ using Eigen::MatrixXd;
 
 struct Data {
   PetscInt block = 16;
+  PetscInt slice = PETSC_DECIDE;  // modes of a slice; 0: one basis
   BlockLanczosContext* context = nullptr;
 };
 
@@ -116,6 +118,22 @@ double room_for_vectors(EPS eps) {
   return least;
 }
 
+// Modes of a slice, 0 for one basis: the user's choice, or what is faster.
+int modes_of_slice(EPS eps) {
+  const Data& own = data(eps);
+  if (own.slice >= 0) return static_cast<int>(own.slice);
+  if (!own.context) return 0;
+  return modes_per_slice(*own.context->problem, static_cast<double>(eps->n), static_cast<int>(eps->nev),
+                         static_cast<int>(own.block));
+}
+
+PetscInt vectors_of_basis(EPS eps, double room) {
+  const auto count = static_cast<int>(eps->nev), block = static_cast<int>(data(eps).block);
+  const int slice = modes_of_slice(eps);
+  return static_cast<PetscInt>(slice == 0 ? block_lanczos_vectors(count, block, room)
+                                          : slice_vectors(slice, block, room - static_cast<double>(count)));
+}
+
 PetscErrorCode set_up(EPS eps) {
   EPSCheckHermitianDefinite(eps);
   EPSCheckSinvert(eps);
@@ -134,9 +152,7 @@ PetscErrorCode set_up(EPS eps) {
     if (eps->max_it == PETSC_DEFAULT) eps->max_it = 2000;
     const int block = static_cast<int>(data(eps).block);
     const auto most = static_cast<PetscInt>(eps->n + 2 * block);
-    if (eps->ncv == PETSC_DEFAULT)
-      eps->ncv = std::min(most, static_cast<PetscInt>(block_lanczos_vectors(static_cast<int>(eps->nev), block,
-                                                                            room_for_vectors(eps))));
+    if (eps->ncv == PETSC_DEFAULT) eps->ncv = std::min(most, vectors_of_basis(eps, room_for_vectors(eps)));
     eps->mpd = eps->ncv;
     ok(EPSAllocateSolution(eps, 0));
     ok(EPS_SetInnerProduct(eps));
@@ -160,6 +176,18 @@ void show(EPS eps, const EigenProblem& problem, const Eigen::VectorXd& omega2,
     eps->eigi[k] = 0.0;
     eps->errest[k] = estimate(k);
   }
+}
+
+// Whether SLEPc itself will read the eigenvectors: with a context they are taken from there, and a second copy of many of them
+// is memory that they need.
+bool vectors_are_shown() {
+  for (const char* name :
+       {"-eps_view_vectors", "-eps_error_absolute", "-eps_error_relative", "-eps_error_backward"}) {
+    PetscBool given = PETSC_FALSE;
+    ok(PetscOptionsHasName(nullptr, nullptr, name, &given));
+    if (given) return true;
+  }
+  return false;
 }
 
 PetscErrorCode solve(EPS eps) {
@@ -197,7 +225,10 @@ PetscErrorCode solve(EPS eps) {
     };
     EigenPairs pairs;
     try {
-      pairs = iterate_block_lanczos(problem, request, settings, progress);
+      if (const int slice = modes_of_slice(eps); slice > 0)
+        pairs = iterate_slices(problem, request, {slice, settings}, progress);
+      else
+        pairs = iterate_block_lanczos(problem, request, settings, progress);
     } catch (...) {
       if (basis) BVRestoreArray(eps->V, &basis);
       throw;
@@ -208,9 +239,11 @@ PetscErrorCode solve(EPS eps) {
     eps->ncv = std::max(eps->ncv, static_cast<PetscInt>(count));
     ok(EPSAllocateSolution(eps, 0));
     ok(BVSetActiveColumns(eps->V, 0, eps->ncv));
-    ok(BVGetArray(eps->V, &basis));
-    Eigen::Map<MatrixXd>(basis, problem.n, count) = pairs.Phi;
-    ok(BVRestoreArray(eps->V, &basis));
+    if (!own.context || vectors_are_shown()) {
+      ok(BVGetArray(eps->V, &basis));
+      Eigen::Map<MatrixXd>(basis, problem.n, count) = pairs.Phi;
+      ok(BVRestoreArray(eps->V, &basis));
+    }
     std::iota(eps->perm, eps->perm + eps->ncv, 0);  // SLEPc sorts it
     show(eps, problem, pairs.omega2, pairs.residual);
     eps->nconv = static_cast<PetscInt>(count);
@@ -233,6 +266,9 @@ PetscErrorCode set_from_options(EPS eps, PetscOptionItems* PetscOptionsObject) {
   PetscOptionsHeadBegin(PetscOptionsObject, "EPS block Lanczos options");
   PetscCall(PetscOptionsBoundedInt("-eps_blocklanczos_block", "right-hand sides solved for together", "",
                                    data(eps).block, &data(eps).block, nullptr, 1));
+  PetscCall(PetscOptionsInt("-eps_blocklanczos_slice",
+                            "modes of a slice of the spectrum; 0: one basis for all", "", data(eps).slice,
+                            &data(eps).slice, nullptr));
   PetscOptionsHeadEnd();
   return 0;
 }

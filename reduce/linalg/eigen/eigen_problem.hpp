@@ -31,6 +31,16 @@ struct EigenProblem {
   /// Writes what `solve` consists of to a viewer of PETSc; may be empty.
   std::function<void(_p_PetscViewer* viewer)> view;
 
+  /// (K - sigma M)^-1 on the space, sigma within the spectrum, and what its factor counts by Sylvester's law.
+  struct Shifted {
+    Operator solve;
+    int n_below = 0;  ///< eigenvalues below sigma
+  };
+  /// Factorises; std::runtime_error where sigma is all but an eigenvalue.  Empty: there is no such way.
+  std::function<Shifted(double sigma)> shifted;
+  /// Operations of such a factorisation, and of a solve for one right-hand side.
+  double factor_operations = 0.0, solve_operations = 0.0;
+
   /// A^T B over all rows.
   Eigen::MatrixXd inner(const Eigen::Ref<const Eigen::MatrixXd>& A,
                         const Eigen::Ref<const Eigen::MatrixXd>& B) const;
@@ -58,6 +68,8 @@ struct EigenPairs {
   double omega2_next = 0.0;   ///< the first eigenvalue that was left out; infinite where there is none
   int n_solves = 0;           ///< right-hand sides solved for
   int n_blocks = 0;           ///< solves with a block of right-hand sides
+  /// No eigenvalue up to the last one is missing: factors of shifts beyond it have counted them (Sylvester).
+  bool counted = false;
 };
 
 /// Two eigenvalues closer than this fraction are one cluster: both are kept or none.

@@ -92,6 +92,7 @@ void DistributedFactor::Impl::factorise(Mat A) {
   ok(MatMumpsGetInfog(L.mat, 29, &entries));  // in millions where negative
   figures.nonzeros = entries < 0 ? -1e6 * entries : entries;
   figures.bytes = sizeof(double) * figures.nonzeros;
+  ok(MatMumpsGetRinfog(L.mat, 3, &figures.flops));
 }
 
 DistributedFactor::DistributedFactor(const Team& team, const UpperCsr& part, const RowShares& rows,

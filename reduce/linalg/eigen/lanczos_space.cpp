@@ -1,0 +1,104 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "reduce/linalg/eigen/lanczos_space.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "reduce/linalg/dense/dense.hpp"
+
+namespace flexura::linalg {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+LanczosSpace::LanczosSpace(const EigenProblem& problem, const VectorStorage& storage, Index block,
+                           Index capacity)
+    : problem_(problem),
+      block_(block),
+      capacity_(capacity),
+      basis_(problem, storage, capacity),
+      random_(20240229 + static_cast<unsigned>(problem.rank)),
+      H_(0, 0) {
+  add_start();
+  newest_ = basis_.size();
+}
+
+// S M on random vectors joins the basis.
+void LanczosSpace::add_start() {
+  std::normal_distribution<double> normal;
+  MatrixXd X(problem_.n, block_), MX, W, C, R;
+  for (double& x : X.reshaped()) x = normal(random_);
+  problem_.multiply_M(X, MX);
+  problem_.solve(MX, W);
+  basis_.append(std::move(W), C, R_);
+  n_solves_ += static_cast<int>(block_);
+  ++n_blocks_;
+}
+
+void LanczosSpace::expand() {
+  MatrixXd W, C;
+  problem_.solve(basis_.multiply_newest_by_M(newest_), W);
+  n_solves_ += static_cast<int>(newest_);
+  ++n_blocks_;
+  const Index old = basis_.size();
+  basis_.append(std::move(W), C, R_);
+  H_.conservativeResize(old, old);
+  H_.rightCols(newest_) = C;
+  H_.bottomRows(newest_) = C.transpose();
+  applied_ = newest_;
+  newest_ = basis_.size() - old;
+}
+
+bool LanczosSpace::begin_anew() {
+  const Index old = basis_.size();
+  if (old >= problem_.n_free) return false;
+  if (old + 2 * block_ > capacity_) reserve(old + 4 * block_);
+  add_start();
+  newest_ = basis_.size() - old;
+  return newest_ > 0;
+}
+
+void LanczosSpace::reserve(Index capacity) {
+  basis_.reserve(capacity);
+  capacity_ = capacity;
+}
+
+LanczosSpace::RitzPairs LanczosSpace::ritz_pairs() const {
+  const DenseEigen eigen = symmetric_eigen(0.5 * (H_ + H_.transpose()));
+  const Index n = H_.rows();
+  RitzPairs pairs{eigen.values.reverse(), eigen.vectors.rowwise().reverse(), VectorXd::Zero(n)};
+  if (R_.rows() > 0)
+    for (Index k = 0; k < n; ++k)
+      pairs.estimate(k) = (R_ * pairs.Y.col(k).tail(applied_)).norm() / std::abs(pairs.theta(k));
+  return pairs;
+}
+
+MatrixXd LanczosSpace::vectors(const MatrixXd& Y, const VectorXd& theta) const {
+  MatrixXd Phi = times(basis_.vectors(0, size()), Y);
+  if (newest_ > 0) {
+    MatrixXd tail = R_ * Y.bottomRows(applied_);
+    for (Index k = 0; k < tail.cols(); ++k) tail.col(k) /= theta(k);
+    add_product(1.0, basis_.vectors(size(), newest_), tail, Phi);
+  }
+  return Phi;
+}
+
+void LanczosSpace::restart(const MatrixXd& Y, const VectorXd& theta) {
+  basis_.restart(Y, newest_);
+  H_ = theta.asDiagonal();
+}
+
+void LanczosLooks::plan(Index size, Index known, Index target) {
+  const double side = static_cast<double>(size), gained = static_cast<double>(known - known_then_);
+  const double least = std::clamp(48.0 * side * side / n_rows_, block_, std::max(side / 8.0, block_));
+  const double needed =
+      gained > 0.0 ? static_cast<double>(target - known) * (side - static_cast<double>(looked_at_)) / gained
+                   : 0.0;
+  next_ = size + static_cast<Index>(std::clamp(needed, least, std::max(least, side / 4.0)));
+  looked_at_ = size;
+  known_then_ = known;
+}
+
+}  // namespace flexura::linalg

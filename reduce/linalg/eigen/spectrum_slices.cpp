@@ -1,0 +1,394 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "reduce/linalg/eigen/spectrum_slices.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <stdexcept>
+#include <utility>
+
+#include "reduce/linalg/dense/dense.hpp"
+#include "reduce/linalg/eigen/lanczos_space.hpp"
+
+namespace flexura::linalg {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr const char* kStage = "modes (block Lanczos in slices)";
+
+double hertz(double omega2) {
+  return std::sqrt(std::max(omega2, 0.0)) / (2.0 * std::numbers::pi);
+}
+
+// An operator (K - sigma M)^-1 M of which the nearest eigenvalues on both sides of sigma are wanted.
+struct Slice {
+  double sigma = 0.0;
+  EigenProblem::Operator solve;
+  Index n_left = 0;       // below sigma, no more and no fewer
+  Index least_right = 0;  // above
+};
+
+// Accurate pairs at the ends of the descending theta: those right of sigma at the beginning, those left of it at the end.
+struct Known {
+  Index right = 0, left = 0;
+};
+Known known_pairs(const LanczosSpace::RitzPairs& ritz, double accurate) {
+  Known known;
+  const Index n = ritz.theta.size();
+  while (known.right < n && ritz.theta(known.right) > 0.0 && ritz.estimate(known.right) < accurate)
+    ++known.right;
+  while (known.left < n && ritz.theta(n - 1 - known.left) < 0.0 &&
+         ritz.estimate(n - 1 - known.left) < accurate)
+    ++known.left;
+  return known;
+}
+
+// Where to end on the right: the widest of the last gaps that part vectors well, or else the next such gap; 0: not yet.
+Index end_of(const VectorXd& omega2, Index least) {
+  constexpr Index kLast = 5;
+  const Index known = omega2.size();
+  Index best = 0;
+  double widest = 1e-6 * std::abs(omega2(known - 1));
+  for (Index k = known - 1; k >= least && (best == 0 || known - k <= kLast); --k)
+    if (const double gap = omega2(k) - omega2(k - 1); gap > widest) {
+      widest = gap;
+      best = k;
+    }
+  return best;
+}
+
+class Slices {
+ public:
+  Slices(const EigenProblem& problem, const EigenRequest& request, const SliceSettings& settings,
+         const Progress& progress)
+      : problem_(problem),
+        request_(request),
+        settings_(settings.lanczos),
+        progress_(progress),
+        block_(std::min<Index>(std::max(1, settings_.block), problem.n_free)),
+        radius_(std::max<Index>(settings.modes / 2, 1)),
+        goal_(std::min<Index>(std::max(request.count, 1) + 1, problem.n_free)) {
+    n_rows_ = problem.n;
+    if (problem.sum) problem.sum(&n_rows_, 1);
+    pairs_.Phi.resize(problem.n, goal_ + radius_);
+  }
+
+  EigenPairs run() {
+    extend({-problem_.shift, problem_.solve, 0, std::min(radius_, goal_)});
+    while (!is_enough()) shift();
+    const Index n = found();
+    pairs_.Phi.conservativeResize(Eigen::NoChange, n);
+    trim(pairs_, request_);
+    pairs_.residual.conservativeResize(pairs_.omega2.size());
+    pairs_.round_off.conservativeResize(pairs_.omega2.size());
+    pairs_.counted = counted_ > 0;
+    report(progress_, kStage, 1.0);
+    return std::move(pairs_);
+  }
+
+ private:
+  Index found() const { return pairs_.omega2.size(); }
+  double last_found() const { return pairs_.omega2(found() - 1); }
+
+  // All that is asked for lies below the last shift; a cluster at the cut may make it more.
+  bool is_enough() {
+    if (found() == problem_.n_free) return true;
+    if (counted_ < goal_ || !(sigma_ > request_.omega2_max)) return false;
+    EigenPairs cut;
+    cut.omega2 = pairs_.omega2.head(counted_);
+    cut.Phi.resize(0, counted_);
+    trim(cut, request_);
+    if (cut.omega2.size() < counted_) return true;
+    goal_ = std::min<Index>(counted_ + block_, problem_.n_free);
+    return false;
+  }
+
+  // The next shift, the factor there, and what is nearest to it.
+  void shift() {
+    const Index asked = sought();
+    double place = static_cast<double>(std::min(found() + radius_, asked));
+    EigenProblem::Shifted factor;
+    double sigma = 0.0;
+    for (int attempt = 0;; ++attempt) {
+      sigma = where(place);
+      factor = {};  // one beside the problem's own at a time
+      factor = factorise(sigma);
+      const Index between = factor.n_below - found();
+      if (between <= 2 * radius_ + block_ || attempt == 4) break;
+      // Eigenvalues lie closer than those before: what was counted says how much.
+      place = static_cast<double>(found()) + (place - static_cast<double>(found())) *
+                                                 static_cast<double>(radius_) / static_cast<double>(between);
+    }
+    if (factor.n_below < found()) refuse(factor.n_below, found(), sigma);
+    const bool is_last = factor.n_below >= goal_ && sigma > request_.omega2_max;
+    const Slice slice{sigma, std::move(factor.solve), factor.n_below - found(),
+                      is_last ? 0 : std::clamp<Index>(asked - factor.n_below, 1, radius_)};
+    if (slice.n_left + slice.least_right > 0) extend(slice);
+    sigma_ = sigma;
+    counted_ = factor.n_below;
+  }
+
+  // Up to which number shifts must rise: a little beyond what is asked for, as densities are estimates.
+  Index sought() const {
+    double last = static_cast<double>(goal_);
+    if (request_.omega2_max > 0.0) last = std::max(last, number_at(request_.omega2_max) + 1.0);
+    const double rest = std::clamp(last - static_cast<double>(found()), 0.0, static_cast<double>(radius_));
+    return static_cast<Index>(
+        std::min(last + 2.0 + std::ceil(0.04 * rest), static_cast<double>(problem_.n_free)));
+  }
+
+  // How many eigenvalues may be up to here, and where that of a number is: N ~ (omega^2 - base)^p, p from the upper half
+  // of those found.
+  double base() const { return std::min(pairs_.omega2(0), 0.0); }
+  double power() const {
+    const Index n = found(), half = n / 2;
+    const double upper = last_found() - base(), lower = pairs_.omega2(half) - base();
+    if (n < 8 || !(upper > lower) || !(lower > 0.0)) return 1.5;
+    const double ratio = static_cast<double>(n) / static_cast<double>(half + 1);
+    return std::clamp(std::log(ratio) / std::log(upper / lower), 0.3, 4.0);
+  }
+  double number_at(double omega2) const {
+    if (!(omega2 > last_found())) return 0.0;
+    return static_cast<double>(found()) * std::pow((omega2 - base()) / (last_found() - base()), power());
+  }
+  double where(double number) const {
+    const double least = std::max(sigma_, last_found());
+    const double there =
+        (last_found() - base()) * std::pow((number + 0.5) / static_cast<double>(found()), 1.0 / power());
+    return std::max(least + 1e-5 * std::abs(least), base() + there);
+  }
+
+  // Where sigma is all but an eigenvalue, or one of a piece of the structure, it moves a little; sigma says where to.
+  EigenProblem::Shifted factorise(double& sigma) const {
+    constexpr double kMoves[] = {0.0, 0.011, -0.013, 0.029, -0.031, 0.053};
+    const double from = sigma, step = from - std::max(sigma_, last_found());
+    for (const double move : kMoves) {
+      report(progress_, kStage, fraction(0));
+      sigma = from + move * step;
+      try {
+        return problem_.shifted(sigma);
+      } catch (const std::runtime_error&) {
+        if (move == std::end(kMoves)[-1]) throw;
+      }
+    }
+    return {};
+  }
+
+  double fraction(Index more) const {
+    const auto n = static_cast<double>(found() + more);
+    return std::min(0.99, n / std::max(n, static_cast<double>(goal_)));
+  }
+
+  [[noreturn]] void refuse(Index counted, Index found, double sigma) const {
+    throw std::runtime_error(fmt::format(
+        "spectrum slices: below {:.6g} Hz there are {} modes by Sylvester's law, but {} were found; take "
+        "wider blocks (-eps_blocklanczos_block {}) or one basis (-eps_blocklanczos_slice 0)",
+        hertz(sigma), counted, found, 2 * block_));
+  }
+
+  // Block Lanczos from one shift; what it finds joins the pairs.
+  void extend(const Slice& slice) {
+    EigenProblem shifted = problem_;
+    shifted.solve = slice.solve;
+    const Index target = slice.n_left + slice.least_right;
+    const Index suggested = std::max<Index>(settings_.most_vectors, target + 5 * block_);
+    LanczosSpace space(shifted, settings_.storage, block_,
+                       std::min<Index>(problem_.n_free + 2 * block_, suggested));
+    double accurate = std::max(1e-2 * request_.tolerance, 1e-14);
+    int rounds_without_gain = 0;
+    LanczosLooks looks(n_rows_, block_, target + std::max(target / 2, block_));
+    for (int step = 0;; ++step) {
+      space.expand();
+      const Index size = space.size();
+      if (!space.exhausted() && !looks.due(size) && step > 0 && !space.is_full()) continue;
+      const LanczosSpace::RitzPairs ritz = space.ritz_pairs();
+      Known known = known_pairs(ritz, accurate);
+      Index right = right_of(slice, ritz, known);
+      if (space.exhausted() && right < 0) {
+        if (space.begin_anew()) {
+          looks.set_next(space.size_with_newest());
+          continue;
+        }
+        // The whole space is spanned: everything there is has been found.
+        known.right = (ritz.theta.array() > 0.0).count();
+        known.left = size - known.right;
+        right = slice.least_right > 0 ? known.right : 0;
+      }
+      const Index n_known = std::min(known.left, slice.n_left) + std::min(known.right, slice.least_right);
+      report(progress_, kStage, fraction(n_known));
+      if (right >= 0) {
+        check_neighbour(slice, ritz);
+        EigenPairs some = take(shifted, space, ritz, std::min(known.left, slice.n_left), right);
+        if (some.Phi.cols() == 0 || is_accurate(some, request_.tolerance)) {
+          some.n_solves += space.n_solves();
+          some.n_blocks += space.n_blocks();
+          return add(slice, some);
+        }
+        if (space.exhausted() || ++rounds_without_gain > 8)
+          throw std::runtime_error(
+              fmt::format("block Lanczos: the worst residual of {} modes near {:.6g} Hz stays at {:.1e}, "
+                          "above {:.1e}: the "
+                          "stiffness matrix is too badly conditioned for this accuracy",
+                          some.Phi.cols(), hertz(slice.sigma), some.residual.maxCoeff(), request_.tolerance));
+        accurate = std::max(0.1 * accurate, 1e-16);
+      }
+      looks.plan(size, n_known, target);
+      if (space.is_full()) {
+        restart(space, ritz, slice);
+        looks.forget();
+      }
+      if (step > settings_.most_blocks)
+        throw std::runtime_error(fmt::format("block Lanczos: no convergence in {} blocks near {:.6g} Hz",
+                                             settings_.most_blocks, hertz(slice.sigma)));
+    }
+  }
+
+  // How many on the right; -1: not decided yet.  On the left the next one is looked at, too: it must be the last that was
+  // found before.
+  Index right_of(const Slice& slice, const LanczosSpace::RitzPairs& ritz, const Known& known) const {
+    if (known.left < slice.n_left) return -1;
+    if (takes_again(slice, ritz)) return 0;
+    if (found() > 0 && !(neighbour(slice, ritz).error < 1e-3 * (first_of(slice, ritz) - last_found())))
+      return -1;
+    if (slice.least_right == 0) return 0;
+    if (known.right <= slice.least_right) return -1;
+    const VectorXd omega2 = slice.sigma + ritz.theta.head(known.right).array().inverse();
+    const Index end = end_of(omega2, slice.least_right);
+    return end > 0 ? end : -1;
+  }
+
+  // The first that a slice takes on the left, or the shift itself.
+  static double first_of(const Slice& slice, const LanczosSpace::RitzPairs& ritz) {
+    return slice.n_left > 0 ? slice.sigma + 1.0 / ritz.theta(ritz.theta.size() - slice.n_left) : slice.sigma;
+  }
+
+  // The next one below it, and how near to an eigenvalue it is.
+  struct Neighbour {
+    double omega2 = 0.0, error = std::numeric_limits<double>::infinity();
+  };
+  static Neighbour neighbour(const Slice& slice, const LanczosSpace::RitzPairs& ritz) {
+    const Index next = ritz.theta.size() - 1 - slice.n_left;
+    if (next < 0 || !(ritz.theta(next) < 0.0)) return {};
+    return {slice.sigma + 1.0 / ritz.theta(next), std::abs(ritz.estimate(next) / ritz.theta(next))};
+  }
+
+  bool takes_again(const Slice& slice, const LanczosSpace::RitzPairs& ritz) const {
+    return found() > 0 && first_of(slice, ritz) - last_found() <= 1e-8 * std::abs(last_found());
+  }
+
+  // No eigenvalue lies between the last that was found and the first that the slice takes.
+  void check_neighbour(const Slice& slice, const LanczosSpace::RitzPairs& ritz) const {
+    if (found() == 0) return;
+    if (takes_again(slice, ritz)) refuse(found() + slice.n_left, found() + slice.n_left - 1, slice.sigma);
+    const auto [omega2, error] = neighbour(slice, ritz);
+    if (omega2 - last_found() > error + 1e-8 * std::abs(last_found()))
+      refuse(found() + slice.n_left, found() + slice.n_left + 1, slice.sigma);
+  }
+
+  // The pairs that a slice brings, ascending, vectors orthogonal to those there are.
+  EigenPairs take(const EigenProblem& shifted, const LanczosSpace& space, const LanczosSpace::RitzPairs& ritz,
+                  Index left, Index right) const {
+    MatrixXd Y(ritz.theta.size(), left + right);
+    VectorXd theta(left + right);
+    Y << ritz.Y.rightCols(left), ritz.Y.leftCols(right);
+    theta << ritz.theta.tail(left), ritz.theta.head(right);
+    EigenPairs some;
+    some.Phi = space.vectors(Y, theta);
+    if (some.Phi.cols() == 0) return some;
+    separate(some.Phi);
+    orthonormalise(problem_, some.Phi);
+    measure_residuals(problem_, some);
+    polish_until_accurate(shifted, request_.tolerance, some);
+    return some;
+  }
+
+  // Takes the vectors found before out of new ones.  What they share is round-off unless one was found twice.
+  void separate(MatrixXd& Phi) const {
+    if (found() == 0) return;
+    MatrixXd M_Phi;
+    problem_.multiply_M(Phi, M_Phi);
+    VectorXd sizes = Phi.cwiseProduct(M_Phi).colwise().sum();
+    if (problem_.sum) problem_.sum(sizes.data(), sizes.size());
+    const MatrixXd shared = problem_.inner(pairs_.Phi.leftCols(found()), M_Phi);
+    const double most = (shared * sizes.cwiseSqrt().cwiseInverse().asDiagonal()).cwiseAbs().maxCoeff();
+    if (most > 1e-2)
+      throw std::runtime_error(
+          fmt::format("spectrum slices: two of them have found the same mode (their vectors share {:.2g}), "
+                      "so a count is wrong; take "
+                      "wider blocks (-eps_blocklanczos_block {}) or one basis (-eps_blocklanczos_slice 0)",
+                      most, 2 * block_));
+    add_product(-1.0, pairs_.Phi.leftCols(found()), shared, Phi);
+  }
+
+  void add(const Slice& slice, const EigenPairs& some) {
+    const Index n = found(), more = some.Phi.cols();
+    // The count says that so many lie between what is known and sigma.
+    const Index left = (some.omega2.array() < slice.sigma).count();
+    if (left != slice.n_left || (n > 0 && more > 0 && some.omega2(0) <= last_found()))
+      refuse(n + slice.n_left, n + left, slice.sigma);
+    if (n + more > pairs_.Phi.cols()) pairs_.Phi.conservativeResize(Eigen::NoChange, n + more + radius_);
+    pairs_.Phi.middleCols(n, more) = some.Phi;
+    const auto append = [more](VectorXd& all, const VectorXd& part) {
+      all.conservativeResize(all.size() + more);
+      all.tail(more) = part;
+    };
+    append(pairs_.omega2, some.omega2);
+    append(pairs_.residual, some.residual);
+    append(pairs_.round_off, some.round_off);
+    pairs_.n_solves += some.n_solves;
+    pairs_.n_blocks += some.n_blocks;
+    if (settings_.look) settings_.look(pairs_.omega2, pairs_.residual, found(), pairs_.n_blocks);
+  }
+
+  // Thick restart with the pairs wanted and a block on each side.
+  void restart(LanczosSpace& space, const LanczosSpace::RitzPairs& ritz, const Slice& slice) const {
+    const Index n = ritz.theta.size(), positive = (ritz.theta.array() > 0.0).count();
+    const Index left = std::min(n - positive, slice.n_left + block_),
+                right = std::min(positive, slice.least_right + block_);
+    if (4 * (left + right) > 3 * space.capacity())
+      space.reserve(std::min<Index>(problem_.n_free, 2 * space.capacity()) + 2 * block_);
+    MatrixXd Y(n, left + right);
+    VectorXd theta(left + right);
+    Y << ritz.Y.leftCols(right), ritz.Y.rightCols(left);
+    theta << ritz.theta.head(right), ritz.theta.tail(left);
+    space.restart(Y, theta);
+  }
+
+  const EigenProblem& problem_;
+  const EigenRequest& request_;
+  const BlockLanczosSettings& settings_;
+  const Progress& progress_;
+  const Index block_, radius_;  // of right-hand sides; pairs wanted on each side of a shift
+  Index goal_;                  // pairs wanted, the first that is left out with them
+  double n_rows_ = 0.0;
+  EigenPairs pairs_;  // ascending, without a gap; Phi has room for more
+  double sigma_ = -std::numeric_limits<double>::infinity();  // the last shift within the spectrum
+  Index counted_ = 0;                                        // eigenvalues below it
+};
+
+}  // namespace
+
+EigenPairs iterate_slices(const EigenProblem& problem, const EigenRequest& request,
+                          const SliceSettings& settings, const Progress& progress) {
+  if (!problem.shifted)
+    throw std::invalid_argument(
+        "-eps_blocklanczos_slice: this eigenvalue problem cannot be shifted; leave the option out");
+  return Slices(problem, request, settings, progress).run();
+}
+
+int slice_vectors(int modes, int block, double room) {
+  const int most = 3 * modes + 17 * block, least = std::min(most, modes + modes / 3 + 6 * block);
+  return static_cast<int>(std::clamp(room, static_cast<double>(least), static_cast<double>(most)));
+}
+
+int modes_per_slice(const EigenProblem&, double, int, int) {
+  return 0;
+}
+
+}  // namespace flexura::linalg
