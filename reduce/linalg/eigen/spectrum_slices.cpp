@@ -382,13 +382,4 @@ EigenPairs iterate_slices(const EigenProblem& problem, const EigenRequest& reque
   return Slices(problem, request, settings, progress).run();
 }
 
-int slice_vectors(int modes, int block, double room) {
-  const int most = 3 * modes + 17 * block, least = std::min(most, modes + modes / 3 + 6 * block);
-  return static_cast<int>(std::clamp(room, static_cast<double>(least), static_cast<double>(most)));
-}
-
-int modes_per_slice(const EigenProblem&, double, int, int) {
-  return 0;
-}
-
 }  // namespace flexura::linalg

@@ -27,7 +27,7 @@ EigenPairs iterate_slices(const EigenProblem& problem, const EigenRequest& reque
                           const SliceSettings& settings, const Progress& progress = {});
 
 /// How many modes a slice should have, `count` being asked for; 0: one basis for all is faster, or there is no way to shift.
-/// `n_rows`: length of the vectors, on all processes; `n_vectors`: of one basis.  By operations, not by time: the same each time.
+/// `n_rows` is the length of the vectors on all processes.  By operations, not by time: the same each time.
 int modes_per_slice(const EigenProblem& problem, double n_rows, int count, int block);
 
 /// Vectors of the basis of a slice, where there is room for `room` of them.

@@ -104,6 +104,7 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"JacobiDavidson", "-eps_type jd", ""},
         Case{"LobpcgCholmod", "-eps_type lobpcg -pc_factor_mat_solver_type cholmod", ""},
         Case{"SinglePrecision", "-mat_fronts_precision single", ""},
+        Case{"Slices", "-eps_blocklanczos_slice 2", ""},
         // Block low-rank factors, less accurate by far: refinement makes up for it.
         Case{"LowRank", "-pc_factor_mat_solver_type mumps -mat_mumps_icntl_35 2 -mat_mumps_cntl_7 1e-8", ""}),
     [](const auto& info) { return info.param.name; });
@@ -128,6 +129,7 @@ TEST_P(UnderMpirun, OptionsCountAndGiveTheSameSuperelement) {
 INSTANTIATE_TEST_SUITE_P(
     All, UnderMpirun,
     ::testing::Values(Case{"BlockLanczos", "-eps_blocklanczos_block 8", "type: blocklanczos"},
+                      Case{"Slices", "-eps_blocklanczos_slice 2", "slices of the spectrum"},
                       Case{"KrylovSchur", "-eps_type krylovschur", "type: krylovschur"},
                       Case{"Lobpcg", "-eps_type lobpcg", "type: lobpcg"},
                       Case{"LowRank",

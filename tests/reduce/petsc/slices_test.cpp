@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "reduce/linalg/eigen/eigensolver.hpp"
+#include "reduce/linalg/eigen/spectrum_slices.hpp"
 #include "reduce/linalg/factor/cholesky.hpp"
 #include "reduce/linalg/factor/inertia.hpp"
 #include "tests/reduce/petsc/petsc_options.hpp"
@@ -179,6 +180,33 @@ TEST(Slices, AreTheSameToTheBitTheNextTime) {
                    second = block_lanczos(springs.problem(), {90, 0.0, 1e-9});
   EXPECT_EQ(first.omega2, second.omega2);
   EXPECT_EQ(first.Phi, second.Phi);
+}
+
+// A factorisation is worth some hundred solves; the numbers of a part of 300,000 unknowns.
+TEST(Slices, AreChosenWhereTheyTakeFewerOperations) {
+  EigenProblem problem;
+  problem.factor_operations = 1.3e12;
+  problem.solve_operations = 1.35e9;
+  EXPECT_EQ(modes_per_slice(problem, 3e5, 2000, 16), 0);  // there are no shifts
+  problem.shifted = [](double) { return EigenProblem::Shifted{}; };
+  EXPECT_EQ(modes_per_slice(problem, 3e5, 50, 16), 0);
+  const int modes = modes_per_slice(problem, 3e5, 2000, 16);
+  EXPECT_GE(modes, 100);
+  EXPECT_LE(modes, 1000);
+  // A dear factor makes slices longer, or none at all.
+  const int of_more = modes_per_slice(problem, 3e5, 4000, 16);
+  problem.factor_operations = 4e12;
+  EXPECT_GT(modes_per_slice(problem, 3e5, 4000, 16), of_more);
+  problem.factor_operations = 1e15;
+  EXPECT_EQ(modes_per_slice(problem, 3e5, 4000, 16), 0);
+
+  Springs springs(40, 40, 1);
+  problem = springs.problem();
+  problem.factor_operations = 1e6;
+  problem.solve_operations = 1e5;
+  springs.expect(block_lanczos(problem, {300, 0.0, 1e-9}), 300);
+  const Options options("-eps_blocklanczos_slice", "0");
+  EXPECT_FALSE(block_lanczos(problem, {300, 0.0, 1e-9}).counted);
 }
 
 void expect_refusal(const EigenProblem& problem, const std::string& text) {
