@@ -11,7 +11,7 @@ import { PlotDeck } from './plots';
 import { motionScripts } from './motion_scripts';
 import { record } from './record';
 import { SectionPanel } from './section_panel';
-import { Stage, viewNames, type ViewName } from './stage';
+import { Stage, upIn, viewNames, type ViewName } from './stage';
 import { summaryPanel, warningsOf } from './summary';
 import { Surface } from './surface';
 import { cssColor, download, figure, h, icon, iconButton, forceText, lengthText, lengthUnit, say, shortcuts, slider,
