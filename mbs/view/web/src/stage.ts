@@ -21,7 +21,7 @@ export function upIn(gravity: [number, number, number] | undefined): THREE.Vecto
   return up.length() > 0 ? up.normalize() : new THREE.Vector3(0, 0, 1);
 }
 
-const narrow = 720; // [px]: a wider picture has room for the colour scale beside what it shows
+const narrow = 760; // [px]: a wider window has room for the colour scale beside what its picture shows
 
 interface Label { element: HTMLElement; place: () => THREE.Vector3 }
 
@@ -144,7 +144,7 @@ export class Stage {
     // Exactly along the vertical the camera has no up: lean by a millionth, where z is up with +y up on the screen.
     if (Math.abs(d.dot(this.camera.up)) > 0.999) d.add(new THREE.Vector3(0, -1e-6, 0).applyQuaternion(this.upright)).normalize();
     const width = this.element.clientWidth;
-    this.beside = this.panes === 1 && width < narrow ? Math.min(this.covered(), 0.3 * width) : 0;
+    this.beside = this.panes === 1 && innerWidth < narrow ? Math.min(this.covered(), 0.3 * width) : 0;
     this.camera.position.copy(this.centre).addScaledVector(d, Math.max(this.fittingDistance(d), 1.2 * this.radius));
     this.controls.target.copy(this.centre);
     this.controls.update();
