@@ -7,6 +7,7 @@
 #include <cmath>
 #include <optional>
 
+#include "mbs/formulas/motion_function.hpp"
 #include "mbs/formulas/time_function.hpp"
 #include "mbs/study/estimate/judged_outputs.hpp"
 
@@ -214,12 +215,22 @@ std::optional<std::vector<std::vector<int>>> places_of_switches(const mbs::Mecha
   return out;
 }
 
+// A measure by a formula that can be level where its bodies are at first (max(sway - 1 mm, 0), "sway > 0 ? ...", a table), which what only
+// the results show is not watched for.
+bool can_be_level(const mbs::Mechanism& m) {
+  return std::ranges::any_of(m.description().measures, [](const auto& measure) {
+    const mbs::Expression* const formula = measure->formula();
+    return formula && mbs::MotionFunction::may_peak(formula->tree());
+  });
+}
+
 // Where each function of time that is no drive is greatest and least: a factor step(t, ...) or "t > 1 ? ... : 0" before a deflection
 // begins to act after the start.  The half is taken whose bounds go further, the earlier of equal ones; none where there are too many.
 std::optional<std::vector<double>> times_at_work(const mbs::Mechanism& m, double begin, double end) {
   constexpr std::size_t kMost = 12;
   constexpr int kHalvings = 40;
-  std::vector<double> out;
+  std::vector<double> out = {begin +
+                             0.37 * (end - begin)};  // of factors of measures that only the results show
   for (const auto& f : m.functions_of_time()) {
     if (f->drives()) continue;
     for (const double sign : {1.0, -1.0}) {
@@ -253,7 +264,9 @@ std::set<std::string> bodies_of_influence(FullModel& full, const mbs::State& sta
   const auto places = places_of_switches(m);
   bool has_conditions = !m.description().controls.empty();
   for (int i = 0; i < m.sizes().n_root; ++i) has_conditions = has_conditions || m.is_condition(i);
-  if (has_conditions || !places || outputs.empty()) return all;
+  // So can a spring with play be, by its curve, and other formulas of the motion.
+  if (has_conditions || !m.functions_of_motion().empty() || can_be_level(m) || !places || outputs.empty())
+    return all;
   const auto times = times_at_work(m, start.t, end);
   if (!times) return all;
 

@@ -21,7 +21,8 @@ namespace flexura::study {
 /// hangs on a driven joint has no influence on what hangs beside it.  What is asked is whether, not how much: of states
 /// and rates drawn at random, twice, so that nothing vanishes by chance, and once more where each function of time in a formula
 /// is at work, if only later.  Elements that switch are taken as if they acted.
-/// All bodies where formulas have conditions or controls act, whose other side is not seen.
+/// All bodies where formulas have conditions or can be level for a while (max, a table, ...), or controls act, whose other side is not
+/// seen.
 std::set<std::string> bodies_of_influence(FullModel& full, const mbs::State& start,
                                           const std::vector<int>& outputs, double end);
 

@@ -181,6 +181,20 @@ TEST_F(ShadowsOfABar, HaveABodyThatBeginsToMatterDuringTheRun) {
   }
 }
 
+// What is asked for reads the other bar by a formula that is level where the bars rest.
+TEST_F(ShadowsOfABar, HaveABodyThatAnOutputIsLevelIn) {
+  for (const std::string& formula :
+       {"sway + max(far_sway - 1e-5, 0)", "far_sway > 1e-5 ? far_sway : sway", "sway + t * far_sway",
+        "sway + step(far_sway, 1e-5, 0, 1e-4, 1)", "t < 0.05 ? sway : far_sway"}) {
+    file_ = folder_.write("two.toml",
+                          two_bars("[measure.over]\ntype = \"expression\"\nvalue = \"" + formula + "\"\n"));
+    const Run rigid =
+        run({"body.read.fidelity=rigid", "body.other.fidelity=rigid", "output.quantities=[\"over\"]"});
+    ASSERT_TRUE(rigid.has_estimate);
+    EXPECT_EQ(rigid.estimate.by_body.size(), 2u) << formula;
+  }
+}
+
 TEST_F(ShadowsOfABar, HaveNoneThatNeverMatters) {
   file_ = folder_.write("two.toml", two_bars(""));
   const Run rigid = run({"body.read.fidelity=rigid", "body.other.fidelity=rigid"});
