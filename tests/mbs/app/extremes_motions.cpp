@@ -43,6 +43,11 @@ class Solution {
   std::vector<Eigen::VectorXd> y_;
 };
 
+// The lighter of two bodies: a light one before a heavy one would vibrate by itself.
+double light(const Scales& s) {
+  return std::min(s.ratio, 1.0 / s.ratio);
+}
+
 Scene solved(const Scales& s, double end, double scale, std::string text, std::string output,
              const Solution::Rate& f, const Eigen::VectorXd& start,
              const std::function<double(const Eigen::VectorXd&)>& of) {
@@ -82,7 +87,7 @@ Scene swinging_bar(const Scales& s, Chance& chance) {
 // J2 psi'' + m2 L l2 (cos d phi'' - sin d phi'^2) = -m2 l2 g sin psi with d = phi - psi.
 Scene double_pendulum(const Scales& s, Chance& chance) {
   const Units u(s);
-  const double m1 = chance.within(0.5, 2.0), m2 = chance.within(0.5, 2.0), L = 1.0,
+  const double m1 = chance.within(0.5, 2.0), m2 = light(s) * chance.within(0.5, 2.0), L = 1.0,
                l1 = chance.within(0.4, 0.6), l2 = chance.within(0.4, 0.6), I1 = 0.08 * m1, I2 = 0.08 * m2,
                a = chance.within(0.3, 1.0), b = chance.within(-0.5, 0.5), g = 1.0;
   const auto bar = [&](const char* name, double m, double l, double I) {
@@ -116,7 +121,7 @@ Scene double_pendulum(const Scales& s, Chance& chance) {
 Scene sprung_slider_crank(const Scales& s, Chance& chance) {
   const Units u(s);
   const double r = 0.5, l = chance.within(1.0, 2.0), J = chance.within(0.2, 0.6),
-               m2 = chance.within(0.3, 1.0), I2 = 0.1 * m2 * l * l, m3 = chance.within(0.3, 1.0),
+               m2 = chance.within(0.3, 1.0), I2 = 0.1 * m2 * l * l, m3 = light(s) * chance.within(0.3, 1.0),
                k = chance.within(0.5, 2.0), q0 = 2.2, a = chance.within(0.3, 1.2);
   const auto M = [=](double q) {
     const double sb = r * std::sin(q) / l, cb = std::sqrt(1.0 - sb * sb), b1 = r * std::cos(q) / (l * cb);

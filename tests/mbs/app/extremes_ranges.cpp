@@ -151,17 +151,17 @@ TEST(RangesHeld, Stiffness) {
               kSomeSteps);
   range.hold(all_mechanisms(), kDraws, [](Chance& c, const std::string&) {
     const double k = c.decades(1e-12, 1e15);
-    // A tumbling stone of 1 m at 1e7 rad/s is beyond a tenth of the speed of light, where runs stop: smaller by that.
-    return Place{{.length = 1.0 / std::max(1.0, std::sqrt(k) / 1e5), .time = 1.0 / std::sqrt(k)},
+    // Smaller where a stone of 1 m (1000 mm) would tumble faster than a tenth of the speed of light, where runs stop.
+    return Place{{.length = 1.0 / std::max(1.0, std::sqrt(k) / 3e3), .time = 1.0 / std::sqrt(k)},
                  {},
                  said("stiffness", k)};
   });
 }
 
 TEST(RangesHeld, Size) {
-  Range range("Size, random from 1e-12 to 1e+6 m", "Two periods of mechanisms of 1 kg and 1 s.", kSomeSteps);
+  Range range("Size, random from 1e-12 to 1e+3 m", "Two periods of mechanisms of 1 kg and 1 s.", kSomeSteps);
   range.hold(all_mechanisms(), kDraws, [](Chance& c, const std::string&) {
-    const double l = c.decades(1e-12, 1e6);
+    const double l = c.decades(1e-12, 1e3);
     return Place{{.length = l}, {}, said("length", l)};
   });
 }
@@ -170,10 +170,25 @@ TEST(RangesHeld, MassSizeAndTimeTogether) {
   Range range("Mass, size and time together, random from 1e-9 to 1e+9 kg, 1e-9 to 1e+3 m and 1e-4 to 1e+6 s",
               "Two periods.", kSomeSteps);
   range.hold(all_mechanisms(), kDraws, [](Chance& c, const std::string&) {
-    const double m = c.decades(1e-9, 1e9), l = c.decades(1e-9, 1e3), t = c.decades(1e-4, 1e6);
+    const double m = c.decades(1e-9, 1e9), l = c.decades(1e-9, 1e3),
+                 t = std::max(c.decades(1e-4, 1e6),
+                              1e-3 * l);  // below a tenth of the speed of light, also as mm/s
     return Place{
         {.mass = m, .length = l, .time = t}, {}, said("mass", m) + said(", length", l) + said(", time", t)};
   });
+}
+
+TEST(RangesHeld, MassRatio) {
+  Range range("Mass ratio, random from 1e-9 to 1e+9",
+              "Two periods of mechanisms of 1 kg, 1 m and 1 s: the coupler of the parallelogram, the second "
+              "pendulum and the slider to the others "
+              "(of these two the lighter, 1e-9 to 1).",
+              kSomeSteps);
+  range.hold({linear_mechanisms()[4], other_mechanisms()[1], other_mechanisms()[2]}, 2 * kDraws,
+             [](Chance& c, const std::string&) {
+               const double ratio = c.decades(1e-9, 1e9);
+               return Place{{.ratio = ratio}, {}, said("ratio", ratio)};
+             });
 }
 
 TEST(RangesHeld, Damping) {
@@ -195,7 +210,7 @@ TEST(RangesHeld, Speed) {
   all.push_back(other_mechanisms()[3]);
   range.hold(all, kDraws, [](Chance& c, const std::string&) {
     const double w = c.decades(1e-9, 1e9);
-    return Place{{.length = std::min(1.0, 1e6 / w), .time = 1.0 / w}, {}, said("speed", w)};
+    return Place{{.length = std::min(1.0, 3e3 / w), .time = 1.0 / w}, {}, said("speed", w)};
   });
 }
 

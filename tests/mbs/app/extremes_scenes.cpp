@@ -93,8 +93,9 @@ Scene mass_between_points(const Scales& s, Chance& chance) {
 // Two equal cranks of length r carry a coupler, which does not turn: (2 J + m r^2) phi'' + k phi = 0 without gravity.
 Scene parallelogram(const Scales& s, Chance& chance) {
   const Units u(s);
-  const double r = chance.within(0.5, 1.0), m = chance.within(0.5, 2.0), J = chance.within(0.05, 0.2),
-               a = chance.within(0.1, 0.5), d = chance.within(1.0, 2.0), k = 2.0 * J + m * r * r;
+  const double r = chance.within(0.5, 1.0), m = s.ratio * chance.within(0.5, 2.0),
+               J = chance.within(0.05, 0.2), a = chance.within(0.1, 0.5), d = chance.within(1.0, 2.0),
+               k = 2.0 * J + m * r * r;
   // The coordinates of the joints are zero where the cranks stand upright.
   std::string text = "gravity = [0, 0, 0]\n[body.coupler]\nmass = " + n(m * u.mass) +
                      "\ncenter = " + list(0.4 * d * u.length, 0.0, 0.0) +
@@ -172,10 +173,10 @@ Scene driven_slider_crank(const Scales& s, Chance& chance) {
       "slide.position", place);
 }
 
-// Crank 1, ground 3, coupler 2.5, rocker 1.5 + gap: the rocker's angle from the diagonal by the law of cosines.
+// Crank 1, ground 3, coupler 2.5, rocker 1.5 + gap (at most 2.5): the rocker's angle from the diagonal by the law of cosines.
 Scene driven_four_bar(const Scales& s, Chance&) {
   const Units u(s);
-  const double a = 1.0, d = 3.0, b = 2.5, c = 1.5 + s.gap;
+  const double a = 1.0, d = 3.0, b = 2.5, c = 1.5 + std::min(s.gap, 1.0);
   const auto rocker = [=](double q) {
     const double x = a * std::cos(q) - d, y = a * std::sin(q), e = std::hypot(x, y);
     return std::atan2(y, x) - std::acos(std::clamp((e * e + c * c - b * b) / (2.0 * e * c), -1.0, 1.0));

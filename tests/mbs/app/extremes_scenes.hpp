@@ -16,6 +16,8 @@ namespace flexura::extremes {
 /// Unit systems are numbers: what is 1 m and 1 kg is 1000 and 0.001 in mm-t-s.
 struct Scales {
   double mass = 1.0, length = 1.0, time = 1.0;
+  double ratio =
+      1.0;  ///< of masses, of those that have several bodies (below 1 where else something would vibrate fast)
   double damping = 0.0;  ///< ratio, of those that are linear
   double gap =
       0.5;  ///< of those that are driven: how far, over the crank's length, they stay from a position that has no way on
