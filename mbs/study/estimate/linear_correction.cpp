@@ -1,6 +1,8 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include "mbs/study/estimate/linear_correction.hpp"
 
+#include <Eigen/Eigenvalues>
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -37,6 +39,32 @@ void Transients::add(const Eigen::VectorXd& omega2, const Eigen::VectorXd& dampi
   std::ranges::sort(modes_, {}, [](const auto& mode) { return mode.second; });
   fastest_ = 0;
   pass_those_at_rest();
+}
+
+bool Transients::add(const LinearisedRow& row, const MatrixXd& G) {
+  constexpr Eigen::Index kMost = 120;
+  constexpr double kAtRest = 1e-8;  // of the largest square of a frequency: moves freely
+  const Eigen::Index n = row.M.rows();
+  if (n == 0 || n > kMost) return false;
+  // Of unit masses, in what the constraints leave.
+  const Eigen::VectorXd scale = row.M.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+  MatrixXd N = MatrixXd::Identity(n, n);
+  if (G.rows() > 0) {
+    const Eigen::ColPivHouseholderQR<MatrixXd> qr(scale.asDiagonal() * G.transpose());
+    N = (qr.householderQ() * N).rightCols(n - qr.rank()).eval();
+  }
+  if (N.cols() == 0) return false;
+  const auto reduced = [&](const MatrixXd& A) {
+    const MatrixXd B = N.transpose() * (scale.asDiagonal() * A * scale.asDiagonal()) * N;
+    return MatrixXd(0.5 * (B + B.transpose()));
+  };
+  const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> modes(reduced(row.K), reduced(row.M));
+  if (modes.info() != Eigen::Success || !modes.eigenvalues().allFinite()) return false;
+  const MatrixXd& phi = modes.eigenvectors();
+  const Eigen::VectorXd damping = (phi.transpose() * reduced(row.D) * phi).diagonal().cwiseMax(0.0);
+  const double most = modes.eigenvalues().maxCoeff();
+  add((modes.eigenvalues().array() > kAtRest * most).select(modes.eigenvalues(), 0.0), damping);
+  return true;
 }
 
 void Transients::begin() {

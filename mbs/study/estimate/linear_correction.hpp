@@ -30,6 +30,9 @@ class Transients {
  public:
   /// More modes that may ring: squares of their frequencies [rad^2/s^2], and damping 2 zeta omega [1/s].
   void add(const Eigen::VectorXd& omega2, const Eigen::VectorXd& damping);
+  /// Those of the row as its constraints hold them: a joint takes damping from a body's free modes, which have it, and gives to motions
+  /// that have none.  False, and none, where there are too many coordinates for it to pay or the row is no vibration.
+  bool add(const LinearisedRow& row, const Eigen::MatrixXd& G);
   /// Loads have just jumped.  Nothing is followed any more once the steps are used up.
   void begin();
   /// The longest step from here [s]; infinite where nothing rings.

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <iterator>
 #include <tuple>
 
 #include "mbs/solver/integrators/known_times.hpp"
@@ -55,6 +56,8 @@ struct Shadows::Impl {
 
   MatrixXd loads() const;
   bool jumps_before(double t);
+  void look_behind_start(double start, double end);
+  void list_transients();
   bool follow(const mbs::State& at, const VectorXd& v_dot_at, bool is_row);
   void compare(double h);
 };
@@ -159,11 +162,6 @@ std::unique_ptr<Shadows> Shadows::make(const mbs::PreparedMechanism& run, FullMo
     in.joints_feel_nothing = in.joints_feel_nothing || in.embedding.one_way(i);
     if (in.embedding.complete(i)) continue;
     in.sources.push_back(i);
-    const mbs::ModalData& data = *full.mechanism()
-                                      .description()
-                                      .bodies[static_cast<std::size_t>(full.blocks()[i].body)]
-                                      .flexible->modal();
-    in.transients.add(data.stiffness, data.damping);
   }
   if (in.sources.empty()) return nullptr;
   in.outputs = judged_outputs(run, full.mechanism(), in.sums);
@@ -172,6 +170,7 @@ std::unique_ptr<Shadows> Shadows::make(const mbs::PreparedMechanism& run, FullMo
   mbs::KnownTimes::Looks looks =
       mbs::KnownTimes::looks(*run.mechanism, run.options, in.rows_apart, kMostLooks);
   in.look_at = std::move(looks.t);
+  in.look_behind_start(run.state.t, run.options.end_time);
   const Index n_out = static_cast<Index>(in.outputs.size()),
               n_sources = static_cast<Index>(in.sources.size());
   in.square = in.square_size = in.last_square = in.last_size = VectorXd::Zero(n_out);
@@ -183,6 +182,28 @@ std::unique_ptr<Shadows> Shadows::make(const mbs::PreparedMechanism& run, FullMo
   return shadows;
 }
 
+// The run may set off with a jerk, loads that act at once on bodies at rest: what is left out begins to ring, faster than the rows show.
+void Shadows::Impl::look_behind_start(double start, double end) {
+  constexpr int kRows = 4, kLooks = 8;  // so many rows, so many looks to each
+  std::vector<double> both, first;
+  for (int i = 1; i < kRows * kLooks; ++i)
+    if (const double at = start + rows_apart * i / kLooks; i % kLooks != 0 && at < end) first.push_back(at);
+  std::ranges::merge(look_at, first, std::back_inserter(both));
+  look_at = std::move(both);
+}
+
+// What may ring: the row's own vibrations, or else those of the free bodies.
+void Shadows::Impl::list_transients() {
+  if (transients.add(*linearised.row(), linearised.G())) return;
+  for (const std::size_t i : sources) {
+    const mbs::ModalData& data = *full.mechanism()
+                                      .description()
+                                      .bodies[static_cast<std::size_t>(full.blocks()[i].body)]
+                                      .flexible->modal();
+    transients.add(data.stiffness, data.damping);
+  }
+}
+
 bool Shadows::Impl::follow(const mbs::State& at, const VectorXd& v_dot_at, bool is_row) {
   const auto start = std::chrono::steady_clock::now();
   const double h = taken > 0 ? at.t - t : 0.0;
@@ -190,6 +211,7 @@ bool Shadows::Impl::follow(const mbs::State& at, const VectorXd& v_dot_at, bool 
   embedding.embed(at, v_dot_at, s, v_dot);
   linearised.take(s, v_dot, h);
   full.residual(s, v_dot, r);
+  if (taken == 0) list_transients();
   jumped = taken > 0 && jumps_before(at.t);
   if (jumped) transients.begin();
   correction->step(h, *linearised.row(), linearised.G(), loads(), &transients, jumped);
