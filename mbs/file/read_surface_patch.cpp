@@ -25,9 +25,9 @@ Vector3d area_vector(const Superelement& se, int triangle) {
   return 0.5 * (corner(se, triangle, 1) - a).cross(corner(se, triangle, 2) - a);
 }
 
-InRegion in_interfaces(const Section& s, const Superelement& se) {
+InRegion in_interfaces(const Section& s, const std::string& key, const Superelement& se) {
   std::vector<int> wanted;
-  for (const std::string& name : s.texts("interfaces")) {
+  for (const std::string& name : s.texts(key)) {
     std::vector<std::string> known;
     int found = -1;
     for (std::size_t i = 0; i < se.interfaces.size(); ++i) {
@@ -35,10 +35,9 @@ InRegion in_interfaces(const Section& s, const Superelement& se) {
       if (se.interfaces[i].name == name) found = static_cast<int>(i);
     }
     if (found < 0)
-      s.refuse("interfaces",
-               fmt::format("the body has no interface \"{}\"{}", name, input::suggestion(name, known)));
+      s.refuse(key, fmt::format("the body has no interface \"{}\"{}", name, input::suggestion(name, known)));
     if (std::ranges::find(se.surface.triangle_interface, found) == se.surface.triangle_interface.end())
-      s.refuse("interfaces", fmt::format("no facet of the surface belongs to \"{}\"", name),
+      s.refuse(key, fmt::format("no facet of the surface belongs to \"{}\"", name),
                "name one that is a face, or say by box and facing where the body touches");
     wanted.push_back(found);
   }
@@ -48,10 +47,10 @@ InRegion in_interfaces(const Section& s, const Superelement& se) {
   };
 }
 
-InRegion in_box(const Section& s, const Superelement& se) {
-  const std::vector<Vector3d> corners = s.vectors3("box");
+InRegion in_box(const Section& s, const std::string& key, const Superelement& se) {
+  const std::vector<Vector3d> corners = s.vectors3(key);
   if (corners.size() != 2)
-    s.refuse("box", fmt::format("has {} points", corners.size()), "give two opposite corners");
+    s.refuse(key, fmt::format("has {} points", corners.size()), "give two opposite corners");
   const Vector3d low = corners[0].cwiseMin(corners[1]), high = corners[0].cwiseMax(corners[1]);
   // What lies on a side of the box lies in it.
   const double round_off = 1e-9 * se.surface.vertices.cwiseAbs().maxCoeff();
@@ -64,40 +63,45 @@ InRegion in_box(const Section& s, const Superelement& se) {
   };
 }
 
-InRegion facing(const Section& s, const Superelement& se) {
-  const Vector3d along = s.vector3("facing");
-  if (!(along.norm() > 0.0)) s.refuse("facing", "has no length", "write for example [0, 0, -1]");
-  const double least = std::cos(s.quantity("facing_angle"));
+InRegion facing(const Section& s, const std::string& key, const Superelement& se) {
+  const Vector3d along = s.vector3(key);
+  if (!(along.norm() > 0.0)) s.refuse(key, "has no length", "write for example [0, 0, -1]");
+  const double least = std::cos(s.quantity(key + "_angle"));
   return [=, &se](int t) {
     const Vector3d n = area_vector(se, t);
     return n.dot(along) >= least * n.norm() * along.norm();
   };
 }
 
-}  // namespace
-
-PatchOfSurface read_surface_patch(const Section& s, const Superelement& se, bool deforms) {
+/// The triangles that lie in all that the section names, and their corners with the areas around them.
+PatchOfSurface read_part(const Section& s, const SurfaceKeys& keys, const Superelement& se, bool deforms,
+                         std::vector<int>& triangles) {
   const auto n_v = se.surface.vertices.rows();
   if (n_v == 0 || se.surface.triangles.rows() == 0 || (deforms && se.shapes.rows() != 3 * n_v))
-    s.refuse("body", "its superelement has no surface with shapes on it",
+    s.refuse(keys.body, "its superelement has no surface with shapes on it",
              "reduce the part from its CAD file or mesh (foreign matrices bring none)");
   std::vector<InRegion> regions;
-  std::string keys;
-  const auto add = [&](const char* key, InRegion (*read)(const Section&, const Superelement&)) {
+  std::string last;
+  const auto add = [&](const char* name,
+                       InRegion (*read)(const Section&, const std::string&, const Superelement&)) {
+    const std::string key = keys.prefix + name;
     if (!s.has(key)) return;
-    regions.push_back(read(s, se));
-    keys = key;
+    regions.push_back(read(s, key, se));
+    last = key;
   };
   add("interfaces", in_interfaces);
   add("box", in_box);
   add("facing", facing);
-  if (s.has("facing_angle") && !s.has("facing"))
-    s.refuse("facing_angle", "is the angle around a direction", "give facing, too");
+  if (s.has(keys.prefix + "facing_angle") && !s.has(keys.prefix + "facing"))
+    s.refuse(keys.prefix + "facing_angle", "is the angle around a direction",
+             "give " + keys.prefix + "facing, too");
 
   Eigen::VectorXd area = Eigen::VectorXd::Zero(n_v);
   for (int t = 0; t < se.surface.triangles.rows(); ++t) {
     if (!std::ranges::all_of(regions, [t](const InRegion& region) { return region(t); })) continue;
-    for (int k = 0; k < 3; ++k) area(se.surface.triangles(t, k)) += area_vector(se, t).norm() / 3.0;
+    const double third = area_vector(se, t).norm() / 3.0;
+    if (third > 0.0) triangles.push_back(t);
+    for (int k = 0; k < 3; ++k) area(se.surface.triangles(t, k)) += third;
   }
   PatchOfSurface out;
   for (Eigen::Index v = 0; v < n_v; ++v)
@@ -106,20 +110,47 @@ PatchOfSurface read_surface_patch(const Section& s, const Superelement& se, bool
     const Eigen::RowVector3d low = se.surface.vertices.colwise().minCoeff(),
                              high = se.surface.vertices.colwise().maxCoeff();
     s.refuse(
-        keys,
+        last,
         fmt::format("no facet of the surface lies there; the body reaches from [{:.4g}, {:.4g}, {:.4g}] to "
                     "[{:.4g}, {:.4g}, {:.4g}] m",
                     low.x(), low.y(), low.z(), high.x(), high.y(), high.z()),
         "let the region hold whole facets, in the body's own frame");
   }
-  Eigen::Matrix3Xd x(3, out.vertices.size());
-  out.area.resize(x.cols());
-  for (Eigen::Index j = 0; j < x.cols(); ++j) {
-    const int v = out.vertices[static_cast<std::size_t>(j)];
-    x.col(j) = se.surface.vertices.row(v).transpose();
-    out.area(j) = area(v);
-  }
-  out.patch = std::make_shared<SurfacePatch>(x, out.area);
+  out.area.resize(static_cast<Eigen::Index>(out.vertices.size()));
+  for (std::size_t j = 0; j < out.vertices.size(); ++j)
+    out.area(static_cast<Eigen::Index>(j)) = area(out.vertices[j]);
+  return out;
+}
+
+Eigen::Matrix3Xd places(const PatchOfSurface& part, const Superelement& se) {
+  Eigen::Matrix3Xd x(3, part.vertices.size());
+  for (Eigen::Index j = 0; j < x.cols(); ++j)
+    x.col(j) = se.surface.vertices.row(part.vertices[static_cast<std::size_t>(j)]).transpose();
+  return x;
+}
+
+}  // namespace
+
+PatchOfSurface read_surface_patch(const Section& s, const Superelement& se, bool deforms) {
+  std::vector<int> triangles;
+  PatchOfSurface out = read_part(s, {"body", ""}, se, deforms, triangles);
+  out.patch = std::make_shared<SurfacePatch>(places(out, se), out.area);
+  return out;
+}
+
+PatchOfSurface read_touched_surface(const Section& s, const Superelement& se, bool deforms,
+                                    const SurfaceKeys& keys) {
+  std::vector<int> triangles;
+  PatchOfSurface out = read_part(s, keys, se, deforms, triangles);
+  std::vector<int> place(static_cast<std::size_t>(se.surface.vertices.rows()), -1);
+  for (std::size_t j = 0; j < out.vertices.size(); ++j)
+    place[static_cast<std::size_t>(out.vertices[j])] = static_cast<int>(j);
+  Eigen::Matrix3Xi facets(3, triangles.size());
+  for (Eigen::Index t = 0; t < facets.cols(); ++t)
+    for (int k = 0; k < 3; ++k)
+      facets(k, t) =
+          place[static_cast<std::size_t>(se.surface.triangles(triangles[static_cast<std::size_t>(t)], k))];
+  out.mesh = std::make_shared<SurfaceMesh>(places(out, se), facets);
   return out;
 }
 

@@ -15,6 +15,7 @@
 #include "mbs/file/read_markers.hpp"
 #include "mbs/file/read_tables.hpp"
 #include "mbs/formulas/parameters.hpp"
+#include "mbs/kinematics/smoothed_surface.hpp"
 
 namespace flexura::mbs {
 namespace {
@@ -114,7 +115,7 @@ void prepare_bodies(ReadModel& model) {
         prepare_flexible_body(s, *se, model.linked[b], on_surface, d, b, model.notes, model.cache);
     const ModalData& data = *body->modal();
     for (auto patch = first; patch != last; ++patch)
-      patch->second.patch->set_shapes(shapes_of(patch->second, *se) * data.Y);
+      patch->second.set_shapes(shapes_of(patch->second, *se) * data.Y);
     const auto [first_mesh, last_mesh] = model.meshes.equal_range(b);
     for (auto mesh = first_mesh; mesh != last_mesh; ++mesh)
       mesh->second->set_shapes(se->shapes.cast<double>() * data.Y);
@@ -154,8 +155,8 @@ Reader::Reader(ReadModel& model, const std::filesystem::path& file, const input:
 void Reader::read_bodies() {
   MechanismDescription& d = model_.description;
   for (const auto& [name, s] : root_.table_map("force"))
-    if (const std::string& key = find_type(force_types(), s.text("type")).surface_of; !key.empty())
-      model_.surfaces_in_use.insert(prefix_ + s.text(key));
+    for (const std::string& key : find_type(force_types(), s.text("type")).surfaces_of)
+      if (s.has(key)) model_.surfaces_in_use.insert(prefix_ + s.text(key));
   for (const auto& [name, s] : root_.table_map("measure"))
     for (const std::string& key : find_type(measure_types(), s.text("type")).meshes_of)
       model_.surfaces_in_use.insert(prefix_ + s.text(key));
@@ -185,6 +186,35 @@ std::shared_ptr<const SurfacePatch> Reader::surface(const Section& s, int body) 
   const std::shared_ptr<const SurfacePatch> patch = part.patch;
   model_.patches.emplace(body, std::move(part));
   return patch;
+}
+
+std::shared_ptr<const TouchedSurface> Reader::touched(const Section& s, const SurfaceKeys& keys,
+                                                      int body) const {
+  const auto se = model_.with_surface.find(body);
+  if (se == model_.with_surface.end())
+    s.refuse(
+        keys.body, fmt::format("\"{}\" has no superelement, whose surface has facets", s.text(keys.body)),
+        "make the body of one (fidelity = \"rigid\" will do), or let a plane, sphere or cylinder at a marker "
+        "of it be touched (from)");
+  PatchOfSurface part = read_touched_surface(s, *se->second, model_.deforms(body), keys);
+  const auto smoothed = std::make_shared<SmoothedSurface>(part.mesh);
+  if (const auto [one, other] = smoothed->opposed(); one >= 0) {
+    const Vector3d at = part.mesh->vertex(part.mesh->triangle(one)[0], nullptr);
+    s.refuse(
+        keys.body,
+        fmt::format(
+            "its facets near [{:.4g}, {:.4g}, {:.4g}] m look into opposite directions, nearer to each "
+            "other than they are long",
+            at.x(), at.y(), at.z()),
+        fmt::format("choose the side that is touched by {0}facing, {0}interfaces or {0}box, or reduce the "
+                    "part with a finer mesh",
+                    keys.prefix));
+  }
+  model_.notes.push_back(
+      fmt::format("{}: {} facets of the surface of \"{}\" may be touched, {:.4g} mm^2 in all", s.path(),
+                  part.mesh->n_triangles(), s.text(keys.body), 1e6 * part.area.sum()));
+  model_.patches.emplace(body, std::move(part));
+  return smoothed;
 }
 
 std::shared_ptr<const SurfaceMesh> Reader::mesh(const Section& s, const std::string& key, int body) const {

@@ -50,10 +50,15 @@ class Reader {
             prefix_,
             [this](int marker) { return undeformed_place(model_, marker); },
             [this](const input::Section& s, int body) { return surface(s, body); },
+            [this](const input::Section& s, const std::string& key, const std::string& prefix, int body) {
+              return touched(s, {key, prefix}, body);
+            },
             [this](const input::Section& s, const std::string& key, int body) { return mesh(s, key, body); }};
   }
   /// See ReadContext::Surface.
   std::shared_ptr<const SurfacePatch> surface(const input::Section& s, int body) const;
+  std::shared_ptr<const TouchedSurface> touched(const input::Section& s, const SurfaceKeys& keys,
+                                                int body) const;
   std::shared_ptr<const SurfaceMesh> mesh(const input::Section& s, const std::string& key, int body) const;
   void read_subsystem(const std::string& name, const input::Section& s);
   void read_body(const std::string& name, const input::Section& s);

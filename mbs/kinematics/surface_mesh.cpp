@@ -154,8 +154,12 @@ int SurfaceMesh::build(int begin, int end) {
     for (int k = 0; k < 3; ++k) box.extend(Vector3d(x_.col(triangles_[static_cast<std::size_t>(t)][k])));
   group.c = box.center();
   for (int t = begin; t < end; ++t)
-    for (int k = 0; k < 3; ++k)
-      group.r = std::max(group.r, (x_.col(triangles_[static_cast<std::size_t>(t)][k]) - group.c).norm());
+    for (int k = 0; k < 3; ++k) {
+      const Vector3d corner = x_.col(triangles_[static_cast<std::size_t>(t)][k]);
+      group.r = std::max(group.r, (corner - group.c).norm());
+      group.longest =
+          std::max(group.longest, (corner - middle(triangles_[static_cast<std::size_t>(t)])).norm());
+    }
   const int own = static_cast<int>(groups_.size());
   groups_.push_back(group);
   if (end - begin > kLeaf) {
@@ -202,6 +206,11 @@ Vector3d SurfaceMesh::vertex(int j, const double* s) const {
   Vector3d x = x_.col(j);
   if (s && m() > 0) x += Phi_.middleRows<3>(3 * j) * Eigen::Map<const Eigen::VectorXd>(s, m());
   return x;
+}
+
+Vector3d SurfaceMesh::velocity(int j, const double* s_dot) const {
+  if (!s_dot || m() == 0) return Vector3d::Zero();
+  return shapes(j) * Eigen::Map<const Eigen::VectorXd>(s_dot, m());
 }
 
 SurfaceMesh::Gap SurfaceMesh::between(const SurfaceMesh& a, const double* s_a, const SurfaceMesh& b,

@@ -67,8 +67,15 @@ class SurfacePatch {
   /// The least value(rho_j), of a function that changes by no more than the way that its point goes.
   template <class Value>
   Least least(const double* s, const Value& value) const {
+    return least(
+        s, [&](const Vector3d& c, double) { return value(c); }, value);
+  }
+  /// Of any function that is nowhere within r of a point c below bound(c, enough) - r; the bound may be any number above
+  /// `enough` where it is above that.
+  template <class Bound, class Value>
+  Least least(const double* s, const Bound& bound, const Value& value) const {
     Least best;
-    if (size() > 0) least(0, s, value, best);
+    if (size() > 0) least(0, s, bound, value, best);
     return best;
   }
 
@@ -103,8 +110,8 @@ class SurfacePatch {
     }
     for (int j = g.begin; j < g.end; ++j) node(j, position(j, s));
   }
-  template <class Value>
-  void least(int group, const double* s, const Value& value, Least& best) const {
+  template <class Bound, class Value>
+  void least(int group, const double* s, const Bound& bound, const Value& value, Least& best) const {
     const Group& g = groups_[static_cast<std::size_t>(group)];
     if (g.left < 0) {
       for (int j = g.begin; j < g.end; ++j) {
@@ -114,10 +121,11 @@ class SurfacePatch {
       return;
     }
     const Ball one = ball(g.left, s), other = ball(g.right, s);
-    const double at_one = value(one.c) - one.r, at_other = value(other.c) - other.r;
+    const double at_one = bound(one.c, best.value + one.r) - one.r,
+                 at_other = bound(other.c, best.value + other.r) - other.r;
     const bool turned = at_other < at_one;
-    if (std::min(at_one, at_other) < best.value) least(turned ? g.right : g.left, s, value, best);
-    if (std::max(at_one, at_other) < best.value) least(turned ? g.left : g.right, s, value, best);
+    if (std::min(at_one, at_other) < best.value) least(turned ? g.right : g.left, s, bound, value, best);
+    if (std::max(at_one, at_other) < best.value) least(turned ? g.left : g.right, s, bound, value, best);
   }
 
   Eigen::Matrix3Xd x_;

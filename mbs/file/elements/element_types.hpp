@@ -43,8 +43,8 @@ struct ElementType {
   std::vector<input::Key> keys;
   std::vector<Given> gives;
   std::shared_ptr<const Element> (*read)(const std::string& name, const input::Section&, const ReadContext&);
-  /// The key that names a body on whose surface it acts: the surface is then read with the body.
-  std::string surface_of = {};
+  /// Keys that name bodies on whose surfaces it acts: these are then read with the bodies.
+  std::vector<std::string> surfaces_of = {};
   /// Keys that name bodies whose surfaces it sees whole.
   std::vector<std::string> meshes_of = {};
   std::vector<std::string> synonyms = {};  ///< accepted too: what other programs call it

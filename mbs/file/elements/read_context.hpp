@@ -10,6 +10,7 @@
 #include "mbs/base/documents/document.hpp"
 #include "mbs/kinematics/surface_mesh.hpp"
 #include "mbs/kinematics/surface_patch.hpp"
+#include "mbs/kinematics/touched_surface.hpp"
 #include "mbs/mechanism/mechanism.hpp"
 
 /// What the readers of joints, constraints, forces and measures need: names of the file become places in the
@@ -23,19 +24,23 @@ class ReadContext {
   /// The part of a body's surface that an element's section names; its shapes come when the body is prepared.
   using Surface = std::function<std::shared_ptr<const SurfacePatch>(const input::Section&, int body)>;
 
+  /// What may touch such a part of the surface of the body that a key names, likewise; `prefix`: before the names of the other keys.
+  using Touched = std::function<std::shared_ptr<const TouchedSurface>(
+      const input::Section&, const std::string& key, const std::string& prefix, int body)>;
   /// The whole surface of the body that a key names, likewise.
   using Mesh = std::function<std::shared_ptr<const SurfaceMesh>(const input::Section&, const std::string& key,
                                                                 int body)>;
 
   /// `prefix` of a subsystem: names within it are found without.
   ReadContext(MechanismDescription& description, std::map<std::string, double> parameters, Curves tables,
-              std::string prefix, Undeformed undeformed, Surface surface, Mesh mesh)
+              std::string prefix, Undeformed undeformed, Surface surface, Touched touched, Mesh mesh)
       : d_(description),
         parameters_(std::move(parameters)),
         tables_(std::move(tables)),
         prefix_(std::move(prefix)),
         undeformed_(std::move(undeformed)),
         surface_(std::move(surface)),
+        touched_(std::move(touched)),
         mesh_(std::move(mesh)) {}
 
   /// The marker "body.marker" (or "body" for the body's own frame) that a key names.
@@ -45,6 +50,10 @@ class ReadContext {
   std::pair<int, Pose> undeformed(int marker) const { return undeformed_(marker); }
   std::shared_ptr<const SurfacePatch> surface(const input::Section& section, int body) const {
     return surface_(section, body);
+  }
+  std::shared_ptr<const TouchedSurface> touched(const input::Section& section, const std::string& key,
+                                                const std::string& prefix, int body) const {
+    return touched_(section, key, prefix, body);
   }
   std::shared_ptr<const SurfaceMesh> mesh(const input::Section& section, const std::string& key,
                                           int body) const {
@@ -107,6 +116,7 @@ class ReadContext {
   std::string prefix_;
   Undeformed undeformed_;
   Surface surface_;
+  Touched touched_;
   Mesh mesh_;
 };
 

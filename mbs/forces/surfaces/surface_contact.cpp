@@ -1,69 +1,59 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include "mbs/forces/surfaces/surface_contact.hpp"
 
-#include "mbs/kinematics/deformation_derivatives.hpp"
+#include "mbs/forces/surfaces/onset.hpp"
 
 namespace flexura::mbs {
-namespace {
-
-/// tanh(|v| / v_0) / |v|, and its derivative by |v|.
-struct Onset {
-  double phi, slope;
-  Onset(double speed, double v_0) {
-    const double z = speed / v_0;
-    if (z < 1e-4) {  // tanh z / z = 1 - z^2 / 3
-      phi = (1.0 - z * z / 3.0) / v_0;
-      slope = -2.0 / 3.0 * z / (v_0 * v_0);
-      return;
-    }
-    const double step = std::tanh(z);
-    phi = step / speed;
-    slope = ((1.0 - step * step) / v_0 - phi) / speed;
-  }
-};
-
-}  // namespace
-
 SurfaceContact::View SurfaceContact::view(const Kinematics& kin) const {
   const BodyState& body = kin.bodies[static_cast<std::size_t>(body_)];
-  return {kin.relative_motion(F_, B_), body.s, body.s_dot};
+  const int m_o = touched_->m();
+  const BodyState other = m_o > 0 ? kin.bodies[static_cast<std::size_t>(other_)] : BodyState{};
+  touched_->start(other.s);
+  return {kin.relative_motion(F_, B_), body.s, body.s_dot, other.s, other.s_dot, m_o};
 }
 
 SurfacePatch::Least SurfaceContact::nearest(const View& at) const {
   const Pose& X = at.rel.X_FM;
-  return patch_->least(at.s, [&](const Vector3d& rho) {
-    Vector3d n;
-    return shape_.distance(X.p + X.R * rho, n);
-  });
+  return patch_->least(
+      at.s, [&](const Vector3d& c, double enough) { return touched_->bound(X.p + X.R * c, at.o, enough); },
+      [&](const Vector3d& rho) { return touched_->separation(X.p + X.R * rho, at.o); });
 }
 
-template <class Take>
-void SurfaceContact::for_touching(const View& at, const Take& take) const {
+void SurfaceContact::for_touching(const View& at, bool second,
+                                  const std::function<void(const Touch&)>& take) const {
   const Pose& X = at.rel.X_FM;
   const Vector3d w = at.rel.V.head<3>(), u = at.rel.V.tail<3>();
+  thread_local TouchedSurface::Foot foot;  // nothing is allocated in a run
+  thread_local Eigen::VectorXd z_dot, force;
   patch_->visit(
       at.s,
-      [&](const Vector3d& c, double radius) {
-        Vector3d n;
-        return shape_.distance(X.p + X.R * c, n) < radius;
-      },
+      [&](const Vector3d& c, double radius) { return touched_->bound(X.p + X.R * c, at.o, radius) < radius; },
       [&](int j, const Vector3d& rho) {
-        Touch t;
-        t.r = X.R * rho;
-        const double gap = shape_.distance(X.p + t.r, t.n);
-        if (!(gap < 0.0)) return;
-        t.node = j;
-        t.turned_v = X.R * patch_->velocity(j, at.s_dot);
-        t.v = u + w.cross(t.r) + t.turned_v;
-        t.gap_rate = t.n.dot(t.v);
-        t.area = patch_->area(j);
-        t.p = law_.at(-gap, -t.gap_rate);
-        t.sliding = t.v - t.gap_rate * t.n;
-        t.friction.setZero();
-        if (friction_.mu > 0.0)
-          t.friction =
-              -friction_.mu * t.area * t.p.p * Onset(t.sliding.norm(), friction_.v_0).phi * t.sliding;
-        take(t);
+        const Vector3d r = X.R * rho;
+        if (!touched_->find_foot(X.p + r, at.o, second, foot) || !(foot.gap < 0.0)) return;
+        const Vector3d turned_v = X.R * patch_->velocity(j, at.s_dot);
+        z_dot.resize(foot.n());
+        z_dot.head<3>() = u + w.cross(r) + turned_v;
+        Vector3d v = z_dot.head<3>();
+        for (std::size_t k = 0; k < foot.vertices.size(); ++k) {
+          const auto i = static_cast<Eigen::Index>(k);
+          z_dot.segment<3>(3 + 3 * i) = touched_->velocity(foot.vertices[k], at.o_dot);
+          v -= foot.share(i) * z_dot.segment<3>(3 + 3 * i);
+        }
+        const double gap_rate = foot.gap_z.dot(z_dot), area = patch_->area(j);
+        const Vector3d n = foot.gap_z.head<3>().normalized(), sliding = v - n.dot(v) * n;
+        const PressureLaw::Value law = law_.at(-foot.gap, -gap_rate);
+        const double p = foot.cover * law.p;
+        force = area * p * foot.gap_z;
+        if (foot.is_at_end) force -= area * law.energy * foot.cover_z;
+        Vector3d friction = Vector3d::Zero();
+        if (friction_.mu > 0.0) {
+          friction = -friction_.mu * area * p * Onset(sliding.norm(), friction_.v_0).phi * sliding;
+          force.head<3>() += friction;
+          for (Eigen::Index k = 0; k < foot.share.size(); ++k)
+            force.segment<3>(3 + 3 * k) -= foot.share(k) * friction;
+        }
+        take(Touch{j, r, turned_v, foot, z_dot, n, v, sliding, gap_rate, area, p, law, friction, force});
       });
 }
 
@@ -76,116 +66,47 @@ void SurfaceContact::start_switches(const Kinematics& kin, const double*, int* r
   const View at = view(kin);
   const SurfacePatch::Least least = nearest(at);
   root[0] = least.value < 0.0 ? 1 : 0;
-  if (least.value != 0.0) return;
+  TouchedSurface::Foot foot;
   const Vector3d r = at.rel.X_FM.R * least.rho;
-  Vector3d n;
-  shape_.distance(at.rel.X_FM.p + r, n);
+  if (least.value != 0.0 || !touched_->find_foot(at.rel.X_FM.p + r, at.o, false, foot)) return;
   const Vector3d v = at.rel.V.tail<3>() + at.rel.V.head<3>().cross(r) +
                      at.rel.X_FM.R * patch_->velocity(least.node, at.s_dot);
-  root[0] = n.dot(v) < 0.0 ? 1 : 0;
+  double rate = foot.gap_z.head<3>().dot(v);
+  for (std::size_t k = 0; k < foot.vertices.size(); ++k)
+    rate += foot.gap_z.segment<3>(3 + 3 * static_cast<Eigen::Index>(k))
+                .dot(touched_->velocity(foot.vertices[k], at.o_dot));
+  root[0] = rate < 0.0 ? 1 : 0;
 }
 
 void SurfaceContact::apply(const Kinematics& kin, const double*, Loads& loads) const {
   if (kin.own.root[0] == 0) return;
   const View at = view(kin);
   Vector6d on_B = Vector6d::Zero();
-  thread_local Eigen::VectorXd modal;  // nothing is allocated in a run
+  thread_local Eigen::VectorXd modal, other_modal;  // nothing is allocated in a run
   modal.setZero(patch_->m());
-  for_touching(at, [&](const Touch& t) {
-    const Vector3d f = t.force();
+  other_modal.setZero(at.m_o);
+  for_touching(at, false, [&](const Touch& t) {
+    const Vector3d f = t.force.head<3>();
     on_B.head<3>() += t.r.cross(f);
     on_B.tail<3>() += f;
     if (modal.size() > 0)
       modal.noalias() += patch_->shapes(t.node).transpose() * (at.rel.X_FM.R.transpose() * f);
+    if (at.m_o == 0) return;
+    for (std::size_t k = 0; k < t.foot.vertices.size(); ++k)
+      other_modal.noalias() += touched_->shapes(t.foot.vertices[k]).transpose() *
+                               t.force.segment<3>(3 + 3 * static_cast<Eigen::Index>(k));
   });
   loads.apply_between(kin, F_, B_, on_B);
   if (modal.size() > 0) loads.apply_modal(body_, modal, 1.0);
-}
-
-// With n the gradient of the gap and H its Hessian: d gap = n . dp, d(gap') = n . dv + v . H dp, and of the sliding velocity
-// v_t = v - n (n . v): d v_t = dv - n d(gap') - (H dp) (n . v).
-void SurfaceContact::slopes(const Touch& t, const Vector3d& p, Matrix3d& by_place,
-                            Matrix3d& by_velocity) const {
-  const Matrix3d H = shape_.turning(p, t.n), nn = t.n * t.n.transpose();
-  const double N = t.area * t.p.p;
-  const Eigen::RowVector3d rate_by_place = t.v.transpose() * H;
-  const Eigen::RowVector3d N_by_place =
-      -t.area * (t.p.by_depth * t.n.transpose() + t.p.by_rate * rate_by_place);
-  const Eigen::RowVector3d N_by_velocity = -t.area * t.p.by_rate * t.n.transpose();
-  by_place = t.n * N_by_place + N * H;
-  by_velocity = t.n * N_by_velocity;
-  if (!(friction_.mu > 0.0)) return;
-  const double speed = t.sliding.norm();
-  const Onset onset(speed, friction_.v_0);
-  const Matrix3d sliding_by_place = -t.n * rate_by_place - H * t.gap_rate,
-                 sliding_by_velocity = Matrix3d::Identity() - nn;
-  Matrix3d by_sliding = onset.phi * Matrix3d::Identity();
-  if (speed > 0.0) by_sliding += onset.slope / speed * t.sliding * t.sliding.transpose();
-  by_place -= friction_.mu * (onset.phi * t.sliding * N_by_place + N * by_sliding * sliding_by_place);
-  by_velocity -=
-      friction_.mu * (onset.phi * t.sliding * N_by_velocity + N * by_sliding * sliding_by_velocity);
-}
-
-void SurfaceContact::differentiate(const Kinematics& kin, const double*, Derivatives& d) const {
-  if (kin.own.root[0] == 0) return;
-  const View at = view(kin);
-  const Matrix3d& R = at.rel.X_FM.R;
-  const Vector3d w = at.rel.V.head<3>();
-  const int m = at.s ? patch_->m() : 0;
-  Vector6d on_B = Vector6d::Zero();
-  Eigen::Matrix<double, 6, 12> on_B_by = Eigen::Matrix<double, 6, 12>::Zero();
-  Eigen::Matrix<double, 6, Eigen::Dynamic> on_B_by_s = Eigen::Matrix<double, 6, Eigen::Dynamic>::Zero(6, m),
-                                           on_B_by_s_dot = on_B_by_s;
-  Eigen::MatrixXd modal_by = Eigen::MatrixXd::Zero(m, 12), modal_by_s = Eigen::MatrixXd::Zero(m, m),
-                  modal_by_s_dot = modal_by_s;
-  for_touching(at, [&](const Touch& t) {
-    Matrix3d K, D;
-    slopes(t, at.rel.X_FM.p + t.r, K, D);
-    const Vector3d f = t.force();
-    const Matrix3d r_x = skew(t.r), f_x = skew(f);
-    // dp = dp_B + dtheta x r + R Phi ds;  dv = du + dw x r + w x (dtheta x r + R Phi ds) + dtheta x R Phi s' + R Phi ds'.
-    Eigen::Matrix<double, 3, 12> f_by;
-    f_by.leftCols<3>() = -K * r_x - D * (skew(w) * r_x + skew(t.turned_v));
-    f_by.middleCols<3>(3) = K;
-    f_by.middleCols<3>(6) = -D * r_x;
-    f_by.rightCols<3>() = D;
-    on_B.head<3>() += t.r.cross(f);
-    on_B.tail<3>() += f;
-    on_B_by.topRows<3>() += r_x * f_by;
-    on_B_by.topLeftCorner<3, 3>() += f_x * r_x;
-    on_B_by.bottomRows<3>() += f_by;
-    if (m == 0) return;
-    const Matrix3d by_moved = (K + D * skew(w)) * R, by_rate = D * R;
-    const auto Phi = patch_->shapes(t.node);
-    on_B_by_s.topRows<3>().noalias() += (r_x * by_moved - f_x * R) * Phi;
-    on_B_by_s.bottomRows<3>().noalias() += by_moved * Phi;
-    on_B_by_s_dot.topRows<3>().noalias() += (r_x * by_rate) * Phi;
-    on_B_by_s_dot.bottomRows<3>().noalias() += by_rate * Phi;
-    // R^T f: R turns with dtheta, -R^T (dtheta x f).
-    Eigen::Matrix<double, 3, 12> in_B = R.transpose() * f_by;
-    in_B.leftCols<3>() += R.transpose() * f_x;
-    modal_by.noalias() += Phi.transpose() * in_B;
-    const Matrix3d by_moved_B = R.transpose() * by_moved, by_rate_B = R.transpose() * by_rate;
-    modal_by_s.noalias() += Phi.transpose() * (by_moved_B * Phi);
-    modal_by_s_dot.noalias() += Phi.transpose() * (by_rate_B * Phi);
-  });
-  d.between(F_, B_, on_B);
-  d.by_relative(F_, B_, on_B_by);
-  if (m == 0) return;
-  DeformationDerivatives& deformation = d.deformations();
-  for (int i = 0; i < m; ++i) {
-    d.by_deformation(body_, i, on_B_by_s.col(i));
-    deformation.by_deformation_rate(body_, i, on_B_by_s_dot.col(i));
-  }
-  deformation.modal_forces(body_, F_, B_, modal_by);
-  deformation.modal_forces_by(body_, body_, modal_by_s, modal_by_s_dot);
+  if (at.m_o > 0) loads.apply_modal(other_, other_modal, 1.0);
 }
 
 void SurfaceContact::add_powers(const Kinematics& kin, const double*, Powers& powers) const {
   if (kin.own.root[0] == 0) return;
-  for_touching(view(kin), [&](const Touch& t) {
-    powers.potential += t.area * t.p.energy;
-    powers.dissipated += t.area * (t.p.elastic - t.p.p) * t.gap_rate - t.friction.dot(t.sliding);
+  for_touching(view(kin), false, [&](const Touch& t) {
+    powers.potential += t.area * t.foot.cover * t.law.energy;
+    powers.dissipated +=
+        t.area * t.foot.cover * (t.law.elastic - t.law.p) * t.gap_rate - t.friction.dot(t.sliding);
   });
 }
 
@@ -208,12 +129,12 @@ void SurfaceContact::evaluate_outputs(const Kinematics& kin, const double*, doub
   int nodes = 0;
   Vector3d friction = Vector3d::Zero(), force = Vector3d::Zero();
   if (kin.own.root[0] == 1)
-    for_touching(at, [&](const Touch& t) {
-      normal += t.area * t.p.p;
+    for_touching(at, false, [&](const Touch& t) {
+      normal += t.area * t.p;
       friction += t.friction;
-      force += t.force();
+      force += t.force.head<3>();
       area += t.area;
-      pressure = std::max(pressure, t.p.p);
+      pressure = std::max(pressure, t.p);
       ++nodes;
     });
   values[0] = nearest(at).value;

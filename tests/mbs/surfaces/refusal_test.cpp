@@ -102,6 +102,61 @@ TEST_F(Regions, TouchShapesThatAreWhole) {
   EXPECT_THAT(refusal(on_plane("stiffness = 1\nsurface = \"torus\"\n")), HasSubstr("surface"));
 }
 
+// The surface of another body.
+TEST_F(Regions, TouchSurfacesOfOtherBodies) {
+  const std::string rest = "stiffness = 1\n", both =
+                                                  "[body.table]\nsuperelement = \"plate.se.h5\"\nfidelity = "
+                                                  "\"rigid\"\nrotation = [3.14159265358979, 0, 0]\n";
+  const auto on_table = [&](const std::string& more) {
+    return both + text("body = \"plate\"\nfrom_body = \"table\"\n" + rest + more);
+  };
+  EXPECT_EQ(now(prepared(on_table("")), {"touch.nodes"})(0), 81.0);
+  EXPECT_THAT(refusal(text("body = \"plate\"\nfrom_body = \"plate\"\n" + rest)),
+              AllOf(HasSubstr("force.touch.from_body"), HasSubstr("is the body that touches"),
+                    HasSubstr("name another body")));
+  EXPECT_THAT(refusal(text("body = \"plate\"\nfrom_body = \"ball\"\n" + rest)),
+              AllOf(HasSubstr("force.touch.from_body"), HasSubstr("\"ball\" has no superelement"),
+                    HasSubstr("rigid")));
+  EXPECT_THAT(refusal(text("body = \"plate\"\nfrom_body = \"bal\"\n" + rest)),
+              HasSubstr("there is no body \"bal\""));
+  EXPECT_THAT(refusal(on_table("from = \"ground\"\n")),
+              AllOf(HasSubstr("force.touch.from ="), HasSubstr("from_body names a body")));
+  EXPECT_THAT(refusal(on_table("surface = \"plane\"\n")), HasSubstr("keep one of them"));
+  EXPECT_THAT(refusal(on_table("from_facing = [0, 0, 1]\n")),
+              AllOf(HasSubstr("force.touch.from_facing"), HasSubstr("no facet of the surface lies there")));
+  EXPECT_THAT(refusal(on_table("from_facing_angle = \"10 deg\"\n")), HasSubstr("give from_facing, too"));
+  EXPECT_THAT(refusal(on_table("from_interfaces = [\"midle\"]\n")),
+              AllOf(HasSubstr("force.touch.from_interfaces"), HasSubstr("no interface \"midle\"")));
+  EXPECT_THAT(refusal(on_plane(rest + "from_facing = [0, 0, 1]\n")), HasSubstr("give from_body, too"));
+  EXPECT_THAT(refusal(text("body = \"plate\"\n" + rest)), HasSubstr("from is missing"));
+}
+
+// A sheet has no side to touch unless one is chosen.
+TEST_F(Regions, HaveASideToTouch) {
+  superelement::Superelement sheet = plate(0.4, 8, 1.0);
+  const auto n = sheet.surface.vertices.rows();
+  const auto facets = sheet.surface.triangles.rows();
+  sheet.surface.vertices.conservativeResize(2 * n, Eigen::NoChange);
+  sheet.shapes.conservativeResize(6 * n, Eigen::NoChange);
+  sheet.shapes.bottomRows(3 * n) = sheet.shapes.topRows(3 * n).eval();
+  for (Eigen::Index v = 0; v < n; ++v)
+    sheet.surface.vertices.row(n + v) = sheet.surface.vertices.row(v) + Eigen::RowVector3d(0, 0, 0.01);
+  sheet.surface.triangles.conservativeResize(2 * facets, Eigen::NoChange);
+  for (Eigen::Index t = 0; t < facets; ++t)
+    sheet.surface.triangles.row(facets + t) << static_cast<int>(n) + sheet.surface.triangles(t, 0),
+        static_cast<int>(n) + sheet.surface.triangles(t, 2),
+        static_cast<int>(n) + sheet.surface.triangles(t, 1);
+  sheet.surface.triangle_interface.assign(static_cast<std::size_t>(2 * facets), -1);
+  superelement::write(folder_ / "sheet.se.h5", sheet);
+  const auto with = [&](const std::string& more) {
+    return "[body.sheet]\nsuperelement = \"sheet.se.h5\"\nfidelity = \"rigid\"\nposition = [0, 0, 1]\n" +
+           text("body = \"plate\"\nfrom_body = \"sheet\"\nstiffness = 1\n" + more);
+  };
+  EXPECT_THAT(refusal(with("")), AllOf(HasSubstr("force.touch.from_body"),
+                                       HasSubstr("look into opposite directions"), HasSubstr("from_facing")));
+  EXPECT_NO_THROW(prepared(with("from_facing = [0, 0, 1]\n")));
+}
+
 // A superelement bears stiffening by loads on its interfaces only.
 TEST_F(Regions, AreNotForStiffenedBodies) {
   lattice::Lattice l = lattice::make_lattice(4, 4e4);
