@@ -134,7 +134,7 @@ Eigen::Matrix3Xd places(const PatchOfSurface& part, const Superelement& se) {
 PatchOfSurface read_surface_patch(const Section& s, const Superelement& se, bool deforms) {
   std::vector<int> triangles;
   PatchOfSurface out = read_part(s, {"body", ""}, se, deforms, triangles);
-  out.patch = std::make_shared<SurfacePatch>(places(out, se), out.area);
+  out.patch = std::make_shared<SurfacePatch>(places(out, se), out.area, out.vertices);
   return out;
 }
 

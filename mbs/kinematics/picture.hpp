@@ -12,7 +12,7 @@ namespace flexura::mbs {
 
 /// A surface that is touched, in the axes of the marker F that carries it.
 struct DrawnSurface {
-  std::string kind;     ///< plane (xy of F), sphere (about F), cylinder (about z of F), curve (in xy of F)
+  std::string kind;     ///< plane (xy of F), sphere (about F), cylinder (about z), curve (in xy), body (F's)
   double radius = 0.0;  ///< of a sphere or cylinder [m]
   std::vector<Vector3d> points{};  ///< along a curve, which is drawn out along z [m]
   bool is_closed = false;          ///< the curve

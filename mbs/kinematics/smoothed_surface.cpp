@@ -45,54 +45,74 @@ void add_second(const Matrix3d (&by)[3][3], const int (&at)[4], Eigen::MatrixXd&
         }
 }
 
-// What was asked for of the surface and coordinates that were started last: where vertices stand, and the balls around groups.
-struct Placed {
-  long of = -1;
-  const double* s = nullptr;
-  long now = 0;
-  std::vector<long> when, when_ball;
-  std::vector<Vector3d> where;
-  std::vector<SurfaceMesh::Ball> balls;
-};
-thread_local Placed placed;
 std::atomic<long> n_surfaces = 0;
 
 }  // namespace
 
+// What was asked for of the surface and coordinates that were started last: facets, and the balls around groups.
+struct SmoothedSurface::Placed {
+  long of = -1;
+  const double* s = nullptr;
+  long now = 0;
+  std::vector<long> when, when_ball;
+  std::vector<Facet> facets;
+  std::vector<SurfaceMesh::Ball> balls;
+};
+
+SmoothedSurface::Placed& SmoothedSurface::placed() {
+  thread_local Placed last;
+  return last;
+}
+
 void SmoothedSurface::start(const double* s) const {
-  placed.of = number_;
-  placed.s = s;
-  ++placed.now;
-  const auto n = static_cast<std::size_t>(mesh_->n_vertices());
-  if (placed.when.size() < n) {
-    placed.when.resize(n, 0);
-    placed.where.resize(n);
-  }
-  const auto n_groups = static_cast<std::size_t>(mesh_->n_groups());
-  if (placed.when_ball.size() < n_groups) {
-    placed.when_ball.resize(n_groups, 0);
-    placed.balls.resize(n_groups);
-  }
+  Placed& at = placed();
+  at.of = number_;
+  at.s = s;
+  ++at.now;
+  const auto grow = [](std::vector<long>& when, auto& what, int n) {
+    if (when.size() >= static_cast<std::size_t>(n)) return;
+    when.resize(static_cast<std::size_t>(n), 0);
+    what.resize(static_cast<std::size_t>(n));
+  };
+  grow(at.when, at.facets, mesh_->n_triangles());
+  grow(at.when_ball, at.balls, mesh_->n_groups());
 }
 
-SurfaceMesh::Ball SmoothedSurface::ball(int group, const double* s) const {
-  if (placed.of != number_ || placed.s != s) return mesh_->ball(group, s);
-  const auto k = static_cast<std::size_t>(group);
-  if (placed.when_ball[k] != placed.now) {
-    placed.when_ball[k] = placed.now;
-    placed.balls[k] = mesh_->ball(group, s);
-  }
-  return placed.balls[k];
+SmoothedSurface::Placed& SmoothedSurface::place(const double* s) const {
+  Placed& at = placed();
+  if (at.of == number_ && at.s == s) return at;
+  // Of one point that is asked for by itself.
+  start(s);
+  at.of = -1;
+  return at;
 }
 
-Vector3d SmoothedSurface::vertex(int j, const double* s) const {
-  if (placed.of != number_ || placed.s != s) return mesh_->vertex(j, s);
-  const auto k = static_cast<std::size_t>(j);
-  if (placed.when[k] != placed.now) {
-    placed.when[k] = placed.now;
-    placed.where[k] = mesh_->vertex(j, s);
-  }
-  return placed.where[k];
+const SmoothedSurface::Facet& SmoothedSurface::facet(int t, const double* s, Placed& at) const {
+  const auto k = static_cast<std::size_t>(t);
+  Facet& facet = at.facets[k];
+  if (at.when[k] == at.now) return facet;
+  at.when[k] = at.now;
+  const Eigen::Vector3i& f = mesh_->triangle(t);
+  const Vector3d y[3] = {mesh_->vertex(f[0], s), mesh_->vertex(f[1], s), mesh_->vertex(f[2], s)};
+  facet.c = (y[0] + y[1] + y[2]) / 3.0;
+  facet.e_1 = y[1] - y[0];
+  facet.e_2 = y[2] - y[0];
+  facet.a = 0.5 * facet.e_1.cross(facet.e_2);
+  return facet;
+}
+
+template <class Enter, class Take>
+void SmoothedSurface::visit(const double* s, Placed& at, const Enter& enter, const Take& take) const {
+  mesh_->visit(
+      [&](int group) -> const SurfaceMesh::Ball& {
+        const auto k = static_cast<std::size_t>(group);
+        if (at.when_ball[k] != at.now) {
+          at.when_ball[k] = at.now;
+          at.balls[k] = mesh_->ball(group, s);
+        }
+        return at.balls[k];
+      },
+      enter, take);
 }
 
 SmoothedSurface::SmoothedSurface(std::shared_ptr<const SurfaceMesh> mesh)
@@ -110,29 +130,27 @@ SmoothedSurface::SmoothedSurface(std::shared_ptr<const SurfaceMesh> mesh)
   }
 }
 
-bool SmoothedSurface::look(const Vector3d& p, int t, const double* s, Near& near) const {
-  const Eigen::Vector3i& f = mesh_->triangle(t);
-  const Vector3d y[3] = {vertex(f[0], s), vertex(f[1], s), vertex(f[2], s)};
+bool SmoothedSurface::look(const Vector3d& p, int t, const double* s, Placed& at, Near& near) const {
+  const Facet& of = facet(t, s, at);
   near.t = t;
-  near.d = p - (y[0] + y[1] + y[2]) / 3.0;
+  near.facet = &of;
+  near.d = p - of.c;
   near.rest = 1.0 - near.d.squaredNorm() / (reach(t) * reach(t));
-  near.e_1 = y[1] - y[0];
-  near.e_2 = y[2] - y[0];
-  near.a = 0.5 * near.e_1.cross(near.e_2);
-  near.h = near.a.dot(near.d);
+  near.h = of.a.dot(near.d);
   return near.rest > 0.0;
 }
 
 double SmoothedSurface::bound(const Vector3d& c, const double* s, double enough) const {
   double best = enough;
+  Placed& at = place(s);
   visit(
-      s,
+      s, at,
       [&](const Vector3d& middle, double r, double longest) {
         return (c - middle).norm() - r - 2.0 * longest < best;
       },
       [&](int t) {
         Near near;
-        look(c, t, s, near);
+        look(c, t, s, at, near);
         best = std::min(best, near.d.norm() - reach(t));
       });
   return best;
@@ -142,14 +160,15 @@ double SmoothedSurface::bound(const Vector3d& c, const double* s, double enough)
 // to have it from.  Out of reach the height over the nearest facet's plane stands for the gap.
 double SmoothedSurface::separation(const Vector3d& p, const double* s) const {
   double N = 0.0, D = 0.0, nearest = std::numeric_limits<double>::infinity(), height = 0.0;
+  Placed& at = place(s);
   visit(
-      s,
+      s, at,
       [&](const Vector3d& middle, double r, double longest) {
         return (p - middle).norm() - r - 2.0 * longest < std::max(nearest, 0.0);
       },
       [&](int t) {
         Near near;
-        const bool is_near = look(p, t, s, near);
+        const bool is_near = look(p, t, s, at, near);
         if (const double way = near.d.norm() - reach(t); way < nearest) {
           nearest = way;
           height = near.h / area_(t);
@@ -166,14 +185,15 @@ bool SmoothedSurface::find_foot(const Vector3d& p, const double* s, bool second,
   nears.clear();
   double N = 0.0, D = 0.0, C = 0.0;
   const auto cover_of = [this](int t) { return 4.0 * area_(t) / (std::numbers::pi * reach(t) * reach(t)); };
+  Placed& placed_at = place(s);
   visit(
-      s,
+      s, placed_at,
       [&](const Vector3d& middle, double r, double longest) {
         return (p - middle).norm() < r + 2.0 * longest;
       },
       [&](int t) {
         Near near;
-        if (!look(p, t, s, near)) return;
+        if (!look(p, t, s, placed_at, near)) return;
         nears.push_back(near);
         N += near.w() * near.h;
         D += near.w() * area_(t);
@@ -220,8 +240,8 @@ bool SmoothedSurface::find_foot(const Vector3d& p, const double* s, bool second,
     const Vector3d w_d = w_d_of(near);
     // N and gap D at once: gap_z = (N_z - gap D_z) / D.
     const double alpha = area_(near.t), w = near.w();
-    const Vector3d by[3] = {w * near.a + (near.h - foot.gap * alpha) * w_d, 0.5 * w * near.e_2.cross(near.d),
-                            0.5 * w * near.d.cross(near.e_1)};
+    const Vector3d by[3] = {w * near.facet->a + (near.h - foot.gap * alpha) * w_d,
+                            0.5 * w * near.facet->e_2.cross(near.d), 0.5 * w * near.d.cross(near.facet->e_1)};
     add_gradient(by, at, foot.gap_z);
     add_by_d(alpha * w_d, at, D_z);
     if (foot.is_at_end) add_by_d(cover_of(near.t) * w_d, at, C_z);
@@ -242,15 +262,16 @@ bool SmoothedSurface::find_foot(const Vector3d& p, const double* s, bool second,
     int at[4];
     at_of(i, at);
     const double r_2 = reach(near.t) * reach(near.t), w = near.w();
-    const Vector3d w_d = w_d_of(near), h_1 = 0.5 * near.e_2.cross(near.d), h_2 = 0.5 * near.d.cross(near.e_1);
+    const Vector3d w_d = w_d_of(near), h_1 = 0.5 * near.facet->e_2.cross(near.d),
+                   h_2 = 0.5 * near.d.cross(near.facet->e_1);
     const Matrix3d w_dd = -6.0 * near.rest * near.rest / r_2 * Matrix3d::Identity() +
                           24.0 * near.rest / (r_2 * r_2) * near.d * near.d.transpose();
-    const Matrix3d a_w = near.a * w_d.transpose();
-    const Matrix3d by[3][3] = {
-        {a_w + a_w.transpose() + (near.h - foot.gap * area_(near.t)) * w_dd,
-         -0.5 * w * skew(near.e_2) + w_d * h_1.transpose(), 0.5 * w * skew(near.e_1) + w_d * h_2.transpose()},
-        {Matrix3d::Zero(), Matrix3d::Zero(), -0.5 * w * skew(near.d)},
-        {Matrix3d::Zero(), Matrix3d::Zero(), Matrix3d::Zero()}};
+    const Matrix3d a_w = near.facet->a * w_d.transpose();
+    const Matrix3d by[3][3] = {{a_w + a_w.transpose() + (near.h - foot.gap * area_(near.t)) * w_dd,
+                                -0.5 * w * skew(near.facet->e_2) + w_d * h_1.transpose(),
+                                0.5 * w * skew(near.facet->e_1) + w_d * h_2.transpose()},
+                               {Matrix3d::Zero(), Matrix3d::Zero(), -0.5 * w * skew(near.d)},
+                               {Matrix3d::Zero(), Matrix3d::Zero(), Matrix3d::Zero()}};
     add_second(by, at, foot.gap_zz);
     if (foot.is_at_end) add_by_dd(cover_of(near.t) * w_dd, at, foot.cover_zz);
   }
@@ -267,21 +288,21 @@ bool SmoothedSurface::find_foot(const Vector3d& p, const double* s, bool second,
 
 std::pair<int, int> SmoothedSurface::opposed() const {
   std::pair<int, int> found{-1, -1};
+  start(nullptr);
+  Placed& at = place(nullptr);
   for (int t = 0; t < mesh_->n_triangles() && found.first < 0; ++t) {
-    const Eigen::Vector3i& f = mesh_->triangle(t);
-    const Vector3d y = mesh_->vertex(f[0], nullptr),
-                   a = 0.5 * (mesh_->vertex(f[1], nullptr) - y).cross(mesh_->vertex(f[2], nullptr) - y),
-                   c = (y + mesh_->vertex(f[1], nullptr) + mesh_->vertex(f[2], nullptr)) / 3.0;
+    const Facet one = facet(t, nullptr, at);
     visit(
-        nullptr,
+        nullptr, at,
         [&](const Vector3d& middle, double r, double longest) {
-          return found.first < 0 && (c - middle).norm() < r + 2.0 * longest;
+          return found.first < 0 && (one.c - middle).norm() < r + 2.0 * longest;
         },
         [&](int other) {
           Near near;
+          if (!look(one.c, other, nullptr, at, near)) return;
           // Opposite within 60 degrees.
-          if (look(c, other, nullptr, near) && near.a.dot(a) < -0.5 * near.a.norm() * a.norm())
-            found = {t, other};
+          const Vector3d& a = near.facet->a;
+          if (a.dot(one.a) < -0.5 * a.norm() * one.a.norm()) found = {t, other};
         });
   }
   return found;

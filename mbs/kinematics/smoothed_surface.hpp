@@ -36,6 +36,8 @@ class SmoothedSurface final : public TouchedSurface {
   Eigen::Ref<const Shapes> shapes(int vertex) const override { return mesh_->shapes(vertex); }
   Vector3d velocity(int vertex, const double* s_dot) const override { return mesh_->velocity(vertex, s_dot); }
 
+  std::optional<DrawnSurface> drawn() const override { return DrawnSurface{.kind = "body"}; }
+
   /// Two facets, near enough to be smoothed into one, that look into opposite directions: no surface that has a side to
   /// touch.  (-1, -1) where there are none.
   std::pair<int, int> opposed() const;
@@ -44,21 +46,27 @@ class SmoothedSurface final : public TouchedSurface {
  private:
   /// Part of full cover from which on all is covered: below that of a corner.
   static constexpr double kWhole = 0.2;
-  /// A facet that p is within reach of.
+  /// A facet as it is deformed.
+  struct Facet {
+    Vector3d c, e_1, e_2, a;  ///< middle, edges, area vector
+  };
+  /// One that p is within reach of.
   struct Near {
     int t;
-    Vector3d d, e_1, e_2, a;  ///< p - c, edges, area vector
-    double h, rest;           ///< a . d, 1 - |d|^2 / r^2
+    const Facet* facet;
+    Vector3d d;      ///< p - c
+    double h, rest;  ///< a . d, 1 - |d|^2 / r^2
     double w() const { return rest * rest * rest; }
   };
-  bool look(const Vector3d& p, int t, const double* s, Near& near) const;
+  struct Placed;
+  static Placed& placed();
+  /// What has been asked for of these coordinates before is at hand.
+  Placed& place(const double* s) const;
+  const Facet& facet(int t, const double* s, Placed& at) const;
+  bool look(const Vector3d& p, int t, const double* s, Placed& at, Near& near) const;
   double reach(int t) const { return reach_(t); }
-  Vector3d vertex(int j, const double* s) const;
-  SurfaceMesh::Ball ball(int group, const double* s) const;
   template <class Enter, class Take>
-  void visit(const double* s, const Enter& enter, const Take& take) const {
-    mesh_->visit([&](int group) { return ball(group, s); }, enter, take);
-  }
+  void visit(const double* s, Placed& at, const Enter& enter, const Take& take) const;
 
   std::shared_ptr<const SurfaceMesh> mesh_;
   Eigen::VectorXd area_, reach_;  ///< alpha_t, r_t

@@ -69,7 +69,7 @@ class SurfaceMesh {
   template <class BallOf, class Enter, class Take>
   void visit(int group, const BallOf& ball_of, const Enter& enter, const Take& take) const {
     const Group& g = groups_[static_cast<std::size_t>(group)];
-    const Ball b = ball_of(group);
+    const Ball& b = ball_of(group);
     if (!enter(b.c, b.r, g.longest)) return;
     if (g.left >= 0) {
       visit(g.left, ball_of, enter, take);

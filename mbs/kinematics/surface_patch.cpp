@@ -3,11 +3,12 @@
 
 #include <numeric>
 #include <stdexcept>
+#include <utility>
 
 namespace flexura::mbs {
 
-SurfacePatch::SurfacePatch(const Eigen::Matrix3Xd& x, const Eigen::VectorXd& area)
-    : order_(static_cast<std::size_t>(x.cols())) {
+SurfacePatch::SurfacePatch(const Eigen::Matrix3Xd& x, const Eigen::VectorXd& area, std::vector<int> numbers)
+    : order_(static_cast<std::size_t>(x.cols())), numbers_(std::move(numbers)) {
   std::iota(order_.begin(), order_.end(), 0);
   if (!order_.empty()) build(0, static_cast<int>(order_.size()), x);
   x_.resize(3, x.cols());

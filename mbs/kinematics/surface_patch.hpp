@@ -24,8 +24,9 @@ class SurfacePatch {
  public:
   using Shapes = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-  /// `x` undeformed in B [m], `area` of each [m^2].  Rigid until set_shapes().
-  SurfacePatch(const Eigen::Matrix3Xd& x, const Eigen::VectorXd& area);
+  /// `x` undeformed in B [m], `area` of each [m^2], and what others call them: their places in x, unless `numbers` are given.  Rigid
+  /// until set_shapes().
+  SurfacePatch(const Eigen::Matrix3Xd& x, const Eigen::VectorXd& area, std::vector<int> numbers = {});
 
   /// Rows 3 j ... 3 j + 2: node j as it was given to the constructor.  Throws std::invalid_argument for another number of rows.
   void set_shapes(const Eigen::MatrixXd& Phi);
@@ -39,6 +40,8 @@ class SurfacePatch {
   auto shapes(int j) const { return Phi_.middleRows<3>(3 * j); }
   /// Where node j was given to the constructor.
   int given(int j) const { return order_[static_cast<std::size_t>(j)]; }
+  /// What others call the node that was given to the constructor as its k-th.
+  int number_of_given(int k) const { return numbers_.empty() ? k : numbers_[static_cast<std::size_t>(k)]; }
   const Eigen::Matrix3Xd& undeformed() const { return x_; }
 
   /// rho_j; s (m) may be null: undeformed.
@@ -131,7 +134,7 @@ class SurfacePatch {
   Eigen::Matrix3Xd x_;
   Eigen::VectorXd area_;
   Shapes Phi_;
-  std::vector<int> order_;
+  std::vector<int> order_, numbers_;
   std::vector<Group> groups_;
   Shapes mean_, spread_;  ///< of each group: 3 rows, 1 row
 };

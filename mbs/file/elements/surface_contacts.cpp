@@ -119,7 +119,10 @@ ForceType surface_contact() {
        quantity("friction", dim::none, "coefficient of sliding friction").or_default("0").at_least(0.0),
        quantity("transition_speed", dim::velocity, "sliding speed over which friction sets in")
            .or_default("1 mm/s")
-           .above(0.0)});
+           .above(0.0),
+       flag("pressures",
+            "give the pressure at every node among the results, which the page of the run then colours")
+           .or_default("false")});
   return {
       "surface_contact",
       "The surface of a body, as its modes deform it, touches the surface of another one (from_body), or a "
@@ -132,7 +135,8 @@ ForceType surface_contact() {
        {"force_x, force_y, force_z", "N", "on the body, in the axes of `from`, or of the body `from_body`"},
        {"area", "m^2", "of the nodes that touch"},
        {"pressure", "Pa", "the greatest"},
-       {"nodes", "", "how many touch"}},
+       {"nodes", "", "how many touch"},
+       {"pressure_at_N", "Pa", "with `pressures`: at the vertex N of the body's surface"}},
       [](const std::string& name, const Section& s,
          const ReadContext& context) -> std::shared_ptr<const ForceElement> {
         const int body = context.body(s, "body");
@@ -143,7 +147,8 @@ ForceType surface_contact() {
         return std::make_shared<SurfaceContact>(
             name, SurfaceContact::Side{body, context.marker(s, "body")}, patch, touched.side, touched.surface,
             PressureLaw(k, s.quantity("exponent"), damping),
-            SurfaceContact::Friction{s.quantity("friction"), s.quantity("transition_speed")});
+            SurfaceContact::Friction{s.quantity("friction"), s.quantity("transition_speed")},
+            s.flag("pressures"));
       },
       {"body", "from_body"}};
 }

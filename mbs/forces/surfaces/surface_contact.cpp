@@ -1,6 +1,9 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include "mbs/forces/surfaces/surface_contact.hpp"
 
+#include <algorithm>
+#include <string>
+
 #include "mbs/forces/surfaces/onset.hpp"
 
 namespace flexura::mbs {
@@ -112,15 +115,20 @@ void SurfaceContact::add_powers(const Kinematics& kin, const double*, Powers& po
 
 std::vector<OutputInfo> SurfaceContact::outputs() const {
   using namespace input;
-  return {{"gap", dim::length, "least distance of a node; negative: penetration"},
-          {"normal_force", dim::force, "sum of the sizes of the pressures' forces"},
-          {"friction_force", dim::force, "size of the sum"},
-          {"force_x", dim::force, "on the body, in the axes of `from`"},
-          {"force_y", dim::force, "on the body, in the axes of `from`"},
-          {"force_z", dim::force, "on the body, in the axes of `from`"},
-          {"area", dim::area, "of the nodes that touch"},
-          {"pressure", dim::pressure, "the greatest"},
-          {"nodes", dim::none, "how many touch"}};
+  std::vector<OutputInfo> infos = {{"gap", dim::length, "least distance of a node; negative: penetration"},
+                                   {"normal_force", dim::force, "sum of the sizes of the pressures' forces"},
+                                   {"friction_force", dim::force, "size of the sum"},
+                                   {"force_x", dim::force, "on the body, in the axes of `from`"},
+                                   {"force_y", dim::force, "on the body, in the axes of `from`"},
+                                   {"force_z", dim::force, "on the body, in the axes of `from`"},
+                                   {"area", dim::area, "of the nodes that touch"},
+                                   {"pressure", dim::pressure, "the greatest"},
+                                   {"nodes", dim::none, "how many touch"}};
+  if (gives_pressures_)
+    for (int k = 0; k < patch_->size(); ++k)
+      infos.push_back({"pressure_at_" + std::to_string(patch_->number_of_given(k)), dim::pressure,
+                       "at this vertex of the body's surface"});
+  return infos;
 }
 
 void SurfaceContact::evaluate_outputs(const Kinematics& kin, const double*, double* values) const {
@@ -128,8 +136,11 @@ void SurfaceContact::evaluate_outputs(const Kinematics& kin, const double*, doub
   double normal = 0.0, area = 0.0, pressure = 0.0;
   int nodes = 0;
   Vector3d friction = Vector3d::Zero(), force = Vector3d::Zero();
+  constexpr int n_of_all = 9;
+  if (gives_pressures_) std::fill_n(values + n_of_all, patch_->size(), 0.0);
   if (kin.own.root[0] == 1)
     for_touching(at, false, [&](const Touch& t) {
+      if (gives_pressures_) values[n_of_all + patch_->given(t.node)] = t.p;
       normal += t.area * t.p;
       friction += t.friction;
       force += t.force.head<3>();

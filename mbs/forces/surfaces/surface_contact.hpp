@@ -34,9 +34,10 @@ class SurfaceContact final : public ForceElement, public HasPicture {
   struct Side {
     int body = 0, frame = -1;
   };
-  /// `touching` with its nodes; F `touched` carries what is touched, in its axes: the frame of its body where that deforms.
+  /// `touching` with its nodes, of which the outputs may give every pressure; F `touched` carries what is touched, in its axes: the frame of its body where that deforms.
   SurfaceContact(std::string name, Side touching, std::shared_ptr<const SurfacePatch> patch, Side touched,
-                 std::shared_ptr<const TouchedSurface> surface, PressureLaw law, Friction friction)
+                 std::shared_ptr<const TouchedSurface> surface, PressureLaw law, Friction friction,
+                 bool gives_pressures = false)
       : ForceElement(std::move(name)),
         body_(touching.body),
         B_(touching.frame),
@@ -45,7 +46,8 @@ class SurfaceContact final : public ForceElement, public HasPicture {
         patch_(std::move(patch)),
         touched_(std::move(surface)),
         law_(law),
-        friction_(friction) {}
+        friction_(friction),
+        gives_pressures_(gives_pressures) {}
   std::string_view type() const override { return "surface_contact"; }
   ForceNature nature() const override { return ForceNature::response; }
   std::pair<int, int> markers() const override { return {F_, B_}; }
@@ -97,6 +99,7 @@ class SurfaceContact final : public ForceElement, public HasPicture {
   std::shared_ptr<const TouchedSurface> touched_;
   PressureLaw law_;
   Friction friction_;
+  bool gives_pressures_;  ///< of every node, among its outputs
 };
 
 }  // namespace flexura::mbs

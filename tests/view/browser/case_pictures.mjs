@@ -17,6 +17,7 @@ const pictures = [
   ['crane_girder/crane.html', 'crane_girder/crane.png', { at: 0.2 }],
   ['iftomm/a05_governor.html', 'iftomm/a05_governor.png', { at: 0.3 }],
   ['jib_crane/crane.html', 'jib_crane/crane.png', { mode: 10 }],
+  ['leaf_spring/spring.html', 'leaf_spring/leaf_spring.png', { at: 0.5 }],
   ['macpherson/macpherson.html', 'macpherson/macpherson.png', { at: 0.25 }],
   ['simbeam_shaft/shaft.html', 'simbeam_shaft/shaft.png', { mode: 9 }],
   ['stiff_rod/engine.html', 'stiff_rod/engine.png', { at: 0.8 }],

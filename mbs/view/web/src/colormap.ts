@@ -31,6 +31,16 @@ export function scaleTexture(name: ScaleName): THREE.DataTexture {
   return texture;
 }
 
+/** Red, green and blue of a part of the scale, as they go to the screen. */
+export function scaleColor(name: ScaleName, part: number): [number, number, number] {
+  const s = stops[name];
+  const x = Math.max(0, Math.min(1, part)) * (s.length - 1);
+  const k = Math.min(Math.floor(x), s.length - 2);
+  const [a, b] = [rgb(s[k]), rgb(s[k + 1])];
+  const mix = (c: number) => (a[c] + (x - k) * (b[c] - a[c])) / 255;
+  return [mix(0), mix(1), mix(2)];
+}
+
 export function scaleGradient(name: ScaleName): string {
   return `linear-gradient(to top, ${stops[name].join(', ')})`;
 }

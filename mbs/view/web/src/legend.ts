@@ -33,11 +33,15 @@ export class Legend {
     return [4, 3, 2, 1, 0].map((i) => figure(low + ((high - low) * i) / 4, 3));
   }
 
-  /** In the upper right corner of a picture of this width; `scale` pixels for each CSS pixel. */
-  paint(g: CanvasRenderingContext2D, width: number, scale: number): void {
+  get shown(): boolean {
+    return this.content !== null;
+  }
+
+  /** In the upper right corner of a picture of this width, below so many others; `scale` pixels for each CSS pixel. */
+  paint(g: CanvasRenderingContext2D, width: number, scale: number, below = 0): void {
     if (!this.content) return;
     const [w, height, bar] = [96 * scale, 168 * scale, 13 * scale];
-    const [x, y] = [width - w - 22 * scale, 44 * scale];
+    const [x, y] = [width - w - 22 * scale, (44 + 232 * below) * scale];
     const gradient = g.createLinearGradient(0, y + height, 0, y);
     const stops = scaleStops(this.content.scale);
     stops.forEach((color, i) => gradient.addColorStop(i / (stops.length - 1), color));

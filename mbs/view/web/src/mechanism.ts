@@ -2,6 +2,7 @@
 // One run of the mechanism in the scene: bodies at their poses, flexible ones deformed, glyphs on them.
 import * as THREE from 'three';
 import { ForceArrows } from './arrows';
+import { ContactPressures } from './contact_pressure';
 import { DeformedBody } from './deformed_body';
 import { locate, type MotionHeader, type Run } from './motion_data';
 import { SectionDiagram } from './section_diagram';
@@ -30,6 +31,7 @@ export class Mechanism {
   readonly bodies: DrawnBody[] = [];
   readonly glyphs: THREE.Object3D[] = [];
   readonly arrows: ForceArrows;
+  readonly pressures: ContactPressures;
   private readonly arrowMaterial = shaded(new THREE.Color());
   private readonly springs: Spring[] = [];
   /** Surfaces that are touched and the spheres that touch them; paths. */
@@ -39,6 +41,7 @@ export class Mechanism {
   private readonly pictureMaterials = new PictureMaterials();
   private contactsShown = true;
   private markersShown = false;
+  private pressuresShown = true;
   private readonly glyphMaterial = shaded(new THREE.Color());
   private readonly springMaterial = new THREE.LineBasicMaterial();
   private magnify_ = 1;
@@ -96,7 +99,7 @@ export class Mechanism {
         from.group.add(drawn);
         this.markers.push(drawn);
       }
-      if (connection.surface && from) {
+      if (connection.surface && connection.surface.kind !== 'body' && from) {
         const drawn = touchedSurface(connection, glyphSize / 0.014, this.pictureMaterials);
         from.group.add(drawn);
         this.contacts.push(drawn);
@@ -133,13 +136,14 @@ export class Mechanism {
     }
     this.arrows = new ForceArrows(run, connections, (name) => at(name)?.group, this.arrowMaterial, 16 * glyphSize, 0.3 * glyphSize,
                                   (name) => pathOf.get(name));
+    this.pressures = new ContactPressures(run, connections, (name) => at(name)?.deformed);
     this.showContacts = true;
     this.showMarkers = false;
-    this.group.add(this.arrows.group);
+    this.group.add(this.arrows.group, this.pressures.group);
   }
 
   async loadShapes(): Promise<void> {
-    await this.arrows.load();
+    await Promise.all([this.arrows.load(), this.pressures.load()]);
     await Promise.all(this.bodies.flatMap((b) => {
       if (!b.deformed || b.number < 0) return [];
       const { first_shape, n_shapes } = this.run.header.bodies[b.number];
@@ -264,6 +268,7 @@ export class Mechanism {
     if (this.run.time.length) {
       const row = locate(this.run.time, t);
       this.arrows.setTime(row.at, row.part);
+      this.pressures.setTime(row.at, row.part);
     }
     for (const s of this.springs) {
       const a = s.p.clone().applyMatrix4(s.from.group.matrixWorld);
@@ -306,6 +311,10 @@ export class Mechanism {
     this.contactsShown = on;
     for (const drawn of this.contacts) drawn.visible = on && !this.ghost;
   }
+  set showPressures(on: boolean) {
+    this.pressuresShown = on;
+    this.pressures.group.visible = on && !this.ghost;
+  }
   set showMarkers(on: boolean) {
     this.markersShown = on;
     for (const drawn of this.markers) drawn.visible = on && !this.ghost;
@@ -317,6 +326,7 @@ export class Mechanism {
     this.showJoints = this.jointsShown;
     this.showContacts = this.contactsShown;
     this.showMarkers = this.markersShown;
+    this.pressures.group.visible = this.pressuresShown && !this.ghost;
     this.pictureMaterials.setColor(new THREE.Color(cssColor('--glyph')));
     this.bodies.forEach((body, i) => {
       // The ground is the same in every run.

@@ -7,6 +7,7 @@ import { Legend } from './legend';
 import { modeList, modeOf } from './mode_runs';
 import { Mechanism } from './mechanism';
 import { Run, type MotionHeader } from './motion_data';
+import { PressureView } from './pressure_view';
 import { PlotDeck } from './plots';
 import { motionScripts } from './motion_scripts';
 import { record } from './record';
@@ -124,6 +125,7 @@ export async function motionPage(app: HTMLElement, header: MotionHeader): Promis
     return true;
   };
   const legend = new Legend();
+  const pressures = new PressureView(mechanisms, () => refresh());
   function refresh(): void {
     mechanisms.forEach((m, i) => {
       m.group.visible = state.visible[i];
@@ -257,7 +259,8 @@ export async function motionPage(app: HTMLElement, header: MotionHeader): Promis
     setTime(state.time);
   };
   const fileName = header.title.replace(/[^\w.-]+/g, '_');
-  const savePng = async () => download(`${fileName}.png`, await stage.png(`${header.title}, t = ${clock.textContent}`, legend));
+  const savePng = async () => download(`${fileName}.png`, await stage.png(`${header.title}, t = ${clock.textContent}`, legend,
+    (g, scale) => pressures.legend.paint(g, g.canvas.width, scale, legend.shown ? 1 : 0)));
   const saveFilm = async () => {
     setTime(t0);
     setPlaying(true);
@@ -350,7 +353,7 @@ export async function motionPage(app: HTMLElement, header: MotionHeader): Promis
   const strip = h('div', { class: 'strip' },
     h('div', { class: 'group wide', hidden: isStill }, play, timeline.input, clock),
     h('div', { class: 'group' }, ...(isStill ? [] : [speed.element]), magnify.element),
-    h('div', { class: 'group' }, color, reference, glyphs, contacts, markers, forces, sections.choice, follow));
+    h('div', { class: 'group' }, color, reference, glyphs, contacts, markers, forces, pressures.button, sections.choice, follow));
   const corner = h('div', { class: 'corner' }, views,
     iconButton('camera', 'Save a picture (P)', () => void savePng(), { id: 'png' }),
     iconButton('film', 'Save an animation (M)', () => void saveFilm(), { id: 'film' }));
@@ -372,6 +375,7 @@ export async function motionPage(app: HTMLElement, header: MotionHeader): Promis
     { keys: ['x'], text: 'surfaces that are touched, and paths', run: () => contacts.click() },
     { keys: ['k'], text: 'markers', run: () => markers.click() },
     { keys: ['f'], text: 'forces', run: () => forces.click() },
+    ...pressures.keys,
     ...(sections.present ? [{ keys: ['s'], text: 'next diagram of section forces', run: () => {
       sections.choice.value = String(sections.drawn = sections.drawn < 5 ? sections.drawn + 1 : -1);
       refresh();
@@ -392,7 +396,7 @@ export async function motionPage(app: HTMLElement, header: MotionHeader): Promis
     h('main', { class: 'split motion' },
       h('section', { class: 'viewer', 'aria-label': 'Picture' },
         h('div', { class: 'canvas-box' }, stage.element,
-          h('div', { class: 'runs', role: 'group', 'aria-label': 'Runs' }, ...(isModes ? [] : runButtons)), legend.element, corner), strip),
+          h('div', { class: 'runs', role: 'group', 'aria-label': 'Runs' }, ...(isModes ? [] : runButtons)), h('div', { class: 'legends' }, legend.element, pressures.legend.element), corner), strip),
       h('aside', { class: 'panel', 'aria-label': 'Plots and results' },
         h('div', { class: 'panel-head' }, h('div', { class: 'tabs', role: 'tablist' }, ...Object.values(tabs)),
           h('label', { class: 'search' }, icon('search'), add), names, saveCsv),

@@ -27,7 +27,7 @@ export interface Connection {
   /** Of kind marker: of its axes in body 1. */
   rotation?: Turn;
   /** What is touched, in axes on body 1 at p_1; touching: radius of the sphere about p_2 of body 2, 0 for none. */
-  surface?: { kind: 'plane' | 'sphere' | 'cylinder' | 'curve'; radius: number; closed: boolean; touching: number; rotation: Turn; points?: Point[] };
+  surface?: { kind: 'plane' | 'sphere' | 'cylinder' | 'curve' | 'body'; radius: number; closed: boolean; touching: number; rotation: Turn; points?: Point[] };
   /** A line on which the quantity NAME.place counts, by the undeformed body [m]. */
   path?: { body: string; p: Point; place: number }[];
 }

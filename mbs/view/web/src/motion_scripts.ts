@@ -70,6 +70,11 @@ export function motionScripts(page: MotionParts): object {
       const { at, part } = locate(runs[i].time, state.time);
       return mechanisms[i].arrows.force(connection, at, part)?.toArray() ?? null;
     },
+    pressure: (run: string, connection: string, vertex: number) => {
+      const i = runNamed(run);
+      const { at, part } = locate(runs[i].time, state.time);
+      return mechanisms[i].pressures.pressure(connection, vertex, at, part);
+    },
     sectionForces: (run: string, body: string, place: number) => forcesAt(mechanisms[runNamed(run)], body, place),
     addSectionForce: (body: string, place: number, c: number) => sections.addHistory(body, place, c),
     drawSections: (c: number) => { sections.choice.value = String(sections.drawn = c); refresh(); stage.drawNow(); },
