@@ -95,6 +95,61 @@ TEST_F(PlateOnPlane, LosesByDampingWhatTheFirstIntegralSays) {
   EXPECT_LT(std::abs(run.result.energy.relative_error()), 1e-6);
 }
 
+// A cylinder that slides over damped nodes at the speed v goes into those in front and leaves those behind: over the half width a,
+// a^2 = 2 R d, the pressure k (d - x^2 / (2 R)) grows by the factor 1 + c v x / R, and its part along x / R holds
+//
+//     c v int p (x / R)^2 dx = c v a^2 / (5 R^2) N = 2 c v d / (5 R) N.
+TEST_F(PlateOnPlane, DampedNodesHoldBackWhatSlidesOverThem) {
+  superelement::write(folder_ / "fine.se.h5", plate(kSide, 40, kMass));
+  const double R = 0.5, d = 2e-3, v = 4.0, c = 0.5;
+  const auto p = prepared(fmt::format(R"toml(
+gravity = [0, 0, 0]
+[body.plate]
+superelement = "fine.se.h5"
+fidelity = "rigid"
+[joint.held]
+type = "fixed"
+from = "ground"
+to = "plate"
+[body.runner]
+mass = 1
+inertia = [1, 1, 1]
+[body.runner.marker.axis]
+axis = [0, 1, 0]
+x_axis = [1, 0, 0]
+[body.runner.marker.along]
+axis = [1, 0, 0]
+[ground.marker.rail]
+position = [0, 0, {:.12g}]
+axis = [1, 0, 0]
+[joint.slide]
+type = "prismatic"
+from = "ground.rail"
+to = "runner.along"
+drive = "{} * t - 0.04"
+[force.touch]
+type = "surface_contact"
+body = "plate"
+from = "runner.axis"
+surface = "cylinder"
+surface_radius = {}
+stiffness = 1e9
+damping = {}
+[solver]
+end_time = 0.02
+output_step = 0.001
+)toml",
+                                      d - R, v, R, c));
+  const Series run = simulate(p, {"touch.force_x", "touch.normal_force"});
+  double held = 0.0, normal = 0.0;
+  for (const auto& row : run.values) {
+    held += std::abs(row(0));
+    normal += row(1);
+  }
+  // Squares of a ninth of the half width.
+  EXPECT_NEAR(held / normal, 2.0 * c * v * d / (5.0 * R), 0.02 * 2.0 * c * v * d / (5.0 * R));
+}
+
 // On its corner and an edge, spinning: energy is kept through many touches, and no row pulls.
 TEST_F(PlateOnPlane, TumblesWithoutLoss) {
   const auto p =

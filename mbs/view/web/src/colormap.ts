@@ -1,11 +1,12 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-// Two colour scales, even in lightness and safe for colour-blind eyes: viridis (Smith, van der Walt) for magnitudes,
-// blue-white-red for signed components.
+// Colour scales, even in lightness and safe for colour-blind eyes: viridis and inferno (Smith, van der Walt) for magnitudes and
+// pressures, blue-white-red for signed components.
 import * as THREE from 'three';
 
 const stops = {
   magnitude: ['#440154', '#482475', '#414487', '#355f8d', '#2a788e', '#21918c', '#22a884', '#44bf70', '#7ad151',
               '#bddf26', '#fde725'],
+  pressure: ['#1b0c41', '#4a0c6b', '#781c6d', '#a52c60', '#cf4446', '#ed6925', '#fb9b06', '#f7d13d', '#fcffa4'],
   signed: ['#1d4f9c', '#3f7fc4', '#82b1dd', '#c3d9ec', '#f2f2f0', '#f6cdb8', '#e8967a', '#cb5346', '#9c1c2e'],
 };
 export type ScaleName = keyof typeof stops;

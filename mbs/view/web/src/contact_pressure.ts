@@ -84,7 +84,7 @@ export class ContactPressures {
       vertices.forEach((_, i) => {
         const p = this.at(values[i], row, part);
         touches ||= p > 0;
-        const [r, g, b] = scaleColor('magnitude', p / this.range);
+        const [r, g, b] = scaleColor('pressure', p / this.range);
         color.setXYZW(i, r, g, b, p > 0 ? 1 : 0);
       });
       mesh.visible = touches;

@@ -12,8 +12,12 @@ export interface LegendContent {
 }
 
 export class Legend {
-  readonly element = h('figure', { class: 'legend', 'aria-label': 'Colour scale', hidden: true });
+  readonly element: HTMLElement;
   private content: LegendContent | null = null;
+
+  constructor(private readonly isLeft = false) {
+    this.element = h('figure', { class: isLeft ? 'legend left' : 'legend', 'aria-label': 'Colour scale', hidden: true });
+  }
 
   /** null hides it. */
   show(content: LegendContent | null): void {
@@ -33,15 +37,12 @@ export class Legend {
     return [4, 3, 2, 1, 0].map((i) => figure(low + ((high - low) * i) / 4, 3));
   }
 
-  get shown(): boolean {
-    return this.content !== null;
-  }
-
-  /** In the upper right corner of a picture of this width, below so many others; `scale` pixels for each CSS pixel. */
-  paint(g: CanvasRenderingContext2D, width: number, scale: number, below = 0): void {
+  /** In the upper right corner of a picture of this width, or on its left; `scale` pixels for each CSS pixel. */
+  paint(g: CanvasRenderingContext2D, width: number, scale: number): void {
     if (!this.content) return;
     const [w, height, bar] = [96 * scale, 168 * scale, 13 * scale];
-    const [x, y] = [width - w - 22 * scale, (44 + 232 * below) * scale];
+    const right = this.isLeft ? 172 * scale : width - 22 * scale;
+    const [x, y] = [right - w, 44 * scale];
     const gradient = g.createLinearGradient(0, y + height, 0, y);
     const stops = scaleStops(this.content.scale);
     stops.forEach((color, i) => gradient.addColorStop(i / (stops.length - 1), color));
@@ -51,13 +52,13 @@ export class Legend {
     g.textBaseline = 'middle';
     g.font = `600 ${12 * scale}px system-ui, sans-serif`;
     g.textAlign = 'right'; // long titles go to the left, over the scale
-    g.fillText(this.content.title, width - 22 * scale, y - 16 * scale);
+    g.fillText(this.content.title, right, y - 16 * scale);
     g.textAlign = 'left';
     g.font = `${12 * scale}px system-ui, sans-serif`;
     this.ticks().forEach((t, i) => g.fillText(t, x + bar + 8 * scale, y + (height * i) / 4));
     g.font = `${11 * scale}px system-ui, sans-serif`;
     g.textAlign = 'right';
-    g.fillText(this.content.note, width - 22 * scale, y + height + 18 * scale);
+    g.fillText(this.content.note, right, y + height + 18 * scale);
     g.textAlign = 'left';
   }
 }

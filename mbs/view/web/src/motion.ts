@@ -260,7 +260,7 @@ export async function motionPage(app: HTMLElement, header: MotionHeader): Promis
   };
   const fileName = header.title.replace(/[^\w.-]+/g, '_');
   const savePng = async () => download(`${fileName}.png`, await stage.png(`${header.title}, t = ${clock.textContent}`, legend,
-    (g, scale) => pressures.legend.paint(g, g.canvas.width, scale, legend.shown ? 1 : 0)));
+    (g, scale) => pressures.legend.paint(g, g.canvas.width, scale)));
   const saveFilm = async () => {
     setTime(t0);
     setPlaying(true);
@@ -396,7 +396,7 @@ export async function motionPage(app: HTMLElement, header: MotionHeader): Promis
     h('main', { class: 'split motion' },
       h('section', { class: 'viewer', 'aria-label': 'Picture' },
         h('div', { class: 'canvas-box' }, stage.element,
-          h('div', { class: 'runs', role: 'group', 'aria-label': 'Runs' }, ...(isModes ? [] : runButtons)), h('div', { class: 'legends' }, legend.element, pressures.legend.element), corner), strip),
+          h('div', { class: 'runs', role: 'group', 'aria-label': 'Runs' }, ...(isModes ? [] : runButtons)), legend.element, pressures.legend.element, corner), strip),
       h('aside', { class: 'panel', 'aria-label': 'Plots and results' },
         h('div', { class: 'panel-head' }, h('div', { class: 'tabs', role: 'tablist' }, ...Object.values(tabs)),
           h('label', { class: 'search' }, icon('search'), add), names, saveCsv),

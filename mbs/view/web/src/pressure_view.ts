@@ -5,7 +5,7 @@ import type { Mechanism } from './mechanism';
 import { stressUnit, toggle } from './ui';
 
 export class PressureView {
-  readonly legend = new Legend();
+  readonly legend = new Legend(true);
   readonly button: HTMLButtonElement;
 
   constructor(mechanisms: Mechanism[], refresh: () => void) {
@@ -14,7 +14,7 @@ export class PressureView {
     const show = (on: boolean) => {
       for (const m of mechanisms) m.showPressures = on;
       this.legend.show(on && largest > 0 ? {
-        title: `Contact pressure [${unit}]`, scale: 'magnitude', low: 0, high: largest * factor, note: 'on the body that touches' } : null);
+        title: `Contact pressure [${unit}]`, scale: 'pressure', low: 0, high: largest * factor, note: 'on the body that touches' } : null);
     };
     // One scale for all runs.
     for (const m of mechanisms) m.pressures.range = largest;
