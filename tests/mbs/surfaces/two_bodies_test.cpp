@@ -136,12 +136,13 @@ TEST_F(Bars, FlyingOnEndOnEndMoveAsAChain) {
 TEST_F(Bars, MeetAskewAndKeepTheirMomenta) {
   for (const char* law : {"", "damping = \"0.2 s/m\"\nfriction = 0.3\n"}) {
     SCOPED_TRACE(law);
-    const auto p = prepared(bodies("fidelity = \"modal\"\nmax_frequency = 20000\nvelocity = [5, 0.5, "
-                                   "-0.2]\nangular_velocity = [20, 0, 0]\n",
-                                   fmt::format("fidelity = \"modal\"\nmax_frequency = 20000\nposition = "
-                                               "[{:.15g}, 0.004, 0.003]\nrotation = [0, 0.02, -0.03]\n",
-                                               kL + 5e-4)) +
-                            kEnds + "total_stiffness = \"4e7 N/m\"\n" + law + moving::solve(1.2e-3, 12, 1e-8));
+    const auto p =
+        prepared(bodies("fidelity = \"modal\"\nmax_frequency = 20000\nvelocity = [5, 0.5, "
+                        "-0.2]\nangular_velocity = [20, 0, 0]\n",
+                        fmt::format("fidelity = \"modal\"\nmax_frequency = 20000\nposition = "
+                                    "[{:.15g}, 0.004, 0.003]\nrotation = [0, 0.02, -0.03]\n",
+                                    kL + 5e-4)) +
+                 kEnds + "total_stiffness = \"4e7 N/m\"\n" + law + moving::solve(1.2e-3, 12, 1e-8));
     const std::vector<std::string> names = {"momentum.linear_x",  "momentum.linear_y",   "momentum.linear_z",
                                             "momentum.angular_x", "momentum.angular_y",  "momentum.angular_z",
                                             "touch.normal_force", "touch.friction_force"};
