@@ -74,8 +74,6 @@ class Slices {
         block_(std::min<Index>(std::max(1, settings_.block), problem.n_free)),
         radius_(std::max<Index>(settings.modes / 2, 1)),
         goal_(std::min<Index>(std::max(request.count, 1) + 1, problem.n_free)) {
-    n_rows_ = problem.n;
-    if (problem.sum) problem.sum(&n_rows_, 1);
     pairs_.Phi.resize(problem.n, goal_ + radius_);
   }
 
@@ -202,17 +200,21 @@ class Slices {
                        std::min<Index>(problem_.n_free + 2 * block_, suggested));
     double accurate = std::max(1e-2 * request_.tolerance, 1e-14);
     int rounds_without_gain = 0;
-    LanczosLooks looks(n_rows_, block_, target + std::max(target / 2, block_));
+    // The projected matrix is small: a look at it costs about what a block does.
+    constexpr Index kBlocksBetweenLooks = 4;
+    const Index expected = 2 * target + 10 * block_;
+    Index next_look = target + std::max(target / 2, block_);
     for (int step = 0;; ++step) {
       space.expand();
       const Index size = space.size();
-      if (!space.exhausted() && !looks.due(size) && step > 0 && !space.is_full()) continue;
+      report(progress_, kStage, fraction(target * std::min(size, expected) / (expected + block_)));
+      if (!space.exhausted() && size < next_look && step > 0 && !space.is_full()) continue;
       const LanczosSpace::RitzPairs ritz = space.ritz_pairs();
       Known known = known_pairs(ritz, accurate);
       Index right = right_of(slice, ritz, known);
       if (space.exhausted() && right < 0) {
         if (space.begin_anew()) {
-          looks.set_next(space.size_with_newest());
+          next_look = space.size_with_newest();
           continue;
         }
         // The whole space is spanned: everything there is has been found.
@@ -220,8 +222,6 @@ class Slices {
         known.left = size - known.right;
         right = slice.least_right > 0 ? known.right : 0;
       }
-      const Index n_known = std::min(known.left, slice.n_left) + std::min(known.right, slice.least_right);
-      report(progress_, kStage, fraction(n_known));
       if (right >= 0) {
         check_neighbour(slice, ritz);
         EigenPairs some = take(shifted, space, ritz, std::min(known.left, slice.n_left), right);
@@ -238,11 +238,8 @@ class Slices {
                           some.Phi.cols(), hertz(slice.sigma), some.residual.maxCoeff(), request_.tolerance));
         accurate = std::max(0.1 * accurate, 1e-16);
       }
-      looks.plan(size, n_known, target);
-      if (space.is_full()) {
-        restart(space, ritz, slice);
-        looks.forget();
-      }
+      next_look = size + kBlocksBetweenLooks * block_;
+      if (space.is_full()) restart(space, ritz, slice);
       if (step > settings_.most_blocks)
         throw std::runtime_error(fmt::format("block Lanczos: no convergence in {} blocks near {:.6g} Hz",
                                              settings_.most_blocks, hertz(slice.sigma)));
@@ -366,8 +363,7 @@ class Slices {
   const Progress& progress_;
   const Index block_, radius_;  // of right-hand sides; pairs wanted on each side of a shift
   Index goal_;                  // pairs wanted, the first that is left out with them
-  double n_rows_ = 0.0;
-  EigenPairs pairs_;  // ascending, without a gap; Phi has room for more
+  EigenPairs pairs_;            // ascending, without a gap; Phi has room for more
   double sigma_ = -std::numeric_limits<double>::infinity();  // the last shift within the spectrum
   Index counted_ = 0;                                        // eigenvalues below it
 };
