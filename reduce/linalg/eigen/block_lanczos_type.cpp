@@ -121,8 +121,15 @@ double room_for_vectors(EPS eps) {
 // Modes of a slice, 0 for one basis: the user's choice, or what is faster.
 int modes_of_slice(EPS eps) {
   const Data& own = data(eps);
+  if (!own.context) {
+    if (own.slice > 0)
+      throw std::invalid_argument(
+          "-eps_blocklanczos_slice: slices are for reductions, which give block Lanczos their shifts; leave "
+          "the option out");
+    return 0;
+  }
+  if (!own.context->problem->shifted) return 0;
   if (own.slice >= 0) return static_cast<int>(own.slice);
-  if (!own.context) return 0;
   return modes_per_slice(*own.context->problem, static_cast<double>(eps->n), static_cast<int>(eps->nev),
                          static_cast<int>(own.block));
 }

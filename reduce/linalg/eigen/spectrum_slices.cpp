@@ -372,9 +372,6 @@ class Slices {
 
 EigenPairs iterate_slices(const EigenProblem& problem, const EigenRequest& request,
                           const SliceSettings& settings, const Progress& progress) {
-  if (!problem.shifted)
-    throw std::invalid_argument(
-        "-eps_blocklanczos_slice: this eigenvalue problem cannot be shifted; leave the option out");
   return Slices(problem, request, settings, progress).run();
 }
 

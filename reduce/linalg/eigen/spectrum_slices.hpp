@@ -22,7 +22,7 @@ struct SliceSettings {
   int modes = 0;  ///< of a slice
   BlockLanczosSettings lanczos;
 };
-/// Throws std::runtime_error where the counts and what is found do not agree.
+/// For problems that can be shifted.  Throws std::runtime_error where the counts and what is found do not agree.
 EigenPairs iterate_slices(const EigenProblem& problem, const EigenRequest& request,
                           const SliceSettings& settings, const Progress& progress = {});
 

@@ -212,6 +212,11 @@ TEST(BlockLanczosType, WhatItDoesNotFindIsRefused) {
     expect_refusal(eps, "shift-and-invert");
   }
   {
+    const Options options("-eps_blocklanczos_slice", "20");
+    Eps eps(grid.K, grid.M, 4, 0.0);
+    expect_refusal(eps, "-eps_blocklanczos_slice: slices are for reductions");
+  }
+  {
     // K itself is singular to round-off there.
     const double exact = Grid::eigenvalues(12)[0];
     Eps eps(grid.K, grid.M, 4, exact);
