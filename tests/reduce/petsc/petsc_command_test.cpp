@@ -109,6 +109,25 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"LowRank", "-pc_factor_mat_solver_type mumps -mat_mumps_icntl_35 2 -mat_mumps_cntl_7 1e-8", ""}),
     [](const auto& info) { return info.param.name; });
 
+// 40 modes in slices of ten: the numbers, and the certificate that the slices are themselves.
+TEST(Petsc, SlicesAreTheSameToTheBitTheNextTime) {
+  const test::Folder folder;
+  const std::string part = averaged_part(folder, "block.toml"), first = folder / "first.se.h5",
+                    second = folder / "second.se.h5";
+  for (const std::string& file : {first, second}) {
+    const test::Outcome outcome = test::run("flexura-reduce", {part, "-o", file, "--set", "modes.count=40",
+                                                               "--petsc", "-eps_blocklanczos_slice 10"});
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_THAT(outcome.out, HasSubstr("none missed: 40 below"));
+    EXPECT_THAT(outcome.out, HasSubstr("found in slices of the spectrum"));
+  }
+  const superelement::Superelement a = superelement::read(first, {.shapes = true}),
+                                   b = superelement::read(second, {.shapes = true});
+  EXPECT_EQ(a.K_se, b.K_se);
+  EXPECT_EQ(a.M_se, b.M_se);
+  EXPECT_EQ(a.shapes, b.shapes);
+}
+
 // Mesh, elements, factor and the eigensolver's vectors lie on two processes, ties by averages border the matrix.
 class UnderMpirun : public ::testing::TestWithParam<Case> {};
 
