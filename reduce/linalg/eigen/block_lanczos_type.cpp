@@ -134,6 +134,23 @@ int modes_of_slice(EPS eps) {
                          static_cast<int>(own.block));
 }
 
+// Thrown out of a search up to a frequency in one basis when it is seen that there are many modes.
+struct ManyModes {
+  int slice = 0;  // modes of a slice
+};
+
+void abandon_if_many(EPS eps, const EigenProblem& problem, const EigenRequest& request,
+                     const Eigen::VectorXd& omega2, Index known) {
+  constexpr Index kEnoughToTell = 60;
+  if (!(request.omega2_max > 0.0) || known < kEnoughToTell || data(eps).slice >= 0) return;
+  const double count = expected_below(omega2.head(known), request.omega2_max);
+  if (count < 3.0 * static_cast<double>(known)) return;  // it has come too far
+  const int slice =
+      modes_per_slice(problem, static_cast<double>(eps->n), static_cast<int>(std::min(count, 1e6)),
+                      static_cast<int>(data(eps).block));
+  if (slice > 0) throw ManyModes{slice};
+}
+
 PetscInt vectors_of_basis(EPS eps, double room) {
   const auto count = static_cast<int>(eps->nev), block = static_cast<int>(data(eps).block);
   const int slice = modes_of_slice(eps);
@@ -222,6 +239,7 @@ PetscErrorCode solve(EPS eps) {
       ok(BVGetArray(eps->V, &basis));
       return basis;
     };
+    bool in_slices = false;
     settings.look = [&](const Eigen::VectorXd& omega2, const Eigen::VectorXd& estimate, Index known,
                         int n_blocks) {
       show(eps, problem, omega2, estimate);
@@ -229,13 +247,20 @@ PetscErrorCode solve(EPS eps) {
       const auto shown = static_cast<PetscInt>(std::min<Index>(omega2.size(), eps->ncv));
       ok(EPSMonitor(eps, eps->its, std::min(static_cast<PetscInt>(known), shown), eps->eigr, eps->eigi,
                     eps->errest, shown));
+      if (!in_slices) abandon_if_many(eps, problem, request, omega2, known);
     };
     EigenPairs pairs;
     try {
-      if (const int slice = modes_of_slice(eps); slice > 0)
-        pairs = iterate_slices(problem, request, {slice, settings}, progress);
-      else
-        pairs = iterate_block_lanczos(problem, request, settings, progress);
+      int slice = modes_of_slice(eps);
+      if (slice == 0) try {
+          pairs = iterate_block_lanczos(problem, request, settings, progress);
+        } catch (const ManyModes& many) {
+          slice = many.slice;
+          settings.most_vectors =
+              std::max(settings.most_vectors, slice_vectors(slice, settings.block, room_for_vectors(eps)));
+        }
+      in_slices = slice > 0;
+      if (in_slices) pairs = iterate_slices(problem, request, {slice, settings}, progress);
     } catch (...) {
       if (basis) BVRestoreArray(eps->V, &basis);
       throw;

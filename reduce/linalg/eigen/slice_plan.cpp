@@ -11,6 +11,23 @@ int slice_vectors(int modes, int block, double room) {
   return static_cast<int>(std::clamp(room, static_cast<double>(least), static_cast<double>(most)));
 }
 
+double growth_of_number(const Eigen::VectorXd& omega2) {
+  const Eigen::Index n = omega2.size(), half = n / 2;
+  const double base = n > 0 ? std::min(omega2(0), 0.0) : 0.0;
+  if (n < 8) return 1.5;
+  const double upper = omega2(n - 1) - base, lower = omega2(half) - base;
+  if (!(upper > lower) || !(lower > 0.0)) return 1.5;
+  return std::clamp(
+      std::log(static_cast<double>(n) / static_cast<double>(half + 1)) / std::log(upper / lower), 0.3, 4.0);
+}
+
+double expected_below(const Eigen::VectorXd& omega2, double limit) {
+  const Eigen::Index n = omega2.size();
+  if (n == 0 || !(limit > omega2(n - 1))) return static_cast<double>((omega2.array() < limit).count());
+  const double base = std::min(omega2(0), 0.0);
+  return static_cast<double>(n) * std::pow((limit - base) / (omega2(n - 1) - base), growth_of_number(omega2));
+}
+
 namespace {
 
 // Of block Lanczos with so many vectors, in operations of solves: orthogonalisation is two passes along the basis and what is

@@ -135,31 +135,19 @@ class Slices {
   // Up to which number shifts must rise: a little beyond what is asked for, as densities are estimates.
   Index sought() const {
     double last = static_cast<double>(goal_);
-    if (request_.omega2_max > 0.0) last = std::max(last, number_at(request_.omega2_max) + 1.0);
+    if (request_.omega2_max > 0.0)
+      last = std::max(last, expected_below(pairs_.omega2, request_.omega2_max) + 1.0);
     const double rest = std::clamp(last - static_cast<double>(found()), 0.0, static_cast<double>(radius_));
     return static_cast<Index>(
         std::min(last + 2.0 + std::ceil(0.04 * rest), static_cast<double>(problem_.n_free)));
   }
 
-  // How many eigenvalues may be up to here, and where that of a number is: N ~ (omega^2 - base)^p, p from the upper half
-  // of those found.
-  double base() const { return std::min(pairs_.omega2(0), 0.0); }
-  double power() const {
-    const Index n = found(), half = n / 2;
-    const double upper = last_found() - base(), lower = pairs_.omega2(half) - base();
-    if (n < 8 || !(upper > lower) || !(lower > 0.0)) return 1.5;
-    const double ratio = static_cast<double>(n) / static_cast<double>(half + 1);
-    return std::clamp(std::log(ratio) / std::log(upper / lower), 0.3, 4.0);
-  }
-  double number_at(double omega2) const {
-    if (!(omega2 > last_found())) return 0.0;
-    return static_cast<double>(found()) * std::pow((omega2 - base()) / (last_found() - base()), power());
-  }
+  // Where the eigenvalue of this number may be.
   double where(double number) const {
-    const double least = std::max(sigma_, last_found());
-    const double there =
-        (last_found() - base()) * std::pow((number + 0.5) / static_cast<double>(found()), 1.0 / power());
-    return std::max(least + 1e-5 * std::abs(least), base() + there);
+    const double least = std::max(sigma_, last_found()), base = std::min(pairs_.omega2(0), 0.0);
+    const double there = (last_found() - base) * std::pow((number + 0.5) / static_cast<double>(found()),
+                                                          1.0 / growth_of_number(pairs_.omega2));
+    return std::max(least + 1e-5 * std::abs(least), base + there);
   }
 
   // Where sigma is all but an eigenvalue, or one of a piece of the structure, it moves a little; sigma says where to.

@@ -30,6 +30,11 @@ EigenPairs iterate_slices(const EigenProblem& problem, const EigenRequest& reque
 /// `n_rows` is the length of the vectors on all processes.  By operations, not by time: the same each time.
 int modes_per_slice(const EigenProblem& problem, double n_rows, int count, int block);
 
+/// The number of eigenvalues up to omega^2 grows like omega^(2 p): p by the upper half of the lowest ones, ascending.
+double growth_of_number(const Eigen::VectorXd& omega2);
+/// How many there may be below a limit, by this.
+double expected_below(const Eigen::VectorXd& omega2, double limit);
+
 /// Vectors of the basis of a slice, where there is room for `room` of them.
 int slice_vectors(int modes, int block, double room);
 

@@ -209,6 +209,28 @@ TEST(Slices, AreChosenWhereTheyTakeFewerOperations) {
   EXPECT_FALSE(block_lanczos(problem, {300, 0.0, 1e-9}).counted);
 }
 
+// The number of modes is not known beforehand: one basis begins and sees it.
+TEST(Slices, AreChosenWhereManyModesLieBelowALimit) {
+  Springs springs(40, 40, 1);
+  EigenProblem problem = springs.problem();
+  problem.factor_operations = 1e6;
+  problem.solve_operations = 1e5;
+  const std::vector<double>& exact = springs.exact();
+  std::size_t k = 600;
+  while (exact[k] - exact[k - 1] < 1e-3) ++k;
+  const EigenPairs pairs = block_lanczos(problem, {1, 0.5 * (exact[k - 1] + exact[k]), 1e-9});
+  EXPECT_EQ(pairs.omega2.size(), static_cast<Eigen::Index>(k));
+  springs.expect(pairs, static_cast<Eigen::Index>(k));
+}
+
+// A square's eigenvalues i^2 + j^2 grow with their number.
+TEST(Slices, NumbersBelowALimitAreExpectedByTheGrowthSoFar) {
+  const Eigen::VectorXd linear = Eigen::VectorXd::LinSpaced(100, 1.0, 100.0);
+  EXPECT_NEAR(expected_below(linear, 1000.0), 1000.0, 30.0);
+  EXPECT_NEAR(expected_below(linear.cwiseSqrt(), std::sqrt(1000.0)), 1000.0, 30.0);
+  EXPECT_EQ(expected_below(linear, 10.5), 10.0);
+}
+
 void expect_refusal(const EigenProblem& problem, const std::string& text) {
   try {
     block_lanczos(problem, {120, 0.0, 1e-9});
