@@ -1,6 +1,8 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include "reduce/invariants/inertia_integrals.hpp"
 
+#include <algorithm>
+
 #include "reduce/linalg/dense/dense.hpp"
 
 namespace flexura::reduce {
@@ -21,24 +23,29 @@ InertiaIntegrals inertia_integrals(const linalg::SymmetricMatrix& m,
   s.S_phi.resize(3, n);
   s.S_xphi.resize(9, n);
 
-  // The rows of T for one direction, contiguous.
-  const auto direction = [&](int a) {
-    Eigen::MatrixXd Phi(n_nodes, n);
-    for (Eigen::Index k = 0; k < n; ++k)
-      for (Eigen::Index node = 0; node < n_nodes; ++node) Phi(node, k) = T(3 * node + a, k);
+  // The rows of T for one direction, contiguous, of some columns at a time: thousands of shapes are most of the memory.
+  constexpr Eigen::Index kColumns = 256;
+  const auto direction = [&](int a, Eigen::Index first, Eigen::Index count) {
+    Eigen::MatrixXd Phi(n_nodes, count);
+    for (Eigen::Index k = 0; k < count; ++k)
+      for (Eigen::Index node = 0; node < n_nodes; ++node) Phi(node, k) = T(3 * node + a, first + k);
     return Phi;
   };
   constexpr int kPlace[3][3] = {{0, 3, -1}, {-1, 1, 4}, {5, -1, 2}};  // (a, b) -> place in S_phiphi
-  Eigen::MatrixXd Phi[3] = {direction(0), direction(1), direction(2)}, mPhi;
   for (int b = 0; b < 3; ++b) {
-    m.multiply(Phi[b], mPhi);
+    Eigen::MatrixXd mPhi;
+    m.multiply(direction(b, 0, n), mPhi);
     const Eigen::MatrixXd moments = linalg::transpose_times(X, mPhi);  // 4 x n
     s.S_phi.row(b) = moments.row(0);
     for (int a = 0; a < 3; ++a) {
       s.S_xphi.row(3 * a + b) = moments.row(1 + a);
       if (kPlace[a][b] < 0) continue;
       Eigen::MatrixXd& block = s.S_phiphi[kPlace[a][b]];
-      block = linalg::transpose_times(Phi[a], mPhi);
+      block.resize(n, n);
+      for (Eigen::Index first = 0; first < n; first += kColumns) {
+        const Eigen::Index count = std::min(kColumns, n - first);
+        block.middleRows(first, count) = linalg::transpose_times(direction(a, first, count), mPhi);
+      }
       if (a == b) block = (0.5 * (block + block.transpose())).eval();
     }
   }

@@ -10,6 +10,7 @@
 #include "reduce/assembly/input/rigid_motion.hpp"
 #include "reduce/assembly/tied_solver.hpp"
 #include "reduce/elements/surface.hpp"
+#include "reduce/invariants/inertia_integrals.hpp"
 #include "tests/reduce/parts.hpp"
 
 namespace flexura::reduce {
@@ -260,6 +261,22 @@ TEST(Refusals, MissingMaterial) {
   Part part = small_beam();
   part.mesh.solids[0].material.assign(96, 1);
   EXPECT_THAT(refusal(part), HasSubstr("a cell has material number 1, but the part has 1 material"));
+}
+
+// 600 shapes are taken in blocks: the integrals are those of all at once.
+TEST(InertiaIntegrals, OfManyShapesAreTheProductsOfTheirDirections) {
+  const Part part = testing::beam({0.4, 0.1, 0.1}, {3, 2, 2}, mesh::CellType::hex8, Tie::rigid, Tie::rigid);
+  const TiedModel model(part);
+  const Eigen::MatrixXd T = testing::random_matrix(3 * model.n_nodes(), 600), m = testing::dense(model.m());
+  const InertiaIntegrals s = inertia_integrals(model.m(), part.mesh.points, T);
+  const auto along = [&](int a) {
+    return Eigen::MatrixXd(T(Eigen::seqN(a, model.n_nodes(), 3), Eigen::all));
+  };
+  constexpr int kPairs[6][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {1, 2}, {2, 0}};
+  for (int k = 0; k < 6; ++k) {
+    const Eigen::MatrixXd exact = along(kPairs[k][0]).transpose() * m * along(kPairs[k][1]);
+    EXPECT_LT((s.S_phiphi[k] - exact).norm(), 1e-13 * exact.norm()) << k;
+  }
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -52,12 +53,22 @@ void require_ritz(const linalg::EigenProblem& problem, const MatrixXd& Phi, cons
   VectorXd apart = (omega.cwiseInverse().asDiagonal() * force).cwiseAbs().rowwise().maxCoeff();
   // What the products' own round-off can be: thin parts have stiffnesses beside which bending is little.
   MatrixXd K_size;
-  problem.multiply_magnitudes(linalg::times(Phi.cwiseAbs(), Z.cwiseAbs()), K_size);
-  const VectorXd round_off =
-      4.0 * std::numeric_limits<double>::epsilon() *
-      (omega.cwiseInverse().asDiagonal() * linalg::transpose_times(Phi.cwiseAbs(), K_size))
-          .rowwise()
-          .maxCoeff();
+  // |Phi| by some columns at a time: a copy of thousands of modes is memory.
+  constexpr Index kColumns = 256;
+  MatrixXd size = MatrixXd::Zero(Phi.rows(), Z.cols());
+  for (Index first = 0; first < Phi.cols(); first += kColumns) {
+    const Index count = std::min(kColumns, Phi.cols() - first);
+    size += linalg::times(Phi.middleCols(first, count).cwiseAbs(), Z.middleRows(first, count).cwiseAbs());
+  }
+  problem.multiply_magnitudes(size, K_size);
+  MatrixXd energy(Phi.cols(), Z.cols());
+  for (Index first = 0; first < Phi.cols(); first += kColumns) {
+    const Index count = std::min(kColumns, Phi.cols() - first);
+    energy.middleRows(first, count) =
+        linalg::transpose_times(Phi.middleCols(first, count).cwiseAbs(), K_size);
+  }
+  const VectorXd round_off = 4.0 * std::numeric_limits<double>::epsilon() *
+                             (omega.cwiseInverse().asDiagonal() * energy).rowwise().maxCoeff();
   apart = (apart - round_off).cwiseMax(0.0);
   Index worst = 0;
   const double most = apart.maxCoeff(&worst);
