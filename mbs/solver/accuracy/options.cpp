@@ -146,10 +146,10 @@ SolverOptions read_solver_options(const input::Section& section) {
   // Below, products of times and numbers of usual size leave the range of normal numbers.
   constexpr double shortest = 1e-100;
   if (duration > 0.0 && duration < std::max(resolution, shortest))
-    section.refuse("end_time",
-                   fmt::format("leaves {:.2g} s after start_time, which is lost in the round-off of the time",
-                               duration),
-                   "give a later end_time, or times nearer to zero");
+    section.refuse(
+        "end_time",
+        fmt::format("leaves {:.2g} s after start_time, which is lost in the round-off of the time", duration),
+        "give a later end_time, or times nearer to zero");
   const auto bound = [&](const char* key, double step, double most, const char* of_what) {
     if (step <= 0.0) return;
     if (step < duration / most)
