@@ -127,6 +127,30 @@ StaticsReport solve_statics(const Equations& eq, State& s, const StaticsOptions&
       if (switching(k) < 0.0) eq.on_root(k, s, *scratch);
     s.v.setZero();  // an impact leaves nothing behind here
   };
+  // A step ends just behind the first switch on its way: what comes from afar would pass through the surface that it touches, or be deep
+  // in it.
+  int switch_stops = 0;
+  constexpr int kSwitchStops = 50, kLooks = 100, kHalvings = 20;
+  const auto first_switch = [&](const auto& stepped, double whole) {
+    if (n.n_root == 0) return whole;
+    const auto passes = [&](double part) {
+      eq.roots(stepped(part), *scratch, switching);
+      for (int k = 0; k < n.n_root; ++k)
+        if (switching(k) < 0.0 && !eq.is_condition(k)) return true;
+      return false;
+    };
+    for (int i = 1; i <= kLooks; ++i) {
+      double to = whole * i / kLooks;
+      if (!passes(to)) continue;
+      double from = whole * (i - 1) / kLooks;
+      for (int k = 0; k < kHalvings; ++k) {
+        const double middle = 0.5 * (from + to);
+        (passes(middle) ? to : from) = middle;
+      }
+      return to;
+    }
+    return whole;
+  };
   const auto scale_rows = [&] {
     for (int k = 0; k < n_l; ++k) {
       const double norm = (tangents.G.row(k).transpose().array() * scale.head(n_v).array()).matrix().norm();
@@ -210,13 +234,21 @@ StaticsReport solve_statics(const Equations& eq, State& s, const StaticsOptions&
       continue;
     }
     // Half a typical size at a time, so that a swing does not turn into a somersault.
-    const double alpha = step > 0.5 ? 0.5 / step : 1.0;
-    State trial = s;
-    eq.retract(s.p, alpha * x.head(n_v), trial.p);
-    trial.c += alpha * x.segment(n_v, n_c);
-    trial.a += alpha * x.segment(n_v + n_c, n_a);
-    trial.lambda += alpha * x.tail(n_l);
-    s = trial;
+    double alpha = step > 0.5 ? 0.5 / step : 1.0;
+    const auto stepped = [&](double part) {
+      State next = s;
+      eq.retract(s.p, part * x.head(n_v), next.p);
+      next.c += part * x.segment(n_v, n_c);
+      next.a += part * x.segment(n_v + n_c, n_a);
+      next.lambda += part * x.tail(n_l);
+      return next;
+    };
+    if (switch_stops < kSwitchStops && step > 1e-6) {
+      const double first = first_switch(stepped, alpha);
+      switch_stops += first < alpha;
+      alpha = first;
+    }
+    s = stepped(alpha);
     take_switches();
     residual(s, F);
     require_finite_forces(eq, s.t, F.head(n_v), F.segment(n_v, n_c), F.segment(n_v + n_c, n_a));

@@ -4,6 +4,7 @@
 
 #include <Eigen/LU>
 
+#include "mbs/solver/linear/statics.hpp"
 #include "mbs/superelement/file.hpp"
 #include "tests/mbs/moving/girder.hpp"
 #include "tests/mbs/surfaces/faced_bar.hpp"
@@ -74,6 +75,31 @@ TEST_F(Bars, PressedEndOnEndAreSpringsInARow) {
     EXPECT_EQ(row(4), 36.0);
     // Vertices of the end: a corner, one within, the corner across.
     for (int k = 5; k < 8; ++k) EXPECT_NEAR(row(k), F / area, 1e-6 * F / area);
+  }
+}
+
+// One of them slides freely, from where nothing touches yet, also from farther than the contact is deep: the equilibrium is the same.
+TEST_F(Bars, PushedFromAfarComeToRestEndOnEnd) {
+  const double K = 4e7, F = 100.0, closed = F * (2.0 * kL / kEA + 1.0 / K);
+  for (const double gap : {0.0, 1e-4, 0.3}) {
+    auto p = prepared(
+        bodies("fidelity = \"modal\"\n",
+               fmt::format("fidelity = \"modal\"\nposition = [{:.15g}, 0, 0]\n", kL + gap)) +
+        "[joint.wall]\ntype = \"fixed\"\nfrom = \"ground\"\nto = \"one.root\"\n"
+        "[body.other.marker.end]\non = \"tip\"\naxis = [1, 0, 0]\n"
+        "[joint.far]\ntype = \"prismatic\"\nfrom = \"ground.far\"\nto = \"other.end\"\n" +
+        fmt::format("position = {:.15g}\n[ground.marker.far]\naxis = [1, 0, 0]\nposition = [{:.15g}, 0, 0]\n",
+                    gap, 2.0 * kL) +
+        kEnds + "total_stiffness = \"4e7 N/m\"\n" +
+        fmt::format("[force.push]\ntype = \"force\"\nmarker = \"other.tip\"\nx = {}\n", -F) +
+        "[solver]\nend_time = 0.01\noutput_step = 0.01\n");
+    State state = p.state;
+    solve_statics(*p.mechanism, state);
+    const auto scratch = p.mechanism->make_scratch();
+    Eigen::VectorXd found(1);
+    const std::vector<int> which = select_quantities(*p.mechanism, {"far.position"});
+    p.mechanism->evaluate(which, state, Eigen::VectorXd::Zero(p.mechanism->sizes().n_v), *scratch, found);
+    EXPECT_NEAR(found(0), -closed, 1e-6 * closed) << gap;  // single precision of the shapes
   }
 }
 
