@@ -193,6 +193,20 @@ struct Attempt {
 
 }  // namespace
 
+void require_few_cells(double size, double volume, double area) {
+  // Of regular tetrahedra, and of triangles on the surface: a mesh for which days of work and all memory would not do.
+  constexpr double kMostTetrahedra = 2e7, kMostTriangles = 1e7;
+  const double tetrahedra = 6.0 * std::sqrt(2.0) * volume / (size * size * size),
+               triangles = 4.0 / std::sqrt(3.0) * area / (size * size);
+  if (tetrahedra <= kMostTetrahedra && triangles <= kMostTriangles) return;
+  const double least =
+      std::max(size * std::cbrt(tetrahedra / kMostTetrahedra), size * std::sqrt(triangles / kMostTriangles));
+  throw std::invalid_argument(fmt::format(
+      "mesh.size is {:.3g} m, which takes about {:.1g} elements for this part, more than the {:.0g} "
+      "that are tried; choose {:.2g} m or more",
+      size, std::max(tetrahedra, triangles), kMostTetrahedra, 1.05 * least));
+}
+
 double automatic_size(double volume, double area, double diagonal) {
   return std::clamp(area > 0 ? 2 * volume / area : diagonal, diagonal / 80, diagonal / 20);
 }
@@ -211,6 +225,7 @@ CadMesh mesh_cad(const CadOptions& options, const Progress& progress) {
   double size =
       options.size > 0 ? options.size : automatic_size(listed.volume, listed.area, diagonal_of(report));
   double size_min = options.size_min > 0 ? std::min(options.size_min, size) : size / kSizeRange;
+  if (options.size > 0) require_few_cells(options.size, listed.volume, listed.area);
   if (options.size == 0 && options.sizes.empty()) {
     job.most_triangles = options.most_triangles;
     job.most_tetrahedra = options.most_tetrahedra;
@@ -293,15 +308,21 @@ CadMesh mesh_cad(const CadOptions& options, const Progress& progress) {
       return out;
     } catch (const TryFailed& e) {
       messages.push_back(fmt::format("meshing {} failed: {}", attempt.what, e.what()));
-      reasons.push_back(fmt::format("{}: {}", attempt.what, e.what()));
+      // Each once: a shape that cuts through itself fails in every way alike.
+      if (std::ranges::find(reasons, e.what()) == reasons.end()) reasons.emplace_back(e.what());
       ++k;
       if (k < attempts.size()) job.note = fmt::format(" {} ({})", attempts[k].what, messages.back());
     }
   }
-  throw std::runtime_error(
-      fmt::format("{}: cannot be meshed at size {:.4g} mm ({}); another mesh size or a repaired CAD "
-                  "file may help",
-                  options.path.string(), 1e3 * size, fmt::join(reasons, "; ")));
+  const bool crossed = std::ranges::any_of(reasons, [](const std::string& reason) {
+    return reason.find("PLC Error") != std::string::npos || reason.find("intersect") != std::string::npos;
+  });
+  throw std::runtime_error(fmt::format(
+      "{}: cannot be meshed at size {:.4g} mm{} ({}); {}", options.path.string(), 1e3 * size,
+      crossed ? ": its faces cut through one another, or the mesh is too coarse for a thin place" : "",
+      fmt::join(reasons, "; "),
+      crossed ? "mend the shape in the CAD program, or choose a smaller mesh.size"
+              : "another mesh size or a repaired CAD file may help"));
 }
 
 }  // namespace flexura::mesh

@@ -88,6 +88,9 @@ struct CadMesh {
 /// every try failed.
 CadMesh mesh_cad(const CadOptions& options, const Progress& progress = {});
 
+/// Refuses (std::invalid_argument) a size of which a part takes more elements than anything here can solve.
+void require_few_cells(double size, double volume, double area);
+
 /// Greatest edge length for a part: a wall's thickness 2 V / A, within 1/80 and 1/20 of the box's diagonal.
 /// With it (size = 0) the mesh is also bounded: many small features raise the sizes, with a message.
 double automatic_size(double volume, double area, double diagonal);

@@ -152,6 +152,7 @@ CadMesh mesh_sheet(const CadOptions& options, double thickness, const Progress& 
         ask(options, job, std::min(time.left(), listing_limit_s(options.path)), progress, &time).record;
     check_thickness(options, thickness, listed);
     fill_report(listed, report);
+    if (options.size > 0) require_few_cells(options.size, 0.0, listed.area);
     job.size = options.size > 0 ? options.size : std::sqrt(listed.area) / 20.0;
     job.size_min = options.size_min > 0 ? std::min(options.size_min, job.size) : job.size / 5.0;
   } catch (const TryFailed& e) {

@@ -193,17 +193,23 @@ static Selection select(const Context& c, const NodesRule& rule) {
   Selection selection;
   std::vector<Index>& nodes = selection.set.nodes;
   std::map<std::int64_t, Index> index_of;
+  std::map<std::int64_t, int> count;
   for (Index k = 0; k < c.mesh.n_nodes() && !rule.labels.empty(); ++k)  // points that are ours have no number
     if (const std::int64_t label =
             c.mesh.node_label.empty() ? k + 1 : c.mesh.node_label[static_cast<std::size_t>(k)];
         label >= 0)
-      index_of[label] = k;
+      index_of[label] = k, ++count[label];
   for (const std::int64_t label : rule.labels) {
     const auto found = index_of.find(label);
     if (found == index_of.end())
       throw std::invalid_argument(fmt::format("there is no node {}; the mesh has {} nodes, numbered {} to {}",
                                               label, c.mesh.n_nodes(), index_of.begin()->first,
                                               index_of.rbegin()->first));
+    if (count[label] > 1)
+      throw std::invalid_argument(fmt::format(
+          "{} nodes have the number {}, as instances of an assembly number theirs each from 1: choose "
+          "by a named set, by = \"group\" (an instance's is called INSTANCE.SET)",
+          count[label], label));
     nodes.push_back(found->second);
   }
   const double tolerance = rule.tolerance > 0 ? rule.tolerance : 1e-6 * c.diagonal;

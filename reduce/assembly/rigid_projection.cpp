@@ -33,9 +33,16 @@ RigidProjection::RigidProjection(const MatrixXd& R_b, const std::vector<char>& i
   G_ = qr.solve(MatrixXd(size_.asDiagonal()));
   G_.bottomRows<3>() /= length_;
   P_ = MatrixXd::Identity(n_b, n_b) - R_b * G_;
+  // Dofs that only move rigidly have no strain: their rows of the projector are zero, not round-off (a few 1e-16 times the
+  // condition of A), beside which the stiffness of all such dofs would be judged.
+  constexpr double kStrainless = 1e-13;
+  const MatrixXd scaled = size_.asDiagonal() * P_ * size_.cwiseInverse().asDiagonal();
+  P_ = (scaled.array().abs() < kStrainless).select(0.0, P_);
 }
 
 MatrixXd RigidProjection::strain_free(const MatrixXd& K) const {
+  // Six motions that hold the body are its rigid motions: what stands there is round-off.
+  if (K.rows() == 6) return MatrixXd::Zero(6, 6);
   const MatrixXd B = P_.transpose() * K * P_;
   return 0.5 * (B + B.transpose());
 }

@@ -20,7 +20,7 @@ class RigidProjection {
   /// `is_rotation` says for each boundary dof whether its unit is [rad].  R_b must have rank 6.
   RigidProjection(const Eigen::MatrixXd& R_b, const std::vector<char>& is_rotation);
 
-  /// P^T K P.
+  /// P^T K P; zero where there are six boundary dofs, whose motions are all rigid.
   Eigen::MatrixXd strain_free(const Eigen::MatrixXd& K) const;
   /// Psi + (R_i - Psi R_b) G; `R_i` n_i x 6 moves as R_b does.
   Eigen::MatrixXd corrected(const Eigen::MatrixXd& Psi, const Eigen::MatrixXd& R_i) const;

@@ -191,6 +191,7 @@ class ReductionStages {
       solve_for(options_.n_modes, options_.omega_max);
     require_finite(pairs.Phi, "the normal modes");
     report_.mode_residual = pairs.residual;
+    report_.mode_round_off = pairs.round_off;
     report_.solved_right_hand_sides = pairs.n_solves;
     report_.seconds_normal_modes = watch_.lap();
     return pairs;
@@ -243,6 +244,7 @@ class ReductionStages {
     stage_.next("Error of the mesh");
     const double before = linalg::processor_seconds();
     motions_ = judged_motions(reduction_, options_.omega_max);
+    if (motions_.states.Y.cols() == 0) return;  // one interface and no modes: rigid
     MeshEnergy left;
     const bool enriched = enrichment_suits(whole_);
     if (enriched) {

@@ -27,7 +27,7 @@ constexpr double kRoundOff = 1e-12;      // response shapes can hold all that in
 constexpr double kMostDofs = 5e5;        // some minutes and about ten gigabytes
 
 std::string percent(double x) {
-  return std::isfinite(x) && x < 0.5 ? fmt::format("{:.2g} %", 100.0 * x) : std::string("50 % or more");
+  return std::isfinite(x) && x < 0.5 ? fmt::format("{:.3g} %", 100.0 * x) : std::string("50 % or more");
 }
 
 }  // namespace
@@ -77,7 +77,8 @@ Judgement AccuracyGoal::judge(const Reduction& reduction) {
 }
 
 bool AccuracyGoal::mesh_reached(const Judgement& j) const {
-  return j.frequencies <= kMeshShare * frequencies_ && j.compliance <= kMeshShare * compliance_;
+  return j.frequencies <= kWorthSaying * kMeshShare * frequencies_ &&
+         j.compliance <= kWorthSaying * kMeshShare * compliance_;
 }
 
 bool AccuracyGoal::modes_reached(const Judgement& j) const {
@@ -101,35 +102,41 @@ std::vector<double> AccuracyGoal::next_sizes(const Part& part, int dofs) {
   const std::vector<char> sharp = nodes_at_sharp_edges(part);
   // One mesh tells the errors of one six times as good, not of any: asked for more at once, the interior would make up for
   // edges at which nothing finer may be asked.
-  // Where the last sizes left more than they were to (edges at which stresses grow faster than those of mesh_sizes.hpp), so much
-  // more is asked for.
-  const double missed = expected_ > 0.0 ? std::clamp(worst / expected_, 1.0, 2.0) : 1.0;
+  // Where the last sizes left more than they were to (edges at which stresses grow faster than those of mesh_sizes.hpp), more is
+  // asked for: not by as much, as the first graded mesh tells little of the next.
+  const double missed = expected_ > 0.0 ? std::clamp(std::sqrt(worst / expected_), 1.0, 2.0) : 1.0;
   expected_ = std::max(kAim, worst / 6.0);
-  VectorXd factor = cell_factors(part.mesh, share, sharp, expected_ / missed);
-  const double growth = cells_for(part.mesh, factor, sharp);
-  if (growth * dofs > kMostDofs) {
-    if (1.5 * dofs > kMostDofs || growth * dofs > 2.0 * kMostDofs)
+  // A mesh far from the goal is made coarser where it need not be as fine as it is.  One that is near it is only made finer:
+  // made coarser for one motion, it would miss the other by as much, to and fro.
+  const double coarsest = worst > 4.0 ? 1.5 : 1.0;
+  const auto factors = [&](double aim) { return cell_factors(part.mesh, share, sharp, aim, coarsest); };
+  const auto cells = [&](const VectorXd& factor) { return cells_for(part.mesh, factor, sharp) * dofs; };
+  VectorXd factor = factors(expected_ / missed);
+  if (const double wanted = cells(factor); wanted > kMostDofs) {
+    if (1.5 * dofs > kMostDofs || wanted > 2.0 * kMostDofs)
       throw std::runtime_error(fmt::format(
           "a mesh that may reach it would have about {:.2g} dofs, more than the {:.2g} that are tried: ask "
-          "for "
-          "less, for compliance separately (modes.compliance_accuracy), or choose mesh.size yourself",
-          growth * dofs, kMostDofs));
-    factor *= std::cbrt(growth * dofs / kMostDofs);
+          "for less, for compliance separately (modes.compliance_accuracy), or choose mesh.size yourself",
+          wanted, kMostDofs));
+    double low = expected_ / missed, high = worst;  // the most that is tried, for what it may reach
+    for (int k = 0; k < 6; ++k) {
+      const double middle = std::sqrt(low * high);
+      (cells(factors(middle)) > kMostDofs ? low : high) = middle;
+    }
+    factor = factors(high);
     expected_ = 0.0;
   }
   return size_points(part.mesh, factor, sharp);
 }
 
 std::string AccuracyGoal::describe(const Judgement& j) const {
-  std::string text = fmt::format(
-      "frequencies: {} asked, the mesh leaves {}{} and the dropped modes {} by their estimates",
-      percent(frequencies_), percent(j.frequencies),
-      raised_ > kWorthSaying
-          ? fmt::format(" (its own estimate times {:.2g}, as frequencies moved by more than the mesh "
-                        "before had said)",
-                        raised_)
-          : "",
-      percent(j.modes));
+  std::string text =
+      fmt::format("frequencies: {} asked, the mesh leaves {}{} of it (half is its share), dropped modes {}",
+                  percent(frequencies_), percent(j.frequencies),
+                  raised_ > kWorthSaying
+                      ? fmt::format(" (its estimate times {:.2g}, for what the mesh before missed)", raised_)
+                      : "",
+                  percent(j.modes));
   if (!j.interface.empty())
     text += fmt::format("; static compliance: {} asked, the mesh leaves {} (interface {})",
                         percent(compliance_), percent(j.compliance), j.interface);

@@ -62,6 +62,10 @@ FinishedModes load_finished_modes(const PartInput& input) {
   return modes;
 }
 
+std::string per_cent(double x) {
+  return std::isfinite(x) ? fmt::format("{:.2g} %", 100.0 * x) : std::string("beyond measure");
+}
+
 std::string why_unjudged(const Part& part) {
   if (part.matrices) return "its matrices come from another program, without elements";
   if (!part.mesh.shells.empty() || !part.frames.empty())
@@ -101,6 +105,7 @@ Attempt attempt(const PartInput& input, const std::filesystem::path& output, Red
   const double n_shapes = 6.0 * out.modelled.n_interfaces + std::max(0, input.modes.count);
   if (!output.empty())
     files::expect_size(output, 0.1 * 4.0 * 3.0 * static_cast<double>(out.picture.nodes.size()) * n_shapes);
+  out.graded = !input.cad.sizes.empty();
   how.loads = out.modelled.loads;
   how.shape_nodes = out.picture.nodes;
   out.vertices = stress_vertices(input.recovery, part.mesh, out.picture.nodes, part);
@@ -119,8 +124,7 @@ Attempt reach(PartInput input, const std::filesystem::path& output, ReductionOpt
   std::optional<Attempt> best;  // the one before, should a finer mesh fail
   std::string reached;
   const auto end_with_best = [&](const std::string& why) {
-    warnings.push_back(fmt::format("the accuracy asked for is not reached, this is the best there is: {}; {}",
-                                   reached, why));
+    best->missed = fmt::format("the accuracy asked for is not reached; {}; {}", reached, why);
     return std::move(*best);
   };
   for (int cycle = 1;;) {
@@ -148,11 +152,12 @@ Attempt reach(PartInput input, const std::filesystem::path& output, ReductionOpt
                       "with a finer mesh",
                       100.0 * input.modes.accuracy));
     if (say)
-      say(fmt::format(
-          "mesh {}: {} dofs, {} modes; estimated error of the mesh: frequencies {:.2g} %, static compliance "
-          "{:.2g} %; of the modes left out {:.2g} %; {:.1f} s",
-          cycle, dofs, out.reduction.n_q, 100.0 * judged.frequencies, 100.0 * judged.compliance,
-          100.0 * judged.modes, watch.lap()));
+      say(
+          fmt::format("mesh {}: {} dofs, {} modes; estimated error of the mesh: frequencies {}, static "
+                      "compliance {}; of the "
+                      "modes left out {}; {:.1f} s",
+                      cycle, dofs, out.reduction.n_q, per_cent(judged.frequencies),
+                      per_cent(judged.compliance), per_cent(judged.modes), watch.lap()));
     const bool more_modes = !goal.modes_reached(judged) && how.accuracy == 0.0 && how.n_modes < kMostModes;
     if (more_modes) {
       // Of an interface that is small beside the part the modes say little: their error falls slowly with their number.  Its
@@ -168,7 +173,8 @@ Attempt reach(PartInput input, const std::filesystem::path& output, ReductionOpt
         warnings.push_back("the mesh comes with the part and cannot be made finer here; " +
                            goal.describe(judged));
       else if (!goal.modes_reached(judged) && how.accuracy == 0.0)
-        warnings.push_back("more modes are not tried; " + goal.describe(judged));
+        out.missed =
+            "the accuracy asked for is not reached; " + goal.describe(judged) + "; more modes are not tried";
       return out;
     }
     if (mesh_done) continue;

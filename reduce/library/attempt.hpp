@@ -20,6 +20,8 @@ struct Attempt {
   SurfacePicture picture;
   std::vector<std::int32_t> vertices;  ///< of the picture, with stress modes
   Reduction reduction;
+  bool graded = false;  ///< the mesh has sizes of its own everywhere, not the one of mesh.size
+  std::string missed;   ///< of reach(): that the goal is not reached, and why; else empty
 };
 
 /// Meshes, chooses interfaces, ties and reduces once.  Room for the superelement is asked for at `output`, where that is
@@ -28,7 +30,7 @@ Attempt attempt(const PartInput& input, const std::filesystem::path& output, Red
 
 /// Meshes and reduces until both are within what is asked; without a goal once.  Where the modes left out cost too much, the
 /// interfaces' answer at rest joins them with the next mesh.  `say` gets a line for each reduction.  Where the goal is out of
-/// reach, or a finer mesh fails, the last mesh that was judged is given, with a warning; std::runtime_error where none was.
+/// reach, or a finer mesh fails, the last mesh that was judged is given, with `missed`; std::runtime_error where none was.
 Attempt reach(PartInput input, const std::filesystem::path& output, ReductionOptions how,
               const std::function<void(const std::string&)>& say, std::vector<std::string>& warnings);
 

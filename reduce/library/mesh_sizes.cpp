@@ -28,6 +28,26 @@ bool touches(const mesh::CellBlock& block, Index row, const std::vector<char>& s
   return false;
 }
 
+/// The mean length of the edges of the surface at each node; 0 inside.
+std::vector<double> surface_edges(const mesh::Mesh& mesh) {
+  std::vector<double> sum(static_cast<std::size_t>(mesh.n_nodes()), 0.0), count(sum);
+  for (const mesh::CellBlock& block : mesh.boundary) {
+    const int corners = mesh::shape_of(block.type).corners;
+    for (Index row = 0; row < block.nodes.rows(); ++row)
+      for (int c = 0; c < corners; ++c) {
+        const mesh::Index a = block.nodes(row, c), b = block.nodes(row, (c + 1) % corners);
+        const double length = (mesh.points.row(a) - mesh.points.row(b)).norm();
+        for (const mesh::Index node : {a, b}) {
+          sum[static_cast<std::size_t>(node)] += length;
+          count[static_cast<std::size_t>(node)] += 1.0;
+        }
+      }
+  }
+  for (std::size_t k = 0; k < sum.size(); ++k)
+    if (count[k] > 0.0) sum[k] /= count[k];
+  return sum;
+}
+
 struct Exponents {
   double a, d;  ///< of the error and of the cells, by the size
 };
@@ -46,8 +66,8 @@ std::vector<Exponents> exponents_of(const mesh::Mesh& mesh, const std::vector<ch
 }  // namespace
 
 VectorXd cell_factors(const mesh::Mesh& mesh, const MatrixXd& share, const std::vector<char>& sharp,
-                      double aim) {
-  constexpr double kFinest = 1.0 / 16.0, kCoarsest = 1.5;  // finer is a guess
+                      double aim, double coarsest) {
+  constexpr double kFinest = 1.0 / 16.0;  // finer is a guess
   constexpr int kSweeps = 30;
   // An error goes with its multiplier like mu^(-a / (a + d)), about the root: this much of the way to it, as sums share cells.
   constexpr double kStep = 1.5;
@@ -62,7 +82,7 @@ VectorXd cell_factors(const mesh::Mesh& mesh, const MatrixXd& share, const std::
     for (Index k = 0; k < share.rows(); ++k) {
       const auto [a, d] = by[static_cast<std::size_t>(k)];
       const double e = std::max(error(k), least);
-      factor(k) = std::clamp(std::pow(level * d / (a * e), 1.0 / (a + d)), kFinest, kCoarsest);
+      factor(k) = std::clamp(std::pow(level * d / (a * e), 1.0 / (a + d)), kFinest, coarsest);
       left += std::pow(factor(k), a) * share.row(k).transpose();
     }
     return left.maxCoeff();
@@ -87,8 +107,9 @@ double cells_for(const mesh::Mesh& mesh, const VectorXd& factor, const std::vect
   double sum = 0.0;
   for (Index k = 0; k < factor.size(); ++k) {
     const double f = factor(k);
-    // Between the edge and the cell's old size: the layers, each twice as large as the last.
-    const double layers = by[static_cast<std::size_t>(k)].d == 1.0 && f < 1.0 ? 1.0 - std::log2(f) : 1.0;
+    // Between the edge and the cell's old size: layers, the cells of each twice as large along the edge, too, as those of the
+    // last.  1 + 1/2 + 1/4 + ... + f
+    const double layers = by[static_cast<std::size_t>(k)].d == 1.0 && f < 1.0 ? 2.0 - f : 1.0;
     sum += layers * std::pow(f, -by[static_cast<std::size_t>(k)].d);
   }
   return sum / static_cast<double>(std::max<Index>(factor.size(), 1));
@@ -101,6 +122,9 @@ std::vector<double> size_points(const mesh::Mesh& mesh, const VectorXd& factor,
     return (mesh.points.row(a) - mesh.points.row(b)).norm();
   };
   std::vector<double> size(n, 0.0), count(n, 0.0);
+  // A mesher's size is that of the edges on the surface.  Those of the cells are longer where walls are a single cell thick
+  // (diagonals): taken for sizes they would make the next mesh coarser by a quarter.
+  const std::vector<double> on_surface = surface_edges(mesh);
   for_each_solid(mesh, [&](Index cell, const mesh::CellBlock& block, Index row) {
     const mesh::CellShape& shape = mesh::shape_of(block.type);
     double mean = 0.0;
@@ -112,7 +136,7 @@ std::vector<double> size_points(const mesh::Mesh& mesh, const VectorXd& factor,
       const auto node = static_cast<std::size_t>(block.nodes(row, a));
       // What a cell at the edge wants it wants there.
       const double f = at_edge && !sharp[node] ? std::max(factor(cell), 1.0) : factor(cell);
-      size[node] += std::log(f * mean);
+      size[node] += std::log(f * (on_surface[node] > 0.0 ? std::min(on_surface[node], mean) : mean));
       count[node] += 1.0;
     }
   });

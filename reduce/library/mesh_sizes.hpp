@@ -18,10 +18,10 @@
 /// e is sum_k mu_k e_k.
 namespace flexura::reduce {
 
-/// Factor f of each cell (order of the blocks of solids) so that the greatest sum of the errors becomes `aim`; 1/16 to 1.5.
-/// `share`: the errors today, n_cells x n_motions; `sharp`: of the nodes.
+/// Factor f of each cell (order of the blocks of solids) so that the greatest sum of the errors becomes `aim`; 1/16 to
+/// `coarsest`.  `share`: the errors today, n_cells x n_motions; `sharp`: of the nodes.
 Eigen::VectorXd cell_factors(const mesh::Mesh& mesh, const Eigen::MatrixXd& share,
-                             const std::vector<char>& sharp, double aim);
+                             const std::vector<char>& sharp, double aim, double coarsest = 1.5);
 
 /// About how many times as many cells the factors ask for.
 double cells_for(const mesh::Mesh& mesh, const Eigen::VectorXd& factor, const std::vector<char>& sharp);

@@ -7,22 +7,33 @@
 
 namespace flexura::reduce {
 
-std::string odd_material(const Material& material) {
+std::string odd_material(const Material& material, bool of_deck) {
   if (!material.plies.empty()) return "";              // a mean of others, which are asked themselves
   constexpr double kSoftest = 1e3, kStiffest = 2e12;   // [Pa]: gels, diamond
   constexpr double kLightest = 1.0, kHeaviest = 25e3;  // [kg/m^3]: aerogels, osmium
+  constexpr double kFastest = 25e3;                    // [m/s], of sound in a bar: 17e3 in diamond
+  const auto remedy = [&](const char* own) -> std::string {
+    return of_deck
+               ? "a deck is taken in m, kg, s unless [geometry] unit says otherwise (unit = \"mm\": mm, t, s)"
+               : own;
+  };
   // In shear: what does not depend on how compressible the material is.
   const double stiffness = 3.0 * material.D(3, 3);
   if (!(stiffness > kSoftest && stiffness < kStiffest))
-    return fmt::format(
-        "material \"{}\" has a stiffness of about {:.3g} Pa, as no material has; is the unit of its Young's "
-        "modulus missing (young = \"210 GPa\")?",
-        material.name, stiffness);
+    return fmt::format("material \"{}\" has a stiffness of about {:.3g} Pa, as no material has; {}",
+                       material.name, stiffness,
+                       remedy("is the unit of its Young's modulus missing (young = \"210 GPa\")?"));
   if (!(material.density > kLightest && material.density < kHeaviest))
+    return fmt::format("material \"{}\" has a density of {:.3g} kg/m^3, as no material has; {}",
+                       material.name, material.density,
+                       remedy("is its unit missing (density = \"7850 kg/m^3\")?"));
+  if (const double speed = std::sqrt(stiffness / material.density); speed > kFastest)
     return fmt::format(
-        "material \"{}\" has a density of {:.3g} kg/m^3, as no material has; is its unit missing "
-        "(density = \"7850 kg/m^3\")?",
-        material.name, material.density);
+        "material \"{}\" has a stiffness of about {:.3g} Pa and {:.3g} kg/m^3, in which sound would be as "
+        "fast "
+        "as in no material ({:.2g} km/s); {}",
+        material.name, stiffness, material.density, 1e-3 * speed,
+        remedy("are the units of Young's modulus and density right (\"210 GPa\", \"7850 kg/m^3\")?"));
   return "";
 }
 

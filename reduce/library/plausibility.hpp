@@ -9,8 +9,8 @@
 /// What is no contradiction but most often a slip: a sentence for the user, or empty.
 namespace flexura::reduce {
 
-/// What no solid material has: most often a value without its unit.
-std::string odd_material(const Material& material);
+/// What no solid material has: most often a value without its unit, or a deck (`of_deck`) in other units than it is taken in.
+std::string odd_material(const Material& material, bool of_deck = false);
 
 /// A shell that is thicker than a third of all shells are long: most often a thickness in another unit.
 std::string odd_thickness(const mesh::Mesh& mesh);

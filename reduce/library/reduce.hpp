@@ -47,6 +47,8 @@ struct Reduced {
   std::vector<std::string> warnings;
   std::string
       too_coarse;  ///< what to say of a mesh that does not resolve the part; empty where it does or is not judged
+  std::string
+      missed;  ///< that an accuracy asked for is not reached, and why; empty where it is, or none was asked for
   mesh::Mesh mesh;  ///< of solids and shells; empty for beams and finished modes
   std::vector<Material> materials;
 };

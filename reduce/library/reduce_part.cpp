@@ -1,6 +1,7 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdlib>
 #include <numbers>
@@ -85,13 +86,16 @@ void add_hints(const PartInput& input, const Attempt& done, ReportData& data) {
   const Part& part = done.modelled.part;
   if (const std::string coarse = too_coarse(data.mesh_error); !coarse.empty())
     data.warnings.push_back(coarse);
-  const MeshHints hints =
-      mesh_hints(part, input.format == PartFormat::cad ? done.mesh.size : 0.0, data.mesh_error);
+  const bool one_size = input.format == PartFormat::cad && !done.graded;
+  const MeshHints hints = mesh_hints(part, one_size ? done.mesh.size : 0.0, data.mesh_error);
   data.warnings.insert(data.warnings.end(), hints.warnings.begin(), hints.warnings.end());
   data.notes.insert(data.notes.end(), hints.notes.begin(), hints.notes.end());
   data.warnings.insert(data.warnings.end(), done.modelled.warnings.begin(), done.modelled.warnings.end());
-  for (const Material& material : part.materials)
-    if (const std::string odd = odd_material(material); !odd.empty()) data.warnings.push_back(odd);
+  for (const Material& material : part.materials) {
+    const bool own =
+        std::ranges::any_of(input.materials, [&](const Material& m) { return m.name == material.name; });
+    if (const std::string odd = odd_material(material, !own); !odd.empty()) data.warnings.push_back(odd);
+  }
   if (const std::string odd = odd_thickness(part.mesh); !odd.empty()) data.warnings.push_back(odd);
 }
 
@@ -112,6 +116,7 @@ Reduced reduce(const PartInput& input, const ReduceOptions& options) {
 
   ReportData data{.mesh = done.mesh, .notes = done.modelled.notes};
   data.warnings = warnings;
+  if (!done.missed.empty()) data.warnings.push_back(done.missed);
   if (reduction.dropped.size() > 0) data.errors = mode_errors(reduction);
   strike(input, reduction, data);
   add_comparison(input, part, reduction, options, data);
@@ -125,6 +130,7 @@ Reduced reduce(const PartInput& input, const ReduceOptions& options) {
 
   Reduced out;
   out.too_coarse = too_coarse(data.mesh_error);
+  out.missed = std::move(done.missed);
   std::vector<mesh::Index> stress_nodes;
   for (const std::int32_t vertex : done.vertices)
     stress_nodes.push_back(done.picture.nodes[static_cast<std::size_t>(vertex)]);

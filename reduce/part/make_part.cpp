@@ -87,8 +87,11 @@ std::optional<ChosenTie> tie_at(const PartMesh& from, const mesh::Mesh& mesh, co
   const auto* nodes = std::get_if<mesh::NodesRule>(&wanted.rule);
   if (!nodes || nodes->labels.size() != 1) return {};
   const std::int64_t label = nodes->labels.front();
+  // Not known which, where instances of an assembly have a node of this number each: the rule refuses it.
+  const bool repeated = std::ranges::count(mesh.node_label, label) > 1;
+  if (repeated && std::ranges::count(from.ties, label, &DeckTie::node) > 1) return {};
   if (const auto tie = find_tie(from, [&](const auto& t) { return t.node == label; })) return tie;
-  if (wanted.tie != Tie::rigid) return {};
+  if (wanted.tie != Tie::rigid || repeated) return {};
   for (const DeckTie& tie : from.ties) {
     if (tie.spec.tie != Tie::rigid || !tie.spec.rotations) continue;
     for (const mesh::Index node : tie.spec.set.nodes)

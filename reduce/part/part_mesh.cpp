@@ -53,7 +53,7 @@ Material material_of(const mesh::ImportedMaterial& from, const std::string& deck
         fmt::format("{}: material \"{}\" has no {} ({}); give it a table [material.\"{}\"] in the part file",
                     deck, from.name, what, card, from.name));
   };
-  if (!(from.rho > 0.0)) lacks("density", "*DENSITY, or RHO of MAT1");
+  if (!(from.rho > 0.0)) lacks("density above zero", "*DENSITY, or RHO of MAT1");
   if (from.orthotropic) {
     // E1 E2 E3 nu12 nu13 nu23 G12 G13 G23; nu31 = nu13 E3 / E1.
     const auto& c = from.engineering;
@@ -70,7 +70,7 @@ Material material_of(const mesh::ImportedMaterial& from, const std::string& deck
                               from.rho),
                   from.R);
   }
-  if (!(from.E > 0.0)) lacks("Young's modulus", "*ELASTIC, or E of MAT1");
+  if (!(from.E > 0.0)) lacks("Young's modulus above zero", "*ELASTIC, or E of MAT1");
   return isotropic(from.name, from.E, from.nu, from.rho);
 }
 

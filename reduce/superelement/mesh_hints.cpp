@@ -5,6 +5,9 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <utility>
+
+#include "mesh/model/coincident.hpp"
 
 namespace flexura::reduce {
 
@@ -66,11 +69,46 @@ double worst_of(const MeshShare& share) {
   return worst;
 }
 
+// Nodes of cells beside others that nothing joins to them: seams that open.
+std::string cracks(const Part& part) {
+  std::vector<char> joined(static_cast<std::size_t>(part.mesh.n_nodes()), 0);
+  const auto join = [&](mesh::Index node) { joined[static_cast<std::size_t>(node)] = 1; };
+  for (const InterfaceSpec& interface : part.interfaces)
+    for (const mesh::Index node : interface.set.nodes) join(node);
+  for (const DependentDof& constraint : part.dependent) join(constraint.dof.node);
+  for (const Follower& follower : part.followers) join(follower.point);
+  for (const Link& link : part.links) join(link.from), join(link.to);
+  for (const FrameElement& frame : part.frames)
+    for (const mesh::Index node : frame.nodes) join(node);
+  std::vector<mesh::Index> nodes;
+  std::vector<char> seen(joined.size(), 0);
+  for (const auto* blocks : {&part.mesh.boundary, &part.mesh.shells})
+    for (const mesh::CellBlock& block : *blocks)
+      for (const mesh::Index node : block.nodes.reshaped())
+        if (!joined[static_cast<std::size_t>(node)] &&
+            !std::exchange(seen[static_cast<std::size_t>(node)], 1))
+          nodes.push_back(node);
+  const auto pairs = mesh::coincident_nodes(part.mesh.points, std::move(nodes));
+  if (pairs.empty()) return "";
+  const auto [a, b] = pairs.front();
+  const auto label = [&](mesh::Index node) {
+    return part.mesh.node_label.empty() ? node : part.mesh.node_label[static_cast<std::size_t>(node)];
+  };
+  return fmt::format(
+      "{} node{} of solids or shells lie{} where others do that nothing joins to them, the first {} and {} "
+      "at "
+      "({:.5g}, {:.5g}, {:.5g}) m: the part is open there; merge them unless it is meant to be",
+      pairs.size(), pairs.size() == 1 ? "" : "s", pairs.size() == 1 ? "s" : "", label(a), label(b),
+      part.mesh.points(a, 0), part.mesh.points(a, 1), part.mesh.points(a, 2));
+}
+
 }  // namespace
 
 MeshHints mesh_hints(const Part& part, double size, const std::optional<MeshShare>& share) {
   constexpr double kWarn = 0.05, kNote = 0.01;
   MeshHints out;
+  if (size == 0.0 && !part.matrices)
+    if (std::string open = cracks(part); !open.empty()) out.warnings.push_back(std::move(open));
   if (part.matrices || part.mesh.solids.empty()) return out;
   const bool known = share && !(share->modes.empty() && share->interfaces.empty());
   const double worst = known ? worst_of(*share) : 0.0;
@@ -89,11 +127,10 @@ MeshHints mesh_hints(const Part& part, double size, const std::optional<MeshShar
   std::vector<std::string>& to = !known || !(worst <= kWarn) ? out.warnings : out.notes;
 
   if (const double thickness = mean_thickness(part.mesh); thickness > 0.0 && size > 2.0 * thickness)
-    to.push_back(
-        fmt::format("the elements asked for (mesh.size {:.3g} m) are larger than the part is thick (about "
-                    "{:.3g} m, twice its volume over "
-                    "its surface): choose a smaller mesh.size",
-                    size, thickness));
+    to.push_back(fmt::format(
+        "the elements (mesh.size {:.3g} m) are larger than the part is thick (about {:.3g} m, twice "
+        "its volume over its surface): choose a smaller mesh.size",
+        size, thickness));
   double n_linear = 0.0, n_uniform = 0.0, n_all = 0.0;
   for (const mesh::CellBlock& block : part.mesh.solids) {
     const auto n = static_cast<double>(block.nodes.rows());

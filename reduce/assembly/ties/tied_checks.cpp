@@ -9,6 +9,7 @@
 #include <numeric>
 #include <stdexcept>
 
+#include "mesh/model/coincident.hpp"
 #include "reduce/assembly/input/average.hpp"
 #include "reduce/assembly/input/rigid_motion.hpp"
 #include "reduce/assembly/ties/tied_codes.hpp"
@@ -142,11 +143,24 @@ void check_pieces(const Part& part, const TiedNumbering& numbering) {
     return a.second.first < b.second.first;
   });
   const auto [count, node] = smallest->second;
+  // Decks whose parts were meshed one by one and never merged.
+  std::vector<mesh::Index> used;
+  for (int n = 0; n < numbering.n_nodes(); ++n)
+    if (numbering.code(n, 0) != kUnused) used.push_back(n);
+  std::string apart;
+  int n_apart = 0;
+  for (const auto& [a, b] : mesh::coincident_nodes(part.mesh.points, std::move(used)))
+    if (root(a) != root(b) && n_apart++ == 0)
+      apart = fmt::format(" {} and {}", numbering.label_of(a), numbering.label_of(b));
   throw std::invalid_argument(fmt::format(
       "the mesh falls into {} pieces that nothing joins; the smallest has {} nodes, one of them node {} at "
-      "({:.5g}, {:.5g}, {:.5g}) m: fuse the solids, or take one of them",
+      "({:.5g}, {:.5g}, {:.5g}) m: {}",
       pieces.size(), count, numbering.label_of(node), numbering.points()(node, 0),
-      numbering.points()(node, 1), numbering.points()(node, 2)));
+      numbering.points()(node, 1), numbering.points()(node, 2),
+      n_apart > 0
+          ? fmt::format("merge the nodes that lie in one place ({} pairs, such as{}), or take one piece",
+                        n_apart, apart)
+          : std::string("fuse the solids, or take one of them")));
 }
 
 // Greedily, each the one that moves most in what the former pins leave.

@@ -21,6 +21,7 @@ void choose_modes(const TiedModel& model, const ReductionOptions& options, const
     if (count < pairs.omega2.size()) pairs.omega2_next = pairs.omega2(count);
     pairs.omega2.conservativeResize(count);
     pairs.residual.conservativeResize(count);
+    if (pairs.round_off.size() > count) pairs.round_off.conservativeResize(count);
     pairs.Phi.conservativeResize(Eigen::NoChange, count);
   };
   const double hertz = options.omega_max / (2.0 * std::numbers::pi);

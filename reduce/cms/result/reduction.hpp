@@ -58,8 +58,10 @@ struct ReductionReport {
   double rigid_error = 0.0;   ///< of rigid motions in the constraint modes before they are made exact
   double constraint_residual = 0.0;  ///< ||K_ii Psi + K_ib|| / ||K_ib||, averages included
   Eigen::VectorXd mode_residual;     ///< n_q: ||K phi - omega^2 M phi|| / ||K phi||
-  int certified_modes = -1;          ///< counted below the cut-off by Sylvester's law; -1: not counted
-  double certified_omega2 = 0.0;     ///< the cut-off [rad^2/s^2]
+  /// n_q: what round-off leaves of it (linalg::EigenPairs); empty: not known
+  Eigen::VectorXd mode_round_off;
+  int certified_modes = -1;       ///< counted below the cut-off by Sylvester's law; -1: not counted
+  double certified_omega2 = 0.0;  ///< the cut-off [rad^2/s^2]
   double seconds_certificate = 0.0;
   double band_frequency_error = -1.0, band_interface_error = -1.0;  ///< in the band asked for; -1: none
   int n_extra = 0;                          ///< response and load shapes among the modes

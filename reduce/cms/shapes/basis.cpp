@@ -39,8 +39,9 @@ Basis craig_chang_basis(const Part& part, const TiedModel& model, const TiedSolv
   basis.Phi = linalg::times(span.W, shapes.Y.rightCols(n_q));
   basis.omega2 = shapes.omega2;
   basis.K_bb = shapes.Y.leftCols(n_b).transpose() * span.K * shapes.Y.leftCols(n_b);
-  basis.K_bb = (0.5 * (basis.K_bb + basis.K_bb.transpose())).eval();
+  basis.K_bb = rigid_projection(model).strain_free(basis.K_bb);
   report.mode_residual = span.residual;
+  report.mode_round_off = span.round_off;
   return basis;
 }
 

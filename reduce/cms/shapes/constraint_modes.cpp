@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <limits>
 
-#include "reduce/assembly/rigid_projection.hpp"
 #include "reduce/linalg/dense/dense.hpp"
 
 namespace flexura::reduce {
@@ -17,6 +16,13 @@ namespace {
 constexpr double kWorthAsking = 1e-8;  // a residual below needs no excuse
 
 }  // namespace
+
+RigidProjection rigid_projection(const TiedModel& model) {
+  std::vector<char> is_rotation;
+  for (int k = 0; k < model.n_interfaces(); ++k)
+    for (const int direction : model.numbering().directions(k)) is_rotation.push_back(direction >= 3);
+  return {model.motions().rigid_b(), is_rotation};
+}
 
 ConstraintModes constraint_modes(const TiedModel& model, const TiedSolver& solver) {
   const auto& averaged = model.averaged_dofs();
@@ -45,16 +51,11 @@ ConstraintModes constraint_modes(const TiedModel& model, const TiedSolver& solve
   for (Index r = 0; r < n_a; ++r) modes.K_bb.row(averaged[r]) -= solution.mu.row(r);
   modes.K_bb = (0.5 * (modes.K_bb + modes.K_bb.transpose())).eval();
   const MatrixXd R_b = model.motions().rigid_b(), R_i = model.motions().rigid_i();
-  std::vector<char> is_rotation;
-  for (int k = 0; k < model.n_interfaces(); ++k)
-    for (const int direction : model.numbering().directions(k)) is_rotation.push_back(direction >= 3);
-  const RigidProjection rigid(R_b, is_rotation);
+  const RigidProjection rigid = rigid_projection(model);
   modes.rigid_error = rigid.error(modes.Psi, R_i);
   if (model.n_b() > 6) modes.rigid_strain = (modes.K_bb * R_b).norm() / (modes.K_bb.norm() * R_b.norm());
   modes.Psi = rigid.corrected(modes.Psi, R_i);
   modes.K_bb = rigid.strain_free(modes.K_bb);
-  // Six motions that hold the body are its rigid motions: what stands there is round-off.
-  if (model.n_b() == 6) modes.K_bb.setZero();
   return modes;
 }
 

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 
+#include "reduce/assembly/rigid_projection.hpp"
 #include "reduce/assembly/tied_solver.hpp"
 
 namespace flexura::reduce {
@@ -17,6 +18,9 @@ struct ConstraintModes {
   double rigid_error = 0.0;
   double rigid_strain = 0.0;  ///< |K_bb R| over |K_bb| |R| of the solve
 };
+
+/// Of the model's boundary.
+RigidProjection rigid_projection(const TiedModel& model);
 
 ConstraintModes constraint_modes(const TiedModel& model, const TiedSolver& solver);
 

@@ -29,6 +29,7 @@ CraigChangSpan craig_chang_span(const Part& part, const TiedModel& model, const 
   CraigChangSpan span;
   span.first_attachment = static_cast<int>(6 + n_free);
   span.residual = free.pairs.residual.tail(n_free);
+  span.round_off = free.pairs.round_off.tail(n_free);
   span.W.setZero(n_i, m);
   span.C_b.setZero(n_b, m);
   const MatrixXd R_b = model.motions().rigid_b();

@@ -26,7 +26,7 @@ struct CraigChangSpan {
   Eigen::MatrixXd C_b;   ///< n_b x m
   Eigen::MatrixXd K, M;  ///< m x m
   int first_attachment = 0;
-  Eigen::VectorXd residual;  ///< of the free modes
+  Eigen::VectorXd residual, round_off;  ///< of the free modes
 };
 
 /// `Psi`, `K_bb` as in stiffening_terms().  options.n_modes elastic free modes, or all up to
