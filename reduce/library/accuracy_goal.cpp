@@ -131,7 +131,7 @@ std::vector<double> AccuracyGoal::next_sizes(const Part& part, int dofs) {
 
 std::string AccuracyGoal::describe(const Judgement& j) const {
   std::string text =
-      fmt::format("frequencies: {} asked, the mesh leaves {}{} of it (half is its share), dropped modes {}",
+      fmt::format("frequencies: {} asked, half of it for the mesh, which leaves {}{}, dropped modes {}",
                   percent(frequencies_), percent(j.frequencies),
                   raised_ > kWorthSaying
                       ? fmt::format(" (its estimate times {:.2g}, for what the mesh before missed)", raised_)
