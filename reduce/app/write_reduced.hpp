@@ -19,8 +19,8 @@ struct OutputOptions {
 
 /// Reduces with progress on the terminal, writes the superelement, its report and its mesh, and prints what there is to say.
 /// `output` is written whole or not at all; a good superelement there is not replaced by one whose mesh does not resolve its
-/// part (std::runtime_error).  Where an accuracy asked for is not reached, what was is written, then std::runtime_error says
-/// so.  Throws like reduce().
+/// part (std::runtime_error).  Where an accuracy asked for is not reached, that is a warning, and the
+/// verdict says what is.  Throws like reduce().
 void reduce_to_file(const PartInput& part, const std::filesystem::path& output, const OutputOptions& options);
 void reduce_to_file(const BeamPartInput& part, const std::filesystem::path& output,
                     const OutputOptions& options);
