@@ -121,7 +121,7 @@ test('stress of the rod is that of its modal coordinates', async () => {
   const half = [0, 1, 2, 3].reduce((sum, k) => sum + 0.5 / 1023 * 0.002 / (k + 1) * 2.1e11 * ((Math.floor(k / 2) + 1) * Math.PI) ** 2 * 0.06, 0);
   assert.ok(Math.abs(found - Math.abs(sigma)) < half, `${found} ${sigma} ${half}`);
   assert.ok(most >= found && most < 2.1e11 * 0.06 * Math.PI ** 2 * 0.002 * (1 + 0.5 + 4 / 3 + 1), `${most}`);
-  assert.match(await page.locator('.legend').textContent(), /von Mises \[(MPa|GPa)\]/);
+  assert.match(await page.locator('.legend:not(.left)').textContent(), /von Mises \[(MPa|GPa)\]/);
   await page.evaluate(() => flexura.setField(1));
 });
 
