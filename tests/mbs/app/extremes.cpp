@@ -9,6 +9,7 @@
 #include "mbs/results/results.hpp"
 #include "mbs/superelement/file.hpp"
 #include "tests/app/command.hpp"
+#include "tests/mbs/app/damped_vibration.hpp"
 #include "tests/mbs/superelement/box_beam.hpp"
 
 /// The program as its user sees it, along each axis from sensible to absurd: how wrong it is, where it warns
@@ -39,17 +40,7 @@ std::string oscillator(double m, double k, double c, double a) {
 
 // Its exact motion, damping ratio zeta = c / (2 sqrt(k m)).
 double exact(double m, double k, double c, double a, double t) {
-  const double omega = std::sqrt(k / m), zeta = c / (2.0 * std::sqrt(k * m)),
-               decay = std::exp(-zeta * omega * t);
-  if (zeta < 1.0) {
-    const double w = omega * std::sqrt(1.0 - zeta * zeta);
-    return a * decay * (std::cos(w * t) + zeta * omega / w * std::sin(w * t));
-  }
-  if (zeta == 1.0) return a * decay * (1.0 + omega * t);
-  // The sum of two decays; the slow one alone where the other has gone (no cosh of what overflows).
-  const double w = omega * std::sqrt(zeta * zeta - 1.0), slow = omega * omega / (zeta * omega + w),
-               fast = zeta * omega + w;
-  return a * (fast * std::exp(-slow * t) - slow * std::exp(-fast * t)) / (fast - slow);
+  return flexura::extremes::damped_vibration(std::sqrt(k / m), c / (2.0 * std::sqrt(k * m)), a, t);
 }
 
 struct Answer {

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "tests/mbs/app/damped_vibration.hpp"
 #include "tests/mbs/app/extremes_numbers.hpp"
 
 namespace flexura::extremes {
@@ -219,19 +220,6 @@ Scene driven_swivel(const Scales& s, Chance& chance) {
 
 double Chance::decades(double from, double to) {
   return std::pow(10.0, within(std::log10(from), std::log10(to)));
-}
-
-double damped_vibration(double omega, double zeta, double a, double t) {
-  const double decay = std::exp(-zeta * omega * t);
-  if (zeta < 1.0) {
-    const double w = omega * std::sqrt(1.0 - zeta * zeta);
-    return a * decay * (std::cos(w * t) + zeta * omega / w * std::sin(w * t));
-  }
-  if (zeta == 1.0) return a * decay * (1.0 + omega * t);
-  // The sum of two decays; the slow one alone where the other has gone (no cosh of what overflows).
-  const double w = omega * std::sqrt(zeta * zeta - 1.0), slow = omega * omega / (zeta * omega + w),
-               fast = zeta * omega + w;
-  return a * (fast * std::exp(-slow * t) - slow * std::exp(-fast * t)) / (fast - slow);
 }
 
 const std::vector<Mechanism>& linear_mechanisms() {

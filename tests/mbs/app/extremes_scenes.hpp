@@ -63,7 +63,4 @@ const std::vector<Mechanism>& other_mechanisms();
 /// linkage that is Grashof's by the gap, and a crank that guides a bar through a swivel, past which its pin goes at the gap.
 const std::vector<Mechanism>& driven_mechanisms();
 
-/// x'' + 2 zeta omega x' + omega^2 x = 0 from x = a at rest.
-double damped_vibration(double omega, double zeta, double a, double t);
-
 }  // namespace flexura::extremes
