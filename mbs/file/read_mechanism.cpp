@@ -7,6 +7,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "mbs/file/complete_model.hpp"
 #include "mbs/file/fidelities.hpp"
 #include "mbs/file/reader.hpp"
 

@@ -15,7 +15,6 @@
 #include "mbs/file/read_markers.hpp"
 #include "mbs/file/read_tables.hpp"
 #include "mbs/formulas/parameters.hpp"
-#include "mbs/kinematics/smoothed_surface.hpp"
 
 namespace flexura::mbs {
 namespace {
@@ -68,65 +67,6 @@ Section read_mechanism_document(const std::filesystem::path& file, const input::
   return read_file(file, solver, take_overrides_below(overrides, below));
 }
 
-void add_free_joints(ReadModel& model) {
-  MechanismDescription& d = model.description;
-  // A chain of segments is held where one of its pieces is; the pieces of a free one go along with its root.
-  std::set<int> go_along;
-  for (const auto& [b, chain] : model.segments) {
-    const bool held =
-        std::ranges::any_of(chain.bodies, [&](int piece) { return model.joined.contains(piece); });
-    for (const int piece : chain.bodies)
-      if (piece != b || held) model.joined.insert(piece);
-    for (const int piece : chain.bodies)
-      if (piece != b && !held) go_along.insert(piece);
-  }
-  for (std::size_t i = 1; i < d.bodies.size(); ++i) {
-    const int b = static_cast<int>(i);
-    if (go_along.contains(b)) continue;
-    const Section& s = model.sections.at(b);
-    const bool moves = s.has("velocity") || s.has("angular_velocity");
-    if (model.joined.contains(b)) {
-      if (moves)
-        s.refuse(s.has("velocity") ? "velocity" : "angular_velocity", "the body has a joint",
-                 "give the joint's speed instead");
-      continue;
-    }
-    const int F = d.add_marker(0, "origin_of_" + d.bodies[i].name), M = d.add_marker(b, "frame");
-    const int j = d.add_joint(d.bodies[i].name, "six_dof", F, M);
-    for (int k = 0; k < 3; ++k) {
-      if (s.has("angular_velocity")) d.joints[j].initial_speeds[k] = s.vector3("angular_velocity")(k);
-      if (s.has("velocity")) d.joints[j].initial_speeds[3 + k] = s.vector3("velocity")(k);
-    }
-  }
-}
-
-void prepare_bodies(ReadModel& model) {
-  MechanismDescription& d = model.description;
-  for (const auto& [b, se] : model.to_prepare) {
-    const Section& s = model.sections.at(b);
-    const auto [first, last] = model.patches.equal_range(b);
-    Eigen::MatrixXd on_surface(se->n(), 0);
-    for (auto patch = first; patch != last; ++patch) {
-      const Eigen::MatrixXd loads = tractions(patch->second, *se);
-      on_surface.conservativeResize(Eigen::NoChange, on_surface.cols() + loads.cols());
-      on_surface.rightCols(loads.cols()) = loads;
-    }
-    const auto body =
-        prepare_flexible_body(s, *se, model.linked[b], on_surface, d, b, model.notes, model.cache);
-    const ModalData& data = *body->modal();
-    for (auto patch = first; patch != last; ++patch)
-      patch->second.set_shapes(shapes_of(patch->second, *se) * data.Y);
-    const auto [first_mesh, last_mesh] = model.meshes.equal_range(b);
-    for (auto mesh = first_mesh; mesh != last_mesh; ++mesh)
-      mesh->second->set_shapes(se->shapes.cast<double>() * data.Y);
-    if (wants_stress(s)) d.bodies[b].stress = read_stress_field(s, *se, data);
-    if (wants_surface_points(s)) d.bodies[b].surface_points = read_surface_points(s, *se, &data);
-    if (wants_sections(s)) d.bodies[b].sections = read_section_points(s, *se, data);
-    d.bodies[b].flexible = body;
-    d.bodies[b].loads = body_loads(*se, data.Y);
-  }
-}
-
 Reader::Reader(ReadModel& model, const std::filesystem::path& file, const input::TableSchema& solver,
                const std::vector<std::string>& overrides)
     : Reader(model, file, solver, overrides, "", Base{}, 0) {}
@@ -169,68 +109,6 @@ void Reader::read_bodies() {
   read_markers(model_, ground, base_.body, base_.X_BG, prefix_ + "ground", false);
   for (const auto& [name, s] : root_.table_map("body")) read_body(name, s);
   for (const auto& [name, s] : root_.table_map("subsystem")) read_subsystem(name, s);
-}
-
-std::shared_ptr<const SurfacePatch> Reader::surface(const Section& s, int body) const {
-  const auto se = model_.with_surface.find(body);
-  if (se == model_.with_surface.end())
-    s.refuse(
-        "body", fmt::format("\"{}\" has no superelement, whose surface has nodes", s.text("body")),
-        "make the body of one (fidelity = \"rigid\" will do), or let markers touch (type = \"contact\")");
-  PatchOfSurface part = read_surface_patch(s, *se->second, model_.deforms(body));
-  model_.notes.push_back(fmt::format("{}: {} nodes of the surface of \"{}\" may touch, {:.4g} mm^2 in all",
-                                     s.path(), part.vertices.size(), s.text("body"),
-                                     1e6 * part.patch->total_area()));
-  model_.blind_spots.push_back({"surface_contact", prefix_ + s.path().substr(s.path().find('.') + 1),
-                                "runs with a finer mesh and with a higher stiffness tell"});
-  const std::shared_ptr<const SurfacePatch> patch = part.patch;
-  model_.patches.emplace(body, std::move(part));
-  return patch;
-}
-
-std::shared_ptr<const TouchedSurface> Reader::touched(const Section& s, const SurfaceKeys& keys,
-                                                      int body) const {
-  const auto se = model_.with_surface.find(body);
-  if (se == model_.with_surface.end())
-    s.refuse(
-        keys.body, fmt::format("\"{}\" has no superelement, whose surface has facets", s.text(keys.body)),
-        "make the body of one (fidelity = \"rigid\" will do), or let a plane, sphere or cylinder at a marker "
-        "of it be touched (from)");
-  PatchOfSurface part = read_touched_surface(s, *se->second, model_.deforms(body), keys);
-  const auto smoothed = std::make_shared<SmoothedSurface>(part.mesh);
-  if (const auto [one, other] = smoothed->opposed(); one >= 0) {
-    const Vector3d at = part.mesh->vertex(part.mesh->triangle(one)[0], nullptr);
-    s.refuse(
-        keys.body,
-        fmt::format(
-            "its facets near [{:.4g}, {:.4g}, {:.4g}] m look into opposite directions, nearer to each "
-            "other than they are long",
-            at.x(), at.y(), at.z()),
-        fmt::format("choose the side that is touched by {0}facing, {0}interfaces or {0}box, or reduce the "
-                    "part with a finer mesh",
-                    keys.prefix));
-  }
-  model_.notes.push_back(
-      fmt::format("{}: {} facets of the surface of \"{}\" may be touched, {:.4g} mm^2 in all", s.path(),
-                  part.mesh->n_triangles(), s.text(keys.body), 1e6 * part.area.sum()));
-  model_.patches.emplace(body, std::move(part));
-  return smoothed;
-}
-
-std::shared_ptr<const SurfaceMesh> Reader::mesh(const Section& s, const std::string& key, int body) const {
-  const auto known = model_.with_surface.find(body);
-  if (known == model_.with_surface.end())
-    s.refuse(key, fmt::format("\"{}\" has no superelement, whose surface it is", s.text(key)),
-             "make the body of one (fidelity = \"rigid\" will do), or measure the distance of two markers");
-  const superelement::Superelement& se = *known->second;
-  const auto n = se.surface.vertices.rows();
-  if (n == 0 || se.surface.triangles.rows() == 0 || (model_.deforms(body) && se.shapes.rows() != 3 * n))
-    s.refuse(key, "its superelement has no surface with shapes on it",
-             "reduce the part from its CAD file or mesh (foreign matrices bring none)");
-  auto mesh = std::make_shared<SurfaceMesh>(se.surface.vertices.transpose().cast<double>(),
-                                            se.surface.triangles.transpose().cast<int>());
-  model_.meshes.emplace(body, mesh);
-  return mesh;
 }
 
 void Reader::read_subsystem(const std::string& name, const Section& s) {

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "mbs/file/body_surfaces.hpp"
 #include "mbs/file/elements/read_context.hpp"
 #include "mbs/file/read_markers.hpp"
 
@@ -19,12 +20,6 @@
 /// it calls ground is a frame on a body of the mechanism that places it; its parameters take the values given
 /// there.  Within the file names are as if it stood alone.
 namespace flexura::mbs {
-
-/// Bodies that nothing holds get six freedoms to ground.
-void add_free_joints(ReadModel& model);
-
-/// Flexible bodies from their superelements and what acts on them, after everything else is read.
-void prepare_bodies(ReadModel& model);
 
 class Reader {
  public:
@@ -49,17 +44,14 @@ class Reader {
             tables_,
             prefix_,
             [this](int marker) { return undeformed_place(model_, marker); },
-            [this](const input::Section& s, int body) { return surface(s, body); },
+            [this](const input::Section& s, int body) { return touching_surface(model_, prefix_, s, body); },
             [this](const input::Section& s, const std::string& key, const std::string& prefix, int body) {
-              return touched(s, {key, prefix}, body);
+              return touched_surface(model_, s, {key, prefix}, body);
             },
-            [this](const input::Section& s, const std::string& key, int body) { return mesh(s, key, body); }};
+            [this](const input::Section& s, const std::string& key, int body) {
+              return measured_surface(model_, s, key, body);
+            }};
   }
-  /// See ReadContext::Surface.
-  std::shared_ptr<const SurfacePatch> surface(const input::Section& s, int body) const;
-  std::shared_ptr<const TouchedSurface> touched(const input::Section& s, const SurfaceKeys& keys,
-                                                int body) const;
-  std::shared_ptr<const SurfaceMesh> mesh(const input::Section& s, const std::string& key, int body) const;
   void read_subsystem(const std::string& name, const input::Section& s);
   void read_body(const std::string& name, const input::Section& s);
   std::shared_ptr<const superelement::Superelement> load(const input::Section& s, const std::string& body);

@@ -4,6 +4,14 @@
 #include <Eigen/LU>
 
 namespace flexura::mbs {
+namespace {
+
+// Not so where a component is no number.
+bool is_zero(const Spatial& x) {
+  return (x.angular.array() == 0.0).all() && (x.linear.array() == 0.0).all();
+}
+
+}  // namespace
 
 void InverseDynamics::size(Wrenches& wrenches) const {
   wrenches.bodies.resize(tree_.d.bodies.size());
@@ -64,6 +72,12 @@ void InverseDynamics::backward(const Motion& motion, Wrenches& wrenches, double*
     const TreeBody& t = tree_.bodies[*it];
     const Motion::Body& moves = motion.bodies[*it];
     Wrenches::Body& body = wrenches.bodies[*it];
+    // The loads of one row of constraints reach the bodies of its loop alone: with many loops that is what
+    // ConstraintEquations::matrix() costs.
+    if (is_zero(body.F)) {
+      body.through_joint = {};
+      continue;
+    }
     const Pose& in = motion.kin.markers[t.marker_in].X_WP;
     const Pose& out = motion.kin.markers[t.marker_out].X_WP;
     body.through_joint = shift_wrench(body.F, moves.X_WB.p - out.p);
