@@ -19,6 +19,11 @@ struct Judgement {
   std::string interface;     ///< with the greatest error of compliance
 };
 
+/// What was said of the k-th frequency [relative error], or of another that may have changed places with it since: a finer
+/// mesh lets each fall by up to `raised` times what was said of it, and those whose ranges overlap may cross.  What the
+/// mesh does not resolve at all is no measure of others.
+double said_of_frequency(const std::vector<MeshShare::Mode>& modes, std::size_t k, double raised);
+
 class AccuracyGoal {
  public:
   explicit AccuracyGoal(const ModesInput& modes);
