@@ -13,12 +13,12 @@
 #include "mbs/base/terminal/terminal.hpp"
 #include "mbs/solver/algebra/accelerations.hpp"
 #include "mbs/solver/linear/buckling.hpp"
-#include "mbs/solver/linear/equilibrium.hpp"
-#include "mbs/solver/linear/late_loads.hpp"
 #include "mbs/solver/linear/linearise.hpp"
 #include "mbs/solver/linear/mode_noise.hpp"
 #include "mbs/solver/linear/static_stiffness.hpp"
 #include "mbs/solver/linear/whirl.hpp"
+#include "mbs/solver/statics/equilibrium.hpp"
+#include "mbs/solver/statics/late_loads.hpp"
 
 /// eigen: natural modes of a mechanism, as a table and as pictures.
 namespace flexura::app {

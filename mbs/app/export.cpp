@@ -5,7 +5,7 @@
 
 #include "mbs/app/commands.hpp"
 #include "mbs/app/run/mechanism_runs.hpp"
-#include "mbs/app/urdf_export.hpp"
+#include "mbs/app/urdf/urdf_export.hpp"
 #include "mbs/base/files/output.hpp"
 #include "mbs/base/files/place.hpp"
 #include "mbs/base/terminal/terminal.hpp"

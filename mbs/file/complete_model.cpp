@@ -4,8 +4,8 @@
 #include <algorithm>
 
 #include "mbs/bodies/modal_basis.hpp"
-#include "mbs/file/read_flexible_body.hpp"
-#include "mbs/file/read_surface_patch.hpp"
+#include "mbs/file/bodies/read_flexible_body.hpp"
+#include "mbs/file/bodies/read_surface_patch.hpp"
 
 namespace flexura::mbs {
 

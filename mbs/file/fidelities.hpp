@@ -9,7 +9,7 @@
 
 #include "mbs/base/documents/document.hpp"
 #include "mbs/bodies/modal_data.hpp"
-#include "mbs/file/read_beam_part.hpp"
+#include "mbs/file/bodies/read_beam_part.hpp"
 #include "mbs/mechanism/beam_part.hpp"
 
 /// The words of `fidelity`: what a body is modelled as.  A new one is a body of its own (flexible_body.hpp) and one entry

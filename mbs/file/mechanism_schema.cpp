@@ -1,11 +1,11 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
 
+#include "mbs/file/bodies/read_beam_part.hpp"
+#include "mbs/file/bodies/read_flexible_body.hpp"
 #include "mbs/file/elements/element_types.hpp"
 #include "mbs/file/elements/read_context.hpp"
 #include "mbs/file/elements/user_library.hpp"
-#include "mbs/file/read_beam_part.hpp"
-#include "mbs/file/read_flexible_body.hpp"
 #include "mbs/file/read_linked_marker.hpp"
 #include "mbs/file/read_mechanism.hpp"
 #include "mbs/file/read_tables.hpp"

@@ -9,10 +9,10 @@
 #include <vector>
 
 #include "mbs/bodies/preparation_cache.hpp"
+#include "mbs/file/bodies/read_flexible_body.hpp"
+#include "mbs/file/bodies/read_surface_patch.hpp"
 #include "mbs/file/fidelities.hpp"
-#include "mbs/file/read_flexible_body.hpp"
 #include "mbs/file/read_mechanism.hpp"
-#include "mbs/file/read_surface_patch.hpp"
 #include "mbs/kinematics/surface_mesh.hpp"
 #include "mbs/mechanism/beam_part.hpp"
 

@@ -6,10 +6,10 @@
 #include <algorithm>
 
 #include "mbs/bodies/modal_basis.hpp"
+#include "mbs/file/bodies/read_body.hpp"
+#include "mbs/file/bodies/read_flexible_body.hpp"
 #include "mbs/file/elements/element_types.hpp"
 #include "mbs/file/mechanism_document.hpp"
-#include "mbs/file/read_body.hpp"
-#include "mbs/file/read_flexible_body.hpp"
 #include "mbs/file/read_joint.hpp"
 #include "mbs/file/read_linked_marker.hpp"
 #include "mbs/file/read_markers.hpp"

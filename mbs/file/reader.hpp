@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "mbs/file/body_surfaces.hpp"
+#include "mbs/file/bodies/body_surfaces.hpp"
 #include "mbs/file/elements/read_context.hpp"
 #include "mbs/file/read_markers.hpp"
 

@@ -11,7 +11,7 @@
 #include "mbs/base/terminal/terminal.hpp"
 #include "mbs/mechanism/range/linear_range.hpp"
 #include "mbs/solver/algebra/accelerations.hpp"
-#include "mbs/solver/linear/equilibrium.hpp"
+#include "mbs/solver/statics/equilibrium.hpp"
 
 namespace flexura::app {
 

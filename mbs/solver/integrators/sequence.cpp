@@ -9,8 +9,8 @@
 #include "mbs/solver/algebra/accelerations.hpp"
 #include "mbs/solver/algebra/remembered.hpp"
 #include "mbs/solver/linear/linearise.hpp"
-#include "mbs/solver/linear/statics.hpp"
 #include "mbs/solver/position/assemble.hpp"
+#include "mbs/solver/statics/statics.hpp"
 
 namespace flexura::mbs {
 

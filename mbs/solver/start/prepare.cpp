@@ -3,8 +3,8 @@
 
 #include <fmt/format.h>
 
-#include "mbs/solver/linear/close_loops.hpp"
 #include "mbs/solver/start/not_assembled.hpp"
+#include "mbs/solver/statics/close_loops.hpp"
 
 namespace flexura::mbs {
 namespace {

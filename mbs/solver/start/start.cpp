@@ -9,11 +9,11 @@
 
 #include "mbs/solver/accuracy/mechanism_scales.hpp"
 #include "mbs/solver/algebra/accelerations.hpp"
-#include "mbs/solver/linear/close_loops.hpp"
 #include "mbs/solver/position/dead_point.hpp"
 #include "mbs/solver/position/quasi_static_start.hpp"
 #include "mbs/solver/position/row_watch.hpp"
 #include "mbs/solver/start/warning_mark.hpp"
+#include "mbs/solver/statics/close_loops.hpp"
 
 namespace flexura::mbs {
 namespace {

@@ -8,10 +8,10 @@
 #include "mbs/mechanism/beam_part.hpp"
 #include "mbs/mechanism/mechanism.hpp"
 #include "mbs/solver/linear/linearise.hpp"
-#include "mbs/solver/linear/statics.hpp"
 #include "mbs/solver/position/assemble.hpp"
 #include "mbs/solver/position/quasi_static_start.hpp"
 #include "mbs/solver/run/run.hpp"
+#include "mbs/solver/statics/statics.hpp"
 
 /// Geometrically exact beams, rods and cables in motion, against published and closed solutions.
 namespace flexura::mbs {

@@ -9,9 +9,9 @@
 #include "mbs/mechanism/beam_part.hpp"
 #include "mbs/mechanism/mechanism.hpp"
 #include "mbs/solver/accuracy/mechanism_scales.hpp"
-#include "mbs/solver/linear/statics.hpp"
 #include "mbs/solver/position/assemble.hpp"
 #include "mbs/solver/run/run.hpp"
+#include "mbs/solver/statics/statics.hpp"
 #include "tests/reference.hpp"
 
 /// Geometrically exact beams and cables against published numbers and closed solutions, and how they converge.

@@ -6,7 +6,7 @@
 
 #include "beam/section/section.hpp"
 #include "beam/section/shapes.hpp"
-#include "mbs/solver/linear/equilibrium.hpp"
+#include "mbs/solver/statics/equilibrium.hpp"
 #include "tests/mbs/beams/cosserat_rod.hpp"
 #include "tests/mbs/cases/text_case.hpp"
 #include "tests/reference.hpp"

@@ -8,7 +8,7 @@
 #include "mbs/mechanism/beam_part.hpp"
 #include "mbs/mechanism/mechanism.hpp"
 #include "mbs/solver/linear/linearise.hpp"
-#include "mbs/solver/linear/statics.hpp"
+#include "mbs/solver/statics/statics.hpp"
 #include "tests/mbs/model/checks.hpp"
 
 /// Geometrically exact beams, rods and cables as bodies of mechanisms.

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "mbs/solver/linear/statics.hpp"
+#include "mbs/solver/statics/statics.hpp"
 #include "tests/mbs/cases/text_case.hpp"
 
 /// Switches that begin at their zero, meet it in pairs, or come back to it at once, with every integrator.

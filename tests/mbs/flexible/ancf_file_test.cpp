@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "mbs/mechanism/describe.hpp"
-#include "mbs/solver/linear/equilibrium.hpp"
 #include "mbs/solver/start/prepare.hpp"
+#include "mbs/solver/statics/equilibrium.hpp"
 #include "mbs/superelement/file.hpp"
 #include "tests/mbs/flexible/beam_superelement.hpp"
 #include "tests/mbs/test_folder.hpp"

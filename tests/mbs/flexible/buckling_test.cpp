@@ -7,7 +7,7 @@
 
 #include "mbs/bodies/modal_body.hpp"
 #include "mbs/mechanism/mechanism.hpp"
-#include "mbs/solver/linear/statics.hpp"
+#include "mbs/solver/statics/statics.hpp"
 #include "tests/mbs/flexible/beam_superelement.hpp"
 
 namespace flexura::mbs {

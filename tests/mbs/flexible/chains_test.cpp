@@ -7,9 +7,9 @@
 
 #include "mbs/bodies/modal_body.hpp"
 #include "mbs/mechanism/mechanism.hpp"
-#include "mbs/solver/linear/statics.hpp"
 #include "mbs/solver/position/assemble.hpp"
 #include "mbs/solver/run/run.hpp"
+#include "mbs/solver/statics/statics.hpp"
 #include "tests/mbs/flexible/beam_superelement.hpp"
 #include "tests/mbs/flexible/chain.hpp"
 

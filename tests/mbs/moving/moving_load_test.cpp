@@ -3,7 +3,7 @@
 
 #include <tuple>
 
-#include "mbs/solver/linear/equilibrium.hpp"
+#include "mbs/solver/statics/equilibrium.hpp"
 #include "tests/mbs/moving/girder.hpp"
 #include "tests/reference.hpp"
 

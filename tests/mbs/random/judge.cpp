@@ -10,11 +10,11 @@
 
 #include "mbs/base/math/rotation.hpp"
 #include "mbs/solver/algebra/accelerations.hpp"
-#include "mbs/solver/linear/equilibrium.hpp"
 #include "mbs/solver/linear/stability.hpp"
 #include "mbs/solver/linear/steady_state.hpp"
 #include "mbs/solver/run/run.hpp"
 #include "mbs/solver/start/prepare.hpp"
+#include "mbs/solver/statics/equilibrium.hpp"
 #include "tests/mbs/random/scene/scene_run.hpp"
 
 namespace flexura::mbs::chance {

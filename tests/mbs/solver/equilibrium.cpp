@@ -4,7 +4,7 @@
 
 #include "mbs/solver/algebra/accelerations.hpp"
 #include "mbs/solver/linear/linearise.hpp"
-#include "mbs/solver/linear/statics.hpp"
+#include "mbs/solver/statics/statics.hpp"
 #include "tests/mbs/solver/planar.hpp"
 #include "tests/mbs/solver/simple.hpp"
 

@@ -4,7 +4,7 @@
 
 #include <Eigen/LU>
 
-#include "mbs/solver/linear/statics.hpp"
+#include "mbs/solver/statics/statics.hpp"
 #include "mbs/superelement/file.hpp"
 #include "tests/mbs/moving/girder.hpp"
 #include "tests/mbs/surfaces/faced_bar.hpp"

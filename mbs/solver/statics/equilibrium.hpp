@@ -2,7 +2,7 @@
 #pragma once
 
 #include "mbs/mechanism/mechanism.hpp"
-#include "mbs/solver/linear/statics.hpp"
+#include "mbs/solver/statics/statics.hpp"
 
 namespace flexura::mbs {
 

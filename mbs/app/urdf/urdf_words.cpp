@@ -1,5 +1,5 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-#include "mbs/app/urdf_words.hpp"
+#include "mbs/app/urdf/urdf_words.hpp"
 
 #include <fmt/format.h>
 

@@ -1,5 +1,5 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-#include "mbs/file/read_flexible_body.hpp"
+#include "mbs/file/bodies/read_flexible_body.hpp"
 
 #include <fmt/format.h>
 

@@ -1,5 +1,5 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-#include "mbs/app/urdf_export.hpp"
+#include "mbs/app/urdf/urdf_export.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -15,7 +15,7 @@
 #include <optional>
 #include <stdexcept>
 
-#include "mbs/app/urdf_words.hpp"
+#include "mbs/app/urdf/urdf_words.hpp"
 #include "mbs/base/math/rotation.hpp"
 #include "mbs/superelement/file.hpp"
 #include "mbs/view/body_shapes.hpp"

@@ -1,5 +1,5 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-#include "mbs/file/body_surfaces.hpp"
+#include "mbs/file/bodies/body_surfaces.hpp"
 
 #include <fmt/format.h>
 

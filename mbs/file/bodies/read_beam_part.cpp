@@ -1,5 +1,5 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-#include "mbs/file/read_beam_part.hpp"
+#include "mbs/file/bodies/read_beam_part.hpp"
 
 #include <fmt/format.h>
 

@@ -1,5 +1,5 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-#include "mbs/solver/linear/close_loops.hpp"
+#include "mbs/solver/statics/close_loops.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -13,8 +13,8 @@
 #include "mbs/solver/algebra/accelerations.hpp"
 #include "mbs/solver/algebra/kinematic_blocks.hpp"
 #include "mbs/solver/algebra/tangents.hpp"
-#include "mbs/solver/linear/equilibrium.hpp"
 #include "mbs/solver/position/closing.hpp"
+#include "mbs/solver/statics/equilibrium.hpp"
 
 namespace flexura::mbs {
 

@@ -1,5 +1,5 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-#include "mbs/solver/linear/late_loads.hpp"
+#include "mbs/solver/statics/late_loads.hpp"
 
 #include <fmt/format.h>
 

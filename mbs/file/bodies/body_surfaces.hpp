@@ -4,8 +4,8 @@
 #include <memory>
 #include <string>
 
+#include "mbs/file/bodies/read_surface_patch.hpp"
 #include "mbs/file/read_model.hpp"
-#include "mbs/file/read_surface_patch.hpp"
 #include "mbs/kinematics/touched_surface.hpp"
 
 /// Surfaces of superelements for the elements that touch or measure them, see ReadContext.  Each is noted in the
