@@ -192,7 +192,7 @@ TEST(RangesHeld, MassRatio) {
 }
 
 TEST(RangesHeld, Damping) {
-  Range range("Damping ratio, random from 1e-6 to 1e+6",
+  Range range("Damping ratio, random from 1e-6 to 1e+6 (runge_kutta: 1e+3)",
               "Two periods of linear mechanisms of 1 kg, 1 m and 1 s.", kSomeSteps);
   range.hold(linear_mechanisms(), 2 * kDraws, [](Chance& c, const std::string& method) {
     // The explicit method pays for each over-critical decay.
