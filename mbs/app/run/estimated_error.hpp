@@ -60,8 +60,9 @@ ErrorEstimate estimate_error(const mbs::PreparedMechanism& prepared, const Judge
 /// The estimated error, and a line for each part of it, the largest first, and for what is unknown.
 std::string estimated_error_text(const ErrorEstimate& estimate);
 
-/// A sentence where the accuracy asked for is not met, or where something that may well exceed it is unknown
-/// (modes that no row judges, elements of beams, switching); empty else.
+/// A sentence where the accuracy asked for is not met, where the estimate of modes and integrator comes nearer to it than it is
+/// right, or where something that may well exceed it is unknown (modes that no row judges, elements of beams, switching);
+/// empty else.
 std::string missed_accuracy(const ErrorEstimate& estimate, double accuracy);
 
 /// What the bodies' modes, meshes and elements cost, as far as it is known before a run.

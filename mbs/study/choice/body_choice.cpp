@@ -51,6 +51,11 @@ void BodyChoice::refine() {
     candidate.modes = 1;
     return;
   }
+  // What the modes cost the screening has told; what stiffening does to a phase it has not.
+  if (stiffening_counts && !stiffened) {
+    stiffened = true;
+    return;
+  }
   candidate.modes = std::max(2, 2 * candidate.modes);
   if (candidate.modes + candidate.responses >= available) {
     candidate.all = true;

@@ -12,7 +12,9 @@ namespace flexura::study {
 struct BodyChoice {
   bool rigid = true, stiffened = false;
   Candidate candidate;
-  int available = 0;   ///< deformations of its superelement
+  int available = 0;  ///< deformations of its superelement
+  /// Without geometric stiffening: what that may change of the outputs, so much that the run's shadows are to have it.
+  bool stiffening_counts = false;
   std::string reason;  ///< why
 
   /// "body.rod.fidelity=modal" and the like.
@@ -22,7 +24,7 @@ struct BodyChoice {
   /// The same with the reason.
   std::string text(const std::string& body) const;
   /// False where nothing is left to add.
-  bool can_be_refined() const { return rigid || !candidate.all; }
+  bool can_be_refined() const { return rigid || !candidate.all || (stiffening_counts && !stiffened); }
   /// More of it, where it can be refined.
   void refine();
   /// Sets the reason: what the screening saw, with `share` [1] of the accuracy for this body.

@@ -16,7 +16,7 @@ using Eigen::MatrixXd;
 
 std::string Chooser::key_of_choice() const {
   input::ContentHash hash;
-  hash.add_input_file(file_).add(fmt::format("choice 2 {:.17g}", accuracy_));
+  hash.add_input_file(file_).add(fmt::format("choice 3 {:.17g}", accuracy_));
   for (const std::string& word : given_)
     hash.add(word.starts_with("parameters.") ? word.substr(0, word.find('=')) : word);
   std::set<std::string> files;
@@ -28,13 +28,13 @@ std::string Chooser::key_of_choice() const {
 
 // Bodies, beams, outputs and the time of the run, in the order of their names or as they are judged.
 mbs::PreparationCache::Matrices Chooser::packed() const {
-  MatrixXd bodies(static_cast<Index>(choices_.size()), 11), beams(static_cast<Index>(beams_.size()), 1),
+  MatrixXd bodies(static_cast<Index>(choices_.size()), 12), beams(static_cast<Index>(beams_.size()), 1),
       outputs(static_cast<Index>(sizes_.outputs.size()), 3);
   Index i = 0;
   for (const auto& [name, c] : choices_)
     bodies.row(i++) << c.rigid, c.stiffened, c.candidate.modes, c.candidate.responses, c.candidate.all,
         c.candidate.plain, c.candidate.loss, c.candidate.highest_hz, c.available,
-        without_influence_.contains(name), c.candidate.held;
+        without_influence_.contains(name), c.candidate.held, c.stiffening_counts;
   for (i = 0; i < beams.rows(); ++i) beams(i, 0) = beams_[static_cast<std::size_t>(i)].rigid;
   for (i = 0; i < outputs.rows(); ++i) {
     const OutputEstimate& o = sizes_.outputs[static_cast<std::size_t>(i)];
@@ -45,7 +45,7 @@ mbs::PreparationCache::Matrices Chooser::packed() const {
 
 bool Chooser::recall(const mbs::PreparationCache::Matrices& kept, const mbs::PreparedMechanism& rigid,
                      const std::vector<std::string>& overrides) {
-  if (kept.size() != 4 || kept[0].rows() != static_cast<Index>(choices_.size()) || kept[0].cols() != 11 ||
+  if (kept.size() != 4 || kept[0].rows() != static_cast<Index>(choices_.size()) || kept[0].cols() != 12 ||
       kept[1].rows() != static_cast<Index>(beams_.size()) || kept[2].cols() != 3 || kept[3].size() != 1)
     return false;
   Index i = 0;
@@ -62,6 +62,7 @@ bool Chooser::recall(const mbs::PreparationCache::Matrices& kept, const mbs::Pre
                    .loss = row(6),
                    .highest_hz = row(7)};
     c.available = static_cast<int>(row(8));
+    c.stiffening_counts = is(row(11));
     c.reason = "as an earlier run with other parameters has chosen (kept in the cache)";
     if (is(row(9))) without_influence_.insert(name);
   }

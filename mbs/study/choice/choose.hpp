@@ -18,16 +18,17 @@
 /// (screening.hpp).  A body that changes nothing beyond its share of the wanted accuracy stays rigid; the
 /// others get their response modes ("static") and the fewest free modes that keep the rest within their
 /// share, and geometric stiffening where spin, acceleration and loads change their stiffness enough to
-/// matter.  Half of the accuracy is for what is left out (shared equally by the bodies), half for what the
-/// first-order screening does not see and for the integrator.
+/// matter.  Half of the accuracy is for what is left out, half for what the first-order screening does not see and
+/// for the integrator.  Of that half each body has an equal share, those of least influence first; what one does not use the
+/// others have.
 ///
 /// A beam with fidelity = "auto" and no superelement stays rigid where it would bend by less than its share
 /// of its length, and becomes a geometrically exact one otherwise (beam_screening.hpp).  Two runs with fewer elements
 /// tell what these cost (elements_check.hpp); beams run again with twice as many until that is within their share.
 ///
-/// The chosen mechanism runs with its own shadows.  Where their error has used up the whole run's budget the
-/// run stops, the body that contributes most gets more, and the run goes on from the last row at which half
-/// of the budget was left, with the deformation that the shadows had there.
+/// The chosen mechanism runs with its own shadows.  Where their error has used up 0.7 of the accuracy, by
+/// the whole run's measure, the run stops and the body that contributes most gets more.  In its first half the run then begins
+/// anew; later it goes on from the last row at which half of that was left, with the deformation that the shadows had there.
 ///
 /// The tolerance follows from the accuracy by tol = accuracy / 1000 within [1e-9, 1e-4]: on the scenes of
 /// cases/trade that leaves the integrator a tenth of the error or less.  Its absolute part is a hundredth of

@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <chrono>
 #include <ctime>
+#include <numbers>
+#include <ranges>
 #include <stdexcept>
 
 #include "mbs/base/terminal/terminal.hpp"
@@ -25,6 +27,8 @@ using terminal::number;
 constexpr double kAbsoluteFactor = 0.01;
 // A slope of a tenth turns an axis by 0.1^2 / 2: half a per cent of the length, which no mode knows.
 constexpr double kLargestOfLinear = 0.1;
+// Stiffening that costs less than this part of a body's share is left out unseen.
+constexpr double kOfShare = 0.1;
 constexpr double kUsualAccuracy = 0.01;  // of bodies with fidelity = "auto" in a run without accuracy
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
@@ -199,22 +203,32 @@ void Chooser::choose_beams(const std::vector<ScreenedBeam>& screened) {
   }
 }
 
+// A share of the budget for each body, those of least influence first: what one does not need is the others'.
 void Chooser::choose() {
-  const double share =
-      kShareOfModes * accuracy_ / static_cast<double>(choices_.size() - without_influence_.size());
+  double left = kShareOfModes * accuracy_;
+  auto bodies = static_cast<double>(choices_.size() - without_influence_.size());
+  const auto spend = [&](double loss) {
+    left = std::max(0.0, left - loss);
+    bodies -= 1.0;
+  };
   std::vector<std::string> not_rigid;
-  for (const SourceEstimate& source : sizes_.by_body) {
+  for (const SourceEstimate& source : sizes_.by_body | std::views::reverse) {
     const auto found = choices_.find(source.body);
     if (found == choices_.end()) continue;
     found->second.available = source.available;
-    if (source.error > share || has_output_of_its_own(source.body))
+    if (source.error > left / bodies || has_output_of_its_own(source.body)) {
       not_rigid.push_back(source.body);
-    else
-      found->second.reason =
-          fmt::format("its deformation changes outputs by {} at most", percent(source.error));
+      continue;
+    }
+    spend(source.error);
+    found->second.reason =
+        fmt::format("its deformation changes outputs by {} at most", percent(source.error));
   }
-  for (const Screened& s : screening_->bodies(not_rigid))
-    if (std::ranges::find(not_rigid, s.body) != not_rigid.end()) choose_body(s, share);
+  const std::vector<Screened> screened = screening_->bodies(not_rigid);
+  for (const std::string& body : not_rigid) {
+    choose_body(*std::ranges::find(screened, body, &Screened::body), left / bodies);
+    spend(choices_.at(body).candidate.loss);
+  }
 }
 
 // Of what lies between two rows nothing is known, nor what it leaves behind where nothing moves.
@@ -260,15 +274,19 @@ void Chooser::choose_body(const Screened& s, double share) {
   BodyChoice& choice = choices_.at(s.body);
   choice.rigid = false;
   choice.candidate = screening_->cheapest(s.body, share);
-  // A stiffness that is off by a part is a deflection that is off by this part.
-  choice.stiffened = s.stiffness_change * std::min(1.0, s.rigid_error) > share;
+  // A stiffness that is off by a part is a deflection that is off by this part, and a frequency that is off by half of it: what rings
+  // comes out of phase by that times the angle that it turns until it has died away.
+  const double change = s.stiffness_change * std::min(1.0, s.rigid_error);
+  const double angle = 2.0 * std::numbers::pi * s.first_hz * std::min(span_, s.ringing_time);
+  choice.stiffened = change * (choice.candidate.modes > 0 ? std::max(1.0, 0.5 * angle) : 1.0) > share;
+  choice.stiffening_counts = change > kOfShare * share;
   choice.explain(s, share);
 }
 
-std::vector<std::string> Chooser::stiffened_bodies() const {
+std::vector<std::string> Chooser::judged_with_stiffening() const {
   std::vector<std::string> out;
   for (const auto& [body, choice] : choices_)
-    if (choice.stiffened) out.push_back(body);
+    if (!choice.rigid && (choice.stiffened || choice.stiffening_counts)) out.push_back(body);
   return out;
 }
 

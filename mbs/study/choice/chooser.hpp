@@ -58,7 +58,7 @@ class Chooser {
   void keep_all();
   bool has_output_of_its_own(const std::string& body) const;
   void choose_body(const Screened& s, double share);
-  std::vector<std::string> stiffened_bodies() const;
+  std::vector<std::string> judged_with_stiffening() const;
 
   // choice_memory.cpp
   std::string key_of_choice() const;

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "mbs/study/estimate/spectrum.hpp"
@@ -332,6 +333,11 @@ std::vector<Screened> Screening::bodies(const std::vector<std::string>& for_bodi
         rows_.front().linearised->M.block(block.v, block.v, block.m, block.m),
         Eigen::EigenvaluesOnly | Eigen::Ax_lBx);
     screened.first_hz = hz(held.eigenvalues()(0));
+    // By the ratio of the lowest free mode.
+    const double damping = damping_of(full_, block)(0);
+    screened.ringing_time = damping > 0.0
+                                ? 2.0 / damping * hz(stiffness_of(full_, block)(0)) / screened.first_hz
+                                : std::numeric_limits<double>::infinity();
     screened.excitation_hz = excitation(block);
     change_of_stiffness(block, screened);
     out.push_back(std::move(screened));

@@ -30,6 +30,7 @@ struct Screened {
   std::string output;             ///< that output
   double excitation_hz = 0.0;     ///< 99.9 % of the strain energy of the loads' static response lies below
   double first_hz = 0.0;          ///< first frequency as the body's joint holds it
+  double ringing_time = 0.0;      ///< [s] in which a vibration of that frequency falls to 1/e
   double spin = 0.0;              ///< [rad/s], largest angular velocity
   double stiffness_change = 0.0;  ///< largest |change| / elastic stiffness; 0 without stiffening terms
   double most_negative_change = 0.0;
